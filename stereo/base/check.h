@@ -1,0 +1,43 @@
+/// Checks of our own invariants. They stay on in every build and print both values.
+#pragma once
+
+#include <concepts>
+#include <source_location>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace farshade {
+
+/// Prints `file:line: check failed: what (detail)` and aborts.
+[[noreturn]] void check_failed(std::string_view what, const std::string& detail, std::source_location where);
+
+/// Aborts unless `holds`. `what` names the invariant.
+inline void check(bool holds, std::string_view what,
+                  std::source_location where = std::source_location::current()) {
+  if (!holds) [[unlikely]]
+    check_failed(what, "", where);
+}
+
+/// Aborts unless `actual == wanted`, printing both.
+template <class A, class B>
+void check_eq(const A& actual, const B& wanted, std::string_view what,
+              std::source_location where = std::source_location::current()) {
+  if (actual == wanted) [[likely]]
+    return;
+  std::ostringstream detail;
+  detail << "is " << actual << ", should be " << wanted;
+  check_failed(what, detail.str(), where);
+}
+
+/// Integer conversion that aborts instead of changing the value.
+template <std::integral To, std::integral From>
+constexpr To narrow(From value, std::source_location where = std::source_location::current()) {
+  const To result = static_cast<To>(value);
+  if (static_cast<From>(result) != value || (result < To{}) != (value < From{})) [[unlikely]]
+    check_failed("narrowing keeps the value", std::to_string(value), where);
+  return result;
+}
+
+}  // namespace farshade

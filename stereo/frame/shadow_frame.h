@@ -1,0 +1,27 @@
+/// ShadowFrame: what a server makes of a request - both eyes' masks, the views they were traced for, the light set
+/// they speak of. A mask never travels or rests without its views.
+#pragma once
+
+#include "stereo/base/clock.h"
+#include "stereo/frame/eye_mask.h"
+#include "stereo/frame/frame_id.h"
+#include "stereo/frame/view.h"
+
+namespace farshade {
+
+/// What a client asks to be traced.
+struct TraceRequest {
+  FrameId frame;
+  Time display_time;   ///< when the traced views are to be shown
+  Time scene_time;     ///< where the animation stands
+  StereoView views;
+};
+
+struct ShadowFrame {
+  FrameId frame;
+  std::uint32_t light_set_revision = 0;
+  StereoView views;
+  PerEye<EyeMask> masks;
+};
+
+}  // namespace farshade

@@ -1,0 +1,116 @@
+/// Scene: what a glTF file became after every index, range and number in it was checked.
+/// Immutable; where things are at a moment is a SceneState (scene_state.h).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stereo/base/clock.h"
+#include "stereo/base/expected.h"
+#include "stereo/image/image.h"
+#include "stereo/math/spaces.h"
+
+namespace farshade {
+
+enum class Wrap : std::uint8_t { Repeat, MirroredRepeat, ClampToEdge };
+
+struct Texture {
+  Image<Rgba8> image;  ///< sRGB-coded colour, linear alpha
+  Wrap wrap_u = Wrap::Repeat, wrap_v = Wrap::Repeat;
+};
+
+struct Material {
+  std::string name;
+  glm::vec4 base_color{1.0f};             ///< linear RGBA factor
+  std::optional<std::uint32_t> texture;   ///< base colour, into Scene::textures
+  std::optional<float> alpha_cutoff;      ///< set: a point with alpha below it is a hole (MASK; BLEND is MASK at 0.5)
+  bool double_sided = false;              ///< else seen from its counter-clockwise side only; casts from both
+};
+
+/// Triangles of one material in object space. All streams have one entry a vertex or are empty.
+struct Mesh {
+  std::string name;
+  std::uint32_t material = 0;               ///< into Scene::materials
+  std::vector<glm::vec3> positions;
+  std::vector<glm::vec3> normals;           ///< unit; never empty
+  std::vector<glm::vec2> uvs;               ///< KHR_texture_transform applied; empty without a texture
+  std::vector<glm::u8vec4> colors;          ///< linear RGBA, 255 = 1; empty where the file has none
+  std::vector<glm::uvec3> triangles;        ///< vertex indices, counter-clockwise from outside
+};
+
+/// Translation, rotation, scale - or a matrix, where the file gave one.
+struct NodeTransform {
+  glm::dvec3 translation{0.0};
+  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};
+  glm::dvec3 scale{1.0};
+  std::optional<glm::dmat4> matrix;
+};
+
+struct Node {
+  std::string name;
+  std::optional<std::uint32_t> parent;  ///< into Scene::nodes, always before this node
+  NodeTransform rest;
+  bool moving = false;  ///< it or an ancestor is animated
+};
+
+struct Instance {
+  std::uint32_t mesh = 0, node = 0;
+};
+
+enum class LightKind : std::uint8_t { Point, Spot, Directional };
+
+/// KHR_lights_punctual: shines along its node's -z.
+struct LightSource {
+  std::string name;
+  LightKind kind = LightKind::Point;
+  std::uint32_t node = 0;
+  glm::vec3 intensity{1.0f};     ///< colour times intensity: candela (point, spot) or lux (directional)
+  std::optional<float> range_m;  ///< no light beyond
+  float inner_cone_rad = 0, outer_cone_rad = 0;  ///< spot only
+};
+
+enum class Path : std::uint8_t { Translation, Rotation, Scale };
+enum class Interpolation : std::uint8_t { Step, Linear, CubicSpline };
+
+/// One animated property of one node. Keys are strictly increasing seconds; values are xyz0 or quaternion xyzw;
+/// cubic splines have three values a key (in-tangent, value, out-tangent).
+struct Channel {
+  std::uint32_t node = 0;
+  Path path = Path::Translation;
+  Interpolation interpolation = Interpolation::Linear;
+  std::vector<float> keys_s;
+  std::vector<glm::vec4> values;
+};
+
+struct Bounds {
+  glm::dvec3 low{0.0}, high{0.0};
+};
+
+/// BLAKE2b-256 of everything that the picture depends on; both sides compare it when they meet.
+using SceneHash = std::array<std::uint8_t, 32>;
+
+struct Scene {
+  std::string name;                        ///< file name, for people
+  std::vector<Texture> textures;
+  std::vector<Material> materials;
+  std::vector<Mesh> meshes;
+  std::vector<Node> nodes;
+  std::vector<Instance> instances;
+  std::vector<LightSource> lights;         ///< in file order: light i is bit i of every mask
+  std::vector<Channel> channels;
+  double animation_length_s = 0;           ///< animations repeat after it; 0 = nothing is animated
+  std::optional<Rigid<Stage, Eye>> camera; ///< reference camera at time 0, if the file has one
+  Bounds bounds;                           ///< of all triangles at time 0, stage space
+  std::uint64_t triangle_count = 0;        ///< over all instances
+  SceneHash hash{};
+};
+
+}  // namespace farshade

@@ -1,0 +1,35 @@
+/// SceneState: where a scene's instances and lights are at one moment of its animation, in double.
+#pragma once
+
+#include "stereo/scene/scene.h"
+
+namespace farshade {
+
+/// A shadow-casting light as shading and tracing need it. `position` means nothing for directional lights,
+/// `direction` (unit, the way the light travels) nothing for point lights.
+struct Light {
+  LightKind kind = LightKind::Point;
+  Point<Stage> position;
+  Vector<Stage> direction;
+  glm::vec3 intensity{1.0f};
+  float range_m = 0;  ///< 0 = unlimited
+  float inner_cone_rad = 0, outer_cone_rad = 0;
+  friend bool operator==(const Light&, const Light&) = default;
+};
+
+/// The lights in a fixed order: bit i of a mask is light i. The revision grows when lights come or go.
+struct LightSet {
+  std::uint32_t revision = 1;
+  std::vector<Light> lights;
+};
+
+struct SceneState {
+  Time scene_time{};
+  std::vector<Affine<Stage, Object>> stage_from_object;  ///< one an instance
+  LightSet light_set;
+};
+
+/// The state at `scene_time` (0 = start; repeats after animation_length_s).
+[[nodiscard]] SceneState state_at(const Scene& scene, Time scene_time);
+
+}  // namespace farshade
