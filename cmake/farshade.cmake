@@ -5,6 +5,9 @@ target_compile_options(farshade_options INTERFACE
   -Wall -Wextra -Wconversion -Wshadow -Werror
   # No fused multiply-add behind our back: a mask is the same bits on every machine.
   -ffp-contract=off)
+if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+  target_compile_options(farshade_options INTERFACE -Wno-restrict)  # false alarms on "literal" + string: GCC PR 105651
+endif()
 if(FARSHADE_NATIVE)
   target_compile_options(farshade_options INTERFACE -march=native)
 endif()
