@@ -1,0 +1,13 @@
+#include "stereo/wire/refusal.h"
+
+namespace farshade {
+
+std::string_view name_of(WireRefusal refusal) {
+  static constexpr std::array<std::string_view, kWireRefusals> names{
+      "too long",       "truncated",   "magic",       "version",     "type",      "view range",
+      "time range",     "frame order", "code",        "lights",      "mask size", "tile range",
+      "trailing bytes", "block",       "tile coding", "tile length", "tile bits", "other mask"};
+  return names[static_cast<std::size_t>(refusal)];
+}
+
+}  // namespace farshade
