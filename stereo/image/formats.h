@@ -1,0 +1,32 @@
+/// The codecs behind codec.h, on bytes in memory: one file each names its library.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "stereo/base/expected.h"
+#include "stereo/image/image.h"
+
+namespace farshade {
+
+[[nodiscard]] bool is_png(std::span<const std::byte> file);
+[[nodiscard]] bool is_jpeg(std::span<const std::byte> file);
+
+[[nodiscard]] Expected<Image<Rgba8>> decode_png(std::span<const std::byte> file, std::uint64_t max_pixels);
+[[nodiscard]] Expected<Image<Rgba8>> decode_jpeg(std::span<const std::byte> file, std::uint64_t max_pixels);
+
+/// 16-bit grey only.
+[[nodiscard]] Expected<Image<std::uint16_t>> decode_png16(std::span<const std::byte> file,
+                                                          std::uint64_t max_pixels);
+[[nodiscard]] Expected<std::vector<std::byte>> encode_png(const Image<Rgb8>& image);
+[[nodiscard]] Expected<std::vector<std::byte>> encode_png16(const Image<std::uint16_t>& image);
+
+[[nodiscard]] std::vector<std::byte> encode_pfm(const Image<float>& image);
+[[nodiscard]] Expected<Image<float>> decode_pfm(std::span<const std::byte> file, std::uint64_t max_pixels);
+
+/// Refuses an empty picture, and more than `max_pixels`.
+[[nodiscard]] Expected<void> check_size(std::uint64_t width, std::uint64_t height, std::uint64_t max_pixels);
+
+}  // namespace farshade
