@@ -1,0 +1,55 @@
+// G-buffer: base colour, and in one word pair the shading normal, the geometric normal and the instance.
+// Holes of alpha-masked materials are cut at LOD 0, as the tracer cuts them.
+#version 460
+#extension GL_EXT_multiview : require
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/shared.h"
+
+layout(constant_id = 0) const bool kTextured = false;
+layout(constant_id = 1) const bool kMasked = false;
+layout(constant_id = 2) const bool kColored = false;
+
+layout(std430, set = 0, binding = 1) readonly buffer Frame { FrameData frame; };
+layout(set = 1, binding = 0) uniform sampler2DArray base_color_texture;
+layout(push_constant) uniform Draw { DrawData draw; };
+
+layout(location = 0) in vec3 stage_normal;
+layout(location = 1) in vec2 texture_uv;
+layout(location = 2) in vec4 vertex_color;
+
+layout(location = 0) out vec4 base_color;
+layout(location = 1) out uvec2 surface;
+
+// Octahedral map of unit vectors to [-1, 1]^2 (Cigolle et al., "A Survey of Efficient Representations for
+// Independent Unit Vectors", JCGT 2014).
+vec2 octahedral(vec3 n) {
+  vec2 p = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
+  vec2 folded = (1.0 - abs(p.yx)) * vec2(p.x < 0.0 ? -1.0 : 1.0, p.y < 0.0 ? -1.0 : 1.0);
+  return n.z < 0.0 ? folded : p;
+}
+
+// Depth is near / distance, which a plane makes linear on the screen: 1/z = A tx + B ty + C with eye-space normal
+// (A, B, -C). Its screen derivatives are exact within a triangle.
+vec3 geometric_normal() {
+  vec4 window = frame.eye[gl_ViewIndex].window.origin_step;
+  vec2 t = window.xy + gl_FragCoord.xy * window.zw;
+  vec2 gradient = vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z)) / window.zw;
+  return normalize(vec3(gradient, -(gl_FragCoord.z - dot(gradient, t))));
+}
+
+void main() {
+  vec4 color = draw.base_color;
+  if (kColored) color *= vertex_color;
+  if (kMasked) {
+    float alpha = color.a;
+    if (kTextured) alpha *= textureLod(base_color_texture, vec3(texture_uv, 0.0), 0.0).a;
+    if (alpha < draw.alpha_cutoff) discard;
+  }
+  if (kTextured) color.rgb *= texture(base_color_texture, vec3(texture_uv, 0.0)).rgb;
+  base_color = vec4(color.rgb, 1.0);
+
+  vec3 n = normalize(stage_normal);
+  if (!gl_FrontFacing) n = -n;
+  surface = uvec2(packSnorm2x16(octahedral(n)),
+                  (packSnorm4x8(vec4(octahedral(geometric_normal()), 0.0, 0.0)) & 0xFFFFu) | draw.instance << 16);
+}

@@ -1,0 +1,29 @@
+// G-buffer, both eyes in one multiview pass: object space straight to each eye's clip space.
+#version 460
+#extension GL_EXT_multiview : require
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/shared.h"
+
+layout(constant_id = 0) const bool kTextured = false;
+layout(constant_id = 2) const bool kColored = false;
+
+layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceData instances[]; };
+layout(push_constant) uniform Draw { DrawData draw; };
+
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec2 uv;
+layout(location = 3) in vec4 color;
+
+layout(location = 0) out vec3 stage_normal;
+layout(location = 1) out vec2 texture_uv;
+layout(location = 2) out vec4 vertex_color;
+
+invariant gl_Position;
+
+void main() {
+  gl_Position = instances[draw.instance].clip_from_object[gl_ViewIndex] * vec4(position, 1.0);
+  stage_normal = mat3(instances[draw.instance].stage_from_object_normal) * normal;
+  if (kTextured) texture_uv = uv;
+  if (kColored) vertex_color = color;
+}

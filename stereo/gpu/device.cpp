@@ -1,0 +1,183 @@
+#include "stereo/gpu/device.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <optional>
+#include <stdexcept>
+
+namespace farshade::gpu {
+namespace {
+
+constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
+
+VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
+                                          VkDebugUtilsMessageTypeFlagsEXT,
+                                          const VkDebugUtilsMessengerCallbackDataEXT* data, void* log) {
+  static_cast<ValidationLog*>(log)->add(data->pMessage);
+  return VK_FALSE;
+}
+
+vk::DebugUtilsMessengerCreateInfoEXT messenger_info(ValidationLog& log) {
+  using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
+  using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
+  return {.messageSeverity = Severity::eWarning | Severity::eError,
+          .messageType = Type::eValidation | Type::ePerformance,
+          .pfnUserCallback = &on_message,
+          .pUserData = &log};
+}
+
+bool has_validation_layer(const vk::raii::Context& context) {
+  const auto layers = context.enumerateInstanceLayerProperties();
+  return std::any_of(layers.begin(), layers.end(), [](const vk::LayerProperties& layer) {
+    return std::strcmp(layer.layerName, kValidationLayer) == 0;
+  });
+}
+
+vk::raii::Instance make_instance(const vk::raii::Context& context, ValidationLog* log) {
+  const vk::ApplicationInfo app{.pApplicationName = "farshade", .apiVersion = VK_API_VERSION_1_3};
+  if (!log) return vk::raii::Instance(context, vk::InstanceCreateInfo{.pApplicationInfo = &app});
+  const vk::DebugUtilsMessengerCreateInfoEXT messenger = messenger_info(*log);
+  const std::array extensions{VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
+  return vk::raii::Instance(context, vk::InstanceCreateInfo{.pNext = &messenger,
+                                                            .pApplicationInfo = &app,
+                                                            .enabledLayerCount = 1,
+                                                            .ppEnabledLayerNames = &kValidationLayer,
+                                                            .enabledExtensionCount = extensions.size(),
+                                                            .ppEnabledExtensionNames = extensions.data()});
+}
+
+std::optional<std::uint32_t> graphics_queue_family(const vk::raii::PhysicalDevice& physical) {
+  const auto families = physical.getQueueFamilyProperties();
+  const vk::QueueFlags wanted = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute;
+  for (std::uint32_t i = 0; i < families.size(); ++i)
+    if ((families[i].queueFlags & wanted) == wanted && families[i].timestampValidBits > 0) return i;
+  return std::nullopt;
+}
+
+/// What the device lacks, or nothing.
+std::string lacks(const vk::raii::PhysicalDevice& physical, const DeviceWish& wish) {
+  const vk::PhysicalDeviceProperties properties = physical.getProperties();
+  if (std::string(properties.deviceName).find(wish.name_contains) == std::string::npos)
+    return "its name lacks '" + wish.name_contains + "'";
+  if (properties.apiVersion < VK_API_VERSION_1_3) return "no Vulkan 1.3";
+  const auto features = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan11Features,
+                                              vk::PhysicalDeviceVulkan13Features>();
+  if (!features.get<vk::PhysicalDeviceVulkan11Features>().multiview) return "no multiview";
+  if (!features.get<vk::PhysicalDeviceVulkan13Features>().dynamicRendering) return "no dynamic rendering";
+  if (!features.get<vk::PhysicalDeviceVulkan13Features>().synchronization2) return "no synchronization2";
+  if (!graphics_queue_family(physical)) return "no queue that draws, computes and keeps time";
+  return {};
+}
+
+int preference(vk::PhysicalDeviceType type) {
+  switch (type) {
+    case vk::PhysicalDeviceType::eDiscreteGpu:
+      return 3;
+    case vk::PhysicalDeviceType::eIntegratedGpu:
+      return 2;
+    case vk::PhysicalDeviceType::eVirtualGpu:
+      return 1;
+    default:
+      return 0;
+  }
+}
+
+struct Choice {
+  std::optional<vk::raii::PhysicalDevice> physical;
+  std::string passed_over;  ///< "NAME: reason; ..."
+};
+
+Choice choose(const vk::raii::Instance& instance, const DeviceWish& wish) {
+  Choice choice;
+  const auto note = [&](const vk::raii::PhysicalDevice& physical, const std::string& reason) {
+    if (!choice.passed_over.empty()) choice.passed_over += "; ";
+    choice.passed_over += std::string(physical.getProperties().deviceName.data()) + ": " + reason;
+  };
+  for (vk::raii::PhysicalDevice& physical : vk::raii::PhysicalDevices(instance)) {
+    if (const std::string missing = lacks(physical, wish); !missing.empty()) {
+      note(physical, missing);
+    } else if (!choice.physical) {
+      choice.physical = std::move(physical);
+    } else if (preference(physical.getProperties().deviceType) >
+               preference(choice.physical->getProperties().deviceType)) {
+      note(*choice.physical, "less capable");
+      choice.physical = std::move(physical);
+    } else {
+      note(physical, "not better");
+    }
+  }
+  return choice;
+}
+
+vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, std::uint32_t queue_family) {
+  vk::PhysicalDeviceVulkan13Features features13{.synchronization2 = true, .dynamicRendering = true};
+  vk::PhysicalDeviceVulkan11Features features11{.pNext = &features13, .multiview = true};
+  const float priority = 1;
+  const vk::DeviceQueueCreateInfo queue{
+      .queueFamilyIndex = queue_family, .queueCount = 1, .pQueuePriorities = &priority};
+  return vk::raii::Device(
+      physical,
+      vk::DeviceCreateInfo{.pNext = &features11, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue});
+}
+
+}  // namespace
+
+void ValidationLog::add(std::string message) {
+  const std::lock_guard lock(mutex_);
+  messages_.push_back(std::move(message));
+}
+
+std::vector<std::string> ValidationLog::messages() const {
+  const std::lock_guard lock(mutex_);
+  return messages_;
+}
+
+Expected<Device> open_device(const DeviceWish& wish) try {
+  Device device;
+  if (wish.validation == Validation::On) {
+    if (!has_validation_layer(device.context))
+      return fail(Fault::Missing,
+                  "Vulkan validation layers are not installed (Debian: vulkan-validationlayers)");
+    device.validation_log = std::make_unique<ValidationLog>();
+  }
+  device.instance = make_instance(device.context, device.validation_log.get());
+  if (device.validation_log)
+    device.messenger = device.instance.createDebugUtilsMessengerEXT(messenger_info(*device.validation_log));
+
+  Choice choice = choose(device.instance, wish);
+  if (!choice.physical)
+    return fail(Fault::Missing,
+                "no usable Vulkan 1.3 device (" +
+                    (choice.passed_over.empty() ? std::string("none found") : choice.passed_over) +
+                    "); install a driver, for example Debian's mesa-vulkan-drivers");
+  device.physical = std::move(*choice.physical);
+  const vk::PhysicalDeviceProperties properties = device.physical.getProperties();
+  device.name = properties.deviceName.data();
+  device.why = properties.deviceType == vk::PhysicalDeviceType::eCpu ? "no GPU was usable, drawing on the CPU"
+                                                                     : "the most capable device";
+  if (!choice.passed_over.empty()) device.why += " (passed over: " + choice.passed_over + ")";
+  device.timestamp_period_ns = properties.limits.timestampPeriod;
+  device.memory = device.physical.getMemoryProperties();
+  device.queue_family = *graphics_queue_family(device.physical);
+  device.logical = make_logical(device.physical, device.queue_family);
+  device.queue = device.logical.getQueue(device.queue_family, 0);
+  device.commands = device.logical.createCommandPool(
+      {.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer, .queueFamilyIndex = device.queue_family});
+  return device;
+} catch (const std::exception& error) {
+  // The loader throws when there is no driver at all; that is a missing device, not a broken invariant.
+  return fail(Fault::Missing, std::string("no usable Vulkan device: ") + error.what() +
+                                  "; install a driver, for example Debian's mesa-vulkan-drivers");
+}
+
+void submit_and_wait(const Device& device, const vk::raii::CommandBuffer& commands,
+                     const vk::raii::Fence& fence) {
+  const vk::CommandBuffer handle = *commands;
+  device.queue.submit(vk::SubmitInfo{.commandBufferCount = 1, .pCommandBuffers = &handle}, *fence);
+  if (device.logical.waitForFences(*fence, true, kGpuTimeout_ns) != vk::Result::eSuccess)
+    throw std::runtime_error("vkWaitForFences: the device did not finish within 30 s");
+  device.logical.resetFences(*fence);
+}
+
+}  // namespace farshade::gpu

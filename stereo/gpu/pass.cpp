@@ -1,0 +1,111 @@
+#include "stereo/gpu/pass.h"
+
+#include <algorithm>
+
+namespace farshade::gpu {
+
+vk::raii::ShaderModule make_shader(const Device& device, std::span<const std::uint32_t> spirv,
+                                   const std::string& name) {
+  auto shader = device.logical.createShaderModule({.codeSize = spirv.size_bytes(), .pCode = spirv.data()});
+  set_name(device, shader, name);
+  return shader;
+}
+
+Bindings make_bindings(const Device& device, std::vector<BindingKind> kinds, const std::string& name) {
+  std::vector<vk::DescriptorSetLayoutBinding> slots;
+  std::vector<vk::DescriptorPoolSize> sizes;
+  for (const BindingKind& kind : kinds) {
+    slots.push_back({.binding = narrow<std::uint32_t>(slots.size()),
+                     .descriptorType = kind.type,
+                     .descriptorCount = kind.count,
+                     .stageFlags = kind.stages});
+    sizes.push_back({.type = kind.type, .descriptorCount = kind.count});
+  }
+  Bindings result;
+  result.layout = device.logical.createDescriptorSetLayout(
+      {.bindingCount = narrow<std::uint32_t>(slots.size()), .pBindings = slots.data()});
+  result.pool =
+      device.logical.createDescriptorPool({.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
+                                           .maxSets = 1,
+                                           .poolSizeCount = narrow<std::uint32_t>(sizes.size()),
+                                           .pPoolSizes = sizes.data()});
+  const vk::DescriptorSetLayout layout = *result.layout;
+  result.set = std::move(device.logical.allocateDescriptorSets(
+      {.descriptorPool = *result.pool, .descriptorSetCount = 1, .pSetLayouts = &layout})[0]);
+  result.kinds = std::move(kinds);
+  set_name(device, result.set, name);
+  return result;
+}
+
+void bind_buffer(const Device& device, const Bindings& bindings, std::uint32_t binding,
+                 const Buffer& buffer) {
+  const vk::DescriptorBufferInfo info{.buffer = *buffer.buffer, .range = VK_WHOLE_SIZE};
+  device.logical.updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = *bindings.set,
+                                                             .dstBinding = binding,
+                                                             .descriptorCount = 1,
+                                                             .descriptorType = bindings.kinds[binding].type,
+                                                             .pBufferInfo = &info},
+                                      {});
+}
+
+void bind_image(const Device& device, const Bindings& bindings, std::uint32_t binding,
+                const ImageBinding& image, std::uint32_t element) {
+  const vk::DescriptorImageInfo info{
+      .sampler = image.sampler, .imageView = image.view, .imageLayout = image.layout};
+  device.logical.updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = *bindings.set,
+                                                             .dstBinding = binding,
+                                                             .dstArrayElement = element,
+                                                             .descriptorCount = 1,
+                                                             .descriptorType = bindings.kinds[binding].type,
+                                                             .pImageInfo = &info},
+                                      {});
+}
+
+Specialization::Specialization(std::vector<std::uint32_t> constants) : constants_(std::move(constants)) {
+  for (std::uint32_t i = 0; i < constants_.size(); ++i)
+    entries_.push_back({.constantID = i, .offset = i * 4, .size = 4});
+}
+
+vk::SpecializationInfo Specialization::info() const {
+  return {.mapEntryCount = narrow<std::uint32_t>(entries_.size()),
+          .pMapEntries = entries_.data(),
+          .dataSize = constants_.size() * 4,
+          .pData = constants_.data()};
+}
+
+vk::raii::Pipeline make_compute_pipeline(const Device& device, const vk::raii::PipelineLayout& layout,
+                                         const vk::raii::ShaderModule& shader,
+                                         const Specialization& specialization, const std::string& name) {
+  const vk::SpecializationInfo info = specialization.info();
+  auto pipeline =
+      device.logical.createComputePipeline(nullptr, {.stage = {.stage = vk::ShaderStageFlagBits::eCompute,
+                                                               .module = *shader,
+                                                               .pName = "main",
+                                                               .pSpecializationInfo = &info},
+                                                     .layout = *layout});
+  set_name(device, pipeline, name);
+  return pipeline;
+}
+
+Timestamps::Timestamps(const Device& device, std::uint32_t count)
+    : pool_(device.logical.createQueryPool({.queryType = vk::QueryType::eTimestamp, .queryCount = count})),
+      count_(count),
+      period_ns_(device.timestamp_period_ns) {}
+
+void Timestamps::reset(const vk::raii::CommandBuffer& commands) const {
+  commands.resetQueryPool(*pool_, 0, count_);
+}
+
+void Timestamps::write(const vk::raii::CommandBuffer& commands, std::uint32_t index) const {
+  commands.writeTimestamp2(vk::PipelineStageFlagBits2::eAllCommands, *pool_, index);
+}
+
+Duration Timestamps::between(std::uint32_t from, std::uint32_t to) const {
+  const auto [result, ticks] =
+      pool_.getResults<std::uint64_t>(0, count_, count_ * sizeof(std::uint64_t), sizeof(std::uint64_t),
+                                      vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait);
+  check(result == vk::Result::eSuccess, "timestamps are there once the fence is signalled");
+  return Duration(static_cast<std::int64_t>(static_cast<double>(ticks[to] - ticks[from]) * period_ns_));
+}
+
+}  // namespace farshade::gpu

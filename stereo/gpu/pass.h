@@ -1,0 +1,77 @@
+/// Passes: what pipelines are made of - shaders, bindings, specialisation - and timestamps around what they
+/// do.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "stereo/base/clock.h"
+#include "stereo/gpu/memory.h"
+
+namespace farshade::gpu {
+
+[[nodiscard]] vk::raii::ShaderModule make_shader(const Device& device, std::span<const std::uint32_t> spirv,
+                                                 const std::string& name);
+
+/// What one binding of a set is; `count` > 1 is an array.
+struct BindingKind {
+  vk::DescriptorType type;
+  vk::ShaderStageFlags stages;
+  std::uint32_t count = 1;
+};
+
+/// One descriptor set: binding i is `kinds[i]`.
+struct Bindings {
+  vk::raii::DescriptorSetLayout layout{nullptr};
+  vk::raii::DescriptorPool pool{nullptr};
+  vk::raii::DescriptorSet set{nullptr};
+  std::vector<BindingKind> kinds;
+};
+
+[[nodiscard]] Bindings make_bindings(const Device& device, std::vector<BindingKind> kinds,
+                                     const std::string& name);
+
+void bind_buffer(const Device& device, const Bindings& bindings, std::uint32_t binding, const Buffer& buffer);
+
+/// `layout` is the one the image is in when the set is used; `sampler` may be null for storage images.
+struct ImageBinding {
+  vk::ImageView view;
+  vk::ImageLayout layout;
+  vk::Sampler sampler;
+};
+void bind_image(const Device& device, const Bindings& bindings, std::uint32_t binding,
+                const ImageBinding& image, std::uint32_t element = 0);
+
+/// Specialisation constants 0, 1, 2 ... of a shader, as 32-bit words.
+struct Specialization {
+  explicit Specialization(std::vector<std::uint32_t> constants);
+  [[nodiscard]] vk::SpecializationInfo info() const;
+
+ private:
+  std::vector<std::uint32_t> constants_;
+  std::vector<vk::SpecializationMapEntry> entries_;
+};
+
+[[nodiscard]] vk::raii::Pipeline make_compute_pipeline(const Device& device,
+                                                       const vk::raii::PipelineLayout& layout,
+                                                       const vk::raii::ShaderModule& shader,
+                                                       const Specialization& specialization,
+                                                       const std::string& name);
+
+/// Timestamps 0..count-1 of one submission.
+class Timestamps {
+ public:
+  Timestamps(const Device& device, std::uint32_t count);
+  void reset(const vk::raii::CommandBuffer& commands) const;
+  void write(const vk::raii::CommandBuffer& commands, std::uint32_t index) const;
+  /// Time between two of them, after the submission has finished.
+  [[nodiscard]] Duration between(std::uint32_t from, std::uint32_t to) const;
+
+ private:
+  vk::raii::QueryPool pool_;
+  std::uint32_t count_;
+  double period_ns_;
+};
+
+}  // namespace farshade::gpu
