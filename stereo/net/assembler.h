@@ -1,0 +1,73 @@
+/// Assembler: slices back into masks, in whatever order, number and state they come. A slice that never comes
+/// leaves its tiles unknown in that frame and changes nothing else; a slice that does not fit what was asked
+/// for changes nothing but a counter. Memory is a ring of frames, used again.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "stereo/frame/shadow_frame.h"
+#include "stereo/wire/messages.h"
+
+namespace farshade {
+
+/// What has come of one request so far. Bits of tiles that are not known are 0 and mean nothing.
+struct ReceivedFrame {
+  TraceRequest request;
+  std::uint32_t light_set_revision = 0;
+  PerEye<EyeMask> masks;
+  PerEye<std::vector<std::uint8_t>> known_tiles;  ///< one a tile of TileGrid{masks[eye].size()}: 1 = known
+  PerEye<std::uint32_t> tiles_known{};
+  std::optional<FrameReport> report;
+
+  [[nodiscard]] bool complete() const {
+    return tiles_known[0] == known_tiles[0].size() && tiles_known[1] == known_tiles[1].size();
+  }
+  [[nodiscard]] bool anything_known() const { return tiles_known[0] + tiles_known[1] > 0; }
+};
+
+struct AssemblerCounters {
+  std::uint64_t slices = 0;      ///< taken, duplicates not among them
+  std::uint64_t duplicates = 0;  ///< told nothing new
+  std::uint64_t unexpected = 0;  ///< of a frame never asked for, or so old that it left the ring
+  std::uint64_t other_light_set = 0;
+  RefusalCounts refused;  ///< of a mask of another shape, or faulty inside
+  friend bool operator==(const AssemblerCounters&, const AssemblerCounters&) = default;
+};
+
+class Assembler {
+ public:
+  /// Keeps the newest `frames` requests.
+  explicit Assembler(std::size_t frames = 8);
+
+  /// From now on takes slices of `request`, whose masks shall have `lights` lights of the light set
+  /// `revision`. `request.frame` is newer than every frame expected before. The oldest request is forgotten
+  /// when the ring is full: pointers to its frame then show the new one.
+  void expect(const TraceRequest& request, std::uint32_t lights, std::uint32_t revision);
+
+  /// The frame that now knows more; null if nothing changed.
+  const ReceivedFrame* accept(const Slice& slice);
+  /// The frame that now has its report; null if it is none of ours.
+  const ReceivedFrame* accept(const FrameReport& report);
+
+  /// Null if not in the ring. Frames stay where they are until the ring comes round.
+  [[nodiscard]] const ReceivedFrame* find(FrameId frame) const;
+  /// The newest frame of which anything is known; null if there is none.
+  [[nodiscard]] const ReceivedFrame* newest_known() const;
+
+  /// Forgets every request, not the counters: for another server or scene.
+  void clear();
+
+  [[nodiscard]] const AssemblerCounters& counters() const { return counters_; }
+
+ private:
+  [[nodiscard]] ReceivedFrame* slot_of(FrameId frame);
+
+  std::vector<ReceivedFrame> ring_;
+  std::size_t used_ = 0;    ///< slots that hold a request
+  std::size_t newest_ = 0;  ///< slot of the newest request
+  AssemblerCounters counters_;
+};
+
+}  // namespace farshade

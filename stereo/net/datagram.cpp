@@ -1,0 +1,25 @@
+#include "stereo/net/datagram.h"
+
+#include <arpa/inet.h>
+
+#include <algorithm>
+#include <string_view>
+
+namespace farshade {
+
+std::string to_string(const Peer& peer) {
+  constexpr std::array<std::uint8_t, 12> kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
+  const bool v4 = std::ranges::equal(kMapped, std::span(peer.address).first<12>());
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  inet_ntop(v4 ? AF_INET : AF_INET6, peer.address.data() + (v4 ? 12 : 0), text.data(), text.size());
+  const std::string host = v4 ? text.data() : "[" + std::string(text.data()) + "]";
+  return host + ":" + std::to_string(peer.port);
+}
+
+}  // namespace farshade
+
+std::size_t std::hash<farshade::Peer>::operator()(const farshade::Peer& peer) const noexcept {
+  const auto* address = reinterpret_cast<const char*>(peer.address.data());
+  const std::size_t ends = (std::size_t{peer.scope} << 16 | peer.port) * 0x9e3779b97f4a7c15u;
+  return std::hash<std::string_view>{}({address, peer.address.size()}) ^ ends;
+}

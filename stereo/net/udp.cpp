@@ -1,0 +1,221 @@
+#include "stereo/net/udp.h"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <asio/ip/udp.hpp>
+#include <asio/ip/v6_only.hpp>
+#include <atomic>
+#include <charconv>
+
+#include "stereo/base/check.h"
+#include "stereo/wire/messages.h"
+
+namespace farshade {
+namespace {
+
+using asio::ip::udp;
+using Endpoint = udp::endpoint;
+
+Peer peer_of(const Endpoint& endpoint) {
+  const asio::ip::address address = endpoint.address();
+  const asio::ip::address_v6 wide =
+      address.is_v4() ? asio::ip::make_address_v6(asio::ip::v4_mapped, address.to_v4()) : address.to_v6();
+  return {wide.to_bytes(), narrow<std::uint32_t>(wide.scope_id()), endpoint.port()};
+}
+
+/// `peer` as a socket of family `family` names it; unspecified address if that family cannot reach it.
+Endpoint endpoint_of(const Peer& peer, const udp& family) {
+  const asio::ip::address_v6 wide(peer.address, peer.scope);
+  if (family == udp::v6()) return {wide, peer.port};
+  return {wide.is_v4_mapped() ? asio::ip::make_address_v4(asio::ip::v4_mapped, wide) : asio::ip::address_v4(),
+          peer.port};
+}
+
+/// A flood of datagrams that nobody wants shall not keep a caller for longer than this many of them.
+constexpr int kMostDropsACall = 1024;
+
+/// An event that poll() can wait for and any thread can raise.
+class WakeEvent {
+ public:
+  WakeEvent() : fd_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
+    check(fd_ >= 0, "the system has a free descriptor");
+  }
+  WakeEvent(const WakeEvent&) = delete;
+  WakeEvent& operator=(const WakeEvent&) = delete;
+  ~WakeEvent() { close(fd_); }
+
+  [[nodiscard]] int fd() const { return fd_; }
+  void raise() { check(eventfd_write(fd_, 1) == 0, "a wake event can be raised"); }
+  void clear() {
+    eventfd_t ignored;
+    static_cast<void>(eventfd_read(fd_, &ignored));
+  }
+
+ private:
+  int fd_;
+};
+
+class UdpPort final : public DatagramPort {
+ public:
+  UdpPort(std::unique_ptr<asio::io_context> context, udp::socket socket, const Endpoint& local)
+      : context_(std::move(context)),
+        socket_(std::move(socket)),
+        family_(local.protocol()),
+        local_(peer_of(local)) {}
+
+  /// From now on hears only `peer`.
+  void talk_to(const Peer& peer) { partner_ = peer; }
+
+  [[nodiscard]] Peer local() const override { return local_; }
+
+  bool send(const Peer& to, std::span<const std::byte> bytes) override {
+    check(bytes.size() <= kMaxDatagram_bytes, "a datagram fits kMaxDatagram_bytes");
+    const Endpoint endpoint = endpoint_of(to, family_);
+    asio::error_code error = asio::error::address_family_not_supported;
+    if (!endpoint.address().is_unspecified())
+      socket_.send_to(asio::buffer(bytes.data(), bytes.size()), endpoint, 0, error);
+    if (error) {
+      ++unsent_;
+      return false;
+    }
+    ++sent_;
+    sent_bytes_ += bytes.size();
+    return true;
+  }
+
+  [[nodiscard]] std::optional<Datagram> receive(std::span<std::byte> into, Duration wait) override {
+    const Stopwatch waited;
+    for (int dropped = 0; dropped < kMostDropsACall;) {
+      Endpoint from;
+      asio::error_code error;
+      // MSG_TRUNC makes the kernel return the datagram's own size, also where the buffer is shorter.
+      const std::size_t size =
+          socket_.receive_from(asio::buffer(into.data(), into.size()), from, MSG_TRUNC, error);
+      if (error) {
+        if (!readable_within(wait - waited.elapsed())) break;
+        continue;
+      }
+      const Peer peer = peer_of(from);
+      if (!partner_ || peer == *partner_) {
+        if (size <= into.size()) {
+          ++received_;
+          received_bytes_ += size;
+          return Datagram{peer, into.first(size)};
+        }
+        ++oversized_;
+      } else {
+        ++strangers_;
+      }
+      ++dropped;
+    }
+    return std::nullopt;
+  }
+
+  void wake() override { wake_.raise(); }
+
+  [[nodiscard]] PortCounters counters() const override {
+    return {sent_, sent_bytes_, received_, received_bytes_, unsent_, oversized_, strangers_};
+  }
+
+ private:
+  bool readable_within(Duration wait) {
+    if (wait <= Duration::zero()) return false;
+    const auto whole_s = std::chrono::duration_cast<std::chrono::seconds>(wait);
+    const timespec timeout{whole_s.count(), (wait - whole_s).count()};
+    std::array<pollfd, 2> watched{{{socket_.native_handle(), POLLIN, 0}, {wake_.fd(), POLLIN, 0}}};
+    const int ready = ppoll(watched.data(), watched.size(), &timeout, nullptr);
+    if (watched[1].revents != 0) {
+      wake_.clear();
+      return false;
+    }
+    return ready != 0;  // a signal (-1) is no reason to give up: the caller's deadline decides
+  }
+
+  std::unique_ptr<asio::io_context> context_;
+  udp::socket socket_;
+  udp family_;
+  Peer local_;
+  std::optional<Peer> partner_;
+  WakeEvent wake_;
+  std::atomic<std::uint64_t> sent_ = 0, sent_bytes_ = 0, received_ = 0, received_bytes_ = 0;
+  std::atomic<std::uint64_t> unsent_ = 0, oversized_ = 0, strangers_ = 0;
+};
+
+struct HostPort {
+  std::string host, port;
+};
+
+Expected<HostPort> split(std::string_view address) {
+  const std::size_t colon = address.rfind(':');
+  std::string_view host = address.substr(0, colon);
+  const std::string_view port = colon == address.npos ? "" : address.substr(colon + 1);
+  std::uint16_t number = 0;
+  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
+  const bool bracketed = host.size() >= 2 && host.front() == '[' && host.back() == ']';
+  if (bracketed) host = host.substr(1, host.size() - 2);
+  const bool sound = !host.empty() && (bracketed || host.find(':') == host.npos);
+  if (!sound || error != std::errc{} || end != port.data() + port.size())
+    return fail(Fault::Malformed,
+                "'" + std::string(address) +
+                    "' is no address: write HOST:PORT with a port up to 65535, IPv6 as [::1]:7447");
+  return HostPort{std::string(host), std::string(port)};
+}
+
+Expected<Endpoint> resolve(asio::io_context& context, std::string_view address) {
+  const Expected<HostPort> parts = split(address);
+  if (!parts) return tl::unexpected(parts.error());
+  asio::error_code error;
+  udp::resolver resolver(context);
+  const auto found = resolver.resolve(parts->host, parts->port, error);
+  if (error || found.empty())
+    return fail(Fault::Missing, "no host '" + parts->host + "' is known (" + error.message() + ")");
+  return found.begin()->endpoint();
+}
+
+Expected<std::unique_ptr<UdpPort>> bound_port(std::unique_ptr<asio::io_context> context,
+                                              const Endpoint& endpoint) {
+  udp::socket socket(*context);
+  asio::error_code error;
+  socket.open(endpoint.protocol(), error);
+  asio::error_code ignored;  // less buffer, or no IPv4 on an IPv6 socket, is no reason to refuse
+  if (endpoint.protocol() == udp::v6()) socket.set_option(asio::ip::v6_only(false), ignored);
+  socket.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer_bytes), ignored);
+  socket.set_option(asio::socket_base::send_buffer_size(kSocketBuffer_bytes), ignored);
+  if (!error) socket.non_blocking(true, error);
+  if (!error) socket.bind(endpoint, error);
+  const Endpoint local = error ? endpoint : socket.local_endpoint(error);
+  if (error == asio::error::address_in_use)
+    return fail(Fault::Unavailable, to_string(peer_of(endpoint)) +
+                                        " is in use by another program: stop it, or " +
+                                        "choose another port (0 takes any free one)");
+  if (error)
+    return fail(error == asio::error::access_denied ? Fault::Unreadable : Fault::Missing,
+                "cannot listen on " + to_string(peer_of(endpoint)) + ": " + error.message());
+  return std::make_unique<UdpPort>(std::move(context), std::move(socket), local);
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<DatagramPort>> listen_udp(std::string_view address) {
+  auto context = std::make_unique<asio::io_context>();
+  const Expected<Endpoint> endpoint = resolve(*context, address);
+  if (!endpoint) return tl::unexpected(endpoint.error());
+  return bound_port(std::move(context), *endpoint);
+}
+
+Expected<UdpClient> connect_udp(std::string_view address) {
+  auto context = std::make_unique<asio::io_context>();
+  const Expected<Endpoint> server = resolve(*context, address);
+  if (!server) return tl::unexpected(server.error());
+  if (server->port() == 0 || server->address().is_unspecified())
+    return fail(Fault::Malformed,
+                "'" + std::string(address) + "' is no address to talk to: name a host and its port");
+  Expected<std::unique_ptr<UdpPort>> port = bound_port(std::move(context), Endpoint(server->protocol(), 0));
+  if (!port) return tl::unexpected(port.error());
+  (*port)->talk_to(peer_of(*server));
+  return UdpClient{std::move(*port), peer_of(*server)};
+}
+
+}  // namespace farshade

@@ -1,0 +1,185 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <thread>
+#include <vector>
+
+#include "stereo/net/udp.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr Duration kPatience = 10s;  // never reached where datagrams arrive
+
+std::vector<std::byte> bytes(std::initializer_list<int> values) {
+  std::vector<std::byte> result;
+  for (const int value : values) result.push_back(static_cast<std::byte>(value));
+  return result;
+}
+
+struct Pair {
+  std::unique_ptr<DatagramPort> server;
+  UdpClient client;
+};
+
+Pair connected(const char* listen_address) {
+  auto server = listen_udp(listen_address);
+  EXPECT_TRUE(server.has_value()) << server.error().what;
+  auto client = connect_udp(to_string((*server)->local()));
+  EXPECT_TRUE(client.has_value()) << client.error().what;
+  return {std::move(*server), std::move(*client)};
+}
+
+void expect_round_trip(Pair& pair) {
+  std::array<std::byte, 1500> buffer;
+  ASSERT_TRUE(pair.client.port->send(pair.client.server, bytes({1, 2, 3})));
+  const auto asked = pair.server->receive(buffer, kPatience);
+  ASSERT_TRUE(asked.has_value());
+  EXPECT_TRUE(std::ranges::equal(asked->bytes, bytes({1, 2, 3})));
+  ASSERT_TRUE(pair.server->send(asked->from, bytes({9, 8})));
+  const auto answered = pair.client.port->receive(buffer, kPatience);
+  ASSERT_TRUE(answered.has_value());
+  EXPECT_EQ(answered->from, pair.client.server);
+  EXPECT_TRUE(std::ranges::equal(answered->bytes, bytes({9, 8})));
+}
+
+TEST(Peer, PrintsAsOneWritesIt) {
+  const Peer v4{{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 127, 0, 0, 1}, 0, 7447};
+  EXPECT_EQ(to_string(v4), "127.0.0.1:7447");
+  EXPECT_EQ(to_string(Peer{{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}, 0, 80}), "[::1]:80");
+  Peer other_port = v4;
+  other_port.port = 7448;
+  EXPECT_NE(other_port, v4);
+  EXPECT_NE(std::hash<Peer>{}(other_port), std::hash<Peer>{}(v4));
+}
+
+TEST(Udp, CarriesBothWaysOverIPv4) {
+  Pair pair = connected("127.0.0.1:0");
+  EXPECT_NE(pair.server->local().port, 0);
+  expect_round_trip(pair);
+  EXPECT_EQ(pair.server->counters(),
+            (PortCounters{.sent = 1, .sent_bytes = 2, .received = 1, .received_bytes = 3}));
+}
+
+TEST(Udp, CarriesBothWaysOverIPv6) {
+  if (!listen_udp("[::1]:0")) GTEST_SKIP() << "this machine has no IPv6";
+  Pair pair = connected("[::1]:0");
+  expect_round_trip(pair);
+}
+
+TEST(Udp, IPv6SocketSpeaksIPv4) {
+  auto server = listen_udp("[::]:0");
+  if (!server) GTEST_SKIP() << "this machine has no IPv6";
+  auto client = connect_udp("127.0.0.1:" + std::to_string((*server)->local().port));
+  ASSERT_TRUE(client.has_value());
+  Pair pair{std::move(*server), std::move(*client)};
+  expect_round_trip(pair);
+}
+
+TEST(Udp, PortInUseIsOneClearSentence) {
+  const auto first = listen_udp("127.0.0.1:0");
+  ASSERT_TRUE(first.has_value());
+  const std::string address = to_string((*first)->local());
+  const auto second = listen_udp(address);
+  ASSERT_FALSE(second.has_value());
+  EXPECT_EQ(second.error().fault, Fault::Unavailable);
+  EXPECT_NE(second.error().what.find(address + " is in use"), std::string::npos) << second.error().what;
+}
+
+TEST(Udp, RefusesWhatIsNoAddress) {
+  for (const char* address : {"", ":", "7447", "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1",
+                              "127.0.0.1:80x", ":7447", "::1:7447", "[::1]", "[]:7447"}) {
+    const auto port = listen_udp(address);
+    ASSERT_FALSE(port.has_value()) << address;
+    EXPECT_EQ(port.error().fault, Fault::Malformed) << address;
+    EXPECT_FALSE(connect_udp(address).has_value()) << address;
+  }
+}
+
+TEST(Udp, RefusesToTalkToNobody) {
+  EXPECT_FALSE(connect_udp("127.0.0.1:0").has_value());
+  EXPECT_FALSE(connect_udp("0.0.0.0:7447").has_value());
+}
+
+TEST(Udp, RefusesAnAddressOfAnotherMachine) {
+  const auto port = listen_udp("192.0.2.1:0");  // documentation range, nobody's (RFC 5737)
+  ASSERT_FALSE(port.has_value());
+  EXPECT_EQ(port.error().fault, Fault::Missing);
+}
+
+TEST(Udp, AbsentServerBreaksNothing) {
+  auto server = listen_udp("127.0.0.1:0");
+  ASSERT_TRUE(server.has_value());
+  const std::string address = to_string((*server)->local());
+  server->reset();  // now the kernel answers with ICMP port unreachable
+  auto client = connect_udp(address);
+  ASSERT_TRUE(client.has_value());
+  std::array<std::byte, 1500> buffer;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_TRUE(client->port->send(client->server, bytes({1})));
+    EXPECT_FALSE(client->port->receive(buffer, 1ms).has_value());
+  }
+  auto back = listen_udp(address);
+  ASSERT_TRUE(back.has_value());
+  Pair pair{std::move(*back), std::move(*client)};
+  expect_round_trip(pair);
+}
+
+TEST(Udp, ClientHearsNobodyButItsServer) {
+  Pair pair = connected("127.0.0.1:0");
+  auto stranger = listen_udp("127.0.0.1:0");
+  ASSERT_TRUE(stranger.has_value());
+  std::array<std::byte, 1500> buffer;
+  ASSERT_TRUE(pair.client.port->send(pair.client.server, bytes({1})));
+  const auto from = pair.server->receive(buffer, kPatience);
+  ASSERT_TRUE(from.has_value());
+  ASSERT_TRUE((*stranger)->send(from->from, bytes({66})));
+  ASSERT_TRUE(pair.server->send(from->from, bytes({7})));
+  // Loopback delivers in order: the stranger's datagram lies first, and a poll must still reach the server's.
+  const auto heard = pair.client.port->receive(buffer, 0s);
+  ASSERT_TRUE(heard.has_value());
+  EXPECT_TRUE(std::ranges::equal(heard->bytes, bytes({7})));
+  EXPECT_EQ(pair.client.port->counters().strangers, 1u);
+}
+
+TEST(Udp, DropsWhatIsLongerThanTheBuffer) {
+  Pair pair = connected("127.0.0.1:0");
+  std::array<std::byte, 4> small;
+  ASSERT_TRUE(pair.client.port->send(pair.client.server, bytes({1, 2, 3, 4, 5})));
+  ASSERT_TRUE(pair.client.port->send(pair.client.server, bytes({1, 2, 3, 4})));
+  const auto got = pair.server->receive(small, kPatience);
+  ASSERT_TRUE(got.has_value());
+  EXPECT_EQ(got->bytes.size(), 4u);
+  EXPECT_EQ(pair.server->counters().oversized, 1u);
+}
+
+TEST(Udp, SendToAnotherFamilyIsCountedNotSent) {
+  Pair pair = connected("127.0.0.1:0");
+  EXPECT_FALSE(pair.server->send(Peer{{0x20, 1, 0xd, 0xb8}, 0, 9}, bytes({1})));
+  EXPECT_EQ(pair.server->counters().unsent, 1u);
+}
+
+TEST(Udp, WakeEndsTheWait) {
+  Pair pair = connected("127.0.0.1:0");
+  std::array<std::byte, 16> buffer;
+  const Stopwatch waited;
+  std::jthread waker([&] { pair.server->wake(); });
+  EXPECT_FALSE(pair.server->receive(buffer, kPatience).has_value());
+  EXPECT_LT(waited.elapsed(), kPatience);
+}
+
+TEST(Udp, TakesAWholeFrameAtOnce) {
+  Pair pair = connected("127.0.0.1:0");
+  std::array<std::byte, 1500> buffer;
+  ASSERT_TRUE(pair.client.port->send(pair.client.server, bytes({1})));
+  const Peer client = pair.server->receive(buffer, kPatience)->from;
+  const std::vector<std::byte> slice(1200);
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(pair.server->send(client, slice));
+  int arrived = 0;
+  while (pair.client.port->receive(buffer, 0s)) ++arrived;
+  EXPECT_EQ(arrived, 100);
+}
+
+}  // namespace
+}  // namespace farshade

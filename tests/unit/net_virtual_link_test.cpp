@@ -1,0 +1,193 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "stereo/net/virtual_link.h"
+#include "stereo/wire/messages.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct Arrival {
+  Time time;
+  int number;
+  friend bool operator==(const Arrival&, const Arrival&) = default;
+};
+
+bool send_number(DatagramPort& from, const Peer& to, int number) {
+  const std::array<std::byte, 2> bytes{static_cast<std::byte>(number >> 8), static_cast<std::byte>(number)};
+  return from.send(to, bytes);
+}
+
+std::optional<int> receive_number(DatagramPort& at, Duration wait) {
+  std::array<std::byte, kMaxDatagram_bytes> buffer;
+  const auto datagram = at.receive(buffer, wait);
+  if (!datagram) return std::nullopt;
+  return std::to_integer<int>(datagram->bytes[0]) << 8 | std::to_integer<int>(datagram->bytes[1]);
+}
+
+/// Sends `count` numbers to the server, 1 ms apart, and hears them all.
+std::vector<Arrival> run(const LinkModels& models, int count) {
+  ManualClock clock;
+  VirtualLink link(clock, models);
+  std::vector<Arrival> heard;
+  const auto hear_until = [&](Time deadline) {
+    while (clock.now() < deadline)
+      if (const auto number = receive_number(link.server(), deadline - clock.now()))
+        heard.push_back({clock.now(), *number});
+  };
+  for (int i = 0; i < count; ++i) {
+    send_number(link.client(), link.server().local(), i);
+    hear_until(clock.now() + 1ms);
+  }
+  hear_until(clock.now() + 1s);
+  return heard;
+}
+
+TEST(VirtualLink, DelaysExactly) {
+  ManualClock clock;
+  VirtualLink link(clock, {.to_server = {.delay = 5ms}, .to_client = {.delay = 7ms}});
+  send_number(link.client(), link.server().local(), 1);
+  EXPECT_EQ(receive_number(link.server(), 4999us), std::nullopt);
+  EXPECT_EQ(clock.now(), Time(4999us));
+  EXPECT_EQ(receive_number(link.server(), 1s), 1);
+  EXPECT_EQ(clock.now(), Time(5ms));
+  send_number(link.server(), link.client().local(), 2);
+  EXPECT_EQ(receive_number(link.client(), 1s), 2);
+  EXPECT_EQ(clock.now(), Time(12ms));
+}
+
+TEST(VirtualLink, PollPassesNoTime) {
+  ManualClock clock;
+  VirtualLink link(clock, {});
+  send_number(link.client(), link.server().local(), 1);
+  EXPECT_EQ(receive_number(link.server(), 0s), 1);
+  EXPECT_EQ(receive_number(link.server(), 0s), std::nullopt);
+  EXPECT_EQ(clock.now(), Time{});
+}
+
+TEST(VirtualLink, SameSeedSameRun) {
+  const LinkModels models{
+      .to_server = {.delay = 3ms, .jitter = 9ms, .loss = 0.2}, .to_client = {}, .seed = 42};
+  const auto first = run(models, 500);
+  EXPECT_EQ(first, run(models, 500));
+  LinkModels other = models;
+  other.seed = 43;
+  EXPECT_NE(first, run(other, 500));
+}
+
+TEST(VirtualLink, ThisRunIsTheSameOnEveryMachine) {
+  const auto heard =
+      run({.to_server = {.delay = 3ms, .jitter = 9ms, .loss = 0.5}, .to_client = {}, .seed = 1}, 8);
+  std::vector<int> numbers;
+  for (const Arrival& arrival : heard) numbers.push_back(arrival.number);
+  EXPECT_EQ(numbers, (std::vector<int>{6, 0, 1, 5}));
+}
+
+TEST(VirtualLink, LosesTheShareItWasTold) {
+  const auto heard = run({.to_server = {.loss = 0.25}, .to_client = {}, .seed = 7}, 4000);
+  const double deviation = std::sqrt(0.25 * 0.75 / 4000);
+  EXPECT_NEAR(static_cast<double>(heard.size()) / 4000, 0.75, 4 * deviation);
+}
+
+TEST(VirtualLink, LossLeavesTheDelaysOfTheOthersAlone) {
+  LinkModels models{.to_server = {.delay = 1ms, .jitter = 20ms}, .to_client = {}, .seed = 5};
+  const auto all = run(models, 200);
+  ASSERT_EQ(all.size(), 200u);
+  models.to_server.loss = 0.5;
+  for (const Arrival& arrival : run(models, 200)) EXPECT_NE(std::ranges::find(all, arrival), all.end());
+}
+
+TEST(VirtualLink, JitterStaysInItsBoundsAndReorders) {
+  const auto heard = run({.to_server = {.delay = 4ms, .jitter = 10ms}, .to_client = {}, .seed = 3}, 300);
+  ASSERT_EQ(heard.size(), 300u);
+  int overtaken = 0;
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    const Duration travelled = heard[i].time - Time(std::chrono::milliseconds(heard[i].number));
+    EXPECT_GE(travelled, 4ms);
+    EXPECT_LT(travelled, 14ms);
+    if (i > 0 && heard[i].number < heard[i - 1].number) ++overtaken;
+  }
+  EXPECT_GT(overtaken, 50);
+}
+
+TEST(VirtualLink, DirectionsDoNotDisturbEachOther) {
+  const auto numbers_up = [](bool talk_back) {
+    ManualClock clock;
+    VirtualLink link(clock, {.to_server = {.loss = 0.5}, .to_client = {.loss = 0.5}, .seed = 9});
+    std::vector<int> heard;
+    for (int i = 0; i < 64; ++i) {
+      send_number(link.client(), link.server().local(), i);
+      if (talk_back) send_number(link.server(), link.client().local(), i);
+      if (const auto number = receive_number(link.server(), 0s)) heard.push_back(*number);
+    }
+    return heard;
+  };
+  EXPECT_EQ(numbers_up(false), numbers_up(true));
+}
+
+TEST(VirtualLink, FarEndAnswersWithinTheWait) {
+  ManualClock clock;
+  VirtualLink link(clock, {.to_server = {.delay = 2ms}, .to_client = {.delay = 3ms}});
+  link.while_waiting([&] {
+    while (const auto number = receive_number(link.server(), 0s))
+      send_number(link.server(), link.client().local(), *number + 100);
+  });
+  // Two datagrams of the same instant: the far end is told of both.
+  send_number(link.client(), link.server().local(), 1);
+  EXPECT_EQ(receive_number(link.client(), 10ms), 101);
+  EXPECT_EQ(clock.now(), Time(5ms));
+  send_number(link.client(), link.server().local(), 2);
+  EXPECT_EQ(receive_number(link.client(), 4ms), std::nullopt);
+  EXPECT_EQ(receive_number(link.client(), 1ms), 102);
+}
+
+TEST(VirtualLink, FarEndThatDoesNotReadHangsNobody) {
+  ManualClock clock;
+  VirtualLink link(clock, {});
+  link.while_waiting([] {});
+  send_number(link.client(), link.server().local(), 1);
+  EXPECT_EQ(receive_number(link.client(), 10ms), std::nullopt);
+  EXPECT_EQ(clock.now(), Time(10ms));
+}
+
+TEST(VirtualLink, WakeEndsOneWait) {
+  ManualClock clock;
+  VirtualLink link(clock, {});
+  link.client().wake();
+  EXPECT_EQ(receive_number(link.client(), 10ms), std::nullopt);
+  EXPECT_EQ(clock.now(), Time{});
+  EXPECT_EQ(receive_number(link.client(), 10ms), std::nullopt);
+  EXPECT_EQ(clock.now(), Time(10ms));
+}
+
+TEST(VirtualLink, CountsWhatItCannotCarry) {
+  ManualClock clock;
+  VirtualLink link(clock, {});
+  EXPECT_FALSE(send_number(link.client(), link.client().local(), 1));
+  for (std::size_t i = 0; i < kLinkCapacity; ++i)
+    EXPECT_TRUE(send_number(link.client(), link.server().local(), 1));
+  EXPECT_FALSE(send_number(link.client(), link.server().local(), 1));
+  EXPECT_EQ(link.client().counters(),
+            (PortCounters{.sent = kLinkCapacity, .sent_bytes = 2 * kLinkCapacity, .unsent = 2}));
+  std::array<std::byte, 1> small;
+  EXPECT_FALSE(link.server().receive(small, 0s).has_value());
+  EXPECT_EQ(link.server().counters().oversized, kLinkCapacity);
+}
+
+TEST(VirtualLink, TellsWhenTheNextDatagramArrives) {
+  ManualClock clock;
+  VirtualLink link(clock, {.to_server = {.delay = 9ms}, .to_client = {.delay = 4ms}});
+  EXPECT_EQ(link.next_arrival(), std::nullopt);
+  send_number(link.client(), link.server().local(), 1);
+  EXPECT_EQ(link.next_arrival(), Time(9ms));
+  send_number(link.server(), link.client().local(), 1);
+  EXPECT_EQ(link.next_arrival(), Time(4ms));
+}
+
+}  // namespace
+}  // namespace farshade
