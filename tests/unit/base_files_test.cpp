@@ -1,0 +1,102 @@
+#include "stereo/base/files.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
+#include <csignal>
+#include <cstdlib>
+
+#include "tests/unit/scratch_folder.h"
+
+namespace farshade {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& path) {
+  const auto bytes = read_file(path, 1000).value();
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+std::ptrdiff_t entries_in(const fs::path& folder) {
+  return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
+}
+
+TEST(WriteFile, ReplacesWhatWasThere) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(write_file_atomically(folder.path() / "a", "a longer first text"));
+  ASSERT_TRUE(write_file_atomically(folder.path() / "a", "second"));
+  EXPECT_EQ(text_of(folder.path() / "a"), "second");
+  EXPECT_EQ(entries_in(folder.path()), 1);
+}
+
+TEST(WriteFile, LeavesNothingBehindOnFailure) {
+  const ScratchFolder folder;
+  fs::create_directory(folder.path() / "taken");  // a file cannot be renamed over a folder
+  const auto written = write_file_atomically(folder.path() / "taken", "text");
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().fault, Fault::Unreadable);
+  EXPECT_NE(written.error().what.find((folder.path() / "taken").string()), std::string::npos);
+  EXPECT_NE(written.error().what.find("Is a directory"), std::string::npos) << written.error().what;
+  EXPECT_EQ(entries_in(folder.path()), 1);
+}
+
+TEST(WriteFile, NamesMissingFolder) {
+  const ScratchFolder folder;
+  const auto written = write_file_atomically(folder.path() / "none" / "a", "text");
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().fault, Fault::Missing);
+  EXPECT_EQ(entries_in(folder.path()), 0);
+}
+
+TEST(WriteFile, FollowsNoLinkThatWaitsAtItsPartialName) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(write_file_atomically(folder.path() / "a", "old"));
+  ASSERT_TRUE(write_file_atomically(folder.path() / "elsewhere", "untouched"));
+  fs::create_symlink("elsewhere", folder.path() / ("a.partial-" + std::to_string(::gettid())));
+  EXPECT_FALSE(write_file_atomically(folder.path() / "a", "new"));
+  EXPECT_EQ(text_of(folder.path() / "a"), "old");
+  EXPECT_EQ(text_of(folder.path() / "elsewhere"), "untouched");
+}
+
+/// For a process of its own: files may have eight bytes from here on.
+[[noreturn]] void overwrite_with_no_space_left(const fs::path& path) {
+  ::signal(SIGXFSZ, SIG_IGN);
+  const rlimit eight_bytes{8, 8};
+  ::setrlimit(RLIMIT_FSIZE, &eight_bytes);
+  std::_Exit(write_file_atomically(path, "more than eight bytes") ? 1 : 0);
+}
+
+TEST(WriteFileDeathTest, KeepsOldFileWhenSpaceRunsOut) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(write_file_atomically(folder.path() / "a", "old"));
+  EXPECT_EXIT(overwrite_with_no_space_left(folder.path() / "a"), testing::ExitedWithCode(0), "");
+  EXPECT_EQ(text_of(folder.path() / "a"), "old");
+  EXPECT_EQ(entries_in(folder.path()), 1);
+}
+
+TEST(ReadFile, RefusesMoreThanAllowed) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(write_file_atomically(folder.path() / "a", "12345"));
+  EXPECT_TRUE(read_file(folder.path() / "a", 5));
+  EXPECT_EQ(read_file(folder.path() / "a", 4).error().fault, Fault::OutOfRange);
+}
+
+TEST(ReadFile, RefusesWhatIsNoRegularFile) {
+  const ScratchFolder folder;
+  EXPECT_EQ(read_file(folder.path() / "none", 10).error().fault, Fault::Missing);
+  EXPECT_EQ(read_file(folder.path(), 10).error().fault, Fault::Unreadable);
+  const fs::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(read_file(pipe, 10).error().fault, Fault::Unreadable);  // and does not wait for a writer
+}
+
+TEST(ReadFile, ReadsEmptyFile) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(write_file_atomically(folder.path() / "a", ""));
+  EXPECT_EQ(text_of(folder.path() / "a"), "");
+}
+
+}  // namespace
+}  // namespace farshade
