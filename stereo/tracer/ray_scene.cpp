@@ -1,0 +1,270 @@
+#include "stereo/tracer/ray_scene.h"
+
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <cstddef>
+#include <string>
+#include <type_traits>
+
+#include "stereo/base/check.h"
+
+namespace farshade {
+namespace {
+
+template <auto Release>
+struct Releaser {
+  template <class Handle>
+  void operator()(Handle* handle) const {
+    Release(handle);
+  }
+};
+using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, Releaser<rtcReleaseDevice>>;
+using SceneHandle = std::unique_ptr<std::remove_pointer_t<RTCScene>, Releaser<rtcReleaseScene>>;
+using Geometry = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, Releaser<rtcReleaseGeometry>>;
+
+// The two calls by which Embree 3 and 4 differ.
+#if RTC_VERSION_MAJOR >= 4
+template <auto Call, class Packet>
+void intersect_coherent(const int* valid, RTCScene scene, Packet* packet) {
+  RTCIntersectArguments arguments;
+  rtcInitIntersectArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  Call(valid, scene, packet, &arguments);
+}
+template <auto Call, class Packet>
+void occluded_coherent(const int* valid, RTCScene scene, Packet* packet) {
+  RTCOccludedArguments arguments;
+  rtcInitOccludedArguments(&arguments);
+  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  Call(valid, scene, packet, &arguments);
+}
+#else
+template <auto Call, class Packet>
+void intersect_coherent(const int* valid, RTCScene scene, Packet* packet) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  Call(valid, scene, &context, packet);
+}
+template <auto Call, class Packet>
+void occluded_coherent(const int* valid, RTCScene scene, Packet* packet) {
+  intersect_coherent<Call>(valid, scene, packet);
+}
+#endif
+
+static_assert(sizeof(RayPacket<16>) == sizeof(RTCRay16) && sizeof(RayPacket<4>) == sizeof(RTCRay4));
+static_assert(offsetof(RayPacket<16>, dir_x) == offsetof(RTCRay16, dir_x));
+static_assert(offsetof(RayPacket<16>, tfar) == offsetof(RTCRay16, tfar));
+static_assert(offsetof(RayPacket<16>, flags) == offsetof(RTCRay16, flags));
+static_assert(sizeof(RayHitPacket<16>) >= sizeof(RTCRayHit16) &&
+              sizeof(RayHitPacket<4>) >= sizeof(RTCRayHit4));
+static_assert(offsetof(HitPacket<16>, u) == offsetof(RTCHit16, u));
+static_assert(offsetof(HitPacket<16>, primitive) == offsetof(RTCHit16, primID));
+static_assert(offsetof(HitPacket<16>, geometry) == offsetof(RTCHit16, geomID));
+static_assert(offsetof(HitPacket<16>, instance) == offsetof(RTCHit16, instID));
+static_assert(kNothing == RTC_INVALID_GEOMETRY_ID);
+
+/// What a filter needs to know about the geometry it was called for.
+struct FilterData {
+  const Patch* patch;
+  std::span<const glm::uvec3> triangles;
+
+  [[nodiscard]] bool is_hole(const RTCFilterFunctionNArguments& a, unsigned i) const {
+    const glm::uvec3 vertices = triangles[RTCHitN_primID(a.hit, a.N, i)] - patch->first_vertex;
+    return patch->holes->is_hole(vertices, RTCHitN_u(a.hit, a.N, i), RTCHitN_v(a.hit, a.N, i));
+  }
+};
+
+/// Ray and normal are both in the patch's own space here, so the sign of its transform's determinant is no
+/// matter.
+bool is_back(const RTCFilterFunctionNArguments& a, unsigned i) {
+  const unsigned n = a.N;
+  return RTCRayN_dir_x(a.ray, n, i) * RTCHitN_Ng_x(a.hit, n, i) +
+             RTCRayN_dir_y(a.ray, n, i) * RTCHitN_Ng_y(a.hit, n, i) +
+             RTCRayN_dir_z(a.ray, n, i) * RTCHitN_Ng_z(a.hit, n, i) >
+         0;
+}
+
+enum class Pass { Holes, Backs, Both };
+
+/// Lets rays pass where the surface is not there, or not seen from that side.
+template <Pass What>
+void pass_filter(const RTCFilterFunctionNArguments* arguments) {
+  const auto& data = *static_cast<const FilterData*>(arguments->geometryUserPtr);
+  for (unsigned i = 0; i < arguments->N; ++i) {
+    if (arguments->valid[i] != -1) continue;
+    const bool passes = (What != Pass::Holes && is_back(*arguments, i)) ||
+                        (What != Pass::Backs && data.is_hole(*arguments, i));
+    if (passes) arguments->valid[i] = 0;
+  }
+}
+
+void set_filters(RTCGeometry geometry, FilterData& data) {
+  const bool holes = data.patch->holes.has_value(), backs = !data.patch->double_sided;
+  rtcSetGeometryUserData(geometry, &data);
+  if (holes) rtcSetGeometryOccludedFilterFunction(geometry, pass_filter<Pass::Holes>);
+  if (holes && backs) rtcSetGeometryIntersectFilterFunction(geometry, pass_filter<Pass::Both>);
+  if (holes && !backs) rtcSetGeometryIntersectFilterFunction(geometry, pass_filter<Pass::Holes>);
+  if (!holes && backs) rtcSetGeometryIntersectFilterFunction(geometry, pass_filter<Pass::Backs>);
+}
+
+SceneHandle new_scene(RTCDevice device, RTCSceneFlags flags, RTCBuildQuality quality) {
+  SceneHandle scene(rtcNewScene(device));
+  rtcSetSceneFlags(scene.get(), flags);
+  rtcSetSceneBuildQuality(scene.get(), quality);
+  return scene;
+}
+
+/// Where the fixed scene hangs in the top level; moving patches follow.
+constexpr unsigned kFixedInstance = 0;
+
+}  // namespace
+
+struct RayScene::Impl {
+  const SurfaceModel& model;
+  Device device{rtcNewDevice(nullptr)};
+  std::vector<FilterData> filter_data;  ///< one a patch; addresses are given to Embree
+  SceneHandle fixed, top;
+  std::vector<SceneHandle> moving_scenes;
+  std::vector<Geometry> moving_instances;
+  RTCScene root = nullptr;
+  int width = 4;
+
+  explicit Impl(const SurfaceModel& surfaces) : model(surfaces) {}
+
+  void build();
+  void attach_patch(RTCScene scene, std::size_t patch, unsigned id);
+  Geometry attach_instance(RTCScene of, unsigned id);
+  void update();
+};
+
+void RayScene::Impl::attach_patch(RTCScene scene, std::size_t patch, unsigned id) {
+  const Geometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+  const FilterData& data = filter_data[patch];
+  const auto positions = model.positions();
+  rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(),
+                             0, sizeof(glm::vec3), positions.size() - 1);
+  rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                             data.triangles.data(), 0, sizeof(glm::uvec3), data.triangles.size());
+  set_filters(geometry.get(), filter_data[patch]);
+  rtcCommitGeometry(geometry.get());
+  rtcAttachGeometryByID(scene, geometry.get(), id);
+}
+
+Geometry RayScene::Impl::attach_instance(RTCScene of, unsigned id) {
+  Geometry instance(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
+  rtcSetGeometryInstancedScene(instance.get(), of);
+  rtcCommitGeometry(instance.get());
+  rtcAttachGeometryByID(top.get(), instance.get(), id);
+  return instance;
+}
+
+void RayScene::Impl::build() {
+  const auto patches = model.patches();
+  filter_data.reserve(patches.size());
+  for (const Patch& patch : patches)
+    filter_data.push_back({&patch, model.triangles().subspan(patch.first_triangle, patch.triangle_count)});
+
+  fixed = new_scene(device.get(), RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_HIGH);
+  for (unsigned i = 0; i < model.fixed_count(); ++i) attach_patch(fixed.get(), i, i);
+  rtcCommitScene(fixed.get());
+  root = fixed.get();
+  if (model.fixed_count() == patches.size()) return;
+
+  top = new_scene(device.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC, RTC_BUILD_QUALITY_MEDIUM);
+  root = top.get();
+  if (model.fixed_count() > 0) attach_instance(fixed.get(), kFixedInstance);
+  for (std::size_t i = model.fixed_count(); i < patches.size(); ++i) {
+    moving_scenes.push_back(new_scene(device.get(), RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_HIGH));
+    attach_patch(moving_scenes.back().get(), i, 0);
+    rtcCommitScene(moving_scenes.back().get());
+    const auto id = narrow<unsigned>(kFixedInstance + 1 + i - model.fixed_count());
+    moving_instances.push_back(attach_instance(moving_scenes.back().get(), id));
+  }
+  update();
+}
+
+void RayScene::Impl::update() {
+  for (std::size_t i = 0; i < moving_instances.size(); ++i) {
+    const Placement& placement = model.patches()[model.fixed_count() + i].placement;
+    RTCGeometry instance = moving_instances[i].get();
+    if (placement.singular) {
+      rtcDisableGeometry(instance);
+      continue;
+    }
+    const glm::mat3& m = placement.linear;
+    const std::array<glm::vec3, 4> columns{m[0], m[1], m[2], placement.translation};
+    rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
+    rtcEnableGeometry(instance);
+    rtcCommitGeometry(instance);
+  }
+  if (top) rtcCommitScene(top.get());
+}
+
+Expected<RayScene> RayScene::create(const SurfaceModel& model) {
+  auto impl = std::make_unique<Impl>(model);
+  const RTCDevice device = impl->device.get();
+  if (device == nullptr)
+    return fail(Fault::Unavailable, "Embree has no device on this machine (error " +
+                                        std::to_string(rtcGetDeviceError(nullptr)) + ").");
+  if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) impl->width = 8;
+  if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) impl->width = 16;
+  impl->build();
+  if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
+    return fail(Fault::Unavailable,
+                "Embree could not build the scene (error " + std::to_string(error) + ").");
+  return RayScene(std::move(impl));
+}
+
+RayScene::RayScene(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+RayScene::RayScene(RayScene&&) noexcept = default;
+RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+RayScene::~RayScene() = default;
+
+void RayScene::update() {
+  impl_->update();
+}
+int RayScene::width() const {
+  return impl_->width;
+}
+
+template <int K>
+void RayScene::intersect(const Lanes<K>& lanes, RayHitPacket<K>& packet) const {
+  for (int i = 0; i < K; ++i) packet.hit.geometry[i] = packet.hit.instance[i] = kNothing;
+  void* const rays = &packet;
+  if constexpr (K == 16)
+    intersect_coherent<rtcIntersect16>(lanes.valid, impl_->root, static_cast<RTCRayHit16*>(rays));
+  else if constexpr (K == 8)
+    intersect_coherent<rtcIntersect8>(lanes.valid, impl_->root, static_cast<RTCRayHit8*>(rays));
+  else
+    intersect_coherent<rtcIntersect4>(lanes.valid, impl_->root, static_cast<RTCRayHit4*>(rays));
+  if (!impl_->top) return;
+  const auto fixed_count = static_cast<std::uint32_t>(impl_->model.fixed_count());
+  for (int i = 0; i < K; ++i)
+    if (packet.hit.geometry[i] != kNothing && packet.hit.instance[i] != kFixedInstance)
+      packet.hit.geometry[i] = fixed_count + packet.hit.instance[i] - (kFixedInstance + 1);
+}
+
+template <int K>
+void RayScene::occluded(const Lanes<K>& lanes, RayPacket<K>& packet) const {
+  void* const rays = &packet;
+  if constexpr (K == 16)
+    occluded_coherent<rtcOccluded16>(lanes.valid, impl_->root, static_cast<RTCRay16*>(rays));
+  else if constexpr (K == 8)
+    occluded_coherent<rtcOccluded8>(lanes.valid, impl_->root, static_cast<RTCRay8*>(rays));
+  else
+    occluded_coherent<rtcOccluded4>(lanes.valid, impl_->root, static_cast<RTCRay4*>(rays));
+}
+
+template void RayScene::intersect<4>(const Lanes<4>&, RayHitPacket<4>&) const;
+template void RayScene::intersect<8>(const Lanes<8>&, RayHitPacket<8>&) const;
+template void RayScene::intersect<16>(const Lanes<16>&, RayHitPacket<16>&) const;
+template void RayScene::occluded<4>(const Lanes<4>&, RayPacket<4>&) const;
+template void RayScene::occluded<8>(const Lanes<8>&, RayPacket<8>&) const;
+template void RayScene::occluded<16>(const Lanes<16>&, RayPacket<16>&) const;
+
+}  // namespace farshade

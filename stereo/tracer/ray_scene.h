@@ -1,0 +1,47 @@
+/// RayScene: a SurfaceModel made traversable. Its .cpp is the one file that names Embree (3 or 4).
+///
+/// What is fixed lies in one scene of high build quality. If nothing moves, that is all there is; else a top
+/// level holds it and each moving patch as instances, and is rebuilt when they are placed anew. Traversal is
+/// robust (watertight); filters sit only on geometries whose material needs them.
+#pragma once
+
+#include <memory>
+
+#include "stereo/base/expected.h"
+#include "stereo/tracer/ray_packet.h"
+#include "stereo/tracer/surface_model.h"
+
+namespace farshade {
+
+class RayScene {
+ public:
+  /// Refers to `model`, which must stay where it is.
+  /// Refuses (Fault::Unavailable) when the device or its memory is not to be had.
+  [[nodiscard]] static Expected<RayScene> create(const SurfaceModel& model);
+
+  RayScene(RayScene&&) noexcept;
+  RayScene& operator=(RayScene&&) noexcept;
+  ~RayScene();
+
+  /// Takes over the model's placements.
+  void update();
+
+  /// Rays a packet that this machine traces natively: 16, 8 or 4.
+  [[nodiscard]] int width() const;
+
+  /// Nearest seen surface: single-sided materials from behind and holes are passed.
+  /// For K of 4, 8 and 16; coherent packets are expected. A hit's `geometry` becomes the number of its patch.
+  template <int K>
+  void intersect(const Lanes<K>& lanes, RayHitPacket<K>& packet) const;
+
+  /// Sets tfar to -infinity where any surface lies strictly between tnear and tfar. Holes are passed.
+  template <int K>
+  void occluded(const Lanes<K>& lanes, RayPacket<K>& packet) const;
+
+ private:
+  struct Impl;
+  explicit RayScene(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace farshade

@@ -1,0 +1,128 @@
+#include "stereo/tracer/surface_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "stereo/base/check.h"
+
+namespace farshade {
+namespace {
+
+double largest(const glm::dvec3& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+/// Largest row sum of absolute values: how much a matrix can grow the largest coordinate.
+double largest_row_sum(const glm::dmat3& m) {
+  const glm::dmat3 rows = glm::transpose(m);
+  const auto sum = [](const glm::dvec3& r) { return std::abs(r.x) + std::abs(r.y) + std::abs(r.z); };
+  return std::max({sum(rows[0]), sum(rows[1]), sum(rows[2])});
+}
+
+/// Inverse transpose times a positive number; exists for every matrix.
+glm::dmat3 normal_matrix(const glm::dmat3& m) {
+  const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
+  return glm::determinant(m) < 0 ? -cofactors : cofactors;
+}
+
+/// No volume is left that float could tell from none.
+bool is_singular(const glm::dmat3& m) {
+  const double longest = std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])});
+  return !(std::abs(glm::determinant(m)) > 1e-12 * longest * longest * longest);
+}
+
+glm::dvec3 unit_or_zero(const glm::dvec3& v) {
+  const double size = largest(v);
+  return size > 0 ? glm::normalize(v / size) : glm::dvec3(0.0);
+}
+
+/// From the corner opposite to the longest edge, so that a sliver keeps its normal.
+glm::dvec3 facet_normal(const std::array<glm::dvec3, 3>& p) {
+  const std::array<glm::dvec3, 3> edge{p[2] - p[1], p[0] - p[2], p[1] - p[0]};
+  std::size_t longest = 0;
+  for (std::size_t i = 1; i < 3; ++i)
+    if (glm::dot(edge[i], edge[i]) > glm::dot(edge[longest], edge[longest])) longest = i;
+  return unit_or_zero(glm::cross(edge[(longest + 1) % 3], edge[(longest + 2) % 3]));
+}
+
+glm::dvec3 center_of(const Mesh& mesh) {
+  if (mesh.positions.empty()) return glm::dvec3(0.0);
+  glm::vec3 low = mesh.positions.front(), high = low;
+  for (const glm::vec3& p : mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
+  return (glm::dvec3(low) + glm::dvec3(high)) * 0.5;
+}
+
+}  // namespace
+
+SurfaceModel::SurfaceModel(const Scene& scene, const SceneState& state) {
+  check_eq(state.stage_from_object.size(), scene.instances.size(), "a state places every instance");
+  anchor_ = (scene.bounds.low + scene.bounds.high) * 0.5;
+  half_extent_ = largest(scene.bounds.high - anchor_);
+  patches_.reserve(scene.instances.size());
+  for (const bool moving : {false, true}) {
+    for (std::uint32_t i = 0; i < scene.instances.size(); ++i)
+      if (scene.nodes[scene.instances[i].node].moving == moving) add(scene, state, i, moving);
+    if (!moving) fixed_count_ = patches_.size();
+  }
+  positions_.emplace_back(0.0f);
+  place(state);
+}
+
+void SurfaceModel::add(const Scene& scene, const SceneState& state, std::uint32_t instance, bool moving) {
+  const Mesh& mesh = scene.meshes[scene.instances[instance].mesh];
+  const Material& material = scene.materials[mesh.material];
+  const glm::dmat4& stage_from_object = state.stage_from_object[instance].matrix;
+  const glm::dmat3 linear = moving ? glm::dmat3(1.0) : glm::dmat3(stage_from_object);
+  if (is_singular(linear)) return;
+
+  Patch patch{.instance = instance,
+              .first_triangle = narrow<std::uint32_t>(triangles_.size()),
+              .triangle_count = narrow<std::uint32_t>(mesh.triangles.size()),
+              .first_vertex = narrow<std::uint32_t>(positions_.size()),
+              .double_sided = material.double_sided,
+              .moving = moving};
+  if (material.alpha_cutoff) patch.holes.emplace(scene, mesh);
+  if (moving) patch.object_center = center_of(mesh);
+
+  const glm::dvec3 shift = moving ? -patch.object_center : glm::dvec3(stage_from_object[3]) - anchor_;
+  const auto placed = [&](std::uint32_t vertex) {
+    return linear * glm::dvec3(mesh.positions[vertex]) + shift;
+  };
+  const glm::dmat3 normal_from_object = normal_matrix(linear);
+  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+    positions_.emplace_back(placed(v));
+    normals_.emplace_back(unit_or_zero(normal_from_object * glm::dvec3(mesh.normals[v])));
+  }
+  const bool mirrored = glm::determinant(linear) < 0;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::uvec3 wound = mirrored ? glm::uvec3(t.x, t.z, t.y) : t;
+    const std::array<glm::dvec3, 3> p{placed(wound.x), placed(wound.y), placed(wound.z)};
+    const double reach = std::max({largest(p[0]), largest(p[1]), largest(p[2])});
+    triangles_.push_back(wound + patch.first_vertex);
+    facets_.push_back({glm::vec3(facet_normal(p)), static_cast<float>(reach)});
+    patch.object_reach = std::max(patch.object_reach, reach);
+  }
+  patches_.push_back(std::move(patch));
+}
+
+void SurfaceModel::place(const SceneState& state) {
+  for (Patch& patch : std::span(patches_).subspan(fixed_count_)) {
+    const glm::dmat4& m = state.stage_from_object[patch.instance].matrix;
+    const glm::dmat3 linear(m);
+    const glm::dvec3 translation = linear * patch.object_center + glm::dvec3(m[3]) - anchor_;
+    Placement& placement = patch.placement;
+    placement.linear = glm::mat3(linear);
+    placement.translation = glm::vec3(translation);
+    placement.normal = glm::mat3(normal_matrix(linear / std::max(largest_row_sum(linear), 1e-300)));
+    placement.singular = is_singular(linear);
+    if (placement.singular) continue;
+    // A ray is carried to object space and back by float matrices: their condition multiplies its errors.
+    const double grown = largest_row_sum(linear) * patch.object_reach + largest(translation);
+    const double condition = largest_row_sum(linear) * largest_row_sum(glm::inverse(linear));
+    placement.reach = static_cast<float>(2.0 * condition * grown);
+  }
+}
+
+}  // namespace farshade

@@ -1,0 +1,79 @@
+/// SurfaceModel: the scene's triangles as the tracer meets them.
+///
+/// What never moves is baked: positions in float relative to the scene's anchor (its centre, in double), so
+/// that a scene far from the origin keeps its precision. What moves stays in object space about its mesh's
+/// centre and is placed by a transform a frame. Triangles are wound so that their counter-clockwise side is
+/// the seen one whatever the sign of the transform's determinant.
+#pragma once
+
+#include <glm/mat3x3.hpp>
+#include <optional>
+#include <span>
+
+#include "stereo/scene/scene_state.h"
+#include "stereo/tracer/hole_test.h"
+
+namespace farshade {
+
+/// `reach`: largest absolute coordinate of the triangle's vertices, what its rounding errors are measured by.
+struct Facet {
+  glm::vec3 normal{0.0f};  ///< unit, towards the counter-clockwise side; zero where the triangle has no area
+  float reach = 0;
+};
+
+/// Where a moving patch is, anchor-relative.
+struct Placement {
+  glm::mat3 linear{1.0f};
+  glm::vec3 translation{0.0f};
+  glm::mat3 normal{1.0f};  ///< inverse transpose up to a positive factor
+  float reach = 0;         ///< as Facet::reach for all of its triangles, errors of the transform included
+  bool singular = false;   ///< flattened to nothing: not there
+};
+
+/// One instance's triangles.
+struct Patch {
+  std::uint32_t instance = 0;  ///< into Scene::instances
+  std::uint32_t first_triangle = 0, triangle_count = 0, first_vertex = 0;
+  bool double_sided = false;
+  bool moving = false;
+  glm::dvec3 object_center{0.0};                 ///< moving only: what the vertices are relative to
+  double object_reach = 0;                       ///< moving only: largest absolute coordinate of its vertices
+  std::optional<HoleTest> holes = std::nullopt;  ///< only where the material needs it
+  Placement placement = {};                      ///< moving only
+};
+
+class SurfaceModel {
+ public:
+  /// Refers to `scene`. Instances whose transform in `state` is singular and that never move are left out.
+  SurfaceModel(const Scene& scene, const SceneState& state);
+
+  /// Moves what moves. Patches keep their addresses.
+  void place(const SceneState& state);
+
+  [[nodiscard]] const glm::dvec3& anchor() const { return anchor_; }
+  /// Largest absolute anchor-relative coordinate of the scene's bounds.
+  [[nodiscard]] double half_extent() const { return half_extent_; }
+
+  [[nodiscard]] std::span<const Patch> patches() const { return patches_; }
+  [[nodiscard]] std::size_t fixed_count() const { return fixed_count_; }  ///< these come first in patches()
+
+  /// All vertices with one unused one at the end (Embree loads 16 bytes), normals (any length), and vertex
+  /// numbers.
+  [[nodiscard]] std::span<const glm::vec3> positions() const { return positions_; }
+  [[nodiscard]] std::span<const glm::vec3> normals() const { return normals_; }
+  [[nodiscard]] std::span<const glm::uvec3> triangles() const { return triangles_; }
+  [[nodiscard]] std::span<const Facet> facets() const { return facets_; }
+
+ private:
+  void add(const Scene& scene, const SceneState& state, std::uint32_t instance, bool moving);
+
+  glm::dvec3 anchor_{0.0};
+  double half_extent_ = 0;
+  std::vector<Patch> patches_;
+  std::size_t fixed_count_ = 0;
+  std::vector<glm::vec3> positions_, normals_;
+  std::vector<glm::uvec3> triangles_;
+  std::vector<Facet> facets_;
+};
+
+}  // namespace farshade

@@ -1,0 +1,252 @@
+/// The two stages of a 16x16 tile, on buffers that stay in the first-level cache between them.
+///
+/// see_tile finds the nearest surface of each pixel; shadow_tile asks for one light which of those surfaces
+/// it reaches. Pixels are kept in 4x4 blocks, so that the 16 rays of a packet stay close to each other.
+///
+/// A shadow ray's offset is counted in units in the last place, after C. Waechter and N. Binder, "A fast and
+/// robust method for avoiding self-intersection", Ray Tracing Gems I, chapter 6, but of the largest
+/// coordinate M that takes part, and its count is derived. With u = 2^-24, distances to the surface's plane
+/// are wrong by at most:
+///   barycentric sum of the hit point   2uM (weights do not sum to 1) + 3uM a coordinate, times sqrt 3:  8.7
+///   uM adding the offset                                                     1 uM a
+///   coordinate:            1.7 uM Embree: vertices minus origin, |v - o| <= 2M a coordinate, rounded: 3.5 uM
+///   Embree: dot of that with the normal, 3 roundings of 2 sqrt 3 M:                                    10.4
+///   uM Embree: its normal, from edges of such vertices (4uM) and a cross product, well-shaped triangle:   10
+///   uM
+/// Together 35 uM; 64 uM leaves room for triangles whose height is a few times smaller than their longest
+/// edge. So a thing closer than 2^-18 of the largest coordinate to a surface may fail to cast on it.
+///
+/// Which end a ray starts at: packets that share their origin at the light are traversed faster, but then the
+/// light's coordinates count into M. Lights within the scene's extent (twice its bounds) cost no more than
+/// the scene's own rounding does, and start the ray; farther and directional lights are where it ends.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "stereo/frame/tiles.h"
+#include "stereo/frame/view.h"
+#include "stereo/tracer/ray_scene.h"
+
+namespace farshade {
+
+inline constexpr int kTilePixels = static_cast<int>(kTileSide_px * kTileSide_px);
+
+/// Place in the tile of its pixels in block order.
+struct TilePixel {
+  std::uint8_t x, y;
+};
+inline constexpr std::array<TilePixel, kTilePixels> kTileOrder = [] {
+  std::array<TilePixel, kTilePixels> order{};
+  for (int i = 0; i < kTilePixels; ++i) {
+    const int block = i / 16, lane = i % 16;
+    order[static_cast<std::size_t>(i)] = {static_cast<std::uint8_t>(block % 4 * 4 + lane % 4),
+                                          static_cast<std::uint8_t>(block / 4 * 4 + lane / 4)};
+  }
+  return order;
+}();
+
+/// What the pixels of one tile see, in block order, anchor-relative. Normals have any length, are turned as
+/// the definition in tracer.h says, and are zero where nothing is covered.
+struct alignas(64) TileSurface {
+  float px[kTilePixels], py[kTilePixels], pz[kTilePixels];
+  float nx[kTilePixels], ny[kTilePixels], nz[kTilePixels];  ///< shading normal
+  float gx[kTilePixels], gy[kTilePixels], gz[kTilePixels];  ///< geometric normal, unit
+  float reach[kTilePixels];                                 ///< Facet::reach
+  std::uint32_t covered = 0;                                ///< pixels
+};
+
+/// Primary rays of a view: origin, and direction = corner + x across + y down for pixel position (x, y).
+struct ViewRays {
+  glm::vec3 origin;
+  glm::dvec3 corner, across, down;
+};
+
+inline ViewRays rays_of(const View& view, const glm::dvec3& anchor) {
+  const EyeWindow window = window_of(view.fov);
+  const auto stage_ray = [&](double x, double y) {
+    return view.stage_from_eye(Vector<Eye>{pixel_ray(window, view.size, {x, y})}).v;
+  };
+  const glm::dvec3 corner = stage_ray(0, 0);
+  return {glm::vec3(view.stage_from_eye.translation - anchor), corner, stage_ray(1, 0) - corner,
+          stage_ray(0, 1) - corner};
+}
+
+/// A light as shadow rays need it.
+struct ShadowLight {
+  LightKind kind = LightKind::Point;
+  bool starts_ray = false;    ///< the rule above
+  glm::vec3 position{0.0f};   ///< anchor-relative
+  glm::vec3 direction{0.0f};  ///< unit, the way the light travels
+  float reach = 0;            ///< largest absolute coordinate of position
+  float range = kFar;         ///< metres
+  float cos_outer = -2;       ///< below -1: no cone
+};
+
+inline ShadowLight shadow_light(const Light& light, const SurfaceModel& model) {
+  const glm::dvec3 position = light.position.v - model.anchor();
+  const double reach = std::max({std::abs(position.x), std::abs(position.y), std::abs(position.z)});
+  ShadowLight result{.kind = light.kind, .direction = glm::vec3(light.direction.v)};
+  if (light.kind == LightKind::Directional) return result;
+  result.starts_ray = reach <= 2 * model.half_extent();
+  result.position = glm::vec3(position);
+  result.reach = static_cast<float>(reach);
+  if (light.range_m > 0) result.range = light.range_m;
+  if (light.kind == LightKind::Spot) result.cos_outer = std::cos(light.outer_cone_rad);
+  return result;
+}
+
+/// One lane's hit, carried into `out` at `at`.
+inline void resolve_hit(const SurfaceModel& model, std::uint32_t patch_number, std::uint32_t primitive,
+                        float u, float v, const glm::vec3& ray, TileSurface& out, int at) {
+  const Patch& patch = model.patches()[patch_number];
+  const std::size_t number = patch.first_triangle + primitive;
+  const glm::uvec3& t = model.triangles()[number];
+  const Facet& facet = model.facets()[number];
+  const float w = 1.0f - u - v;
+  const auto mix = [&](std::span<const glm::vec3> of) { return of[t.x] * w + of[t.y] * u + of[t.z] * v; };
+  glm::vec3 p = mix(model.positions()), n = mix(model.normals()), g = facet.normal;
+  float reach = facet.reach;
+  if (patch.moving) {
+    const Placement& placement = patch.placement;
+    p = placement.linear * p + placement.translation;
+    n = placement.normal * n;
+    g = placement.normal * g;
+    const float length = glm::length(g);
+    if (length > 0) g /= length;
+    reach = placement.reach;
+  }
+  if (patch.double_sided && glm::dot(ray, g) > 0) n = -n, g = -g;
+  out.px[at] = p.x, out.py[at] = p.y, out.pz[at] = p.z;
+  out.nx[at] = n.x, out.ny[at] = n.y, out.nz[at] = n.z;
+  out.gx[at] = g.x, out.gy[at] = g.y, out.gz[at] = g.z;
+  out.reach[at] = reach;
+}
+
+inline void resolve_miss(TileSurface& out, int at) {
+  out.px[at] = out.py[at] = out.pz[at] = out.reach[at] = 0;
+  out.nx[at] = out.ny[at] = out.nz[at] = 0;
+  out.gx[at] = out.gy[at] = out.gz[at] = 0;
+}
+
+/// Primary rays through the pixel centres of `rect`.
+template <int K>
+void see_tile(const RayScene& scene, const SurfaceModel& model, const ViewRays& view, const TileRect& rect,
+              TileSurface& out) {
+  const glm::vec3 corner(view.corner + view.across * (rect.x0 + 0.5) + view.down * (rect.y0 + 0.5));
+  const glm::vec3 across(view.across), down(view.down);
+  const std::uint32_t width = rect.x1 - rect.x0, height = rect.y1 - rect.y0;
+  RayHitPacket<K> packet;
+  set_constants(packet.ray);
+  out.covered = 0;
+  for (int first = 0; first < kTilePixels; first += K) {
+    Lanes<K> lanes;
+    RayPacket<K>& ray = packet.ray;
+    for (int i = 0; i < K; ++i) {
+      const TilePixel pixel = kTileOrder[static_cast<std::size_t>(first + i)];
+      const float x = pixel.x, y = pixel.y;
+      lanes.valid[i] = (pixel.x < width) & (pixel.y < height) ? -1 : 0;
+      ray.org_x[i] = view.origin.x, ray.org_y[i] = view.origin.y, ray.org_z[i] = view.origin.z;
+      ray.dir_x[i] = corner.x + across.x * x + down.x * y;
+      ray.dir_y[i] = corner.y + across.y * x + down.y * y;
+      ray.dir_z[i] = corner.z + across.z * x + down.z * y;
+      ray.tnear[i] = 0;
+      ray.tfar[i] = kFar;
+    }
+    scene.intersect(lanes, packet);
+    for (int i = 0; i < K; ++i) {
+      const HitPacket<K>& hit = packet.hit;
+      if (hit.geometry[i] == kNothing) {
+        resolve_miss(out, first + i);
+        continue;
+      }
+      ++out.covered;
+      resolve_hit(model, hit.geometry[i], hit.primitive[i], hit.u[i], hit.v[i],
+                  {ray.dir_x[i], ray.dir_y[i], ray.dir_z[i]}, out, first + i);
+    }
+  }
+}
+
+/// Vector from each surface to the light, and whether it can matter there at all: it faces both normals, and
+/// range and cone include it. Returns whether any does.
+template <int K>
+bool face_light(const TileSurface& s, int first, const ShadowLight& light, RayPacket<K>& to_light,
+                float (&distance)[K], Lanes<K>& lanes) {
+  const bool directional = light.kind == LightKind::Directional;
+  std::int32_t any = 0;
+  for (int i = 0; i < K; ++i) {
+    const int at = first + i;
+    const float x = directional ? -light.direction.x : light.position.x - s.px[at];
+    const float y = directional ? -light.direction.y : light.position.y - s.py[at];
+    const float z = directional ? -light.direction.z : light.position.z - s.pz[at];
+    const float d = std::sqrt(x * x + y * y + z * z);
+    const float along = -(x * light.direction.x + y * light.direction.y + z * light.direction.z);
+    const bool faces =
+        (s.nx[at] * x + s.ny[at] * y + s.nz[at] * z > 0) & (s.gx[at] * x + s.gy[at] * y + s.gz[at] * z > 0);
+    const bool reaches = (d < light.range) & (along > light.cos_outer * d);
+    lanes.valid[i] = -static_cast<std::int32_t>(faces & reaches);
+    any |= lanes.valid[i];
+    to_light.dir_x[i] = x, to_light.dir_y[i] = y, to_light.dir_z[i] = z;
+    distance[i] = d;
+  }
+  return any != 0;
+}
+
+/// Turns vectors to the light into rays: from the light to the offset surface point, from that point to the
+/// light, or from it without end.
+template <int K>
+void aim(const TileSurface& s, int first, const ShadowLight& light, const float (&distance)[K],
+         RayPacket<K>& ray) {
+  constexpr float kUnits = 64.0f / (1 << 24);
+  const bool directional = light.kind == LightKind::Directional;
+  for (int i = 0; i < K; ++i) {
+    const int at = first + i;
+    const float free_at_light = kUnits * (s.reach[at] + light.reach);
+    const float free = light.starts_ray ? free_at_light : kUnits * s.reach[at];
+    const float x = s.px[at] + s.gx[at] * free;
+    const float y = s.py[at] + s.gy[at] * free;
+    const float z = s.pz[at] + s.gz[at] * free;
+    const float skipped = free_at_light / distance[i];
+    if (light.starts_ray) {
+      ray.org_x[i] = light.position.x, ray.org_y[i] = light.position.y, ray.org_z[i] = light.position.z;
+      ray.dir_x[i] = x - light.position.x, ray.dir_y[i] = y - light.position.y,
+      ray.dir_z[i] = z - light.position.z;
+      ray.tnear[i] = skipped;
+      ray.tfar[i] = 1;
+    } else {
+      ray.org_x[i] = x, ray.org_y[i] = y, ray.org_z[i] = z;
+      if (!directional) {
+        ray.dir_x[i] = light.position.x - x, ray.dir_y[i] = light.position.y - y,
+        ray.dir_z[i] = light.position.z - z;
+      }
+      ray.tnear[i] = 0;
+      ray.tfar[i] = directional ? kFar : std::fmax(1.0f - skipped, 0.0f);
+    }
+  }
+}
+
+/// Sets `bit` in the words of the pixels that `light` reaches. `occluded(lanes, packet)` traces.
+/// Returns the number of rays.
+template <int K, class Occluded>
+std::uint64_t shadow_tile(const TileSurface& surface, const ShadowLight& light, std::uint32_t bit,
+                          std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {
+  RayPacket<K> ray;
+  set_constants(ray);
+  std::uint64_t rays = 0;
+  for (int first = 0; first < kTilePixels; first += K) {
+    Lanes<K> lanes;
+    alignas(4 * K) float distance[K];
+    if (!face_light(surface, first, light, ray, distance, lanes)) continue;
+    aim(surface, first, light, distance, ray);
+    occluded(lanes, ray);
+    for (int i = 0; i < K; ++i) {
+      words[first + i] |= (lanes.valid[i] != 0) & (ray.tfar[i] >= 0) ? bit : 0u;
+      rays += static_cast<std::uint64_t>(-lanes.valid[i]);
+    }
+  }
+  return rays;
+}
+
+}  // namespace farshade

@@ -1,0 +1,166 @@
+#include "stereo/tracer/tracer.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <cstring>
+
+#include "stereo/base/check.h"
+#include "stereo/tracer/tile_stages.h"
+
+namespace farshade {
+namespace {
+
+/// Sums over tiles; times are of all cores together.
+struct TileSums {
+  Duration primary{}, shadow{};
+  std::uint64_t primary_rays = 0, shadow_rays = 0, covered = 0;
+
+  TileSums& operator+=(const TileSums& b) {
+    primary += b.primary, shadow += b.shadow;
+    primary_rays += b.primary_rays, shadow_rays += b.shadow_rays, covered += b.covered;
+    return *this;
+  }
+};
+
+template <class Word>
+void write_words(const std::uint32_t (&words)[kTilePixels], const TileRect& rect, Extent size,
+                 std::byte* plane) {
+  for (std::size_t i = 0; i < kTilePixels; ++i) {
+    const std::size_t x = rect.x0 + kTileOrder[i].x, y = rect.y0 + kTileOrder[i].y;
+    if (x >= rect.x1 || y >= rect.y1) continue;
+    const auto word = static_cast<Word>(words[i]);
+    std::memcpy(plane + (y * size.width + x) * sizeof(Word), &word, sizeof word);
+  }
+}
+
+void write_plane(const std::uint32_t (&words)[kTilePixels], const TileRect& rect, std::uint32_t plane,
+                 EyeMask& mask) {
+  const std::size_t word_bytes = mask.layout().word_bytes();
+  std::byte* const start = mask.bytes().data() + plane * mask.size().pixels() * word_bytes;
+  if (word_bytes == 1) write_words<std::uint8_t>(words, rect, mask.size(), start);
+  if (word_bytes == 2) write_words<std::uint16_t>(words, rect, mask.size(), start);
+  if (word_bytes == 4) write_words<std::uint32_t>(words, rect, mask.size(), start);
+}
+
+}  // namespace
+
+struct Tracer::Impl {
+  const Scene& scene;
+  SceneState state;
+  SurfaceModel model;
+  std::optional<RayScene> rays;
+  std::vector<ShadowLight> lights;  ///< reused
+
+  explicit Impl(const Scene& traced) : scene(traced), state(state_at(scene, Time{})), model(scene, state) {}
+
+  void advance_to(Time scene_time);
+  template <int K>
+  TileSums trace_tile(const ViewRays& view, const TileRect& rect, EyeMask& mask) const;
+  template <int K>
+  TileSums trace_views(const StereoView& views, std::size_t eyes, PerEye<EyeMask>& masks) const;
+};
+
+void Tracer::Impl::advance_to(Time scene_time) {
+  if (scene.animation_length_s > 0 && scene_time != state.scene_time) {
+    state = state_at(scene, scene_time);
+    state.scene_time = scene_time;
+    if (model.fixed_count() < model.patches().size()) {
+      model.place(state);
+      rays->update();
+    }
+  }
+  lights.clear();
+  for (const Light& light : state.light_set.lights) lights.push_back(shadow_light(light, model));
+}
+
+template <int K>
+TileSums Tracer::Impl::trace_tile(const ViewRays& view, const TileRect& rect, EyeMask& mask) const {
+  const auto occluded = [this](const Lanes<K>& lanes, RayPacket<K>& packet) {
+    rays->occluded(lanes, packet);
+  };
+  TileSums sums;
+  TileSurface surface;
+  const Stopwatch watch;
+  see_tile<K>(*rays, model, view, rect, surface);
+  sums.primary = watch.elapsed();
+  const MaskLayout layout = mask.layout();
+  for (std::uint32_t plane = 0; plane < layout.planes(); ++plane) {
+    std::uint32_t words[kTilePixels]{};
+    for (std::uint32_t bit = 0; surface.covered > 0 && bit < layout.lights_in(plane); ++bit)
+      sums.shadow_rays += shadow_tile<K>(surface, lights[plane * 32 + bit], 1u << bit, words, occluded);
+    write_plane(words, rect, plane, mask);
+  }
+  sums.shadow = watch.elapsed() - sums.primary;
+  sums.primary_rays = std::uint64_t{rect.x1 - rect.x0} * (rect.y1 - rect.y0);
+  sums.covered = surface.covered;
+  return sums;
+}
+
+/// Tiles of all eyes are one range, so that no core waits between them.
+template <int K>
+TileSums Tracer::Impl::trace_views(const StereoView& views, std::size_t eyes, PerEye<EyeMask>& masks) const {
+  const PerEye<ViewRays> view_rays{rays_of(views[0], model.anchor()), rays_of(views[1], model.anchor())};
+  const PerEye<TileGrid> grids{TileGrid{views[0].size}, TileGrid{views[1].size}};
+  const std::uint32_t left = grids[0].count(), all = eyes == 1 ? left : left + grids[1].count();
+  constexpr std::uint32_t kGrain = 8;
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::uint32_t>(0, all, kGrain), TileSums{},
+      [&](const tbb::blocked_range<std::uint32_t>& range, TileSums sums) {
+        for (std::uint32_t tile = range.begin(); tile < range.end(); ++tile) {
+          const std::size_t eye = tile < left ? 0 : 1;
+          sums += trace_tile<K>(view_rays[eye], grids[eye].rect(eye == 0 ? tile : tile - left), masks[eye]);
+        }
+        return sums;
+      },
+      [](TileSums a, const TileSums& b) { return a += b; });
+}
+
+Expected<Tracer> Tracer::create(const Scene& scene) {
+  auto impl = std::make_unique<Impl>(scene);
+  auto rays = RayScene::create(impl->model);
+  if (!rays) return tl::unexpected(rays.error());
+  impl->rays.emplace(std::move(*rays));
+  return Tracer(std::move(impl));
+}
+
+Tracer::Tracer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Tracer::Tracer(Tracer&&) noexcept = default;
+Tracer& Tracer::operator=(Tracer&&) noexcept = default;
+Tracer::~Tracer() = default;
+
+TraceStats Tracer::trace(const TraceRequest& request, ShadowFrame& frame) {
+  for (const View& view : request.views) check(is_valid(view), "a traced view is valid");
+  impl_->advance_to(request.scene_time);
+  frame.frame = request.frame;
+  frame.light_set_revision = impl_->state.light_set.revision;
+  frame.views = request.views;
+  const auto light_count = narrow<std::uint32_t>(impl_->lights.size());
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    EyeMask& mask = frame.masks[eye];
+    if (mask.size() != request.views[eye].size || mask.lights() != light_count)
+      mask = EyeMask(request.views[eye].size, light_count);
+  }
+  if (light_count == 0) return {};
+
+  const bool same = request.views[0] == request.views[1];
+  const Stopwatch watch;
+  const std::size_t eyes = same ? 1 : kEyes;
+  const int width = impl_->rays->width();
+  const TileSums sums = width == 16  ? impl_->trace_views<16>(request.views, eyes, frame.masks)
+                        : width == 8 ? impl_->trace_views<8>(request.views, eyes, frame.masks)
+                                     : impl_->trace_views<4>(request.views, eyes, frame.masks);
+  if (same) frame.masks[1] = frame.masks[0];
+
+  const Duration wall = watch.elapsed();
+  const double share = static_cast<double>(sums.primary.count()) /
+                       static_cast<double>(std::max<std::int64_t>((sums.primary + sums.shadow).count(), 1));
+  const Duration primary(static_cast<std::int64_t>(share * static_cast<double>(wall.count())));
+  return {.primary = primary,
+          .shadow = wall - primary,
+          .primary_rays = sums.primary_rays,
+          .shadow_rays = sums.shadow_rays,
+          .full_shadow_rays = sums.covered * light_count * (same ? 2 : 1)};
+}
+
+}  // namespace farshade
