@@ -97,7 +97,7 @@ bool fields(auto& io, Either<Refusal> auto& refusal) {
 
 bool fields(auto& io, Either<Slice> auto& slice) {
   return io.u32(slice.frame.value) && io.u32(slice.light_set_revision) && io.code(slice.eye) &&
-         fields(io, slice.size) && io.u16(slice.lights) && io.u32(slice.first_tile) &&
+         fields(io, slice.size) && io.u16(slice.lights) && io.u8(slice.plane) && io.u32(slice.first_tile) &&
          io.u16(slice.tile_count) && io.rest(slice.block);
 }
 
@@ -154,7 +154,8 @@ Verdict verdict(const Slice& slice) {
   const auto side_fits = [](std::uint32_t side) { return side >= 1 && side <= kMaxViewSide_px; };
   if (slice.eye != Side::Left && slice.eye != Side::Right) return WireRefusal::Code;
   if (!side_fits(slice.size.width) || !side_fits(slice.size.height)) return WireRefusal::MaskSize;
-  if (slice.lights > kMaxLights) return WireRefusal::Lights;
+  if (slice.lights > kMaxLights || slice.plane >= MaskLayout{slice.lights}.planes())
+    return WireRefusal::Lights;
   const std::uint32_t tiles = TileGrid{slice.size}.count();
   if (slice.tile_count == 0 || slice.first_tile >= tiles || slice.tile_count > tiles - slice.first_tile)
     return WireRefusal::TileRange;

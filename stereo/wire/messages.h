@@ -68,13 +68,15 @@ struct Refusal {
   friend bool operator==(const Refusal&, const Refusal&) = default;
 };
 
-/// A run of tiles of one eye's mask that decodes without any other slice (slice.h packs and opens it).
+/// A run of tiles of one plane of one eye's mask; decodes without any other slice (slice.h packs and opens
+/// it).
 struct Slice {
   FrameId frame;
   std::uint32_t light_set_revision = 0;
   Side eye = Side::Left;
   Extent size;                       ///< of the whole mask
   std::uint32_t lights = 0;          ///< of the whole mask
+  std::uint32_t plane = 0;           ///< it tells lights 32 * plane and up, as MaskLayout has them
   std::uint32_t first_tile = 0;      ///< in TileGrid{size}
   std::uint32_t tile_count = 0;      ///< 1 or more, first_tile + tile_count within the grid
   std::span<const std::byte> block;  ///< LZ4; a view into the datagram or the packer, owned by neither
@@ -92,6 +94,10 @@ struct FrameReport {
   std::uint32_t superseded = 0;          ///< requests dropped so far because a newer one came
   friend bool operator==(const FrameReport&, const FrameReport&) = default;
 };
+
+/// Bytes of a slice's datagram before its block.
+inline constexpr std::size_t kSliceHeader_bytes = 29;
+inline constexpr std::size_t kMaxBlock_bytes = kMaxDatagram_bytes - kSliceHeader_bytes;
 
 using ServerMessage = std::variant<Welcome, Refusal, Slice, FrameReport>;
 

@@ -21,14 +21,14 @@ enum class WireRefusal : std::uint8_t {
   TimeRange,      ///< a time or duration out of range
   FrameOrder,     ///< a request says that it holds a frame it has not yet asked for
   Code,           ///< an enumeration, flag or reserved byte holds what it may not
-  Lights,         ///< more than kMaxLights
+  Lights,         ///< more than kMaxLights, or a plane beyond them
   MaskSize,       ///< a side of 0 or more than kMaxViewSide_px
   TileRange,      ///< no tiles, or tiles outside the grid
   TrailingBytes,  ///< bytes after the last field
   Block,          ///< not an LZ4 block, or one that opens to more than a slice may hold
   TileCoding,     ///< a tile coding this version does not know
   TileLength,     ///< tile bytes that are more or fewer than their codings need
-  TileBits,       ///< bits where there is no light or no pixel
+  TileBits,       ///< bits where there is no light
   OtherMask,      ///< a valid slice of a mask with another size or light count than the one to be filled
 };
 inline constexpr std::size_t kWireRefusals = 18;

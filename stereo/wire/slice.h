@@ -1,0 +1,61 @@
+/// Slices: the tiles of a mask, packed into datagrams that each decode alone.
+///
+/// Tiles are written one after the other (tile_codec.h); LZ4 fills each datagram with as many whole ones as
+/// it holds (LZ4_compress_destSize). A datagram that is lost leaves its tiles unknown and nothing else.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "stereo/frame/shadow_frame.h"
+#include "stereo/wire/messages.h"
+
+namespace farshade {
+
+/// What a slice's block opens to at most; bounds the decoder's memory.
+inline constexpr std::size_t kMaxSliceOpened_bytes = 16384;
+
+/// Packs eye after eye; keeps its buffers, so that packing allocates nothing once warm.
+///
+///     packer.start(frame, eye);
+///     while (const std::optional<Slice> slice = packer.next()) send(*slice);
+class SlicePacker {
+ public:
+  /// Packs `eye` of `frame`, which must stay as it is until the last slice was made. `sent` has one entry a
+  /// tile, 0 = not to be sent; empty: all are sent.
+  void start(const ShadowFrame& frame, Side eye, std::span<const std::uint8_t> sent = {});
+
+  /// The next slice, or none after the last. Its block lives here, until the next call.
+  [[nodiscard]] std::optional<Slice> next();
+
+ private:
+  struct Fit {
+    std::uint32_t tiles;
+    std::size_t block_bytes;
+  };
+  void write_ahead();
+  Fit compress();
+  std::size_t written_bytes(std::uint32_t tiles) const { return tiles == 0 ? 0 : tile_ends_[tiles - 1]; }
+
+  const EyeMask* mask_ = nullptr;
+  std::span<const std::uint8_t> sent_;
+  Slice slice_;                         ///< what all slices of this eye share, and where the next one starts
+  std::vector<std::byte> written_;      ///< tiles from slice_.first_tile on
+  std::vector<std::size_t> tile_ends_;  ///< where each of them ends in written_
+  std::array<std::byte, kMaxBlock_bytes> block_;
+};
+
+/// Which tiles of a mask some slice has told: one byte (0 or 1) a tile and plane, tiles in order, planes in
+/// turn.
+using KnownTiles = std::vector<std::uint8_t>;
+[[nodiscard]] KnownTiles no_known_tiles(const EyeMask& mask);
+
+/// Writes the slice's tiles into `mask` and marks them in `known`, which belongs to it; returns how many they
+/// were. Refuses a slice for a mask of another size or light count, and every block that is not exactly the
+/// tiles it claims. Then, and for tiles not sent, mask and known stay as they were.
+[[nodiscard]] Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, EyeMask& mask, KnownTiles& known);
+
+}  // namespace farshade
