@@ -33,6 +33,7 @@ endfunction()
 
 # farshade_test(NAME SOURCES a_test.cpp ... DEPENDS lib ... [LABEL unit])
 # One gtest program; every case in it is one CTest test. Tests may use FARSHADE_ASSETS (bundled assets).
+# The target tests_LABEL builds all programs of that label.
 function(farshade_test name)
   cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;DEPENDS" ${ARGN})
   if(NOT ARG_LABEL)
@@ -47,6 +48,10 @@ function(farshade_test name)
     FARSHADE_ASSETS="${PROJECT_SOURCE_DIR}/assets"
     FARSHADE_SOURCE="${PROJECT_SOURCE_DIR}"
     FARSHADE_BINARY="${PROJECT_BINARY_DIR}")
+  if(NOT TARGET tests_${ARG_LABEL})
+    add_custom_target(tests_${ARG_LABEL})
+  endif()
+  add_dependencies(tests_${ARG_LABEL} ${name})
   include(GoogleTest)
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT})
 endfunction()
