@@ -11,24 +11,26 @@ vk::raii::ShaderModule make_shader(const Device& device, std::span<const std::ui
   return shader;
 }
 
-Bindings make_bindings(const Device& device, std::vector<BindingKind> kinds, const std::string& name) {
+vk::raii::DescriptorSetLayout make_layout(const Device& device, std::span<const BindingKind> kinds) {
   std::vector<vk::DescriptorSetLayoutBinding> slots;
-  std::vector<vk::DescriptorPoolSize> sizes;
-  for (const BindingKind& kind : kinds) {
+  for (const BindingKind& kind : kinds)
     slots.push_back({.binding = narrow<std::uint32_t>(slots.size()),
                      .descriptorType = kind.type,
                      .descriptorCount = kind.count,
                      .stageFlags = kind.stages});
-    sizes.push_back({.type = kind.type, .descriptorCount = kind.count});
-  }
-  Bindings result;
-  result.layout = device.logical.createDescriptorSetLayout(
+  return device.logical.createDescriptorSetLayout(
       {.bindingCount = narrow<std::uint32_t>(slots.size()), .pBindings = slots.data()});
-  result.pool =
-      device.logical.createDescriptorPool({.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
-                                           .maxSets = 1,
-                                           .poolSizeCount = narrow<std::uint32_t>(sizes.size()),
-                                           .pPoolSizes = sizes.data()});
+}
+
+Bindings make_bindings(const Device& device, std::vector<BindingKind> kinds, const std::string& name) {
+  std::vector<vk::DescriptorPoolSize> sizes;
+  for (const BindingKind& kind : kinds) sizes.push_back({.type = kind.type, .descriptorCount = kind.count});
+  Bindings result;
+  result.layout = make_layout(device, kinds);
+  result.pool = device.logical.createDescriptorPool({.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
+                                                     .maxSets = 1,
+                                                     .poolSizeCount = narrow<std::uint32_t>(sizes.size()),
+                                                     .pPoolSizes = sizes.data()});
   const vk::DescriptorSetLayout layout = *result.layout;
   result.set = std::move(device.logical.allocateDescriptorSets(
       {.descriptorPool = *result.pool, .descriptorSetCount = 1, .pSetLayouts = &layout})[0]);
