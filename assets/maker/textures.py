@@ -1,0 +1,62 @@
+"""Pictures for the room: oak planks that tile, and a leaf cut out by its alpha."""
+
+import math
+import random
+
+from . import png
+
+
+def _noise(rng, columns, rows):
+    """Smooth noise in [0, 1] that repeats at 1 in u and v."""
+    grid = [[rng.random() for _ in range(columns)] for _ in range(rows)]
+
+    def at(u, v):
+        x, y = u * columns, v * rows
+        i, j = math.floor(x), math.floor(y)
+        fx, fy = x - i, y - j
+        fx, fy = fx * fx * (3 - 2 * fx), fy * fy * (3 - 2 * fy)
+        a, b = grid[j % rows], grid[(j + 1) % rows]
+        top = a[i % columns] * (1 - fx) + a[(i + 1) % columns] * fx
+        low = b[i % columns] * (1 - fx) + b[(i + 1) % columns] * fx
+        return top * (1 - fy) + low * fy
+
+    return at
+
+
+def planks(size=512, rows=14):
+    """Oak boards along u, two to a row, each with its own tone and grain; dark joints. 2 m of floor a side."""
+    rng = random.Random(20)
+    streaks, grain, clouds = _noise(rng, 6, 160), _noise(rng, 40, 256), _noise(rng, 5, 24)
+    boards = [[(rng.random(), rng.random(), rng.random()) for _ in range(2)] for _ in range(rows)]
+    starts = [rng.random() for _ in range(rows)]
+
+    def pixel(x, y):
+        u, v = (x + 0.5) / size, (y + 0.5) / size
+        row = int(v * rows)
+        along = (u - starts[row]) % 1.0 * 2
+        tone, du, dv = boards[row][int(along)]
+        across = v * rows - row
+        joint = min(across, 1 - across) * 2 / rows < 0.0028 or min(along % 1, 1 - along % 1) < 0.0028
+        wood = (0.55 * streaks(u + du, v + dv) + 0.25 * grain(u + du, v + dv)
+                + 0.45 * math.sin(22 * clouds(u + du, v + dv)) ** 2 + 1.1 * tone) / 2.35
+        light = 0.36 if joint else 0.72 + 0.42 * wood
+        return tuple(min(255, round(c * light)) for c in (186, 139, 96 - 8 * tone))
+
+    return png.encode([[pixel(x, y) for x in range(size)] for y in range(size)])
+
+
+def leaf(width=64, height=128):
+    """A pointed leaf that fills the picture, stalk at the bottom, veins lighter than the blade."""
+    def pixel(x, y):
+        v = 1 - (y + 0.5) / height
+        u = abs((x + 0.5) / width * 2 - 1)
+        edge = 0.96 * math.sin(math.pi * v ** 0.72) ** 0.8 * (1 + 0.05 * math.sin(v * 60))
+        inside = (edge - u) * width / 2
+        stalk = (0.05 - u) * width / 2 if v < 0.2 else -1.0
+        alpha = round(255 * min(max(max(inside, stalk) + 0.5, 0), 1))
+        rib = max(0.0, 1 - u / 0.05)
+        side = max(0.0, 1 - abs((v * 9 - u * 2.6) % 1 - 0.5) / 0.12) * 0.5
+        shade = 0.82 + 0.18 * v + 0.35 * max(rib, side)
+        return (min(255, round(82 * shade)), min(255, round(134 * shade)), min(255, round(58 * shade)), alpha)
+
+    return png.encode([[pixel(x, y) for x in range(width)] for y in range(height)])
