@@ -93,17 +93,13 @@ SlicePacker::Fit SlicePacker::compress() {
   return {};
 }
 
-KnownTiles no_known_tiles(const EyeMask& mask) {
-  return KnownTiles(std::size_t{mask.layout().planes()} * TileGrid{mask.size()}.count());
-}
-
 Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, EyeMask& mask, KnownTiles& known) {
   if (slice.size != mask.size() || slice.lights != mask.lights()) return refuse(WireRefusal::OtherMask);
   const TileGrid grid{slice.size};
   const MaskLayout layout = mask.layout();
   check(slice.plane < layout.planes() && slice.first_tile + slice.tile_count <= grid.count(),
         "a slice is within its mask");
-  check(known.size() == std::size_t{layout.planes()} * grid.count(), "known tiles are those of the mask");
+  check(known.size() == grid.count(), "known tiles are those of the mask");
 
   std::array<std::byte, kMaxSliceOpened_bytes> opened;
   const int size = LZ4_decompress_safe(chars(slice.block.data()), chars(opened.data()),
@@ -121,14 +117,15 @@ Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, EyeMask& mask, Kno
   if (looked.remaining() > 0) return refuse(WireRefusal::TileLength);
 
   ByteReader in(tiles);
-  std::uint32_t sent = 0;
+  std::uint32_t learned = 0;
   for (std::uint32_t tile = slice.first_tile; tile < slice.first_tile + slice.tile_count; ++tile) {
     if (*read_tile(in, lights, bits) == TileCoding::NotSent) continue;
     merge_tile(bits, grid.rect(tile), slice.plane, mask);
-    known[std::size_t{slice.plane} * grid.count() + tile] = 1;
-    ++sent;
+    const auto plane_bit = static_cast<std::uint8_t>(1u << slice.plane);
+    learned += (known[tile] & plane_bit) == 0;
+    known[tile] |= plane_bit;
   }
-  return sent;
+  return learned;
 }
 
 }  // namespace farshade

@@ -48,14 +48,20 @@ class SlicePacker {
   std::array<std::byte, kMaxBlock_bytes> block_;
 };
 
-/// Which tiles of a mask some slice has told: one byte (0 or 1) a tile and plane, tiles in order, planes in
-/// turn.
+/// What of a mask slices have told: a byte a tile, its bit p = the tile's plane p is known. So a mask of up
+/// to 32 lights has 0 and 1; one of more has all_planes_known() where no plane is missing.
 using KnownTiles = std::vector<std::uint8_t>;
-[[nodiscard]] KnownTiles no_known_tiles(const EyeMask& mask);
+static_assert(MaskLayout{kMaxLights}.planes() <= 8);
 
-/// Writes the slice's tiles into `mask` and marks them in `known`, which belongs to it; returns how many they
-/// were. Refuses a slice for a mask of another size or light count, and every block that is not exactly the
-/// tiles it claims. Then, and for tiles not sent, mask and known stay as they were.
+[[nodiscard]] constexpr std::uint8_t all_planes_known(MaskLayout layout) {
+  return static_cast<std::uint8_t>((1u << layout.planes()) - 1);
+}
+
+/// Writes the slice's tiles into `mask` and marks them in `known` (one entry a tile of the mask). Returns how
+/// many of them were unknown before, planes counted one by one: 0 for a duplicate, TileGrid::count() x
+/// planes() over all slices of a mask. Refuses a slice for a mask of another size or light count, and every
+/// block that is not exactly the tiles it claims. Then, and for tiles not sent, mask and known stay as they
+/// were.
 [[nodiscard]] Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, EyeMask& mask, KnownTiles& known);
 
 }  // namespace farshade
