@@ -1,0 +1,141 @@
+#include "tests/integration/layering.h"
+
+#include <algorithm>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <regex>
+#include <set>
+
+namespace farshade {
+namespace {
+
+namespace fs = std::filesystem;
+using Faults = std::vector<std::string>;
+
+bool is_below(std::string_view path, std::string_view folder) {
+  return path.starts_with(folder) && (path.size() == folder.size() || path[folder.size()] == '/');
+}
+
+const Room* room_of(const House& house, std::string_view path) {
+  const auto at =
+      std::ranges::find_if(house.rooms, [&](const Room& room) { return is_below(path, room.folder); });
+  return at == house.rooms.end() ? nullptr : &*at;
+}
+
+/// All folders that `room` sees, at any remove, without itself unless the arrows lead back.
+std::set<std::string_view> sight_of(const House& house, const Room& room) {
+  std::set<std::string_view> seen;
+  const std::function<void(const Room&)> look = [&](const Room& from) {
+    for (const std::string_view folder : from.sees)
+      if (seen.insert(folder).second)
+        for (const Room& next : house.rooms)
+          if (is_below(next.folder, folder)) look(next);
+  };
+  look(room);
+  return seen;
+}
+
+bool sees(const std::set<std::string_view>& sight, std::string_view path) {
+  return std::ranges::any_of(sight, [&](std::string_view folder) { return is_below(path, folder); });
+}
+
+void find_circling_arrows(const House& house, Faults& found) {
+  for (const Room& room : house.rooms)
+    if (sees(sight_of(house, room), room.folder))
+      found.push_back(std::string(room.folder) + " sees itself in a circle");
+}
+
+void find_forbidden_includes(const House& house, const SourceFile& file, Faults& found) {
+  const Room* room = room_of(house, file.path);
+  if (!room) {
+    found.push_back(file.path + " is in no room");
+    return;
+  }
+  const auto sight = sight_of(house, *room);
+  for (const std::string& include : file.ours) {
+    if (!room_of(house, include) && !is_below(include, house.guests))
+      found.push_back(file.path + " includes \"" + include + "\", which is no path from the root");
+    else if (!is_below(include, room->folder) && !sees(sight, include))
+      found.push_back(file.path + " includes \"" + include + "\", which " + std::string(room->folder) +
+                      " does not see");
+  }
+}
+
+void find_strewn_library(const House& house, const Library& library, const std::vector<SourceFile>& tree,
+                         Faults& found) {
+  std::vector<std::string> users;
+  for (const SourceFile& file : tree) {
+    const bool names =
+        std::ranges::any_of(file.theirs, [&](auto& i) { return i.starts_with(library.prefix); });
+    if (!names || is_below(file.path, house.guests)) continue;
+    users.push_back(file.path);
+    if (!is_below(file.path, library.folder))
+      found.push_back(file.path + " names <" + std::string(library.prefix) + ">, which belongs to " +
+                      std::string(library.folder));
+  }
+  if (users.size() <= library.files) return;
+  std::string sentence =
+      "<" + std::string(library.prefix) + "> is named by more than " + std::to_string(library.files) + ":";
+  for (const std::string& user : users) sentence += " " + user;
+  found.push_back(sentence);
+}
+
+void find_circling_includes(const std::vector<SourceFile>& tree, Faults& found) {
+  enum class Mark { New, Open, Done };
+  struct Node {
+    const SourceFile* file;
+    Mark mark = Mark::New;
+  };
+  std::map<std::string, Node> nodes;
+  for (const SourceFile& file : tree) nodes[file.path] = {&file};
+  const std::function<void(Node&)> visit = [&](Node& node) {
+    node.mark = Mark::Open;
+    for (const std::string& include : node.file->ours) {
+      const auto at = nodes.find(include);
+      if (at == nodes.end()) continue;
+      if (at->second.mark == Mark::Open)
+        found.push_back(node.file->path + " closes a circle with " + include);
+      if (at->second.mark == Mark::New) visit(at->second);
+    }
+    node.mark = Mark::Done;
+  };
+  for (auto& [path, node] : nodes)
+    if (node.mark == Mark::New) visit(node);
+}
+
+SourceFile read_includes(const fs::path& path, std::string from_root) {
+  static const std::regex include(R"(^\s*#\s*include\s*([<"])([^>"]+)[>"].*)");
+  SourceFile file{std::move(from_root), {}, {}};
+  std::ifstream text(path);
+  std::smatch match;
+  for (std::string line; std::getline(text, line);)
+    if (std::regex_match(line, match, include))
+      (match[1] == "<" ? file.theirs : file.ours).push_back(match[2]);
+  return file;
+}
+
+}  // namespace
+
+std::vector<SourceFile> read_tree(const fs::path& root, const House& house) {
+  std::set<fs::path> tops{fs::path(house.guests)};
+  for (const Room& room : house.rooms) tops.insert(*fs::path(room.folder).begin());
+  std::vector<SourceFile> tree;
+  for (const fs::path& top : tops)
+    for (const auto& entry : fs::recursive_directory_iterator(root / top))
+      if (entry.path().extension() == ".h" || entry.path().extension() == ".cpp")
+        tree.push_back(read_includes(entry.path(), entry.path().lexically_relative(root).generic_string()));
+  return tree;
+}
+
+std::vector<std::string> faults(const House& house, const std::vector<SourceFile>& tree) {
+  Faults found;
+  find_circling_arrows(house, found);
+  for (const SourceFile& file : tree)
+    if (!is_below(file.path, house.guests)) find_forbidden_includes(house, file, found);
+  for (const Library& library : house.libraries) find_strewn_library(house, library, tree, found);
+  find_circling_includes(tree, found);
+  return found;
+}
+
+}  // namespace farshade

@@ -1,0 +1,97 @@
+#include "tests/integration/layering.h"
+
+#include <gtest/gtest.h>
+
+namespace farshade {
+namespace {
+
+/// The house as it is meant to stand: base <- math <- frame <- wire <- net, the others beside them, both
+/// programs on top, neither seeing the other.
+const House& house() {
+  constexpr std::size_t any = SIZE_MAX;
+  static const House house{.rooms = {{"stereo/base", {}},
+                                     {"stereo/math", {"stereo/base"}},
+                                     {"stereo/frame", {"stereo/math"}},
+                                     {"stereo/wire", {"stereo/frame"}},
+                                     {"stereo/net", {"stereo/wire"}},
+                                     {"stereo/image", {"stereo/math"}},
+                                     {"stereo/trace", {"stereo/frame"}},
+                                     {"stereo/scene", {"stereo/image"}},
+                                     {"stereo/tracer", {"stereo/scene", "stereo/frame"}},
+                                     {"stereo/gpu", {"stereo/frame", "stereo/image"}},
+                                     {"shaders", {}},
+                                     {"rt_server", {"stereo", "shaders"}},
+                                     {"vr_client", {"stereo", "shaders"}}},
+                           .libraries = {{"asio", "stereo/net", 1},
+                                         {"lz4", "stereo/wire", 1},
+                                         {"tiny_gltf", "stereo/scene", 1},
+                                         {"embree", "stereo/tracer", 1},
+                                         {"png.h", "stereo/image", 1},
+                                         {"jpeglib.h", "stereo/image", 1},
+                                         {"vulkan", "stereo/gpu", any},
+                                         {"GLFW", "vr_client", 1},
+                                         {"openxr", "vr_client", 1}},
+                           .guests = "tests"};
+  return house;
+}
+
+TEST(Layering, HoldsInThisTree) {
+  const auto tree = read_tree(FARSHADE_SOURCE, house());
+  EXPECT_GT(tree.size(), 50u);
+  for (const std::string& fault : faults(house(), tree)) ADD_FAILURE() << fault;
+}
+
+// The checker itself, on trees that do not exist.
+
+using Tree = std::vector<SourceFile>;
+
+std::string only_fault(const Tree& tree) {
+  const auto found = faults(house(), tree);
+  EXPECT_EQ(found.size(), 1u);
+  return found.empty() ? "" : found.front();
+}
+
+TEST(LayeringChecker, AcceptsArrowsAtAnyRemove) {
+  EXPECT_TRUE(
+      faults(house(), {{"stereo/net/a.cpp", {"stereo/base/b.h", "stereo/net/a.h"}, {"asio/ip/udp.hpp"}},
+                       {"vr_client/a.cpp", {"stereo/tracer/b.h", "shaders/c.h", "vr_client/x/d.h"}, {}},
+                       {"tests/unit/a.cpp", {"tests/b.h", "rt_server/c.h"}, {"asio.hpp", "png.h"}}})
+          .empty());
+}
+
+TEST(LayeringChecker, RefusesArrowsUpAndAcross) {
+  EXPECT_EQ(only_fault({{"stereo/math/a.h", {"stereo/frame/b.h"}, {}}}),
+            "stereo/math/a.h includes \"stereo/frame/b.h\", which stereo/math does not see");
+  EXPECT_NE(only_fault({{"stereo/image/a.h", {"stereo/frame/b.h"}, {}}}), "");
+  EXPECT_NE(only_fault({{"stereo/gpu/a.h", {"vr_client/b.h"}, {}}}), "");
+  EXPECT_NE(only_fault({{"rt_server/a.h", {"vr_client/b.h"}, {}}}), "");
+  EXPECT_NE(only_fault({{"vr_client/a.h", {"rt_server/b.h"}, {}}}), "");
+  EXPECT_NE(only_fault({{"vr_client/a.h", {"tests/b.h"}, {}}}), "");
+}
+
+TEST(LayeringChecker, RefusesPathsThatAreNotFromTheRoot) {
+  EXPECT_NE(only_fault({{"stereo/math/a.cpp", {"a.h"}, {}}}).find("no path from the root"),
+            std::string::npos);
+  EXPECT_EQ(only_fault({{"stereo/attic/a.cpp", {}, {}}}), "stereo/attic/a.cpp is in no room");
+  EXPECT_EQ(only_fault({{"stereo/mathematics/a.cpp", {}, {}}}), "stereo/mathematics/a.cpp is in no room");
+}
+
+TEST(LayeringChecker, RefusesLibrariesElsewhereOrTwice) {
+  EXPECT_EQ(only_fault({{"rt_server/a.cpp", {}, {"asio/ip/udp.hpp"}}}),
+            "rt_server/a.cpp names <asio>, which belongs to stereo/net");
+  EXPECT_EQ(
+      only_fault({{"stereo/net/a.cpp", {}, {"asio/ip/udp.hpp"}}, {"stereo/net/b.cpp", {}, {"asio.hpp"}}}),
+      "<asio> is named by more than 1: stereo/net/a.cpp stereo/net/b.cpp");
+}
+
+TEST(LayeringChecker, RefusesCircles) {
+  EXPECT_EQ(only_fault(
+                {{"stereo/math/a.h", {"stereo/math/b.h"}, {}}, {"stereo/math/b.h", {"stereo/math/a.h"}, {}}}),
+            "stereo/math/b.h closes a circle with stereo/math/a.h");
+  const House circular{
+      .rooms = {{"a", {"b"}}, {"b", {"c"}}, {"c", {"a"}}}, .libraries = {}, .guests = "tests"};
+  EXPECT_EQ(faults(circular, {}).size(), 3u);
+}
+
+}  // namespace
+}  // namespace farshade
