@@ -9,6 +9,7 @@
 
 #include "stereo/frame/shadow_frame.h"
 #include "stereo/wire/messages.h"
+#include "stereo/wire/slice.h"
 
 namespace farshade {
 
@@ -17,13 +18,15 @@ struct ReceivedFrame {
   TraceRequest request;
   std::uint32_t light_set_revision = 0;
   PerEye<EyeMask> masks;
-  PerEye<std::vector<std::uint8_t>> known_tiles;  ///< one a tile of TileGrid{masks[eye].size()}: 1 = known
-  PerEye<std::uint32_t> tiles_known{};
+  PerEye<KnownTiles> known_tiles;
+  PerEye<std::uint32_t> tiles_known{};  ///< planes counted one by one
   std::optional<FrameReport> report;
 
-  [[nodiscard]] bool complete() const {
-    return tiles_known[0] == known_tiles[0].size() && tiles_known[1] == known_tiles[1].size();
+  [[nodiscard]] bool complete(Side side) const {
+    const EyeMask& mask = masks[index_of(side)];
+    return tiles_known[index_of(side)] == known_tiles[index_of(side)].size() * mask.layout().planes();
   }
+  [[nodiscard]] bool complete() const { return complete(Side::Left) && complete(Side::Right); }
   [[nodiscard]] bool anything_known() const { return tiles_known[0] + tiles_known[1] > 0; }
 };
 
@@ -32,7 +35,7 @@ struct AssemblerCounters {
   std::uint64_t duplicates = 0;  ///< told nothing new
   std::uint64_t unexpected = 0;  ///< of a frame never asked for, or so old that it left the ring
   std::uint64_t other_light_set = 0;
-  RefusalCounts refused;  ///< of a mask of another shape, or faulty inside
+  RefusalCounts refused{};  ///< of a mask of another shape, or faulty inside
   friend bool operator==(const AssemblerCounters&, const AssemblerCounters&) = default;
 };
 
