@@ -29,21 +29,22 @@ struct Texture {
 
 struct Material {
   std::string name;
-  glm::vec4 base_color{1.0f};             ///< linear RGBA factor
-  std::optional<std::uint32_t> texture;   ///< base colour, into Scene::textures
-  std::optional<float> alpha_cutoff;      ///< set: a point with alpha below it is a hole (MASK; BLEND is MASK at 0.5)
-  bool double_sided = false;              ///< else seen from its counter-clockwise side only; casts from both
+  glm::vec4 base_color{1.0f};            ///< linear RGBA factor
+  std::optional<std::uint32_t> texture;  ///< base colour, into Scene::textures
+  std::optional<float>
+      alpha_cutoff;           ///< set: a point with alpha below it is a hole (MASK; BLEND is MASK at 0.5)
+  bool double_sided = false;  ///< else seen from its counter-clockwise side only; casts from both
 };
 
 /// Triangles of one material in object space. All streams have one entry a vertex or are empty.
 struct Mesh {
   std::string name;
-  std::uint32_t material = 0;               ///< into Scene::materials
+  std::uint32_t material = 0;  ///< into Scene::materials
   std::vector<glm::vec3> positions;
-  std::vector<glm::vec3> normals;           ///< unit; never empty
-  std::vector<glm::vec2> uvs;               ///< KHR_texture_transform applied; empty without a texture
-  std::vector<glm::u8vec4> colors;          ///< linear RGBA, 255 = 1; empty where the file has none
-  std::vector<glm::uvec3> triangles;        ///< vertex indices, counter-clockwise from outside
+  std::vector<glm::vec3> normals;     ///< unit; never empty
+  std::vector<glm::vec2> uvs;         ///< KHR_texture_transform applied; empty without a texture
+  std::vector<glm::u8vec4> colors;    ///< linear RGBA, 255 = 1; empty where the file has none
+  std::vector<glm::uvec3> triangles;  ///< vertex indices, counter-clockwise from outside
 };
 
 /// Translation, rotation, scale - or a matrix, where the file gave one.
@@ -80,8 +81,8 @@ struct LightSource {
 enum class Path : std::uint8_t { Translation, Rotation, Scale };
 enum class Interpolation : std::uint8_t { Step, Linear, CubicSpline };
 
-/// One animated property of one node. Keys are strictly increasing seconds; values are xyz0 or quaternion xyzw;
-/// cubic splines have three values a key (in-tangent, value, out-tangent).
+/// One animated property of one node. Keys are strictly increasing seconds; values are xyz0 or quaternion
+/// xyzw; cubic splines have three values a key (in-tangent, value, out-tangent).
 struct Channel {
   std::uint32_t node = 0;
   Path path = Path::Translation;
@@ -98,18 +99,18 @@ struct Bounds {
 using SceneHash = std::array<std::uint8_t, 32>;
 
 struct Scene {
-  std::string name;                        ///< file name, for people
+  std::string name;  ///< file name, for people
   std::vector<Texture> textures;
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
   std::vector<Node> nodes;
   std::vector<Instance> instances;
-  std::vector<LightSource> lights;         ///< in file order: light i is bit i of every mask
+  std::vector<LightSource> lights;  ///< in file order: light i is bit i of every mask
   std::vector<Channel> channels;
-  double animation_length_s = 0;           ///< animations repeat after it; 0 = nothing is animated
-  std::optional<Rigid<Stage, Eye>> camera; ///< reference camera at time 0, if the file has one
-  Bounds bounds;                           ///< of all triangles at time 0, stage space
-  std::uint64_t triangle_count = 0;        ///< over all instances
+  double animation_length_s = 0;            ///< animations repeat after it; 0 = nothing is animated
+  std::optional<Rigid<Stage, Eye>> camera;  ///< reference camera at time 0, if the file has one
+  Bounds bounds;                            ///< of all triangles at time 0, stage space
+  std::uint64_t triangle_count = 0;         ///< over all instances
   SceneHash hash{};
 };
 

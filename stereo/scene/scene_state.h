@@ -32,4 +32,12 @@ struct SceneState {
 /// The state at `scene_time` (0 = start; repeats after animation_length_s).
 [[nodiscard]] SceneState state_at(const Scene& scene, Time scene_time);
 
+/// Brings `state`, made from the same scene, to `scene_time`: as state_at, but in its memory, and doing
+/// nothing where nothing is animated.
+void advance(const Scene& scene, Time scene_time, SceneState& state);
+
+/// Each node's own space in the stage. A scale that an animation takes to 0 stays at 1e-9, so that every map
+/// can be inverted.
+[[nodiscard]] std::vector<Affine<Stage, Object>> stage_from_nodes(const Scene& scene, Time scene_time);
+
 }  // namespace farshade

@@ -1,0 +1,60 @@
+#include "stereo/scene/gltf.h"
+
+#include <exception>
+
+#include "stereo/base/files.h"
+#include "stereo/scene/gltf_convert.h"
+#include "stereo/scene/gltf_files.h"
+#include "stereo/scene/gltf_parse.h"
+#include "stereo/scene/gltf_schema.h"
+#include "stereo/scene/gltf_validate.h"
+#include "stereo/scene/scene_hash.h"
+
+namespace farshade {
+namespace {
+
+Expected<Scene> load(std::span<const std::byte> file, const std::filesystem::path& folder,
+                     const SceneLimits& limits) {
+  if (file.size() > limits.file_bytes || file.size() > std::uint64_t{1} << 31)
+    return fail(Fault::OutOfRange,
+                std::to_string(file.size()) + " bytes are more than a scene file may have");
+  gltf::SceneFolder files(folder, limits.external_bytes);
+  return gltf::open_container(file).and_then([&](const gltf::Container& container) {
+    return gltf::check_json_depth(container.json, limits.json_depth)
+        .and_then([&] { return gltf::check_schema(container.json, !container.bin.empty()); })
+        .and_then([&] { return gltf::parse_document(file, container.is_binary, files); })
+        .and_then([&](const gltf::Document& document) -> Expected<Scene> {
+          if (auto valid = gltf::validate(document, limits); !valid) return tl::unexpected(valid.error());
+          return gltf::convert(document, limits);
+        })
+        .map([](Scene scene) {
+          scene.hash = hash_of(scene);
+          return scene;
+        });
+  });
+}
+
+}  // namespace
+
+Expected<Scene> load_scene_from_memory(std::span<const std::byte> file, const std::filesystem::path& folder,
+                                       const SceneLimits& limits) {
+  // The libraries below report by exceptions, at the least that memory ran out. None of them passes this
+  // line.
+  try {
+    return load(file, folder, limits);
+  } catch (const std::exception& refusal) {
+    return fail(Fault::Malformed, "cannot be loaded: " + gltf::printable(refusal.what()));
+  }
+}
+
+Expected<Scene> load_scene(const std::filesystem::path& path, const SceneLimits& limits) {
+  const auto bytes = read_file(path, limits.file_bytes);
+  if (!bytes) return tl::unexpected(bytes.error());
+  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+  auto scene = load_scene_from_memory(*bytes, folder, limits);
+  if (!scene) return fail(scene.error().fault, path.string() + ": " + scene.error().what);
+  scene->name = path.filename().string();
+  return scene;
+}
+
+}  // namespace farshade

@@ -1,0 +1,126 @@
+#include "stereo/scene/gltf_accessor.h"
+
+#include <array>
+#include <cstring>
+#include <limits>
+
+#include "stereo/base/check.h"
+
+namespace farshade::gltf {
+namespace {
+
+const std::uint8_t* bytes_at(const Document& document, std::uint32_t view, std::uint64_t offset) {
+  const BufferView& v = document.views[view];
+  return document.buffers[v.buffer].data() + v.offset + offset;
+}
+
+template <class T>
+T load(const std::uint8_t* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+/// glTF 2.0 section 3.11: signed c / max, at least -1; unsigned c / max.
+template <class T>
+float load_number(const std::uint8_t* bytes, bool normalized) {
+  const T value = load<T>(bytes);
+  if constexpr (std::is_same_v<T, float>) return value;
+  if (!normalized) return static_cast<float>(value);
+  return std::max(static_cast<float>(value) / static_cast<float>(std::numeric_limits<T>::max()), -1.0f);
+}
+
+/// Calls `read` with a value of the component's C++ type.
+template <class Read>
+void with_type(Component component, Read read) {
+  switch (component) {
+    case Component::Int8:
+      return read(std::int8_t{});
+    case Component::UInt8:
+      return read(std::uint8_t{});
+    case Component::Int16:
+      return read(std::int16_t{});
+    case Component::UInt16:
+      return read(std::uint16_t{});
+    case Component::UInt32:
+      return read(std::uint32_t{});
+    case Component::Float:
+      return read(float{});
+  }
+  check(false, "validated component type");
+}
+
+/// Runs `store(element number, its bytes)` over the dense elements, then over the sparse ones.
+template <class Store>
+void for_each_element(const Document& document, const Accessor& accessor, Store store) {
+  const ElementRun run = elements_of(document, accessor);
+  if (run.first)
+    for (std::uint64_t i = 0; i < accessor.count; ++i) store(i, run.first + i * run.stride);
+  if (!accessor.sparse) return;
+  const auto numbers = sparse_indices(document, *accessor.sparse);
+  const auto* values = bytes_at(document, accessor.sparse->value_view, accessor.sparse->value_offset);
+  for (std::size_t i = 0; i < numbers.size(); ++i) store(numbers[i], values + i * accessor.element_bytes());
+}
+
+}  // namespace
+
+ElementRun elements_of(const Document& document, const Accessor& accessor) {
+  if (!accessor.view) return {};
+  const std::uint64_t stride = document.views[*accessor.view].stride;
+  return {bytes_at(document, *accessor.view, accessor.offset), stride ? stride : accessor.element_bytes()};
+}
+
+template <int N>
+std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::uint32_t index) {
+  const Accessor& accessor = document.accessors[index];
+  const std::size_t width = std::min<std::size_t>(accessor.rows, N);
+  glm::vec<N, float> rest(0.0f);
+  for (std::size_t i = width; i < N; ++i) rest[static_cast<int>(i)] = 1.0f;
+  std::vector<glm::vec<N, float>> result(accessor.count, rest);
+  with_type(accessor.component, [&](auto type) {
+    using T = decltype(type);
+    for_each_element(document, accessor, [&](std::uint64_t i, const std::uint8_t* bytes) {
+      for (std::size_t c = 0; c < width; ++c)
+        result[i][static_cast<int>(c)] = load_number<T>(bytes + c * sizeof(T), accessor.normalized);
+    });
+  });
+  return result;
+}
+template std::vector<glm::vec2> read_vectors<2>(const Document&, std::uint32_t);
+template std::vector<glm::vec3> read_vectors<3>(const Document&, std::uint32_t);
+template std::vector<glm::vec4> read_vectors<4>(const Document&, std::uint32_t);
+
+std::vector<float> read_scalars(const Document& document, std::uint32_t index) {
+  const Accessor& accessor = document.accessors[index];
+  std::vector<float> result(accessor.count);
+  with_type(accessor.component, [&](auto type) {
+    for_each_element(document, accessor, [&](std::uint64_t i, const std::uint8_t* bytes) {
+      result[i] = load_number<decltype(type)>(bytes, accessor.normalized);
+    });
+  });
+  return result;
+}
+
+std::vector<std::uint32_t> read_indices(const Document& document, std::uint32_t index) {
+  const Accessor& accessor = document.accessors[index];
+  std::vector<std::uint32_t> result(accessor.count);
+  with_type(accessor.component, [&](auto type) {
+    for_each_element(document, accessor, [&](std::uint64_t i, const std::uint8_t* bytes) {
+      result[i] = static_cast<std::uint32_t>(load<decltype(type)>(bytes));
+    });
+  });
+  return result;
+}
+
+std::vector<std::uint32_t> sparse_indices(const Document& document, const Sparse& sparse) {
+  std::vector<std::uint32_t> result(sparse.count);
+  const auto* bytes = bytes_at(document, sparse.index_view, sparse.index_offset);
+  with_type(sparse.index_component, [&](auto type) {
+    using T = decltype(type);
+    for (std::size_t i = 0; i < result.size(); ++i)
+      result[i] = static_cast<std::uint32_t>(load<T>(bytes + i * sizeof(T)));
+  });
+  return result;
+}
+
+}  // namespace farshade::gltf

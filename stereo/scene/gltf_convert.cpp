@@ -1,0 +1,186 @@
+#include "stereo/scene/gltf_convert.h"
+
+#include <cmath>
+
+#include "stereo/scene/gltf_looks.h"
+#include "stereo/scene/gltf_mesh.h"
+#include "stereo/scene/gltf_motion.h"
+#include "stereo/scene/gltf_validate.h"
+#include "stereo/scene/scene_state.h"
+
+namespace farshade::gltf {
+namespace {
+
+constexpr double kMaxDistance_m = 1e9;
+
+/// Nodes of the default scene in scene order, and where each of the document's nodes went.
+struct NodeOrder {
+  std::vector<std::uint32_t> from_document;
+  std::vector<Index> to_scene;
+};
+
+NodeOrder order_nodes(const Document& document) {
+  NodeOrder order{parents_first(document, document.scenes[document.default_scene.value_or(0)]), {}};
+  order.to_scene.resize(document.nodes.size());
+  for (std::uint32_t i = 0; i < order.from_document.size(); ++i) order.to_scene[order.from_document[i]] = i;
+  return order;
+}
+
+farshade::Node node_from(const Node& from) {
+  farshade::Node to;
+  to.name = from.name;
+  to.rest.matrix = from.matrix;
+  to.rest.translation = from.translation.value_or(glm::dvec3(0.0));
+  to.rest.scale = from.scale.value_or(glm::dvec3(1.0));
+  if (from.rotation) to.rest.rotation = glm::normalize(*from.rotation);
+  return to;
+}
+
+void add_nodes(const Document& document, const NodeOrder& order, Scene& scene) {
+  for (const std::uint32_t index : order.from_document)
+    scene.nodes.push_back(node_from(document.nodes[index]));
+  for (std::uint32_t i = 0; i < order.from_document.size(); ++i)
+    for (const std::uint32_t child : document.nodes[order.from_document[i]].children)
+      scene.nodes[*order.to_scene[child]].parent = i;
+}
+
+/// Converts a mesh's primitives that have triangles, and says which of the scene's meshes they became.
+Expected<std::vector<std::uint32_t>> add_mesh(const Mesh& from, const Document& document, Looks& looks,
+                                              Scene& scene) {
+  std::vector<std::uint32_t> numbers;
+  for (const Primitive& primitive : from.primitives) {
+    if (!primitive.attribute("POSITION") || !primitive.draws_triangles()) continue;
+    farshade::Mesh mesh = mesh_from(document, primitive);
+    if (mesh.triangles.empty()) continue;
+    const auto material = looks.material(primitive.material);
+    if (!material) return tl::unexpected(material.error());
+    mesh.name = from.name;
+    mesh.material = *material;
+    numbers.push_back(static_cast<std::uint32_t>(scene.meshes.size()));
+    scene.meshes.push_back(std::move(mesh));
+  }
+  return numbers;
+}
+
+Checked add_instances(const Document& document, const NodeOrder& order, const SceneLimits& limits,
+                      Scene& scene) {
+  Looks looks(document, limits, scene);
+  std::vector<std::optional<std::vector<std::uint32_t>>> converted(document.meshes.size());
+  for (std::uint32_t node = 0; node < order.from_document.size(); ++node) {
+    const Index mesh = document.nodes[order.from_document[node]].mesh;
+    if (!mesh) continue;
+    if (!converted[*mesh]) {
+      auto numbers = add_mesh(document.meshes[*mesh], document, looks, scene);
+      if (!numbers) return tl::unexpected(numbers.error());
+      converted[*mesh] = std::move(*numbers);
+    }
+    for (const std::uint32_t number : *converted[*mesh]) {
+      scene.instances.push_back({number, node});
+      scene.triangle_count += scene.meshes[number].triangles.size();
+    }
+  }
+  if (scene.instances.empty()) return malformed("nothing to draw: the default scene has no triangles");
+  return {};
+}
+
+LightSource light_from(const Light& from, std::uint32_t node) {
+  LightSource to;
+  to.name = from.name;
+  to.node = node;
+  to.kind = from.type == "point"  ? LightKind::Point
+            : from.type == "spot" ? LightKind::Spot
+                                  : LightKind::Directional;
+  to.intensity = glm::vec3(glm::min(from.color * from.intensity, 1e30));
+  if (from.range_m && to.kind != LightKind::Directional) to.range_m = static_cast<float>(*from.range_m);
+  if (to.kind != LightKind::Spot) return to;
+  to.inner_cone_rad = static_cast<float>(from.inner_cone_rad);
+  to.outer_cone_rad = static_cast<float>(from.outer_cone_rad);
+  return to;
+}
+
+/// In the order of the file's lights, and of its nodes where several carry the same light.
+Checked add_lights(const Document& document, const NodeOrder& order, const SceneLimits& limits,
+                   Scene& scene) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> uses;  // light, document node
+  for (const std::uint32_t node : order.from_document)
+    if (const Index light = document.nodes[node].light) uses.emplace_back(*light, node);
+  if (uses.size() > limits.lights)
+    return fail(Fault::OutOfRange, std::to_string(uses.size()) + " lights, at most " +
+                                       std::to_string(limits.lights) + " can be told apart");
+  std::sort(uses.begin(), uses.end());
+  for (const auto& [light, node] : uses)
+    scene.lights.push_back(light_from(document.lights[light], *order.to_scene[node]));
+  return {};
+}
+
+/// Where a node looks from, its scale and shear removed: z and y keep their directions as far as they can.
+Rigid<Stage, Eye> rigid_part(const Affine<Stage, Object>& pose) {
+  const glm::dvec3 back = glm::normalize(glm::dvec3(pose.matrix[2]));
+  const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(pose.matrix[1]), back));
+  const glm::dmat3 axes(right, glm::cross(back, right), back);
+  return {glm::normalize(glm::quat_cast(axes)), glm::dvec3(pose.matrix[3])};
+}
+
+/// The first node named `camera:...`, else the first that has a camera.
+Index camera_node(const Document& document, const NodeOrder& order) {
+  Index found;
+  for (std::uint32_t i = 0; i < order.from_document.size(); ++i) {
+    const Node& node = document.nodes[order.from_document[i]];
+    if (node.name.rfind("camera:", 0) == 0) return i;
+    if (!found && node.camera) found = i;
+  }
+  return found;
+}
+
+/// The stage box around a mesh's box, which it may exceed where the mesh is turned.
+void add_bounds(const farshade::Mesh& mesh, const Affine<Stage, Object>& pose, Bounds& bounds) {
+  glm::vec3 low = mesh.positions.front(), high = low;
+  for (const glm::vec3& p : mesh.positions) {
+    low = glm::min(low, p);
+    high = glm::max(high, p);
+  }
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 at(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
+                        corner & 4 ? high.z : low.z);
+    const glm::dvec3 p = pose(Point<Object>{at}).v;
+    bounds.low = glm::min(bounds.low, p);
+    bounds.high = glm::max(bounds.high, p);
+  }
+}
+
+bool is_near(const glm::dvec3& p) {
+  return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kMaxDistance_m;
+}
+
+Checked add_places(const Document& document, const NodeOrder& order, Scene& scene) {
+  const auto poses = stage_from_nodes(scene, Time{});
+  if (const Index camera = camera_node(document, order)) scene.camera = rigid_part(poses[*camera]);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  scene.bounds = {glm::dvec3(infinity), glm::dvec3(-infinity)};
+  for (const Instance& instance : scene.instances)
+    add_bounds(scene.meshes[instance.mesh], poses[instance.node], scene.bounds);
+  const bool lights_near =
+      std::all_of(scene.lights.begin(), scene.lights.end(),
+                  [&](const LightSource& light) { return is_near(glm::dvec3(poses[light.node].matrix[3])); });
+  const bool camera_near = !scene.camera || is_near(scene.camera->translation);
+  if (is_near(scene.bounds.low) && is_near(scene.bounds.high) && lights_near && camera_near) return {};
+  return fail(Fault::OutOfRange, "the scene, a light or its camera lies more than 1e9 m from the origin");
+}
+
+}  // namespace
+
+Expected<Scene> convert(const Document& document, const SceneLimits& limits) {
+  if (document.scenes.empty()) return malformed("nothing to draw: the file has no scene");
+  const NodeOrder order = order_nodes(document);
+  Scene scene;
+  add_nodes(document, order, scene);
+  add_motion(document, order.to_scene, scene);
+  const Checked checked = add_instances(document, order, limits, scene)
+                              .and_then([&] { return add_lights(document, order, limits, scene); })
+                              .and_then([&] { return add_places(document, order, scene); });
+  if (!checked) return tl::unexpected(checked.error());
+  drop_needless_cutoffs(scene);
+  return scene;
+}
+
+}  // namespace farshade::gltf

@@ -1,0 +1,195 @@
+/// What a glTF file says, in plain values and not yet trusted: indices may point nowhere, ranges may lie.
+/// gltf_parse.cpp fills it, gltf_validate.cpp decides about it, and only then is it converted.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat4x4.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "stereo/base/expected.h"
+
+namespace farshade::gltf {
+
+using Index = std::optional<std::uint32_t>;
+using Checked = Expected<void>;
+
+enum class Component : std::uint32_t {
+  Int8 = 5120,
+  UInt8 = 5121,
+  Int16 = 5122,
+  UInt16 = 5123,
+  UInt32 = 5125,
+  Float = 5126
+};
+enum class Mode : std::uint32_t { Triangles = 4, TriangleStrip = 5, TriangleFan = 6 };
+
+/// Bytes of one component; 0 for a number that is no glTF component type.
+constexpr std::uint64_t bytes_of(Component c) {
+  switch (c) {
+    case Component::Int8:
+    case Component::UInt8:
+      return 1;
+    case Component::Int16:
+    case Component::UInt16:
+      return 2;
+    case Component::UInt32:
+    case Component::Float:
+      return 4;
+  }
+  return 0;
+}
+
+struct BufferView {
+  std::uint32_t buffer = 0;
+  std::uint64_t offset = 0, bytes = 0;
+  std::uint64_t stride = 0;  ///< 0 = elements lie close
+};
+
+struct Sparse {
+  std::uint64_t count = 0;
+  std::uint32_t index_view = 0, value_view = 0;
+  std::uint64_t index_offset = 0, value_offset = 0;
+  Component index_component{};
+};
+
+struct Accessor {
+  Index view;  ///< none: all zeros
+  std::uint64_t offset = 0, count = 0;
+  Component component{};
+  std::uint32_t rows = 1, columns = 1;  ///< a vector has one column
+  bool normalized = false;
+  std::optional<Sparse> sparse;
+
+  /// Columns of a matrix start at multiples of four bytes.
+  [[nodiscard]] std::uint64_t element_bytes() const {
+    const std::uint64_t column = rows * bytes_of(component);
+    return columns == 1 ? column : columns * ((column + 3) / 4 * 4);
+  }
+};
+
+struct Image {
+  std::string name, uri;
+  Index view;                       ///< its file lies in a buffer view, or
+  std::vector<std::uint8_t> file;   ///< here, if it was embedded as text or external;
+  std::optional<Error> unreadable;  ///< or why it could not be read
+};
+
+struct TextureSampler {
+  std::uint32_t wrap_s = 10497, wrap_t = 10497;
+};
+
+struct Texture {
+  std::string name;
+  Index image, sampler;
+};
+
+/// KHR_texture_transform included.
+struct TextureUse {
+  std::uint32_t texture = 0, texcoord = 0;
+  glm::dvec2 offset{0.0}, scale{1.0};
+  double rotation_rad = 0;
+};
+
+struct Material {
+  std::string name, alpha_mode;
+  glm::dvec4 base_color{1.0};
+  double alpha_cutoff = 0.5;
+  bool double_sided = false;
+  std::optional<TextureUse> texture;
+};
+
+struct Primitive {
+  std::map<std::string, std::uint32_t> attributes;  ///< semantic -> accessor
+  Index indices, material;
+  Mode mode = Mode::Triangles;
+
+  [[nodiscard]] bool draws_triangles() const { return mode >= Mode::Triangles && mode <= Mode::TriangleFan; }
+  [[nodiscard]] Index attribute(const std::string& semantic) const {
+    const auto found = attributes.find(semantic);
+    return found == attributes.end() ? Index{} : Index{found->second};
+  }
+};
+
+struct Mesh {
+  std::string name;
+  std::vector<Primitive> primitives;
+  bool morphed = false;  ///< some morph weight is not 0
+};
+
+struct Node {
+  std::string name;
+  std::vector<std::uint32_t> children;
+  Index mesh, camera, light, skin;
+  std::optional<glm::dvec3> translation, scale;
+  std::optional<glm::dquat> rotation;
+  std::optional<glm::dmat4> matrix;
+  bool morphed = false;
+};
+
+struct Light {
+  std::string name, type;
+  glm::dvec3 color{1.0};
+  double intensity = 1, inner_cone_rad = 0, outer_cone_rad = 0;
+  std::optional<double> range_m;
+};
+
+struct AnimationSampler {
+  std::uint32_t input = 0, output = 0;
+  std::string interpolation;
+};
+
+struct AnimationChannel {
+  std::uint32_t sampler = 0, node = 0;
+  std::string path;
+};
+
+struct Animation {
+  std::string name;
+  std::vector<AnimationChannel> channels;
+  std::vector<AnimationSampler> samplers;
+};
+
+struct Document {
+  std::vector<std::string> required_extensions;
+  std::vector<std::vector<std::uint8_t>> buffers;
+  std::vector<BufferView> views;
+  std::vector<Accessor> accessors;
+  std::vector<Image> images;
+  std::vector<TextureSampler> texture_samplers;
+  std::vector<Texture> textures;
+  std::vector<Material> materials;
+  std::vector<Mesh> meshes;
+  std::vector<Node> nodes;
+  std::vector<Light> lights;
+  std::vector<Animation> animations;
+  std::vector<std::vector<std::uint32_t>> scenes;  ///< their root nodes
+  Index default_scene;
+  std::uint64_t cameras = 0;
+};
+
+/// Foreign text for a sentence: printable ASCII, cut after 80 characters.
+[[nodiscard]] inline std::string printable(std::string_view text) {
+  std::string result(text.substr(0, 80));
+  std::replace_if(
+      result.begin(), result.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return result;
+}
+
+/// "mesh 3 'chair'", or "mesh 3" without a name.
+[[nodiscard]] inline std::string label(std::string_view kind, std::size_t index, std::string_view name = {}) {
+  std::string result = std::string(kind) + ' ' + std::to_string(index);
+  if (!name.empty()) result += " '" + printable(name) + "'";
+  return result;
+}
+
+[[nodiscard]] inline tl::unexpected<Error> malformed(std::string what) {
+  return fail(Fault::Malformed, std::move(what));
+}
+
+}  // namespace farshade::gltf

@@ -1,0 +1,114 @@
+#include "stereo/scene/gltf_files.h"
+
+#include <algorithm>
+
+#include "stereo/base/files.h"
+#include "stereo/scene/gltf_document.h"
+
+namespace farshade::gltf {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kHeaderBytes = 12, kChunkHeaderBytes = 8;
+constexpr std::uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinChunk = 0x004E4942;
+
+std::uint32_t u32_at(std::span<const std::byte> bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 4; i-- > 0;) value = value << 8 | std::to_integer<std::uint32_t>(bytes[at + i]);
+  return value;
+}
+
+std::string_view text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+struct Chunk {
+  std::uint32_t kind = 0;
+  std::span<const std::byte> payload;
+};
+
+/// Takes the first chunk off `rest`.
+Expected<Chunk> take_chunk(std::span<const std::byte>& rest) {
+  if (rest.size() < kChunkHeaderBytes) return malformed("GLB: a chunk header is cut off");
+  const std::uint64_t length = u32_at(rest, 0);
+  if (length > rest.size() - kChunkHeaderBytes)
+    return malformed("GLB: a chunk says " + std::to_string(length) + " bytes, the file has " +
+                     std::to_string(rest.size() - kChunkHeaderBytes) + " left");
+  if (length % 4 != 0) return malformed("GLB: a chunk does not end at a multiple of 4 bytes");
+  const Chunk chunk{u32_at(rest, 4), rest.subspan(kChunkHeaderBytes, length)};
+  rest = rest.subspan(kChunkHeaderBytes + length);
+  return chunk;
+}
+
+Expected<Container> open_glb(std::span<const std::byte> file) {
+  if (file.size() < kHeaderBytes) return malformed("GLB: the header is cut off");
+  if (const auto version = u32_at(file, 4); version != 2)
+    return fail(Fault::Unsupported, "GLB: version " + std::to_string(version) + ", only 2 is read");
+  if (const auto length = u32_at(file, 8); length != file.size())
+    return malformed("GLB: the header says " + std::to_string(length) + " bytes, the file has " +
+                     std::to_string(file.size()));
+  auto rest = file.subspan(kHeaderBytes);
+  const auto json = take_chunk(rest);
+  if (!json) return tl::unexpected(json.error());
+  if (json->kind != kJsonChunk) return malformed("GLB: the first chunk is not JSON");
+  Container container{text_of(json->payload), true, {}};
+  if (rest.empty()) return container;
+  const auto bin = take_chunk(rest);
+  if (!bin) return tl::unexpected(bin.error());
+  if (bin->kind == kBinChunk) container.bin = bin->payload;
+  return container;
+}
+
+}  // namespace
+
+Expected<std::vector<std::byte>> SceneFolder::read(const std::string& uri) {
+  const std::string name = "external file '" + printable(uri) + "'";
+  if (folder_.empty()) return fail(Fault::Missing, name + ": a scene in memory has no folder");
+  if (uri.empty() || uri.find('\0') != std::string::npos) return malformed(name + ": no file name");
+  const fs::path relative(uri);
+  const bool climbs = std::find(relative.begin(), relative.end(), "..") != relative.end();
+  if (relative.is_absolute() || climbs || uri.find(':') != std::string::npos)
+    return fail(Fault::Unsupported, name + ": only files inside of the scene's folder are opened");
+  std::error_code error;
+  const fs::path folder = fs::canonical(folder_, error);
+  if (error) return fail(Fault::Missing, folder_.string() + ": " + error.message());
+  const fs::path file = fs::weakly_canonical(folder / relative, error);
+  if (error) return fail(Fault::Unreadable, name + ": " + error.message());
+  if (std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first != folder.end())
+    return fail(Fault::Unsupported, name + ": a link leads out of the scene's folder");
+  auto bytes = read_file(file, left_bytes_);
+  if (!bytes) return fail(bytes.error().fault, name + ": " + bytes.error().what);
+  left_bytes_ -= bytes->size();
+  return bytes;
+}
+
+Expected<Container> open_container(std::span<const std::byte> file) {
+  if (file.size() >= 4 && u32_at(file, 0) == kMagic) return open_glb(file);
+  const std::string_view text = text_of(file);
+  const auto first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos || text[first] != '{')
+    return malformed("neither a GLB nor a glTF JSON text");
+  return Container{text, false, {}};
+}
+
+Expected<void> check_json_depth(std::string_view json, std::uint32_t most) {
+  std::uint32_t depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < json.size(); ++i) {
+    const char c = json[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if ((c == '{' || c == '[') && ++depth > most) {
+      return malformed("JSON nested deeper than " + std::to_string(most) + " levels");
+    } else if ((c == '}' || c == ']') && depth > 0) {
+      --depth;
+    }
+  }
+  return {};
+}
+
+}  // namespace farshade::gltf

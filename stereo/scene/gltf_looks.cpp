@@ -1,0 +1,100 @@
+#include "stereo/scene/gltf_looks.h"
+
+#include "stereo/image/codec.h"
+
+namespace farshade::gltf {
+namespace {
+
+Wrap wrap_from(std::uint32_t code) {
+  return code == 33648 ? Wrap::MirroredRepeat : code == 33071 ? Wrap::ClampToEdge : Wrap::Repeat;
+}
+
+std::optional<float> cutoff_from(const Material& material) {
+  if (material.alpha_mode == "BLEND") return 0.5f;
+  if (material.alpha_mode == "OPAQUE") return {};
+  return static_cast<float>(material.alpha_cutoff);
+}
+
+std::span<const std::uint8_t> file_of(const Document& document, const Image& image) {
+  if (!image.view) return image.file;
+  const BufferView& view = document.views[*image.view];
+  return std::span(document.buffers[view.buffer]).subspan(view.offset, view.bytes);
+}
+
+/// 0..1, the least that a texture holds.
+float least_alpha(const farshade::Texture& texture) {
+  std::uint8_t least = 255;
+  for (const Rgba8 pixel : texture.image.pixels) least = std::min(least, pixel.a);
+  return static_cast<float>(least) / 255.0f;
+}
+
+}  // namespace
+
+Looks::Looks(const Document& document, const SceneLimits& limits, Scene& scene)
+    : document_(document), limits_(limits), scene_(scene), pixels_left_(limits.image_pixels) {
+  for (const auto& buffer : document.buffers) pixels_left_ += 64 * buffer.size();
+  for (const Image& image : document.images) pixels_left_ += 64 * image.file.size();
+}
+
+Expected<std::uint32_t> Looks::material(Index index) {
+  if (const auto known = materials_.find(index); known != materials_.end()) return known->second;
+  farshade::Material result;
+  if (index) {
+    const Material& from = document_.materials[*index];
+    result.name = from.name;
+    result.base_color = glm::vec4(from.base_color);
+    result.alpha_cutoff = cutoff_from(from);
+    result.double_sided = from.double_sided;
+    if (from.texture) {
+      const auto number = texture(from.texture->texture);
+      if (!number) return tl::unexpected(number.error());
+      result.texture = *number;
+    }
+  }
+  scene_.materials.push_back(std::move(result));
+  return materials_[index] = static_cast<std::uint32_t>(scene_.materials.size() - 1);
+}
+
+Expected<std::uint32_t> Looks::texture(std::uint32_t index) {
+  const Texture& from = document_.textures[index];
+  if (!from.image)
+    return fail(Fault::Unsupported, label("texture", index, from.name) + " has no PNG or JPEG image");
+  const TextureSampler sampler = from.sampler ? document_.texture_samplers[*from.sampler] : TextureSampler{};
+  const TextureKey key{*from.image, wrap_from(sampler.wrap_s), wrap_from(sampler.wrap_t)};
+  if (const auto known = textures_.find(key); known != textures_.end()) return known->second;
+  auto image = decode(*from.image);
+  if (!image) return tl::unexpected(image.error());
+  scene_.textures.push_back({std::move(*image), std::get<1>(key), std::get<2>(key)});
+  return textures_[key] = static_cast<std::uint32_t>(scene_.textures.size() - 1);
+}
+
+Expected<farshade::Image<Rgba8>> Looks::decode(std::uint32_t index) {
+  const Image& from = document_.images[index];
+  const std::string name = label("image", index, from.name);
+  if (from.unreadable) return fail(from.unreadable->fault, name + ": " + from.unreadable->what);
+  auto image =
+      decode_image(std::as_bytes(file_of(document_, from)), std::min(limits_.image_pixels, pixels_left_));
+  if (!image) return fail(image.error().fault, name + ": " + image.error().what);
+  pixels_left_ -= image->size.pixels();
+  return image;
+}
+
+void drop_needless_cutoffs(Scene& scene) {
+  std::vector<float> least(scene.materials.size());
+  for (std::size_t i = 0; i < least.size(); ++i) {
+    const farshade::Material& material = scene.materials[i];
+    if (!material.alpha_cutoff) continue;
+    least[i] =
+        material.base_color.a * (material.texture ? least_alpha(scene.textures[*material.texture]) : 1.0f);
+  }
+  std::vector<std::uint8_t> least_color(scene.materials.size(), 255);
+  for (const farshade::Mesh& mesh : scene.meshes)
+    for (const glm::u8vec4 color : mesh.colors)
+      least_color[mesh.material] = std::min(least_color[mesh.material], color.a);
+  for (std::size_t i = 0; i < least.size(); ++i) {
+    auto& cutoff = scene.materials[i].alpha_cutoff;
+    if (cutoff && least[i] * static_cast<float>(least_color[i]) / 255.0f >= *cutoff) cutoff.reset();
+  }
+}
+
+}  // namespace farshade::gltf

@@ -1,0 +1,127 @@
+#include "stereo/scene/gltf_mesh.h"
+
+#include <cmath>
+#include <numeric>
+
+#include "stereo/scene/gltf_accessor.h"
+
+namespace farshade::gltf {
+namespace {
+
+std::vector<std::uint32_t> corners_of(const Document& document, const Primitive& primitive,
+                                      std::size_t vertices) {
+  if (primitive.indices) return read_indices(document, *primitive.indices);
+  std::vector<std::uint32_t> corners(vertices);
+  std::iota(corners.begin(), corners.end(), 0u);
+  return corners;
+}
+
+/// Twice the area as a vector; all zero for triangles that no ray can hit.
+glm::dvec3 area_vector(const std::vector<glm::vec3>& positions, glm::uvec3 triangle) {
+  const glm::dvec3 a(positions[triangle.x]), b(positions[triangle.y]), c(positions[triangle.z]);
+  return glm::cross(b - a, c - a);
+}
+
+/// glTF 2.0 section 3.7.2.1, so that every second triangle of a strip keeps its winding.
+std::vector<glm::uvec3> triangles_of(Mode mode, const std::vector<std::uint32_t>& corners,
+                                     const std::vector<glm::vec3>& positions) {
+  const std::size_t count = mode == Mode::Triangles ? corners.size() / 3 : corners.size() - 2;
+  std::vector<glm::uvec3> triangles;
+  triangles.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t odd = i % 2;
+    const glm::uvec3 triangle =
+        mode == Mode::Triangles       ? glm::uvec3(corners[3 * i], corners[3 * i + 1], corners[3 * i + 2])
+        : mode == Mode::TriangleStrip ? glm::uvec3(corners[i], corners[i + 1 + odd], corners[i + 2 - odd])
+                                      : glm::uvec3(corners[i + 1], corners[i + 2], corners[0]);
+    if (area_vector(positions, triangle) != glm::dvec3(0.0)) triangles.push_back(triangle);
+  }
+  return triangles;
+}
+
+template <class T>
+std::vector<T> by_corner(const std::vector<T>& stream, const std::vector<glm::uvec3>& triangles) {
+  std::vector<T> result;
+  if (stream.empty()) return result;
+  result.reserve(3 * triangles.size());
+  for (const glm::uvec3 t : triangles) result.insert(result.end(), {stream[t.x], stream[t.y], stream[t.z]});
+  return result;
+}
+
+/// Gives every triangle vertices of its own, with its face's normal.
+void make_flat(farshade::Mesh& mesh) {
+  mesh.normals.reserve(3 * mesh.triangles.size());
+  for (const glm::uvec3 t : mesh.triangles)
+    mesh.normals.insert(mesh.normals.end(), 3, glm::vec3(glm::normalize(area_vector(mesh.positions, t))));
+  mesh.positions = by_corner(mesh.positions, mesh.triangles);
+  mesh.uvs = by_corner(mesh.uvs, mesh.triangles);
+  mesh.colors = by_corner(mesh.colors, mesh.triangles);
+  std::uint32_t corner = 0;
+  for (glm::uvec3& t : mesh.triangles) {
+    t = {corner, corner + 1, corner + 2};
+    corner += 3;
+  }
+}
+
+/// Makes normals unit. Those without a direction take that of the triangles around them, by area.
+void make_unit(farshade::Mesh& mesh) {
+  const auto has_direction = [](glm::vec3 n) { return glm::length(glm::dvec3(n)) > 1e-6; };
+  std::vector<glm::dvec3> around;
+  if (!std::all_of(mesh.normals.begin(), mesh.normals.end(), has_direction)) {
+    around.resize(mesh.normals.size());
+    for (const glm::uvec3 t : mesh.triangles)
+      for (const std::uint32_t vertex : {t.x, t.y, t.z}) around[vertex] += area_vector(mesh.positions, t);
+  }
+  for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
+    glm::dvec3 normal(mesh.normals[i]);
+    if (!has_direction(mesh.normals[i])) normal = around[i];
+    const double length = glm::length(normal);
+    mesh.normals[i] = length > 0.0 ? glm::vec3(normal / length) : glm::vec3(0, 1, 0);
+  }
+}
+
+/// KHR_texture_transform: scale, then turn counter-clockwise as seen on the image (v points down), then
+/// shift. This is the extension's prose and what three.js and the Khronos sample viewer do.
+std::vector<glm::vec2> texture_coordinates(const Document& document, const Primitive& primitive,
+                                           const TextureUse& use, std::size_t vertices) {
+  const Index accessor = primitive.attribute("TEXCOORD_" + std::to_string(use.texcoord));
+  if (!accessor) return std::vector<glm::vec2>(vertices, glm::vec2(0.0f));
+  auto uvs = read_vectors<2>(document, *accessor);
+  if (use.offset == glm::dvec2(0.0) && use.scale == glm::dvec2(1.0) && use.rotation_rad == 0.0) return uvs;
+  const double cosine = std::cos(use.rotation_rad), sine = std::sin(use.rotation_rad);
+  for (glm::vec2& uv : uvs) {
+    const glm::dvec2 s = glm::dvec2(uv) * use.scale;
+    uv = glm::vec2(use.offset + glm::dvec2(cosine * s.x + sine * s.y, cosine * s.y - sine * s.x));
+  }
+  return uvs;
+}
+
+std::vector<glm::u8vec4> colors_from(const std::vector<glm::vec4>& colors) {
+  std::vector<glm::u8vec4> result(colors.size());
+  std::transform(colors.begin(), colors.end(), result.begin(),
+                 [](glm::vec4 c) { return glm::u8vec4(glm::clamp(c, 0.0f, 1.0f) * 255.0f + 0.5f); });
+  return result;
+}
+
+}  // namespace
+
+farshade::Mesh mesh_from(const Document& document, const Primitive& primitive) {
+  farshade::Mesh mesh;
+  mesh.positions = read_vectors<3>(document, *primitive.attribute("POSITION"));
+  mesh.triangles =
+      triangles_of(primitive.mode, corners_of(document, primitive, mesh.positions.size()), mesh.positions);
+  const auto* material = primitive.material ? &document.materials[*primitive.material] : nullptr;
+  if (material && material->texture)
+    mesh.uvs = texture_coordinates(document, primitive, *material->texture, mesh.positions.size());
+  if (const Index color = primitive.attribute("COLOR_0"))
+    mesh.colors = colors_from(read_vectors<4>(document, *color));
+  if (const Index normal = primitive.attribute("NORMAL")) {
+    mesh.normals = read_vectors<3>(document, *normal);
+    make_unit(mesh);
+  } else {
+    make_flat(mesh);
+  }
+  return mesh;
+}
+
+}  // namespace farshade::gltf

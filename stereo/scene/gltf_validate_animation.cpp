@@ -1,0 +1,95 @@
+/// Validation of motion: samplers whose keys grow and whose values fit their path.
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "stereo/scene/gltf_accessor.h"
+#include "stereo/scene/gltf_validate.h"
+
+namespace farshade::gltf {
+namespace {
+
+constexpr float kMaxTime_s = 1e6f;
+
+Checked check_keys(const Document& document, const std::string& name, std::uint32_t index) {
+  const std::string subject = name + ": key " + label("accessor", index);
+  if (index >= document.accessors.size()) return malformed(subject + " is not there");
+  const Accessor& accessor = document.accessors[index];
+  if (accessor.component != Component::Float || accessor.rows != 1 || accessor.columns != 1)
+    return malformed(subject + " should hold float scalars");
+  const auto keys = read_scalars(document, index);
+  if (std::adjacent_find(keys.begin(), keys.end(), std::greater_equal<>()) != keys.end())
+    return malformed(subject + ": its times should grow");
+  if (keys.front() < 0.0f || keys.back() > kMaxTime_s)
+    return fail(Fault::OutOfRange, subject + ": its times should lie within 0 and 1e6 s");
+  return {};
+}
+
+Checked check_values(const Document& document, const std::string& name, const AnimationSampler& sampler,
+                     bool is_rotation) {
+  const std::string subject = name + ": value " + label("accessor", sampler.output);
+  if (sampler.output >= document.accessors.size()) return malformed(subject + " is not there");
+  const Accessor& accessor = document.accessors[sampler.output];
+  const bool is_float = accessor.component == Component::Float;
+  const bool fits =
+      is_float || (is_rotation && accessor.normalized && accessor.component != Component::UInt32);
+  if (!fits || accessor.columns != 1 || accessor.rows != (is_rotation ? 4u : 3u))
+    return malformed(subject + " has a type that its path cannot have");
+  const std::uint64_t keys = document.accessors[sampler.input].count;
+  const std::uint64_t values_a_key = sampler.interpolation == "CUBICSPLINE" ? 3 : 1;
+  if (accessor.count != keys * values_a_key)
+    return malformed(subject + " has " + std::to_string(accessor.count) + " elements, should have " +
+                     std::to_string(keys * values_a_key));
+  if (!is_rotation) return {};
+  const auto values = read_vectors<4>(document, sampler.output);
+  for (std::size_t i = values_a_key / 2; i < values.size(); i += values_a_key)
+    if (std::abs(glm::length(values[i]) - 1.0f) > 0.05f)
+      return malformed(subject + ": element " + std::to_string(i) + " is not a unit quaternion");
+  return {};
+}
+
+Checked check_channel(const Document& document, const std::string& name, const Animation& animation,
+                      const AnimationChannel& channel) {
+  if (channel.node >= document.nodes.size())
+    return malformed(name + ": there is no " + label("node", channel.node));
+  if (channel.sampler >= animation.samplers.size())
+    return malformed(name + ": there is no " + label("sampler", channel.sampler));
+  if (channel.path == "weights") return fail(Fault::Unsupported, name + ": morph weights are not supported");
+  if (channel.path != "translation" && channel.path != "rotation" && channel.path != "scale")
+    return malformed(name + ": unknown path '" + printable(channel.path) + "'");
+  const Node& node = document.nodes[channel.node];
+  if (node.matrix)
+    return malformed(name + ": " + label("node", channel.node, node.name) +
+                     " has a matrix and cannot be animated");
+  const AnimationSampler& sampler = animation.samplers[channel.sampler];
+  if (sampler.interpolation != "LINEAR" && sampler.interpolation != "STEP" &&
+      sampler.interpolation != "CUBICSPLINE")
+    return malformed(name + ": unknown interpolation '" + printable(sampler.interpolation) + "'");
+  return check_keys(document, name, sampler.input).and_then([&] {
+    return check_values(document, name, sampler, channel.path == "rotation");
+  });
+}
+
+}  // namespace
+
+Checked validate_animations(const Document& document) {
+  std::uint64_t left = element_budget(document);
+  return check_each(document.animations, [&](std::size_t a, const Animation& animation) {
+    std::set<std::pair<std::uint32_t, std::string>> targets;
+    return check_each(animation.channels, [&](std::size_t c, const AnimationChannel& channel) -> Checked {
+      const std::string name = label("animation", a, animation.name) + ", " + label("channel", c);
+      if (auto checked = check_channel(document, name, animation, channel); !checked) return checked;
+      if (!targets.emplace(channel.node, channel.path).second)
+        return malformed(name + ": an earlier channel moves the same property");
+      const AnimationSampler& sampler = animation.samplers[channel.sampler];
+      const auto elements =
+          document.accessors[sampler.input].count + document.accessors[sampler.output].count;
+      if (elements > left)
+        return fail(Fault::OutOfRange, name + ": more keys than a file of this size should have");
+      left -= elements;
+      return {};
+    });
+  });
+}
+
+}  // namespace farshade::gltf

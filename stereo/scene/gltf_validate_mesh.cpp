@@ -1,0 +1,183 @@
+/// Validation of what is drawn: meshes with their attributes and indices, materials, textures, lights.
+#include <cmath>
+#include <numbers>
+
+#include "stereo/scene/gltf_accessor.h"
+#include "stereo/scene/gltf_validate.h"
+
+namespace farshade::gltf {
+namespace {
+
+/// Largest coordinate of a vertex, metres or not: its square is a float that is far from infinite.
+constexpr float kMaxCoordinate = 1e9f;
+
+/// Component types that an attribute may have; `integers` covers KHR_mesh_quantization.
+enum class Integers { None, NormalizedUnsigned, NormalizedSigned, Any };
+
+struct Attribute {
+  std::string semantic;
+  std::uint32_t least_rows, most_rows;
+  Integers integers;
+};
+
+bool is_allowed(const Accessor& accessor, Integers integers) {
+  const Component c = accessor.component;
+  if (c == Component::Float) return true;
+  if (c == Component::UInt32 || integers == Integers::None) return false;
+  if (integers == Integers::Any) return true;
+  const bool is_signed = c == Component::Int8 || c == Component::Int16;
+  return accessor.normalized && is_signed == (integers == Integers::NormalizedSigned);
+}
+
+Checked check_attribute(const Document& document, const std::string& name, const Primitive& primitive,
+                        const Attribute& wanted, std::uint64_t vertices) {
+  const Index index = primitive.attribute(wanted.semantic);
+  if (!index) return {};
+  const std::string subject = name + ": " + printable(wanted.semantic) + " " + label("accessor", *index);
+  if (*index >= document.accessors.size()) return malformed(subject + " is not there");
+  const Accessor& accessor = document.accessors[*index];
+  if (accessor.columns != 1 || accessor.rows < wanted.least_rows || accessor.rows > wanted.most_rows ||
+      !is_allowed(accessor, wanted.integers))
+    return malformed(subject + " has a type that this attribute cannot have");
+  if (accessor.count != vertices)
+    return malformed(subject + " has " + std::to_string(accessor.count) + " elements for " +
+                     std::to_string(vertices) + " vertices");
+  return {};
+}
+
+Checked check_positions(const Document& document, const std::string& name, std::uint32_t index) {
+  const auto positions = read_vectors<3>(document, index);
+  const auto is_far = [](glm::vec3 p) {
+    return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) > kMaxCoordinate;
+  };
+  const auto far = std::find_if(positions.begin(), positions.end(), is_far);
+  if (far == positions.end()) return {};
+  return fail(Fault::OutOfRange, name + ": POSITION " + label("accessor", index) + ": vertex " +
+                                     std::to_string(far - positions.begin()) + " lies beyond 1e9");
+}
+
+Checked check_index_count(const std::string& name, Mode mode, std::uint64_t count) {
+  const bool whole = mode == Mode::Triangles ? count % 3 == 0 : count >= 3;
+  if (whole) return {};
+  return malformed(name + ": " + std::to_string(count) + " vertices do not make whole triangles");
+}
+
+Checked check_indices(const Document& document, const std::string& name, std::uint32_t index,
+                      std::uint64_t vertices) {
+  const std::string subject = name + ": index " + label("accessor", index);
+  if (index >= document.accessors.size()) return malformed(subject + " is not there");
+  const Accessor& accessor = document.accessors[index];
+  const Component c = accessor.component;
+  const bool is_unsigned = c == Component::UInt8 || c == Component::UInt16 || c == Component::UInt32;
+  if (!is_unsigned || accessor.rows != 1 || accessor.columns != 1 || accessor.normalized)
+    return malformed(subject + " should hold unsigned integers");
+  const auto indices = read_indices(document, index);
+  const auto worst = std::max_element(indices.begin(), indices.end());
+  if (*worst >= vertices)
+    return malformed(subject + ": index " + std::to_string(*worst) + " is beyond the " +
+                     std::to_string(vertices) + " vertices");
+  return {};
+}
+
+/// The texture coordinates that a primitive's material reads; nothing else of TEXCOORD_n matters.
+std::string texcoord_semantic(const Document& document, const Primitive& primitive) {
+  const auto* material = primitive.material ? &document.materials[*primitive.material] : nullptr;
+  return material && material->texture ? "TEXCOORD_" + std::to_string(material->texture->texcoord) : "";
+}
+
+Checked check_primitive(const Document& document, const std::string& name, const Primitive& primitive,
+                        std::uint64_t& left) {
+  if (static_cast<std::uint32_t>(primitive.mode) > 6)
+    return malformed(name + ": unknown mode " + std::to_string(static_cast<std::uint32_t>(primitive.mode)));
+  if (!points_into(document.materials, primitive.material))
+    return malformed(name + ": there is no " + label("material", *primitive.material));
+  const Index position = primitive.attribute("POSITION");
+  if (!position || !primitive.draws_triangles()) return {};
+  if (*position >= document.accessors.size())
+    return malformed(name + ": POSITION " + label("accessor", *position) + " is not there");
+  const std::uint64_t vertices = document.accessors[*position].count;
+  const std::uint64_t indices = primitive.indices && *primitive.indices < document.accessors.size()
+                                    ? document.accessors[*primitive.indices].count
+                                    : vertices;
+  if (vertices + indices > left)
+    return fail(Fault::OutOfRange, name + ": more vertices than a file of this size should have");
+  left -= vertices + indices;
+  const Attribute attributes[] = {{"POSITION", 3, 3, Integers::Any},
+                                  {"NORMAL", 3, 3, Integers::NormalizedSigned},
+                                  {"COLOR_0", 3, 4, Integers::NormalizedUnsigned},
+                                  {texcoord_semantic(document, primitive), 2, 2, Integers::Any}};
+  for (const Attribute& attribute : attributes)
+    if (auto checked = check_attribute(document, name, primitive, attribute, vertices); !checked)
+      return checked;
+  return check_positions(document, name, *position)
+      .and_then([&] {
+        return primitive.indices ? check_indices(document, name, *primitive.indices, vertices) : Checked{};
+      })
+      .and_then([&] { return check_index_count(name, primitive.mode, indices); });
+}
+
+bool is_wrap(std::uint32_t wrap) {
+  return wrap == 10497 || wrap == 33648 || wrap == 33071;
+}
+
+Checked check_texture(const Document& document, std::size_t index, const Texture& texture) {
+  const std::string name = label("texture", index, texture.name);
+  if (!points_into(document.images, texture.image))
+    return malformed(name + ": there is no " + label("image", *texture.image));
+  if (!points_into(document.texture_samplers, texture.sampler))
+    return malformed(name + ": there is no " + label("sampler", *texture.sampler));
+  if (!texture.sampler) return {};
+  const TextureSampler& sampler = document.texture_samplers[*texture.sampler];
+  if (!is_wrap(sampler.wrap_s) || !is_wrap(sampler.wrap_t))
+    return malformed(label("sampler", *texture.sampler) + ": unknown wrap mode");
+  return {};
+}
+
+Checked check_material(const Document& document, std::size_t index, const Material& material) {
+  const std::string name = label("material", index, material.name);
+  if (material.texture && material.texture->texture >= document.textures.size())
+    return malformed(name + ": there is no " + label("texture", material.texture->texture));
+  for (int i = 0; i < 4; ++i)
+    if (material.base_color[i] < 0.0 || material.base_color[i] > 1.0)
+      return malformed(name + ": the base colour factor is outside of 0 to 1");
+  if (material.alpha_mode != "OPAQUE" && material.alpha_mode != "MASK" && material.alpha_mode != "BLEND")
+    return malformed(name + ": unknown alpha mode '" + printable(material.alpha_mode) + "'");
+  return {};
+}
+
+Checked check_light(std::size_t index, const Light& light) {
+  const std::string name = label("light", index, light.name);
+  if (light.type != "point" && light.type != "spot" && light.type != "directional")
+    return malformed(name + ": unknown type '" + printable(light.type) + "'");
+  if (std::min({light.color.x, light.color.y, light.color.z}) < 0.0)
+    return malformed(name + ": its colour is negative");
+  if (light.type == "spot" &&
+      !(light.inner_cone_rad < light.outer_cone_rad && light.outer_cone_rad <= std::numbers::pi / 2 + 1e-6))
+    return malformed(name + ": the cone should be 0 <= inner < outer <= pi/2");
+  return {};
+}
+
+}  // namespace
+
+Checked validate_meshes(const Document& document) {
+  std::uint64_t left = element_budget(document);
+  return check_each(document.meshes, [&](std::size_t m, const Mesh& mesh) {
+    return check_each(mesh.primitives, [&](std::size_t p, const Primitive& primitive) {
+      return check_primitive(document, label("mesh", m, mesh.name) + ", " + label("primitive", p), primitive,
+                             left);
+    });
+  });
+}
+
+Checked validate_looks(const Document& document) {
+  return check_each(document.textures,
+                    [&](auto i, const auto& texture) { return check_texture(document, i, texture); })
+      .and_then([&] {
+        return check_each(document.materials, [&](auto i, const auto& material) {
+          return check_material(document, i, material);
+        });
+      })
+      .and_then([&] { return check_each(document.lights, check_light); });
+}
+
+}  // namespace farshade::gltf
