@@ -71,20 +71,20 @@ struct Refusal {
 /// A run of tiles of one plane of one eye's mask; decodes without any other slice (slice.h packs and opens
 /// it).
 struct Slice {
-  FrameId frame;
+  FrameId frame{};
   std::uint32_t light_set_revision = 0;
   Side eye = Side::Left;
-  Extent size;                       ///< of the whole mask
-  std::uint32_t lights = 0;          ///< of the whole mask
-  std::uint32_t plane = 0;           ///< it tells lights 32 * plane and up, as MaskLayout has them
-  std::uint32_t first_tile = 0;      ///< in TileGrid{size}
-  std::uint32_t tile_count = 0;      ///< 1 or more, first_tile + tile_count within the grid
-  std::span<const std::byte> block;  ///< LZ4; a view into the datagram or the packer, owned by neither
+  Extent size{};                       ///< of the whole mask
+  std::uint32_t lights = 0;            ///< of the whole mask
+  std::uint32_t plane = 0;             ///< it tells lights 32 * plane and up, as MaskLayout has them
+  std::uint32_t first_tile = 0;        ///< in TileGrid{size}
+  std::uint32_t tile_count = 0;        ///< 1 or more, first_tile + tile_count within the grid
+  std::span<const std::byte> block{};  ///< LZ4; a view into the datagram or the packer, owned by neither
 };
 
 /// Sent after a frame's last slice: what the frame was and cost. Lost like any other datagram.
 struct FrameReport {
-  FrameId frame;
+  FrameId frame{};
   std::uint32_t slices = 0;         ///< datagrams of this frame, this report not among them
   std::uint32_t payload_bytes = 0;  ///< of those datagrams
   std::uint64_t primary_rays = 0, shadow_rays = 0;

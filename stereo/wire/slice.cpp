@@ -30,8 +30,7 @@ void SlicePacker::start(const ShadowFrame& frame, Side eye, std::span<const std:
             .light_set_revision = frame.light_set_revision,
             .eye = eye,
             .size = mask_->size(),
-            .lights = mask_->lights(),
-            .block = {}};
+            .lights = mask_->lights()};
   written_.clear();
   tile_ends_.clear();
   check(sent.empty() || sent.size() == TileGrid{slice_.size}.count(), "each tile is sent or not");
