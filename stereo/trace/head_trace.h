@@ -18,6 +18,7 @@ struct HeadTrace {
   std::vector<HeadSample> samples;
   double eye_distance_m = 0.063;
   PerEye<EyeFov> fov;
+  std::size_t repeated_stamps = 0;  ///< rows of the file left out because they repeated the stamp before them
 
   [[nodiscard]] Time start() const { return samples.front().time; }
   [[nodiscard]] Time end() const { return samples.back().time; }
@@ -26,7 +27,8 @@ struct HeadTrace {
 /// The head at `time`: lerp and slerp between neighbours, held outside the recording.
 [[nodiscard]] Rigid<Recorded, Head> head_at(const HeadTrace& trace, Time time);
 
-/// Carries the trace's first head position and heading over to `reference`'s position and heading. Gravity stays.
+/// Carries the trace's first head position and heading over to `reference`'s position and heading. Gravity
+/// stays.
 [[nodiscard]] Rigid<Stage, Recorded> place(const HeadTrace& trace, const Rigid<Stage, Eye>& reference);
 
 /// An eye in the head: half the eye distance to its side, looking straight ahead.
