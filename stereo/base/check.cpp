@@ -5,8 +5,8 @@
 
 namespace farshade {
 
-void check_failed(std::string_view what, const std::string& detail, std::source_location where) {
-  std::fprintf(stderr, "%s:%u: check failed: %.*s%s%s\n", where.file_name(), static_cast<unsigned>(where.line()),
+void check_failed(std::string_view what, const std::string& detail, CallPlace where) {
+  std::fprintf(stderr, "%s:%u: check failed: %.*s%s%s\n", where.file, where.line,
                static_cast<int>(what.size()), what.data(), detail.empty() ? "" : ": ", detail.c_str());
   std::abort();
 }

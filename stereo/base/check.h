@@ -2,7 +2,6 @@
 #pragma once
 
 #include <concepts>
-#include <source_location>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -10,12 +9,20 @@
 
 namespace farshade {
 
+/// Where a call stands, as a default argument. std::source_location is this, but clang 14 lacks it.
+struct CallPlace {
+  const char* file;
+  unsigned line;
+  static constexpr CallPlace current(const char* file = __builtin_FILE(), unsigned line = __builtin_LINE()) {
+    return {file, line};
+  }
+};
+
 /// Prints `file:line: check failed: what (detail)` and aborts.
-[[noreturn]] void check_failed(std::string_view what, const std::string& detail, std::source_location where);
+[[noreturn]] void check_failed(std::string_view what, const std::string& detail, CallPlace where);
 
 /// Aborts unless `holds`. `what` names the invariant.
-inline void check(bool holds, std::string_view what,
-                  std::source_location where = std::source_location::current()) {
+inline void check(bool holds, std::string_view what, CallPlace where = CallPlace::current()) {
   if (!holds) [[unlikely]]
     check_failed(what, "", where);
 }
@@ -23,7 +30,7 @@ inline void check(bool holds, std::string_view what,
 /// Aborts unless `actual == wanted`, printing both.
 template <class A, class B>
 void check_eq(const A& actual, const B& wanted, std::string_view what,
-              std::source_location where = std::source_location::current()) {
+              CallPlace where = CallPlace::current()) {
   if (actual == wanted) [[likely]]
     return;
   std::ostringstream detail;
@@ -33,7 +40,7 @@ void check_eq(const A& actual, const B& wanted, std::string_view what,
 
 /// Integer conversion that aborts instead of changing the value.
 template <std::integral To, std::integral From>
-constexpr To narrow(From value, std::source_location where = std::source_location::current()) {
+constexpr To narrow(From value, CallPlace where = CallPlace::current()) {
   const To result = static_cast<To>(value);
   if (static_cast<From>(result) != value || (result < To{}) != (value < From{})) [[unlikely]]
     check_failed("narrowing keeps the value", std::to_string(value), where);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -188,8 +189,9 @@ TEST(Pfm, IsLittleEndianBottomRowFirst) {
   const std::string header = "Pf\n2 2\n-1.0\n";
   ASSERT_EQ(file.size(), header.size() + 16);
   EXPECT_EQ(std::memcmp(file.data(), header.data(), header.size()), 0);
-  const std::array<float, 4> bottom_first{image.pixels[2], image.pixels[3], image.pixels[0], image.pixels[1]};
-  EXPECT_EQ(std::memcmp(file.data() + header.size(), bottom_first.data(), 16), 0);
+  std::array<float, 4> in_file;
+  std::memcpy(in_file.data(), file.data() + header.size(), 16);
+  EXPECT_EQ(in_file, (std::array{image.pixels[2], image.pixels[3], image.pixels[0], image.pixels[1]}));
   EXPECT_EQ(read_pfm(folder.path() / "a.pfm").value(), image);
 }
 
