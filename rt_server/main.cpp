@@ -1,4 +1,5 @@
 // rt_server: traces shadows for clients that ask over UDP. Results go to stdout, the log to stderr.
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -6,6 +7,7 @@
 
 #include "rt_server/serve.h"
 #include "rt_server/stop_signal.h"
+#include "stereo/base/check.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/udp.h"
 #include "stereo/scene/gltf.h"

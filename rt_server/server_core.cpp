@@ -70,7 +70,7 @@ bool ServerCore::work() {
                            .shadow = stats.shadow,
                            .waited = waited,
                            .superseded = job->superseded};
-  for (const std::span<const std::byte> datagram : packer_.pack(frame_, report))
+  for (const std::vector<std::byte>& datagram : packer_.pack(frame_, report))
     port_.send(job->client, datagram);
   ++frames_;
   return true;

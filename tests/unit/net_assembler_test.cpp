@@ -38,10 +38,8 @@ ShadowFrame noisy_frame(const TraceRequest& asked, std::uint32_t lights, std::ui
 /// A frame's datagrams, each in its own allocation.
 std::vector<std::vector<std::byte>> datagrams_of(const ShadowFrame& frame) {
   FramePacker packer;
-  std::vector<std::vector<std::byte>> result;
-  for (const auto datagram : packer.pack(frame, {.frame = frame.frame}))
-    result.emplace_back(datagram.begin(), datagram.end());
-  return result;
+  const auto datagrams = packer.pack(frame, {.frame = frame.frame});
+  return {datagrams.begin(), datagrams.end()};
 }
 
 const ReceivedFrame* accept(Assembler& assembler, const std::vector<std::byte>& datagram) {

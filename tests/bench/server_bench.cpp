@@ -1,0 +1,144 @@
+// The whole server frame against its tracing: request in, both eyes traced, packed and sent over UDP on
+// loopback. Figure to reach: median frame <= 1.35 x median (primary + shadow).
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "rt_server/server_core.h"
+#include "stereo/base/check.h"
+#include "stereo/base/quantile.h"
+#include "stereo/net/assembler.h"
+#include "stereo/net/udp.h"
+#include "stereo/scene/gltf.h"
+
+namespace {
+
+using namespace farshade;
+
+constexpr double kFigure = 1.35;
+
+struct Options {
+  std::string scene;
+  std::uint32_t side_px = 1024;
+  std::uint32_t frames = 30;
+};
+
+/// A head at the scene's reference camera that looks around: +-30 degrees in 60 frames.
+TraceRequest request_of(const Scene& scene, std::uint32_t number, std::uint32_t side_px) {
+  const double yaw_rad = 0.5 * std::sin(number * 0.105);
+  const Rigid<Eye, Head> camera_from_head{glm::angleAxis(yaw_rad, glm::dvec3(0, 1, 0)), glm::dvec3(0)};
+  TraceRequest request;
+  request.frame = {number};
+  for (const Side side : kSides) {
+    const Rigid<Head, Eye> head_from_eye{{1, 0, 0, 0}, {side == Side::Left ? -0.032 : 0.032, 0, 0}};
+    View& view = request.views[index_of(side)];
+    view.stage_from_eye = scene.camera.value_or(Rigid<Stage, Eye>{}) * camera_from_head * head_from_eye;
+    view.fov = {-0.8, 0.8, 0.8, -0.8};
+    view.size = {side_px, side_px};
+  }
+  return request;
+}
+
+struct Row {
+  double frame_ms, trace_ms, pack_ms, send_ms, datagrams, kilobytes, megarays;
+};
+
+/// Hears what lies in the socket; the whole frame does, as nobody heard while it was sent.
+void drain(DatagramPort& port, Assembler& assembler) {
+  std::array<std::byte, kMaxDatagram_bytes> buffer;
+  while (const auto datagram = port.receive(buffer, Duration::zero())) {
+    const auto message = decode_server(datagram->bytes);
+    if (!message) continue;
+    if (const auto* slice = std::get_if<Slice>(&*message)) assembler.accept(*slice);
+    if (const auto* report = std::get_if<FrameReport>(&*message)) assembler.accept(*report);
+  }
+}
+
+std::vector<double> column(const std::vector<Row>& rows, double Row::*value) {
+  std::vector<double> values;
+  for (const Row& row : rows) values.push_back(row.*value);
+  return values;
+}
+
+double print(const char* stage, const std::vector<double>& values) {
+  const Spread spread = spread_of(values);
+  std::printf("%-18s %8.2f %8.2f %8.2f\n", stage, spread.median, spread.p95, spread.p99);
+  return spread.median;
+}
+
+Expected<void> run(const Options& options) {
+  const Expected<Scene> scene = load_scene(options.scene);
+  if (!scene) return tl::unexpected(scene.error());
+  Expected<Tracer> tracer = Tracer::create(*scene);
+  if (!tracer) return tl::unexpected(tracer.error());
+  const Expected<std::unique_ptr<DatagramPort>> port = listen_udp("127.0.0.1:0");
+  if (!port) return tl::unexpected(port.error());
+  const Expected<UdpClient> client = connect_udp(to_string((*port)->local()));
+  if (!client) return tl::unexpected(client.error());
+
+  const SteadyClock clock;
+  const LightSet lights = state_at(*scene, Time{}).light_set;
+  const auto light_count = narrow<std::uint32_t>(lights.lights.size());
+  ServerCore core(
+      {scene->hash, light_count, lights.revision},
+      [&](const TraceRequest& request, ShadowFrame& frame) { return tracer->trace(request, frame); }, **port,
+      clock);
+  Assembler assembler;
+  std::vector<std::byte> bytes;
+  const auto say = [&](const ClientMessage& message) {
+    encode(message, bytes);
+    client->port->send(client->server, bytes);
+    core.receive(std::chrono::seconds(1));
+  };
+
+  say(Hello{.scene_hash = scene->hash});
+  std::vector<Row> rows;
+  std::uint32_t complete = 0;
+  constexpr std::uint32_t kWarmUp = 3;
+  for (std::uint32_t number = 1; number <= options.frames + kWarmUp; ++number) {
+    const TraceRequest request = request_of(*scene, number, options.side_px);
+    assembler.expect(request, light_count, lights.revision);
+    say(RequestMessage{request, std::nullopt});
+    const Stopwatch frame;
+    core.work();
+    const double frame_ms = ms_of(frame.elapsed());
+    drain(*client->port, assembler);
+    const ReceivedFrame& received = *assembler.find({number});
+    if (number <= kWarmUp || !received.report) continue;
+    complete += received.complete() ? 1 : 0;
+    const FrameReport& report = *received.report;
+    const double trace_ms = ms_of(report.primary + report.shadow), pack_ms = ms_of(report.pack);
+    rows.push_back({frame_ms, trace_ms, pack_ms, frame_ms - trace_ms - pack_ms,
+                    static_cast<double>(report.slices), report.payload_bytes / 1e3,
+                    static_cast<double>(report.shadow_rays) / 1e6});
+  }
+  if (rows.empty()) return fail(Fault::Unavailable, "no frame came back over loopback");
+
+  std::printf("%s, %ux%u an eye, %u lights, %zu frames, %u arrived whole\n", scene->name.c_str(),
+              options.side_px, options.side_px, light_count, rows.size(), complete);
+  std::printf("%-18s %8s %8s %8s\n", "[ms]", "median", "p95", "p99");
+  const double trace_ms = print("primary + shadow", column(rows, &Row::trace_ms));
+  print("pack", column(rows, &Row::pack_ms));
+  print("send, rest", column(rows, &Row::send_ms));
+  const double frame_ms = print("whole frame", column(rows, &Row::frame_ms));
+  print("datagrams", column(rows, &Row::datagrams));
+  print("payload [kB]", column(rows, &Row::kilobytes));
+  print("shadow rays [M]", column(rows, &Row::megarays));
+  std::printf("whole frame / (primary + shadow): %.3f (to reach: <= %.2f)\n", frame_ms / trace_ms, kFigure);
+  return {};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("The whole server frame against its tracing.");
+  Options options;
+  app.add_option("--scene", options.scene, "glTF 2.0 file")->required();
+  app.add_option("--size", options.side_px, "width and height of an eye in pixels")->capture_default_str();
+  app.add_option("--frames", options.frames, "frames to measure")->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  const Expected<void> done = run(options);
+  if (!done) std::fprintf(stderr, "server_bench: %s\n", done.error().what.c_str());
+  return done ? EXIT_SUCCESS : EXIT_FAILURE;
+}
