@@ -2,8 +2,8 @@
 """Makes the bundled assets: python3 assets/make.py [FOLDER], by default the folder of this script.
 With --check it writes nothing and fails if a file there is not, byte for byte, what would be made.
 
-Standard library only, and the same bytes on every run: all chance comes from seeded generators, and numbers are
-rounded to a binary grid far coarser than the differences between maths libraries.
+Standard library only, and the same bytes on every run: all chance comes from seeded generators, and numbers
+are rounded to a binary grid far coarser than the differences between maths libraries.
 """
 
 import sys

@@ -1,8 +1,9 @@
-"""A box above a plane under two lights: the shadows are rectangles that anyone can work out on paper (ORIGIN.md).
+"""A box above a plane under two lights: the shadows are rectangles that anyone can work out on paper.
 
 Box: x and z in [-0.5, 0.5], y in [1, 1.5]. Plane: y = 0, x and z in [-4, 4].
-Point light at (0.25, 4, 0): a point at height y falls to x' = 0.25 + (x - 0.25) * 4 / (4 - y). The light stands
-over the box, so its top face (y = 1.5, factor 1.6) makes the outline: x in [-0.95, 0.65], z in [-0.8, 0.8].
+Point light at (0.25, 4, 0): a point at height y falls to x' = 0.25 + (x - 0.25) * 4 / (4 - y). The light
+stands over the box, so its top face (y = 1.5, factor 1.6) makes the outline: x in [-0.95, 0.65],
+z in [-0.8, 0.8].
 Directional light along (1, -1, 0): x' = x + y, so x in [0.5, 2], z in [-0.5, 0.5].
 """
 

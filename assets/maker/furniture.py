@@ -3,20 +3,19 @@
 import math
 import random
 
-from .shapes import (add, box, cone, disc, joined, lathe, quad, rod, rounded_box, sphere, surface, times, torus,
-                     tube)
+from .shapes import box, cone, disc, joined, lathe, quad, rod, rounded_box, sphere, surface, torus, tube
 
 
 def chair():
     """Faces +z. Returns (wood, cushion)."""
-    legs = [joined(lathe([(0.013, 0.0), (0.019, 0.2), (0.022, 0.43)], 10, 4), disc(0.013, 10).turned("x", 180))
-            .turned("z", -4 * sx).turned("x", 4 * sz).moved(0.19 * sx, 0.0, 0.18 * sz)
+    leg = joined(lathe([(0.013, 0.0), (0.019, 0.2), (0.022, 0.43)], 10, 4), disc(0.013, 10).turned("x", 180))
+    legs = [leg.turned("z", -4 * sx).turned("x", 4 * sz).moved(0.19 * sx, 0.0015, 0.18 * sz)
             for sx in (-1, 1) for sz in (-1, 1)]
     posts = [tube(lambda v, s=s: (s * (0.19 + 0.01 * v), 0.42 + 0.5 * v, -0.185 - 0.1 * v * v),
                   lambda v: 0.019 - 0.005 * v, 8, 6, (1, 0, 0)) for s in (-1, 1)]
     knobs = [sphere(0.017, 10).moved(s * 0.2, 0.92, -0.285) for s in (-1, 1)]
-    back = [rounded_box(0.38, height, 0.016, 0.007, 1).warped(lambda p: (p[0], p[1], p[2] - 0.05 + 1.4 * p[0] ** 2))
-            .turned("x", -10).moved(0, y, z)
+    bend = lambda p: (p[0], p[1], p[2] - 0.05 + 1.4 * p[0] ** 2)
+    back = [rounded_box(0.38, height, 0.016, 0.007, 1).warped(bend).turned("x", -10).moved(0, y, z)
             for y, z, height in ((0.60, -0.20, 0.05), (0.72, -0.222, 0.05), (0.855, -0.25, 0.09))]
     frame = rounded_box(0.43, 0.05, 0.41, 0.012, 1).moved(y=0.43)
     cushion = rounded_box(0.41, 0.05, 0.39, 0.024, 2).moved(y=0.474)
@@ -28,14 +27,15 @@ def table(length=1.5, width=0.85, height=0.75):
     apron = [box(length - 0.24, 0.08, 0.022).moved(0, height - 0.075, s * (width / 2 - 0.1)) for s in (-1, 1)]
     ends = [box(0.022, 0.08, width - 0.22).moved(s * (length / 2 - 0.12), height - 0.075, 0) for s in (-1, 1)]
     leg = lathe([(0.02, 0.0), (0.026, 0.06), (0.022, 0.12), (0.032, 0.35), (0.036, height - 0.03)], 16, 10)
-    legs = [leg.moved(sx * (length / 2 - 0.11), 0, sz * (width / 2 - 0.1)) for sx in (-1, 1) for sz in (-1, 1)]
+    legs = [leg.moved(sx * (length / 2 - 0.11), 0, sz * (width / 2 - 0.1))
+            for sx in (-1, 1) for sz in (-1, 1)]
     return joined(top, *apron, *ends, *legs)
 
 
 def sofa(length=2.0):
     """Faces +x, back at x = 0. Returns (cloth, feet, two throw pillows)."""
-    plump = lambda shape, k: shape.warped(lambda p: (p[0], p[1] * (1 + k * math.cos(2.2 * p[2]) * math.cos(3 * p[0])),
-                                                     p[2]))
+    plump = lambda shape, k: shape.warped(
+        lambda p: (p[0], p[1] * (1 + k * math.cos(2.2 * p[2]) * math.cos(3 * p[0])), p[2]))
     base = rounded_box(0.80, 0.22, length - 0.1, 0.03, 2).moved(0.43, 0.24, 0)
     back = rounded_box(0.2, 0.62, length - 0.1, 0.07, 2).turned("z", 6).moved(0.13, 0.53, 0)
     arms = [rounded_box(0.84, 0.5, 0.16, 0.07, 2).moved(0.43, 0.37, s * (length / 2 - 0.08)) for s in (-1, 1)]
@@ -64,26 +64,29 @@ def pillow(side=0.42):
 def shelf(width=1.3, height=2.0, depth=0.32):
     """Back at z = 0. Boards at y = 0.08, 0.46, 0.84, 1.22, 1.60 and the top."""
     sides = [box(0.025, height, depth).moved(s * (width - 0.025) / 2, height / 2, depth / 2) for s in (-1, 1)]
-    boards = [box(width - 0.05, 0.025, depth).moved(0, y - 0.0125, depth / 2) for y in (*SHELF_BOARDS, height)]
+    boards = [box(width - 0.05, 0.025, depth).moved(0, y - 0.0125, depth / 2)
+              for y in (*SHELF_BOARDS, height)]
     back = box(width, height, 0.01).moved(0, height / 2, 0.005)
     return joined(*sides, *boards, back)
 
 
 SHELF_BOARDS = (0.08, 0.46, 0.84, 1.22, 1.60)
-BOOK_COLORS = ((0.42, 0.06, 0.05), (0.05, 0.12, 0.28), (0.09, 0.22, 0.12), (0.55, 0.36, 0.09), (0.60, 0.52, 0.38),
-               (0.24, 0.06, 0.16), (0.05, 0.25, 0.28), (0.62, 0.22, 0.06), (0.08, 0.08, 0.09))
+BOOK_COLORS = ((0.42, 0.06, 0.05), (0.05, 0.12, 0.28), (0.09, 0.22, 0.12), (0.55, 0.36, 0.09),
+               (0.60, 0.52, 0.38), (0.24, 0.06, 0.16), (0.05, 0.25, 0.28), (0.62, 0.22, 0.06),
+               (0.08, 0.08, 0.09))
 
 
 def books(rng, length, tallest):
     """A row of books along x from 0, spines to +z; the last one leans."""
     row, x = [], 0.0
     while x < length:
-        thick, high, deep = 0.018 + 0.036 * rng.random(), tallest * (0.68 + 0.3 * rng.random()), 0.15 + 0.07 * rng.random()
+        thick, high = 0.018 + 0.036 * rng.random(), tallest * (0.68 + 0.3 * rng.random())
+        deep = 0.15 + 0.07 * rng.random()
         color = BOOK_COLORS[int(rng.random() * len(BOOK_COLORS))]
         cover = box(thick, high, deep).colored(color)
-        pages = box(thick * 0.7, high * 0.001 + 0.002, deep * 0.9).moved(y=high / 2).colored((0.7, 0.66, 0.55))
-        band = box(thick * 0.86, high * 0.06, 0.002).moved(0, high * 0.28, deep / 2).colored((0.6, 0.45, 0.15))
-        book = joined(cover, pages, band).moved(y=high / 2)
+        pages = box(thick * 0.7, 0.002, deep * 0.9).moved(y=high / 2).colored((0.7, 0.66, 0.55))
+        band = box(thick * 0.86, high * 0.06, 0.002).moved(0, high * 0.28, deep / 2)
+        book = joined(cover, pages, band.colored((0.6, 0.45, 0.15))).moved(y=high / 2)
         lean = 14 if x + thick >= length else 0
         row.append(book.turned("z", lean).moved(x + thick / 2 + high * 0.12 * (lean > 0), 0, deep / 2))
         x += thick + 0.0015
@@ -100,7 +103,8 @@ def vase(profile, sides=26, along=14):
     return joined(outside, inside, lip)
 
 
-TALL_VASE = [(0.045, 0.0), (0.075, 0.06), (0.092, 0.15), (0.07, 0.24), (0.032, 0.31), (0.034, 0.34), (0.05, 0.37)]
+TALL_VASE = [(0.045, 0.0), (0.075, 0.06), (0.092, 0.15), (0.07, 0.24), (0.032, 0.31), (0.034, 0.34),
+             (0.05, 0.37)]
 ROUND_VASE = [(0.05, 0.0), (0.1, 0.05), (0.118, 0.11), (0.09, 0.18), (0.048, 0.215), (0.062, 0.245)]
 BOWL = [(0.05, 0.0), (0.11, 0.025), (0.155, 0.065), (0.175, 0.1)]
 
@@ -108,7 +112,8 @@ BOWL = [(0.05, 0.0), (0.11, 0.025), (0.155, 0.065), (0.175, 0.1)]
 def twigs(rng, count=7):
     """Dry twigs for a vase: thin bent rods from the origin up."""
     def twig():
-        turn, spread, height = 2 * math.pi * rng.random(), 0.06 + 0.16 * rng.random(), 0.35 + 0.25 * rng.random()
+        turn, spread = 2 * math.pi * rng.random(), 0.06 + 0.16 * rng.random()
+        height = 0.35 + 0.25 * rng.random()
         bend = 0.06 * (rng.random() - 0.5)
         path = lambda v: (math.cos(turn) * spread * v * v + bend * math.sin(3 * v), height * v,
                           math.sin(turn) * spread * v * v)
@@ -118,30 +123,29 @@ def twigs(rng, count=7):
     return joined(*[twig() for _ in range(count)])
 
 
-def frame(width, height, paint):
-    """Hangs on a wall behind z = 0: wooden frame, white mount and the picture, whose colour is paint(u, v)."""
+def frame(width, height, picture):
+    """Hangs on a wall behind z = 0. Returns (frame and white mount, the card that shows `picture` of 3)."""
     bar = 0.028
     sides = [rounded_box(bar, height + bar, 0.03, 0.006, 1).moved(s * width / 2, 0, 0.015) for s in (-1, 1)]
     ends = [rounded_box(width + bar, bar, 0.03, 0.006, 1).moved(0, s * height / 2, 0.015) for s in (-1, 1)]
     mount = quad((-width / 2, -height / 2, 0.008), (width, 0, 0), (0, height, 0)).colored((0.72, 0.70, 0.64))
     w, h = width * 0.74, height * 0.76
-    art = quad((-w / 2, -h / 2, 0.010), (w, 0, 0), (0, h, 0), 14, 14)
-    art = art.colored(lambda p: paint(p[0] / w + 0.5, p[1] / h + 0.5))
-    wood = (0.08, 0.05, 0.035)
-    return joined(*[bar_.colored(wood) for bar_ in (*sides, *ends)], mount, art)
+    card = quad((-w / 2, -h / 2, 0.010), (w, 0, 0), (0, h, 0)).pictured(lambda u, v: ((picture + u) / 3, v))
+    return joined(*[piece.colored((0.08, 0.05, 0.035)) for piece in (*sides, *ends)], mount), card
 
 
 def blind(width, top, bottom, spacing=0.055, blade=0.05, tilt=20):
-    """Slats across x, hanging in z = 0 from `top` to `bottom`, inner edge low; rails and cords. Closed shapes."""
+    """Slats across x, hanging in z = 0 from `top` to `bottom`, inner edge low; rails and cords."""
     def slat(y):
-        arch = lambda u, v, s: (width * (u - 0.5) * s, 0.004 * math.cos(math.pi * (v - 0.5)) * 1.0 + 0.0008 * s,
+        arch = lambda u, v, s: (width * (u - 0.5) * s, 0.004 * math.cos(math.pi * (v - 0.5)) + 0.0008 * s,
                                 -blade * (v - 0.5))
         return joined(*[surface(lambda u, v, s=s: arch(u, v, s), 1, 6) for s in (1, -1)]) \
             .turned("x", tilt).moved(y=y)
     count = int((top - bottom) / spacing)
     slats = [slat(top - spacing * (i + 1)) for i in range(count)]
-    rails = [box(width, 0.035, 0.05).moved(y=top), box(width, 0.018, 0.04).moved(y=top - spacing * (count + 1))]
-    cords = [rod((s * width * 0.32, top, 0.026), (s * width * 0.32, bottom, 0.026), 0.0015, 4) for s in (-1, 1)]
+    rails = [box(width, 0.035, 0.05).moved(y=top),
+             box(width, 0.018, 0.04).moved(y=top - spacing * (count + 1))]
+    cords = [rod((x, top, 0.026), (x, bottom, 0.026), 0.0015, 4) for x in (-0.32 * width, 0.32 * width)]
     return joined(*slats, *rails, *cords)
 
 
@@ -167,12 +171,12 @@ def plant(rng, leaves=46):
         turn, rise = i * 2.39996, 0.25 + 0.75 * (i + 0.5) / leaves  # the golden angle spreads them
         reach = (0.16 + 0.3 * math.sin(math.pi * (rise - 0.1))) * (0.8 + 0.4 * rng.random())
         tip = (math.cos(turn) * reach, 0.3 + 1.05 * rise, -math.sin(turn) * reach)
-        path = lambda v, tip=tip: (tip[0] * v * v, 0.26 + (tip[1] - 0.26) * v * (1.2 - 0.2 * v), tip[2] * v * v)
+        path = lambda v: (tip[0] * v * v, 0.26 + (tip[1] - 0.26) * v * (1.2 - 0.2 * v), tip[2] * v * v)
         stems.append(tube(path, lambda v: 0.006 - 0.004 * v, 4, 5, (0.3, 0, 1)).colored((0.10, 0.16, 0.05)))
         long, wide = 0.26 + 0.1 * rng.random(), 0.13 + 0.04 * rng.random()
         droop = 0.5 + 0.6 * rng.random()
-        card = surface(lambda u, v: (wide * (u - 0.5), long * (v - droop * v * v * 0.5) * 0.6 - 0.05 * abs(2 * u - 1) ** 2 * 0.3,
-                                     -long * v * 0.85), 4, 5)
+        rest = lambda u, v: 0.6 * long * (v - 0.5 * droop * v * v) - 0.015 * (2 * u - 1) ** 2
+        card = surface(lambda u, v: (wide * (u - 0.5), rest(u, v), -0.85 * long * v), 4, 5)
         cards.append(card.turned("y", math.degrees(turn) - 90 + 20 * (rng.random() - 0.5)).moved(*path(1.0)))
     return pot, joined(*stems), joined(*cards)
 
@@ -184,11 +188,23 @@ def pendant_shade():
 
 
 def cage(radius=0.13, ribs=6):
-    """A globe of wire around the origin: meridians and three parallels."""
+    """A globe of wire around the origin: meridians and two parallels."""
     meridian = tube(lambda v: (radius * math.sin(math.pi * v), radius * math.cos(math.pi * v), 0.0),
                     lambda v: 0.0014, 4, 16, (0, 0, 1))
-    parallels = [torus(radius * math.cos(a), 0.0014, 24, 4).moved(y=radius * math.sin(a)) for a in (-0.7, 0.0, 0.7)]
+    parallels = [torus(radius * math.cos(a), 0.0014, 24, 4).moved(y=radius * math.sin(a))
+                 for a in (-0.6, 0.0)]
     return joined(*[meridian.turned("y", 360 * i / ribs) for i in range(ribs)], *parallels)
+
+
+def petals(count=8, inner=0.06, outer=0.17):
+    """A flat flower, seen from above: the lamp's cap, so that its shadow on the ceiling is one."""
+    middle, swing = (inner + outer) / 2, (outer - inner) / 2
+
+    def f(u, v):
+        a = 2 * math.pi * u
+        reach = (middle + swing * math.cos(count * a)) * (1 - v)
+        return (reach * math.cos(a), 0.0, -reach * math.sin(a))
+    return surface(f, count * 12, 1)
 
 
 def orrery_arm():
@@ -198,21 +214,7 @@ def orrery_arm():
     moon = joined(sphere(0.03, 14).colored((0.30, 0.42, 0.60)), rod((0, 0.03, 0), (0, 0.1, 0), 0.0025, 6))
     return joined(rod((0.13, 0.0, 0.0), (0.36, 0.0, 0.0), 0.004, 8).colored((0.55, 0.42, 0.18)),
                   planet.moved(0.40, -0.01, 0),
-                  moon.moved(0.27, -0.1, 0).colored((0.30, 0.42, 0.60)))
-
-
-def toy_train():
-    """Runs towards -z; wheels on y = 0."""
-    red, black, brass = (0.50, 0.05, 0.04), (0.03, 0.03, 0.035), (0.60, 0.42, 0.12)
-    body = joined(rounded_box(0.07, 0.03, 0.22, 0.008, 2).moved(y=0.04).colored(black),
-                  cone(0.034, 0.034, 0.13, 24).turned("x", -90).moved(0, 0.09, 0.03).colored(red),
-                  rounded_box(0.075, 0.1, 0.08, 0.008, 2).moved(0, 0.1, 0.06).colored(red),
-                  rounded_box(0.09, 0.012, 0.1, 0.005, 2).moved(0, 0.156, 0.06).colored(black),
-                  cone(0.01, 0.018, 0.05, 16).moved(0, 0.12, -0.07).colored(black),
-                  sphere(0.018, 16).moved(0, 0.125, -0.02).colored(brass))
-    wheels = [cone(0.026, 0.026, 0.012, 20).turned("z", -90).moved(s * 0.03 - 0.006, 0.026, z).colored(brass)
-              for s in (-1, 1) for z in (-0.07, 0.0, 0.07)]
-    return joined(body, *wheels)
+                  moon.moved(0.27, -0.1, 0))
 
 
 def door(width=0.86, height=2.05):
@@ -220,8 +222,8 @@ def door(width=0.86, height=2.05):
     white, dark = (0.66, 0.63, 0.56), (0.55, 0.40, 0.14)
     panels = [rounded_box(width * 0.36, h, 0.02, 0.009, 1).moved(s * width * 0.22, y, 0.03)
               for s in (-1, 1) for y, h in ((0.5, 0.7), (1.45, 0.9))]
-    casing = [rounded_box(0.08, height + 0.08, 0.03, 0.008, 1).moved(s * (width / 2 + 0.04), height / 2 + 0.04, 0.015)
-              for s in (-1, 1)]
+    casing = [rounded_box(0.08, height + 0.08, 0.03, 0.008, 1)
+              .moved(s * (width / 2 + 0.04), height / 2 + 0.04, 0.015) for s in (-1, 1)]
     lintel = rounded_box(width + 0.2, 0.09, 0.036, 0.008, 1).moved(0, height + 0.045, 0.018)
     knob = joined(sphere(0.028, 18).moved(-width * 0.42, 1.0, 0.075),
                   rod((-width * 0.42, 1.0, 0.03), (-width * 0.42, 1.0, 0.07), 0.01, 10)).colored(dark)
@@ -231,9 +233,10 @@ def door(width=0.86, height=2.05):
 
 def sideboard(length=1.5, depth=0.38, height=0.72):
     """Faces -x, back at x = 0, along z."""
-    carcass = rounded_box(depth, height - 0.14, length, 0.012, 2).moved(-depth / 2, 0.14 + (height - 0.14) / 2, 0)
+    middle = (height + 0.14) / 2
+    carcass = rounded_box(depth, height - 0.14, length, 0.012, 2).moved(-depth / 2, middle, 0)
     doors = [rounded_box(0.02, height - 0.2, length / 3 - 0.02, 0.008, 1)
-             .moved(-depth - 0.006, 0.14 + (height - 0.14) / 2, (i - 1) * length / 3) for i in range(3)]
+             .moved(-depth - 0.006, middle, (i - 1) * length / 3) for i in range(3)]
     knobs = [sphere(0.014, 10).moved(-depth - 0.03, 0.52, (i - 1) * length / 3 + 0.18) for i in range(3)]
     legs = [cone(0.016, 0.024, 0.15, 14).moved(x, 0, z) for x in (-0.05, -depth + 0.05)
             for z in (-length / 2 + 0.08, length / 2 - 0.08)]

@@ -124,7 +124,8 @@ class Document:
         return sum(self.triangles[n["mesh"]] for n in self.root["nodes"] if "mesh" in n)
 
     def instance_count(self):
-        return sum(len(self.root["meshes"][n["mesh"]]["primitives"]) for n in self.root["nodes"] if "mesh" in n)
+        return sum(len(self.root["meshes"][n["mesh"]]["primitives"])
+                   for n in self.root["nodes"] if "mesh" in n)
 
     def as_gltf(self):
         uri = "data:application/octet-stream;base64," + base64.b64encode(self.buffer).decode()
@@ -133,7 +134,8 @@ class Document:
 
     def as_glb(self):
         self.buffer += b"\0" * (-len(self.buffer) % 4)
-        text = json.dumps(self.root | {"buffers": [{"byteLength": len(self.buffer)}]}, separators=(",", ":")).encode()
+        root = self.root | {"buffers": [{"byteLength": len(self.buffer)}]}
+        text = json.dumps(root, separators=(",", ":")).encode()
         text += b" " * (-len(text) % 4)
         chunk = lambda kind, body: struct.pack("<I4s", len(body), kind) + body
         chunks = chunk(b"JSON", text) + chunk(b"BIN\0", bytes(self.buffer))

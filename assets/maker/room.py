@@ -9,7 +9,7 @@ import random
 
 from . import furniture, pose, textures
 from .gltf import Document
-from .shapes import box, cone, disc, joined, quad, rod, rounded_box, sphere, times, torus
+from .shapes import box, cone, joined, quad, rod, rounded_box, sphere, torus
 
 LOOP_S = 4.0
 WINDOW = {"left": 0.0, "right": 1.8, "low": 0.9, "high": 2.25, "deep": 0.12}
@@ -36,7 +36,10 @@ class Palette:
 
     def __init__(self, doc):
         self.floor = doc.material("oak floor", texture=doc.texture(textures.planks(), "planks"))
-        self.leaf = doc.material("leaf", texture=doc.texture(textures.leaf(), "leaf"), mask=True, double_sided=True)
+        self.leaf = doc.material("leaf", texture=doc.texture(textures.leaf(), "leaf"), mask=True,
+                                 double_sided=True)
+        self.rug = doc.material("rug", texture=doc.texture(textures.rug(), "rug"))
+        self.paintings = doc.material("paintings", texture=doc.texture(textures.paintings(), "paintings"))
         self.wall = doc.material("plaster", (0.66, 0.61, 0.52))
         self.accent = doc.material("blue-green plaster", (0.16, 0.30, 0.31))
         self.ceiling = doc.material("ceiling", (0.74, 0.72, 0.68))
@@ -54,9 +57,7 @@ class Palette:
 
 
 def shell(doc, palette):
-    floor = quad((-3, 0, 2.5), (6, 0, 0), (0, 0, -5), 3, 3)
-    floor = type(floor)(floor.positions, floor.normals, tuple((p[0] / 2, p[2] / 2) for p in floor.positions),
-                        floor.colors, floor.triangles)
+    floor = quad((-3, 0, 2.5), (6, 0, 0), (0, 0, -5), 3, 3).pictured(lambda u, v: (3 * u, 2.5 * v))
     w = WINDOW
     back = joined(quad((-3, 0, -2.5), (w["left"] + 3, 0, 0), (0, 2.7, 0)),
                   quad((w["right"], 0, -2.5), (3 - w["right"], 0, 0), (0, 2.7, 0)),
@@ -68,8 +69,9 @@ def shell(doc, palette):
     skirt = joined(*[box(6, 0.09, 0.016).moved(0, 0.045, s * 2.492) for s in (-1, 1)],
                    *[box(0.016, 0.09, 5).moved(s * 2.992, 0.045, 0) for s in (-1, 1)])
     doc.node("floor", mesh=doc.mesh("floor", (floor, palette.floor)))
-    doc.node("walls", mesh=doc.mesh("walls", (joined(back, right, front), palette.wall), (left, palette.accent),
-                                    (quad((-3, 2.7, -2.5), (6, 0, 0), (0, 0, 5)), palette.ceiling),
+    ceiling = quad((-3, 2.7, -2.5), (6, 0, 0), (0, 0, 5))
+    doc.node("walls", mesh=doc.mesh("walls", (joined(back, right, front), palette.wall),
+                                    (left, palette.accent), (ceiling, palette.ceiling),
                                     (skirt, palette.white)))
 
 
@@ -89,7 +91,8 @@ def window(doc, palette):
     doc.node("window", mesh=doc.mesh("window", (joined(reveal, bars, blind), palette.white)))
     cloth = doc.mesh("curtain", (furniture.curtain(0.5, 2.38, 6, random.Random(3)), palette.linen))
     doc.node("curtain left", at=(w["left"] - 0.2, 0.04, -2.36), mesh=cloth)
-    doc.node("curtain right", at=(w["right"] + 0.2, 0.04, -2.36), turned=pose.about((0, 1, 0), 180), mesh=cloth)
+    doc.node("curtain right", at=(w["right"] + 0.2, 0.04, -2.36), turned=pose.about((0, 1, 0), 180),
+             mesh=cloth)
     pole = joined(rod((w["left"] - 0.55, 2.46, -2.36), (w["right"] + 0.55, 2.46, -2.36), 0.012, 16),
                   *[sphere(0.028, 14).moved(px, 2.46, -2.36) for px in (w["left"] - 0.56, w["right"] + 0.56)],
                   *[torus(0.02, 0.003, 10, 4).turned("z", 90).moved(c - 0.24 + 0.06 * i, 2.452, -2.36)
@@ -111,8 +114,8 @@ def dining(doc, palette):
     chair = doc.mesh("chair", (wood, palette.pale_wood), (cushion, palette.cushion))
     seats = ((-0.38, 0.62, 176), (0.42, 0.66, 190), (-0.36, -0.6, -4), (0.4, -0.62, 7))
     for i, (x, z, turn) in enumerate(seats):
-        doc.node(f"chair {i + 1}", at=(TABLE_AT[0] + x, 0, TABLE_AT[2] + z), turned=pose.about((0, 1, 0), turn),
-                 mesh=chair)
+        doc.node(f"chair {i + 1}", at=(TABLE_AT[0] + x, 0, TABLE_AT[2] + z),
+                 turned=pose.about((0, 1, 0), turn), mesh=chair)
     rng = random.Random(7)
     tx, _, tz = TABLE_AT
     round_vase = doc.mesh("round vase", (furniture.vase(furniture.ROUND_VASE), palette.cobalt),
@@ -148,33 +151,25 @@ def pendant(doc, palette):
 
 def lounge(doc, palette):
     cloth, feet, pillows = furniture.sofa()
-    stripes = lambda p: (0.10, 0.22, 0.24) if math.sin(42 * p[2]) > 0 else (0.66, 0.60, 0.48)
     pair = joined(pillows[0].colored((0.10, 0.24, 0.26)), pillows[1].colored((0.62, 0.55, 0.42)))
     doc.node("sofa", at=(-2.93, 0, -0.35), mesh=doc.mesh("sofa", (cloth, palette.sofa), (feet, palette.wood),
                                                          (pair, palette.painted)))
-    rug = rounded_box(2.2, 0.014, 2.6, 0.006, 1).moved(y=0.007).colored((0.30, 0.10, 0.07))
-    weave = quad((-1.06, 0.0150, 1.26), (2.12, 0, 0), (0, 0, -2.52), 28, 34).colored(rug_color)
-    doc.node("rug", at=(-1.15, 0, -0.2), mesh=doc.mesh("rug", (joined(rug, weave), palette.painted)))
+    edge = rounded_box(2.2, 0.014, 2.6, 0.006, 1).moved(y=0.007).colored((0.30, 0.10, 0.07))
+    weave = quad((-1.08, 0.015, 1.28), (2.16, 0, 0), (0, 0, -2.56), 4, 4)
+    doc.node("rug", at=(-1.15, 0, -0.2), mesh=doc.mesh("rug", (edge, palette.painted), (weave, palette.rug)))
     top = joined(rounded_box(0.6, 0.03, 0.6, 0.014, 2).moved(y=0.385),
                  *[rod((0.22 * sx, 0.0, 0.22 * sz), (0.16 * sx, 0.38, 0.16 * sz), 0.016, 12)
                    for sx in (-1, 1) for sz in (-1, 1)])
-    doc.node("coffee table", at=(-1.55, 0.015, -0.35), mesh=doc.mesh("coffee table", (top, palette.pale_wood)))
+    doc.node("coffee table", at=(-1.55, 0.015, -0.35),
+             mesh=doc.mesh("coffee table", (top, palette.pale_wood)))
     ring = joined(torus(0.085, 0.03, 32, 12).turned("x", 90).moved(y=0.115).colored((0.70, 0.64, 0.52)),
                   sphere(0.05, 24).moved(0.16, 0.05, 0.12).colored((0.045, 0.11, 0.36)),
                   furniture.books(random.Random(9), 0.05, 0.2).turned("z", -90).moved(-0.2, 0.052, -0.2))
-    doc.node("things on coffee table", at=(-1.55, 0.415, -0.35), mesh=doc.mesh("things", (ring, palette.painted)))
+    doc.node("things on coffee table", at=(-1.55, 0.415, -0.35),
+             mesh=doc.mesh("things", (ring, palette.painted)))
     pot, stems, leaves = furniture.plant(random.Random(5))
-    doc.node("plant", at=(2.52, 0, -1.95), mesh=doc.mesh("plant", (pot, palette.clay), (stems, palette.painted),
-                                                         (leaves, palette.leaf)))
-
-
-def rug_color(p):
-    """Diamonds within a border."""
-    x, z = abs(p[0]) / 1.06, abs(p[2]) / 1.26
-    if max(x, z) > 0.86:
-        return (0.08, 0.16, 0.19) if max(x, z) < 0.94 else (0.58, 0.48, 0.33)
-    step = int(abs(p[0]) * 5.2 + abs(p[2]) * 5.2 + 0.5) % 4
-    return ((0.40, 0.11, 0.07), (0.56, 0.45, 0.30), (0.40, 0.11, 0.07), (0.09, 0.18, 0.21))[step]
+    doc.node("plant", at=(2.52, 0, -1.95), mesh=doc.mesh(
+        "plant", (pot, palette.clay), (stems, palette.painted), (leaves, palette.leaf)))
 
 
 def shelf(doc, palette):
@@ -186,14 +181,16 @@ def shelf(doc, palette):
              for row, x, length in rows]
     globe = joined(sphere(0.09, 28).colored((0.08, 0.22, 0.34)), torus(0.105, 0.005, 32, 6).turned("x", 67)
                    .colored((0.52, 0.36, 0.12))).moved(y=0.15)
-    foot = joined(cone(0.06, 0.012, 0.05, 24), rod((0, 0.04, 0), (0, 0.06, 0), 0.008, 12)).colored((0.1, 0.06, 0.03))
-    small = joined(globe.moved(-0.38, furniture.SHELF_BOARDS[3], 0.16), foot.moved(-0.38, furniture.SHELF_BOARDS[3], 0.16),
-                   *[box(s, s, s).turned("y", a).moved(x, furniture.SHELF_BOARDS[0] + y + s / 2, 0.17).colored(c)
-                     for s, a, x, y, c in ((0.09, 20, 0.42, 0.0, (0.50, 0.08, 0.05)), (0.09, 5, 0.52, 0.0, (0.62, 0.42, 0.09)),
-                                           (0.09, 40, 0.47, 0.09, (0.06, 0.22, 0.30)))])
+    foot = joined(cone(0.06, 0.012, 0.05, 24), rod((0, 0.04, 0), (0, 0.06, 0), 0.008, 12))
+    foot = foot.colored((0.1, 0.06, 0.03))
+    blocks = [box(0.09, 0.09, 0.09).turned("y", a).moved(x, furniture.SHELF_BOARDS[0] + y, 0.17).colored(c)
+              for a, x, y, c in ((20, 0.42, 0.045, (0.50, 0.08, 0.05)), (5, 0.52, 0.045, (0.62, 0.42, 0.09)),
+                                 (40, 0.47, 0.135, (0.06, 0.22, 0.30)))]
+    small = joined(joined(globe, foot).moved(-0.38, furniture.SHELF_BOARDS[3], 0.16), *blocks)
     doc.node("books", at=at, mesh=doc.mesh("books", (joined(*books, small), palette.painted)))
     tall = doc.mesh("tall vase", (furniture.vase(furniture.TALL_VASE), palette.cobalt))
-    bowl = doc.mesh("shelf bowl", (furniture.vase([(0.03, 0), (0.09, 0.02), (0.11, 0.06)], 32, 8), palette.cream))
+    bowl = furniture.vase([(0.03, 0), (0.09, 0.02), (0.11, 0.06)], 32, 8)
+    bowl = doc.mesh("shelf bowl", (bowl, palette.cream))
     doc.node("vase on top", at=(at[0] + 0.35, 2.0, at[2] + 0.16), mesh=tall)
     doc.node("vase in shelf", at=(at[0] - 0.46, furniture.SHELF_BOARDS[1], at[2] + 0.16), mesh=bowl)
     doc.node("bowl in shelf", at=(at[0] + 0.3, furniture.SHELF_BOARDS[4], at[2] + 0.17), mesh=bowl)
@@ -208,41 +205,29 @@ def shelf(doc, palette):
 
 
 def walls(doc, palette):
-    def dusk(u, v):
-        sun = max(0.0, 1 - 9 * ((u - 0.64) ** 2 + (v - 0.42) ** 2))
-        hill = v < 0.30 + 0.09 * math.sin(5 * u + 0.6)
-        return (0.05, 0.07, 0.11) if hill else (0.24 + 0.40 * (1 - v) + 0.2 * sun, 0.18 + 0.16 * (1 - v) + 0.16 * sun,
-                                                0.26 + 0.10 * v)
+    def picture(name, width, height, number):
+        wood, card = furniture.frame(width, height, number)
+        return doc.mesh(name, (wood, palette.painted), (card, palette.paintings))
 
-    def discs(u, v):
-        for x, y, r, c in ((0.35, 0.6, 0.22, (0.50, 0.08, 0.05)), (0.6, 0.42, 0.26, (0.60, 0.40, 0.09)),
-                           (0.45, 0.25, 0.16, (0.05, 0.17, 0.25))):
-            if math.hypot(u - x, (v - y) * 1.2) < r:
-                return c
-        return (0.66, 0.62, 0.53)
-
-    def stripes(u, v):
-        wave = math.sin(9 * v + 2 * math.sin(4 * u))
-        return (0.10 + 0.10 * wave, 0.28 + 0.08 * wave, 0.34 - 0.06 * wave) if wave > -0.2 else (0.62, 0.56, 0.44)
-
-    big = doc.mesh("picture dusk", (furniture.frame(0.95, 0.65, dusk), palette.painted))
-    tall = doc.mesh("picture discs", (furniture.frame(0.5, 0.66, discs), palette.painted))
-    wide = doc.mesh("picture waves", (furniture.frame(0.6, 0.45, stripes), palette.painted))
+    big, tall, wide = (picture("picture dusk", 0.95, 0.65, 0), picture("picture discs", 0.5, 0.66, 1),
+                       picture("picture waves", 0.6, 0.45, 2))
     left, right, front = pose.about((0, 1, 0), 90), pose.about((0, 1, 0), -90), pose.about((0, 1, 0), 180)
     doc.node("picture over sofa", at=(-2.999, 1.62, -0.35), turned=left, mesh=big)
     doc.node("picture by shelf", at=(-0.92, 1.55, -2.499), mesh=tall)
     doc.node("picture over sideboard", at=(2.999, 1.5, 0.45), turned=right, mesh=wide)
     doc.node("picture by door", at=(0.9, 1.55, 2.499), turned=front, mesh=tall)
     doc.node("picture at front", at=(1.75, 1.5, 2.499), turned=front, mesh=wide)
-    doc.node("door", at=(-1.2, 0, 2.499), turned=front, mesh=doc.mesh("door", (furniture.door(), palette.painted)))
+    doc.node("door", at=(-1.2, 0, 2.499), turned=front,
+             mesh=doc.mesh("door", (furniture.door(), palette.painted)))
 
 
 def orrery(doc, palette):
-    """A lamp in a wire globe; three arms alike turn by a third of a circle a loop, so that the loop is seamless."""
+    """A lamp in a wire globe; three arms alike turn by a third of a circle, so that the loop has no seam."""
     at = (-1.3, 2.12, -0.45)
-    stem = joined(rod((0, 0.13, 0), (0, 2.7 - at[1], 0), 0.006, 10), disc(0.14, 36).moved(y=0.13),
-                  disc(0.14, 36).turned("x", 180).moved(y=0.13), cone(0.06, 0.05, 0.03, 24).moved(y=2.67 - at[1]))
-    doc.node("orrery lamp", at=at, mesh=doc.mesh("orrery lamp", (joined(furniture.cage(), stem), palette.brass)))
+    lamp = joined(furniture.cage(), furniture.petals().moved(y=0.13),
+                  rod((0, 0.13, 0), (0, 2.7 - at[1], 0), 0.006, 10),
+                  cone(0.06, 0.05, 0.03, 24).moved(y=2.67 - at[1]))
+    doc.node("orrery lamp", at=at, mesh=doc.mesh("orrery lamp", (lamp, palette.brass)))
     doc.node("light:orrery", at=at, light={"type": "point", "color": [1.0, 0.86, 0.66], "intensity": 8})
     pivot = doc.node("orrery pivot", at=at, turned=pose.about((0, 1, 0), 0))
     arm = doc.mesh("orrery arm", (furniture.orrery_arm(), palette.painted))

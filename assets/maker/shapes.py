@@ -1,6 +1,6 @@
 """Triangle shapes: boxes, and everything round as a parametric surface whose normals follow from its formula.
 
-Metres, +y up, counter-clockwise from outside. Shapes are values: moving, turning or colouring one makes another.
+Metres, +y up, counter-clockwise from outside. Shapes are values: moving or colouring one makes another.
 """
 
 import math
@@ -74,7 +74,13 @@ class Shape:
     def colored(self, color):
         """`color` is linear RGB, or a function from position to it."""
         paint = color if callable(color) else lambda p: color
-        return Shape(self.positions, self.normals, self.uvs, tuple(map(paint, self.positions)), self.triangles)
+        return Shape(self.positions, self.normals, self.uvs, tuple(map(paint, self.positions)),
+                     self.triangles)
+
+    def pictured(self, place):
+        """Texture coordinates through place(u, v)."""
+        return Shape(self.positions, self.normals, tuple(place(u, v) for u, v in self.uvs), self.colors,
+                     self.triangles)
 
     def flipped(self):
         """Inside out."""
@@ -121,7 +127,8 @@ def surface(f, across, along):
             # At a pole the derivative by u vanishes: its normal is the one just beside it.
             nu, nv = u, min(max(v, 1e-3), 1 - 1e-3)
             positions.append(f(u, v))
-            normals.append(unit(cross(derivative(lambda t: f(t, nv), nu), derivative(lambda t: f(nu, t), nv))))
+            normals.append(unit(cross(derivative(lambda t: f(t, nv), nu),
+                                      derivative(lambda t: f(nu, t), nv))))
             uvs.append((u, 1 - v))
     near = lambda a, b: max(map(abs, sub(positions[a], positions[b]))) < 1e-7
     triangles = tuple(t for t in _grid(along + 1, across + 1)
@@ -200,9 +207,9 @@ def disc(radius, sides):
 
 
 def sphere(radius, sides=24):
-    return surface(lambda u, v: (radius * math.sin(math.pi * v) * math.cos(2 * math.pi * u),
-                                 -radius * math.cos(math.pi * v),
-                                 -radius * math.sin(math.pi * v) * math.sin(2 * math.pi * u)), sides, sides // 2)
+    ring = lambda v: radius * math.sin(math.pi * v)
+    return surface(lambda u, v: (ring(v) * math.cos(2 * math.pi * u), -radius * math.cos(math.pi * v),
+                                 -ring(v) * math.sin(2 * math.pi * u)), sides, sides // 2)
 
 
 def torus(ring, thickness, sides=32, around=12):

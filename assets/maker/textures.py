@@ -1,4 +1,4 @@
-"""Pictures for the room: oak planks that tile, and a leaf cut out by its alpha."""
+"""Pictures for the room: oak planks that tile, a leaf cut out by its alpha, a rug and three paintings."""
 
 import math
 import random
@@ -24,7 +24,7 @@ def _noise(rng, columns, rows):
 
 
 def planks(size=512, rows=14):
-    """Oak boards along u, two to a row, each with its own tone and grain; dark joints. 2 m of floor a side."""
+    """Oak boards along u, two to a row, each with its own tone and grain; dark joints. 2 m a side."""
     rng = random.Random(20)
     streaks, grain, clouds = _noise(rng, 6, 160), _noise(rng, 40, 256), _noise(rng, 5, 24)
     boards = [[(rng.random(), rng.random(), rng.random()) for _ in range(2)] for _ in range(rows)]
@@ -60,3 +60,51 @@ def leaf(width=64, height=128):
         return (min(255, round(82 * shade)), min(255, round(134 * shade)), min(255, round(58 * shade)), alpha)
 
     return png.encode([[pixel(x, y) for x in range(width)] for y in range(height)])
+
+
+def _srgb(color):
+    """Bytes of a linear colour (IEC 61966-2-1)."""
+    code = lambda c: 12.92 * c if c <= 0.0031308 else 1.055 * c ** (1 / 2.4) - 0.055
+    return tuple(round(255 * min(max(code(c), 0.0), 1.0)) for c in color)
+
+
+def rug(width=176, height=208):
+    """Woven diamonds within a border; linear colours."""
+    rng = random.Random(13)
+    field = ((0.40, 0.11, 0.07), (0.56, 0.45, 0.30), (0.40, 0.11, 0.07), (0.09, 0.18, 0.21))
+
+    def pixel(x, y):
+        u, v = abs(2 * (x + 0.5) / width - 1), abs(2 * (y + 0.5) / height - 1)
+        color = field[int(5.5 * u + 6.6 * v + 0.5) % 4]
+        if max(u, v) > 0.86:
+            color = (0.08, 0.16, 0.19) if max(u, v) < 0.94 else (0.58, 0.48, 0.33)
+        thread = 0.88 + 0.16 * rng.random() - 0.10 * ((x + y) % 2)
+        return _srgb(tuple(c * thread for c in color))
+
+    return png.encode([[pixel(x, y) for x in range(width)] for y in range(height)])
+
+
+def paintings(size=96):
+    """Three squares side by side: a dusk, three discs, waves; linear colours, v upwards."""
+    def dusk(u, v):
+        sun = max(0.0, 1 - 9 * ((u - 0.64) ** 2 + (v - 0.42) ** 2))
+        if v < 0.30 + 0.09 * math.sin(5 * u + 0.6):
+            return (0.05, 0.07, 0.11)
+        return (0.24 + 0.40 * (1 - v) + 0.2 * sun, 0.18 + 0.16 * (1 - v) + 0.16 * sun, 0.26 + 0.10 * v)
+
+    def discs(u, v):
+        for x, y, radius, color in ((0.35, 0.6, 0.22, (0.50, 0.08, 0.05)),
+                                    (0.6, 0.42, 0.26, (0.60, 0.40, 0.09)),
+                                    (0.45, 0.25, 0.16, (0.05, 0.17, 0.25))):
+            if math.hypot(u - x, (v - y) * 1.2) < radius:
+                return color
+        return (0.66, 0.62, 0.53)
+
+    def waves(u, v):
+        wave = math.sin(9 * v + 2 * math.sin(4 * u))
+        if wave <= -0.2:
+            return (0.62, 0.56, 0.44)
+        return (0.10 + 0.10 * wave, 0.28 + 0.08 * wave, 0.34 - 0.06 * wave)
+
+    return png.encode([[_srgb(paint((x + 0.5) / size, 1 - (y + 0.5) / size))
+                        for paint in (dusk, discs, waves) for x in range(size)] for y in range(size)])
