@@ -14,6 +14,7 @@ namespace farshade {
 /// A mask as the shading pass takes it, whoever made it. References must outlive the draw.
 struct MaskInHand {
   FrameId frame;
+  Time display_time;        ///< that it was asked for
   const StereoView& views;  ///< that it was traced for; both eyes the size of the shown ones
   const PerEye<EyeMask>& masks;
   const PerEye<std::vector<std::uint8_t>>& known_tiles;  ///< 1 = known

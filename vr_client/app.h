@@ -1,0 +1,12 @@
+/// The client from options to files: opens what they name, runs the session, measures it, writes what was
+/// seen.
+#pragma once
+
+#include "vr_client/options.h"
+
+namespace farshade {
+
+/// Prints progress to stderr and the summary to stdout. After a stop signal what was shown so far is written.
+[[nodiscard]] Expected<void> run_client(const Options& options);
+
+}  // namespace farshade

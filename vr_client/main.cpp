@@ -1,0 +1,21 @@
+// vr_client: shows a scene to both eyes along a recorded head, with shadows from an rt_server.
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "vr_client/app.h"
+
+int main(int argc, char** argv) try {
+  using namespace farshade;
+  spdlog::set_default_logger(spdlog::stderr_color_mt("vr_client"));
+  spdlog::set_pattern("vr_client: %v");
+  const tl::expected<Options, EarlyExit> options = read_options(argc, argv);
+  if (!options) return options.error().status;
+  if (const Expected<void> done = run_client(*options); !done) {
+    spdlog::error(done.error().what);
+    return EXIT_FAILURE;
+  }
+  return EXIT_SUCCESS;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "vr_client: %s\n", error.what());
+  return EXIT_FAILURE;
+}

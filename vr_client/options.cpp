@@ -1,0 +1,98 @@
+#include "vr_client/options.h"
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+
+#include "stereo/frame/view.h"
+
+namespace farshade {
+namespace {
+
+constexpr const char* kAbout =
+    "Shows a scene to both eyes along a recorded head, with shadows traced by an rt_server.\n"
+    "Writes pictures, summary.csv and frames.csv to the output folder and prints the summary.";
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  vr_client --scene assets/room.glb --trace assets/walk.csv --server 127.0.0.1:7447\n"
+    "  vr_client --scene assets/room.glb --trace assets/walk.csv --mode full --frames 10";
+
+}  // namespace
+
+Expected<Extent> parse_size(const std::string& text) {
+  const auto wrong = [&] {
+    return fail(Fault::OutOfRange, "size '" + text + "' is not WIDTHxHEIGHT with both within 1 to " +
+                                       std::to_string(kMaxViewSide_px) + ", such as 512x512");
+  };
+  Extent size;
+  const char* end = text.data() + text.size();
+  const auto width = std::from_chars(text.data(), end, size.width);
+  if (width.ec != std::errc{} || width.ptr == end || *width.ptr != 'x') return wrong();
+  const auto height = std::from_chars(width.ptr + 1, end, size.height);
+  if (height.ec != std::errc{} || height.ptr != end) return wrong();
+  if (size.width < 1 || size.height < 1 || size.width > kMaxViewSide_px || size.height > kMaxViewSide_px)
+    return wrong();
+  return size;
+}
+
+tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
+  Options options;
+  CLI::App app{kAbout, "vr_client"};
+  app.footer(kExamples);
+  std::string size = "512x512";
+  bool validate = false;
+
+  app.add_option("--scene", options.scene, "glTF scene (.gltf or .glb)")->required();
+  app.add_option("--trace", options.trace, "recorded head: EuRoC/ASL CSV, TUM or EyeNavGS CSV")->required();
+  app.add_option("--trace-scale", options.trace_scale,
+                 "units of the recording a metre, where its file cannot say")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--place", options.place, "start the head at the scene's reference camera, or as recorded")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Place>{{"camera", Place::Camera}, {"recorded", Place::Recorded}}));
+  app.add_option("--size", size, "pixels an eye")->capture_default_str();
+  app.add_option("--frames", options.frames, "display frames to show (default: the whole recording)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--skip", options.skip_s, "seconds of the recording to skip")->check(CLI::NonNegativeNumber);
+  app.add_option("--refresh", options.refresh_hz, "display rate, Hz")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  app.add_option("--server", options.server, "address of the rt_server")->capture_default_str();
+  app.add_option("--mode", options.mode, "hybrid: masks from the server; full: trace everything here")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Mode>{{"hybrid", Mode::Hybrid}, {"full", Mode::Full}}));
+  app.add_option("--clock", options.pace,
+                 "virtual: every display time gets its frame, repeatable; real: as it comes")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Pace>{{"virtual", Pace::Virtual}, {"real", Pace::Real}}));
+  app.add_option("--delay", options.delay_ms, "virtual clock: ms from a request to its masks")
+      ->check(CLI::Range(0.0, 500.0))
+      ->capture_default_str();
+  app.add_option("--mask-wait", options.mask_wait_ms, "ms that a frame waits for its own masks")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  app.add_option("--reference-every", options.reference_every,
+                 "compare every Nth frame with a full trace; 0 = never (run times only)")
+      ->capture_default_str();
+  app.add_option("--pictures", options.pictures, "instants of which both eyes are written")
+      ->capture_default_str();
+  app.add_option("--dump", options.dump,
+                 "frames (1 = first) to dump for other programs to check, such as 10,20")
+      ->delimiter(',');
+  app.add_option("--out", options.out, "output folder")->capture_default_str();
+  app.add_option("--gpu", options.device.name_contains, "use only a device whose name contains this");
+  app.add_flag("--validate", validate, "run with Vulkan validation layers; any message is an error");
+
+  try {
+    app.parse(argc, argv);
+    const Expected<Extent> parsed = parse_size(size);
+    if (!parsed) throw CLI::ValidationError("--size", parsed.error().what);
+    options.size = *parsed;
+  } catch (const CLI::ParseError& error) {
+    return tl::unexpected(EarlyExit{app.exit(error) == 0 ? 0 : 2});
+  }
+  if (validate) options.device.validation = gpu::Validation::On;
+  return options;
+}
+
+}  // namespace farshade

@@ -1,0 +1,56 @@
+/// What a user asks of the client, checked before anything is opened.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "stereo/base/expected.h"
+#include "stereo/gpu/device.h"
+#include "stereo/math/fov.h"
+#include "vr_client/runtime.h"
+
+namespace farshade {
+
+enum class Mode : std::uint8_t {
+  Hybrid,  ///< rasterises, carries the server's masks over, shades
+  Full,    ///< traces everything itself: the reference
+};
+
+/// Where the recorded head starts.
+enum class Place : std::uint8_t {
+  Camera,    ///< at the scene's reference camera, facing its way (as recorded where the scene has none)
+  Recorded,  ///< as recorded
+};
+
+struct Options {
+  std::filesystem::path scene, trace, out = "out";
+  std::optional<double> trace_scale;  ///< the recording's units a metre, where its file cannot say
+  Place place = Place::Camera;
+  Extent size{512, 512};  ///< an eye
+  std::optional<std::uint32_t> frames;
+  double skip_s = 0;
+  double refresh_hz = 72;
+  std::string server = "127.0.0.1:7447";
+  Mode mode = Mode::Hybrid;
+  Pace pace = Pace::Virtual;
+  double delay_ms = 20, mask_wait_ms = 0;
+  std::uint32_t reference_every = 1;  ///< 0 = never
+  std::uint32_t pictures = 4;
+  std::vector<std::uint32_t> dump;
+  gpu::DeviceWish device;
+};
+
+/// Exit status and, for Fault, what to print; nothing when the program should go on.
+struct EarlyExit {
+  int status;
+};
+
+/// Reads the command line. Prints help or what is wrong with it itself.
+[[nodiscard]] tl::expected<Options, EarlyExit> read_options(int argc, char** argv);
+
+/// Size from `WIDTHxHEIGHT`, both within 1..kMaxViewSide_px.
+[[nodiscard]] Expected<Extent> parse_size(const std::string& text);
+
+}  // namespace farshade

@@ -1,0 +1,88 @@
+#include "vr_client/recorder.h"
+
+#include <algorithm>
+
+#include "stereo/base/files.h"
+#include "stereo/image/difference.h"
+#include "vr_client/report/dump.h"
+
+namespace farshade {
+namespace {
+
+/// Equal pictures have an infinite PSNR, of which no percentile can be taken.
+constexpr double kEqualPictures_dB = 99;
+
+}  // namespace
+
+Recorder::Recorder(RecorderWish wish, Renderer& renderer, Reference* reference)
+    : wish_(std::move(wish)), renderer_(renderer), reference_(reference) {}
+
+bool Recorder::is_pictured(FrameId frame) const {
+  // The middles of `pictures` equal parts of the session.
+  for (std::uint64_t i = 0; i < wish_.pictures; ++i)
+    if (frame.value == 1 + (2 * i + 1) * wish_.frame_count / (2 * wish_.pictures)) return true;
+  return false;
+}
+
+bool Recorder::is_dumped(FrameId frame) const {
+  return std::find(wish_.dump.begin(), wish_.dump.end(), frame.value) != wish_.dump.end();
+}
+
+void Recorder::keep(Expected<void> done) {
+  if (!done && !failed_) failed_ = done.error();
+}
+
+/// Leaves `current_` holding the frame as shown and as it should have been.
+PerEye<EyeErrors> Recorder::measure(const FrameView& view) {
+  current_.frame = view.request.frame;
+  current_.ages.clear();
+  for (const MaskInHand& mask : view.masks)
+    current_.ages.push_back(view.request.display_time - mask.display_time);
+  for (const Side side : kSides) current_.report[index_of(side)] = renderer_.report(side);
+  current_.shown = renderer_.read_shown();
+  const MaskInHand truth = reference_->trace(view.request);
+  renderer_.shade_again({view.request.frame, view.request.views, view.state, {}}, truth);
+  current_.reference = renderer_.read_shown();
+
+  PerEye<EyeErrors> errors;
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    errors[eye] = compare_masks(current_.report[eye], truth.masks[eye]);
+    errors[eye].psnr_db = std::min(psnr_db(current_.shown[eye], current_.reference[eye]), kEqualPictures_dB);
+  }
+  return errors;
+}
+
+void Recorder::watch(const FrameView& view) {
+  const FrameId frame = view.request.frame;
+  FrameRecord record{frame, view.request.display_time, std::nullopt, view.times, std::nullopt, std::nullopt};
+  if (!view.masks.empty()) record.staleness = view.request.display_time - view.masks.front().display_time;
+  if (view.own) record.server = view.own->report;
+
+  const bool dumped = is_dumped(frame), pictured = is_pictured(frame);
+  const bool measured =
+      dumped || (wish_.reference_every > 0 && (frame.value - 1) % wish_.reference_every == 0);
+  if (measured) record.errors = measure(view);
+  log_.add(record);
+  if (failed_) return;
+
+  if (pictured) keep(write_shown(wish_.out, frame, measured ? current_.shown : renderer_.read_shown()));
+  if (dumped) keep(write_dump(wish_.out / "dump", view, current_, renderer_.read_distance(frame)));
+  if (measured && record.staleness) {
+    const double error = (*record.errors)[0].mask_error + (*record.errors)[1].mask_error;
+    if (error > worst_error_) {
+      worst_error_ = error;
+      worst_ = current_;
+    }
+  }
+}
+
+Expected<void> Recorder::finish() const {
+  if (failed_) return tl::unexpected(*failed_);
+  if (worst_)
+    if (auto done = write_measured(wish_.out, *worst_); !done) return done;
+  if (auto done = write_file_atomically(wish_.out / "summary.csv", summary_csv(log_.summary())); !done)
+    return done;
+  return write_file_atomically(wish_.out / "frames.csv", frames_csv(log_.records()));
+}
+
+}  // namespace farshade

@@ -1,0 +1,30 @@
+/// Reference: the client's own full trace at the pose shown. Mode `full` shows it; every other mode is
+/// measured against it.
+#pragma once
+
+#include <vector>
+
+#include "stereo/tracer/tracer.h"
+#include "vr_client/draw/shading.h"
+
+namespace farshade {
+
+class Reference {
+ public:
+  /// Keeps a reference to what `scene` the tracer was made of.
+  explicit Reference(Tracer tracer);
+
+  /// Every pixel of `request`'s views, at its scene time. Valid until the next call.
+  [[nodiscard]] MaskInHand trace(const TraceRequest& request);
+
+  [[nodiscard]] const TraceStats& stats() const { return stats_; }
+
+ private:
+  Tracer tracer_;
+  ShadowFrame frame_;
+  TraceStats stats_;
+  PerEye<std::vector<std::uint8_t>> all_known_;
+  std::uint64_t traces_ = 0;
+};
+
+}  // namespace farshade

@@ -1,0 +1,54 @@
+/// FrameLog: what was measured of every frame, and its summary: median, p95 and p99, never a mean alone.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "stereo/base/quantile.h"
+#include "vr_client/report/measure.h"
+#include "vr_client/session.h"
+
+namespace farshade {
+
+struct FrameRecord {
+  FrameId frame;
+  Time display_time;
+  std::optional<Duration> staleness;  ///< display time minus the newest mask's; nothing before the first mask
+  StageTimes times;
+  std::optional<FrameReport> server;        ///< nothing if it did not come (in time)
+  std::optional<PerEye<EyeErrors>> errors;  ///< nothing if no reference was traced
+};
+
+/// Percentiles point to the worse side: for `LowIsWorse` rows p95 and p99 are the 5 % and 1 % quantiles.
+enum class Worse : std::uint8_t { High, Low };
+
+struct SummaryRow {
+  std::string group, metric, unit;
+  Spread spread;
+};
+
+class FrameLog {
+ public:
+  void add(const FrameRecord& record) { records_.push_back(record); }
+  [[nodiscard]] const std::vector<FrameRecord>& records() const { return records_; }
+
+  /// Frames shown before any mask had come; their errors are not part of the summary.
+  [[nodiscard]] std::size_t start_up_frames() const;
+
+  [[nodiscard]] std::vector<SummaryRow> summary() const;
+
+ private:
+  std::vector<FrameRecord> records_;
+};
+
+/// A table for people.
+[[nodiscard]] std::string table(const std::vector<SummaryRow>& rows);
+
+/// `summary.csv`: group,metric,unit,median,p95,p99,frames.
+[[nodiscard]] std::string summary_csv(const std::vector<SummaryRow>& rows);
+
+/// `frames.csv`: one row a frame; empty fields where nothing was measured.
+[[nodiscard]] std::string frames_csv(const std::vector<FrameRecord>& records);
+
+}  // namespace farshade

@@ -1,0 +1,37 @@
+/// Pictures: the shown frames as PNG, and for the worst of them what was wrong and where each shadow came
+/// from.
+#pragma once
+
+#include <filesystem>
+#include <span>
+
+#include "stereo/base/expected.h"
+#include "vr_client/report/measure.h"
+
+namespace farshade {
+
+/// Age of each mask that was in hand, newest first, as ShownReport::sources counts them.
+using MaskAges = std::vector<Duration>;
+
+/// Where each pixel's shadow came from: newest mask green, older masks blue to violet, the darker the older
+/// (black at kOldestDrawn); unknown orange; not covered black.
+[[nodiscard]] Image<Rgb8> source_picture(const ShownReport& report, const MaskAges& ages, Extent size);
+inline constexpr Duration kOldestDrawn = std::chrono::milliseconds(500);
+
+/// One frame with its reference, kept to be written later.
+struct MeasuredFrame {
+  FrameId frame;
+  PerEye<Image<Rgb8>> shown, reference;
+  PerEye<ShownReport> report;
+  MaskAges ages;
+};
+
+/// `frame_NNNN_left.png` and `_right.png`.
+[[nodiscard]] Expected<void> write_shown(const std::filesystem::path& folder, FrameId frame,
+                                         const PerEye<Image<Rgb8>>& shown);
+
+/// `worst_NNNN_EYE_{shown,reference,difference_x8,source}.png`, and `worst.png` with all of them: a row an
+/// eye.
+[[nodiscard]] Expected<void> write_measured(const std::filesystem::path& folder, const MeasuredFrame& frame);
+
+}  // namespace farshade

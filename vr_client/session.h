@@ -1,0 +1,55 @@
+/// Session: what one run of the client is made of, and the way of one frame through it.
+#pragma once
+
+#include <functional>
+
+#include "stereo/scene/scene_state.h"
+#include "vr_client/draw/renderer.h"
+#include "vr_client/reference.h"
+#include "vr_client/runtime.h"
+#include "vr_client/shadow_link.h"
+
+namespace farshade {
+
+/// When masks may be used.
+struct MaskPolicy {
+  Pace pace = Pace::Virtual;
+  Duration delay{};      ///< Virtual only: from a request to its masks
+  Duration mask_wait{};  ///< how long a frame waits for its own masks before it is drawn with earlier ones
+};
+
+/// Work of the client's stages; time spent waiting for the display or the server is not counted.
+struct StageTimes {
+  Duration request{};           ///< locate views, pose the scene, send
+  Duration collect{};           ///< decode and assemble slices; in mode full: trace
+  Duration gbuffer{}, shade{};  ///< on the device
+  Duration draw{};   ///< both of these with recording, uploads, submission and the wait for the device
+  Duration frame{};  ///< request + collect + draw
+};
+
+/// One frame as it was shown. References end with the call.
+struct FrameView {
+  const TraceRequest& request;
+  const SceneState& state;
+  std::span<const MaskInHand> masks;  ///< in hand, newest first
+  const ReceivedFrame* own;           ///< what came of this frame's own request so far; null if nothing
+  const StageTimes& times;
+};
+using FrameWatcher = std::function<void(const FrameView&)>;
+
+/// Exactly one of `link` and `own_tracer` gives masks; neither where no light casts shadows.
+struct Session {
+  const Scene& scene;
+  Runtime& runtime;
+  Renderer& renderer;
+  ShadowLink* link = nullptr;       ///< mode hybrid
+  Reference* own_tracer = nullptr;  ///< mode full
+  MaskPolicy policy;
+  ShadingPass::Report report = ShadingPass::Report::Off;
+};
+
+/// Shows frames until the runtime ends, `stop` says so or the server refuses us for good.
+[[nodiscard]] Expected<void> run(const Session& session, const FrameWatcher& watch,
+                                 const std::function<bool()>& stop);
+
+}  // namespace farshade

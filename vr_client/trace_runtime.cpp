@@ -1,0 +1,45 @@
+#include "vr_client/trace_runtime.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "stereo/base/check.h"
+
+namespace farshade {
+
+TraceRuntime::TraceRuntime(const HeadTrace& trace, const TracePlayback& playback)
+    : trace_(trace), playback_(playback) {
+  const double length_s = std::max(0.0, seconds_of(trace.end() - trace.start() - playback.skip));
+  const auto recorded = static_cast<std::uint32_t>(std::floor(length_s * playback.refresh_hz)) + 1;
+  frame_count_ = std::min(playback.frames.value_or(recorded), recorded);
+}
+
+Time TraceRuntime::display_time(std::uint32_t index) const {
+  const auto offset_ns = std::llround(index * 1e9 / playback_.refresh_hz);
+  return trace_.start() + playback_.skip + Duration(offset_ns);
+}
+
+std::optional<FrameTiming> TraceRuntime::wait_frame() {
+  if (next_ >= frame_count_) return std::nullopt;
+  if (playback_.pace == Pace::Real) {
+    if (!started_) started_ = clock_.now();
+    const auto due = [&](std::uint32_t index) { return *started_ + (display_time(index) - display_time(0)); };
+    while (next_ + 1 < frame_count_ && due(next_) < clock_.now()) ++next_, ++skipped_;
+    std::this_thread::sleep_for(due(next_) - clock_.now());
+  }
+  return FrameTiming{display_time(next_++), Duration(std::llround(1e9 / playback_.refresh_hz))};
+}
+
+StereoView TraceRuntime::locate_views(Time display_time) const {
+  const Rigid<Stage, Head> stage_from_head = playback_.stage_from_recorded * head_at(trace_, display_time);
+  StereoView views;
+  for (const Side side : kSides)
+    views[index_of(side)] = {stage_from_head * head_from_eye(side, trace_.eye_distance_m),
+                             trace_.fov[index_of(side)], playback_.eye_size};
+  return views;
+}
+
+void TraceRuntime::end_frame(Time) {}
+
+}  // namespace farshade
