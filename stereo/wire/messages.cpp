@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
+#include <type_traits>
 
 #include "stereo/frame/tiles.h"
 #include "stereo/wire/bytes.h"
@@ -21,26 +23,32 @@ struct Header {
   std::uint8_t type = 0;
 };
 
-/// What a message's type is on the wire, and the version that its header carries.
 template <class Message>
-constexpr Header header_of(const Message& message) {
-  if constexpr (std::same_as<Message, Hello>) return {kMagic, message.version, 1};
-  if constexpr (std::same_as<Message, RequestMessage>) return {kMagic, kProtocolVersion, 2};
-  if constexpr (std::same_as<Message, Welcome>) return {kMagic, kProtocolVersion, 16};
-  if constexpr (std::same_as<Message, Refusal>) return {kMagic, message.version, 17};
-  if constexpr (std::same_as<Message, Slice>) return {kMagic, kProtocolVersion, 18};
-  if constexpr (std::same_as<Message, FrameReport>) return {kMagic, kProtocolVersion, 19};
+constexpr std::uint8_t kTypeOf = 0;
+template <>
+constexpr std::uint8_t kTypeOf<Hello> = 1;
+template <>
+constexpr std::uint8_t kTypeOf<RequestMessage> = 2;
+template <>
+constexpr std::uint8_t kTypeOf<Welcome> = 16;
+template <>
+constexpr std::uint8_t kTypeOf<Refusal> = 17;
+template <>
+constexpr std::uint8_t kTypeOf<Slice> = 18;
+template <>
+constexpr std::uint8_t kTypeOf<FrameReport> = 19;
+
+/// No version changes the layout of these: their version is the sender's, in the header.
+template <class Message>
+concept InEveryVersion = std::same_as<Message, Hello> || std::same_as<Message, Refusal>;
+
+template <class Message>
+Header header_of(const Message& message) {
+  if constexpr (InEveryVersion<Message>) return {.version = message.version, .type = kTypeOf<Message>};
+  return {.type = kTypeOf<Message>};
 }
 
-template <class Message>
-constexpr std::uint8_t kTypeOf = header_of(Message{}).type;
-
-/// The messages whose layout no version changes.
-template <class Message>
-constexpr bool kInEveryVersion = std::same_as<Message, Hello> || std::same_as<Message, Refusal>;
-
-// ---- field lists. `io` is a ByteWriter and the message const, or a ByteReader. False: the bytes end too
-// early.
+// ---- field lists: `io` is a ByteWriter and the message const, or a ByteReader. False: the bytes end early.
 
 /// A message to be read, or one to be written.
 template <class T, class Message>
@@ -188,7 +196,7 @@ void encode_any(const std::variant<Messages...>& any, std::vector<std::byte>& da
 template <class Any, class Message>
 Decoded<Any> decode_as(ByteReader io, const Header& header) {
   Message message{};
-  if constexpr (kInEveryVersion<Message>)
+  if constexpr (InEveryVersion<Message>)
     message.version = header.version;
   else if (header.version != kProtocolVersion)
     return refuse(WireRefusal::Version);

@@ -57,11 +57,11 @@ static_assert(MaskLayout{kMaxLights}.planes() <= 8);
   return static_cast<std::uint8_t>((1u << layout.planes()) - 1);
 }
 
-/// Writes the slice's tiles into `mask` and marks them in `known` (one entry a tile of the mask). Returns how
-/// many of them were unknown before, planes counted one by one: 0 for a duplicate, TileGrid::count() x
-/// planes() over all slices of a mask. Refuses a slice for a mask of another size or light count, and every
-/// block that is not exactly the tiles it claims. Then, and for tiles not sent, mask and known stay as they
-/// were.
+/// Writes the tiles of a slice, as decode_server gave it, into `mask` and marks them in `known` (one entry a
+/// tile of the mask). Returns how many of them were unknown before, planes counted one by one: 0 for a
+/// duplicate, TileGrid::count() x planes() over all slices of a mask. Refuses a slice for a mask of another
+/// size or light count, and every block that is not exactly the tiles it claims. Then, and for tiles not
+/// sent, mask and known stay as they were.
 [[nodiscard]] Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, EyeMask& mask, KnownTiles& known);
 
 }  // namespace farshade

@@ -31,6 +31,7 @@ struct TileBits {
   std::array<PlaneRows, 32> rows;  ///< of the lights that vary; the rest is not initialised
 };
 
+/// Masks to bits and back. `rect` is a tile of the mask's TileGrid, `plane` one of its layout's.
 [[nodiscard]] TileBits split_tile(const EyeMask& mask, TileRect rect, std::uint32_t plane);
 void merge_tile(const TileBits& bits, TileRect rect, std::uint32_t plane, EyeMask& mask);
 
