@@ -1,0 +1,87 @@
+#include "tests/integration/child_program.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <utility>
+
+#include "stereo/base/check.h"
+
+namespace farshade {
+namespace {
+
+std::pair<int, int> make_pipe() {
+  std::array<int, 2> ends{};
+  check_eq(pipe2(ends.data(), O_CLOEXEC), 0, "the system has a pipe");
+  return {ends[0], ends[1]};
+}
+
+/// Appends what there is, waiting for something; false at the end.
+bool read_more(int from, std::string& text) {
+  std::array<char, 4096> buffer;
+  const ssize_t size = read(from, buffer.data(), buffer.size());
+  if (size > 0) text.append(buffer.data(), static_cast<std::size_t>(size));
+  return size > 0;
+}
+
+}  // namespace
+
+ChildProgram::ChildProgram(const std::vector<std::string>& arguments) {
+  const auto [output, output_end] = make_pipe();
+  const auto [errors, errors_end] = make_pipe();
+  output_ = output;
+  errors_ = errors;
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, output_end, STDOUT_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, errors_end, STDERR_FILENO);
+  std::vector<char*> argv;
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  check_eq(posix_spawn(&pid_, argv[0], &actions, nullptr, argv.data(), environ), 0, "the program starts");
+  posix_spawn_file_actions_destroy(&actions);
+  close(output_end);
+  close(errors_end);
+}
+
+ChildProgram::~ChildProgram() {
+  if (pid_ > 0) {
+    send(SIGKILL);
+    wait();
+  }
+  close(output_);
+  close(errors_);
+}
+
+std::optional<std::string> ChildProgram::next_line() {
+  std::size_t end;
+  while ((end = unread_.find('\n')) == std::string::npos)
+    if (!read_more(output_, unread_)) return std::nullopt;
+  std::string line = unread_.substr(0, end);
+  unread_.erase(0, end + 1);
+  return line;
+}
+
+std::optional<std::string> ChildProgram::line_after(const std::string& prefix) {
+  while (const std::optional<std::string> line = next_line())
+    if (line->starts_with(prefix)) return line->substr(prefix.size());
+  return std::nullopt;
+}
+
+int ChildProgram::wait() {
+  int status = 0;
+  check_eq(waitpid(std::exchange(pid_, -1), &status, 0) > 0, true, "the child is waited for once");
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+std::string ChildProgram::errors() {
+  std::string text;
+  while (read_more(errors_, text)) {
+  }
+  return text;
+}
+
+}  // namespace farshade

@@ -1,0 +1,90 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <stdexcept>
+
+#include "stereo/net/udp.h"
+#include "stereo/scene/gltf.h"
+#include "stereo/wire/messages.h"
+#include "tests/integration/child_program.h"
+#include "tests/unit/scratch_folder.h"
+
+namespace farshade {
+namespace {
+
+const std::string kScene = FARSHADE_ASSETS "/box_over_plane.gltf";
+
+std::vector<std::string> server(const std::string& scene, const std::string& listen = "127.0.0.1:0") {
+  return {RT_SERVER, "--scene", scene, "--listen", listen};
+}
+
+/// Runs to its end, which must be a failure that is told in one sentence.
+std::string complaint_of(const std::vector<std::string>& arguments) {
+  ChildProgram program(arguments);
+  const int status = program.wait();
+  EXPECT_GT(status, 0);
+  const std::string errors = program.errors();
+  EXPECT_EQ(std::ranges::count(errors, '\n'), 1) << errors;
+  EXPECT_TRUE(errors.starts_with("rt_server: ")) << errors;
+  return errors;
+}
+
+ServerMessage answer_to(const Hello& hello, const std::string& address) {
+  const auto client = connect_udp(address);
+  std::vector<std::byte> bytes;
+  encode(hello, bytes);
+  client->port->send(client->server, bytes);
+  std::array<std::byte, kMaxDatagram_bytes> buffer;
+  const auto answer = client->port->receive(buffer, std::chrono::seconds(30));
+  if (!answer) throw std::runtime_error("rt_server does not answer");
+  return *decode_server(answer->bytes);
+}
+
+class ServerProgram : public testing::TestWithParam<int> {};
+
+TEST_P(ServerProgram, ListensAnswersAndEndsCleanlyOnSignal) {
+  ChildProgram program(server(kScene));
+  const auto address = program.line_after("rt_server: listening on ");
+  ASSERT_TRUE(address.has_value()) << program.errors();
+  const ContentHash hash = load_scene(kScene)->hash;
+  EXPECT_EQ(std::get<Welcome>(answer_to({.scene_hash = hash}, *address)).scene_hash, hash);
+  EXPECT_EQ(std::get<Refusal>(answer_to({.scene_hash = {1}}, *address)).reason, RefusalReason::SceneMismatch);
+  program.send(GetParam());
+  EXPECT_TRUE(program.line_after("rt_server: 1 clients, 0 requests, ").has_value());
+  EXPECT_EQ(program.wait(), 0);
+  EXPECT_NE(program.errors().find("give both the same scene file"), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, ServerProgram, testing::Values(SIGINT, SIGTERM));
+
+TEST(ServerProgramRefuses, MissingScene) {
+  EXPECT_NE(complaint_of(server("no/such.glb")).find("no/such.glb"), std::string::npos);
+}
+
+TEST(ServerProgramRefuses, BadAddress) {
+  EXPECT_NE(complaint_of(server(kScene, "here")).find("'here' is no address"), std::string::npos);
+}
+
+TEST(ServerProgramRefuses, PortInUse) {
+  const auto taken = listen_udp("127.0.0.1:0");
+  ASSERT_TRUE(taken.has_value());
+  EXPECT_NE(complaint_of(server(kScene, to_string((*taken)->local()))).find("is in use"), std::string::npos);
+}
+
+TEST(ServerProgramRefuses, SceneWithoutLights) {
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder.path() / "dark.gltf";
+  // One triangle: (0 0 0), (1 0 0), (0 1 0).
+  std::ofstream(path)
+      << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+    "bufferViews":[{"buffer":0,"byteLength":36}],
+    "buffers":[{"byteLength":36,
+      "uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+  EXPECT_NE(complaint_of(server(path.string())).find("nothing to serve"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace farshade
