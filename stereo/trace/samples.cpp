@@ -15,7 +15,8 @@ Expected<void> SampleList::add(rows::Place place, std::int64_t stamp_ns, const g
         "time stamp lies " + std::to_string(ms_of(trace_.end() - time)) + " ms before the last one");
   const double norm = glm::length(rotation), off_unit = std::abs(norm - 1.0);
   if (!(off_unit <= kUnitTolerance))
-    return rows::fail_at(place, Fault::Malformed, "quaternion has length " + std::to_string(norm) + " instead of 1");
+    return rows::fail_at(place, Fault::Malformed,
+                         "quaternion has length " + std::to_string(norm) + " instead of 1");
   const glm::dvec3 position_m = position / units_a_metre_;
   if (!(glm::length(position_m) <= kFarthestHead_m))
     return rows::fail_at(place, Fault::OutOfRange, "head is more than 1e9 m from the origin");
