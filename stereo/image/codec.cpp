@@ -32,10 +32,10 @@ Expected<void> write_encoded(const fs::path& path, const Expected<std::vector<st
 
 }  // namespace
 
-Expected<void> check_size(std::uint64_t width, std::uint64_t height, std::uint64_t max_pixels) {
+Expected<void> check_size(std::uint32_t width, std::uint32_t height, std::uint64_t max_pixels) {
   const std::string size = std::to_string(width) + "x" + std::to_string(height);
   if (width == 0 || height == 0) return fail(Fault::Malformed, "picture of " + size + " pixels has none");
-  if (width > max_pixels / height)
+  if (std::uint64_t{width} * height > max_pixels)
     return fail(Fault::OutOfRange,
                 "picture of " + size + " pixels is over the limit of " + std::to_string(max_pixels));
   return {};

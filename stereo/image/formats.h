@@ -27,6 +27,6 @@ namespace farshade {
 [[nodiscard]] Expected<Image<float>> decode_pfm(std::span<const std::byte> file, std::uint64_t max_pixels);
 
 /// Refuses an empty picture, and more than `max_pixels`.
-[[nodiscard]] Expected<void> check_size(std::uint64_t width, std::uint64_t height, std::uint64_t max_pixels);
+[[nodiscard]] Expected<void> check_size(std::uint32_t width, std::uint32_t height, std::uint64_t max_pixels);
 
 }  // namespace farshade

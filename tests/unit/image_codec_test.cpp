@@ -42,12 +42,26 @@ TEST(PngCodec, Returns16BitWhatWasWritten) {
   image.pixels = {0, 1, 0x0102, 0xff00, 0x00ff, 0xffff};
   ASSERT_TRUE(write_png16(folder.path() / "a.png", image));
   EXPECT_EQ(read_png16(folder.path() / "a.png").value(), image);
+  const auto eight_bits = decode_image(bytes_of(folder.path() / "a.png"), kLimit).value();
+  EXPECT_EQ(eight_bits.at(0, 1), Rgba8(254, 254, 254, 255));  // 0xff00: the file's high byte comes first
 }
 
 TEST(PngCodec, Refuses8BitWhere16AreWanted) {
   const ScratchFolder folder;
   ASSERT_TRUE(write_png(folder.path() / "a.png", random_picture({4, 4}, 2)));
   EXPECT_EQ(read_png16(folder.path() / "a.png").error().fault, Fault::Unsupported);
+}
+
+TEST(PngCodec, RefusesRowTooMany) {
+  const auto image = decode_image(make_png_with_extra_row(), kLimit);
+  ASSERT_FALSE(image);
+  EXPECT_EQ(image.error().fault, Fault::Malformed);
+}
+
+TEST(PngCodec, DoesNotUnpackTexts) {
+  const auto image = decode_image(make_png_with_faulty_text(), kLimit);
+  ASSERT_TRUE(image) << image.error().what;
+  EXPECT_EQ(image->at(0, 0), Rgba8(77, 77, 77, 255));
 }
 
 struct PngKind {
@@ -82,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(
                     PngKind{"grey16",
                             16,
                             0,
-                            {0, 0, 255, 255, 128, 128, 1, 1},
+                            {0, 0, 255, 255, 128, 128, 0, 255},
                             {{0, 0, 0, 255}, {255, 255, 255, 255}, {128, 128, 128, 255}, {1, 1, 1, 255}}},
                     PngKind{"grey_alpha",
                             8,

@@ -6,6 +6,7 @@
 // libjpeg's header needs FILE declared before it.
 #include <jpeglib.h>
 #include <png.h>
+#include <zlib.h>
 
 #include "stereo/base/check.h"
 
@@ -18,8 +19,10 @@ void append(png_structp png, png_bytep from, std::size_t count) {
   file.insert(file.end(), first, first + count);
 }
 
+enum class Text { None, Faulty };
+
 std::vector<std::byte> encode_png(Extent size, int bits, int color, int interlace,
-                                  std::vector<std::uint8_t> rows) {
+                                  std::vector<std::uint8_t> rows, Text text = Text::None) {
   std::vector<std::byte> file;
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
   png_infop info = png_create_info_struct(png);
@@ -33,6 +36,9 @@ std::vector<std::byte> encode_png(Extent size, int bits, int color, int interlac
     png_set_PLTE(png, info, palette, 4);
     png_set_tRNS(png, info, alpha, 2, nullptr);
   }
+  png_write_info_before_PLTE(png, info);
+  constexpr png_byte zero[4] = {};
+  if (text == Text::Faulty) png_write_chunk(png, reinterpret_cast<png_const_bytep>("zTXt"), zero, 4);
   png_write_info(png, info);
   const std::size_t row_bytes = png_get_rowbytes(png, info);
   rows.resize(row_bytes * size.height);
@@ -64,6 +70,20 @@ std::vector<std::byte> make_noise_png(Extent size) {
   std::vector<std::uint8_t> rows(size.pixels() * 4);
   for (std::uint8_t& value : rows) value = static_cast<std::uint8_t>(random());
   return encode_png(size, 8, PNG_COLOR_TYPE_RGB_ALPHA, PNG_INTERLACE_ADAM7, rows);
+}
+
+std::vector<std::byte> make_png_with_faulty_text() {
+  return encode_png({1, 1}, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, {77}, Text::Faulty);
+}
+
+std::vector<std::byte> make_png_with_extra_row() {
+  auto file = encode_png({1, 2}, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE, {77, 77});
+  // The header chunk: its name at 12, width at 16, height at 20, end at 29, and then its checksum.
+  file[23] = std::byte{1};
+  const auto sum = crc32(0, reinterpret_cast<const Bytef*>(file.data() + 12), 17);
+  for (int i = 0; i < 4; ++i)
+    file[static_cast<std::size_t>(29 + i)] = static_cast<std::byte>(sum >> (24 - 8 * i));
+  return file;
 }
 
 std::vector<std::byte> make_jpeg(Extent size, JpegKind kind) {

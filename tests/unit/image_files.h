@@ -17,6 +17,10 @@ namespace farshade {
 /// An interlaced 8-bit RGBA PNG of seeded noise.
 [[nodiscard]] std::vector<std::byte> make_noise_png(Extent size);
 
+/// Grey 1x1 PNGs of value 77: one with a compressed text that does not unpack, one with a row too many.
+[[nodiscard]] std::vector<std::byte> make_png_with_faulty_text();
+[[nodiscard]] std::vector<std::byte> make_png_with_extra_row();
+
 enum class JpegKind { Colour, Grey, Cmyk, Progressive, ManyScans };
 
 /// A JPEG of one colour: (200, 100, 50), or grey 200.
