@@ -26,33 +26,36 @@ using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, Releaser<rtcRel
 using SceneHandle = std::unique_ptr<std::remove_pointer_t<RTCScene>, Releaser<rtcReleaseScene>>;
 using Geometry = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, Releaser<rtcReleaseGeometry>>;
 
-// The two calls by which Embree 3 and 4 differ.
+// The two calls by which Embree 3 and 4 differ. Packets are coherent, but are said to be so only in a scene
+// without instances: Debian 12's Embree 3.13.5 never returns from coherent rtcOccluded16 into an instance.
+enum class Coherence { Coherent, Unsaid };
+
 #if RTC_VERSION_MAJOR >= 4
 template <auto Call, class Packet>
-void intersect_coherent(const int* valid, RTCScene scene, Packet* packet) {
+void intersect_in(RTCScene scene, Coherence coherence, const int* valid, Packet* packet) {
   RTCIntersectArguments arguments;
   rtcInitIntersectArguments(&arguments);
-  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  if (coherence == Coherence::Coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
   Call(valid, scene, packet, &arguments);
 }
 template <auto Call, class Packet>
-void occluded_coherent(const int* valid, RTCScene scene, Packet* packet) {
+void occluded_in(RTCScene scene, Coherence coherence, const int* valid, Packet* packet) {
   RTCOccludedArguments arguments;
   rtcInitOccludedArguments(&arguments);
-  arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+  if (coherence == Coherence::Coherent) arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
   Call(valid, scene, packet, &arguments);
 }
 #else
 template <auto Call, class Packet>
-void intersect_coherent(const int* valid, RTCScene scene, Packet* packet) {
+void intersect_in(RTCScene scene, Coherence coherence, const int* valid, Packet* packet) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  if (coherence == Coherence::Coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   Call(valid, scene, &context, packet);
 }
 template <auto Call, class Packet>
-void occluded_coherent(const int* valid, RTCScene scene, Packet* packet) {
-  intersect_coherent<Call>(valid, scene, packet);
+void occluded_in(RTCScene scene, Coherence coherence, const int* valid, Packet* packet) {
+  intersect_in<Call>(scene, coherence, valid, packet);
 }
 #endif
 
@@ -119,8 +122,27 @@ SceneHandle new_scene(RTCDevice device, RTCSceneFlags flags, RTCBuildQuality qua
   return scene;
 }
 
-/// Where the fixed scene hangs in the top level; moving patches follow.
-constexpr unsigned kFixedInstance = 0;
+template <int K>
+void intersect_in(RTCScene scene, Coherence coherence, const Lanes<K>& lanes, RayHitPacket<K>& packet) {
+  void* const rays = &packet;
+  if constexpr (K == 16)
+    intersect_in<rtcIntersect16>(scene, coherence, lanes.valid, static_cast<RTCRayHit16*>(rays));
+  else if constexpr (K == 8)
+    intersect_in<rtcIntersect8>(scene, coherence, lanes.valid, static_cast<RTCRayHit8*>(rays));
+  else
+    intersect_in<rtcIntersect4>(scene, coherence, lanes.valid, static_cast<RTCRayHit4*>(rays));
+}
+
+template <int K>
+void occluded_in(RTCScene scene, Coherence coherence, const Lanes<K>& lanes, RayPacket<K>& packet) {
+  void* const rays = &packet;
+  if constexpr (K == 16)
+    occluded_in<rtcOccluded16>(scene, coherence, lanes.valid, static_cast<RTCRay16*>(rays));
+  else if constexpr (K == 8)
+    occluded_in<rtcOccluded8>(scene, coherence, lanes.valid, static_cast<RTCRay8*>(rays));
+  else
+    occluded_in<rtcOccluded4>(scene, coherence, lanes.valid, static_cast<RTCRay4*>(rays));
+}
 
 }  // namespace
 
@@ -128,10 +150,10 @@ struct RayScene::Impl {
   const SurfaceModel& model;
   Device device{rtcNewDevice(nullptr)};
   std::vector<FilterData> filter_data;  ///< one a patch; addresses are given to Embree
-  SceneHandle fixed, top;
+  SceneHandle fixed;
+  SceneHandle moving;  ///< instances of moving_scenes; empty where nothing moves
   std::vector<SceneHandle> moving_scenes;
   std::vector<Geometry> moving_instances;
-  RTCScene root = nullptr;
   int width = 4;
 
   explicit Impl(const SurfaceModel& surfaces) : model(surfaces) {}
@@ -159,7 +181,7 @@ Geometry RayScene::Impl::attach_instance(RTCScene of, unsigned id) {
   Geometry instance(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_INSTANCE));
   rtcSetGeometryInstancedScene(instance.get(), of);
   rtcCommitGeometry(instance.get());
-  rtcAttachGeometryByID(top.get(), instance.get(), id);
+  rtcAttachGeometryByID(moving.get(), instance.get(), id);
   return instance;
 }
 
@@ -172,17 +194,14 @@ void RayScene::Impl::build() {
   fixed = new_scene(device.get(), RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_HIGH);
   for (unsigned i = 0; i < model.fixed_count(); ++i) attach_patch(fixed.get(), i, i);
   rtcCommitScene(fixed.get());
-  root = fixed.get();
   if (model.fixed_count() == patches.size()) return;
 
-  top = new_scene(device.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC, RTC_BUILD_QUALITY_MEDIUM);
-  root = top.get();
-  if (model.fixed_count() > 0) attach_instance(fixed.get(), kFixedInstance);
+  moving = new_scene(device.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC, RTC_BUILD_QUALITY_MEDIUM);
   for (std::size_t i = model.fixed_count(); i < patches.size(); ++i) {
     moving_scenes.push_back(new_scene(device.get(), RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_HIGH));
     attach_patch(moving_scenes.back().get(), i, 0);
     rtcCommitScene(moving_scenes.back().get());
-    const auto id = narrow<unsigned>(kFixedInstance + 1 + i - model.fixed_count());
+    const auto id = narrow<unsigned>(i - model.fixed_count());
     moving_instances.push_back(attach_instance(moving_scenes.back().get(), id));
   }
   update();
@@ -202,7 +221,7 @@ void RayScene::Impl::update() {
     rtcEnableGeometry(instance);
     rtcCommitGeometry(instance);
   }
-  if (top) rtcCommitScene(top.get());
+  if (moving) rtcCommitScene(moving.get());
 }
 
 Expected<RayScene> RayScene::create(const SurfaceModel& model) {
@@ -234,30 +253,21 @@ int RayScene::width() const {
 
 template <int K>
 void RayScene::intersect(const Lanes<K>& lanes, RayHitPacket<K>& packet) const {
-  for (int i = 0; i < K; ++i) packet.hit.geometry[i] = packet.hit.instance[i] = kNothing;
-  void* const rays = &packet;
-  if constexpr (K == 16)
-    intersect_coherent<rtcIntersect16>(lanes.valid, impl_->root, static_cast<RTCRayHit16*>(rays));
-  else if constexpr (K == 8)
-    intersect_coherent<rtcIntersect8>(lanes.valid, impl_->root, static_cast<RTCRayHit8*>(rays));
-  else
-    intersect_coherent<rtcIntersect4>(lanes.valid, impl_->root, static_cast<RTCRayHit4*>(rays));
-  if (!impl_->top) return;
+  HitPacket<K>& hit = packet.hit;
+  for (int i = 0; i < K; ++i) hit.geometry[i] = hit.instance[i] = kNothing;
+  intersect_in<K>(impl_->fixed.get(), Coherence::Coherent, lanes, packet);
+  if (!impl_->moving) return;
+  intersect_in<K>(impl_->moving.get(), Coherence::Unsaid, lanes, packet);
   const auto fixed_count = static_cast<std::uint32_t>(impl_->model.fixed_count());
   for (int i = 0; i < K; ++i)
-    if (packet.hit.geometry[i] != kNothing && packet.hit.instance[i] != kFixedInstance)
-      packet.hit.geometry[i] = fixed_count + packet.hit.instance[i] - (kFixedInstance + 1);
+    if (hit.instance[i] != kNothing) hit.geometry[i] = fixed_count + hit.instance[i];
 }
 
 template <int K>
 void RayScene::occluded(const Lanes<K>& lanes, RayPacket<K>& packet) const {
-  void* const rays = &packet;
-  if constexpr (K == 16)
-    occluded_coherent<rtcOccluded16>(lanes.valid, impl_->root, static_cast<RTCRay16*>(rays));
-  else if constexpr (K == 8)
-    occluded_coherent<rtcOccluded8>(lanes.valid, impl_->root, static_cast<RTCRay8*>(rays));
-  else
-    occluded_coherent<rtcOccluded4>(lanes.valid, impl_->root, static_cast<RTCRay4*>(rays));
+  occluded_in<K>(impl_->fixed.get(), Coherence::Coherent, lanes, packet);
+  // Rays that were stopped have a negative tfar now and are left alone.
+  if (impl_->moving) occluded_in<K>(impl_->moving.get(), Coherence::Unsaid, lanes, packet);
 }
 
 template void RayScene::intersect<4>(const Lanes<4>&, RayHitPacket<4>&) const;

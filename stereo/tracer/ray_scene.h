@@ -1,8 +1,9 @@
 /// RayScene: a SurfaceModel made traversable. Its .cpp is the one file that names Embree (3 or 4).
 ///
-/// What is fixed lies in one scene of high build quality. If nothing moves, that is all there is; else a top
-/// level holds it and each moving patch as instances, and is rebuilt when they are placed anew. Traversal is
-/// robust (watertight); filters sit only on geometries whose material needs them.
+/// What is fixed lies in one scene of high build quality. If nothing moves, that is all there is; else the
+/// moving patches are instances in a second, small scene, which alone is rebuilt when they are placed anew
+/// and through which each packet goes after the first. Traversal is robust (watertight); filters sit only on
+/// geometries whose material needs them.
 #pragma once
 
 #include <memory>
