@@ -232,7 +232,9 @@ Expected<Document> parse_document(std::span<const std::byte> file, bool is_binar
   if (parsed) return document_from(model, access);
   for (const auto& refusal : access.refused)
     if (error.find(refusal.first) != std::string::npos) return tl::unexpected(refusal.second);
-  return malformed(printable(error.substr(0, error.find('\n'))));
+  const bool in_buffers = model.bufferViews.empty() && error.find("image[") == std::string::npos;
+  const std::string where = in_buffers ? label("buffer", model.buffers.size()) + ": " : "";
+  return malformed(where + printable(error.substr(0, error.find('\n'))));
 }
 
 }  // namespace farshade::gltf

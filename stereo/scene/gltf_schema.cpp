@@ -105,6 +105,8 @@ constexpr Field kAnimationSampler[] = {
 constexpr Field kAnimation[] = {{"name", Kind::String},
                                 {"channels", Kind::Objects, kMust, kChannel},
                                 {"samplers", Kind::Objects, kMust, kAnimationSampler}};
+constexpr Field kSkin[] = {{"joints", Kind::Indices, kMust}};
+constexpr Field kCamera[] = {{"type", Kind::String, kMust}};
 constexpr Field kSpot[] = {{"innerConeAngle", Kind::NonNegative}, {"outerConeAngle", Kind::NonNegative}};
 constexpr Field kLight[] = {
     {"name", Kind::String},           {"type", Kind::String, kMust}, {"color", Kind::Numbers, kMay, {}, 3},
@@ -126,8 +128,8 @@ constexpr Field kRoot[] = {{"asset", Kind::Object, kMust, kAsset},
                            {"textures", Kind::Objects, kMay, kTexture},
                            {"samplers", Kind::Objects, kMay, kSampler},
                            {"animations", Kind::Objects, kMay, kAnimation},
-                           {"cameras", Kind::Objects},
-                           {"skins", Kind::Objects},
+                           {"cameras", Kind::Objects, kMay, kCamera},
+                           {"skins", Kind::Objects, kMay, kSkin},
                            {"extensions", Kind::Object, kMay, kRootExtensions}};
 
 /// Where a value stands; turned into text only when it is refused.
@@ -253,39 +255,85 @@ Checked check_object(const json& object, std::span<const Field> fields, const Pl
   return {};
 }
 
+/// The objects of one of the root's lists; empty where it is missing.
+const json::array_t& list_of(const json& root, std::string_view name) {
+  static const json::array_t none;
+  const auto found = root.find(name);
+  return found == root.end() ? none : found->get_ref<const json::array_t&>();
+}
+
+template <class Check>
+Checked check_list(const json& root, std::string_view name, Check check_item) {
+  const auto& list = list_of(root, name);
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (Checked checked = check_item(i, list[i]); !checked) return checked;
+  return {};
+}
+
 /// tinygltf copies the binary chunk for every buffer without a URI; only the first may mean it.
 Checked check_buffers(const json& root, bool has_bin) {
-  const auto buffers = root.find("buffers");
-  if (buffers == root.end()) return {};
-  for (std::size_t i = 0; i < buffers->size(); ++i)
-    if (!(*buffers)[i].contains("uri") && !(i == 0 && has_bin))
-      return malformed(label("buffer", i) + " has neither a URI nor a GLB's binary chunk");
-  return {};
+  return check_list(root, "buffers", [&](std::size_t i, const json& buffer) -> Checked {
+    if (buffer.contains("uri") || (i == 0 && has_bin)) return {};
+    return malformed(label("buffer", i) + " has neither a URI nor a GLB's binary chunk");
+  });
+}
+
+Checked check_view_strides(const json& root) {
+  return check_list(root, "bufferViews", [](std::size_t i, const json& view) -> Checked {
+    const auto stride = view.value("byteStride", std::uint64_t{4});
+    if (stride >= 4 && stride <= 252 && stride % 4 == 0) return {};
+    return malformed(label("buffer view", i) + ": its stride should be a multiple of 4 from 4 to 252");
+  });
+}
+
+Checked check_accessor_types(const json& root) {
+  constexpr std::string_view known[] = {"SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"};
+  return check_list(root, "accessors", [&](std::size_t i, const json& accessor) -> Checked {
+    const auto& type = accessor["type"].get_ref<const std::string&>();
+    if (std::find(std::begin(known), std::end(known), type) != std::end(known)) return {};
+    return malformed(label("accessor", i) + ": unknown type '" + printable(type) + "'");
+  });
 }
 
 /// tinygltf forms the address of an image's bytes before anyone could look at its buffer view.
 Checked check_images(const json& root) {
-  const json none = json::array();
-  const auto list = [&](const char* name) -> const json& {
-    const auto found = root.find(name);
-    return found == root.end() ? none : *found;
-  };
-  const json &images = list("images"), &views = list("bufferViews"), &buffers = list("buffers");
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    const bool has_view = images[i].contains("bufferView");
-    if (has_view == images[i].contains("uri"))
-      return malformed(label("image", i) + " should have either a URI or a buffer view");
-    if (!has_view) continue;
-    const auto view = images[i]["bufferView"].get<std::size_t>();
-    if (view >= views.size())
-      return malformed(label("image", i) + ": there is no " + label("buffer view", view));
-    const auto buffer = views[view]["buffer"].get<std::size_t>();
-    const std::uint64_t offset = views[view].value("byteOffset", std::uint64_t{0});
-    if (buffer >= buffers.size() || offset + views[view]["byteLength"].get<std::uint64_t>() >
-                                        buffers[buffer]["byteLength"].get<std::uint64_t>())
-      return malformed(label("image", i) + ": " + label("buffer view", view) + " reads beyond its buffer");
-  }
-  return {};
+  const auto &views = list_of(root, "bufferViews"), &buffers = list_of(root, "buffers");
+  return check_list(root, "images", [&](std::size_t i, const json& image) -> Checked {
+    const std::string name = label("image", i);
+    const bool has_view = image.contains("bufferView");
+    if (has_view == image.contains("uri"))
+      return malformed(name + " should have either a URI or a buffer view");
+    if (!has_view) return {};
+    const auto index = image["bufferView"].get<std::size_t>();
+    if (index >= views.size()) return malformed(name + ": there is no " + label("buffer view", index));
+    const json& view = views[index];
+    const auto buffer = view["buffer"].get<std::size_t>();
+    const std::uint64_t end =
+        view.value("byteOffset", std::uint64_t{0}) + view["byteLength"].get<std::uint64_t>();
+    if (buffer < buffers.size() && end <= buffers[buffer]["byteLength"].get<std::uint64_t>()) return {};
+    return malformed(name + ": " + label("buffer view", index) + " reads beyond its buffer");
+  });
+}
+
+/// tinygltf takes the matrix and forgets the rest.
+Checked check_node_transforms(const json& root) {
+  return check_list(root, "nodes", [](std::size_t i, const json& node) -> Checked {
+    const bool has_parts =
+        node.contains("translation") || node.contains("rotation") || node.contains("scale");
+    if (!node.contains("matrix") || !has_parts) return {};
+    return malformed(label("node", i, node.value("name", "")) +
+                     " has both a matrix and translation, rotation or scale");
+  });
+}
+
+Checked check_spots(const json& root) {
+  const auto extensions = root.find("extensions");
+  if (extensions == root.end() || !extensions->contains("KHR_lights_punctual")) return {};
+  return check_list(
+      (*extensions)["KHR_lights_punctual"], "lights", [](std::size_t i, const json& light) -> Checked {
+        if (light["type"] != "spot" || light.contains("spot")) return {};
+        return malformed(label("light", i, light.value("name", "")) + " is a spot without a cone");
+      });
 }
 
 }  // namespace
@@ -304,7 +352,12 @@ Checked check_schema(std::string_view text, bool has_bin) {
   if (root["asset"]["version"].get<std::string>().substr(0, 2) != "2.")
     return fail(Fault::Unsupported, "glTF version " + printable(root["asset"]["version"].get<std::string>()) +
                                         ", only 2 is read");
-  return check_buffers(root, has_bin).and_then([&] { return check_images(root); });
+  return check_buffers(root, has_bin)
+      .and_then([&] { return check_view_strides(root); })
+      .and_then([&] { return check_accessor_types(root); })
+      .and_then([&] { return check_images(root); })
+      .and_then([&] { return check_node_transforms(root); })
+      .and_then([&] { return check_spots(root); });
 }
 
 }  // namespace farshade::gltf

@@ -36,8 +36,6 @@ bool animates_scale_of(const Document& document, std::size_t node) {
 
 Checked check_transform(const Document& document, std::size_t index, const Node& node) {
   const std::string name = node_label(document, index);
-  if (node.matrix && (node.translation || node.rotation || node.scale))
-    return malformed(name + " has both a matrix and translation, rotation or scale");
   if (node.matrix) return check_matrix(name, *node.matrix);
   if (node.rotation && std::abs(glm::length(*node.rotation) - 1.0) > 0.01)
     return malformed(name + ": its rotation is not a unit quaternion");

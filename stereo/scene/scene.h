@@ -105,11 +105,12 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Node> nodes;
   std::vector<Instance> instances;
-  std::vector<LightSource> lights;  ///< in file order: light i is bit i of every mask
+  std::vector<LightSource>
+      lights;  ///< light i is bit i of every mask: the order of the file's lights, then of its nodes
   std::vector<Channel> channels;
   double animation_length_s = 0;            ///< animations repeat after it; 0 = nothing is animated
   std::optional<Rigid<Stage, Eye>> camera;  ///< reference camera at time 0, if the file has one
-  Bounds bounds;                            ///< of all triangles at time 0, stage space
+  Bounds bounds;                            ///< holds all triangles at time 0, stage space: the meshes' boxes
   std::uint64_t triangle_count = 0;         ///< over all instances
   SceneHash hash{};
 };

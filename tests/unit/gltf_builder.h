@@ -1,0 +1,67 @@
+/// Small glTF files made in memory, to be changed by tests and loaded.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <glm/vec3.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "stereo/scene/gltf.h"
+
+namespace farshade {
+
+class GltfBuilder {
+ public:
+  /// An empty scene; `json` is open to every change.
+  GltfBuilder();
+  nlohmann::json json;
+
+  /// Appends values to the buffer, from a multiple of four on, as a buffer view of their own. Returns its
+  /// number.
+  template <class T>
+  std::uint32_t view(const std::vector<T>& values) {
+    return view_of_bytes(values.data(), values.size() * sizeof(T));
+  }
+  /// An accessor over a buffer view, with further properties, if any, in `more`. Returns its number.
+  std::uint32_t accessor(std::uint32_t view, int component, const std::string& type, std::size_t count,
+                         const nlohmann::json& more = {});
+  /// Positions as an accessor.
+  std::uint32_t positions(const std::vector<glm::vec3>& points);
+  /// A mesh with one primitive and a root node that shows it. Returns the mesh's number.
+  std::uint32_t mesh(const nlohmann::json& primitive);
+  /// Appends a root node. Returns its number.
+  std::uint32_t node(const nlohmann::json& node);
+  /// A KHR_lights_punctual light, and the extension value by which a node carries it.
+  nlohmann::json light(const nlohmann::json& light);
+
+  [[nodiscard]] std::vector<std::byte> glb() const;
+  /// JSON text with the buffer as a data URI.
+  [[nodiscard]] std::vector<std::byte> gltf() const;
+  /// The bytes that buffer views look into.
+  [[nodiscard]] std::vector<std::byte>& bytes() { return bytes_; }
+
+ private:
+  std::uint32_t view_of_bytes(const void* data, std::size_t size);
+  std::vector<std::byte> bytes_;
+};
+
+/// One triangle (0,0,0) (1,0,0) (0,1,0), indexed, without normals.
+[[nodiscard]] GltfBuilder triangle_file();
+
+/// A textured, coloured, indexed quad with sparse positions that swings and spins, three kinds of light, a
+/// camera: something of all that is understood.
+[[nodiscard]] GltfBuilder rich_file();
+
+[[nodiscard]] std::vector<std::byte> bytes_of_text(std::string_view text);
+
+/// Loads a copy whose allocation ends where the bytes end.
+[[nodiscard]] Expected<Scene> load_copy(const std::byte* bytes, std::size_t size);
+[[nodiscard]] inline Expected<Scene> load(const GltfBuilder& file) {
+  const auto bytes = file.glb();
+  return load_copy(bytes.data(), bytes.size());
+}
+
+}  // namespace farshade
