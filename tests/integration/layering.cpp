@@ -4,7 +4,6 @@
 #include <fstream>
 #include <functional>
 #include <map>
-#include <regex>
 #include <set>
 
 namespace farshade {
@@ -104,14 +103,25 @@ void find_circling_includes(const std::vector<SourceFile>& tree, Faults& found) 
     if (node.mark == Mark::New) visit(node);
 }
 
+/// `text` behind `word` and the blanks before and after it; empty where something else stands.
+std::string_view behind(std::string_view text, std::string_view word) {
+  constexpr std::string_view blanks = " \t";
+  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
+  if (!text.starts_with(word)) return {};
+  text.remove_prefix(word.size());
+  text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
+  return text;
+}
+
 SourceFile read_includes(const fs::path& path, std::string from_root) {
-  static const std::regex include(R"(^\s*#\s*include\s*([<"])([^>"]+)[>"].*)");
   SourceFile file{std::move(from_root), {}, {}};
   std::ifstream text(path);
-  std::smatch match;
-  for (std::string line; std::getline(text, line);)
-    if (std::regex_match(line, match, include))
-      (match[1] == "<" ? file.theirs : file.ours).push_back(match[2]);
+  for (std::string line; std::getline(text, line);) {
+    const std::string_view named = behind(behind(line, "#"), "include");
+    const std::size_t end = named.find_first_of("\">", 1);
+    if (named.empty() || end == std::string_view::npos) continue;
+    (named[0] == '<' ? file.theirs : file.ours).emplace_back(named.substr(1, end - 1));
+  }
   return file;
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace farshade {
 namespace {
 
@@ -49,6 +51,15 @@ std::string only_fault(const Tree& tree) {
   const auto found = faults(house(), tree);
   EXPECT_EQ(found.size(), 1u);
   return found.empty() ? "" : found.front();
+}
+
+TEST(LayeringChecker, ReadsBothKindsOfInclude) {
+  const auto tree = read_tree(FARSHADE_SOURCE, house());
+  const auto checker = std::ranges::find(tree, "tests/integration/layering.cpp", &SourceFile::path);
+  ASSERT_NE(checker, tree.end());
+  EXPECT_EQ(checker->ours, (std::vector<std::string>{"tests/integration/layering.h"}));
+  EXPECT_EQ(checker->theirs.front(), "algorithm");
+  EXPECT_EQ(checker->theirs.size(), 5u);
 }
 
 TEST(LayeringChecker, AcceptsArrowsAtAnyRemove) {
