@@ -21,6 +21,17 @@ double largest_row_sum(const glm::dmat3& m) {
   return std::max({sum(rows[0]), sum(rows[1]), sum(rows[2])});
 }
 
+/// By how much a ray that is carried to object space by a float matrix, and what it meets there back, may be
+/// more wrong than one that stays (R. D. Skeel, "Scaling for numerical stability in Gaussian elimination",
+/// 1979). Scaling along the object's axes does not count.
+double condition(const glm::dmat3& m) {
+  const glm::dmat3 inverse = glm::inverse(m);
+  const auto absolute = [](const glm::dmat3& a) {
+    return glm::dmat3(glm::abs(a[0]), glm::abs(a[1]), glm::abs(a[2]));
+  };
+  return largest_row_sum(absolute(m) * absolute(inverse));
+}
+
 /// Inverse transpose times a positive number; exists for every matrix.
 glm::dmat3 normal_matrix(const glm::dmat3& m) {
   const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
@@ -118,10 +129,8 @@ void SurfaceModel::place(const SceneState& state) {
     placement.normal = glm::mat3(normal_matrix(linear / std::max(largest_row_sum(linear), 1e-300)));
     placement.singular = is_singular(linear);
     if (placement.singular) continue;
-    // A ray is carried to object space and back by float matrices: their condition multiplies its errors.
     const double grown = largest_row_sum(linear) * patch.object_reach + largest(translation);
-    const double condition = largest_row_sum(linear) * largest_row_sum(glm::inverse(linear));
-    placement.reach = static_cast<float>(2.0 * condition * grown);
+    placement.reach = static_cast<float>(2.0 * condition(linear) * grown);
   }
 }
 

@@ -1,0 +1,57 @@
+/// Scenes built in code, for questions whose answer is known without a file.
+#pragma once
+
+#include <string_view>
+
+#include "stereo/frame/view.h"
+#include "stereo/scene/scene_state.h"
+
+namespace farshade {
+
+/// Two triangles spanned by `half_u` and `half_v` about `center`; counter-clockwise side along their cross
+/// product. Texture coordinates run from 0 to `repeats`.
+[[nodiscard]] Mesh quad(const glm::vec3& center, const glm::vec3& half_u, const glm::vec3& half_v,
+                        float repeats = 1.0f);
+
+/// Closed axis-aligned box, counter-clockwise from outside, flat normals.
+[[nodiscard]] Mesh box(const glm::vec3& center, const glm::vec3& half);
+
+/// Any triangles, each with its own flat normal.
+[[nodiscard]] Mesh triangle_soup(const std::vector<glm::vec3>& corners);
+
+/// Rotation that turns -z to `direction` (not straight up or down exactly opposed to it).
+[[nodiscard]] glm::dquat toward(const glm::dvec3& direction);
+
+[[nodiscard]] NodeTransform scaled(const glm::dvec3& scale);
+
+class SceneBuilder {
+ public:
+  /// All that follows is moved by `shift` in the stage: for scenes far from the origin.
+  explicit SceneBuilder(const glm::dvec3& shift = glm::dvec3(0.0));
+
+  std::uint32_t material(Material material);
+  std::uint32_t texture(Texture texture);
+  /// Returns the instance's node.
+  std::uint32_t add(Mesh mesh, std::uint32_t material = 0, NodeTransform transform = {});
+  std::uint32_t point_light(const glm::dvec3& position, std::optional<float> range_m = std::nullopt);
+  std::uint32_t spot_light(const glm::dvec3& position, const glm::dvec3& direction, float outer_cone_rad);
+  std::uint32_t directional_light(const glm::dvec3& direction);
+  /// Moves `node` by `travel` over one second, linearly, and from then on again.
+  void move(std::uint32_t node, const glm::dvec3& travel);
+
+  /// Material 0 is double-sided white.
+  [[nodiscard]] Scene build() const;
+
+ private:
+  std::uint32_t node(NodeTransform transform);
+  std::uint32_t light(LightSource source, const glm::dvec3& position, const glm::dvec3& direction);
+
+  glm::dvec3 shift_;
+  Scene scene_;
+};
+
+/// A camera at `eye` that looks at `target`, square, `fov_rad` wide.
+[[nodiscard]] View look(const glm::dvec3& eye, const glm::dvec3& target, std::uint32_t side_px,
+                        double fov_rad = 1.4);
+
+}  // namespace farshade

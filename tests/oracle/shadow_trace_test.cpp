@@ -1,0 +1,81 @@
+// The tracer on the bundled scenes: against the oracle at several views and times, and against paper.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "stereo/scene/gltf.h"
+#include "tests/oracle/agreement.h"
+#include "tests/oracle/scene_builder.h"
+
+namespace farshade {
+namespace {
+
+/// The scene's reference camera turned by `yaw_rad`, as two asymmetric eyes 64 mm apart.
+StereoView reference_eyes(const Scene& scene, double yaw_rad, Extent size) {
+  const Rigid<Stage, Eye> camera = scene.camera.value();
+  const Rigid<Stage, Eye> turned{glm::angleAxis(yaw_rad, glm::dvec3(0, 1, 0)) * camera.rotation,
+                                 camera.translation};
+  const auto eye = [&](double x, double left, double right) {
+    const Rigid<Stage, Eye> stage_from_eye{turned.rotation, turned(Point<Eye>{{x, 0, 0}}).v};
+    return View{stage_from_eye, {-left, right, 0.74, -0.85}, size};
+  };
+  return {eye(-0.032, 0.94, 0.70), eye(0.032, 0.70, 0.94)};
+}
+
+TEST(ShadowTrace, AgreesWithTheOracleOnBoxOverPlane) {
+  const Scene scene = load_scene(FARSHADE_ASSETS "/box_over_plane.gltf").value();
+  for (const double yaw : {0.0, 0.4, -0.5}) {
+    SCOPED_TRACE(yaw);
+    expect_agrees(scene, reference_eyes(scene, yaw, {128, 128}), Time{}, 0.015);
+  }
+}
+
+TEST(ShadowTrace, AgreesWithTheOracleInTheRoom) {
+  const Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
+  const std::array<double, 3> yaws{0.0, 1.3, -2.2};
+  for (std::size_t i = 0; i < yaws.size(); ++i) {
+    SCOPED_TRACE(yaws[i]);
+    const Time time = time_from_ns(static_cast<std::int64_t>(i) * 1'300'000'000);
+    const oracle::Agreement sum =
+        expect_agrees(scene, reference_eyes(scene, yaws[i], {128, 112}), time, 0.11);
+    EXPECT_GT(sum.lit, sum.pixel_lights / 20);
+  }
+}
+
+/// Edges of a shadow on the plane y = 0, as assets/ORIGIN.md derives them.
+struct Rectangle {
+  double x0, x1, z0, z1;
+
+  /// Distance to the outline, positive inside.
+  [[nodiscard]] double inside_by(const glm::dvec3& p) const {
+    return std::min(std::min(p.x - x0, x1 - p.x), std::min(p.z - z0, z1 - p.z));
+  }
+};
+
+TEST(ShadowTrace, MatchesPaperAnswerForBoxOverPlane) {
+  const Scene scene = load_scene(FARSHADE_ASSETS "/box_over_plane.gltf").value();
+  const std::array<Rectangle, 2> shadows{Rectangle{-0.95, 0.65, -0.8, 0.8}, Rectangle{0.5, 2.0, -0.5, 0.5}};
+  // From between plane and box, so that nothing but the plane is in sight.
+  const View view = look({0.3, 0.95, 0.001}, {0.3, 0.0, 0.0}, 256, 2.3);
+  const ShadowFrame frame = traced(scene, view);
+  const EyeWindow window = window_of(view.fov);
+  std::array<int, 2> dark{};
+  for (std::uint32_t y = 0; y < view.size.height; ++y)
+    for (std::uint32_t x = 0; x < view.size.width; ++x) {
+      const glm::dvec3 toward =
+          view.stage_from_eye(Vector<Eye>{pixel_ray(window, view.size, {x + 0.5, y + 0.5})}).v;
+      const glm::dvec3 point = view.stage_from_eye.translation + toward * (-0.95 / toward.y);
+      for (std::uint32_t light = 0; light < 2; ++light) {
+        const double inside_by = shadows[light].inside_by(point);
+        if (std::abs(inside_by) < 2e-5) continue;  // file's and tracer's rounding
+        ASSERT_EQ(frame.masks[0].lit(x, y, light), inside_by < 0)
+            << point.x << ", " << point.z << " light " << light;
+        dark[light] += inside_by > 0;
+      }
+    }
+  EXPECT_GT(dark[0], 5000);
+  EXPECT_GT(dark[1], 2000);
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,186 @@
+#include "tests/oracle/surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+
+namespace farshade::oracle {
+namespace {
+
+constexpr double kEndless = std::numeric_limits<double>::infinity();
+
+/// Moeller and Trumbore, both sides. The edges belong to the triangle, with a little more than rounding, so
+/// that a ray through the edge of two does not pass between them.
+std::optional<Hit> meet(const Triangle& triangle, const Ray& ray) {
+  const auto& [a, b, c] = triangle.position;
+  const glm::dvec3 ab = b - a, ac = c - a, across = glm::cross(ray.direction, ac);
+  const double det = glm::dot(ab, across);
+  if (det == 0) return std::nullopt;
+  const glm::dvec3 from_a = ray.origin - a, up = glm::cross(from_a, ab);
+  const Hit hit{&triangle, glm::dot(ac, up) / det, glm::dot(from_a, across) / det,
+                glm::dot(ray.direction, up) / det};
+  constexpr double kEdge = 1e-13;
+  const bool inside = hit.u >= -kEdge && hit.v >= -kEdge && hit.u + hit.v <= 1 + kEdge;
+  return inside && hit.t > 0 ? std::optional(hit) : std::nullopt;
+}
+
+template <class Value>
+Value mix(const std::array<Value, 3>& of, const Hit& hit) {
+  return of[0] * (1 - hit.u - hit.v) + of[1] * hit.u + of[2] * hit.v;
+}
+
+/// Texel number that a wrapped index stands for.
+std::uint32_t wrapped(double index, Wrap wrap, double size) {
+  if (wrap == Wrap::ClampToEdge) return static_cast<std::uint32_t>(std::clamp(index, 0.0, size - 1));
+  const double period = wrap == Wrap::Repeat ? size : 2 * size;
+  const double inside = index - period * std::floor(index / period);
+  return static_cast<std::uint32_t>(inside < size ? inside : 2 * size - 1 - inside);
+}
+
+double texture_alpha(const Texture& texture, const glm::dvec2& uv) {
+  const double width = texture.image.size.width, height = texture.image.size.height;
+  const double x = uv.x * width - 0.5, y = uv.y * height - 0.5, x0 = std::floor(x), y0 = std::floor(y);
+  double sum = 0;
+  for (const double dy : {0.0, 1.0})
+    for (const double dx : {0.0, 1.0}) {
+      const double weight = (1 - std::abs(x - x0 - dx)) * (1 - std::abs(y - y0 - dy));
+      const auto column = wrapped(x0 + dx, texture.wrap_u, width),
+                 row = wrapped(y0 + dy, texture.wrap_v, height);
+      sum += weight * texture.image.at(column, row).a / 255.0;
+    }
+  return sum;
+}
+
+bool is_hole(const Hit& hit) {
+  const Triangle& triangle = *hit.triangle;
+  if (!triangle.material->alpha_cutoff) return false;
+  double alpha = double{triangle.material->base_color.a} * mix(triangle.alpha, hit);
+  if (triangle.texture != nullptr) alpha *= texture_alpha(*triangle.texture, mix(triangle.uv, hit));
+  return alpha < double{*triangle.material->alpha_cutoff};
+}
+
+bool is_seen(const Hit& hit, const Ray& ray) {
+  const Triangle& triangle = *hit.triangle;
+  return (triangle.material->double_sided || glm::dot(ray.direction, triangle.facing) < 0) && !is_hole(hit);
+}
+
+Triangle place(const Scene& scene, const Mesh& mesh, const glm::uvec3& vertices,
+               const glm::dmat4& stage_from_object) {
+  const Material& material = scene.materials[mesh.material];
+  const glm::dmat3 linear(stage_from_object), normal_from_object = glm::inverse(glm::transpose(linear));
+  Triangle result{};
+  result.material = &material;
+  if (material.texture && !mesh.uvs.empty()) result.texture = &scene.textures[*material.texture];
+  for (int i = 0; i < 3; ++i) {
+    const auto corner = static_cast<std::size_t>(i);
+    const std::uint32_t vertex = vertices[i];
+    result.position[corner] = glm::dvec3(stage_from_object * glm::dvec4(mesh.positions[vertex], 1.0));
+    result.normal[corner] = glm::normalize(normal_from_object * glm::dvec3(mesh.normals[vertex]));
+    if (!mesh.uvs.empty()) result.uv[corner] = mesh.uvs[vertex];
+    if (!mesh.colors.empty()) result.alpha[corner] = mesh.colors[vertex].a / 255.0;
+  }
+  const auto& [a, b, c] = result.position;
+  result.facing = glm::cross(b - a, c - a) * (glm::determinant(linear) < 0 ? -1.0 : 1.0);
+  return result;
+}
+
+bool passes(const glm::dvec3& low, const glm::dvec3& high, const Ray& ray) {
+  double from = 0, to = kEndless;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double o = ray.origin[axis], d = ray.direction[axis];
+    if (d == 0) {
+      if (o < low[axis] || o > high[axis]) return false;
+      continue;
+    }
+    const double a = (low[axis] - o) / d, b = (high[axis] - o) / d;
+    from = std::max(from, std::min(a, b) * (1 - 1e-12));
+    to = std::min(to, std::max(a, b) * (1 + 1e-12));
+  }
+  return from <= to;
+}
+
+}  // namespace
+
+Surfaces::Surfaces(const Scene& scene, const SceneState& state, Search search) {
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    const glm::dmat4& stage_from_object = state.stage_from_object[i].matrix;
+    if (glm::determinant(glm::dmat3(stage_from_object)) == 0) continue;
+    const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
+    for (const glm::uvec3& vertices : mesh.triangles) {
+      triangles_.push_back(place(scene, mesh, vertices, stage_from_object));
+      triangles_.back().instance = i;
+    }
+  }
+  const auto count = static_cast<std::uint32_t>(triangles_.size());
+  if (count > 0) split(0, count, search == Search::Tree ? 4 : count);
+}
+
+std::uint32_t Surfaces::split(std::uint32_t first, std::uint32_t count, std::uint32_t leaf_size) {
+  const auto number = static_cast<std::uint32_t>(nodes_.size());
+  Node node{glm::dvec3(kEndless), glm::dvec3(-kEndless), first, count, 0};
+  for (std::uint32_t i = first; i < first + count; ++i)
+    for (const glm::dvec3& p : triangles_[i].position) {
+      node.low = glm::min(node.low, p);
+      node.high = glm::max(node.high, p);
+    }
+  nodes_.push_back(node);
+  if (count <= leaf_size) return number;
+
+  const glm::dvec3 extent = node.high - node.low;
+  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+  const auto middle_of = [axis](const Triangle& t) {
+    return t.position[0][axis] + t.position[1][axis] + t.position[2][axis];
+  };
+  const std::uint32_t half = count / 2;
+  const auto start = triangles_.begin() + first;
+  std::nth_element(start, start + half, start + count,
+                   [&](const Triangle& a, const Triangle& b) { return middle_of(a) < middle_of(b); });
+  split(first, half, leaf_size);
+  const std::uint32_t right = split(first + half, count - half, leaf_size);
+  nodes_[number].right = right;
+  nodes_[number].count = 0;
+  return number;
+}
+
+/// `visit` sees every triangle that the ray may meet and returns true to stop.
+template <class Visit>
+void Surfaces::visit(const Ray& ray, Visit&& visit) const {
+  std::array<std::uint32_t, 64> waiting;
+  std::size_t count = 0;
+  if (!nodes_.empty()) waiting[count++] = 0;
+  while (count > 0) {
+    const std::uint32_t number = waiting[--count];
+    const Node& node = nodes_[number];
+    if (!passes(node.low, node.high, ray)) continue;
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i)
+      if (visit(triangles_[i])) return;
+    if (node.count > 0) continue;
+    waiting[count++] = node.right;
+    waiting[count++] = number + 1;
+  }
+}
+
+std::optional<Hit> Surfaces::nearest(const Ray& ray) const {
+  std::optional<Hit> best;
+  visit(ray, [&](const Triangle& triangle) {
+    const std::optional<Hit> hit = meet(triangle, ray);
+    if (hit && (!best || hit->t < best->t) && is_seen(*hit, ray)) best = hit;
+    return false;
+  });
+  return best;
+}
+
+bool Surfaces::blocked(const Ray& ray, double end) const {
+  bool found = false;
+  visit(ray, [&](const Triangle& triangle) {
+    const std::optional<Hit> hit = meet(triangle, ray);
+    found = hit && hit->t < end && !is_hole(*hit);
+    return found;
+  });
+  return found;
+}
+
+}  // namespace farshade::oracle

@@ -1,0 +1,54 @@
+/// The oracle's triangles in the stage, in double, and the two questions asked of them.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "tests/oracle/oracle.h"
+
+namespace farshade::oracle {
+
+struct Triangle {
+  std::array<glm::dvec3, 3> position, normal;  ///< stage; normals of any length
+  std::array<glm::dvec2, 3> uv{};
+  std::array<double, 3> alpha{1, 1, 1};  ///< of the vertices
+  glm::dvec3 facing{0.0};                ///< towards the counter-clockwise side, any length
+  const Material* material = nullptr;
+  const Texture* texture = nullptr;
+  std::uint32_t instance = 0;
+};
+
+struct Ray {
+  glm::dvec3 origin, direction;
+};
+
+struct Hit {
+  const Triangle* triangle = nullptr;
+  double t = 0, u = 0, v = 0;
+};
+
+class Surfaces {
+ public:
+  Surfaces(const Scene& scene, const SceneState& state, Search search);
+
+  /// Nearest seen surface with t > 0.
+  [[nodiscard]] std::optional<Hit> nearest(const Ray& ray) const;
+  /// Whether anything casts with 0 < t < end.
+  [[nodiscard]] bool blocked(const Ray& ray, double end) const;
+
+ private:
+  struct Node {
+    glm::dvec3 low, high;
+    std::uint32_t first = 0, count = 0;  ///< triangles of a leaf
+    std::uint32_t right = 0;             ///< inner node: its left child follows it
+  };
+  std::uint32_t split(std::uint32_t first, std::uint32_t count, std::uint32_t leaf_size);
+  template <class Visit>
+  void visit(const Ray& ray, Visit&& visit) const;
+
+  std::vector<Triangle> triangles_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace farshade::oracle
