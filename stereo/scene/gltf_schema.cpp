@@ -41,7 +41,7 @@ struct Field {
 };
 constexpr bool kMust = true, kMay = false;
 
-constexpr Field kAsset[] = {{"version", Kind::String, kMust}};
+constexpr Field kAsset[] = {{"version", Kind::String, kMust}, {"minVersion", Kind::String}};
 constexpr Field kBuffer[] = {{"byteLength", Kind::Length, kMust}, {"uri", Kind::String}};
 constexpr Field kBufferView[] = {{"buffer", Kind::Index, kMust},
                                  {"byteOffset", Kind::Size},
@@ -349,9 +349,11 @@ Checked check_schema(std::string_view text, bool has_bin) {
   }
   if (!root.is_object()) return malformed("JSON: the file is not an object");
   if (auto checked = check_object(root, kRoot, Place{}); !checked) return checked;
-  if (root["asset"]["version"].get<std::string>().substr(0, 2) != "2.")
-    return fail(Fault::Unsupported, "glTF version " + printable(root["asset"]["version"].get<std::string>()) +
-                                        ", only 2 is read");
+  const json& asset = root["asset"];
+  const std::string version = asset["version"], least = asset.value("minVersion", "2.0");
+  if (version.substr(0, 2) != "2." || least != "2.0")
+    return fail(Fault::Unsupported,
+                "glTF version " + printable(least == "2.0" ? version : least) + ", only 2.0 is read");
   return check_buffers(root, has_bin)
       .and_then([&] { return check_view_strides(root); })
       .and_then([&] { return check_accessor_types(root); })

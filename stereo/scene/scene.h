@@ -105,8 +105,7 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Node> nodes;
   std::vector<Instance> instances;
-  std::vector<LightSource>
-      lights;  ///< light i is bit i of every mask: the order of the file's lights, then of its nodes
+  std::vector<LightSource> lights;  ///< bit i of every mask; by the file's lights, then by node
   std::vector<Channel> channels;
   double animation_length_s = 0;            ///< animations repeat after it; 0 = nothing is animated
   std::optional<Rigid<Stage, Eye>> camera;  ///< reference camera at time 0, if the file has one

@@ -58,6 +58,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Spoiled{"NoAsset", {{"/asset", nullptr}}, "asset is missing"},
         Spoiled{"OtherVersion", {{"/asset/version", "1.0"}}, "version 1.0", Fault::Unsupported},
+        Spoiled{"NewerVersion", {{"/asset/minVersion", "2.1"}}, "version 2.1", Fault::Unsupported},
         Spoiled{"NodesNoList", {{"/nodes", 3}}, "nodes should be a list of objects"},
         Spoiled{"IndexIsText",
                 {{"/meshes/0/primitives/0/indices", "4"}},
