@@ -1,21 +1,23 @@
 // G-buffer: base colour, and in one word pair the shading normal, the geometric normal and the instance.
+// Compiled twice, with and without TEXTURED, since a shader that could read a texture must have one bound.
 // Holes of alpha-masked materials are cut at LOD 0, as the tracer cuts them.
 #version 460
-#extension GL_EXT_multiview : require
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared.h"
 
-layout(constant_id = 0) const bool kTextured = false;
 layout(constant_id = 1) const bool kMasked = false;
 layout(constant_id = 2) const bool kColored = false;
 
 layout(std430, set = 0, binding = 1) readonly buffer Frame { FrameData frame; };
+#ifdef TEXTURED
 layout(set = 1, binding = 0) uniform sampler2DArray base_color_texture;
+#endif
 layout(push_constant) uniform Draw { DrawData draw; };
 
 layout(location = 0) in vec3 stage_normal;
 layout(location = 1) in vec2 texture_uv;
 layout(location = 2) in vec4 vertex_color;
+layout(location = 3) flat in uint eye;
 
 layout(location = 0) out vec4 base_color;
 layout(location = 1) out uvec2 surface;
@@ -31,7 +33,7 @@ vec2 octahedral(vec3 n) {
 // Depth is near / distance, which a plane makes linear on the screen: 1/z = A tx + B ty + C with eye-space normal
 // (A, B, -C). Its screen derivatives are exact within a triangle.
 vec3 geometric_normal() {
-  vec4 window = frame.eye[gl_ViewIndex].window.origin_step;
+  vec4 window = frame.eye[eye].window.origin_step;
   vec2 t = window.xy + gl_FragCoord.xy * window.zw;
   vec2 gradient = vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z)) / window.zw;
   return normalize(vec3(gradient, -(gl_FragCoord.z - dot(gradient, t))));
@@ -42,10 +44,14 @@ void main() {
   if (kColored) color *= vertex_color;
   if (kMasked) {
     float alpha = color.a;
-    if (kTextured) alpha *= textureLod(base_color_texture, vec3(texture_uv, 0.0), 0.0).a;
+#ifdef TEXTURED
+    alpha *= textureLod(base_color_texture, vec3(texture_uv, 0.0), 0.0).a;
+#endif
     if (alpha < draw.alpha_cutoff) discard;
   }
-  if (kTextured) color.rgb *= texture(base_color_texture, vec3(texture_uv, 0.0)).rgb;
+#ifdef TEXTURED
+  color.rgb *= texture(base_color_texture, vec3(texture_uv, 0.0)).rgb;
+#endif
   base_color = vec4(color.rgb, 1.0);
 
   vec3 n = normalize(stage_normal);

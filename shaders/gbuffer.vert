@@ -1,6 +1,7 @@
-// G-buffer, both eyes in one multiview pass: object space straight to each eye's clip space.
+// G-buffer, both eyes in one layered pass: each draw's instances are the eyes, and an eye's layer is its index.
+// (Not multiview: lavapipe of Mesa 22.3.6 loses every draw that needs clipping in all views but the first.)
 #version 460
-#extension GL_EXT_multiview : require
+#extension GL_ARB_shader_viewport_layer_array : require
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared.h"
 
@@ -18,11 +19,14 @@ layout(location = 3) in vec4 color;
 layout(location = 0) out vec3 stage_normal;
 layout(location = 1) out vec2 texture_uv;
 layout(location = 2) out vec4 vertex_color;
+layout(location = 3) flat out uint eye;
 
 invariant gl_Position;
 
 void main() {
-  gl_Position = instances[draw.instance].clip_from_object[gl_ViewIndex] * vec4(position, 1.0);
+  eye = gl_InstanceIndex;
+  gl_Layer = gl_InstanceIndex;
+  gl_Position = instances[draw.instance].clip_from_object[eye] * vec4(position, 1.0);
   stage_normal = mat3(instances[draw.instance].stage_from_object_normal) * normal;
   if (kTextured) texture_uv = uv;
   if (kColored) vertex_color = color;

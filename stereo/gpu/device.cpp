@@ -61,11 +61,12 @@ std::string lacks(const vk::raii::PhysicalDevice& physical, const DeviceWish& wi
   if (std::string(properties.deviceName).find(wish.name_contains) == std::string::npos)
     return "its name lacks '" + wish.name_contains + "'";
   if (properties.apiVersion < VK_API_VERSION_1_3) return "no Vulkan 1.3";
-  const auto features = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan11Features,
+  const auto features = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features,
                                               vk::PhysicalDeviceVulkan13Features>();
-  if (!features.get<vk::PhysicalDeviceVulkan11Features>().multiview) return "no multiview";
+  if (!features.get<vk::PhysicalDeviceVulkan12Features>().shaderOutputLayer) return "no layered drawing";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().dynamicRendering) return "no dynamic rendering";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().synchronization2) return "no synchronization2";
+  if (!features.get<vk::PhysicalDeviceVulkan13Features>().maintenance4) return "no maintenance4";
   if (!graphics_queue_family(physical)) return "no queue that draws, computes and keeps time";
   return {};
 }
@@ -111,14 +112,15 @@ Choice choose(const vk::raii::Instance& instance, const DeviceWish& wish) {
 }
 
 vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, std::uint32_t queue_family) {
-  vk::PhysicalDeviceVulkan13Features features13{.synchronization2 = true, .dynamicRendering = true};
-  vk::PhysicalDeviceVulkan11Features features11{.pNext = &features13, .multiview = true};
+  vk::PhysicalDeviceVulkan13Features features13{
+      .synchronization2 = true, .dynamicRendering = true, .maintenance4 = true};
+  vk::PhysicalDeviceVulkan12Features features12{.pNext = &features13, .shaderOutputLayer = true};
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue{
       .queueFamilyIndex = queue_family, .queueCount = 1, .pQueuePriorities = &priority};
   return vk::raii::Device(
       physical,
-      vk::DeviceCreateInfo{.pNext = &features11, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue});
+      vk::DeviceCreateInfo{.pNext = &features12, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue});
 }
 
 }  // namespace

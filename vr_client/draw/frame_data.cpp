@@ -56,22 +56,20 @@ gpu::LightData light_data(const StereoView& shown, const Light& light) {
   return data;
 }
 
-bool may_be_seen(const gpu::InstanceData& instance, const glm::vec3& low, const glm::vec3& high) {
-  for (const glm::mat4& clip_from_object : instance.clip_from_object) {
-    std::array<int, 5> outside{};  // corners beyond left, right, top, bottom, behind
-    for (int corner = 0; corner < 8; ++corner) {
-      const glm::vec4 p =
-          clip_from_object * glm::vec4(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
-                                       corner & 4 ? high.z : low.z, 1.0f);
-      outside[0] += p.x < -p.w;
-      outside[1] += p.x > p.w;
-      outside[2] += p.y < -p.w;
-      outside[3] += p.y > p.w;
-      outside[4] += p.w < 0;
-    }
-    if (std::none_of(outside.begin(), outside.end(), [](int corners) { return corners == 8; })) return true;
+bool may_be_seen(const gpu::InstanceData& instance, std::size_t eye, const glm::vec3& low,
+                 const glm::vec3& high) {
+  std::array<int, 5> outside{};  // corners beyond left, right, top, bottom, behind
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::vec4 p =
+        instance.clip_from_object[eye] * glm::vec4(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
+                                                   corner & 4 ? high.z : low.z, 1.0f);
+    outside[0] += p.x < -p.w;
+    outside[1] += p.x > p.w;
+    outside[2] += p.y < -p.w;
+    outside[3] += p.y > p.w;
+    outside[4] += p.w < 0;
   }
-  return false;
+  return std::none_of(outside.begin(), outside.end(), [](int corners) { return corners == 8; });
 }
 
 }  // namespace farshade

@@ -20,8 +20,8 @@ namespace farshade {
 
 [[nodiscard]] gpu::LightData light_data(const StereoView& shown, const Light& light);
 
-/// False only if no part of the box can be seen by either eye.
-[[nodiscard]] bool may_be_seen(const gpu::InstanceData& instance, const glm::vec3& low,
+/// False only if no part of the object-space box can be seen by `eye`.
+[[nodiscard]] bool may_be_seen(const gpu::InstanceData& instance, std::size_t eye, const glm::vec3& low,
                                const glm::vec3& high);
 
 }  // namespace farshade

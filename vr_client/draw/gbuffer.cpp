@@ -5,6 +5,7 @@
 
 #include "shaders/gbuffer.frag.spv.h"
 #include "shaders/gbuffer.vert.spv.h"
+#include "shaders/gbuffer_textured.frag.spv.h"
 
 namespace farshade {
 namespace {
@@ -12,7 +13,6 @@ namespace {
 using Layout = vk::ImageLayout;
 using Usage = vk::ImageUsageFlagBits;
 
-constexpr std::uint32_t kBothEyes = 0b11;
 constexpr vk::Format kColorFormat = vk::Format::eR8G8B8A8Srgb, kSurfaceFormat = vk::Format::eR32G32Uint,
                      kDepthFormat = vk::Format::eD32Sfloat;
 
@@ -52,7 +52,8 @@ GBufferPass::GBufferPass(const gpu::Device& device, const Scene& scene, Extent s
                                     {vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eFragment}},
                                    "G-buffer")),
       vertex_shader_(gpu::make_shader(device, gbuffer_vert_spv, "gbuffer.vert")),
-      fragment_shader_(gpu::make_shader(device, gbuffer_frag_spv, "gbuffer.frag")) {
+      plain_shader_(gpu::make_shader(device, gbuffer_frag_spv, "gbuffer.frag")),
+      textured_shader_(gpu::make_shader(device, gbuffer_textured_frag_spv, "gbuffer.frag, textured")) {
   gpu::bind_buffer(device, bindings_, 0, instance_buffer_);
   gpu::bind_buffer(device, bindings_, 1, frame_buffer_);
   const std::array sets{*bindings_.layout, *buffers_.texture_layout};
@@ -81,14 +82,15 @@ GBufferPass::Variant GBufferPass::variant_of(const Mesh& mesh) const {
 vk::raii::Pipeline GBufferPass::make_pipeline(Variant variant) const {
   const gpu::Specialization specialization({variant.textured, variant.masked, variant.colored});
   const vk::SpecializationInfo constants = specialization.info();
-  const std::array stages{vk::PipelineShaderStageCreateInfo{.stage = vk::ShaderStageFlagBits::eVertex,
-                                                            .module = *vertex_shader_,
-                                                            .pName = "main",
-                                                            .pSpecializationInfo = &constants},
-                          vk::PipelineShaderStageCreateInfo{.stage = vk::ShaderStageFlagBits::eFragment,
-                                                            .module = *fragment_shader_,
-                                                            .pName = "main",
-                                                            .pSpecializationInfo = &constants}};
+  const std::array stages{
+      vk::PipelineShaderStageCreateInfo{.stage = vk::ShaderStageFlagBits::eVertex,
+                                        .module = *vertex_shader_,
+                                        .pName = "main",
+                                        .pSpecializationInfo = &constants},
+      vk::PipelineShaderStageCreateInfo{.stage = vk::ShaderStageFlagBits::eFragment,
+                                        .module = *(variant.textured ? textured_shader_ : plain_shader_),
+                                        .pName = "main",
+                                        .pSpecializationInfo = &constants}};
 
   // Locations 0..3 are the streams positions, normals, uvs, colours, each its own buffer. A stream that this
   // variant does not read is bound to the positions and never fetched.
@@ -123,8 +125,7 @@ vk::raii::Pipeline GBufferPass::make_pipeline(Variant variant) const {
   const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = dynamics.size(),
                                                    .pDynamicStates = dynamics.data()};
   const std::array formats_out{kColorFormat, kSurfaceFormat};
-  const vk::PipelineRenderingCreateInfo rendering{.viewMask = kBothEyes,
-                                                  .colorAttachmentCount = formats_out.size(),
+  const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = formats_out.size(),
                                                   .pColorAttachmentFormats = formats_out.data(),
                                                   .depthAttachmentFormat = kDepthFormat};
   auto pipeline = device_.logical.createGraphicsPipeline(nullptr, {.pNext = &rendering,
@@ -149,9 +150,12 @@ void GBufferPass::prepare(const StereoView& views, const SceneState& state) {
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
     const MeshBuffers& mesh = buffers_.meshes[scene_.instances[i].mesh];
     data[i] = instance_data(views, state.stage_from_object[i]);
-    if (!may_be_seen(data[i], mesh.low, mesh.high)) continue;
+    const bool left = may_be_seen(data[i], 0, mesh.low, mesh.high),
+               right = may_be_seen(data[i], 1, mesh.low, mesh.high);
+    if (!left && !right) continue;
     const glm::vec4 centre = data[i].clip_from_object[0] * glm::vec4((mesh.low + mesh.high) * 0.5f, 1.0f);
-    draws_.push_back({i, centre.w, glm::determinant(glm::dmat3(state.stage_from_object[i].matrix)) < 0});
+    draws_.push_back({i, left ? 0u : 1u, left && right ? 2u : 1u, centre.w,
+                      glm::determinant(glm::dmat3(state.stage_from_object[i].matrix)) < 0});
   }
   // Near ones first, so that the depth test spares shading.
   std::sort(draws_.begin(), draws_.end(),
@@ -171,8 +175,7 @@ void GBufferPass::record(const vk::raii::CommandBuffer& commands, FrameId frame)
   const vk::RenderingAttachmentInfo depth = attachment(*slot.view, Layout::eDepthAttachmentOptimal);
   const vk::Rect2D area{.extent = {size_.width, size_.height}};
   commands.beginRendering({.renderArea = area,
-                           .layerCount = 1,
-                           .viewMask = kBothEyes,
+                           .layerCount = kEyes,
                            .colorAttachmentCount = colors.size(),
                            .pColorAttachments = colors.data(),
                            .pDepthAttachment = &depth});
@@ -185,7 +188,7 @@ void GBufferPass::record(const vk::raii::CommandBuffer& commands, FrameId frame)
     const Material& material = scene_.materials[scene_.meshes[scene_.instances[draw.instance].mesh].material];
     commands.setCullMode(material.double_sided ? vk::CullModeFlagBits::eNone : vk::CullModeFlagBits::eBack);
     commands.setFrontFace(draw.mirrored ? vk::FrontFace::eClockwise : vk::FrontFace::eCounterClockwise);
-    draw_instance(commands, draw.instance);
+    draw_instance(commands, draw);
   }
   commands.endRendering();
 
@@ -195,8 +198,8 @@ void GBufferPass::record(const vk::raii::CommandBuffer& commands, FrameId frame)
                   layers);
 }
 
-void GBufferPass::draw_instance(const vk::raii::CommandBuffer& commands, std::uint32_t instance) const {
-  const std::uint32_t mesh_index = scene_.instances[instance].mesh;
+void GBufferPass::draw_instance(const vk::raii::CommandBuffer& commands, const Draw& draw) const {
+  const std::uint32_t mesh_index = scene_.instances[draw.instance].mesh;
   const Mesh& mesh = scene_.meshes[mesh_index];
   const Material& material = scene_.materials[mesh.material];
   const MeshBuffers& buffers = buffers_.meshes[mesh_index];
@@ -212,10 +215,10 @@ void GBufferPass::draw_instance(const vk::raii::CommandBuffer& commands, std::ui
        variant.colored ? *buffers.colors.buffer : positions},
       {0, 0, 0, 0});
   commands.bindIndexBuffer(*buffers.indices.buffer, 0, vk::IndexType::eUint32);
-  const gpu::DrawData draw{material.base_color, instance, material.alpha_cutoff.value_or(0.0f)};
+  const gpu::DrawData data{material.base_color, draw.instance, material.alpha_cutoff.value_or(0.0f)};
   commands.pushConstants<gpu::DrawData>(
-      *layout_, vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment, 0, draw);
-  commands.drawIndexed(buffers.index_count, 1, 0, 0, 0);
+      *layout_, vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment, 0, data);
+  commands.drawIndexed(buffers.index_count, draw.eyes, 0, 0, draw.first_eye);
 }
 
 bool GBufferPass::has_depth(FrameId frame) const {

@@ -1,4 +1,4 @@
-/// G-buffer pass: both eyes in one multiview pass - base colour, normals, instance, and depth into a ring.
+/// G-buffer pass: both eyes in one layered pass - base colour, normals, instance, and depth into a ring.
 /// The ring keeps the depths of the views that were asked for, so that a mask that comes back later can be
 /// tested against what its views saw.
 #pragma once
@@ -41,7 +41,6 @@ class GBufferPass {
   };
   [[nodiscard]] Variant variant_of(const Mesh& mesh) const;
   [[nodiscard]] vk::raii::Pipeline make_pipeline(Variant variant) const;
-  void draw_instance(const vk::raii::CommandBuffer& commands, std::uint32_t instance) const;
   [[nodiscard]] std::size_t slot_of(FrameId frame) const { return frame.value % slots_.size(); }
 
   struct Slot {
@@ -50,9 +49,12 @@ class GBufferPass {
   };
   struct Draw {
     std::uint32_t instance = 0;
+    std::uint32_t first_eye = 0, eyes = 0;  ///< those that may see it
     float distance = 0;
     bool mirrored = false;
   };
+
+  void draw_instance(const vk::raii::CommandBuffer& commands, const Draw& draw) const;
 
   const gpu::Device& device_;
   const Scene& scene_;
@@ -63,7 +65,7 @@ class GBufferPass {
   std::vector<Slot> slots_;
   gpu::Bindings bindings_;
   vk::raii::PipelineLayout layout_{nullptr};
-  vk::raii::ShaderModule vertex_shader_{nullptr}, fragment_shader_{nullptr};
+  vk::raii::ShaderModule vertex_shader_{nullptr}, plain_shader_{nullptr}, textured_shader_{nullptr};
   std::map<Variant, vk::raii::Pipeline> pipelines_;
   std::vector<Draw> draws_;
 };

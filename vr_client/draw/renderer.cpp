@@ -67,12 +67,7 @@ DrawTimes Renderer::submit(const ShownFrame& frame, Stage stage, Lookup lookup) 
 }
 
 PerEye<Image<Rgb8>> Renderer::read_shown() const {
-  gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
-    commands.copyImageToBuffer(
-        *shading_.shown().image, vk::ImageLayout::eGeneral, *readback_.buffer,
-        vk::BufferImageCopy{.imageSubresource = {vk::ImageAspectFlagBits::eColor, 0, 0, kEyes},
-                            .imageExtent = {size_.width, size_.height, 1}});
-  });
+  read_back(shading_.shown(), vk::ImageLayout::eGeneral, {0, kEyes});
   const auto pixels = readback_.as<const Rgba8>();
   PerEye<Image<Rgb8>> result{Image<Rgb8>(size_), Image<Rgb8>(size_)};
   for (std::size_t eye = 0; eye < kEyes; ++eye)
@@ -83,17 +78,8 @@ PerEye<Image<Rgb8>> Renderer::read_shown() const {
 
 PerEye<Image<float>> Renderer::read_distance(FrameId frame) const {
   check(gbuffer_.has_depth(frame), "the depth asked for is in the ring");
-  using Layout = vk::ImageLayout;
-  const gpu::LayerRange layers{gbuffer_.depth_layer(frame), kEyes};
-  const gpu::Image& ring = gbuffer_.depth_ring();
-  gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
-    gpu::transition(commands, ring, Layout::eShaderReadOnlyOptimal, Layout::eTransferSrcOptimal, layers);
-    commands.copyImageToBuffer(
-        *ring.image, Layout::eTransferSrcOptimal, *readback_.buffer,
-        vk::BufferImageCopy{.imageSubresource = {vk::ImageAspectFlagBits::eDepth, 0, layers.first, kEyes},
-                            .imageExtent = {size_.width, size_.height, 1}});
-    gpu::transition(commands, ring, Layout::eTransferSrcOptimal, Layout::eShaderReadOnlyOptimal, layers);
-  });
+  read_back(gbuffer_.depth_ring(), vk::ImageLayout::eShaderReadOnlyOptimal,
+            {gbuffer_.depth_layer(frame), kEyes});
   const auto depths = readback_.as<const float>();
   PerEye<Image<float>> result{Image<float>(size_), Image<float>(size_)};
   for (std::size_t eye = 0; eye < kEyes; ++eye)
@@ -101,6 +87,19 @@ PerEye<Image<float>> Renderer::read_distance(FrameId frame) const {
       if (const float depth = depths[eye * size_.pixels() + i]; depth > 0)
         result[eye].pixels[i] = static_cast<float>(kNearPlane_m / depth);
   return result;
+}
+
+/// Layers of an image that rests in `layout`, four bytes a pixel, into `readback_`.
+void Renderer::read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers) const {
+  constexpr auto source = vk::ImageLayout::eTransferSrcOptimal;
+  gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
+    gpu::transition(commands, image, layout, source, layers);
+    commands.copyImageToBuffer(
+        *image.image, source, *readback_.buffer,
+        vk::BufferImageCopy{.imageSubresource = {image.aspect, 0, layers.first, layers.count},
+                            .imageExtent = {size_.width, size_.height, 1}});
+    gpu::transition(commands, image, source, layout, layers);
+  });
 }
 
 }  // namespace farshade

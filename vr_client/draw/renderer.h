@@ -46,6 +46,7 @@ class Renderer {
  private:
   enum class Stage : std::uint8_t { GBuffer, Shade, Both };
   DrawTimes submit(const ShownFrame& frame, Stage stage, Lookup lookup);
+  void read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers) const;
 
   const gpu::Device& device_;
   Extent size_;
