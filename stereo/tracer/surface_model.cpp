@@ -70,7 +70,6 @@ glm::dvec3 center_of(const Mesh& mesh) {
 SurfaceModel::SurfaceModel(const Scene& scene, const SceneState& state) {
   check_eq(state.stage_from_object.size(), scene.instances.size(), "a state places every instance");
   anchor_ = (scene.bounds.low + scene.bounds.high) * 0.5;
-  half_extent_ = largest(scene.bounds.high - anchor_);
   patches_.reserve(scene.instances.size());
   for (const bool moving : {false, true}) {
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i)

@@ -51,8 +51,6 @@ class SurfaceModel {
   void place(const SceneState& state);
 
   [[nodiscard]] const glm::dvec3& anchor() const { return anchor_; }
-  /// Largest absolute anchor-relative coordinate of the scene's bounds.
-  [[nodiscard]] double half_extent() const { return half_extent_; }
 
   [[nodiscard]] std::span<const Patch> patches() const { return patches_; }
   [[nodiscard]] std::size_t fixed_count() const { return fixed_count_; }  ///< these come first in patches()
@@ -68,7 +66,6 @@ class SurfaceModel {
   void add(const Scene& scene, const SceneState& state, std::uint32_t instance, bool moving);
 
   glm::dvec3 anchor_{0.0};
-  double half_extent_ = 0;
   std::vector<Patch> patches_;
   std::size_t fixed_count_ = 0;
   std::vector<glm::vec3> positions_, normals_;

@@ -1,6 +1,7 @@
 // The tracer as a stage: frames, words, reuse, what it leaves out, and things that move.
 #include <gtest/gtest.h>
 
+#include "stereo/tracer/tile_stages.h"
 #include "tests/oracle/agreement.h"
 #include "tests/oracle/scene_builder.h"
 
@@ -118,6 +119,35 @@ TEST(TracerFrame, WithoutLightsNothingIsTraced) {
   const TraceStats stats = tracer.trace(request_for({kLeft, kRight}), frame);
   EXPECT_EQ(stats.primary_rays, 0u);
   EXPECT_EQ(frame.masks[0], EyeMask(kLeft.size, 0));
+}
+
+/// The words of every tile of kLeft, traced in packets of K.
+template <int K>
+std::vector<std::uint32_t> words_by(const Scene& scene) {
+  const SceneState state = state_at(scene, time_from_ns(250'000'000));
+  const SurfaceModel model(scene, state);
+  const RayScene rays = RayScene::create(model).value();
+  std::vector<std::uint32_t> all;
+  const TileGrid grid{kLeft.size};
+  for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
+    TileSurface surface;
+    see_tile<K>(rays, model, rays_of(kLeft, model.anchor()), grid.rect(tile), surface);
+    std::uint32_t words[kTilePixels]{};
+    for (std::uint32_t i = 0; i < state.light_set.lights.size(); ++i)
+      shadow_tile<K>(surface, shadow_light(state.light_set.lights[i], model), 1u << i, words,
+                     [&](const Lanes<K>& lanes, RayPacket<K>& packet) { rays.occluded(lanes, packet); });
+    all.insert(all.end(), std::begin(words), std::end(words));
+  }
+  return all;
+}
+
+TEST(TracerFrame, PacketWidthChangesNothing) {
+  SceneBuilder build = lit_floor(3);
+  build.move(build.add(box({-1, 0.6f, 0.5f}, {0.3f, 0.2f, 0.3f})), {0.5, 0, 0});
+  const Scene scene = build.build();
+  const std::vector<std::uint32_t> wide = words_by<16>(scene);
+  EXPECT_EQ(words_by<8>(scene), wide);
+  EXPECT_EQ(words_by<4>(scene), wide);
 }
 
 TEST(TracerFrame, EmptySceneIsDark) {

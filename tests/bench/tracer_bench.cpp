@@ -1,0 +1,137 @@
+// The tracing stage against a bare loop over the very same Embree packets, interleaved in one run.
+//
+//   tracer_bench [--scene S] [--size N] [--rounds R]
+//
+// Prints medians and the spread (p10 to p90) of: primary and shadow stage of a frame (both eyes), the bare
+// loop over its shadow packets, and over the packets that the same rays make if each starts at its surface.
+#include <tbb/parallel_for.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <vector>
+
+#include "stereo/base/quantile.h"
+#include "stereo/scene/gltf.h"
+#include "stereo/tracer/tile_stages.h"
+#include "stereo/tracer/tracer.h"
+
+namespace farshade {
+namespace {
+
+/// One frame's shadow packets, in the order in which the stage traces them.
+template <int K>
+struct Packets {
+  std::vector<RayPacket<K>> rays;
+  std::vector<Lanes<K>> lanes;
+  std::uint64_t count = 0;  ///< rays
+};
+
+StereoView eyes_of(const Scene& scene, std::uint32_t side) {
+  const Rigid<Stage, Eye> camera = scene.camera.value_or(Rigid<Stage, Eye>{});
+  const auto eye = [&](double x, double left, double right) {
+    const Rigid<Stage, Eye> place{camera.rotation, camera(Point<Eye>{{x, 0, 0}}).v};
+    return View{place, {-left, right, 0.74, -0.85}, {side, side}};  // about a Quest Pro's
+  };
+  return {eye(-0.032, 0.94, 0.70), eye(0.032, 0.70, 0.94)};
+}
+
+template <int K>
+Packets<K> record(const SurfaceModel& model, const RayScene& rays, const StereoView& views,
+                  const std::vector<Light>& lights) {
+  Packets<K> packets;
+  const auto keep = [&](const Lanes<K>& lanes, const RayPacket<K>& ray) {
+    packets.lanes.push_back(lanes);
+    packets.rays.push_back(ray);
+  };
+  TileSurface surface;
+  for (const View& view : views) {
+    const TileGrid grid{view.size};
+    for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
+      see_tile<K>(rays, model, rays_of(view, model.anchor()), grid.rect(tile), surface);
+      for (const Light& light : lights) {
+        std::uint32_t words[kTilePixels]{};
+        packets.count += shadow_tile<K>(surface, shadow_light(light, model), 1, words, keep);
+      }
+    }
+  }
+  return packets;
+}
+
+/// Nothing but Embree, and the copy that keeps the packets as they were.
+template <int K>
+double bare_loop_ms(const RayScene& scene, const Packets<K>& packets) {
+  const Stopwatch watch;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, packets.rays.size(), 1024), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      RayPacket<K> ray = packets.rays[i];
+      scene.occluded(packets.lanes[i], ray);
+    }
+  });
+  return ms_of(watch.elapsed());
+}
+
+void print(const char* what, const std::vector<double>& ms, std::uint64_t rays) {
+  const double median = quantile(ms, 0.5);
+  std::printf("%-28s %8.2f ms  [%.2f, %.2f]  %6.1f Mray/s\n", what, median, quantile(ms, 0.1),
+              quantile(ms, 0.9), static_cast<double>(rays) / median / 1e3);
+}
+
+template <int K>
+void compare(const Scene& scene, const StereoView& views, int rounds) {
+  const SceneState state = state_at(scene, Time{});
+  const SurfaceModel model(scene, state);
+  const RayScene rays = RayScene::create(model).value();
+  const Packets<K> same = record<K>(model, rays, views, state.light_set.lights);
+
+  Tracer tracer = Tracer::create(scene).value();
+  TraceRequest request;
+  request.views = views;
+  ShadowFrame frame;
+  TraceStats stats = tracer.trace(request, frame);
+  std::vector<double> primary, shadow, bare, ratio;
+  for (int round = 0; round < rounds; ++round) {
+    stats = tracer.trace(request, frame);
+    primary.push_back(ms_of(stats.primary));
+    shadow.push_back(ms_of(stats.shadow));
+    bare.push_back(bare_loop_ms(rays, same));
+    ratio.push_back(bare.back() / shadow.back());
+  }
+  std::printf("%d wide, %u x %u an eye, shadow rays %.2f M of %.2f M\n", K, views[0].size.width,
+              views[0].size.height, static_cast<double>(stats.shadow_rays) / 1e6,
+              static_cast<double>(stats.full_shadow_rays) / 1e6);
+  print("primary stage", primary, stats.primary_rays);
+  print("shadow stage", shadow, stats.shadow_rays);
+  print("bare loop, same packets", bare, same.count);
+  std::printf("shadow stage / bare loop, rays a second: %.3f  [%.3f, %.3f]\n", quantile(ratio, 0.5),
+              quantile(ratio, 0.1), quantile(ratio, 0.9));
+}
+
+int run(int argc, char** argv) {
+  std::string path = FARSHADE_ASSETS "/room.glb";
+  std::uint32_t side = 1024;
+  int rounds = 21;
+  CLI::App app("the tracing stage against a bare Embree packet loop");
+  app.add_option("--scene", path);
+  app.add_option("--size", side);
+  app.add_option("--rounds", rounds);
+  CLI11_PARSE(app, argc, argv);
+  const auto scene = load_scene(path);
+  if (!scene) {
+    std::fprintf(stderr, "%s\n", scene.error().what.c_str());
+    return 1;
+  }
+  const SurfaceModel empty(Scene{}, SceneState{});
+  const int width = RayScene::create(empty).value().width();
+  const StereoView views = eyes_of(*scene, side);
+  if (width == 16) compare<16>(*scene, views, rounds);
+  if (width == 8) compare<8>(*scene, views, rounds);
+  if (width == 4) compare<4>(*scene, views, rounds);
+  return 0;
+}
+
+}  // namespace
+}  // namespace farshade
+
+int main(int argc, char** argv) {
+  return farshade::run(argc, argv);
+}
