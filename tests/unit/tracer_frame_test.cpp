@@ -112,6 +112,21 @@ TEST(TracerFrame, CountsOnlyRaysThatMatter) {
   EXPECT_EQ(stats.shadow_rays, covered);
 }
 
+TEST(TracerFrame, NoRayWhereEitherNormalTurnsAway) {
+  Mesh leaning = quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4});
+  for (glm::vec3& normal : leaning.normals) normal = glm::normalize(glm::vec3(1.0f, 0.2f, 0.0f));
+  SceneBuilder build;
+  build.add(leaning);
+  build.directional_light({-1.0, 0.1, 0.0});  // from behind the triangle, before its shading normal
+  build.directional_light({1.0, -1.0, 0.0});  // the other way round
+  const Scene scene = build.build();
+  auto tracer = Tracer::create(scene).value();
+  ShadowFrame frame;
+  const TraceStats stats = tracer.trace(request_for({kLeft, kRight}), frame);
+  EXPECT_GT(stats.full_shadow_rays, 0u);
+  EXPECT_EQ(stats.shadow_rays, 0u);
+}
+
 TEST(TracerFrame, WithoutLightsNothingIsTraced) {
   const Scene scene = lit_floor(0).build();
   auto tracer = Tracer::create(scene).value();
