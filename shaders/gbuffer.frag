@@ -8,7 +8,7 @@
 layout(constant_id = 1) const bool kMasked = false;
 layout(constant_id = 2) const bool kColored = false;
 
-layout(std430, set = 0, binding = 1) readonly buffer Frame { FrameData frame; };
+layout(set = 0, binding = 1) uniform Frame { FrameData frame; };
 #ifdef TEXTURED
 layout(set = 1, binding = 0) uniform sampler2DArray base_color_texture;
 #endif

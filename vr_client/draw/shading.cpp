@@ -18,9 +18,10 @@ static_assert(kTileSide_px == FARSHADE_TILE_PX);
 std::vector<gpu::BindingKind> shading_set() {
   using Type = vk::DescriptorType;
   const auto compute = vk::ShaderStageFlagBits::eCompute;
-  const gpu::BindingKind buffer{Type::eStorageBuffer, compute}, texture{Type::eCombinedImageSampler, compute};
-  return {buffer, buffer, buffer, buffer, texture, texture, texture, {Type::eStorageImage, compute},
-          buffer, buffer};
+  const gpu::BindingKind uniform{Type::eUniformBuffer, compute}, buffer{Type::eStorageBuffer, compute},
+      texture{Type::eCombinedImageSampler, compute};
+  return {uniform, uniform, buffer, buffer, texture, texture, texture, {Type::eStorageImage, compute},
+          buffer,  buffer};
 }
 
 }  // namespace
@@ -35,7 +36,8 @@ ShadingPass::ShadingPass(const gpu::Device& device, const GBufferPass& gbuffer, 
       known_words_((TileGrid{size}.count() + 31) / 32) {
   const auto storage = vk::BufferUsageFlagBits::eStorageBuffer;
   const auto words = [](std::size_t count) { return count * sizeof(std::uint32_t); };
-  light_buffer_ = gpu::make_mapped_buffer(device, lights * sizeof(gpu::LightData), storage, "lights");
+  light_buffer_ = gpu::make_mapped_buffer(device, (lights + 1) * sizeof(gpu::LightData),
+                                          vk::BufferUsageFlagBits::eUniformBuffer, "lights");
   mask_buffer_ = gpu::make_mapped_buffer(device, words(kMaxMasks * kEyes * mask_words_), storage, "masks");
   known_buffer_ =
       gpu::make_mapped_buffer(device, words(kMaxMasks * kEyes * known_words_), storage, "known tiles");
@@ -124,7 +126,7 @@ const vk::raii::Pipeline& ShadingPass::pipeline(Key key) {
     const gpu::Specialization constants({mask_.lights, mask_.word_bytes(), key.lookup == Lookup::Direct,
                                          key.report == Report::On, key.ranges_and_cones,
                                          std::bit_cast<std::uint32_t>(static_cast<float>(kNearPlane_m)),
-                                         std::bit_cast<std::uint32_t>(kUnknownVisibility)});
+                                         std::bit_cast<std::uint32_t>(kUnknownVisibility), key.eye});
     found = pipelines_.emplace(key, gpu::make_compute_pipeline(device_, layout_, shader_, constants, "shade"))
                 .first;
   }
@@ -132,10 +134,13 @@ const vk::raii::Pipeline& ShadingPass::pipeline(Key key) {
 }
 
 void ShadingPass::record(const vk::raii::CommandBuffer& commands, Lookup lookup, Report report) {
-  commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline({lookup, report, ranges_and_cones_}));
   commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *bindings_.set, {});
   gpu::transition(commands, shown_, Layout::eUndefined, Layout::eGeneral);
-  commands.dispatch((size_.width + kGroup_px - 1) / kGroup_px, size_.height, kEyes);
+  for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
+    commands.bindPipeline(vk::PipelineBindPoint::eCompute,
+                          *pipeline({lookup, report, ranges_and_cones_, eye}));
+    commands.dispatch((size_.width + kGroup_px - 1) / kGroup_px, size_.height, 1);
+  }
   const vk::MemoryBarrier2 to_host{
       .srcStageMask = vk::PipelineStageFlagBits2::eComputeShader,
       .srcAccessMask = vk::AccessFlagBits2::eShaderWrite,

@@ -62,6 +62,7 @@ class ShadingPass {
     Lookup lookup;
     Report report;
     bool ranges_and_cones;
+    std::uint32_t eye;
     friend auto operator<=>(const Key&, const Key&) = default;
   };
   [[nodiscard]] const vk::raii::Pipeline& pipeline(Key key);
