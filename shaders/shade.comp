@@ -17,6 +17,7 @@ layout(constant_id = 4) const bool kRangesAndCones = false;
 layout(constant_id = 5) const float kNear = 1e-4;
 layout(constant_id = 6) const float kUnknownVisibility = 1.0;
 layout(constant_id = 7) const uint kEye = 0;
+layout(constant_id = 8) const bool kWhole = false;  // every tile of every mask in hand is known
 
 layout(binding = 0) uniform Frame { FrameData frame; };
 layout(binding = 1) uniform Lights { LightData lights[kLights + 1]; };
@@ -37,6 +38,7 @@ vec3 from_octahedral(vec2 p) {
 }
 
 bool tile_known(uint mask, ivec2 pixel) {
+  if (kWhole) return true;
   uint columns = (frame.traced.x + FARSHADE_TILE_PX - 1) / FARSHADE_TILE_PX;
   uint tile = uint(pixel.y) / FARSHADE_TILE_PX * columns + uint(pixel.x) / FARSHADE_TILE_PX;
   uint word = known_words[frame.masks[mask].place.z + kEye * frame.traced.w + tile / 32];
@@ -68,7 +70,7 @@ bool same_surface(uint mask, vec3 p_shown, vec3 n_shown, out ivec2 pixel) {
   if (p.z >= 0.0 || facing <= 0.0 || any(lessThan(pixel, ivec2(0))) ||
       any(greaterThanEqual(pixel, ivec2(frame.traced.xy))))
     return false;
-  //TK
+  if (!tile_known(mask, pixel)) return false;
   float traced = texelFetch(depth_ring, ivec3(pixel, frame.masks[mask].place.x + kEye), 0).r;
   vec3 centre = vec3(window.xy + (vec2(pixel) + 0.5) * window.zw, -1.0);
   float here = kNear * inverse_z;
@@ -123,7 +125,7 @@ void main() {
     source = 0;
   } else {
     vec3 n_eye = from_octahedral(unpackSnorm4x8(surface.y).xy);
-    for (uint mask = 0; mask < 1 && source == FARSHADE_SOURCE_UNKNOWN; ++mask)
+    for (uint mask = 0; mask < frame.counts.x && source == FARSHADE_SOURCE_UNKNOWN; ++mask)
       if (same_surface(mask, p_eye, n_eye, traced_pixel)) source = mask;
   }
 

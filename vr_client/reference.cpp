@@ -9,7 +9,8 @@ Reference::Reference(Tracer tracer) : tracer_(std::move(tracer)) {}
 MaskInHand Reference::trace(const TraceRequest& request) {
   stats_ = tracer_.trace(request, frame_);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
-    all_known_[eye].assign(TileGrid{request.views[eye].size}.count(), std::uint8_t{1});
+    all_known_[eye].assign(TileGrid{request.views[eye].size}.count(),
+                           all_planes_known(frame_.masks[eye].layout()));
   return {request.frame, request.display_time, frame_.views, frame_.masks, all_known_, ++traces_};
 }
 

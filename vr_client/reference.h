@@ -23,7 +23,7 @@ class Reference {
   Tracer tracer_;
   ShadowFrame frame_;
   TraceStats stats_;
-  PerEye<std::vector<std::uint8_t>> all_known_;
+  PerEye<KnownTiles> all_known_;
   std::uint64_t traces_ = 0;
 };
 

@@ -10,6 +10,7 @@
 #include <span>
 #include <vector>
 
+#include "stereo/frame/known_tiles.h"
 #include "stereo/frame/shadow_frame.h"
 #include "stereo/wire/messages.h"
 
@@ -47,15 +48,6 @@ class SlicePacker {
   std::vector<std::size_t> tile_ends_;  ///< where each of them ends in written_
   std::array<std::byte, kMaxBlock_bytes> block_;
 };
-
-/// What of a mask slices have told: a byte a tile, its bit p = the tile's plane p is known. So a mask of up
-/// to 32 lights has 0 and 1; one of more has all_planes_known() where no plane is missing.
-using KnownTiles = std::vector<std::uint8_t>;
-static_assert(MaskLayout{kMaxLights}.planes() <= 8);
-
-[[nodiscard]] constexpr std::uint8_t all_planes_known(MaskLayout layout) {
-  return static_cast<std::uint8_t>((1u << layout.planes()) - 1);
-}
 
 /// Writes the tiles of a slice, as decode_server gave it, into `mask` and marks them in `known` (one entry a
 /// tile of the mask). Returns how many of them were unknown before, planes counted one by one: 0 for a

@@ -71,29 +71,36 @@ ShadingPass::ShadingPass(const gpu::Device& device, const GBufferPass& gbuffer, 
 }
 
 /// The device slot that holds the mask; written only if it does not hold these bits yet.
-std::size_t ShadingPass::upload(const MaskInHand& mask) {
+std::size_t ShadingPass::make_resident(const MaskInHand& mask) {
   auto slot = std::find_if(resident_.begin(), resident_.end(),
                            [&](const Resident& resident) { return resident.frame == mask.frame; });
   if (slot == resident_.end())
     slot = std::min_element(resident_.begin(), resident_.end(),
                             [](const Resident& a, const Resident& b) { return a.used < b.used; });
   const auto index = static_cast<std::size_t>(slot - resident_.begin());
+  if (slot->frame != mask.frame || slot->content != mask.content)
+    *slot = {mask.frame, mask.content, draws_, upload(index, mask)};
   slot->used = draws_;
-  if (slot->frame == mask.frame && slot->content == mask.content) return index;
-  slot->frame = mask.frame;
-  slot->content = mask.content;
+  return index;
+}
+
+/// True if every tile is known. A tile counts as known once all its planes are.
+bool ShadingPass::upload(std::size_t slot, const MaskInHand& mask) const {
+  bool whole = true;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const std::span<const std::byte> bits = mask.masks[eye].bytes();
-    check_eq(mask.masks[eye].size() == size_ && mask.masks[eye].layout() == mask_, true,
-             "mask has the shown shape");
-    std::memcpy(mask_buffer_.mapped + (index * kEyes + eye) * mask_words_ * 4, bits.data(), bits.size());
+    check(mask.masks[eye].size() == size_ && mask.masks[eye].layout() == mask_, "a mask has the shown shape");
+    std::memcpy(mask_buffer_.mapped + (slot * kEyes + eye) * mask_words_ * 4, bits.data(), bits.size());
     const auto known =
-        known_buffer_.as<std::uint32_t>().subspan((index * kEyes + eye) * known_words_, known_words_);
+        known_buffer_.as<std::uint32_t>().subspan((slot * kEyes + eye) * known_words_, known_words_);
     std::fill(known.begin(), known.end(), 0u);
-    for (std::size_t tile = 0; tile < mask.known_tiles[eye].size(); ++tile)
-      known[tile / 32] |= static_cast<std::uint32_t>(mask.known_tiles[eye][tile] != 0) << tile % 32;
+    for (std::size_t tile = 0; tile < mask.known_tiles[eye].size(); ++tile) {
+      const bool is_known = mask.known_tiles[eye][tile] == all_planes_known(mask_);
+      known[tile / 32] |= static_cast<std::uint32_t>(is_known) << tile % 32;
+      whole &= is_known;
+    }
   }
-  return index;
+  return whole;
 }
 
 void ShadingPass::prepare(FrameId shown, const StereoView& views, const LightSet& lights,
@@ -105,8 +112,10 @@ void ShadingPass::prepare(FrameId shown, const StereoView& views, const LightSet
   for (std::size_t eye = 0; eye < kEyes; ++eye) frame.eye[eye] = eye_data(views[eye]);
   frame.counts = {masks.size(), gbuffer_.depth_layer(shown), 0, 0};
   frame.traced = {size_.width, size_.height, mask_words_, known_words_};
+  whole_ = true;
   for (std::size_t i = 0; i < masks.size(); ++i) {
-    const std::size_t slot = upload(masks[i]);
+    const std::size_t slot = make_resident(masks[i]);
+    whole_ &= resident_[slot].whole;
     frame.masks[i] = mask_data(views, masks[i].views);
     frame.masks[i].place = {gbuffer_.depth_layer(masks[i].frame), slot * kEyes * mask_words_,
                             slot * kEyes * known_words_, 0};
@@ -123,10 +132,10 @@ void ShadingPass::prepare(FrameId shown, const StereoView& views, const LightSet
 const vk::raii::Pipeline& ShadingPass::pipeline(Key key) {
   auto found = pipelines_.find(key);
   if (found == pipelines_.end()) {
-    const gpu::Specialization constants({mask_.lights, mask_.word_bytes(), key.lookup == Lookup::Direct,
-                                         key.report == Report::On, key.ranges_and_cones,
-                                         std::bit_cast<std::uint32_t>(static_cast<float>(kNearPlane_m)),
-                                         std::bit_cast<std::uint32_t>(kUnknownVisibility), key.eye});
+    const gpu::Specialization constants(
+        {mask_.lights, mask_.word_bytes(), key.lookup == Lookup::Direct, key.report == Report::On,
+         key.ranges_and_cones, std::bit_cast<std::uint32_t>(static_cast<float>(kNearPlane_m)),
+         std::bit_cast<std::uint32_t>(kUnknownVisibility), key.eye, key.whole});
     found = pipelines_.emplace(key, gpu::make_compute_pipeline(device_, layout_, shader_, constants, "shade"))
                 .first;
   }
@@ -138,7 +147,7 @@ void ShadingPass::record(const vk::raii::CommandBuffer& commands, Lookup lookup,
   gpu::transition(commands, shown_, Layout::eUndefined, Layout::eGeneral);
   for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
     commands.bindPipeline(vk::PipelineBindPoint::eCompute,
-                          *pipeline({lookup, report, ranges_and_cones_, eye}));
+                          *pipeline({lookup, report, ranges_and_cones_, whole_, eye}));
     commands.dispatch((size_.width + kGroup_px - 1) / kGroup_px, size_.height, 1);
   }
   const vk::MemoryBarrier2 to_host{

@@ -6,6 +6,7 @@
 #include <map>
 #include <span>
 
+#include "stereo/frame/known_tiles.h"
 #include "stereo/frame/shadow_frame.h"
 #include "vr_client/draw/gbuffer.h"
 
@@ -17,8 +18,8 @@ struct MaskInHand {
   Time display_time;        ///< that it was asked for
   const StereoView& views;  ///< that it was traced for; both eyes the size of the shown ones
   const PerEye<EyeMask>& masks;
-  const PerEye<std::vector<std::uint8_t>>& known_tiles;  ///< 1 = known
-  std::uint64_t content = 0;                             ///< changes whenever bits do
+  const PerEye<KnownTiles>& known_tiles;
+  std::uint64_t content = 0;  ///< changes whenever bits do
 };
 
 enum class Lookup : std::uint8_t {
@@ -61,16 +62,18 @@ class ShadingPass {
   struct Key {
     Lookup lookup;
     Report report;
-    bool ranges_and_cones;
+    bool ranges_and_cones, whole;
     std::uint32_t eye;
     friend auto operator<=>(const Key&, const Key&) = default;
   };
   [[nodiscard]] const vk::raii::Pipeline& pipeline(Key key);
-  std::size_t upload(const MaskInHand& mask);
+  std::size_t make_resident(const MaskInHand& mask);
+  [[nodiscard]] bool upload(std::size_t slot, const MaskInHand& mask) const;
 
   struct Resident {
     std::optional<FrameId> frame;
     std::uint64_t content = 0, used = 0;
+    bool whole = false;
   };
 
   const gpu::Device& device_;
@@ -88,6 +91,7 @@ class ShadingPass {
   std::array<Resident, kMaxMasks> resident_;
   std::uint64_t draws_ = 0;
   bool ranges_and_cones_ = false;
+  bool whole_ = false;  ///< no tile is missing in any mask in hand
 };
 
 }  // namespace farshade
