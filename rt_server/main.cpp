@@ -6,8 +6,8 @@
 #include <CLI/CLI.hpp>
 
 #include "rt_server/serve.h"
-#include "rt_server/stop_signal.h"
 #include "stereo/base/check.h"
+#include "stereo/base/stop_signal.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/udp.h"
 #include "stereo/scene/gltf.h"
@@ -21,7 +21,7 @@ struct Options {
   std::string listen = "127.0.0.1:7447";
 };
 
-Expected<void> run(const Options& options, const StopSignal& stop) {
+Expected<void> run(const Options& options, StopSignal& stop) {
   const Expected<std::unique_ptr<DatagramPort>> port = listen_udp(options.listen);
   if (!port) return tl::unexpected(port.error());
   const Expected<Scene> scene = load_scene(options.scene);
@@ -60,7 +60,7 @@ int main(int argc, char** argv) try {
   app.add_option("--listen", options.listen, "address and UDP port; port 0 takes any free one")
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  const StopSignal stop;
+  StopSignal stop;
   spdlog::set_default_logger(spdlog::stderr_logger_mt("rt_server"));
   const Expected<void> done = run(options, stop);
   if (done) return EXIT_SUCCESS;

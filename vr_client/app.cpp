@@ -5,9 +5,9 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <csignal>
 
 #include "stereo/base/files.h"
+#include "stereo/base/stop_signal.h"
 #include "stereo/net/udp.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/trace/reader.h"
@@ -19,15 +19,6 @@ namespace {
 
 /// How long a server may take to answer hello before the client goes on without it.
 constexpr Duration kMeetPatience = std::chrono::seconds(3);
-
-volatile std::sig_atomic_t stop_signal = 0;
-
-void stop_on_signals() {
-  struct sigaction action {};
-  action.sa_handler = [](int signal) { stop_signal = signal; };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
 
 /// Makes the output folder and shows that it can be written, before any work is done.
 Expected<void> prepare_folder(const std::filesystem::path& folder) {
@@ -85,7 +76,7 @@ Expected<void> open_link(const Options& options, Client& client) {
   client.link.emplace(*client.udp->port, client.udp->server, client.clock, client.scene.hash,
                       narrow<std::uint32_t>(lights), frames_in_flight(options));
   if (const Expected<void> met = client.link->meet(kMeetPatience); !met) {
-    if (met.error().fault != Fault::Missing) return met;
+    if (met.error().fault == Fault::Mismatch) return met;
     spdlog::warn("{}; going on without shadows from it, and trying again", met.error().what);
   }
   return {};
@@ -99,6 +90,10 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options) {
   Expected<HeadTrace> trace = load_head_trace(options.trace, {options.trace_scale});
   if (!trace) return tl::unexpected(trace.error());
   client->trace = std::move(*trace);
+  if (duration_from_ms(options.skip_s * 1e3) > client->trace.end() - client->trace.start())
+    return fail(Fault::OutOfRange,
+                fmt::format("--skip {:g} leaves nothing of {}, which is {:g} s long", options.skip_s,
+                            options.trace.string(), seconds_of(client->trace.end() - client->trace.start())));
   Expected<gpu::Device> device = gpu::open_device(options.device);
   if (!device) return tl::unexpected(device.error());
   client->device = std::move(*device);
@@ -163,7 +158,7 @@ Expected<void> no_validation_messages(const gpu::Device& device) {
 }  // namespace
 
 Expected<void> run_client(const Options& options) {
-  stop_on_signals();
+  StopSignal stop_signal;
   if (auto done = prepare_folder(options.out); !done) return done;
   Expected<std::unique_ptr<Client>> opened = open_client(options);
   if (!opened) return tl::unexpected(opened.error());
@@ -186,9 +181,9 @@ Expected<void> run_client(const Options& options) {
     recorder.watch(view);
     progress.show(view.request.frame.value);
   };
-  const auto stop = [&] { return stop_signal != 0 || recorder.failed().has_value(); };
+  const auto stop = [&] { return stop_signal.has_come() || recorder.failed().has_value(); };
   if (auto done = run(session, watch, stop); !done) return done;
-  if (stop_signal != 0) fmt::print(stderr, "\nstopped; writing what was shown so far\n");
+  if (stop_signal.has_come()) fmt::print(stderr, "\nstopped; writing what was shown so far\n");
 
   if (auto done = recorder.finish(); !done) return done;
   fmt::print("{}{}", heading(options, client, recorder.log()), table(recorder.log().summary()));

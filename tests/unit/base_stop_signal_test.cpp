@@ -1,0 +1,40 @@
+#include "stereo/base/stop_signal.h"
+
+#include <gtest/gtest.h>
+
+namespace farshade {
+namespace {
+
+class StopSignalTest : public testing::TestWithParam<int> {};
+
+TEST_P(StopSignalTest, IsRememberedOnceItHasCome) {
+  StopSignal stop;
+  EXPECT_FALSE(stop.has_come());
+  raise(GetParam());
+  EXPECT_TRUE(stop.has_come());
+  EXPECT_TRUE(stop.has_come());
+  stop.wait();
+}
+
+TEST_P(StopSignalTest, EndsAWait) {
+  StopSignal stop;
+  raise(GetParam());
+  stop.wait();
+  EXPECT_TRUE(stop.has_come());
+}
+
+TEST_P(StopSignalTest, SecondOneEndsTheProgram) {
+  EXPECT_EXIT(
+      {
+        StopSignal stop;
+        raise(GetParam());
+        if (!stop.has_come()) std::_Exit(1);
+        raise(GetParam());
+      },
+      testing::KilledBySignal(GetParam()), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, StopSignalTest, testing::Values(SIGINT, SIGTERM));
+
+}  // namespace
+}  // namespace farshade
