@@ -1,5 +1,7 @@
 #include "vr_client/options.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <charconv>
 
@@ -16,6 +18,21 @@ constexpr const char* kExamples =
     "Examples:\n"
     "  vr_client --scene assets/room.glb --trace assets/walk.csv --server 127.0.0.1:7447\n"
     "  vr_client --scene assets/room.glb --trace assets/walk.csv --mode full --frames 10";
+
+/// As CLI::Range, which lets NaN through.
+CLI::Validator within(double low, double high) {
+  const std::string range = fmt::format("{:g} to {:g}", low, high);
+  return {[=](std::string& text) {
+            double value = 0;
+            const bool inside = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
+            return inside ? std::string() : fmt::format("'{}' is not within {}", text, range);
+          },
+          range};
+}
+
+std::string one_line(const CLI::App*, const CLI::Error& error) {
+  return fmt::format("vr_client: {} (--help tells more)\n", error.what());
+}
 
 }  // namespace
 
@@ -39,6 +56,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   Options options;
   CLI::App app{kAbout, "vr_client"};
   app.footer(kExamples);
+  app.failure_message(&one_line);
   std::string size = "512x512";
   bool validate = false;
 
@@ -46,16 +64,16 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   app.add_option("--trace", options.trace, "recorded head: EuRoC/ASL CSV, TUM or EyeNavGS CSV")->required();
   app.add_option("--trace-scale", options.trace_scale,
                  "units of the recording a metre, where its file cannot say")
-      ->check(CLI::PositiveNumber);
+      ->check(within(1e-6, 1e6));
   app.add_option("--place", options.place, "start the head at the scene's reference camera, or as recorded")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, Place>{{"camera", Place::Camera}, {"recorded", Place::Recorded}}));
   app.add_option("--size", size, "pixels an eye")->capture_default_str();
   app.add_option("--frames", options.frames, "display frames to show (default: the whole recording)")
       ->check(CLI::PositiveNumber);
-  app.add_option("--skip", options.skip_s, "seconds of the recording to skip")->check(CLI::NonNegativeNumber);
+  app.add_option("--skip", options.skip_s, "seconds of the recording to skip")->check(within(0, 1e6));
   app.add_option("--refresh", options.refresh_hz, "display rate, Hz")
-      ->check(CLI::Range(1.0, 1000.0))
+      ->check(within(1, 1000))
       ->capture_default_str();
   app.add_option("--server", options.server, "address of the rt_server")->capture_default_str();
   app.add_option("--mode", options.mode, "hybrid: masks from the server; full: trace everything here")
@@ -66,10 +84,10 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, Pace>{{"virtual", Pace::Virtual}, {"real", Pace::Real}}));
   app.add_option("--delay", options.delay_ms, "virtual clock: ms from a request to its masks")
-      ->check(CLI::Range(0.0, 500.0))
+      ->check(within(0, 500))
       ->capture_default_str();
   app.add_option("--mask-wait", options.mask_wait_ms, "ms that a frame waits for its own masks")
-      ->check(CLI::Range(0.0, 1000.0))
+      ->check(within(0, 1000))
       ->capture_default_str();
   app.add_option("--reference-every", options.reference_every,
                  "compare every Nth frame with a full trace; 0 = never (run times only)")

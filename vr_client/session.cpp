@@ -22,8 +22,8 @@ class MaskSource {
     masks_.clear();
     if (session_.own_tracer) masks_.push_back(session_.own_tracer->trace(request));
     if (!session_.link) return masks_;
-    const bool whole = session_.link->wait_for(request.frame, patience());
-    answering_ = whole || session_.policy.pace == Pace::Real;
+    answering_ = session_.link->wait_for(request.frame, patience()) || is_whole(asked_before_);
+    asked_before_ = request.frame;
     for (const ReceivedFrame* frame : session_.link->masks(usable_until(request.display_time)))
       masks_.push_back({frame->request.frame, frame->request.display_time, frame->request.views, frame->masks,
                         frame->known_tiles,
@@ -38,6 +38,11 @@ class MaskSource {
     return answering_ ? kVirtualPatience : Duration::zero();
   }
 
+  [[nodiscard]] bool is_whole(FrameId frame) const {
+    const ReceivedFrame* const received = session_.link->find(frame);
+    return received != nullptr && received->complete();
+  }
+
   [[nodiscard]] Time usable_until(Time display_time) const {
     if (session_.policy.pace == Pace::Real) return Time::max();
     return display_time - session_.policy.delay + session_.policy.mask_wait;
@@ -45,15 +50,14 @@ class MaskSource {
 
   const Session& session_;
   std::vector<MaskInHand> masks_;
+  FrameId asked_before_;
   bool answering_ = true;
 };
 
 /// Traced for these very views, and whole: nothing needs to be carried over.
 bool is_direct(const MaskInHand& mask, const StereoView& shown) {
-  const auto whole = [](const std::vector<std::uint8_t>& known) {
-    return std::find(known.begin(), known.end(), std::uint8_t{0}) == known.end();
-  };
-  return mask.views == shown && whole(mask.known_tiles[0]) && whole(mask.known_tiles[1]);
+  const auto whole = [&](std::size_t eye) { return is_whole(mask.known_tiles[eye], mask.masks[eye].layout()); };
+  return mask.views == shown && whole(0) && whole(1);
 }
 
 }  // namespace

@@ -41,6 +41,7 @@ Expected<void> ShadowLink::meet(Duration patience) {
     receive_one(std::min(kHelloInterval, until - clock_.now()));
   }
   if (refused_) return tl::unexpected(*refused_);
+  if (!welcomed_ && busy_server_) return fail(Fault::Unavailable, *busy_server_);
   if (!welcomed_) return fail(Fault::Missing, "no server answers at " + to_string(server_));
   return {};
 }
@@ -117,6 +118,7 @@ void ShadowLink::take(const Refusal& refusal) {
       break;
     case RefusalReason::Busy:
       welcomed_ = false;
+      busy_server_ = explain(refusal, Hello{.scene_hash = scene_hash_});
       break;
     default:
       welcomed_ = false;

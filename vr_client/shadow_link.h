@@ -20,8 +20,9 @@ class ShadowLink {
   ShadowLink(DatagramPort& port, const Peer& server, const Clock& clock, const SceneHash& scene_hash,
              std::uint32_t lights, std::size_t frames);
 
-  /// Says hello until the server answers or `patience` is over. Refuses what the server refuses (Mismatch)
-  /// and a server that does not answer (Missing); after the latter one may go on, the link keeps trying.
+  /// Says hello until the server welcomes us or `patience` is over. Refuses what the server refuses
+  /// (Mismatch), a server that does not answer (Missing) or has no room (Unavailable); after the latter two
+  /// one may go on, the link keeps trying.
   [[nodiscard]] Expected<void> meet(Duration patience);
 
   void request(const TraceRequest& request);
@@ -73,6 +74,7 @@ class ShadowLink {
   bool welcomed_ = false;
   std::optional<Time> last_hello_;
   std::optional<Error> refused_;
+  std::optional<std::string> busy_server_;  ///< what a server without room has said
   RefusalCounts undecodable_{};
   Duration busy_{};
   std::vector<std::byte> outgoing_;

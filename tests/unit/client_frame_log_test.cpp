@@ -1,0 +1,155 @@
+#include "vr_client/report/frame_log.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <sstream>
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+FrameRecord record(std::uint32_t frame) {
+  FrameRecord made{{frame}, Time(frame * 10ms), 20ms, {}, std::nullopt, std::nullopt};
+  made.times.frame = frame * 1ms;
+  made.errors = PerEye<EyeErrors>{};
+  for (EyeErrors& errors : *made.errors)
+    errors = {.mask_error = 0.001 * frame, .psnr_db = 20.0 + frame, .newest = 1};
+  return made;
+}
+
+/// Frames 1 to 101: percentiles fall on frames.
+FrameLog full_log() {
+  FrameLog log;
+  for (std::uint32_t frame = 1; frame <= 101; ++frame) log.add(record(frame));
+  return log;
+}
+
+const SummaryRow* row(const std::vector<SummaryRow>& rows, const std::string& group,
+                      const std::string& metric) {
+  const auto found =
+      std::ranges::find_if(rows, [&](const SummaryRow& r) { return r.group == group && r.metric == metric; });
+  return found == rows.end() ? nullptr : &*found;
+}
+
+std::vector<std::vector<std::string>> cells(const std::string& csv) {
+  std::vector<std::vector<std::string>> table;
+  std::istringstream lines(csv);
+  for (std::string line; std::getline(lines, line);) {
+    table.emplace_back();
+    std::istringstream fields(line + ",");
+    for (std::string field; std::getline(fields, field, ',');) table.back().push_back(field);
+  }
+  return table;
+}
+
+TEST(FrameLog, PercentilesPointToTheWorseSide) {
+  const auto rows = full_log().summary();
+  const SummaryRow* time = row(rows, "client", "frame");
+  ASSERT_NE(time, nullptr);
+  EXPECT_EQ(time->spread.count, 101u);
+  EXPECT_DOUBLE_EQ(time->spread.median, 51);
+  EXPECT_DOUBLE_EQ(time->spread.p95, 96);
+  EXPECT_DOUBLE_EQ(time->spread.p99, 100);
+  const SummaryRow* error = row(rows, "left eye", "mask error");
+  ASSERT_NE(error, nullptr);
+  EXPECT_EQ(error->unit, "%");
+  EXPECT_NEAR(error->spread.p95, 9.6, 1e-9);
+  const SummaryRow* psnr = row(rows, "right eye", "PSNR");
+  ASSERT_NE(psnr, nullptr);
+  EXPECT_DOUBLE_EQ(psnr->spread.median, 71);
+  EXPECT_DOUBLE_EQ(psnr->spread.p95, 26) << "a low PSNR is the bad one";
+  EXPECT_DOUBLE_EQ(psnr->spread.p99, 22);
+}
+
+TEST(FrameLog, StartUpFramesAreCountedAndTheirErrorsLeftOut) {
+  FrameLog log;
+  for (std::uint32_t frame = 1; frame <= 5; ++frame) {
+    FrameRecord made = record(frame);
+    if (frame <= 2) {
+      made.staleness.reset();
+      (*made.errors)[0].mask_error = 1;
+    }
+    log.add(made);
+  }
+  EXPECT_EQ(log.start_up_frames(), 2u);
+  const auto rows = log.summary();
+  EXPECT_EQ(row(rows, "left eye", "mask error")->spread.count, 3u);
+  EXPECT_NEAR(row(rows, "left eye", "mask error")->spread.p99, 0.498, 1e-9);
+  EXPECT_EQ(row(rows, "wire", "staleness")->spread.count, 3u);
+  EXPECT_EQ(row(rows, "client", "frame")->spread.count, 5u) << "their times are times like any other";
+}
+
+TEST(FrameLog, WhatWasNeverMeasuredHasNoRow) {
+  FrameLog log;
+  FrameRecord bare = record(1);
+  bare.errors.reset();
+  log.add(bare);
+  const auto rows = log.summary();
+  EXPECT_EQ(row(rows, "left eye", "PSNR"), nullptr);
+  EXPECT_EQ(row(rows, "server", "frame"), nullptr);
+  EXPECT_NE(row(rows, "client", "draw"), nullptr);
+  EXPECT_TRUE(FrameLog().summary().empty());
+}
+
+TEST(FrameLog, ServerFiguresComeFromItsReports) {
+  FrameLog log;
+  FrameRecord made = record(1);
+  made.server = FrameReport{.frame = {1},
+                            .slices = 9,
+                            .payload_bytes = 4000,
+                            .primary_rays = 100,
+                            .shadow_rays = 50,
+                            .full_shadow_rays = 200,
+                            .primary = 3ms,
+                            .shadow = 4ms,
+                            .pack = 2ms,
+                            .waited = 1ms};
+  log.add(made);
+  const auto rows = log.summary();
+  EXPECT_DOUBLE_EQ(row(rows, "server", "frame")->spread.median, 9);
+  EXPECT_DOUBLE_EQ(row(rows, "server", "share of a full trace")->spread.median, 25);
+  EXPECT_DOUBLE_EQ(row(rows, "wire", "datagrams a frame")->spread.median, 10) << "the report is one too";
+  EXPECT_DOUBLE_EQ(row(rows, "wire", "bytes a frame")->spread.median, 4000);
+}
+
+TEST(SummaryCsv, HasSevenFieldsALineAndReadsBack) {
+  const auto table = cells(summary_csv(full_log().summary()));
+  ASSERT_GT(table.size(), 10u);
+  EXPECT_EQ(table[0],
+            (std::vector<std::string>{"group", "metric", "unit", "median", "p95", "p99", "frames"}));
+  for (const auto& line : table) EXPECT_EQ(line.size(), 7u);
+  EXPECT_EQ(table[1], (std::vector<std::string>{"client", "frame", "ms", "51", "96", "100", "101"}));
+}
+
+TEST(FramesCsv, HasOneRowAFrameAndEmptyFieldsWhereNothingWasMeasured) {
+  FrameRecord unmeasured = record(8);
+  unmeasured.errors.reset();
+  const auto table = cells(frames_csv({record(7), unmeasured}));
+  ASSERT_EQ(table.size(), 3u);
+  for (const auto& line : table) EXPECT_EQ(line.size(), table[0].size());
+  const auto column = [&](const std::string& name) {
+    const auto found = std::ranges::find(table[0], name);
+    EXPECT_NE(found, table[0].end()) << name;
+    return static_cast<std::size_t>(found - table[0].begin());
+  };
+  EXPECT_EQ(table[1][0], "7");
+  EXPECT_EQ(table[1][1], "70000000");
+  EXPECT_EQ(table[1][column("left eye mask error [%]")], "0.7");
+  EXPECT_EQ(table[2][column("left eye mask error [%]")], "");
+  EXPECT_EQ(table[2][column("client frame [ms]")], "8");
+  EXPECT_EQ(table[1][column("wire datagrams a frame")], "");
+}
+
+TEST(SummaryTable, SaysEachGroupOnce) {
+  const std::string text = table(full_log().summary());
+  for (const std::string group : {"\nclient\n", "\nleft eye\n", "\nright eye\n"}) {
+    const std::size_t first = text.find(group);
+    ASSERT_NE(first, std::string::npos) << group;
+    EXPECT_EQ(text.find(group, first + 1), std::string::npos) << group;
+  }
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,186 @@
+#include "vr_client/options.h"
+
+#include <gtest/gtest.h>
+
+namespace farshade {
+namespace {
+
+struct Outcome {
+  tl::expected<Options, EarlyExit> options;
+  std::string out, errors;
+};
+
+Outcome read(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "vr_client");
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  auto options = read_options(static_cast<int>(argv.size()), argv.data());
+  std::string out = testing::internal::GetCapturedStdout();
+  return {std::move(options), std::move(out), testing::internal::GetCapturedStderr()};
+}
+
+/// With what is required given.
+Outcome read_more(const std::vector<std::string>& more) {
+  std::vector<std::string> arguments{"--scene", "a.glb", "--trace", "b.csv"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return read(arguments);
+}
+
+TEST(ParseSize, TakesWidthByHeight) {
+  EXPECT_EQ(*parse_size("96x64"), (Extent{96, 64}));
+  EXPECT_EQ(*parse_size("1x8192"), (Extent{1, 8192}));
+}
+
+TEST(ParseSize, RefusesAllElseAndSaysWhatItWants) {
+  for (const std::string text : {"",
+                                 "x",
+                                 "0x0",
+                                 "0x5",
+                                 "5x0",
+                                 "512",
+                                 "512x",
+                                 "x512",
+                                 "512x512x3",
+                                 "512x512 ",
+                                 " 512x512",
+                                 "-5x5",
+                                 "+5x5",
+                                 "5X5",
+                                 "8193x1",
+                                 "100000x100000",
+                                 "99999999999999999999x1",
+                                 "4294967297x1",
+                                 "1.5x2",
+                                 "0x10x10"}) {
+    const Expected<Extent> size = parse_size(text);
+    ASSERT_FALSE(size.has_value()) << text;
+    EXPECT_EQ(size.error().fault, Fault::OutOfRange);
+    EXPECT_NE(size.error().what.find("'" + text + "'"), std::string::npos);
+    EXPECT_NE(size.error().what.find("1 to 8192"), std::string::npos);
+  }
+}
+
+TEST(ReadOptions, TakesEveryOption) {
+  const Outcome read = read_more({"--size",
+                                  "96x64",
+                                  "--frames",
+                                  "8",
+                                  "--skip",
+                                  "1.5",
+                                  "--refresh",
+                                  "90",
+                                  "--server",
+                                  "[::1]:9",
+                                  "--mode",
+                                  "full",
+                                  "--clock",
+                                  "real",
+                                  "--delay",
+                                  "35",
+                                  "--mask-wait",
+                                  "3",
+                                  "--pictures",
+                                  "2",
+                                  "--dump",
+                                  "3,5",
+                                  "--out",
+                                  "there",
+                                  "--place",
+                                  "recorded",
+                                  "--trace-scale",
+                                  "0.76",
+                                  "--reference-every",
+                                  "0",
+                                  "--gpu",
+                                  "llvm",
+                                  "--validate"});
+  ASSERT_TRUE(read.options.has_value()) << read.errors;
+  const Options& options = *read.options;
+  EXPECT_EQ(options.scene, "a.glb");
+  EXPECT_EQ(options.trace, "b.csv");
+  EXPECT_EQ(options.size, (Extent{96, 64}));
+  EXPECT_EQ(options.frames, 8u);
+  EXPECT_EQ(options.skip_s, 1.5);
+  EXPECT_EQ(options.refresh_hz, 90);
+  EXPECT_EQ(options.server, "[::1]:9");
+  EXPECT_EQ(options.mode, Mode::Full);
+  EXPECT_EQ(options.pace, Pace::Real);
+  EXPECT_EQ(options.delay_ms, 35);
+  EXPECT_EQ(options.mask_wait_ms, 3);
+  EXPECT_EQ(options.pictures, 2u);
+  EXPECT_EQ(options.dump, (std::vector<std::uint32_t>{3, 5}));
+  EXPECT_EQ(options.out, "there");
+  EXPECT_EQ(options.place, Place::Recorded);
+  EXPECT_EQ(options.trace_scale, 0.76);
+  EXPECT_EQ(options.reference_every, 0u);
+  EXPECT_EQ(options.device.name_contains, "llvm");
+  EXPECT_EQ(options.device.validation, gpu::Validation::On);
+}
+
+TEST(ReadOptions, DefaultsAreThoseOfTheHeader) {
+  const Outcome read = read_more({});
+  ASSERT_TRUE(read.options.has_value());
+  EXPECT_EQ(read.options->size, (Extent{512, 512}));
+  EXPECT_FALSE(read.options->frames.has_value());
+  EXPECT_EQ(read.options->mode, Mode::Hybrid);
+  EXPECT_EQ(read.options->pace, Pace::Virtual);
+  EXPECT_EQ(read.options->device.validation, gpu::Validation::Off);
+}
+
+TEST(ReadOptions, HelpIsNoFailure) {
+  const Outcome asked = read({"--help"});
+  ASSERT_FALSE(asked.options.has_value());
+  EXPECT_EQ(asked.options.error().status, 0);
+  EXPECT_NE(asked.out.find("--mask-wait"), std::string::npos);
+  EXPECT_NE(asked.out.find("Examples:"), std::string::npos);
+  EXPECT_EQ(asked.errors, "");
+}
+
+TEST(ReadOptions, SaysWhatIsWrongInOneLineAndExitsWith2) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> wrong{
+      {{"--size", "0x0"}, "--size"},
+      {{"--size", "100000x100000"}, "--size"},
+      {{"--frames", "0"}, "--frames"},
+      {{"--frames", "-3"}, "--frames"},
+      {{"--frames", "many"}, "--frames"},
+      {{"--frames", "4294967297"}, "--frames"},
+      {{"--skip", "-1"}, "--skip"},
+      {{"--skip", "nan"}, "--skip"},
+      {{"--skip", "1e300"}, "--skip"},
+      {{"--refresh", "0"}, "--refresh"},
+      {{"--refresh", "nan"}, "--refresh"},
+      {{"--refresh", "1e9"}, "--refresh"},
+      {{"--delay", "501"}, "--delay"},
+      {{"--delay", "nan"}, "--delay"},
+      {{"--mask-wait", "-1"}, "--mask-wait"},
+      {{"--mask-wait", "nan"}, "--mask-wait"},
+      {{"--mode", "remote"}, "--mode"},
+      {{"--clock", "wall"}, "--clock"},
+      {{"--place", "here"}, "--place"},
+      {{"--trace-scale", "0"}, "--trace-scale"},
+      {{"--trace-scale", "nan"}, "--trace-scale"},
+      {{"--pictures", "-1"}, "--pictures"},
+      {{"--dump", "one"}, "--dump"},
+      {{"--no-such-option"}, "--no-such-option"}};
+  for (const auto& [arguments, named] : wrong) {
+    const Outcome outcome = read_more(arguments);
+    ASSERT_FALSE(outcome.options.has_value()) << testing::PrintToString(arguments);
+    EXPECT_EQ(outcome.options.error().status, 2);
+    EXPECT_NE(outcome.errors.find(named), std::string::npos) << outcome.errors;
+    EXPECT_TRUE(outcome.errors.starts_with("vr_client: ")) << outcome.errors;
+    EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+  }
+}
+
+TEST(ReadOptions, NamesWhatIsMissing) {
+  EXPECT_EQ(read({}).options.error().status, 2);
+  const Outcome outcome = read({"--scene", "a.glb"});
+  ASSERT_FALSE(outcome.options.has_value());
+  EXPECT_EQ(outcome.options.error().status, 2);
+  EXPECT_NE(outcome.errors.find("--trace"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace farshade
