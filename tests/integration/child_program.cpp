@@ -32,8 +32,8 @@ bool read_more(int from, std::string& text) {
 ChildProgram::ChildProgram(const std::vector<std::string>& arguments) {
   const auto [output, output_end] = make_pipe();
   const auto [errors, errors_end] = make_pipe();
-  output_ = output;
-  errors_ = errors;
+  output_.end = output;
+  errors_.end = errors;
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_adddup2(&actions, output_end, STDOUT_FILENO);
@@ -52,36 +52,31 @@ ChildProgram::~ChildProgram() {
     send(SIGKILL);
     wait();
   }
-  close(output_);
-  close(errors_);
+  close(output_.end);
+  close(errors_.end);
 }
 
-std::optional<std::string> ChildProgram::next_line() {
-  std::size_t end;
-  while ((end = unread_.find('\n')) == std::string::npos)
-    if (!read_more(output_, unread_)) return std::nullopt;
-  std::string line = unread_.substr(0, end);
-  unread_.erase(0, end + 1);
-  return line;
+std::optional<std::string> ChildProgram::Stream::line_after(const std::string& prefix) {
+  while (true) {
+    std::size_t newline;
+    while ((newline = text.find('\n', lines_taken)) == std::string::npos)
+      if (!read_more(end, text)) return std::nullopt;
+    const std::string line = text.substr(lines_taken, newline - lines_taken);
+    lines_taken = newline + 1;
+    if (line.starts_with(prefix)) return line.substr(prefix.size());
+  }
 }
 
-std::optional<std::string> ChildProgram::line_after(const std::string& prefix) {
-  while (const std::optional<std::string> line = next_line())
-    if (line->starts_with(prefix)) return line->substr(prefix.size());
-  return std::nullopt;
+const std::string& ChildProgram::Stream::all() {
+  while (read_more(end, text)) {
+  }
+  return text;
 }
 
 int ChildProgram::wait() {
   int status = 0;
   check_eq(waitpid(std::exchange(pid_, -1), &status, 0) > 0, true, "the child is waited for once");
   return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-}
-
-std::string ChildProgram::errors() {
-  std::string text;
-  while (read_more(errors_, text)) {
-  }
-  return text;
 }
 
 }  // namespace farshade

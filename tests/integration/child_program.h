@@ -1,5 +1,4 @@
-/// A program of ours as a child process: its standard output line by line, its end, and what it said until
-/// then.
+/// A program of ours as a child process: what it says line by line, its end, and all it said until then.
 #pragma once
 
 #include <sys/types.h>
@@ -21,22 +20,33 @@ class ChildProgram {
   ~ChildProgram();
 
   /// The next line of standard output that begins with `prefix`, without it; nothing when output ends first.
-  std::optional<std::string> line_after(const std::string& prefix);
+  std::optional<std::string> line_after(const std::string& prefix) { return output_.line_after(prefix); }
+  /// The same of standard error.
+  std::optional<std::string> error_line_after(const std::string& prefix) {
+    return errors_.line_after(prefix);
+  }
 
   void send(int signal) const { kill(pid_, signal); }
 
   /// Waits for its end: the exit status, or minus the signal that ended it.
   int wait();
 
-  /// What it wrote to standard error; whole once wait() has returned.
-  [[nodiscard]] std::string errors();
+  /// All that it wrote to standard error; waits for its end.
+  [[nodiscard]] std::string errors() { return errors_.all(); }
 
  private:
-  std::optional<std::string> next_line();
+  /// The read end of a pipe, and what came through it.
+  struct Stream {
+    int end = -1;
+    std::string text{};
+    std::size_t lines_taken = 0;  ///< bytes of `text` that line_after has passed
+
+    std::optional<std::string> line_after(const std::string& prefix);
+    const std::string& all();
+  };
 
   pid_t pid_ = -1;
-  int output_ = -1, errors_ = -1;  ///< read ends
-  std::string unread_;
+  Stream output_, errors_;
 };
 
 }  // namespace farshade

@@ -36,14 +36,14 @@ TEST(CompareMasks, CountsWrongPixelLightsOfCoveredPixels) {
 }
 
 TEST(CompareMasks, UnknownCountsByTheRuleNotByItsBits) {
-  ASSERT_EQ(kUnknownVisibility, 1.0f);
+  constexpr double shown_k = kUnknownVisibility;
   ShownReport report = shown(2, {kSourceUnknown, kSourceUnknown, 0, 0});
   report.mask.set_word(0, 0, 0, 0b01);
   EyeMask reference({4, 1}, 2);
-  reference.set_word(0, 0, 0, 0b01);  // shown lit, one light of two is not
-  reference.set_word(1, 0, 0, 0b11);  // shown lit, and so it is
+  reference.set_word(0, 0, 0, 0b01);  // one lit, one not
+  reference.set_word(1, 0, 0, 0b11);
   const EyeErrors errors = compare_masks(report, reference);
-  EXPECT_DOUBLE_EQ(errors.mask_error, 1.0 / 8);
+  EXPECT_DOUBLE_EQ(errors.mask_error, (3 * (1 - shown_k) + shown_k) / 8);
   EXPECT_DOUBLE_EQ(errors.unknown, 0.5);
   EXPECT_DOUBLE_EQ(errors.newest, 0.5);
 }
@@ -55,7 +55,8 @@ TEST(CompareMasks, FortyLightsLieInTwoPlanes) {
   reference.set_word(0, 0, 0, 0x8000'0000u);
   reference.set_word(0, 0, 1, 0x80);
   const EyeErrors errors = compare_masks(report, reference);
-  EXPECT_DOUBLE_EQ(errors.mask_error, (2.0 + 40) / 80) << "the unknown pixel is dark for all forty";
+  EXPECT_DOUBLE_EQ(errors.mask_error, (2 + 40 * double{kUnknownVisibility}) / 80)
+      << "the unknown pixel is dark for all forty";
 }
 
 TEST(CompareMasks, NothingCoveredOrNoLightsIsNoError) {

@@ -1,0 +1,188 @@
+// A dump, read as another program would: from its files alone, with the geometry written out again.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "stereo/frame/view.h"
+#include "stereo/image/codec.h"
+#include "stereo/image/difference.h"
+#include "stereo/scene/gltf.h"
+#include "stereo/scene/scene_state.h"
+#include "stereo/trace/reader.h"
+#include "tests/integration/client_program.h"
+#include "tests/unit/scratch_folder.h"
+
+namespace farshade {
+namespace {
+
+using nlohmann::json;
+
+View view_of(const json& described) {
+  const json& pose = described["stage_from_eye"];
+  const auto p = pose["position_m"].get<std::array<double, 3>>();
+  const auto q = pose["rotation_xyzw"].get<std::array<double, 4>>();
+  const json& fov = described["fov_rad"];
+  const auto size = described["size_px"].get<std::array<std::uint32_t, 2>>();
+  return {{glm::dquat(q[3], q[0], q[1], q[2]), {p[0], p[1], p[2]}},
+          {fov["left"], fov["right"], fov["up"], fov["down"]},
+          {size[0], size[1]}};
+}
+
+StereoView views_of(const json& described) {
+  return {view_of(described["left"]), view_of(described["right"])};
+}
+
+struct DumpedEye {
+  Image<std::uint16_t> traced, shown_mask;
+  Image<float> distance;
+  Image<Rgb8> shown, reference;
+};
+
+/// Where the surface that pixel (x, y) of `view` shows is seen by `other`: pixel position and distance.
+struct Seen {
+  std::uint32_t x, y;
+  double distance;
+};
+std::optional<Seen> seen_by(const View& other, const View& view, const Image<float>& distance,
+                            std::uint32_t x, std::uint32_t y) {
+  const glm::dvec3 ray = pixel_ray(window_of(view.fov), view.size, {x + 0.5, y + 0.5});
+  const Point<Stage> surface = view.stage_from_eye(Point<Eye>{ray * double{distance.at(x, y)}});
+  const Point<Eye> p = inverse(other.stage_from_eye)(surface);
+  if (p.v.z >= 0) return std::nullopt;
+  const glm::dvec2 pixel = ray_pixel(window_of(other.fov), other.size, p.v);
+  if (pixel.x < 0 || pixel.y < 0 || pixel.x >= other.size.width || pixel.y >= other.size.height)
+    return std::nullopt;
+  return Seen{static_cast<std::uint32_t>(pixel.x), static_cast<std::uint32_t>(pixel.y), -p.v.z};
+}
+
+class ClientDump : public testing::Test {
+ protected:
+  /// Frame 5 of a session with a delay of 20 ms: what it shows was traced for frame 3.
+  void SetUp() override {
+    const RunningServer server;
+    const Ended run = run_client({{"--server", server.address()},
+                                  {"--dump", "5"},
+                                  {"--frames", "6"},
+                                  {"--out", folder_.path().string()}});
+    ASSERT_EQ(run.status, 0) << run.errors;
+    const std::filesystem::path inside = folder_.path() / "dump" / "frame_0005";
+    EXPECT_EQ(files_below(inside).size(), 11u);
+    described_ = json::parse(std::ifstream(inside / "views.json"));
+    shown_ = views_of(described_["shown"]["views"]);
+    traced_ = views_of(described_["traced"]["views"]);
+    for (const Side side : kSides) {
+      const auto path = [&](const char* what) { return inside / (std::string(name_of(side)) + "_" + what); };
+      eyes_[index_of(side)] = {read_png16(path("mask_traced.png")).value(),
+                               read_png16(path("mask_shown.png")).value(),
+                               read_pfm(path("distance.pfm")).value(), read_png(path("shown.png")).value(),
+                               read_png(path("reference.png")).value()};
+    }
+  }
+
+  /// Calls `visit` for each covered pixel of an eye.
+  void for_covered(std::size_t eye, const std::function<void(std::uint32_t, std::uint32_t)>& visit) const {
+    for (std::uint32_t y = 0; y < kClientSize.height; ++y)
+      for (std::uint32_t x = 0; x < kClientSize.width; ++x)
+        if (eyes_[eye].distance.at(x, y) > 0) visit(x, y);
+  }
+
+  ScratchFolder folder_;
+  json described_;
+  StereoView shown_, traced_;
+  PerEye<DumpedEye> eyes_;
+};
+
+TEST_F(ClientDump, StatesFramesAndTimesOfBothViews) {
+  const json &shown = described_["shown"], &traced = described_["traced"];
+  EXPECT_EQ(shown["frame"], 5);
+  EXPECT_EQ(traced["frame"], 3);
+  const auto ns = [](const json& view) { return view["display_time_ns"].get<std::int64_t>(); };
+  EXPECT_EQ(ns(shown) - ns(traced), 27'777'778) << "two display frames";
+  EXPECT_EQ(shown["scene_time_ns"], 55'555'556);
+}
+
+TEST_F(ClientDump, StatesTheViewsOfTheTrace) {
+  const HeadTrace trace = load_head_trace(kWalk, {}).value();
+  for (const StereoView& views : {shown_, traced_}) {
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      EXPECT_EQ(views[eye].fov, trace.fov[eye]);
+      EXPECT_EQ(views[eye].size, kClientSize);
+      EXPECT_TRUE(is_valid(views[eye]));
+    }
+    const Point<Eye> right =
+        inverse(views[0].stage_from_eye)(Point<Stage>{views[1].stage_from_eye.translation});
+    EXPECT_LT(glm::length(right.v - glm::dvec3(trace.eye_distance_m, 0, 0)), 1e-9);
+  }
+  EXPECT_NE(shown_, traced_);
+}
+
+TEST_F(ClientDump, ListsTheLightsInBitOrder) {
+  const Scene scene = load_scene(kRoom).value();
+  const SceneState state = state_at(scene, time_from_ns(described_["shown"]["scene_time_ns"]));
+  ASSERT_EQ(described_["lights"].size(), state.light_set.lights.size());
+  for (std::size_t i = 0; i < state.light_set.lights.size(); ++i) {
+    const auto p = described_["lights"][i]["stage_position_m"].get<std::array<double, 3>>();
+    EXPECT_EQ(glm::dvec3(p[0], p[1], p[2]), state.light_set.lights[i].position.v) << i;
+  }
+}
+
+TEST_F(ClientDump, CoveredPixelsHaveFiniteDistanceAndBitsOfLightsOnly) {
+  const std::uint32_t lights = static_cast<std::uint32_t>(described_["lights"].size());
+  for (const DumpedEye& eye : eyes_) {
+    std::size_t covered = 0;
+    for (std::size_t i = 0; i < kClientSize.pixels(); ++i) {
+      ASSERT_TRUE(std::isfinite(eye.distance.pixels[i]));
+      ASSERT_GE(eye.distance.pixels[i], 0);
+      ASSERT_LT(eye.traced.pixels[i], 1u << lights);
+      ASSERT_LT(eye.shown_mask.pixels[i], 1u << lights);
+      covered += eye.distance.pixels[i] > 0;
+    }
+    EXPECT_GT(covered, kClientSize.pixels() / 2);
+    EXPECT_NE(*std::ranges::max_element(eye.traced.pixels), 0);
+  }
+}
+
+/// Swapped eyes, a mirrored picture or a distance along the ray would not agree.
+TEST_F(ClientDump, BothEyesSeeTheSameSurfaces) {
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    int common = 0, equal = 0;
+    for_covered(eye, [&](std::uint32_t x, std::uint32_t y) {
+      const auto seen = seen_by(shown_[1 - eye], shown_[eye], eyes_[eye].distance, x, y);
+      if (!seen) return;
+      ++common;
+      const double other = eyes_[1 - eye].distance.at(seen->x, seen->y);
+      equal += std::abs(other - seen->distance) < 0.03 * seen->distance;
+    });
+    EXPECT_GT(common, static_cast<int>(kClientSize.pixels() / 3));
+    EXPECT_GT(equal, common * 0.9) << "eye " << eye << ", of " << common;
+  }
+}
+
+/// The mask shown is the traced mask carried over by the views stated, and not as it was.
+TEST_F(ClientDump, ShownMaskIsTheTracedMaskCarriedOver) {
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    int common = 0, equal = 0, equal_in_place = 0;
+    for_covered(eye, [&](std::uint32_t x, std::uint32_t y) {
+      const auto seen = seen_by(traced_[eye], shown_[eye], eyes_[eye].distance, x, y);
+      if (!seen) return;
+      ++common;
+      equal += eyes_[eye].traced.at(seen->x, seen->y) == eyes_[eye].shown_mask.at(x, y);
+      equal_in_place += eyes_[eye].traced.at(x, y) == eyes_[eye].shown_mask.at(x, y);
+    });
+    EXPECT_GT(equal, common * 0.97) << "eye " << eye << ", of " << common;
+    EXPECT_GE(equal, equal_in_place) << "eye " << eye;
+  }
+}
+
+TEST_F(ClientDump, ShownPictureIsNearItsReference) {
+  for (const DumpedEye& eye : eyes_) {
+    EXPECT_EQ(eye.shown.size, kClientSize);
+    EXPECT_GT(psnr_db(eye.shown, eye.reference), 18);
+    EXPECT_LT(psnr_db(eye.shown, eye.reference), 60) << "stale masks are never quite right";
+  }
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,181 @@
+#include "tests/integration/client_program.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include "stereo/base/files.h"
+#include "stereo/image/codec.h"
+#include "stereo/net/udp.h"
+#include "tests/unit/scratch_folder.h"
+
+namespace farshade {
+namespace {
+
+/// What a 96x64 picture of the room may have wrong with masks 28 ms old: it has 2.3 %, nearly all of it on
+/// shadow edges, which are many at this size.
+constexpr double kMaskError_percent = 5;
+
+bool is_error_or_wire(const std::string& column) {
+  return column.starts_with("left eye") || column.starts_with("right eye") || column.starts_with("wire");
+}
+
+/// Somewhere that takes datagrams and never answers.
+std::unique_ptr<DatagramPort> silent_port() {
+  return std::move(*listen_udp("127.0.0.1:0"));
+}
+
+TEST(ClientProgram, ShowsTheRoomWithMasksFromTheServer) {
+  const ScratchFolder folder;
+  const RunningServer server;
+  const Ended run =
+      run_client({{"--server", server.address()}, {"--delay", "20"}, {"--out", folder.path().string()}});
+  ASSERT_EQ(run.status, 0) << run.errors;
+  std::vector<std::string> wanted{"frames.csv", "summary.csv", "worst.png"};
+  const auto files = files_below(folder.path());
+  for (const std::string eye : {"left", "right"}) {
+    for (const std::string frame : {"0002", "0004", "0006", "0008"})
+      wanted.push_back("frame_" + frame + "_" + eye + ".png");
+    for (const std::string what : {"shown", "reference", "difference_x8", "source"})
+      EXPECT_EQ(
+          std::ranges::count_if(
+              files,
+              [&](auto& f) { return f.starts_with("worst_") && f.ends_with(eye + "_" + what + ".png"); }),
+          1);
+  }
+  for (const std::string& file : wanted) EXPECT_TRUE(std::ranges::count(files, file)) << file;
+  EXPECT_EQ(files.size(), wanted.size() + 8) << testing::PrintToString(files);
+
+  const auto left = read_png(folder.path() / "frame_0004_left.png");
+  const auto right = read_png(folder.path() / "frame_0004_right.png");
+  ASSERT_TRUE(left && right);
+  EXPECT_EQ(left->size, kClientSize);
+  EXPECT_NE(*left, *right);
+  for (const std::string eye : {"left eye", "right eye"}) {
+    EXPECT_LT(summary_row(folder.path(), eye, "mask error")[2], kMaskError_percent);
+    EXPECT_GT(summary_row(folder.path(), eye, "mask error")[0], 0) << "stale masks are never quite right";
+    EXPECT_GT(summary_row(folder.path(), eye, "from newest mask")[2], 95);
+    EXPECT_GT(summary_row(folder.path(), eye, "PSNR")[2], 18);
+  }
+  // 20 ms is more than one display frame of 13.9 ms, less than two.
+  EXPECT_NEAR(summary_row(folder.path(), "wire", "staleness")[0], 2 * 1000 / 72.0, 1e-3);
+  EXPECT_GT(summary_row(folder.path(), "wire", "bytes a frame")[0], 100);
+  for (const std::string metric : {"frame", "draw", "G-buffer", "reproject and shade", "collect masks"})
+    EXPECT_GT(summary_row(folder.path(), "client", metric)[0], 0) << metric;
+}
+
+TEST(ClientProgram, SameReplayTwiceGivesTheSameBytes) {
+  const ScratchFolder folder;
+  const RunningServer server;
+  std::array<std::filesystem::path, 2> outs{folder.path() / "a", folder.path() / "b"};
+  for (const auto& out : outs)
+    ASSERT_EQ(run_client({{"--server", server.address()}, {"--out", out.string()}}).status, 0);
+  const auto files = files_below(outs[0]);
+  EXPECT_EQ(files, files_below(outs[1]));
+  EXPECT_GT(files.size(), 16u);
+  for (const std::string& file : files)
+    if (file.ends_with(".png")) {
+      EXPECT_EQ(*read_file(outs[0] / file, 1 << 20), *read_file(outs[1] / file, 1 << 20)) << file;
+    }
+  const Csv a = read_csv(outs[0] / "frames.csv"), b = read_csv(outs[1] / "frames.csv");
+  std::size_t compared = 0;
+  for (const auto& [column, values] : a)
+    if (is_error_or_wire(column)) {
+      EXPECT_EQ(values, b.at(column)) << column;
+      ++compared;
+    }
+  EXPECT_GE(compared, 13u);
+}
+
+TEST(ClientProgram, FullModeNeedsNoServerAndHasNoError) {
+  const ScratchFolder folder;
+  const Ended run = run_client({{"--mode", "full"}, {"--frames", "4"}, {"--out", folder.path().string()}});
+  ASSERT_EQ(run.status, 0) << run.errors;
+  EXPECT_EQ(run.errors.find("server"), std::string::npos) << run.errors;
+  for (const std::string eye : {"left eye", "right eye"}) {
+    EXPECT_EQ(summary_row(folder.path(), eye, "mask error")[2], 0);
+    EXPECT_EQ(summary_row(folder.path(), eye, "PSNR")[2], 99) << "equal pictures";
+  }
+}
+
+TEST(ClientProgram, SceneWithoutLightsNeedsNoServer) {
+  const ScratchFolder folder;
+  const std::filesystem::path scene = folder.path() / "dark.gltf";
+  // One triangle: (0 0 0), (1 0 0), (0 1 0).
+  std::ofstream(scene)
+      << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+    "bufferViews":[{"buffer":0,"byteLength":36}],
+    "buffers":[{"byteLength":36,
+      "uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+  for (const std::string mode : {"hybrid", "full"}) {
+    const std::filesystem::path out = folder.path() / mode;
+    const Ended run = run_client(
+        {{"--scene", scene.string()}, {"--mode", mode}, {"--frames", "3"}, {"--out", out.string()}});
+    EXPECT_EQ(run.status, 0) << run.errors;
+    EXPECT_GT(summary_row(out, "client", "frame")[0], 0);
+    EXPECT_EQ(run.errors.find("no server answers"), std::string::npos) << run.errors;
+  }
+}
+
+TEST(ClientProgram, GoesOnWithoutAServerThatIsNotThere) {
+  const ScratchFolder folder;
+  const auto nobody = silent_port();
+  const Ended run = run_client(
+      {{"--server", to_string(nobody->local())}, {"--frames", "4"}, {"--out", folder.path().string()}});
+  EXPECT_EQ(run.status, 0) << run.errors;
+  EXPECT_NE(run.errors.find("no server answers at " + to_string(nobody->local())), std::string::npos);
+  EXPECT_GT(summary_row(folder.path(), "client", "frame")[0], 0);
+  EXPECT_EQ(read_csv(folder.path() / "frames.csv").at("frame").size(), 4u);
+}
+
+TEST(ClientProgram, GoesOnWithAServerThatWasRestarted) {
+  const ScratchFolder folder;
+  auto server = std::make_unique<RunningServer>();
+  const std::string address = server->address();
+  ChildProgram client(
+      client_arguments({{"--server", address}, {"--frames", "150"}, {"--out", folder.path().string()}}));
+  ASSERT_TRUE(client.error_line_after("frame 15 of 150"));
+  server.reset();  // killed
+  const RunningServer again(kRoom, address);
+  const std::string errors = client.errors();
+  ASSERT_EQ(client.wait(), 0) << errors;
+  const Csv frames = read_csv(folder.path() / "frames.csv");
+  const std::vector<std::string>& served = frames.at("server frame [ms]");
+  EXPECT_LT(std::ranges::count(served, ""), 100) << "it is heard again";
+  EXPECT_GE(std::ranges::count(served, ""), 1);
+  EXPECT_EQ(std::count(served.end() - 20, served.end(), ""), 0) << "and waited for again";
+  EXPECT_EQ(frames.at("wire staleness [ms]").back(), "27.7778");
+}
+
+TEST(ClientProgram, EndsOnASignalWithASummaryOfWhatWasShown) {
+  const ScratchFolder folder;
+  const RunningServer server;
+  ChildProgram client(client_arguments(
+      {{"--server", server.address()}, {"--frames", "1400"}, {"--out", folder.path().string()}}));
+  ASSERT_TRUE(client.error_line_after("frame 140 of 1400"));
+  client.send(SIGINT);
+  const std::string errors = client.errors();
+  EXPECT_EQ(client.wait(), 0) << errors;
+  EXPECT_NE(errors.find("stopped; writing what was shown so far"), std::string::npos);
+  const std::size_t shown = read_csv(folder.path() / "frames.csv").at("frame").size();
+  EXPECT_GE(shown, 140u);
+  EXPECT_LT(shown, 1400u);
+  EXPECT_GT(summary_row(folder.path(), "client", "frame")[0], 0);
+}
+
+TEST(ClientProgram, ValidationLayersHaveNothingToSay) {
+  const ScratchFolder folder;
+  const RunningServer server;
+  const Ended run = run_client({{"--server", server.address()},
+                                {"--frames", "5"},
+                                {"--dump", "4"},
+                                {"--out", folder.path().string()},
+                                {"--validate", ""}});
+  EXPECT_EQ(run.status, 0) << run.errors;
+}
+
+}  // namespace
+}  // namespace farshade
