@@ -87,6 +87,10 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options) {
   Expected<Scene> scene = load_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
   client->scene = std::move(*scene);
+  if (client->scene.instances.size() > kMaxInstances)
+    return fail(Fault::Unsupported,
+                fmt::format("{} has {} instances; at most {} can be drawn", options.scene.string(),
+                            client->scene.instances.size(), kMaxInstances));
   Expected<HeadTrace> trace = load_head_trace(options.trace, {options.trace_scale});
   if (!trace) return tl::unexpected(trace.error());
   client->trace = std::move(*trace);

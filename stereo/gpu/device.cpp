@@ -9,6 +9,9 @@
 namespace farshade::gpu {
 namespace {
 
+/// What kMaxLights lights take in shade.comp; every driver but the barest grants it.
+constexpr std::uint32_t kUniformRange_bytes = 32 << 10;
+
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
 VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
@@ -61,6 +64,7 @@ std::string lacks(const vk::raii::PhysicalDevice& physical, const DeviceWish& wi
   if (std::string(properties.deviceName).find(wish.name_contains) == std::string::npos)
     return "its name lacks '" + wish.name_contains + "'";
   if (properties.apiVersion < VK_API_VERSION_1_3) return "no Vulkan 1.3";
+  if (properties.limits.maxUniformBufferRange < kUniformRange_bytes) return "uniform buffers are too short";
   const auto features = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features,
                                               vk::PhysicalDeviceVulkan13Features>();
   if (!features.get<vk::PhysicalDeviceVulkan12Features>().shaderOutputLayer) return "no layered drawing";

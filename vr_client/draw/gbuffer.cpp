@@ -54,6 +54,7 @@ GBufferPass::GBufferPass(const gpu::Device& device, const Scene& scene, Extent s
       vertex_shader_(gpu::make_shader(device, gbuffer_vert_spv, "gbuffer.vert")),
       plain_shader_(gpu::make_shader(device, gbuffer_frag_spv, "gbuffer.frag")),
       textured_shader_(gpu::make_shader(device, gbuffer_textured_frag_spv, "gbuffer.frag, textured")) {
+  check(scene.instances.size() <= kMaxInstances, "the G-buffer can tell all instances apart");
   gpu::bind_buffer(device, bindings_, 0, instance_buffer_);
   gpu::bind_buffer(device, bindings_, 1, frame_buffer_);
   const std::array sets{*bindings_.layout, *buffers_.texture_layout};

@@ -11,9 +11,13 @@
 
 namespace farshade {
 
+/// The G-buffer has 16 bits for an instance.
+inline constexpr std::size_t kMaxInstances = 1 << 16;
+
 class GBufferPass {
  public:
-  /// `size` pixels an eye; the ring holds the depths of `depth_frames` frames.
+  /// At most kMaxInstances instances. `size` pixels an eye; the ring holds the depths of `depth_frames`
+  /// frames.
   GBufferPass(const gpu::Device& device, const Scene& scene, Extent size, std::uint32_t depth_frames);
 
   /// Instances, seen from `views`. Call before `record`.
