@@ -144,7 +144,7 @@ void see_tile(const RayScene& scene, const SurfaceModel& model, const ViewRays& 
     for (int i = 0; i < K; ++i) {
       const TilePixel pixel = kTileOrder[static_cast<std::size_t>(first + i)];
       const float x = pixel.x, y = pixel.y;
-      lanes.valid[i] = (pixel.x < width) & (pixel.y < height) ? -1 : 0;
+      lanes.valid[i] = ((pixel.x < width) & (pixel.y < height)) ? -1 : 0;
       ray.org_x[i] = view.origin.x, ray.org_y[i] = view.origin.y, ray.org_z[i] = view.origin.z;
       ray.dir_x[i] = corner.x + across.x * x + down.x * y;
       ray.dir_y[i] = corner.y + across.y * x + down.y * y;
@@ -230,7 +230,7 @@ std::uint64_t shadow_tile(const TileSurface& surface, const ShadowLight& light, 
     aim(surface, first, light, distance, ray);
     occluded(lanes, ray);
     for (int i = 0; i < K; ++i) {
-      words[first + i] |= (lanes.valid[i] != 0) & (ray.tfar[i] >= 0) ? bit : 0u;
+      words[first + i] |= ((lanes.valid[i] != 0) & (ray.tfar[i] >= 0)) ? bit : 0u;
       rays += static_cast<std::uint64_t>(-lanes.valid[i]);
     }
   }

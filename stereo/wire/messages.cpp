@@ -216,7 +216,8 @@ Decoded<std::variant<Messages...>> decode_any(std::span<const std::byte> datagra
   if (header.magic != kMagic) return refuse(WireRefusal::Magic);
   Decoded<Any> decoded =
       refuse(header.version == kProtocolVersion ? WireRefusal::Type : WireRefusal::Version);
-  ((header.type == kTypeOf<Messages> && (decoded = decode_as<Any, Messages>(io, header), true)) || ...);
+  static_cast<void>(
+      ((header.type == kTypeOf<Messages> && (decoded = decode_as<Any, Messages>(io, header), true)) || ...));
   return decoded;
 }
 
