@@ -11,6 +11,7 @@
 #include "stereo/net/udp.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/trace/reader.h"
+#include "stereo/trace/writer.h"
 #include "vr_client/recorder.h"
 #include "vr_client/trace_runtime.h"
 
@@ -160,6 +161,17 @@ Expected<void> no_validation_messages(const gpu::Device& device) {
 }
 
 }  // namespace
+
+Expected<void> export_trace(const Options& options) {
+  const Expected<HeadTrace> trace = load_head_trace(options.trace, {options.trace_scale});
+  if (!trace) return tl::unexpected(trace.error());
+  const std::filesystem::path kind = options.export_trace.extension();
+  if (kind == ".csv") return write_euroc(options.export_trace, *trace);
+  if (kind == ".tum" || kind == ".txt") return write_tum(options.export_trace, *trace);
+  return fail(Fault::Unsupported,
+              fmt::format("cannot tell the format of {}: name it .csv (EuRoC/ASL) or .tum (TUM)",
+                          options.export_trace.string()));
+}
 
 Expected<void> run_client(const Options& options) {
   StopSignal stop_signal;

@@ -9,4 +9,7 @@ namespace farshade {
 /// Prints progress to stderr and the summary to stdout. After a stop signal what was shown so far is written.
 [[nodiscard]] Expected<void> run_client(const Options& options);
 
+/// Writes the recording in the format that the file name asks for.
+[[nodiscard]] Expected<void> export_trace(const Options& options);
+
 }  // namespace farshade

@@ -10,7 +10,8 @@ int main(int argc, char** argv) try {
   spdlog::set_pattern("vr_client: %v");
   const tl::expected<Options, EarlyExit> options = read_options(argc, argv);
   if (!options) return options.error().status;
-  if (const Expected<void> done = run_client(*options); !done) {
+  const bool only_export = !options->export_trace.empty();
+  if (const Expected<void> done = only_export ? export_trace(*options) : run_client(*options); !done) {
     spdlog::error(done.error().what);
     return EXIT_FAILURE;
   }

@@ -60,7 +60,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   std::string size = "512x512";
   bool validate = false;
 
-  app.add_option("--scene", options.scene, "glTF scene (.gltf or .glb)")->required();
+  app.add_option("--scene", options.scene, "glTF scene (.gltf or .glb)");
   app.add_option("--trace", options.trace, "recorded head: EuRoC/ASL CSV, TUM or EyeNavGS CSV")->required();
   app.add_option("--trace-scale", options.trace_scale,
                  "units of the recording a metre, where its file cannot say")
@@ -99,10 +99,13 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
       ->delimiter(',');
   app.add_option("--out", options.out, "output folder")->capture_default_str();
   app.add_option("--gpu", options.device.name_contains, "use only a device whose name contains this");
+  app.add_option("--export-trace", options.export_trace,
+                 "only write the recording in metres: .csv EuRoC/ASL, .tum or .txt TUM");
   app.add_flag("--validate", validate, "run with Vulkan validation layers; any message is an error");
 
   try {
     app.parse(argc, argv);
+    if (options.scene.empty() && options.export_trace.empty()) throw CLI::RequiredError("--scene");
     const Expected<Extent> parsed = parse_size(size);
     if (!parsed) throw CLI::ValidationError("--size", parsed.error().what);
     options.size = *parsed;

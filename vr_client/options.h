@@ -26,7 +26,8 @@ enum class Place : std::uint8_t {
 
 struct Options {
   std::filesystem::path scene, trace, out = "out";
-  std::optional<double> trace_scale;  ///< the recording's units a metre, where its file cannot say
+  std::filesystem::path export_trace;  ///< not empty: write the recording there, and nothing else
+  std::optional<double> trace_scale;   ///< the recording's units a metre, where its file cannot say
   Place place = Place::Camera;
   Extent size{512, 512};  ///< an eye
   std::optional<std::uint32_t> frames;
