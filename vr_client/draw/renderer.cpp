@@ -24,10 +24,11 @@ Renderer::Renderer(const gpu::Device& device, const Scene& scene, Extent size, s
 DrawTimes Renderer::draw(const ShownFrame& frame) {
   const Stopwatch watch;
   std::vector<MaskInHand> usable;
-  for (const MaskInHand& mask : frame.masks)
-    if (usable.size() < ShadingPass::kMaxMasks &&
-        (mask.frame == frame.frame || gbuffer_.has_depth(mask.frame)))
-      usable.push_back(mask);
+  for (const MaskInHand& mask : frame.masks) {
+    const bool drawn_over = gbuffer_.depth_layer(mask.frame) == gbuffer_.depth_layer(frame.frame);
+    const bool has_depth = mask.frame == frame.frame || (gbuffer_.has_depth(mask.frame) && !drawn_over);
+    if (has_depth && usable.size() < ShadingPass::kMaxMasks) usable.push_back(mask);
+  }
   gbuffer_.prepare(frame.views, frame.state);
   shading_.prepare(frame.frame, frame.views, frame.state.light_set, usable);
   DrawTimes times = submit(frame, Stage::Both, frame.lookup);

@@ -1,0 +1,131 @@
+/// Box over plane (assets/ORIGIN.md): every pixel of the plane has the colour that paper gives it.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "stereo/scene/scene_state.h"
+#include "tests/golden/theatre.h"
+
+namespace farshade {
+namespace {
+
+constexpr FrameId kTraced{1}, kNow{2};
+constexpr double kMargin_m = 2e-3;  ///< about what paper draws as a line
+
+struct Rectangle {
+  double x0, x1, z0, z1;
+  /// How far inside of the outline, metres; negative outside.
+  [[nodiscard]] double inside(const glm::dvec3& p) const {
+    return std::min({p.x - x0, x1 - p.x, p.z - z0, z1 - p.z});
+  }
+};
+
+/// The shadows of the point light and of the directional light.
+constexpr std::array<Rectangle, 2> kShadows{Rectangle{-0.95, 0.65, -0.8, 0.8},
+                                            Rectangle{0.5, 2.0, -0.5, 0.5}};
+
+/// Whether the ray meets the box grown by `grown` before `end`.
+bool meets_box(const glm::dvec3& origin, const glm::dvec3& direction, double end, double grown) {
+  const glm::dvec3 low = glm::dvec3(-0.5, 1, -0.5) - grown, high = glm::dvec3(0.5, 1.5, 0.5) + grown;
+  double enter = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double a = (low[axis] - origin[axis]) / direction[axis],
+                 b = (high[axis] - origin[axis]) / direction[axis];
+    enter = std::max(enter, std::min(a, b));
+    end = std::min(end, std::max(a, b));
+  }
+  return enter < end;
+}
+
+/// Where pixel (x, y) surely shows the plane; nothing elsewhere and within the margin of outlines.
+std::optional<glm::dvec3> plane_point(const View& view, std::uint32_t x, std::uint32_t y) {
+  const glm::dvec3 ray =
+      view.stage_from_eye.rotation * pixel_ray(window_of(view.fov), view.size, {x + 0.5, y + 0.5});
+  const glm::dvec3 eye = view.stage_from_eye.translation;
+  const double t = -eye.y / ray.y;
+  if (ray.y >= 0 || meets_box(eye, ray, t, kMargin_m)) return std::nullopt;
+  const glm::dvec3 p = eye + ray * t;
+  if (std::max(std::abs(p.x), std::abs(p.z)) > 4 - kMargin_m) return std::nullopt;
+  return p;
+}
+
+int srgb8(double linear) {
+  const double coded = linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+  return static_cast<int>(std::lround(255 * coded));
+}
+
+/// I = (I_d / pi) (k_0 cos_0 30 cd / d^2 + k_1 cos_1 1.2 lx) on the plane, whose base colour is 0.7 grey.
+int paper_grey(const glm::dvec3& p, std::array<bool, 2> lit) {
+  const glm::dvec3 to_point = glm::dvec3(0.25, 4, 0) - p;
+  const double d = glm::length(to_point);
+  const double from_point = to_point.y / d * 30 / (d * d), from_sun = 1.2 / std::numbers::sqrt2;
+  return srgb8(0.7 / std::numbers::pi * ((lit[0] ? from_point : 0) + (lit[1] ? from_sun : 0)));
+}
+
+/// The plane's pixels by which lights paper says they see, and those that are not as paper says.
+struct Verdict {
+  std::array<std::size_t, 4> checked{};
+  std::size_t unlike = 0;
+  int farthest = 0;
+};
+
+/// Pixels nearer than `margin_m` to a shadow's outline, and those without a known mask, are left out.
+Verdict check_plane(const Shown& shown, const StereoView& views, double margin_m) {
+  Verdict verdict;
+  for (const Side side : kSides) {
+    const Image<Rgb8>& picture = shown.pictures[index_of(side)];
+    for (std::uint32_t y = 0; y < picture.size.height; ++y)
+      for (std::uint32_t x = 0; x < picture.size.width; ++x) {
+        const auto p = plane_point(views[index_of(side)], x, y);
+        if (!p || shown.reports[index_of(side)].sources[y * picture.size.width + x] == kSourceUnknown)
+          continue;
+        const std::array inside{kShadows[0].inside(*p), kShadows[1].inside(*p)};
+        if (std::min(std::abs(inside[0]), std::abs(inside[1])) < margin_m) continue;
+        const std::array lit{inside[0] < 0, inside[1] < 0};
+        const glm::ivec3 apart = glm::abs(glm::ivec3(picture.at(x, y)) - paper_grey(*p, lit));
+        ++verdict.checked[static_cast<std::size_t>(lit[0] + 2 * lit[1])];
+        verdict.unlike += std::max({apart.x, apart.y, apart.z}) > 1 ? 1 : 0;
+        verdict.farthest = std::max({verdict.farthest, apart.x, apart.y, apart.z});
+      }
+  }
+  return verdict;
+}
+
+void expect_as_on_paper(const Verdict& verdict) {
+  EXPECT_EQ(verdict.unlike, 0u) << "of " << verdict.checked[3] << " lit pixels and more; the farthest is "
+                                << verdict.farthest << " of 255 away";
+  EXPECT_GT(verdict.checked[0], 50u) << "in both shadows";
+  EXPECT_GT(verdict.checked[1], 500u) << "in the directional light's shadow";
+  EXPECT_GT(verdict.checked[2], 500u) << "in the point light's shadow";
+  EXPECT_GT(verdict.checked[3], 5000u) << "in no shadow";
+}
+
+class PaperPicture : public OnLavapipe {
+ protected:
+  Theatre theatre_{device_, bundled("box_over_plane.gltf"), 256};
+  StereoView now_ = theatre_.eyes(theatre_.head());
+};
+
+TEST_F(PaperPicture, HasEveryColourOfThePlaneRight) {
+  const Mask own = theatre_.ask(kNow, now_);
+  expect_as_on_paper(check_plane(theatre_.show(kNow, now_, {own.in_hand()}), now_, kMargin_m));
+}
+
+TEST_F(PaperPicture, KeepsShadowsInPlaceUnderStaleMasks) {
+  const Mask stale =
+      theatre_.ask(kTraced, theatre_.eyes(moved(theatre_.head(), 3 * std::numbers::pi / 180, {0.02, 0, 0})));
+  constexpr double kPixel_m = 0.04;  ///< what one pixel spans on the plane near the box, slantwise
+  expect_as_on_paper(check_plane(theatre_.show(kNow, now_, {stale.in_hand()}), now_, kPixel_m));
+}
+
+TEST_F(PaperPicture, IsNotOnPaperWhenThePoseDeltaIsIgnored) {
+  const Mask stale =
+      theatre_.ask(kTraced, theatre_.eyes(moved(theatre_.head(), 3 * std::numbers::pi / 180, {0.02, 0, 0})));
+  const Shown ignored = theatre_.show(kNow, now_, {stale.in_hand()}, Lookup::Direct);
+  EXPECT_GT(check_plane(ignored, now_, 0.04).unlike, 500u);
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,149 @@
+/// The rasteriser covers what rays meet: facing, mirrored instances, holes; and masks of many lights shade
+/// whole.
+#include <algorithm>
+#include <cmath>
+
+#include "tests/golden/theatre.h"
+#include "tests/oracle/oracle.h"
+#include "tests/oracle/scene_builder.h"
+
+namespace farshade {
+namespace {
+
+constexpr FrameId kNow{1};
+
+/// Pixels of both eyes that the client covers and rays do not, or the reverse, and those both cover.
+struct Coverage {
+  std::size_t apart = 0, common = 0, pixels = 0;
+  [[nodiscard]] double apart_share() const {
+    return static_cast<double>(apart) / static_cast<double>(pixels);
+  }
+};
+
+Coverage coverage_of(Theatre& theatre, const StereoView& views) {
+  const Shown shown = theatre.show(kNow, views, {});
+  Scene unlit = theatre.scene();
+  unlit.lights.clear();
+  Coverage coverage;
+  for (const Side side : kSides) {
+    const oracle::Masks truth = oracle::trace(unlit, state_at(unlit, Time{}), views[index_of(side)]);
+    const std::vector<std::uint8_t>& sources = shown.reports[index_of(side)].sources;
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      const bool drawn = sources[i] != kSourceUncovered, met = truth.covered[i] != 0;
+      coverage.apart += drawn != met;
+      coverage.common += drawn && met;
+    }
+    coverage.pixels += sources.size();
+  }
+  return coverage;
+}
+
+class CoverageOf : public OnLavapipe {};
+
+TEST_F(CoverageOf, RoomAgreesWithRays) {
+  Theatre theatre(device_, bundled("room.glb"), 192);
+  const Coverage coverage = coverage_of(theatre, theatre.eyes(theatre.head()));
+  EXPECT_LE(coverage.apart_share(), 5e-4);
+  EXPECT_GT(coverage.common, coverage.pixels / 2);
+}
+
+/// What faces which way, seen from +z: sign of each axis' scale, and whether the quad then faces the viewer.
+struct Facing {
+  glm::dvec3 scale;
+  bool seen;
+};
+
+TEST_F(CoverageOf, MirroredSingleSidedQuadsIsOnPaper) {
+  const std::array facings{Facing{{1, 1, 1}, true},    Facing{{-1, 1, 1}, true},   Facing{{1, -1, 1}, true},
+                           Facing{{-1, -1, 1}, true},  Facing{{1, 1, -1}, false},  Facing{{-1, 1, -1}, false},
+                           Facing{{1, -1, -1}, false}, Facing{{-1, -1, -1}, false}};
+  SceneBuilder builder;
+  const std::uint32_t single_sided = builder.material(Material{});
+  for (std::size_t i = 0; i < facings.size(); ++i) {
+    NodeTransform transform = scaled(facings[i].scale);
+    transform.translation = {-1.05 + 0.3 * static_cast<double>(i), 0, 0};
+    builder.add(quad({0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}), single_sided, transform);
+  }
+  builder.point_light({0, 0, 2});
+  Theatre theatre(device_, builder.build(), 256);
+  const StereoView views = theatre.eyes({{1, 0, 0, 0}, {0, 0, 2.2}});
+  EXPECT_EQ(coverage_of(theatre, views).apart, 0u);
+
+  const Shown shown = theatre.show(kNow, views, {});
+  for (const Side side : kSides)
+    for (std::size_t i = 0; i < facings.size(); ++i) {
+      const View& view = views[index_of(side)];
+      const Point<Stage> center{{-1.05 + 0.3 * static_cast<double>(i), 0, 0}};
+      const glm::dvec2 at = ray_pixel(window_of(view.fov), view.size, inverse(view.stage_from_eye)(center).v);
+      const auto pixel = static_cast<std::size_t>(at.y) * 256 + static_cast<std::size_t>(at.x);
+      EXPECT_EQ(shown.reports[index_of(side)].sources[pixel] != kSourceUncovered, facings[i].seen)
+          << "quad " << i << ", " << name_of(side);
+    }
+}
+
+TEST_F(CoverageOf, MirroredBoxesShowTheirFrontsLit) {
+  SceneBuilder builder;
+  const std::uint32_t single_sided = builder.material(Material{});
+  const std::array scales{glm::dvec3(1, 1, 1), glm::dvec3(-1, 1, 1), glm::dvec3(1, 1, -1),
+                          glm::dvec3(-1, -1, -1)};
+  for (std::size_t i = 0; i < scales.size(); ++i) {
+    NodeTransform transform = scaled(scales[i]);
+    transform.translation = {-0.75 + 0.5 * static_cast<double>(i), 0, 0};
+    builder.add(box({0, 0, 0}, {0.15, 0.15, 0.15}), single_sided, transform);
+  }
+  builder.point_light({0, 0, 2});
+  Theatre theatre(device_, builder.build(), 256);
+  const StereoView views = theatre.eyes({{1, 0, 0, 0}, {0, 0, 2.05}});
+  EXPECT_LE(coverage_of(theatre, views).apart_share(), 1e-4);
+
+  const Mask mask = theatre.ask(kNow, views);
+  const Shown shown = theatre.show(kNow, views, {mask.in_hand()});
+  const PerEye<Image<float>> distances = theatre.renderer().read_distance(kNow);
+  for (const Side side : kSides)
+    for (std::size_t i = 0; i < scales.size(); ++i) {
+      const View& view = views[index_of(side)];
+      const Point<Stage> front{{-0.75 + 0.5 * static_cast<double>(i), 0, 0.15}};
+      const glm::dvec2 at = ray_pixel(window_of(view.fov), view.size, inverse(view.stage_from_eye)(front).v);
+      const auto x = static_cast<std::uint32_t>(at.x), y = static_cast<std::uint32_t>(at.y);
+      EXPECT_NEAR(distances[index_of(side)].at(x, y), 1.9, 1e-4) << "box " << i << ", " << name_of(side);
+      EXPECT_TRUE(shown.reports[index_of(side)].mask.lit(x, y, 0)) << "box " << i;
+      EXPECT_GT(shown.pictures[index_of(side)].at(x, y).r, 50) << "box " << i;
+    }
+}
+
+TEST_F(CoverageOf, AlphaMaskedLeavesAgreesWithRays) {
+  Scene plant = bundled("room.glb");
+  std::erase_if(plant.instances, [&](const Instance& instance) {
+    return !plant.materials[plant.meshes[instance.mesh].material].alpha_cutoff;
+  });
+  ASSERT_FALSE(plant.instances.empty());
+  const Mesh& leaves = plant.meshes[plant.instances[0].mesh];
+  glm::dvec3 middle(0.0);
+  for (const glm::vec3& p : leaves.positions) middle += glm::dvec3(p);
+  middle = state_at(plant, Time{})
+               .stage_from_object[0](Point<Object>{middle / static_cast<double>(leaves.positions.size())})
+               .v;
+  Theatre theatre(device_, std::move(plant), 256);
+  const Coverage coverage =
+      coverage_of(theatre, theatre.eyes(head_looking(middle + glm::dvec3(0.5, 0.3, 1.0), middle)));
+  EXPECT_GT(coverage.common, 5000u);
+  EXPECT_LE(coverage.apart_share(), 2e-3);
+}
+
+TEST_F(CoverageOf, FortyLightsShadesFromBothPlanes) {
+  const auto picture_of = [&](std::uint32_t lights, bool second_plane) {
+    Theatre theatre(device_, with_lights(bundled("room.glb"), lights), 128);
+    const StereoView views = theatre.eyes(theatre.head());
+    Mask mask = theatre.ask(kNow, views);
+    for (EyeMask& bits : mask.bits)
+      for (std::uint32_t y = 0; y < 128 && lights > 32 && !second_plane; ++y)
+        for (std::uint32_t x = 0; x < 128; ++x) bits.set_word(x, y, 1, 0);
+    return theatre.show(kNow, views, {mask.in_hand()}).pictures;
+  };
+  const auto first_plane = picture_of(40, false);
+  EXPECT_EQ(first_plane, picture_of(32, true)) << "lights 32 to 39 are the second plane's";
+  EXPECT_NE(first_plane, picture_of(40, true));
+}
+
+}  // namespace
+}  // namespace farshade

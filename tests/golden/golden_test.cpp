@@ -1,0 +1,157 @@
+/// Pictures against committed goldens, both eyes; and faults that the same judgement must refuse.
+/// README.md says how goldens are renewed.
+#include <cstdlib>
+#include <filesystem>
+#include <numbers>
+
+#include "stereo/image/codec.h"
+#include "stereo/image/difference.h"
+#include "tests/golden/comparison.h"
+#include "tests/golden/theatre.h"
+
+namespace farshade {
+namespace {
+
+constexpr FrameId kTraced{1}, kNow{2};
+
+struct GoldenScene {
+  const char* name;
+  const char* file;
+  std::uint32_t side_px;
+  double least_shown_db;              ///< of the picture with stale shadows against the reference
+  std::vector<std::uint32_t> lights;  ///< those whose absence both eyes must show
+  std::optional<Rigid<Stage, Head>> head = std::nullopt;  ///< else the scene's camera
+};
+
+std::ostream& operator<<(std::ostream& out, const GoldenScene& scene) {
+  return out << scene.name;
+}
+
+std::filesystem::path golden_path(const GoldenScene& scene, const char* what, Side side) {
+  return std::filesystem::path(FARSHADE_SOURCE "/tests/golden/images") /
+         (std::string("lavapipe_embree_") + scene.name + "_" + what + "_" + name_of(side) + ".png");
+}
+
+PerEye<Image<Rgb8>> goldens(const GoldenScene& scene, const char* what) {
+  PerEye<Image<Rgb8>> images;
+  for (const Side side : kSides) {
+    auto image = read_png(golden_path(scene, what, side));
+    if (!image) throw std::runtime_error(image.error().what);
+    images[index_of(side)] = std::move(*image);
+  }
+  return images;
+}
+
+testing::AssertionResult agrees_with(const Image<Rgb8>& picture, const Image<Rgb8>& golden) {
+  const Distance d = distance(picture, golden);
+  return (agrees(d) ? testing::AssertionSuccess() : testing::AssertionFailure())
+         << d.psnr_db << " dB, " << d.differing_share * 100 << " % of pixels differ";
+}
+
+void expect_golden(const GoldenScene& scene, const char* what, const PerEye<Image<Rgb8>>& pictures) {
+  if (std::getenv("FARSHADE_UPDATE_GOLDENS"))
+    for (const Side side : kSides) {
+      const auto written = write_png(golden_path(scene, what, side), pictures[index_of(side)]);
+      ASSERT_TRUE(written) << written.error().what;
+    }
+  const PerEye<Image<Rgb8>> golden = goldens(scene, what);
+  for (const Side side : kSides) {
+    ASSERT_EQ(pictures[index_of(side)].size, golden[index_of(side)].size);
+    EXPECT_TRUE(agrees_with(pictures[index_of(side)], golden[index_of(side)]))
+        << what << ", " << name_of(side);
+  }
+}
+
+/// Neither eye's picture passes for its golden.
+void expect_refused(const PerEye<Image<Rgb8>>& pictures, const PerEye<Image<Rgb8>>& golden) {
+  for (const Side side : kSides)
+    EXPECT_FALSE(agrees_with(pictures[index_of(side)], golden[index_of(side)])) << name_of(side);
+}
+
+Image<Rgb8> mirrored(const Image<Rgb8>& image) {
+  Image<Rgb8> result(image.size);
+  for (std::uint32_t y = 0; y < image.size.height; ++y)
+    for (std::uint32_t x = 0; x < image.size.width; ++x)
+      result.at(x, y) = image.at(image.size.width - 1 - x, y);
+  return result;
+}
+
+/// Moved right and down, its border repeated.
+Image<Rgb8> shifted(const Image<Rgb8>& image, std::uint32_t right, std::uint32_t down) {
+  Image<Rgb8> result(image.size);
+  for (std::uint32_t y = 0; y < image.size.height; ++y)
+    for (std::uint32_t x = 0; x < image.size.width; ++x)
+      result.at(x, y) = image.at(x - std::min(x, right), y - std::min(y, down));
+  return result;
+}
+
+/// A picture at the scene's camera; its shadows were traced 3 degrees and 2 cm away, or (reference) at it.
+class Golden : public OnLavapipe, public testing::WithParamInterface<GoldenScene> {
+ protected:
+  Theatre theatre_{device_, bundled(GetParam().file), GetParam().side_px};
+  Rigid<Stage, Head> head_ = GetParam().head.value_or(theatre_.head());
+  StereoView now_ = theatre_.eyes(head_);
+  Mask stale_ = theatre_.ask(kTraced, theatre_.eyes(moved(head_, 3 * std::numbers::pi / 180, {0.02, 0, 0})));
+};
+
+TEST_P(Golden, ShownAndReferenceAreTheirGoldens) {
+  const PerEye<Image<Rgb8>> shown = theatre_.show(kNow, now_, {stale_.in_hand()}).pictures,
+                            reference = theatre_.show_reference(kNow, now_);
+  expect_golden(GetParam(), "shown", shown);
+  expect_golden(GetParam(), "reference", reference);
+  for (const Side side : kSides)
+    EXPECT_GE(psnr_db(shown[index_of(side)], reference[index_of(side)]), GetParam().least_shown_db);
+}
+
+TEST_P(Golden, RefusesADroppedLight) {
+  const Mask truth = theatre_.trace(kNow, now_);
+  for (const std::uint32_t light : GetParam().lights) {
+    SCOPED_TRACE("without light " + std::to_string(light));
+    Mask without = truth;
+    for (EyeMask& bits : without.bits)
+      for (std::uint32_t y = 0; y < bits.size().height; ++y)
+        for (std::uint32_t x = 0; x < bits.size().width; ++x)
+          bits.set_word(x, y, 0, bits.word(x, y) & ~(1u << light));
+    expect_refused(theatre_.show(kNow, now_, {without.in_hand()}, Lookup::Direct).pictures,
+                   goldens(GetParam(), "reference"));
+  }
+}
+
+TEST_P(Golden, RefusesSwappedEyes) {
+  const PerEye<Image<Rgb8>> shown = theatre_.show(kNow, now_, {stale_.in_hand()}).pictures;
+  expect_refused({shown[1], shown[0]}, goldens(GetParam(), "shown"));
+}
+
+TEST_P(Golden, RefusesMasksOfSwappedEyes) {
+  Mask swapped = theatre_.trace(kNow, now_);
+  std::swap(swapped.bits[0], swapped.bits[1]);
+  expect_refused(theatre_.show(kNow, now_, {swapped.in_hand()}, Lookup::Direct).pictures,
+                 goldens(GetParam(), "reference"));
+}
+
+TEST_P(Golden, RefusesAnIgnoredPoseDelta) {
+  const PerEye<Image<Rgb8>> ignored = theatre_.show(kNow, now_, {stale_.in_hand()}, Lookup::Direct).pictures;
+  expect_refused(ignored, goldens(GetParam(), "shown"));
+  expect_refused(ignored, goldens(GetParam(), "reference"));
+}
+
+TEST_P(Golden, RefusesMirroredAndShiftedPictures) {
+  const PerEye<Image<Rgb8>> golden = goldens(GetParam(), "reference");
+  const auto of_both = [&](const auto& change) {
+    return PerEye<Image<Rgb8>>{change(golden[0]), change(golden[1])};
+  };
+  expect_refused(of_both(mirrored), golden);
+  expect_refused(of_both([](const auto& image) { return shifted(image, 1, 0); }), golden);
+  expect_refused(of_both([](const auto& image) { return shifted(image, 0, 1); }), golden);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , Golden,
+    testing::Values(
+        GoldenScene{"box_over_plane", "box_over_plane.gltf", 128, 20, {0, 1}},
+        GoldenScene{"room", "room.glb", 192, 16, {0, 1, 2}},
+        GoldenScene{"plant", "room.glb", 160, 16, {1, 2}, head_looking({1.5, 1.5, -0.5}, {2.5, 1.0, -1.95})}),
+    [](const auto& tested) { return std::string(tested.param.name); });
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,297 @@
+/// Reprojection on the device: what each pixel may take from a mask traced for other views, and what not.
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "stereo/frame/tiles.h"
+#include "tests/golden/theatre.h"
+#include "tests/oracle/scene_builder.h"
+
+namespace farshade {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr FrameId kOlder{1}, kTraced{2}, kNow{3};
+
+bool same_bits(const EyeMask& a, const EyeMask& b, std::uint32_t x, std::uint32_t y) {
+  for (std::uint32_t plane = 0; plane < a.layout().planes(); ++plane)
+    if (a.word(x, y, plane) != b.word(x, y, plane)) return false;
+  return true;
+}
+
+using Visit = std::function<void(Side, std::uint32_t x, std::uint32_t y, std::uint8_t source)>;
+
+/// Every covered pixel of both eyes.
+void for_covered(const Shown& shown, const Visit& visit) {
+  for (const Side side : kSides) {
+    const ShownReport& report = shown.reports[index_of(side)];
+    const Extent size = report.mask.size();
+    for (std::uint32_t y = 0; y < size.height; ++y)
+      for (std::uint32_t x = 0; x < size.width; ++x)
+        if (const std::uint8_t source = report.sources[std::size_t{y} * size.width + x];
+            source != kSourceUncovered)
+          visit(side, x, y, source);
+  }
+}
+
+/// Shares over both eyes: `unknown` of covered pixels, `wrong` of the pixel-lights of the others.
+struct Outcome {
+  std::size_t covered = 0, known = 0;
+  double unknown = 0, wrong = 0;
+};
+
+Outcome outcome_of(const Shown& shown, const Mask& truth) {
+  Outcome outcome;
+  std::size_t wrong = 0;
+  const std::uint32_t lights = truth.bits[0].lights();
+  for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+    ++outcome.covered;
+    if (source == kSourceUnknown) return;
+    ++outcome.known;
+    for (std::uint32_t i = 0; i < lights; ++i)
+      wrong += shown.reports[index_of(side)].mask.lit(x, y, i) != truth.bits[index_of(side)].lit(x, y, i);
+  });
+  const auto known = static_cast<double>(outcome.known);
+  outcome.unknown = 1 - known / static_cast<double>(outcome.covered);
+  outcome.wrong = outcome.known == 0 ? 0 : static_cast<double>(wrong) / (known * lights);
+  return outcome;
+}
+
+class Reproject : public OnLavapipe {};
+
+/// Every covered pixel is known from the newest mask and has its very bits.
+void expect_same_mask(Theatre& theatre, const StereoView& views, const Mask& mask) {
+  const Shown shown = theatre.show(kNow, views, {mask.in_hand()});
+  std::size_t covered = 0, elsewhere = 0, changed = 0;
+  for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+    ++covered;
+    elsewhere += source != 0;
+    changed += !same_bits(shown.reports[index_of(side)].mask, mask.bits[index_of(side)], x, y);
+  });
+  EXPECT_GT(covered, 1000u);
+  EXPECT_EQ(elsewhere, 0u) << "of " << covered << " covered pixels";
+  EXPECT_EQ(changed, 0u) << "of " << covered << " covered pixels";
+}
+
+struct LitScene {
+  const char* file;
+  std::uint32_t lights;
+};
+
+class ReprojectSamePose : public OnLavapipe, public testing::WithParamInterface<LitScene> {};
+
+TEST_P(ReprojectSamePose, ReturnsSameMask) {
+  Theatre theatre(device_, with_lights(bundled(GetParam().file), GetParam().lights), 192);
+  const StereoView views = theatre.eyes(theatre.head());
+  const Mask traced = theatre.ask(kTraced, views);
+  expect_same_mask(theatre, views, traced);
+  expect_same_mask(theatre, views, with_noise(traced, 20261));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , ReprojectSamePose,
+    testing::Values(LitScene{"box_over_plane.gltf", 1}, LitScene{"box_over_plane.gltf", 2},
+                    LitScene{"box_over_plane.gltf", 40}, LitScene{"room.glb", 3}, LitScene{"room.glb", 9},
+                    LitScene{"room.glb", 17}, LitScene{"room.glb", 40}),
+    [](const auto& tested) {
+      const std::string file = tested.param.file;
+      return file.substr(0, file.find('.')) + "_" + std::to_string(tested.param.lights) + "_lights";
+    });
+
+struct Move {
+  const char* name;
+  const char* file;
+  double yaw_degrees;
+  glm::dvec3 step_m;
+  double most_wrong, most_unknown;  ///< shares; measured values are about two thirds
+};
+
+class ReprojectMove : public OnLavapipe, public testing::WithParamInterface<Move> {};
+
+TEST_P(ReprojectMove, IsWrongAndIgnorantWithinBounds) {
+  const Move& move = GetParam();
+  Theatre theatre(device_, bundled(move.file), 256);
+  const Mask stale = theatre.ask(kTraced, theatre.eyes(theatre.head()));
+  const StereoView now = theatre.eyes(moved(theatre.head(), move.yaw_degrees * kDegree, move.step_m));
+  const Outcome outcome = outcome_of(theatre.show(kNow, now, {stale.in_hand()}), theatre.trace(kNow, now));
+  RecordProperty("wrong", std::to_string(outcome.wrong));
+  RecordProperty("unknown", std::to_string(outcome.unknown));
+  EXPECT_LE(outcome.wrong, move.most_wrong);
+  EXPECT_LE(outcome.unknown, move.most_unknown);
+  EXPECT_GT(outcome.unknown, 0) << "a moved head uncovers something";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , ReprojectMove,
+    testing::Values(Move{"BoxTurn1", "box_over_plane.gltf", 1, {0, 0, 0}, 0.0007, 0.031},
+                    Move{"BoxTurn20", "box_over_plane.gltf", 20, {0, 0, 0}, 0.0033, 0.41},
+                    Move{"BoxStep10cm", "box_over_plane.gltf", 0, {0.1, 0, 0}, 0.0006, 0.031},
+                    Move{"RoomTurn1", "room.glb", 1, {0, 0, 0}, 0.03, 0.078},
+                    Move{"RoomTurn5", "room.glb", 5, {0, 0, 0}, 0.031, 0.21},
+                    Move{"RoomTurn20", "room.glb", 20, {0, 0, 0}, 0.033, 0.56},
+                    Move{"RoomStep1cm", "room.glb", 0, {0.01, 0, 0}, 0.021, 0.034},
+                    Move{"RoomStep10cm", "room.glb", 0, {0.1, 0, 0}, 0.0135, 0.088},
+                    Move{"RoomAhead10cm", "room.glb", 0, {0, 0, -0.1}, 0.031, 0.062}),
+    [](const auto& tested) { return std::string(tested.param.name); });
+
+TEST_F(Reproject, LeavesTilesThatNeverCameUnknown) {
+  Theatre theatre(device_, bundled("room.glb"), 192);
+  const StereoView views = theatre.eyes(theatre.head());
+  Mask holed = with_noise(theatre.ask(kTraced, views), 1);
+  for (std::uint32_t tile = 0; tile < TileGrid{views[0].size}.count(); ++tile) {
+    holed.known_tiles[0][tile] = tile % 3 != 0;
+    holed.known_tiles[1][tile] = tile % 2 == 0;
+  }
+  const auto known = [&](Side side, std::uint32_t x, std::uint32_t y) {
+    return holed.known_tiles[index_of(side)]
+                            [y / kTileSide_px * TileGrid{views[0].size}.columns() + x / kTileSide_px] != 0;
+  };
+  std::size_t unknown = 0, disagreeing = 0;
+  for_covered(theatre.show(kNow, views, {holed.in_hand()}),
+              [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+                unknown += source == kSourceUnknown;
+                disagreeing += source != (known(side, x, y) ? 0 : kSourceUnknown);
+              });
+  EXPECT_GT(unknown, 1000u);
+  EXPECT_EQ(disagreeing, 0u);
+
+  const Mask older = with_noise(theatre.ask(kOlder, views), 2);
+  const Shown shown = theatre.show(kNow, views, {holed.in_hand(), older.in_hand()});
+  std::size_t misread = 0;
+  for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+    const std::size_t eye = index_of(side);
+    const Mask& expected = known(side, x, y) ? holed : older;
+    misread += source != (known(side, x, y) ? 0 : 1) ||
+               !same_bits(shown.reports[eye].mask, expected.bits[eye], x, y);
+  });
+  EXPECT_EQ(misread, 0u);
+}
+
+TEST_F(Reproject, TakesTheOlderMaskOnlyWhereTheNewestFails) {
+  Theatre theatre(device_, bundled("room.glb"), 192);
+  const auto turned = [&](double degrees) {
+    return theatre.eyes(moved(theatre.head(), degrees * kDegree, {}));
+  };
+  const Mask older = with_noise(theatre.ask(kOlder, turned(12)), 3),
+             newest = with_noise(theatre.ask(kTraced, turned(-8)), 4);
+  const Shown both = theatre.show(kNow, turned(0), {newest.in_hand(), older.in_hand()}),
+              first = theatre.show(kNow, turned(0), {newest.in_hand()}),
+              second = theatre.show(kNow, turned(0), {older.in_hand()});
+  std::array<std::size_t, 2> used{};
+  std::size_t wrong_source = 0, wrong_bits = 0;
+  for_covered(both, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+    const auto source_in = [&](const Shown& shown) {
+      return shown.reports[index_of(side)].sources[std::size_t{y} * both.pictures[0].size.width + x];
+    };
+    const std::uint8_t expected = source_in(first) == 0 ? 0 : source_in(second) == 0 ? 1 : kSourceUnknown;
+    wrong_source += source != expected;
+    if (source == kSourceUnknown) return;
+    ++used.at(source);
+    const Shown& alone = source == 0 ? first : second;
+    wrong_bits += !same_bits(both.reports[index_of(side)].mask, alone.reports[index_of(side)].mask, x, y);
+  });
+  EXPECT_EQ(wrong_source, 0u);
+  EXPECT_EQ(wrong_bits, 0u);
+  EXPECT_GT(used[0], 10'000u);
+  EXPECT_GT(used[1], 1'000u);
+}
+
+TEST_F(Reproject, TakesNothingFromAViewThatLooksElsewhere) {
+  Theatre theatre(device_, bundled("room.glb"), 128);
+  for (const double degrees : {90.0, 180.0}) {
+    const Mask elsewhere =
+        with_noise(theatre.ask(kTraced, theatre.eyes(moved(theatre.head(), degrees * kDegree, {}))), 5);
+    const Shown shown = theatre.show(kNow, theatre.eyes(theatre.head()), {elsewhere.in_hand()});
+    std::size_t known = 0;
+    for_covered(shown, [&](Side, std::uint32_t, std::uint32_t, std::uint8_t source) {
+      known += source != kSourceUnknown;
+    });
+    EXPECT_EQ(known, 0u) << "pixels, after a turn of " << degrees << " degrees";
+  }
+}
+
+TEST_F(Reproject, ShowsUnknownByTheStatedRule) {
+  Theatre theatre(device_, bundled("room.glb"), 128);
+  const StereoView views = theatre.eyes(theatre.head());
+  Mask all_lit = theatre.ask(kTraced, views);
+  for (EyeMask& bits : all_lit.bits)
+    for (std::uint32_t y = 0; y < 128; ++y)
+      for (std::uint32_t x = 0; x < 128; ++x) bits.set_word(x, y, 0, bits.layout().used_bits(0));
+  const Shown lit = theatre.show(kTraced, views, {all_lit.in_hand()}, Lookup::Direct),
+              unknown = theatre.show(kNow, views, {});
+  ASSERT_EQ(kUnknownVisibility, 1.0f);
+  EXPECT_EQ(unknown.pictures[0], lit.pictures[0]);
+  EXPECT_EQ(unknown.pictures[1], lit.pictures[1]);
+}
+
+/// A sheet without thickness at z = 0 in front of a far wall on either side.
+Scene sheet_between_walls() {
+  SceneBuilder builder;
+  builder.add(quad({0, 0, 0}, {0.5, 0, 0}, {0, 0.5, 0}));
+  builder.add(quad({0, 0, -4}, {9, 0, 0}, {0, 9, 0}));
+  builder.add(quad({0, 0, 4}, {9, 0, 0}, {0, 9, 0}));
+  builder.point_light({0.3, 0.8, 1.5});
+  return builder.build();
+}
+
+TEST_F(Reproject, TellsBackFromFrontOfASheet) {
+  Theatre theatre(device_, sheet_between_walls(), 128);
+  const Rigid<Stage, Head> front{{1, 0, 0, 0}, {0, 0, 1.2}}, back{{0, 0, 1, 0}, {0, 0, -1.2}};
+  const Mask of_front = theatre.ask(kTraced, theatre.eyes(front));
+  const Shown from_back = theatre.show(kNow, theatre.eyes(back), {of_front.in_hand()});
+  const ShownReport& report = from_back.reports[0];
+  EXPECT_EQ(report.sources[64 * 128 + 64], kSourceUnknown) << "the middle of the sheet's back";
+  std::size_t known = 0;
+  for_covered(from_back, [&](Side, std::uint32_t, std::uint32_t, std::uint8_t source) {
+    known += source != kSourceUnknown;
+  });
+  EXPECT_EQ(known, 0u) << "the front's view saw neither the sheet's back nor the wall behind itself";
+}
+
+TEST_F(Reproject, PassesOverMasksWhoseDepthLeftTheRing) {
+  Theatre theatre(device_, bundled("box_over_plane.gltf"), 128, 2);
+  const StereoView before = theatre.eyes(moved(theatre.head(), 3 * kDegree, {0.05, 0, 0})),
+                   now = theatre.eyes(theatre.head());
+  const auto known = [](const Shown& shown) {
+    std::size_t count = 0;
+    for_covered(shown, [&](Side, std::uint32_t, std::uint32_t, std::uint8_t source) {
+      count += source != kSourceUnknown;
+    });
+    return count;
+  };
+  const Mask mask = theatre.ask(FrameId{10}, before);
+  EXPECT_GT(known(theatre.show(FrameId{11}, now, {mask.in_hand()})), 1000u) << "in the ring of two";
+  EXPECT_EQ(known(theatre.show(FrameId{12}, now, {mask.in_hand()})), 0u) << "its place is being drawn over";
+  EXPECT_EQ(known(theatre.show(FrameId{13}, now, {mask.in_hand()})), 0u) << "long gone";
+
+  const Mask fresh = theatre.ask(FrameId{14}, before);
+  const Shown shown = theatre.show(FrameId{15}, now, {mask.in_hand(), fresh.in_hand()});
+  EXPECT_GT(known(shown), 1000u) << "the one after it still counts";
+}
+
+TEST_F(Reproject, HoldsFarFromTheOrigin) {
+  const auto scene_at = [](const glm::dvec3& shift) {
+    SceneBuilder builder(shift);
+    builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
+    builder.add(box({0, 0.6, 0}, {0.3, 0.3, 0.3}));
+    builder.point_light({0.8, 2, 0.5});
+    builder.directional_light({-1, -1, -0.3});
+    return builder.build();
+  };
+  const auto show_at = [&](const glm::dvec3& shift) {
+    Theatre theatre(device_, scene_at(shift), 128);
+    const Rigid<Stage, Head> head =
+        head_looking(shift + glm::dvec3(0.5, 1.6, 2.5), shift + glm::dvec3(0, 0.4, 0));
+    const Mask stale = theatre.ask(kTraced, theatre.eyes(moved(head, 2 * kDegree, {0.03, 0, 0})));
+    const StereoView now = theatre.eyes(head);
+    const Shown shown = theatre.show(kNow, now, {stale.in_hand()});
+    return outcome_of(shown, theatre.trace(kNow, now));
+  };
+  const Outcome near = show_at({0, 0, 0}), far = show_at({1e6, 0, -1e6});
+  EXPECT_NEAR(far.wrong, near.wrong, 0.001);
+  EXPECT_NEAR(far.unknown, near.unknown, 0.002);
+  EXPECT_EQ(far.covered, near.covered);
+}
+
+}  // namespace
+}  // namespace farshade

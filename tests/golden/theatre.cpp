@@ -1,0 +1,145 @@
+#include "tests/golden/theatre.h"
+
+#include <cmath>
+#include <functional>
+#include <random>
+#include <stdexcept>
+#include <string_view>
+
+#include "stereo/frame/tiles.h"
+#include "stereo/math/rotation.h"
+#include "stereo/scene/gltf.h"
+#include "stereo/trace/head_trace.h"
+#include "tests/oracle/scene_builder.h"
+
+namespace farshade {
+namespace {
+
+/// The value, or an exception that fails the test with the reason.
+template <class T>
+T value_of(Expected<T> value) {
+  if (!value) throw std::runtime_error(value.error().what);
+  return std::move(*value);
+}
+
+constexpr double kEyeDistance_m = 0.063;
+constexpr EyeFov kLeftFov{-0.60, 0.50, 0.52, -0.56};
+
+}  // namespace
+
+OnLavapipe::OnLavapipe()
+    : device_(value_of(gpu::open_device({.name_contains = "llvmpipe", .validation = gpu::Validation::On}))) {}
+
+void OnLavapipe::TearDown() {
+  for (const std::string& message : device_.validation_log->messages()) ADD_FAILURE() << message;
+}
+
+Scene bundled(const char* name) {
+  return value_of(load_scene(std::string(FARSHADE_ASSETS "/") + name));
+}
+
+Scene with_lights(Scene scene, std::uint32_t count) {
+  const std::vector<Light> given = state_at(scene, Time{}).light_set.lights;
+  if (scene.lights.size() > count) scene.lights.resize(count);
+  for (auto i = static_cast<std::uint32_t>(scene.lights.size()); i < count; ++i) {
+    Node node;
+    const double turn = 2.4 * i;  // about the golden angle: no two stand alike
+    node.rest.translation =
+        given[i % given.size()].position.v + glm::dvec3(std::cos(turn), 0.0, std::sin(turn)) * (0.02 * i);
+    LightSource light;
+    light.node = narrow<std::uint32_t>(scene.nodes.size());
+    scene.lights.push_back(light);
+    scene.nodes.push_back(node);
+  }
+  return scene;
+}
+
+Rigid<Stage, Head> head_at_camera(const Scene& scene) {
+  const Rigid<Stage, Eye> camera = scene.camera.value();
+  return {camera.rotation, camera.translation};
+}
+
+Rigid<Stage, Head> head_looking(const glm::dvec3& eye, const glm::dvec3& target) {
+  const Rigid<Stage, Eye> camera = look(eye, target, 1).stage_from_eye;
+  return {camera.rotation, camera.translation};
+}
+
+Rigid<Stage, Head> moved(const Rigid<Stage, Head>& head, double yaw_rad, const glm::dvec3& step_m) {
+  return head * Rigid<Head, Head>{rotation_exp({0, yaw_rad, 0}), step_m};
+}
+
+StereoView eyes_of(const Rigid<Stage, Head>& head, std::uint32_t side_px) {
+  const EyeFov right{-kLeftFov.right, -kLeftFov.left, kLeftFov.up, kLeftFov.down};
+  StereoView views;
+  for (const Side side : kSides)
+    views[index_of(side)] = {head * head_from_eye(side, kEyeDistance_m),
+                             side == Side::Left ? kLeftFov : right,
+                             {side_px, side_px}};
+  return views;
+}
+
+MaskInHand Mask::in_hand() const {
+  std::uint64_t content = 0;
+  const auto add = [&content](const void* data, std::size_t bytes) {
+    const std::string_view text(static_cast<const char*>(data), bytes);
+    content = content * 1'000'003 + std::hash<std::string_view>{}(text);
+  };
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    add(bits[eye].bytes().data(), bits[eye].bytes().size());
+    add(known_tiles[eye].data(), known_tiles[eye].size());
+  }
+  return {frame, Time{}, views, bits, known_tiles, content};
+}
+
+Mask with_noise(Mask mask, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  for (EyeMask& bits : mask.bits)
+    for (std::uint32_t plane = 0; plane < bits.layout().planes(); ++plane)
+      for (std::uint32_t y = 0; y < bits.size().height; ++y)
+        for (std::uint32_t x = 0; x < bits.size().width; ++x)
+          bits.set_word(x, y, plane, static_cast<std::uint32_t>(random()) & bits.layout().used_bits(plane));
+  return mask;
+}
+
+Theatre::Theatre(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames)
+    : scene_(std::move(scene)),
+      state_(state_at(scene_, Time{})),
+      side_px_(side_px),
+      tracer_(std::make_unique<Tracer>(value_of(Tracer::create(scene_)))),
+      renderer_(std::make_unique<Renderer>(device, scene_, Extent{side_px, side_px}, depth_frames)) {}
+
+Mask Theatre::trace(FrameId frame, const StereoView& views) {
+  ShadowFrame traced;
+  tracer_->trace({.frame = frame, .display_time = {}, .scene_time = {}, .views = views}, traced);
+  const KnownTiles all(TileGrid{views[0].size}.count(), all_planes_known(traced.masks[0].layout()));
+  return {frame, views, std::move(traced.masks), {all, all}};
+}
+
+Mask Theatre::ask(FrameId frame, const StereoView& views) {
+  renderer_->draw_gbuffer(shown_frame(frame, views, {}, Lookup::Reproject));
+  return trace(frame, views);
+}
+
+Shown Theatre::show(FrameId frame, const StereoView& views, const std::vector<MaskInHand>& masks,
+                    Lookup lookup) {
+  renderer_->draw(shown_frame(frame, views, masks, lookup));
+  return {renderer_->read_shown(), {renderer_->report(Side::Left), renderer_->report(Side::Right)}};
+}
+
+PerEye<Image<Rgb8>> Theatre::show_reference(FrameId frame, const StereoView& views) {
+  const Mask truth = ask(frame, views);
+  renderer_->shade_again(shown_frame(frame, views, {}, Lookup::Direct), truth.in_hand());
+  return renderer_->read_shown();
+}
+
+ShownFrame Theatre::shown_frame(FrameId frame, const StereoView& views, std::span<const MaskInHand> masks,
+                                Lookup lookup) const {
+  return {.frame = frame,
+          .views = views,
+          .state = state_,
+          .masks = masks,
+          .lookup = lookup,
+          .report = ShadingPass::Report::On};
+}
+
+}  // namespace farshade
