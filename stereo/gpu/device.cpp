@@ -14,19 +14,18 @@ constexpr std::uint32_t kUniformRange_bytes = 32 << 10;
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
-VKAPI_ATTR VkBool32 VKAPI_CALL on_message(VkDebugUtilsMessageSeverityFlagBitsEXT,
-                                          VkDebugUtilsMessageTypeFlagsEXT,
-                                          const VkDebugUtilsMessengerCallbackDataEXT* data, void* log) {
+/// The parameters are C types in older Vulkan headers, C++ types in newer ones.
+constexpr auto on_message = [](auto /*severity*/, auto /*types*/, const auto* data, void* log) -> vk::Bool32 {
   static_cast<ValidationLog*>(log)->add(data->pMessage);
   return VK_FALSE;
-}
+};
 
 vk::DebugUtilsMessengerCreateInfoEXT messenger_info(ValidationLog& log) {
   using Severity = vk::DebugUtilsMessageSeverityFlagBitsEXT;
   using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
   return {.messageSeverity = Severity::eWarning | Severity::eError,
           .messageType = Type::eValidation | Type::ePerformance,
-          .pfnUserCallback = &on_message,
+          .pfnUserCallback = on_message,
           .pUserData = &log};
 }
 

@@ -35,11 +35,20 @@ bool read_whole_file(std::vector<unsigned char>* out, std::string*, const std::s
 }
 
 /// Every name "exists": whether it does is said by read_whole_file, with its reason.
-tinygltf::FsCallbacks callbacks_for(FileAccess& access) {
-  return {[](const std::string&, void*) { return true; }, [](const std::string& uri, void*) { return uri; },
-          read_whole_file,
-          [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) { return false; },
-          &access};
+/// Likewise its size, which tinygltf asks for since 2.9 and only compares with a limit of its own.
+template <class Callbacks = tinygltf::FsCallbacks>
+Callbacks callbacks_for(FileAccess& access) {
+  Callbacks callbacks{};
+  callbacks.FileExists = [](const std::string&, void*) { return true; };
+  callbacks.ExpandFilePath = [](const std::string& uri, void*) { return uri; };
+  callbacks.ReadWholeFile = read_whole_file;
+  callbacks.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
+    return false;
+  };
+  if constexpr (requires { callbacks.GetFileSizeInBytes; })
+    callbacks.GetFileSizeInBytes = [](std::size_t*, std::string*, const std::string&, void*) { return true; };
+  callbacks.user_data = &access;
+  return callbacks;
 }
 
 /// Keeps the file as it is; it is decoded after everything was validated. An image in a buffer view is found
@@ -88,7 +97,7 @@ Accessor accessor_from(const tinygltf::Accessor& from) {
   to.rows = is_matrix ? side : static_cast<std::uint32_t>(components);
   to.columns = is_matrix ? side : 1u;
   if (!from.sparse.isSparse) return to;
-  const auto unsigned_of = [](int value) { return static_cast<std::uint32_t>(value); };
+  const auto unsigned_of = [](auto value) { return static_cast<std::uint32_t>(value); };
   const auto& indices = from.sparse.indices;
   const auto& values = from.sparse.values;
   to.sparse = Sparse{unsigned_of(from.sparse.count), unsigned_of(indices.bufferView),
