@@ -10,8 +10,8 @@
 namespace farshade {
 namespace {
 
-/// Half a thousandth of a degree at the fov below; float alone, with coordinates of 20 m, leaves 1e-3 px.
-constexpr double kBound_px = 0.01;
+/// Float alone, with coordinates of 20 m, leaves at most 0.002 px in the cases below, at either origin.
+constexpr double kBound_px = 0.005;
 constexpr Extent kSize{1024, 900};
 constexpr int kCases = 2000;
 
