@@ -56,7 +56,11 @@ void Recorder::watch(const FrameView& view) {
   const FrameId frame = view.request.frame;
   FrameRecord record{frame, view.request.display_time, std::nullopt, view.times, std::nullopt, std::nullopt};
   if (!view.masks.empty()) record.staleness = view.request.display_time - view.masks.front().display_time;
-  if (view.own) record.server = view.own->report;
+  // A server's frame counts once, in the first frame that is shown with its masks.
+  if (view.newest && view.newest->request.frame != counted_) {
+    record.server = view.newest->report;
+    if (record.server) counted_ = view.newest->request.frame;
+  }
 
   const bool dumped = is_dumped(frame), pictured = is_pictured(frame);
   const bool measured =

@@ -45,6 +45,7 @@ class Recorder {
   Renderer& renderer_;
   Reference* reference_;
   FrameLog log_;
+  std::optional<FrameId> counted_;  ///< newest server frame in the log
   MeasuredFrame current_;
   std::optional<MeasuredFrame> worst_;
   double worst_error_ = -1;

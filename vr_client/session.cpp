@@ -24,12 +24,18 @@ class MaskSource {
     if (!session_.link) return masks_;
     answering_ = session_.link->wait_for(request.frame, patience()) || is_whole(asked_before_);
     asked_before_ = request.frame;
-    for (const ReceivedFrame* frame : session_.link->masks(usable_until(request.display_time)))
+    const std::vector<const ReceivedFrame*> received =
+        session_.link->masks(usable_until(request.display_time));
+    newest_ = received.empty() ? nullptr : received.front();
+    for (const ReceivedFrame* frame : received)
       masks_.push_back({frame->request.frame, frame->request.display_time, frame->request.views, frame->masks,
                         frame->known_tiles,
                         std::uint64_t{frame->tiles_known[0]} << 32 | frame->tiles_known[1]});
     return masks_;
   }
+
+  /// What the newest mask in hand came from; null if no server sent it.
+  [[nodiscard]] const ReceivedFrame* newest() const { return newest_; }
 
  private:
   /// A server that once let the patience run out is not waited for again until it has answered.
@@ -50,13 +56,16 @@ class MaskSource {
 
   const Session& session_;
   std::vector<MaskInHand> masks_;
+  const ReceivedFrame* newest_ = nullptr;
   FrameId asked_before_;
   bool answering_ = true;
 };
 
 /// Traced for these very views, and whole: nothing needs to be carried over.
 bool is_direct(const MaskInHand& mask, const StereoView& shown) {
-  const auto whole = [&](std::size_t eye) { return is_whole(mask.known_tiles[eye], mask.masks[eye].layout()); };
+  const auto whole = [&](std::size_t eye) {
+    return is_whole(mask.known_tiles[eye], mask.masks[eye].layout());
+  };
   return mask.views == shown && whole(0) && whole(1);
 }
 
@@ -96,7 +105,7 @@ Expected<void> run(const Session& session, const FrameWatcher& watch, const std:
     times.shade = drawn.shade;
     times.draw = drawn.total;
     times.frame = times.request + times.collect + times.draw;
-    watch({request, state, masks, session.link ? session.link->find(frame) : nullptr, times});
+    watch({request, state, masks, source.newest(), times});
   }
   return {};
 }

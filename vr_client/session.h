@@ -32,7 +32,7 @@ struct FrameView {
   const TraceRequest& request;
   const SceneState& state;
   std::span<const MaskInHand> masks;  ///< in hand, newest first
-  const ReceivedFrame* own;           ///< what came of this frame's own request so far; null if nothing
+  const ReceivedFrame* newest;        ///< what the newest of them came from; null if no server sent it
   const StageTimes& times;
 };
 using FrameWatcher = std::function<void(const FrameView&)>;

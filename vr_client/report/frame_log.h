@@ -16,7 +16,7 @@ struct FrameRecord {
   Time display_time;
   std::optional<Duration> staleness;  ///< display time minus the newest mask's; nothing before the first mask
   StageTimes times;
-  std::optional<FrameReport> server;        ///< nothing if it did not come (in time)
+  std::optional<FrameReport> server;        ///< of masks first shown in this frame
   std::optional<PerEye<EyeErrors>> errors;  ///< nothing if no reference was traced
 };
 
