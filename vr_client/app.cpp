@@ -45,10 +45,14 @@ TracePlayback playback_of(const Options& options, const Scene& scene, const Head
   return playback;
 }
 
+/// In real time, masks that come later than this find their depth gone.
+constexpr double kLongestRoundTrip_ms = 250;
+
 /// Frames that may be needed after they were asked for: while masks are on their way, and as older masks.
 std::uint32_t frames_in_flight(const Options& options) {
-  const double delayed = std::ceil(options.delay_ms * 1e-3 * options.refresh_hz);
-  return static_cast<std::uint32_t>(delayed) + ShadingPass::kMaxMasks + 4;
+  const double late_ms = options.pace == Pace::Real ? kLongestRoundTrip_ms : options.delay_ms;
+  return static_cast<std::uint32_t>(std::ceil(late_ms * 1e-3 * options.refresh_hz)) + ShadingPass::kMaxMasks +
+         4;
 }
 
 /// What the session stands on; built top to bottom, torn down in reverse.
@@ -201,6 +205,9 @@ Expected<void> run_client(const Options& options) {
   if (auto done = run(session, watch, stop); !done) return done;
   if (stop_signal.has_come()) fmt::print(stderr, "\nstopped; writing what was shown so far\n");
 
+  for (const std::uint32_t dump : options.dump)
+    if (dump == 0 || dump > recorder.log().records().size())
+      spdlog::warn("frame {} was not shown and is not dumped", dump);
   if (auto done = recorder.finish(); !done) return done;
   fmt::print("{}{}", heading(options, client, recorder.log()), table(recorder.log().summary()));
   fmt::print("wrote {}\n", options.out.string());

@@ -37,7 +37,8 @@ PerEye<EyeErrors> Recorder::measure(const FrameView& view) {
   current_.frame = view.request.frame;
   current_.ages.clear();
   for (const MaskInHand& mask : view.masks)
-    current_.ages.push_back(view.request.display_time - mask.display_time);
+    if (renderer_.has_depth(mask.frame))  // others were passed over
+      current_.ages.push_back(view.request.display_time - mask.display_time);
   for (const Side side : kSides) current_.report[index_of(side)] = renderer_.report(side);
   current_.shown = renderer_.read_shown();
   const MaskInHand truth = reference_->trace(view.request);
@@ -55,7 +56,9 @@ PerEye<EyeErrors> Recorder::measure(const FrameView& view) {
 void Recorder::watch(const FrameView& view) {
   const FrameId frame = view.request.frame;
   FrameRecord record{frame, view.request.display_time, std::nullopt, view.times, std::nullopt, std::nullopt};
-  if (!view.masks.empty()) record.staleness = view.request.display_time - view.masks.front().display_time;
+  const auto used = std::find_if(view.masks.begin(), view.masks.end(),
+                                 [&](const MaskInHand& mask) { return renderer_.has_depth(mask.frame); });
+  if (used != view.masks.end()) record.staleness = view.request.display_time - used->display_time;
   // A server's frame counts once, in the first frame that is shown with its masks.
   if (view.newest && view.newest->request.frame != counted_) {
     record.server = view.newest->report;
