@@ -19,10 +19,18 @@ struct StageClock {
 using Duration = StageClock::duration;
 using Time = StageClock::time_point;
 
-constexpr Time time_from_ns(std::int64_t ns) { return Time(Duration(ns)); }
-constexpr std::int64_t ns_of(Time time) { return time.time_since_epoch().count(); }
-constexpr double seconds_of(Duration span) { return std::chrono::duration<double>(span).count(); }
-constexpr double ms_of(Duration span) { return std::chrono::duration<double, std::milli>(span).count(); }
+constexpr Time time_from_ns(std::int64_t ns) {
+  return Time(Duration(ns));
+}
+constexpr std::int64_t ns_of(Time time) {
+  return time.time_since_epoch().count();
+}
+constexpr double seconds_of(Duration span) {
+  return std::chrono::duration<double>(span).count();
+}
+constexpr double ms_of(Duration span) {
+  return std::chrono::duration<double, std::milli>(span).count();
+}
 constexpr Duration duration_from_ms(double ms) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::milli>(ms));
 }

@@ -1,8 +1,9 @@
-/// EyeMask: for each pixel one bit a light of the light set, 1 = the light is visible from that pixel's surface.
+/// EyeMask: for each pixel one bit a light of the light set, 1 = the light is visible from that pixel's
+/// surface.
 ///
-/// Bits lie in the narrowest word that holds them (1, 2 or 4 bytes for up to 8, 16 or 32 lights). More than 32
-/// lights take planes of 4-byte words: light i is bit i % 32 of plane i / 32. A plane is row-major, top row first,
-/// without padding; planes follow each other. Pixels that no surface covers are 0.
+/// Bits lie in the narrowest word that holds them (1, 2 or 4 bytes for up to 8, 16 or 32 lights). More than
+/// 32 lights take planes of 4-byte words: light i is bit i % 32 of plane i / 32. A plane is row-major, top
+/// row first, without padding; planes follow each other. Pixels that no surface covers are 0.
 #pragma once
 
 #include <cstddef>

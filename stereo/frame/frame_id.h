@@ -11,11 +11,17 @@ struct FrameId {
 };
 
 /// Serial order: right across wraparound.
-constexpr bool is_newer(FrameId a, FrameId b) { return static_cast<std::int32_t>(a.value - b.value) > 0; }
+constexpr bool is_newer(FrameId a, FrameId b) {
+  return static_cast<std::int32_t>(a.value - b.value) > 0;
+}
 
-constexpr FrameId next(FrameId id) { return {id.value + 1}; }
+constexpr FrameId next(FrameId id) {
+  return {id.value + 1};
+}
 
 /// How many requests `b` lies behind `a`; negative when ahead.
-constexpr std::int32_t frames_between(FrameId a, FrameId b) { return static_cast<std::int32_t>(a.value - b.value); }
+constexpr std::int32_t frames_between(FrameId a, FrameId b) {
+  return static_cast<std::int32_t>(a.value - b.value);
+}
 
 }  // namespace farshade

@@ -1,5 +1,5 @@
-/// ShadowFrame: what a server makes of a request - both eyes' masks, the views they were traced for, the light set
-/// they speak of. A mask never travels or rests without its views.
+/// ShadowFrame: what a server makes of a request - both eyes' masks, the views they were traced for, the
+/// light set they speak of. A mask never travels or rests without its views.
 #pragma once
 
 #include "stereo/base/clock.h"
@@ -12,8 +12,8 @@ namespace farshade {
 /// What a client asks to be traced.
 struct TraceRequest {
   FrameId frame;
-  Time display_time;   ///< when the traced views are to be shown
-  Time scene_time;     ///< where the animation stands
+  Time display_time;  ///< when the traced views are to be shown
+  Time scene_time;    ///< where the animation stands
   StereoView views;
 };
 

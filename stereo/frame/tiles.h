@@ -18,8 +18,12 @@ struct TileRect {
 struct TileGrid {
   Extent size;  ///< pixels
 
-  [[nodiscard]] constexpr std::uint32_t columns() const { return (size.width + kTileSide_px - 1) / kTileSide_px; }
-  [[nodiscard]] constexpr std::uint32_t rows() const { return (size.height + kTileSide_px - 1) / kTileSide_px; }
+  [[nodiscard]] constexpr std::uint32_t columns() const {
+    return (size.width + kTileSide_px - 1) / kTileSide_px;
+  }
+  [[nodiscard]] constexpr std::uint32_t rows() const {
+    return (size.height + kTileSide_px - 1) / kTileSide_px;
+  }
   [[nodiscard]] constexpr std::uint32_t count() const { return columns() * rows(); }
   [[nodiscard]] constexpr TileRect rect(std::uint32_t tile) const {
     const std::uint32_t x0 = tile % columns() * kTileSide_px, y0 = tile / columns() * kTileSide_px;

@@ -19,8 +19,12 @@ struct View {
 inline constexpr std::size_t kEyes = 2;
 enum class Side : std::uint8_t { Left = 0, Right = 1 };
 inline constexpr std::array<Side, kEyes> kSides{Side::Left, Side::Right};
-constexpr std::size_t index_of(Side side) { return static_cast<std::size_t>(side); }
-constexpr const char* name_of(Side side) { return side == Side::Left ? "left" : "right"; }
+constexpr std::size_t index_of(Side side) {
+  return static_cast<std::size_t>(side);
+}
+constexpr const char* name_of(Side side) {
+  return side == Side::Left ? "left" : "right";
+}
 
 /// One value for each eye, left first.
 template <class T>

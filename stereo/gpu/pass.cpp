@@ -27,10 +27,11 @@ Bindings make_bindings(const Device& device, std::vector<BindingKind> kinds, con
   for (const BindingKind& kind : kinds) sizes.push_back({.type = kind.type, .descriptorCount = kind.count});
   Bindings result;
   result.layout = make_layout(device, kinds);
-  result.pool = device.logical.createDescriptorPool({.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
-                                                     .maxSets = 1,
-                                                     .poolSizeCount = narrow<std::uint32_t>(sizes.size()),
-                                                     .pPoolSizes = sizes.data()});
+  result.pool =
+      device.logical.createDescriptorPool({.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
+                                           .maxSets = 1,
+                                           .poolSizeCount = narrow<std::uint32_t>(sizes.size()),
+                                           .pPoolSizes = sizes.data()});
   const vk::DescriptorSetLayout layout = *result.layout;
   result.set = std::move(device.logical.allocateDescriptorSets(
       {.descriptorPool = *result.pool, .descriptorSetCount = 1, .pSetLayouts = &layout})[0]);

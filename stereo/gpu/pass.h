@@ -29,7 +29,8 @@ struct Bindings {
   std::vector<BindingKind> kinds;
 };
 
-[[nodiscard]] vk::raii::DescriptorSetLayout make_layout(const Device& device, std::span<const BindingKind> kinds);
+[[nodiscard]] vk::raii::DescriptorSetLayout make_layout(const Device& device,
+                                                        std::span<const BindingKind> kinds);
 [[nodiscard]] Bindings make_bindings(const Device& device, std::vector<BindingKind> kinds,
                                      const std::string& name);
 

@@ -8,8 +8,8 @@ namespace farshade {
 bool is_valid(const EyeFov& fov) {
   constexpr double limit = 89.5 * std::numbers::pi / 180.0;
   const auto inside = [](double angle) { return std::abs(angle) <= limit; };  // false for NaN
-  return inside(fov.left) && inside(fov.right) && inside(fov.up) && inside(fov.down) && fov.left < fov.right &&
-         fov.down < fov.up;
+  return inside(fov.left) && inside(fov.right) && inside(fov.up) && inside(fov.down) &&
+         fov.left < fov.right && fov.down < fov.up;
 }
 
 EyeWindow window_of(const EyeFov& fov) {
@@ -17,7 +17,8 @@ EyeWindow window_of(const EyeFov& fov) {
 }
 
 glm::dvec3 pixel_ray(const EyeWindow& w, Extent size, glm::dvec2 pixel) {
-  return {w.left + (w.right - w.left) * pixel.x / size.width, w.up + (w.down - w.up) * pixel.y / size.height, -1.0};
+  return {w.left + (w.right - w.left) * pixel.x / size.width, w.up + (w.down - w.up) * pixel.y / size.height,
+          -1.0};
 }
 
 glm::dvec2 ray_pixel(const EyeWindow& w, Extent size, const glm::dvec3& d) {

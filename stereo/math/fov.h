@@ -30,15 +30,16 @@ struct EyeWindow {
 };
 [[nodiscard]] EyeWindow window_of(const EyeFov& fov);
 
-/// The eye-space point (x, y, -1) that pixel position (px, py) looks at. Row 0 is the top; centres are at +0.5.
+/// The eye-space point (x, y, -1) that pixel position (px, py) looks at. Row 0 is the top; centres are at
+/// +0.5.
 [[nodiscard]] glm::dvec3 pixel_ray(const EyeWindow& window, Extent size, glm::dvec2 pixel);
 
 /// Pixel position of the eye-space direction (x, y, z), z < 0. Inverse of pixel_ray.
 [[nodiscard]] glm::dvec2 ray_pixel(const EyeWindow& window, Extent size, const glm::dvec3& direction);
 
-/// Near plane, metres. The depth value is near / distance: reversed z, infinite far plane, so float's relative
-/// precision is the same at every distance (Lapidous and Jiao, "Optimal depth buffer for low-cost graphics
-/// hardware", 1999) and the plane may lie this close.
+/// Near plane, metres. The depth value is near / distance: reversed z, infinite far plane, so float's
+/// relative precision is the same at every distance (Lapidous and Jiao, "Optimal depth buffer for low-cost
+/// graphics hardware", 1999) and the plane may lie this close.
 inline constexpr double kNearPlane_m = 1e-4;
 
 /// Vulkan clip space (y down, depth 1 at the near plane, 0 at infinity) from eye space.

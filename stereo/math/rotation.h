@@ -1,5 +1,6 @@
 /// Rotations by exponential and logarithm, with series near zero, and angles by atan2, never acos.
-/// Source: J. Sola, J. Deray, D. Atchuthan, "A micro Lie theory for state estimation in robotics", 2018, section IV.
+/// Source: J. Sola, J. Deray, D. Atchuthan, "A micro Lie theory for state estimation in robotics", 2018,
+/// section IV.
 #pragma once
 
 #include "stereo/math/spaces.h"

@@ -1,6 +1,6 @@
 /// Spaces in types: a point knows the space it is in, a rigid transform knows between which two it maps.
-/// Names read right to left and adjacent names cancel: `stage_from_eye * eye_from_object` is stage_from_object.
-/// Everything here is double and metres; shaders see camera-relative float.
+/// Names read right to left and adjacent names cancel: `stage_from_eye * eye_from_object` is
+/// stage_from_object. Everything here is double and metres; shaders see camera-relative float.
 #pragma once
 
 #include <glm/gtc/quaternion.hpp>
@@ -29,17 +29,29 @@ struct Point {
 };
 
 template <class S>
-Vector<S> operator-(Point<S> a, Point<S> b) { return {a.v - b.v}; }
+Vector<S> operator-(Point<S> a, Point<S> b) {
+  return {a.v - b.v};
+}
 template <class S>
-Point<S> operator+(Point<S> p, Vector<S> d) { return {p.v + d.v}; }
+Point<S> operator+(Point<S> p, Vector<S> d) {
+  return {p.v + d.v};
+}
 template <class S>
-Point<S> operator-(Point<S> p, Vector<S> d) { return {p.v - d.v}; }
+Point<S> operator-(Point<S> p, Vector<S> d) {
+  return {p.v - d.v};
+}
 template <class S>
-Vector<S> operator+(Vector<S> a, Vector<S> b) { return {a.v + b.v}; }
+Vector<S> operator+(Vector<S> a, Vector<S> b) {
+  return {a.v + b.v};
+}
 template <class S>
-Vector<S> operator*(Vector<S> a, double s) { return {a.v * s}; }
+Vector<S> operator*(Vector<S> a, double s) {
+  return {a.v * s};
+}
 template <class S>
-double length(Vector<S> a) { return glm::length(a.v); }
+double length(Vector<S> a) {
+  return glm::length(a.v);
+}
 
 /// Rotation, then translation: p_To = rotation * p_From + translation. `rotation` is unit.
 template <class To, class From>
@@ -80,7 +92,9 @@ struct Affine {
   Point<To> operator()(Point<From> p) const { return {glm::dvec3(matrix * glm::dvec4(p.v, 1.0))}; }
   Vector<To> operator()(Vector<From> d) const { return {glm::dmat3(matrix) * d.v}; }
   template <class Further>
-  Affine<To, Further> operator*(const Affine<From, Further>& b) const { return {matrix * b.matrix}; }
+  Affine<To, Further> operator*(const Affine<From, Further>& b) const {
+    return {matrix * b.matrix};
+  }
   friend bool operator==(const Affine&, const Affine&) = default;
 };
 

@@ -1,5 +1,6 @@
-// The client's frame against its bare G-buffer pass, interleaved in one run: slices decoded and assembled, both eyes
-// drawn, masks carried over, shaded. Figure to reach: median frame <= 2.0 x median bare G-buffer pass.
+// The client's frame against its bare G-buffer pass, interleaved in one run: slices decoded and assembled,
+// both eyes drawn, masks carried over, shaded. Figure to reach: median frame <= 2.0 x median bare G-buffer
+// pass.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -8,8 +9,8 @@
 #include "stereo/net/assembler.h"
 #include "stereo/net/frame_packer.h"
 #include "stereo/scene/gltf.h"
-#include "stereo/tracer/tracer.h"
 #include "stereo/trace/reader.h"
+#include "stereo/tracer/tracer.h"
 #include "vr_client/draw/renderer.h"
 
 namespace {
@@ -34,8 +35,10 @@ TraceRequest request_at(const HeadTrace& trace, const Rigid<Stage, Recorded>& pl
   const Time time = trace.start() + Duration(std::llround(number * 1e9 / 72));
   TraceRequest request{{number}, time, Time{}, {}};
   for (const Side side : kSides)
-    request.views[index_of(side)] = {placed * head_at(trace, time) * head_from_eye(side, trace.eye_distance_m),
-                                     trace.fov[index_of(side)], {side_px, side_px}};
+    request.views[index_of(side)] = {
+        placed * head_at(trace, time) * head_from_eye(side, trace.eye_distance_m),
+        trace.fov[index_of(side)],
+        {side_px, side_px}};
   return request;
 }
 
@@ -73,7 +76,8 @@ Expected<void> run(const Options& options) {
   Expected<Tracer> tracer = Tracer::create(*scene);
   if (!tracer) return tl::unexpected(tracer.error());
 
-  const Rigid<Stage, Recorded> placed = scene->camera ? place(*trace, *scene->camera) : Rigid<Stage, Recorded>{};
+  const Rigid<Stage, Recorded> placed =
+      scene->camera ? place(*trace, *scene->camera) : Rigid<Stage, Recorded>{};
   const auto lights = static_cast<std::uint32_t>(scene->lights.size());
   Renderer renderer(*device, *scene, {options.side_px, options.side_px}, kRing_frames);
   Assembler assembler(kRing_frames);
@@ -107,8 +111,8 @@ Expected<void> run(const Options& options) {
     times.shade.push_back(ms_of(drawn.shade));
     times.shade_direct.push_back(ms_of(direct.shade));
   }
-  std::printf("%s along %s on %s, %zu frames\n", scene->name.c_str(), options.trace.c_str(), device->name.c_str(),
-              times.frame.size());
+  std::printf("%s along %s on %s, %zu frames\n", scene->name.c_str(), options.trace.c_str(),
+              device->name.c_str(), times.frame.size());
   std::printf("  %-34s %9s %9s %9s\n", "ms", "median", "p10", "p95");
   print("bare G-buffer pass", times.bare);
   print("  of it on the device", times.bare_device);
