@@ -1,5 +1,6 @@
-/// The structs that C++ and GLSL share, written once. Members are mat4, vec4 or 32-bit words, so that std430
-/// and C++ lay them out alike. All positions are relative to an eye and float; C++ composed them in double.
+/// The structs that C++ and GLSL share, written once. Members are mat4, vec4 or 32-bit words, so that std140,
+/// std430 and C++ lay them out alike. All positions are relative to an eye and float; C++ composed them in
+/// double.
 #ifndef FARSHADE_SHADERS_SHARED_H
 #define FARSHADE_SHADERS_SHARED_H
 
@@ -41,8 +42,8 @@ struct EyeData {
 
 /// One light, its place relative to each eye in stage axes.
 struct LightData {
-  vec4 position[2];  // xyz; w = 1 point or spot, 0 directional (xyz is then the direction towards the light)
-  vec4 intensity;    // rgb; w = 1/range^2, 0 = unlimited
+  vec4 position[2];     // xyz; w = 1 point or spot, 0 directional (xyz then points towards the light)
+  vec4 intensity;       // rgb; w = 1/range^2, 0 = unlimited
   vec4 spot_direction;  // unit, the way the light travels; w unused
   vec4 spot_cone;       // x = scale, y = offset of the cone's falloff (KHR_lights_punctual); 0, 1 = no cone
 };
@@ -51,8 +52,7 @@ struct LightData {
 struct MaskData {
   mat4 traced_from_shown[2];
   WindowData window[2];
-  uvec4
-      place;  // x = layer of the left eye's depth, y = word offset of its mask, z = offset of its known tiles
+  uvec4 place;  // of the left eye: x = layer of its depth, y = first word of its mask, z = of its known tiles
 };
 
 #define FARSHADE_MAX_MASKS 4
@@ -68,7 +68,7 @@ struct FrameData {
   vec4 background;  // linear
   vec4 ambient;     // linear factor of the base colour; 0 unless asked for
   uvec4 counts;     // x = masks in use, y = layer of the left eye's shown depth
-  uvec4 traced;  // x = width, y = height in pixels, z = 32-bit words of an eye's mask, w = of its known tiles
+  uvec4 traced;     // x = width, y = height in pixels, z = words of an eye's mask, w = of its known tiles
 };
 
 #ifdef __cplusplus
