@@ -8,6 +8,7 @@
 #include "stereo/base/files.h"
 #include "stereo/image/codec.h"
 #include "stereo/net/udp.h"
+#include "stereo/trace/reader.h"
 #include "tests/unit/scratch_folder.h"
 
 namespace farshade {
@@ -175,6 +176,22 @@ TEST(ClientProgram, ValidationLayersHaveNothingToSay) {
                                 {"--out", folder.path().string()},
                                 {"--validate", ""}});
   EXPECT_EQ(run.status, 0) << run.errors;
+}
+
+TEST(ClientProgram, ExportsARecordingInEitherFormat) {
+  const ScratchFolder folder;
+  const HeadTrace walk = *load_head_trace(kWalk);
+  for (const std::string name : {"walk.tum", "walk.csv"}) {
+    const std::filesystem::path file = folder.path() / name;
+    ASSERT_EQ(run_client({{"--export-trace", file.string()}}).status, 0);
+    const Expected<HeadTrace> read = load_head_trace(file);
+    ASSERT_TRUE(read) << read.error().what;
+    ASSERT_EQ(read->samples.size(), walk.samples.size());
+    EXPECT_EQ(read->samples[700].recorded_from_head, walk.samples[700].recorded_from_head) << name;
+  }
+  const Ended refused = run_client({{"--export-trace", (folder.path() / "walk.xyz").string()}});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_NE(refused.errors.find("cannot tell the format"), std::string::npos) << refused.errors;
 }
 
 }  // namespace
