@@ -43,7 +43,7 @@ struct Options {
   gpu::DeviceWish device;
 };
 
-/// Exit status and, for Fault, what to print; nothing when the program should go on.
+/// The program is done before it began: help was printed (status 0), or what is wrong with the command line.
 struct EarlyExit {
   int status;
 };
