@@ -1,0 +1,24 @@
+/// A velocity that fades towards rest while white noise drives it (an Ornstein-Uhlenbeck process), and the
+/// way it covers: v' = -v / fade + noise, p' = v. One step is the exact solution of this stiff linear system,
+/// for any ratio of step to fade time, so that nothing overshoots or is lost however coarse the steps.
+/// Source: G. E. Uhlenbeck, L. S. Ornstein, "On the theory of the Brownian motion", 1930; D. T. Gillespie,
+/// "Exact numerical simulation of the Ornstein-Uhlenbeck process and its integral", 1996.
+#pragma once
+
+namespace farshade {
+
+/// (1 - e^-x) / x for x >= 0; 1 at 0.
+[[nodiscard]] double mean_decay(double x);
+
+/// 1 - e^-x (1 + x): the part of a new constant input that two first-order low-passes in a row let through.
+[[nodiscard]] double twice_smoothed(double x);
+
+/// What `step_s` >= 0 does to (p, v), for noise of spectral density 1.
+struct DampedStep {
+  double keep = 1;                ///< v becomes keep * v
+  double travel_s = 0;            ///< p grows by travel_s * v: never more than step_s or the fade time
+  double pp = 0, pv = 0, vv = 0;  ///< covariance of (p, v) that the noise adds, s^3, s^2, s
+};
+[[nodiscard]] DampedStep damped_step(double step_s, double fade_s);
+
+}  // namespace farshade
