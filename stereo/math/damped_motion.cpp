@@ -1,5 +1,6 @@
 #include "stereo/math/damped_motion.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace farshade {
@@ -39,10 +40,14 @@ double twice_smoothed(double x) {
   return sum;
 }
 
+double damped_travel_s(double step_s, double fade_s) {
+  return std::min({step_s * mean_decay(step_s / fade_s), step_s, fade_s});  // rounding may exceed by an ulp
+}
+
 DampedStep damped_step(double step_s, double fade_s) {
   const double x = step_s / fade_s, mean = mean_decay(x);
   return {.keep = std::exp(-x),
-          .travel_s = step_s * mean,
+          .travel_s = damped_travel_s(step_s, fade_s),
           .pp = step_s * step_s * step_s * way_variance(x),
           .pv = 0.5 * step_s * step_s * mean * mean,
           .vv = step_s * mean_decay(2.0 * x)};

@@ -13,10 +13,14 @@ namespace farshade {
 /// 1 - e^-x (1 + x): the part of a new constant input that two first-order low-passes in a row let through.
 [[nodiscard]] double twice_smoothed(double x);
 
+/// The way that a velocity of 1 covers in step_s >= 0 while it fades: fade_s (1 - e^-(step / fade)). Never
+/// more than step_s or fade_s.
+[[nodiscard]] double damped_travel_s(double step_s, double fade_s);
+
 /// What `step_s` >= 0 does to (p, v), for noise of spectral density 1.
 struct DampedStep {
   double keep = 1;                ///< v becomes keep * v
-  double travel_s = 0;            ///< p grows by travel_s * v: never more than step_s or the fade time
+  double travel_s = 0;            ///< p grows by travel_s * v (damped_travel_s)
   double pp = 0, pv = 0, vv = 0;  ///< covariance of (p, v) that the noise adds, s^3, s^2, s
 };
 [[nodiscard]] DampedStep damped_step(double step_s, double fade_s);

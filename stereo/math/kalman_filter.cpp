@@ -9,9 +9,9 @@ namespace {
 
 using Covariance = KalmanFilter::Covariance;
 
-// A head that was never seen moving moves at most about this fast (rad/s, m/s), whatever a long fade time
+// A head not yet seen moving is taken to move at most about this fast (rad/s, m/s), whatever a long fade time
 // makes of its driving noise.
-constexpr double kUnseenSpeed = 10.0;
+constexpr double kUnseenSpeed = 1.0;
 
 /// How a measured error of p changes p and v.
 struct Gain {
@@ -44,7 +44,7 @@ Gain measure(Covariance& c, double noise) {
 /// Where a fading velocity leads, per component.
 glm::dvec3 travel(const glm::dvec3& velocity, const glm::dvec3& fade_s, double lead_s) {
   glm::dvec3 way;
-  for (int i = 0; i < 3; ++i) way[i] = velocity[i] * (lead_s * mean_decay(lead_s / fade_s[i]));
+  for (int i = 0; i < 3; ++i) way[i] = velocity[i] * damped_travel_s(lead_s, fade_s[i]);
   return way;
 }
 

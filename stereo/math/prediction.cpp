@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 namespace farshade {
 namespace {
@@ -31,6 +32,11 @@ bool is_pose(const HeadPose& pose) {
   // Comparisons are false for NaN.
   return std::abs(glm::length(pose.rotation) - 1.0) <= kPoseUnitTolerance &&
          glm::length(pose.translation) <= kFarthestPose_m;
+}
+
+bool is_jump(const HeadPose& before, const HeadPose& now, double step_s) {
+  return angle_between_rad(before.rotation, now.rotation) > kJitter_rad + kFastestTurn_rad_s * step_s ||
+         glm::length(now.translation - before.translation) > kJitter_m + kFastestWay_m_s * step_s;
 }
 
 /// Rotations that are unit up to rounding keep their bits: a pose that comes back unpredicted is the same
@@ -79,9 +85,9 @@ PoseFilter make_filter(PredictorKind kind) {
 
 void Predictor::observe(Time time, const HeadPose& stage_from_head) {
   if ((newest_ && time <= *newest_) || !is_pose(stage_from_head)) return;
-  pose_ = with_unit_rotation(stage_from_head);
+  const HeadPose before = std::exchange(pose_, with_unit_rotation(stage_from_head));
   const double step_s = newest_ ? seconds_between(*newest_, time) : 0.0;
-  const bool starts = !newest_ || step_s > seconds_of(longest_gap_);
+  const bool starts = !newest_ || step_s > seconds_of(longest_gap_) || is_jump(before, pose_, step_s);
   newest_ = time;
   std::visit([&](auto& filter) { starts ? filter.start(pose_) : filter.step(step_s, pose_); }, filter_);
 }

@@ -28,6 +28,10 @@ using PoseFilter = std::variant<HoldFilter, ConstantVelocityFilter, DoubleExpone
 
 /// After a gap longer than this the head's velocity is anyone's guess: it is held until the next pose.
 inline constexpr Duration kLongestGap = std::chrono::milliseconds(250);
+/// A head that moved faster than this, and further than a jitter, was put elsewhere (recentred, say):
+/// likewise.
+inline constexpr double kFastestTurn_rad_s = 40, kFastestWay_m_s = 20;
+inline constexpr double kJitter_rad = 0.05, kJitter_m = 0.05;
 /// Predictions further ahead are those for this lead.
 inline constexpr Duration kFarthestLead = std::chrono::milliseconds(500);
 /// How far off unit a rotation may be to be taken (and normalised), and how far out a head may be.
