@@ -71,8 +71,8 @@ struct KalmanTuning {
 };
 
 /// Error-state Kalman filter on SE(3): pose and body twist, each component of the twist a velocity that fades
-/// (damped_motion.h), errors in the tangent space at the estimate. Noise is the same for both components that
-/// a turn of the head mixes, or nearly, so the axes' covariances are kept apart: six of two by two.
+/// (damped_motion.h), errors in the tangent space at the estimate. What a turn within one step mixes between
+/// the components' errors is left out of the covariance (not of the pose), so that it is six of two by two.
 /// Sources: J. Sola, "Quaternion kinematics for the error-state Kalman filter", 2017; S. Anderson, T. D.
 /// Barfoot, "Full STEAM ahead: exactly sparse Gaussian process regression for batch continuous-time
 /// trajectory estimation on SE(3)", IROS 2015, for the linear motion prior in the tangent space; R. A.

@@ -189,6 +189,36 @@ TEST(Kalman, IsLeastSquaresWhereNothingDrivesTheHead) {
   EXPECT_NEAR(filter.ahead(0).translation.x, line_end, 1e-7);
 }
 
+TEST(Kalman, IsAsWrongAsItSaysItIs) {
+  // A walker drawn from the filter's own model, gaps included: squared errors over the variances stated are 1
+  // on average (Bar-Shalom, Li, Kirubarajan, "Estimation with applications to tracking and navigation",
+  // 2001, 5.4).
+  for (const double fade_s : {0.02, 0.3, 5.0}) {
+    const unsigned seed = 4711;
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    const KalmanTuning tuning = tuning_with_fade(fade_s);
+    KalmanFilter filter(tuning);
+    double p = 0, v = 0, p_over = 0, v_over = 0;
+    filter.start({});
+    constexpr int kCount = 100'000;
+    for (int i = 0; i < kCount; ++i) {
+      const double step_s = i % 10 == 0 ? 0.126 : 0.014;
+      const DampedStep step = damped_step(step_s, fade_s);
+      const double drive = std::sqrt(tuning.linear_drive), a = std::sqrt(step.pp) * normal(random);
+      p += step.travel_s * v + drive * a;
+      v = step.keep * v +
+          drive * (step.pv / step.pp * a + std::sqrt(step.vv - step.pv * step.pv / step.pp) * normal(random));
+      filter.step(step_s, {{1, 0, 0, 0}, {p + tuning.linear_noise * normal(random), 0, 0}});
+      const KalmanFilter::Covariance& said = filter.linear_covariance()[0];
+      p_over += std::pow(filter.ahead(0).translation.x - p, 2) / said.pp / kCount;
+      v_over += std::pow(filter.velocity().linear.x - v, 2) / said.vv / kCount;
+    }
+    EXPECT_NEAR(p_over, 1.0, 0.03) << "seed " << seed << " fade " << fade_s;
+    EXPECT_NEAR(v_over, 1.0, 0.03) << "seed " << seed << " fade " << fade_s;
+  }
+}
+
 TEST(Kalman, KeepsItsWitsOverGapsOf126Ms) {
   // Recorded heads have them; what is said right after one must still beat holding the head.
   Predictor kalman(PredictorKind::Kalman);

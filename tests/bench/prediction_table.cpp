@@ -1,0 +1,144 @@
+// How wrong each predictor is on recorded heads.
+//
+//   prediction_table [--csv FILE] TRACE...
+//
+// The head is shown at 72 Hz as vr_client plays a recording; each frame gives its pose to the predictor,
+// which says where the head will be 20 to 200 ms later. The table pools the errors of all recordings; the CSV
+// has every recording's as well. A second table says how the default's error grows with how fast the head
+// turns when it is asked: what a guard band has to hold.
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+#include <vector>
+
+#include "stereo/base/quantile.h"
+#include "stereo/math/prediction.h"
+#include "stereo/trace/reader.h"
+
+namespace farshade {
+namespace {
+
+constexpr double kRefresh_hz = 72, kDegrees = 180.0 / std::numbers::pi;
+constexpr int kLeads_ms[] = {20, 50, 100, 200};
+/// The second table's classes of turning speed, degrees/s: from each to the next.
+constexpr double kSpeeds_deg_s[] = {0, 10, 30, 60, 100, 1e9};
+
+struct Recording {
+  std::string name;
+  HeadTrace trace;
+};
+
+struct Errors {
+  std::vector<double> turn_deg, way_mm;
+  std::vector<double> speed_deg_s;  ///< that the predictor made out when it was asked
+};
+
+HeadPose shown_at(const HeadTrace& trace, Time time) {
+  return Rigid<Stage, Recorded>{} * head_at(trace, time);  // as it lies: a place changes no error
+}
+
+/// At every display time from which the recording still knows the head `lead` later.
+void add_errors(const HeadTrace& trace, PredictorKind kind, Duration lead, Errors& errors) {
+  Predictor predictor(kind);
+  for (std::int64_t frame = 0;; ++frame) {
+    const Time shown = trace.start() + Duration(std::llround(static_cast<double>(frame) * 1e9 / kRefresh_hz));
+    if (shown + lead > trace.end()) return;
+    predictor.observe(shown, shown_at(trace, shown));
+    const HeadPose said = predictor.predict(shown + lead), was = shown_at(trace, shown + lead);
+    errors.turn_deg.push_back(angle_between_rad(said.rotation, was.rotation) * kDegrees);
+    errors.speed_deg_s.push_back(glm::length(predictor.velocity().angular) * kDegrees);
+    errors.way_mm.push_back(1e3 * glm::length(said.translation - was.translation));
+  }
+}
+
+Errors errors_of(const std::vector<Recording>& recordings, PredictorKind kind, int lead_ms) {
+  Errors errors;
+  for (const Recording& recording : recordings)
+    add_errors(recording.trace, kind, std::chrono::milliseconds(lead_ms), errors);
+  return errors;
+}
+
+void print_table(const std::vector<Recording>& recordings) {
+  std::puts("| predictor | ms ahead | degrees p50 | p95 | p99 | mm p50 | p95 | p99 |");
+  std::puts("|---|---|---|---|---|---|---|---|");
+  for (const PredictorKind kind : kPredictorKinds)
+    for (const int lead_ms : kLeads_ms) {
+      const Errors errors = errors_of(recordings, kind, lead_ms);
+      const Spread turn = spread_of(errors.turn_deg), way = spread_of(errors.way_mm);
+      std::printf("| %s%s | %d | %.2f | %.2f | %.2f | %.1f | %.1f | %.1f |\n",
+                  std::string(to_string(kind)).c_str(), kind == kDefaultPredictor ? " (default)" : "",
+                  lead_ms, turn.median, turn.p95, turn.p99, way.median, way.p95, way.p99);
+    }
+}
+
+void print_by_speed(const std::vector<Recording>& recordings) {
+  std::printf(
+      "\n| %s, ms ahead | degrees/s, from | frames | degrees p50 | p95 | p99 |\n|---|---|---|---|---|---|\n",
+      std::string(to_string(kDefaultPredictor)).c_str());
+  for (const int lead_ms : kLeads_ms) {
+    const Errors errors = errors_of(recordings, kDefaultPredictor, lead_ms);
+    for (std::size_t c = 0; c + 1 < std::size(kSpeeds_deg_s); ++c) {
+      std::vector<double> turn_deg;
+      for (std::size_t i = 0; i < errors.turn_deg.size(); ++i)
+        if (errors.speed_deg_s[i] >= kSpeeds_deg_s[c] && errors.speed_deg_s[i] < kSpeeds_deg_s[c + 1])
+          turn_deg.push_back(errors.turn_deg[i]);
+      const Spread turn = spread_of(turn_deg);
+      std::printf("| %d | %.0f | %zu | %.2f | %.2f | %.2f |\n", lead_ms, kSpeeds_deg_s[c], turn.count,
+                  turn.median, turn.p95, turn.p99);
+    }
+  }
+}
+
+bool write_csv(const std::string& path, const std::vector<Recording>& recordings) {
+  std::ofstream out(path);
+  out << "recording,predictor,lead_ms,frames,turn_deg_p50,turn_deg_p95,turn_deg_p99,way_mm_p50,way_mm_p95,"
+         "way_mm_p99\n";
+  const auto rows = [&](const std::string& name, const std::vector<Recording>& some) {
+    for (const PredictorKind kind : kPredictorKinds)
+      for (const int lead_ms : kLeads_ms) {
+        const Errors errors = errors_of(some, kind, lead_ms);
+        const Spread turn = spread_of(errors.turn_deg), way = spread_of(errors.way_mm);
+        out << name << ',' << to_string(kind) << ',' << lead_ms << ',' << turn.count << ',' << turn.median
+            << ',' << turn.p95 << ',' << turn.p99 << ',' << way.median << ',' << way.p95 << ',' << way.p99
+            << '\n';
+      }
+  };
+  for (const Recording& recording : recordings) rows(recording.name, {recording});
+  rows("all", recordings);
+  out.close();
+  return !out.fail();
+}
+
+int run(int argc, char** argv) {
+  std::vector<std::string> paths;
+  std::string csv;
+  CLI::App app("prediction errors on recorded heads");
+  app.add_option("TRACE", paths)->required();
+  app.add_option("--csv", csv);
+  CLI11_PARSE(app, argc, argv);
+  std::vector<Recording> recordings;
+  for (const std::string& path : paths) {
+    Expected<HeadTrace> trace = load_head_trace(path);
+    if (!trace) {
+      std::fprintf(stderr, "%s\n", trace.error().what.c_str());
+      return 1;
+    }
+    recordings.push_back({std::filesystem::path(path).stem().string(), std::move(*trace)});
+  }
+  print_table(recordings);
+  print_by_speed(recordings);
+  if (csv.empty() || write_csv(csv, recordings)) return 0;
+  std::fprintf(stderr, "%s: cannot be written\n", csv.c_str());
+  return 1;
+}
+
+}  // namespace
+}  // namespace farshade
+
+int main(int argc, char** argv) {
+  return farshade::run(argc, argv);
+}
