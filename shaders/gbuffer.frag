@@ -1,5 +1,6 @@
 // G-buffer: base colour, and in one word pair the shading normal, the geometric normal and the instance.
-// Compiled twice, with and without TEXTURED, since a shader that could read a texture must have one bound.
+// Compiled with and without TEXTURED, since a shader that could read a texture must have one bound; with DEPTH_ONLY
+// it only cuts holes.
 // Holes of alpha-masked materials are cut at LOD 0, as the tracer cuts them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -14,9 +15,12 @@ layout(set = 1, binding = 0) uniform sampler2DArray base_color_texture;
 #endif
 layout(push_constant) uniform Draw { DrawData draw; };
 
+#ifndef DEPTH_ONLY
 layout(location = 0) in vec3 stage_normal;
+#endif
 layout(location = 1) in vec2 texture_uv;
 layout(location = 2) in vec4 vertex_color;
+#ifndef DEPTH_ONLY
 layout(location = 3) flat in uint eye;
 
 layout(location = 0) out vec4 base_color;
@@ -38,6 +42,7 @@ vec3 geometric_normal() {
   vec2 gradient = vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z)) / window.zw;
   return normalize(vec3(gradient, -(gl_FragCoord.z - dot(gradient, t))));
 }
+#endif
 
 void main() {
   vec4 color = draw.base_color;
@@ -49,6 +54,7 @@ void main() {
 #endif
     if (alpha < draw.alpha_cutoff) discard;
   }
+#ifndef DEPTH_ONLY
 #ifdef TEXTURED
   color.rgb *= texture(base_color_texture, vec3(texture_uv, 0.0)).rgb;
 #endif
@@ -58,4 +64,5 @@ void main() {
   if (!gl_FrontFacing) n = -n;
   surface = uvec2(packSnorm2x16(octahedral(n)),
                   (packSnorm4x8(vec4(octahedral(geometric_normal()), 0.0, 0.0)) & 0xFFFFu) | draw.instance << 16);
+#endif
 }

@@ -1,4 +1,5 @@
 // G-buffer, both eyes in one layered pass: each draw's instances are the eyes, and an eye's layer is its index.
+// With DEPTH_ONLY, for the views that masks are asked for: positions, and what cuts holes.
 // (Not multiview: lavapipe of Mesa 22.3.6 loses every draw that needs clipping in all views but the first.)
 #version 460
 #extension GL_ARB_shader_viewport_layer_array : require
@@ -16,18 +17,24 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in vec2 uv;
 layout(location = 3) in vec4 color;
 
+#ifndef DEPTH_ONLY
 layout(location = 0) out vec3 stage_normal;
+#endif
 layout(location = 1) out vec2 texture_uv;
 layout(location = 2) out vec4 vertex_color;
+#ifndef DEPTH_ONLY
 layout(location = 3) flat out uint eye;
+#endif
 
 invariant gl_Position;
 
 void main() {
-  eye = gl_InstanceIndex;
   gl_Layer = gl_InstanceIndex;
-  gl_Position = instances[draw.instance].clip_from_object[eye] * vec4(position, 1.0);
+  gl_Position = instances[draw.instance].clip_from_object[gl_InstanceIndex] * vec4(position, 1.0);
+#ifndef DEPTH_ONLY
+  eye = gl_InstanceIndex;
   stage_normal = mat3(instances[draw.instance].stage_from_object_normal) * normal;
+#endif
   if (kTextured) texture_uv = uv;
   if (kColored) vertex_color = color;
 }

@@ -1,23 +1,31 @@
-// Reproject and shade. Each shown pixel's surface point is carried into the views that the masks in hand were
-// traced for, newest first. The first view that saw the same surface there, in a tile that arrived, gives the
-// point's visibility bits; a point that none saw is unknown and shown by a stated rule. Then the formula:
+// Reproject and shade. What the masks in hand know of each shown pixel's surface point (reproject.glsl) is the
+// visibility k_i of each light; what none knows is shown by a stated rule. Then the formula:
 //   I = (I_d / pi) * sum_i k_i * saturate(N . L_i) * I_i
-// In direct mode the mask was traced for the very view that is shown, and pixel reads pixel.
+// Nearly every pixel is easy: the newest mask knows it, and no shadow edge is near. The first pass shades those and
+// lists the others; the second pass takes all the time it needs for what is listed, a third for what is listed of
+// instances that can move. In direct mode one pass reads the newest mask at the shown pixel itself.
+// (lavapipe walks through both sides of every branch, and through every loop once: only passes spare work.)
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_control_flow_attributes : require
 #include "shaders/shared.h"
 
 layout(local_size_x = 64) in;
 
 layout(constant_id = 0) const uint kLights = 1;
 layout(constant_id = 1) const uint kWordBytes = 1;
-layout(constant_id = 2) const bool kDirect = false;
+layout(constant_id = 2) const uint kPass = FARSHADE_PASS_DIRECT;
 layout(constant_id = 3) const bool kReport = false;
 layout(constant_id = 4) const bool kRangesAndCones = false;
 layout(constant_id = 5) const float kNear = 1e-4;
 layout(constant_id = 6) const float kUnknownVisibility = 1.0;
 layout(constant_id = 7) const uint kEye = 0;
-layout(constant_id = 8) const bool kWhole = false;  // every tile of every mask in hand is known
+layout(constant_id = 8) const bool kWhole = false;    // every tile of every mask in hand is known
+layout(constant_id = 9) const bool kMoved = false;    // something has moved since some mask in hand
+layout(constant_id = 10) const bool kNeighbours = true;  // else a point that no view saw stays unknown
+layout(constant_id = 11) const bool kEdges = true;    // shadow edges between pixels; else the nearest pixel's bits
+layout(constant_id = 12) const float kSharpness = 1.0;
+layout(constant_id = 13) const bool kMovedSinceNewest = false;
 
 layout(binding = 0) uniform Frame { FrameData frame; };
 layout(binding = 1) uniform Lights { LightData lights[kLights + 1]; };
@@ -27,56 +35,25 @@ layout(binding = 4) uniform sampler2DArray depth_ring;
 layout(binding = 5) uniform sampler2DArray base_colors;
 layout(binding = 6) uniform usampler2DArray surfaces;
 layout(binding = 7, rgba8) uniform writeonly image2DArray shown;
-layout(std430, binding = 8) writeonly buffer ShownBits { uint shown_bits[]; };
-layout(std430, binding = 9) writeonly buffer ShownSources { uint shown_sources[]; };
+layout(std430, binding = 8) writeonly buffer Report { uint report[]; };
+layout(std430, binding = 9) readonly buffer MotionSlots { uint motion_slots[]; };  // an instance's; 0 = never moves
+layout(std430, binding = 10) readonly buffer Motions { mat4 motions[]; };          // a slot, a mask, an eye
+layout(std430, binding = 11) buffer Hard {
+  uint hard_count[4];  // an eye: hard pixels, those on instances that can move
+  uint hard_pixels[];  // an eye: x and y in 16 bits each; those on instances that can move from the end
+};
+
+#include "shaders/motion.glsl"
+#include "shaders/reproject.glsl"
+
+const uint kPlanes = (kLights + 31) / 32, kGroups = (kLights + 7) / 8, kQuads = (kLights + 3) / 4;
+const uint kReportWords = 3 + kQuads + 2 * kPlanes;  // source, position, visibilities, unknown, stale
 
 vec3 from_octahedral(vec2 p) {
   vec3 n = vec3(p, 1.0 - abs(p.x) - abs(p.y));
   float fold = max(-n.z, 0.0);
   n.xy -= vec2(n.x < 0.0 ? -fold : fold, n.y < 0.0 ? -fold : fold);
   return normalize(n);
-}
-
-bool tile_known(uint mask, ivec2 pixel) {
-  if (kWhole) return true;
-  uint columns = (frame.traced.x + FARSHADE_TILE_PX - 1) / FARSHADE_TILE_PX;
-  uint tile = uint(pixel.y) / FARSHADE_TILE_PX * columns + uint(pixel.x) / FARSHADE_TILE_PX;
-  uint word = known_words[frame.masks[mask].place.z + kEye * frame.traced.w + tile / 32];
-  return (word >> (tile % 32) & 1u) != 0u;
-}
-
-uint mask_bits(uint mask, ivec2 pixel, uint plane) {
-  uint element = (plane * frame.traced.y + uint(pixel.y)) * frame.traced.x + uint(pixel.x);
-  uint first = frame.masks[mask].place.y + kEye * frame.traced.z;
-  if (kWordBytes == 1) return mask_words[first + element / 4] >> (element % 4 * 8) & 0xFFu;
-  if (kWordBytes == 2) return mask_words[first + element / 2] >> (element % 2 * 16) & 0xFFFFu;
-  return mask_words[first + element];
-}
-
-// Same surface. On the tangent plane of p (normal n) inverse depth is linear on the traced screen, so the plane says
-// what depth the centre of p's traced pixel must have. Real surfaces bend and normals are rounded: the traced depth
-// may differ by half of what the plane itself changes between p and that centre, by a pixel's footprint over the
-// distance, and by float rounding of the depth and of the transform.
-const float kBend = 0.5, kFootprint = 1.0, kRounding = 16.0 / 16777216.0;
-
-bool same_surface(uint mask, vec3 p_shown, vec3 n_shown, out ivec2 pixel) {
-  mat4 traced_from_shown = frame.masks[mask].traced_from_shown[kEye];
-  vec4 window = frame.masks[mask].window[kEye].origin_step;
-  vec3 p = (traced_from_shown * vec4(p_shown, 1.0)).xyz;
-  vec3 n = mat3(traced_from_shown) * n_shown;
-  float facing = dot(n, p);
-  float inverse_z = 1.0 / -p.z;
-  pixel = ivec2(floor((p.xy * inverse_z - window.xy) / window.zw));
-  if (p.z >= 0.0 || facing <= 0.0 || any(lessThan(pixel, ivec2(0))) ||
-      any(greaterThanEqual(pixel, ivec2(frame.traced.xy))))
-    return false;
-  if (!tile_known(mask, pixel)) return false;
-  float traced = texelFetch(depth_ring, ivec3(pixel, frame.masks[mask].place.x + kEye), 0).r;
-  vec3 centre = vec3(window.xy + (vec2(pixel) + 0.5) * window.zw, -1.0);
-  float here = kNear * inverse_z;
-  float expected = kNear * dot(n, centre) / facing;
-  float tolerance = kBend * abs(expected - here) + (kFootprint * max(abs(window.z), abs(window.w)) + kRounding) * here;
-  return abs(traced - expected) <= tolerance;
 }
 
 vec3 radiance(uint i, vec3 p, vec3 n) {
@@ -98,53 +75,114 @@ vec3 srgb(vec3 c) {
   return mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThanEqual(c, vec3(0.0031308)));
 }
 
-void main() {
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+// The pixel of the newest mask that lies at the shown pixel, whatever both see.
+Found same_pixel(ivec2 pixel) {
+  const uint source = kFirst;
+  Found found = Found(FARSHADE_SOURCE_UNKNOWN, false, pixel + ivec2(frame.direct.xy), vec2(0.0));
+  found.at = vec2(found.pixel) + 0.5;
+  if (frame.counts.x > 0 && all(greaterThanEqual(found.pixel, ivec2(0))) &&
+      all(lessThan(found.pixel, ivec2(frame.sources[source].per_step.zw))) && tile_known(source, found.pixel))
+    found.source = source;
+  return found;
+}
+
+uint hard_place(uint i, bool can_move) {
+  uvec2 size = uvec2(frame.eye[kEye].size_px.xy);
+  return size.x * size.y * kEye + (can_move ? size.x * size.y - 1 - i : i);
+}
+
+void list_as_hard(ivec2 pixel, bool can_move) {
+  uint i = atomicAdd(hard_count[kEye * 2 + uint(can_move)], 1);
+  hard_pixels[hard_place(i, can_move)] = pixel.x | pixel.y << 16;
+}
+
+void shade(ivec2 pixel) {
   vec4 size = frame.eye[kEye].size_px;
-  if (pixel.x >= int(size.x)) return;
-  uint index = (kEye * uint(size.y) + uint(pixel.y)) * uint(size.x) + uint(pixel.x);
-  const uint planes = (kLights + 31) / 32;
+  uint report_at = ((kEye * uint(size.y) + uint(pixel.y)) * uint(size.x) + uint(pixel.x)) * kReportWords;
 
   float depth = texelFetch(depth_ring, ivec3(pixel, frame.counts.y + kEye), 0).r;
   if (depth == 0.0) {
     imageStore(shown, ivec3(pixel, kEye), vec4(srgb(frame.background.rgb), 1.0));
     if (kReport) {
-      shown_sources[index] = FARSHADE_SOURCE_UNCOVERED;
-      for (uint plane = 0; plane < planes; ++plane) shown_bits[index * planes + plane] = 0u;
+      report[report_at] = FARSHADE_SOURCE_UNCOVERED;
+      for (uint word = 1; word < kReportWords; ++word) report[report_at + word] = 0u;
     }
     return;
   }
 
   vec4 window = frame.eye[kEye].window.origin_step;
-  vec3 p_eye = vec3(window.xy + (vec2(pixel) + 0.5) * window.zw, -1.0) * (kNear / depth);
-  uvec2 surface = texelFetch(surfaces, ivec3(pixel, kEye), 0).xy;
+  uvec2 stored = texelFetch(surfaces, ivec3(pixel, kEye), 0).xy;
+  Surface surface;
+  surface.position = vec3(window.xy + (vec2(pixel) + 0.5) * window.zw, -1.0) * (kNear / depth);
+  surface.normal = from_octahedral(unpackSnorm4x8(stored.y).xy);
+  surface.slot = kMoved ? motion_slots[stored.y >> 16] : 0u;
+  Found found;
+  if (kPass == FARSHADE_PASS_DIRECT)
+    found = same_pixel(pixel);
+  else if (kPass == FARSHADE_PASS_EASY)
+    found = look_up(kFirst, surface);
+  else
+    found = find(surface);
+  const bool known = found.source != FARSHADE_SOURCE_UNKNOWN, second_look = kPass >= FARSHADE_PASS_HARD;
+  const uint source = second_look && known ? found.source : kFirst;
+  const ivec2 traced_pixel = known ? found.pixel : ivec2(0);
+  const uint mask = mask_of(source);
+  const bool on_edge = kEdges && kPass != FARSHADE_PASS_DIRECT && known && near_shadow_edge(source, traced_pixel);
+  if (kPass == FARSHADE_PASS_EASY)
+    if (!known || on_edge || (kMovedSinceNewest && has_moved(0, surface.slot))) list_as_hard(pixel, surface.slot != 0u);
 
-  uint source = FARSHADE_SOURCE_UNKNOWN;
-  ivec2 traced_pixel = pixel;
-  if (kDirect) {
-    source = 0;
-  } else {
-    vec3 n_eye = from_octahedral(unpackSnorm4x8(surface.y).xy);
-    for (uint mask = 0; mask < frame.counts.x && source == FARSHADE_SOURCE_UNKNOWN; ++mask)
-      if (same_surface(mask, p_eye, n_eye, traced_pixel)) source = mask;
-  }
-
-  mat3 stage_from_eye = mat3(frame.eye[kEye].stage_from_eye);
-  vec3 p_stage = stage_from_eye * p_eye;
-  vec3 n_stage = from_octahedral(unpackSnorm2x16(surface.x));
+  vec3 p_stage = mat3(frame.eye[kEye].stage_from_eye) * surface.position;
+  vec3 n_stage = from_octahedral(unpackSnorm2x16(stored.x));
   vec3 irradiance = vec3(0.0);
-  for (uint plane = 0; plane < planes; ++plane) {
-    bool known = source != FARSHADE_SOURCE_UNKNOWN;
-    uint bits = known ? mask_bits(source, traced_pixel, plane) : kUnknownVisibility >= 0.5 ? ~0u : 0u;
-    for (uint i = plane * 32; i < min(kLights, plane * 32 + 32); ++i) {
-      float lit = float(bits >> (i % 32) & 1u);
-      irradiance += (known ? lit : kUnknownVisibility) * radiance(i, p_stage, n_stage);
+  uint stale = 0u, unknown = 0u, bits = 0u;
+  for (uint group = 0; group < kGroups; ++group) {
+    uint plane = group / 4;
+    if (group % 4 == 0) {
+      bits = known ? mask_bits(source, traced_pixel, plane) : 0u;
+      stale = 0u;
+      if (kReport && kMovedSinceNewest && mask == 0 && known) stale = stale_bits(0, surface.slot, p_stage, plane);
+      if (second_look && kMoved && mask > 0 && known) stale = stale_bits(1, surface.slot, p_stage, plane);
+      // A newer mask than this one has been traced since: what is stale is not trusted any more.
+      unknown = !known ? ~0u : mask > 0 ? stale : 0u;
+      if (kReport) {
+        uint used = kLights >= plane * 32 + 32 ? ~0u : (1u << (kLights % 32)) - 1u;
+        report[report_at + 3 + kQuads + plane] = unknown & used;
+        report[report_at + 3 + kQuads + kPlanes + plane] = stale & ~unknown & used;
+      }
     }
-    if (kReport) shown_bits[index * planes + plane] = bits;
+    Visibility8 k = eight_of(bits >> (group % 4 * 8));
+    if (second_look && on_edge) k = edge_visibility(surface, p_stage, group, k);
+    Visibility8 guess = eight_of(unknown >> (group % 4 * 8));
+    k.low = mix(k.low, vec4(kUnknownVisibility), guess.low);
+    k.high = mix(k.high, vec4(kUnknownVisibility), guess.high);
+    for (uint i = 0; i < 8 && group * 8 + i < kLights; ++i)
+      irradiance += (i < 4 ? k.low[i] : k.high[i - 4]) * radiance(group * 8 + i, p_stage, n_stage);
+    if (kReport) {
+      report[report_at + 3 + group * 2] = packUnorm4x8(k.low);
+      if (group * 2 + 1 < kQuads) report[report_at + 4 + group * 2] = packUnorm4x8(k.high);
+    }
   }
-  if (kReport) shown_sources[index] = source;
+  if (kReport) {
+    report[report_at] = known ? source % FARSHADE_MAX_SOURCES + (found.beside ? FARSHADE_NEIGHBOUR : 0u)
+                              : FARSHADE_SOURCE_UNKNOWN;
+    report[report_at + 1] = floatBitsToUint(found.at.x);
+    report[report_at + 2] = floatBitsToUint(found.at.y);
+  }
 
   const float kInversePi = 0.31830988618;
   vec3 color = texelFetch(base_colors, ivec3(pixel, kEye), 0).rgb * (irradiance * kInversePi + frame.ambient.rgb);
   imageStore(shown, ivec3(pixel, kEye), vec4(srgb(color), 1.0));
+}
+
+void main() {
+  if (kPass < FARSHADE_PASS_HARD) {
+    if (gl_GlobalInvocationID.x < uint(frame.eye[kEye].size_px.x)) shade(ivec2(gl_GlobalInvocationID.xy));
+    return;
+  }
+  const bool can_move = kPass == FARSHADE_PASS_MOVING;
+  uint count = hard_count[kEye * 2 + uint(can_move)];
+  for (uint i = gl_GlobalInvocationID.x; i < count; i += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
+    uint pixel = hard_pixels[hard_place(i, can_move)];
+    shade(ivec2(pixel & 0xFFFFu, pixel >> 16));
+  }
 }

@@ -51,8 +51,15 @@ constexpr double kLongestRoundTrip_ms = 250;
 /// Frames that may be needed after they were asked for: while masks are on their way, and as older masks.
 std::uint32_t frames_in_flight(const Options& options) {
   const double late_ms = options.pace == Pace::Real ? kLongestRoundTrip_ms : options.delay_ms;
-  return static_cast<std::uint32_t>(std::ceil(late_ms * 1e-3 * options.refresh_hz)) + ShadingPass::kMaxMasks +
-         4;
+  return static_cast<std::uint32_t>(std::ceil(late_ms * 1e-3 * options.refresh_hz)) +
+         static_cast<std::uint32_t>(ShadingPass::kMaxMasks) * options.request.every + 4;
+}
+
+RendererLimits renderer_limits(const Options& options) {
+  const bool wider = options.mode == Mode::Hybrid && options.request.guard_band == GuardBandUse::Measured;
+  return {.size = options.size,
+          .traced_size = wider ? largest_traced(options.size) : options.size,
+          .depth_frames = frames_in_flight(options)};
 }
 
 /// What the session stands on; built top to bottom, torn down in reverse.
@@ -108,8 +115,7 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options) {
   client->device = std::move(*device);
   spdlog::info("drawing on {}: {}", client->device.name, client->device.why);
 
-  client->renderer =
-      std::make_unique<Renderer>(client->device, client->scene, options.size, frames_in_flight(options));
+  client->renderer = std::make_unique<Renderer>(client->device, client->scene, renderer_limits(options));
   client->runtime =
       std::make_unique<TraceRuntime>(client->trace, playback_of(options, client->scene, client->trace));
   if (options.mode == Mode::Full || options.reference_every > 0 || !options.dump.empty()) {
@@ -196,10 +202,12 @@ Expected<void> run_client(const Options& options) {
       .link = client.link ? &*client.link : nullptr,
       .own_tracer = options.mode == Mode::Full ? reference : nullptr,
       .policy = {options.pace, duration_from_ms(options.delay_ms), duration_from_ms(options.mask_wait_ms)},
+      .wish = options.request,
+      .carry_over = options.carry_over,
       .report = recorder.measures_any() ? ShadingPass::Report::On : ShadingPass::Report::Off};
   const auto watch = [&](const FrameView& view) {
     recorder.watch(view);
-    progress.show(view.request.frame.value);
+    progress.show(view.shown.frame.value);
   };
   const auto stop = [&] { return stop_signal.has_come() || recorder.failed().has_value(); };
   if (auto done = run(session, watch, stop); !done) return done;

@@ -30,6 +30,12 @@ CLI::Validator within(double low, double high) {
           range};
 }
 
+std::vector<std::string> predictors() {
+  std::vector<std::string> names;
+  for (const PredictorKind kind : kPredictorKinds) names.emplace_back(to_string(kind));
+  return names;
+}
+
 std::string one_line(const CLI::App*, const CLI::Error& error) {
   return fmt::format("vr_client: {} (--help tells more)\n", error.what());
 }
@@ -58,6 +64,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   app.footer(kExamples);
   app.failure_message(&one_line);
   std::string size = "512x512";
+  std::string predictor(to_string(kDefaultPredictor));
   bool validate = false;
 
   app.add_option("--scene", options.scene, "glTF scene (.gltf or .glb)");
@@ -89,6 +96,30 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   app.add_option("--mask-wait", options.mask_wait_ms, "ms that a frame waits for its own masks")
       ->check(within(0, 1000))
       ->capture_default_str();
+  app.add_option("--predictor", predictor,
+                 "how views are predicted for the time their masks are used; hold: as shown")
+      ->check(CLI::IsMember(predictors()))
+      ->capture_default_str();
+  app.add_option("--guard-band", options.request.guard_band,
+                 "trace beyond the views' borders by what prediction was seen to miss")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, GuardBandUse>{
+          {"measured", GuardBandUse::Measured}, {"off", GuardBandUse::Off}}));
+  app.add_option("--mask-every", options.request.every, "ask for masks on every Nth frame")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  app.add_option("--reprojection", options.carry_over.lookup,
+                 "off: show stale masks as they are, which is what reprojection is measured against")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Lookup>{{"on", Lookup::Reproject}, {"off", Lookup::Direct}}));
+  app.add_option("--eyes", options.carry_over.eyes, "whose masks an eye may take from")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, Eyes>{{"both", Eyes::Both}, {"this", Eyes::This}}));
+  app.add_option("--gaps", options.carry_over.gaps, "what a point gets that no traced view saw")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Gaps>{{"neighbours", Gaps::Neighbours}, {"unknown", Gaps::Unknown}}));
+  app.add_option("--edges", options.carry_over.edges, "between a mask's pixels at shadow edges")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Edges>{{"filtered", Edges::Filtered}, {"nearest", Edges::Nearest}}));
   app.add_option("--reference-every", options.reference_every,
                  "compare every Nth frame with a full trace; 0 = never (run times only)")
       ->capture_default_str();
@@ -109,6 +140,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
     const Expected<Extent> parsed = parse_size(size);
     if (!parsed) throw CLI::ValidationError("--size", parsed.error().what);
     options.size = *parsed;
+    options.request.predictor = parse_predictor(predictor).value();
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(EarlyExit{app.exit(error) == 0 ? 0 : 2});
   }

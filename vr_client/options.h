@@ -9,6 +9,8 @@
 #include "stereo/base/expected.h"
 #include "stereo/gpu/device.h"
 #include "stereo/math/fov.h"
+#include "vr_client/ask/request_plan.h"
+#include "vr_client/draw/shading.h"
 #include "vr_client/runtime.h"
 
 namespace farshade {
@@ -37,6 +39,8 @@ struct Options {
   Mode mode = Mode::Hybrid;
   Pace pace = Pace::Virtual;
   double delay_ms = 20, mask_wait_ms = 0;
+  RequestWish request;
+  CarryOver carry_over;
   std::uint32_t reference_every = 1;  ///< 0 = never
   std::uint32_t pictures = 4;
   std::vector<std::uint32_t> dump;

@@ -17,6 +17,14 @@ constexpr double kEqualPictures_dB = 99;
 Recorder::Recorder(RecorderWish wish, Renderer& renderer, Reference* reference)
     : wish_(std::move(wish)), renderer_(renderer), reference_(reference) {}
 
+/// The rays that a guard band costs: pixels asked for beyond those shown, as a share of these.
+std::optional<double> Recorder::guard_band_of(const FrameView& view) {
+  if (view.asked == nullptr) return std::nullopt;
+  return static_cast<double>(view.asked->views[0].size.pixels()) /
+             static_cast<double>(view.shown.views[0].size.pixels()) -
+         1;
+}
+
 bool Recorder::is_pictured(FrameId frame) const {
   // The middles of `pictures` equal parts of the session.
   for (std::uint64_t i = 0; i < wish_.pictures; ++i)
@@ -34,31 +42,49 @@ void Recorder::keep(Expected<void> done) {
 
 /// Leaves `current_` holding the frame as shown and as it should have been.
 PerEye<EyeErrors> Recorder::measure(const FrameView& view) {
-  current_.frame = view.request.frame;
+  current_.frame = view.shown.frame;
   current_.ages.clear();
-  for (const MaskInHand& mask : view.masks)
-    if (renderer_.has_depth(mask.frame))  // others were passed over
-      current_.ages.push_back(view.request.display_time - mask.display_time);
+  for (const MaskInHand& mask : view.masks) {
+    // The newest one's age says how late masks are; older ones were asked for earlier by as much as they are
+    // for.
+    const Duration since_newest = view.masks[0].display_time - mask.display_time;
+    current_.ages.push_back(view.age.value_or(Duration::zero()) + since_newest);
+  }
   for (const Side side : kSides) current_.report[index_of(side)] = renderer_.report(side);
   current_.shown = renderer_.read_shown();
-  const MaskInHand truth = reference_->trace(view.request);
-  renderer_.shade_again({view.request.frame, view.request.views, view.state, {}}, truth);
+  const MaskInHand truth = reference_->trace(view.shown);
+  renderer_.shade_again({.views = view.shown.views,
+                         .state = view.state,
+                         .masks = {&truth, 1},
+                         .carry_over = {.lookup = Lookup::Direct}});
   current_.reference = renderer_.read_shown();
 
   PerEye<EyeErrors> errors;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     errors[eye] = compare_masks(current_.report[eye], truth.masks[eye]);
     errors[eye].psnr_db = std::min(psnr_db(current_.shown[eye], current_.reference[eye]), kEqualPictures_dB);
+    if (view.masks.empty()) continue;
+    const View& traced = view.masks[0].views[eye];
+    errors[eye].unmoved_error =
+        unmoved_error(view.masks[0].masks[eye], grid_offset_px(view.shown.views[eye], traced),
+                      current_.report[eye], truth.masks[eye]);
   }
   return errors;
 }
 
 void Recorder::watch(const FrameView& view) {
-  const FrameId frame = view.request.frame;
-  FrameRecord record{frame, view.request.display_time, std::nullopt, view.times, std::nullopt, std::nullopt};
-  const auto used = std::find_if(view.masks.begin(), view.masks.end(),
-                                 [&](const MaskInHand& mask) { return renderer_.has_depth(mask.frame); });
-  if (used != view.masks.end()) record.staleness = view.request.display_time - used->display_time;
+  const FrameId frame = view.shown.frame;
+  FrameRecord record{.frame = frame,
+                     .display_time = view.shown.display_time,
+                     .age = view.age,
+                     .delta = {},
+                     .times = view.times,
+                     .guard_band = guard_band_of(view),
+                     .server = {},
+                     .errors = {}};
+  if (!view.masks.empty())
+    record.delta = pose_delta(view.shown.views[0], view.shown.display_time, view.masks[0].views[0],
+                              view.masks[0].display_time);
   // A server's frame counts once, in the first frame that is shown with its masks.
   if (view.newest && view.newest->request.frame != counted_) {
     record.server = view.newest->report;
@@ -73,8 +99,8 @@ void Recorder::watch(const FrameView& view) {
   if (failed_) return;
 
   if (pictured) keep(write_shown(wish_.out, frame, measured ? current_.shown : renderer_.read_shown()));
-  if (dumped) keep(write_dump(wish_.out / "dump", view, current_, renderer_.read_distance(frame)));
-  if (measured && record.staleness) {
+  if (dumped) keep(write_dump(wish_.out / "dump", view, current_, renderer_.read_distance()));
+  if (measured && record.delta) {
     const double error = (*record.errors)[0].mask_error + (*record.errors)[1].mask_error;
     if (error > worst_error_) {
       worst_error_ = error;

@@ -11,7 +11,8 @@ MaskInHand Reference::trace(const TraceRequest& request) {
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     all_known_[eye].assign(TileGrid{request.views[eye].size}.count(),
                            all_planes_known(frame_.masks[eye].layout()));
-  return {request.frame, request.display_time, frame_.views, frame_.masks, all_known_, ++traces_};
+  return {request.frame, request.display_time, request.scene_time, frame_.views,
+          frame_.masks,  all_known_,           ++traces_};
 }
 
 }  // namespace farshade

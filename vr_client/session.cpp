@@ -14,34 +14,58 @@ class MaskSource {
  public:
   explicit MaskSource(const Session& session) : session_(session) {}
 
-  void request(const TraceRequest& request) const {
-    if (session_.link) session_.link->request(request);
+  void request(const TraceRequest& asked, Time asked_at) {
+    asked_ = asked.frame;
+    if (session_.link) session_.link->request(asked, asked_at);
   }
 
-  std::span<const MaskInHand> collect(const TraceRequest& request) {
+  std::span<const MaskInHand> collect(const TraceRequest& shown, RequestPlan& plan) {
     masks_.clear();
-    if (session_.own_tracer) masks_.push_back(session_.own_tracer->trace(request));
+    if (session_.own_tracer) masks_.push_back(session_.own_tracer->trace(shown));
     if (!session_.link) return masks_;
-    answering_ = session_.link->wait_for(request.frame, patience()) || is_whole(asked_before_);
-    asked_before_ = request.frame;
-    const std::vector<const ReceivedFrame*> received =
-        session_.link->masks(usable_until(request.display_time));
-    newest_ = received.empty() ? nullptr : received.front();
-    for (const ReceivedFrame* frame : received)
-      masks_.push_back({frame->request.frame, frame->request.display_time, frame->request.views, frame->masks,
+    await();
+    const std::vector<const ReceivedFrame*> received = session_.link->masks(usable_until(shown.display_time));
+    for (const ReceivedFrame* frame : received) {
+      const TraceRequest& request = frame->request;
+      if (is_newer(request.frame, newest_seen_))
+        plan.learn(shown.display_time - session_.link->asked_at(request.frame).value());
+      masks_.push_back({request.frame, request.display_time, request.scene_time, request.views, frame->masks,
                         frame->known_tiles,
                         std::uint64_t{frame->tiles_known[0]} << 32 | frame->tiles_known[1]});
+    }
+    newest_ = received.empty() ? nullptr : received.front();
+    if (newest_) newest_seen_ = newest_->request.frame;
+    return masks_;
+  }
+
+  /// Those that a frame could really be drawn with: the others' depth has left the renderer's ring.
+  std::span<const MaskInHand> drawn_with(const Renderer& renderer, Lookup lookup) {
+    if (lookup == Lookup::Direct) return masks_;
+    std::vector<MaskInHand> drawn;
+    for (const MaskInHand& mask : masks_)
+      if (renderer.has_depth(mask.frame)) drawn.push_back(mask);
+    masks_.swap(drawn);
     return masks_;
   }
 
   /// What the newest mask in hand came from; null if no server sent it.
   [[nodiscard]] const ReceivedFrame* newest() const { return newest_; }
 
+  [[nodiscard]] std::optional<Duration> age(Time now) const {
+    if (newest_ == nullptr) return std::nullopt;
+    return now - session_.link->asked_at(newest_->request.frame).value();
+  }
+
  private:
   /// A server that once let the patience run out is not waited for again until it has answered.
-  [[nodiscard]] Duration patience() const {
-    if (session_.policy.pace == Pace::Real) return session_.policy.mask_wait;
-    return answering_ ? kVirtualPatience : Duration::zero();
+  void await() {
+    if (session_.policy.pace == Pace::Real) {
+      session_.link->wait_for(asked_, session_.policy.mask_wait);
+    } else if (asked_ != awaited_) {
+      const Duration patience = answering_ ? kVirtualPatience : Duration::zero();
+      answering_ = session_.link->wait_for(asked_, patience) || is_whole(awaited_);
+      awaited_ = asked_;
+    }
   }
 
   [[nodiscard]] bool is_whole(FrameId frame) const {
@@ -57,22 +81,25 @@ class MaskSource {
   const Session& session_;
   std::vector<MaskInHand> masks_;
   const ReceivedFrame* newest_ = nullptr;
-  FrameId asked_before_;
+  FrameId newest_seen_;  ///< frames count from 1
+  FrameId asked_, awaited_;
   bool answering_ = true;
 };
 
-/// Traced for these very views, and whole: nothing needs to be carried over.
-bool is_direct(const MaskInHand& mask, const StereoView& shown) {
-  const auto whole = [&](std::size_t eye) {
-    return is_whole(mask.known_tiles[eye], mask.masks[eye].layout());
+/// Traced for these very pixels at this very time, and whole: nothing needs to be carried over.
+bool is_exact(const MaskInHand& mask, const TraceRequest& shown, const Scene& scene) {
+  const auto same = [&](std::size_t eye) {
+    return shares_pixels(shown.views[eye], mask.views[eye]) &&
+           is_whole(mask.known_tiles[eye], mask.masks[eye].layout());
   };
-  return mask.views == shown && whole(0) && whole(1);
+  return same(0) && same(1) && (same_instant(mask.scene_time, shown.scene_time) || scene.animation_length_s == 0);
 }
 
 }  // namespace
 
 Expected<void> run(const Session& session, const FrameWatcher& watch, const std::function<bool()>& stop) {
   MaskSource source(session);
+  RequestPlan plan(session.wish);
   FrameId frame;
   std::optional<Time> first;
   while (!stop()) {
@@ -83,29 +110,33 @@ Expected<void> run(const Session& session, const FrameWatcher& watch, const std:
     const Stopwatch requesting;
     frame = next(frame);
     first = first.value_or(timing->display_time);
-    const TraceRequest request{frame, timing->display_time, Time(timing->display_time - *first),
-                               session.runtime.locate_views(timing->display_time)};
-    const SceneState state = state_at(session.scene, request.scene_time);
-    source.request(request);
+    const TraceRequest shown{frame, timing->display_time, Time(timing->display_time - *first),
+                             session.runtime.locate_views(timing->display_time)};
+    const SceneState state = state_at(session.scene, shown.scene_time);
+    const std::optional<TraceRequest> asked = session.link ? plan.ask(shown, timing->period) : std::nullopt;
+    if (asked) source.request(*asked, shown.display_time);
     times.request = requesting.elapsed();
 
     const Stopwatch collecting;
     const Duration busy = session.link ? session.link->busy() : Duration::zero();
-    const std::span<const MaskInHand> masks = source.collect(request);
+    const std::span<const MaskInHand> masks = source.collect(shown, plan);
     times.collect = session.link ? session.link->busy() - busy : collecting.elapsed();
     if (session.link && session.link->refused()) return tl::unexpected(*session.link->refused());
 
-    const Lookup lookup =
-        !masks.empty() && is_direct(masks[0], request.views) ? Lookup::Direct : Lookup::Reproject;
+    CarryOver carry_over = session.carry_over;
+    if (!masks.empty() && is_exact(masks[0], shown, session.scene)) carry_over.lookup = Lookup::Direct;
+    const TraceRequest* const asked_now = asked ? &*asked : nullptr;
     const DrawTimes drawn =
-        session.renderer.draw({frame, request.views, state, masks, lookup, session.report});
+        session.renderer.draw({shown.views, state, asked_now, masks, carry_over, session.report});
     session.runtime.end_frame(timing->display_time);
 
     times.gbuffer = drawn.gbuffer;
+    times.depth = drawn.depth;
     times.shade = drawn.shade;
     times.draw = drawn.total;
     times.frame = times.request + times.collect + times.draw;
-    watch({request, state, masks, source.newest(), times});
+    watch({shown, asked_now, state, source.drawn_with(session.renderer, carry_over.lookup), source.newest(),
+           source.age(shown.display_time), times});
   }
   return {};
 }

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "stereo/scene/scene_state.h"
+#include "vr_client/ask/request_plan.h"
 #include "vr_client/draw/renderer.h"
 #include "vr_client/reference.h"
 #include "vr_client/runtime.h"
@@ -20,19 +21,21 @@ struct MaskPolicy {
 
 /// Work of the client's stages; time spent waiting for the display or the server is not counted.
 struct StageTimes {
-  Duration request{};           ///< locate views, pose the scene, send
-  Duration collect{};           ///< decode and assemble slices; in mode full: trace
-  Duration gbuffer{}, shade{};  ///< on the device
-  Duration draw{};   ///< both of these with recording, uploads, submission and the wait for the device
+  Duration request{};                    ///< locate views, pose the scene, predict, send
+  Duration collect{};                    ///< decode and assemble slices; in mode full: trace
+  Duration gbuffer{}, depth{}, shade{};  ///< on the device
+  Duration draw{};   ///< all three with recording, uploads, submission and the wait for the device
   Duration frame{};  ///< request + collect + draw
 };
 
 /// One frame as it was shown. References end with the call.
 struct FrameView {
-  const TraceRequest& request;
+  const TraceRequest& shown;  ///< what a full trace of the views on show would be asked
+  const TraceRequest* asked;  ///< what this frame asked for; null if nothing
   const SceneState& state;
-  std::span<const MaskInHand> masks;  ///< in hand, newest first
+  std::span<const MaskInHand> masks;  ///< that the frame was drawn with, newest first
   const ReceivedFrame* newest;        ///< what the newest of them came from; null if no server sent it
+  std::optional<Duration> age;        ///< of what the newest mask was asked with: how long ago that was
   const StageTimes& times;
 };
 using FrameWatcher = std::function<void(const FrameView&)>;
@@ -45,6 +48,8 @@ struct Session {
   ShadowLink* link = nullptr;       ///< mode hybrid
   Reference* own_tracer = nullptr;  ///< mode full
   MaskPolicy policy;
+  RequestWish wish;
+  CarryOver carry_over;
   ShadingPass::Report report = ShadingPass::Report::Off;
 };
 

@@ -46,7 +46,7 @@ Expected<void> ShadowLink::meet(Duration patience) {
   return {};
 }
 
-void ShadowLink::request(const TraceRequest& request) {
+void ShadowLink::request(const TraceRequest& request, Time asked_at) {
   if (!welcomed_) {
     say_hello();
     return;
@@ -54,7 +54,7 @@ void ShadowLink::request(const TraceRequest& request) {
   std::optional<FrameId> newest;
   if (const ReceivedFrame* frame = assembler_.newest_known()) newest = frame->request.frame;
   assembler_.expect(request, lights_, light_set_revision_);
-  asked_.push_back(request.frame);
+  asked_.push_back({request.frame, asked_at});
   if (asked_.size() > frames_) asked_.erase(asked_.begin());
   send(RequestMessage{request, newest});
 }
@@ -94,11 +94,16 @@ bool ShadowLink::wait_for(FrameId frame, Duration patience) {
 
 std::vector<const ReceivedFrame*> ShadowLink::masks(Time until) const {
   std::vector<const ReceivedFrame*> found;
-  for (auto frame = asked_.rbegin(); frame != asked_.rend(); ++frame)
-    if (const ReceivedFrame* received = assembler_.find(*frame);
-        received && received->anything_known() && received->request.display_time <= until)
+  for (auto asked = asked_.rbegin(); asked != asked_.rend(); ++asked)
+    if (const ReceivedFrame* received = assembler_.find(asked->frame);
+        received && received->anything_known() && asked->at <= until)
       found.push_back(received);
   return found;
+}
+
+std::optional<Time> ShadowLink::asked_at(FrameId frame) const {
+  const auto asked = std::ranges::find(asked_, frame, &Asked::frame);
+  return asked == asked_.end() ? std::nullopt : std::optional(asked->at);
 }
 
 void ShadowLink::take(const Welcome& welcome) {

@@ -25,7 +25,8 @@ class ShadowLink {
   /// one may go on, the link keeps trying.
   [[nodiscard]] Expected<void> meet(Duration patience);
 
-  void request(const TraceRequest& request);
+  /// `asked_at` is the display time of the frame that asks; masks() tells frames apart by it.
+  void request(const TraceRequest& request, Time asked_at);
 
   /// Takes in all that has arrived.
   void poll();
@@ -33,8 +34,11 @@ class ShadowLink {
   /// Takes in what arrives until `frame` is whole or `patience` is over. True if it is whole.
   bool wait_for(FrameId frame, Duration patience);
 
-  /// Frames of which something is known and that were asked for display times up to `until`, newest first.
+  /// Frames of which something is known and that were asked for up to the display time `until`, newest first.
   [[nodiscard]] std::vector<const ReceivedFrame*> masks(Time until) const;
+
+  /// When a frame that is still remembered was asked for.
+  [[nodiscard]] std::optional<Time> asked_at(FrameId frame) const;
 
   /// Null if nothing of it is in hand.
   [[nodiscard]] const ReceivedFrame* find(FrameId frame) const { return assembler_.find(frame); }
@@ -69,7 +73,11 @@ class ShadowLink {
   std::uint32_t lights_;
   std::uint32_t light_set_revision_ = 1;
   Assembler assembler_;
-  std::vector<FrameId> asked_;  ///< oldest first, at most `frames_`
+  struct Asked {
+    FrameId frame;
+    Time at;
+  };
+  std::vector<Asked> asked_;  ///< oldest first, at most `frames_`
   std::size_t frames_;
   bool welcomed_ = false;
   std::optional<Time> last_hello_;

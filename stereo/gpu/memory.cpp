@@ -103,6 +103,11 @@ Buffer make_readback_buffer(const Device& device, std::size_t bytes, const std::
                      {kHost | Property::eHostCached, kHost}, name);
 }
 
+Buffer make_device_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
+                          const std::string& name) {
+  return make_buffer(device, bytes, usage, {Property::eDeviceLocal}, name);
+}
+
 Buffer make_filled_buffer(const Device& device, std::span<const std::byte> content,
                           vk::BufferUsageFlags usage, const std::string& name) {
   const Buffer staging =

@@ -32,6 +32,10 @@ struct Buffer {
 /// Written by the device, read by the host.
 [[nodiscard]] Buffer make_readback_buffer(const Device& device, std::size_t bytes, const std::string& name);
 
+/// Written and read by the device alone.
+[[nodiscard]] Buffer make_device_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
+                                        const std::string& name);
+
 /// Device-local, holding `content`.
 [[nodiscard]] Buffer make_filled_buffer(const Device& device, std::span<const std::byte> content,
                                         vk::BufferUsageFlags usage, const std::string& name);

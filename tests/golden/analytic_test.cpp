@@ -110,20 +110,20 @@ class PaperPicture : public OnLavapipe {
 
 TEST_F(PaperPicture, HasEveryColourOfThePlaneRight) {
   const Mask own = theatre_.ask(kNow, now_);
-  expect_as_on_paper(check_plane(theatre_.show(kNow, now_, {own.in_hand()}), now_, kMargin_m));
+  expect_as_on_paper(check_plane(theatre_.show(now_, {own.in_hand()}), now_, kMargin_m));
 }
 
 TEST_F(PaperPicture, KeepsShadowsInPlaceUnderStaleMasks) {
   const Mask stale =
       theatre_.ask(kTraced, theatre_.eyes(moved(theatre_.head(), 3 * std::numbers::pi / 180, {0.02, 0, 0})));
   constexpr double kPixel_m = 0.04;  ///< what one pixel spans on the plane near the box, slantwise
-  expect_as_on_paper(check_plane(theatre_.show(kNow, now_, {stale.in_hand()}), now_, kPixel_m));
+  expect_as_on_paper(check_plane(theatre_.show(now_, {stale.in_hand()}), now_, kPixel_m));
 }
 
 TEST_F(PaperPicture, IsNotOnPaperWhenThePoseDeltaIsIgnored) {
   const Mask stale =
       theatre_.ask(kTraced, theatre_.eyes(moved(theatre_.head(), 3 * std::numbers::pi / 180, {0.02, 0, 0})));
-  const Shown ignored = theatre_.show(kNow, now_, {stale.in_hand()}, Lookup::Direct);
+  const Shown ignored = theatre_.show(now_, {stale.in_hand()}, {.lookup = Lookup::Direct});
   EXPECT_GT(check_plane(ignored, now_, 0.04).unlike, 500u);
 }
 

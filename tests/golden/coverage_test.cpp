@@ -21,7 +21,7 @@ struct Coverage {
 };
 
 Coverage coverage_of(Theatre& theatre, const StereoView& views) {
-  const Shown shown = theatre.show(kNow, views, {});
+  const Shown shown = theatre.show(views, {});
   Scene unlit = theatre.scene();
   unlit.lights.clear();
   Coverage coverage;
@@ -69,7 +69,7 @@ TEST_F(CoverageOf, MirroredSingleSidedQuadsIsOnPaper) {
   const StereoView views = theatre.eyes({{1, 0, 0, 0}, {0, 0, 2.2}});
   EXPECT_EQ(coverage_of(theatre, views).apart, 0u);
 
-  const Shown shown = theatre.show(kNow, views, {});
+  const Shown shown = theatre.show(views, {});
   for (const Side side : kSides)
     for (std::size_t i = 0; i < facings.size(); ++i) {
       const View& view = views[index_of(side)];
@@ -97,7 +97,7 @@ TEST_F(CoverageOf, MirroredBoxesShowTheirFrontsLit) {
   EXPECT_LE(coverage_of(theatre, views).apart_share(), 1e-4);
 
   const Mask mask = theatre.ask(kNow, views);
-  const Shown shown = theatre.show(kNow, views, {mask.in_hand()});
+  const Shown shown = theatre.show(views, {mask.in_hand()});
   const PerEye<Image<float>> distances = theatre.renderer().read_distance(kNow);
   for (const Side side : kSides)
     for (std::size_t i = 0; i < scales.size(); ++i) {
@@ -138,7 +138,7 @@ TEST_F(CoverageOf, FortyLightsShadesFromBothPlanes) {
     for (EyeMask& bits : mask.bits)
       for (std::uint32_t y = 0; y < 128 && lights > 32 && !second_plane; ++y)
         for (std::uint32_t x = 0; x < 128; ++x) bits.set_word(x, y, 1, 0);
-    return theatre.show(kNow, views, {mask.in_hand()}).pictures;
+    return theatre.show(views, {mask.in_hand()}).pictures;
   };
   const auto first_plane = picture_of(40, false);
   EXPECT_EQ(first_plane, picture_of(32, true)) << "lights 32 to 39 are the second plane's";

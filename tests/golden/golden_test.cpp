@@ -95,8 +95,8 @@ class Golden : public OnLavapipe, public testing::WithParamInterface<GoldenScene
 };
 
 TEST_P(Golden, ShownAndReferenceAreTheirGoldens) {
-  const PerEye<Image<Rgb8>> shown = theatre_.show(kNow, now_, {stale_.in_hand()}).pictures,
-                            reference = theatre_.show_reference(kNow, now_);
+  const PerEye<Image<Rgb8>> shown = theatre_.show(now_, {stale_.in_hand()}).pictures,
+                            reference = theatre_.show_reference(now_);
   expect_golden(GetParam(), "shown", shown);
   expect_golden(GetParam(), "reference", reference);
   for (const Side side : kSides)
@@ -112,25 +112,26 @@ TEST_P(Golden, RefusesADroppedLight) {
       for (std::uint32_t y = 0; y < bits.size().height; ++y)
         for (std::uint32_t x = 0; x < bits.size().width; ++x)
           bits.set_word(x, y, 0, bits.word(x, y) & ~(1u << light));
-    expect_refused(theatre_.show(kNow, now_, {without.in_hand()}, Lookup::Direct).pictures,
+    expect_refused(theatre_.show(now_, {without.in_hand()}, {.lookup = Lookup::Direct}).pictures,
                    goldens(GetParam(), "reference"));
   }
 }
 
 TEST_P(Golden, RefusesSwappedEyes) {
-  const PerEye<Image<Rgb8>> shown = theatre_.show(kNow, now_, {stale_.in_hand()}).pictures;
+  const PerEye<Image<Rgb8>> shown = theatre_.show(now_, {stale_.in_hand()}).pictures;
   expect_refused({shown[1], shown[0]}, goldens(GetParam(), "shown"));
 }
 
 TEST_P(Golden, RefusesMasksOfSwappedEyes) {
   Mask swapped = theatre_.trace(kNow, now_);
   std::swap(swapped.bits[0], swapped.bits[1]);
-  expect_refused(theatre_.show(kNow, now_, {swapped.in_hand()}, Lookup::Direct).pictures,
+  expect_refused(theatre_.show(now_, {swapped.in_hand()}, {.lookup = Lookup::Direct}).pictures,
                  goldens(GetParam(), "reference"));
 }
 
 TEST_P(Golden, RefusesAnIgnoredPoseDelta) {
-  const PerEye<Image<Rgb8>> ignored = theatre_.show(kNow, now_, {stale_.in_hand()}, Lookup::Direct).pictures;
+  const PerEye<Image<Rgb8>> ignored =
+      theatre_.show(now_, {stale_.in_hand()}, {.lookup = Lookup::Direct}).pictures;
   expect_refused(ignored, goldens(GetParam(), "shown"));
   expect_refused(ignored, goldens(GetParam(), "reference"));
 }

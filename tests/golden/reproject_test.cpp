@@ -61,7 +61,7 @@ class Reproject : public OnLavapipe {};
 
 /// Every covered pixel is known from the newest mask and has its very bits.
 void expect_same_mask(Theatre& theatre, const StereoView& views, const Mask& mask) {
-  const Shown shown = theatre.show(kNow, views, {mask.in_hand()});
+  const Shown shown = theatre.show(views, {mask.in_hand()});
   std::size_t covered = 0, elsewhere = 0, changed = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     ++covered;
@@ -113,7 +113,7 @@ TEST_P(ReprojectMove, IsWrongAndIgnorantWithinBounds) {
   Theatre theatre(device_, bundled(move.file), 256);
   const Mask stale = theatre.ask(kTraced, theatre.eyes(theatre.head()));
   const StereoView now = theatre.eyes(moved(theatre.head(), move.yaw_degrees * kDegree, move.step_m));
-  const Outcome outcome = outcome_of(theatre.show(kNow, now, {stale.in_hand()}), theatre.trace(kNow, now));
+  const Outcome outcome = outcome_of(theatre.show(now, {stale.in_hand()}), theatre.trace(kNow, now));
   RecordProperty("wrong", std::to_string(outcome.wrong));
   RecordProperty("unknown", std::to_string(outcome.unknown));
   EXPECT_LE(outcome.wrong, move.most_wrong);
@@ -147,7 +147,7 @@ TEST_F(Reproject, LeavesTilesThatNeverCameUnknown) {
                             [y / kTileSide_px * TileGrid{views[0].size}.columns() + x / kTileSide_px] != 0;
   };
   std::size_t unknown = 0, disagreeing = 0;
-  for_covered(theatre.show(kNow, views, {holed.in_hand()}),
+  for_covered(theatre.show(views, {holed.in_hand()}),
               [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
                 unknown += source == kSourceUnknown;
                 disagreeing += source != (known(side, x, y) ? 0 : kSourceUnknown);
@@ -156,7 +156,7 @@ TEST_F(Reproject, LeavesTilesThatNeverCameUnknown) {
   EXPECT_EQ(disagreeing, 0u);
 
   const Mask older = with_noise(theatre.ask(kOlder, views), 2);
-  const Shown shown = theatre.show(kNow, views, {holed.in_hand(), older.in_hand()});
+  const Shown shown = theatre.show(views, {holed.in_hand(), older.in_hand()});
   std::size_t misread = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     const std::size_t eye = index_of(side);
@@ -174,9 +174,9 @@ TEST_F(Reproject, TakesTheOlderMaskOnlyWhereTheNewestFails) {
   };
   const Mask older = with_noise(theatre.ask(kOlder, turned(12)), 3),
              newest = with_noise(theatre.ask(kTraced, turned(-8)), 4);
-  const Shown both = theatre.show(kNow, turned(0), {newest.in_hand(), older.in_hand()}),
-              first = theatre.show(kNow, turned(0), {newest.in_hand()}),
-              second = theatre.show(kNow, turned(0), {older.in_hand()});
+  const Shown both = theatre.show(turned(0), {newest.in_hand(), older.in_hand()}),
+              first = theatre.show(turned(0), {newest.in_hand()}),
+              second = theatre.show(turned(0), {older.in_hand()});
   std::array<std::size_t, 2> used{};
   std::size_t wrong_source = 0, wrong_bits = 0;
   for_covered(both, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
@@ -201,7 +201,7 @@ TEST_F(Reproject, TakesNothingFromAViewThatLooksElsewhere) {
   for (const double degrees : {90.0, 180.0}) {
     const Mask elsewhere =
         with_noise(theatre.ask(kTraced, theatre.eyes(moved(theatre.head(), degrees * kDegree, {}))), 5);
-    const Shown shown = theatre.show(kNow, theatre.eyes(theatre.head()), {elsewhere.in_hand()});
+    const Shown shown = theatre.show(theatre.eyes(theatre.head()), {elsewhere.in_hand()});
     std::size_t known = 0;
     for_covered(shown, [&](Side, std::uint32_t, std::uint32_t, std::uint8_t source) {
       known += source != kSourceUnknown;
@@ -217,8 +217,8 @@ TEST_F(Reproject, ShowsUnknownByTheStatedRule) {
   for (EyeMask& bits : all_lit.bits)
     for (std::uint32_t y = 0; y < 128; ++y)
       for (std::uint32_t x = 0; x < 128; ++x) bits.set_word(x, y, 0, bits.layout().used_bits(0));
-  const Shown lit = theatre.show(kTraced, views, {all_lit.in_hand()}, Lookup::Direct),
-              unknown = theatre.show(kNow, views, {});
+  const Shown lit = theatre.show(views, {all_lit.in_hand()}, {.lookup = Lookup::Direct}),
+              unknown = theatre.show(views, {});
   ASSERT_EQ(kUnknownVisibility, 1.0f);
   EXPECT_EQ(unknown.pictures[0], lit.pictures[0]);
   EXPECT_EQ(unknown.pictures[1], lit.pictures[1]);
@@ -238,7 +238,7 @@ TEST_F(Reproject, TellsBackFromFrontOfASheet) {
   Theatre theatre(device_, sheet_between_walls(), 128);
   const Rigid<Stage, Head> front{{1, 0, 0, 0}, {0, 0, 1.2}}, back{{0, 0, 1, 0}, {0, 0, -1.2}};
   const Mask of_front = theatre.ask(kTraced, theatre.eyes(front));
-  const Shown from_back = theatre.show(kNow, theatre.eyes(back), {of_front.in_hand()});
+  const Shown from_back = theatre.show(theatre.eyes(back), {of_front.in_hand()});
   const ShownReport& report = from_back.reports[0];
   EXPECT_EQ(report.sources[64 * 128 + 64], kSourceUnknown) << "the middle of the sheet's back";
   std::size_t known = 0;
@@ -260,12 +260,12 @@ TEST_F(Reproject, PassesOverMasksWhoseDepthLeftTheRing) {
     return count;
   };
   const Mask mask = theatre.ask(FrameId{10}, before);
-  EXPECT_GT(known(theatre.show(FrameId{11}, now, {mask.in_hand()})), 1000u) << "in the ring of two";
-  EXPECT_EQ(known(theatre.show(FrameId{12}, now, {mask.in_hand()})), 0u) << "its place is being drawn over";
-  EXPECT_EQ(known(theatre.show(FrameId{13}, now, {mask.in_hand()})), 0u) << "long gone";
+  EXPECT_GT(known(theatre.show(now, {mask.in_hand()})), 1000u) << "in the ring of two";
+  EXPECT_EQ(known(theatre.show(now, {mask.in_hand()})), 0u) << "its place is being drawn over";
+  EXPECT_EQ(known(theatre.show(now, {mask.in_hand()})), 0u) << "long gone";
 
   const Mask fresh = theatre.ask(FrameId{14}, before);
-  const Shown shown = theatre.show(FrameId{15}, now, {mask.in_hand(), fresh.in_hand()});
+  const Shown shown = theatre.show(now, {mask.in_hand(), fresh.in_hand()});
   EXPECT_GT(known(shown), 1000u) << "the one after it still counts";
 }
 
@@ -284,7 +284,7 @@ TEST_F(Reproject, HoldsFarFromTheOrigin) {
         head_looking(shift + glm::dvec3(0.5, 1.6, 2.5), shift + glm::dvec3(0, 0.4, 0));
     const Mask stale = theatre.ask(kTraced, theatre.eyes(moved(head, 2 * kDegree, {0.03, 0, 0})));
     const StereoView now = theatre.eyes(head);
-    const Shown shown = theatre.show(kNow, now, {stale.in_hand()});
+    const Shown shown = theatre.show(now, {stale.in_hand()});
     return outcome_of(shown, theatre.trace(kNow, now));
   };
   const Outcome near = show_at({0, 0, 0}), far = show_at({1e6, 0, -1e6});

@@ -88,7 +88,7 @@ MaskInHand Mask::in_hand() const {
     add(bits[eye].bytes().data(), bits[eye].bytes().size());
     add(known_tiles[eye].data(), known_tiles[eye].size());
   }
-  return {frame, Time{}, views, bits, known_tiles, content};
+  return {frame, scene_time, scene_time, views, bits, known_tiles, content};
 }
 
 Mask with_noise(Mask mask, std::uint64_t seed) {
@@ -106,39 +106,46 @@ Theatre::Theatre(const gpu::Device& device, Scene scene, std::uint32_t side_px, 
       state_(state_at(scene_, Time{})),
       side_px_(side_px),
       tracer_(std::make_unique<Tracer>(value_of(Tracer::create(scene_)))),
-      renderer_(std::make_unique<Renderer>(device, scene_, Extent{side_px, side_px}, depth_frames)) {}
+      renderer_(std::make_unique<Renderer>(
+          device, scene_,
+          RendererLimits{{side_px, side_px}, {side_px + side_px / 4, side_px + side_px / 4}, depth_frames})) {
+}
 
 Mask Theatre::trace(FrameId frame, const StereoView& views) {
+  const Time now = state_.scene_time;
   ShadowFrame traced;
-  tracer_->trace({.frame = frame, .display_time = {}, .scene_time = {}, .views = views}, traced);
+  tracer_->trace({.frame = frame, .display_time = now, .scene_time = now, .views = views}, traced);
   const KnownTiles all(TileGrid{views[0].size}.count(), all_planes_known(traced.masks[0].layout()));
-  return {frame, views, std::move(traced.masks), {all, all}};
+  return {frame, now, views, std::move(traced.masks), {all, all}};
 }
 
 Mask Theatre::ask(FrameId frame, const StereoView& views) {
-  renderer_->draw_gbuffer(shown_frame(frame, views, {}, Lookup::Reproject));
+  const Time now = state_.scene_time;
+  const TraceRequest asked{.frame = frame, .display_time = now, .scene_time = now, .views = views};
+  const StereoView shown = eyes(head());
+  ShownFrame drawn = shown_frame(views[0].size == shown[0].size ? views : shown, {}, {});
+  drawn.asked = &asked;
+  renderer_->draw_gbuffer(drawn);
   return trace(frame, views);
 }
 
-Shown Theatre::show(FrameId frame, const StereoView& views, const std::vector<MaskInHand>& masks,
-                    Lookup lookup) {
-  renderer_->draw(shown_frame(frame, views, masks, lookup));
+Shown Theatre::show(const StereoView& views, const std::vector<MaskInHand>& masks,
+                    const CarryOver& carry_over) {
+  renderer_->draw(shown_frame(views, masks, carry_over));
   return {renderer_->read_shown(), {renderer_->report(Side::Left), renderer_->report(Side::Right)}};
 }
 
-PerEye<Image<Rgb8>> Theatre::show_reference(FrameId frame, const StereoView& views) {
-  const Mask truth = ask(frame, views);
-  renderer_->shade_again(shown_frame(frame, views, {}, Lookup::Direct), truth.in_hand());
-  return renderer_->read_shown();
+PerEye<Image<Rgb8>> Theatre::show_reference(const StereoView& views) {
+  const Mask truth = trace(FrameId{}, views);
+  return show(views, {truth.in_hand()}, {.lookup = Lookup::Direct}).pictures;
 }
 
-ShownFrame Theatre::shown_frame(FrameId frame, const StereoView& views, std::span<const MaskInHand> masks,
-                                Lookup lookup) const {
-  return {.frame = frame,
-          .views = views,
+ShownFrame Theatre::shown_frame(const StereoView& views, std::span<const MaskInHand> masks,
+                                const CarryOver& carry_over) const {
+  return {.views = views,
           .state = state_,
           .masks = masks,
-          .lookup = lookup,
+          .carry_over = carry_over,
           .report = ShadingPass::Report::On};
 }
 

@@ -42,6 +42,7 @@ class OnLavapipe : public testing::Test {
 /// A mask that owns what it says.
 struct Mask {
   FrameId frame;
+  Time scene_time;
   StereoView views;
   PerEye<EyeMask> bits;
   PerEye<KnownTiles> known_tiles;
@@ -60,6 +61,7 @@ struct Shown {
 
 class Theatre {
  public:
+  /// Eyes of `side_px`; traced views may be a quarter larger.
   Theatre(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames = 4);
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
@@ -72,14 +74,18 @@ class Theatre {
   /// As trace, and the views' depth goes into the ring.
   [[nodiscard]] Mask ask(FrameId frame, const StereoView& views);
 
-  [[nodiscard]] Shown show(FrameId frame, const StereoView& views, const std::vector<MaskInHand>& masks,
-                           Lookup lookup = Lookup::Reproject);
+  /// Shows `views` with `masks`, newest first, and asks for nothing.
+  [[nodiscard]] Shown show(const StereoView& views, const std::vector<MaskInHand>& masks,
+                           const CarryOver& carry_over = {});
   /// The picture with every pixel's shadows traced at `views`.
-  [[nodiscard]] PerEye<Image<Rgb8>> show_reference(FrameId frame, const StereoView& views);
+  [[nodiscard]] PerEye<Image<Rgb8>> show_reference(const StereoView& views);
+
+  /// Where everything stands from now on: the scene at `scene_time`.
+  void set_time(Time scene_time) { state_ = state_at(scene_, scene_time); }
 
  private:
-  [[nodiscard]] ShownFrame shown_frame(FrameId frame, const StereoView& views,
-                                       std::span<const MaskInHand> masks, Lookup lookup) const;
+  [[nodiscard]] ShownFrame shown_frame(const StereoView& views, std::span<const MaskInHand> masks,
+                                       const CarryOver& carry_over) const;
 
   Scene scene_;
   SceneState state_;

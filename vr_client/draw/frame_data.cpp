@@ -6,9 +6,18 @@
 
 namespace farshade {
 
-gpu::WindowData window_data(const View& view) {
+namespace {
+
+/// Origin and step of the window's pixels.
+glm::dvec4 exact_window(const View& view) {
   const EyeWindow w = window_of(view.fov);
-  return {{w.left, w.up, (w.right - w.left) / view.size.width, (w.down - w.up) / view.size.height}};
+  return {w.left, w.up, (w.right - w.left) / view.size.width, (w.down - w.up) / view.size.height};
+}
+
+}  // namespace
+
+gpu::WindowData window_data(const View& view) {
+  return {glm::vec4(exact_window(view))};
 }
 
 gpu::EyeData eye_data(const View& view) {
@@ -18,14 +27,31 @@ gpu::EyeData eye_data(const View& view) {
           {width, height, 1 / width, 1 / height}};
 }
 
-gpu::MaskData mask_data(const StereoView& shown, const StereoView& traced) {
-  gpu::MaskData data{};
-  for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    const Rigid<Eye, Eye> traced_from_shown = inverse(traced[eye].stage_from_eye) * shown[eye].stage_from_eye;
-    data.traced_from_shown[eye] = glm::mat4(matrix(traced_from_shown));
-    data.window[eye] = window_data(traced[eye]);
-  }
+gpu::SourceData source_data(const PoseDelta& delta, const View& traced) {
+  gpu::SourceData data{};
+  data.traced_from_shown = glm::mat4(matrix(delta.traced_from_shown));
+  const glm::dvec4 window = exact_window(traced);
+  data.origin_step = window;
+  data.per_step = {1 / window.z, 1 / window.w, traced.size.width, traced.size.height};
   return data;
+}
+
+glm::ivec2 grid_offset_px(const View& shown, const View& traced) {
+  const glm::dvec4 a = exact_window(shown), b = exact_window(traced);
+  return {std::lround((a.x - b.x) / b.z), std::lround((a.y - b.y) / b.w)};
+}
+
+bool shares_pixels(const View& shown, const View& traced) {
+  constexpr double kTolerance_px = 1e-3;
+  if (shown.stage_from_eye != traced.stage_from_eye) return false;
+  const glm::dvec4 a = exact_window(shown), b = exact_window(traced);
+  const glm::ivec2 offset = grid_offset_px(shown, traced);
+  const auto on_grid = [&](int axis, std::uint32_t size) {
+    const double first = (a[axis] - b[axis]) / b[axis + 2] - offset[axis],
+                 last = (a[axis + 2] / b[axis + 2] - 1) * size;
+    return std::abs(first) < kTolerance_px && std::abs(first + last) < kTolerance_px;
+  };
+  return on_grid(0, shown.size.width) && on_grid(1, shown.size.height);
 }
 
 gpu::InstanceData instance_data(const StereoView& shown, const Affine<Stage, Object>& stage_from_object) {

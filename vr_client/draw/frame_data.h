@@ -4,7 +4,7 @@
 #include <span>
 
 #include "shaders/shared.h"
-#include "stereo/frame/view.h"
+#include "stereo/frame/pose_delta.h"
 #include "stereo/scene/scene_state.h"
 
 namespace farshade {
@@ -12,8 +12,15 @@ namespace farshade {
 [[nodiscard]] gpu::WindowData window_data(const View& view);
 [[nodiscard]] gpu::EyeData eye_data(const View& view);
 
-/// Where shown eye space lies in the views a mask was traced for. `place` is left to the caller.
-[[nodiscard]] gpu::MaskData mask_data(const StereoView& shown, const StereoView& traced);
+/// How a shown eye looks points up in a traced view. `place` is left to the caller.
+[[nodiscard]] gpu::SourceData source_data(const PoseDelta& delta, const View& traced);
+
+/// Pixels of `traced` that lie left of and above `shown`'s, if both have one pixel grid: the guard band.
+/// The nearest whole number if they have not.
+[[nodiscard]] glm::ivec2 grid_offset_px(const View& shown, const View& traced);
+
+/// Whether a shown pixel's centre is a traced pixel's centre: one pose, one pixel grid.
+[[nodiscard]] bool shares_pixels(const View& shown, const View& traced);
 
 [[nodiscard]] gpu::InstanceData instance_data(const StereoView& shown,
                                               const Affine<Stage, Object>& stage_from_object);

@@ -9,62 +9,103 @@ std::uint32_t light_count(const Scene& scene) {
 
 }  // namespace
 
-Renderer::Renderer(const gpu::Device& device, const Scene& scene, Extent size, std::uint32_t depth_frames)
+Renderer::Renderer(const gpu::Device& device, const Scene& scene, const RendererLimits& limits)
     : device_(device),
-      size_(size),
-      gbuffer_(device, scene, size, depth_frames),
-      shading_(device, gbuffer_, size, light_count(scene)),
+      scene_(scene),
+      size_(limits.size),
+      buffers_(make_scene_buffers(device, scene)),
+      motion_(scene),
+      frame_buffer_(gpu::make_mapped_buffer(device, sizeof(gpu::FrameData),
+                                            vk::BufferUsageFlagBits::eUniformBuffer, "frame")),
+      ring_(device, limits.traced_size, limits.depth_frames),
+      gbuffer_(device, scene, buffers_, frame_buffer_, limits.size),
+      depth_pass_(device, scene, buffers_, frame_buffer_),
+      shading_(device, gbuffer_, ring_, frame_buffer_, motion_, limits.size, limits.traced_size,
+               light_count(scene)),
+      shown_depth_(ring_.shown()),
       commands_(std::move(device.logical.allocateCommandBuffers({.commandPool = *device.commands,
                                                                  .level = vk::CommandBufferLevel::ePrimary,
                                                                  .commandBufferCount = 1})[0])),
       fence_(device.logical.createFence({})),
-      stamps_(device, 3),
-      readback_(gpu::make_readback_buffer(device, size.pixels() * kEyes * 4, "read-back")) {}
+      stamps_(device, 4),
+      readback_(gpu::make_readback_buffer(device, limits.size.pixels() * kEyes * 4, "read-back")) {
+  check(limits.traced_size.width >= size_.width && limits.traced_size.height >= size_.height,
+        "what is shown can be traced");
+}
+
+/// Where the shown views' depth goes, and the requested views' if they are others.
+void Renderer::place_depth(const ShownFrame& frame) {
+  asked_depth_.reset();
+  shown_depth_ = ring_.shown();
+  if (frame.asked == nullptr) return;
+  const DepthRing::Place place = ring_.claim(frame.asked->frame);
+  if (frame.asked->views == frame.views && frame.asked->scene_time == frame.state.scene_time) {
+    shown_depth_ = place;
+    return;
+  }
+  asked_depth_ = place;
+  depth_pass_.prepare(frame.asked->views, state_at(scene_, frame.asked->scene_time));
+}
+
+/// The masks that can be used, as the shading pass takes them.
+void Renderer::prepare_shading(const ShownFrame& frame) {
+  std::vector<DatedMask> masks;
+  for (const MaskInHand& mask : frame.masks) {
+    const bool has_what_it_needs = ring_.has(mask.frame) || frame.carry_over.lookup == Lookup::Direct;
+    if (masks.size() == ShadingPass::kMaxMasks || !has_what_it_needs) continue;
+    Motion motion;
+    if (scene_.animation_length_s > 0 && !same_instant(mask.scene_time, frame.state.scene_time))
+      motion = motion_.between(state_at(scene_, mask.scene_time), frame.state);
+    masks.push_back({mask, std::move(motion)});
+  }
+  shading_.prepare(shown_depth_.layer, frame.views, frame.state.light_set, masks, frame.carry_over);
+}
 
 DrawTimes Renderer::draw(const ShownFrame& frame) {
   const Stopwatch watch;
-  std::vector<MaskInHand> usable;
-  for (const MaskInHand& mask : frame.masks) {
-    const bool drawn_over = gbuffer_.depth_layer(mask.frame) == gbuffer_.depth_layer(frame.frame);
-    const bool has_depth = mask.frame == frame.frame || (gbuffer_.has_depth(mask.frame) && !drawn_over);
-    if (has_depth && usable.size() < ShadingPass::kMaxMasks) usable.push_back(mask);
-  }
+  place_depth(frame);
   gbuffer_.prepare(frame.views, frame.state);
-  shading_.prepare(frame.frame, frame.views, frame.state.light_set, usable);
-  DrawTimes times = submit(frame, Stage::Both, frame.lookup);
+  prepare_shading(frame);
+  DrawTimes times = submit(frame, Stage::Both);
   times.total = watch.elapsed();
   return times;
 }
 
 DrawTimes Renderer::draw_gbuffer(const ShownFrame& frame) {
   const Stopwatch watch;
+  place_depth(frame);
   gbuffer_.prepare(frame.views, frame.state);
-  shading_.prepare(frame.frame, frame.views, frame.state.light_set, {});
-  DrawTimes times = submit(frame, Stage::GBuffer, frame.lookup);
+  shading_.prepare(shown_depth_.layer, frame.views, frame.state.light_set, {}, frame.carry_over);
+  DrawTimes times = submit(frame, Stage::GBuffer);
   times.total = watch.elapsed();
   return times;
 }
 
-DrawTimes Renderer::shade_again(const ShownFrame& frame, const MaskInHand& reference) {
+DrawTimes Renderer::shade_again(const ShownFrame& frame) {
   const Stopwatch watch;
-  shading_.prepare(frame.frame, frame.views, frame.state.light_set, {&reference, 1});
-  DrawTimes times = submit(frame, Stage::Shade, Lookup::Direct);
+  prepare_shading(frame);
+  DrawTimes times = submit(frame, Stage::Shade);
   times.total = watch.elapsed();
   return times;
 }
 
-DrawTimes Renderer::submit(const ShownFrame& frame, Stage stage, Lookup lookup) {
+DrawTimes Renderer::submit(const ShownFrame& frame, Stage stage) {
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
   stamps_.reset(commands_);
   stamps_.write(commands_, 0);
-  if (stage != Stage::Shade) gbuffer_.record(commands_, frame.frame);
+  if (stage != Stage::Shade) gbuffer_.record(commands_, ring_, shown_depth_);
   stamps_.write(commands_, 1);
-  if (stage != Stage::GBuffer) shading_.record(commands_, lookup, frame.report);
+  if (stage != Stage::Shade && asked_depth_) depth_pass_.record(commands_, ring_, *asked_depth_);
   stamps_.write(commands_, 2);
+  if (stage != Stage::GBuffer) shading_.record(commands_, frame.report);
+  stamps_.write(commands_, 3);
   commands_.end();
   gpu::submit_and_wait(device_, commands_, fence_);
-  return {.gbuffer = stamps_.between(0, 1), .shade = stamps_.between(1, 2)};
+  return {.gbuffer = stamps_.between(0, 1),
+          .depth = stamps_.between(1, 2),
+          .shade = stamps_.between(2, 3),
+          .total = {}};
 }
 
 PerEye<Image<Rgb8>> Renderer::read_shown() const {
@@ -77,10 +118,8 @@ PerEye<Image<Rgb8>> Renderer::read_shown() const {
   return result;
 }
 
-PerEye<Image<float>> Renderer::read_distance(FrameId frame) const {
-  check(gbuffer_.has_depth(frame), "the depth asked for is in the ring");
-  read_back(gbuffer_.depth_ring(), vk::ImageLayout::eShaderReadOnlyOptimal,
-            {gbuffer_.depth_layer(frame), kEyes});
+PerEye<Image<float>> Renderer::read_distance() const {
+  read_back(ring_.image(), vk::ImageLayout::eShaderReadOnlyOptimal, {shown_depth_.layer, kEyes});
   const auto depths = readback_.as<const float>();
   PerEye<Image<float>> result{Image<float>(size_), Image<float>(size_)};
   for (std::size_t eye = 0; eye < kEyes; ++eye)

@@ -1,5 +1,5 @@
-/// Renderer: one shown frame, from views to pixels: G-buffer, then masks carried over and shaded.
-/// One frame at a time; draw returns when the device has finished.
+/// Renderer: one shown frame, from views to pixels: G-buffer, the depth of what is asked for, then masks
+/// carried over and shaded. One frame at a time; draw returns when the device has finished.
 #pragma once
 
 #include "stereo/image/image.h"
@@ -8,50 +8,67 @@
 namespace farshade {
 
 struct DrawTimes {
-  Duration gbuffer{}, shade{};  ///< on the device
-  Duration total{};             ///< wall time of the call: recording, uploads, submission and wait as well
+  Duration gbuffer{}, depth{}, shade{};  ///< on the device; depth: of requested views that are not shown
+  Duration total{};                      ///< wall time of the call: recording, uploads, submission, wait
 };
 
 struct ShownFrame {
-  FrameId frame;
   StereoView views;  ///< both eyes of the renderer's size
   const SceneState& state;
-  std::span<const MaskInHand> masks;  ///< newest first; those whose depth has left the ring are passed over
-  Lookup lookup = Lookup::Reproject;
+  const TraceRequest* asked = nullptr;  ///< what this frame asks for; its views' depth is kept
+  std::span<const MaskInHand> masks;  ///< newest first; those whose depth is not in the ring are passed over
+  CarryOver carry_over;
   ShadingPass::Report report = ShadingPass::Report::Off;
+};
+
+/// How large the renderer's pictures and masks may be, and how long requests are remembered.
+struct RendererLimits {
+  Extent size;                     ///< pixels of a shown eye
+  Extent traced_size;              ///< of a traced eye at most
+  std::uint32_t depth_frames = 8;  ///< requests whose depth is kept
 };
 
 class Renderer {
  public:
-  /// `size` pixels an eye; masks up to `depth_frames` frames old can be used. References are kept.
-  /// Throws when the device runs out of memory.
-  Renderer(const gpu::Device& device, const Scene& scene, Extent size, std::uint32_t depth_frames);
+  /// References are kept. Throws when the device runs out of memory.
+  Renderer(const gpu::Device& device, const Scene& scene, const RendererLimits& limits);
 
   DrawTimes draw(const ShownFrame& frame);
 
-  /// Shades the last frame drawn again, with `reference` traced for its very views.
-  DrawTimes shade_again(const ShownFrame& frame, const MaskInHand& reference);
+  /// Shades the last frame drawn again: the same views and state, other masks or another way to carry them
+  /// over.
+  DrawTimes shade_again(const ShownFrame& frame);
 
-  /// The G-buffer pass alone: what a client without shadows would pay.
+  /// The G-buffer pass alone: what a client without shadows would pay. Keeps its depth for `asked`.
   DrawTimes draw_gbuffer(const ShownFrame& frame);
 
-  [[nodiscard]] bool has_depth(FrameId frame) const { return gbuffer_.has_depth(frame); }
+  [[nodiscard]] bool has_depth(FrameId frame) const { return ring_.has(frame); }
 
   // Of the last draw.
   [[nodiscard]] PerEye<Image<Rgb8>> read_shown() const;
   [[nodiscard]] ShownReport report(Side side) const { return shading_.report(side); }
   /// Metres along -z, 0 where nothing is covered.
-  [[nodiscard]] PerEye<Image<float>> read_distance(FrameId frame) const;
+  [[nodiscard]] PerEye<Image<float>> read_distance() const;
 
  private:
   enum class Stage : std::uint8_t { GBuffer, Shade, Both };
-  DrawTimes submit(const ShownFrame& frame, Stage stage, Lookup lookup);
+  void place_depth(const ShownFrame& frame);
+  void prepare_shading(const ShownFrame& frame);
+  DrawTimes submit(const ShownFrame& frame, Stage stage);
   void read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers) const;
 
   const gpu::Device& device_;
+  const Scene& scene_;
   Extent size_;
+  SceneBuffers buffers_;
+  MotionModel motion_;
+  gpu::Buffer frame_buffer_;  ///< one FrameData, which all passes read
+  DepthRing ring_;
   GBufferPass gbuffer_;
+  DepthPass depth_pass_;
   ShadingPass shading_;
+  DepthRing::Place shown_depth_;                 ///< of the last frame drawn
+  std::optional<DepthRing::Place> asked_depth_;  ///< where the depth pass draws, if it has to
   vk::raii::CommandBuffer commands_{nullptr};
   vk::raii::Fence fence_{nullptr};
   gpu::Timestamps stamps_;

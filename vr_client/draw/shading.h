@@ -9,14 +9,16 @@
 #include "stereo/frame/known_tiles.h"
 #include "stereo/frame/shadow_frame.h"
 #include "vr_client/draw/gbuffer.h"
+#include "vr_client/draw/motion.h"
 
 namespace farshade {
 
 /// A mask as the shading pass takes it, whoever made it. References must outlive the draw.
 struct MaskInHand {
   FrameId frame;
-  Time display_time;        ///< that it was asked for
-  const StereoView& views;  ///< that it was traced for; both eyes the size of the shown ones
+  Time display_time;        ///< that it was traced for
+  Time scene_time;          ///< at which it was traced
+  const StereoView& views;  ///< that it was traced for; both eyes of one size
   const PerEye<EyeMask>& masks;
   const PerEye<KnownTiles>& known_tiles;
   std::uint64_t content = 0;  ///< changes whenever bits do
@@ -24,34 +26,62 @@ struct MaskInHand {
 
 enum class Lookup : std::uint8_t {
   Reproject,  ///< carry points into the traced views
-  Direct,     ///< the one mask was traced for the shown views: pixel reads pixel
+  Direct,     ///< the newest mask is read at the shown pixel, whatever both see
+};
+enum class Eyes : std::uint8_t { This, Both };
+enum class Gaps : std::uint8_t { Unknown, Neighbours };
+enum class Edges : std::uint8_t { Nearest, Filtered };
+
+/// How masks are carried over. The defaults were chosen by measurement (docs/reprojection.md).
+struct CarryOver {
+  Lookup lookup = Lookup::Reproject;
+  Eyes eyes = Eyes::Both;         ///< whose masks an eye may take from
+  Gaps gaps = Gaps::Neighbours;   ///< what a point gets that no view saw
+  Edges edges = Edges::Filtered;  ///< what a point near a shadow edge gets
+  friend auto operator<=>(const CarryOver&, const CarryOver&) = default;
 };
 
-/// Where a pixel's shadow came from: an index into the masks given (0 = newest), or one of the two below.
-inline constexpr std::uint8_t kSourceUnknown = FARSHADE_SOURCE_UNKNOWN,
+/// What a pixel was shown with: a mask in hand (0 = newest), kOtherEye added where it was traced for the
+/// other eye, kNeighbour where its view saw only the surface beside the point; or one of the two below.
+inline constexpr std::uint8_t kOtherEye = FARSHADE_MAX_MASKS, kNeighbour = FARSHADE_NEIGHBOUR,
+                              kSourceUnknown = FARSHADE_SOURCE_UNKNOWN,
                               kSourceUncovered = FARSHADE_SOURCE_UNCOVERED;
 
-/// What each pixel of one eye was shown with.
+/// What each pixel of one eye was shown with; pixels row by row.
 struct ShownReport {
-  EyeMask mask;                       ///< bits shown; of an unknown pixel the rule's
-  std::vector<std::uint8_t> sources;  ///< row-major
+  EyeMask mask;  ///< lights shown with a visibility of a half or more
+  std::vector<std::uint8_t> sources;
+  std::vector<std::array<float, 2>> positions;  ///< where in the source's view the point lies, pixels
+  std::vector<std::uint8_t> visibility;       ///< pixel by pixel, of each light, 255 = 1; unknown: the rule's
+  std::vector<std::uint32_t> unknown, stale;  ///< pixel by pixel, bits as in the mask's planes
 };
 
 /// The stated rule: a pixel-light that nothing in hand knows is shown with this visibility.
 inline constexpr float kUnknownVisibility = 1.0f;
 
+/// A mask with what has moved since it was traced.
+struct DatedMask {
+  const MaskInHand& mask;
+  Motion motion;
+};
+
 class ShadingPass {
  public:
-  ShadingPass(const gpu::Device& device, const GBufferPass& gbuffer, Extent size, std::uint32_t lights);
+  /// Shown views of `size`, masks of up to `traced_size` pixels an eye and `lights` lights; `motion` says
+  /// which instances move. `frame` holds the FrameData that `prepare` fills.
+  ShadingPass(const gpu::Device& device, const GBufferPass& gbuffer, const DepthRing& ring,
+              const gpu::Buffer& frame, const MotionModel& motion, Extent size, Extent traced_size,
+              std::uint32_t lights);
 
   static constexpr std::size_t kMaxMasks = FARSHADE_MAX_MASKS;
 
-  /// What `record` will shade with: at most kMaxMasks masks, newest first, each with its depth in the ring.
-  void prepare(FrameId shown, const StereoView& views, const LightSet& lights,
-               std::span<const MaskInHand> masks);
+  /// What `record` will shade with: at most kMaxMasks masks, newest first, each with its depth in the ring
+  /// (Direct needs none). The shown views' depth begins at `shown_layer`.
+  void prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
+               std::span<const DatedMask> masks, const CarryOver& carry_over);
 
   enum class Report : std::uint8_t { Off, On };
-  void record(const vk::raii::CommandBuffer& commands, Lookup lookup, Report report);
+  void record(const vk::raii::CommandBuffer& commands, Report report);
 
   /// Both eyes, sRGB with alpha 255; in layout General after `record`.
   [[nodiscard]] const gpu::Image& shown() const { return shown_; }
@@ -60,15 +90,22 @@ class ShadingPass {
 
  private:
   struct Key {
-    Lookup lookup;
+    std::uint32_t pass;  ///< FARSHADE_PASS_*
+    CarryOver carry_over;
     Report report;
-    bool ranges_and_cones, whole;
+    bool ranges_and_cones, whole, moved, moved_since_newest;
     std::uint32_t eye;
     friend auto operator<=>(const Key&, const Key&) = default;
   };
-  [[nodiscard]] const vk::raii::Pipeline& pipeline(Key key);
+  [[nodiscard]] Key key_of(std::uint32_t pass, Report report, std::uint32_t eye) const;
+  [[nodiscard]] const vk::raii::Pipeline& pipeline(const Key& key);
   std::size_t make_resident(const MaskInHand& mask);
   [[nodiscard]] bool upload(std::size_t slot, const MaskInHand& mask) const;
+  void list_sources(const StereoView& views, std::span<const DatedMask> masks, gpu::FrameData& frame);
+  void tell_carries(const StereoView& views, std::span<const DatedMask> masks, std::size_t mask);
+  bool tell_stale(const StereoView& views, std::span<const DatedMask> masks, std::size_t since,
+                  gpu::FrameData& frame);
+  void make_report_buffer();
 
   struct Resident {
     std::optional<FrameId> frame;
@@ -78,10 +115,14 @@ class ShadingPass {
 
   const gpu::Device& device_;
   const GBufferPass& gbuffer_;
+  const DepthRing& ring_;
+  const gpu::Buffer& frame_buffer_;
   Extent size_;
   MaskLayout mask_;
   std::size_t mask_words_, known_words_;  ///< of one eye
-  gpu::Buffer light_buffer_, mask_buffer_, known_buffer_, bits_buffer_, source_buffer_;
+  gpu::Buffer light_buffer_, mask_buffer_, known_buffer_, report_buffer_;
+  gpu::Buffer motion_slots_, motion_buffer_, hard_buffer_;
+  std::size_t motion_count_;  ///< slots
   gpu::Image shown_;
   vk::raii::Sampler nearest_{nullptr};
   gpu::Bindings bindings_;
@@ -90,8 +131,11 @@ class ShadingPass {
   std::map<Key, vk::raii::Pipeline> pipelines_;
   std::array<Resident, kMaxMasks> resident_;
   std::uint64_t draws_ = 0;
+  CarryOver carry_over_;
+  std::size_t masks_ = 0;
   bool ranges_and_cones_ = false;
-  bool whole_ = false;  ///< no tile is missing in any mask in hand
+  bool whole_ = false;                               ///< no tile is missing in any mask in hand
+  bool moved_ = false, moved_since_newest_ = false;  ///< something has, since some mask in hand
 };
 
 }  // namespace farshade

@@ -43,10 +43,10 @@ json light_json(const Light& light) {
 
 json describe(const FrameView& view) {
   json described{{"shown",
-                  {{"frame", view.request.frame.value},
-                   {"display_time_ns", ns_of(view.request.display_time)},
-                   {"scene_time_ns", ns_of(view.request.scene_time)},
-                   {"views", views_json(view.request.views)}}},
+                  {{"frame", view.shown.frame.value},
+                   {"display_time_ns", ns_of(view.shown.display_time)},
+                   {"scene_time_ns", ns_of(view.shown.scene_time)},
+                   {"views", views_json(view.shown.views)}}},
                  {"light_set_revision", view.state.light_set.revision},
                  {"lights", json::array()},
                  {"traced", nullptr}};

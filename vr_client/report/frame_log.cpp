@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <numbers>
 
 namespace farshade {
 namespace {
@@ -35,7 +36,7 @@ template <class Get>
 Figure error(Side side, std::string metric, std::string unit, Worse worse, Get get) {
   return {std::string(name_of(side)) + " eye", std::move(metric), std::move(unit),
           [get, side](const FrameRecord& r) -> std::optional<double> {
-            if (!r.errors || !r.staleness) return std::nullopt;
+            if (!r.errors || !r.delta) return std::nullopt;
             return get((*r.errors)[index_of(side)]);
           },
           worse};
@@ -48,6 +49,7 @@ std::vector<Figure> figures() {
       client_ms("collect masks", [](const StageTimes& t) { return t.collect; }),
       client_ms("draw", [](const StageTimes& t) { return t.draw; }),
       client_ms("G-buffer", [](const StageTimes& t) { return t.gbuffer; }),
+      client_ms("depth of requested views", [](const StageTimes& t) { return t.depth; }),
       client_ms("reproject and shade", [](const StageTimes& t) { return t.shade; }),
       server("frame", "ms", [](const FrameReport& r) { return ms_of(r.primary + r.shadow + r.pack); }),
       server("primary visibility", "ms", [](const FrameReport& r) { return ms_of(r.primary); }),
@@ -74,20 +76,49 @@ std::vector<Figure> figures() {
        }},
       {"wire", "staleness", "ms",
        [](const FrameRecord& r) -> std::optional<double> {
-         if (!r.staleness) return std::nullopt;
-         return ms_of(*r.staleness);
+         if (!r.delta) return std::nullopt;
+         return ms_of(r.delta->age);
+       }},
+      {"wire", "age", "ms",
+       [](const FrameRecord& r) -> std::optional<double> {
+         if (!r.age) return std::nullopt;
+         return ms_of(*r.age);
+       }},
+      {"head", "turned since traced view", "deg",
+       [](const FrameRecord& r) -> std::optional<double> {
+         if (!r.delta) return std::nullopt;
+         return r.delta->angle_rad * 180 / std::numbers::pi;
+       }},
+      {"head", "moved since traced view", "mm",
+       [](const FrameRecord& r) -> std::optional<double> {
+         if (!r.delta) return std::nullopt;
+         return r.delta->distance_m * 1e3;
+       }},
+      {"head", "guard band", "% of pixels",
+       [](const FrameRecord& r) -> std::optional<double> {
+         if (!r.guard_band) return std::nullopt;
+         return *r.guard_band * 100;
        }},
   };
   for (const Side side : kSides) {
     list.push_back(
         error(side, "mask error", "%", Worse::High, [](const EyeErrors& e) { return 100 * e.mask_error; }));
+    list.push_back(error(side, "mask error among known", "%", Worse::High,
+                         [](const EyeErrors& e) { return 100 * e.known_error; }));
+    list.push_back(error(side, "mask error unreprojected", "%", Worse::High,
+                         [](const EyeErrors& e) { return 100 * e.unmoved_error.value_or(0); }));
     list.push_back(error(side, "PSNR", "dB", Worse::Low, [](const EyeErrors& e) { return e.psnr_db; }));
     list.push_back(
         error(side, "from newest mask", "%", Worse::Low, [](const EyeErrors& e) { return 100 * e.newest; }));
+    list.push_back(error(side, "from other eye's newest", "%", Worse::High,
+                         [](const EyeErrors& e) { return 100 * e.other_eye; }));
     list.push_back(
         error(side, "from older masks", "%", Worse::High, [](const EyeErrors& e) { return 100 * e.older; }));
     list.push_back(
+        error(side, "neighbours", "%", Worse::High, [](const EyeErrors& e) { return 100 * e.neighbours; }));
+    list.push_back(
         error(side, "unknown", "%", Worse::High, [](const EyeErrors& e) { return 100 * e.unknown; }));
+    list.push_back(error(side, "stale", "%", Worse::High, [](const EyeErrors& e) { return 100 * e.stale; }));
   }
   return list;
 }
@@ -101,7 +132,7 @@ Spread toward(Worse worse, std::vector<double> values) {
 
 std::size_t FrameLog::start_up_frames() const {
   return static_cast<std::size_t>(std::count_if(records_.begin(), records_.end(),
-                                                [](const FrameRecord& record) { return !record.staleness; }));
+                                                [](const FrameRecord& record) { return !record.delta; }));
 }
 
 std::vector<SummaryRow> FrameLog::summary() const {

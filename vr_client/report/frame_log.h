@@ -14,8 +14,11 @@ namespace farshade {
 struct FrameRecord {
   FrameId frame;
   Time display_time;
-  std::optional<Duration> staleness;  ///< display time minus the newest mask's; nothing before the first mask
+  std::optional<Duration> age;  ///< since the newest mask was asked for; nothing where no server sent one
+  std::optional<PoseDelta>
+      delta;  ///< the left eye's, from the newest mask to what was shown; nothing before it
   StageTimes times;
+  std::optional<double> guard_band;         ///< pixels asked for beyond those shown, as a share of these
   std::optional<FrameReport> server;        ///< of masks first shown in this frame
   std::optional<PerEye<EyeErrors>> errors;  ///< nothing if no reference was traced
 };

@@ -1,50 +1,89 @@
 #include "vr_client/report/measure.h"
 
 #include <bit>
+#include <cmath>
+#include <numbers>
 
 namespace farshade {
 namespace {
 
-/// Sum of |k shown - k reference| over the lights of one pixel.
-double pixel_error(const ShownReport& shown, const EyeMask& reference, std::uint32_t x, std::uint32_t y,
-                   std::uint8_t source) {
-  double error = 0;
-  const MaskLayout layout = reference.layout();
-  for (std::uint32_t plane = 0; plane < layout.planes(); ++plane) {
-    const std::uint32_t truth = reference.word(x, y, plane);
-    if (source == kSourceUnknown) {
-      const int lit = std::popcount(truth), dark = static_cast<int>(layout.lights_in(plane)) - lit;
-      error += lit * (1.0 - double{kUnknownVisibility}) + dark * double{kUnknownVisibility};
-    } else {
-      error += std::popcount(truth ^ shown.mask.word(x, y, plane));
-    }
-  }
-  return error;
+/// Calls `visit(x, y, pixel)` for every covered pixel.
+template <class Visit>
+void for_covered(const ShownReport& shown, Extent size, const Visit& visit) {
+  std::size_t pixel = 0;
+  for (std::uint32_t y = 0; y < size.height; ++y)
+    for (std::uint32_t x = 0; x < size.width; ++x, ++pixel)
+      if (shown.sources[pixel] != kSourceUncovered) visit(x, y, pixel);
+}
+
+double& share_of(EyeErrors& errors, std::uint8_t source) {
+  if (source >= kNeighbour) return errors.neighbours;
+  if (source % kOtherEye > 0) return errors.older;
+  return source == 0 ? errors.newest : errors.other_eye;
 }
 
 }  // namespace
 
 EyeErrors compare_masks(const ShownReport& shown, const EyeMask& reference) {
   EyeErrors errors;
-  std::uint64_t covered = 0, newest = 0, unknown = 0;
-  double sum = 0;
-  const Extent size = reference.size();
-  for (std::uint32_t y = 0; y < size.height; ++y)
-    for (std::uint32_t x = 0; x < size.width; ++x) {
-      const std::uint8_t source = shown.sources[std::size_t{y} * size.width + x];
-      if (source == kSourceUncovered) continue;
-      ++covered;
-      newest += source == 0;
-      unknown += source == kSourceUnknown;
-      sum += pixel_error(shown, reference, x, y, source);
+  const MaskLayout layout = reference.layout();
+  const std::size_t lights = layout.lights, planes = layout.planes();
+  if (lights == 0) return errors;
+  double total = 0, wrong = 0, wrong_unknown = 0;
+  for_covered(shown, reference.size(), [&](std::uint32_t x, std::uint32_t y, std::size_t pixel) {
+    total += static_cast<double>(lights);
+    std::size_t unknown = 0;
+    for (std::size_t i = 0; i < lights; ++i) {
+      const double k = shown.visibility[pixel * lights + i] / 255.0;
+      const double error = std::abs(k - reference.lit(x, y, static_cast<std::uint32_t>(i)));
+      const bool is_unknown = (shown.unknown[pixel * planes + i / 32] >> i % 32 & 1u) != 0;
+      wrong += error;
+      wrong_unknown += is_unknown ? error : 0;
+      unknown += is_unknown;
     }
-  if (covered == 0 || reference.lights() == 0) return errors;
-  const auto total = static_cast<double>(covered);
-  errors.mask_error = sum / (total * reference.lights());
-  errors.newest = static_cast<double>(newest) / total;
-  errors.unknown = static_cast<double>(unknown) / total;
-  errors.older = static_cast<double>(covered - newest - unknown) / total;
+    for (std::size_t plane = 0; plane < planes; ++plane)
+      errors.stale += std::popcount(shown.stale[pixel * planes + plane]);
+    errors.unknown += static_cast<double>(unknown);
+    if (shown.sources[pixel] != kSourceUnknown)
+      share_of(errors, shown.sources[pixel]) += static_cast<double>(lights - unknown);
+  });
+  if (total == 0) return errors;
+  errors.mask_error = wrong / total;
+  errors.known_error = total > errors.unknown ? (wrong - wrong_unknown) / (total - errors.unknown) : 0;
+  for (double* share :
+       {&errors.newest, &errors.other_eye, &errors.older, &errors.neighbours, &errors.unknown, &errors.stale})
+    *share /= total;
   return errors;
+}
+
+double unmoved_error(const EyeMask& stale, glm::ivec2 offset_px, const ShownReport& shown,
+                     const EyeMask& reference) {
+  double wrong = 0, total = 0;
+  const MaskLayout layout = reference.layout();
+  for_covered(shown, reference.size(), [&](std::uint32_t x, std::uint32_t y, std::size_t) {
+    const auto sx = static_cast<std::int64_t>(x) + offset_px.x,
+               sy = static_cast<std::int64_t>(y) + offset_px.y;
+    const bool inside = sx >= 0 && sy >= 0 && sx < stale.size().width && sy < stale.size().height;
+    total += layout.lights;
+    for (std::uint32_t plane = 0; plane < layout.planes(); ++plane) {
+      const std::uint32_t truth = reference.word(x, y, plane);
+      if (inside) {
+        wrong += std::popcount(
+            truth ^ stale.word(static_cast<std::uint32_t>(sx), static_cast<std::uint32_t>(sy), plane));
+      } else {
+        const int lit = std::popcount(truth), dark = static_cast<int>(layout.lights_in(plane)) - lit;
+        wrong += lit * (1.0 - double{kUnknownVisibility}) + dark * double{kUnknownVisibility};
+      }
+    }
+  });
+  return total == 0 ? 0 : wrong / total;
+}
+
+double pixels_per_degree(const View& view) {
+  const EyeWindow w = window_of(view.fov);
+  const double x = view.size.width / std::abs(w.right - w.left),
+               y = view.size.height / std::abs(w.down - w.up);
+  return std::sqrt(x * y) * std::numbers::pi / 180;
 }
 
 }  // namespace farshade

@@ -40,8 +40,15 @@ Image<Rgb8> source_picture(const ShownReport& report, const MaskAges& ages, Exte
       picture.pixels[i] = Rgb8(255, 140, 0);
       continue;
     }
-    const Rgb8 color = source == 0 ? Rgb8(60, 220, 90) : Rgb8(70 + 40 * source, 90, 255);
-    picture.pixels[i] = scaled(color, 1.0 - seconds_of(ages[source]) / seconds_of(kOldestDrawn));
+    const std::uint8_t mask = source % kOtherEye;
+    Rgb8 color = mask > 0      ? Rgb8(70 + 40 * mask, 90, 255)
+                 : source == 0 ? Rgb8(60, 220, 90)
+                               : Rgb8(60, 210, 230);
+    if (source >= kNeighbour) color = Rgb8(240, 230, 60);
+    const std::size_t planes = report.stale.size() / report.sources.size();
+    for (std::size_t plane = 0; plane < planes; ++plane)
+      if (report.stale[i * planes + plane] != 0) color.r = 255;
+    picture.pixels[i] = scaled(color, 1.0 - seconds_of(ages[mask]) / seconds_of(kOldestDrawn));
   }
   return picture;
 }

@@ -10,11 +10,12 @@
 
 namespace farshade {
 
-/// Age of each mask that was in hand, newest first, as ShownReport::sources counts them.
+/// How long ago each mask that was used was asked for, newest first.
 using MaskAges = std::vector<Duration>;
 
-/// Where each pixel's shadow came from: newest mask green, older masks blue to violet, the darker the older
-/// (black at kOldestDrawn); unknown orange; not covered black.
+/// Where each pixel's shadow came from: this eye's newest mask green, the other eye's cyan, older masks blue
+/// to violet, all the darker the older (black at kOldestDrawn); neighbours yellow; unknown orange; stale with
+/// a red tint; not covered black.
 [[nodiscard]] Image<Rgb8> source_picture(const ShownReport& report, const MaskAges& ages, Extent size);
 inline constexpr Duration kOldestDrawn = std::chrono::milliseconds(500);
 

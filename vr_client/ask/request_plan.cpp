@@ -1,0 +1,69 @@
+#include "vr_client/ask/request_plan.h"
+
+#include <vector>
+
+#include "stereo/base/quantile.h"
+#include "stereo/math/rotation.h"
+
+namespace farshade {
+namespace {
+
+constexpr std::size_t kLatencies = 32, kMostForeseen = 256;
+
+}  // namespace
+
+Rigid<Stage, Head> head_of(const StereoView& views) {
+  const auto &left = views[0].stage_from_eye, &right = views[1].stage_from_eye;
+  return {slerp(left.rotation, right.rotation, 0.5), (left.translation + right.translation) * 0.5};
+}
+
+void RequestPlan::learn(Duration later) {
+  later_.push_back(later);
+  if (later_.size() > kLatencies) later_.pop_front();
+}
+
+Duration RequestPlan::lead(Duration period) const {
+  if (wish_.predictor == PredictorKind::Hold) return {};
+  std::vector<double> later;
+  for (const Duration d : later_) later.push_back(seconds_of(d));
+  const double used_s = later.empty() ? seconds_of(period) : quantile(later, 0.5);
+  // Masks that come once in n frames are used for n frames: aim at the middle of these.
+  return duration_from_ms(used_s * 1e3) + period * (wish_.every - 1) / 2;
+}
+
+/// How the views expected for this display time differ from those that are shown.
+void RequestPlan::compare(const TraceRequest& shown, Duration period) {
+  while (!foreseen_.empty() && foreseen_.front().display_time < shown.display_time - period / 2)
+    foreseen_.pop_front();
+  if (foreseen_.empty() || foreseen_.front().display_time > shown.display_time + period / 2) return;
+  guard_band_.observe(shown.views, foreseen_.front().views);
+}
+
+std::optional<TraceRequest> RequestPlan::ask(const TraceRequest& shown, Duration period) {
+  const Rigid<Stage, Head> head = head_of(shown.views);
+  predictor_.observe(shown.display_time, head);
+  compare(shown, period);
+  if (frames_++ % wish_.every != 0) return std::nullopt;
+
+  const Duration ahead = lead(period);
+  TraceRequest request = shown;
+  request.display_time += ahead;
+  request.scene_time += ahead;
+  const Rigid<Stage, Head> then = predictor_.predict(request.display_time);
+  if (ahead > Duration::zero() && then != head)
+    for (View& view : request.views) view.stage_from_eye = then * (inverse(head) * view.stage_from_eye);
+  if (wish_.guard_band == GuardBandUse::Off) return request;
+
+  // Held views are used late by all of their latency; predicted ones by what the masks' rate leaves.
+  const bool held = wish_.predictor == PredictorKind::Hold;
+  const Time used_at =
+      held ? shown.display_time + (later_.empty() ? period : later_.back()) : request.display_time;
+  foreseen_.push_back({used_at, request.views});
+  if (foreseen_.size() > kMostForeseen) foreseen_.pop_front();
+  const Sides<std::uint32_t> margins = guard_band_.margins_px(
+      request.views, predictor_.velocity(), used_at - shown.display_time, period * (wish_.every - 1) / 2);
+  for (View& view : request.views) view = widened(view, margins);
+  return request;
+}
+
+}  // namespace farshade

@@ -1,0 +1,55 @@
+/// Request plan: what each frame asks the server for. The masks of a request are used some time later; so it
+/// asks for the views that the head is predicted to have then, a guard band wider, at the scene's time then.
+/// How much later is measured on the masks that have come.
+#pragma once
+
+#include <deque>
+#include <optional>
+
+#include "stereo/frame/shadow_frame.h"
+#include "stereo/math/prediction.h"
+#include "vr_client/ask/guard_band.h"
+
+namespace farshade {
+
+enum class GuardBandUse : std::uint8_t { Off, Measured };
+
+struct RequestWish {
+  PredictorKind predictor = kDefaultPredictor;  ///< Hold asks for the shown views, at their time
+  GuardBandUse guard_band = GuardBandUse::Measured;
+  std::uint32_t every = 1;  ///< frames a request: the display's rate over the masks' rate
+};
+
+/// The middle of both eyes.
+[[nodiscard]] Rigid<Stage, Head> head_of(const StereoView& views);
+
+class RequestPlan {
+ public:
+  explicit RequestPlan(const RequestWish& wish) : wish_(wish), predictor_(wish.predictor) {}
+
+  /// `shown` is the frame as a full trace would be asked for it, `period` the display's. Nothing on frames
+  /// that ask for nothing. Call once a frame.
+  [[nodiscard]] std::optional<TraceRequest> ask(const TraceRequest& shown, Duration period);
+
+  /// Masks could be used `later` after the display time at which they were asked for.
+  void learn(Duration later);
+
+  /// From the display time at which masks are asked for to the one for which.
+  [[nodiscard]] Duration lead(Duration period) const;
+
+ private:
+  struct Foreseen {
+    Time display_time;
+    StereoView views;  ///< not widened
+  };
+  void compare(const TraceRequest& shown, Duration period);
+
+  RequestWish wish_;
+  Predictor predictor_;
+  GuardBand guard_band_;
+  std::deque<Foreseen> foreseen_;  ///< in order of time
+  std::deque<Duration> later_;
+  std::uint32_t frames_ = 0;
+};
+
+}  // namespace farshade

@@ -1,0 +1,47 @@
+/// DepthRing: the depths of the views that masks were asked for, so that a mask that comes back later can be
+/// tested against what its views saw. One more place holds the shown views' depth, where they were not asked
+/// for themselves.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "stereo/frame/frame_id.h"
+#include "stereo/frame/view.h"
+#include "stereo/gpu/memory.h"
+
+namespace farshade {
+
+class DepthRing {
+ public:
+  /// Places for the views of `frames` requests, each up to `size` pixels an eye.
+  DepthRing(const gpu::Device& device, Extent size, std::uint32_t frames);
+
+  /// Both eyes' layers.
+  struct Place {
+    std::uint32_t layer = 0;  ///< the left eye's; the right eye's is the next
+    vk::ImageView view;
+  };
+  /// The place of a request, from now on this one's; whose place it was loses its depth.
+  Place claim(FrameId frame);
+  [[nodiscard]] Place shown() const { return place(slots_.size() - 1); }
+  [[nodiscard]] bool has(FrameId frame) const { return slots_[slot_of(frame)].frame == frame; }
+  /// A frame that the ring has.
+  [[nodiscard]] std::uint32_t layer_of(FrameId frame) const;
+
+  [[nodiscard]] const gpu::Image& image() const { return image_; }
+  [[nodiscard]] Extent size() const { return image_.wish.size; }
+
+ private:
+  struct Slot {
+    std::optional<FrameId> frame;
+    vk::raii::ImageView view{nullptr};
+  };
+  [[nodiscard]] std::size_t slot_of(FrameId frame) const { return frame.value % (slots_.size() - 1); }
+  [[nodiscard]] Place place(std::size_t slot) const;
+
+  gpu::Image image_;
+  std::vector<Slot> slots_;  ///< the last is the shown views'
+};
+
+}  // namespace farshade

@@ -1,0 +1,79 @@
+#include "vr_client/draw/motion.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <limits>
+
+namespace farshade {
+namespace {
+
+bool looks_elsewhere(const Light& then, const Light& now) {
+  return then.kind != now.kind || then.position != now.position || then.direction != now.direction ||
+         then.range_m != now.range_m || then.outer_cone_rad != now.outer_cone_rad;
+}
+
+Sphere sphere_about(const Affine<Stage, Object>& stage_from_object, const glm::dvec3& low,
+                    const glm::dvec3& high) {
+  Sphere sphere{stage_from_object(Point<Object>{(low + high) * 0.5}), 0};
+  for (int corner = 0; corner < 8; ++corner) {
+    const Point<Object> p{
+        {corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z}};
+    sphere.radius = std::max(sphere.radius, length(stage_from_object(p) - sphere.centre));
+  }
+  return sphere;
+}
+
+}  // namespace
+
+Sphere merged(const Sphere& a, const Sphere& b) {
+  const Vector<Stage> way = b.centre - a.centre;
+  const double apart = length(way);
+  if (apart + b.radius <= a.radius) return a;
+  if (apart + a.radius <= b.radius) return b;
+  const double radius = (apart + a.radius + b.radius) / 2;
+  return {a.centre + way * ((radius - a.radius) / apart), radius};
+}
+
+void add_sphere(const Sphere& sphere, std::vector<Sphere>& spheres) {
+  if (spheres.size() < kMostSpheres) {
+    spheres.push_back(sphere);
+    return;
+  }
+  const auto growth = [&](const Sphere& s) { return merged(s, sphere).radius - s.radius; };
+  Sphere& best = *std::min_element(spheres.begin(), spheres.end(),
+                                   [&](const Sphere& a, const Sphere& b) { return growth(a) < growth(b); });
+  best = merged(best, sphere);
+}
+
+MotionModel::MotionModel(const Scene& scene) : slots_(scene.instances.size(), 0) {
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    if (!scene.nodes[scene.instances[i].node].moving) continue;
+    glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
+    for (const glm::vec3& p : scene.meshes[scene.instances[i].mesh].positions) {
+      low = glm::min(low, glm::dvec3(p));
+      high = glm::max(high, glm::dvec3(p));
+    }
+    moving_.push_back({i, low, high});
+    slots_[i] = static_cast<std::uint32_t>(moving_.size());
+  }
+}
+
+Motion MotionModel::between(const SceneState& then, const SceneState& now) const {
+  Motion motion;
+  motion.then_from_now.resize(moving_.size());
+  if (same_instant(then.scene_time, now.scene_time)) return motion;
+  for (std::size_t i = 0; i < now.light_set.lights.size(); ++i)
+    motion.stale_lights[i] = looks_elsewhere(then.light_set.lights[i], now.light_set.lights[i]);
+  for (std::size_t slot = 0; slot < moving_.size(); ++slot) {
+    const Moving& thing = moving_[slot];
+    const Affine<Stage, Object>&before = then.stage_from_object[thing.instance],
+                        &after = now.stage_from_object[thing.instance];
+    if (before == after) continue;
+    motion.then_from_now[slot] = before.matrix * glm::inverse(after.matrix);
+    add_sphere(sphere_about(before, thing.low, thing.high), motion.moved);
+    add_sphere(sphere_about(after, thing.low, thing.high), motion.moved);
+  }
+  return motion;
+}
+
+}  // namespace farshade
