@@ -11,7 +11,7 @@ bool has_moved(uint since, uint slot) {
 void carry_back(uint mask, uint slot, inout vec3 p, inout vec3 n) {
   mat4 carry = motions[((slot - 1) * FARSHADE_MAX_MASKS + mask) * 2 + kEye];
   p = (carry * vec4(p, 1.0)).xyz;
-  n = normalize(mat3(carry) * n);  // right for rigid motions; others cost knowledge, not truth
+  n = mat3(carry) * n;  // right for rigid motions; others cost knowledge, not truth
 }
 
 bool passes(vec4 sphere, vec3 p, vec3 to_light, float distance) {

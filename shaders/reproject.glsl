@@ -6,7 +6,7 @@
 // What a mask may no longer know, because a light, a caster or the surface itself has moved since, is stale.
 
 struct Surface {
-  vec3 position, normal;  // of the shown eye's space; the normal is geometric
+  vec3 position, normal;  // of the shown eye's space; the normal is geometric, of any length
   uint slot;              // of an instance that can move
 };
 
@@ -70,9 +70,11 @@ uint mask_bits(uint source, ivec2 pixel, uint plane) {
   return mask_words[first + element];
 }
 
-// Does the mask say that among the pixel and its eight neighbours some light is seen by some only?
-bool near_shadow_edge(uint source, ivec2 pixel) {
-  return (mask_bits(source, pixel, kLights / 32) >> (kLights % 32) & 1u) != 0u;
+// Does the mask say that the four pixels around the point `at` differ in some light?
+bool near_shadow_edge(uint source, ivec2 pixel, vec2 at) {
+  bvec2 second = greaterThanEqual(at - vec2(pixel), vec2(0.5));
+  uint quarter = uint(second.x) + 2 * uint(second.y);
+  return (mask_bits(source, pixel, kEdgeBit / 32) >> (kEdgeBit % 32 + quarter) & 1u) != 0u;
 }
 
 const uint kFirst = kEye * FARSHADE_MAX_SOURCES;  // this eye's newest

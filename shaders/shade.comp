@@ -26,6 +26,7 @@ layout(constant_id = 10) const bool kNeighbours = true;  // else a point that no
 layout(constant_id = 11) const bool kEdges = true;    // shadow edges between pixels; else the nearest pixel's bits
 layout(constant_id = 12) const float kSharpness = 1.0;
 layout(constant_id = 13) const bool kMovedSinceNewest = false;
+layout(constant_id = 14) const uint kEdgeBit = 1;  // of a mask, and the three after it: mask_edges.h
 
 layout(binding = 0) uniform Frame { FrameData frame; };
 layout(binding = 1) uniform Lights { LightData lights[kLights + 1]; };
@@ -49,11 +50,12 @@ layout(std430, binding = 11) buffer Hard {
 const uint kPlanes = (kLights + 31) / 32, kGroups = (kLights + 7) / 8, kQuads = (kLights + 3) / 4;
 const uint kReportWords = 3 + kQuads + 2 * kPlanes;  // source, position, visibilities, unknown, stale
 
-vec3 from_octahedral(vec2 p) {
+// The direction of an octahedral normal, of any length.
+vec3 unfolded(vec2 p) {
   vec3 n = vec3(p, 1.0 - abs(p.x) - abs(p.y));
   float fold = max(-n.z, 0.0);
   n.xy -= vec2(n.x < 0.0 ? -fold : fold, n.y < 0.0 ? -fold : fold);
-  return normalize(n);
+  return n;
 }
 
 vec3 radiance(uint i, vec3 p, vec3 n) {
@@ -114,7 +116,7 @@ void shade(ivec2 pixel) {
   uvec2 stored = texelFetch(surfaces, ivec3(pixel, kEye), 0).xy;
   Surface surface;
   surface.position = vec3(window.xy + (vec2(pixel) + 0.5) * window.zw, -1.0) * (kNear / depth);
-  surface.normal = from_octahedral(unpackSnorm4x8(stored.y).xy);
+  surface.normal = unfolded(unpackSnorm4x8(stored.y).xy);
   surface.slot = kMoved ? motion_slots[stored.y >> 16] : 0u;
   Found found;
   if (kPass == FARSHADE_PASS_DIRECT)
@@ -127,12 +129,12 @@ void shade(ivec2 pixel) {
   const uint source = second_look && known ? found.source : kFirst;
   const ivec2 traced_pixel = known ? found.pixel : ivec2(0);
   const uint mask = mask_of(source);
-  const bool on_edge = kEdges && kPass != FARSHADE_PASS_DIRECT && known && near_shadow_edge(source, traced_pixel);
+  const bool on_edge = kEdges && kPass != FARSHADE_PASS_DIRECT && known && near_shadow_edge(source, traced_pixel, found.at);
   if (kPass == FARSHADE_PASS_EASY)
     if (!known || on_edge || (kMovedSinceNewest && has_moved(0, surface.slot))) list_as_hard(pixel, surface.slot != 0u);
 
   vec3 p_stage = mat3(frame.eye[kEye].stage_from_eye) * surface.position;
-  vec3 n_stage = from_octahedral(unpackSnorm2x16(stored.x));
+  vec3 n_stage = normalize(unfolded(unpackSnorm2x16(stored.x)));
   vec3 irradiance = vec3(0.0);
   uint stale = 0u, unknown = 0u, bits = 0u;
   for (uint group = 0; group < kGroups; ++group) {

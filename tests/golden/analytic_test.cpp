@@ -110,7 +110,7 @@ class PaperPicture : public OnLavapipe {
 
 TEST_F(PaperPicture, HasEveryColourOfThePlaneRight) {
   const Mask own = theatre_.ask(kNow, now_);
-  expect_as_on_paper(check_plane(theatre_.show(now_, {own.in_hand()}), now_, kMargin_m));
+  expect_as_on_paper(check_plane(theatre_.show(now_, {own.in_hand()}, kPlainCarryOver), now_, kMargin_m));
 }
 
 TEST_F(PaperPicture, KeepsShadowsInPlaceUnderStaleMasks) {

@@ -98,7 +98,7 @@ TEST_F(CoverageOf, MirroredBoxesShowTheirFrontsLit) {
 
   const Mask mask = theatre.ask(kNow, views);
   const Shown shown = theatre.show(views, {mask.in_hand()});
-  const PerEye<Image<float>> distances = theatre.renderer().read_distance(kNow);
+  const PerEye<Image<float>> distances = theatre.renderer().read_distance();
   for (const Side side : kSides)
     for (std::size_t i = 0; i < scales.size(); ++i) {
       const View& view = views[index_of(side)];

@@ -61,7 +61,7 @@ class Reproject : public OnLavapipe {};
 
 /// Every covered pixel is known from the newest mask and has its very bits.
 void expect_same_mask(Theatre& theatre, const StereoView& views, const Mask& mask) {
-  const Shown shown = theatre.show(views, {mask.in_hand()});
+  const Shown shown = theatre.show(views, {mask.in_hand()}, kPlainCarryOver);
   std::size_t covered = 0, elsewhere = 0, changed = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     ++covered;
@@ -113,7 +113,8 @@ TEST_P(ReprojectMove, IsWrongAndIgnorantWithinBounds) {
   Theatre theatre(device_, bundled(move.file), 256);
   const Mask stale = theatre.ask(kTraced, theatre.eyes(theatre.head()));
   const StereoView now = theatre.eyes(moved(theatre.head(), move.yaw_degrees * kDegree, move.step_m));
-  const Outcome outcome = outcome_of(theatre.show(now, {stale.in_hand()}), theatre.trace(kNow, now));
+  const Outcome outcome =
+      outcome_of(theatre.show(now, {stale.in_hand()}, kPlainCarryOver), theatre.trace(kNow, now));
   RecordProperty("wrong", std::to_string(outcome.wrong));
   RecordProperty("unknown", std::to_string(outcome.unknown));
   EXPECT_LE(outcome.wrong, move.most_wrong);
@@ -147,7 +148,7 @@ TEST_F(Reproject, LeavesTilesThatNeverCameUnknown) {
                             [y / kTileSide_px * TileGrid{views[0].size}.columns() + x / kTileSide_px] != 0;
   };
   std::size_t unknown = 0, disagreeing = 0;
-  for_covered(theatre.show(views, {holed.in_hand()}),
+  for_covered(theatre.show(views, {holed.in_hand()}, kPlainCarryOver),
               [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
                 unknown += source == kSourceUnknown;
                 disagreeing += source != (known(side, x, y) ? 0 : kSourceUnknown);
@@ -156,7 +157,7 @@ TEST_F(Reproject, LeavesTilesThatNeverCameUnknown) {
   EXPECT_EQ(disagreeing, 0u);
 
   const Mask older = with_noise(theatre.ask(kOlder, views), 2);
-  const Shown shown = theatre.show(views, {holed.in_hand(), older.in_hand()});
+  const Shown shown = theatre.show(views, {holed.in_hand(), older.in_hand()}, kPlainCarryOver);
   std::size_t misread = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     const std::size_t eye = index_of(side);
@@ -174,9 +175,9 @@ TEST_F(Reproject, TakesTheOlderMaskOnlyWhereTheNewestFails) {
   };
   const Mask older = with_noise(theatre.ask(kOlder, turned(12)), 3),
              newest = with_noise(theatre.ask(kTraced, turned(-8)), 4);
-  const Shown both = theatre.show(turned(0), {newest.in_hand(), older.in_hand()}),
-              first = theatre.show(turned(0), {newest.in_hand()}),
-              second = theatre.show(turned(0), {older.in_hand()});
+  const Shown both = theatre.show(turned(0), {newest.in_hand(), older.in_hand()}, kPlainCarryOver),
+              first = theatre.show(turned(0), {newest.in_hand()}, kPlainCarryOver),
+              second = theatre.show(turned(0), {older.in_hand()}, kPlainCarryOver);
   std::array<std::size_t, 2> used{};
   std::size_t wrong_source = 0, wrong_bits = 0;
   for_covered(both, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
@@ -201,7 +202,7 @@ TEST_F(Reproject, TakesNothingFromAViewThatLooksElsewhere) {
   for (const double degrees : {90.0, 180.0}) {
     const Mask elsewhere =
         with_noise(theatre.ask(kTraced, theatre.eyes(moved(theatre.head(), degrees * kDegree, {}))), 5);
-    const Shown shown = theatre.show(theatre.eyes(theatre.head()), {elsewhere.in_hand()});
+    const Shown shown = theatre.show(theatre.eyes(theatre.head()), {elsewhere.in_hand()}, kPlainCarryOver);
     std::size_t known = 0;
     for_covered(shown, [&](Side, std::uint32_t, std::uint32_t, std::uint8_t source) {
       known += source != kSourceUnknown;
@@ -238,7 +239,7 @@ TEST_F(Reproject, TellsBackFromFrontOfASheet) {
   Theatre theatre(device_, sheet_between_walls(), 128);
   const Rigid<Stage, Head> front{{1, 0, 0, 0}, {0, 0, 1.2}}, back{{0, 0, 1, 0}, {0, 0, -1.2}};
   const Mask of_front = theatre.ask(kTraced, theatre.eyes(front));
-  const Shown from_back = theatre.show(theatre.eyes(back), {of_front.in_hand()});
+  const Shown from_back = theatre.show(theatre.eyes(back), {of_front.in_hand()}, kPlainCarryOver);
   const ShownReport& report = from_back.reports[0];
   EXPECT_EQ(report.sources[64 * 128 + 64], kSourceUnknown) << "the middle of the sheet's back";
   std::size_t known = 0;
@@ -252,21 +253,22 @@ TEST_F(Reproject, PassesOverMasksWhoseDepthLeftTheRing) {
   Theatre theatre(device_, bundled("box_over_plane.gltf"), 128, 2);
   const StereoView before = theatre.eyes(moved(theatre.head(), 3 * kDegree, {0.05, 0, 0})),
                    now = theatre.eyes(theatre.head());
-  const auto known = [](const Shown& shown) {
+  const auto known = [&](const std::vector<MaskInHand>& masks) {
     std::size_t count = 0;
-    for_covered(shown, [&](Side, std::uint32_t, std::uint32_t, std::uint8_t source) {
-      count += source != kSourceUnknown;
-    });
+    for_covered(theatre.show(now, masks, kPlainCarryOver),
+                [&](Side, std::uint32_t, std::uint32_t, std::uint8_t source) {
+                  EXPECT_TRUE(source == 0 || source == kSourceUnknown) << "source " << int{source};
+                  count += source == 0;
+                });
     return count;
   };
-  const Mask mask = theatre.ask(FrameId{10}, before);
-  EXPECT_GT(known(theatre.show(now, {mask.in_hand()})), 1000u) << "in the ring of two";
-  EXPECT_EQ(known(theatre.show(now, {mask.in_hand()})), 0u) << "its place is being drawn over";
-  EXPECT_EQ(known(theatre.show(now, {mask.in_hand()})), 0u) << "long gone";
-
-  const Mask fresh = theatre.ask(FrameId{14}, before);
-  const Shown shown = theatre.show(now, {mask.in_hand(), fresh.in_hand()});
-  EXPECT_GT(known(shown), 1000u) << "the one after it still counts";
+  const Mask first = theatre.ask(FrameId{10}, before), second = theatre.ask(FrameId{11}, before);
+  EXPECT_GT(known({first.in_hand()}), 1000u) << "in the ring of two";
+  EXPECT_GT(known({first.in_hand()}), 1000u) << "frames that ask for nothing take no place";
+  const Mask third = theatre.ask(FrameId{12}, before);
+  EXPECT_EQ(known({first.in_hand()}), 0u) << "its place is the third's";
+  EXPECT_GT(known({first.in_hand(), second.in_hand()}), 1000u) << "the one after it still counts, as newest";
+  EXPECT_GT(known({third.in_hand()}), 1000u);
 }
 
 TEST_F(Reproject, HoldsFarFromTheOrigin) {
@@ -284,7 +286,7 @@ TEST_F(Reproject, HoldsFarFromTheOrigin) {
         head_looking(shift + glm::dvec3(0.5, 1.6, 2.5), shift + glm::dvec3(0, 0.4, 0));
     const Mask stale = theatre.ask(kTraced, theatre.eyes(moved(head, 2 * kDegree, {0.03, 0, 0})));
     const StereoView now = theatre.eyes(head);
-    const Shown shown = theatre.show(now, {stale.in_hand()});
+    const Shown shown = theatre.show(now, {stale.in_hand()}, kPlainCarryOver);
     return outcome_of(shown, theatre.trace(kNow, now));
   };
   const Outcome near = show_at({0, 0, 0}), far = show_at({1e6, 0, -1e6});

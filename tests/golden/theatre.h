@@ -54,6 +54,10 @@ struct Mask {
 /// All bits of `mask` drawn anew from a stated seed.
 [[nodiscard]] Mask with_noise(Mask mask, std::uint64_t seed);
 
+/// The bare lookup: the nearest pixel of this eye's masks that saw the same surface, or nothing.
+inline constexpr CarryOver kPlainCarryOver{
+    .lookup = Lookup::Reproject, .eyes = Eyes::This, .gaps = Gaps::Unknown, .edges = Edges::Nearest};
+
 struct Shown {
   PerEye<Image<Rgb8>> pictures;
   PerEye<ShownReport> reports;

@@ -79,31 +79,29 @@ TEST_P(FrameData, DepthIsNearPlaneOverDistance) {
   }
 }
 
-TEST_P(FrameData, MaskDataCarriesAPointFromTheShownToTheTracedEye) {
+TEST_P(FrameData, SourceDataCarriesAPointFromTheShownToTheTracedEye) {
   for (int i = 0; i < kCases; ++i) {
     const StereoView shown = views(), traced = views();
-    const gpu::MaskData data = mask_data(shown, traced);
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      const gpu::SourceData data = source_data(pose_delta(shown[eye], {}, traced[eye], {}), traced[eye]);
       const Point<Eye> p = seen_by(shown[eye]);
       const Point<Eye> right = inverse(traced[eye].stage_from_eye)(shown[eye].stage_from_eye(p));
-      const glm::dvec3 carried(data.traced_from_shown[eye] * glm::vec4(p.v, 1.0));
+      const glm::dvec3 carried(data.traced_from_shown * glm::vec4(p.v, 1.0));
       ASSERT_LT(glm::length(carried - right.v), 2e-5) << "case " << i << ", eye " << eye;
-      const glm::vec4 window = data.window[eye].origin_step;
       const EyeWindow w = window_of(traced[eye].fov);
       const glm::dvec3 corner = pixel_ray(w, kSize, {kSize.width, kSize.height});
-      ASSERT_NEAR(window.x + window.z * kSize.width, corner.x, 1e-5);
-      ASSERT_NEAR(window.y + window.w * kSize.height, corner.y, 1e-5);
+      ASSERT_NEAR(data.origin_step.x + data.origin_step.z * kSize.width, corner.x, 1e-5);
+      ASSERT_NEAR(data.origin_step.y + data.origin_step.w * kSize.height, corner.y, 1e-5);
+      ASSERT_NEAR(data.per_step.x * data.origin_step.z, 1, 1e-6);
+      ASSERT_NEAR(data.per_step.y * data.origin_step.w, 1, 1e-6);
+      ASSERT_EQ(glm::vec2(data.per_step.z, data.per_step.w), glm::vec2(kSize.width, kSize.height));
     }
   }
 }
 
 TEST_P(FrameData, SameViewsCarryPointsNowhere) {
-  const StereoView shown = views();
-  const gpu::MaskData data = mask_data(shown, shown);
-  for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    const glm::dmat4 off = glm::dmat4(data.traced_from_shown[eye]) - glm::dmat4(1.0);
-    for (int column = 0; column < 4; ++column) EXPECT_LT(glm::length(off[column]), 1e-9);
-  }
+  for (const View& view : views())
+    EXPECT_EQ(source_data(pose_delta(view, {}, view, {}), view).traced_from_shown, glm::mat4(1.0f));
 }
 
 TEST_P(FrameData, LightsAreRelativeToEachEye) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 #include <sstream>
 
 namespace farshade {
@@ -11,7 +12,17 @@ namespace {
 using namespace std::chrono_literals;
 
 FrameRecord record(std::uint32_t frame) {
-  FrameRecord made{{frame}, Time(frame * 10ms), 20ms, {}, std::nullopt, std::nullopt};
+  FrameRecord made{
+      .frame = {frame},
+      .display_time = Time(frame * 10ms),
+      .age = 30ms,
+      .delta =
+          PoseDelta{
+              .traced_from_shown = {}, .angle_rad = 1e-3 * frame, .distance_m = 2e-3 * frame, .age = 20ms},
+      .times = {},
+      .guard_band = 0.25,
+      .server = {},
+      .errors = {}};
   made.times.frame = frame * 1ms;
   made.errors = PerEye<EyeErrors>{};
   for (EyeErrors& errors : *made.errors)
@@ -63,12 +74,54 @@ TEST(FrameLog, PercentilesPointToTheWorseSide) {
   EXPECT_DOUBLE_EQ(psnr->spread.p99, 22);
 }
 
+TEST(FrameLog, SaysHowFarTheHeadWasFromWhereItsMasksWereTraced) {
+  const auto rows = full_log().summary();
+  EXPECT_DOUBLE_EQ(row(rows, "wire", "staleness")->spread.median, 20);
+  EXPECT_DOUBLE_EQ(row(rows, "wire", "age")->spread.median, 30);
+  EXPECT_NEAR(row(rows, "head", "turned since traced view")->spread.median, 0.051 * 180 / std::numbers::pi,
+              1e-9);
+  EXPECT_NEAR(row(rows, "head", "moved since traced view")->spread.p95, 2 * 96, 1e-9) << "millimetres";
+  EXPECT_DOUBLE_EQ(row(rows, "head", "guard band")->spread.median, 25);
+}
+
+TEST(FrameLog, EveryShareOfAnEyeHasItsRow) {
+  FrameLog log;
+  FrameRecord made = record(1);
+  (*made.errors)[1] = {.mask_error = 0.01,
+                       .known_error = 0.02,
+                       .newest = 0.5,
+                       .other_eye = 0.25,
+                       .older = 0.125,
+                       .neighbours = 0.0625,
+                       .unknown = 0.03125,
+                       .stale = 0.4,
+                       .unmoved_error = 0.06};
+  log.add(made);
+  const auto rows = log.summary();
+  const std::vector<std::pair<std::string, double>> wanted{{"mask error", 1},
+                                                           {"mask error among known", 2},
+                                                           {"mask error unreprojected", 6},
+                                                           {"from newest mask", 50},
+                                                           {"from other eye's newest", 25},
+                                                           {"from older masks", 12.5},
+                                                           {"neighbours", 6.25},
+                                                           {"unknown", 3.125},
+                                                           {"stale", 40}};
+  for (const auto& [metric, percent] : wanted) {
+    const SummaryRow* const found = row(rows, "right eye", metric);
+    ASSERT_NE(found, nullptr) << metric;
+    EXPECT_DOUBLE_EQ(found->spread.median, percent) << metric;
+    EXPECT_EQ(found->unit, "%");
+  }
+}
+
 TEST(FrameLog, StartUpFramesAreCountedAndTheirErrorsLeftOut) {
   FrameLog log;
   for (std::uint32_t frame = 1; frame <= 5; ++frame) {
     FrameRecord made = record(frame);
     if (frame <= 2) {
-      made.staleness.reset();
+      made.delta.reset();
+      made.age.reset();
       (*made.errors)[0].mask_error = 1;
     }
     log.add(made);
@@ -78,6 +131,8 @@ TEST(FrameLog, StartUpFramesAreCountedAndTheirErrorsLeftOut) {
   EXPECT_EQ(row(rows, "left eye", "mask error")->spread.count, 3u);
   EXPECT_NEAR(row(rows, "left eye", "mask error")->spread.p99, 0.498, 1e-9);
   EXPECT_EQ(row(rows, "wire", "staleness")->spread.count, 3u);
+  EXPECT_EQ(row(rows, "wire", "age")->spread.count, 3u);
+  EXPECT_EQ(row(rows, "head", "turned since traced view")->spread.count, 3u);
   EXPECT_EQ(row(rows, "client", "frame")->spread.count, 5u) << "their times are times like any other";
 }
 

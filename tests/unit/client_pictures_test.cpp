@@ -16,18 +16,42 @@ int brightness(Rgb8 color) {
   return color.r + color.g + color.b;
 }
 
+/// One pixel a source, one light, nothing stale.
+ShownReport report_of(const std::vector<std::uint8_t>& sources) {
+  const Extent size{static_cast<std::uint32_t>(sources.size()), 1};
+  return {.mask = EyeMask(size, 1),
+          .sources = sources,
+          .positions = {},
+          .visibility = std::vector<std::uint8_t>(sources.size()),
+          .unknown = std::vector<std::uint32_t>(sources.size()),
+          .stale = std::vector<std::uint32_t>(sources.size())};
+}
+
 /// One pixel a source, all masks of `age`.
 Image<Rgb8> sources_drawn(const std::vector<std::uint8_t>& sources, Duration age) {
   const Extent size{static_cast<std::uint32_t>(sources.size()), 1};
-  return source_picture({EyeMask(size, 1), sources}, MaskAges(ShadingPass::kMaxMasks, age), size);
+  return source_picture(report_of(sources), MaskAges(ShadingPass::kMaxMasks, age), size);
 }
 
-TEST(SourcePicture, TellsNewestOlderUnknownAndUncoveredApart) {
-  const Image<Rgb8> picture = sources_drawn({0, 1, kSourceUnknown, kSourceUncovered}, 0ms);
+TEST(SourcePicture, TellsEverySourceApart) {
+  const Image<Rgb8> picture =
+      sources_drawn({0, 1, kOtherEye, kNeighbour, kOtherEye + 1, kSourceUnknown, kSourceUncovered}, 0ms);
+  EXPECT_EQ(picture.at(0, 0), Rgb8(60, 220, 90)) << "this eye's newest";
+  EXPECT_EQ(picture.at(1, 0).b, 255) << "an older one";
+  EXPECT_EQ(picture.at(2, 0), Rgb8(60, 210, 230)) << "the other eye's newest";
+  EXPECT_EQ(picture.at(3, 0), Rgb8(240, 230, 60)) << "the nearest pixel on the same surface";
+  EXPECT_EQ(picture.at(4, 0), picture.at(1, 0)) << "older is older, whichever eye's";
+  EXPECT_EQ(picture.at(5, 0), Rgb8(255, 140, 0));
+  EXPECT_EQ(picture.at(6, 0), Rgb8(0));
+}
+
+TEST(SourcePicture, TintsWhatIsStaleInAnyPlane) {
+  ShownReport report = report_of({0, 0, 0});
+  report.stale = {0, 0, 1, 0, 0, 1u << 7};  // two planes a pixel
+  const Image<Rgb8> picture = source_picture(report, {0ms}, {3, 1});
   EXPECT_EQ(picture.at(0, 0), Rgb8(60, 220, 90));
-  EXPECT_EQ(picture.at(1, 0).b, 255);
-  EXPECT_EQ(picture.at(2, 0), Rgb8(255, 140, 0));
-  EXPECT_EQ(picture.at(3, 0), Rgb8(0));
+  EXPECT_EQ(picture.at(1, 0), Rgb8(255, 220, 90));
+  EXPECT_EQ(picture.at(2, 0), Rgb8(255, 220, 90));
 }
 
 TEST(SourcePicture, EveryMaskInHandHasItsOwnColor) {
@@ -56,7 +80,7 @@ TEST(SourcePicture, DarkensWithAgeToBlack) {
 TEST(WriteMeasured, WritesEveryPictureItPromises) {
   const ScratchFolder folder;
   const Extent size{5, 4};
-  const ShownReport report{EyeMask(size, 1), std::vector<std::uint8_t>(size.pixels(), 0)};
+  const ShownReport report = report_of(std::vector<std::uint8_t>(size.pixels(), 0));
   const MeasuredFrame frame{.frame = {12},
                             .shown = {Image<Rgb8>(size, Rgb8(10)), Image<Rgb8>(size, Rgb8(20))},
                             .reference = {Image<Rgb8>(size, Rgb8(11)), Image<Rgb8>(size, Rgb8(20))},

@@ -72,6 +72,8 @@ struct Bench {
     }
     clock.advance_to(until);
   }
+  /// By the frame that shows the views themselves.
+  void ask(const TraceRequest& asked) { link.request(asked, asked.display_time); }
   void from_server(const ServerMessage& message) {
     std::vector<std::byte> bytes;
     encode(message, bytes);
@@ -111,7 +113,7 @@ TEST(ShadowLinkMeet, SaysWhichSceneEachSideHasAndStopsAsking) {
   EXPECT_NE(met.error().what.find("01020300"), std::string::npos) << met.error().what;
   EXPECT_EQ(bench.clock.now(), Time(2 * kWay)) << "no patience can cure it";
   bench.clock.advance_to(Time(5s));
-  bench.link.request(request(1));
+  bench.ask(request(1));
   EXPECT_EQ(bench.link.counters().port.sent, 1u);
   EXPECT_TRUE(bench.link.refused().has_value());
 }
@@ -149,7 +151,7 @@ TEST(ShadowLinkMeet, SaysThatAServerIsFull) {
 
 TEST(ShadowLink, ServesMasksBitForBit) {
   MetBench bench;
-  bench.link.request(request(1));
+  bench.ask(request(1));
   EXPECT_TRUE(bench.link.wait_for({1}, 1s));
   ASSERT_NE(bench.link.find({1}), nullptr);
   EXPECT_EQ(bench.link.find({1})->masks, painted(1));
@@ -160,26 +162,26 @@ TEST(ShadowLink, GoesOnTryingAServerThatComesLate) {
   EXPECT_FALSE(bench.link.meet(1s).has_value());
   bench.start_server();
   bench.clock.advance_to(Time(2s));
-  bench.link.request(request(1));
+  bench.ask(request(1));
   bench.pass(20ms);
   EXPECT_TRUE(bench.link.welcomed());
-  bench.link.request(request(2));
+  bench.ask(request(2));
   EXPECT_TRUE(bench.link.wait_for({2}, 1s));
 }
 
 TEST(ShadowLink, SaysHelloAgainToARestartedServerAndGetsMasksAgain) {
   MetBench bench;
-  bench.link.request(request(1));
+  bench.ask(request(1));
   ASSERT_TRUE(bench.link.wait_for({1}, 1s));
   bench.start_server();
   bench.clock.advance_to(Time(1s));
-  bench.link.request(request(2));
+  bench.ask(request(2));
   bench.pass(2 * kWay);
   EXPECT_FALSE(bench.link.welcomed()) << "the new server does not know us";
   EXPECT_FALSE(bench.link.refused().has_value());
   bench.pass(2 * kWay);
   EXPECT_TRUE(bench.link.welcomed());
-  bench.link.request(request(3));
+  bench.ask(request(3));
   EXPECT_TRUE(bench.link.wait_for({3}, 1s));
   EXPECT_EQ(bench.link.masks(Time::max()).size(), 2u) << "of 1 and 3; 2 was never served";
 }
@@ -190,7 +192,7 @@ TEST(ShadowLink, TakesTheLightSetRevisionOfARestartedServer) {
   renewed.light_set_revision = 9;
   bench.from_server(renewed);
   bench.pass(kWay);
-  bench.link.request(request(1));
+  bench.ask(request(1));
   bench.pass(2 * kWay);
   EXPECT_FALSE(bench.link.find({1})->anything_known()) << "slices of revision 5 are of another light set";
   EXPECT_GT(bench.link.counters().assembler.other_light_set, 0u);
@@ -202,7 +204,7 @@ TEST(ShadowLink, LostSlicesLeaveTheirTilesUnknownAndNothingElse) {
   ASSERT_TRUE(lossy.link.meet(10s).has_value());
   std::size_t known = 0, unknown = 0;
   for (std::uint32_t frame = 1; frame <= 20; ++frame) {
-    lossy.link.request(request(frame));
+    lossy.ask(request(frame));
     lossy.link.wait_for({frame}, 1ms);
     const ReceivedFrame& received = *lossy.link.find({frame});
     const PerEye<EyeMask> truth = painted(frame);
@@ -223,7 +225,7 @@ TEST(ShadowLink, LostSlicesLeaveTheirTilesUnknownAndNothingElse) {
 TEST(ShadowLink, MasksComeNewestFirstAndNotBeyondUntil) {
   MetBench bench;
   for (std::uint32_t frame = 1; frame <= 4; ++frame) {
-    bench.link.request(request(frame, frame * 10ms));
+    bench.ask(request(frame, frame * 10ms));
     if (frame != 3) bench.pass(2 * kWay);
   }
   const auto frames = [&](Time until) {
@@ -237,10 +239,24 @@ TEST(ShadowLink, MasksComeNewestFirstAndNotBeyondUntil) {
   EXPECT_EQ(frames(Time(9ms)), (std::vector<std::uint32_t>{}));
 }
 
+TEST(ShadowLink, TellsFramesApartByWhenTheyAskedNotByWhatFor) {
+  MetBench bench;
+  for (std::uint32_t frame = 1; frame <= 3; ++frame) {
+    bench.link.request(request(frame, 500ms - frame * 10ms), Time(frame * 10ms));  // for ever earlier times
+    ASSERT_TRUE(bench.link.wait_for({frame}, 1s));
+  }
+  ASSERT_EQ(bench.link.masks(Time(20ms)).size(), 2u);
+  EXPECT_EQ(bench.link.masks(Time(20ms)).front()->request.frame, FrameId{2});
+  EXPECT_TRUE(bench.link.masks(Time(10ms - 1ns)).empty());
+  EXPECT_EQ(bench.link.asked_at({3}), Time(30ms));
+  EXPECT_EQ(bench.link.find({3})->request.display_time, Time(470ms));
+  EXPECT_EQ(bench.link.asked_at({4}), std::nullopt);
+}
+
 TEST(ShadowLink, KeepsTheNewestRequestsOnly) {
   MetBench bench;
   for (std::uint32_t frame = 1; frame <= 20; ++frame) {
-    bench.link.request(request(frame, frame * 10ms));
+    bench.ask(request(frame, frame * 10ms));
     ASSERT_TRUE(bench.link.wait_for({frame}, 1s));
   }
   const auto masks = bench.link.masks(Time::max());
@@ -248,12 +264,14 @@ TEST(ShadowLink, KeepsTheNewestRequestsOnly) {
   EXPECT_EQ(masks.front()->request.frame, FrameId{20});
   EXPECT_EQ(masks.back()->request.frame, FrameId{15});
   EXPECT_EQ(bench.link.find({14}), nullptr);
+  EXPECT_EQ(bench.link.asked_at({14}), std::nullopt);
+  EXPECT_EQ(bench.link.asked_at({15}), Time(150ms));
 }
 
 TEST(ShadowLinkWait, EndsWhenTheFrameIsWhole) {
   MetBench bench;
   const Time asked = bench.clock.now();
-  bench.link.request(request(1));
+  bench.ask(request(1));
   EXPECT_TRUE(bench.link.wait_for({1}, 1s));
   EXPECT_EQ(bench.clock.now() - asked, 2 * kWay);
   EXPECT_TRUE(bench.link.find({1})->report.has_value());
@@ -262,13 +280,13 @@ TEST(ShadowLinkWait, EndsWhenTheFrameIsWhole) {
 TEST(ShadowLinkWait, LastsAsLongAsItsPatience) {
   MetBench bench;
   const Time asked = bench.clock.now();
-  bench.link.request(request(1));
+  bench.ask(request(1));
   EXPECT_FALSE(bench.link.wait_for({1}, 0ms));
   EXPECT_EQ(bench.clock.now(), asked);
   EXPECT_FALSE(bench.link.wait_for({1}, 7ms));
   EXPECT_EQ(bench.clock.now() - asked, 7ms);
   bench.server.reset();
-  bench.link.request(request(2));
+  bench.ask(request(2));
   EXPECT_FALSE(bench.link.wait_for({2}, 100ms));
   EXPECT_EQ(bench.clock.now() - asked, 107ms);
   EXPECT_TRUE(bench.link.find({1})->complete()) << "what came meanwhile was taken";
@@ -276,14 +294,14 @@ TEST(ShadowLinkWait, LastsAsLongAsItsPatience) {
 
 TEST(ShadowLinkWait, DoesNotWaitForAServerThatHasNotWelcomedIt) {
   Bench bench;
-  bench.link.request(request(1));
+  bench.ask(request(1));
   EXPECT_FALSE(bench.link.wait_for({1}, 10s));
   EXPECT_EQ(bench.clock.now(), Time{});
 }
 
 TEST(ShadowLink, HostileBytesChangeNothingButCounters) {
   MetBench bench({.to_server = {}, .to_client = {}});
-  bench.link.request(request(1));
+  bench.ask(request(1));
   ASSERT_TRUE(bench.link.wait_for({1}, 1s));
   const std::vector<std::byte> noise(40, std::byte{0x5A});
   bench.wire.server().send(bench.wire.client().local(), noise);
@@ -318,7 +336,7 @@ TEST(ShadowLink, SurvivesFrameIdWraparound) {
   MetBench bench;
   for (std::uint32_t i = 0; i < 6; ++i) {
     const std::uint32_t frame = 0xFFFF'FFFDu + i;
-    bench.link.request(request(frame, (i + 1) * 10ms));
+    bench.ask(request(frame, (i + 1) * 10ms));
     ASSERT_TRUE(bench.link.wait_for({frame}, 1s)) << frame;
     EXPECT_EQ(bench.link.find({frame})->masks, painted(frame));
     EXPECT_EQ(bench.link.masks(Time::max()).front()->request.frame, FrameId{frame});

@@ -1,7 +1,6 @@
 #include "vr_client/draw/mask_edges.h"
 
 #include <algorithm>
-#include <cstring>
 #include <vector>
 
 #include "stereo/base/check.h"
@@ -16,62 +15,62 @@ std::span<const Word> words_of(const EyeMask& mask, std::uint32_t plane) {
   return {reinterpret_cast<const Word*>(mask.bytes().data()) + plane * count, count};
 }
 
-/// Sets `edge` to 1 at pixels whose 3x3 neighbourhood in `words` is not of one value.
+/// Sets `differs` to 1 at (x, y) where the pixels x, x + 1 of rows y, y + 1 are not of one value in `words`.
 template <class Word>
-void mark_edges(std::span<const Word> words, Extent size, std::vector<std::uint8_t>& edge) {
-  const std::size_t w = size.width, h = size.height;
-  std::vector<Word> any(w * h), all(w * h);  // of a pixel and its neighbours left and right
-  for (std::size_t y = 0; y < h; ++y) {
-    const Word* const row = words.data() + y * w;
-    Word *const row_any = any.data() + y * w, *const row_all = all.data() + y * w;
-    for (std::size_t x = 1; x + 1 < w; ++x) {
-      row_any[x] = static_cast<Word>(row[x - 1] | row[x] | row[x + 1]);
-      row_all[x] = static_cast<Word>(row[x - 1] & row[x] & row[x + 1]);
-    }
-    for (const std::size_t x : {std::size_t{0}, w - 1}) {
-      const Word left = row[x == 0 ? 0 : x - 1], right = row[x + 1 < w ? x + 1 : x];
-      row_any[x] = static_cast<Word>(left | row[x] | right);
-      row_all[x] = static_cast<Word>(left & row[x] & right);
-    }
+void mark_corners(std::span<const Word> words, Extent size, std::vector<std::uint8_t>& differs) {
+  const std::size_t w = size.width;
+  for (std::size_t y = 0; y + 1 < size.height; ++y) {
+    const Word *const above = words.data() + y * w, *const below = above + w;
+    std::uint8_t* const row = differs.data() + y * w;
+    for (std::size_t x = 0; x + 1 < w; ++x)
+      row[x] = static_cast<std::uint8_t>(row[x] | (above[x] != above[x + 1]) | (above[x] != below[x]) |
+                                         (above[x] != below[x + 1]));
   }
-  for (std::size_t y = 0; y < h; ++y) {
-    const std::size_t above = (y == 0 ? 0 : y - 1) * w, here = y * w, below = (y + 1 < h ? y + 1 : y) * w;
-    for (std::size_t x = 0; x < w; ++x) {
-      const Word lit = static_cast<Word>(any[above + x] | any[here + x] | any[below + x]);
-      const Word kept = static_cast<Word>(all[above + x] & all[here + x] & all[below + x]);
-      edge[here + x] = static_cast<std::uint8_t>(edge[here + x] | (lit != kept));
-    }
+}
+
+/// Of each pixel, the corners of its four quarters.
+std::vector<std::uint8_t> edges_of(const std::vector<std::uint8_t>& differs, Extent size) {
+  const std::size_t w = size.width;
+  std::vector<std::uint8_t> edges(differs.size());
+  const std::vector<std::uint8_t> nothing(w, 0);
+  for (std::size_t y = 0; y < size.height; ++y) {
+    const std::uint8_t *const lower = differs.data() + y * w, *const upper =
+                                                                  y == 0 ? nothing.data() : lower - w;
+    std::uint8_t* const row = edges.data() + y * w;
+    row[0] = static_cast<std::uint8_t>(upper[0] << 1 | lower[0] << 3);
+    for (std::size_t x = 1; x < w; ++x)
+      row[x] = static_cast<std::uint8_t>(upper[x - 1] | upper[x] << 1 | lower[x - 1] << 2 | lower[x] << 3);
   }
+  return edges;
 }
 
 template <class From, class To>
 void copy(const EyeMask& mask, std::span<std::byte> out) {
-  const MaskLayout from = mask.layout(), to = with_edge_bit(from);
+  const MaskLayout from = mask.layout(), to = with_edge_bits(from);
   const std::size_t pixels = mask.size().pixels();
-  std::vector<std::uint8_t> edge(pixels, 0);
+  std::vector<std::uint8_t> differs(pixels, 0);
   for (std::uint32_t plane = 0; plane < from.planes(); ++plane)
-    mark_edges(words_of<From>(mask, plane), mask.size(), edge);
-  To* const words = reinterpret_cast<To*>(out.data());
+    mark_corners(words_of<From>(mask, plane), mask.size(), differs);
+  const std::vector<std::uint8_t> edges = edges_of(differs, mask.size());
+  const std::uint32_t edge_plane = first_edge_bit(from.lights) / 32, bit = first_edge_bit(from.lights) % 32;
   for (std::uint32_t plane = 0; plane < to.planes(); ++plane) {
-    To* const target = words + plane * pixels;
-    const unsigned bit = from.lights % 32;
-    const bool has_edges = plane == from.lights / 32;
-    if (plane >= from.planes()) {
-      for (std::size_t i = 0; i < pixels; ++i) target[i] = edge[i];
-      continue;
+    To* const target = reinterpret_cast<To*>(out.data()) + plane * pixels;
+    if (plane < from.planes()) {
+      std::ranges::copy(words_of<From>(mask, plane), target);
+    } else {
+      std::fill_n(target, pixels, To{0});
     }
-    const std::span<const From> source = words_of<From>(mask, plane);
-    for (std::size_t i = 0; i < pixels; ++i)
-      target[i] = static_cast<To>(source[i] | (has_edges ? static_cast<To>(edge[i]) << bit : 0));
+    for (std::size_t i = 0; i < pixels && plane == edge_plane; ++i)
+      target[i] = static_cast<To>(target[i] | static_cast<To>(edges[i]) << bit);
   }
 }
 
 }  // namespace
 
 void copy_with_edges(const EyeMask& mask, std::span<std::byte> out) {
-  check_eq(out.size(), mask_bytes(mask.size(), with_edge_bit(mask.layout())), "bytes of a device mask");
+  check_eq(out.size(), mask_bytes(mask.size(), with_edge_bits(mask.layout())), "bytes of a device mask");
   if (mask.size().pixels() == 0) return;
-  const std::uint32_t from = mask.layout().word_bytes(), to = with_edge_bit(mask.layout()).word_bytes();
+  const std::uint32_t from = mask.layout().word_bytes(), to = with_edge_bits(mask.layout()).word_bytes();
   if (from == 1 && to == 1) return copy<std::uint8_t, std::uint8_t>(mask, out);
   if (from == 1) return copy<std::uint8_t, std::uint16_t>(mask, out);
   if (from == 2 && to == 2) return copy<std::uint16_t, std::uint16_t>(mask, out);

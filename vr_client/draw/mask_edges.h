@@ -1,5 +1,6 @@
-/// Mask edges: a mask as the device holds it has one bit more than there are lights: whether the pixel and
-/// its eight neighbours differ in any light. Only there is it worth asking what lies between pixels.
+/// Mask edges: a mask as the device holds it has four bits more than there are lights. They say of each
+/// quarter of a pixel whether the 2x2 pixels around its corner differ in any light: only there is it worth
+/// asking what lies between pixels.
 #pragma once
 
 #include <span>
@@ -8,18 +9,22 @@
 
 namespace farshade {
 
-/// Of a device mask: bit `lights` is the edge.
-[[nodiscard]] constexpr MaskLayout with_edge_bit(MaskLayout mask) {
-  return {mask.lights + 1};
+/// The four bits, in the order of the pixel's quarters: upper left, upper right, lower left, lower right.
+/// They lie in one plane.
+[[nodiscard]] constexpr std::uint32_t first_edge_bit(std::uint32_t lights) {
+  return lights % 32 <= 28 ? lights : (lights + 31) / 32 * 32;
 }
-static_assert(with_edge_bit({kMaxLights}).planes() == kMaxLights / 32 + 1);
+[[nodiscard]] constexpr MaskLayout with_edge_bits(MaskLayout mask) {
+  return {first_edge_bit(mask.lights) + 4};
+}
+static_assert(with_edge_bits({3}).word_bytes() == 1 && with_edge_bits({kMaxLights}).planes() == 9);
 
 /// Bytes of a mask of `size` that lies as `layout` says.
 [[nodiscard]] constexpr std::size_t mask_bytes(Extent size, MaskLayout layout) {
   return size.pixels() * layout.planes() * layout.word_bytes();
 }
 
-/// Writes `mask` with its edges to `out`, mask_bytes(mask.size(), with_edge_bit(mask.layout())) bytes.
+/// Writes `mask` with its edges to `out`, mask_bytes(mask.size(), with_edge_bits(mask.layout())) bytes.
 void copy_with_edges(const EyeMask& mask, std::span<std::byte> out);
 
 }  // namespace farshade

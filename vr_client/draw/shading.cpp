@@ -18,7 +18,7 @@ static_assert(kTileSide_px == FARSHADE_TILE_PX);
 static_assert(ShadingPass::kMaxMasks * kEyes == FARSHADE_MAX_SOURCES && kMostSpheres == FARSHADE_MAX_MOVED);
 
 /// A filtered visibility is pulled this much away from a half; docs/reprojection.md has the measurement.
-constexpr float kSharpness = 2.0f;
+constexpr float kSharpness = 4.0f;
 
 std::vector<gpu::BindingKind> shading_set() {
   using Type = vk::DescriptorType;
@@ -59,7 +59,7 @@ ShadingPass::ShadingPass(const gpu::Device& device, const GBufferPass& gbuffer, 
       frame_buffer_(frame),
       size_(size),
       mask_{lights},
-      mask_words_(words(mask_bytes(traced_size, with_edge_bit(mask_)))),
+      mask_words_(words(mask_bytes(traced_size, with_edge_bits(mask_)))),
       known_words_((TileGrid{traced_size}.count() + 31) / 32),
       motion_count_(motion.slot_count()) {
   const auto storage = vk::BufferUsageFlagBits::eStorageBuffer;
@@ -124,7 +124,7 @@ bool ShadingPass::upload(std::size_t slot, const MaskInHand& mask) const {
   bool whole = true;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const std::size_t place = slot * kEyes + eye;
-    const std::size_t bytes = mask_bytes(mask.masks[eye].size(), with_edge_bit(mask_));
+    const std::size_t bytes = mask_bytes(mask.masks[eye].size(), with_edge_bits(mask_));
     check(mask.masks[eye].layout() == mask_ && words(bytes) <= mask_words_, "a mask fits its place");
     copy_with_edges(mask.masks[eye], mask_buffer_.as<std::byte>().subspan(place * mask_words_ * 4, bytes));
     const auto known = known_buffer_.as<std::uint32_t>().subspan(place * known_words_, known_words_);
@@ -236,11 +236,11 @@ const vk::raii::Pipeline& ShadingPass::pipeline(const Key& key) {
   auto found = pipelines_.find(key);
   if (found == pipelines_.end()) {
     const gpu::Specialization constants(
-        {mask_.lights, with_edge_bit(mask_).word_bytes(), key.pass, key.report == Report::On,
+        {mask_.lights, with_edge_bits(mask_).word_bytes(), key.pass, key.report == Report::On,
          key.ranges_and_cones, std::bit_cast<std::uint32_t>(static_cast<float>(kNearPlane_m)),
          std::bit_cast<std::uint32_t>(kUnknownVisibility), key.eye, key.whole, key.moved,
          key.carry_over.gaps == Gaps::Neighbours, key.carry_over.edges == Edges::Filtered,
-         std::bit_cast<std::uint32_t>(kSharpness), key.moved_since_newest});
+         std::bit_cast<std::uint32_t>(kSharpness), key.moved_since_newest, first_edge_bit(mask_.lights)});
     found = pipelines_.emplace(key, gpu::make_compute_pipeline(device_, layout_, shader_, constants, "shade"))
                 .first;
   }
