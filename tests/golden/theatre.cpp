@@ -122,8 +122,9 @@ Mask Theatre::trace(FrameId frame, const StereoView& views) {
 Mask Theatre::ask(FrameId frame, const StereoView& views) {
   const Time now = state_.scene_time;
   const TraceRequest asked{.frame = frame, .display_time = now, .scene_time = now, .views = views};
-  const StereoView shown = eyes(head());
-  ShownFrame drawn = shown_frame(views[0].size == shown[0].size ? views : shown, {}, {});
+  StereoView shown = views;  // where `views` are of another size, the same heads in the size that is shown
+  for (View& view : shown) view.size = {side_px_, side_px_};
+  ShownFrame drawn = shown_frame(shown, {}, {});
   drawn.asked = &asked;
   renderer_->draw_gbuffer(drawn);
   return trace(frame, views);

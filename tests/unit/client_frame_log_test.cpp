@@ -26,7 +26,8 @@ FrameRecord record(std::uint32_t frame) {
   made.times.frame = frame * 1ms;
   made.errors = PerEye<EyeErrors>{};
   for (EyeErrors& errors : *made.errors)
-    errors = {.mask_error = 0.001 * frame, .psnr_db = 20.0 + frame, .newest = 1};
+    errors = {
+        .mask_error = 0.001 * frame, .psnr_db = 20.0 + frame, .newest = 1, .unmoved_error = 0.002 * frame};
   return made;
 }
 

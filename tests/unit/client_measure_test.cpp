@@ -116,7 +116,7 @@ TEST(CompareMasks, EverySourceHasItsShareAndTheyAddUpToOne) {
   const std::array<std::uint8_t, 8> sources{
       0, 1, 3, kOtherEye, kOtherEye + 3, kNeighbour, kSourceUnknown, kSourceUncovered};
   for (int i = 0; i < 200; ++i) {
-    const std::uint32_t lights = 1 + random() % 40;
+    const std::uint32_t lights = 1 + static_cast<std::uint32_t>(random()) % 40;
     const auto any = [&] { return sources[random() % sources.size()]; };
     ShownReport report = shown(lights, {0, any(), any(), any()});
     for (std::uint32_t light = 0; light < lights; ++light)

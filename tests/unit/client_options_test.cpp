@@ -93,6 +93,20 @@ TEST(ReadOptions, TakesEveryOption) {
                                   "0.76",
                                   "--reference-every",
                                   "0",
+                                  "--predictor",
+                                  "double-exponential",
+                                  "--guard-band",
+                                  "off",
+                                  "--mask-every",
+                                  "3",
+                                  "--reprojection",
+                                  "off",
+                                  "--eyes",
+                                  "this",
+                                  "--gaps",
+                                  "unknown",
+                                  "--edges",
+                                  "nearest",
                                   "--gpu",
                                   "llvm",
                                   "--validate"});
@@ -115,6 +129,10 @@ TEST(ReadOptions, TakesEveryOption) {
   EXPECT_EQ(options.place, Place::Recorded);
   EXPECT_EQ(options.trace_scale, 0.76);
   EXPECT_EQ(options.reference_every, 0u);
+  EXPECT_EQ(options.request.predictor, PredictorKind::DoubleExponential);
+  EXPECT_EQ(options.request.guard_band, GuardBandUse::Off);
+  EXPECT_EQ(options.request.every, 3u);
+  EXPECT_EQ(options.carry_over, (CarryOver{Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest}));
   EXPECT_EQ(options.device.name_contains, "llvm");
   EXPECT_EQ(options.device.validation, gpu::Validation::On);
 }
@@ -127,6 +145,18 @@ TEST(ReadOptions, DefaultsAreThoseOfTheHeader) {
   EXPECT_EQ(read.options->mode, Mode::Hybrid);
   EXPECT_EQ(read.options->pace, Pace::Virtual);
   EXPECT_EQ(read.options->device.validation, gpu::Validation::Off);
+  EXPECT_EQ(read.options->request.predictor, kDefaultPredictor);
+  EXPECT_EQ(read.options->request.guard_band, GuardBandUse::Measured);
+  EXPECT_EQ(read.options->request.every, 1u);
+  EXPECT_EQ(read.options->carry_over, CarryOver{});
+}
+
+TEST(ReadOptions, KnowsEveryPredictorByItsName) {
+  for (const PredictorKind kind : kPredictorKinds) {
+    const Outcome read = read_more({"--predictor", std::string(to_string(kind))});
+    ASSERT_TRUE(read.options.has_value()) << read.errors;
+    EXPECT_EQ(read.options->request.predictor, kind);
+  }
 }
 
 TEST(ReadOptions, HelpIsNoFailure) {
@@ -162,6 +192,16 @@ TEST(ReadOptions, SaysWhatIsWrongInOneLineAndExitsWith2) {
       {{"--trace-scale", "0"}, "--trace-scale"},
       {{"--trace-scale", "nan"}, "--trace-scale"},
       {{"--pictures", "-1"}, "--pictures"},
+      {{"--predictor", "oracle"}, "--predictor"},
+      {{"--predictor", ""}, "--predictor"},
+      {{"--guard-band", "wide"}, "--guard-band"},
+      {{"--mask-every", "0"}, "--mask-every"},
+      {{"--mask-every", "65"}, "--mask-every"},
+      {{"--mask-every", "1.5"}, "--mask-every"},
+      {{"--reprojection", "maybe"}, "--reprojection"},
+      {{"--eyes", "left"}, "--eyes"},
+      {{"--gaps", "lit"}, "--gaps"},
+      {{"--edges", "soft"}, "--edges"},
       {{"--dump", "one"}, "--dump"},
       {{"--no-such-option"}, "--no-such-option"}};
   for (const auto& [arguments, named] : wrong) {

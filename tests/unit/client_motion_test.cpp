@@ -1,0 +1,164 @@
+#include "vr_client/draw/motion.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "stereo/math/rotation.h"
+#include "tests/oracle/scene_builder.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// How far `inner` reaches out of `outer`, metres.
+double beyond(const Sphere& outer, const Sphere& inner) {
+  return length(inner.centre - outer.centre) + inner.radius - outer.radius;
+}
+
+class Spheres : public testing::Test {
+ protected:
+  double between(double low, double high) { return std::uniform_real_distribution(low, high)(random_); }
+  Sphere any(double spread) {
+    return {Point<Stage>{{between(-spread, spread), between(-spread, spread), between(-spread, spread)}},
+            between(0, 1)};
+  }
+  std::mt19937_64 random_{77};  // the seed
+};
+
+TEST_F(Spheres, MergedHoldsBothAndIsTheSmallest) {
+  int nested = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Sphere a = any(i % 2 ? 2.0 : 0.3), b = any(i % 2 ? 2.0 : 0.3), both = merged(a, b);
+    ASSERT_LE(beyond(both, a), 1e-12) << "case " << i;
+    ASSERT_LE(beyond(both, b), 1e-12) << "case " << i;
+    const double apart = length(b.centre - a.centre);
+    ASSERT_NEAR(both.radius, std::max({(apart + a.radius + b.radius) / 2, a.radius, b.radius}), 1e-12)
+        << "case " << i;
+    nested += both.radius == a.radius || both.radius == b.radius;
+  }
+  EXPECT_GT(nested, 50);
+}
+
+TEST_F(Spheres, MergedTakesEqualCentres) {
+  const Sphere point{Point<Stage>{{1, 2, 3}}, 0}, ball{Point<Stage>{{1, 2, 3}}, 2};
+  EXPECT_EQ(merged(point, point).radius, 0);
+  EXPECT_EQ(merged(point, ball).radius, 2);
+  EXPECT_EQ(merged(ball, point).radius, 2);
+}
+
+TEST_F(Spheres, AddSphereDropsNothing) {
+  for (int round = 0; round < 200; ++round) {
+    std::vector<Sphere> kept, all;
+    for (std::size_t i = 0; i < 3 * kMostSpheres; ++i) {
+      all.push_back(any(5));
+      add_sphere(all.back(), kept);
+      ASSERT_EQ(kept.size(), std::min(all.size(), kMostSpheres));
+      for (const Sphere& sphere : all)
+        ASSERT_TRUE(std::ranges::any_of(kept, [&](const Sphere& s) { return beyond(s, sphere) < 1e-9; }))
+            << "round " << round << ", after " << all.size();
+    }
+  }
+}
+
+TEST_F(Spheres, AddSphereJoinsTheOneThatGrowsLeast) {
+  std::vector<Sphere> spheres;
+  for (std::size_t i = 0; i < kMostSpheres; ++i)
+    add_sphere({Point<Stage>{{10.0 * static_cast<double>(i), 0, 0}}, 1}, spheres);
+  add_sphere({Point<Stage>{{41, 0, 0}}, 1}, spheres);
+  ASSERT_EQ(spheres.size(), kMostSpheres);
+  for (std::size_t i = 0; i < kMostSpheres; ++i) EXPECT_EQ(spheres[i].radius, i == 4 ? 1.5 : 1.0) << i;
+}
+
+/// A floor, a box that travels 2 m along +x in a second, and two lights of which the second travels as far
+/// along +z.
+struct Moving {
+  Moving() {
+    SceneBuilder builder;
+    builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
+    builder.move(builder.add(box({0, 1, 0}, {0.3, 0.4, 0.5})), {2, 0, 0});
+    builder.point_light({0, 3, 0});
+    builder.move(builder.point_light({1, 3, 0}), {0, 0, 2});
+    scene = builder.build();
+  }
+  [[nodiscard]] Motion between(Duration then, Duration now) const {
+    return MotionModel(scene).between(state_at(scene, Time(then)), state_at(scene, Time(now)));
+  }
+  Scene scene;
+};
+
+TEST(MotionModel, GivesSlotsToWhatCanMoveOnly) {
+  const Moving moving;
+  const MotionModel model(moving.scene);
+  EXPECT_EQ(model.slots(), (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(model.slot_count(), 1u);
+}
+
+TEST(MotionModel, NothingMovesInNoTime) {
+  const Moving moving;
+  EXPECT_TRUE(moving.between(300ms, 300ms).is_still());
+  EXPECT_TRUE(moving.between(300ms, 300ms + 1us).is_still()) << "what a clock that predicts may be off by";
+  EXPECT_TRUE(moving.between(300ms, 1300ms).is_still()) << "the animation repeats";
+  EXPECT_FALSE(moving.between(300ms, 300ms + 1ms).is_still());
+}
+
+TEST(MotionModel, StalesTheLightThatMovedAndNoOther) {
+  const Motion motion = Moving().between(100ms, 300ms);
+  EXPECT_FALSE(motion.stale_lights[0]);
+  EXPECT_TRUE(motion.stale_lights[1]);
+  EXPECT_EQ(motion.stale_lights.count(), 1u);
+}
+
+TEST(MotionModel, CarriesPointsBackToWhereTheyWere) {
+  const Moving moving;
+  for (const auto& [then, now] : {std::pair{100ms, 300ms}, std::pair{900ms, 200ms}}) {
+    const Motion motion = moving.between(then, now);
+    ASSERT_EQ(motion.then_from_now.size(), 1u);
+    ASSERT_TRUE(motion.then_from_now[0].has_value());
+    const SceneState before = state_at(moving.scene, Time(then)), after = state_at(moving.scene, Time(now));
+    for (const glm::vec3& corner : moving.scene.meshes[1].positions) {
+      const Point<Object> p{glm::dvec3(corner)};
+      const glm::dvec3 carried(*motion.then_from_now[0] * glm::dvec4(after.stage_from_object[1](p).v, 1));
+      EXPECT_LT(glm::length(carried - before.stage_from_object[1](p).v), 1e-12);
+    }
+  }
+}
+
+TEST(MotionModel, SpheresHoldTheCasterWhereItWasAndWhereItIs) {
+  const Moving moving;
+  const Motion motion = moving.between(100ms, 600ms);
+  ASSERT_EQ(motion.moved.size(), 2u);
+  for (const Duration at : {Duration(100ms), Duration(600ms)})
+    for (const glm::vec3& corner : moving.scene.meshes[1].positions) {
+      const Sphere point{
+          state_at(moving.scene, Time(at)).stage_from_object[1](Point<Object>{glm::dvec3(corner)}), 0};
+      EXPECT_TRUE(
+          std::ranges::any_of(motion.moved, [&](const Sphere& s) { return beyond(s, point) < 1e-6; }));
+    }
+  for (const Sphere& sphere : motion.moved)
+    EXPECT_NEAR(sphere.radius, std::sqrt(0.3 * 0.3 + 0.4 * 0.4 + 0.5 * 0.5), 1e-6) << "and are no larger";
+}
+
+TEST(MotionModel, ManyCastersShareTheSpheresThereAre) {
+  SceneBuilder builder;
+  for (int i = 0; i < 11; ++i)
+    builder.move(builder.add(box({static_cast<float>(i), 1, 0}, {0.1f, 0.1f, 0.1f})), {0, 0.5, 0});
+  builder.point_light({0, 3, 0});
+  const Scene scene = builder.build();
+  const SceneState then = state_at(scene, Time{}), now = state_at(scene, Time(400ms));
+  const Motion motion = MotionModel(scene).between(then, now);
+  EXPECT_EQ(motion.moved.size(), kMostSpheres);
+  for (std::size_t i = 0; i < scene.instances.size(); ++i)
+    for (const SceneState* state : {&then, &now}) {
+      const Sphere middle{state->stage_from_object[i](Point<Object>{{static_cast<double>(i), 1, 0}}), 0.17};
+      EXPECT_TRUE(
+          std::ranges::any_of(motion.moved, [&](const Sphere& s) { return beyond(s, middle) < 0.01; }))
+          << "box " << i;
+    }
+}
+
+}  // namespace
+}  // namespace farshade
