@@ -1,0 +1,106 @@
+/// Never worse: along head traces, on no frame and in neither eye is the mask error above that of the same
+/// stale mask shown without reprojection. Four frames of lag, no prediction, no guard band, the scene's
+/// animation on.
+#include <cmath>
+
+#include "stereo/scene/gltf.h"
+#include "stereo/trace/reader.h"
+#include "tests/golden/theatre.h"
+#include "vr_client/draw/frame_data.h"
+#include "vr_client/report/measure.h"
+
+namespace farshade {
+namespace {
+
+constexpr std::uint32_t kSide_px = 256;
+constexpr double kRefresh_hz = 72;
+constexpr int kLag = 4;  ///< frames
+
+struct Walk {
+  const char* name;
+  std::string scene, trace;
+  int first, every;  ///< frames
+};
+
+std::ostream& operator<<(std::ostream& out, const Walk& walk) {
+  return out << walk.name;
+}
+
+template <class T>
+T value_of(Expected<T> value) {
+  if (!value) throw std::runtime_error(value.error().what);
+  return std::move(*value);
+}
+
+class NeverWorse : public OnLavapipe, public testing::WithParamInterface<Walk> {
+ protected:
+  StereoView views_at(Time since_start) const {
+    const Rigid<Stage, Head> head =
+        stage_from_recorded_ * head_at(trace_, trace_.start() + since_start.time_since_epoch());
+    StereoView views;
+    for (const Side side : kSides)
+      views[index_of(side)] = {head * head_from_eye(side, trace_.eye_distance_m),
+                               trace_.fov[index_of(side)],
+                               {kSide_px, kSide_px}};
+    return views;
+  }
+
+  Theatre theatre_{device_, value_of(load_scene(GetParam().scene)), kSide_px};
+  HeadTrace trace_ = value_of(load_head_trace(GetParam().trace));
+  Rigid<Stage, Recorded> stage_from_recorded_ = place(trace_, *theatre_.scene().camera);
+};
+
+Time time_of(int frame) {
+  return Time(Duration(std::llround(frame * 1e9 / kRefresh_hz)));
+}
+
+TEST_P(NeverWorse, ThanTheStaleMaskAsItIs) {
+  double sum = 0, sum_unmoved = 0;
+  int frames = 0;
+  for (int frame = GetParam().first; trace_.start() + time_of(frame).time_since_epoch() <= trace_.end();
+       frame += GetParam().every, ++frames) {
+    const StereoView now = views_at(time_of(frame));
+    theatre_.set_time(time_of(frame - kLag));
+    const Mask stale =
+        theatre_.ask(FrameId{static_cast<std::uint32_t>(frame)}, views_at(time_of(frame - kLag)));
+    theatre_.set_time(time_of(frame));
+    const Shown shown = theatre_.show(now, {stale.in_hand()});
+    const Mask truth = theatre_.trace(FrameId{}, now);
+    for (const Side side : kSides) {
+      const std::size_t eye = index_of(side);
+      const EyeErrors errors = compare_masks(shown.reports[eye], truth.bits[eye]);
+      const double unmoved = unmoved_error(stale.bits[eye], grid_offset_px(now[eye], stale.views[eye]),
+                                           shown.reports[eye], truth.bits[eye]);
+      EXPECT_LE(errors.mask_error, unmoved)
+          << "frame " << frame << ", " << name_of(side) << ": unknown " << errors.unknown << ", known error "
+          << errors.known_error << ", stale " << errors.stale << ", neighbours " << errors.neighbours;
+      sum += errors.mask_error;
+      sum_unmoved += unmoved;
+    }
+  }
+  EXPECT_GT(frames, 10);
+  RecordProperty("mean_error", std::to_string(sum / (2 * frames)));
+  RecordProperty("mean_error_unmoved", std::to_string(sum_unmoved / (2 * frames)));
+}
+
+constexpr const char* kRoom = FARSHADE_ASSETS "/room.glb";
+
+INSTANTIATE_TEST_SUITE_P(, NeverWorse,
+                         testing::Values(Walk{"Bundled", kRoom, FARSHADE_ASSETS "/walk.csv", 24, 24}),
+                         testing::PrintToStringParamName());
+#ifdef FARSHADE_SHARED_SCENES
+constexpr const char* kLivingRoom = FARSHADE_SHARED_SCENES "/modern_living_room.glb";
+
+std::string user(const char* number) {
+  return std::string(FARSHADE_TRACES "/eyenavgs_truck_user") + number + ".csv";
+}
+
+INSTANTIATE_TEST_SUITE_P(Recorded, NeverWorse,
+                         testing::Values(Walk{"User101", kLivingRoom, user("101"), 144, 288},
+                                         Walk{"User102", kRoom, user("102"), 144, 288},
+                                         Walk{"User104", kLivingRoom, user("104"), 144, 288}),
+                         testing::PrintToStringParamName());
+#endif
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,137 @@
+/// The shaders' float reprojection against the same in double: where points fall, and which views saw them.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "stereo/base/quantile.h"
+#include "tests/golden/pose_cases.h"
+#include "tests/golden/reproject_reference.h"
+#include "tests/golden/theatre.h"
+#include "tests/oracle/scene_builder.h"
+
+namespace farshade {
+namespace {
+
+constexpr std::uint32_t kSide_px = 192;
+constexpr FrameId kTraced{1};
+
+/// Nothing but the newest mask as traced for this eye, or unknown.
+constexpr CarryOver kOneView{.eyes = Eyes::This, .gaps = Gaps::Unknown, .edges = Edges::Nearest};
+
+/// What the float path may be off by at most. Measured: 7e-5 px.
+constexpr double kMostOff_px = 1e-3;
+
+/// The float path against the double one, over both eyes of some pairs of views. Counts are of shown pixels.
+struct Against {
+  std::vector<double> off_px;           ///< of every pixel that was found in the traced view
+  std::size_t same = 0, refused = 0;    ///< clearly the same surface; of these, not found
+  std::size_t other = 0, accepted = 0;  ///< clearly none that was seen; of these, found
+  std::size_t hidden = 0;               ///< of `other`, within the traced view
+};
+
+void compare_pixel(const SeenDepth& shown, const SeenDepth& traced, const ShownReport& report, std::size_t i,
+                   Against& against) {
+  const auto x = static_cast<std::uint32_t>(i % shown.view.size.width),
+             y = static_cast<std::uint32_t>(i / shown.view.size.width);
+  const bool found = report.sources[i] == 0;
+  const std::optional<Carried> carried = carry(shown, x, y, traced.view);
+  if (found) {
+    const glm::dvec2 at(report.positions[i][0], report.positions[i][1]);
+    against.off_px.push_back(carried ? glm::length(carried->at - at) : HUGE_VAL);
+  }
+  const SameSurface same = same_surface(shown, x, y, traced);
+  against.same += same == SameSurface::Yes;
+  against.other += same == SameSurface::No;
+  against.refused += same == SameSurface::Yes && !found;
+  against.accepted += same == SameSurface::No && found;
+  against.hidden += same == SameSurface::No && carried && is_inside(carried->at, traced.view.size);
+}
+
+void compare(Theatre& theatre, const PoseViews& views, Against& against) {
+  const Mask mask = theatre.ask(kTraced, views.traced);
+  const PerEye<Image<float>> traced = theatre.renderer().read_distance();
+  const Shown now = theatre.show(views.shown, {mask.in_hand()}, kOneView);
+  const PerEye<Image<float>> shown = theatre.renderer().read_distance();
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    const SeenDepth of_shown{views.shown[eye], shown[eye]}, of_traced{views.traced[eye], traced[eye]};
+    for (std::size_t i = 0; i < now.reports[eye].sources.size(); ++i)
+      if (now.reports[eye].sources[i] != kSourceUncovered)
+        compare_pixel(of_shown, of_traced, now.reports[eye], i, against);
+  }
+}
+
+struct Place {
+  const char* name;
+  Scene (*scene)();
+};
+
+std::ostream& operator<<(std::ostream& out, const Place& place) {
+  return out << place.name;
+}
+
+/// A box over a plane, more than 1,000 km from the origin.
+Scene far_away() {
+  const glm::dvec3 origin{1e6, 2e3, -7e5};
+  SceneBuilder builder(origin);
+  builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
+  builder.add(box({0, 0.6, 0}, {0.3, 0.3, 0.3}));
+  builder.point_light({0.8, 2, 0.5});
+  Scene scene = builder.build();
+  scene.camera = look(origin + glm::dvec3(0.5, 1.6, 2.5), origin + glm::dvec3(0, 0.4, 0), 1).stage_from_eye;
+  return scene;
+}
+
+class ReprojectReference : public OnLavapipe, public testing::WithParamInterface<Place> {
+ protected:
+  void expect_agreement(Against& against) {
+    ASSERT_GT(against.off_px.size(), 1'000u);
+    const double largest = *std::max_element(against.off_px.begin(), against.off_px.end()),
+                 p99 = quantile(against.off_px, 0.99);
+    fmt::print(
+        "{} found, off by {:.1e} px at most, p99 {:.1e}; clear: {} same, {} other, {} of them hidden\n",
+        against.off_px.size(), largest, p99, against.same, against.other, against.hidden);
+    EXPECT_LT(largest, kMostOff_px);
+    EXPECT_GT(against.same, against.off_px.size() / 2);
+    EXPECT_EQ(against.refused, 0u) << "of " << against.same;
+    EXPECT_EQ(against.accepted, 0u) << "of " << against.other;
+  }
+
+  Theatre theatre_{device_, GetParam().scene(), kSide_px};
+};
+
+TEST_P(ReprojectReference, AgreesWithFloatForAllPoses) {
+  Against against;
+  for (const PoseCase& pose : pose_cases())
+    compare(theatre_, views_of(pose, theatre_.head(), kSide_px), against);
+  expect_agreement(against);
+  EXPECT_GT(against.hidden, 100u);
+}
+
+TEST_P(ReprojectReference, AgreesWithFloatForFovsOf1And170Degrees) {
+  for (const double fov_degrees : {1.0, 170.0}) {
+    SCOPED_TRACE(fov_degrees);
+    const double half_rad = fov_degrees / 2 * std::numbers::pi / 180;
+    Against against;
+    // Turns within the fov: a view of 1 degree shares nothing with one that is turned by 5.
+    for (const double share : {0.1, -0.3})
+      compare(theatre_,
+              views_of({.name = "",
+                        .yaw_degrees = std::min(20.0, fov_degrees) * share,
+                        .step_m = 0.1 * share,
+                        .left_fov = {-half_rad, half_rad, half_rad, -half_rad}},
+                       theatre_.head(), kSide_px),
+              against);
+    expect_agreement(against);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , ReprojectReference,
+    testing::Values(Place{"box_over_plane", [] { return bundled("box_over_plane.gltf"); }},
+                    Place{"room", [] { return bundled("room.glb"); }}, Place{"far_from_origin", far_away}),
+    [](const auto& tested) { return std::string(tested.param.name); });
+
+}  // namespace
+}  // namespace farshade
