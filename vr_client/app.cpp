@@ -73,6 +73,7 @@ struct Client {
   SteadyClock clock;
   std::optional<UdpClient> udp;
   std::optional<ShadowLink> link;
+  Duration round_trip{};  ///< of the first exchange with the server
 };
 
 Expected<void> open_link(const Options& options, Client& client) {
@@ -87,7 +88,10 @@ Expected<void> open_link(const Options& options, Client& client) {
   client.udp = std::move(*udp);
   client.link.emplace(*client.udp->port, client.udp->server, client.clock, client.scene.hash,
                       narrow<std::uint32_t>(lights), frames_in_flight(options));
-  if (const Expected<void> met = client.link->meet(kMeetPatience); !met) {
+  const Stopwatch meeting;
+  const Expected<void> met = client.link->meet(kMeetPatience);
+  client.round_trip = meeting.elapsed();
+  if (!met) {
     if (met.error().fault == Fault::Mismatch) return met;
     spdlog::warn("{}; going on without shadows from it, and trying again", met.error().what);
   }
@@ -201,7 +205,10 @@ Expected<void> run_client(const Options& options) {
       .renderer = *client.renderer,
       .link = client.link ? &*client.link : nullptr,
       .own_tracer = options.mode == Mode::Full ? reference : nullptr,
-      .policy = {options.pace, duration_from_ms(options.delay_ms), duration_from_ms(options.mask_wait_ms)},
+      .policy = {.pace = options.pace,
+                 .delay = duration_from_ms(options.delay_ms),
+                 .round_trip = client.round_trip,
+                 .mask_wait = duration_from_ms(options.mask_wait_ms)},
       .wish = options.request,
       .carry_over = options.carry_over,
       .report = recorder.measures_any() ? ShadingPass::Report::On : ShadingPass::Report::Off};

@@ -100,6 +100,8 @@ bool is_exact(const MaskInHand& mask, const TraceRequest& shown, const Scene& sc
 Expected<void> run(const Session& session, const FrameWatcher& watch, const std::function<bool()>& stop) {
   MaskSource source(session);
   RequestPlan plan(session.wish);
+  plan.learn(session.policy.pace == Pace::Real ? session.policy.round_trip
+                                               : session.policy.delay - session.policy.mask_wait);
   FrameId frame;
   std::optional<Time> first;
   while (!stop()) {

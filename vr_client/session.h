@@ -16,6 +16,7 @@ namespace farshade {
 struct MaskPolicy {
   Pace pace = Pace::Virtual;
   Duration delay{};      ///< Virtual only: from a request to its masks
+  Duration round_trip{};  ///< Real only: as measured when the server was met
   Duration mask_wait{};  ///< how long a frame waits for its own masks before it is drawn with earlier ones
 };
 

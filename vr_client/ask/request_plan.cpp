@@ -1,5 +1,7 @@
 #include "vr_client/ask/request_plan.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "stereo/base/quantile.h"
@@ -26,7 +28,9 @@ Duration RequestPlan::lead(Duration period) const {
   if (wish_.predictor == PredictorKind::Hold) return {};
   std::vector<double> later;
   for (const Duration d : later_) later.push_back(seconds_of(d));
-  const double used_s = later.empty() ? seconds_of(period) : quantile(later, 0.5);
+  // Masks are used from the first frame on that begins after they have come.
+  const double frames = later.empty() ? 1 : std::ceil(quantile(later, 0.5) / seconds_of(period) - 1e-3);
+  const double used_s = std::max(frames, 0.0) * seconds_of(period);
   // Masks that come once in n frames are used for n frames: aim at the middle of these.
   return duration_from_ms(used_s * 1e3) + period * (wish_.every - 1) / 2;
 }

@@ -31,7 +31,8 @@ class RequestPlan {
   /// that ask for nothing. Call once a frame.
   [[nodiscard]] std::optional<TraceRequest> ask(const TraceRequest& shown, Duration period);
 
-  /// Masks could be used `later` after the display time at which they were asked for.
+  /// Masks could be used `later` after the display time at which they were asked for; before any has come, a
+  /// guess. It is rounded up to whole frames.
   void learn(Duration later);
 
   /// From the display time at which masks are asked for to the one for which.
