@@ -149,9 +149,9 @@ TEST_P(Golden, RefusesMirroredAndShiftedPictures) {
 INSTANTIATE_TEST_SUITE_P(
     , Golden,
     testing::Values(
-        GoldenScene{"box_over_plane", "box_over_plane.gltf", 128, 20, {0, 1}},
-        GoldenScene{"room", "room.glb", 192, 16, {0, 1, 2}},
-        GoldenScene{"plant", "room.glb", 160, 16, {1, 2}, head_looking({1.5, 1.5, -0.5}, {2.5, 1.0, -1.95})}),
+        GoldenScene{"box_over_plane", "box_over_plane.gltf", 128, 34, {0, 1}},
+        GoldenScene{"room", "room.glb", 192, 20, {0, 1, 2}},
+        GoldenScene{"plant", "room.glb", 160, 22, {1, 2}, head_looking({1.5, 1.5, -0.5}, {2.5, 1.0, -1.95})}),
     [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace
