@@ -1,0 +1,37 @@
+/// What reprojected pictures were measured to be worth, for each scene, pose delta and age.
+#pragma once
+
+#include <ostream>
+#include <span>
+#include <vector>
+
+#include "stereo/frame/view.h"
+
+namespace farshade {
+
+/// A picture against its reference.
+struct Judged {
+  double psnr_db = 0, ssim = 0, flip = 0;
+};
+
+/// With a mask traced `age_ms` before the scene's time that is shown.
+struct AtAge {
+  int age_ms = 0;
+  PerEye<Judged> eyes;
+};
+
+struct Row {
+  const char* scene;
+  const char* pose;
+  std::vector<AtAge> ages;
+};
+
+inline std::ostream& operator<<(std::ostream& out, const Row& row) {
+  return out << row.scene << ' ' << row.pose;
+}
+
+[[nodiscard]] std::span<const Row> bundled_rows();
+/// Of a scene that lies beside the repository on some machines.
+[[nodiscard]] std::span<const Row> shared_rows();
+
+}  // namespace farshade
