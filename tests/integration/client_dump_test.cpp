@@ -59,13 +59,15 @@ std::optional<Seen> seen_by(const View& other, const View& view, const Image<flo
 
 class ClientDump : public testing::Test {
  protected:
-  /// Frame 5 of a session with a delay of 20 ms: what it shows was traced for frame 3.
-  void SetUp() override {
+  /// Frame 5 of a session with a delay of 20 ms: what it shows was asked for in frame 3, here for the views
+  /// that frame 3 showed.
+  void SetUp() override { dump({{"--predictor", "hold"}, {"--guard-band", "off"}}); }
+
+  void dump(std::map<std::string, std::string> options) {
+    options.insert({{"--dump", "5"}, {"--frames", "6"}, {"--out", folder_.path().string()}});
     const RunningServer server;
-    const Ended run = run_client({{"--server", server.address()},
-                                  {"--dump", "5"},
-                                  {"--frames", "6"},
-                                  {"--out", folder_.path().string()}});
+    options["--server"] = server.address();
+    const Ended run = run_client(options);
     ASSERT_EQ(run.status, 0) << run.errors;
     const std::filesystem::path inside = folder_.path() / "dump" / "frame_0005";
     EXPECT_EQ(files_below(inside).size(), 11u);
@@ -118,6 +120,32 @@ TEST_F(ClientDump, StatesTheViewsOfTheTrace) {
   EXPECT_NE(shown_, traced_);
 }
 
+/// As a user runs it: asked for in frame 3, for the views foreseen for frame 5 and a guard band.
+class PredictedClientDump : public ClientDump {
+ protected:
+  void SetUp() override { dump({}); }
+};
+
+TEST_F(PredictedClientDump, TracedViewsAreThoseForeseenForTheTimeShown) {
+  const json &shown = described_["shown"], &traced = described_["traced"];
+  EXPECT_EQ(shown["frame"], 5);
+  EXPECT_EQ(traced["frame"], 3);
+  const auto ns = [](const json& view) { return view["display_time_ns"].get<std::int64_t>(); };
+  EXPECT_NEAR(static_cast<double>(ns(shown) - ns(traced)), 0, 2);
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    const View &view = shown_[eye], &wide = traced_[eye];
+    EXPECT_TRUE(is_valid(wide));
+    EXPECT_GE(wide.size.width, view.size.width);
+    EXPECT_GE(wide.size.height, view.size.height);
+    EXPECT_GT(wide.size.pixels(), view.size.pixels()) << "there is a guard band";
+    EXPECT_LE(wide.fov.left, view.fov.left + 1e-9);
+    EXPECT_GE(wide.fov.right, view.fov.right - 1e-9);
+    EXPECT_EQ(eyes_[eye].traced.size, wide.size);
+    EXPECT_EQ(eyes_[eye].shown_mask.size, view.size);
+    EXPECT_LT(glm::length(view.stage_from_eye.translation - wide.stage_from_eye.translation), 0.01);
+  }
+}
+
 TEST_F(ClientDump, ListsTheLightsInBitOrder) {
   const Scene scene = load_scene(kRoom).value();
   const SceneState state = state_at(scene, time_from_ns(described_["shown"]["scene_time_ns"]));
@@ -160,19 +188,41 @@ TEST_F(ClientDump, BothEyesSeeTheSameSurfaces) {
   }
 }
 
-/// The mask shown is the traced mask carried over by the views stated, and not as it was.
+/// Of covered pixels whose surface the traced view has in its picture, those that show that pixel's bits.
+struct CarriedOver {
+  int common = 0, equal = 0, equal_in_place = 0;
+};
+
+CarriedOver carried_over(const DumpedEye& eye, const View& shown, const View& traced) {
+  CarriedOver count;
+  for (std::uint32_t y = 0; y < kClientSize.height; ++y)
+    for (std::uint32_t x = 0; x < kClientSize.width; ++x) {
+      if (eye.distance.at(x, y) <= 0) continue;
+      const auto seen = seen_by(traced, shown, eye.distance, x, y);
+      if (!seen) continue;
+      ++count.common;
+      count.equal += eye.traced.at(seen->x, seen->y) == eye.shown_mask.at(x, y);
+      count.equal_in_place += eye.traced.at(x, y) == eye.shown_mask.at(x, y);
+    }
+  return count;
+}
+
+/// The mask shown is the traced mask carried over by the views stated, and not as it was. At shadow edges,
+/// which are many at this size, it is what lies between the pixels.
 TEST_F(ClientDump, ShownMaskIsTheTracedMaskCarriedOver) {
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    int common = 0, equal = 0, equal_in_place = 0;
-    for_covered(eye, [&](std::uint32_t x, std::uint32_t y) {
-      const auto seen = seen_by(traced_[eye], shown_[eye], eyes_[eye].distance, x, y);
-      if (!seen) return;
-      ++common;
-      equal += eyes_[eye].traced.at(seen->x, seen->y) == eyes_[eye].shown_mask.at(x, y);
-      equal_in_place += eyes_[eye].traced.at(x, y) == eyes_[eye].shown_mask.at(x, y);
-    });
-    EXPECT_GT(equal, common * 0.97) << "eye " << eye << ", of " << common;
-    EXPECT_GE(equal, equal_in_place) << "eye " << eye;
+    const CarriedOver count = carried_over(eyes_[eye], shown_[eye], traced_[eye]);
+    EXPECT_GT(count.equal, count.common * 0.95) << "eye " << eye << ", of " << count.common;
+    EXPECT_GE(count.equal, count.equal_in_place) << "eye " << eye;
+  }
+}
+
+TEST_F(PredictedClientDump, ShownMaskIsTheTracedMaskCarriedOver) {
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    const CarriedOver count = carried_over(eyes_[eye], shown_[eye], traced_[eye]);
+    EXPECT_GT(count.equal, count.common * 0.95) << "eye " << eye << ", of " << count.common;
+    EXPECT_GT(count.equal, count.equal_in_place * 1.05)
+        << "eye " << eye << ": the guard band is no part of it";
   }
 }
 

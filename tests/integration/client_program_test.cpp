@@ -59,8 +59,9 @@ TEST(ClientProgram, ShowsTheRoomWithMasksFromTheServer) {
     EXPECT_GT(summary_row(folder.path(), eye, "from newest mask")[2], 95);
     EXPECT_GT(summary_row(folder.path(), eye, "PSNR")[2], 18);
   }
-  // 20 ms is more than one display frame of 13.9 ms, less than two.
-  EXPECT_NEAR(summary_row(folder.path(), "wire", "staleness")[0], 2 * 1000 / 72.0, 1e-3);
+  // 20 ms is more than one display frame of 13.9 ms, less than two; and two ahead is what was asked for.
+  EXPECT_NEAR(summary_row(folder.path(), "wire", "age")[0], 2 * 1000 / 72.0, 1e-3);
+  EXPECT_NEAR(summary_row(folder.path(), "wire", "staleness")[0], 0, 1e-3);
   EXPECT_GT(summary_row(folder.path(), "wire", "bytes a frame")[0], 100);
   for (const std::string metric : {"frame", "draw", "G-buffer", "reproject and shade", "collect masks"})
     EXPECT_GT(summary_row(folder.path(), "client", metric)[0], 0) << metric;
@@ -87,6 +88,98 @@ TEST(ClientProgram, SameReplayTwiceGivesTheSameBytes) {
       ++compared;
     }
   EXPECT_GE(compared, 13u);
+}
+
+TEST(ClientProgram, HoldingWithoutAGuardBandShowsMasksAsOldAsTheyAre) {
+  const ScratchFolder folder;
+  const RunningServer server;
+  const Ended run = run_client({{"--server", server.address()},
+                                {"--predictor", "hold"},
+                                {"--guard-band", "off"},
+                                {"--out", folder.path().string()}});
+  ASSERT_EQ(run.status, 0) << run.errors;
+  EXPECT_NEAR(summary_row(folder.path(), "wire", "staleness")[0], 2 * 1000 / 72.0, 1e-3);
+  EXPECT_EQ(summary_row(folder.path(), "head", "guard band")[0], 0);
+}
+
+/// A head at rest whose masks come at once: nothing is carried over, and nothing is wrong.
+TEST(ClientProgram, MasksOfTheVeryViewsThatAreShownAreExact) {
+  const ScratchFolder folder;
+  const RunningServer server;
+  const Ended run = run_client({{"--server", server.address()},
+                                {"--predictor", "hold"},
+                                {"--delay", "0"},
+                                {"--frames", "5"},
+                                {"--out", folder.path().string()}});
+  ASSERT_EQ(run.status, 0) << run.errors;
+  for (const std::string eye : {"left eye", "right eye"}) {
+    EXPECT_EQ(summary_row(folder.path(), eye, "mask error")[2], 0) << "the guard band changes no pixel";
+    EXPECT_EQ(summary_row(folder.path(), eye, "from newest mask")[2], 100);
+  }
+}
+
+class MaskRate : public testing::TestWithParam<std::uint32_t> {};
+
+/// Masks on every Nth frame only: all frames are drawn with masks, which are no older than what they have to
+/// be.
+TEST_P(MaskRate, BelowTheDisplaysKeepsEveryFrameInMasks) {
+  const std::uint32_t every = GetParam(), frames = 4 * every + 4;
+  const ScratchFolder folder;
+  const RunningServer server;
+  const Ended run = run_client({{"--server", server.address()},
+                                {"--mask-every", std::to_string(every)},
+                                {"--frames", std::to_string(frames)},
+                                {"--out", folder.path().string()}});
+  ASSERT_EQ(run.status, 0) << run.errors;
+  const Csv csv = read_csv(folder.path() / "frames.csv");
+  constexpr std::size_t kDelay = 2;  // frames
+  for (std::size_t i = 0; i < frames; ++i) {
+    const std::string& age = csv.at("wire age [ms]")[i];
+    if (i < kDelay) {
+      EXPECT_EQ(age, "") << "frame " << i + 1;
+      continue;
+    }
+    const std::size_t asked = (i - kDelay) / every * every;
+    EXPECT_NEAR(std::stod(age), static_cast<double>(i - asked) * 1000 / 72, 1e-2) << "frame " << i + 1;
+    EXPECT_EQ(csv.at("server frame [ms]")[i] != "", (i - kDelay) % every == 0)
+        << "frame " << i + 1 << ": a server's frame counts once";
+    EXPECT_EQ(csv.at("head guard band [% of pixels]")[i] != "", i % every == 0) << "frame " << i + 1;
+    for (const std::string eye : {"left eye", "right eye"}) {
+      EXPECT_LT(std::stod(csv.at(eye + " unknown [%]")[i]), 3) << "frame " << i + 1;
+      EXPECT_LT(std::stod(csv.at(eye + " mask error [%]")[i]), 8) << "frame " << i + 1;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(OneIn, MaskRate, testing::Values(1, 2, 3, 8));
+
+TEST(ClientProgram, SummarisesWhatItAskedForAndWhatCameOfIt) {
+  const ScratchFolder folder;
+  const RunningServer server;
+  const Ended run = run_client({{"--server", server.address()},
+                                {"--mask-every", "3"},
+                                {"--delay", "50"},
+                                {"--frames", "16"},
+                                {"--out", folder.path().string()}});
+  ASSERT_EQ(run.status, 0) << run.errors;
+  for (const auto& [group, metric] :
+       std::vector<std::pair<std::string, std::string>>{{"client", "depth of requested views"},
+                                                        {"wire", "staleness"},
+                                                        {"wire", "age"},
+                                                        {"head", "turned since traced view"},
+                                                        {"head", "moved since traced view"},
+                                                        {"head", "guard band"},
+                                                        {"left eye", "mask error among known"},
+                                                        {"right eye", "mask error unreprojected"},
+                                                        {"left eye", "from other eye's newest"},
+                                                        {"right eye", "from older masks"},
+                                                        {"left eye", "neighbours"},
+                                                        {"right eye", "unknown"},
+                                                        {"left eye", "stale"}})
+    EXPECT_GE(summary_row(folder.path(), group, metric)[0], -20) << group << " " << metric;
+  // 50 ms are four frames; a mask is used in the fourth, the fifth and the sixth.
+  EXPECT_NEAR(summary_row(folder.path(), "wire", "age")[0], 5 * 1000 / 72.0, 1e-3);
+  EXPECT_GT(summary_row(folder.path(), "client", "depth of requested views")[1], 0);
 }
 
 TEST(ClientProgram, FullModeNeedsNoServerAndHasNoError) {
@@ -148,7 +241,7 @@ TEST(ClientProgram, GoesOnWithAServerThatWasRestarted) {
   EXPECT_LT(std::ranges::count(served, ""), 100) << "it is heard again";
   EXPECT_GE(std::ranges::count(served, ""), 1);
   EXPECT_EQ(std::count(served.end() - 20, served.end(), ""), 0) << "and waited for again";
-  EXPECT_EQ(frames.at("wire staleness [ms]").back(), "27.7778");
+  EXPECT_EQ(frames.at("wire age [ms]").back(), "27.7778");
 }
 
 TEST(ClientProgram, EndsOnASignalWithASummaryOfWhatWasShown) {
@@ -176,6 +269,14 @@ TEST(ClientProgram, ValidationLayersHaveNothingToSay) {
                                 {"--out", folder.path().string()},
                                 {"--validate", ""}});
   EXPECT_EQ(run.status, 0) << run.errors;
+}
+
+TEST(ClientProgram, HelpListsEveryOption) {
+  ChildProgram program({VR_CLIENT, "--help"});
+  for (const std::string option : {"--mask-wait", "--predictor", "--guard-band", "--mask-every",
+                                   "--reprojection", "--eyes", "--gaps", "--edges"})
+    EXPECT_TRUE(program.line_after("  " + option + " ")) << option;
+  EXPECT_EQ(program.wait(), 0);
 }
 
 TEST(ClientProgram, ExportsARecordingInEitherFormat) {
