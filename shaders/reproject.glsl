@@ -94,15 +94,15 @@ const ivec2 kAround[8] = ivec2[](ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(
 const uint kRings = 5;
 const float kFarthest_px = 32.0, kNeighbourBend = 0.05;
 
-Found nearest_on_plane(Surface surface) {
+Found nearest_on_plane(Surface surface, bool wanted) {
   const uint source = kFirst;
   Found found = Found(FARSHADE_SOURCE_UNKNOWN, true, ivec2(0), vec2(0.0));
   Sight sight = sight_of(source, surface);
   found.at = sight.at;
   vec2 inside = clamp(sight.at, vec2(0.0), frame.sources[source].per_step.zw - 1.0);
-  if (!sight.ahead || any(greaterThan(abs(inside - sight.at), vec2(kFarthest_px)))) return found;
+  wanted = wanted && sight.ahead && all(lessThanEqual(abs(inside - sight.at), vec2(kFarthest_px)));
   ivec2 start = ivec2(inside);
-  for (uint tap = 0; tap <= 8 * kRings && found.source == FARSHADE_SOURCE_UNKNOWN; ++tap) {
+  for (uint tap = 0; wanted && tap <= 8 * kRings && found.source == FARSHADE_SOURCE_UNKNOWN; ++tap) {
     ivec2 pixel = tap == 0 ? start : start + (kAround[(tap - 1) % 8] << ((tap - 1) / 8));
     if (same_surface(source, sight, pixel, kNeighbourBend)) {
       found.source = source;
@@ -125,7 +125,6 @@ Found find(Surface surface) {
   uint eyes = 1 + frame.counts.z;
   for (uint i = 1; i < frame.counts.x * eyes && found.source == FARSHADE_SOURCE_UNKNOWN; ++i)
     found = look_up(kFirst + i / eyes + i % eyes * FARSHADE_MAX_MASKS, surface);
-  if (kNeighbours && found.source == FARSHADE_SOURCE_UNKNOWN) found = nearest_on_plane(surface);
   return found;
 }
 

@@ -48,7 +48,7 @@ layout(std430, binding = 11) buffer Hard {
 #include "shaders/reproject.glsl"
 
 const uint kPlanes = (kLights + 31) / 32, kGroups = (kLights + 7) / 8, kQuads = (kLights + 3) / 4;
-const uint kReportWords = 3 + kQuads + 2 * kPlanes;  // source, position, visibilities, unknown, stale
+const uint kReportWords = 3 + kQuads + 3 * kPlanes;  // source, position, visibilities, unknown, stale, beside
 
 // The direction of an octahedral normal, of any length.
 vec3 unfolded(vec2 p) {
@@ -125,6 +125,13 @@ void shade(ivec2 pixel) {
     found = look_up(kFirst, surface);
   else
     found = find(surface);
+  // What no view saw, and lights that only a mask knew which is not trusted any more, are taken from beside.
+  Found beside = Found(FARSHADE_SOURCE_UNKNOWN, true, ivec2(0), vec2(0.0));
+  if (kPass >= FARSHADE_PASS_HARD && kNeighbours) {
+    bool unseen = found.source == FARSHADE_SOURCE_UNKNOWN;
+    beside = nearest_on_plane(surface, frame.counts.x > 0 && (unseen || (kMoved && mask_of(found.source) > 0)));
+    if (unseen) found = beside;
+  }
   const bool known = found.source != FARSHADE_SOURCE_UNKNOWN, second_look = kPass >= FARSHADE_PASS_HARD;
   const uint source = second_look && known ? found.source : kFirst;
   const ivec2 traced_pixel = known ? found.pixel : ivec2(0);
@@ -145,11 +152,17 @@ void shade(ivec2 pixel) {
       if (kReport && kMovedSinceNewest && mask == 0 && known) stale = stale_bits(0, surface.slot, p_stage, plane);
       if (second_look && kMoved && mask > 0 && known) stale = stale_bits(1, surface.slot, p_stage, plane);
       // A newer mask than this one has been traced since: what is stale is not trusted any more.
-      unknown = !known ? ~0u : mask > 0 ? stale : 0u;
+      uint from_beside = 0u;
+      if (second_look && kMoved && mask > 0 && known && beside.source != FARSHADE_SOURCE_UNKNOWN) {
+        from_beside = stale;
+        bits = (bits & ~stale) | (mask_bits(kFirst, beside.pixel, plane) & stale);
+      }
+      unknown = !known ? ~0u : mask > 0 ? stale & ~from_beside : 0u;
       if (kReport) {
         uint used = kLights >= plane * 32 + 32 ? ~0u : (1u << (kLights % 32)) - 1u;
         report[report_at + 3 + kQuads + plane] = unknown & used;
-        report[report_at + 3 + kQuads + kPlanes + plane] = stale & ~unknown & used;
+        report[report_at + 3 + kQuads + kPlanes + plane] = mask == 0 ? stale & used : 0u;
+        report[report_at + 3 + kQuads + 2 * kPlanes + plane] = from_beside & used;
       }
     }
     Visibility8 k = eight_of(bits >> (group % 4 * 8));

@@ -35,9 +35,10 @@ struct ReportLayout {
       : visibility(3),
         unknown(3 + (mask.lights + 3) / 4),
         stale(unknown + planes(mask)),
-        words(stale + planes(mask)) {}
+        beside(stale + planes(mask)),
+        words(beside + planes(mask)) {}
 
-  std::size_t visibility, unknown, stale, words;
+  std::size_t visibility, unknown, stale, beside, words;
 
  private:
   /// Without lights shade.comp has no planes.
@@ -302,7 +303,8 @@ ShownReport ShadingPass::report(Side side) const {
                      .positions = std::vector<std::array<float, 2>>(pixels),
                      .visibility = std::vector<std::uint8_t>(pixels * lights),
                      .unknown = std::vector<std::uint32_t>(pixels * planes),
-                     .stale = std::vector<std::uint32_t>(pixels * planes)};
+                     .stale = std::vector<std::uint32_t>(pixels * planes),
+                     .beside = std::vector<std::uint32_t>(pixels * planes)};
   auto row = report_buffer_.as<const std::uint32_t>().subspan(index_of(side) * pixels * layout.words);
   for (std::size_t at = 0; at < pixels; ++at, row = row.subspan(layout.words)) {
     result.sources[at] = static_cast<std::uint8_t>(row[0]);
@@ -318,6 +320,7 @@ ShownReport ShadingPass::report(Side side) const {
                            static_cast<std::uint32_t>(at / size_.width), plane, bits);
       result.unknown[at * planes + plane] = row[layout.unknown + plane];
       result.stale[at * planes + plane] = row[layout.stale + plane];
+      result.beside[at * planes + plane] = row[layout.beside + plane];
     }
   }
   return result;

@@ -52,8 +52,10 @@ struct ShownReport {
   EyeMask mask;  ///< lights shown with a visibility of a half or more
   std::vector<std::uint8_t> sources;
   std::vector<std::array<float, 2>> positions;  ///< where in the source's view the point lies, pixels
-  std::vector<std::uint8_t> visibility;       ///< pixel by pixel, of each light, 255 = 1; unknown: the rule's
-  std::vector<std::uint32_t> unknown, stale;  ///< pixel by pixel, bits as in the mask's planes
+  std::vector<std::uint8_t> visibility;  ///< pixel by pixel, of each light, 255 = 1; unknown: the rule's
+  /// Pixel by pixel, bits as in the mask's planes: shown by the rule; something has moved since; taken from
+  /// beside, since the mask that saw the point is too old for this light.
+  std::vector<std::uint32_t> unknown, stale, beside;
 };
 
 /// The stated rule: a pixel-light that nothing in hand knows is shown with this visibility.

@@ -32,7 +32,7 @@ EyeErrors compare_masks(const ShownReport& shown, const EyeMask& reference) {
   double total = 0, wrong = 0, wrong_unknown = 0;
   for_covered(shown, reference.size(), [&](std::uint32_t x, std::uint32_t y, std::size_t pixel) {
     total += static_cast<double>(lights);
-    std::size_t unknown = 0;
+    std::size_t unknown = 0, beside = 0;
     for (std::size_t i = 0; i < lights; ++i) {
       const double k = shown.visibility[pixel * lights + i] / 255.0;
       const double error = std::abs(k - reference.lit(x, y, static_cast<std::uint32_t>(i)));
@@ -41,11 +41,14 @@ EyeErrors compare_masks(const ShownReport& shown, const EyeMask& reference) {
       wrong_unknown += is_unknown ? error : 0;
       unknown += is_unknown;
     }
-    for (std::size_t plane = 0; plane < planes; ++plane)
+    for (std::size_t plane = 0; plane < planes; ++plane) {
       errors.stale += std::popcount(shown.stale[pixel * planes + plane]);
+      beside += static_cast<std::size_t>(std::popcount(shown.beside[pixel * planes + plane]));
+    }
     errors.unknown += static_cast<double>(unknown);
     if (shown.sources[pixel] != kSourceUnknown)
-      share_of(errors, shown.sources[pixel]) += static_cast<double>(lights - unknown);
+      share_of(errors, shown.sources[pixel]) += static_cast<double>(lights - unknown - beside);
+    errors.neighbours += static_cast<double>(beside);
   });
   if (total == 0) return errors;
   errors.mask_error = wrong / total;
