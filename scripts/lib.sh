@@ -34,3 +34,44 @@ build() {
 }
 
 minutes() { printf '%d:%02d min' $(($1 / 60)) $(($1 % 60)); }
+
+# start_server SCENE: rt_server on a free loopback port; its log and `address`, where it listens. Stop it in an EXIT
+# trap by stop_server.
+start_server() {
+  server_log=$(mktemp)
+  "$root/build/release/rt_server/rt_server" --scene "$1" --listen 127.0.0.1:0 >"$server_log" 2>&1 &
+  server=$!
+  local patience_s=60 give_up
+  give_up=$((SECONDS + patience_s))
+  until address=$(sed -n 's/^rt_server: listening on //p' "$server_log") && [[ $address ]]; do
+    if ! kill -0 "$server" 2>/dev/null; then
+      # Without lights there is nothing to serve, and the client needs no server.
+      grep -q 'has no lights' "$server_log" || server_failed "rt_server ended before it listened"
+      address=127.0.0.1:1 && break
+    fi
+    ((SECONDS < give_up)) || server_failed "rt_server did not listen within $patience_s s"
+    sleep 0.05
+  done
+}
+
+server_failed() {
+  cat "$server_log" >&2
+  stop_server
+  die "$@"
+}
+
+# shellcheck disable=SC2317  # called by traps
+stop_server() {
+  local tries
+  if [[ ${server:-} ]]; then
+    kill "$server" 2>/dev/null || true
+    for ((tries = 50; tries > 0; --tries)); do
+      kill -0 "$server" 2>/dev/null || break
+      sleep 0.1
+    done
+    kill -KILL "$server" 2>/dev/null || true
+    wait "$server" 2>/dev/null || true
+    server=''
+  fi
+  rm -f "${server_log:-}"
+}
