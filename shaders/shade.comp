@@ -40,7 +40,8 @@ layout(std430, binding = 8) writeonly buffer Report { uint report[]; };
 layout(std430, binding = 9) readonly buffer MotionSlots { uint motion_slots[]; };  // an instance's; 0 = never moves
 layout(std430, binding = 10) readonly buffer Motions { mat4 motions[]; };          // a slot, a mask, an eye
 layout(std430, binding = 11) buffer Hard {
-  uint hard_count[4];  // an eye: hard pixels, those on instances that can move
+  // An eye's hard pixels and those on instances that can move: x, y, z = the dispatch that takes them, w = how many.
+  uvec4 hard_lists[4];
   uint hard_pixels[];  // an eye: x and y in 16 bits each; those on instances that can move from the end
 };
 
@@ -94,7 +95,8 @@ uint hard_place(uint i, bool can_move) {
 }
 
 void list_as_hard(ivec2 pixel, bool can_move) {
-  uint i = atomicAdd(hard_count[kEye * 2 + uint(can_move)], 1);
+  uint list = kEye * 2 + uint(can_move), i = atomicAdd(hard_lists[list].w, 1);
+  if (i % gl_WorkGroupSize.x == 0) atomicAdd(hard_lists[list].x, 1);
   hard_pixels[hard_place(i, can_move)] = pixel.x | pixel.y << 16;
 }
 
@@ -195,9 +197,8 @@ void main() {
     return;
   }
   const bool can_move = kPass == FARSHADE_PASS_MOVING;
-  uint count = hard_count[kEye * 2 + uint(can_move)];
-  for (uint i = gl_GlobalInvocationID.x; i < count; i += gl_NumWorkGroups.x * gl_WorkGroupSize.x) {
-    uint pixel = hard_pixels[hard_place(i, can_move)];
+  if (gl_GlobalInvocationID.x < hard_lists[kEye * 2 + uint(can_move)].w) {
+    uint pixel = hard_pixels[hard_place(gl_GlobalInvocationID.x, can_move)];
     shade(ivec2(pixel & 0xFFFFu, pixel >> 16));
   }
 }

@@ -12,8 +12,7 @@ namespace {
 
 using Layout = vk::ImageLayout;
 
-constexpr std::uint32_t kGroup_px = 64;     // as in shade.comp
-constexpr std::uint32_t kHardGroups = 256;  // that share the list of hard pixels
+constexpr std::uint32_t kGroup_px = 64;  // as in shade.comp
 static_assert(kTileSide_px == FARSHADE_TILE_PX);
 static_assert(ShadingPass::kMaxMasks * kEyes == FARSHADE_MAX_SOURCES && kMostSpheres == FARSHADE_MAX_MOVED);
 
@@ -74,8 +73,10 @@ ShadingPass::ShadingPass(const gpu::Device& device, const GBufferPass& gbuffer, 
   motion_slots_ = mapped(motion_count_ == 0 ? 0 : motion.slots().size() * 4, "motion slots");
   if (motion_count_ > 0) std::ranges::copy(motion.slots(), motion_slots_.as<std::uint32_t>().begin());
   motion_buffer_ = mapped(motion_count_ * kMaxMasks * kEyes * sizeof(glm::mat4), "motions");
-  hard_buffer_ = gpu::make_device_buffer(device, (2 + size.pixels()) * kEyes * sizeof(std::uint32_t),
-                                         storage | vk::BufferUsageFlagBits::eTransferDst, "hard pixels");
+  hard_buffer_ = gpu::make_device_buffer(
+      device, 2 * kEyes * sizeof(glm::uvec4) + kEyes * size.pixels() * sizeof(std::uint32_t),
+      storage | vk::BufferUsageFlagBits::eTransferDst | vk::BufferUsageFlagBits::eIndirectBuffer,
+      "hard pixels");
   shown_ = gpu::make_image(device,
                            {.size = size,
                             .layers = kEyes,
@@ -269,27 +270,41 @@ void ShadingPass::record(const vk::raii::CommandBuffer& commands, Report report)
         .srcStageMask = from, .srcAccessMask = written, .dstStageMask = to, .dstAccessMask = read};
     commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &memory});
   };
-  const auto shade = [&](std::uint32_t pass, std::uint32_t x, std::uint32_t y) {
+  const auto bind = [&](std::uint32_t pass, std::uint32_t eye) {
+    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline(key_of(pass, report, eye)));
+  };
+  const auto shade_all = [&](std::uint32_t pass) {
     for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
-      commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline(key_of(pass, report, eye)));
-      commands.dispatch(x, y, 1);
+      bind(pass, eye);
+      commands.dispatch((size_.width + kGroup_px - 1) / kGroup_px, size_.height, 1);
+    }
+  };
+  const auto shade_listed = [&](std::uint32_t pass) {
+    for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
+      bind(pass, eye);
+      const std::size_t list = eye * 2 + (pass == FARSHADE_PASS_MOVING ? 1 : 0);
+      commands.dispatchIndirect(*hard_buffer_.buffer, list * sizeof(glm::uvec4));
     }
   };
   if (report == Report::On) make_report_buffer();
   commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *bindings_.set, {});
   gpu::transition(commands, shown_, Layout::eUndefined, Layout::eGeneral);
-  const std::uint32_t columns = (size_.width + kGroup_px - 1) / kGroup_px;
   if (carry_over_.lookup == Lookup::Direct || masks_ == 0) {
-    shade(FARSHADE_PASS_DIRECT, columns, size_.height);
+    shade_all(FARSHADE_PASS_DIRECT);
   } else {
-    commands.fillBuffer(*hard_buffer_.buffer, 0, 2 * kEyes * sizeof(std::uint32_t), 0);
+    const std::array<glm::uvec4, 2 * kEyes> empty_lists = [] {
+      std::array<glm::uvec4, 2 * kEyes> lists;
+      lists.fill({0, 1, 1, 0});
+      return lists;
+    }();
+    commands.updateBuffer<glm::uvec4>(*hard_buffer_.buffer, 0, empty_lists);
     barrier(At::eTransfer, Access::eTransferWrite, At::eComputeShader,
             Access::eShaderRead | Access::eShaderWrite);
-    shade(FARSHADE_PASS_EASY, columns, size_.height);
-    barrier(At::eComputeShader, Access::eShaderWrite, At::eComputeShader,
-            Access::eShaderRead | Access::eShaderWrite);
-    shade(FARSHADE_PASS_HARD, kHardGroups, 1);
-    if (moved_) shade(FARSHADE_PASS_MOVING, kHardGroups, 1);
+    shade_all(FARSHADE_PASS_EASY);
+    barrier(At::eComputeShader, Access::eShaderWrite, At::eComputeShader | At::eDrawIndirect,
+            Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead);
+    shade_listed(FARSHADE_PASS_HARD);
+    if (moved_) shade_listed(FARSHADE_PASS_MOVING);
   }
   barrier(At::eComputeShader, Access::eShaderWrite, At::eHost | At::eTransfer,
           Access::eHostRead | Access::eTransferRead);
