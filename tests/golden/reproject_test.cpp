@@ -13,27 +13,6 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr FrameId kOlder{1}, kTraced{2}, kNow{3};
 
-bool same_bits(const EyeMask& a, const EyeMask& b, std::uint32_t x, std::uint32_t y) {
-  for (std::uint32_t plane = 0; plane < a.layout().planes(); ++plane)
-    if (a.word(x, y, plane) != b.word(x, y, plane)) return false;
-  return true;
-}
-
-using Visit = std::function<void(Side, std::uint32_t x, std::uint32_t y, std::uint8_t source)>;
-
-/// Every covered pixel of both eyes.
-void for_covered(const Shown& shown, const Visit& visit) {
-  for (const Side side : kSides) {
-    const ShownReport& report = shown.reports[index_of(side)];
-    const Extent size = report.mask.size();
-    for (std::uint32_t y = 0; y < size.height; ++y)
-      for (std::uint32_t x = 0; x < size.width; ++x)
-        if (const std::uint8_t source = report.sources[std::size_t{y} * size.width + x];
-            source != kSourceUncovered)
-          visit(side, x, y, source);
-  }
-}
-
 /// Shares over both eyes: `unknown` of covered pixels, `wrong` of the pixel-lights of the others.
 struct Outcome {
   std::size_t covered = 0, known = 0;
@@ -66,7 +45,7 @@ void expect_same_mask(Theatre& theatre, const StereoView& views, const Mask& mas
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     ++covered;
     elsewhere += source != 0;
-    changed += !same_bits(shown.reports[index_of(side)].mask, mask.bits[index_of(side)], x, y);
+    changed += !same_bits(shown.reports[index_of(side)].mask, {x, y}, mask.bits[index_of(side)], {x, y});
   });
   EXPECT_GT(covered, 1000u);
   EXPECT_EQ(elsewhere, 0u) << "of " << covered << " covered pixels";
@@ -163,7 +142,7 @@ TEST_F(Reproject, LeavesTilesThatNeverCameUnknown) {
     const std::size_t eye = index_of(side);
     const Mask& expected = known(side, x, y) ? holed : older;
     misread += source != (known(side, x, y) ? 0 : 1) ||
-               !same_bits(shown.reports[eye].mask, expected.bits[eye], x, y);
+               !same_bits(shown.reports[eye].mask, {x, y}, expected.bits[eye], {x, y});
   });
   EXPECT_EQ(misread, 0u);
 }
@@ -189,7 +168,8 @@ TEST_F(Reproject, TakesTheOlderMaskOnlyWhereTheNewestFails) {
     if (source == kSourceUnknown) return;
     ++used.at(source);
     const Shown& alone = source == 0 ? first : second;
-    wrong_bits += !same_bits(both.reports[index_of(side)].mask, alone.reports[index_of(side)].mask, x, y);
+    wrong_bits +=
+        !same_bits(both.reports[index_of(side)].mask, {x, y}, alone.reports[index_of(side)].mask, {x, y});
   });
   EXPECT_EQ(wrong_source, 0u);
   EXPECT_EQ(wrong_bits, 0u);

@@ -101,6 +101,24 @@ Mask with_noise(Mask mask, std::uint64_t seed) {
   return mask;
 }
 
+bool same_bits(const EyeMask& a, glm::uvec2 at, const EyeMask& b, glm::uvec2 there) {
+  for (std::uint32_t plane = 0; plane < a.layout().planes(); ++plane)
+    if (a.word(at.x, at.y, plane) != b.word(there.x, there.y, plane)) return false;
+  return true;
+}
+
+void for_covered(const Shown& shown, const Visit& visit) {
+  for (const Side side : kSides) {
+    const ShownReport& report = shown.reports[index_of(side)];
+    const Extent size = report.mask.size();
+    for (std::uint32_t y = 0; y < size.height; ++y)
+      for (std::uint32_t x = 0; x < size.width; ++x)
+        if (const std::uint8_t source = report.sources[std::size_t{y} * size.width + x];
+            source != kSourceUncovered)
+          visit(side, x, y, source);
+  }
+}
+
 Theatre::Theatre(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames)
     : scene_(std::move(scene)),
       state_(state_at(scene_, Time{})),

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <glm/vec2.hpp>
 #include <memory>
 
 #include "stereo/tracer/tracer.h"
@@ -62,6 +64,12 @@ struct Shown {
   PerEye<Image<Rgb8>> pictures;
   PerEye<ShownReport> reports;
 };
+
+[[nodiscard]] bool same_bits(const EyeMask& a, glm::uvec2 at, const EyeMask& b, glm::uvec2 there);
+
+/// Calls `visit` for every covered pixel of both eyes.
+using Visit = std::function<void(Side, std::uint32_t x, std::uint32_t y, std::uint8_t source)>;
+void for_covered(const Shown& shown, const Visit& visit);
 
 class Theatre {
  public:

@@ -18,7 +18,8 @@ ShownReport shown(std::uint32_t lights, const std::array<std::uint8_t, 4>& sourc
                      .positions = {},
                      .visibility = std::vector<std::uint8_t>(4 * lights),
                      .unknown = std::vector<std::uint32_t>(4 * planes),
-                     .stale = std::vector<std::uint32_t>(4 * planes)};
+                     .stale = std::vector<std::uint32_t>(4 * planes),
+                     .beside = std::vector<std::uint32_t>(4 * planes)};
   for (std::size_t pixel = 0; pixel < 4; ++pixel)
     for (std::uint32_t i = 0; i < lights && sources[pixel] == kSourceUnknown; ++i) {
       report.visibility[pixel * lights + i] =
@@ -101,6 +102,16 @@ TEST(CompareMasks, APixelMayKnowSomeOfItsLights) {
   EXPECT_DOUBLE_EQ(errors.stale, 0.25);
   EXPECT_DOUBLE_EQ(errors.mask_error, 0.5);
   EXPECT_EQ(errors.known_error, 0);
+}
+
+TEST(CompareMasks, LightsTakenFromBesideAreNeighbours) {
+  ShownReport report = shown(4, {1, kSourceUncovered, kSourceUncovered, kSourceUncovered});
+  report.beside[0] = 0b0110;
+  report.unknown[0] = 0b0001;
+  const EyeErrors errors = compare_masks(report, EyeMask({4, 1}, 4));
+  EXPECT_DOUBLE_EQ(errors.older, 0.25);
+  EXPECT_DOUBLE_EQ(errors.neighbours, 0.5);
+  EXPECT_DOUBLE_EQ(errors.unknown, 0.25);
 }
 
 TEST(CompareMasks, EverySourceHasItsShareAndTheyAddUpToOne) {

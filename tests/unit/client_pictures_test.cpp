@@ -24,7 +24,8 @@ ShownReport report_of(const std::vector<std::uint8_t>& sources) {
           .positions = {},
           .visibility = std::vector<std::uint8_t>(sources.size()),
           .unknown = std::vector<std::uint32_t>(sources.size()),
-          .stale = std::vector<std::uint32_t>(sources.size())};
+          .stale = std::vector<std::uint32_t>(sources.size()),
+          .beside = std::vector<std::uint32_t>(sources.size())};
 }
 
 /// One pixel a source, all masks of `age`.

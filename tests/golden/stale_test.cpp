@@ -1,0 +1,195 @@
+/// Moving things: what a mask may no longer know is marked, at the least; and points on what has moved are
+/// carried back to where they were.
+#include <cmath>
+
+#include "tests/golden/theatre.h"
+#include "tests/oracle/scene_builder.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr FrameId kOlder{1}, kTraced{2}, kNow{3};
+
+bool bit(const std::vector<std::uint32_t>& words, std::size_t pixel, std::uint32_t light) {
+  return (words[pixel] >> light & 1u) != 0;  // of up to 32 lights
+}
+
+struct PixelLights {
+  std::size_t all = 0, stale = 0, unknown = 0;
+};
+
+/// Of light `light` over covered pixels.
+PixelLights count_of(const Shown& shown, std::uint32_t light) {
+  PixelLights count;
+  for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t) {
+    const ShownReport& report = shown.reports[index_of(side)];
+    const std::size_t pixel = std::size_t{y} * report.mask.size().width + x;
+    ++count.all;
+    count.stale += bit(report.stale, pixel, light);
+    count.unknown += bit(report.unknown, pixel, light);
+  });
+  return count;
+}
+
+/// A floor and a box that stand still; of three lights the second travels.
+Scene moving_light() {
+  SceneBuilder builder;
+  builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
+  builder.add(box({0, 0.6, 0}, {0.3, 0.3, 0.3}));
+  builder.point_light({0.8, 2, 0.5});
+  builder.move(builder.point_light({-0.8, 2, 0.5}), {0.5, 0, 0});
+  builder.directional_light({-1, -1, -0.3});
+  builder.move(builder.add(box({50, 0.6, 50}, {0.1, 0.1, 0.1})), {0.5, 0, 0});
+  return builder.build();
+}
+
+const Rigid<Stage, Head> kBefore = head_looking({0.5, 1.6, 2.5}, {0, 0.4, 0});
+
+class Stale : public OnLavapipe {};
+
+TEST_F(Stale, IsTheLightThatMovedAndNoOther) {
+  Theatre theatre(device_, moving_light(), 128);
+  const StereoView views = theatre.eyes(kBefore);
+  const Mask traced = with_noise(theatre.ask(kTraced, views), 1);
+  const Shown still = theatre.show(views, {traced.in_hand()}, kPlainCarryOver);
+  theatre.set_time(Time(200ms));
+  const Shown moved = theatre.show(views, {traced.in_hand()}, kPlainCarryOver);
+  for (const std::uint32_t light : {0u, 1u, 2u}) {
+    EXPECT_EQ(count_of(still, light).stale, 0u) << light;
+    const PixelLights count = count_of(moved, light);
+    EXPECT_EQ(count.stale, light == 1 ? count.all : 0u) << light;
+    EXPECT_EQ(count.unknown, 0u) << "the newest mask is the best there is: trusted, and flagged";
+  }
+  EXPECT_EQ(moved.reports[0].mask, still.reports[0].mask);
+  EXPECT_EQ(moved.reports[1].mask, still.reports[1].mask);
+}
+
+TEST_F(Stale, OfAnOlderMaskIsUnknown) {
+  Theatre theatre(device_, moving_light(), 128);
+  const StereoView views = theatre.eyes(kBefore);
+  const Mask older = with_noise(theatre.ask(kOlder, views), 2);
+  theatre.set_time(Time(200ms));
+  Mask newest = with_noise(theatre.ask(kTraced, views), 3);
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    for (std::size_t tile = 0; tile < newest.known_tiles[eye].size(); ++tile)
+      newest.known_tiles[eye][tile] = tile % 2;
+  std::size_t from_older = 0, wrong = 0;
+  const Shown shown = theatre.show(views, {newest.in_hand(), older.in_hand()}, kPlainCarryOver);
+  for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+    const ShownReport& report = shown.reports[index_of(side)];
+    const std::size_t pixel = std::size_t{y} * 128 + x;
+    ASSERT_LE(source, 1);
+    from_older += source;
+    const Mask& mask = source == 1 ? older : newest;
+    wrong += report.unknown[pixel] != (source == 1 ? 0b010u : 0u);
+    wrong += report.stale[pixel] != 0;  // what is unknown is not stale, and the newest was traced now
+    for (const std::uint32_t light : {0u, 2u})
+      wrong += report.mask.lit(x, y, light) != mask.bits[index_of(side)].lit(x, y, light);
+    if (source == 1) wrong += report.visibility[pixel * 3 + 1] != std::lround(255 * kUnknownVisibility);
+  });
+  EXPECT_EQ(wrong, 0u);
+  EXPECT_GT(from_older, 5000u);
+}
+
+/// Every pixel-light whose truth has changed, on a surface that has not moved, is marked.
+class StaleOverTime : public OnLavapipe, public testing::WithParamInterface<int> {};
+
+TEST_P(StaleOverTime, MarksAllThatMovingCastersChangedInTheRoom) {
+  Theatre theatre(device_, bundled("room.glb"), 192);
+  const StereoView views = theatre.eyes(theatre.head());
+  theatre.set_time(Time(700ms));
+  const Mask before = theatre.ask(kTraced, views);
+  const auto distances = [&] {
+    (void)theatre.show(views, {});
+    return theatre.renderer().read_distance();
+  };
+  const PerEye<Image<float>> then = distances();
+  theatre.set_time(Time(700ms + GetParam() * 1ms));
+  const Mask truth = theatre.trace(kNow, views);
+  const Shown shown = theatre.show(views, {before.in_hand()}, kPlainCarryOver);
+  const PerEye<Image<float>> now = theatre.renderer().read_distance();
+  std::size_t changed = 0, missed = 0, stale = 0, all = 0;
+  for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+    const std::size_t eye = index_of(side), pixel = std::size_t{y} * 192 + x;
+    if (source != 0 || then[eye].at(x, y) != now[eye].at(x, y)) return;
+    for (std::uint32_t light = 0; light < 3; ++light) {
+      const bool marked = bit(shown.reports[eye].stale, pixel, light);
+      const bool differs = before.bits[eye].lit(x, y, light) != truth.bits[eye].lit(x, y, light);
+      ++all;
+      stale += marked;
+      changed += differs;
+      missed += differs && !marked;
+    }
+  });
+  RecordProperty("stale_percent",
+                 std::to_string(100.0 * static_cast<double>(stale) / static_cast<double>(all)));
+  RecordProperty("changed", std::to_string(changed));
+  EXPECT_GT(changed, 100u);
+  EXPECT_EQ(missed, 0u) << "of " << changed << " changed; " << stale << " of " << all << " are marked";
+  EXPECT_LT(stale, all * 3 / 4) << "a rule that marks all is no rule";
+}
+
+INSTANTIATE_TEST_SUITE_P(AfterMs, StaleOverTime, testing::Values(14, 100, 500));
+
+/// A wall and before it a box that travels to the right.
+Scene moving_box() {
+  SceneBuilder builder;
+  builder.add(quad({0, 1, -1}, {4, 0, 0}, {0, 4, 0}));
+  builder.move(builder.add(box({-0.2, 1, 0}, {0.4, 0.3, 0.2})), {0.5, 0, 0});
+  builder.point_light({0.8, 2, 2.5});
+  builder.point_light({-0.8, 2, 2.5});
+  return builder.build();
+}
+
+TEST_F(Stale, PointsOnMovingThingsTakeTheBitsOfWhereTheyWere) {
+  Theatre theatre(device_, moving_box(), 192);
+  const StereoView views = theatre.eyes({{1, 0, 0, 0}, {0, 1, 1.5}});
+  const Mask traced = with_noise(theatre.ask(kTraced, views), 5);
+  theatre.set_time(Time(300ms));
+  const glm::dvec3 travelled(0.15, 0, 0);
+  const Shown shown = theatre.show(views, {traced.in_hand()}, kPlainCarryOver);
+  const PerEye<Image<float>> distance = theatre.renderer().read_distance();
+  std::size_t on_box = 0, wrong_bits = 0, unflagged = 0, unknown = 0, moved_px = 0;
+  for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+    const std::size_t eye = index_of(side);
+    const View& view = views[eye];
+    const glm::dvec3 ray = pixel_ray(window_of(view.fov), view.size, {x + 0.5, y + 0.5});
+    const glm::dvec3 p = view.stage_from_eye(Point<Eye>{ray * double{distance[eye].at(x, y)}}).v;
+    if (std::abs(p.z - 0.2) > 1e-3) return;  // the box's front alone
+    ++on_box;
+    unknown += source == kSourceUnknown;
+    if (source == kSourceUnknown) return;
+    const glm::dvec2 was = ray_pixel(window_of(view.fov), view.size,
+                                     inverse(view.stage_from_eye)(Point<Stage>{p - travelled}).v);
+    const glm::dvec2 part = was - glm::floor(was);
+    if (std::min({part.x, part.y, 1 - part.x, 1 - part.y}) < 0.01) return;  // rounding may go either way
+    const glm::uvec2 there(was);
+    moved_px += there != glm::uvec2(x, y);
+    const ShownReport& report = shown.reports[eye];
+    wrong_bits += !same_bits(report.mask, {x, y}, traced.bits[eye], there);
+    unflagged += report.stale[std::size_t{y} * 192 + x] != 0b11;
+  });
+  EXPECT_GT(on_box, 5000u);
+  EXPECT_GT(moved_px, on_box / 2);
+  EXPECT_LT(unknown, on_box / 20) << "only the border that the travel uncovers";
+  EXPECT_EQ(wrong_bits, 0u) << "of " << on_box;
+  EXPECT_EQ(unflagged, 0u) << "what has moved itself is stale in all lights";
+}
+
+TEST_F(Stale, WallBehindAMovingBoxKeepsWhatNothingPassed) {
+  Theatre theatre(device_, moving_box(), 192);
+  const StereoView views = theatre.eyes({{1, 0, 0, 0}, {0, 1, 1.5}});
+  const Mask traced = theatre.ask(kTraced, views);
+  theatre.set_time(Time(300ms));
+  const Shown shown = theatre.show(views, {traced.in_hand()}, kPlainCarryOver);
+  for (const std::uint32_t light : {0u, 1u}) {
+    const PixelLights count = count_of(shown, light);
+    EXPECT_GT(count.stale, count.all / 20) << light;
+    EXPECT_LT(count.stale, count.all / 2) << light;
+  }
+}
+
+}  // namespace
+}  // namespace farshade
