@@ -102,7 +102,7 @@ Found nearest_on_plane(Surface surface, bool wanted) {
   vec2 inside = clamp(sight.at, vec2(0.0), frame.sources[source].per_step.zw - 1.0);
   wanted = wanted && sight.ahead && all(lessThanEqual(abs(inside - sight.at), vec2(kFarthest_px)));
   ivec2 start = ivec2(inside);
-  for (uint tap = 0; wanted && tap <= 8 * kRings && found.source == FARSHADE_SOURCE_UNKNOWN; ++tap) {
+  [[dont_unroll]] for (uint tap = 0; wanted && tap <= 8 * kRings && found.source == FARSHADE_SOURCE_UNKNOWN; ++tap) {
     ivec2 pixel = tap == 0 ? start : start + (kAround[(tap - 1) % 8] << ((tap - 1) / 8));
     if (same_surface(source, sight, pixel, kNeighbourBend)) {
       found.source = source;
@@ -141,11 +141,10 @@ Visibility8 eight_of(uint bits) {
 const float kSigma_px = 0.5, kExponent = -0.72134752 / (kSigma_px * kSigma_px);  // -log2(e) / (2 sigma^2)
 
 // Eight lights' visibility at a point near a shadow edge, from the four pixels about it in this eye's views.
-// A light that is stale in an older mask counts there for nothing.
-Visibility8 edge_visibility(Surface surface, vec3 p_stage, uint group, Visibility8 nearest) {
+// `stale` lights count in older masks for nothing.
+Visibility8 edge_visibility(Surface surface, uint stale, uint group, Visibility8 nearest) {
   vec4 low = 1e-4 * nearest.low, high = 1e-4 * nearest.high, low_weight = vec4(1e-4), high_weight = vec4(1e-4);
-  uint stale = kMoved ? stale_bits(1, surface.slot, p_stage, group / 4) >> (group % 4 * 8) : 0u;
-  Visibility8 fresh = eight_of(~stale);
+  Visibility8 fresh = eight_of(~stale >> (group % 4 * 8));
   [[unroll]] for (uint mask = 0; mask < FARSHADE_MAX_MASKS; ++mask) {
     Sight sight = sight_of(kFirst + mask, surface);
     ivec2 corner = ivec2(floor(sight.at - 0.5));
@@ -153,7 +152,7 @@ Visibility8 edge_visibility(Surface surface, vec3 p_stage, uint group, Visibilit
     ivec2 size = ivec2(frame.sources[kFirst + mask].per_step.zw);
     vec3 gathered = vec3((vec2(corner) + 1.0) / vec2(textureSize(depth_ring, 0).xy), frame.sources[kFirst + mask].place.x);
     vec4 depths = textureGather(depth_ring, gathered);
-    [[unroll]] for (uint tap = 0; tap < 4; ++tap) {
+    [[dont_unroll]] for (uint tap = 0; tap < 4; ++tap) {
       ivec2 pixel = corner + ivec2(tap & 1, tap >> 1);
       float traced = tap == 0 ? depths.w : tap == 1 ? depths.z : tap == 2 ? depths.x : depths.y;
       bool inside = all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, size));

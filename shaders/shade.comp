@@ -1,5 +1,5 @@
 // Reproject and shade. What the masks in hand know of each shown pixel's surface point (reproject.glsl) is the
-// visibility k_i of each light; what none knows is shown by a stated rule. Then the formula:
+// visibility k_i of each light; what none knows is shown by a stated rule (guessed). Then the formula:
 //   I = (I_d / pi) * sum_i k_i * saturate(N . L_i) * I_i
 // Nearly every pixel is easy: the newest mask knows it, and no shadow edge is near. The first pass shades those and
 // lists the others; the second pass takes all the time it needs for what is listed, a third for what is listed of
@@ -89,6 +89,14 @@ Found same_pixel(ivec2 pixel) {
   return found;
 }
 
+// The rule for what is unknown: as the newest mask has it at the shown pixel itself, lit where it cannot say.
+Visibility8 guessed(ivec2 pixel, uint group) {
+  ivec2 last = ivec2(frame.sources[kFirst].per_step.zw) - 1;
+  ivec2 there = clamp(pixel + ivec2(frame.direct.xy), ivec2(0), last);
+  bool tells = frame.direct.z != 0u && tile_known(kFirst, there);
+  return eight_of(tells ? mask_bits(kFirst, there, group / 4) >> (group % 4 * 8) : ~0u);
+}
+
 uint hard_place(uint i, bool can_move) {
   uvec2 size = uvec2(frame.eye[kEye].size_px.xy);
   return size.x * size.y * kEye + (can_move ? size.x * size.y - 1 - i : i);
@@ -145,14 +153,12 @@ void shade(ivec2 pixel) {
   vec3 p_stage = mat3(frame.eye[kEye].stage_from_eye) * surface.position;
   vec3 n_stage = normalize(unfolded(unpackSnorm2x16(stored.x)));
   vec3 irradiance = vec3(0.0);
-  uint stale = 0u, unknown = 0u, bits = 0u;
+  uint stale = 0u, unknown = 0u, bits = 0u;  // of the plane at hand; stale: in older masks
   for (uint group = 0; group < kGroups; ++group) {
     uint plane = group / 4;
     if (group % 4 == 0) {
       bits = known ? mask_bits(source, traced_pixel, plane) : 0u;
-      stale = 0u;
-      if (kReport && kMovedSinceNewest && mask == 0 && known) stale = stale_bits(0, surface.slot, p_stage, plane);
-      if (second_look && kMoved && mask > 0 && known) stale = stale_bits(1, surface.slot, p_stage, plane);
+      stale = second_look && kMoved ? stale_bits(1, surface.slot, p_stage, plane) : 0u;
       // A newer mask than this one has been traced since: what is stale is not trusted any more.
       uint from_beside = 0u;
       if (second_look && kMoved && mask > 0 && known && beside.source != FARSHADE_SOURCE_UNKNOWN) {
@@ -163,15 +169,17 @@ void shade(ivec2 pixel) {
       if (kReport) {
         uint used = kLights >= plane * 32 + 32 ? ~0u : (1u << (kLights % 32)) - 1u;
         report[report_at + 3 + kQuads + plane] = unknown & used;
-        report[report_at + 3 + kQuads + kPlanes + plane] = mask == 0 ? stale & used : 0u;
+        uint shown_stale = kMovedSinceNewest && mask == 0 && known ? stale_bits(0, surface.slot, p_stage, plane) : 0u;
+        report[report_at + 3 + kQuads + kPlanes + plane] = shown_stale & used;
         report[report_at + 3 + kQuads + 2 * kPlanes + plane] = from_beside & used;
       }
     }
     Visibility8 k = eight_of(bits >> (group % 4 * 8));
-    if (second_look && on_edge) k = edge_visibility(surface, p_stage, group, k);
-    Visibility8 guess = eight_of(unknown >> (group % 4 * 8));
-    k.low = mix(k.low, vec4(kUnknownVisibility), guess.low);
-    k.high = mix(k.high, vec4(kUnknownVisibility), guess.high);
+    if (second_look && on_edge) k = edge_visibility(surface, stale, group, k);
+    Visibility8 is_unknown = eight_of(unknown >> (group % 4 * 8)), guess = Visibility8(vec4(1.0), vec4(1.0));
+    if (second_look) guess = guessed(pixel, group);
+    k.low = mix(k.low, kUnknownVisibility * guess.low, is_unknown.low);
+    k.high = mix(k.high, kUnknownVisibility * guess.high, is_unknown.high);
     for (uint i = 0; i < 8 && group * 8 + i < kLights; ++i)
       irradiance += (i < 4 ? k.low[i] : k.high[i - 4]) * radiance(group * 8 + i, p_stage, n_stage);
     if (kReport) {

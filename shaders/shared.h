@@ -50,7 +50,7 @@ struct LightData {
 
 #define FARSHADE_MAX_MASKS 4
 #define FARSHADE_MAX_SOURCES 8  // each mask as traced for this eye, newest first, then each as for the other
-#define FARSHADE_MAX_MOVED 8
+#define FARSHADE_MAX_MOVED 4
 #define FARSHADE_TILE_PX 16
 
 #define FARSHADE_PASS_DIRECT 0
@@ -83,7 +83,8 @@ struct FrameData {
   vec4 background;                                      // linear
   vec4 ambient;                                         // linear factor of the base colour; 0 unless asked for
   uvec4 counts;  // x = masks in use, y = layer of the left eye's shown depth, z = whether the other eye's views are sources
-  uvec4 direct;                                         // x, y = pixels of the guard band left and above, as int
+  uvec4 direct;                                         // x, y = pixels of the guard band left and above, as int;
+                 // z = whether the newest mask still tells something about the shown pixels themselves
 };
 
 #ifdef __cplusplus

@@ -92,7 +92,8 @@ bool is_exact(const MaskInHand& mask, const TraceRequest& shown, const Scene& sc
     return shares_pixels(shown.views[eye], mask.views[eye]) &&
            is_whole(mask.known_tiles[eye], mask.masks[eye].layout());
   };
-  return same(0) && same(1) && (same_instant(mask.scene_time, shown.scene_time) || scene.animation_length_s == 0);
+  return same(0) && same(1) &&
+         (same_instant(mask.scene_time, shown.scene_time) || scene.animation_length_s == 0);
 }
 
 }  // namespace

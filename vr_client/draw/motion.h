@@ -57,7 +57,7 @@ class MotionModel {
 [[nodiscard]] Sphere merged(const Sphere& a, const Sphere& b);
 
 /// Adds to at most kMostSpheres; where there is no room, to the one that grows least.
-inline constexpr std::size_t kMostSpheres = 8;
+inline constexpr std::size_t kMostSpheres = 4;
 void add_sphere(const Sphere& sphere, std::vector<Sphere>& spheres);
 
 }  // namespace farshade

@@ -19,6 +19,9 @@ static_assert(ShadingPass::kMaxMasks * kEyes == FARSHADE_MAX_SOURCES && kMostSph
 /// A filtered visibility is pulled this much away from a half; docs/reprojection.md has the measurement.
 constexpr float kSharpness = 4.0f;
 
+/// A view turned further than this has next to nothing in common with the one before.
+constexpr double kMeaninglessTurn_rad = 0.25;
+
 std::vector<gpu::BindingKind> shading_set() {
   using Type = vk::DescriptorType;
   const auto compute = vk::ShaderStageFlagBits::eCompute;
@@ -70,8 +73,8 @@ ShadingPass::ShadingPass(const gpu::Device& device, const GBufferPass& gbuffer, 
                                           vk::BufferUsageFlagBits::eUniformBuffer, "lights");
   mask_buffer_ = mapped(kMaxMasks * kEyes * mask_words_ * 4, "masks");
   known_buffer_ = mapped(kMaxMasks * kEyes * known_words_ * 4, "known tiles");
-  motion_slots_ = mapped(motion_count_ == 0 ? 0 : motion.slots().size() * 4, "motion slots");
-  if (motion_count_ > 0) std::ranges::copy(motion.slots(), motion_slots_.as<std::uint32_t>().begin());
+  motion_slots_ = mapped(motion.slots().size() * 4, "motion slots");
+  std::ranges::copy(motion.slots(), motion_slots_.as<std::uint32_t>().begin());
   motion_buffer_ = mapped(motion_count_ * kMaxMasks * kEyes * sizeof(glm::mat4), "motions");
   hard_buffer_ = gpu::make_device_buffer(
       device, 2 * kEyes * sizeof(glm::uvec4) + kEyes * size.pixels() * sizeof(std::uint32_t),
@@ -223,7 +226,8 @@ void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, co
   frame.counts.y = shown_layer;
   if (!masks.empty()) {
     const glm::ivec2 offset = grid_offset_px(views[0], masks[0].mask.views[0]);
-    frame.direct = {offset, 0, 0};
+    const PoseDelta delta = pose_delta(views[0], {}, masks[0].mask.views[0], {});
+    frame.direct = {offset, delta.angle_rad < kMeaninglessTurn_rad, 0};
   }
   frame_buffer_.as<gpu::FrameData>()[0] = frame;
   const auto light_data_of = light_buffer_.as<gpu::LightData>();
@@ -249,8 +253,17 @@ const vk::raii::Pipeline& ShadingPass::pipeline(const Key& key) {
   return found->second;
 }
 
+/// What a pass does not look at is the same in all of its keys, so that it is not compiled again for nothing.
 ShadingPass::Key ShadingPass::key_of(std::uint32_t pass, Report report, std::uint32_t eye) const {
-  return {pass, carry_over_, report, ranges_and_cones_, whole_, moved_, moved_since_newest_, eye};
+  const bool second_look = pass >= FARSHADE_PASS_HARD, direct = pass == FARSHADE_PASS_DIRECT;
+  return {.pass = pass,
+          .carry_over = direct ? CarryOver{} : carry_over_,
+          .report = report,
+          .ranges_and_cones = ranges_and_cones_,
+          .whole = whole_ && !second_look,
+          .moved = moved_ && !direct,
+          .moved_since_newest = moved_since_newest_ && !direct,
+          .eye = eye};
 }
 
 /// The report is large and most sessions never ask for it.

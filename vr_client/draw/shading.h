@@ -58,7 +58,8 @@ struct ShownReport {
   std::vector<std::uint32_t> unknown, stale, beside;
 };
 
-/// The stated rule: a pixel-light that nothing in hand knows is shown with this visibility.
+/// The stated rule: a pixel-light that nothing in hand knows is shown as the newest mask has it at the shown
+/// pixel itself, and with this visibility where there is no mask or the head has turned too far since.
 inline constexpr float kUnknownVisibility = 1.0f;
 
 /// A mask with what has moved since it was traced.
