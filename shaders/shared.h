@@ -58,16 +58,18 @@ struct LightData {
 #define FARSHADE_PASS_HARD 2
 #define FARSHADE_PASS_MOVING 3
 
-/// One traced view, as one shown eye looks a point up in it. The window's pixels are those of the traced view.
+/// One traced view, as one shown eye looks a point up in it. The window's pixels are those of the traced
+/// view.
 struct SourceData {
   mat4 traced_from_shown;
   vec4 origin_step;  // of the window: origin.xy, step.xy
   vec4 per_step;     // 1 / step.xy, size in pixels
-  uvec4 place;       // x = layer of its depth, y = first word of its mask, z = of its known tiles, w = mask, 0 = newest
+  uvec4 place;  // x = layer of its depth, y = first word of its mask, z = of its known tiles, w = mask, 0 =
+                // newest
 };
 
-// What a pixel was shown with, as the report states it: the source that gave it, FARSHADE_NEIGHBOUR added where
-// the source's view saw only the surface beside the point.
+// What a pixel was shown with, as the report states it: the source that gave it, FARSHADE_NEIGHBOUR added
+// where the source's view saw only the surface beside the point.
 #define FARSHADE_NEIGHBOUR 64u
 #define FARSHADE_SOURCE_UNKNOWN 254u
 #define FARSHADE_SOURCE_UNCOVERED 255u
@@ -75,15 +77,16 @@ struct SourceData {
 struct FrameData {
   EyeData eye[2];
   SourceData sources[2 * FARSHADE_MAX_SOURCES];  // the left eye's, then the right eye's
-  // What the newest mask may no longer know, then what all older ones may not: lights that have moved since (256 bits)
-  // and spheres about things that have, where they were and where they are (relative to each eye, stage axes;
-  // w = radius^2, negative where there is none).
+  // What the newest mask may no longer know, then what all older ones may not: lights that have moved since
+  // (256 bits) and spheres about things that have, where they were and where they are (relative to each eye,
+  // stage axes; w = radius^2, negative where there is none).
   uvec4 stale_lights[2 * 2];
   vec4 moved[2 * 2 * FARSHADE_MAX_MOVED];  // since, eye, sphere
-  vec4 background;                                      // linear
-  vec4 ambient;                                         // linear factor of the base colour; 0 unless asked for
-  uvec4 counts;  // x = masks in use, y = layer of the left eye's shown depth, z = whether the other eye's views are sources
-  uvec4 direct;                                         // x, y = pixels of the guard band left and above, as int;
+  vec4 background;                         // linear
+  vec4 ambient;                            // linear factor of the base colour; 0 unless asked for
+  uvec4 counts;  // x = masks in use, y = layer of the left eye's shown depth, z = whether the other eye's
+                 // views are sources
+  uvec4 direct;  // x, y = pixels of the guard band left and above, as int;
                  // z = whether the newest mask still tells something about the shown pixels themselves
 };
 

@@ -15,9 +15,9 @@ namespace farshade {
 /// When masks may be used.
 struct MaskPolicy {
   Pace pace = Pace::Virtual;
-  Duration delay{};      ///< Virtual only: from a request to its masks
+  Duration delay{};       ///< Virtual only: from a request to its masks
   Duration round_trip{};  ///< Real only: as measured when the server was met
-  Duration mask_wait{};  ///< how long a frame waits for its own masks before it is drawn with earlier ones
+  Duration mask_wait{};   ///< how long a frame waits for its own masks before it is drawn with earlier ones
 };
 
 /// Work of the client's stages; time spent waiting for the display or the server is not counted.

@@ -68,9 +68,9 @@ TEST_F(Spheres, AddSphereJoinsTheOneThatGrowsLeast) {
   std::vector<Sphere> spheres;
   for (std::size_t i = 0; i < kMostSpheres; ++i)
     add_sphere({Point<Stage>{{10.0 * static_cast<double>(i), 0, 0}}, 1}, spheres);
-  add_sphere({Point<Stage>{{41, 0, 0}}, 1}, spheres);
+  add_sphere({Point<Stage>{{21, 0, 0}}, 1}, spheres);
   ASSERT_EQ(spheres.size(), kMostSpheres);
-  for (std::size_t i = 0; i < kMostSpheres; ++i) EXPECT_EQ(spheres[i].radius, i == 4 ? 1.5 : 1.0) << i;
+  for (std::size_t i = 0; i < kMostSpheres; ++i) EXPECT_EQ(spheres[i].radius, i == 2 ? 1.5 : 1.0) << i;
 }
 
 /// A floor, a box that travels 2 m along +x in a second, and two lights of which the second travels as far
