@@ -40,7 +40,6 @@ struct Times {
   std::vector<double> bare, bare_device, frame, collect, draw, gbuffer, depth;
   std::vector<Way> ways{
       {"shading alone (mask at the pixel)", {.lookup = Lookup::Direct}, {}},
-      {"again", {.lookup = Lookup::Direct}, {}},
       {"nearest pixel, this eye", {.eyes = Eyes::This, .gaps = Gaps::Unknown, .edges = Edges::Nearest}, {}},
       {"and the other eye", {.gaps = Gaps::Unknown, .edges = Edges::Nearest}, {}},
       {"and neighbours", {.edges = Edges::Nearest}, {}},
