@@ -64,7 +64,7 @@ struct SourceData {
   mat4 traced_from_shown;
   vec4 origin_step;  // of the window: origin.xy, step.xy
   vec4 per_step;     // 1 / step.xy, size in pixels
-  uvec4 place;  // x = layer of its depth, y = first word of its mask, z = of its known tiles; w unused
+  uvec4 place;       // x = layer of its depth, y = first word of its mask, z = of its known tiles; w unused
 };
 
 // What a pixel was shown with, as the report states it: the source that gave it, FARSHADE_NEIGHBOUR added
