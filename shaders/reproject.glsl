@@ -1,8 +1,8 @@
 // Reproject: what do the masks in hand know of a shown surface point?
 // The point is carried into each traced view in order of trust. The first view that saw the same surface there,
 // in a tile that arrived, gives its bits; else the nearest pixel of the newest view on the point's own plane does.
-// Where shadow edges pass (a bit that came with the mask says so), the pixels around the point in every view are
-// weighed by their distance in pixels: views of other moments and of the other eye sample the edge elsewhere.
+// Where shadow edges pass (bits that came with the mask say so), the pixels around the point in all of this eye's
+// views are weighed by their distance in pixels: views of other moments sample the edge elsewhere.
 // What a mask may no longer know, because a light, a caster or the surface itself has moved since, is stale.
 
 struct Surface {

@@ -167,6 +167,18 @@ TEST(RequestPlanLead, AimsAtTheMiddleOfTheFramesThatAMaskIsUsedFor) {
   }
 }
 
+TEST(RequestPlan, NeverAsksForMoreThanMayBeAskedFor) {
+  RequestPlan plan(RequestWish{});
+  plan.learn(20ms);
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    TraceRequest now = shown(i);
+    for (View& view : now.views) view.size = {kMaxViewSide_px, 256};
+    const std::optional<TraceRequest> asked = plan.ask(now, kPeriod);
+    ASSERT_TRUE(asked);
+    for (const View& view : asked->views) ASSERT_TRUE(is_valid(view)) << "frame " << i;
+  }
+}
+
 TEST(RequestPlan, TracesWiderAfterAHeadThatTurnsAsNobodyForesees) {
   RequestPlan plan({.predictor = PredictorKind::ConstantVelocity});
   std::optional<TraceRequest> asked;

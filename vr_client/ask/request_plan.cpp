@@ -66,7 +66,9 @@ std::optional<TraceRequest> RequestPlan::ask(const TraceRequest& shown, Duration
   if (foreseen_.size() > kMostForeseen) foreseen_.pop_front();
   const Sides<std::uint32_t> margins = guard_band_.margins_px(
       request.views, predictor_.velocity(), used_at - shown.display_time, period * (wish_.every - 1) / 2);
-  for (View& view : request.views) view = widened(view, margins);
+  // Views at the limits of what may be asked for stay as they are.
+  const StereoView wide{widened(request.views[0], margins), widened(request.views[1], margins)};
+  if (is_valid(wide[0]) && is_valid(wide[1])) request.views = wide;
   return request;
 }
 
