@@ -5,6 +5,7 @@
 #include "stereo/base/clock.h"
 #include "stereo/frame/eye_mask.h"
 #include "stereo/frame/frame_id.h"
+#include "stereo/frame/light_changes.h"
 #include "stereo/frame/view.h"
 
 namespace farshade {
@@ -15,6 +16,7 @@ struct TraceRequest {
   Time display_time;  ///< when the traced views are to be shown
   Time scene_time;    ///< where the animation stands
   StereoView views;
+  LightChanges lights{};  ///< the light set that the masks are to speak of
 };
 
 struct ShadowFrame {
