@@ -3,10 +3,12 @@
 /// sides agree on the lights by agreeing on a revision.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "stereo/frame/frame_id.h"
 #include "stereo/math/spaces.h"
 
 namespace farshade {
@@ -33,5 +35,25 @@ struct LightChanges {
   std::vector<LightChange> lights;          ///< the newest of each light that ever changed, by revision
   friend bool operator==(const LightChanges&, const LightChanges&) = default;
 };
+
+/// Serial order of light set revisions, as FrameId's.
+[[nodiscard]] constexpr bool is_newer_light_set(std::uint32_t a, std::uint32_t b) {
+  return is_newer(FrameId{a}, FrameId{b});
+}
+
+/// Makes the next revision: from now on `light` is on or off, and at `pose` or where the scene has it.
+void change(LightChanges& changes, std::uint32_t light, bool on, const std::optional<LightPose>& pose);
+
+/// What somebody who holds `revision` needs: the changes after it, at most `most` of them, oldest first. The
+/// update's own revision is the one that is held once it is taken: every light whose newest change is not
+/// newer than it is then right. It is changes.revision where nothing was left out.
+[[nodiscard]] LightChanges since(const LightChanges& changes, std::uint32_t revision, std::size_t most);
+
+/// What somebody who holds `revision` surely has right: the changes up to it.
+[[nodiscard]] LightChanges up_to(const LightChanges& changes, std::uint32_t revision);
+
+/// Takes an update that was made for a revision that `held` has or is beyond. One that is not newer than
+/// `held` changes nothing, so updates may come twice, late or never.
+void merge(LightChanges& held, const LightChanges& update);
 
 }  // namespace farshade
