@@ -17,8 +17,8 @@ struct KeygenOptions {
   std::string ring;  ///< empty for default_ring_path()
 };
 
-/// Declares the subcommand's arguments. `options` must outlive the parsing.
-void add_keygen(CLI::App& command, KeygenOptions& options);
+/// Adds the subcommand `keygen` and its options to the program. `options` must outlive the parsing.
+void add_keygen(CLI::App& program, KeygenOptions& options);
 
 /// Makes both files and says what to do next. If one cannot be made, the other is as it was.
 [[nodiscard]] Expected<std::string> keygen(const KeygenOptions& options);

@@ -58,23 +58,49 @@ int write_fully(int file, std::span<const std::byte> bytes) {
   return 0;
 }
 
+/// How a new file is opened. What waits at a private file's partial name might be open to others already.
+struct Opening {
+  int flags;
+  mode_t mode;
+};
+constexpr Opening kPublic{O_TRUNC, 0666}, kPrivate{O_EXCL, 0600};
+
 /// 0, or the errno of what failed.
-int create_with(const fs::path& path, std::span<const std::byte> bytes) {
-  Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666));
+int create_with(const fs::path& path, std::span<const std::byte> bytes, Opening how) {
+  Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC | how.flags, how.mode));
   if (file.number < 0) return errno;
   if (const int error = write_fully(file.number, bytes)) return error;
   return file.close_now();
 }
 
-}  // namespace
+/// Passes a file's status, or says why it is refused.
+using Gate = Expected<void> (*)(const fs::path& path, const struct stat& status);
 
-Expected<std::vector<std::byte>> read_file(const fs::path& path, std::uint64_t max_bytes) {
+Expected<void> no_gate(const fs::path&, const struct stat&) {
+  return {};
+}
+
+Expected<void> only_its_owners(const fs::path& path, const struct stat& status) {
+  if (status.st_uid != ::geteuid() && status.st_uid != 0)
+    return fail(Fault::Unreadable, "'" + path.string() +
+                                       "' holds secrets and belongs to another user: make it anew, or chown "
+                                       "it to the one who runs this");
+  if ((status.st_mode & (S_IRGRP | S_IWGRP | S_IROTH | S_IWOTH)) != 0)
+    return fail(Fault::Unreadable, "'" + path.string() +
+                                       "' holds secrets and others than its owner may read or write it: "
+                                       "chmod 600 " +
+                                       path.string());
+  return {};
+}
+
+Expected<std::vector<std::byte>> read_through(Gate gate, const fs::path& path, std::uint64_t max_bytes) {
   // Non-blocking, so that opening a pipe that nobody writes returns and can be refused.
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   struct stat status {};
   if (file.number < 0 || ::fstat(file.number, &status) != 0) return fail_errno("read", path, errno);
   if (!S_ISREG(status.st_mode))
     return fail(Fault::Unreadable, "'" + path.string() + "' is not a regular file");
+  if (const Expected<void> passed = gate(path, status); !passed) return tl::unexpected(passed.error());
   const auto size = static_cast<std::uint64_t>(status.st_size);
   if (size > max_bytes)
     return fail(Fault::OutOfRange, "'" + path.string() + "' has " + std::to_string(size) +
@@ -86,15 +112,42 @@ Expected<std::vector<std::byte>> read_file(const fs::path& path, std::uint64_t m
   return bytes;
 }
 
-Expected<void> write_file_atomically(const fs::path& path, std::span<const std::byte> bytes) {
+/// Beside `path` first, then to its place. A link is what renames without replacing.
+Expected<void> write(const fs::path& path, std::span<const std::byte> bytes, Opening how, IfThere if_there) {
   // A thread writes one file at a time, so its number makes the name unique on this machine.
   fs::path partial = path;
   partial += ".partial-" + std::to_string(::gettid());
-  int error = create_with(partial, bytes);
-  if (error == 0 && ::rename(partial.c_str(), path.c_str()) != 0) error = errno;
-  if (error == 0) return {};
+  int error = create_with(partial, bytes, how);
+  if (error == 0 && if_there == IfThere::Replace) {
+    if (::rename(partial.c_str(), path.c_str()) == 0) return {};
+    error = errno;
+  } else if (error == 0 && ::link(partial.c_str(), path.c_str()) != 0) {
+    error = errno;
+    if (error == EEXIST) {
+      ::unlink(partial.c_str());
+      return fail(Fault::Unavailable, "'" + path.string() + "' is there already and stays as it is");
+    }
+  }
   ::unlink(partial.c_str());
-  return fail_errno("write", path, error);
+  return error == 0 ? Expected<void>{} : fail_errno("write", path, error);
+}
+
+}  // namespace
+
+Expected<std::vector<std::byte>> read_file(const fs::path& path, std::uint64_t max_bytes) {
+  return read_through(no_gate, path, max_bytes);
+}
+
+Expected<std::vector<std::byte>> read_private_file(const fs::path& path, std::uint64_t max_bytes) {
+  return read_through(only_its_owners, path, max_bytes);
+}
+
+Expected<void> write_file_atomically(const fs::path& path, std::span<const std::byte> bytes) {
+  return write(path, bytes, kPublic, IfThere::Replace);
+}
+
+Expected<void> write_private_file(const fs::path& path, std::string_view text, IfThere if_there) {
+  return write(path, std::as_bytes(std::span(text)), kPrivate, if_there);
 }
 
 Expected<void> write_file_atomically(const fs::path& path, std::string_view text) {

@@ -23,4 +23,18 @@ namespace farshade {
                                                    std::span<const std::byte> bytes);
 [[nodiscard]] Expected<void> write_file_atomically(const std::filesystem::path& path, std::string_view text);
 
+// ---- files with secrets
+
+/// As read_file. Refuses (Unreadable, with the cure) a file that group or others may read or write, and one
+/// that belongs to neither this user nor root.
+[[nodiscard]] Expected<std::vector<std::byte>> read_private_file(const std::filesystem::path& path,
+                                                                 std::uint64_t max_bytes);
+
+enum class IfThere { Replace, Refuse };
+
+/// As write_file_atomically, of mode 0600. A file that is there and should not be replaced stays as it is:
+/// Unavailable.
+[[nodiscard]] Expected<void> write_private_file(const std::filesystem::path& path, std::string_view text,
+                                                IfThere if_there);
+
 }  // namespace farshade

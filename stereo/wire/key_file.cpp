@@ -1,0 +1,226 @@
+#include "stereo/wire/key_file.h"
+
+#include <pwd.h>
+#include <sodium.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+
+#include "stereo/base/check.h"
+#include "stereo/base/files.h"
+
+namespace farshade {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kFormat = "farshade-key-1";
+constexpr std::string_view kBlanks = " \t\r";
+constexpr std::string_view kIdLabel = "farshade key id 1";
+constexpr std::string_view kNameRule = "a key's name has 1 to 64 of the characters A-Z a-z 0-9 . _ -";
+using Secret = decltype(SharedKey::secret);
+
+void start_sodium() {
+  check(sodium_init() >= 0, "libsodium starts");
+}
+
+bool is_name_character(char c) {
+  return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' || c == '_' ||
+         c == '-';
+}
+
+bool is_name(std::string_view name) {
+  return !name.empty() && name.size() <= kMaxKeyName &&
+         std::all_of(name.begin(), name.end(), is_name_character);
+}
+
+/// The next word of `line`, which then begins behind it; empty at its end.
+std::string_view take_word(std::string_view& line) {
+  line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
+  const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
+  line.remove_prefix(word.size());
+  return word;
+}
+
+/// The next line of `text`, which then begins behind it.
+std::string_view take_line(std::string_view& text) {
+  const std::string_view line = text.substr(0, text.find('\n'));
+  text.remove_prefix(std::min(line.size() + 1, text.size()));
+  return line;
+}
+
+bool read_secret(std::string_view digits, Secret& secret) {
+  std::size_t bytes = 0;
+  return digits.size() == 2 * secret.size() &&
+         sodium_hex2bin(secret.data(), secret.size(), digits.data(), digits.size(), nullptr, &bytes,
+                        nullptr) == 0 &&
+         bytes == secret.size();
+}
+
+/// A line that is neither blank nor a comment. What it says is not repeated in errors: it may be a secret.
+Expected<SharedKey> read_key(std::string_view line, const std::string& place) {
+  SharedKey key;
+  if (const std::string_view format = take_word(line); format != kFormat) {
+    if (format.starts_with("farshade-key-"))
+      return fail(Fault::Unsupported, place + "a key of another version than " + std::string(kFormat));
+    return fail(Fault::Malformed, place + "should be '" + std::string(kFormat) + " NAME SECRET'");
+  }
+  key.name = take_word(line);
+  if (!is_name(key.name)) return fail(Fault::Malformed, place + std::string(kNameRule));
+  if (!read_secret(take_word(line), key.secret))
+    return fail(Fault::Malformed, place + "the secret should be 64 hexadecimal digits");
+  if (!take_word(line).empty()) return fail(Fault::Malformed, place + "there is more behind the secret");
+  return key;
+}
+
+/// Which lines names and secrets first stood in.
+class Seen {
+ public:
+  Expected<void> add(const SharedKey& key, std::size_t line, const std::string& place) {
+    const auto [name, is_new_name] = names_.emplace(key.name, line);
+    if (!is_new_name)
+      return fail(Fault::Malformed,
+                  place + "the name '" + key.name + "' stands in line " + std::to_string(name->second));
+    const auto [secret, is_new_secret] = secrets_.emplace(key.secret, line);
+    if (!is_new_secret)
+      return fail(Fault::Malformed, place + "the secret of '" + key.name + "' stands in line " +
+                                        std::to_string(secret->second));
+    return {};
+  }
+
+ private:
+  std::map<std::string, std::size_t> names_;
+  std::map<Secret, std::size_t> secrets_;
+};
+
+Expected<std::string> read_text(const fs::path& path) {
+  return read_private_file(path, kMaxKeyFileBytes).map([](const std::vector<std::byte>& bytes) {
+    return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  });
+}
+
+/// The folders on the way to `path`, for this user alone where they are new.
+Expected<void> make_folders(const fs::path& path) {
+  const fs::path folder = path.parent_path();
+  std::error_code error;
+  if (folder.empty() || fs::exists(folder, error)) return {};
+  if (const Expected<void> above = make_folders(folder); !above) return above;
+  if (fs::create_directory(folder, error))
+    fs::permissions(folder, fs::perms::owner_all, fs::perm_options::replace, error);
+  if (!error) return {};
+  return fail(Fault::Unreadable, "cannot make the folder '" + folder.string() + "': " + error.message());
+}
+
+fs::path config_folder() {
+  // A relative XDG_CONFIG_HOME is to be ignored: XDG Base Directory Specification 0.8.
+  if (const char* config = std::getenv("XDG_CONFIG_HOME");
+      config != nullptr && fs::path(config).is_absolute())
+    return fs::path(config) / "farshade";
+  const char* home = std::getenv("HOME");
+  if (home == nullptr || *home == '\0') {
+    const passwd* user = ::getpwuid(::geteuid());
+    home = user != nullptr ? user->pw_dir : "/";
+  }
+  return fs::path(home) / ".config" / "farshade";
+}
+
+}  // namespace
+
+KeyId id_of(const SharedKey& key) {
+  start_sodium();
+  std::array<std::uint8_t, 32> hash{};
+  static_assert(sizeof hash >= crypto_generichash_BYTES_MIN);
+  const int hashed =
+      crypto_generichash(hash.data(), hash.size(), reinterpret_cast<const unsigned char*>(kIdLabel.data()),
+                         kIdLabel.size(), key.secret.data(), key.secret.size());
+  check(hashed == 0, "keyed BLAKE2b");
+  KeyId id{};
+  std::copy_n(hash.begin(), id.size(), id.begin());
+  return id;
+}
+
+Expected<SharedKey> new_key(std::string_view name) {
+  if (!is_name(name)) return fail(Fault::OutOfRange, std::string(kNameRule));
+  start_sodium();
+  SharedKey key{std::string(name), {}};
+  randombytes_buf(key.secret.data(), key.secret.size());
+  return key;
+}
+
+Expected<std::vector<SharedKey>> parse_keys(std::string_view text, std::string_view where) {
+  const std::string file(where);
+  if (text.size() > kMaxKeyFileBytes)
+    return fail(Fault::OutOfRange, file + ": more than " + std::to_string(kMaxKeyFileBytes) + " bytes");
+  std::vector<SharedKey> keys;
+  Seen seen;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::string_view line = take_line(text);
+    const std::size_t first = line.find_first_not_of(kBlanks);
+    if (first == std::string_view::npos || line[first] == '#') continue;
+    const std::string place = file + ":" + std::to_string(number) + ": ";
+    Expected<SharedKey> key = read_key(line, place);
+    if (!key) return tl::unexpected(key.error());
+    if (const Expected<void> added = seen.add(*key, number, place); !added)
+      return tl::unexpected(added.error());
+    if (keys.size() == kMaxRingKeys)
+      return fail(Fault::OutOfRange, place + "more than " + std::to_string(kMaxRingKeys) + " keys");
+    keys.push_back(*std::move(key));
+  }
+  return keys;
+}
+
+std::string key_line(const SharedKey& key) {
+  check(is_name(key.name), "a key has a name");
+  std::array<char, 2 * sizeof key.secret + 1> digits{};
+  sodium_bin2hex(digits.data(), digits.size(), key.secret.data(), key.secret.size());
+  return std::string(kFormat) + " " + key.name + " " + digits.data() + "\n";
+}
+
+Expected<SharedKey> load_key(const fs::path& path) {
+  Expected<std::vector<SharedKey>> keys = load_key_ring(path);
+  if (!keys) return tl::unexpected(keys.error());
+  if (keys->size() != 1)
+    return fail(Fault::Malformed,
+                path.string() + ": " + std::to_string(keys->size()) + " keys where one should be");
+  return std::move(keys->front());
+}
+
+Expected<std::vector<SharedKey>> load_key_ring(const fs::path& path) {
+  return read_text(path).and_then([&](const std::string& text) { return parse_keys(text, path.string()); });
+}
+
+Expected<void> write_key(const fs::path& path, const SharedKey& key) {
+  return make_folders(path).and_then(
+      [&] { return write_private_file(path, key_line(key), IfThere::Refuse); });
+}
+
+Expected<void> append_to_ring(const fs::path& path, const SharedKey& key) {
+  Expected<std::string> text = read_text(path);
+  if (!text && text.error().fault == Fault::Missing) return write_key(path, key);
+  if (!text) return tl::unexpected(text.error());
+  const Expected<std::vector<SharedKey>> keys = parse_keys(*text, path.string());
+  if (!keys) return tl::unexpected(keys.error());
+  for (const SharedKey& there : *keys)
+    if (there.name == key.name || there.secret == key.secret)
+      return fail(Fault::Unavailable,
+                  path.string() + ": " +
+                      (there.name == key.name ? "has a key named '" : "has the secret of '") + key.name +
+                      "' already");
+  if (!text->empty() && text->back() != '\n') *text += '\n';
+  *text += key_line(key);
+  if (text->size() > kMaxKeyFileBytes || keys->size() == kMaxRingKeys)
+    return fail(Fault::OutOfRange, path.string() + ": the ring is full");
+  return write_private_file(path, *text, IfThere::Replace);
+}
+
+fs::path default_key_path() {
+  return config_folder() / "client.key";
+}
+
+fs::path default_ring_path() {
+  return config_folder() / "ring.keys";
+}
+
+}  // namespace farshade
