@@ -113,24 +113,38 @@ std::vector<Affine<Stage, Object>> stage_from_nodes(const Scene& scene, Time sce
   return result;
 }
 
-void advance(const Scene& scene, Time scene_time, SceneState& state) {
+void apply(const LightChanges& changes, LightSet& light_set) {
+  light_set.revision = changes.revision;
+  for (const LightChange& change : changes.lights) {
+    if (change.light >= light_set.lights.size()) continue;
+    Light& light = light_set.lights[change.light];
+    light.on = change.on;
+    if (!change.pose) continue;
+    light.position = change.pose->position;
+    light.direction = change.pose->direction;
+  }
+}
+
+void advance(const Scene& scene, Time scene_time, const LightChanges& changes, SceneState& state) {
   state.scene_time = scene_time;
   const bool is_made = state.stage_from_object.size() == scene.instances.size() &&
                        state.light_set.lights.size() == scene.lights.size();
-  if (is_made && scene.channels.empty()) return;
+  if (is_made && scene.channels.empty() && changes == state.light_changes) return;
   const auto poses = stage_from_nodes(scene, scene_time);
   state.stage_from_object.clear();
   for (const Instance& instance : scene.instances) state.stage_from_object.push_back(poses[instance.node]);
   state.light_set.lights.clear();
   for (const LightSource& source : scene.lights)
     state.light_set.lights.push_back(light_at(source, poses[source.node]));
+  state.light_changes = changes;
+  apply(changes, state.light_set);
 }
 
-SceneState state_at(const Scene& scene, Time scene_time) {
+SceneState state_at(const Scene& scene, Time scene_time, const LightChanges& changes) {
   SceneState state;
   state.stage_from_object.reserve(scene.instances.size());
   state.light_set.lights.reserve(scene.lights.size());
-  advance(scene, scene_time, state);
+  advance(scene, scene_time, changes, state);
   return state;
 }
 

@@ -76,6 +76,7 @@ inline ViewRays rays_of(const View& view, const glm::dvec3& anchor) {
 /// A light as shadow rays need it.
 struct ShadowLight {
   LightKind kind = LightKind::Point;
+  bool on = true;
   glm::vec3 position{0.0f};   ///< anchor-relative
   glm::vec3 direction{0.0f};  ///< unit, the way the light travels
   float reach = 0;            ///< largest absolute coordinate of position
@@ -86,7 +87,7 @@ struct ShadowLight {
 inline ShadowLight shadow_light(const Light& light, const SurfaceModel& model) {
   const glm::dvec3 position = light.position.v - model.anchor();
   const double reach = std::max({std::abs(position.x), std::abs(position.y), std::abs(position.z)});
-  ShadowLight result{.kind = light.kind, .direction = glm::vec3(light.direction.v)};
+  ShadowLight result{.kind = light.kind, .on = light.on, .direction = glm::vec3(light.direction.v)};
   if (light.kind == LightKind::Directional) return result;
   result.position = glm::vec3(position);
   result.reach = static_cast<float>(reach);

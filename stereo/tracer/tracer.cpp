@@ -3,6 +3,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "stereo/base/check.h"
@@ -47,21 +48,22 @@ void write_plane(const std::uint32_t (&words)[kTilePixels], const TileRect& rect
 
 struct Tracer::Impl {
   const Scene& scene;
-  SceneState state;
+  SceneState state;  ///< with the lights as the scene has them, since each request may change others
   SurfaceModel model;
   std::optional<RayScene> rays;
-  std::vector<ShadowLight> lights;  ///< reused
+  LightSet light_set;               ///< of the request
+  std::vector<ShadowLight> lights;  ///< light_set's
 
   explicit Impl(const Scene& traced) : scene(traced), state(state_at(scene, Time{})), model(scene, state) {}
 
-  void advance_to(Time scene_time);
+  void advance_to(Time scene_time, const LightChanges& changes);
   template <int K>
   TileSums trace_tile(const ViewRays& view, const TileRect& rect, EyeMask& mask) const;
   template <int K>
   TileSums trace_views(const StereoView& views, std::size_t eyes, PerEye<EyeMask>& masks) const;
 };
 
-void Tracer::Impl::advance_to(Time scene_time) {
+void Tracer::Impl::advance_to(Time scene_time, const LightChanges& changes) {
   if (scene.animation_length_s > 0 && scene_time != state.scene_time) {
     state = state_at(scene, scene_time);
     state.scene_time = scene_time;
@@ -70,8 +72,10 @@ void Tracer::Impl::advance_to(Time scene_time) {
       rays->update();
     }
   }
+  light_set = state.light_set;
+  apply(changes, light_set);
   lights.clear();
-  for (const Light& light : state.light_set.lights) lights.push_back(shadow_light(light, model));
+  for (const Light& light : light_set.lights) lights.push_back(shadow_light(light, model));
 }
 
 template <int K>
@@ -88,7 +92,8 @@ TileSums Tracer::Impl::trace_tile(const ViewRays& view, const TileRect& rect, Ey
   for (std::uint32_t plane = 0; plane < layout.planes(); ++plane) {
     std::uint32_t words[kTilePixels]{};
     for (std::uint32_t bit = 0; surface.covered > 0 && bit < layout.lights_in(plane); ++bit)
-      sums.shadow_rays += shadow_tile<K>(surface, lights[plane * 32 + bit], 1u << bit, words, occluded);
+      if (const ShadowLight& light = lights[plane * 32 + bit]; light.on)
+        sums.shadow_rays += shadow_tile<K>(surface, light, 1u << bit, words, occluded);
     write_plane(words, rect, plane, mask);
   }
   sums.shadow = watch.elapsed() - sums.primary;
@@ -131,9 +136,9 @@ Tracer::~Tracer() = default;
 
 TraceStats Tracer::trace(const TraceRequest& request, ShadowFrame& frame) {
   for (const View& view : request.views) check(is_valid(view), "a traced view is valid");
-  impl_->advance_to(request.scene_time);
+  impl_->advance_to(request.scene_time, request.lights);
   frame.frame = request.frame;
-  frame.light_set_revision = impl_->state.light_set.revision;
+  frame.light_set_revision = impl_->light_set.revision;
   frame.views = request.views;
   const auto light_count = narrow<std::uint32_t>(impl_->lights.size());
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
@@ -141,7 +146,12 @@ TraceStats Tracer::trace(const TraceRequest& request, ShadowFrame& frame) {
     if (mask.size() != request.views[eye].size || mask.lights() != light_count)
       mask = EyeMask(request.views[eye].size, light_count);
   }
-  if (light_count == 0) return {};
+  const auto lights_on =
+      static_cast<std::uint64_t>(std::ranges::count(impl_->lights, true, &ShadowLight::on));
+  if (lights_on == 0) {
+    for (EyeMask& mask : frame.masks) std::ranges::fill(mask.bytes(), std::byte{});
+    return {};
+  }
 
   const bool same = request.views[0] == request.views[1];
   const Stopwatch watch;
@@ -160,7 +170,7 @@ TraceStats Tracer::trace(const TraceRequest& request, ShadowFrame& frame) {
           .shadow = wall - primary,
           .primary_rays = sums.primary_rays,
           .shadow_rays = sums.shadow_rays,
-          .full_shadow_rays = sums.covered * light_count * (same ? 2 : 1)};
+          .full_shadow_rays = sums.covered * lights_on * (same ? 2 : 1)};
 }
 
 }  // namespace farshade

@@ -12,10 +12,9 @@
 ///  normal Ng
 ///    is the triangle's, on its counter-clockwise side. Where the back of a double-sided surface is seen,
 ///    both turn.
-///  - Light i's bit is 1 iff N . L > 0 and Ng . L > 0, the point is nearer than the light's range (point,
-///  spot) and
-///    inside its outer cone (spot), and no surface lies strictly between the point and the light. Both sides
-///    of a surface cast; holes do not.
+///  - Light i's bit is 1 iff the light is on, N . L > 0 and Ng . L > 0, the point is nearer than the light's
+///    range (point, spot) and inside its outer cone (spot), and no surface lies strictly between the point
+///    and the light. Both sides of a surface cast; holes do not.
 ///  - Pixels that no surface covers are 0.
 /// Float makes it inexact within rounding of edges, and of things closer than 2^-18 of the scene's extent to
 /// a surface.
@@ -33,7 +32,7 @@ struct TraceStats {
   /// core time.
   Duration primary{}, shadow{};
   std::uint64_t primary_rays = 0, shadow_rays = 0;
-  /// What a trace that leaves nothing out would cost: covered pixels x lights, both eyes.
+  /// What a trace that leaves nothing out would cost: covered pixels x lights that are on, both eyes.
   std::uint64_t full_shadow_rays = 0;
 };
 
@@ -47,8 +46,9 @@ class Tracer {
   Tracer& operator=(Tracer&&) noexcept;
   ~Tracer();
 
-  /// Traces `request` (valid views) against the scene at its scene_time into `frame`, whose buffers are
-  /// reused. Where both views coincide one is traced and copied. One call at a time; uses all cores.
+  /// Traces `request` (valid views) against the scene at its scene_time and with its lights into `frame`,
+  /// whose buffers are reused. Nothing is kept of one request's lights for the next. Where both views
+  /// coincide one is traced and copied. One call at a time; uses all cores.
   TraceStats trace(const TraceRequest& request, ShadowFrame& frame);
 
  private:

@@ -18,7 +18,7 @@ const House& house() {
                                      {"stereo/net", {"stereo/wire"}},
                                      {"stereo/image", {"stereo/math"}},
                                      {"stereo/trace", {"stereo/frame"}},
-                                     {"stereo/scene", {"stereo/image"}},
+                                     {"stereo/scene", {"stereo/image", "stereo/frame"}},
                                      {"stereo/tracer", {"stereo/scene", "stereo/frame"}},
                                      {"stereo/gpu", {"stereo/frame", "stereo/image"}},
                                      {"shaders", {}},

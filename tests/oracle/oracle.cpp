@@ -43,7 +43,7 @@ bool reaches(const Light& light, const glm::dvec3& to_light) {
 }
 
 Verdict judge(const Surfaces& surfaces, const Seen& seen, const Light& light) {
-  if (!seen.covered) return {};
+  if (!seen.covered || !light.on) return {};
   const bool directional = light.kind == LightKind::Directional;
   const glm::dvec3 to_light = directional ? -light.direction.v : light.position.v - seen.point;
   const glm::dvec3 l = glm::normalize(to_light);

@@ -157,7 +157,7 @@ TEST(SceneState, AdvanceEqualsStateAt) {
   ASSERT_TRUE(scene.has_value());
   SceneState state = state_at(*scene, Time{});
   for (const double s : {0.3, 1.7, 5.1}) {
-    advance(*scene, at(s), state);
+    advance(*scene, at(s), {}, state);
     const SceneState fresh = state_at(*scene, at(s));
     EXPECT_EQ(state.scene_time, fresh.scene_time);
     EXPECT_EQ(state.stage_from_object, fresh.stage_from_object);
