@@ -1,5 +1,6 @@
-/// The datagram seam: the one place where bytes leave and reach a program. Real UDP (udp.h) and an in-process
-/// link in virtual time (virtual_link.h) are its two sides; everything above works over either.
+/// The datagram seam: the one place where bytes leave and reach a program. Real UDP (udp.h), UDP behind a bad
+/// network (impaired_port.h) and an in-process link in virtual time (virtual_link.h) are behind it;
+/// everything above works over any of them.
 #pragma once
 
 #include <array>
@@ -29,6 +30,9 @@ struct Peer {
 struct Datagram {
   Peer from;
   std::span<const std::byte> bytes;  ///< in the buffer that the receiver gave
+  /// When it reached this machine, however late it is read: on the steady clock (SteadyClock), over a virtual
+  /// link on the link's.
+  Time arrived{};
 };
 
 struct PortCounters {

@@ -2,12 +2,16 @@
 
 #include <poll.h>
 #include <sys/eventfd.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <asio/ip/udp.hpp>
 #include <asio/ip/v6_only.hpp>
 #include <atomic>
 #include <charconv>
+#include <cstring>
+#include <ctime>
 
 #include "stereo/base/check.h"
 #include "stereo/wire/messages.h"
@@ -57,6 +61,52 @@ class WakeEvent {
   int fd_;
 };
 
+/// When the datagram of `header` came: the kernel stamps it on the wall clock. Where it did not, now.
+Time arrival_of(msghdr& header) {
+  // The wall clock is read first: a pause before the other makes an arrival late, never earlier than its
+  // cause.
+  timespec wall{};
+  clock_gettime(CLOCK_REALTIME, &wall);
+  const Time now = SteadyClock().now();
+  for (const cmsghdr* part = CMSG_FIRSTHDR(&header); part != nullptr;
+       part = CMSG_NXTHDR(&header, const_cast<cmsghdr*>(part))) {
+    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_TIMESTAMPNS) continue;
+    timespec stamp;
+    std::memcpy(&stamp, CMSG_DATA(part), sizeof stamp);
+    const Duration age =
+        std::chrono::seconds(wall.tv_sec - stamp.tv_sec) + Duration(wall.tv_nsec - stamp.tv_nsec);
+    return now - std::max(age, Duration::zero());
+  }
+  return now;
+}
+
+struct Incoming {
+  Endpoint from;
+  std::size_t size = 0;  ///< the datagram's own, also where the buffer was shorter
+  Time arrived;
+};
+
+/// The datagram that waits in `socket`, copied to `into` as far as it fits; nothing if none waits.
+std::optional<Incoming> take_datagram(int socket, std::span<std::byte> into) {
+  Incoming incoming;
+  iovec buffer{into.data(), into.size()};
+  alignas(cmsghdr) std::array<std::byte, 128> control;
+  msghdr header{};
+  header.msg_name = incoming.from.data();
+  header.msg_namelen = narrow<socklen_t>(incoming.from.capacity());
+  header.msg_iov = &buffer;
+  header.msg_iovlen = 1;
+  header.msg_control = control.data();
+  header.msg_controllen = control.size();
+  // MSG_TRUNC makes the kernel return the datagram's own size.
+  const ssize_t size = recvmsg(socket, &header, MSG_TRUNC | MSG_DONTWAIT);
+  if (size < 0) return std::nullopt;
+  incoming.from.resize(header.msg_namelen);
+  incoming.size = static_cast<std::size_t>(size);
+  incoming.arrived = arrival_of(header);
+  return incoming;
+}
+
 class UdpPort final : public DatagramPort {
  public:
   UdpPort(std::unique_ptr<asio::io_context> context, udp::socket socket, const Endpoint& local)
@@ -88,21 +138,17 @@ class UdpPort final : public DatagramPort {
   [[nodiscard]] std::optional<Datagram> receive(std::span<std::byte> into, Duration wait) override {
     const Stopwatch waited;
     for (int dropped = 0; dropped < kMostDropsACall;) {
-      Endpoint from;
-      asio::error_code error;
-      // MSG_TRUNC makes the kernel return the datagram's own size, also where the buffer is shorter.
-      const std::size_t size =
-          socket_.receive_from(asio::buffer(into.data(), into.size()), from, MSG_TRUNC, error);
-      if (error) {
+      const std::optional<Incoming> incoming = take_datagram(socket_.native_handle(), into);
+      if (!incoming) {
         if (!readable_within(wait - waited.elapsed())) break;
         continue;
       }
-      const Peer peer = peer_of(from);
+      const Peer peer = peer_of(incoming->from);
       if (!partner_ || peer == *partner_) {
-        if (size <= into.size()) {
+        if (incoming->size <= into.size()) {
           ++received_;
-          received_bytes_ += size;
-          return Datagram{peer, into.first(size)};
+          received_bytes_ += incoming->size;
+          return Datagram{peer, into.first(incoming->size), incoming->arrived};
         }
         ++oversized_;
       } else {
@@ -183,6 +229,8 @@ Expected<std::unique_ptr<UdpPort>> bound_port(std::unique_ptr<asio::io_context> 
   if (endpoint.protocol() == udp::v6()) socket.set_option(asio::ip::v6_only(false), ignored);
   socket.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer_bytes), ignored);
   socket.set_option(asio::socket_base::send_buffer_size(kSocketBuffer_bytes), ignored);
+  const int stamped = 1;  // refused: arrivals are then when they are read
+  setsockopt(socket.native_handle(), SOL_SOCKET, SO_TIMESTAMPNS, &stamped, sizeof stamped);
   if (!error) socket.non_blocking(true, error);
   if (!error) socket.bind(endpoint, error);
   const Endpoint local = error ? endpoint : socket.local_endpoint(error);

@@ -1,7 +1,9 @@
 #include "stereo/net/virtual_link.h"
 
 #include <algorithm>
-#include <random>
+#include <deque>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "stereo/base/check.h"
@@ -10,104 +12,58 @@
 namespace farshade {
 namespace {
 
-struct OnTheWay {
-  Time arrival;
-  std::uint64_t order = 0;
-  std::size_t size = 0;
-  std::array<std::byte, kMaxDatagram_bytes> bytes;
-};
-
-/// Heap order: the earliest on top.
-constexpr auto kLater = [](const OnTheWay* a, const OnTheWay* b) {
-  return a->arrival != b->arrival ? a->arrival > b->arrival : a->order > b->order;
-};
-
-/// One direction: datagrams by the time of their arrival, in memory that is used again.
-class Direction {
- public:
-  Direction(const LinkModel& model, std::uint64_t seed) : model_(model), random_(seed) {}
-
-  /// False when kLinkCapacity datagrams are on the way already. What the model loses counts as sent.
-  bool send(Time now, std::span<const std::byte> bytes) {
-    // Both numbers are drawn for every datagram: another loss rate leaves the delays of the others as they
-    // were.
-    const bool lost = uniform() < model_.loss;
-    const auto extra =
-        Duration(static_cast<Duration::rep>(uniform() * static_cast<double>(model_.jitter.count())));
-    if (lost) return true;
-    if (queue_.size() == kLinkCapacity) return false;
-    if (free_.empty()) free_.push_back(owned_.emplace_back(std::make_unique<OnTheWay>()).get());
-    OnTheWay* const item = free_.back();
-    free_.pop_back();
-    item->arrival = now + model_.delay + extra;
-    item->order = next_order_++;
-    item->size = bytes.size();
-    std::ranges::copy(bytes, item->bytes.begin());
-    queue_.push_back(item);
-    std::ranges::push_heap(queue_, kLater);
-    return true;
-  }
-
-  [[nodiscard]] std::optional<Time> next_arrival() const {
-    return queue_.empty() ? std::nullopt : std::optional(queue_.front()->arrival);
-  }
-
-  /// Tells datagrams apart; meaningful while next_arrival() is.
-  [[nodiscard]] std::uint64_t front_order() const { return queue_.front()->order; }
-
-  /// The earliest datagram; valid until the next send.
-  std::span<const std::byte> take() {
-    std::ranges::pop_heap(queue_, kLater);
-    OnTheWay* const item = queue_.back();
-    queue_.pop_back();
-    free_.push_back(item);
-    return std::span(item->bytes).first(item->size);
-  }
-
- private:
-  /// [0, 1). std's distributions differ between standard libraries; the engine does not.
-  double uniform() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
-
-  LinkModel model_;
-  std::mt19937_64 random_;
-  std::uint64_t next_order_ = 0;
-  std::vector<std::unique_ptr<OnTheWay>> owned_;
-  std::vector<OnTheWay*> free_, queue_;
-};
-
 /// 2001:db8::/32 is for documentation (RFC 3849): no real peer has these addresses.
-Peer virtual_peer(std::uint16_t port) {
-  return {{0x20, 0x01, 0x0d, 0xb8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}, 0, port};
+Peer virtual_peer(std::size_t host, std::size_t moves) {
+  const auto byte = [](std::size_t value) { return static_cast<std::uint8_t>(value & 0xff); };
+  return {{0x20, 0x01, 0x0d, 0xb8, 0, 0, 0, 0, 0, 0, byte(moves >> 16), byte(moves >> 8), byte(moves), 0,
+           byte(host >> 8), byte(host)},
+          0,
+          7447};
 }
+constexpr std::size_t kServerHost = 1, kFirstClientHost = 2;
 
 }  // namespace
 
 struct VirtualLink::Impl {
   class Port;
+  class ClientPort;
+  class ServerPort;
 
-  Impl(ManualClock& time, const LinkModels& models);
+  struct Direction {
+    Impairment path;
+    const Port* reader = nullptr;
+    std::optional<std::uint64_t> shown;  ///< the datagram that the others were last told of
+  };
+  struct Client {
+    std::unique_ptr<Port> port;
+    Direction to_server, to_client;
+    Peer address;
+    std::size_t moves = 0;
+  };
 
-  [[nodiscard]] std::optional<Time> next_arrival() const {
-    const std::optional<Time> a = to_server.next_arrival(), b = to_client.next_arrival();
-    return a && b ? std::min(*a, *b) : a ? a : b;
-  }
+  Impl(ManualClock& time, const LinkModels& models, std::size_t count);
+
+  /// Of the directions that are `wanted` and not empty the one whose datagram arrives first.
+  template <class Wanted>
+  [[nodiscard]] Direction* first(const Wanted& wanted);
+
+  void move(std::size_t i);
 
   ManualClock& clock;
-  Direction to_server, to_client;
   std::function<void()> others;
-  std::unique_ptr<Port> client, server;
+  std::unique_ptr<Port> server;
+  std::deque<Client> clients;
+  std::unordered_map<Peer, Client*> client_at;  ///< every address that a client has or had
+  std::uint64_t lost_to_old_addresses = 0;
 };
 
-class VirtualLink::Impl::Port final : public DatagramPort {
+class VirtualLink::Impl::Port : public DatagramPort {
  public:
-  Port(Impl& link, Direction& out, Direction& in, const Peer& local, const Peer& remote)
-      : link_(link), out_(out), in_(in), local_(local), remote_(remote) {}
-
-  [[nodiscard]] Peer local() const override { return local_; }
+  explicit Port(Impl& link) : link_(link) {}
 
   bool send(const Peer& to, std::span<const std::byte> bytes) override {
     check(bytes.size() <= kMaxDatagram_bytes, "a datagram fits kMaxDatagram_bytes");
-    if (to != remote_ || !out_.send(link_.clock.now(), bytes)) {
+    if (!carry(to, bytes)) {
       ++counters_.unsent;
       return false;
     }
@@ -119,73 +75,145 @@ class VirtualLink::Impl::Port final : public DatagramPort {
   [[nodiscard]] std::optional<Datagram> receive(std::span<std::byte> into, Duration wait) override {
     const Time deadline = link_.clock.now() + wait;
     while (true) {
-      while (arrived()) {
-        const std::span<const std::byte> bytes = in_.take();
-        if (bytes.size() > into.size()) {
-          ++counters_.oversized;
-          continue;
-        }
-        ++counters_.received;
-        counters_.received_bytes += bytes.size();
-        std::ranges::copy(bytes, into.begin());
-        return Datagram{remote_, into.first(bytes.size())};
+      Direction* const in = link_.first([this](const Direction& each) { return each.reader == this; });
+      if (in != nullptr && in->path.front()->arrival <= link_.clock.now()) {
+        if (const auto datagram = take(in->path, into)) return datagram;
+        continue;
       }
       if (link_.clock.now() >= deadline || std::exchange(woken_, false)) return std::nullopt;
-      pass_time(deadline);
+      pass_time(in != nullptr ? std::min(in->path.front()->arrival, deadline) : deadline);
     }
   }
 
   void wake() override { woken_ = true; }
   [[nodiscard]] PortCounters counters() const override { return counters_; }
 
+ protected:
+  /// False: nobody has this address, or too much is on the way.
+  virtual bool carry(const Peer& to, std::span<const std::byte> bytes) = 0;
+
+  Impl& link_;
+
  private:
-  [[nodiscard]] bool arrived() const {
-    const std::optional<Time> next = in_.next_arrival();
-    return next && *next <= link_.clock.now();
+  std::optional<Datagram> take(Impairment& path, std::span<std::byte> into) {
+    const InTransit& item = *path.front();
+    path.pop();
+    if (item.size > into.size()) {
+      ++counters_.oversized;
+      return std::nullopt;
+    }
+    ++counters_.received;
+    counters_.received_bytes += item.size;
+    std::ranges::copy(item.bytes(), into.begin());
+    return Datagram{item.peer, into.first(item.size), item.arrival};
   }
 
-  /// Moves the clock to what happens next, at most to `deadline`, and lets the far end see what reaches it.
-  void pass_time(Time deadline) {
-    const Time here = in_.next_arrival().value_or(deadline);
-    const std::optional<Time> there = out_.next_arrival();
-    const bool far_end =
-        link_.others && there && *there <= std::min(here, deadline) && shown_ != out_.front_order();
-    link_.clock.advance_to(far_end ? *there : std::min(here, deadline));
-    if (!far_end) return;
-    shown_ = out_.front_order();
+  /// Moves the clock to what happens next, at most to `until`, and lets the others see what reaches them.
+  void pass_time(Time until) {
+    Direction* const far = link_.first([this](const Direction& each) {
+      return each.reader != this && each.shown != each.path.front()->order;
+    });
+    if (!link_.others || far == nullptr || far->path.front()->arrival > until) {
+      link_.clock.advance_to(until);
+      return;
+    }
+    link_.clock.advance_to(far->path.front()->arrival);
+    far->shown = far->path.front()->order;
     link_.others();
   }
 
-  Impl& link_;
-  Direction &out_, &in_;
-  Peer local_, remote_;
   PortCounters counters_;
   bool woken_ = false;
-  std::optional<std::uint64_t> shown_;  ///< the datagram that the far end was last told of
 };
 
-VirtualLink::Impl::Impl(ManualClock& time, const LinkModels& models)
-    : clock(time),
-      to_server(models.to_server, models.seed * 2),
-      to_client(models.to_client, models.seed * 2 + 1),
-      client(std::make_unique<Port>(*this, to_server, to_client, virtual_peer(1), virtual_peer(2))),
-      server(std::make_unique<Port>(*this, to_client, to_server, virtual_peer(2), virtual_peer(1))) {}
+class VirtualLink::Impl::ClientPort final : public Port {
+ public:
+  ClientPort(Impl& link, Client& self) : Port(link), self_(self) {}
+  [[nodiscard]] Peer local() const override { return self_.address; }
 
-VirtualLink::VirtualLink(ManualClock& clock, const LinkModels& models)
-    : impl_(std::make_unique<Impl>(clock, models)) {}
+ private:
+  bool carry(const Peer& to, std::span<const std::byte> bytes) override {
+    return to == link_.server->local() && self_.to_server.path.push(link_.clock.now(), self_.address, bytes);
+  }
+  Client& self_;
+};
+
+class VirtualLink::Impl::ServerPort final : public Port {
+ public:
+  using Port::Port;
+  [[nodiscard]] Peer local() const override { return virtual_peer(kServerHost, 0); }
+
+ private:
+  bool carry(const Peer& to, std::span<const std::byte> bytes) override {
+    const auto found = link_.client_at.find(to);
+    if (found == link_.client_at.end()) return false;
+    Client& client = *found->second;
+    if (client.address == to) return client.to_client.path.push(link_.clock.now(), local(), bytes);
+    ++link_.lost_to_old_addresses;
+    return true;
+  }
+};
+
+VirtualLink::Impl::Impl(ManualClock& time, const LinkModels& models, std::size_t count)
+    : clock(time), server(std::make_unique<ServerPort>(*this)) {
+  check(count < 0xffff - kFirstClientHost, "clients have addresses");
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint64_t stream = (models.seed << 16 | i) * 2;
+    Client& client =
+        clients.emplace_back(Client{nullptr,
+                                    {Impairment(models.to_server, time.now(), stream), server.get(), {}},
+                                    {Impairment(models.to_client, time.now(), stream + 1), nullptr, {}},
+                                    virtual_peer(kFirstClientHost + i, 0)});
+    client.port = std::make_unique<ClientPort>(*this, client);
+    client.to_client.reader = client.port.get();
+    client_at.emplace(client.address, &client);
+  }
+}
+
+template <class Wanted>
+VirtualLink::Impl::Direction* VirtualLink::Impl::first(const Wanted& wanted) {
+  Direction* best = nullptr;
+  const auto consider = [&](Direction& each) {
+    const InTransit* const front = each.path.front();
+    if (front != nullptr && wanted(each) && (!best || front->arrival < best->path.front()->arrival))
+      best = &each;
+  };
+  for (Client& client : clients) {
+    consider(client.to_server);
+    consider(client.to_client);
+  }
+  return best;
+}
+
+void VirtualLink::Impl::move(std::size_t i) {
+  Client& client = clients.at(i);
+  client.address = virtual_peer(kFirstClientHost + i, ++client.moves);
+  client_at.emplace(client.address, &client);
+  lost_to_old_addresses += client.to_client.path.clear();
+}
+
+VirtualLink::VirtualLink(ManualClock& clock, const LinkModels& models, std::size_t clients)
+    : impl_(std::make_unique<Impl>(clock, models, clients)) {}
 VirtualLink::~VirtualLink() = default;
 
-DatagramPort& VirtualLink::client() {
-  return *impl_->client;
+DatagramPort& VirtualLink::client(std::size_t i) {
+  return *impl_->clients.at(i).port;
 }
 DatagramPort& VirtualLink::server() {
   return *impl_->server;
+}
+void VirtualLink::move_client(std::size_t i) {
+  impl_->move(i);
+}
+std::uint64_t VirtualLink::lost_to_old_addresses() const {
+  return impl_->lost_to_old_addresses;
 }
 void VirtualLink::while_waiting(std::function<void()> others) {
   impl_->others = std::move(others);
 }
 std::optional<Time> VirtualLink::next_arrival() const {
-  return impl_->next_arrival();
+  const auto* const next = impl_->first([](const auto&) { return true; });
+  return next == nullptr ? std::nullopt : std::optional(next->path.front()->arrival);
 }
 
 }  // namespace farshade

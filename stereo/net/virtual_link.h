@@ -1,6 +1,6 @@
-/// An in-process link in virtual time behind the datagram seam: a client's and a server's port, and between
-/// them what LinkModel says of each direction. Who waits moves the clock; nothing else passes time, so a run
-/// is the same datagrams at the same instants every time, and staleness can be set.
+/// An in-process link in virtual time behind the datagram seam: the ports of a server and of its clients, and
+/// between them what LinkModel says of each direction. Who waits moves the clock; nothing else passes time,
+/// so a run is the same datagrams at the same instants every time, and staleness can be set.
 #pragma once
 
 #include <functional>
@@ -8,41 +8,40 @@
 #include <optional>
 
 #include "stereo/net/datagram.h"
+#include "stereo/net/impairment.h"
 
 namespace farshade {
 
-/// What one direction of a path does to a datagram.
-struct LinkModel {
-  Duration delay{};   ///< every datagram's least time on the way
-  Duration jitter{};  ///< more, uniform in [0, jitter): datagrams may overtake each other
-  double loss = 0;    ///< probability of not arriving
-};
-
-/// Both directions and the seed of everything random in them.
+/// Both directions of each client's path and the seed of everything random in them, mixed with the models'
+/// own.
 struct LinkModels {
   LinkModel to_server, to_client;
   std::uint64_t seed = 1;
 };
 
-/// Most datagrams on the way in one direction; more are dropped and counted as unsent.
-inline constexpr std::size_t kLinkCapacity = 8192;
-
-/// Not for use by several threads. Datagrams that arrive at the same instant keep the order in which they
-/// were sent.
+/// Not for use by several threads. Datagrams of one sender that arrive at the same instant keep the order in
+/// which they were sent; those of several clients come in the order of the clients. A send is refused when
+/// kLinkCapacity datagrams are on its way already.
 class VirtualLink {
  public:
   /// `clock` outlives the link.
-  VirtualLink(ManualClock& clock, const LinkModels& models);
+  VirtualLink(ManualClock& clock, const LinkModels& models, std::size_t clients = 1);
   ~VirtualLink();
 
-  [[nodiscard]] DatagramPort& client();
+  [[nodiscard]] DatagramPort& client(std::size_t i = 0);
   [[nodiscard]] DatagramPort& server();
 
-  /// `others` stands for the program at the far end: it runs whenever a port that waits sees a datagram
-  /// arrive at the other port, so that an answer can come within the wait. It must not wait itself.
+  /// Gives client `i` a new address. What it sent before still arrives from the old one; what is or will be
+  /// sent to the old one is lost without anyone being told.
+  void move_client(std::size_t i);
+  /// How many datagrams that were.
+  [[nodiscard]] std::uint64_t lost_to_old_addresses() const;
+
+  /// `others` stands for the programs at the far end: it runs whenever a port that waits sees a datagram
+  /// arrive at another port, so that an answer can come within the wait. It must not wait itself.
   void while_waiting(std::function<void()> others);
 
-  /// When the next datagram reaches either port, if any is on the way or lies unread.
+  /// When the next datagram reaches any port, if one is on the way or lies unread.
   [[nodiscard]] std::optional<Time> next_arrival() const;
 
  private:

@@ -181,5 +181,31 @@ TEST(Udp, TakesAWholeFrameAtOnce) {
   EXPECT_EQ(arrived, 100);
 }
 
+// On loopback a datagram has arrived when one sent after it has. For the first moments of a socket's life the
+// kernel may stamp only at the read, so that this is tried until it has begun.
+TEST(Udp, LateReaderSeesWhenADatagramCame) {
+  Pair pair = connected("127.0.0.1:0");
+  auto witness = listen_udp("127.0.0.1:0");
+  ASSERT_TRUE(witness.has_value());
+  const auto other = connect_udp(to_string((*witness)->local()));
+  ASSERT_TRUE(other.has_value());
+  const SteadyClock clock;
+  std::array<std::byte, 1500> buffer;
+  bool seen = false;
+  for (const Stopwatch tried; !seen && tried.elapsed() < kPatience;) {
+    const Time before = clock.now();
+    ASSERT_TRUE(pair.client.port->send(pair.client.server, bytes({1})));
+    ASSERT_TRUE(other->port->send(other->server, bytes({2})));
+    ASSERT_TRUE((*witness)->receive(buffer, kPatience).has_value());
+    const Time after = clock.now();
+    const auto late = pair.server->receive(buffer, kPatience);
+    ASSERT_TRUE(late.has_value());
+    EXPECT_GE(late->arrived, before);
+    EXPECT_LE(late->arrived, clock.now());
+    seen = late->arrived <= after;
+  }
+  EXPECT_TRUE(seen);
+}
+
 }  // namespace
 }  // namespace farshade

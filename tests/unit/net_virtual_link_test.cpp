@@ -82,10 +82,10 @@ TEST(VirtualLink, SameSeedSameRun) {
 
 TEST(VirtualLink, ThisRunIsTheSameOnEveryMachine) {
   const auto heard =
-      run({.to_server = {.delay = 3ms, .jitter = 9ms, .loss = 0.5}, .to_client = {}, .seed = 1}, 8);
+      run({.to_server = {.delay = 3ms, .jitter = 9ms, .loss = 0.5}, .to_client = {}, .seed = 1}, 12);
   std::vector<int> numbers;
   for (const Arrival& arrival : heard) numbers.push_back(arrival.number);
-  EXPECT_EQ(numbers, (std::vector<int>{6, 0, 1, 5}));
+  EXPECT_EQ(numbers, (std::vector<int>{0, 3, 11, 4}));
 }
 
 TEST(VirtualLink, LosesTheShareItWasTold) {
@@ -187,6 +187,97 @@ TEST(VirtualLink, TellsWhenTheNextDatagramArrives) {
   EXPECT_EQ(link.next_arrival(), Time(9ms));
   send_number(link.server(), link.client().local(), 1);
   EXPECT_EQ(link.next_arrival(), Time(4ms));
+}
+
+TEST(VirtualLink, LateReaderSeesWhenADatagramCame) {
+  ManualClock clock;
+  VirtualLink link(clock, {.to_server = {.delay = 5ms}, .to_client = {}});
+  send_number(link.client(), link.server().local(), 1);
+  clock.advance_to(Time(1s));
+  std::array<std::byte, kMaxDatagram_bytes> buffer;
+  const auto late = link.server().receive(buffer, 0s);
+  ASSERT_TRUE(late.has_value());
+  EXPECT_EQ(late->arrived, Time(5ms));
+}
+
+TEST(VirtualLink, ServerHearsAllClientsInOrderOfArrival) {
+  ManualClock clock;
+  VirtualLink link(clock, {.to_server = {.jitter = 50ms}, .to_client = {.delay = 1ms}, .seed = 11}, 64);
+  for (std::size_t i = 0; i < 64; ++i)
+    send_number(link.client(i), link.server().local(), static_cast<int>(i));
+  std::vector<int> heard;
+  std::array<std::byte, kMaxDatagram_bytes> buffer;
+  Time last{};
+  while (const auto datagram = link.server().receive(buffer, 50ms)) {
+    const int number = std::to_integer<int>(datagram->bytes[1]);
+    EXPECT_EQ(datagram->from, link.client(static_cast<std::size_t>(number)).local());
+    EXPECT_EQ(datagram->arrived, clock.now());
+    EXPECT_GE(datagram->arrived, last);
+    last = datagram->arrived;
+    heard.push_back(number);
+    send_number(link.server(), datagram->from, 100 + number);
+    if (heard.size() == 64) break;
+  }
+  EXPECT_FALSE(std::ranges::is_sorted(heard)) << "each client has its own delays";
+  for (std::size_t i = 0; i < 64; ++i) {
+    EXPECT_EQ(receive_number(link.client(i), 1ms), static_cast<int>(100 + i));
+    EXPECT_EQ(receive_number(link.client(i), 0s), std::nullopt);
+  }
+  EXPECT_EQ(link.next_arrival(), std::nullopt);
+}
+
+TEST(VirtualLink, ClientsDoNotDisturbEachOther) {
+  const auto numbers_up = [](std::size_t clients) {
+    ManualClock clock;
+    VirtualLink link(clock, {.to_server = {.loss = 0.5}, .to_client = {}, .seed = 9}, clients);
+    std::vector<int> heard;
+    for (int i = 0; i < 64; ++i)
+      for (std::size_t c = 0; c < clients; ++c) {
+        send_number(link.client(c), link.server().local(), i);
+        if (const auto number = receive_number(link.server(), 0s); number && c == 0) heard.push_back(*number);
+      }
+    return heard;
+  };
+  EXPECT_EQ(numbers_up(1), numbers_up(5));
+}
+
+TEST(VirtualLink, AllOthersAnswerWithinTheWait) {
+  ManualClock clock;
+  VirtualLink link(clock, {.to_server = {.delay = 2ms}, .to_client = {.delay = 3ms}}, 2);
+  std::vector<int> second_heard;
+  link.while_waiting([&] {
+    while (const auto number = receive_number(link.server(), 0s))
+      for (std::size_t c = 0; c < 2; ++c) send_number(link.server(), link.client(c).local(), *number + 100);
+    while (const auto number = receive_number(link.client(1), 0s)) second_heard.push_back(*number);
+  });
+  send_number(link.client(0), link.server().local(), 1);
+  EXPECT_EQ(receive_number(link.client(0), 10ms), 101);
+  EXPECT_EQ(receive_number(link.client(0), 10ms), std::nullopt);
+  EXPECT_EQ(second_heard, std::vector<int>{101});
+}
+
+TEST(VirtualLink, MovedClientIsReachedOnlyAtItsNewAddress) {
+  ManualClock clock;
+  VirtualLink link(clock, {.to_server = {.delay = 2ms}, .to_client = {.delay = 3ms}}, 2);
+  const Peer old = link.client(1).local();
+  send_number(link.client(1), link.server().local(), 1);
+  send_number(link.server(), old, 2);
+  link.move_client(1);
+  EXPECT_NE(link.client(1).local(), old);
+  EXPECT_NE(link.client(1).local(), link.client(0).local());
+  EXPECT_TRUE(send_number(link.server(), old, 3)) << "no network tells";
+  EXPECT_EQ(link.lost_to_old_addresses(), 2u);
+  send_number(link.client(1), link.server().local(), 4);
+  std::array<std::byte, kMaxDatagram_bytes> buffer;
+  const auto before = link.server().receive(buffer, 1s);
+  ASSERT_TRUE(before.has_value());
+  EXPECT_EQ(before->from, old);
+  const auto after = link.server().receive(buffer, 1s);
+  ASSERT_TRUE(after.has_value());
+  EXPECT_EQ(after->from, link.client(1).local());
+  send_number(link.server(), after->from, 5);
+  EXPECT_EQ(receive_number(link.client(1), 1s), 5);
+  EXPECT_EQ(receive_number(link.client(1), 1s), std::nullopt);
 }
 
 }  // namespace

@@ -1,0 +1,154 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <deque>
+#include <thread>
+#include <vector>
+
+#include "stereo/net/impaired_port.h"
+#include "stereo/net/udp.h"
+#include "stereo/net/virtual_link.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr Duration kPatience = 10s;  // never reached where datagrams arrive
+const std::array kOne{std::byte{1}}, kTwo{std::byte{2}};
+
+/// The virtual link's port `inner`, owned by nobody, as a port to own.
+class Borrowed final : public DatagramPort {
+ public:
+  explicit Borrowed(DatagramPort& inner) : inner_(inner) {}
+  [[nodiscard]] Peer local() const override { return inner_.local(); }
+  bool send(const Peer& to, std::span<const std::byte> bytes) override { return inner_.send(to, bytes); }
+  [[nodiscard]] std::optional<Datagram> receive(std::span<std::byte> into, Duration wait) override {
+    return inner_.receive(into, wait);
+  }
+  void wake() override { inner_.wake(); }
+  [[nodiscard]] PortCounters counters() const override { return inner_.counters(); }
+
+ private:
+  DatagramPort& inner_;
+};
+
+struct Bench {
+  explicit Bench(const LinkModel& model)
+      : port(impaired(std::make_unique<Borrowed>(link.server()), model, clock)) {}
+  bool send(std::span<const std::byte> bytes) { return link.client().send(link.server().local(), bytes); }
+
+  ManualClock clock;
+  VirtualLink link{clock, {.to_server = {.delay = 2ms}, .to_client = {.delay = 2ms}}};
+  std::unique_ptr<DatagramPort> port;
+  std::array<std::byte, 1500> buffer;
+};
+
+TEST(ImpairedPort, HandsOutWhenItIsDue) {
+  Bench bench({.delay = 5ms});
+  bench.send(kOne);
+  EXPECT_FALSE(bench.port->receive(bench.buffer, 6999us).has_value());
+  EXPECT_EQ(bench.clock.now(), Time(6999us));
+  const auto heard = bench.port->receive(bench.buffer, kPatience);
+  ASSERT_TRUE(heard.has_value());
+  EXPECT_EQ(bench.clock.now(), Time(7ms));
+  EXPECT_EQ(heard->arrived, Time(7ms));
+  EXPECT_EQ(heard->from, bench.link.client().local());
+  EXPECT_TRUE(std::ranges::equal(heard->bytes, kOne));
+}
+
+TEST(ImpairedPort, LateReaderSeesWhenItWasDue) {
+  Bench bench({.delay = 5ms});
+  bench.send(kOne);
+  bench.clock.advance_to(Time(1s));
+  const auto heard = bench.port->receive(bench.buffer, 0s);
+  ASSERT_TRUE(heard.has_value());
+  EXPECT_EQ(heard->arrived, Time(7ms));
+}
+
+TEST(ImpairedPort, LosesWhatComesAndNotWhatGoes) {
+  Bench bench({.loss = 1});
+  bench.send(kOne);
+  EXPECT_FALSE(bench.port->receive(bench.buffer, 1s).has_value());
+  EXPECT_EQ(bench.clock.now(), Time(1s));
+  EXPECT_TRUE(bench.port->send(bench.link.client().local(), kTwo));
+  EXPECT_TRUE(bench.link.client().receive(bench.buffer, 1s).has_value());
+}
+
+TEST(ImpairedPort, CountsWhatItHandsOut) {
+  Bench bench({.duplicate = 1});
+  for (int i = 0; i < 3; ++i) bench.send(kOne);
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(bench.port->receive(bench.buffer, 1s).has_value());
+  std::array<std::byte, 0> none;
+  EXPECT_FALSE(bench.port->receive(none, 0s).has_value());
+  EXPECT_EQ(bench.port->counters(), (PortCounters{.received = 5, .received_bytes = 5, .oversized = 1}));
+}
+
+TEST(ImpairedPort, WakeEndsOneWait) {
+  Bench bench({.delay = 5ms});
+  bench.send(kOne);
+  bench.port->wake();
+  EXPECT_FALSE(bench.port->receive(bench.buffer, kPatience).has_value());
+  EXPECT_EQ(bench.clock.now(), Time{});
+  EXPECT_TRUE(bench.port->receive(bench.buffer, kPatience).has_value());
+}
+
+struct LiveBench {
+  explicit LiveBench(const LinkModel& model) {
+    auto listening = listen_udp("127.0.0.1:0");
+    EXPECT_TRUE(listening.has_value());
+    address = (*listening)->local();
+    port = impaired(std::move(*listening), model, clock);
+    auto connected = connect_udp(to_string(address));
+    EXPECT_TRUE(connected.has_value());
+    sender = std::move(connected->port);
+  }
+
+  SteadyClock clock;
+  Peer address;
+  std::unique_ptr<DatagramPort> port, sender;
+  std::array<std::byte, 1500> buffer;
+};
+
+TEST(ImpairedPort, DelaysAndLosesOnLoopback) {
+  constexpr LinkModel kModel{.delay = 20ms, .jitter = 10ms, .loss = 0.3, .seed = 5};
+  constexpr std::uint8_t kCount = 200;
+  LiveBench bench(kModel);
+  std::vector<Time> sent;
+  Impairment same(kModel, Time{});
+  std::vector<int> wanted, heard;
+  for (std::uint8_t i = 0; i < kCount; ++i) {
+    const std::array bytes{std::byte{i}};
+    sent.push_back(bench.clock.now());
+    ASSERT_TRUE(bench.sender->send(bench.address, bytes));
+    same.push(Time(i * 1h), {}, bytes);  // which are lost does not depend on when they come
+  }
+  for (; same.front() != nullptr; same.pop())
+    wanted.push_back(std::to_integer<int>(same.front()->bytes()[0]));
+  while (heard.size() < wanted.size()) {
+    const auto datagram = bench.port->receive(bench.buffer, kPatience);
+    ASSERT_TRUE(datagram.has_value());
+    const Time now = bench.clock.now();
+    heard.push_back(std::to_integer<int>(datagram->bytes[0]));
+    EXPECT_GE(now, datagram->arrived);
+    EXPECT_GE(datagram->arrived - sent[static_cast<std::size_t>(heard.back())], 20ms);
+  }
+  EXPECT_FALSE(bench.port->receive(bench.buffer, 0s).has_value());
+  std::ranges::sort(heard);
+  EXPECT_EQ(heard, wanted);
+}
+
+TEST(ImpairedPort, AnotherThreadWakesAndSends) {
+  LiveBench bench({.delay = kPatience});
+  ASSERT_TRUE(bench.sender->send(bench.address, kOne));
+  const Stopwatch waited;
+  std::jthread other([&] {
+    bench.port->send(bench.address, kTwo);
+    EXPECT_EQ(bench.port->counters().sent, 1u);
+    bench.port->wake();
+  });
+  EXPECT_FALSE(bench.port->receive(bench.buffer, kPatience).has_value());
+  EXPECT_LT(waited.elapsed(), kPatience);
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,315 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "stereo/net/impairment.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+constexpr int kCount = 20'000;
+constexpr std::size_t kSize = 8;
+
+struct Arrival {
+  Time time;
+  int number;
+  std::array<std::byte, kSize> bytes;
+  friend bool operator==(const Arrival&, const Arrival&) = default;
+};
+
+std::array<std::byte, kSize> numbered(int number) {
+  std::array<std::byte, kSize> bytes{};
+  for (std::size_t i = 0; i < 4; ++i) bytes[i] = static_cast<std::byte>(number >> (8 * i));
+  return bytes;
+}
+
+struct Outcome {
+  std::vector<Arrival> heard;
+  ImpairmentCounters counters;
+  [[nodiscard]] std::vector<bool> came() const {
+    std::vector<bool> result(kCount, false);
+    for (const Arrival& arrival : heard) result[static_cast<std::size_t>(arrival.number)] = true;
+    return result;
+  }
+};
+
+/// `count` numbered datagrams, one each `apart`.
+Outcome run(const LinkModel& model, int count = kCount, Duration apart = 1ms) {
+  Impairment path(model, Time{});
+  Outcome result;
+  const auto hear_until = [&](Time now) {
+    for (const InTransit* item; (item = path.front()) != nullptr && item->arrival <= now; path.pop()) {
+      Arrival arrival{item->arrival, 0, {}};
+      std::ranges::copy(item->bytes(), arrival.bytes.begin());
+      for (std::size_t i = 0; i < 4; ++i) arrival.number |= std::to_integer<int>(arrival.bytes[i]) << (8 * i);
+      result.heard.push_back(arrival);
+    }
+  };
+  for (int i = 0; i < count; ++i) {
+    hear_until(Time(i * apart));
+    EXPECT_TRUE(path.push(Time(i * apart), {}, numbered(i)));
+  }
+  hear_until(Time::max());
+  result.counters = path.counters();
+  return result;
+}
+
+/// Within four standard deviations of a share of independent cases.
+void expect_share(std::uint64_t happened, double share) {
+  const double deviation = std::sqrt(share * (1 - share) / kCount);
+  EXPECT_NEAR(static_cast<double>(happened) / kCount, share, 4 * deviation);
+}
+
+TEST(Impairment, SameSeedSameRun) {
+  LinkModel model = parse_link_model("hostile,burst=3,corrupt=5%,reorder=5%,rate=1Mbit,seed=42").value();
+  const Outcome first = run(model), again = run(model);
+  EXPECT_EQ(first.heard, again.heard);
+  EXPECT_EQ(first.counters, again.counters);
+  model.seed = 43;
+  EXPECT_NE(run(model).heard, first.heard);
+}
+
+TEST(Impairment, StreamsOfOneSeedDiffer) {
+  Impairment a({.jitter = 1s}, Time{}, 0), b({.jitter = 1s}, Time{}, 1);
+  a.push(Time{}, {}, {});
+  b.push(Time{}, {}, {});
+  EXPECT_NE(a.front()->arrival, b.front()->arrival);
+}
+
+TEST(Impairment, NothingHappensWithoutAModel) {
+  const Outcome sound = run({});
+  ASSERT_EQ(sound.heard.size(), std::size_t{kCount});
+  for (int i = 0; i < kCount; ++i)
+    ASSERT_EQ(sound.heard[static_cast<std::size_t>(i)], (Arrival{Time(i * 1ms), i, numbered(i)}));
+  EXPECT_EQ(sound.counters, ImpairmentCounters{});
+}
+
+TEST(Impairment, LosesItsShareIndependently) {
+  const Outcome lossy = run({.loss = 0.05});
+  expect_share(lossy.counters.lost, 0.05);
+  EXPECT_EQ(lossy.heard.size(), kCount - lossy.counters.lost);
+  const std::vector<bool> came = lossy.came();
+  std::uint64_t pairs = 0;
+  for (std::size_t i = 1; i < came.size(); ++i) pairs += !came[i] && !came[i - 1] ? 1 : 0;
+  expect_share(pairs, 0.05 * 0.05);
+}
+
+// The losses of n datagrams have variance n s (1 - s) (1 + c) / (1 - c) in a two-state chain of which one
+// step correlates by c = 1 - p - r; burst lengths are geometric: variance (1 - r) / r^2 each, of about n s r
+// bursts.
+TEST(Impairment, LosesInBurstsOfTheMeanLength) {
+  for (const double burst : {3.0, 8.0}) {
+    const double share = 0.05, r = 1 / burst, c = 1 - share * r / (1 - share) - r;
+    const Outcome lossy = run({.loss = share, .burst = burst});
+    const double deviation = std::sqrt(share * (1 - share) * (1 + c) / (1 - c) / kCount);
+    EXPECT_NEAR(static_cast<double>(lossy.counters.lost) / kCount, share, 4 * deviation) << burst;
+    const std::vector<bool> came = lossy.came();
+    double bursts = 0;
+    for (std::size_t i = 1; i < came.size(); ++i) bursts += !came[i] && came[i - 1] ? 1 : 0;
+    const double mean = static_cast<double>(lossy.counters.lost) / bursts;
+    EXPECT_NEAR(mean, burst, 4 * std::sqrt((1 - r) / (r * r) / (kCount * share * r)));
+  }
+}
+
+TEST(Impairment, LosesAllWhereNothingGetsThrough) {
+  for (const double burst : {1.0, 8.0}) EXPECT_TRUE(run({.loss = 1, .burst = burst}).heard.empty());
+}
+
+TEST(Impairment, HoldsBackItsShare) {
+  const Outcome held = run({.delay = 5ms, .reorder = 0.3, .reorder_by = 2500us});
+  expect_share(held.counters.reordered, 0.3);
+  std::uint64_t late = 0, overtaken = 0;
+  for (std::size_t i = 0; i < held.heard.size(); ++i) {
+    const Duration travelled = held.heard[i].time - Time(held.heard[i].number * 1ms);
+    EXPECT_TRUE(travelled == 5ms || travelled == 7500us);
+    late += travelled == 7500us ? 1 : 0;
+    overtaken += i > 0 && held.heard[i].number < held.heard[i - 1].number ? 1 : 0;
+  }
+  EXPECT_EQ(late, held.counters.reordered);
+  EXPECT_GT(overtaken, late / 4) << "the next two were seldom held back too";
+}
+
+TEST(Impairment, DoublesItsShare) {
+  const Outcome twice = run({.jitter = 500us, .duplicate = 0.25});
+  expect_share(twice.counters.duplicated, 0.25);
+  std::map<int, int> times;
+  for (const Arrival& arrival : twice.heard) {
+    ++times[arrival.number];
+    EXPECT_EQ(arrival.bytes, numbered(arrival.number));
+  }
+  EXPECT_EQ(times.size(), std::size_t{kCount});
+  const auto doubled = std::ranges::count_if(times, [](const auto& each) { return each.second == 2; });
+  EXPECT_EQ(static_cast<std::uint64_t>(doubled), twice.counters.duplicated);
+  EXPECT_EQ(twice.heard.size(), kCount + twice.counters.duplicated);
+}
+
+TEST(Impairment, FlipsOneBitOfItsShare) {
+  const Outcome corrupted = run({.corrupt = 0.3});
+  expect_share(corrupted.counters.corrupted, 0.3);
+  std::array<int, 8 * kSize> flipped{};
+  std::uint64_t faulty = 0;
+  for (std::size_t i = 0; i < corrupted.heard.size(); ++i) {
+    const auto sound = numbered(static_cast<int>(i));
+    int bits = 0;
+    for (std::size_t bit = 0; bit < 8 * kSize; ++bit) {
+      const std::byte change = sound[bit / 8] ^ corrupted.heard[i].bytes[bit / 8];
+      if ((change >> (bit % 8) & std::byte{1}) == std::byte{0}) continue;
+      ++bits;
+      ++flipped[bit];
+    }
+    ASSERT_LE(bits, 1);
+    faulty += bits == 1 ? 1 : 0;
+  }
+  EXPECT_EQ(faulty, corrupted.counters.corrupted);
+  const double share = 0.3 / (8 * kSize);
+  for (const int times : flipped) expect_share(static_cast<std::uint64_t>(times), share);
+}
+
+TEST(Impairment, OneRateLeavesTheOthersAlone) {
+  const std::string base = "delay=1ms,jitter=20ms,loss=10%";
+  const Outcome all = run(parse_link_model(base).value(), 2000);
+  const auto with = [&](const char* more) { return run(parse_link_model(base + more).value(), 2000); };
+  const auto unchanged = [&](const Outcome& other) {
+    return static_cast<std::size_t>(std::ranges::count_if(all.heard, [&](const Arrival& each) {
+      return std::ranges::find(other.heard, each) != other.heard.end();
+    }));
+  };
+  const Outcome lossy = with(",loss=50%"), silent = with(",silence=100ms/300ms"),
+                twice = with(",duplicate=50%");
+  const Outcome corrupted = with(",corrupt=50%"), held = with(",reorder=50%");
+  EXPECT_LT(lossy.heard.size(), all.heard.size());
+  EXPECT_EQ(unchanged(lossy), lossy.heard.size());
+  EXPECT_LT(silent.heard.size(), all.heard.size());
+  EXPECT_EQ(unchanged(silent), silent.heard.size());
+  EXPECT_EQ(unchanged(twice), all.heard.size());
+  EXPECT_EQ(unchanged(corrupted), all.heard.size() - corrupted.counters.corrupted);
+  EXPECT_EQ(unchanged(held), all.heard.size() - held.counters.reordered);
+}
+
+// 8 bytes at 1,000 bytes/s: one each 8 ms leaves. 100 ms of queue is 12.5 of them.
+TEST(Impairment, BottleneckPassesItsRateAndDropsBeyondItsQueue) {
+  const Outcome narrow = run({.delay = 3ms, .rate_bytes_per_s = 1000, .queue = 100ms}, 1000);
+  ASSERT_EQ(narrow.heard.front().time, Time(8ms + 3ms));
+  for (std::size_t i = 1; i < narrow.heard.size(); ++i) {
+    ASSERT_EQ(narrow.heard[i].time - narrow.heard[i - 1].time, 8ms);
+    ASSERT_GT(narrow.heard[i].number, narrow.heard[i - 1].number);
+    const Duration travelled = narrow.heard[i].time - Time(narrow.heard[i].number * 1ms);
+    ASSERT_LE(travelled, 100ms + 8ms + 3ms);
+  }
+  EXPECT_EQ(narrow.heard.size() + narrow.counters.overflowed, 1000u);
+  EXPECT_NEAR(static_cast<double>(narrow.heard.size()), 1000 / 8.0 + 100 / 8.0, 2);
+}
+
+TEST(Impairment, BottleneckWithinItsRateOnlyTakesItsTime) {
+  const Outcome wide = run({.rate_bytes_per_s = 16'000}, 1000);
+  EXPECT_EQ(wide.counters, ImpairmentCounters{});
+  for (const Arrival& arrival : wide.heard) EXPECT_EQ(arrival.time, Time(arrival.number * 1ms + 500us));
+}
+
+TEST(Impairment, SilenceIsTheEndOfEveryPeriod) {
+  const Outcome silent = run({.silence = 2s, .silence_every = 5s});
+  for (int i = 0; i < kCount; ++i)
+    ASSERT_EQ(silent.came()[static_cast<std::size_t>(i)], i % 5000 < 3000) << i << " ms";
+  EXPECT_EQ(silent.counters.lost, kCount * 2u / 5);
+}
+
+TEST(Impairment, SameInstantKeepsTheOrder) {
+  const Outcome together = run({.delay = 4ms}, 1000, 0ms);
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(together.heard[static_cast<std::size_t>(i)].bytes, numbered(i));
+}
+
+TEST(Impairment, IsBounded) {
+  Impairment path({.duplicate = 1}, Time{});
+  for (std::size_t i = 0; i < kLinkCapacity / 2; ++i) EXPECT_TRUE(path.push(Time{}, {}, numbered(0)));
+  EXPECT_FALSE(path.push(Time{}, {}, numbered(0)));
+  EXPECT_EQ(path.counters().overflowed, 1u);
+  EXPECT_EQ(path.clear(), kLinkCapacity);
+  EXPECT_EQ(path.front(), nullptr);
+  EXPECT_TRUE(path.push(Time{}, {}, numbered(0)));
+}
+
+TEST(LinkModelParse, ReadsEveryWord) {
+  const Expected<LinkModel> model = parse_link_model(
+      "loss=2%,burst=3,delay=25ms,jitter=500us,reorder=2%,reorder_by=0.01s,duplicate=1%,corrupt=0.5%,"
+      "rate=10Mbit,queue=50ms,silence=2s/5s,seed=7");
+  ASSERT_TRUE(model.has_value()) << model.error().what;
+  const LinkModel wanted{.delay = 25ms,
+                         .jitter = 500us,
+                         .loss = 0.02,
+                         .burst = 3,
+                         .reorder = 0.02,
+                         .reorder_by = 10ms,
+                         .duplicate = 0.01,
+                         .corrupt = 0.005,
+                         .rate_bytes_per_s = 1.25e6,
+                         .queue = 50ms,
+                         .silence = 2s,
+                         .silence_every = 5s,
+                         .seed = 7};
+  EXPECT_EQ(*model, wanted);
+}
+
+TEST(LinkModelParse, KnowsNamesAndWhatOverridesThem) {
+  for (const NamedNetwork& network : kNetworks) {
+    const Expected<LinkModel> model = parse_link_model(network.name);
+    ASSERT_TRUE(model.has_value()) << network.name;
+    EXPECT_EQ(*model, network.model) << network.name;
+  }
+  LinkModel poor = parse_link_model("poor").value();
+  EXPECT_EQ(poor.loss, 0.05);
+  EXPECT_EQ(poor.delay + poor.jitter / 2, 50ms);
+  poor.rate_bytes_per_s = 500e3;
+  EXPECT_EQ(parse_link_model("poor,rate=4Mbit").value(), poor);
+}
+
+TEST(LinkModelParse, NamesTheBadWordAndWhatThereIs) {
+  for (const char* word : {"los=2%",
+                           "pour",
+                           "loss",
+                           "loss=",
+                           "loss=2",
+                           "loss=2%x",
+                           "loss=%",
+                           "delay=25",
+                           "delay=25m",
+                           "burst=3%",
+                           "rate=10",
+                           "rate=10mbit",
+                           "silence=2s",
+                           "silence=/",
+                           "seed=-1",
+                           "seed=1.5",
+                           "seed=18446744073709551616",
+                           "wifi",
+                           "=",
+                           ""}) {
+    const Expected<LinkModel> model = parse_link_model("delay=1ms," + std::string(word));
+    ASSERT_FALSE(model.has_value()) << word;
+    EXPECT_EQ(model.error().fault, Fault::Malformed) << word;
+    for (const std::string& part :
+         {"'" + std::string(word) + "'", std::string("wifi"), std::string("burst=3")})
+      EXPECT_NE(model.error().what.find(part), std::string::npos) << word << ": " << model.error().what;
+  }
+  EXPECT_FALSE(parse_link_model("").has_value());
+  EXPECT_FALSE(parse_link_model("poor,").has_value());
+}
+
+TEST(LinkModelParse, RefusesValuesThatMeanNothing) {
+  for (const char* word : {"loss=101%", "loss=-1%", "loss=nan%", "loss=inf%", "burst=0.5", "burst=1e9",
+                           "delay=-1ms", "delay=61s", "jitter=1e300s", "rate=0kbit", "rate=1e9Gbit",
+                           "silence=5s/2s", "silence=0s/0s", "silence=1s/1e9s"}) {
+    const Expected<LinkModel> model = parse_link_model(word);
+    ASSERT_FALSE(model.has_value()) << word;
+    EXPECT_EQ(model.error().fault, Fault::OutOfRange) << word;
+    EXPECT_NE(model.error().what.find("'" + std::string(word) + "'"), std::string::npos)
+        << model.error().what;
+  }
+}
+
+}  // namespace
+}  // namespace farshade
