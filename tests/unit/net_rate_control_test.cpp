@@ -1,0 +1,322 @@
+// RateControl against a simulated path in virtual time: a bottleneck with a queue or a policer, delay,
+// jitter, loss; a server that paces frames at the rate, a client that asks at 72 Hz and reports what came.
+#include "stereo/net/rate_control.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <random>
+
+#include "stereo/net/arrivals.h"
+
+namespace farshade {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr std::size_t kBytes = 1200;
+constexpr int kSlices = 17;
+constexpr Duration kInterval = std::chrono::nanoseconds(13'888'889);
+constexpr double kNeeded = kSlices * kBytes * 72.0;  ///< bytes a second: every frame at 72 Hz
+
+struct Path {
+  double bottleneck = 1e9;             ///< bytes a second
+  Duration queue = milliseconds(300);  ///< drop-tail, as time to drain
+  double policer = 0;                  ///< bytes a second; 0: none. A bucket of 20 ms, no queue
+  Duration delay = milliseconds(10), jitter{};
+  double loss = 0, report_loss = 0, report_twice = 0;
+  Duration stall = milliseconds(2);  ///< between a drained frame and the next: request, trace
+};
+
+class Simulation {
+ public:
+  Simulation(const Path& start, std::uint64_t seed) : path(start), random_(seed) {
+    std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
+  }
+
+  Path path;
+  RateControl control;
+  Arrivals arrivals;
+  bool silent = false;          ///< nothing gets through either way
+  std::uint64_t frames = 0;     ///< begun
+  std::uint64_t delivered = 0;  ///< bytes
+  Duration worst_queue{};       ///< since it was last set to zero
+  double least_rate = 1e99;     ///< since it was last set
+
+  [[nodiscard]] Time now() const { return now_; }
+
+  void run(Duration span) {
+    const Time end = now_ + span;
+    while (now_ < end) {
+      step();
+      least_rate = std::min(least_rate, control.bytes_per_second());
+      now_ += std::chrono::microseconds(250);
+    }
+  }
+
+ private:
+  void step() {
+    if (to_send_ == 0 && now_ >= next_frame_) {
+      to_send_ = kSlices;
+      ++frames;
+      next_slice_ = now_;
+    }
+    while (to_send_ > 0 && now_ >= next_slice_) {
+      send();
+      const Duration gap = std::max<Duration>(kInterval / kSlices,
+                                              duration_from_ms(1e3 * kBytes / control.bytes_per_second()));
+      next_slice_ += gap;
+      if (--to_send_ == 0) next_frame_ = next_slice_ + (gap > kInterval / kSlices ? path.stall : Duration{});
+    }
+    while (!to_client_.empty() && to_client_.begin()->first <= now_) {
+      arrivals.add(to_client_.begin()->second, now_ + clock_offset_);
+      delivered += kBytes;
+      to_client_.erase(to_client_.begin());
+    }
+    if (now_ >= next_request_) request();
+    while (!to_server_.empty() && to_server_.begin()->first <= now_) {
+      control.heard(to_server_.begin()->second, now_);
+      to_server_.erase(to_server_.begin());
+    }
+  }
+
+  void send() {
+    const std::uint64_t counter = counter_++;
+    control.sent(counter, kBytes, now_);
+    if (silent || chance(path.loss) || policed()) return;
+    free_ = std::max(free_, now_);
+    if (free_ - now_ > path.queue) return;
+    free_ += duration_from_ms(1e3 * kBytes / path.bottleneck);
+    worst_queue = std::max(worst_queue, free_ - now_);
+    to_client_.emplace(free_ + on_the_way(), counter);
+  }
+
+  bool policed() {
+    if (path.policer == 0) return false;
+    tokens_ = std::min(tokens_ + path.policer * seconds_of(now_ - tokens_at_),
+                       std::max(0.02 * path.policer, 2.0 * kBytes));
+    tokens_at_ = now_;
+    if (tokens_ < kBytes) return true;
+    tokens_ -= kBytes;
+    return false;
+  }
+
+  void request() {
+    next_request_ += kInterval;
+    const ArrivalReport report = arrivals.report();
+    if (silent || chance(path.report_loss)) return;
+    to_server_.emplace(now_ + on_the_way(), report);
+    if (chance(path.report_twice)) to_server_.emplace(now_ + on_the_way(), report);
+  }
+
+  bool chance(double p) { return std::uniform_real_distribution<>(0, 1)(random_) < p; }
+  Duration on_the_way() {
+    return path.delay +
+           duration_from_ms(std::uniform_real_distribution<>(0, 1)(random_) * ms_of(path.jitter));
+  }
+
+  std::mt19937_64 random_;
+  Time now_{};
+  Duration clock_offset_ = -seconds(12'345);
+  Time next_frame_{}, next_slice_{}, next_request_{}, free_{}, tokens_at_{};
+  double tokens_ = 0;
+  int to_send_ = 0;
+  std::uint64_t counter_ = 1;
+  std::multimap<Time, std::uint64_t> to_client_;
+  std::multimap<Time, ArrivalReport> to_server_;
+};
+
+class RateControlSeeds : public testing::TestWithParam<std::uint64_t> {};
+INSTANTIATE_TEST_SUITE_P(Seeds, RateControlSeeds, testing::Range<std::uint64_t>(1, 6));
+
+constexpr double kTwoMegabit = 250e3, kFiftyMegabit = 6.25e6;
+
+TEST_P(RateControlSeeds, TwoMegabitBottleneckIsUsedWithoutAStandingQueue) {
+  Simulation run({.bottleneck = kTwoMegabit, .jitter = milliseconds(2)}, GetParam());
+  run.run(seconds(8));
+  run.worst_queue = {};
+  run.delivered = 0;
+  run.run(seconds(30));
+  const double used = static_cast<double>(run.delivered) / 30 / kTwoMegabit;
+  std::printf("used %.2f, worst queue %.0f ms\n", used, ms_of(run.worst_queue));
+  EXPECT_GE(used, 0.6);
+  EXPECT_LT(run.worst_queue, milliseconds(100));
+}
+
+TEST_P(RateControlSeeds, RecoversWhenTheBottleneckOpens) {
+  Simulation run({.bottleneck = kTwoMegabit, .jitter = milliseconds(2)}, GetParam());
+  run.run(seconds(20));
+  run.path.bottleneck = kFiftyMegabit;
+  const Time opened = run.now();
+  while (run.control.bytes_per_second() < kNeeded && run.now() - opened < seconds(60))
+    run.run(milliseconds(50));
+  std::printf("72 Hz again after %.1f s\n", seconds_of(run.now() - opened));
+  EXPECT_LT(run.now() - opened, seconds(9));
+  run.run(seconds(2));
+  run.least_rate = 1e99;
+  run.run(seconds(20));
+  EXPECT_GE(run.least_rate, kNeeded);
+}
+
+constexpr Path kHostile{.delay = milliseconds(50),
+                        .jitter = milliseconds(100),
+                        .loss = 0.25,
+                        .report_loss = 0.25,
+                        .report_twice = 0.25};
+
+TEST_P(RateControlSeeds, RandomLossAndJitterDoNotThrottle) {
+  Simulation run(kHostile, GetParam());
+  Duration below{};
+  for (; run.now() < Time{} + seconds(3); run.run(milliseconds(10)))
+    if (run.control.bytes_per_second() < kNeeded) below += milliseconds(10);
+  std::printf("learning the path's own loss: %.2f s below what 72 Hz needs\n", seconds_of(below));
+  EXPECT_LT(below, milliseconds(1200));
+  EXPECT_NEAR(run.control.base_loss(), 0.25, 0.06);
+  run.least_rate = 1e99;
+  const std::uint64_t frames = run.frames;
+  run.run(seconds(60));
+  std::printf("then least %.2f MB/s of %.2f needed\n", run.least_rate * 1e-6, kNeeded * 1e-6);
+  EXPECT_GE(run.least_rate, kNeeded);
+  EXPECT_NEAR(static_cast<double>(run.frames - frames), 60 * 72, 72);
+}
+
+TEST_P(RateControlSeeds, BottleneckIsFoundUnderRandomLossAndJitterAndForgottenWhenItOpens) {
+  Simulation run(kHostile, GetParam());
+  run.path.bottleneck = kTwoMegabit;
+  run.run(seconds(10));
+  run.delivered = 0;
+  run.run(seconds(30));
+  const double used = static_cast<double>(run.delivered) / 30 / kTwoMegabit;
+  std::printf("used %.2f\n", used);
+  EXPECT_GE(used, 0.6);
+  run.path.bottleneck = kFiftyMegabit;
+  run.run(seconds(15));
+  EXPECT_GE(run.control.bytes_per_second(), kNeeded);
+}
+
+TEST_P(RateControlSeeds, SilenceIsNeitherDelayNorLoss) {
+  Simulation run(
+      {.bottleneck = kFiftyMegabit, .delay = milliseconds(20), .jitter = milliseconds(10), .loss = 0.05},
+      GetParam());
+  run.run(seconds(5));
+  run.least_rate = 1e99;
+  for (int i = 0; i < 6; ++i) {
+    run.silent = true;
+    run.run(seconds(2));
+    run.silent = false;
+    run.run(seconds(3));
+  }
+  EXPECT_GE(run.least_rate, kNeeded);
+}
+
+TEST(RateControlApplicationLimited, DoesNotRunAwayFromWhatIsKnownToArrive) {
+  Simulation run({.bottleneck = 1e6}, 1);
+  run.run(seconds(5));
+  run.path.bottleneck = 1e9;
+  run.run(seconds(60));
+  EXPECT_GE(run.control.bytes_per_second(), kNeeded);
+  EXPECT_LE(run.control.bytes_per_second(), 1.6 * kNeeded);
+}
+
+TEST_P(RateControlSeeds, PolicerIsFoundByItsLoss) {
+  Simulation run({.policer = kTwoMegabit}, GetParam());
+  run.run(seconds(8));
+  run.delivered = 0;
+  const std::uint64_t received = run.arrivals.received(), missing = run.arrivals.missing();
+  run.run(seconds(30));
+  const double used = static_cast<double>(run.delivered) / 30 / kTwoMegabit;
+  const double missed = static_cast<double>(run.arrivals.missing() - missing);
+  const double lost = missed / (missed + static_cast<double>(run.arrivals.received() - received));
+  std::printf("used %.2f, lost %.3f\n", used, lost);
+  EXPECT_GE(used, 0.6);
+  EXPECT_LT(lost, 0.15);
+}
+
+/// A control that has sent 1,000 datagrams in a second, and a report of some of them.
+struct Thousand {
+  Thousand() {
+    for (std::uint64_t i = 0; i < 1000; ++i)
+      control.sent(500 + i, kBytes, time_from_ns(0) + i * milliseconds(1));
+  }
+  void hear(std::uint64_t first, Time base, std::uint32_t count, std::uint16_t ticks) {
+    ArrivalReport report;
+    report.first = first;
+    report.base = base;
+    report.count = count;
+    report.ticks.fill(ticks);
+    control.heard(report, time_from_ns(0) + seconds(1));
+  }
+  RateControl control;
+};
+
+TEST(RateControlHostile, CountersNeverSentChangeNothing) {
+  Thousand told;
+  constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();
+  for (const std::uint64_t first : {kMost, kMost - 100, std::uint64_t{1500}, std::uint64_t{0}})
+    told.hear(first, time_from_ns(0), 256, 5);
+  told.hear(500, time_from_ns(0), 257, 5);
+  told.hear(500, time_from_ns(0), std::numeric_limits<std::uint32_t>::max(), 5);
+  EXPECT_EQ(told.control.bytes_per_second(), RateControl::kStart);
+  EXPECT_EQ(told.control.loss(), 0);
+}
+
+TEST(RateControlHostile, TimesOfNoClockChangeNothing) {
+  Thousand told;
+  for (const std::int64_t base :
+       {std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min(),
+        std::numeric_limits<std::int64_t>::max() / 2})
+    told.hear(500, time_from_ns(base), 256, 0xfffe);
+  EXPECT_EQ(told.control.bytes_per_second(), RateControl::kStart);
+}
+
+TEST(RateControlHostile, RandomReportsLeaveTheRateWithinItsLimits) {
+  constexpr std::uint64_t kSeed = 99;
+  std::printf("seed %llu\n", static_cast<unsigned long long>(kSeed));
+  std::mt19937_64 random(kSeed);
+  const RateLimits limits;
+  RateControl control;
+  for (std::uint64_t i = 0; i < 200'000; ++i) {
+    const Time now = time_from_ns(0) + i * std::chrono::microseconds(200);
+    control.sent(i, random() % 1201, now);
+    if (i % 16 != 0) continue;
+    ArrivalReport report;
+    report.first = random() % 8 == 0 ? random() : i - std::min(i, random() % 400);
+    report.base = random() % 4 == 0 ? time_from_ns(static_cast<std::int64_t>(random() >> (random() % 64)))
+                                    : now - milliseconds(random() % 3000);
+    report.count = static_cast<std::uint32_t>(random() % 300);
+    for (std::uint16_t& ticks : report.ticks)
+      ticks = random() % 2 ? ArrivalReport::kNotArrived : static_cast<std::uint16_t>(random());
+    control.heard(report, now);
+    ASSERT_GE(control.bytes_per_second(), limits.least);
+    ASSERT_LE(control.bytes_per_second(), limits.most);
+    ASSERT_TRUE(control.loss() >= 0 && control.loss() <= 1);
+    ASSERT_TRUE(control.base_loss() >= 0 && control.base_loss() <= 1);
+  }
+}
+
+TEST(RateControlReports, ToldAgainOrInAnotherOrderAreTheSameKnowledge) {
+  Thousand once, often;
+  for (std::uint64_t first = 500; first < 1500; first += 100)
+    once.hear(first, time_from_ns(first * 1'000'000), 100, 7);
+  for (std::uint64_t first = 500; first < 1500; first += 100)
+    for (int again = 0; again < 5; ++again) {
+      often.hear(first, time_from_ns(first * 1'000'000), 100, 7);
+      if (first > 600)
+        often.hear(first - 200, time_from_ns(first * 3'000'000), 100, ArrivalReport::kNotArrived);
+    }
+  EXPECT_EQ(once.control.bytes_per_second(), often.control.bytes_per_second());
+  EXPECT_EQ(often.control.loss(), 0);
+}
+
+TEST(RateControlMemory, IsFixed) {
+  static_assert(sizeof(RateControl) <= 192 * 1024);
+  static_assert(sizeof(Arrivals) <= 8 * 1024);
+  static_assert(std::is_trivially_copyable_v<RateControl> && std::is_trivially_copyable_v<Arrivals>);
+}
+
+}  // namespace
+}  // namespace farshade
