@@ -1,0 +1,77 @@
+// glTF: bytes are refused in one sentence, or mean a scene whose every index and number is in range, the same
+// scene each time. No file is opened. Limits are low, so that an allocation sized by the input is seen.
+#include "stereo/scene/gltf.h"
+
+#include <cmath>
+
+#include "stereo/scene/scene_state.h"
+#include "tests/fuzz/target.h"
+
+using namespace farshade;
+
+namespace {
+
+constexpr SceneLimits kLimits{.file_bytes = 1 << 20, .external_bytes = 0, .image_pixels = 1 << 16};
+
+template <class V>
+bool is_finite(const V& v) {
+  for (int i = 0; i < V::length(); ++i)
+    if (!std::isfinite(v[i])) return false;
+  return true;
+}
+
+void check_mesh(const Scene& scene, const Mesh& mesh) {
+  check(mesh.material < scene.materials.size(), "a mesh has a material");
+  check_eq(mesh.normals.size(), mesh.positions.size(), "normals");
+  check(mesh.uvs.empty() || mesh.uvs.size() == mesh.positions.size(), "uvs are all or none");
+  check(mesh.colors.empty() || mesh.colors.size() == mesh.positions.size(), "colours are all or none");
+  for (const glm::uvec3& triangle : mesh.triangles)
+    for (int i = 0; i < 3; ++i) check(triangle[i] < mesh.positions.size(), "a triangle has its vertices");
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    check(is_finite(mesh.positions[i]) && is_finite(mesh.normals[i]), "vertices are finite");
+    check(std::abs(glm::length(mesh.normals[i]) - 1.0f) < 1e-3f, "normals are unit");
+    check(mesh.uvs.empty() || is_finite(mesh.uvs[i]), "uvs are finite");
+  }
+}
+
+void check_promises(const Scene& scene) {
+  for (const Mesh& mesh : scene.meshes) check_mesh(scene, mesh);
+  for (const Material& material : scene.materials)
+    check(!material.texture || *material.texture < scene.textures.size(), "a material has its texture");
+  for (std::size_t i = 0; i < scene.nodes.size(); ++i)
+    check(!scene.nodes[i].parent || *scene.nodes[i].parent < i, "parents stand before their children");
+  for (const Instance& instance : scene.instances)
+    check(instance.mesh < scene.meshes.size() && instance.node < scene.nodes.size(),
+          "an instance is of something");
+  check(scene.lights.size() <= kLimits.lights, "lights are few enough");
+  for (const LightSource& light : scene.lights) check(light.node < scene.nodes.size(), "a light has a node");
+  check(is_finite(scene.bounds.low) && is_finite(scene.bounds.high), "bounds are finite");
+}
+
+void check_state(const Scene& scene, Time time) {
+  const SceneState state = state_at(scene, time);
+  check_eq(state.stage_from_object.size(), scene.instances.size(), "instances in place");
+  check_eq(state.light_set.lights.size(), scene.lights.size(), "lights in place");
+  for (const Light& light : state.light_set.lights) {
+    check(is_finite(light.position.v) && is_finite(light.intensity), "lights are finite");
+    check(light.kind == LightKind::Point || std::abs(glm::length(light.direction.v) - 1.0) < 1e-6,
+          "directions are unit");
+  }
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto file = std::as_bytes(std::span(data, size));
+  const Expected<Scene> scene = load_scene_from_memory(file, {}, kLimits);
+  if (!scene) {
+    for (const char c : scene.error().what) check(c != '\n' && c != '\x1b', "a refusal is one plain line");
+    return 0;
+  }
+  check_promises(*scene);
+  for (const std::int64_t ns : {std::int64_t{0}, std::int64_t{700'000'000}, std::int64_t{1} << 60})
+    check_state(*scene, time_from_ns(ns));
+  check(load_scene_from_memory(file, {}, kLimits).value().hash == scene->hash,
+        "the same bytes, the same scene");
+  return 0;
+}

@@ -1,0 +1,40 @@
+/// A fuzz target: one function that takes any bytes at all. libFuzzer calls it (preset fuzz); so does
+/// replay.cpp with every file of tests/fuzz/corpus/NAME, in every preset, so that what was found once stays
+/// found. A target tells properties by check(): a failed one ends the program, as a crash does.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "stereo/base/check.h"
+
+/// libFuzzer's entry point. Returns 0: these bytes may join the corpus.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+
+namespace farshade::fuzz {
+
+inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {
+  return {reinterpret_cast<const char*>(data), size};
+}
+
+/// Numbers off the front of an input, 0 where it has ended; what is left are the foreign bytes.
+class Choices {
+ public:
+  Choices(const std::uint8_t* data, std::size_t size) : rest_(data, size) {}
+
+  /// 0 to `most`.
+  std::uint32_t up_to(std::uint32_t most) {
+    std::uint32_t value = 0;
+    for (int i = 0; i < (most < 256 ? 1 : 2) && !rest_.empty(); ++i, rest_ = rest_.subspan(1))
+      value = value << 8 | rest_.front();
+    return value % (most + 1);
+  }
+  [[nodiscard]] std::span<const std::byte> rest() const { return std::as_bytes(rest_); }
+
+ private:
+  std::span<const std::uint8_t> rest_;
+};
+
+}  // namespace farshade::fuzz
