@@ -79,9 +79,11 @@ vec3 srgb(vec3 c) {
 }
 
 // The pixel of the newest mask that lies at the shown pixel, whatever both see.
+ivec2 lies_at(ivec2 pixel) { return ivec2(floor((vec2(pixel) + 0.5) * frame.direct.xy + frame.direct.zw)); }
+
 Found same_pixel(ivec2 pixel) {
   const uint source = kFirst;
-  Found found = Found(FARSHADE_SOURCE_UNKNOWN, false, pixel + ivec2(frame.direct.xy), vec2(0.0));
+  Found found = Found(FARSHADE_SOURCE_UNKNOWN, false, lies_at(pixel), vec2(0.0));
   found.at = vec2(found.pixel) + 0.5;
   if (frame.counts.x > 0 && all(greaterThanEqual(found.pixel, ivec2(0))) &&
       all(lessThan(found.pixel, ivec2(frame.sources[source].per_step.zw))) && tile_known(source, found.pixel))
@@ -92,8 +94,8 @@ Found same_pixel(ivec2 pixel) {
 // The rule for what is unknown: as the newest mask has it at the shown pixel itself, lit where it cannot say.
 Visibility8 guessed(ivec2 pixel, uint group) {
   ivec2 last = ivec2(frame.sources[kFirst].per_step.zw) - 1;
-  ivec2 there = clamp(pixel + ivec2(frame.direct.xy), ivec2(0), last);
-  bool tells = frame.direct.z != 0u && tile_known(kFirst, there);
+  ivec2 there = clamp(lies_at(pixel), ivec2(0), last);
+  bool tells = frame.counts.w != 0u && tile_known(kFirst, there);
   return eight_of(tells ? mask_bits(kFirst, there, group / 4) >> (group % 4 * 8) : ~0u);
 }
 

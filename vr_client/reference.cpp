@@ -12,7 +12,7 @@ MaskInHand Reference::trace(const TraceRequest& request) {
     all_known_[eye].assign(TileGrid{request.views[eye].size}.count(),
                            all_planes_known(frame_.masks[eye].layout()));
   return {request.frame, request.display_time, request.scene_time, frame_.views,
-          frame_.masks,  all_known_,           ++traces_};
+          frame_.masks,  all_known_,           ++traces_,          frame_.light_set_revision};
 }
 
 }  // namespace farshade

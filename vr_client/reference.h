@@ -14,7 +14,7 @@ class Reference {
   /// Keeps a reference to what `scene` the tracer was made of.
   explicit Reference(Tracer tracer);
 
-  /// Every pixel of `request`'s views, at its scene time. Valid until the next call.
+  /// Every pixel of `request`'s views, at its scene time and with its lights. Valid until the next call.
   [[nodiscard]] MaskInHand trace(const TraceRequest& request);
 
   [[nodiscard]] const TraceStats& stats() const { return stats_; }

@@ -31,7 +31,8 @@ class MaskSource {
         plan.learn(shown.display_time - session_.link->asked_at(request.frame).value());
       masks_.push_back({request.frame, request.display_time, request.scene_time, request.views, frame->masks,
                         frame->known_tiles,
-                        std::uint64_t{frame->tiles_known[0]} << 32 | frame->tiles_known[1]});
+                        std::uint64_t{frame->tiles_known[0]} << 32 | frame->tiles_known[1],
+                        frame->light_set_revision});
     }
     newest_ = received.empty() ? nullptr : received.front();
     if (newest_) newest_seen_ = newest_->request.frame;
@@ -86,13 +87,14 @@ class MaskSource {
   bool answering_ = true;
 };
 
-/// Traced for these very pixels at this very time, and whole: nothing needs to be carried over.
+/// Traced for these very pixels at this very time and with these very lights, and whole: nothing needs to be
+/// carried over.
 bool is_exact(const MaskInHand& mask, const TraceRequest& shown, const Scene& scene) {
   const auto same = [&](std::size_t eye) {
     return shares_pixels(shown.views[eye], mask.views[eye]) &&
            is_whole(mask.known_tiles[eye], mask.masks[eye].layout());
   };
-  return same(0) && same(1) &&
+  return same(0) && same(1) && mask.light_set_revision == shown.lights.revision &&
          (same_instant(mask.scene_time, shown.scene_time) || scene.animation_length_s == 0);
 }
 
@@ -114,8 +116,9 @@ Expected<void> run(const Session& session, const FrameWatcher& watch, const std:
     frame = next(frame);
     first = first.value_or(timing->display_time);
     const TraceRequest shown{frame, timing->display_time, Time(timing->display_time - *first),
-                             session.runtime.locate_views(timing->display_time)};
-    const SceneState state = state_at(session.scene, shown.scene_time);
+                             session.runtime.locate_views(timing->display_time),
+                             session.lights ? *session.lights : LightChanges{}};
+    const SceneState state = state_at(session.scene, shown.scene_time, shown.lights);
     const std::optional<TraceRequest> asked = session.link ? plan.ask(shown, timing->period) : std::nullopt;
     if (asked) source.request(*asked, shown.display_time);
     times.request = requesting.elapsed();

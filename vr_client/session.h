@@ -48,6 +48,8 @@ struct Session {
   Renderer& renderer;
   ShadowLink* link = nullptr;       ///< mode hybrid
   Reference* own_tracer = nullptr;  ///< mode full
+  /// What the viewer has changed, as it stands when a frame begins; null where nobody can change anything.
+  const LightChanges* lights = nullptr;
   MaskPolicy policy;
   RequestWish wish;
   CarryOver carry_over;

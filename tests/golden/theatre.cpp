@@ -88,7 +88,7 @@ MaskInHand Mask::in_hand() const {
     add(bits[eye].bytes().data(), bits[eye].bytes().size());
     add(known_tiles[eye].data(), known_tiles[eye].size());
   }
-  return {frame, scene_time, scene_time, views, bits, known_tiles, content};
+  return {frame, scene_time, scene_time, views, bits, known_tiles, content, light_set_revision};
 }
 
 Mask with_noise(Mask mask, std::uint64_t seed) {
@@ -132,9 +132,14 @@ Theatre::Theatre(const gpu::Device& device, Scene scene, std::uint32_t side_px, 
 Mask Theatre::trace(FrameId frame, const StereoView& views) {
   const Time now = state_.scene_time;
   ShadowFrame traced;
-  tracer_->trace({.frame = frame, .display_time = now, .scene_time = now, .views = views}, traced);
+  tracer_->trace({.frame = frame,
+                  .display_time = now,
+                  .scene_time = now,
+                  .views = views,
+                  .lights = state_.light_changes},
+                 traced);
   const KnownTiles all(TileGrid{views[0].size}.count(), all_planes_known(traced.masks[0].layout()));
-  return {frame, now, views, std::move(traced.masks), {all, all}};
+  return {frame, now, views, std::move(traced.masks), {all, all}, traced.light_set_revision};
 }
 
 Mask Theatre::ask(FrameId frame, const StereoView& views) {

@@ -48,6 +48,7 @@ struct Mask {
   StereoView views;
   PerEye<EyeMask> bits;
   PerEye<KnownTiles> known_tiles;
+  std::uint32_t light_set_revision = kFirstLightSet;
 
   /// Refers to this mask.
   [[nodiscard]] MaskInHand in_hand() const;
@@ -93,7 +94,9 @@ class Theatre {
   [[nodiscard]] PerEye<Image<Rgb8>> show_reference(const StereoView& views);
 
   /// Where everything stands from now on: the scene at `scene_time`.
-  void set_time(Time scene_time) { state_ = state_at(scene_, scene_time); }
+  void set_time(Time scene_time) { state_ = state_at(scene_, scene_time, state_.light_changes); }
+  /// What a viewer has changed about the lights, from now on.
+  void set_lights(const LightChanges& changes) { state_ = state_at(scene_, state_.scene_time, changes); }
 
  private:
   [[nodiscard]] ShownFrame shown_frame(const StereoView& views, std::span<const MaskInHand> masks,

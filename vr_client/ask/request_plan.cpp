@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "stereo/base/check.h"
 #include "stereo/base/quantile.h"
 #include "stereo/math/rotation.h"
 
@@ -11,12 +12,39 @@ namespace farshade {
 namespace {
 
 constexpr std::size_t kLatencies = 32, kMostForeseen = 256;
+constexpr std::uint32_t kLeastSide_px = 16;
+
+/// The same window with fewer pixels.
+View shrunk(View view, std::uint32_t eighths) {
+  const auto side = [&](std::uint32_t full) {
+    const std::uint32_t rounded = (full * eighths + RequestPlan::kFullSize / 2) / RequestPlan::kFullSize;
+    return std::max(rounded, std::min(full, kLeastSide_px));
+  };
+  view.size = {side(view.size.width), side(view.size.height)};
+  return view;
+}
+
+/// Margins of a view of size `full` as those of one of size `small`: no narrower, and whole tiles again.
+Sides<std::uint32_t> shrunk(const Sides<std::uint32_t>& margins_px, Extent full, Extent small) {
+  const auto margin = [](std::uint32_t px, std::uint32_t from, std::uint32_t to) {
+    const std::uint64_t step = std::uint64_t{from} * GuardBand::kStep_px;
+    return static_cast<std::uint32_t>((std::uint64_t{px} * to + step - 1) / step) * GuardBand::kStep_px;
+  };
+  return {margin(margins_px.left, full.width, small.width), margin(margins_px.right, full.width, small.width),
+          margin(margins_px.up, full.height, small.height),
+          margin(margins_px.down, full.height, small.height)};
+}
 
 }  // namespace
 
 Rigid<Stage, Head> head_of(const StereoView& views) {
   const auto &left = views[0].stage_from_eye, &right = views[1].stage_from_eye;
   return {slerp(left.rotation, right.rotation, 0.5), (left.translation + right.translation) * 0.5};
+}
+
+void RequestPlan::shrink(std::uint32_t eighths) {
+  check(eighths >= 1 && eighths <= kFullSize, "views are asked for at one to eight eighths");
+  eighths_ = eighths;
 }
 
 void RequestPlan::learn(Duration later) {
@@ -56,16 +84,20 @@ std::optional<TraceRequest> RequestPlan::ask(const TraceRequest& shown, Duration
   const Rigid<Stage, Head> then = predictor_.predict(request.display_time);
   if (ahead > Duration::zero() && then != head)
     for (View& view : request.views) view.stage_from_eye = then * (inverse(head) * view.stage_from_eye);
+  const StereoView full = request.views;
+  for (View& view : request.views) view = shrunk(view, eighths_);
   if (wish_.guard_band == GuardBandUse::Off) return request;
 
   // Held views are used late by all of their latency; predicted ones by what the masks' rate leaves.
   const bool held = wish_.predictor == PredictorKind::Hold;
   const Time used_at =
       held ? shown.display_time + (later_.empty() ? period : later_.back()) : request.display_time;
-  foreseen_.push_back({used_at, request.views});
+  foreseen_.push_back({used_at, full});
   if (foreseen_.size() > kMostForeseen) foreseen_.pop_front();
-  const Sides<std::uint32_t> margins = guard_band_.margins_px(
-      request.views, predictor_.velocity(), used_at - shown.display_time, period * (wish_.every - 1) / 2);
+  const Sides<std::uint32_t> margins =
+      shrunk(guard_band_.margins_px(full, predictor_.velocity(), used_at - shown.display_time,
+                                    period * (wish_.every - 1) / 2),
+             full[0].size, request.views[0].size);
   // Views at the limits of what may be asked for stay as they are.
   const StereoView wide{widened(request.views[0], margins), widened(request.views[1], margins)};
   if (is_valid(wide[0]) && is_valid(wide[1])) request.views = wide;

@@ -25,6 +25,8 @@ struct RequestWish {
 
 class RequestPlan {
  public:
+  static constexpr std::uint32_t kFullSize = 8;  ///< eighths
+
   explicit RequestPlan(const RequestWish& wish) : wish_(wish), predictor_(wish.predictor) {}
 
   /// `shown` is the frame as a full trace would be asked for it, `period` the display's. Nothing on frames
@@ -35,13 +37,18 @@ class RequestPlan {
   /// guess. It is rounded up to whole frames.
   void learn(Duration later);
 
+  /// From now on views are asked for at `eighths` (1 to 8) eighths of the shown size, at least 16 pixels a
+  /// side where what is shown has them, before they are widened: coarser masks for a path that carries no
+  /// more.
+  void shrink(std::uint32_t eighths);
+
   /// From the display time at which masks are asked for to the one for which.
   [[nodiscard]] Duration lead(Duration period) const;
 
  private:
   struct Foreseen {
     Time display_time;
-    StereoView views;  ///< not widened
+    StereoView views;  ///< neither shrunk nor widened
   };
   void compare(const TraceRequest& shown, Duration period);
 
@@ -51,6 +58,7 @@ class RequestPlan {
   std::deque<Foreseen> foreseen_;  ///< in order of time
   std::deque<Duration> later_;
   std::uint32_t frames_ = 0;
+  std::uint32_t eighths_ = kFullSize;
 };
 
 }  // namespace farshade

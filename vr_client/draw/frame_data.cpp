@@ -41,6 +41,11 @@ glm::ivec2 grid_offset_px(const View& shown, const View& traced) {
   return {std::lround((a.x - b.x) / b.z), std::lround((a.y - b.y) / b.w)};
 }
 
+glm::vec4 pixel_map(const View& shown, const View& traced) {
+  const glm::dvec4 a = exact_window(shown), b = exact_window(traced);
+  return {a.z / b.z, a.w / b.w, (a.x - b.x) / b.z, (a.y - b.y) / b.w};
+}
+
 bool shares_pixels(const View& shown, const View& traced) {
   constexpr double kTolerance_px = 1e-3;
   if (shown.stage_from_eye != traced.stage_from_eye) return false;
@@ -71,7 +76,8 @@ gpu::LightData light_data(const StereoView& shown, const Light& light) {
     data.position[eye] = light.kind == LightKind::Directional
                              ? glm::vec4(-light.direction.v, 0.0)
                              : glm::vec4(light.position.v - shown[eye].stage_from_eye.translation, 1.0);
-  data.intensity = {light.intensity, light.range_m > 0 ? 1 / (light.range_m * light.range_m) : 0.0f};
+  data.intensity = {light.on ? light.intensity : glm::vec3(0.0f),
+                    light.range_m > 0 ? 1 / (light.range_m * light.range_m) : 0.0f};
   data.spot_direction = glm::vec4(light.direction.v, 0.0);
   data.spot_cone = {0, 1, 0, 0};
   if (light.kind == LightKind::Spot) {

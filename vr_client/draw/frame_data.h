@@ -19,12 +19,16 @@ namespace farshade {
 /// The nearest whole number if they have not.
 [[nodiscard]] glm::ivec2 grid_offset_px(const View& shown, const View& traced);
 
+/// xy, zw: a pixel position p of `shown` lies at p * xy + zw in `traced`, were both of one pose.
+[[nodiscard]] glm::vec4 pixel_map(const View& shown, const View& traced);
+
 /// Whether a shown pixel's centre is a traced pixel's centre: one pose, one pixel grid.
 [[nodiscard]] bool shares_pixels(const View& shown, const View& traced);
 
 [[nodiscard]] gpu::InstanceData instance_data(const StereoView& shown,
                                               const Affine<Stage, Object>& stage_from_object);
 
+/// A light that is off shines with intensity 0.
 [[nodiscard]] gpu::LightData light_data(const StereoView& shown, const Light& light);
 
 /// False only if no part of the object-space box can be seen by `eye`.

@@ -61,9 +61,15 @@ MotionModel::MotionModel(const Scene& scene) : slots_(scene.instances.size(), 0)
 Motion MotionModel::between(const SceneState& then, const SceneState& now) const {
   Motion motion;
   motion.then_from_now.resize(moving_.size());
-  if (same_instant(then.scene_time, now.scene_time)) return motion;
-  for (std::size_t i = 0; i < now.light_set.lights.size(); ++i)
-    motion.stale_lights[i] = looks_elsewhere(then.light_set.lights[i], now.light_set.lights[i]);
+  for (const LightChange& change : since(now.light_changes, then.light_set.revision, kMaxLights).lights)
+    if (change.light < now.light_set.lights.size()) motion.stale_lights.set(change.light);
+  const bool moves = !same_instant(then.scene_time, now.scene_time);
+  for (std::size_t i = 0; i < now.light_set.lights.size(); ++i) {
+    const Light &before = then.light_set.lights[i], &after = now.light_set.lights[i];
+    if (moves && looks_elsewhere(before, after)) motion.stale_lights.set(i);
+    if (!after.on) motion.stale_lights.reset(i);
+  }
+  if (!moves) return motion;
   for (std::size_t slot = 0; slot < moving_.size(); ++slot) {
     const Moving& thing = moving_[slot];
     const Affine<Stage, Object>&before = then.stage_from_object[thing.instance],

@@ -1,6 +1,6 @@
 /// Motion: what a mask may no longer know. Two states of a scene say which lights and instances have moved
-/// between them; of an instance it keeps how its points are carried back, and the spheres about it then and
-/// now, since a shadow can only have changed on the way to a light that passes one of them.
+/// or were changed between them; of an instance it keeps how its points are carried back, and the spheres
+/// about it then and now, since a shadow can only have changed on the way to a light that passes one of them.
 #pragma once
 
 #include <bitset>
@@ -19,7 +19,9 @@ struct Sphere {
 
 /// From one state of a scene to a later one.
 struct Motion {
-  std::bitset<kMaxLights> stale_lights;                  ///< another place, direction, cone or range now
+  /// Another place, direction, cone or range now, or changed by the viewer since. A light that is off now
+  /// never is: it is dark whatever a mask says.
+  std::bitset<kMaxLights> stale_lights;
   std::vector<std::optional<glm::dmat4>> then_from_now;  ///< stage to stage; one a slot; none = has not moved
   std::vector<Sphere> moved;                             ///< at most kMostSpheres
 
@@ -41,7 +43,7 @@ class MotionModel {
   [[nodiscard]] const std::vector<std::uint32_t>& slots() const { return slots_; }
   [[nodiscard]] std::size_t slot_count() const { return moving_.size(); }
 
-  /// Both states of the model's scene.
+  /// Both states of the model's scene, `then` made with what `now`'s changes were up to its revision.
   [[nodiscard]] Motion between(const SceneState& then, const SceneState& now) const;
 
  private:

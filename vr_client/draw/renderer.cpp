@@ -54,8 +54,12 @@ void Renderer::prepare_shading(const ShownFrame& frame) {
     const bool has_what_it_needs = ring_.has(mask.frame) || frame.carry_over.lookup == Lookup::Direct;
     if (masks.size() == ShadingPass::kMaxMasks || !has_what_it_needs) continue;
     Motion motion;
-    if (scene_.animation_length_s > 0 && !same_instant(mask.scene_time, frame.state.scene_time))
-      motion = motion_.between(state_at(scene_, mask.scene_time), frame.state);
+    const bool moves =
+        scene_.animation_length_s > 0 && !same_instant(mask.scene_time, frame.state.scene_time);
+    if (moves || mask.light_set_revision != frame.state.light_set.revision) {
+      const LightChanges known = up_to(frame.state.light_changes, mask.light_set_revision);
+      motion = motion_.between(state_at(scene_, mask.scene_time, known), frame.state);
+    }
     masks.push_back({mask, std::move(motion)});
   }
   shading_.prepare(shown_depth_.layer, frame.views, frame.state.light_set, masks, frame.carry_over);

@@ -225,15 +225,16 @@ void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, co
   for (std::size_t m = 0; m < masks.size() && moved_; ++m) tell_carries(views, masks, m);
   frame.counts.y = shown_layer;
   if (!masks.empty()) {
-    const glm::ivec2 offset = grid_offset_px(views[0], masks[0].mask.views[0]);
     const PoseDelta delta = pose_delta(views[0], {}, masks[0].mask.views[0], {});
-    frame.direct = {offset, delta.angle_rad < kMeaninglessTurn_rad, 0};
+    frame.counts.w = delta.angle_rad < kMeaninglessTurn_rad;
+    frame.direct = pixel_map(views[0], masks[0].mask.views[0]);
   }
   frame_buffer_.as<gpu::FrameData>()[0] = frame;
   const auto light_data_of = light_buffer_.as<gpu::LightData>();
   ranges_and_cones_ = false;
   for (std::size_t i = 0; i < lights.lights.size(); ++i) {
     light_data_of[i] = light_data(views, lights.lights[i]);
+    off_[i] = !lights.lights[i].on;
     ranges_and_cones_ |= lights.lights[i].kind == LightKind::Spot || lights.lights[i].range_m > 0;
   }
 }
@@ -339,16 +340,19 @@ ShownReport ShadingPass::report(Side side) const {
     result.positions[at] = {std::bit_cast<float>(row[1]), std::bit_cast<float>(row[2])};
     for (std::size_t i = 0; i < lights; ++i)
       result.visibility[at * lights + i] =
-          static_cast<std::uint8_t>(row[layout.visibility + i / 4] >> (i % 4 * 8));
+          off_[i] ? std::uint8_t{0}
+                  : static_cast<std::uint8_t>(row[layout.visibility + i / 4] >> (i % 4 * 8));
     for (std::uint32_t plane = 0; plane < planes; ++plane) {
-      std::uint32_t bits = 0;
-      for (std::size_t i = plane * 32; i < std::min<std::size_t>(lights, plane * 32 + 32); ++i)
+      std::uint32_t bits = 0, on = 0;
+      for (std::size_t i = plane * 32; i < std::min<std::size_t>(lights, plane * 32 + 32); ++i) {
+        on |= std::uint32_t{!off_[i]} << i % 32;
         bits |= std::uint32_t{result.visibility[at * lights + i] >= 128} << i % 32;
+      }
       result.mask.set_word(static_cast<std::uint32_t>(at % size_.width),
                            static_cast<std::uint32_t>(at / size_.width), plane, bits);
-      result.unknown[at * planes + plane] = row[layout.unknown + plane];
-      result.stale[at * planes + plane] = row[layout.stale + plane];
-      result.beside[at * planes + plane] = row[layout.beside + plane];
+      result.unknown[at * planes + plane] = row[layout.unknown + plane] & on;
+      result.stale[at * planes + plane] = row[layout.stale + plane] & on;
+      result.beside[at * planes + plane] = row[layout.beside + plane] & on;
     }
   }
   return result;

@@ -22,6 +22,8 @@ struct MaskInHand {
   const PerEye<EyeMask>& masks;
   const PerEye<KnownTiles>& known_tiles;
   std::uint64_t content = 0;  ///< changes whenever bits do
+  /// That its bits speak of: lights changed after it are stale in this mask.
+  std::uint32_t light_set_revision = kFirstLightSet;
 };
 
 enum class Lookup : std::uint8_t {
@@ -47,7 +49,8 @@ inline constexpr std::uint8_t kOtherEye = FARSHADE_MAX_MASKS, kNeighbour = FARSH
                               kSourceUnknown = FARSHADE_SOURCE_UNKNOWN,
                               kSourceUncovered = FARSHADE_SOURCE_UNCOVERED;
 
-/// What each pixel of one eye was shown with; pixels row by row.
+/// What each pixel of one eye was shown with; pixels row by row. A light that is off has visibility 0, and is
+/// neither unknown nor stale.
 struct ShownReport {
   EyeMask mask;  ///< lights shown with a visibility of a half or more
   std::vector<std::uint8_t> sources;
@@ -136,6 +139,7 @@ class ShadingPass {
   std::uint64_t draws_ = 0;
   CarryOver carry_over_;
   std::size_t masks_ = 0;
+  std::bitset<kMaxLights> off_;  ///< lights of the frame at hand
   bool ranges_and_cones_ = false;
   bool whole_ = false;                               ///< no tile is missing in any mask in hand
   bool moved_ = false, moved_since_newest_ = false;  ///< something has, since some mask in hand

@@ -1,0 +1,74 @@
+/// Masks of fewer pixels than are shown: coarser shadow edges, in the right place.
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+
+#include "stereo/image/codec.h"
+#include "stereo/image/difference.h"
+#include "stereo/math/rotation.h"
+#include "tests/golden/theatre.h"
+#include "vr_client/ask/request_plan.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr FrameId kTraced{1};
+constexpr std::uint32_t kSide_px = 256;
+
+/// What a plan asks for at that size.
+StereoView asked_at(std::uint32_t eighths, const StereoView& shown, GuardBandUse guard_band) {
+  RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = guard_band});
+  plan.shrink(eighths);
+  StereoView before = shown;  // a head that turns: the guard band widens
+  for (View& view : before) view.stage_from_eye.rotation *= rotation_exp({0, 0.02, 0});
+  (void)plan.ask({FrameId{1}, Time(0ms), Time{}, before}, 14ms);
+  return plan.ask({FrameId{2}, Time(14ms), Time{}, shown}, 14ms)->views;
+}
+
+class CoarseMask : public OnLavapipe {
+ protected:
+  Theatre theatre_{device_, bundled("room.glb"), kSide_px};
+  StereoView shown_ = theatre_.eyes(moved(theatre_.head(), 0.02, {0.02, 0.01, 0.01}));
+  PerEye<Image<Rgb8>> reference_ = theatre_.show_reference(shown_);
+
+  /// Of both eyes, the worse.
+  double psnr_of(const StereoView& traced_for, const CarryOver& carry_over = {}) {
+    const Mask traced = theatre_.ask(kTraced, traced_for);
+    const PerEye<Image<Rgb8>> pictures = theatre_.show(shown_, {traced.in_hand()}, carry_over).pictures;
+    if (const char* folder = std::getenv("FARSHADE_KEEP_PICTURES"))
+      (void)write_png(std::string(folder) + "/coarse_" + std::to_string(traced_for[0].size.width) + ".png",
+                      pictures[0]);
+    return std::min(psnr_db(pictures[0], reference_[0]), psnr_db(pictures[1], reference_[1]));
+  }
+};
+
+TEST_F(CoarseMask, CostsSomeDecibelsAndNoMore) {
+  const StereoView asked = theatre_.eyes(theatre_.head());
+  double finer = psnr_of(asked);
+  RecordProperty("db_at_8", std::to_string(finer));
+  for (const std::uint32_t eighths : {6u, 4u, 2u}) {
+    for (const GuardBandUse guard_band : {GuardBandUse::Off, GuardBandUse::Measured}) {
+      const double db = psnr_of(asked_at(eighths, asked, guard_band));
+      RecordProperty("db_at_" + std::to_string(eighths), std::to_string(db));
+      EXPECT_GT(db, finer - 4) << eighths << " eighths, guard band " << static_cast<int>(guard_band);
+      if (guard_band == GuardBandUse::Measured) finer = db;
+    }
+  }
+}
+
+TEST_F(CoarseMask, ReadAtTheShownPixelIsNotShifted) {
+  // What an unknown point is shown with, and direct mode: the traced pixel in the same direction.
+  const StereoView fine = theatre_.eyes(theatre_.head());
+  shown_ = fine;
+  reference_ = theatre_.show_reference(shown_);
+  const double placed = psnr_of(asked_at(4, fine, GuardBandUse::Measured), {.lookup = Lookup::Direct});
+  RecordProperty("db", std::to_string(placed));
+  StereoView turned = asked_at(4, fine, GuardBandUse::Measured);
+  for (View& view : turned) view.stage_from_eye.rotation *= rotation_exp({0, 0.008, 0});  // two shown pixels
+  EXPECT_GT(placed, psnr_of(turned, {.lookup = Lookup::Direct}) + 1);
+}
+
+}  // namespace
+}  // namespace farshade
