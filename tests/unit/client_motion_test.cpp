@@ -160,5 +160,26 @@ TEST(MotionModel, ManyCastersShareTheSpheresThereAre) {
     }
 }
 
+TEST(MotionBetweenLightSets, LightsChangedSinceAreStaleAndNoOthers) {
+  SceneBuilder build;
+  for (int i = 0; i < 4; ++i) build.point_light({0.5 * i, 2, 0});
+  const Scene scene = build.build();
+  const LightPose elsewhere{Point<Stage>{{3, 3, 3}}, Vector<Stage>{{0, -1, 0}}};
+  LightChanges changes;  // revisions 2 to 5
+  change(changes, 3, true, elsewhere);
+  change(changes, 0, false, std::nullopt);
+  change(changes, 1, true, elsewhere);
+  change(changes, 2, false, std::nullopt);
+  const MotionModel model(scene);
+  const std::array<unsigned long, 5> stale{0b1010, 0b0010, 0b0010, 0, 0};  // what is off never is
+  for (std::uint32_t revision = kFirstLightSet; revision <= changes.revision; ++revision)
+    for (const Duration later : {0ms, 400ms}) {
+      const Motion motion = model.between(state_at(scene, Time{}, up_to(changes, revision)),
+                                          state_at(scene, Time(later), changes));
+      EXPECT_EQ(motion.stale_lights.to_ulong(), stale[revision - 1]) << revision;
+      EXPECT_TRUE(motion.moved.empty());
+    }
+}
+
 }  // namespace
 }  // namespace farshade

@@ -196,5 +196,48 @@ TEST(RequestPlan, TracesWiderAfterAHeadThatTurnsAsNobodyForesees) {
   EXPECT_GE(asked->views[0].size.width, kSize.width + 2 * GuardBand::kStep_px);
 }
 
+TEST(RequestPlanShrink, AsksForTheSameWindowsWithFewerPixels) {
+  for (const std::uint32_t eighths : {1u, 3u, 4u, 7u, 8u}) {
+    RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off});
+    plan.shrink(eighths);
+    const TraceRequest now = shown(0);
+    const std::optional<TraceRequest> asked = plan.ask(now, kPeriod);
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      const View &view = asked->views[eye], &full = now.views[eye];
+      EXPECT_EQ(view.fov, full.fov);
+      EXPECT_EQ(view.stage_from_eye, full.stage_from_eye);
+      EXPECT_NEAR(view.size.width, full.size.width * eighths / 8.0, 0.5) << eighths;
+      EXPECT_NEAR(view.size.height, full.size.height * eighths / 8.0, 0.5) << eighths;
+    }
+  }
+}
+
+TEST(RequestPlanShrink, LeavesSixteenPixelsOfASide) {
+  RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off});
+  plan.shrink(1);
+  TraceRequest now = shown(0);
+  for (View& view : now.views) view.size = {100, 9};
+  EXPECT_EQ(plan.ask(now, kPeriod)->views[0].size, (Extent{16, 9}));
+}
+
+TEST(RequestPlanShrink, KeepsTheGuardBandWhateverTheSize) {
+  RequestPlan full(RequestWish{.predictor = PredictorKind::Hold}), half(full);
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    half.shrink(i % 20 < 10 ? 4 : 8);  // what was seen at another size counts as it did
+    for (RequestPlan* plan : {&full, &half}) plan->learn(50ms);
+    const std::optional<TraceRequest> wide = full.ask(shown(i), kPeriod), asked = half.ask(shown(i), kPeriod);
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      const EyeWindow a = window_of(wide->views[eye].fov), b = window_of(asked->views[eye].fov);
+      EXPECT_LE(b.left, a.left + 1e-9) << i;
+      EXPECT_GE(b.right, a.right - 1e-9) << i;
+      EXPECT_LE(asked->views[eye].size.width, wide->views[eye].size.width);
+      if (i % 20 >= 10) {
+        EXPECT_EQ(asked->views[eye], wide->views[eye]) << i;
+      }
+    }
+  }
+  EXPECT_GT(full.ask(shown(60), kPeriod)->views[0].size.width, kSize.width);
+}
+
 }  // namespace
 }  // namespace farshade
