@@ -137,15 +137,21 @@ TEST(Impairment, HoldsBackItsShare) {
 TEST(Impairment, DoublesItsShare) {
   const Outcome twice = run({.jitter = 500us, .duplicate = 0.25});
   expect_share(twice.counters.duplicated, 0.25);
-  std::map<int, int> times;
+  std::map<int, std::vector<Duration>> travelled;
   for (const Arrival& arrival : twice.heard) {
-    ++times[arrival.number];
+    travelled[arrival.number].push_back(arrival.time - Time(arrival.number * 1ms));
+    EXPECT_LT(travelled[arrival.number].back(), 500us);
     EXPECT_EQ(arrival.bytes, numbered(arrival.number));
   }
-  EXPECT_EQ(times.size(), std::size_t{kCount});
-  const auto doubled = std::ranges::count_if(times, [](const auto& each) { return each.second == 2; });
-  EXPECT_EQ(static_cast<std::uint64_t>(doubled), twice.counters.duplicated);
+  EXPECT_EQ(travelled.size(), std::size_t{kCount});
   EXPECT_EQ(twice.heard.size(), kCount + twice.counters.duplicated);
+  std::uint64_t doubled = 0, apart = 0;
+  for (const auto& [number, times] : travelled) {
+    doubled += times.size() == 2 ? 1 : 0;
+    apart += times.back() - times.front() > 100us ? 1 : 0;
+  }
+  EXPECT_EQ(doubled, twice.counters.duplicated);
+  expect_share(apart, 0.25 * 0.8 * 0.8);  // two draws differ by more than a fifth
 }
 
 TEST(Impairment, FlipsOneBitOfItsShare) {
