@@ -4,6 +4,8 @@ namespace farshade {
 
 void Arrivals::add(std::uint64_t counter, Time arrived) {
   if (received_ == 0) newest_ = counter;
+  // What was skipped is news too: it may be lost.
+  const std::uint64_t news_from = counter > newest_ ? newest_ + 1 : counter;
   ++received_;
   oldest_ = std::min(oldest_, counter);
   if (counter > newest_) {
@@ -13,7 +15,7 @@ void Arrivals::add(std::uint64_t counter, Time arrived) {
   }
   if (newest_ - counter >= kKept) return;
   slots_[counter % kKept] = {true, arrived};
-  fresh_from_[0] = std::min(fresh_from_[0], counter);
+  fresh_from_[0] = std::min(fresh_from_[0], news_from);
 }
 
 std::uint64_t Arrivals::missing() const {

@@ -19,9 +19,10 @@ class Arrivals {
   /// A datagram that opened, in any order, never the same twice. `arrived` is on the client's clock.
   void add(std::uint64_t counter, Time arrived);
 
-  /// For the next request, once a request. Goes back to the oldest datagram that was new in this report or
-  /// the kTold - 1 before it, as far as it is among the newest kMost counters and no more than 65,534 ticks
-  /// (4.2 s) before the latest arrival. Empty (`count` 0) when nothing came in that time.
+  /// For the next request, once a request. Goes back to the oldest datagram that was news, as come or as
+  /// skipped by a newer one, in this report or the kTold - 1 before it, as far as it is among the newest
+  /// kMost counters and no more than 65,534 ticks (4.2 s) before the latest arrival. Empty (`count` 0) when
+  /// nothing came in that time.
   [[nodiscard]] ArrivalReport report();
 
   [[nodiscard]] std::uint64_t received() const { return received_; }
@@ -45,7 +46,7 @@ class Arrivals {
   std::uint64_t oldest_ = kNothing;  ///< least counter that ever came
   std::uint64_t received_ = 0;
   std::array<std::uint64_t, kTold> fresh_from_ =
-      filled();  ///< oldest counter new in a report; [0]: the next one
+      filled();  ///< oldest counter that was news in a report; [0]: the next one
 
   static constexpr std::array<std::uint64_t, kTold> filled() {
     std::array<std::uint64_t, kTold> all{};

@@ -153,10 +153,15 @@ void LossMeter::arrived(Time sent) {
   ++count_;
 }
 
-void LossMeter::lost(Time sent) {
+void LossMeter::untold(Time sent) {
   if (sent < from_) return;
   if (!run_start_) run_start_ = sent;
   counted_to_ = sent;
+}
+
+void LossMeter::lost(Time sent) {
+  if (sent < from_) return;
+  untold(sent);
   ++run_;
 }
 
@@ -241,6 +246,7 @@ void RateControl::judge_losses() {
     if (newest_arrived_ - record.at < kLate) break;
     if (record.fate == Fate::Arrived) losses_.arrived(record.at);
     if (record.fate == Fate::Absent) losses_.lost(record.at);
+    if (record.fate == Fate::Untold) losses_.untold(record.at);
   }
 }
 

@@ -85,6 +85,7 @@ class LossMeter {
   /// Datagrams in the order of their sending.
   void arrived(Time sent);
   void lost(Time sent);
+  void untold(Time sent);  ///< no report spoke of it: part of an outage, if there is one, never a loss
 
   /// The window that has filled since the last call, if one has.
   [[nodiscard]] std::optional<double> next_window();

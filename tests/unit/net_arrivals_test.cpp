@@ -51,6 +51,18 @@ TEST(Arrivals, LateOneReachesBackToItself) {
   EXPECT_EQ(report.arrival(0), at(30) + 937 * ArrivalReport::kTick);
 }
 
+TEST(Arrivals, WhatWasSkippedAfterAPauseIsToldAsAbsent) {
+  Arrivals arrivals;
+  arrivals.add(10, at(0));
+  for (std::size_t i = 0; i < Arrivals::kTold; ++i) static_cast<void>(arrivals.report());
+  arrivals.add(14, at(500));
+  const ArrivalReport report = arrivals.report();
+  EXPECT_EQ(report.first, 11U);
+  EXPECT_EQ(report.count, 4U);
+  EXPECT_FALSE(report.arrived(0) || report.arrived(1) || report.arrived(2));
+  EXPECT_TRUE(report.arrived(3));
+}
+
 TEST(Arrivals, KeepsTheNewestAndForgetsWhatAGapLeftBehind) {
   Arrivals arrivals;
   for (std::uint64_t counter = 0; counter < 1000; ++counter) arrivals.add(counter, at(1));

@@ -236,6 +236,42 @@ TEST_P(RateControlSeeds, PolicerIsFoundByItsLoss) {
   EXPECT_LT(lost, 0.15);
 }
 
+/// Datagrams of 3 s, one a millisecond; the verdicts met on the way.
+template <class DelayOf>
+bool overuse_met(const DelayOf& delay_ms) {
+  DelayTrend trend;
+  bool met = false;
+  for (int i = 0; i < 3000; ++i) {
+    const Time sent = time_from_ns(0) + i * milliseconds(1);
+    trend.add(trend.group_of(sent), sent, delay_ms(i));
+    met |= trend.verdict() == DelayTrend::Verdict::Overuse;
+  }
+  return met;
+}
+
+TEST(DelayTrend, GrowingQueueIsOveruse) {
+  EXPECT_TRUE(overuse_met([](int i) { return -1e6 + 0.06 * i; }));
+  EXPECT_FALSE(overuse_met([](int) { return -1e6; }));
+  EXPECT_FALSE(overuse_met([](int i) { return -1e6 - 0.06 * i; }));
+}
+
+TEST(DelayTrend, DatagramsHeldUpOneByOneAreNoQueue) {
+  EXPECT_FALSE(overuse_met([](int i) { return i % 5 == 0 ? 0.1 * i : 0.0; }));
+}
+
+TEST(DelayTrend, LongerWayAfterSilenceIsNoQueue) {
+  DelayTrend trend;
+  const auto run = [&](Time from, double delay_ms) {
+    for (int i = 0; i < 1000; ++i) {
+      const Time sent = from + i * milliseconds(1);
+      trend.add(trend.group_of(sent), sent, delay_ms);
+      ASSERT_EQ(trend.verdict(), DelayTrend::Verdict::Normal) << "after " << i << " ms";
+    }
+  };
+  run(time_from_ns(0), 10);
+  run(time_from_ns(0) + seconds(2), 300);
+}
+
 /// A control that has sent 1,000 datagrams in a second, and a report of some of them.
 struct Thousand {
   Thousand() {
