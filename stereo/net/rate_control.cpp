@@ -270,14 +270,15 @@ void RateControl::adapt_to_delay(Time now) {
 void RateControl::adapt_to_loss(Time now) {
   const auto loss = losses_.next_window();
   if (!loss) return;
-  if (!losses_.is_excessive(*loss)) {
+  excessive_ = losses_.is_excessive(*loss) ? excessive_ + 1 : 0;
+  if (excessive_ == 0) {
     trial_.reset();
   } else if (trial_ && *loss > 0.75 * trial_->loss_before) {
     losses_.set_base(*loss);
     rate_ = std::max(rate_, trial_->rate_before);
     capacity_.reset();
     trial_.reset();
-  } else {
+  } else if (trial_ || excessive_ > 1) {
     trial_ = Trial{rate_, *loss};
     lower_to(kDecrease * received_.bytes_per_second().value_or(rate_), now);
     losses_.restart(now);

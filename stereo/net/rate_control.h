@@ -179,6 +179,7 @@ class RateControl {
   std::optional<double> capacity_;                        ///< what the path carried when it was last too much
   std::optional<Time> adapted_, lowered_;
   std::optional<Trial> trial_;
+  int excessive_ = 0;  ///< windows in a row; one alone may be a burst
 };
 
 }  // namespace farshade

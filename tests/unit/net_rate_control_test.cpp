@@ -28,6 +28,7 @@ struct Path {
   Duration queue = milliseconds(300);  ///< drop-tail, as time to drain
   double policer = 0;                  ///< bytes a second; 0: none. A bucket of 20 ms, no queue
   Duration delay = milliseconds(10), jitter{};
+  double burst = 1;  ///< losses in a row, on average
   double loss = 0, report_loss = 0, report_twice = 0;
   Duration stall = milliseconds(2);  ///< between a drained frame and the next: request, trace
 };
@@ -87,12 +88,20 @@ class Simulation {
   void send() {
     const std::uint64_t counter = counter_++;
     control.sent(counter, kBytes, now_);
-    if (silent || chance(path.loss) || policed()) return;
+    if (silent || lost() || policed()) return;
     free_ = std::max(free_, now_);
     if (free_ - now_ > path.queue) return;
     free_ += duration_from_ms(1e3 * kBytes / path.bottleneck);
     worst_queue = std::max(worst_queue, free_ - now_);
     to_client_.emplace(free_ + on_the_way(), counter);
+  }
+
+  /// Gilbert's two states: all is lost in one, nothing in the other. Bursts of 1 are independent losses.
+  bool lost() {
+    if (path.burst <= 1) return chance(path.loss);
+    const double leave = 1 / path.burst;
+    bad_ = bad_ ? !chance(leave) : chance(leave * path.loss / (1 - path.loss));
+    return bad_;
   }
 
   bool policed() {
@@ -123,6 +132,7 @@ class Simulation {
   Time now_{};
   Duration clock_offset_ = -seconds(12'345);
   Time next_frame_{}, next_slice_{}, next_request_{}, free_{}, tokens_at_{};
+  bool bad_ = false;
   double tokens_ = 0;
   int to_send_ = 0;
   std::uint64_t counter_ = 1;
@@ -211,6 +221,15 @@ TEST_P(RateControlSeeds, SilenceIsNeitherDelayNorLoss) {
     run.run(seconds(3));
   }
   EXPECT_GE(run.least_rate, kNeeded);
+}
+
+TEST_P(RateControlSeeds, BurstsOfLossAreRarelyTakenForAPolicer) {
+  Simulation run({.delay = milliseconds(25), .burst = 8, .loss = 0.05}, GetParam());
+  Duration below{};
+  for (; run.now() < Time{} + seconds(120); run.run(milliseconds(50)))
+    if (run.control.bytes_per_second() < kNeeded) below += milliseconds(50);
+  std::printf("bursts: %.1f s of 120 below what 72 Hz needs\n", seconds_of(below));
+  EXPECT_LT(below, seconds(6));
 }
 
 TEST(RateControlApplicationLimited, DoesNotRunAwayFromWhatIsKnownToArrive) {
