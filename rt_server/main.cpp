@@ -5,64 +5,54 @@
 
 #include <CLI/CLI.hpp>
 
-#include "rt_server/serve.h"
-#include "stereo/base/check.h"
-#include "stereo/base/stop_signal.h"
-#include "stereo/net/explain.h"
-#include "stereo/net/udp.h"
-#include "stereo/scene/gltf.h"
+#include "rt_server/app.h"
+#include "rt_server/keygen.h"
 
 namespace {
 
 using namespace farshade;
 
-struct Options {
-  std::string scene;
-  std::string listen = "127.0.0.1:7447";
-};
-
-Expected<void> run(const Options& options, StopSignal& stop) {
-  const Expected<std::unique_ptr<DatagramPort>> port = listen_udp(options.listen);
-  if (!port) return tl::unexpected(port.error());
-  const Expected<Scene> scene = load_scene(options.scene);
-  if (!scene) return tl::unexpected(scene.error());
-  const LightSet lights = state_at(*scene, Time{}).light_set;
-  if (lights.lights.empty())
-    return fail(Fault::Unsupported,
-                options.scene + " has no lights: nothing to serve, clients shade it alone");
-  Expected<Tracer> tracer = Tracer::create(*scene);
-  if (!tracer) return tl::unexpected(tracer.error());
-
-  const SteadyClock clock;
-  const Welcome served{scene->hash, narrow<std::uint32_t>(lights.lights.size()), lights.revision};
-  const auto trace = [&](const TraceRequest& request, ShadowFrame& frame) {
-    return tracer->trace(request, frame);
-  };
-  ServerCore core(served, trace, **port, clock);
-  fmt::print("rt_server: serving {}, {} triangles, {} lights, scene {}\n", scene->name, scene->triangle_count,
-             lights.lights.size(), short_form(scene->hash));
-  fmt::print("rt_server: listening on {}\n", to_string((*port)->local()));
-  std::fflush(stdout);
-  {
-    const Serving serving(core);
-    stop.wait();
-  }
-  fmt::print("{}\n", closing_line(core.counters()));
-  return {};
+void add_serving(CLI::App& app, ServeOptions& options) {
+  app.add_option("--scene", options.scene, "glTF 2.0 file (.gltf or .glb)");
+  app.add_option("--listen", options.listen, "address and UDP port; port 0 takes any free one")
+      ->capture_default_str();
+  app.add_option("--keys", options.ring, "key ring; " + default_ring_path().string() + " unless told");
+  app.add_flag("--insecure", options.insecure, "no keys and nothing sealed, on this machine alone");
+  app.add_option("--sessions", options.limits.sessions, "most clients at a time")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  app.add_option("--handshakes-per-second", options.limits.handshakes_per_second,
+                 "most of clients with a key")
+      ->check(CLI::Range(1.0, 1e6))
+      ->capture_default_str();
+  app.add_option("--bytes-per-second", options.limits.bytes_per_second, "most to one client")
+      ->check(CLI::Range(25e3, 1e10))
+      ->capture_default_str();
+  app.add_option(
+      "--net", options.net,
+      "impair what arrives here, as a bad network would: poor, or loss=2%,delay=25ms,jitter=5ms, ...");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) try {
   CLI::App app("Traces which lights each pixel of a stereo client sees and sends it the masks over UDP.");
-  Options options;
-  app.add_option("--scene", options.scene, "glTF 2.0 file (.gltf or .glb)")->required();
-  app.add_option("--listen", options.listen, "address and UDP port; port 0 takes any free one")
-      ->capture_default_str();
+  ServeOptions serving;
+  KeygenOptions making;
+  add_serving(app, serving);
+  add_keygen(app, making);
+  app.require_subcommand(0, 1);
   CLI11_PARSE(app, argc, argv);
   StopSignal stop;
   spdlog::set_default_logger(spdlog::stderr_logger_mt("rt_server"));
-  const Expected<void> done = run(options, stop);
+  Expected<void> done;
+  if (app.got_subcommand("keygen")) {
+    done = keygen(making).map([](const std::string& said) { fmt::print("{}", said); });
+  } else if (serving.scene.empty()) {
+    return app.exit(CLI::RequiredError("--scene"));
+  } else {
+    done = serve(serving, stop);
+  }
   if (done) return EXIT_SUCCESS;
   std::fprintf(stderr, "rt_server: %s\n", done.error().what.c_str());
   return EXIT_FAILURE;

@@ -1,5 +1,7 @@
 #include "rt_server/serve.h"
 
+#include <algorithm>
+
 namespace farshade {
 namespace {
 
@@ -10,7 +12,11 @@ constexpr Duration kLongWait = std::chrono::seconds(60);  // wake() ends it
 Serving::Serving(ServerCore& core)
     : core_(core),
       network_([&core](const std::stop_token& stop) {
-        while (!stop.stop_requested()) core.receive(kLongWait);
+        while (!stop.stop_requested()) {
+          const std::optional<Time> due = core.next_send();
+          core.receive(due ? std::clamp(*due - core.clock().now(), Duration::zero(), kLongWait) : kLongWait);
+          core.send_due();
+        }
       }),
       worker_([&core](const std::stop_token& stop) {
         while (core.wait_for_work(stop)) core.work();

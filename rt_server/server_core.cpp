@@ -7,57 +7,97 @@
 #include "stereo/net/explain.h"
 
 namespace farshade {
+namespace {
+
+void log(const Sessions::Event& event) {
+  if (event.refused)
+    spdlog::warn("refused {} at {}: {}", event.name, to_string(event.client), name_of(*event.refused));
+  else
+    spdlog::info("welcomed {} at {}", event.name, to_string(event.client));
+}
+
+}  // namespace
 
 std::string closing_line(const ServerCounters& counters) {
   const SessionCounters& sessions = counters.sessions;
+  const GateCounters& gate = counters.gate;
   return fmt::format(
       "rt_server: {} clients, {} requests, {} superseded, {} outdated, {} frames, {} datagrams and {} bytes "
-      "sent, "
-      "{} unsent, {} datagrams received, {} of them refused",
+      "sent, {} unsent, {} datagrams received, {} of them refused; turned away: {} of another version, {} "
+      "without a "
+      "known key, {} of another scene, {} for want of room, {} too many handshakes; {} frames held back by "
+      "--bytes-per-second",
       sessions.welcomed, sessions.requests, sessions.superseded, sessions.outdated, counters.frames,
       counters.port.sent, counters.port.sent_bytes, counters.port.unsent, counters.port.received,
-      counters.refused.total());
+      counters.refused.total(), gate.version_mismatch, gate.unknown_key, sessions.scene_mismatch,
+      sessions.busy, gate.too_many, sessions.held_back);
 }
 
-ServerCore::ServerCore(const Welcome& served, TraceFunction trace, DatagramPort& port, const Clock& clock,
-                       SessionLimits limits)
-    : trace_(std::move(trace)), port_(port), clock_(clock), sessions_(served, limits) {}
+ServerCore::ServerCore(const Welcome& served, const std::vector<SharedKey>& ring, TraceFunction trace,
+                       DatagramPort& port, const Clock& clock, const SessionLimits& limits)
+    : trace_(std::move(trace)), port_(port), clock_(clock), sessions_(served, ring, limits) {}
 
 bool ServerCore::receive(Duration wait) {
   std::array<std::byte, kMaxDatagram_bytes> buffer;
   const std::optional<Datagram> datagram = port_.receive(buffer, wait);
   if (!datagram) return false;
-  const Decoded<ClientMessage> message = decode_client(datagram->bytes);
-  std::optional<ServerMessage> answer;
   bool somebody_waits = false;
+  std::optional<Sessions::Event> event;
   {
     const std::lock_guard lock(mutex_);
-    if (message) {
-      answer = sessions_.handle(datagram->from, *message, clock_.now());
-      somebody_waits = sessions_.has_job();
-    } else {
-      refused_.count(message.error());
-    }
+    const Decoded<void> taken = sessions_.handle(datagram->from, datagram->bytes, clock_.now(), datagram_);
+    if (!taken) refused_.count(taken.error());
+    somebody_waits = sessions_.job_at().has_value();
+    event = sessions_.take_event();
   }
   if (somebody_waits) somebody_waits_.notify_one();
-  if (answer) {
-    encode(*answer, answer_bytes_);
-    port_.send(datagram->from, answer_bytes_);
-    log_answer(datagram->from, *message, *answer);
-  }
+  if (!datagram_.empty()) port_.send(datagram->from, datagram_);
+  if (event) log(*event);
   return true;
+}
+
+void ServerCore::send_due() {
+  Peer to;
+  const auto seal = [&] {
+    const std::lock_guard lock(mutex_);
+    return sessions_.seal_due(clock_.now(), to, datagram_);
+  };
+  bool sent = false;
+  for (; seal(); sent = true) port_.send(to, datagram_);
+  if (sent) somebody_waits_.notify_one();  // a request may have waited for its client's last frame to leave
+}
+
+std::optional<Time> ServerCore::next_send() const {
+  const std::lock_guard lock(mutex_);
+  return sessions_.due_at();
+}
+
+std::optional<Time> ServerCore::next_due() const {
+  const std::lock_guard lock(mutex_);
+  const std::optional<Time> send = sessions_.due_at(), work = sessions_.job_at();
+  return send && work ? std::min(*send, *work) : send ? send : work;
 }
 
 bool ServerCore::wait_for_work(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  return somebody_waits_.wait(lock, stop, [&] { return sessions_.has_job(); }) && !stop.stop_requested();
+  while (!stop.stop_requested()) {
+    const std::optional<Time> at = sessions_.job_at();
+    const Time now = clock_.now();
+    if (at && *at <= now) return true;
+    const auto is_news = [&] { return sessions_.job_at() != at; };
+    if (at)
+      somebody_waits_.wait_for(lock, stop, *at - now, is_news);
+    else
+      somebody_waits_.wait(lock, stop, is_news);
+  }
+  return false;
 }
 
 bool ServerCore::work() {
   std::optional<Job> job;
   {
     const std::lock_guard lock(mutex_);
-    job = sessions_.next_job();
+    job = sessions_.next_job(clock_.now());
   }
   if (!job) return false;
   const Duration waited = clock_.now() - job->arrived;
@@ -69,30 +109,22 @@ bool ServerCore::work() {
                            .primary = stats.primary,
                            .shadow = stats.shadow,
                            .waited = waited,
-                           .superseded = job->superseded};
-  for (const std::vector<std::byte>& datagram : packer_.pack(frame_, report))
-    port_.send(job->client, datagram);
+                           .superseded = job->superseded,
+                           .bytes_per_second = job->bytes_per_second,
+                           .scale_eighths = job->scale_eighths};
+  const auto messages = packer_.pack(frame_, report);
+  {
+    const std::lock_guard lock(mutex_);
+    sessions_.put(job->session, messages, clock_.now());
+  }
   ++frames_;
+  wake();
   return true;
 }
 
 ServerCounters ServerCore::counters() const {
   const std::lock_guard lock(mutex_);
-  return {sessions_.counters(), refused_, port_.counters(), frames_};
-}
-
-void ServerCore::log_answer(const Peer& client, const ClientMessage& message, const ServerMessage& answer) {
-  const auto* hello = std::get_if<Hello>(&message);
-  if (hello == nullptr) return;
-  const auto* refusal = std::get_if<Refusal>(&answer);
-  // A client repeats its hello until it is heard; people need to read the answer once.
-  const std::pair said(client, refusal == nullptr ? std::nullopt : std::optional(refusal->reason));
-  if (std::exchange(last_logged_, said) == said) return;
-  if (refusal == nullptr) {
-    spdlog::info("welcomed {}", to_string(client));
-  } else {
-    spdlog::warn("refused {}: {}", to_string(client), explain(*refusal, *hello));
-  }
+  return {sessions_.counters(), sessions_.gate(), refused_, port_.counters(), frames_, sessions_.size()};
 }
 
 }  // namespace farshade

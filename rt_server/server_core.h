@@ -1,6 +1,6 @@
-/// The server without its threads and its socket: requests come in by receive(), the newest of them is
-/// traced, packed and sent by work(). A program calls the two from two threads (serve.h); a test or a study
-/// calls them in turn over a virtual link.
+/// The server without its threads and its socket: datagrams come in by receive() and leave by send_due(),
+/// requests are traced and packed by work(). A program calls them from two threads (serve.h); a test or a
+/// study calls them in turn over a virtual link.
 #pragma once
 
 #include <atomic>
@@ -21,39 +21,51 @@ using TraceFunction = std::function<TraceStats(const TraceRequest&, ShadowFrame&
 
 struct ServerCounters {
   SessionCounters sessions;
-  RefusalCounts refused;  ///< datagrams that are no message
+  GateCounters gate;
+  RefusalCounts refused;  ///< datagrams that are no message, or none of a session's
   PortCounters port;
-  std::uint64_t frames = 0;  ///< traced and sent
+  std::uint64_t frames = 0;       ///< traced
+  std::size_t sessions_open = 0;  ///< now
 };
 
 /// All of `counters` that a person at a terminal cares for, in one line.
 [[nodiscard]] std::string closing_line(const ServerCounters& counters);
 
-/// One thread may call receive() while another calls wait_for_work() and work(); counters() from any.
+/// One thread may call receive(), send_due() and next_due() while another calls wait_for_work() and work();
+/// counters() from any.
 class ServerCore {
  public:
-  /// `served` is what clients with the same scene are told. `port` and `clock` outlive the core.
-  ServerCore(const Welcome& served, TraceFunction trace, DatagramPort& port, const Clock& clock,
-             SessionLimits limits = {});
+  /// `served` is what clients with the same scene are told; `ring` who may come. `port` and `clock` outlive
+  /// the core.
+  ServerCore(const Welcome& served, const std::vector<SharedKey>& ring, TraceFunction trace,
+             DatagramPort& port, const Clock& clock, const SessionLimits& limits = {});
 
-  /// Takes the next datagram, waiting at most `wait` for it, and answers what needs no tracing.
-  /// False: none came.
+  /// Takes the next datagram, waiting at most `wait` for it, and answers what needs no tracing. False: none
+  /// came.
   bool receive(Duration wait);
 
-  /// Serves the newest request of the client whose turn it is. False: nobody waits.
+  /// Sends what may leave by now.
+  void send_due();
+
+  /// When send_due() or work() next has something to do if nothing comes.
+  [[nodiscard]] std::optional<Time> next_due() const;
+  /// The same of send_due() alone.
+  [[nodiscard]] std::optional<Time> next_send() const;
+
+  /// Traces the newest request of the client whose turn it is; its slices are due from now on. False: nobody
+  /// waits.
   bool work();
 
-  /// Blocks until somebody waits; false when `stop` was requested.
+  /// Blocks until somebody may be served; false when `stop` was requested.
   bool wait_for_work(const std::stop_token& stop);
 
   /// Ends the receive() that waits now, or the next.
   void wake() { port_.wake(); }
 
   [[nodiscard]] ServerCounters counters() const;
+  [[nodiscard]] const Clock& clock() const { return clock_; }
 
  private:
-  void log_answer(const Peer& client, const ClientMessage& message, const ServerMessage& answer);
-
   TraceFunction trace_;
   DatagramPort& port_;
   const Clock& clock_;
@@ -63,9 +75,8 @@ class ServerCore {
   Sessions sessions_;
   RefusalCounts refused_;
 
-  // The receiving side's own.
-  std::vector<std::byte> answer_bytes_;
-  std::optional<std::pair<Peer, std::optional<RefusalReason>>> last_logged_;
+  // The network side's own.
+  std::vector<std::byte> datagram_;
 
   // The working side's own.
   ShadowFrame frame_;

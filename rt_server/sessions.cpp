@@ -2,81 +2,145 @@
 
 #include <algorithm>
 
+#include "stereo/base/check.h"
+
 namespace farshade {
 
-Sessions::Sessions(const Welcome& served, SessionLimits limits) : served_(served), limits_(limits) {
+Sessions::Sessions(const Welcome& served, const std::vector<SharedKey>& ring, const SessionLimits& limits)
+    : served_(served), limits_(limits), gate_(ring, limits.handshakes_per_second) {
+  check(limits.unconfirmed > kCookieLife && limits.silence > kCookieLife,
+        "a session outlives the cookie that its hello may be repeated with");
   sessions_.reserve(limits.sessions);
 }
 
-std::optional<ServerMessage> Sessions::handle(const Peer& client, const ClientMessage& message, Time now) {
+Decoded<void> Sessions::handle(const Peer& from, std::span<const std::byte> datagram, Time now,
+                               std::vector<std::byte>& answer) {
+  answer.clear();
   forget_silent(now);
-  if (const auto* hello = std::get_if<Hello>(&message)) return greet(client, *hello, now);
-  return take(client, std::get<RequestMessage>(message), now);
+  const Decoded<ClientEnvelope> envelope = open_client_envelope(datagram);
+  if (!envelope) return refuse(envelope.error());
+  if (const auto* sealed = std::get_if<Sealed>(&*envelope)) return take(from, *sealed, datagram, now, answer);
+  if (const auto* foreign = std::get_if<ForeignHello>(&*envelope))
+    gate_.refuse_version(*foreign, answer);
+  else
+    greet(from, std::get<Hello>(*envelope), datagram, now, answer);
+  check(answer.size() <= datagram.size(), "a stranger gets no more than it sent");
+  return {};
 }
 
-std::optional<ServerMessage> Sessions::greet(const Peer& client, const Hello& hello, Time now) {
-  if (hello.version != kProtocolVersion)
-    return refuse_client(RefusalReason::VersionMismatch, counters_.version_mismatch);
-  if (hello.scene_hash != served_.scene_hash)
-    return refuse_client(RefusalReason::SceneMismatch, counters_.scene_mismatch);
-  Session* session = find(client);
+void Sessions::greet(const Peer& from, const Hello& hello, std::span<const std::byte> datagram, Time now,
+                     std::vector<std::byte>& answer) {
+  const SharedKey* const key = gate_.admit(from, hello, datagram, now, answer);
+  if (key == nullptr) return;
+  const auto known = std::ranges::find(sessions_, hello.client, &Session::hello);
+  if (known != sessions_.end()) {
+    ++counters_.repeated;
+    answer.assign(known->accept_datagram().begin(), known->accept_datagram().end());
+    return;
+  }
+  if (!gate_.may_shake_hands(now)) return;
+  std::optional<RefusalReason> refused;
+  if (hello.scene_hash != served_.scene_hash) {
+    refused = RefusalReason::SceneMismatch;
+    ++counters_.scene_mismatch;
+  } else if (sessions_.size() == limits_.sessions) {
+    refused = RefusalReason::Busy;
+    ++counters_.busy;
+  }
+  const ServerMessage said =
+      refused ? ServerMessage(Refusal{*refused, served_.scene_hash}) : ServerMessage(served_);
+  const std::optional<Accepted> accepted = accept(hello, datagram, *key, said);
+  if (!accepted) return;
+  answer = accepted->datagram;
+  event_ = Event{key->name, from, refused};
+  if (refused) return;
+  ++counters_.welcomed;
+  sessions_.emplace_back(key->name, from, hello.client, *accepted, now,
+                         RateLimits{.most = limits_.bytes_per_second});
+  sessions_.back().set_served(turn_);
+}
+
+Decoded<void> Sessions::take(const Peer& from, const Sealed& sealed, std::span<const std::byte> datagram,
+                             Time now, std::vector<std::byte>& answer) {
+  Session* const session = find(sealed.session);
   if (session == nullptr) {
-    if (sessions_.size() == limits_.sessions) return refuse_client(RefusalReason::Busy, counters_.busy);
-    session = &sessions_.emplace_back(Session{.client = client, .heard = now, .served = turn_});
-    ++counters_.welcomed;
+    encode(NoSession{sealed.session}, answer);
+    check(answer.size() <= datagram.size(), "a stranger gets no more than it sent");
+    return refuse(WireRefusal::UnknownSession);
   }
-  // A program that starts anew at the same address counts its frames anew.
-  session->heard = now;
-  session->newest.reset();
-  session->waiting.reset();
-  return served_;
-}
-
-std::optional<ServerMessage> Sessions::take(const Peer& client, const RequestMessage& message, Time now) {
-  Session* const session = find(client);
-  if (session == nullptr) return refuse_client(RefusalReason::NotWelcomed, counters_.not_welcomed);
-  session->heard = now;
+  const bool first = !session->is_confirmed();
+  const Peer before = session->client();
+  const Decoded<Heard> heard = session->take(from, sealed, datagram, now, answer);
+  if (session->client() != before) ++counters_.moved;
+  if (first && session->is_confirmed()) end_earlier(session->id());
+  if (!heard) return refuse(heard.error());
   ++counters_.requests;
-  const FrameId frame = message.request.frame;
-  if (session->newest && !is_newer(frame, *session->newest)) {
-    ++counters_.outdated;
-    return std::nullopt;
-  }
-  if (session->waiting) {
-    ++session->superseded;
-    ++counters_.superseded;
-  }
-  session->newest = frame;
-  session->waiting = Job{client, message.request, now, session->superseded};
-  return std::nullopt;
+  if (*heard == Heard::Superseded) ++counters_.superseded;
+  if (*heard == Heard::Outdated) ++counters_.outdated;
+  return {};
 }
 
-std::optional<Job> Sessions::next_job() {
+/// A client that was started anew at its address needs its older session no more.
+void Sessions::end_earlier(SessionId kept) {
+  const Session& newer = *find(kept);
+  const std::string name = newer.name();
+  const Peer client = newer.client();
+  counters_.replaced += std::erase_if(sessions_, [&](const Session& session) {
+    return session.id() != kept && session.name() == name && session.client() == client;
+  });
+}
+
+std::optional<Job> Sessions::next_job(Time now) {
   Session* next = nullptr;
   for (Session& session : sessions_)
-    if (session.waiting && (next == nullptr || session.served < next->served)) next = &session;
+    if (session.is_ready(now) && (next == nullptr || session.served() < next->served())) next = &session;
   if (next == nullptr) return std::nullopt;
-  next->served = ++turn_;
-  return std::exchange(next->waiting, std::nullopt);
+  return next->take_job(++turn_);
 }
 
-bool Sessions::has_job() const {
-  return std::ranges::any_of(sessions_, [](const Session& session) { return session.waiting.has_value(); });
+void Sessions::put(SessionId id, std::span<const std::vector<std::byte>> messages, Time now) {
+  Session* const session = find(id);
+  if (session == nullptr) return;
+  const std::uint64_t before = session->held_back();
+  session->put(messages, now);
+  counters_.held_back += session->held_back() - before;
 }
 
-ServerMessage Sessions::refuse_client(RefusalReason reason, std::uint64_t& counter) {
-  ++counter;
-  return Refusal{.reason = reason, .version = kProtocolVersion, .scene_hash = served_.scene_hash};
+bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {
+  Session* next = nullptr;
+  for (Session& session : sessions_)
+    if (session.due() && *session.due() <= now && (next == nullptr || *session.due() < *next->due()))
+      next = &session;
+  if (next == nullptr) return false;
+  to = next->client();
+  next->seal_due(now, datagram);
+  return true;
 }
 
-Sessions::Session* Sessions::find(const Peer& client) {
-  const auto found = std::ranges::find(sessions_, client, &Session::client);
+std::optional<Time> Sessions::job_at() const {
+  std::optional<Time> earliest;
+  for (const Session& session : sessions_)
+    if (const std::optional<Time> at = session.ready_at(); at && (!earliest || *at < *earliest))
+      earliest = at;
+  return earliest;
+}
+
+std::optional<Time> Sessions::due_at() const {
+  std::optional<Time> earliest;
+  for (const Session& session : sessions_)
+    if (const std::optional<Time> at = session.due(); at && (!earliest || *at < *earliest)) earliest = at;
+  return earliest;
+}
+
+Session* Sessions::find(SessionId id) {
+  const auto found = std::ranges::find(sessions_, id, &Session::id);
   return found == sessions_.end() ? nullptr : &*found;
 }
 
 void Sessions::forget_silent(Time now) {
-  counters_.forgotten +=
-      std::erase_if(sessions_, [&](const Session& session) { return now - session.heard > limits_.silence; });
+  counters_.forgotten += std::erase_if(sessions_, [&](const Session& session) {
+    return now - session.heard_at() > (session.is_confirmed() ? limits_.silence : limits_.unconfirmed);
+  });
 }
 
 }  // namespace farshade

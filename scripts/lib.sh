@@ -35,11 +35,15 @@ build() {
 
 minutes() { printf '%d:%02d min' $(($1 / 60)) $(($1 % 60)); }
 
-# start_server SCENE: rt_server on a free loopback port; its log and `address`, where it listens. Stop it in an EXIT
-# trap by stop_server.
+# start_server SCENE: rt_server on a free loopback port, with keys made for this once; `address`, where it listens,
+# and `key`, the file that lets a client in. Stop it in an EXIT trap by stop_server.
 start_server() {
-  server_log=$(mktemp)
-  "$root/build/release/rt_server/rt_server" --scene "$1" --listen 127.0.0.1:0 >"$server_log" 2>&1 &
+  local program=$root/build/release/rt_server/rt_server
+  server_files=$(mktemp -d)
+  server_log=$server_files/log
+  key=$server_files/client.key
+  "$program" keygen client --key "$key" --ring "$server_files/ring.keys" >/dev/null || die "no key could be made"
+  "$program" --scene "$1" --listen 127.0.0.1:0 --keys "$server_files/ring.keys" >"$server_log" 2>&1 &
   server=$!
   local patience_s=60 give_up
   give_up=$((SECONDS + patience_s))
@@ -73,5 +77,5 @@ stop_server() {
     wait "$server" 2>/dev/null || true
     server=''
   fi
-  rm -f "${server_log:-}"
+  rm -rf "${server_files:-}"
 }

@@ -8,6 +8,7 @@
 
 #include "stereo/base/files.h"
 #include "stereo/base/stop_signal.h"
+#include "stereo/net/impaired_port.h"
 #include "stereo/net/udp.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/trace/reader.h"
@@ -76,6 +77,24 @@ struct Client {
   Duration round_trip{};  ///< of the first exchange with the server
 };
 
+Expected<SharedKey> key_for(const Options& options, const Peer& server) {
+  if (options.insecure) {
+    if (is_loopback(server)) return insecure_key();
+    return fail(Fault::Unsupported, fmt::format("--insecure talks to this machine alone, not to {}: leave it "
+                                                "away, and use a key",
+                                                options.server));
+  }
+  const std::filesystem::path path = options.key.empty() ? default_key_path() : options.key;
+  Expected<SharedKey> key = load_key(path);
+  if (!key && key.error().fault == Fault::Missing)
+    return fail(
+        Fault::Missing,
+        fmt::format("no key at {}: make one on the server with rt_server keygen NAME and copy it here, "
+                    "or name it with --key",
+                    path.string()));
+  return key;
+}
+
 Expected<void> open_link(const Options& options, Client& client) {
   const std::size_t lights = client.scene.lights.size();
   if (options.mode != Mode::Hybrid) return {};
@@ -85,9 +104,17 @@ Expected<void> open_link(const Options& options, Client& client) {
   }
   Expected<UdpClient> udp = connect_udp(options.server);
   if (!udp) return tl::unexpected(udp.error());
+  const Expected<SharedKey> key = key_for(options, udp->server);
+  if (!key) return tl::unexpected(key.error());
+  if (!options.net.empty()) {
+    const Expected<LinkModel> model = parse_link_model(options.net);
+    if (!model) return tl::unexpected(model.error());
+    udp->port = impaired(std::move(udp->port), *model, client.clock);
+  }
   client.udp = std::move(*udp);
-  client.link.emplace(*client.udp->port, client.udp->server, client.clock, client.scene.hash,
-                      narrow<std::uint32_t>(lights), frames_in_flight(options));
+  client.link.emplace(*client.udp->port, client.clock,
+                      LinkTarget{client.udp->server, *key, client.scene.hash, narrow<std::uint32_t>(lights)},
+                      frames_in_flight(options));
   const Stopwatch meeting;
   const Expected<void> met = client.link->meet(kMeetPatience);
   client.round_trip = meeting.elapsed();

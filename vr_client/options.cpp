@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "stereo/frame/view.h"
+#include "stereo/wire/key_file.h"
 
 namespace farshade {
 namespace {
@@ -83,6 +84,12 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
       ->check(within(1, 1000))
       ->capture_default_str();
   app.add_option("--server", options.server, "address of the rt_server")->capture_default_str();
+  app.add_option("--key", options.key,
+                 "key file that rt_server keygen made; " + default_key_path().string() + " unless told");
+  app.add_flag("--insecure", options.insecure, "no key and nothing sealed, to a server on this machine");
+  app.add_option(
+      "--net", options.net,
+      "impair what arrives here, as a bad network would: poor, or loss=2%,delay=25ms,jitter=5ms, ...");
   app.add_option("--mode", options.mode, "hybrid: masks from the server; full: trace everything here")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, Mode>{{"hybrid", Mode::Hybrid}, {"full", Mode::Full}}));

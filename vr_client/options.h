@@ -36,6 +36,9 @@ struct Options {
   double skip_s = 0;
   double refresh_hz = 72;
   std::string server = "127.0.0.1:7447";
+  std::filesystem::path key;  ///< file; empty for default_key_path()
+  bool insecure = false;      ///< no key, unsealed, to a server on this machine
+  std::string net;  ///< the network towards the client, as parse_link_model has it; empty for as it is
   Mode mode = Mode::Hybrid;
   Pace pace = Pace::Virtual;
   double delay_ms = 20, mask_wait_ms = 0;

@@ -10,66 +10,166 @@ namespace {
 
 /// Between two hellos to a server that has not answered.
 constexpr Duration kHelloInterval = std::chrono::milliseconds(250);
+/// A server that has answered none of several requests for so long may have been restarted. A path that is
+/// silent looks the same; the session is kept until another one has begun.
+constexpr Duration kSilence = std::chrono::milliseconds(400);
+constexpr std::uint32_t kUnanswered = 4;
+/// How long a server may take to contradict somebody who says in its name that it refuses us.
+constexpr Duration kHearsayPatience = std::chrono::milliseconds(500);
 
 }  // namespace
 
-ShadowLink::ShadowLink(DatagramPort& port, const Peer& server, const Clock& clock,
-                       const SceneHash& scene_hash, std::uint32_t lights, std::size_t frames)
-    : port_(port),
-      server_(server),
-      clock_(clock),
-      scene_hash_(scene_hash),
-      lights_(lights),
-      assembler_(frames),
-      frames_(frames) {}
+ShadowLink::Channel::Channel(const SessionKeys& keys, Time now)
+    : id(keys.session),
+      sealer(keys.session, keys.to_server, keys.sealing),
+      opener(keys.to_client, keys.sealing),
+      heard(now) {}
 
-void ShadowLink::send(const ClientMessage& message) {
-  encode(message, outgoing_);
-  port_.send(server_, outgoing_);
-}
+ShadowLink::ShadowLink(DatagramPort& port, const Clock& clock, const LinkTarget& target, std::size_t frames)
+    : port_(port), clock_(clock), target_(target), assembler_(frames), frames_(frames) {}
 
 void ShadowLink::say_hello() {
-  if (refused_ || (last_hello_ && clock_.now() - *last_hello_ < kHelloInterval)) return;
+  if (last_hello_ && clock_.now() - *last_hello_ < kHelloInterval) return;
   last_hello_ = clock_.now();
-  send(Hello{.scene_hash = scene_hash_});
+  if (!handshake_) handshake_.emplace(target_.key, target_.scene_hash);
+  handshake_->write_hello(outgoing_);
+  port_.send(target_.server, outgoing_);
+}
+
+/// Says hello where there is no session, or no sign of life of it.
+void ShadowLink::keep_session() {
+  if (refused_) return;
+  const bool silent =
+      channel_ && channel_->unanswered >= kUnanswered && clock_.now() - channel_->heard > kSilence;
+  if (!channel_ || handshake_ || silent) say_hello();
 }
 
 Expected<void> ShadowLink::meet(Duration patience) {
   const Time until = clock_.now() + patience;
-  while (!welcomed_ && !refused_ && clock_.now() < until) {
-    say_hello();
+  const auto given_up = [&] {
+    const Time now = clock_.now();
+    return now >= until || (hearsay_at_ && now >= *hearsay_at_ + kHearsayPatience);
+  };
+  while (!channel_ && !refused_ && !given_up()) {
+    keep_session();
     receive_one(std::min(kHelloInterval, until - clock_.now()));
   }
   if (refused_) return tl::unexpected(*refused_);
-  if (!welcomed_ && busy_server_) return fail(Fault::Unavailable, *busy_server_);
-  if (!welcomed_) return fail(Fault::Missing, "no server answers at " + to_string(server_));
-  return {};
+  if (channel_) return {};
+  if (hearsay_at_) return fail(Fault::Mismatch, hearsay_);
+  if (busy_server_) return fail(Fault::Unavailable, *busy_server_);
+  return fail(Fault::Missing, "no server answers at " + to_string(target_.server));
 }
 
 void ShadowLink::request(const TraceRequest& request, Time asked_at) {
-  if (!welcomed_) {
-    say_hello();
-    return;
-  }
-  std::optional<FrameId> newest;
-  if (const ReceivedFrame* frame = assembler_.newest_known()) newest = frame->request.frame;
-  assembler_.expect(request, lights_, light_set_revision_);
-  asked_.push_back({request.frame, asked_at});
+  keep_session();
+  if (!channel_) return;
+  TraceRequest known = request;
+  const std::uint32_t held = channel_->acknowledged;
+  known.lights = since(request.lights, held, RequestMessage::kMostLightChanges);
+  send_request(known);
+  // What the masks will speak of.
+  known.lights = up_to(request.lights, known.lights.revision);
+  assembler_.expect(known, target_.lights, known.lights.revision);
+  asked_.push_back({request.frame, asked_at, channel_->id});
   if (asked_.size() > frames_) asked_.erase(asked_.begin());
-  send(RequestMessage{request, newest});
+}
+
+void ShadowLink::send_request(const TraceRequest& request) {
+  RequestMessage message{
+      .request = request, .probe_echo = channel_->probe_echo, .arrivals = channel_->arrivals.report()};
+  if (const ReceivedFrame* frame = assembler_.newest_known()) message.newest_received = frame->request.frame;
+  encode(message, message_);
+  channel_->sealer.seal(message_, outgoing_);
+  port_.send(target_.server, outgoing_);
+  ++channel_->unanswered;
 }
 
 bool ShadowLink::receive_one(Duration wait) {
   const std::optional<Datagram> datagram = port_.receive(incoming_, wait);
   if (!datagram) return false;
   const Stopwatch watch;
-  const Decoded<ServerMessage> message = decode_server(datagram->bytes);
-  if (message)
-    std::visit([this](const auto& m) { take(m); }, *message);
-  else
-    undecodable_.count(message.error());
+  if (const Decoded<void> taken = take_datagram(*datagram); !taken) undecodable_.count(taken.error());
   busy_ += watch.elapsed();
   return true;
+}
+
+Decoded<void> ShadowLink::take_datagram(const Datagram& datagram) {
+  const Decoded<ServerEnvelope> envelope = open_server_envelope(datagram.bytes);
+  if (!envelope) return refuse(envelope.error());
+  if (const auto* sealed = std::get_if<Sealed>(&*envelope)) return take_sealed(*sealed, datagram);
+  if (const auto* lost = std::get_if<NoSession>(&*envelope)) {
+    if (channel_ && lost->session == channel_->id) say_hello();
+    return {};
+  }
+  if (!handshake_) return {};
+  if (const auto* retry = std::get_if<Retry>(&*envelope)) {
+    if (!handshake_->take(*retry)) return {};
+    last_hello_.reset();
+    say_hello();
+  } else if (const auto* accept = std::get_if<Accept>(&*envelope)) {
+    take_accept(*accept, datagram.bytes);
+  } else if (const auto* refusal = std::get_if<OpenRefusal>(&*envelope)) {
+    take_refusal(*refusal);
+  }
+  return {};
+}
+
+void ShadowLink::take_refusal(const OpenRefusal& refusal) {
+  if (refusal.echo != handshake_->echo()) return;
+  if (hearsay_at_) return;
+  hearsay_ = explain(refusal, target_.key.name, target_.server);
+  hearsay_at_ = clock_.now();
+}
+
+void ShadowLink::take_accept(const Accept& accept, std::span<const std::byte> datagram) {
+  const std::optional<ClientHandshake::Met> met = handshake_->take(accept, datagram);
+  if (!met) return;
+  handshake_.reset();
+  hearsay_at_.reset();
+  if (const auto* refusal = std::get_if<Refusal>(&met->answer)) {
+    const std::string why = explain(*refusal, target_.scene_hash);
+    if (refusal->reason == RefusalReason::Busy)
+      busy_server_ = why;
+    else
+      refused_ = Error{Fault::Mismatch, why};
+    return;
+  }
+  const auto& welcome = std::get<Welcome>(met->answer);
+  if (welcome.scene_hash != target_.scene_hash || welcome.light_count != target_.lights) {
+    refused_ = Error{Fault::Mismatch, "the server at " + to_string(target_.server) + " serves another scene"};
+    return;
+  }
+  channel_.emplace(met->keys, clock_.now());
+  newest_report_.reset();
+  ++sessions_;
+}
+
+Decoded<void> ShadowLink::take_sealed(const Sealed& sealed, const Datagram& datagram) {
+  if (!channel_ || sealed.session != channel_->id) return refuse(WireRefusal::UnknownSession);
+  const Decoded<std::span<const std::byte>> opened = channel_->opener.open(sealed, datagram.bytes, message_);
+  if (!opened) return refuse(opened.error());
+  channel_->arrivals.add(sealed.counter, datagram.arrived);
+  channel_->heard = clock_.now();
+  channel_->unanswered = 0;
+  handshake_.reset();  // the session lives: no other is needed
+  const Decoded<ServerMessage> message = decode_server(*opened);
+  if (!message) return refuse(message.error());
+  std::visit([this](const auto& m) { take(m); }, *message);
+  return {};
+}
+
+void ShadowLink::take(const Slice& slice) {
+  const ReceivedFrame* const frame = assembler_.accept(slice);
+  if (frame && is_newer_light_set(frame->light_set_revision, channel_->acknowledged))
+    channel_->acknowledged = frame->light_set_revision;
+}
+
+void ShadowLink::take(const FrameReport& report) {
+  assembler_.accept(report);
+  if (newest_report_ && !is_newer(report.frame, *newest_report_)) return;
+  newest_report_ = report.frame;
+  scale_eighths_ = report.scale_eighths;
 }
 
 void ShadowLink::poll() {
@@ -83,11 +183,16 @@ bool ShadowLink::wait_for(FrameId frame, Duration patience) {
     const ReceivedFrame* received = assembler_.find(frame);
     return received != nullptr && received->complete() && received->report.has_value();
   };
+  const auto may_come = [&] {
+    const auto asked = std::ranges::find(asked_, frame, &Asked::frame);
+    return channel_ && asked != asked_.end() && asked->session == channel_->id;
+  };
   poll();
   while (!whole()) {
     const Duration left = until - clock_.now();
-    if (left <= Duration::zero() || !welcomed_) return false;
-    receive_one(left);
+    if (left <= Duration::zero() || !may_come()) return false;
+    keep_session();
+    receive_one(std::min(left, kHelloInterval));
   }
   return true;
 }
@@ -106,33 +211,9 @@ std::optional<Time> ShadowLink::asked_at(FrameId frame) const {
   return asked == asked_.end() ? std::nullopt : std::optional(asked->at);
 }
 
-void ShadowLink::take(const Welcome& welcome) {
-  if (welcome.scene_hash != scene_hash_ || welcome.light_count != lights_) {
-    refused_ = Error{Fault::Mismatch, "the server at " + to_string(server_) + " serves another scene"};
-    return;
-  }
-  light_set_revision_ = welcome.light_set_revision;
-  welcomed_ = true;
-}
-
-void ShadowLink::take(const Refusal& refusal) {
-  switch (refusal.reason) {
-    case RefusalReason::NotWelcomed:  // the server was restarted, or forgot us: say hello again
-      welcomed_ = false;
-      say_hello();
-      break;
-    case RefusalReason::Busy:
-      welcomed_ = false;
-      busy_server_ = explain(refusal, Hello{.scene_hash = scene_hash_});
-      break;
-    default:
-      welcomed_ = false;
-      refused_ = Error{Fault::Mismatch, explain(refusal, Hello{.scene_hash = scene_hash_})};
-  }
-}
-
 ShadowLink::Counters ShadowLink::counters() const {
-  return {assembler_.counters(), undecodable_, port_.counters()};
+  return {assembler_.counters(), undecodable_, port_.counters(), sessions_,
+          channel_ ? channel_->arrivals.missing() : 0};
 }
 
 }  // namespace farshade

@@ -7,9 +7,22 @@
 
 namespace farshade {
 
-std::string to_string(const Peer& peer) {
+namespace {
+
+bool is_v4(const Peer& peer) {
   constexpr std::array<std::uint8_t, 12> kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
-  const bool v4 = std::ranges::equal(kMapped, std::span(peer.address).first<12>());
+  return std::ranges::equal(kMapped, std::span(peer.address).first<12>());
+}
+
+}  // namespace
+
+bool is_loopback(const Peer& peer) {
+  constexpr std::array<std::uint8_t, 16> kLoopback{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
+  return is_v4(peer) ? peer.address[12] == 127 : peer.address == kLoopback;
+}
+
+std::string to_string(const Peer& peer) {
+  const bool v4 = is_v4(peer);
   std::array<char, INET6_ADDRSTRLEN> text{};
   inet_ntop(v4 ? AF_INET : AF_INET6, peer.address.data() + (v4 ? 12 : 0), text.data(), text.size());
   const std::string host = v4 ? text.data() : "[" + std::string(text.data()) + "]";

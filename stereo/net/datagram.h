@@ -27,6 +27,9 @@ struct Peer {
 /// `127.0.0.1:7447` or `[::1]:7447`.
 [[nodiscard]] std::string to_string(const Peer& peer);
 
+/// An address that no other machine can reach: 127.0.0.0/8 or ::1.
+[[nodiscard]] bool is_loopback(const Peer& peer);
+
 struct Datagram {
   Peer from;
   std::span<const std::byte> bytes;  ///< in the buffer that the receiver gave

@@ -10,20 +10,33 @@ std::string short_form(const ContentHash& hash) {
   return text.data();
 }
 
-std::string explain(const Refusal& refusal, const Hello& hello) {
-  switch (refusal.reason) {
+std::string_view name_of(RefusalReason reason) {
+  switch (reason) {
     case RefusalReason::VersionMismatch:
-      return "the server speaks protocol version " + std::to_string(refusal.version) + ", the client " +
-             std::to_string(hello.version) + ": build both from the same source";
+      return "another protocol version";
+    case RefusalReason::UnknownKey:
+      return "unknown key";
     case RefusalReason::SceneMismatch:
-      return "the server serves scene " + short_form(refusal.scene_hash) + ", the client shows scene " +
-             short_form(hello.scene_hash) + ": give both the same scene file";
+      return "it shows another scene: give both the same scene file";
     case RefusalReason::Busy:
-      return "the server has no room for another client: try again when one has left";
-    case RefusalReason::NotWelcomed:
-      return "the server does not know this client (any more): it has to say hello first";
+      return "no room for another client (--sessions)";
   }
-  return "the server refuses for a reason that this version does not know";
+  return "unknown reason";
+}
+
+std::string explain(const Refusal& refusal, const ContentHash& scene_hash) {
+  if (refusal.reason == RefusalReason::Busy)
+    return "the server has no room for another client: try again later, or start it with more --sessions";
+  return "the server serves scene " + short_form(refusal.scene_hash) + ", the client shows scene " +
+         short_form(scene_hash) + ": give both the same scene file";
+}
+
+std::string explain(const OpenRefusal& refusal, const std::string& key, const Peer& server) {
+  if (refusal.reason == RefusalReason::VersionMismatch)
+    return "the server speaks protocol version " + std::to_string(refusal.version) + ", the client " +
+           std::to_string(kProtocolVersion) + ": build both from the same source";
+  return "the server at " + to_string(server) + " does not know the key '" + key +
+         "': add it to the server's ring (rt_server keygen), or give --key the file that was made there";
 }
 
 }  // namespace farshade

@@ -51,6 +51,7 @@ struct VirtualLink::Impl {
 
   ManualClock& clock;
   std::function<void()> others;
+  std::function<std::optional<Time>()> due;
   std::unique_ptr<Port> server;
   std::deque<Client> clients;
   std::unordered_map<Peer, Client*> client_at;  ///< every address that a client has or had
@@ -113,13 +114,13 @@ class VirtualLink::Impl::Port : public DatagramPort {
     Direction* const far = link_.first([this](const Direction& each) {
       return each.reader != this && each.shown != each.path.front()->order;
     });
-    if (!link_.others || far == nullptr || far->path.front()->arrival > until) {
-      link_.clock.advance_to(until);
-      return;
-    }
-    link_.clock.advance_to(far->path.front()->arrival);
-    far->shown = far->path.front()->order;
-    link_.others();
+    const bool arrives = link_.others && far != nullptr && far->path.front()->arrival <= until;
+    const Time arrival = arrives ? far->path.front()->arrival : until;
+    const std::optional<Time> due = link_.due ? link_.due() : std::nullopt;
+    const bool is_due = due && *due <= arrival;
+    link_.clock.advance_to(is_due ? *due : arrival);
+    if (arrives && !is_due) far->shown = far->path.front()->order;
+    if (arrives || is_due) link_.others();
   }
 
   PortCounters counters_;
@@ -208,8 +209,9 @@ void VirtualLink::move_client(std::size_t i) {
 std::uint64_t VirtualLink::lost_to_old_addresses() const {
   return impl_->lost_to_old_addresses;
 }
-void VirtualLink::while_waiting(std::function<void()> others) {
+void VirtualLink::while_waiting(std::function<void()> others, std::function<std::optional<Time>()> due) {
   impl_->others = std::move(others);
+  impl_->due = std::move(due);
 }
 std::optional<Time> VirtualLink::next_arrival() const {
   const auto* const next = impl_->first([](const auto&) { return true; });

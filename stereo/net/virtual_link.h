@@ -38,8 +38,9 @@ class VirtualLink {
   [[nodiscard]] std::uint64_t lost_to_old_addresses() const;
 
   /// `others` stands for the programs at the far end: it runs whenever a port that waits sees a datagram
-  /// arrive at another port, so that an answer can come within the wait. It must not wait itself.
-  void while_waiting(std::function<void()> others);
+  /// arrive at another port, so that an answer can come within the wait. It must not wait itself. `due` says
+  /// when they have something to do though nothing reaches them; they run then, too, and must then do it.
+  void while_waiting(std::function<void()> others, std::function<std::optional<Time>()> due = {});
 
   /// When the next datagram reaches any port, if one is on the way or lies unread.
   [[nodiscard]] std::optional<Time> next_arrival() const;

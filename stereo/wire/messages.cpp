@@ -4,59 +4,43 @@
 
 #include <algorithm>
 #include <cmath>
-#include <concepts>
-#include <type_traits>
+#include <glm/geometric.hpp>
+#include <limits>
 
 #include "stereo/frame/tiles.h"
-#include "stereo/wire/bytes.h"
+#include "stereo/wire/codec.h"
 
 namespace farshade {
+
+namespace codec {
+template <>
+inline constexpr std::uint8_t kTypeOf<RequestMessage> = 1;
+template <>
+inline constexpr std::uint8_t kTypeOf<Welcome> = 16;
+template <>
+inline constexpr std::uint8_t kTypeOf<Refusal> = 17;
+template <>
+inline constexpr std::uint8_t kTypeOf<Slice> = 18;
+template <>
+inline constexpr std::uint8_t kTypeOf<FrameReport> = 19;
+template <>
+inline constexpr std::uint8_t kTypeOf<Probe> = 20;
+}  // namespace codec
+
+using codec::Either;
+using codec::kFine;
+using codec::Verdict;
+
 namespace {
 
-constexpr std::uint32_t kMagic = 0x48534446;                 // "FDSH" in byte order
 constexpr std::int64_t kMaxTime_ns = std::int64_t{1} << 61;  // 73 years: sums and differences cannot overflow
 constexpr double kMaxCoordinate_m = 1e9;
+constexpr double kMaxOffUnit = 1e-3;
 
-struct Header {
-  std::uint32_t magic = kMagic;
-  std::uint16_t version = kProtocolVersion;
-  std::uint8_t type = 0;
-};
-
-template <class Message>
-constexpr std::uint8_t kTypeOf = 0;
-template <>
-constexpr std::uint8_t kTypeOf<Hello> = 1;
-template <>
-constexpr std::uint8_t kTypeOf<RequestMessage> = 2;
-template <>
-constexpr std::uint8_t kTypeOf<Welcome> = 16;
-template <>
-constexpr std::uint8_t kTypeOf<Refusal> = 17;
-template <>
-constexpr std::uint8_t kTypeOf<Slice> = 18;
-template <>
-constexpr std::uint8_t kTypeOf<FrameReport> = 19;
-
-/// No version changes the layout of these: their version is the sender's, in the header.
-template <class Message>
-concept InEveryVersion = std::same_as<Message, Hello> || std::same_as<Message, Refusal>;
-
-template <class Message>
-Header header_of(const Message& message) {
-  if constexpr (InEveryVersion<Message>) return {.version = message.version, .type = kTypeOf<Message>};
-  return {.type = kTypeOf<Message>};
-}
+}  // namespace
 
 // ---- field lists: `io` is a ByteWriter and the message const, or a ByteReader. False: the bytes end early.
-
-/// A message to be read, or one to be written.
-template <class T, class Message>
-concept Either = std::same_as<std::remove_const_t<T>, Message>;
-
-bool fields(auto& io, Either<Header> auto& header) {
-  return io.u32(header.magic) && io.u16(header.version) && io.u8(header.type);
-}
+// Not in the anonymous namespace: the codec finds them by their arguments.
 
 bool fields(auto& io, Either<Extent> auto& size) {
   return io.u16(size.width) && io.u16(size.height);
@@ -72,10 +56,6 @@ bool fields(auto& io, Either<View> auto& view) {
          fields(io, view.size);
 }
 
-bool fields(auto& io, Either<Hello> auto& hello) {
-  return io.array(hello.scene_hash) && io.array(hello.reserved);
-}
-
 /// What the client holds travels as how far it lies behind the frame asked for; 0: none.
 bool frames_behind_field(ByteWriter& io, const RequestMessage& message) {
   const std::optional<FrameId> newest = message.newest_received;
@@ -88,15 +68,61 @@ bool frames_behind_field(ByteReader& io, RequestMessage& message) {
   return true;
 }
 
+bool fields(auto& io, Either<LightPose> auto& pose) {
+  auto& p = pose.position.v;
+  auto& d = pose.direction.v;
+  return io.f64(p.x) && io.f64(p.y) && io.f64(p.z) && io.f64(d.x) && io.f64(d.y) && io.f64(d.z);
+}
+
+/// Bit 0: on; bit 1: a pose follows.
+bool fields(ByteWriter& io, const LightChange& change) {
+  const unsigned flags = (change.on ? 1u : 0u) | (change.pose ? 2u : 0u);
+  return io.u16(change.light) && io.u32(change.revision) && io.u8(flags) &&
+         (!change.pose || fields(io, *change.pose));
+}
+/// Flags that mean nothing are kept in `flags`, for the verdict.
+bool fields(ByteReader& io, LightChange& change, std::uint8_t& flags) {
+  if (!io.u16(change.light) || !io.u32(change.revision) || !io.u8(flags)) return false;
+  change.on = (flags & 1u) != 0;
+  return (flags & 2u) == 0 || fields(io, change.pose.emplace());
+}
+
+bool fields(ByteWriter& io, const LightChanges& changes) {
+  bool fine = io.u32(changes.revision) && io.u8(changes.lights.size());
+  for (const LightChange& change : changes.lights) fine = fine && fields(io, change);
+  return fine;
+}
+bool fields(ByteReader& io, LightChanges& changes) {
+  std::uint8_t count = 0;
+  if (!io.u32(changes.revision) || !io.u8(count)) return false;
+  // One beyond the most is read, so that the verdict sees that there are too many.
+  const std::size_t most = RequestMessage::kMostLightChanges + 1;
+  for (std::size_t i = 0; i < std::min<std::size_t>(count, most); ++i) {
+    std::uint8_t flags = 0;
+    if (!fields(io, changes.lights.emplace_back(), flags)) return false;
+    if (flags > 3) changes.lights.back().light = kMaxLights;  // refused with it
+  }
+  return true;
+}
+
+bool fields(auto& io, Either<ArrivalReport> auto& report) {
+  if (!io.u64(report.first) || !io.ns(report.base) || !io.u16(report.count)) return false;
+  bool fine = true;
+  for (std::size_t i = 0; i < std::min<std::size_t>(report.count, ArrivalReport::kMost); ++i)
+    fine = fine && io.u16(report.ticks[i]);
+  return fine;
+}
+
 bool fields(auto& io, Either<RequestMessage> auto& message) {
   auto& request = message.request;
   return io.u32(request.frame.value) && frames_behind_field(io, message) &&  //
          io.ns(request.display_time) && io.ns(request.scene_time) &&         //
-         fields(io, request.views[0]) && fields(io, request.views[1]);
+         fields(io, request.views[0]) && fields(io, request.views[1]) &&     //
+         io.u64(message.probe_echo) && fields(io, request.lights) && fields(io, message.arrivals);
 }
 
 bool fields(auto& io, Either<Welcome> auto& welcome) {
-  return io.array(welcome.scene_hash) && io.u16(welcome.light_count) && io.u32(welcome.light_set_revision);
+  return io.array(welcome.scene_hash) && io.u16(welcome.light_count);
 }
 
 bool fields(auto& io, Either<Refusal> auto& refusal) {
@@ -113,13 +139,16 @@ bool fields(auto& io, Either<FrameReport> auto& report) {
   return io.u32(report.frame.value) && io.u32(report.slices) && io.u32(report.payload_bytes) &&
          io.u64(report.primary_rays) && io.u64(report.shadow_rays) && io.u64(report.full_shadow_rays) &&
          io.ns(report.primary) && io.ns(report.shadow) && io.ns(report.pack) && io.ns(report.waited) &&
-         io.u32(report.superseded);
+         io.u32(report.superseded) && io.u32(report.bytes_per_second) && io.u8(report.scale_eighths);
+}
+
+bool fields(auto& io, Either<Probe> auto& probe) {
+  return io.u64(probe.token);
 }
 
 // ---- ranges: why a message may not be sent and is refused
 
-using Verdict = std::optional<WireRefusal>;
-constexpr Verdict kFine = std::nullopt;
+namespace {
 
 bool in_range(Time time) {
   return ns_of(time) >= -kMaxTime_ns && ns_of(time) <= kMaxTime_ns;
@@ -128,14 +157,37 @@ bool in_range(Duration span) {
   return span.count() >= 0 && span.count() <= kMaxTime_ns;
 }
 
+bool in_range(const glm::dvec3& place) {
+  return std::abs(place.x) <= kMaxCoordinate_m && std::abs(place.y) <= kMaxCoordinate_m &&
+         std::abs(place.z) <= kMaxCoordinate_m;  // false for NaN
+}
 bool in_range(const View& view) {
-  const glm::dvec3& t = view.stage_from_eye.translation;
-  return is_valid(view) && std::max({std::abs(t.x), std::abs(t.y), std::abs(t.z)}) <= kMaxCoordinate_m;
+  return is_valid(view) && in_range(view.stage_from_eye.translation);
+}
+bool in_range(const LightPose& pose) {
+  return in_range(pose.position.v) && std::abs(glm::length(pose.direction.v) - 1) <= kMaxOffUnit;
 }
 
-Verdict verdict(const Hello& hello) {
-  if (hello.reserved != decltype(hello.reserved){}) return WireRefusal::Code;
+}  // namespace
+
+/// Ascending, so that the last is the newest; none beyond the set's own revision.
+Verdict verdict(const LightChanges& changes) {
+  if (changes.lights.size() > RequestMessage::kMostLightChanges) return WireRefusal::Lights;
+  std::uint32_t last = kFirstLightSet;
+  for (const LightChange& change : changes.lights) {
+    const bool in_order = is_newer(FrameId{change.revision}, FrameId{last}) &&
+                          !is_newer(FrameId{change.revision}, FrameId{changes.revision});
+    if (change.light >= kMaxLights || !in_order) return WireRefusal::Lights;
+    if (change.pose && !in_range(*change.pose)) return WireRefusal::ViewRange;
+    last = change.revision;
+  }
   return kFine;
+}
+
+Verdict verdict(const ArrivalReport& report) {
+  if (report.count > ArrivalReport::kMost) return WireRefusal::Arrivals;
+  if (report.first > std::numeric_limits<std::uint64_t>::max() / 2) return WireRefusal::Arrivals;
+  return in_range(report.base) ? kFine : WireRefusal::TimeRange;
 }
 
 Verdict verdict(const RequestMessage& message) {
@@ -144,7 +196,8 @@ Verdict verdict(const RequestMessage& message) {
     return WireRefusal::FrameOrder;
   if (!in_range(request.display_time) || !in_range(request.scene_time)) return WireRefusal::TimeRange;
   if (!in_range(request.views[0]) || !in_range(request.views[1])) return WireRefusal::ViewRange;
-  return kFine;
+  if (const Verdict why = verdict(request.lights)) return why;
+  return verdict(message.arrivals);
 }
 
 Verdict verdict(const Welcome& welcome) {
@@ -153,9 +206,8 @@ Verdict verdict(const Welcome& welcome) {
 }
 
 Verdict verdict(const Refusal& refusal) {
-  if (refusal.reason < RefusalReason::VersionMismatch || refusal.reason > RefusalReason::NotWelcomed)
-    return WireRefusal::Code;
-  return kFine;
+  const bool known = refusal.reason == RefusalReason::SceneMismatch || refusal.reason == RefusalReason::Busy;
+  return known ? kFine : WireRefusal::Code;
 }
 
 Verdict verdict(const Slice& slice) {
@@ -173,69 +225,57 @@ Verdict verdict(const Slice& slice) {
 Verdict verdict(const FrameReport& report) {
   const bool fine =
       in_range(report.primary) && in_range(report.shadow) && in_range(report.pack) && in_range(report.waited);
-  return fine ? kFine : WireRefusal::TimeRange;
+  if (!fine) return WireRefusal::TimeRange;
+  const bool sized = report.scale_eighths >= 1 && report.scale_eighths <= kFullScale_eighths;
+  return sized ? kFine : WireRefusal::Code;
 }
 
-// ---- whole datagrams
+Verdict verdict(const Probe& probe) {
+  return probe.token != 0 ? kFine : WireRefusal::Code;
+}
+
+// ---- whole messages
+
+namespace {
 
 template <class... Messages>
-void encode_any(const std::variant<Messages...>& any, std::vector<std::byte>& datagram) {
-  datagram.clear();
-  ByteWriter io(datagram);
+void encode_any(const std::variant<Messages...>& any, std::vector<std::byte>& bytes) {
+  bytes.clear();
+  ByteWriter io(bytes);
   std::visit(
-      [&io](const auto& message) {
+      [&io]<class Message>(const Message& message) {
         check(!verdict(message), "a message is within its ranges before it is sent");
-        const Header header = header_of(message);
-        fields(io, header);
+        io.u8(codec::kTypeOf<Message>);
         fields(io, message);
       },
       any);
-  check(datagram.size() <= kMaxDatagram_bytes, "a message fits into a datagram");
+  check(bytes.size() <= kMaxMessage_bytes, "a message fits into a sealed datagram");
 }
 
-template <class Any, class Message>
-Decoded<Any> decode_as(ByteReader io, const Header& header) {
-  Message message{};
-  if constexpr (InEveryVersion<Message>)
-    message.version = header.version;
-  else if (header.version != kProtocolVersion)
-    return refuse(WireRefusal::Version);
-  if (!fields(io, message)) return refuse(WireRefusal::Truncated);
-  if (const Verdict why = verdict(message)) return refuse(*why);
-  if (io.remaining() > 0) return refuse(WireRefusal::TrailingBytes);
-  return message;
-}
-
-template <class... Messages>
-Decoded<std::variant<Messages...>> decode_any(std::span<const std::byte> datagram) {
-  using Any = std::variant<Messages...>;
-  if (datagram.size() > kMaxDatagram_bytes) return refuse(WireRefusal::TooLong);
-  ByteReader io(datagram);
-  Header header;
-  if (!fields(io, header)) return refuse(WireRefusal::Truncated);
-  if (header.magic != kMagic) return refuse(WireRefusal::Magic);
-  Decoded<Any> decoded =
-      refuse(header.version == kProtocolVersion ? WireRefusal::Type : WireRefusal::Version);
-  static_cast<void>(
-      ((header.type == kTypeOf<Messages> && (decoded = decode_as<Any, Messages>(io, header), true)) || ...));
-  return decoded;
+template <class Any>
+Decoded<Any> decode_any(std::span<const std::byte> bytes) {
+  if (bytes.size() > kMaxMessage_bytes) return refuse(WireRefusal::TooLong);
+  ByteReader io(bytes);
+  std::uint8_t type = 0;
+  if (!io.u8(type)) return refuse(WireRefusal::Truncated);
+  return codec::read_any(std::type_identity<Any>{}, type, io);
 }
 
 }  // namespace
 
-void encode(const ClientMessage& message, std::vector<std::byte>& datagram) {
-  encode_any(message, datagram);
+void encode(const ClientMessage& message, std::vector<std::byte>& bytes) {
+  encode_any(message, bytes);
 }
-void encode(const ServerMessage& message, std::vector<std::byte>& datagram) {
-  encode_any(message, datagram);
-}
-
-Decoded<ClientMessage> decode_client(std::span<const std::byte> datagram) {
-  return decode_any<Hello, RequestMessage>(datagram);
+void encode(const ServerMessage& message, std::vector<std::byte>& bytes) {
+  encode_any(message, bytes);
 }
 
-Decoded<ServerMessage> decode_server(std::span<const std::byte> datagram) {
-  return decode_any<Welcome, Refusal, Slice, FrameReport>(datagram);
+Decoded<ClientMessage> decode_client(std::span<const std::byte> bytes) {
+  return decode_any<ClientMessage>(bytes);
+}
+
+Decoded<ServerMessage> decode_server(std::span<const std::byte> bytes) {
+  return decode_any<ServerMessage>(bytes);
 }
 
 }  // namespace farshade

@@ -1,6 +1,7 @@
-/// Messages: what client and server say to each other, one message a datagram. PROTOCOL.md has the bytes.
-/// They are encoded to and decoded from a span of bytes and know nothing of addresses, sockets or sealing.
-/// Decoders check length, then ranges, then trailing bytes; they refuse, never clamp, and allocate nothing.
+/// Messages: what client and server say to each other once they share keys, one message a sealed datagram.
+/// PROTOCOL.md has the bytes. They are encoded to and decoded from a span of bytes and know nothing of
+/// addresses, sockets or sealing. Decoders check length, then ranges, then trailing bytes; they refuse, never
+/// clamp.
 #pragma once
 
 #include <array>
@@ -16,55 +17,56 @@
 #include "stereo/frame/eye_mask.h"
 #include "stereo/frame/frame_id.h"
 #include "stereo/frame/shadow_frame.h"
+#include "stereo/wire/arrival_report.h"
 #include "stereo/wire/refusal.h"
 
 namespace farshade {
 
-inline constexpr std::uint16_t kProtocolVersion = 1;
+inline constexpr std::uint16_t kProtocolVersion = 2;
 inline constexpr std::size_t kMaxDatagram_bytes = 1200;  ///< UDP payload, sealing included
+inline constexpr std::size_t kSealing_bytes = 39;        ///< of these: what sealing adds (envelope.h)
+inline constexpr std::size_t kMaxMessage_bytes = kMaxDatagram_bytes - kSealing_bytes;
 
 /// As Scene::hash; the wire knows no scenes.
 using ContentHash = std::array<std::uint8_t, 32>;
 
 // ---- client -> server
 
-/// First words. Its layout is the same in every version, so that each server can say what it speaks.
-/// No answer to it is longer than it is.
-struct Hello {
-  std::uint16_t version = kProtocolVersion;
-  ContentHash scene_hash{};
-  std::array<std::uint8_t, 16> reserved{};  ///< zeros
-  friend bool operator==(const Hello&, const Hello&) = default;
-};
-
+/// What to trace, and what the server should know by then. Each request says all that the server has not yet
+/// acknowledged, so that none needs another.
 struct RequestMessage {
-  TraceRequest request;
-  std::optional<FrameId> newest_received;  ///< newest frame of which a slice came; older than request.frame
+  /// Changed lights that one request can carry; the others follow in the next.
+  static constexpr std::size_t kMostLightChanges = 6;
+
+  TraceRequest
+      request;  ///< of its lights those that the server is not known to have, at most kMostLightChanges
+  std::optional<FrameId> newest_received{};  ///< newest frame of which a slice came; older than request.frame
+  std::uint64_t probe_echo = 0;              ///< the newest Probe's token
+  ArrivalReport arrivals{};
 };
 
-using ClientMessage = std::variant<Hello, RequestMessage>;
+using ClientMessage = std::variant<RequestMessage>;
 
 // ---- server -> client
 
+/// The answer to a hello whose sender has the key and the scene.
 struct Welcome {
   ContentHash scene_hash{};
   std::uint32_t light_count = 0;
-  std::uint32_t light_set_revision = 0;
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
 
 enum class RefusalReason : std::uint8_t {
   VersionMismatch = 1,
-  SceneMismatch = 2,
-  Busy = 3,         ///< no room for another client; ask again later
-  NotWelcomed = 4,  ///< a request came before Hello, or after the server forgot this client
+  UnknownKey = 2,  ///< no key of this id, or a hello that was not made with it
+  SceneMismatch = 3,
+  Busy = 4,  ///< no room for another client; ask again later
 };
 
-/// Its layout is the same in every version.
+/// The answer to a hello whose sender has the key, and yet gets no session: SceneMismatch or Busy.
 struct Refusal {
   RefusalReason reason = RefusalReason::Busy;
-  std::uint16_t version = kProtocolVersion;  ///< the server's
-  ContentHash scene_hash{};                  ///< the server's
+  ContentHash scene_hash{};  ///< the server's
   friend bool operator==(const Refusal&, const Refusal&) = default;
 };
 
@@ -79,37 +81,48 @@ struct Slice {
   std::uint32_t plane = 0;             ///< it tells lights 32 * plane and up, as MaskLayout has them
   std::uint32_t first_tile = 0;        ///< in TileGrid{size}
   std::uint32_t tile_count = 0;        ///< 1 or more, first_tile + tile_count within the grid
-  std::span<const std::byte> block{};  ///< LZ4; a view into the datagram or the packer, owned by neither
+  std::span<const std::byte> block{};  ///< LZ4; a view into the message or the packer, owned by neither
 };
+
+inline constexpr std::uint32_t kFullScale_eighths = 8;
 
 /// Sent after a frame's last slice: what the frame was and cost. Lost like any other datagram.
 struct FrameReport {
   FrameId frame{};
-  std::uint32_t slices = 0;         ///< datagrams of this frame, this report not among them
-  std::uint32_t payload_bytes = 0;  ///< of those datagrams
+  std::uint32_t slices = 0;         ///< messages of this frame, this report not among them
+  std::uint32_t payload_bytes = 0;  ///< of those messages, before they are sealed
   std::uint64_t primary_rays = 0, shadow_rays = 0;
   std::uint64_t full_shadow_rays = 0;    ///< of a trace that leaves nothing out
   Duration primary{}, shadow{}, pack{};  ///< stages of this frame
   Duration waited{};                     ///< from arrival of the request to its trace
   std::uint32_t superseded = 0;          ///< requests dropped so far because a newer one came
+  std::uint32_t bytes_per_second = 0;    ///< that the server takes the path to this client to carry
+  std::uint32_t scale_eighths =
+      kFullScale_eighths;  ///< please ask for views of this many eighths of their size
   friend bool operator==(const FrameReport&, const FrameReport&) = default;
 };
 
-/// Bytes of a slice's datagram before its block.
-inline constexpr std::size_t kSliceHeader_bytes = 29;
-inline constexpr std::size_t kMaxBlock_bytes = kMaxDatagram_bytes - kSliceHeader_bytes;
+/// Sent to an address from which the client's datagrams come of late: whoever is there says the token in its
+/// next request, and slices go there from then on.
+struct Probe {
+  std::uint64_t token = 0;  ///< not 0
+  friend bool operator==(const Probe&, const Probe&) = default;
+};
 
-using ServerMessage = std::variant<Welcome, Refusal, Slice, FrameReport>;
+/// Bytes of a slice's message before its block.
+inline constexpr std::size_t kSliceHeader_bytes = 23;
+inline constexpr std::size_t kMaxBlock_bytes = kMaxMessage_bytes - kSliceHeader_bytes;
+
+using ServerMessage = std::variant<Welcome, Refusal, Slice, FrameReport, Probe>;
 
 // ---- bytes
 
-/// Replaces `datagram` by the message's bytes, at most kMaxDatagram_bytes. A message out of its ranges is a
-/// bug here.
-void encode(const ClientMessage& message, std::vector<std::byte>& datagram);
-void encode(const ServerMessage& message, std::vector<std::byte>& datagram);
+/// Replaces `bytes` by the message's, at most kMaxMessage_bytes. A message out of its ranges is a bug here.
+void encode(const ClientMessage& message, std::vector<std::byte>& bytes);
+void encode(const ServerMessage& message, std::vector<std::byte>& bytes);
 
-/// A Slice's block points into `datagram`.
-[[nodiscard]] Decoded<ClientMessage> decode_client(std::span<const std::byte> datagram);
-[[nodiscard]] Decoded<ServerMessage> decode_server(std::span<const std::byte> datagram);
+/// A Slice's block points into `bytes`.
+[[nodiscard]] Decoded<ClientMessage> decode_client(std::span<const std::byte> bytes);
+[[nodiscard]] Decoded<ServerMessage> decode_server(std::span<const std::byte> bytes);
 
 }  // namespace farshade

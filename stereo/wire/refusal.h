@@ -12,26 +12,31 @@
 namespace farshade {
 
 enum class WireRefusal : std::uint8_t {
-  TooLong,        ///< more than kMaxDatagram_bytes
-  Truncated,      ///< ends inside a field
-  Magic,          ///< not ours
-  Version,        ///< ours, another version, and not one of the messages that every version has
-  Type,           ///< no message of this direction
-  ViewRange,      ///< pose, fov or size of a view out of range
-  TimeRange,      ///< a time or duration out of range
-  FrameOrder,     ///< a request says that it holds a frame it has not yet asked for
-  Code,           ///< an enumeration, flag or reserved byte holds what it may not
-  Lights,         ///< more than kMaxLights, or a plane beyond them
-  MaskSize,       ///< a side of 0 or more than kMaxViewSide_px
-  TileRange,      ///< no tiles, or tiles outside the grid
-  TrailingBytes,  ///< bytes after the last field
-  Block,          ///< not an LZ4 block, or one that opens to more than a slice may hold
-  TileCoding,     ///< a tile coding this version does not know
-  TileLength,     ///< tile bytes that are more or fewer than their codings need
-  TileBits,       ///< bits where there is no light
-  OtherMask,      ///< a valid slice of a mask with another size or light count than the one to be filled
+  TooLong,         ///< more than kMaxDatagram_bytes
+  Truncated,       ///< ends inside a field
+  Magic,           ///< not ours
+  Version,         ///< ours, another version, and not one of the messages that every version has
+  Type,            ///< no message of this direction
+  ViewRange,       ///< pose, fov or size of a view out of range
+  TimeRange,       ///< a time or duration out of range
+  FrameOrder,      ///< a request says that it holds a frame it has not yet asked for
+  Code,            ///< an enumeration, flag or reserved byte holds what it may not
+  Lights,          ///< more than kMaxLights, or a plane beyond them
+  MaskSize,        ///< a side of 0 or more than kMaxViewSide_px
+  TileRange,       ///< no tiles, or tiles outside the grid
+  TrailingBytes,   ///< bytes after the last field
+  Block,           ///< not an LZ4 block, or one that opens to more than a slice may hold
+  TileCoding,      ///< a tile coding this version does not know
+  TileLength,      ///< tile bytes that are more or fewer than their codings need
+  TileBits,        ///< bits where there is no light
+  Arrivals,        ///< an arrival report longer or later than any can be
+  Padding,         ///< a hello that is not 1,200 bytes, or filled with other than zeros
+  UnknownSession,  ///< sealed for a session that is not there
+  Replayed,        ///< sealed, and its counter was opened before or has left the window
+  Forged,          ///< sealed, and does not open: forged, damaged, or under another key
+  OtherMask,       ///< a valid slice of a mask with another size or light count than the one to be filled
 };
-inline constexpr std::size_t kWireRefusals = 18;
+inline constexpr std::size_t kWireRefusals = 23;
 
 [[nodiscard]] std::string_view name_of(WireRefusal refusal);
 

@@ -7,10 +7,12 @@
 #include <fstream>
 #include <sstream>
 
+#include "tests/integration/test_keys.h"
+
 namespace farshade {
 
 RunningServer::RunningServer(const std::string& scene, const std::string& listen)
-    : program_({RT_SERVER, "--scene", scene, "--listen", listen}) {
+    : program_({RT_SERVER, "--scene", scene, "--listen", listen, "--keys", test_keys().ring}) {
   const auto address = program_.line_after("rt_server: listening on ");
   if (!address) throw std::runtime_error("rt_server does not listen: " + program_.errors());
   address_ = *address;
@@ -21,7 +23,8 @@ std::vector<std::string> client_arguments(const std::map<std::string, std::strin
   all.insert({{"--scene", kRoom},
               {"--trace", kWalk},
               {"--size", std::to_string(kClientSize.width) + "x" + std::to_string(kClientSize.height)},
-              {"--frames", "8"}});
+              {"--frames", "8"},
+              {"--key", test_keys().client}});
   // The Vulkan loader unloads drivers at the end, and what they leak then has no module to be excused by.
   std::vector<std::string> arguments{"/usr/bin/env", "LSAN_OPTIONS=detect_leaks=0", VR_CLIENT};
   for (const auto& [name, value] : all) {

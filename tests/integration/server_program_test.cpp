@@ -6,8 +6,9 @@
 
 #include "stereo/net/udp.h"
 #include "stereo/scene/gltf.h"
-#include "stereo/wire/messages.h"
+#include "stereo/wire/handshake.h"
 #include "tests/integration/child_program.h"
+#include "tests/integration/test_keys.h"
 #include "tests/unit/scratch_folder.h"
 
 namespace farshade {
@@ -16,7 +17,7 @@ namespace {
 const std::string kScene = FARSHADE_ASSETS "/box_over_plane.gltf";
 
 std::vector<std::string> server(const std::string& scene, const std::string& listen = "127.0.0.1:0") {
-  return {RT_SERVER, "--scene", scene, "--listen", listen};
+  return {RT_SERVER, "--scene", scene, "--listen", listen, "--keys", test_keys().ring};
 }
 
 /// Runs to its end, which must be a failure that is told in one sentence.
@@ -30,15 +31,25 @@ std::string complaint_of(const std::vector<std::string>& arguments) {
   return errors;
 }
 
-ServerMessage answer_to(const Hello& hello, const std::string& address) {
+/// What the server at `address` answers a client with `key` that shows `scene`.
+ServerMessage answer_to(const SharedKey& key, const ContentHash& scene, const std::string& address) {
   const auto client = connect_udp(address);
-  std::vector<std::byte> bytes;
-  encode(hello, bytes);
-  client->port->send(client->server, bytes);
+  ClientHandshake handshake(key, scene);
   std::array<std::byte, kMaxDatagram_bytes> buffer;
-  const auto answer = client->port->receive(buffer, std::chrono::seconds(30));
-  if (!answer) throw std::runtime_error("rt_server does not answer");
-  return *decode_server(answer->bytes);
+  std::vector<std::byte> hello;
+  for (int round_trip = 0; round_trip < 2; ++round_trip) {
+    handshake.write_hello(hello);
+    client->port->send(client->server, hello);
+    const auto datagram = client->port->receive(buffer, std::chrono::seconds(30));
+    if (!datagram) throw std::runtime_error("rt_server does not answer");
+    const auto envelope = open_server_envelope(datagram->bytes).value();
+    if (const auto* retry = std::get_if<Retry>(&envelope)) {
+      if (!handshake.take(*retry)) throw std::runtime_error("not our cookie");
+    } else {
+      return handshake.take(std::get<Accept>(envelope), datagram->bytes).value().answer;
+    }
+  }
+  throw std::runtime_error("a handshake takes two round trips");
 }
 
 class ServerProgram : public testing::TestWithParam<int> {};
@@ -48,8 +59,9 @@ TEST_P(ServerProgram, ListensAnswersAndEndsCleanlyOnSignal) {
   const auto address = program.line_after("rt_server: listening on ");
   ASSERT_TRUE(address.has_value()) << program.errors();
   const ContentHash hash = load_scene(kScene)->hash;
-  EXPECT_EQ(std::get<Welcome>(answer_to({.scene_hash = hash}, *address)).scene_hash, hash);
-  EXPECT_EQ(std::get<Refusal>(answer_to({.scene_hash = {1}}, *address)).reason, RefusalReason::SceneMismatch);
+  const SharedKey& key = test_keys().key;
+  EXPECT_EQ(std::get<Welcome>(answer_to(key, hash, *address)).scene_hash, hash);
+  EXPECT_EQ(std::get<Refusal>(answer_to(key, {1}, *address)).reason, RefusalReason::SceneMismatch);
   program.send(GetParam());
   EXPECT_TRUE(program.line_after("rt_server: 1 clients, 0 requests, ").has_value());
   EXPECT_EQ(program.wait(), 0);
@@ -70,6 +82,44 @@ TEST(ServerProgramRefuses, PortInUse) {
   const auto taken = listen_udp("127.0.0.1:0");
   ASSERT_TRUE(taken.has_value());
   EXPECT_NE(complaint_of(server(kScene, to_string((*taken)->local()))).find("is in use"), std::string::npos);
+}
+
+TEST(ServerProgramRefuses, ARingThatIsNotThereOrThatOthersCanRead) {
+  const ScratchFolder folder;
+  const std::filesystem::path ring = folder.path() / "ring.keys";
+  const std::vector<std::string> arguments{RT_SERVER, "--scene", kScene, "--keys", ring.string()};
+  EXPECT_NE(complaint_of(arguments).find("rt_server keygen"), std::string::npos);
+  std::filesystem::copy_file(test_keys().ring, ring);
+  std::filesystem::permissions(ring, std::filesystem::perms::others_read, std::filesystem::perm_options::add);
+  EXPECT_NE(complaint_of(arguments).find("chmod 600"), std::string::npos);
+}
+
+TEST(ServerProgramRefuses, ToBeInsecureOnANetwork) {
+  const std::vector<std::string> arguments{RT_SERVER,  "--scene",   kScene,
+                                           "--listen", "0.0.0.0:0", "--insecure"};
+  EXPECT_NE(complaint_of(arguments).find("this machine alone"), std::string::npos);
+}
+
+TEST(ServerProgramRefuses, ANetworkThatIsNone) {
+  std::vector<std::string> arguments = server(kScene);
+  arguments.insert(arguments.end(), {"--net", "lost=2%"});
+  EXPECT_NE(complaint_of(arguments).find("lost"), std::string::npos);
+}
+
+TEST(ServerKeygen, MakesAKeyThatLetsAClientIn) {
+  const ScratchFolder folder;
+  const std::string key = (folder.path() / "a.key").string(), ring = (folder.path() / "ring.keys").string();
+  for (const std::string name : {"alice", "bob"}) {
+    ChildProgram keygen({RT_SERVER, "keygen", name, "--key", key + name, "--ring", ring});
+    EXPECT_EQ(keygen.wait(), 0) << keygen.errors();
+  }
+  ChildProgram program({RT_SERVER, "--scene", kScene, "--listen", "127.0.0.1:0", "--keys", ring});
+  const auto address = program.line_after("rt_server: listening on ");
+  ASSERT_TRUE(address.has_value()) << program.errors();
+  const ContentHash hash = load_scene(kScene)->hash;
+  EXPECT_TRUE(std::holds_alternative<Welcome>(answer_to(load_key(key + "bob").value(), hash, *address)));
+  program.send(SIGTERM);
+  EXPECT_NE(program.errors().find("welcomed bob at 127.0.0.1:"), std::string::npos);
 }
 
 TEST(ServerProgramRefuses, SceneWithoutLights) {

@@ -280,5 +280,24 @@ TEST(VirtualLink, MovedClientIsReachedOnlyAtItsNewAddress) {
   EXPECT_EQ(receive_number(link.client(1), 1s), std::nullopt);
 }
 
+TEST(VirtualLinkWait, RunsTheOthersWhenTheyAreDueThoughNothingArrives) {
+  ManualClock clock;
+  VirtualLink link(clock, {.to_server = {.delay = 5ms}, .to_client = {.delay = 5ms}});
+  std::vector<Time> ran;
+  Time due(3ms);
+  const std::array<std::byte, 1> byte{};
+  link.while_waiting(
+      [&] {
+        ran.push_back(clock.now());
+        due += 10ms;
+        if (ran.size() == 2) link.server().send(link.client().local(), byte);
+      },
+      [&]() -> std::optional<Time> { return due; });
+  std::array<std::byte, 8> buffer;
+  ASSERT_TRUE(link.client().receive(buffer, 100ms).has_value());
+  EXPECT_EQ(ran, (std::vector{Time(3ms), Time(13ms)}));
+  EXPECT_EQ(clock.now(), Time(18ms));
+}
+
 }  // namespace
 }  // namespace farshade

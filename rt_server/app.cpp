@@ -1,0 +1,80 @@
+#include "rt_server/app.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
+
+#include "rt_server/serve.h"
+#include "stereo/base/check.h"
+#include "stereo/net/explain.h"
+#include "stereo/net/impaired_port.h"
+#include "stereo/net/udp.h"
+#include "stereo/scene/gltf.h"
+
+namespace farshade {
+namespace {
+
+Expected<std::vector<SharedKey>> who_may_come(const ServeOptions& options) {
+  if (options.insecure) return std::vector{insecure_key()};
+  const std::filesystem::path path =
+      options.ring.empty() ? default_ring_path() : std::filesystem::path(options.ring);
+  Expected<std::vector<SharedKey>> ring = load_key_ring(path);
+  if (!ring && ring.error().fault == Fault::Missing)
+    return fail(Fault::Missing,
+                "no keys at " + path.string() +
+                    ": make one with rt_server keygen NAME, or name another ring with --keys");
+  if (ring && ring->empty())
+    return fail(Fault::Missing, path.string() + " holds no key: make one with rt_server keygen NAME");
+  return ring;
+}
+
+Expected<std::unique_ptr<DatagramPort>> open_port(const ServeOptions& options, const Clock& clock) {
+  Expected<std::unique_ptr<DatagramPort>> port = listen_udp(options.listen);
+  if (!port) return port;
+  if (options.insecure && !is_loopback((*port)->local()))
+    return fail(Fault::Unsupported,
+                "--insecure lets in whoever comes, so it listens on this machine alone: " + options.listen +
+                    " is not 127.0.0.1 or [::1]");
+  if (options.net.empty()) return port;
+  const Expected<LinkModel> model = parse_link_model(options.net);
+  if (!model) return tl::unexpected(model.error());
+  return impaired(std::move(*port), *model, clock);
+}
+
+}  // namespace
+
+Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
+  const SteadyClock clock;
+  const Expected<std::vector<SharedKey>> ring = who_may_come(options);
+  if (!ring) return tl::unexpected(ring.error());
+  const Expected<std::unique_ptr<DatagramPort>> port = open_port(options, clock);
+  if (!port) return tl::unexpected(port.error());
+  const Expected<Scene> scene = load_scene(options.scene);
+  if (!scene) return tl::unexpected(scene.error());
+  const std::size_t lights = scene->lights.size();
+  if (lights == 0)
+    return fail(Fault::Unsupported,
+                options.scene + " has no lights: nothing to serve, clients shade it alone");
+  Expected<Tracer> tracer = Tracer::create(*scene);
+  if (!tracer) return tl::unexpected(tracer.error());
+
+  const auto trace = [&](const TraceRequest& request, ShadowFrame& frame) {
+    return tracer->trace(request, frame);
+  };
+  ServerCore core({scene->hash, narrow<std::uint32_t>(lights)}, *ring, trace, **port, clock, options.limits);
+  fmt::print("rt_server: serving {}, {} triangles, {} lights, scene {}\n", scene->name, scene->triangle_count,
+             lights, short_form(scene->hash));
+  if (options.insecure)
+    fmt::print("rt_server: insecure: no keys, nothing is sealed\n");
+  else
+    fmt::print("rt_server: {} {} in the ring\n", ring->size(), ring->size() == 1 ? "key" : "keys");
+  fmt::print("rt_server: listening on {}\n", to_string((*port)->local()));
+  std::fflush(stdout);
+  {
+    const Serving serving(core);
+    stop.wait();
+  }
+  fmt::print("{}\n", closing_line(core.counters()));
+  return {};
+}
+
+}  // namespace farshade

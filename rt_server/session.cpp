@@ -1,0 +1,127 @@
+#include "rt_server/session.h"
+
+#include <sodium.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace farshade {
+namespace {
+
+/// Of the frame interval, so that the last slice is there before the next frame begins.
+constexpr double kPacedShare = 0.75;
+/// Clients that ask less often than this get their slices within it.
+constexpr Duration kLongestInterval = std::chrono::milliseconds(50);
+
+std::uint64_t random_token() {
+  std::uint64_t token = 0;
+  while (token == 0) randombytes_buf(&token, sizeof token);
+  return token;
+}
+
+}  // namespace
+
+Session::Session(std::string name, const Peer& client, const PublicKey& hello, const Accepted& accepted,
+                 Time now, const RateLimits& limits)
+    : name_(std::move(name)),
+      id_(accepted.keys.session),
+      hello_(hello),
+      accept_(accepted.datagram),
+      opener_(accepted.keys.to_server, accepted.keys.sealing),
+      sealer_(accepted.keys.session, accepted.keys.to_client, accepted.keys.sealing),
+      limits_(limits),
+      client_(client),
+      heard_(now),
+      rate_(limits) {}
+
+Decoded<Heard> Session::take(const Peer& from, const Sealed& sealed, std::span<const std::byte> datagram,
+                             Time now, std::vector<std::byte>& probe) {
+  const bool newest = !opener_.window().newest() || sealed.counter > *opener_.window().newest();
+  const Decoded<std::span<const std::byte>> opened = opener_.open(sealed, datagram, message_);
+  if (!opened) return refuse(opened.error());
+  heard_ = now;
+  confirmed_ = true;
+  const Decoded<ClientMessage> message = decode_client(*opened);
+  if (!message) return refuse(message.error());
+  const auto& request = std::get<RequestMessage>(*message);
+  follow(from, newest, request.probe_echo, probe);
+  return take(request, now);
+}
+
+/// An address is believed once who is there has said the token that was sent there: a datagram caught on its
+/// way and sent on from elsewhere moves nothing.
+void Session::follow(const Peer& from, bool newest, std::uint64_t probe_echo, std::vector<std::byte>& probe) {
+  if (from == client_) {
+    if (newest) candidate_.reset();
+    return;
+  }
+  if (from == candidate_ && probe_echo == probe_token_) {
+    client_ = from;
+    candidate_.reset();
+    return;
+  }
+  if (!newest) return;
+  if (from != candidate_) {
+    candidate_ = from;
+    probe_token_ = random_token();
+  }
+  encode(Probe{probe_token_}, message_);
+  rate_.sent(sealer_.seal(message_, probe), probe.size(), heard_);
+}
+
+Heard Session::take(const RequestMessage& message, Time now) {
+  rate_.heard(message.arrivals, now);
+  merge(lights_, message.request.lights);
+  const FrameId frame = message.request.frame;
+  if (newest_ && !is_newer(frame, *newest_)) return Heard::Outdated;
+  learn_interval(message.request, now);
+  newest_ = frame;
+  const bool superseded = waiting_.has_value();
+  if (superseded) ++superseded_;
+  waiting_ = Job{.session = id_, .request = message.request, .arrived = now};
+  waiting_->request.lights = lights_;
+  return superseded ? Heard::Superseded : Heard::News;
+}
+
+/// In virtual time a client asks less often than its display would; in real time requests may bunch up on the
+/// way.
+void Session::learn_interval(const TraceRequest& request, Time now) {
+  if (newest_) {
+    const Duration seen = std::min(request.display_time - newest_display_, now - newest_arrived_);
+    interval_ += (std::clamp(seen, Duration::zero(), kLongestInterval) - interval_) / 8;
+  }
+  newest_display_ = request.display_time;
+  newest_arrived_ = now;
+}
+
+std::optional<Time> Session::ready_at() const {
+  if (!waiting_ || !outbox_.empty()) return std::nullopt;
+  return outbox_.drained_at();
+}
+
+Job Session::take_job(std::uint64_t turn) {
+  served_ = turn;
+  Job job = std::move(*std::exchange(waiting_, std::nullopt));
+  job.superseded = superseded_;
+  job.bytes_per_second = static_cast<std::uint32_t>(rate_.bytes_per_second());
+  job.scale_eighths = quality_.scale_eighths();
+  asked_scale_ = job.scale_eighths;
+  return job;
+}
+
+void Session::put(std::span<const std::vector<std::byte>> messages, Time now) {
+  const auto spread = std::chrono::duration_cast<Duration>(interval_ * kPacedShare);
+  const double rate = rate_.bytes_per_second();
+  std::size_t bytes = 0;
+  for (const std::vector<std::byte>& message : messages) bytes += message.size() + kSealing_bytes;
+  if (rate >= limits_.most && static_cast<double>(bytes) > rate * seconds_of(interval_)) ++held_back_;
+  outbox_.put(messages, now, spread, rate);
+  quality_.packed(bytes, asked_scale_, rate, interval_, now);
+}
+
+void Session::seal_due(Time now, std::vector<std::byte>& datagram) {
+  const std::uint64_t counter = sealer_.seal(outbox_.take(), datagram);
+  rate_.sent(counter, datagram.size(), now);
+}
+
+}  // namespace farshade

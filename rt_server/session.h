@@ -1,0 +1,111 @@
+/// Session: all that the server keeps of one client that has proved address and key. A value without sockets,
+/// threads or clocks; of bounded size, and none of it shared with another client.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "rt_server/outbox.h"
+#include "rt_server/quality.h"
+#include "stereo/net/datagram.h"
+#include "stereo/net/rate_control.h"
+#include "stereo/wire/handshake.h"
+
+namespace farshade {
+
+/// A request whose turn has come.
+struct Job {
+  SessionId session;
+  TraceRequest request;
+  Time arrived;
+  std::uint32_t superseded = 0;        ///< of this client's requests, so far
+  std::uint32_t bytes_per_second = 0;  ///< that the path to it carries
+  std::uint32_t scale_eighths = 8;     ///< of their size, that the next views should be asked for
+};
+
+/// What a client's datagram was, once opened.
+enum class Heard : std::uint8_t {
+  News,        ///< a request newer than all before
+  Superseded,  ///< the same, and it took the place of one that waited
+  Outdated,    ///< a request not newer than one that came before
+};
+
+class Session {
+ public:
+  Session(std::string name, const Peer& client, const PublicKey& hello, const Accepted& accepted, Time now,
+          const RateLimits& limits);
+
+  [[nodiscard]] SessionId id() const { return id_; }
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const Peer& client() const { return client_; }
+  [[nodiscard]] const PublicKey& hello() const { return hello_; }
+  /// The answer to its hello, to be said again if the hello comes again.
+  [[nodiscard]] std::span<const std::byte> accept_datagram() const { return accept_; }
+  [[nodiscard]] Time heard_at() const { return heard_; }
+  /// Something of the client's has opened: it holds the keys.
+  [[nodiscard]] bool is_confirmed() const { return confirmed_; }
+
+  /// Opens and takes `sealed`, read from `datagram`. `probe` becomes a datagram to send back to `from`, or is
+  /// left empty.
+  [[nodiscard]] Decoded<Heard> take(const Peer& from, const Sealed& sealed,
+                                    std::span<const std::byte> datagram, Time now,
+                                    std::vector<std::byte>& probe);
+
+  /// A request waits, and the frame before it has left and is through the path; so a slow path lowers the
+  /// mask rate.
+  [[nodiscard]] bool is_ready(Time now) const {
+    return waiting_ && outbox_.empty() && now >= outbox_.drained_at();
+  }
+  /// When is_ready becomes true if nothing else happens.
+  [[nodiscard]] std::optional<Time> ready_at() const;
+  [[nodiscard]] Job take_job(std::uint64_t turn);
+  [[nodiscard]] std::uint64_t served() const { return served_; }
+  void set_served(std::uint64_t turn) { served_ = turn; }
+
+  /// The messages of a traced frame, to leave evenly over the frame interval. `scale` is what its views were
+  /// asked at.
+  void put(std::span<const std::vector<std::byte>> messages, Time now);
+
+  [[nodiscard]] std::optional<Time> due() const { return outbox_.due(); }
+  /// Seals the message that is due.
+  void seal_due(Time now, std::vector<std::byte>& datagram);
+
+  [[nodiscard]] const RateControl& rate() const { return rate_; }
+  [[nodiscard]] std::uint64_t held_back() const { return held_back_; }
+
+ private:
+  Heard take(const RequestMessage& message, Time now);
+  void follow(const Peer& from, bool newest, std::uint64_t probe_echo, std::vector<std::byte>& probe);
+  void learn_interval(const TraceRequest& request, Time now);
+
+  std::string name_;
+  SessionId id_;
+  PublicKey hello_;
+  std::vector<std::byte> accept_;
+  Opener opener_;
+  Sealer sealer_;
+  RateLimits limits_;
+
+  Peer client_;                    ///< has proved that it is there
+  std::optional<Peer> candidate_;  ///< where its newest datagrams come from, if from elsewhere
+  std::uint64_t probe_token_ = 0;
+
+  Time heard_;
+  bool confirmed_ = false;
+  std::optional<FrameId> newest_{};
+  Time newest_display_{}, newest_arrived_{};
+  Duration interval_{};  ///< from one request to the next, as the client's display and our clock have it
+  std::optional<Job> waiting_{};
+  std::uint32_t superseded_ = 0;
+  std::uint64_t served_ = 0;  ///< turn at which it was served last, or came
+  LightChanges lights_;
+
+  Outbox outbox_;
+  RateControl rate_;
+  Quality quality_;
+  std::uint32_t asked_scale_ = Quality::kFull;  ///< of the views of the job in work, as last advised
+  std::uint64_t held_back_ = 0;  ///< frames that left slower because of the limit of bytes a second
+  std::vector<std::byte> message_;
+};
+
+}  // namespace farshade

@@ -1,0 +1,49 @@
+/// ReplayWindow: which counters have been seen, as a ring of bits behind the newest (RFC 6479). A counter
+/// that is older than the window counts as seen.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+
+namespace farshade {
+
+class ReplayWindow {
+ public:
+  static constexpr std::uint64_t kSize = 4096;  ///< counters that it tells apart, the newest among them
+
+  [[nodiscard]] bool is_new(std::uint64_t counter) const {
+    if (!newest_ || counter > *newest_) return true;
+    return *newest_ - counter < kSize && (word(counter) >> (counter % 64) & 1u) == 0;
+  }
+
+  /// Only for a counter that is new, and whose datagram has opened.
+  void take(std::uint64_t counter) {
+    if (!newest_ || counter > *newest_) forget_up_to(counter);
+    bits_[counter / 64 % kWords] |= std::uint64_t{1} << (counter % 64);
+  }
+
+  [[nodiscard]] std::optional<std::uint64_t> newest() const { return newest_; }
+
+ private:
+  /// One word more than the window, so that the newest counter's word never holds bits of the oldest ones.
+  static constexpr std::uint64_t kWords = kSize / 64 + 1;
+
+  [[nodiscard]] std::uint64_t word(std::uint64_t counter) const { return bits_[counter / 64 % kWords]; }
+
+  void forget_up_to(std::uint64_t counter) {
+    if (newest_) {
+      const std::uint64_t first = *newest_ / 64 + 1, last = counter / 64;
+      if (last >= first + kWords)
+        bits_.fill(0);
+      else
+        for (std::uint64_t w = first; w <= last; ++w) bits_[w % kWords] = 0;
+    }
+    newest_ = counter;
+  }
+
+  std::array<std::uint64_t, kWords> bits_{};
+  std::optional<std::uint64_t> newest_;
+};
+
+}  // namespace farshade
