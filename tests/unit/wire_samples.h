@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
@@ -11,6 +12,7 @@
 
 #include "stereo/frame/shadow_frame.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/wire/envelope.h"
 #include "stereo/wire/messages.h"
 #include "stereo/wire/slice.h"
 
@@ -35,23 +37,33 @@ inline Bytes encoded(const ServerMessage& message) {
   return bytes;
 }
 
-inline ContentHash counting_hash() {
-  ContentHash hash;
-  for (std::size_t i = 0; i < hash.size(); ++i) hash[i] = static_cast<std::uint8_t>(i);
-  return hash;
+/// Byte i is first + i.
+template <std::size_t N>
+std::array<std::uint8_t, N> counting(unsigned first) {
+  std::array<std::uint8_t, N> bytes;
+  for (std::size_t i = 0; i < N; ++i) bytes[i] = static_cast<std::uint8_t>(first + i);
+  return bytes;
 }
 
-inline Hello hello() {
-  return {.scene_hash = counting_hash()};
+inline ContentHash counting_hash() {
+  return counting<32>(0);
 }
+inline SharedKey shared_key() {
+  return {.name = "desk", .secret = counting<32>(0)};
+}
+
 inline Welcome welcome() {
-  return {counting_hash(), 3, 7};
+  return {counting_hash(), 3};
 }
 inline Refusal refusal() {
-  return {RefusalReason::SceneMismatch, kProtocolVersion, counting_hash()};
+  return {RefusalReason::SceneMismatch, counting_hash()};
+}
+inline Probe probe() {
+  return {.token = 0x0102030405060708};
 }
 
-/// A quarter turn to the left, eyes 64 mm apart, asymmetric fov.
+/// A quarter turn to the left, eyes 64 mm apart, asymmetric fov; one light off, one elsewhere; of three
+/// datagrams the second has not come.
 inline RequestMessage request() {
   View view;
   view.stage_from_eye.rotation = {0.70710678118654757, 0.0, 0.70710678118654757, 0.0};
@@ -62,7 +74,23 @@ inline RequestMessage request() {
   right.stage_from_eye.translation.z = 0.032;
   right.fov.left = -0.5;
   right.fov.right = 0.75;
-  return {{FrameId{258}, time_from_ns(11'111'111), time_from_ns(-1), {view, right}}, FrameId{255}};
+  RequestMessage message;
+  message.request = {FrameId{258}, time_from_ns(11'111'111), time_from_ns(-1), {view, right}};
+  message.request.lights = {
+      .revision = 5,
+      .lights = {
+          {.light = 2, .revision = 3, .on = false, .pose = {}},
+          {.light = 0,
+           .revision = 5,
+           .on = true,
+           .pose = LightPose{Point<Stage>{{0.5, 2.0, -1.25}}, Vector<Stage>{{0, -1, 0}}}},
+      }};
+  message.newest_received = FrameId{255};
+  message.probe_echo = probe().token;
+  message.arrivals = {.first = 1000, .base = time_from_ns(11'000'000), .count = 3};
+  message.arrivals.ticks[1] = ArrivalReport::kNotArrived;
+  message.arrivals.ticks[2] = 47;
+  return message;
 }
 
 inline FrameReport report() {
@@ -76,7 +104,41 @@ inline FrameReport report() {
           .shadow = Duration(37'000'000),
           .pack = Duration(450'000),
           .waited = Duration(20'000),
-          .superseded = 5};
+          .superseded = 5,
+          .bytes_per_second = 12'500'000,
+          .scale_eighths = 7};
+}
+
+// ---- envelopes
+
+template <class Envelope>
+Bytes enveloped(const Envelope& envelope) {
+  Bytes datagram;
+  encode(envelope, datagram);
+  return datagram;
+}
+
+/// Its proof is one of shared_key(): made by `python3` and hashlib.blake2b, not by the code under test.
+inline Hello hello() {
+  return {.client = counting<32>(0x20),
+          .key = {0xd8, 0xd8, 0xc6, 0xac, 0x12, 0xd1, 0xb2, 0x8b},
+          .scene_hash = counting_hash(),
+          .cookie = counting<16>(0xc0),
+          .proof = {0x26, 0xcd, 0xe7, 0x82, 0x40, 0x64, 0xec, 0xa0, 0x0a, 0x3c, 0x10,
+                    0x39, 0xb8, 0x0b, 0xdc, 0x03, 0x09, 0xed, 0xf8, 0x8b, 0x47, 0xb2,
+                    0xbf, 0xe0, 0x8e, 0x1c, 0x76, 0x69, 0x20, 0x80, 0x1b, 0x47}};
+}
+inline Retry retry() {
+  return {counting<16>(0x20), counting<16>(0xc0)};
+}
+inline OpenRefusal open_refusal() {
+  return {.reason = RefusalReason::UnknownKey, .echo = counting<16>(0x20)};
+}
+inline Accept accept_sample(std::span<const std::byte> sealed) {
+  return {counting<16>(0x20), SessionId{0x0807060504030201}, counting<32>(0x60), sealed};
+}
+inline NoSession no_session() {
+  return {SessionId{0x0807060504030201}};
 }
 
 /// 20 x 18 pixels, two lights: two columns and rows of tiles, of which only the first is whole. Light 0
@@ -131,15 +193,14 @@ inline ShadowFrame frame_of(const EyeMask& left, const EyeMask& right) {
   return frame;
 }
 
-/// The datagrams of one eye.
+/// The messages of one eye.
 inline std::vector<Bytes> packed(const ShadowFrame& frame, Side eye,
                                  std::span<const std::uint8_t> sent = {}) {
   SlicePacker packer;
   packer.start(frame, eye, sent);
-  std::vector<Bytes> datagrams;
-  while (const std::optional<Slice> slice = packer.next())
-    datagrams.push_back(encoded(ServerMessage(*slice)));
-  return datagrams;
+  std::vector<Bytes> messages;
+  while (const std::optional<Slice> slice = packer.next()) messages.push_back(encoded(ServerMessage(*slice)));
+  return messages;
 }
 
 /// An LZ4 block that holds `bytes` as they are.
