@@ -17,8 +17,8 @@ struct Received {
   explicit Received(const EyeMask& like)
       : mask(like.size(), like.lights()), known(TileGrid{like.size()}.count()) {}
 
-  Decoded<std::uint32_t> take(const Bytes& datagram) {
-    const Decoded<ServerMessage> message = decode_server(datagram);
+  Decoded<std::uint32_t> take(const Bytes& bytes) {
+    const Decoded<ServerMessage> message = decode_server(bytes);
     if (!message) return refuse(message.error());
     const Decoded<std::uint32_t> news = decode_slice_tiles(std::get<Slice>(*message), mask, known);
     if (news) learned += *news;
@@ -31,9 +31,9 @@ class SliceRoundTrip : public testing::TestWithParam<std::uint32_t> {};
 void expect_round_trip(const EyeMask& mask) {
   Received received(mask);
   const ShadowFrame frame = frame_of(mask, EyeMask{});
-  for (const Bytes& datagram : packed(frame, Side::Left)) {
-    ASSERT_LE(datagram.size(), kMaxDatagram_bytes);
-    ASSERT_TRUE(received.take(datagram));
+  for (const Bytes& bytes : packed(frame, Side::Left)) {
+    ASSERT_LE(bytes.size(), kMaxMessage_bytes);
+    ASSERT_TRUE(received.take(bytes));
   }
   EXPECT_EQ(received.mask, mask) << mask.size().width << " x " << mask.size().height;
   EXPECT_EQ(received.learned, mask.layout().planes() * received.known.size());
@@ -61,12 +61,12 @@ TEST(SlicePacker, TakesTheLongestSides) {
   }
 }
 
-TEST(SlicePacker, FillsItsDatagrams) {
+TEST(SlicePacker, FillsItsMessages) {
   std::mt19937 random(3);
   const ShadowFrame frame = frame_of(EyeMask{}, noise_mask({256, 256}, 3, random));
-  const auto datagrams = packed(frame, Side::Right);
-  for (std::size_t i = 0; i + 1 < datagrams.size(); ++i)
-    EXPECT_GT(datagrams[i].size() + 3 * 32 + 5, kMaxDatagram_bytes) << "slice " << i;
+  const auto messages = packed(frame, Side::Right);
+  for (std::size_t i = 0; i + 1 < messages.size(); ++i)
+    EXPECT_GT(messages[i].size() + 3 * 32 + 5, kMaxMessage_bytes) << "slice " << i;
 }
 
 TEST(SlicePacker, MakesNoSliceOfNothing) {
@@ -80,22 +80,21 @@ TEST(SlicePacker, StartsAfreshInTheMiddle) {
   packer.start(frame, Side::Right);
   ASSERT_TRUE(packer.next());
   packer.start(frame, Side::Left);
-  std::vector<Bytes> datagrams;
-  while (const std::optional<Slice> slice = packer.next())
-    datagrams.push_back(encoded(ServerMessage(*slice)));
-  EXPECT_EQ(datagrams, packed(frame, Side::Left));
+  std::vector<Bytes> messages;
+  while (const std::optional<Slice> slice = packer.next()) messages.push_back(encoded(ServerMessage(*slice)));
+  EXPECT_EQ(messages, packed(frame, Side::Left));
 }
 
 TEST(Slices, DecodeInAnyOrderAndTwice) {
   std::mt19937 random(6);
   const EyeMask mask = noise_mask({96, 96}, 40, random);
-  auto datagrams = packed(frame_of(mask, {}), Side::Left);
-  ASSERT_GT(datagrams.size(), 4u);
-  std::shuffle(datagrams.begin(), datagrams.end(), random);
+  auto messages = packed(frame_of(mask, {}), Side::Left);
+  ASSERT_GT(messages.size(), 4u);
+  std::shuffle(messages.begin(), messages.end(), random);
   Received received(mask);
-  for (const Bytes& datagram : datagrams) {
-    EXPECT_GT(received.take(datagram).value(), 0u);
-    EXPECT_EQ(received.take(datagram).value(), 0u);
+  for (const Bytes& bytes : messages) {
+    EXPECT_GT(received.take(bytes).value(), 0u);
+    EXPECT_EQ(received.take(bytes).value(), 0u);
   }
   EXPECT_EQ(received.mask, mask);
 }
@@ -103,15 +102,15 @@ TEST(Slices, DecodeInAnyOrderAndTwice) {
 TEST(Slices, ALostOneLeavesItsTilesUnknownAndNothingElse) {
   std::mt19937 random(8);
   const EyeMask mask = noise_mask({96, 96}, 3, random);
-  const auto datagrams = packed(frame_of(mask, {}), Side::Left);
+  const auto messages = packed(frame_of(mask, {}), Side::Left);
   const TileGrid grid{mask.size()};
-  for (std::size_t lost = 0; lost < datagrams.size(); ++lost) {
+  for (std::size_t lost = 0; lost < messages.size(); ++lost) {
     Received received(mask);
-    for (std::size_t i = 0; i < datagrams.size(); ++i)
+    for (std::size_t i = 0; i < messages.size(); ++i)
       if (i != lost) {
-        ASSERT_TRUE(received.take(datagrams[i]));
+        ASSERT_TRUE(received.take(messages[i]));
       }
-    const auto gone = std::get<Slice>(*decode_server(datagrams[lost]));
+    const auto gone = std::get<Slice>(*decode_server(messages[lost]));
     for (std::uint32_t y = 0; y < 96; ++y)
       for (std::uint32_t x = 0; x < 96; ++x) {
         const std::uint32_t tile = y / 16 * grid.columns() + x / 16;
@@ -129,8 +128,7 @@ TEST(Slices, TilesNotSentStayAsTheyWere) {
   sent[0] = sent[4] = 0;
   Received received(mask);
   received.mask = old;
-  for (const Bytes& datagram : packed(frame_of(mask, {}), Side::Left, sent))
-    ASSERT_TRUE(received.take(datagram));
+  for (const Bytes& bytes : packed(frame_of(mask, {}), Side::Left, sent)) ASSERT_TRUE(received.take(bytes));
   EXPECT_EQ(received.known, sent);
   EXPECT_EQ(received.learned, 7u);
   for (std::uint32_t y = 0; y < 40; ++y)
@@ -139,12 +137,12 @@ TEST(Slices, TilesNotSentStayAsTheyWere) {
 }
 
 /// What must hold of any bytes: refused and untouched, or taken.
-void expect_harmless(const Bytes& datagram, const EyeMask& like) {
-  const Decoded<ServerMessage> message = decode_server(datagram);
+void expect_harmless(const Bytes& bytes, const EyeMask& like) {
+  const Decoded<ServerMessage> message = decode_server(bytes);
   if (!message || !std::holds_alternative<Slice>(*message)) return;
   Received received(like);
   const Received before = received;
-  if (received.take(datagram)) return;
+  if (received.take(bytes)) return;
   EXPECT_EQ(received.mask, before.mask);
   EXPECT_EQ(received.known, before.known);
 }
