@@ -40,6 +40,11 @@ Expected<std::unique_ptr<DatagramPort>> open_port(const ServeOptions& options, c
   return impaired(std::move(*port), *model, clock);
 }
 
+void say_counters(const ServerCore& core) {
+  fmt::print("{}\n", counters_line(core.counters()));
+  std::fflush(stdout);
+}
+
 }  // namespace
 
 Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
@@ -71,9 +76,9 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   std::fflush(stdout);
   {
     const Serving serving(core);
-    stop.wait();
+    stop.wait([&] { say_counters(core); });
   }
-  fmt::print("{}\n", closing_line(core.counters()));
+  say_counters(core);
   return {};
 }
 

@@ -18,7 +18,8 @@ struct ServeOptions {
   SessionLimits limits;
 };
 
-/// Results go to stdout, the log to stderr. Ends when `stop` says so.
+/// Results go to stdout, the log to stderr. Ends when `stop` says so. Says its counters at the end, and on
+/// SIGUSR1.
 [[nodiscard]] Expected<void> serve(const ServeOptions& options, StopSignal& stop);
 
 }  // namespace farshade

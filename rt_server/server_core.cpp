@@ -16,21 +16,33 @@ void log(const Sessions::Event& event) {
     spdlog::info("welcomed {} at {}", event.name, to_string(event.client));
 }
 
+/// " (3 forged, 1 replayed)".
+std::string reasons(const RefusalCounts& refused) {
+  std::string text;
+  for (std::size_t i = 0; i < kWireRefusals; ++i)
+    if (refused.of[i] > 0)
+      text += fmt::format("{}{} {}", text.empty() ? " (" : ", ", refused.of[i],
+                          name_of(static_cast<WireRefusal>(i)));
+  return text.empty() ? text : text + ")";
+}
+
 }  // namespace
 
-std::string closing_line(const ServerCounters& counters) {
+std::string counters_line(const ServerCounters& counters) {
   const SessionCounters& sessions = counters.sessions;
   const GateCounters& gate = counters.gate;
   return fmt::format(
       "rt_server: {} clients, {} requests, {} superseded, {} outdated, {} frames, {} datagrams and {} bytes "
-      "sent, {} unsent, {} datagrams received, {} of them refused; turned away: {} of another version, {} "
-      "without a "
-      "known key, {} of another scene, {} for want of room, {} too many handshakes; {} frames held back by "
-      "--bytes-per-second",
+      "sent, {} unsent, {} datagrams received, {} oversized, {} refused{}; hellos: {} without a cookie, {} "
+      "repeated; turned away: {} of another version, {} without a known key, {} of another scene, {} for "
+      "want of room, {} too many handshakes; sessions: {} open, {} forgotten, {} replaced, {} moved; {} "
+      "frames held back by --bytes-per-second",
       sessions.welcomed, sessions.requests, sessions.superseded, sessions.outdated, counters.frames,
       counters.port.sent, counters.port.sent_bytes, counters.port.unsent, counters.port.received,
-      counters.refused.total(), gate.version_mismatch, gate.unknown_key, sessions.scene_mismatch,
-      sessions.busy, gate.too_many, sessions.held_back);
+      counters.port.oversized, counters.refused.total(), reasons(counters.refused), gate.retries,
+      sessions.repeated, gate.version_mismatch, gate.unknown_key, sessions.scene_mismatch, sessions.busy,
+      gate.too_many, counters.sessions_open, sessions.forgotten, sessions.replaced, sessions.moved,
+      sessions.held_back);
 }
 
 ServerCore::ServerCore(const Welcome& served, const std::vector<SharedKey>& ring, TraceFunction trace,

@@ -28,8 +28,8 @@ struct ServerCounters {
   std::size_t sessions_open = 0;  ///< now
 };
 
-/// All of `counters` that a person at a terminal cares for, in one line.
-[[nodiscard]] std::string closing_line(const ServerCounters& counters);
+/// `counters` in one line for a person at a terminal; of the reasons for refusals only those that occurred.
+[[nodiscard]] std::string counters_line(const ServerCounters& counters);
 
 /// One thread may call receive(), send_due() and next_due() while another calls wait_for_work() and work();
 /// counters() from any.

@@ -5,19 +5,33 @@
 #include "stereo/base/check.h"
 
 namespace farshade {
+namespace {
+
+sigset_t with_question(sigset_t signals) {
+  sigaddset(&signals, SIGUSR1);
+  return signals;
+}
+
+}  // namespace
 
 StopSignal::StopSignal() {
   sigemptyset(&signals_);
   sigaddset(&signals_, SIGINT);
   sigaddset(&signals_, SIGTERM);
-  check_eq(pthread_sigmask(SIG_BLOCK, &signals_, nullptr), 0, "signals can be blocked");
+  const sigset_t all = with_question(signals_);
+  check_eq(pthread_sigmask(SIG_BLOCK, &all, nullptr), 0, "signals can be blocked");
 }
 
-void StopSignal::wait() {
-  if (came_) return;
-  int signal = 0;
-  check_eq(sigwait(&signals_, &signal), 0, "a stop signal can be waited for");
-  let_the_next_one_through();
+void StopSignal::wait(const std::function<void()>& tell) {
+  const sigset_t all = with_question(signals_);
+  while (!came_) {
+    int signal = 0;
+    check_eq(sigwait(&all, &signal), 0, "a signal can be waited for");
+    if (signal == SIGUSR1)
+      tell();
+    else
+      let_the_next_one_through();
+  }
 }
 
 bool StopSignal::has_come() {

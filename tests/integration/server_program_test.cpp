@@ -62,8 +62,10 @@ TEST_P(ServerProgram, ListensAnswersAndEndsCleanlyOnSignal) {
   const SharedKey& key = test_keys().key;
   EXPECT_EQ(std::get<Welcome>(answer_to(key, hash, *address)).scene_hash, hash);
   EXPECT_EQ(std::get<Refusal>(answer_to(key, {1}, *address)).reason, RefusalReason::SceneMismatch);
-  program.send(GetParam());
-  EXPECT_TRUE(program.line_after("rt_server: 1 clients, 0 requests, ").has_value());
+  for (const int signal : {SIGUSR1, GetParam()}) {
+    program.send(signal);
+    EXPECT_TRUE(program.line_after("rt_server: 1 clients, 0 requests, ").has_value());
+  }
   EXPECT_EQ(program.wait(), 0);
   EXPECT_NE(program.errors().find("give both the same scene file"), std::string::npos);
 }

@@ -34,6 +34,16 @@ TEST_P(StopSignalTest, SecondOneEndsTheProgram) {
       testing::KilledBySignal(GetParam()), "");
 }
 
+TEST_P(StopSignalTest, AQuestionIsAnsweredAndEndsNothing) {
+  StopSignal stop;
+  raise(SIGUSR1);
+  EXPECT_FALSE(stop.has_come());
+  int told = 0;
+  stop.wait([&] { raise(++told < 3 ? SIGUSR1 : GetParam()); });
+  EXPECT_EQ(told, 3);
+  EXPECT_TRUE(stop.has_come());
+}
+
 INSTANTIATE_TEST_SUITE_P(Signals, StopSignalTest, testing::Values(SIGINT, SIGTERM));
 
 }  // namespace
