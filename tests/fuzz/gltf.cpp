@@ -1,5 +1,7 @@
 // glTF: bytes are refused in one sentence, or mean a scene whose every index and number is in range, the same
 // scene each time. No file is opened. Limits are low, so that an allocation sized by the input is seen.
+// An input with a zero byte that is no GLB is JSON and, behind that byte, the binary chunk of a GLB made of
+// both: so the fuzzer may lengthen and shorten either.
 #include "stereo/scene/gltf.h"
 
 #include <cmath>
@@ -59,10 +61,42 @@ void check_state(const Scene& scene, Time time) {
   }
 }
 
+void append(std::vector<std::byte>& file, std::string_view text) {
+  for (const char c : text) file.push_back(static_cast<std::byte>(c));
+}
+
+void append_u32(std::vector<std::byte>& file, std::size_t value) {
+  for (int i = 0; i < 4; ++i) file.push_back(static_cast<std::byte>(value >> 8 * i & 0xff));
+}
+
+/// A GLB, in an allocation that ends where it does.
+std::vector<std::byte> glb_of(std::string json, std::string binary) {
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  binary.resize((binary.size() + 3) / 4 * 4);
+  std::vector<std::byte> file;
+  file.reserve(28 + json.size() + binary.size());
+  append(file, "glTF");
+  append_u32(file, 2);
+  append_u32(file, file.capacity());
+  append_u32(file, json.size());
+  append(file, "JSON" + json);
+  append_u32(file, binary.size());
+  append(file, std::string("BIN\0", 4) + binary);
+  return file;
+}
+
+std::vector<std::byte> file_from(std::string_view input) {
+  const std::size_t zero = input.find('\0');
+  if (!input.starts_with("glTF") && zero != input.npos)
+    return glb_of(std::string(input.substr(0, zero)), std::string(input.substr(zero + 1)));
+  const auto bytes = std::as_bytes(std::span(input));
+  return {bytes.begin(), bytes.end()};
+}
+
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const auto file = std::as_bytes(std::span(data, size));
+  const std::vector<std::byte> file = file_from(fuzz::text_of(data, size));
   const Expected<Scene> scene = load_scene_from_memory(file, {}, kLimits);
   if (!scene) {
     for (const char c : scene.error().what) check(c != '\n' && c != '\x1b', "a refusal is one plain line");

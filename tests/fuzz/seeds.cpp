@@ -21,6 +21,14 @@ void save(const fs::path& path, const Bytes& bytes) {
   check(write_file_atomically(path, bytes).has_value(), "a seed is written");
 }
 
+/// JSON and buffer in the form of gltf.cpp.
+Bytes parts(GltfBuilder file) {
+  Bytes bytes = bytes_of_text(file.json.dump());
+  bytes.push_back(std::byte{0});
+  bytes.insert(bytes.end(), file.bytes().begin(), file.bytes().end());
+  return bytes;
+}
+
 /// The choices of slice_and_tiles.cpp for this slice, then `bytes`.
 Bytes slice_input(unsigned form, const Slice& slice, std::span<const std::byte> bytes) {
   Bytes input =
@@ -56,6 +64,8 @@ int main(int argc, char** argv) {
   save(corpus / "gltf" / "triangle.gltf", triangle_file().gltf());
   save(corpus / "gltf" / "rich.glb", rich_file().glb());
   save(corpus / "gltf" / "rich.gltf", rich_file().gltf());
+  save(corpus / "gltf" / "triangle.parts", parts(triangle_file()));
+  save(corpus / "gltf" / "rich.parts", parts(rich_file()));
   std::mt19937 random(1);
   const fs::path slices = corpus / "slice_and_tiles";
   save_slices(slices, "none", EyeMask({16, 16}, 0));

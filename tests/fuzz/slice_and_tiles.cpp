@@ -54,60 +54,77 @@ EyeMask travelled(const EyeMask& mask) {
   return back;
 }
 
-void decode(const Slice& slice) {
+void check_no_bits_without_light(const EyeMask& mask) {
+  for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane)
+    for (std::uint32_t y = 0; y < mask.size().height; ++y)
+      for (std::uint32_t x = 0; x < mask.size().width; ++x)
+        check((mask.word(x, y, plane) & ~mask.layout().used_bits(plane)) == 0, "no bits where no light is");
+}
+
+/// Whether the slice was taken.
+bool decode(const Slice& slice) {
   EyeMask mask(slice.size, slice.lights);
   KnownTiles known(TileGrid{slice.size}.count(), 0);
   const EyeMask blank = mask;
+  const KnownTiles unknown = known;
   const auto learned = decode_slice_tiles(slice, mask, known);
   if (!learned) {
-    check(mask == blank &&
-              std::count(known.begin(), known.end(), 0) == static_cast<std::ptrdiff_t>(known.size()),
-          "a refused slice changes nothing");
-    return;
+    check(mask == blank && known == unknown, "a refused slice changes nothing");
+    return false;
   }
   check(*learned <= slice.tile_count, "no more tiles than claimed");
+  check_no_bits_without_light(mask);
   const EyeMask once = mask;
   check_eq(decode_slice_tiles(slice, mask, known).value(), 0u, "tiles learned from a duplicate");
   check(mask == once, "a duplicate changes nothing");
   check(travelled(mask) == mask, "packed again, it decodes to the same");
+  return true;
 }
 
-/// Tiles one by one: read, written and read again they are the same bits.
-void read_tiles(std::span<const std::byte> bytes, std::uint32_t lights) {
-  ByteReader in(bytes);
-  TileBits bits, again;
+void check_comes_back(const TileBits& bits, std::uint32_t lights) {
   std::vector<std::byte> written;
-  while (in.remaining() > 0) {
+  write_tile(bits, lights, written);
+  check(written.size() <= kMaxTile_bytes, "no tile is longer than stated");
+  ByteReader in(written);
+  TileBits again;
+  check(read_tile(in, lights, again).has_value() && in.remaining() == 0, "a written tile is read");
+  check(again.varies == bits.varies && again.value == bits.value, "lights come back");
+  for (std::uint32_t light = 0; light < 32; ++light)
+    check((bits.varies >> light & 1) == 0 || again.rows[light] == bits.rows[light], "rows come back");
+}
+
+/// How many tiles `bytes` are, to the last byte; 0 where they are none. Each, written and read again, is the
+/// same.
+std::uint32_t count_tiles(std::span<const std::byte> bytes, std::uint32_t lights) {
+  ByteReader in(bytes);
+  TileBits bits;
+  std::uint32_t count = 0;
+  for (; in.remaining() > 0; ++count) {
     const auto coding = read_tile(in, lights, bits);
-    if (!coding) return;
-    if (*coding == TileCoding::NotSent) continue;
-    written.clear();
-    write_tile(bits, lights, written);
-    check(written.size() <= kMaxTile_bytes, "no tile is longer than stated");
-    ByteReader back(written);
-    check(read_tile(back, lights, again).has_value() && back.remaining() == 0, "a written tile is read");
-    check(again.varies == bits.varies && again.value == bits.value, "lights come back");
-    for (std::uint32_t light = 0; light < 32; ++light)
-      check((bits.varies >> light & 1) == 0 || again.rows[light] == bits.rows[light], "rows come back");
+    if (!coding) return 0;
+    if (*coding != TileCoding::NotSent) check_comes_back(bits, lights);
   }
+  return count;
+}
+
+/// An LZ4 block of `bytes`, in an allocation of its own length, as a datagram is.
+std::vector<char> compressed(std::span<const std::byte> bytes) {
+  const int size = static_cast<int>(bytes.size());
+  std::vector<char> block(static_cast<std::size_t>(LZ4_compressBound(size)));
+  const int filled = LZ4_compress_default(reinterpret_cast<const char*>(bytes.data()), block.data(), size,
+                                          static_cast<int>(block.size()));
+  return {block.begin(), block.begin() + filled};
 }
 
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  Input input = input_from({data, size});
-  std::vector<char> block;
-  if (input.form == Form::Tiles) {
-    read_tiles(input.bytes, MaskLayout{input.slice.lights}.lights_in(input.slice.plane));
-    block.resize(static_cast<std::size_t>(LZ4_compressBound(static_cast<int>(input.bytes.size()))));
-    const int filled =
-        LZ4_compress_default(reinterpret_cast<const char*>(input.bytes.data()), block.data(),
-                             static_cast<int>(input.bytes.size()), static_cast<int>(block.size()));
-    // In an allocation of its own length, as a datagram is.
-    block = std::vector<char>(block.begin(), block.begin() + filled);
-    input.bytes = std::as_bytes(std::span(block));
-  }
-  input.slice.block = input.bytes;
-  decode(input.slice);
+  auto [slice, form, bytes] = input_from({data, size});
+  slice.block = bytes;
+  if (form == Form::Block || bytes.size() > kMaxSliceOpened_bytes) return decode(slice), 0;
+  const std::vector<char> block = compressed(bytes);
+  slice.block = std::as_bytes(std::span(block));
+  const std::uint32_t tiles = count_tiles(bytes, MaskLayout{slice.lights}.lights_in(slice.plane));
+  check_eq(decode(slice), tiles == slice.tile_count, "taken if it is exactly the tiles that it claims");
   return 0;
 }
