@@ -245,6 +245,12 @@ TEST(Handshake, AServerThatRestartsNeverReusesANonceUnderAKey) {
   EXPECT_TRUE(opener.open(std::get<Sealed>(*open_server_envelope(b)), b, opened));
 }
 
+/// Where nothing is sealed the echo alone tells them apart.
+TEST(Handshake, OfTheKeyThatEveryoneKnowsTakesItsOwnAnswerOnly) {
+  const ClientHandshake mine(insecure_key(), counting_hash()), other(insecure_key(), counting_hash());
+  EXPECT_FALSE(take(mine, accepted(hello_of(other), insecure_key(), welcome()).datagram));
+}
+
 TEST(Handshake, OfTheKeyThatEveryoneKnowsSealsNothing) {
   const ClientHandshake client(insecure_key(), counting_hash());
   const Accepted server = accepted(hello_of(client), insecure_key(), welcome());
