@@ -117,7 +117,7 @@ Expected<void> open_link(const Options& options, Client& client) {
                       frames_in_flight(options));
   const Stopwatch meeting;
   const Expected<void> met = client.link->meet(kMeetPatience);
-  client.round_trip = meeting.elapsed();
+  client.round_trip = meeting.elapsed() / 2;  // a handshake takes two
   if (!met) {
     if (met.error().fault == Fault::Mismatch) return met;
     spdlog::warn("{}; going on without shadows from it, and trying again", met.error().what);

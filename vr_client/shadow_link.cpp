@@ -177,6 +177,12 @@ void ShadowLink::poll() {
   }
 }
 
+void ShadowLink::listen(Duration span) {
+  const Time until = clock_.now() + span;
+  poll();
+  for (Time now = clock_.now(); now < until; now = clock_.now()) receive_one(until - now);
+}
+
 bool ShadowLink::wait_for(FrameId frame, Duration patience) {
   const Time until = clock_.now() + patience;
   const auto whole = [&] {

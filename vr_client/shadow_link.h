@@ -40,6 +40,9 @@ class ShadowLink {
   /// Takes in all that has arrived.
   void poll();
 
+  /// Takes in what arrives for so long.
+  void listen(Duration span);
+
   /// Takes in what arrives until `frame` is whole or `patience` is over. True if it is whole.
   bool wait_for(FrameId frame, Duration patience);
 

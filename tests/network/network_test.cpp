@@ -1,0 +1,130 @@
+// A whole session in virtual time over every named network: it goes on, gently.
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "stereo/scene/gltf.h"
+#include "stereo/trace/reader.h"
+#include "tests/network/rehearsal.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kPeriod = Duration(1'000'000'000 / 72);
+
+struct Stage_ {
+  gpu::Device device = gpu::open_device({.name_contains = "llvmpipe"}).value();
+  Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
+  HeadTrace head = load_head_trace(FARSHADE_ASSETS "/walk.csv", {}).value();
+};
+
+/// Opened once: a scene and a device for all tests of this program.
+const Stage_& stage() {
+  static const Stage_ one;
+  return one;
+}
+
+Played played(const Network& network, std::uint32_t frames = 72, std::uint32_t reference_every = 0) {
+  return play({.device = stage().device,
+               .scene = stage().scene,
+               .head = stage().head,
+               .size = {64, 64},
+               .frames = frames,
+               .reference_every = reference_every},
+              network);
+}
+
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+std::vector<std::string> names() {
+  std::vector<std::string> all;
+  for (const Network& network : named_networks()) all.push_back(network.name);
+  return all;
+}
+
+class OverNetwork : public testing::TestWithParam<std::string> {};
+
+TEST_P(OverNetwork, EveryFrameIsShownAndNoneGoesBack) {
+  const Network network = network_from(GetParam()).value();
+  const bool slow = network.moves_every > 0s || network.model.silence > 0s;
+  const Played run = played(network, slow ? 450 : 100);
+  EXPECT_EQ(run.frames.size(), slow ? 450u : 100u);
+  std::optional<FrameId> newest;
+  for (const PlayedFrame& frame : run.frames) {
+    if (!frame.newest) {
+      EXPECT_FALSE(newest.has_value()) << "what was in hand is lost";
+      continue;
+    }
+    EXPECT_TRUE(!newest || *newest == *frame.newest || is_newer(*frame.newest, *newest));
+    newest = frame.newest;
+  }
+  EXPECT_EQ(newest.has_value(), network.model.loss < 1);
+  EXPECT_LT(run.heap_at_end, run.heap_at_half + (64u << 10)) << "memory is flat";
+}
+
+INSTANTIATE_TEST_SUITE_P(Named, OverNetwork, testing::ValuesIn(names()), [](const auto& each) {
+  std::string name = each.param;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
+
+TEST(OverNetworkTwice, IsTheSameToTheLastBit) {
+  const Network poor = network_from("poor").value();
+  const Played a = played(poor, 60, 5), b = played(poor, 60, 5);
+  EXPECT_EQ(a.worse_eye(&EyeErrors::mask_error), b.worse_eye(&EyeErrors::mask_error));
+  EXPECT_EQ(a.worse_eye(&EyeErrors::psnr_db), b.worse_eye(&EyeErrors::psnr_db));
+  EXPECT_EQ(a.client.assembler, b.client.assembler);
+  for (std::size_t i = 0; i < a.frames.size(); ++i) EXPECT_EQ(a.frames[i].newest, b.frames[i].newest);
+}
+
+TEST(OverNetworkLoss, OfFivePercentLeavesFivePercentOfTilesToOlderMasks) {
+  const Played run = played({"", {.delay = 25ms, .loss = 0.05}}, 300);
+  EXPECT_GE(run.tiles_current(), 0.945);
+  EXPECT_LT(run.tiles_current(), 0.97) << "nothing was lost";
+}
+
+TEST(OverNetworkLoss, CostsLessThanADecibel) {
+  const double clean = mean(played({"", {.delay = 25ms}}, 120, 4).worse_eye(&EyeErrors::psnr_db));
+  for (const double burst : {1.0, 8.0}) {
+    const Played lossy = played({"", {.delay = 25ms, .loss = 0.05, .burst = burst}}, 120, 4);
+    EXPECT_GT(mean(lossy.worse_eye(&EyeErrors::psnr_db)), clean - 1.0) << "burst " << burst;
+    EXPECT_LT(lossy.tiles_current(), 0.99) << "nothing was lost";
+  }
+}
+
+TEST(OverNetworkSilence, IsOverOneRoundTripAndTwoFramesAfterIt) {
+  constexpr Duration kWay = 25ms;
+  const Played run = played({"", {.delay = kWay, .silence = 2s, .silence_every = 5s}}, 500);
+  const Time ended(5s);
+  const auto first_after = std::find_if(run.frames.begin(), run.frames.end(), [&](const PlayedFrame& frame) {
+    return frame.newest_asked >= ended;
+  });
+  ASSERT_NE(first_after, run.frames.end());
+  EXPECT_LE(first_after->at - ended, 2 * kWay + 2 * kPeriod);
+  EXPECT_EQ(run.client.sessions, 1u) << "the session lived through it";
+}
+
+TEST(OverNetworkMove, GoesOnAtTheNewAddress) {
+  const Played run = played({"", {.delay = 5ms}, 2s}, 450);
+  EXPECT_EQ(run.server.sessions.moved, 3u);
+  EXPECT_EQ(run.client.sessions, 1u);
+  for (std::size_t i = 40; i < run.frames.size(); ++i)
+    EXPECT_LT(run.frames[i].at - *run.frames[i].newest_asked, 100ms) << "frame " << i;
+}
+
+TEST(OverNetworkRate, MasksComeLessOftenAndThenSmallerWhereThePathIsNarrow) {
+  const Played wide = played({"", {.delay = 5ms}}, 200);
+  const Played narrow = played({"", {.delay = 5ms, .rate_bytes_per_s = 60e3}}, 500);
+  EXPECT_GT(wide.server.frames, 195u);
+  EXPECT_LT(narrow.server.frames, 250u);
+  EXPECT_GT(narrow.server.frames, 20u);
+  for (std::size_t i = 300; i < narrow.frames.size(); ++i)
+    ASSERT_LT(narrow.frames[i].at - *narrow.frames[i].newest_asked, 500ms) << "frame " << i;
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,178 @@
+#include "tests/network/rehearsal.h"
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "stereo/base/check.h"
+#include "stereo/tracer/tracer.h"
+#include "vr_client/recorder.h"
+#include "vr_client/trace_runtime.h"
+
+namespace farshade {
+namespace {
+
+constexpr std::uint32_t kLongestRoundTrip_frames = 24;
+constexpr Duration kPatience = std::chrono::seconds(3);
+
+/// A recorded head whose frames begin by the link's clock.
+class LinkRuntime final : public Runtime {
+ public:
+  LinkRuntime(TraceRuntime& head, ShadowLink& link, ManualClock& clock, std::function<void()> before_frame)
+      : head_(head),
+        link_(link),
+        clock_(clock),
+        begun_(clock.now()),
+        before_frame_(std::move(before_frame)) {}
+
+  [[nodiscard]] std::optional<FrameTiming> wait_frame() override {
+    const std::optional<FrameTiming> timing = head_.wait_frame();
+    if (!timing) return timing;
+    first_ = first_.value_or(timing->display_time);
+    link_.listen(begun_ + (timing->display_time - *first_) - clock_.now());
+    before_frame_();
+    return timing;
+  }
+  [[nodiscard]] StereoView locate_views(Time display_time) const override {
+    return head_.locate_views(display_time);
+  }
+  void end_frame(Time display_time) override { head_.end_frame(display_time); }
+
+ private:
+  TraceRuntime& head_;
+  ShadowLink& link_;
+  ManualClock& clock_;
+  Time begun_;
+  std::optional<Time> first_;
+  std::function<void()> before_frame_;
+};
+
+double known_share(const ReceivedFrame& frame) {
+  std::size_t known = 0, all = 0;
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    known += frame.tiles_known[eye];
+    all += frame.known_tiles[eye].size() * frame.masks[eye].layout().planes();
+  }
+  return static_cast<double>(known) / static_cast<double>(all);
+}
+
+template <class T>
+T value_of(Expected<T> value) {
+  if (!value) throw std::runtime_error(value.error().what);
+  return std::move(*value);
+}
+
+}  // namespace
+
+std::vector<Network> named_networks() {
+  std::vector<Network> networks;
+  for (const NamedNetwork& named : kNetworks) networks.push_back({std::string(named.name), named.model});
+  networks.push_back({"moving", {.delay = std::chrono::milliseconds(5)}, std::chrono::seconds(5)});
+  return networks;
+}
+
+Expected<Network> network_from(const std::string& text) {
+  for (const Network& network : named_networks())
+    if (network.name == text) return network;
+  return parse_link_model(text).map([&](const LinkModel& model) { return Network{text, model}; });
+}
+
+std::vector<double> Played::worse_eye(double EyeErrors::*figure) const {
+  std::vector<double> values;
+  for (std::size_t i = 0; i < log.records().size(); ++i) {
+    const FrameRecord& record = log.records()[i];
+    if (!record.errors || !frames[i].newest) continue;
+    const double left = (*record.errors)[0].*figure, right = (*record.errors)[1].*figure;
+    values.push_back(figure == &EyeErrors::psnr_db ? std::min(left, right) : std::max(left, right));
+  }
+  return values;
+}
+
+double Played::tiles_current() const {
+  double sum = 0;
+  std::size_t shown = 0;
+  for (const PlayedFrame& frame : frames)
+    if (frame.newest) sum += frame.tiles_current, ++shown;
+  return shown == 0 ? 0 : sum / static_cast<double>(shown);
+}
+
+Played play(const Play& play, const Network& network) {
+  ManualClock clock;
+  VirtualLink wire(clock, {.to_server = network.model, .to_client = network.model});
+  Tracer tracer = value_of(Tracer::create(play.scene));
+  Reference reference(value_of(Tracer::create(play.scene)));
+  const auto lights = narrow<std::uint32_t>(play.scene.lights.size());
+  const SharedKey key{.name = "rehearsal", .secret = {1}};
+  ServerCore core(
+      {play.scene.hash, lights}, {key},
+      [&](const TraceRequest& request, ShadowFrame& frame) { return tracer.trace(request, frame); },
+      wire.server(), clock, play.limits);
+  wire.while_waiting(
+      [&] {
+        while (core.receive(Duration::zero())) {
+        }
+        while (core.work()) {
+        }
+        core.send_due();
+      },
+      [&] { return core.next_due(); });
+
+  const std::uint32_t in_flight =
+      kLongestRoundTrip_frames + narrow<std::uint32_t>(ShadingPass::kMaxMasks) + 4;
+  Renderer renderer(play.device, play.scene,
+                    {.size = play.size, .traced_size = largest_traced(play.size), .depth_frames = in_flight});
+  ShadowLink link(wire.client(), clock, {wire.server().local(), key, play.scene.hash, lights}, in_flight);
+  const Expected<void> met = link.meet(kPatience);
+  const Duration round_trip = met ? (clock.now() - Time{}) / 2 : Duration::zero();
+
+  TraceRuntime head(play.head,
+                    {.stage_from_recorded =
+                         play.scene.camera ? place(play.head, *play.scene.camera) : Rigid<Stage, Recorded>{},
+                     .eye_size = play.size,
+                     .refresh_hz = play.refresh_hz,
+                     .skip = play.skip,
+                     .frames = play.frames,
+                     .pace = Pace::Virtual});
+  Time moved = clock.now();
+  LinkRuntime runtime(head, link, clock, [&] {
+    if (network.moves_every == Duration::zero() || clock.now() - moved < network.moves_every) return;
+    moved = clock.now();
+    wire.move_client(0);
+  });
+  Recorder recorder({.out = {},
+                     .frame_count = play.frames,
+                     .reference_every = play.reference_every,
+                     .pictures = 0,
+                     .dump = {}},
+                    renderer, &reference);
+  Played played;
+  const Session session{.scene = play.scene,
+                        .runtime = runtime,
+                        .renderer = renderer,
+                        .link = &link,
+                        .policy = {.pace = Pace::Real, .round_trip = round_trip},
+                        .wish = {},
+                        .carry_over = {},
+                        .report = ShadingPass::Report::On};
+  const auto watch = [&](const FrameView& view) {
+    recorder.watch(view);
+    PlayedFrame frame{.at = clock.now(), .scale_eighths = link.scale_eighths()};
+    if (view.newest != nullptr) {
+      frame.newest = view.newest->request.frame;
+      frame.newest_asked = clock.now() - view.age.value();
+      frame.tiles_current = known_share(*view.newest);
+    }
+    played.frames.push_back(frame);
+    if (played.frames.size() == play.frames / 2) played.heap_at_half = mallinfo2().uordblks;
+  };
+  const Expected<void> shown = run(session, watch, [] { return false; });
+  if (!shown) throw std::runtime_error(shown.error().what);
+  played.heap_at_end = mallinfo2().uordblks;
+  played.log = recorder.log();
+  played.client = link.counters();
+  played.server = core.counters();
+  return played;
+}
+
+}  // namespace farshade

@@ -1,0 +1,64 @@
+/// Rehearsal: a server and a client, whole, over a virtual link in virtual time. What is shown, and how wrong
+/// it is, depends on nothing but scene, head and network: the same on every run. Only run times are the
+/// machine's.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rt_server/server_core.h"
+#include "stereo/net/virtual_link.h"
+#include "stereo/trace/head_trace.h"
+#include "vr_client/report/frame_log.h"
+#include "vr_client/session.h"
+
+namespace farshade {
+
+/// What lies between server and client.
+struct Network {
+  std::string name;
+  LinkModel model;         ///< of either direction
+  Duration moves_every{};  ///< the client's address changes so often; 0 = never
+};
+
+/// kNetworks, and one on which the client's address changes every 5 s.
+[[nodiscard]] std::vector<Network> named_networks();
+
+/// As people write it: a name of named_networks() or what parse_link_model takes.
+[[nodiscard]] Expected<Network> network_from(const std::string& text);
+
+struct Play {
+  const gpu::Device& device;
+  const Scene& scene;
+  const HeadTrace& head;
+  Extent size{128, 128};
+  double refresh_hz = 72;
+  std::uint32_t frames = 72;
+  std::uint32_t reference_every = 8;  ///< frames of which the error is measured; 0 = none
+  Duration skip{};                    ///< of the head's beginning
+  SessionLimits limits{};
+};
+
+struct PlayedFrame {
+  Time at;                          ///< on the link's clock: when the frame was begun
+  std::optional<FrameId> newest{};  ///< mask it was shown with
+  std::optional<Time> newest_asked{};
+  double tiles_current = 0;  ///< share of the newest mask's tiles that have come, of both eyes
+  std::uint32_t scale_eighths = 8;
+};
+
+struct Played {
+  FrameLog log;
+  std::vector<PlayedFrame> frames;
+  ShadowLink::Counters client;
+  ServerCounters server;
+  std::size_t heap_at_half = 0, heap_at_end = 0;  ///< bytes in use
+
+  [[nodiscard]] std::vector<double> worse_eye(double EyeErrors::*figure) const;
+  [[nodiscard]] double tiles_current() const;  ///< mean over frames with a mask
+};
+
+/// Plays `frames` display frames. The server's trace takes no virtual time.
+[[nodiscard]] Played play(const Play& play, const Network& network);
+
+}  // namespace farshade
