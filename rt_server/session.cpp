@@ -21,8 +21,8 @@ std::uint64_t random_token() {
 
 }  // namespace
 
-Session::Session(std::string name, const Peer& client, const PublicKey& hello, const Accepted& accepted,
-                 Time now, const RateLimits& limits)
+ClientSession::ClientSession(std::string name, const Peer& client, const PublicKey& hello,
+                             const Accepted& accepted, Time now, const RateLimits& limits)
     : name_(std::move(name)),
       id_(accepted.keys.session),
       hello_(hello),
@@ -34,8 +34,9 @@ Session::Session(std::string name, const Peer& client, const PublicKey& hello, c
       heard_(now),
       rate_(limits) {}
 
-Decoded<Heard> Session::take(const Peer& from, const Sealed& sealed, std::span<const std::byte> datagram,
-                             Time now, std::vector<std::byte>& probe) {
+Decoded<Heard> ClientSession::take(const Peer& from, const Sealed& sealed,
+                                   std::span<const std::byte> datagram, Time now,
+                                   std::vector<std::byte>& probe) {
   const bool newest = !opener_.window().newest() || sealed.counter > *opener_.window().newest();
   const Decoded<std::span<const std::byte>> opened = opener_.open(sealed, datagram, message_);
   if (!opened) return refuse(opened.error());
@@ -50,7 +51,8 @@ Decoded<Heard> Session::take(const Peer& from, const Sealed& sealed, std::span<c
 
 /// An address is believed once who is there has said the token that was sent there: a datagram caught on its
 /// way and sent on from elsewhere moves nothing.
-void Session::follow(const Peer& from, bool newest, std::uint64_t probe_echo, std::vector<std::byte>& probe) {
+void ClientSession::follow(const Peer& from, bool newest, std::uint64_t probe_echo,
+                           std::vector<std::byte>& probe) {
   if (from == client_) {
     if (newest) candidate_.reset();
     return;
@@ -69,7 +71,7 @@ void Session::follow(const Peer& from, bool newest, std::uint64_t probe_echo, st
   rate_.sent(sealer_.seal(message_, probe), probe.size(), heard_);
 }
 
-Heard Session::take(const RequestMessage& message, Time now) {
+Heard ClientSession::take(const RequestMessage& message, Time now) {
   rate_.heard(message.arrivals, now);
   merge(lights_, message.request.lights);
   const FrameId frame = message.request.frame;
@@ -85,7 +87,7 @@ Heard Session::take(const RequestMessage& message, Time now) {
 
 /// In virtual time a client asks less often than its display would; in real time requests may bunch up on the
 /// way.
-void Session::learn_interval(const TraceRequest& request, Time now) {
+void ClientSession::learn_interval(const TraceRequest& request, Time now) {
   if (newest_) {
     const Duration seen = std::min(request.display_time - newest_display_, now - newest_arrived_);
     interval_ += (std::clamp(seen, Duration::zero(), kLongestInterval) - interval_) / 8;
@@ -94,12 +96,12 @@ void Session::learn_interval(const TraceRequest& request, Time now) {
   newest_arrived_ = now;
 }
 
-std::optional<Time> Session::ready_at() const {
+std::optional<Time> ClientSession::ready_at() const {
   if (!waiting_ || !outbox_.empty()) return std::nullopt;
   return outbox_.drained_at();
 }
 
-Job Session::take_job(std::uint64_t turn) {
+Job ClientSession::take_job(std::uint64_t turn) {
   served_ = turn;
   Job job = std::move(*std::exchange(waiting_, std::nullopt));
   job.superseded = superseded_;
@@ -109,7 +111,7 @@ Job Session::take_job(std::uint64_t turn) {
   return job;
 }
 
-void Session::put(std::span<const std::vector<std::byte>> messages, Time now) {
+void ClientSession::put(std::span<const std::vector<std::byte>> messages, Time now) {
   const auto spread = std::chrono::duration_cast<Duration>(interval_ * kPacedShare);
   const double rate = rate_.bytes_per_second();
   std::size_t bytes = 0;
@@ -119,7 +121,7 @@ void Session::put(std::span<const std::vector<std::byte>> messages, Time now) {
   quality_.packed(bytes, asked_scale_, rate, interval_, now);
 }
 
-void Session::seal_due(Time now, std::vector<std::byte>& datagram) {
+void ClientSession::seal_due(Time now, std::vector<std::byte>& datagram) {
   const std::uint64_t counter = sealer_.seal(outbox_.take(), datagram);
   rate_.sent(counter, datagram.size(), now);
 }

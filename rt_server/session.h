@@ -1,5 +1,5 @@
-/// Session: all that the server keeps of one client that has proved address and key. A value without sockets,
-/// threads or clocks; of bounded size, and none of it shared with another client.
+/// ClientSession: all that the server keeps of one client that has proved address and key. A value without
+/// sockets, threads or clocks; of bounded size, and none of it shared with another client.
 #pragma once
 
 #include <optional>
@@ -30,10 +30,10 @@ enum class Heard : std::uint8_t {
   Outdated,    ///< a request not newer than one that came before
 };
 
-class Session {
+class ClientSession {
  public:
-  Session(std::string name, const Peer& client, const PublicKey& hello, const Accepted& accepted, Time now,
-          const RateLimits& limits);
+  ClientSession(std::string name, const Peer& client, const PublicKey& hello, const Accepted& accepted,
+                Time now, const RateLimits& limits);
 
   [[nodiscard]] SessionId id() const { return id_; }
   [[nodiscard]] const std::string& name() const { return name_; }

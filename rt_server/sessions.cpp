@@ -32,7 +32,7 @@ void Sessions::greet(const Peer& from, const Hello& hello, std::span<const std::
                      std::vector<std::byte>& answer) {
   const SharedKey* const key = gate_.admit(from, hello, datagram, now, answer);
   if (key == nullptr) return;
-  const auto known = std::ranges::find(sessions_, hello.client, &Session::hello);
+  const auto known = std::ranges::find(sessions_, hello.client, &ClientSession::hello);
   if (known != sessions_.end()) {
     ++counters_.repeated;
     answer.assign(known->accept_datagram().begin(), known->accept_datagram().end());
@@ -62,7 +62,7 @@ void Sessions::greet(const Peer& from, const Hello& hello, std::span<const std::
 
 Decoded<void> Sessions::take(const Peer& from, const Sealed& sealed, std::span<const std::byte> datagram,
                              Time now, std::vector<std::byte>& answer) {
-  Session* const session = find(sealed.session);
+  ClientSession* const session = find(sealed.session);
   if (session == nullptr) {
     encode(NoSession{sealed.session}, answer);
     check(answer.size() <= datagram.size(), "a stranger gets no more than it sent");
@@ -82,24 +82,24 @@ Decoded<void> Sessions::take(const Peer& from, const Sealed& sealed, std::span<c
 
 /// A client that was started anew at its address needs its older session no more.
 void Sessions::end_earlier(SessionId kept) {
-  const Session& newer = *find(kept);
+  const ClientSession& newer = *find(kept);
   const std::string name = newer.name();
   const Peer client = newer.client();
-  counters_.replaced += std::erase_if(sessions_, [&](const Session& session) {
+  counters_.replaced += std::erase_if(sessions_, [&](const ClientSession& session) {
     return session.id() != kept && session.name() == name && session.client() == client;
   });
 }
 
 std::optional<Job> Sessions::next_job(Time now) {
-  Session* next = nullptr;
-  for (Session& session : sessions_)
+  ClientSession* next = nullptr;
+  for (ClientSession& session : sessions_)
     if (session.is_ready(now) && (next == nullptr || session.served() < next->served())) next = &session;
   if (next == nullptr) return std::nullopt;
   return next->take_job(++turn_);
 }
 
 void Sessions::put(SessionId id, std::span<const std::vector<std::byte>> messages, Time now) {
-  Session* const session = find(id);
+  ClientSession* const session = find(id);
   if (session == nullptr) return;
   const std::uint64_t before = session->held_back();
   session->put(messages, now);
@@ -107,8 +107,8 @@ void Sessions::put(SessionId id, std::span<const std::vector<std::byte>> message
 }
 
 bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {
-  Session* next = nullptr;
-  for (Session& session : sessions_)
+  ClientSession* next = nullptr;
+  for (ClientSession& session : sessions_)
     if (session.due() && *session.due() <= now && (next == nullptr || *session.due() < *next->due()))
       next = &session;
   if (next == nullptr) return false;
@@ -119,7 +119,7 @@ bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {
 
 std::optional<Time> Sessions::job_at() const {
   std::optional<Time> earliest;
-  for (const Session& session : sessions_)
+  for (const ClientSession& session : sessions_)
     if (const std::optional<Time> at = session.ready_at(); at && (!earliest || *at < *earliest))
       earliest = at;
   return earliest;
@@ -127,18 +127,18 @@ std::optional<Time> Sessions::job_at() const {
 
 std::optional<Time> Sessions::due_at() const {
   std::optional<Time> earliest;
-  for (const Session& session : sessions_)
+  for (const ClientSession& session : sessions_)
     if (const std::optional<Time> at = session.due(); at && (!earliest || *at < *earliest)) earliest = at;
   return earliest;
 }
 
-Session* Sessions::find(SessionId id) {
-  const auto found = std::ranges::find(sessions_, id, &Session::id);
+ClientSession* Sessions::find(SessionId id) {
+  const auto found = std::ranges::find(sessions_, id, &ClientSession::id);
   return found == sessions_.end() ? nullptr : &*found;
 }
 
 void Sessions::forget_silent(Time now) {
-  counters_.forgotten += std::erase_if(sessions_, [&](const Session& session) {
+  counters_.forgotten += std::erase_if(sessions_, [&](const ClientSession& session) {
     return now - session.heard_at() > (session.is_confirmed() ? limits_.silence : limits_.unconfirmed);
   });
 }

@@ -77,12 +77,12 @@ class Sessions {
                      std::vector<std::byte>& answer);
   void end_earlier(SessionId kept);
   void forget_silent(Time now);
-  [[nodiscard]] Session* find(SessionId id);
+  [[nodiscard]] ClientSession* find(SessionId id);
 
   Welcome served_;
   SessionLimits limits_;
   Gate gate_;
-  std::vector<Session> sessions_;
+  std::vector<ClientSession> sessions_;
   std::uint64_t turn_ = 0;
   SessionCounters counters_;
   std::optional<Event> event_;
