@@ -28,6 +28,9 @@ class ChildProgram {
 
   void send(int signal) const { kill(pid_, signal); }
 
+  /// While it has not been waited for.
+  [[nodiscard]] pid_t id() const { return pid_; }
+
   /// Waits for its end: the exit status, or minus the signal that ended it.
   int wait();
 

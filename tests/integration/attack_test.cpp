@@ -1,0 +1,231 @@
+// A real rt_server under a million hostile datagrams: its good client sees nothing of them, its memory stays,
+// its counters name each, and no attacker gets more bytes than it sent. In step with the server, because a
+// full socket buffer is a full pipe: it loses whoever's datagrams.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <fstream>
+#include <regex>
+#include <thread>
+
+#include "stereo/base/check.h"
+#include "stereo/net/udp.h"
+#include "stereo/scene/gltf.h"
+#include "tests/integration/attack_tools.h"
+#include "tests/integration/client_program.h"
+#include "tests/integration/test_keys.h"
+#include "vr_client/shadow_link.h"
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define FARSHADE_SANITIZED 1
+#else
+#define FARSHADE_SANITIZED 0
+#endif
+
+namespace farshade {
+namespace {
+
+constexpr bool kSanitized = FARSHADE_SANITIZED != 0;  // slow, and their memory says nothing of ours
+constexpr std::uint64_t kAttacks = kSanitized ? 10'000 : 1'000'000;
+/// At once: they fit a socket buffer of the kernel's usual 208 KiB with the good client's.
+constexpr int kBatch = 32;
+constexpr std::uint32_t kPoses = 24;
+constexpr Duration kPatience = std::chrono::seconds(20);
+constexpr std::uint64_t kSeed = 20'240'607;
+const std::string kScene = FARSHADE_ASSETS "/box_over_plane.gltf";
+
+/// Resident, of the process `pid`.
+double memory_KiB(pid_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/smaps_rollup");
+  for (std::string word; file >> word;)
+    if (word == "Rss:" && file >> word) return std::stod(word);
+  ADD_FAILURE() << "no memory of process " << pid << " to be seen";
+  return NAN;
+}
+
+/// The server's counters, as it says them.
+struct Counts {
+  std::string line;
+
+  [[nodiscard]] std::uint64_t of(const std::string& what) const {
+    std::smatch found;
+    return std::regex_search(line, found, std::regex("(\\d+) " + what + "\\b")) ? std::stoull(found[1]) : 0;
+  }
+};
+
+/// A client of the scene that asks in lockstep, round and round along the same poses.
+class Walker {
+ public:
+  Walker(DatagramPort& port, const LinkTarget& target) : link_(port, clock_, target, 4) {
+    if (const auto met = link_.meet(kPatience); !met) throw std::runtime_error(met.error().what);
+  }
+
+  /// The masks from the next pose; nothing if they are not whole within kPatience.
+  std::optional<PerEye<EyeMask>> next_masks() {
+    frame_ = next(frame_);
+    const Time shown(Duration(std::chrono::milliseconds(14)) * frame_.value);
+    link_.request({frame_, shown, Time{}, views_at((frame_.value - 1) % kPoses)}, shown);
+    if (!link_.wait_for(frame_, kPatience)) return std::nullopt;
+    return link_.find(frame_)->masks;
+  }
+
+  [[nodiscard]] ShadowLink::Counters counters() const { return link_.counters(); }
+
+ private:
+  static StereoView views_at(std::uint32_t pose) {
+    StereoView views;
+    for (const Side side : kSides) {
+      View& view = views[index_of(side)];
+      view = {{}, {-0.8, 0.8, 0.7, -0.9}, kClientSize};
+      view.stage_from_eye.translation = {0.1 * pose - 1.2 + 0.064 * static_cast<double>(index_of(side)), 1.5,
+                                         4};
+    }
+    return views;
+  }
+
+  SteadyClock clock_;
+  ShadowLink link_;
+  FrameId frame_;
+};
+
+/// A server, its good client with somebody on its path, and a client that has left: overheard, too.
+class Attack : public testing::Test {
+ protected:
+  void SetUp() override {
+    const Expected<Scene> scene = load_scene(kScene);
+    ASSERT_TRUE(scene.has_value());
+    target_ = {udp_.server, test_keys().key, scene->hash, narrow<std::uint32_t>(scene->lights.size())};
+    leave_a_ghost();
+    good_.emplace(on_path_, target_);
+    for (std::uint32_t pose = 0; pose < kPoses; ++pose) {
+      const auto masks = good_->next_masks();
+      ASSERT_TRUE(masks.has_value()) << pose;
+      undisturbed_.push_back(*masks);
+    }
+    ASSERT_NE(undisturbed_.front(), undisturbed_.back());
+  }
+
+  /// A genuine client, whole and gone; its address is free for others.
+  void leave_a_ghost() {
+    UdpClient udp = connect_udp(server_.address()).value();
+    OnPath heard(*udp.port, ghost_said_, kSeed);
+    Walker walker(heard, target_);
+    for (int frames = 0; frames < 4; ++frames) ASSERT_TRUE(walker.next_masks().has_value());
+    ghost_address_ = "127.0.0.1:" + std::to_string(udp.port->local().port);
+  }
+
+  /// The server's counters when it has handled all that was sent before.
+  Counts counts() {
+    EXPECT_TRUE(strangers_->catch_up());
+    server_.program().send(SIGUSR1);
+    const auto line = server_.program().line_after("rt_server: ");
+    EXPECT_TRUE(line.has_value());
+    return {line.value_or("")};
+  }
+
+  void attack_by_strangers() {
+    const auto ghost = listen_udp(ghost_address_);
+    failed_ = !ghost.has_value();
+    Random random(kSeed + 3);
+    for (std::uint64_t sent = 0; sent < kAttacks && !failed_; sent += kBatch) {
+      for (int i = 0; i < kBatch; ++i) strangers_->send_one();
+      if (sent % (32 * kBatch) == 0) {
+        (*ghost)->send(udp_.server, ghost_said_.any_hello(random));
+        (*ghost)->send(udp_.server, ghost_said_.any_sealed(random));
+        ++from_ghost_.hellos;
+        ++from_ghost_.sealed;
+      }
+      failed_ = !strangers_->catch_up();
+      drain(**ghost);
+    }
+    if (ghost) strangers_->settle(**ghost);
+  }
+
+  RunningServer server_{kScene};
+  UdpClient udp_ = connect_udp(server_.address()).value();
+  LinkTarget target_;
+  Overheard ghost_said_, good_said_;
+  std::string ghost_address_;
+  OnPath on_path_{*udp_.port, good_said_, kSeed + 1};
+  std::optional<Walker> good_;
+  std::vector<PerEye<EyeMask>> undisturbed_;
+  std::optional<Strangers> strangers_;
+  Tally from_ghost_;
+  std::atomic<bool> failed_ = false;
+};
+
+TEST_F(Attack, ChangesNothingForAGoodClientNorInMemoryAndIsCounted) {
+  strangers_.emplace(udp_.server, id_of(test_keys().key), good_said_, kSeed + 2);
+  const Counts before = counts();
+  const std::uint64_t calm = strangers_->tally().total();
+  ASSERT_EQ(calm, strangers_->tally().hellos);
+  const std::uint64_t hellos = on_path_.hellos(), sealed = on_path_.sealed();
+  const double memory = memory_KiB(server_.program().id());
+
+  on_path_.attack();
+  std::atomic<bool> over = false;
+  std::jthread attack([&] {
+    attack_by_strangers();
+    over = true;
+  });
+  std::uint64_t frames = 0;
+  for (; !over || frames % kPoses != 0; ++frames) {
+    const auto masks = good_->next_masks();
+    ASSERT_TRUE(masks.has_value()) << "frame " << frames;
+    ASSERT_EQ(*masks, undisturbed_[frames % kPoses]) << "frame " << frames;
+  }
+  attack.join();
+  ASSERT_FALSE(failed_) << "the server answers no hello";
+  const Counts after = counts();
+  const double grown = memory_KiB(server_.program().id()) - memory;
+  const auto more = [&](const std::string& what) { return after.of(what) - before.of(what); };
+  SCOPED_TRACE("seed " + std::to_string(kSeed) + "\nbefore: " + before.line + "\nafter: " + after.line);
+
+  Tally sent = strangers_->tally();
+  sent += on_path_.tally();
+  sent += from_ghost_;
+  const std::uint64_t good_hellos = on_path_.hellos() - hellos, requests = on_path_.sealed() - sealed;
+  EXPECT_GE(sent.total(), kAttacks);
+  EXPECT_EQ(more("datagrams received"), sent.total() - calm + good_hellos + requests);
+  EXPECT_EQ(more("requests"), requests);
+  EXPECT_EQ(more("outdated"), 0u);
+  EXPECT_EQ(more("clients"), 0u);
+  EXPECT_EQ(more("moved"), 0u);
+  EXPECT_EQ(more("truncated"), sent.truncated);
+  EXPECT_EQ(more("magic"), sent.magic);
+  EXPECT_EQ(more("version"), sent.version);
+  EXPECT_EQ(more("type"), sent.type);
+  EXPECT_EQ(more("padding"), sent.padding);
+  EXPECT_EQ(more("of another version"), sent.foreign_version);
+  EXPECT_EQ(more("without a cookie") + more("without a known key") + more("repeated"),
+            sent.hellos - calm + good_hellos);
+  EXPECT_GE(more("without a known key"), sent.false_proofs * 9 / 10);
+  EXPECT_GE(more("repeated"), 1u);
+  EXPECT_GE(more("unknown session"), sent.unknown_session);
+  EXPECT_GE(more("replayed"), sent.replayed);
+  EXPECT_GE(more("forged"), sent.forged);
+  EXPECT_EQ(more("unknown session") + more("replayed") + more("forged"), sent.sealed_of_any_kind());
+  EXPECT_EQ(more("refused"), sent.total() - sent.hellos - sent.foreign_version);
+
+  EXPECT_LE(strangers_->bytes_got(), strangers_->bytes_sent());
+  EXPECT_EQ(strangers_->amplified(), 0u);
+  EXPECT_EQ(strangers_->served(), 0u);
+  drain(on_path_.elsewhere());
+  const PortCounters elsewhere = on_path_.elsewhere().counters();
+  EXPECT_GE(elsewhere.received, 1u);
+  EXPECT_LE(elsewhere.received_bytes, elsewhere.sent_bytes);
+  if (!kSanitized) {
+    EXPECT_LT(grown, 1024) << "KiB";
+  }
+  std::printf(
+      "%lu datagrams from %lu addresses; %lu frames of the good client; %lu bytes sent, %lu got; "
+      "the server grew by %.0f KiB\n",
+      sent.total() - calm, strangers_->addresses(), frames, strangers_->bytes_sent(), strangers_->bytes_got(),
+      grown);
+  server_.program().send(SIGTERM);
+  EXPECT_EQ(server_.program().wait(), 0);
+}
+
+}  // namespace
+}  // namespace farshade
