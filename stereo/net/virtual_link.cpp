@@ -116,9 +116,9 @@ class VirtualLink::Impl::Port : public DatagramPort {
     });
     const bool arrives = link_.others && far != nullptr && far->path.front()->arrival <= until;
     const Time arrival = arrives ? far->path.front()->arrival : until;
-    const std::optional<Time> due = link_.due ? link_.due() : std::nullopt;
-    const bool is_due = due && *due <= arrival;
-    link_.clock.advance_to(is_due ? *due : arrival);
+    const std::optional<Time> due_at = link_.due ? link_.due() : std::nullopt;
+    const bool is_due = due_at && *due_at <= arrival;
+    link_.clock.advance_to(is_due ? *due_at : arrival);
     if (arrives && !is_due) far->shown = far->path.front()->order;
     if (arrives || is_due) link_.others();
   }
