@@ -13,6 +13,10 @@ constexpr double kPacedShare = 0.75;
 /// Clients that ask less often than this get their slices within it.
 constexpr Duration kLongestInterval = std::chrono::milliseconds(50);
 
+/// A client that asks and to which nothing has been sent for so long is told that its session lives: a server
+/// with much to trace is not taken for one that was restarted.
+constexpr Duration kSignOfLife = std::chrono::milliseconds(100);
+
 std::uint64_t random_token() {
   std::uint64_t token = 0;
   while (token == 0) randombytes_buf(&token, sizeof token);
@@ -32,6 +36,7 @@ ClientSession::ClientSession(std::string name, const Peer& client, const PublicK
       limits_(limits),
       client_(client),
       heard_(now),
+      told_(now),
       rate_(limits) {}
 
 Decoded<Heard> ClientSession::take(const Peer& from, const Sealed& sealed,
@@ -46,6 +51,7 @@ Decoded<Heard> ClientSession::take(const Peer& from, const Sealed& sealed,
   if (!message) return refuse(message.error());
   const auto& request = std::get<RequestMessage>(*message);
   follow(from, newest, request.probe_echo, probe);
+  if (from == client_ && now - told_ > kSignOfLife) give_sign_of_life(probe);
   return take(request, now);
 }
 
@@ -69,6 +75,13 @@ void ClientSession::follow(const Peer& from, bool newest, std::uint64_t probe_ec
   }
   encode(Probe{probe_token_}, message_);
   rate_.sent(sealer_.seal(message_, probe), probe.size(), heard_);
+}
+
+/// With a token of its own: one that proves a new address must not be told to an old one.
+void ClientSession::give_sign_of_life(std::vector<std::byte>& probe) {
+  encode(Probe{random_token()}, message_);
+  rate_.sent(sealer_.seal(message_, probe), probe.size(), heard_);
+  told_ = heard_;
 }
 
 Heard ClientSession::take(const RequestMessage& message, Time now) {
@@ -122,6 +135,7 @@ void ClientSession::put(std::span<const std::vector<std::byte>> messages, Time n
 }
 
 void ClientSession::seal_due(Time now, std::vector<std::byte>& datagram) {
+  told_ = now;
   const std::uint64_t counter = sealer_.seal(outbox_.take(), datagram);
   rate_.sent(counter, datagram.size(), now);
 }

@@ -76,6 +76,7 @@ class ClientSession {
  private:
   Heard take(const RequestMessage& message, Time now);
   void follow(const Peer& from, bool newest, std::uint64_t probe_echo, std::vector<std::byte>& probe);
+  void give_sign_of_life(std::vector<std::byte>& probe);
   void learn_interval(const TraceRequest& request, Time now);
 
   std::string name_;
@@ -90,7 +91,7 @@ class ClientSession {
   std::optional<Peer> candidate_;  ///< where its newest datagrams come from, if from elsewhere
   std::uint64_t probe_token_ = 0;
 
-  Time heard_;
+  Time heard_, told_;  ///< when something came from it, and was sent to it
   bool confirmed_ = false;
   std::optional<FrameId> newest_{};
   Time newest_display_{}, newest_arrived_{};
