@@ -10,9 +10,12 @@ namespace {
 
 /// Between two hellos to a server that has not answered.
 constexpr Duration kHelloInterval = std::chrono::milliseconds(250);
-/// A server that has answered none of several requests for so long may have been restarted. A path that is
-/// silent looks the same; the session is kept until another one has begun.
-constexpr Duration kSilence = std::chrono::milliseconds(400);
+/// A server that has answered none of several requests for so long may have been restarted: one that is busy
+/// gives a sign of life each 100 ms. A path that is silent looks the same; the session is kept until another
+/// one has begun.
+constexpr Duration kSilence = std::chrono::milliseconds(250);
+/// The same when somebody says that the server does not have our session.
+constexpr Duration kSilenceWhenTold = std::chrono::milliseconds(200);
 constexpr std::uint32_t kUnanswered = 4;
 /// How long a server may take to contradict somebody who says in its name that it refuses us.
 constexpr Duration kHearsayPatience = std::chrono::milliseconds(500);
@@ -99,7 +102,8 @@ Decoded<void> ShadowLink::take_datagram(const Datagram& datagram) {
   if (!envelope) return refuse(envelope.error());
   if (const auto* sealed = std::get_if<Sealed>(&*envelope)) return take_sealed(*sealed, datagram);
   if (const auto* lost = std::get_if<NoSession>(&*envelope)) {
-    if (channel_ && lost->session == channel_->id) say_hello();
+    const bool silent = channel_ && clock_.now() - channel_->heard > kSilenceWhenTold;
+    if (silent && lost->session == channel_->id) say_hello();
     return {};
   }
   if (!handshake_) return {};
