@@ -87,31 +87,60 @@ int preference(vk::PhysicalDeviceType type) {
   }
 }
 
-struct Choice {
-  std::optional<vk::raii::PhysicalDevice> physical;
-  std::string passed_over;  ///< "NAME: reason; ..."
+/// A device and why it is passed over; an empty reason: it is the one to take.
+struct Judged {
+  vk::raii::PhysicalDevice physical;
+  std::string passed_over;
 };
 
-Choice choose(const vk::raii::Instance& instance, const DeviceWish& wish) {
-  Choice choice;
-  const auto note = [&](const vk::raii::PhysicalDevice& physical, const std::string& reason) {
-    if (!choice.passed_over.empty()) choice.passed_over += "; ";
-    choice.passed_over += std::string(physical.getProperties().deviceName.data()) + ": " + reason;
-  };
+/// All devices, in the loader's order; at most one of them is to be taken.
+std::vector<Judged> judge(const vk::raii::Instance& instance, const DeviceWish& wish) {
+  std::vector<Judged> judged;
+  std::optional<std::size_t> best;
   for (vk::raii::PhysicalDevice& physical : vk::raii::PhysicalDevices(instance)) {
-    if (const std::string missing = lacks(physical, wish); !missing.empty()) {
-      note(physical, missing);
-    } else if (!choice.physical) {
-      choice.physical = std::move(physical);
-    } else if (preference(physical.getProperties().deviceType) >
-               preference(choice.physical->getProperties().deviceType)) {
-      note(*choice.physical, "less capable");
-      choice.physical = std::move(physical);
-    } else {
-      note(physical, "not better");
+    std::string passed_over = lacks(physical, wish);
+    const int here = preference(physical.getProperties().deviceType);
+    const bool usable = passed_over.empty();
+    if (usable && best && here <= preference(judged[*best].physical.getProperties().deviceType)) {
+      passed_over = "not better";
+    } else if (usable) {
+      if (best) judged[*best].passed_over = "less capable";
+      best = judged.size();
     }
+    judged.push_back({std::move(physical), std::move(passed_over)});
   }
-  return choice;
+  return judged;
+}
+
+/// "NAME: reason; ..." of those that are passed over.
+std::string reasons(const std::vector<Judged>& judged) {
+  std::string text;
+  for (const Judged& one : judged)
+    if (!one.passed_over.empty())
+      text += (text.empty() ? "" : "; ") + std::string(one.physical.getProperties().deviceName.data()) +
+              ": " + one.passed_over;
+  return text;
+}
+
+std::string version_text(std::uint32_t version) {
+  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) +
+         "." + std::to_string(VK_API_VERSION_PATCH(version));
+}
+
+SurveyedDevice describe(const Judged& judged) {
+  const auto all =
+      judged.physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
+  const auto& properties = all.get<vk::PhysicalDeviceProperties2>().properties;
+  SurveyedDevice device{.name = properties.deviceName.data(),
+                        .kind = vk::to_string(properties.deviceType),
+                        .api = version_text(properties.apiVersion),
+                        .driver = {},
+                        .passed_over = judged.passed_over};
+  if (properties.apiVersion >= VK_API_VERSION_1_2) {
+    const auto& driver = all.get<vk::PhysicalDeviceDriverProperties>();
+    device.driver = std::string(driver.driverName.data()) + " " + driver.driverInfo.data();
+  }
+  return device;
 }
 
 vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, std::uint32_t queue_family) {
@@ -150,18 +179,19 @@ Expected<Device> open_device(const DeviceWish& wish) try {
   if (device.validation_log)
     device.messenger = device.instance.createDebugUtilsMessengerEXT(messenger_info(*device.validation_log));
 
-  Choice choice = choose(device.instance, wish);
-  if (!choice.physical)
-    return fail(Fault::Missing,
-                "no usable Vulkan 1.3 device (" +
-                    (choice.passed_over.empty() ? std::string("none found") : choice.passed_over) +
-                    "); install a driver, for example Debian's mesa-vulkan-drivers");
-  device.physical = std::move(*choice.physical);
+  std::vector<Judged> judged = judge(device.instance, wish);
+  const std::string passed_over = reasons(judged);
+  const auto taken = std::ranges::find(judged, "", &Judged::passed_over);
+  if (taken == judged.end())
+    return fail(Fault::Missing, "no usable Vulkan 1.3 device (" +
+                                    (passed_over.empty() ? std::string("none found") : passed_over) +
+                                    "); install a driver, for example Debian's mesa-vulkan-drivers");
+  device.physical = std::move(taken->physical);
   const vk::PhysicalDeviceProperties properties = device.physical.getProperties();
   device.name = properties.deviceName.data();
   device.why = properties.deviceType == vk::PhysicalDeviceType::eCpu ? "no GPU was usable, drawing on the CPU"
                                                                      : "the most capable device";
-  if (!choice.passed_over.empty()) device.why += " (passed over: " + choice.passed_over + ")";
+  if (!passed_over.empty()) device.why += " (passed over: " + passed_over + ")";
   device.timestamp_period_ns = properties.limits.timestampPeriod;
   device.memory = device.physical.getMemoryProperties();
   device.queue_family = *graphics_queue_family(device.physical);
@@ -174,6 +204,22 @@ Expected<Device> open_device(const DeviceWish& wish) try {
   // The loader throws when there is no driver at all; that is a missing device, not a broken invariant.
   return fail(Fault::Missing, std::string("no usable Vulkan device: ") + error.what() +
                                   "; install a driver, for example Debian's mesa-vulkan-drivers");
+}
+
+Expected<Survey> survey(const DeviceWish& wish) try {
+  const vk::raii::Context context;
+  Survey found{.loader = version_text(context.enumerateInstanceVersion()),
+               .validation = has_validation_layer(context) ? Validation::On : Validation::Off,
+               .devices = {}};
+  try {
+    const vk::raii::Instance instance = make_instance(context, nullptr);
+    for (const Judged& judged : judge(instance, wish)) found.devices.push_back(describe(judged));
+  } catch (const vk::IncompatibleDriverError&) {
+    // What the loader says where there is no driver at all.
+  }
+  return found;
+} catch (const std::exception& error) {
+  return fail(Fault::Missing, std::string("Vulkan cannot be asked for its devices: ") + error.what());
 }
 
 void submit_and_wait(const Device& device, const vk::raii::CommandBuffer& commands,

@@ -50,6 +50,21 @@ struct Device {
 /// Refuses with Fault::Missing, naming for each device what it lacks.
 [[nodiscard]] Expected<Device> open_device(const DeviceWish& wish);
 
+/// What open_device would see and do.
+struct SurveyedDevice {
+  std::string name, kind, api;
+  std::string driver;       ///< its name and version; empty where the device is too old to say
+  std::string passed_over;  ///< why; empty: this is the one that is taken
+};
+struct Survey {
+  std::string loader;                       ///< version
+  Validation validation = Validation::Off;  ///< whether the layers are installed
+  std::vector<SurveyedDevice> devices;      ///< none where there is no driver
+};
+
+/// Every device here and the verdict on it. Missing where not even the loader answers.
+[[nodiscard]] Expected<Survey> survey(const DeviceWish& wish);
+
 /// Names `handle` for validation messages and captures; nothing when validation is off.
 template <class Handle>
 void set_name(const Device& device, const Handle& handle, const std::string& name) {

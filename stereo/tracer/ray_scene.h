@@ -7,6 +7,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "stereo/base/expected.h"
 #include "stereo/tracer/ray_packet.h"
@@ -44,5 +45,8 @@ class RayScene {
   explicit RayScene(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
+
+/// Of the library that traverses, for people.
+[[nodiscard]] std::string embree_version();
 
 }  // namespace farshade

@@ -127,4 +127,8 @@ Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, EyeMask& mask, Kno
   return learned;
 }
 
+std::string lz4_version() {
+  return LZ4_versionString();
+}
+
 }  // namespace farshade

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "stereo/frame/known_tiles.h"
@@ -55,5 +56,8 @@ class SlicePacker {
 /// size or light count, and every block that is not exactly the tiles it claims. Then, and for tiles not
 /// sent, mask and known stay as they were.
 [[nodiscard]] Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, EyeMask& mask, KnownTiles& known);
+
+/// Of the library that packs them, for people.
+[[nodiscard]] std::string lz4_version();
 
 }  // namespace farshade

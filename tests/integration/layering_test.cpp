@@ -21,6 +21,7 @@ const House& house() {
                                      {"stereo/scene", {"stereo/image", "stereo/frame"}},
                                      {"stereo/tracer", {"stereo/scene", "stereo/frame"}},
                                      {"stereo/gpu", {"stereo/frame", "stereo/image"}},
+                                     {"stereo/doctor", {"stereo/net", "stereo/scene"}},
                                      {"shaders", {}},
                                      {"rt_server", {"stereo", "shaders"}},
                                      {"vr_client", {"stereo", "shaders"}}},
