@@ -55,6 +55,87 @@ void save_slices(const fs::path& folder, const std::string& name, const EyeMask&
   }
 }
 
+/// Bytes of `first`, then `rest`: an input whose first byte is a choice.
+Bytes after(unsigned first, const Bytes& rest) {
+  Bytes input = wire_samples::bytes_of({first});
+  input.insert(input.end(), rest.begin(), rest.end());
+  return input;
+}
+
+void save_envelopes(const fs::path& folder) {
+  using namespace wire_samples;
+  const Bytes sealed(24, std::byte{0x5e});
+  Bytes foreign = enveloped(hello());
+  foreign[4] = std::byte{9};  // version
+  save(folder / "hello", after(0, enveloped(hello())));
+  save(folder / "hello_of_version_9", after(0, foreign));
+  save(folder / "sealed_to_server", after(0, enveloped(Sealed{SessionId{1}, 2, sealed})));
+  save(folder / "retry", after(1, enveloped(retry())));
+  save(folder / "open_refusal", after(1, enveloped(open_refusal())));
+  save(folder / "accept", after(1, enveloped(accept_sample(sealed))));
+  save(folder / "no_session", after(1, enveloped(no_session())));
+  save(folder / "sealed_to_client", after(1, enveloped(Sealed{SessionId{1}, 2, sealed})));
+}
+
+void save_messages(const fs::path& folder) {
+  using namespace wire_samples;
+  save(folder / "request", after(0, encoded(ClientMessage(request()))));
+  save(folder / "welcome", after(1, encoded(ServerMessage(welcome()))));
+  save(folder / "refusal", after(1, encoded(ServerMessage(refusal()))));
+  save(folder / "report", after(1, encoded(ServerMessage(report()))));
+  save(folder / "probe", after(1, encoded(ServerMessage(probe()))));
+  save(folder / "slice", after(1, packed(small_frame(), Side::Left).front()));
+}
+
+/// Form, then the choices of handshake.cpp; edits of place (two bytes) and xor.
+void save_handshakes(const fs::path& folder) {
+  using wire_samples::bytes_of;
+  save(folder / "accept", bytes_of({0}));
+  save(folder / "accept_other_session", bytes_of({0, 0, 0, 23, 1}));
+  save(folder / "accept_other_point", bytes_of({0, 0, 0, 62, 0x80}));
+  save(folder / "accept_other_tag", bytes_of({0, 0, 0, 99, 1}));
+  save(folder / "accept_short", bytes_of({0, 3, 0, 79}));
+  save(folder / "retry", bytes_of({1}));
+  save(folder / "retry_other_echo", bytes_of({1, 0, 0, 7, 1}));
+  save(folder / "hello_bare", bytes_of({2, 0, 0, 0, 0}));
+  save(folder / "hello", bytes_of({2, 1, 0, 0, 0}));
+  save(folder / "hello_elsewhere", bytes_of({2, 1, 1, 0, 0}));
+  save(folder / "hello_late", bytes_of({2, 1, 0, 0x13, 0x88}));
+  save(folder / "hello_other_proof", bytes_of({2, 1, 0, 0, 0, 0, 0, 100, 1}));
+  save(folder / "hello_outsider", bytes_of({2, 2, 0, 0, 0}));
+  save(folder / "hello_version", bytes_of({2, 1, 0, 0, 0, 0, 0, 4, 1}));
+}
+
+/// Steps of server_sequence.cpp: what, from where, and what it needs.
+void save_server_sequences(const fs::path& folder) {
+  using wire_samples::bytes_of;
+  save(folder / "say", bytes_of({0, 2, 8, 0x46, 0x44, 0x53, 0x48, 2, 0, 6, 1, 0, 1, 1, 9}));
+  save(folder / "repeat", bytes_of({3, 0, 4, 0, 20, 1, 0, 0, 0, 1, 2, 1, 0, 0, 1, 4, 2, 0, 0}));
+  save(folder / "forge", bytes_of({3, 0, 2, 0, 0, 1, 0, 0, 30, 1, 4, 0, 50, 2, 1, 0, 1, 0, 0, 15, 1}));
+  save(folder / "shorten", bytes_of({3, 1, 2, 3, 0, 0, 3, 0, 40, 4, 0, 20}));
+  save(folder / "ask_in_turn", bytes_of({3, 0, 3, 1, 4, 0, 14, 3, 0, 3, 1, 4, 0, 14, 3, 0, 3, 0, 4, 0, 200}));
+  save(folder / "withhold_and_bring_elsewhere", bytes_of({5, 0, 3, 0, 1, 3, 0, 0, 0, 4, 0, 20, 3, 0}));
+  save(folder / "withhold_from_client", bytes_of({5, 2, 3, 0, 4, 0, 50, 3, 1}));
+  save(folder / "move", bytes_of({6, 0, 3, 0, 4, 0, 20, 3, 0, 4, 0, 20, 6, 1, 3, 1}));
+  save(folder / "newcomers", bytes_of({7, 0, 0, 7, 1, 0, 7, 2, 0, 7, 3, 0, 4, 0, 9, 3, 0}));
+  save(folder / "nobody", bytes_of({7, 0, 1, 1, 3, 0, 0, 0}));
+}
+
+/// Steps of client_sequence.cpp.
+void save_client_sequences(const fs::path& folder) {
+  using wire_samples::bytes_of;
+  save(folder / "say", bytes_of({0, 8, 0x46, 0x44, 0x53, 0x48, 2, 0, 6, 1}));
+  save(folder / "repeat", bytes_of({4, 5, 30, 1, 0, 0, 0, 1, 1, 0, 0, 1, 2, 0, 0, 4, 5, 30}));
+  save(folder / "forge", bytes_of({4, 5, 30, 2, 0, 1, 0, 0, 30, 1, 2, 1, 1, 0, 0, 15, 1}));
+  save(folder / "shorten", bytes_of({4, 5, 30, 2, 0, 0, 3, 0, 40, 5, 20}));
+  save(folder / "no_session", bytes_of({3, 1, 0, 0, 5, 50, 4}));
+  save(folder / "no_session_and_lies",
+       bytes_of({6, 1, 3, 1, 0, 0, 3, 1, 0, 1, 3, 1, 0, 2, 3, 7, 0, 3, 3, 1, 9, 4}));
+  save(folder / "sealed", bytes_of({3, 200, 9, 5, 4, 5, 30, 3, 3, 9, 5}));
+  save(folder / "withhold", bytes_of({6, 0, 4, 5, 50, 1, 0, 0, 0, 6, 1, 4, 5, 50}));
+  save(folder / "silence", bytes_of({6, 1, 4, 6, 1, 4, 6, 1, 4, 6, 1, 4, 5, 255, 5, 255, 4, 5, 50}));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -66,6 +147,11 @@ int main(int argc, char** argv) {
   save(corpus / "gltf" / "rich.gltf", rich_file().gltf());
   save(corpus / "gltf" / "triangle.parts", parts(triangle_file()));
   save(corpus / "gltf" / "rich.parts", parts(rich_file()));
+  save_envelopes(corpus / "envelope");
+  save_messages(corpus / "message");
+  save_handshakes(corpus / "handshake");
+  save_server_sequences(corpus / "server_sequence");
+  save_client_sequences(corpus / "client_sequence");
   std::mt19937 random(1);
   const fs::path slices = corpus / "slice_and_tiles";
   save_slices(slices, "none", EyeMask({16, 16}, 0));

@@ -31,6 +31,12 @@ class Choices {
       value = value << 8 | rest_.front();
     return value % (most + 1);
   }
+  /// The next `count` bytes, fewer where it has ended.
+  std::span<const std::byte> bytes(std::size_t count) {
+    const auto taken = rest_.first(count < rest_.size() ? count : rest_.size());
+    rest_ = rest_.subspan(taken.size());
+    return std::as_bytes(taken);
+  }
   [[nodiscard]] std::span<const std::byte> rest() const { return std::as_bytes(rest_); }
 
  private:

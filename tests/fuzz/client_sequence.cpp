@@ -1,0 +1,146 @@
+// A client with a live session, and an attacker who hears all, says anything in the server's name, and keeps
+// its datagrams from arriving. An input is what happens, step by step, in virtual time. After it the client
+// gets its next masks bit for bit, and keeps the session that it had; it may begin another only if datagrams
+// were withheld, or if it was told that its own is lost. Nothing is taken twice.
+#include <spdlog/spdlog.h>
+
+#include "tests/fuzz/attacked_link.h"
+#include "tests/fuzz/fixed_random.h"
+
+using namespace farshade;
+using namespace std::chrono_literals;
+using fuzz::Bytes;
+
+namespace {
+
+constexpr int kMostSteps = 32;  ///< of at most 255 ms: no session ends by silence
+
+class Conversation {
+ public:
+  Conversation();
+  void step(fuzz::Choices& choices);
+  void finish();
+
+ private:
+  void say(const Bytes& datagram);
+  void make(fuzz::Choices& choices);
+  /// Of the newest datagram of this kind that was heard, by either side.
+  template <class Envelope>
+  [[nodiscard]] Envelope newest(auto open) const;
+  void check_client() const;
+
+  ManualClock clock_;
+  VirtualLink wire_{clock_, {}};
+  std::vector<Bytes> heard_;
+  fuzz::Tap server_tap_{wire_.server(), heard_};
+  ServerCore core_{fuzz::kServed,  {fuzz::key_named("desk")}, fuzz::paint, server_tap_, clock_,
+                   {.sessions = 4}};
+  std::optional<fuzz::GenuineClient> client_;
+  bool withheld_ = false;  ///< something that client or server said
+  bool disowned_ = false;  ///< somebody said that there is no such session
+};
+
+Conversation::Conversation() {
+  wire_.while_waiting([this] { fuzz::serve(core_); }, [this] { return core_.next_due(); });
+  client_.emplace(wire_.client(), clock_, wire_.server().local(), "desk", heard_);
+  check(client_->gets_masks(1, 100ms), "an undisturbed client gets its masks");
+}
+
+/// In the server's name; not through the tap.
+void Conversation::say(const Bytes& datagram) {
+  const auto envelope = open_server_envelope(datagram);
+  if (envelope && std::holds_alternative<NoSession>(*envelope)) disowned_ = true;
+  wire_.server().send(wire_.client().local(), datagram);
+  client_->link.poll();
+}
+
+template <class Envelope>
+Envelope Conversation::newest(auto open) const {
+  for (auto datagram = heard_.rbegin(); datagram != heard_.rend(); ++datagram)
+    if (const auto envelope = open(*datagram))
+      if (const auto* found = std::get_if<Envelope>(&*envelope)) return *found;
+  check_failed("one was heard", "", CallPlace::current());
+}
+
+/// What may be said in the open, with all that an attacker can know in its place.
+void Conversation::make(fuzz::Choices& choices) {
+  const Echo echo = echo_of(newest<Hello>(open_client_envelope).client);
+  const SessionId session = newest<Sealed>(open_server_envelope).session;
+  const auto number = static_cast<std::uint8_t>(choices.up_to(255));
+  const Bytes sealed(16 + choices.up_to(64), static_cast<std::byte>(number));
+  Bytes datagram;
+  switch (choices.up_to(5)) {
+    case 0:
+      encode(NoSession{session}, datagram);
+      break;
+    case 1:
+      encode(Retry{echo, {number}}, datagram);
+      break;
+    case 2:
+      encode(OpenRefusal{.reason = RefusalReason::UnknownKey, .echo = echo}, datagram);
+      break;
+    case 3:
+      encode(OpenRefusal{.version = number, .echo = echo}, datagram);
+      break;
+    case 4:
+      encode(Accept{echo, session, {number}, sealed}, datagram);
+      break;
+    default:
+      encode(Sealed{session, number, sealed}, datagram);
+  }
+  say(datagram);
+}
+
+void Conversation::step(fuzz::Choices& choices) {
+  enum Step : std::uint32_t { Say, Repeat, Forge, Make, Ask, Pass, Withhold, kSteps };
+  const std::uint32_t kind = choices.up_to(kSteps - 1);
+  if (kind == Say) {
+    const auto bytes = choices.bytes(choices.up_to(255));
+    say(Bytes(bytes.begin(), bytes.end()));
+  } else if (kind == Repeat || kind == Forge) {
+    say(fuzz::heard_again(heard_, choices, kind == Forge ? 8 : 0));
+  } else if (kind == Make) {
+    make(choices);
+  } else if (kind == Ask) {
+    client_->ask();
+    fuzz::serve(core_);
+  } else if (kind == Pass) {
+    client_->link.listen(std::chrono::milliseconds(choices.up_to(255)));
+  } else {
+    (choices.up_to(1) == 0 ? server_tap_ : client_->tap).hold_next = 1;
+    withheld_ = true;
+  }
+  check_client();
+}
+
+void Conversation::check_client() const {
+  client_->check_masks();
+  const ShadowLink::Counters counters = client_->link.counters();
+  check_eq(counters.assembler.duplicates, 0u, "slices taken twice");
+  check_eq(counters.assembler.refused.total(), 0u, "slices that opened and are none");
+  check(!client_->link.refused(), "nobody but the server refuses");
+  if (!withheld_ && !disowned_) {
+    check(client_->link.welcomed(), "the session stays");
+    check_eq(counters.sessions, 1u, "sessions: the one from the beginning");
+    check_eq(counters.missing, 0u, "nothing was withheld, nothing is missed");
+  }
+}
+
+void Conversation::finish() {
+  server_tap_.hold_next = client_->tap.hold_next = 0;
+  check(client_->gets_masks(withheld_ || disowned_ ? 60 : 1, 100ms), "the client gets its masks");
+  check(client_->link.welcomed(), "and has a session");
+  check_client();
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  spdlog::set_level(spdlog::level::off);
+  fuzz::fix_random(1);
+  Conversation conversation;
+  fuzz::Choices choices(data, size);
+  for (int steps = 0; steps < kMostSteps && !choices.rest().empty(); ++steps) conversation.step(choices);
+  conversation.finish();
+  return 0;
+}

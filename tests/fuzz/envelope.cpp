@@ -1,0 +1,63 @@
+// Envelopes: any datagram, before it is opened. It is refused, or what it decodes to, encoded again, is the
+// same bytes; what stays sealed is a view into them. The first byte says from which side it comes.
+#include "stereo/wire/envelope.h"
+
+#include <algorithm>
+
+#include "tests/fuzz/target.h"
+
+using namespace farshade;
+
+namespace {
+
+using Bytes = std::span<const std::byte>;
+
+void check_is(const std::vector<std::byte>& encoded, Bytes datagram) {
+  check(std::ranges::equal(encoded, datagram), "encoded again, it is the same bytes");
+}
+
+void check_tail(Bytes sealed, Bytes datagram, std::size_t header_bytes) {
+  check_eq(sealed.size() + header_bytes, datagram.size(), "what is sealed is all after the header");
+  check(sealed.data() == datagram.data() + header_bytes, "and lies in the datagram");
+  check(sealed.size() >= kTag_bytes, "and has a tag");
+}
+
+void check_spans(const auto&, Bytes) {}
+void check_spans(const Sealed& sealed, Bytes datagram) {
+  check_tail(sealed.sealed, datagram, kSealedHeader_bytes);
+}
+void check_spans(const Accept& accept, Bytes datagram) {
+  check_tail(accept.sealed, datagram, kAcceptHeader_bytes);
+}
+
+void check_envelope(const auto& envelope, Bytes datagram) {
+  check_spans(envelope, datagram);
+  std::vector<std::byte> again;
+  encode(envelope, again);
+  check_is(again, datagram);
+}
+
+/// Of it nothing but two fields is known.
+void check_envelope(const ForeignHello& hello, Bytes datagram) {
+  check_eq(datagram.size(), kMaxDatagram_bytes, "bytes of a hello in any version");
+  check(hello.version != kProtocolVersion, "another version");
+  check(std::ranges::equal(std::as_bytes(std::span(hello.echo)), datagram.subspan(7, hello.echo.size())),
+        "the echo is where every version has it");
+}
+
+void check_any(const auto& envelope, Bytes datagram) {
+  if (envelope) std::visit([&](const auto& e) { check_envelope(e, datagram); }, *envelope);
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  fuzz::Choices choices(data, size);
+  const bool from_client = choices.up_to(1) == 0;
+  const Bytes datagram = choices.rest();
+  if (from_client)
+    check_any(open_client_envelope(datagram), datagram);
+  else
+    check_any(open_server_envelope(datagram), datagram);
+  return 0;
+}

@@ -1,0 +1,122 @@
+// Handshake: what an attacker who sees and changes everything gets. Not a bit of an accept or of a proved
+// hello may differ; nobody without the key passes the gate; no answer is longer than the question. One
+// handshake is made at start-up; an input is what is done to its datagrams.
+#include "stereo/wire/handshake.h"
+
+#include <algorithm>
+
+#include "rt_server/gate.h"
+#include "tests/fuzz/edits.h"
+#include "tests/fuzz/fixed_random.h"
+#include "tests/fuzz/target.h"
+
+using namespace farshade;
+
+namespace {
+
+using Bytes = std::vector<std::byte>;
+
+const Welcome kServed{{1, 2, 3}, 3};
+
+Peer peer(std::uint32_t host) {
+  return {{0x20, 0x01, 0x0d, 0xb8, static_cast<std::uint8_t>(host)}, 0, 7447};
+}
+
+Hello hello_of(const Bytes& datagram) {
+  return std::get<Hello>(open_client_envelope(datagram).value());
+}
+
+/// A client with the ring's key, and an outsider with another.
+struct Genuine {
+  SharedKey key{.name = "desk", .secret = {7}}, other{.name = "wrong", .secret = {8}};
+  Time met = Time(std::chrono::seconds(100));
+  Gate gate{{key}, 1e9};
+  ClientHandshake client{key, kServed.scene_hash}, outsider{other, kServed.scene_hash};
+  Bytes bare, cookied, outside;  ///< hellos: without a cookie, with it, and with the outsider's own
+  Accepted accepted;
+
+  Genuine() {
+    client.write_hello(bare);
+    cookied = with_cookie(client, bare);
+    outsider.write_hello(outside);
+    outside = with_cookie(outsider, outside);
+    accepted = accept(hello_of(cookied), cookied, key, kServed).value();
+  }
+
+  /// A hello to the gate from peer 0, and the hello that its retry lets `handshake` say.
+  Bytes with_cookie(ClientHandshake& handshake, const Bytes& hello) {
+    Bytes answer, again;
+    check(gate.admit(peer(0), hello_of(hello), hello, met, answer) == nullptr, "a cookie comes first");
+    check(handshake.take(std::get<Retry>(open_server_envelope(answer).value())), "a retry is taken");
+    handshake.write_hello(again);
+    return again;
+  }
+};
+
+Genuine& genuine() {
+  static Genuine made = (fuzz::fix_random(1), Genuine());
+  return made;
+}
+
+/// The accept, changed or not, to the client that it is for.
+void meet(fuzz::Choices& choices) {
+  const Bytes datagram = fuzz::edited(genuine().accepted.datagram, choices);
+  const auto envelope = open_server_envelope(datagram);
+  const auto* const accept = envelope ? std::get_if<Accept>(&*envelope) : nullptr;
+  const auto met = accept != nullptr ? genuine().client.take(*accept, datagram) : std::nullopt;
+  check_eq(met.has_value(), datagram == genuine().accepted.datagram, "met if no bit was changed");
+  if (!met) return;
+  check(std::get<Welcome>(met->answer) == kServed, "what was said is what was heard");
+  const SessionKeys& server = genuine().accepted.keys;
+  check(met->keys.session == server.session && met->keys.to_server == server.to_server &&
+            met->keys.to_client == server.to_client,
+        "both sides hold the same keys");
+}
+
+/// A retry with another cookie changes what is said next, not who is met.
+void retry(fuzz::Choices& choices) {
+  ClientHandshake client = genuine().client;
+  Bytes datagram;
+  encode(Retry{client.echo(), {}}, datagram);
+  datagram = fuzz::edited(datagram, choices);
+  const auto envelope = open_server_envelope(datagram);
+  const auto* const said = envelope ? std::get_if<Retry>(&*envelope) : nullptr;
+  if (said == nullptr) return;
+  check_eq(client.take(*said), said->echo == client.echo(), "a retry for this hello");
+  const Bytes& accepted = genuine().accepted.datagram;
+  const auto answer = open_server_envelope(accepted);
+  check(client.take(std::get<Accept>(*answer), accepted).has_value(), "an answer under way still opens");
+}
+
+/// A hello of somebody's, changed or not, from anywhere, some time later.
+void knock(fuzz::Choices& choices) {
+  const std::array<const Bytes*, 3> hellos{&genuine().bare, &genuine().cookied, &genuine().outside};
+  const Bytes& base = *hellos[choices.up_to(2)];
+  const std::uint32_t host = choices.up_to(3);
+  const Duration later = std::chrono::milliseconds(choices.up_to(20'000));
+  const Bytes datagram = fuzz::edited(base, choices);
+  const auto envelope = open_client_envelope(datagram);
+  if (!envelope) return;
+  Bytes answer;
+  const SharedKey* admitted = nullptr;
+  if (const auto* hello = std::get_if<Hello>(&*envelope))
+    admitted = genuine().gate.admit(peer(host), *hello, datagram, genuine().met + later, answer);
+  else if (const auto* foreign = std::get_if<ForeignHello>(&*envelope))
+    genuine().gate.refuse_version(*foreign, answer);
+  const bool proved = datagram == genuine().cookied && host == 0;
+  if (admitted != nullptr) check(proved && later <= kCookieLife, "who has key, address and a fresh cookie");
+  if (proved && later < kCookiePeriod) check(admitted != nullptr, "passes");
+  check(answer.size() <= datagram.size(), "no answer is longer than the question");
+  if (!answer.empty()) check(open_server_envelope(answer).has_value(), "an answer is understood");
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  fuzz::Choices choices(data, size);
+  const std::uint32_t form = choices.up_to(2);
+  if (form == 0) meet(choices);
+  if (form == 1) retry(choices);
+  if (form == 2) knock(choices);
+  return 0;
+}

@@ -1,0 +1,96 @@
+// Messages: any bytes, as if they had opened. They are refused, or what they decode to is within the ranges
+// that tracer and assembler rely on, and encoded again is the same bytes. The first byte says which side
+// they come from.
+#include "stereo/wire/messages.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "stereo/frame/tiles.h"
+#include "tests/fuzz/target.h"
+
+using namespace farshade;
+
+namespace {
+
+void check_span(std::int64_t ns, std::int64_t least) {
+  constexpr std::int64_t most = std::int64_t{1} << 61;
+  check(ns >= least && ns <= most, "sums and differences of times do not overflow");
+}
+
+void check_place(double x, double y, double z) {
+  for (const double c : {x, y, z}) check(std::isfinite(c) && std::abs(c) <= 1e9, "a place is on the stage");
+}
+
+void check_ranges(const View& view) {
+  const auto& q = view.stage_from_eye.rotation;
+  const double length = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  check(std::abs(length - 1) <= 1.001e-3, "rotations are unit");
+  const auto& t = view.stage_from_eye.translation;
+  check_place(t.x, t.y, t.z);
+  const EyeFov& fov = view.fov;
+  for (const double angle : {fov.left, fov.right, fov.up, fov.down})
+    check(std::isfinite(angle) && std::abs(angle) < 1.5708, "an eye sees less than half of the room");
+  check(fov.left < fov.right && fov.down < fov.up, "angles are in order");
+  for (const std::uint32_t side : {view.size.width, view.size.height})
+    check(side >= 1 && side <= kMaxViewSide_px, "masks of views can be held");
+}
+
+void check_ranges(const RequestMessage& message) {
+  const TraceRequest& request = message.request;
+  for (const View& view : request.views) check_ranges(view);
+  for (const Time time : {request.display_time, request.scene_time, message.arrivals.base})
+    check_span(ns_of(time), -(std::int64_t{1} << 61));
+  check(request.lights.lights.size() <= RequestMessage::kMostLightChanges, "so many lights, no more");
+  for (const LightChange& change : request.lights.lights) {
+    check(change.light < kMaxLights, "a light of some light set");
+    if (!change.pose) continue;
+    const auto &p = change.pose->position.v, &d = change.pose->direction.v;
+    check_place(p.x, p.y, p.z);
+    check(std::abs(std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z) - 1) <= 1.001e-3, "directions are unit");
+  }
+  check(message.arrivals.count <= ArrivalReport::kMost, "a report is no longer than it can be");
+}
+
+void check_ranges(const Slice& slice) {
+  check(slice.lights <= kMaxLights && slice.plane < MaskLayout{slice.lights}.planes(), "a plane that is");
+  check(slice.size.width <= kMaxViewSide_px && slice.size.height <= kMaxViewSide_px, "a size that can be");
+  check(slice.tile_count >= 1 &&
+            std::uint64_t{slice.first_tile} + slice.tile_count <= std::uint64_t{TileGrid{slice.size}.count()},
+        "tiles in the grid");
+}
+
+void check_ranges(const FrameReport& report) {
+  for (const Duration span : {report.primary, report.shadow, report.pack, report.waited})
+    check_span(span.count(), 0);
+  check(report.scale_eighths >= 1 && report.scale_eighths <= kFullScale_eighths, "a scale that can be");
+}
+
+void check_ranges(const Welcome& welcome) {
+  check(welcome.light_count <= kMaxLights, "masks have room for the lights");
+}
+void check_ranges(const Refusal&) {}
+void check_ranges(const Probe& probe) {
+  check(probe.token != 0, "a token is none that a client says by itself");
+}
+
+void check_any(const auto& message, std::span<const std::byte> bytes) {
+  if (!message) return;
+  std::visit([](const auto& m) { check_ranges(m); }, *message);
+  std::vector<std::byte> again;
+  encode(*message, again);
+  check(std::ranges::equal(again, bytes), "encoded again, it is the same bytes");
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  fuzz::Choices choices(data, size);
+  const bool from_client = choices.up_to(1) == 0;
+  const std::span<const std::byte> bytes = choices.rest();
+  if (from_client)
+    check_any(decode_client(bytes), bytes);
+  else
+    check_any(decode_server(bytes), bytes);
+  return 0;
+}
