@@ -104,6 +104,7 @@ void Conversation::step(fuzz::Choices& choices) {
   } else if (kind == Ask) {
     client_->ask();
     fuzz::serve(core_);
+    client_->link.poll();
   } else if (kind == Pass) {
     client_->link.listen(std::chrono::milliseconds(choices.up_to(255)));
   } else {

@@ -103,6 +103,7 @@ void Conversation::step(fuzz::Choices& choices) {
   } else if (kind == Ask) {
     clients_[client].ask();
     fuzz::serve(core_);
+    clients_[client].link.poll();
   } else if (kind == Pass) {
     pass(std::chrono::milliseconds(choices.up_to(255)));
   } else if (kind == Withhold) {
