@@ -29,7 +29,7 @@ ShadowLink::Channel::Channel(const SessionKeys& keys, Time now)
       heard(now) {}
 
 ShadowLink::ShadowLink(DatagramPort& port, const Clock& clock, const LinkTarget& target, std::size_t frames)
-    : port_(port), clock_(clock), target_(target), assembler_(frames), frames_(frames) {}
+    : port_(port), clock_(clock), target_(target), assembler_(frames) {}
 
 void ShadowLink::say_hello() {
   if (last_hello_ && clock_.now() - *last_hello_ < kHelloInterval) return;
@@ -75,7 +75,7 @@ void ShadowLink::request(const TraceRequest& request, Time asked_at) {
   known.lights = up_to(request.lights, known.lights.revision);
   assembler_.expect(known, target_.lights, known.lights.revision);
   asked_.push_back({request.frame, asked_at, channel_->id});
-  if (asked_.size() > frames_) asked_.erase(asked_.begin());
+  std::erase_if(asked_, [&](const Asked& asked) { return assembler_.find(asked.frame) == nullptr; });
 }
 
 void ShadowLink::send_request(const TraceRequest& request) {

@@ -25,7 +25,7 @@ struct LinkTarget {
 
 class ShadowLink {
  public:
-  /// Keeps the newest `frames` requests. `port` and `clock`, which times waits, outlive it.
+  /// Remembers `frames` requests, as Assembler does. `port` and `clock`, which times waits, outlive it.
   ShadowLink(DatagramPort& port, const Clock& clock, const LinkTarget& target, std::size_t frames);
 
   /// Says hello until the server welcomes us or `patience` is over. Refuses what the server refuses
@@ -115,8 +115,7 @@ class ShadowLink {
     Time at;
     SessionId session;
   };
-  std::vector<Asked> asked_;  ///< oldest first, at most `frames_`
-  std::size_t frames_;
+  std::vector<Asked> asked_;  ///< oldest first; those that the assembler remembers
   std::optional<Time> last_hello_;
   std::optional<Error> refused_;
   std::optional<std::string> busy_server_;  ///< what a server without room has said

@@ -28,23 +28,37 @@ void reset(ReceivedFrame& frame, const TraceRequest& request, std::uint32_t ligh
 
 }  // namespace
 
-Assembler::Assembler(std::size_t frames) : ring_(frames) {
-  check(frames > 0, "an assembler keeps a frame or more");
+Assembler::Assembler(std::size_t frames) : slots_(frames) {
+  check(frames > kKept, "an assembler has room for more than what it keeps");
 }
 
 void Assembler::expect(const TraceRequest& request, std::uint32_t lights, std::uint32_t revision) {
-  check(used_ == 0 || is_newer(request.frame, ring_[newest_].request.frame),
-        "requests are expected in order");
-  newest_ = used_ == 0 ? 0 : (newest_ + 1) % ring_.size();
-  used_ = std::min(used_ + 1, ring_.size());
-  reset(ring_[newest_], request, lights, revision);
+  check(!newest_ || is_newer(request.frame, *newest_), "requests are expected in order");
+  newest_ = request.frame;
+  reset(room(), request, lights, revision);
+}
+
+bool Assembler::is_kept(const ReceivedFrame& frame) const {
+  if (!frame.anything_known()) return false;
+  const auto newer = std::ranges::count_if(remembered(), [&](const ReceivedFrame& other) {
+    return other.anything_known() && is_newer(other.request.frame, frame.request.frame);
+  });
+  return static_cast<std::size_t>(newer) < kKept;
+}
+
+/// A slot for one more request.
+ReceivedFrame& Assembler::room() {
+  if (used_ < slots_.size()) return slots_[used_++];
+  ReceivedFrame* oldest = nullptr;
+  for (ReceivedFrame& slot : slots_)
+    if (!is_kept(slot) && (!oldest || is_newer(oldest->request.frame, slot.request.frame))) oldest = &slot;
+  check(oldest != nullptr, "what is kept leaves room");
+  return *oldest;
 }
 
 ReceivedFrame* Assembler::slot_of(FrameId frame) {
-  for (std::size_t age = 0; age < used_; ++age) {
-    ReceivedFrame& slot = ring_[(newest_ + ring_.size() - age) % ring_.size()];
+  for (ReceivedFrame& slot : std::span(slots_).first(used_))
     if (slot.request.frame == frame) return &slot;
-  }
   return nullptr;
 }
 
@@ -53,11 +67,11 @@ const ReceivedFrame* Assembler::find(FrameId frame) const {
 }
 
 const ReceivedFrame* Assembler::newest_known() const {
-  for (std::size_t age = 0; age < used_; ++age) {
-    const ReceivedFrame& slot = ring_[(newest_ + ring_.size() - age) % ring_.size()];
-    if (slot.anything_known()) return &slot;
-  }
-  return nullptr;
+  const ReceivedFrame* newest = nullptr;
+  for (const ReceivedFrame& slot : remembered())
+    if (slot.anything_known() && (!newest || is_newer(slot.request.frame, newest->request.frame)))
+      newest = &slot;
+  return newest;
 }
 
 const ReceivedFrame* Assembler::accept(const Slice& slice) {
@@ -93,6 +107,7 @@ const ReceivedFrame* Assembler::accept(const FrameReport& report) {
 
 void Assembler::clear() {
   used_ = 0;
+  newest_.reset();
 }
 
 }  // namespace farshade

@@ -1,10 +1,11 @@
 /// Assembler: slices back into masks, in whatever order, number and state they come. A slice that never comes
 /// leaves its tiles unknown in that frame and changes nothing else; a slice that does not fit what was asked
-/// for changes nothing but a counter. Memory is a ring of frames, used again.
+/// for changes nothing but a counter. Memory is so many frames, used again.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "stereo/frame/shadow_frame.h"
@@ -33,7 +34,7 @@ struct ReceivedFrame {
 struct AssemblerCounters {
   std::uint64_t slices = 0;      ///< taken, duplicates not among them
   std::uint64_t duplicates = 0;  ///< told nothing new
-  std::uint64_t unexpected = 0;  ///< of a frame never asked for, or so old that it left the ring
+  std::uint64_t unexpected = 0;  ///< of a frame never asked for, or forgotten
   std::uint64_t other_light_set = 0;
   RefusalCounts refused{};  ///< of a mask of another shape, or faulty inside
   friend bool operator==(const AssemblerCounters&, const AssemblerCounters&) = default;
@@ -41,12 +42,16 @@ struct AssemblerCounters {
 
 class Assembler {
  public:
-  /// Keeps the newest `frames` requests.
+  /// Frames of which something is known that no newer request without an answer drives out: through a silence
+  /// of the network the last masks stay in hand.
+  static constexpr std::size_t kKept = 4;
+
+  /// Remembers `frames` requests, more than kKept: those kept, and the newest.
   explicit Assembler(std::size_t frames = 8);
 
   /// From now on takes slices of `request`, whose masks shall have `lights` lights of the light set
-  /// `revision`. `request.frame` is newer than every frame expected before. The oldest request is forgotten
-  /// when the ring is full: pointers to its frame then show the new one.
+  /// `revision`. `request.frame` is newer than every frame expected before. When there is no room, the
+  /// oldest request that is not kept is forgotten: pointers to its frame then show the new one.
   void expect(const TraceRequest& request, std::uint32_t lights, std::uint32_t revision);
 
   /// The frame that now knows more; null if nothing changed.
@@ -54,7 +59,7 @@ class Assembler {
   /// The frame that now has its report; null if it is none of ours.
   const ReceivedFrame* accept(const FrameReport& report);
 
-  /// Null if not in the ring. Frames stay where they are until the ring comes round.
+  /// Null if not remembered. Frames stay where they are until they are forgotten.
   [[nodiscard]] const ReceivedFrame* find(FrameId frame) const;
   /// The newest frame of which anything is known; null if there is none.
   [[nodiscard]] const ReceivedFrame* newest_known() const;
@@ -66,10 +71,13 @@ class Assembler {
 
  private:
   [[nodiscard]] ReceivedFrame* slot_of(FrameId frame);
+  [[nodiscard]] bool is_kept(const ReceivedFrame& frame) const;
+  [[nodiscard]] ReceivedFrame& room();
+  [[nodiscard]] std::span<const ReceivedFrame> remembered() const { return std::span(slots_).first(used_); }
 
-  std::vector<ReceivedFrame> ring_;
-  std::size_t used_ = 0;    ///< slots that hold a request
-  std::size_t newest_ = 0;  ///< slot of the newest request
+  std::vector<ReceivedFrame> slots_;
+  std::size_t used_ = 0;  ///< slots that hold a request
+  std::optional<FrameId> newest_;
   AssemblerCounters counters_;
 };
 

@@ -164,11 +164,11 @@ Played play(const Play& play, const Network& network) {
       frame.tiles_current = known_share(*view.newest);
     }
     played.frames.push_back(frame);
-    if (played.frames.size() == play.frames / 2) played.heap_at_half = mallinfo2().uordblks;
+    const std::size_t half = played.frames.size() * 2 <= play.frames ? 0 : 1;
+    played.heap_peak[half] = std::max<std::size_t>(played.heap_peak[half], mallinfo2().uordblks);
   };
   const Expected<void> shown = run(session, watch, [] { return false; });
   if (!shown) throw std::runtime_error(shown.error().what);
-  played.heap_at_end = mallinfo2().uordblks;
   played.log = recorder.log();
   played.client = link.counters();
   played.server = core.counters();

@@ -3,6 +3,7 @@
 /// machine's.
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -52,7 +53,7 @@ struct Played {
   std::vector<PlayedFrame> frames;
   ShadowLink::Counters client;
   ServerCounters server;
-  std::size_t heap_at_half = 0, heap_at_end = 0;  ///< bytes in use
+  std::array<std::size_t, 2> heap_peak{};  ///< most bytes in use in the first and in the second half
 
   [[nodiscard]] std::vector<double> worse_eye(double EyeErrors::*figure) const;
   [[nodiscard]] double tiles_current() const;  ///< mean over frames with a mask

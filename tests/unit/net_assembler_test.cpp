@@ -177,30 +177,52 @@ TEST(Assembler, IgnoresSliceOfFrameNeverAskedFor) {
   EXPECT_GT(made.assembler.counters().unexpected, 0u);
 }
 
-TEST(Assembler, IgnoresSliceOfFrameThatLeftTheRing) {
-  Assembler assembler(2);
-  for (std::uint32_t number = 1; number <= 3; ++number) assembler.expect(request(number), 3, kRevision);
+/// The least that an assembler can be.
+constexpr std::size_t kFew = Assembler::kKept + 1;
+
+TEST(Assembler, IgnoresSliceOfFrameThatIsForgotten) {
+  Assembler assembler(kFew);
+  for (std::uint32_t number = 1; number <= kFew + 1; ++number)
+    assembler.expect(request(number), 3, kRevision);
   EXPECT_EQ(assembler.find({1}), nullptr);
   EXPECT_NE(assembler.find({2}), nullptr);
   EXPECT_EQ(accept(assembler, datagrams_of(noisy_frame(request(1), 3))[0]), nullptr);
   EXPECT_EQ(assembler.counters(), AssemblerCounters{.unexpected = 1});
 }
 
+TEST(Assembler, KeepsTheLastMasksThroughAnySilence) {
+  Assembler assembler(kFew + 3);
+  std::uint32_t number = 1;
+  for (; number <= 6; ++number) {
+    assembler.expect(request(number), 3, kRevision);
+    accept(assembler, datagrams_of(noisy_frame(request(number), 3))[0]);
+  }
+  for (; number <= 1000; ++number) assembler.expect(request(number), 3, kRevision);
+  EXPECT_EQ(assembler.find({2}), nullptr);
+  for (const std::uint32_t kept : {3u, 4u, 5u, 6u, 997u, 1000u})
+    EXPECT_NE(assembler.find({kept}), nullptr) << kept;
+  EXPECT_EQ(assembler.newest_known()->request.frame, FrameId{6});
+}
+
 TEST(Assembler, AReusedSlotRemembersNothing) {
-  Assembler assembler(1);
-  assembler.expect(request(1), 3, kRevision);
-  for (const auto& datagram : datagrams_of(noisy_frame(request(1), 3))) accept(assembler, datagram);
-  ASSERT_TRUE(assembler.find({1})->complete());
-  assembler.expect(request(2), 3, kRevision);
-  const ReceivedFrame& received = *assembler.find({2});
+  Assembler assembler(kFew);
+  std::uint32_t number = 1;
+  for (; number <= kFew; ++number) {
+    assembler.expect(request(number), 3, kRevision);
+    for (const auto& datagram : datagrams_of(noisy_frame(request(number), 3))) accept(assembler, datagram);
+    ASSERT_TRUE(assembler.find({number})->complete());
+  }
+  assembler.expect(request(number), 3, kRevision);
+  EXPECT_EQ(assembler.find({1}), nullptr);
+  const ReceivedFrame& received = *assembler.find({number});
   EXPECT_FALSE(received.anything_known());
   EXPECT_FALSE(received.report.has_value());
   EXPECT_TRUE(std::ranges::all_of(received.masks[0].bytes(), [](std::byte b) { return b == std::byte{0}; }));
 }
 
 TEST(Assembler, SizesMayChangeFromFrameToFrame) {
-  Assembler assembler(1);
-  for (std::uint32_t number = 1; number <= 4; ++number) {
+  Assembler assembler(kFew);
+  for (std::uint32_t number = 1; number <= 2 * kFew; ++number) {
     const TraceRequest asked = request(number, {number * 40, 90 / number});
     assembler.expect(asked, 3, kRevision);
     const ShadowFrame frame = noisy_frame(asked, 3);
@@ -211,10 +233,10 @@ TEST(Assembler, SizesMayChangeFromFrameToFrame) {
 }
 
 TEST(Assembler, FrameOrderSurvivesWraparound) {
-  Assembler assembler(3);
-  for (const std::uint32_t number : {0xfffffffeu, 0xffffffffu, 0u, 1u})
+  Assembler assembler(kFew);
+  for (const std::uint32_t number : {0xfffffffcu, 0xfffffffdu, 0xfffffffeu, 0xffffffffu, 0u, 1u})
     assembler.expect(request(number), 3, kRevision);
-  EXPECT_EQ(assembler.find({0xfffffffe}), nullptr);
+  EXPECT_EQ(assembler.find({0xfffffffc}), nullptr);
   for (const std::uint32_t number : {0xffffffffu, 1u, 0u})
     for (const auto& datagram : datagrams_of(noisy_frame(request(number), 3))) accept(assembler, datagram);
   EXPECT_EQ(assembler.newest_known()->request.frame, FrameId{1});

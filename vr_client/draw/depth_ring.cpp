@@ -1,5 +1,7 @@
 #include "vr_client/draw/depth_ring.h"
 
+#include <algorithm>
+
 #include "stereo/gpu/device.h"
 #include "vr_client/draw/scene_pass.h"
 
@@ -26,14 +28,34 @@ DepthRing::Place DepthRing::place(std::size_t slot) const {
   return {static_cast<std::uint32_t>(slot * kEyes), *slots_[slot].view};
 }
 
-DepthRing::Place DepthRing::claim(FrameId frame) {
-  slots_[slot_of(frame)].frame = frame;
-  return place(slot_of(frame));
+std::optional<std::size_t> DepthRing::slot_of(FrameId frame) const {
+  const auto slot = std::ranges::find(slots_, std::optional(frame), &Slot::frame);
+  if (slot == slots_.end()) return std::nullopt;
+  return static_cast<std::size_t>(slot - slots_.begin());
+}
+
+std::size_t DepthRing::room(std::span<const FrameId> kept) const {
+  std::optional<std::size_t> oldest;
+  for (std::size_t slot = 0; slot + 1 < slots_.size(); ++slot) {
+    const std::optional<FrameId> held = slots_[slot].frame;
+    if (!held) return slot;
+    const bool is_kept = std::ranges::find(kept, *held) != kept.end();
+    if (!is_kept && (!oldest || is_newer(*slots_[*oldest].frame, *held))) oldest = slot;
+  }
+  check(oldest.has_value(), "what is kept leaves room");
+  return *oldest;
+}
+
+DepthRing::Place DepthRing::claim(FrameId frame, std::span<const FrameId> kept) {
+  const std::size_t slot = slot_of(frame).value_or(room(kept));
+  slots_[slot].frame = frame;
+  return place(slot);
 }
 
 std::uint32_t DepthRing::layer_of(FrameId frame) const {
-  check(has(frame), "the depth asked for is in the ring");
-  return place(slot_of(frame)).layer;
+  const std::optional<std::size_t> slot = slot_of(frame);
+  check(slot.has_value(), "the depth asked for is in the ring");
+  return place(*slot).layer;
 }
 
 }  // namespace farshade

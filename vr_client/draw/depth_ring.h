@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "stereo/frame/frame_id.h"
@@ -22,10 +23,11 @@ class DepthRing {
     std::uint32_t layer = 0;  ///< the left eye's; the right eye's is the next
     vk::ImageView view;
   };
-  /// The place of a request, from now on this one's; whose place it was loses its depth.
-  Place claim(FrameId frame);
+  /// A place for a request that is newer than all before. If none is free, the oldest request that is not
+  /// among `kept`, fewer than there are places, loses its depth.
+  Place claim(FrameId frame, std::span<const FrameId> kept);
   [[nodiscard]] Place shown() const { return place(slots_.size() - 1); }
-  [[nodiscard]] bool has(FrameId frame) const { return slots_[slot_of(frame)].frame == frame; }
+  [[nodiscard]] bool has(FrameId frame) const { return slot_of(frame).has_value(); }
   /// A frame that the ring has.
   [[nodiscard]] std::uint32_t layer_of(FrameId frame) const;
 
@@ -37,11 +39,12 @@ class DepthRing {
     std::optional<FrameId> frame;
     vk::raii::ImageView view{nullptr};
   };
-  [[nodiscard]] std::size_t slot_of(FrameId frame) const { return frame.value % (slots_.size() - 1); }
+  [[nodiscard]] std::optional<std::size_t> slot_of(FrameId frame) const;
+  [[nodiscard]] std::size_t room(std::span<const FrameId> kept) const;
   [[nodiscard]] Place place(std::size_t slot) const;
 
   gpu::Image image_;
-  std::vector<Slot> slots_;  ///< the last is the shown views'
+  std::vector<Slot> slots_;  ///< the last is the shown views' and holds no request
 };
 
 }  // namespace farshade

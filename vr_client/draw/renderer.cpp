@@ -38,7 +38,11 @@ void Renderer::place_depth(const ShownFrame& frame) {
   asked_depth_.reset();
   shown_depth_ = ring_.shown();
   if (frame.asked == nullptr) return;
-  const DepthRing::Place place = ring_.claim(frame.asked->frame);
+  // Through a silence of the network requests go on, and the last masks are still shown.
+  std::vector<FrameId> kept;
+  for (const MaskInHand& mask : frame.masks)
+    if (kept.size() < ShadingPass::kMaxMasks && ring_.has(mask.frame)) kept.push_back(mask.frame);
+  const DepthRing::Place place = ring_.claim(frame.asked->frame, kept);
   if (frame.asked->views == frame.views && frame.asked->scene_time == frame.state.scene_time) {
     shown_depth_ = place;
     return;
