@@ -71,6 +71,8 @@ Expected<SharedKey> read_key(std::string_view line, const std::string& place) {
   if (!is_name(key.name)) return fail(Fault::Malformed, place + std::string(kNameRule));
   if (!read_secret(take_word(line), key.secret))
     return fail(Fault::Malformed, place + "the secret should be 64 hexadecimal digits");
+  if (sodium_is_zero(key.secret.data(), key.secret.size()) != 0)
+    return fail(Fault::Malformed, place + "a secret of zeros is none: make one with rt_server keygen");
   if (!take_word(line).empty()) return fail(Fault::Malformed, place + "there is more behind the secret");
   return key;
 }

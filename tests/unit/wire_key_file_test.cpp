@@ -207,6 +207,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadLine{"SecretWithNul", "farshade-key-1 b " + kDigits.substr(1) + std::string(1, '\0'),
                 "64 hexadecimal digits"},
         BadLine{"MoreBehind", "farshade-key-1 b " + kDigits + " 1", "more behind the secret"},
+        BadLine{"SecretOfZeros", "farshade-key-1 b " + std::string(64, '0'), "a secret of zeros is none"},
         BadLine{"NameTwice", "farshade-key-1 a " + kDigits, "the name 'a' stands in line 2"},
         BadLine{"SecretTwice", key_line(key_of("b", 1)), "the secret of 'b' stands in line 2"}),
     [](const auto& bad) { return bad.param.name; });
