@@ -16,11 +16,6 @@ namespace {
 using namespace std::chrono_literals;
 using namespace link_test;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
 constexpr std::uint64_t kFlood = kSanitized ? 30'000 : 1'000'000;
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 
