@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "rt_server/app.h"
+#include "rt_server/doctor.h"
 #include "rt_server/keygen.h"
 
 namespace {
@@ -39,10 +40,17 @@ int main(int argc, char** argv) try {
   CLI::App app("Traces which lights each pixel of a stereo client sees and sends it the masks over UDP.");
   ServeOptions serving;
   KeygenOptions making;
+  ServerDoctorOptions examined;
   add_serving(app, serving);
   add_keygen(app, making);
+  add_doctor(app, examined);
   app.require_subcommand(0, 1);
   CLI11_PARSE(app, argc, argv);
+  if (app.got_subcommand("doctor")) {
+    const Findings findings = examine(examined);
+    print(findings);
+    return any_failed(findings) ? EXIT_FAILURE : EXIT_SUCCESS;
+  }
   StopSignal stop;
   spdlog::set_default_logger(spdlog::stderr_logger_mt("rt_server"));
   Expected<void> done;
