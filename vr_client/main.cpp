@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include "vr_client/app.h"
+#include "vr_client/doctor.h"
 
 int main(int argc, char** argv) try {
   using namespace farshade;
@@ -10,6 +11,11 @@ int main(int argc, char** argv) try {
   spdlog::set_pattern("vr_client: %v");
   const tl::expected<Options, EarlyExit> options = read_options(argc, argv);
   if (!options) return options.error().status;
+  if (options->doctor) {
+    const Findings findings = examine(*options->doctor);
+    print(findings);
+    return any_failed(findings) ? EXIT_FAILURE : EXIT_SUCCESS;
+  }
   const bool only_export = !options->export_trace.empty();
   if (const Expected<void> done = only_export ? export_trace(*options) : run_client(*options); !done) {
     spdlog::error(done.error().what);

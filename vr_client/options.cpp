@@ -67,9 +67,12 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   std::string size = "512x512";
   std::string predictor(to_string(kDefaultPredictor));
   bool validate = false;
+  ClientDoctorOptions examined;
+  add_doctor(app, examined);
+  app.require_subcommand(0, 1);
 
   app.add_option("--scene", options.scene, "glTF scene (.gltf or .glb)");
-  app.add_option("--trace", options.trace, "recorded head: EuRoC/ASL CSV, TUM or EyeNavGS CSV")->required();
+  app.add_option("--trace", options.trace, "recorded head: EuRoC/ASL CSV, TUM or EyeNavGS CSV");
   app.add_option("--trace-scale", options.trace_scale,
                  "units of the recording a metre, where its file cannot say")
       ->check(within(1e-6, 1e6));
@@ -143,6 +146,11 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
+    if (app.got_subcommand("doctor")) {
+      options.doctor = examined;
+      return options;
+    }
+    if (options.trace.empty()) throw CLI::RequiredError("--trace");
     if (options.scene.empty() && options.export_trace.empty()) throw CLI::RequiredError("--scene");
     const Expected<Extent> parsed = parse_size(size);
     if (!parsed) throw CLI::ValidationError("--size", parsed.error().what);

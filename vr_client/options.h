@@ -10,6 +10,7 @@
 #include "stereo/gpu/device.h"
 #include "stereo/math/fov.h"
 #include "vr_client/ask/request_plan.h"
+#include "vr_client/doctor.h"
 #include "vr_client/draw/shading.h"
 #include "vr_client/runtime.h"
 
@@ -48,6 +49,7 @@ struct Options {
   std::uint32_t pictures = 4;
   std::vector<std::uint32_t> dump;
   gpu::DeviceWish device;
+  std::optional<ClientDoctorOptions> doctor;  ///< set: look at the machine, and nothing else
 };
 
 /// The program is done before it began: help was printed (status 0), or what is wrong with the command line.
