@@ -65,7 +65,8 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   const auto trace = [&](const TraceRequest& request, ShadowFrame& frame) {
     return tracer->trace(request, frame);
   };
-  ServerCore core({scene->hash, narrow<std::uint32_t>(lights)}, *ring, trace, **port, clock, options.limits);
+  const Welcome served{scene->hash, narrow<std::uint32_t>(lights), options.most_pixels};
+  ServerCore core(served, *ring, trace, **port, clock, options.limits);
   fmt::print("rt_server: serving {}, {} triangles, {} lights, scene {}\n", scene->name, scene->triangle_count,
              lights, short_form(scene->hash));
   if (options.insecure)

@@ -16,6 +16,7 @@ struct ServeOptions {
   bool insecure = false;  ///< anyone on this machine, unsealed
   std::string net;        ///< the network towards the server, as parse_link_model has it; empty for as it is
   SessionLimits limits;
+  std::uint32_t most_pixels = Welcome{}.most_pixels;  ///< of an eye that a client may ask for
 };
 
 /// Results go to stdout, the log to stderr. Ends when `stop` says so. Says its counters at the end, and on

@@ -29,6 +29,9 @@ void add_serving(CLI::App& app, ServeOptions& options) {
   app.add_option("--bytes-per-second", options.limits.bytes_per_second, "most to one client")
       ->check(CLI::Range(25e3, 1e10))
       ->capture_default_str();
+  app.add_option("--pixels", options.most_pixels, "most an eye that a client may ask for")
+      ->check(CLI::Range(1u, kMaxViewSide_px * kMaxViewSide_px))
+      ->capture_default_str();
   app.add_option(
       "--net", options.net,
       "impair what arrives here, as a bad network would: poor, or loss=2%,delay=25ms,jitter=5ms, ...");

@@ -32,17 +32,18 @@ std::string counters_line(const ServerCounters& counters) {
   const SessionCounters& sessions = counters.sessions;
   const GateCounters& gate = counters.gate;
   return fmt::format(
-      "rt_server: {} clients, {} requests, {} superseded, {} outdated, {} frames, {} datagrams and {} bytes "
+      "rt_server: {} clients, {} requests, {} superseded, {} outdated, {} too large, {} frames, {} datagrams "
+      "and {} bytes "
       "sent, {} unsent, {} datagrams received, {} oversized, {} refused{}; hellos: {} without a cookie, {} "
       "repeated; turned away: {} of another version, {} without a known key, {} of another scene, {} for "
       "want of room, {} too many handshakes; sessions: {} open, {} forgotten, {} replaced, {} moved; {} "
       "frames held back by --bytes-per-second",
-      sessions.welcomed, sessions.requests, sessions.superseded, sessions.outdated, counters.frames,
-      counters.port.sent, counters.port.sent_bytes, counters.port.unsent, counters.port.received,
-      counters.port.oversized, counters.refused.total(), reasons(counters.refused), gate.retries,
-      sessions.repeated, gate.version_mismatch, gate.unknown_key, sessions.scene_mismatch, sessions.busy,
-      gate.too_many, counters.sessions_open, sessions.forgotten, sessions.replaced, sessions.moved,
-      sessions.held_back);
+      sessions.welcomed, sessions.requests, sessions.superseded, sessions.outdated, sessions.too_large,
+      counters.frames, counters.port.sent, counters.port.sent_bytes, counters.port.unsent,
+      counters.port.received, counters.port.oversized, counters.refused.total(), reasons(counters.refused),
+      gate.retries, sessions.repeated, gate.version_mismatch, gate.unknown_key, sessions.scene_mismatch,
+      sessions.busy, gate.too_many, counters.sessions_open, sessions.forgotten, sessions.replaced,
+      sessions.moved, sessions.held_back);
 }
 
 ServerCore::ServerCore(const Welcome& served, const std::vector<SharedKey>& ring, TraceFunction trace,
@@ -112,7 +113,7 @@ bool ServerCore::work() {
     job = sessions_.next_job(clock_.now());
   }
   if (!job) return false;
-  const Duration waited = clock_.now() - job->arrived;
+  const Time begun = clock_.now();
   const TraceStats stats = trace_(job->request, frame_);
   const FrameReport report{.frame = job->request.frame,
                            .primary_rays = stats.primary_rays,
@@ -120,14 +121,15 @@ bool ServerCore::work() {
                            .full_shadow_rays = stats.full_shadow_rays,
                            .primary = stats.primary,
                            .shadow = stats.shadow,
-                           .waited = waited,
+                           .waited = begun - job->arrived,
                            .superseded = job->superseded,
                            .bytes_per_second = job->bytes_per_second,
                            .scale_eighths = job->scale_eighths};
   const auto messages = packer_.pack(frame_, report);
   {
     const std::lock_guard lock(mutex_);
-    sessions_.put(job->session, messages, clock_.now());
+    const Time now = clock_.now();
+    sessions_.put(job->session, messages, now - begun, now);
   }
   ++frames_;
   wake();

@@ -26,7 +26,8 @@ std::uint64_t random_token() {
 }  // namespace
 
 ClientSession::ClientSession(std::string name, const Peer& client, const PublicKey& hello,
-                             const Accepted& accepted, Time now, const RateLimits& limits)
+                             const Accepted& accepted, Time now, const RateLimits& limits,
+                             std::uint32_t most_pixels)
     : name_(std::move(name)),
       id_(accepted.keys.session),
       hello_(hello),
@@ -34,6 +35,7 @@ ClientSession::ClientSession(std::string name, const Peer& client, const PublicK
       opener_(accepted.keys.to_server, accepted.keys.sealing),
       sealer_(accepted.keys.session, accepted.keys.to_client, accepted.keys.sealing),
       limits_(limits),
+      most_pixels_(most_pixels),
       client_(client),
       heard_(now),
       told_(now),
@@ -91,6 +93,8 @@ Heard ClientSession::take(const RequestMessage& message, Time now) {
   if (newest_ && !is_newer(frame, *newest_)) return Heard::Outdated;
   learn_interval(message.request, now);
   newest_ = frame;
+  for (const View& view : message.request.views)
+    if (view.size.pixels() > most_pixels_) return Heard::TooLarge;
   const bool superseded = waiting_.has_value();
   if (superseded) ++superseded_;
   waiting_ = Job{.session = id_, .request = message.request, .arrived = now};
@@ -114,8 +118,7 @@ std::optional<Time> ClientSession::ready_at() const {
   return outbox_.drained_at();
 }
 
-Job ClientSession::take_job(std::uint64_t turn) {
-  served_ = turn;
+Job ClientSession::take_job() {
   Job job = std::move(*std::exchange(waiting_, std::nullopt));
   job.superseded = superseded_;
   job.bytes_per_second = static_cast<std::uint32_t>(rate_.bytes_per_second());

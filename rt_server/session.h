@@ -28,12 +28,13 @@ enum class Heard : std::uint8_t {
   News,        ///< a request newer than all before
   Superseded,  ///< the same, and it took the place of one that waited
   Outdated,    ///< a request not newer than one that came before
+  TooLarge,    ///< a request for more pixels than may be asked for
 };
 
 class ClientSession {
  public:
   ClientSession(std::string name, const Peer& client, const PublicKey& hello, const Accepted& accepted,
-                Time now, const RateLimits& limits);
+                Time now, const RateLimits& limits, std::uint32_t most_pixels);
 
   [[nodiscard]] SessionId id() const { return id_; }
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -58,12 +59,17 @@ class ClientSession {
   }
   /// When is_ready becomes true if nothing else happens.
   [[nodiscard]] std::optional<Time> ready_at() const;
-  [[nodiscard]] Job take_job(std::uint64_t turn);
-  [[nodiscard]] std::uint64_t served() const { return served_; }
-  void set_served(std::uint64_t turn) { served_ = turn; }
+  [[nodiscard]] Job take_job();
 
-  /// The messages of a traced frame, to leave evenly over the frame interval. `scale` is what its views were
-  /// asked at.
+  /// Whose turn it is: the least of these comes first.
+  struct Turn {
+    Duration work{};  ///< that was done for this client, counted from where the others stood when it came
+    std::uint64_t served = 0;  ///< jobs of all clients when it was served last, or came
+    friend auto operator<=>(const Turn&, const Turn&) = default;
+  };
+  Turn turn;
+
+  /// The messages of a traced frame, to leave evenly over the frame interval.
   void put(std::span<const std::vector<std::byte>> messages, Time now);
 
   [[nodiscard]] std::optional<Time> due() const { return outbox_.due(); }
@@ -86,6 +92,7 @@ class ClientSession {
   Opener opener_;
   Sealer sealer_;
   RateLimits limits_;
+  std::uint32_t most_pixels_;
 
   Peer client_;                    ///< has proved that it is there
   std::optional<Peer> candidate_;  ///< where its newest datagrams come from, if from elsewhere
@@ -98,7 +105,6 @@ class ClientSession {
   Duration interval_{};  ///< from one request to the next, as the client's display and our clock have it
   std::optional<Job> waiting_{};
   std::uint32_t superseded_ = 0;
-  std::uint64_t served_ = 0;  ///< turn at which it was served last, or came
   LightChanges lights_;
 
   Outbox outbox_;

@@ -56,8 +56,8 @@ void Sessions::greet(const Peer& from, const Hello& hello, std::span<const std::
   if (refused) return;
   ++counters_.welcomed;
   sessions_.emplace_back(key->name, from, hello.client, *accepted, now,
-                         RateLimits{.most = limits_.bytes_per_second});
-  sessions_.back().set_served(turn_);
+                         RateLimits{.most = limits_.bytes_per_second}, served_.most_pixels);
+  sessions_.back().turn = {work_, jobs_};
 }
 
 Decoded<void> Sessions::take(const Peer& from, const Sealed& sealed, std::span<const std::byte> datagram,
@@ -77,6 +77,7 @@ Decoded<void> Sessions::take(const Peer& from, const Sealed& sealed, std::span<c
   ++counters_.requests;
   if (*heard == Heard::Superseded) ++counters_.superseded;
   if (*heard == Heard::Outdated) ++counters_.outdated;
+  if (*heard == Heard::TooLarge) ++counters_.too_large;
   return {};
 }
 
@@ -92,15 +93,21 @@ void Sessions::end_earlier(SessionId kept) {
 
 std::optional<Job> Sessions::next_job(Time now) {
   ClientSession* next = nullptr;
-  for (ClientSession& session : sessions_)
-    if (session.is_ready(now) && (next == nullptr || session.served() < next->served())) next = &session;
+  for (ClientSession& session : sessions_) {
+    if (!session.is_ready(now)) continue;
+    session.turn.work = std::max(session.turn.work, work_);
+    if (next == nullptr || session.turn < next->turn) next = &session;
+  }
   if (next == nullptr) return std::nullopt;
-  return next->take_job(++turn_);
+  work_ = next->turn.work;
+  next->turn.served = ++jobs_;
+  return next->take_job();
 }
 
-void Sessions::put(SessionId id, std::span<const std::vector<std::byte>> messages, Time now) {
+void Sessions::put(SessionId id, std::span<const std::vector<std::byte>> messages, Duration work, Time now) {
   ClientSession* const session = find(id);
   if (session == nullptr) return;
+  session->turn.work += work;
   const std::uint64_t before = session->held_back();
   session->put(messages, now);
   counters_.held_back += session->held_back() - before;

@@ -1,7 +1,8 @@
 /// Sessions: who is in, and whose request is traced next. A value without sockets, threads or clocks.
 ///
-/// Of each client only the newest request waits; what it replaces is counted, never queued. The client that
-/// was served longest ago comes first. Memory is bounded: so many sessions, each of bounded size.
+/// Of each client only the newest request waits; what it replaces is counted, never queued. The client for
+/// which least work was done comes first, of equals the one that was served longest ago. Memory is bounded:
+/// so many sessions, each of bounded size.
 #pragma once
 
 #include <cstdint>
@@ -30,6 +31,7 @@ struct SessionCounters {
   std::uint64_t requests = 0;    ///< from clients in session
   std::uint64_t superseded = 0;  ///< of these, replaced by a newer one before their turn
   std::uint64_t outdated = 0;    ///< of these, not newer than one that came before
+  std::uint64_t too_large = 0;   ///< of these, for more pixels than may be asked for
   std::uint64_t scene_mismatch = 0, busy = 0;  ///< proved hellos that were refused
   std::uint64_t held_back = 0;                 ///< frames that the limit of bytes a second slowed
   friend bool operator==(const SessionCounters&, const SessionCounters&) = default;
@@ -45,11 +47,12 @@ class Sessions {
   Decoded<void> handle(const Peer& from, std::span<const std::byte> datagram, Time now,
                        std::vector<std::byte>& answer);
 
-  /// The newest request of the client that was served longest ago; it waits no more.
+  /// The newest request of the client whose turn it is; it waits no more.
   std::optional<Job> next_job(Time now);
 
-  /// The messages of the frame that answers a job. A session that has ended meanwhile gets nothing.
-  void put(SessionId session, std::span<const std::vector<std::byte>> messages, Time now);
+  /// The messages of the frame that answers a job, and the work that it took. A session that has ended
+  /// meanwhile gets nothing.
+  void put(SessionId session, std::span<const std::vector<std::byte>> messages, Duration work, Time now);
 
   /// Seals the next datagram that is due; false: none is.
   bool seal_due(Time now, Peer& to, std::vector<std::byte>& datagram);
@@ -83,7 +86,8 @@ class Sessions {
   SessionLimits limits_;
   Gate gate_;
   std::vector<ClientSession> sessions_;
-  std::uint64_t turn_ = 0;
+  std::uint64_t jobs_ = 0;
+  Duration work_{};  ///< at which the client stood whose turn came last: who was away begins there
   SessionCounters counters_;
   std::optional<Event> event_;
 };

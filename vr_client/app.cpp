@@ -118,6 +118,11 @@ Expected<void> open_link(const Options& options, Client& client) {
   const Stopwatch meeting;
   const Expected<void> met = client.link->meet(kMeetPatience);
   client.round_trip = meeting.elapsed() / 2;  // a handshake takes two
+  if (met && options.size.pixels() > client.link->most_pixels())
+    return fail(
+        Fault::OutOfRange,
+        fmt::format("the server traces at most {} pixels an eye (rt_server --pixels), --size asks for {}",
+                    client.link->most_pixels(), options.size.pixels()));
   if (!met) {
     if (met.error().fault == Fault::Mismatch) return met;
     spdlog::warn("{}; going on without shadows from it, and trying again", met.error().what);

@@ -119,7 +119,10 @@ Expected<void> run(const Session& session, const FrameWatcher& watch, const std:
                              session.runtime.locate_views(timing->display_time),
                              session.lights ? *session.lights : LightChanges{}};
     const SceneState state = state_at(session.scene, shown.scene_time, shown.lights);
-    if (session.link) plan.shrink(session.link->scale_eighths());
+    if (session.link) {
+      plan.shrink(session.link->scale_eighths());
+      plan.limit(session.link->most_pixels());
+    }
     const std::optional<TraceRequest> asked = session.link ? plan.ask(shown, timing->period) : std::nullopt;
     if (asked) source.request(*asked, shown.display_time);
     times.request = requesting.elapsed();

@@ -144,6 +144,7 @@ void ShadowLink::take_accept(const Accept& accept, std::span<const std::byte> da
     refused_ = Error{Fault::Mismatch, "the server at " + to_string(target_.server) + " serves another scene"};
     return;
   }
+  most_pixels_ = welcome.most_pixels;
   channel_.emplace(met->keys, clock_.now());
   newest_report_.reset();
   ++sessions_;

@@ -60,6 +60,9 @@ class ShadowLink {
   /// A session is open, as far as we know.
   [[nodiscard]] bool welcomed() const { return channel_ && !handshake_; }
 
+  /// Of an eye, that the server traces; as it said when it welcomed us.
+  [[nodiscard]] std::uint32_t most_pixels() const { return most_pixels_; }
+
   /// Of their size, that views should be asked for: what the server takes the path to carry.
   [[nodiscard]] std::uint32_t scale_eighths() const { return scale_eighths_; }
 
@@ -123,6 +126,7 @@ class ShadowLink {
   std::string hearsay_;
   std::optional<Time> hearsay_at_;
   std::uint32_t scale_eighths_ = kFullScale_eighths;
+  std::uint32_t most_pixels_ = Welcome{}.most_pixels;
   std::optional<FrameId> newest_report_;
   std::uint64_t sessions_ = 0;
   RefusalCounts undecodable_{};

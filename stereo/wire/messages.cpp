@@ -122,7 +122,7 @@ bool fields(auto& io, Either<RequestMessage> auto& message) {
 }
 
 bool fields(auto& io, Either<Welcome> auto& welcome) {
-  return io.array(welcome.scene_hash) && io.u16(welcome.light_count);
+  return io.array(welcome.scene_hash) && io.u16(welcome.light_count) && io.u32(welcome.most_pixels);
 }
 
 bool fields(auto& io, Either<Refusal> auto& refusal) {
@@ -202,6 +202,7 @@ Verdict verdict(const RequestMessage& message) {
 
 Verdict verdict(const Welcome& welcome) {
   if (welcome.light_count > kMaxLights) return WireRefusal::Lights;
+  if (welcome.most_pixels == 0) return WireRefusal::MaskSize;
   return kFine;
 }
 

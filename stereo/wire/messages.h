@@ -53,6 +53,8 @@ using ClientMessage = std::variant<RequestMessage>;
 struct Welcome {
   ContentHash scene_hash{};
   std::uint32_t light_count = 0;
+  /// Of an eye's view that a request may ask for: nobody's trace keeps the others waiting for long.
+  std::uint32_t most_pixels = std::uint32_t{1} << 23;
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
 
@@ -103,7 +105,8 @@ struct FrameReport {
 };
 
 /// Sent to an address from which the client's datagrams come of late: whoever is there says the token in its
-/// next request, and slices go there from then on.
+/// next request, and slices go there from then on. Also sent, with a token that means nothing, to a client
+/// that asks and has been sent nothing for 100 ms: a sign of life of a busy server.
 struct Probe {
   std::uint64_t token = 0;  ///< not 0
   friend bool operator==(const Probe&, const Probe&) = default;

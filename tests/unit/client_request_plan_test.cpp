@@ -179,6 +179,18 @@ TEST(RequestPlan, NeverAsksForMoreThanMayBeAskedFor) {
   }
 }
 
+TEST(RequestPlan, AddsNoGuardBandBeyondWhatTheServerTraces) {
+  for (const bool limited : {false, true}) {
+    RequestPlan plan(RequestWish{});
+    plan.learn(20ms);
+    std::size_t most = 0;
+    if (limited) plan.limit(static_cast<std::uint32_t>(shown(0).views[0].size.pixels()));
+    for (std::uint32_t i = 0; i < 20; ++i)
+      most = std::max<std::size_t>(most, plan.ask(shown(i), kPeriod)->views[0].size.pixels());
+    EXPECT_EQ(most > shown(0).views[0].size.pixels(), !limited);
+  }
+}
+
 TEST(RequestPlan, TracesWiderAfterAHeadThatTurnsAsNobodyForesees) {
   RequestPlan plan({.predictor = PredictorKind::ConstantVelocity});
   std::optional<TraceRequest> asked;

@@ -43,7 +43,7 @@ struct Moving : testing::Test {
     if (!job) return {};
     EXPECT_EQ(job->request.frame, FrameId{frame});
     const std::vector<Bytes> messages(3, Bytes(500, std::byte{9}));
-    sessions.put(job->session, messages, now);
+    sessions.put(job->session, messages, {}, now);
     now += 1s;
     Peer to;
     for (Bytes datagram; sessions.seal_due(now, to, datagram);) {

@@ -159,7 +159,7 @@ TEST(ServerMemory, ASessionIsUnderTwoMebibytesBeyondItsFrame) {
       message.arrivals = clients[i].arrivals.report();
       say(i, frame / 50, clients[i].seal(message));
     }
-    while (const auto job = sessions.next_job(now)) sessions.put(job->session, messages, now);
+    while (const auto job = sessions.next_job(now)) sessions.put(job->session, messages, {}, now);
     std::size_t who = 0;
     Peer to;
     for (Bytes datagram; sessions.seal_due(now + 99ms, to, datagram);) {

@@ -139,6 +139,64 @@ TEST(Sessions, RequestsThatWereOvertakenAreDropped) {
   EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 4, .outdated = 3}));
 }
 
+TEST(Sessions, RequestsForMorePixelsThanAllowedAreCountedAndNotTraced) {
+  Welcome small = kServed;
+  small.most_pixels = kSize.width * kSize.height;
+  Sessions sessions(small, kRing);
+  House house;
+  house.sessions = std::move(sessions);
+  LinkClient client = house.join(1);
+  TraceRequest wide = request_of(1, kSize);
+  wide.views[1].size.height += 1;
+  house.talk(client, 1, client.seal({.request = wide}));
+  EXPECT_FALSE(house.sessions.job_at().has_value());
+  house.ask(client, 1, 2);
+  EXPECT_EQ(house.sessions.next_job({})->request.frame, FrameId{2});
+  EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 2, .too_large = 1}));
+}
+
+TEST(Sessions, WhoMakesMoreWorkHasItsTurnLessOften) {
+  House house;
+  std::vector<LinkClient> clients;
+  for (std::uint16_t port = 1; port <= 3; ++port) clients.push_back(house.join(port, {}, kRing[port - 1u]));
+  const std::vector<std::vector<std::byte>> messages;
+  std::array<int, 3> served{};
+  Duration longest{}, waited{};
+  for (std::uint32_t frame = 1; frame <= 120; ++frame) {
+    for (std::uint16_t port = 1; port <= 3; ++port) house.ask(clients[port - 1u], port, frame);
+    const auto job = house.sessions.next_job({});
+    const auto who = static_cast<std::size_t>(std::ranges::find(clients, job->session, &LinkClient::session) -
+                                              clients.begin());
+    const Duration work = who == 2 ? 50ms : 5ms;
+    house.sessions.put(job->session, messages, work, {});
+    ++served[who];
+    waited = who == 0 ? Duration{} : waited + work;
+    longest = std::max(longest, waited);
+  }
+  EXPECT_NEAR(served[0], served[1], 1);
+  EXPECT_NEAR(served[2] * 10, served[0], 20) << "a third of the time is a third of the time";
+  EXPECT_LE(longest, 60ms) << "one large frame at a time";
+}
+
+TEST(Sessions, WhoWasAwayHasNoTurnsInStore) {
+  House house;
+  LinkClient one = house.join(1), two = house.join(2, {}, kRing[1]);
+  std::uint32_t frame = 0;
+  for (int i = 0; i < 100; ++i) {
+    house.ask(one, 1, ++frame);
+    house.sessions.put(house.sessions.next_job({})->session, {}, 5ms, {});
+  }
+  int of_one = 0;
+  for (int i = 0; i < 10; ++i) {
+    house.ask(one, 1, ++frame);
+    house.ask(two, 2, ++frame);
+    const auto job = house.sessions.next_job({});
+    of_one += job->session == one.session;
+    house.sessions.put(job->session, {}, 5ms, {});
+  }
+  EXPECT_EQ(of_one, 5);
+}
+
 TEST(Sessions, FrameOrderSurvivesWraparound) {
   House house;
   LinkClient client = house.join(1);
@@ -293,7 +351,7 @@ TEST(Sessions, SendsAClientNoMoreThanItsLimitOfBytesASecond) {
   Time now{};
   for (std::uint32_t frame = 1; now < Time(10s); now += 5ms, ++frame) {
     house.ask(client, 1, frame, now);
-    if (const auto job = house.sessions.next_job(now)) house.sessions.put(job->session, messages, now);
+    if (const auto job = house.sessions.next_job(now)) house.sessions.put(job->session, messages, {}, now);
     Peer to;
     for (Bytes datagram; house.sessions.seal_due(now, to, datagram);) sent += datagram.size();
   }

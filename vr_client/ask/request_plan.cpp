@@ -100,7 +100,10 @@ std::optional<TraceRequest> RequestPlan::ask(const TraceRequest& shown, Duration
              full[0].size, request.views[0].size);
   // Views at the limits of what may be asked for stay as they are.
   const StereoView wide{widened(request.views[0], margins), widened(request.views[1], margins)};
-  if (is_valid(wide[0]) && is_valid(wide[1])) request.views = wide;
+  const auto may_be_asked = [&](const View& view) {
+    return is_valid(view) && view.size.pixels() <= most_pixels_;
+  };
+  if (may_be_asked(wide[0]) && may_be_asked(wide[1])) request.views = wide;
   return request;
 }
 

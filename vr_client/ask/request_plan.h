@@ -4,6 +4,7 @@
 #pragma once
 
 #include <deque>
+#include <limits>
 #include <optional>
 
 #include "stereo/frame/shadow_frame.h"
@@ -33,6 +34,9 @@ class RequestPlan {
   /// that ask for nothing. Call once a frame.
   [[nodiscard]] std::optional<TraceRequest> ask(const TraceRequest& shown, Duration period);
 
+  /// From now on a guard band adds no more than leaves an eye's view at `pixels`.
+  void limit(std::uint32_t pixels) { most_pixels_ = pixels; }
+
   /// Masks could be used `later` after the display time at which they were asked for; before any has come, a
   /// guess. It is rounded up to whole frames.
   void learn(Duration later);
@@ -58,6 +62,7 @@ class RequestPlan {
   std::deque<Foreseen> foreseen_;  ///< in order of time
   std::deque<Duration> later_;
   std::uint32_t frames_ = 0;
+  std::uint32_t most_pixels_ = std::numeric_limits<std::uint32_t>::max();
   std::uint32_t eighths_ = kFullSize;
 };
 
