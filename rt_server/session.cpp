@@ -9,7 +9,7 @@ namespace farshade {
 namespace {
 
 /// Of the frame interval, so that the last slice is there before the next frame begins.
-constexpr double kPacedShare = 0.75;
+constexpr double kPacedShare = 0.5;
 /// Clients that ask less often than this get their slices within it.
 constexpr Duration kLongestInterval = std::chrono::milliseconds(50);
 

@@ -91,12 +91,13 @@ Found same_pixel(ivec2 pixel) {
   return found;
 }
 
-// The rule for what is unknown: as the newest mask has it at the shown pixel itself, lit where it cannot say.
-Visibility8 guessed(ivec2 pixel, uint group) {
+// The rule for what is unknown: as the newest mask has it at the shown pixel itself; `otherwise` where it cannot say,
+// because the head has turned away or its tile has not come.
+Visibility8 guessed(ivec2 pixel, uint group, uint otherwise) {
   ivec2 last = ivec2(frame.sources[kFirst].per_step.zw) - 1;
   ivec2 there = clamp(lies_at(pixel), ivec2(0), last);
   bool tells = frame.counts.w != 0u && tile_known(kFirst, there);
-  return eight_of(tells ? mask_bits(kFirst, there, group / 4) >> (group % 4 * 8) : ~0u);
+  return eight_of(tells ? mask_bits(kFirst, there, group / 4) >> (group % 4 * 8) : otherwise);
 }
 
 uint hard_place(uint i, bool can_move) {
@@ -179,7 +180,10 @@ void shade(ivec2 pixel) {
     Visibility8 k = eight_of(bits >> (group % 4 * 8));
     if (second_look && on_edge) k = edge_visibility(surface, stale, group, k);
     Visibility8 is_unknown = eight_of(unknown >> (group % 4 * 8)), guess = Visibility8(vec4(1.0), vec4(1.0));
-    if (second_look) guess = guessed(pixel, group);
+    // An older mask's stale bit is a better guess than none, but of a light that the viewer has changed it says
+    // nothing. That one, and what no mask saw, is lit.
+    uint otherwise = known ? bits | frame.changed_lights[plane / 4][plane % 4] : ~0u;
+    if (second_look) guess = guessed(pixel, group, otherwise >> (group % 4 * 8));
     k.low = mix(k.low, kUnknownVisibility * guess.low, is_unknown.low);
     k.high = mix(k.high, kUnknownVisibility * guess.high, is_unknown.high);
     for (uint i = 0; i < 8 && group * 8 + i < kLights; ++i)

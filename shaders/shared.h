@@ -80,6 +80,7 @@ struct FrameData {
   // (256 bits) and spheres about things that have, where they were and where they are (relative to each eye,
   // stage axes; w = radius^2, negative where there is none).
   uvec4 stale_lights[2 * 2];
+  uvec4 changed_lights[2];                 // those that the viewer has changed since a mask in use was traced
   vec4 moved[2 * 2 * FARSHADE_MAX_MOVED];  // since, eye, sphere
   vec4 background;                         // linear
   vec4 ambient;                            // linear factor of the base colour; 0 unless asked for

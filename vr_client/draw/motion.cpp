@@ -62,7 +62,8 @@ Motion MotionModel::between(const SceneState& then, const SceneState& now) const
   Motion motion;
   motion.then_from_now.resize(moving_.size());
   for (const LightChange& change : since(now.light_changes, then.light_set.revision, kMaxLights).lights)
-    if (change.light < now.light_set.lights.size()) motion.stale_lights.set(change.light);
+    if (change.light < now.light_set.lights.size()) motion.changed_lights.set(change.light);
+  motion.stale_lights = motion.changed_lights;
   const bool moves = !same_instant(then.scene_time, now.scene_time);
   for (std::size_t i = 0; i < now.light_set.lights.size(); ++i) {
     const Light &before = then.light_set.lights[i], &after = now.light_set.lights[i];

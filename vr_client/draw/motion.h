@@ -22,6 +22,7 @@ struct Motion {
   /// Another place, direction, cone or range now, or changed by the viewer since. A light that is off now
   /// never is: it is dark whatever a mask says.
   std::bitset<kMaxLights> stale_lights;
+  std::bitset<kMaxLights> changed_lights;  ///< of these, those that the viewer has changed since
   std::vector<std::optional<glm::dmat4>> then_from_now;  ///< stage to stage; one a slot; none = has not moved
   std::vector<Sphere> moved;                             ///< at most kMostSpheres
 

@@ -190,14 +190,18 @@ void ShadingPass::tell_carries(const StereoView& views, std::span<const DatedMas
 /// What `masks`, the newest (since = 0) or all older ones (1), may no longer know. True if that is anything.
 bool ShadingPass::tell_stale(const StereoView& views, std::span<const DatedMask> masks, std::size_t since,
                              gpu::FrameData& frame) {
-  std::bitset<kMaxLights> lights;
+  std::bitset<kMaxLights> lights, changed;
   std::vector<Sphere> moved;
   for (const DatedMask& dated : masks) {
     lights |= dated.motion.stale_lights;
+    changed |= dated.motion.changed_lights;
     for (const Sphere& sphere : dated.motion.moved) add_sphere(sphere, moved);
   }
-  for (std::size_t i = 0; i < lights.size(); ++i)
-    if (lights[i]) frame.stale_lights[since * 2 + i / 128][static_cast<int>(i / 32 % 4)] |= 1u << i % 32;
+  for (std::size_t i = 0; i < lights.size(); ++i) {
+    const auto word = static_cast<int>(i / 32 % 4);
+    if (lights[i]) frame.stale_lights[since * 2 + i / 128][word] |= 1u << i % 32;
+    if (changed[i]) frame.changed_lights[i / 128][word] |= 1u << i % 32;
+  }
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     for (std::size_t i = 0; i < kMostSpheres; ++i) {
       glm::vec4& sphere = frame.moved[(since * kEyes + eye) * kMostSpheres + i];
