@@ -12,6 +12,7 @@
 #include "stereo/frame/tiles.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/tracer/tracer.h"
+#include "stereo/wire/seal.h"
 #include "stereo/wire/slice.h"
 
 namespace {
@@ -80,6 +81,19 @@ void open(const std::vector<Bytes>& datagrams, PerEye<EyeMask>& masks, PerEye<Kn
   }
 }
 
+std::vector<Bytes> seal(const std::vector<Bytes>& messages, Sealer& sealer) {
+  std::vector<Bytes> sealed;
+  for (const Bytes& message : messages) sealer.seal(message, sealed.emplace_back());
+  return sealed;
+}
+
+void unseal(const std::vector<Bytes>& datagrams, Opener& opener, Bytes& opened) {
+  for (const Bytes& datagram : datagrams) {
+    const auto sealed = std::get<Sealed>(open_server_envelope(datagram).value());
+    check(opener.open(sealed, datagram, opened).has_value(), "what we seal opens");
+  }
+}
+
 Expected<void> run(const Options& options) {
   const Expected<Scene> scene = load_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
@@ -88,11 +102,19 @@ Expected<void> run(const Options& options) {
 
   Column as_bytes{"LZ4 of the mask, KB an eye", {}}, as_planes{"LZ4 of bit planes, KB an eye", {}};
   Column as_slices{"slices, KB an eye", {}}, datagrams{"slices, datagrams an eye", {}};
-  Column pack_ms{"pack both eyes, ms", {}}, open_ms{"open both eyes, ms", {}};
+  Column pack_ms{"pack both eyes, ms", {}}, open_ms{"decode both eyes, ms", {}};
+  Column trace_ms{"trace both eyes, ms", {}}, seal_ms{"seal both eyes, ms", {}},
+      unseal_ms{"unseal both eyes, ms", {}};
+  const Secret key({1, 2, 3});
+  Sealer sealer({}, key, Sealing::On);
+  Opener opener(key, Sealing::On);
+  Bytes opened;
   ShadowFrame frame;
   SlicePacker packer;
   for (std::uint32_t pose = 0; pose < options.poses; ++pose) {
+    const Stopwatch tracing;
     tracer->trace(request_of(*scene, 6.2831853 * pose / options.poses, options.side_px), frame);
+    trace_ms.values.push_back(ms_of(tracing.elapsed()));
     PerEye<EyeMask> masks;
     PerEye<KnownTiles> known;
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
@@ -106,6 +128,12 @@ Expected<void> run(const Options& options) {
       const Stopwatch packing;
       const std::vector<Bytes> packed = pack(frame, packer);
       pack_ms.values.push_back(ms_of(packing.elapsed()));
+      const Stopwatch sealing;
+      const std::vector<Bytes> sealed = seal(packed, sealer);
+      seal_ms.values.push_back(ms_of(sealing.elapsed()));
+      const Stopwatch unsealing;
+      unseal(sealed, opener, opened);
+      unseal_ms.values.push_back(ms_of(unsealing.elapsed()));
       const Stopwatch opening;
       open(packed, masks, known);
       open_ms.values.push_back(ms_of(opening.elapsed()));
@@ -119,10 +147,14 @@ Expected<void> run(const Options& options) {
   }
   std::printf("%u x %u an eye, %u lights, %u poses\n%-32s %8s %8s %8s\n", options.side_px, options.side_px,
               frame.masks[0].lights(), options.poses, "", "median", "p95", "p99");
-  for (const Column& column : {as_bytes, as_planes, as_slices, datagrams, pack_ms, open_ms}) {
+  for (const Column& column :
+       {as_bytes, as_planes, as_slices, datagrams, trace_ms, pack_ms, seal_ms, unseal_ms, open_ms}) {
     const Spread spread = spread_of(column.values);
-    std::printf("%-32s %8.2f %8.2f %8.2f\n", column.name, spread.median, spread.p95, spread.p99);
+    std::printf("%-32s %8.3f %8.3f %8.3f\n", column.name, spread.median, spread.p95, spread.p99);
   }
+  const auto median = [](const Column& column) { return spread_of(column.values).median; };
+  std::printf("seal / (trace + pack + seal): %.4f, figure <= 0.05\n",
+              median(seal_ms) / (median(trace_ms) + median(pack_ms) + median(seal_ms)));
   return {};
 }
 
