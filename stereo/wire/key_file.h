@@ -37,7 +37,8 @@ using KeyId = std::array<std::uint8_t, 8>;
 [[nodiscard]] Expected<SharedKey> new_key(std::string_view name);
 
 /// The keys in `text`, in their order. `where` is said in errors, with the number of the line.
-/// Refuses a secret of zeros, names and secrets that are there twice, and more than kMaxRingKeys keys or kMaxKeyFileBytes bytes.
+/// Refuses a secret of zeros, names and secrets that are there twice, and more than kMaxRingKeys keys or
+/// kMaxKeyFileBytes bytes.
 [[nodiscard]] Expected<std::vector<SharedKey>> parse_keys(std::string_view text, std::string_view where);
 
 /// The line that parse_keys reads back, with its newline. It holds the secret.

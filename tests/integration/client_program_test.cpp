@@ -27,6 +27,23 @@ std::unique_ptr<DatagramPort> silent_port() {
   return std::move(*listen_udp("127.0.0.1:0"));
 }
 
+TEST(ClientProgram, TalksToAnInsecureServerOnItsMachineAndToNoOther) {
+  const ScratchFolder folder;
+  ChildProgram server({RT_SERVER, "--scene", kRoom, "--listen", "127.0.0.1:0", "--insecure"});
+  const auto address = server.line_after("rt_server: listening on ");
+  ASSERT_TRUE(address.has_value()) << server.errors();
+  const Ended run =
+      run_client({{"--server", *address}, {"--insecure", ""}, {"--out", folder.path().string()}});
+  EXPECT_EQ(run.status, 0) << run.errors;
+  EXPECT_GT(summary_row(folder.path(), "wire", "datagrams a frame")[0], 0);
+  const Ended keyed = run_client({{"--server", *address}, {"--out", folder.path().string()}});
+  EXPECT_NE(keyed.errors.find("does not know the key 'tester'"), std::string::npos) << keyed.errors;
+  EXPECT_NE(keyed.status, 0);
+  const Ended far =
+      run_client({{"--server", "192.0.2.1:7447"}, {"--insecure", ""}, {"--out", folder.path().string()}});
+  EXPECT_NE(far.errors.find("talks to this machine alone"), std::string::npos) << far.errors;
+}
+
 TEST(ClientProgram, ShowsTheRoomWithMasksFromTheServer) {
   const ScratchFolder folder;
   const RunningServer server;

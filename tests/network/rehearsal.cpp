@@ -57,6 +57,19 @@ double known_share(const ReceivedFrame& frame) {
   return static_cast<double>(known) / static_cast<double>(all);
 }
 
+/// Of the newest mask's tiles, those that came in it or in the one after it in `masks`.
+double recent_share(std::span<const MaskInHand> masks) {
+  std::size_t known = 0, all = 0;
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    const KnownTiles& newest = masks[0].known_tiles[eye];
+    const bool comparable = masks.size() > 1 && masks[1].views[eye].size == masks[0].views[eye].size;
+    const KnownTiles& before = comparable ? masks[1].known_tiles[eye] : newest;
+    for (std::size_t tile = 0; tile < newest.size(); ++tile) known += newest[tile] != 0 || before[tile] != 0;
+    all += newest.size();
+  }
+  return static_cast<double>(known) / static_cast<double>(all);
+}
+
 template <class T>
 T value_of(Expected<T> value) {
   if (!value) throw std::runtime_error(value.error().what);
@@ -89,11 +102,11 @@ std::vector<double> Played::worse_eye(double EyeErrors::*figure) const {
   return values;
 }
 
-double Played::tiles_current() const {
+double Played::mean_of(double PlayedFrame::*share) const {
   double sum = 0;
   std::size_t shown = 0;
   for (const PlayedFrame& frame : frames)
-    if (frame.newest) sum += frame.tiles_current, ++shown;
+    if (frame.newest) sum += frame.*share, ++shown;
   return shown == 0 ? 0 : sum / static_cast<double>(shown);
 }
 
@@ -162,6 +175,7 @@ Played play(const Play& play, const Network& network) {
       frame.newest = view.newest->request.frame;
       frame.newest_asked = clock.now() - view.age.value();
       frame.tiles_current = known_share(*view.newest);
+      if (!view.masks.empty()) frame.tiles_recent = recent_share(view.masks);
     }
     played.frames.push_back(frame);
     const std::size_t half = played.frames.size() * 2 <= play.frames ? 0 : 1;

@@ -45,6 +45,8 @@ struct PlayedFrame {
   std::optional<FrameId> newest{};  ///< mask it was shown with
   std::optional<Time> newest_asked{};
   double tiles_current = 0;  ///< share of the newest mask's tiles that have come, of both eyes
+  double tiles_recent =
+      0;  ///< that have come in it or in the mask before it, where that one has the same size
   std::uint32_t scale_eighths = 8;
 };
 
@@ -56,7 +58,8 @@ struct Played {
   std::array<std::size_t, 2> heap_peak{};  ///< most bytes in use in the first and in the second half
 
   [[nodiscard]] std::vector<double> worse_eye(double EyeErrors::*figure) const;
-  [[nodiscard]] double tiles_current() const;  ///< mean over frames with a mask
+  /// Mean over frames with a mask.
+  [[nodiscard]] double mean_of(double PlayedFrame::*share) const;
 };
 
 /// Plays `frames` display frames. The server's trace takes no virtual time.
