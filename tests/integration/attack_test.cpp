@@ -57,7 +57,7 @@ struct Counts {
 /// A client of the scene that asks in lockstep, round and round along the same poses.
 class Walker {
  public:
-  Walker(DatagramPort& port, const LinkTarget& target) : link_(port, clock_, target, 4) {
+  Walker(DatagramPort& port, const LinkTarget& target) : link_(port, clock_, target, Assembler::kKept + 1) {
     if (const auto met = link_.meet(kPatience); !met) throw std::runtime_error(met.error().what);
   }
 
