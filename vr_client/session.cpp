@@ -8,6 +8,8 @@ namespace {
 /// In virtual time a frame's masks are awaited in real time before it is drawn, so that what is shown depends
 /// on the set delay alone. This is how long a reply may really take before it counts as lost.
 constexpr Duration kVirtualPatience = std::chrono::seconds(5);
+/// What has not come for so long after some of its frame's masks have is lost.
+constexpr Duration kLull = std::chrono::milliseconds(250);
 
 /// Sends requests and gathers the masks that a frame may use.
 class MaskSource {
@@ -64,9 +66,24 @@ class MaskSource {
       session_.link->wait_for(asked_, session_.policy.mask_wait);
     } else if (asked_ != awaited_) {
       const Duration patience = answering_ ? kVirtualPatience : Duration::zero();
-      answering_ = session_.link->wait_for(asked_, patience) || is_whole(awaited_);
+      answering_ = await_what_comes(patience) || is_whole(awaited_);
       awaited_ = asked_;
     }
+  }
+
+  /// True if some of the masks asked for has come.
+  bool await_what_comes(Duration patience) {
+    const auto known = [&] {
+      const ReceivedFrame* const received = session_.link->find(asked_);
+      return received == nullptr ? 0 : received->tiles_known[0] + received->tiles_known[1];
+    };
+    std::uint32_t before = 0;
+    for (Duration waited{}; waited <= patience; waited += kLull) {
+      if (session_.link->wait_for(asked_, std::min(kLull, patience - waited))) return true;
+      if (known() > 0 && known() == before) return true;
+      before = known();
+    }
+    return before > 0;
   }
 
   [[nodiscard]] bool is_whole(FrameId frame) const {

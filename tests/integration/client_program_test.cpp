@@ -27,6 +27,19 @@ std::unique_ptr<DatagramPort> silent_port() {
   return std::move(*listen_udp("127.0.0.1:0"));
 }
 
+TEST(ClientProgram, DoesNotWaitLongForWhatIsLost) {
+  const ScratchFolder folder;
+  const RunningServer server;
+  const Stopwatch watch;
+  const Ended run = run_client({{"--server", server.address()},
+                                {"--net", "loss=40%"},
+                                {"--frames", "24"},
+                                {"--reference-every", "0"},
+                                {"--out", folder.path().string()}});
+  EXPECT_EQ(run.status, 0) << run.errors;
+  EXPECT_LT(watch.elapsed(), std::chrono::seconds(60)) << "5 s for each frame that lost something is 2 min";
+}
+
 TEST(ClientProgram, TalksToAnInsecureServerOnItsMachineAndToNoOther) {
   const ScratchFolder folder;
   ChildProgram server({RT_SERVER, "--scene", kRoom, "--listen", "127.0.0.1:0", "--insecure"});
