@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cctype>
 #include <cmath>
 #include <fstream>
-#include <regex>
 #include <thread>
 
 #include "stereo/base/check.h"
@@ -48,9 +48,16 @@ double memory_KiB(pid_t pid) {
 struct Counts {
   std::string line;
 
+  /// The number before `what`; 0 where it is not said.
   [[nodiscard]] std::uint64_t of(const std::string& what) const {
-    std::smatch found;
-    return std::regex_search(line, found, std::regex("(\\d+) " + what + "\\b")) ? std::stoull(found[1]) : 0;
+    for (std::size_t at = line.find(' ' + what); at != line.npos; at = line.find(' ' + what, at + 1)) {
+      const std::size_t end = at + 1 + what.size();
+      const bool whole_words = end == line.size() || std::isalnum(static_cast<unsigned char>(line[end])) == 0;
+      std::size_t first = at;
+      while (first > 0 && std::isdigit(static_cast<unsigned char>(line[first - 1])) != 0) --first;
+      if (whole_words && first < at) return std::stoull(line.substr(first, at - first));
+    }
+    return 0;
   }
 };
 
