@@ -121,7 +121,10 @@ TEST(ServerFlood, AnswersSpoofedDatagramsWithFewerBytesAndKeepsNothing) {
               static_cast<long long>(after) - static_cast<long long>(before));
   EXPECT_LE(counters.port.sent_bytes, counters.port.received_bytes);
   EXPECT_LE(flood.worst(), 0) << "no single answer is longer than what it answers";
-  EXPECT_LT(after, before + kMiB);
+  // The sanitizers keep freed memory: it says nothing of ours.
+  if (!kSanitized) {
+    EXPECT_LT(after, before + kMiB);
+  }
   EXPECT_EQ(counters.sessions, SessionCounters{});
   EXPECT_GT(counters.gate.retries, kFlood / 3) << "the well-formed ones got their cookie";
   EXPECT_GT(counters.gate.version_mismatch, kFlood / 10);
