@@ -4,7 +4,7 @@
 #include <cmath>
 #include <thread>
 
-#include "stereo/base/check.h"
+#include "vr_client/headset.h"
 
 namespace farshade {
 
@@ -33,11 +33,7 @@ std::optional<FrameTiming> TraceRuntime::wait_frame() {
 
 StereoView TraceRuntime::locate_views(Time display_time) const {
   const Rigid<Stage, Head> stage_from_head = playback_.stage_from_recorded * head_at(trace_, display_time);
-  StereoView views;
-  for (const Side side : kSides)
-    views[index_of(side)] = {stage_from_head * head_from_eye(side, trace_.eye_distance_m),
-                             trace_.fov[index_of(side)], playback_.eye_size};
-  return views;
+  return views_of(stage_from_head, {trace_.eye_distance_m, trace_.fov, playback_.eye_size});
 }
 
 void TraceRuntime::end_frame(Time) {}
