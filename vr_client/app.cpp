@@ -13,6 +13,7 @@
 #include "stereo/scene/gltf.h"
 #include "stereo/trace/reader.h"
 #include "stereo/trace/writer.h"
+#include "vr_client/link/shadow_link.h"
 #include "vr_client/recorder.h"
 #include "vr_client/trace_runtime.h"
 
@@ -118,11 +119,11 @@ Expected<void> open_link(const Options& options, Client& client) {
   const Stopwatch meeting;
   const Expected<void> met = client.link->meet(kMeetPatience);
   client.round_trip = meeting.elapsed() / 2;  // a handshake takes two
-  if (met && options.size.pixels() > client.link->most_pixels())
+  if (met && options.size.pixels() > client.link->inbox().most_pixels())
     return fail(
         Fault::OutOfRange,
         fmt::format("the server traces at most {} pixels an eye (rt_server --pixels), --size asks for {}",
-                    client.link->most_pixels(), options.size.pixels()));
+                    client.link->inbox().most_pixels(), options.size.pixels()));
   if (!met) {
     if (met.error().fault == Fault::Mismatch) return met;
     spdlog::warn("{}; going on without shadows from it, and trying again", met.error().what);
@@ -231,19 +232,20 @@ Expected<void> run_client(const Options& options) {
   Recorder recorder({options.out, frames, options.reference_every, options.pictures, options.dump},
                     *client.renderer, reference);
   Progress progress(frames);
-  const Session session{
-      .scene = client.scene,
-      .runtime = *client.runtime,
-      .renderer = *client.renderer,
-      .link = client.link ? &*client.link : nullptr,
-      .own_tracer = options.mode == Mode::Full ? reference : nullptr,
-      .policy = {.pace = options.pace,
-                 .delay = duration_from_ms(options.delay_ms),
-                 .round_trip = client.round_trip,
-                 .mask_wait = duration_from_ms(options.mask_wait_ms)},
+  const Steering steering{
       .wish = options.request,
       .carry_over = options.carry_over,
       .report = recorder.measures_any() ? ShadingPass::Report::On : ShadingPass::Report::Off};
+  const Session session{.scene = client.scene,
+                        .runtime = *client.runtime,
+                        .renderer = *client.renderer,
+                        .link = client.link ? &*client.link : nullptr,
+                        .own_tracer = options.mode == Mode::Full ? reference : nullptr,
+                        .steering = steering,
+                        .policy = {.pace = options.pace,
+                                   .delay = duration_from_ms(options.delay_ms),
+                                   .round_trip = client.round_trip,
+                                   .mask_wait = duration_from_ms(options.mask_wait_ms)}};
   const auto watch = [&](const FrameView& view) {
     recorder.watch(view);
     progress.show(view.shown.frame.value);

@@ -26,11 +26,12 @@ class MaskSource {
     if (session_.own_tracer) masks_.push_back(session_.own_tracer->trace(shown));
     if (!session_.link) return masks_;
     await();
-    const std::vector<const ReceivedFrame*> received = session_.link->masks(usable_until(shown.display_time));
+    const std::vector<const ReceivedFrame*> received =
+        session_.link->inbox().masks(usable_until(shown.display_time));
     for (const ReceivedFrame* frame : received) {
       const TraceRequest& request = frame->request;
       if (is_newer(request.frame, newest_seen_))
-        plan.learn(shown.display_time - session_.link->asked_at(request.frame).value());
+        plan.learn(shown.display_time - session_.link->inbox().asked_at(request.frame).value());
       masks_.push_back({request.frame, request.display_time, request.scene_time, request.views, frame->masks,
                         frame->known_tiles,
                         std::uint64_t{frame->tiles_known[0]} << 32 | frame->tiles_known[1],
@@ -56,7 +57,7 @@ class MaskSource {
 
   [[nodiscard]] std::optional<Duration> age(Time now) const {
     if (newest_ == nullptr) return std::nullopt;
-    return now - session_.link->asked_at(newest_->request.frame).value();
+    return now - session_.link->inbox().asked_at(newest_->request.frame).value();
   }
 
  private:
@@ -74,7 +75,7 @@ class MaskSource {
   /// True if some of the masks asked for has come.
   bool await_what_comes(Duration patience) {
     const auto known = [&] {
-      const ReceivedFrame* const received = session_.link->find(asked_);
+      const ReceivedFrame* const received = session_.link->inbox().find(asked_);
       return received == nullptr ? 0 : received->tiles_known[0] + received->tiles_known[1];
     };
     std::uint32_t before = 0;
@@ -87,7 +88,7 @@ class MaskSource {
   }
 
   [[nodiscard]] bool is_whole(FrameId frame) const {
-    const ReceivedFrame* const received = session_.link->find(frame);
+    const ReceivedFrame* const received = session_.link->inbox().find(frame);
     return received != nullptr && received->complete();
   }
 
@@ -104,6 +105,20 @@ class MaskSource {
   bool answering_ = true;
 };
 
+/// What the scene's clock says: it follows the display's as long as it runs.
+class SceneTime {
+ public:
+  Time at(Time display_time, SceneClock clock) {
+    if (last_ && clock == SceneClock::Runs) now_ += display_time - *last_;
+    last_ = display_time;
+    return now_;
+  }
+
+ private:
+  Time now_{};
+  std::optional<Time> last_;
+};
+
 /// Traced for these very pixels at this very time and with these very lights, and whole: nothing needs to be
 /// carried over.
 bool is_exact(const MaskInHand& mask, const TraceRequest& shown, const Scene& scene) {
@@ -115,55 +130,63 @@ bool is_exact(const MaskInHand& mask, const TraceRequest& shown, const Scene& sc
          (same_instant(mask.scene_time, shown.scene_time) || scene.animation_length_s == 0);
 }
 
+std::optional<TraceRequest> ask(const Session& session, const Steering& steering, const TraceRequest& shown,
+                                Duration period, RequestPlan& plan) {
+  if (session.link == nullptr) return std::nullopt;
+  plan.follow(steering.wish);
+  plan.shrink(session.link->inbox().scale_eighths());
+  plan.limit(session.link->inbox().most_pixels());
+  return plan.ask(shown, period, steering.scene);
+}
+
 }  // namespace
 
 Expected<void> run(const Session& session, const FrameWatcher& watch, const std::function<bool()>& stop) {
+  const SteadyClock clock;
   MaskSource source(session);
-  RequestPlan plan(session.wish);
+  RequestPlan plan(session.steering.wish);
   plan.learn(session.policy.pace == Pace::Real ? session.policy.round_trip
                                                : session.policy.delay - session.policy.mask_wait);
   FrameId frame;
-  std::optional<Time> first;
+  SceneTime scene_time;
   while (!stop()) {
     const std::optional<FrameTiming> timing = session.runtime.wait_frame();
     if (!timing) break;
+    const Steering steering = session.steering;
     StageTimes times;
+    StageStarts starts;
 
-    const Stopwatch requesting;
+    starts.request = clock.now();
     frame = next(frame);
-    first = first.value_or(timing->display_time);
-    const TraceRequest shown{frame, timing->display_time, Time(timing->display_time - *first),
-                             session.runtime.locate_views(timing->display_time),
-                             session.lights ? *session.lights : LightChanges{}};
+    const TraceRequest shown{frame, timing->display_time, scene_time.at(timing->display_time, steering.scene),
+                             session.runtime.locate_views(timing->display_time), steering.lights};
     const SceneState state = state_at(session.scene, shown.scene_time, shown.lights);
-    if (session.link) {
-      plan.shrink(session.link->scale_eighths());
-      plan.limit(session.link->most_pixels());
-    }
-    const std::optional<TraceRequest> asked = session.link ? plan.ask(shown, timing->period) : std::nullopt;
+    const std::optional<TraceRequest> asked = ask(session, steering, shown, timing->period, plan);
     if (asked) source.request(*asked, shown.display_time);
-    times.request = requesting.elapsed();
 
-    const Stopwatch collecting;
+    starts.collect = clock.now();
     const Duration busy = session.link ? session.link->busy() : Duration::zero();
     const std::span<const MaskInHand> masks = source.collect(shown, plan);
-    times.collect = session.link ? session.link->busy() - busy : collecting.elapsed();
     if (session.link && session.link->refused()) return tl::unexpected(*session.link->refused());
 
-    CarryOver carry_over = session.carry_over;
+    starts.draw = clock.now();
+    CarryOver carry_over = steering.carry_over;
     if (!masks.empty() && is_exact(masks[0], shown, session.scene)) carry_over.lookup = Lookup::Direct;
     const TraceRequest* const asked_now = asked ? &*asked : nullptr;
     const DrawTimes drawn =
-        session.renderer.draw({shown.views, state, asked_now, masks, carry_over, session.report});
+        session.renderer.draw({shown.views, state, asked_now, masks, carry_over, steering.report});
     session.runtime.end_frame(timing->display_time);
+    starts.end = clock.now();
 
+    times.request = starts.collect - starts.request;
+    times.collect = session.link ? session.link->busy() - busy : starts.draw - starts.collect;
     times.gbuffer = drawn.gbuffer;
     times.depth = drawn.depth;
     times.shade = drawn.shade;
     times.draw = drawn.total;
     times.frame = times.request + times.collect + times.draw;
     watch({shown, asked_now, state, source.drawn_with(session.renderer, carry_over.lookup), source.newest(),
-           source.age(shown.display_time), times});
+           source.age(shown.display_time), times, starts, steering, *timing});
   }
   return {};
 }

@@ -6,9 +6,9 @@
 #include "stereo/scene/scene_state.h"
 #include "vr_client/ask/request_plan.h"
 #include "vr_client/draw/renderer.h"
+#include "vr_client/link/mask_link.h"
 #include "vr_client/reference.h"
 #include "vr_client/runtime.h"
-#include "vr_client/shadow_link.h"
 
 namespace farshade {
 
@@ -20,6 +20,15 @@ struct MaskPolicy {
   Duration mask_wait{};   ///< how long a frame waits for its own masks before it is drawn with earlier ones
 };
 
+/// What may be another from one frame to the next; read once a frame, after Runtime::wait_frame.
+struct Steering {
+  RequestWish wish;
+  CarryOver carry_over;
+  LightChanges lights{};  ///< all that the viewer has changed so far
+  SceneClock scene = SceneClock::Runs;
+  ShadingPass::Report report = ShadingPass::Report::Off;
+};
+
 /// Work of the client's stages; time spent waiting for the display or the server is not counted.
 struct StageTimes {
   Duration request{};                    ///< locate views, pose the scene, predict, send
@@ -27,6 +36,11 @@ struct StageTimes {
   Duration gbuffer{}, depth{}, shade{};  ///< on the device
   Duration draw{};   ///< all three with recording, uploads, submission and the wait for the device
   Duration frame{};  ///< request + collect + draw
+};
+
+/// When a frame's stages began, on the machine's clock.
+struct StageStarts {
+  Time request{}, collect{}, draw{}, end{};
 };
 
 /// One frame as it was shown. References end with the call.
@@ -38,6 +52,9 @@ struct FrameView {
   const ReceivedFrame* newest;        ///< what the newest of them came from; null if no server sent it
   std::optional<Duration> age;        ///< of what the newest mask was asked with: how long ago that was
   const StageTimes& times;
+  const StageStarts& starts;
+  const Steering& steering;  ///< that it was shown with
+  FrameTiming timing;
 };
 using FrameWatcher = std::function<void(const FrameView&)>;
 
@@ -46,14 +63,10 @@ struct Session {
   const Scene& scene;
   Runtime& runtime;
   Renderer& renderer;
-  ShadowLink* link = nullptr;       ///< mode hybrid
+  MaskLink* link = nullptr;         ///< mode hybrid
   Reference* own_tracer = nullptr;  ///< mode full
-  /// What the viewer has changed, as it stands when a frame begins; null where nobody can change anything.
-  const LightChanges* lights = nullptr;
+  const Steering& steering;         ///< as it stands when a frame begins
   MaskPolicy policy;
-  RequestWish wish;
-  CarryOver carry_over;
-  ShadingPass::Report report = ShadingPass::Report::Off;
 };
 
 /// Shows frames until the runtime ends, `stop` says so or the server refuses us for good.

@@ -11,7 +11,7 @@
 #include "stereo/base/quantile.h"
 #include "stereo/net/udp.h"
 #include "stereo/scene/gltf.h"
-#include "vr_client/shadow_link.h"
+#include "vr_client/link/shadow_link.h"
 
 namespace {
 
@@ -105,7 +105,7 @@ Expected<void> run(const Options& options) {
     core.work();
     const Duration frame = working.elapsed() + send_all(core);
     link.poll();
-    const ReceivedFrame& received = *link.find({number});
+    const ReceivedFrame& received = *link.inbox().find({number});
     if (number <= kWarmUp || !received.report) continue;
     complete += received.complete() ? 1 : 0;
     const FrameReport& report = *received.report;

@@ -9,7 +9,7 @@
 #include "rt_server/server_core.h"
 #include "stereo/net/virtual_link.h"
 #include "tests/fuzz/edits.h"
-#include "vr_client/shadow_link.h"
+#include "vr_client/link/shadow_link.h"
 
 namespace farshade::fuzz {
 

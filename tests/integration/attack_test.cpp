@@ -15,7 +15,7 @@
 #include "tests/integration/attack_tools.h"
 #include "tests/integration/client_program.h"
 #include "tests/integration/test_keys.h"
-#include "vr_client/shadow_link.h"
+#include "vr_client/link/shadow_link.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define FARSHADE_SANITIZED 1
@@ -74,7 +74,7 @@ class Walker {
     const Time shown(Duration(std::chrono::milliseconds(14)) * frame_.value);
     link_.request({frame_, shown, Time{}, views_at((frame_.value - 1) % kPoses)}, shown);
     if (!link_.wait_for(frame_, kPatience)) return std::nullopt;
-    return link_.find(frame_)->masks;
+    return link_.inbox().find(frame_)->masks;
   }
 
   [[nodiscard]] ShadowLink::Counters counters() const { return link_.counters(); }

@@ -160,17 +160,16 @@ Played play(const Play& play, const Network& network) {
                      .dump = {}},
                     renderer, &reference);
   Played played;
+  const Steering steering{.report = ShadingPass::Report::On};
   const Session session{.scene = play.scene,
                         .runtime = runtime,
                         .renderer = renderer,
                         .link = &link,
-                        .policy = {.pace = Pace::Real, .round_trip = round_trip},
-                        .wish = {},
-                        .carry_over = {},
-                        .report = ShadingPass::Report::On};
+                        .steering = steering,
+                        .policy = {.pace = Pace::Real, .round_trip = round_trip}};
   const auto watch = [&](const FrameView& view) {
     recorder.watch(view);
-    PlayedFrame frame{.at = clock.now(), .scale_eighths = link.scale_eighths()};
+    PlayedFrame frame{.at = clock.now(), .scale_eighths = link.inbox().scale_eighths()};
     if (view.newest != nullptr) {
       frame.newest = view.newest->request.frame;
       frame.newest_asked = clock.now() - view.age.value();

@@ -10,6 +10,7 @@
 #include "rt_server/server_core.h"
 #include "stereo/net/virtual_link.h"
 #include "stereo/trace/head_trace.h"
+#include "vr_client/link/shadow_link.h"
 #include "vr_client/report/frame_log.h"
 #include "vr_client/session.h"
 

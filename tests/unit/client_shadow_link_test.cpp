@@ -1,4 +1,4 @@
-#include "vr_client/shadow_link.h"
+#include "vr_client/link/shadow_link.h"
 
 #include <gtest/gtest.h>
 
@@ -71,8 +71,8 @@ TEST(ShadowLink, ServesMasksBitForBit) {
   MetBench bench;
   bench.ask(request(1));
   EXPECT_TRUE(bench.link.wait_for({1}, 1s));
-  ASSERT_NE(bench.link.find({1}), nullptr);
-  EXPECT_EQ(bench.link.find({1})->masks, painted(1));
+  ASSERT_NE(bench.link.inbox().find({1}), nullptr);
+  EXPECT_EQ(bench.link.inbox().find({1})->masks, painted(1));
 }
 
 TEST(ShadowLink, GoesOnTryingAServerThatComesLate) {
@@ -95,7 +95,7 @@ TEST(ShadowLink, LostSlicesLeaveTheirTilesUnknownAndNothingElse) {
   for (std::uint32_t frame = 1; frame <= 20; ++frame) {
     lossy.ask(request(frame));
     lossy.pass(10ms);
-    const ReceivedFrame& received = *lossy.link.find({frame});
+    const ReceivedFrame& received = *lossy.link.inbox().find({frame});
     const PerEye<EyeMask> truth = painted(frame);
     for (std::size_t eye = 0; eye < kEyes; ++eye)
       for (std::uint32_t tile = 0; tile < TileGrid{kSize}.count(); ++tile) {
@@ -119,7 +119,8 @@ TEST(ShadowLink, MasksComeNewestFirstAndNotBeyondUntil) {
   }
   const auto frames = [&](Time until) {
     std::vector<std::uint32_t> values;
-    for (const ReceivedFrame* mask : bench.link.masks(until)) values.push_back(mask->request.frame.value);
+    for (const ReceivedFrame* mask : bench.link.inbox().masks(until))
+      values.push_back(mask->request.frame.value);
     return values;
   };
   EXPECT_EQ(frames(Time::max()), (std::vector<std::uint32_t>{4, 2, 1})) << "4 took the place of 3";
@@ -134,12 +135,12 @@ TEST(ShadowLink, TellsFramesApartByWhenTheyAskedNotByWhatFor) {
     bench.link.request(request(frame, 500ms - frame * 10ms), Time(frame * 10ms));  // for ever earlier times
     ASSERT_TRUE(bench.link.wait_for({frame}, 1s));
   }
-  ASSERT_EQ(bench.link.masks(Time(20ms)).size(), 2u);
-  EXPECT_EQ(bench.link.masks(Time(20ms)).front()->request.frame, FrameId{2});
-  EXPECT_TRUE(bench.link.masks(Time(10ms - 1ns)).empty());
-  EXPECT_EQ(bench.link.asked_at({3}), Time(30ms));
-  EXPECT_EQ(bench.link.find({3})->request.display_time, Time(470ms));
-  EXPECT_EQ(bench.link.asked_at({4}), std::nullopt);
+  ASSERT_EQ(bench.link.inbox().masks(Time(20ms)).size(), 2u);
+  EXPECT_EQ(bench.link.inbox().masks(Time(20ms)).front()->request.frame, FrameId{2});
+  EXPECT_TRUE(bench.link.inbox().masks(Time(10ms - 1ns)).empty());
+  EXPECT_EQ(bench.link.inbox().asked_at({3}), Time(30ms));
+  EXPECT_EQ(bench.link.inbox().find({3})->request.display_time, Time(470ms));
+  EXPECT_EQ(bench.link.inbox().asked_at({4}), std::nullopt);
 }
 
 TEST(ShadowLink, KeepsTheNewestRequestsOnly) {
@@ -148,13 +149,13 @@ TEST(ShadowLink, KeepsTheNewestRequestsOnly) {
     bench.ask(request(frame, frame * 10ms));
     ASSERT_TRUE(bench.link.wait_for({frame}, 1s));
   }
-  const auto masks = bench.link.masks(Time::max());
+  const auto masks = bench.link.inbox().masks(Time::max());
   ASSERT_EQ(masks.size(), kFrames);
   EXPECT_EQ(masks.front()->request.frame, FrameId{20});
   EXPECT_EQ(masks.back()->request.frame, FrameId{15});
-  EXPECT_EQ(bench.link.find({14}), nullptr);
-  EXPECT_EQ(bench.link.asked_at({14}), std::nullopt);
-  EXPECT_EQ(bench.link.asked_at({15}), Time(150ms));
+  EXPECT_EQ(bench.link.inbox().find({14}), nullptr);
+  EXPECT_EQ(bench.link.inbox().asked_at({14}), std::nullopt);
+  EXPECT_EQ(bench.link.inbox().asked_at({15}), Time(150ms));
 }
 
 TEST(ShadowLinkWait, EndsWhenTheFrameIsWhole) {
@@ -164,7 +165,7 @@ TEST(ShadowLinkWait, EndsWhenTheFrameIsWhole) {
   EXPECT_TRUE(bench.link.wait_for({1}, 1s));
   EXPECT_GT(bench.clock.now() - asked, 2 * kWay);
   EXPECT_LT(bench.clock.now() - asked, 2 * kWay + 3ms) << "as fast as the path is taken to be";
-  EXPECT_TRUE(bench.link.find({1})->report.has_value());
+  EXPECT_TRUE(bench.link.inbox().find({1})->report.has_value());
 }
 
 TEST(ShadowLinkWait, LastsAsLongAsItsPatience) {
@@ -179,7 +180,7 @@ TEST(ShadowLinkWait, LastsAsLongAsItsPatience) {
   bench.ask(request(2));
   EXPECT_FALSE(bench.link.wait_for({2}, 100ms));
   EXPECT_EQ(bench.clock.now() - asked, 107ms);
-  EXPECT_TRUE(bench.link.find({1})->complete()) << "what came meanwhile was taken";
+  EXPECT_TRUE(bench.link.inbox().find({1})->complete()) << "what came meanwhile was taken";
 }
 
 TEST(ShadowLinkWait, DoesNotWaitForAServerThatHasNotWelcomedIt) {
@@ -226,7 +227,7 @@ TEST(ShadowLink, HostileBytesChangeNothingButCounters) {
     bench.send(copy);
   }
   bench.link.poll();
-  ASSERT_TRUE(bench.link.find({1})->complete());
+  ASSERT_TRUE(bench.link.inbox().find({1})->complete());
 
   bench.send(Bytes(40, std::byte{0x5A}));
   bench.send(copy);
@@ -260,7 +261,7 @@ TEST(ShadowLink, HostileBytesChangeNothingButCounters) {
   EXPECT_EQ(counters.assembler.other_light_set, 1u);
   EXPECT_TRUE(bench.link.welcomed());
   EXPECT_FALSE(bench.link.refused().has_value());
-  EXPECT_EQ(bench.link.find({1})->masks, painted(1));
+  EXPECT_EQ(bench.link.inbox().find({1})->masks, painted(1));
 }
 
 TEST(ShadowLink, SurvivesFrameIdWraparound) {
@@ -269,10 +270,10 @@ TEST(ShadowLink, SurvivesFrameIdWraparound) {
     const std::uint32_t frame = 0xFFFF'FFFDu + i;
     bench.ask(request(frame, (i + 1) * 10ms));
     ASSERT_TRUE(bench.link.wait_for({frame}, 1s)) << frame;
-    EXPECT_EQ(bench.link.find({frame})->masks, painted(frame));
-    EXPECT_EQ(bench.link.masks(Time::max()).front()->request.frame, FrameId{frame});
+    EXPECT_EQ(bench.link.inbox().find({frame})->masks, painted(frame));
+    EXPECT_EQ(bench.link.inbox().masks(Time::max()).front()->request.frame, FrameId{frame});
   }
-  EXPECT_EQ(bench.link.masks(Time::max()).size(), kFrames);
+  EXPECT_EQ(bench.link.inbox().masks(Time::max()).size(), kFrames);
 }
 
 }  // namespace

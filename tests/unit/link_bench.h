@@ -8,7 +8,7 @@
 
 #include "link_client.h"
 #include "stereo/net/virtual_link.h"
-#include "vr_client/shadow_link.h"
+#include "vr_client/link/shadow_link.h"
 
 namespace farshade::link_test {
 
@@ -140,7 +140,8 @@ struct LinkBench {
     std::optional<Time> came;
     on_event = [&] {
       for (std::uint32_t f = before + 1; f <= frame && !came; ++f)
-        if (const auto* got = link.find({f}); got != nullptr && got->anything_known()) came = clock.now();
+        if (const auto* got = link.inbox().find({f}); got != nullptr && got->anything_known())
+          came = clock.now();
     };
     while (!came && clock.now() < begin + patience) run(kInterval);
     on_event = {};

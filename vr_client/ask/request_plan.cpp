@@ -42,6 +42,11 @@ Rigid<Stage, Head> head_of(const StereoView& views) {
   return {slerp(left.rotation, right.rotation, 0.5), (left.translation + right.translation) * 0.5};
 }
 
+void RequestPlan::follow(const RequestWish& wish) {
+  if (wish.predictor != wish_.predictor) predictor_ = Predictor(wish.predictor);
+  wish_ = wish;
+}
+
 void RequestPlan::shrink(std::uint32_t eighths) {
   check(eighths >= 1 && eighths <= kFullSize, "views are asked for at one to eight eighths");
   eighths_ = eighths;
@@ -71,7 +76,7 @@ void RequestPlan::compare(const TraceRequest& shown, Duration period) {
   guard_band_.observe(shown.views, foreseen_.front().views);
 }
 
-std::optional<TraceRequest> RequestPlan::ask(const TraceRequest& shown, Duration period) {
+std::optional<TraceRequest> RequestPlan::ask(const TraceRequest& shown, Duration period, SceneClock scene) {
   const Rigid<Stage, Head> head = head_of(shown.views);
   predictor_.observe(shown.display_time, head);
   compare(shown, period);
@@ -80,7 +85,7 @@ std::optional<TraceRequest> RequestPlan::ask(const TraceRequest& shown, Duration
   const Duration ahead = lead(period);
   TraceRequest request = shown;
   request.display_time += ahead;
-  request.scene_time += ahead;
+  if (scene == SceneClock::Runs) request.scene_time += ahead;
   const Rigid<Stage, Head> then = predictor_.predict(request.display_time);
   if (ahead > Duration::zero() && then != head)
     for (View& view : request.views) view.stage_from_eye = then * (inverse(head) * view.stage_from_eye);

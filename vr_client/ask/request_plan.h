@@ -21,6 +21,9 @@ struct RequestWish {
   std::uint32_t every = 1;  ///< frames a request: the display's rate over the masks' rate
 };
 
+/// Whether the scene's animations go on from frame to frame.
+enum class SceneClock : std::uint8_t { Runs, Stands };
+
 /// The middle of both eyes.
 [[nodiscard]] Rigid<Stage, Head> head_of(const StereoView& views);
 
@@ -32,7 +35,11 @@ class RequestPlan {
 
   /// `shown` is the frame as a full trace would be asked for it, `period` the display's. Nothing on frames
   /// that ask for nothing. Call once a frame.
-  [[nodiscard]] std::optional<TraceRequest> ask(const TraceRequest& shown, Duration period);
+  [[nodiscard]] std::optional<TraceRequest> ask(const TraceRequest& shown, Duration period,
+                                                SceneClock scene = SceneClock::Runs);
+
+  /// From now on asks as `wish` says. Another predictor knows nothing yet.
+  void follow(const RequestWish& wish);
 
   /// From now on a guard band adds no more than leaves an eye's view at `pixels`.
   void limit(std::uint32_t pixels) { most_pixels_ = pixels; }

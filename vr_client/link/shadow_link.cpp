@@ -1,4 +1,4 @@
-#include "vr_client/shadow_link.h"
+#include "vr_client/link/shadow_link.h"
 
 #include <algorithm>
 
@@ -29,7 +29,7 @@ ShadowLink::Channel::Channel(const SessionKeys& keys, Time now)
       heard(now) {}
 
 ShadowLink::ShadowLink(DatagramPort& port, const Clock& clock, const LinkTarget& target, std::size_t frames)
-    : port_(port), clock_(clock), target_(target), assembler_(frames) {}
+    : port_(port), clock_(clock), target_(target), inbox_(frames, target.lights) {}
 
 void ShadowLink::say_hello() {
   if (last_hello_ && clock_.now() - *last_hello_ < kHelloInterval) return;
@@ -67,21 +67,14 @@ Expected<void> ShadowLink::meet(Duration patience) {
 void ShadowLink::request(const TraceRequest& request, Time asked_at) {
   keep_session();
   if (!channel_) return;
-  TraceRequest known = request;
-  const std::uint32_t held = channel_->acknowledged;
-  known.lights = since(request.lights, held, RequestMessage::kMostLightChanges);
-  send_request(known);
-  // What the masks will speak of.
-  known.lights = up_to(request.lights, known.lights.revision);
-  assembler_.expect(known, target_.lights, known.lights.revision);
-  asked_.push_back({request.frame, asked_at, channel_->id});
-  std::erase_if(asked_, [&](const Asked& asked) { return assembler_.find(asked.frame) == nullptr; });
+  send_request(inbox_.ask(request, asked_at, clock_.now()));
 }
 
 void ShadowLink::send_request(const TraceRequest& request) {
   RequestMessage message{
       .request = request, .probe_echo = channel_->probe_echo, .arrivals = channel_->arrivals.report()};
-  if (const ReceivedFrame* frame = assembler_.newest_known()) message.newest_received = frame->request.frame;
+  if (const ReceivedFrame* frame = inbox_.newest_known()) message.newest_received = frame->request.frame;
+  if (listener_.asked) listener_.asked(request);
   encode(message, message_);
   channel_->sealer.seal(message_, outgoing_);
   port_.send(target_.server, outgoing_);
@@ -144,9 +137,12 @@ void ShadowLink::take_accept(const Accept& accept, std::span<const std::byte> da
     refused_ = Error{Fault::Mismatch, "the server at " + to_string(target_.server) + " serves another scene"};
     return;
   }
-  most_pixels_ = welcome.most_pixels;
   channel_.emplace(met->keys, clock_.now());
-  newest_report_.reset();
+  inbox_.begin(welcome);
+  if (listener_.heard) {
+    encode(ServerMessage(welcome), message_);
+    listener_.heard(message_, clock_.now());
+  }
   ++sessions_;
 }
 
@@ -160,21 +156,9 @@ Decoded<void> ShadowLink::take_sealed(const Sealed& sealed, const Datagram& data
   handshake_.reset();  // the session lives: no other is needed
   const Decoded<ServerMessage> message = decode_server(*opened);
   if (!message) return refuse(message.error());
-  std::visit([this](const auto& m) { take(m); }, *message);
+  if (listener_.heard) listener_.heard(*opened, datagram.arrived);
+  std::visit([&](const auto& m) { take(m, datagram.arrived); }, *message);
   return {};
-}
-
-void ShadowLink::take(const Slice& slice) {
-  const ReceivedFrame* const frame = assembler_.accept(slice);
-  if (frame && is_newer_light_set(frame->light_set_revision, channel_->acknowledged))
-    channel_->acknowledged = frame->light_set_revision;
-}
-
-void ShadowLink::take(const FrameReport& report) {
-  assembler_.accept(report);
-  if (newest_report_ && !is_newer(report.frame, *newest_report_)) return;
-  newest_report_ = report.frame;
-  scale_eighths_ = report.scale_eighths;
 }
 
 void ShadowLink::poll() {
@@ -190,40 +174,18 @@ void ShadowLink::listen(Duration span) {
 
 bool ShadowLink::wait_for(FrameId frame, Duration patience) {
   const Time until = clock_.now() + patience;
-  const auto whole = [&] {
-    const ReceivedFrame* received = assembler_.find(frame);
-    return received != nullptr && received->complete() && received->report.has_value();
-  };
-  const auto may_come = [&] {
-    const auto asked = std::ranges::find(asked_, frame, &Asked::frame);
-    return channel_ && asked != asked_.end() && asked->session == channel_->id;
-  };
   poll();
-  while (!whole()) {
+  while (!inbox_.is_whole(frame)) {
     const Duration left = until - clock_.now();
-    if (left <= Duration::zero() || !may_come()) return false;
+    if (left <= Duration::zero() || !channel_ || !inbox_.may_come(frame)) return false;
     keep_session();
     receive_one(std::min(left, kHelloInterval));
   }
   return true;
 }
 
-std::vector<const ReceivedFrame*> ShadowLink::masks(Time until) const {
-  std::vector<const ReceivedFrame*> found;
-  for (auto asked = asked_.rbegin(); asked != asked_.rend(); ++asked)
-    if (const ReceivedFrame* received = assembler_.find(asked->frame);
-        received && received->anything_known() && asked->at <= until)
-      found.push_back(received);
-  return found;
-}
-
-std::optional<Time> ShadowLink::asked_at(FrameId frame) const {
-  const auto asked = std::ranges::find(asked_, frame, &Asked::frame);
-  return asked == asked_.end() ? std::nullopt : std::optional(asked->at);
-}
-
 ShadowLink::Counters ShadowLink::counters() const {
-  return {assembler_.counters(), undecodable_, port_.counters(), sessions_,
+  return {inbox_.counters(), undecodable_, port_.counters(), sessions_,
           channel_ ? channel_->arrivals.missing() : 0};
 }
 

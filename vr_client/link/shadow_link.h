@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "stereo/net/arrivals.h"
-#include "stereo/net/assembler.h"
 #include "stereo/net/datagram.h"
 #include "stereo/wire/handshake.h"
+#include "vr_client/link/mask_link.h"
 
 namespace farshade {
 
@@ -23,19 +23,28 @@ struct LinkTarget {
   std::uint32_t lights = 0;  ///< in every mask
 };
 
-class ShadowLink {
+/// Told what is said within sessions, before it is taken in: what a session on file is made of. A Welcome
+/// comes first and whenever a new session begins.
+struct LinkListener {
+  std::function<void(std::span<const std::byte> message, Time arrived)> heard;  ///< as decode_server takes it
+  std::function<void(const TraceRequest& request)> asked;                       ///< as it goes out
+};
+
+class ShadowLink final : public MaskLink {
  public:
   /// Remembers `frames` requests, as Assembler does. `port` and `clock`, which times waits, outlive it.
   ShadowLink(DatagramPort& port, const Clock& clock, const LinkTarget& target, std::size_t frames);
+
+  /// From now on; empty functions are not called.
+  void tell(LinkListener listener) { listener_ = std::move(listener); }
 
   /// Says hello until the server welcomes us or `patience` is over. Refuses what the server refuses
   /// (Mismatch), a server that does not answer (Missing) or has no room (Unavailable); after the latter two
   /// one may go on, the link keeps trying.
   [[nodiscard]] Expected<void> meet(Duration patience);
 
-  /// `asked_at` is the display time of the frame that asks; masks() tells frames apart by it. Of the light
-  /// set that `request` speaks of goes what the server is not known to have.
-  void request(const TraceRequest& request, Time asked_at);
+  /// Of the light set that `request` speaks of goes what the server is not known to have.
+  void request(const TraceRequest& request, Time asked_at) override;
 
   /// Takes in all that has arrived.
   void poll();
@@ -43,28 +52,18 @@ class ShadowLink {
   /// Takes in what arrives for so long.
   void listen(Duration span);
 
-  /// Takes in what arrives until `frame` is whole or `patience` is over. True if it is whole.
-  bool wait_for(FrameId frame, Duration patience);
+  bool wait_for(FrameId frame, Duration patience) override;
 
-  /// Frames of which something is known and that were asked for up to the display time `until`, newest first.
-  [[nodiscard]] std::vector<const ReceivedFrame*> masks(Time until) const;
+  [[nodiscard]] const MaskInbox& inbox() const override { return inbox_; }
 
-  /// When a frame that is still remembered was asked for.
-  [[nodiscard]] std::optional<Time> asked_at(FrameId frame) const;
-
-  /// Null if nothing of it is in hand.
-  [[nodiscard]] const ReceivedFrame* find(FrameId frame) const { return assembler_.find(frame); }
-
-  /// A refusal that no waiting can cure, once the server has proved itself and said it.
-  [[nodiscard]] const std::optional<Error>& refused() const { return refused_; }
+  /// Set once the server has proved itself and said it.
+  [[nodiscard]] const std::optional<Error>& refused() const override { return refused_; }
   /// A session is open, as far as we know.
   [[nodiscard]] bool welcomed() const { return channel_ && !handshake_; }
-
-  /// Of an eye, that the server traces; as it said when it welcomed us.
-  [[nodiscard]] std::uint32_t most_pixels() const { return most_pixels_; }
-
-  /// Of their size, that views should be asked for: what the server takes the path to carry.
-  [[nodiscard]] std::uint32_t scale_eighths() const { return scale_eighths_; }
+  /// When something of the session at hand last came; nothing before there is one.
+  [[nodiscard]] std::optional<Time> heard_at() const {
+    return channel_ ? std::optional(channel_->heard) : std::nullopt;
+  }
 
   struct Counters {
     AssemblerCounters assembler;
@@ -76,8 +75,7 @@ class ShadowLink {
   };
   [[nodiscard]] Counters counters() const;
 
-  /// Time spent so far on opening, decoding and assembling, waits not counted.
-  [[nodiscard]] Duration busy() const { return busy_; }
+  [[nodiscard]] Duration busy() const override { return busy_; }
 
  private:
   /// A session.
@@ -88,7 +86,6 @@ class ShadowLink {
     Opener opener;
     Arrivals arrivals{};
     std::uint64_t probe_echo = 0;
-    std::uint32_t acknowledged = kFirstLightSet;  ///< the light set that the server surely has
     Time heard;
     std::uint32_t unanswered = 0;  ///< requests since then
   };
@@ -101,33 +98,25 @@ class ShadowLink {
   void take_refusal(const OpenRefusal& refusal);
   void take_accept(const Accept& accept, std::span<const std::byte> datagram);
   Decoded<void> take_sealed(const Sealed& sealed, const Datagram& datagram);
-  void take(const Welcome&) {}
-  void take(const Refusal&) {}
-  void take(const Slice& slice);
-  void take(const FrameReport& report);
-  void take(const Probe& probe) { channel_->probe_echo = probe.token; }
+  void take(const Welcome&, Time) {}
+  void take(const Refusal&, Time) {}
+  void take(const Slice& slice, Time arrived) { inbox_.take(slice, arrived); }
+  void take(const FrameReport& report, Time arrived) { inbox_.take(report, arrived); }
+  void take(const Probe& probe, Time) { channel_->probe_echo = probe.token; }
 
   DatagramPort& port_;
   const Clock& clock_;
   LinkTarget target_;
   std::optional<ClientHandshake> handshake_;  ///< under way
   std::optional<Channel> channel_;
-  Assembler assembler_;
-  struct Asked {
-    FrameId frame;
-    Time at;
-    SessionId session;
-  };
-  std::vector<Asked> asked_;  ///< oldest first; those that the assembler remembers
+  MaskInbox inbox_;
+  LinkListener listener_;
   std::optional<Time> last_hello_;
   std::optional<Error> refused_;
   std::optional<std::string> busy_server_;  ///< what a server without room has said
   /// Why there may be no session; from somebody who has proved nothing, at `hearsay_at_`.
   std::string hearsay_;
   std::optional<Time> hearsay_at_;
-  std::uint32_t scale_eighths_ = kFullScale_eighths;
-  std::uint32_t most_pixels_ = Welcome{}.most_pixels;
-  std::optional<FrameId> newest_report_;
   std::uint64_t sessions_ = 0;
   RefusalCounts undecodable_{};
   Duration busy_{};

@@ -1,0 +1,29 @@
+/// MaskLink: what a session needs of whoever brings it masks: the wire (shadow_link.h) or a session on file
+/// (record/replay_link.h).
+#pragma once
+
+#include "stereo/base/expected.h"
+#include "vr_client/link/mask_inbox.h"
+
+namespace farshade {
+
+class MaskLink {
+ public:
+  virtual ~MaskLink() = default;
+
+  /// `asked_at` is the display time of the frame that asks; MaskInbox::masks tells frames apart by it.
+  virtual void request(const TraceRequest& request, Time asked_at) = 0;
+
+  /// Takes in what arrives until `frame` is whole or `patience` is over. True if it is whole.
+  virtual bool wait_for(FrameId frame, Duration patience) = 0;
+
+  [[nodiscard]] virtual const MaskInbox& inbox() const = 0;
+
+  /// A refusal that no waiting can cure.
+  [[nodiscard]] virtual const std::optional<Error>& refused() const = 0;
+
+  /// Time spent so far on opening, decoding and assembling, waits not counted.
+  [[nodiscard]] virtual Duration busy() const = 0;
+};
+
+}  // namespace farshade
