@@ -74,6 +74,12 @@ TEST(FramePacer, AFewHitchesChangeNothing) {
   }
 }
 
+TEST(FramePacer, AHitchInEveryThirdFrameIsALoad) {
+  PacerBench bench;
+  for (int i = 0; i < 18; ++i) bench.frame(i % 3 == 0 ? 28ms : 8ms);
+  EXPECT_EQ(bench.pacer.periods(), 3u);
+}
+
 TEST(FramePacer, ASlowFirstFrameChangesNothing) {
   PacerBench bench;
   bench.frame(900ms);

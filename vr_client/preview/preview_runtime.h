@@ -50,6 +50,7 @@ class PreviewRuntime final : public Runtime {
 
   /// Sleeps until the next frame should begin, takes in what hands did, and fixes where the head is in this
   /// frame. Hands move the head and the player moves on by what the display time has since the last frame.
+  /// Hands that take over from a recording have the head where it was, upright.
   /// Display times strictly increase, by whole display periods; `period` is the n periods that frames now
   /// take (FramePacer).
   [[nodiscard]] std::optional<FrameTiming> wait_frame() override;
