@@ -36,29 +36,50 @@ bool has_validation_layer(const vk::raii::Context& context) {
   });
 }
 
-vk::raii::Instance make_instance(const vk::raii::Context& context, ValidationLog* log) {
+vk::raii::Instance make_instance(const vk::raii::Context& context, ValidationLog* log,
+                                 const std::optional<Presentation>& presentation) {
   const vk::ApplicationInfo app{.pApplicationName = "farshade", .apiVersion = VK_API_VERSION_1_3};
-  if (!log) return vk::raii::Instance(context, vk::InstanceCreateInfo{.pApplicationInfo = &app});
-  const vk::DebugUtilsMessengerCreateInfoEXT messenger = messenger_info(*log);
-  const std::array extensions{VK_EXT_DEBUG_UTILS_EXTENSION_NAME};
-  return vk::raii::Instance(context, vk::InstanceCreateInfo{.pNext = &messenger,
-                                                            .pApplicationInfo = &app,
-                                                            .enabledLayerCount = 1,
-                                                            .ppEnabledLayerNames = &kValidationLayer,
-                                                            .enabledExtensionCount = extensions.size(),
-                                                            .ppEnabledExtensionNames = extensions.data()});
+  std::vector<const char*> extensions;
+  if (presentation)
+    for (const std::string& name : presentation->instance_extensions) extensions.push_back(name.c_str());
+  vk::InstanceCreateInfo info{.pApplicationInfo = &app};
+  vk::DebugUtilsMessengerCreateInfoEXT messenger;
+  if (log) {
+    messenger = messenger_info(*log);
+    extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+    info.pNext = &messenger;
+    info.setPEnabledLayerNames(kValidationLayer);
+  }
+  info.setPEnabledExtensionNames(extensions);
+  return vk::raii::Instance(context, info);
 }
 
-std::optional<std::uint32_t> graphics_queue_family(const vk::raii::PhysicalDevice& physical) {
+bool can_present(const vk::raii::Instance& instance, const vk::raii::PhysicalDevice& physical,
+                 std::uint32_t queue_family, const DeviceWish& wish) {
+  return !wish.presentation || wish.presentation->can_present(*instance, *physical, queue_family);
+}
+
+bool has_swapchains(const vk::raii::PhysicalDevice& physical) {
+  return std::ranges::any_of(physical.enumerateDeviceExtensionProperties(), [](const auto& extension) {
+    return std::strcmp(extension.extensionName, VK_KHR_SWAPCHAIN_EXTENSION_NAME) == 0;
+  });
+}
+
+std::optional<std::uint32_t> graphics_queue_family(const vk::raii::Instance& instance,
+                                                   const vk::raii::PhysicalDevice& physical,
+                                                   const DeviceWish& wish) {
   const auto families = physical.getQueueFamilyProperties();
   const vk::QueueFlags wanted = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute;
   for (std::uint32_t i = 0; i < families.size(); ++i)
-    if ((families[i].queueFlags & wanted) == wanted && families[i].timestampValidBits > 0) return i;
+    if ((families[i].queueFlags & wanted) == wanted && families[i].timestampValidBits > 0 &&
+        can_present(instance, physical, i, wish))
+      return i;
   return std::nullopt;
 }
 
 /// What the device lacks, or nothing.
-std::string lacks(const vk::raii::PhysicalDevice& physical, const DeviceWish& wish) {
+std::string lacks(const vk::raii::Instance& instance, const vk::raii::PhysicalDevice& physical,
+                  const DeviceWish& wish) {
   const vk::PhysicalDeviceProperties properties = physical.getProperties();
   if (std::string(properties.deviceName).find(wish.name_contains) == std::string::npos)
     return "its name lacks '" + wish.name_contains + "'";
@@ -70,7 +91,10 @@ std::string lacks(const vk::raii::PhysicalDevice& physical, const DeviceWish& wi
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().dynamicRendering) return "no dynamic rendering";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().synchronization2) return "no synchronization2";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().maintenance4) return "no maintenance4";
-  if (!graphics_queue_family(physical)) return "no queue that draws, computes and keeps time";
+  if (wish.presentation && !has_swapchains(physical)) return "no swapchains";
+  if (!graphics_queue_family(instance, physical, wish))
+    return wish.presentation ? "no queue that draws, computes, keeps time and shows in this window"
+                             : "no queue that draws, computes and keeps time";
   return {};
 }
 
@@ -98,7 +122,7 @@ std::vector<Judged> judge(const vk::raii::Instance& instance, const DeviceWish& 
   std::vector<Judged> judged;
   std::optional<std::size_t> best;
   for (vk::raii::PhysicalDevice& physical : vk::raii::PhysicalDevices(instance)) {
-    std::string passed_over = lacks(physical, wish);
+    std::string passed_over = lacks(instance, physical, wish);
     const int here = preference(physical.getProperties().deviceType);
     const bool usable = passed_over.empty();
     if (usable && best && here <= preference(judged[*best].physical.getProperties().deviceType)) {
@@ -143,16 +167,20 @@ SurveyedDevice describe(const Judged& judged) {
   return device;
 }
 
-vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, std::uint32_t queue_family) {
+vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, std::uint32_t queue_family,
+                              const DeviceWish& wish) {
   vk::PhysicalDeviceVulkan13Features features13{
       .synchronization2 = true, .dynamicRendering = true, .maintenance4 = true};
   vk::PhysicalDeviceVulkan12Features features12{.pNext = &features13, .shaderOutputLayer = true};
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue{
       .queueFamilyIndex = queue_family, .queueCount = 1, .pQueuePriorities = &priority};
-  return vk::raii::Device(
-      physical,
-      vk::DeviceCreateInfo{.pNext = &features12, .queueCreateInfoCount = 1, .pQueueCreateInfos = &queue});
+  const char* const swapchains = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
+  return vk::raii::Device(physical, vk::DeviceCreateInfo{.pNext = &features12,
+                                                         .queueCreateInfoCount = 1,
+                                                         .pQueueCreateInfos = &queue,
+                                                         .enabledExtensionCount = wish.presentation ? 1u : 0u,
+                                                         .ppEnabledExtensionNames = &swapchains});
 }
 
 }  // namespace
@@ -175,7 +203,7 @@ Expected<Device> open_device(const DeviceWish& wish) try {
                   "Vulkan validation layers are not installed (Debian: vulkan-validationlayers)");
     device.validation_log = std::make_unique<ValidationLog>();
   }
-  device.instance = make_instance(device.context, device.validation_log.get());
+  device.instance = make_instance(device.context, device.validation_log.get(), wish.presentation);
   if (device.validation_log)
     device.messenger = device.instance.createDebugUtilsMessengerEXT(messenger_info(*device.validation_log));
 
@@ -194,8 +222,8 @@ Expected<Device> open_device(const DeviceWish& wish) try {
   if (!passed_over.empty()) device.why += " (passed over: " + passed_over + ")";
   device.timestamp_period_ns = properties.limits.timestampPeriod;
   device.memory = device.physical.getMemoryProperties();
-  device.queue_family = *graphics_queue_family(device.physical);
-  device.logical = make_logical(device.physical, device.queue_family);
+  device.queue_family = *graphics_queue_family(device.instance, device.physical, wish);
+  device.logical = make_logical(device.physical, device.queue_family, wish);
   device.queue = device.logical.getQueue(device.queue_family, 0);
   device.commands = device.logical.createCommandPool(
       {.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer, .queueFamilyIndex = device.queue_family});
@@ -212,7 +240,7 @@ Expected<Survey> survey(const DeviceWish& wish) try {
                .validation = has_validation_layer(context) ? Validation::On : Validation::Off,
                .devices = {}};
   try {
-    const vk::raii::Instance instance = make_instance(context, nullptr);
+    const vk::raii::Instance instance = make_instance(context, nullptr, wish.presentation);
     for (const Judged& judged : judge(instance, wish)) found.devices.push_back(describe(judged));
   } catch (const vk::IncompatibleDriverError&) {
     // What the loader says where there is no driver at all.

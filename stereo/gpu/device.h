@@ -3,8 +3,10 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 #include <vulkan/vulkan_raii.hpp>
@@ -26,9 +28,16 @@ class ValidationLog {
 
 enum class Validation : std::uint8_t { Off, On };
 
+/// What it takes to show pictures in a window, as the window's system states it.
+struct Presentation {
+  std::vector<std::string> instance_extensions;
+  std::function<bool(vk::Instance, vk::PhysicalDevice, std::uint32_t queue_family)> can_present;
+};
+
 struct DeviceWish {
   std::string name_contains;  ///< only devices whose name contains this; empty = the best there is
   Validation validation = Validation::Off;
+  std::optional<Presentation> presentation = std::nullopt;  ///< only devices that can; adds VK_KHR_swapchain
 };
 
 struct Device {

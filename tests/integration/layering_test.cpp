@@ -32,7 +32,9 @@ const House& house() {
                                          {"png.h", "stereo/image", 1},
                                          {"jpeglib.h", "stereo/image", 1},
                                          {"vulkan", "stereo/gpu", any},
-                                         {"GLFW", "vr_client", 1},
+                                         {"GLFW", "vr_client/preview", 1},
+                                         {"imgui", "vr_client/preview", any},
+                                         {"backends/imgui", "vr_client/preview", any},
                                          {"openxr", "vr_client", 1}},
                            .guests = "tests"};
   return house;

@@ -1,0 +1,104 @@
+#include "stereo/gpu/swapchain.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace farshade::gpu {
+namespace {
+
+vk::SurfaceFormatKHR choose_format(const Device& device, const vk::raii::SurfaceKHR& surface) {
+  const auto offered = device.physical.getSurfaceFormatsKHR(*surface);
+  for (const vk::Format wanted : {vk::Format::eB8G8R8A8Unorm, vk::Format::eR8G8B8A8Unorm})
+    for (const vk::SurfaceFormatKHR& format : offered)
+      if (format.format == wanted && format.colorSpace == vk::ColorSpaceKHR::eSrgbNonlinear) return format;
+  throw std::runtime_error("vkGetPhysicalDeviceSurfaceFormatsKHR: no 8-bit UNORM format with sRGB colours");
+}
+
+/// FIFO is what every surface offers.
+vk::PresentModeKHR choose_mode(const Device& device, const vk::raii::SurfaceKHR& surface) {
+  const auto offered = device.physical.getSurfacePresentModesKHR(*surface);
+  for (const vk::PresentModeKHR wanted : {vk::PresentModeKHR::eMailbox, vk::PresentModeKHR::eImmediate})
+    if (std::ranges::find(offered, wanted) != offered.end()) return wanted;
+  return vk::PresentModeKHR::eFifo;
+}
+
+/// The surface's own size; where it leaves that to us, `wanted` within its limits.
+Extent granted_size(const vk::SurfaceCapabilitiesKHR& surface, Extent wanted) {
+  constexpr std::uint32_t ours_to_choose = 0xffff'ffff;
+  if (surface.currentExtent.width != ours_to_choose)
+    return {surface.currentExtent.width, surface.currentExtent.height};
+  return {std::clamp(wanted.width, surface.minImageExtent.width, surface.maxImageExtent.width),
+          std::clamp(wanted.height, surface.minImageExtent.height, surface.maxImageExtent.height)};
+}
+
+vk::CompositeAlphaFlagBitsKHR choose_alpha(vk::CompositeAlphaFlagsKHR offered) {
+  using Alpha = vk::CompositeAlphaFlagBitsKHR;
+  return offered & Alpha::eOpaque ? Alpha::eOpaque : Alpha::eInherit;
+}
+
+}  // namespace
+
+Swapchain::Swapchain(const Device& device, const vk::raii::SurfaceKHR& surface)
+    : device_(device),
+      surface_(surface),
+      format_(choose_format(device, surface)),
+      mode_(choose_mode(device, surface)) {}
+
+bool Swapchain::fit(Extent wanted) {
+  if (wanted == wanted_ && state_ == State::Fits) return false;
+  device_.logical.waitIdle();
+  wanted_ = wanted;
+  state_ = State::Fits;
+  const vk::SurfaceCapabilitiesKHR surface = device_.physical.getSurfaceCapabilitiesKHR(*surface_);
+  size_ = wanted.pixels() == 0 ? Extent{} : granted_size(surface, wanted);
+  views_.clear();
+  if (size_.pixels() == 0) return true;
+  // One is shown, one waits to be, one is drawn to.
+  std::uint32_t count = std::max(surface.minImageCount, 3u);
+  if (surface.maxImageCount > 0) count = std::min(count, surface.maxImageCount);
+  const vk::raii::SwapchainKHR old = std::move(swapchain_);
+  swapchain_ =
+      device_.logical.createSwapchainKHR({.surface = *surface_,
+                                          .minImageCount = count,
+                                          .imageFormat = format_.format,
+                                          .imageColorSpace = format_.colorSpace,
+                                          .imageExtent = {size_.width, size_.height},
+                                          .imageArrayLayers = 1,
+                                          .imageUsage = vk::ImageUsageFlagBits::eColorAttachment,
+                                          .preTransform = surface.currentTransform,
+                                          .compositeAlpha = choose_alpha(surface.supportedCompositeAlpha),
+                                          .presentMode = mode_,
+                                          .clipped = true,
+                                          .oldSwapchain = *old});
+  for (const auto& image : swapchain_.getImages())
+    views_.push_back(
+        device_.logical.createImageView({.image = vk::Image(image),
+                                         .viewType = vk::ImageViewType::e2D,
+                                         .format = format_.format,
+                                         .subresourceRange = {vk::ImageAspectFlagBits::eColor, 0, 1, 0, 1}}));
+  return true;
+}
+
+std::optional<std::uint32_t> Swapchain::acquire(vk::Semaphore ready) try {
+  const auto [result, index] = swapchain_.acquireNextImage(0, ready);
+  if (result == vk::Result::eSuboptimalKHR) state_ = State::Stale;
+  if (result == vk::Result::eNotReady || result == vk::Result::eTimeout) return std::nullopt;
+  return index;
+} catch (const vk::OutOfDateKHRError&) {
+  state_ = State::Stale;
+  return std::nullopt;
+}
+
+void Swapchain::present(std::uint32_t index, vk::Semaphore drawn) try {
+  const vk::SwapchainKHR swapchain = *swapchain_;
+  const vk::Result result = device_.queue.presentKHR({.waitSemaphoreCount = 1,
+                                                      .pWaitSemaphores = &drawn,
+                                                      .swapchainCount = 1,
+                                                      .pSwapchains = &swapchain,
+                                                      .pImageIndices = &index});
+  if (result == vk::Result::eSuboptimalKHR) state_ = State::Stale;
+} catch (const vk::OutOfDateKHRError&) {
+  state_ = State::Stale;
+}
+
+}  // namespace farshade::gpu

@@ -1,0 +1,226 @@
+#include "vr_client/preview/window.h"
+
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
+#include <imgui.h>
+
+#include <cstdlib>
+#include <optional>
+#include <stdexcept>
+
+#include "stereo/base/check.h"
+
+namespace farshade {
+namespace {
+
+constexpr const char* kCure =
+    "run it in a desktop session, through `ssh -X` or under `xvfb-run -a`; or leave --preview away: "
+    "pictures go to out/";
+
+bool is_set(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value != nullptr && *value != '\0';
+}
+
+/// GLFW's own words for what just failed.
+std::string last_words() {
+  const char* words = nullptr;
+  glfwGetError(&words);
+  return words ? words : "no reason given";
+}
+
+/// `code` counted from `first` if it is within `count` of it.
+std::optional<Key> in_row(int code, int first, int count, Key first_key) {
+  if (code < first || code >= first + count) return std::nullopt;
+  return static_cast<Key>(static_cast<int>(first_key) + code - first);
+}
+
+std::optional<Key> other_key(int code) {
+  switch (code) {
+    case GLFW_KEY_SPACE:
+      return Key::Space;
+    case GLFW_KEY_TAB:
+      return Key::Tab;
+    case GLFW_KEY_ENTER:
+    case GLFW_KEY_KP_ENTER:
+      return Key::Enter;
+    case GLFW_KEY_ESCAPE:
+      return Key::Escape;
+    case GLFW_KEY_LEFT:
+      return Key::Left;
+    case GLFW_KEY_RIGHT:
+      return Key::Right;
+    case GLFW_KEY_UP:
+      return Key::Up;
+    case GLFW_KEY_DOWN:
+      return Key::Down;
+    case GLFW_KEY_HOME:
+      return Key::Home;
+    case GLFW_KEY_END:
+      return Key::End;
+    case GLFW_KEY_EQUAL:
+    case GLFW_KEY_KP_ADD:
+      return Key::Plus;
+    case GLFW_KEY_MINUS:
+    case GLFW_KEY_KP_SUBTRACT:
+      return Key::Minus;
+    case GLFW_KEY_LEFT_BRACKET:
+      return Key::LeftBracket;
+    case GLFW_KEY_RIGHT_BRACKET:
+      return Key::RightBracket;
+    case GLFW_KEY_COMMA:
+      return Key::Comma;
+    case GLFW_KEY_PERIOD:
+      return Key::Period;
+    case GLFW_KEY_LEFT_SHIFT:
+    case GLFW_KEY_RIGHT_SHIFT:
+      return Key::Shift;
+    case GLFW_KEY_LEFT_CONTROL:
+    case GLFW_KEY_RIGHT_CONTROL:
+      return Key::Control;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::optional<Key> key_of(int code) {
+  if (const auto key = in_row(code, GLFW_KEY_A, 26, Key::A)) return key;
+  if (const auto key = in_row(code, GLFW_KEY_0, 10, Key::Digit0)) return key;
+  if (const auto key = in_row(code, GLFW_KEY_F1, 12, Key::F1)) return key;
+  return other_key(code);
+}
+
+Window& owner_of(GLFWwindow* window) {
+  return *static_cast<Window*>(glfwGetWindowUserPointer(window));
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<Window>> open_window(const std::string& title, Extent size) {
+  if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY"))
+    return fail(Fault::Missing, std::string("there is no desktop to open a window on (neither DISPLAY nor "
+                                            "WAYLAND_DISPLAY is set); ") +
+                                    kCure);
+  if (!glfwInit()) return fail(Fault::Missing, "no window could be opened: " + last_words() + "; " + kCure);
+  glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+  GLFWwindow* const window =
+      glfwCreateWindow(narrow<int>(size.width), narrow<int>(size.height), title.c_str(), nullptr, nullptr);
+  if (!window) {
+    const std::string words = last_words();
+    glfwTerminate();
+    return fail(Fault::Missing, "no window could be opened: " + words + "; " + kCure);
+  }
+  return std::unique_ptr<Window>(new Window(window));
+}
+
+Window::Window(GLFWwindow* window) : window_(window) {
+  glfwSetWindowUserPointer(window, this);
+  glfwGetCursorPos(window, &cursor_.x, &cursor_.y);
+  glfwSetKeyCallback(window, [](GLFWwindow* from, int key, int /*scancode*/, int action, int /*modifiers*/) {
+    owner_of(from).on_key(key, action);
+  });
+  glfwSetMouseButtonCallback(window, [](GLFWwindow* from, int button, int action, int /*modifiers*/) {
+    owner_of(from).on_mouse_button(button, action);
+  });
+  glfwSetCursorPosCallback(window, [](GLFWwindow* from, double x, double y) {
+    owner_of(from).on_cursor({x, y});
+  });
+  glfwSetScrollCallback(window,
+                        [](GLFWwindow* from, double /*x*/, double y) { owner_of(from).on_scroll(y); });
+}
+
+Window::~Window() {
+  glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+gpu::Presentation Window::presentation() const {
+  std::uint32_t count = 0;
+  const char** names = glfwGetRequiredInstanceExtensions(&count);
+  return {.instance_extensions = std::vector<std::string>(names, names + count),
+          .can_present = [](vk::Instance instance, vk::PhysicalDevice physical, std::uint32_t family) {
+            return glfwGetPhysicalDevicePresentationSupport(instance, physical, family) == GLFW_TRUE;
+          }};
+}
+
+vk::raii::SurfaceKHR Window::make_surface(const vk::raii::Instance& instance) const {
+  VkSurfaceKHR surface = VK_NULL_HANDLE;
+  if (glfwCreateWindowSurface(*instance, window_, nullptr, &surface) != VK_SUCCESS)
+    throw std::runtime_error("glfwCreateWindowSurface: " + last_words());
+  return {instance, surface};
+}
+
+Extent Window::framebuffer_size() const {
+  if (glfwGetWindowAttrib(window_, GLFW_ICONIFIED)) return {};
+  int width = 0, height = 0;
+  glfwGetFramebufferSize(window_, &width, &height);
+  return {narrow<std::uint32_t>(width), narrow<std::uint32_t>(height)};
+}
+
+double Window::content_scale() const {
+  float x = 1, y = 1;
+  glfwGetWindowContentScale(window_, &x, &y);
+  return static_cast<double>(y);
+}
+
+bool Window::should_close() const {
+  return glfwWindowShouldClose(window_);
+}
+
+void Window::set_title(const std::string& title) {
+  glfwSetWindowTitle(window_, title.c_str());
+}
+
+Input Window::poll() {
+  glfwPollEvents();
+  Input input = input_;
+  input_ = {.pressed = {}, .held = input_.held};
+  return input;
+}
+
+void Window::wait(Duration longest) {
+  glfwWaitEventsTimeout(seconds_of(longest));
+}
+
+void Window::attach_panel() {
+  check(panel_ == Panel::None, "one panel at a time");
+  ImGui_ImplGlfw_InitForVulkan(window_, true);  // it passes on to our callbacks what it hears
+  panel_ = Panel::Attached;
+}
+
+void Window::detach_panel() {
+  ImGui_ImplGlfw_Shutdown();
+  panel_ = Panel::None;
+}
+
+void Window::begin_panel() {
+  ImGui_ImplGlfw_NewFrame();
+}
+
+/// Keys that are let go are always heard: one that was held as the panel began to listen must not stick.
+void Window::on_key(int key, int action) {
+  const auto known = key_of(key);
+  if (!known) return;
+  const auto number = static_cast<std::size_t>(*known);
+  if (action == GLFW_RELEASE) input_.held[number] = false;
+  if (action != GLFW_PRESS || (panel_ == Panel::Attached && ImGui::GetIO().WantTextInput)) return;
+  input_.held[number] = true;
+  input_.pressed.push_back(*known);
+}
+
+void Window::on_mouse_button(int button, int action) {
+  if (button != GLFW_MOUSE_BUTTON_LEFT) return;
+  const bool panels = panel_ == Panel::Attached && ImGui::GetIO().WantCaptureMouse;
+  mouse_ = action == GLFW_PRESS && !panels ? Mouse::Dragging : Mouse::Free;
+}
+
+void Window::on_cursor(glm::dvec2 position) {
+  if (mouse_ == Mouse::Dragging) input_.drag_px += position - cursor_;
+  cursor_ = position;
+}
+
+void Window::on_scroll(double notches) {
+  if (panel_ == Panel::None || !ImGui::GetIO().WantCaptureMouse) input_.scroll += notches;
+}
+
+}  // namespace farshade
