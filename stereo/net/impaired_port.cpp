@@ -9,10 +9,12 @@ namespace {
 /// A flood shall not keep a caller for longer than this many datagrams from those that are due.
 constexpr int kMostTakenAtOnce = 1024;
 
-class ImpairedPort final : public DatagramPort {
+class Impaired final : public ImpairedPort {
  public:
-  ImpairedPort(std::unique_ptr<DatagramPort> inner, const LinkModel& model, const Clock& clock)
+  Impaired(std::unique_ptr<DatagramPort> inner, const LinkModel& model, const Clock& clock)
       : inner_(std::move(inner)), clock_(clock), path_(model, clock.now()) {}
+
+  void follow(const LinkModel& model) override { path_.follow(model); }
 
   [[nodiscard]] Peer local() const override { return inner_->local(); }
   bool send(const Peer& to, std::span<const std::byte> bytes) override { return inner_->send(to, bytes); }
@@ -75,9 +77,9 @@ class ImpairedPort final : public DatagramPort {
 
 }  // namespace
 
-std::unique_ptr<DatagramPort> impaired(std::unique_ptr<DatagramPort> inner, const LinkModel& model,
+std::unique_ptr<ImpairedPort> impaired(std::unique_ptr<DatagramPort> inner, const LinkModel& model,
                                        const Clock& clock) {
-  return std::make_unique<ImpairedPort>(std::move(inner), model, clock);
+  return std::make_unique<Impaired>(std::move(inner), model, clock);
 }
 
 }  // namespace farshade

@@ -24,6 +24,11 @@ Impairment::Impairment(const LinkModel& model, Time start, std::uint64_t stream)
   check(model.burst >= 1, "a burst of losses is one or more");
 }
 
+void Impairment::follow(const LinkModel& model) {
+  check(model.burst >= 1, "a burst of losses is one or more");
+  model_ = model;
+}
+
 bool Impairment::push(Time now, const Peer& peer, std::span<const std::byte> bytes) {
   check(bytes.size() <= kMaxDatagram_bytes, "a datagram fits kMaxDatagram_bytes");
   const struct {

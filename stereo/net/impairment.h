@@ -103,6 +103,9 @@ class Impairment {
   /// Silence is counted from `start`. `stream` makes another run of the same model.
   Impairment(const LinkModel& model, Time start, std::uint64_t stream = 0);
 
+  /// From now on datagrams meet `model`, its seed aside; those on the way keep their times.
+  void follow(const LinkModel& model);
+
   /// Takes a datagram that sets out at `now`. False: kLinkCapacity are on the way already. What the model
   /// drops was sent all the same.
   bool push(Time now, const Peer& peer, std::span<const std::byte> bytes);

@@ -39,7 +39,7 @@ struct Bench {
 
   ManualClock clock;
   VirtualLink link{clock, {.to_server = {.delay = 2ms}, .to_client = {.delay = 2ms}}};
-  std::unique_ptr<DatagramPort> port;
+  std::unique_ptr<ImpairedPort> port;
   std::array<std::byte, 1500> buffer;
 };
 
@@ -63,6 +63,21 @@ TEST(ImpairedPort, LateReaderSeesWhenItWasDue) {
   const auto heard = bench.port->receive(bench.buffer, 0s);
   ASSERT_TRUE(heard.has_value());
   EXPECT_EQ(heard->arrived, Time(7ms));
+}
+
+TEST(ImpairedPort, FollowsAnotherModelFromThenOn) {
+  Bench bench({.delay = 5ms});
+  bench.send(kOne);
+  EXPECT_FALSE(bench.port->receive(bench.buffer, 4ms).has_value()) << "taken in by the first model";
+  bench.port->follow({.delay = 1ms});
+  bench.send(kOne);
+  EXPECT_TRUE(bench.port->receive(bench.buffer, kPatience).has_value());
+  EXPECT_EQ(bench.clock.now(), Time(7ms)) << "on the way under both: 2 + 5 and 4 + 2 + 1 ms";
+  EXPECT_TRUE(bench.port->receive(bench.buffer, kPatience).has_value());
+  EXPECT_EQ(bench.clock.now(), Time(7ms));
+  bench.port->follow({.loss = 1});
+  bench.send(kOne);
+  EXPECT_FALSE(bench.port->receive(bench.buffer, kPatience).has_value());
 }
 
 TEST(ImpairedPort, LosesWhatComesAndNotWhatGoes) {

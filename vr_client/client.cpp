@@ -1,0 +1,128 @@
+#include "vr_client/client.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+
+#include "stereo/net/udp.h"
+#include "stereo/scene/gltf.h"
+
+namespace farshade {
+namespace {
+
+/// How long a server may take to answer hello before the client goes on without it.
+constexpr Duration kMeetPatience = std::chrono::seconds(3);
+
+/// In real time, masks that come later than this find their depth gone.
+constexpr double kLongestRoundTrip_ms = 250;
+
+RendererLimits renderer_limits(const Options& options) {
+  const bool wider = options.mode == Mode::Hybrid && options.request.guard_band == GuardBandUse::Measured;
+  return {.size = options.size,
+          .traced_size = wider ? largest_traced(options.size) : options.size,
+          .depth_frames = frames_in_flight(options)};
+}
+
+Expected<SharedKey> key_for(const Options& options, const Peer& server) {
+  if (options.insecure) {
+    if (is_loopback(server)) return insecure_key();
+    return fail(Fault::Unsupported, fmt::format("--insecure talks to this machine alone, not to {}: leave it "
+                                                "away, and use a key",
+                                                options.server));
+  }
+  const std::filesystem::path path = options.key.empty() ? default_key_path() : options.key;
+  Expected<SharedKey> key = load_key(path);
+  if (!key && key.error().fault == Fault::Missing)
+    return fail(
+        Fault::Missing,
+        fmt::format("no key at {}: make one on the server with rt_server keygen NAME and copy it here, "
+                    "or name it with --key",
+                    path.string()));
+  return key;
+}
+
+Expected<LinkModel> network_of(const Options& options) {
+  if (options.net.empty()) return LinkModel{};
+  return parse_link_model(options.net);
+}
+
+}  // namespace
+
+std::uint32_t frames_in_flight(const Options& options) {
+  const double late_ms = options.pace == Pace::Real ? kLongestRoundTrip_ms : options.delay_ms;
+  return static_cast<std::uint32_t>(std::ceil(late_ms * 1e-3 * options.refresh_hz)) +
+         static_cast<std::uint32_t>(ShadingPass::kMaxMasks) * options.request.every + 4;
+}
+
+Expected<std::unique_ptr<Client>> open_client(const Options& options) {
+  auto client = std::make_unique<Client>();
+  Expected<Scene> scene = load_scene(options.scene);
+  if (!scene) return tl::unexpected(scene.error());
+  client->scene = std::move(*scene);
+  if (client->scene.instances.size() > kMaxInstances)
+    return fail(Fault::Unsupported,
+                fmt::format("{} has {} instances; at most {} can be drawn", options.scene.string(),
+                            client->scene.instances.size(), kMaxInstances));
+  Expected<gpu::Device> device = gpu::open_device(options.device);
+  if (!device) return tl::unexpected(device.error());
+  client->device = std::move(*device);
+  spdlog::info("drawing on {}: {}", client->device.name, client->device.why);
+  client->renderer = std::make_unique<Renderer>(client->device, client->scene, renderer_limits(options));
+  return client;
+}
+
+Expected<void> open_reference(Client& client) {
+  if (client.reference) return {};
+  Expected<Tracer> tracer = Tracer::create(client.scene);
+  if (!tracer) return tl::unexpected(tracer.error());
+  client.reference.emplace(std::move(*tracer));
+  return {};
+}
+
+Expected<void> meet(const Options& options, Client& client) {
+  const Expected<SharedKey> key = key_for(options, client.server);
+  if (!key) return tl::unexpected(key.error());
+  client.link.emplace(
+      *client.network, client.clock,
+      LinkTarget{client.server, *key, client.scene.hash, narrow<std::uint32_t>(client.scene.lights.size())},
+      frames_in_flight(options));
+  const Stopwatch meeting;
+  const Expected<void> met = client.link->meet(kMeetPatience);
+  client.round_trip = meeting.elapsed() / 2;  // a handshake takes two
+  if (met && options.size.pixels() > client.link->inbox().most_pixels())
+    return fail(
+        Fault::OutOfRange,
+        fmt::format("the server traces at most {} pixels an eye (rt_server --pixels), --size asks for {}",
+                    client.link->inbox().most_pixels(), options.size.pixels()));
+  if (!met) {
+    if (met.error().fault == Fault::Mismatch) return met;
+    spdlog::warn("{}; going on without shadows from it, and trying again", met.error().what);
+  }
+  return {};
+}
+
+Expected<void> open_link(const Options& options, Client& client) {
+  if (options.mode != Mode::Hybrid) return {};
+  if (client.scene.lights.empty()) {
+    spdlog::info("no light casts shadows: no server is needed");
+    return {};
+  }
+  const Expected<LinkModel> model = network_of(options);
+  if (!model) return tl::unexpected(model.error());
+  Expected<UdpClient> udp = connect_udp(options.server);
+  if (!udp) return tl::unexpected(udp.error());
+  client.server = udp->server;
+  client.network = impaired(std::move(udp->port), *model, client.clock);
+  return meet(options, client);
+}
+
+Expected<void> no_validation_messages(const gpu::Device& device) {
+  if (!device.validation_log) return {};
+  const std::vector<std::string> messages = device.validation_log->messages();
+  if (messages.empty()) return {};
+  return fail(Fault::Malformed,
+              fmt::format("{} Vulkan validation messages, the first: {}", messages.size(), messages.front()));
+}
+
+}  // namespace farshade

@@ -1,0 +1,47 @@
+/// Client: what a session stands on, opened in the order in which it is needed: scene, device, renderer,
+/// reference, and the link to a server.
+#pragma once
+
+#include <memory>
+
+#include "stereo/net/impaired_port.h"
+#include "vr_client/draw/renderer.h"
+#include "vr_client/link/shadow_link.h"
+#include "vr_client/options.h"
+#include "vr_client/reference.h"
+
+namespace farshade {
+
+/// Built top to bottom, torn down in reverse.
+struct Client {
+  Scene scene;
+  gpu::Device device;
+  std::unique_ptr<Renderer> renderer;
+  std::optional<Reference> reference;  ///< once it is needed
+  SteadyClock clock;
+  std::unique_ptr<ImpairedPort> network;  ///< to the server; as good as it is where nothing impairs it
+  Peer server;
+  std::optional<ShadowLink> link;  ///< mode hybrid, where there are lights
+  Duration round_trip{};           ///< of the first exchange with the server
+};
+
+/// Frames that may be needed after they were asked for: while masks are on their way, and as older masks.
+[[nodiscard]] std::uint32_t frames_in_flight(const Options& options);
+
+/// Scene, device and renderer. Refuses what cannot be drawn.
+[[nodiscard]] Expected<std::unique_ptr<Client>> open_client(const Options& options);
+
+/// Makes sure that there is a reference. Refuses a scene that cannot be traced.
+[[nodiscard]] Expected<void> open_reference(Client& client);
+
+/// Opens the network and begins a session with the server, if the mode and the scene need one. A server that
+/// does not answer is a warning: the link goes on trying. A server that refuses us is an error.
+[[nodiscard]] Expected<void> open_link(const Options& options, Client& client);
+
+/// Begins another session over the network that is open: the old one's masks are gone.
+[[nodiscard]] Expected<void> meet(const Options& options, Client& client);
+
+/// Malformed, with the first message, if the validation layers have said anything.
+[[nodiscard]] Expected<void> no_validation_messages(const gpu::Device& device);
+
+}  // namespace farshade
