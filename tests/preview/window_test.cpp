@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <memory>
 #include <stdexcept>
 
@@ -101,11 +102,10 @@ void no_panel() {}
 /// A window with a presenter. Every test ends without a word from the validation layers.
 class PreviewWindow : public testing::Test {
  protected:
-  void open() {
+  void open(gpu::Validation validation = gpu::Validation::On) {
     window_ = value_of(open_window(kTitle, kWindow));
-    device_ = value_of(gpu::open_device({.name_contains = "llvmpipe",
-                                         .validation = gpu::Validation::On,
-                                         .presentation = window_->presentation()}));
+    device_ = value_of(gpu::open_device(
+        {.name_contains = "llvmpipe", .validation = validation, .presentation = window_->presentation()}));
     eyes_ = make_eyes(*device_);
     presenter_ = std::make_unique<Presenter>(*device_, *window_, eyes_);
     id_ = screen_.wait_for(kTitle).value();
@@ -115,7 +115,7 @@ class PreviewWindow : public testing::Test {
 
   void TearDown() override {
     presenter_.reset();
-    if (!device_) return;
+    if (!device_ || !device_->validation_log) return;
     for (const std::string& message : device_->validation_log->messages()) ADD_FAILURE() << message;
   }
 
@@ -372,8 +372,9 @@ TEST_F(PreviewWindow, ShowsNothingWhileMinimisedAndAllAfterwards) {
 
 /// What a frame pays for being shown. The median is printed; the bound only catches waiting for a display.
 TEST_F(PreviewWindow, ShowingCostsAFewMilliseconds) {
-  open();
+  open(gpu::Validation::Off);
   std::vector<double> recorded_ms, all_ms;
+  const std::clock_t clock0 = std::clock();
   for (int i = 0; i < 100; ++i) {
     const Stopwatch watch;
     window_->poll();
@@ -386,10 +387,13 @@ TEST_F(PreviewWindow, ShowingCostsAFewMilliseconds) {
     device_->logical.waitIdle();
     all_ms.push_back(ms_of(watch.elapsed()));
   }
+  const double cpu_ms = 1000.0 * static_cast<double>(std::clock() - clock0) / CLOCKS_PER_SEC / 100;
   std::ranges::sort(recorded_ms);
   std::ranges::sort(all_ms);
-  std::printf("show: median %.2f ms, p95 %.2f ms; until the device is idle: median %.2f ms, p95 %.2f ms\n",
-              recorded_ms[50], recorded_ms[95], all_ms[50], all_ms[95]);
+  std::printf(
+      "show: median %.2f ms, p95 %.2f ms; until the device is idle: median %.2f ms, p95 %.2f ms; cpu %.2f "
+      "ms\n",
+      recorded_ms[50], recorded_ms[95], all_ms[50], all_ms[95], cpu_ms);
   EXPECT_LT(recorded_ms[50], 100);
 }
 

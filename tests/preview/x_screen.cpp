@@ -59,7 +59,7 @@ void button(Display* display, unsigned number, Bool down) {
 XScreen::XScreen()
     : server_(std::make_unique<ChildProgram>(std::vector<std::string>{"/usr/bin/Xvfb", "-displayfd", "1",
                                                                       "-screen", "0", "1600x900x24",
-                                                                      "-nolisten", "tcp", "-noreset"})) {
+                                                                      "-nolisten", "tcp", "-terminate"})) {
   const auto number = server_->line_after("");
   check(number.has_value(), "Xvfb says its display (Debian: xvfb)");
   name_ = ":" + *number;
@@ -86,7 +86,9 @@ void XScreen::manage_windows() {
   x_->manager_settings = std::filesystem::temp_directory_path() / ("twmrc_" + std::to_string(server_->id()));
   std::ofstream(x_->manager_settings) << "RandomPlacement\nNoGrabServer\n";
   manager_ = std::make_unique<ChildProgram>(
-      std::vector<std::string>{"/usr/bin/twm", "-display", name_, "-f", x_->manager_settings.string()});
+      // Its fonts are those of this locale; others need font sets that may not be there.
+      std::vector<std::string>{"/usr/bin/env", "LC_ALL=C", "twm", "-display", name_, "-f",
+                               x_->manager_settings.string()});
   // A manager is there once it alone is told what windows ask for.
   check(wait_until([&] {
           XWindowAttributes root{};
