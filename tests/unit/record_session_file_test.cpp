@@ -125,13 +125,13 @@ TEST(SessionFile, CutsTextsAndRidsThemOfControlCharacters) {
   EXPECT_EQ(got.device, odd.device);
 }
 
-TEST(SessionFile, MessagesOfAFrameThatAsksForNothingComeAfter) {
+TEST(SessionFile, MessagesOfAFrameThatAsksForNothingComeBefore) {
   RecordedFrame quiet = frame(1);
   quiet.asked.reset();
   std::vector<RecordedFrame> read;
   ASSERT_FALSE(read_all(file_of(header(), std::vector{quiet}), read).has_value());
-  EXPECT_TRUE(read.at(0).before.empty());
-  EXPECT_EQ(read.at(0).after.size(), 3u);
+  EXPECT_EQ(read.at(0).before.size(), 3u);
+  EXPECT_TRUE(read.at(0).after.empty());
 }
 
 TEST(SessionFileTruncated, AnywhereEndsWithTheLastWholeFrame) {

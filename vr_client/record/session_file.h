@@ -59,7 +59,7 @@ struct FrameInput {
 
 struct RecordedFrame {
   FrameInput input;
-  std::vector<HeardMessage> before;   ///< taken in before `asked` went out; empty if nothing did
+  std::vector<HeardMessage> before;   ///< taken in before `asked` went out; all if nothing did
   std::optional<AskedRequest> asked;  ///< nothing: it asked for nothing, or there was no session to ask in
   std::vector<HeardMessage> after;    ///< taken in from then on, before it was drawn
   PerEye<PictureHash> shown{};

@@ -159,7 +159,6 @@ Expected<std::optional<RecordedFrame>> SessionReader::next() {
     if (!*record) return std::nullopt;
     if (auto taken = take(**record, frame); !taken) return tl::unexpected(taken.error());
   }
-  if (!frame.asked) frame.after = std::exchange(frame.before, {});
   shown_at_ = frame.input.timing.display_time;
   return frame;
 }
