@@ -49,7 +49,8 @@ layout(std430, binding = 11) buffer Hard {
 #include "shaders/reproject.glsl"
 
 const uint kPlanes = (kLights + 31) / 32, kGroups = (kLights + 7) / 8, kQuads = (kLights + 3) / 4;
-const uint kReportWords = 3 + kQuads + 3 * kPlanes;  // source, position, visibilities, unknown, stale, beside
+// Source (and from bit 16 on how many lights can shine here), position, visibilities, unknown, stale, beside.
+const uint kReportWords = 3 + kQuads + 3 * kPlanes;
 
 // The direction of an octahedral normal, of any length.
 vec3 unfolded(vec2 p) {
@@ -157,6 +158,7 @@ void shade(ivec2 pixel) {
   vec3 n_stage = normalize(unfolded(unpackSnorm2x16(stored.x)));
   vec3 irradiance = vec3(0.0);
   uint stale = 0u, unknown = 0u, bits = 0u;  // of the plane at hand; stale: in older masks
+  uint rays = 0u;                            // lights whose visibility matters here
   for (uint group = 0; group < kGroups; ++group) {
     uint plane = group / 4;
     if (group % 4 == 0) {
@@ -186,16 +188,20 @@ void shade(ivec2 pixel) {
     if (second_look) guess = guessed(pixel, group, otherwise >> (group % 4 * 8));
     k.low = mix(k.low, kUnknownVisibility * guess.low, is_unknown.low);
     k.high = mix(k.high, kUnknownVisibility * guess.high, is_unknown.high);
-    for (uint i = 0; i < 8 && group * 8 + i < kLights; ++i)
-      irradiance += (i < 4 ? k.low[i] : k.high[i - 4]) * radiance(group * 8 + i, p_stage, n_stage);
+    for (uint i = 0; i < 8 && group * 8 + i < kLights; ++i) {
+      vec3 unshadowed = radiance(group * 8 + i, p_stage, n_stage);
+      irradiance += (i < 4 ? k.low[i] : k.high[i - 4]) * unshadowed;
+      if (kReport) rays += uint(any(greaterThan(unshadowed, vec3(0.0))));
+    }
     if (kReport) {
       report[report_at + 3 + group * 2] = packUnorm4x8(k.low);
       if (group * 2 + 1 < kQuads) report[report_at + 4 + group * 2] = packUnorm4x8(k.high);
     }
   }
   if (kReport) {
-    report[report_at] = known ? source % FARSHADE_MAX_SOURCES + (found.beside ? FARSHADE_NEIGHBOUR : 0u)
-                              : FARSHADE_SOURCE_UNKNOWN;
+    uint shown_with = known ? source % FARSHADE_MAX_SOURCES + (found.beside ? FARSHADE_NEIGHBOUR : 0u)
+                            : FARSHADE_SOURCE_UNKNOWN;
+    report[report_at] = shown_with | rays << 16;
     report[report_at + 1] = floatBitsToUint(found.at.x);
     report[report_at + 2] = floatBitsToUint(found.at.y);
   }

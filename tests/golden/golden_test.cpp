@@ -1,12 +1,9 @@
 /// Pictures against committed goldens, both eyes; and faults that the same judgement must refuse.
 /// README.md says how goldens are renewed.
-#include <cstdlib>
-#include <filesystem>
 #include <numbers>
 
-#include "stereo/image/codec.h"
 #include "stereo/image/difference.h"
-#include "tests/golden/comparison.h"
+#include "tests/golden/goldens.h"
 #include "tests/golden/theatre.h"
 
 namespace farshade {
@@ -25,47 +22,6 @@ struct GoldenScene {
 
 std::ostream& operator<<(std::ostream& out, const GoldenScene& scene) {
   return out << scene.name;
-}
-
-std::filesystem::path golden_path(const GoldenScene& scene, const char* what, Side side) {
-  return std::filesystem::path(FARSHADE_SOURCE "/tests/golden/images") /
-         (std::string("lavapipe_embree_") + scene.name + "_" + what + "_" + name_of(side) + ".png");
-}
-
-PerEye<Image<Rgb8>> goldens(const GoldenScene& scene, const char* what) {
-  PerEye<Image<Rgb8>> images;
-  for (const Side side : kSides) {
-    auto image = read_png(golden_path(scene, what, side));
-    if (!image) throw std::runtime_error(image.error().what);
-    images[index_of(side)] = std::move(*image);
-  }
-  return images;
-}
-
-testing::AssertionResult agrees_with(const Image<Rgb8>& picture, const Image<Rgb8>& golden) {
-  const Distance d = distance(picture, golden);
-  return (agrees(d) ? testing::AssertionSuccess() : testing::AssertionFailure())
-         << d.psnr_db << " dB, " << d.differing_share * 100 << " % of pixels differ";
-}
-
-void expect_golden(const GoldenScene& scene, const char* what, const PerEye<Image<Rgb8>>& pictures) {
-  if (std::getenv("FARSHADE_UPDATE_GOLDENS"))
-    for (const Side side : kSides) {
-      const auto written = write_png(golden_path(scene, what, side), pictures[index_of(side)]);
-      ASSERT_TRUE(written) << written.error().what;
-    }
-  const PerEye<Image<Rgb8>> golden = goldens(scene, what);
-  for (const Side side : kSides) {
-    ASSERT_EQ(pictures[index_of(side)].size, golden[index_of(side)].size);
-    EXPECT_TRUE(agrees_with(pictures[index_of(side)], golden[index_of(side)]))
-        << what << ", " << name_of(side);
-  }
-}
-
-/// Neither eye's picture passes for its golden.
-void expect_refused(const PerEye<Image<Rgb8>>& pictures, const PerEye<Image<Rgb8>>& golden) {
-  for (const Side side : kSides)
-    EXPECT_FALSE(agrees_with(pictures[index_of(side)], golden[index_of(side)])) << name_of(side);
 }
 
 Image<Rgb8> mirrored(const Image<Rgb8>& image) {
@@ -97,8 +53,8 @@ class Golden : public OnLavapipe, public testing::WithParamInterface<GoldenScene
 TEST_P(Golden, ShownAndReferenceAreTheirGoldens) {
   const PerEye<Image<Rgb8>> shown = theatre_.show(now_, {stale_.in_hand()}).pictures,
                             reference = theatre_.show_reference(now_);
-  expect_golden(GetParam(), "shown", shown);
-  expect_golden(GetParam(), "reference", reference);
+  expect_golden(GetParam().name, "shown", shown);
+  expect_golden(GetParam().name, "reference", reference);
   for (const Side side : kSides)
     EXPECT_GE(psnr_db(shown[index_of(side)], reference[index_of(side)]), GetParam().least_shown_db);
 }
@@ -113,31 +69,31 @@ TEST_P(Golden, RefusesADroppedLight) {
         for (std::uint32_t x = 0; x < bits.size().width; ++x)
           bits.set_word(x, y, 0, bits.word(x, y) & ~(1u << light));
     expect_refused(theatre_.show(now_, {without.in_hand()}, {.lookup = Lookup::Direct}).pictures,
-                   goldens(GetParam(), "reference"));
+                   goldens(GetParam().name, "reference"));
   }
 }
 
 TEST_P(Golden, RefusesSwappedEyes) {
   const PerEye<Image<Rgb8>> shown = theatre_.show(now_, {stale_.in_hand()}).pictures;
-  expect_refused({shown[1], shown[0]}, goldens(GetParam(), "shown"));
+  expect_refused({shown[1], shown[0]}, goldens(GetParam().name, "shown"));
 }
 
 TEST_P(Golden, RefusesMasksOfSwappedEyes) {
   Mask swapped = theatre_.trace(kNow, now_);
   std::swap(swapped.bits[0], swapped.bits[1]);
   expect_refused(theatre_.show(now_, {swapped.in_hand()}, {.lookup = Lookup::Direct}).pictures,
-                 goldens(GetParam(), "reference"));
+                 goldens(GetParam().name, "reference"));
 }
 
 TEST_P(Golden, RefusesAnIgnoredPoseDelta) {
   const PerEye<Image<Rgb8>> ignored =
       theatre_.show(now_, {stale_.in_hand()}, {.lookup = Lookup::Direct}).pictures;
-  expect_refused(ignored, goldens(GetParam(), "shown"));
-  expect_refused(ignored, goldens(GetParam(), "reference"));
+  expect_refused(ignored, goldens(GetParam().name, "shown"));
+  expect_refused(ignored, goldens(GetParam().name, "reference"));
 }
 
 TEST_P(Golden, RefusesMirroredAndShiftedPictures) {
-  const PerEye<Image<Rgb8>> golden = goldens(GetParam(), "reference");
+  const PerEye<Image<Rgb8>> golden = goldens(GetParam().name, "reference");
   const auto of_both = [&](const auto& change) {
     return PerEye<Image<Rgb8>>{change(golden[0]), change(golden[1])};
   };

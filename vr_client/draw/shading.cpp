@@ -337,10 +337,12 @@ ShownReport ShadingPass::report(Side side) const {
                      .visibility = std::vector<std::uint8_t>(pixels * lights),
                      .unknown = std::vector<std::uint32_t>(pixels * planes),
                      .stale = std::vector<std::uint32_t>(pixels * planes),
-                     .beside = std::vector<std::uint32_t>(pixels * planes)};
+                     .beside = std::vector<std::uint32_t>(pixels * planes),
+                     .rays = std::vector<std::uint16_t>(pixels)};
   auto row = report_buffer_.as<const std::uint32_t>().subspan(index_of(side) * pixels * layout.words);
   for (std::size_t at = 0; at < pixels; ++at, row = row.subspan(layout.words)) {
     result.sources[at] = static_cast<std::uint8_t>(row[0]);
+    result.rays[at] = static_cast<std::uint16_t>(row[0] >> 16);
     result.positions[at] = {std::bit_cast<float>(row[1]), std::bit_cast<float>(row[2])};
     for (std::size_t i = 0; i < lights; ++i)
       result.visibility[at * lights + i] =

@@ -59,6 +59,11 @@ struct ShownReport {
   /// Pixel by pixel, bits as in the mask's planes: shown by the rule; something has moved since; taken from
   /// beside, since the mask that saw the point is too old for this light.
   std::vector<std::uint32_t> unknown, stale, beside;
+  /// Pixel by pixel, how many lights would shine there if nothing stood between: the shadow rays that it
+  /// needs. A tracer of the same view spends about as many. It leaves out lights behind the geometric normal,
+  /// of which the pass knows nothing, traces lights that are on but have no intensity, and rounds differently
+  /// where a light grazes.
+  std::vector<std::uint16_t> rays{};
 };
 
 /// The stated rule: a pixel-light that nothing in hand knows is shown as the newest mask has it at the shown

@@ -10,10 +10,6 @@
 namespace farshade {
 namespace {
 
-Rgb8 scaled(Rgb8 color, double by) {
-  return Rgb8(glm::dvec3(color) * std::clamp(by, 0.0, 1.0));
-}
-
 /// Pictures of one size side by side, a row after the other, two pixels apart.
 Image<Rgb8> sheet(const std::vector<std::vector<Image<Rgb8>>>& rows) {
   constexpr std::uint32_t gap = 2;
@@ -30,28 +26,6 @@ Image<Rgb8> sheet(const std::vector<std::vector<Image<Rgb8>>>& rows) {
 }
 
 }  // namespace
-
-Image<Rgb8> source_picture(const ShownReport& report, const MaskAges& ages, Extent size) {
-  Image<Rgb8> picture(size);
-  for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
-    const std::uint8_t source = report.sources[i];
-    if (source == kSourceUncovered) continue;
-    if (source == kSourceUnknown) {
-      picture.pixels[i] = Rgb8(255, 140, 0);
-      continue;
-    }
-    const std::uint8_t mask = source % kOtherEye;
-    Rgb8 color = mask > 0      ? Rgb8(70 + 40 * mask, 90, 255)
-                 : source == 0 ? Rgb8(60, 220, 90)
-                               : Rgb8(60, 210, 230);
-    if (source >= kNeighbour) color = Rgb8(240, 230, 60);
-    const std::size_t planes = report.stale.size() / report.sources.size();
-    for (std::size_t plane = 0; plane < planes; ++plane)
-      if (report.stale[i * planes + plane] != 0) color.r = 255;
-    picture.pixels[i] = scaled(color, 1.0 - seconds_of(ages[mask]) / seconds_of(kOldestDrawn));
-  }
-  return picture;
-}
 
 Expected<void> write_shown(const std::filesystem::path& folder, FrameId frame,
                            const PerEye<Image<Rgb8>>& shown) {

@@ -7,17 +7,9 @@
 
 #include "stereo/base/expected.h"
 #include "vr_client/report/measure.h"
+#include "vr_client/report/overlays.h"
 
 namespace farshade {
-
-/// How long ago each mask that was used was asked for, newest first.
-using MaskAges = std::vector<Duration>;
-
-/// Where each pixel's shadow came from: this eye's newest mask green, the other eye's cyan, older masks blue
-/// to violet, all the darker the older (black at kOldestDrawn); neighbours yellow; unknown orange; stale with
-/// a red tint; not covered black.
-[[nodiscard]] Image<Rgb8> source_picture(const ShownReport& report, const MaskAges& ages, Extent size);
-inline constexpr Duration kOldestDrawn = std::chrono::milliseconds(500);
 
 /// One frame with its reference, kept to be written later.
 struct MeasuredFrame {

@@ -1,0 +1,158 @@
+/// Overlays of a frame that knows a little of everything: a head that has turned since its masks were traced
+/// with a guard band, tiles that have not come, an older mask, things that have moved.
+#include "vr_client/report/overlays.h"
+
+#include <numbers>
+#include <numeric>
+#include <span>
+
+#include "stereo/frame/tiles.h"
+#include "tests/golden/goldens.h"
+#include "tests/golden/theatre.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr FrameId kOlder{1}, kTraced{2}, kNow{3};
+constexpr std::uint32_t kSide_px = 160, kTracedSide_px = 192;
+constexpr auto kDrawn = std::span(kOverlays).subspan<1>();  // None draws nothing
+constexpr double kDegree_rad = std::numbers::pi / 180;
+
+/// Windows and pixels 1.2 times as large.
+StereoView grown(StereoView views) {
+  for (View& view : views) {
+    const EyeWindow window = window_of(view.fov);
+    const double x = 0.1 * (window.right - window.left), y = 0.1 * (window.up - window.down);
+    view.fov = {std::atan(window.left - x), std::atan(window.right + x), std::atan(window.up + y),
+                std::atan(window.down - y)};
+    view.size = {kTracedSide_px, kTracedSide_px};
+  }
+  return views;
+}
+
+/// Leaves out a block of tiles, of both eyes, and some more that differ from eye to eye.
+void lose_tiles(Mask& mask, std::uint32_t first_column, std::uint32_t one_in) {
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    const TileGrid grid{mask.bits[eye].size()};
+    for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
+      const std::uint32_t column = tile % grid.columns(), row = tile / grid.columns();
+      const bool in_block = column >= first_column && column < first_column + 4 && row >= 4 && row < 8;
+      if (in_block || (tile + eye) % one_in == 0) mask.known_tiles[eye][tile] = 0;
+    }
+  }
+}
+
+class OverlayGolden : public OnLavapipe {
+ protected:
+  OverlayGolden() {
+    theatre_.set_time(Time(500ms));
+    older_ = theatre_.ask(kOlder, grown(theatre_.eyes(moved(head_, 14 * kDegree_rad, {0.06, 0, 0}))));
+    theatre_.set_time(Time(650ms));
+    traced_ = theatre_.ask(kTraced, grown(theatre_.eyes(moved(head_, 9 * kDegree_rad, {0.04, 0, 0}))));
+    lose_tiles(older_, 7, 11);
+    lose_tiles(traced_, 6, 7);
+    theatre_.set_time(Time(800ms));
+    shown_ = theatre_.show(now_, {traced_.in_hand(), older_.in_hand()});
+    reference_ = theatre_.show_reference(now_);
+  }
+
+  [[nodiscard]] PerEye<Image<Rgb8>> drawn(Overlay overlay) const {
+    const MaskInHand newest = traced_.in_hand();
+    PerEye<Image<Rgb8>> pictures;
+    for (const Side side : kSides) {
+      const std::size_t eye = index_of(side);
+      pictures[eye] = overlay_picture(overlay, {.side = side,
+                                                .view = now_[eye],
+                                                .shown = shown_.pictures[eye],
+                                                .reference = &reference_[eye],
+                                                .report = shown_.reports[eye],
+                                                .ages = {170ms, 320ms},
+                                                .newest = &newest,
+                                                .light = 1});
+    }
+    return pictures;
+  }
+
+  Theatre theatre_{device_, bundled("room.glb"), kSide_px};
+  Rigid<Stage, Head> head_ = theatre_.head();
+  StereoView now_ = theatre_.eyes(head_);
+  Mask older_, traced_;
+  Shown shown_;
+  PerEye<Image<Rgb8>> reference_;
+};
+
+TEST_F(OverlayGolden, OverlaysAreTheirGoldens) {
+  for (const Overlay overlay : kDrawn) expect_golden("overlay", name_of(overlay), drawn(overlay));
+}
+
+TEST_F(OverlayGolden, RefusesSwappedEyes) {
+  for (const Overlay overlay : kDrawn) {
+    SCOPED_TRACE(name_of(overlay));
+    const PerEye<Image<Rgb8>> pictures = drawn(overlay);
+    expect_refused({pictures[1], pictures[0]}, goldens("overlay", name_of(overlay)));
+  }
+}
+
+/// Every colour of every legend can be looked for in these goldens.
+TEST_F(OverlayGolden, TheFrameKnowsALittleOfEverything) {
+  std::array<std::size_t, 256> sources{};
+  std::size_t stale = 0;
+  for_covered(shown_, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+    ++sources[source];
+    stale += shown_.reports[index_of(side)].stale[std::size_t{y} * kSide_px + x] != 0;
+  });
+  for (const std::uint8_t source : {std::uint8_t{0}, std::uint8_t{1}, kOtherEye, kNeighbour, kSourceUnknown})
+    EXPECT_GT(sources[source], 50u) << "from " << int{source};
+  EXPECT_GT(stale, 500u);
+}
+
+struct RayCase {
+  const char* name;
+  const char* file;
+  LightChanges lights;
+};
+
+std::ostream& operator<<(std::ostream& out, const RayCase& tested) {
+  return out << tested.name;
+}
+
+class RaysNeeded : public OnLavapipe, public testing::WithParamInterface<RayCase> {};
+
+TEST_P(RaysNeeded, AreAboutThoseThatATracerSpends) {
+  Theatre theatre(device_, bundled(GetParam().file), kSide_px);
+  theatre.set_lights(GetParam().lights);
+  const StereoView views = theatre.eyes(theatre.head());
+  auto tracer = Tracer::create(theatre.scene());
+  ASSERT_TRUE(tracer) << tracer.error().what;
+  ShadowFrame traced;
+  const TraceStats spent = tracer->trace(
+      {.frame = kNow, .display_time = {}, .scene_time = {}, .views = views, .lights = GetParam().lights},
+      traced);
+  const Mask older = theatre.ask(kTraced, theatre.eyes(moved(theatre.head(), 3 * kDegree_rad, {0.02, 0, 0})));
+  for (const std::vector<MaskInHand>& masks : {std::vector<MaskInHand>{}, {older.in_hand()}}) {
+    const Shown shown = theatre.show(views, masks);
+    std::uint64_t needed = 0;
+    for (const ShownReport& report : shown.reports) {
+      needed = std::accumulate(report.rays.begin(), report.rays.end(), needed);
+      for (std::size_t i = 0; i < report.sources.size(); ++i)
+        EXPECT_LE(report.rays[i], report.sources[i] == kSourceUncovered ? 0u : report.mask.lights());
+    }
+    RecordProperty("needed_over_spent",
+                   std::to_string(static_cast<double>(needed) / static_cast<double>(spent.shadow_rays)));
+    EXPECT_NEAR(static_cast<double>(needed), static_cast<double>(spent.shadow_rays),
+                0.02 * static_cast<double>(spent.shadow_rays));
+    EXPECT_GT(spent.full_shadow_rays, needed) << "there is something to leave out";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, RaysNeeded,
+                         testing::Values(RayCase{"room", "room.glb", {}},
+                                         RayCase{
+                                             "room_without_a_light", "room.glb", {2, {{1, 2, false, {}}}}},
+                                         RayCase{"box_over_plane", "box_over_plane.gltf", {}}),
+                         [](const auto& tested) { return std::string(tested.param.name); });
+
+}  // namespace
+}  // namespace farshade
