@@ -186,8 +186,9 @@ Image<std::uint8_t> seen_on(const Chart& chart, const View& shown, const View& t
         shown_from_traced * glm::dvec3(chart.origin + (glm::dvec2(0, y) + 0.5) * chart.step, -1.0);
     for (std::uint32_t x = 0; x < size.width; ++x) {
       const glm::dvec3 d = first + static_cast<double>(x) * along;
-      seen.at(x, y) = (d.z < 0) & (d.x >= window.left * -d.z) & (d.x < window.right * -d.z) &
-                      (d.y <= window.up * -d.z) & (d.y > window.down * -d.z);
+      const double ahead = -d.z;  // where it is negative the window is inside out, and nothing lies in it
+      seen.at(x, y) = (d.x >= window.left * ahead) & (d.x < window.right * ahead) &
+                      (d.y <= window.up * ahead) & (d.y > window.down * ahead);
     }
   }
   return seen;
