@@ -50,7 +50,7 @@ vk::raii::ImageView make_view(const Device& device, const Image& image, LayerRan
                                                               .layerCount = layers.count}});
 }
 
-void barrier(const vk::raii::CommandBuffer& commands, const Image& image, vk::ImageLayout from,
+void barrier(const vk::raii::CommandBuffer& commands, vk::Image image, vk::ImageLayout from,
              vk::ImageLayout to, vk::ImageSubresourceRange range) {
   const vk::ImageMemoryBarrier2 all{
       .srcStageMask = vk::PipelineStageFlagBits2::eAllCommands,
@@ -59,7 +59,7 @@ void barrier(const vk::raii::CommandBuffer& commands, const Image& image, vk::Im
       .dstAccessMask = vk::AccessFlagBits2::eMemoryRead | vk::AccessFlagBits2::eMemoryWrite,
       .oldLayout = from,
       .newLayout = to,
-      .image = *image.image,
+      .image = image,
       .subresourceRange = range};
   commands.pipelineBarrier2({.imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &all});
 }
@@ -74,7 +74,7 @@ void fill_mips(const vk::raii::CommandBuffer& commands, const Image& texture) {
     return static_cast<std::int32_t>(std::max(full >> mip, 1u));
   };
   for (std::uint32_t mip = 1; mip < texture.wish.mip_levels; ++mip) {
-    barrier(commands, texture, Layout::eTransferDstOptimal, Layout::eTransferSrcOptimal, level(mip - 1));
+    barrier(commands, *texture.image, Layout::eTransferDstOptimal, Layout::eTransferSrcOptimal, level(mip - 1));
     const auto corner = [&](std::uint32_t m) {
       return vk::Offset3D{side(texture.wish.size.width, m), side(texture.wish.size.height, m), 1};
     };
@@ -84,9 +84,9 @@ void fill_mips(const vk::raii::CommandBuffer& commands, const Image& texture) {
                              .dstOffsets = {{vk::Offset3D{}, corner(mip)}}};
     commands.blitImage(*texture.image, Layout::eTransferSrcOptimal, *texture.image,
                        Layout::eTransferDstOptimal, blit, vk::Filter::eLinear);
-    barrier(commands, texture, Layout::eTransferSrcOptimal, Layout::eShaderReadOnlyOptimal, level(mip - 1));
+    barrier(commands, *texture.image, Layout::eTransferSrcOptimal, Layout::eShaderReadOnlyOptimal, level(mip - 1));
   }
-  barrier(commands, texture, Layout::eTransferDstOptimal, Layout::eShaderReadOnlyOptimal,
+  barrier(commands, *texture.image, Layout::eTransferDstOptimal, Layout::eShaderReadOnlyOptimal,
           level(texture.wish.mip_levels - 1));
 }
 
@@ -149,7 +149,12 @@ vk::raii::ImageView view_layers(const Device& device, const Image& image, std::u
 
 void transition(const vk::raii::CommandBuffer& commands, const Image& image, vk::ImageLayout from,
                 vk::ImageLayout to, LayerRange layers) {
-  barrier(commands, image, from, to, {image.aspect, 0, VK_REMAINING_MIP_LEVELS, layers.first, layers.count});
+  barrier(commands, *image.image, from, to, {image.aspect, 0, VK_REMAINING_MIP_LEVELS, layers.first, layers.count});
+}
+
+void transition(const vk::raii::CommandBuffer& commands, vk::Image image, vk::ImageLayout from,
+                vk::ImageLayout to) {
+  barrier(commands, image, from, to, {vk::ImageAspectFlagBits::eColor, 0, 1, 0, 1});
 }
 
 Image make_texture(const Device& device, Extent size, std::span<const std::byte> rgba,

@@ -69,6 +69,10 @@ struct LayerRange {
 void transition(const vk::raii::CommandBuffer& commands, const Image& image, vk::ImageLayout from,
                 vk::ImageLayout to, LayerRange layers = {});
 
+/// The same for the one colour layer of an image whose memory is another's.
+void transition(const vk::raii::CommandBuffer& commands, vk::Image image, vk::ImageLayout from,
+                vk::ImageLayout to);
+
 /// An sRGB texture with its mip chain (box filter in linear light by blits).
 [[nodiscard]] Image make_texture(const Device& device, Extent size, std::span<const std::byte> rgba,
                                  const std::string& name);

@@ -51,31 +51,32 @@ bool Swapchain::fit(Extent wanted) {
   state_ = State::Fits;
   const vk::SurfaceCapabilitiesKHR surface = device_.physical.getSurfaceCapabilitiesKHR(*surface_);
   size_ = wanted.pixels() == 0 ? Extent{} : granted_size(surface, wanted);
-  views_.clear();
+  targets_.clear();
   if (size_.pixels() == 0) return true;
   // One is shown, one waits to be, one is drawn to.
   std::uint32_t count = std::max(surface.minImageCount, 3u);
   if (surface.maxImageCount > 0) count = std::min(count, surface.maxImageCount);
   const vk::raii::SwapchainKHR old = std::move(swapchain_);
-  swapchain_ =
-      device_.logical.createSwapchainKHR({.surface = *surface_,
-                                          .minImageCount = count,
-                                          .imageFormat = format_.format,
-                                          .imageColorSpace = format_.colorSpace,
-                                          .imageExtent = {size_.width, size_.height},
-                                          .imageArrayLayers = 1,
-                                          .imageUsage = vk::ImageUsageFlagBits::eColorAttachment,
-                                          .preTransform = surface.currentTransform,
-                                          .compositeAlpha = choose_alpha(surface.supportedCompositeAlpha),
-                                          .presentMode = mode_,
-                                          .clipped = true,
-                                          .oldSwapchain = *old});
+  swapchain_ = device_.logical.createSwapchainKHR(
+      {.surface = *surface_,
+       .minImageCount = count,
+       .imageFormat = format_.format,
+       .imageColorSpace = format_.colorSpace,
+       .imageExtent = {size_.width, size_.height},
+       .imageArrayLayers = 1,
+       .imageUsage = vk::ImageUsageFlagBits::eColorAttachment | vk::ImageUsageFlagBits::eTransferDst,
+       .preTransform = surface.currentTransform,
+       .compositeAlpha = choose_alpha(surface.supportedCompositeAlpha),
+       .presentMode = mode_,
+       .clipped = true,
+       .oldSwapchain = *old});
   for (const auto& image : swapchain_.getImages())
-    views_.push_back(
-        device_.logical.createImageView({.image = vk::Image(image),
-                                         .viewType = vk::ImageViewType::e2D,
-                                         .format = format_.format,
-                                         .subresourceRange = {vk::ImageAspectFlagBits::eColor, 0, 1, 0, 1}}));
+    targets_.push_back(
+        {vk::Image(image), device_.logical.createImageView(
+                               {.image = vk::Image(image),
+                                .viewType = vk::ImageViewType::e2D,
+                                .format = format_.format,
+                                .subresourceRange = {vk::ImageAspectFlagBits::eColor, 0, 1, 0, 1}})});
   return true;
 }
 

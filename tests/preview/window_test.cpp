@@ -247,7 +247,8 @@ TEST_F(PreviewWindow, FollowsItsSizeAndKeepsTheAspect) {
       for (std::uint32_t y = 0; y < panel.size.height; ++y)
         for (std::uint32_t x = 0; x < panel.size.width; ++x)
           wanted.at(x, y) = between(picture, (x + 0.5) * step, (y + 0.5) * step);
-      EXPECT_LE(largest_difference(crop(seen, panel), wanted), 1);
+      // Devices may weigh neighbours with 8 bits only.
+      EXPECT_LE(largest_difference(crop(seen, panel), wanted), 2);
     }
   }
 }
@@ -370,31 +371,37 @@ TEST_F(PreviewWindow, ShowsNothingWhileMinimisedAndAllAfterwards) {
   EXPECT_EQ(on_screen({}).size, kWindow);
 }
 
-/// What a frame pays for being shown. The median is printed; the bound only catches waiting for a display.
+/// What a frame pays for being shown, printed; the bound only catches waiting for a display.
 TEST_F(PreviewWindow, ShowingCostsAFewMilliseconds) {
   open(gpu::Validation::Off);
-  std::vector<double> recorded_ms, all_ms;
-  const std::clock_t clock0 = std::clock();
-  for (int i = 0; i < 100; ++i) {
-    const Stopwatch watch;
-    window_->poll();
-    presenter_->show({}, [] {
-      ImGui::Begin("panel");
-      for (int line = 0; line < 20; ++line) ImGui::Text("a line of figures, number %d: %f", line, line * 0.1);
-      ImGui::End();
-    });
-    recorded_ms.push_back(ms_of(watch.elapsed()));
-    device_->logical.waitIdle();
-    all_ms.push_back(ms_of(watch.elapsed()));
-  }
-  const double cpu_ms = 1000.0 * static_cast<double>(std::clock() - clock0) / CLOCKS_PER_SEC / 100;
-  std::ranges::sort(recorded_ms);
-  std::ranges::sort(all_ms);
-  std::printf(
-      "show: median %.2f ms, p95 %.2f ms; until the device is idle: median %.2f ms, p95 %.2f ms; cpu %.2f "
-      "ms\n",
-      recorded_ms[50], recorded_ms[95], all_ms[50], all_ms[95], cpu_ms);
-  EXPECT_LT(recorded_ms[50], 100);
+  screen_.move_mouse(id_, 1000, 500);  // hands off the panel
+  const auto figures = [] {
+    ImGui::Begin("panel");
+    for (int line = 0; line < 20; ++line) ImGui::Text("a line of figures, number %d: %f", line, line * 0.1);
+    ImGui::End();
+  };
+  const auto time = [&](const char* what, Way way, const std::function<void()>& panel) {
+    constexpr int frames = 100;
+    std::vector<double> wall_ms;
+    const std::clock_t start = std::clock();
+    for (int i = 0; i < frames; ++i) {
+      const Stopwatch watch;
+      window_->poll();
+      presenter_->show({.way = way}, panel);
+      device_->logical.waitIdle();
+      wall_ms.push_back(ms_of(watch.elapsed()));
+    }
+    const double cpu_ms = static_cast<double>(std::clock() - start) * 1000 / CLOCKS_PER_SEC / frames;
+    std::ranges::sort(wall_ms);
+    std::printf("%s: %.2f ms until the device is idle (least %.2f), %.2f ms of processor time\n", what,
+                wall_ms[frames / 2], wall_ms[0], cpu_ms);
+    EXPECT_LT(wall_ms[frames / 2], 200);
+  };
+  time("mono, no panel", Way::Mono, no_panel);
+  time("mono", Way::Mono, figures);
+  time("side by side, no panel", Way::SideBySide, no_panel);
+  time("side by side", Way::SideBySide, figures);
+  time("anaglyph", Way::Anaglyph, figures);
 }
 
 TEST(OpenWindow, WithoutADesktopSaysWhatToDo) {

@@ -2,52 +2,52 @@
 
 #include <array>
 
-#include "shaders/compose.frag.spv.h"
-#include "shaders/compose.vert.spv.h"
-#include "shaders/compose_data.h"
+#include "shaders/anaglyph.frag.spv.h"
+#include "shaders/anaglyph.vert.spv.h"
+#include "shaders/anaglyph_data.h"
 
 namespace farshade {
 namespace {
 
 using Layout = vk::ImageLayout;
 
-gpu::ComposeData compose_data(const Panel& panel, const Composition& composition, Extent eye) {
+gpu::AnaglyphData anaglyph_data(const Composition& composition, const Panel& panel, Extent eye) {
   const auto picture = [&](std::size_t i) { return static_cast<std::uint32_t>(composition.pictures[i]); };
   return {
       .place = {panel.left, panel.top, static_cast<float>(eye.width) / static_cast<float>(panel.size.width),
                 static_cast<float>(eye.height) / static_cast<float>(panel.size.height)},
-      .pictures = {picture(panel.eye), picture(1), 0, 0}};
+      .pictures = {picture(0), picture(1), 0, 0}};
+}
+
+vk::Offset3D corner(std::uint32_t x, std::uint32_t y) {
+  return {narrow<std::int32_t>(x), narrow<std::int32_t>(y), 1};
 }
 
 }  // namespace
 
-ComposePass::ComposePass(const gpu::Device& device, const gpu::Image& eyes,
-                         const vk::raii::RenderPass& render_pass)
+ComposePass::ComposePass(const gpu::Device& device, const gpu::Image& eyes, vk::Format format)
     : device_(device),
-      size_(eyes.wish.size),
+      eyes_(eyes),
       bindings_(gpu::make_bindings(device,
                                    {{vk::DescriptorType::eStorageImage, vk::ShaderStageFlagBits::eFragment},
                                     {vk::DescriptorType::eStorageImage, vk::ShaderStageFlagBits::eFragment}},
-                                   "compose")),
-      vertex_(gpu::make_shader(device, compose_vert_spv, "compose.vert")),
-      fragment_(gpu::make_shader(device, compose_frag_spv, "compose.frag")) {
+                                   "anaglyph")),
+      vertex_(gpu::make_shader(device, anaglyph_vert_spv, "anaglyph.vert")),
+      fragment_(gpu::make_shader(device, anaglyph_frag_spv, "anaglyph.frag")) {
   check_eq(eyes.wish.layers, std::uint32_t{kEyes}, "layers of what is shown");
   // Nothing is uploaded yet, and the set wants an image.
   for (const std::uint32_t binding : {0u, 1u})
     gpu::bind_image(device, bindings_, binding, {*eyes.view, Layout::eGeneral, nullptr});
   const vk::DescriptorSetLayout set = *bindings_.layout;
-  const vk::PushConstantRange push{vk::ShaderStageFlagBits::eFragment, 0, sizeof(gpu::ComposeData)};
+  const vk::PushConstantRange push{vk::ShaderStageFlagBits::eFragment, 0, sizeof(gpu::AnaglyphData)};
   layout_ = device.logical.createPipelineLayout(
       {.setLayoutCount = 1, .pSetLayouts = &set, .pushConstantRangeCount = 1, .pPushConstantRanges = &push});
-  for (const Blend blend : {Blend::One, Blend::Anaglyph})
-    for (const Filter filter : {Filter::Nearest, Filter::Linear})
-      pipelines_.push_back(make_pipeline(filter, blend, render_pass));
+  nearest_ = make_pipeline(Filter::Nearest, format);
+  linear_ = make_pipeline(Filter::Linear, format);
 }
 
-vk::raii::Pipeline ComposePass::make_pipeline(Filter filter, Blend blend,
-                                              const vk::raii::RenderPass& render_pass) const {
-  const gpu::Specialization specialization(
-      {static_cast<std::uint32_t>(filter), static_cast<std::uint32_t>(blend)});
+vk::raii::Pipeline ComposePass::make_pipeline(Filter filter, vk::Format format) const {
+  const gpu::Specialization specialization({static_cast<std::uint32_t>(filter)});
   const vk::SpecializationInfo constants = specialization.info();
   const std::array stages{vk::PipelineShaderStageCreateInfo{
                               .stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex_, .pName = "main"},
@@ -68,7 +68,10 @@ vk::raii::Pipeline ComposePass::make_pipeline(Filter filter, Blend blend,
   const std::array dynamics{vk::DynamicState::eViewport, vk::DynamicState::eScissor};
   const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = dynamics.size(),
                                                    .pDynamicStates = dynamics.data()};
-  auto pipeline = device_.logical.createGraphicsPipeline(nullptr, {.stageCount = stages.size(),
+  const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = 1,
+                                                  .pColorAttachmentFormats = &format};
+  auto pipeline = device_.logical.createGraphicsPipeline(nullptr, {.pNext = &rendering,
+                                                                   .stageCount = stages.size(),
                                                                    .pStages = stages.data(),
                                                                    .pVertexInputState = &vertices,
                                                                    .pInputAssemblyState = &assembly,
@@ -77,22 +80,21 @@ vk::raii::Pipeline ComposePass::make_pipeline(Filter filter, Blend blend,
                                                                    .pMultisampleState = &samples,
                                                                    .pColorBlendState = &over,
                                                                    .pDynamicState = &dynamic,
-                                                                   .layout = *layout_,
-                                                                   .renderPass = *render_pass});
-  gpu::set_name(device_, pipeline, "compose");
+                                                                   .layout = *layout_});
+  gpu::set_name(device_, pipeline, "anaglyph");
   return pipeline;
 }
 
 void ComposePass::make_uploads() {
   using Usage = vk::ImageUsageFlagBits;
   uploads_ = gpu::make_image(device_,
-                             {.size = size_,
+                             {.size = eyes_.wish.size,
                               .layers = kEyes,
                               .format = vk::Format::eR8G8B8A8Unorm,
-                              .usage = Usage::eStorage | Usage::eTransferDst},
+                              .usage = Usage::eStorage | Usage::eTransferDst | Usage::eTransferSrc},
                              "uploads");
-  staging_ = gpu::make_mapped_buffer(device_, size_.pixels() * 4, vk::BufferUsageFlagBits::eTransferSrc,
-                                     "uploads staging");
+  staging_ = gpu::make_mapped_buffer(device_, eyes_.wish.size.pixels() * 4,
+                                     vk::BufferUsageFlagBits::eTransferSrc, "uploads staging");
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
     constexpr auto filled = Layout::eTransferDstOptimal;
     gpu::transition(commands, uploads_, Layout::eUndefined, filled);
@@ -105,8 +107,8 @@ void ComposePass::make_uploads() {
 }
 
 void ComposePass::upload(Side side, const Image<Rgb8>& picture) {
-  check(picture.size == size_, "an upload has the eyes' size");
-  if (uploads_.wish.size != size_) make_uploads();
+  check(picture.size == eyes_.wish.size, "an upload has the eyes' size");
+  if (uploads_.wish.size.pixels() == 0) make_uploads();
   const auto pixels = staging_.as<Rgba8>();
   for (std::size_t i = 0; i < picture.pixels.size(); ++i) pixels[i] = Rgba8(picture.pixels[i], 255);
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
@@ -116,37 +118,74 @@ void ComposePass::upload(Side side, const Image<Rgb8>& picture) {
     commands.copyBufferToImage(
         *staging_.buffer, *uploads_.image, filled,
         vk::BufferImageCopy{.imageSubresource = {vk::ImageAspectFlagBits::eColor, 0, layer.first, 1},
-                            .imageExtent = {size_.width, size_.height, 1}});
+                            .imageExtent = {eyes_.wish.size.width, eyes_.wish.size.height, 1}});
     gpu::transition(commands, uploads_, filled, Layout::eGeneral, layer);
   });
 }
 
-void ComposePass::record_barrier(const vk::raii::CommandBuffer& commands) const {
-  using At = vk::PipelineStageFlagBits2;
-  const vk::MemoryBarrier2 drawn{
-      .srcStageMask = At::eComputeShader | At::eTransfer,
-      .srcAccessMask = vk::AccessFlagBits2::eShaderWrite | vk::AccessFlagBits2::eTransferWrite,
-      .dstStageMask = At::eFragmentShader,
-      .dstAccessMask = vk::AccessFlagBits2::eShaderRead};
-  commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &drawn});
+/// Of one size, nothing is filtered: the window gets the picture's bytes.
+void ComposePass::copy(const vk::raii::CommandBuffer& commands, Picture picture, const Panel& panel,
+                       vk::Image target) const {
+  const auto number = static_cast<std::uint32_t>(picture);
+  const gpu::Image& source = number < kEyes ? eyes_ : uploads_;
+  const Extent size = eyes_.wish.size;
+  check(source.wish.size == size, "what is shown in place of an eye was uploaded");
+  const gpu::LayerRange layer{number % std::uint32_t{kEyes}, 1};
+  const vk::ImageBlit blit{
+      .srcSubresource = {vk::ImageAspectFlagBits::eColor, 0, layer.first, 1},
+      .srcOffsets = {{vk::Offset3D{}, corner(size.width, size.height)}},
+      .dstSubresource = {vk::ImageAspectFlagBits::eColor, 0, 0, 1},
+      .dstOffsets = {{vk::Offset3D{narrow<std::int32_t>(panel.left), narrow<std::int32_t>(panel.top), 0},
+                      corner(panel.left + panel.size.width, panel.top + panel.size.height)}}};
+  gpu::transition(commands, source, Layout::eGeneral, Layout::eTransferSrcOptimal, layer);
+  commands.blitImage(*source.image, Layout::eTransferSrcOptimal, target, Layout::eTransferDstOptimal, blit,
+                     panel.size == size ? vk::Filter::eNearest : vk::Filter::eLinear);
+  gpu::transition(commands, source, Layout::eTransferSrcOptimal, Layout::eGeneral, layer);
+}
+
+void ComposePass::draw_anaglyph(const vk::raii::CommandBuffer& commands, const Composition& composition,
+                                const Panel& panel, const ComposeTarget& target) const {
+  gpu::transition(commands, target.image, Layout::eTransferDstOptimal, Layout::eColorAttachmentOptimal);
+  const vk::RenderingAttachmentInfo color{.imageView = target.view,
+                                          .imageLayout = Layout::eColorAttachmentOptimal,
+                                          .loadOp = vk::AttachmentLoadOp::eLoad,
+                                          .storeOp = vk::AttachmentStoreOp::eStore};
+  const vk::Rect2D place{{narrow<std::int32_t>(panel.left), narrow<std::int32_t>(panel.top)},
+                         {panel.size.width, panel.size.height}};
+  commands.beginRendering(
+      {.renderArea = place, .layerCount = 1, .colorAttachmentCount = 1, .pColorAttachments = &color});
+  commands.setViewport(0, vk::Viewport{.width = static_cast<float>(target.size.width),
+                                       .height = static_cast<float>(target.size.height),
+                                       .maxDepth = 1});
+  commands.setScissor(0, place);
+  commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *layout_, 0, *bindings_.set, {});
+  commands.bindPipeline(vk::PipelineBindPoint::eGraphics,
+                        panel.size == eyes_.wish.size ? *nearest_ : *linear_);
+  commands.pushConstants<gpu::AnaglyphData>(*layout_, vk::ShaderStageFlagBits::eFragment, 0,
+                                            anaglyph_data(composition, panel, eyes_.wish.size));
+  commands.draw(3, 1, 0, 0);
+  commands.endRendering();
+  gpu::transition(commands, target.image, Layout::eColorAttachmentOptimal, Layout::eTransferDstOptimal);
 }
 
 void ComposePass::record(const vk::raii::CommandBuffer& commands, const Composition& composition,
-                         Extent window) const {
-  commands.setViewport(0, vk::Viewport{.width = static_cast<float>(window.width),
-                                       .height = static_cast<float>(window.height),
-                                       .maxDepth = 1});
-  commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *layout_, 0, *bindings_.set, {});
-  for (const Panel& panel : panel_rects(window, size_, composition.aspect, composition.way)) {
-    const std::size_t filtered = panel.size == size_ ? 0 : 1;
-    const std::size_t blended = composition.way == Way::Anaglyph ? 1 : 0;
-    commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipelines_[blended * 2 + filtered]);
-    commands.setScissor(0, vk::Rect2D{{narrow<std::int32_t>(panel.left), narrow<std::int32_t>(panel.top)},
-                                      {panel.size.width, panel.size.height}});
-    commands.pushConstants<gpu::ComposeData>(*layout_, vk::ShaderStageFlagBits::eFragment, 0,
-                                             compose_data(panel, composition, size_));
-    commands.draw(3, 1, 0, 0);
-  }
+                         const ComposeTarget& target) const {
+  gpu::transition(commands, target.image, Layout::eUndefined, Layout::eTransferDstOptimal);
+  commands.clearColorImage(target.image, Layout::eTransferDstOptimal,
+                           vk::ClearColorValue(std::array{0.0f, 0.0f, 0.0f, 1.0f}),
+                           vk::ImageSubresourceRange{vk::ImageAspectFlagBits::eColor, 0, 1, 0, 1});
+  const vk::MemoryBarrier2 in_order{
+      .srcStageMask = vk::PipelineStageFlagBits2::eAllCommands,
+      .srcAccessMask = vk::AccessFlagBits2::eMemoryWrite,
+      .dstStageMask = vk::PipelineStageFlagBits2::eAllCommands,
+      .dstAccessMask = vk::AccessFlagBits2::eMemoryRead | vk::AccessFlagBits2::eMemoryWrite};
+  commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &in_order});
+  for (const Panel& panel : panel_rects(left_of(target.size, composition.right_px), eyes_.wish.size,
+                                        composition.aspect, composition.way))
+    if (composition.way == Way::Anaglyph)
+      draw_anaglyph(commands, composition, panel, target);
+    else
+      copy(commands, composition.pictures[panel.eye], panel, target.image);
 }
 
 }  // namespace farshade

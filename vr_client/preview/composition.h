@@ -22,6 +22,7 @@ struct Composition {
   PerEye<Picture> pictures{Picture::LeftEye, Picture::RightEye};
   double aspect =
       1;  ///< width / height of an eye's window on the plane z = -1; its pixels need not be square
+  std::uint32_t right_px = 0;  ///< of the window's right side, left free
 };
 
 /// One picture's place in the window, pixels.
@@ -39,5 +40,10 @@ inline constexpr double kFillScale = 1.25;
 /// Places for pictures of `eye` pixels, all of one size, as large as fits with the aspect kept, each in the
 /// middle of its half (Mono, Anaglyph: of the window). None where not one pixel fits.
 [[nodiscard]] std::vector<Panel> panel_rects(Extent window, Extent eye, double aspect, Way way);
+
+/// What of `window` is left for panels.
+[[nodiscard]] constexpr Extent left_of(Extent window, std::uint32_t right_px) {
+  return {window.width > right_px ? window.width - right_px : 0, window.height};
+}
 
 }  // namespace farshade

@@ -1,31 +1,11 @@
-/// Presenter: composes two pictures and a panel into the window, and returns while the device still draws:
-/// what it costs a frame is recording, not drawing or showing.
+/// Presenter: composes two pictures and a panel into the window, and does not wait for the display.
 #pragma once
-
-#include <functional>
 
 #include "stereo/gpu/swapchain.h"
 #include "vr_client/preview/compose_pass.h"
-#include "vr_client/preview/window.h"
+#include "vr_client/preview/panel_layer.h"
 
 namespace farshade {
-
-/// Dear ImGui, its hands in `window` and its Vulkan back end, as long as this lives. One at a time.
-class PanelContext {
- public:
-  PanelContext(const gpu::Device& device, Window& window, const vk::raii::RenderPass& render_pass);
-  PanelContext(const PanelContext&) = delete;
-  PanelContext& operator=(const PanelContext&) = delete;
-  ~PanelContext();
-
-  /// Lays out what `draw` says with ImGui's calls; `record` draws it within the render pass.
-  void lay_out(const std::function<void()>& draw);
-  void record(const vk::raii::CommandBuffer& commands) const;
-
- private:
-  Window& window_;
-  vk::raii::DescriptorPool pool_{nullptr};
-};
 
 class Presenter {
  public:
@@ -35,11 +15,11 @@ class Presenter {
   Presenter& operator=(const Presenter&) = delete;
   ~Presenter();
 
-  /// NotNow: the window is minimised, or the display still holds all images; nothing was drawn, and
-  /// `draw_panel` was not called.
+  /// NotNow: the window is minimised, or the display still holds all images; nothing was drawn.
   enum class Outcome : std::uint8_t { Shown, NotNow };
 
-  /// Shows the composition and, over it, what `draw_panel` draws with ImGui. Never waits for the display.
+  /// Shows the composition and, over it, what `draw_panel` last drew with ImGui. It is called when the panel
+  /// is to be drawn anew: ten times a second, and for every frame while hands are on it.
   Outcome show(const Composition& composition, const std::function<void()>& draw_panel);
 
   /// Takes a picture of the eyes' size, for Picture::LeftUpload or RightUpload; it stays until the next.
@@ -56,17 +36,16 @@ class Presenter {
     vk::raii::Semaphore image_ready;
   };
   void fit_to_window();
-  void record(const Flight& flight, const Composition& composition, vk::Framebuffer target) const;
+  void submit(const Flight& flight, vk::Semaphore drawn) const;
 
   const gpu::Device& device_;
   Window& window_;
+  SteadyClock clock_;
   vk::raii::SurfaceKHR surface_;
   gpu::Swapchain swapchain_;
-  vk::raii::RenderPass render_pass_;
   ComposePass compose_;
-  PanelContext panel_;
-  std::vector<vk::raii::Framebuffer> framebuffers_;  ///< one a swapchain image
-  std::vector<vk::raii::Semaphore> drawn_;           ///< one a swapchain image
+  PanelLayer panel_;
+  std::vector<vk::raii::Semaphore> drawn_;  ///< one a swapchain image
   std::vector<Flight> flights_;
   std::size_t next_flight_ = 0;
 };

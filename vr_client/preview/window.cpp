@@ -4,6 +4,7 @@
 #include <backends/imgui_impl_glfw.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <optional>
 #include <stdexcept>
@@ -161,6 +162,15 @@ double Window::content_scale() const {
   float x = 1, y = 1;
   glfwGetWindowContentScale(window_, &x, &y);
   return static_cast<double>(y);
+}
+
+/// GLFW tells it in screen coordinates.
+glm::dvec2 Window::cursor_px() const {
+  int width = 0, height = 0;
+  glfwGetWindowSize(window_, &width, &height);
+  const Extent pixels = framebuffer_size();
+  return cursor_ * glm::dvec2(pixels.width, pixels.height) /
+         glm::dvec2(std::max(width, 1), std::max(height, 1));
 }
 
 bool Window::should_close() const {

@@ -34,6 +34,7 @@ class Window {
 
   [[nodiscard]] Extent framebuffer_size() const;  ///< pixels; zero while it is minimised
   [[nodiscard]] double content_scale() const;     ///< how much larger than usual the desktop wants text
+  [[nodiscard]] glm::dvec2 cursor_px() const;     ///< the mouse within the framebuffer, pixels
   [[nodiscard]] bool should_close() const;
   void set_title(const std::string& title);
 

@@ -1,17 +1,15 @@
-// One panel of the window: a picture pixel by pixel or filtered, or two as an anaglyph. Pictures are
-// sRGB-coded, and so is the window. Anaglyph: the colour that comes nearest, through red and cyan glasses, to
-// what each eye should see, by least squares in linear light - a 3x6 matrix (E. Dubois, "A projection method
-// to generate anaglyph stereo images", ICASSP 2001).
+// Two pictures as one anaglyph: the colour that comes nearest, through red and cyan glasses, to what each eye
+// should see, by least squares in linear light - a 3x6 matrix (E. Dubois, "A projection method to generate
+// anaglyph stereo images", ICASSP 2001). Pictures and window are sRGB-coded.
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "shaders/compose_data.h"
+#include "shaders/anaglyph_data.h"
 
 layout(constant_id = 0) const bool kFiltered = false;
-layout(constant_id = 1) const bool kAnaglyph = false;
 
 layout(set = 0, binding = 0, rgba8) readonly uniform image2DArray drawn;
 layout(set = 0, binding = 1, rgba8) readonly uniform image2DArray uploaded;
-layout(push_constant) uniform Push { ComposeData panel; };
+layout(push_constant) uniform Push { AnaglyphData panel; };
 
 layout(location = 0) out vec4 color;
 
@@ -48,10 +46,7 @@ vec3 srgb_of(vec3 light) {
 }
 
 void main() {
-  vec3 shown = picture_color(gl_FragCoord.xy, panel.pictures.x);
-  if (kAnaglyph) {
-    const vec3 right = picture_color(gl_FragCoord.xy, panel.pictures.y);
-    shown = srgb_of(clamp(kLeft * linear_of(shown) + kRight * linear_of(right), 0.0, 1.0));
-  }
-  color = vec4(shown, 1.0);
+  const vec3 light = kLeft * linear_of(picture_color(gl_FragCoord.xy, panel.pictures.x)) +
+                     kRight * linear_of(picture_color(gl_FragCoord.xy, panel.pictures.y));
+  color = vec4(srgb_of(clamp(light, 0.0, 1.0)), 1.0);
 }

@@ -1,6 +1,6 @@
-/// What a panel of the preview's window is told: shared by C++ and GLSL, written once.
-#ifndef FARSHADE_SHADERS_COMPOSE_DATA_H
-#define FARSHADE_SHADERS_COMPOSE_DATA_H
+/// What the anaglyph in the preview's window is told: shared by C++ and GLSL, written once.
+#ifndef FARSHADE_SHADERS_ANAGLYPH_DATA_H
+#define FARSHADE_SHADERS_ANAGLYPH_DATA_H
 
 #ifdef __cplusplus
 #include <cstdint>
@@ -10,9 +10,9 @@ using glm::uvec4;
 using glm::vec4;
 #endif
 
-struct ComposeData {
+struct AnaglyphData {
   vec4 place;      // the panel's left top corner in the window, and picture pixels per window pixel
-  uvec4 pictures;  // the one to show (Anaglyph: left, right): 0, 1 eyes as drawn, 2, 3 uploads; zw unused
+  uvec4 pictures;  // left, right: 0, 1 eyes as drawn, 2, 3 uploads; zw unused
 };
 
 #ifdef __cplusplus
