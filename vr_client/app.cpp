@@ -10,6 +10,7 @@
 #include "stereo/trace/writer.h"
 #include "vr_client/client.h"
 #include "vr_client/recorder.h"
+#include "vr_client/report/timeline.h"
 #include "vr_client/trace_runtime.h"
 
 namespace farshade {
@@ -67,6 +68,10 @@ class Progress {
   std::uint32_t frames_;
   Stopwatch watch_;
 };
+
+Expected<void> write_timeline(const Options& options, const Timeline& timeline) {
+  return options.timeline.empty() ? Expected<void>{} : timeline.write(options.timeline);
+}
 
 std::string heading(const Options& options, const Client& client, const TraceRuntime& runtime,
                     const FrameLog& log) {
@@ -128,8 +133,12 @@ Expected<void> run_client(const Options& options) {
                                    .delay = duration_from_ms(options.delay_ms),
                                    .round_trip = client.round_trip,
                                    .mask_wait = duration_from_ms(options.mask_wait_ms)}};
+  // Written once before there is anything in it, to learn early that it cannot be.
+  Timeline timeline;
+  if (auto done = write_timeline(options, timeline); !done) return done;
   const auto watch = [&](const FrameView& view) {
     recorder.watch(view);
+    if (!options.timeline.empty()) timeline.add(view, client.link ? &client.link->inbox() : nullptr);
     progress.show(view.shown.frame.value);
   };
   const auto stop = [&] { return stop_signal.has_come() || recorder.failed().has_value(); };
@@ -140,6 +149,7 @@ Expected<void> run_client(const Options& options) {
     if (dump == 0 || dump > recorder.log().records().size())
       spdlog::warn("frame {} was not shown and is not dumped", dump);
   if (auto done = recorder.finish(); !done) return done;
+  if (auto done = write_timeline(options, timeline); !done) return done;
   fmt::print("{}{}", heading(options, client, runtime, recorder.log()), table(recorder.log().summary()));
   fmt::print("wrote {}\n", options.out.string());
   return no_validation_messages(client.device);

@@ -138,6 +138,8 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   app.add_option("--dump", options.dump,
                  "frames (1 = first) to dump for other programs to check, such as 10,20")
       ->delimiter(',');
+  app.add_option("--timeline", options.timeline,
+                 "write the stages of client and server on one time axis, as JSON that ui.perfetto.dev opens");
   app.add_option("--out", options.out, "output folder")->capture_default_str();
   app.add_option("--gpu", options.device.name_contains, "use only a device whose name contains this");
   app.add_option("--export-trace", options.export_trace,

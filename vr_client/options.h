@@ -48,6 +48,7 @@ struct Options {
   std::uint32_t reference_every = 1;  ///< 0 = never
   std::uint32_t pictures = 4;
   std::vector<std::uint32_t> dump;
+  std::filesystem::path timeline;  ///< not empty: write the stages of client and server there
   gpu::DeviceWish device;
   std::optional<ClientDoctorOptions> doctor;  ///< set: look at the machine, and nothing else
 };
