@@ -74,7 +74,8 @@ void fill_mips(const vk::raii::CommandBuffer& commands, const Image& texture) {
     return static_cast<std::int32_t>(std::max(full >> mip, 1u));
   };
   for (std::uint32_t mip = 1; mip < texture.wish.mip_levels; ++mip) {
-    barrier(commands, *texture.image, Layout::eTransferDstOptimal, Layout::eTransferSrcOptimal, level(mip - 1));
+    barrier(commands, *texture.image, Layout::eTransferDstOptimal, Layout::eTransferSrcOptimal,
+            level(mip - 1));
     const auto corner = [&](std::uint32_t m) {
       return vk::Offset3D{side(texture.wish.size.width, m), side(texture.wish.size.height, m), 1};
     };
@@ -84,7 +85,8 @@ void fill_mips(const vk::raii::CommandBuffer& commands, const Image& texture) {
                              .dstOffsets = {{vk::Offset3D{}, corner(mip)}}};
     commands.blitImage(*texture.image, Layout::eTransferSrcOptimal, *texture.image,
                        Layout::eTransferDstOptimal, blit, vk::Filter::eLinear);
-    barrier(commands, *texture.image, Layout::eTransferSrcOptimal, Layout::eShaderReadOnlyOptimal, level(mip - 1));
+    barrier(commands, *texture.image, Layout::eTransferSrcOptimal, Layout::eShaderReadOnlyOptimal,
+            level(mip - 1));
   }
   barrier(commands, *texture.image, Layout::eTransferDstOptimal, Layout::eShaderReadOnlyOptimal,
           level(texture.wish.mip_levels - 1));
@@ -149,7 +151,8 @@ vk::raii::ImageView view_layers(const Device& device, const Image& image, std::u
 
 void transition(const vk::raii::CommandBuffer& commands, const Image& image, vk::ImageLayout from,
                 vk::ImageLayout to, LayerRange layers) {
-  barrier(commands, *image.image, from, to, {image.aspect, 0, VK_REMAINING_MIP_LEVELS, layers.first, layers.count});
+  barrier(commands, *image.image, from, to,
+          {image.aspect, 0, VK_REMAINING_MIP_LEVELS, layers.first, layers.count});
 }
 
 void transition(const vk::raii::CommandBuffer& commands, vk::Image image, vk::ImageLayout from,
