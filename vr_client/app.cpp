@@ -9,6 +9,8 @@
 #include "stereo/trace/reader.h"
 #include "stereo/trace/writer.h"
 #include "vr_client/client.h"
+#include "vr_client/record/replay.h"
+#include "vr_client/record/session_recorder.h"
 #include "vr_client/recorder.h"
 #include "vr_client/report/timeline.h"
 #include "vr_client/trace_runtime.h"
@@ -88,6 +90,39 @@ std::string heading(const Options& options, const Client& client, const TraceRun
   return text;
 }
 
+bool measures(const Options& options) {
+  return options.reference_every > 0 || !options.dump.empty();
+}
+
+ShadingPass::Report report_for(const Recorder& recorder) {
+  return recorder.measures_any() ? ShadingPass::Report::On : ShadingPass::Report::Off;
+}
+
+/// Runs the session and writes what is asked for of it. `first` sees each frame before anything else is
+/// drawn.
+Expected<void> show(const Options& options, const Session& session, std::uint32_t frames, Recorder& recorder,
+                    StopSignal& stop_signal, const FrameWatcher& first) {
+  // Written once before there is anything in it, to learn early that it cannot be.
+  Timeline timeline;
+  if (auto done = write_timeline(options, timeline); !done) return done;
+  Progress progress(frames);
+  const auto watch = [&](const FrameView& view) {
+    first(view);
+    recorder.watch(view);
+    if (!options.timeline.empty()) timeline.add(view, session.link ? &session.link->inbox() : nullptr);
+    progress.show(view.shown.frame.value);
+  };
+  const auto stop = [&] { return stop_signal.has_come() || recorder.failed().has_value(); };
+  if (auto done = run(session, watch, stop); !done) return done;
+  if (stop_signal.has_come()) fmt::print(stderr, "\nstopped; writing what was shown so far\n");
+
+  for (const std::uint32_t dump : options.dump)
+    if (dump == 0 || dump > recorder.log().records().size())
+      spdlog::warn("frame {} was not shown and is not dumped", dump);
+  if (auto done = recorder.finish(); !done) return done;
+  return write_timeline(options, timeline);
+}
+
 }  // namespace
 
 Expected<void> export_trace(const Options& options) {
@@ -101,6 +136,48 @@ Expected<void> export_trace(const Options& options) {
                           options.export_trace.string()));
 }
 
+Expected<void> run_replay(const Options& options) {
+  StopSignal stop_signal;
+  if (auto done = prepare_folder(options.out); !done) return done;
+  const Expected<std::uint32_t> frames = count_frames(options.replay);
+  if (!frames) return tl::unexpected(frames.error());
+  Expected<SessionReader> reader = SessionReader::open(options.replay);
+  if (!reader) return tl::unexpected(reader.error());
+  const SessionHeader header = reader->header();
+  Expected<std::unique_ptr<Client>> opened = open_client(options, header.limits);
+  if (!opened) return tl::unexpected(opened.error());
+  Client& client = **opened;
+  if (client.scene.hash != header.scene_hash)
+    return fail(Fault::Mismatch, fmt::format("{} was recorded of {}, of which {} has not the same content",
+                                             options.replay.string(), header.scene, options.scene.string()));
+  if (header.origin == MaskOrigin::OwnTracer || measures(options))
+    if (auto done = open_reference(client); !done) return done;
+
+  Reference* const reference = client.reference ? &*client.reference : nullptr;
+  Recorder recorder({options.out, *frames, options.reference_every, options.pictures, options.dump},
+                    *client.renderer, reference);
+  Replay replay(std::move(*reader), report_for(recorder));
+  const Session session{.scene = client.scene,
+                        .runtime = replay,
+                        .renderer = *client.renderer,
+                        .link = replay.link(),
+                        .own_tracer = header.origin == MaskOrigin::OwnTracer ? reference : nullptr,
+                        .steering = replay.steering(),
+                        .policy = header.policy};
+  const auto compare = [&](const FrameView& view) { replay.watch(view, client.renderer->read_shown()); };
+  if (auto done = show(options, session, *frames, recorder, stop_signal, compare); !done) return done;
+  const Expected<ReplayVerdict> verdict = replay.verdict();
+  if (!verdict) return tl::unexpected(verdict.error());
+  fmt::print("{} of {}, as {} has it, on {}\n{}", to_string(*verdict), header.scene, options.replay.string(),
+             client.device.name, table(recorder.log().summary()));
+  fmt::print("wrote {}\n", options.out.string());
+  if (auto done = no_validation_messages(client.device); !done) return done;
+  if (!verdict->first) return {};
+  const bool elsewhere = client.device.name != header.device;
+  return fail(Fault::Mismatch,
+              to_string(*verdict) + (elsewhere ? "; it was recorded on " + header.device : std::string()));
+}
+
 Expected<void> run_client(const Options& options) {
   StopSignal stop_signal;
   if (auto done = prepare_folder(options.out); !done) return done;
@@ -109,49 +186,42 @@ Expected<void> run_client(const Options& options) {
   Expected<std::unique_ptr<Client>> opened = open_client(options);
   if (!opened) return tl::unexpected(opened.error());
   Client& client = **opened;
-  if (options.mode == Mode::Full || options.reference_every > 0 || !options.dump.empty())
+  if (options.mode == Mode::Full || measures(options))
     if (auto done = open_reference(client); !done) return done;
-  if (auto done = open_link(options, client); !done) return done;
+  const bool taped = !options.record.empty();
+  SessionRecorder tape(client.clock);
+  if (auto done = open_link(options, client, taped ? tape.listener() : LinkListener{}); !done) return done;
+  const MaskPolicy policy{.pace = options.pace,
+                          .delay = duration_from_ms(options.delay_ms),
+                          .round_trip = client.round_trip,
+                          .mask_wait = duration_from_ms(options.mask_wait_ms)};
+  if (taped)
+    if (auto done = tape.open(options.record, header_of(options, client, policy)); !done) return done;
 
   TraceRuntime runtime(*trace, playback_of(options, client.scene, *trace));
   Reference* const reference = client.reference ? &*client.reference : nullptr;
   const std::uint32_t frames = runtime.frame_count();
   Recorder recorder({options.out, frames, options.reference_every, options.pictures, options.dump},
                     *client.renderer, reference);
-  Progress progress(frames);
   const Steering steering{
-      .wish = options.request,
-      .carry_over = options.carry_over,
-      .report = recorder.measures_any() ? ShadingPass::Report::On : ShadingPass::Report::Off};
+      .wish = options.request, .carry_over = options.carry_over, .report = report_for(recorder)};
   const Session session{.scene = client.scene,
                         .runtime = runtime,
                         .renderer = *client.renderer,
                         .link = client.link ? &*client.link : nullptr,
                         .own_tracer = options.mode == Mode::Full ? reference : nullptr,
                         .steering = steering,
-                        .policy = {.pace = options.pace,
-                                   .delay = duration_from_ms(options.delay_ms),
-                                   .round_trip = client.round_trip,
-                                   .mask_wait = duration_from_ms(options.mask_wait_ms)}};
-  // Written once before there is anything in it, to learn early that it cannot be.
-  Timeline timeline;
-  if (auto done = write_timeline(options, timeline); !done) return done;
-  const auto watch = [&](const FrameView& view) {
-    recorder.watch(view);
-    if (!options.timeline.empty()) timeline.add(view, client.link ? &client.link->inbox() : nullptr);
-    progress.show(view.shown.frame.value);
+                        .policy = policy};
+  const auto record = [&](const FrameView& view) {
+    if (taped && !tape.failed()) tape.watch(view, client.renderer->read_shown());
   };
-  const auto stop = [&] { return stop_signal.has_come() || recorder.failed().has_value(); };
-  if (auto done = run(session, watch, stop); !done) return done;
-  if (stop_signal.has_come()) fmt::print(stderr, "\nstopped; writing what was shown so far\n");
-
-  for (const std::uint32_t dump : options.dump)
-    if (dump == 0 || dump > recorder.log().records().size())
-      spdlog::warn("frame {} was not shown and is not dumped", dump);
-  if (auto done = recorder.finish(); !done) return done;
-  if (auto done = write_timeline(options, timeline); !done) return done;
+  if (auto done = show(options, session, frames, recorder, stop_signal, record); !done) return done;
   fmt::print("{}{}", heading(options, client, runtime, recorder.log()), table(recorder.log().summary()));
   fmt::print("wrote {}\n", options.out.string());
+  if (tape.failed()) return tl::unexpected(*tape.failed());
+  if (taped)
+    fmt::print("recorded {} frames, {:.1f} MB, to {}\n", tape.frames(),
+               static_cast<double>(tape.bytes()) * 1e-6, options.record.string());
   return no_validation_messages(client.device);
 }
 

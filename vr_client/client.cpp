@@ -56,6 +56,10 @@ std::uint32_t frames_in_flight(const Options& options) {
 }
 
 Expected<std::unique_ptr<Client>> open_client(const Options& options) {
+  return open_client(options, renderer_limits(options));
+}
+
+Expected<std::unique_ptr<Client>> open_client(const Options& options, const RendererLimits& limits) {
   auto client = std::make_unique<Client>();
   Expected<Scene> scene = load_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
@@ -68,7 +72,7 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options) {
   if (!device) return tl::unexpected(device.error());
   client->device = std::move(*device);
   spdlog::info("drawing on {}: {}", client->device.name, client->device.why);
-  client->renderer = std::make_unique<Renderer>(client->device, client->scene, renderer_limits(options));
+  client->renderer = std::make_unique<Renderer>(client->device, client->scene, limits);
   return client;
 }
 
@@ -80,13 +84,14 @@ Expected<void> open_reference(Client& client) {
   return {};
 }
 
-Expected<void> meet(const Options& options, Client& client) {
+Expected<void> meet(const Options& options, Client& client, LinkListener listener) {
   const Expected<SharedKey> key = key_for(options, client.server);
   if (!key) return tl::unexpected(key.error());
   client.link.emplace(
       *client.network, client.clock,
       LinkTarget{client.server, *key, client.scene.hash, narrow<std::uint32_t>(client.scene.lights.size())},
       frames_in_flight(options));
+  client.link->tell(std::move(listener));
   const Stopwatch meeting;
   const Expected<void> met = client.link->meet(kMeetPatience);
   client.round_trip = meeting.elapsed() / 2;  // a handshake takes two
@@ -102,7 +107,7 @@ Expected<void> meet(const Options& options, Client& client) {
   return {};
 }
 
-Expected<void> open_link(const Options& options, Client& client) {
+Expected<void> open_link(const Options& options, Client& client, LinkListener listener) {
   if (options.mode != Mode::Hybrid) return {};
   if (client.scene.lights.empty()) {
     spdlog::info("no light casts shadows: no server is needed");
@@ -114,7 +119,22 @@ Expected<void> open_link(const Options& options, Client& client) {
   if (!udp) return tl::unexpected(udp.error());
   client.server = udp->server;
   client.network = impaired(std::move(udp->port), *model, client.clock);
-  return meet(options, client);
+  return meet(options, client, std::move(listener));
+}
+
+SessionHeader header_of(const Options& options, const Client& client, const MaskPolicy& policy) {
+  const bool traces = options.mode == Mode::Full && !client.scene.lights.empty();
+  return {.scene = options.scene.filename().string(),
+          .scene_hash = client.scene.hash,
+          .lights = narrow<std::uint32_t>(client.scene.lights.size()),
+          .origin = client.link ? MaskOrigin::Server
+                    : traces    ? MaskOrigin::OwnTracer
+                                : MaskOrigin::Nobody,
+          .limits = renderer_limits(options),
+          .requests = frames_in_flight(options),
+          .refresh_hz = options.refresh_hz,
+          .policy = policy,
+          .device = client.device.name};
 }
 
 Expected<void> no_validation_messages(const gpu::Device& device) {

@@ -8,6 +8,7 @@
 #include "vr_client/draw/renderer.h"
 #include "vr_client/link/shadow_link.h"
 #include "vr_client/options.h"
+#include "vr_client/record/session_file.h"
 #include "vr_client/reference.h"
 
 namespace farshade {
@@ -31,15 +32,23 @@ struct Client {
 /// Scene, device and renderer. Refuses what cannot be drawn.
 [[nodiscard]] Expected<std::unique_ptr<Client>> open_client(const Options& options);
 
+/// The same with a renderer for a session that is on file.
+[[nodiscard]] Expected<std::unique_ptr<Client>> open_client(const Options& options,
+                                                            const RendererLimits& limits);
+
 /// Makes sure that there is a reference. Refuses a scene that cannot be traced.
 [[nodiscard]] Expected<void> open_reference(Client& client);
 
 /// Opens the network and begins a session with the server, if the mode and the scene need one. A server that
 /// does not answer is a warning: the link goes on trying. A server that refuses us is an error.
-[[nodiscard]] Expected<void> open_link(const Options& options, Client& client);
+/// `listener` is told what is said from the first word on.
+[[nodiscard]] Expected<void> open_link(const Options& options, Client& client, LinkListener listener = {});
 
 /// Begins another session over the network that is open: the old one's masks are gone.
-[[nodiscard]] Expected<void> meet(const Options& options, Client& client);
+[[nodiscard]] Expected<void> meet(const Options& options, Client& client, LinkListener listener = {});
+
+/// What a recording of a session of this client says first.
+[[nodiscard]] SessionHeader header_of(const Options& options, const Client& client, const MaskPolicy& policy);
 
 /// Malformed, with the first message, if the validation layers have said anything.
 [[nodiscard]] Expected<void> no_validation_messages(const gpu::Device& device);

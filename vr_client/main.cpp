@@ -16,8 +16,10 @@ int main(int argc, char** argv) try {
     print(findings);
     return any_failed(findings) ? EXIT_FAILURE : EXIT_SUCCESS;
   }
-  const bool only_export = !options->export_trace.empty();
-  if (const Expected<void> done = only_export ? export_trace(*options) : run_client(*options); !done) {
+  const auto way = !options->export_trace.empty() ? export_trace
+                   : !options->replay.empty()     ? run_replay
+                                                  : run_client;
+  if (const Expected<void> done = way(*options); !done) {
     spdlog::error(done.error().what);
     return EXIT_FAILURE;
   }

@@ -138,8 +138,16 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   app.add_option("--dump", options.dump,
                  "frames (1 = first) to dump for other programs to check, such as 10,20")
       ->delimiter(',');
-  app.add_option("--timeline", options.timeline,
-                 "write the stages of client and server on one time axis, as JSON that ui.perfetto.dev opens");
+  app.add_option("--record", options.record, "write the session to this file, for --replay");
+  app.add_option(
+         "--replay", options.replay,
+         "show the session on this file again, without head, server or key, and compare every request "
+         "and picture")
+      ->excludes("--record")
+      ->excludes("--trace");
+  app.add_option(
+      "--timeline", options.timeline,
+      "write the stages of client and server on one time axis, as JSON that ui.perfetto.dev opens");
   app.add_option("--out", options.out, "output folder")->capture_default_str();
   app.add_option("--gpu", options.device.name_contains, "use only a device whose name contains this");
   app.add_option("--export-trace", options.export_trace,
@@ -152,7 +160,8 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
       options.doctor = examined;
       return options;
     }
-    if (options.trace.empty()) throw CLI::RequiredError("--trace");
+    if (options.trace.empty() && options.replay.empty())
+      throw CLI::RequiredError("--trace");
     if (options.scene.empty() && options.export_trace.empty()) throw CLI::RequiredError("--scene");
     const Expected<Extent> parsed = parse_size(size);
     if (!parsed) throw CLI::ValidationError("--size", parsed.error().what);

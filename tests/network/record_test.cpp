@@ -1,0 +1,333 @@
+// Whole sessions that are recorded to a file and shown again from it: every request and every picture.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <map>
+
+#include "rt_server/server_core.h"
+#include "stereo/net/virtual_link.h"
+#include "stereo/scene/gltf.h"
+#include "stereo/trace/reader.h"
+#include "tests/unit/scratch_folder.h"
+#include "vr_client/record/replay.h"
+#include "vr_client/record/session_recorder.h"
+#include "vr_client/trace_runtime.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Extent kEye{64, 64};
+constexpr std::uint32_t kFrames = 110, kInFlight = 24;
+constexpr RendererLimits limits_of(Extent traced) {
+  return {.size = kEye, .traced_size = traced, .depth_frames = kInFlight};
+}
+
+struct Ground {
+  gpu::Device device = gpu::open_device({.name_contains = "llvmpipe"}).value();
+  Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
+  HeadTrace head = load_head_trace(FARSHADE_ASSETS "/walk.csv", {}).value();
+};
+
+/// Opened once: a scene and a device for all tests of this program.
+const Ground& ground() {
+  static const Ground one;
+  return one;
+}
+
+/// A server that may be replaced, behind a network that loses and delays.
+struct FarServer {
+  explicit FarServer(ManualClock& its_clock)
+      : clock(its_clock), wire(clock, {.to_server = kBad, .to_client = kBad}) {
+    start();
+    wire.while_waiting(
+        [this] {
+          while (core->receive(Duration::zero())) {
+          }
+          while (core->work()) {
+          }
+          core->send_due();
+        },
+        [this] { return core->next_due(); });
+  }
+  void start() {
+    core.emplace(
+        Welcome{ground().scene.hash, lights()}, std::vector{key},
+        [this](const TraceRequest& request, ShadowFrame& frame) { return tracer.trace(request, frame); },
+        wire.server(), clock);
+  }
+  static std::uint32_t lights() { return static_cast<std::uint32_t>(ground().scene.lights.size()); }
+
+  static constexpr LinkModel kBad{.delay = 15ms, .jitter = 20ms, .loss = 0.05};
+  const SharedKey key{.name = "record", .secret = {1}};
+  ManualClock& clock;
+  Tracer tracer = Tracer::create(ground().scene).value();
+  VirtualLink wire;
+  std::optional<ServerCore> core;
+};
+
+/// A recorded head on the server's clock, at whose frames things happen.
+class Stage final : public Runtime {
+ public:
+  Stage(Pace pace, ManualClock& clock, ShadowLink* link, std::function<void(std::uint32_t frame)> happens)
+      : pace_(pace), clock_(clock), link_(link), begun_(clock.now()), happens_(std::move(happens)) {}
+
+  [[nodiscard]] std::optional<FrameTiming> wait_frame() override {
+    const std::optional<FrameTiming> timing = head_.wait_frame();
+    if (!timing) return timing;
+    first_ = first_.value_or(timing->display_time);
+    if (link_ && pace_ == Pace::Real) link_->listen(begun_ + (timing->display_time - *first_) - clock_.now());
+    happens_(++frame_);
+    return timing;
+  }
+  [[nodiscard]] StereoView locate_views(Time display_time) const override {
+    return head_.locate_views(display_time);
+  }
+  void end_frame(Time display_time) override { head_.end_frame(display_time); }
+
+ private:
+  TraceRuntime head_{ground().head,
+                     {.stage_from_recorded = place(ground().head, ground().scene.camera.value()),
+                      .eye_size = kEye,
+                      .frames = kFrames}};
+  Pace pace_;
+  ManualClock& clock_;
+  ShadowLink* link_;
+  Time begun_;
+  std::optional<Time> first_;
+  std::function<void(std::uint32_t)> happens_;
+  std::uint32_t frame_ = 0;
+};
+
+/// Everything that can be steered, while the session runs.
+void steer(std::uint32_t frame, Steering& steering) {
+  const LightPose lamp{.position = {{0.3, 1.9, -0.4}}, .direction = {{0, -1, 0}}};
+  if (frame == 12) steering.wish.predictor = PredictorKind::Hold;
+  if (frame == 20) change(steering.lights, 0, false, {});
+  if (frame == 24) change(steering.lights, 1, true, lamp);
+  if (frame == 28) steering.wish.every = 3;
+  if (frame == 34) steering.carry_over = {Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest};
+  if (frame == 40) steering.carry_over = {};
+  if (frame == 42) steering.scene = SceneClock::Stands;
+  if (frame == 56) steering.scene = SceneClock::Runs;
+  if (frame == 60) steering.wish = {PredictorKind::ConstantVelocity, GuardBandUse::Off, 1};
+  if (frame == 95) steering.wish = {}, change(steering.lights, 0, true, {});
+}
+
+SessionHeader header_of(MaskOrigin origin, const MaskPolicy& policy) {
+  return {.scene = "room.glb",
+          .scene_hash = ground().scene.hash,
+          .lights = FarServer::lights(),
+          .origin = origin,
+          .limits = limits_of(largest_traced(kEye)),
+          .requests = kInFlight,
+          .refresh_hz = 72,
+          .policy = policy,
+          .device = ground().device.name};
+}
+
+/// Steered, with light changes, over a bad network, to a server that is restarted at frame 44.
+void record(const std::filesystem::path& file, MaskPolicy policy) {
+  ManualClock clock;
+  FarServer server(clock);
+  SessionRecorder recorder(clock);
+  ShadowLink link(server.wire.client(), clock,
+                  {server.wire.server().local(), server.key, ground().scene.hash, FarServer::lights()},
+                  kInFlight);
+  link.tell(recorder.listener());
+  ASSERT_TRUE(link.meet(3s).has_value());
+  policy.round_trip = (clock.now() - Time{}) / 2;
+  ASSERT_TRUE(recorder.open(file, header_of(MaskOrigin::Server, policy)).has_value());
+  Steering steering;
+  Stage stage(policy.pace, clock, &link, [&](std::uint32_t frame) {
+    steer(frame, steering);
+    if (frame == 44) server.start();
+  });
+  Renderer renderer(ground().device, ground().scene, limits_of(largest_traced(kEye)));
+  const Session session{.scene = ground().scene,
+                        .runtime = stage,
+                        .renderer = renderer,
+                        .link = &link,
+                        .steering = steering,
+                        .policy = policy};
+  const auto watch = [&](const FrameView& view) { recorder.watch(view, renderer.read_shown()); };
+  ASSERT_TRUE(run(session, watch, [] { return false; }).has_value());
+  ASSERT_FALSE(recorder.failed().has_value());
+  ASSERT_EQ(recorder.frames(), kFrames);
+}
+
+/// With reports, which the recording was made without.
+Expected<ReplayVerdict> replayed(SessionReader reader) {
+  const SessionHeader header = reader.header();
+  Replay replay(std::move(reader), ShadingPass::Report::On);
+  std::optional<Reference> tracer;
+  if (header.origin == MaskOrigin::OwnTracer) tracer.emplace(Tracer::create(ground().scene).value());
+  Renderer renderer(ground().device, ground().scene, header.limits);
+  const Session session{.scene = ground().scene,
+                        .runtime = replay,
+                        .renderer = renderer,
+                        .link = replay.link(),
+                        .own_tracer = tracer ? &*tracer : nullptr,
+                        .steering = replay.steering(),
+                        .policy = header.policy};
+  const auto watch = [&](const FrameView& view) { replay.watch(view, renderer.read_shown()); };
+  const Expected<void> shown = run(session, watch, [] { return false; });
+  EXPECT_TRUE(shown.has_value());
+  return replay.verdict();
+}
+
+std::vector<RecordedFrame> frames_of(const std::filesystem::path& file) {
+  std::vector<RecordedFrame> frames;
+  SessionReader reader = SessionReader::open(file).value();
+  while (std::optional<RecordedFrame> frame = reader.next().value()) frames.push_back(std::move(*frame));
+  return frames;
+}
+
+SessionReader reader_of(const SessionHeader& header, const std::vector<RecordedFrame>& frames) {
+  std::vector<std::byte> bytes;
+  append(header, bytes);
+  for (const RecordedFrame& frame : frames) append(frame, bytes);
+  return SessionReader::over(std::make_unique<std::istringstream>(
+                                 std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())),
+                             "edited")
+      .value();
+}
+
+template <class Message>
+bool is_a(const HeardMessage& heard) {
+  const Decoded<ServerMessage> message = decode_server(heard.bytes);
+  return message && std::holds_alternative<Message>(*message);
+}
+
+template <class Message>
+std::ptrdiff_t heard(const std::vector<RecordedFrame>& frames) {
+  std::ptrdiff_t count = 0;
+  for (const RecordedFrame& frame : frames)
+    count += std::ranges::count_if(frame.before, is_a<Message>) +
+             std::ranges::count_if(frame.after, is_a<Message>);
+  return count;
+}
+
+/// Of the frames whose report came: how many fewer slices came than it speaks of.
+std::uint32_t lost_slices(const std::vector<RecordedFrame>& frames) {
+  std::map<std::uint32_t, std::uint32_t> came, sent;
+  for (const RecordedFrame& frame : frames)
+    for (const auto* messages : {&frame.before, &frame.after})
+      for (const HeardMessage& each : *messages) {
+        const ServerMessage message = decode_server(each.bytes).value();
+        if (const auto* const slice = std::get_if<Slice>(&message)) ++came[slice->frame.value];
+        if (const auto* const report = std::get_if<FrameReport>(&message))
+          sent[report->frame.value] = report->slices;
+      }
+  std::uint32_t lost = 0;
+  for (const auto& [frame, slices] : sent) lost += slices - came[frame];
+  return lost;
+}
+
+/// A recording of each pace, made once.
+const std::filesystem::path& recorded(const MaskPolicy& policy) {
+  static std::map<Pace, std::filesystem::path> made;
+  std::filesystem::path& file = made[policy.pace];
+  if (!file.empty()) return file;
+  file = std::filesystem::path(testing::TempDir()) /
+         ("record_test." + std::to_string(::getpid()) + (policy.pace == Pace::Real ? ".real" : ".virtual"));
+  record(file, policy);
+  return file;
+}
+
+class RecordedSession : public testing::TestWithParam<MaskPolicy> {
+ protected:
+  const std::filesystem::path file = recorded(GetParam());
+};
+
+TEST_P(RecordedSession, AsksAndShowsTheSameAgain) {
+  const Expected<ReplayVerdict> verdict = replayed(SessionReader::open(file).value());
+  ASSERT_TRUE(verdict.has_value()) << verdict.error().what;
+  EXPECT_EQ(to_string(*verdict), "110 frames, all requests and pictures as recorded");
+
+  // What that was.
+  const std::vector<RecordedFrame> frames = frames_of(file);
+  EXPECT_EQ(heard<Welcome>(frames), 2) << "the server was restarted";
+  EXPECT_GT(heard<Slice>(frames), 40);
+  EXPECT_GT(lost_slices(frames), 0u);
+  const auto changes = [](const RecordedFrame& f) {
+    return f.asked && !f.asked->request.lights.lights.empty();
+  };
+  EXPECT_GT(std::ranges::count_if(frames, changes), 3);
+  EXPECT_GT(std::ranges::count_if(frames, [](const RecordedFrame& f) { return !f.asked; }), 10);
+  const auto shows = [](const RecordedFrame& f) { return f.shown; };
+  EXPECT_EQ(std::ranges::adjacent_find(frames, {}, shows), frames.end()) << "no two pictures are the same";
+}
+
+TEST_P(RecordedSession, DiffersWhereASliceWasDropped) {
+  std::vector<RecordedFrame> frames = frames_of(file);
+  const SessionHeader header = SessionReader::open(file)->header();
+  for (const std::size_t from : {8u, 30u}) {
+    std::vector<RecordedFrame> edited = frames;
+    std::size_t at = from;
+    const auto dropped = [&](std::vector<HeardMessage>& messages) {
+      const auto slice = std::ranges::find_if(messages, is_a<Slice>);
+      if (slice == messages.end()) return false;
+      messages.erase(slice);
+      return true;
+    };
+    while (!dropped(edited.at(at).before) && !dropped(edited.at(at).after)) ++at;
+    const ReplayVerdict verdict = replayed(reader_of(header, edited)).value();
+    ASSERT_TRUE(verdict.first.has_value());
+    // In virtual time a mask is used the delay after it came.
+    const auto latest = static_cast<std::uint32_t>(at + 1) + (GetParam().pace == Pace::Virtual ? 2 : 0);
+    EXPECT_GE(verdict.first->frame.value, at + 1);
+    EXPECT_LE(verdict.first->frame.value, latest) << to_string(verdict);
+  }
+}
+
+TEST_P(RecordedSession, DiffersWhereAnInputIsAnother) {
+  std::vector<RecordedFrame> frames = frames_of(file);
+  const SessionHeader header = SessionReader::open(file)->header();
+  std::vector<RecordedFrame> moved = frames, steered = frames;
+  moved.at(49).input.views[0].stage_from_eye.translation.x += 0.02;
+  const ReplayVerdict by_pose = replayed(reader_of(header, moved)).value();
+  ASSERT_TRUE(by_pose.first.has_value());
+  EXPECT_EQ(by_pose.first->frame, FrameId{50}) << to_string(by_pose);
+  for (std::size_t i = 12; i < steered.size(); ++i)
+    steered[i].input.steering.wish.predictor = PredictorKind::Kalman;
+  const ReplayVerdict by_wish = replayed(reader_of(header, steered)).value();
+  ASSERT_TRUE(by_wish.first.has_value());
+  EXPECT_TRUE(by_wish.first->what.starts_with("asks")) << to_string(by_wish);
+  EXPECT_EQ(by_wish.first->frame, FrameId{13}) << to_string(by_wish);
+}
+
+INSTANTIATE_TEST_SUITE_P(Pace, RecordedSession,
+                         testing::Values(MaskPolicy{.pace = Pace::Real},
+                                         MaskPolicy{.pace = Pace::Virtual, .delay = 20ms}),
+                         [](const auto& each) { return each.param.pace == Pace::Real ? "Real" : "Virtual"; });
+
+TEST(RecordedSessionWithoutServer, ShowsTheSameAgain) {
+  for (const MaskOrigin origin : {MaskOrigin::OwnTracer, MaskOrigin::Nobody}) {
+    const ScratchFolder folder;
+    const std::filesystem::path file = folder.path() / "a.session";
+    ManualClock clock;
+    SessionRecorder recorder(clock);
+    const MaskPolicy policy{.pace = Pace::Virtual};
+    ASSERT_TRUE(recorder.open(file, header_of(origin, policy)).has_value());
+    Steering steering;
+    Stage stage(policy.pace, clock, nullptr, [&](std::uint32_t frame) { steer(frame, steering); });
+    Renderer renderer(ground().device, ground().scene, limits_of(largest_traced(kEye)));
+    std::optional<Reference> tracer;
+    if (origin == MaskOrigin::OwnTracer) tracer.emplace(Tracer::create(ground().scene).value());
+    const Session session{.scene = ground().scene,
+                          .runtime = stage,
+                          .renderer = renderer,
+                          .own_tracer = tracer ? &*tracer : nullptr,
+                          .steering = steering,
+                          .policy = policy};
+    const auto watch = [&](const FrameView& view) { recorder.watch(view, renderer.read_shown()); };
+    ASSERT_TRUE(run(session, watch, [&] { return recorder.frames() == 30; }).has_value());
+    EXPECT_EQ(to_string(replayed(SessionReader::open(file).value()).value()),
+              "30 frames, all requests and pictures as recorded");
+  }
+}
+
+}  // namespace
+}  // namespace farshade
