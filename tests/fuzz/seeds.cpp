@@ -5,6 +5,7 @@
 #include <random>
 
 #include "gltf_builder.h"
+#include "record_samples.h"
 #include "stereo/base/check.h"
 #include "stereo/base/files.h"
 #include "stereo/wire/tile_codec.h"
@@ -136,6 +137,26 @@ void save_client_sequences(const fs::path& folder) {
   save(folder / "silence", bytes_of({6, 1, 4, 6, 1, 4, 6, 1, 4, 6, 1, 4, 5, 255, 5, 255, 4, 5, 50}));
 }
 
+/// With a server, its own light changes and a recorder that was killed; and without one.
+void save_session_files(const fs::path& folder) {
+  using namespace record_samples;
+  RecordedFrame lit = frame(1), quiet = frame(2), alone = frame(1);
+  change(lit.input.steering.lights, 2, false, {});
+  change(lit.input.steering.lights, 0, true, LightPose{.position = {{1, 2, 3}}});
+  quiet.asked.reset();
+  quiet.before = std::exchange(quiet.after, {});
+  Bytes whole = file_of(header(), std::vector{lit, quiet});
+  save(folder / "server", whole);
+  whole.resize(whole.size() - 20);
+  save(folder / "cut_off", whole);
+  SessionHeader nobody = header();
+  nobody.origin = MaskOrigin::Nobody;
+  alone.asked.reset();
+  alone.before.clear();
+  alone.after.clear();
+  save(folder / "nobody", file_of(nobody, std::vector{alone}));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -152,6 +173,7 @@ int main(int argc, char** argv) {
   save_handshakes(corpus / "handshake");
   save_server_sequences(corpus / "server_sequence");
   save_client_sequences(corpus / "client_sequence");
+  save_session_files(corpus / "session_file");
   std::mt19937 random(1);
   const fs::path slices = corpus / "slice_and_tiles";
   save_slices(slices, "none", EyeMask({16, 16}, 0));
