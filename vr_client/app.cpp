@@ -168,8 +168,8 @@ Expected<void> run_replay(const Options& options) {
   if (auto done = show(options, session, *frames, recorder, stop_signal, compare); !done) return done;
   const Expected<ReplayVerdict> verdict = replay.verdict();
   if (!verdict) return tl::unexpected(verdict.error());
-  fmt::print("{} of {}, as {} has it, on {}\n{}", to_string(*verdict), header.scene, options.replay.string(),
-             client.device.name, table(recorder.log().summary()));
+  fmt::print("{} from {} on {}: {}\n{}", header.scene, options.replay.string(), client.device.name,
+             to_string(*verdict), table(recorder.log().summary()));
   fmt::print("wrote {}\n", options.out.string());
   if (auto done = no_validation_messages(client.device); !done) return done;
   if (!verdict->first) return {};

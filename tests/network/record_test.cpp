@@ -1,6 +1,5 @@
 // Whole sessions that are recorded to a file and shown again from it: every request and every picture.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <map>
 
@@ -227,11 +226,11 @@ std::uint32_t lost_slices(const std::vector<RecordedFrame>& frames) {
 
 /// A recording of each pace, made once.
 const std::filesystem::path& recorded(const MaskPolicy& policy) {
+  static const ScratchFolder folder;
   static std::map<Pace, std::filesystem::path> made;
   std::filesystem::path& file = made[policy.pace];
   if (!file.empty()) return file;
-  file = std::filesystem::path(testing::TempDir()) /
-         ("record_test." + std::to_string(::getpid()) + (policy.pace == Pace::Real ? ".real" : ".virtual"));
+  file = folder.path() / (policy.pace == Pace::Real ? "real.session" : "virtual.session");
   record(file, policy);
   return file;
 }
