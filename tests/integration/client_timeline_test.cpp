@@ -23,8 +23,9 @@ using Spans = std::map<std::string, std::map<std::uint32_t, TimeSpan>>;
 
 Spans spans_of(const std::filesystem::path& path) {
   std::ifstream file(path);
+  const json trace = json::parse(file);
   Spans spans;
-  for (const json& event : json::parse(file)["traceEvents"]) {
+  for (const json& event : trace["traceEvents"]) {
     if (event["ph"] == "M") continue;
     const double begin = event["ts"], length = event.value("dur", 0.0);
     EXPECT_GE(length, 0) << event;
