@@ -105,11 +105,13 @@ Expected<void> show(const Options& options, const Session& session, std::uint32_
   // Written once before there is anything in it, to learn early that it cannot be.
   Timeline timeline;
   if (auto done = write_timeline(options, timeline); !done) return done;
+  // What a replay takes in came at times of the recording's clock.
+  const MaskInbox* const inbox = session.link && options.replay.empty() ? &session.link->inbox() : nullptr;
   Progress progress(frames);
   const auto watch = [&](const FrameView& view) {
     first(view);
     recorder.watch(view);
-    if (!options.timeline.empty()) timeline.add(view, session.link ? &session.link->inbox() : nullptr);
+    if (!options.timeline.empty()) timeline.add(view, inbox);
     progress.show(view.shown.frame.value);
   };
   const auto stop = [&] { return stop_signal.has_come() || recorder.failed().has_value(); };
