@@ -18,18 +18,6 @@
 namespace farshade {
 namespace {
 
-/// Makes the output folder and shows that it can be written, before any work is done.
-Expected<void> prepare_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error)
-    return fail(Fault::Unreadable, fmt::format("cannot make {}: {}", folder.string(), error.message()));
-  const std::filesystem::path probe = folder / ".probe";
-  if (auto done = write_file_atomically(probe, std::string_view("")); !done) return done;
-  std::filesystem::remove(probe, error);
-  return {};
-}
-
 TracePlayback playback_of(const Options& options, const Scene& scene, const HeadTrace& trace) {
   TracePlayback playback{.stage_from_recorded = {},
                          .eye_size = options.size,
@@ -140,7 +128,7 @@ Expected<void> export_trace(const Options& options) {
 
 Expected<void> run_replay(const Options& options) {
   StopSignal stop_signal;
-  if (auto done = prepare_folder(options.out); !done) return done;
+  if (auto done = make_folder(options.out); !done) return done;
   const Expected<std::uint32_t> frames = count_frames(options.replay);
   if (!frames) return tl::unexpected(frames.error());
   Expected<SessionReader> reader = SessionReader::open(options.replay);
@@ -182,7 +170,7 @@ Expected<void> run_replay(const Options& options) {
 
 Expected<void> run_client(const Options& options) {
   StopSignal stop_signal;
-  if (auto done = prepare_folder(options.out); !done) return done;
+  if (auto done = make_folder(options.out); !done) return done;
   const Expected<HeadTrace> trace = load_trace(options);
   if (!trace) return tl::unexpected(trace.error());
   Expected<std::unique_ptr<Client>> opened = open_client(options);

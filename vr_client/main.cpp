@@ -4,6 +4,7 @@
 
 #include "vr_client/app.h"
 #include "vr_client/doctor.h"
+#include "vr_client/preview/preview.h"
 
 int main(int argc, char** argv) try {
   using namespace farshade;
@@ -18,6 +19,7 @@ int main(int argc, char** argv) try {
   }
   const auto way = !options->export_trace.empty() ? export_trace
                    : !options->replay.empty()     ? run_replay
+                   : options->preview             ? run_preview
                                                   : run_client;
   if (const Expected<void> done = way(*options); !done) {
     spdlog::error(done.error().what);

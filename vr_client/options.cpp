@@ -138,6 +138,8 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   app.add_option("--dump", options.dump,
                  "frames (1 = first) to dump for other programs to check, such as 10,20")
       ->delimiter(',');
+  app.add_flag("--preview", options.preview,
+               "show it in a window: mouse and keys are the head (or --trace), F1 tells the keys");
   app.add_option("--record", options.record, "write the session to this file, for --replay");
   app.add_option(
          "--replay", options.replay,
@@ -160,7 +162,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
       options.doctor = examined;
       return options;
     }
-    if (options.trace.empty() && options.replay.empty())
+    if (options.trace.empty() && !options.preview && options.replay.empty())
       throw CLI::RequiredError("--trace");
     if (options.scene.empty() && options.export_trace.empty()) throw CLI::RequiredError("--scene");
     const Expected<Extent> parsed = parse_size(size);

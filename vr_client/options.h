@@ -52,6 +52,7 @@ struct Options {
   gpu::DeviceWish device;
   std::filesystem::path record;  ///< not empty: write the session there, to be replayed
   std::filesystem::path replay;  ///< not empty: show the session on this file again, and compare
+  bool preview = false;  ///< in a window, until it is closed
   std::optional<ClientDoctorOptions> doctor;  ///< set: look at the machine, and nothing else
 };
 

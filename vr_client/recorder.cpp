@@ -3,16 +3,10 @@
 #include <algorithm>
 
 #include "stereo/base/files.h"
-#include "stereo/image/difference.h"
 #include "vr_client/report/dump.h"
+#include "vr_client/report/measured_frame.h"
 
 namespace farshade {
-namespace {
-
-/// Equal pictures have an infinite PSNR, of which no percentile can be taken.
-constexpr double kEqualPictures_dB = 99;
-
-}  // namespace
 
 Recorder::Recorder(RecorderWish wish, Renderer& renderer, Reference* reference)
     : wish_(std::move(wish)), renderer_(renderer), reference_(reference) {}
@@ -40,38 +34,6 @@ void Recorder::keep(Expected<void> done) {
   if (!done && !failed_) failed_ = done.error();
 }
 
-/// Leaves `current_` holding the frame as shown and as it should have been.
-PerEye<EyeErrors> Recorder::measure(const FrameView& view) {
-  current_.frame = view.shown.frame;
-  current_.ages.clear();
-  for (const MaskInHand& mask : view.masks) {
-    // The newest one's age says how late masks are; older ones were asked for earlier by as much as they are
-    // for.
-    const Duration since_newest = view.masks[0].display_time - mask.display_time;
-    current_.ages.push_back(view.age.value_or(Duration::zero()) + since_newest);
-  }
-  for (const Side side : kSides) current_.report[index_of(side)] = renderer_.report(side);
-  current_.shown = renderer_.read_shown();
-  const MaskInHand truth = reference_->trace(view.shown);
-  renderer_.shade_again({.views = view.shown.views,
-                         .state = view.state,
-                         .masks = {&truth, 1},
-                         .carry_over = {.lookup = Lookup::Direct}});
-  current_.reference = renderer_.read_shown();
-
-  PerEye<EyeErrors> errors;
-  for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    errors[eye] = compare_masks(current_.report[eye], truth.masks[eye]);
-    errors[eye].psnr_db = std::min(psnr_db(current_.shown[eye], current_.reference[eye]), kEqualPictures_dB);
-    if (view.masks.empty()) continue;
-    const View& traced = view.masks[0].views[eye];
-    errors[eye].unmoved_error =
-        unmoved_error(view.masks[0].masks[eye], grid_offset_px(view.shown.views[eye], traced),
-                      current_.report[eye], truth.masks[eye]);
-  }
-  return errors;
-}
-
 void Recorder::watch(const FrameView& view) {
   const FrameId frame = view.shown.frame;
   FrameRecord record{.frame = frame,
@@ -94,7 +56,7 @@ void Recorder::watch(const FrameView& view) {
   const bool dumped = is_dumped(frame), pictured = is_pictured(frame);
   const bool measured =
       dumped || (wish_.reference_every > 0 && (frame.value - 1) % wish_.reference_every == 0);
-  if (measured) record.errors = measure(view);
+  if (measured) record.errors = measure(view, renderer_, *reference_, current_);
   log_.add(record);
   if (failed_) return;
 

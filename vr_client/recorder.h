@@ -39,7 +39,6 @@ class Recorder {
   [[nodiscard]] bool is_pictured(FrameId frame) const;
   [[nodiscard]] bool is_dumped(FrameId frame) const;
   [[nodiscard]] static std::optional<double> guard_band_of(const FrameView& view);
-  [[nodiscard]] PerEye<EyeErrors> measure(const FrameView& view);
   void keep(Expected<void> done);
 
   RecorderWish wish_;

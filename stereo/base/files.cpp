@@ -154,4 +154,14 @@ Expected<void> write_file_atomically(const fs::path& path, std::string_view text
   return write_file_atomically(path, std::as_bytes(std::span(text)));
 }
 
+Expected<void> make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) return fail(Fault::Unreadable, "cannot make " + folder.string() + ": " + error.message());
+  const std::filesystem::path probe = folder / ".probe";
+  if (auto done = write_file_atomically(probe, std::string_view("")); !done) return done;
+  std::filesystem::remove(probe, error);
+  return {};
+}
+
 }  // namespace farshade

@@ -23,6 +23,9 @@ namespace farshade {
                                                    std::span<const std::byte> bytes);
 [[nodiscard]] Expected<void> write_file_atomically(const std::filesystem::path& path, std::string_view text);
 
+/// Makes a folder where there is none. Refuses (Unreadable) one that no file can be written to.
+[[nodiscard]] Expected<void> make_folder(const std::filesystem::path& folder);
+
 // ---- files with secrets
 
 /// As read_file. Refuses (Unreadable, with the cure) a file that group or others may read or write, and one

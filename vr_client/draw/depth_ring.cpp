@@ -52,6 +52,10 @@ DepthRing::Place DepthRing::claim(FrameId frame, std::span<const FrameId> kept) 
   return place(slot);
 }
 
+void DepthRing::forget() {
+  for (Slot& slot : slots_) slot.frame.reset();
+}
+
 std::uint32_t DepthRing::layer_of(FrameId frame) const {
   const std::optional<std::size_t> slot = slot_of(frame);
   check(slot.has_value(), "the depth asked for is in the ring");

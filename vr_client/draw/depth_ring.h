@@ -26,6 +26,8 @@ class DepthRing {
   /// A place for a request that is newer than all before. If none is free, the oldest request that is not
   /// among `kept`, fewer than there are places, loses its depth.
   Place claim(FrameId frame, std::span<const FrameId> kept);
+  /// No request's depth is in the ring.
+  void forget();
   [[nodiscard]] Place shown() const { return place(slots_.size() - 1); }
   [[nodiscard]] bool has(FrameId frame) const { return slot_of(frame).has_value(); }
   /// A frame that the ring has.

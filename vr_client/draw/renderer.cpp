@@ -69,6 +69,11 @@ void Renderer::prepare_shading(const ShownFrame& frame) {
   shading_.prepare(shown_depth_.layer, frame.views, frame.state.light_set, masks, frame.carry_over);
 }
 
+void Renderer::forget() {
+  ring_.forget();
+  shading_.forget();
+}
+
 DrawTimes Renderer::draw(const ShownFrame& frame) {
   const Stopwatch watch;
   place_depth(frame);

@@ -42,9 +42,14 @@ class Renderer {
   /// The G-buffer pass alone: what a client without shadows would pay. Keeps its depth for `asked`.
   DrawTimes draw_gbuffer(const ShownFrame& frame);
 
+  /// No request's depth and no mask is remembered: frame ids begin anew.
+  void forget();
+
   [[nodiscard]] bool has_depth(FrameId frame) const { return ring_.has(frame); }
 
   // Of the last draw.
+  /// Both eyes, for a pass that shows them: two layers, rgba8 UNORM, sampled, in layout General.
+  [[nodiscard]] const gpu::Image& shown() const { return shading_.shown(); }
   [[nodiscard]] PerEye<Image<Rgb8>> read_shown() const;
   [[nodiscard]] ShownReport report(Side side) const { return shading_.report(side); }
   /// Metres along -z, 0 where nothing is covered.

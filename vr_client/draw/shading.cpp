@@ -84,7 +84,8 @@ ShadingPass::ShadingPass(const gpu::Device& device, const GBufferPass& gbuffer, 
                            {.size = size,
                             .layers = kEyes,
                             .format = vk::Format::eR8G8B8A8Unorm,
-                            .usage = vk::ImageUsageFlagBits::eStorage | vk::ImageUsageFlagBits::eTransferSrc},
+                            .usage = vk::ImageUsageFlagBits::eStorage | vk::ImageUsageFlagBits::eTransferSrc |
+                                     vk::ImageUsageFlagBits::eSampled},
                            "shown");
   report_buffer_ = gpu::make_readback_buffer(device, 0, "report, none yet");
   nearest_ = device.logical.createSampler({});

@@ -94,6 +94,9 @@ class ShadingPass {
   enum class Report : std::uint8_t { Off, On };
   void record(const vk::raii::CommandBuffer& commands, Report report);
 
+  /// No mask is on the device: frame ids begin anew.
+  void forget() { resident_.fill({}); }
+
   /// Both eyes, sRGB with alpha 255; in layout General after `record`.
   [[nodiscard]] const gpu::Image& shown() const { return shown_; }
   /// Of the last `record` with Report::On, after it has finished.

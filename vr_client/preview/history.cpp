@@ -1,0 +1,83 @@
+#include "vr_client/preview/history.h"
+
+#include "stereo/base/quantile.h"
+
+namespace farshade {
+namespace {
+
+Duration not_below_zero(Duration span) {
+  return std::max(span, Duration::zero());
+}
+
+template <class Values, class Get>
+double median_of(const Values& values, const Get& get) {
+  std::vector<double> picked;
+  for (const auto& value : values) picked.push_back(get(value));
+  return quantile(std::move(picked), 0.5);
+}
+
+}  // namespace
+
+void History::learn_link(const FrameView& view, const ShadowLink& link, Instant& instant) {
+  const ShadowLink::Counters counters = link.counters();
+  instant.received = counters.port.received;
+  instant.received_bytes = counters.port.received_bytes;
+  instant.missing = counters.missing;
+  instant.sessions = counters.sessions;
+  if (view.newest == nullptr || !view.newest->report) return;
+  const FrameReport& report = *view.newest->report;
+  newest_.rays = report.primary_rays + report.shadow_rays;
+  newest_.server_ms = ms_of(report.waited + report.primary + report.shadow + report.pack);
+  if (const auto* exchange = link.inbox().exchange(report.frame); exchange && exchange->last)
+    newest_.round_trip_ms = ms_of(*exchange->last - exchange->sent);
+}
+
+void History::add(const FrameView& view, const std::optional<PerEye<EyeErrors>>& errors,
+                  const ShadowLink* link, Time now) {
+  const StageTimes& times = view.times;
+  const Duration watch = not_below_zero(now - view.starts.end);
+  bars_.push_back({.request = times.request,
+                   .collect = times.collect,
+                   .gbuffer = times.gbuffer,
+                   .depth = times.depth,
+                   .shade = times.shade,
+                   .other = not_below_zero(times.draw - times.gbuffer - times.depth - times.shade),
+                   .watch = watch});
+  if (bars_.size() > kGraphFrames) bars_.pop_front();
+
+  newest_.errors = errors;
+  newest_.staleness_ms.reset();
+  newest_.age_ms.reset();
+  if (!view.masks.empty()) newest_.staleness_ms = ms_of(view.shown.display_time - view.masks[0].display_time);
+  if (view.age) newest_.age_ms = ms_of(*view.age);
+  if (view.asked) {
+    newest_.asked = view.asked->views[0].size;
+    newest_.guard_band_percent = 100 * (static_cast<double>(newest_.asked.pixels()) /
+                                            static_cast<double>(view.shown.views[0].size.pixels()) -
+                                        1);
+  }
+  Instant instant{.at = now, .frame_ms = ms_of(times.frame), .watch_ms = ms_of(watch)};
+  if (link) learn_link(view, *link, instant);
+  instants_.push_back(instant);
+  while (instants_.size() > 2 && now - instants_.front().at > kFigureSpan) instants_.pop_front();
+}
+
+Figures History::figures() const {
+  Figures figures = newest_;
+  if (instants_.empty()) return figures;
+  figures.frame_ms = median_of(instants_, [](const Instant& instant) { return instant.frame_ms; });
+  figures.watch_ms = median_of(instants_, [](const Instant& instant) { return instant.watch_ms; });
+  const Instant &first = instants_.front(), &last = instants_.back();
+  const double span_s = seconds_of(last.at - first.at);
+  if (span_s <= 0) return figures;
+  figures.frames_per_s = static_cast<double>(instants_.size() - 1) / span_s;
+  figures.megabit_per_s = static_cast<double>(last.received_bytes - first.received_bytes) * 8e-6 / span_s;
+  // Counters of what is missing begin anew with each session, and what came late is missing no more.
+  const auto received = static_cast<double>(last.received - first.received);
+  const double missing = static_cast<double>(last.missing) - static_cast<double>(first.missing);
+  if (last.sessions > 0 && last.sessions == first.sessions && received + missing > 0)
+    figures.loss_percent = 100 * std::max(missing, 0.0) / (received + std::max(missing, 0.0));
+  return figures;
+}
+
+}  // namespace farshade

@@ -1,0 +1,53 @@
+#include "vr_client/preview/inspection.h"
+
+#include "stereo/base/check.h"
+#include "stereo/image/difference.h"
+
+namespace farshade {
+
+bool needs_reference(const Controls& controls) {
+  return is_on(controls.reference) || controls.look == Look::Difference || controls.overlay == Overlay::Error;
+}
+
+const PerEye<Image<Rgb8>>& Inspection::shown() {
+  if (read_ == Shown::NotRead) frame_.shown = renderer_.read_shown();
+  read_ = Shown::Read;
+  return frame_.shown;
+}
+
+Image<Rgb8> Inspection::overlaid(Side side, const FrameView& view, const Controls& controls) const {
+  const std::size_t eye = index_of(side);
+  return overlay_picture(controls.overlay,
+                         {.side = side,
+                          .view = view.shown.views[eye],
+                          .shown = frame_.shown[eye],
+                          .reference = measured_ == Measured::Yes ? &frame_.reference[eye] : nullptr,
+                          .report = frame_.report[eye],
+                          .ages = frame_.ages,
+                          .newest = view.masks.empty() ? nullptr : &view.masks[0],
+                          .light = controls.light});
+}
+
+void Inspection::look(const FrameView& view, const Controls& controls, Reference* reference) {
+  errors_.reset();
+  in_place_.reset();
+  read_ = Shown::NotRead;
+  measured_ = Measured::No;
+  // Controls may have changed since the frame was drawn; what it did not report cannot be looked into.
+  if (view.steering.report == ShadingPass::Report::Off) return;
+  if (needs_reference(controls)) {
+    check(reference != nullptr, "there is a reference where one is needed");
+    errors_ = measure(view, renderer_, *reference, frame_);
+    read_ = Shown::Read;
+    measured_ = Measured::Yes;
+  } else {
+    frame_.ages = ages_of(view);
+    for (const Side side : kSides) frame_.report[index_of(side)] = renderer_.report(side);
+    (void)shown();
+  }
+  in_place_ = {overlaid(Side::Left, view, controls), overlaid(Side::Right, view, controls)};
+  if (controls.look == Look::Difference)
+    (*in_place_)[1] = difference_x8(frame_.shown[0], frame_.reference[0]);
+}
+
+}  // namespace farshade

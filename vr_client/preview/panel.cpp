@@ -1,0 +1,207 @@
+#include "vr_client/preview/panel.h"
+
+#include <fmt/format.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <numbers>
+
+namespace farshade {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kPanelWidth_px = 330;  ///< at scale 1
+
+/// A slider over a double.
+bool slide(const char* name, double& value, double low, double high, const char* format) {
+  auto shown = static_cast<float>(value);
+  if (!ImGui::SliderFloat(name, &shown, static_cast<float>(low), static_cast<float>(high), format,
+                          ImGuiSliderFlags_AlwaysClamp))
+    return false;
+  value = std::clamp(static_cast<double>(shown), low, high);
+  return true;
+}
+
+/// A check box that does `act` when it is clicked.
+void box(const char* name, bool on, Act what, Controls& controls, const Stand& stand) {
+  if (ImGui::Checkbox(name, &on)) act(what, controls, stand);
+}
+
+void button(const char* name, Act what, Controls& controls, const Stand& stand) {
+  if (ImGui::Button(name)) act(what, controls, stand);
+}
+
+/// One of `all`, by name.
+template <class All, class T>
+void choose(const char* name, const All& all, T& chosen, const auto& name_of_one) {
+  if (!ImGui::BeginCombo(name, std::string(name_of_one(chosen)).c_str())) return;
+  for (const T& one : all)
+    if (ImGui::Selectable(std::string(name_of_one(one)).c_str(), one == chosen)) chosen = one;
+  ImGui::EndCombo();
+}
+
+void draw_legend(const Controls& controls, std::uint32_t lights) {
+  for (const LegendEntry& entry : legend(controls.overlay, lights, controls.light)) {
+    const float side = ImGui::GetTextLineHeight();
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    ImGui::GetWindowDrawList()->AddRectFilled(corner, {corner.x + side, corner.y + side},
+                                              IM_COL32(entry.color.r, entry.color.g, entry.color.b, 255));
+    ImGui::Dummy({side, side});
+    ImGui::SameLine();
+    ImGui::TextUnformatted(entry.text.c_str());
+  }
+}
+
+void draw_view(Controls& controls, const PanelFacts& facts) {
+  choose("eyes", kLooks, controls.look, [](Look look) { return name_of(look); });
+  choose("overlay", kOverlays, controls.overlay, [](Overlay overlay) { return name_of(overlay); });
+  draw_legend(controls, static_cast<std::uint32_t>(facts.scene.lights.size()));
+  box("reference: trace all, measure", is_on(controls.reference), Act::Reference, controls, facts.stand);
+}
+
+void draw_masks(Controls& controls, const PanelFacts& facts) {
+  slide("latency", controls.path.latency_ms, 0, kWorstPath.latency_ms, "%.0f ms");
+  slide("jitter", controls.path.jitter_ms, 0, kWorstPath.jitter_ms, "%.0f ms");
+  slide("loss", controls.path.loss_percent, 0, kWorstPath.loss_percent, "%.1f %%");
+  auto every = static_cast<int>(controls.steering.wish.every);
+  if (ImGui::SliderInt("masks: every", &every, 1, static_cast<int>(kRarestMasks), "%d. frame",
+                       ImGuiSliderFlags_AlwaysClamp))
+    controls.steering.wish.every =
+        static_cast<std::uint32_t>(std::clamp(every, 1, static_cast<int>(kRarestMasks)));
+  box("reprojection", controls.steering.carry_over.lookup == Lookup::Reproject, Act::Reprojection, controls,
+      facts.stand);
+  ImGui::SameLine();
+  box("guard band", controls.steering.wish.guard_band == GuardBandUse::Measured, Act::GuardBand, controls,
+      facts.stand);
+  choose("predictor", kPredictorKinds, controls.steering.wish.predictor,
+         [](PredictorKind kind) { return to_string(kind); });
+}
+
+void draw_lights(Controls& controls, const PanelFacts& facts) {
+  const std::vector<Light>& lights = facts.stand.lights.lights;
+  const bool scrolls = lights.size() > 6;
+  if (scrolls) ImGui::BeginChild("lights", {0, 6 * ImGui::GetFrameHeightWithSpacing()}, true);
+  for (std::uint32_t i = 0; i < lights.size(); ++i) {
+    ImGui::PushID(static_cast<int>(i));
+    if (ImGui::RadioButton("##selected", controls.light == i)) controls.light = i;
+    ImGui::SameLine();
+    const std::uint32_t selected = controls.light;
+    bool on = lights[i].on;
+    const std::string& name = facts.scene.lights[i].name;
+    if (ImGui::Checkbox(name.empty() ? fmt::format("light {}", i).c_str() : name.c_str(), &on)) {
+      controls.light = i;
+      act(Act::LightOnOff, controls, facts.stand);
+      controls.light = selected;
+    }
+    ImGui::PopID();
+  }
+  if (scrolls) ImGui::EndChild();
+  button(controls.grab ? "let go" : "grab", Act::GrabLight, controls, facts.stand);
+  ImGui::SameLine();
+  button("reset", Act::ResetLights, controls, facts.stand);
+  if (facts.scene.animation_length_s == 0) return;
+  ImGui::SameLine();
+  box("animation", controls.steering.scene == SceneClock::Runs, Act::Animation, controls, facts.stand);
+}
+
+void draw_player(Controls& controls, const PanelFacts& facts, Player& player) {
+  box("by the recording", controls.head == HeadSource::Recording, Act::HeadSource, controls, facts.stand);
+  ImGui::SameLine();
+  button(player.playing() ? "pause" : "play", Act::PlayPause, controls, facts.stand);
+  ImGui::SameLine();
+  box("loop", player.at_end() == AtEnd::Loop, Act::Loop, controls, facts.stand);
+  double at_s = seconds_of(player.position());
+  if (slide("at", at_s, 0, seconds_of(player.length()), "%.2f s")) player.scrub(duration_from_ms(at_s * 1e3));
+  double speed = player.speed();
+  if (slide("speed", speed, Player::kSlowest, Player::kFastest, "%.2f")) player.set_speed(speed);
+}
+
+void draw_head(Controls& controls, const PanelFacts& facts) {
+  if (facts.stand.player)
+    draw_player(controls, facts, *facts.stand.player);
+  else
+    ImGui::TextUnformatted("drag the picture to look; W A S D Q E walk");
+  double apart_mm = controls.eye_distance_m * 1e3;
+  if (slide("eyes apart", apart_mm, 0, kWidestEyes_m * 1e3, "%.0f mm"))
+    controls.eye_distance_m = apart_mm * 1e-3;
+  double fov_deg = (controls.recorded_fov ? (*controls.recorded_fov)[0].up - (*controls.recorded_fov)[0].down
+                                          : controls.fov_rad) *
+                   kDegrees;
+  if (slide("field of view", fov_deg, kNarrowestView_rad * kDegrees, kWidestView_rad * kDegrees,
+            "%.0f deg")) {
+    controls.recorded_fov.reset();
+    controls.fov_rad = fov_deg / kDegrees;
+  }
+}
+
+void draw_recording(Controls& controls, const PanelFacts& facts) {
+  button("screenshot", Act::Screenshot, controls, facts.stand);
+  ImGui::SameLine();
+  box("head", is_on(facts.recording_head), Act::RecordHead, controls, facts.stand);
+  ImGui::SameLine();
+  box("session", is_on(facts.recording_session), Act::RecordSession, controls, facts.stand);
+  ImGui::SameLine();
+  box("frames", is_on(facts.recording_frames), Act::RecordFrames, controls, facts.stand);
+}
+
+void draw_help(Controls& controls, const PanelFacts& facts) {
+  ImGui::SetNextWindowPos(
+      {static_cast<float>(facts.window.width) / 2, static_cast<float>(facts.window.height) / 2},
+      ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowFocus();
+  if (ImGui::Begin("keys", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse) &&
+      ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
+    const auto row = [](const std::string& key, const char* does) {
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(key.c_str());
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(does);
+    };
+    row("mouse", "drag the picture to look");
+    row("W A S D", "walk, Shift runs");
+    row("Q E", "down, up");
+    for (const KeyBinding& binding : key_bindings()) row(name_of(binding.key), binding.does);
+    ImGui::EndTable();
+  }
+  ImGui::End();
+  if (ImGui::IsMouseClicked(0)) controls.help = Switch::Off;
+}
+
+/// A heading that can be folded, and what is under it.
+void section(const char* name, const auto& draw) {
+  if (ImGui::CollapsingHeader(name, ImGuiTreeNodeFlags_DefaultOpen)) draw();
+}
+
+}  // namespace
+
+std::uint32_t panel_width_px(const Controls& controls, Extent window, double scale) {
+  if (!is_on(controls.panel)) return 0;
+  return std::min(static_cast<std::uint32_t>(kPanelWidth_px * scale), window.width / 2);
+}
+
+void draw_panel(Controls& controls, const PanelFacts& facts) {
+  if (is_on(controls.help)) draw_help(controls, facts);
+  const auto width = static_cast<float>(panel_width_px(controls, facts.window, facts.scale));
+  if (width == 0) return;
+  ImGui::SetNextWindowPos({static_cast<float>(facts.window.width) - width, 0});
+  ImGui::SetNextWindowSize({width, static_cast<float>(facts.window.height)});
+  const auto flags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                     ImGuiWindowFlags_NoBringToFrontOnFocus;
+  if (ImGui::Begin("panel", nullptr, flags)) {
+    ImGui::TextWrapped("%s. %s", facts.server.c_str(), facts.note.c_str());
+    ImGui::TextDisabled("F1: keys   Tab: hide this");
+    ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.62f);
+    draw_figures(facts.history, controls);
+    section("what you see", [&] { draw_view(controls, facts); });
+    section("path and masks", [&] { draw_masks(controls, facts); });
+    section("lights", [&] { draw_lights(controls, facts); });
+    section("head", [&] { draw_head(controls, facts); });
+    section("record", [&] { draw_recording(controls, facts); });
+    ImGui::TextDisabled("%s", facts.device.c_str());
+    ImGui::PopItemWidth();
+  }
+  ImGui::End();
+}
+
+}  // namespace farshade

@@ -1,0 +1,13 @@
+/// Preview: the client behind a window. Hands or a recording move the head, controls steer the session frame
+/// by frame, and what is shown is composed into the window with a panel that says how it came about.
+#pragma once
+
+#include "vr_client/options.h"
+
+namespace farshade {
+
+/// Until the window is closed, a signal comes or the server refuses us for good. What was being recorded is
+/// finished in any case. A server that is not there or goes away is shown, not an end.
+[[nodiscard]] Expected<void> run_preview(const Options& options);
+
+}  // namespace farshade

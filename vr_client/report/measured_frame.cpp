@@ -1,0 +1,46 @@
+#include "vr_client/report/measured_frame.h"
+
+#include <algorithm>
+
+#include "stereo/image/difference.h"
+
+namespace farshade {
+
+MaskAges ages_of(const FrameView& view) {
+  MaskAges ages;
+  for (const MaskInHand& mask : view.masks) {
+    // The newest one's age says how late masks are; older ones were asked for earlier by as much as they are
+    // for.
+    const Duration since_newest = view.masks[0].display_time - mask.display_time;
+    ages.push_back(view.age.value_or(Duration::zero()) + since_newest);
+  }
+  return ages;
+}
+
+PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& reference,
+                          MeasuredFrame& into) {
+  into.frame = view.shown.frame;
+  into.ages = ages_of(view);
+  for (const Side side : kSides) into.report[index_of(side)] = renderer.report(side);
+  into.shown = renderer.read_shown();
+  const MaskInHand truth = reference.trace(view.shown);
+  renderer.shade_again({.views = view.shown.views,
+                        .state = view.state,
+                        .masks = {&truth, 1},
+                        .carry_over = {.lookup = Lookup::Direct}});
+  into.reference = renderer.read_shown();
+
+  PerEye<EyeErrors> errors;
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    errors[eye] = compare_masks(into.report[eye], truth.masks[eye]);
+    errors[eye].psnr_db = std::min(psnr_db(into.shown[eye], into.reference[eye]), kEqualPictures_dB);
+    if (view.masks.empty()) continue;
+    const View& traced = view.masks[0].views[eye];
+    errors[eye].unmoved_error =
+        unmoved_error(view.masks[0].masks[eye], grid_offset_px(view.shown.views[eye], traced),
+                      into.report[eye], truth.masks[eye]);
+  }
+  return errors;
+}
+
+}  // namespace farshade
