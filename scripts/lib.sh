@@ -58,6 +58,23 @@ start_server() {
   done
 }
 
+# run_client SCENE OPTION...: vr_client with a server of its own; ends as the client does, with what the server said
+# if that went wrong.
+run_client() {
+  local scene=$1 status=0
+  shift
+  start_server "$scene"
+  trap stop_server EXIT
+  trap 'exit 130' INT
+  trap 'exit 143' TERM
+  "$root/build/release/vr_client/vr_client" --scene "$scene" --server "$address" --key "$key" "$@" || status=$?
+  if ((status)); then
+    sed 's/^/  /' "$server_log" >&2
+    say "vr_client ended with status $status; above, what rt_server said"
+    exit "$status"
+  fi
+}
+
 server_failed() {
   cat "$server_log" >&2
   stop_server

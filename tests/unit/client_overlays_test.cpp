@@ -107,7 +107,7 @@ TEST(SourcePicture, EveryMaskInHandHasItsOwnColor) {
   for (std::uint32_t i = 2; i < all.size(); ++i) EXPECT_GT(picture.at(i, 0).r, picture.at(i - 1, 0).r);
 }
 
-TEST(SourcePicture, DarkensWithAgeToBlack) {
+TEST(SourcePicture, DarkensWithAgeYetTellsSourcesApart) {
   for (const std::uint8_t source : std::array<std::uint8_t, 2>{0, 1}) {
     int last = 1000;
     for (const Duration age : {0ms, 100ms, 300ms, 490ms}) {
@@ -115,9 +115,12 @@ TEST(SourcePicture, DarkensWithAgeToBlack) {
       EXPECT_LT(now, last);
       last = now;
     }
-    EXPECT_EQ(brightness(sources_drawn({source}, kOldestDrawn).at(0, 0)), 0);
-    EXPECT_EQ(brightness(sources_drawn({source}, 10s).at(0, 0)), 0);
+    EXPECT_LE(brightness(sources_drawn({source}, kOldestDrawn).at(0, 0)), last);
+    EXPECT_EQ(sources_drawn({source}, 10s).pixels, sources_drawn({source}, kOldestDrawn).pixels);
   }
+  const Image<Rgb8> old = sources_drawn({0, kOtherEye, 1, kNeighbour}, 10s);
+  for (std::uint32_t a = 0; a < 4; ++a)
+    for (std::uint32_t b = 0; b < a; ++b) EXPECT_NE(old.at(a, 0), old.at(b, 0));
 }
 
 TEST(Overlay, NamesDiffer) {

@@ -189,7 +189,8 @@ void draw_panel(Controls& controls, const PanelFacts& facts) {
   const auto flags = ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                      ImGuiWindowFlags_NoBringToFrontOnFocus;
   if (ImGui::Begin("panel", nullptr, flags)) {
-    ImGui::TextWrapped("%s. %s", facts.server.c_str(), facts.note.c_str());
+    ImGui::TextWrapped("%s", facts.server.c_str());
+    if (!facts.note.empty()) ImGui::TextWrapped("%s", facts.note.c_str());
     ImGui::TextDisabled("F1: keys   Tab: hide this");
     ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.62f);
     draw_figures(facts.history, controls);

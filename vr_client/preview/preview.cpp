@@ -13,6 +13,7 @@
 #include "vr_client/preview/panel.h"
 #include "vr_client/preview/presenter.h"
 #include "vr_client/preview/takes.h"
+#include "vr_client/report/timeline.h"
 
 namespace farshade {
 namespace {
@@ -87,7 +88,10 @@ class Preview {
 
   /// Session after session: one that is recorded begins with its recording.
   Expected<void> run_all() {
-    Expected<void> done;
+    const bool recorded = !options_.record.empty();
+    Expected<void> done = open_link(options_, client_, recorded ? takes_.listen() : LinkListener{});
+    if (done && recorded) takes_.begin_session(options_.record, header_of(options_, client_, policy()));
+    if (!done) return done;
     do {
       if (restart_ == Restart::Wanted) done = begin_recorded_session();
       const auto stop = [&] { return ended() || restart_ == Restart::Wanted; };
@@ -98,7 +102,10 @@ class Preview {
     return done;
   }
 
-  void finish() { takes_.finish(); }
+  [[nodiscard]] Expected<void> finish() {
+    takes_.finish();
+    return options_.timeline.empty() ? Expected<void>{} : timeline_.write(options_.timeline);
+  }
 
  private:
   [[nodiscard]] bool ended() {
@@ -128,7 +135,7 @@ class Preview {
     LinkListener listener = takes_.listen();
     if (client_.link)
       if (auto met = meet(options_, client_, std::move(listener)); !met) return met;
-    takes_.begin_session(header_of(options_, client_, policy()));
+    takes_.begin_session({}, header_of(options_, client_, policy()));
     return {};
   }
 
@@ -169,6 +176,7 @@ class Preview {
     inspection_.look(view, controls_, reference());
     const Composition composition = compose(view);
     keep(view, composition);
+    if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->inbox() : nullptr);
     const Stand now = stand();
     const PanelFacts facts = facts_of(now);
     presenter_.show(composition, [&] { draw_panel(controls_, facts); });
@@ -253,6 +261,7 @@ class Preview {
   Inspection inspection_;
   History history_;
   Takes takes_;
+  Timeline timeline_;
   std::optional<Time> titled_;
   enum class Restart : std::uint8_t { No, Wanted } restart_ = Restart::No;
   enum class Quit : std::uint8_t { No, Wanted } quit_ = Quit::No;
@@ -285,9 +294,8 @@ Expected<void> run_preview(const Options& wish) {
   if (!client) return tl::unexpected(client.error());
   if (options.mode == Mode::Full)
     if (auto done = open_reference(**client); !done) return done;
-  if (auto done = open_link(options, **client); !done) return done;
 
-  Expected<void> done;
+  Expected<void> done, finished;
   {
     Preview preview(options, **client, **window, stop_signal, trace);
     try {
@@ -296,8 +304,9 @@ Expected<void> run_preview(const Options& wish) {
       done = fail(Fault::Unavailable, fmt::format("the device {} was lost ({}); start again",
                                                   (*client)->device.name, lost.what()));
     }
-    preview.finish();
+    finished = preview.finish();
   }
+  if (done) done = finished;
   return done ? no_validation_messages((*client)->device) : done;
 }
 

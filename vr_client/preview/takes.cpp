@@ -87,8 +87,9 @@ LinkListener Takes::listen() {
               }};
 }
 
-void Takes::begin_session(const SessionHeader& header) {
-  session_path_ = unused("session", ".farshade").string() + ".farshade";
+void Takes::begin_session(const std::filesystem::path& path, const SessionHeader& header) {
+  session_path_ = path;
+  if (path.empty()) session_path_ = unused("session", ".farshade").string() + ".farshade";
   const Expected<void> opened = session_->open(session_path_, header);
   say(opened, "recording the session to " + session_path_.string());
   if (!opened) session_.reset();

@@ -26,6 +26,9 @@ constexpr float kShadowGrey = 40;
 /// Of the guard band's picture that the traced view takes at most; the rest is room for what it lacks.
 constexpr double kTracedShare = 0.8;
 
+/// What age takes of a source's colour at most: which source it is can be seen at any age.
+constexpr float kAgeDarkens = 0.65f;
+
 Rgb8 scaled(Rgb8 color, float by) {
   return Rgb8(glm::vec3(color) * std::clamp(by, 0.0f, 1.0f));
 }
@@ -314,7 +317,10 @@ Image<Rgb8> source_picture(const ShownReport& report, const MaskAges& ages, Exte
                        : mask > 0           ? older_color(mask)
                        : source == 0        ? kThisEye
                                             : kOther;
-    return scaled(fresh, 1.0f - static_cast<float>(seconds_of(ages[mask]) / seconds_of(kOldestDrawn)));
+    return scaled(
+        fresh,
+        1.0f - kAgeDarkens *
+                   std::min(static_cast<float>(seconds_of(ages[mask]) / seconds_of(kOldestDrawn)), 1.0f));
   });
   Image<Rgb8> picture = painted(report, size, [&](std::size_t i) { return colors[report.sources[i]]; });
   for (std::uint32_t y = 0; y < size.height && planes > 0; ++y)

@@ -63,8 +63,8 @@ struct LegendEntry {
 [[nodiscard]] std::vector<LegendEntry> legend(Overlay overlay, std::uint32_t lights, std::uint32_t light);
 
 /// Where each pixel's shadow came from: this eye's newest mask green, the other eye's cyan, older masks blue
-/// to violet, all the darker the older (black at kOldestDrawn); neighbours yellow; unknown orange; red lines,
-/// one pixel in four, over what is stale; not covered black. `ages` one a mask in hand.
+/// to violet, all the darker the older (darkest from kOldestDrawn on); neighbours yellow; unknown orange; red
+/// lines, one pixel in four, over what is stale; not covered black. `ages` one a mask in hand.
 [[nodiscard]] Image<Rgb8> source_picture(const ShownReport& report, const MaskAges& ages, Extent size);
 
 /// Where the scales of age end.

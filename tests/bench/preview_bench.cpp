@@ -1,0 +1,140 @@
+// What the preview adds to a frame: drawing both eyes offscreen, against drawing, composing, and presenting
+// them with the panel in a real window on an X server of this program's own. Blocks of frames of either kind
+// take turns, and each frame ends when the device is idle, so that no work hides between two frames.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <deque>
+
+#include "stereo/base/quantile.h"
+#include "stereo/frame/tiles.h"
+#include "stereo/scene/gltf.h"
+#include "stereo/trace/reader.h"
+#include "tests/preview/x_screen.h"
+#include "vr_client/ask/request_plan.h"
+#include "vr_client/preview/panel.h"
+#include "vr_client/preview/presenter.h"
+
+namespace farshade {
+namespace {
+
+constexpr std::uint32_t kLate_frames = 2, kBlock_frames = 6, kRing_frames = 16;
+constexpr Duration kPeriod(1'000'000'000 / 72);
+
+struct BenchOptions {
+  std::filesystem::path scene = FARSHADE_ASSETS "/room.glb", trace = FARSHADE_ASSETS "/walk.csv";
+  std::uint32_t side_px = 512, frames = 120;
+};
+
+/// A traced frame with what was asked.
+struct Traced {
+  TraceRequest request;
+  ShadowFrame frame;
+  PerEye<KnownTiles> known;
+};
+
+Traced trace(Tracer& tracer, const TraceRequest& request) {
+  Traced traced{request, {}, {}};
+  tracer.trace(request, traced.frame);
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    traced.known[eye].assign(TileGrid{request.views[eye].size}.count(),
+                             all_planes_known(traced.frame.masks[eye].layout()));
+  return traced;
+}
+
+std::vector<MaskInHand> masks_in_hand(const std::deque<Traced>& all, FrameId shown) {
+  std::vector<MaskInHand> masks;
+  for (auto traced = all.rbegin(); traced != all.rend() && masks.size() < ShadingPass::kMaxMasks; ++traced)
+    if (traced->request.frame.value + kLate_frames <= shown.value)
+      masks.push_back({traced->request.frame, traced->request.display_time, traced->request.scene_time,
+                       traced->request.views, traced->frame.masks, traced->known, 1});
+  return masks;
+}
+
+template <class T>
+T value_of(Expected<T> value) {
+  if (!value) throw std::runtime_error(value.error().what);
+  return std::move(*value);
+}
+
+void print(const char* label, const std::vector<double>& values) {
+  std::printf("  %-34s %9.2f %9.2f %9.2f\n", label, quantile(values, 0.5), quantile(values, 0.1),
+              quantile(values, 0.95));
+}
+
+void compare(const BenchOptions& options) {
+  const XScreen screen;
+  const Extent size{options.side_px, options.side_px};
+  const auto window = value_of(open_window("Farshade", {size.width * 2 + 330, std::max(size.height, 720u)}));
+  const Scene scene = value_of(load_scene(options.scene));
+  const HeadTrace head = value_of(load_head_trace(options.trace));
+  gpu::DeviceWish wish;
+  wish.presentation = window->presentation();
+  const gpu::Device device = value_of(gpu::open_device(wish));
+  Renderer renderer(device, scene, {size, largest_traced(size), kRing_frames});
+  Presenter presenter(device, *window, renderer.shown());
+  Tracer tracer = value_of(Tracer::create(scene));
+  const auto placed = scene.camera ? place(head, *scene.camera) : Rigid<Stage, Recorded>{};
+
+  Controls controls;
+  const History history;
+  const SceneState state = state_at(scene, Time{});
+  const Stand stand{state.light_set, {}, nullptr};
+  const PanelFacts facts{.history = history,
+                         .scene = scene,
+                         .stand = stand,
+                         .device = device.name,
+                         .server = "server",
+                         .note = {},
+                         .window = window->framebuffer_size(),
+                         .scale = window->content_scale()};
+  const Composition composition{.right_px = panel_width_px(controls, facts.window, facts.scale)};
+  RequestPlan plan(RequestWish{});
+  plan.learn(kPeriod * kLate_frames);
+  std::deque<Traced> traced;
+  std::vector<double> offscreen, previewed, added;
+  for (std::uint32_t number = 1; number <= options.frames + kBlock_frames * 2; ++number) {
+    const Time at = head.start() + kPeriod * number;
+    const Headset headset{head.eye_distance_m, head.fov, size};
+    const TraceRequest shown{{number}, at, {}, views_of(placed * head_at(head, at), headset), {}};
+    const TraceRequest asked = plan.ask(shown, kPeriod, SceneClock::Stands).value();
+    traced.push_back(trace(tracer, asked));
+    if (traced.size() > kRing_frames / 2) traced.pop_front();
+    const std::vector<MaskInHand> masks = masks_in_hand(traced, shown.frame);
+    window->poll();
+
+    const bool shows = number / kBlock_frames % 2 == 1;
+    const Stopwatch frame;
+    renderer.draw({.views = shown.views, .state = state, .asked = &asked, .masks = masks, .carry_over = {}});
+    const Stopwatch showing;
+    if (shows) presenter.show(composition, [&] { draw_panel(controls, facts); });
+    device.logical.waitIdle();
+    if (number <= kBlock_frames * 2) continue;  // shaders are compiled on first use
+    (shows ? previewed : offscreen).push_back(ms_of(frame.elapsed()));
+    if (shows) added.push_back(ms_of(showing.elapsed()));
+  }
+  std::printf("%s along %s on %s, %zu + %zu frames\n", scene.name.c_str(), options.trace.c_str(),
+              device.name.c_str(), offscreen.size(), previewed.size());
+  std::printf("  %-34s %9s %9s %9s\n", "ms", "median", "p10", "p95");
+  print("frame, offscreen", offscreen);
+  print("frame, in a window with panel", previewed);
+  print("  of it composing and presenting", added);
+  std::printf("preview / offscreen = %.3f (figure: <= 1.10)\n",
+              quantile(previewed, 0.5) / quantile(offscreen, 0.5));
+}
+
+}  // namespace
+}  // namespace farshade
+
+int main(int argc, char** argv) try {
+  farshade::BenchOptions options;
+  CLI::App app("What the preview adds to a frame");
+  app.add_option("--scene", options.scene);
+  app.add_option("--trace", options.trace);
+  app.add_option("--size", options.side_px, "pixels a side of an eye")->capture_default_str();
+  app.add_option("--frames", options.frames)->capture_default_str();
+  CLI11_PARSE(app, argc, argv);
+  farshade::compare(options);
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "preview_bench: %s\n", error.what());
+  return 1;
+}
