@@ -1,6 +1,6 @@
 // What the preview adds to a frame: drawing both eyes offscreen, against drawing, composing, and presenting
-// them with the panel in a real window on an X server of this program's own. Blocks of frames of either kind
-// take turns, and each frame ends when the device is idle, so that no work hides between two frames.
+// them with the panel in a real window on an X server of this program's own. Each pose is drawn both ways, in
+// turns of which comes first, and each frame ends when the device is idle: no work hides between two frames.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <deque>
@@ -17,12 +17,12 @@
 namespace farshade {
 namespace {
 
-constexpr std::uint32_t kLate_frames = 2, kBlock_frames = 6, kRing_frames = 16;
+constexpr std::uint32_t kLate_frames = 2, kWarmUp_frames = 12, kRing_frames = 16;
 constexpr Duration kPeriod(1'000'000'000 / 72);
 
 struct BenchOptions {
   std::filesystem::path scene = FARSHADE_ASSETS "/room.glb", trace = FARSHADE_ASSETS "/walk.csv";
-  std::uint32_t side_px = 512, frames = 120;
+  std::uint32_t side_px = 512, frames = 60;
 };
 
 /// A traced frame with what was asked.
@@ -92,7 +92,7 @@ void compare(const BenchOptions& options) {
   plan.learn(kPeriod * kLate_frames);
   std::deque<Traced> traced;
   std::vector<double> offscreen, previewed, added;
-  for (std::uint32_t number = 1; number <= options.frames + kBlock_frames * 2; ++number) {
+  for (std::uint32_t number = 1; number <= options.frames + kWarmUp_frames; ++number) {
     const Time at = head.start() + kPeriod * number;
     const Headset headset{head.eye_distance_m, head.fov, size};
     const TraceRequest shown{{number}, at, {}, views_of(placed * head_at(head, at), headset), {}};
@@ -102,15 +102,18 @@ void compare(const BenchOptions& options) {
     const std::vector<MaskInHand> masks = masks_in_hand(traced, shown.frame);
     window->poll();
 
-    const bool shows = number / kBlock_frames % 2 == 1;
-    const Stopwatch frame;
-    renderer.draw({.views = shown.views, .state = state, .asked = &asked, .masks = masks, .carry_over = {}});
-    const Stopwatch showing;
-    if (shows) presenter.show(composition, [&] { draw_panel(controls, facts); });
-    device.logical.waitIdle();
-    if (number <= kBlock_frames * 2) continue;  // shaders are compiled on first use
-    (shows ? previewed : offscreen).push_back(ms_of(frame.elapsed()));
-    if (shows) added.push_back(ms_of(showing.elapsed()));
+    // Each pose is drawn both ways, in turns of which comes first.
+    for (const bool shows : {number % 2 == 0, number % 2 == 1}) {
+      const Stopwatch frame;
+      renderer.draw(
+          {.views = shown.views, .state = state, .asked = &asked, .masks = masks, .carry_over = {}});
+      const Stopwatch showing;
+      if (shows) presenter.show(composition, [&] { draw_panel(controls, facts); });
+      device.logical.waitIdle();
+      if (number <= kWarmUp_frames) continue;  // shaders are compiled on first use
+      (shows ? previewed : offscreen).push_back(ms_of(frame.elapsed()));
+      if (shows) added.push_back(ms_of(showing.elapsed()));
+    }
   }
   std::printf("%s along %s on %s, %zu + %zu frames\n", scene.name.c_str(), options.trace.c_str(),
               device.name.c_str(), offscreen.size(), previewed.size());
