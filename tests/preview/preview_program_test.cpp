@@ -1,0 +1,341 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "stereo/image/codec.h"
+#include "stereo/math/rotation.h"
+#include "stereo/trace/reader.h"
+#include "tests/preview/preview_desk.h"
+#include "vr_client/preview/head.h"
+
+namespace farshade {
+namespace {
+
+using PreviewProgram = PreviewDesk;
+
+/// The eye is shown pixel by pixel in the middle of each half of this window.
+constexpr Extent kSnug{220, 110};
+
+EyePictures halves(const Image<Rgb8>& window, std::uint32_t side) {
+  const std::uint32_t half = window.size.width / 2, top = (window.size.height - side) / 2;
+  const std::uint32_t margin = (half - side) / 2;
+  return {crop(window, margin, top, {side, side}), crop(window, half + margin, top, {side, side}), window};
+}
+
+std::vector<Image<Rgb8>> pictures_in(const std::filesystem::path& folder, const std::string& ending) {
+  std::vector<Image<Rgb8>> pictures;
+  for (const std::string& file : files_below(folder))
+    if (file.starts_with("frame_") && file.ends_with(ending))
+      pictures.push_back(read_png(folder / file).value());
+  return pictures;
+}
+
+/// What vr_client wrote for each frame of a session that it replayed, the left eye on the left.
+struct Replayed {
+  std::vector<Image<Rgb8>> left, right;
+};
+
+Replayed replay(const std::filesystem::path& session, const std::filesystem::path& out) {
+  ChildProgram program({"/usr/bin/env", "LSAN_OPTIONS=detect_leaks=0", VR_CLIENT, "--scene", kRoom,
+                        "--replay", session.string(), "--out", out.string(), "--pictures", "100000",
+                        "--reference-every", "0"});
+  const std::string errors = program.errors();
+  EXPECT_EQ(program.wait(), 0) << errors;
+  return {pictures_in(out, "_left.png"), pictures_in(out, "_right.png")};
+}
+
+/// Whether `frames` (both eyes side by side) are those that were replayed from frame `first` on.
+bool are_from(std::size_t first, const std::vector<Image<Rgb8>>& frames, const Replayed& replayed) {
+  for (std::size_t i = 0; i < frames.size(); ++i)
+    if (crop(frames[i], 0, 0, kDeskEye) != replayed.left[first + i] ||
+        crop(frames[i], kDeskEye.width, 0, kDeskEye) != replayed.right[first + i])
+      return false;
+  return true;
+}
+
+TEST_F(PreviewProgram, ShowsInItsWindowWhatIsDrawnWithoutOne) {
+  open();
+  resize(kSnug);
+  screen_.tap("F8");
+  ASSERT_TRUE(appears(out_ / "session_0001.farshade"));
+  screen_.tap("F10");
+  screen_.press("d");
+  ASSERT_TRUE(appears(out_ / "frames_0001/frame_00012.png"));
+  screen_.release("d");
+  screen_.tap("F10");
+  EyePictures taken, seen;
+  EXPECT_TRUE(patiently([&] {
+    taken = take_screenshot();
+    seen = halves(screen_.screenshot(window_), kDeskEye.width);
+    return seen.window == taken.window;
+  }));
+  screen_.tap("Escape");
+  ASSERT_EQ(end(), 0) << errors_;
+
+  EXPECT_EQ(seen.left, taken.left);
+  EXPECT_EQ(seen.right, taken.right);
+  EXPECT_NE(taken.left, taken.right);
+  const Replayed replayed = replay(out_ / "session_0001.farshade", out_ / "replay");
+  const std::vector<Image<Rgb8>> frames = pictures_in(out_ / "frames_0001", ".png");
+  ASSERT_GE(frames.size(), 12);
+  ASSERT_GE(replayed.left.size(), frames.size());
+  EXPECT_NE(frames.front(), frames.back()) << "the head moved";
+  std::size_t first = 0;
+  while (first + frames.size() < replayed.left.size() && !are_from(first, frames, replayed)) ++first;
+  EXPECT_TRUE(are_from(first, frames, replayed)) << "written frames are not among those replayed";
+  const auto still = std::ranges::find(replayed.left, seen.left);
+  ASSERT_NE(still, replayed.left.end()) << "what was on the screen is not among the frames replayed";
+  EXPECT_EQ(seen.right, replayed.right[static_cast<std::size_t>(still - replayed.left.begin())]);
+}
+
+/// Steps of a recorded head, each a walk ahead at walking speed or none; how many were walked, in how many
+/// goes.
+struct Walk {
+  int steps = 0, goes = 0;
+};
+
+Walk check_walk(const HeadTrace& trace) {
+  constexpr double as_written = 1e-6;
+  Walk walk;
+  bool walked = false;
+  for (std::size_t i = 1; i < trace.samples.size(); ++i) {
+    const auto& [before, from] = trace.samples[i - 1];
+    const auto& [now, to] = trace.samples[i];
+    const glm::dvec3 step = to.translation - from.translation;
+    const double heading = heading_rad(from.rotation);
+    const double turn = std::remainder(heading_rad(to.rotation) - heading, 2 * std::numbers::pi);
+    const bool walks = glm::length(step) > as_written;
+    walk.goes += walks && !walked;
+    walked = walks;
+    EXPECT_NEAR((to.rotation * glm::dvec3(1, 0, 0)).y, 0, as_written) << "a head without roll, sample " << i;
+    if (!walks) continue;
+    ++walk.steps;
+    const double arc = kWalkingSpeed_m_per_s * seconds_of(std::min(now - before, kLongestStep));
+    const double chord = turn == 0 ? arc : arc * std::sin(turn / 2) / (turn / 2);
+    const glm::dvec3 ahead{-std::sin(heading + turn / 2), 0, -std::cos(heading + turn / 2)};
+    EXPECT_LT(glm::distance(step, chord * ahead), as_written)
+        << "sample " << i << ": walked " << glm::length(step) << " m in " << seconds_of(now - before) << " s";
+  }
+  return walk;
+}
+
+double pitch_rad(const glm::dquat& rotation) {
+  const glm::dvec3 ahead = rotation * glm::dvec3(0, 0, -1);
+  return std::atan2(ahead.y, std::hypot(ahead.x, ahead.z));
+}
+
+TEST_F(PreviewProgram, KeysAndMouseMoveTheHead) {
+  constexpr int dragged_right = 60, dragged_up = 24;
+  open();
+  screen_.move_mouse(window_, 200, 300);
+  screen_.tap("F9");
+  screen_.press("w");
+  ASSERT_TRUE(changes(3));
+  screen_.press_button();
+  screen_.move_mouse(window_, 200 + dragged_right, 300 - dragged_up);
+  screen_.release_button();
+  screen_.move_mouse(window_, 100, 100);
+  ASSERT_TRUE(changes(3));
+  screen_.release("w");
+  screen_.tap("F9");
+  ASSERT_TRUE(appears(out_ / "head_0001.csv"));
+  screen_.tap("Escape");
+  ASSERT_EQ(end(), 0) << errors_;
+
+  const auto trace = load_head_trace(out_ / "head_0001.csv");
+  ASSERT_TRUE(trace) << trace.error().what;
+  const Walk walk = check_walk(*trace);
+  EXPECT_EQ(walk.goes, 1);
+  EXPECT_GE(walk.steps, 3);
+  const glm::dquat first = trace->samples.front().recorded_from_head.rotation,
+                   last = trace->samples.back().recorded_from_head.rotation;
+  EXPECT_NEAR(std::remainder(heading_rad(last) - heading_rad(first), 2 * std::numbers::pi),
+              -dragged_right * kTurn_rad_per_px, 1e-6);
+  EXPECT_NEAR(pitch_rad(last) - pitch_rad(first), dragged_up * kTurn_rad_per_px, 1e-6);
+}
+
+/// The largest difference of any channel to `eye`, carried over to that size between its four pixels around.
+double difference_to_resized(const Image<Rgb8>& seen, const Image<Rgb8>& eye) {
+  double largest = 0;
+  const auto at = [&](double x, double y) {
+    const auto held = [](double value, std::uint32_t side) {
+      return static_cast<std::uint32_t>(std::clamp(value, 0.0, side - 1.0));
+    };
+    return glm::dvec3(eye.at(held(x, eye.size.width), held(y, eye.size.height)));
+  };
+  for (std::uint32_t row = 0; row < seen.size.height; ++row)
+    for (std::uint32_t column = 0; column < seen.size.width; ++column) {
+      const double x = (column + 0.5) * eye.size.width / seen.size.width - 0.5;
+      const double y = (row + 0.5) * eye.size.height / seen.size.height - 0.5;
+      const double left = std::floor(x), top = std::floor(y);
+      const glm::dvec3 above = glm::mix(at(left, top), at(left + 1, top), x - left);
+      const glm::dvec3 below = glm::mix(at(left, top + 1), at(left + 1, top + 1), x - left);
+      const glm::dvec3 off = glm::abs(glm::dvec3(seen.at(column, row)) - glm::mix(above, below, y - top));
+      largest = std::max({largest, off.x, off.y, off.z});
+    }
+  return largest;
+}
+
+std::uint64_t light_of(const Image<Rgb8>& image) {
+  std::uint64_t sum = 0;
+  for (const Rgb8 pixel : image.pixels) sum += pixel.r + 0u + pixel.g + pixel.b;
+  return sum;
+}
+
+TEST_F(PreviewProgram, FollowsItsWindowsSizeAndKeepsTheAspect) {
+  open();
+  struct Sized {
+    Extent window;
+    std::uint32_t eye;
+  };
+  for (const auto& [size, eye] : {Sized{{400, 300}, 200}, {{900, 250}, 250}, {{120, 200}, 60}}) {
+    resize(size);
+    EyePictures taken, seen;
+    ASSERT_TRUE(patiently([&] {
+      taken = take_screenshot();
+      seen = halves(screen_.screenshot(window_), eye);
+      return seen.window == taken.window;
+    })) << "window of "
+        << size.width << " x " << size.height;
+    EXPECT_EQ(taken.left.size, kDeskEye);
+    // Devices may weigh neighbours with 8 bits only.
+    EXPECT_LE(difference_to_resized(seen.left, taken.left), 2);
+    EXPECT_LE(difference_to_resized(seen.right, taken.right), 2);
+    EXPECT_EQ(light_of(seen.window), light_of(seen.left) + light_of(seen.right)) << "nothing beside the eyes";
+    screen_.tap("k");
+    EXPECT_TRUE(changes()) << "a light was switched";
+  }
+  screen_.tap("Escape");
+  EXPECT_EQ(end(), 0) << errors_;
+}
+
+TEST_F(PreviewProgram, RestsWhileMinimisedAndGoesOnUntilClosed) {
+  constexpr Duration rest = std::chrono::milliseconds(1500);
+  const SteadyClock clock;
+  screen_.manage_windows();
+  open();
+  screen_.tap("F9");
+  screen_.press("d");
+  ASSERT_TRUE(changes(3));
+  screen_.release("d");
+  screen_.iconify(window_);
+  ASSERT_TRUE(patiently([&] { return !screen_.find("Farshade: "); }));
+  const Time minimised = clock.now();
+  ASSERT_TRUE(patiently([&] { return clock.now() - minimised > rest; }));
+  screen_.restore(window_);
+  ASSERT_TRUE(patiently([&] { return screen_.find("Farshade: ").has_value(); }));
+  screen_.focus(window_);
+  screen_.press("a");
+  ASSERT_TRUE(changes(3));
+  screen_.release("a");
+  screen_.close(window_);
+  ASSERT_EQ(end(), 0) << errors_;
+
+  const auto trace = load_head_trace(out_ / "head_0001.csv");
+  ASSERT_TRUE(trace) << trace.error().what;
+  Duration longest{};
+  for (std::size_t i = 1; i < trace->samples.size(); ++i)
+    longest = std::max(longest, trace->samples[i].time - trace->samples[i - 1].time);
+  EXPECT_GT(longest, rest * 2 / 3) << "no frames while it was minimised";
+}
+
+TEST_F(PreviewProgram, FinishesItsTakesWhenInterrupted) {
+  open();
+  screen_.tap("F9");
+  screen_.tap("F8");
+  ASSERT_TRUE(appears(out_ / "session_0001.farshade"));
+  screen_.press("d");
+  ASSERT_TRUE(changes(3));
+  program_->send(SIGINT);
+  ASSERT_EQ(end(), 0) << errors_;
+  const auto trace = load_head_trace(out_ / "head_0001.csv");
+  ASSERT_TRUE(trace) << trace.error().what;
+  EXPECT_GE(trace->samples.size(), 3);
+  EXPECT_GE(replay(out_ / "session_0001.farshade", out_ / "replay").left.size(), 3);
+}
+
+TEST_F(PreviewProgram, OutlivesItsServer) {
+  open();
+  server_->program().send(SIGKILL);
+  server_->program().wait();
+  screen_.press("d");
+  EXPECT_TRUE(changes(10));
+  screen_.release("d");
+  EXPECT_EQ(take_screenshot().left.size, kDeskEye);
+  screen_.tap("Escape");
+  EXPECT_EQ(end(), 0) << errors_;
+}
+
+TEST_F(PreviewProgram, EndsWhenTheServerHasAnotherScene) {
+  server_ = std::make_unique<RunningServer>(FARSHADE_ASSETS "/box_over_plane.gltf");
+  start();
+  EXPECT_EQ(end(), 1);
+  EXPECT_NE(errors_.find("scene"), std::string::npos) << errors_;
+}
+
+TEST_F(PreviewProgram, EndsWhenItsServerComesBackWithAnotherScene) {
+  open();
+  const std::string address = server_->address();
+  server_->program().send(SIGKILL);
+  server_->program().wait();
+  server_ = std::make_unique<RunningServer>(FARSHADE_ASSETS "/box_over_plane.gltf", address);
+  EXPECT_EQ(end(), 1);
+  EXPECT_NE(errors_.find("scene"), std::string::npos) << errors_;
+}
+
+/// Every key is obeyed before the F12 after it.
+TEST_F(PreviewProgram, EveryLookAndOverlayIsAnotherPictureAndValid) {
+  open({"--validate"});
+  resize({400, 200});
+  std::vector<EyePictures> overlays{take_screenshot()};
+  for (const char* overlay : {"source", "age", "unknown", "error", "light", "guard-band", "rays"}) {
+    screen_.tap("o");
+    overlays.push_back(take_screenshot());
+    for (std::size_t i = 0; i + 1 < overlays.size(); ++i) {
+      EXPECT_NE(overlays[i].left, overlays.back().left) << i << ", " << overlay;
+      EXPECT_NE(overlays[i].right, overlays.back().right) << i << ", " << overlay;
+    }
+  }
+  screen_.tap("o");
+  std::vector<EyePictures> looks{take_screenshot()};
+  screen_.tap("f");
+  for (const char* look : {"cross-eyed", "mono", "anaglyph", "difference"}) {
+    screen_.tap("v");
+    looks.push_back(take_screenshot());
+    for (std::size_t i = 0; i + 1 < looks.size(); ++i)
+      EXPECT_NE(looks[i].window, looks.back().window) << i << ", " << look;
+  }
+  screen_.tap("v");
+  EXPECT_EQ(take_screenshot().window, looks.front().window) << "round again";
+  screen_.tap("Escape");
+  EXPECT_EQ(end(), 0) << errors_;
+}
+
+TEST_F(PreviewProgram, F1ShowsTheKeysAndHidesThem) {
+  open();
+  resize({1200, 800});
+  Image<Rgb8> bare, with_keys;
+  ASSERT_TRUE(patiently([&] {
+    bare = screen_.screenshot(window_);
+    return bare == take_screenshot().window;
+  }));
+  screen_.tap("F1");
+  EXPECT_TRUE(patiently([&] { return (with_keys = screen_.screenshot(window_)) != bare; }));
+  screen_.tap("F1");
+  EXPECT_TRUE(patiently([&] { return screen_.screenshot(window_) == bare; }));
+  screen_.tap("Escape");
+  EXPECT_EQ(end(), 0) << errors_;
+}
+
+TEST_F(PreviewProgram, WithoutADesktopSaysWhatToDo) {
+  program_ = std::make_unique<ChildProgram>(std::vector<std::string>{
+      "/usr/bin/env", "-u", "DISPLAY", "-u", "WAYLAND_DISPLAY", "LSAN_OPTIONS=detect_leaks=0", VR_CLIENT,
+      "--preview", "--scene", kRoom, "--out", out_});
+  EXPECT_EQ(end(), 1);
+  for (const char* cure : {"DISPLAY", "ssh -X", "xvfb-run -a"})
+    EXPECT_NE(errors_.find(cure), std::string::npos) << cure << ": " << errors_;
+}
+
+}  // namespace
+}  // namespace farshade
