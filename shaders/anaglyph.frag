@@ -26,10 +26,11 @@ vec3 load(ivec2 at, uint picture) {
   return imageLoad(uploaded, ivec3(at, int(picture) - 2)).rgb;
 }
 
-vec3 picture_color(vec2 window, uint picture) {
-  if (!kFiltered) return load(ivec2(window - panel.place.xy), picture);
+vec3 picture_color(vec2 window, uint picture, uint first_column) {
+  const vec2 first = vec2(first_column, 0);
+  if (!kFiltered) return load(ivec2(window - panel.place.xy + first), picture);
   const ivec2 last = imageSize(drawn).xy - 1;
-  const vec2 at = clamp((window - panel.place.xy) * panel.place.zw - 0.5, vec2(0.0), vec2(last));
+  const vec2 at = clamp((window - panel.place.xy) * panel.place.zw + first - 0.5, vec2(0.0), vec2(last));
   const ivec2 low = ivec2(at), high = min(low + 1, last);
   const vec2 part = at - vec2(low);
   return mix(mix(load(low, picture), load(ivec2(high.x, low.y), picture), part.x),
@@ -46,7 +47,7 @@ vec3 srgb_of(vec3 light) {
 }
 
 void main() {
-  const vec3 light = kLeft * linear_of(picture_color(gl_FragCoord.xy, panel.pictures.x)) +
-                     kRight * linear_of(picture_color(gl_FragCoord.xy, panel.pictures.y));
+  const vec3 light = kLeft * linear_of(picture_color(gl_FragCoord.xy, panel.pictures.x, panel.pictures.z)) +
+                     kRight * linear_of(picture_color(gl_FragCoord.xy, panel.pictures.y, panel.pictures.w));
   color = vec4(srgb_of(clamp(light, 0.0, 1.0)), 1.0);
 }

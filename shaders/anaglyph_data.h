@@ -12,7 +12,7 @@ using glm::vec4;
 
 struct AnaglyphData {
   vec4 place;      // the panel's left top corner in the window, and picture pixels per window pixel
-  uvec4 pictures;  // left, right: 0, 1 eyes as drawn, 2, 3 uploads; zw unused
+  uvec4 pictures;  // left, right: 0, 1 eyes as drawn, 2, 3 uploads; zw: the first column of either
 };
 
 #ifdef __cplusplus

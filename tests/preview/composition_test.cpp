@@ -63,5 +63,35 @@ TEST(PanelRects, NoneWhereNotOnePixelFits) {
   EXPECT_TRUE(panel_rects({1, 100}, kEye, 1000, Way::Mono).empty());
 }
 
+TEST(SharedColumns, AreAllOfEyesThatSeeTheSame) {
+  const EyeFov fov{-0.7, 0.7, 0.6, -0.6};
+  EXPECT_EQ(shared_columns({fov, fov}, 0, kEye), (SharedColumns{{0, 0}, kEye.width}));
+}
+
+TEST(SharedColumns, PutWhatIsAtTheScreenIntoOneColumn) {
+  const PerEye<EyeFov> fov{EyeFov{-0.9, 0.7, 0.6, -0.6}, EyeFov{-0.7, 0.9, 0.6, -0.6}};
+  const double apart_m = 0.2;
+  const SharedColumns shared = shared_columns(fov, apart_m, kEye);
+  EXPECT_GT(shared.count, 0u);
+  EXPECT_LT(shared.count, kEye.width);
+  PerEye<double> column{};
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    EXPECT_LE(shared.first[eye] + shared.count, kEye.width);
+    const double x = (eye == 0 ? apart_m : -apart_m) / 2;
+    column[eye] = ray_pixel(window_of(fov[eye]), kEye, {x, 0, -kScreen_m}).x - shared.first[eye];
+  }
+  EXPECT_NEAR(column[0], column[1], 1);
+}
+
+TEST(SharedColumns, AreAllWhereNothingIsShared) {
+  EXPECT_EQ(shared_columns({EyeFov{-1, -0.5, 0.6, -0.6}, EyeFov{0.5, 1, 0.6, -0.6}}, 0, kEye),
+            SharedColumns{});
+}
+
+TEST(LeftOf, LeavesThePanelItsRoom) {
+  EXPECT_EQ(left_of({1000, 700}, 330), (Extent{670, 700}));
+  EXPECT_EQ(left_of({200, 700}, 330), (Extent{0, 700}));
+}
+
 }  // namespace
 }  // namespace farshade

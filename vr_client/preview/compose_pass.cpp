@@ -16,7 +16,7 @@ gpu::AnaglyphData anaglyph_data(const Composition& composition, const Panel& pan
   return {
       .place = {panel.left, panel.top, static_cast<float>(eye.width) / static_cast<float>(panel.size.width),
                 static_cast<float>(eye.height) / static_cast<float>(panel.size.height)},
-      .pictures = {picture(0), picture(1), 0, 0}};
+      .pictures = {picture(0), picture(1), composition.shared.first[0], composition.shared.first[1]}};
 }
 
 vk::Offset3D corner(std::uint32_t x, std::uint32_t y) {
@@ -144,7 +144,7 @@ void ComposePass::copy(const vk::raii::CommandBuffer& commands, Picture picture,
 }
 
 void ComposePass::draw_anaglyph(const vk::raii::CommandBuffer& commands, const Composition& composition,
-                                const Panel& panel, const ComposeTarget& target) const {
+                                const Panel& panel, Extent eye, const ComposeTarget& target) const {
   gpu::transition(commands, target.image, Layout::eTransferDstOptimal, Layout::eColorAttachmentOptimal);
   const vk::RenderingAttachmentInfo color{.imageView = target.view,
                                           .imageLayout = Layout::eColorAttachmentOptimal,
@@ -159,10 +159,9 @@ void ComposePass::draw_anaglyph(const vk::raii::CommandBuffer& commands, const C
                                        .maxDepth = 1});
   commands.setScissor(0, place);
   commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *layout_, 0, *bindings_.set, {});
-  commands.bindPipeline(vk::PipelineBindPoint::eGraphics,
-                        panel.size == eyes_.wish.size ? *nearest_ : *linear_);
+  commands.bindPipeline(vk::PipelineBindPoint::eGraphics, panel.size == eye ? *nearest_ : *linear_);
   commands.pushConstants<gpu::AnaglyphData>(*layout_, vk::ShaderStageFlagBits::eFragment, 0,
-                                            anaglyph_data(composition, panel, eyes_.wish.size));
+                                            anaglyph_data(composition, panel, eye));
   commands.draw(3, 1, 0, 0);
   commands.endRendering();
   gpu::transition(commands, target.image, Layout::eColorAttachmentOptimal, Layout::eTransferDstOptimal);
@@ -180,10 +179,16 @@ void ComposePass::record(const vk::raii::CommandBuffer& commands, const Composit
       .dstStageMask = vk::PipelineStageFlagBits2::eAllCommands,
       .dstAccessMask = vk::AccessFlagBits2::eMemoryRead | vk::AccessFlagBits2::eMemoryWrite};
   commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &in_order});
-  for (const Panel& panel : panel_rects(left_of(target.size, composition.right_px), eyes_.wish.size,
-                                        composition.aspect, composition.way))
+  Extent eye = eyes_.wish.size;
+  double aspect = composition.aspect;
+  if (composition.way == Way::Anaglyph && composition.shared.count > 0) {
+    aspect *= static_cast<double>(composition.shared.count) / eye.width;
+    eye.width = composition.shared.count;
+  }
+  for (const Panel& panel :
+       panel_rects(left_of(target.size, composition.right_px), eye, aspect, composition.way))
     if (composition.way == Way::Anaglyph)
-      draw_anaglyph(commands, composition, panel, target);
+      draw_anaglyph(commands, composition, panel, eye, target);
     else
       copy(commands, composition.pictures[panel.eye], panel, target.image);
 }

@@ -36,7 +36,7 @@ class ComposePass {
   void copy(const vk::raii::CommandBuffer& commands, Picture picture, const Panel& panel,
             vk::Image target) const;
   void draw_anaglyph(const vk::raii::CommandBuffer& commands, const Composition& composition,
-                     const Panel& panel, const ComposeTarget& target) const;
+                     const Panel& panel, Extent eye, const ComposeTarget& target) const;
 
   const gpu::Device& device_;
   const gpu::Image& eyes_;

@@ -21,6 +21,22 @@ Extent fitted(Extent cell, Extent eye, double aspect) {
 
 }  // namespace
 
+SharedColumns shared_columns(const PerEye<EyeFov>& fov, double eye_distance_m, Extent eye) {
+  // What lies kScreen_m ahead is half an eye distance to the right of the left eye, and to the left of the
+  // right.
+  const double half = eye_distance_m / 2 / kScreen_m;
+  const PerEye<EyeWindow> window{window_of(fov[0]), window_of(fov[1])};
+  const PerEye<double> left{window[0].left - half, window[1].left + half};
+  const double column = (window[0].right - window[0].left) / eye.width;
+  const auto skipped = [&](std::size_t side) {
+    const double columns = std::round((std::max(left[0], left[1]) - left[side]) / column);
+    return static_cast<std::uint32_t>(std::min(columns, double{1} * eye.width));
+  };
+  const PerEye<std::uint32_t> first{skipped(0), skipped(1)};
+  const std::uint32_t most = std::max(first[0], first[1]);
+  return most < eye.width ? SharedColumns{first, eye.width - most} : SharedColumns{};
+}
+
 std::vector<Panel> panel_rects(Extent window, Extent eye, double aspect, Way way) {
   check(eye.pixels() > 0 && aspect > 0, "an eye has pixels");
   const bool two = way == Way::SideBySide || way == Way::CrossEyed;

@@ -17,11 +17,26 @@ enum class Way : std::uint8_t {
 /// Eyes as the renderer drew them, or pictures that were uploaded in their place.
 enum class Picture : std::uint8_t { LeftEye, RightEye, LeftUpload, RightUpload };
 
+/// A run of columns of each picture, of one width, as which both eyes look into one another's directions.
+struct SharedColumns {
+  PerEye<std::uint32_t> first{};
+  std::uint32_t count = 0;  ///< 0: all of both pictures
+  friend bool operator==(const SharedColumns&, const SharedColumns&) = default;
+};
+
+/// Where a point so far ahead of the head lies on the screen of an anaglyph itself, not before or behind it.
+inline constexpr double kScreen_m = 2;
+
+/// The columns that eyes of `eye` pixels share in an anaglyph: eyes whose fov is not symmetric, as those of
+/// headsets are, see the same thing in different columns. All where they share nothing.
+[[nodiscard]] SharedColumns shared_columns(const PerEye<EyeFov>& fov, double eye_distance_m, Extent eye);
+
 struct Composition {
   Way way = Way::SideBySide;
   PerEye<Picture> pictures{Picture::LeftEye, Picture::RightEye};
   double aspect =
       1;  ///< width / height of an eye's window on the plane z = -1; its pixels need not be square
+  SharedColumns shared{};      ///< Anaglyph shows these alone
   std::uint32_t right_px = 0;  ///< of the window's right side, left free
 };
 

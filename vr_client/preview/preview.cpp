@@ -19,7 +19,7 @@ namespace farshade {
 namespace {
 
 constexpr const char* kTitle = "Farshade";
-constexpr std::uint32_t kFirstPanel_px = 330, kLeastHeight_px = 720;
+constexpr std::uint32_t kFirstPanel_px = 330, kLeastEye_px = 480, kLeastHeight_px = 720;
 /// A window opened larger than this would hardly fit a desktop.
 constexpr Extent kMostFirstWindow{1860, 1000};
 /// A minimised window is looked at so often.
@@ -200,6 +200,8 @@ class Preview {
         .way = ways[static_cast<std::size_t>(controls_.look)],
         .pictures = {Picture::LeftEye, Picture::RightEye},
         .aspect = aspect_of(view.shown.views[0]),
+        .shared = shared_columns({view.shown.views[0].fov, view.shown.views[1].fov}, controls_.eye_distance_m,
+                                 options_.size),
         .right_px = panel_width_px(controls_, window_.framebuffer_size(), window_.content_scale())};
     if (const auto& pictures = inspection_.in_place()) {
       for (const Side side : kSides) presenter_.upload(side, (*pictures)[index_of(side)]);
@@ -267,9 +269,9 @@ class Preview {
   enum class Quit : std::uint8_t { No, Wanted } quit_ = Quit::No;
 };
 
-/// Room for both eyes pixel by pixel, and the panel.
+/// Room for both eyes pixel by pixel, small ones enlarged, and the panel.
 Extent window_size(const Options& options) {
-  const Extent wanted{options.size.width * 2 + kFirstPanel_px,
+  const Extent wanted{std::max(options.size.width, kLeastEye_px) * 2 + kFirstPanel_px,
                       std::max(options.size.height, kLeastHeight_px)};
   return {std::min(wanted.width, kMostFirstWindow.width), std::min(wanted.height, kMostFirstWindow.height)};
 }
