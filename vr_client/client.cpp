@@ -18,7 +18,9 @@ constexpr Duration kMeetPatience = std::chrono::seconds(3);
 constexpr double kLongestRoundTrip_ms = 250;
 
 RendererLimits renderer_limits(const Options& options) {
-  const bool wider = options.mode == Mode::Hybrid && options.request.guard_band == GuardBandUse::Measured;
+  // Whoever looks at a preview may want a guard band at any time.
+  const bool wider = options.mode == Mode::Hybrid &&
+                     (options.preview || options.request.guard_band == GuardBandUse::Measured);
   return {.size = options.size,
           .traced_size = wider ? largest_traced(options.size) : options.size,
           .depth_frames = frames_in_flight(options)};

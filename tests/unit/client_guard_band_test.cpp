@@ -135,6 +135,19 @@ TEST(GuardBand, KnowsNothingAtFirst) {
   EXPECT_EQ(margins_of(GuardBand{}, {}, 50ms, 50ms), (Sides<std::uint32_t>{})) << "a head at rest";
 }
 
+TEST(GuardBand, IsAsWideAsItIsAskedToBe) {
+  GuardBand band;
+  band.observe(both(moved(kView, {}, {0, 0.05, 0})), both(kView));
+  const auto all = [&](double share) {
+    const auto margins = band.margins_px(both(kView), {.angular = {0, 0.4, 0}}, 50ms, 20ms, share);
+    return margins.left + margins.right;
+  };
+  EXPECT_EQ(all(0), 0u);
+  EXPECT_GT(all(1), 0u);
+  EXPECT_GT(all(4), all(1));
+  EXPECT_LE(all(100), largest_traced(kSize).width - kSize.width);
+}
+
 TEST(GuardBand, IsNothingWherePredictionsWereRight) {
   std::mt19937_64 random(6);  // the seed
   std::uniform_real_distribution<double> any(-2, 2);

@@ -101,7 +101,8 @@ TEST(SessionFile, KeepsSteeringWhateverItIs) {
     RecordedFrame one = frame(1);
     Steering& steering = one.input.steering;
     steering.wish = {kPredictorKinds[random() % 4], static_cast<GuardBandUse>(random() % 2),
-                     1 + static_cast<std::uint32_t>(random() % 64)};
+                     1 + static_cast<std::uint32_t>(random() % 64),
+                     static_cast<std::uint32_t>(random() % (kWidestBand_percent + 1))};
     steering.carry_over = {static_cast<Lookup>(random() % 2), static_cast<Eyes>(random() % 2),
                            static_cast<Gaps>(random() % 2), static_cast<Edges>(random() % 2)};
     steering.scene = static_cast<SceneClock>(random() % 2);
@@ -111,6 +112,7 @@ TEST(SessionFile, KeepsSteeringWhateverItIs) {
     EXPECT_EQ(got.wish.predictor, steering.wish.predictor);
     EXPECT_EQ(got.wish.guard_band, steering.wish.guard_band);
     EXPECT_EQ(got.wish.every, steering.wish.every);
+    EXPECT_EQ(got.wish.guard_band_percent, steering.wish.guard_band_percent);
     EXPECT_EQ(got.carry_over, steering.carry_over);
     EXPECT_EQ(got.scene, steering.scene);
   }

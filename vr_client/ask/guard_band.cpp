@@ -90,11 +90,11 @@ void GuardBand::observe(const StereoView& shown, const StereoView& predicted) {
 }
 
 Sides<std::uint32_t> GuardBand::margins_px(const StereoView& views, const Twist& velocity, Duration lead,
-                                           Duration spread) const {
+                                           Duration spread, double share) const {
   const auto measured = [&](double Sides<double>::*side) {
     std::vector<double> values;
     for (const Sides<double>& seen : seen_) values.push_back(seen.*side);
-    return values.empty() ? 0.0 : std::max(quantile(values, kQuantile), 0.0);
+    return values.empty() ? 0.0 : share * std::max(quantile(values, kQuantile), 0.0);
   };
   const EyeWindow w = window_of(views[0].fov);
   const Extent size = views[0].size;
@@ -106,7 +106,7 @@ Sides<std::uint32_t> GuardBand::margins_px(const StereoView& views, const Twist&
   const double per_yaw = per_rad(w.left, w.right, size.width), per_pitch = per_rad(w.up, w.down, size.height);
   const double turn = kOfTurn * seconds_of(lead), late = seconds_of(spread);
   // A turn to the left (positive about +y) uncovers the left border, one upwards (about +x) the upper one.
-  const double yaw = velocity.angular.y * per_yaw, pitch = velocity.angular.x * per_pitch;
+  const double yaw = share * velocity.angular.y * per_yaw, pitch = share * velocity.angular.x * per_pitch;
   const double either_x = std::abs(yaw) * turn, either_y = std::abs(pitch) * turn;
   Sides<std::uint32_t> margins;
   fit(measured(&Sides<double>::left) + either_x + std::abs(yaw) * late,

@@ -41,9 +41,10 @@ class GuardBand {
   void observe(const StereoView& shown, const StereoView& predicted);
 
   /// For views predicted `lead` ahead and used up to `early` before and `late` after, by a head that moves as
-  /// `velocity` says. largest_traced(size) holds the result.
+  /// `velocity` says; `share` times as wide as was measured to be needed. largest_traced(size) holds the
+  /// result.
   [[nodiscard]] Sides<std::uint32_t> margins_px(const StereoView& views, const Twist& velocity, Duration lead,
-                                                Duration spread) const;
+                                                Duration spread, double share = 1) const;
 
  private:
   std::vector<Sides<double>> seen_;  ///< a ring

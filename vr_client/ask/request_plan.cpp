@@ -101,7 +101,7 @@ std::optional<TraceRequest> RequestPlan::ask(const TraceRequest& shown, Duration
   if (foreseen_.size() > kMostForeseen) foreseen_.pop_front();
   const Sides<std::uint32_t> margins =
       shrunk(guard_band_.margins_px(full, predictor_.velocity(), used_at - shown.display_time,
-                                    period * (wish_.every - 1) / 2),
+                                    period * (wish_.every - 1) / 2, wish_.guard_band_percent / 100.0),
              full[0].size, request.views[0].size);
   // Views at the limits of what may be asked for stay as they are.
   const StereoView wide{widened(request.views[0], margins), widened(request.views[1], margins)};

@@ -15,10 +15,13 @@ namespace farshade {
 
 enum class GuardBandUse : std::uint8_t { Off, Measured };
 
+inline constexpr std::uint32_t kWidestBand_percent = 300;
+
 struct RequestWish {
   PredictorKind predictor = kDefaultPredictor;  ///< Hold asks for the shown views, at their time
   GuardBandUse guard_band = GuardBandUse::Measured;
-  std::uint32_t every = 1;  ///< frames a request: the display's rate over the masks' rate
+  std::uint32_t every = 1;                 ///< frames a request: the display's rate over the masks' rate
+  std::uint32_t guard_band_percent = 100;  ///< of what is measured to be needed, at most kWidestBand_percent
 };
 
 /// Whether the scene's animations go on from frame to frame.

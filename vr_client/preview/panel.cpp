@@ -64,14 +64,19 @@ void draw_masks(Controls& controls, const PanelFacts& facts) {
   slide("jitter", controls.path.jitter_ms, 0, kWorstPath.jitter_ms, "%.0f ms");
   slide("loss", controls.path.loss_percent, 0, kWorstPath.loss_percent, "%.1f %%");
   auto every = static_cast<int>(controls.steering.wish.every);
-  if (ImGui::SliderInt("masks: every", &every, 1, static_cast<int>(kRarestMasks), "%d. frame",
+  if (ImGui::SliderInt("masks", &every, 1, static_cast<int>(kRarestMasks), "in 1 of %d frames",
                        ImGuiSliderFlags_AlwaysClamp))
     controls.steering.wish.every =
         static_cast<std::uint32_t>(std::clamp(every, 1, static_cast<int>(kRarestMasks)));
+  auto band = static_cast<int>(controls.steering.wish.guard_band_percent);
+  if (ImGui::SliderInt("guard band", &band, 0, static_cast<int>(kWidestBand_percent), "%d %% of the measured",
+                       ImGuiSliderFlags_AlwaysClamp))
+    controls.steering.wish.guard_band_percent =
+        static_cast<std::uint32_t>(std::clamp(band, 0, static_cast<int>(kWidestBand_percent)));
   box("reprojection", controls.steering.carry_over.lookup == Lookup::Reproject, Act::Reprojection, controls,
       facts.stand);
   ImGui::SameLine();
-  box("guard band", controls.steering.wish.guard_band == GuardBandUse::Measured, Act::GuardBand, controls,
+  box("band on", controls.steering.wish.guard_band == GuardBandUse::Measured, Act::GuardBand, controls,
       facts.stand);
   choose("predictor", kPredictorKinds, controls.steering.wish.predictor,
          [](PredictorKind kind) { return to_string(kind); });

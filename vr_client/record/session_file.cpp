@@ -89,9 +89,10 @@ bool light_fields(ByteReader& io, LightChanges& changes) {
 
 bool steering_fields(auto& io, Either<Steering> auto& steering) {
   return io.code(steering.wish.predictor) && io.code(steering.wish.guard_band) &&
-         io.u32(steering.wish.every) && io.code(steering.carry_over.lookup) &&
-         io.code(steering.carry_over.eyes) && io.code(steering.carry_over.gaps) &&
-         io.code(steering.carry_over.edges) && io.code(steering.scene) && light_fields(io, steering.lights);
+         io.u32(steering.wish.every) && io.u32(steering.wish.guard_band_percent) &&
+         io.code(steering.carry_over.lookup) && io.code(steering.carry_over.eyes) &&
+         io.code(steering.carry_over.gaps) && io.code(steering.carry_over.edges) && io.code(steering.scene) &&
+         light_fields(io, steering.lights);
 }
 
 // ---- ranges
@@ -143,7 +144,8 @@ Verdict verdict_on(const Steering& steering) {
   const bool codes =
       is_one_of(steering.wish.predictor, PredictorKind::Kalman) &&
       is_one_of(steering.wish.guard_band, GuardBandUse::Measured) && steering.wish.every >= 1 &&
-      steering.wish.every <= kMaxEvery && is_one_of(steering.carry_over.lookup, Lookup::Direct) &&
+      steering.wish.every <= kMaxEvery && steering.wish.guard_band_percent <= kWidestBand_percent &&
+      is_one_of(steering.carry_over.lookup, Lookup::Direct) &&
       is_one_of(steering.carry_over.eyes, Eyes::Both) &&
       is_one_of(steering.carry_over.gaps, Gaps::Neighbours) &&
       is_one_of(steering.carry_over.edges, Edges::Filtered) && is_one_of(steering.scene, SceneClock::Stands);
