@@ -103,6 +103,7 @@ Expected<std::unique_ptr<Window>> open_window(const std::string& title, Extent s
                                             "WAYLAND_DISPLAY is set); ") +
                                     kCure);
   if (!glfwInit()) return fail(Fault::Missing, "no window could be opened: " + last_words() + "; " + kCure);
+  glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
   GLFWwindow* const window =
       glfwCreateWindow(narrow<int>(size.width), narrow<int>(size.height), title.c_str(), nullptr, nullptr);

@@ -17,8 +17,9 @@ namespace farshade {
 
 class Window;
 
-/// A window of `size` (screen coordinates) that is shown at once. Missing, with the cure, where there is no
-/// desktop to open it on: without DISPLAY and WAYLAND_DISPLAY none is even looked for. One at a time.
+/// A window of `size` (pixels, times the desktop's content scale) that is shown at once. Missing, with the
+/// cure, where there is no desktop to open it on: without DISPLAY and WAYLAND_DISPLAY none is even looked
+/// for. One at a time.
 [[nodiscard]] Expected<std::unique_ptr<Window>> open_window(const std::string& title, Extent size);
 
 class Window {
