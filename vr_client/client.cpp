@@ -14,8 +14,9 @@ namespace {
 /// How long a server may take to answer hello before the client goes on without it.
 constexpr Duration kMeetPatience = std::chrono::seconds(3);
 
-/// In real time, masks that come later than this find their depth gone.
-constexpr double kLongestRoundTrip_ms = 250;
+/// In real time, masks that come later than this find their depth gone; in a preview, whose viewer can make
+/// the path so much worse, that much later.
+constexpr double kLongestRoundTrip_ms = 250, kWorstPath_ms = 400;
 
 RendererLimits renderer_limits(const Options& options) {
   // Whoever looks at a preview may want a guard band at any time.
@@ -52,7 +53,8 @@ Expected<LinkModel> network_of(const Options& options) {
 }  // namespace
 
 std::uint32_t frames_in_flight(const Options& options) {
-  const double late_ms = options.pace == Pace::Real ? kLongestRoundTrip_ms : options.delay_ms;
+  double late_ms = options.pace == Pace::Real ? kLongestRoundTrip_ms : options.delay_ms;
+  if (options.preview) late_ms += kWorstPath_ms;
   return static_cast<std::uint32_t>(std::ceil(late_ms * 1e-3 * options.refresh_hz)) +
          static_cast<std::uint32_t>(ShadingPass::kMaxMasks) * options.request.every + 4;
 }

@@ -138,8 +138,9 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   app.add_option("--dump", options.dump,
                  "frames (1 = first) to dump for other programs to check, such as 10,20")
       ->delimiter(',');
-  app.add_flag("--preview", options.preview,
-               "show it in a window: mouse and keys are the head (or --trace), F1 tells the keys");
+  CLI::Option* const preview =
+      app.add_flag("--preview", options.preview,
+                   "show it in a window: mouse and keys are the head (or --trace), F1 tells the keys");
   app.add_option("--record", options.record, "write the session to this file, for --replay");
   app.add_option(
          "--replay", options.replay,
@@ -154,6 +155,10 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   app.add_option("--gpu", options.device.name_contains, "use only a device whose name contains this");
   app.add_option("--export-trace", options.export_trace,
                  "only write the recording in metres: .csv EuRoC/ASL, .tum or .txt TUM");
+  // What a window shows is paced by the machine, and measured and kept as its viewer wants.
+  for (const char* of_replays :
+       {"--clock", "--delay", "--pictures", "--dump", "--reference-every", "--replay"})
+    app.get_option(of_replays)->excludes(preview);
   app.add_flag("--validate", validate, "run with Vulkan validation layers; any message is an error");
 
   try {

@@ -50,9 +50,9 @@ struct Options {
   std::vector<std::uint32_t> dump;
   std::filesystem::path timeline;  ///< not empty: write the stages of client and server there
   gpu::DeviceWish device;
-  std::filesystem::path record;  ///< not empty: write the session there, to be replayed
-  std::filesystem::path replay;  ///< not empty: show the session on this file again, and compare
-  bool preview = false;  ///< in a window, until it is closed
+  std::filesystem::path record;               ///< not empty: write the session there, to be replayed
+  std::filesystem::path replay;               ///< not empty: show the session on this file again, and compare
+  bool preview = false;                       ///< in a window, until it is closed
   std::optional<ClientDoctorOptions> doctor;  ///< set: look at the machine, and nothing else
 };
 

@@ -11,8 +11,10 @@ MaskInHand Reference::trace(const TraceRequest& request) {
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     all_known_[eye].assign(TileGrid{request.views[eye].size}.count(),
                            all_planes_known(frame_.masks[eye].layout()));
-  return {request.frame, request.display_time, request.scene_time, frame_.views,
-          frame_.masks,  all_known_,           ++traces_,          frame_.light_set_revision};
+  // Contents that no mask from a server has, whose content is a count of tiles.
+  const std::uint64_t content = std::uint64_t{1} << 63 | ++traces_;
+  return {request.frame, request.display_time,     request.scene_time, frame_.views, frame_.masks, all_known_,
+          content,       frame_.light_set_revision};
 }
 
 }  // namespace farshade

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <sstream>
 
 #include "stereo/image/codec.h"
 #include "stereo/math/rotation.h"
@@ -253,6 +255,28 @@ TEST_F(PreviewProgram, FinishesItsTakesWhenInterrupted) {
   ASSERT_TRUE(trace) << trace.error().what;
   EXPECT_GE(trace->samples.size(), 3);
   EXPECT_GE(replay(out_ / "session_0001.farshade", out_ / "replay").left.size(), 3);
+}
+
+TEST_F(PreviewProgram, IsRecordedAndTimedFromItsFirstWord) {
+  const std::filesystem::path session = out_ / "whole.farshade", timeline = out_ / "timeline.json";
+  start({"--trace", FARSHADE_ASSETS "/walk.csv", "--skip", "1", "--net", "wifi", "--frames", "12", "--record",
+         session.string(), "--timeline", timeline.string()});
+  ASSERT_EQ(end(), 0) << errors_;
+  EXPECT_EQ(replay(session, out_ / "replay").left.size(), 12u);
+  std::stringstream events;
+  events << std::ifstream(timeline).rdbuf();
+  for (const char* told : {"rt_server", "\"shadow\"", "\"shade\"", "\"frame\":12"})
+    EXPECT_NE(events.str().find(told), std::string::npos) << told;
+}
+
+TEST_F(PreviewProgram, RefusesAtOnceWhatItCannotDo) {
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--record", "/nowhere/session"},
+                                                {"--timeline", "/nowhere/timeline"},
+                                                {"--net", "nonsense"}}) {
+    start(wrong);
+    EXPECT_EQ(end(), 1) << wrong[0];
+    EXPECT_NE(errors_.find(wrong[1]), std::string::npos) << errors_;
+  }
 }
 
 TEST_F(PreviewProgram, OutlivesItsServer) {

@@ -333,12 +333,13 @@ TEST_F(PreviewWindow, LeavesToThePanelWhatIsThePanels) {
     ImGui::Begin("panel");
     ImGui::End();
   };
-  screen_.move_mouse(id_, 100, 100);
   EXPECT_TRUE(screen_.wait_until([&] {
     window_->poll();
     presenter_->show({}, panel);
-    return ImGui::GetIO().WantCaptureMouse;
+    return ImGui::GetFrameCount() >= 3;
   }));
+  // Pressed before the panel has heard that the mouse is there.
+  screen_.move_mouse(id_, 100, 100);
   screen_.press_button();
   screen_.move_mouse(id_, 150, 150);
   screen_.release_button();

@@ -137,6 +137,23 @@ TEST(ReadOptions, TakesEveryOption) {
   EXPECT_EQ(options.device.validation, gpu::Validation::On);
 }
 
+TEST(ReadOptions, PreviewTakesNoOptionsOfReplays) {
+  EXPECT_TRUE(read_more({"--preview"}).options.has_value());
+  for (const std::vector<std::string>& other : {std::vector<std::string>{"--clock", "real"},
+                                                {"--delay", "5"},
+                                                {"--pictures", "1"},
+                                                {"--dump", "1"},
+                                                {"--reference-every", "2"},
+                                                {"--replay", "session"}}) {
+    std::vector<std::string> arguments{"--preview"};
+    arguments.insert(arguments.end(), other.begin(), other.end());
+    const Outcome read = read_more(arguments);
+    ASSERT_FALSE(read.options.has_value()) << other[0];
+    EXPECT_EQ(read.options.error().status, 2);
+    EXPECT_NE(read.errors.find(other[0]), std::string::npos) << read.errors;
+  }
+}
+
 TEST(ReadOptions, DefaultsAreThoseOfTheHeader) {
   const Outcome read = read_more({});
   ASSERT_TRUE(read.options.has_value());

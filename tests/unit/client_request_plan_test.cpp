@@ -251,5 +251,22 @@ TEST(RequestPlanShrink, KeepsTheGuardBandWhateverTheSize) {
   EXPECT_GT(full.ask(shown(60), kPeriod)->views[0].size.width, kSize.width);
 }
 
+TEST(RequestPlan, LearnsNothingOfAPause) {
+  RequestPlan plan({});
+  plan.learn(30ms);
+  const Duration lead = plan.lead(10ms);
+  for (int i = 0; i < 100; ++i) plan.learn(60s);
+  EXPECT_EQ(plan.lead(10ms), lead);
+}
+
+TEST(RequestPlan, StandsStillWithTheScene) {
+  RequestPlan plan({.guard_band = GuardBandUse::Off});
+  plan.learn(30ms);
+  const TraceRequest shown{FrameId{1}, Time(1s), Time(5s), {}, {}};
+  EXPECT_GT(plan.ask(shown, 10ms)->scene_time, Time(5s));
+  EXPECT_EQ(plan.ask(shown, 10ms, SceneClock::Stands)->scene_time, Time(5s));
+  EXPECT_GT(plan.ask(shown, 10ms, SceneClock::Stands)->display_time, Time(1s));
+}
+
 }  // namespace
 }  // namespace farshade

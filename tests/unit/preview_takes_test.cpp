@@ -100,7 +100,7 @@ TEST_F(TakesTest, AllThatIsBeingRecordedIsFinished) {
   takes.begin_session({}, header_);
   EXPECT_TRUE(takes.records_session()) << takes.note();
   show(takes, 3);
-  takes.finish();
+  EXPECT_TRUE(takes.finish());
   EXPECT_TRUE(is_there("head_0001.csv"));
   EXPECT_TRUE(is_there("frames_0001/frame_00003.png"));
   EXPECT_TRUE(is_there("session_0001.farshade"));
@@ -115,7 +115,7 @@ TEST_F(TakesTest, FailureIsSaidAndEndsTheTake) {
   EXPECT_NE(takes.note().find("nowhere"), std::string::npos);
   takes.take_screenshot(eyes_, {});
   EXPECT_NE(takes.note().find("screenshot"), std::string::npos);
-  takes.finish();
+  EXPECT_FALSE(takes.finish());
 }
 
 TEST_F(TakesTest, LinkMayGoOnTellingAfterTheRecording) {

@@ -53,6 +53,7 @@ void RequestPlan::shrink(std::uint32_t eighths) {
 }
 
 void RequestPlan::learn(Duration later) {
+  if (later > kLongestLatency) return;
   later_.push_back(later);
   if (later_.size() > kLatencies) later_.pop_front();
 }

@@ -33,6 +33,7 @@ enum class SceneClock : std::uint8_t { Runs, Stands };
 class RequestPlan {
  public:
   static constexpr std::uint32_t kFullSize = 8;  ///< eighths
+  static constexpr Duration kLongestLatency = std::chrono::seconds(2);
 
   explicit RequestPlan(const RequestWish& wish) : wish_(wish), predictor_(wish.predictor) {}
 
@@ -48,7 +49,7 @@ class RequestPlan {
   void limit(std::uint32_t pixels) { most_pixels_ = pixels; }
 
   /// Masks could be used `later` after the display time at which they were asked for; before any has come, a
-  /// guess. It is rounded up to whole frames.
+  /// guess. It is rounded up to whole frames. More than kLongestLatency was a pause, and tells nothing.
   void learn(Duration later);
 
   /// From now on views are asked for at `eighths` (1 to 8) eighths of the shown size, at least 16 pixels a

@@ -120,7 +120,7 @@ PanelLayer::PanelLayer(const gpu::Device& device, Window& window, vk::Format for
     : device_(device), window_(window), format_(format), render_pass_(make_render_pass(device, format)) {
   ImGui::CreateContext();
   set_style(window.content_scale());
-  window.attach_panel();
+  window.attach_panel([this](glm::dvec2 place) { return covers(place); });
   const vk::DescriptorPoolSize font{.type = vk::DescriptorType::eCombinedImageSampler, .descriptorCount = 1};
   pool_ = device.logical.createDescriptorPool({.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
                                                .maxSets = 1,
@@ -138,8 +138,11 @@ PanelLayer::~PanelLayer() {
 bool PanelLayer::is_due(Extent window, Time now) const {
   if (!laid_out_ || now - *laid_out_ >= kReadable || image_.wish.size != window) return true;
   if (ImGui::IsAnyItemActive()) return true;
-  return std::ranges::any_of(windows_,
-                             [&](const vk::Rect2D& rect) { return contains(rect, window_.cursor_px()); });
+  return covers(window_.cursor_px());
+}
+
+bool PanelLayer::covers(glm::dvec2 place) const {
+  return std::ranges::any_of(windows_, [&](const vk::Rect2D& rect) { return contains(rect, place); });
 }
 
 void PanelLayer::lay_out(Extent window, Time now, const std::function<void()>& draw) {

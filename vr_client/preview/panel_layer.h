@@ -35,6 +35,8 @@ class PanelLayer {
   void record_copy(const vk::raii::CommandBuffer& commands, vk::Image target) const;
 
  private:
+  /// A place in the window, pixels.
+  [[nodiscard]] bool covers(glm::dvec2 place) const;
   void fit(Extent window);
 
   const gpu::Device& device_;

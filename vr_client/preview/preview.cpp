@@ -68,14 +68,14 @@ class Preview {
  public:
   /// The first frames draw without a reference; one is made when it is first needed.
   Preview(const Options& options, Client& client, Window& window, StopSignal& stop_signal,
-          const std::optional<HeadTrace>& trace)
+          const std::optional<HeadTrace>& trace, const LinkModel& path)
       : options_(options),
         client_(client),
         window_(window),
         stop_signal_(stop_signal),
         presenter_(client.device, window, client.renderer->shown()),
         controls_(first_controls(options, trace)),
-        path_(options.net.empty() ? LinkModel{} : parse_link_model(options.net).value()),
+        path_(path),
         lights_(state_at(client.scene, {}).light_set),
         runtime_(
             setup_of(options, client.scene, trace), client.clock,
@@ -83,15 +83,21 @@ class Preview {
         inspection_(*client.renderer),
         takes_(options.out, client.clock) {
     controls_.path = {ms_of(path_.delay), ms_of(path_.jitter), path_.loss * 100};
-    if (Player* const player = runtime_.player()) player->set_at_end(AtEnd::Loop);
+    if (Player* const player = runtime_.player()) {
+      player->set_at_end(AtEnd::Loop);
+      player->scrub(duration_from_ms(options.skip_s * 1e3));
+    }
   }
 
   /// Session after session: one that is recorded begins with its recording.
   Expected<void> run_all() {
+    // Written once before there is anything in it, to learn early that it cannot be.
+    if (auto written = write_timeline(); !written) return written;
     const bool recorded = !options_.record.empty();
     Expected<void> done = open_link(options_, client_, recorded ? takes_.listen() : LinkListener{});
-    if (done && recorded) takes_.begin_session(options_.record, header_of(options_, client_, policy()));
     if (!done) return done;
+    if (recorded) takes_.begin_session(options_.record, header_of(options_, client_, policy()));
+    if (recorded && !takes_.records_session()) return {};  // finish() says why
     do {
       if (restart_ == Restart::Wanted) done = begin_recorded_session();
       const auto stop = [&] { return ended() || restart_ == Restart::Wanted; };
@@ -103,11 +109,15 @@ class Preview {
   }
 
   [[nodiscard]] Expected<void> finish() {
-    takes_.finish();
-    return options_.timeline.empty() ? Expected<void>{} : timeline_.write(options_.timeline);
+    const Expected<void> taken = takes_.finish();
+    const Expected<void> written = write_timeline();
+    return taken ? written : taken;
   }
 
  private:
+  [[nodiscard]] Expected<void> write_timeline() const {
+    return options_.timeline.empty() ? Expected<void>{} : timeline_.write(options_.timeline);
+  }
   [[nodiscard]] bool ended() {
     return quit_ == Quit::Wanted || window_.should_close() || stop_signal_.has_come();
   }
@@ -289,6 +299,8 @@ Expected<void> run_preview(const Options& wish) {
     if (!loaded) return tl::unexpected(loaded.error());
     trace = std::move(*loaded);
   }
+  const Expected<LinkModel> path = options.net.empty() ? LinkModel{} : parse_link_model(options.net);
+  if (!path) return tl::unexpected(path.error());
   const Expected<std::unique_ptr<Window>> window = open_window(kTitle, window_size(options));
   if (!window) return tl::unexpected(window.error());
   options.device.presentation = (*window)->presentation();
@@ -299,12 +311,13 @@ Expected<void> run_preview(const Options& wish) {
 
   Expected<void> done, finished;
   {
-    Preview preview(options, **client, **window, stop_signal, trace);
+    Preview preview(options, **client, **window, stop_signal, trace, *path);
     try {
       done = preview.run_all();
-    } catch (const vk::DeviceLostError& lost) {
-      done = fail(Fault::Unavailable, fmt::format("the device {} was lost ({}); start again",
-                                                  (*client)->device.name, lost.what()));
+    } catch (const std::exception& error) {
+      // A lost device, a surface that went: whatever ends the preview, what was taken is kept.
+      done = fail(Fault::Unavailable, fmt::format("drawing on {} failed ({}); start again",
+                                                  (*client)->device.name, error.what()));
     }
     finished = preview.finish();
   }

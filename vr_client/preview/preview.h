@@ -7,7 +7,9 @@
 namespace farshade {
 
 /// Until the window is closed, a signal comes or the server refuses us for good. What was being recorded is
-/// finished in any case. A server that is not there or goes away is shown, not an end.
+/// then finished, also if the device is lost; not if the X server goes, with which Xlib ends the program: a
+/// session file then lacks its last frame, a head and a timeline are lost. A server that is not there or goes
+/// away is shown, not an end.
 [[nodiscard]] Expected<void> run_preview(const Options& options);
 
 }  // namespace farshade

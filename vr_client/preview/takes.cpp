@@ -32,6 +32,7 @@ std::filesystem::path Takes::unused(const char* what, const char* extension) con
 }
 
 void Takes::say(const Expected<void>& done, const std::string& otherwise) {
+  if (!done && !failed_) failed_ = done.error();
   note_ = done ? otherwise : done.error().what;
   if (done)
     spdlog::info("{}", note_);
@@ -76,14 +77,16 @@ void Takes::toggle_frames() {
 
 LinkListener Takes::listen() {
   session_ = std::make_unique<SessionRecorder>(clock_);
+  session_path_.clear();
+  SessionRecorder* const own = session_.get();
   // The link outlives a session's recording, and goes on telling.
   return {.heard =
-              [this, inner = session_->listener()](auto message, Time arrived) {
-                if (session_) inner.heard(message, arrived);
+              [this, own, inner = own->listener()](auto message, Time arrived) {
+                if (session_.get() == own) inner.heard(message, arrived);
               },
           .asked =
-              [this, inner = session_->listener()](const TraceRequest& request) {
-                if (session_) inner.asked(request);
+              [this, own, inner = own->listener()](const TraceRequest& request) {
+                if (session_.get() == own) inner.asked(request);
               }};
 }
 
@@ -96,6 +99,10 @@ void Takes::begin_session(const std::filesystem::path& path, const SessionHeader
 }
 
 void Takes::end_session() {
+  if (session_path_.empty()) {
+    session_.reset();  // its session never began
+    return;
+  }
   say({}, fmt::format("wrote {} frames to {}; show it again with --replay", session_->frames(),
                       session_path_.string()));
   session_.reset();
@@ -119,10 +126,11 @@ void Takes::watch(const FrameView& view, const PerEye<Image<Rgb8>>* shown,
   }
 }
 
-void Takes::finish() {
+Expected<void> Takes::finish() {
   if (head_) toggle_head();
   if (frames_) toggle_frames();
   if (session_) end_session();
+  return failed_ ? Expected<void>(tl::unexpected(*failed_)) : Expected<void>{};
 }
 
 }  // namespace farshade

@@ -42,8 +42,8 @@ class Takes {
   /// A frame was shown; `shown` are its eyes as drawn. Only if some take records pictures: `on_show`.
   void watch(const FrameView& view, const PerEye<Image<Rgb8>>* shown, const PerEye<Image<Rgb8>>* on_show);
 
-  /// Ends all takes.
-  void finish();
+  /// Ends all takes. The first failure of any.
+  [[nodiscard]] Expected<void> finish();
 
  private:
   struct Frames {
@@ -60,6 +60,7 @@ class Takes {
   std::unique_ptr<SessionRecorder> session_;
   std::filesystem::path session_path_;
   std::string note_;
+  std::optional<Error> failed_;
 };
 
 }  // namespace farshade

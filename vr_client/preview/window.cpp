@@ -193,10 +193,11 @@ void Window::wait(Duration longest) {
   glfwWaitEventsTimeout(seconds_of(longest));
 }
 
-void Window::attach_panel() {
+void Window::attach_panel(std::function<bool(glm::dvec2)> covers) {
   check(panel_ == Panel::None, "one panel at a time");
   ImGui_ImplGlfw_InitForVulkan(window_, true);  // it passes on to our callbacks what it hears
   panel_ = Panel::Attached;
+  panel_covers_ = std::move(covers);
 }
 
 void Window::detach_panel() {
@@ -206,6 +207,13 @@ void Window::detach_panel() {
 
 void Window::begin_panel() {
   ImGui_ImplGlfw_NewFrame();
+  // The back end counts in screen coordinates, which are larger than pixels on some desktops.
+  const Extent size = framebuffer_size();
+  ImGuiIO& io = ImGui::GetIO();
+  io.DisplaySize = {static_cast<float>(size.width), static_cast<float>(size.height)};
+  io.DisplayFramebufferScale = {1, 1};
+  const glm::dvec2 mouse = cursor_px();
+  if (io.MousePos.x > -FLT_MAX) io.MousePos = {static_cast<float>(mouse.x), static_cast<float>(mouse.y)};
 }
 
 /// Keys that are let go are always heard: one that was held as the panel began to listen must not stick.
@@ -221,7 +229,7 @@ void Window::on_key(int key, int action) {
 
 void Window::on_mouse_button(int button, int action) {
   if (button != GLFW_MOUSE_BUTTON_LEFT) return;
-  const bool panels = panel_ == Panel::Attached && ImGui::GetIO().WantCaptureMouse;
+  const bool panels = panel_ == Panel::Attached && panel_covers_(cursor_px());
   mouse_ = action == GLFW_PRESS && !panels ? Mouse::Dragging : Mouse::Free;
 }
 
@@ -231,7 +239,7 @@ void Window::on_cursor(glm::dvec2 position) {
 }
 
 void Window::on_scroll(double notches) {
-  if (panel_ == Panel::None || !ImGui::GetIO().WantCaptureMouse) input_.scroll += notches;
+  if (panel_ == Panel::None || !panel_covers_(cursor_px())) input_.scroll += notches;
 }
 
 }  // namespace farshade

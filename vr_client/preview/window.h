@@ -2,6 +2,7 @@
 /// The only room that knows GLFW; all calls from the thread that opened it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -45,9 +46,11 @@ class Window {
   void wait(Duration longest);
 
   // The panel's hands: Dear ImGui's current context is told of mouse and keys between these two.
-  void attach_panel();
+  /// `covers` says whether a place, in pixels of the window, is the panel's as it now is on show: who presses
+  /// there means the panel.
+  void attach_panel(std::function<bool(glm::dvec2)> covers);
   void detach_panel();
-  /// Before ImGui::NewFrame.
+  /// Before ImGui::NewFrame. The panel counts in pixels.
   void begin_panel();
 
  private:
@@ -62,6 +65,7 @@ class Window {
   enum class Panel : std::uint8_t { None, Attached } panel_ = Panel::None;
   enum class Mouse : std::uint8_t { Free, Dragging } mouse_ = Mouse::Free;
   glm::dvec2 cursor_{0, 0};
+  std::function<bool(glm::dvec2)> panel_covers_;
   Input input_;
 };
 

@@ -90,6 +90,7 @@ class Timeline::Events {
 
   /// An arrow between the innermost spans that hold its ends.
   void arrow(const char* name, Time from, Thread from_thread, Time to, Thread to_thread, FrameId frame) {
+    ++arrows_;  // frame ids begin anew with each session, arrows do not
     arrow_end("s", name, from, from_thread, frame);
     arrow_end("f", name, to, to_thread, frame);
   }
@@ -126,10 +127,11 @@ class Timeline::Events {
   void arrow_end(const char* phase, const char* name, Time at, Thread on, FrameId frame) {
     event(
         R"("ph":"{}","bp":"e","cat":"wire","name":"{}","id":{},"ts":{:.3f},"pid":{},"tid":{},"args":{{"frame":{}}})",
-        phase, name, frame.value, us(at), on.process, on.number, frame.value);
+        phase, name, arrows_, us(at), on.process, on.number, frame.value);
   }
 
   Time zero_;
+  std::uint64_t arrows_ = 0;
   std::array<std::vector<Time>, kRows.size()> ends_;  ///< of each row's threads: of the last span
   std::string text_;
 };
@@ -142,6 +144,9 @@ void Timeline::add(const FrameView& view, const MaskInbox* inbox) {
                     .shade = view.times.shade,
                     .draw = view.times.draw});
   if (inbox == nullptr) return;
+  // Another session has begun: its frames are not those that were asked for before.
+  if (shown_.size() > 1 && !is_newer(view.shown.frame, shown_[shown_.size() - 2].frame))
+    settled_ = asked_.size();
   if (view.asked)
     if (const MaskInbox::Exchange* const exchange = inbox->exchange(view.asked->frame))
       asked_.push_back({.exchange = *exchange});
