@@ -9,6 +9,7 @@
 
 #include "stereo/frame/tiles.h"
 #include "stereo/wire/codec.h"
+#include "stereo/wire/frame_fields.h"
 
 namespace farshade {
 
@@ -31,30 +32,8 @@ using codec::Either;
 using codec::kFine;
 using codec::Verdict;
 
-namespace {
-
-constexpr std::int64_t kMaxTime_ns = std::int64_t{1} << 61;  // 73 years: sums and differences cannot overflow
-constexpr double kMaxCoordinate_m = 1e9;
-constexpr double kMaxOffUnit = 1e-3;
-
-}  // namespace
-
 // ---- field lists: `io` is a ByteWriter and the message const, or a ByteReader. False: the bytes end early.
 // Not in the anonymous namespace: the codec finds them by their arguments.
-
-bool fields(auto& io, Either<Extent> auto& size) {
-  return io.u16(size.width) && io.u16(size.height);
-}
-
-bool fields(auto& io, Either<View> auto& view) {
-  auto& q = view.stage_from_eye.rotation;
-  auto& t = view.stage_from_eye.translation;
-  auto& fov = view.fov;
-  return io.f64(q.w) && io.f64(q.x) && io.f64(q.y) && io.f64(q.z) &&                     //
-         io.f64(t.x) && io.f64(t.y) && io.f64(t.z) &&                                    //
-         io.f64(fov.left) && io.f64(fov.right) && io.f64(fov.up) && io.f64(fov.down) &&  //
-         fields(io, view.size);
-}
 
 /// What the client holds travels as how far it lies behind the frame asked for; 0: none.
 bool frames_behind_field(ByteWriter& io, const RequestMessage& message) {
@@ -68,25 +47,6 @@ bool frames_behind_field(ByteReader& io, RequestMessage& message) {
   return true;
 }
 
-bool fields(auto& io, Either<LightPose> auto& pose) {
-  auto& p = pose.position.v;
-  auto& d = pose.direction.v;
-  return io.f64(p.x) && io.f64(p.y) && io.f64(p.z) && io.f64(d.x) && io.f64(d.y) && io.f64(d.z);
-}
-
-/// Bit 0: on; bit 1: a pose follows.
-bool fields(ByteWriter& io, const LightChange& change) {
-  const unsigned flags = (change.on ? 1u : 0u) | (change.pose ? 2u : 0u);
-  return io.u16(change.light) && io.u32(change.revision) && io.u8(flags) &&
-         (!change.pose || fields(io, *change.pose));
-}
-/// Flags that mean nothing are kept in `flags`, for the verdict.
-bool fields(ByteReader& io, LightChange& change, std::uint8_t& flags) {
-  if (!io.u16(change.light) || !io.u32(change.revision) || !io.u8(flags)) return false;
-  change.on = (flags & 1u) != 0;
-  return (flags & 2u) == 0 || fields(io, change.pose.emplace());
-}
-
 bool fields(ByteWriter& io, const LightChanges& changes) {
   bool fine = io.u32(changes.revision) && io.u8(changes.lights.size());
   for (const LightChange& change : changes.lights) fine = fine && fields(io, change);
@@ -97,11 +57,8 @@ bool fields(ByteReader& io, LightChanges& changes) {
   if (!io.u32(changes.revision) || !io.u8(count)) return false;
   // One beyond the most is read, so that the verdict sees that there are too many.
   const std::size_t most = RequestMessage::kMostLightChanges + 1;
-  for (std::size_t i = 0; i < std::min<std::size_t>(count, most); ++i) {
-    std::uint8_t flags = 0;
-    if (!fields(io, changes.lights.emplace_back(), flags)) return false;
-    if (flags > 3) changes.lights.back().light = kMaxLights;  // refused with it
-  }
+  for (std::size_t i = 0; i < std::min<std::size_t>(count, most); ++i)
+    if (!fields(io, changes.lights.emplace_back())) return false;
   return true;
 }
 
@@ -148,37 +105,11 @@ bool fields(auto& io, Either<Probe> auto& probe) {
 
 // ---- ranges: why a message may not be sent and is refused
 
-namespace {
-
-bool in_range(Time time) {
-  return ns_of(time) >= -kMaxTime_ns && ns_of(time) <= kMaxTime_ns;
-}
-bool in_range(Duration span) {
-  return span.count() >= 0 && span.count() <= kMaxTime_ns;
-}
-
-bool in_range(const glm::dvec3& place) {
-  return std::abs(place.x) <= kMaxCoordinate_m && std::abs(place.y) <= kMaxCoordinate_m &&
-         std::abs(place.z) <= kMaxCoordinate_m;  // false for NaN
-}
-bool in_range(const View& view) {
-  return is_valid(view) && in_range(view.stage_from_eye.translation);
-}
-bool in_range(const LightPose& pose) {
-  return in_range(pose.position.v) && std::abs(glm::length(pose.direction.v) - 1) <= kMaxOffUnit;
-}
-
-}  // namespace
-
-/// Ascending, so that the last is the newest; none beyond the set's own revision.
 Verdict verdict(const LightChanges& changes) {
   if (changes.lights.size() > RequestMessage::kMostLightChanges) return WireRefusal::Lights;
   std::uint32_t last = kFirstLightSet;
   for (const LightChange& change : changes.lights) {
-    const bool in_order = is_newer(FrameId{change.revision}, FrameId{last}) &&
-                          !is_newer(FrameId{change.revision}, FrameId{changes.revision});
-    if (change.light >= kMaxLights || !in_order) return WireRefusal::Lights;
-    if (change.pose && !in_range(*change.pose)) return WireRefusal::ViewRange;
+    if (const Verdict why = verdict_on(change, last, changes.revision)) return why;
     last = change.revision;
   }
   return kFine;

@@ -6,10 +6,8 @@
 
 #include <algorithm>
 #include <bitset>
-#include <cmath>
-#include <glm/geometric.hpp>
 
-#include "stereo/wire/codec.h"
+#include "stereo/wire/frame_fields.h"
 
 namespace farshade {
 
@@ -19,8 +17,6 @@ using codec::Verdict;
 
 namespace {
 
-constexpr std::int64_t kMaxTime_ns = std::int64_t{1} << 61;  // as on the wire
-constexpr double kMaxCoordinate_m = 1e9, kMaxOffUnit = 1e-3;
 constexpr Duration kLongestPeriod = std::chrono::seconds(1000);
 constexpr std::uint32_t kMaxEvery = 1024, kMaxFramesInFlight = 4096;
 constexpr double kMaxRefresh_hz = 1e6;
@@ -41,41 +37,9 @@ bool text_field(ByteReader& io, std::string& text) {
   return true;
 }
 
-bool extent_fields(auto& io, Either<Extent> auto& size) {
-  return io.u16(size.width) && io.u16(size.height);
-}
-
-bool view_fields(auto& io, Either<View> auto& view) {
-  auto& q = view.stage_from_eye.rotation;
-  auto& t = view.stage_from_eye.translation;
-  auto& fov = view.fov;
-  return io.f64(q.w) && io.f64(q.x) && io.f64(q.y) && io.f64(q.z) && io.f64(t.x) && io.f64(t.y) &&
-         io.f64(t.z) && io.f64(fov.left) && io.f64(fov.right) && io.f64(fov.up) && io.f64(fov.down);
-}
-
-bool pose_fields(auto& io, Either<LightPose> auto& pose) {
-  auto& p = pose.position.v;
-  auto& d = pose.direction.v;
-  return io.f64(p.x) && io.f64(p.y) && io.f64(p.z) && io.f64(d.x) && io.f64(d.y) && io.f64(d.z);
-}
-
-/// Bit 0: on; bit 1: a pose follows.
-bool change_fields(ByteWriter& io, const LightChange& change) {
-  const unsigned flags = (change.on ? 1u : 0u) | (change.pose ? 2u : 0u);
-  return io.u16(change.light) && io.u32(change.revision) && io.u8(flags) &&
-         (!change.pose || pose_fields(io, *change.pose));
-}
-bool change_fields(ByteReader& io, LightChange& change) {
-  std::uint8_t flags = 0;
-  if (!io.u16(change.light) || !io.u32(change.revision) || !io.u8(flags)) return false;
-  if (flags > 3) change.light = kMaxLights;  // refused with it
-  change.on = (flags & 1u) != 0;
-  return (flags & 2u) == 0 || pose_fields(io, change.pose.emplace());
-}
-
 bool light_fields(ByteWriter& io, const LightChanges& changes) {
   bool fine = io.u32(changes.revision) && io.u16(changes.lights.size());
-  for (const LightChange& change : changes.lights) fine = fine && change_fields(io, change);
+  for (const LightChange& change : changes.lights) fine = fine && fields(io, change);
   return fine;
 }
 /// Grows with the bytes that are there, not with the count that they claim.
@@ -83,7 +47,7 @@ bool light_fields(ByteReader& io, LightChanges& changes) {
   std::uint16_t count = 0;
   if (!io.u32(changes.revision) || !io.u16(count)) return false;
   for (std::size_t i = 0; i < count; ++i)
-    if (!change_fields(io, changes.lights.emplace_back())) return false;
+    if (!fields(io, changes.lights.emplace_back())) return false;
   return true;
 }
 
@@ -96,18 +60,6 @@ bool steering_fields(auto& io, Either<Steering> auto& steering) {
 }
 
 // ---- ranges
-
-bool in_range(Time time) {
-  return ns_of(time) >= -kMaxTime_ns && ns_of(time) <= kMaxTime_ns;
-}
-bool in_range(Duration span) {
-  return span.count() >= 0 && span.count() <= kMaxTime_ns;
-}
-
-bool in_range(const glm::dvec3& place) {
-  return std::abs(place.x) <= kMaxCoordinate_m && std::abs(place.y) <= kMaxCoordinate_m &&
-         std::abs(place.z) <= kMaxCoordinate_m;  // false for NaN
-}
 
 bool in_range(Extent size) {
   const auto fits = [](std::uint32_t side) { return side >= 1 && side <= kMaxViewSide_px; };
@@ -128,12 +80,8 @@ Verdict verdict_on_lights(const LightChanges& changes) {
   std::bitset<kMaxLights> seen;
   std::uint32_t last = kFirstLightSet;
   for (const LightChange& change : changes.lights) {
-    const bool in_order =
-        is_newer_light_set(change.revision, last) && !is_newer_light_set(change.revision, changes.revision);
-    if (change.light >= kMaxLights || seen.test(change.light) || !in_order) return WireRefusal::Lights;
-    const bool fine = !change.pose || (in_range(change.pose->position.v) &&
-                                       std::abs(glm::length(change.pose->direction.v) - 1) <= kMaxOffUnit);
-    if (!fine) return WireRefusal::ViewRange;
+    if (const Verdict why = verdict_on(change, last, changes.revision)) return why;
+    if (seen.test(change.light)) return WireRefusal::Lights;
     seen.set(change.light);
     last = change.revision;
   }
@@ -170,15 +118,15 @@ bool fields(auto& io, Either<SessionHeader> auto& header) {
   auto& [size, traced_size, depth_frames] = header.limits;
   auto& policy = header.policy;
   return text_field(io, header.scene) && io.array(header.scene_hash) && io.u16(header.lights) &&
-         io.code(header.origin) && extent_fields(io, size) && extent_fields(io, traced_size) &&
-         io.u32(depth_frames) && io.u32(header.requests) && io.f64(header.refresh_hz) &&
-         io.code(policy.pace) && io.ns(policy.delay) && io.ns(policy.round_trip) && io.ns(policy.mask_wait) &&
+         io.code(header.origin) && fields(io, size) && fields(io, traced_size) && io.u32(depth_frames) &&
+         io.u32(header.requests) && io.f64(header.refresh_hz) && io.code(policy.pace) &&
+         io.ns(policy.delay) && io.ns(policy.round_trip) && io.ns(policy.mask_wait) &&
          text_field(io, header.device);
 }
 
 bool fields(auto& io, Either<FrameInput> auto& input) {
-  return io.ns(input.timing.display_time) && io.ns(input.timing.period) && view_fields(io, input.views[0]) &&
-         view_fields(io, input.views[1]) && steering_fields(io, input.steering);
+  return io.ns(input.timing.display_time) && io.ns(input.timing.period) && look_fields(io, input.views[0]) &&
+         look_fields(io, input.views[1]) && steering_fields(io, input.steering);
 }
 
 namespace {
