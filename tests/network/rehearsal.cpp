@@ -160,7 +160,7 @@ Played play(const Play& play, const Network& network) {
                      .dump = {}},
                     renderer, &reference);
   Played played;
-  const Steering steering{.report = ShadingPass::Report::On};
+  const Steering steering{.wish = {}, .carry_over = {}, .report = ShadingPass::Report::On};
   const Session session{.scene = play.scene,
                         .runtime = runtime,
                         .renderer = renderer,
