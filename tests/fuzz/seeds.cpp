@@ -147,7 +147,7 @@ void save_session_files(const fs::path& folder) {
   quiet.before = std::exchange(quiet.after, {});
   Bytes whole = file_of(header(), std::vector{lit, quiet});
   save(folder / "server", whole);
-  whole.resize(whole.size() - 20);
+  whole.erase(whole.end() - 20, whole.end());
   save(folder / "cut_off", whole);
   SessionHeader nobody = header();
   nobody.origin = MaskOrigin::Nobody;
