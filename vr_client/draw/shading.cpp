@@ -57,7 +57,6 @@ ShadingPass::ShadingPass(const gpu::Device& device, const GBufferPass& gbuffer, 
                          const gpu::Buffer& frame, const MotionModel& motion, Extent size, Extent traced_size,
                          std::uint32_t lights)
     : device_(device),
-      gbuffer_(gbuffer),
       ring_(ring),
       frame_buffer_(frame),
       size_(size),

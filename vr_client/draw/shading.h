@@ -128,7 +128,6 @@ class ShadingPass {
   };
 
   const gpu::Device& device_;
-  const GBufferPass& gbuffer_;
   const DepthRing& ring_;
   const gpu::Buffer& frame_buffer_;
   Extent size_;
