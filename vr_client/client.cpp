@@ -14,9 +14,9 @@ namespace {
 /// How long a server may take to answer hello before the client goes on without it.
 constexpr Duration kMeetPatience = std::chrono::seconds(3);
 
-/// In real time, masks that come later than this find their depth gone; in a preview, whose viewer can make
-/// the path so much worse, that much later.
-constexpr double kLongestRoundTrip_ms = 250, kWorstPath_ms = 400;
+/// In real time, masks that come later than this find their depth gone; in a preview, kWorstPreviewPath_ms
+/// later.
+constexpr double kLongestRoundTrip_ms = 250;
 
 RendererLimits renderer_limits(const Options& options) {
   // Whoever looks at a preview may want a guard band at any time.
@@ -54,7 +54,7 @@ Expected<LinkModel> network_of(const Options& options) {
 
 std::uint32_t frames_in_flight(const Options& options) {
   double late_ms = options.pace == Pace::Real ? kLongestRoundTrip_ms : options.delay_ms;
-  if (options.preview) late_ms += kWorstPath_ms;
+  if (options.preview) late_ms += kWorstPreviewPath_ms;
   return static_cast<std::uint32_t>(std::ceil(late_ms * 1e-3 * options.refresh_hz)) +
          static_cast<std::uint32_t>(ShadingPass::kMaxMasks) * options.request.every + 4;
 }

@@ -26,6 +26,9 @@ struct Client {
   Duration round_trip{};           ///< of the first exchange with the server
 };
 
+/// By how much the viewer of a preview may make the path worse and still get masks.
+inline constexpr double kWorstPreviewPath_ms = 400;
+
 /// Frames that may be needed after they were asked for: while masks are on their way, and as older masks.
 [[nodiscard]] std::uint32_t frames_in_flight(const Options& options);
 

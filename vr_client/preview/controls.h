@@ -37,7 +37,6 @@ struct PathWish {
   double latency_ms = 0, jitter_ms = 0, loss_percent = 0;
   friend bool operator==(const PathWish&, const PathWish&) = default;
 };
-/// Of latency and jitter the client can wait out the sum (frames_in_flight, client.h).
 inline constexpr PathWish kWorstPath{300, 100, 50};
 /// `base` with the wish's latency, jitter and loss.
 [[nodiscard]] LinkModel path_of(const PathWish& wish, LinkModel base);

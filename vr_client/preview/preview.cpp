@@ -18,6 +18,8 @@
 namespace farshade {
 namespace {
 
+static_assert(kWorstPath.latency_ms + kWorstPath.jitter_ms <= kWorstPreviewPath_ms);
+
 constexpr const char* kTitle = "Farshade";
 constexpr std::uint32_t kFirstPanel_px = 330, kLeastEye_px = 480, kLeastHeight_px = 720;
 /// A window opened larger than this would hardly fit a desktop.

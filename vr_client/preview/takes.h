@@ -34,7 +34,7 @@ class Takes {
   /// `session_NNNN.farshade`. First what the link shall tell, before it meets a server (if there is to be
   /// one); then the file, before the first frame. The link may tell as long as this lives.
   [[nodiscard]] LinkListener listen();
-  /// An empty `path` is one of the output folder's.
+  /// An empty `path` is a new one of the output folder's; a file at any other is replaced.
   void begin_session(const std::filesystem::path& path, const SessionHeader& header);
   void end_session();
   [[nodiscard]] bool records_session() const { return session_ != nullptr; }
