@@ -6,8 +6,8 @@
 
 namespace farshade {
 
-EyeMask::EyeMask(Extent size, std::uint32_t lights) : size_(size), layout_{lights} {
-  check(lights <= kMaxLights, "a mask has at most kMaxLights lights");
+EyeMask::EyeMask(Extent size, MaskLayout layout) : size_(size), layout_(layout) {
+  check(layout.lights <= kMaxLights, "a mask has at most kMaxLights lights");
   bytes_.resize(size.pixels() * layout_.planes() * layout_.word_bytes());
 }
 

@@ -20,9 +20,13 @@ inline constexpr std::uint32_t kMaxLights = 256;
 /// How masks of `lights` lights lie in memory; shared by tracer, wire and shader.
 struct MaskLayout {
   std::uint32_t lights = 0;
+  std::uint32_t least_word_bytes = 1;  ///< 1, 2 or 4: words are this wide even where fewer bits would do
 
   [[nodiscard]] constexpr std::uint32_t planes() const { return lights == 0 ? 1 : (lights + 31) / 32; }
-  [[nodiscard]] constexpr std::uint32_t word_bytes() const { return lights <= 8 ? 1 : lights <= 16 ? 2 : 4; }
+  [[nodiscard]] constexpr std::uint32_t word_bytes() const {
+    const std::uint32_t needed = lights <= 8 ? 1 : lights <= 16 ? 2 : 4;
+    return needed > least_word_bytes ? needed : least_word_bytes;
+  }
   /// Lights in plane `plane`; its words have no bits above.
   [[nodiscard]] constexpr std::uint32_t lights_in(std::uint32_t plane) const {
     const std::uint32_t before = plane * 32;
@@ -39,7 +43,8 @@ class EyeMask {
  public:
   EyeMask() = default;
   /// All bits 0. `lights` is at most kMaxLights.
-  EyeMask(Extent size, std::uint32_t lights);
+  EyeMask(Extent size, std::uint32_t lights) : EyeMask(size, MaskLayout{.lights = lights}) {}
+  EyeMask(Extent size, MaskLayout layout);
 
   [[nodiscard]] Extent size() const { return size_; }
   [[nodiscard]] std::uint32_t lights() const { return layout_.lights; }

@@ -15,7 +15,7 @@ namespace farshade {
   return lights % 32 <= 28 ? lights : (lights + 31) / 32 * 32;
 }
 [[nodiscard]] constexpr MaskLayout with_edge_bits(MaskLayout mask) {
-  return {first_edge_bit(mask.lights) + 4};
+  return {first_edge_bit(mask.lights) + 4, mask.least_word_bytes};
 }
 static_assert(with_edge_bits({3}).word_bytes() == 1 && with_edge_bits({kMaxLights}).planes() == 9);
 

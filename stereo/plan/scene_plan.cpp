@@ -1,0 +1,95 @@
+#include "stereo/plan/scene_plan.h"
+
+#include <algorithm>
+
+#include "stereo/base/check.h"
+#include "stereo/plan/light_reach.h"
+
+namespace farshade {
+namespace {
+
+bool is_white(const std::vector<glm::u8vec4>& colors) {
+  return std::ranges::all_of(colors, [](const glm::u8vec4& color) { return color == glm::u8vec4(255); });
+}
+
+SurfaceNeeds needs_of(const Scene& scene, const Mesh& mesh) {
+  const Material& material = scene.materials[mesh.material];
+  return {.texture = material.texture.has_value() && !mesh.uvs.empty(),
+          .vertex_color = !is_white(mesh.colors),
+          .alpha_test = material.alpha_cutoff.has_value(),
+          .back_test = !material.double_sided};
+}
+
+bool moves(const Scene& scene, std::uint32_t node) {
+  return scene.nodes[node].moving;
+}
+
+bool anything_seen_moves(const Scene& scene) {
+  return std::ranges::any_of(scene.instances, [&](const Instance& i) { return moves(scene, i.node); });
+}
+
+LightFate fate_of(const Scene& scene, const LightSource& source, const Light& light) {
+  if (source.intensity == glm::vec3(0.0f)) return LightFate::Dark;
+  if (moves(scene, source.node) || anything_seen_moves(scene)) return LightFate::Casts;
+  return may_reach(light, scene.bounds) ? LightFate::Casts : LightFate::OutOfReach;
+}
+
+std::vector<LightFate> fates_of(const Scene& scene, PlanKind kind) {
+  std::vector<LightFate> fates(scene.lights.size(), LightFate::Casts);
+  if (kind == PlanKind::Everything) return fates;
+  const LightSet lights = state_at(scene, Time{}).light_set;
+  for (std::size_t i = 0; i < fates.size(); ++i) fates[i] = fate_of(scene, scene.lights[i], lights.lights[i]);
+  return fates;
+}
+
+/// Nothing left out, whatever the scene and the session.
+void turn_everything_on(ScenePlan& plan) {
+  for (std::vector<SurfaceNeeds>* surfaces : {&plan.trace.surfaces, &plan.draw.surfaces})
+    std::ranges::fill(*surfaces, SurfaceNeeds{true, true, true, true});
+  plan.trace.moves.assign(plan.trace.moves.size(), true);
+  plan.draw.moves = plan.trace.moves;
+  plan.trace.mask.least_word_bytes = plan.draw.mask.least_word_bytes = 4;
+  plan.trace.skips_rays = plan.trace.shares_views = plan.one_value_tiles = plan.draw.builds_late = false;
+  plan.draw.lights_move = plan.draw.ranges_and_cones = plan.draw.other_eye = plan.draw.depth_pass = true;
+}
+
+}  // namespace
+
+bool DrawPlan::anything_moves() const {
+  return lights_move || std::ranges::find(moves, true) != moves.end();
+}
+
+ScenePlan plan_for(const Scene& scene, const SessionNeeds& needs) {
+  ScenePlan plan{.kind = needs.kind, .lights = fates_of(scene, needs.kind), .trace = {}, .draw = {}};
+  const auto casting = narrow<std::uint32_t>(std::ranges::count(plan.lights, LightFate::Casts));
+  plan.server = casting > 0;
+  plan.trace.mask = plan.draw.mask = {.lights = casting};
+  for (const Mesh& mesh : scene.meshes) plan.trace.surfaces.push_back(needs_of(scene, mesh));
+  for (const Instance& instance : scene.instances) plan.trace.moves.push_back(moves(scene, instance.node));
+  plan.draw.surfaces = plan.trace.surfaces;
+  plan.draw.moves = plan.trace.moves;
+  plan.draw.lights_move = plan.draw.ranges_and_cones = false;
+  for (std::size_t i = 0; i < plan.lights.size(); ++i) {
+    if (plan.lights[i] != LightFate::Casts) continue;
+    const LightSource& light = scene.lights[i];
+    plan.draw.lights_move |= moves(scene, light.node);
+    plan.draw.ranges_and_cones |= light.kind == LightKind::Spot || light.range_m.value_or(0) > 0;
+  }
+  plan.draw.other_eye = needs.two_views && needs.carries_over;
+  plan.draw.depth_pass = needs.carries_over;
+  if (needs.kind == PlanKind::Everything) turn_everything_on(plan);
+  return plan;
+}
+
+PlannedScene plan_scene(Scene scene, const SessionNeeds& needs) {
+  ScenePlan plan = plan_for(scene, needs);
+  std::size_t light = 0;
+  std::erase_if(scene.lights, [&](const LightSource&) { return plan.lights[light++] != LightFate::Casts; });
+  return {std::move(scene), std::move(plan)};
+}
+
+std::string_view to_string(PlanKind kind) {
+  return kind == PlanKind::Everything ? "everything" : "needed";
+}
+
+}  // namespace farshade
