@@ -3,15 +3,24 @@
 namespace farshade {
 namespace {
 
-std::uint32_t light_count(const Scene& scene) {
-  return narrow<std::uint32_t>(scene.lights.size());
+/// Lights that no session would ask about are in the masks all the same.
+DrawPlan plan_with_all_lights(const Scene& scene) {
+  DrawPlan plan = plan_for(scene).draw;
+  const auto lights = narrow<std::uint32_t>(scene.lights.size());
+  if (plan.mask.lights != lights) plan.ranges_and_cones = plan.lights_move = true;
+  plan.mask.lights = lights;
+  return plan;
 }
 
 }  // namespace
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, const RendererLimits& limits)
+    : Renderer(device, scene, plan_with_all_lights(scene), limits) {}
+
+Renderer::Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits)
     : device_(device),
       scene_(scene),
+      plan_(std::move(plan)),
       size_(limits.size),
       buffers_(make_scene_buffers(device, scene)),
       motion_(scene),
@@ -20,8 +29,7 @@ Renderer::Renderer(const gpu::Device& device, const Scene& scene, const Renderer
       ring_(device, limits.traced_size, limits.depth_frames),
       gbuffer_(device, scene, buffers_, frame_buffer_, limits.size),
       depth_pass_(device, scene, buffers_, frame_buffer_),
-      shading_(device, gbuffer_, ring_, frame_buffer_, motion_, limits.size, limits.traced_size,
-               light_count(scene)),
+      shading_(device, gbuffer_, ring_, frame_buffer_, motion_, limits.size, limits.traced_size, plan_.mask),
       shown_depth_(ring_.shown()),
       commands_(std::move(device.logical.allocateCommandBuffers({.commandPool = *device.commands,
                                                                  .level = vk::CommandBufferLevel::ePrimary,

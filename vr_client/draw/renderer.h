@@ -3,6 +3,7 @@
 #pragma once
 
 #include "stereo/image/image.h"
+#include "stereo/plan/scene_plan.h"
 #include "vr_client/draw/shading.h"
 
 namespace farshade {
@@ -30,7 +31,10 @@ struct RendererLimits {
 
 class Renderer {
  public:
-  /// References are kept. Throws when the device runs out of memory.
+  /// References are kept. `plan` is that of `scene`, which has the lights that the plan keeps. Throws when
+  /// the device runs out of memory.
+  Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits);
+  /// For any session with all of the scene's lights.
   Renderer(const gpu::Device& device, const Scene& scene, const RendererLimits& limits);
 
   DrawTimes draw(const ShownFrame& frame);
@@ -64,6 +68,7 @@ class Renderer {
 
   const gpu::Device& device_;
   const Scene& scene_;
+  const DrawPlan plan_;
   Extent size_;
   SceneBuffers buffers_;
   MotionModel motion_;

@@ -55,12 +55,12 @@ constexpr std::size_t words(std::size_t bytes) {
 
 ShadingPass::ShadingPass(const gpu::Device& device, const GBufferPass& gbuffer, const DepthRing& ring,
                          const gpu::Buffer& frame, const MotionModel& motion, Extent size, Extent traced_size,
-                         std::uint32_t lights)
+                         MaskLayout mask)
     : device_(device),
       ring_(ring),
       frame_buffer_(frame),
       size_(size),
-      mask_{lights},
+      mask_(mask),
       mask_words_(words(mask_bytes(traced_size, with_edge_bits(mask_)))),
       known_words_((TileGrid{traced_size}.count() + 31) / 32),
       motion_count_(motion.slot_count()) {
@@ -68,7 +68,7 @@ ShadingPass::ShadingPass(const gpu::Device& device, const GBufferPass& gbuffer, 
   const auto mapped = [&](std::size_t bytes, const char* name) {
     return gpu::make_mapped_buffer(device, bytes, storage, name);
   };
-  light_buffer_ = gpu::make_mapped_buffer(device, (lights + 1) * sizeof(gpu::LightData),
+  light_buffer_ = gpu::make_mapped_buffer(device, (mask.lights + 1) * sizeof(gpu::LightData),
                                           vk::BufferUsageFlagBits::eUniformBuffer, "lights");
   mask_buffer_ = mapped(kMaxMasks * kEyes * mask_words_ * 4, "masks");
   known_buffer_ = mapped(kMaxMasks * kEyes * known_words_ * 4, "known tiles");
@@ -331,7 +331,7 @@ void ShadingPass::record(const vk::raii::CommandBuffer& commands, Report report)
 ShownReport ShadingPass::report(Side side) const {
   const ReportLayout layout(mask_);
   const std::size_t pixels = size_.pixels(), lights = mask_.lights, planes = (lights + 31) / 32;
-  ShownReport result{.mask = EyeMask(size_, mask_.lights),
+  ShownReport result{.mask = EyeMask(size_, mask_),
                      .sources = std::vector<std::uint8_t>(pixels),
                      .positions = std::vector<std::array<float, 2>>(pixels),
                      .visibility = std::vector<std::uint8_t>(pixels * lights),

@@ -78,11 +78,11 @@ struct DatedMask {
 
 class ShadingPass {
  public:
-  /// Shown views of `size`, masks of up to `traced_size` pixels an eye and `lights` lights; `motion` says
+  /// Shown views of `size`, masks of up to `traced_size` pixels an eye that lie as `mask`; `motion` says
   /// which instances move. `frame` holds the FrameData that `prepare` fills.
   ShadingPass(const gpu::Device& device, const GBufferPass& gbuffer, const DepthRing& ring,
               const gpu::Buffer& frame, const MotionModel& motion, Extent size, Extent traced_size,
-              std::uint32_t lights);
+              MaskLayout mask);
 
   static constexpr std::size_t kMaxMasks = FARSHADE_MAX_MASKS;
 
