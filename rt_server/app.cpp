@@ -48,27 +48,33 @@ void say_counters(const ServerCore& core) {
 }  // namespace
 
 Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
+  Expected<Scene> loaded = load_scene(options.scene);
+  if (!loaded) return tl::unexpected(loaded.error());
+  const auto [scene, plan] = plan_scene(std::move(*loaded), {.kind = options.plan.kind});
+  if (options.plan.only_told) {
+    fmt::print("{}", in_words(plan, scene));
+    return {};
+  }
   const SteadyClock clock;
   const Expected<std::vector<SharedKey>> ring = who_may_come(options);
   if (!ring) return tl::unexpected(ring.error());
   const Expected<std::unique_ptr<DatagramPort>> port = open_port(options, clock);
   if (!port) return tl::unexpected(port.error());
-  const Expected<Scene> scene = load_scene(options.scene);
-  if (!scene) return tl::unexpected(scene.error());
-  const std::size_t lights = scene->lights.size();
-  if (lights == 0)
-    return fail(Fault::Unsupported,
-                options.scene + " has no lights: nothing to serve, clients shade it alone");
-  Expected<Tracer> tracer = Tracer::create(*scene);
+  if (!plan.server)
+    return fail(Fault::Unsupported, options.scene +
+                                        " has no light that casts shadows: nothing to serve, clients shade "
+                                        "it alone (--plan tells more)");
+  Expected<Tracer> tracer = Tracer::create(scene, plan.trace);
   if (!tracer) return tl::unexpected(tracer.error());
 
   const auto trace = [&](const TraceRequest& request, ShadowFrame& frame) {
     return tracer->trace(request, frame);
   };
-  const Welcome served{scene->hash, narrow<std::uint32_t>(lights), options.most_pixels};
-  ServerCore core(served, *ring, trace, **port, clock, options.limits);
-  fmt::print("rt_server: serving {}, {} triangles, {} lights, scene {}\n", scene->name, scene->triangle_count,
-             lights, short_form(scene->hash));
+  const Welcome served{scene.hash, plan.trace.mask.lights, options.most_pixels};
+  ServerCore core(served, *ring, trace, **port, clock, options.limits,
+                  plan.one_value_tiles ? SameAllOver::OneValue : SameAllOver::EachPixel);
+  fmt::print("rt_server: serving {}, {} triangles, {} lights, scene {}\n", scene.name, scene.triangle_count,
+             plan.trace.mask.lights, short_form(scene.hash));
   if (options.insecure)
     fmt::print("rt_server: insecure: no keys, nothing is sealed\n");
   else

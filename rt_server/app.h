@@ -6,6 +6,7 @@
 #include "rt_server/sessions.h"
 #include "stereo/base/expected.h"
 #include "stereo/base/stop_signal.h"
+#include "stereo/plan/scene_plan.h"
 
 namespace farshade {
 
@@ -17,10 +18,11 @@ struct ServeOptions {
   std::string net;        ///< the network towards the server, as parse_link_model has it; empty for as it is
   SessionLimits limits;
   std::uint32_t most_pixels = Welcome{}.most_pixels;  ///< of an eye that a client may ask for
+  PlanWish plan;
 };
 
 /// Results go to stdout, the log to stderr. Ends when `stop` says so. Says its counters at the end, and on
-/// SIGUSR1.
+/// SIGUSR1. Where the plan is only to be told, it says the plan in words instead.
 [[nodiscard]] Expected<void> serve(const ServeOptions& options, StopSignal& stop);
 
 }  // namespace farshade

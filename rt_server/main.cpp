@@ -14,6 +14,12 @@ namespace {
 using namespace farshade;
 
 void add_serving(CLI::App& app, ServeOptions& options) {
+  app.add_option_function<std::string>(
+         "--plan", [&options](const std::string& text) { options.plan = plan_wish(text); },
+         "say what the scene needs and what is left out, and nothing else; --plan=everything serves with "
+         "nothing left out, to compare with (clients likewise)")
+      ->expected(0, 1)
+      ->check(CLI::IsMember({"", "needed", "everything"}));
   app.add_option("--scene", options.scene, "glTF 2.0 file (.gltf or .glb)");
   app.add_option("--listen", options.listen, "address and UDP port; port 0 takes any free one")
       ->capture_default_str();

@@ -47,8 +47,8 @@ std::string counters_line(const ServerCounters& counters) {
 }
 
 ServerCore::ServerCore(const Welcome& served, const std::vector<SharedKey>& ring, TraceFunction trace,
-                       DatagramPort& port, const Clock& clock, const SessionLimits& limits)
-    : trace_(std::move(trace)), port_(port), clock_(clock), sessions_(served, ring, limits) {}
+                       DatagramPort& port, const Clock& clock, const SessionLimits& limits, SameAllOver same)
+    : trace_(std::move(trace)), port_(port), clock_(clock), sessions_(served, ring, limits), packer_(same) {}
 
 bool ServerCore::receive(Duration wait) {
   std::array<std::byte, kMaxDatagram_bytes> buffer;

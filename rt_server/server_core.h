@@ -38,7 +38,8 @@ class ServerCore {
   /// `served` is what clients with the same scene are told; `ring` who may come. `port` and `clock` outlive
   /// the core.
   ServerCore(const Welcome& served, const std::vector<SharedKey>& ring, TraceFunction trace,
-             DatagramPort& port, const Clock& clock, const SessionLimits& limits = {});
+             DatagramPort& port, const Clock& clock, const SessionLimits& limits = {},
+             SameAllOver same = SameAllOver::OneValue);
 
   /// Takes the next datagram, waiting at most `wait` for it, and answers what needs no tracing. False: none
   /// came.

@@ -126,6 +126,13 @@ Expected<void> export_trace(const Options& options) {
                           options.export_trace.string()));
 }
 
+Expected<void> tell_plan(const Options& options) {
+  const Expected<PlannedScene> planned = load_planned(options);
+  if (!planned) return tl::unexpected(planned.error());
+  fmt::print("{}", in_words(planned->plan, planned->scene));
+  return {};
+}
+
 Expected<void> run_replay(const Options& options) {
   StopSignal stop_signal;
   if (auto done = make_folder(options.out); !done) return done;
@@ -140,6 +147,11 @@ Expected<void> run_replay(const Options& options) {
   if (client.scene.hash != header.scene_hash)
     return fail(Fault::Mismatch, fmt::format("{} was recorded of {}, of which {} has not the same content",
                                              options.replay.string(), header.scene, options.scene.string()));
+  if (header.lights != client.plan.draw.mask.lights)
+    return fail(Fault::Mismatch,
+                fmt::format("{} was recorded with masks of {} lights, this plan has {}: "
+                            "give the recording's --plan",
+                            options.replay.string(), header.lights, client.plan.draw.mask.lights));
   if (header.origin == MaskOrigin::OwnTracer || measures(options))
     if (auto done = open_reference(client); !done) return done;
 

@@ -13,6 +13,9 @@ namespace farshade {
 /// run_client writes. Anything that is not as recorded is a Mismatch, and so is another scene.
 [[nodiscard]] Expected<void> run_replay(const Options& options);
 
+/// Says what the scene needs and what is left out, in words.
+[[nodiscard]] Expected<void> tell_plan(const Options& options);
+
 /// Writes the recording in the format that the file name asks for.
 [[nodiscard]] Expected<void> export_trace(const Options& options);
 

@@ -20,6 +20,8 @@ constexpr double kLongestRoundTrip_ms = 250;
 
 RendererLimits renderer_limits(const Options& options) {
   // Whoever looks at a preview may want a guard band at any time.
+  if (options.mode == Mode::Full)
+    return {.size = options.size, .traced_size = options.size, .depth_frames = 1};
   const bool wider = options.mode == Mode::Hybrid &&
                      (options.preview || options.request.guard_band == GuardBandUse::Measured);
   return {.size = options.size,
@@ -59,15 +61,23 @@ std::uint32_t frames_in_flight(const Options& options) {
          static_cast<std::uint32_t>(ShadingPass::kMaxMasks) * options.request.every + 4;
 }
 
+Expected<PlannedScene> load_planned(const Options& options) {
+  return load_scene(options.scene).map([&](Scene&& scene) {
+    return plan_scene(std::move(scene),
+                      {.kind = options.plan.kind, .carries_over = options.mode == Mode::Hybrid});
+  });
+}
+
 Expected<std::unique_ptr<Client>> open_client(const Options& options) {
   return open_client(options, renderer_limits(options));
 }
 
 Expected<std::unique_ptr<Client>> open_client(const Options& options, const RendererLimits& limits) {
   auto client = std::make_unique<Client>();
-  Expected<Scene> scene = load_scene(options.scene);
-  if (!scene) return tl::unexpected(scene.error());
-  client->scene = std::move(*scene);
+  Expected<PlannedScene> planned = load_planned(options);
+  if (!planned) return tl::unexpected(planned.error());
+  client->scene = std::move(planned->scene);
+  client->plan = std::move(planned->plan);
   if (client->scene.instances.size() > kMaxInstances)
     return fail(Fault::Unsupported,
                 fmt::format("{} has {} instances; at most {} can be drawn", options.scene.string(),
@@ -76,13 +86,13 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options, const Rend
   if (!device) return tl::unexpected(device.error());
   client->device = std::move(*device);
   spdlog::info("drawing on {}: {}", client->device.name, client->device.why);
-  client->renderer = std::make_unique<Renderer>(client->device, client->scene, limits);
+  client->renderer = std::make_unique<Renderer>(client->device, client->scene, client->plan.draw, limits);
   return client;
 }
 
 Expected<void> open_reference(Client& client) {
   if (client.reference) return {};
-  Expected<Tracer> tracer = Tracer::create(client.scene);
+  Expected<Tracer> tracer = Tracer::create(client.scene, client.plan.trace);
   if (!tracer) return tl::unexpected(tracer.error());
   client.reference.emplace(std::move(*tracer));
   return {};
@@ -91,10 +101,9 @@ Expected<void> open_reference(Client& client) {
 Expected<void> meet(const Options& options, Client& client, LinkListener listener) {
   const Expected<SharedKey> key = key_for(options, client.server);
   if (!key) return tl::unexpected(key.error());
-  client.link.emplace(
-      *client.network, client.clock,
-      LinkTarget{client.server, *key, client.scene.hash, narrow<std::uint32_t>(client.scene.lights.size())},
-      frames_in_flight(options));
+  client.link.emplace(*client.network, client.clock,
+                      LinkTarget{client.server, *key, client.scene.hash, client.plan.draw.mask},
+                      frames_in_flight(options));
   client.link->tell(std::move(listener));
   const Stopwatch meeting;
   const Expected<void> met = client.link->meet(kMeetPatience);
@@ -113,7 +122,7 @@ Expected<void> meet(const Options& options, Client& client, LinkListener listene
 
 Expected<void> open_link(const Options& options, Client& client, LinkListener listener) {
   if (options.mode != Mode::Hybrid) return {};
-  if (client.scene.lights.empty()) {
+  if (!client.plan.server) {
     spdlog::info("no light casts shadows: no server is needed");
     return {};
   }
@@ -127,10 +136,10 @@ Expected<void> open_link(const Options& options, Client& client, LinkListener li
 }
 
 SessionHeader header_of(const Options& options, const Client& client, const MaskPolicy& policy) {
-  const bool traces = options.mode == Mode::Full && !client.scene.lights.empty();
+  const bool traces = options.mode == Mode::Full && client.plan.server;
   return {.scene = options.scene.filename().string(),
           .scene_hash = client.scene.hash,
-          .lights = narrow<std::uint32_t>(client.scene.lights.size()),
+          .lights = client.plan.draw.mask.lights,
           .origin = client.link ? MaskOrigin::Server
                     : traces    ? MaskOrigin::OwnTracer
                                 : MaskOrigin::Nobody,

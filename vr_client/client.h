@@ -15,7 +15,8 @@ namespace farshade {
 
 /// Built top to bottom, torn down in reverse.
 struct Client {
-  Scene scene;
+  Scene scene;  ///< with the lights that its plan keeps
+  ScenePlan plan;
   gpu::Device device;
   std::unique_ptr<Renderer> renderer;
   std::optional<Reference> reference;  ///< once it is needed
@@ -31,6 +32,9 @@ inline constexpr double kWorstPreviewPath_ms = 400;
 
 /// Frames that may be needed after they were asked for: while masks are on their way, and as older masks.
 [[nodiscard]] std::uint32_t frames_in_flight(const Options& options);
+
+/// The scene with its plan for what `options` ask for.
+[[nodiscard]] Expected<PlannedScene> load_planned(const Options& options);
 
 /// Scene, device and renderer. Refuses what cannot be drawn.
 [[nodiscard]] Expected<std::unique_ptr<Client>> open_client(const Options& options);

@@ -17,10 +17,11 @@ int main(int argc, char** argv) try {
     print(findings);
     return any_failed(findings) ? EXIT_FAILURE : EXIT_SUCCESS;
   }
-  const auto way = !options->export_trace.empty() ? export_trace
-                   : !options->replay.empty()     ? run_replay
-                   : options->preview             ? run_preview
-                                                  : run_client;
+  const auto way = options->plan.only_told          ? tell_plan
+                   : !options->export_trace.empty() ? export_trace
+                   : !options->replay.empty()       ? run_replay
+                   : options->preview               ? run_preview
+                                                    : run_client;
   if (const Expected<void> done = way(*options); !done) {
     spdlog::error(done.error().what);
     return EXIT_FAILURE;

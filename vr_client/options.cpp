@@ -155,6 +155,12 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   app.add_option("--gpu", options.device.name_contains, "use only a device whose name contains this");
   app.add_option("--export-trace", options.export_trace,
                  "only write the recording in metres: .csv EuRoC/ASL, .tum or .txt TUM");
+  app.add_option_function<std::string>(
+         "--plan", [&options](const std::string& text) { options.plan = plan_wish(text); },
+         "say what the scene needs and what is left out, and nothing else; --plan=everything leaves nothing "
+         "out, to compare with (the server likewise)")
+      ->expected(0, 1)
+      ->check(CLI::IsMember({"", "needed", "everything"}));
   // What a window shows is paced by the machine, and measured and kept as its viewer wants.
   for (const char* of_replays :
        {"--clock", "--delay", "--pictures", "--dump", "--reference-every", "--replay"})
@@ -167,7 +173,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
       options.doctor = examined;
       return options;
     }
-    if (options.trace.empty() && !options.preview && options.replay.empty())
+    if (options.trace.empty() && !options.preview && options.replay.empty() && !options.plan.only_told)
       throw CLI::RequiredError("--trace");
     if (options.scene.empty() && options.export_trace.empty()) throw CLI::RequiredError("--scene");
     const Expected<Extent> parsed = parse_size(size);

@@ -9,6 +9,7 @@
 #include "stereo/base/expected.h"
 #include "stereo/gpu/device.h"
 #include "stereo/math/fov.h"
+#include "stereo/plan/scene_plan.h"
 #include "vr_client/ask/request_plan.h"
 #include "vr_client/doctor.h"
 #include "vr_client/draw/shading.h"
@@ -50,8 +51,9 @@ struct Options {
   std::vector<std::uint32_t> dump;
   std::filesystem::path timeline;  ///< not empty: write the stages of client and server there
   gpu::DeviceWish device;
-  std::filesystem::path record;               ///< not empty: write the session there, to be replayed
-  std::filesystem::path replay;               ///< not empty: show the session on this file again, and compare
+  std::filesystem::path record;  ///< not empty: write the session there, to be replayed
+  std::filesystem::path replay;  ///< not empty: show the session on this file again, and compare
+  PlanWish plan;
   bool preview = false;                       ///< in a window, until it is closed
   std::optional<ClientDoctorOptions> doctor;  ///< set: look at the machine, and nothing else
 };

@@ -8,7 +8,7 @@
 namespace farshade {
 namespace {
 
-void reset(ReceivedFrame& frame, const TraceRequest& request, std::uint32_t lights, std::uint32_t revision) {
+void reset(ReceivedFrame& frame, const TraceRequest& request, MaskLayout layout, std::uint32_t revision) {
   frame.request = request;
   frame.light_set_revision = revision;
   frame.report.reset();
@@ -16,10 +16,10 @@ void reset(ReceivedFrame& frame, const TraceRequest& request, std::uint32_t ligh
     const std::size_t eye = index_of(side);
     const Extent size = request.views[eye].size;
     EyeMask& mask = frame.masks[eye];
-    if (mask.size() == size && mask.lights() == lights) {
+    if (mask.size() == size && mask.layout() == layout) {
       std::ranges::fill(mask.bytes(), std::byte{0});
     } else {
-      mask = EyeMask(size, lights);
+      mask = EyeMask(size, layout);
     }
     frame.known_tiles[eye].assign(TileGrid{size}.count(), 0);
     frame.tiles_known[eye] = 0;
@@ -32,10 +32,10 @@ Assembler::Assembler(std::size_t frames) : slots_(frames) {
   check(frames > kKept, "an assembler has room for more than what it keeps");
 }
 
-void Assembler::expect(const TraceRequest& request, std::uint32_t lights, std::uint32_t revision) {
+void Assembler::expect(const TraceRequest& request, MaskLayout layout, std::uint32_t revision) {
   check(!newest_ || is_newer(request.frame, *newest_), "requests are expected in order");
   newest_ = request.frame;
-  reset(room(), request, lights, revision);
+  reset(room(), request, layout, revision);
 }
 
 bool Assembler::is_kept(const ReceivedFrame& frame) const {

@@ -49,10 +49,10 @@ class Assembler {
   /// Remembers `frames` requests, more than kKept: those kept, and the newest.
   explicit Assembler(std::size_t frames = 8);
 
-  /// From now on takes slices of `request`, whose masks shall have `lights` lights of the light set
+  /// From now on takes slices of `request`, whose masks shall lie as `layout` says, of the light set
   /// `revision`. `request.frame` is newer than every frame expected before. When there is no room, the
   /// oldest request that is not kept is forgotten: pointers to its frame then show the new one.
-  void expect(const TraceRequest& request, std::uint32_t lights, std::uint32_t revision);
+  void expect(const TraceRequest& request, MaskLayout layout, std::uint32_t revision);
 
   /// The frame that now knows more; null if nothing changed.
   const ReceivedFrame* accept(const Slice& slice);

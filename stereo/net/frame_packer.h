@@ -13,6 +13,9 @@ namespace farshade {
 
 class FramePacker {
  public:
+  explicit FramePacker(SameAllOver same = SameAllOver::OneValue)
+      : packers_{SlicePacker(same), SlicePacker(same)} {}
+
   /// The datagrams of `frame` in the order to send them: slices of left and right in turn, so that a burst of
   /// loss falls on both, then `report`, whose `slices`, `payload_bytes` and `pack` are filled in here. Valid
   /// until the next call.

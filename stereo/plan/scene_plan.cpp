@@ -34,9 +34,9 @@ LightFate fate_of(const Scene& scene, const LightSource& source, const Light& li
   return may_reach(light, scene.bounds) ? LightFate::Casts : LightFate::OutOfReach;
 }
 
-std::vector<LightFate> fates_of(const Scene& scene, PlanKind kind) {
+std::vector<LightFate> fates_of(const Scene& scene, const SessionNeeds& needs) {
   std::vector<LightFate> fates(scene.lights.size(), LightFate::Casts);
-  if (kind == PlanKind::Everything) return fates;
+  if (needs.all_lights || needs.kind == PlanKind::Everything) return fates;
   const LightSet lights = state_at(scene, Time{}).light_set;
   for (std::size_t i = 0; i < fates.size(); ++i) fates[i] = fate_of(scene, scene.lights[i], lights.lights[i]);
   return fates;
@@ -60,7 +60,7 @@ bool DrawPlan::anything_moves() const {
 }
 
 ScenePlan plan_for(const Scene& scene, const SessionNeeds& needs) {
-  ScenePlan plan{.kind = needs.kind, .lights = fates_of(scene, needs.kind), .trace = {}, .draw = {}};
+  ScenePlan plan{.kind = needs.kind, .lights = fates_of(scene, needs), .trace = {}, .draw = {}};
   const auto casting = narrow<std::uint32_t>(std::ranges::count(plan.lights, LightFate::Casts));
   plan.server = casting > 0;
   plan.trace.mask = plan.draw.mask = {.lights = casting};
@@ -88,8 +88,8 @@ PlannedScene plan_scene(Scene scene, const SessionNeeds& needs) {
   return {std::move(scene), std::move(plan)};
 }
 
-std::string_view to_string(PlanKind kind) {
-  return kind == PlanKind::Everything ? "everything" : "needed";
+PlanWish plan_wish(std::string_view text) {
+  return {text == "everything" ? PlanKind::Everything : PlanKind::Needed, text.empty()};
 }
 
 }  // namespace farshade

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "stereo/frame/eye_mask.h"
@@ -23,6 +24,7 @@ struct SessionNeeds {
   PlanKind kind = PlanKind::Needed;
   bool two_views = true;     ///< the eyes look from different places
   bool carries_over = true;  ///< masks of one view are carried to another; false: they fit the shown views
+  bool all_lights = false;   ///< lights that reach nothing keep their bits too
   friend bool operator==(const SessionNeeds&, const SessionNeeds&) = default;
 };
 
@@ -89,7 +91,13 @@ struct PlannedScene {
 /// The plan in words, a line each: what is on, what is left out and why, and what that saves.
 [[nodiscard]] std::string in_words(const ScenePlan& plan, const Scene& scene);
 
-/// As --plan gives it: "needed" or "everything".
-[[nodiscard]] std::string_view to_string(PlanKind kind);
+/// What a user asks of a program's plan.
+struct PlanWish {
+  PlanKind kind = PlanKind::Needed;
+  bool only_told = false;  ///< in words, and nothing else is done
+};
+
+/// As --plan has it: "" tells the plan, "needed" and "everything" choose one.
+[[nodiscard]] PlanWish plan_wish(std::string_view text);
 
 }  // namespace farshade

@@ -48,13 +48,15 @@ void write_plane(const std::uint32_t (&words)[kTilePixels], const TileRect& rect
 
 struct Tracer::Impl {
   const Scene& scene;
+  TracePlan plan;
   SceneState state;  ///< with the lights as the scene has them, since each request may change others
   SurfaceModel model;
   std::optional<RayScene> rays;
   LightSet light_set;               ///< of the request
   std::vector<ShadowLight> lights;  ///< light_set's
 
-  explicit Impl(const Scene& traced) : scene(traced), state(state_at(scene, Time{})), model(scene, state) {}
+  Impl(const Scene& traced, const TracePlan& planned)
+      : scene(traced), plan(planned), state(state_at(scene, Time{})), model(scene, state) {}
 
   void advance_to(Time scene_time, const LightChanges& changes);
   template <int K>
@@ -121,8 +123,9 @@ TileSums Tracer::Impl::trace_views(const StereoView& views, std::size_t eyes, Pe
       [](TileSums a, const TileSums& b) { return a += b; });
 }
 
-Expected<Tracer> Tracer::create(const Scene& scene) {
-  auto impl = std::make_unique<Impl>(scene);
+Expected<Tracer> Tracer::create(const Scene& scene, const TracePlan& plan) {
+  check_eq(plan.mask.lights, narrow<std::uint32_t>(scene.lights.size()), "a bit for each light of the scene");
+  auto impl = std::make_unique<Impl>(scene, plan);
   auto rays = RayScene::create(impl->model);
   if (!rays) return tl::unexpected(rays.error());
   impl->rays.emplace(std::move(*rays));
@@ -140,11 +143,10 @@ TraceStats Tracer::trace(const TraceRequest& request, ShadowFrame& frame) {
   frame.frame = request.frame;
   frame.light_set_revision = impl_->light_set.revision;
   frame.views = request.views;
-  const auto light_count = narrow<std::uint32_t>(impl_->lights.size());
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     EyeMask& mask = frame.masks[eye];
-    if (mask.size() != request.views[eye].size || mask.lights() != light_count)
-      mask = EyeMask(request.views[eye].size, light_count);
+    if (mask.size() != request.views[eye].size || mask.layout() != impl_->plan.mask)
+      mask = EyeMask(request.views[eye].size, impl_->plan.mask);
   }
   const auto lights_on =
       static_cast<std::uint64_t>(std::ranges::count(impl_->lights, true, &ShadowLight::on));
@@ -153,7 +155,7 @@ TraceStats Tracer::trace(const TraceRequest& request, ShadowFrame& frame) {
     return {};
   }
 
-  const bool same = request.views[0] == request.views[1];
+  const bool same = impl_->plan.shares_views && request.views[0] == request.views[1];
   const Stopwatch watch;
   const std::size_t eyes = same ? 1 : kEyes;
   const int width = impl_->rays->width();

@@ -23,6 +23,7 @@
 #include <memory>
 
 #include "stereo/frame/shadow_frame.h"
+#include "stereo/plan/scene_plan.h"
 #include "stereo/scene/scene_state.h"
 
 namespace farshade {
@@ -40,7 +41,11 @@ class Tracer {
  public:
   /// Builds the acceleration structure. Keeps a reference to `scene`.
   /// Refuses (Fault::Unavailable) when the device or its memory is not to be had.
-  [[nodiscard]] static Expected<Tracer> create(const Scene& scene);
+  [[nodiscard]] static Expected<Tracer> create(const Scene& scene, const TracePlan& plan);
+  /// With the plan of the scene, all of its lights kept.
+  [[nodiscard]] static Expected<Tracer> create(const Scene& scene) {
+    return create(scene, plan_for(scene, {.all_lights = true}).trace);
+  }
 
   Tracer(Tracer&&) noexcept;
   Tracer& operator=(Tracer&&) noexcept;

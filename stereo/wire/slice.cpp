@@ -64,10 +64,13 @@ void SlicePacker::write_ahead() {
   const std::uint32_t lights = mask_->layout().lights_in(slice_.plane);
   auto tile = slice_.first_tile + static_cast<std::uint32_t>(tile_ends_.size());
   for (; tile < grid.count() && written_.size() + kMaxTile_bytes <= kMaxSliceOpened_bytes; ++tile) {
-    if (!sent_.empty() && sent_[tile] == 0)
+    if (!sent_.empty() && sent_[tile] == 0) {
       write_not_sent(written_);
-    else
-      write_tile(split_tile(*mask_, grid.rect(tile), slice_.plane), lights, written_);
+    } else {
+      TileBits bits = split_tile(*mask_, grid.rect(tile), slice_.plane);
+      if (same_ == SameAllOver::EachPixel) spell_out(lights, bits);
+      write_tile(bits, lights, written_);
+    }
     tile_ends_.push_back(written_.size());
   }
 }

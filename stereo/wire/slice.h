@@ -20,12 +20,20 @@ namespace farshade {
 /// What a slice's block opens to at most; bounds the decoder's memory.
 inline constexpr std::size_t kMaxSliceOpened_bytes = 16384;
 
+/// How a light that is the same all over a tile is told.
+enum class SameAllOver : std::uint8_t {
+  OneValue,   ///< once for the tile
+  EachPixel,  ///< as any other: what it costs where the plan leaves nothing out
+};
+
 /// Packs eye after eye; keeps its buffers, so that packing allocates nothing once warm.
 ///
 ///     packer.start(frame, eye);
 ///     while (const std::optional<Slice> slice = packer.next()) send(*slice);
 class SlicePacker {
  public:
+  explicit SlicePacker(SameAllOver same = SameAllOver::OneValue) : same_(same) {}
+
   /// Packs `eye` of `frame`, which must stay as it is until the last slice was made. `sent` has one entry a
   /// tile, 0 = not to be sent; empty: all are sent.
   void start(const ShadowFrame& frame, Side eye, std::span<const std::uint8_t> sent = {});
@@ -42,6 +50,7 @@ class SlicePacker {
   Fit compress();
   std::size_t written_bytes(std::uint32_t tiles) const { return tiles == 0 ? 0 : tile_ends_[tiles - 1]; }
 
+  SameAllOver same_;
   const EyeMask* mask_ = nullptr;
   std::span<const std::uint8_t> sent_;
   Slice slice_;                         ///< what all slices of this eye share, and where the next one starts

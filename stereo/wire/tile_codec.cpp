@@ -193,6 +193,15 @@ TileBits split_tile(const EyeMask& mask, TileRect rect, std::uint32_t plane) {
   return bits;
 }
 
+void spell_out(std::uint32_t lights, TileBits& bits) {
+  const std::uint32_t all = MaskLayout{lights}.used_bits(0);
+  for_each_bit(all & ~bits.varies, [&](std::uint32_t light) {
+    bits.rows[light].fill((bits.value >> light & 1) != 0 ? 0xffff : 0);
+  });
+  bits.varies = all;
+  bits.value = 0;
+}
+
 void merge_tile(const TileBits& bits, TileRect rect, std::uint32_t plane, EyeMask& mask) {
   for (std::uint32_t group = 0; group < mask.layout().word_bytes(); ++group) {
     const std::uint64_t everywhere = (bits.value >> 8 * group & 0xff) * kEachByte;

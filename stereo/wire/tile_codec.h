@@ -31,6 +31,9 @@ struct TileBits {
   std::array<PlaneRows, 32> rows;  ///< of the lights that vary; the rest is not initialised
 };
 
+/// Says of all `lights` how they are at each pixel, even of those that are the same everywhere.
+void spell_out(std::uint32_t lights, TileBits& bits);
+
 /// Masks to bits and back. `rect` is a tile of the mask's TileGrid, `plane` one of its layout's.
 [[nodiscard]] TileBits split_tile(const EyeMask& mask, TileRect rect, std::uint32_t plane);
 void merge_tile(const TileBits& bits, TileRect rect, std::uint32_t plane, EyeMask& mask);

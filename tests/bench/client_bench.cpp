@@ -108,7 +108,7 @@ Expected<void> run(const Options& options) {
   for (std::uint32_t number = 1; number <= warm_up + options.frames; ++number) {
     const TraceRequest shown = shown_at(*trace, placed, number, options.side_px);
     const TraceRequest asked = plan.ask(shown, kPeriod).value();
-    assembler.expect(asked, lights, state.light_set.revision);
+    assembler.expect(asked, {lights}, state.light_set.revision);
     const DrawTimes bare =
         renderer.draw_gbuffer({.views = shown.views, .state = state, .masks = {}, .carry_over = {}});
 

@@ -53,7 +53,7 @@ GenuineClient::GenuineClient(DatagramPort& port, const Clock& time, const Peer& 
                              std::vector<Bytes>& heard)
     : clock(time),
       tap(port, heard),
-      link(tap, time, {server, key_named(std::move(name)), kServed.scene_hash, kServed.light_count},
+      link(tap, time, {server, key_named(std::move(name)), kServed.scene_hash, {kServed.light_count}},
            Assembler::kKept + 1) {
   check(link.meet(std::chrono::seconds(1)).has_value(), "a client with the key is welcomed");
 }

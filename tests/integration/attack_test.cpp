@@ -102,7 +102,7 @@ class Attack : public testing::Test {
   void SetUp() override {
     const Expected<Scene> scene = load_scene(kScene);
     ASSERT_TRUE(scene.has_value());
-    target_ = {udp_.server, test_keys().key, scene->hash, narrow<std::uint32_t>(scene->lights.size())};
+    target_ = {udp_.server, test_keys().key, scene->hash, {narrow<std::uint32_t>(scene->lights.size())}};
     leave_a_ghost();
     good_.emplace(on_path_, target_);
     for (std::uint32_t pose = 0; pose < kPoses; ++pose) {

@@ -19,7 +19,7 @@ FrameReport report_of(std::uint32_t frame, std::uint32_t scale_eighths = kFullSc
 }
 
 TEST(MaskInbox, TellsWhenARequestWentOutAndItsAnswerCame) {
-  MaskInbox inbox(8, 1);
+  MaskInbox inbox(8, {1});
   inbox.begin({});
   (void)inbox.ask(request_of(1), Time(10ms), Time(1s));
   ASSERT_NE(inbox.exchange({1}), nullptr);
@@ -32,7 +32,7 @@ TEST(MaskInbox, TellsWhenARequestWentOutAndItsAnswerCame) {
 }
 
 TEST(MaskInbox, ExpectsNothingOfAnEarlierSession) {
-  MaskInbox inbox(8, 1);
+  MaskInbox inbox(8, {1});
   inbox.begin({});
   (void)inbox.ask(request_of(1), {}, {});
   EXPECT_TRUE(inbox.may_come({1}));
@@ -42,7 +42,7 @@ TEST(MaskInbox, ExpectsNothingOfAnEarlierSession) {
 }
 
 TEST(MaskInbox, SendsAllLightChangesAgainToANewSession) {
-  MaskInbox inbox(8, 1);
+  MaskInbox inbox(8, {1});
   inbox.begin({});
   TraceRequest request = request_of(1);
   change(request.lights, 0, false, std::nullopt);
@@ -53,7 +53,7 @@ TEST(MaskInbox, SendsAllLightChangesAgainToANewSession) {
 }
 
 TEST(MaskInbox, FollowsTheNewestReportsScaleAlone) {
-  MaskInbox inbox(8, 1);
+  MaskInbox inbox(8, {1});
   inbox.begin({});
   for (const std::uint32_t frame : {1u, 2u}) (void)inbox.ask(request_of(frame), {}, {});
   inbox.take(report_of(2, 5), {});
@@ -62,7 +62,7 @@ TEST(MaskInbox, FollowsTheNewestReportsScaleAlone) {
 }
 
 TEST(MaskInbox, LearnsHowManyPixelsTheServerTraces) {
-  MaskInbox inbox(8, 1);
+  MaskInbox inbox(8, {1});
   inbox.begin({.most_pixels = 4096});
   EXPECT_EQ(inbox.most_pixels(), 4096u);
 }

@@ -50,7 +50,7 @@ class Told {
   Timeline timeline;
 
  private:
-  MaskInbox inbox_{8, 1};
+  MaskInbox inbox_{8, {1}};
   FramePacker packer_;
   const SceneState state_;
   const Steering steering_;

@@ -158,7 +158,7 @@ struct LinkBench {
   WatchedPort client_port, server_port{wire.server(), on_answer};
   std::optional<ServerCore> server;
   std::map<std::uint32_t, LightChanges> traced_lights;  ///< by frame
-  LinkTarget target{wire.server().local(), kKey, kServed.scene_hash, kLights};
+  LinkTarget target{wire.server().local(), kKey, kServed.scene_hash, {kLights}};
   ShadowLink link;
   std::uint32_t frame = 0;
   LightChanges lights;

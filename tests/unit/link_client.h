@@ -48,7 +48,7 @@ struct LinkClient {
   }
   /// Expects the masks and asks for them, with all that a request says besides.
   Bytes ask(const TraceRequest& request) {
-    assembler.expect(request, scene.light_count, request.lights.revision);
+    assembler.expect(request, {scene.light_count}, request.lights.revision);
     return seal({.request = request, .probe_echo = probe, .arrivals = arrivals.report()});
   }
   Bytes seal(const RequestMessage& message) {

@@ -56,7 +56,7 @@ Slice slice_in(const std::vector<std::byte>& datagram) {
 struct Prepared {
   explicit Prepared(std::uint32_t lights = 3, std::uint32_t number = 1)
       : frame(noisy_frame(request(number), lights)), datagrams(datagrams_of(frame)) {
-    assembler.expect(request(number), lights, kRevision);
+    assembler.expect(request(number), {lights}, kRevision);
   }
   ShadowFrame frame;
   std::vector<std::vector<std::byte>> datagrams;
@@ -146,7 +146,7 @@ TEST(Assembler, SlicesOfSeveralFramesInTurnFindTheirOwn) {
   std::vector<ShadowFrame> frames;
   std::vector<std::vector<std::vector<std::byte>>> datagrams;
   for (std::uint32_t number = 1; number <= 3; ++number) {
-    assembler.expect(request(number), 3, kRevision);
+    assembler.expect(request(number), {3}, kRevision);
     frames.push_back(noisy_frame(request(number), 3));
     datagrams.push_back(datagrams_of(frames.back()));
   }
@@ -162,7 +162,7 @@ TEST(Assembler, NewestKnownIsTheNewestThatKnowsAnything) {
   Prepared made(3, 7);
   EXPECT_EQ(made.assembler.newest_known(), nullptr);
   accept(made.assembler, made.datagrams[0]);
-  made.assembler.expect(request(8), 3, kRevision);
+  made.assembler.expect(request(8), {3}, kRevision);
   ASSERT_NE(made.assembler.newest_known(), nullptr);
   EXPECT_EQ(made.assembler.newest_known()->request.frame, FrameId{7});
 }
@@ -183,7 +183,7 @@ constexpr std::size_t kFew = Assembler::kKept + 1;
 TEST(Assembler, IgnoresSliceOfFrameThatIsForgotten) {
   Assembler assembler(kFew);
   for (std::uint32_t number = 1; number <= kFew + 1; ++number)
-    assembler.expect(request(number), 3, kRevision);
+    assembler.expect(request(number), {3}, kRevision);
   EXPECT_EQ(assembler.find({1}), nullptr);
   EXPECT_NE(assembler.find({2}), nullptr);
   EXPECT_EQ(accept(assembler, datagrams_of(noisy_frame(request(1), 3))[0]), nullptr);
@@ -194,10 +194,10 @@ TEST(Assembler, KeepsTheLastMasksThroughAnySilence) {
   Assembler assembler(kFew + 3);
   std::uint32_t number = 1;
   for (; number <= 6; ++number) {
-    assembler.expect(request(number), 3, kRevision);
+    assembler.expect(request(number), {3}, kRevision);
     accept(assembler, datagrams_of(noisy_frame(request(number), 3))[0]);
   }
-  for (; number <= 1000; ++number) assembler.expect(request(number), 3, kRevision);
+  for (; number <= 1000; ++number) assembler.expect(request(number), {3}, kRevision);
   EXPECT_EQ(assembler.find({2}), nullptr);
   for (const std::uint32_t kept : {3u, 4u, 5u, 6u, 997u, 1000u})
     EXPECT_NE(assembler.find({kept}), nullptr) << kept;
@@ -208,11 +208,11 @@ TEST(Assembler, AReusedSlotRemembersNothing) {
   Assembler assembler(kFew);
   std::uint32_t number = 1;
   for (; number <= kFew; ++number) {
-    assembler.expect(request(number), 3, kRevision);
+    assembler.expect(request(number), {3}, kRevision);
     for (const auto& datagram : datagrams_of(noisy_frame(request(number), 3))) accept(assembler, datagram);
     ASSERT_TRUE(assembler.find({number})->complete());
   }
-  assembler.expect(request(number), 3, kRevision);
+  assembler.expect(request(number), {3}, kRevision);
   EXPECT_EQ(assembler.find({1}), nullptr);
   const ReceivedFrame& received = *assembler.find({number});
   EXPECT_FALSE(received.anything_known());
@@ -224,7 +224,7 @@ TEST(Assembler, SizesMayChangeFromFrameToFrame) {
   Assembler assembler(kFew);
   for (std::uint32_t number = 1; number <= 2 * kFew; ++number) {
     const TraceRequest asked = request(number, {number * 40, 90 / number});
-    assembler.expect(asked, 3, kRevision);
+    assembler.expect(asked, {3}, kRevision);
     const ShadowFrame frame = noisy_frame(asked, 3);
     for (const auto& datagram : datagrams_of(frame)) accept(assembler, datagram);
     EXPECT_EQ(assembler.find({number})->masks, frame.masks);
@@ -235,7 +235,7 @@ TEST(Assembler, SizesMayChangeFromFrameToFrame) {
 TEST(Assembler, FrameOrderSurvivesWraparound) {
   Assembler assembler(kFew);
   for (const std::uint32_t number : {0xfffffffcu, 0xfffffffdu, 0xfffffffeu, 0xffffffffu, 0u, 1u})
-    assembler.expect(request(number), 3, kRevision);
+    assembler.expect(request(number), {3}, kRevision);
   EXPECT_EQ(assembler.find({0xfffffffc}), nullptr);
   for (const std::uint32_t number : {0xffffffffu, 1u, 0u})
     for (const auto& datagram : datagrams_of(noisy_frame(request(number), 3))) accept(assembler, datagram);
@@ -273,7 +273,7 @@ TEST(Assembler, SurvivesEveryFlippedBitOfASlice) {
     const auto message = decode_server(bad);
     if (!message) continue;
     assembler.clear();
-    assembler.expect(request(1), 3, kRevision);
+    assembler.expect(request(1), {3}, kRevision);
     if (const auto* slice = std::get_if<Slice>(&*message)) assembler.accept(*slice);
     for (const EyeMask& mask : assembler.find({1})->masks)
       for (const std::byte word : mask.bytes()) ASSERT_LT(std::to_integer<int>(word), 8) << "bit " << bit;
@@ -286,7 +286,7 @@ TEST(Assembler, ForgetsEverythingForAnotherServer) {
   made.assembler.clear();
   EXPECT_EQ(made.assembler.find({9}), nullptr);
   EXPECT_EQ(made.assembler.newest_known(), nullptr);
-  made.assembler.expect(request(1), 3, kRevision);  // frames may be counted anew
+  made.assembler.expect(request(1), {3}, kRevision);  // frames may be counted anew
   EXPECT_FALSE(made.assembler.find({1})->anything_known());
 }
 

@@ -26,7 +26,7 @@ TraceRequest MaskInbox::ask(const TraceRequest& request, Time asked_at, Time now
   // What the masks will speak of.
   TraceRequest expected = request;
   expected.lights = up_to(request.lights, sent.lights.revision);
-  assembler_.expect(expected, lights_, expected.lights.revision);
+  assembler_.expect(expected, layout_, expected.lights.revision);
   asked_.push_back({.exchange = {.frame = request.frame, .sent = now, .first = {}, .last = {}},
                     .at = asked_at,
                     .session = session_});

@@ -11,8 +11,8 @@ namespace farshade {
 
 class MaskInbox {
  public:
-  /// Remembers `frames` requests for masks of `lights` lights, as Assembler does.
-  MaskInbox(std::size_t frames, std::uint32_t lights) : assembler_(frames), lights_(lights) {}
+  /// Remembers `frames` requests for masks that lie as `layout` says, as Assembler does.
+  MaskInbox(std::size_t frames, MaskLayout layout) : assembler_(frames), layout_(layout) {}
 
   /// A session has begun: the other side knows of no light change, and answers nothing asked before.
   void begin(const Welcome& welcome);
@@ -64,7 +64,7 @@ class MaskInbox {
   };
 
   Assembler assembler_;
-  std::uint32_t lights_;
+  MaskLayout layout_;
   std::vector<Asked> asked_;                     ///< oldest first; those that the assembler remembers
   std::uint64_t session_ = 0;                    ///< counts sessions
   std::uint32_t acknowledged_ = kFirstLightSet;  ///< the light set that the server surely has

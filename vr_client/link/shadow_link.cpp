@@ -29,7 +29,7 @@ ShadowLink::Channel::Channel(const SessionKeys& keys, Time now)
       heard(now) {}
 
 ShadowLink::ShadowLink(DatagramPort& port, const Clock& clock, const LinkTarget& target, std::size_t frames)
-    : port_(port), clock_(clock), target_(target), inbox_(frames, target.lights) {}
+    : port_(port), clock_(clock), target_(target), inbox_(frames, target.mask) {}
 
 void ShadowLink::say_hello() {
   if (last_hello_ && clock_.now() - *last_hello_ < kHelloInterval) return;
@@ -133,8 +133,15 @@ void ShadowLink::take_accept(const Accept& accept, std::span<const std::byte> da
     return;
   }
   const auto& welcome = std::get<Welcome>(met->answer);
-  if (welcome.scene_hash != target_.scene_hash || welcome.light_count != target_.lights) {
-    refused_ = Error{Fault::Mismatch, "the server at " + to_string(target_.server) + " serves another scene"};
+  const std::string server = "the server at " + to_string(target_.server);
+  if (welcome.scene_hash != target_.scene_hash) {
+    refused_ = Error{Fault::Mismatch, server + " serves another scene"};
+    return;
+  }
+  if (welcome.light_count != target_.mask.lights) {
+    refused_ = Error{Fault::Mismatch, server + " has masks of " + std::to_string(welcome.light_count) +
+                                          " lights, this client of " + std::to_string(target_.mask.lights) +
+                                          ": start both with the same --plan"};
     return;
   }
   channel_.emplace(met->keys, clock_.now());

@@ -20,7 +20,7 @@ struct LinkTarget {
   Peer server;
   SharedKey key;
   ContentHash scene_hash{};
-  std::uint32_t lights = 0;  ///< in every mask
+  MaskLayout mask;  ///< of every mask that comes
 };
 
 /// Told what is said within sessions, before it is taken in: what a session on file is made of. A Welcome

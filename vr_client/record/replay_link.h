@@ -9,7 +9,7 @@ namespace farshade {
 
 class ReplayLink final : public MaskLink {
  public:
-  explicit ReplayLink(const SessionHeader& header) : inbox_(header.requests, header.lights) {}
+  explicit ReplayLink(const SessionHeader& header) : inbox_(header.requests, MaskLayout{header.lights}) {}
 
   /// A frame begins; `frame` stays until the next call.
   void begin(const RecordedFrame& frame);
