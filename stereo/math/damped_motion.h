@@ -10,8 +10,9 @@ namespace farshade {
 /// (1 - e^-x) / x for x >= 0; 1 at 0.
 [[nodiscard]] double mean_decay(double x);
 
-/// 1 - e^-x (1 + x): the part of a new constant input that two first-order low-passes in a row let through.
-[[nodiscard]] double twice_smoothed(double x);
+/// (1 - e^-x (1 + x)) / x for x >= 0; 0 at 0. Times x it is the part of a new constant input that two
+/// first-order low-passes in a row let through.
+[[nodiscard]] double mean_lag(double x);
 
 /// The way that a velocity of 1 covers in step_s >= 0 while it fades: fade_s (1 - e^-(step / fade)). Never
 /// more than step_s or fade_s.

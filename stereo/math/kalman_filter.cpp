@@ -7,7 +7,7 @@
 namespace farshade {
 namespace {
 
-using Covariance = KalmanFilter::Covariance;
+using Spread = KalmanFilter::Spread;
 
 // A head not yet seen moving is taken to move at most about this fast (rad/s, m/s), whatever a long fade time
 // makes of its driving noise.
@@ -19,26 +19,41 @@ struct Gain {
 };
 
 /// Velocity unknown, as it is of a process that has long run.
-Covariance unseen(double fade_s, double drive, double noise) {
-  return {noise * noise, 0.0, std::min(0.5 * drive * fade_s, kUnseenSpeed * kUnseenSpeed)};
+Spread unseen(double fade_s, double drive, double noise) {
+  return {.p = noise * noise,
+          .v_by_p = 0.0,
+          .v_alone = std::min(0.5 * drive * fade_s, kUnseenSpeed * kUnseenSpeed)};
 }
 
-void grow(Covariance& c, const DampedStep& step, double drive) {
-  const double pv = c.pv + step.travel_s * c.vv;
-  c.pp += step.travel_s * (c.pv + pv) + drive * step.pp;
-  c.pv = step.keep * pv + drive * step.pv;
-  c.vv = step.keep * step.keep * c.vv + drive * step.vv;
+/// p + travel v, keep v.
+Spread carried(const Spread& s, const DampedStep& step) {
+  const double stretch = 1.0 + step.travel_s * s.v_by_p;
+  const double p = s.p * stretch * stretch + step.travel_s * step.travel_s * s.v_alone;
+  if (!(p > 0)) return {.p = 0, .v_by_p = 0, .v_alone = step.keep * step.keep * s.v_alone};
+  return {.p = p,
+          .v_by_p = step.keep * (s.v_by_p * (s.p / p) * stretch + step.travel_s * (s.v_alone / p)),
+          .v_alone = step.keep * step.keep * s.v_alone * (s.p / p)};
 }
 
-Gain measure(Covariance& c, double noise) {
-  const double r = noise * noise, seen = c.pp + r;
-  const Gain gain{c.pp / seen, c.pv / seen};
-  // Variance of v once p is known, and what not quite knowing p adds: positive terms only, unlike vv - gain
-  // pv.
-  const double known = c.pp > 0 ? std::max(0.0, c.vv - c.pv * c.pv / c.pp) : c.vv;
-  const double not_quite = c.pp > 0 ? c.pv * (c.pv / c.pp) * (r / seen) : 0.0;
-  c = {gain.p * r, gain.v * r, known + not_quite};
-  return gain;
+Spread noise_of(const DampedStep& step, double drive) {
+  if (!(drive * step.pp > 0)) return {.p = 0, .v_by_p = 0, .v_alone = drive * step.vv};
+  const double v_by_p = step.pv / step.pp;  // takes at most 3/4 of vv
+  return {.p = drive * step.pp, .v_by_p = v_by_p, .v_alone = drive * (step.vv - v_by_p * step.pv)};
+}
+
+/// Of the sum of two independent errors.
+Spread sum(const Spread& a, const Spread& b) {
+  const double p = a.p + b.p, part = p > 0 ? b.p / p : 0.0, apart = b.v_by_p - a.v_by_p;
+  return {.p = p,
+          .v_by_p = a.v_by_p + part * apart,
+          .v_alone = a.v_alone + b.v_alone + a.p * part * apart * apart};
+}
+
+/// What v does apart from p no measurement of p can tell.
+Gain measure(Spread& s, double noise) {
+  const double r = noise * noise, gain = s.p / (s.p + r);
+  s.p = gain * r;
+  return {.p = gain, .v = gain * s.v_by_p};
 }
 
 /// Where a fading velocity leads, per component.
@@ -48,26 +63,36 @@ glm::dvec3 travel(const glm::dvec3& velocity, const glm::dvec3& fade_s, double l
   return way;
 }
 
-/// One component kind's velocity and covariances carried over a step.
-void grow_all(std::array<Covariance, 3>& covariance, glm::dvec3& velocity, const glm::dvec3& fade_s,
-              double drive, double step_s) {
+/// One component kind's velocity and errors carried over a step.
+void grow_all(std::array<Spread, 3>& spreads, glm::dvec3& velocity, const glm::dvec3& fade_s, double drive,
+              double step_s) {
   for (int i = 0; i < 3; ++i) {
     const DampedStep step = damped_step(step_s, fade_s[i]);
-    grow(covariance[static_cast<std::size_t>(i)], step, drive);
+    Spread& spread = spreads[static_cast<std::size_t>(i)];
+    spread = sum(carried(spread, step), noise_of(step, drive));
     velocity[i] *= step.keep;
   }
 }
 
 /// Corrects the velocity by the error of the pose, and returns what corrects the pose.
-glm::dvec3 correct_all(std::array<Covariance, 3>& covariance, glm::dvec3& velocity, const glm::dvec3& error,
+glm::dvec3 correct_all(std::array<Spread, 3>& spreads, glm::dvec3& velocity, const glm::dvec3& error,
                        double noise) {
   glm::dvec3 correction;
   for (int i = 0; i < 3; ++i) {
-    const Gain gain = measure(covariance[static_cast<std::size_t>(i)], noise);
+    const Gain gain = measure(spreads[static_cast<std::size_t>(i)], noise);
     correction[i] = gain.p * error[i];
     velocity[i] += gain.v * error[i];
   }
   return correction;
+}
+
+std::array<KalmanFilter::Covariance, 3> covariances(const std::array<Spread, 3>& spreads) {
+  std::array<KalmanFilter::Covariance, 3> all;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto& [p, v_by_p, v_alone] = spreads[i];
+    all[i] = {.pp = p, .pv = v_by_p * p, .vv = v_alone + v_by_p * v_by_p * p};
+  }
+  return all;
 }
 
 }  // namespace
@@ -96,6 +121,14 @@ void KalmanFilter::step(double step_s, const HeadPose& pose) {
 HeadPose KalmanFilter::ahead(double lead_s) const {
   return pose_ * motion_exp<Head>({travel(velocity_.angular, tuning_.angular_fade_s, lead_s),
                                    travel(velocity_.linear, tuning_.linear_fade_s, lead_s)});
+}
+
+std::array<KalmanFilter::Covariance, 3> KalmanFilter::angular_covariance() const {
+  return covariances(angular_);
+}
+
+std::array<KalmanFilter::Covariance, 3> KalmanFilter::linear_covariance() const {
+  return covariances(linear_);
 }
 
 }  // namespace farshade

@@ -1,5 +1,7 @@
 #include "stereo/math/pose_filters.h"
 
+#include <cmath>
+
 #include "stereo/math/damped_motion.h"
 
 namespace farshade {
@@ -48,11 +50,14 @@ void DoubleExponentialFilter::start(const HeadPose& pose) {
 }
 
 void DoubleExponentialFilter::step(double step_s, const HeadPose& pose) {
-  const Twist input = motion_between(pose_, pose) * (1.0 / step_s);
-  const double x = step_s / smoothing_s_, once = x * mean_decay(x), both = twice_smoothed(x);
-  // once - both = x e^-x, so each line is a weighted mean: no step overshoots.
-  twice_ = twice_ * (1.0 - once) + once_ * (once - both) + input * both;
-  once_ = once_ * (1.0 - once) + input * once;
+  const Twist moved = motion_between(pose_, pose);
+  const double x = step_s / smoothing_s_, once = mean_decay(x), twice = mean_lag(x);
+  // The input is a rate of moved / step, weighed without dividing by a step that may be next to nothing. Only
+  // what is to be gained is added: where all rates agree nothing changes, so that rounding piles up to no
+  // drift however small x is. The weights of all three rates lie in 0..1: no step overshoots.
+  twice_ = twice_ + (once_ - twice_) * (x * std::exp(-x)) +
+           (moved * (twice / smoothing_s_) - twice_ * (x * twice));
+  once_ = once_ + (moved * (once / smoothing_s_) - once_ * (x * once));
   pose_ = pose;
 }
 

@@ -86,18 +86,29 @@ class KalmanFilter {
   [[nodiscard]] HeadPose ahead(double lead_s) const;
   [[nodiscard]] Twist velocity() const { return velocity_; }
 
-  /// Covariance of one component's error; pp * vv >= pv^2.
+  /// Covariance of one component's error (p, v); pp * vv >= pv^2 up to rounding.
   struct Covariance {
     double pp = 0, pv = 0, vv = 0;
   };
-  [[nodiscard]] const std::array<Covariance, 3>& angular_covariance() const { return angular_; }
-  [[nodiscard]] const std::array<Covariance, 3>& linear_covariance() const { return linear_; }
+  [[nodiscard]] std::array<Covariance, 3> angular_covariance() const;
+  [[nodiscard]] std::array<Covariance, 3> linear_covariance() const;
+
+  /// The same, factored: v's error is v_by_p times p's error, and one that has nothing to do with it. Every
+  /// step adds positive terms only, so that no covariance is ever indefinite and none loses digits to a
+  /// difference. Sources: G. J. Bierman, "Factorization methods for discrete sequential estimation", 1977 (U
+  /// D U^T); C. L. Thornton, "Triangular covariance factorizations for Kalman filtering", 1976, for the step
+  /// between measurements.
+  struct Spread {
+    double p = 0;        ///< variance of p
+    double v_by_p = 0;   ///< 1/s
+    double v_alone = 0;  ///< variance of v once p is known
+  };
 
  private:
   KalmanTuning tuning_;
   HeadPose pose_;
   Twist velocity_;
-  std::array<Covariance, 3> angular_, linear_;
+  std::array<Spread, 3> angular_, linear_;
 };
 
 }  // namespace farshade

@@ -84,15 +84,15 @@ TEST(DampedStep, KeepsAVelocityThatNeverFades) {
   EXPECT_DOUBLE_EQ(step.pp, 0.125 / 3);
 }
 
-TEST(TwiceSmoothed, AgreesWithItsClosedFormInMoreDigits) {
+TEST(MeanLag, AgreesWithItsClosedFormInMoreDigits) {
   for (double power = -3; power <= 4; power += 0.125) {
     const double x = std::pow(10, power);
     // Of the 64 bits of a long double, some 20 are lost to the difference at 1e-3.
     const long double wanted = 1 - std::exp(-static_cast<long double>(x)) * (1 + static_cast<long double>(x));
-    EXPECT_NEAR(twice_smoothed(x) / static_cast<double>(wanted), 1.0, x < 0.1 ? 1e-12 : 1e-14) << x;
+    EXPECT_NEAR(x * mean_lag(x) / static_cast<double>(wanted), 1.0, x < 0.1 ? 1e-12 : 1e-14) << x;
   }
-  EXPECT_EQ(twice_smoothed(0), 0.0);
-  EXPECT_DOUBLE_EQ(twice_smoothed(1e-12), 0.5e-24 - 1e-36 / 3);
+  EXPECT_EQ(mean_lag(0), 0.0);
+  EXPECT_DOUBLE_EQ(mean_lag(1e-12), 0.5e-12 - 1e-24 / 3);
 }
 
 TEST(MeanDecay, IsOneAtRestAndOneOverXFarOut) {

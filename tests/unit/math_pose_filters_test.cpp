@@ -60,25 +60,6 @@ TEST(PoseFilter, CarriesAConstantTwistOnExactlyWhateverTheSteps) {
   }
 }
 
-TEST(PoseFilter, StaysOnTheUnitSphereOverAMillionSteps) {
-  for (const PredictorKind kind : kPredictorKinds) {
-    PoseFilter filter = make_filter(kind);
-    std::mt19937 random(9);
-    std::uniform_real_distribution<double> some(-0.1, 0.1);
-    HeadPose pose;
-    std::visit([&](auto& f) { f.start(pose); }, filter);
-    double worst = 0;
-    for (int i = 0; i < 1'000'000; ++i) {
-      pose = pose * motion_exp<Head>({{some(random), some(random), some(random)}, {0, 0, some(random)}});
-      std::visit([&](auto& f) { f.step(0.014, pose); }, filter);
-      if (i % 16) continue;
-      const HeadPose said = std::visit([](auto& f) { return f.ahead(0.1); }, filter);
-      worst = std::max(worst, std::abs(glm::length(said.rotation) - 1));
-    }
-    EXPECT_LE(worst, 1e-15) << to_string(kind);
-  }
-}
-
 TEST(ConstantVelocity, IsTheScrewBetweenTheLastTwoPoses) {
   ConstantVelocityFilter filter;
   filter.start(on_screw(0));
@@ -122,7 +103,7 @@ TEST_P(Stiffness, OfDoubleExponentialFollowsTheContinuousSolution) {
   filter.start({});
   for (int i = 1; i <= 1000; ++i) {
     filter.step(step_s, {rotation_exp({0, rate * (i * step_s), 0}), {}});
-    const double wanted = rate * twice_smoothed(i * step_s / constant_s);
+    const double x = i * step_s / constant_s, wanted = rate * x * mean_lag(x);
     ASSERT_NEAR(filter.velocity().angular.y, wanted, 1e-9 * wanted + 1e-15) << "step " << i;
     ASSERT_LE(filter.velocity().angular.y, rate * (1 + 1e-10)) << "step " << i;
   }
@@ -210,7 +191,7 @@ TEST(Kalman, IsAsWrongAsItSaysItIs) {
       v = step.keep * v +
           drive * (step.pv / step.pp * a + std::sqrt(step.vv - step.pv * step.pv / step.pp) * normal(random));
       filter.step(step_s, {{1, 0, 0, 0}, {p + tuning.linear_noise * normal(random), 0, 0}});
-      const KalmanFilter::Covariance& said = filter.linear_covariance()[0];
+      const KalmanFilter::Covariance said = filter.linear_covariance()[0];
       p_over += std::pow(filter.ahead(0).translation.x - p, 2) / said.pp / kCount;
       v_over += std::pow(filter.velocity().linear.x - v, 2) / said.vv / kCount;
     }

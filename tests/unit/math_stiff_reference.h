@@ -1,0 +1,63 @@
+/// The pose filters along one axis as what they are, linear systems, solved another way than the product
+/// does: in long double, transitions by the matrix exponential (Taylor series, scaling and squaring), the
+/// Kalman filter's process noise by Van Loan's augmented matrix over a short step that is then doubled
+/// (squaring that matrix itself would overflow: it holds e^(step / fade)), its measurements in Joseph's form.
+/// Sources: C. F. Van Loan, "Computing integrals involving the matrix exponential", 1978; R. S. Bucy, P. D.
+/// Joseph, "Filtering for stochastic processes with applications to guidance", 1968.
+#pragma once
+
+#include <array>
+#include <map>
+
+namespace farshade::stiff {
+
+using Real = long double;
+template <std::size_t N>
+using Matrix = std::array<std::array<Real, N>, N>;
+
+/// LaViola's filter: once' = (u - once) / smoothing, twice' = (once - twice) / smoothing, u constant over a
+/// step.
+class DoubleExponentialReference {
+ public:
+  explicit DoubleExponentialReference(Real smoothing_s) : smoothing_s_(smoothing_s) {}
+  void step(Real step_s, Real moved);
+  [[nodiscard]] Real velocity() const { return twice_; }
+  [[nodiscard]] Real ahead(Real lead_s) const { return smoothing_s_ * (twice_ - once_) + lead_s * twice_; }
+
+ private:
+  Real smoothing_s_, once_ = 0, twice_ = 0;
+  std::map<Real, Matrix<3>> transitions_;
+};
+
+/// p' = v, v' = -v / fade + noise of density 1, over a step.
+struct DampedReference {
+  Real keep, travel_s, pp, pv, vv;
+};
+[[nodiscard]] DampedReference damped_reference(Real step_s, Real fade_s);
+
+class KalmanReference {
+ public:
+  struct Tuning {
+    Real fade_s, drive, noise, unseen_vv;
+  };
+  explicit KalmanReference(const Tuning& tuning)
+      : tuning_(tuning), pp_(tuning.noise * tuning.noise), vv_(tuning.unseen_vv) {}
+
+  /// Carries the estimate over the step; what is measured then is told as its difference from ahead(step).
+  void step(Real step_s, Real error);
+  [[nodiscard]] Real travel_s(Real lead_s) { return at(lead_s).travel_s; }
+  [[nodiscard]] Real velocity() const { return v_; }
+  [[nodiscard]] Real corrected() const { return corrected_; }
+  [[nodiscard]] Real pp() const { return pp_; }
+  [[nodiscard]] Real pv() const { return pv_; }
+  [[nodiscard]] Real vv() const { return vv_; }
+
+ private:
+  const DampedReference& at(Real step_s);
+
+  Tuning tuning_;
+  Real v_ = 0, corrected_ = 0, pp_, pv_ = 0, vv_;
+  std::map<Real, DampedReference> steps_;
+};
+
+}  // namespace farshade::stiff
