@@ -1,6 +1,7 @@
 #include "stereo/tracer/hole_test.h"
 
 #include <cmath>
+#include <limits>
 
 namespace farshade {
 namespace {
@@ -48,7 +49,7 @@ HoleTest::HoleTest(const Scene& scene, const Mesh& mesh) : mesh_(&mesh) {
   const Material& material = scene.materials[mesh.material];
   if (material.texture && !mesh.uvs.empty()) texture_ = &scene.textures[*material.texture];
   factor_ = material.base_color.a;
-  cutoff_ = material.alpha_cutoff.value();
+  cutoff_ = material.alpha_cutoff.value_or(-std::numeric_limits<float>::infinity());
 }
 
 bool HoleTest::is_hole(const glm::uvec3& triangle, float u, float v) const {

@@ -10,7 +10,7 @@ namespace farshade {
 
 class HoleTest {
  public:
-  /// `mesh` and the scene's texture are referred to. The mesh's material must have an alpha cutoff.
+  /// `mesh` and the scene's texture are referred to. Without an alpha cutoff nothing is a hole.
   HoleTest(const Scene& scene, const Mesh& mesh);
 
   /// Vertex numbers are the mesh's own; (u, v) weigh the second and third.

@@ -98,16 +98,17 @@ enum class Pass { Holes, Backs, Both };
 template <Pass What>
 void pass_filter(const RTCFilterFunctionNArguments* arguments) {
   const auto& data = *static_cast<const FilterData*>(arguments->geometryUserPtr);
+  const bool single = !data.patch->double_sided;
   for (unsigned i = 0; i < arguments->N; ++i) {
     if (arguments->valid[i] != -1) continue;
-    const bool passes = (What != Pass::Holes && is_back(*arguments, i)) ||
+    const bool passes = (What != Pass::Holes && single && is_back(*arguments, i)) ||
                         (What != Pass::Backs && data.is_hole(*arguments, i));
     if (passes) arguments->valid[i] = 0;
   }
 }
 
 void set_filters(RTCGeometry geometry, FilterData& data) {
-  const bool holes = data.patch->holes.has_value(), backs = !data.patch->double_sided;
+  const bool holes = data.patch->holes.has_value(), backs = data.patch->back_test;
   rtcSetGeometryUserData(geometry, &data);
   if (holes) rtcSetGeometryOccludedFilterFunction(geometry, pass_filter<Pass::Holes>);
   if (holes && backs) rtcSetGeometryIntersectFilterFunction(geometry, pass_filter<Pass::Both>);

@@ -58,29 +58,34 @@ glm::dvec3 facet_normal(const std::array<glm::dvec3, 3>& p) {
   return unit_or_zero(glm::cross(edge[(longest + 1) % 3], edge[(longest + 2) % 3]));
 }
 
-glm::dvec3 center_of(const Mesh& mesh) {
-  if (mesh.positions.empty()) return glm::dvec3(0.0);
+Bounds bounds_of(const Mesh& mesh) {
+  if (mesh.positions.empty()) return {};
   glm::vec3 low = mesh.positions.front(), high = low;
   for (const glm::vec3& p : mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
-  return (glm::dvec3(low) + glm::dvec3(high)) * 0.5;
+  return {glm::dvec3(low), glm::dvec3(high)};
 }
 
 }  // namespace
 
-SurfaceModel::SurfaceModel(const Scene& scene, const SceneState& state) {
+SurfaceModel::SurfaceModel(const Scene& scene, const SceneState& state, const TracePlan& plan) {
   check_eq(state.stage_from_object.size(), scene.instances.size(), "a state places every instance");
+  check_eq(plan.moves.size(), scene.instances.size(), "a plan knows every instance");
+  check_eq(plan.surfaces.size(), scene.meshes.size(), "a plan knows every mesh");
   anchor_ = (scene.bounds.low + scene.bounds.high) * 0.5;
   patches_.reserve(scene.instances.size());
   for (const bool moving : {false, true}) {
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i)
-      if (scene.nodes[scene.instances[i].node].moving == moving) add(scene, state, i, moving);
+      if (plan.moves[i] == moving) add(scene, state, i, plan);
     if (!moving) fixed_count_ = patches_.size();
   }
   positions_.emplace_back(0.0f);
   place(state);
 }
 
-void SurfaceModel::add(const Scene& scene, const SceneState& state, std::uint32_t instance, bool moving) {
+void SurfaceModel::add(const Scene& scene, const SceneState& state, std::uint32_t instance,
+                       const TracePlan& plan) {
+  const bool moving = plan.moves[instance];
+  const SurfaceNeeds& needs = plan.surfaces[scene.instances[instance].mesh];
   const Mesh& mesh = scene.meshes[scene.instances[instance].mesh];
   const Material& material = scene.materials[mesh.material];
   const glm::dmat4& stage_from_object = state.stage_from_object[instance].matrix;
@@ -92,9 +97,14 @@ void SurfaceModel::add(const Scene& scene, const SceneState& state, std::uint32_
               .triangle_count = narrow<std::uint32_t>(mesh.triangles.size()),
               .first_vertex = narrow<std::uint32_t>(positions_.size()),
               .double_sided = material.double_sided,
+              .back_test = needs.back_test,
               .moving = moving};
-  if (material.alpha_cutoff) patch.holes.emplace(scene, mesh);
-  if (moving) patch.object_center = center_of(mesh);
+  if (needs.alpha_test) patch.holes.emplace(scene, mesh);
+  if (moving) {
+    const Bounds bounds = bounds_of(mesh);
+    patch.object_center = (bounds.low + bounds.high) * 0.5;
+    patch.object_half = (bounds.high - bounds.low) * 0.5;
+  }
 
   const glm::dvec3 shift = moving ? -patch.object_center : glm::dvec3(stage_from_object[3]) - anchor_;
   const auto placed = [&](std::uint32_t vertex) {

@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 
+#include "stereo/plan/scene_plan.h"
 #include "stereo/scene/scene_state.h"
 #include "stereo/tracer/hole_test.h"
 
@@ -35,8 +36,10 @@ struct Patch {
   std::uint32_t instance = 0;  ///< into Scene::instances
   std::uint32_t first_triangle = 0, triangle_count = 0, first_vertex = 0;
   bool double_sided = false;
+  bool back_test = false;  ///< eyes' rays pass its back, if it is not double-sided
   bool moving = false;
   glm::dvec3 object_center{0.0};                 ///< moving only: what the vertices are relative to
+  glm::dvec3 object_half{0.0};                   ///< moving only: of the box about them
   double object_reach = 0;                       ///< moving only: largest absolute coordinate of its vertices
   std::optional<HoleTest> holes = std::nullopt;  ///< only where the material needs it
   Placement placement = {};                      ///< moving only
@@ -45,7 +48,7 @@ struct Patch {
 class SurfaceModel {
  public:
   /// Refers to `scene`. Instances whose transform in `state` is singular and that never move are left out.
-  SurfaceModel(const Scene& scene, const SceneState& state);
+  SurfaceModel(const Scene& scene, const SceneState& state, const TracePlan& plan);
 
   /// Moves what moves. Patches keep their addresses.
   void place(const SceneState& state);
@@ -63,7 +66,7 @@ class SurfaceModel {
   [[nodiscard]] std::span<const Facet> facets() const { return facets_; }
 
  private:
-  void add(const Scene& scene, const SceneState& state, std::uint32_t instance, bool moving);
+  void add(const Scene& scene, const SceneState& state, std::uint32_t instance, const TracePlan& plan);
 
   glm::dvec3 anchor_{0.0};
   std::vector<Patch> patches_;

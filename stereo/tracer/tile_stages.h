@@ -1,7 +1,7 @@
 /// The two stages of a 16x16 tile, on buffers that stay in the first-level cache between them.
 ///
 /// see_tile finds the nearest surface of each pixel; shadow_tile asks for one light which of those surfaces
-/// it reaches. Pixels are kept in 4x4 blocks, so that the 16 rays of a packet stay close to each other.
+/// it reaches.
 ///
 /// A shadow ray's offset is counted in units in the last place, after C. Waechter and N. Binder, "A fast and
 /// robust method for avoiding self-intersection", Ray Tracing Gems I, chapter 6, but of the largest
@@ -21,41 +21,14 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "stereo/frame/tiles.h"
 #include "stereo/frame/view.h"
 #include "stereo/tracer/ray_scene.h"
+#include "stereo/tracer/tile_lights.h"
 
 namespace farshade {
-
-inline constexpr int kTilePixels = static_cast<int>(kTileSide_px * kTileSide_px);
-
-/// Place in the tile of its pixels in block order.
-struct TilePixel {
-  std::uint8_t x, y;
-};
-inline constexpr std::array<TilePixel, kTilePixels> kTileOrder = [] {
-  std::array<TilePixel, kTilePixels> order{};
-  for (int i = 0; i < kTilePixels; ++i) {
-    const int block = i / 16, lane = i % 16;
-    order[static_cast<std::size_t>(i)] = {static_cast<std::uint8_t>(block % 4 * 4 + lane % 4),
-                                          static_cast<std::uint8_t>(block / 4 * 4 + lane / 4)};
-  }
-  return order;
-}();
-
-/// What the pixels of one tile see, in block order, anchor-relative. Normals have any length, are turned as
-/// the definition in tracer.h says, and are zero where nothing is covered.
-struct alignas(64) TileSurface {
-  float px[kTilePixels], py[kTilePixels], pz[kTilePixels];
-  float nx[kTilePixels], ny[kTilePixels], nz[kTilePixels];  ///< shading normal
-  float gx[kTilePixels], gy[kTilePixels], gz[kTilePixels];  ///< geometric normal, unit
-  float reach[kTilePixels];                                 ///< Facet::reach
-  std::uint32_t covered = 0;                                ///< pixels
-};
 
 /// Primary rays of a view: origin, and direction = corner + x across + y down for pixel position (x, y).
 struct ViewRays {
@@ -71,29 +44,6 @@ inline ViewRays rays_of(const View& view, const glm::dvec3& anchor) {
   const glm::dvec3 corner = stage_ray(0, 0);
   return {glm::vec3(view.stage_from_eye.translation - anchor), corner, stage_ray(1, 0) - corner,
           stage_ray(0, 1) - corner};
-}
-
-/// A light as shadow rays need it.
-struct ShadowLight {
-  LightKind kind = LightKind::Point;
-  bool on = true;
-  glm::vec3 position{0.0f};   ///< anchor-relative
-  glm::vec3 direction{0.0f};  ///< unit, the way the light travels
-  float reach = 0;            ///< largest absolute coordinate of position
-  float range = kFar;         ///< metres
-  float cos_outer = -2;       ///< below -1: no cone
-};
-
-inline ShadowLight shadow_light(const Light& light, const SurfaceModel& model) {
-  const glm::dvec3 position = light.position.v - model.anchor();
-  const double reach = std::max({std::abs(position.x), std::abs(position.y), std::abs(position.z)});
-  ShadowLight result{.kind = light.kind, .on = light.on, .direction = glm::vec3(light.direction.v)};
-  if (light.kind == LightKind::Directional) return result;
-  result.position = glm::vec3(position);
-  result.reach = static_cast<float>(reach);
-  if (light.range_m > 0) result.range = light.range_m;
-  if (light.kind == LightKind::Spot) result.cos_outer = std::cos(light.outer_cone_rad);
-  return result;
 }
 
 /// One lane's hit, carried into `out` at `at`.
@@ -118,6 +68,8 @@ inline void resolve_hit(const SurfaceModel& model, std::uint32_t patch_number, s
   }
   if (patch.double_sided && glm::dot(ray, g) > 0) n = -n, g = -g;
   out.px[at] = p.x, out.py[at] = p.y, out.pz[at] = p.z;
+  const float offset = kOffset * reach;
+  out.ox[at] = p.x + g.x * offset, out.oy[at] = p.y + g.y * offset, out.oz[at] = p.z + g.z * offset;
   out.nx[at] = n.x, out.ny[at] = n.y, out.nz[at] = n.z;
   out.gx[at] = g.x, out.gy[at] = g.y, out.gz[at] = g.z;
   out.reach[at] = reach;
@@ -125,6 +77,7 @@ inline void resolve_hit(const SurfaceModel& model, std::uint32_t patch_number, s
 
 inline void resolve_miss(TileSurface& out, int at) {
   out.px[at] = out.py[at] = out.pz[at] = out.reach[at] = 0;
+  out.ox[at] = out.oy[at] = out.oz[at] = 0;
   out.nx[at] = out.ny[at] = out.nz[at] = 0;
   out.gx[at] = out.gy[at] = out.gz[at] = 0;
 }
@@ -167,13 +120,32 @@ void see_tile(const RayScene& scene, const SurfaceModel& model, const ViewRays& 
   }
 }
 
-/// Vector from each surface to the light, and whether it can matter there at all: it faces both normals, and
-/// range and cone include it. Returns whether any does.
+/// What becomes of the covered pixels of a tile under one light.
+struct TileRays {
+  std::uint64_t traced = 0;
+  std::uint64_t proven = 0;                                   ///< lit without a ray
+  std::uint64_t out_of_range = 0, out_of_cone = 0, away = 0;  ///< dark without a ray, by the first of these
+
+  TileRays& operator+=(const TileRays& b) {
+    traced += b.traced, proven += b.proven;
+    out_of_range += b.out_of_range, out_of_cone += b.out_of_cone, away += b.away;
+    return *this;
+  }
+};
+
+/// One packet's way to the light.
 template <int K>
-bool face_light(const TileSurface& s, int first, const ShadowLight& light, RayPacket<K>& to_light,
-                float (&distance)[K], Lanes<K>& lanes) {
+struct LightWay {
+  alignas(4 * K) float distance[K];
+  Lanes<K> faces;  ///< both normals face the light
+  Lanes<K> in_range, in_cone;
+};
+
+/// Vector from each surface to the light, and what of the definition of a bit holds before any ray.
+template <int K>
+void face_light(const TileSurface& s, int first, const ShadowLight& light, RayPacket<K>& to_light,
+                LightWay<K>& way) {
   const bool directional = light.kind == LightKind::Directional;
-  std::int32_t any = 0;
   for (int i = 0; i < K; ++i) {
     const int at = first + i;
     const float x = directional ? -light.direction.x : light.position.x - s.px[at];
@@ -183,13 +155,12 @@ bool face_light(const TileSurface& s, int first, const ShadowLight& light, RayPa
     const float along = -(x * light.direction.x + y * light.direction.y + z * light.direction.z);
     const bool faces =
         (s.nx[at] * x + s.ny[at] * y + s.nz[at] * z > 0) & (s.gx[at] * x + s.gy[at] * y + s.gz[at] * z > 0);
-    const bool reaches = (d < light.range) & (along > light.cos_outer * d);
-    lanes.valid[i] = -static_cast<std::int32_t>(faces & reaches);
-    any |= lanes.valid[i];
+    way.faces.valid[i] = -static_cast<std::int32_t>(faces);
+    way.in_range.valid[i] = -static_cast<std::int32_t>(d < light.range);
+    way.in_cone.valid[i] = -static_cast<std::int32_t>(along > light.cos_outer * d);
     to_light.dir_x[i] = x, to_light.dir_y[i] = y, to_light.dir_z[i] = z;
-    distance[i] = d;
+    way.distance[i] = d;
   }
-  return any != 0;
 }
 
 /// Turns vectors to the light into rays: from the offset surface point to the light, as far as the same
@@ -197,15 +168,11 @@ bool face_light(const TileSurface& s, int first, const ShadowLight& light, RayPa
 template <int K>
 void aim(const TileSurface& s, int first, const ShadowLight& light, const float (&distance)[K],
          RayPacket<K>& ray) {
-  constexpr float kUnits = 64.0f / (1 << 24);
   const bool directional = light.kind == LightKind::Directional;
   for (int i = 0; i < K; ++i) {
     const int at = first + i;
-    const float offset = kUnits * s.reach[at];
-    const float left_out = kUnits * (s.reach[at] + light.reach) / distance[i];
-    ray.org_x[i] = s.px[at] + s.gx[at] * offset;
-    ray.org_y[i] = s.py[at] + s.gy[at] * offset;
-    ray.org_z[i] = s.pz[at] + s.gz[at] * offset;
+    const float left_out = kOffset * (s.reach[at] + light.reach) / distance[i];
+    ray.org_x[i] = s.ox[at], ray.org_y[i] = s.oy[at], ray.org_z[i] = s.oz[at];
     if (!directional) {
       ray.dir_x[i] = light.position.x - ray.org_x[i];
       ray.dir_y[i] = light.position.y - ray.org_y[i];
@@ -216,23 +183,82 @@ void aim(const TileSurface& s, int first, const ShadowLight& light, const float 
   }
 }
 
-/// Sets `bit` in the words of the pixels that `light` reaches. `occluded(lanes, packet)` traces.
-/// Returns the number of rays.
+template <int K>
+std::uint64_t count_of(const Lanes<K>& lanes) {
+  std::int32_t count = 0;
+  for (int i = 0; i < K; ++i) count -= lanes.valid[i];
+  return static_cast<std::uint64_t>(count);
+}
+
+/// Counts the covered lanes to which the light does not matter.
+template <int K>
+void count_dark(const TileSurface& s, int first, const LightWay<K>& way, TileRays& rays) {
+  for (int i = 0; i < K; ++i) {
+    if (!(s.reach[first + i] > 0)) continue;
+    if (way.in_range.valid[i] == 0)
+      ++rays.out_of_range;
+    else if (way.in_cone.valid[i] == 0)
+      ++rays.out_of_cone;
+    else if (way.faces.valid[i] == 0)
+      ++rays.away;
+  }
+}
+
+/// Sets `bit` in the words of the pixels that `light` reaches, tracing only rays whose answer is not known
+/// before. `map` is the light's, or null. `occluded(lanes, packet)` traces.
 template <int K, class Occluded>
-std::uint64_t shadow_tile(const TileSurface& surface, const ShadowLight& light, std::uint32_t bit,
-                          std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {
+TileRays shadow_tile(const TileSurface& surface, const ShadowLight& light, const LightMap* map,
+                     std::uint32_t bit, std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {
   RayPacket<K> ray;
   set_constants(ray);
-  std::uint64_t rays = 0;
+  TileRays rays;
   for (int first = 0; first < kTilePixels; first += K) {
-    Lanes<K> lanes;
-    alignas(4 * K) float distance[K];
-    if (!face_light(surface, first, light, ray, distance, lanes)) continue;
-    aim(surface, first, light, distance, ray);
-    occluded(lanes, ray);
+    LightWay<K> way;
+    face_light(surface, first, light, ray, way);
+    Lanes<K> needed, proven;
+    std::int32_t covered = 0;
     for (int i = 0; i < K; ++i) {
-      words[first + i] |= ((lanes.valid[i] != 0) & (ray.tfar[i] >= 0)) ? bit : 0u;
-      rays += static_cast<std::uint64_t>(-lanes.valid[i]);
+      covered += surface.reach[first + i] > 0 ? 1 : 0;
+      needed.valid[i] = way.faces.valid[i] & way.in_range.valid[i] & way.in_cone.valid[i];
+    }
+    const std::uint64_t mattering = count_of(needed);
+    if (mattering < static_cast<std::uint64_t>(covered)) count_dark(surface, first, way, rays);
+    if (mattering == 0) continue;
+    std::uint64_t known = 0;
+    if (map != nullptr) {
+      prove(*map, surface, first, needed, proven);
+      known = count_of(proven);
+      rays.proven += known;
+      for (int i = 0; i < K; ++i) words[first + i] |= proven.valid[i] != 0 ? bit : 0u;
+      if (known == mattering) continue;
+      for (int i = 0; i < K; ++i) needed.valid[i] &= ~proven.valid[i];
+    }
+    rays.traced += mattering - known;
+    aim(surface, first, light, way.distance, ray);
+    occluded(needed, ray);
+    for (int i = 0; i < K; ++i) words[first + i] |= ((needed.valid[i] != 0) & (ray.tfar[i] >= 0)) ? bit : 0u;
+  }
+  return rays;
+}
+
+/// As shadow_tile, and leaving nothing out: a ray for each covered pixel.
+template <int K, class Occluded>
+TileRays shadow_whole_tile(const TileSurface& surface, const ShadowLight& light, std::uint32_t bit,
+                           std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {
+  RayPacket<K> ray;
+  set_constants(ray);
+  TileRays rays;
+  for (int first = 0; first < kTilePixels; first += K) {
+    LightWay<K> way;
+    face_light(surface, first, light, ray, way);
+    aim(surface, first, light, way.distance, ray);
+    Lanes<K> covered;
+    for (int i = 0; i < K; ++i) covered.valid[i] = surface.reach[first + i] > 0 ? -1 : 0;
+    rays.traced += count_of(covered);
+    occluded(covered, ray);
+    for (int i = 0; i < K; ++i) {
+      const std::int32_t matters = way.faces.valid[i] & way.in_range.valid[i] & way.in_cone.valid[i];
+      words[first + i] |= ((matters != 0) & (ray.tfar[i] >= 0)) ? bit : 0u;
     }
   }
   return rays;

@@ -1,6 +1,7 @@
 #include "stereo/tracer/tracer.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -15,11 +16,13 @@ namespace {
 /// Sums over tiles; times are of all cores together.
 struct TileSums {
   Duration primary{}, shadow{};
-  std::uint64_t primary_rays = 0, shadow_rays = 0, covered = 0;
+  std::uint64_t primary_rays = 0, covered = 0;
+  TileRays rays;
 
   TileSums& operator+=(const TileSums& b) {
     primary += b.primary, shadow += b.shadow;
-    primary_rays += b.primary_rays, shadow_rays += b.shadow_rays, covered += b.covered;
+    primary_rays += b.primary_rays, covered += b.covered;
+    rays += b.rays;
     return *this;
   }
 };
@@ -52,13 +55,19 @@ struct Tracer::Impl {
   SceneState state;  ///< with the lights as the scene has them, since each request may change others
   SurfaceModel model;
   std::optional<RayScene> rays;
-  LightSet light_set;               ///< of the request
-  std::vector<ShadowLight> lights;  ///< light_set's
+  LightSet light_set;                         ///< of the request
+  std::vector<ShadowLight> lights;            ///< light_set's
+  std::vector<std::optional<LightMap>> maps;  ///< one a light, of those that never move by themselves
+  std::vector<const LightMap*> maps_in_use;   ///< null where a light is not where its map was made
 
-  Impl(const Scene& traced, const TracePlan& planned)
-      : scene(traced), plan(planned), state(state_at(scene, Time{})), model(scene, state) {}
+  Impl(const Scene& traced, const TracePlan& wanted)
+      : scene(traced), plan(wanted), state(state_at(scene, Time{})), model(scene, state, plan) {}
 
+  void make_maps();
   void advance_to(Time scene_time, const LightChanges& changes);
+  template <int K>
+  TileRays shadow(const TileSurface& surface, const TileBounds& bounds, std::size_t light, std::uint32_t bit,
+                  std::uint32_t (&words)[kTilePixels]) const;
   template <int K>
   TileSums trace_tile(const ViewRays& view, const TileRect& rect, EyeMask& mask) const;
   template <int K>
@@ -72,30 +81,62 @@ void Tracer::Impl::advance_to(Time scene_time, const LightChanges& changes) {
     if (model.fixed_count() < model.patches().size()) {
       model.place(state);
       rays->update();
+      for (std::optional<LightMap>& map : maps)
+        if (map) map->place(model);
     }
   }
   light_set = state.light_set;
   apply(changes, light_set);
   lights.clear();
   for (const Light& light : light_set.lights) lights.push_back(shadow_light(light, model));
+  maps_in_use.assign(lights.size(), nullptr);
+  for (std::size_t i = 0; i < maps.size(); ++i)
+    if (maps[i] && maps[i]->is_of(lights[i])) maps_in_use[i] = &*maps[i];
+}
+
+void Tracer::Impl::make_maps() {
+  const FacetPlanes planes = planes_of(model);
+  maps.resize(scene.lights.size());
+  tbb::parallel_for(std::size_t{0}, maps.size(), [&](std::size_t i) {
+    if (!scene.nodes[scene.lights[i].node].moving)
+      maps[i].emplace(shadow_light(state.light_set.lights[i], model), planes, model);
+  });
+}
+
+template <int K>
+TileRays Tracer::Impl::shadow(const TileSurface& surface, const TileBounds& bounds, std::size_t light,
+                              std::uint32_t bit, std::uint32_t (&words)[kTilePixels]) const {
+  const auto occluded = [this](const Lanes<K>& lanes, RayPacket<K>& packet) {
+    rays->occluded(lanes, packet);
+  };
+  if (!plan.skips_rays) return shadow_whole_tile<K>(surface, lights[light], bit, words, occluded);
+  switch (misses(bounds, lights[light])) {
+    case Misses::Range:
+      return {.out_of_range = surface.covered};
+    case Misses::Cone:
+      return {.out_of_cone = surface.covered};
+    case Misses::Facing:
+      return {.away = surface.covered};
+    case Misses::No:
+      break;
+  }
+  return shadow_tile<K>(surface, lights[light], maps_in_use[light], bit, words, occluded);
 }
 
 template <int K>
 TileSums Tracer::Impl::trace_tile(const ViewRays& view, const TileRect& rect, EyeMask& mask) const {
-  const auto occluded = [this](const Lanes<K>& lanes, RayPacket<K>& packet) {
-    rays->occluded(lanes, packet);
-  };
   TileSums sums;
   TileSurface surface;
   const Stopwatch watch;
   see_tile<K>(*rays, model, view, rect, surface);
   sums.primary = watch.elapsed();
   const MaskLayout layout = mask.layout();
+  const TileBounds bounds = bounds_of(surface);
   for (std::uint32_t plane = 0; plane < layout.planes(); ++plane) {
     std::uint32_t words[kTilePixels]{};
     for (std::uint32_t bit = 0; surface.covered > 0 && bit < layout.lights_in(plane); ++bit)
-      if (const ShadowLight& light = lights[plane * 32 + bit]; light.on)
-        sums.shadow_rays += shadow_tile<K>(surface, light, 1u << bit, words, occluded);
+      if (const std::size_t light = plane * 32 + bit; lights[light].on)
+        sums.rays += shadow<K>(surface, bounds, light, 1u << bit, words);
     write_plane(words, rect, plane, mask);
   }
   sums.shadow = watch.elapsed() - sums.primary;
@@ -129,6 +170,7 @@ Expected<Tracer> Tracer::create(const Scene& scene, const TracePlan& plan) {
   auto rays = RayScene::create(impl->model);
   if (!rays) return tl::unexpected(rays.error());
   impl->rays.emplace(std::move(*rays));
+  if (plan.skips_rays) impl->make_maps();
   return Tracer(std::move(impl));
 }
 
@@ -171,8 +213,12 @@ TraceStats Tracer::trace(const TraceRequest& request, ShadowFrame& frame) {
   return {.primary = primary,
           .shadow = wall - primary,
           .primary_rays = sums.primary_rays,
-          .shadow_rays = sums.shadow_rays,
-          .full_shadow_rays = sums.covered * lights_on * (same ? 2 : 1)};
+          .shadow_rays = sums.rays.traced,
+          .full_shadow_rays = sums.covered * lights_on * (same ? 2 : 1),
+          .out_of_range = sums.rays.out_of_range,
+          .out_of_cone = sums.rays.out_of_cone,
+          .turned_away = sums.rays.away,
+          .proven = sums.rays.proven};
 }
 
 }  // namespace farshade

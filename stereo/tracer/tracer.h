@@ -35,6 +35,9 @@ struct TraceStats {
   std::uint64_t primary_rays = 0, shadow_rays = 0;
   /// What a trace that leaves nothing out would cost: covered pixels x lights that are on, both eyes.
   std::uint64_t full_shadow_rays = 0;
+  /// Those of them that are not traced. Dark, by the first of these: beyond the light's range, outside of its
+  /// cone, turned away from it. Lit: proven to have nothing in between.
+  std::uint64_t out_of_range = 0, out_of_cone = 0, turned_away = 0, proven = 0;
 };
 
 class Tracer {

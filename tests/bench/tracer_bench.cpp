@@ -50,7 +50,7 @@ Packets<K> record(const SurfaceModel& model, const RayScene& rays, const StereoV
       see_tile<K>(rays, model, rays_of(view, model.anchor()), grid.rect(tile), surface);
       for (const Light& light : lights) {
         std::uint32_t words[kTilePixels]{};
-        packets.count += shadow_tile<K>(surface, shadow_light(light, model), 1, words, keep);
+        packets.count += shadow_tile<K>(surface, shadow_light(light, model), nullptr, 1, words, keep).traced;
       }
     }
   }
@@ -79,7 +79,7 @@ void print(const char* what, const std::vector<double>& ms, std::uint64_t rays) 
 template <int K>
 void compare(const Scene& scene, const StereoView& views, int rounds) {
   const SceneState state = state_at(scene, Time{});
-  const SurfaceModel model(scene, state);
+  const SurfaceModel model(scene, state, plan_for(scene).trace);
   const RayScene rays = RayScene::create(model).value();
   const Packets<K> same = record<K>(model, rays, views, state.light_set.lights);
 
@@ -87,9 +87,21 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
   TraceRequest request;
   request.views = views;
   ShadowFrame frame;
+  TracePlan plain_plan = plan_for(scene, {.all_lights = true}).trace;
+  plain_plan.skips_rays = false;
+  const Stopwatch making;
+  Tracer plain = Tracer::create(scene, plain_plan).value();
+  const double plain_ms = ms_of(making.elapsed());
+  Tracer again = Tracer::create(scene).value();
+  std::printf("made in %.1f ms, without maps %.1f\n", ms_of(making.elapsed()) - plain_ms, plain_ms);
+  ShadowFrame plain_frame;
   TraceStats stats = tracer.trace(request, frame);
+  std::vector<double> plain_shadow;
+  plain.trace(request, plain_frame);
+  std::printf("masks %s\n", plain_frame.masks == frame.masks ? "same" : "DIFFER");
   std::vector<double> primary, shadow, bare, ratio;
   for (int round = 0; round < rounds; ++round) {
+    plain_shadow.push_back(ms_of(plain.trace(request, plain_frame).shadow));
     stats = tracer.trace(request, frame);
     primary.push_back(ms_of(stats.primary));
     shadow.push_back(ms_of(stats.shadow));
@@ -100,7 +112,11 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
               views[0].size.height, static_cast<double>(stats.shadow_rays) / 1e6,
               static_cast<double>(stats.full_shadow_rays) / 1e6);
   print("primary stage", primary, stats.primary_rays);
+  std::printf("proven %.3f M, away %.3f M, range %.3f, cone %.3f\n", static_cast<double>(stats.proven) / 1e6,
+              static_cast<double>(stats.turned_away) / 1e6, static_cast<double>(stats.out_of_range) / 1e6,
+              static_cast<double>(stats.out_of_cone) / 1e6);
   print("shadow stage", shadow, stats.shadow_rays);
+  print("every ray", plain_shadow, stats.full_shadow_rays);
   print("bare loop, same packets", bare, same.count);
   std::printf("shadow stage / bare loop, rays a second: %.3f  [%.3f, %.3f]\n", quantile(ratio, 0.5),
               quantile(ratio, 0.1), quantile(ratio, 0.9));
@@ -120,7 +136,7 @@ int run(int argc, char** argv) {
     std::fprintf(stderr, "%s\n", scene.error().what.c_str());
     return 1;
   }
-  const SurfaceModel empty(Scene{}, SceneState{});
+  const SurfaceModel empty(Scene{}, SceneState{}, TracePlan{});
   const int width = RayScene::create(empty).value().width();
   const StereoView views = eyes_of(*scene, side);
   if (width == 16) compare<16>(*scene, views, rounds);

@@ -1,0 +1,145 @@
+#include "stereo/tracer/cell_cover.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+namespace farshade {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// Depths are compared with float ones.
+constexpr double kDepthShare = 1e-5;
+
+/// In front of a face: x and y in cells times w. `near` grows towards the light and is linear in x / w and
+/// y / w: 1 / depth of a cube, -depth else.
+struct Corner {
+  double x, y, w, near;
+};
+
+/// A triangle's corners and at most one more for each side of the face.
+struct Polygon {
+  std::array<Corner, 7> corner;
+  std::size_t count = 0;
+
+  void add(const Corner& c) { corner[count++] = c; }
+  [[nodiscard]] const Corner& after(std::size_t i) const { return corner[i + 1 == count ? 0 : i + 1]; }
+};
+
+/// CellFrame::rounding in cells times w.
+double rounding_of(const CellFrame& frame) {
+  return frame.rounding * (frame.cube ? frame.side * 0.5 : glm::length(frame.rows[0]));
+}
+
+Corner corner_of(const CellFrame& frame, int face, const glm::dvec3& v) {
+  const double half = frame.side * 0.5;
+  if (!frame.cube)
+    return {glm::dot(frame.rows[0], v) + half, glm::dot(frame.rows[1], v) + half, 1,
+            -glm::dot(frame.rows[2], v)};
+  const int axis = face / 2;
+  const double w = face % 2 == 0 ? v[axis] : -v[axis];
+  return {(v[axis == 0 ? 1 : 0] + w) * half, (v[axis == 2 ? 1 : 2] + w) * half, w, 0};
+}
+
+/// How far on the inner side of the `which`th side of the face.
+double inside_by(const CellFrame& frame, double rounding, const Corner& c, int which) {
+  const double along = which < 2 ? c.x : c.y;
+  return (which % 2 == 0 ? along : frame.side * c.w - along) + CellFrame::kMargin * c.w + rounding;
+}
+
+Corner between(const Corner& a, const Corner& b, double t) {
+  return {a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.w + (b.w - a.w) * t,
+          a.near + (b.near - a.near) * t};
+}
+
+/// Empty where the triangle is beside the face.
+Polygon clipped(const CellFrame& frame, double rounding, Polygon polygon) {
+  for (int which = 0; which < 4; ++which) {
+    Polygon kept;
+    for (std::size_t i = 0; i < polygon.count; ++i) {
+      const Corner &a = polygon.corner[i], &b = polygon.after(i);
+      const double from_a = inside_by(frame, rounding, a, which),
+                   from_b = inside_by(frame, rounding, b, which);
+      if (from_a >= 0) kept.add(a);
+      if ((from_a >= 0) != (from_b >= 0)) kept.add(between(a, b, from_a / (from_a - from_b)));
+    }
+    polygon = kept;
+  }
+  return polygon;
+}
+
+/// What of a polygon lies between two rows' borders: from low to high across, and its nearest.
+struct Extent {
+  double low = kInfinity, high = -kInfinity, near = -kInfinity;
+
+  void add(const Corner& c) {
+    low = std::min(low, c.x), high = std::max(high, c.x);
+    near = std::max(near, c.near);
+  }
+};
+
+Extent extent_within(const Polygon& polygon, double top, double bottom) {
+  Extent extent;
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    const Corner &a = polygon.corner[i], &b = polygon.after(i);
+    if (a.y >= top && a.y <= bottom) extent.add(a);
+    for (const double border : {top, bottom})
+      if ((a.y < border) != (b.y < border)) extent.add(between(a, b, (border - a.y) / (b.y - a.y)));
+  }
+  return extent;
+}
+
+int cell_at(double along, int side) {
+  return static_cast<int>(std::clamp(std::floor(along), 0.0, side - 1.0));
+}
+
+void cover_face(const CellFrame& frame, std::uint32_t first_cell, Polygon polygon, double rounding,
+                std::vector<CellTouch>& touched) {
+  double least_w = kInfinity, top = kInfinity, bottom = -kInfinity;
+  for (std::size_t i = 0; i < polygon.count; ++i) least_w = std::min(least_w, polygon.corner[i].w);
+  const auto side = static_cast<std::uint32_t>(frame.side);
+  if (frame.cube && least_w <= 4 * frame.rounding) {  // at the light: no direction is safe from it
+    for (std::uint32_t i = 0; i < side * side; ++i) touched.push_back({first_cell + i, 0.0f});
+    return;
+  }
+  for (std::size_t i = 0; i < polygon.count; ++i) {
+    Corner& c = polygon.corner[i];
+    if (frame.cube) c = {c.x / c.w, c.y / c.w, 1, 1 / c.w};
+    top = std::min(top, c.y), bottom = std::max(bottom, c.y);
+  }
+  const double margin = CellFrame::kMargin + rounding / least_w;
+  const int last = cell_at(bottom + margin, frame.side);
+  for (int row = cell_at(top - margin, frame.side); row <= last; ++row) {
+    const Extent extent = extent_within(polygon, row - margin, row + 1 + margin);
+    if (extent.low > extent.high) continue;
+    const double depth = (frame.cube ? (1 - kDepthShare) / extent.near : -extent.near) - frame.rounding;
+    const int right = cell_at(extent.high + margin, frame.side);
+    for (int column = cell_at(extent.low - margin, frame.side); column <= right; ++column)
+      touched.push_back(
+          {first_cell + static_cast<std::uint32_t>(row) * side + static_cast<std::uint32_t>(column),
+           static_cast<float>(depth)});
+  }
+}
+
+}  // namespace
+
+void cover(const CellFrame& frame, const std::array<glm::dvec3, 3>& triangle,
+           std::vector<CellTouch>& touched) {
+  const double rounding = rounding_of(frame);
+  for (int face = 0; face < frame.faces(); ++face) {
+    Polygon polygon;
+    for (const glm::dvec3& p : triangle) polygon.add(corner_of(frame, face, p - frame.origin));
+    bool beside = false;
+    for (int which = 0; which < 4 && !beside; ++which)
+      beside = std::all_of(polygon.corner.begin(), polygon.corner.begin() + 3,
+                           [&](const Corner& c) { return inside_by(frame, rounding, c, which) < 0; });
+    if (beside) continue;
+    polygon = clipped(frame, rounding, polygon);
+    if (polygon.count > 0)
+      cover_face(frame, static_cast<std::uint32_t>(face * frame.side * frame.side), polygon, rounding,
+                 touched);
+  }
+}
+
+}  // namespace farshade

@@ -1,0 +1,102 @@
+#include "stereo/tracer/facet_planes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "stereo/tracer/ray_packet.h"
+
+namespace farshade {
+namespace {
+
+constexpr double kUlp = 1.0 / (1 << 24);  // u in tile_stages.h
+
+using Corners = std::array<glm::dvec3, 3>;
+
+/// Of tile_stages.h's 64 u M, 10 may be lost before a ray starts and 24 while a plane is met, for triangles
+/// less than 8 times as long as high; each further multiple costs the products of the traversal's normal u M
+/// twice. 32 leave 8 for the plane's own arithmetic (tile_lights.h) and 22 of room for the slab.
+constexpr double kDoubt = 32, kShape = 8, kDoubtPerShape = 2, kThinnest = 1e4;
+/// Joined triangles may thicken the slab by this many u M; a single one's is at most 4 thick.
+constexpr double kJoined = 12;
+/// Doubts follow the largest coordinate, so triangles are joined only where it is much the same.
+constexpr double kSameReach = 1.25;
+constexpr std::size_t kRecent = 8;
+
+double height_share(const Corners& p) {
+  double longest = 0;
+  for (std::size_t i = 0; i < 3; ++i) longest = std::max(longest, glm::length(p[i] - p[(i + 1) % 3]));
+  return longest > 0 ? glm::length(glm::cross(p[1] - p[0], p[2] - p[0])) / (longest * longest) : 0;
+}
+
+float rounded_down(double x) {
+  return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity());
+}
+float rounded_up(double x) {
+  return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
+}
+
+/// `plane` with the triangle in it too.
+FacetPlane widened(FacetPlane plane, const Corners& p) {
+  for (const glm::dvec3& corner : p) {
+    const double along = glm::dot(glm::dvec3(plane.normal), corner);
+    plane.low = std::min(plane.low, rounded_down(along));
+    plane.high = std::max(plane.high, rounded_up(along));
+  }
+  return plane;
+}
+
+bool is_well_shaped(const FacetPlane& plane) {
+  return plane.doubt <= static_cast<float>(1.0001 * kDoubt * kUlp * plane.reach);
+}
+
+bool joins(const FacetPlane& plane, const FacetPlane& with, const FacetPlane& alone) {
+  const double ratio = alone.reach / plane.reach, unit = kUlp * plane.reach;
+  return ratio < kSameReach && ratio > 1 / kSameReach &&
+         std::abs(glm::dot(plane.normal, alone.normal)) > 0.999f && is_well_shaped(plane) &&
+         is_well_shaped(alone) && with.high - with.low <= kJoined * unit;
+}
+
+}  // namespace
+
+FacetPlanes planes_of(const SurfaceModel& model) {
+  FacetPlanes result;
+  std::array<std::uint32_t, kRecent> recent{};
+  std::size_t made = 0;
+  for (const Patch& patch : model.patches().first(model.fixed_count()))
+    for (std::uint32_t t = patch.first_triangle; t < patch.first_triangle + patch.triangle_count; ++t) {
+      const Facet& facet = model.facets()[t];
+      const glm::uvec3& v = model.triangles()[t];
+      const auto positions = model.positions();
+      const Corners p{glm::dvec3(positions[v.x]), glm::dvec3(positions[v.y]), glm::dvec3(positions[v.z])};
+      result.reach = std::max(result.reach, facet.reach);
+      const double height = height_share(p);
+      if (height * kThinnest < 1 || facet.normal == glm::vec3(0.0f)) {
+        result.of_triangle.push_back(kNoPlane);
+        continue;
+      }
+      const double doubt = kDoubt + kDoubtPerShape * std::max(1 / height - kShape, 0.0);
+      FacetPlane alone{facet.normal, kFar, -kFar, facet.reach, rounded_up(doubt * kUlp * facet.reach)};
+      alone = widened(alone, p);
+      std::uint32_t id = kNoPlane;
+      for (std::size_t i = 0; i < std::min(made, kRecent) && id == kNoPlane; ++i) {
+        FacetPlane& plane = result.planes[recent[i]];
+        const FacetPlane with = widened(plane, p);
+        if (!joins(plane, with, alone)) continue;
+        id = recent[i];
+        plane = with;
+        plane.reach = std::max(plane.reach, alone.reach);
+        plane.doubt = std::max(plane.doubt, alone.doubt);
+      }
+      if (id == kNoPlane) {
+        id = static_cast<std::uint32_t>(result.planes.size());
+        result.planes.push_back(alone);
+        recent[made++ % kRecent] = id;
+      }
+      result.of_triangle.push_back(id);
+    }
+  return result;
+}
+
+}  // namespace farshade

@@ -1,0 +1,42 @@
+/// What the pixels of a 16x16 tile see. Pixels are kept in 4x4 blocks, so that the 16 rays of a packet stay
+/// close to each other.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "stereo/frame/tiles.h"
+
+namespace farshade {
+
+inline constexpr int kTilePixels = static_cast<int>(kTileSide_px * kTileSide_px);
+
+/// Place in the tile of its pixels in block order.
+struct TilePixel {
+  std::uint8_t x, y;
+};
+inline constexpr std::array<TilePixel, kTilePixels> kTileOrder = [] {
+  std::array<TilePixel, kTilePixels> order{};
+  for (int i = 0; i < kTilePixels; ++i) {
+    const int block = i / 16, lane = i % 16;
+    order[static_cast<std::size_t>(i)] = {static_cast<std::uint8_t>(block % 4 * 4 + lane % 4),
+                                          static_cast<std::uint8_t>(block / 4 * 4 + lane / 4)};
+  }
+  return order;
+}();
+
+/// Shadow rays start this share of the largest coordinate above their surface; derived in tile_stages.h.
+inline constexpr float kOffset = 64.0f / (1 << 24);
+
+/// In block order, anchor-relative. Normals have any length, are turned as the definition in tracer.h says,
+/// and are zero where nothing is covered.
+struct alignas(64) TileSurface {
+  float px[kTilePixels], py[kTilePixels], pz[kTilePixels];
+  float ox[kTilePixels], oy[kTilePixels], oz[kTilePixels];  ///< where shadow rays start
+  float nx[kTilePixels], ny[kTilePixels], nz[kTilePixels];  ///< shading normal
+  float gx[kTilePixels], gy[kTilePixels], gz[kTilePixels];  ///< geometric normal, unit
+  float reach[kTilePixels];                                 ///< Facet::reach
+  std::uint32_t covered = 0;                                ///< pixels
+};
+
+}  // namespace farshade
