@@ -70,7 +70,7 @@ class ClientDump : public testing::Test {
     const Ended run = run_client(options);
     ASSERT_EQ(run.status, 0) << run.errors;
     const std::filesystem::path inside = folder_.path() / "dump" / "frame_0005";
-    EXPECT_EQ(files_below(inside).size(), 11u);
+    EXPECT_EQ(files_below(inside).size(), 17u);
     described_ = json::parse(std::ifstream(inside / "views.json"));
     shown_ = views_of(described_["shown"]["views"]);
     traced_ = views_of(described_["traced"]["views"]);

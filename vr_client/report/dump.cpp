@@ -58,6 +58,22 @@ json describe(const FrameView& view) {
   return described;
 }
 
+Image<std::uint16_t> sources_of(const ShownReport& report) {
+  Image<std::uint16_t> image(report.mask.size());
+  std::copy(report.sources.begin(), report.sources.end(), image.pixels.begin());
+  return image;
+}
+
+/// Where each pixel's point lies in its source's view, along one axis; 0 where there is none.
+Image<float> lookup_of(const ShownReport& report, std::size_t axis) {
+  Image<float> image(report.mask.size());
+  for (std::size_t i = 0; i < report.positions.size(); ++i) {
+    const bool found = report.sources[i] != kSourceUncovered && report.sources[i] != kSourceUnknown;
+    image.pixels[i] = found ? report.positions[i][axis] : 0.0f;
+  }
+  return image;
+}
+
 Image<std::uint16_t> low_bits(const EyeMask& mask) {
   Image<std::uint16_t> image(mask.size());
   for (std::uint32_t y = 0; y < image.size.height; ++y)
@@ -81,6 +97,9 @@ Expected<void> write_dump(const std::filesystem::path& folder, const FrameView& 
     Expected<void> done;
     if (!view.masks.empty()) done = write_png16(path("mask_traced.png"), low_bits(view.masks[0].masks[eye]));
     if (done) done = write_png16(path("mask_shown.png"), low_bits(frame.report[eye].mask));
+    if (done) done = write_png16(path("source.png"), sources_of(frame.report[eye]));
+    if (done) done = write_pfm(path("lookup_x.pfm"), lookup_of(frame.report[eye], 0));
+    if (done) done = write_pfm(path("lookup_y.pfm"), lookup_of(frame.report[eye], 1));
     if (done) done = write_pfm(path("distance.pfm"), distance[eye]);
     if (done) done = write_png(path("shown.png"), frame.shown[eye]);
     if (done) done = write_png(path("reference.png"), frame.reference[eye]);
