@@ -18,7 +18,7 @@ struct HeadTrace {
   std::vector<HeadSample> samples;
   double eye_distance_m = 0.063;
   PerEye<EyeFov> fov;
-  std::size_t repeated_stamps = 0;  ///< rows of the file left out because they repeated the stamp before them
+  std::size_t rows_left_out = 0;  ///< rows of the file whose stamps repeat another or run backward
 
   [[nodiscard]] Time start() const { return samples.front().time; }
   [[nodiscard]] Time end() const { return samples.back().time; }

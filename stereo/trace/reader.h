@@ -36,9 +36,9 @@ inline constexpr double kDefaultEyeDistance_m = 0.063;
 inline constexpr PerEye<EyeFov> kDefaultFov{EyeFov{-0.942, 0.698, 0.733, -0.942},
                                             EyeFov{-0.698, 0.942, 0.733, -0.942}};
 
-/// The trace in `path`, in metres, its stamps strictly increasing. A row that repeats the stamp before it is
-/// left out and counted. Refuses, naming file and line: what is no number or not finite, quaternions off
-/// unit, stamps that run backward, fewer than kFewestSamples samples, axes or units other than the stage's.
+/// The trace in `path`, in metres, its stamps strictly increasing: rows whose stamps repeat another or run
+/// backward are left out, as few as will do, and counted. Refuses, naming file and line: what is no number or
+/// not finite, quaternions off unit, fewer than kFewestSamples samples, axes or units other than the stage's.
 [[nodiscard]] Expected<HeadTrace> load_head_trace(const std::filesystem::path& path,
                                                   const TraceOptions& options = {});
 

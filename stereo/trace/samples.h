@@ -11,12 +11,12 @@ class SampleList {
   /// Positions are divided by `units_a_metre`.
   explicit SampleList(double units_a_metre) : units_a_metre_(units_a_metre) {}
 
-  /// Renormalises `rotation`; leaves out a repeated stamp. Refuses what load_head_trace refuses of one row.
+  /// Renormalises `rotation`. Refuses what load_head_trace refuses of one row.
   [[nodiscard]] Expected<void> add(rows::Place place, std::int64_t stamp_ns, const glm::dvec3& position,
                                    const glm::dquat& rotation);
 
-  /// The trace of all samples, with the headset's properties. Refuses too few samples and impossible
-  /// headsets.
+  /// The trace of the longest part of the samples whose stamps grow, in the order of the file, with the
+  /// headset's properties. Refuses too few samples and impossible headsets.
   [[nodiscard]] Expected<HeadTrace> finish(std::string_view file, double eye_distance_m,
                                            const PerEye<EyeFov>& fov) &&;
 

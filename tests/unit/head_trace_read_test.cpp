@@ -130,7 +130,7 @@ TEST(EyeNavGsRead, RefusesWhatIsNoPair) {
   expect_refused(replaced(kEyeNavGs, "0,0.707,0,0.707", "0,0.7,0,0.714"), Fault::Malformed,
                  "t.csv:5: the pair", metres);
   expect_refused(replaced(kEyeNavGs, "1,34\n", "1,28\n"), Fault::Malformed, "t.csv:7: time stamp", metres);
-  expect_refused(replaced(kEyeNavGs, "1,14\n", "1,-3\n"), Fault::Malformed, "t.csv:4: time stamp", metres);
+  expect_refused(replaced(kEyeNavGs, "1,14\n", "1,-3\n"), Fault::Malformed, "holds 2 head samples", metres);
   expect_refused(replaced(kEyeNavGs, "-0.942,0.733", "0.942,0.733"), Fault::OutOfRange, "t.csv:2: fov",
                  metres);
   expect_refused(replaced(kEyeNavGs, "0,0,0,1,6\n", "0,0,0,1\n"), Fault::Malformed, "t.csv:3: row has 19",
@@ -155,13 +155,28 @@ TEST(HeadTraceRead, RefusesQuaternionsThatAreFarOffUnit) {
   expect_refused(replaced(kEuroc, "0.8,0.6", "0,0"), Fault::Malformed, "t.csv:3: quaternion");
 }
 
-TEST(HeadTraceRead, CountsRepeatedStampsAndRefusesBackwardOnes) {
-  const HeadTrace trace = good(replaced(kEuroc, "\n\n", "\n1403636579768555520,7,7,7,1,0,0,0\n"));
-  EXPECT_EQ(trace.repeated_stamps, 1u);
-  ASSERT_EQ(trace.samples.size(), 3u);
-  EXPECT_EQ(trace.samples[1].recorded_from_head.translation.x, 1.5);  // the first of the two stays
-  expect_refused(replaced(kEuroc, "\n\n", "\n1403636579768555519,7,7,7,1,0,0,0\n"), Fault::Malformed,
-                 "t.csv:4: time");
+TEST(HeadTraceRead, LeavesOutRepeatedAndBackwardStampsAndCountsThem) {
+  for (const char* stamp : {"1403636579768555520", "1403636579768555519", "1403636579000000000", "-5"}) {
+    SCOPED_TRACE(stamp);
+    const HeadTrace trace = good(replaced(kEuroc, "\n\n", std::string("\n") + stamp + ",7,7,7,1,0,0,0\n"));
+    EXPECT_EQ(trace.rows_left_out, 1u);
+    ASSERT_EQ(trace.samples.size(), 3u);
+    EXPECT_EQ(trace.samples[1].recorded_from_head.translation.x, 1.5);  // the first of two stays
+  }
+}
+
+TEST(HeadTraceRead, LosesOneRowToOneStampThatRanAhead) {
+  std::string text;
+  for (int i = 0; i < 20; ++i) text += std::to_string(i == 4 ? 3'600'000 : i) + ",0,0,0,1,0,0,0\n";
+  const HeadTrace trace = good(text);
+  EXPECT_EQ(trace.rows_left_out, 1u);
+  EXPECT_EQ(trace.samples.size(), 19u);
+  EXPECT_EQ(ns_of(trace.end()), 19);
+}
+
+TEST(HeadTraceRead, RefusesStampsThatRunBackwardAllTheWay) {
+  expect_refused("9,0,0,0,1,0,0,0\n8,0,0,0,1,0,0,0\n7,0,0,0,1,0,0,0\n6,0,0,0,1,0,0,0\n", Fault::Malformed,
+                 "holds 1 head samples in time order");
 }
 
 TEST(HeadTraceRead, RefusesTooFewSamplesAndShortRows) {

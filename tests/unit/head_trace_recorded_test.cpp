@@ -30,7 +30,7 @@ TEST_P(RecordedHead, TurnsAsFastAsItsReadmeSays) {
   EXPECT_GT(trace->eye_distance_m, 0.058);
   EXPECT_LT(trace->eye_distance_m, 0.068);
   EXPECT_EQ(trace->fov, kDefaultFov);
-  EXPECT_EQ(trace->repeated_stamps, 0u);
+  EXPECT_EQ(trace->rows_left_out, 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(EyeNavGs, RecordedHead,
