@@ -2,7 +2,9 @@
 /// a pose, stepped with poses, and asked for the pose some seconds after the last. What they keep are body
 /// twists, so that a head that turns about its neck is carried on along that arc, and rotations stay unit.
 ///
-/// All steps solve their linear system exactly (damped_motion.h): any ratio of step to time constant is good.
+/// All steps solve their linear system exactly (damped_motion.h): any ratio of step to time constant is good,
+/// and so is a step of 0. Steps and leads are finite and not negative, poses unit up to rounding, constants
+/// positive.
 #pragma once
 
 #include <array>

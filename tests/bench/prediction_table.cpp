@@ -1,11 +1,13 @@
 // How wrong each predictor is on recorded heads.
 //
 //   prediction_table [--csv FILE] TRACE...
+//   prediction_table --stiff
 //
 // The head is shown at 72 Hz as vr_client plays a recording; each frame gives its pose to the predictor,
 // which says where the head will be 20 to 200 ms later. The table pools the errors of all recordings; the CSV
 // has every recording's as well. A second table says how the default's error grows with how fast the head
-// turns when it is asked: what a guard band has to hold.
+// turns when it is asked: what a guard band has to hold. --stiff needs no recording: how far every filter is
+// from its closed form, over all time constants and steps.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -18,6 +20,7 @@
 #include "stereo/base/quantile.h"
 #include "stereo/math/prediction.h"
 #include "stereo/trace/reader.h"
+#include "tests/unit/math_stiff_sweep.h"
 
 namespace farshade {
 namespace {
@@ -113,13 +116,29 @@ bool write_csv(const std::string& path, const std::vector<Recording>& recordings
   return !out.fail();
 }
 
+/// 1 if an error is beyond its bound.
+int print_stiff() {
+  std::puts("| filter | figure | largest error | bound | at a step of, s | time constant, s |");
+  std::puts("|---|---|---|---|---|---|");
+  int status = 0;
+  for (const stiff::GridError& e : stiff::all_stiff_errors()) {
+    std::printf("| %s | %s | %.1e | %.0e | %.2g | %.2g |\n", e.filter.c_str(), e.figure.c_str(), e.largest,
+                e.bound, e.step_s, e.constant_s);
+    if (!(e.largest <= e.bound)) status = 1;
+  }
+  return status;
+}
+
 int run(int argc, char** argv) {
   std::vector<std::string> paths;
   std::string csv;
   CLI::App app("prediction errors on recorded heads");
-  app.add_option("TRACE", paths)->required();
-  app.add_option("--csv", csv);
+  CLI::Option* traces = app.add_option("TRACE", paths);
+  app.add_option("--csv", csv)->needs(traces);
+  const CLI::Option* stiff = app.add_flag("--stiff")->excludes(traces);
+  app.require_option(1, 0);
   CLI11_PARSE(app, argc, argv);
+  if (*stiff) return print_stiff();
   std::vector<Recording> recordings;
   for (const std::string& path : paths) {
     Expected<HeadTrace> trace = load_head_trace(path);

@@ -107,6 +107,21 @@ KalmanTuning tuning_of(double fade_s, double drive) {
           .linear_noise = 3e-4};
 }
 
+TEST(Kalman, KnowsASpeedAsWellAsTwoPosesTellIt) {
+  // Nothing drives or fades a speed of variance 1; two poses h apart, each of variance r, leave 2 r / (h^2 +
+  // 2 r) of it. As a difference of variances that is lost from h = 1e4 sqrt(r) on.
+  KalmanTuning tuning = tuning_of(1e42, 1e-40);
+  for (const double noise : {1e-6, 3e-4})
+    for (double step_s = 1e-4; step_s < 2e3; step_s *= 10) {
+      tuning.linear_noise = noise;
+      KalmanFilter filter(tuning);
+      filter.start({});
+      filter.step(step_s, {});
+      const double r = noise * noise, wanted = 2 * r / (step_s * step_s + 2 * r);
+      EXPECT_NEAR(filter.linear_covariance()[0].vv, wanted, 8 * kRounding * wanted) << noise << ' ' << step_s;
+    }
+}
+
 /// Largest velocity made out of a ramp of 1 m/s from a long rest, over 1.
 double overshoot(double step_s, double fade_s, double drive) {
   KalmanFilter filter(tuning_of(fade_s, drive));
