@@ -1,0 +1,31 @@
+/// Dump, read back: one frame of the client as vr_client/report/dump.h writes it.
+#pragma once
+
+#include <filesystem>
+
+#include "stereo/base/clock.h"
+#include "stereo/base/expected.h"
+#include "stereo/frame/view.h"
+#include "stereo/image/image.h"
+
+namespace farshade::stability {
+
+struct DumpedEye {
+  Image<std::uint16_t> mask_traced, mask_shown, source;
+  Image<float> distance_m, lookup_x, lookup_y;
+  Image<Rgb8> shown;
+};
+
+struct Dump {
+  StereoView shown, traced;
+  Time scene_time{}, traced_scene_time{};
+  PerEye<DumpedEye> eyes;
+};
+
+/// Missing where a file is not there or the frame was shown without any mask.
+[[nodiscard]] Expected<Dump> read_dump(const std::filesystem::path& frame_folder);
+
+/// Numbers in the dump's float pictures that are not finite.
+[[nodiscard]] std::size_t count_not_finite(const Dump& dump);
+
+}  // namespace farshade::stability

@@ -1,0 +1,281 @@
+#include "tests/stability/run.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
+#include "stereo/base/files.h"
+#include "stereo/base/quantile.h"
+#include "stereo/math/rotation.h"
+#include "stereo/scene/gltf.h"
+#include "stereo/trace/reader.h"
+#include "stereo/trace/writer.h"
+#include "stereo/wire/key_file.h"
+#include "tests/integration/child_program.h"
+#include "tests/stability/judge.h"
+
+namespace farshade::stability {
+namespace {
+
+constexpr double kMostTimesOrdinary = 4;
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+using Columns = std::map<std::string, std::vector<std::string>>;
+
+std::vector<std::string> fields_of(const std::string& line) {
+  std::vector<std::string> fields(1);
+  for (const char c : line)
+    if (c == ',')
+      fields.emplace_back();
+    else
+      fields.back() += c;
+  return fields;
+}
+
+Columns read_columns(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  const std::vector<std::string> names = fields_of(line);
+  Columns columns;
+  while (std::getline(file, line)) {
+    const std::vector<std::string> row = fields_of(line);
+    for (std::size_t i = 0; i < std::min(row.size(), names.size()); ++i) columns[names[i]].push_back(row[i]);
+  }
+  return columns;
+}
+
+/// Those that are there; empty fields are frames that the column says nothing of.
+std::vector<double> numbers(const Columns& columns, const std::string& name) {
+  std::vector<double> values;
+  if (const auto column = columns.find(name); column != columns.end())
+    for (const std::string& field : column->second)
+      if (!field.empty()) values.push_back(std::strtod(field.c_str(), nullptr));
+  return values;
+}
+
+/// Fields of frames.csv that are not finite, or no number at all.
+double count_not_finite(const Columns& columns) {
+  double count = 0;
+  for (const auto& [name, fields] : columns)
+    for (const std::string& field : fields) {
+      if (field.empty()) continue;
+      double value = 0;
+      const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+      count += error != std::errc{} || end != field.data() + field.size() || !std::isfinite(value);
+    }
+  return count;
+}
+
+struct Files {
+  std::filesystem::path scene, head, key, ring;
+};
+
+Files write(const Setting& setting, const std::filesystem::path& folder) {
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  const Files files{folder / "scene.glb", folder / "head.csv", folder / "client.key", folder / "ring.keys"};
+  const std::vector<std::byte> glb = setting.scene.glb();
+  std::ofstream(files.scene, std::ios::binary)
+      .write(reinterpret_cast<const char*>(glb.data()), static_cast<std::streamsize>(glb.size()));
+  const SharedKey key = new_key("stability").value();
+  if (!write_euroc(files.head, setting.head) || !write_key(files.key, key) ||
+      !append_to_ring(files.ring, key))
+    throw std::runtime_error("cannot write to " + folder.string());
+  return files;
+}
+
+struct Ended {
+  int status = 0;
+  std::string errors;
+};
+
+/// One session of the client, its results in `out`.
+class Sessions {
+ public:
+  Sessions(const Room& room, const Setting& setting, const Files& files, std::string server)
+      : room_(room), setting_(setting), files_(files), server_(std::move(server)) {}
+
+  Ended run(const std::filesystem::path& out, const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{room_.client.string(),
+                                       "--scene",
+                                       files_.scene.string(),
+                                       "--trace",
+                                       files_.head.string(),
+                                       "--server",
+                                       server_,
+                                       "--key",
+                                       files_.key.string(),
+                                       "--place",
+                                       "recorded",
+                                       "--pictures",
+                                       "0",
+                                       "--reference-every",
+                                       "0",
+                                       "--out",
+                                       out.string(),
+                                       "--size",
+                                       fmt::format("{}x{}", setting_.size.width, setting_.size.height),
+                                       "--frames",
+                                       std::to_string(setting_.frames),
+                                       "--dump",
+                                       std::to_string(setting_.frames)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    arguments.insert(arguments.end(), setting_.options.begin(), setting_.options.end());
+    ChildProgram program(arguments);
+    const std::string errors = program.errors();
+    return {program.wait(), errors};
+  }
+
+ private:
+  const Room& room_;
+  const Setting& setting_;
+  const Files& files_;
+  std::string server_;
+};
+
+std::string last_line(const std::string& text) {
+  std::istringstream lines(text);
+  std::string line, last;
+  while (std::getline(lines, line))
+    if (!line.empty()) last = line;
+  return last;
+}
+
+/// What the server refused, by its own count; -1 if it did not say.
+double refused_by(ChildProgram& server) {
+  server.send(SIGTERM);
+  const auto line = server.line_after("rt_server: ");
+  if (!line) return -1;
+  const std::size_t end = line->find(" refused");
+  if (end == std::string::npos) return -1;
+  const std::size_t start = line->rfind(' ', end - 1);
+  return std::strtod(line->c_str() + start, nullptr);
+}
+
+void append(std::vector<Figure>& to, std::vector<Figure> more) {
+  to.insert(to.end(), more.begin(), more.end());
+}
+
+Pace pace_of(const Columns& frames) {
+  return {quantile(numbers(frames, "client frame [ms]"), 0.25),
+          quantile(numbers(frames, "server frame [ms]"), 0.25)};
+}
+
+/// What views held since they were asked for would have missed in each frame, and what those asked for did.
+void judge_head(const Case& tested, const Files& files, const Columns& frames, Verdict& verdict) {
+  const Expected<HeadTrace> trace = load_head_trace(files.head);
+  const std::vector<double> turned = numbers(frames, "head turned since traced view [deg]"),
+                            moved = numbers(frames, "head moved since traced view [mm]"),
+                            age = numbers(frames, "wire age [ms]");
+  const auto times = frames.find("display_time_ns");
+  if (!trace || times == frames.end() || age.size() != turned.size() || moved.size() != turned.size()) {
+    verdict.broken = "frames.csv does not say how the head moved";
+    return;
+  }
+  const std::size_t first = times->second.size() - age.size();
+  double held_deg = 0, most_deg = 0, most_mm = 0;
+  for (std::size_t i = 0; i < age.size(); ++i) {
+    const Time now = time_from_ns(std::strtoll(times->second[first + i].c_str(), nullptr, 10));
+    const Rigid<Recorded, Head> shown = head_at(*trace, now),
+                                asked = head_at(*trace, now - duration_from_ms(age[i]));
+    held_deg = std::max(held_deg, angle_between_rad(shown.rotation, asked.rotation) * kDegrees);
+    most_deg = std::max(most_deg, turned[i]);
+    most_mm = std::max(most_mm, moved[i]);
+  }
+  std::optional<double> bound;
+  if (tested.head == HeadBound::NoWorseThanHeld) bound = held_deg + 0.01;
+  verdict.figures.push_back({"predictor turn", "deg", most_deg, bound});
+  verdict.figures.push_back({"held turn", "deg", held_deg});
+  verdict.figures.push_back({"predictor way", "mm", most_mm});
+}
+
+/// True if the run came to its end; else says why in the verdict.
+bool ended(const Ended& run, const char* which, Verdict& verdict) {
+  if (run.status == 0) return true;
+  verdict.broken = fmt::format("{} run ended with {}: {}", which, run.status, last_line(run.errors));
+  return false;
+}
+
+std::filesystem::path dumped(const std::filesystem::path& out, const Setting& setting) {
+  return out / "dump" / fmt::format("frame_{:04}", setting.frames);
+}
+
+/// A refusal is one sentence in the program's own name, and a status that a shell sees.
+bool is_refusal(const Ended& run, const std::string& program) {
+  const std::string said = last_line(run.errors);
+  return run.status > 0 && run.status < 126 && said.starts_with(program + ": ") && said.size() > 20;
+}
+
+Verdict refusal(const Case& tested, const Room& room, const Setting& setting, const Files& files) {
+  Verdict verdict;
+  if (tested.outcome == Outcome::BothRefuse) {
+    ChildProgram server({room.server.string(), "--scene", files.scene.string(), "--listen", "127.0.0.1:0",
+                         "--keys", files.ring.string()});
+    const bool listens = server.line_after("rt_server: listening on ").has_value();
+    if (listens || !is_refusal({server.wait(), server.errors()}, "rt_server")) {
+      verdict.broken = listens ? "rt_server serves it" : "rt_server ends without a sentence";
+      return verdict;
+    }
+  }
+  const Ended run = Sessions(room, setting, files, "127.0.0.1:9").run(room.folder / "out", {});
+  if (!is_refusal(run, "vr_client"))
+    verdict.broken = run.status == 0 ? "vr_client takes it" : "vr_client ends with: " + last_line(run.errors);
+  verdict.figures.push_back({"refused in one sentence", "", 0, 0});
+  return verdict;
+}
+
+}  // namespace
+
+Ran run(const Case& tested, const Room& room) {
+  const Setting setting = tested.make();
+  const Files files = write(setting, room.folder);
+  if (tested.outcome != Outcome::Works) return {refusal(tested, room, setting, files), {}};
+
+  Ran ran;
+  Verdict& verdict = ran.verdict;
+  const Expected<Scene> scene = load_scene(files.scene);
+  ChildProgram server({room.server.string(), "--scene", files.scene.string(), "--listen", "127.0.0.1:0",
+                       "--keys", files.ring.string()});
+  const auto address = server.line_after("rt_server: listening on ");
+  if (!scene || !address) {
+    verdict.broken = scene ? "rt_server: " + last_line(server.errors()) : scene.error().what;
+    return ran;
+  }
+  const Sessions sessions(room, setting, files, *address);
+  const auto still = room.folder / "still", moving = room.folder / "moving";
+  if (!ended(sessions.run(still, {"--delay", "0", "--predictor", "hold", "--guard-band", "off"}), "still",
+             verdict) ||
+      !ended(sessions.run(moving, {"--delay", fmt::format("{}", setting.delay_ms)}), "moving", verdict))
+    return ran;
+
+  const Expected<Dump> of_still = read_dump(dumped(still, setting)),
+                       of_moving = read_dump(dumped(moving, setting));
+  if (!of_still || !of_moving) {
+    verdict.broken = (of_still ? of_moving : of_still).error().what;
+    return ran;
+  }
+  append(verdict.figures, judge_shown(*scene, *of_still));
+  append(verdict.figures, judge_traced(*scene, *of_moving));
+  append(verdict.figures, judge_lookup(*scene, *of_moving));
+  const Columns frames = read_columns(moving / "frames.csv");
+  judge_head(tested, files, frames, verdict);
+  const double not_finite = static_cast<double>(count_not_finite(*of_still) + count_not_finite(*of_moving)) +
+                            count_not_finite(frames) + count_not_finite(read_columns(still / "frames.csv"));
+  verdict.figures.push_back({"not finite", "numbers", not_finite, 0});
+  verdict.figures.push_back({"refused by the server", "messages", std::abs(refused_by(server)), 0});
+  ran.pace = pace_of(frames);
+  return ran;
+}
+
+void judge_pace(const Pace& pace, const Pace& ordinary, Verdict& verdict) {
+  if (!verdict.broken.empty()) return;
+  verdict.figures.push_back({"client frame", "ms", pace.client_ms, kMostTimesOrdinary * ordinary.client_ms});
+  verdict.figures.push_back({"server frame", "ms", pace.server_ms, kMostTimesOrdinary * ordinary.server_ms});
+}
+
+}  // namespace farshade::stability
