@@ -1,7 +1,7 @@
 /// Every pose filter against its closed form (math_stiff_reference.h) over time constants from 1e-5 to 1e3 s
-/// and steps from 1e-4 to 1 s: a head that rests, goes, jumps, stands, comes back
-/// and sways, with gaps of ten steps, bursts of a thousandth of one, repeated and backward stamps, all
-/// through Predictor. Once it walks at 1 m/s, once it turns at 1,000 degrees/s.
+/// and steps from 1e-4 to 1 s: a head that rests, goes, jumps, stands, comes back and sways, with gaps of ten
+/// steps, bursts of a thousandth of one, repeated and backward stamps, all through Predictor. Once it walks
+/// at 1 m/s, once it turns at 1,000 degrees/s.
 #pragma once
 
 #include <string>
