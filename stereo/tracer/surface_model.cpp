@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <limits>
 
 #include "stereo/base/check.h"
 
@@ -12,6 +13,10 @@ namespace {
 
 double largest(const glm::dvec3& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+double reach_of(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  return std::max({largest(a), largest(b), largest(c)});
 }
 
 /// Largest row sum of absolute values: how much a matrix can grow the largest coordinate.
@@ -71,7 +76,7 @@ SurfaceModel::SurfaceModel(const Scene& scene, const SceneState& state, const Tr
   check_eq(state.stage_from_object.size(), scene.instances.size(), "a state places every instance");
   check_eq(plan.moves.size(), scene.instances.size(), "a plan knows every instance");
   check_eq(plan.surfaces.size(), scene.meshes.size(), "a plan knows every mesh");
-  anchor_ = (scene.bounds.low + scene.bounds.high) * 0.5;
+  closeup_ = closeup_of(scene, state);
   patches_.reserve(scene.instances.size());
   for (const bool moving : {false, true}) {
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i)
@@ -94,7 +99,6 @@ void SurfaceModel::add(const Scene& scene, const SceneState& state, std::uint32_
 
   Patch patch{.instance = instance,
               .first_triangle = narrow<std::uint32_t>(triangles_.size()),
-              .triangle_count = narrow<std::uint32_t>(mesh.triangles.size()),
               .first_vertex = narrow<std::uint32_t>(positions_.size()),
               .double_sided = material.double_sided,
               .back_test = needs.back_test,
@@ -106,7 +110,7 @@ void SurfaceModel::add(const Scene& scene, const SceneState& state, std::uint32_
     patch.object_half = (bounds.high - bounds.low) * 0.5;
   }
 
-  const glm::dvec3 shift = moving ? -patch.object_center : glm::dvec3(stage_from_object[3]) - anchor_;
+  const glm::dvec3 shift = moving ? -patch.object_center : glm::dvec3(stage_from_object[3]) - anchor();
   const auto placed = [&](std::uint32_t vertex) {
     return linear * glm::dvec3(mesh.positions[vertex]) + shift;
   };
@@ -116,22 +120,44 @@ void SurfaceModel::add(const Scene& scene, const SceneState& state, std::uint32_
     normals_.emplace_back(unit_or_zero(normal_from_object * glm::dvec3(mesh.normals[v])));
   }
   const bool mirrored = glm::determinant(linear) < 0;
+  // Holes are cut by the mesh's own vertices.
+  const bool splits = !moving && !needs.alpha_test;
   for (const glm::uvec3& t : mesh.triangles) {
     const glm::uvec3 wound = mirrored ? glm::uvec3(t.x, t.z, t.y) : t;
     const std::array<glm::dvec3, 3> p{placed(wound.x), placed(wound.y), placed(wound.z)};
-    const double reach = std::max({largest(p[0]), largest(p[1]), largest(p[2])});
-    triangles_.push_back(wound + patch.first_vertex);
-    facets_.push_back({glm::vec3(facet_normal(p)), static_cast<float>(reach)});
-    patch.object_reach = std::max(patch.object_reach, reach);
+    patch.object_reach = std::max(patch.object_reach, reach_of(p[0], p[1], p[2]));
+    add_triangle(wound + patch.first_vertex, p,
+                 splits ? closeup_.near_m : std::numeric_limits<double>::infinity());
   }
+  patch.triangle_count = narrow<std::uint32_t>(triangles_.size()) - patch.first_triangle;
   patches_.push_back(std::move(patch));
+}
+
+void SurfaceModel::add_triangle(const glm::uvec3& vertices, const std::array<glm::dvec3, 3>& p,
+                                double near_m) {
+  const glm::vec3 normal(facet_normal(p));
+  const auto keep = [&](const glm::uvec3& its, double reach) {
+    triangles_.push_back(its);
+    facets_.push_back({normal, static_cast<float>(reach)});
+  };
+  const auto corner = [&](int i) {
+    return Corner{p[static_cast<std::size_t>(i)], glm::dvec3(normals_[vertices[i]])};
+  };
+  split_graded({corner(0), corner(1), corner(2)}, near_m, [&](const std::array<Corner, 3>& part) {
+    const double reach = reach_of(part[0].position, part[1].position, part[2].position);
+    if (part[0].position == p[0] && part[1].position == p[1] && part[2].position == p[2])
+      return keep(vertices, reach);
+    const auto first = narrow<std::uint32_t>(positions_.size());
+    for (const Corner& c : part) positions_.emplace_back(c.position), normals_.emplace_back(c.normal);
+    keep({first, first + 1, first + 2}, reach);
+  });
 }
 
 void SurfaceModel::place(const SceneState& state) {
   for (Patch& patch : std::span(patches_).subspan(fixed_count_)) {
     const glm::dmat4& m = state.stage_from_object[patch.instance].matrix;
     const glm::dmat3 linear(m);
-    const glm::dvec3 translation = linear * patch.object_center + glm::dvec3(m[3]) - anchor_;
+    const glm::dvec3 translation = linear * patch.object_center + glm::dvec3(m[3]) - anchor();
     Placement& placement = patch.placement;
     placement.linear = glm::mat3(linear);
     placement.translation = glm::vec3(translation);

@@ -1,6 +1,6 @@
 /// SurfaceModel: the scene's triangles as the tracer meets them.
 ///
-/// What never moves is baked: positions in float relative to the scene's anchor (its centre, in double), so
+/// What never moves is baked: positions in float relative to the scene's anchor (closeup.h, in double), so
 /// that a scene far from the origin keeps its precision. What moves stays in object space about its mesh's
 /// centre and is placed by a transform a frame. Triangles are wound so that their counter-clockwise side is
 /// the seen one whatever the sign of the transform's determinant.
@@ -12,6 +12,7 @@
 
 #include "stereo/plan/scene_plan.h"
 #include "stereo/scene/scene_state.h"
+#include "stereo/tracer/closeup.h"
 #include "stereo/tracer/hole_test.h"
 
 namespace farshade {
@@ -53,7 +54,7 @@ class SurfaceModel {
   /// Moves what moves. Patches keep their addresses.
   void place(const SceneState& state);
 
-  [[nodiscard]] const glm::dvec3& anchor() const { return anchor_; }
+  [[nodiscard]] const glm::dvec3& anchor() const { return closeup_.anchor; }
 
   [[nodiscard]] std::span<const Patch> patches() const { return patches_; }
   [[nodiscard]] std::size_t fixed_count() const { return fixed_count_; }  ///< these come first in patches()
@@ -68,7 +69,11 @@ class SurfaceModel {
  private:
   void add(const Scene& scene, const SceneState& state, std::uint32_t instance, const TracePlan& plan);
 
-  glm::dvec3 anchor_{0.0};
+  /// `p` as `vertices` say, relative to the anchor, in double; in parts where an edge is longer than
+  /// `near_m`.
+  void add_triangle(const glm::uvec3& vertices, const std::array<glm::dvec3, 3>& p, double near_m);
+
+  Closeup closeup_;
   std::vector<Patch> patches_;
   std::size_t fixed_count_ = 0;
   std::vector<glm::vec3> positions_, normals_;
