@@ -9,6 +9,7 @@
 #include "stereo/trace/reader.h"
 #include "stereo/trace/writer.h"
 #include "vr_client/client.h"
+#include "vr_client/headset.h"
 #include "vr_client/record/replay.h"
 #include "vr_client/record/session_recorder.h"
 #include "vr_client/recorder.h"
@@ -127,7 +128,13 @@ Expected<void> export_trace(const Options& options) {
 }
 
 Expected<void> tell_plan(const Options& options) {
-  const Expected<PlannedScene> planned = load_planned(options);
+  double eye_distance_m = Headset{}.eye_distance_m;
+  if (!options.trace.empty()) {
+    const Expected<HeadTrace> trace = load_head_trace(options.trace, {options.trace_scale});
+    if (!trace) return tl::unexpected(trace.error());
+    eye_distance_m = trace->eye_distance_m;
+  }
+  const Expected<PlannedScene> planned = load_planned(options, needs_of(options, eye_distance_m));
   if (!planned) return tl::unexpected(planned.error());
   fmt::print("{}", in_words(planned->plan, planned->scene));
   return {};
@@ -141,7 +148,7 @@ Expected<void> run_replay(const Options& options) {
   Expected<SessionReader> reader = SessionReader::open(options.replay);
   if (!reader) return tl::unexpected(reader.error());
   const SessionHeader header = reader->header();
-  Expected<std::unique_ptr<Client>> opened = open_client(options, header.limits);
+  Expected<std::unique_ptr<Client>> opened = open_client(options, {.kind = options.plan.kind}, header.limits);
   if (!opened) return tl::unexpected(opened.error());
   Client& client = **opened;
   if (client.scene.hash != header.scene_hash)
@@ -185,7 +192,7 @@ Expected<void> run_client(const Options& options) {
   if (auto done = make_folder(options.out); !done) return done;
   const Expected<HeadTrace> trace = load_trace(options);
   if (!trace) return tl::unexpected(trace.error());
-  Expected<std::unique_ptr<Client>> opened = open_client(options);
+  Expected<std::unique_ptr<Client>> opened = open_client(options, trace->eye_distance_m);
   if (!opened) return tl::unexpected(opened.error());
   Client& client = **opened;
   if (options.mode == Mode::Full || measures(options))

@@ -61,20 +61,24 @@ std::uint32_t frames_in_flight(const Options& options) {
          static_cast<std::uint32_t>(ShadingPass::kMaxMasks) * options.request.every + 4;
 }
 
-Expected<PlannedScene> load_planned(const Options& options) {
-  return load_scene(options.scene).map([&](Scene&& scene) {
-    return plan_scene(std::move(scene),
-                      {.kind = options.plan.kind, .carries_over = options.mode == Mode::Hybrid});
-  });
+SessionNeeds needs_of(const Options& options, double eye_distance_m) {
+  return {.kind = options.plan.kind,
+          .two_views = eye_distance_m != 0,
+          .carries_over = options.mode == Mode::Hybrid};
 }
 
-Expected<std::unique_ptr<Client>> open_client(const Options& options) {
-  return open_client(options, renderer_limits(options));
+Expected<PlannedScene> load_planned(const Options& options, const SessionNeeds& needs) {
+  return load_scene(options.scene).map([&](Scene&& scene) { return plan_scene(std::move(scene), needs); });
 }
 
-Expected<std::unique_ptr<Client>> open_client(const Options& options, const RendererLimits& limits) {
+Expected<std::unique_ptr<Client>> open_client(const Options& options, double eye_distance_m) {
+  return open_client(options, needs_of(options, eye_distance_m), renderer_limits(options));
+}
+
+Expected<std::unique_ptr<Client>> open_client(const Options& options, const SessionNeeds& needs,
+                                              const RendererLimits& limits) {
   auto client = std::make_unique<Client>();
-  Expected<PlannedScene> planned = load_planned(options);
+  Expected<PlannedScene> planned = load_planned(options, needs);
   if (!planned) return tl::unexpected(planned.error());
   client->scene = std::move(planned->scene);
   client->plan = std::move(planned->plan);

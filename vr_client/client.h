@@ -33,14 +33,17 @@ inline constexpr double kWorstPreviewPath_ms = 400;
 /// Frames that may be needed after they were asked for: while masks are on their way, and as older masks.
 [[nodiscard]] std::uint32_t frames_in_flight(const Options& options);
 
-/// The scene with its plan for what `options` ask for.
-[[nodiscard]] Expected<PlannedScene> load_planned(const Options& options);
+/// What a session with `options` asks of the scene's plan, for eyes that far apart.
+[[nodiscard]] SessionNeeds needs_of(const Options& options, double eye_distance_m);
+
+/// The scene with its plan.
+[[nodiscard]] Expected<PlannedScene> load_planned(const Options& options, const SessionNeeds& needs);
 
 /// Scene, device and renderer. Refuses what cannot be drawn.
-[[nodiscard]] Expected<std::unique_ptr<Client>> open_client(const Options& options);
+[[nodiscard]] Expected<std::unique_ptr<Client>> open_client(const Options& options, double eye_distance_m);
 
-/// The same with a renderer for a session that is on file.
-[[nodiscard]] Expected<std::unique_ptr<Client>> open_client(const Options& options,
+/// The same for a session that is on file.
+[[nodiscard]] Expected<std::unique_ptr<Client>> open_client(const Options& options, const SessionNeeds& needs,
                                                             const RendererLimits& limits);
 
 /// Makes sure that there is a reference. Refuses a scene that cannot be traced.

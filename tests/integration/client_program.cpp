@@ -11,8 +11,14 @@
 
 namespace farshade {
 
-RunningServer::RunningServer(const std::string& scene, const std::string& listen)
-    : program_({RT_SERVER, "--scene", scene, "--listen", listen, "--keys", test_keys().ring}) {
+RunningServer::RunningServer(const std::string& scene, const std::string& listen,
+                             const std::vector<std::string>& more)
+    : program_([&] {
+        std::vector<std::string> arguments{RT_SERVER, "--scene", scene,           "--listen",
+                                           listen,    "--keys",  test_keys().ring};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return arguments;
+      }()) {
   const auto address = program_.line_after("rt_server: listening on ");
   if (!address) throw std::runtime_error("rt_server does not listen: " + program_.errors());
   address_ = *address;

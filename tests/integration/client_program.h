@@ -18,7 +18,8 @@ inline constexpr Extent kClientSize{96, 64};
 /// An rt_server that listens.
 class RunningServer {
  public:
-  explicit RunningServer(const std::string& scene = kRoom, const std::string& listen = "127.0.0.1:0");
+  explicit RunningServer(const std::string& scene = kRoom, const std::string& listen = "127.0.0.1:0",
+                         const std::vector<std::string>& more = {});
 
   [[nodiscard]] const std::string& address() const { return address_; }
   [[nodiscard]] ChildProgram& program() { return program_; }

@@ -223,6 +223,56 @@ TEST(ClientProgram, FullModeNeedsNoServerAndHasNoError) {
   }
 }
 
+TEST(ClientProgram, SaysItsPlanWithoutDeviceServerOrRecording) {
+  ChildProgram program({"/usr/bin/env", "VK_DRIVER_FILES=/dev/null", VR_CLIENT, "--scene", kRoom, "--plan"});
+  EXPECT_TRUE(program.line_after("plan for room.glb: what it needs"));
+  EXPECT_TRUE(program.line_after("  masks        3 of 3 lights cast shadows: 1 byte a pixel and eye"));
+  EXPECT_EQ(program.wait(), 0) << program.errors();
+}
+
+/// Both programs with nothing left out: the same masks and so the same pictures.
+TEST(ClientProgram, ShowsTheSameWithAndWithoutWhatTheSceneDoesNotNeed) {
+  const ScratchFolder folder;
+  std::vector<double> error;
+  for (const std::string plan : {"needed", "everything"}) {
+    const std::filesystem::path out = folder.path() / plan;
+    const RunningServer server(kRoom, "127.0.0.1:0", {"--plan=" + plan});
+    const Ended run =
+        run_client({{"--server", server.address()}, {"--plan=" + plan, ""}, {"--out", out.string()}});
+    ASSERT_EQ(run.status, 0) << run.errors;
+    error.push_back(summary_row(out, "left eye", "mask error")[0]);
+  }
+  EXPECT_GT(error[0], 0);
+  EXPECT_NEAR(error[0], error[1], error[0] * 0.02);
+}
+
+TEST(ClientProgram, RefusesAServerWithAnotherPlanWhereThatChangesTheMasks) {
+  const ScratchFolder folder;
+  const std::filesystem::path scene = folder.path() / "far.gltf";
+  // One triangle: (0 0 0), (1 0 0), (0 1 0); one light that reaches it and one that does not.
+  std::ofstream(scene) << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0,1,2]}],
+    "extensionsUsed":["KHR_lights_punctual"],
+    "extensions":{"KHR_lights_punctual":{"lights":[{"type":"point"},{"type":"point","range":1}]}},
+    "nodes":[{"mesh":0},
+      {"translation":[0,0,2],"extensions":{"KHR_lights_punctual":{"light":0}}},
+      {"translation":[0,0,9],"extensions":{"KHR_lights_punctual":{"light":1}}}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
+    "bufferViews":[{"buffer":0,"byteLength":36}],
+    "buffers":[{"byteLength":36,
+      "uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+  const RunningServer server(scene.string());
+  std::map<std::string, std::string> options{
+      {"--scene", scene.string()}, {"--server", server.address()}, {"--out", folder.path().string()}};
+  EXPECT_EQ(run_client(options).status, 0);
+  options["--plan=everything"] = "";
+  const Ended run = run_client(options);
+  EXPECT_NE(run.status, 0);
+  EXPECT_NE(run.errors.find("masks of 1 lights, this client of 2: start both with the same --plan"),
+            std::string::npos)
+      << run.errors;
+}
+
 TEST(ClientProgram, SceneWithoutLightsNeedsNoServer) {
   const ScratchFolder folder;
   const std::filesystem::path scene = folder.path() / "dark.gltf";

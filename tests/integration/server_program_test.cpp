@@ -52,6 +52,18 @@ ServerMessage answer_to(const SharedKey& key, const ContentHash& scene, const st
   throw std::runtime_error("a handshake takes two round trips");
 }
 
+TEST(ServerProgram, SaysItsPlanAndEnds) {
+  for (const auto& [plan, said] : {std::pair{"--plan", "plan for box_over_plane.gltf: what it needs"},
+                                   {"--plan=", "plan for box_over_plane.gltf: what it needs"}}) {
+    ChildProgram program({RT_SERVER, "--scene", kScene, plan});
+    EXPECT_TRUE(program.line_after(said)) << plan;
+    EXPECT_TRUE(program.line_after("  masks        2 of 2 lights cast shadows")) << plan;
+    EXPECT_EQ(program.wait(), 0) << program.errors();
+  }
+  ChildProgram wrong({RT_SERVER, "--scene", kScene, "--plan=all"});
+  EXPECT_NE(wrong.wait(), 0);
+}
+
 class ServerProgram : public testing::TestWithParam<int> {};
 
 TEST_P(ServerProgram, ListensAnswersAndEndsCleanlyOnSignal) {

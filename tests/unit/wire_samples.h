@@ -194,9 +194,9 @@ inline ShadowFrame frame_of(const EyeMask& left, const EyeMask& right) {
 }
 
 /// The messages of one eye.
-inline std::vector<Bytes> packed(const ShadowFrame& frame, Side eye,
-                                 std::span<const std::uint8_t> sent = {}) {
-  SlicePacker packer;
+inline std::vector<Bytes> packed(const ShadowFrame& frame, Side eye, std::span<const std::uint8_t> sent = {},
+                                 SameAllOver same = SameAllOver::OneValue) {
+  SlicePacker packer(same);
   packer.start(frame, eye, sent);
   std::vector<Bytes> messages;
   while (const std::optional<Slice> slice = packer.next()) messages.push_back(encoded(ServerMessage(*slice)));

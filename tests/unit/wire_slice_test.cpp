@@ -15,7 +15,7 @@ struct Received {
   std::uint32_t learned = 0;
 
   explicit Received(const EyeMask& like)
-      : mask(like.size(), like.lights()), known(TileGrid{like.size()}.count()) {}
+      : mask(like.size(), like.layout()), known(TileGrid{like.size()}.count()) {}
 
   Decoded<std::uint32_t> take(const Bytes& bytes) {
     const Decoded<ServerMessage> message = decode_server(bytes);
@@ -28,10 +28,10 @@ struct Received {
 
 class SliceRoundTrip : public testing::TestWithParam<std::uint32_t> {};
 
-void expect_round_trip(const EyeMask& mask) {
+void expect_round_trip(const EyeMask& mask, SameAllOver same = SameAllOver::OneValue) {
   Received received(mask);
   const ShadowFrame frame = frame_of(mask, EyeMask{});
-  for (const Bytes& bytes : packed(frame, Side::Left)) {
+  for (const Bytes& bytes : packed(frame, Side::Left, {}, same)) {
     ASSERT_LE(bytes.size(), kMaxMessage_bytes);
     ASSERT_TRUE(received.take(bytes));
   }
@@ -48,6 +48,7 @@ TEST_P(SliceRoundTrip, GivesTheMaskBack) {
     expect_round_trip(EyeMask(size, GetParam()));
     expect_round_trip(edge_mask(size, GetParam(), random));
     expect_round_trip(noise_mask(size, GetParam(), random));
+    expect_round_trip(edge_mask(size, GetParam(), random), SameAllOver::EachPixel);
   }
 }
 
@@ -67,6 +68,29 @@ TEST(SlicePacker, FillsItsMessages) {
   const auto messages = packed(frame, Side::Right);
   for (std::size_t i = 0; i + 1 < messages.size(); ++i)
     EXPECT_GT(messages[i].size() + 3 * 32 + 5, kMaxMessage_bytes) << "slice " << i;
+}
+
+TEST(SlicePacker, MakesWiderWordsNoLonger) {
+  std::mt19937 random(6);
+  const EyeMask mask = edge_mask({70, 50}, 3, random);
+  EyeMask wide(mask.size(), MaskLayout{.lights = 3, .least_word_bytes = 4});
+  for (std::uint32_t y = 0; y < mask.size().height; ++y)
+    for (std::uint32_t x = 0; x < mask.size().width; ++x) wide.set_word(x, y, 0, mask.word(x, y));
+  EXPECT_EQ(wide.bytes().size(), 4 * mask.bytes().size());
+  EXPECT_EQ(packed(frame_of(wide, {}), Side::Left), packed(frame_of(mask, {}), Side::Left));
+  expect_round_trip(wide);
+}
+
+TEST(SlicePacker, SpendsMoreBytesOnLightsThatAreTheSameAllOverIfTheyAreSpelledOut) {
+  const auto bytes_of = [](const std::vector<Bytes>& messages) {
+    std::size_t sum = 0;
+    for (const Bytes& message : messages) sum += message.size();
+    return sum;
+  };
+  std::mt19937 random(6);
+  const ShadowFrame frame = frame_of(edge_mask({512, 512}, 3, random), {});
+  EXPECT_LT(bytes_of(packed(frame, Side::Left)),
+            bytes_of(packed(frame, Side::Left, {}, SameAllOver::EachPixel)));
 }
 
 TEST(SlicePacker, MakesNoSliceOfNothing) {

@@ -306,7 +306,8 @@ Expected<void> run_preview(const Options& wish) {
   const Expected<std::unique_ptr<Window>> window = open_window(kTitle, window_size(options));
   if (!window) return tl::unexpected(window.error());
   options.device.presentation = (*window)->presentation();
-  Expected<std::unique_ptr<Client>> client = open_client(options);
+  Expected<std::unique_ptr<Client>> client =
+      open_client(options, kWidestEyes_m);  // a viewer may set the eyes apart at any time
   if (!client) return tl::unexpected(client.error());
   if (options.mode == Mode::Full)
     if (auto done = open_reference(**client); !done) return done;

@@ -1,0 +1,32 @@
+#include "tests/bench/late_masks.h"
+
+#include "vr_client/headset.h"
+
+namespace farshade::bench {
+
+TraceRequest shown_at(const HeadTrace& trace, const Rigid<Stage, Recorded>& placed, std::uint32_t number,
+                      std::uint32_t side_px) {
+  const Time time = trace.start() + kPeriod * number;
+  const Headset headset{trace.eye_distance_m, trace.fov, {side_px, side_px}};
+  return {{number}, time, Time{}, views_of(placed * head_at(trace, time), headset), {}};
+}
+
+double collect_ms(Assembler& assembler, std::span<const std::vector<std::byte>> datagrams) {
+  const Stopwatch watch;
+  for (const std::vector<std::byte>& datagram : datagrams) {
+    const Decoded<ServerMessage> message = decode_server(datagram);
+    if (const auto* slice = message ? std::get_if<Slice>(&*message) : nullptr) assembler.accept(*slice);
+  }
+  return ms_of(watch.elapsed());
+}
+
+std::vector<MaskInHand> masks_in_hand(const Assembler& assembler, FrameId shown) {
+  std::vector<MaskInHand> masks;
+  for (std::uint32_t age = kLate_frames; age < kLate_frames + ShadingPass::kMaxMasks; ++age)
+    if (const ReceivedFrame* frame = assembler.find({shown.value - age}); frame && frame->complete())
+      masks.push_back({frame->request.frame, frame->request.display_time, frame->request.scene_time,
+                       frame->request.views, frame->masks, frame->known_tiles, 1});
+  return masks;
+}
+
+}  // namespace farshade::bench

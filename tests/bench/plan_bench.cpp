@@ -1,0 +1,163 @@
+// What a scene's plan saves: the same session with what the scene needs and with everything on, each frame
+// both ways, in turns of which comes first. Figure to reach: the plan is ahead in every row.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "stereo/base/quantile.h"
+#include "stereo/net/frame_packer.h"
+#include "stereo/scene/gltf.h"
+#include "stereo/trace/reader.h"
+#include "stereo/tracer/tracer.h"
+#include "tests/bench/late_masks.h"
+#include "vr_client/ask/request_plan.h"
+
+namespace farshade::bench {
+namespace {
+
+struct Options {
+  std::string scene, trace = FARSHADE_ASSETS "/walk.csv", gpu;
+  std::uint32_t side_px = 1024, frames = 30;
+};
+
+template <class T>
+T value_of(Expected<T> value) {
+  if (!value) throw std::runtime_error(value.error().what);
+  return std::move(*value);
+}
+
+/// One frame's figures, in the order of kRows.
+struct Figures {
+  double rays, shadow_rays, bytes, trace_ms, pack_ms, collect_ms, gbuffer_ms, depth_ms, shade_ms, client_ms;
+};
+
+struct Row {
+  const char* name;
+  double Figures::*value;
+  double unit;
+  const char* format;
+};
+constexpr std::array kRows{Row{"rays, millions", &Figures::rays, 1e-6, "%10.3f"},
+                           Row{"  of them for shadows", &Figures::shadow_rays, 1e-6, "%10.3f"},
+                           Row{"bytes of masks, kB", &Figures::bytes, 1e-3, "%10.1f"},
+                           Row{"server: trace, ms", &Figures::trace_ms, 1, "%10.1f"},
+                           Row{"server: pack, ms", &Figures::pack_ms, 1, "%10.2f"},
+                           Row{"client: take masks in, ms", &Figures::collect_ms, 1, "%10.2f"},
+                           Row{"client: G-buffer, ms", &Figures::gbuffer_ms, 1, "%10.1f"},
+                           Row{"client: depth asked for, ms", &Figures::depth_ms, 1, "%10.1f"},
+                           Row{"client: carry over, shade, ms", &Figures::shade_ms, 1, "%10.1f"},
+                           Row{"client: frame, ms", &Figures::client_ms, 1, "%10.1f"}};
+
+/// A server and a client that follow one plan.
+class Way {
+ public:
+  Way(const gpu::Device& device, const Scene& scene, PlanKind kind, Extent size)
+      : planned_(plan_scene(scene, {.kind = kind})),
+        tracer_(value_of(Tracer::create(planned_.scene, planned_.plan.trace))),
+        packer_(planned_.plan.one_value_tiles ? SameAllOver::OneValue : SameAllOver::EachPixel),
+        renderer_(device, planned_.scene, planned_.plan.draw, {size, largest_traced(size), kRing_frames}),
+        state_(state_at(planned_.scene, Time{})) {}
+
+  /// Nothing while there are no masks to draw with.
+  std::optional<Figures> frame(const TraceRequest& shown, const TraceRequest& asked) {
+    assembler_.expect(asked, planned_.plan.draw.mask, state_.light_set.revision);
+    const Stopwatch tracing;
+    const TraceStats stats = tracer_.trace(asked, traced_);
+    const double trace_ms = ms_of(tracing.elapsed());
+    const Stopwatch packing;
+    const auto datagrams = packer_.pack(traced_, {.frame = asked.frame});
+    const double pack_ms = ms_of(packing.elapsed());
+    double bytes = 0;
+    for (const std::vector<std::byte>& datagram : datagrams) bytes += static_cast<double>(datagram.size());
+    const double taken_ms = collect_ms(assembler_, datagrams);
+    const std::vector<MaskInHand> masks = masks_in_hand(assembler_, shown.frame);
+    const DrawTimes drawn = renderer_.draw(
+        {.views = shown.views, .state = state_, .asked = &asked, .masks = masks, .carry_over = {}});
+    if (masks.empty()) return std::nullopt;
+    return Figures{.rays = static_cast<double>(stats.primary_rays + stats.shadow_rays),
+                   .shadow_rays = static_cast<double>(stats.shadow_rays),
+                   .bytes = bytes,
+                   .trace_ms = trace_ms,
+                   .pack_ms = pack_ms,
+                   .collect_ms = taken_ms,
+                   .gbuffer_ms = ms_of(drawn.gbuffer),
+                   .depth_ms = ms_of(drawn.depth),
+                   .shade_ms = ms_of(drawn.shade),
+                   .client_ms = taken_ms + ms_of(drawn.total)};
+  }
+
+  [[nodiscard]] const PlannedScene& planned() const { return planned_; }
+
+ private:
+  PlannedScene planned_;
+  Tracer tracer_;
+  FramePacker packer_;
+  Assembler assembler_{kRing_frames};
+  ShadowFrame traced_;
+  Renderer renderer_;
+  SceneState state_;
+};
+
+double median(const std::vector<Figures>& figures, const Row& row) {
+  std::vector<double> values;
+  for (const Figures& one : figures) values.push_back(one.*row.value * row.unit);
+  return quantile(values, 0.5);
+}
+
+/// Of a figure in both ways; true if the plan is ahead.
+bool print_row(const char* name, const char* format, double needed, double everything) {
+  std::printf("  %-32s ", name);
+  std::printf(format, needed);
+  std::printf(" ");
+  std::printf(format, everything);
+  std::printf(" %8.3f\n", needed / everything);
+  return needed < everything;
+}
+
+bool compare(const Options& options) {
+  const Scene scene = value_of(load_scene(options.scene));
+  const HeadTrace head = value_of(load_head_trace(options.trace));
+  const gpu::Device device = value_of(gpu::open_device({options.gpu, gpu::Validation::Off}));
+  const Extent size{options.side_px, options.side_px};
+  const auto placed = scene.camera ? place(head, *scene.camera) : Rigid<Stage, Recorded>{};
+  PerEye<Way> ways{Way(device, scene, PlanKind::Needed, size),
+                   Way(device, scene, PlanKind::Everything, size)};
+  RequestPlan plan(RequestWish{});
+  plan.learn(kPeriod * kLate_frames);
+  PerEye<std::vector<Figures>> figures;
+  constexpr std::uint32_t kWarmUp = 8;
+  for (std::uint32_t number = 1; number <= kWarmUp + options.frames; ++number) {
+    const TraceRequest shown = shown_at(head, placed, number, options.side_px);
+    const TraceRequest asked = plan.ask(shown, kPeriod).value();
+    for (const std::size_t way : {number % 2, 1 - number % 2}) {
+      const std::optional<Figures> taken = ways[way].frame(shown, asked);
+      if (taken && number > kWarmUp) figures[way].push_back(*taken);
+    }
+  }
+  std::printf("%s%s along %s on %s, %ux%u an eye, medians of %zu frames\n",
+              in_words(ways[0].planned().plan, ways[0].planned().scene).c_str(), scene.name.c_str(),
+              options.trace.c_str(), device.name.c_str(), size.width, size.height, figures[0].size());
+  std::printf("  %-32s %10s %10s %8s\n", "a frame, both eyes", "needed", "everything", "ratio");
+  bool ahead = true;
+  for (const Row& row : kRows)
+    ahead &= print_row(row.name, row.format, median(figures[0], row), median(figures[1], row));
+  std::printf("the plan is %s\n", ahead ? "ahead in every row" : "NOT ahead in every row");
+  return ahead;
+}
+
+}  // namespace
+}  // namespace farshade::bench
+
+int main(int argc, char** argv) try {
+  farshade::bench::Options options;
+  CLI::App app("What a scene's plan saves against a plan with everything on");
+  app.add_option("--scene", options.scene, "glTF 2.0 file")->required();
+  app.add_option("--trace", options.trace, "recorded head")->capture_default_str();
+  app.add_option("--size", options.side_px, "pixels a side of an eye")->capture_default_str();
+  app.add_option("--frames", options.frames, "frames to measure")->capture_default_str();
+  app.add_option("--gpu", options.gpu, "only a device whose name contains this");
+  CLI11_PARSE(app, argc, argv);
+  return farshade::bench::compare(options) ? EXIT_SUCCESS : EXIT_FAILURE;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "plan_bench: %s\n", error.what());
+  return EXIT_FAILURE;
+}
