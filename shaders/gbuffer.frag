@@ -1,26 +1,28 @@
 // G-buffer: base colour, and in one word pair the shading normal, the geometric normal and the instance.
-// Compiled with and without TEXTURED, since a shader that could read a texture must have one bound; with DEPTH_ONLY
-// it only cuts holes.
+// Compiled with and without TEXTURED and COLORED, since what a shader could read must be bound; with DEPTH_ONLY it only
+// cuts holes.
 // Holes of alpha-masked materials are cut at LOD 0, as the tracer cuts them.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared.h"
 
-layout(constant_id = 1) const bool kMasked = false;
-layout(constant_id = 2) const bool kColored = false;
+layout(constant_id = 0) const bool kMasked = false;
+layout(constant_id = 1) const bool kGeometricNormals = true;  // masks are carried over: along planes
+layout(constant_id = 2) const bool kInstances = true;         // some can move
 
-layout(set = 0, binding = 1) uniform Frame { FrameData frame; };
 #ifdef TEXTURED
 layout(set = 1, binding = 0) uniform sampler2DArray base_color_texture;
+layout(location = 1) in vec2 texture_uv;
+#endif
+#ifdef COLORED
+layout(location = 2) in vec4 vertex_color;
 #endif
 layout(push_constant) uniform Draw { DrawData draw; };
 
 #ifndef DEPTH_ONLY
+layout(set = 0, binding = 1) uniform Frame { FrameData frame; };
+
 layout(location = 0) in vec3 stage_normal;
-#endif
-layout(location = 1) in vec2 texture_uv;
-layout(location = 2) in vec4 vertex_color;
-#ifndef DEPTH_ONLY
 layout(location = 3) flat in uint eye;
 
 layout(location = 0) out vec4 base_color;
@@ -46,7 +48,9 @@ vec3 geometric_normal() {
 
 void main() {
   vec4 color = draw.base_color;
-  if (kColored) color *= vertex_color;
+#ifdef COLORED
+  color *= vertex_color;
+#endif
   if (kMasked) {
     float alpha = color.a;
 #ifdef TEXTURED
@@ -62,7 +66,7 @@ void main() {
 
   vec3 n = normalize(stage_normal);
   if (!gl_FrontFacing) n = -n;
-  surface = uvec2(packSnorm2x16(octahedral(n)),
-                  (packSnorm4x8(vec4(octahedral(geometric_normal()), 0.0, 0.0)) & 0xFFFFu) | draw.instance << 16);
+  surface = uvec2(packSnorm2x16(octahedral(n)), kInstances ? draw.instance << 16 : 0u);
+  if (kGeometricNormals) surface.y |= packSnorm4x8(vec4(octahedral(geometric_normal()), 0.0, 0.0)) & 0xFFFFu;
 #endif
 }

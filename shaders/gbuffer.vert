@@ -1,29 +1,28 @@
 // G-buffer, both eyes in one layered pass: each draw's instances are the eyes, and an eye's layer is its index.
-// With DEPTH_ONLY, for the views that masks are asked for: positions, and what cuts holes.
+// With DEPTH_ONLY, for the views that masks are asked for: positions, and what cuts holes. TEXTURED and COLORED: with
+// texture coordinates, with a colour a vertex. A stream that is not read is not there.
 // (Not multiview: lavapipe of Mesa 22.3.6 loses every draw that needs clipping in all views but the first.)
 #version 460
 #extension GL_ARB_shader_viewport_layer_array : require
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared.h"
 
-layout(constant_id = 0) const bool kTextured = false;
-layout(constant_id = 2) const bool kColored = false;
-
 layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceData instances[]; };
 layout(push_constant) uniform Draw { DrawData draw; };
 
 layout(location = 0) in vec3 position;
+#ifndef DEPTH_ONLY
 layout(location = 1) in vec3 normal;
-layout(location = 2) in vec2 uv;
-layout(location = 3) in vec4 color;
-
-#ifndef DEPTH_ONLY
 layout(location = 0) out vec3 stage_normal;
-#endif
-layout(location = 1) out vec2 texture_uv;
-layout(location = 2) out vec4 vertex_color;
-#ifndef DEPTH_ONLY
 layout(location = 3) flat out uint eye;
+#endif
+#ifdef TEXTURED
+layout(location = 2) in vec2 uv;
+layout(location = 1) out vec2 texture_uv;
+#endif
+#ifdef COLORED
+layout(location = 3) in vec4 color;
+layout(location = 2) out vec4 vertex_color;
 #endif
 
 invariant gl_Position;
@@ -35,6 +34,10 @@ void main() {
   eye = gl_InstanceIndex;
   stage_normal = mat3(instances[draw.instance].stage_from_object_normal) * normal;
 #endif
-  if (kTextured) texture_uv = uv;
-  if (kColored) vertex_color = color;
+#ifdef TEXTURED
+  texture_uv = uv;
+#endif
+#ifdef COLORED
+  vertex_color = color;
+#endif
 }

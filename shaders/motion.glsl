@@ -2,6 +2,14 @@
 // A light that has moved is stale itself; of the other lights a pixel is stale where the way to the light passes
 // the sphere about something that has moved - as it was then or as it is now - and on what has moved itself.
 
+// Compiled without MOTION, for scenes whose instances stay where they are, only lights can be stale.
+
+#ifdef MOTION
+layout(std430, binding = 9) readonly buffer MotionSlots { uint motion_slots[]; };  // an instance's; 0 = never moves
+layout(std430, binding = 10) readonly buffer Motions { mat4 motions[]; };          // a slot, a mask, an eye
+
+uint slot_of(uint instance) { return motion_slots[instance]; }
+
 // `since` is 0 for the newest mask and 1 for all older ones together.
 bool has_moved(uint since, uint slot) {
   return slot != 0u && motions[((slot - 1) * FARSHADE_MAX_MASKS + since) * 2 + kEye][0][3] != 0.0;
@@ -20,10 +28,10 @@ bool passes(vec4 sphere, vec3 p, vec3 to_light, float distance) {
   return dot(c, c) <= sphere.w;
 }
 
-// Bit i: light 32 * plane + i may have changed at the point `p` (eye-relative, stage axes). Loops are unrolled, since
-// lavapipe reads uniforms at constant places once and at others lane by lane.
-uint stale_bits(uint since, uint slot, vec3 p, uint plane) {
-  uint stale = frame.stale_lights[since * 2 + plane / 4][plane % 4];
+// Bit i: something that has moved may stand, or have stood, between the point `p` and light 32 * plane + i. Loops are
+// unrolled, since lavapipe reads uniforms at constant places once and at others lane by lane.
+uint crossed_bits(uint since, uint slot, vec3 p, uint plane) {
+  uint crossed = 0u;
   [[unroll]] for (uint i = plane * 32; i < min(kLights, plane * 32 + 32); ++i) {
     vec4 place = lights[i].position[kEye];
     vec3 to_light = place.xyz - p * place.w;
@@ -33,8 +41,18 @@ uint stale_bits(uint since, uint slot, vec3 p, uint plane) {
     bool passed = false;
     [[unroll]] for (uint thing = 0; thing < FARSHADE_MAX_MOVED; ++thing)
       passed = passed || passes(frame.moved[(since * 2 + kEye) * FARSHADE_MAX_MOVED + thing], p, to_light, distance);
-    stale |= uint(passed) << (i % 32);
+    crossed |= uint(passed) << (i % 32);
   }
-  if (kPass == FARSHADE_PASS_MOVING && has_moved(since, slot)) stale = ~0u;
-  return stale;
+  return kPass == FARSHADE_PASS_MOVING && has_moved(since, slot) ? ~0u : crossed;
+}
+#else
+uint slot_of(uint instance) { return 0u; }
+bool has_moved(uint since, uint slot) { return false; }
+void carry_back(uint mask, uint slot, inout vec3 p, inout vec3 n) {}
+uint crossed_bits(uint since, uint slot, vec3 p, uint plane) { return 0u; }
+#endif
+
+// Bit i: light 32 * plane + i may have changed at the point `p` (eye-relative, stage axes).
+uint stale_bits(uint since, uint slot, vec3 p, uint plane) {
+  return frame.stale_lights[since * 2 + plane / 4][plane % 4] | crossed_bits(since, slot, p, plane);
 }

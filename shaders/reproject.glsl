@@ -122,7 +122,7 @@ Found look_up(uint source, Surface surface) {
 // In order of trust: each mask, newest first, as traced for this eye and then for the other.
 Found find(Surface surface) {
   Found found = look_up(kFirst, surface);
-  uint eyes = 1 + frame.counts.z;
+  const uint eyes = kOtherEye ? 2 : 1;
   for (uint i = 1; i < frame.counts.x * eyes && found.source == FARSHADE_SOURCE_UNKNOWN; ++i)
     found = look_up(kFirst + i / eyes + i % eyes * FARSHADE_MAX_MASKS, surface);
   return found;

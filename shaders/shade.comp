@@ -3,7 +3,8 @@
 //   I = (I_d / pi) * sum_i k_i * saturate(N . L_i) * I_i
 // Nearly every pixel is easy: the newest mask knows it, and no shadow edge is near. The first pass shades those and
 // lists the others; the second pass takes all the time it needs for what is listed, a third for what is listed of
-// instances that can move. In direct mode one pass reads the newest mask at the shown pixel itself.
+// instances that can move. Compiled with DIRECT, one pass reads the newest mask at the shown pixel itself.
+// (REPORT: tells of each pixel what it was shown with. MOTION: some instances can move.)
 // (lavapipe walks through both sides of every branch, and through every loop once: only passes spare work.)
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -14,8 +15,12 @@ layout(local_size_x = 64) in;
 
 layout(constant_id = 0) const uint kLights = 1;
 layout(constant_id = 1) const uint kWordBytes = 1;
-layout(constant_id = 2) const uint kPass = FARSHADE_PASS_DIRECT;
-layout(constant_id = 3) const bool kReport = false;
+#ifdef DIRECT
+const uint kPass = FARSHADE_PASS_DIRECT;
+#else
+layout(constant_id = 2) const uint kPass = FARSHADE_PASS_EASY;
+#endif
+layout(constant_id = 3) const bool kOtherEye = false;  // its views are sources too
 layout(constant_id = 4) const bool kRangesAndCones = false;
 layout(constant_id = 5) const float kNear = 1e-4;
 layout(constant_id = 6) const float kUnknownVisibility = 1.0;
@@ -36,14 +41,21 @@ layout(binding = 4) uniform sampler2DArray depth_ring;
 layout(binding = 5) uniform sampler2DArray base_colors;
 layout(binding = 6) uniform usampler2DArray surfaces;
 layout(binding = 7, rgba8) uniform writeonly image2DArray shown;
-layout(std430, binding = 8) writeonly buffer Report { uint report[]; };
-layout(std430, binding = 9) readonly buffer MotionSlots { uint motion_slots[]; };  // an instance's; 0 = never moves
-layout(std430, binding = 10) readonly buffer Motions { mat4 motions[]; };          // a slot, a mask, an eye
-layout(std430, binding = 11) buffer Hard {
+#ifndef DIRECT
+layout(std430, binding = 8) buffer Hard {
   // An eye's hard pixels and those on instances that can move: x, y, z = the dispatch that takes them, w = how many.
   uvec4 hard_lists[4];
   uint hard_pixels[];  // an eye: x and y in 16 bits each; those on instances that can move from the end
 };
+#endif
+#ifdef REPORT
+layout(std430, set = 1, binding = 0) writeonly buffer Report { uint report[]; };
+const bool kReport = true;
+void tell(uint at, uint word) { report[at] = word; }
+#else
+const bool kReport = false;
+void tell(uint at, uint word) {}
+#endif
 
 #include "shaders/motion.glsl"
 #include "shaders/reproject.glsl"
@@ -97,10 +109,11 @@ Found same_pixel(ivec2 pixel) {
 Visibility8 guessed(ivec2 pixel, uint group, uint otherwise) {
   ivec2 last = ivec2(frame.sources[kFirst].per_step.zw) - 1;
   ivec2 there = clamp(lies_at(pixel), ivec2(0), last);
-  bool tells = frame.counts.w != 0u && tile_known(kFirst, there);
+  bool tells = frame.counts.z != 0u && tile_known(kFirst, there);
   return eight_of(tells ? mask_bits(kFirst, there, group / 4) >> (group % 4 * 8) : otherwise);
 }
 
+#ifndef DIRECT
 uint hard_place(uint i, bool can_move) {
   uvec2 size = uvec2(frame.eye[kEye].size_px.xy);
   return size.x * size.y * kEye + (can_move ? size.x * size.y - 1 - i : i);
@@ -111,6 +124,7 @@ void list_as_hard(ivec2 pixel, bool can_move) {
   if (i % gl_WorkGroupSize.x == 0) atomicAdd(hard_lists[list].x, 1);
   hard_pixels[hard_place(i, can_move)] = pixel.x | pixel.y << 16;
 }
+#endif
 
 void shade(ivec2 pixel) {
   vec4 size = frame.eye[kEye].size_px;
@@ -120,8 +134,8 @@ void shade(ivec2 pixel) {
   if (depth == 0.0) {
     imageStore(shown, ivec3(pixel, kEye), vec4(srgb(frame.background.rgb), 1.0));
     if (kReport) {
-      report[report_at] = FARSHADE_SOURCE_UNCOVERED;
-      for (uint word = 1; word < kReportWords; ++word) report[report_at + word] = 0u;
+      tell(report_at, FARSHADE_SOURCE_UNCOVERED);
+      for (uint word = 1; word < kReportWords; ++word) tell(report_at + word, 0u);
     }
     return;
   }
@@ -131,7 +145,7 @@ void shade(ivec2 pixel) {
   Surface surface;
   surface.position = vec3(window.xy + (vec2(pixel) + 0.5) * window.zw, -1.0) * (kNear / depth);
   surface.normal = unfolded(unpackSnorm4x8(stored.y).xy);
-  surface.slot = kMoved ? motion_slots[stored.y >> 16] : 0u;
+  surface.slot = kMoved ? slot_of(stored.y >> 16) : 0u;
   Found found;
   if (kPass == FARSHADE_PASS_DIRECT)
     found = same_pixel(pixel);
@@ -151,8 +165,10 @@ void shade(ivec2 pixel) {
   const ivec2 traced_pixel = known ? found.pixel : ivec2(0);
   const uint mask = mask_of(source);
   const bool on_edge = kEdges && kPass != FARSHADE_PASS_DIRECT && known && near_shadow_edge(source, traced_pixel, found.at);
+#ifndef DIRECT
   if (kPass == FARSHADE_PASS_EASY)
     if (!known || on_edge || (kMovedSinceNewest && has_moved(0, surface.slot))) list_as_hard(pixel, surface.slot != 0u);
+#endif
 
   vec3 p_stage = mat3(frame.eye[kEye].stage_from_eye) * surface.position;
   vec3 n_stage = normalize(unfolded(unpackSnorm2x16(stored.x)));
@@ -173,10 +189,10 @@ void shade(ivec2 pixel) {
       unknown = !known ? ~0u : mask > 0 ? stale & ~from_beside : 0u;
       if (kReport) {
         uint used = kLights >= plane * 32 + 32 ? ~0u : (1u << (kLights % 32)) - 1u;
-        report[report_at + 3 + kQuads + plane] = unknown & used;
+        tell(report_at + 3 + kQuads + plane, unknown & used);
         uint shown_stale = kMovedSinceNewest && mask == 0 && known ? stale_bits(0, surface.slot, p_stage, plane) : 0u;
-        report[report_at + 3 + kQuads + kPlanes + plane] = shown_stale & used;
-        report[report_at + 3 + kQuads + 2 * kPlanes + plane] = from_beside & used;
+        tell(report_at + 3 + kQuads + kPlanes + plane, shown_stale & used);
+        tell(report_at + 3 + kQuads + 2 * kPlanes + plane, from_beside & used);
       }
     }
     Visibility8 k = eight_of(bits >> (group % 4 * 8));
@@ -194,16 +210,16 @@ void shade(ivec2 pixel) {
       if (kReport) rays += uint(any(greaterThan(unshadowed, vec3(0.0))));
     }
     if (kReport) {
-      report[report_at + 3 + group * 2] = packUnorm4x8(k.low);
-      if (group * 2 + 1 < kQuads) report[report_at + 4 + group * 2] = packUnorm4x8(k.high);
+      tell(report_at + 3 + group * 2, packUnorm4x8(k.low));
+      if (group * 2 + 1 < kQuads) tell(report_at + 4 + group * 2, packUnorm4x8(k.high));
     }
   }
   if (kReport) {
     uint shown_with = known ? source % FARSHADE_MAX_SOURCES + (found.beside ? FARSHADE_NEIGHBOUR : 0u)
                             : FARSHADE_SOURCE_UNKNOWN;
-    report[report_at] = shown_with | rays << 16;
-    report[report_at + 1] = floatBitsToUint(found.at.x);
-    report[report_at + 2] = floatBitsToUint(found.at.y);
+    tell(report_at, shown_with | rays << 16);
+    tell(report_at + 1, floatBitsToUint(found.at.x));
+    tell(report_at + 2, floatBitsToUint(found.at.y));
   }
 
   const float kInversePi = 0.31830988618;
@@ -216,9 +232,11 @@ void main() {
     if (gl_GlobalInvocationID.x < uint(frame.eye[kEye].size_px.x)) shade(ivec2(gl_GlobalInvocationID.xy));
     return;
   }
+#ifndef DIRECT
   const bool can_move = kPass == FARSHADE_PASS_MOVING;
   if (gl_GlobalInvocationID.x < hard_lists[kEye * 2 + uint(can_move)].w) {
     uint pixel = hard_pixels[hard_place(gl_GlobalInvocationID.x, can_move)];
     shade(ivec2(pixel & 0xFFFFu, pixel >> 16));
   }
+#endif
 }

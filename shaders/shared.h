@@ -84,9 +84,8 @@ struct FrameData {
   vec4 moved[2 * 2 * FARSHADE_MAX_MOVED];  // since, eye, sphere
   vec4 background;                         // linear
   vec4 ambient;                            // linear factor of the base colour; 0 unless asked for
-  uvec4 counts;  // x = masks in use, y = layer of the left eye's shown depth, z = whether the other eye's
-                 // views are sources, w = whether the newest mask still tells something about the shown
-                 // pixels themselves
+  uvec4 counts;  // x = masks in use, y = layer of the left eye's shown depth, z = whether the newest mask
+                 // still tells something about the shown pixels themselves; w unused
   vec4 direct;   // the newest mask's pixel position at a shown one in the same direction: * xy + zw
 };
 

@@ -12,6 +12,7 @@
 #include <vulkan/vulkan_raii.hpp>
 
 #include "stereo/base/expected.h"
+#include "stereo/gpu/ledger.h"
 
 namespace farshade::gpu {
 
@@ -51,7 +52,8 @@ struct Device {
   std::uint32_t queue_family = 0;
   vk::raii::CommandPool commands{nullptr};
   vk::PhysicalDeviceMemoryProperties memory;
-  float timestamp_period_ns = 1;  ///< of one timestamp tick
+  std::shared_ptr<Ledger> ledger = std::make_shared<Ledger>();  ///< of everything allocated on the device
+  float timestamp_period_ns = 1;                                ///< of one timestamp tick
   std::string name;
   std::string why;  ///< one clause: why this one and what was passed over
 };

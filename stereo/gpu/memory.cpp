@@ -20,13 +20,14 @@ std::uint32_t memory_type(const Device& device, std::uint32_t allowed,
 }
 
 Buffer make_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
-                   std::initializer_list<vk::MemoryPropertyFlags> wishes, const std::string& name) {
+                   std::initializer_list<vk::MemoryPropertyFlags> wishes, const std::string& name, Use use) {
   Buffer result;
   result.bytes = std::max<std::size_t>(bytes, 16);
   result.buffer = device.logical.createBuffer({.size = result.bytes, .usage = usage});
   const vk::MemoryRequirements needs = result.buffer.getMemoryRequirements();
   const std::uint32_t type = memory_type(device, needs.memoryTypeBits, wishes);
   result.memory = device.logical.allocateMemory({.allocationSize = needs.size, .memoryTypeIndex = type});
+  result.charge = Charge(device.ledger, use, needs.size);
   result.buffer.bindMemory(*result.memory, 0);
   if (wishes.begin()[0] & Property::eHostVisible)
     result.mapped = static_cast<std::byte*>(result.memory.mapMemory(0, VK_WHOLE_SIZE));
@@ -95,28 +96,28 @@ void fill_mips(const vk::raii::CommandBuffer& commands, const Image& texture) {
 }  // namespace
 
 Buffer make_mapped_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
-                          const std::string& name) {
-  return make_buffer(device, bytes, usage, {kHost | Property::eDeviceLocal, kHost}, name);
+                          const std::string& name, Use use) {
+  return make_buffer(device, bytes, usage, {kHost | Property::eDeviceLocal, kHost}, name, use);
 }
 
-Buffer make_readback_buffer(const Device& device, std::size_t bytes, const std::string& name) {
+Buffer make_readback_buffer(const Device& device, std::size_t bytes, const std::string& name, Use use) {
   return make_buffer(device, bytes,
                      vk::BufferUsageFlagBits::eTransferDst | vk::BufferUsageFlagBits::eStorageBuffer,
-                     {kHost | Property::eHostCached, kHost}, name);
+                     {kHost | Property::eHostCached, kHost}, name, use);
 }
 
 Buffer make_device_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
-                          const std::string& name) {
-  return make_buffer(device, bytes, usage, {Property::eDeviceLocal}, name);
+                          const std::string& name, Use use) {
+  return make_buffer(device, bytes, usage, {Property::eDeviceLocal}, name, use);
 }
 
 Buffer make_filled_buffer(const Device& device, std::span<const std::byte> content,
-                          vk::BufferUsageFlags usage, const std::string& name) {
-  const Buffer staging =
-      make_buffer(device, content.size(), vk::BufferUsageFlagBits::eTransferSrc, {kHost}, name + " staging");
+                          vk::BufferUsageFlags usage, const std::string& name, Use use) {
+  const Buffer staging = make_buffer(device, content.size(), vk::BufferUsageFlagBits::eTransferSrc, {kHost},
+                                     name + " staging", Use::Staging);
   if (!content.empty()) std::memcpy(staging.mapped, content.data(), content.size());
   Buffer result = make_buffer(device, content.size(), usage | vk::BufferUsageFlagBits::eTransferDst,
-                              {Property::eDeviceLocal}, name);
+                              {Property::eDeviceLocal}, name, use);
   run_now(device, [&](const vk::raii::CommandBuffer& commands) {
     commands.copyBuffer(*staging.buffer, *result.buffer, vk::BufferCopy{.size = result.bytes});
   });
@@ -138,6 +139,7 @@ Image make_image(const Device& device, const ImageWish& wish, const std::string&
   result.memory = device.logical.allocateMemory(
       {.allocationSize = needs.size,
        .memoryTypeIndex = memory_type(device, needs.memoryTypeBits, {Property::eDeviceLocal, {}})});
+  result.charge = Charge(device.ledger, wish.use, needs.size);
   result.image.bindMemory(*result.memory, 0);
   result.view = make_view(device, result, {0, wish.layers});
   set_name(device, result.image, name);
@@ -164,7 +166,7 @@ Image make_texture(const Device& device, Extent size, std::span<const std::byte>
                    const std::string& name) {
   check_eq(rgba.size(), size.pixels() * 4, "a texture has four bytes a pixel");
   const Buffer staging =
-      make_buffer(device, rgba.size(), vk::BufferUsageFlagBits::eTransferSrc, {kHost}, name);
+      make_buffer(device, rgba.size(), vk::BufferUsageFlagBits::eTransferSrc, {kHost}, name, Use::Staging);
   std::memcpy(staging.mapped, rgba.data(), rgba.size());
   using Usage = vk::ImageUsageFlagBits;
   Image result =
@@ -172,7 +174,8 @@ Image make_texture(const Device& device, Extent size, std::span<const std::byte>
                  {.size = size,
                   .mip_levels = static_cast<std::uint32_t>(std::bit_width(std::max(size.width, size.height))),
                   .format = vk::Format::eR8G8B8A8Srgb,
-                  .usage = Usage::eTransferDst | Usage::eTransferSrc | Usage::eSampled},
+                  .usage = Usage::eTransferDst | Usage::eTransferSrc | Usage::eSampled,
+                  .use = Use::Textures},
                  name);
   run_now(device, [&](const vk::raii::CommandBuffer& commands) {
     transition(commands, result, vk::ImageLayout::eUndefined, vk::ImageLayout::eTransferDstOptimal);

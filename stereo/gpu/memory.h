@@ -13,6 +13,7 @@
 namespace farshade::gpu {
 
 struct Buffer {
+  Charge charge;
   vk::raii::DeviceMemory memory{nullptr};
   vk::raii::Buffer buffer{nullptr};
   std::size_t bytes = 0;
@@ -27,18 +28,20 @@ struct Buffer {
 
 /// Written by the host each frame, read by the device. `bytes` of 0 is rounded up to something bindable.
 [[nodiscard]] Buffer make_mapped_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
-                                        const std::string& name);
+                                        const std::string& name, Use use = Use::Other);
 
 /// Written by the device, read by the host.
-[[nodiscard]] Buffer make_readback_buffer(const Device& device, std::size_t bytes, const std::string& name);
+[[nodiscard]] Buffer make_readback_buffer(const Device& device, std::size_t bytes, const std::string& name,
+                                          Use use = Use::ReadBack);
 
 /// Written and read by the device alone.
 [[nodiscard]] Buffer make_device_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
-                                        const std::string& name);
+                                        const std::string& name, Use use = Use::Other);
 
 /// Device-local, holding `content`.
 [[nodiscard]] Buffer make_filled_buffer(const Device& device, std::span<const std::byte> content,
-                                        vk::BufferUsageFlags usage, const std::string& name);
+                                        vk::BufferUsageFlags usage, const std::string& name,
+                                        Use use = Use::Other);
 
 struct ImageWish {
   Extent size;
@@ -46,9 +49,11 @@ struct ImageWish {
   std::uint32_t mip_levels = 1;
   vk::Format format = vk::Format::eUndefined;
   vk::ImageUsageFlags usage;
+  Use use = Use::Other;
 };
 
 struct Image {
+  Charge charge;
   vk::raii::DeviceMemory memory{nullptr};
   vk::raii::Image image{nullptr};
   vk::raii::ImageView view{nullptr};  ///< all layers as an array, all mips

@@ -7,12 +7,17 @@
 #include <random>
 
 #include "stereo/math/rotation.h"
+#include "stereo/plan/scene_plan.h"
 #include "tests/oracle/scene_builder.h"
 
 namespace farshade {
 namespace {
 
 using namespace std::chrono_literals;
+
+MotionModel model_of(const Scene& scene) {
+  return {scene, plan_for(scene).draw.moves};
+}
 
 /// How far `inner` reaches out of `outer`, metres.
 double beyond(const Sphere& outer, const Sphere& inner) {
@@ -85,14 +90,14 @@ struct Moving {
     scene = builder.build();
   }
   [[nodiscard]] Motion between(Duration then, Duration now) const {
-    return MotionModel(scene).between(state_at(scene, Time(then)), state_at(scene, Time(now)));
+    return model_of(scene).between(state_at(scene, Time(then)), state_at(scene, Time(now)));
   }
   Scene scene;
 };
 
 TEST(MotionModel, GivesSlotsToWhatCanMoveOnly) {
   const Moving moving;
-  const MotionModel model(moving.scene);
+  const MotionModel model = model_of(moving.scene);
   EXPECT_EQ(model.slots(), (std::vector<std::uint32_t>{0, 1}));
   EXPECT_EQ(model.slot_count(), 1u);
 }
@@ -149,7 +154,7 @@ TEST(MotionModel, ManyCastersShareTheSpheresThereAre) {
   builder.point_light({0, 3, 0});
   const Scene scene = builder.build();
   const SceneState then = state_at(scene, Time{}), now = state_at(scene, Time(400ms));
-  const Motion motion = MotionModel(scene).between(then, now);
+  const Motion motion = model_of(scene).between(then, now);
   EXPECT_EQ(motion.moved.size(), kMostSpheres);
   for (std::size_t i = 0; i < scene.instances.size(); ++i)
     for (const SceneState* state : {&then, &now}) {
@@ -170,7 +175,7 @@ TEST(MotionBetweenLightSets, LightsChangedSinceAreStaleAndNoOthers) {
   change(changes, 0, false, std::nullopt);
   change(changes, 1, true, elsewhere);
   change(changes, 2, false, std::nullopt);
-  const MotionModel model(scene);
+  const MotionModel model = model_of(scene);
   const std::array<unsigned long, 5> stale{0b1010, 0b0010, 0b0010, 0, 0};  // what is off never is
   for (std::uint32_t revision = kFirstLightSet; revision <= changes.revision; ++revision)
     for (const Duration later : {0ms, 400ms}) {

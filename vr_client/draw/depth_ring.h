@@ -23,6 +23,8 @@ class DepthRing {
     std::uint32_t layer = 0;  ///< the left eye's; the right eye's is the next
     vk::ImageView view;
   };
+  /// Whether it remembers any request.
+  [[nodiscard]] bool remembers() const { return slots_.size() > 1; }
   /// A place for a request that is newer than all before. If none is free, the oldest request that is not
   /// among `kept`, fewer than there are places, loses its depth.
   Place claim(FrameId frame, std::span<const FrameId> kept);

@@ -13,18 +13,19 @@ gpu::Image make_output(const gpu::Device& device, Extent size, vk::Format format
       {.size = size,
        .layers = kEyes,
        .format = format,
-       .usage = vk::ImageUsageFlagBits::eColorAttachment | vk::ImageUsageFlagBits::eSampled},
+       .usage = vk::ImageUsageFlagBits::eColorAttachment | vk::ImageUsageFlagBits::eSampled,
+       .use = gpu::Use::GBuffer},
       name);
 }
 
 }  // namespace
 
-GBufferPass::GBufferPass(const gpu::Device& device, const Scene& scene, const SceneBuffers& buffers,
-                         const gpu::Buffer& frame, Extent size)
+GBufferPass::GBufferPass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+                         const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size)
     : size_(size),
-      pass_(device, scene, buffers, frame, Outputs::GBuffer),
+      pass_(device, scene, plan, buffers, frame, Outputs::GBuffer),
       base_colors_(make_output(device, size, kColorFormat, "base colours")),
-      surfaces_(make_output(device, size, kSurfaceFormat, "surfaces")) {
+      surfaces_(make_output(device, size, surface_format(plan), "surfaces")) {
   check(scene.instances.size() <= kMaxInstances, "the G-buffer can tell all instances apart");
   gpu::run_now(device, [&](const vk::raii::CommandBuffer& commands) {
     for (const gpu::Image* image : {&base_colors_, &surfaces_})

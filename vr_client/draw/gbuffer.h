@@ -13,8 +13,8 @@ inline constexpr std::size_t kMaxInstances = 1 << 16;
 class GBufferPass {
  public:
   /// At most kMaxInstances instances. `size` pixels an eye. References are kept.
-  GBufferPass(const gpu::Device& device, const Scene& scene, const SceneBuffers& buffers,
-              const gpu::Buffer& frame, Extent size);
+  GBufferPass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+              const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size);
 
   void prepare(const StereoView& views, const SceneState& state) { pass_.prepare(views, state); }
 
@@ -24,6 +24,7 @@ class GBufferPass {
 
   [[nodiscard]] const gpu::Image& base_colors() const { return base_colors_; }
   [[nodiscard]] const gpu::Image& surfaces() const { return surfaces_; }
+  [[nodiscard]] const ScenePass& scene_pass() const { return pass_; }
 
  private:
   Extent size_;
@@ -33,9 +34,9 @@ class GBufferPass {
 
 class DepthPass {
  public:
-  DepthPass(const gpu::Device& device, const Scene& scene, const SceneBuffers& buffers,
+  DepthPass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
             const gpu::Buffer& frame)
-      : pass_(device, scene, buffers, frame, Outputs::Depth) {}
+      : pass_(device, scene, plan, buffers, frame, Outputs::Depth) {}
 
   /// Both views have one size, at most the ring's.
   void prepare(const StereoView& views, const SceneState& state);
@@ -43,6 +44,8 @@ class DepthPass {
   /// Draws into `place` of `ring`, which is readable by shaders afterwards.
   void record(const vk::raii::CommandBuffer& commands, const DepthRing& ring,
               const DepthRing::Place& place) const;
+
+  [[nodiscard]] const ScenePass& scene_pass() const { return pass_; }
 
  private:
   Extent size_;

@@ -4,6 +4,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "stereo/base/check.h"
+
 namespace farshade {
 namespace {
 
@@ -45,9 +47,11 @@ void add_sphere(const Sphere& sphere, std::vector<Sphere>& spheres) {
   best = merged(best, sphere);
 }
 
-MotionModel::MotionModel(const Scene& scene) : slots_(scene.instances.size(), 0) {
+MotionModel::MotionModel(const Scene& scene, const std::vector<bool>& moves)
+    : slots_(scene.instances.size(), 0) {
+  check_eq(moves.size(), scene.instances.size(), "the plan is the scene's");
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    if (!scene.nodes[scene.instances[i].node].moving) continue;
+    if (!moves[i]) continue;
     glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
     for (const glm::vec3& p : scene.meshes[scene.instances[i].mesh].positions) {
       low = glm::min(low, glm::dvec3(p));

@@ -35,12 +35,13 @@ struct Motion {
   return a - b <= std::chrono::microseconds(1) && b - a <= std::chrono::microseconds(1);
 }
 
-/// The instances that can move, numbered from 0: their slots.
+/// The instances that move, by a plan; numbered from 0: their slots.
 class MotionModel {
  public:
-  explicit MotionModel(const Scene& scene);
+  /// `moves`: one an instance.
+  MotionModel(const Scene& scene, const std::vector<bool>& moves);
 
-  /// Slot + 1 of each instance, 0 for one that never moves.
+  /// Slot + 1 of each instance, 0 for one that does not move.
   [[nodiscard]] const std::vector<std::uint32_t>& slots() const { return slots_; }
   [[nodiscard]] std::size_t slot_count() const { return moving_.size(); }
 

@@ -1,51 +1,42 @@
 #include "vr_client/draw/renderer.h"
 
 namespace farshade {
-namespace {
-
-/// Lights that no session would ask about are in the masks all the same.
-DrawPlan plan_with_all_lights(const Scene& scene) {
-  DrawPlan plan = plan_for(scene).draw;
-  const auto lights = narrow<std::uint32_t>(scene.lights.size());
-  if (plan.mask.lights != lights) plan.ranges_and_cones = plan.lights_move = true;
-  plan.mask.lights = lights;
-  return plan;
-}
-
-}  // namespace
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, const RendererLimits& limits)
-    : Renderer(device, scene, plan_with_all_lights(scene), limits) {}
+    : Renderer(device, scene, plan_for(scene, {.all_lights = true}).draw, limits) {}
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits)
     : device_(device),
       scene_(scene),
-      plan_(std::move(plan)),
+      plan_(settled(std::move(plan))),
       size_(limits.size),
-      buffers_(make_scene_buffers(device, scene)),
-      motion_(scene),
-      frame_buffer_(gpu::make_mapped_buffer(device, sizeof(gpu::FrameData),
-                                            vk::BufferUsageFlagBits::eUniformBuffer, "frame")),
+      buffers_(make_scene_buffers(device, scene, plan_)),
+      motion_(scene, plan_.moves),
+      frame_buffer_(gpu::make_mapped_buffer(
+          device, sizeof(gpu::FrameData), vk::BufferUsageFlagBits::eUniformBuffer, "frame", gpu::Use::Frame)),
       ring_(device, limits.traced_size, limits.depth_frames),
-      gbuffer_(device, scene, buffers_, frame_buffer_, limits.size),
-      depth_pass_(device, scene, buffers_, frame_buffer_),
-      shading_(device, gbuffer_, ring_, frame_buffer_, motion_, limits.size, limits.traced_size, plan_.mask),
+      gbuffer_(device, scene, plan_, buffers_, frame_buffer_, limits.size),
+      shading_(device, plan_, gbuffer_, ring_, frame_buffer_, motion_, limits.size, limits.traced_size),
       shown_depth_(ring_.shown()),
       commands_(std::move(device.logical.allocateCommandBuffers({.commandPool = *device.commands,
                                                                  .level = vk::CommandBufferLevel::ePrimary,
                                                                  .commandBufferCount = 1})[0])),
       fence_(device.logical.createFence({})),
-      stamps_(device, 4),
-      readback_(gpu::make_readback_buffer(device, limits.size.pixels() * kEyes * 4, "read-back")) {
+      stamps_(device, 4) {
   check(limits.traced_size.width >= size_.width && limits.traced_size.height >= size_.height,
         "what is shown can be traced");
+  if (plan_.depth_pass && !plan_.builds_late) make_depth_pass();
+}
+
+void Renderer::make_depth_pass() {
+  depth_pass_.emplace(device_, scene_, plan_, buffers_, frame_buffer_);
 }
 
 /// Where the shown views' depth goes, and the requested views' if they are others.
 void Renderer::place_depth(const ShownFrame& frame) {
   asked_depth_.reset();
   shown_depth_ = ring_.shown();
-  if (frame.asked == nullptr) return;
+  if (frame.asked == nullptr || !ring_.remembers()) return;
   // Through a silence of the network requests go on, and the last masks are still shown.
   std::vector<FrameId> kept;
   for (const MaskInHand& mask : frame.masks)
@@ -55,19 +46,22 @@ void Renderer::place_depth(const ShownFrame& frame) {
     shown_depth_ = place;
     return;
   }
+  if (!plan_.depth_pass) return;
   asked_depth_ = place;
-  depth_pass_.prepare(frame.asked->views, state_at(scene_, frame.asked->scene_time));
+  if (!depth_pass_) make_depth_pass();
+  depth_pass_->prepare(frame.asked->views,
+                       plan_.anything_moves() ? state_at(scene_, frame.asked->scene_time) : frame.state);
 }
 
 /// The masks that can be used, as the shading pass takes them.
 void Renderer::prepare_shading(const ShownFrame& frame) {
   std::vector<DatedMask> masks;
   for (const MaskInHand& mask : frame.masks) {
-    const bool has_what_it_needs = ring_.has(mask.frame) || frame.carry_over.lookup == Lookup::Direct;
-    if (masks.size() == ShadingPass::kMaxMasks || !has_what_it_needs) continue;
+    const bool has_what_it_needs =
+        ring_.has(mask.frame) || frame.carry_over.lookup == Lookup::Direct || !carries_masks(plan_);
+    if (masks.size() == most_masks(plan_) || !has_what_it_needs) continue;
     Motion motion;
-    const bool moves =
-        scene_.animation_length_s > 0 && !same_instant(mask.scene_time, frame.state.scene_time);
+    const bool moves = plan_.anything_moves() && !same_instant(mask.scene_time, frame.state.scene_time);
     if (moves || mask.light_set_revision != frame.state.light_set.revision) {
       const LightChanges known = up_to(frame.state.light_changes, mask.light_set_revision);
       motion = motion_.between(state_at(scene_, mask.scene_time, known), frame.state);
@@ -117,7 +111,7 @@ DrawTimes Renderer::submit(const ShownFrame& frame, Stage stage) {
   stamps_.write(commands_, 0);
   if (stage != Stage::Shade) gbuffer_.record(commands_, ring_, shown_depth_);
   stamps_.write(commands_, 1);
-  if (stage != Stage::Shade && asked_depth_) depth_pass_.record(commands_, ring_, *asked_depth_);
+  if (stage != Stage::Shade && asked_depth_) depth_pass_->record(commands_, ring_, *asked_depth_);
   stamps_.write(commands_, 2);
   if (stage != Stage::GBuffer) shading_.record(commands_, frame.report);
   stamps_.write(commands_, 3);
@@ -150,9 +144,28 @@ PerEye<Image<float>> Renderer::read_distance() const {
   return result;
 }
 
+DrawCounters Renderer::counters() const {
+  DrawCounters counters{.pipelines = shading_.pipelines(),
+                        .bindings = shading_.bindings(),
+                        .lookups = shading_.lookups(),
+                        .memory = device_.ledger->read()};
+  const auto add = [&](const ScenePass& pass, bool drawn) {
+    counters.pipelines += pass.pipelines();
+    counters.bindings += pass.bindings();
+    if (drawn) counters.vertex_bytes_read += pass.vertex_bytes_read();
+  };
+  add(gbuffer_.scene_pass(), true);
+  if (depth_pass_) add(depth_pass_->scene_pass(), asked_depth_.has_value());
+  for (const TextureBuffers& texture : buffers_.textures) counters.bindings += texture.bindings.kinds.size();
+  for (const MeshBuffers& mesh : buffers_.meshes) counters.vertex_bytes += mesh.bytes.total();
+  return counters;
+}
+
 /// Layers of an image that rests in `layout`, four bytes a pixel, into `readback_`.
 void Renderer::read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers) const {
   constexpr auto source = vk::ImageLayout::eTransferSrcOptimal;
+  if (readback_.bytes == 0)
+    readback_ = gpu::make_readback_buffer(device_, size_.pixels() * kEyes * 4, "read-back");
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
     gpu::transition(commands, image, layout, source, layers);
     commands.copyImageToBuffer(

@@ -4,6 +4,7 @@
 
 #include "stereo/image/image.h"
 #include "stereo/plan/scene_plan.h"
+#include "vr_client/draw/counters.h"
 #include "vr_client/draw/shading.h"
 
 namespace farshade {
@@ -59,9 +60,12 @@ class Renderer {
   /// Metres along -z, 0 where nothing is covered.
   [[nodiscard]] PerEye<Image<float>> read_distance() const;
 
+  [[nodiscard]] DrawCounters counters() const;
+
  private:
   enum class Stage : std::uint8_t { GBuffer, Shade, Both };
   void place_depth(const ShownFrame& frame);
+  void make_depth_pass();
   void prepare_shading(const ShownFrame& frame);
   DrawTimes submit(const ShownFrame& frame, Stage stage);
   void read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers) const;
@@ -75,14 +79,14 @@ class Renderer {
   gpu::Buffer frame_buffer_;  ///< one FrameData, which all passes read
   DepthRing ring_;
   GBufferPass gbuffer_;
-  DepthPass depth_pass_;
+  std::optional<DepthPass> depth_pass_;  ///< once it is needed
   ShadingPass shading_;
   DepthRing::Place shown_depth_;                 ///< of the last frame drawn
   std::optional<DepthRing::Place> asked_depth_;  ///< where the depth pass draws, if it has to
   vk::raii::CommandBuffer commands_{nullptr};
   vk::raii::Fence fence_{nullptr};
   gpu::Timestamps stamps_;
-  gpu::Buffer readback_;
+  mutable gpu::Buffer readback_;  ///< once anything is read back
 };
 
 }  // namespace farshade

@@ -1,5 +1,7 @@
 #include "vr_client/draw/scene_buffers.h"
 
+#include <algorithm>
+
 namespace farshade {
 namespace {
 
@@ -8,16 +10,29 @@ using Usage = vk::BufferUsageFlagBits;
 template <class T>
 gpu::Buffer stream(const gpu::Device& device, const std::vector<T>& values, vk::BufferUsageFlags usage,
                    const std::string& name) {
-  if (values.empty()) return {};
-  return gpu::make_filled_buffer(device, std::as_bytes(std::span(values)), usage, name);
+  return gpu::make_filled_buffer(device, std::as_bytes(std::span(values)), usage, name, gpu::Use::Vertices);
 }
 
-MeshBuffers make_mesh(const gpu::Device& device, const Mesh& mesh) {
+/// A stream that the plan wants of a mesh without it, filled so that nothing changes by it.
+template <class T>
+std::vector<T> filled(const std::vector<T>& values, std::size_t count, T neutral) {
+  return values.empty() ? std::vector<T>(count, neutral) : values;
+}
+
+MeshBuffers make_mesh(const gpu::Device& device, const Scene& scene, const Mesh& mesh,
+                      const SurfaceNeeds& needs) {
+  const std::size_t count = mesh.positions.size();
   MeshBuffers buffers;
+  buffers.bytes = stream_bytes(mesh, needs);
+  buffers.texture = texture_of(scene, mesh, needs);
   buffers.positions = stream(device, mesh.positions, Usage::eVertexBuffer, mesh.name + " positions");
   buffers.normals = stream(device, mesh.normals, Usage::eVertexBuffer, mesh.name + " normals");
-  buffers.uvs = stream(device, mesh.uvs, Usage::eVertexBuffer, mesh.name + " uvs");
-  buffers.colors = stream(device, mesh.colors, Usage::eVertexBuffer, mesh.name + " colors");
+  if (needs.texture)
+    buffers.uvs =
+        stream(device, filled(mesh.uvs, count, glm::vec2(0)), Usage::eVertexBuffer, mesh.name + " uvs");
+  if (needs.vertex_color)
+    buffers.colors = stream(device, filled(mesh.colors, count, glm::u8vec4(255)), Usage::eVertexBuffer,
+                            mesh.name + " colors");
   buffers.indices = stream(device, mesh.triangles, Usage::eIndexBuffer, mesh.name + " indices");
   buffers.index_count = narrow<std::uint32_t>(mesh.triangles.size() * 3);
   buffers.low = buffers.high = mesh.positions.front();
@@ -58,15 +73,53 @@ TextureBuffers make_texture(const gpu::Device& device, const Texture& texture, c
   return buffers;
 }
 
+const Texture& white_pixel() {
+  static const Texture white = [] {
+    Texture texture{.image = Image<Rgba8>({1, 1})};
+    texture.image.pixels[0] = Rgba8(255);
+    return texture;
+  }();
+  return white;
+}
+
 }  // namespace
 
-SceneBuffers make_scene_buffers(const gpu::Device& device, const Scene& scene) {
+StreamBytes stream_bytes(const Mesh& mesh, const SurfaceNeeds& needs) {
+  const std::size_t count = mesh.positions.size();
+  return {.positions = count * sizeof(glm::vec3),
+          .normals = count * sizeof(glm::vec3),
+          .uvs = needs.texture ? count * sizeof(glm::vec2) : 0,
+          .colors = needs.vertex_color ? count * sizeof(glm::u8vec4) : 0,
+          .indices = mesh.triangles.size() * sizeof(glm::uvec3)};
+}
+
+std::optional<std::size_t> texture_of(const Scene& scene, const Mesh& mesh, const SurfaceNeeds& needs) {
+  if (!needs.texture) return std::nullopt;
+  const std::optional<std::uint32_t> texture = scene.materials[mesh.material].texture;
+  return texture && !mesh.uvs.empty() ? *texture : scene.textures.size();
+}
+
+std::vector<bool> textures_read(const Scene& scene, const DrawPlan& plan) {
+  std::vector<bool> read(scene.textures.size() + 1, false);
+  for (std::size_t mesh = 0; mesh < scene.meshes.size(); ++mesh)
+    if (const auto texture = texture_of(scene, scene.meshes[mesh], plan.surfaces[mesh]))
+      read[*texture] = true;
+  return read;
+}
+
+SceneBuffers make_scene_buffers(const gpu::Device& device, const Scene& scene, const DrawPlan& plan) {
+  check_eq(plan.surfaces.size(), scene.meshes.size(), "the plan is the scene's");
   SceneBuffers buffers;
-  for (const Mesh& mesh : scene.meshes) buffers.meshes.push_back(make_mesh(device, mesh));
-  for (const Texture& texture : scene.textures)
+  for (std::size_t mesh = 0; mesh < scene.meshes.size(); ++mesh)
+    buffers.meshes.push_back(make_mesh(device, scene, scene.meshes[mesh], plan.surfaces[mesh]));
+  const std::vector<bool> read = textures_read(scene, plan);
+  for (std::size_t i = 0; i < read.size(); ++i)
     buffers.textures.push_back(
-        make_texture(device, texture, "texture " + std::to_string(buffers.textures.size())));
-  buffers.texture_layout = gpu::make_layout(device, kTextureSet);
+        read[i] ? make_texture(device, i < scene.textures.size() ? scene.textures[i] : white_pixel(),
+                               "texture " + std::to_string(i))
+                : TextureBuffers{});
+  if (std::ranges::find(read, true) != read.end())
+    buffers.texture_layout = gpu::make_layout(device, kTextureSet);
   return buffers;
 }
 

@@ -5,23 +5,74 @@
 
 #include "shaders/depth.frag.spv.h"
 #include "shaders/depth.vert.spv.h"
-#include "shaders/depth_textured.frag.spv.h"
+#include "shaders/depth_color.frag.spv.h"
+#include "shaders/depth_color.vert.spv.h"
+#include "shaders/depth_uv.frag.spv.h"
+#include "shaders/depth_uv.vert.spv.h"
+#include "shaders/depth_uv_color.frag.spv.h"
+#include "shaders/depth_uv_color.vert.spv.h"
 #include "shaders/gbuffer.frag.spv.h"
 #include "shaders/gbuffer.vert.spv.h"
-#include "shaders/gbuffer_textured.frag.spv.h"
+#include "shaders/gbuffer_color.frag.spv.h"
+#include "shaders/gbuffer_color.vert.spv.h"
+#include "shaders/gbuffer_uv.frag.spv.h"
+#include "shaders/gbuffer_uv.vert.spv.h"
+#include "shaders/gbuffer_uv_color.frag.spv.h"
+#include "shaders/gbuffer_uv_color.vert.spv.h"
 
 namespace farshade {
 namespace {
 
+using Words = std::span<const std::uint32_t>;
 struct Shaders {
-  std::span<const std::uint32_t> vertex, plain, textured;
-  const char* name;
+  Words vertex, fragment;
 };
 
-Shaders shaders_of(Outputs outputs) {
-  if (outputs == Outputs::Depth) return {depth_vert_spv, depth_frag_spv, depth_textured_frag_spv, "depth"};
-  return {gbuffer_vert_spv, gbuffer_frag_spv, gbuffer_textured_frag_spv, "G-buffer"};
+const char* name_of(Outputs outputs) {
+  return outputs == Outputs::Depth ? "depth" : "G-buffer";
 }
+
+Shaders shaders_of(Outputs outputs, bool textured, bool colored) {
+  const std::array gbuffer{Shaders{gbuffer_vert_spv, gbuffer_frag_spv},
+                           Shaders{gbuffer_uv_vert_spv, gbuffer_uv_frag_spv},
+                           Shaders{gbuffer_color_vert_spv, gbuffer_color_frag_spv},
+                           Shaders{gbuffer_uv_color_vert_spv, gbuffer_uv_color_frag_spv}};
+  const std::array depth{Shaders{depth_vert_spv, depth_frag_spv},
+                         Shaders{depth_uv_vert_spv, depth_uv_frag_spv},
+                         Shaders{depth_color_vert_spv, depth_color_frag_spv},
+                         Shaders{depth_uv_color_vert_spv, depth_uv_color_frag_spv}};
+  const std::size_t streams = (textured ? 1u : 0u) + (colored ? 2u : 0u);
+  return outputs == Outputs::Depth ? depth[streams] : gbuffer[streams];
+}
+
+/// Where the instances are, and for geometric normals the frame's windows.
+std::vector<gpu::BindingKind> scene_set(Outputs outputs) {
+  std::vector<gpu::BindingKind> kinds{{vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eVertex}};
+  if (outputs == Outputs::GBuffer)
+    kinds.push_back({vk::DescriptorType::eUniformBuffer, vk::ShaderStageFlagBits::eFragment});
+  return kinds;
+}
+
+/// The streams that a pipeline reads, each its own buffer, bound one after the other.
+class Streams {
+ public:
+  void add(std::uint32_t location, vk::Format format, std::uint32_t stride) {
+    bindings_[count_] = {count_, stride, vk::VertexInputRate::eVertex};
+    attributes_[count_] = {location, count_, format, 0};
+    ++count_;
+  }
+  [[nodiscard]] vk::PipelineVertexInputStateCreateInfo info() const {
+    return {.vertexBindingDescriptionCount = count_,
+            .pVertexBindingDescriptions = bindings_.data(),
+            .vertexAttributeDescriptionCount = count_,
+            .pVertexAttributeDescriptions = attributes_.data()};
+  }
+
+ private:
+  std::array<vk::VertexInputBindingDescription, 4> bindings_;
+  std::array<vk::VertexInputAttributeDescription, 4> attributes_;
+  std::uint32_t count_ = 0;
+};
 
 }  // namespace
 
@@ -33,69 +84,71 @@ vk::RenderingAttachmentInfo cleared(vk::ImageView view, vk::ImageLayout layout) 
           .clearValue = {}};
 }
 
-ScenePass::ScenePass(const gpu::Device& device, const Scene& scene, const SceneBuffers& buffers,
-                     const gpu::Buffer& frame, Outputs outputs)
+ScenePass::ScenePass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+                     const SceneBuffers& buffers, const gpu::Buffer& frame, Outputs outputs)
     : device_(device),
       scene_(scene),
+      plan_(plan),
       buffers_(buffers),
       outputs_(outputs),
       instances_(gpu::make_mapped_buffer(device, scene.instances.size() * sizeof(gpu::InstanceData),
-                                         vk::BufferUsageFlagBits::eStorageBuffer, "instances")),
-      bindings_(gpu::make_bindings(device,
-                                   {{vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eVertex},
-                                    {vk::DescriptorType::eUniformBuffer, vk::ShaderStageFlagBits::eFragment}},
-                                   shaders_of(outputs).name)),
-      vertex_shader_(gpu::make_shader(device, shaders_of(outputs).vertex, shaders_of(outputs).name)),
-      plain_shader_(gpu::make_shader(device, shaders_of(outputs).plain, shaders_of(outputs).name)),
-      textured_shader_(gpu::make_shader(device, shaders_of(outputs).textured, shaders_of(outputs).name)) {
+                                         vk::BufferUsageFlagBits::eStorageBuffer, "instances",
+                                         gpu::Use::Frame)),
+      bindings_(gpu::make_bindings(device, scene_set(outputs), name_of(outputs))) {
   gpu::bind_buffer(device, bindings_, 0, instances_);
-  gpu::bind_buffer(device, bindings_, 1, frame);
-  const std::array sets{*bindings_.layout, *buffers_.texture_layout};
+  if (outputs == Outputs::GBuffer) gpu::bind_buffer(device, bindings_, 1, frame);
+  std::vector<vk::DescriptorSetLayout> sets{*bindings_.layout};
+  bool textured = false;
+  for (std::size_t mesh = 0; mesh < scene.meshes.size(); ++mesh) textured |= variant_of(mesh).textured;
+  if (textured) sets.push_back(*buffers_.texture_layout);
   const vk::PushConstantRange push{vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment, 0,
                                    sizeof(gpu::DrawData)};
-  layout_ = device.logical.createPipelineLayout({.setLayoutCount = sets.size(),
+  layout_ = device.logical.createPipelineLayout({.setLayoutCount = narrow<std::uint32_t>(sets.size()),
                                                  .pSetLayouts = sets.data(),
                                                  .pushConstantRangeCount = 1,
                                                  .pPushConstantRanges = &push});
-  for (const Mesh& mesh : scene.meshes)
-    if (const Variant variant = variant_of(mesh); !pipelines_.contains(variant))
-      pipelines_.emplace(variant, make_pipeline(variant));
+  for (std::size_t mesh = 0; mesh < scene.meshes.size() && !plan.builds_late; ++mesh)
+    need_pipeline(variant_of(mesh));
 }
 
-ScenePass::Variant ScenePass::variant_of(const Mesh& mesh) const {
-  const Material& material = scene_.materials[mesh.material];
-  const bool masked = material.alpha_cutoff.has_value(), looked_at = masked || outputs_ == Outputs::GBuffer;
-  return {looked_at && material.texture && !mesh.uvs.empty(), masked, looked_at && !mesh.colors.empty()};
+ScenePass::Variant ScenePass::variant_of(std::size_t mesh) const {
+  const SurfaceNeeds& needs = plan_.surfaces[mesh];
+  const bool looked_at = needs.alpha_test || outputs_ == Outputs::GBuffer;
+  return {looked_at && needs.texture, needs.alpha_test, looked_at && needs.vertex_color};
+}
+
+void ScenePass::need_pipeline(Variant variant) {
+  if (!pipelines_.contains(variant)) pipelines_.emplace(variant, make_pipeline(variant));
+}
+
+/// One eye's draw of a mesh.
+std::uint64_t ScenePass::bytes_read(std::size_t mesh) const {
+  const StreamBytes& bytes = buffers_.meshes[mesh].bytes;
+  const Variant variant = variant_of(mesh);
+  return bytes.positions + bytes.indices + (outputs_ == Outputs::GBuffer ? bytes.normals : 0) +
+         (variant.textured ? bytes.uvs : 0) + (variant.colored ? bytes.colors : 0);
 }
 
 vk::raii::Pipeline ScenePass::make_pipeline(Variant variant) const {
-  const gpu::Specialization specialization({variant.textured, variant.masked, variant.colored});
+  const Shaders shaders = shaders_of(outputs_, variant.textured, variant.colored);
+  const vk::raii::ShaderModule vertex = gpu::make_shader(device_, shaders.vertex, name_of(outputs_)),
+                               fragment = gpu::make_shader(device_, shaders.fragment, name_of(outputs_));
+  const bool some_move = std::ranges::find(plan_.moves, true) != plan_.moves.end();
+  const gpu::Specialization specialization(
+      {variant.masked, carries_masks(plan_), carries_masks(plan_) && some_move});
   const vk::SpecializationInfo constants = specialization.info();
-  const std::array stages{
-      vk::PipelineShaderStageCreateInfo{.stage = vk::ShaderStageFlagBits::eVertex,
-                                        .module = *vertex_shader_,
-                                        .pName = "main",
-                                        .pSpecializationInfo = &constants},
-      vk::PipelineShaderStageCreateInfo{.stage = vk::ShaderStageFlagBits::eFragment,
-                                        .module = *(variant.textured ? textured_shader_ : plain_shader_),
-                                        .pName = "main",
-                                        .pSpecializationInfo = &constants}};
-
-  // Locations 0..3 are the streams positions, normals, uvs, colours, each its own buffer. A stream that this
-  // variant does not read is bound to the positions and never fetched.
-  const std::array formats{vk::Format::eR32G32B32Sfloat, vk::Format::eR32G32B32Sfloat,
-                           vk::Format::eR32G32Sfloat, vk::Format::eR8G8B8A8Unorm};
-  const std::array strides{sizeof(glm::vec3), sizeof(glm::vec3), sizeof(glm::vec2), sizeof(glm::u8vec4)};
-  std::array<vk::VertexInputBindingDescription, 4> streams;
-  std::array<vk::VertexInputAttributeDescription, 4> attributes;
-  for (std::uint32_t i = 0; i < 4; ++i) {
-    streams[i] = {i, narrow<std::uint32_t>(strides[i]), vk::VertexInputRate::eVertex};
-    attributes[i] = {i, i, formats[i], 0};
-  }
-  const vk::PipelineVertexInputStateCreateInfo vertices{.vertexBindingDescriptionCount = streams.size(),
-                                                        .pVertexBindingDescriptions = streams.data(),
-                                                        .vertexAttributeDescriptionCount = attributes.size(),
-                                                        .pVertexAttributeDescriptions = attributes.data()};
+  const std::array stages{vk::PipelineShaderStageCreateInfo{
+                              .stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main"},
+                          vk::PipelineShaderStageCreateInfo{.stage = vk::ShaderStageFlagBits::eFragment,
+                                                            .module = *fragment,
+                                                            .pName = "main",
+                                                            .pSpecializationInfo = &constants}};
+  Streams streams;
+  streams.add(0, vk::Format::eR32G32B32Sfloat, sizeof(glm::vec3));
+  if (outputs_ == Outputs::GBuffer) streams.add(1, vk::Format::eR32G32B32Sfloat, sizeof(glm::vec3));
+  if (variant.textured) streams.add(2, vk::Format::eR32G32Sfloat, sizeof(glm::vec2));
+  if (variant.colored) streams.add(3, vk::Format::eR8G8B8A8Unorm, sizeof(glm::u8vec4));
+  const vk::PipelineVertexInputStateCreateInfo vertices = streams.info();
   const vk::PipelineInputAssemblyStateCreateInfo assembly{.topology = vk::PrimitiveTopology::eTriangleList};
   const vk::PipelineViewportStateCreateInfo viewports{.viewportCount = 1, .scissorCount = 1};
   const vk::PipelineRasterizationStateCreateInfo raster{.polygonMode = vk::PolygonMode::eFill,
@@ -114,7 +167,7 @@ vk::raii::Pipeline ScenePass::make_pipeline(Variant variant) const {
                             vk::DynamicState::eCullMode, vk::DynamicState::eFrontFace};
   const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = dynamics.size(),
                                                    .pDynamicStates = dynamics.data()};
-  const std::array formats_out{kColorFormat, kSurfaceFormat};
+  const std::array formats_out{kColorFormat, surface_format(plan_)};
   const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = color_count,
                                                   .pColorAttachmentFormats = formats_out.data(),
                                                   .depthAttachmentFormat = kDepthFormat};
@@ -132,13 +185,14 @@ vk::raii::Pipeline ScenePass::make_pipeline(Variant variant) const {
                                                                    .pColorBlendState = &blend,
                                                                    .pDynamicState = &dynamic,
                                                                    .layout = *layout_});
-  gpu::set_name(device_, pipeline, shaders_of(outputs_).name);
+  gpu::set_name(device_, pipeline, name_of(outputs_));
   return pipeline;
 }
 
 void ScenePass::prepare(const StereoView& views, const SceneState& state) {
   const auto data = instances_.as<gpu::InstanceData>();
   draws_.clear();
+  vertex_bytes_read_ = 0;
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
     const MeshBuffers& mesh = buffers_.meshes[scene_.instances[i].mesh];
     data[i] = instance_data(views, state.stage_from_object[i]);
@@ -148,6 +202,8 @@ void ScenePass::prepare(const StereoView& views, const SceneState& state) {
     const glm::vec4 centre = data[i].clip_from_object[0] * glm::vec4((mesh.low + mesh.high) * 0.5f, 1.0f);
     draws_.push_back({i, left ? 0u : 1u, left && right ? 2u : 1u, centre.w,
                       glm::determinant(glm::dmat3(state.stage_from_object[i].matrix)) < 0});
+    need_pipeline(variant_of(scene_.instances[i].mesh));
+    vertex_bytes_read_ += bytes_read(scene_.instances[i].mesh) * draws_.back().eyes;
   }
   // Near ones first, so that the depth test spares shading.
   std::sort(draws_.begin(), draws_.end(),
@@ -182,17 +238,19 @@ void ScenePass::draw_instance(const vk::raii::CommandBuffer& commands, const Dra
   const Mesh& mesh = scene_.meshes[mesh_index];
   const Material& material = scene_.materials[mesh.material];
   const MeshBuffers& buffers = buffers_.meshes[mesh_index];
-  const Variant variant = variant_of(mesh);
+  const Variant variant = variant_of(mesh_index);
   commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipelines_.at(variant));
   if (variant.textured)
     commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *layout_, 1,
-                                *buffers_.textures[*material.texture].bindings.set, {});
-  const vk::Buffer positions = *buffers.positions.buffer;
-  commands.bindVertexBuffers(
-      0,
-      {positions, *buffers.normals.buffer, variant.textured ? *buffers.uvs.buffer : positions,
-       variant.colored ? *buffers.colors.buffer : positions},
-      {0, 0, 0, 0});
+                                *buffers_.textures[*buffers.texture].bindings.set, {});
+  std::array<vk::Buffer, 4> streams{*buffers.positions.buffer};
+  constexpr std::array<vk::DeviceSize, 4> from_the_start{};
+  std::uint32_t count = 1;
+  if (outputs_ == Outputs::GBuffer) streams[count++] = *buffers.normals.buffer;
+  if (variant.textured) streams[count++] = *buffers.uvs.buffer;
+  if (variant.colored) streams[count++] = *buffers.colors.buffer;
+  commands.bindVertexBuffers(0, vk::ArrayProxy(count, streams.data()),
+                             vk::ArrayProxy(count, from_the_start.data()));
   commands.bindIndexBuffer(*buffers.indices.buffer, 0, vk::IndexType::eUint32);
   const gpu::DrawData data{material.base_color, draw.instance, material.alpha_cutoff.value_or(0.0f)};
   commands.pushConstants<gpu::DrawData>(

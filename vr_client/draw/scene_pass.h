@@ -1,16 +1,22 @@
-/// ScenePass: the scene, both eyes in one layered pass, drawn by pipelines that are specialised for what each
-/// material needs. The G-buffer and the depths of requested views are the same pass with other outputs.
+/// ScenePass: the scene, both eyes in one layered pass, drawn by pipelines that are specialised for what the
+/// plan says each mesh needs. The G-buffer and the depths of requested views are the same pass with other
+/// outputs.
 #pragma once
 
 #include <map>
 
 #include "vr_client/draw/frame_data.h"
 #include "vr_client/draw/scene_buffers.h"
+#include "vr_client/draw/shading_layout.h"
 
 namespace farshade {
 
-inline constexpr vk::Format kColorFormat = vk::Format::eR8G8B8A8Srgb,
-                            kSurfaceFormat = vk::Format::eR32G32Uint, kDepthFormat = vk::Format::eD32Sfloat;
+inline constexpr vk::Format kColorFormat = vk::Format::eR8G8B8A8Srgb, kDepthFormat = vk::Format::eD32Sfloat;
+
+/// Shading normals and, where masks are carried over, geometric normals and instances.
+[[nodiscard]] constexpr vk::Format surface_format(const DrawPlan& plan) {
+  return carries_masks(plan) ? vk::Format::eR32G32Uint : vk::Format::eR32Uint;
+}
 
 /// What a pass leaves behind.
 enum class Outputs : std::uint8_t {
@@ -21,10 +27,10 @@ enum class Outputs : std::uint8_t {
 class ScenePass {
  public:
   /// References are kept. `frame` holds a FrameData.
-  ScenePass(const gpu::Device& device, const Scene& scene, const SceneBuffers& buffers,
+  ScenePass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
             const gpu::Buffer& frame, Outputs outputs);
 
-  /// Instances, seen from `views`. Call before `record`.
+  /// Instances, seen from `views`, and the pipelines that draw them. Call before `record`.
   void prepare(const StereoView& views, const SceneState& state);
 
   /// Draws both eyes, `size` pixels each from the top left of the attachments' layers, which are cleared.
@@ -32,9 +38,13 @@ class ScenePass {
               std::span<const vk::RenderingAttachmentInfo> colors,
               const vk::RenderingAttachmentInfo& depth) const;
 
+  [[nodiscard]] std::size_t pipelines() const { return pipelines_.size(); }
+  [[nodiscard]] std::size_t bindings() const { return bindings_.kinds.size(); }
+  /// Of streams and indices, what the last `prepare`d draws read.
+  [[nodiscard]] std::uint64_t vertex_bytes_read() const { return vertex_bytes_read_; }
+
  private:
-  /// What a pipeline is specialised for; vertex streams and texture reads exist only where a material needs
-  /// them.
+  /// What a pipeline is specialised for.
   struct Variant {
     bool textured = false, masked = false, colored = false;
     friend auto operator<=>(const Variant&, const Variant&) = default;
@@ -45,20 +55,23 @@ class ScenePass {
     float distance = 0;
     bool mirrored = false;
   };
-  [[nodiscard]] Variant variant_of(const Mesh& mesh) const;
+  [[nodiscard]] Variant variant_of(std::size_t mesh) const;
+  void need_pipeline(Variant variant);
   [[nodiscard]] vk::raii::Pipeline make_pipeline(Variant variant) const;
+  [[nodiscard]] std::uint64_t bytes_read(std::size_t mesh) const;
   void draw_instance(const vk::raii::CommandBuffer& commands, const Draw& draw) const;
 
   const gpu::Device& device_;
   const Scene& scene_;
+  const DrawPlan& plan_;
   const SceneBuffers& buffers_;
   Outputs outputs_;
   gpu::Buffer instances_;
   gpu::Bindings bindings_;
   vk::raii::PipelineLayout layout_{nullptr};
-  vk::raii::ShaderModule vertex_shader_{nullptr}, plain_shader_{nullptr}, textured_shader_{nullptr};
   std::map<Variant, vk::raii::Pipeline> pipelines_;
   std::vector<Draw> draws_;
+  std::uint64_t vertex_bytes_read_ = 0;
 };
 
 /// An attachment that is cleared to zero and kept.

@@ -78,16 +78,17 @@ struct DatedMask {
 
 class ShadingPass {
  public:
-  /// Shown views of `size`, masks of up to `traced_size` pixels an eye that lie as `mask`; `motion` says
+  /// Shown views of `size`, masks of up to `traced_size` pixels an eye that lie as the plan's; `motion` says
   /// which instances move. `frame` holds the FrameData that `prepare` fills.
-  ShadingPass(const gpu::Device& device, const GBufferPass& gbuffer, const DepthRing& ring,
-              const gpu::Buffer& frame, const MotionModel& motion, Extent size, Extent traced_size,
-              MaskLayout mask);
+  ShadingPass(const gpu::Device& device, const DrawPlan& plan, const GBufferPass& gbuffer,
+              const DepthRing& ring, const gpu::Buffer& frame, const MotionModel& motion, Extent size,
+              Extent traced_size);
 
   static constexpr std::size_t kMaxMasks = FARSHADE_MAX_MASKS;
 
-  /// What `record` will shade with: at most kMaxMasks masks, newest first, each with its depth in the ring
-  /// (Direct needs none). The shown views' depth begins at `shown_layer`.
+  /// What `record` will shade with: at most most_masks(plan) masks, newest first, each with its depth in the
+  /// ring (Direct needs none). The shown views' depth begins at `shown_layer`. Where the plan says that masks
+  /// are not carried over, the lookup is Direct.
   void prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
                std::span<const DatedMask> masks, const CarryOver& carry_over);
 
@@ -102,17 +103,26 @@ class ShadingPass {
   /// Of the last `record` with Report::On, after it has finished.
   [[nodiscard]] ShownReport report(Side side) const;
 
+  [[nodiscard]] std::size_t pipelines() const { return pipelines_.size(); }
+  [[nodiscard]] std::size_t bindings() const;
+  [[nodiscard]] std::size_t lookups() const { return masks_ * (other_eye_ ? 2 : 1); }
+
  private:
   struct Key {
     std::uint32_t pass;  ///< FARSHADE_PASS_*
     CarryOver carry_over;
     Report report;
-    bool ranges_and_cones, whole, moved, moved_since_newest;
+    bool whole, moved, moved_since_newest;
     std::uint32_t eye;
     friend auto operator<=>(const Key&, const Key&) = default;
   };
   [[nodiscard]] Key key_of(std::uint32_t pass, Report report, std::uint32_t eye) const;
-  [[nodiscard]] const vk::raii::Pipeline& pipeline(const Key& key);
+  const vk::raii::Pipeline& need_pipeline(const Key& key);
+  [[nodiscard]] vk::raii::Pipeline make_pipeline(const Key& key) const;
+  void make_all_pipelines();
+  void fit_every_frame();
+  void make_buffers(const MotionModel& motion);
+  void make_sets(const GBufferPass& gbuffer);
   std::size_t make_resident(const MaskInHand& mask);
   [[nodiscard]] bool upload(std::size_t slot, const MaskInHand& mask) const;
   void list_sources(const StereoView& views, std::span<const DatedMask> masks, gpu::FrameData& frame);
@@ -120,6 +130,9 @@ class ShadingPass {
   bool tell_stale(const StereoView& views, std::span<const DatedMask> masks, std::size_t since,
                   gpu::FrameData& frame);
   void make_report_buffer();
+  void shade_carried_over(const vk::raii::CommandBuffer& commands, Report report);
+  void shade_all(const vk::raii::CommandBuffer& commands, std::uint32_t pass, Report report);
+  void shade_listed(const vk::raii::CommandBuffer& commands, std::uint32_t pass, Report report);
 
   struct Resident {
     std::optional<FrameId> frame;
@@ -128,26 +141,26 @@ class ShadingPass {
   };
 
   const gpu::Device& device_;
+  const DrawPlan& plan_;
   const DepthRing& ring_;
   const gpu::Buffer& frame_buffer_;
   Extent size_;
-  MaskLayout mask_;
-  std::size_t mask_words_, known_words_;  ///< of one eye
+  ShadingBytes bytes_;
   gpu::Buffer light_buffer_, mask_buffer_, known_buffer_, report_buffer_;
   gpu::Buffer motion_slots_, motion_buffer_, hard_buffer_;
   std::size_t motion_count_;  ///< slots
   gpu::Image shown_;
   vk::raii::Sampler nearest_{nullptr};
   gpu::Bindings bindings_;
-  vk::raii::PipelineLayout layout_{nullptr};
-  vk::raii::ShaderModule shader_{nullptr};
+  gpu::Bindings report_bindings_;  ///< set 1, once a report has been asked for
+  vk::raii::PipelineLayout layout_{nullptr}, report_layout_{nullptr};
   std::map<Key, vk::raii::Pipeline> pipelines_;
   std::array<Resident, kMaxMasks> resident_;
   std::uint64_t draws_ = 0;
   CarryOver carry_over_;
+  bool other_eye_ = false;  ///< its views are sources
   std::size_t masks_ = 0;
-  std::bitset<kMaxLights> off_;  ///< lights of the frame at hand
-  bool ranges_and_cones_ = false;
+  std::bitset<kMaxLights> off_;                      ///< lights of the frame at hand
   bool whole_ = false;                               ///< no tile is missing in any mask in hand
   bool moved_ = false, moved_since_newest_ = false;  ///< something has, since some mask in hand
 };

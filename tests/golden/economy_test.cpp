@@ -1,0 +1,291 @@
+/// What a scene does not need costs nothing: a ladder of scenes, each with one feature more than the one
+/// before, whose counters may change by what that feature takes and by nothing else. And what is drawn is the
+/// same with everything on.
+#include <set>
+
+#include "stereo/frame/tiles.h"
+#include "stereo/image/difference.h"
+#include "stereo/scene/gltf.h"
+#include "tests/golden/theatre.h"
+#include "tests/oracle/scene_builder.h"
+
+namespace farshade {
+namespace {
+
+using gpu::Use;
+using namespace std::chrono_literals;
+
+constexpr Extent kSize{64, 64};
+constexpr RendererLimits kLimits{.size = kSize, .traced_size = kSize, .depth_frames = 3};
+
+enum class Feature : std::uint8_t {
+  Texture,
+  VertexColors,
+  Holes,
+  NineLights,
+  ManyLights,
+  MovingLight,
+  MovingThing
+};
+
+/// One triangle before the eyes and one light, and `features`.
+Scene scene_with(const std::set<Feature>& features) {
+  const auto has = [&](Feature feature) { return features.contains(feature); };
+  SceneBuilder builder;
+  Material material;
+  material.double_sided = true;
+  if (has(Feature::Holes)) material.alpha_cutoff = 0.5f;
+  if (has(Feature::Texture)) {
+    Texture texture{.image = Image<Rgba8>({32, 32})};
+    std::ranges::fill(texture.image.pixels, Rgba8(200, 100, 50, 255));
+    material.texture = builder.texture(texture);
+  }
+  Mesh mesh = triangle_soup({{-1, -1, -3}, {1, -1, -3}, {0, 1, -3}});
+  mesh.uvs.assign(has(Feature::Texture) ? 3 : 0, glm::vec2(0.5f));
+  mesh.colors.assign(has(Feature::VertexColors) ? 3 : 0, glm::u8vec4(100, 200, 255, 255));
+  const std::uint32_t thing = builder.add(mesh, builder.material(material));
+  const std::uint32_t lights = has(Feature::ManyLights) ? 33 : has(Feature::NineLights) ? 9 : 1;
+  for (std::uint32_t i = 0; i < lights; ++i) {
+    const std::uint32_t light = builder.point_light({0.1 * i, 2, 0});
+    if (i == 0 && has(Feature::MovingLight)) builder.move(light, {0.1, 0, 0});
+  }
+  if (has(Feature::MovingThing)) builder.move(thing, {0.1, 0, 0});
+  return builder.build();
+}
+
+/// Eyes that look along -z from the origin, the left one `aside_m` to the left.
+StereoView eyes_at(double aside_m) {
+  StereoView views{look({0, 0, 0}, {0, 0, -1}, kSize.width), look({0, 0, 0}, {0, 0, -1}, kSize.width)};
+  views[0].stage_from_eye.translation.x -= aside_m;
+  return views;
+}
+
+/// A mask of `layout` that says lit everywhere.
+Mask all_lit(MaskLayout layout, FrameId frame, const StereoView& views) {
+  EyeMask bits(kSize, layout);
+  for (std::uint32_t plane = 0; plane < layout.planes(); ++plane)
+    for (std::uint32_t y = 0; y < kSize.height; ++y)
+      for (std::uint32_t x = 0; x < kSize.width; ++x) bits.set_word(x, y, plane, layout.used_bits(plane));
+  const KnownTiles all(TileGrid{kSize}.count(), all_planes_known(layout));
+  return {frame, Time{}, views, {bits, bits}, {all, all}};
+}
+
+class Economy : public OnLavapipe {
+ protected:
+  /// Asks for views, and half a second later shows others with the mask that was asked for.
+  DrawCounters drawn(const Scene& scene, const SessionNeeds& needs = {}) {
+    const DrawPlan plan = plan_for(scene, needs).draw;
+    Renderer renderer(device_, scene, plan, kLimits);
+    const SceneState then = state_at(scene, Time{}), now = state_at(scene, Time(500ms));
+    const StereoView shown = eyes_at(0.06), asked = eyes_at(0.08);
+    const TraceRequest first{FrameId{1}, Time{}, Time{}, shown},
+        second{FrameId{2}, Time{}, Time(500ms), asked};
+    renderer.draw_gbuffer({.views = shown, .state = then, .asked = &first, .masks = {}, .carry_over = {}});
+    const Mask mask = all_lit(plan.mask, first.frame, shown);
+    const std::vector<MaskInHand> masks{mask.in_hand()};
+    renderer.draw({.views = shown, .state = now, .asked = &second, .masks = masks, .carry_over = {}});
+    return renderer.counters();
+  }
+};
+
+/// What of the memory differs.
+std::string changes(const gpu::BytesByUse& before, const gpu::BytesByUse& after) {
+  std::string text;
+  for (std::size_t use = 0; use < gpu::kUses; ++use)
+    if (before.bytes[use] != after.bytes[use])
+      text += (text.empty() ? "" : ", ") + std::string(to_string(static_cast<Use>(use)));
+  return text;
+}
+
+struct Rung {
+  const char* name;
+  Feature feature;
+  // What it adds to the rung before.
+  std::uint64_t pipelines, bindings, vertex_bytes, vertex_bytes_read;
+  const char* memory;
+};
+
+constexpr std::uint64_t kCorners = 3, kBothEyes = 2;
+
+// Streams are read once for each eye; with holes, by the depth pass too.
+const std::array kLadder{
+    Rung{"texture", Feature::Texture, 0, 1, kCorners * 8, kCorners * 8 * kBothEyes, "vertices, textures"},
+    Rung{"vertex colours", Feature::VertexColors, 0, 0, kCorners * 4, kCorners * 4 * kBothEyes, "vertices"},
+    Rung{"holes", Feature::Holes, 0, 0, 0, kCorners * 12 * kBothEyes, ""},
+    Rung{"nine lights: words of two bytes", Feature::NineLights, 0, 0, 0, 0, "frame, masks"},
+    Rung{"33 lights: two planes", Feature::ManyLights, 0, 0, 0, 0, "frame, masks"},
+    Rung{"a light that moves", Feature::MovingLight, 0, 0, 0, 0, ""},
+    Rung{"a thing that moves", Feature::MovingThing, 2, 2, 0, 0, "motion"},
+};
+
+TEST_F(Economy, OneTriangleAndOneLightCostTheLeast) {
+  const DrawCounters counters = drawn(scene_with({}));
+  EXPECT_EQ(counters.pipelines, 1u + 1u + 2u * 2u)
+      << "G-buffer, depth, and of each eye the easy and hard pass";
+  EXPECT_EQ(counters.bindings, 2u + 1u + 9u);
+  EXPECT_EQ(counters.vertex_bytes, kCorners * 24 + 12);
+  EXPECT_EQ(counters.vertex_bytes_read, kBothEyes * (kCorners * 24 + 12 + kCorners * 12 + 12));
+  for (const Use use : {Use::Textures, Use::Motion, Use::Report, Use::ReadBack, Use::Other})
+    EXPECT_EQ(counters.memory.peak[use], 0u) << to_string(use);
+}
+
+TEST_F(Economy, EachFeatureCostsWhatItTakesAndNothingElse) {
+  std::set<Feature> features;
+  DrawCounters before = drawn(scene_with(features));
+  for (const Rung& rung : kLadder) {
+    SCOPED_TRACE(rung.name);
+    features.insert(rung.feature);
+    const DrawCounters after = drawn(scene_with(features));
+    EXPECT_EQ(after.pipelines, before.pipelines + rung.pipelines);
+    EXPECT_EQ(after.bindings, before.bindings + rung.bindings);
+    EXPECT_EQ(after.vertex_bytes, before.vertex_bytes + rung.vertex_bytes);
+    EXPECT_EQ(after.vertex_bytes_read, before.vertex_bytes_read + rung.vertex_bytes_read);
+    EXPECT_EQ(changes(before.memory.now, after.memory.now), rung.memory);
+    before = after;
+  }
+}
+
+TEST_F(Economy, MasksTakeTheNarrowestWords) {
+  const auto bytes_a_pixel = [](const std::set<Feature>& features) {
+    return shading_bytes(plan_for(scene_with(features)).draw, kSize, kSize).mask / kSize.pixels();
+  };
+  EXPECT_EQ(bytes_a_pixel({}), 1u);
+  EXPECT_EQ(bytes_a_pixel({Feature::NineLights}), 2u);
+  EXPECT_EQ(bytes_a_pixel({Feature::ManyLights}), 8u);
+}
+
+TEST_F(Economy, MasksThatFitTheShownViewsNeedNothingToCarryThemOver) {
+  const DrawCounters carried = drawn(scene_with({})),
+                     fitting = drawn(scene_with({}), {.carries_over = false});
+  EXPECT_EQ(fitting.pipelines, 1u + 2u) << "G-buffer, and a pass an eye";
+  EXPECT_EQ(fitting.bindings, carried.bindings - 2) << "the depth pass's, and the list of hard pixels";
+  EXPECT_EQ(fitting.memory.now[Use::Lists], 0u);
+  EXPECT_EQ(fitting.memory.now[Use::GBuffer] * 3, carried.memory.now[Use::GBuffer] * 2);
+  EXPECT_LE(fitting.memory.now[Use::Masks] * 4, carried.memory.now[Use::Masks] + 1024);
+}
+
+TEST_F(Economy, TheOtherEyeIsLookedUpOnlyWhereItStandsElsewhere) {
+  EXPECT_EQ(drawn(scene_with({})).lookups, 2u);
+  EXPECT_EQ(drawn(scene_with({}), {.two_views = false}).lookups, 1u);
+}
+
+TEST_F(Economy, EverythingOnCostsMoreOfEverything) {
+  const DrawCounters needed = drawn(scene_with({})),
+                     everything = drawn(scene_with({}), {.kind = PlanKind::Everything});
+  EXPECT_GT(everything.pipelines, needed.pipelines);
+  EXPECT_GT(everything.bindings, needed.bindings);
+  EXPECT_GT(everything.vertex_bytes, needed.vertex_bytes);
+  EXPECT_GT(everything.vertex_bytes_read, needed.vertex_bytes_read);
+  for (const Use use : {Use::Vertices, Use::Textures, Use::Masks, Use::Motion})
+    EXPECT_GT(everything.memory.now[use], needed.memory.now[use]) << to_string(use);
+}
+
+TEST_F(Economy, EverythingIsBuiltBeforeTheFirstFrame) {
+  const Scene scene = scene_with({});
+  const Renderer needed(device_, scene, kLimits);
+  EXPECT_EQ(needed.counters().pipelines, 0u);
+  const Renderer everything(device_, scene, plan_for(scene, {.kind = PlanKind::Everything}).draw, kLimits);
+  EXPECT_EQ(everything.counters().pipelines, drawn(scene, {.kind = PlanKind::Everything}).pipelines);
+}
+
+/// `mask` in the words of `layout`.
+Mask in_words_of(MaskLayout layout, Mask mask) {
+  for (EyeMask& bits : mask.bits) {
+    EyeMask wider(bits.size(), layout);
+    for (std::uint32_t plane = 0; plane < layout.planes(); ++plane)
+      for (std::uint32_t y = 0; y < bits.size().height; ++y)
+        for (std::uint32_t x = 0; x < bits.size().width; ++x)
+          wider.set_word(x, y, plane, bits.word(x, y, plane));
+    bits = std::move(wider);
+  }
+  return mask;
+}
+
+class WholeScene : public OnLavapipe, public testing::WithParamInterface<const char*> {
+ protected:
+  static constexpr std::uint32_t kSide_px = 160;
+  static constexpr Time kThen{}, kNow = Time(400ms);
+
+  /// A frame with a mask of another pose and moment, and what each pixel was shown with.
+  struct Drawn {
+    Shown shown;
+    DrawCounters counters;
+  };
+  Drawn drawn(PlanKind kind) {
+    const DrawPlan plan = plan_for(scene_, {.kind = kind, .all_lights = true}).draw;
+    Renderer renderer(device_, scene_, plan, limits_);
+    const SceneState then = state_at(scene_, kThen), now = state_at(scene_, kNow);
+    const StereoView asked = eyes_of(head_, kSide_px),
+                     shown = eyes_of(moved(head_, 0.05, {0.02, 0, 0}), kSide_px);
+    const TraceRequest first{FrameId{1}, kThen, kThen, asked}, second{FrameId{2}, kNow, kNow, asked};
+    renderer.draw_gbuffer({.views = shown, .state = then, .asked = &first, .masks = {}, .carry_over = {}});
+    const Mask mask = in_words_of(plan.mask, traced(first));
+    const std::vector<MaskInHand> masks{mask.in_hand()};
+    renderer.draw({.views = shown,
+                   .state = now,
+                   .asked = &second,
+                   .masks = masks,
+                   .carry_over = {},
+                   .report = ShadingPass::Report::On});
+    Shown result{renderer.read_shown(), {renderer.report(Side::Left), renderer.report(Side::Right)}};
+    return {std::move(result), renderer.counters()};
+  }
+
+  Mask traced(const TraceRequest& request) const {
+    Expected<Tracer> tracer = Tracer::create(scene_);
+    ShadowFrame frame;
+    tracer->trace(request, frame);
+    const KnownTiles all(TileGrid{request.views[0].size}.count(), all_planes_known(frame.masks[0].layout()));
+    return {request.frame, kThen, request.views, std::move(frame.masks), {all, all}};
+  }
+
+  Scene scene_ = load_scene(GetParam()).value();
+  Rigid<Stage, Head> head_ = head_at_camera(scene_);
+  RendererLimits limits_{{kSide_px, kSide_px}, {kSide_px + 32, kSide_px + 32}, 4};
+};
+
+void expect_the_same(const Shown& a, const Shown& b) {
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    EXPECT_EQ(a.pictures[eye].pixels, b.pictures[eye].pixels)
+        << psnr_db(a.pictures[eye], b.pictures[eye]) << " dB";
+    EXPECT_EQ(a.reports[eye].visibility, b.reports[eye].visibility);
+  }
+}
+
+/// Drivers round every allocation up; where a use is small, that is more than a tenth of it.
+constexpr double kRounding_bytes = 64 << 10;
+
+void expect_predicted(const gpu::BytesByUse& predicted, const gpu::MemoryUse& measured) {
+  for (std::size_t use = 0; use < gpu::kUses; ++use) {
+    const auto bytes = static_cast<double>(predicted.bytes[use]);
+    EXPECT_NEAR(bytes, static_cast<double>(measured.peak.bytes[use]), bytes / 10 + kRounding_bytes)
+        << to_string(static_cast<Use>(use));
+  }
+  const auto most = static_cast<double>(most_at_once(predicted));
+  EXPECT_NEAR(most, static_cast<double>(measured.peak_total), most / 10);
+}
+
+TEST_P(WholeScene, LooksTheSameWithEverythingOnAndTakesTheMemoryThatIsPredicted) {
+  std::optional<Shown> shown;
+  for (const PlanKind kind : {PlanKind::Needed, PlanKind::Everything}) {
+    SCOPED_TRACE(kind == PlanKind::Needed ? "needed" : "everything");
+    device_.ledger = std::make_shared<gpu::Ledger>();
+    const Drawn now = drawn(kind);
+    expect_predicted(
+        client_memory(scene_, plan_for(scene_, {.kind = kind, .all_lights = true}).draw, limits_),
+        now.counters.memory);
+    if (shown) expect_the_same(*shown, now.shown);
+    shown = now.shown;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Bundled, WholeScene,
+                         testing::Values(FARSHADE_ASSETS "/box_over_plane.gltf",
+                                         FARSHADE_ASSETS "/room.glb"));
+#ifdef FARSHADE_SHARED_SCENES
+INSTANTIATE_TEST_SUITE_P(Shared, WholeScene,
+                         testing::Values(FARSHADE_SHARED_SCENES "/modern_living_room.glb"));
+#endif
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,64 @@
+#include "vr_client/draw/counters.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "vr_client/draw/renderer.h"
+
+namespace farshade {
+namespace {
+
+std::size_t mip_chain_bytes(Extent size) {
+  std::size_t bytes = 0;
+  for (auto level = 0u; level < std::bit_width(std::max(size.width, size.height)); ++level)
+    bytes += std::size_t{std::max(size.width >> level, 1u)} * std::max(size.height >> level, 1u) * 4;
+  return bytes;
+}
+
+void add_scene(const Scene& scene, const DrawPlan& plan, gpu::BytesByUse& memory) {
+  std::size_t largest = 0;
+  for (std::size_t mesh = 0; mesh < scene.meshes.size(); ++mesh) {
+    const StreamBytes bytes = stream_bytes(scene.meshes[mesh], plan.surfaces[mesh]);
+    memory[gpu::Use::Vertices] += bytes.total();
+    largest = std::max({largest, bytes.positions, bytes.normals, bytes.uvs, bytes.colors, bytes.indices});
+  }
+  const std::vector<bool> read = textures_read(scene, plan);
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    if (!read[i]) continue;
+    const Extent size = i < scene.textures.size() ? scene.textures[i].image.size : Extent{1, 1};
+    memory[gpu::Use::Textures] += mip_chain_bytes(size);
+    largest = std::max(largest, size.pixels() * 4);
+  }
+  memory[gpu::Use::Staging] = largest;
+}
+
+}  // namespace
+
+gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& wanted, const RendererLimits& limits) {
+  const DrawPlan plan = settled(wanted);
+  const ShadingBytes shading = shading_bytes(plan, limits.size, limits.traced_size);
+  const std::size_t pixels = kEyes * limits.size.pixels(), places = most_masks(plan) * kEyes;
+  const std::size_t passes = plan.depth_pass ? 2 : 1;
+  using gpu::Use;
+  gpu::BytesByUse memory;
+  add_scene(scene, plan, memory);
+  memory[Use::Frame] =
+      sizeof(gpu::FrameData) + shading.lights + passes * scene.instances.size() * sizeof(gpu::InstanceData);
+  memory[Use::GBuffer] = pixels * (4 + (carries_masks(plan) ? 8 : 4));
+  memory[Use::Depth] = kEyes * limits.traced_size.pixels() * (limits.depth_frames + 1) * 4;
+  memory[Use::Masks] = places * (shading.mask + shading.known);
+  memory[Use::Motion] = shading.slots + shading.motions;
+  memory[Use::Lists] = shading.lists;
+  memory[Use::Shown] = pixels * 4;
+  memory[Use::Report] = shading.report;
+  memory[Use::ReadBack] = pixels * 4;
+  return memory;
+}
+
+std::uint64_t most_at_once(const gpu::BytesByUse& memory) {
+  using gpu::Use;
+  const std::uint64_t loading = memory[Use::Vertices] + memory[Use::Textures] + memory[Use::Staging];
+  return std::max(loading, memory.total() - memory[Use::Staging]);
+}
+
+}  // namespace farshade

@@ -1,0 +1,40 @@
+#include "vr_client/draw/shading_layout.h"
+
+#include <algorithm>
+
+#include "stereo/frame/tiles.h"
+#include "stereo/frame/view.h"
+
+namespace farshade {
+namespace {
+
+constexpr std::size_t whole_words(std::size_t bytes) {
+  return (bytes + 3) / 4 * 4;
+}
+
+}  // namespace
+
+DrawPlan settled(DrawPlan plan) {
+  if (carries_masks(plan)) return plan;
+  plan.moves.assign(plan.moves.size(), false);
+  plan.lights_move = plan.other_eye = plan.depth_pass = false;
+  return plan;
+}
+
+ShadingBytes shading_bytes(const DrawPlan& plan, Extent size, Extent traced_size) {
+  const auto moving = static_cast<std::size_t>(std::ranges::count(plan.moves, true));
+  ShadingBytes bytes{.lights = (plan.mask.lights + 1) * sizeof(gpu::LightData)};
+  bytes.report = kEyes * size.pixels() * ReportLayout(plan.mask).words * 4;
+  if (most_masks(plan) > 0) {
+    bytes.mask = whole_words(mask_bytes(traced_size, device_mask(plan)));
+    bytes.known = (TileGrid{traced_size}.count() + 31) / 32 * 4;
+  }
+  if (moving > 0) {
+    bytes.slots = plan.moves.size() * 4;
+    bytes.motions = moving * most_masks(plan) * kEyes * sizeof(glm::mat4);
+  }
+  if (carries_masks(plan)) bytes.lists = 2 * kEyes * sizeof(glm::uvec4) + kEyes * size.pixels() * 4;
+  return bytes;
+}
+
+}  // namespace farshade
