@@ -55,14 +55,20 @@ Corner between(const Corner& a, const Corner& b, double t) {
 
 /// Empty where the triangle is beside the face.
 Polygon clipped(const CellFrame& frame, double rounding, Polygon polygon) {
-  for (int which = 0; which < 4; ++which) {
+  for (int which = 0; which < 4 && polygon.count > 0; ++which) {
+    std::array<double, 7> inside;
+    double least = kInfinity;
+    for (std::size_t i = 0; i < polygon.count; ++i) {
+      inside[i] = inside_by(frame, rounding, polygon.corner[i], which);
+      least = std::min(least, inside[i]);
+    }
+    if (least >= 0) continue;
     Polygon kept;
     for (std::size_t i = 0; i < polygon.count; ++i) {
-      const Corner &a = polygon.corner[i], &b = polygon.after(i);
-      const double from_a = inside_by(frame, rounding, a, which),
-                   from_b = inside_by(frame, rounding, b, which);
-      if (from_a >= 0) kept.add(a);
-      if ((from_a >= 0) != (from_b >= 0)) kept.add(between(a, b, from_a / (from_a - from_b)));
+      const double from_a = inside[i], from_b = inside[i + 1 == polygon.count ? 0 : i + 1];
+      if (from_a >= 0) kept.add(polygon.corner[i]);
+      if ((from_a >= 0) != (from_b >= 0))
+        kept.add(between(polygon.corner[i], polygon.after(i), from_a / (from_a - from_b)));
     }
     polygon = kept;
   }
@@ -127,14 +133,15 @@ void cover_face(const CellFrame& frame, std::uint32_t first_cell, Polygon polygo
 void cover(const CellFrame& frame, const std::array<glm::dvec3, 3>& triangle,
            std::vector<CellTouch>& touched) {
   const double rounding = rounding_of(frame);
+  const std::array<glm::dvec3, 3> v{triangle[0] - frame.origin, triangle[1] - frame.origin,
+                                    triangle[2] - frame.origin};
   for (int face = 0; face < frame.faces(); ++face) {
+    const int axis = face / 2;
+    const double sign = face % 2 == 0 ? 1 : -1;
+    if (frame.cube && std::max({v[0][axis] * sign, v[1][axis] * sign, v[2][axis] * sign}) < -rounding)
+      continue;
     Polygon polygon;
-    for (const glm::dvec3& p : triangle) polygon.add(corner_of(frame, face, p - frame.origin));
-    bool beside = false;
-    for (int which = 0; which < 4 && !beside; ++which)
-      beside = std::all_of(polygon.corner.begin(), polygon.corner.begin() + 3,
-                           [&](const Corner& c) { return inside_by(frame, rounding, c, which) < 0; });
-    if (beside) continue;
+    for (const glm::dvec3& p : v) polygon.add(corner_of(frame, face, p));
     polygon = clipped(frame, rounding, polygon);
     if (polygon.count > 0)
       cover_face(frame, static_cast<std::uint32_t>(face * frame.side * frame.side), polygon, rounding,

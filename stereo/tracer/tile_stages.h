@@ -25,8 +25,8 @@
 #include <glm/geometric.hpp>
 
 #include "stereo/frame/view.h"
+#include "stereo/tracer/light_proof.h"
 #include "stereo/tracer/ray_scene.h"
-#include "stereo/tracer/tile_lights.h"
 
 namespace farshade {
 
@@ -133,75 +133,66 @@ struct TileRays {
   }
 };
 
-/// One packet's way to the light.
+/// One packet's way to the light, and what of a bit's definition holds before any ray.
 template <int K>
 struct LightWay {
-  alignas(4 * K) float distance[K];
-  Lanes<K> faces;  ///< both normals face the light
-  Lanes<K> in_range, in_cone;
+  Floats<K> x, y, z, distance;  ///< from each surface to the light
+  Ints<K> covered, faces, in_range, in_cone;
 };
 
-/// Vector from each surface to the light, and what of the definition of a bit holds before any ray.
 template <int K>
-void face_light(const TileSurface& s, int first, const ShadowLight& light, RayPacket<K>& to_light,
-                LightWay<K>& way) {
-  const bool directional = light.kind == LightKind::Directional;
-  for (int i = 0; i < K; ++i) {
-    const int at = first + i;
-    const float x = directional ? -light.direction.x : light.position.x - s.px[at];
-    const float y = directional ? -light.direction.y : light.position.y - s.py[at];
-    const float z = directional ? -light.direction.z : light.position.z - s.pz[at];
-    const float d = std::sqrt(x * x + y * y + z * z);
-    const float along = -(x * light.direction.x + y * light.direction.y + z * light.direction.z);
-    const bool faces =
-        (s.nx[at] * x + s.ny[at] * y + s.nz[at] * z > 0) & (s.gx[at] * x + s.gy[at] * y + s.gz[at] * z > 0);
-    way.faces.valid[i] = -static_cast<std::int32_t>(faces);
-    way.in_range.valid[i] = -static_cast<std::int32_t>(d < light.range);
-    way.in_cone.valid[i] = -static_cast<std::int32_t>(along > light.cos_outer * d);
-    to_light.dir_x[i] = x, to_light.dir_y[i] = y, to_light.dir_z[i] = z;
-    way.distance[i] = d;
-  }
+void face_light(const TileSurface& s, int first, const ShadowLight& light, LightWay<K>& way) {
+  Floats<K>&x = way.x, &y = way.y, &z = way.z;
+  load(x, s.px + first), load(y, s.py + first), load(z, s.pz + first);
+  if (light.kind == LightKind::Directional)
+    x = -light.direction.x - Floats<K>{}, y = -light.direction.y - Floats<K>{},
+    z = -light.direction.z - Floats<K>{};
+  else
+    x = light.position.x - x, y = light.position.y - y, z = light.position.z - z;
+  way.distance = x * x + y * y + z * z;
+  for (int i = 0; i < K; ++i) way.distance[i] = std::sqrt(way.distance[i]);
+  const Floats<K> along = -(x * light.direction.x + y * light.direction.y + z * light.direction.z);
+  way.in_range = way.distance < light.range;
+  way.in_cone = along > light.cos_outer * way.distance;
+  Floats<K> nx, ny, nz;
+  load(nx, s.nx + first), load(ny, s.ny + first), load(nz, s.nz + first);
+  way.faces = nx * x + ny * y + nz * z > 0;
+  load(nx, s.gx + first), load(ny, s.gy + first), load(nz, s.gz + first);
+  way.faces &= nx * x + ny * y + nz * z > 0;
+  load(nx, s.reach + first);
+  way.covered = nx > 0;
 }
 
 /// Turns vectors to the light into rays: from the offset surface point to the light, as far as the same
 /// offset before it, or without end.
 template <int K>
-void aim(const TileSurface& s, int first, const ShadowLight& light, const float (&distance)[K],
+void aim(const TileSurface& s, int first, const ShadowLight& light, const LightWay<K>& way,
          RayPacket<K>& ray) {
-  const bool directional = light.kind == LightKind::Directional;
-  for (int i = 0; i < K; ++i) {
-    const int at = first + i;
-    const float left_out = kOffset * (s.reach[at] + light.reach) / distance[i];
-    ray.org_x[i] = s.ox[at], ray.org_y[i] = s.oy[at], ray.org_z[i] = s.oz[at];
-    if (!directional) {
-      ray.dir_x[i] = light.position.x - ray.org_x[i];
-      ray.dir_y[i] = light.position.y - ray.org_y[i];
-      ray.dir_z[i] = light.position.z - ray.org_z[i];
-    }
-    ray.tnear[i] = 0;
-    ray.tfar[i] = directional ? kFar : std::max(1.0f - left_out, 0.0f);
+  std::memcpy(ray.org_x, s.ox + first, sizeof ray.org_x);
+  std::memcpy(ray.org_y, s.oy + first, sizeof ray.org_y);
+  std::memcpy(ray.org_z, s.oz + first, sizeof ray.org_z);
+  store(Floats<K>{}, ray.tnear);
+  if (light.kind == LightKind::Directional) {
+    store(way.x, ray.dir_x), store(way.y, ray.dir_y), store(way.z, ray.dir_z);
+    store(kFar - Floats<K>{}, ray.tfar);
+    return;
   }
+  Floats<K> x, y, z, left_out;
+  load(x, s.ox + first), load(y, s.oy + first), load(z, s.oz + first), load(left_out, s.reach + first);
+  x = light.position.x - x, y = light.position.y - y, z = light.position.z - z;
+  store(x, ray.dir_x), store(y, ray.dir_y), store(z, ray.dir_z);
+  left_out = kOffset * (left_out + light.reach) / way.distance;
+  const Floats<K> end = 1.0f - left_out;
+  store(end > 0 ? end : Floats<K>{}, ray.tfar);
 }
 
+/// Adds `bit` to the words of `lanes`.
 template <int K>
-std::uint64_t count_of(const Lanes<K>& lanes) {
-  std::int32_t count = 0;
-  for (int i = 0; i < K; ++i) count -= lanes.valid[i];
-  return static_cast<std::uint64_t>(count);
-}
-
-/// Counts the covered lanes to which the light does not matter.
-template <int K>
-void count_dark(const TileSurface& s, int first, const LightWay<K>& way, TileRays& rays) {
-  for (int i = 0; i < K; ++i) {
-    if (!(s.reach[first + i] > 0)) continue;
-    if (way.in_range.valid[i] == 0)
-      ++rays.out_of_range;
-    else if (way.in_cone.valid[i] == 0)
-      ++rays.out_of_cone;
-    else if (way.faces.valid[i] == 0)
-      ++rays.away;
-  }
+void set_bit(const Ints<K>& lanes, std::uint32_t bit, std::uint32_t* words) {
+  Ints<K> word;
+  load(word, words);
+  word |= lanes & static_cast<std::int32_t>(bit);
+  store(word, words);
 }
 
 /// Sets `bit` in the words of the pixels that `light` reaches, tracing only rays whose answer is not known
@@ -211,34 +202,41 @@ TileRays shadow_tile(const TileSurface& surface, const ShadowLight& light, const
                      std::uint32_t bit, std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {
   RayPacket<K> ray;
   set_constants(ray);
-  TileRays rays;
+  Ints<K> traced{}, known{}, too_far{}, beside{}, away{};
   for (int first = 0; first < kTilePixels; first += K) {
     LightWay<K> way;
-    face_light(surface, first, light, ray, way);
-    Lanes<K> needed, proven;
-    std::int32_t covered = 0;
-    for (int i = 0; i < K; ++i) {
-      covered += surface.reach[first + i] > 0 ? 1 : 0;
-      needed.valid[i] = way.faces.valid[i] & way.in_range.valid[i] & way.in_cone.valid[i];
-    }
-    const std::uint64_t mattering = count_of(needed);
-    if (mattering < static_cast<std::uint64_t>(covered)) count_dark(surface, first, way, rays);
-    if (mattering == 0) continue;
-    std::uint64_t known = 0;
+    face_light(surface, first, light, way);
+    const Ints<K> near = way.covered & way.in_range, lit = near & way.in_cone;
+    too_far += way.covered & ~way.in_range;
+    beside += near & ~way.in_cone;
+    away += lit & ~way.faces;
+    Ints<K> needed = lit & way.faces;
+    if (first_of(needed) < 0) continue;
     if (map != nullptr) {
-      prove(*map, surface, first, needed, proven);
-      known = count_of(proven);
-      rays.proven += known;
-      for (int i = 0; i < K; ++i) words[first + i] |= proven.valid[i] != 0 ? bit : 0u;
-      if (known == mattering) continue;
-      for (int i = 0; i < K; ++i) needed.valid[i] &= ~proven.valid[i];
+      Ints<K> proven;
+      prove<K>(*map, surface, first, needed, proven);
+      known += proven;
+      set_bit<K>(proven, bit, words + first);
+      needed &= ~proven;
+      if (first_of(needed) < 0) continue;
     }
-    rays.traced += mattering - known;
-    aim(surface, first, light, way.distance, ray);
-    occluded(needed, ray);
-    for (int i = 0; i < K; ++i) words[first + i] |= ((needed.valid[i] != 0) & (ray.tfar[i] >= 0)) ? bit : 0u;
+    traced += needed;
+    aim(surface, first, light, way, ray);
+    Lanes<K> lanes;
+    store(needed, lanes.valid);
+    occluded(lanes, ray);
+    Floats<K> met;
+    load(met, ray.tfar);
+    set_bit<K>(needed & (met >= 0), bit, words + first);
   }
-  return rays;
+  return {counted(traced), counted(known), counted(too_far), counted(beside), counted(away)};
+}
+
+/// Sets `bit` in the words of all covered pixels.
+inline TileRays light_tile(const TileSurface& surface, std::uint32_t bit,
+                           std::uint32_t (&words)[kTilePixels]) {
+  for (int i = 0; i < kTilePixels; ++i) words[i] |= surface.reach[i] > 0 ? bit : 0u;
+  return {.proven = surface.covered};
 }
 
 /// As shadow_tile, and leaving nothing out: a ray for each covered pixel.
@@ -247,21 +245,18 @@ TileRays shadow_whole_tile(const TileSurface& surface, const ShadowLight& light,
                            std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {
   RayPacket<K> ray;
   set_constants(ray);
-  TileRays rays;
   for (int first = 0; first < kTilePixels; first += K) {
     LightWay<K> way;
-    face_light(surface, first, light, ray, way);
-    aim(surface, first, light, way.distance, ray);
-    Lanes<K> covered;
-    for (int i = 0; i < K; ++i) covered.valid[i] = surface.reach[first + i] > 0 ? -1 : 0;
-    rays.traced += count_of(covered);
-    occluded(covered, ray);
-    for (int i = 0; i < K; ++i) {
-      const std::int32_t matters = way.faces.valid[i] & way.in_range.valid[i] & way.in_cone.valid[i];
-      words[first + i] |= ((matters != 0) & (ray.tfar[i] >= 0)) ? bit : 0u;
-    }
+    face_light(surface, first, light, way);
+    aim(surface, first, light, way, ray);
+    Lanes<K> lanes;
+    store(way.covered, lanes.valid);
+    occluded(lanes, ray);
+    Floats<K> met;
+    load(met, ray.tfar);
+    set_bit<K>(way.covered & way.faces & way.in_range & way.in_cone & (met >= 0), bit, words + first);
   }
-  return rays;
+  return {.traced = surface.covered};
 }
 
 }  // namespace farshade

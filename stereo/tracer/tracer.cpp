@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "stereo/base/check.h"
+#include "stereo/tracer/tile_bounds.h"
 #include "stereo/tracer/tile_stages.h"
 
 namespace farshade {
@@ -110,14 +111,16 @@ TileRays Tracer::Impl::shadow(const TileSurface& surface, const TileBounds& boun
     rays->occluded(lanes, packet);
   };
   if (!plan.skips_rays) return shadow_whole_tile<K>(surface, lights[light], bit, words, occluded);
-  switch (misses(bounds, lights[light])) {
-    case Misses::Range:
+  switch (verdict_on(bounds, lights[light], maps_in_use[light])) {
+    case TileVerdict::OutOfRange:
       return {.out_of_range = surface.covered};
-    case Misses::Cone:
+    case TileVerdict::OutOfCone:
       return {.out_of_cone = surface.covered};
-    case Misses::Facing:
+    case TileVerdict::TurnedAway:
       return {.away = surface.covered};
-    case Misses::No:
+    case TileVerdict::Lit:
+      return light_tile(surface, bit, words);
+    case TileVerdict::Open:
       break;
   }
   return shadow_tile<K>(surface, lights[light], maps_in_use[light], bit, words, occluded);
@@ -131,7 +134,7 @@ TileSums Tracer::Impl::trace_tile(const ViewRays& view, const TileRect& rect, Ey
   see_tile<K>(*rays, model, view, rect, surface);
   sums.primary = watch.elapsed();
   const MaskLayout layout = mask.layout();
-  const TileBounds bounds = bounds_of(surface);
+  const TileBounds bounds = plan.skips_rays ? bounds_of(surface) : TileBounds{};
   for (std::uint32_t plane = 0; plane < layout.planes(); ++plane) {
     std::uint32_t words[kTilePixels]{};
     for (std::uint32_t bit = 0; surface.covered > 0 && bit < layout.lights_in(plane); ++bit)

@@ -38,6 +38,15 @@ struct TraceStats {
   /// Those of them that are not traced. Dark, by the first of these: beyond the light's range, outside of its
   /// cone, turned away from it. Lit: proven to have nothing in between.
   std::uint64_t out_of_range = 0, out_of_cone = 0, turned_away = 0, proven = 0;
+
+  TraceStats& operator+=(const TraceStats& more) {
+    primary += more.primary, shadow += more.shadow;
+    primary_rays += more.primary_rays, shadow_rays += more.shadow_rays;
+    full_shadow_rays += more.full_shadow_rays;
+    out_of_range += more.out_of_range, out_of_cone += more.out_of_cone;
+    turned_away += more.turned_away, proven += more.proven;
+    return *this;
+  }
 };
 
 class Tracer {

@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <ctime>
 #include <vector>
 
 #include "stereo/base/quantile.h"
@@ -100,7 +101,25 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
   plain.trace(request, plain_frame);
   std::printf("masks %s\n", plain_frame.masks == frame.masks ? "same" : "DIFFER");
   std::vector<double> primary, shadow, bare, ratio;
+  std::vector<double> cpu, plain_cpu;
+  const auto cpu_ms = [](auto&& work) {
+    const std::clock_t start = std::clock();
+    work();
+    return static_cast<double>(std::clock() - start) * 1e3 / CLOCKS_PER_SEC;
+  };
+  std::vector<double> see_cpu;
+  const auto see_all = [&] {
+    TileSurface surface;
+    for (const View& view : views) {
+      const TileGrid grid{view.size};
+      for (std::uint32_t tile = 0; tile < grid.count(); ++tile)
+        see_tile<K>(rays, model, rays_of(view, model.anchor()), grid.rect(tile), surface);
+    }
+  };
   for (int round = 0; round < rounds; ++round) {
+    see_cpu.push_back(cpu_ms(see_all));
+    plain_cpu.push_back(cpu_ms([&] { plain.trace(request, plain_frame); }));
+    cpu.push_back(cpu_ms([&] { tracer.trace(request, frame); }));
     plain_shadow.push_back(ms_of(plain.trace(request, plain_frame).shadow));
     stats = tracer.trace(request, frame);
     primary.push_back(ms_of(stats.primary));
@@ -116,6 +135,9 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
               static_cast<double>(stats.turned_away) / 1e6, static_cast<double>(stats.out_of_range) / 1e6,
               static_cast<double>(stats.out_of_cone) / 1e6);
   print("shadow stage", shadow, stats.shadow_rays);
+  print("core time, primary", see_cpu, stats.primary_rays);
+  print("core time, every ray", plain_cpu, stats.full_shadow_rays);
+  print("core time, what matters", cpu, stats.full_shadow_rays);
   print("every ray", plain_shadow, stats.full_shadow_rays);
   print("bare loop, same packets", bare, same.count);
   std::printf("shadow stage / bare loop, rays a second: %.3f  [%.3f, %.3f]\n", quantile(ratio, 0.5),
