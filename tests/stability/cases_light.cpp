@@ -8,6 +8,9 @@
 namespace farshade::stability {
 namespace {
 
+/// Of the floating box, to the last bit of its vertices.
+constexpr glm::dvec3 kCorner{0.3f, 0.6f + 0.2f, 0.3f};
+
 /// The ordinary things under one point light that gives about 1 lux at the place it stands `away_m` from.
 Setting one_light(const glm::dvec3& position, double candela) {
   Setting setting = unlit();
@@ -77,6 +80,17 @@ Setting overflowing() {
   return setting;
 }
 
+/// Seen through a sheet that shows its other side alone, under which only a light at its side reaches: the
+/// light over the sheet would be infinite there, and is in shadow.
+Setting overflowing_in_shadow() {
+  Setting setting = looks_down({0.9, 5e-5, 0.9}, 1e30);
+  setting.scene.point_light({0.91, 1.5e-5, 0.9}, 0.07);
+  Mesh sheet = quad({0.9f, 3e-5f, 0.9f}, {4e-4f, 0, 0}, {0, 0, 4e-4f});
+  sheet.material = setting.scene.material({{"doubleSided", false}});
+  setting.scene.add(sheet);
+  return setting;
+}
+
 Setting narrow_spot() {
   Setting setting = unlit();
   setting.scene.spot_light({0.5, 2, 0.6}, {-0.05, -1, 0.02}, 6, 1e-2);
@@ -118,8 +132,8 @@ std::vector<Case> light_cases() {
       at("light-inside-box", "light inside of a closed box", {0, 0.6, 0}, 3),
       at("light-below-floor", "light 0.1 mm under the floor", {-0.6, -1e-4, 0.9}, 3),
       at("light-on-floor", "light in the floor's plane", {-0.6, 0, 0.9}, 3),
-      at("light-on-vertex", "light at a corner of the box", {0.3, 0.8, 0.3}, 3),
-      at("light-on-edge", "light on an edge of the box", {0.3, 0.8, 0.1}, 3),
+      at("light-on-vertex", "light at a corner of the box", kCorner, 3),
+      at("light-on-edge", "light on an edge of the box", {kCorner.x, kCorner.y, 0.1}, 3),
       {.name = "light-in-camera", .extreme = "light where the head is", .make = at_camera},
       {.name = "light-on-pixel",
        .extreme = "light at the very point a pixel sees",
@@ -141,6 +155,9 @@ std::vector<Case> light_cases() {
        .extreme = "light at 89.99 degrees 1 m away",
        .make = [] { return grazing_point(89.99); }},
       {.name = "light-overflow", .extreme = "1e30 candela, 0.1 um over the floor", .make = overflowing},
+      {.name = "light-overflow-in-shadow",
+       .extreme = "1e30 candela, 50 um off, behind a sheet",
+       .make = overflowing_in_shadow},
       {.name = "light-spot-0.01rad", .extreme = "a cone of 0.57 degrees", .make = narrow_spot},
       {.name = "light-spot-180deg", .extreme = "a cone of 180 degrees", .make = wide_spot},
       {.name = "light-range-1mm",

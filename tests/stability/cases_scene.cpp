@@ -46,11 +46,19 @@ Setting huge_floor() {
   return setting;
 }
 
-/// Two panels a little way apart over the floor, the far one seen through the near one's holes of 1e4 quads.
+/// A box close before the eyes, and a wall far behind all.
 Setting depth_ratio(float near_m, float far_m) {
   Setting setting = ordinary();
   setting.scene.add(box({0.5f, 1.6f, 2.5f - near_m}, glm::vec3(0.2f * near_m)));
   setting.scene.add(quad({0, 0, -far_m}, {far_m, 0, 0}, {0, far_m, 0}));
+  return setting;
+}
+
+/// The huge floor with the same box again 4 km away.
+Setting two_places() {
+  Setting setting = huge_floor();
+  for (int i = 0; i < 3; ++i)
+    setting.scene.add(box({0, 0.025f, 0}, glm::vec3(0.025f)), at({4000, 0, 0.2 * i}));
   return setting;
 }
 
@@ -143,10 +151,10 @@ Setting coplanar() {
   return setting;
 }
 
-Setting moving_fast() {
+Setting moving(double speed_m_s) {
   Setting setting = ordinary();
   const std::uint32_t node = setting.scene.add(box({0, 0, 0}, {0.15f, 0.15f, 0.15f}), at({-1.2, 0.3, 0.5}));
-  setting.scene.move(node, {-1.2, 0.3, 0.5}, {100, 0, 0});
+  setting.scene.move(node, {-1.2, 0.3, 0.5}, {speed_m_s, 0, 0});
   return setting;
 }
 
@@ -201,6 +209,7 @@ std::vector<Case> scene_cases() {
       {.name = "huge-floor-tiny-box",
        .extreme = "floor of two triangles 10 km wide, box of 5 cm",
        .make = huge_floor},
+      {.name = "two-places", .extreme = "the same, and more boxes 4 km away", .make = two_places},
       {.name = "triangle-aspect-1e4",
        .extreme = "slivers 1e4 times longer than wide",
        .make = [] { return with(slivers(1.6f, 1e4f)); }},
@@ -250,7 +259,14 @@ std::vector<Case> scene_cases() {
       {.name = "hair",
        .extreme = "posts of a hundredth of a pixel",
        .make = [] { return thin_posts(3e-4f); }},
-      {.name = "moving-100-m-s", .extreme = "a caster at 100 m/s", .make = moving_fast},
+      {.name = "moving-1-m-s",
+       .extreme = "nothing: a caster moves",
+       .make = [] { return moving(1); },
+       .like = "moving-1-m-s"},
+      {.name = "moving-100-m-s",
+       .extreme = "a caster at 100 m/s",
+       .make = [] { return moving(100); },
+       .like = "moving-1-m-s"},
       {.name = "one-triangle", .extreme = "nothing but one triangle", .make = one_triangle},
       like_many_triangles(
           {.name = "many-triangles", .extreme = "20,000 small triangles", .make = many_triangles}),

@@ -21,6 +21,13 @@ Setting with_size(Extent size) {
   return setting;
 }
 
+/// So narrow that its pixel is no mixture of edges.
+Setting one_pixel() {
+  Setting setting = symmetric(1);
+  setting.size = {1, 1};
+  return setting;
+}
+
 Setting with_eyes(double distance_m) {
   Setting setting = ordinary();
   setting.head.eye_distance_m = distance_m;
@@ -73,12 +80,14 @@ std::vector<Case> view_cases() {
        .extreme = "170 degrees wide, 1 high",
        .make = [] { return with_fov(-85, 85, -20, -21); }},
       {.name = "fov-of-each-eye", .extreme = "two eyes that share little", .make = different_eyes},
-      sized("size-1x1", "one pixel an eye", {1, 1}, "ordinary"),
+      sized("size-372x372", "nothing: more pixels", {372, 372}, "size-372x372"),
+      {.name = "size-1x1", .extreme = "one pixel an eye", .make = one_pixel},
       sized("size-1x97", "one column", {1, 97}, "ordinary"),
       sized("size-97x1", "one row", {97, 1}, "ordinary"),
       sized("size-prime", "83 x 61 pixels", {83, 61}, "ordinary"),
       sized("size-2000x3", "2,000 x 3 pixels", {2000, 3}, "ordinary"),
-      sized("size-8192x1", "the longest side there is", {8192, 1}, "ordinary"),
+      sized("size-8192x1", "the longest side there is", {8192, 1},
+            "size-372x372"),  // 17 rows with its guard band
       {.name = "eyes-0", .extreme = "both eyes in one place", .make = [] { return with_eyes(0); }},
       {.name = "eyes-1um", .extreme = "eyes 1 um apart", .make = [] { return with_eyes(1e-6); }},
       {.name = "eyes-1m",

@@ -9,14 +9,19 @@
 #include "tests/golden/reproject_reference.h"
 #include "tests/oracle/oracle.h"
 #include "tests/oracle/surfaces.h"
+#include "tests/stability/thin.h"
 
 namespace farshade::stability {
 namespace {
 
-/// The float reprojection against the same in double: as tests/golden/reproject_reference_test.cpp has it.
-constexpr double kMostOffDouble_px = 1e-3;
-/// Against the true surface: rasterisers put vertices on a grid of 1/256 pixel.
-constexpr double kMostOffSurface_px = 0.05;
+/// The float reprojection against the same in double: as tests/golden/reproject_reference_test.cpp has it,
+/// and for sides beyond 4,194 pixels twice what a float can tell a position by.
+double most_off_double_px(const Dump& dump) {
+  const Extent size = dump.traced[0].size;
+  return std::max(1e-3, 0x1p-22 * std::max(size.width, size.height));
+}
+/// Against the true surface: the rasteriser's grid.
+constexpr double kMostOffSurface_px = 1.0 / 256;
 /// Rounding to 8 bits, and normals of 16.
 constexpr double kMostOffPicture_levels = 2;
 
@@ -52,6 +57,7 @@ std::vector<Figure> figures_of(const Wrong& wrong, const std::string& masks) {
 /// The oracle's view of a pixel's surface.
 struct Seen {
   glm::dvec3 point, normal, base_color;
+  Met met;
 };
 
 std::optional<Seen> see(const oracle::Surfaces& surfaces, const View& view, std::uint32_t x,
@@ -65,7 +71,11 @@ std::optional<Seen> see(const oracle::Surfaces& surfaces, const View& view, std:
     return of[0] * (1 - hit->u - hit->v) + of[1] * hit->u + of[2] * hit->v;
   };
   const double side = t.material->double_sided && glm::dot(toward, t.facing) > 0 ? -1 : 1;
-  return Seen{mix(t.position), glm::normalize(mix(t.normal)) * side, glm::dvec3(t.material->base_color)};
+  // The ray is as long along -z as t says.
+  return Seen{mix(t.position),
+              glm::normalize(mix(t.normal)) * side,
+              glm::dvec3(t.material->base_color),
+              {t.position, hit->t}};
 }
 
 /// What `light` would send to the point if nothing stood between (KHR_lights_punctual), times N . L.
@@ -134,19 +144,29 @@ std::vector<Figure> judge_traced(const Scene& scene, const Dump& dump) {
 std::vector<Figure> judge_shown(const Scene& scene, const Dump& dump) {
   const SceneState state = state_at(scene, dump.scene_time);
   const oracle::Surfaces surfaces(scene, state, oracle::Search::Tree);
+  const std::vector<Corners> triangles = triangles_of(scene, state);
   Wrong wrong;
-  double levels = 0;
+  double levels = 0, other = 0, distance_off = 0;
   for (std::size_t e = 0; e < kEyes; ++e) {
     const DumpedEye& eye = dump.eyes[e];
     const View& view = dump.shown[e];
     const oracle::Masks truth = oracle::trace(scene, state, view);
     add(eye.mask_shown, truth, wrong);
     for (std::uint32_t y = 0; y < view.size.height; ++y)
-      for (std::uint32_t x = 0; x < view.size.width; ++x)
-        if (const auto seen = see(surfaces, view, x, y))
+      for (std::uint32_t x = 0; x < view.size.width; ++x) {
+        const auto seen = see(surfaces, view, x, y);
+        const Met* const met = seen ? &seen->met : nullptr;
+        if (const double drawn_m = eye.distance_m.at(x, y); is_other(drawn_m, met))
+          other += !may_be_seen(drawn_m, met, view, {x + 0.5, y + 0.5}, triangles);
+        else if (seen) {
+          distance_off = std::max(distance_off, std::abs(drawn_m / met->distance_m - 1));
           levels = std::max(levels, off_picture(*seen, state.light_set, truth, x, y, eye.shown.at(x, y)));
+        }
+      }
   }
   std::vector<Figure> figures = figures_of(wrong, "shown");
+  figures.push_back({"other surface drawn", "pixels", other, 0});
+  figures.push_back({"distance off", "%", 100 * distance_off});
   figures.push_back({"picture off", "levels", levels, kMostOffPicture_levels});
   return figures;
 }
@@ -168,14 +188,14 @@ std::vector<Figure> judge_lookup(const Scene& scene, const Dump& dump) {
         off_double.push_back(carried ? glm::length(carried->at - at) : HUGE_VAL);
         if (in_doubt(truth, x, y)) continue;
         const auto seen = see(surfaces, view, x, y);
-        if (!seen) continue;
+        if (!seen || is_other(eye.distance_m.at(x, y), &seen->met)) continue;  // judged in judge_shown
         const glm::dvec3 p = inverse(traced.stage_from_eye)(Point<Stage>{seen->point}).v;
         if (p.z < 0)
           off_surface.push_back(glm::length(ray_pixel(window_of(traced.fov), traced.size, p) - at));
       }
   }
   std::vector<Figure> figures{{"looked up", "pixels", static_cast<double>(off_double.size())}};
-  add_spread(figures, "reprojection", "px", off_double, kMostOffDouble_px);
+  add_spread(figures, "reprojection", "px", off_double, most_off_double_px(dump));
   add_spread(figures, "surface", "px", off_surface, kMostOffSurface_px);
   return figures;
 }

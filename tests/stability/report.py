@@ -18,7 +18,7 @@ svg { margin: 4px; background: #fafafa; } text { font: 10px system-ui, sans-seri
 
 
 class Axis:
-    """From values to pixels; logarithmic where they span more than a factor of 30 above 0."""
+    """From values to pixels; logarithmic where they span more than a factor of 30 above 0, with 0 below all."""
 
     def __init__(self, values, low_px, high_px):
         positive = [v for v in values if v > 0]
@@ -27,7 +27,8 @@ class Axis:
         at = [self._of(v) for v in values]
         self.low, self.high = min(at), max(at)
         if self.high == self.low:
-            self.low, self.high = self.low - 0.5, self.high + 0.5
+            self.high += 1
+        self.has_zero = self.log and min(values) <= 0
         self.low_px, self.high_px = low_px, high_px
 
     def _of(self, value):
@@ -39,8 +40,11 @@ class Axis:
     def ticks(self):
         if self.log:
             first, last = math.ceil(self.low - 1e-9), math.floor(self.high + 1e-9)
+            if self.has_zero:
+                first += 1
             step = max(1, math.ceil((last - first) / 5))
-            return [10.0 ** e for e in range(first, last + 1, step)]
+            ticks = [10.0 ** e for e in range(first, last + 1, step)]
+            return [0] + ticks if self.has_zero else ticks
         return [self.low + (self.high - self.low) * i / 4 for i in range(5)]
 
 

@@ -22,6 +22,8 @@ namespace farshade::stability {
 namespace {
 
 constexpr double kMostTimesOrdinary = 4;
+/// Masks asked for before a predictor has seen a head move.
+constexpr std::size_t kUnsettled = 3;
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 using Columns = std::map<std::string, std::vector<std::string>>;
@@ -146,15 +148,23 @@ std::string last_line(const std::string& text) {
   return last;
 }
 
-/// What the server refused, by its own count; -1 if it did not say.
+/// The number before `what`; 0 if it is not there.
+double number_before(const std::string& line, const std::string& what) {
+  const std::size_t end = line.find(what);
+  if (end == std::string::npos || end == 0) return 0;
+  const std::size_t start = line.find_last_not_of("0123456789", end - 1);
+  return std::strtod(line.c_str() + (start == std::string::npos ? 0 : start + 1), nullptr);
+}
+
+/// What the server refused for what it says, by its own count; a session that is over, or a datagram twice,
+/// is the network's doing. Not finite if it did not tell.
 double refused_by(ChildProgram& server) {
   server.send(SIGTERM);
-  const auto line = server.line_after("rt_server: ");
-  if (!line) return -1;
-  const std::size_t end = line->find(" refused");
-  if (end == std::string::npos) return -1;
-  const std::size_t start = line->rfind(' ', end - 1);
-  return std::strtod(line->c_str() + start, nullptr);
+  while (const auto line = server.line_after("rt_server: "))
+    if (line->find(" refused") != std::string::npos)
+      return number_before(*line, " refused") - number_before(*line, " unknown session") -
+             number_before(*line, " replayed");
+  return HUGE_VAL;
 }
 
 void append(std::vector<Figure>& to, std::vector<Figure> more) {
@@ -179,7 +189,7 @@ void judge_head(const Case& tested, const Files& files, const Columns& frames, V
   }
   const std::size_t first = times->second.size() - age.size();
   double held_deg = 0, most_deg = 0, most_mm = 0;
-  for (std::size_t i = 0; i < age.size(); ++i) {
+  for (std::size_t i = kUnsettled; i < age.size(); ++i) {
     const Time now = time_from_ns(std::strtoll(times->second[first + i].c_str(), nullptr, 10));
     const Rigid<Recorded, Head> shown = head_at(*trace, now),
                                 asked = head_at(*trace, now - duration_from_ms(age[i]));
@@ -189,6 +199,7 @@ void judge_head(const Case& tested, const Files& files, const Columns& frames, V
   }
   std::optional<double> bound;
   if (tested.head == HeadBound::NoWorseThanHeld) bound = held_deg + 0.01;
+  if (tested.head == HeadBound::TwiceHeld) bound = 2 * held_deg;
   verdict.figures.push_back({"predictor turn", "deg", most_deg, bound});
   verdict.figures.push_back({"held turn", "deg", held_deg});
   verdict.figures.push_back({"predictor way", "mm", most_mm});
@@ -267,7 +278,7 @@ Ran run(const Case& tested, const Room& room) {
   const double not_finite = static_cast<double>(count_not_finite(*of_still) + count_not_finite(*of_moving)) +
                             count_not_finite(frames) + count_not_finite(read_columns(still / "frames.csv"));
   verdict.figures.push_back({"not finite", "numbers", not_finite, 0});
-  verdict.figures.push_back({"refused by the server", "messages", std::abs(refused_by(server)), 0});
+  verdict.figures.push_back({"refused by the server", "messages", refused_by(server), 0});
   ran.pace = pace_of(frames);
   return ran;
 }

@@ -20,6 +20,7 @@ enum class Outcome : std::uint8_t {
 enum class HeadBound : std::uint8_t {
   None,
   NoWorseThanHeld,  ///< the predicted views miss by no more than views held since they were asked for
+  TwiceHeld,        ///< by no more than twice that: what seemed a speed was a jerk of the recording's
 };
 
 struct Case {
