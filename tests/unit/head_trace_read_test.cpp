@@ -161,8 +161,9 @@ TEST(HeadTraceRead, LeavesOutRepeatedAndBackwardStampsAndCountsThem) {
     const HeadTrace trace = good(replaced(kEuroc, "\n\n", std::string("\n") + stamp + ",7,7,7,1,0,0,0\n"));
     EXPECT_EQ(trace.rows_left_out, 1u);
     ASSERT_EQ(trace.samples.size(), 3u);
-    EXPECT_EQ(trace.samples[1].recorded_from_head.translation.x, 1.5);  // the first of two stays
   }
+  const HeadTrace repeated = good(replaced(kEuroc, "\n\n", "\n1403636579768555520,7,7,7,1,0,0,0\n"));
+  EXPECT_EQ(repeated.samples[1].recorded_from_head.translation.x, 1.5);  // the first of the two stays
 }
 
 TEST(HeadTraceRead, LosesOneRowToOneStampThatRanAhead) {
