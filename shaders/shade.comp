@@ -72,10 +72,13 @@ vec3 unfolded(vec2 p) {
   return n;
 }
 
+// Neither 0/0 where a light stands on the surface, nor infinity, of which a shadow would make NaN.
+const float kLeastDistance2 = 1e-30, kMostRadiance = 1e30;
+
 vec3 radiance(uint i, vec3 p, vec3 n) {
   vec4 place = lights[i].position[kEye];
   vec3 to_light = place.xyz - p * place.w;
-  float distance2 = dot(to_light, to_light);
+  float distance2 = max(dot(to_light, to_light), kLeastDistance2);
   vec3 l = to_light * inversesqrt(distance2);
   float strength = max(dot(n, l), 0.0) * (place.w == 0.0 ? 1.0 : 1.0 / distance2);
   if (kRangesAndCones) {
@@ -84,7 +87,7 @@ vec3 radiance(uint i, vec3 p, vec3 n) {
     float falloff = clamp(-dot(lights[i].spot_direction.xyz, l) * cone.x + cone.y, 0.0, 1.0);
     strength *= clamp(1.0 - reach * reach, 0.0, 1.0) * falloff * falloff;
   }
-  return lights[i].intensity.rgb * strength;
+  return min(lights[i].intensity.rgb * strength, vec3(kMostRadiance));
 }
 
 vec3 srgb(vec3 c) {

@@ -19,13 +19,32 @@ std::vector<T> filled(const std::vector<T>& values, std::size_t count, T neutral
   return values.empty() ? std::vector<T>(count, neutral) : values;
 }
 
+/// What a mesh's vertices are sent relative to. One that lies far from its own origin, as in map coordinates,
+/// would lose its digits where the device adds up float products; all others stay as they are. (The
+/// relative-to-centre method: P. Cozzi, K. Ring, "3D Engine Design for Virtual Globes", 2011, chapter 5.)
+glm::dvec3 center_of(const std::vector<glm::vec3>& positions) {
+  constexpr double kFar = 16;  // times its own half size
+  glm::dvec3 low(positions.front()), high(low);
+  for (const glm::vec3& p : positions)
+    low = glm::min(low, glm::dvec3(p)), high = glm::max(high, glm::dvec3(p));
+  const glm::dvec3 center = (low + high) * 0.5;
+  return glm::length(center) > kFar * 0.5 * glm::length(high - low) ? center : glm::dvec3(0.0);
+}
+
+std::vector<glm::vec3> relative_to(const glm::dvec3& center, std::vector<glm::vec3> positions) {
+  for (glm::vec3& p : positions) p = glm::vec3(glm::dvec3(p) - center);
+  return positions;
+}
+
 MeshBuffers make_mesh(const gpu::Device& device, const Scene& scene, const Mesh& mesh,
                       const SurfaceNeeds& needs) {
   const std::size_t count = mesh.positions.size();
   MeshBuffers buffers;
   buffers.bytes = stream_bytes(mesh, needs);
   buffers.texture = texture_of(scene, mesh, needs);
-  buffers.positions = stream(device, mesh.positions, Usage::eVertexBuffer, mesh.name + " positions");
+  buffers.center = center_of(mesh.positions);
+  const std::vector<glm::vec3> positions = relative_to(buffers.center, mesh.positions);
+  buffers.positions = stream(device, positions, Usage::eVertexBuffer, mesh.name + " positions");
   buffers.normals = stream(device, mesh.normals, Usage::eVertexBuffer, mesh.name + " normals");
   if (needs.texture)
     buffers.uvs =
@@ -35,8 +54,8 @@ MeshBuffers make_mesh(const gpu::Device& device, const Scene& scene, const Mesh&
                             mesh.name + " colors");
   buffers.indices = stream(device, mesh.triangles, Usage::eIndexBuffer, mesh.name + " indices");
   buffers.index_count = narrow<std::uint32_t>(mesh.triangles.size() * 3);
-  buffers.low = buffers.high = mesh.positions.front();
-  for (const glm::vec3& p : mesh.positions) {
+  buffers.low = buffers.high = positions.front();
+  for (const glm::vec3& p : positions) {
     buffers.low = glm::min(buffers.low, p);
     buffers.high = glm::max(buffers.high, p);
   }

@@ -29,7 +29,8 @@ struct MeshBuffers {
   StreamBytes bytes;
   std::optional<std::size_t> texture;  ///< into SceneBuffers::textures
   std::uint32_t index_count = 0;
-  glm::vec3 low{0.0f}, high{0.0f};  ///< object-space box
+  glm::dvec3 center{0.0};           ///< object space: what positions and box are relative to
+  glm::vec3 low{0.0f}, high{0.0f};  ///< the box about them
 };
 
 struct TextureBuffers {

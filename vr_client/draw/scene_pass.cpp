@@ -195,7 +195,9 @@ void ScenePass::prepare(const StereoView& views, const SceneState& state) {
   vertex_bytes_read_ = 0;
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
     const MeshBuffers& mesh = buffers_.meshes[scene_.instances[i].mesh];
-    data[i] = instance_data(views, state.stage_from_object[i]);
+    Affine<Stage, Object> stage_from_mesh = state.stage_from_object[i];
+    stage_from_mesh.matrix[3] = glm::dvec4(stage_from_mesh(Point<Object>{mesh.center}).v, 1.0);
+    data[i] = instance_data(views, stage_from_mesh);
     const bool left = may_be_seen(data[i], 0, mesh.low, mesh.high),
                right = may_be_seen(data[i], 1, mesh.low, mesh.high);
     if (!left && !right) continue;
