@@ -41,7 +41,8 @@ Expected<std::unique_ptr<DatagramPort>> open_port(const ServeOptions& options, c
 }
 
 void say_counters(const ServerCore& core) {
-  fmt::print("{}\n", counters_line(core.counters()));
+  const ServerCounters counters = core.counters();
+  fmt::print("{}\n{}\n", counters_line(counters), rays_line(counters.traced));
   std::fflush(stdout);
 }
 

@@ -46,6 +46,15 @@ std::string counters_line(const ServerCounters& counters) {
       sessions.moved, sessions.held_back);
 }
 
+std::string rays_line(const TraceStats& traced) {
+  return fmt::format(
+      "rt_server: rays: {} from eyes, {} to lights of {} covered pixels times lights; the others needed "
+      "none: {} turned "
+      "away, {} out of range, {} out of cone, {} proved in sight",
+      traced.primary_rays, traced.shadow_rays, traced.full_shadow_rays, traced.turned_away,
+      traced.out_of_range, traced.out_of_cone, traced.proven);
+}
+
 ServerCore::ServerCore(const Welcome& served, const std::vector<SharedKey>& ring, TraceFunction trace,
                        DatagramPort& port, const Clock& clock, const SessionLimits& limits, SameAllOver same)
     : trace_(std::move(trace)), port_(port), clock_(clock), sessions_(served, ring, limits), packer_(same) {}
@@ -130,6 +139,7 @@ bool ServerCore::work() {
     const std::lock_guard lock(mutex_);
     const Time now = clock_.now();
     sessions_.put(job->session, messages, now - begun, now);
+    traced_ += stats;
   }
   ++frames_;
   wake();
@@ -138,7 +148,8 @@ bool ServerCore::work() {
 
 ServerCounters ServerCore::counters() const {
   const std::lock_guard lock(mutex_);
-  return {sessions_.counters(), sessions_.gate(), refused_, port_.counters(), frames_, sessions_.size()};
+  return {sessions_.counters(), sessions_.gate(), refused_, port_.counters(), frames_,
+          sessions_.size(),     traced_};
 }
 
 }  // namespace farshade

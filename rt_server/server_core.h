@@ -26,10 +26,14 @@ struct ServerCounters {
   PortCounters port;
   std::uint64_t frames = 0;       ///< traced
   std::size_t sessions_open = 0;  ///< now
+  TraceStats traced;              ///< over all frames
 };
 
 /// `counters` in one line for a person at a terminal; of the reasons for refusals only those that occurred.
 [[nodiscard]] std::string counters_line(const ServerCounters& counters);
+
+/// What was traced and what needed no ray, in one line.
+[[nodiscard]] std::string rays_line(const TraceStats& traced);
 
 /// One thread may call receive(), send_due() and next_due() while another calls wait_for_work() and work();
 /// counters() from any.
@@ -71,10 +75,11 @@ class ServerCore {
   DatagramPort& port_;
   const Clock& clock_;
 
-  mutable std::mutex mutex_;  ///< guards sessions_ and refused_
+  mutable std::mutex mutex_;  ///< guards sessions_, refused_ and traced_
   std::condition_variable_any somebody_waits_;
   Sessions sessions_;
   RefusalCounts refused_;
+  TraceStats traced_;
 
   // The network side's own.
   std::vector<std::byte> datagram_;

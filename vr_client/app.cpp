@@ -64,6 +64,27 @@ Expected<void> write_timeline(const Options& options, const Timeline& timeline) 
   return options.timeline.empty() ? Expected<void>{} : timeline.write(options.timeline);
 }
 
+std::string megabytes(std::uint64_t bytes) {
+  return fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6);
+}
+
+/// "183.2 MB on the device at most: vertices 12.3 MB, ...", of those uses that take any.
+std::string in_words(const gpu::BytesByUse& memory) {
+  std::string text = megabytes(most_at_once(memory)) + " on the device at most";
+  for (std::size_t i = 0; i < gpu::kUses; ++i)
+    if (const auto use = static_cast<gpu::Use>(i); memory[use] > 0)
+      text += fmt::format("{} {} {}", text.ends_with("most") ? ":" : ",", gpu::to_string(use),
+                          megabytes(memory[use]));
+  return text;
+}
+
+/// What the plan foresaw, and what it came to.
+std::string memory_line(const Client& client, const RendererLimits& limits) {
+  return fmt::format("memory on the device: {} at most, {} foreseen by the plan\n",
+                     megabytes(client.renderer->counters().memory.peak_total),
+                     megabytes(most_at_once(client_memory(client.scene, client.plan.draw, limits))));
+}
+
 std::string heading(const Options& options, const Client& client, const TraceRuntime& runtime,
                     const FrameLog& log) {
   std::string text =
@@ -136,7 +157,8 @@ Expected<void> tell_plan(const Options& options) {
   }
   const Expected<PlannedScene> planned = load_planned(options, needs_of(options, eye_distance_m));
   if (!planned) return tl::unexpected(planned.error());
-  fmt::print("{}", in_words(planned->plan, planned->scene));
+  fmt::print("{}  {:<12} {}\n", in_words(planned->plan, planned->scene), "memory",
+             in_words(client_memory(planned->scene, planned->plan.draw, renderer_limits(options))));
   return {};
 }
 
@@ -225,7 +247,8 @@ Expected<void> run_client(const Options& options) {
     if (taped && !tape.failed()) tape.watch(view, client.renderer->read_shown());
   };
   if (auto done = show(options, session, frames, recorder, stop_signal, record); !done) return done;
-  fmt::print("{}{}", heading(options, client, runtime, recorder.log()), table(recorder.log().summary()));
+  fmt::print("{}{}{}", heading(options, client, runtime, recorder.log()),
+             memory_line(client, renderer_limits(options)), table(recorder.log().summary()));
   fmt::print("wrote {}\n", options.out.string());
   if (tape.failed()) return tl::unexpected(*tape.failed());
   if (taped)

@@ -18,6 +18,8 @@ constexpr Duration kMeetPatience = std::chrono::seconds(3);
 /// later.
 constexpr double kLongestRoundTrip_ms = 250;
 
+}  // namespace
+
 RendererLimits renderer_limits(const Options& options) {
   // Whoever looks at a preview may want a guard band at any time.
   if (options.mode == Mode::Full)
@@ -28,6 +30,8 @@ RendererLimits renderer_limits(const Options& options) {
           .traced_size = wider ? largest_traced(options.size) : options.size,
           .depth_frames = frames_in_flight(options)};
 }
+
+namespace {
 
 Expected<SharedKey> key_for(const Options& options, const Peer& server) {
   if (options.insecure) {

@@ -36,6 +36,9 @@ inline constexpr double kWorstPreviewPath_ms = 400;
 /// What a session with `options` asks of the scene's plan, for eyes that far apart.
 [[nodiscard]] SessionNeeds needs_of(const Options& options, double eye_distance_m);
 
+/// How large the renderer of such a session is.
+[[nodiscard]] RendererLimits renderer_limits(const Options& options);
+
 /// The scene with its plan.
 [[nodiscard]] Expected<PlannedScene> load_planned(const Options& options, const SessionNeeds& needs);
 

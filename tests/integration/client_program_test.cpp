@@ -230,6 +230,44 @@ TEST(ClientProgram, SaysItsPlanWithoutDeviceServerOrRecording) {
   EXPECT_EQ(program.wait(), 0) << program.errors();
 }
 
+/// "123 from eyes, 45 to lights ...": the numbers in order.
+std::vector<double> numbers_in(const std::string& text) {
+  std::vector<double> numbers;
+  std::string digits;
+  for (const char c : text + ' ') {
+    if (c >= '0' && c <= '9') {
+      digits += c;
+    } else if (!digits.empty()) {
+      numbers.push_back(std::stod(digits));
+      digits.clear();
+    }
+  }
+  return numbers;
+}
+
+TEST(ServerOfAClient, AccountsForEveryPixelAndLightWithARayOrTheReasonForNone) {
+  for (const std::string plan : {"needed", "everything"}) {
+    const ScratchFolder folder;
+    RunningServer server(kRoom, "127.0.0.1:0", {"--plan=" + plan});
+    const Ended run = run_client({{"--server", server.address()},
+                                  {"--plan=" + plan, ""},
+                                  {"--reference-every", "0"},
+                                  {"--out", folder.path().string()}});
+    ASSERT_EQ(run.status, 0) << run.errors;
+    server.program().send(SIGINT);
+    const auto line = server.program().line_after("rt_server: rays: ");
+    ASSERT_TRUE(line.has_value());
+    const std::vector<double> n = numbers_in(*line);  // eyes, lights, all; away, range, cone, proved
+    ASSERT_EQ(n.size(), 7u) << *line;
+    EXPECT_GT(n[0], 0) << *line;
+    EXPECT_EQ(n[1] + n[3] + n[4] + n[5] + n[6], n[2]) << *line;
+    if (plan == "needed")
+      EXPECT_LT(n[1], 0.8 * n[2]) << *line;
+    else
+      EXPECT_EQ(n[1], n[2]) << *line;
+  }
+}
+
 /// Both programs with nothing left out: the same masks and so the same pictures.
 TEST(ClientProgram, ShowsTheSameWithAndWithoutWhatTheSceneDoesNotNeed) {
   const ScratchFolder folder;

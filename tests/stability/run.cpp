@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -179,23 +181,24 @@ Pace pace_of(const Columns& frames) {
 /// What views held since they were asked for would have missed in each frame, and what those asked for did.
 void judge_head(const Case& tested, const Files& files, const Columns& frames, Verdict& verdict) {
   const Expected<HeadTrace> trace = load_head_trace(files.head);
-  const std::vector<double> turned = numbers(frames, "head turned since traced view [deg]"),
-                            moved = numbers(frames, "head moved since traced view [mm]"),
-                            age = numbers(frames, "wire age [ms]");
-  const auto times = frames.find("display_time_ns");
-  if (!trace || times == frames.end() || age.size() != turned.size() || moved.size() != turned.size()) {
+  const std::array names{"display_time_ns", "head turned since traced view [deg]",
+                         "head moved since traced view [mm]", "wire age [ms]"};
+  if (!trace || !std::ranges::all_of(names, [&](const char* name) { return frames.contains(name); })) {
     verdict.broken = "frames.csv does not say how the head moved";
     return;
   }
-  const std::size_t first = times->second.size() - age.size();
   double held_deg = 0, most_deg = 0, most_mm = 0;
-  for (std::size_t i = kUnsettled; i < age.size(); ++i) {
-    const Time now = time_from_ns(std::strtoll(times->second[first + i].c_str(), nullptr, 10));
+  std::size_t seen = 0;
+  for (std::size_t row = 0; row < frames.at(names[0]).size(); ++row) {
+    const auto field = [&](std::size_t i) { return frames.at(names[i])[row]; };
+    if (field(1).empty() || field(3).empty() || ++seen <= kUnsettled) continue;
+    const Time now = time_from_ns(std::strtoll(field(0).c_str(), nullptr, 10));
+    const double age_ms = std::strtod(field(3).c_str(), nullptr);
     const Rigid<Recorded, Head> shown = head_at(*trace, now),
-                                asked = head_at(*trace, now - duration_from_ms(age[i]));
+                                asked = head_at(*trace, now - duration_from_ms(age_ms));
     held_deg = std::max(held_deg, angle_between_rad(shown.rotation, asked.rotation) * kDegrees);
-    most_deg = std::max(most_deg, turned[i]);
-    most_mm = std::max(most_mm, moved[i]);
+    most_deg = std::max(most_deg, std::strtod(field(1).c_str(), nullptr));
+    most_mm = std::max(most_mm, std::strtod(field(2).c_str(), nullptr));
   }
   std::optional<double> bound;
   if (tested.head == HeadBound::NoWorseThanHeld) bound = held_deg + 0.01;
