@@ -82,6 +82,27 @@ void print(const char* label, const std::vector<double>& values) {
   std::printf("  %-34s %9.2f %9.2f %9.2f\n", label, spread.median, quantile(values, 0.1), spread.p95);
 }
 
+/// By use, as predicted for the scene's plan and for one with everything on; and what `device` has allocated
+/// for the former.
+void print_memory(const Scene& scene, const RendererLimits& limits, const gpu::Device& device) {
+  const auto predicted = [&](PlanKind kind) {
+    return client_memory(scene, plan_for(scene, {.kind = kind, .all_lights = true}).draw, limits);
+  };
+  const gpu::BytesByUse needed = predicted(PlanKind::Needed), everything = predicted(PlanKind::Everything),
+                        measured = device.ledger->read().peak;
+  constexpr double kMiB = 1 << 20;
+  std::printf("  %-34s %9s %9s %9s\n", "device memory, MiB", "needed", "measured", "everything");
+  for (std::size_t use = 0; use < gpu::kUses; ++use)
+    std::printf("  %-34s %9.2f %9.2f %9.2f\n", to_string(static_cast<gpu::Use>(use)).data(),
+                static_cast<double>(needed.bytes[use]) / kMiB,
+                static_cast<double>(measured.bytes[use]) / kMiB,
+                static_cast<double>(everything.bytes[use]) / kMiB);
+  std::printf("  %-34s %9.2f %9.2f %9.2f\n", "at most at one time",
+              static_cast<double>(most_at_once(needed)) / kMiB,
+              static_cast<double>(device.ledger->read().peak_total) / kMiB,
+              static_cast<double>(most_at_once(everything)) / kMiB);
+}
+
 Expected<void> run(const Options& options) {
   const Expected<Scene> scene = load_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
@@ -96,7 +117,8 @@ Expected<void> run(const Options& options) {
       scene->camera ? place(*trace, *scene->camera) : Rigid<Stage, Recorded>{};
   const auto lights = static_cast<std::uint32_t>(scene->lights.size());
   const Extent size{options.side_px, options.side_px};
-  Renderer renderer(*device, *scene, {size, largest_traced(size), kRing_frames});
+  const RendererLimits limits{size, largest_traced(size), kRing_frames};
+  Renderer renderer(*device, *scene, limits);
   RequestPlan plan(RequestWish{});
   plan.learn(kPeriod * kLate_frames);
   Assembler assembler(kRing_frames);
@@ -146,6 +168,7 @@ Expected<void> run(const Options& options) {
   print("    G-buffer", times.gbuffer);
   print("    depth of requested views", times.depth);
   for (const Way& way : times.ways) print(way.name, way.ms);
+  print_memory(*scene, limits, *device);
   const auto median = [](const std::vector<double>& values) { return quantile(values, 0.5); };
   std::printf("client frame without depth of requested views / bare G-buffer pass = %.3f (figure: <= %.1f)\n",
               (median(times.frame) - median(times.depth)) / median(times.bare), kFrameFigure);
