@@ -64,7 +64,11 @@ Setting at_camera() {
 Setting looks_down(const glm::dvec3& light, double candela) {
   Setting setting = one_light(light, candela);
   setting.scene.sun({0.3, -1, -0.6}, 0.8);
-  setting.head = recorded({.from = {0.9, 1, 0.9}, .target = {0.9, 0, 0.9 - 1e-12}, .turn_degrees_s = 0}, 1);
+  setting.head = recorded({.from = {0.9, 1, 0.9},
+                           .target = {0.9, 0, 0.9 - 1e-12},
+                           .turn_degrees_s = 0,
+                           .drift_m_s = glm::dvec3(0)},
+                          1);
   setting.head.eye_distance_m = 0;
   setting.set_fov(degrees(-30, 30, 30, -30));
   setting.size = {33, 33};
@@ -80,14 +84,25 @@ Setting overflowing() {
   return setting;
 }
 
-/// Seen through a sheet that shows its other side alone, under which only a light at its side reaches: the
-/// light over the sheet would be infinite there, and is in shadow.
+/// In a scene 4 mm wide, through a sheet that shows its other side alone, and under which only a light at its
+/// side reaches: the light over the sheet would be infinite there, and is in shadow.
 Setting overflowing_in_shadow() {
-  Setting setting = looks_down({0.9, 5e-5, 0.9}, 1e30);
-  setting.scene.point_light({0.91, 1.5e-5, 0.9}, 0.07);
-  Mesh sheet = quad({0.9f, 3e-5f, 0.9f}, {4e-4f, 0, 0}, {0, 0, 4e-4f});
+  Setting setting = unlit({.scale = 1e-3});
+  const glm::dvec3 below{9e-4, 0, 9e-4};
+  setting.scene.point_light(below + glm::dvec3(0, 5e-5, 0), 1e30);
+  setting.scene.point_light(below + glm::dvec3(1e-3, 1.5e-5, 0), 7e-5);
+  Mesh sheet = quad({9e-4f, 3e-5f, 9e-4f}, {4e-4f, 0, 0}, {0, 0, 4e-4f});
   sheet.material = setting.scene.material({{"doubleSided", false}});
   setting.scene.add(sheet);
+  const glm::dvec3 above = below + glm::dvec3(0, 1e-3, 0);
+  setting.head = recorded({.from = above,
+                           .target = below - glm::dvec3(0, 0, 1e-15),
+                           .turn_degrees_s = 0,
+                           .drift_m_s = glm::dvec3(0)},
+                          1);
+  setting.head.eye_distance_m = 0;
+  setting.set_fov(degrees(-30, 30, 30, -30));
+  setting.size = {33, 33};
   return setting;
 }
 

@@ -54,14 +54,6 @@ Setting depth_ratio(float near_m, float far_m) {
   return setting;
 }
 
-/// The huge floor with the same box again 4 km away.
-Setting two_places() {
-  Setting setting = huge_floor();
-  for (int i = 0; i < 3; ++i)
-    setting.scene.add(box({0, 0.025f, 0}, glm::vec3(0.025f)), at({4000, 0, 0.2 * i}));
-  return setting;
-}
-
 Setting z_fighting(float gap_m) {
   Setting setting = ordinary();
   setting.scene.add(quad({-0.9f, gap_m, 0.6f}, {0, 0, 0.5f}, {0.5f, 0, 0}));
@@ -209,7 +201,6 @@ std::vector<Case> scene_cases() {
       {.name = "huge-floor-tiny-box",
        .extreme = "floor of two triangles 10 km wide, box of 5 cm",
        .make = huge_floor},
-      {.name = "two-places", .extreme = "the same, and more boxes 4 km away", .make = two_places},
       {.name = "triangle-aspect-1e4",
        .extreme = "slivers 1e4 times longer than wide",
        .make = [] { return with(slivers(1.6f, 1e4f)); }},

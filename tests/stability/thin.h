@@ -25,7 +25,7 @@ struct Met {
 };
 
 inline constexpr double kGrid_px = 1.0 / 64;   ///< four steps of the rasteriser's grid
-inline constexpr double kSameDistance = 1e-3;  ///< relative
+inline constexpr double kSameDistance = 1e-2;  ///< relative
 
 /// Whether `distance_m` (0 = nothing) speaks of another surface than `met` (null: none).
 [[nodiscard]] bool is_other(double distance_m, const Met* met);
