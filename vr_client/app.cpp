@@ -37,6 +37,9 @@ Expected<HeadTrace> load_trace(const Options& options) {
     return fail(Fault::OutOfRange,
                 fmt::format("--skip {:g} leaves nothing of {}, which is {:g} s long", options.skip_s,
                             options.trace.string(), seconds_of(trace->end() - trace->start())));
+  if (trace && trace->rows_left_out > 0)
+    spdlog::warn("{}: {} rows are left out, their stamps repeat others or run backward",
+                 options.trace.string(), trace->rows_left_out);
   return trace;
 }
 
