@@ -57,11 +57,10 @@ void find_across(const CellFrame& frame, const TileSurface& s, int first, CellLa
   found.depth = along.x * x + along.y * y + along.z * z;
 }
 
-/// `proven` becomes -1 in those of `lanes` whose light nothing can hide. What lies in further cells than the
-/// first few of a packet is not proven.
+/// `proven` becomes -1 in those of `lanes` whose light nothing can hide. Looks at each of their cells once: 8
+/// ns a cell, against 250 ns and more for a packet of rays.
 template <int K>
 void prove(const LightMap& map, const TileSurface& s, int first, const Ints<K>& lanes, Ints<K>& proven) {
-  constexpr int kMostCells = 4;
   CellLanes<K> found;
   if (map.frame().cube)
     find_on_cube<K>(map.frame(), s, first, found);
@@ -72,9 +71,7 @@ void prove(const LightMap& map, const TileSurface& s, int first, const Ints<K>& 
   doubt *= 0.5f * kOffset;
   Ints<K> pending = lanes & (found.cell >= 0);
   proven = Ints<K>{};
-  for (int turn = 0; turn < kMostCells; ++turn) {
-    const int lead = first_of(pending);
-    if (lead < 0) return;
+  for (int lead = first_of(pending); lead >= 0; lead = first_of(pending)) {
     const std::int32_t number = found.cell[lead];
     const LightMap::Cell& cell = map.cells()[static_cast<std::size_t>(number)];
     Ints<K> clear = pending & (found.cell == number);

@@ -6,6 +6,9 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <sys/types.h>
+
+#include <atomic>
 #include <cstddef>
 #include <string>
 #include <type_traits>
@@ -145,10 +148,25 @@ void occluded_in(RTCScene scene, Coherence coherence, const Lanes<K>& lanes, Ray
     occluded_in<rtcOccluded4>(scene, coherence, lanes.valid, static_cast<RTCRay4*>(rays));
 }
 
+/// Told by the device, from any thread.
+struct Ledger {
+  std::atomic<std::ptrdiff_t> bytes{0}, peak{0};
+
+  static bool note(void* self, ssize_t change, bool /*post*/) {
+    auto& ledger = *static_cast<Ledger*>(self);
+    const std::ptrdiff_t now = ledger.bytes += change;
+    std::ptrdiff_t most = ledger.peak;
+    while (now > most && !ledger.peak.compare_exchange_weak(most, now)) {
+    }
+    return true;
+  }
+};
+
 }  // namespace
 
 struct RayScene::Impl {
   const SurfaceModel& model;
+  Ledger ledger;  ///< before the device, which tells it until its end
   Device device{rtcNewDevice(nullptr)};
   std::vector<FilterData> filter_data;  ///< one a patch; addresses are given to Embree
   SceneHandle fixed;
@@ -233,6 +251,7 @@ Expected<RayScene> RayScene::create(const SurfaceModel& model) {
                                         std::to_string(rtcGetDeviceError(nullptr)) + ").");
   if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) impl->width = 8;
   if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) impl->width = 16;
+  rtcSetDeviceMemoryMonitorFunction(device, Ledger::note, &impl->ledger);
   impl->build();
   if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
     return fail(Fault::Unavailable,
@@ -247,6 +266,12 @@ RayScene::~RayScene() = default;
 
 void RayScene::update() {
   impl_->update();
+}
+std::size_t RayScene::bytes() const {
+  return static_cast<std::size_t>(impl_->ledger.bytes.load());
+}
+std::size_t RayScene::peak_bytes() const {
+  return static_cast<std::size_t>(impl_->ledger.peak.load());
 }
 int RayScene::width() const {
   return impl_->width;

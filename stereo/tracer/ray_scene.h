@@ -28,6 +28,10 @@ class RayScene {
   /// Takes over the model's placements.
   void update();
 
+  /// Bytes that the traversal's library holds, and the most that it ever held.
+  [[nodiscard]] std::size_t bytes() const;
+  [[nodiscard]] std::size_t peak_bytes() const;
+
   /// Rays a packet that this machine traces natively: 16, 8 or 4.
   [[nodiscard]] int width() const;
 

@@ -224,4 +224,15 @@ TraceStats Tracer::trace(const TraceRequest& request, ShadowFrame& frame) {
           .proven = sums.rays.proven};
 }
 
+TracerMemory Tracer::memory() const {
+  const SurfaceModel& model = impl_->model;
+  TracerMemory memory{.vertices = model.positions().size_bytes() + model.normals().size_bytes(),
+                      .triangles = model.triangles().size_bytes(),
+                      .facets = model.facets().size_bytes(),
+                      .hierarchy = impl_->rays->bytes(),
+                      .hierarchy_peak = impl_->rays->peak_bytes()};
+  for (const std::optional<LightMap>& map : impl_->maps) memory.maps += map ? map->bytes() : 0;
+  return memory;
+}
+
 }  // namespace farshade

@@ -25,6 +25,7 @@
 #include "stereo/frame/shadow_frame.h"
 #include "stereo/plan/scene_plan.h"
 #include "stereo/scene/scene_state.h"
+#include "stereo/tracer/tracer_memory.h"
 
 namespace farshade {
 
@@ -67,6 +68,8 @@ class Tracer {
   /// whose buffers are reused. Nothing is kept of one request's lights for the next. Where both views
   /// coincide one is traced and copied. One call at a time; uses all cores.
   TraceStats trace(const TraceRequest& request, ShadowFrame& frame);
+
+  [[nodiscard]] TracerMemory memory() const;
 
  private:
   struct Impl;

@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <ctime>
+#include <optional>
 #include <vector>
 
 #include "stereo/base/quantile.h"
@@ -90,11 +91,21 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
   ShadowFrame frame;
   TracePlan plain_plan = plan_for(scene, {.all_lights = true}).trace;
   plain_plan.skips_rays = false;
-  const Stopwatch making;
-  Tracer plain = Tracer::create(scene, plain_plan).value();
-  const double plain_ms = ms_of(making.elapsed());
-  Tracer again = Tracer::create(scene).value();
-  std::printf("made in %.1f ms, without maps %.1f\n", ms_of(making.elapsed()) - plain_ms, plain_ms);
+  const auto cpu_ms = [](auto&& work) {
+    const std::clock_t start = std::clock();
+    work();
+    return static_cast<double>(std::clock() - start) * 1e3 / CLOCKS_PER_SEC;
+  };
+  std::optional<Tracer> making, plain_made;
+  const double plain_ms = cpu_ms([&] { plain_made.emplace(Tracer::create(scene, plain_plan).value()); });
+  const double made_ms = cpu_ms([&] { making.emplace(Tracer::create(scene).value()); });
+  Tracer& plain = *plain_made;
+  const TracerMemory memory = tracer.memory();
+  std::printf(
+      "made in %.1f ms of core time, maps %.1f ms of it; maps %.2f MB of %.2f MB (peak of the hierarchy %.2f "
+      "MB)\n",
+      made_ms, made_ms - plain_ms, static_cast<double>(memory.maps) / 1e6,
+      static_cast<double>(memory.total()) / 1e6, static_cast<double>(memory.hierarchy_peak) / 1e6);
   ShadowFrame plain_frame;
   TraceStats stats = tracer.trace(request, frame);
   std::vector<double> plain_shadow;
@@ -102,11 +113,6 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
   std::printf("masks %s\n", plain_frame.masks == frame.masks ? "same" : "DIFFER");
   std::vector<double> primary, shadow, bare, ratio;
   std::vector<double> cpu, plain_cpu;
-  const auto cpu_ms = [](auto&& work) {
-    const std::clock_t start = std::clock();
-    work();
-    return static_cast<double>(std::clock() - start) * 1e3 / CLOCKS_PER_SEC;
-  };
   std::vector<double> see_cpu;
   const auto see_all = [&] {
     TileSurface surface;

@@ -109,7 +109,10 @@ TEST(TracerFrame, CountsOnlyRaysThatMatter) {
   for (const std::uint8_t pixel : oracle::trace(scene, state_at(scene, Time{}), kLeft).covered)
     covered += pixel;
   EXPECT_EQ(stats.full_shadow_rays, covered * 4 * 2);
-  EXPECT_EQ(stats.shadow_rays, covered);
+  EXPECT_EQ(stats.shadow_rays + stats.proven, covered);
+  EXPECT_EQ(stats.turned_away, covered);
+  EXPECT_EQ(stats.out_of_range, covered);
+  EXPECT_EQ(stats.out_of_cone, covered);
 }
 
 TEST(TracerFrame, NoRayWhereEitherNormalTurnsAway) {
@@ -140,7 +143,7 @@ TEST(TracerFrame, WithoutLightsNothingIsTraced) {
 template <int K>
 std::vector<std::uint32_t> words_by(const Scene& scene) {
   const SceneState state = state_at(scene, time_from_ns(250'000'000));
-  const SurfaceModel model(scene, state);
+  const SurfaceModel model(scene, state, plan_for(scene).trace);
   const RayScene rays = RayScene::create(model).value();
   std::vector<std::uint32_t> all;
   const TileGrid grid{kLeft.size};
@@ -149,7 +152,7 @@ std::vector<std::uint32_t> words_by(const Scene& scene) {
     see_tile<K>(rays, model, rays_of(kLeft, model.anchor()), grid.rect(tile), surface);
     std::uint32_t words[kTilePixels]{};
     for (std::uint32_t i = 0; i < state.light_set.lights.size(); ++i)
-      shadow_tile<K>(surface, shadow_light(state.light_set.lights[i], model), 1u << i, words,
+      shadow_tile<K>(surface, shadow_light(state.light_set.lights[i], model), nullptr, 1u << i, words,
                      [&](const Lanes<K>& lanes, RayPacket<K>& packet) { rays.occluded(lanes, packet); });
     all.insert(all.end(), std::begin(words), std::end(words));
   }

@@ -1,0 +1,98 @@
+// Which cells a triangle is entered in: no point of it may be seen in another, or nearer.
+#include "stereo/tracer/cell_cover.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <map>
+#include <random>
+
+namespace farshade {
+namespace {
+
+constexpr int kSide = 16;
+
+/// The cell and depth of a point, said again and plainly.
+CellTouch place_of(const CellFrame& frame, const glm::dvec3& p) {
+  const glm::dvec3 v = p - frame.origin;
+  const auto cell = [](int face, double x, double y) {
+    const auto at = [](double along) { return std::min(static_cast<int>(along), kSide - 1); };
+    return static_cast<std::uint32_t>((face * kSide + at(y)) * kSide + at(x));
+  };
+  const double half = kSide * 0.5;
+  if (!frame.cube)
+    return {cell(0, glm::dot(frame.rows[0], v) + half, glm::dot(frame.rows[1], v) + half),
+            static_cast<float>(glm::dot(frame.rows[2], v))};
+  int axis = 0;
+  for (int i = 1; i < 3; ++i)
+    if (std::abs(v[i]) > std::abs(v[axis])) axis = i;
+  const double depth = std::abs(v[axis]);
+  return {cell(2 * axis + (v[axis] < 0 ? 1 : 0), (v[axis == 0 ? 1 : 0] / depth + 1) * half,
+               (v[axis == 2 ? 1 : 2] / depth + 1) * half),
+          static_cast<float>(depth)};
+}
+
+CellFrame cube() {
+  CellFrame frame;
+  frame.side = kSide;
+  frame.origin = {0.1, -0.2, 0.3};
+  frame.rounding = 1e-6;
+  return frame;
+}
+
+CellFrame across() {
+  CellFrame frame = cube();
+  frame.cube = false;
+  const glm::dvec3 along = glm::normalize(glm::dvec3(0.3, -1, 0.2));
+  const glm::dvec3 u = glm::normalize(glm::cross(glm::dvec3(1, 0, 0), along));
+  frame.rows = {u * 2.0, glm::cross(along, u) * 2.0, along};
+  return frame;
+}
+
+void expect_covers(const CellFrame& frame, double largest, unsigned seed) {
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(-2, 2), share(0, 1);
+  for (int i = 0; i < 400; ++i) {
+    const glm::dvec3 middle(place(random), place(random), place(random));
+    const double size = largest * std::pow(share(random), 4);
+    std::array<glm::dvec3, 3> triangle;
+    for (glm::dvec3& p : triangle)
+      p = middle + size * glm::dvec3(place(random), place(random), place(random));
+    std::vector<CellTouch> touched;
+    cover(frame, triangle, touched);
+    std::map<std::uint32_t, float> depths;
+    for (const CellTouch& touch : touched)
+      EXPECT_TRUE(depths.emplace(touch.cell, touch.depth).second) << "once each";
+    for (int sample = 0; sample < 200; ++sample) {
+      const double a = share(random), b = share(random) * (1 - a);
+      const glm::dvec3 p = triangle[0] + (triangle[1] - triangle[0]) * a + (triangle[2] - triangle[0]) * b;
+      const CellTouch truth = place_of(frame, p);
+      const auto found = depths.find(truth.cell);
+      ASSERT_NE(found, depths.end()) << "triangle " << i;
+      ASSERT_LE(found->second, truth.depth) << "triangle " << i;
+    }
+  }
+}
+
+TEST(CellCover, HoldsEveryPointOfTrianglesAboutACube) {
+  expect_covers(cube(), 0.5, 20261122);
+}
+
+TEST(CellCover, HoldsEveryPointOfTrianglesAcrossALight) {
+  expect_covers(across(), 0.4, 20261123);
+}
+
+TEST(CellCover, IsTight) {
+  // 1.6 m before the light, half a cell wide, in the middle of one.
+  const glm::dvec3 at = cube().origin + glm::dvec3(1.6, 0.1, 0.1);
+  std::vector<CellTouch> touched;
+  cover(cube(), {at - glm::dvec3(0, 0.05, 0.05), at + glm::dvec3(0, 0.05, 0), at + glm::dvec3(0, 0, 0.05)},
+        touched);
+  ASSERT_EQ(touched.size(), 1u);
+  EXPECT_NEAR(touched[0].depth, 1.6, 1e-4);
+}
+
+}  // namespace
+}  // namespace farshade
