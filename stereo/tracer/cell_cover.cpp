@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 
@@ -128,6 +129,34 @@ void cover_face(const CellFrame& frame, std::uint32_t first_cell, Polygon polygo
   }
 }
 
+/// As cover, at once, for a triangle within one row or column of one face of a cube: most of a detailed
+/// scene. False where it is no such triangle.
+bool cover_small(const CellFrame& frame, const std::array<glm::dvec3, 3>& v, double rounding,
+                 std::vector<CellTouch>& touched) {
+  const glm::dvec3 middle = v[0] + v[1] + v[2], size = glm::abs(middle);
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const int face = 2 * axis + (middle[axis] < 0 ? 1 : 0);
+  double least = kInfinity, left = kInfinity, right = -kInfinity, top = kInfinity, bottom = -kInfinity;
+  for (const glm::dvec3& corner : v) {
+    const Corner c = corner_of(frame, face, corner);
+    if (c.w <= 4 * frame.rounding) return false;
+    least = std::min(least, c.w);
+    left = std::min(left, c.x / c.w), right = std::max(right, c.x / c.w);
+    top = std::min(top, c.y / c.w), bottom = std::max(bottom, c.y / c.w);
+  }
+  const double margin = CellFrame::kMargin + rounding / least;
+  left = std::floor(left - margin), right = std::floor(right + margin);
+  top = std::floor(top - margin), bottom = std::floor(bottom + margin);
+  if (left < 0 || top < 0 || right >= frame.side || bottom >= frame.side) return false;
+  if (left != right && top != bottom) return false;
+  const double depth = least * (1 - kDepthShare) - frame.rounding;
+  for (int row = static_cast<int>(top); row <= static_cast<int>(bottom); ++row)
+    for (int column = static_cast<int>(left); column <= static_cast<int>(right); ++column)
+      touched.push_back({static_cast<std::uint32_t>((face * frame.side + row) * frame.side + column),
+                         static_cast<float>(depth)});
+  return true;
+}
+
 }  // namespace
 
 void cover(const CellFrame& frame, const std::array<glm::dvec3, 3>& triangle,
@@ -135,6 +164,7 @@ void cover(const CellFrame& frame, const std::array<glm::dvec3, 3>& triangle,
   const double rounding = rounding_of(frame);
   const std::array<glm::dvec3, 3> v{triangle[0] - frame.origin, triangle[1] - frame.origin,
                                     triangle[2] - frame.origin};
+  if (frame.cube && cover_small(frame, v, rounding, touched)) return;
   for (int face = 0; face < frame.faces(); ++face) {
     const int axis = face / 2;
     const double sign = face % 2 == 0 ? 1 : -1;

@@ -51,11 +51,10 @@ bool is_well_shaped(const FacetPlane& plane) {
   return plane.doubt <= static_cast<float>(1.0001 * kDoubt * kUlp * plane.reach);
 }
 
-bool joins(const FacetPlane& plane, const FacetPlane& with, const FacetPlane& alone) {
-  const double ratio = alone.reach / plane.reach, unit = kUlp * plane.reach;
-  return ratio < kSameReach && ratio > 1 / kSameReach &&
-         std::abs(glm::dot(plane.normal, alone.normal)) > 0.999f && is_well_shaped(plane) &&
-         is_well_shaped(alone) && with.high - with.low <= kJoined * unit;
+bool may_join(const FacetPlane& plane, const FacetPlane& alone) {
+  const double ratio = alone.reach / plane.reach;
+  return std::abs(glm::dot(plane.normal, alone.normal)) > 0.999f && ratio < kSameReach &&
+         ratio > 1 / kSameReach && is_well_shaped(plane) && is_well_shaped(alone);
 }
 
 }  // namespace
@@ -82,8 +81,9 @@ FacetPlanes planes_of(const SurfaceModel& model) {
       std::uint32_t id = kNoPlane;
       for (std::size_t i = 0; i < std::min(made, kRecent) && id == kNoPlane; ++i) {
         FacetPlane& plane = result.planes[recent[i]];
+        if (!may_join(plane, alone)) continue;
         const FacetPlane with = widened(plane, p);
-        if (!joins(plane, with, alone)) continue;
+        if (with.high - with.low > kJoined * kUlp * plane.reach) continue;
         id = recent[i];
         plane = with;
         plane.reach = std::max(plane.reach, alone.reach);

@@ -107,6 +107,7 @@ constexpr std::array<std::array<int, 3>, 12> kBoxTriangles{{{0, 1, 3},
 LightMap::LightMap(const ShadowLight& light, const FacetPlanes& planes, const SurfaceModel& model)
     : light_(light), frame_(frame_for(light, planes.reach, model)), cells_(frame_.count()), planes_(1) {
   enter_fixed(planes, model);
+  drop_unused_planes();
   place(model);
 }
 
@@ -135,6 +136,22 @@ void LightMap::enter_fixed(const FacetPlanes& planes, const SurfaceModel& model)
         enter(cell, plane, touch.depth);
     }
   }
+}
+
+void LightMap::drop_unused_planes() {
+  std::vector<std::uint32_t> renumbered(planes_.size(), 0);
+  std::vector<Plane> used(1);
+  for (Cell& cell : cells_)
+    for (std::size_t i = 0; i < kPlanes && cell.from[i] < kFar; ++i) {
+      std::uint32_t& number = renumbered[cell.plane[i]];
+      if (number == 0) {
+        number = static_cast<std::uint32_t>(used.size());
+        used.push_back(planes_[cell.plane[i]]);
+      }
+      cell.plane[i] = number;
+    }
+  used.shrink_to_fit();
+  planes_ = std::move(used);
 }
 
 void LightMap::place(const SurfaceModel& model) {

@@ -53,6 +53,7 @@ class LightMap {
 
  private:
   void enter_fixed(const FacetPlanes& planes, const SurfaceModel& model);
+  void drop_unused_planes();
 
   ShadowLight light_;
   CellFrame frame_;
