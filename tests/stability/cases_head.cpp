@@ -10,18 +10,18 @@ namespace {
 
 constexpr std::uint32_t kFrames = 30;
 
-/// A head that turns on the spot with things all around it.
-Setting turning(double degrees_s) {
+/// A head that turns on the spot, and looks at things in the frame that is judged.
+Setting turning(double degrees_s, std::uint32_t frames = kFrames) {
   Setting setting = ordinary();
-  setting.head = recorded({.turn_degrees_s = degrees_s, .drift_m_s = {0.05, 0, 0}}, 2);
-  setting.frames = kFrames;
+  setting.frames = frames;
+  setting.head = recorded(
+      {.turn_degrees_s = degrees_s, .drift_m_s = {0.05, 0, 0}, .faces_at_s = last_shown_s(frames)}, 2);
   return setting;
 }
 
 Setting late(double delay_ms, double degrees_s) {
-  Setting setting = turning(degrees_s);
+  Setting setting = turning(degrees_s, kFrames + static_cast<std::uint32_t>(delay_ms * 1e-3 * 72));
   setting.delay_ms = delay_ms;
-  setting.frames = kFrames + static_cast<std::uint32_t>(delay_ms * 1e-3 * 72);
   return setting;
 }
 

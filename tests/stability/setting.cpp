@@ -104,11 +104,15 @@ HeadTrace recorded(const Motion& motion, double length_s) {
   const glm::dquat first = toward(motion.target - motion.from);
   for (int i = 0; i <= static_cast<int>(length_s * kRate_hz); ++i) {
     const double t = i / kRate_hz;
-    const glm::dquat turn = rotation_exp({0, motion.turn_degrees_s * kDegree * t, 0});
+    const glm::dquat turn = rotation_exp({0, motion.turn_degrees_s * kDegree * (t - motion.faces_at_s), 0});
     trace.samples.push_back({time_from_ns(std::llround(1e9 + t * 1e9)),
                              {glm::normalize(turn * first), motion.from + motion.drift_m_s * t}});
   }
   return trace;
+}
+
+double last_shown_s(std::uint32_t frames) {
+  return (frames - 1) / 72.0;
 }
 
 EyeFov degrees(double left, double right, double up, double down) {

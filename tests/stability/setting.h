@@ -53,10 +53,14 @@ struct Motion {
   glm::dvec3 from{0.5, 1.6, 2.5}, target{0, 0.4, 0};
   double turn_degrees_s = 20;
   glm::dvec3 drift_m_s{0.25, 0.1, -0.15};
+  double faces_at_s = 0;  ///< when it looks at `target`
 };
 
 /// 200 samples a second for `length_s`, from stamp 1 s on.
 [[nodiscard]] HeadTrace recorded(const Motion& motion, double length_s);
+
+/// When the last of so many frames is shown, seconds into the recording.
+[[nodiscard]] double last_shown_s(std::uint32_t frames);
 
 [[nodiscard]] EyeFov degrees(double left, double right, double up, double down);
 

@@ -27,17 +27,21 @@ Setting distance_from_origin(double away_m) {
   return ordinary({.origin = glm::dvec3(0.8, 0.1, -0.6) * away_m});
 }
 
-Setting head_speed(double degrees_s) {
+Setting turning(double degrees_s, std::uint32_t frames) {
   Setting setting = ordinary();
-  setting.head = recorded({.turn_degrees_s = degrees_s, .drift_m_s = {0.05, 0, 0}}, 2);
-  setting.frames = 30;
+  setting.frames = frames;
+  setting.head = recorded(
+      {.turn_degrees_s = degrees_s, .drift_m_s = {0.05, 0, 0}, .faces_at_s = last_shown_s(frames)}, 2);
   return setting;
 }
 
+Setting head_speed(double degrees_s) {
+  return turning(degrees_s, 30);
+}
+
 Setting prediction(double delay_ms) {
-  Setting setting = head_speed(100);
+  Setting setting = turning(100, 30 + static_cast<std::uint32_t>(delay_ms * 1e-3 * 72));
   setting.delay_ms = delay_ms;
-  setting.frames = 30 + static_cast<std::uint32_t>(delay_ms * 1e-3 * 72);
   return setting;
 }
 
