@@ -6,13 +6,13 @@
 /// A shadow ray's offset is counted in units in the last place, after C. Waechter and N. Binder, "A fast and
 /// robust method for avoiding self-intersection", Ray Tracing Gems I, chapter 6, but of the largest
 /// coordinate M that takes part, and its count is derived. With u = 2^-24, distances to the surface's plane
-/// are wrong by at most:
-///   barycentric sum of the hit point   2uM (weights do not sum to 1) + 3uM a coordinate, times sqrt 3:  8.7
-///   uM adding the offset                                                     1 uM a
-///   coordinate:            1.7 uM Embree: vertices minus origin, |v - o| <= 2M a coordinate, rounded: 3.5 uM
-///   Embree: dot of that with the normal, 3 roundings of 2 sqrt 3 M:                                    10.4
-///   uM Embree: its normal, from edges of such vertices (4uM) and a cross product, well-shaped triangle:   10
-///   uM
+/// are wrong by at most, in uM:
+///  - 8.7: barycentric sum of the hit point, 2 (weights do not sum to 1) + 3 a coordinate, times sqrt 3
+///  - 1.7: adding the offset, 1 a coordinate
+///  - 3.5: Embree's vertices minus origin, |v - o| <= 2M a coordinate, rounded
+///  - 10.4: Embree's dot of that with the normal, 3 roundings of 2 sqrt 3 M
+///  - 10: Embree's normal, from edges of such vertices (4uM) and a cross product, well-shaped triangle
+///
 /// Together 35 uM; 64 uM leaves room for triangles whose height is a few times smaller than their longest
 /// edge. So a thing closer than 2^-18 of the largest coordinate to a surface may fail to cast on it.
 ///

@@ -1,9 +1,11 @@
-// The tracing stage against a bare loop over the very same Embree packets, interleaved in one run.
+// The tracing stage against a bare loop over the very same Embree packets, and with and without what is left
+// out (docs/tracing.md), interleaved in one run.
 //
 //   tracer_bench [--scene S] [--size N] [--rounds R]
 //
 // Prints medians and the spread (p10 to p90) of: primary and shadow stage of a frame (both eyes), the bare
-// loop over its shadow packets, and over the packets that the same rays make if each starts at its surface.
+// loop over all shadow packets of what faces its light; and, in core time, which other programs do not
+// disturb, of primary rays alone, of frames with every shadow ray, and of frames with what matters.
 #include <tbb/parallel_for.h>
 
 #include <CLI/CLI.hpp>

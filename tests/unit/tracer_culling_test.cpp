@@ -1,6 +1,7 @@
 // What the tracer leaves out: never a bit of a mask, and counted.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "stereo/scene/gltf.h"
@@ -94,6 +95,9 @@ Scene soup(std::mt19937& random) {
   SceneBuilder build;
   for (const float y : {-2.0f, 2.0f}) build.add(quad({0, y, 0}, {3, 0, 0}, {0, 0, -3}));
   for (const float x : {-3.0f, 3.0f}) build.add(quad({x, 0, 0}, {0, 2, 0}, {0, 0, -3}));
+  for (int i = 0; i < 8; ++i)  // plates that lie all but on the floor
+    build.add(quad({place(random), -2 + 0.1f * std::pow(unit(random), 3.0f), place(random)},
+                   {0.8f * unit(random), 0, 0}, {0, 0, -0.8f * unit(random)}));
   std::vector<glm::vec3> corners;
   for (int i = 0; i < 40; ++i) {
     const glm::vec3 at(place(random), place(random), place(random));
@@ -125,7 +129,8 @@ TEST(TracerCulling, ChangesNoBitOfRandomSoups) {
     const Scene scene = soup(random);
     const double angle = 0.7 * i;
     const glm::dvec3 eye(2.5 * std::sin(angle), 0.3, 2.5 * std::cos(angle));
-    const StereoView views{look(eye, {0.1, 0, 0}, 96), look(eye + glm::dvec3(0, 0.06, 0), {0.1, 0, 0}, 96)};
+    const StereoView views{look(eye, {0.1, -0.8, 0}, 256),
+                           look(eye + glm::dvec3(0, 0.06, 0), {0.1, -0.8, 0}, 256)};
     const TraceStats stats = expect_same_bits(scene, views, time_from_ns(std::int64_t{i} * 40'000'000));
     proven += stats.proven, all += stats.full_shadow_rays;
   }
