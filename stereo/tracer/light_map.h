@@ -22,7 +22,7 @@ namespace farshade {
 class LightMap {
  public:
   static constexpr int kPlanes = 3;
-  static constexpr int kSide = 64;  ///< cells along a side of a face
+  static constexpr int kSide = 32;  ///< cells along a side of a face
 
   /// Oriented to the light: points with dot(normal, x) - offset >= doubt are on its side.
   struct Plane {
