@@ -40,6 +40,17 @@ Expected<std::unique_ptr<DatagramPort>> open_port(const ServeOptions& options, c
   return impaired(std::move(*port), *model, clock);
 }
 
+/// "12.3 MB (vertices 1.2, ...)", of 10^6 bytes.
+std::string in_words(const TracerMemory& memory) {
+  const auto megabytes = [](std::size_t bytes) { return static_cast<double>(bytes) * 1e-6; };
+  return fmt::format(
+      "{:.2f} MB (vertices {:.2f}, triangles {:.2f}, facets {:.2f}, hierarchy {:.2f} (while it was built "
+      "{:.2f}), maps of lights {:.2f})",
+      megabytes(memory.total()), megabytes(memory.vertices), megabytes(memory.triangles),
+      megabytes(memory.facets), megabytes(memory.hierarchy), megabytes(memory.hierarchy_peak),
+      megabytes(memory.maps));
+}
+
 void say_counters(const ServerCore& core) {
   const ServerCounters counters = core.counters();
   fmt::print("{}\n{}\n", counters_line(counters), rays_line(counters.traced));
@@ -53,7 +64,8 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   if (!loaded) return tl::unexpected(loaded.error());
   const auto [scene, plan] = plan_scene(std::move(*loaded), {.kind = options.plan.kind});
   if (options.plan.only_told) {
-    fmt::print("{}", in_words(plan, scene));
+    fmt::print("{}  {:<12} the tracer holds {}\n", in_words(plan, scene), "memory",
+               in_words(foreseen_memory(scene, plan.trace)));
     return {};
   }
   const SteadyClock clock;
@@ -76,6 +88,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
                   plan.one_value_tiles ? SameAllOver::OneValue : SameAllOver::EachPixel);
   fmt::print("rt_server: serving {}, {} triangles, {} lights, scene {}\n", scene.name, scene.triangle_count,
              plan.trace.mask.lights, short_form(scene.hash));
+  fmt::print("rt_server: the tracer holds {}\n", in_words(tracer->memory()));
   if (options.insecure)
     fmt::print("rt_server: insecure: no keys, nothing is sealed\n");
   else

@@ -27,7 +27,8 @@ T value_of(Expected<T> value) {
 
 /// One frame's figures, in the order of kRows.
 struct Figures {
-  double rays, shadow_rays, bytes, trace_ms, pack_ms, collect_ms, gbuffer_ms, depth_ms, shade_ms, client_ms;
+  double rays, shadow_rays, bytes, server_bytes, client_bytes, trace_ms, pack_ms, collect_ms, gbuffer_ms,
+      depth_ms, shade_ms, client_ms;
 };
 
 struct Row {
@@ -45,16 +46,19 @@ constexpr std::array kRows{Row{"rays, millions", &Figures::rays, 1e-6, "%10.3f"}
                            Row{"client: G-buffer, ms", &Figures::gbuffer_ms, 1, "%10.1f"},
                            Row{"client: depth asked for, ms", &Figures::depth_ms, 1, "%10.1f"},
                            Row{"client: carry over, shade, ms", &Figures::shade_ms, 1, "%10.1f"},
-                           Row{"client: frame, ms", &Figures::client_ms, 1, "%10.1f"}};
+                           Row{"client: frame, ms", &Figures::client_ms, 1, "%10.1f"},
+                           Row{"server: memory, MB", &Figures::server_bytes, 1e-6, "%10.1f"},
+                           Row{"client: memory on the device, MB", &Figures::client_bytes, 1e-6, "%10.1f"}};
 
 /// A server and a client that follow one plan.
 class Way {
  public:
-  Way(const gpu::Device& device, const Scene& scene, PlanKind kind, Extent size)
+  Way(const Options& options, const Scene& scene, PlanKind kind, Extent size)
       : planned_(plan_scene(scene, {.kind = kind})),
+        device_(value_of(gpu::open_device({options.gpu, gpu::Validation::Off}))),
         tracer_(value_of(Tracer::create(planned_.scene, planned_.plan.trace))),
         packer_(planned_.plan.one_value_tiles ? SameAllOver::OneValue : SameAllOver::EachPixel),
-        renderer_(device, planned_.scene, planned_.plan.draw, {size, largest_traced(size), kRing_frames}),
+        renderer_(device_, planned_.scene, planned_.plan.draw, {size, largest_traced(size), kRing_frames}),
         state_(state_at(planned_.scene, Time{})) {}
 
   /// Nothing while there are no masks to draw with.
@@ -76,6 +80,8 @@ class Way {
     return Figures{.rays = static_cast<double>(stats.primary_rays + stats.shadow_rays),
                    .shadow_rays = static_cast<double>(stats.shadow_rays),
                    .bytes = bytes,
+                   .server_bytes = static_cast<double>(server_bytes()),
+                   .client_bytes = static_cast<double>(renderer_.counters().memory.peak_total),
                    .trace_ms = trace_ms,
                    .pack_ms = pack_ms,
                    .collect_ms = taken_ms,
@@ -86,9 +92,17 @@ class Way {
   }
 
   [[nodiscard]] const PlannedScene& planned() const { return planned_; }
+  [[nodiscard]] const gpu::Device& device() const { return device_; }
+  [[nodiscard]] double building_mb() const { return static_cast<double>(tracer_.memory().most()) * 1e-6; }
 
  private:
+  /// Tracer and the masks that it writes.
+  [[nodiscard]] std::size_t server_bytes() const {
+    return tracer_.memory().total() + traced_.masks[0].bytes().size() + traced_.masks[1].bytes().size();
+  }
+
   PlannedScene planned_;
+  gpu::Device device_;  ///< its own: memory is counted a device
   Tracer tracer_;
   FramePacker packer_;
   Assembler assembler_{kRing_frames};
@@ -116,14 +130,13 @@ bool print_row(const char* name, const char* format, double needed, double every
 bool compare(const Options& options) {
   const Scene scene = value_of(load_scene(options.scene));
   const HeadTrace head = value_of(load_head_trace(options.trace));
-  const gpu::Device device = value_of(gpu::open_device({options.gpu, gpu::Validation::Off}));
   const Extent size{options.side_px, options.side_px};
   const auto placed = scene.camera ? place(head, *scene.camera) : Rigid<Stage, Recorded>{};
-  PerEye<Way> ways{Way(device, scene, PlanKind::Needed, size),
-                   Way(device, scene, PlanKind::Everything, size)};
+  std::array<Way, 2> ways{Way(options, scene, PlanKind::Needed, size),
+                          Way(options, scene, PlanKind::Everything, size)};
   RequestPlan plan(RequestWish{});
   plan.learn(kPeriod * kLate_frames);
-  PerEye<std::vector<Figures>> figures;
+  std::array<std::vector<Figures>, 2> figures;
   constexpr std::uint32_t kWarmUp = 8;
   for (std::uint32_t number = 1; number <= kWarmUp + options.frames; ++number) {
     const TraceRequest shown = shown_at(head, placed, number, options.side_px);
@@ -135,11 +148,14 @@ bool compare(const Options& options) {
   }
   std::printf("%s%s along %s on %s, %ux%u an eye, medians of %zu frames\n",
               in_words(ways[0].planned().plan, ways[0].planned().scene).c_str(), scene.name.c_str(),
-              options.trace.c_str(), device.name.c_str(), size.width, size.height, figures[0].size());
+              options.trace.c_str(), ways[0].device().name.c_str(), size.width, size.height,
+              figures[0].size());
   std::printf("  %-32s %10s %10s %8s\n", "a frame, both eyes", "needed", "everything", "ratio");
   bool ahead = true;
   for (const Row& row : kRows)
     ahead &= print_row(row.name, row.format, median(figures[0], row), median(figures[1], row));
+  std::printf("the server's tracer at its most, while it is built: %.1f MB and %.1f MB\n",
+              ways[0].building_mb(), ways[1].building_mb());
   std::printf("the plan is %s\n", ahead ? "ahead in every row" : "NOT ahead in every row");
   return ahead;
 }

@@ -1,0 +1,37 @@
+#include "stereo/tracer/tracer_memory.h"
+
+#include "stereo/tracer/light_map.h"
+
+namespace farshade {
+namespace {
+
+constexpr std::size_t kHierarchy_bytes = 67;  ///< a triangle
+constexpr std::size_t kBuilding_bytes =
+    43;  ///< more, a triangle that does not move, while all of them are built at once
+
+std::size_t map_bytes(const LightSource& light) {
+  const std::size_t faces = light.kind == LightKind::Directional ? 1 : 6;
+  return faces * LightMap::kSide * LightMap::kSide * sizeof(LightMap::Cell);
+}
+
+}  // namespace
+
+TracerMemory foreseen_memory(const Scene& scene, const TracePlan& plan) {
+  TracerMemory memory;
+  std::size_t fixed = 0, triangles = 0;
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
+    memory.vertices += mesh.positions.size() * 2 * sizeof(glm::vec3);
+    triangles += mesh.triangles.size();
+    fixed += plan.moves[i] ? 0 : mesh.triangles.size();
+  }
+  memory.triangles = triangles * sizeof(glm::uvec3);
+  memory.facets = triangles * sizeof(Facet);
+  memory.hierarchy = triangles * kHierarchy_bytes;
+  memory.hierarchy_peak = memory.hierarchy + fixed * kBuilding_bytes;
+  for (const LightSource& light : scene.lights)
+    if (plan.skips_rays && !scene.nodes[light.node].moving) memory.maps += map_bytes(light);
+  return memory;
+}
+
+}  // namespace farshade
