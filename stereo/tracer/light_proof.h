@@ -57,8 +57,7 @@ void find_across(const CellFrame& frame, const TileSurface& s, int first, CellLa
   found.depth = along.x * x + along.y * y + along.z * z;
 }
 
-/// `proven` becomes -1 in those of `lanes` whose light nothing can hide. Looks at each of their cells once: 8
-/// ns a cell, against 250 ns and more for a packet of rays.
+/// `proven` becomes -1 in those of `lanes` whose light nothing can hide. Looks at each of their cells once.
 template <int K>
 void prove(const LightMap& map, const TileSurface& s, int first, const Ints<K>& lanes, Ints<K>& proven) {
   CellLanes<K> found;
