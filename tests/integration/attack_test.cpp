@@ -126,7 +126,8 @@ class Attack : public testing::Test {
   Counts counts() {
     EXPECT_TRUE(strangers_->catch_up());
     server_.program().send(SIGUSR1);
-    const auto line = server_.program().line_after("rt_server: ");
+    auto line = server_.program().line_after("rt_server: ");
+    while (line && line->starts_with("rays: ")) line = server_.program().line_after("rt_server: ");
     EXPECT_TRUE(line.has_value());
     return {line.value_or("")};
   }

@@ -68,10 +68,10 @@ TEST_F(ClientProgramRefuses, TraceWithTwoRows) {
       "short.csv");
 }
 
-TEST_F(ClientProgramRefuses, TraceWithBackwardStamps) {
+TEST_F(ClientProgramRefuses, TraceOfWhichTooLittleIsInTimeOrder) {
   expect_refusal({{"--trace", file("back.csv", std::string(kHeader) + "20,0,0,0,1,0,0,0\n10,0,0,0,1,0,0,0\n"
                                                                       "30,0,0,0,1,0,0,0\n")}},
-                 "back.csv:3");
+                 "back.csv: holds 2 head samples in time order");
 }
 
 TEST_F(ClientProgramRefuses, SkipBeyondTheTrace) {
