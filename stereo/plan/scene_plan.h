@@ -1,8 +1,8 @@
 /// ScenePlan: what a scene, its lights and a session need - and so what is left out, and why.
 ///
-/// One value, made once and read by everything on both sides: tracer, packer, renderer. Nobody else looks at
-/// a scene to find out what may be skipped. `Everything` leaves nothing out, so that the saving can be
-/// measured.
+/// One value, made once and read by everything on both sides: tracer, packer, renderer. What only a frame can
+/// tell, such as two views that coincide, is found where the frame is. `Everything` leaves nothing out, so
+/// that the saving can be measured.
 #pragma once
 
 #include <string>

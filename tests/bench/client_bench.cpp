@@ -7,22 +7,19 @@
 #include <cstdio>
 
 #include "stereo/base/quantile.h"
-#include "stereo/net/assembler.h"
 #include "stereo/net/frame_packer.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/trace/reader.h"
 #include "stereo/tracer/tracer.h"
+#include "tests/bench/late_masks.h"
 #include "vr_client/ask/request_plan.h"
-#include "vr_client/draw/renderer.h"
 
 namespace {
 
 using namespace farshade;
+using namespace farshade::bench;
 
 constexpr double kFrameFigure = 2.0, kReprojectFigure = 1.5;
-constexpr std::uint32_t kLate_frames = 4;
-constexpr std::size_t kRing_frames = kLate_frames + ShadingPass::kMaxMasks + 1;
-constexpr Duration kPeriod = Duration(1'000'000'000 / 72);
 
 struct Options {
   std::string scene, trace = FARSHADE_ASSETS "/walk.csv", gpu;
@@ -45,37 +42,6 @@ struct Times {
       {"and neighbours", {.edges = Edges::Nearest}, {}},
       {"and shadow edges (default)", {}, {}}};
 };
-
-TraceRequest shown_at(const HeadTrace& trace, const Rigid<Stage, Recorded>& placed, std::uint32_t number,
-                      std::uint32_t side_px) {
-  const Time time = trace.start() + kPeriod * number;
-  TraceRequest request{{number}, time, Time{}, {}};
-  for (const Side side : kSides)
-    request.views[index_of(side)] = {
-        placed * head_at(trace, time) * head_from_eye(side, trace.eye_distance_m),
-        trace.fov[index_of(side)],
-        {side_px, side_px}};
-  return request;
-}
-
-/// Takes in a frame's datagrams as the client does; the time that took.
-double collect_ms(Assembler& assembler, std::span<const std::vector<std::byte>> datagrams) {
-  const Stopwatch watch;
-  for (const std::vector<std::byte>& datagram : datagrams) {
-    const Decoded<ServerMessage> message = decode_server(datagram);
-    if (const auto* slice = message ? std::get_if<Slice>(&*message) : nullptr) assembler.accept(*slice);
-  }
-  return ms_of(watch.elapsed());
-}
-
-std::vector<MaskInHand> masks_in_hand(const Assembler& assembler, FrameId shown) {
-  std::vector<MaskInHand> masks;
-  for (std::uint32_t age = kLate_frames; age < kLate_frames + ShadingPass::kMaxMasks; ++age)
-    if (const ReceivedFrame* frame = assembler.find({shown.value - age}); frame && frame->complete())
-      masks.push_back({frame->request.frame, frame->request.display_time, frame->request.scene_time,
-                       frame->request.views, frame->masks, frame->known_tiles, 1});
-  return masks;
-}
 
 void print(const char* label, const std::vector<double>& values) {
   const Spread spread = spread_of(values);
