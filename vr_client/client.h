@@ -4,8 +4,8 @@
 
 #include <memory>
 
+#include "stereo/draw/renderer.h"
 #include "stereo/net/impaired_port.h"
-#include "vr_client/draw/renderer.h"
 #include "vr_client/link/shadow_link.h"
 #include "vr_client/options.h"
 #include "vr_client/record/session_file.h"

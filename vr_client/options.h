@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "stereo/base/expected.h"
+#include "stereo/draw/shading.h"
 #include "stereo/gpu/device.h"
 #include "stereo/math/fov.h"
 #include "stereo/plan/scene_plan.h"
 #include "vr_client/ask/request_plan.h"
 #include "vr_client/doctor.h"
-#include "vr_client/draw/shading.h"
 #include "vr_client/runtime.h"
 
 namespace farshade {

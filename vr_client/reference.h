@@ -4,8 +4,8 @@
 
 #include <vector>
 
+#include "stereo/draw/shading.h"
 #include "stereo/tracer/tracer.h"
-#include "vr_client/draw/shading.h"
 
 namespace farshade {
 

@@ -3,9 +3,9 @@
 
 #include <functional>
 
+#include "stereo/draw/renderer.h"
 #include "stereo/scene/scene_state.h"
 #include "vr_client/ask/request_plan.h"
-#include "vr_client/draw/renderer.h"
 #include "vr_client/link/mask_link.h"
 #include "vr_client/reference.h"
 #include "vr_client/runtime.h"

@@ -4,9 +4,9 @@
 
 #include <span>
 
+#include "stereo/draw/renderer.h"
 #include "stereo/net/assembler.h"
 #include "stereo/trace/head_trace.h"
-#include "vr_client/draw/renderer.h"
 
 namespace farshade::bench {
 

@@ -3,10 +3,10 @@
 /// animation on.
 #include <cmath>
 
+#include "stereo/draw/frame_data.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/trace/reader.h"
 #include "tests/golden/theatre.h"
-#include "vr_client/draw/frame_data.h"
 #include "vr_client/report/measure.h"
 
 namespace farshade {

@@ -8,8 +8,8 @@
 #include <glm/vec2.hpp>
 #include <memory>
 
+#include "stereo/draw/renderer.h"
 #include "stereo/tracer/tracer.h"
-#include "vr_client/draw/renderer.h"
 
 namespace farshade {
 

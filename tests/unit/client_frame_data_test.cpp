@@ -1,4 +1,4 @@
-#include "vr_client/draw/frame_data.h"
+#include "stereo/draw/frame_data.h"
 
 #include <gtest/gtest.h>
 

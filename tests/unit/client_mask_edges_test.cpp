@@ -1,7 +1,7 @@
 /// A mask as the device holds it, against its definition: bits as they were, and four more that say whether
 /// the 2x2 pixels about each corner of a pixel differ. Corners on the border have no four pixels, and no
 /// edge.
-#include "vr_client/draw/mask_edges.h"
+#include "stereo/draw/mask_edges.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include "stereo/math/rotation.h"
 
-#include "vr_client/draw/frame_data.h"
+#include "stereo/draw/frame_data.h"
 
 namespace farshade {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <optional>
 
+#include "stereo/draw/renderer.h"
 #include "stereo/frame/pose_delta.h"
-#include "vr_client/draw/renderer.h"
 
 namespace farshade {
 

@@ -4,8 +4,8 @@
 
 #include <string>
 
+#include "stereo/draw/shading.h"
 #include "stereo/image/image.h"
-#include "vr_client/draw/shading.h"
 
 namespace farshade {
 

@@ -1,4 +1,4 @@
-#include "vr_client/draw/motion.h"
+#include "stereo/draw/motion.h"
 
 #include <algorithm>
 #include <glm/geometric.hpp>

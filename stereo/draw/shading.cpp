@@ -1,4 +1,4 @@
-#include "vr_client/draw/shading.h"
+#include "stereo/draw/shading.h"
 
 #include <algorithm>
 #include <bit>

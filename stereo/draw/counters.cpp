@@ -1,9 +1,9 @@
-#include "vr_client/draw/counters.h"
+#include "stereo/draw/counters.h"
 
 #include <algorithm>
 #include <bit>
 
-#include "vr_client/draw/renderer.h"
+#include "stereo/draw/renderer.h"
 
 namespace farshade {
 namespace {

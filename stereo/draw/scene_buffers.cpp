@@ -1,4 +1,4 @@
-#include "vr_client/draw/scene_buffers.h"
+#include "stereo/draw/scene_buffers.h"
 
 #include <algorithm>
 

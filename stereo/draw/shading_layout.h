@@ -3,8 +3,8 @@
 #pragma once
 
 #include "shaders/shared.h"
+#include "stereo/draw/mask_edges.h"
 #include "stereo/plan/scene_plan.h"
-#include "vr_client/draw/mask_edges.h"
 
 namespace farshade {
 

@@ -1,4 +1,4 @@
-#include "vr_client/draw/scene_pass.h"
+#include "stereo/draw/scene_pass.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "vr_client/draw/shading_layout.h"
+#include "stereo/draw/shading_layout.h"
 
 #include <algorithm>
 

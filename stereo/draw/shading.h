@@ -6,10 +6,10 @@
 #include <map>
 #include <span>
 
+#include "stereo/draw/gbuffer.h"
+#include "stereo/draw/motion.h"
 #include "stereo/frame/known_tiles.h"
 #include "stereo/frame/shadow_frame.h"
-#include "vr_client/draw/gbuffer.h"
-#include "vr_client/draw/motion.h"
 
 namespace farshade {
 

@@ -2,8 +2,8 @@
 /// of the ring. Requested views other than the shown ones need their depth alone.
 #pragma once
 
-#include "vr_client/draw/depth_ring.h"
-#include "vr_client/draw/scene_pass.h"
+#include "stereo/draw/depth_ring.h"
+#include "stereo/draw/scene_pass.h"
 
 namespace farshade {
 

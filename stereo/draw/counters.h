@@ -1,8 +1,8 @@
 /// What drawing costs, counted: so that a test can assert that what a scene does not need is not paid for.
 #pragma once
 
+#include "stereo/draw/scene_buffers.h"
 #include "stereo/gpu/ledger.h"
-#include "vr_client/draw/scene_buffers.h"
 
 namespace farshade {
 

@@ -1,9 +1,9 @@
-#include "vr_client/draw/depth_ring.h"
+#include "stereo/draw/depth_ring.h"
 
 #include <algorithm>
 
+#include "stereo/draw/scene_pass.h"
 #include "stereo/gpu/device.h"
-#include "vr_client/draw/scene_pass.h"
 
 namespace farshade {
 

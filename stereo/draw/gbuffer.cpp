@@ -1,4 +1,4 @@
-#include "vr_client/draw/gbuffer.h"
+#include "stereo/draw/gbuffer.h"
 
 #include <array>
 

@@ -5,9 +5,9 @@
 
 #include <map>
 
-#include "vr_client/draw/frame_data.h"
-#include "vr_client/draw/scene_buffers.h"
-#include "vr_client/draw/shading_layout.h"
+#include "stereo/draw/frame_data.h"
+#include "stereo/draw/scene_buffers.h"
+#include "stereo/draw/shading_layout.h"
 
 namespace farshade {
 

@@ -1,4 +1,4 @@
-#include "vr_client/draw/renderer.h"
+#include "stereo/draw/renderer.h"
 
 namespace farshade {
 

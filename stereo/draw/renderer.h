@@ -2,10 +2,10 @@
 /// carried over and shaded. One frame at a time; draw returns when the device has finished.
 #pragma once
 
+#include "stereo/draw/counters.h"
+#include "stereo/draw/shading.h"
 #include "stereo/image/image.h"
 #include "stereo/plan/scene_plan.h"
-#include "vr_client/draw/counters.h"
-#include "vr_client/draw/shading.h"
 
 namespace farshade {
 

@@ -1,4 +1,4 @@
-#include "vr_client/draw/mask_edges.h"
+#include "stereo/draw/mask_edges.h"
 
 #include <algorithm>
 #include <vector>

@@ -1,6 +1,6 @@
 #include <bit>
 
-#include "vr_client/draw/shading.h"
+#include "stereo/draw/shading.h"
 
 namespace farshade {
 
