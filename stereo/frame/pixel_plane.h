@@ -1,0 +1,33 @@
+/// A plane of pixels: one number a pixel, a layer of a G-buffer or a coordinate of its surface points, as
+/// one side makes it for the other.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "stereo/frame/view.h"
+
+namespace farshade {
+
+/// What a plane's words are. The numbers are those of the wire.
+enum class PlaneKind : std::uint8_t { BaseColor, Normal, Depth, PositionX, PositionY, PositionZ };
+
+inline constexpr std::uint32_t kMaxPlaneWord_bytes = 4;
+
+/// The largest word of so many bytes, 1 to kMaxPlaneWord_bytes.
+constexpr std::uint32_t largest_word(std::uint32_t word_bytes) {
+  return 0xffffffffu >> 8 * (kMaxPlaneWord_bytes - word_bytes);
+}
+
+struct PixelPlane {
+  Extent size;
+  std::uint32_t word_bytes = kMaxPlaneWord_bytes;  ///< 1 to kMaxPlaneWord_bytes
+  std::vector<std::uint32_t> words;                ///< row by row, none above largest_word(word_bytes)
+
+  PixelPlane() = default;
+  /// All words 0.
+  PixelPlane(Extent of, std::uint32_t bytes) : size(of), word_bytes(bytes), words(of.pixels()) {}
+  friend bool operator==(const PixelPlane&, const PixelPlane&) = default;
+};
+
+}  // namespace farshade
