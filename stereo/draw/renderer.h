@@ -4,6 +4,7 @@
 
 #include "stereo/draw/counters.h"
 #include "stereo/draw/shading.h"
+#include "stereo/draw/shadow_map_wish.h"
 #include "stereo/image/image.h"
 #include "stereo/plan/scene_plan.h"
 
@@ -11,6 +12,7 @@ namespace farshade {
 
 struct DrawTimes {
   Duration gbuffer{}, depth{}, shade{};  ///< on the device; depth: of requested views that are not shown
+  Duration maps{};                       ///< shadow maps, on the device; 0 where they stay as they were
   Duration total{};                      ///< wall time of the call: recording, uploads, submission, wait
 };
 
@@ -21,6 +23,9 @@ struct ShownFrame {
   std::span<const MaskInHand> masks;  ///< newest first; those whose depth is not in the ring are passed over
   CarryOver carry_over;
   ShadingPass::Report report = ShadingPass::Report::Off;
+  /// Set: shadows come from maps that are drawn for this frame, and `masks` are not read. One that
+  /// shadow_map_bytes does not refuse for the scene.
+  const ShadowMapWish* shadow_maps = nullptr;
 };
 
 /// How large the renderer's pictures and masks may be, and how long requests are remembered.
