@@ -23,7 +23,7 @@ const House& house() {
                                      {"stereo/tracer", {"stereo/plan"}},
                                      {"stereo/gpu", {"stereo/frame", "stereo/image"}},
                                      {"stereo/draw", {"stereo/gpu", "stereo/plan", "shaders"}},
-                                     {"stereo/video", {"stereo/image"}},
+                                     {"stereo/video", {"stereo/frame", "stereo/image"}},
                                      {"stereo/doctor", {"stereo/net", "stereo/scene"}},
                                      {"shaders", {}},
                                      {"rt_server", {"stereo", "shaders"}},

@@ -1,0 +1,137 @@
+#include <algorithm>
+#include <optional>
+
+#include "stereo/base/check.h"
+#include "stereo/video/colours.h"
+#include "stereo/video/video.h"
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+}
+
+namespace farshade {
+namespace {
+
+/// Lifts every message of a context above what libav prints; its log level is global and not ours to set.
+constexpr int kQuiet = 1000;
+
+/// Far more than a picture of the largest size may take.
+constexpr std::size_t kMaxUnit_bytes = std::size_t{1} << 28;
+
+struct ContextEnd {
+  void operator()(AVCodecContext* context) const { avcodec_free_context(&context); }
+};
+struct FrameEnd {
+  void operator()(AVFrame* frame) const { av_frame_free(&frame); }
+};
+struct PacketEnd {
+  void operator()(AVPacket* packet) const { av_packet_free(&packet); }
+};
+
+/// Whether a NAL unit of an instantaneous decoder refresh is among those of the Annex B unit (H.264, 7.4.1).
+bool holds_key_frame(std::span<const std::byte> unit) {
+  constexpr std::array start{std::byte{0}, std::byte{0}, std::byte{1}};
+  constexpr std::byte type_bits{0x1f}, idr{5};
+  for (auto at = std::ranges::search(unit, start); at.end() != unit.end();
+       at = std::ranges::search(std::ranges::subrange(at.end(), unit.end()), start))
+    if ((*at.end() & type_bits) == idr) return true;
+  return false;
+}
+
+bool is_ours(const AVFrame& frame) {
+  const bool planes = frame.format == AV_PIX_FMT_YUV420P || frame.format == AV_PIX_FMT_YUVJ420P;
+  return planes && frame.color_range == AVCOL_RANGE_JPEG && frame.colorspace == AVCOL_SPC_BT709 &&
+         frame.width % 2 == 0 && frame.height % 2 == 0;
+}
+
+}  // namespace
+
+struct VideoDecoder::Codec {
+  std::unique_ptr<AVCodecContext, ContextEnd> context;
+  std::unique_ptr<AVFrame, FrameEnd> frame;
+  std::unique_ptr<AVPacket, PacketEnd> packet;
+  std::optional<ColourConverter> colours;  ///< of the size decoded last
+  bool has_reference = false;              ///< a key frame, and all that came after it
+  Image<Rgb8> picture;
+
+  Expected<void> decode_frame(std::span<const std::byte> unit);
+  Expected<void> convert_frame();
+};
+
+VideoDecoder::VideoDecoder(std::unique_ptr<Codec> codec) : codec_(std::move(codec)) {}
+VideoDecoder::VideoDecoder(VideoDecoder&&) noexcept = default;
+VideoDecoder& VideoDecoder::operator=(VideoDecoder&&) noexcept = default;
+VideoDecoder::~VideoDecoder() = default;
+
+Expected<VideoDecoder> VideoDecoder::create() {
+  const AVCodec* codec = avcodec_find_decoder(AV_CODEC_ID_H264);
+  if (codec == nullptr) return fail(Fault::Unavailable, "this libavcodec does not decode H.264");
+  auto made = std::make_unique<Codec>();
+  made->context.reset(avcodec_alloc_context3(codec));
+  made->frame.reset(av_frame_alloc());
+  made->packet.reset(av_packet_alloc());
+  if (!made->context || !made->frame || !made->packet)
+    return fail(Fault::Unavailable, "no memory for a video decoder");
+  AVCodecContext& context = *made->context;
+  context.log_level_offset = kQuiet;
+  context.thread_count = 1;  // threads of frames would hold pictures back
+  context.flags |= AV_CODEC_FLAG_LOW_DELAY;
+  context.err_recognition = AV_EF_EXPLODE | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_CAREFUL;
+  context.error_concealment = 0;
+  context.max_pixels = std::int64_t{2} * kMaxViewSide_px * kMaxViewSide_px;
+  if (avcodec_open2(&context, codec, nullptr) < 0)
+    return fail(Fault::Unavailable, "libavcodec's H.264 decoder does not start");
+  return VideoDecoder(std::move(made));
+}
+
+/// The unit's one picture into `frame`.
+Expected<void> VideoDecoder::Codec::decode_frame(std::span<const std::byte> unit) {
+  // libavcodec copies what it does not own, and only reads it.
+  packet->data = const_cast<std::uint8_t*>(reinterpret_cast<const std::uint8_t*>(unit.data()));
+  packet->size = narrow<int>(unit.size());
+  if (avcodec_send_packet(context.get(), packet.get()) < 0)
+    return fail(Fault::Malformed, "a video unit is damaged");
+  if (avcodec_receive_frame(context.get(), frame.get()) < 0)
+    return fail(Fault::Malformed, "a video unit holds no whole picture");
+  if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0)
+    return fail(Fault::Malformed, "a video unit is damaged within its picture");
+  return {};
+}
+
+Expected<void> VideoDecoder::Codec::convert_frame() {
+  if (!is_ours(*frame))
+    return fail(Fault::Unsupported, "video is not 4:2:0, BT.709 in full range and of even sides");
+  const Extent size{narrow<std::uint32_t>(frame->width), narrow<std::uint32_t>(frame->height)};
+  if (size.width > 2 * kMaxViewSide_px || size.height > kMaxViewSide_px)
+    return fail(Fault::OutOfRange, "a video picture is larger than two views");
+  if (!colours || colours->size() != size) {
+    Expected<ColourConverter> made = ColourConverter::create(size, ColourConverter::To::Rgb);
+    if (!made) return tl::unexpected(made.error());
+    colours.emplace(std::move(*made));
+  }
+  colours->to_rgb({{frame->data[0], frame->data[1], frame->data[2]},
+                   {frame->linesize[0], frame->linesize[1], frame->linesize[2]}},
+                  picture);
+  return {};
+}
+
+Expected<const Image<Rgb8>*> VideoDecoder::decode(std::span<const std::byte> unit) {
+  if (unit.empty() || unit.size() > kMaxUnit_bytes)
+    return fail(Fault::Malformed, "a video unit of " + std::to_string(unit.size()) + " bytes");
+  if (!codec_->has_reference && !holds_key_frame(unit))
+    return fail(Fault::Missing, "a video unit stands on pictures that have not come: a key frame is needed");
+  const Expected<void> shown = codec_->decode_frame(unit).and_then([&] { return codec_->convert_frame(); });
+  codec_->has_reference = shown.has_value();
+  if (!shown) {
+    reset();
+    return tl::unexpected(shown.error());
+  }
+  return &codec_->picture;
+}
+
+void VideoDecoder::reset() {
+  codec_->has_reference = false;
+  avcodec_flush_buffers(codec_->context.get());
+}
+
+}  // namespace farshade

@@ -1,0 +1,149 @@
+#include "stereo/base/check.h"
+#include "stereo/video/colours.h"
+#include "stereo/video/video.h"
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavutil/opt.h>
+}
+
+namespace farshade {
+namespace {
+
+/// Lifts every message of a context above what libav prints; its log level is global and not ours to set.
+constexpr int kQuiet = 1000;
+
+/// How far the coder may run ahead of the bit rate, in pictures: no unit is larger than that. With one, key
+/// frames and fast turns would go without bits; each further one may make a unit a frame later to arrive.
+constexpr double kBuffer_frames = 2;
+
+struct ContextEnd {
+  void operator()(AVCodecContext* context) const { avcodec_free_context(&context); }
+};
+struct FrameEnd {
+  void operator()(AVFrame* frame) const { av_frame_free(&frame); }
+};
+struct PacketEnd {
+  void operator()(AVPacket* packet) const { av_packet_free(&packet); }
+};
+
+std::string refusal(const VideoFormat& format) {
+  const auto side_ok = [](std::uint32_t side, std::uint32_t most) {
+    return side >= 32 && side <= most && side % 2 == 0;
+  };
+  const auto [width, height] = format.size;
+  if (!side_ok(width, 2 * kMaxViewSide_px) || !side_ok(height, kMaxViewSide_px))
+    return "video of " + std::to_string(width) + " x " + std::to_string(height) +
+           ": sides must be even, 32 to " + std::to_string(2 * kMaxViewSide_px) + " x " +
+           std::to_string(kMaxViewSide_px);
+  if (format.bits_per_second < 100'000 || format.bits_per_second > 1'000'000'000)
+    return "video of " + std::to_string(format.bits_per_second) + " bit/s: must be 10^5 to 10^9";
+  if (!(format.frames_per_second >= 1 && format.frames_per_second <= 1000))
+    return "video of " + std::to_string(format.frames_per_second) + " frames/s: must be 1 to 1000";
+  return "";
+}
+
+/// The one thread makes bytes that are the same on machines with any number of cores.
+void describe(const VideoFormat& format, AVCodecContext& context) {
+  const AVRational rate = av_d2q(format.frames_per_second, 1'000'000);
+  context.log_level_offset = kQuiet;
+  context.width = narrow<int>(format.size.width);
+  context.height = narrow<int>(format.size.height);
+  context.pix_fmt = AV_PIX_FMT_YUV420P;
+  context.color_range = AVCOL_RANGE_JPEG;
+  context.colorspace = AVCOL_SPC_BT709;
+  context.color_primaries = AVCOL_PRI_BT709;
+  context.color_trc = AVCOL_TRC_IEC61966_2_1;
+  context.time_base = av_inv_q(rate);
+  context.framerate = rate;
+  context.thread_count = 1;
+  context.max_b_frames = 0;
+  context.bit_rate = format.bits_per_second;
+  context.rc_max_rate = format.bits_per_second;
+  context.rc_buffer_size =
+      static_cast<int>(kBuffer_frames * format.bits_per_second / format.frames_per_second);
+}
+
+bool open(AVCodecContext& context, const AVCodec& codec) {
+  AVDictionary* options = nullptr;
+  av_dict_set(&options, "preset", "superfast", 0);
+  av_dict_set(&options, "tune", "zerolatency", 0);
+  av_dict_set(&options, "profile", "high", 0);
+  av_dict_set(&options, "forced-idr", "1", 0);
+  av_dict_set(&options, "x264-params", "keyint=infinite:scenecut=0", 0);
+  const bool opened = avcodec_open2(&context, &codec, &options) >= 0;
+  const bool understood = av_dict_count(options) == 0;
+  av_dict_free(&options);
+  return opened && understood;
+}
+
+}  // namespace
+
+bool has_video() {
+  return true;
+}
+
+std::string video_version() {
+  const AVCodec* encoder = avcodec_find_encoder_by_name("libx264");
+  const unsigned version = avcodec_version();
+  return "libavcodec " + std::to_string(AV_VERSION_MAJOR(version)) + "." +
+         std::to_string(AV_VERSION_MINOR(version)) + "." + std::to_string(AV_VERSION_MICRO(version)) +
+         (encoder != nullptr ? " with libx264" : " without libx264");
+}
+
+struct VideoEncoder::Codec {
+  VideoFormat format;
+  std::unique_ptr<AVCodecContext, ContextEnd> context;
+  std::unique_ptr<AVFrame, FrameEnd> frame;
+  std::unique_ptr<AVPacket, PacketEnd> packet;
+  ColourConverter colours;
+};
+
+VideoEncoder::VideoEncoder(std::unique_ptr<Codec> codec) : codec_(std::move(codec)) {}
+VideoEncoder::VideoEncoder(VideoEncoder&&) noexcept = default;
+VideoEncoder& VideoEncoder::operator=(VideoEncoder&&) noexcept = default;
+VideoEncoder::~VideoEncoder() = default;
+
+Expected<VideoEncoder> VideoEncoder::create(const VideoFormat& format) {
+  if (const std::string why = refusal(format); !why.empty()) return fail(Fault::OutOfRange, why);
+  const AVCodec* codec = avcodec_find_encoder_by_name("libx264");
+  if (codec == nullptr)
+    return fail(Fault::Unavailable, "this libavcodec has no libx264: install one that has, as Debian's");
+  std::unique_ptr<AVCodecContext, ContextEnd> context(avcodec_alloc_context3(codec));
+  std::unique_ptr<AVFrame, FrameEnd> frame(av_frame_alloc());
+  std::unique_ptr<AVPacket, PacketEnd> packet(av_packet_alloc());
+  Expected<ColourConverter> colours = ColourConverter::create(format.size, ColourConverter::To::Yuv);
+  if (!colours) return tl::unexpected(colours.error());
+  if (!context || !frame || !packet) return fail(Fault::Unavailable, "no memory for a video encoder");
+  describe(format, *context);
+  if (!open(*context, *codec)) return fail(Fault::Unavailable, "libx264 does not start with this format");
+  frame->width = context->width;
+  frame->height = context->height;
+  frame->format = context->pix_fmt;
+  frame->color_range = context->color_range;
+  frame->colorspace = context->colorspace;
+  frame->pts = 0;
+  if (av_frame_get_buffer(frame.get(), 0) < 0) return fail(Fault::Unavailable, "no memory for a video frame");
+  return VideoEncoder(std::make_unique<Codec>(
+      Codec{format, std::move(context), std::move(frame), std::move(packet), std::move(*colours)}));
+}
+
+const VideoFormat& VideoEncoder::format() const {
+  return codec_->format;
+}
+
+std::span<const std::byte> VideoEncoder::encode(const Image<Rgb8>& picture, KeyFrame key) {
+  AVFrame& frame = *codec_->frame;
+  AVPacket& packet = *codec_->packet;
+  check(av_frame_make_writable(&frame) >= 0, "there is memory for a video frame");
+  codec_->colours.to_yuv(picture, {{frame.data[0], frame.data[1], frame.data[2]},
+                                   {frame.linesize[0], frame.linesize[1], frame.linesize[2]}});
+  frame.pict_type = key == KeyFrame::Now ? AV_PICTURE_TYPE_I : AV_PICTURE_TYPE_NONE;
+  check(avcodec_send_frame(codec_->context.get(), &frame) >= 0, "libx264 takes each picture");
+  ++frame.pts;
+  av_packet_unref(&packet);
+  check(avcodec_receive_packet(codec_->context.get(), &packet) >= 0, "one picture in is one unit out");
+  return std::as_bytes(std::span(packet.data, narrow<std::size_t>(packet.size)));
+}
+
+}  // namespace farshade
