@@ -2,6 +2,7 @@
 /// one side makes it for the other.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -29,5 +30,20 @@ struct PixelPlane {
   PixelPlane(Extent of, std::uint32_t bytes) : size(of), word_bytes(bytes), words(of.pixels()) {}
   friend bool operator==(const PixelPlane&, const PixelPlane&) = default;
 };
+
+/// A G-buffer of both eyes as it travels: base colour as the image stores it (3 bytes), normal (4), depth
+/// (float bits, reversed z, 4; 0 where nothing is covered).
+struct GBufferPlanes {
+  PerEye<PixelPlane> base_color, normal, depth;
+  friend bool operator==(const GBufferPlanes&, const GBufferPlanes&) = default;
+};
+inline constexpr std::array kGBufferKinds{PlaneKind::BaseColor, PlaneKind::Normal, PlaneKind::Depth};
+
+/// One of kGBufferKinds.
+[[nodiscard]] constexpr auto& planes_of(auto& gbuffer, PlaneKind kind) {
+  return kind == PlaneKind::BaseColor ? gbuffer.base_color
+         : kind == PlaneKind::Normal  ? gbuffer.normal
+                                      : gbuffer.depth;
+}
 
 }  // namespace farshade

@@ -7,16 +7,18 @@
 #include "stereo/frame/frame_id.h"
 #include "stereo/frame/light_changes.h"
 #include "stereo/frame/view.h"
+#include "stereo/frame/wanted.h"
 
 namespace farshade {
 
-/// What a client asks to be traced.
+/// What a client asks for.
 struct TraceRequest {
   FrameId frame;
   Time display_time;  ///< when the traced views are to be shown
   Time scene_time;    ///< where the animation stands
   StereoView views;
   LightChanges lights{};  ///< the light set that the masks are to speak of
+  Wanted wanted{};        ///< with what to answer
 };
 
 struct ShadowFrame {

@@ -26,6 +26,10 @@ template <>
 inline constexpr std::uint8_t kTypeOf<FrameReport> = 19;
 template <>
 inline constexpr std::uint8_t kTypeOf<Probe> = 20;
+template <>
+inline constexpr std::uint8_t kTypeOf<PlaneSlice> = 21;
+template <>
+inline constexpr std::uint8_t kTypeOf<VideoPart> = 22;
 }  // namespace codec
 
 using codec::Either;
@@ -70,16 +74,23 @@ bool fields(auto& io, Either<ArrivalReport> auto& report) {
   return fine;
 }
 
+bool fields(auto& io, Either<Wanted> auto& wanted) {
+  return io.code(wanted.answer) && io.u32(wanted.bits_per_second) && io.ns(wanted.interval) &&
+         io.code(wanted.coding) && io.u8(wanted.position_bits) && io.u16(wanted.slices);
+}
+
 bool fields(auto& io, Either<RequestMessage> auto& message) {
   auto& request = message.request;
   return io.u32(request.frame.value) && frames_behind_field(io, message) &&  //
          io.ns(request.display_time) && io.ns(request.scene_time) &&         //
          fields(io, request.views[0]) && fields(io, request.views[1]) &&     //
+         fields(io, request.wanted) &&                                       //
          io.u64(message.probe_echo) && fields(io, request.lights) && fields(io, message.arrivals);
 }
 
 bool fields(auto& io, Either<Welcome> auto& welcome) {
-  return io.array(welcome.scene_hash) && io.u16(welcome.light_count) && io.u32(welcome.most_pixels);
+  return io.array(welcome.scene_hash) && io.u16(welcome.light_count) && io.u32(welcome.most_pixels) &&
+         io.u8(welcome.answers);
 }
 
 bool fields(auto& io, Either<Refusal> auto& refusal) {
@@ -95,13 +106,26 @@ bool fields(auto& io, Either<Slice> auto& slice) {
 bool fields(auto& io, Either<FrameReport> auto& report) {
   return io.u32(report.frame.value) && io.u32(report.slices) && io.u32(report.payload_bytes) &&
          io.u64(report.primary_rays) && io.u64(report.shadow_rays) && io.u64(report.full_shadow_rays) &&
-         io.ns(report.primary) && io.ns(report.shadow) && io.ns(report.pack) && io.ns(report.waited) &&
-         io.u32(report.superseded) && io.u32(report.bytes_per_second) && io.u8(report.scale_eighths);
+         io.ns(report.primary) && io.ns(report.shadow) && io.ns(report.draw) && io.ns(report.pack) &&
+         io.ns(report.waited) && io.u32(report.superseded) && io.u32(report.bytes_per_second) &&
+         io.u8(report.scale_eighths);
+}
+
+bool fields(auto& io, Either<PlaneSlice> auto& slice) {
+  return io.u32(slice.frame.value) && io.code(slice.eye) && io.code(slice.kind) && fields(io, slice.size) &&
+         io.u8(slice.word_bytes) && io.u32(slice.first_tile) && io.u16(slice.tile_count) &&
+         io.rest(slice.block);
+}
+
+bool fields(auto& io, Either<VideoPart> auto& part) {
+  return io.u32(part.frame.value) && io.u16(part.part) && io.u16(part.parts) && io.rest(part.bytes);
 }
 
 bool fields(auto& io, Either<Probe> auto& probe) {
   return io.u64(probe.token);
 }
+
+constexpr Duration kLongestInterval = std::chrono::seconds(10);
 
 // ---- ranges: why a message may not be sent and is refused
 
@@ -121,12 +145,29 @@ Verdict verdict(const ArrivalReport& report) {
   return in_range(report.base) ? kFine : WireRefusal::TimeRange;
 }
 
+/// What an answer does not need is 0.
+Verdict verdict(const Wanted& wanted) {
+  if (static_cast<std::uint8_t>(wanted.answer) >= kAnswers) return WireRefusal::Code;
+  if (wanted.coding != Coding::AfterLast && wanted.coding != Coding::Alone) return WireRefusal::Code;
+  const bool video = is_video(wanted.answer), positions = wanted.answer == Answer::MasksOfPositions;
+  const bool rate =
+      video ? wanted.bits_per_second >= kLeastVideo_bits && wanted.bits_per_second <= kMostVideo_bits
+            : wanted.bits_per_second == 0 && wanted.coding == Coding::AfterLast;
+  const bool interval = video ? wanted.interval > Duration::zero() && wanted.interval <= kLongestInterval
+                              : wanted.interval == Duration::zero();
+  const bool grid =
+      positions ? wanted.position_bits >= kLeastPosition_bits && wanted.position_bits <= kMostPosition_bits
+                : wanted.position_bits == 0 && wanted.slices == 0;
+  return rate && interval && grid ? kFine : WireRefusal::Wanted;
+}
+
 Verdict verdict(const RequestMessage& message) {
   const TraceRequest& request = message.request;
   if (message.newest_received && !is_newer(request.frame, *message.newest_received))
     return WireRefusal::FrameOrder;
   if (!in_range(request.display_time) || !in_range(request.scene_time)) return WireRefusal::TimeRange;
   if (!in_range(request.views[0]) || !in_range(request.views[1])) return WireRefusal::ViewRange;
+  if (const Verdict why = verdict(request.wanted)) return why;
   if (const Verdict why = verdict(request.lights)) return why;
   return verdict(message.arrivals);
 }
@@ -134,6 +175,7 @@ Verdict verdict(const RequestMessage& message) {
 Verdict verdict(const Welcome& welcome) {
   if (welcome.light_count > kMaxLights) return WireRefusal::Lights;
   if (welcome.most_pixels == 0) return WireRefusal::MaskSize;
+  if (welcome.answers > kEveryAnswer) return WireRefusal::Code;
   return kFine;
 }
 
@@ -142,21 +184,40 @@ Verdict verdict(const Refusal& refusal) {
   return known ? kFine : WireRefusal::Code;
 }
 
-Verdict verdict(const Slice& slice) {
+/// What all slices say: whose, and which tiles.
+Verdict verdict_on_tiles(const auto& slice) {
   const auto side_fits = [](std::uint32_t side) { return side >= 1 && side <= kMaxViewSide_px; };
   if (slice.eye != Side::Left && slice.eye != Side::Right) return WireRefusal::Code;
   if (!side_fits(slice.size.width) || !side_fits(slice.size.height)) return WireRefusal::MaskSize;
-  if (slice.lights > kMaxLights || slice.plane >= MaskLayout{slice.lights}.planes())
-    return WireRefusal::Lights;
   const std::uint32_t tiles = TileGrid{slice.size}.count();
   if (slice.tile_count == 0 || slice.first_tile >= tiles || slice.tile_count > tiles - slice.first_tile)
     return WireRefusal::TileRange;
   return kFine;
 }
 
+Verdict verdict(const Slice& slice) {
+  if (const Verdict why = verdict_on_tiles(slice)) return why;
+  if (slice.lights > kMaxLights || slice.plane >= MaskLayout{slice.lights}.planes())
+    return WireRefusal::Lights;
+  return kFine;
+}
+
+Verdict verdict(const PlaneSlice& slice) {
+  if (slice.kind > PlaneKind::PositionZ) return WireRefusal::Code;
+  if (slice.word_bytes < 1 || slice.word_bytes > 4) return WireRefusal::Code;
+  return verdict_on_tiles(slice);
+}
+
+Verdict verdict(const VideoPart& part) {
+  const bool is_last = part.part + 1 == part.parts;
+  const bool fine = part.parts >= 1 && part.parts <= kMostVideoParts && part.part < part.parts &&
+                    !part.bytes.empty() && (is_last || part.bytes.size() == kVideoPart_bytes);
+  return fine ? kFine : WireRefusal::Part;
+}
+
 Verdict verdict(const FrameReport& report) {
-  const bool fine =
-      in_range(report.primary) && in_range(report.shadow) && in_range(report.pack) && in_range(report.waited);
+  const bool fine = in_range(report.primary) && in_range(report.shadow) && in_range(report.draw) &&
+                    in_range(report.pack) && in_range(report.waited);
   if (!fine) return WireRefusal::TimeRange;
   const bool sized = report.scale_eighths >= 1 && report.scale_eighths <= kFullScale_eighths;
   return sized ? kFine : WireRefusal::Code;

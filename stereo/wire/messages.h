@@ -16,13 +16,14 @@
 #include "stereo/base/expected.h"
 #include "stereo/frame/eye_mask.h"
 #include "stereo/frame/frame_id.h"
+#include "stereo/frame/pixel_plane.h"
 #include "stereo/frame/shadow_frame.h"
 #include "stereo/wire/arrival_report.h"
 #include "stereo/wire/refusal.h"
 
 namespace farshade {
 
-inline constexpr std::uint16_t kProtocolVersion = 2;
+inline constexpr std::uint16_t kProtocolVersion = 3;
 inline constexpr std::size_t kMaxDatagram_bytes = 1200;  ///< UDP payload, sealing included
 inline constexpr std::size_t kSealing_bytes = 39;        ///< of these: what sealing adds (envelope.h)
 inline constexpr std::size_t kMaxMessage_bytes = kMaxDatagram_bytes - kSealing_bytes;
@@ -45,7 +46,22 @@ struct RequestMessage {
   ArrivalReport arrivals{};
 };
 
-using ClientMessage = std::variant<RequestMessage>;
+// ---- either way
+
+/// A run of tiles of one plane of one eye: of the positions that a request brings, of the G-buffer that
+/// answers one. Decodes without any other (plane_codec.h packs and opens it).
+struct PlaneSlice {
+  FrameId frame{};
+  Side eye = Side::Left;
+  PlaneKind kind = PlaneKind::BaseColor;
+  Extent size{};                       ///< of the whole plane
+  std::uint32_t word_bytes = 4;        ///< 1 to 4
+  std::uint32_t first_tile = 0;        ///< in TileGrid{size}
+  std::uint32_t tile_count = 0;        ///< 1 or more, first_tile + tile_count within the grid
+  std::span<const std::byte> block{};  ///< LZ4; a view into the message or the packer, owned by neither
+};
+
+using ClientMessage = std::variant<RequestMessage, PlaneSlice>;
 
 // ---- server -> client
 
@@ -55,6 +71,7 @@ struct Welcome {
   std::uint32_t light_count = 0;
   /// Of an eye's view that a request may ask for: nobody's trace keeps the others waiting for long.
   std::uint32_t most_pixels = std::uint32_t{1} << 23;
+  AnswerSet answers = set_of(Answer::Masks);  ///< that requests may want
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
 
@@ -86,6 +103,16 @@ struct Slice {
   std::span<const std::byte> block{};  ///< LZ4; a view into the message or the packer, owned by neither
 };
 
+/// A part of the coded picture of both eyes. All parts but the last have kVideoPart_bytes.
+struct VideoPart {
+  FrameId frame{};
+  std::uint32_t part = 0, parts = 1;   ///< this one, of so many: at most kMostVideoParts
+  std::span<const std::byte> bytes{};  ///< a view, owned by neither; 1 or more
+};
+inline constexpr std::size_t kVideoPartHeader_bytes = 9;
+inline constexpr std::size_t kVideoPart_bytes = kMaxMessage_bytes - kVideoPartHeader_bytes;
+inline constexpr std::uint32_t kMostVideoParts = 4096;
+
 inline constexpr std::uint32_t kFullScale_eighths = 8;
 
 /// Sent after a frame's last slice: what the frame was and cost. Lost like any other datagram.
@@ -94,11 +121,11 @@ struct FrameReport {
   std::uint32_t slices = 0;         ///< messages of this frame, this report not among them
   std::uint32_t payload_bytes = 0;  ///< of those messages, before they are sealed
   std::uint64_t primary_rays = 0, shadow_rays = 0;
-  std::uint64_t full_shadow_rays = 0;    ///< of a trace that leaves nothing out
-  Duration primary{}, shadow{}, pack{};  ///< stages of this frame
-  Duration waited{};                     ///< from arrival of the request to its trace
-  std::uint32_t superseded = 0;          ///< requests dropped so far because a newer one came
-  std::uint32_t bytes_per_second = 0;    ///< that the server takes the path to this client to carry
+  std::uint64_t full_shadow_rays = 0;            ///< of a trace that leaves nothing out
+  Duration primary{}, shadow{}, draw{}, pack{};  ///< stages of this frame; coding is part of pack
+  Duration waited{};                             ///< from arrival of the request to its trace
+  std::uint32_t superseded = 0;                  ///< requests dropped so far because a newer one came
+  std::uint32_t bytes_per_second = 0;            ///< that the server takes the path to this client to carry
   std::uint32_t scale_eighths =
       kFullScale_eighths;  ///< please ask for views of this many eighths of their size
   friend bool operator==(const FrameReport&, const FrameReport&) = default;
@@ -115,8 +142,11 @@ struct Probe {
 /// Bytes of a slice's message before its block.
 inline constexpr std::size_t kSliceHeader_bytes = 23;
 inline constexpr std::size_t kMaxBlock_bytes = kMaxMessage_bytes - kSliceHeader_bytes;
+/// The same of a plane's slice.
+inline constexpr std::size_t kPlaneSliceHeader_bytes = 18;
+inline constexpr std::size_t kMaxPlaneBlock_bytes = kMaxMessage_bytes - kPlaneSliceHeader_bytes;
 
-using ServerMessage = std::variant<Welcome, Refusal, Slice, FrameReport, Probe>;
+using ServerMessage = std::variant<Welcome, Refusal, Slice, FrameReport, Probe, PlaneSlice, VideoPart>;
 
 // ---- bytes
 
@@ -124,7 +154,7 @@ using ServerMessage = std::variant<Welcome, Refusal, Slice, FrameReport, Probe>;
 void encode(const ClientMessage& message, std::vector<std::byte>& bytes);
 void encode(const ServerMessage& message, std::vector<std::byte>& bytes);
 
-/// A Slice's block points into `bytes`.
+/// Blocks and parts point into `bytes`.
 [[nodiscard]] Decoded<ClientMessage> decode_client(std::span<const std::byte> bytes);
 [[nodiscard]] Decoded<ServerMessage> decode_server(std::span<const std::byte> bytes);
 

@@ -4,10 +4,10 @@ namespace farshade {
 
 std::string_view name_of(WireRefusal refusal) {
   static constexpr std::array<std::string_view, kWireRefusals> names{
-      "too long",       "truncated",       "magic",       "version",     "type",      "view range",
-      "time range",     "frame order",     "code",        "lights",      "mask size", "tile range",
-      "trailing bytes", "block",           "tile coding", "tile length", "tile bits", "arrivals",
-      "padding",        "unknown session", "replayed",    "forged",      "other mask"};
+      "too long",    "truncated",   "magic",     "version",   "type",       "view range",      "time range",
+      "frame order", "code",        "lights",    "mask size", "tile range", "trailing bytes",  "block",
+      "tile coding", "tile length", "tile bits", "arrivals",  "padding",    "unknown session", "replayed",
+      "forged",      "wanted",      "part",      "other mask"};
   return names[static_cast<std::size_t>(refusal)];
 }
 

@@ -49,7 +49,24 @@ void check_ranges(const RequestMessage& message) {
     check_place(p.x, p.y, p.z);
     check(std::abs(std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z) - 1) <= 1.001e-3, "directions are unit");
   }
+  check(static_cast<std::uint8_t>(request.wanted.answer) < kAnswers, "an answer that is");
+  check(request.wanted.bits_per_second <= kMostVideo_bits, "a rate that can be");
+  check_span(request.wanted.interval.count(), 0);
   check(message.arrivals.count <= ArrivalReport::kMost, "a report is no longer than it can be");
+}
+
+void check_ranges(const PlaneSlice& slice) {
+  check(slice.kind <= PlaneKind::PositionZ && slice.word_bytes >= 1 && slice.word_bytes <= 4,
+        "a plane that is");
+  check(slice.size.width <= kMaxViewSide_px && slice.size.height <= kMaxViewSide_px, "a size that can be");
+  check(slice.tile_count >= 1 &&
+            std::uint64_t{slice.first_tile} + slice.tile_count <= std::uint64_t{TileGrid{slice.size}.count()},
+        "tiles in the grid");
+}
+
+void check_ranges(const VideoPart& part) {
+  check(part.part < part.parts && part.parts <= kMostVideoParts, "a part of a picture");
+  check(!part.bytes.empty() && part.bytes.size() <= kVideoPart_bytes, "a part has bytes");
 }
 
 void check_ranges(const Slice& slice) {
@@ -61,7 +78,7 @@ void check_ranges(const Slice& slice) {
 }
 
 void check_ranges(const FrameReport& report) {
-  for (const Duration span : {report.primary, report.shadow, report.pack, report.waited})
+  for (const Duration span : {report.primary, report.shadow, report.draw, report.pack, report.waited})
     check_span(span.count(), 0);
   check(report.scale_eighths >= 1 && report.scale_eighths <= kFullScale_eighths, "a scale that can be");
 }

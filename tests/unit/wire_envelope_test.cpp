@@ -138,10 +138,10 @@ TEST(HelloEnvelope, IsPaddedWithZerosToItsLastByte) {
 
 TEST(HelloEnvelope, OfAnotherVersionIsKnownByVersionAndEcho) {
   Bytes bytes = enveloped(hello());
-  bytes[4] = std::byte{3};
+  bytes[4] = std::byte{kProtocolVersion + 1};
   bytes[kMaxDatagram_bytes - 1] = std::byte{0xff};  // what it says beyond the echo is its own affair
   const auto foreign = std::get<ForeignHello>(*open_client_envelope(bytes));
-  EXPECT_EQ(foreign.version, 3u);
+  EXPECT_EQ(foreign.version, kProtocolVersion + 1);
   EXPECT_EQ(foreign.echo, retry().echo);
   bytes.pop_back();  // no answer to a short one: it could be longer than the question
   EXPECT_EQ(open_client_envelope(bytes).error(), WireRefusal::Padding);
@@ -149,7 +149,7 @@ TEST(HelloEnvelope, OfAnotherVersionIsKnownByVersionAndEcho) {
 
 TEST(OpenRefusalEnvelope, OfAnotherVersionIsUnderstood) {
   OpenRefusal later = open_refusal();
-  later.version = 3;
+  later.version = kProtocolVersion + 1;
   later.reason = RefusalReason::VersionMismatch;
   EXPECT_EQ(std::get<OpenRefusal>(*open_server_envelope(enveloped(later))), later);
 }

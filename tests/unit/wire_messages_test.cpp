@@ -13,16 +13,18 @@ namespace {
 using namespace wire_samples;
 
 /// Where the sample request's fields lie in its bytes.
-constexpr std::size_t kLeftView = 25, kRightView = 117, kLightCount = 221, kChanges = 222, kArrivals = 284;
+constexpr std::size_t kLeftView = 25, kRightView = 117, kWanted = 209, kLightCount = 238, kChanges = 239,
+                      kArrivals = 301;
 
 /// All messages, as bytes. The slice is one of a real mask.
 std::vector<Bytes> client_messages() {
-  return {encoded(ClientMessage(request()))};
+  return {encoded(ClientMessage(request())), encoded(ClientMessage(plane_slice()))};
 }
 std::vector<Bytes> server_messages() {
-  return {encoded(ServerMessage(welcome())), encoded(ServerMessage(refusal())),
-          encoded(ServerMessage(report())), encoded(ServerMessage(probe())),
-          packed(small_frame(), Side::Right).front()};
+  return {encoded(ServerMessage(welcome())),          encoded(ServerMessage(refusal())),
+          encoded(ServerMessage(report())),           encoded(ServerMessage(probe())),
+          packed(small_frame(), Side::Right).front(), encoded(ServerMessage(plane_slice())),
+          encoded(ServerMessage(video_part()))};
 }
 
 RequestMessage travelled(const RequestMessage& message) {
@@ -82,30 +84,42 @@ TEST(Messages, SliceHeaderHasItsStatedSize) {
   EXPECT_EQ(std::get<Slice>(*decode_server(bytes)).block.size(), bytes.size() - kSliceHeader_bytes);
 }
 
+/// Where what a message says by its fields ends, and a block that goes to the end begins.
+std::size_t fixed_bytes(const Bytes& message) {
+  switch (std::to_integer<unsigned>(message[0])) {
+    case 18:
+      return kSliceHeader_bytes;
+    case 21:
+      return kPlaneSliceHeader_bytes;
+    case 22:
+      return kVideoPartHeader_bytes;
+    default:
+      return message.size();
+  }
+}
+
 TEST(Messages, RefuseEveryTruncation) {
   const auto cut = [](const Bytes& whole, std::size_t size) {
     return Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));  // its own allocation
   };
   for (const Bytes& whole : client_messages())
-    for (std::size_t size = 0; size < whole.size(); ++size)
+    for (std::size_t size = 0; size < fixed_bytes(whole); ++size)
       EXPECT_EQ(decode_client(cut(whole, size)).error(), WireRefusal::Truncated)
           << size << " of " << whole.size();
-  for (const Bytes& whole : server_messages()) {
-    const bool is_slice = std::holds_alternative<Slice>(*decode_server(whole));
-    const std::size_t fixed = is_slice ? kSliceHeader_bytes : whole.size();
-    for (std::size_t size = 0; size < fixed; ++size)
+  for (const Bytes& whole : server_messages())
+    for (std::size_t size = 0; size < fixed_bytes(whole); ++size)
       EXPECT_EQ(decode_server(cut(whole, size)).error(), WireRefusal::Truncated)
           << size << " of " << whole.size();
-  }
 }
 
 TEST(Messages, RefuseWhatFollowsTheLastField) {
   for (Bytes bytes : client_messages()) {
+    if (fixed_bytes(bytes) < bytes.size()) continue;  // its block goes to the end
     bytes.push_back(std::byte{0});
     EXPECT_EQ(decode_client(bytes).error(), WireRefusal::TrailingBytes);
   }
   for (Bytes bytes : server_messages()) {
-    if (std::holds_alternative<Slice>(*decode_server(bytes))) continue;  // its block goes to the end
+    if (fixed_bytes(bytes) < bytes.size()) continue;
     bytes.push_back(std::byte{0});
     EXPECT_EQ(decode_server(bytes).error(), WireRefusal::TrailingBytes);
   }
@@ -130,8 +144,13 @@ TEST(Messages, EveryFlippedBitIsRefusedOrMeansWhatItSays) {
 }
 
 TEST(Messages, EachSideRefusesWhatOnlyTheOtherSays) {
-  for (const Bytes& bytes : client_messages()) EXPECT_EQ(decode_server(bytes).error(), WireRefusal::Type);
-  for (const Bytes& bytes : server_messages()) EXPECT_EQ(decode_client(bytes).error(), WireRefusal::Type);
+  const auto goes_both_ways = [](const Bytes& bytes) { return bytes[0] == std::byte{21}; };
+  for (const Bytes& bytes : client_messages()) {
+    EXPECT_TRUE(goes_both_ways(bytes) || decode_server(bytes).error() == WireRefusal::Type);
+  }
+  for (const Bytes& bytes : server_messages()) {
+    EXPECT_TRUE(goes_both_ways(bytes) || decode_client(bytes).error() == WireRefusal::Type);
+  }
 }
 
 TEST(RequestDecode, KnowsNoNewestFrameFromFrameZero) {
@@ -244,12 +263,82 @@ TEST(RequestDecode, TakesCountersAndTimesOfArrivalsInTheirRangesOnly) {
   EXPECT_EQ(decode_client(patched(good, kArrivals + 15, {0xdf})).error(), WireRefusal::TimeRange);
 }
 
+TEST(RequestDecode, TakesOnlyWhatGoesWithTheAnswer) {
+  const auto refusal_of = [](const Wanted& wanted) {
+    RequestMessage message = request();
+    message.request.wanted = {};
+    Bytes bytes = encoded(ClientMessage(message)), fields;
+    ByteWriter io(fields);
+    io.code(wanted.answer), io.u32(wanted.bits_per_second), io.ns(wanted.interval), io.code(wanted.coding);
+    io.u8(wanted.position_bits), io.u16(wanted.slices);
+    std::ranges::copy(fields, bytes.begin() + kWanted);
+    const Decoded<ClientMessage> read = decode_client(bytes);
+    return read ? std::nullopt : std::optional(read.error());
+  };
+  using enum Answer;
+  const Duration frame = std::chrono::milliseconds(14);
+  for (const Wanted& fine : std::initializer_list<Wanted>{
+           {},
+           {.answer = GBuffer},
+           {.answer = Video, .bits_per_second = 100'000, .interval = frame},
+           {.answer = Difference, .bits_per_second = 1'000'000'000, .interval = std::chrono::seconds(10)},
+           {.answer = MasksOfPositions, .position_bits = 8, .slices = 65535},
+           {.answer = MasksOfPositions, .position_bits = 24}})
+    EXPECT_EQ(refusal_of(fine), std::nullopt);
+  for (const Wanted& wrong : std::initializer_list<Wanted>{
+           {.bits_per_second = 1},
+           {.interval = frame},
+           {.coding = Coding::Alone},
+           {.position_bits = 8},
+           {.slices = 1},
+           {.answer = GBuffer, .position_bits = 16},
+           {.answer = Video, .bits_per_second = 99'999, .interval = frame},
+           {.answer = Video, .bits_per_second = 1'000'000'001, .interval = frame},
+           {.answer = Video, .bits_per_second = 100'000},
+           {.answer = Video, .bits_per_second = 100'000, .interval = -frame},
+           {.answer = Video, .bits_per_second = 100'000, .interval = std::chrono::seconds(11)},
+           {.answer = Video, .bits_per_second = 100'000, .interval = frame, .slices = 1},
+           {.answer = MasksOfPositions, .position_bits = 7},
+           {.answer = MasksOfPositions, .position_bits = 25}})
+    EXPECT_EQ(refusal_of(wrong), WireRefusal::Wanted);
+  EXPECT_EQ(refusal_of({.answer = static_cast<Answer>(kAnswers)}), WireRefusal::Code);
+  EXPECT_EQ(refusal_of({.coding = static_cast<Coding>(2)}), WireRefusal::Code);
+}
+
+TEST(PlaneSliceDecode, RefusesWhatNoPlaneHas) {
+  const Bytes good = encoded(ClientMessage(plane_slice()));
+  const auto error = [&](std::size_t at, std::initializer_list<unsigned> values) {
+    return decode_client(patched(good, at, values)).error();
+  };
+  EXPECT_EQ(error(5, {2}), WireRefusal::Code);
+  EXPECT_EQ(error(6, {6}), WireRefusal::Code);
+  EXPECT_EQ(error(7, {0, 0}), WireRefusal::MaskSize);
+  EXPECT_EQ(error(7, {1, 0x20}), WireRefusal::MaskSize);
+  EXPECT_EQ(error(11, {0}), WireRefusal::Code);
+  EXPECT_EQ(error(11, {5}), WireRefusal::Code);
+  EXPECT_EQ(error(12, {4}), WireRefusal::TileRange);
+  EXPECT_EQ(error(16, {4}), WireRefusal::TileRange);
+  EXPECT_EQ(error(16, {0}), WireRefusal::TileRange);
+}
+
+TEST(VideoPartDecode, RefusesPartsThatNoPictureHas) {
+  const Bytes good = encoded(ServerMessage(video_part()));
+  EXPECT_EQ(decode_server(patched(good, 5, {3})).error(), WireRefusal::Part);
+  EXPECT_EQ(decode_server(patched(good, 5, {0, 0, 0})).error(), WireRefusal::Part);
+  EXPECT_EQ(decode_server(patched(good, 7, {1, 0x10})).error(), WireRefusal::Part);  // 4,097 parts
+  EXPECT_EQ(decode_server(patched(good, 5, {1})).error(), WireRefusal::Part) << "shorter than a part is";
+  EXPECT_EQ(decode_server(std::span(good).first(9)).error(), WireRefusal::Part) << "nothing in it";
+  Bytes whole = patched(good, 5, {1});
+  whole.resize(kMaxMessage_bytes);
+  EXPECT_TRUE(decode_server(whole));
+}
+
 TEST(RequestEncode, HasRoomForAllThatItMayCarry) {
   RequestMessage message = request();
   message.request.lights = changes_of(RequestMessage::kMostLightChanges);
   for (LightChange& light : message.request.lights.lights) light.pose = LightPose{};
   message.arrivals.count = ArrivalReport::kMost;
-  EXPECT_EQ(encoded(ClientMessage(message)).size(), 1082u);
+  EXPECT_EQ(encoded(ClientMessage(message)).size(), 1099u);
 }
 
 TEST(EncodeDeathTest, StopsAtAMessageOutOfItsRanges) {

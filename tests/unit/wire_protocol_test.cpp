@@ -88,6 +88,7 @@ TEST(Protocol, RequestIsAsThePageSays) {
   EXPECT_EQ(read.request.scene_time, request().request.scene_time);
   EXPECT_EQ(read.request.views, request().request.views);
   EXPECT_EQ(read.request.lights, request().request.lights);
+  EXPECT_EQ(read.request.wanted, request().request.wanted);
   EXPECT_EQ(read.probe_echo, request().probe_echo);
   EXPECT_EQ(read.arrivals.first, request().arrivals.first);
   EXPECT_EQ(read.arrivals.base, request().arrivals.base);
@@ -113,6 +114,31 @@ TEST(Protocol, FrameReportIsAsThePageSays) {
 TEST(Protocol, ProbeIsAsThePageSays) {
   EXPECT_EQ(encoded(ServerMessage(probe())), example("probe"));
   EXPECT_EQ(std::get<Probe>(*decode_server(example("probe"))), probe());
+}
+
+TEST(Protocol, PlaneSliceIsAsThePageSays) {
+  EXPECT_EQ(encoded(ServerMessage(plane_slice())), example("plane-slice"));
+  EXPECT_EQ(encoded(ClientMessage(plane_slice())), example("plane-slice"));
+  const Bytes bytes = example("plane-slice");
+  const auto read = std::get<PlaneSlice>(*decode_client(bytes));
+  EXPECT_EQ(read.frame, plane_slice().frame);
+  EXPECT_EQ(read.eye, Side::Right);
+  EXPECT_EQ(read.kind, PlaneKind::Depth);
+  EXPECT_EQ(read.size, (Extent{20, 18}));
+  EXPECT_EQ(read.word_bytes, 4u);
+  EXPECT_EQ(read.first_tile, 1u);
+  EXPECT_EQ(read.tile_count, 2u);
+  EXPECT_TRUE(std::ranges::equal(read.block, kThreeBytes));
+}
+
+TEST(Protocol, VideoPartIsAsThePageSays) {
+  EXPECT_EQ(encoded(ServerMessage(video_part())), example("video-part"));
+  const Bytes bytes = example("video-part");
+  const auto read = std::get<VideoPart>(*decode_server(bytes));
+  EXPECT_EQ(read.frame, video_part().frame);
+  EXPECT_EQ(read.part, 2u);
+  EXPECT_EQ(read.parts, 3u);
+  EXPECT_TRUE(std::ranges::equal(read.bytes, kThreeBytes));
 }
 
 TEST(Protocol, SliceIsAsThePageSays) {

@@ -53,7 +53,7 @@ inline SharedKey shared_key() {
 }
 
 inline Welcome welcome() {
-  return {counting_hash(), 3};
+  return {counting_hash(), 3, Welcome{}.most_pixels, kTracedAnswers};
 }
 inline Refusal refusal() {
   return {RefusalReason::SceneMismatch, counting_hash()};
@@ -85,6 +85,10 @@ inline RequestMessage request() {
            .on = true,
            .pose = LightPose{Point<Stage>{{0.5, 2.0, -1.25}}, Vector<Stage>{{0, -1, 0}}}},
       }};
+  message.request.wanted = {.answer = Answer::Video,
+                            .bits_per_second = 2'000'000,
+                            .interval = Duration(11'111'111),
+                            .coding = Coding::Alone};
   message.newest_received = FrameId{255};
   message.probe_echo = probe().token;
   message.arrivals = {.first = 1000, .base = time_from_ns(11'000'000), .count = 3};
@@ -102,11 +106,27 @@ inline FrameReport report() {
           .full_shadow_rays = 6'291'456,
           .primary = Duration(31'000'000),
           .shadow = Duration(37'000'000),
+          .draw = Duration(19'000'000),
           .pack = Duration(450'000),
           .waited = Duration(20'000),
           .superseded = 5,
           .bytes_per_second = 12'500'000,
           .scale_eighths = 7};
+}
+
+inline constexpr std::array kThreeBytes{std::byte{10}, std::byte{11}, std::byte{12}};
+inline PlaneSlice plane_slice() {
+  return {.frame = FrameId{258},
+          .eye = Side::Right,
+          .kind = PlaneKind::Depth,
+          .size = {20, 18},
+          .word_bytes = 4,
+          .first_tile = 1,
+          .tile_count = 2,
+          .block = kThreeBytes};
+}
+inline VideoPart video_part() {
+  return {.frame = FrameId{258}, .part = 2, .parts = 3, .bytes = kThreeBytes};
 }
 
 // ---- envelopes
@@ -124,9 +144,9 @@ inline Hello hello() {
           .key = {0xd8, 0xd8, 0xc6, 0xac, 0x12, 0xd1, 0xb2, 0x8b},
           .scene_hash = counting_hash(),
           .cookie = counting<16>(0xc0),
-          .proof = {0x26, 0xcd, 0xe7, 0x82, 0x40, 0x64, 0xec, 0xa0, 0x0a, 0x3c, 0x10,
-                    0x39, 0xb8, 0x0b, 0xdc, 0x03, 0x09, 0xed, 0xf8, 0x8b, 0x47, 0xb2,
-                    0xbf, 0xe0, 0x8e, 0x1c, 0x76, 0x69, 0x20, 0x80, 0x1b, 0x47}};
+          .proof = {0x39, 0x93, 0xd1, 0x7d, 0xaf, 0xc1, 0xa6, 0x77, 0xeb, 0x79, 0xb3,
+                    0x53, 0x44, 0x29, 0xde, 0xee, 0xe9, 0xbe, 0x7a, 0x5b, 0x9d, 0xb4,
+                    0x3e, 0x27, 0xe7, 0xf7, 0x63, 0xd2, 0x03, 0xe6, 0x93, 0x56}};
 }
 inline Retry retry() {
   return {counting<16>(0x20), counting<16>(0xc0)};
