@@ -12,9 +12,6 @@ extern "C" {
 namespace farshade {
 namespace {
 
-/// Lifts every message of a context above what libav prints; its log level is global and not ours to set.
-constexpr int kQuiet = 1000;
-
 /// Far more than a picture of the largest size may take.
 constexpr std::size_t kMaxUnit_bytes = std::size_t{1} << 28;
 
@@ -47,13 +44,14 @@ bool is_ours(const AVFrame& frame) {
 }  // namespace
 
 struct VideoDecoder::Codec {
-  std::unique_ptr<AVCodecContext, ContextEnd> context;
+  std::unique_ptr<AVCodecContext, ContextEnd> context;  ///< null after a reset, until a key frame comes
   std::unique_ptr<AVFrame, FrameEnd> frame;
   std::unique_ptr<AVPacket, PacketEnd> packet;
   std::optional<ColourConverter> colours;  ///< of the size decoded last
   bool has_reference = false;              ///< a key frame, and all that came after it
   Image<Rgb8> picture;
 
+  Expected<void> open();
   Expected<void> decode_frame(std::span<const std::byte> unit);
   Expected<void> convert_frame();
 };
@@ -64,24 +62,27 @@ VideoDecoder& VideoDecoder::operator=(VideoDecoder&&) noexcept = default;
 VideoDecoder::~VideoDecoder() = default;
 
 Expected<VideoDecoder> VideoDecoder::create() {
+  av_log_set_level(AV_LOG_QUIET);  // damaged units make it talk
+  auto codec = std::make_unique<Codec>();
+  codec->frame.reset(av_frame_alloc());
+  codec->packet.reset(av_packet_alloc());
+  if (!codec->frame || !codec->packet) return fail(Fault::Unavailable, "no memory for a video decoder");
+  return codec->open().map([&] { return VideoDecoder(std::move(codec)); });
+}
+
+Expected<void> VideoDecoder::Codec::open() {
   const AVCodec* codec = avcodec_find_decoder(AV_CODEC_ID_H264);
   if (codec == nullptr) return fail(Fault::Unavailable, "this libavcodec does not decode H.264");
-  auto made = std::make_unique<Codec>();
-  made->context.reset(avcodec_alloc_context3(codec));
-  made->frame.reset(av_frame_alloc());
-  made->packet.reset(av_packet_alloc());
-  if (!made->context || !made->frame || !made->packet)
-    return fail(Fault::Unavailable, "no memory for a video decoder");
-  AVCodecContext& context = *made->context;
-  context.log_level_offset = kQuiet;
-  context.thread_count = 1;  // threads of frames would hold pictures back
-  context.flags |= AV_CODEC_FLAG_LOW_DELAY;
-  context.err_recognition = AV_EF_EXPLODE | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_CAREFUL;
-  context.error_concealment = 0;
-  context.max_pixels = std::int64_t{2} * kMaxViewSide_px * kMaxViewSide_px;
-  if (avcodec_open2(&context, codec, nullptr) < 0)
+  context.reset(avcodec_alloc_context3(codec));
+  if (!context) return fail(Fault::Unavailable, "no memory for a video decoder");
+  context->thread_count = 1;  // threads of frames would hold pictures back
+  context->flags |= AV_CODEC_FLAG_LOW_DELAY;
+  context->err_recognition = AV_EF_EXPLODE | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_CAREFUL;
+  context->error_concealment = 0;
+  context->max_pixels = std::int64_t{2} * kMaxViewSide_px * kMaxViewSide_px;
+  if (avcodec_open2(context.get(), codec, nullptr) < 0)
     return fail(Fault::Unavailable, "libavcodec's H.264 decoder does not start");
-  return VideoDecoder(std::move(made));
+  return {};
 }
 
 /// The unit's one picture into `frame`.
@@ -120,18 +121,21 @@ Expected<const Image<Rgb8>*> VideoDecoder::decode(std::span<const std::byte> uni
     return fail(Fault::Malformed, "a video unit of " + std::to_string(unit.size()) + " bytes");
   if (!codec_->has_reference && !holds_key_frame(unit))
     return fail(Fault::Missing, "a video unit stands on pictures that have not come: a key frame is needed");
-  const Expected<void> shown = codec_->decode_frame(unit).and_then([&] { return codec_->convert_frame(); });
-  codec_->has_reference = shown.has_value();
+  const Expected<void> shown = (codec_->context ? Expected<void>{} : codec_->open())
+                                   .and_then([&] { return codec_->decode_frame(unit); })
+                                   .and_then([&] { return codec_->convert_frame(); });
   if (!shown) {
     reset();
     return tl::unexpected(shown.error());
   }
+  codec_->has_reference = true;
   return &codec_->picture;
 }
 
+/// Nothing of the old decoder stays: what a damaged parameter set has told it outlives a flush.
 void VideoDecoder::reset() {
   codec_->has_reference = false;
-  avcodec_flush_buffers(codec_->context.get());
+  codec_->context.reset();
 }
 
 }  // namespace farshade

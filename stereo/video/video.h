@@ -1,7 +1,7 @@
 /// Video: pictures as H.264 and back, for answers that are pictures. libavcodec with libx264 does it; a build
 /// without them (FARSHADE_VIDEO=OFF) has the same interface and says Unavailable.
 /// Tuned for the next picture, not for the stream: no B frames, no lookahead, each picture goes in and comes
-/// out as one access unit, and no unit is much larger than its share of the bit rate.
+/// out as one access unit, and no unit is larger than three pictures' share of the bit rate.
 #pragma once
 
 #include <cstddef>
@@ -53,7 +53,9 @@ class VideoEncoder {
   std::unique_ptr<Codec> codec_;
 };
 
-/// The way back. Units are foreign bytes: one that is damaged is refused as a whole, never shown in part.
+/// The way back. Units are foreign bytes, and what can be told to be damaged is refused as a whole. Not all
+/// can: the last block of a unit that lacks its last bytes, or a picture whose predecessor was never decoded,
+/// looks whole and is wrong. So the caller decodes whole units only, and resets after a gap.
 class VideoDecoder {
  public:
   [[nodiscard]] static Expected<VideoDecoder> create();
