@@ -4,6 +4,7 @@
 // Nearly every pixel is easy: the newest mask knows it, and no shadow edge is near. The first pass shades those and
 // lists the others; the second pass takes all the time it needs for what is listed, a third for what is listed of
 // instances that can move. Compiled with DIRECT, one pass reads the newest mask at the shown pixel itself.
+// With SHADOW_MAPS as well, no mask is read: visibilities come from maps (shadow_lookup.glsl).
 // (REPORT: tells of each pixel what it was shown with. MOTION: some instances can move.)
 // (lavapipe walks through both sides of every branch, and through every loop once: only passes spare work.)
 #version 460
@@ -32,6 +33,8 @@ layout(constant_id = 11) const bool kEdges = true;    // shadow edges between pi
 layout(constant_id = 12) const float kSharpness = 1.0;
 layout(constant_id = 13) const bool kMovedSinceNewest = false;
 layout(constant_id = 14) const uint kEdgeBit = 1;  // of a mask, and the three after it: mask_edges.h
+layout(constant_id = 15) const uint kMapSide = 1;
+layout(constant_id = 16) const uint kPcfRadius = 0;
 
 layout(binding = 0) uniform Frame { FrameData frame; };
 layout(binding = 1) uniform Lights { LightData lights[kLights + 1]; };
@@ -48,8 +51,15 @@ layout(std430, binding = 8) buffer Hard {
   uint hard_pixels[];  // an eye: x and y in 16 bits each; those on instances that can move from the end
 };
 #endif
+#ifdef SHADOW_MAPS
+const bool kShadowMaps = true;
+#define REPORT_SET 2
+#else
+const bool kShadowMaps = false;
+#define REPORT_SET 1
+#endif
 #ifdef REPORT
-layout(std430, set = 1, binding = 0) writeonly buffer Report { uint report[]; };
+layout(std430, set = REPORT_SET, binding = 0) writeonly buffer Report { uint report[]; };
 const bool kReport = true;
 void tell(uint at, uint word) { report[at] = word; }
 #else
@@ -71,6 +81,8 @@ vec3 unfolded(vec2 p) {
   n.xy -= vec2(n.x < 0.0 ? -fold : fold, n.y < 0.0 ? -fold : fold);
   return n;
 }
+
+#include "shaders/shadow_lookup.glsl"
 
 // Neither 0/0 where a light stands on the surface, nor infinity, of which a shadow would make NaN.
 const float kLeastDistance2 = 1e-30, kMostRadiance = 1e30;
@@ -150,7 +162,9 @@ void shade(ivec2 pixel) {
   surface.normal = unfolded(unpackSnorm4x8(stored.y).xy);
   surface.slot = kMoved ? slot_of(stored.y >> 16) : 0u;
   Found found;
-  if (kPass == FARSHADE_PASS_DIRECT)
+  if (kShadowMaps)
+    found = Found(kFirst, false, pixel, vec2(pixel) + 0.5);
+  else if (kPass == FARSHADE_PASS_DIRECT)
     found = same_pixel(pixel);
   else if (kPass == FARSHADE_PASS_EASY)
     found = look_up(kFirst, surface);
@@ -175,13 +189,14 @@ void shade(ivec2 pixel) {
 
   vec3 p_stage = mat3(frame.eye[kEye].stage_from_eye) * surface.position;
   vec3 n_stage = normalize(unfolded(unpackSnorm2x16(stored.x)));
+  vec3 plane_stage = mat3(frame.eye[kEye].stage_from_eye) * plane_normal(pixel, depth);
   vec3 irradiance = vec3(0.0);
   uint stale = 0u, unknown = 0u, bits = 0u;  // of the plane at hand; stale: in older masks
   uint rays = 0u;                            // lights whose visibility matters here
   for (uint group = 0; group < kGroups; ++group) {
     uint plane = group / 4;
     if (group % 4 == 0) {
-      bits = known ? mask_bits(source, traced_pixel, plane) : 0u;
+      bits = known && !kShadowMaps ? mask_bits(source, traced_pixel, plane) : 0u;
       stale = second_look && kMoved ? stale_bits(1, surface.slot, p_stage, plane) : 0u;
       // A newer mask than this one has been traced since: what is stale is not trusted any more.
       uint from_beside = 0u;
@@ -199,6 +214,7 @@ void shade(ivec2 pixel) {
       }
     }
     Visibility8 k = eight_of(bits >> (group % 4 * 8));
+    if (kShadowMaps) k = sights_of_lights(group, p_stage, plane_stage, n_stage);
     if (second_look && on_edge) k = edge_visibility(surface, stale, group, k);
     Visibility8 is_unknown = eight_of(unknown >> (group % 4 * 8)), guess = Visibility8(vec4(1.0), vec4(1.0));
     // An older mask's stale bit is a better guess than none, but of a light that the viewer has changed it says

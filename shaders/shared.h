@@ -48,6 +48,21 @@ struct LightData {
   vec4 spot_cone;       // x = scale, y = offset of the cone's falloff (KHR_lights_punctual); 0, 1 = no cone
 };
 
+// How a light's shadow map sees: not at all, through the six faces of a cube (+x, -x, +y, -y, +z, -z), through
+// one window, or along one direction.
+#define FARSHADE_MAP_NONE 0u
+#define FARSHADE_MAP_CUBE 1u
+#define FARSHADE_MAP_WINDOW 2u
+#define FARSHADE_MAP_PARALLEL 3u
+
+/// One light's shadow map. Its middle texel looks along `ahead` from `origin`; a cube has no axes of its own.
+struct ShadowMapData {
+  vec4 right, up;  // unit, stage axes; w = texels per unit: of the window at distance 1, parallel: per metre
+  vec4 ahead;      // the same; w = depth per metre, parallel only
+  vec4 origin[2];  // relative to each eye, stage axes; parallel: where depth is 0; w unused
+  uvec4 place;     // x = FARSHADE_MAP_*, y = its first layer; z, w unused
+};
+
 #define FARSHADE_MAX_MASKS 4
 #define FARSHADE_MAX_SOURCES 8  // each mask as traced for this eye, newest first, then each as for the other
 #define FARSHADE_MAX_MOVED 4

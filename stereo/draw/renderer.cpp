@@ -22,7 +22,7 @@ Renderer::Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan,
                                                                  .level = vk::CommandBufferLevel::ePrimary,
                                                                  .commandBufferCount = 1})[0])),
       fence_(device.logical.createFence({})),
-      stamps_(device, 4) {
+      stamps_(device, 5) {
   check(limits.traced_size.width >= size_.width && limits.traced_size.height >= size_.height,
         "what is shown can be traced");
   if (plan_.depth_pass && !plan_.builds_late) make_depth_pass();
@@ -55,6 +55,12 @@ void Renderer::place_depth(const ShownFrame& frame) {
 
 /// The masks that can be used, as the shading pass takes them.
 void Renderer::prepare_shading(const ShownFrame& frame) {
+  if (frame.shadow_maps != nullptr) {
+    ShadowMaps& maps = need_maps(*frame.shadow_maps);
+    maps.prepare(frame.views, frame.state);
+    shading_.prepare(shown_depth_.layer, frame.views, frame.state.light_set, maps);
+    return;
+  }
   std::vector<DatedMask> masks;
   for (const MaskInHand& mask : frame.masks) {
     const bool has_what_it_needs =
@@ -69,6 +75,15 @@ void Renderer::prepare_shading(const ShownFrame& frame) {
     masks.push_back({mask, std::move(motion)});
   }
   shading_.prepare(shown_depth_.layer, frame.views, frame.state.light_set, masks, frame.carry_over);
+}
+
+/// Those that stand already, if they are as wished for.
+ShadowMaps& Renderer::need_maps(const ShadowMapWish& wish) {
+  if (!shadow_maps_ || shadow_maps_->wish() != wish) {
+    shadow_maps_.reset();
+    shadow_maps_.emplace(device_, scene_, plan_, buffers_, frame_buffer_, wish);
+  }
+  return *shadow_maps_;
 }
 
 void Renderer::forget() {
@@ -113,14 +128,17 @@ DrawTimes Renderer::submit(const ShownFrame& frame, Stage stage) {
   stamps_.write(commands_, 1);
   if (stage != Stage::Shade && asked_depth_) depth_pass_->record(commands_, ring_, *asked_depth_);
   stamps_.write(commands_, 2);
-  if (stage != Stage::GBuffer) shading_.record(commands_, frame.report);
+  const bool with_maps = stage != Stage::GBuffer && frame.shadow_maps != nullptr;
+  if (with_maps) shadow_maps_->record(commands_);
   stamps_.write(commands_, 3);
+  if (stage != Stage::GBuffer) shading_.record(commands_, frame.report);
+  stamps_.write(commands_, 4);
   commands_.end();
   gpu::submit_and_wait(device_, commands_, fence_);
   return {.gbuffer = stamps_.between(0, 1),
           .depth = stamps_.between(1, 2),
-          .shade = stamps_.between(2, 3),
-          .total = {}};
+          .shade = stamps_.between(3, 4),
+          .maps = with_maps && shadow_maps_->due() ? stamps_.between(2, 3) : Duration{}};
 }
 
 PerEye<Image<Rgb8>> Renderer::read_shown() const {
@@ -156,6 +174,10 @@ DrawCounters Renderer::counters() const {
   };
   add(gbuffer_.scene_pass(), true);
   if (depth_pass_) add(depth_pass_->scene_pass(), asked_depth_.has_value());
+  if (shadow_maps_) {
+    add(shadow_maps_->scene_pass(), shadow_maps_->due());
+    counters.bindings += shadow_maps_->bindings().kinds.size();
+  }
   for (const TextureBuffers& texture : buffers_.textures) counters.bindings += texture.bindings.kinds.size();
   for (const MeshBuffers& mesh : buffers_.meshes) counters.vertex_bytes += mesh.bytes.total();
   return counters;

@@ -72,6 +72,7 @@ class Renderer {
   void place_depth(const ShownFrame& frame);
   void make_depth_pass();
   void prepare_shading(const ShownFrame& frame);
+  ShadowMaps& need_maps(const ShadowMapWish& wish);
   DrawTimes submit(const ShownFrame& frame, Stage stage);
   void read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers) const;
 
@@ -84,7 +85,8 @@ class Renderer {
   gpu::Buffer frame_buffer_;  ///< one FrameData, which all passes read
   DepthRing ring_;
   GBufferPass gbuffer_;
-  std::optional<DepthPass> depth_pass_;  ///< once it is needed
+  std::optional<DepthPass> depth_pass_;    ///< once it is needed
+  std::optional<ShadowMaps> shadow_maps_;  ///< once they are wished for
   ShadingPass shading_;
   DepthRing::Place shown_depth_;                 ///< of the last frame drawn
   std::optional<DepthRing::Place> asked_depth_;  ///< where the depth pass draws, if it has to

@@ -29,7 +29,14 @@ struct Shaders {
 };
 
 const char* name_of(Outputs outputs) {
-  return outputs == Outputs::Depth ? "depth" : "G-buffer";
+  switch (outputs) {
+    case Outputs::Depth:
+      return "depth";
+    case Outputs::Casters:
+      return "casters";
+    default:
+      return "G-buffer";
+  }
 }
 
 Shaders shaders_of(Outputs outputs, bool textured, bool colored) {
@@ -42,7 +49,7 @@ Shaders shaders_of(Outputs outputs, bool textured, bool colored) {
                          Shaders{depth_color_vert_spv, depth_color_frag_spv},
                          Shaders{depth_uv_color_vert_spv, depth_uv_color_frag_spv}};
   const std::size_t streams = (textured ? 1u : 0u) + (colored ? 2u : 0u);
-  return outputs == Outputs::Depth ? depth[streams] : gbuffer[streams];
+  return outputs == Outputs::GBuffer ? gbuffer[streams] : depth[streams];
 }
 
 /// Where the instances are, and for geometric normals the frame's windows.
@@ -85,16 +92,18 @@ vk::RenderingAttachmentInfo cleared(vk::ImageView view, vk::ImageLayout layout) 
 }
 
 ScenePass::ScenePass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
-                     const SceneBuffers& buffers, const gpu::Buffer& frame, Outputs outputs)
+                     const SceneBuffers& buffers, const gpu::Buffer& frame, Outputs outputs,
+                     std::size_t pairs)
     : device_(device),
       scene_(scene),
       plan_(plan),
       buffers_(buffers),
       outputs_(outputs),
-      instances_(gpu::make_mapped_buffer(device, scene.instances.size() * sizeof(gpu::InstanceData),
+      instances_(gpu::make_mapped_buffer(device, pairs * scene.instances.size() * sizeof(gpu::InstanceData),
                                          vk::BufferUsageFlagBits::eStorageBuffer, "instances",
                                          gpu::Use::Frame)),
-      bindings_(gpu::make_bindings(device, scene_set(outputs), name_of(outputs))) {
+      bindings_(gpu::make_bindings(device, scene_set(outputs), name_of(outputs))),
+      draws_(pairs) {
   gpu::bind_buffer(device, bindings_, 0, instances_);
   if (outputs == Outputs::GBuffer) gpu::bind_buffer(device, bindings_, 1, frame);
   std::vector<vk::DescriptorSetLayout> sets{*bindings_.layout};
@@ -190,31 +199,52 @@ vk::raii::Pipeline ScenePass::make_pipeline(Variant variant) const {
 }
 
 void ScenePass::prepare(const StereoView& views, const SceneState& state) {
-  const auto data = instances_.as<gpu::InstanceData>();
-  draws_.clear();
   vertex_bytes_read_ = 0;
+  add_draws(0, state, [&](const Affine<Stage, Object>& stage_from_object) {
+    return instance_data(views, stage_from_object);
+  });
+}
+
+void ScenePass::prepare(std::span<const PerEye<glm::dmat4>> clip_from_stage, const SceneState& state) {
+  check(outputs_ != Outputs::GBuffer, "normals are seen by eyes");
+  check_eq(clip_from_stage.size(), draws_.size(), "views for each pair of layers");
+  vertex_bytes_read_ = 0;
+  for (std::size_t pair = 0; pair < draws_.size(); ++pair)
+    add_draws(pair, state, [&](const Affine<Stage, Object>& stage_from_object) {
+      gpu::InstanceData data{};
+      for (std::size_t layer = 0; layer < kEyes; ++layer)
+        data.clip_from_object[layer] = glm::mat4(clip_from_stage[pair][layer] * stage_from_object.matrix);
+      return data;
+    });
+}
+
+template <class SeenAs>
+void ScenePass::add_draws(std::size_t pair, const SceneState& state, const SeenAs& seen_as) {
+  const auto first = narrow<std::uint32_t>(pair * scene_.instances.size());
+  const auto data = instances_.as<gpu::InstanceData>().subspan(first);
+  std::vector<Draw>& draws = draws_[pair];
+  draws.clear();
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
     const MeshBuffers& mesh = buffers_.meshes[scene_.instances[i].mesh];
     Affine<Stage, Object> stage_from_mesh = state.stage_from_object[i];
     stage_from_mesh.matrix[3] = glm::dvec4(stage_from_mesh(Point<Object>{mesh.center}).v, 1.0);
-    data[i] = instance_data(views, stage_from_mesh);
+    data[i] = seen_as(stage_from_mesh);
     const bool left = may_be_seen(data[i], 0, mesh.low, mesh.high),
                right = may_be_seen(data[i], 1, mesh.low, mesh.high);
     if (!left && !right) continue;
     const glm::vec4 centre = data[i].clip_from_object[0] * glm::vec4((mesh.low + mesh.high) * 0.5f, 1.0f);
-    draws_.push_back({i, left ? 0u : 1u, left && right ? 2u : 1u, centre.w,
-                      glm::determinant(glm::dmat3(state.stage_from_object[i].matrix)) < 0});
+    draws.push_back({i, first + i, left ? 0u : 1u, left && right ? 2u : 1u, centre.w,
+                     glm::determinant(glm::dmat3(state.stage_from_object[i].matrix)) < 0});
     need_pipeline(variant_of(scene_.instances[i].mesh));
-    vertex_bytes_read_ += bytes_read(scene_.instances[i].mesh) * draws_.back().eyes;
+    vertex_bytes_read_ += bytes_read(scene_.instances[i].mesh) * draws.back().eyes;
   }
   // Near ones first, so that the depth test spares shading.
-  std::sort(draws_.begin(), draws_.end(),
-            [](const Draw& a, const Draw& b) { return a.distance < b.distance; });
+  std::sort(draws.begin(), draws.end(), [](const Draw& a, const Draw& b) { return a.distance < b.distance; });
 }
 
 void ScenePass::record(const vk::raii::CommandBuffer& commands, Extent size,
                        std::span<const vk::RenderingAttachmentInfo> colors,
-                       const vk::RenderingAttachmentInfo& depth) const {
+                       const vk::RenderingAttachmentInfo& depth, std::size_t pair) const {
   const vk::Rect2D area{.extent = {size.width, size.height}};
   commands.beginRendering({.renderArea = area,
                            .layerCount = kEyes,
@@ -226,9 +256,10 @@ void ScenePass::record(const vk::raii::CommandBuffer& commands, Extent size,
                                        .maxDepth = 1});
   commands.setScissor(0, area);
   commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *layout_, 0, *bindings_.set, {});
-  for (const Draw& draw : draws_) {
+  for (const Draw& draw : draws_[pair]) {
     const Material& material = scene_.materials[scene_.meshes[scene_.instances[draw.instance].mesh].material];
-    commands.setCullMode(material.double_sided ? vk::CullModeFlagBits::eNone : vk::CullModeFlagBits::eBack);
+    const bool both_sides = material.double_sided || outputs_ == Outputs::Casters;
+    commands.setCullMode(both_sides ? vk::CullModeFlagBits::eNone : vk::CullModeFlagBits::eBack);
     commands.setFrontFace(draw.mirrored ? vk::FrontFace::eClockwise : vk::FrontFace::eCounterClockwise);
     draw_instance(commands, draw);
   }
@@ -254,7 +285,7 @@ void ScenePass::draw_instance(const vk::raii::CommandBuffer& commands, const Dra
   commands.bindVertexBuffers(0, vk::ArrayProxy(count, streams.data()),
                              vk::ArrayProxy(count, from_the_start.data()));
   commands.bindIndexBuffer(*buffers.indices.buffer, 0, vk::IndexType::eUint32);
-  const gpu::DrawData data{material.base_color, draw.instance, material.alpha_cutoff.value_or(0.0f)};
+  const gpu::DrawData data{material.base_color, draw.data, material.alpha_cutoff.value_or(0.0f)};
   commands.pushConstants<gpu::DrawData>(
       *layout_, vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment, 0, data);
   commands.drawIndexed(buffers.index_count, draw.eyes, 0, 0, draw.first_eye);

@@ -22,21 +22,26 @@ inline constexpr vk::Format kColorFormat = vk::Format::eR8G8B8A8Srgb, kDepthForm
 enum class Outputs : std::uint8_t {
   GBuffer,  ///< base colours, surfaces, depth
   Depth,    ///< depth alone: no normals, no colours; textures only where they cut holes
+  Casters,  ///< the same, of both sides of every surface: what stands in a light's way
 };
 
 class ScenePass {
  public:
-  /// References are kept. `frame` holds a FrameData.
+  /// References are kept. `frame` holds a FrameData. `pairs`: how often a frame draws the scene, each time
+  /// into two layers.
   ScenePass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
-            const gpu::Buffer& frame, Outputs outputs);
+            const gpu::Buffer& frame, Outputs outputs, std::size_t pairs = 1);
 
   /// Instances, seen from `views`, and the pipelines that draw them. Call before `record`.
   void prepare(const StereoView& views, const SceneState& state);
+  /// As seen by others than eyes, depth alone: one a pair, of its two layers.
+  void prepare(std::span<const PerEye<glm::dmat4>> clip_from_stage, const SceneState& state);
 
-  /// Draws both eyes, `size` pixels each from the top left of the attachments' layers, which are cleared.
+  /// Draws both eyes, `size` pixels each from the top left of the attachments' layers, which are cleared. Of
+  /// the pairs one.
   void record(const vk::raii::CommandBuffer& commands, Extent size,
-              std::span<const vk::RenderingAttachmentInfo> colors,
-              const vk::RenderingAttachmentInfo& depth) const;
+              std::span<const vk::RenderingAttachmentInfo> colors, const vk::RenderingAttachmentInfo& depth,
+              std::size_t pair = 0) const;
 
   [[nodiscard]] std::size_t pipelines() const { return pipelines_.size(); }
   [[nodiscard]] std::size_t bindings() const { return bindings_.kinds.size(); }
@@ -51,6 +56,7 @@ class ScenePass {
   };
   struct Draw {
     std::uint32_t instance = 0;
+    std::uint32_t data = 0;                 ///< its InstanceData of this pair
     std::uint32_t first_eye = 0, eyes = 0;  ///< those that may see it
     float distance = 0;
     bool mirrored = false;
@@ -59,6 +65,9 @@ class ScenePass {
   void need_pipeline(Variant variant);
   [[nodiscard]] vk::raii::Pipeline make_pipeline(Variant variant) const;
   [[nodiscard]] std::uint64_t bytes_read(std::size_t mesh) const;
+  /// `seen_as`: an instance's InstanceData from its place in the stage.
+  template <class SeenAs>
+  void add_draws(std::size_t pair, const SceneState& state, const SeenAs& seen_as);
   void draw_instance(const vk::raii::CommandBuffer& commands, const Draw& draw) const;
 
   const gpu::Device& device_;
@@ -70,7 +79,7 @@ class ScenePass {
   gpu::Bindings bindings_;
   vk::raii::PipelineLayout layout_{nullptr};
   std::map<Variant, vk::raii::Pipeline> pipelines_;
-  std::vector<Draw> draws_;
+  std::vector<std::vector<Draw>> draws_;  ///< of each pair
   std::uint64_t vertex_bytes_read_ = 0;
 };
 

@@ -6,6 +6,8 @@
 #include "shaders/shade.comp.spv.h"
 #include "shaders/shade_direct.comp.spv.h"
 #include "shaders/shade_direct_report.comp.spv.h"
+#include "shaders/shade_maps.comp.spv.h"
+#include "shaders/shade_maps_report.comp.spv.h"
 #include "shaders/shade_motion.comp.spv.h"
 #include "shaders/shade_motion_report.comp.spv.h"
 #include "shaders/shade_report.comp.spv.h"
@@ -41,9 +43,13 @@ std::vector<gpu::BindingKind> shading_set(const ShadingBytes& bytes) {
   return kinds;
 }
 
-std::span<const std::uint32_t> shader_of(std::uint32_t pass, bool motion, ShadingPass::Report report) {
+enum class Shadows : std::uint8_t { Masks, Maps };
+
+std::span<const std::uint32_t> shader_of(std::uint32_t pass, Shadows shadows, bool motion,
+                                         ShadingPass::Report report) {
   const bool tells = report == ShadingPass::Report::On;
   using Words = std::span<const std::uint32_t>;
+  if (shadows == Shadows::Maps) return tells ? Words(shade_maps_report_comp_spv) : shade_maps_comp_spv;
   if (pass == FARSHADE_PASS_DIRECT)
     return tells ? Words(shade_direct_report_comp_spv) : shade_direct_comp_spv;
   if (motion) return tells ? Words(shade_motion_report_comp_spv) : shade_motion_comp_spv;
@@ -58,12 +64,6 @@ void barrier(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags2 fr
   const vk::MemoryBarrier2 memory{
       .srcStageMask = from, .srcAccessMask = written, .dstStageMask = to, .dstAccessMask = read};
   commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &memory});
-}
-
-vk::raii::PipelineLayout make_pipeline_layout(const gpu::Device& device,
-                                              std::initializer_list<vk::DescriptorSetLayout> sets) {
-  return device.logical.createPipelineLayout(
-      {.setLayoutCount = narrow<std::uint32_t>(sets.size()), .pSetLayouts = sets.begin()});
 }
 
 }  // namespace
@@ -129,11 +129,6 @@ void ShadingPass::make_sets(const GBufferPass& gbuffer) {
   for (const gpu::Buffer* buffer : {&hard_buffer_, &motion_slots_, &motion_buffer_})
     if (buffer->bytes > 0) gpu::bind_buffer(device_, bindings_, binding++, *buffer);
   check_eq(std::size_t{binding}, bindings_.kinds.size(), "bindings of the shading pass");
-  layout_ = make_pipeline_layout(device_, {*bindings_.layout});
-}
-
-std::size_t ShadingPass::bindings() const {
-  return bindings_.kinds.size() + report_bindings_.kinds.size();
 }
 
 /// The device slot that holds the mask; written only if it does not hold these bits yet.
@@ -267,6 +262,11 @@ void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, co
     frame.counts.z = delta.angle_rad < kMeaninglessTurn_rad;
     frame.direct = pixel_map(views[0], masks[0].mask.views[0]);
   }
+  maps_ = nullptr;
+  tell_frame(views, lights, frame);
+}
+
+void ShadingPass::tell_frame(const StereoView& views, const LightSet& lights, const gpu::FrameData& frame) {
   frame_buffer_.as<gpu::FrameData>()[0] = frame;
   for (std::size_t i = 0; i < lights.lights.size(); ++i) {
     light_buffer_.as<gpu::LightData>()[i] = light_data(views, lights.lights[i]);
@@ -280,18 +280,19 @@ void ShadingPass::fit_every_frame() {
   moved_ = moved_since_newest_ = true;
 }
 
-vk::raii::Pipeline ShadingPass::make_pipeline(const Key& key) const {
+vk::raii::Pipeline ShadingPass::make_pipeline(const Key& key) {
+  const Shadows shadows = key.map_side_px > 0 ? Shadows::Maps : Shadows::Masks;
   const vk::raii::ShaderModule shader =
-      gpu::make_shader(device_, shader_of(key.pass, motion_count_ > 0, key.report), "shade.comp");
+      gpu::make_shader(device_, shader_of(key.pass, shadows, motion_count_ > 0, key.report), "shade.comp");
   const std::uint32_t lights = plan_.mask.lights;
   const gpu::Specialization constants(
       {lights, device_mask(plan_).word_bytes(), key.pass, key.carry_over.eyes == Eyes::Both,
        plan_.ranges_and_cones, std::bit_cast<std::uint32_t>(static_cast<float>(kNearPlane_m)),
        std::bit_cast<std::uint32_t>(kUnknownVisibility), key.eye, key.whole, key.moved,
        key.carry_over.gaps == Gaps::Neighbours, key.carry_over.edges == Edges::Filtered,
-       std::bit_cast<std::uint32_t>(kSharpness), key.moved_since_newest, first_edge_bit(lights)});
-  return gpu::make_compute_pipeline(device_, key.report == Report::On ? report_layout_ : layout_, shader,
-                                    constants, "shade");
+       std::bit_cast<std::uint32_t>(kSharpness), key.moved_since_newest, first_edge_bit(lights),
+       key.map_side_px, key.pcf_radius});
+  return gpu::make_compute_pipeline(device_, need_layout(key.report), shader, constants, "shade");
 }
 
 const vk::raii::Pipeline& ShadingPass::need_pipeline(const Key& key) {
@@ -322,7 +323,9 @@ ShadingPass::Key ShadingPass::key_of(std::uint32_t pass, Report report, std::uin
           .whole = whole_ && !second_look,
           .moved = moved_ && !direct,
           .moved_since_newest = moved_since_newest_ && !direct,
-          .eye = eye};
+          .eye = eye,
+          .map_side_px = maps_ != nullptr ? maps_->wish().side_px : 0,
+          .pcf_radius = maps_ != nullptr ? maps_->wish().pcf_radius : 0};
 }
 
 /// The report is large and most sessions never ask for it.
@@ -331,7 +334,6 @@ void ShadingPass::make_report_buffer() {
   report_buffer_ = gpu::make_readback_buffer(device_, bytes_.report, "report", gpu::Use::Report);
   report_bindings_ = gpu::make_bindings(device_, {kStorage}, "report");
   gpu::bind_buffer(device_, report_bindings_, 0, report_buffer_);
-  report_layout_ = make_pipeline_layout(device_, {*bindings_.layout, *report_bindings_.layout});
 }
 
 void ShadingPass::shade_all(const vk::raii::CommandBuffer& commands, std::uint32_t pass, Report report) {
@@ -364,10 +366,7 @@ void ShadingPass::shade_carried_over(const vk::raii::CommandBuffer& commands, Re
 
 void ShadingPass::record(const vk::raii::CommandBuffer& commands, Report report) {
   if (report == Report::On) make_report_buffer();
-  const vk::PipelineLayout layout = report == Report::On ? *report_layout_ : *layout_;
-  commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, layout, 0, *bindings_.set, {});
-  if (report == Report::On)
-    commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, layout, 1, *report_bindings_.set, {});
+  bind_sets(commands, report);
   gpu::transition(commands, shown_, Layout::eUndefined, Layout::eGeneral);
   if (carry_over_.lookup == Lookup::Direct || masks_ == 0) {
     shade_all(commands, FARSHADE_PASS_DIRECT, report);

@@ -8,6 +8,7 @@
 
 #include "stereo/draw/gbuffer.h"
 #include "stereo/draw/motion.h"
+#include "stereo/draw/shadow_maps.h"
 #include "stereo/frame/known_tiles.h"
 #include "stereo/frame/shadow_frame.h"
 
@@ -92,6 +93,10 @@ class ShadingPass {
   void prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
                std::span<const DatedMask> masks, const CarryOver& carry_over);
 
+  /// The same with shadows from `maps`, which are kept for `record`: there, they are readable by shaders.
+  void prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
+               const ShadowMaps& maps);
+
   enum class Report : std::uint8_t { Off, On };
   void record(const vk::raii::CommandBuffer& commands, Report report);
 
@@ -114,11 +119,12 @@ class ShadingPass {
     Report report;
     bool whole, moved, moved_since_newest;
     std::uint32_t eye;
+    std::uint32_t map_side_px = 0, pcf_radius = 0;  ///< 0: shadows come from masks
     friend auto operator<=>(const Key&, const Key&) = default;
   };
   [[nodiscard]] Key key_of(std::uint32_t pass, Report report, std::uint32_t eye) const;
   const vk::raii::Pipeline& need_pipeline(const Key& key);
-  [[nodiscard]] vk::raii::Pipeline make_pipeline(const Key& key) const;
+  [[nodiscard]] vk::raii::Pipeline make_pipeline(const Key& key);
   void make_all_pipelines();
   void fit_every_frame();
   void make_buffers(const MotionModel& motion);
@@ -129,7 +135,11 @@ class ShadingPass {
   void tell_carries(const StereoView& views, std::span<const DatedMask> masks, std::size_t mask);
   bool tell_stale(const StereoView& views, std::span<const DatedMask> masks, std::size_t since,
                   gpu::FrameData& frame);
+  void tell_frame(const StereoView& views, const LightSet& lights, const gpu::FrameData& frame);
   void make_report_buffer();
+  const vk::raii::PipelineLayout& need_layout(Report report);
+  [[nodiscard]] std::vector<const gpu::Bindings*> sets(Report report) const;
+  void bind_sets(const vk::raii::CommandBuffer& commands, Report report);
   void shade_carried_over(const vk::raii::CommandBuffer& commands, Report report);
   void shade_all(const vk::raii::CommandBuffer& commands, std::uint32_t pass, Report report);
   void shade_listed(const vk::raii::CommandBuffer& commands, std::uint32_t pass, Report report);
@@ -152,11 +162,12 @@ class ShadingPass {
   gpu::Image shown_;
   vk::raii::Sampler nearest_{nullptr};
   gpu::Bindings bindings_;
-  gpu::Bindings report_bindings_;  ///< set 1, once a report has been asked for
-  vk::raii::PipelineLayout layout_{nullptr}, report_layout_{nullptr};
+  gpu::Bindings report_bindings_;  ///< the last set, once a report has been asked for
+  std::map<std::size_t, vk::raii::PipelineLayout> layouts_;  ///< by what they are made of
   std::map<Key, vk::raii::Pipeline> pipelines_;
   std::array<Resident, kMaxMasks> resident_;
   std::uint64_t draws_ = 0;
+  const ShadowMaps* maps_ = nullptr;  ///< of the frame at hand; null: shadows come from masks
   CarryOver carry_over_;
   bool other_eye_ = false;  ///< its views are sources
   std::size_t masks_ = 0;

@@ -25,10 +25,11 @@ enum class Use : std::uint8_t {
   Shown,    ///< the picture
   Report,   ///< what each pixel was shown with
   ReadBack,
-  Staging,  ///< on its way to the device
+  ShadowMaps,  ///< of a client that draws its own shadows
+  Staging,     ///< on its way to the device
   Other,
 };
-inline constexpr std::size_t kUses = 13;
+inline constexpr std::size_t kUses = 14;
 
 [[nodiscard]] std::string_view to_string(Use use);
 
