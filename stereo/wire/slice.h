@@ -1,24 +1,22 @@
 /// Slices: the tiles of a mask, packed into datagrams that each decode alone.
 ///
-/// Tiles are written one after the other (tile_codec.h); LZ4 fills each datagram with as many whole ones as
-/// it holds (LZ4_compress_destSize). A datagram that is lost leaves its tiles unknown and nothing else.
+/// Tiles are written one after the other (tile_codec.h); each datagram takes as many whole ones as it holds
+/// (tile_blocks.h). A datagram that is lost leaves its tiles unknown and nothing else.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "stereo/frame/known_tiles.h"
 #include "stereo/frame/shadow_frame.h"
+#include "stereo/frame/tiles.h"
 #include "stereo/wire/messages.h"
+#include "stereo/wire/tile_blocks.h"
 
 namespace farshade {
-
-/// What a slice's block opens to at most; bounds the decoder's memory.
-inline constexpr std::size_t kMaxSliceOpened_bytes = 16384;
 
 /// How a light that is the same all over a tile is told.
 enum class SameAllOver : std::uint8_t {
@@ -42,20 +40,15 @@ class SlicePacker {
   [[nodiscard]] std::optional<Slice> next();
 
  private:
-  struct Fit {
-    std::uint32_t tiles;
-    std::size_t block_bytes;
-  };
   void write_ahead();
-  Fit compress();
-  std::size_t written_bytes(std::uint32_t tiles) const { return tiles == 0 ? 0 : tile_ends_[tiles - 1]; }
+  void write(std::uint32_t tile, const TileGrid& grid, std::uint32_t lights,
+             std::vector<std::byte>& bytes) const;
 
   SameAllOver same_;
   const EyeMask* mask_ = nullptr;
   std::span<const std::uint8_t> sent_;
-  Slice slice_;                         ///< what all slices of this eye share, and where the next one starts
-  std::vector<std::byte> written_;      ///< tiles from slice_.first_tile on
-  std::vector<std::size_t> tile_ends_;  ///< where each of them ends in written_
+  Slice slice_;       ///< what all slices of this eye share, and where the next one starts
+  TileBlocks ready_;  ///< tiles from slice_.first_tile on
   std::array<std::byte, kMaxBlock_bytes> block_;
 };
 
@@ -65,8 +58,5 @@ class SlicePacker {
 /// size or light count, and every block that is not exactly the tiles it claims. Then, and for tiles not
 /// sent, mask and known stay as they were.
 [[nodiscard]] Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, EyeMask& mask, KnownTiles& known);
-
-/// Of the library that packs them, for people.
-[[nodiscard]] std::string lz4_version();
 
 }  // namespace farshade

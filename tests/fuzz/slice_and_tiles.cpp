@@ -121,7 +121,7 @@ std::vector<char> compressed(std::span<const std::byte> bytes) {
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   auto [slice, form, bytes] = input_from({data, size});
   slice.block = bytes;
-  if (form == Form::Block || bytes.size() > kMaxSliceOpened_bytes) return decode(slice), 0;
+  if (form == Form::Block || bytes.size() > kMaxOpened_bytes) return decode(slice), 0;
   const std::vector<char> block = compressed(bytes);
   slice.block = std::as_bytes(std::span(block));
   const std::uint32_t tiles = count_tiles(bytes, MaskLayout{slice.lights}.lights_in(slice.plane));
