@@ -10,9 +10,9 @@ extern "C" {
 namespace farshade {
 namespace {
 
-/// The coder's VBV, in pictures: no unit is larger, and none comes later than that at the asked bit rate.
-/// With two, libx264 leaves a fifth of the bit rate unused.
-constexpr double kBuffer_frames = 3;
+/// The coder's VBV, in pictures: no unit is larger, and none takes longer on a link of the asked bit rate.
+/// With two or three, libx264 leaves a fifth or a seventh of the bit rate unused.
+constexpr double kBuffer_frames = 4;
 
 struct ContextEnd {
   void operator()(AVCodecContext* context) const { avcodec_free_context(&context); }

@@ -1,7 +1,7 @@
 /// Video: pictures as H.264 and back, for answers that are pictures. libavcodec with libx264 does it; a build
 /// without them (FARSHADE_VIDEO=OFF) has the same interface and says Unavailable.
 /// Tuned for the next picture, not for the stream: no B frames, no lookahead, each picture goes in and comes
-/// out as one access unit, and no unit is larger than three pictures' share of the bit rate.
+/// out as one access unit, and no unit is larger than four pictures' share of the bit rate.
 #pragma once
 
 #include <cstddef>
