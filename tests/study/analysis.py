@@ -1,0 +1,83 @@
+"""What figures say together: fronts, curves at equal error, exponents, where one way loses to another. Pure."""
+import math
+
+# Student's t, 97.5 %, by degrees of freedom from 1 on.
+T_975 = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131)
+T_975_MANY = 1.96
+
+
+def pareto(points):
+    """Indices of those (cost, error) that no other is at least as good as in both, and better in one; by cost."""
+    front, best = [], math.inf
+    for i in sorted(range(len(points)), key=lambda k: points[k]):
+        cost, error = points[i]
+        if error < best:
+            front.append(i)
+            best = error
+        elif error == best and points[front[-1]] == (cost, error):
+            front.append(i)
+    return front
+
+
+def exponent(xs, ys):
+    """Least squares of log y over log x: {"exponent", "interval", "factor", "spread", "points"}.
+
+    `interval` is half of the 95 % interval of the exponent (None of two points), `spread` the largest ratio between
+    a measured y and the fitted one. None where fewer than two xs differ.
+    """
+    pairs = [(math.log(x), math.log(y)) for x, y in zip(xs, ys) if x > 0 and y > 0]
+    n = len(pairs)
+    if len({x for x, _ in pairs}) < 2:
+        return None
+    mean_x, mean_y = sum(x for x, _ in pairs) / n, sum(y for _, y in pairs) / n
+    across = sum((x - mean_x) ** 2 for x, _ in pairs)
+    slope = sum((x - mean_x) * (y - mean_y) for x, y in pairs) / across
+    off = [y - (mean_y + slope * (x - mean_x)) for x, y in pairs]
+    interval = None
+    if n > 2:
+        t = T_975[n - 3] if n - 3 < len(T_975) else T_975_MANY
+        interval = t * math.sqrt(sum(o * o for o in off) / (n - 2) / across)
+    return {"exponent": slope, "interval": interval, "factor": math.exp(mean_y - slope * mean_x),
+            "spread": math.exp(max(map(abs, off))), "points": n}
+
+
+def cost_at(curve, error):
+    """What a curve of (cost, error) costs where it has this error: (cost, how).
+
+    Along its Pareto front, log of cost over error, straight between points. `how` is "between"; "at most" where the
+    cheapest point is as good already; "never" (cost None) where none is.
+    """
+    front = [curve[i] for i in pareto(curve)]
+    if not front or front[-1][1] > error:
+        return None, "never"
+    if front[0][1] <= error:
+        return front[0][0], "between" if front[0][1] == error else "at most"
+    for (cheap, worse), (dear, better) in zip(front, front[1:]):
+        if better <= error <= worse:
+            if worse == better:
+                return cheap, "between"
+            share = (worse - error) / (worse - better)
+            if cheap <= 0:  # no logarithm of nothing
+                return cheap + share * (dear - cheap), "between"
+            return math.exp(math.log(cheap) + share * (math.log(dear) - math.log(cheap))), "between"
+    return None, "never"
+
+
+def better_in_both(rows, own, cost, error):
+    """Of `rows` those that have less `error` than `own` for no more `cost`, or the same for less; by error."""
+    def value(row, figure):
+        return row.get(figure)
+    if value(own, cost) is None or value(own, error) is None:
+        return []
+    found = [r for r in rows if r is not own and value(r, cost) is not None and value(r, error) is not None
+             and value(r, cost) <= value(own, cost) and value(r, error) <= value(own, error)
+             and (value(r, cost), value(r, error)) != (value(own, cost), value(own, error))]
+    return sorted(found, key=lambda r: value(r, error))
+
+
+def grouped(rows, *keys):
+    """Rows by the values of keys, in the order in which these first come."""
+    groups = {}
+    for row in rows:
+        groups.setdefault(tuple(row[k] for k in keys), []).append(row)
+    return groups

@@ -1,0 +1,97 @@
+#include "tests/study/clients.h"
+
+#include <memory>
+
+#include "stereo/base/check.h"
+#include "stereo/tracer/tracer.h"
+#include "tests/study/figures.h"
+#include "vr_client/ask/request_plan.h"
+#include "vr_client/trace_runtime.h"
+
+namespace farshade::study {
+namespace {
+
+constexpr Duration kApart = std::chrono::milliseconds(100);
+constexpr Duration kPatience = std::chrono::seconds(3);
+constexpr std::size_t kRemembered = 32;
+
+/// A client that asks and takes what comes.
+struct Head {
+  Head(const Play& play, Duration ahead, VirtualLink& wire, std::size_t number, const Clock& clock,
+       const LinkTarget& target)
+      : runtime(play.head, {.stage_from_recorded = play.scene.camera ? place(play.head, *play.scene.camera)
+                                                                     : Rigid<Stage, Recorded>{},
+                            .eye_size = play.size,
+                            .refresh_hz = play.refresh_hz,
+                            .skip = play.skip + ahead,
+                            .frames = play.frames}),
+        link(wire.client(number), clock, target, kRemembered) {}
+
+  TraceRuntime runtime;
+  ShadowLink link;
+  RequestPlan plan{RequestWish{}};
+  FrameId frame;
+
+  /// False: the recording has ended.
+  bool ask() {
+    const std::optional<FrameTiming> timing = runtime.wait_frame();
+    if (!timing) return false;
+    frame = next(frame);
+    const Time at = timing->display_time;
+    const std::optional<TraceRequest> asked =
+        plan.ask({frame, at, at, runtime.locate_views(at), LightChanges{}}, timing->period);
+    link.request(asked.value(), at);
+    return true;
+  }
+};
+
+}  // namespace
+
+nlohmann::json measure_clients(const Play& play, std::uint32_t clients, std::uint32_t warm_up) {
+  ManualClock clock;
+  VirtualLink wire(clock, {}, clients);
+  Expected<Tracer> tracer = Tracer::create(play.scene);
+  if (!tracer) throw std::runtime_error(tracer.error().what);
+  const auto lights = narrow<std::uint32_t>(play.scene.lights.size());
+  const SharedKey key{.name = "study", .secret = {1}};
+  ServerCore core(
+      {play.scene.hash, lights}, {key},
+      [&](const TraceRequest& request, ShadowFrame& frame) { return tracer->trace(request, frame); },
+      wire.server(), clock, play.limits);
+  const SteadyClock real;
+  Duration busy{};
+  wire.while_waiting(
+      [&] {
+        const Time begun = real.now();
+        while (core.receive(Duration::zero())) {
+        }
+        while (core.work()) {
+        }
+        core.send_due();
+        busy += real.now() - begun;
+      },
+      [&] { return core.next_due(); });
+
+  std::vector<std::unique_ptr<Head>> heads;
+  for (std::size_t i = 0; i < clients; ++i) {
+    heads.push_back(std::make_unique<Head>(play, i * kApart, wire, i, clock,
+                                           LinkTarget{wire.server().local(), key, play.scene.hash, lights}));
+    if (const Expected<void> met = heads.back()->link.meet(kPatience); !met)
+      throw std::runtime_error(met.error().what);
+  }
+  const auto period = Duration(static_cast<std::int64_t>(1e9 / play.refresh_hz));
+  Figures figures;
+  for (std::uint32_t i = 0; i < play.frames; ++i) {
+    busy = {};
+    for (const auto& head : heads)
+      if (!head->ask()) throw std::runtime_error("the recording is too short for so many clients");
+    heads[0]->link.listen(period);
+    for (const auto& head : heads) head->link.poll();
+    if (i >= warm_up) figures.add(Group::Time, "server_frame", ms_of(busy));
+  }
+  figures.add(Group::Wire, "answers",
+              static_cast<double>(core.counters().frames) / (1.0 * play.frames * clients));
+  return figures.json();
+}
+
+}  // namespace farshade::study

@@ -1,0 +1,113 @@
+#include "tests/study/figures.h"
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace farshade::study {
+namespace {
+
+constexpr const char* kGroupNames[] = {"error", "wire", "time"};
+
+/// Nine digits tell everything that was measured, and files stay short.
+double rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return std::strtod(text, nullptr);
+}
+
+std::span<const FrameRecord> after(const Played& played, std::uint32_t warm_up) {
+  const std::span<const FrameRecord> all = played.log.records();
+  return all.subspan(std::min<std::size_t>(warm_up, all.size()));
+}
+
+/// Of one frame, the worse eye's.
+void add_eye_errors(const PerEye<EyeErrors>& eyes, Figures& figures) {
+  const auto add = [&](const char* name, double EyeErrors::*figure, double unit = 100,
+                       Worse worse = Worse::High) {
+    const double left = eyes[0].*figure, right = eyes[1].*figure;
+    figures.add(Group::Error, name,
+                unit * (worse == Worse::High ? std::max(left, right) : std::min(left, right)), worse);
+  };
+  add("mask_error", &EyeErrors::mask_error);
+  add("psnr", &EyeErrors::psnr_db, 1, Worse::Low);
+  add("from_newest", &EyeErrors::newest, 100, Worse::Low);
+  add("from_other_eye", &EyeErrors::other_eye);
+  add("from_older", &EyeErrors::older);
+  add("from_neighbours", &EyeErrors::neighbours);
+  add("unknown", &EyeErrors::unknown);
+  add("stale", &EyeErrors::stale);
+  figures.add(Group::Error, "known", 100 * (1 - std::max(eyes[0].unknown, eyes[1].unknown)), Worse::Low);
+}
+
+void add_report(const FrameReport& report, Figures& figures) {
+  figures.add(Group::Wire, "answer_bytes", report.payload_bytes);
+  figures.add(Group::Wire, "answer_datagrams", report.slices + 1.0);
+  figures.add(Group::Wire, "primary_rays", static_cast<double>(report.primary_rays));
+  figures.add(Group::Wire, "shadow_rays", static_cast<double>(report.shadow_rays));
+  if (report.full_shadow_rays > 0)
+    figures.add(Group::Wire, "rays_of_full",
+                100 * static_cast<double>(report.shadow_rays) / static_cast<double>(report.full_shadow_rays));
+}
+
+}  // namespace
+
+void Figures::add(Group group, const std::string& name, double value, Worse worse) {
+  Values& values = groups_[group].try_emplace(name, Values{worse, {}}).first->second;
+  values.values.push_back(value);
+}
+
+nlohmann::json Figures::json() const {
+  nlohmann::json all = nlohmann::json::object();
+  for (const auto& [group, figures] : groups_)
+    for (const auto& [name, figure] : figures) {
+      const bool low = figure.worse == Worse::Low;
+      all[kGroupNames[static_cast<std::size_t>(group)]][name] = {
+          {"median", rounded(quantile(figure.values, 0.5))},
+          {"p95", rounded(quantile(figure.values, low ? 0.05 : 0.95))},
+          {"p99", rounded(quantile(figure.values, low ? 0.01 : 0.99))},
+          {"count", figure.values.size()}};
+    }
+  return all;
+}
+
+void add_times(const Played& played, std::uint32_t warm_up, Figures& figures) {
+  const auto add = [&](const char* name, Duration time) { figures.add(Group::Time, name, ms_of(time)); };
+  for (const FrameRecord& record : after(played, warm_up)) {
+    const StageTimes& client = record.times;
+    add("client_frame", client.frame);
+    add("client_request", client.request);
+    add("client_collect", client.collect);
+    add("client_draw", client.draw);
+    add("client_gbuffer", client.gbuffer);
+    add("client_depth", client.depth);
+    add("client_shade", client.shade);
+    if (!record.server) continue;
+    const FrameReport& server = *record.server;
+    add("server_frame", server.primary + server.shadow + server.pack);
+    add("server_primary", server.primary);
+    add("server_shadow", server.shadow);
+    add("server_pack", server.pack);
+  }
+}
+
+void add_errors(const Played& played, std::uint32_t warm_up, Figures& figures) {
+  for (const FrameRecord& record : after(played, warm_up)) {
+    if (!record.delta) continue;
+    figures.add(Group::Wire, "staleness", ms_of(record.delta->age));
+    figures.add(Group::Wire, "latency", ms_of(record.age.value_or(Duration::zero())));
+    if (record.server) add_report(*record.server, figures);
+    if (record.errors) add_eye_errors(*record.errors, figures);
+  }
+  // What travelled in all, shared out over the frames that were shown: handshake and reports included.
+  const double frames = static_cast<double>(played.log.records().size());
+  const auto share = [&](const char* name, std::uint64_t count) {
+    figures.add(Group::Wire, name, static_cast<double>(count) / frames);
+  };
+  share("down_bytes", played.server.port.sent_bytes);
+  share("down_datagrams", played.server.port.sent);
+  share("up_bytes", played.client.port.sent_bytes);
+  share("up_datagrams", played.client.port.sent);
+  share("answers", played.server.frames);
+}
+
+}  // namespace farshade::study

@@ -1,0 +1,18 @@
+/// Mode words: a way of working as a sweep writes it, such as `hybrid`, `hybrid,eyes=this` or
+/// `remote,bitrate=20M`: the mode's name, then what is to be otherwise than by default.
+#pragma once
+
+#include "tests/network/rehearsal.h"
+
+namespace farshade::study {
+
+/// What words may say of a play.
+///
+///     hybrid   reprojection=off  band=off  eyes=this  gaps=unknown  edges=nearest  predictor=NAME  every=N
+///              wait (for the frame's own masks, at most a second)
+///     full     nothing
+///
+/// Leaves all else in `play` alone. Malformed names the word that is none.
+[[nodiscard]] Expected<void> set_mode(std::string_view words, Play& play);
+
+}  // namespace farshade::study

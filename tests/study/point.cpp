@@ -1,0 +1,118 @@
+#include "tests/study/point.h"
+
+#include <algorithm>
+#include <random>
+
+#include "stereo/image/codec.h"
+#include "stereo/image/flip.h"
+#include "stereo/image/heat_map.h"
+#include "stereo/image/ssim.h"
+#include "tests/study/figures.h"
+#include "tests/study/mode_words.h"
+#include "vr_client/report/measure.h"
+
+namespace farshade::study {
+namespace {
+
+/// The pictures of one frame, and how wrong a viewer sees them.
+struct Seen {
+  PerEye<Image<Rgb8>> shown, reference;
+  PerEye<Image<float>> error;
+  double flip = -1;  ///< the worse eye's
+};
+
+/// Compares pictures as people see them, and keeps the worst.
+class Viewer {
+ public:
+  explicit Viewer(Figures& figures) : figures_(figures) {}
+
+  void see(const FrameView& view, const MeasuredFrame& frame) {
+    Seen seen{.shown = frame.shown, .reference = frame.reference, .error = {}};
+    double worse_ssim = 1;
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      seen.error[eye] =
+          flip(frame.reference[eye], frame.shown[eye], pixels_per_degree(view.shown.views[eye]));
+      seen.flip = std::max(seen.flip, mean(seen.error[eye]));
+      worse_ssim = std::min(worse_ssim, ssim(frame.reference[eye], frame.shown[eye]));
+    }
+    figures_.add(Group::Error, "flip", seen.flip);
+    figures_.add(Group::Error, "ssim", worse_ssim, Worse::Low);
+    if (seen.flip > worst_.flip) worst_ = std::move(seen);
+  }
+
+  [[nodiscard]] Expected<void> write(const std::filesystem::path& folder) const {
+    if (worst_.flip < 0) return {};
+    for (const Side side : kSides) {
+      const std::size_t eye = index_of(side);
+      const auto path = [&](const char* what) { return folder / (std::string(name_of(side)) + what); };
+      for (const Expected<void>& done : {write_png(path("_shown.png"), worst_.shown[eye]),
+                                         write_png(path("_reference.png"), worst_.reference[eye]),
+                                         write_png(path("_heat.png"), heat_map(worst_.error[eye]))})
+        if (!done) return done;
+    }
+    return {};
+  }
+
+ private:
+  Figures& figures_;
+  Seen worst_;
+};
+
+}  // namespace
+
+Expected<nlohmann::json> measure_point(Play wished, const Network& network,
+                                       const std::filesystem::path& pictures) {
+  Figures figures;
+  Viewer viewer(figures);
+  wished.watch = [&](const FrameView& view, const MeasuredFrame* measured) {
+    const bool started = !view.masks.empty();
+    if (measured != nullptr && started) viewer.see(view, *measured);
+  };
+  const Played played = play(wished, network);
+  add_errors(played, 0, figures);
+  add_times(played, static_cast<std::uint32_t>(played.log.start_up_frames()), figures);
+  if (!pictures.empty())
+    if (const Expected<void> written = viewer.write(pictures); !written)
+      return tl::unexpected(written.error());
+  nlohmann::json told = figures.json();
+  told["start_up_frames"] = played.log.start_up_frames();
+  return told;
+}
+
+Expected<nlohmann::json> measure_rounds(const Play& shared, const Network& network, const Rounds& rounds) {
+  struct Entry {
+    std::string mode;
+    bool again;
+    Figures all{};
+    nlohmann::json each = nlohmann::json::array();
+  };
+  std::vector<Entry> entries;
+  for (const std::string& mode : rounds.modes) entries.push_back({mode, false});
+  entries.push_back({rounds.modes.at(0), true});
+
+  std::mt19937_64 random(rounds.seed);
+  std::vector<Entry*> order;
+  for (Entry& entry : entries) order.push_back(&entry);
+  for (std::uint32_t round = 0; round < rounds.rounds; ++round) {
+    std::shuffle(order.begin(), order.end(), random);
+    for (Entry* entry : order) {
+      Play own = shared;
+      own.reference_every = 0;
+      if (const Expected<void> set = set_mode(entry->mode, own); !set) return tl::unexpected(set.error());
+      const Played played = play(own, network);
+      Figures figures;
+      add_times(played, rounds.warm_up, figures);
+      add_times(played, rounds.warm_up, entry->all);
+      entry->each.push_back(figures.json());
+    }
+  }
+  nlohmann::json told = nlohmann::json::array();
+  for (const Entry& entry : entries)
+    told.push_back({{"mode", entry.mode},
+                    {"again", entry.again},
+                    {"figures", entry.all.json()},
+                    {"rounds", entry.each}});
+  return told;
+}
+
+}  // namespace farshade::study

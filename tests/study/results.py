@@ -1,0 +1,94 @@
+"""Finished points as rows, and what is written of them: results.csv, results.json, plots and report.html."""
+import csv
+import io
+import json
+import os
+
+import report
+from sweep import mode_name
+
+# Columns that say what was measured; the figures follow.
+SAID = ["kind", "part", "axis", "x", "scene", "trace", "network", "network_words", "size", "mode", "words", "again",
+        "frames", "every", "start_up_frames"]
+# A row's own short names of the figures that plots and tables use: median of group.figure.
+SHORT = {"flip": ("error", "flip"), "ssim": ("error", "ssim"), "psnr": ("error", "psnr"),
+         "mask_error": ("error", "mask_error"), "staleness": ("wire", "staleness"), "latency": ("wire", "latency"),
+         "black": ("error", "black"), "unknown": ("error", "unknown"),
+         "bytes": ("wire", "down_bytes"), "bytes_up": ("wire", "up_bytes"), "answers": ("wire", "answers"),
+         "client_ms": ("time", "client_frame"), "answer_ms": ("time", "server_frame")}
+
+
+def figures_row(settings, words, result, figures):
+    row = {k: settings.get(k, "") for k in SAID} | {
+        "mode": mode_name(words), "words": words, "again": 0, "start_up_frames": result.get("start_up_frames", "")}
+    for group, named in figures.items():
+        for name, spread in named.items():
+            for of, value in spread.items():
+                row[f"{group}.{name}.{of}"] = value
+    for short, (group, name) in SHORT.items():
+        row[short] = figures.get(group, {}).get(name, {}).get("median")
+    return row
+
+
+def rows_of(points):
+    """`points`: (settings, path of the file). A row a mode."""
+    rows = []
+    for settings, path in points:
+        result = json.loads(path.read_text(encoding="utf-8"))["result"]
+        if settings["kind"] == "timing":
+            for entry in result:
+                row = figures_row(settings, entry["mode"], {}, entry["figures"])
+                row["again"] = int(entry["again"])
+                row["rounds"] = [r["time"] for r in entry["rounds"]]
+                rows.append(row)
+        elif settings["kind"] == "clients":
+            rows.append(figures_row(settings, "hybrid", result, result))
+        else:
+            groups = {k: v for k, v in result.items() if k in ("error", "wire", "time")}
+            row = figures_row(settings, settings["modes"][0], result, groups)
+            row["pictures"] = path.with_suffix(".pictures")
+            rows.append(row)
+    return with_times(rows)
+
+
+def with_times(rows):
+    """Adds server_ms and both_ms, of a shown frame, and takes run times from the rounds where there are any."""
+    rounds = {(r["scene"], r["size"], r["network"], r["words"]): r for r in rows
+              if r["part"] == "timing" and not r["again"]}
+    for row in rows:
+        measured = rounds.get((row["scene"], row["size"], row["network"], row["words"]), row)
+        row["client_ms"] = measured["client_ms"]
+        answer_ms = measured["answer_ms"] or 0.0
+        answers = row["answers"] if row["answers"] is not None and row["kind"] == "error" else 1
+        row["server_ms"] = answer_ms * answers
+        if row["client_ms"] is not None:
+            row["both_ms"] = row["client_ms"] + row["server_ms"]
+    return rows
+
+
+def as_csv(rows):
+    figures = sorted({k for row in rows for k in row if "." in k})
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(SAID + figures)
+    for row in rows:
+        writer.writerow([row.get(k, "") for k in SAID + figures])
+    return text.getvalue()
+
+
+def write_whole(path, text):
+    beside = path.with_name(path.name + ".tmp")
+    beside.write_text(text, encoding="utf-8")
+    os.replace(beside, path)
+
+
+def write(out, header, points):
+    rows = rows_of(points)
+    write_whole(out / "results.csv", as_csv(rows))
+    kept = [{"settings": s, **json.loads(p.read_text(encoding="utf-8"))} for s, p in points]
+    write_whole(out / "results.json", json.dumps({"header": header, "points": kept}, indent=1) + "\n")
+    plots, page = report.make(header, rows)
+    (out / "plots").mkdir(exist_ok=True)
+    for name, svg in plots.items():
+        write_whole(out / "plots" / f"{name}.svg", svg)
+    write_whole(out / "report.html", page)

@@ -1,0 +1,185 @@
+"""Runs a sweep point by point and makes its report. A point that is finished is one file in OUT/points, named by a
+hash of all that it depends on: settings, program, scene and recording. It is not run again.
+"""
+import argparse
+import hashlib
+import json
+import os
+import platform
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+sys.dont_write_bytecode = True
+
+import results  # noqa: E402
+import scenes  # noqa: E402
+from sweep import Sweep, arguments, name_of, work_in  # noqa: E402
+
+
+def say(text):
+    print(f"study: {text}", file=sys.stderr, flush=True)
+
+
+def clock(seconds):
+    return f"{int(seconds) // 60}:{int(seconds) % 60:02d} min"
+
+
+def hash_of_file(path, known={}):
+    if path not in known:
+        known[path] = hashlib.sha256(Path(path).read_bytes()).hexdigest()
+    return known[path]
+
+
+def write_whole(path, text):
+    """Readers see the old file or the new one, never a part."""
+    beside = path.with_name(path.name + ".tmp")
+    beside.write_text(text, encoding="utf-8")
+    os.replace(beside, path)
+
+
+class Study:
+    def __init__(self, sweep, root, program, out):
+        self.sweep, self.root, self.program, self.out = sweep, root, program, out
+        self.points, self.made = out / "points", out / "scenes"
+        for folder in (self.points, self.made):
+            folder.mkdir(parents=True, exist_ok=True)
+        self.program_hash = hash_of_file(program)
+
+    def scene_file(self, point):
+        """Scenes for scaling are made when they are first needed."""
+        if not point["scene_file"].startswith("made:"):
+            return self.root / point["scene_file"]
+        axis, count = point["scene_file"].removeprefix("made:").split("-")
+        path = self.made / f"{axis}-{count}.glb"
+        if not path.exists():
+            beside = path.with_suffix(".tmp")
+            beside.write_bytes(scenes.make(axis, int(count)))
+            os.replace(beside, path)
+        return path
+
+    def place_of(self, point):
+        """Where its result lies, or will."""
+        depends_on = {"settings": point, "program": self.program_hash, "scene": hash_of_file(self.scene_file(point)),
+                      "trace": hash_of_file(self.root / point["trace_file"])}
+        key = hashlib.sha256(json.dumps(depends_on, sort_keys=True).encode()).hexdigest()[:24]
+        return self.points / f"{key}.json"
+
+    def run(self, point, place):
+        """Measures one point and keeps it; what went wrong, or nothing."""
+        pictures = place.with_suffix(".pictures.tmp")
+        shutil.rmtree(pictures, ignore_errors=True)
+        pictures.mkdir()
+        begun = time.monotonic()
+        child = subprocess.Popen(
+            [self.program, *arguments(point, self.scene_file(point), self.root / point["trace_file"], pictures)],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        try:
+            told, complaint = child.communicate()
+        except BaseException:
+            child.kill()
+            child.wait()
+            shutil.rmtree(pictures, ignore_errors=True)
+            raise
+        if child.returncode != 0:
+            shutil.rmtree(pictures, ignore_errors=True)
+            return complaint.strip() or f"ended with status {child.returncode}"
+        kept = place.with_suffix(".pictures")
+        shutil.rmtree(kept, ignore_errors=True)
+        os.replace(pictures, kept)
+        write_whole(place, json.dumps({"settings": point, "result": json.loads(told),
+                                       "took_s": round(time.monotonic() - begun, 3)}, indent=1) + "\n")
+        return None
+
+    def run_all(self, points):
+        """Returns (point, place) of all that are there in the end, and how many failed."""
+        places = [(p, self.place_of(p)) for p in points]
+        todo = [(p, where) for p, where in places if not where.exists()]
+        if len(todo) < len(places):
+            say(f"{len(places) - len(todo)} of {len(places)} points are there already")
+        begun, done, left, failed = time.monotonic(), 0.0, sum(work_in(p) for p, _ in todo), 0
+        for i, (point, place) in enumerate(todo):
+            spent = time.monotonic() - begun
+            rest = f", about {clock(spent / done * left)} left" if done else ""
+            say(f"{len(places) - len(todo) + i + 1} of {len(places)}, {clock(spent)}{rest}: {name_of(point)}")
+            wrong = self.run(point, place)
+            done, left = done + work_in(point), left - work_in(point)
+            if wrong:
+                failed += 1
+                say(f"left out, for it failed: {wrong.splitlines()[-1]}")
+        return [(p, where) for p, where in places if where.exists()], failed
+
+
+def libraries(program):
+    """Versions of those that matter, by the files that the program is linked to."""
+    linked = subprocess.run(["ldd", program], capture_output=True, text=True, check=False).stdout
+    found = {}
+    for name in ("embree3", "embree4", "tbb", "lz4", "sodium", "avcodec", "x264", "vulkan"):
+        at = re.search(rf"=> (\S*/lib{name}\.so\S*)", linked)
+        if at:
+            found[name] = Path(at[1]).resolve().name.split(".so.")[-1]
+    return found
+
+
+def header(study, command):
+    """What the figures were measured with."""
+    cpu = re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text(encoding="utf-8"))
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2 ** 30
+    versions = json.loads(subprocess.run([study.program, "--versions"], capture_output=True, text=True,
+                                         check=True).stdout)
+
+    def git(*words):
+        return subprocess.run(["git", "-C", study.root, *words], capture_output=True, text=True,
+                              check=False).stdout.strip()
+    commit = git("rev-parse", "HEAD") or "not known"
+    if git("status", "--porcelain", "--untracked-files=no"):
+        commit += ", changed"
+    return {"machine": f"{cpu[1] if cpu else platform.machine()}, {os.cpu_count()} cores, {memory:.0f} GiB, "
+                       f"{platform.system()} {platform.release()}",
+            **versions, "libraries": ", ".join(f"{k} {v}" for k, v in libraries(study.program).items()),
+            "commit": commit, "program": study.program_hash[:16], "command": command,
+            "date": time.strftime("%Y-%m-%d", time.gmtime())}
+
+
+def read_arguments():
+    parser = argparse.ArgumentParser(prog="scripts/study", description=__doc__)
+    parser.add_argument("sweep", type=Path, help="what to measure; tests/study/sweep.py tells what it may say")
+    parser.add_argument("--root", type=Path, required=True, help="of the tree")
+    parser.add_argument("--program", type=Path, required=True, help="study_point")
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--only", default="", help="points whose line in --list this regular expression finds")
+    parser.add_argument("--list", action="store_true", help="name the points and stop")
+    parser.add_argument("--command", default=shlex.join(sys.argv), help="as the report's header says it")
+    return parser.parse_args()
+
+
+def main():
+    given = read_arguments()
+    sweep = Sweep(given.sweep, given.root, say)
+    points = sweep.chosen(given.only)
+    if given.list:
+        print("\n".join(name_of(p) for p in points))
+        return 0
+    if not points:
+        say("there is nothing to measure")
+        return 2
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    study = Study(sweep, given.root, given.program.resolve(), given.out)
+    try:
+        there, failed = study.run_all(points)
+        results.write(given.out, header(study, given.command), there)
+    except KeyboardInterrupt:
+        kept = sum(study.place_of(p).exists() for p in points)
+        say(f"stopped; {kept} of {len(points)} points are kept, the same command goes on from here")
+        return 130
+    say(f"{given.out}/report.html, results.csv, results.json, plots/")
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

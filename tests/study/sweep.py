@@ -1,0 +1,130 @@
+"""A sweep: a small JSON file that says what is measured, and the points that it comes to.
+
+Paths in it are relative to the root of the tree. What is not there (recordings and scenes beside the tree) is said
+and left out.
+
+  scenes     name: file                             traces   name: {"file", "skip_s"}
+  networks   name: words, each way                  sizes    pixels a side of an eye
+  frames, every    display frames of a point, and every which of them is compared with its reference
+  modes      mode words; ways with one name make one curve
+  ablations  {"modes", "networks"}: what hybrid loses without one of its parts
+  timing     {"modes", "rounds", "seed", "frames", "warm_up"}: run times, each way again and again in random order
+  scaling    {"modes", "size", "pixels", "lights", "triangles", "clients", "rounds", "seed", "frames", "warm_up"}
+"""
+import json
+import re
+
+import scenes
+
+# Modes that ask no server for anything: one network is as good as any other.
+ALONE = ("local", "full")
+# Heads of scenes made for scaling do not matter, so that they are in the tree.
+SCALING_TRACE = {"name": "walk", "file": "assets/walk.csv", "skip_s": 0}
+
+
+def mode_name(words):
+    return words.split(",")[0]
+
+
+class Sweep:
+    """`points` are settings: flat dictionaries, each with `kind` error, timing or clients, in the order to run."""
+
+    def __init__(self, path, root, say):
+        self.root = root
+        with open(path, encoding="utf-8") as file:
+            self.told = json.load(file)
+        self.scenes = self._those_there("scenes", say)
+        self.traces = self._those_there("traces", say)
+        self.networks = self.told["networks"]
+        self.points = list(self._errors()) + list(self._timings()) + list(self._scaling())
+
+    def _those_there(self, kind, say):
+        found = {}
+        for name, entry in self.told[kind].items():
+            entry = entry if isinstance(entry, dict) else {"file": entry}
+            if (self.root / entry["file"]).is_file():
+                found[name] = entry
+            else:
+                say(f"{kind[:-1]} '{name}' is left out: there is no {entry['file']}")
+        return found
+
+    def _places(self):
+        """Scene and trace as settings."""
+        for scene, of_scene in self.scenes.items():
+            for trace, of_trace in self.traces.items():
+                yield {"scene": scene, "scene_file": of_scene["file"], "trace": trace,
+                       "trace_file": of_trace["file"], "skip_s": of_trace.get("skip_s", 0)}
+
+    def _errors(self):
+        ablations = self.told.get("ablations", {"modes": [], "networks": []})
+        first = next(iter(self.networks))
+        for place in self._places():
+            for size in self.told["sizes"]:
+                for network, words in self.networks.items():
+                    modes = [("mode", m) for m in self.told["modes"] if mode_name(m) not in ALONE or network == first]
+                    if network in ablations["networks"]:
+                        modes += [("ablation", m) for m in ablations["modes"] if m not in self.told["modes"]]
+                    for part, mode in modes:
+                        yield {"kind": "error", "part": part, **place, "size": size, "network": network,
+                               "network_words": words, "modes": [mode], "frames": self.told["frames"],
+                               "every": self.told["every"]}
+
+    def _timings(self):
+        if "timing" not in self.told:
+            return
+        seen = set()
+        for place in self._places():
+            if place["scene"] in seen:  # another head is another picture, not another way to spend time
+                continue
+            seen.add(place["scene"])
+            for size in self.told["sizes"]:
+                for network, words in self.networks.items():
+                    yield {"kind": "timing", "part": "timing", **place, "size": size, "network": network,
+                           "network_words": words, **self.told["timing"]}
+
+    def _scaling(self):
+        scaling = self.told.get("scaling", {})
+        rest = {k: scaling[k] for k in ("modes", "rounds", "seed", "frames", "warm_up") if k in scaling}
+        network, words = next(iter(self.networks.items()))
+        for axis in ("pixels", "lights", "triangles", "clients"):
+            for x in scaling.get(axis, []):
+                size = x if axis == "pixels" else scaling["size"]
+                scene = f"{axis}-{x}" if axis in ("lights", "triangles") else "triangles-4096"
+                count = {"pixels": 2 * size * size, "triangles": scenes.triangles_in(x)}.get(axis, x)
+                yield {"kind": "clients" if axis == "clients" else "timing", "part": "scaling", "axis": axis,
+                       "x": count, "scene": scene, "scene_file": f"made:{scene}",
+                       "trace": SCALING_TRACE["name"], "trace_file": SCALING_TRACE["file"],
+                       "skip_s": SCALING_TRACE["skip_s"], "size": size, "network": network, "network_words": words,
+                       **rest}
+
+    def chosen(self, only):
+        return [p for p in self.points if re.search(only, name_of(p))]
+
+
+def name_of(point):
+    """In one line, for people and for --only."""
+    what = {"error": " ".join(point["modes"]), "timing": "all modes",
+            "clients": f"{point.get('x')} clients"}[point["kind"]]
+    return f"{point['part']}: {point['scene']}, {point['trace']}, {point['network']}, {point['size']} px, {what}"
+
+
+def arguments(point, scene_file, trace_file, pictures):
+    """Of study_point."""
+    given = ["--scene", scene_file, "--trace", trace_file, "--size", point["size"], "--frames", point["frames"],
+             "--skip", point["skip_s"], "--network", point["network_words"]]
+    if point["kind"] == "error":
+        given += ["--modes", *point["modes"], "--every", point["every"], "--pictures", pictures]
+    elif point["kind"] == "clients":
+        given += ["--clients", point["x"], "--warm-up", point["warm_up"]]
+    else:
+        given += ["--timing", "--modes", *point["modes"], "--rounds", point["rounds"], "--seed", point["seed"],
+                  "--warm-up", point["warm_up"]]
+    return [str(a) for a in given]
+
+
+def work_in(point):
+    """What a point takes, in a unit of its own: enough to tell how long the rest takes."""
+    runs = point.get("rounds", 1) * (len(point["modes"]) + 1) if point["kind"] == "timing" else 1
+    reference = 4 / point["every"] if point["kind"] == "error" else 0
+    clients = point["x"] if point["kind"] == "clients" else 1
+    return runs * point["frames"] * clients * (1 + reference) * (point["size"] ** 2 + 128 ** 2)
