@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "stereo/base/check.h"
 #include "stereo/net/explain.h"
 
 namespace farshade {
@@ -32,18 +33,19 @@ std::string counters_line(const ServerCounters& counters) {
   const SessionCounters& sessions = counters.sessions;
   const GateCounters& gate = counters.gate;
   return fmt::format(
-      "rt_server: {} clients, {} requests, {} superseded, {} outdated, {} too large, {} frames, {} datagrams "
+      "rt_server: {} clients, {} requests, {} superseded, {} outdated, {} too large, {} for what is not "
+      "given, {} stray positions, {} frames, {} datagrams "
       "and {} bytes "
       "sent, {} unsent, {} datagrams received, {} oversized, {} refused{}; hellos: {} without a cookie, {} "
       "repeated; turned away: {} of another version, {} without a known key, {} of another scene, {} for "
       "want of room, {} too many handshakes; sessions: {} open, {} forgotten, {} replaced, {} moved; {} "
       "frames held back by --bytes-per-second",
       sessions.welcomed, sessions.requests, sessions.superseded, sessions.outdated, sessions.too_large,
-      counters.frames, counters.port.sent, counters.port.sent_bytes, counters.port.unsent,
-      counters.port.received, counters.port.oversized, counters.refused.total(), reasons(counters.refused),
-      gate.retries, sessions.repeated, gate.version_mismatch, gate.unknown_key, sessions.scene_mismatch,
-      sessions.busy, gate.too_many, counters.sessions_open, sessions.forgotten, sessions.replaced,
-      sessions.moved, sessions.held_back);
+      sessions.unanswered, sessions.stray, counters.frames, counters.port.sent, counters.port.sent_bytes,
+      counters.port.unsent, counters.port.received, counters.port.oversized, counters.refused.total(),
+      reasons(counters.refused), gate.retries, sessions.repeated, gate.version_mismatch, gate.unknown_key,
+      sessions.scene_mismatch, sessions.busy, gate.too_many, counters.sessions_open, sessions.forgotten,
+      sessions.replaced, sessions.moved, sessions.held_back);
 }
 
 std::string rays_line(const TraceStats& traced) {
@@ -56,8 +58,16 @@ std::string rays_line(const TraceStats& traced) {
 }
 
 ServerCore::ServerCore(const Welcome& served, const std::vector<SharedKey>& ring, TraceFunction trace,
-                       DatagramPort& port, const Clock& clock, const SessionLimits& limits, SameAllOver same)
-    : trace_(std::move(trace)), port_(port), clock_(clock), sessions_(served, ring, limits), packer_(same) {}
+                       DatagramPort& port, const Clock& clock, const SessionLimits& limits, SameAllOver same,
+                       AnswerFunction others)
+    : trace_(std::move(trace)),
+      others_(std::move(others)),
+      port_(port),
+      clock_(clock),
+      sessions_(served, ring, limits),
+      packer_(same) {
+  check(others_ || served.answers == set_of(Answer::Masks), "what is offered can be given");
+}
 
 bool ServerCore::receive(Duration wait) {
   std::array<std::byte, kMaxDatagram_bytes> buffer;
@@ -115,6 +125,14 @@ bool ServerCore::wait_for_work(const std::stop_token& stop) {
   return false;
 }
 
+/// Adds to the packer what the request wants.
+Answered ServerCore::answer(const Job& job) {
+  if (job.request.wanted.answer != Answer::Masks) return others_(job, packer_);
+  const TraceStats traced = trace_(job.request, frame_);
+  packer_.add(frame_);
+  return {.traced = traced};
+}
+
 bool ServerCore::work() {
   std::optional<Job> job;
   {
@@ -123,23 +141,26 @@ bool ServerCore::work() {
   }
   if (!job) return false;
   const Time begun = clock_.now();
-  const TraceStats stats = trace_(job->request, frame_);
+  packer_.begin();
+  const auto [traced, draw, coding] = answer(*job);
   const FrameReport report{.frame = job->request.frame,
-                           .primary_rays = stats.primary_rays,
-                           .shadow_rays = stats.shadow_rays,
-                           .full_shadow_rays = stats.full_shadow_rays,
-                           .primary = stats.primary,
-                           .shadow = stats.shadow,
+                           .primary_rays = traced.primary_rays,
+                           .shadow_rays = traced.shadow_rays,
+                           .full_shadow_rays = traced.full_shadow_rays,
+                           .primary = traced.primary,
+                           .shadow = traced.shadow,
+                           .draw = draw,
+                           .pack = coding,
                            .waited = begun - job->arrived,
                            .superseded = job->superseded,
                            .bytes_per_second = job->bytes_per_second,
                            .scale_eighths = job->scale_eighths};
-  const auto messages = packer_.pack(frame_, report);
+  const auto messages = packer_.finish(report);
   {
     const std::lock_guard lock(mutex_);
     const Time now = clock_.now();
     sessions_.put(job->session, messages, now - begun, now);
-    traced_ += stats;
+    traced_ += traced;
   }
   ++frames_;
   wake();

@@ -19,6 +19,14 @@ namespace farshade {
 /// Traces a request into a frame whose buffers are reused: Tracer::trace, or what a test puts in its place.
 using TraceFunction = std::function<TraceStats(const TraceRequest&, ShadowFrame&)>;
 
+/// What an answer took besides packing.
+struct Answered {
+  TraceStats traced{};
+  Duration draw{}, coding{};
+};
+/// Gives the answers that are not masks of what the views see: adds its messages to the packer.
+using AnswerFunction = std::function<Answered(const Job&, FramePacker&)>;
+
 struct ServerCounters {
   SessionCounters sessions;
   GateCounters gate;
@@ -40,10 +48,10 @@ struct ServerCounters {
 class ServerCore {
  public:
   /// `served` is what clients with the same scene are told; `ring` who may come. `port` and `clock` outlive
-  /// the core.
+  /// the core. `others` gives what `served` offers besides masks.
   ServerCore(const Welcome& served, const std::vector<SharedKey>& ring, TraceFunction trace,
              DatagramPort& port, const Clock& clock, const SessionLimits& limits = {},
-             SameAllOver same = SameAllOver::OneValue);
+             SameAllOver same = SameAllOver::OneValue, AnswerFunction others = {});
 
   /// Takes the next datagram, waiting at most `wait` for it, and answers what needs no tracing. False: none
   /// came.
@@ -71,7 +79,10 @@ class ServerCore {
   [[nodiscard]] const Clock& clock() const { return clock_; }
 
  private:
+  Answered answer(const Job& job);
+
   TraceFunction trace_;
+  AnswerFunction others_;
   DatagramPort& port_;
   const Clock& clock_;
 

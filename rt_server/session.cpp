@@ -28,7 +28,7 @@ std::uint64_t random_token() {
 
 ClientSession::ClientSession(std::string name, const Peer& client, const PublicKey& hello,
                              const Accepted& accepted, Time now, const RateLimits& limits,
-                             std::uint32_t most_pixels)
+                             const Welcome& served)
     : name_(std::move(name)),
       id_(accepted.keys.session),
       hello_(hello),
@@ -36,7 +36,8 @@ ClientSession::ClientSession(std::string name, const Peer& client, const PublicK
       opener_(accepted.keys.to_server, accepted.keys.sealing),
       sealer_(accepted.keys.session, accepted.keys.to_client, accepted.keys.sealing),
       limits_(limits),
-      most_pixels_(most_pixels),
+      most_pixels_(served.most_pixels),
+      answers_(served.answers),
       client_(client),
       heard_(now),
       told_(now),
@@ -52,6 +53,7 @@ Decoded<Heard> ClientSession::take(const Peer& from, const Sealed& sealed,
   confirmed_ = true;
   const Decoded<ClientMessage> message = decode_client(*opened);
   if (!message) return refuse(message.error());
+  if (const auto* slice = std::get_if<PlaneSlice>(&*message)) return take_positions(*slice, *opened, now);
   const auto& request = std::get<RequestMessage>(*message);
   follow(from, newest, request.probe_echo, probe);
   if (from == client_ && now - told_ > kSignOfLife) give_sign_of_life(probe);
@@ -96,11 +98,26 @@ Heard ClientSession::take(const RequestMessage& message, Time now) {
   newest_ = frame;
   for (const View& view : message.request.views)
     if (view.size.pixels() > most_pixels_) return Heard::TooLarge;
+  if ((answers_ & set_of(message.request.wanted.answer)) == 0) return Heard::Unanswered;
   const bool superseded = waiting_.has_value();
   if (superseded) ++superseded_;
   waiting_ = Job{.session = id_, .request = message.request, .arrived = now};
   waiting_->request.lights = lights_;
+  positions_bytes_ = 0;
+  position_heard_ = now;
   return superseded ? Heard::Superseded : Heard::News;
+}
+
+/// They are opened when their turn comes: until then they take no more memory than they took on the wire.
+Heard ClientSession::take_positions(const PlaneSlice& slice, std::span<const std::byte> message, Time now) {
+  const bool fits = waiting_ && waiting_->request.frame == slice.frame &&
+                    waiting_->positions.size() < waiting_->request.wanted.slices &&
+                    positions_bytes_ + message.size() <= kMostPositions_bytes;
+  if (!fits) return Heard::Stray;
+  waiting_->positions.emplace_back(message.begin(), message.end());
+  positions_bytes_ += message.size();
+  position_heard_ = now;
+  return Heard::Positions;
 }
 
 /// In virtual time a client asks less often than its display would; in real time requests may bunch up on the
@@ -116,7 +133,8 @@ void ClientSession::learn_interval(const TraceRequest& request, Time now) {
 
 std::optional<Time> ClientSession::ready_at() const {
   if (!waiting_ || !outbox_.empty()) return std::nullopt;
-  return outbox_.drained_at();
+  const bool whole = waiting_->positions.size() >= waiting_->request.wanted.slices;
+  return whole ? outbox_.drained_at() : std::max(outbox_.drained_at(), position_heard_ + kPositionsLull);
 }
 
 Job ClientSession::take_job() {

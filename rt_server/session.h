@@ -21,7 +21,14 @@ struct Job {
   std::uint32_t superseded = 0;        ///< of this client's requests, so far
   std::uint32_t bytes_per_second = 0;  ///< that the path to it carries
   std::uint32_t scale_eighths = 8;     ///< of their size, that the next views should be asked for
+  /// PlaneSlices of the request's positions that have come, each a message of its own that was decoded once.
+  std::vector<std::vector<std::byte>> positions{};
 };
+
+/// Of positions that one request may bring, in messages; what comes beyond it is dropped.
+inline constexpr std::size_t kMostPositions_bytes = std::size_t{16} << 20;
+/// A request whose positions do not come any more is answered with those that have.
+inline constexpr Duration kPositionsLull = std::chrono::milliseconds(10);
 
 /// What a client's datagram was, once opened.
 enum class Heard : std::uint8_t {
@@ -29,12 +36,15 @@ enum class Heard : std::uint8_t {
   Superseded,  ///< the same, and it took the place of one that waited
   Outdated,    ///< a request not newer than one that came before
   TooLarge,    ///< a request for more pixels than may be asked for
+  Unanswered,  ///< a request for what this server does not give
+  Positions,   ///< some of those of the request that waits
+  Stray,       ///< positions of another request, or too many
 };
 
 class ClientSession {
  public:
   ClientSession(std::string name, const Peer& client, const PublicKey& hello, const Accepted& accepted,
-                Time now, const RateLimits& limits, std::uint32_t most_pixels);
+                Time now, const RateLimits& limits, const Welcome& served);
 
   [[nodiscard]] SessionId id() const { return id_; }
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -52,10 +62,11 @@ class ClientSession {
                                     std::span<const std::byte> datagram, Time now,
                                     std::vector<std::byte>& probe);
 
-  /// A request waits, and the frame before it has left and is through the path; so a slow path lowers the
-  /// mask rate.
+  /// A request waits with all that it brings, and the frame before it has left and is through the path; so a
+  /// slow path lowers the mask rate.
   [[nodiscard]] bool is_ready(Time now) const {
-    return waiting_ && outbox_.empty() && now >= outbox_.drained_at();
+    const std::optional<Time> at = ready_at();
+    return at && now >= *at;
   }
   /// When is_ready becomes true if nothing else happens.
   [[nodiscard]] std::optional<Time> ready_at() const;
@@ -81,6 +92,7 @@ class ClientSession {
 
  private:
   Heard take(const RequestMessage& message, Time now);
+  Heard take_positions(const PlaneSlice& slice, std::span<const std::byte> message, Time now);
   void follow(const Peer& from, bool newest, std::uint64_t probe_echo, std::vector<std::byte>& probe);
   void give_sign_of_life(std::vector<std::byte>& probe);
   void learn_interval(const TraceRequest& request, Time now);
@@ -93,6 +105,7 @@ class ClientSession {
   Sealer sealer_;
   RateLimits limits_;
   std::uint32_t most_pixels_;
+  AnswerSet answers_;
 
   Peer client_;                    ///< has proved that it is there
   std::optional<Peer> candidate_;  ///< where its newest datagrams come from, if from elsewhere
@@ -104,6 +117,8 @@ class ClientSession {
   Time newest_display_{}, newest_arrived_{};
   Duration interval_{};  ///< from one request to the next, as the client's display and our clock have it
   std::optional<Job> waiting_{};
+  std::size_t positions_bytes_ = 0;  ///< of those that wait with it
+  Time position_heard_{};            ///< the last of them
   std::uint32_t superseded_ = 0;
   LightChanges lights_;
 

@@ -56,7 +56,7 @@ void Sessions::greet(const Peer& from, const Hello& hello, std::span<const std::
   if (refused) return;
   ++counters_.welcomed;
   sessions_.emplace_back(key->name, from, hello.client, *accepted, now,
-                         RateLimits{.most = limits_.bytes_per_second}, served_.most_pixels);
+                         RateLimits{.most = limits_.bytes_per_second}, served_);
   sessions_.back().turn = {work_, jobs_};
 }
 
@@ -74,7 +74,10 @@ Decoded<void> Sessions::take(const Peer& from, const Sealed& sealed, std::span<c
   if (session->client() != before) ++counters_.moved;
   if (first && session->is_confirmed()) end_earlier(session->id());
   if (!heard) return refuse(heard.error());
+  if (*heard == Heard::Stray) ++counters_.stray;
+  if (*heard == Heard::Stray || *heard == Heard::Positions) return {};
   ++counters_.requests;
+  if (*heard == Heard::Unanswered) ++counters_.unanswered;
   if (*heard == Heard::Superseded) ++counters_.superseded;
   if (*heard == Heard::Outdated) ++counters_.outdated;
   if (*heard == Heard::TooLarge) ++counters_.too_large;

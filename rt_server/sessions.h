@@ -32,6 +32,8 @@ struct SessionCounters {
   std::uint64_t superseded = 0;  ///< of these, replaced by a newer one before their turn
   std::uint64_t outdated = 0;    ///< of these, not newer than one that came before
   std::uint64_t too_large = 0;   ///< of these, for more pixels than may be asked for
+  std::uint64_t unanswered = 0;  ///< of these, for what this server does not give
+  std::uint64_t stray = 0;       ///< messages with positions of no request that waits
   std::uint64_t scene_mismatch = 0, busy = 0;  ///< proved hellos that were refused
   std::uint64_t held_back = 0;                 ///< frames that the limit of bytes a second slowed
   friend bool operator==(const SessionCounters&, const SessionCounters&) = default;

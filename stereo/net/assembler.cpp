@@ -8,25 +8,62 @@
 namespace farshade {
 namespace {
 
+void clear(EyeMask& mask, Extent size, MaskLayout layout) {
+  if (mask.size() == size && mask.layout() == layout)
+    std::ranges::fill(mask.bytes(), std::byte{0});
+  else
+    mask = EyeMask(size, layout);
+}
+
+/// Memory for the words comes with the first slice.
+void clear(ReceivedGBuffer& gbuffer) {
+  for (const PlaneKind kind : kGBufferKinds)
+    for (PixelPlane& plane : planes_of(gbuffer.planes, kind)) plane.size = {};
+  gbuffer.tiles_known = gbuffer.tiles = 0;
+}
+
+/// 3 bytes of base colour, 4 of the others.
+std::uint32_t word_bytes_of(PlaneKind kind) {
+  return kind == PlaneKind::BaseColor ? 3 : 4;
+}
+
+void begin(ReceivedGBuffer& gbuffer, const StereoView& views) {
+  for (std::size_t kind = 0; kind < kGBufferKinds.size(); ++kind)
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      PixelPlane& plane = planes_of(gbuffer.planes, kGBufferKinds[kind])[eye];
+      plane.size = views[eye].size;
+      plane.word_bytes = word_bytes_of(kGBufferKinds[kind]);
+      plane.words.assign(plane.size.pixels(), 0);
+      gbuffer.known_tiles[kind][eye].assign(TileGrid{plane.size}.count(), 0);
+      gbuffer.tiles += TileGrid{plane.size}.count();
+    }
+}
+
 void reset(ReceivedFrame& frame, const TraceRequest& request, MaskLayout layout, std::uint32_t revision) {
   frame.request = request;
   frame.light_set_revision = revision;
   frame.report.reset();
+  clear(frame.gbuffer);
+  frame.video.known.clear();
+  frame.video.parts_known = 0;
   for (const Side side : kSides) {
     const std::size_t eye = index_of(side);
-    const Extent size = request.views[eye].size;
-    EyeMask& mask = frame.masks[eye];
-    if (mask.size() == size && mask.layout() == layout) {
-      std::ranges::fill(mask.bytes(), std::byte{0});
-    } else {
-      mask = EyeMask(size, layout);
-    }
+    const Extent size = has_masks(request.wanted.answer) ? request.views[eye].size : Extent{};
+    clear(frame.masks[eye], size, layout);
     frame.known_tiles[eye].assign(TileGrid{size}.count(), 0);
     frame.tiles_known[eye] = 0;
   }
 }
 
 }  // namespace
+
+bool ReceivedFrame::complete() const {
+  const Answer answer = request.wanted.answer;
+  if (is_video(answer)) return video.complete();
+  const bool has_planes =
+      answer != Answer::GBuffer || (gbuffer.tiles > 0 && gbuffer.tiles_known == gbuffer.tiles);
+  return has_planes && complete(Side::Left) && complete(Side::Right);
+}
 
 Assembler::Assembler(std::size_t frames) : slots_(frames) {
   check(frames > kKept, "an assembler has room for more than what it keeps");
@@ -74,33 +111,75 @@ const ReceivedFrame* Assembler::newest_known() const {
   return newest;
 }
 
-const ReceivedFrame* Assembler::accept(const Slice& slice) {
-  ReceivedFrame* const frame = slot_of(slice.frame);
-  if (frame == nullptr) {
-    ++counters_.unexpected;
-    return nullptr;
-  }
-  if (slice.light_set_revision != frame->light_set_revision) {
-    ++counters_.other_light_set;
-    return nullptr;
-  }
-  const std::size_t eye = index_of(slice.eye);
-  const Decoded<std::uint32_t> news = decode_slice_tiles(slice, frame->masks[eye], frame->known_tiles[eye]);
+/// The frame, if it was asked for.
+ReceivedFrame* Assembler::wanted(FrameId frame) {
+  ReceivedFrame* const found = slot_of(frame);
+  if (found == nullptr) ++counters_.unexpected;
+  return found;
+}
+
+const ReceivedFrame* Assembler::count(ReceivedFrame& frame, const Decoded<std::uint32_t>& news,
+                                      std::uint32_t& known) {
   if (!news) {
     counters_.refused.count(news.error());
     return nullptr;
   }
   ++(*news > 0 ? counters_.slices : counters_.duplicates);
-  frame->tiles_known[eye] += *news;
-  return *news > 0 ? frame : nullptr;
+  known += *news;
+  return *news > 0 ? &frame : nullptr;
+}
+
+const ReceivedFrame* Assembler::accept(const Slice& slice) {
+  ReceivedFrame* const frame = wanted(slice.frame);
+  if (frame == nullptr) return nullptr;
+  if (slice.light_set_revision != frame->light_set_revision) {
+    ++counters_.other_light_set;
+    return nullptr;
+  }
+  const std::size_t eye = index_of(slice.eye);
+  return count(*frame, decode_slice_tiles(slice, frame->masks[eye], frame->known_tiles[eye]),
+               frame->tiles_known[eye]);
+}
+
+const ReceivedFrame* Assembler::accept(const PlaneSlice& slice) {
+  ReceivedFrame* const frame = wanted(slice.frame);
+  if (frame == nullptr) return nullptr;
+  ReceivedGBuffer& gbuffer = frame->gbuffer;
+  if (frame->request.wanted.answer != Answer::GBuffer || slice.kind > PlaneKind::Depth)
+    return count(*frame, refuse(WireRefusal::Wanted), gbuffer.tiles_known);
+  if (gbuffer.tiles == 0) begin(gbuffer, frame->request.views);
+  const std::size_t eye = index_of(slice.eye), kind = static_cast<std::size_t>(slice.kind);
+  return count(
+      *frame,
+      decode_plane_tiles(slice, planes_of(gbuffer.planes, slice.kind)[eye], gbuffer.known_tiles[kind][eye]),
+      gbuffer.tiles_known);
+}
+
+const ReceivedFrame* Assembler::accept(const VideoPart& part) {
+  ReceivedFrame* const frame = wanted(part.frame);
+  if (frame == nullptr) return nullptr;
+  ReceivedVideo& video = frame->video;
+  const auto take = [&]() -> Decoded<std::uint32_t> {
+    if (!is_video(frame->request.wanted.answer)) return refuse(WireRefusal::Wanted);
+    if (video.known.empty()) {
+      video.after = part.after;
+      video.known.assign(part.parts, false);
+      video.unit.resize(part.parts * kVideoPart_bytes);
+    }
+    if (video.known.size() != part.parts || video.after != part.after) return refuse(WireRefusal::Part);
+    if (video.known[part.part]) return 0u;
+    video.known[part.part] = true;
+    const std::size_t at = part.part * kVideoPart_bytes;
+    std::ranges::copy(part.bytes, video.unit.begin() + static_cast<std::ptrdiff_t>(at));
+    if (part.part + 1 == part.parts) video.unit.resize(at + part.bytes.size());
+    return 1u;
+  };
+  return count(*frame, take(), video.parts_known);
 }
 
 const ReceivedFrame* Assembler::accept(const FrameReport& report) {
-  ReceivedFrame* const frame = slot_of(report.frame);
-  if (frame == nullptr) {
-    ++counters_.unexpected;
-    return nullptr;
-  }
+  ReceivedFrame* const frame = wanted(report.frame);
+  if (frame == nullptr) return nullptr;
   frame->report = report;
   return frame;
 }

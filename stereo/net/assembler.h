@@ -1,6 +1,6 @@
-/// Assembler: slices back into masks, in whatever order, number and state they come. A slice that never comes
-/// leaves its tiles unknown in that frame and changes nothing else; a slice that does not fit what was asked
-/// for changes nothing but a counter. Memory is so many frames, used again.
+/// Assembler: slices and parts back into what was asked for, in whatever order, number and state they come. A
+/// slice that never comes leaves its tiles unknown in that frame and changes nothing else; one that does not
+/// fit what was asked for changes nothing but a counter. Memory is so many frames, used again.
 #pragma once
 
 #include <cstdint>
@@ -10,29 +10,54 @@
 
 #include "stereo/frame/shadow_frame.h"
 #include "stereo/wire/messages.h"
+#include "stereo/wire/plane_codec.h"
 #include "stereo/wire/slice.h"
 
 namespace farshade {
 
-/// What has come of one request so far. Bits of tiles that are not known are 0 and mean nothing.
+/// A G-buffer's planes, tile by tile; words of tiles that are not known are 0.
+struct ReceivedGBuffer {
+  GBufferPlanes planes;
+  std::array<PerEye<KnownTiles>, kGBufferKinds.size()> known_tiles;
+  std::uint32_t tiles_known = 0, tiles = 0;  ///< of all planes of both eyes
+};
+
+/// A coded picture's parts.
+struct ReceivedVideo {
+  FrameId after;                ///< as the parts say
+  std::vector<std::byte> unit;  ///< the parts in their places
+  std::vector<bool> known;
+  std::uint32_t parts_known = 0;
+
+  [[nodiscard]] bool complete() const { return !known.empty() && parts_known == known.size(); }
+};
+
+/// What has come of one request so far. Bits of tiles that are not known are 0 and mean nothing. Of masks,
+/// G-buffer and video those are there that were wanted.
 struct ReceivedFrame {
   TraceRequest request;
   std::uint32_t light_set_revision = 0;
   PerEye<EyeMask> masks;
   PerEye<KnownTiles> known_tiles;
   PerEye<std::uint32_t> tiles_known{};  ///< planes counted one by one
+  ReceivedGBuffer gbuffer;
+  ReceivedVideo video;
   std::optional<FrameReport> report;
 
   [[nodiscard]] bool complete(Side side) const {
     const EyeMask& mask = masks[index_of(side)];
     return tiles_known[index_of(side)] == known_tiles[index_of(side)].size() * mask.layout().planes();
   }
-  [[nodiscard]] bool complete() const { return complete(Side::Left) && complete(Side::Right); }
-  [[nodiscard]] bool anything_known() const { return tiles_known[0] + tiles_known[1] > 0; }
+  [[nodiscard]] bool complete() const;
+  [[nodiscard]] bool anything_known() const { return pieces_known() > 0; }
+  /// Tiles and parts.
+  [[nodiscard]] std::uint32_t pieces_known() const {
+    return tiles_known[0] + tiles_known[1] + gbuffer.tiles_known + video.parts_known;
+  }
 };
 
 struct AssemblerCounters {
-  std::uint64_t slices = 0;      ///< taken, duplicates not among them
+  std::uint64_t slices = 0;      ///< and parts taken, duplicates not among them
   std::uint64_t duplicates = 0;  ///< told nothing new
   std::uint64_t unexpected = 0;  ///< of a frame never asked for, or forgotten
   std::uint64_t other_light_set = 0;
@@ -56,6 +81,8 @@ class Assembler {
 
   /// The frame that now knows more; null if nothing changed.
   const ReceivedFrame* accept(const Slice& slice);
+  const ReceivedFrame* accept(const PlaneSlice& slice);
+  const ReceivedFrame* accept(const VideoPart& part);
   /// The frame that now has its report; null if it is none of ours.
   const ReceivedFrame* accept(const FrameReport& report);
 
@@ -71,6 +98,8 @@ class Assembler {
 
  private:
   [[nodiscard]] ReceivedFrame* slot_of(FrameId frame);
+  [[nodiscard]] ReceivedFrame* wanted(FrameId frame);
+  const ReceivedFrame* count(ReceivedFrame& frame, const Decoded<std::uint32_t>& news, std::uint32_t& known);
   [[nodiscard]] bool is_kept(const ReceivedFrame& frame) const;
   [[nodiscard]] ReceivedFrame& room();
   [[nodiscard]] std::span<const ReceivedFrame> remembered() const { return std::span(slots_).first(used_); }

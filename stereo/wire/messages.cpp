@@ -118,7 +118,8 @@ bool fields(auto& io, Either<PlaneSlice> auto& slice) {
 }
 
 bool fields(auto& io, Either<VideoPart> auto& part) {
-  return io.u32(part.frame.value) && io.u16(part.part) && io.u16(part.parts) && io.rest(part.bytes);
+  return io.u32(part.frame.value) && io.u32(part.after.value) && io.u16(part.part) && io.u16(part.parts) &&
+         io.rest(part.bytes);
 }
 
 bool fields(auto& io, Either<Probe> auto& probe) {
@@ -209,6 +210,7 @@ Verdict verdict(const PlaneSlice& slice) {
 }
 
 Verdict verdict(const VideoPart& part) {
+  if (is_newer(part.after, part.frame)) return WireRefusal::FrameOrder;
   const bool is_last = part.part + 1 == part.parts;
   const bool fine = part.parts >= 1 && part.parts <= kMostVideoParts && part.part < part.parts &&
                     !part.bytes.empty() && (is_last || part.bytes.size() == kVideoPart_bytes);

@@ -106,10 +106,11 @@ struct Slice {
 /// A part of the coded picture of both eyes. All parts but the last have kVideoPart_bytes.
 struct VideoPart {
   FrameId frame{};
+  FrameId after{};                     ///< it decodes after this frame's picture; `frame` itself: alone
   std::uint32_t part = 0, parts = 1;   ///< this one, of so many: at most kMostVideoParts
   std::span<const std::byte> bytes{};  ///< a view, owned by neither; 1 or more
 };
-inline constexpr std::size_t kVideoPartHeader_bytes = 9;
+inline constexpr std::size_t kVideoPartHeader_bytes = 13;
 inline constexpr std::size_t kVideoPart_bytes = kMaxMessage_bytes - kVideoPartHeader_bytes;
 inline constexpr std::uint32_t kMostVideoParts = 4096;
 

@@ -323,12 +323,14 @@ TEST(PlaneSliceDecode, RefusesWhatNoPlaneHas) {
 
 TEST(VideoPartDecode, RefusesPartsThatNoPictureHas) {
   const Bytes good = encoded(ServerMessage(video_part()));
-  EXPECT_EQ(decode_server(patched(good, 5, {3})).error(), WireRefusal::Part);
-  EXPECT_EQ(decode_server(patched(good, 5, {0, 0, 0})).error(), WireRefusal::Part);
-  EXPECT_EQ(decode_server(patched(good, 7, {1, 0x10})).error(), WireRefusal::Part);  // 4,097 parts
-  EXPECT_EQ(decode_server(patched(good, 5, {1})).error(), WireRefusal::Part) << "shorter than a part is";
-  EXPECT_EQ(decode_server(std::span(good).first(9)).error(), WireRefusal::Part) << "nothing in it";
-  Bytes whole = patched(good, 5, {1});
+  EXPECT_EQ(decode_server(patched(good, 9, {3})).error(), WireRefusal::Part);
+  EXPECT_EQ(decode_server(patched(good, 9, {0, 0, 0})).error(), WireRefusal::Part);
+  EXPECT_EQ(decode_server(patched(good, 11, {1, 0x10})).error(), WireRefusal::Part);  // 4,097 parts
+  EXPECT_EQ(decode_server(patched(good, 9, {1})).error(), WireRefusal::Part) << "shorter than a part is";
+  EXPECT_EQ(decode_server(std::span(good).first(13)).error(), WireRefusal::Part) << "nothing in it";
+  EXPECT_EQ(decode_server(patched(good, 5, {3})).error(), WireRefusal::FrameOrder) << "after a newer one";
+  EXPECT_TRUE(decode_server(patched(good, 5, {2}))) << "alone";
+  Bytes whole = patched(good, 9, {1});
   whole.resize(kMaxMessage_bytes);
   EXPECT_TRUE(decode_server(whole));
 }

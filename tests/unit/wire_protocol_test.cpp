@@ -136,6 +136,7 @@ TEST(Protocol, VideoPartIsAsThePageSays) {
   const Bytes bytes = example("video-part");
   const auto read = std::get<VideoPart>(*decode_server(bytes));
   EXPECT_EQ(read.frame, video_part().frame);
+  EXPECT_EQ(read.after, video_part().after);
   EXPECT_EQ(read.part, 2u);
   EXPECT_EQ(read.parts, 3u);
   EXPECT_TRUE(std::ranges::equal(read.bytes, kThreeBytes));

@@ -113,7 +113,7 @@ std::vector<Case> messages_to_client() {
       {"views of 0 eighths", patched(account, 85, {0}), WireRefusal::Code},
       {"views of 9 eighths", patched(account, 85, {9}), WireRefusal::Code},
       {"an answer that is none", patched(greeting, 39, {1u << kAnswers}), WireRefusal::Code},
-      {"a part of none", patched(encoded(ServerMessage(video_part())), 7, {0, 0}), WireRefusal::Part},
+      {"a part of none", patched(encoded(ServerMessage(video_part())), 11, {0, 0}), WireRefusal::Part},
       {"a probe for nothing", patched(where, 1, {0, 0, 0, 0, 0, 0, 0, 0}), WireRefusal::Code},
       {"a third eye", patched(slice, 9, {2}), WireRefusal::Code},
       {"width 0", patched(slice, 10, {0, 0}), WireRefusal::MaskSize},

@@ -126,7 +126,7 @@ inline PlaneSlice plane_slice() {
           .block = kThreeBytes};
 }
 inline VideoPart video_part() {
-  return {.frame = FrameId{258}, .part = 2, .parts = 3, .bytes = kThreeBytes};
+  return {.frame = FrameId{258}, .after = FrameId{257}, .part = 2, .parts = 3, .bytes = kThreeBytes};
 }
 
 // ---- envelopes
