@@ -140,8 +140,17 @@ struct LightWay {
   Ints<K> covered, faces, in_range, in_cone;
 };
 
+/// Whether the light is on the seen side of both the shading and the geometric normal.
 template <int K>
-void face_light(const TileSurface& s, int first, const ShadowLight& light, LightWay<K>& way) {
+void set_facing(const TileSurface& s, int first, LightWay<K>& way) {
+  Floats<K> nx, ny, nz, gx, gy, gz;
+  load(nx, s.nx + first), load(ny, s.ny + first), load(nz, s.nz + first);
+  load(gx, s.gx + first), load(gy, s.gy + first), load(gz, s.gz + first);
+  way.faces = (nx * way.x + ny * way.y + nz * way.z > 0) & (gx * way.x + gy * way.y + gz * way.z > 0);
+}
+
+template <int K, class Surface>
+void face_light(const Surface& s, int first, const ShadowLight& light, LightWay<K>& way) {
   Floats<K>&x = way.x, &y = way.y, &z = way.z;
   load(x, s.px + first), load(y, s.py + first), load(z, s.pz + first);
   if (light.kind == LightKind::Directional)
@@ -154,13 +163,10 @@ void face_light(const TileSurface& s, int first, const ShadowLight& light, Light
   const Floats<K> along = -(x * light.direction.x + y * light.direction.y + z * light.direction.z);
   way.in_range = way.distance < light.range;
   way.in_cone = along > light.cos_outer * way.distance;
-  Floats<K> nx, ny, nz;
-  load(nx, s.nx + first), load(ny, s.ny + first), load(nz, s.nz + first);
-  way.faces = nx * x + ny * y + nz * z > 0;
-  load(nx, s.gx + first), load(ny, s.gy + first), load(nz, s.gz + first);
-  way.faces &= nx * x + ny * y + nz * z > 0;
-  load(nx, s.reach + first);
-  way.covered = nx > 0;
+  set_facing(s, first, way);
+  Floats<K> reach;
+  load(reach, s.reach + first);
+  way.covered = reach > 0;
 }
 
 /// Turns vectors to the light into rays: from the offset surface point to the light, as far as the same
@@ -197,9 +203,9 @@ void set_bit(const Ints<K>& lanes, std::uint32_t bit, std::uint32_t* words) {
 
 /// Sets `bit` in the words of the pixels that `light` reaches, tracing only rays whose answer is not known
 /// before. `map` is the light's, or null. `occluded(lanes, packet)` traces.
-template <int K, class Occluded>
-TileRays shadow_tile(const TileSurface& surface, const ShadowLight& light, const LightMap* map,
-                     std::uint32_t bit, std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {
+template <int K, class Surface, class Occluded>
+TileRays shadow_tile(const Surface& surface, const ShadowLight& light, const LightMap* map, std::uint32_t bit,
+                     std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {
   RayPacket<K> ray;
   set_constants(ray);
   Ints<K> traced{}, known{}, too_far{}, beside{}, away{};

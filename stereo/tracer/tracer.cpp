@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "stereo/base/check.h"
+#include "stereo/tracer/placed_surface.h"
 #include "stereo/tracer/tile_bounds.h"
 #include "stereo/tracer/tile_stages.h"
 
@@ -66,13 +67,20 @@ struct Tracer::Impl {
 
   void make_maps();
   void advance_to(Time scene_time, const LightChanges& changes);
+  void prepare(const TraceRequest& request, ShadowFrame& frame);
+  [[nodiscard]] std::uint64_t lights_on() const;
+  [[nodiscard]] float reach() const;
   template <int K>
   TileRays shadow(const TileSurface& surface, const TileBounds& bounds, std::size_t light, std::uint32_t bit,
                   std::uint32_t (&words)[kTilePixels]) const;
   template <int K>
   TileSums trace_tile(const ViewRays& view, const TileRect& rect, EyeMask& mask) const;
   template <int K>
-  TileSums trace_views(const StereoView& views, std::size_t eyes, PerEye<EyeMask>& masks) const;
+  TileSums trace_tile(const PlacedEye& eye, const TileRect& rect, EyeMask& mask) const;
+  template <int K, class Source>
+  TileSums trace_eyes(const PerEye<Source>& sources, std::size_t eyes, PerEye<EyeMask>& masks) const;
+  template <class Source>
+  TraceStats trace_frame(const PerEye<Source>& sources, bool same, ShadowFrame& frame) const;
 };
 
 void Tracer::Impl::advance_to(Time scene_time, const LightChanges& changes) {
@@ -126,6 +134,18 @@ TileRays Tracer::Impl::shadow(const TileSurface& surface, const TileBounds& boun
   return shadow_tile<K>(surface, lights[light], maps_in_use[light], bit, words, occluded);
 }
 
+/// Calls act(light, bit, words) for the lights that are on, a plane's after the other's, and keeps the words.
+template <class Act>
+void for_each_light(std::span<const ShadowLight> lights, const TileRect& rect, EyeMask& mask, Act act) {
+  const MaskLayout layout = mask.layout();
+  for (std::uint32_t plane = 0; plane < layout.planes(); ++plane) {
+    std::uint32_t words[kTilePixels]{};
+    for (std::uint32_t bit = 0; bit < layout.lights_in(plane); ++bit)
+      if (const std::size_t light = plane * 32 + bit; lights[light].on) act(light, 1u << bit, words);
+    write_plane(words, rect, plane, mask);
+  }
+}
+
 template <int K>
 TileSums Tracer::Impl::trace_tile(const ViewRays& view, const TileRect& rect, EyeMask& mask) const {
   TileSums sums;
@@ -133,26 +153,40 @@ TileSums Tracer::Impl::trace_tile(const ViewRays& view, const TileRect& rect, Ey
   const Stopwatch watch;
   see_tile<K>(*rays, model, view, rect, surface);
   sums.primary = watch.elapsed();
-  const MaskLayout layout = mask.layout();
   const TileBounds bounds = plan.skips_rays ? bounds_of(surface) : TileBounds{};
-  for (std::uint32_t plane = 0; plane < layout.planes(); ++plane) {
-    std::uint32_t words[kTilePixels]{};
-    for (std::uint32_t bit = 0; surface.covered > 0 && bit < layout.lights_in(plane); ++bit)
-      if (const std::size_t light = plane * 32 + bit; lights[light].on)
-        sums.rays += shadow<K>(surface, bounds, light, 1u << bit, words);
-    write_plane(words, rect, plane, mask);
-  }
+  for_each_light(lights, rect, mask, [&](std::size_t light, std::uint32_t bit, auto& words) {
+    if (surface.covered > 0) sums.rays += shadow<K>(surface, bounds, light, bit, words);
+  });
   sums.shadow = watch.elapsed() - sums.primary;
   sums.primary_rays = std::uint64_t{rect.x1 - rect.x0} * (rect.y1 - rect.y0);
   sums.covered = surface.covered;
   return sums;
 }
 
-/// Tiles of all eyes are one range, so that no core waits between them.
 template <int K>
-TileSums Tracer::Impl::trace_views(const StereoView& views, std::size_t eyes, PerEye<EyeMask>& masks) const {
-  const PerEye<ViewRays> view_rays{rays_of(views[0], model.anchor()), rays_of(views[1], model.anchor())};
-  const PerEye<TileGrid> grids{TileGrid{views[0].size}, TileGrid{views[1].size}};
+TileSums Tracer::Impl::trace_tile(const PlacedEye& eye, const TileRect& rect, EyeMask& mask) const {
+  TileSums sums;
+  PlacedSurface surface;
+  const Stopwatch watch;
+  place_tile(eye, rect, surface);
+  sums.primary = watch.elapsed();
+  const auto occluded = [this](const Lanes<K>& lanes, RayPacket<K>& packet) {
+    rays->occluded(lanes, packet);
+  };
+  for_each_light(lights, rect, mask, [&](std::size_t light, std::uint32_t bit, auto& words) {
+    if (surface.covered > 0)
+      sums.rays += shadow_tile<K>(surface, lights[light], maps_in_use[light], bit, words, occluded);
+  });
+  sums.shadow = watch.elapsed() - sums.primary;
+  sums.covered = surface.covered;
+  return sums;
+}
+
+/// Tiles of all eyes are one range, so that no core waits between them.
+template <int K, class Source>
+TileSums Tracer::Impl::trace_eyes(const PerEye<Source>& sources, std::size_t eyes,
+                                  PerEye<EyeMask>& masks) const {
+  const PerEye<TileGrid> grids{TileGrid{masks[0].size()}, TileGrid{masks[1].size()}};
   const std::uint32_t left = grids[0].count(), all = eyes == 1 ? left : left + grids[1].count();
   constexpr std::uint32_t kGrain = 8;
   return tbb::parallel_reduce(
@@ -160,11 +194,74 @@ TileSums Tracer::Impl::trace_views(const StereoView& views, std::size_t eyes, Pe
       [&](const tbb::blocked_range<std::uint32_t>& range, TileSums sums) {
         for (std::uint32_t tile = range.begin(); tile < range.end(); ++tile) {
           const std::size_t eye = tile < left ? 0 : 1;
-          sums += trace_tile<K>(view_rays[eye], grids[eye].rect(eye == 0 ? tile : tile - left), masks[eye]);
+          sums += trace_tile<K>(sources[eye], grids[eye].rect(eye == 0 ? tile : tile - left), masks[eye]);
         }
         return sums;
       },
       [](TileSums a, const TileSums& b) { return a += b; });
+}
+
+std::uint64_t Tracer::Impl::lights_on() const {
+  return static_cast<std::uint64_t>(std::ranges::count(lights, true, &ShadowLight::on));
+}
+
+/// Largest of all that can occlude, as Facet::reach.
+float Tracer::Impl::reach() const {
+  float most = 0;
+  for (const Patch& patch : model.patches()) {
+    if (patch.moving) {
+      most = std::max(most, patch.placement.reach);
+      continue;
+    }
+    for (const Facet& facet : model.facets().subspan(patch.first_triangle, patch.triangle_count))
+      most = std::max(most, facet.reach);
+  }
+  return most;
+}
+
+/// Scene and lights as requested, and a frame that is theirs but for its bits.
+void Tracer::Impl::prepare(const TraceRequest& request, ShadowFrame& frame) {
+  for (const View& view : request.views) check(is_valid(view), "a traced view is valid");
+  advance_to(request.scene_time, request.lights);
+  frame.frame = request.frame;
+  frame.light_set_revision = light_set.revision;
+  frame.views = request.views;
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    EyeMask& mask = frame.masks[eye];
+    if (mask.size() != request.views[eye].size || mask.layout() != plan.mask)
+      mask = EyeMask(request.views[eye].size, plan.mask);
+  }
+}
+
+/// Fills the masks of a prepared frame; `same`: the right eye's are the left's.
+template <class Source>
+TraceStats Tracer::Impl::trace_frame(const PerEye<Source>& sources, bool same, ShadowFrame& frame) const {
+  const std::uint64_t on = lights_on();
+  if (on == 0) {
+    for (EyeMask& mask : frame.masks) std::ranges::fill(mask.bytes(), std::byte{});
+    return {};
+  }
+  const Stopwatch watch;
+  const std::size_t eyes = same ? 1 : kEyes;
+  const int width = rays->width();
+  const TileSums sums = width == 16  ? trace_eyes<16>(sources, eyes, frame.masks)
+                        : width == 8 ? trace_eyes<8>(sources, eyes, frame.masks)
+                                     : trace_eyes<4>(sources, eyes, frame.masks);
+  if (same) frame.masks[1] = frame.masks[0];
+
+  const Duration wall = watch.elapsed();
+  const double share = static_cast<double>(sums.primary.count()) /
+                       static_cast<double>(std::max<std::int64_t>((sums.primary + sums.shadow).count(), 1));
+  const Duration primary(static_cast<std::int64_t>(share * static_cast<double>(wall.count())));
+  return {.primary = primary,
+          .shadow = wall - primary,
+          .primary_rays = sums.primary_rays,
+          .shadow_rays = sums.rays.traced,
+          .full_shadow_rays = sums.covered * on * (same ? 2 : 1),
+          .out_of_range = sums.rays.out_of_range,
+          .out_of_cone = sums.rays.out_of_cone,
+          .turned_away = sums.rays.away,
+          .proven = sums.rays.proven};
 }
 
 Expected<Tracer> Tracer::create(const Scene& scene, const TracePlan& plan) {
@@ -183,45 +280,24 @@ Tracer& Tracer::operator=(Tracer&&) noexcept = default;
 Tracer::~Tracer() = default;
 
 TraceStats Tracer::trace(const TraceRequest& request, ShadowFrame& frame) {
-  for (const View& view : request.views) check(is_valid(view), "a traced view is valid");
-  impl_->advance_to(request.scene_time, request.lights);
-  frame.frame = request.frame;
-  frame.light_set_revision = impl_->light_set.revision;
-  frame.views = request.views;
-  for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    EyeMask& mask = frame.masks[eye];
-    if (mask.size() != request.views[eye].size || mask.layout() != impl_->plan.mask)
-      mask = EyeMask(request.views[eye].size, impl_->plan.mask);
-  }
-  const auto lights_on =
-      static_cast<std::uint64_t>(std::ranges::count(impl_->lights, true, &ShadowLight::on));
-  if (lights_on == 0) {
-    for (EyeMask& mask : frame.masks) std::ranges::fill(mask.bytes(), std::byte{});
-    return {};
-  }
+  impl_->prepare(request, frame);
+  const glm::dvec3& anchor = impl_->model.anchor();
+  const PerEye<ViewRays> views{rays_of(request.views[0], anchor), rays_of(request.views[1], anchor)};
+  return impl_->trace_frame(views, impl_->plan.shares_views && request.views[0] == request.views[1], frame);
+}
 
-  const bool same = impl_->plan.shares_views && request.views[0] == request.views[1];
-  const Stopwatch watch;
-  const std::size_t eyes = same ? 1 : kEyes;
-  const int width = impl_->rays->width();
-  const TileSums sums = width == 16  ? impl_->trace_views<16>(request.views, eyes, frame.masks)
-                        : width == 8 ? impl_->trace_views<8>(request.views, eyes, frame.masks)
-                                     : impl_->trace_views<4>(request.views, eyes, frame.masks);
-  if (same) frame.masks[1] = frame.masks[0];
-
-  const Duration wall = watch.elapsed();
-  const double share = static_cast<double>(sums.primary.count()) /
-                       static_cast<double>(std::max<std::int64_t>((sums.primary + sums.shadow).count(), 1));
-  const Duration primary(static_cast<std::int64_t>(share * static_cast<double>(wall.count())));
-  return {.primary = primary,
-          .shadow = wall - primary,
-          .primary_rays = sums.primary_rays,
-          .shadow_rays = sums.rays.traced,
-          .full_shadow_rays = sums.covered * lights_on * (same ? 2 : 1),
-          .out_of_range = sums.rays.out_of_range,
-          .out_of_cone = sums.rays.out_of_cone,
-          .turned_away = sums.rays.away,
-          .proven = sums.rays.proven};
+TraceStats Tracer::trace(const TraceRequest& request, const PerEye<PositionPlanes>& positions,
+                         const PositionGrid& grid, ShadowFrame& frame) {
+  impl_->prepare(request, frame);
+  const glm::dvec3& anchor = impl_->model.anchor();
+  const float reach = impl_->reach();
+  const auto placed = [&](std::size_t eye) {
+    for (const PixelPlane& plane : positions[eye])
+      check(plane.size == request.views[eye].size, "positions are those of the view's pixels");
+    return PlacedEye{positions[eye], grid.low.v - anchor, grid.step_m,
+                     glm::vec3(request.views[eye].stage_from_eye.translation - anchor), reach};
+  };
+  return impl_->trace_frame(PerEye<PlacedEye>{placed(0), placed(1)}, false, frame);
 }
 
 TracerMemory Tracer::memory() const {

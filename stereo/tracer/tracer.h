@@ -22,6 +22,7 @@
 
 #include <memory>
 
+#include "stereo/frame/position_grid.h"
 #include "stereo/frame/shadow_frame.h"
 #include "stereo/plan/scene_plan.h"
 #include "stereo/scene/scene_state.h"
@@ -68,6 +69,13 @@ class Tracer {
   /// whose buffers are reused. Nothing is kept of one request's lights for the next. Where both views
   /// coincide one is traced and copied. One call at a time; uses all cores.
   TraceStats trace(const TraceRequest& request, ShadowFrame& frame);
+
+  /// The same without primary rays: the pixels' surfaces lie at `positions` on `grid`, planes of the views'
+  /// sizes. What has no word is not covered. Bits of lights behind a surface may be either: a shader that
+  /// knows the normal multiplies them by 0. The others are those of `trace` but for shadows that the grid
+  /// moves: rays start up to 2 E off the surface, E = sqrt(3) / 2 steps (placed_surface.h).
+  TraceStats trace(const TraceRequest& request, const PerEye<PositionPlanes>& positions,
+                   const PositionGrid& grid, ShadowFrame& frame);
 
   [[nodiscard]] TracerMemory memory() const;
 

@@ -1,0 +1,119 @@
+#include "stereo/tracer/placed_surface.h"
+
+#include <numbers>
+#include <optional>
+
+namespace farshade {
+namespace {
+
+constexpr int kFarthest_px = 8;  ///< of the neighbours that are tried
+constexpr int kSide = static_cast<int>(kTileSide_px) + 2 * kFarthest_px;
+
+/// Positions of a tile and of what lies about it, anchor-relative.
+struct Neighbourhood {
+  std::array<glm::vec3, std::size_t{kSide} * kSide> position;
+  std::array<bool, std::size_t{kSide} * kSide> covered;
+
+  /// Of a pixel of the tile, or up to kFarthest_px beside it.
+  [[nodiscard]] static std::size_t at(int x, int y) {
+    return static_cast<std::size_t>((y + kFarthest_px) * kSide + x + kFarthest_px);
+  }
+};
+
+void load(const PlacedEye& eye, const TileRect& rect, Neighbourhood& out) {
+  const Extent size = eye.planes[0].size;
+  out.covered.fill(false);
+  for (int y = -kFarthest_px; y < kSide - kFarthest_px; ++y)
+    for (int x = -kFarthest_px; x < kSide - kFarthest_px; ++x) {
+      const std::int64_t column = std::int64_t{rect.x0} + x, row = std::int64_t{rect.y0} + y;
+      if (column < 0 || row < 0 || column >= size.width || row >= size.height) continue;
+      const auto i = static_cast<std::size_t>(row * size.width + column);
+      const std::uint32_t word = eye.planes[0].words[i];
+      if (word == 0) continue;
+      const glm::dvec3 steps(word - 1.0, eye.planes[1].words[i] - 1.0, eye.planes[2].words[i] - 1.0);
+      out.position[Neighbourhood::at(x, y)] = glm::vec3(eye.low + steps * eye.step);
+      out.covered[Neighbourhood::at(x, y)] = true;
+    }
+}
+
+/// A plane about a pixel.
+struct Estimate {
+  glm::vec3 normal;   ///< unit
+  float tilt = 0;     ///< at most so far off, radians, as the sine of that
+  bool flat = false;  ///< all four neighbours lie in it
+};
+
+/// Along one axis, to the neighbour that is nearer: the other may be of another surface.
+std::optional<glm::vec3> shorter_step(const Neighbourhood& around, int x, int y, int dx, int dy) {
+  const std::size_t here = Neighbourhood::at(x, y);
+  const std::size_t ahead = Neighbourhood::at(x + dx, y + dy), behind = Neighbourhood::at(x - dx, y - dy);
+  const glm::vec3 forth = around.position[ahead] - around.position[here];
+  const glm::vec3 back = around.position[here] - around.position[behind];
+  if (!around.covered[ahead] && !around.covered[behind]) return std::nullopt;
+  if (!around.covered[behind]) return forth;
+  if (!around.covered[ahead]) return back;
+  return glm::dot(forth, forth) <= glm::dot(back, back) ? forth : back;
+}
+
+bool is_flat(const Neighbourhood& around, int x, int y, int away, const glm::vec3& normal, float doubt) {
+  const glm::vec3 here = around.position[Neighbourhood::at(x, y)];
+  for (const auto& [dx, dy] : {std::pair{away, 0}, {-away, 0}, {0, away}, {0, -away}}) {
+    const std::size_t there = Neighbourhood::at(x + dx, y + dy);
+    if (!around.covered[there]) return false;
+    if (std::abs(glm::dot(normal, around.position[there] - here)) > 2 * doubt) return false;
+  }
+  return true;
+}
+
+std::optional<Estimate> estimate(const Neighbourhood& around, int x, int y, float doubt) {
+  for (int away = 1; away <= kFarthest_px; away *= 2) {
+    const auto across = shorter_step(around, x, y, away, 0), down = shorter_step(around, x, y, 0, away);
+    if (!across || !down) continue;
+    const glm::vec3 normal = glm::cross(*across, *down);
+    const float area = glm::length(normal);
+    const float longer = std::max(glm::length(*across), glm::length(*down));
+    if (!(longer >= 2 * doubt && area >= 2 * doubt * longer)) continue;
+    const float tilt = std::asin(doubt / longer) + std::asin(doubt * longer / area);
+    return Estimate{normal / area, std::sin(tilt), is_flat(around, x, y, away, normal / area, doubt)};
+  }
+  return std::nullopt;
+}
+
+void resolve(const PlacedEye& eye, const Neighbourhood& around, int x, int y, PlacedSurface& out, int at) {
+  const glm::vec3 p = around.position[Neighbourhood::at(x, y)];
+  const glm::vec3 to_eye = eye.eye - p;
+  const auto step = static_cast<float>(eye.step);
+  constexpr float kRounding = 4.0f / (1 << 24);  // of two positions' coordinates, each half an ulp
+  const float doubt = std::numbers::sqrt3_v<float> * (step + kRounding * eye.reach);
+  const std::optional<Estimate> found = estimate(around, x, y, doubt);
+  glm::vec3 n = found ? found->normal : glm::normalize(to_eye);
+  if (glm::dot(n, to_eye) < 0) n = -n;
+  const float cosine = found ? std::sqrt(1 - found->tilt * found->tilt) : 0.5f;
+  const float lift = 0.5f * doubt / cosine + kOffset * eye.reach;
+  out.px[at] = p.x, out.py[at] = p.y, out.pz[at] = p.z;
+  out.ox[at] = p.x + n.x * lift, out.oy[at] = p.y + n.y * lift, out.oz[at] = p.z + n.z * lift;
+  out.nx[at] = out.gx[at] = n.x, out.ny[at] = out.gy[at] = n.y, out.nz[at] = out.gz[at] = n.z;
+  out.reach[at] = eye.reach;
+  out.tilt[at] = found && found->flat ? found->tilt : 2.0f;
+}
+
+}  // namespace
+
+void place_tile(const PlacedEye& eye, const TileRect& rect, PlacedSurface& out) {
+  Neighbourhood around;
+  load(eye, rect, around);
+  out.covered = 0;
+  for (int i = 0; i < kTilePixels; ++i) {
+    const TilePixel pixel = kTileOrder[static_cast<std::size_t>(i)];
+    const bool inside = pixel.x < rect.x1 - rect.x0 && pixel.y < rect.y1 - rect.y0;
+    if (!inside || !around.covered[Neighbourhood::at(pixel.x, pixel.y)]) {
+      resolve_miss(out, i);
+      out.tilt[i] = 0;
+      continue;
+    }
+    ++out.covered;
+    resolve(eye, around, pixel.x, pixel.y, out, i);
+  }
+}
+
+}  // namespace farshade
