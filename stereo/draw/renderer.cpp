@@ -141,6 +141,49 @@ DrawTimes Renderer::submit(const ShownFrame& frame, Stage stage) {
           .maps = with_maps && shadow_maps_->due() ? stamps_.between(2, 3) : Duration{}};
 }
 
+TurnPass& Renderer::need_turn() {
+  if (!turn_) turn_.emplace(device_, shading_.shown());
+  return *turn_;
+}
+
+DrawTimes Renderer::show_turned(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
+                                const StereoView& shown) {
+  const Stopwatch watch;
+  need_turn().load(picture);
+  const Duration turn = submit_turn(from, shown, TurnPass::Source::Loaded, TurnPass::Effect::Show);
+  return {.turn = turn, .total = watch.elapsed()};
+}
+
+DrawTimes Renderer::turn_shown(const StereoView& from, const StereoView& shown) {
+  const Stopwatch watch;
+  const Duration turn = submit_turn(from, shown, TurnPass::Source::Shown, TurnPass::Effect::Show);
+  return {.turn = turn, .total = watch.elapsed()};
+}
+
+DrawTimes Renderer::draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
+                                         const StereoView& from) {
+  const Stopwatch watch;
+  ShownFrame unshadowed = frame;
+  unshadowed.masks = {};
+  unshadowed.shadow_maps = nullptr;
+  DrawTimes times = draw(unshadowed);
+  need_turn().load(difference);
+  times.turn = submit_turn(from, frame.views, TurnPass::Source::Loaded, TurnPass::Effect::Add);
+  times.total = watch.elapsed();
+  return times;
+}
+
+Duration Renderer::submit_turn(const StereoView& from, const StereoView& shown, TurnPass::Source source,
+                               TurnPass::Effect effect) {
+  TurnPass& turn = need_turn();
+  commands_.reset();
+  commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
+  turn.record(commands_, from, shown, source, effect);
+  commands_.end();
+  gpu::submit_and_wait(device_, commands_, fence_);
+  return turn.time();
+}
+
 PerEye<Image<Rgb8>> Renderer::read_shown() const {
   read_back(shading_.shown(), vk::ImageLayout::eGeneral, {0, kEyes});
   const auto pixels = readback_.as<const Rgba8>();
@@ -177,6 +220,10 @@ DrawCounters Renderer::counters() const {
   if (shadow_maps_) {
     add(shadow_maps_->scene_pass(), shadow_maps_->due());
     counters.bindings += shadow_maps_->bindings().kinds.size();
+  }
+  if (turn_) {
+    counters.pipelines += turn_->pipelines();
+    counters.bindings += turn_->bindings();
   }
   for (const TextureBuffers& texture : buffers_.textures) counters.bindings += texture.bindings.kinds.size();
   for (const MeshBuffers& mesh : buffers_.meshes) counters.vertex_bytes += mesh.bytes.total();

@@ -5,6 +5,7 @@
 #include "stereo/draw/counters.h"
 #include "stereo/draw/shading.h"
 #include "stereo/draw/shadow_map_wish.h"
+#include "stereo/draw/turn_pass.h"
 #include "stereo/image/image.h"
 #include "stereo/plan/scene_plan.h"
 
@@ -13,6 +14,7 @@ namespace farshade {
 struct DrawTimes {
   Duration gbuffer{}, depth{}, shade{};  ///< on the device; depth: of requested views that are not shown
   Duration maps{};                       ///< shadow maps, on the device; 0 where they stay as they were
+  Duration turn{};                       ///< of a picture made for other views, on the device
   Duration total{};                      ///< wall time of the call: recording, uploads, submission, wait
 };
 
@@ -52,6 +54,18 @@ class Renderer {
   /// The G-buffer pass alone: what a client without shadows would pay. Keeps its depth for `asked`.
   DrawTimes draw_gbuffer(const ShownFrame& frame);
 
+  /// Shows `picture`, sRGB, made for `from`, turned to `shown`; all of the renderer's size. What it does not
+  /// cover is black, and outside_share of the pixels.
+  DrawTimes show_turned(const PerEye<Image<Rgb8>>& picture, const StereoView& from, const StereoView& shown);
+
+  /// The same of what is shown already, which was made for `from`.
+  DrawTimes turn_shown(const StereoView& from, const StereoView& shown);
+
+  /// Draws `frame` without shadows, whatever masks it has, and adds `difference`, a difference_of made for
+  /// `from`, turned to the frame's views. What it does not cover has no shadows.
+  DrawTimes draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
+                                 const StereoView& from);
+
   /// No request's depth and no mask is remembered: frame ids begin anew.
   void forget();
 
@@ -74,6 +88,9 @@ class Renderer {
   void prepare_shading(const ShownFrame& frame);
   ShadowMaps& need_maps(const ShadowMapWish& wish);
   DrawTimes submit(const ShownFrame& frame, Stage stage);
+  TurnPass& need_turn();
+  Duration submit_turn(const StereoView& from, const StereoView& shown, TurnPass::Source source,
+                       TurnPass::Effect effect);
   void read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers) const;
 
   const gpu::Device& device_;
@@ -88,6 +105,7 @@ class Renderer {
   std::optional<DepthPass> depth_pass_;    ///< once it is needed
   std::optional<ShadowMaps> shadow_maps_;  ///< once they are wished for
   ShadingPass shading_;
+  std::optional<TurnPass> turn_;  ///< once a picture is turned
   DepthRing::Place shown_depth_;                 ///< of the last frame drawn
   std::optional<DepthRing::Place> asked_depth_;  ///< where the depth pass draws, if it has to
   vk::raii::CommandBuffer commands_{nullptr};

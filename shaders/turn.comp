@@ -1,0 +1,51 @@
+// Turn: a picture made for other views is shown in the direction in which its pixels lay, as if all of it were
+// infinitely far (rotational timewarp: van Waveren, "The asynchronous time warp for virtual reality on consumer
+// hardware", VRST 2016). Between pixels colours are mixed as light. With kAdds the picture is a difference, and is added
+// to what is shown already.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "shaders/turn_data.h"
+
+layout(local_size_x = 64) in;
+
+layout(constant_id = 0) const bool kAdds = false;
+
+layout(std430, binding = 0) readonly buffer Picture { uint picture[]; };  // the left eye's rows, then the right eye's
+layout(binding = 1, rgba8) uniform image2DArray shown;
+layout(push_constant) uniform Turn { TurnData turn; };
+
+const vec3 kNoDifference = vec3(128.0 / 255.0);
+
+vec3 linear(vec3 c) { return mix(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, lessThanEqual(c, vec3(0.04045))); }
+
+vec3 srgb(vec3 c) {
+  return mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThanEqual(c, vec3(0.0031308)));
+}
+
+// Of the pixel, or the nearest of the border. A difference is no light: it is mixed as it is.
+vec3 texel(ivec2 at, uint eye) {
+  uvec2 inside = uvec2(clamp(at, ivec2(0), ivec2(turn.size.xy) - 1));
+  vec3 value = unpackUnorm4x8(picture[(eye * turn.size.y + inside.y) * turn.size.x + inside.x]).rgb;
+  return kAdds ? value : linear(value);
+}
+
+void main() {
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+  uint eye = gl_GlobalInvocationID.z;
+  if (uint(pixel.x) >= turn.size.x) return;
+  vec4 column[3] = {turn.from_shown[eye * 3], turn.from_shown[eye * 3 + 1], turn.from_shown[eye * 3 + 2]};
+  vec3 place = (column[0] * (pixel.x + 0.5) + column[1] * (pixel.y + 0.5) + column[2]).xyz;
+  vec2 at = place.xy / place.z;
+  // False too where `at` is no number.
+  bool covered = place.z > 0.0 && all(greaterThanEqual(at, vec2(0.0))) && all(lessThanEqual(at, vec2(turn.size.xy)));
+  vec3 result = kAdds ? kNoDifference : vec3(0.0);
+  if (covered) {
+    vec2 corner = floor(at - 0.5), part = at - 0.5 - corner;
+    ivec2 first = ivec2(corner);
+    vec3 above = mix(texel(first, eye), texel(first + ivec2(1, 0), eye), part.x);
+    vec3 below = mix(texel(first + ivec2(0, 1), eye), texel(first + ivec2(1, 1), eye), part.x);
+    result = mix(above, below, part.y);
+  }
+  result = kAdds ? imageLoad(shown, ivec3(pixel, eye)).rgb + 2.0 * (result - kNoDifference) : srgb(result);
+  imageStore(shown, ivec3(pixel, eye), vec4(clamp(result, 0.0, 1.0), 1.0));
+}

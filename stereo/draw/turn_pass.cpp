@@ -1,0 +1,137 @@
+#include "stereo/draw/turn_pass.h"
+
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
+
+#include "shaders/turn.comp.spv.h"
+#include "shaders/turn_data.h"
+
+namespace farshade {
+namespace {
+
+constexpr std::uint32_t kGroup_px = 64;  // as in turn.comp
+
+/// Eye-space (x, y, z) of z < 0 to homogeneous pixels; ray_pixel of fov.h as a matrix.
+glm::dmat3 pixel_from_ray(const View& view) {
+  const EyeWindow w = window_of(view.fov);
+  const double per_x = view.size.width / (w.right - w.left), per_y = view.size.height / (w.down - w.up);
+  return {{per_x, 0, 0}, {0, per_y, 0}, {w.left * per_x, w.up * per_y, -1}};
+}
+
+/// Homogeneous pixels to the eye-space point on z = -1; pixel_ray of fov.h as a matrix.
+glm::dmat3 ray_from_pixel(const View& view) {
+  const EyeWindow w = window_of(view.fov);
+  const double step_x = (w.right - w.left) / view.size.width, step_y = (w.down - w.up) / view.size.height;
+  return {{step_x, 0, 0}, {0, step_y, 0}, {w.left, w.up, -1}};
+}
+
+/// All that was written before is seen by all that comes.
+void barrier(const vk::raii::CommandBuffer& commands) {
+  const vk::MemoryBarrier2 memory{
+      .srcStageMask = vk::PipelineStageFlagBits2::eAllCommands,
+      .srcAccessMask = vk::AccessFlagBits2::eMemoryWrite,
+      .dstStageMask = vk::PipelineStageFlagBits2::eAllCommands | vk::PipelineStageFlagBits2::eHost,
+      .dstAccessMask = vk::AccessFlagBits2::eMemoryRead | vk::AccessFlagBits2::eMemoryWrite |
+                       vk::AccessFlagBits2::eHostRead};
+  commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &memory});
+}
+
+}  // namespace
+
+glm::dmat3 turned_pixel(const View& from, const View& shown) {
+  const glm::dquat from_shown =
+      glm::normalize(glm::conjugate(from.stage_from_eye.rotation) * shown.stage_from_eye.rotation);
+  return pixel_from_ray(from) * glm::mat3_cast(from_shown) * ray_from_pixel(shown);
+}
+
+PerEye<double> outside_share(const StereoView& from, const StereoView& shown) {
+  PerEye<double> shares{};
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    const glm::dmat3 from_shown = turned_pixel(from[eye], shown[eye]);
+    const auto [width, height] = from[eye].size;
+    std::size_t outside = 0;
+    for (std::uint32_t y = 0; y < shown[eye].size.height; ++y)
+      for (std::uint32_t x = 0; x < shown[eye].size.width; ++x) {
+        const glm::dvec3 at = from_shown * glm::dvec3(x + 0.5, y + 0.5, 1.0);
+        outside += !(at.z > 0 && at.x >= 0 && at.x <= width * at.z && at.y >= 0 && at.y <= height * at.z);
+      }
+    shares[eye] = static_cast<double>(outside) / static_cast<double>(shown[eye].size.pixels());
+  }
+  return shares;
+}
+
+TurnPass::TurnPass(const gpu::Device& device, const gpu::Image& shown)
+    : device_(device),
+      shown_(shown),
+      size_(shown.wish.size),
+      picture_(gpu::make_mapped_buffer(
+          device, kEyes * size_.pixels() * 4,
+          vk::BufferUsageFlagBits::eStorageBuffer | vk::BufferUsageFlagBits::eTransferDst, "picture to turn",
+          gpu::Use::Shown)),
+      bindings_(gpu::make_bindings(device,
+                                   {{vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eCompute},
+                                    {vk::DescriptorType::eStorageImage, vk::ShaderStageFlagBits::eCompute}},
+                                   "turn")),
+      stamps_(device, 2) {
+  gpu::bind_buffer(device, bindings_, 0, picture_);
+  gpu::bind_image(device, bindings_, 1, {*shown.view, vk::ImageLayout::eGeneral, nullptr});
+  const vk::PushConstantRange told{.stageFlags = vk::ShaderStageFlagBits::eCompute,
+                                   .size = sizeof(gpu::TurnData)};
+  layout_ = device.logical.createPipelineLayout({.setLayoutCount = 1,
+                                                 .pSetLayouts = &*bindings_.layout,
+                                                 .pushConstantRangeCount = 1,
+                                                 .pPushConstantRanges = &told});
+}
+
+void TurnPass::load(const PerEye<Image<Rgb8>>& picture) {
+  const std::span<Rgba8> pixels = picture_.as<Rgba8>();
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    check(picture[eye].size == size_, "a picture to turn has the size of what is shown");
+    for (std::size_t i = 0; i < size_.pixels(); ++i)
+      pixels[eye * size_.pixels() + i] = Rgba8(picture[eye].pixels[i], 255);
+  }
+}
+
+const vk::raii::Pipeline& TurnPass::need_pipeline(Effect effect) {
+  vk::raii::Pipeline& pipeline = pipelines_[static_cast<std::size_t>(effect)];
+  if (*pipeline) return pipeline;
+  const vk::raii::ShaderModule shader = gpu::make_shader(device_, turn_comp_spv, "turn.comp");
+  pipeline = gpu::make_compute_pipeline(device_, layout_, shader,
+                                        gpu::Specialization({effect == Effect::Add}), "turn");
+  return pipeline;
+}
+
+void TurnPass::copy_shown(const vk::raii::CommandBuffer& commands) const {
+  commands.copyImageToBuffer(
+      *shown_.image, vk::ImageLayout::eGeneral, *picture_.buffer,
+      vk::BufferImageCopy{.imageSubresource = {shown_.aspect, 0, 0, narrow<std::uint32_t>(kEyes)},
+                          .imageExtent = {size_.width, size_.height, 1}});
+  barrier(commands);
+}
+
+void TurnPass::record(const vk::raii::CommandBuffer& commands, const StereoView& from,
+                      const StereoView& shown, Source source, Effect effect) {
+  gpu::TurnData data{.from_shown = {}, .size = {size_.width, size_.height, 0, 0}};
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    check(from[eye].size == size_ && shown[eye].size == size_, "views have the size of what is shown");
+    const glm::dmat3 from_shown = turned_pixel(from[eye], shown[eye]);
+    for (int column = 0; column < 3; ++column)
+      data.from_shown[eye * 3 + static_cast<std::size_t>(column)] = glm::vec4(from_shown[column], 0.0);
+  }
+  stamps_.reset(commands);
+  stamps_.write(commands, 0);
+  barrier(commands);
+  if (source == Source::Shown) copy_shown(commands);
+  commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(effect));
+  commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *bindings_.set, {});
+  commands.pushConstants<gpu::TurnData>(*layout_, vk::ShaderStageFlagBits::eCompute, 0, data);
+  commands.dispatch((size_.width + kGroup_px - 1) / kGroup_px, size_.height, kEyes);
+  barrier(commands);
+  stamps_.write(commands, 1);
+}
+
+std::size_t TurnPass::pipelines() const {
+  return std::size_t{*pipelines_[0] ? 1u : 0u} + std::size_t{*pipelines_[1] ? 1u : 0u};
+}
+
+}  // namespace farshade
