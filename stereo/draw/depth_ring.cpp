@@ -14,7 +14,8 @@ DepthRing::DepthRing(const gpu::Device& device, Extent size, std::uint32_t frame
                            .layers = static_cast<std::uint32_t>(kEyes) * (frames + 1),
                            .format = kDepthFormat,
                            .usage = vk::ImageUsageFlagBits::eDepthStencilAttachment |
-                                    vk::ImageUsageFlagBits::eTransferSrc | vk::ImageUsageFlagBits::eSampled,
+                                    vk::ImageUsageFlagBits::eTransferSrc |
+                                    vk::ImageUsageFlagBits::eTransferDst | vk::ImageUsageFlagBits::eSampled,
                            .use = gpu::Use::Depth},
                           "depth ring")),
       slots_(frames + 1) {

@@ -13,7 +13,8 @@ gpu::Image make_output(const gpu::Device& device, Extent size, vk::Format format
       {.size = size,
        .layers = kEyes,
        .format = format,
-       .usage = vk::ImageUsageFlagBits::eColorAttachment | vk::ImageUsageFlagBits::eSampled,
+       .usage = vk::ImageUsageFlagBits::eColorAttachment | vk::ImageUsageFlagBits::eSampled |
+                vk::ImageUsageFlagBits::eTransferSrc | vk::ImageUsageFlagBits::eTransferDst,
        .use = gpu::Use::GBuffer},
       name);
 }

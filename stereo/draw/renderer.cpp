@@ -16,6 +16,7 @@ Renderer::Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan,
           device, sizeof(gpu::FrameData), vk::BufferUsageFlagBits::eUniformBuffer, "frame", gpu::Use::Frame)),
       ring_(device, limits.traced_size, limits.depth_frames),
       gbuffer_(device, scene, plan_, buffers_, frame_buffer_, limits.size),
+      transfer_(device, gbuffer_, ring_, limits.size),
       shading_(device, plan_, gbuffer_, ring_, frame_buffer_, motion_, limits.size, limits.traced_size),
       shown_depth_(ring_.shown()),
       commands_(std::move(device.logical.allocateCommandBuffers({.commandPool = *device.commands,
@@ -119,12 +120,47 @@ DrawTimes Renderer::shade_again(const ShownFrame& frame) {
   return times;
 }
 
+DrawTimes Renderer::keep_depth(const TraceRequest& asked, std::span<const FrameId> kept,
+                               PerEye<Image<float>>& into) {
+  const Stopwatch watch;
+  check(ring_.remembers(), "there is room for a request's depth");
+  const DepthRing::Place place = ring_.claim(asked.frame, kept);
+  if (!depth_pass_) make_depth_pass();
+  depth_pass_->prepare(asked.views, state_at(scene_, asked.scene_time, asked.lights));
+  commands_.reset();
+  commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
+  stamps_.reset(commands_);
+  stamps_.write(commands_, 0);
+  depth_pass_->record(commands_, ring_, place);
+  stamps_.write(commands_, 1);
+  commands_.end();
+  gpu::submit_and_wait(device_, commands_, fence_);
+  read_distance(place, asked.views[0].size, into);
+  return {.depth = stamps_.between(0, 1), .total = watch.elapsed()};
+}
+
+DrawTimes Renderer::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {
+  const Stopwatch watch;
+  ShownFrame direct = frame;
+  direct.asked = nullptr;
+  direct.carry_over.lookup = Lookup::Direct;
+  place_depth(direct);
+  transfer_.prepare(planes);
+  prepare_shading(direct);
+  DrawTimes times = submit(direct, Stage::Received);
+  times.total = watch.elapsed();
+  return times;
+}
+
 DrawTimes Renderer::submit(const ShownFrame& frame, Stage stage) {
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
   stamps_.reset(commands_);
   stamps_.write(commands_, 0);
-  if (stage != Stage::Shade) gbuffer_.record(commands_, ring_, shown_depth_);
+  if (stage == Stage::Received)
+    transfer_.record(commands_, shown_depth_);
+  else if (stage != Stage::Shade)
+    gbuffer_.record(commands_, ring_, shown_depth_);
   stamps_.write(commands_, 1);
   if (stage != Stage::Shade && asked_depth_) depth_pass_->record(commands_, ring_, *asked_depth_);
   stamps_.write(commands_, 2);
@@ -185,7 +221,7 @@ Duration Renderer::submit_turn(const StereoView& from, const StereoView& shown, 
 }
 
 PerEye<Image<Rgb8>> Renderer::read_shown() const {
-  read_back(shading_.shown(), vk::ImageLayout::eGeneral, {0, kEyes});
+  read_back(shading_.shown(), vk::ImageLayout::eGeneral, {0, kEyes}, size_);
   const auto pixels = readback_.as<const Rgba8>();
   PerEye<Image<Rgb8>> result{Image<Rgb8>(size_), Image<Rgb8>(size_)};
   for (std::size_t eye = 0; eye < kEyes; ++eye)
@@ -195,14 +231,22 @@ PerEye<Image<Rgb8>> Renderer::read_shown() const {
 }
 
 PerEye<Image<float>> Renderer::read_distance() const {
-  read_back(ring_.image(), vk::ImageLayout::eShaderReadOnlyOptimal, {shown_depth_.layer, kEyes});
-  const auto depths = readback_.as<const float>();
-  PerEye<Image<float>> result{Image<float>(size_), Image<float>(size_)};
-  for (std::size_t eye = 0; eye < kEyes; ++eye)
-    for (std::size_t i = 0; i < size_.pixels(); ++i)
-      if (const float depth = depths[eye * size_.pixels() + i]; depth > 0)
-        result[eye].pixels[i] = static_cast<float>(kNearPlane_m / depth);
+  PerEye<Image<float>> result;
+  read_distance(shown_depth_, size_, result);
   return result;
+}
+
+void Renderer::read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into) const {
+  read_back(ring_.image(), vk::ImageLayout::eShaderReadOnlyOptimal, {place.layer, kEyes}, size);
+  const auto depths = readback_.as<const float>();
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    into[eye].size = size;
+    into[eye].pixels.resize(size.pixels());
+    for (std::size_t i = 0; i < size.pixels(); ++i) {
+      const float depth = depths[eye * size.pixels() + i];
+      into[eye].pixels[i] = depth > 0 ? static_cast<float>(kNearPlane_m / depth) : 0.0f;
+    }
+  }
 }
 
 DrawCounters Renderer::counters() const {
@@ -230,17 +274,18 @@ DrawCounters Renderer::counters() const {
   return counters;
 }
 
-/// Layers of an image that rests in `layout`, four bytes a pixel, into `readback_`.
-void Renderer::read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers) const {
+/// The first `size` pixels of layers of an image that rests in `layout`, four bytes a pixel, into `readback_`.
+void Renderer::read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers,
+                         Extent size) const {
   constexpr auto source = vk::ImageLayout::eTransferSrcOptimal;
-  if (readback_.bytes == 0)
-    readback_ = gpu::make_readback_buffer(device_, size_.pixels() * kEyes * 4, "read-back");
+  const std::size_t bytes = size.pixels() * kEyes * 4;
+  if (readback_.bytes < bytes) readback_ = gpu::make_readback_buffer(device_, bytes, "read-back");
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
     gpu::transition(commands, image, layout, source, layers);
     commands.copyImageToBuffer(
         *image.image, source, *readback_.buffer,
         vk::BufferImageCopy{.imageSubresource = {image.aspect, 0, layers.first, layers.count},
-                            .imageExtent = {size_.width, size_.height, 1}});
+                            .imageExtent = {size.width, size.height, 1}});
     gpu::transition(commands, image, source, layout, layers);
   });
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "stereo/draw/counters.h"
+#include "stereo/draw/gbuffer_transfer.h"
 #include "stereo/draw/shading.h"
 #include "stereo/draw/shadow_map_wish.h"
 #include "stereo/draw/turn_pass.h"
@@ -54,6 +55,14 @@ class Renderer {
   /// The G-buffer pass alone: what a client without shadows would pay. Keeps its depth for `asked`.
   DrawTimes draw_gbuffer(const ShownFrame& frame);
 
+  /// Draws the depth of what `asked` sees, keeps it for the request's masks, and reads it: metres along -z, 0
+  /// where nothing is covered, into images whose memory is reused. Those of `kept` are not driven out.
+  DrawTimes keep_depth(const TraceRequest& asked, std::span<const FrameId> kept, PerEye<Image<float>>& into);
+
+  /// Shades `planes` that another renderer read at `frame.views`, instead of drawing; masks are read pixel by
+  /// pixel (Lookup::Direct), and nothing is kept for requests. Same planes, masks and lights: same picture.
+  DrawTimes draw_received(const GBufferPlanes& planes, const ShownFrame& frame);
+
   /// Shows `picture`, sRGB, made for `from`, turned to `shown`; all of the renderer's size. What it does not
   /// cover is black, and outside_share of the pixels.
   DrawTimes show_turned(const PerEye<Image<Rgb8>>& picture, const StereoView& from, const StereoView& shown);
@@ -78,11 +87,13 @@ class Renderer {
   [[nodiscard]] ShownReport report(Side side) const { return shading_.report(side); }
   /// Metres along -z, 0 where nothing is covered.
   [[nodiscard]] PerEye<Image<float>> read_distance() const;
+  /// Into planes whose memory is reused.
+  void read_gbuffer(GBufferPlanes& into) const { transfer_.read(shown_depth_, into); }
 
   [[nodiscard]] DrawCounters counters() const;
 
  private:
-  enum class Stage : std::uint8_t { GBuffer, Shade, Both };
+  enum class Stage : std::uint8_t { GBuffer, Shade, Both, Received };
   void place_depth(const ShownFrame& frame);
   void make_depth_pass();
   void prepare_shading(const ShownFrame& frame);
@@ -91,7 +102,8 @@ class Renderer {
   TurnPass& need_turn();
   Duration submit_turn(const StereoView& from, const StereoView& shown, TurnPass::Source source,
                        TurnPass::Effect effect);
-  void read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers) const;
+  void read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers, Extent size) const;
+  void read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into) const;
 
   const gpu::Device& device_;
   const Scene& scene_;
@@ -102,6 +114,7 @@ class Renderer {
   gpu::Buffer frame_buffer_;  ///< one FrameData, which all passes read
   DepthRing ring_;
   GBufferPass gbuffer_;
+  mutable GBufferTransfer transfer_;
   std::optional<DepthPass> depth_pass_;    ///< once it is needed
   std::optional<ShadowMaps> shadow_maps_;  ///< once they are wished for
   ShadingPass shading_;
