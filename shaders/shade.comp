@@ -189,7 +189,8 @@ void shade(ivec2 pixel) {
 
   vec3 p_stage = mat3(frame.eye[kEye].stage_from_eye) * surface.position;
   vec3 n_stage = normalize(unfolded(unpackSnorm2x16(stored.x)));
-  vec3 plane_stage = mat3(frame.eye[kEye].stage_from_eye) * plane_normal(pixel, depth);
+  mat3 turn = mat3(frame.eye[kEye].stage_from_eye);
+  vec3 plane_stage = turn * plane_normal(pixel, depth, n_stage * turn);
   vec3 irradiance = vec3(0.0);
   uint stale = 0u, unknown = 0u, bits = 0u;  // of the plane at hand; stale: in older masks
   uint rays = 0u;                            // lights whose visibility matters here

@@ -13,27 +13,31 @@ layout(set = 1, binding = 1) uniform ShadowMaps { ShadowMapData maps[kLights + 1
 
 const float kMapBend = 0.5, kMapFootprint = 0.5, kMapRounding = 16.0 / 16777216.0;
 
-float shown_depth(ivec2 pixel) { return texelFetch(depth_ring, ivec3(pixel, frame.counts.y + kEye), 0).r; }
-
-// What a plane's depth changes over a pixel along `step`: by the two pixels on one side of this one, whichever
-// foretell it better, so that no edge of the surface lies between.
-float depth_slope(ivec2 pixel, ivec2 step, float depth) {
-  ivec2 size = ivec2(frame.eye[kEye].size_px.xy);
-  bool has_before = all(greaterThanEqual(pixel - 2 * step, ivec2(0))), has_after = all(lessThan(pixel + 2 * step, size));
-  vec2 before = has_before ? vec2(shown_depth(pixel - step), shown_depth(pixel - 2 * step)) : vec2(1e30, 0.0);
-  vec2 after = has_after ? vec2(shown_depth(pixel + step), shown_depth(pixel + 2 * step)) : vec2(1e30, 0.0);
-  float miss_before = abs(2.0 * before.x - before.y - depth), miss_after = abs(2.0 * after.x - after.y - depth);
-  if (!has_before && !has_after) return 0.0;
-  return miss_before < miss_after ? depth - before.x : after.x - depth;
+// 0, as where nothing is covered, beyond the picture.
+float shown_depth(ivec2 pixel) {
+  ivec2 last = ivec2(frame.eye[kEye].size_px.xy) - 1, inside = clamp(pixel, ivec2(0), last);
+  return inside == pixel ? texelFetch(depth_ring, ivec3(inside, frame.counts.y + kEye), 0).r : 0.0;
 }
 
-// The geometric normal, of any length, towards the eye: depth is near / distance, which a plane makes linear on the
-// screen (gbuffer.frag).
-vec3 plane_normal(ivec2 pixel, float depth) {
+// Of the planes that a pixel's neighbours, one beside and one above or below, may span with it, the normal of the one
+// that is most like the shading normal `n`: of any other a neighbour lies on another surface. Where none is much like
+// it, the surface is too thin on the screen to tell. Both are the shown eye's, the plane's towards it. Depth is
+// near / distance, which a plane makes linear on the screen (gbuffer.frag).
+const float kMuchLike = 0.7;
+
+vec3 plane_normal(ivec2 pixel, float depth, vec3 n) {
   vec4 window = frame.eye[kEye].window.origin_step;
   vec2 t = window.xy + (vec2(pixel) + 0.5) * window.zw;
-  vec2 gradient = vec2(depth_slope(pixel, ivec2(1, 0), depth), depth_slope(pixel, ivec2(0, 1), depth)) / window.zw;
-  return normalize(vec3(-gradient, depth - dot(gradient, t)));
+  vec2 before = depth - vec2(shown_depth(pixel - ivec2(1, 0)), shown_depth(pixel - ivec2(0, 1)));
+  vec2 after = vec2(shown_depth(pixel + ivec2(1, 0)), shown_depth(pixel + ivec2(0, 1))) - depth;
+  vec4 best = vec4(n, kMuchLike);
+  [[unroll]] for (int i = 0; i < 4; ++i) {
+    vec2 gradient = vec2(i % 2 == 0 ? before.x : after.x, i < 2 ? before.y : after.y) / window.zw;
+    vec3 plane = normalize(vec3(-gradient, depth - dot(gradient, t)));
+    float like = dot(plane, n);
+    if (like > best.w) best = vec4(plane, like);
+  }
+  return best.xyz;
 }
 
 // A point before a light, and the plane that it lies on: in texels of one layer of its map.
@@ -127,6 +131,6 @@ Visibility8 sights_of_lights(uint group, vec3 p, vec3 plane, vec3 n) {
   return k;
 }
 #else
-vec3 plane_normal(ivec2 pixel, float depth) { return vec3(0.0); }
+vec3 plane_normal(ivec2 pixel, float depth, vec3 n) { return n; }
 Visibility8 sights_of_lights(uint group, vec3 p, vec3 plane, vec3 n) { return Visibility8(vec4(0.0), vec4(0.0)); }
 #endif
