@@ -1,5 +1,6 @@
 #include "tests/study/figures.h"
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -20,11 +21,20 @@ std::span<const FrameRecord> after(const Played& played, std::uint32_t warm_up) 
   return all.subspan(std::min<std::size_t>(warm_up, all.size()));
 }
 
+/// The server's account of what was asked for from then on.
+std::vector<FrameReport> reports_after(const Played& played, std::uint32_t warm_up) {
+  std::vector<FrameReport> reports;
+  for (const FrameReport& report : played.reports)
+    if (is_newer(report.frame, FrameId{warm_up})) reports.push_back(report);
+  return reports;
+}
+
 /// Of one frame, the worse eye's.
 void add_eye_errors(const PerEye<EyeErrors>& eyes, Figures& figures) {
   const auto add = [&](const char* name, double EyeErrors::*figure, double unit = 100,
                        Worse worse = Worse::High) {
     const double left = eyes[0].*figure, right = eyes[1].*figure;
+    if (std::isnan(left) || std::isnan(right)) return;  // pictures that are not shaded have no masks
     figures.add(Group::Error, name,
                 unit * (worse == Worse::High ? std::max(left, right) : std::min(left, right)), worse);
   };
@@ -36,7 +46,8 @@ void add_eye_errors(const PerEye<EyeErrors>& eyes, Figures& figures) {
   add("from_neighbours", &EyeErrors::neighbours);
   add("unknown", &EyeErrors::unknown);
   add("stale", &EyeErrors::stale);
-  figures.add(Group::Error, "known", 100 * (1 - std::max(eyes[0].unknown, eyes[1].unknown)), Worse::Low);
+  if (const double unknown = std::max(eyes[0].unknown, eyes[1].unknown); !std::isnan(unknown))
+    figures.add(Group::Error, "known", 100 * (1 - unknown), Worse::Low);
 }
 
 void add_report(const FrameReport& report, Figures& figures) {
@@ -80,28 +91,33 @@ void add_times(const Played& played, std::uint32_t warm_up, Figures& figures) {
     add("client_draw", client.draw);
     add("client_gbuffer", client.gbuffer);
     add("client_depth", client.depth);
+    add("client_maps", client.maps);
     add("client_shade", client.shade);
-    if (!record.server) continue;
-    const FrameReport& server = *record.server;
-    add("server_frame", server.primary + server.shadow + server.pack);
+    add("client_turn", client.turn);
+  }
+  for (const FrameReport& server : reports_after(played, warm_up)) {
+    add("server_frame", server.primary + server.shadow + server.draw + server.pack);
     add("server_primary", server.primary);
     add("server_shadow", server.shadow);
+    add("server_draw", server.draw);
     add("server_pack", server.pack);
   }
 }
 
 void add_errors(const Played& played, std::uint32_t warm_up, Figures& figures) {
   for (const FrameRecord& record : after(played, warm_up)) {
-    if (!record.delta) continue;
-    figures.add(Group::Wire, "staleness", ms_of(record.delta->age));
+    if (record.start_up) continue;
+    figures.add(Group::Wire, "staleness", record.delta ? ms_of(record.delta->age) : 0.0);
     figures.add(Group::Wire, "latency", ms_of(record.age.value_or(Duration::zero())));
-    if (record.server) add_report(*record.server, figures);
+    figures.add(Group::Error, "black", 100 * std::max(record.black[0], record.black[1]));
     if (record.errors) add_eye_errors(*record.errors, figures);
   }
-  // What travelled in all, shared out over the frames that were shown: handshake and reports included.
+  for (const FrameReport& report : reports_after(played, warm_up)) add_report(report, figures);
+  // What travelled in all, shared out over the frames that were shown: handshake and reports included. Of a
+  // mode that asks for nothing the rehearsal's handshake is no part.
   const double frames = static_cast<double>(played.log.records().size());
   const auto share = [&](const char* name, std::uint64_t count) {
-    figures.add(Group::Wire, name, static_cast<double>(count) / frames);
+    figures.add(Group::Wire, name, played.server.frames == 0 ? 0 : static_cast<double>(count) / frames);
   };
   share("down_bytes", played.server.port.sent_bytes);
   share("down_datagrams", played.server.port.sent);

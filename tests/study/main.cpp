@@ -21,7 +21,6 @@ struct Wish {
   std::string scene, trace, network = "none", gpu;
   std::filesystem::path pictures;
   Rounds rounds;
-  Place place = Place::Camera;
   std::uint32_t side_px = 256, frames = 72, every = 8, clients = 0;
   double skip_s = 0;
   bool timing = false, versions = false;
@@ -55,7 +54,6 @@ Expected<nlohmann::json> measured(const Wish& wish) {
             .frames = wish.frames,
             .reference_every = wish.every,
             .skip = duration_from_ms(wish.skip_s * 1e3)};
-  play.place = wish.place;
   if (wish.clients > 0) return measure_clients(play, wish.clients, wish.rounds.warm_up);
   if (wish.timing) return measure_rounds(play, *network, wish.rounds);
   return set_mode(wish.rounds.modes.at(0), play).and_then([&] {
@@ -66,9 +64,6 @@ Expected<nlohmann::json> measured(const Wish& wish) {
 void add_options(CLI::App& app, Wish& wish) {
   app.add_option("--scene", wish.scene, "glTF scene");
   app.add_option("--trace", wish.trace, "recorded head");
-  app.add_option("--place", wish.place, "where the head starts: camera or recorded")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Place>{{"camera", Place::Camera}, {"recorded", Place::Recorded}}));
   app.add_option("--network", wish.network, "a named network or words such as loss=5%,delay=25ms, each way");
   app.add_option("--modes", wish.rounds.modes, "mode words; one, or all that --timing compares");
   app.add_option("--size", wish.side_px, "pixels a side of an eye")->check(CLI::Range(16, 4096));

@@ -1,67 +1,86 @@
 #include "tests/study/mode_words.h"
 
+#include <algorithm>
 #include <charconv>
 #include <functional>
-#include <map>
 
 namespace farshade::study {
 namespace {
 
-/// A frame that waits for its own masks gives up after this.
+/// A frame that waits for its own answer gives up after this.
 constexpr Duration kLongestWait = std::chrono::seconds(1);
 
-std::optional<std::uint32_t> count_from(std::string_view text) {
-  std::uint32_t value = 0;
+/// Within [least, most], and what may follow it are K and M.
+std::optional<std::uint32_t> number_from(std::string_view text, std::uint32_t least, std::uint32_t most) {
+  std::uint64_t value = 0;
   const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (read.ec != std::errc{} || read.ptr != text.data() + text.size() || value == 0) return std::nullopt;
-  return value;
+  const std::string_view unit = text.substr(static_cast<std::size_t>(read.ptr - text.data()));
+  if (read.ec != std::errc{} || value > most) return std::nullopt;
+  if (!unit.empty() && unit != "K" && unit != "M") return std::nullopt;
+  value *= unit.empty() ? 1 : unit == "K" ? 1'000 : 1'000'000;
+  if (value < least || value > most) return std::nullopt;
+  return static_cast<std::uint32_t>(value);
 }
 
-/// Takes the value of a word; false: the word has no such value.
+/// Takes a word's value; false: the word has no such value.
 using Setter = std::function<bool(std::string_view value, Play& play)>;
 
-/// A word that has one value beside its default.
+/// A word with one value beside its default.
 template <class Set>
 Setter only(std::string_view value, const Set& set) {
   return [=](std::string_view text, Play& play) { return text == value && (set(play), true); };
 }
 
-const std::map<std::string_view, Setter>& hybrid_words() {
-  static const std::map<std::string_view, Setter> words{
-      {"reprojection", only("off", [](Play& play) { play.carry_over.lookup = Lookup::Direct; })},
-      {"band", only("off", [](Play& play) { play.request.guard_band = GuardBandUse::Off; })},
-      {"eyes", only("this", [](Play& play) { play.carry_over.eyes = Eyes::This; })},
-      {"gaps", only("unknown", [](Play& play) { play.carry_over.gaps = Gaps::Unknown; })},
-      {"edges", only("nearest", [](Play& play) { play.carry_over.edges = Edges::Nearest; })},
-      {"wait", only("", [](Play& play) { play.mask_wait = kLongestWait; })},
-      {"predictor",
-       [](std::string_view value, Play& play) {
-         const std::optional<PredictorKind> kind = parse_predictor(value);
-         play.request.predictor = kind.value_or(play.request.predictor);
-         return kind.has_value();
-       }},
-      {"every",
-       [](std::string_view value, Play& play) {
-         const std::optional<std::uint32_t> every = count_from(value);
-         play.request.every = every.value_or(play.request.every);
-         return every.has_value();
-       }},
+template <class Set>
+Setter number(std::uint32_t least, std::uint32_t most, const Set& set) {
+  return [=](std::string_view text, Play& play) {
+    const std::optional<std::uint32_t> value = number_from(text, least, most);
+    if (value) set(play, *value);
+    return value.has_value();
   };
-  return words;
 }
 
-struct NamedMode {
-  Mode mode;
-  const std::map<std::string_view, Setter>& words;
+bool set_predictor(std::string_view value, Play& play) {
+  const std::optional<PredictorKind> kind = parse_predictor(value);
+  play.request.predictor = kind.value_or(play.request.predictor);
+  return kind.has_value();
+}
+
+struct Word {
+  std::string_view name;
+  bool (*fits)(Mode mode);
+  Setter set;
 };
 
-const std::map<std::string_view, NamedMode>& modes() {
-  static const std::map<std::string_view, Setter> none;
-  static const std::map<std::string_view, NamedMode> named{
-      {"hybrid", {Mode::Hybrid, hybrid_words()}},
-      {"full", {Mode::Full, none}},
+const std::vector<Word>& all_words() {
+  const auto asks = [](Mode mode) { return answers_for(mode) != 0; };
+  const auto carries = [](Mode mode) { return carries_over(mode); };
+  const auto sends_positions = [](Mode mode) { return mode == Mode::ClientPositions; };
+  const auto streams = [](Mode mode) { return mode == Mode::Remote || mode == Mode::Delta; };
+  const auto maps = [](Mode mode) { return mode == Mode::Local; };
+  using Value = std::uint32_t;
+  static const std::vector<Word> words{
+      {"predictor", asks, &set_predictor},
+      {"every", asks, number(1, 64, [](Play& play, Value n) { play.request.every = n; })},
+      {"wait", asks, only("", [](Play& play) { play.mask_wait = kLongestWait; })},
+      {"reprojection", carries, only("off", [](Play& play) { play.carry_over.lookup = Lookup::Direct; })},
+      {"band", carries, only("off", [](Play& play) { play.request.guard_band = GuardBandUse::Off; })},
+      {"eyes", carries, only("this", [](Play& play) { play.carry_over.eyes = Eyes::This; })},
+      {"gaps", carries, only("unknown", [](Play& play) { play.carry_over.gaps = Gaps::Unknown; })},
+      {"edges", carries, only("nearest", [](Play& play) { play.carry_over.edges = Edges::Nearest; })},
+      {"bits", sends_positions,
+       number(kLeastPosition_bits, kMostPosition_bits,
+              [](Play& play, Value n) { play.mode.position_bits = n; })},
+      {"bitrate", streams,
+       number(kLeastVideo_bits, kMostVideo_bits, [](Play& play, Value n) { play.mode.bits_per_second = n; })},
+      {"maps", maps,
+       number(kLeastMapSide_px, kMostMapSide_px,
+              [](Play& play, Value n) { play.mode.shadow_maps.side_px = n; })},
+      {"pcf", maps,
+       number(0, kMostPcfRadius, [](Play& play, Value n) { play.mode.shadow_maps.pcf_radius = n; })},
+      {"redraw", maps, only("always", [](Play& play) { play.mode.shadow_maps.redraw = Redraw::Always; })},
   };
-  return named;
+  return words;
 }
 
 /// Cuts the first of the words, which commas part, off `words`.
@@ -76,15 +95,15 @@ std::string_view next_word(std::string_view& words) {
 
 Expected<void> set_mode(std::string_view words, Play& play) {
   const std::string_view name = next_word(words);
-  const auto mode = modes().find(name);
-  if (mode == modes().end()) return fail(Fault::Malformed, "no mode is called '" + std::string(name) + "'");
-  play.mode = mode->second.mode;
+  const auto mode = std::ranges::find(kModes, name, &ModeName::name);
+  if (mode == kModes.end()) return fail(Fault::Malformed, "no mode is called '" + std::string(name) + "'");
+  play.mode.mode = mode->mode;
   while (!words.empty()) {
     const std::string_view word = next_word(words);
     const std::size_t equals = std::min(word.find('='), word.size());
-    const auto setter = mode->second.words.find(word.substr(0, equals));
+    const auto known = std::ranges::find(all_words(), word.substr(0, equals), &Word::name);
     const std::string_view value = word.substr(std::min(equals + 1, word.size()));
-    if (setter == mode->second.words.end() || !setter->second(value, play))
+    if (known == all_words().end() || !known->fits(mode->mode) || !known->set(value, play))
       return fail(Fault::Malformed, "mode " + std::string(name) + " has no '" + std::string(word) + "'");
   }
   return {};

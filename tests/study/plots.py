@@ -2,6 +2,7 @@
 """
 import html
 import io
+import math
 import re
 
 import matplotlib
@@ -15,6 +16,7 @@ from analysis import exponent, grouped, pareto  # noqa: E402
 COLOURS = {"hybrid": "#d55e00", "client-positions": "#e69f00", "server-gbuffer": "#009e73", "remote": "#0072b2",
            "delta": "#56b4e9", "local": "#cc79a7", "full": "#000000"}
 OTHER = "#777777"
+REFERENCE = "full"  # has no error by definition
 MARKS = {"hybrid": "o", "client-positions": "s", "server-gbuffer": "D", "remote": "^", "delta": "v", "local": "P",
          "full": "X"}
 
@@ -64,7 +66,7 @@ def legend(figure, modes):
     handles = [plt.Line2D([], [], color=COLOURS.get(m, OTHER), marker=MARKS.get(m, "o"), markersize=4.5, label=m)
                for m in modes]
     handles.append(plt.Line2D([], [], color="#999999", linestyle=":", marker="o", markersize=8,
-                              markerfacecolor="none", label="Pareto front"))
+                              markerfacecolor="none", label=f"Pareto front without {REFERENCE}"))
     figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=len(handles))
 
 
@@ -75,9 +77,15 @@ def front(axes, pairs):
               markeredgecolor="#999999", markeredgewidth=0.9, zorder=1)
 
 
-def error_against(name, rows, x, x_label, columns, points, error=("flip", "FLIP"), log=True):
+def from_nothing(axes, values):
+    """A logarithmic axis that has a place for 0: linear up to the least value that is more."""
+    least = min((v for v in values if v > 0), default=1)
+    axes.set_xscale("symlog", linthresh=10 ** math.floor(math.log10(least)), linscale=0.6)
+
+
+def error_against(name, rows, x, x_label, columns, points, error=("flip", "FLIP")):
     """A row of small plots a scene and head, a column each value of `columns`; a mode's ways are joined."""
-    rows = [r for r in rows if r.get(x) is not None and r.get(error[0]) is not None and (r[x] > 0 or not log)]
+    rows = [r for r in rows if r.get(x) is not None and r.get(error[0]) is not None]
     if not rows:
         return None
     downs, acrosses = list(grouped(rows, "scene", "trace")), list(grouped(rows, columns)) if columns else [()]
@@ -87,22 +95,26 @@ def error_against(name, rows, x, x_label, columns, points, error=("flip", "FLIP"
         for j, across in enumerate(acrosses):
             axes = grid[i][j]
             cell = [r for r in rows if (r["scene"], r["trace"]) == down and (not columns or r[columns] == across[0])]
-            for (mode,), own in grouped(cell, "mode").items():
-                own = [r for _, r in sorted(enumerate(own), key=lambda p: (p[1][x], p[0]))] if columns else own
-                axes.plot([r[x] for r in own], [r[error[0]] for r in own], color=COLOURS.get(mode, OTHER), zorder=2)
+            for own in grouped(cell, "mode" if columns else "words").values():
+                axes.plot([r[x] for r in own], [r[error[0]] for r in own], zorder=2,
+                          color=COLOURS.get(own[0]["mode"], OTHER))
                 for row in own:
                     mark(axes, row, row[x], row[error[0]], points,
                          words_of(row, (x, x_label), error, ("psnr", "PSNR, dB"), ("mask_error", "mask error, %")))
-            front(axes, [(r[x], r[error[0]]) for r in cell])
-            if log and cell:
-                axes.set_xscale("log")
-            axes.set_ylim(bottom=0)
+            front(axes, [(r[x], r[error[0]]) for r in cell if r["mode"] != REFERENCE])
             if i == 0 and columns:
                 axes.set_title(across[0])
             if j == 0:
                 axes.set_ylabel(f"{down[0]}, {down[1]}\n{error[1]}")
             if i == len(downs) - 1:
                 axes.set_xlabel(x_label)
+    values = [r[x] for r in rows]
+    for axes in grid.flat:
+        if columns and max(values) > 30 * min(values):
+            from_nothing(axes, values)
+        elif columns and max(values) > 3 * min(values):
+            axes.set_xscale("log")
+        axes.set_ylim(bottom=min(0, axes.get_ylim()[0]))
     legend(figure, [m for (m,) in grouped(rows, "mode")])
     return svg_of(figure, name, points)
 

@@ -64,9 +64,8 @@ Expected<nlohmann::json> measure_point(Play wished, const Network& network,
                                        const std::filesystem::path& pictures) {
   Figures figures;
   Viewer viewer(figures);
-  wished.watch = [&](const FrameView& view, const MeasuredFrame* measured) {
-    const bool started = !view.masks.empty();
-    if (measured != nullptr && started) viewer.see(view, *measured);
+  wished.watch = [&](const FrameView& view, const FrameRecord& record, const MeasuredFrame* measured) {
+    if (measured != nullptr && !record.start_up) viewer.see(view, *measured);
   };
   const Played played = play(wished, network);
   add_errors(played, 0, figures);

@@ -46,7 +46,7 @@ PLOTS = [
     ("server", "Error against the server's run time", "server_ms", "server, ms a frame", "network"),
     ("both", "Error against the run time of both", "both_ms", "both, ms a frame", "network"),
     ("bytes", "Error against bytes", "bytes", "bytes down a frame", "network"),
-    ("staleness", "Error against staleness", "staleness", "staleness, ms", None),
+    ("staleness", "Error against staleness", "latency", "display time minus when it was asked for, ms", None),
 ]
 SCALES = [("pixels", "pixels, both eyes"), ("lights", "lights"), ("triangles", "triangles"), ("clients", "clients")]
 
@@ -58,8 +58,7 @@ def draw(rows):
     everywhere = tables.on_every_network(modes)
     for name, title, x, label, columns in PLOTS:
         shown = everywhere if columns else modes
-        # A server that is not there takes no time and sends nothing: 0 has its place on these axes, no logarithm.
-        svg = plots.error_against(name, shown, x, label, columns, points, log=x in ("client_ms", "both_ms"))
+        svg = plots.error_against(name, shown, x, label, columns, points)
         if svg:
             drawn[name] = (title, svg)
     for axis, label in SCALES:

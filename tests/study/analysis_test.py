@@ -1,0 +1,108 @@
+"""Fronts, exponents and curves at equal error, on answers known on paper."""
+import math
+import random
+import unittest
+
+from analysis import better_in_both, cost_at, exponent, grouped, pareto
+
+
+class Pareto(unittest.TestCase):
+    def test_is_the_lower_left_stair(self):
+        points = [(3, 1), (1, 5), (2, 5), (2, 2), (4, 1), (5, 0.5)]
+        self.assertEqual(pareto(points), [1, 3, 0, 5])
+
+    def test_of_nothing_is_nothing_and_of_one_is_that_one(self):
+        self.assertEqual(pareto([]), [])
+        self.assertEqual(pareto([(0, 0)]), [0])
+
+    def test_has_both_of_two_that_are_equal(self):
+        self.assertEqual(pareto([(1, 1), (1, 1), (2, 2)]), [0, 1])
+
+    def test_agrees_with_the_definition(self):
+        seed = random.randrange(2 ** 32)
+        chance = random.Random(seed)
+        points = [(chance.randrange(12), chance.randrange(12)) for _ in range(200)]
+        undominated = [i for i, p in enumerate(points)
+                       if not any(q[0] <= p[0] and q[1] <= p[1] and q != p for q in points)]
+        self.assertEqual(sorted(pareto(points)), undominated, f"seed {seed}")
+
+
+class Exponent(unittest.TestCase):
+    def test_of_a_power_is_that_power_without_spread(self):
+        fit = exponent([1, 2, 4, 8], [3 * x ** 1.5 for x in (1, 2, 4, 8)])
+        self.assertAlmostEqual(fit["exponent"], 1.5)
+        self.assertAlmostEqual(fit["factor"], 3)
+        self.assertAlmostEqual(fit["interval"], 0)
+        self.assertAlmostEqual(fit["spread"], 1)
+
+    def test_has_the_interval_of_a_textbook(self):
+        # log2 y = 0, 2, 1 over log2 x = 0, 1, 2: slope 1/2, residuals -1/2, 1, -1/2, so s^2 = 3/2 and the slope's
+        # standard error sqrt(3/2 / 2); t of one degree of freedom is 12.706.
+        fit = exponent([1, 2, 4], [1, 4, 2])
+        self.assertAlmostEqual(fit["exponent"], 0.5)
+        self.assertAlmostEqual(fit["interval"], 12.706 * math.sqrt(0.75))
+        self.assertAlmostEqual(fit["spread"], 2)
+
+    def test_of_two_points_has_no_interval(self):
+        fit = exponent([1, 10], [1, 100])
+        self.assertAlmostEqual(fit["exponent"], 2)
+        self.assertIsNone(fit["interval"])
+
+    def test_of_one_x_is_none(self):
+        self.assertIsNone(exponent([2, 2], [1, 3]))
+        self.assertIsNone(exponent([], []))
+
+
+class CostAt(unittest.TestCase):
+    CURVE = [(1, 0.4), (100, 0.2), (10_000, 0.1)]
+
+    def test_a_point_of_the_curve_is_its_cost(self):
+        for cost, error in self.CURVE:
+            self.assertAlmostEqual(cost_at(self.CURVE, error)[0], cost)
+
+    def test_between_two_it_is_their_geometric_mean_halfway(self):
+        cost, how = cost_at(self.CURVE, 0.3)
+        self.assertAlmostEqual(cost, 10)
+        self.assertEqual(how, "between")
+        self.assertAlmostEqual(cost_at(self.CURVE, 0.15)[0], 1000)
+
+    def test_what_is_never_reached_has_no_cost(self):
+        self.assertEqual(cost_at(self.CURVE, 0.05), (None, "never"))
+        self.assertEqual(cost_at([], 0.5), (None, "never"))
+
+    def test_what_the_cheapest_reaches_costs_at_most_that(self):
+        self.assertEqual(cost_at(self.CURVE, 0.5), (1, "at most"))
+
+    def test_ways_that_cost_more_and_are_worse_do_not_bend_it(self):
+        self.assertAlmostEqual(cost_at([*self.CURVE, (50, 0.39), (200, 0.3)], 0.3)[0],
+                               math.exp(math.log(50) + 9 / 19 * math.log(2)))
+
+    def test_from_nothing_it_is_straight(self):
+        self.assertAlmostEqual(cost_at([(0, 0.4), (8, 0.2)], 0.3)[0], 4)
+
+
+class BetterInBoth(unittest.TestCase):
+    OWN = {"name": "own", "cost": 5, "error": 5}
+
+    def better(self, *others):
+        rows = [self.OWN] + [{"name": str(i), "cost": c, "error": e} for i, (c, e) in enumerate(others)]
+        return [r["name"] for r in better_in_both(rows, self.OWN, "cost", "error")]
+
+    def test_needs_both(self):
+        self.assertEqual(self.better((4, 4), (6, 1), (1, 6), (4, 2)), ["3", "0"])
+
+    def test_the_same_in_one_and_better_in_the_other_is_better(self):
+        self.assertEqual(self.better((5, 4), (5, 5), (4, 5)), ["0", "2"])
+
+    def test_what_was_not_measured_is_not_better(self):
+        self.assertEqual(self.better((None, 1), (1, None)), [])
+
+
+class Grouped(unittest.TestCase):
+    def test_keeps_the_order_of_what_comes_first(self):
+        rows = [{"k": "b", "v": 1}, {"k": "a", "v": 2}, {"k": "b", "v": 3}]
+        self.assertEqual(list(grouped(rows, "k").items()), [(("b",), [rows[0], rows[2]]), (("a",), [rows[1]])])
+
+
+if __name__ == "__main__":
+    unittest.main()

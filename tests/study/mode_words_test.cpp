@@ -1,0 +1,66 @@
+#include "tests/study/mode_words.h"
+
+#include <gtest/gtest.h>
+
+namespace farshade::study {
+namespace {
+
+/// A play of which only the settings matter.
+struct Settings {
+  gpu::Device device;
+  Scene scene;
+  HeadTrace head;
+  Play play{.device = device, .scene = scene, .head = head};
+};
+
+Expected<void> set(const char* words, Settings& settings) {
+  return set_mode(words, settings.play);
+}
+
+TEST(ModeWords, ANameAloneIsTheModeAsItIsByDefault) {
+  for (const ModeName& named : kModes) {
+    Settings settings;
+    ASSERT_TRUE(set_mode(named.name, settings.play));
+    EXPECT_EQ(settings.play.mode, ModeWish{.mode = named.mode});
+    EXPECT_EQ(settings.play.carry_over, CarryOver{});
+    EXPECT_EQ(settings.play.mask_wait, Duration::zero());
+  }
+}
+
+TEST(ModeWords, SetWhatTheyName) {
+  Settings hybrid;
+  ASSERT_TRUE(
+      set("hybrid,reprojection=off,band=off,eyes=this,gaps=unknown,edges=nearest,predictor=hold,every=4,wait",
+          hybrid));
+  EXPECT_EQ(hybrid.play.carry_over, (CarryOver{Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest}));
+  EXPECT_EQ(hybrid.play.request.guard_band, GuardBandUse::Off);
+  EXPECT_EQ(hybrid.play.request.predictor, PredictorKind::Hold);
+  EXPECT_EQ(hybrid.play.request.every, 4u);
+  EXPECT_GT(hybrid.play.mask_wait, Duration::zero());
+
+  Settings remote, delta, positions, local;
+  ASSERT_TRUE(set("remote,bitrate=20M", remote));
+  EXPECT_EQ(remote.play.mode.bits_per_second, 20'000'000u);
+  ASSERT_TRUE(set("delta,bitrate=500K", delta));
+  EXPECT_EQ(delta.play.mode.bits_per_second, 500'000u);
+  ASSERT_TRUE(set("client-positions,bits=12", positions));
+  EXPECT_EQ(positions.play.mode.position_bits, 12u);
+  ASSERT_TRUE(set("local,maps=2048,pcf=0,redraw=always", local));
+  EXPECT_EQ(local.play.mode.shadow_maps, (ShadowMapWish{2048, 0, Redraw::Always}));
+}
+
+TEST(ModeWords, RefuseWhatTheModeHasNot) {
+  for (const char* words :
+       {"", "hybird", "hybrid,eyes", "hybrid,eyes=", "hybrid,eyes=both", "hybrid,every=0", "hybrid,every=2x",
+        "hybrid,bitrate=20M", "hybrid,wait=1", "remote,bitrate=20G", "remote,bitrate=1",
+        "remote,bitrate=99999999999M", "remote,eyes=this", "client-positions,bits=25", "local,maps=16",
+        "local,every=2", "full,wait", "full,=", "hybrid,predictor=oracle"}) {
+    Settings settings;
+    const Expected<void> done = set(words, settings);
+    ASSERT_FALSE(done) << words;
+    EXPECT_EQ(done.error().fault, Fault::Malformed);
+  }
+}
+
+}  // namespace
+}  // namespace farshade::study

@@ -1,0 +1,230 @@
+"""The whole study, small: it runs, it outlives being killed, it says what it leaves out, its page opens in Chromium.
+
+Wants STUDY_POINT, the program, and STUDY_OUT, a folder for what comes of it.
+"""
+import base64
+import csv
+import html
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import unittest
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
+PROGRAM, OUT = os.environ["STUDY_POINT"], Path(os.environ["STUDY_OUT"])
+PATIENCE_S = 120
+
+
+def begin(out, *more, sweep=HERE / "quick.json"):
+    return subprocess.Popen([sys.executable, HERE / "study.py", sweep, "--root", ROOT, "--program", PROGRAM,
+                             "--out", out, *more], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+
+def run(out, *more, sweep=HERE / "quick.json"):
+    child = begin(out, *more, sweep=sweep)
+    told, said = child.communicate(timeout=PATIENCE_S)
+    return child.returncode, told, said
+
+
+def points_in(out):
+    """Name and time of change of every finished point."""
+    return {p.name: p.stat().st_mtime_ns for p in (out / "points").glob("*.json")}
+
+
+def wait_for_points(child, out, count):
+    """A child that is at work on the next."""
+    give_up = time.monotonic() + PATIENCE_S
+    while len(points_in(out)) < count:
+        if child.poll() is not None or time.monotonic() > give_up:
+            child.kill()
+            raise AssertionError(f"no {count} points came: {child.communicate()[1]}")
+        time.sleep(0.02)
+
+
+def error_columns(out):
+    """results.csv without what the machine's clock says."""
+    with open(out / "results.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    return [{k: v for k, v in row.items() if not k.startswith("time.")} for row in rows]
+
+
+def setUpModule():
+    """The quick sweep, whole."""
+    shutil.rmtree(OUT, ignore_errors=True)
+    OUT.mkdir(parents=True)
+    status, _, said = run(OUT / "whole")
+    assert status == 0, said
+
+
+class Study(unittest.TestCase):
+    whole = OUT / "whole"
+
+    # ---- what is measured
+
+    def test_writes_a_row_a_mode_with_figures(self):
+        rows = error_columns(self.whole)
+        full = [r for r in rows if r["mode"] == "full" and r["kind"] == "error"]
+        self.assertEqual(len(full), 1, "a mode without a server is measured on one network")
+        self.assertEqual(float(full[0]["error.flip.median"]), 0, "the reference has no error")
+        self.assertEqual(float(full[0]["error.mask_error.median"]), 0)
+        self.assertEqual(float(full[0]["error.psnr.median"]), 99)
+        late = {r["words"]: r for r in rows if r["network"] == "25 ms" and r["kind"] == "error"}
+        self.assertGreater(float(late["hybrid,reprojection=off"]["error.mask_error.median"]),
+                           float(late["hybrid"]["error.mask_error.median"]))
+        self.assertGreater(float(late["hybrid"]["wire.latency.median"]), 50, "there and back")
+        self.assertGreater(float(late["hybrid"]["wire.down_bytes.median"]), 100)
+
+    def test_keeps_pictures_of_worst_frames(self):
+        for point in (self.whole / "points").glob("*.json"):
+            if json.loads(point.read_text())["settings"]["kind"] == "error":
+                names = sorted(p.name for p in point.with_suffix(".pictures").iterdir())
+                self.assertEqual(names, [f"{eye}_{what}.png" for eye in ("left", "right")
+                                         for what in ("heat", "reference", "shown")])
+
+    def test_times_the_first_way_twice(self):
+        with open(self.whole / "results.csv", newline="", encoding="utf-8") as file:
+            timed = [r for r in csv.DictReader(file) if r["part"] == "timing" and r["network"] == "none"]
+        self.assertEqual([(r["words"], r["again"]) for r in timed], [("hybrid", "0"), ("full", "0"), ("hybrid", "1")])
+        for row in timed:
+            self.assertGreater(float(row["time.client_frame.median"]), 0)
+
+    # ---- killed and gone on with
+
+    def test_a_killed_study_goes_on_to_the_same_results(self):
+        out, only = OUT / "killed", ("--only", "^(mode|ablation)")
+        child = begin(out, *only)
+        wait_for_points(child, out, 2)
+        child.send_signal(signal.SIGKILL)
+        child.communicate()
+        kept = points_in(out)
+        self.assertLess(len(kept), 4, "it was killed too late to tell anything")
+        self.assertFalse((out / "results.csv").exists())
+        status, _, said = run(out, *only)
+        self.assertEqual(status, 0, said)
+        self.assertIn(f"{len(kept)} of 4 points are there already", said)
+        after = points_in(out)
+        self.assertEqual(len(after), 4)
+        self.assertEqual({name: after[name] for name in kept}, kept, "finished points were run again")
+        status, _, said = run(OUT / "again", *only)
+        self.assertEqual(status, 0, said)
+        self.assertEqual(error_columns(out), error_columns(OUT / "again"))
+        whole = [r for r in error_columns(self.whole) if r["kind"] == "error"]
+        mine = error_columns(out)
+        self.assertEqual(mine, [{k: r[k] for k in mine[0]} for r in whole])
+
+    def test_ctrl_c_ends_with_how_to_go_on(self):
+        out = OUT / "stopped"
+        child = begin(out, "--only", "^(mode|ablation)")
+        wait_for_points(child, out, 1)
+        child.send_signal(signal.SIGINT)
+        _, said = child.communicate(timeout=PATIENCE_S)
+        self.assertEqual(child.returncode, 130, said)
+        self.assertRegex(said, r"stopped; [1-4] of 4 points are kept, the same command goes on from here")
+        self.assertNotIn("Traceback", said)
+
+    # ---- said, not silent
+
+    def test_says_what_is_not_there_and_goes_on(self):
+        sweep = json.loads((HERE / "quick.json").read_text())
+        sweep["scenes"]["castle"] = "../shared/scenes/castle.glb"
+        path = OUT / "castle.json"
+        path.write_text(json.dumps(sweep))
+        status, told, said = run(OUT / "castle", "--list", sweep=path)
+        self.assertEqual(status, 0, said)
+        self.assertIn("scene 'castle' is left out: there is no ../shared/scenes/castle.glb", said)
+        self.assertNotIn("castle", told)
+        self.assertIn("box over plane", told)
+
+    def test_says_which_point_failed_and_ends_with_1(self):
+        sweep = json.loads((HERE / "quick.json").read_text())
+        sweep["modes"] = ["full", "hybrid,every=0"]
+        path = OUT / "wrong.json"
+        path.write_text(json.dumps(sweep))
+        status, _, said = run(OUT / "wrong", "--only", "^mode", sweep=path)
+        self.assertEqual(status, 1, said)
+        self.assertIn("mode hybrid has no 'every=0'", said)
+        self.assertTrue((OUT / "wrong" / "report.html").exists(), "what could be measured is reported")
+
+
+# What a browser is asked of a page: before it, to keep errors, and after it, to hover and to look.
+FIRST = """<script>window.seen = [];
+addEventListener('error', e => seen.push(String(e.message)));
+console.error = (...words) => seen.push(words.join(' '));</script>"""
+LAST = """<script>{
+const drawn = [...document.querySelectorAll('.point')].filter(p => p.getBoundingClientRect().width > 0);
+const tips = drawn.map(p => { p.dispatchEvent(new MouseEvent('mouseover', {clientX: 9, clientY: 9}));
+  const tip = document.getElementById('told');
+  const text = tip.style.display === 'block' ? tip.textContent : '';
+  p.dispatchEvent(new MouseEvent('mouseout'));
+  return tip.style.display === 'none' ? text : 'it stays'; });
+document.body.dataset.verdict = JSON.stringify({errors: seen, points: drawn.length, tips,
+  plots: [...document.querySelectorAll('svg')].filter(s => s.getBoundingClientRect().height > 100).length,
+  pictures: [...document.images].map(i => i.complete && i.naturalWidth)});
+}</script>"""
+
+
+def verdict_on(page, folder):
+    """What Chromium makes of a page: its errors, and what it drew."""
+    browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+    assert browser, "there is no chromium: scripts/setup installs it"
+    watched = page.replace("<head>", "<head>" + FIRST, 1).replace("</body>", LAST + "</body>", 1)
+    path = folder / "watched.html"
+    path.write_text(watched, encoding="utf-8")
+    shown = subprocess.run(
+        [browser, "--headless=new", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr",
+         "--virtual-time-budget=5000", f"--user-data-dir={folder / 'browser'}", "--dump-dom", path.as_uri()],
+        capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+    found = re.search(r'data-verdict="([^"]*)"', shown.stdout)
+    verdict = json.loads(html.unescape(found[1])) if found else {"errors": ["it ran no script to its end"]}
+    verdict["errors"] += [line for line in shown.stderr.splitlines() if ":CONSOLE" in line]
+    return verdict
+
+
+class Page(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.page = (OUT / "whole" / "report.html").read_text(encoding="utf-8")
+        cls.folder = OUT / "page"
+        cls.folder.mkdir(exist_ok=True)
+
+    def test_needs_nothing_from_elsewhere(self):
+        fetched = re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?(?!data:|#|xlink)([a-z]+:[^"\')\s>]*)', self.page)
+        self.assertEqual(fetched, [])
+
+    def test_opens_and_draws_without_an_error(self):
+        verdict = verdict_on(self.page, self.folder)
+        self.assertEqual(verdict["errors"], [])
+        self.assertEqual(verdict["plots"], 9)
+        told = json.loads(re.search(r'id="points">(.*?)</script>', self.page, re.S)[1])
+        self.assertEqual(verdict["points"], len(told), "each point is drawn")
+        self.assertEqual(verdict["tips"], told, "and says what it is")
+        self.assertTrue(verdict["pictures"] and all(verdict["pictures"]))
+
+    def test_has_a_header_and_every_table_that_its_rows_make(self):
+        for word in ("machine", "compiler", "device", "driver", "libraries", "commit", "command"):
+            self.assertTrue(f"<dt>{word}<dd>" in self.page, word)
+        for title in ("Where hybrid loses", "End-to-end latency", "Scaling", "Ablations", "Noise", "Run times",
+                      "All figures", "The worst frame of each mode"):
+            self.assertTrue(f"<h2>{title}</h2>" in self.page, title)
+
+    def test_would_be_red_for_broken_pages(self):
+        def verdict(*change):
+            self.assertTrue(change[0] in self.page, change[0])
+            return verdict_on(self.page.replace(*change), self.folder)
+        self.assertNotEqual(verdict("JSON.parse(", "JSON.parze(")["errors"], [], "a script that throws")
+        self.assertNotEqual(verdict("const tip =", "console.error('so'); const tip =")["errors"], [])
+        self.assertEqual(verdict("<svg", "<gsv")["plots"], 0, "no plots")
+        self.assertEqual(set(verdict("'mouseover'", "'mouseoven'")["tips"]), {""}, "no hover")
+        broken = verdict("data:image/png;base64,", "data:image/png;base64," + base64.b64encode(b"no").decode() + ",")
+        self.assertFalse(any(broken["pictures"]), "no pictures")
+
+
+if __name__ == "__main__":
+    unittest.main()
