@@ -14,7 +14,7 @@ layout(std430, binding = 0) readonly buffer Picture { uint picture[]; };  // the
 layout(binding = 1, rgba8) uniform image2DArray shown;
 layout(push_constant) uniform Turn { TurnData turn; };
 
-const vec3 kNoDifference = vec3(128.0 / 255.0);
+const float kNoDifference = 128.0 / 255.0;
 
 vec3 linear(vec3 c) { return mix(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, lessThanEqual(c, vec3(0.04045))); }
 
@@ -38,7 +38,8 @@ void main() {
   vec2 at = place.xy / place.z;
   // False too where `at` is no number.
   bool covered = place.z > 0.0 && all(greaterThanEqual(at, vec2(0.0))) && all(lessThanEqual(at, vec2(turn.size.xy)));
-  vec3 result = kAdds ? kNoDifference : vec3(0.0);
+  // A scalar: Mesa 22.3 folds a choice between constant vectors to its first component.
+  vec3 result = vec3(kAdds ? kNoDifference : 0.0);
   if (covered) {
     vec2 corner = floor(at - 0.5), part = at - 0.5 - corner;
     ivec2 first = ivec2(corner);

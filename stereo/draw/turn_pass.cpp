@@ -102,10 +102,13 @@ const vk::raii::Pipeline& TurnPass::need_pipeline(Effect effect) {
 }
 
 void TurnPass::copy_shown(const vk::raii::CommandBuffer& commands) const {
+  constexpr auto rest = vk::ImageLayout::eGeneral, source = vk::ImageLayout::eTransferSrcOptimal;
+  gpu::transition(commands, shown_, rest, source);
   commands.copyImageToBuffer(
-      *shown_.image, vk::ImageLayout::eGeneral, *picture_.buffer,
+      *shown_.image, source, *picture_.buffer,
       vk::BufferImageCopy{.imageSubresource = {shown_.aspect, 0, 0, narrow<std::uint32_t>(kEyes)},
                           .imageExtent = {size_.width, size_.height, 1}});
+  gpu::transition(commands, shown_, source, rest);
   barrier(commands);
 }
 
