@@ -3,6 +3,7 @@ import math
 import random
 import unittest
 
+import tables
 from analysis import better_in_both, cost_at, exponent, grouped, pareto
 
 
@@ -102,6 +103,51 @@ class Grouped(unittest.TestCase):
     def test_keeps_the_order_of_what_comes_first(self):
         rows = [{"k": "b", "v": 1}, {"k": "a", "v": 2}, {"k": "b", "v": 3}]
         self.assertEqual(list(grouped(rows, "k").items()), [(("b",), [rows[0], rows[2]]), (("a",), [rows[1]])])
+
+
+def row(words, flip, more=None, network="near"):
+    figures = dict.fromkeys(("mask_error", "client_ms", "server_ms", "both_ms", "bytes", "latency"))
+    return {"part": "mode", "again": 0, "scene": "room", "trace": "walk", "network": network, "network_words": network,
+            "size": 64, "words": words, "mode": words.split(",")[0], "flip": flip, **figures, **(more or {})}
+
+
+class WhatTablesSay(unittest.TestCase):
+    def test_hybrid_loses_where_another_is_better_in_both_and_nowhere_else(self):
+        rows = [row("hybrid", 0.2, {"bytes": 100, "client_ms": 5}), row("remote,bitrate=1M", 0.3, {"bytes": 50}),
+                row("delta,bitrate=1M", 0.1, {"bytes": 90, "client_ms": 6}), row("full", 0, {"bytes": 0, "client_ms": 1})]
+        said = tables.where_hybrid_loses(rows)
+        self.assertIn("In 1 of 2 comparisons", said)
+        self.assertIn("delta,bitrate=1M", said)
+        self.assertNotIn("remote", said)
+        self.assertNotIn("full<td>", said)
+
+    def test_hybrid_that_never_loses_is_said_to(self):
+        said = tables.where_hybrid_loses([row("hybrid", 0.2, {"bytes": 1}), row("remote", 0.3, {"bytes": 50})])
+        self.assertIn("In 0 of 1 comparisons", said)
+        self.assertNotIn("<table>", said)
+
+    def test_at_equal_error_costs_are_compared_and_what_never_comes_is_said(self):
+        curve = [("remote,bitrate=1M", 0.4, {"bytes": 1}), ("remote,bitrate=2M", 0.2, {"bytes": 100})]
+        rows = [row("hybrid", 0.3, {"bytes": 20}), row("hybrid", 0.1, {"bytes": 20}, "far"),
+                *(row(*way) for way in curve), *(row(*way, network="far") for way in curve)]
+        said = tables.equal_error(rows, "remote", "bytes", "bytes")
+        self.assertIn("hybrid takes 2 to 2 times what remote takes (2 in the middle, 1 of 2 cases)", said)
+        self.assertIn("never: at best FLIP 0.2", said)
+
+    def test_modes_without_a_server_stand_on_every_network(self):
+        rows = [row("local", 0.1), row("hybrid", 0.2), row("hybrid", 0.3, network="far")]
+        self.assertEqual([(r["words"], r["network"]) for r in tables.on_every_network(rows)],
+                         [("local", "near"), ("local", "far"), ("hybrid", "near"), ("hybrid", "far")])
+
+    def test_noise_is_what_the_same_way_differs_by(self):
+        def timed(again, *client_ms):
+            return row("hybrid", None, {"part": "timing", "again": again, "rounds": [
+                {"client_frame": {"median": ms}} for ms in client_ms]})
+        said = tables.noise([timed(0, 10, 11), timed(1, 11, 11), timed(0, 1, 1) | {"words": "full"}])
+        self.assertIn('<td class="n">10.5<td class="n">11<td>9.1%<td>10.0%', said)
+
+    def test_nothing_is_said_of_what_was_not_measured(self):
+        self.assertEqual(tables.all_of([], []), "")
 
 
 if __name__ == "__main__":

@@ -124,7 +124,7 @@ def scaling(name, rows, axis, label, points):
     own = [r for r in rows if r["part"] == "scaling" and r["axis"] == axis and not r["again"]]
     if not own:
         return None, []
-    figure, grid = plt.subplots(1, 2, figsize=(7.5, 2.8), layout="constrained")
+    figure, grid = plt.subplots(1, 2, figsize=(9, 3.2), layout="constrained")
     fits = []
     for axes, (key, side) in zip(grid, (("client_ms", "client"), ("server_ms", "server"))):
         for (words,), series in grouped(own, "words").items():
@@ -141,10 +141,10 @@ def scaling(name, rows, axis, label, points):
                          "to": max(r["x"] for r in series), **fit})
             ends = [fits[-1]["from"], fits[-1]["to"]]
             axes.plot(ends, [fit["factor"] * x ** fit["exponent"] for x in ends], "--",
-                      color=COLOURS.get(series[0]["mode"], OTHER), label=f"{words}: x^{fit['exponent']:.2f}")
+                      color=COLOURS.get(series[0]["mode"], OTHER), label=f"{words}: x^{round(fit['exponent'], 2) + 0:.2f}")
         axes.set(xscale="log", yscale="log", xlabel=label, ylabel=f"{side}, ms a frame")
         if axes.has_data():
-            axes.legend()
+            axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncol=2)
         else:
             axes.set_visible(False)
     return svg_of(figure, name, points), fits

@@ -46,7 +46,8 @@ PLOTS = [
     ("server", "Error against the server's run time", "server_ms", "server, ms a frame", "network"),
     ("both", "Error against the run time of both", "both_ms", "both, ms a frame", "network"),
     ("bytes", "Error against bytes", "bytes", "bytes down a frame", "network"),
-    ("staleness", "Error against staleness", "latency", "display time minus when it was asked for, ms", None),
+    # Not figure `staleness`: what was predicted for the very time at which it is shown has none, however old it is.
+    ("staleness", "Error against staleness", "latency", "how long ago what is shown was asked for, ms", None),
 ]
 SCALES = [("pixels", "pixels, both eyes"), ("lights", "lights"), ("triangles", "triangles"), ("clients", "clients")]
 
@@ -72,6 +73,8 @@ def draw(rows):
 def make(header, rows):
     """(name -> SVG, the page)."""
     drawn, fits, told = draw(rows)
+    networks = {r["network"]: r["network_words"] for r in rows}
+    header = header | {"networks": "; ".join(f"{name}: {words}" for name, words in networks.items()) + " (each way)"}
     said = "".join(f"<dt>{html.escape(k)}<dd>{html.escape(str(v))}" for k, v in header.items())
     sections = "".join(f'<section><h2>{html.escape(title)}</h2><div class="plot">{svg}</div></section>\n'
                        for title, svg in drawn.values())

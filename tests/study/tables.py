@@ -73,7 +73,7 @@ def equal_error(modes, other, cost, unit):
 
 
 def latencies(modes):
-    """Display time minus when what is shown was asked for, by mode and network; mean over scenes and heads."""
+    """Display time minus when what is shown was asked for, by mode and network; the middle of scenes and heads."""
     networks = list(grouped(modes, "network"))
     lines = []
     for (words,), own in grouped(modes, "words").items():
@@ -82,13 +82,14 @@ def latencies(modes):
             values = [r["latency"] for r in own if r["network"] == network and r["latency"] is not None]
             line.append(median(values) if values else None)
         lines.append(line)
-    return table("End-to-end latency, ms: display time minus when the masks or the picture were asked for; median.",
+    return table("Milliseconds from when the masks or the picture were asked for to their display; median. Network and "
+                 "whole frames alone: servers take no virtual time, their run times come on top.",
                  ["mode", *(n for (n,) in networks)], lines)
 
 
 def exponents(fits):
     lines = [[f["axis"], f["mode"], f["side"], f"{f['from']:,} to {f['to']:,}",
-              f"{f['exponent']:.2f}" + (f" ± {f['interval']:.2f}" if f["interval"] is not None else ""),
+              f"{round(f['exponent'], 2) + 0:.2f}" + (f" ± {f['interval']:.2f}" if f["interval"] is not None else ""),
               f"{f['spread']:.2f}"] for f in fits]
     return table("Time goes with this power; ± is the 95 % interval of the fit, spread the largest ratio between a "
                  "measured median and the fit.", ["of", "mode", "side", "from, to", "exponent", "spread"], lines)
@@ -117,7 +118,8 @@ def where_hybrid_loses(modes):
             for cost, cost_words in COSTS:
                 for error, error_words in ERRORS:
                     others = [r for r in own if r["mode"] != SERVER]
-                    if not any(r.get(error) is not None for r in others) or row.get(error) is None:
+                    comparable = [r for r in (row, *others) if r.get(error) is not None and r.get(cost) is not None]
+                    if len(comparable) < 2 or comparable[0] is not row:
                         continue
                     cases += 1
                     better = better_in_both(others, row, cost, error)
