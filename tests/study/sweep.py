@@ -7,7 +7,7 @@ and left out.
   networks   name: words, each way                  sizes    pixels a side of an eye
   frames, every    display frames of a point, and every which of them is compared with its reference
   modes      mode words; ways with one name make one curve
-  ablations  {"modes", "networks"}: what hybrid loses without one of its parts
+  ablations  {"modes", "networks", "traces"}: what hybrid loses without one of its parts
   timing     {"modes", "rounds", "seed", "frames", "warm_up"}: run times, each way again and again in random order
   scaling    {"modes", "size", "pixels", "lights", "triangles", "clients", "rounds", "seed", "frames", "warm_up"}
 """
@@ -56,13 +56,13 @@ class Sweep:
                        "trace_file": of_trace["file"], "skip_s": of_trace.get("skip_s", 0)}
 
     def _errors(self):
-        ablations = self.told.get("ablations", {"modes": [], "networks": []})
+        ablations = self.told.get("ablations", {"modes": [], "networks": [], "traces": []})
         first = next(iter(self.networks))
         for place in self._places():
             for size in self.told["sizes"]:
                 for network, words in self.networks.items():
                     modes = [("mode", m) for m in self.told["modes"] if mode_name(m) not in ALONE or network == first]
-                    if network in ablations["networks"]:
+                    if network in ablations["networks"] and place["trace"] in ablations["traces"]:
                         modes += [("ablation", m) for m in ablations["modes"] if m not in self.told["modes"]]
                     for part, mode in modes:
                         yield {"kind": "error", "part": part, **place, "size": size, "network": network,
