@@ -40,7 +40,7 @@ void load(const PlacedEye& eye, const TileRect& rect, Neighbourhood& out) {
 struct Estimate {
   glm::vec3 normal;   ///< unit
   float tilt = 0;     ///< at most so far off, radians, as the sine of that
-  bool flat = false;  ///< all four neighbours lie in it
+  bool sure = false;  ///< the neighbours on both sides lie in it, and the eye is on its seen side
 };
 
 /// Along one axis, to the neighbour that is nearer: the other may be of another surface.
@@ -55,46 +55,73 @@ std::optional<glm::vec3> shorter_step(const Neighbourhood& around, int x, int y,
   return glm::dot(forth, forth) <= glm::dot(back, back) ? forth : back;
 }
 
+/// Three points are always in a plane; one more must be.
 bool is_flat(const Neighbourhood& around, int x, int y, int away, const glm::vec3& normal, float doubt) {
   const glm::vec3 here = around.position[Neighbourhood::at(x, y)];
+  int in_plane = 0;
   for (const auto& [dx, dy] : {std::pair{away, 0}, {-away, 0}, {0, away}, {0, -away}}) {
     const std::size_t there = Neighbourhood::at(x + dx, y + dy);
-    if (!around.covered[there]) return false;
+    if (!around.covered[there]) continue;
     if (std::abs(glm::dot(normal, around.position[there] - here)) > 2 * doubt) return false;
+    ++in_plane;
   }
-  return true;
+  return in_plane >= 3;
 }
 
-std::optional<Estimate> estimate(const Neighbourhood& around, int x, int y, float doubt) {
+/// The first that is tilted by less than the way to the eye stands off the plane, so that it is known which
+/// side is seen; else the last that is tilted by at most 60 degrees.
+std::optional<Estimate> estimate(const Neighbourhood& around, int x, int y, const glm::vec3& to_eye,
+                                 float doubt) {
+  std::optional<Estimate> found;
   for (int away = 1; away <= kFarthest_px; away *= 2) {
     const auto across = shorter_step(around, x, y, away, 0), down = shorter_step(around, x, y, 0, away);
     if (!across || !down) continue;
-    const glm::vec3 normal = glm::cross(*across, *down);
+    glm::vec3 normal = glm::cross(*across, *down);
     const float area = glm::length(normal);
     const float longer = std::max(glm::length(*across), glm::length(*down));
     if (!(longer >= 2 * doubt && area >= 2 * doubt * longer)) continue;
-    const float tilt = std::asin(doubt / longer) + std::asin(doubt * longer / area);
-    return Estimate{normal / area, std::sin(tilt), is_flat(around, x, y, away, normal / area, doubt)};
+    normal /= area;
+    const float tilt = std::sin(std::asin(doubt / longer) + std::asin(doubt * longer / area));
+    const bool sided = std::abs(glm::dot(normal, to_eye)) > tilt;
+    found = Estimate{normal, tilt, sided && is_flat(around, x, y, away, normal, doubt)};
+    if (sided) break;
   }
-  return std::nullopt;
+  return found;
+}
+
+/// How a ray's start leaves its surface.
+struct Lift {
+  glm::vec3 along;    ///< unit
+  float cosine = 1;   ///< of the angle to the surface's true normal, at least
+  float tilt = 2.0f;  ///< as PlacedSurface::tilt
+};
+
+/// The cosine where neighbours give no normal; the least that is believed of a doubtful one.
+constexpr float kBlindCosine = 0.5f, kLeastCosine = 0.125f;
+
+Lift lift_of(const std::optional<Estimate>& found, const glm::vec3& to_eye) {
+  if (!found) return {.along = to_eye, .cosine = kBlindCosine};
+  const float seen = glm::dot(found->normal, to_eye);
+  if (!found->sure) return {.along = to_eye, .cosine = std::max(std::abs(seen), kLeastCosine)};
+  return {.along = seen < 0 ? -found->normal : found->normal,
+          .cosine = std::sqrt(1 - found->tilt * found->tilt),
+          .tilt = found->tilt};
 }
 
 void resolve(const PlacedEye& eye, const Neighbourhood& around, int x, int y, PlacedSurface& out, int at) {
-  const glm::vec3 p = around.position[Neighbourhood::at(x, y)];
-  const glm::vec3 to_eye = eye.eye - p;
-  const auto step = static_cast<float>(eye.step);
+  const glm::vec3 p = around.position[Neighbourhood::at(x, y)], way = eye.eye - p;
+  const float distance = glm::length(way);
+  const glm::vec3 to_eye = distance > 0 ? way / distance : glm::vec3(0, 1, 0);
   constexpr float kRounding = 4.0f / (1 << 24);  // of two positions' coordinates, each half an ulp
-  const float doubt = std::numbers::sqrt3_v<float> * (step + kRounding * eye.reach);
-  const std::optional<Estimate> found = estimate(around, x, y, doubt);
-  glm::vec3 n = found ? found->normal : glm::normalize(to_eye);
-  if (glm::dot(n, to_eye) < 0) n = -n;
-  const float cosine = found ? std::sqrt(1 - found->tilt * found->tilt) : 0.5f;
-  const float lift = 0.5f * doubt / cosine + kOffset * eye.reach;
+  const float doubt = std::numbers::sqrt3_v<float> * (static_cast<float>(eye.step) + kRounding * eye.reach);
+  const Lift lift = lift_of(estimate(around, x, y, to_eye, doubt), to_eye);
+  const glm::vec3& n = lift.along;
+  const float height = 0.5f * doubt / lift.cosine + kOffset * eye.reach;
   out.px[at] = p.x, out.py[at] = p.y, out.pz[at] = p.z;
-  out.ox[at] = p.x + n.x * lift, out.oy[at] = p.y + n.y * lift, out.oz[at] = p.z + n.z * lift;
+  out.ox[at] = p.x + n.x * height, out.oy[at] = p.y + n.y * height, out.oz[at] = p.z + n.z * height;
   out.nx[at] = out.gx[at] = n.x, out.ny[at] = out.gy[at] = n.y, out.nz[at] = out.gz[at] = n.z;
   out.reach[at] = eye.reach;
-  out.tilt[at] = found && found->flat ? found->tilt : 2.0f;
+  out.tilt[at] = lift.tilt;
 }
 
 }  // namespace

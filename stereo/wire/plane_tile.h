@@ -3,7 +3,7 @@
 /// A word is cut into lanes that have nothing to do with each other: a colour's channels, a normal's two
 /// numbers. A lane is predicted pixel by pixel from its left, upper and upper-left neighbours within the
 /// tile; what is left over, small almost everywhere, is told as bit planes, and of those only the rows that
-/// hold anything. A tile of one value is that value and a byte. docs/modes.md has what other ways would cost.
+/// hold anything: in front of LZ4 a fifth to a half less than the rests byte by byte.
 #pragma once
 
 #include <array>
@@ -48,7 +48,12 @@ static_assert(kMaxPlaneTile_bytes >= 1 + 4 + 32 * (2 + 2 * kTileSide_px));
 void load_tile(const PixelPlane& plane, TileRect rect, TileWords& words);
 void store_tile(const TileWords& words, TileRect rect, PixelPlane& plane);
 
-/// Appends the shorter of the two predictions, lane by lane.
+/// Appends lane after lane, each with the prediction that makes it shorter:
+///  - a byte: bits of the largest rest in its low six, Prediction above them;
+///  - the first pixel's value, as many bytes as the lane has;
+///  - for each bit of the rests, highest first: two bytes with a bit for each row in which some rest has it,
+///    then two bytes a row of these, bit x = pixel x has it.
+/// Rests are differences modulo 2^bits, folded: 0, -1, 1, -2 are 0, 1, 2, 3. The first pixel has none.
 void write_plane_tile(const TileWords& words, PlaneLanes lanes, std::vector<std::byte>& out);
 
 /// Takes one tile from `in`; refuses unknown codings and tiles that end too early. After a refusal `words`
