@@ -12,11 +12,10 @@ layout(constant_id = 0) const bool kAdds = false;
 
 layout(std430, binding = 0) readonly buffer Picture { uint picture[]; };  // the left eye's rows, then the right eye's
 layout(binding = 1, rgba8) uniform image2DArray shown;
+layout(std430, binding = 2) readonly buffer Light { float light_of[256]; };  // of each level
 layout(push_constant) uniform Turn { TurnData turn; };
 
 const float kNoDifference = 128.0 / 255.0;
-
-vec3 linear(vec3 c) { return mix(pow((c + 0.055) / 1.055, vec3(2.4)), c / 12.92, lessThanEqual(c, vec3(0.04045))); }
 
 vec3 srgb(vec3 c) {
   return mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThanEqual(c, vec3(0.0031308)));
@@ -25,8 +24,9 @@ vec3 srgb(vec3 c) {
 // Of the pixel, or the nearest of the border. A difference is no light: it is mixed as it is.
 vec3 texel(ivec2 at, uint eye) {
   uvec2 inside = uvec2(clamp(at, ivec2(0), ivec2(turn.size.xy) - 1));
-  vec3 value = unpackUnorm4x8(picture[(eye * turn.size.y + inside.y) * turn.size.x + inside.x]).rgb;
-  return kAdds ? value : linear(value);
+  uint value = picture[(eye * turn.size.y + inside.y) * turn.size.x + inside.x];
+  if (kAdds) return unpackUnorm4x8(value).rgb;
+  return vec3(light_of[value & 255u], light_of[value >> 8 & 255u], light_of[value >> 16 & 255u]);
 }
 
 void main() {

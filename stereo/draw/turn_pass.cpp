@@ -1,5 +1,7 @@
 #include "stereo/draw/turn_pass.h"
 
+#include <algorithm>
+#include <cmath>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
 
@@ -23,6 +25,16 @@ glm::dmat3 ray_from_pixel(const View& view) {
   const EyeWindow w = window_of(view.fov);
   const double step_x = (w.right - w.left) / view.size.width, step_y = (w.down - w.up) / view.size.height;
   return {{step_x, 0, 0}, {0, step_y, 0}, {w.left, w.up, -1}};
+}
+
+/// Linear light of the 256 levels of sRGB (IEC 61966-2-1).
+std::array<float, 256> light_of_levels() {
+  std::array<float, 256> light{};
+  for (std::size_t level = 0; level < light.size(); ++level) {
+    const double c = static_cast<double>(level) / 255;
+    light[level] = static_cast<float>(c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4));
+  }
+  return light;
 }
 
 /// All that was written before is seen by all that comes.
@@ -68,13 +80,18 @@ TurnPass::TurnPass(const gpu::Device& device, const gpu::Image& shown)
           device, kEyes * size_.pixels() * 4,
           vk::BufferUsageFlagBits::eStorageBuffer | vk::BufferUsageFlagBits::eTransferDst, "picture to turn",
           gpu::Use::Shown)),
+      light_of_(gpu::make_mapped_buffer(device, 256 * sizeof(float), vk::BufferUsageFlagBits::eStorageBuffer,
+                                        "light of levels", gpu::Use::Shown)),
       bindings_(gpu::make_bindings(device,
                                    {{vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eCompute},
-                                    {vk::DescriptorType::eStorageImage, vk::ShaderStageFlagBits::eCompute}},
+                                    {vk::DescriptorType::eStorageImage, vk::ShaderStageFlagBits::eCompute},
+                                    {vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eCompute}},
                                    "turn")),
       stamps_(device, 2) {
   gpu::bind_buffer(device, bindings_, 0, picture_);
   gpu::bind_image(device, bindings_, 1, {*shown.view, vk::ImageLayout::eGeneral, nullptr});
+  gpu::bind_buffer(device, bindings_, 2, light_of_);
+  std::ranges::copy(light_of_levels(), light_of_.as<float>().begin());
   const vk::PushConstantRange told{.stageFlags = vk::ShaderStageFlagBits::eCompute,
                                    .size = sizeof(gpu::TurnData)};
   layout_ = device.logical.createPipelineLayout({.setLayoutCount = 1,

@@ -45,7 +45,8 @@ class TurnPass {
   const gpu::Device& device_;
   const gpu::Image& shown_;
   Extent size_;
-  gpu::Buffer picture_;  ///< both eyes, four bytes a pixel
+  gpu::Buffer picture_;   ///< both eyes, four bytes a pixel
+  gpu::Buffer light_of_;  ///< of each sRGB level
   gpu::Bindings bindings_;
   vk::raii::PipelineLayout layout_{nullptr};
   std::array<vk::raii::Pipeline, 2> pipelines_{nullptr, nullptr};  ///< of each effect, once it is asked for

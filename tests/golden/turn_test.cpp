@@ -191,7 +191,7 @@ TEST_F(Turn, CostsNothingUntilAPictureIsTurned) {
   renderer_.turn_shown(views, views);
   const DrawCounters after = renderer_.counters();
   EXPECT_EQ(after.pipelines, before.pipelines + 1);
-  EXPECT_EQ(after.bindings, before.bindings + 2);
+  EXPECT_EQ(after.bindings, before.bindings + 3);
   EXPECT_GE(after.memory.now[gpu::Use::Shown],
             before.memory.now[gpu::Use::Shown] + kEyes * kSize.pixels() * 4);
 }
