@@ -8,6 +8,8 @@
 #include "record_samples.h"
 #include "stereo/base/check.h"
 #include "stereo/base/files.h"
+#include "stereo/wire/plane_codec.h"
+#include "stereo/wire/plane_tile.h"
 #include "stereo/wire/tile_codec.h"
 #include "wire_samples.h"
 
@@ -54,6 +56,41 @@ void save_slices(const fs::path& folder, const std::string& name, const EyeMask&
                  mask.layout().lights_in(slice->plane), tiles);
     save(folder / (place + "_tiles"), slice_input(1, *slice, tiles));
   }
+}
+
+/// Form, then the choices of plane_slice.cpp, then a block or the tiles that it opens to.
+void save_planes(const fs::path& folder, const std::string& name, PlaneKind kind, const PixelPlane& plane) {
+  PlanePacker packer;
+  packer.start(FrameId{}, Side::Left, kind, plane);
+  const TileGrid grid{plane.size};
+  while (const std::optional<PlaneSlice> slice = packer.next()) {
+    const auto input = [&](unsigned form, std::span<const std::byte> bytes) {
+      Bytes made = wire_samples::bytes_of({form, static_cast<unsigned>(kind), plane.word_bytes - 1,
+                                           plane.size.width - 1, plane.size.height - 1, slice->first_tile,
+                                           slice->tile_count - 1});
+      made.insert(made.end(), bytes.begin(), bytes.end());
+      return made;
+    };
+    const std::string place = name + "_" + std::to_string(slice->first_tile);
+    save(folder / (place + "_block"), input(0, slice->block));
+    Bytes tiles;
+    for (std::uint32_t i = 0; i < slice->tile_count; ++i) {
+      TileWords words;
+      load_tile(plane, grid.rect(slice->first_tile + i), words);
+      write_plane_tile(words, lanes_of(kind, plane.word_bytes), tiles);
+    }
+    save(folder / (place + "_tiles"), input(1, tiles));
+  }
+}
+
+/// Words by `word(x, y)`.
+template <class Word>
+PixelPlane plane_of(Extent size, std::uint32_t word_bytes, Word word) {
+  PixelPlane plane(size, word_bytes);
+  for (std::uint32_t y = 0; y < size.height; ++y)
+    for (std::uint32_t x = 0; x < size.width; ++x)
+      plane.words[y * size.width + x] = word(x, y) & largest_word(word_bytes);
+  return plane;
 }
 
 /// Bytes of `first`, then `rest`: an input whose first byte is a choice.
@@ -175,6 +212,16 @@ int main(int argc, char** argv) {
   save_client_sequences(corpus / "client_sequence");
   save_session_files(corpus / "session_file");
   std::mt19937 random(1);
+  const fs::path planes = corpus / "plane_slice";
+  std::mt19937 noise(2);
+  save_planes(planes, "one_value", PlaneKind::BaseColor,
+              plane_of({40, 24}, 3, [](auto, auto) { return 0x8040ffu; }));
+  save_planes(planes, "slope", PlaneKind::Depth,
+              plane_of({33, 20}, 4, [](auto x, auto y) { return 0x3c000000u + 700 * x + 90 * y; }));
+  save_planes(planes, "edge", PlaneKind::PositionX,
+              plane_of({20, 18}, 3, [](auto x, auto y) { return x > y ? 0u : 70'000u + 33 * x * x; }));
+  save_planes(planes, "noise", PlaneKind::Normal,
+              plane_of({16, 16}, 4, [&noise](auto, auto) { return static_cast<std::uint32_t>(noise()); }));
   const fs::path slices = corpus / "slice_and_tiles";
   save_slices(slices, "none", EyeMask({16, 16}, 0));
   save_slices(slices, "small", wire_samples::small_frame().masks[0]);

@@ -1,0 +1,111 @@
+// Planes: a block is refused and changes nothing, or fills tiles that, packed again, decode to the same
+// words. An input is seven choices - form, plane, place in it - and then a block or, so that the fuzzer need
+// not write LZ4, the tiles that a block opens to.
+#include <lz4.h>
+
+#include <vector>
+
+#include "stereo/frame/tiles.h"
+#include "stereo/wire/plane_codec.h"
+#include "stereo/wire/plane_tile.h"
+#include "tests/fuzz/target.h"
+
+using namespace farshade;
+
+namespace {
+
+enum class Form { Block, Tiles };
+
+struct Input {
+  PlaneSlice slice;
+  Form form = Form::Block;
+  std::span<const std::byte> bytes;
+};
+
+/// Any slice that decode_client or decode_server lets through, of a plane of up to 72 x 40 pixels.
+Input input_from(fuzz::Choices choices) {
+  Input input;
+  PlaneSlice& slice = input.slice;
+  input.form = static_cast<Form>(choices.up_to(1));
+  slice.kind = static_cast<PlaneKind>(choices.up_to(static_cast<std::uint32_t>(PlaneKind::PositionZ)));
+  slice.word_bytes = choices.up_to(kMaxPlaneWord_bytes - 1) + 1;
+  slice.size = {choices.up_to(71) + 1, choices.up_to(39) + 1};
+  const std::uint32_t tiles = TileGrid{slice.size}.count();
+  slice.first_tile = choices.up_to(tiles - 1);
+  slice.tile_count = choices.up_to(tiles - slice.first_tile - 1) + 1;
+  input.bytes = choices.rest();
+  return input;
+}
+
+/// Packed and opened again.
+PixelPlane travelled(const PixelPlane& plane, PlaneKind kind) {
+  PlanePacker packer;
+  packer.start(FrameId{}, Side::Left, kind, plane);
+  PixelPlane back(plane.size, plane.word_bytes);
+  KnownTiles known(TileGrid{plane.size}.count(), 0);
+  while (const std::optional<PlaneSlice> slice = packer.next()) {
+    check(slice->block.size() <= kMaxPlaneBlock_bytes, "a block fits its datagram");
+    const auto learned = decode_plane_tiles(*slice, back, known);
+    check(learned && *learned == slice->tile_count, "our own slices are whole and new");
+  }
+  check(known == KnownTiles(known.size(), 1), "all tiles came");
+  return back;
+}
+
+/// Whether the slice was taken.
+bool decode(const PlaneSlice& slice) {
+  PixelPlane plane(slice.size, slice.word_bytes);
+  KnownTiles known(TileGrid{slice.size}.count(), 0);
+  const PixelPlane blank = plane;
+  const KnownTiles unknown = known;
+  const auto learned = decode_plane_tiles(slice, plane, known);
+  if (!learned) {
+    check(plane == blank && known == unknown, "a refused slice changes nothing");
+    return false;
+  }
+  check_eq(*learned, slice.tile_count, "tiles learned are those claimed");
+  for (const std::uint32_t word : plane.words)
+    check(word <= largest_word(slice.word_bytes), "no word is larger than its bytes hold");
+  const PixelPlane once = plane;
+  check_eq(decode_plane_tiles(slice, plane, known).value(), 0u, "tiles learned from a duplicate");
+  check(plane == once, "a duplicate changes nothing");
+  check(travelled(plane, slice.kind) == plane, "packed again, it decodes to the same");
+  return true;
+}
+
+/// How many tiles `bytes` are, to the last byte; 0 where they are none.
+std::uint32_t count_tiles(std::span<const std::byte> bytes, PlaneLanes lanes) {
+  ByteReader in(bytes);
+  std::uint32_t count = 0;
+  for (; in.remaining() > 0; ++count) {
+    ByteReader skipped = in;
+    TileWords words;
+    const bool whole = read_plane_tile(in, lanes, words).has_value();
+    check_eq(skip_plane_tile(skipped, lanes).has_value(), whole, "reading and skipping refuse the same");
+    if (!whole) return 0;
+    check_eq(skipped.remaining(), in.remaining(), "and go as far");
+  }
+  return count;
+}
+
+/// An LZ4 block of `bytes`, in an allocation of its own length, as a datagram is.
+std::vector<char> compressed(std::span<const std::byte> bytes) {
+  const int size = static_cast<int>(bytes.size());
+  std::vector<char> block(static_cast<std::size_t>(LZ4_compressBound(size)));
+  const int filled = LZ4_compress_default(reinterpret_cast<const char*>(bytes.data()), block.data(), size,
+                                          static_cast<int>(block.size()));
+  return {block.begin(), block.begin() + filled};
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  auto [slice, form, bytes] = input_from({data, size});
+  slice.block = bytes;
+  if (form == Form::Block || bytes.size() > kMaxOpened_bytes) return decode(slice), 0;
+  const std::vector<char> block = compressed(bytes);
+  slice.block = std::as_bytes(std::span(block));
+  const std::uint32_t tiles = count_tiles(bytes, lanes_of(slice.kind, slice.word_bytes));
+  check_eq(decode(slice), tiles == slice.tile_count, "taken if it is exactly the tiles that it claims");
+  return 0;
+}

@@ -1,0 +1,121 @@
+/// A G-buffer that is read from one renderer and received by another: the same picture, bit for bit.
+#include <bit>
+#include <limits>
+
+#include "stereo/frame/tiles.h"
+#include "tests/golden/theatre.h"
+#include "tests/oracle/scene_builder.h"
+
+namespace farshade {
+namespace {
+
+constexpr std::uint32_t kSide_px = 160;
+constexpr RendererLimits kLimits{
+    .size = {kSide_px, kSide_px}, .traced_size = {kSide_px + 32, kSide_px + 32}, .depth_frames = 2};
+
+class ReceivedGBuffer : public OnLavapipe {
+ protected:
+  /// Traced for `views`, all tiles known.
+  static Mask traced(const Scene& scene, const StereoView& views) {
+    Tracer tracer = Tracer::create(scene).value();
+    ShadowFrame frame;
+    tracer.trace({.frame = {}, .display_time = {}, .scene_time = {}, .views = views}, frame);
+    const KnownTiles all(TileGrid{views[0].size}.count(), all_planes_known(frame.masks[0].layout()));
+    return {FrameId{}, Time{}, views, std::move(frame.masks), {all, all}};
+  }
+
+  static ShownFrame shown(const StereoView& views, const SceneState& state,
+                          std::span<const MaskInHand> masks) {
+    return {.views = views, .state = state, .masks = masks, .carry_over = {.lookup = Lookup::Direct}};
+  }
+
+  /// Another renderer, of a plan of its own, to which nothing but the planes has come.
+  void expect_same_picture(const Scene& scene, const DrawPlan& sender_plan, const DrawPlan& receiver_plan) {
+    Renderer sender(device_, scene, sender_plan, kLimits), receiver(device_, scene, receiver_plan, kLimits);
+    const SceneState state = state_at(scene, Time{});
+    const StereoView views = eyes_of(head_at_camera(scene), kSide_px);
+    const Mask mask = traced(scene, views);
+    const std::vector<MaskInHand> masks{mask.in_hand()};
+    sender.draw(shown(views, state, masks));
+    GBufferPlanes planes;
+    sender.read_gbuffer(planes);
+    const auto drawn = sender.read_shown();
+    receiver.draw_received(planes, shown(views, state, masks));
+    EXPECT_EQ(receiver.read_shown(), drawn);
+    EXPECT_EQ(receiver.read_distance(), sender.read_distance());
+    GBufferPlanes again;
+    receiver.read_gbuffer(again);
+    EXPECT_EQ(again, planes);
+    EXPECT_LT(std::ranges::count(drawn[0].pixels, drawn[0].pixels[0]), std::ssize(drawn[0].pixels) / 2);
+  }
+};
+
+DrawPlan whole_plan(const Scene& scene) {
+  return plan_for(scene, {.all_lights = true}).draw;
+}
+
+TEST_F(ReceivedGBuffer, GivesTheSamePictureBitForBit) {
+  for (const char* name : {"room.glb", "box_over_plane.gltf"}) {
+    SCOPED_TRACE(name);
+    const Scene scene = bundled(name);
+    expect_same_picture(scene, whole_plan(scene), whole_plan(scene));
+  }
+}
+
+/// Where masks are not carried over, the images have other words.
+TEST_F(ReceivedGBuffer, GivesTheSamePictureBetweenPlans) {
+  const Scene scene = bundled("room.glb");
+  const DrawPlan direct = plan_for(scene, {.carries_over = false, .all_lights = true}).draw;
+  expect_same_picture(scene, direct, whole_plan(scene));
+  expect_same_picture(scene, whole_plan(scene), direct);
+}
+
+TEST_F(ReceivedGBuffer, WhatDidNotComeIsBackground) {
+  const Scene scene = bundled("box_over_plane.gltf");
+  Renderer renderer(device_, scene, kLimits);
+  const SceneState state = state_at(scene, Time{});
+  const StereoView views = eyes_of(head_at_camera(scene), kSide_px);
+  const Mask mask = traced(scene, views);
+  const std::vector<MaskInHand> masks{mask.in_hand()};
+  renderer.draw(shown(views, state, masks));
+  const auto drawn = renderer.read_shown();
+  GBufferPlanes planes;
+  renderer.read_gbuffer(planes);
+  const float strange[] = {0.0f, -0.5f, 1.5f, std::numeric_limits<float>::quiet_NaN(),
+                           std::numeric_limits<float>::infinity()};
+  for (std::uint32_t x = 0; x < kSide_px; ++x)
+    planes.depth[0].words[100 * kSide_px + x] = std::bit_cast<std::uint32_t>(strange[x % 5]);
+  renderer.draw_received(planes, shown(views, state, masks));
+  const auto received = renderer.read_shown();
+  EXPECT_EQ(received[1], drawn[1]);
+  for (std::uint32_t y = 0; y < kSide_px; ++y)
+    for (std::uint32_t x = 0; x < kSide_px; ++x)
+      ASSERT_EQ(received[0].at(x, y), y == 100 ? Rgb8(0) : drawn[0].at(x, y)) << x << ", " << y;
+}
+
+/// Neither a sender's nor a receiver's buffers are there before they are used.
+TEST_F(ReceivedGBuffer, TakesNoMemoryBeforeItIsUsed) {
+  const Scene scene = bundled("box_over_plane.gltf");
+  Renderer renderer(device_, scene, kLimits);
+  const SceneState state = state_at(scene, Time{});
+  const StereoView views = eyes_of(head_at_camera(scene), kSide_px);
+  renderer.draw(shown(views, state, {}));
+  const auto held = [&](gpu::Use use) { return renderer.counters().memory.now[use]; };
+  EXPECT_EQ(held(gpu::Use::ReadBack), 0u);
+  EXPECT_EQ(held(gpu::Use::Staging), 0u);
+  GBufferPlanes planes;
+  renderer.read_gbuffer(planes);
+  const std::uint64_t once = held(gpu::Use::ReadBack);
+  EXPECT_GT(once, 0u);
+  EXPECT_EQ(held(gpu::Use::Staging), 0u);
+  renderer.draw_received(planes, shown(views, state, {}));
+  const std::uint64_t upload = held(gpu::Use::Staging);
+  EXPECT_GT(upload, 0u);
+  renderer.read_gbuffer(planes);
+  renderer.draw_received(planes, shown(views, state, {}));
+  EXPECT_EQ(held(gpu::Use::ReadBack), once);
+  EXPECT_EQ(held(gpu::Use::Staging), upload);
+}
+
+}  // namespace
+}  // namespace farshade
