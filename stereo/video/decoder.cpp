@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "stereo/base/check.h"
@@ -29,9 +30,11 @@ struct PacketEnd {
 bool holds_key_frame(std::span<const std::byte> unit) {
   constexpr std::array start{std::byte{0}, std::byte{0}, std::byte{1}};
   constexpr std::byte type_bits{0x1f}, idr{5};
-  for (auto at = std::ranges::search(unit, start); at.end() != unit.end();
-       at = std::ranges::search(std::ranges::subrange(at.end(), unit.end()), start))
-    if ((*at.end() & type_bits) == idr) return true;
+  const auto end = unit.end();
+  for (auto at = unit.begin(); (at = std::search(at, end, start.begin(), start.end())) != end;) {
+    at += start.size();
+    if (at != end && (*at & type_bits) == idr) return true;
+  }
   return false;
 }
 
