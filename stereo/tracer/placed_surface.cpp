@@ -55,17 +55,15 @@ std::optional<glm::vec3> shorter_step(const Neighbourhood& around, int x, int y,
   return glm::dot(forth, forth) <= glm::dot(back, back) ? forth : back;
 }
 
-/// Three points are always in a plane; one more must be.
+/// Whether the neighbours on all sides are in the plane.
 bool is_flat(const Neighbourhood& around, int x, int y, int away, const glm::vec3& normal, float doubt) {
   const glm::vec3 here = around.position[Neighbourhood::at(x, y)];
-  int in_plane = 0;
   for (const auto& [dx, dy] : {std::pair{away, 0}, {-away, 0}, {0, away}, {0, -away}}) {
     const std::size_t there = Neighbourhood::at(x + dx, y + dy);
-    if (!around.covered[there]) continue;
+    if (!around.covered[there]) return false;
     if (std::abs(glm::dot(normal, around.position[there] - here)) > 2 * doubt) return false;
-    ++in_plane;
   }
-  return in_plane >= 3;
+  return true;
 }
 
 /// The first that is tilted by less than the way to the eye stands off the plane, so that it is known which
@@ -89,18 +87,18 @@ std::optional<Estimate> estimate(const Neighbourhood& around, int x, int y, cons
   return found;
 }
 
-/// How a ray's start leaves its surface.
+/// How what float rounds is lifted off, and what is known of lights behind.
 struct Lift {
   glm::vec3 along;    ///< unit
-  float cosine = 1;   ///< of the angle to the surface's true normal, at least
+  float cosine = 1;   ///< of the angle to the surface's normal
   float tilt = 2.0f;  ///< as PlacedSurface::tilt
 };
 
-/// The cosine where neighbours give no normal; the least that is believed of a doubtful one.
-constexpr float kBlindCosine = 0.5f, kLeastCosine = 0.125f;
+/// The least cosine that is believed of a doubtful normal, and the one where neighbours give none.
+constexpr float kLeastCosine = 0.125f;
 
 Lift lift_of(const std::optional<Estimate>& found, const glm::vec3& to_eye) {
-  if (!found) return {.along = to_eye, .cosine = kBlindCosine};
+  if (!found) return {.along = to_eye, .cosine = kLeastCosine};
   const float seen = glm::dot(found->normal, to_eye);
   if (!found->sure) return {.along = to_eye, .cosine = std::max(std::abs(seen), kLeastCosine)};
   return {.along = seen < 0 ? -found->normal : found->normal,
@@ -108,17 +106,23 @@ Lift lift_of(const std::optional<Estimate>& found, const glm::vec3& to_eye) {
           .tilt = found->tilt};
 }
 
-void resolve(const PlacedEye& eye, const Neighbourhood& around, int x, int y, PlacedSurface& out, int at) {
-  const glm::vec3 p = around.position[Neighbourhood::at(x, y)], way = eye.eye - p;
-  const float distance = glm::length(way);
-  const glm::vec3 to_eye = distance > 0 ? way / distance : glm::vec3(0, 1, 0);
+void resolve(const PlacedEye& eye, const TileRect& rect, const Neighbourhood& around, TilePixel pixel,
+             PlacedSurface& out, int at) {
   constexpr float kRounding = 4.0f / (1 << 24);  // of two positions' coordinates, each half an ulp
-  const float doubt = std::numbers::sqrt3_v<float> * (static_cast<float>(eye.step) + kRounding * eye.reach);
-  const Lift lift = lift_of(estimate(around, x, y, to_eye, doubt), to_eye);
+  const float error =
+      0.5f * std::numbers::sqrt3_v<float> * (static_cast<float>(eye.step) + kRounding * eye.reach);  // E
+  const glm::vec3 ray(eye.rays.corner + eye.rays.across * (rect.x0 + pixel.x + 0.5) +
+                      eye.rays.down * (rect.y0 + pixel.y + 0.5));
+  const glm::vec3 told = around.position[Neighbourhood::at(pixel.x, pixel.y)];
+  const float along_ray = std::max(glm::dot(told - eye.rays.origin, ray) / glm::dot(ray, ray), 0.0f);
+  const float length = glm::length(ray);
+  const glm::vec3 p = eye.rays.origin + ray * along_ray, to_eye = -ray / length;
+  const Lift lift = lift_of(estimate(around, pixel.x, pixel.y, to_eye, 2 * error), to_eye);
   const glm::vec3& n = lift.along;
-  const float height = 0.5f * doubt / lift.cosine + kOffset * eye.reach;
+  const glm::vec3 start =
+      p + to_eye * std::min(error, along_ray * length) + n * (kOffset * eye.reach / lift.cosine);
   out.px[at] = p.x, out.py[at] = p.y, out.pz[at] = p.z;
-  out.ox[at] = p.x + n.x * height, out.oy[at] = p.y + n.y * height, out.oz[at] = p.z + n.z * height;
+  out.ox[at] = start.x, out.oy[at] = start.y, out.oz[at] = start.z;
   out.nx[at] = out.gx[at] = n.x, out.ny[at] = out.gy[at] = n.y, out.nz[at] = out.gz[at] = n.z;
   out.reach[at] = eye.reach;
   out.tilt[at] = lift.tilt;
@@ -139,7 +143,7 @@ void place_tile(const PlacedEye& eye, const TileRect& rect, PlacedSurface& out) 
       continue;
     }
     ++out.covered;
-    resolve(eye, around, pixel.x, pixel.y, out, i);
+    resolve(eye, rect, around, pixel, out, i);
   }
 }
 

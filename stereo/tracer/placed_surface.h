@@ -1,17 +1,16 @@
 /// Placed surfaces: what a tile sees, from positions that someone else has found and rounded to a grid.
 ///
-/// A rounded position lies up to E = step sqrt(3) / 2 before or behind its surface, and a ray from it to the
-/// light would meet that surface. So rays start above it. A start lifted by h = E / cos a along a direction
-/// that is tilted by at most a against the surface's normal is on the light's side, however the light grazes:
-/// h cos a >= E. What float rounds is added as in tile_stages.h.
+/// A rounded position lies up to E = step sqrt(3) / 2 beside its surface, and a ray from there to the light
+/// could meet that surface. But the pixel's own ray is known, and the surface is on it: dropped onto that
+/// ray, a position is wrong by at most E along it. Moved on by E towards the eye it is between 0 and 2 E
+/// before the surface, on the side that is seen, however eye and light graze; nothing stands there, since the
+/// eye sees past it. So no normal is needed against rounding to the grid.
 ///
-/// A difference of two positions is wrong by at most D = 2 E. So a normal across differences p and q, of
-/// which p is the longer and r is the height of q over p, is tilted by at most a = asin(D / |p|) +
-/// asin(D / r). Neighbours 1, 2, 4 and 8 pixels away are tried until |p| and r are at least 2 D: a <= 60
-/// degrees, and less than the eye stands off that plane, so that its seen side is known. Where they all lie
-/// in one plane, this is the direction. At edges and on what is curved the normal may be another surface's;
-/// but the way to the eye is on the seen side of whatever is seen. So the lift goes there, by E / cos of its
-/// angle to that normal, up to 8 E; by 2 E where no neighbours tell anything.
+/// Against rounding of float the start is lifted as in tile_stages.h, along a normal across differences p and
+/// q of neighbouring positions, of which p is the longer and r is the height of q over p. A difference is
+/// wrong by at most D = 2 E, so the normal is tilted by at most asin(D / |p|) + asin(D / r). Neighbours 1, 2,
+/// 4 and 8 pixels away are tried until that is below 60 degrees and below what the eye stands off the plane.
+/// Where neighbours are in no such plane, the lift is towards the eye.
 #pragma once
 
 #include "stereo/frame/position_grid.h"
@@ -22,10 +21,10 @@ namespace farshade {
 /// One eye's positions.
 struct PlacedEye {
   const PositionPlanes& planes;
-  glm::dvec3 low;       ///< of the grid, anchor-relative
-  double step = 0;      ///< metres
-  glm::vec3 eye{0.0f};  ///< anchor-relative
-  float reach = 0;      ///< largest absolute coordinate of what can occlude
+  glm::dvec3 low;   ///< of the grid, anchor-relative
+  double step = 0;  ///< metres
+  ViewRays rays;    ///< on which they were found
+  float reach = 0;  ///< largest absolute coordinate of what can occlude
 };
 
 /// Normals are the directions of the lifts.

@@ -294,8 +294,8 @@ TraceStats Tracer::trace(const TraceRequest& request, const PerEye<PositionPlane
   const auto placed = [&](std::size_t eye) {
     for (const PixelPlane& plane : positions[eye])
       check(plane.size == request.views[eye].size, "positions are those of the view's pixels");
-    return PlacedEye{positions[eye], grid.low.v - anchor, grid.step_m,
-                     glm::vec3(request.views[eye].stage_from_eye.translation - anchor), reach};
+    return PlacedEye{positions[eye], grid.low.v - anchor, grid.step_m, rays_of(request.views[eye], anchor),
+                     reach};
   };
   return impl_->trace_frame(PerEye<PlacedEye>{placed(0), placed(1)}, false, frame);
 }

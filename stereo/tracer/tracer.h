@@ -73,7 +73,7 @@ class Tracer {
   /// The same without primary rays: the pixels' surfaces lie at `positions` on `grid`, planes of the views'
   /// sizes. What has no word is not covered. Bits of lights behind a surface may be either: a shader that
   /// knows the normal multiplies them by 0. The others are those of `trace` but for shadows that the grid
-  /// moves: rays start up to 9 E off the surface, E = sqrt(3) / 2 steps (placed_surface.h).
+  /// moves: rays start up to 2 E before the surface, E = sqrt(3) / 2 steps (placed_surface.h).
   TraceStats trace(const TraceRequest& request, const PerEye<PositionPlanes>& positions,
                    const PositionGrid& grid, ShadowFrame& frame);
 

@@ -109,14 +109,14 @@ TEST(PositionTrace, IsLessRightTheFewerBits) {
   const View view = camera_of(scene, 192);
   const Seen what = seen(scene, view);
   double before = 1;
-  for (const std::uint32_t bits : {8u, 10u, 12u, 14u, 16u, 18u, 20u}) {
+  for (const std::uint32_t bits : {8u, 10u, 12u, 14u, 16u}) {
     const ShadowFrame frame = traced(scene, view, placed(scene, view, what, bits));
     const double wrong = wrong_share(scene, view, what, frame.masks[0]);
     std::printf("room.glb, %u bits: %.4f %% of the facing pixel-lights are wrong\n", bits, 100 * wrong);
     EXPECT_LT(wrong, before) << bits;
     before = wrong;
   }
-  EXPECT_LT(before, 0.001);
+  EXPECT_LT(before, 0.002);
 }
 
 /// A floor shadows itself nowhere, however coarse its grid and however the light grazes.
@@ -146,9 +146,8 @@ TEST(PositionTrace, MatchesPaperAnswerForBoxOverPlane) {
     const Placed from = placed(scene, kFromAbove, what, bits);
     const EyeMask mask = traced(scene, kFromAbove, from).masks[0];
     // From the light at 3 m, the box's top at 1.25 m stands before 3 / 1.75 of its half sides. A start that
-    // is lifted by up to 8 E and off by E shifts the shadow by up to 17 E, as ways run at most 2 to 1 aside
-    // here.
-    const double off = 17 * std::sqrt(3.0) / 2 * from.grid.step_m + 1e-4;
+    // is up to 2 E before the floor shifts the shadow by up to 6 E, as ways run at most 2 to 1 aside here.
+    const double off = 6 * std::sqrt(3.0) / 2 * from.grid.step_m + 1e-4;
     const double half_x = 0.5 * 3 / 1.75, half_z = 0.4 * 3 / 1.75;
     std::uint32_t dark = 0, bright = 0;
     for (std::uint32_t i = 0; i < kFromAbove.size.pixels(); ++i) {
