@@ -184,6 +184,28 @@ TEST(PlaneSlices, OfAnotherSizeOrWordAreRefused) {
   }
 }
 
+TEST(PlaneSlices, AreExactlyTheTilesTheyClaim) {
+  std::mt19937 random(11);
+  const PixelPlane plane = smooth_plane({48, 48}, 3, random);
+  PlanePacker packer;
+  packer.start(FrameId{}, Side::Left, PlaneKind::PositionX, plane);
+  const PlaneSlice whole = packer.next().value();
+  ASSERT_EQ(whole.tile_count, 9u);
+  Received received(plane);
+  for (const std::uint32_t claimed : {1u, 8u}) {
+    PlaneSlice fewer = whole;
+    fewer.tile_count = claimed;
+    EXPECT_EQ(decode_plane_tiles(fewer, received.plane, received.known), refuse(WireRefusal::TileLength));
+  }
+  PixelPlane larger({64, 48}, 3);
+  KnownTiles known(12);
+  PlaneSlice more = whole;
+  more.size = larger.size, more.tile_count = 10;
+  EXPECT_EQ(decode_plane_tiles(more, larger, known), refuse(WireRefusal::TileLength));
+  EXPECT_EQ(received.plane, PixelPlane(plane.size, 3));
+  EXPECT_EQ(known, KnownTiles(12));
+}
+
 /// What must hold of any bytes: refused and untouched, or taken.
 void expect_harmless(const Bytes& bytes, const PixelPlane& like) {
   const Decoded<ServerMessage> message = decode_server(bytes);
