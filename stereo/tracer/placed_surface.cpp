@@ -79,7 +79,9 @@ std::optional<Estimate> estimate(const Neighbourhood& around, int x, int y, cons
     const float longer = std::max(glm::length(*across), glm::length(*down));
     if (!(longer >= 2 * doubt && area >= 2 * doubt * longer)) continue;
     normal /= area;
-    const float tilt = std::sin(std::asin(doubt / longer) + std::asin(doubt * longer / area));
+    // asin(a) + asin(b), as its sine
+    const float a = doubt / longer, b = doubt * longer / area;
+    const float tilt = a * std::sqrt(1 - b * b) + b * std::sqrt(1 - a * a);
     const bool sided = std::abs(glm::dot(normal, to_eye)) > tilt;
     found = Estimate{normal, tilt, sided && is_flat(around, x, y, away, normal, doubt)};
     if (sided) break;
