@@ -19,17 +19,31 @@ TEST(Figures, TellMedianAndTheWorseSide) {
   EXPECT_FALSE(told.contains("time"));
 }
 
+EyeErrors eye(double mask_error, double psnr_db) {
+  EyeErrors errors;
+  errors.mask_error = mask_error;
+  errors.psnr_db = psnr_db;
+  return errors;
+}
+
 /// Two frames: one before anything had come, one with errors.
 Played two_frames(const PerEye<EyeErrors>& errors) {
   Played played;
   const auto frame = [](std::uint32_t number) {
-    FrameRecord record{.frame = {number}, .display_time = Time{}, .age = {}, .delta = {}, .times = {}};
+    FrameRecord record{.frame = {number},
+                       .display_time = Time{},
+                       .age = {},
+                       .delta = {},
+                       .times = {},
+                       .guard_band = {},
+                       .server = {},
+                       .errors = {}};
     record.times.frame = std::chrono::milliseconds(number);
     return record;
   };
   FrameRecord first = frame(1), second = frame(2);
   first.start_up = true;
-  first.errors = PerEye<EyeErrors>{EyeErrors{.mask_error = 1}, EyeErrors{.mask_error = 1}};
+  first.errors = PerEye<EyeErrors>{eye(1, 1), eye(1, 1)};
   second.age = std::chrono::milliseconds(40);
   second.black = {0.25, 0.5};
   second.errors = errors;
@@ -40,9 +54,7 @@ Played two_frames(const PerEye<EyeErrors>& errors) {
 
 TEST(Figures, OfAFrameAreItsWorseEyesAndLeaveStartUpOut) {
   Figures figures;
-  add_errors(
-      two_frames({EyeErrors{.mask_error = 0.25, .psnr_db = 30}, EyeErrors{.mask_error = 0.5, .psnr_db = 40}}),
-      0, figures);
+  add_errors(two_frames({eye(0.25, 30), eye(0.5, 40)}), 0, figures);
   const nlohmann::json told = figures.json();
   EXPECT_EQ(told["error"]["mask_error"]["median"], 50.0);
   EXPECT_EQ(told["error"]["mask_error"]["count"], 1);

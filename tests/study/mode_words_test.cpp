@@ -21,7 +21,9 @@ TEST(ModeWords, ANameAloneIsTheModeAsItIsByDefault) {
   for (const ModeName& named : kModes) {
     Settings settings;
     ASSERT_TRUE(set_mode(named.name, settings.play));
-    EXPECT_EQ(settings.play.mode, ModeWish{.mode = named.mode});
+    ModeWish by_default;
+    by_default.mode = named.mode;
+    EXPECT_EQ(settings.play.mode, by_default);
     EXPECT_EQ(settings.play.carry_over, CarryOver{});
     EXPECT_EQ(settings.play.mask_wait, Duration::zero());
   }
