@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
+#include "rt_server/answers/answers.h"
 #include "rt_server/serve.h"
 #include "stereo/base/check.h"
 #include "stereo/net/explain.h"
@@ -83,9 +84,11 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   const auto trace = [&](const TraceRequest& request, ShadowFrame& frame) {
     return tracer->trace(request, frame);
   };
-  const Welcome served{scene.hash, plan.trace.mask.lights, options.most_pixels};
+  Answers answers({.scene = scene, .plan = plan, .tracer = *tracer});
+  const Welcome served{scene.hash, plan.trace.mask.lights, options.most_pixels, answers.offered()};
   ServerCore core(served, *ring, trace, **port, clock, options.limits,
-                  plan.one_value_tiles ? SameAllOver::OneValue : SameAllOver::EachPixel);
+                  plan.one_value_tiles ? SameAllOver::OneValue : SameAllOver::EachPixel,
+                  [&](const Job& job, FramePacker& packer) { return answers.answer(job, packer); });
   fmt::print("rt_server: serving {}, {} triangles, {} lights, scene {}\n", scene.name, scene.triangle_count,
              plan.trace.mask.lights, short_form(scene.hash));
   fmt::print("rt_server: the tracer holds {}\n", in_words(tracer->memory()));

@@ -95,9 +95,12 @@ std::string heading(const Options& options, const Client& client, const TraceRun
                   options.scene.filename().string(), options.trace.filename().string(), log.records().size(),
                   options.size.width, options.size.height, options.refresh_hz, client.device.name);
   if (client.link && options.pace == Pace::Virtual)
-    text += fmt::format("masks come {:g} ms after they were asked for\n", options.delay_ms);
+    text += fmt::format("mode {}: answers come {:g} ms after they were asked for\n",
+                        name_of(options.mode.mode), options.delay_ms);
+  else
+    text += fmt::format("mode {}\n", name_of(options.mode.mode));
   if (client.link && log.start_up_frames() > 0)
-    text += fmt::format("{} frames were shown before the first mask; errors below are of the others\n",
+    text += fmt::format("{} frames were shown before the first answer; errors below are of the others\n",
                         log.start_up_frames());
   if (runtime.skipped() > 0) text += fmt::format("{} display times were missed\n", runtime.skipped());
   return text;
@@ -194,6 +197,7 @@ Expected<void> run_replay(const Options& options) {
   const Session session{.scene = client.scene,
                         .runtime = replay,
                         .renderer = *client.renderer,
+                        .mode = {.mode = header.origin == MaskOrigin::OwnTracer ? Mode::Full : Mode::Hybrid},
                         .link = replay.link(),
                         .own_tracer = header.origin == MaskOrigin::OwnTracer ? reference : nullptr,
                         .steering = replay.steering(),
@@ -220,7 +224,7 @@ Expected<void> run_client(const Options& options) {
   Expected<std::unique_ptr<Client>> opened = open_client(options, trace->eye_distance_m);
   if (!opened) return tl::unexpected(opened.error());
   Client& client = **opened;
-  if (options.mode == Mode::Full || measures(options))
+  if (options.mode.mode == Mode::Full || measures(options))
     if (auto done = open_reference(client); !done) return done;
   const bool taped = !options.record.empty();
   SessionRecorder tape(client.clock);
@@ -242,8 +246,9 @@ Expected<void> run_client(const Options& options) {
   const Session session{.scene = client.scene,
                         .runtime = runtime,
                         .renderer = *client.renderer,
+                        .mode = options.mode,
                         .link = client.link ? &*client.link : nullptr,
-                        .own_tracer = options.mode == Mode::Full ? reference : nullptr,
+                        .own_tracer = options.mode.mode == Mode::Full ? reference : nullptr,
                         .steering = steering,
                         .policy = policy};
   const auto record = [&](const FrameView& view) {

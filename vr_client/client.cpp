@@ -7,6 +7,7 @@
 
 #include "stereo/net/udp.h"
 #include "stereo/scene/gltf.h"
+#include "stereo/video/video.h"
 
 namespace farshade {
 namespace {
@@ -21,11 +22,10 @@ constexpr double kLongestRoundTrip_ms = 250;
 }  // namespace
 
 RendererLimits renderer_limits(const Options& options) {
-  // Whoever looks at a preview may want a guard band at any time.
-  if (options.mode == Mode::Full)
+  if (!carries_over(options.mode.mode))
     return {.size = options.size, .traced_size = options.size, .depth_frames = 1};
-  const bool wider = options.mode == Mode::Hybrid &&
-                     (options.preview || options.request.guard_band == GuardBandUse::Measured);
+  // Whoever looks at a preview may want a guard band at any time.
+  const bool wider = options.preview || options.request.guard_band == GuardBandUse::Measured;
   return {.size = options.size,
           .traced_size = wider ? largest_traced(options.size) : options.size,
           .depth_frames = frames_in_flight(options)};
@@ -58,6 +58,20 @@ Expected<LinkModel> network_of(const Options& options) {
 
 }  // namespace
 
+namespace {
+
+/// What the mode needs of this build, and what it may take.
+Expected<void> fits(const ModeWish& wish, const Scene& scene) {
+  const bool streams = wish.mode == Mode::Remote || wish.mode == Mode::Delta;
+  if (streams && !has_video())
+    return fail(Fault::Unavailable,
+                fmt::format("mode {} needs video: {}", name_of(wish.mode), video_version()));
+  if (wish.mode != Mode::Local) return {};
+  return shadow_map_bytes(scene, wish.shadow_maps).map([](std::uint64_t) {});
+}
+
+}  // namespace
+
 std::uint32_t frames_in_flight(const Options& options) {
   double late_ms = options.pace == Pace::Real ? kLongestRoundTrip_ms : options.delay_ms;
   if (options.preview) late_ms += kWorstPreviewPath_ms;
@@ -68,7 +82,7 @@ std::uint32_t frames_in_flight(const Options& options) {
 SessionNeeds needs_of(const Options& options, double eye_distance_m) {
   return {.kind = options.plan.kind,
           .two_views = eye_distance_m != 0,
-          .carries_over = options.mode == Mode::Hybrid};
+          .carries_over = carries_over(options.mode.mode)};
 }
 
 Expected<PlannedScene> load_planned(const Options& options, const SessionNeeds& needs) {
@@ -90,6 +104,7 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options, const Sess
     return fail(Fault::Unsupported,
                 fmt::format("{} has {} instances; at most {} can be drawn", options.scene.string(),
                             client->scene.instances.size(), kMaxInstances));
+  if (auto fit = fits(options.mode, client->scene); !fit) return tl::unexpected(fit.error());
   Expected<gpu::Device> device = gpu::open_device(options.device);
   if (!device) return tl::unexpected(device.error());
   client->device = std::move(*device);
@@ -110,7 +125,8 @@ Expected<void> meet(const Options& options, Client& client, LinkListener listene
   const Expected<SharedKey> key = key_for(options, client.server);
   if (!key) return tl::unexpected(key.error());
   client.link.emplace(*client.network, client.clock,
-                      LinkTarget{client.server, *key, client.scene.hash, client.plan.draw.mask},
+                      LinkTarget{client.server, *key, client.scene.hash, client.plan.draw.mask,
+                                 answers_for(options.mode.mode)},
                       frames_in_flight(options));
   client.link->tell(std::move(listener));
   const Stopwatch meeting;
@@ -122,14 +138,14 @@ Expected<void> meet(const Options& options, Client& client, LinkListener listene
         fmt::format("the server traces at most {} pixels an eye (rt_server --pixels), --size asks for {}",
                     client.link->inbox().most_pixels(), options.size.pixels()));
   if (!met) {
-    if (met.error().fault == Fault::Mismatch) return met;
+    if (met.error().fault == Fault::Mismatch || client.link->refused()) return met;
     spdlog::warn("{}; going on without shadows from it, and trying again", met.error().what);
   }
   return {};
 }
 
 Expected<void> open_link(const Options& options, Client& client, LinkListener listener) {
-  if (options.mode != Mode::Hybrid) return {};
+  if (answers_for(options.mode.mode) == 0) return {};
   if (!client.plan.server) {
     spdlog::info("no light casts shadows: no server is needed");
     return {};
@@ -144,7 +160,7 @@ Expected<void> open_link(const Options& options, Client& client, LinkListener li
 }
 
 SessionHeader header_of(const Options& options, const Client& client, const MaskPolicy& policy) {
-  const bool traces = options.mode == Mode::Full && client.plan.server;
+  const bool traces = options.mode.mode == Mode::Full && client.plan.server;
   return {.scene = options.scene.filename().string(),
           .scene_hash = client.scene.hash,
           .lights = client.plan.draw.mask.lights,

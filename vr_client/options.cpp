@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <charconv>
+#include <cmath>
 
 #include "stereo/frame/view.h"
 #include "stereo/wire/key_file.h"
@@ -37,6 +38,12 @@ std::vector<std::string> predictors() {
   return names;
 }
 
+std::map<std::string, Mode> modes() {
+  std::map<std::string, Mode> named;
+  for (const ModeName& mode : kModes) named.emplace(mode.name, mode.mode);
+  return named;
+}
+
 std::string one_line(const CLI::App*, const CLI::Error& error) {
   return fmt::format("vr_client: {} (--help tells more)\n", error.what());
 }
@@ -67,6 +74,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   std::string size = "512x512";
   std::string predictor(to_string(kDefaultPredictor));
   bool validate = false;
+  double video_megabits = options.mode.bits_per_second * 1e-6;
   ClientDoctorOptions examined;
   add_doctor(app, examined);
   app.require_subcommand(0, 1);
@@ -93,9 +101,25 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   app.add_option(
       "--net", options.net,
       "impair what arrives here, as a bad network would: poor, or loss=2%,delay=25ms,jitter=5ms, ...");
-  app.add_option("--mode", options.mode, "hybrid: masks from the server; full: trace everything here")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Mode>{{"hybrid", Mode::Hybrid}, {"full", Mode::Full}}));
+  app.add_option("--mode", options.mode.mode,
+                 "how the work is split (docs/modes.md): hybrid shades with the server's masks, full traces "
+                 "everything here")
+      ->transform(CLI::CheckedTransformer(modes()));
+  app.add_option("--bitrate", video_megabits,
+                 "remote, delta: millions of bits a second of the server's video")
+      ->check(within(kLeastVideo_bits * 1e-6, kMostVideo_bits * 1e-6))
+      ->capture_default_str();
+  app.add_option("--position-bits", options.mode.position_bits,
+                 "client-positions: of a coordinate, over the scene's longest side")
+      ->check(CLI::Range(kLeastPosition_bits, kMostPosition_bits))
+      ->capture_default_str();
+  app.add_option("--shadow-maps", options.mode.shadow_maps.side_px, "local: pixels of a shadow map's side")
+      ->check(CLI::Range(kLeastMapSide_px, kMostMapSide_px))
+      ->capture_default_str();
+  app.add_option("--pcf", options.mode.shadow_maps.pcf_radius,
+                 "local: texels that a shadow's edge is filtered over")
+      ->check(CLI::Range(0u, kMostPcfRadius))
+      ->capture_default_str();
   app.add_option("--clock", options.pace,
                  "virtual: every display time gets its frame, repeatable; real: as it comes")
       ->transform(CLI::CheckedTransformer(
@@ -180,6 +204,11 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
     if (!parsed) throw CLI::ValidationError("--size", parsed.error().what);
     options.size = *parsed;
     options.request.predictor = parse_predictor(predictor).value();
+    options.mode.bits_per_second = static_cast<std::uint32_t>(std::lround(video_megabits * 1e6));
+    const bool recordable = options.mode.mode == Mode::Hybrid || options.mode.mode == Mode::Full;
+    if (!options.record.empty() && !recordable)
+      throw CLI::ValidationError("--record", "sessions of hybrid and full can be recorded, not of " +
+                                                 std::string(name_of(options.mode.mode)));
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(EarlyExit{app.exit(error) == 0 ? 0 : 2});
   }

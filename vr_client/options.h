@@ -13,14 +13,10 @@
 #include "stereo/plan/scene_plan.h"
 #include "vr_client/ask/request_plan.h"
 #include "vr_client/doctor.h"
+#include "vr_client/modes/mode.h"
 #include "vr_client/runtime.h"
 
 namespace farshade {
-
-enum class Mode : std::uint8_t {
-  Hybrid,  ///< rasterises, carries the server's masks over, shades
-  Full,    ///< traces everything itself: the reference
-};
 
 /// Where the recorded head starts.
 enum class Place : std::uint8_t {
@@ -41,7 +37,7 @@ struct Options {
   std::filesystem::path key;  ///< file; empty for default_key_path()
   bool insecure = false;      ///< no key, unsealed, to a server on this machine
   std::string net;  ///< the network towards the client, as parse_link_model has it; empty for as it is
-  Mode mode = Mode::Hybrid;
+  ModeWish mode;
   Pace pace = Pace::Virtual;
   double delay_ms = 20, mask_wait_ms = 0;
   RequestWish request;

@@ -1,6 +1,7 @@
 #include "vr_client/recorder.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "stereo/base/files.h"
 #include "vr_client/report/dump.h"
@@ -30,6 +31,11 @@ bool Recorder::is_dumped(FrameId frame) const {
   return std::find(wish_.dump.begin(), wish_.dump.end(), frame.value) != wish_.dump.end();
 }
 
+/// Mask error, where masks were shown; else the mean squared error that the PSNR stands for.
+double Recorder::badness(const EyeErrors& errors) {
+  return std::isnan(errors.mask_error) ? std::pow(10.0, -errors.psnr_db / 10) : errors.mask_error;
+}
+
 void Recorder::keep(Expected<void> done) {
   if (!done && !failed_) failed_ = done.error();
 }
@@ -40,13 +46,18 @@ void Recorder::watch(const FrameView& view) {
                      .display_time = view.shown.display_time,
                      .age = view.age,
                      .delta = {},
+                     .start_up = view.start_up,
                      .times = view.times,
+                     .black = view.black,
                      .guard_band = guard_band_of(view),
                      .server = {},
                      .errors = {}};
   if (!view.masks.empty())
     record.delta = pose_delta(view.shown.views[0], view.shown.display_time, view.masks[0].views[0],
                               view.masks[0].display_time);
+  else if (view.newest)
+    record.delta = pose_delta(view.shown.views[0], view.shown.display_time, view.newest->request.views[0],
+                              view.newest->request.display_time);
   // A server's frame counts once, in the first frame that is shown with its masks.
   if (view.newest && view.newest->request.frame != counted_) {
     record.server = view.newest->report;
@@ -62,8 +73,8 @@ void Recorder::watch(const FrameView& view) {
 
   if (pictured) keep(write_shown(wish_.out, frame, measured ? current_.shown : renderer_.read_shown()));
   if (dumped) keep(write_dump(wish_.out / "dump", view, current_, renderer_.read_distance()));
-  if (measured && record.delta) {
-    const double error = (*record.errors)[0].mask_error + (*record.errors)[1].mask_error;
+  if (measured && !view.start_up) {
+    const double error = badness((*record.errors)[0]) + badness((*record.errors)[1]);
     if (error > worst_error_) {
       worst_error_ = error;
       worst_ = current_;

@@ -31,6 +31,10 @@ class Recorder {
   /// The first failure to write, after which no more is tried.
   [[nodiscard]] const std::optional<Error>& failed() const { return failed_; }
   [[nodiscard]] const FrameLog& log() const { return log_; }
+  /// The frame watched last, if it was measured; else null.
+  [[nodiscard]] const MeasuredFrame* measured() const {
+    return !log_.records().empty() && log_.records().back().errors ? &current_ : nullptr;
+  }
 
   /// Pictures of the worst frame, summary.csv and frames.csv.
   [[nodiscard]] Expected<void> finish() const;
@@ -39,6 +43,7 @@ class Recorder {
   [[nodiscard]] bool is_pictured(FrameId frame) const;
   [[nodiscard]] bool is_dumped(FrameId frame) const;
   [[nodiscard]] static std::optional<double> guard_band_of(const FrameView& view);
+  [[nodiscard]] static double badness(const EyeErrors& errors);
   void keep(Expected<void> done);
 
   RecorderWish wish_;

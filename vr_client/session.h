@@ -7,6 +7,7 @@
 #include "stereo/scene/scene_state.h"
 #include "vr_client/ask/request_plan.h"
 #include "vr_client/link/mask_link.h"
+#include "vr_client/modes/mode.h"
 #include "vr_client/reference.h"
 #include "vr_client/runtime.h"
 
@@ -31,16 +32,22 @@ struct Steering {
 
 /// Work of the client's stages; time spent waiting for the display or the server is not counted.
 struct StageTimes {
-  Duration request{};                    ///< locate views, pose the scene, predict, send
-  Duration collect{};                    ///< decode and assemble slices; in mode full: trace
-  Duration gbuffer{}, depth{}, shade{};  ///< on the device
-  Duration draw{};   ///< all three with recording, uploads, submission and the wait for the device
+  Duration request{};                                    ///< locate views, pose the scene, predict, send
+  Duration collect{};                                    ///< decode and assemble slices; in mode full: trace
+  Duration gbuffer{}, depth{}, maps{}, shade{}, turn{};  ///< on the device
+  Duration draw{};   ///< all of them with recording, uploads, submission and the wait for the device
   Duration frame{};  ///< request + collect + draw
 };
 
 /// When a frame's stages began, on the machine's clock.
 struct StageStarts {
   Time request{}, collect{}, draw{}, end{};
+};
+
+/// What a shown picture is.
+enum class ShownAs : std::uint8_t {
+  Shaded,   ///< shaded here, light by light: the renderer's report tells of each
+  Picture,  ///< what a server drew, or what it changed
 };
 
 /// One frame as it was shown. References end with the call.
@@ -50,7 +57,10 @@ struct FrameView {
   const SceneState& state;
   std::span<const MaskInHand> masks;  ///< that the frame was drawn with, newest first
   const ReceivedFrame* newest;        ///< what the newest of them came from; null if no server sent it
-  std::optional<Duration> age;        ///< of what the newest mask was asked with: how long ago that was
+  std::optional<Duration> age;        ///< of what the newest was asked with: how long ago that was
+  ShownAs as;
+  bool start_up;         ///< nothing of what the mode needs had come yet
+  PerEye<double> black;  ///< share of each eye that the server's picture does not reach
   const StageTimes& times;
   const StageStarts& starts;
   const Steering& steering;  ///< that it was shown with
@@ -58,12 +68,13 @@ struct FrameView {
 };
 using FrameWatcher = std::function<void(const FrameView&)>;
 
-/// Exactly one of `link` and `own_tracer` gives masks; neither where no light casts shadows.
+/// What the mode needs is there: a link, or a tracer of one's own; neither where no light casts shadows.
 struct Session {
   const Scene& scene;
   Runtime& runtime;
   Renderer& renderer;
-  MaskLink* link = nullptr;         ///< mode hybrid
+  ModeWish mode{};
+  MaskLink* link = nullptr;         ///< modes with a server
   Reference* own_tracer = nullptr;  ///< mode full
   const Steering& steering;         ///< as it stands when a frame begins
   MaskPolicy policy;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rt_server/answers/answers.h"
 #include "stereo/base/check.h"
 #include "stereo/tracer/tracer.h"
 #include "vr_client/recorder.h"
@@ -117,10 +118,13 @@ Played play(const Play& play, const Network& network) {
   Reference reference(value_of(Tracer::create(play.scene)));
   const auto lights = narrow<std::uint32_t>(play.scene.lights.size());
   const SharedKey key{.name = "rehearsal", .secret = {1}};
+  const ScenePlan plan = plan_for(play.scene, {.all_lights = true});
+  Answers answers({.scene = play.scene, .plan = plan, .tracer = tracer});
   ServerCore core(
-      {play.scene.hash, lights}, {key},
+      {play.scene.hash, lights, Welcome{}.most_pixels, answers.offered()}, {key},
       [&](const TraceRequest& request, ShadowFrame& frame) { return tracer.trace(request, frame); },
-      wire.server(), clock, play.limits);
+      wire.server(), clock, play.limits, SameAllOver::OneValue,
+      [&](const Job& job, FramePacker& packer) { return answers.answer(job, packer); });
   wire.while_waiting(
       [&] {
         while (core.receive(Duration::zero())) {
@@ -135,7 +139,17 @@ Played play(const Play& play, const Network& network) {
       kLongestRoundTrip_frames + narrow<std::uint32_t>(ShadingPass::kMaxMasks) + 4;
   Renderer renderer(play.device, play.scene,
                     {.size = play.size, .traced_size = largest_traced(play.size), .depth_frames = in_flight});
-  ShadowLink link(wire.client(), clock, {wire.server().local(), key, play.scene.hash, lights}, in_flight);
+  ShadowLink link(wire.client(), clock,
+                  {wire.server().local(), key, play.scene.hash, lights, answers_for(play.mode.mode)},
+                  in_flight);
+  Played played;
+  link.tell({.heard =
+                 [&](std::span<const std::byte> message, Time) {
+                   const Decoded<ServerMessage> said = decode_server(message);
+                   if (const auto* report = said ? std::get_if<FrameReport>(&*said) : nullptr)
+                     played.reports.push_back(*report);
+                 },
+             .asked = {}});
   const Expected<void> met = link.meet(kPatience);
   const Duration round_trip = met ? (clock.now() - Time{}) / 2 : Duration::zero();
 
@@ -159,16 +173,22 @@ Played play(const Play& play, const Network& network) {
                      .pictures = 0,
                      .dump = {}},
                     renderer, &reference);
-  Played played;
-  const Steering steering{.wish = {}, .carry_over = {}, .report = ShadingPass::Report::On};
-  const Session session{.scene = play.scene,
-                        .runtime = runtime,
-                        .renderer = renderer,
-                        .link = &link,
-                        .steering = steering,
-                        .policy = {.pace = Pace::Real, .round_trip = round_trip}};
+  const Steering steering{
+      .wish = play.request,
+      .carry_over = play.carry_over,
+      .report = recorder.measures_any() ? ShadingPass::Report::On : ShadingPass::Report::Off};
+  const Session session{
+      .scene = play.scene,
+      .runtime = runtime,
+      .renderer = renderer,
+      .mode = play.mode,
+      .link = answers_for(play.mode.mode) != 0 ? &link : nullptr,
+      .own_tracer = play.mode.mode == Mode::Full ? &reference : nullptr,
+      .steering = steering,
+      .policy = {.pace = Pace::Real, .round_trip = round_trip, .mask_wait = play.mask_wait}};
   const auto watch = [&](const FrameView& view) {
     recorder.watch(view);
+    if (play.watch) play.watch(view, recorder.log().records().back(), recorder.measured());
     PlayedFrame frame{.at = clock.now(), .scale_eighths = link.inbox().scale_eighths()};
     if (view.newest != nullptr) {
       frame.newest = view.newest->request.frame;

@@ -12,6 +12,7 @@
 #include "stereo/trace/head_trace.h"
 #include "vr_client/link/shadow_link.h"
 #include "vr_client/report/frame_log.h"
+#include "vr_client/report/pictures.h"
 #include "vr_client/session.h"
 
 namespace farshade {
@@ -37,7 +38,13 @@ struct Play {
   double refresh_hz = 72;
   std::uint32_t frames = 72;
   std::uint32_t reference_every = 8;  ///< frames of which the error is measured; 0 = none
-  Duration skip{};                    ///< of the head's beginning
+  ModeWish mode{};
+  RequestWish request{};
+  CarryOver carry_over{};
+  Duration mask_wait{};  ///< how long a frame waits for its own answer
+  /// Sees each frame; the last is null where it was not measured.
+  std::function<void(const FrameView&, const FrameRecord&, const MeasuredFrame*)> watch{};
+  Duration skip{};  ///< of the head's beginning
   SessionLimits limits{};
 };
 
@@ -56,6 +63,7 @@ struct Played {
   std::vector<PlayedFrame> frames;
   ShadowLink::Counters client;
   ServerCounters server;
+  std::vector<FrameReport> reports{};      ///< of all answers, as their client heard them
   std::array<std::size_t, 2> heap_peak{};  ///< most bytes in use in the first and in the second half
 
   [[nodiscard]] std::vector<double> worse_eye(double EyeErrors::*figure) const;

@@ -119,7 +119,7 @@ TEST(ShadowLink, MasksComeNewestFirstAndNotBeyondUntil) {
   }
   const auto frames = [&](Time until) {
     std::vector<std::uint32_t> values;
-    for (const ReceivedFrame* mask : bench.link.inbox().masks(until))
+    for (const ReceivedFrame* mask : bench.link.inbox().received(until))
       values.push_back(mask->request.frame.value);
     return values;
   };
@@ -135,9 +135,9 @@ TEST(ShadowLink, TellsFramesApartByWhenTheyAskedNotByWhatFor) {
     bench.link.request(request(frame, 500ms - frame * 10ms), Time(frame * 10ms));  // for ever earlier times
     ASSERT_TRUE(bench.link.wait_for({frame}, 1s));
   }
-  ASSERT_EQ(bench.link.inbox().masks(Time(20ms)).size(), 2u);
-  EXPECT_EQ(bench.link.inbox().masks(Time(20ms)).front()->request.frame, FrameId{2});
-  EXPECT_TRUE(bench.link.inbox().masks(Time(10ms - 1ns)).empty());
+  ASSERT_EQ(bench.link.inbox().received(Time(20ms)).size(), 2u);
+  EXPECT_EQ(bench.link.inbox().received(Time(20ms)).front()->request.frame, FrameId{2});
+  EXPECT_TRUE(bench.link.inbox().received(Time(10ms - 1ns)).empty());
   EXPECT_EQ(bench.link.inbox().asked_at({3}), Time(30ms));
   EXPECT_EQ(bench.link.inbox().find({3})->request.display_time, Time(470ms));
   EXPECT_EQ(bench.link.inbox().asked_at({4}), std::nullopt);
@@ -149,7 +149,7 @@ TEST(ShadowLink, KeepsTheNewestRequestsOnly) {
     bench.ask(request(frame, frame * 10ms));
     ASSERT_TRUE(bench.link.wait_for({frame}, 1s));
   }
-  const auto masks = bench.link.inbox().masks(Time::max());
+  const auto masks = bench.link.inbox().received(Time::max());
   ASSERT_EQ(masks.size(), kFrames);
   EXPECT_EQ(masks.front()->request.frame, FrameId{20});
   EXPECT_EQ(masks.back()->request.frame, FrameId{15});
@@ -271,9 +271,9 @@ TEST(ShadowLink, SurvivesFrameIdWraparound) {
     bench.ask(request(frame, (i + 1) * 10ms));
     ASSERT_TRUE(bench.link.wait_for({frame}, 1s)) << frame;
     EXPECT_EQ(bench.link.inbox().find({frame})->masks, painted(frame));
-    EXPECT_EQ(bench.link.inbox().masks(Time::max()).front()->request.frame, FrameId{frame});
+    EXPECT_EQ(bench.link.inbox().received(Time::max()).front()->request.frame, FrameId{frame});
   }
-  EXPECT_EQ(bench.link.inbox().masks(Time::max()).size(), kFrames);
+  EXPECT_EQ(bench.link.inbox().received(Time::max()).size(), kFrames);
 }
 
 }  // namespace

@@ -34,12 +34,22 @@ TraceRequest MaskInbox::ask(const TraceRequest& request, Time asked_at, Time now
   return sent;
 }
 
-void MaskInbox::take(const Slice& slice, Time arrived) {
-  const ReceivedFrame* const frame = assembler_.accept(slice);
+/// Some of `frame` has come; null: it told nothing new.
+void MaskInbox::note(const ReceivedFrame* frame, Time arrived) {
   if (frame == nullptr) return;
   if (is_newer_light_set(frame->light_set_revision, acknowledged_)) acknowledged_ = frame->light_set_revision;
-  if (Asked* const asked = of_frame(asked_, slice.frame); asked && !asked->exchange.first)
+  if (Asked* const asked = of_frame(asked_, frame->request.frame); asked && !asked->exchange.first)
     asked->exchange.first = arrived;
+}
+
+void MaskInbox::take(const Slice& slice, Time arrived) {
+  note(assembler_.accept(slice), arrived);
+}
+void MaskInbox::take(const PlaneSlice& slice, Time arrived) {
+  note(assembler_.accept(slice), arrived);
+}
+void MaskInbox::take(const VideoPart& part, Time arrived) {
+  note(assembler_.accept(part), arrived);
 }
 
 void MaskInbox::take(const FrameReport& report, Time arrived) {
@@ -50,7 +60,7 @@ void MaskInbox::take(const FrameReport& report, Time arrived) {
   scale_eighths_ = report.scale_eighths;
 }
 
-std::vector<const ReceivedFrame*> MaskInbox::masks(Time until) const {
+std::vector<const ReceivedFrame*> MaskInbox::received(Time until) const {
   std::vector<const ReceivedFrame*> found;
   for (auto asked = asked_.rbegin(); asked != asked_.rend(); ++asked)
     if (const ReceivedFrame* received = assembler_.find(asked->exchange.frame);

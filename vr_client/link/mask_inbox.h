@@ -1,6 +1,6 @@
 /// MaskInbox: what was asked for and what has come of it, whoever carried it: requests in, opened messages
-/// in, masks out. Knows no sockets, no sessions' keys and no clock, so that a session on file fills it as the
-/// wire does.
+/// in, masks and pictures out. Knows no sockets, no sessions' keys and no clock, so that a session on file
+/// fills it as the wire does.
 #pragma once
 
 #include <vector>
@@ -23,10 +23,12 @@ class MaskInbox {
 
   /// Takes what the server said, and when that reached us.
   void take(const Slice& slice, Time arrived);
+  void take(const PlaneSlice& slice, Time arrived);
+  void take(const VideoPart& part, Time arrived);
   void take(const FrameReport& report, Time arrived);
 
   /// Frames of which something is known and that were asked for up to the display time `until`, newest first.
-  [[nodiscard]] std::vector<const ReceivedFrame*> masks(Time until) const;
+  [[nodiscard]] std::vector<const ReceivedFrame*> received(Time until) const;
 
   /// When a frame that is still remembered was asked for, as a display time.
   [[nodiscard]] std::optional<Time> asked_at(FrameId frame) const;
@@ -35,7 +37,7 @@ class MaskInbox {
   [[nodiscard]] const ReceivedFrame* find(FrameId frame) const { return assembler_.find(frame); }
   [[nodiscard]] const ReceivedFrame* newest_known() const { return assembler_.newest_known(); }
 
-  /// All of its masks and its report have come.
+  /// All of it and its report have come.
   [[nodiscard]] bool is_whole(FrameId frame) const;
   /// It was asked for in the session at hand.
   [[nodiscard]] bool may_come(FrameId frame) const;
@@ -62,6 +64,8 @@ class MaskInbox {
     Time at;  ///< display time of the frame that asked
     std::uint64_t session;
   };
+
+  void note(const ReceivedFrame* frame, Time arrived);
 
   Assembler assembler_;
   MaskLayout layout_;

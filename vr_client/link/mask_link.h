@@ -11,8 +11,10 @@ class MaskLink {
  public:
   virtual ~MaskLink() = default;
 
-  /// `asked_at` is the display time of the frame that asks; MaskInbox::masks tells frames apart by it.
-  virtual void request(const TraceRequest& request, Time asked_at) = 0;
+  /// `asked_at` is the display time of the frame that asks; MaskInbox::received tells frames apart by it.
+  /// `positions` are messages that go behind the request: the PlaneSlices that it announces.
+  virtual void request(const TraceRequest& request, Time asked_at,
+                       std::span<const std::vector<std::byte>> positions = {}) = 0;
 
   /// Takes in what arrives until `frame` is whole or `patience` is over. True if it is whole.
   virtual bool wait_for(FrameId frame, Duration patience) = 0;

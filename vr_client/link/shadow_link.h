@@ -20,7 +20,8 @@ struct LinkTarget {
   Peer server;
   SharedKey key;
   ContentHash scene_hash{};
-  MaskLayout mask;  ///< of every mask that comes
+  MaskLayout mask;                            ///< of every mask that comes
+  AnswerSet answers = set_of(Answer::Masks);  ///< that the server must give
 };
 
 /// Told what is said within sessions, before it is taken in: what a session on file is made of. A Welcome
@@ -44,7 +45,8 @@ class ShadowLink final : public MaskLink {
   [[nodiscard]] Expected<void> meet(Duration patience);
 
   /// Of the light set that `request` speaks of goes what the server is not known to have.
-  void request(const TraceRequest& request, Time asked_at) override;
+  void request(const TraceRequest& request, Time asked_at,
+               std::span<const std::vector<std::byte>> positions = {}) override;
 
   /// Takes in all that has arrived.
   void poll();
@@ -94,6 +96,7 @@ class ShadowLink final : public MaskLink {
   void keep_session();
   void say_hello();
   void send_request(const TraceRequest& request);
+  void send_positions(std::span<const std::vector<std::byte>> messages);
   Decoded<void> take_datagram(const Datagram& datagram);
   void take_refusal(const OpenRefusal& refusal);
   void take_accept(const Accept& accept, std::span<const std::byte> datagram);
@@ -101,6 +104,8 @@ class ShadowLink final : public MaskLink {
   void take(const Welcome&, Time) {}
   void take(const Refusal&, Time) {}
   void take(const Slice& slice, Time arrived) { inbox_.take(slice, arrived); }
+  void take(const PlaneSlice& slice, Time arrived) { inbox_.take(slice, arrived); }
+  void take(const VideoPart& part, Time arrived) { inbox_.take(part, arrived); }
   void take(const FrameReport& report, Time arrived) { inbox_.take(report, arrived); }
   void take(const Probe& probe, Time) { channel_->probe_echo = probe.token; }
 

@@ -27,7 +27,7 @@ void History::learn_link(const FrameView& view, const ShadowLink& link, Instant&
   if (view.newest == nullptr || !view.newest->report) return;
   const FrameReport& report = *view.newest->report;
   newest_.rays = report.primary_rays + report.shadow_rays;
-  newest_.server_ms = ms_of(report.waited + report.primary + report.shadow + report.pack);
+  newest_.server_ms = ms_of(report.waited + report.primary + report.shadow + report.draw + report.pack);
   if (const auto* exchange = link.inbox().exchange(report.frame); exchange && exchange->last)
     newest_.round_trip_ms = ms_of(*exchange->last - exchange->sent);
 }
@@ -40,15 +40,19 @@ void History::add(const FrameView& view, const std::optional<PerEye<EyeErrors>>&
                    .collect = times.collect,
                    .gbuffer = times.gbuffer,
                    .depth = times.depth,
-                   .shade = times.shade,
-                   .other = not_below_zero(times.draw - times.gbuffer - times.depth - times.shade),
+                   .shade = times.maps + times.shade + times.turn,
+                   .other = not_below_zero(times.draw - times.gbuffer - times.depth - times.maps -
+                                           times.shade - times.turn),
                    .watch = watch});
   if (bars_.size() > kGraphFrames) bars_.pop_front();
 
   newest_.errors = errors;
   newest_.staleness_ms.reset();
   newest_.age_ms.reset();
-  if (!view.masks.empty()) newest_.staleness_ms = ms_of(view.shown.display_time - view.masks[0].display_time);
+  if (!view.masks.empty())
+    newest_.staleness_ms = ms_of(view.shown.display_time - view.masks[0].display_time);
+  else if (view.newest)
+    newest_.staleness_ms = ms_of(view.shown.display_time - view.newest->request.display_time);
   if (view.age) newest_.age_ms = ms_of(*view.age);
   if (view.asked) {
     newest_.asked = view.asked->views[0].size;

@@ -34,7 +34,7 @@ void Inspection::look(const FrameView& view, const Controls& controls, Reference
   read_ = Shown::NotRead;
   measured_ = Measured::No;
   // Controls may have changed since the frame was drawn; what it did not report cannot be looked into.
-  if (view.steering.report == ShadingPass::Report::Off) return;
+  if (view.steering.report == ShadingPass::Report::Off || view.as == ShownAs::Picture) return;
   if (needs_reference(controls)) {
     check(reference != nullptr, "there is a reference where one is needed");
     errors_ = measure(view, renderer_, *reference, frame_);

@@ -134,8 +134,9 @@ class Preview {
     return {.scene = client_.scene,
             .runtime = runtime_,
             .renderer = *client_.renderer,
+            .mode = options_.mode,
             .link = client_.link ? &*client_.link : nullptr,
-            .own_tracer = options_.mode == Mode::Full ? &*client_.reference : nullptr,
+            .own_tracer = options_.mode.mode == Mode::Full ? &*client_.reference : nullptr,
             .steering = controls_.steering,
             .policy = policy()};
   }
@@ -309,7 +310,7 @@ Expected<void> run_preview(const Options& wish) {
   Expected<std::unique_ptr<Client>> client =
       open_client(options, kWidestEyes_m);  // a viewer may set the eyes apart at any time
   if (!client) return tl::unexpected(client.error());
-  if (options.mode == Mode::Full)
+  if (options.mode.mode == Mode::Full)
     if (auto done = open_reference(**client); !done) return done;
 
   Expected<void> done, finished;

@@ -48,7 +48,8 @@ void ReplayLink::take(std::span<const HeardMessage> messages) {
   busy_ += watch.elapsed();
 }
 
-void ReplayLink::request(const TraceRequest& request, Time asked_at) {
+void ReplayLink::request(const TraceRequest& request, Time asked_at,
+                         std::span<const std::vector<std::byte>>) {
   if (!frame_->asked && !was_welcomed_) return;
   asked_ = true;
   const Time now = frame_->asked ? frame_->asked->sent : Time{};

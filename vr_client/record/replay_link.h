@@ -18,7 +18,8 @@ class ReplayLink final : public MaskLink {
   [[nodiscard]] std::optional<std::string> end();
 
   /// As over the wire, nothing is asked before the first Welcome, nor perhaps in the frame that heard it.
-  void request(const TraceRequest& request, Time asked_at) override;
+  void request(const TraceRequest& request, Time asked_at,
+               std::span<const std::vector<std::byte>> positions = {}) override;
 
   /// Takes what the frame at hand heard, however short the patience.
   bool wait_for(FrameId frame, Duration patience) override;

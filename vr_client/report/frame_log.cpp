@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <numbers>
 
@@ -36,8 +37,9 @@ template <class Get>
 Figure error(Side side, std::string metric, std::string unit, Worse worse, Get get) {
   return {std::string(name_of(side)) + " eye", std::move(metric), std::move(unit),
           [get, side](const FrameRecord& r) -> std::optional<double> {
-            if (!r.errors || !r.delta) return std::nullopt;
-            return get((*r.errors)[index_of(side)]);
+            if (!r.errors || r.start_up) return std::nullopt;
+            const double value = get((*r.errors)[index_of(side)]);
+            return std::isnan(value) ? std::nullopt : std::optional(value);
           },
           worse};
 }
@@ -50,11 +52,15 @@ std::vector<Figure> figures() {
       client_ms("draw", [](const StageTimes& t) { return t.draw; }),
       client_ms("G-buffer", [](const StageTimes& t) { return t.gbuffer; }),
       client_ms("depth of requested views", [](const StageTimes& t) { return t.depth; }),
+      client_ms("shadow maps", [](const StageTimes& t) { return t.maps; }),
       client_ms("reproject and shade", [](const StageTimes& t) { return t.shade; }),
-      server("frame", "ms", [](const FrameReport& r) { return ms_of(r.primary + r.shadow + r.pack); }),
+      client_ms("turn", [](const StageTimes& t) { return t.turn; }),
+      server("frame", "ms",
+             [](const FrameReport& r) { return ms_of(r.primary + r.shadow + r.draw + r.pack); }),
       server("primary visibility", "ms", [](const FrameReport& r) { return ms_of(r.primary); }),
       server("shadow rays", "ms", [](const FrameReport& r) { return ms_of(r.shadow); }),
-      server("pack", "ms", [](const FrameReport& r) { return ms_of(r.pack); }),
+      server("draw", "ms", [](const FrameReport& r) { return ms_of(r.draw); }),
+      server("code and pack", "ms", [](const FrameReport& r) { return ms_of(r.pack); }),
       server("request waited", "ms", [](const FrameReport& r) { return ms_of(r.waited); }),
       server("primary rays", "rays", [](const FrameReport& r) { return r.primary_rays; }),
       server("shadow rays", "rays", [](const FrameReport& r) { return r.shadow_rays; }),
@@ -106,7 +112,7 @@ std::vector<Figure> figures() {
     list.push_back(error(side, "mask error among known", "%", Worse::High,
                          [](const EyeErrors& e) { return 100 * e.known_error; }));
     list.push_back(error(side, "mask error unreprojected", "%", Worse::High,
-                         [](const EyeErrors& e) { return 100 * e.unmoved_error.value_or(0); }));
+                         [](const EyeErrors& e) { return 100 * e.unmoved_error.value_or(kNotMeasured); }));
     list.push_back(error(side, "PSNR", "dB", Worse::Low, [](const EyeErrors& e) { return e.psnr_db; }));
     list.push_back(
         error(side, "from newest mask", "%", Worse::Low, [](const EyeErrors& e) { return 100 * e.newest; }));
@@ -119,6 +125,11 @@ std::vector<Figure> figures() {
     list.push_back(
         error(side, "unknown", "%", Worse::High, [](const EyeErrors& e) { return 100 * e.unknown; }));
     list.push_back(error(side, "stale", "%", Worse::High, [](const EyeErrors& e) { return 100 * e.stale; }));
+    list.push_back({std::string(name_of(side)) + " eye", "not reached by the picture", "%",
+                    [side](const FrameRecord& r) -> std::optional<double> {
+                      return r.start_up ? std::nullopt : std::optional(100 * r.black[index_of(side)]);
+                    },
+                    Worse::High});
   }
   return list;
 }
@@ -132,7 +143,7 @@ Spread toward(Worse worse, std::vector<double> values) {
 
 std::size_t FrameLog::start_up_frames() const {
   return static_cast<std::size_t>(std::count_if(records_.begin(), records_.end(),
-                                                [](const FrameRecord& record) { return !record.delta; }));
+                                                [](const FrameRecord& record) { return record.start_up; }));
 }
 
 std::vector<SummaryRow> FrameLog::summary() const {

@@ -16,8 +16,10 @@ struct FrameRecord {
   Time display_time;
   std::optional<Duration> age;  ///< since the newest mask was asked for; nothing where no server sent one
   std::optional<PoseDelta>
-      delta;  ///< the left eye's, from the newest mask to what was shown; nothing before it
+      delta;              ///< the left eye's, from what the newest answer was made for to what was shown
+  bool start_up = false;  ///< nothing of what the mode needs had come
   StageTimes times;
+  PerEye<double> black{};                   ///< share of each eye that the server's picture does not reach
   std::optional<double> guard_band;         ///< pixels asked for beyond those shown, as a share of these
   std::optional<FrameReport> server;        ///< of masks first shown in this frame
   std::optional<PerEye<EyeErrors>> errors;  ///< nothing if no reference was traced
@@ -36,7 +38,7 @@ class FrameLog {
   void add(const FrameRecord& record) { records_.push_back(record); }
   [[nodiscard]] const std::vector<FrameRecord>& records() const { return records_; }
 
-  /// Frames shown before any mask had come; their errors are not part of the summary.
+  /// Frames shown before anything had come; their errors are not part of the summary.
   [[nodiscard]] std::size_t start_up_frames() const;
 
   [[nodiscard]] std::vector<SummaryRow> summary() const;

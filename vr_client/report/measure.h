@@ -1,6 +1,7 @@
 /// Measure: how wrong a shown frame was, against the full trace at the pose shown.
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "stereo/draw/renderer.h"
@@ -9,6 +10,7 @@
 namespace farshade {
 
 /// One eye of one frame. Shares and errors are over covered pixels x lights; the five shares add up to 1.
+/// Where the mode shows a picture of a server's, lights cannot be told apart in it: they are kNotMeasured.
 struct EyeErrors {
   double mask_error = 0;                ///< mean of |k shown - k reference|
   double known_error = 0;               ///< the same among those that are not unknown
@@ -21,6 +23,22 @@ struct EyeErrors {
   double stale = 0;                     ///< of all: known, but something has moved since
   std::optional<double> unmoved_error;  ///< mask error, had the newest mask been shown as it was traced
 };
+
+inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+
+/// Of a picture of which nothing but the PSNR can be told.
+[[nodiscard]] inline EyeErrors picture_errors(double psnr_db) {
+  return {.mask_error = kNotMeasured,
+          .known_error = kNotMeasured,
+          .psnr_db = psnr_db,
+          .newest = kNotMeasured,
+          .other_eye = kNotMeasured,
+          .older = kNotMeasured,
+          .neighbours = kNotMeasured,
+          .unknown = kNotMeasured,
+          .stale = kNotMeasured,
+          .unmoved_error = std::nullopt};
+}
 
 /// `shown` as reported by the shading pass, `reference` traced for the same view.
 /// psnr_db and unmoved_error are left to the caller.

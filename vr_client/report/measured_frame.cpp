@@ -21,19 +21,29 @@ PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& 
                           MeasuredFrame& into) {
   into.frame = view.shown.frame;
   into.ages = ages_of(view);
-  for (const Side side : kSides) into.report[index_of(side)] = renderer.report(side);
+  const bool shaded = view.as == ShownAs::Shaded;
+  for (const Side side : kSides) into.report[index_of(side)] = shaded ? renderer.report(side) : ShownReport{};
   into.shown = renderer.read_shown();
   const MaskInHand truth = reference.trace(view.shown);
-  renderer.shade_again({.views = view.shown.views,
-                        .state = view.state,
-                        .masks = {&truth, 1},
-                        .carry_over = {.lookup = Lookup::Direct}});
+  const ShownFrame right{.views = view.shown.views,
+                         .state = view.state,
+                         .masks = {&truth, 1},
+                         .carry_over = {.lookup = Lookup::Direct}};
+  if (shaded)
+    renderer.shade_again(right);
+  else
+    renderer.draw(right);
   into.reference = renderer.read_shown();
 
   PerEye<EyeErrors> errors;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    const double psnr = std::min(psnr_db(into.shown[eye], into.reference[eye]), kEqualPictures_dB);
+    if (!shaded) {
+      errors[eye] = picture_errors(psnr);
+      continue;
+    }
     errors[eye] = compare_masks(into.report[eye], truth.masks[eye]);
-    errors[eye].psnr_db = std::min(psnr_db(into.shown[eye], into.reference[eye]), kEqualPictures_dB);
+    errors[eye].psnr_db = psnr;
     if (view.masks.empty()) continue;
     const View& traced = view.masks[0].views[eye];
     errors[eye].unmoved_error =

@@ -13,7 +13,8 @@ inline constexpr double kEqualPictures_dB = 99;
 [[nodiscard]] MaskAges ages_of(const FrameView& view);
 
 /// Leaves `into` holding the frame as shown and as it should have been. Call it before the next frame is
-/// drawn; the frame was drawn with Report::On. Afterwards the renderer's picture is the reference's.
+/// drawn; the frame was drawn with Report::On. Of one that was not shaded here there is no report. Afterwards
+/// the renderer's picture is the reference's.
 [[nodiscard]] PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& reference,
                                         MeasuredFrame& into);
 

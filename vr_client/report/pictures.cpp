@@ -42,11 +42,12 @@ Expected<void> write_measured(const std::filesystem::path& folder, const Measure
   for (const Side side : kSides) {
     const std::size_t eye = index_of(side);
     const Extent size = frame.shown[eye].size;
-    rows.push_back({frame.shown[eye], frame.reference[eye],
-                    difference_x8(frame.shown[eye], frame.reference[eye]),
-                    source_picture(frame.report[eye], frame.ages, size)});
+    rows.push_back(
+        {frame.shown[eye], frame.reference[eye], difference_x8(frame.shown[eye], frame.reference[eye])});
+    if (!frame.report[eye].sources.empty())
+      rows.back().push_back(source_picture(frame.report[eye], frame.ages, size));
     constexpr std::array names{"shown", "reference", "difference_x8", "source"};
-    for (std::size_t i = 0; i < names.size(); ++i) {
+    for (std::size_t i = 0; i < rows.back().size(); ++i) {
       const std::string name =
           fmt::format("worst_{:04}_{}_{}.png", frame.frame.value, name_of(side), names[i]);
       if (auto done = write_png(folder / name, rows.back()[i]); !done) return done;

@@ -15,7 +15,7 @@ namespace farshade {
 struct MeasuredFrame {
   FrameId frame;
   PerEye<Image<Rgb8>> shown, reference;
-  PerEye<ShownReport> report;
+  PerEye<ShownReport> report;  ///< empty where it was not shaded here
   MaskAges ages;
 };
 
@@ -23,8 +23,8 @@ struct MeasuredFrame {
 [[nodiscard]] Expected<void> write_shown(const std::filesystem::path& folder, FrameId frame,
                                          const PerEye<Image<Rgb8>>& shown);
 
-/// `worst_NNNN_EYE_{shown,reference,difference_x8,source}.png`, and `worst.png` with all of them: a row an
-/// eye.
+/// `worst_NNNN_EYE_{shown,reference,difference_x8,source}.png`, the last where there is a report, and
+/// `worst.png` with all of them: a row an eye.
 [[nodiscard]] Expected<void> write_measured(const std::filesystem::path& folder, const MeasuredFrame& frame);
 
 }  // namespace farshade

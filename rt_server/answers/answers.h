@@ -1,0 +1,53 @@
+/// Answers: what a server gives beside masks of what it sees itself. Each kind is one file beside this one;
+/// they share a tracer, and those that are pictures a painter.
+#pragma once
+
+#include <memory>
+
+#include "rt_server/server_core.h"
+#include "stereo/gpu/device.h"
+#include "stereo/tracer/tracer.h"
+
+namespace farshade {
+
+/// What of a scene a server can make.
+struct AnswerGround {
+  const Scene& scene;
+  const ScenePlan& plan;
+  Tracer& tracer;
+  gpu::DeviceWish device{};  ///< what pictures are drawn on
+};
+
+/// One kind of answer; keeps its buffers. Not for several threads.
+class AnswerMaker {
+ public:
+  virtual ~AnswerMaker() = default;
+  virtual Answered answer(const Job& job, FramePacker& packer) = 0;
+};
+
+class Painter;
+
+// Each in its own file. References are kept.
+[[nodiscard]] std::unique_ptr<AnswerMaker> make_position_masks(const AnswerGround& ground);
+[[nodiscard]] std::unique_ptr<AnswerMaker> make_gbuffer(Painter& painter);
+[[nodiscard]] std::unique_ptr<AnswerMaker> make_video(Painter& painter);
+[[nodiscard]] std::unique_ptr<AnswerMaker> make_difference(Painter& painter);
+
+class Answers {
+ public:
+  /// What `ground` refers to outlives it. No device is opened before the first picture is wanted.
+  explicit Answers(const AnswerGround& ground);
+  ~Answers();
+
+  /// As this build and this machine can: pictures need a device, video a codec. Opens a device and closes it.
+  [[nodiscard]] AnswerSet offered() const;
+
+  /// An AnswerFunction: all but Answer::Masks.
+  Answered answer(const Job& job, FramePacker& packer);
+
+ private:
+  std::unique_ptr<Painter> painter_;
+  std::array<std::unique_ptr<AnswerMaker>, kAnswers> makers_;
+};
+
+}  // namespace farshade

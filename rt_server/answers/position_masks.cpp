@@ -1,0 +1,71 @@
+// Masks of positions: what the client's slices say is opened, traced, and packed as any masks. Tiles of which
+// a coordinate has not come are not sent.
+#include "rt_server/answers/answers.h"
+#include "stereo/frame/position_grid.h"
+#include "stereo/frame/tiles.h"
+
+namespace farshade {
+namespace {
+
+class PositionMasks final : public AnswerMaker {
+ public:
+  explicit PositionMasks(const AnswerGround& ground) : scene_(ground.scene), tracer_(ground.tracer) {}
+
+  Answered answer(const Job& job, FramePacker& packer) override {
+    const PositionGrid grid =
+        grid_of({scene_.bounds.low}, {scene_.bounds.high}, job.request.wanted.position_bits);
+    clear(job.request.views, grid);
+    for (const std::vector<std::byte>& message : job.positions) take(message);
+    const Answered took{.traced = tracer_.trace(job.request, positions_, grid, frame_)};
+    packer.add(frame_, sent_tiles());
+    return took;
+  }
+
+ private:
+  void clear(const StereoView& views, const PositionGrid& grid) {
+    for (std::size_t eye = 0; eye < kEyes; ++eye)
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        PixelPlane& plane = positions_[eye][axis];
+        plane.size = views[eye].size;
+        plane.word_bytes = grid.word_bytes();
+        plane.words.assign(plane.size.pixels(), 0);
+        known_[eye][axis].assign(TileGrid{plane.size}.count(), 0);
+      }
+  }
+
+  void take(std::span<const std::byte> message) {
+    const Decoded<ClientMessage> decoded = decode_client(message);
+    if (!decoded) return;
+    const auto* const slice = std::get_if<PlaneSlice>(&*decoded);
+    if (slice == nullptr || slice->kind < PlaneKind::PositionX) return;
+    const std::size_t eye = index_of(slice->eye);
+    const auto axis = static_cast<std::size_t>(slice->kind) - static_cast<std::size_t>(PlaneKind::PositionX);
+    // One that does not fit leaves its tiles unknown.
+    static_cast<void>(decode_plane_tiles(*slice, positions_[eye][axis], known_[eye][axis]));
+  }
+
+  /// Those of which all three coordinates have come; the others' pixels are no surface to the tracer.
+  PerEye<std::span<const std::uint8_t>> sent_tiles() {
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      sent_[eye] = known_[eye][0];
+      for (std::size_t tile = 0; tile < sent_[eye].size(); ++tile)
+        if (known_[eye][1][tile] == 0 || known_[eye][2][tile] == 0) sent_[eye][tile] = 0;
+    }
+    return {sent_[0], sent_[1]};
+  }
+
+  const Scene& scene_;
+  Tracer& tracer_;
+  PerEye<PositionPlanes> positions_;
+  PerEye<std::array<KnownTiles, 3>> known_;
+  PerEye<KnownTiles> sent_;
+  ShadowFrame frame_;
+};
+
+}  // namespace
+
+std::unique_ptr<AnswerMaker> make_position_masks(const AnswerGround& ground) {
+  return std::make_unique<PositionMasks>(ground);
+}
+
+}  // namespace farshade

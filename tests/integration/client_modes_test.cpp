@@ -1,0 +1,62 @@
+// Every mode through the real programs over UDP: what a user types works, or says why it does not.
+#include <gtest/gtest.h>
+
+#include "stereo/video/video.h"
+#include "tests/integration/client_program.h"
+#include "tests/unit/scratch_folder.h"
+
+namespace farshade {
+namespace {
+
+struct Case {
+  std::string mode;
+  double least_dB;  ///< median of the left eye, answers 20 ms late, at 96 x 64: as seen, less 3 dB
+};
+
+class ClientMode : public testing::TestWithParam<Case> {};
+
+TEST_P(ClientMode, ShowsTheRoom) {
+  const auto& [mode, least_dB] = GetParam();
+  if ((mode == "remote" || mode == "delta") && !has_video()) GTEST_SKIP() << video_version();
+  const ScratchFolder folder;
+  RunningServer server;
+  const Ended run = run_client({{"--server", server.address()},
+                                {"--mode", mode},
+                                {"--delay", "20"},
+                                {"--validate", ""},
+                                {"--out", folder.path().string()}});
+  ASSERT_EQ(run.status, 0) << run.errors;
+  EXPECT_GE(summary_row(folder.path(), "left eye", "PSNR")[0], least_dB);
+  if (mode != "local" && mode != "full") EXPECT_GT(summary_row(folder.path(), "wire", "bytes a frame")[0], 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, ClientMode,
+                         testing::Values(Case{"hybrid", 20}, Case{"client-positions", 20},
+                                         Case{"server-gbuffer", 15}, Case{"remote", 15}, Case{"delta", 15},
+                                         Case{"local", 15}, Case{"full", 50}),
+                         [](const auto& info) {
+                           std::string text = info.param.mode;
+                           std::erase(text, '-');
+                           return text;
+                         });
+
+TEST(ClientModes, WhatCannotBeRecordedIsSaid) {
+  const ScratchFolder folder;
+  const Ended run = run_client({{"--mode", "remote"},
+                                {"--record", (folder.path() / "session").string()},
+                                {"--out", folder.path().string()}});
+  EXPECT_NE(run.status, 0);
+  EXPECT_NE(run.errors.find("sessions of hybrid and full can be recorded, not of remote"), std::string::npos)
+      << run.errors;
+}
+
+TEST(ClientModes, MapsThatTakeTooMuchAreRefusedWithWhatWouldDo) {
+  const ScratchFolder folder;
+  const Ended run =
+      run_client({{"--mode", "local"}, {"--shadow-maps", "8192"}, {"--out", folder.path().string()}});
+  EXPECT_NE(run.status, 0);
+  EXPECT_NE(run.errors.find("MiB"), std::string::npos) << run.errors;
+}
+
+}  // namespace
+}  // namespace farshade
