@@ -30,6 +30,7 @@ using AnswerSet = std::uint8_t;
   return static_cast<AnswerSet>(1u << static_cast<unsigned>(answer));
 }
 inline constexpr AnswerSet kTracedAnswers = set_of(Answer::Masks) | set_of(Answer::MasksOfPositions);
+inline constexpr AnswerSet kUncodedAnswers = kTracedAnswers | set_of(Answer::GBuffer);
 inline constexpr AnswerSet kEveryAnswer = (1u << kAnswers) - 1;
 
 /// Whether a picture may be coded as what changed since the one before it.
