@@ -5,8 +5,8 @@
 // Bias: a texel is compared with the depth that the receiver's own plane has there (J. Isidoro, "Shadow mapping: GPU-based
 // tips and techniques", GDC 2006), so that a plane does not shadow itself at any slope, without an offset that would part
 // shadows from what casts them. What is left is slack: half of what the plane's depth changes from the point to the
-// texel, since surfaces bend; a texel's width, since they have corners; and float's rounding. (Room at 1024 texels, mask
-// error: 0.0138; with a quarter of each 0.0170.)
+// texel, since surfaces bend; a texel's width, since they have corners; and float's rounding. (shadow_map_bench
+// --size 192 --frames 3, room at 1024 texels: mask error 0.0138; with a quarter of texel and change 0.0170.)
 
 #ifdef SHADOW_MAPS
 layout(set = 1, binding = 0) uniform sampler2DArray shadow_maps;
