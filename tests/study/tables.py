@@ -61,7 +61,8 @@ def equal_error(modes, other, cost, unit):
             ratio = row[cost] / there if there else None
             if ratio is not None and how == "between":
                 ratios.append(ratio)
-            lines.append([*case_words(row), row["flip"], row[cost], said, ratio])
+            lines.append([*case_words(row), row["flip"], row[cost], said,
+                          f"at least {number(ratio)}" if ratio is not None and how == "at most" else ratio])
     told = table(f"At the FLIP that hybrid has, {other} interpolated over its settings; {unit}.",
                  ["scene", "head", "network", "FLIP", "hybrid", other, f"hybrid / {other}"], lines)
     if ratios:
@@ -168,7 +169,7 @@ def timings(rows):
 
 def figures(modes):
     lines = [[*case_words(r), r["words"], r["flip"], r.get("error.flip.p95"), r["psnr"], r["ssim"], r["mask_error"],
-              r["black"], r["staleness"], r["bytes"], r["bytes_up"], r["client_ms"], r["server_ms"]]
+              r["black"], r["staleness"] and round(r["staleness"], 3), r["bytes"], r["bytes_up"], r["client_ms"], r["server_ms"]]
              for r in modes]
     return table("Medians, and p95 where it says so; errors of the worse eye, bytes of a shown frame.",
                  ["scene", "head", "network", "way", "FLIP", "FLIP p95", "PSNR, dB", "SSIM", "mask error, %",
