@@ -1,6 +1,12 @@
 #include "stereo/draw/renderer.h"
 
 namespace farshade {
+namespace {
+
+/// One before each stage of a frame, and one behind the last.
+constexpr std::uint32_t kStamps = 5;
+
+}  // namespace
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, const RendererLimits& limits)
     : Renderer(device, scene, plan_for(scene, {.all_lights = true}).draw, limits) {}
@@ -23,7 +29,7 @@ Renderer::Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan,
                                                                  .level = vk::CommandBufferLevel::ePrimary,
                                                                  .commandBufferCount = 1})[0])),
       fence_(device.logical.createFence({})),
-      stamps_(device, 5) {
+      stamps_(device, kStamps) {
   check(limits.traced_size.width >= size_.width && limits.traced_size.height >= size_.height,
         "what is shown can be traced");
   if (plan_.depth_pass && !plan_.builds_late) make_depth_pass();
@@ -132,7 +138,7 @@ DrawTimes Renderer::keep_depth(const TraceRequest& asked, std::span<const FrameI
   stamps_.reset(commands_);
   stamps_.write(commands_, 0);
   depth_pass_->record(commands_, ring_, place);
-  stamps_.write(commands_, 1);
+  for (std::uint32_t stage = 1; stage < kStamps; ++stage) stamps_.write(commands_, stage);
   commands_.end();
   gpu::submit_and_wait(device_, commands_, fence_);
   read_distance(place, asked.views[0].size, into);

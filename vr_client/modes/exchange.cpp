@@ -22,9 +22,10 @@ const TraceRequest* Exchange::plan(const Moment& moment, const Wanted& wanted) {
   request_.reset();
   if (session_.link == nullptr) return nullptr;
   RequestWish wish = moment.steering.wish;
-  if (!has_masks(wanted.answer) || wanted.answer == Answer::GBuffer) wish.guard_band = GuardBandUse::Off;
+  const bool is_picture = !has_masks(wanted.answer) || wanted.answer == Answer::GBuffer;
+  if (is_picture) wish.guard_band = GuardBandUse::Off;
   plan_.follow(wish);
-  plan_.shrink(session_.link->inbox().scale_eighths());
+  plan_.shrink(is_picture ? RequestPlan::kFullSize : session_.link->inbox().scale_eighths());
   plan_.limit(session_.link->inbox().most_pixels());
   request_ = plan_.ask(moment.shown, moment.period, moment.steering.scene);
   if (!request_) return nullptr;

@@ -11,7 +11,7 @@ class Exchange {
   explicit Exchange(const Session& session);
 
   /// What this frame should ask for, to be answered as `wanted` says; null on frames that ask for nothing.
-  /// Pictures are asked for without a guard band: they are turned, not looked up.
+  /// Pictures are asked for in the shown size, without a guard band: they are turned, not looked up.
   const TraceRequest* plan(const Moment& moment, const Wanted& wanted);
 
   /// What was planned, now that so many positions' messages are to go behind it.

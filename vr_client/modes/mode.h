@@ -55,7 +55,7 @@ inline constexpr std::array<ModeName, 7> kModes{{{Mode::Hybrid, "hybrid"},
 struct ModeWish {
   Mode mode = Mode::Hybrid;
   std::uint32_t bits_per_second = 20'000'000;  ///< Remote, Delta
-  std::uint32_t position_bits = 16;            ///< ClientPositions: an axis of the scene
+  std::uint32_t position_bits = 14;            ///< ClientPositions: an axis of the scene
   ShadowMapWish shadow_maps{};                 ///< Local
   friend bool operator==(const ModeWish&, const ModeWish&) = default;
 };
