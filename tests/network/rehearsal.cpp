@@ -140,7 +140,7 @@ Played play(const Play& play, const Network& network) {
   Renderer renderer(play.device, play.scene,
                     {.size = play.size, .traced_size = largest_traced(play.size), .depth_frames = in_flight});
   ShadowLink link(wire.client(), clock,
-                  {wire.server().local(), key, play.scene.hash, lights, answers_for(play.mode.mode)},
+                  {wire.server().local(), key, play.scene.hash, {lights}, answers_for(play.mode.mode)},
                   in_flight);
   Played played;
   link.tell({.heard =
