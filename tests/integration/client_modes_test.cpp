@@ -13,6 +13,12 @@ struct Case {
   double least_dB;  ///< median of the left eye, answers 20 ms late, at 96 x 64: as seen, less 3 dB
 };
 
+std::string mode_name(const testing::TestParamInfo<Case>& info) {
+  std::string text = info.param.mode;
+  std::erase(text, '-');
+  return text;
+}
+
 class ClientMode : public testing::TestWithParam<Case> {};
 
 TEST_P(ClientMode, ShowsTheRoom) {
@@ -34,11 +40,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, ClientMode,
                          testing::Values(Case{"hybrid", 20}, Case{"client-positions", 20},
                                          Case{"server-gbuffer", 15}, Case{"remote", 15}, Case{"delta", 15},
                                          Case{"local", 15}, Case{"full", 50}),
-                         [](const auto& info) {
-                           std::string text = info.param.mode;
-                           std::erase(text, '-');
-                           return text;
-                         });
+                         mode_name);
 
 TEST(ClientModes, WhatCannotBeRecordedIsSaid) {
   const ScratchFolder folder;
