@@ -66,13 +66,13 @@ Expected<void> run(const Session& session, const FrameWatcher& watch, const std:
            .masks = seen.masks,
            .newest = seen.newest,
            .age = seen.age,
-           .as = seen.as,
-           .start_up = seen.start_up,
-           .black = seen.black,
            .times = times,
            .starts = starts,
            .steering = steering,
-           .timing = *timing});
+           .timing = *timing,
+           .as = seen.as,
+           .start_up = seen.start_up,
+           .black = seen.black});
   }
   return {};
 }

@@ -58,13 +58,13 @@ struct FrameView {
   std::span<const MaskInHand> masks;  ///< that the frame was drawn with, newest first
   const ReceivedFrame* newest;        ///< what the newest of them came from; null if no server sent it
   std::optional<Duration> age;        ///< of what the newest was asked with: how long ago that was
-  ShownAs as;
-  bool start_up;         ///< nothing of what the mode needs had come yet
-  PerEye<double> black;  ///< share of each eye that the server's picture does not reach
   const StageTimes& times;
   const StageStarts& starts;
   const Steering& steering;  ///< that it was shown with
   FrameTiming timing;
+  ShownAs as = ShownAs::Shaded;
+  bool start_up = false;   ///< nothing of what the mode needs had come yet
+  PerEye<double> black{};  ///< share of each eye that the server's picture does not reach
 };
 using FrameWatcher = std::function<void(const FrameView&)>;
 

@@ -121,6 +121,7 @@ TEST(FrameLog, StartUpFramesAreCountedAndTheirErrorsLeftOut) {
   for (std::uint32_t frame = 1; frame <= 5; ++frame) {
     FrameRecord made = record(frame);
     if (frame <= 2) {
+      made.start_up = true;
       made.delta.reset();
       made.age.reset();
       (*made.errors)[0].mask_error = 1;

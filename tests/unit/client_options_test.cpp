@@ -119,7 +119,7 @@ TEST(ReadOptions, TakesEveryOption) {
   EXPECT_EQ(options.skip_s, 1.5);
   EXPECT_EQ(options.refresh_hz, 90);
   EXPECT_EQ(options.server, "[::1]:9");
-  EXPECT_EQ(options.mode, Mode::Full);
+  EXPECT_EQ(options.mode.mode, Mode::Full);
   EXPECT_EQ(options.pace, Pace::Real);
   EXPECT_EQ(options.delay_ms, 35);
   EXPECT_EQ(options.mask_wait_ms, 3);
@@ -159,7 +159,7 @@ TEST(ReadOptions, DefaultsAreThoseOfTheHeader) {
   ASSERT_TRUE(read.options.has_value());
   EXPECT_EQ(read.options->size, (Extent{512, 512}));
   EXPECT_FALSE(read.options->frames.has_value());
-  EXPECT_EQ(read.options->mode, Mode::Hybrid);
+  EXPECT_EQ(read.options->mode.mode, Mode::Hybrid);
   EXPECT_EQ(read.options->pace, Pace::Virtual);
   EXPECT_EQ(read.options->device.validation, gpu::Validation::Off);
   EXPECT_EQ(read.options->request.predictor, kDefaultPredictor);
@@ -203,7 +203,14 @@ TEST(ReadOptions, SaysWhatIsWrongInOneLineAndExitsWith2) {
       {{"--delay", "nan"}, "--delay"},
       {{"--mask-wait", "-1"}, "--mask-wait"},
       {{"--mask-wait", "nan"}, "--mask-wait"},
-      {{"--mode", "remote"}, "--mode"},
+      {{"--mode", "magic"}, "--mode"},
+      {{"--bitrate", "0"}, "--bitrate"},
+      {{"--bitrate", "nan"}, "--bitrate"},
+      {{"--position-bits", "7"}, "--position-bits"},
+      {{"--position-bits", "25"}, "--position-bits"},
+      {{"--shadow-maps", "16"}, "--shadow-maps"},
+      {{"--pcf", "9"}, "--pcf"},
+      {{"--mode", "delta", "--record", "session"}, "--record"},
       {{"--clock", "wall"}, "--clock"},
       {{"--place", "here"}, "--place"},
       {{"--trace-scale", "0"}, "--trace-scale"},
@@ -229,6 +236,22 @@ TEST(ReadOptions, SaysWhatIsWrongInOneLineAndExitsWith2) {
     EXPECT_TRUE(outcome.errors.starts_with("vr_client: ")) << outcome.errors;
     EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
   }
+}
+
+TEST(ReadOptions, EveryModeHasItsNameAndItsSettings) {
+  for (const ModeName& mode : kModes) {
+    const Outcome read = read_more({"--mode", std::string(mode.name)});
+    ASSERT_TRUE(read.options.has_value()) << read.errors;
+    EXPECT_EQ(read.options->mode, ModeWish{.mode = mode.mode});
+    EXPECT_EQ(name_of(mode.mode), mode.name);
+  }
+  const Outcome set = read_more({"--mode", "remote", "--bitrate", "2.5", "--position-bits", "24",
+                                 "--shadow-maps", "512", "--pcf", "0"});
+  ASSERT_TRUE(set.options.has_value()) << set.errors;
+  EXPECT_EQ(set.options->mode.bits_per_second, 2'500'000u);
+  EXPECT_EQ(set.options->mode.position_bits, 24u);
+  EXPECT_EQ(set.options->mode.shadow_maps.side_px, 512u);
+  EXPECT_EQ(set.options->mode.shadow_maps.pcf_radius, 0u);
 }
 
 TEST(ReadOptions, NamesWhatIsMissing) {
