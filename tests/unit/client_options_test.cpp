@@ -211,6 +211,7 @@ TEST(ReadOptions, SaysWhatIsWrongInOneLineAndExitsWith2) {
       {{"--shadow-maps", "16"}, "--shadow-maps"},
       {{"--pcf", "9"}, "--pcf"},
       {{"--mode", "delta", "--record", "session"}, "--record"},
+      {{"--mode", "server-gbuffer", "--dump", "3"}, "--dump"},
       {{"--clock", "wall"}, "--clock"},
       {{"--place", "here"}, "--place"},
       {{"--trace-scale", "0"}, "--trace-scale"},

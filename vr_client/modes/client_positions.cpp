@@ -8,6 +8,9 @@
 namespace farshade {
 namespace {
 
+/// That a request can announce. Tiles of what does not fit stay unknown.
+constexpr std::size_t kMostSlices = 65535;
+
 constexpr std::array kPositionKinds{PlaneKind::PositionX, PlaneKind::PositionY, PlaneKind::PositionZ};
 
 class ClientPositions final : public Way {
@@ -52,6 +55,7 @@ class ClientPositions final : public Way {
       for (std::size_t axis = 0; axis < planes_.size(); ++axis) {
         packer_.start(asked.frame, side, kPositionKinds[axis], planes_[axis]);
         while (const std::optional<PlaneSlice> slice = packer_.next()) {
+          if (messages_used_ == kMostSlices) return;
           if (messages_used_ == messages_.size()) messages_.emplace_back();
           encode(ClientMessage(*slice), messages_[messages_used_++]);
         }

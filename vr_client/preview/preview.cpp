@@ -246,8 +246,11 @@ class Preview {
 
   [[nodiscard]] std::string server_state() const {
     if (!client_.link)
-      return client_.scene.lights.empty() ? "no lights: no server" : "traces here: no server";
-    const std::string server = "server " + to_string(client_.server);
+      return client_.scene.lights.empty()        ? "no lights: no server"
+             : options_.mode.mode == Mode::Local ? "shadow maps: no server"
+                                                 : "traces here: no server";
+    const std::string server =
+        std::string(name_of(options_.mode.mode)) + ", server " + to_string(client_.server);
     const std::optional<Time> heard = client_.link->heard_at();
     if (!heard) return server + " does not answer";
     const Duration silence = client_.clock.now() - *heard;

@@ -192,8 +192,9 @@ void Timeline::write_asked(const Asked& asked, Events& events) {
   if (!asked.report) return;
 
   const FrameReport& report = *asked.report;
-  const std::array<Part, 3> stages{
-      {{"primary", report.primary}, {"shadow", report.shadow}, {"pack", report.pack}}};
+  std::vector<Part> stages{{"primary", report.primary}, {"shadow", report.shadow}};
+  if (report.draw > Duration::zero()) stages.push_back({"draw", report.draw});
+  stages.push_back({"pack", report.pack});
   const Duration work = report.waited + total_of(stages);
   const TimeSpan placed = place_work(sent, *first, work);
   const Time begun = placed.begin + fitted(report.waited, work, placed.end - placed.begin);
