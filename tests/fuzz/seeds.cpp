@@ -123,6 +123,8 @@ void save_messages(const fs::path& folder) {
   save(folder / "report", after(1, encoded(ServerMessage(report()))));
   save(folder / "probe", after(1, encoded(ServerMessage(probe()))));
   save(folder / "slice", after(1, packed(small_frame(), Side::Left).front()));
+  save(folder / "plane_slice", after(0, encoded(ClientMessage(plane_slice()))));
+  save(folder / "video_part", after(1, encoded(ServerMessage(video_part()))));
 }
 
 /// Form, then the choices of handshake.cpp; edits of place (two bytes) and xor.

@@ -179,7 +179,7 @@ def verdict_on(page, folder):
     path = folder / "watched.html"
     path.write_text(watched, encoding="utf-8")
     shown = subprocess.run(
-        [browser, "--headless=new", "--no-sandbox", "--disable-gpu", "--enable-logging=stderr",
+        [browser, "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--enable-logging=stderr",
          "--virtual-time-budget=5000", f"--user-data-dir={folder / 'browser'}", "--dump-dom", path.as_uri()],
         capture_output=True, text=True, timeout=PATIENCE_S, check=False)
     found = re.search(r'data-verdict="([^"]*)"', shown.stdout)
