@@ -48,8 +48,8 @@ struct LightData {
   vec4 spot_cone;       // x = scale, y = offset of the cone's falloff (KHR_lights_punctual); 0, 1 = no cone
 };
 
-// How a light's shadow map sees: not at all, through the six faces of a cube (+x, -x, +y, -y, +z, -z), through
-// one window, or along one direction.
+// How a light's shadow map sees: not at all, through the six faces of a cube (+x, -x, +y, -y, +z, -z),
+// through one window, or along one direction.
 #define FARSHADE_MAP_NONE 0u
 #define FARSHADE_MAP_CUBE 1u
 #define FARSHADE_MAP_WINDOW 2u
