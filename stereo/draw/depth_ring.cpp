@@ -8,16 +8,15 @@
 namespace farshade {
 
 DepthRing::DepthRing(const gpu::Device& device, Extent size, std::uint32_t frames)
-    : image_(
-          gpu::make_image(device,
-                          {.size = size,
-                           .layers = static_cast<std::uint32_t>(kEyes) * (frames + 1),
-                           .format = kDepthFormat,
-                           .usage = vk::ImageUsageFlagBits::eDepthStencilAttachment |
-                                    vk::ImageUsageFlagBits::eTransferSrc |
-                                    vk::ImageUsageFlagBits::eTransferDst | vk::ImageUsageFlagBits::eSampled,
-                           .use = gpu::Use::Depth},
-                          "depth ring")),
+    : image_(gpu::make_image(
+          device,
+          {.size = size,
+           .layers = static_cast<std::uint32_t>(kEyes) * (frames + 1),
+           .format = kDepthFormat,
+           .usage = vk::ImageUsageFlagBits::eDepthStencilAttachment | vk::ImageUsageFlagBits::eTransferSrc |
+                    vk::ImageUsageFlagBits::eTransferDst | vk::ImageUsageFlagBits::eSampled,
+           .use = gpu::Use::Depth},
+          "depth ring")),
       slots_(frames + 1) {
   for (std::uint32_t i = 0; i < slots_.size(); ++i)
     slots_[i].view = gpu::view_layers(device, image_, i * kEyes, kEyes);

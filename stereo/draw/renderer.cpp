@@ -280,7 +280,8 @@ DrawCounters Renderer::counters() const {
   return counters;
 }
 
-/// The first `size` pixels of layers of an image that rests in `layout`, four bytes a pixel, into `readback_`.
+/// The first `size` pixels of layers of an image that rests in `layout`, four bytes a pixel, into
+/// `readback_`.
 void Renderer::read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers,
                          Extent size) const {
   constexpr auto source = vk::ImageLayout::eTransferSrcOptimal;

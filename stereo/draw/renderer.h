@@ -118,7 +118,7 @@ class Renderer {
   std::optional<DepthPass> depth_pass_;    ///< once it is needed
   std::optional<ShadowMaps> shadow_maps_;  ///< once they are wished for
   ShadingPass shading_;
-  std::optional<TurnPass> turn_;  ///< once a picture is turned
+  std::optional<TurnPass> turn_;                 ///< once a picture is turned
   DepthRing::Place shown_depth_;                 ///< of the last frame drawn
   std::optional<DepthRing::Place> asked_depth_;  ///< where the depth pass draws, if it has to
   vk::raii::CommandBuffer commands_{nullptr};

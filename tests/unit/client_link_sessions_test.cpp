@@ -193,7 +193,8 @@ TEST(LinkSession, StaysWithItsClientWhenItsDatagramsAreSentOnFromElsewhere) {
   EXPECT_GT(got, 0u) << "it was asked to prove itself";
   EXPECT_LE(got, stolen_bytes);
   std::size_t whole = 0;
-  for (const ReceivedFrame* frame : bench.link.inbox().received(Time::max())) whole += frame->complete() ? 1 : 0;
+  for (const ReceivedFrame* frame : bench.link.inbox().received(Time::max()))
+    whole += frame->complete() ? 1 : 0;
   EXPECT_GE(whole, kLong - 4) << "slices go to the client";
 }
 
