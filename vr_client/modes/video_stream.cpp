@@ -1,6 +1,5 @@
 #include "vr_client/modes/video_stream.h"
 
-#include <ranges>
 #include <stdexcept>
 
 namespace farshade {
@@ -31,7 +30,8 @@ const TraceRequest* VideoStream::request(const Moment& moment) {
 void VideoStream::collect(const Moment& moment) {
   const auto received = exchange_.receive(moment);
   const Stopwatch watch;
-  for (const ReceivedFrame* frame : received | std::views::reverse) {
+  for (auto oldest_first = received.rbegin(); oldest_first != received.rend(); ++oldest_first) {
+    const ReceivedFrame* const frame = *oldest_first;
     const bool is_news = !picture_ || is_newer(frame->request.frame, picture_->request.frame);
     if (is_news && frame->video.complete()) decode(*frame);
   }
