@@ -18,6 +18,11 @@ constexpr Duration kLongestInterval = std::chrono::milliseconds(50);
 /// with much to trace is not taken for one that was restarted.
 constexpr Duration kSignOfLife = std::chrono::milliseconds(100);
 
+/// By a renderer here; masks are traced.
+constexpr bool is_drawn(Answer answer) {
+  return answer == Answer::GBuffer || is_video(answer);
+}
+
 std::uint64_t random_token() {
   std::uint64_t token = 0;
   while (token == 0) randombytes_buf(&token, sizeof token);
@@ -98,7 +103,11 @@ Heard ClientSession::take(const RequestMessage& message, Time now) {
   newest_ = frame;
   for (const View& view : message.request.views)
     if (view.size.pixels() > most_pixels_) return Heard::TooLarge;
-  if ((answers_ & set_of(message.request.wanted.answer)) == 0) return Heard::Unanswered;
+  const Answer answer = message.request.wanted.answer;
+  if ((answers_ & set_of(answer)) == 0) return Heard::Unanswered;
+  // A renderer draws two eyes of one size.
+  const StereoView& views = message.request.views;
+  if (is_drawn(answer) && views[0].size != views[1].size) return Heard::Unanswered;
   const bool superseded = waiting_.has_value();
   if (superseded) ++superseded_;
   waiting_ = Job{.session = id_, .request = message.request, .arrived = now};

@@ -34,7 +34,14 @@ AnswerSet Answers::offered() const {
 }
 
 Answered Answers::answer(const Job& job, FramePacker& packer) {
-  return makers_[index_of(job.request.wanted.answer)]->answer(job, packer);
+  try {
+    return makers_[index_of(job.request.wanted.answer)]->answer(job, packer);
+  } catch (const std::exception& error) {
+    if (error.what() != last_failure_) spdlog::warn("an answer cannot be made: {}", error.what());
+    last_failure_ = error.what();
+    packer.begin();
+    return {};
+  }
 }
 
 }  // namespace farshade

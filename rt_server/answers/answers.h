@@ -42,12 +42,14 @@ class Answers {
   /// As this build and this machine can: pictures need a device, video a codec. Opens a device and closes it.
   [[nodiscard]] AnswerSet offered() const;
 
-  /// An AnswerFunction: all but Answer::Masks.
+  /// An AnswerFunction: all but Answer::Masks. What cannot be made (a picture too large for the device, too
+  /// small for the codec) is said in the log and left out: one client's wish ends nobody's session.
   Answered answer(const Job& job, FramePacker& packer);
 
  private:
   std::unique_ptr<Painter> painter_;
   std::array<std::unique_ptr<AnswerMaker>, kAnswers> makers_;
+  std::string last_failure_;  ///< said once, not at every frame
 };
 
 }  // namespace farshade

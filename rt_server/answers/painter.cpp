@@ -1,5 +1,6 @@
 #include "rt_server/answers/painter.h"
 
+#include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
 #include <stdexcept>
@@ -7,6 +8,14 @@
 #include "stereo/frame/tiles.h"
 
 namespace farshade {
+
+Expected<void> Painter::can_paint() const {
+  const std::size_t instances = ground_.scene.instances.size();
+  if (instances > kMaxInstances)
+    return fail(Fault::Unsupported,
+                fmt::format("the scene has {} instances; at most {} can be drawn", instances, kMaxInstances));
+  return gpu::open_device(ground_.device).map([](const gpu::Device&) {});
+}
 
 Renderer& Painter::renderer_for(Extent size) {
   if (!device_) {

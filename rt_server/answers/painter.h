@@ -15,10 +15,8 @@ class Painter {
   /// What `ground` refers to outlives it.
   explicit Painter(const AnswerGround& ground) : ground_(ground) {}
 
-  /// Whether there is a device to draw on; it is not kept.
-  [[nodiscard]] Expected<void> can_paint() const {
-    return gpu::open_device(ground_.device).map([](const gpu::Device&) {});
-  }
+  /// Whether there is a device to draw on, which is not kept, and the scene can be drawn.
+  [[nodiscard]] Expected<void> can_paint() const;
 
   /// A request traced and drawn. What it refers to stays until the next call.
   struct Painted {

@@ -24,6 +24,8 @@ Duration Streams::code(const Job& job, const PerEye<Image<Rgb8>>& eyes, FramePac
       {.size = picture.size, .bits_per_second = request.wanted.bits_per_second, .frames_per_second = rate});
   const bool alone = request.wanted.coding == Coding::Alone;
   const auto unit = stream.encoder.encode(picture, alone ? KeyFrame::Now : KeyFrame::IfNeeded);
+  if (unit.size() > kMostVideoParts * kVideoPart_bytes)
+    throw std::runtime_error("a coded picture of " + std::to_string(unit.size()) + " bytes");
   packer.add(request.frame, alone ? request.frame : stream.last, unit);
   stream.last = request.frame;
   return coding.elapsed();

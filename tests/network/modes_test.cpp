@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "rt_server/answers/answers.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/trace/reader.h"
 #include "stereo/video/video.h"
@@ -114,6 +115,27 @@ INSTANTIATE_TEST_SUITE_P(Modes, EveryServedMode,
                          testing::Values(Mode::Hybrid, Mode::ClientPositions, Mode::ServerGBuffer,
                                          Mode::Remote, Mode::Delta),
                          mode_name);
+
+/// What no codec and no device can make ends no server.
+TEST(ServerAnswers, WhatCannotBeMadeIsLeftOut) {
+  if (!has_video()) GTEST_SKIP() << video_version();
+  const ScenePlan plan = plan_for(ground().scene, {.all_lights = true});
+  Tracer tracer = Tracer::create(ground().scene, plan.trace).value();
+  Answers answers({.scene = ground().scene, .plan = plan, .tracer = tracer});
+  FramePacker packer;
+  Job job{};
+  job.request.frame = {1};
+  job.request.wanted = {
+      .answer = Answer::Video, .bits_per_second = 1'000'000, .interval = std::chrono::milliseconds(14)};
+  const auto messages = [&](Extent size) {
+    for (View& view : job.request.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, size};
+    packer.begin();
+    answers.answer(job, packer);
+    return packer.finish({.frame = {1}}).size();
+  };
+  EXPECT_EQ(messages({8, 8}), 1u) << "too small for the codec: the report alone";
+  EXPECT_GT(messages({64, 64}), 1u) << "and the next is answered";
+}
 
 /// A head that turns sees beyond the picture that a server drew: black, and counted.
 TEST(RemoteMode, CountsWhatItsPictureDoesNotReach) {

@@ -22,9 +22,11 @@ TraceRequest with_positions(std::uint32_t frame, std::uint32_t slices) {
 
 /// Counts what each answered request brought.
 struct Bench {
-  Bench() {
+  explicit Bench(AnswerSet answers = kTracedAnswers) {
+    Welcome served = kServed;
+    served.answers = answers;
     core.emplace(
-        kServed, kRing, [](const TraceRequest&, ShadowFrame&) { return TraceStats{}; }, link.server(), clock,
+        served, kRing, [](const TraceRequest&, ShadowFrame&) { return TraceStats{}; }, link.server(), clock,
         SessionLimits{}, SameAllOver::OneValue,
         [this](const Job& job, FramePacker&) {
           brought.push_back(job.positions.size());
@@ -135,6 +137,21 @@ TEST(ServerPositions, MoreBytesThanMayWaitAreDropped) {
   }
   EXPECT_GT(bench.core->counters().sessions.stray, 90u);
   EXPECT_LT(bench.core->counters().sessions.stray, most);
+}
+
+TEST(ServerAnswers, PicturesOfEyesOfTwoSizesAreNotDrawn) {
+  Bench bench(kEveryAnswer);
+  TraceRequest request = request_of(1, {32, 32});
+  request.wanted.answer = Answer::GBuffer;
+  bench.client.say(bench.client.ask(request));
+  bench.pass(5ms);
+  EXPECT_EQ(bench.brought.size(), 1u) << "of one size they are";
+  request.frame = {2};
+  request.views[1].size = {32, 31};
+  bench.client.say(bench.client.ask(request));
+  bench.pass(5ms);
+  EXPECT_EQ(bench.brought.size(), 1u);
+  EXPECT_EQ(bench.core->counters().sessions.unanswered, 1u);
 }
 
 TEST(ServerAnswers, WhatIsNotGivenIsCountedAndNotAnswered) {
