@@ -18,11 +18,6 @@ constexpr Duration kLongestInterval = std::chrono::milliseconds(50);
 /// with much to trace is not taken for one that was restarted.
 constexpr Duration kSignOfLife = std::chrono::milliseconds(100);
 
-/// By a renderer here; masks are traced.
-constexpr bool is_drawn(Answer answer) {
-  return answer == Answer::GBuffer || is_video(answer);
-}
-
 std::uint64_t random_token() {
   std::uint64_t token = 0;
   while (token == 0) randombytes_buf(&token, sizeof token);

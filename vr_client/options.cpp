@@ -44,11 +44,6 @@ std::map<std::string, Mode> modes() {
   return named;
 }
 
-/// What it shows was drawn or shaded for other views, and turned.
-bool shows_pictures(Mode mode) {
-  return mode == Mode::ServerGBuffer || mode == Mode::Remote || mode == Mode::Delta;
-}
-
 std::string one_line(const CLI::App*, const CLI::Error& error) {
   return fmt::format("vr_client: {} (--help tells more)\n", error.what());
 }
@@ -210,7 +205,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
     options.size = *parsed;
     options.request.predictor = parse_predictor(predictor).value();
     options.mode.bits_per_second = static_cast<std::uint32_t>(std::lround(video_megabits * 1e6));
-    if (!options.dump.empty() && shows_pictures(options.mode.mode))
+    if (!options.dump.empty() && (answers_for(options.mode.mode) & kDrawnAnswers) != 0)
       throw CLI::ValidationError("--dump", "what is shown in mode " +
                                                std::string(name_of(options.mode.mode)) +
                                                " is a server's picture, which no mask explains");

@@ -1,5 +1,5 @@
-/// Answers: what a server gives beside masks of what it sees itself. Each kind is one file beside this one;
-/// they share a tracer, and those that are pictures a painter.
+/// Answers: what a server gives beside masks of what it sees itself. Files beside this
+/// one make them; they share a tracer, and those that are pictures a painter.
 #pragma once
 
 #include <memory>
@@ -27,7 +27,7 @@ class AnswerMaker {
 
 class Painter;
 
-// Each in its own file. References are kept.
+// References are kept.
 [[nodiscard]] std::unique_ptr<AnswerMaker> make_position_masks(const AnswerGround& ground);
 [[nodiscard]] std::unique_ptr<AnswerMaker> make_gbuffer(Painter& painter);
 [[nodiscard]] std::unique_ptr<AnswerMaker> make_video(Painter& painter);

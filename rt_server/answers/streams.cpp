@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 namespace farshade {
 
@@ -24,10 +25,11 @@ Duration Streams::code(const Job& job, const PerEye<Image<Rgb8>>& eyes, FramePac
       {.size = picture.size, .bits_per_second = request.wanted.bits_per_second, .frames_per_second = rate});
   const bool alone = request.wanted.coding == Coding::Alone;
   const auto unit = stream.encoder.encode(picture, alone ? KeyFrame::Now : KeyFrame::IfNeeded);
+  // Sent or not: the next is coded after it.
+  const FrameId last = std::exchange(stream.last, request.frame);
   if (unit.size() > kMostVideoParts * kVideoPart_bytes)
     throw std::runtime_error("a coded picture of " + std::to_string(unit.size()) + " bytes");
-  packer.add(request.frame, alone ? request.frame : stream.last, unit);
-  stream.last = request.frame;
+  packer.add(request.frame, alone ? request.frame : last, unit);
   return coding.elapsed();
 }
 

@@ -30,6 +30,12 @@ using AnswerSet = std::uint8_t;
   return static_cast<AnswerSet>(1u << static_cast<unsigned>(answer));
 }
 inline constexpr AnswerSet kTracedAnswers = set_of(Answer::Masks) | set_of(Answer::MasksOfPositions);
+/// Pictures that a renderer draws for the views asked, and that are turned to those shown.
+inline constexpr AnswerSet kDrawnAnswers =
+    set_of(Answer::GBuffer) | set_of(Answer::Video) | set_of(Answer::Difference);
+[[nodiscard]] constexpr bool is_drawn(Answer answer) {
+  return (set_of(answer) & kDrawnAnswers) != 0;
+}
 inline constexpr AnswerSet kUncodedAnswers = kTracedAnswers | set_of(Answer::GBuffer);
 inline constexpr AnswerSet kEveryAnswer = (1u << kAnswers) - 1;
 

@@ -4,27 +4,14 @@
 
 #include "stereo/base/check.h"
 #include "stereo/video/colours.h"
+#include "stereo/video/libav.h"
 #include "stereo/video/video.h"
-
-extern "C" {
-#include <libavcodec/avcodec.h>
-}
 
 namespace farshade {
 namespace {
 
 /// Far more than a picture of the largest size may take.
 constexpr std::size_t kMaxUnit_bytes = std::size_t{1} << 28;
-
-struct ContextEnd {
-  void operator()(AVCodecContext* context) const { avcodec_free_context(&context); }
-};
-struct FrameEnd {
-  void operator()(AVFrame* frame) const { av_frame_free(&frame); }
-};
-struct PacketEnd {
-  void operator()(AVPacket* packet) const { av_packet_free(&packet); }
-};
 
 /// Whether a NAL unit of an instantaneous decoder refresh is among those of the Annex B unit (H.264, 7.4.1).
 bool holds_key_frame(std::span<const std::byte> unit) {
@@ -47,9 +34,9 @@ bool is_ours(const AVFrame& frame) {
 }  // namespace
 
 struct VideoDecoder::Codec {
-  std::unique_ptr<AVCodecContext, ContextEnd> context;  ///< null after a reset, until a key frame comes
-  std::unique_ptr<AVFrame, FrameEnd> frame;
-  std::unique_ptr<AVPacket, PacketEnd> packet;
+  Libav<AVCodecContext> context;  ///< null after a reset, until a key frame comes
+  Libav<AVFrame> frame;
+  Libav<AVPacket> packet;
   std::optional<ColourConverter> colours;  ///< of the size decoded last
   bool has_reference = false;              ///< a key frame, and all that came after it
   Image<Rgb8> picture;

@@ -1,11 +1,10 @@
+#include <algorithm>
+#include <limits>
+
 #include "stereo/base/check.h"
 #include "stereo/video/colours.h"
+#include "stereo/video/libav.h"
 #include "stereo/video/video.h"
-
-extern "C" {
-#include <libavcodec/avcodec.h>
-#include <libavutil/opt.h>
-}
 
 namespace farshade {
 namespace {
@@ -13,16 +12,6 @@ namespace {
 /// The coder's VBV, in pictures: no unit is larger, and none takes longer on a link of the asked bit rate.
 /// With two or three, libx264 leaves a fifth or a seventh of the bit rate unused.
 constexpr double kBuffer_frames = 4;
-
-struct ContextEnd {
-  void operator()(AVCodecContext* context) const { avcodec_free_context(&context); }
-};
-struct FrameEnd {
-  void operator()(AVFrame* frame) const { av_frame_free(&frame); }
-};
-struct PacketEnd {
-  void operator()(AVPacket* packet) const { av_packet_free(&packet); }
-};
 
 std::string refusal(const VideoFormat& format) {
   const auto side_ok = [](std::uint32_t side, std::uint32_t most) {
@@ -57,7 +46,8 @@ void describe(const VideoFormat& format, AVCodecContext& context) {
   context.bit_rate = format.bits_per_second;
   context.rc_max_rate = format.bits_per_second;
   context.rc_buffer_size =
-      static_cast<int>(kBuffer_frames * format.bits_per_second / format.frames_per_second);
+      static_cast<int>(std::min(kBuffer_frames * format.bits_per_second / format.frames_per_second,
+                                double{std::numeric_limits<int>::max()}));
 }
 
 bool open(AVCodecContext& context, const AVCodec& codec) {
@@ -89,9 +79,9 @@ std::string video_version() {
 
 struct VideoEncoder::Codec {
   VideoFormat format;
-  std::unique_ptr<AVCodecContext, ContextEnd> context;
-  std::unique_ptr<AVFrame, FrameEnd> frame;
-  std::unique_ptr<AVPacket, PacketEnd> packet;
+  Libav<AVCodecContext> context;
+  Libav<AVFrame> frame;
+  Libav<AVPacket> packet;
   ColourConverter colours;
 };
 
@@ -106,9 +96,9 @@ Expected<VideoEncoder> VideoEncoder::create(const VideoFormat& format) {
   const AVCodec* codec = avcodec_find_encoder_by_name("libx264");
   if (codec == nullptr)
     return fail(Fault::Unavailable, "this libavcodec has no libx264: install one that has, as Debian's");
-  std::unique_ptr<AVCodecContext, ContextEnd> context(avcodec_alloc_context3(codec));
-  std::unique_ptr<AVFrame, FrameEnd> frame(av_frame_alloc());
-  std::unique_ptr<AVPacket, PacketEnd> packet(av_packet_alloc());
+  Libav<AVCodecContext> context(avcodec_alloc_context3(codec));
+  Libav<AVFrame> frame(av_frame_alloc());
+  Libav<AVPacket> packet(av_packet_alloc());
   Expected<ColourConverter> colours = ColourConverter::create(format.size, ColourConverter::To::Yuv);
   if (!colours) return tl::unexpected(colours.error());
   if (!context || !frame || !packet) return fail(Fault::Unavailable, "no memory for a video encoder");

@@ -22,7 +22,7 @@ const TraceRequest* Exchange::plan(const Moment& moment, const Wanted& wanted) {
   request_.reset();
   if (session_.link == nullptr) return nullptr;
   RequestWish wish = moment.steering.wish;
-  const bool is_picture = !has_masks(wanted.answer) || wanted.answer == Answer::GBuffer;
+  const bool is_picture = is_drawn(wanted.answer);
   if (is_picture) wish.guard_band = GuardBandUse::Off;
   plan_.follow(wish);
   plan_.shrink(is_picture ? RequestPlan::kFullSize : session_.link->inbox().scale_eighths());
