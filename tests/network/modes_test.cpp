@@ -3,10 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
 
-#include "rt_server/answers/answers.h"
-#include "rt_server/answers/streams.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/trace/reader.h"
 #include "stereo/video/video.h"
@@ -118,59 +115,6 @@ INSTANTIATE_TEST_SUITE_P(Modes, EveryServedMode,
                          testing::Values(Mode::Hybrid, Mode::ClientPositions, Mode::ServerGBuffer,
                                          Mode::Remote, Mode::Delta),
                          mode_name);
-
-/// What no codec and no device can make ends no server.
-TEST(ServerAnswers, WhatCannotBeMadeIsLeftOut) {
-  if (!has_video()) GTEST_SKIP() << video_version();
-  const ScenePlan plan = plan_for(ground().scene, {.all_lights = true});
-  Tracer tracer = Tracer::create(ground().scene, plan.trace).value();
-  Answers answers({.scene = ground().scene, .plan = plan, .tracer = tracer});
-  FramePacker packer;
-  Job job{};
-  job.request.frame = {1};
-  job.request.wanted = {
-      .answer = Answer::Video, .bits_per_second = 1'000'000, .interval = std::chrono::milliseconds(14)};
-  const auto messages = [&](Extent size) {
-    for (View& view : job.request.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, size};
-    packer.begin();
-    answers.answer(job, packer);
-    return packer.finish({.frame = {1}}).size();
-  };
-  EXPECT_EQ(messages({8, 8}), 1u) << "too small for the codec: the report alone";
-  EXPECT_GT(messages({64, 64}), 1u) << "and the next is answered";
-}
-
-/// Of one code() call: which frame the unit is said to be coded after; nothing where it could not be sent.
-std::optional<FrameId> coded_after(Streams& streams, FrameId frame, const PerEye<Image<Rgb8>>& eyes) {
-  Job job{};
-  job.request.frame = frame;
-  job.request.wanted = {
-      .answer = Answer::Video, .bits_per_second = kMostVideo_bits, .interval = std::chrono::seconds(10)};
-  FramePacker packer;
-  packer.begin();
-  try {
-    streams.code(job, eyes, packer);
-  } catch (const std::runtime_error&) {
-    return std::nullopt;
-  }
-  const Decoded<ServerMessage> first = decode_server(packer.finish({.frame = frame}).front());
-  return std::get<VideoPart>(first.value()).after;
-}
-
-/// The encoder goes on after a picture that was too many bytes to send, and the client must learn that.
-TEST(ServerAnswers, PictureAfterOneTooLargeToSendIsNotSaidToStandOnAnEarlierOne) {
-  if (!has_video()) GTEST_SKIP() << video_version();
-  Streams streams;
-  std::mt19937 random(7);
-  PerEye<Image<Rgb8>> flat, noise;
-  for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    flat[eye] = noise[eye] = Image<Rgb8>(Extent{2048, 2048});
-    for (Rgb8& pixel : noise[eye].pixels) pixel = Rgb8(random() & 255, random() & 255, random() & 255);
-  }
-  EXPECT_EQ(coded_after(streams, {1}, flat), FrameId{1}) << "the first stands alone";
-  EXPECT_EQ(coded_after(streams, {2}, noise), std::nullopt) << "more than a frame's parts can carry";
-  EXPECT_EQ(coded_after(streams, {3}, flat), FrameId{2});
-}
 
 /// A head that turns sees beyond the picture that a server drew: black, and counted.
 TEST(RemoteMode, CountsWhatItsPictureDoesNotReach) {

@@ -74,18 +74,19 @@ def equal_error(modes, other, cost, unit):
 
 
 def latencies(modes):
-    """Display time minus when what is shown was asked for, by mode and network; the middle of scenes and heads."""
-    networks = list(grouped(modes, "network"))
-    lines = []
-    for (words,), own in grouped(modes, "words").items():
-        line = [words]
-        for (network,) in networks:
-            values = [r["latency"] for r in own if r["network"] == network and r["latency"] is not None]
-            line.append(median(values) if values else None)
-        lines.append(line)
-    return table("Milliseconds from when the masks or the picture were asked for to their display; median. Network and "
-                 "whole frames alone: servers take no virtual time, their run times come on top.",
-                 ["mode", *(n for (n,) in networks)], lines)
+    """Display time minus when what is shown was asked for, and what answering and drawing take on top; heads' middle."""
+    networks = [network for (network,) in grouped(modes, "network")]
+
+    def middle(rows, figure):
+        values = [r[figure] for r in rows if r.get(figure) is not None]
+        return median(values) if values else None
+    lines = [[scene, words, *(middle([r for r in own if r["network"] == network], "latency") for network in networks),
+              middle(own, "answer_ms") or 0.0, middle(own, "client_ms")]
+             for (scene, words), own in grouped(modes, "scene", "words").items()]
+    return table("Milliseconds from when the masks or the picture were asked for to their display, medians, by network: "
+                 "network and whole frames alone, for servers take no virtual time. On this machine an answer and a "
+                 "client's frame take what the last columns say; without pipelining that comes on top.",
+                 ["scene", "mode", *networks, "answer", "frame"], lines)
 
 
 def exponents(fits):

@@ -1,0 +1,182 @@
+// What a server gives, one answer at a time, without a client: what of it still opens where something was
+// lost before, and what cannot be made.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "rt_server/answers/answers.h"
+#include "rt_server/answers/streams.h"
+#include "stereo/base/check.h"
+#include "stereo/net/assembler.h"
+#include "stereo/scene/gltf.h"
+
+namespace farshade {
+namespace {
+
+constexpr Extent kEye{64, 48};
+
+PerEye<Image<Rgb8>> grey(Extent eye, std::uint8_t level) {
+  PerEye<Image<Rgb8>> eyes{Image<Rgb8>(eye), Image<Rgb8>(eye)};
+  for (Image<Rgb8>& image : eyes) std::ranges::fill(image.pixels, Rgb8(level));
+  return eyes;
+}
+
+struct Coded {
+  FrameId after;
+  std::vector<std::byte> unit;
+};
+
+/// Nothing where the unit could not be sent.
+std::optional<Coded> code(Streams& streams, FrameId frame, const PerEye<Image<Rgb8>>& eyes,
+                          Coding coding = Coding::AfterLast, std::uint64_t session = 1) {
+  Job job{};
+  job.session = {session};
+  job.request.frame = frame;
+  job.request.wanted = {.answer = Answer::Video,
+                        .bits_per_second = kMostVideo_bits,
+                        .interval = std::chrono::seconds(10),
+                        .coding = coding};
+  FramePacker packer;
+  packer.begin();
+  try {
+    streams.code(job, eyes, packer);
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
+  Coded coded{};
+  for (const std::vector<std::byte>& message : packer.finish({.frame = frame})) {
+    const Decoded<ServerMessage> decoded = decode_server(message);
+    const auto* const part = decoded ? std::get_if<VideoPart>(&*decoded) : nullptr;
+    if (part == nullptr) continue;
+    coded.after = part->after;
+    coded.unit.insert(coded.unit.end(), part->bytes.begin(), part->bytes.end());
+  }
+  return coded;
+}
+
+class StreamsCode : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!has_video()) GTEST_SKIP() << video_version();
+  }
+  Streams streams_;
+};
+
+TEST_F(StreamsCode, WhatIsAskedForAloneNeedsNothingBefore) {
+  EXPECT_EQ(code(streams_, {1}, grey(kEye, 40))->after, FrameId{1}) << "the first is alone in any case";
+  const Coded next = *code(streams_, {2}, grey(kEye, 90));
+  EXPECT_EQ(next.after, FrameId{1});
+  const Coded alone = *code(streams_, {3}, grey(kEye, 140), Coding::Alone);
+  EXPECT_EQ(alone.after, FrameId{3});
+  VideoDecoder late = VideoDecoder::create().value();
+  EXPECT_FALSE(late.decode(next.unit)) << "stands on the first";
+  const Image<Rgb8>* const shown = late.decode(alone.unit).value();
+  EXPECT_NEAR(shown->at(5, 5).g, 140, 2);
+}
+
+TEST_F(StreamsCode, EachSessionHasItsOwn) {
+  EXPECT_EQ(code(streams_, {7}, grey(kEye, 40))->after, FrameId{7});
+  EXPECT_EQ(code(streams_, {9}, grey(kEye, 40), Coding::AfterLast, 2)->after, FrameId{9});
+  EXPECT_EQ(code(streams_, {8}, grey(kEye, 40))->after, FrameId{7});
+}
+
+TEST_F(StreamsCode, AnotherSizeBeginsAnew) {
+  EXPECT_EQ(code(streams_, {1}, grey(kEye, 40))->after, FrameId{1});
+  EXPECT_EQ(code(streams_, {2}, grey({96, 48}, 40))->after, FrameId{2});
+}
+
+/// The encoder goes on after a picture that was too many bytes to send, and the client must learn that.
+TEST_F(StreamsCode, WhatFollowsAPictureTooLargeToSendIsSaidToStandOnIt) {
+  constexpr Extent large{2048, 2048};
+  PerEye<Image<Rgb8>> noise = grey(large, 0);
+  std::mt19937 random(7);
+  for (Image<Rgb8>& image : noise)
+    for (Rgb8& pixel : image.pixels) pixel = Rgb8(random() & 255, random() & 255, random() & 255);
+  EXPECT_EQ(code(streams_, {1}, grey(large, 90))->after, FrameId{1});
+  EXPECT_FALSE(code(streams_, {2}, noise)) << "more than a frame's parts can carry";
+  EXPECT_EQ(code(streams_, {3}, grey(large, 90))->after, FrameId{2});
+}
+
+class ServerAnswers : public testing::Test {
+ protected:
+  ServerAnswers() {
+    for (View& view : job_.request.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, {256, 192}};
+    job_.request.frame = {1};
+  }
+
+  /// As a client has it that all of it reaches.
+  const ReceivedFrame& received() {
+    packer_.begin();
+    answers_.answer(job_, packer_);
+    assembler_.clear();
+    assembler_.expect(job_.request, {narrow<std::uint32_t>(scene_.lights.size())}, kFirstLightSet);
+    for (const std::vector<std::byte>& message : packer_.finish({.frame = job_.request.frame})) {
+      const Decoded<ServerMessage> decoded = decode_server(message);
+      if (const auto* slice = decoded ? std::get_if<Slice>(&*decoded) : nullptr) assembler_.accept(*slice);
+    }
+    return *assembler_.find(job_.request.frame);
+  }
+
+  Scene scene_ = load_scene(FARSHADE_ASSETS "/room.glb").value();
+  ScenePlan plan_ = plan_for(scene_, {.all_lights = true});
+  Tracer tracer_ = Tracer::create(scene_, plan_.trace).value();
+  Answers answers_{{.scene = scene_, .plan = plan_, .tracer = tracer_}};
+  Job job_{};
+  FramePacker packer_;
+  Assembler assembler_;
+};
+
+/// A tile is traced where all three coordinates have come, of this very request.
+TEST_F(ServerAnswers, MasksOfPositionsAreOfThoseThatHaveCome) {
+  constexpr std::array kAxes{PlaneKind::PositionX, PlaneKind::PositionY, PlaneKind::PositionZ};
+  job_.request.wanted = {.answer = Answer::MasksOfPositions, .position_bits = 14};
+  const PositionGrid grid = grid_of({scene_.bounds.low}, {scene_.bounds.high}, 14);
+  PositionPlanes planes;
+  PlanePacker packer;
+  std::mt19937 random(3);  // what packs badly comes in several slices
+  std::vector<float> distances_m(job_.request.views[0].size.pixels());
+  for (float& distance : distances_m) distance = 1 + static_cast<float>(random() % 1000) / 1000;
+  std::uint32_t lost_from = 0, lost = 0;
+  std::vector<std::byte> of_left_y;
+  for (const Side side : kSides) {
+    const View& view = job_.request.views[index_of(side)];
+    positions_of(view, distances_m, grid, planes);
+    for (std::size_t axis = 0; axis < kAxes.size(); ++axis) {
+      packer.start(job_.request.frame, side, kAxes[axis], planes[axis]);
+      while (const std::optional<PlaneSlice> slice = packer.next()) {
+        std::vector<std::byte> message;
+        encode(ClientMessage(*slice), message);
+        const bool losable = side == Side::Left && axis == 1 && of_left_y.empty();
+        if (losable) of_left_y = message, lost_from = slice->first_tile, lost = slice->tile_count;
+        if (!losable) job_.positions.push_back(message);
+      }
+    }
+  }
+  const ReceivedFrame& part = received();
+  EXPECT_TRUE(part.complete(Side::Right));
+  ASSERT_LT(lost, part.known_tiles[0].size()) << "a slice is not the whole eye";
+  for (std::uint32_t tile = 0; tile < part.known_tiles[0].size(); ++tile)
+    EXPECT_EQ(part.known_tiles[0][tile] != 0, tile < lost_from || tile >= lost_from + lost) << tile;
+  job_.positions.push_back(of_left_y);
+  EXPECT_TRUE(received().complete(Side::Left));
+  job_.positions.clear();
+  EXPECT_FALSE(received().anything_known()) << "nothing is left of the request before";
+}
+
+/// What no codec and no device can make ends no server.
+TEST_F(ServerAnswers, WhatCannotBeMadeIsLeftOut) {
+  if (!has_video()) GTEST_SKIP() << video_version();
+  job_.request.wanted = {
+      .answer = Answer::Video, .bits_per_second = 1'000'000, .interval = std::chrono::milliseconds(14)};
+  const auto messages = [&](Extent size) {
+    for (View& view : job_.request.views) view.size = size;
+    packer_.begin();
+    answers_.answer(job_, packer_);
+    return packer_.finish({.frame = {1}}).size();
+  };
+  EXPECT_EQ(messages({8, 8}), 1u) << "too small for the codec: the report alone";
+  EXPECT_GT(messages({64, 64}), 1u) << "and the next is answered";
+}
+
+}  // namespace
+}  // namespace farshade
