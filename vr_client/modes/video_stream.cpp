@@ -1,28 +1,16 @@
 #include "vr_client/modes/video_stream.h"
 
-#include <stdexcept>
-
 namespace farshade {
-namespace {
-
-VideoDecoder make_decoder() {
-  Expected<VideoDecoder> decoder = VideoDecoder::create();
-  if (!decoder) throw std::runtime_error(decoder.error().what);
-  return std::move(*decoder);
-}
-
-}  // namespace
 
 VideoStream::VideoStream(const Session& session, Answer answer)
-    : session_(session), answer_(answer), exchange_(session), decoder_(make_decoder()) {}
+    : session_(session), answer_(answer), exchange_(session) {}
 
 const TraceRequest* VideoStream::request(const Moment& moment) {
   const Duration interval = moment.period * moment.steering.wish.every;
-  const TraceRequest* const asked =
-      exchange_.plan(moment, {.answer = answer_,
-                              .bits_per_second = session_.mode.bits_per_second,
-                              .interval = interval,
-                              .coding = decoded_ ? Coding::AfterLast : Coding::Alone});
+  const TraceRequest* const asked = exchange_.plan(moment, {.answer = answer_,
+                                                            .bits_per_second = session_.mode.bits_per_second,
+                                                            .interval = interval,
+                                                            .coding = chain_.next()});
   exchange_.send(moment);
   return asked;
 }
@@ -38,23 +26,13 @@ void VideoStream::collect(const Moment& moment) {
   decoding_ = watch.elapsed();
 }
 
-/// A unit that was coded after another than the one decoded last is of no use: something in between is lost,
-/// and from now on a picture is asked for that was coded alone.
 void VideoStream::decode(const ReceivedFrame& frame) {
-  const FrameId id = frame.request.frame, after = frame.video.after;
-  if (after != id && after != decoded_) {
-    decoded_.reset();
-    return;
-  }
-  const Expected<const Image<Rgb8>*> decoded = decoder_.decode(frame.video.unit);
+  const FrameId id = frame.request.frame;
   const Extent eye = frame.request.views[0].size;
-  if (!decoded || (*decoded)->size != side_by_side_size(eye)) {
-    decoded_.reset();
-    decoder_.reset();
-    return;
-  }
-  decoded_ = id;
-  picture_ = Picture{two_eyes(**decoded, eye), frame.request,
+  const Image<Rgb8>* const picture =
+      chain_.take(id, frame.video.after, frame.video.unit, side_by_side_size(eye));
+  if (picture == nullptr) return;
+  picture_ = Picture{two_eyes(*picture, eye), frame.request,
                      session_.link->inbox().asked_at(id).value_or(frame.request.display_time)};
 }
 

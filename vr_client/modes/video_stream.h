@@ -2,8 +2,8 @@
 /// notice what is lost.
 #pragma once
 
-#include "stereo/video/video.h"
 #include "vr_client/modes/exchange.h"
+#include "vr_client/modes/video_chain.h"
 
 namespace farshade {
 
@@ -38,8 +38,7 @@ class VideoStream {
   const Session& session_;
   Answer answer_;
   Exchange exchange_;
-  VideoDecoder decoder_;
-  std::optional<FrameId> decoded_;  ///< the newest unit; nothing: the next must have been coded alone
+  VideoChain chain_;
   std::optional<Picture> picture_;
   Duration decoding_{};
 };
