@@ -1,8 +1,11 @@
-"""Fronts, exponents and curves at equal error, on answers known on paper."""
+"""Fronts, exponents and curves at equal error, on answers known on paper; scenes with the head elsewhere."""
+import json
 import math
 import random
+import struct
 import unittest
 
+import scenes
 import tables
 from analysis import better_in_both, cost_at, exponent, grouped, pareto
 
@@ -97,6 +100,25 @@ class BetterInBoth(unittest.TestCase):
 
     def test_what_was_not_measured_is_not_better(self):
         self.assertEqual(self.better((None, 1), (1, None)), [])
+
+
+class Standing(unittest.TestCase):
+    def test_moves_the_camera_and_nothing_else(self):
+        def parts(glb):
+            magic, version, length, text, kind = struct.unpack_from("<4sIIII", glb)
+            self.assertEqual((magic, version, length, kind), (b"glTF", 2, len(glb), 0x4E4F534A))
+            self.assertEqual(text % 4, 0)
+            return json.loads(glb[20:20 + text]), glb[20 + text:]
+        before, bytes_before = parts(scenes.make("lights", 2))
+        after, bytes_after = parts(scenes.standing(scenes.make("lights", 2), 1, 1.5, -2, 90))
+        self.assertEqual(bytes_after, bytes_before)
+        (camera,) = [n for n in after["nodes"] if "camera" in n]
+        self.assertEqual(camera["translation"], [1, 1.5, -2])
+        half = math.sqrt(0.5)  # to the left: -z becomes -x
+        for got, wanted in zip(camera["rotation"], (0, half, 0, half)):
+            self.assertAlmostEqual(got, wanted)
+        others = [[n for n in d["nodes"] if "camera" not in n] for d in (before, after)]
+        self.assertEqual(*others)
 
 
 class Grouped(unittest.TestCase):

@@ -1,8 +1,11 @@
-"""Scenes of which one number grows and nothing else: lights, or triangles. Made as assets/ are.
+"""Scenes of which one number grows and nothing else: lights, or triangles. Made as assets/ are. And others' scenes
+with the head standing elsewhere.
 
 A floor of 6 m with 16 things on it, looked at from 4 m away, so that the same pixels are covered whatever the number.
 """
+import json
 import math
+import struct
 import sys
 from pathlib import Path
 
@@ -47,3 +50,17 @@ def make(axis, count):
     doc.node("camera:reference", at=eye, turned=pose.looking(eye, (0, 0.3, 0)),
              camera={"type": "perspective", "perspective": {"yfov": 1.0, "aspectRatio": 1, "znear": 0.01}})
     return doc.as_glb()
+
+
+def standing(glb, x, y, z, heading_deg):
+    """The same .glb with its camera there, upright, looking along -z turned by so much to the left."""
+    length, = struct.unpack_from("<I", glb, 12)
+    document, rest = json.loads(glb[20:20 + length]), glb[20 + length:]
+    half = math.radians(heading_deg) / 2
+    for node in document["nodes"]:
+        if "camera" in node:
+            node.pop("matrix", None)
+            node |= {"translation": [x, y, z], "rotation": [0, math.sin(half), 0, math.cos(half)]}
+    text = json.dumps(document, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    return struct.pack("<4sIIII", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest

@@ -52,14 +52,21 @@ class Study:
         self.program_hash = hash_of_file(program)
 
     def scene_file(self, point):
-        """Scenes for scaling are made when they are first needed."""
-        if not point["scene_file"].startswith("made:"):
-            return self.root / point["scene_file"]
-        axis, count = point["scene_file"].removeprefix("made:").split("-")
-        path = self.made / f"{axis}-{count}.glb"
+        """Scenes for scaling, and those with the head elsewhere, are made when they are first needed."""
+        if point["scene_file"].startswith("made:"):
+            axis, count = point["scene_file"].removeprefix("made:").split("-")
+            return self.made_scene(f"{axis}-{count}", lambda: scenes.make(axis, int(count)))
+        path = self.root / point["scene_file"]
+        if "stand" not in point:
+            return path
+        name = f"{path.stem}-{hash_of_file(path)[:8]}-" + "_".join(map(str, point["stand"]))
+        return self.made_scene(name, lambda: scenes.standing(path.read_bytes(), *point["stand"]))
+
+    def made_scene(self, name, make):
+        path = self.made / f"{name}.glb"
         if not path.exists():
             beside = path.with_suffix(".tmp")
-            beside.write_bytes(scenes.make(axis, int(count)))
+            beside.write_bytes(make())
             os.replace(beside, path)
         return path
 

@@ -3,7 +3,9 @@
 Paths in it are relative to the root of the tree. What is not there (recordings and scenes beside the tree) is said
 and left out.
 
-  scenes     name: file                             traces   name: {"file", "skip_s"}
+  scenes     name: file, or {"file", "stand", "skip_s"}: where the head begins if not at the file's camera, [x, y, z,
+             heading in degrees], and what of each recording is skipped there
+  traces     name: {"file", "skip_s"}
   networks   name: words, each way                  sizes    pixels a side of an eye
   frames, every    display frames of a point, and every which of them is compared with its reference
   modes      mode words; ways with one name make one curve
@@ -52,8 +54,9 @@ class Sweep:
         """Scene and trace as settings."""
         for scene, of_scene in self.scenes.items():
             for trace, of_trace in self.traces.items():
-                yield {"scene": scene, "scene_file": of_scene["file"], "trace": trace,
-                       "trace_file": of_trace["file"], "skip_s": of_trace.get("skip_s", 0)}
+                stand = {"stand": of_scene["stand"]} if "stand" in of_scene else {}
+                yield {"scene": scene, "scene_file": of_scene["file"], **stand, "trace": trace,
+                       "trace_file": of_trace["file"], "skip_s": of_scene.get("skip_s", of_trace.get("skip_s", 0))}
 
     def _errors(self):
         ablations = self.told.get("ablations", {"modes": [], "networks": [], "traces": []})
