@@ -3,13 +3,13 @@
 Paths in it are relative to the root of the tree. What is not there (recordings and scenes beside the tree) is said
 and left out.
 
-  scenes     name: file, or {"file", "stand", "skip_s"}: where the head begins if not at the file's camera, [x, y, z,
-             heading in degrees], and what of each recording is skipped there
+  scenes     name: file, or {"file", "stand", "skip_s", "frames", "every"}: where the head begins if not at the file's
+             camera, [x, y, z, heading in degrees], and what else is not as with other scenes
   traces     name: {"file", "skip_s"}
   networks   name: words, each way                  sizes    pixels a side of an eye
   frames, every    display frames of a point, and every which of them is compared with its reference
   modes      mode words; ways with one name make one curve
-  ablations  {"modes", "networks", "traces"}: what hybrid loses without one of its parts
+  ablations  {"modes", "scenes", "networks", "traces"}: what hybrid loses without one of its parts
   timing     {"modes", "rounds", "seed", "frames", "warm_up"}: run times, each way again and again in random order
   scaling    {"modes", "size", "pixels", "lights", "triangles", "clients", "rounds", "seed", "frames", "warm_up"}
 """
@@ -59,31 +59,33 @@ class Sweep:
                        "trace_file": of_trace["file"], "skip_s": of_scene.get("skip_s", of_trace.get("skip_s", 0))}
 
     def _errors(self):
-        ablations = self.told.get("ablations", {"modes": [], "networks": [], "traces": []})
+        ablations = self.told.get("ablations", {"modes": []})
         first = next(iter(self.networks))
         for place in self._places():
             for size in self.told["sizes"]:
                 for network, words in self.networks.items():
                     modes = [("mode", m) for m in self.told["modes"] if mode_name(m) not in ALONE or network == first]
-                    if network in ablations["networks"] and place["trace"] in ablations["traces"]:
+                    here = place | {"network": network}
+                    if all(here[k] in ablations.get(f"{k}s", [here[k]]) for k in ("scene", "trace", "network")):
                         modes += [("ablation", m) for m in ablations["modes"] if m not in self.told["modes"]]
                     for part, mode in modes:
                         yield {"kind": "error", "part": part, **place, "size": size, "network": network,
-                               "network_words": words, "modes": [mode], "frames": self.told["frames"],
-                               "every": self.told["every"]}
+                               "network_words": words, "modes": [mode],
+                               **{k: self.scenes[place["scene"]].get(k, self.told[k]) for k in ("frames", "every")}}
 
     def _timings(self):
         if "timing" not in self.told:
             return
-        seen = set()
+        first, seen = next(iter(self.networks)), set()
         for place in self._places():
             if place["scene"] in seen:  # another head is another picture, not another way to spend time
                 continue
             seen.add(place["scene"])
             for size in self.told["sizes"]:
                 for network, words in self.networks.items():
+                    modes = [m for m in self.told["timing"]["modes"] if mode_name(m) not in ALONE or network == first]
                     yield {"kind": "timing", "part": "timing", **place, "size": size, "network": network,
-                           "network_words": words, **self.told["timing"]}
+                           "network_words": words, **self.told["timing"], "modes": modes}
 
     def _scaling(self):
         scaling = self.told.get("scaling", {})
