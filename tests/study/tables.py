@@ -171,7 +171,7 @@ def timings(rows):
 
 def figures(modes):
     lines = [[*case_words(r), r["words"], r["flip"], r.get("error.flip.p95"), r["psnr"], r["ssim"], r["mask_error"],
-              r["black"], r["staleness"] and round(r["staleness"], 3), r["bytes"], r["bytes_up"], r["client_ms"], r["server_ms"]]
+              r["black"], r["staleness"] and round(r["staleness"], 3) + 0.0, r["bytes"], r["bytes_up"], r["client_ms"], r["server_ms"]]
              for r in modes]
     return table("Medians, and p95 where it says so; errors of the worse eye, bytes of a shown frame.",
                  ["scene", "head", "network", "way", "FLIP", "FLIP p95", "PSNR, dB", "SSIM", "mask error, %",
