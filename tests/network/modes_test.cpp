@@ -188,7 +188,7 @@ TEST(RemoteMode, CountsWhatItsPictureDoesNotReach) {
 /// The reference's rays and the client's rasteriser disagree about pixels through which an edge runs, of a
 /// thing or of its shadow: the oracle's band. Elsewhere masks of positions are exact.
 TEST(PositionsMode, IsExactButWhereAnEdgeRunsThroughThePixel) {
-  Play play = play_of({.mode = Mode::ClientPositions, .position_bits = 24}, 10);
+  Play play = play_of({.mode = Mode::ClientPositions, .position_bits = 24}, 7);
   play.request = {.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off};
   play.mask_wait = 1s;
   std::size_t measured = 0;
@@ -209,7 +209,7 @@ TEST(PositionsMode, IsExactButWhereAnEdgeRunsThroughThePixel) {
     }
   };
   static_cast<void>(farshade::play(play, {.name = "none", .model = {}}));
-  EXPECT_EQ(measured, 4u);
+  EXPECT_EQ(measured, 3u);
 }
 
 /// The modes' own errors are told where there are lights to tell, and not where there are none.
