@@ -142,7 +142,8 @@ class EveryPictureMode : public testing::TestWithParam<Case> {};
 
 /// What was drawn for where the head was shows where that lies now.
 TEST_P(EveryPictureMode, IsTurnedToThePoseShown) {
-  const auto& [mode, least_dB] = GetParam();
+  const ModeWish mode = GetParam().mode;
+  const double least_dB = GetParam().least_dB;
   if (set_of(Answer::Video) & answers_for(mode.mode) && !has_video()) GTEST_SKIP() << video_version();
   const Scene scene = load_scene(FARSHADE_ASSETS "/box_over_plane.gltf").value();
   const HeadTrace head = turning();
