@@ -120,6 +120,12 @@ class Standing(unittest.TestCase):
         others = [[n for n in d["nodes"] if "camera" not in n] for d in (before, after)]
         self.assertEqual(*others)
 
+    def test_refuses_what_has_no_camera_by_itself_or_is_no_glb(self):
+        glb = scenes.make("lights", 1)
+        for broken in (glb[:10], b"{}" + glb, glb.replace(b'"camera":', b'"camerb":')):
+            with self.assertRaises(ValueError):
+                scenes.standing(broken, 0, 0, 0, 0)
+
 
 class Grouped(unittest.TestCase):
     def test_keeps_the_order_of_what_comes_first(self):

@@ -53,14 +53,23 @@ def make(axis, count):
 
 
 def standing(glb, x, y, z, heading_deg):
-    """The same .glb with its camera there, upright, looking along -z turned by so much to the left."""
+    """The same .glb with its camera there, upright, looking along -z turned by so much to the left.
+
+    ValueError where it is no .glb, or has no camera that stands by itself.
+    """
+    if len(glb) < 20 or glb[:4] != b"glTF":
+        raise ValueError("a head can stand elsewhere only in a .glb")
     length, = struct.unpack_from("<I", glb, 12)
     document, rest = json.loads(glb[20:20 + length]), glb[20 + length:]
     half = math.radians(heading_deg) / 2
-    for node in document["nodes"]:
-        if "camera" in node:
-            node.pop("matrix", None)
-            node |= {"translation": [x, y, z], "rotation": [0, math.sin(half), 0, math.cos(half)]}
+    nodes = document.get("nodes", [])
+    within = {child for node in nodes for child in node.get("children", [])}
+    cameras = [node for i, node in enumerate(nodes) if "camera" in node and i not in within]
+    if not cameras:
+        raise ValueError("there is no camera by itself whose place the head could take")
+    for node in cameras:
+        node.pop("matrix", None)
+        node |= {"translation": [x, y, z], "rotation": [0, math.sin(half), 0, math.cos(half)]}
     text = json.dumps(document, separators=(",", ":")).encode()
     text += b" " * (-len(text) % 4)
     return struct.pack("<4sIIII", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest

@@ -66,7 +66,10 @@ class Study:
         path = self.made / f"{name}.glb"
         if not path.exists():
             beside = path.with_suffix(".tmp")
-            beside.write_bytes(make())
+            try:
+                beside.write_bytes(make())
+            except ValueError as wrong:
+                sys.exit(f"study: scene {name}: {wrong}")
             os.replace(beside, path)
         return path
 
