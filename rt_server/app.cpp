@@ -4,7 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include "rt_server/answers/answers.h"
-#include "rt_server/serve.h"
+#include "rt_server/core/serve.h"
 #include "stereo/base/check.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/impaired_port.h"
@@ -81,7 +81,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   Expected<Tracer> tracer = Tracer::create(scene, plan.trace);
   if (!tracer) return tl::unexpected(tracer.error());
 
-  const auto trace = [&](const TraceRequest& request, ShadowFrame& frame) {
+  const auto trace = [&](const FrameRequest& request, ShadowFrame& frame) {
     return tracer->trace(request, frame);
   };
   Answers answers({.scene = scene, .plan = plan, .tracer = *tracer});

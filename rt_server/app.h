@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "rt_server/sessions.h"
+#include "rt_server/core/sessions.h"
 #include "stereo/base/expected.h"
 #include "stereo/base/stop_signal.h"
 #include "stereo/plan/scene_plan.h"
@@ -18,7 +18,7 @@ struct ServeOptions {
   std::string net;        ///< the network towards the server, as parse_link_model has it; empty for as it is
   SessionLimits limits;
   std::uint32_t most_pixels = Welcome{}.most_pixels;  ///< of an eye that a client may ask for
-  PlanWish plan;
+  PlanOptions plan;
 };
 
 /// Results go to stdout, the log to stderr. Ends when `stop` says so. Says its counters at the end, and on

@@ -6,8 +6,8 @@
 #include <CLI/CLI.hpp>
 
 #include "rt_server/app.h"
-#include "rt_server/doctor.h"
-#include "rt_server/keygen.h"
+#include "rt_server/doctor/doctor.h"
+#include "rt_server/keys/keygen.h"
 
 namespace {
 
@@ -15,7 +15,7 @@ using namespace farshade;
 
 void add_serving(CLI::App& app, ServeOptions& options) {
   app.add_option_function<std::string>(
-         "--plan", [&options](const std::string& text) { options.plan = plan_wish(text); },
+         "--plan", [&options](const std::string& text) { options.plan = parse_plan_options(text); },
          "say what the scene needs and what is left out, and nothing else; --plan=everything serves with "
          "nothing left out, to compare with (clients likewise)")
       ->expected(0, 1)

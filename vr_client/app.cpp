@@ -6,33 +6,33 @@
 
 #include "stereo/base/files.h"
 #include "stereo/base/stop_signal.h"
-#include "stereo/trace/reader.h"
-#include "stereo/trace/writer.h"
+#include "stereo/head/reader.h"
+#include "stereo/head/writer.h"
 #include "vr_client/client.h"
-#include "vr_client/headset.h"
+#include "vr_client/record/capture_writer.h"
 #include "vr_client/record/replay.h"
-#include "vr_client/record/session_recorder.h"
-#include "vr_client/recorder.h"
+#include "vr_client/report/run_report.h"
 #include "vr_client/report/timeline.h"
-#include "vr_client/trace_runtime.h"
+#include "vr_client/runtime/headset.h"
+#include "vr_client/runtime/recorded_head_runtime.h"
 
 namespace farshade {
 namespace {
 
-TracePlayback playback_of(const Options& options, const Scene& scene, const HeadTrace& trace) {
-  TracePlayback playback{.stage_from_recorded = {},
-                         .eye_size = options.size,
-                         .refresh_hz = options.refresh_hz,
-                         .skip = duration_from_ms(options.skip_s * 1e3),
-                         .frames = options.frames,
-                         .pace = options.pace};
+HeadPlayback playback_of(const Options& options, const Scene& scene, const HeadRecording& trace) {
+  HeadPlayback playback{.stage_from_recorded = {},
+                        .eye_size = options.size,
+                        .refresh_hz = options.refresh_hz,
+                        .skip = duration_from_ms(options.skip_s * 1e3),
+                        .frames = options.frames,
+                        .pace = options.pace};
   if (options.place == Place::Camera && scene.camera)
     playback.stage_from_recorded = place(trace, *scene.camera);
   return playback;
 }
 
-Expected<HeadTrace> load_trace(const Options& options) {
-  Expected<HeadTrace> trace = load_head_trace(options.trace, {options.trace_scale});
+Expected<HeadRecording> load_trace(const Options& options) {
+  Expected<HeadRecording> trace = load_head_recording(options.trace, {options.trace_scale});
   if (trace && duration_from_ms(options.skip_s * 1e3) > trace->end() - trace->start())
     return fail(Fault::OutOfRange,
                 fmt::format("--skip {:g} leaves nothing of {}, which is {:g} s long", options.skip_s,
@@ -88,7 +88,7 @@ std::string memory_line(const Client& client, const RendererLimits& limits) {
                      megabytes(most_at_once(client_memory(client.scene, client.plan.draw, limits))));
 }
 
-std::string heading(const Options& options, const Client& client, const TraceRuntime& runtime,
+std::string heading(const Options& options, const Client& client, const RecordedHeadRuntime& runtime,
                     const FrameLog& log) {
   std::string text =
       fmt::format("{} along {}: {} frames of {}x{} an eye at {:g} Hz, on {}\n",
@@ -110,19 +110,19 @@ bool measures(const Options& options) {
   return options.reference_every > 0 || !options.dump.empty();
 }
 
-ShadingPass::Report report_for(const Recorder& recorder) {
+ShadingPass::Report report_for(const RunReport& recorder) {
   return recorder.measures_any() ? ShadingPass::Report::On : ShadingPass::Report::Off;
 }
 
 /// Runs the session and writes what is asked for of it. `first` sees each frame before anything else is
 /// drawn.
-Expected<void> show(const Options& options, const Session& session, std::uint32_t frames, Recorder& recorder,
-                    StopSignal& stop_signal, const FrameWatcher& first) {
+Expected<void> show(const Options& options, const RunContext& session, std::uint32_t frames,
+                    RunReport& recorder, StopSignal& stop_signal, const FrameWatcher& first) {
   // Written once before there is anything in it, to learn early that it cannot be.
   Timeline timeline;
   if (auto done = write_timeline(options, timeline); !done) return done;
   // What a replay takes in came at times of the recording's clock.
-  const MaskInbox* const inbox = session.link && options.replay.empty() ? &session.link->inbox() : nullptr;
+  const AnswerInbox* const inbox = session.link && options.replay.empty() ? &session.link->inbox() : nullptr;
   Progress progress(frames);
   const auto watch = [&](const FrameView& view) {
     first(view);
@@ -144,7 +144,7 @@ Expected<void> show(const Options& options, const Session& session, std::uint32_
 }  // namespace
 
 Expected<void> export_trace(const Options& options) {
-  const Expected<HeadTrace> trace = load_head_trace(options.trace, {options.trace_scale});
+  const Expected<HeadRecording> trace = load_head_recording(options.trace, {options.trace_scale});
   if (!trace) return tl::unexpected(trace.error());
   const std::filesystem::path kind = options.export_trace.extension();
   if (kind == ".csv") return write_euroc(options.export_trace, *trace);
@@ -157,7 +157,7 @@ Expected<void> export_trace(const Options& options) {
 Expected<void> tell_plan(const Options& options) {
   double eye_distance_m = Headset{}.eye_distance_m;
   if (!options.trace.empty()) {
-    const Expected<HeadTrace> trace = load_head_trace(options.trace, {options.trace_scale});
+    const Expected<HeadRecording> trace = load_head_recording(options.trace, {options.trace_scale});
     if (!trace) return tl::unexpected(trace.error());
     eye_distance_m = trace->eye_distance_m;
   }
@@ -173,9 +173,9 @@ Expected<void> run_replay(const Options& options) {
   if (auto done = make_folder(options.out); !done) return done;
   const Expected<std::uint32_t> frames = count_frames(options.replay);
   if (!frames) return tl::unexpected(frames.error());
-  Expected<SessionReader> reader = SessionReader::open(options.replay);
+  Expected<CaptureReader> reader = CaptureReader::open(options.replay);
   if (!reader) return tl::unexpected(reader.error());
-  const SessionHeader header = reader->header();
+  const CaptureHeader header = reader->header();
   Expected<std::unique_ptr<Client>> opened = open_client(options, {.kind = options.plan.kind}, header.limits);
   if (!opened) return tl::unexpected(opened.error());
   Client& client = **opened;
@@ -191,17 +191,18 @@ Expected<void> run_replay(const Options& options) {
     if (auto done = open_reference(client); !done) return done;
 
   Reference* const reference = client.reference ? &*client.reference : nullptr;
-  Recorder recorder({options.out, *frames, options.reference_every, options.pictures, options.dump},
-                    *client.renderer, reference);
+  RunReport recorder({options.out, *frames, options.reference_every, options.pictures, options.dump},
+                     *client.renderer, reference);
   Replay replay(std::move(*reader), report_for(recorder));
-  const Session session{.scene = client.scene,
-                        .runtime = replay,
-                        .renderer = *client.renderer,
-                        .mode = {.mode = header.origin == MaskOrigin::OwnTracer ? Mode::Full : Mode::Hybrid},
-                        .link = replay.link(),
-                        .own_tracer = header.origin == MaskOrigin::OwnTracer ? reference : nullptr,
-                        .steering = replay.steering(),
-                        .policy = header.policy};
+  const RunContext session{
+      .scene = client.scene,
+      .runtime = replay,
+      .renderer = *client.renderer,
+      .mode = {.mode = header.origin == MaskOrigin::OwnTracer ? Mode::Full : Mode::Hybrid},
+      .link = replay.link(),
+      .own_tracer = header.origin == MaskOrigin::OwnTracer ? reference : nullptr,
+      .steering = replay.steering(),
+      .policy = header.policy};
   const auto compare = [&](const FrameView& view) { replay.watch(view, client.renderer->read_shown()); };
   if (auto done = show(options, session, *frames, recorder, stop_signal, compare); !done) return done;
   const Expected<ReplayVerdict> verdict = replay.verdict();
@@ -219,7 +220,7 @@ Expected<void> run_replay(const Options& options) {
 Expected<void> run_client(const Options& options) {
   StopSignal stop_signal;
   if (auto done = make_folder(options.out); !done) return done;
-  const Expected<HeadTrace> trace = load_trace(options);
+  const Expected<HeadRecording> trace = load_trace(options);
   if (!trace) return tl::unexpected(trace.error());
   Expected<std::unique_ptr<Client>> opened = open_client(options, trace->eye_distance_m);
   if (!opened) return tl::unexpected(opened.error());
@@ -227,7 +228,7 @@ Expected<void> run_client(const Options& options) {
   if (options.mode.mode == Mode::Full || measures(options))
     if (auto done = open_reference(client); !done) return done;
   const bool taped = !options.record.empty();
-  SessionRecorder tape(client.clock);
+  CaptureWriter tape(client.clock);
   if (auto done = open_link(options, client, taped ? tape.listener() : LinkListener{}); !done) return done;
   const MaskPolicy policy{.pace = options.pace,
                           .delay = duration_from_ms(options.delay_ms),
@@ -236,21 +237,21 @@ Expected<void> run_client(const Options& options) {
   if (taped)
     if (auto done = tape.open(options.record, header_of(options, client, policy)); !done) return done;
 
-  TraceRuntime runtime(*trace, playback_of(options, client.scene, *trace));
+  RecordedHeadRuntime runtime(*trace, playback_of(options, client.scene, *trace));
   Reference* const reference = client.reference ? &*client.reference : nullptr;
   const std::uint32_t frames = runtime.frame_count();
-  Recorder recorder({options.out, frames, options.reference_every, options.pictures, options.dump},
-                    *client.renderer, reference);
-  const Steering steering{
+  RunReport recorder({options.out, frames, options.reference_every, options.pictures, options.dump},
+                     *client.renderer, reference);
+  const FrameSettings steering{
       .wish = options.request, .carry_over = options.carry_over, .report = report_for(recorder)};
-  const Session session{.scene = client.scene,
-                        .runtime = runtime,
-                        .renderer = *client.renderer,
-                        .mode = options.mode,
-                        .link = client.link ? &*client.link : nullptr,
-                        .own_tracer = options.mode.mode == Mode::Full ? reference : nullptr,
-                        .steering = steering,
-                        .policy = policy};
+  const RunContext session{.scene = client.scene,
+                           .runtime = runtime,
+                           .renderer = *client.renderer,
+                           .mode = options.mode,
+                           .link = client.link ? &*client.link : nullptr,
+                           .own_tracer = options.mode.mode == Mode::Full ? reference : nullptr,
+                           .steering = steering,
+                           .policy = policy};
   const auto record = [&](const FrameView& view) {
     if (taped && !tape.failed()) tape.watch(view, client.renderer->read_shown());
   };

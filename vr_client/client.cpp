@@ -61,7 +61,7 @@ Expected<LinkModel> network_of(const Options& options) {
 namespace {
 
 /// What the mode needs of this build, and what it may take.
-Expected<void> fits(const ModeWish& wish, const Scene& scene) {
+Expected<void> fits(const ModeSettings& wish, const Scene& scene) {
   const bool streams = wish.mode == Mode::Remote || wish.mode == Mode::Delta;
   if (streams && !has_video())
     return fail(Fault::Unavailable,
@@ -159,7 +159,7 @@ Expected<void> open_link(const Options& options, Client& client, LinkListener li
   return meet(options, client, std::move(listener));
 }
 
-SessionHeader header_of(const Options& options, const Client& client, const MaskPolicy& policy) {
+CaptureHeader header_of(const Options& options, const Client& client, const MaskPolicy& policy) {
   const bool traces = options.mode.mode == Mode::Full && client.plan.server;
   return {.scene = options.scene.filename().string(),
           .scene_hash = client.scene.hash,

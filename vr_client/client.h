@@ -6,10 +6,10 @@
 
 #include "stereo/draw/renderer.h"
 #include "stereo/net/impaired_port.h"
-#include "vr_client/link/shadow_link.h"
+#include "vr_client/frame/reference.h"
+#include "vr_client/link/network_link.h"
 #include "vr_client/options.h"
-#include "vr_client/record/session_file.h"
-#include "vr_client/reference.h"
+#include "vr_client/record/capture_file.h"
 
 namespace farshade {
 
@@ -23,8 +23,8 @@ struct Client {
   SteadyClock clock;
   std::unique_ptr<ImpairedPort> network;  ///< to the server; as good as it is where nothing impairs it
   Peer server;
-  std::optional<ShadowLink> link;  ///< mode hybrid, where there are lights
-  Duration round_trip{};           ///< of the first exchange with the server
+  std::optional<NetworkLink> link;  ///< mode hybrid, where there are lights
+  Duration round_trip{};            ///< of the first exchange with the server
 };
 
 /// By how much the viewer of a preview may make the path worse and still get masks.
@@ -61,7 +61,7 @@ inline constexpr double kWorstPreviewPath_ms = 400;
 [[nodiscard]] Expected<void> meet(const Options& options, Client& client, LinkListener listener = {});
 
 /// What a recording of a session of this client says first.
-[[nodiscard]] SessionHeader header_of(const Options& options, const Client& client, const MaskPolicy& policy);
+[[nodiscard]] CaptureHeader header_of(const Options& options, const Client& client, const MaskPolicy& policy);
 
 /// Malformed, with the first message, if the validation layers have said anything.
 [[nodiscard]] Expected<void> no_validation_messages(const gpu::Device& device);

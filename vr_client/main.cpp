@@ -3,8 +3,8 @@
 #include <spdlog/spdlog.h>
 
 #include "vr_client/app.h"
-#include "vr_client/doctor.h"
-#include "vr_client/preview/preview.h"
+#include "vr_client/doctor/doctor.h"
+#include "vr_client/preview_run.h"
 
 int main(int argc, char** argv) try {
   using namespace farshade;

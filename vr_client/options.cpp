@@ -180,7 +180,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   app.add_option("--export-trace", options.export_trace,
                  "only write the recording in metres: .csv EuRoC/ASL, .tum or .txt TUM");
   app.add_option_function<std::string>(
-         "--plan", [&options](const std::string& text) { options.plan = plan_wish(text); },
+         "--plan", [&options](const std::string& text) { options.plan = parse_plan_options(text); },
          "say what the scene needs and what is left out, and nothing else; --plan=everything leaves nothing "
          "out, to compare with (the server likewise)")
       ->expected(0, 1)

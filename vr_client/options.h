@@ -12,9 +12,9 @@
 #include "stereo/math/fov.h"
 #include "stereo/plan/scene_plan.h"
 #include "vr_client/ask/request_plan.h"
-#include "vr_client/doctor.h"
-#include "vr_client/modes/mode.h"
-#include "vr_client/runtime.h"
+#include "vr_client/doctor/doctor.h"
+#include "vr_client/frame/mode.h"
+#include "vr_client/runtime/runtime.h"
 
 namespace farshade {
 
@@ -37,19 +37,19 @@ struct Options {
   std::filesystem::path key;  ///< file; empty for default_key_path()
   bool insecure = false;      ///< no key, unsealed, to a server on this machine
   std::string net;  ///< the network towards the client, as parse_link_model has it; empty for as it is
-  ModeWish mode;
+  ModeSettings mode;
   Pace pace = Pace::Virtual;
   double delay_ms = 20, mask_wait_ms = 0;
-  RequestWish request;
+  RequestSettings request;
   CarryOver carry_over;
   std::uint32_t reference_every = 1;  ///< 0 = never
   std::uint32_t pictures = 4;
   std::vector<std::uint32_t> dump;
   std::filesystem::path timeline;  ///< not empty: write the stages of client and server there
-  gpu::DeviceWish device;
+  gpu::DeviceOptions device;
   std::filesystem::path record;  ///< not empty: write the session there, to be replayed
   std::filesystem::path replay;  ///< not empty: show the session on this file again, and compare
-  PlanWish plan;
+  PlanOptions plan;
   bool preview = false;                       ///< in a window, until it is closed
   std::optional<ClientDoctorOptions> doctor;  ///< set: look at the machine, and nothing else
 };

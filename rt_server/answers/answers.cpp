@@ -2,7 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "rt_server/answers/painter.h"
+#include "rt_server/answers/answer_renderer.h"
 #include "stereo/video/video.h"
 
 namespace farshade {
@@ -14,7 +14,7 @@ constexpr std::size_t index_of(Answer answer) {
 
 }  // namespace
 
-Answers::Answers(const AnswerGround& ground) : painter_(std::make_unique<Painter>(ground)) {
+Answers::Answers(const AnswerContext& ground) : painter_(std::make_unique<AnswerRenderer>(ground)) {
   makers_[index_of(Answer::MasksOfPositions)] = make_position_masks(ground);
   makers_[index_of(Answer::GBuffer)] = make_gbuffer(*painter_);
   makers_[index_of(Answer::Video)] = make_video(*painter_);
@@ -33,7 +33,7 @@ AnswerSet Answers::offered() const {
   return kUncodedAnswers;
 }
 
-Answered Answers::answer(const Job& job, FramePacker& packer) {
+AnswerCost Answers::answer(const Job& job, FramePacker& packer) {
   try {
     return makers_[index_of(job.request.wanted.answer)]->answer(job, packer);
   } catch (const std::exception& error) {

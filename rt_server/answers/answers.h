@@ -4,39 +4,39 @@
 
 #include <memory>
 
-#include "rt_server/server_core.h"
+#include "rt_server/core/server_core.h"
 #include "stereo/gpu/device.h"
 #include "stereo/tracer/tracer.h"
 
 namespace farshade {
 
 /// What of a scene a server can make.
-struct AnswerGround {
+struct AnswerContext {
   const Scene& scene;
   const ScenePlan& plan;
   Tracer& tracer;
-  gpu::DeviceWish device{};  ///< what pictures are drawn on
+  gpu::DeviceOptions device{};  ///< what pictures are drawn on
 };
 
 /// One kind of answer; keeps its buffers. Not for several threads.
 class AnswerMaker {
  public:
   virtual ~AnswerMaker() = default;
-  virtual Answered answer(const Job& job, FramePacker& packer) = 0;
+  virtual AnswerCost answer(const Job& job, FramePacker& packer) = 0;
 };
 
-class Painter;
+class AnswerRenderer;
 
 // References are kept.
-[[nodiscard]] std::unique_ptr<AnswerMaker> make_position_masks(const AnswerGround& ground);
-[[nodiscard]] std::unique_ptr<AnswerMaker> make_gbuffer(Painter& painter);
-[[nodiscard]] std::unique_ptr<AnswerMaker> make_video(Painter& painter);
-[[nodiscard]] std::unique_ptr<AnswerMaker> make_difference(Painter& painter);
+[[nodiscard]] std::unique_ptr<AnswerMaker> make_position_masks(const AnswerContext& ground);
+[[nodiscard]] std::unique_ptr<AnswerMaker> make_gbuffer(AnswerRenderer& painter);
+[[nodiscard]] std::unique_ptr<AnswerMaker> make_video(AnswerRenderer& painter);
+[[nodiscard]] std::unique_ptr<AnswerMaker> make_difference(AnswerRenderer& painter);
 
 class Answers {
  public:
   /// What `ground` refers to outlives it. No device is opened before the first picture is wanted.
-  explicit Answers(const AnswerGround& ground);
+  explicit Answers(const AnswerContext& ground);
   ~Answers();
 
   /// As this build and this machine can: pictures need a device, video a codec. Opens a device and closes it.
@@ -44,10 +44,10 @@ class Answers {
 
   /// An AnswerFunction: all but Answer::Masks. What cannot be made (a picture too large for the device, too
   /// small for the codec) is said in the log and left out: one client's wish ends nobody's session.
-  Answered answer(const Job& job, FramePacker& packer);
+  AnswerCost answer(const Job& job, FramePacker& packer);
 
  private:
-  std::unique_ptr<Painter> painter_;
+  std::unique_ptr<AnswerRenderer> painter_;
   std::array<std::unique_ptr<AnswerMaker>, kAnswers> makers_;
   std::string last_failure_;  ///< said once, not at every frame
 };

@@ -1,18 +1,18 @@
 // G-buffer: base colour, normal and depth as they were drawn, and the masks that go with them.
-#include "rt_server/answers/painter.h"
+#include "rt_server/answers/answer_renderer.h"
 
 namespace farshade {
 namespace {
 
 class GBufferAnswer final : public AnswerMaker {
  public:
-  explicit GBufferAnswer(Painter& painter) : painter_(painter) {}
+  explicit GBufferAnswer(AnswerRenderer& painter) : painter_(painter) {}
 
-  Answered answer(const Job& job, FramePacker& packer) override {
-    const Painter::Painted painted = painter_.paint(job.request);
+  AnswerCost answer(const Job& job, FramePacker& packer) override {
+    const AnswerRenderer::RenderedAnswer painted = painter_.paint(job.request);
     const Stopwatch reading;
     painted.renderer.read_gbuffer(planes_);
-    Answered took = painted.took;
+    AnswerCost took = painted.took;
     took.draw += reading.elapsed();
     packer.add(painted.frame);
     packer.add(job.request.frame, planes_);
@@ -20,13 +20,13 @@ class GBufferAnswer final : public AnswerMaker {
   }
 
  private:
-  Painter& painter_;
+  AnswerRenderer& painter_;
   GBufferPlanes planes_;
 };
 
 }  // namespace
 
-std::unique_ptr<AnswerMaker> make_gbuffer(Painter& painter) {
+std::unique_ptr<AnswerMaker> make_gbuffer(AnswerRenderer& painter) {
   return std::make_unique<GBufferAnswer>(painter);
 }
 

@@ -9,14 +9,14 @@ namespace {
 
 class PositionMasks final : public AnswerMaker {
  public:
-  explicit PositionMasks(const AnswerGround& ground) : scene_(ground.scene), tracer_(ground.tracer) {}
+  explicit PositionMasks(const AnswerContext& ground) : scene_(ground.scene), tracer_(ground.tracer) {}
 
-  Answered answer(const Job& job, FramePacker& packer) override {
+  AnswerCost answer(const Job& job, FramePacker& packer) override {
     const PositionGrid grid =
         grid_of({scene_.bounds.low}, {scene_.bounds.high}, job.request.wanted.position_bits);
     clear(job.request.views, grid);
     for (const std::vector<std::byte>& message : job.positions) take(message);
-    const Answered took{.traced = tracer_.trace(job.request, positions_, grid, frame_)};
+    const AnswerCost took{.traced = tracer_.trace(job.request, positions_, grid, frame_)};
     packer.add(frame_, sent_tiles());
     return took;
   }
@@ -64,7 +64,7 @@ class PositionMasks final : public AnswerMaker {
 
 }  // namespace
 
-std::unique_ptr<AnswerMaker> make_position_masks(const AnswerGround& ground) {
+std::unique_ptr<AnswerMaker> make_position_masks(const AnswerContext& ground) {
   return std::make_unique<PositionMasks>(ground);
 }
 

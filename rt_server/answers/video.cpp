@@ -1,7 +1,7 @@
 // Video and difference: both eyes as they should look, or what shadows change in them around mid-grey, as
 // H.264.
-#include "rt_server/answers/painter.h"
-#include "rt_server/answers/streams.h"
+#include "rt_server/answers/answer_renderer.h"
+#include "rt_server/answers/video_streams.h"
 #include "stereo/draw/difference_picture.h"
 
 namespace farshade {
@@ -9,11 +9,11 @@ namespace {
 
 using Eyes = PerEye<Image<Rgb8>>;
 
-Eyes as_drawn(const Painter::Painted& painted) {
+Eyes as_drawn(const AnswerRenderer::RenderedAnswer& painted) {
   return painted.renderer.read_shown();
 }
 
-Eyes what_shadows_change(const Painter::Painted& painted) {
+Eyes what_shadows_change(const AnswerRenderer::RenderedAnswer& painted) {
   Eyes eyes = painted.renderer.read_shown();
   ShownFrame without = painted.shown;
   without.masks = {};
@@ -25,12 +25,12 @@ Eyes what_shadows_change(const Painter::Painted& painted) {
 
 class CodedAnswer final : public AnswerMaker {
  public:
-  CodedAnswer(Painter& painter, Eyes (*picture)(const Painter::Painted&))
+  CodedAnswer(AnswerRenderer& painter, Eyes (*picture)(const AnswerRenderer::RenderedAnswer&))
       : painter_(painter), picture_(picture) {}
 
-  Answered answer(const Job& job, FramePacker& packer) override {
-    const Painter::Painted painted = painter_.paint(job.request);
-    Answered took = painted.took;
+  AnswerCost answer(const Job& job, FramePacker& packer) override {
+    const AnswerRenderer::RenderedAnswer painted = painter_.paint(job.request);
+    AnswerCost took = painted.took;
     const Stopwatch drawing;
     const Eyes eyes = picture_(painted);
     took.draw += drawing.elapsed();
@@ -39,18 +39,18 @@ class CodedAnswer final : public AnswerMaker {
   }
 
  private:
-  Painter& painter_;
-  Eyes (*picture_)(const Painter::Painted&);
+  AnswerRenderer& painter_;
+  Eyes (*picture_)(const AnswerRenderer::RenderedAnswer&);
   Streams streams_;
 };
 
 }  // namespace
 
-std::unique_ptr<AnswerMaker> make_video(Painter& painter) {
+std::unique_ptr<AnswerMaker> make_video(AnswerRenderer& painter) {
   return std::make_unique<CodedAnswer>(painter, as_drawn);
 }
 
-std::unique_ptr<AnswerMaker> make_difference(Painter& painter) {
+std::unique_ptr<AnswerMaker> make_difference(AnswerRenderer& painter) {
   return std::make_unique<CodedAnswer>(painter, what_shadows_change);
 }
 

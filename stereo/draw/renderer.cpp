@@ -46,7 +46,7 @@ void Renderer::place_depth(const ShownFrame& frame) {
   if (frame.asked == nullptr || !ring_.remembers()) return;
   // Through a silence of the network requests go on, and the last masks are still shown.
   std::vector<FrameId> kept;
-  for (const MaskInHand& mask : frame.masks)
+  for (const TracedMask& mask : frame.masks)
     if (kept.size() < ShadingPass::kMaxMasks && ring_.has(mask.frame)) kept.push_back(mask.frame);
   const DepthRing::Place place = ring_.claim(frame.asked->frame, kept);
   if (frame.asked->views == frame.views && frame.asked->scene_time == frame.state.scene_time) {
@@ -69,7 +69,7 @@ void Renderer::prepare_shading(const ShownFrame& frame) {
     return;
   }
   std::vector<DatedMask> masks;
-  for (const MaskInHand& mask : frame.masks) {
+  for (const TracedMask& mask : frame.masks) {
     const bool has_what_it_needs =
         ring_.has(mask.frame) || frame.carry_over.lookup == Lookup::Direct || !carries_masks(plan_);
     if (masks.size() == most_masks(plan_) || !has_what_it_needs) continue;
@@ -85,7 +85,7 @@ void Renderer::prepare_shading(const ShownFrame& frame) {
 }
 
 /// Those that stand already, if they are as wished for.
-ShadowMaps& Renderer::need_maps(const ShadowMapWish& wish) {
+ShadowMaps& Renderer::need_maps(const ShadowMapSettings& wish) {
   if (!shadow_maps_ || shadow_maps_->wish() != wish) {
     shadow_maps_.reset();
     shadow_maps_.emplace(device_, scene_, plan_, buffers_, frame_buffer_, wish);
@@ -126,7 +126,7 @@ DrawTimes Renderer::shade_again(const ShownFrame& frame) {
   return times;
 }
 
-DrawTimes Renderer::keep_depth(const TraceRequest& asked, std::span<const FrameId> kept,
+DrawTimes Renderer::keep_depth(const FrameRequest& asked, std::span<const FrameId> kept,
                                PerEye<Image<float>>& into) {
   const Stopwatch watch;
   check(ring_.remembers(), "there is room for a request's depth");

@@ -5,7 +5,7 @@
 #include "stereo/draw/counters.h"
 #include "stereo/draw/gbuffer_transfer.h"
 #include "stereo/draw/shading.h"
-#include "stereo/draw/shadow_map_wish.h"
+#include "stereo/draw/shadow_map_settings.h"
 #include "stereo/draw/turn_pass.h"
 #include "stereo/image/image.h"
 #include "stereo/plan/scene_plan.h"
@@ -22,13 +22,13 @@ struct DrawTimes {
 struct ShownFrame {
   StereoView views;  ///< both eyes of the renderer's size
   const SceneState& state;
-  const TraceRequest* asked = nullptr;  ///< what this frame asks for; its views' depth is kept
-  std::span<const MaskInHand> masks;  ///< newest first; those whose depth is not in the ring are passed over
+  const FrameRequest* asked = nullptr;  ///< what this frame asks for; its views' depth is kept
+  std::span<const TracedMask> masks;  ///< newest first; those whose depth is not in the ring are passed over
   CarryOver carry_over;
   ShadingPass::Report report = ShadingPass::Report::Off;
   /// Set: shadows come from maps that are drawn for this frame, and `masks` are not read. One that
   /// shadow_map_bytes does not refuse for the scene.
-  const ShadowMapWish* shadow_maps = nullptr;
+  const ShadowMapSettings* shadow_maps = nullptr;
 };
 
 /// How large the renderer's pictures and masks may be, and how long requests are remembered.
@@ -57,7 +57,7 @@ class Renderer {
 
   /// Draws the depth of what `asked` sees, keeps it for the request's masks, and reads it: metres along -z, 0
   /// where nothing is covered, into images whose memory is reused. Those of `kept` are not driven out.
-  DrawTimes keep_depth(const TraceRequest& asked, std::span<const FrameId> kept, PerEye<Image<float>>& into);
+  DrawTimes keep_depth(const FrameRequest& asked, std::span<const FrameId> kept, PerEye<Image<float>>& into);
 
   /// Shades `planes` that another renderer read at `frame.views`, instead of drawing; masks are read pixel by
   /// pixel (Lookup::Direct), and nothing is kept for requests. Same planes, masks and lights: same picture.
@@ -97,7 +97,7 @@ class Renderer {
   void place_depth(const ShownFrame& frame);
   void make_depth_pass();
   void prepare_shading(const ShownFrame& frame);
-  ShadowMaps& need_maps(const ShadowMapWish& wish);
+  ShadowMaps& need_maps(const ShadowMapSettings& wish);
   DrawTimes submit(const ShownFrame& frame, Stage stage);
   TurnPass& need_turn();
   Duration submit_turn(const StereoView& from, const StereoView& shown, TurnPass::Source source,

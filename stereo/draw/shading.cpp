@@ -132,7 +132,7 @@ void ShadingPass::make_sets(const GBufferPass& gbuffer) {
 }
 
 /// The device slot that holds the mask; written only if it does not hold these bits yet.
-std::size_t ShadingPass::make_resident(const MaskInHand& mask) {
+std::size_t ShadingPass::make_resident(const TracedMask& mask) {
   const auto places = std::span(resident_).first(most_masks(plan_));
   auto slot = std::ranges::find(places, std::optional(mask.frame), &Resident::frame);
   if (slot == places.end()) slot = std::ranges::min_element(places, {}, &Resident::used);
@@ -144,7 +144,7 @@ std::size_t ShadingPass::make_resident(const MaskInHand& mask) {
 }
 
 /// True if every tile is known. A tile counts as known once all its planes are.
-bool ShadingPass::upload(std::size_t slot, const MaskInHand& mask) const {
+bool ShadingPass::upload(std::size_t slot, const TracedMask& mask) const {
   bool whole = true;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const std::size_t place = slot * kEyes + eye;
@@ -176,7 +176,7 @@ void ShadingPass::list_sources(const StereoView& views, std::span<const DatedMas
   frame.counts.x = narrow<std::uint32_t>(masks.size());
   whole_ = true;
   for (std::size_t m = 0; m < masks.size(); ++m) {
-    const MaskInHand& mask = masks[m].mask;
+    const TracedMask& mask = masks[m].mask;
     const std::size_t slot = make_resident(mask);
     whole_ &= resident_[slot].whole;
     const std::size_t layer = ring_.has(mask.frame) ? ring_.layer_of(mask.frame) : 0;

@@ -15,7 +15,7 @@
 namespace farshade {
 
 /// A mask as the shading pass takes it, whoever made it. References must outlive the draw.
-struct MaskInHand {
+struct TracedMask {
   FrameId frame;
   Time display_time;        ///< that it was traced for
   Time scene_time;          ///< at which it was traced
@@ -73,7 +73,7 @@ inline constexpr float kUnknownVisibility = 1.0f;
 
 /// A mask with what has moved since it was traced.
 struct DatedMask {
-  const MaskInHand& mask;
+  const TracedMask& mask;
   Motion motion;
 };
 
@@ -129,8 +129,8 @@ class ShadingPass {
   void fit_every_frame();
   void make_buffers(const MotionModel& motion);
   void make_sets(const GBufferPass& gbuffer);
-  std::size_t make_resident(const MaskInHand& mask);
-  [[nodiscard]] bool upload(std::size_t slot, const MaskInHand& mask) const;
+  std::size_t make_resident(const TracedMask& mask);
+  [[nodiscard]] bool upload(std::size_t slot, const TracedMask& mask) const;
   void list_sources(const StereoView& views, std::span<const DatedMask> masks, gpu::FrameData& frame);
   void tell_carries(const StereoView& views, std::span<const DatedMask> masks, std::size_t mask);
   bool tell_stale(const StereoView& views, std::span<const DatedMask> masks, std::size_t since,

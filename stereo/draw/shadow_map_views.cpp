@@ -8,7 +8,7 @@ namespace farshade {
 namespace {
 
 /// Texels from a map's middle to where what it has to see ends.
-double reach_texels(const ShadowMapWish& wish) {
+double reach_texels(const ShadowMapSettings& wish) {
   return 0.5 * wish.side_px - (wish.pcf_radius + 1);
 }
 
@@ -40,7 +40,7 @@ void fit(std::span<const Point<Stage>> corners, double reach, MapView& view) {
   view.depth_per_m = 0.5 / half.z;
 }
 
-MapView view_of(const Light& light, std::span<const Point<Stage>> corners, const ShadowMapWish& wish) {
+MapView view_of(const Light& light, std::span<const Point<Stage>> corners, const ShadowMapSettings& wish) {
   MapView view{.origin = light.position, .side_px = wish.side_px};
   const double reach = reach_texels(wish);
   if (!light.on || corners.empty()) return view;
@@ -92,10 +92,11 @@ glm::dmat4 clip_from_stage(const MapView& view) {
 }
 
 ShadowMapViews shadow_map_views(std::span<const Light> lights, std::span<const Point<Stage>> corners,
-                                const ShadowMapWish& wish) {
+                                const ShadowMapSettings& wish) {
   ShadowMapViews views;
   for (const Light& light : lights) {
-    const LightMap map{view_of(light, corners, wish), static_cast<std::uint32_t>(views.layer_clip.size())};
+    const LightShadowMaps map{view_of(light, corners, wish),
+                              static_cast<std::uint32_t>(views.layer_clip.size())};
     const std::uint32_t layers = map_layers(light.kind, light.outer_cone_rad);
     for (std::uint32_t layer = 0; layer < layers; ++layer)
       views.layer_clip.push_back(
@@ -105,7 +106,7 @@ ShadowMapViews shadow_map_views(std::span<const Light> lights, std::span<const P
   return views;
 }
 
-gpu::ShadowMapData shadow_map_data(const StereoView& shown, const LightMap& map) {
+gpu::ShadowMapData shadow_map_data(const StereoView& shown, const LightShadowMaps& map) {
   gpu::ShadowMapData data{.right = glm::vec4(map.view.right, map.view.texels.x),
                           .up = glm::vec4(map.view.up, map.view.texels.y),
                           .ahead = glm::vec4(map.view.ahead, map.view.depth_per_m),
@@ -116,7 +117,7 @@ gpu::ShadowMapData shadow_map_data(const StereoView& shown, const LightMap& map)
   return data;
 }
 
-Expected<std::uint64_t> shadow_map_bytes(const Scene& scene, const ShadowMapWish& wish) {
+Expected<std::uint64_t> shadow_map_bytes(const Scene& scene, const ShadowMapSettings& wish) {
   const auto number = [](std::uint64_t n) { return std::to_string(n); };
   if (wish.side_px < kLeastMapSide_px || wish.side_px > kMostMapSide_px)
     return fail(Fault::OutOfRange, "a shadow map has " + number(kLeastMapSide_px) + " to " +

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "shaders/shared.h"
-#include "stereo/draw/shadow_map_wish.h"
+#include "stereo/draw/shadow_map_settings.h"
 #include "stereo/frame/view.h"
 #include "stereo/scene/scene_state.h"
 
@@ -37,14 +37,14 @@ struct MapView {
 /// to 0. A view of no kind sees nothing.
 [[nodiscard]] glm::dmat4 clip_from_stage(const MapView& view);
 
-struct LightMap {
+struct LightShadowMaps {
   MapView view;  ///< a cube's has no axes
   std::uint32_t first_layer = 0;
 };
 
 struct ShadowMapViews {
-  std::vector<LightMap> lights;        ///< one a light; of no kind where it is off
-  std::vector<glm::dmat4> layer_clip;  ///< clip_from_stage of each layer
+  std::vector<LightShadowMaps> lights;  ///< one a light; of no kind where it is off
+  std::vector<glm::dmat4> layer_clip;   ///< clip_from_stage of each layer
 };
 
 /// `corners`: of boxes that together hold the scene; without any there is nothing to see. Around all that a
@@ -52,8 +52,8 @@ struct ShadowMapViews {
 /// or across a cube's.
 [[nodiscard]] ShadowMapViews shadow_map_views(std::span<const Light> lights,
                                               std::span<const Point<Stage>> corners,
-                                              const ShadowMapWish& wish);
+                                              const ShadowMapSettings& wish);
 
-[[nodiscard]] gpu::ShadowMapData shadow_map_data(const StereoView& shown, const LightMap& map);
+[[nodiscard]] gpu::ShadowMapData shadow_map_data(const StereoView& shown, const LightShadowMaps& map);
 
 }  // namespace farshade

@@ -14,7 +14,7 @@ std::uint32_t layer_count(const Scene& scene) {
   return std::max(layers + layers % 2, 2u);
 }
 
-gpu::Image make_maps(const gpu::Device& device, const Scene& scene, const ShadowMapWish& wish) {
+gpu::Image make_maps(const gpu::Device& device, const Scene& scene, const ShadowMapSettings& wish) {
   check(shadow_map_bytes(scene, wish).has_value(), "the shadow maps that are wished for can be had");
   return gpu::make_image(
       device,
@@ -33,7 +33,7 @@ const std::vector<gpu::BindingKind> kMapSet{
 }  // namespace
 
 ShadowMaps::ShadowMaps(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
-                       const SceneBuffers& buffers, const gpu::Buffer& frame, const ShadowMapWish& wish)
+                       const SceneBuffers& buffers, const gpu::Buffer& frame, const ShadowMapSettings& wish)
     : scene_(scene),
       buffers_(buffers),
       wish_(wish),

@@ -12,7 +12,7 @@ class ShadowMaps {
   /// References are kept. `frame` holds a FrameData; `wish` is one that shadow_map_bytes does not refuse for
   /// `scene`. Throws when the device runs out of memory.
   ShadowMaps(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
-             const gpu::Buffer& frame, const ShadowMapWish& wish);
+             const gpu::Buffer& frame, const ShadowMapSettings& wish);
 
   /// For a frame that shows `shown` in `state`. Call before `record`.
   void prepare(const StereoView& shown, const SceneState& state);
@@ -20,7 +20,7 @@ class ShadowMaps {
   /// Draws the maps if they are not as the state wants them. Afterwards they are readable by shaders.
   void record(const vk::raii::CommandBuffer& commands);
 
-  [[nodiscard]] const ShadowMapWish& wish() const { return wish_; }
+  [[nodiscard]] const ShadowMapSettings& wish() const { return wish_; }
   /// Set 1 of shade.comp with SHADOW_MAPS: the maps, and a ShadowMapData of each light.
   [[nodiscard]] const gpu::Bindings& bindings() const { return bindings_; }
   [[nodiscard]] const ScenePass& scene_pass() const { return pass_; }
@@ -38,7 +38,7 @@ class ShadowMaps {
 
   const Scene& scene_;
   const SceneBuffers& buffers_;
-  ShadowMapWish wish_;
+  ShadowMapSettings wish_;
   gpu::Image maps_;
   std::vector<vk::raii::ImageView> pairs_;  ///< of two layers each
   gpu::Buffer places_;

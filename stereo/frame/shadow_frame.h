@@ -3,22 +3,22 @@
 #pragma once
 
 #include "stereo/base/clock.h"
+#include "stereo/frame/answer_spec.h"
 #include "stereo/frame/eye_mask.h"
 #include "stereo/frame/frame_id.h"
 #include "stereo/frame/light_changes.h"
 #include "stereo/frame/view.h"
-#include "stereo/frame/wanted.h"
 
 namespace farshade {
 
 /// What a client asks for.
-struct TraceRequest {
+struct FrameRequest {
   FrameId frame;
   Time display_time;  ///< when the traced views are to be shown
   Time scene_time;    ///< where the animation stands
   StereoView views;
   LightChanges lights{};  ///< the light set that the masks are to speak of
-  Wanted wanted{};        ///< with what to answer
+  AnswerSpec wanted{};    ///< with what to answer
 };
 
 struct ShadowFrame {

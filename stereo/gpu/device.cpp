@@ -55,7 +55,7 @@ vk::raii::Instance make_instance(const vk::raii::Context& context, ValidationLog
 }
 
 bool can_present(const vk::raii::Instance& instance, const vk::raii::PhysicalDevice& physical,
-                 std::uint32_t queue_family, const DeviceWish& wish) {
+                 std::uint32_t queue_family, const DeviceOptions& wish) {
   return !wish.presentation || wish.presentation->can_present(*instance, *physical, queue_family);
 }
 
@@ -67,7 +67,7 @@ bool has_swapchains(const vk::raii::PhysicalDevice& physical) {
 
 std::optional<std::uint32_t> graphics_queue_family(const vk::raii::Instance& instance,
                                                    const vk::raii::PhysicalDevice& physical,
-                                                   const DeviceWish& wish) {
+                                                   const DeviceOptions& wish) {
   const auto families = physical.getQueueFamilyProperties();
   const vk::QueueFlags wanted = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute;
   for (std::uint32_t i = 0; i < families.size(); ++i)
@@ -79,7 +79,7 @@ std::optional<std::uint32_t> graphics_queue_family(const vk::raii::Instance& ins
 
 /// What the device lacks, or nothing.
 std::string lacks(const vk::raii::Instance& instance, const vk::raii::PhysicalDevice& physical,
-                  const DeviceWish& wish) {
+                  const DeviceOptions& wish) {
   const vk::PhysicalDeviceProperties properties = physical.getProperties();
   if (std::string(properties.deviceName).find(wish.name_contains) == std::string::npos)
     return "its name lacks '" + wish.name_contains + "'";
@@ -118,7 +118,7 @@ struct Judged {
 };
 
 /// All devices, in the loader's order; at most one of them is to be taken.
-std::vector<Judged> judge(const vk::raii::Instance& instance, const DeviceWish& wish) {
+std::vector<Judged> judge(const vk::raii::Instance& instance, const DeviceOptions& wish) {
   std::vector<Judged> judged;
   std::optional<std::size_t> best;
   for (vk::raii::PhysicalDevice& physical : vk::raii::PhysicalDevices(instance)) {
@@ -168,7 +168,7 @@ SurveyedDevice describe(const Judged& judged) {
 }
 
 vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, std::uint32_t queue_family,
-                              const DeviceWish& wish) {
+                              const DeviceOptions& wish) {
   vk::PhysicalDeviceVulkan13Features features13{
       .synchronization2 = true, .dynamicRendering = true, .maintenance4 = true};
   vk::PhysicalDeviceVulkan12Features features12{.pNext = &features13, .shaderOutputLayer = true};
@@ -195,7 +195,7 @@ std::vector<std::string> ValidationLog::messages() const {
   return messages_;
 }
 
-Expected<Device> open_device(const DeviceWish& wish) try {
+Expected<Device> open_device(const DeviceOptions& wish) try {
   Device device;
   if (wish.validation == Validation::On) {
     if (!has_validation_layer(device.context))
@@ -234,7 +234,7 @@ Expected<Device> open_device(const DeviceWish& wish) try {
                                   "; install a driver, for example Debian's mesa-vulkan-drivers");
 }
 
-Expected<Survey> survey(const DeviceWish& wish) try {
+Expected<Survey> survey(const DeviceOptions& wish) try {
   const vk::raii::Context context;
   Survey found{.loader = version_text(context.enumerateInstanceVersion()),
                .validation = has_validation_layer(context) ? Validation::On : Validation::Off,

@@ -35,7 +35,7 @@ struct Presentation {
   std::function<bool(vk::Instance, vk::PhysicalDevice, std::uint32_t queue_family)> can_present;
 };
 
-struct DeviceWish {
+struct DeviceOptions {
   std::string name_contains;  ///< only devices whose name contains this; empty = the best there is
   Validation validation = Validation::Off;
   std::optional<Presentation> presentation = std::nullopt;  ///< only devices that can; adds VK_KHR_swapchain
@@ -59,7 +59,7 @@ struct Device {
 };
 
 /// Refuses with Fault::Missing, naming for each device what it lacks.
-[[nodiscard]] Expected<Device> open_device(const DeviceWish& wish);
+[[nodiscard]] Expected<Device> open_device(const DeviceOptions& wish);
 
 /// What open_device would see and do.
 struct SurveyedDevice {
@@ -74,7 +74,7 @@ struct Survey {
 };
 
 /// Every device here and the verdict on it. Missing where not even the loader answers.
-[[nodiscard]] Expected<Survey> survey(const DeviceWish& wish);
+[[nodiscard]] Expected<Survey> survey(const DeviceOptions& wish);
 
 /// Names `handle` for validation messages and captures; nothing when validation is off.
 template <class Handle>

@@ -124,7 +124,7 @@ Buffer make_filled_buffer(const Device& device, std::span<const std::byte> conte
   return result;
 }
 
-Image make_image(const Device& device, const ImageWish& wish, const std::string& name) {
+Image make_image(const Device& device, const ImageSpec& wish, const std::string& name) {
   Image result;
   result.wish = wish;
   result.aspect = aspect_of(wish.format);

@@ -43,7 +43,7 @@ struct Buffer {
                                         vk::BufferUsageFlags usage, const std::string& name,
                                         Use use = Use::Other);
 
-struct ImageWish {
+struct ImageSpec {
   Extent size;
   std::uint32_t layers = 1;
   std::uint32_t mip_levels = 1;
@@ -57,11 +57,11 @@ struct Image {
   vk::raii::DeviceMemory memory{nullptr};
   vk::raii::Image image{nullptr};
   vk::raii::ImageView view{nullptr};  ///< all layers as an array, all mips
-  ImageWish wish;
+  ImageSpec wish;
   vk::ImageAspectFlags aspect;
 };
 
-[[nodiscard]] Image make_image(const Device& device, const ImageWish& wish, const std::string& name);
+[[nodiscard]] Image make_image(const Device& device, const ImageSpec& wish, const std::string& name);
 
 /// A view of `layers` layers from `first` of an image.
 [[nodiscard]] vk::raii::ImageView view_layers(const Device& device, const Image& image, std::uint32_t first,

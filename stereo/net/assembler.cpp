@@ -39,7 +39,7 @@ void begin(ReceivedGBuffer& gbuffer, const StereoView& views) {
     }
 }
 
-void reset(ReceivedFrame& frame, const TraceRequest& request, MaskLayout layout, std::uint32_t revision) {
+void reset(ReceivedFrame& frame, const FrameRequest& request, MaskLayout layout, std::uint32_t revision) {
   frame.request = request;
   frame.light_set_revision = revision;
   frame.report.reset();
@@ -69,7 +69,7 @@ Assembler::Assembler(std::size_t frames) : slots_(frames) {
   check(frames > kKept, "an assembler has room for more than what it keeps");
 }
 
-void Assembler::expect(const TraceRequest& request, MaskLayout layout, std::uint32_t revision) {
+void Assembler::expect(const FrameRequest& request, MaskLayout layout, std::uint32_t revision) {
   check(!newest_ || is_newer(request.frame, *newest_), "requests are expected in order");
   newest_ = request.frame;
   reset(room(), request, layout, revision);
@@ -146,7 +146,7 @@ const ReceivedFrame* Assembler::accept(const PlaneSlice& slice) {
   if (frame == nullptr) return nullptr;
   ReceivedGBuffer& gbuffer = frame->gbuffer;
   if (frame->request.wanted.answer != Answer::GBuffer || slice.kind > PlaneKind::Depth)
-    return count(*frame, refuse(WireRefusal::Wanted), gbuffer.tiles_known);
+    return count(*frame, refuse(WireRefusal::AnswerSpec), gbuffer.tiles_known);
   if (gbuffer.tiles == 0) begin(gbuffer, frame->request.views);
   const std::size_t eye = index_of(slice.eye), kind = static_cast<std::size_t>(slice.kind);
   return count(
@@ -160,7 +160,7 @@ const ReceivedFrame* Assembler::accept(const VideoPart& part) {
   if (frame == nullptr) return nullptr;
   ReceivedVideo& video = frame->video;
   const auto take = [&]() -> Decoded<std::uint32_t> {
-    if (!is_video(frame->request.wanted.answer)) return refuse(WireRefusal::Wanted);
+    if (!is_video(frame->request.wanted.answer)) return refuse(WireRefusal::AnswerSpec);
     if (video.known.empty()) {
       video.after = part.after;
       video.known.assign(part.parts, false);

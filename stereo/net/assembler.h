@@ -35,7 +35,7 @@ struct ReceivedVideo {
 /// What has come of one request so far. Bits of tiles that are not known are 0 and mean nothing. Of masks,
 /// G-buffer and video those are there that were wanted.
 struct ReceivedFrame {
-  TraceRequest request;
+  FrameRequest request;
   std::uint32_t light_set_revision = 0;
   PerEye<EyeMask> masks;
   PerEye<KnownTiles> known_tiles;
@@ -77,7 +77,7 @@ class Assembler {
   /// From now on takes slices of `request`, whose masks shall lie as `layout` says, of the light set
   /// `revision`. `request.frame` is newer than every frame expected before. When there is no room, the
   /// oldest request that is not kept is forgotten: pointers to its frame then show the new one.
-  void expect(const TraceRequest& request, MaskLayout layout, std::uint32_t revision);
+  void expect(const FrameRequest& request, MaskLayout layout, std::uint32_t revision);
 
   /// The frame that now knows more; null if nothing changed.
   const ReceivedFrame* accept(const Slice& slice);

@@ -88,7 +88,7 @@ PlannedScene plan_scene(Scene scene, const SessionNeeds& needs) {
   return {std::move(scene), std::move(plan)};
 }
 
-PlanWish plan_wish(std::string_view text) {
+PlanOptions parse_plan_options(std::string_view text) {
   return {text == "everything" ? PlanKind::Everything : PlanKind::Needed, text.empty()};
 }
 

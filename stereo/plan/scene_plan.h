@@ -92,12 +92,12 @@ struct PlannedScene {
 [[nodiscard]] std::string in_words(const ScenePlan& plan, const Scene& scene);
 
 /// What a user asks of a program's plan.
-struct PlanWish {
+struct PlanOptions {
   PlanKind kind = PlanKind::Needed;
   bool only_told = false;  ///< in words, and nothing else is done
 };
 
 /// As --plan has it: "" tells the plan, "needed" and "everything" choose one.
-[[nodiscard]] PlanWish plan_wish(std::string_view text);
+[[nodiscard]] PlanOptions parse_plan_options(std::string_view text);
 
 }  // namespace farshade

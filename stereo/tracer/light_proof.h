@@ -3,7 +3,7 @@
 #pragma once
 
 #include "stereo/tracer/lanes.h"
-#include "stereo/tracer/light_map.h"
+#include "stereo/tracer/light_visibility_map.h"
 #include "stereo/tracer/tile_surface.h"
 
 namespace farshade {
@@ -59,7 +59,8 @@ void find_across(const CellFrame& frame, const TileSurface& s, int first, CellLa
 
 /// `proven` becomes -1 in those of `lanes` whose light nothing can hide. Looks at each of their cells once.
 template <int K>
-void prove(const LightMap& map, const TileSurface& s, int first, const Ints<K>& lanes, Ints<K>& proven) {
+void prove(const LightVisibilityMap& map, const TileSurface& s, int first, const Ints<K>& lanes,
+           Ints<K>& proven) {
   CellLanes<K> found;
   if (map.frame().cube)
     find_on_cube<K>(map.frame(), s, first, found);
@@ -72,12 +73,12 @@ void prove(const LightMap& map, const TileSurface& s, int first, const Ints<K>& 
   proven = Ints<K>{};
   for (int lead = first_of(pending); lead >= 0; lead = first_of(pending)) {
     const std::int32_t number = found.cell[lead];
-    const LightMap::Cell& cell = map.cells()[static_cast<std::size_t>(number)];
+    const LightVisibilityMap::Cell& cell = map.cells()[static_cast<std::size_t>(number)];
     Ints<K> clear = pending & (found.cell == number);
     pending &= ~clear;
     clear &= found.depth < std::min(cell.rest, cell.moving);
-    for (std::size_t k = 0; k < LightMap::kPlanes && cell.from[k] < kFar; ++k) {
-      const LightMap::Plane& plane = map.planes()[cell.plane[k]];
+    for (std::size_t k = 0; k < LightVisibilityMap::kPlanes && cell.from[k] < kFar; ++k) {
+      const LightVisibilityMap::Plane& plane = map.planes()[cell.plane[k]];
       const Floats<K> above = x * plane.nx + (y * plane.ny + (z * plane.nz - plane.offset));
       clear &= (found.depth < cell.from[k]) | ((above >= doubt) & (above >= plane.doubt));
     }

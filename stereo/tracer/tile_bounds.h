@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "stereo/tracer/lanes.h"
-#include "stereo/tracer/light_map.h"
+#include "stereo/tracer/light_visibility_map.h"
 #include "stereo/tracer/tile_surface.h"
 
 namespace farshade {
@@ -105,7 +105,7 @@ inline float outside_cone(const Box& points, const ShadowLight& light, float sig
 }
 
 /// Whether all of `starts` lies on the light's side of the plane.
-inline bool is_before(const TileBounds& b, const LightMap::Plane& plane) {
+inline bool is_before(const TileBounds& b, const LightVisibilityMap::Plane& plane) {
   const glm::vec3 n(plane.nx, plane.ny, plane.nz);
   const float own = b.along + least_along(n - b.facet.low, b.starts);
   const float above = std::max(least_along(n, b.starts), own) - plane.offset;
@@ -164,7 +164,7 @@ inline CellRect cells_of(const CellFrame& frame, const Box& box) {
 }
 
 /// Whether nothing in the map can come between any of the tile's pixels and the light.
-inline bool is_clear(const LightMap& map, const TileBounds& b) {
+inline bool is_clear(const LightVisibilityMap& map, const TileBounds& b) {
   constexpr int kMostCells = 8;
   const CellRect rect = cells_of(map.frame(), b.starts);
   if (rect.right < rect.left || rect.bottom < rect.top || rect.count() > kMostCells) return false;
@@ -172,16 +172,16 @@ inline bool is_clear(const LightMap& map, const TileBounds& b) {
   for (int row = rect.top; row <= rect.bottom; ++row)
     for (int column = rect.left; column <= rect.right; ++column) {
       const auto number = static_cast<std::size_t>((rect.face * side + row) * side + column);
-      const LightMap::Cell& cell = map.cells()[number];
+      const LightVisibilityMap::Cell& cell = map.cells()[number];
       if (!(rect.depth < std::min(cell.rest, cell.moving))) return false;
-      for (std::size_t k = 0; k < LightMap::kPlanes && cell.from[k] < kFar; ++k)
+      for (std::size_t k = 0; k < LightVisibilityMap::kPlanes && cell.from[k] < kFar; ++k)
         if (!(rect.depth < cell.from[k]) && !is_before(b, map.planes()[cell.plane[k]])) return false;
     }
   return true;
 }
 
 /// `map` is the light's, or null.
-inline TileVerdict verdict_on(const TileBounds& b, const ShadowLight& light, const LightMap* map) {
+inline TileVerdict verdict_on(const TileBounds& b, const ShadowLight& light, const LightVisibilityMap* map) {
   Box to_light{-light.direction, -light.direction};
   bool all = map != nullptr;
   if (light.kind != LightKind::Directional) {

@@ -204,8 +204,8 @@ void set_bit(const Ints<K>& lanes, std::uint32_t bit, std::uint32_t* words) {
 /// Sets `bit` in the words of the pixels that `light` reaches, tracing only rays whose answer is not known
 /// before. `map` is the light's, or null. `occluded(lanes, packet)` traces.
 template <int K, class Surface, class Occluded>
-TileRays shadow_tile(const Surface& surface, const ShadowLight& light, const LightMap* map, std::uint32_t bit,
-                     std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {
+TileRays shadow_tile(const Surface& surface, const ShadowLight& light, const LightVisibilityMap* map,
+                     std::uint32_t bit, std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {
   RayPacket<K> ray;
   set_constants(ray);
   Ints<K> traced{}, known{}, too_far{}, beside{}, away{};

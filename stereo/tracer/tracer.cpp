@@ -57,17 +57,18 @@ struct Tracer::Impl {
   SceneState state;  ///< with the lights as the scene has them, since each request may change others
   SurfaceModel model;
   std::optional<RayScene> rays;
-  LightSet light_set;                         ///< of the request
-  std::vector<ShadowLight> lights;            ///< light_set's
-  std::vector<std::optional<LightMap>> maps;  ///< one a light, of those that never move by themselves
-  std::vector<const LightMap*> maps_in_use;   ///< null where a light is not where its map was made
+  LightSet light_set;               ///< of the request
+  std::vector<ShadowLight> lights;  ///< light_set's
+  std::vector<std::optional<LightVisibilityMap>>
+      maps;  ///< one a light, of those that never move by themselves
+  std::vector<const LightVisibilityMap*> maps_in_use;  ///< null where a light is not where its map was made
 
   Impl(const Scene& traced, const TracePlan& wanted)
       : scene(traced), plan(wanted), state(state_at(scene, Time{})), model(scene, state, plan) {}
 
   void make_maps();
   void advance_to(Time scene_time, const LightChanges& changes);
-  void prepare(const TraceRequest& request, ShadowFrame& frame);
+  void prepare(const FrameRequest& request, ShadowFrame& frame);
   [[nodiscard]] std::uint64_t lights_on() const;
   [[nodiscard]] float reach() const;
   template <int K>
@@ -90,7 +91,7 @@ void Tracer::Impl::advance_to(Time scene_time, const LightChanges& changes) {
     if (model.fixed_count() < model.patches().size()) {
       model.place(state);
       rays->update();
-      for (std::optional<LightMap>& map : maps)
+      for (std::optional<LightVisibilityMap>& map : maps)
         if (map) map->place(model);
     }
   }
@@ -220,7 +221,7 @@ float Tracer::Impl::reach() const {
 }
 
 /// Scene and lights as requested, and a frame that is theirs but for its bits.
-void Tracer::Impl::prepare(const TraceRequest& request, ShadowFrame& frame) {
+void Tracer::Impl::prepare(const FrameRequest& request, ShadowFrame& frame) {
   for (const View& view : request.views) check(is_valid(view), "a traced view is valid");
   advance_to(request.scene_time, request.lights);
   frame.frame = request.frame;
@@ -279,14 +280,14 @@ Tracer::Tracer(Tracer&&) noexcept = default;
 Tracer& Tracer::operator=(Tracer&&) noexcept = default;
 Tracer::~Tracer() = default;
 
-TraceStats Tracer::trace(const TraceRequest& request, ShadowFrame& frame) {
+TraceStats Tracer::trace(const FrameRequest& request, ShadowFrame& frame) {
   impl_->prepare(request, frame);
   const glm::dvec3& anchor = impl_->model.anchor();
   const PerEye<ViewRays> views{rays_of(request.views[0], anchor), rays_of(request.views[1], anchor)};
   return impl_->trace_frame(views, impl_->plan.shares_views && request.views[0] == request.views[1], frame);
 }
 
-TraceStats Tracer::trace(const TraceRequest& request, const PerEye<PositionPlanes>& positions,
+TraceStats Tracer::trace(const FrameRequest& request, const PerEye<PositionPlanes>& positions,
                          const PositionGrid& grid, ShadowFrame& frame) {
   impl_->prepare(request, frame);
   const glm::dvec3& anchor = impl_->model.anchor();
@@ -307,7 +308,7 @@ TracerMemory Tracer::memory() const {
                       .facets = model.facets().size_bytes(),
                       .hierarchy = impl_->rays->bytes(),
                       .hierarchy_peak = impl_->rays->peak_bytes()};
-  for (const std::optional<LightMap>& map : impl_->maps) memory.maps += map ? map->bytes() : 0;
+  for (const std::optional<LightVisibilityMap>& map : impl_->maps) memory.maps += map ? map->bytes() : 0;
   return memory;
 }
 

@@ -68,13 +68,13 @@ class Tracer {
   /// Traces `request` (valid views) against the scene at its scene_time and with its lights into `frame`,
   /// whose buffers are reused. Nothing is kept of one request's lights for the next. Where both views
   /// coincide one is traced and copied. One call at a time; uses all cores.
-  TraceStats trace(const TraceRequest& request, ShadowFrame& frame);
+  TraceStats trace(const FrameRequest& request, ShadowFrame& frame);
 
   /// The same without primary rays: the pixels' surfaces lie at `positions` on `grid`, planes of the views'
   /// sizes. What has no word is not covered. Bits of lights behind a surface may be either: a shader that
   /// knows the normal multiplies them by 0. The others are those of `trace` but for shadows that the grid
   /// moves: rays start up to 2 E before the surface, E = sqrt(3) / 2 steps (placed_surface.h).
-  TraceStats trace(const TraceRequest& request, const PerEye<PositionPlanes>& positions,
+  TraceStats trace(const FrameRequest& request, const PerEye<PositionPlanes>& positions,
                    const PositionGrid& grid, ShadowFrame& frame);
 
   [[nodiscard]] TracerMemory memory() const;

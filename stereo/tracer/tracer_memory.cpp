@@ -1,6 +1,6 @@
 #include "stereo/tracer/tracer_memory.h"
 
-#include "stereo/tracer/light_map.h"
+#include "stereo/tracer/light_visibility_map.h"
 
 namespace farshade {
 namespace {
@@ -11,7 +11,7 @@ constexpr std::size_t kBuilding_bytes =
 
 std::size_t map_bytes(const LightSource& light) {
   const std::size_t faces = light.kind == LightKind::Directional ? 1 : 6;
-  return faces * LightMap::kSide * LightMap::kSide * sizeof(LightMap::Cell);
+  return faces * LightVisibilityMap::kSide * LightVisibilityMap::kSide * sizeof(LightVisibilityMap::Cell);
 }
 
 }  // namespace

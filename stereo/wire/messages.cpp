@@ -74,7 +74,7 @@ bool fields(auto& io, Either<ArrivalReport> auto& report) {
   return fine;
 }
 
-bool fields(auto& io, Either<Wanted> auto& wanted) {
+bool fields(auto& io, Either<AnswerSpec> auto& wanted) {
   return io.code(wanted.answer) && io.u32(wanted.bits_per_second) && io.ns(wanted.interval) &&
          io.code(wanted.coding) && io.u8(wanted.position_bits) && io.u16(wanted.slices);
 }
@@ -147,7 +147,7 @@ Verdict verdict(const ArrivalReport& report) {
 }
 
 /// What an answer does not need is 0.
-Verdict verdict(const Wanted& wanted) {
+Verdict verdict(const AnswerSpec& wanted) {
   if (static_cast<std::uint8_t>(wanted.answer) >= kAnswers) return WireRefusal::Code;
   if (wanted.coding != Coding::AfterLast && wanted.coding != Coding::Alone) return WireRefusal::Code;
   const bool video = is_video(wanted.answer), positions = wanted.answer == Answer::MasksOfPositions;
@@ -159,11 +159,11 @@ Verdict verdict(const Wanted& wanted) {
   const bool grid =
       positions ? wanted.position_bits >= kLeastPosition_bits && wanted.position_bits <= kMostPosition_bits
                 : wanted.position_bits == 0 && wanted.slices == 0;
-  return rate && interval && grid ? kFine : WireRefusal::Wanted;
+  return rate && interval && grid ? kFine : WireRefusal::AnswerSpec;
 }
 
 Verdict verdict(const RequestMessage& message) {
-  const TraceRequest& request = message.request;
+  const FrameRequest& request = message.request;
   if (message.newest_received && !is_newer(request.frame, *message.newest_received))
     return WireRefusal::FrameOrder;
   if (!in_range(request.display_time) || !in_range(request.scene_time)) return WireRefusal::TimeRange;

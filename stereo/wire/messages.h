@@ -39,7 +39,7 @@ struct RequestMessage {
   /// Changed lights that one request can carry; the others follow in the next.
   static constexpr std::size_t kMostLightChanges = 6;
 
-  TraceRequest
+  FrameRequest
       request;  ///< of its lights those that the server is not known to have, at most kMostLightChanges
   std::optional<FrameId> newest_received{};  ///< newest frame of which a slice came; older than request.frame
   std::uint64_t probe_echo = 0;              ///< the newest Probe's token

@@ -34,7 +34,7 @@ enum class WireRefusal : std::uint8_t {
   UnknownSession,  ///< sealed for a session that is not there
   Replayed,        ///< sealed, and its counter was opened before or has left the window
   Forged,          ///< sealed, and does not open: forged, damaged, or under another key
-  Wanted,          ///< an answer that is wanted with what it does not go with, or out of range
+  AnswerSpec,      ///< an answer that is wanted with what it does not go with, or out of range
   Part,            ///< a part of a picture that no picture has, or of another length
   OtherMask,       ///< a valid slice of a mask with another size or light count than the one to be filled
 };

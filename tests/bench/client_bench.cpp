@@ -7,9 +7,9 @@
 #include <cstdio>
 
 #include "stereo/base/quantile.h"
+#include "stereo/head/reader.h"
 #include "stereo/net/frame_packer.h"
 #include "stereo/scene/gltf.h"
-#include "stereo/trace/reader.h"
 #include "stereo/tracer/tracer.h"
 #include "tests/bench/late_masks.h"
 #include "vr_client/ask/request_plan.h"
@@ -72,7 +72,7 @@ void print_memory(const Scene& scene, const RendererLimits& limits, const gpu::D
 Expected<void> run(const Options& options) {
   const Expected<Scene> scene = load_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
-  const Expected<HeadTrace> trace = load_head_trace(options.trace);
+  const Expected<HeadRecording> trace = load_head_recording(options.trace);
   if (!trace) return tl::unexpected(trace.error());
   const Expected<gpu::Device> device = gpu::open_device({options.gpu, gpu::Validation::Off});
   if (!device) return tl::unexpected(device.error());
@@ -85,7 +85,7 @@ Expected<void> run(const Options& options) {
   const Extent size{options.side_px, options.side_px};
   const RendererLimits limits{size, largest_traced(size), kRing_frames};
   Renderer renderer(*device, *scene, limits);
-  RequestPlan plan(RequestWish{});
+  RequestPlan plan(RequestSettings{});
   plan.learn(kPeriod * kLate_frames);
   Assembler assembler(kRing_frames);
   FramePacker packer;
@@ -94,8 +94,8 @@ Expected<void> run(const Options& options) {
   Times times;
   constexpr std::uint32_t warm_up = 8;
   for (std::uint32_t number = 1; number <= warm_up + options.frames; ++number) {
-    const TraceRequest shown = shown_at(*trace, placed, number, options.side_px);
-    const TraceRequest asked = plan.ask(shown, kPeriod).value();
+    const FrameRequest shown = shown_at(*trace, placed, number, options.side_px);
+    const FrameRequest asked = plan.ask(shown, kPeriod).value();
     assembler.expect(asked, {lights}, state.light_set.revision);
     const DrawTimes bare =
         renderer.draw_gbuffer({.views = shown.views, .state = state, .masks = {}, .carry_over = {}});
@@ -104,7 +104,7 @@ Expected<void> run(const Options& options) {
     FrameReport report;
     report.frame = asked.frame;
     const double collect = collect_ms(assembler, packer.pack(traced, report));
-    const std::vector<MaskInHand> masks = masks_in_hand(assembler, shown.frame);
+    const std::vector<TracedMask> masks = masks_in_hand(assembler, shown.frame);
     const DrawTimes drawn = renderer.draw(
         {.views = shown.views, .state = state, .asked = &asked, .masks = masks, .carry_over = {}});
     if (masks.empty()) continue;

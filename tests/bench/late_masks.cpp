@@ -1,10 +1,10 @@
 #include "tests/bench/late_masks.h"
 
-#include "vr_client/headset.h"
+#include "vr_client/runtime/headset.h"
 
 namespace farshade::bench {
 
-TraceRequest shown_at(const HeadTrace& trace, const Rigid<Stage, Recorded>& placed, std::uint32_t number,
+FrameRequest shown_at(const HeadRecording& trace, const Rigid<Stage, Recorded>& placed, std::uint32_t number,
                       std::uint32_t side_px) {
   const Time time = trace.start() + kPeriod * number;
   const Headset headset{trace.eye_distance_m, trace.fov, {side_px, side_px}};
@@ -20,8 +20,8 @@ double collect_ms(Assembler& assembler, std::span<const std::vector<std::byte>> 
   return ms_of(watch.elapsed());
 }
 
-std::vector<MaskInHand> masks_in_hand(const Assembler& assembler, FrameId shown) {
-  std::vector<MaskInHand> masks;
+std::vector<TracedMask> masks_in_hand(const Assembler& assembler, FrameId shown) {
+  std::vector<TracedMask> masks;
   for (std::uint32_t age = kLate_frames; age < kLate_frames + ShadingPass::kMaxMasks; ++age)
     if (const ReceivedFrame* frame = assembler.find({shown.value - age}); frame && frame->complete())
       masks.push_back({frame->request.frame, frame->request.display_time, frame->request.scene_time,

@@ -5,8 +5,8 @@
 #include <span>
 
 #include "stereo/draw/renderer.h"
+#include "stereo/head/head_recording.h"
 #include "stereo/net/assembler.h"
-#include "stereo/trace/head_trace.h"
 
 namespace farshade::bench {
 
@@ -15,13 +15,13 @@ inline constexpr std::uint32_t kRing_frames = kLate_frames + ShadingPass::kMaxMa
 inline constexpr Duration kPeriod = Duration(1'000'000'000 / 72);
 
 /// What frame `number` shows, as a full trace would be asked for it. The scene stands at its start.
-[[nodiscard]] TraceRequest shown_at(const HeadTrace& trace, const Rigid<Stage, Recorded>& placed,
+[[nodiscard]] FrameRequest shown_at(const HeadRecording& trace, const Rigid<Stage, Recorded>& placed,
                                     std::uint32_t number, std::uint32_t side_px);
 
 /// Takes in a frame's datagrams as the client does; the time that took.
 double collect_ms(Assembler& assembler, std::span<const std::vector<std::byte>> datagrams);
 
 /// Those of requests kLate_frames before `shown` and earlier.
-[[nodiscard]] std::vector<MaskInHand> masks_in_hand(const Assembler& assembler, FrameId shown);
+[[nodiscard]] std::vector<TracedMask> masks_in_hand(const Assembler& assembler, FrameId shown);
 
 }  // namespace farshade::bench

@@ -4,9 +4,9 @@
 #include <cstdio>
 
 #include "stereo/base/quantile.h"
+#include "stereo/head/reader.h"
 #include "stereo/net/frame_packer.h"
 #include "stereo/scene/gltf.h"
-#include "stereo/trace/reader.h"
 #include "stereo/tracer/tracer.h"
 #include "tests/bench/late_masks.h"
 #include "vr_client/ask/request_plan.h"
@@ -62,7 +62,7 @@ class Way {
         state_(state_at(planned_.scene, Time{})) {}
 
   /// Nothing while there are no masks to draw with.
-  std::optional<Figures> frame(const TraceRequest& shown, const TraceRequest& asked) {
+  std::optional<Figures> frame(const FrameRequest& shown, const FrameRequest& asked) {
     assembler_.expect(asked, planned_.plan.draw.mask, state_.light_set.revision);
     const Stopwatch tracing;
     const TraceStats stats = tracer_.trace(asked, traced_);
@@ -73,7 +73,7 @@ class Way {
     double bytes = 0;
     for (const std::vector<std::byte>& datagram : datagrams) bytes += static_cast<double>(datagram.size());
     const double taken_ms = collect_ms(assembler_, datagrams);
-    const std::vector<MaskInHand> masks = masks_in_hand(assembler_, shown.frame);
+    const std::vector<TracedMask> masks = masks_in_hand(assembler_, shown.frame);
     const DrawTimes drawn = renderer_.draw(
         {.views = shown.views, .state = state_, .asked = &asked, .masks = masks, .carry_over = {}});
     if (masks.empty()) return std::nullopt;
@@ -129,18 +129,18 @@ bool print_row(const char* name, const char* format, double needed, double every
 
 bool compare(const Options& options) {
   const Scene scene = value_of(load_scene(options.scene));
-  const HeadTrace head = value_of(load_head_trace(options.trace));
+  const HeadRecording head = value_of(load_head_recording(options.trace));
   const Extent size{options.side_px, options.side_px};
   const auto placed = scene.camera ? place(head, *scene.camera) : Rigid<Stage, Recorded>{};
   std::array<Way, 2> ways{Way(options, scene, PlanKind::Needed, size),
                           Way(options, scene, PlanKind::Everything, size)};
-  RequestPlan plan(RequestWish{});
+  RequestPlan plan(RequestSettings{});
   plan.learn(kPeriod * kLate_frames);
   std::array<std::vector<Figures>, 2> figures;
   constexpr std::uint32_t kWarmUp = 8;
   for (std::uint32_t number = 1; number <= kWarmUp + options.frames; ++number) {
-    const TraceRequest shown = shown_at(head, placed, number, options.side_px);
-    const TraceRequest asked = plan.ask(shown, kPeriod).value();
+    const FrameRequest shown = shown_at(head, placed, number, options.side_px);
+    const FrameRequest asked = plan.ask(shown, kPeriod).value();
     for (const std::size_t way : {number % 2, 1 - number % 2}) {
       const std::optional<Figures> taken = ways[way].frame(shown, asked);
       if (taken && number > kWarmUp) figures[way].push_back(*taken);

@@ -30,8 +30,8 @@ double median(const std::vector<double>& values) {
   return quantile(values, 0.5);
 }
 
-TraceRequest request_of(const Scene& scene, double yaw_rad, std::uint32_t side_px) {
-  TraceRequest request;
+FrameRequest request_of(const Scene& scene, double yaw_rad, std::uint32_t side_px) {
+  FrameRequest request;
   for (const Side side : kSides) {
     const Rigid<Eye, Head> camera_from_head{glm::angleAxis(yaw_rad, glm::dvec3(0, 1, 0)), glm::dvec3(0)};
     const Rigid<Head, Eye> head_from_eye{{1, 0, 0, 0}, {side == Side::Left ? -0.032 : 0.032, 0, 0}};
@@ -119,7 +119,7 @@ class Bench {
   }
 
   void look(double yaw_rad) {
-    const TraceRequest request = request_of(scene_, yaw_rad, options_.side_px);
+    const FrameRequest request = request_of(scene_, yaw_rad, options_.side_px);
     const ShownFrame frame{.views = request.views, .state = state_, .masks = {}, .carry_over = {}};
     draw_ms_.push_back(ms_of(renderer_.draw_gbuffer(frame).total));
     const Stopwatch reading;
@@ -163,7 +163,7 @@ class Bench {
     return grid_of({scene_.bounds.low}, {scene_.bounds.high}, bits);
   }
 
-  void trace(const TraceRequest& request, const PerEye<Image<float>>& distance, BitsRow& row) {
+  void trace(const FrameRequest& request, const PerEye<Image<float>>& distance, BitsRow& row) {
     const Stopwatch quantising;
     for (std::size_t eye = 0; eye < kEyes; ++eye)
       positions_of(request.views[eye], distance[eye].pixels, grid(row.bits), positions_[eye]);

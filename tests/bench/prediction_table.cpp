@@ -18,9 +18,9 @@
 #include <vector>
 
 #include "stereo/base/quantile.h"
-#include "stereo/math/prediction.h"
-#include "stereo/trace/reader.h"
-#include "tests/unit/math_stiff_sweep.h"
+#include "stereo/head/prediction.h"
+#include "stereo/head/reader.h"
+#include "tests/unit/head/stiff_sweep.h"
 
 namespace farshade {
 namespace {
@@ -32,7 +32,7 @@ constexpr double kSpeeds_deg_s[] = {0, 10, 30, 60, 100, 1e9};
 
 struct Recording {
   std::string name;
-  HeadTrace trace;
+  HeadRecording trace;
 };
 
 struct Errors {
@@ -40,12 +40,12 @@ struct Errors {
   std::vector<double> speed_deg_s;  ///< that the predictor made out when it was asked
 };
 
-HeadPose shown_at(const HeadTrace& trace, Time time) {
+HeadPose shown_at(const HeadRecording& trace, Time time) {
   return Rigid<Stage, Recorded>{} * head_at(trace, time);  // as it lies: a place changes no error
 }
 
 /// At every display time from which the recording still knows the head `lead` later.
-void add_errors(const HeadTrace& trace, PredictorKind kind, Duration lead, Errors& errors) {
+void add_errors(const HeadRecording& trace, PredictorKind kind, Duration lead, Errors& errors) {
   Predictor predictor(kind);
   for (std::int64_t frame = 0;; ++frame) {
     const Time shown = trace.start() + Duration(std::llround(static_cast<double>(frame) * 1e9 / kRefresh_hz));
@@ -141,7 +141,7 @@ int run(int argc, char** argv) {
   if (*stiff) return print_stiff();
   std::vector<Recording> recordings;
   for (const std::string& path : paths) {
-    Expected<HeadTrace> trace = load_head_trace(path);
+    Expected<HeadRecording> trace = load_head_recording(path);
     if (!trace) {
       std::fprintf(stderr, "%s\n", trace.error().what.c_str());
       return 1;

@@ -7,8 +7,8 @@
 
 #include "stereo/base/quantile.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/head/reader.h"
 #include "stereo/scene/gltf.h"
-#include "stereo/trace/reader.h"
 #include "tests/preview/x_screen.h"
 #include "vr_client/ask/request_plan.h"
 #include "vr_client/preview/panel.h"
@@ -27,12 +27,12 @@ struct BenchOptions {
 
 /// A traced frame with what was asked.
 struct Traced {
-  TraceRequest request;
+  FrameRequest request;
   ShadowFrame frame;
   PerEye<KnownTiles> known;
 };
 
-Traced trace(Tracer& tracer, const TraceRequest& request) {
+Traced trace(Tracer& tracer, const FrameRequest& request) {
   Traced traced{request, {}, {}};
   tracer.trace(request, traced.frame);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
@@ -41,8 +41,8 @@ Traced trace(Tracer& tracer, const TraceRequest& request) {
   return traced;
 }
 
-std::vector<MaskInHand> masks_in_hand(const std::deque<Traced>& all, FrameId shown) {
-  std::vector<MaskInHand> masks;
+std::vector<TracedMask> masks_in_hand(const std::deque<Traced>& all, FrameId shown) {
+  std::vector<TracedMask> masks;
   for (auto traced = all.rbegin(); traced != all.rend() && masks.size() < ShadingPass::kMaxMasks; ++traced)
     if (traced->request.frame.value + kLate_frames <= shown.value)
       masks.push_back({traced->request.frame, traced->request.display_time, traced->request.scene_time,
@@ -66,8 +66,8 @@ void compare(const BenchOptions& options) {
   const Extent size{options.side_px, options.side_px};
   const auto window = value_of(open_window("Farshade", {size.width * 2 + 330, std::max(size.height, 720u)}));
   const Scene scene = value_of(load_scene(options.scene));
-  const HeadTrace head = value_of(load_head_trace(options.trace));
-  gpu::DeviceWish wish;
+  const HeadRecording head = value_of(load_head_recording(options.trace));
+  gpu::DeviceOptions wish;
   wish.presentation = window->presentation();
   const gpu::Device device = value_of(gpu::open_device(wish));
   Renderer renderer(device, scene, {size, largest_traced(size), kRing_frames});
@@ -78,7 +78,7 @@ void compare(const BenchOptions& options) {
   Controls controls;
   const History history;
   const SceneState state = state_at(scene, Time{});
-  const Stand stand{state.light_set, {}, nullptr};
+  const ControlState stand{state.light_set, {}, nullptr};
   const PanelFacts facts{.history = history,
                          .scene = scene,
                          .stand = stand,
@@ -88,18 +88,18 @@ void compare(const BenchOptions& options) {
                          .window = window->framebuffer_size(),
                          .scale = window->content_scale()};
   const Composition composition{.right_px = panel_width_px(controls, facts.window, facts.scale)};
-  RequestPlan plan(RequestWish{});
+  RequestPlan plan(RequestSettings{});
   plan.learn(kPeriod * kLate_frames);
   std::deque<Traced> traced;
   std::vector<double> offscreen, previewed, added;
   for (std::uint32_t number = 1; number <= options.frames + kWarmUp_frames; ++number) {
     const Time at = head.start() + kPeriod * number;
     const Headset headset{head.eye_distance_m, head.fov, size};
-    const TraceRequest shown{{number}, at, {}, views_of(placed * head_at(head, at), headset), {}};
-    const TraceRequest asked = plan.ask(shown, kPeriod, SceneClock::Stands).value();
+    const FrameRequest shown{{number}, at, {}, views_of(placed * head_at(head, at), headset), {}};
+    const FrameRequest asked = plan.ask(shown, kPeriod, SceneClock::Stands).value();
     traced.push_back(trace(tracer, asked));
     if (traced.size() > kRing_frames / 2) traced.pop_front();
-    const std::vector<MaskInHand> masks = masks_in_hand(traced, shown.frame);
+    const std::vector<TracedMask> masks = masks_in_hand(traced, shown.frame);
     window->poll();
 
     // Each pose is drawn both ways, in turns of which comes first.

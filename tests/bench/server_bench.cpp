@@ -6,12 +6,12 @@
 #include <cstdio>
 #include <thread>
 
-#include "rt_server/server_core.h"
+#include "rt_server/core/server_core.h"
 #include "stereo/base/check.h"
 #include "stereo/base/quantile.h"
 #include "stereo/net/udp.h"
 #include "stereo/scene/gltf.h"
-#include "vr_client/link/shadow_link.h"
+#include "vr_client/link/network_link.h"
 
 namespace {
 
@@ -26,10 +26,10 @@ struct Options {
 };
 
 /// A head at the scene's reference camera that looks around: +-30 degrees in 60 frames.
-TraceRequest request_of(const Scene& scene, std::uint32_t number, std::uint32_t side_px) {
+FrameRequest request_of(const Scene& scene, std::uint32_t number, std::uint32_t side_px) {
   const double yaw_rad = 0.5 * std::sin(number * 0.105);
   const Rigid<Eye, Head> camera_from_head{glm::angleAxis(yaw_rad, glm::dvec3(0, 1, 0)), glm::dvec3(0)};
-  TraceRequest request;
+  FrameRequest request;
   request.frame = {number};
   for (const Side side : kSides) {
     const Rigid<Head, Eye> head_from_eye{{1, 0, 0, 0}, {side == Side::Left ? -0.032 : 0.032, 0, 0}};
@@ -84,9 +84,9 @@ Expected<void> run(const Options& options) {
   const SharedKey key{.name = "bench", .secret = {1}};
   ServerCore core(
       {scene->hash, light_count}, {key},
-      [&](const TraceRequest& request, ShadowFrame& frame) { return tracer->trace(request, frame); }, **port,
+      [&](const FrameRequest& request, ShadowFrame& frame) { return tracer->trace(request, frame); }, **port,
       clock);
-  ShadowLink link(*client->port, clock, {client->server, key, scene->hash, light_count}, 8);
+  NetworkLink link(*client->port, clock, {client->server, key, scene->hash, light_count}, 8);
   {
     std::jthread welcoming([&](const std::stop_token& stop) {
       while (!stop.stop_requested()) core.receive(std::chrono::milliseconds(10));

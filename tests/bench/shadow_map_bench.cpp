@@ -5,10 +5,10 @@
 
 #include "stereo/base/quantile.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/head/reader.h"
 #include "stereo/image/codec.h"
 #include "stereo/image/difference.h"
 #include "stereo/scene/gltf.h"
-#include "stereo/trace/reader.h"
 #include "stereo/tracer/tracer.h"
 #include "tests/bench/late_masks.h"
 #include "vr_client/report/measure.h"
@@ -42,10 +42,10 @@ class Comparison {
         renderer_(device, scene, plan_for(scene, {.carries_over = false, .all_lights = true}).draw,
                   {size(), size(), 1}) {}
 
-  void compare(const TraceRequest& request, std::uint32_t map_side_px, Figures& figures) {
+  void compare(const FrameRequest& request, std::uint32_t map_side_px, Figures& figures) {
     tracer_.trace(request, truth_);
     const PerEye<Image<Rgb8>> reference = draw_masks(request, figures);
-    ShadowMapWish wish{map_side_px, options_.pcf_radius, Redraw::Always};
+    ShadowMapSettings wish{map_side_px, options_.pcf_radius, Redraw::Always};
     figures.maps_ms.push_back(ms(draw_maps(request, wish).maps));
     wish.redraw = Redraw::WhenMoved;
     draw_maps(request, wish);
@@ -72,10 +72,10 @@ class Comparison {
  private:
   [[nodiscard]] Extent size() const { return {options_.side_px, options_.side_px}; }
 
-  PerEye<Image<Rgb8>> draw_masks(const TraceRequest& request, Figures& figures) {
+  PerEye<Image<Rgb8>> draw_masks(const FrameRequest& request, Figures& figures) {
     const KnownTiles all(TileGrid{size()}.count(), all_planes_known(truth_.masks[0].layout()));
     const PerEye<KnownTiles> known{all, all};
-    const std::vector<MaskInHand> masks{{.frame = request.frame,
+    const std::vector<TracedMask> masks{{.frame = request.frame,
                                          .display_time = request.display_time,
                                          .scene_time = request.scene_time,
                                          .views = request.views,
@@ -88,7 +88,7 @@ class Comparison {
     return renderer_.read_shown();
   }
 
-  DrawTimes draw_maps(const TraceRequest& request, const ShadowMapWish& wish,
+  DrawTimes draw_maps(const FrameRequest& request, const ShadowMapSettings& wish,
                       ShadingPass::Report report = ShadingPass::Report::Off) {
     return renderer_.draw({.views = request.views,
                            .state = state_,
@@ -118,7 +118,7 @@ void print(std::uint32_t map_side_px, std::uint64_t bytes, const Figures& figure
 Expected<void> run(const Options& options) {
   const Expected<Scene> scene = load_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
-  const Expected<HeadTrace> trace = load_head_trace(options.trace);
+  const Expected<HeadRecording> trace = load_head_recording(options.trace);
   if (!trace) return tl::unexpected(trace.error());
   const Expected<gpu::Device> device = gpu::open_device({options.gpu, gpu::Validation::Off});
   if (!device) return tl::unexpected(device.error());

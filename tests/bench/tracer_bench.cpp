@@ -88,7 +88,7 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
   const Packets<K> same = record<K>(model, rays, views, state.light_set.lights);
 
   Tracer tracer = Tracer::create(scene).value();
-  TraceRequest request;
+  FrameRequest request;
   request.views = views;
   ShadowFrame frame;
   TracePlan plain_plan = plan_for(scene, {.all_lights = true}).trace;

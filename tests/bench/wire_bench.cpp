@@ -33,8 +33,8 @@ struct Column {
 };
 
 /// Eyes at the scene's reference camera, turned by `yaw_rad`.
-TraceRequest request_of(const Scene& scene, double yaw_rad, std::uint32_t side_px) {
-  TraceRequest request;
+FrameRequest request_of(const Scene& scene, double yaw_rad, std::uint32_t side_px) {
+  FrameRequest request;
   for (const Side side : kSides) {
     const Rigid<Eye, Head> camera_from_head{glm::angleAxis(yaw_rad, glm::dvec3(0, 1, 0)), glm::dvec3(0)};
     const Rigid<Head, Eye> head_from_eye{{1, 0, 0, 0}, {side == Side::Left ? -0.032 : 0.032, 0, 0}};

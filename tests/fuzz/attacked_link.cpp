@@ -4,15 +4,15 @@
 
 namespace farshade::fuzz {
 
-TraceRequest request(std::uint32_t frame) {
-  TraceRequest asked;
+FrameRequest request(std::uint32_t frame) {
+  FrameRequest asked;
   asked.frame = {frame};
   asked.display_time = Time(frame * std::chrono::milliseconds(14));
   for (View& view : asked.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, {18, 10}};
   return asked;
 }
 
-TraceStats paint(const TraceRequest& asked, ShadowFrame& frame) {
+TraceStats paint(const FrameRequest& asked, ShadowFrame& frame) {
   frame.frame = asked.frame;
   frame.light_set_revision = asked.lights.revision;
   frame.views = asked.views;

@@ -6,10 +6,10 @@
 #include <map>
 #include <vector>
 
-#include "rt_server/server_core.h"
+#include "rt_server/core/server_core.h"
 #include "stereo/net/virtual_link.h"
 #include "tests/fuzz/edits.h"
-#include "vr_client/link/shadow_link.h"
+#include "vr_client/link/network_link.h"
 
 namespace farshade::fuzz {
 
@@ -17,9 +17,9 @@ using Bytes = std::vector<std::byte>;
 
 inline constexpr Welcome kServed{{1, 2, 3}, 3};
 
-[[nodiscard]] TraceRequest request(std::uint32_t frame);
+[[nodiscard]] FrameRequest request(std::uint32_t frame);
 /// In place of a tracer: masks that differ from frame to frame, eye to eye and pixel to pixel.
-TraceStats paint(const TraceRequest& asked, ShadowFrame& frame);
+TraceStats paint(const FrameRequest& asked, ShadowFrame& frame);
 
 [[nodiscard]] SharedKey key_named(std::string name);
 
@@ -61,7 +61,7 @@ struct GenuineClient {
 
   const Clock& clock;
   Tap tap;
-  ShadowLink link;
+  NetworkLink link;
   std::uint32_t asked = 0;
 };
 

@@ -116,7 +116,7 @@ void Conversation::step(fuzz::Choices& choices) {
 
 void Conversation::check_client() const {
   client_->check_masks();
-  const ShadowLink::Counters counters = client_->link.counters();
+  const NetworkLink::Counters counters = client_->link.counters();
   check_eq(counters.assembler.duplicates, 0u, "slices taken twice");
   check_eq(counters.assembler.refused.total(), 0u, "slices that opened and are none");
   check(!client_->link.refused(), "nobody but the server refuses");

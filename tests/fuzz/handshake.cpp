@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "rt_server/gate.h"
+#include "rt_server/core/gate.h"
 #include "tests/fuzz/edits.h"
 #include "tests/fuzz/fixed_random.h"
 #include "tests/fuzz/target.h"

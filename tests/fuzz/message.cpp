@@ -37,7 +37,7 @@ void check_ranges(const View& view) {
 }
 
 void check_ranges(const RequestMessage& message) {
-  const TraceRequest& request = message.request;
+  const FrameRequest& request = message.request;
   for (const View& view : request.views) check_ranges(view);
   for (const Time time : {request.display_time, request.scene_time, message.arrivals.base})
     check_span(ns_of(time), -(std::int64_t{1} << 61));

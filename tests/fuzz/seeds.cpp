@@ -4,14 +4,14 @@
 #include <filesystem>
 #include <random>
 
-#include "gltf_builder.h"
-#include "record_samples.h"
 #include "stereo/base/check.h"
 #include "stereo/base/files.h"
 #include "stereo/wire/plane_codec.h"
 #include "stereo/wire/plane_tile.h"
 #include "stereo/wire/tile_codec.h"
-#include "wire_samples.h"
+#include "tests/unit/client_record/capture_samples.h"
+#include "tests/unit/scene/gltf_builder.h"
+#include "tests/unit/wire/samples.h"
 
 namespace {
 
@@ -179,7 +179,7 @@ void save_client_sequences(const fs::path& folder) {
 /// With a server, its own light changes and a recorder that was killed; and without one.
 void save_session_files(const fs::path& folder) {
   using namespace record_samples;
-  RecordedFrame lit = frame(1), quiet = frame(2), alone = frame(1);
+  CapturedFrame lit = frame(1), quiet = frame(2), alone = frame(1);
   change(lit.input.steering.lights, 2, false, {});
   change(lit.input.steering.lights, 0, true, LightPose{.position = {{1, 2, 3}}});
   quiet.asked.reset();
@@ -188,7 +188,7 @@ void save_session_files(const fs::path& folder) {
   save(folder / "server", whole);
   whole.erase(whole.end() - 20, whole.end());
   save(folder / "cut_off", whole);
-  SessionHeader nobody = header();
+  CaptureHeader nobody = header();
   nobody.origin = MaskOrigin::Nobody;
   alone.asked.reset();
   alone.before.clear();

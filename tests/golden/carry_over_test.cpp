@@ -256,7 +256,7 @@ TEST_P(FilteredEdges, AreNearerToTheTruthAndChangeNothingElse) {
   };
   std::vector<Mask> masks;
   for (std::uint32_t i = 0; i < 4; ++i) masks.push_back(theatre.ask({10 - i}, moved_by(1 + 0.37 * i)));
-  std::vector<MaskInHand> in_hand;
+  std::vector<TracedMask> in_hand;
   for (const Mask& mask : masks) in_hand.push_back(mask.in_hand());
   const StereoView now = moved_by(0);
   const Mask truth = theatre.trace(kNow, now);

@@ -78,11 +78,11 @@ class Economy : public OnLavapipe {
     Renderer renderer(device_, scene, plan, kLimits);
     const SceneState then = state_at(scene, Time{}), now = state_at(scene, Time(500ms));
     const StereoView shown = eyes_at(0.06), asked = eyes_at(0.08);
-    const TraceRequest first{FrameId{1}, Time{}, Time{}, shown},
+    const FrameRequest first{FrameId{1}, Time{}, Time{}, shown},
         second{FrameId{2}, Time{}, Time(500ms), asked};
     renderer.draw_gbuffer({.views = shown, .state = then, .asked = &first, .masks = {}, .carry_over = {}});
     const Mask mask = all_lit(plan.mask, first.frame, shown);
-    const std::vector<MaskInHand> masks{mask.in_hand()};
+    const std::vector<TracedMask> masks{mask.in_hand()};
     renderer.draw({.views = shown, .state = now, .asked = &second, .masks = masks, .carry_over = {}});
     return renderer.counters();
   }
@@ -217,10 +217,10 @@ class WholeScene : public OnLavapipe, public testing::WithParamInterface<const c
     const SceneState then = state_at(scene_, kThen), now = state_at(scene_, kNow);
     const StereoView asked = eyes_of(head_, kSide_px),
                      shown = eyes_of(moved(head_, 0.05, {0.02, 0, 0}), kSide_px);
-    const TraceRequest first{FrameId{1}, kThen, kThen, asked}, second{FrameId{2}, kNow, kNow, asked};
+    const FrameRequest first{FrameId{1}, kThen, kThen, asked}, second{FrameId{2}, kNow, kNow, asked};
     renderer.draw_gbuffer({.views = shown, .state = then, .asked = &first, .masks = {}, .carry_over = {}});
     const Mask mask = in_words_of(plan.mask, traced(first));
-    const std::vector<MaskInHand> masks{mask.in_hand()};
+    const std::vector<TracedMask> masks{mask.in_hand()};
     renderer.draw({.views = shown,
                    .state = now,
                    .asked = &second,
@@ -231,7 +231,7 @@ class WholeScene : public OnLavapipe, public testing::WithParamInterface<const c
     return {std::move(result), renderer.counters()};
   }
 
-  Mask traced(const TraceRequest& request) const {
+  Mask traced(const FrameRequest& request) const {
     Expected<Tracer> tracer = Tracer::create(scene_);
     ShadowFrame frame;
     tracer->trace(request, frame);

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "stereo/draw/frame_data.h"
+#include "stereo/head/reader.h"
 #include "stereo/scene/gltf.h"
-#include "stereo/trace/reader.h"
 #include "tests/golden/theatre.h"
 #include "vr_client/report/measure.h"
 
@@ -46,7 +46,7 @@ class NeverWorse : public OnLavapipe, public testing::WithParamInterface<Walk> {
   }
 
   Theatre theatre_{device_, value_of(load_scene(GetParam().scene)), kSide_px};
-  HeadTrace trace_ = value_of(load_head_trace(GetParam().trace));
+  HeadRecording trace_ = value_of(load_head_recording(GetParam().trace));
   Rigid<Stage, Recorded> stage_from_recorded_ = place(trace_, *theatre_.scene().camera);
 };
 

@@ -59,7 +59,7 @@ class OverlayGolden : public OnLavapipe {
   }
 
   [[nodiscard]] PerEye<Image<Rgb8>> drawn(Overlay overlay) const {
-    const MaskInHand newest = traced_.in_hand();
+    const TracedMask newest = traced_.in_hand();
     PerEye<Image<Rgb8>> pictures;
     for (const Side side : kSides) {
       const std::size_t eye = index_of(side);
@@ -131,7 +131,7 @@ TEST_P(RaysNeeded, AreAboutThoseThatATracerSpends) {
       {.frame = kNow, .display_time = {}, .scene_time = {}, .views = views, .lights = GetParam().lights},
       traced);
   const Mask older = theatre.ask(kTraced, theatre.eyes(moved(theatre.head(), 3 * kDegree_rad, {0.02, 0, 0})));
-  for (const std::vector<MaskInHand>& masks : {std::vector<MaskInHand>{}, {older.in_hand()}}) {
+  for (const std::vector<TracedMask>& masks : {std::vector<TracedMask>{}, {older.in_hand()}}) {
     const Shown shown = theatre.show(views, masks);
     std::uint64_t needed = 0;
     for (const ShownReport& report : shown.reports) {

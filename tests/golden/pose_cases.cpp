@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "stereo/head/head_recording.h"
 #include "stereo/math/rotation.h"
-#include "stereo/trace/head_trace.h"
 
 namespace farshade {
 namespace {

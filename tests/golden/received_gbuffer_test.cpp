@@ -25,7 +25,7 @@ class ReceivedGBuffer : public OnLavapipe {
   }
 
   static ShownFrame shown(const StereoView& views, const SceneState& state,
-                          std::span<const MaskInHand> masks) {
+                          std::span<const TracedMask> masks) {
     return {.views = views, .state = state, .masks = masks, .carry_over = {.lookup = Lookup::Direct}};
   }
 
@@ -35,7 +35,7 @@ class ReceivedGBuffer : public OnLavapipe {
     const SceneState state = state_at(scene, Time{});
     const StereoView views = eyes_of(head_at_camera(scene), kSide_px);
     const Mask mask = traced(scene, views);
-    const std::vector<MaskInHand> masks{mask.in_hand()};
+    const std::vector<TracedMask> masks{mask.in_hand()};
     sender.draw(shown(views, state, masks));
     GBufferPlanes planes;
     sender.read_gbuffer(planes);
@@ -76,7 +76,7 @@ TEST_F(ReceivedGBuffer, WhatDidNotComeIsBackground) {
   const SceneState state = state_at(scene, Time{});
   const StereoView views = eyes_of(head_at_camera(scene), kSide_px);
   const Mask mask = traced(scene, views);
-  const std::vector<MaskInHand> masks{mask.in_hand()};
+  const std::vector<TracedMask> masks{mask.in_hand()};
   renderer.draw(shown(views, state, masks));
   const auto drawn = renderer.read_shown();
   GBufferPlanes planes;

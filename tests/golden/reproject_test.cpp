@@ -233,7 +233,7 @@ TEST_F(Reproject, PassesOverMasksWhoseDepthLeftTheRing) {
   Theatre theatre(device_, bundled("box_over_plane.gltf"), 128, 2);
   const StereoView before = theatre.eyes(moved(theatre.head(), 3 * kDegree, {0.05, 0, 0})),
                    now = theatre.eyes(theatre.head());
-  const auto known = [&](const std::vector<MaskInHand>& masks) {
+  const auto known = [&](const std::vector<TracedMask>& masks) {
     std::size_t count = 0;
     for_covered(theatre.show(now, masks, kPlainCarryOver),
                 [&](Side, std::uint32_t, std::uint32_t, std::uint8_t source) {

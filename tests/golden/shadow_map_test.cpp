@@ -30,7 +30,7 @@ class Stand {
         renderer_(device, scene_, plan_for(scene_, {.carries_over = false, .all_lights = true}).draw,
                   {kSize, kSize, 1}) {}
 
-  DrawTimes show(const Rigid<Stage, Head>& head, const ShadowMapWish& wish) {
+  DrawTimes show(const Rigid<Stage, Head>& head, const ShadowMapSettings& wish) {
     return renderer_.draw({.views = eyes_of(head, kSide_px),
                            .state = state_,
                            .masks = {},
@@ -44,7 +44,7 @@ class Stand {
     const PerEye<EyeMask> bits = traced(views);
     const KnownTiles all(TileGrid{kSize}.count(), all_planes_known(bits[0].layout()));
     const PerEye<KnownTiles> known{all, all};
-    const std::vector<MaskInHand> masks{{.frame = FrameId{++frames_},
+    const std::vector<TracedMask> masks{{.frame = FrameId{++frames_},
                                          .display_time = {},
                                          .scene_time = state_.scene_time,
                                          .views = views,
@@ -71,7 +71,7 @@ class Stand {
     return worst;
   }
 
-  Wrong show_and_judge(const Rigid<Stage, Head>& head, const ShadowMapWish& wish) {
+  Wrong show_and_judge(const Rigid<Stage, Head>& head, const ShadowMapSettings& wish) {
     show(head, wish);
     return wrong(head);
   }
@@ -301,7 +301,7 @@ Scene moving_scene() {
 TEST_F(ShadowMapsShown, AreDrawnAgainOnlyWhereSomethingMoved) {
   Stand stand(device_, moving_scene());
   const Rigid<Stage, Head> head = head_looking({-1.5, 2, 2.5}, {0, 0.2, 0});
-  ShadowMapWish wish;
+  ShadowMapSettings wish;
   const auto read = [&](const Rigid<Stage, Head>& from) {
     const DrawTimes times = stand.show(from, wish);
     const std::uint64_t bytes = stand.renderer().counters().vertex_bytes_read;
@@ -345,7 +345,7 @@ TEST_F(ShadowMapsShown, CostNothingUntilTheyAreWishedForAndLeaveMasksAlone) {
   const PerEye<Image<Rgb8>> before = stand.renderer().read_shown();
   const DrawCounters without = stand.renderer().counters();
   EXPECT_EQ(without.memory.peak[gpu::Use::ShadowMaps], 0u);
-  const ShadowMapWish wish;
+  const ShadowMapSettings wish;
   stand.show(head, wish);
   const DrawCounters with = stand.renderer().counters();
   EXPECT_EQ(with.pipelines, without.pipelines + 1 + 2) << "casters, and a pass an eye";

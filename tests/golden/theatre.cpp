@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "stereo/frame/tiles.h"
+#include "stereo/head/head_recording.h"
 #include "stereo/math/rotation.h"
 #include "stereo/scene/gltf.h"
-#include "stereo/trace/head_trace.h"
 #include "tests/oracle/scene_builder.h"
 
 namespace farshade {
@@ -78,7 +78,7 @@ StereoView eyes_of(const Rigid<Stage, Head>& head, std::uint32_t side_px) {
   return views;
 }
 
-MaskInHand Mask::in_hand() const {
+TracedMask Mask::in_hand() const {
   std::uint64_t content = 0;
   const auto add = [&content](const void* data, std::size_t bytes) {
     const std::string_view text(static_cast<const char*>(data), bytes);
@@ -144,7 +144,7 @@ Mask Theatre::trace(FrameId frame, const StereoView& views) {
 
 Mask Theatre::ask(FrameId frame, const StereoView& views) {
   const Time now = state_.scene_time;
-  const TraceRequest asked{.frame = frame, .display_time = now, .scene_time = now, .views = views};
+  const FrameRequest asked{.frame = frame, .display_time = now, .scene_time = now, .views = views};
   StereoView shown = views;  // where `views` are of another size, the same heads in the size that is shown
   for (View& view : shown) view.size = {side_px_, side_px_};
   ShownFrame drawn = shown_frame(shown, {}, {});
@@ -153,7 +153,7 @@ Mask Theatre::ask(FrameId frame, const StereoView& views) {
   return trace(frame, views);
 }
 
-Shown Theatre::show(const StereoView& views, const std::vector<MaskInHand>& masks,
+Shown Theatre::show(const StereoView& views, const std::vector<TracedMask>& masks,
                     const CarryOver& carry_over) {
   renderer_->draw(shown_frame(views, masks, carry_over));
   return {renderer_->read_shown(), {renderer_->report(Side::Left), renderer_->report(Side::Right)}};
@@ -164,7 +164,7 @@ PerEye<Image<Rgb8>> Theatre::show_reference(const StereoView& views) {
   return show(views, {truth.in_hand()}, {.lookup = Lookup::Direct}).pictures;
 }
 
-ShownFrame Theatre::shown_frame(const StereoView& views, std::span<const MaskInHand> masks,
+ShownFrame Theatre::shown_frame(const StereoView& views, std::span<const TracedMask> masks,
                                 const CarryOver& carry_over) const {
   return {.views = views,
           .state = state_,

@@ -51,7 +51,7 @@ struct Mask {
   std::uint32_t light_set_revision = kFirstLightSet;
 
   /// Refers to this mask.
-  [[nodiscard]] MaskInHand in_hand() const;
+  [[nodiscard]] TracedMask in_hand() const;
 };
 
 /// All bits of `mask` drawn anew from a stated seed.
@@ -88,7 +88,7 @@ class Theatre {
   [[nodiscard]] Mask ask(FrameId frame, const StereoView& views);
 
   /// Shows `views` with `masks`, newest first, and asks for nothing.
-  [[nodiscard]] Shown show(const StereoView& views, const std::vector<MaskInHand>& masks,
+  [[nodiscard]] Shown show(const StereoView& views, const std::vector<TracedMask>& masks,
                            const CarryOver& carry_over = {});
   /// The picture with every pixel's shadows traced at `views`.
   [[nodiscard]] PerEye<Image<Rgb8>> show_reference(const StereoView& views);
@@ -99,7 +99,7 @@ class Theatre {
   void set_lights(const LightChanges& changes) { state_ = state_at(scene_, state_.scene_time, changes); }
 
  private:
-  [[nodiscard]] ShownFrame shown_frame(const StereoView& views, std::span<const MaskInHand> masks,
+  [[nodiscard]] ShownFrame shown_frame(const StereoView& views, std::span<const TracedMask> masks,
                                        const CarryOver& carry_over) const;
 
   Scene scene_;

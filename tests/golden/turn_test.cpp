@@ -217,10 +217,10 @@ class Difference : public OnLavapipe {
  protected:
   static constexpr std::uint32_t kSide_px = 128;
 
-  ShownFrame frame_of(const StereoView& views, std::span<const MaskInHand> masks = {}) const {
+  ShownFrame frame_of(const StereoView& views, std::span<const TracedMask> masks = {}) const {
     return {.views = views, .state = state_, .masks = masks, .carry_over = {.lookup = Lookup::Direct}};
   }
-  Pictures drawn(const StereoView& views, std::span<const MaskInHand> masks = {}) {
+  Pictures drawn(const StereoView& views, std::span<const TracedMask> masks = {}) {
     renderer_.draw(frame_of(views, masks));
     return renderer_.read_shown();
   }

@@ -15,7 +15,7 @@
 #include "tests/integration/attack_tools.h"
 #include "tests/integration/client_program.h"
 #include "tests/integration/test_keys.h"
-#include "vr_client/link/shadow_link.h"
+#include "vr_client/link/network_link.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define FARSHADE_SANITIZED 1
@@ -77,7 +77,7 @@ class Walker {
     return link_.inbox().find(frame_)->masks;
   }
 
-  [[nodiscard]] ShadowLink::Counters counters() const { return link_.counters(); }
+  [[nodiscard]] NetworkLink::Counters counters() const { return link_.counters(); }
 
  private:
   static StereoView views_at(std::uint32_t pose) {
@@ -92,7 +92,7 @@ class Walker {
   }
 
   SteadyClock clock_;
-  ShadowLink link_;
+  NetworkLink link_;
   FrameId frame_;
 };
 

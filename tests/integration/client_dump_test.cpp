@@ -6,11 +6,11 @@
 #include <nlohmann/json.hpp>
 
 #include "stereo/frame/view.h"
+#include "stereo/head/reader.h"
 #include "stereo/image/codec.h"
 #include "stereo/image/difference.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/scene/scene_state.h"
-#include "stereo/trace/reader.h"
 #include "tests/integration/client_program.h"
 #include "tests/unit/scratch_folder.h"
 
@@ -106,7 +106,7 @@ TEST_F(ClientDump, StatesFramesAndTimesOfBothViews) {
 }
 
 TEST_F(ClientDump, StatesTheViewsOfTheTrace) {
-  const HeadTrace trace = load_head_trace(kWalk, {}).value();
+  const HeadRecording trace = load_head_recording(kWalk, {}).value();
   for (const StereoView& views : {shown_, traced_}) {
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
       EXPECT_EQ(views[eye].fov, trace.fov[eye]);

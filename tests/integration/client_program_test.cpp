@@ -6,9 +6,9 @@
 #include <fstream>
 
 #include "stereo/base/files.h"
+#include "stereo/head/reader.h"
 #include "stereo/image/codec.h"
 #include "stereo/net/udp.h"
-#include "stereo/trace/reader.h"
 #include "tests/unit/scratch_folder.h"
 
 namespace farshade {
@@ -399,11 +399,11 @@ TEST(ClientProgram, HelpListsEveryOption) {
 
 TEST(ClientProgram, ExportsARecordingInEitherFormat) {
   const ScratchFolder folder;
-  const HeadTrace walk = *load_head_trace(kWalk);
+  const HeadRecording walk = *load_head_recording(kWalk);
   for (const std::string name : {"walk.tum", "walk.csv"}) {
     const std::filesystem::path file = folder.path() / name;
     ASSERT_EQ(run_client({{"--export-trace", file.string()}}).status, 0);
-    const Expected<HeadTrace> read = load_head_trace(file);
+    const Expected<HeadRecording> read = load_head_recording(file);
     ASSERT_TRUE(read) << read.error().what;
     ASSERT_EQ(read->samples.size(), walk.samples.size());
     EXPECT_EQ(read->samples[700].recorded_from_head, walk.samples[700].recorded_from_head) << name;

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "rt_server/answers/answers.h"
-#include "rt_server/answers/streams.h"
+#include "rt_server/answers/video_streams.h"
 #include "stereo/base/check.h"
 #include "stereo/net/assembler.h"
 #include "stereo/scene/gltf.h"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <iostream>
 
+#include "stereo/head/reader.h"
 #include "stereo/scene/gltf.h"
-#include "stereo/trace/reader.h"
 #include "stereo/video/video.h"
 #include "tests/network/rehearsal.h"
 #include "tests/oracle/oracle.h"
@@ -20,14 +20,14 @@ struct Ground {
   gpu::Device device =
       gpu::open_device({.name_contains = "llvmpipe", .validation = gpu::Validation::On}).value();
   Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
-  HeadTrace head = load_head_trace(FARSHADE_ASSETS "/walk.csv", {}).value();
+  HeadRecording head = load_head_recording(FARSHADE_ASSETS "/walk.csv", {}).value();
 };
 const Ground& ground() {
   static const Ground one;
   return one;
 }
 
-Play play_of(const ModeWish& mode, std::uint32_t frames) {
+Play play_of(const ModeSettings& mode, std::uint32_t frames) {
   return {.device = ground().device,
           .scene = ground().scene,
           .head = ground().head,
@@ -59,7 +59,7 @@ double psnr_where(const Image<Rgb8>& shown, const Image<Rgb8>& reference, const 
 }
 
 struct Case {
-  ModeWish mode;
+  ModeSettings mode;
   double least_dB;  ///< of every frame
 };
 
@@ -130,8 +130,8 @@ INSTANTIATE_TEST_SUITE_P(Modes, EveryServedMode,
                          mode_name);
 
 /// Turns on the spot, 40 degrees/s to the left, so that parallax is next to nothing.
-HeadTrace turning() {
-  HeadTrace head = ground().head;
+HeadRecording turning() {
+  HeadRecording head = ground().head;
   head.samples.clear();
   for (int i = 0; i < 100; ++i)
     head.samples.push_back(
@@ -143,11 +143,11 @@ class EveryPictureMode : public testing::TestWithParam<Case> {};
 
 /// What was drawn for where the head was shows where that lies now.
 TEST_P(EveryPictureMode, IsTurnedToThePoseShown) {
-  const ModeWish mode = GetParam().mode;
+  const ModeSettings mode = GetParam().mode;
   const double least_dB = GetParam().least_dB;
   if (set_of(Answer::Video) & answers_for(mode.mode) && !has_video()) GTEST_SKIP() << video_version();
   const Scene scene = load_scene(FARSHADE_ASSETS "/box_over_plane.gltf").value();
-  const HeadTrace head = turning();
+  const HeadRecording head = turning();
   Play play{.device = ground().device, .scene = scene, .head = head, .size = {160, 128}};
   play.frames = 30;
   play.reference_every = 3;

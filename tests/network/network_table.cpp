@@ -7,8 +7,8 @@
 #include <numeric>
 
 #include "stereo/base/quantile.h"
+#include "stereo/head/reader.h"
 #include "stereo/scene/gltf.h"
-#include "stereo/trace/reader.h"
 #include "tests/network/rehearsal.h"
 
 namespace {
@@ -72,7 +72,7 @@ void print_row(const Network& network, const Played& run, std::FILE* csv, double
 Expected<void> print_table(const Options& options) {
   const Expected<Scene> scene = load_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
-  const Expected<HeadTrace> head = load_head_trace(options.head, {});
+  const Expected<HeadRecording> head = load_head_recording(options.head, {});
   if (!head) return tl::unexpected(head.error());
   const Expected<gpu::Device> device = gpu::open_device({});
   if (!device) return tl::unexpected(device.error());

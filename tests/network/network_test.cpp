@@ -3,8 +3,8 @@
 
 #include <numeric>
 
+#include "stereo/head/reader.h"
 #include "stereo/scene/gltf.h"
-#include "stereo/trace/reader.h"
 #include "tests/network/rehearsal.h"
 
 namespace farshade {
@@ -19,7 +19,7 @@ constexpr Duration kPeriod = Duration(1'000'000'000 / 72);
 struct Ground {
   gpu::Device device = gpu::open_device({.name_contains = "llvmpipe"}).value();
   Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
-  HeadTrace head = load_head_trace(FARSHADE_ASSETS "/walk.csv", {}).value();
+  HeadRecording head = load_head_recording(FARSHADE_ASSETS "/walk.csv", {}).value();
 };
 
 /// Opened once: a scene and a device for all tests of this program.

@@ -3,14 +3,14 @@
 
 #include <map>
 
-#include "rt_server/server_core.h"
+#include "rt_server/core/server_core.h"
+#include "stereo/head/reader.h"
 #include "stereo/net/virtual_link.h"
 #include "stereo/scene/gltf.h"
-#include "stereo/trace/reader.h"
 #include "tests/unit/scratch_folder.h"
+#include "vr_client/record/capture_writer.h"
 #include "vr_client/record/replay.h"
-#include "vr_client/record/session_recorder.h"
-#include "vr_client/trace_runtime.h"
+#include "vr_client/runtime/recorded_head_runtime.h"
 
 namespace farshade {
 namespace {
@@ -26,7 +26,7 @@ constexpr RendererLimits limits_of(Extent traced) {
 struct Ground {
   gpu::Device device = gpu::open_device({.name_contains = "llvmpipe"}).value();
   Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
-  HeadTrace head = load_head_trace(FARSHADE_ASSETS "/walk.csv", {}).value();
+  HeadRecording head = load_head_recording(FARSHADE_ASSETS "/walk.csv", {}).value();
 };
 
 /// Opened once: a scene and a device for all tests of this program.
@@ -53,7 +53,7 @@ struct FarServer {
   void start() {
     core.emplace(
         Welcome{ground().scene.hash, lights()}, std::vector{key},
-        [this](const TraceRequest& request, ShadowFrame& frame) { return tracer.trace(request, frame); },
+        [this](const FrameRequest& request, ShadowFrame& frame) { return tracer.trace(request, frame); },
         wire.server(), clock);
   }
   static std::uint32_t lights() { return static_cast<std::uint32_t>(ground().scene.lights.size()); }
@@ -69,7 +69,7 @@ struct FarServer {
 /// A recorded head on the server's clock, at whose frames things happen.
 class Stage final : public Runtime {
  public:
-  Stage(Pace pace, ManualClock& clock, ShadowLink* link, std::function<void(std::uint32_t frame)> happens)
+  Stage(Pace pace, ManualClock& clock, NetworkLink* link, std::function<void(std::uint32_t frame)> happens)
       : pace_(pace), clock_(clock), link_(link), begun_(clock.now()), happens_(std::move(happens)) {}
 
   [[nodiscard]] std::optional<FrameTiming> wait_frame() override {
@@ -86,13 +86,13 @@ class Stage final : public Runtime {
   void end_frame(Time display_time) override { head_.end_frame(display_time); }
 
  private:
-  TraceRuntime head_{ground().head,
-                     {.stage_from_recorded = place(ground().head, ground().scene.camera.value()),
-                      .eye_size = kEye,
-                      .frames = kFrames}};
+  RecordedHeadRuntime head_{ground().head,
+                            {.stage_from_recorded = place(ground().head, ground().scene.camera.value()),
+                             .eye_size = kEye,
+                             .frames = kFrames}};
   Pace pace_;
   ManualClock& clock_;
-  ShadowLink* link_;
+  NetworkLink* link_;
   Time begun_;
   std::optional<Time> first_;
   std::function<void(std::uint32_t)> happens_;
@@ -100,7 +100,7 @@ class Stage final : public Runtime {
 };
 
 /// Everything that can be steered, while the session runs.
-void steer(std::uint32_t frame, Steering& steering) {
+void steer(std::uint32_t frame, FrameSettings& steering) {
   const LightPose lamp{.position = {{0.3, 1.9, -0.4}}, .direction = {{0, -1, 0}}};
   if (frame == 12) steering.wish.predictor = PredictorKind::Hold;
   if (frame == 20) change(steering.lights, 0, false, {});
@@ -114,7 +114,7 @@ void steer(std::uint32_t frame, Steering& steering) {
   if (frame == 95) steering.wish = {}, change(steering.lights, 0, true, {});
 }
 
-SessionHeader header_of(MaskOrigin origin, const MaskPolicy& policy) {
+CaptureHeader header_of(MaskOrigin origin, const MaskPolicy& policy) {
   return {.scene = "room.glb",
           .scene_hash = ground().scene.hash,
           .lights = FarServer::lights(),
@@ -130,26 +130,26 @@ SessionHeader header_of(MaskOrigin origin, const MaskPolicy& policy) {
 void record(const std::filesystem::path& file, MaskPolicy policy) {
   ManualClock clock;
   FarServer server(clock);
-  SessionRecorder recorder(clock);
-  ShadowLink link(server.wire.client(), clock,
-                  {server.wire.server().local(), server.key, ground().scene.hash, FarServer::lights()},
-                  kInFlight);
+  CaptureWriter recorder(clock);
+  NetworkLink link(server.wire.client(), clock,
+                   {server.wire.server().local(), server.key, ground().scene.hash, FarServer::lights()},
+                   kInFlight);
   link.tell(recorder.listener());
   ASSERT_TRUE(link.meet(3s).has_value());
   policy.round_trip = (clock.now() - Time{}) / 2;
   ASSERT_TRUE(recorder.open(file, header_of(MaskOrigin::Server, policy)).has_value());
-  Steering steering;
+  FrameSettings steering;
   Stage stage(policy.pace, clock, &link, [&](std::uint32_t frame) {
     steer(frame, steering);
     if (frame == 44) server.start();
   });
   Renderer renderer(ground().device, ground().scene, limits_of(largest_traced(kEye)));
-  const Session session{.scene = ground().scene,
-                        .runtime = stage,
-                        .renderer = renderer,
-                        .link = &link,
-                        .steering = steering,
-                        .policy = policy};
+  const RunContext session{.scene = ground().scene,
+                           .runtime = stage,
+                           .renderer = renderer,
+                           .link = &link,
+                           .steering = steering,
+                           .policy = policy};
   const auto watch = [&](const FrameView& view) { recorder.watch(view, renderer.read_shown()); };
   ASSERT_TRUE(run(session, watch, [] { return false; }).has_value());
   ASSERT_FALSE(recorder.failed().has_value());
@@ -157,63 +157,63 @@ void record(const std::filesystem::path& file, MaskPolicy policy) {
 }
 
 /// With reports, which the recording was made without.
-Expected<ReplayVerdict> replayed(SessionReader reader) {
-  const SessionHeader header = reader.header();
+Expected<ReplayVerdict> replayed(CaptureReader reader) {
+  const CaptureHeader header = reader.header();
   Replay replay(std::move(reader), ShadingPass::Report::On);
   std::optional<Reference> tracer;
   if (header.origin == MaskOrigin::OwnTracer) tracer.emplace(Tracer::create(ground().scene).value());
   Renderer renderer(ground().device, ground().scene, header.limits);
-  const Session session{.scene = ground().scene,
-                        .runtime = replay,
-                        .renderer = renderer,
-                        .link = replay.link(),
-                        .own_tracer = tracer ? &*tracer : nullptr,
-                        .steering = replay.steering(),
-                        .policy = header.policy};
+  const RunContext session{.scene = ground().scene,
+                           .runtime = replay,
+                           .renderer = renderer,
+                           .link = replay.link(),
+                           .own_tracer = tracer ? &*tracer : nullptr,
+                           .steering = replay.steering(),
+                           .policy = header.policy};
   const auto watch = [&](const FrameView& view) { replay.watch(view, renderer.read_shown()); };
   const Expected<void> shown = run(session, watch, [] { return false; });
   EXPECT_TRUE(shown.has_value());
   return replay.verdict();
 }
 
-std::vector<RecordedFrame> frames_of(const std::filesystem::path& file) {
-  std::vector<RecordedFrame> frames;
-  SessionReader reader = SessionReader::open(file).value();
-  while (std::optional<RecordedFrame> frame = reader.next().value()) frames.push_back(std::move(*frame));
+std::vector<CapturedFrame> frames_of(const std::filesystem::path& file) {
+  std::vector<CapturedFrame> frames;
+  CaptureReader reader = CaptureReader::open(file).value();
+  while (std::optional<CapturedFrame> frame = reader.next().value()) frames.push_back(std::move(*frame));
   return frames;
 }
 
-SessionReader reader_of(const SessionHeader& header, const std::vector<RecordedFrame>& frames) {
+CaptureReader reader_of(const CaptureHeader& header, const std::vector<CapturedFrame>& frames) {
   std::vector<std::byte> bytes;
   append(header, bytes);
-  for (const RecordedFrame& frame : frames) append(frame, bytes);
-  return SessionReader::over(std::make_unique<std::istringstream>(
+  for (const CapturedFrame& frame : frames) append(frame, bytes);
+  return CaptureReader::over(std::make_unique<std::istringstream>(
                                  std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())),
                              "edited")
       .value();
 }
 
 template <class Message>
-bool is_a(const HeardMessage& heard) {
+bool is_a(const CapturedMessage& heard) {
   const Decoded<ServerMessage> message = decode_server(heard.bytes);
   return message && std::holds_alternative<Message>(*message);
 }
 
 template <class Message>
-std::ptrdiff_t heard(const std::vector<RecordedFrame>& frames) {
+std::ptrdiff_t heard(const std::vector<CapturedFrame>& frames) {
   std::ptrdiff_t count = 0;
-  for (const RecordedFrame& frame : frames)
+  for (const CapturedFrame& frame : frames)
     count += std::ranges::count_if(frame.before, is_a<Message>) +
              std::ranges::count_if(frame.after, is_a<Message>);
   return count;
 }
 
 /// Of the frames whose report came: how many fewer slices came than it speaks of.
-std::uint32_t lost_slices(const std::vector<RecordedFrame>& frames) {
+std::uint32_t lost_slices(const std::vector<CapturedFrame>& frames) {
   std::map<std::uint32_t, std::uint32_t> came, sent;
-  for (const RecordedFrame& frame : frames)
+  for (const CapturedFrame& frame : frames)
     for (const auto* messages : {&frame.before, &frame.after})
-      for (const HeardMessage& each : *messages) {
+      for (const CapturedMessage& each : *messages) {
         const ServerMessage message = decode_server(each.bytes).value();
         if (const auto* const slice = std::get_if<Slice>(&message)) ++came[slice->frame.value];
         if (const auto* const report = std::get_if<FrameReport>(&message))
@@ -241,31 +241,31 @@ class RecordedSession : public testing::TestWithParam<MaskPolicy> {
 };
 
 TEST_P(RecordedSession, AsksAndShowsTheSameAgain) {
-  const Expected<ReplayVerdict> verdict = replayed(SessionReader::open(file).value());
+  const Expected<ReplayVerdict> verdict = replayed(CaptureReader::open(file).value());
   ASSERT_TRUE(verdict.has_value()) << verdict.error().what;
   EXPECT_EQ(to_string(*verdict), "110 frames, all requests and pictures as recorded");
 
   // What that was.
-  const std::vector<RecordedFrame> frames = frames_of(file);
+  const std::vector<CapturedFrame> frames = frames_of(file);
   EXPECT_EQ(heard<Welcome>(frames), 2) << "the server was restarted";
   EXPECT_GT(heard<Slice>(frames), 40);
   EXPECT_GT(lost_slices(frames), 0u);
-  const auto changes = [](const RecordedFrame& f) {
+  const auto changes = [](const CapturedFrame& f) {
     return f.asked && !f.asked->request.lights.lights.empty();
   };
   EXPECT_GT(std::ranges::count_if(frames, changes), 3);
-  EXPECT_GT(std::ranges::count_if(frames, [](const RecordedFrame& f) { return !f.asked; }), 10);
-  const auto shows = [](const RecordedFrame& f) { return f.shown; };
+  EXPECT_GT(std::ranges::count_if(frames, [](const CapturedFrame& f) { return !f.asked; }), 10);
+  const auto shows = [](const CapturedFrame& f) { return f.shown; };
   EXPECT_EQ(std::ranges::adjacent_find(frames, {}, shows), frames.end()) << "no two pictures are the same";
 }
 
 TEST_P(RecordedSession, DiffersWhereASliceWasDropped) {
-  std::vector<RecordedFrame> frames = frames_of(file);
-  const SessionHeader header = SessionReader::open(file)->header();
+  std::vector<CapturedFrame> frames = frames_of(file);
+  const CaptureHeader header = CaptureReader::open(file)->header();
   for (const std::size_t from : {8u, 30u}) {
-    std::vector<RecordedFrame> edited = frames;
+    std::vector<CapturedFrame> edited = frames;
     std::size_t at = from;
-    const auto dropped = [&](std::vector<HeardMessage>& messages) {
+    const auto dropped = [&](std::vector<CapturedMessage>& messages) {
       const auto slice = std::ranges::find_if(messages, is_a<Slice>);
       if (slice == messages.end()) return false;
       messages.erase(slice);
@@ -282,9 +282,9 @@ TEST_P(RecordedSession, DiffersWhereASliceWasDropped) {
 }
 
 TEST_P(RecordedSession, DiffersWhereAnInputIsAnother) {
-  std::vector<RecordedFrame> frames = frames_of(file);
-  const SessionHeader header = SessionReader::open(file)->header();
-  std::vector<RecordedFrame> moved = frames, steered = frames;
+  std::vector<CapturedFrame> frames = frames_of(file);
+  const CaptureHeader header = CaptureReader::open(file)->header();
+  std::vector<CapturedFrame> moved = frames, steered = frames;
   moved.at(49).input.views[0].stage_from_eye.translation.x += 0.02;
   const ReplayVerdict by_pose = replayed(reader_of(header, moved)).value();
   ASSERT_TRUE(by_pose.first.has_value());
@@ -307,23 +307,23 @@ TEST(RecordedSessionWithoutServer, ShowsTheSameAgain) {
     const ScratchFolder folder;
     const std::filesystem::path file = folder.path() / "a.session";
     ManualClock clock;
-    SessionRecorder recorder(clock);
+    CaptureWriter recorder(clock);
     const MaskPolicy policy{.pace = Pace::Virtual};
     ASSERT_TRUE(recorder.open(file, header_of(origin, policy)).has_value());
-    Steering steering;
+    FrameSettings steering;
     Stage stage(policy.pace, clock, nullptr, [&](std::uint32_t frame) { steer(frame, steering); });
     Renderer renderer(ground().device, ground().scene, limits_of(largest_traced(kEye)));
     std::optional<Reference> tracer;
     if (origin == MaskOrigin::OwnTracer) tracer.emplace(Tracer::create(ground().scene).value());
-    const Session session{.scene = ground().scene,
-                          .runtime = stage,
-                          .renderer = renderer,
-                          .own_tracer = tracer ? &*tracer : nullptr,
-                          .steering = steering,
-                          .policy = policy};
+    const RunContext session{.scene = ground().scene,
+                             .runtime = stage,
+                             .renderer = renderer,
+                             .own_tracer = tracer ? &*tracer : nullptr,
+                             .steering = steering,
+                             .policy = policy};
     const auto watch = [&](const FrameView& view) { recorder.watch(view, renderer.read_shown()); };
     ASSERT_TRUE(run(session, watch, [&] { return recorder.frames() == 30; }).has_value());
-    EXPECT_EQ(to_string(replayed(SessionReader::open(file).value()).value()),
+    EXPECT_EQ(to_string(replayed(CaptureReader::open(file).value()).value()),
               "30 frames, all requests and pictures as recorded");
   }
 }

@@ -8,8 +8,8 @@
 #include "rt_server/answers/answers.h"
 #include "stereo/base/check.h"
 #include "stereo/tracer/tracer.h"
-#include "vr_client/recorder.h"
-#include "vr_client/trace_runtime.h"
+#include "vr_client/report/run_report.h"
+#include "vr_client/runtime/recorded_head_runtime.h"
 
 namespace farshade {
 namespace {
@@ -20,7 +20,8 @@ constexpr Duration kPatience = std::chrono::seconds(3);
 /// A recorded head whose frames begin by the link's clock.
 class LinkRuntime final : public Runtime {
  public:
-  LinkRuntime(TraceRuntime& head, ShadowLink& link, ManualClock& clock, std::function<void()> before_frame)
+  LinkRuntime(RecordedHeadRuntime& head, NetworkLink& link, ManualClock& clock,
+              std::function<void()> before_frame)
       : head_(head),
         link_(link),
         clock_(clock),
@@ -41,8 +42,8 @@ class LinkRuntime final : public Runtime {
   void end_frame(Time display_time) override { head_.end_frame(display_time); }
 
  private:
-  TraceRuntime& head_;
-  ShadowLink& link_;
+  RecordedHeadRuntime& head_;
+  NetworkLink& link_;
   ManualClock& clock_;
   Time begun_;
   std::optional<Time> first_;
@@ -59,7 +60,7 @@ double known_share(const ReceivedFrame& frame) {
 }
 
 /// Of the newest mask's tiles, those that came in it or in the one after it in `masks`.
-double recent_share(std::span<const MaskInHand> masks) {
+double recent_share(std::span<const TracedMask> masks) {
   std::size_t known = 0, all = 0;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const KnownTiles& newest = masks[0].known_tiles[eye];
@@ -122,7 +123,7 @@ Played play(const Play& play, const Network& network) {
   Answers answers({.scene = play.scene, .plan = plan, .tracer = tracer});
   ServerCore core(
       {play.scene.hash, lights, Welcome{}.most_pixels, answers.offered()}, {key},
-      [&](const TraceRequest& request, ShadowFrame& frame) { return tracer.trace(request, frame); },
+      [&](const FrameRequest& request, ShadowFrame& frame) { return tracer.trace(request, frame); },
       wire.server(), clock, play.limits, SameAllOver::OneValue,
       [&](const Job& job, FramePacker& packer) { return answers.answer(job, packer); });
   wire.while_waiting(
@@ -139,9 +140,9 @@ Played play(const Play& play, const Network& network) {
       kLongestRoundTrip_frames + narrow<std::uint32_t>(ShadingPass::kMaxMasks) + 4;
   Renderer renderer(play.device, play.scene,
                     {.size = play.size, .traced_size = largest_traced(play.size), .depth_frames = in_flight});
-  ShadowLink link(wire.client(), clock,
-                  {wire.server().local(), key, play.scene.hash, {lights}, answers_for(play.mode.mode)},
-                  in_flight);
+  NetworkLink link(wire.client(), clock,
+                   {wire.server().local(), key, play.scene.hash, {lights}, answers_for(play.mode.mode)},
+                   in_flight);
   Played played;
   link.tell({.heard =
                  [&](std::span<const std::byte> message, Time) {
@@ -153,31 +154,31 @@ Played play(const Play& play, const Network& network) {
   const Expected<void> met = link.meet(kPatience);
   const Duration round_trip = met ? (clock.now() - Time{}) / 2 : Duration::zero();
 
-  TraceRuntime head(play.head,
-                    {.stage_from_recorded =
-                         play.scene.camera ? place(play.head, *play.scene.camera) : Rigid<Stage, Recorded>{},
-                     .eye_size = play.size,
-                     .refresh_hz = play.refresh_hz,
-                     .skip = play.skip,
-                     .frames = play.frames,
-                     .pace = Pace::Virtual});
+  RecordedHeadRuntime head(
+      play.head, {.stage_from_recorded =
+                      play.scene.camera ? place(play.head, *play.scene.camera) : Rigid<Stage, Recorded>{},
+                  .eye_size = play.size,
+                  .refresh_hz = play.refresh_hz,
+                  .skip = play.skip,
+                  .frames = play.frames,
+                  .pace = Pace::Virtual});
   Time moved = clock.now();
   LinkRuntime runtime(head, link, clock, [&] {
     if (network.moves_every == Duration::zero() || clock.now() - moved < network.moves_every) return;
     moved = clock.now();
     wire.move_client(0);
   });
-  Recorder recorder({.out = {},
-                     .frame_count = play.frames,
-                     .reference_every = play.reference_every,
-                     .pictures = 0,
-                     .dump = {}},
-                    renderer, &reference);
-  const Steering steering{
+  RunReport recorder({.out = {},
+                      .frame_count = play.frames,
+                      .reference_every = play.reference_every,
+                      .pictures = 0,
+                      .dump = {}},
+                     renderer, &reference);
+  const FrameSettings steering{
       .wish = play.request,
       .carry_over = play.carry_over,
       .report = recorder.measures_any() ? ShadingPass::Report::On : ShadingPass::Report::Off};
-  const Session session{
+  const RunContext session{
       .scene = play.scene,
       .runtime = runtime,
       .renderer = renderer,

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "rt_server/server_core.h"
+#include "rt_server/core/server_core.h"
+#include "stereo/head/head_recording.h"
 #include "stereo/net/virtual_link.h"
-#include "stereo/trace/head_trace.h"
-#include "vr_client/link/shadow_link.h"
+#include "vr_client/frame/frame_loop.h"
+#include "vr_client/link/network_link.h"
 #include "vr_client/report/frame_log.h"
 #include "vr_client/report/pictures.h"
-#include "vr_client/session.h"
 
 namespace farshade {
 
@@ -33,13 +33,13 @@ struct Network {
 struct Play {
   const gpu::Device& device;
   const Scene& scene;
-  const HeadTrace& head;
+  const HeadRecording& head;
   Extent size{128, 128};
   double refresh_hz = 72;
   std::uint32_t frames = 72;
   std::uint32_t reference_every = 8;  ///< frames of which the error is measured; 0 = none
-  ModeWish mode{};
-  RequestWish request{};
+  ModeSettings mode{};
+  RequestSettings request{};
   CarryOver carry_over{};
   Duration mask_wait{};  ///< how long a frame waits for its own answer
   /// Sees each frame; the last is null where it was not measured.
@@ -61,7 +61,7 @@ struct PlayedFrame {
 struct Played {
   FrameLog log;
   std::vector<PlayedFrame> frames;
-  ShadowLink::Counters client;
+  NetworkLink::Counters client;
   ServerCounters server;
   std::vector<FrameReport> reports{};      ///< of all answers, as their client heard them
   std::array<std::size_t, 2> heap_peak{};  ///< most bytes in use in the first and in the second half

@@ -4,8 +4,8 @@
 
 namespace farshade {
 
-TraceRequest request_for(const StereoView& views, Time scene_time, FrameId frame) {
-  TraceRequest request;
+FrameRequest request_for(const StereoView& views, Time scene_time, FrameId frame) {
+  FrameRequest request;
   request.frame = frame;
   request.scene_time = scene_time;
   request.views = views;

@@ -6,7 +6,7 @@
 
 namespace farshade {
 
-[[nodiscard]] TraceRequest request_for(const StereoView& views, Time scene_time = {}, FrameId frame = {});
+[[nodiscard]] FrameRequest request_for(const StereoView& views, Time scene_time = {}, FrameId frame = {});
 
 /// Traces `views` at `scene_time`.
 [[nodiscard]] ShadowFrame traced(const Scene& scene, const StereoView& views, Time scene_time = {});

@@ -11,31 +11,31 @@ namespace {
 constexpr Extent kEye{512, 512};
 
 TEST(PanelRects, ShowPixelByPixelWhereThatNearlyFills) {
-  EXPECT_EQ(panel_rects({1040, 540}, kEye, 1, Way::SideBySide),
+  EXPECT_EQ(panel_rects({1040, 540}, kEye, 1, StereoLayout::SideBySide),
             (std::vector<Panel>{{4, 14, kEye, 0}, {524, 14, kEye, 1}}));
-  EXPECT_EQ(panel_rects({1024, 512}, kEye, 1.0000001, Way::SideBySide),
+  EXPECT_EQ(panel_rects({1024, 512}, kEye, 1.0000001, StereoLayout::SideBySide),
             (std::vector<Panel>{{0, 0, kEye, 0}, {512, 0, kEye, 1}}));
-  EXPECT_EQ(panel_rects({639, 639}, kEye, 1, Way::Mono)[0].size, kEye);
+  EXPECT_EQ(panel_rects({639, 639}, kEye, 1, StereoLayout::Mono)[0].size, kEye);
 }
 
 TEST(PanelRects, FillWhereTheWindowIsLargerOrSmaller) {
-  EXPECT_EQ(panel_rects({640, 900}, kEye, 1, Way::Mono)[0], (Panel{0, 130, {640, 640}, 0}));
-  EXPECT_EQ(panel_rects({1000, 900}, kEye, 1, Way::SideBySide)[1], (Panel{500, 200, {500, 500}, 1}));
+  EXPECT_EQ(panel_rects({640, 900}, kEye, 1, StereoLayout::Mono)[0], (Panel{0, 130, {640, 640}, 0}));
+  EXPECT_EQ(panel_rects({1000, 900}, kEye, 1, StereoLayout::SideBySide)[1], (Panel{500, 200, {500, 500}, 1}));
 }
 
 TEST(PanelRects, CrossedEyesAreSwapped) {
-  const auto panels = panel_rects({1040, 540}, kEye, 1, Way::CrossEyed);
+  const auto panels = panel_rects({1040, 540}, kEye, 1, StereoLayout::CrossEyed);
   EXPECT_EQ(panels[0], (Panel{4, 14, kEye, 1}));
   EXPECT_EQ(panels[1], (Panel{524, 14, kEye, 0}));
 }
 
 TEST(PanelRects, MonoAndAnaglyphHaveOnePanelInTheMiddle) {
-  for (const Way way : {Way::Mono, Way::Anaglyph})
-    EXPECT_EQ(panel_rects({1040, 540}, kEye, 1, way), (std::vector<Panel>{{264, 14, kEye, 0}}));
+  for (const StereoLayout layout : {StereoLayout::Mono, StereoLayout::Anaglyph})
+    EXPECT_EQ(panel_rects({1040, 540}, kEye, 1, layout), (std::vector<Panel>{{264, 14, kEye, 0}}));
 }
 
 TEST(PanelRects, PixelsThatAreNotSquareAreShownInTheirShape) {
-  const auto panels = panel_rects({512, 512}, kEye, 2, Way::Mono);
+  const auto panels = panel_rects({512, 512}, kEye, 2, StereoLayout::Mono);
   EXPECT_EQ(panels[0], (Panel{0, 128, {512, 256}, 0}));
 }
 
@@ -47,7 +47,7 @@ TEST(PanelRects, KeepAspectAndStayInTheirHalf) {
   for (int i = 0; i < 20'000; ++i) {
     const Extent window{side(random), side(random)}, eye{side(random), side(random)};
     const double aspect = std::exp(log_aspect(random));
-    for (const Panel& panel : panel_rects(window, eye, aspect, Way::SideBySide)) {
+    for (const Panel& panel : panel_rects(window, eye, aspect, StereoLayout::SideBySide)) {
       ASSERT_LE(panel.left + panel.size.width, window.width / 2 * (panel.eye + 1))
           << "seed " << seed << ", " << i;
       ASSERT_GE(panel.left, window.width / 2 * panel.eye);
@@ -58,9 +58,9 @@ TEST(PanelRects, KeepAspectAndStayInTheirHalf) {
 }
 
 TEST(PanelRects, NoneWhereNotOnePixelFits) {
-  EXPECT_TRUE(panel_rects({0, 0}, kEye, 1, Way::Mono).empty());
-  EXPECT_TRUE(panel_rects({1, 100}, kEye, 1, Way::SideBySide).empty());
-  EXPECT_TRUE(panel_rects({1, 100}, kEye, 1000, Way::Mono).empty());
+  EXPECT_TRUE(panel_rects({0, 0}, kEye, 1, StereoLayout::Mono).empty());
+  EXPECT_TRUE(panel_rects({1, 100}, kEye, 1, StereoLayout::SideBySide).empty());
+  EXPECT_TRUE(panel_rects({1, 100}, kEye, 1000, StereoLayout::Mono).empty());
 }
 
 TEST(SharedColumns, AreAllOfEyesThatSeeTheSame) {

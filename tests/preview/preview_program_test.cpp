@@ -5,9 +5,9 @@
 #include <fstream>
 #include <sstream>
 
+#include "stereo/head/reader.h"
 #include "stereo/image/codec.h"
 #include "stereo/math/rotation.h"
-#include "stereo/trace/reader.h"
 #include "tests/preview/preview_desk.h"
 #include "vr_client/preview/head.h"
 
@@ -97,7 +97,7 @@ struct Walk {
   int steps = 0, goes = 0;
 };
 
-Walk check_walk(const HeadTrace& trace) {
+Walk check_walk(const HeadRecording& trace) {
   constexpr double as_written = 1e-6;
   Walk walk;
   bool walked = false;
@@ -145,7 +145,7 @@ TEST_F(PreviewProgram, KeysAndMouseMoveTheHead) {
   screen_.tap("Escape");
   ASSERT_EQ(end(), 0) << errors_;
 
-  const auto trace = load_head_trace(out_ / "head_0001.csv");
+  const auto trace = load_head_recording(out_ / "head_0001.csv");
   ASSERT_TRUE(trace) << trace.error().what;
   const Walk walk = check_walk(*trace);
   EXPECT_EQ(walk.goes, 1);
@@ -234,7 +234,7 @@ TEST_F(PreviewProgram, RestsWhileMinimisedAndGoesOnUntilClosed) {
   screen_.close(window_);
   ASSERT_EQ(end(), 0) << errors_;
 
-  const auto trace = load_head_trace(out_ / "head_0001.csv");
+  const auto trace = load_head_recording(out_ / "head_0001.csv");
   ASSERT_TRUE(trace) << trace.error().what;
   Duration longest{};
   for (std::size_t i = 1; i < trace->samples.size(); ++i)
@@ -251,7 +251,7 @@ TEST_F(PreviewProgram, FinishesItsTakesWhenInterrupted) {
   ASSERT_TRUE(changes(3));
   program_->send(SIGINT);
   ASSERT_EQ(end(), 0) << errors_;
-  const auto trace = load_head_trace(out_ / "head_0001.csv");
+  const auto trace = load_head_recording(out_ / "head_0001.csv");
   ASSERT_TRUE(trace) << trace.error().what;
   EXPECT_GE(trace->samples.size(), 3);
   EXPECT_GE(replay(out_ / "session_0001.farshade", out_ / "replay").left.size(), 3);

@@ -151,7 +151,7 @@ class PreviewWindow : public testing::Test {
 TEST_F(PreviewWindow, ShowsBothEyesPixelByPixel) {
   open();
   const Image<Rgb8> seen = on_screen({});
-  const auto panels = panel_rects(kWindow, kEye, 1, Way::SideBySide);
+  const auto panels = panel_rects(kWindow, kEye, 1, StereoLayout::SideBySide);
   ASSERT_EQ(seen.size, kWindow);
   for (const Side side : kSides)
     EXPECT_EQ(crop(seen, panels[index_of(side)]), pattern(side)) << name_of(side);
@@ -161,8 +161,8 @@ TEST_F(PreviewWindow, ShowsBothEyesPixelByPixel) {
 
 TEST_F(PreviewWindow, CrossedEyesAreSwapped) {
   open();
-  const Image<Rgb8> seen = on_screen({.way = Way::CrossEyed});
-  const auto panels = panel_rects(kWindow, kEye, 1, Way::SideBySide);
+  const Image<Rgb8> seen = on_screen({.layout = StereoLayout::CrossEyed});
+  const auto panels = panel_rects(kWindow, kEye, 1, StereoLayout::SideBySide);
   EXPECT_EQ(crop(seen, panels[0]), pattern(Side::Right));
   EXPECT_EQ(crop(seen, panels[1]), pattern(Side::Left));
 }
@@ -173,12 +173,12 @@ TEST_F(PreviewWindow, ShowsAnUploadBesideAnEye) {
   picture.at(511, 0) = Rgb8(250, 251, 252);
   presenter_->upload(Side::Right, picture);
   const Image<Rgb8> seen = on_screen({.pictures = {Picture::LeftEye, Picture::RightUpload}});
-  const auto panels = panel_rects(kWindow, kEye, 1, Way::SideBySide);
+  const auto panels = panel_rects(kWindow, kEye, 1, StereoLayout::SideBySide);
   EXPECT_EQ(crop(seen, panels[0]), pattern(Side::Left));
   EXPECT_EQ(crop(seen, panels[1]), picture);
   const Image<Rgb8> alone =
-      on_screen({.way = Way::Mono, .pictures = {Picture::RightUpload, Picture::LeftEye}});
-  EXPECT_EQ(crop(alone, panel_rects(kWindow, kEye, 1, Way::Mono)[0]), picture);
+      on_screen({.layout = StereoLayout::Mono, .pictures = {Picture::RightUpload, Picture::LeftEye}});
+  EXPECT_EQ(crop(alone, panel_rects(kWindow, kEye, 1, StereoLayout::Mono)[0]), picture);
 }
 
 double linear_of(double srgb) {
@@ -206,11 +206,12 @@ Rgb8 dubois(Rgb8 left, Rgb8 right) {
 
 TEST_F(PreviewWindow, AnaglyphHasTheLeastSquaresColours) {
   open();
-  const Image<Rgb8> seen = on_screen({.way = Way::Anaglyph}), left = pattern(Side::Left),
+  const Image<Rgb8> seen = on_screen({.layout = StereoLayout::Anaglyph}), left = pattern(Side::Left),
                     right = pattern(Side::Right);
   Image<Rgb8> wanted(kEye);
   for (std::size_t i = 0; i < kEye.pixels(); ++i) wanted.pixels[i] = dubois(left.pixels[i], right.pixels[i]);
-  EXPECT_LE(largest_difference(crop(seen, panel_rects(kWindow, kEye, 1, Way::Anaglyph)[0]), wanted), 1);
+  EXPECT_LE(largest_difference(crop(seen, panel_rects(kWindow, kEye, 1, StereoLayout::Anaglyph)[0]), wanted),
+            1);
 }
 
 /// Between the four pixels around, as the shader should.
@@ -238,7 +239,7 @@ TEST_F(PreviewWindow, FollowsItsSizeAndKeepsTheAspect) {
     }));
     const Image<Rgb8> seen = on_screen({});
     ASSERT_EQ(seen.size, size);
-    const auto panels = panel_rects(size, kEye, 1, Way::SideBySide);
+    const auto panels = panel_rects(size, kEye, 1, StereoLayout::SideBySide);
     for (const Panel& panel : panels) {
       EXPECT_EQ(panel.size.width, panel.size.height);
       const Image<Rgb8> picture = pattern(kSides[panel.eye]);
@@ -381,14 +382,14 @@ TEST_F(PreviewWindow, ShowingCostsAFewMilliseconds) {
     for (int line = 0; line < 20; ++line) ImGui::Text("a line of figures, number %d: %f", line, line * 0.1);
     ImGui::End();
   };
-  const auto time = [&](const char* what, Way way, const std::function<void()>& panel) {
+  const auto time = [&](const char* what, StereoLayout layout, const std::function<void()>& panel) {
     constexpr int frames = 100;
     std::vector<double> wall_ms;
     const std::clock_t start = std::clock();
     for (int i = 0; i < frames; ++i) {
       const Stopwatch watch;
       window_->poll();
-      presenter_->show({.way = way}, panel);
+      presenter_->show({.layout = layout}, panel);
       device_->logical.waitIdle();
       wall_ms.push_back(ms_of(watch.elapsed()));
     }
@@ -398,11 +399,11 @@ TEST_F(PreviewWindow, ShowingCostsAFewMilliseconds) {
                 wall_ms[frames / 2], wall_ms[0], cpu_ms);
     EXPECT_LT(wall_ms[frames / 2], 200);
   };
-  time("mono, no panel", Way::Mono, no_panel);
-  time("mono", Way::Mono, figures);
-  time("side by side, no panel", Way::SideBySide, no_panel);
-  time("side by side", Way::SideBySide, figures);
-  time("anaglyph", Way::Anaglyph, figures);
+  time("mono, no panel", StereoLayout::Mono, no_panel);
+  time("mono", StereoLayout::Mono, figures);
+  time("side by side, no panel", StereoLayout::SideBySide, no_panel);
+  time("side by side", StereoLayout::SideBySide, figures);
+  time("anaglyph", StereoLayout::Anaglyph, figures);
 }
 
 TEST(OpenWindow, WithoutADesktopSaysWhatToDo) {

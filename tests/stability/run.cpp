@@ -12,10 +12,10 @@
 
 #include "stereo/base/files.h"
 #include "stereo/base/quantile.h"
+#include "stereo/head/reader.h"
+#include "stereo/head/writer.h"
 #include "stereo/math/rotation.h"
 #include "stereo/scene/gltf.h"
-#include "stereo/trace/reader.h"
-#include "stereo/trace/writer.h"
 #include "stereo/wire/key_file.h"
 #include "tests/integration/child_program.h"
 #include "tests/stability/judge.h"
@@ -180,7 +180,7 @@ Pace pace_of(const Columns& frames) {
 
 /// What views held since they were asked for would have missed in each frame, and what those asked for did.
 void judge_head(const Case& tested, const Files& files, const Columns& frames, Verdict& verdict) {
-  const Expected<HeadTrace> trace = load_head_trace(files.head);
+  const Expected<HeadRecording> trace = load_head_recording(files.head);
   const std::array names{"display_time_ns", "head turned since traced view [deg]",
                          "head moved since traced view [mm]", "wire age [ms]"};
   if (!trace || !std::ranges::all_of(names, [&](const char* name) { return frames.contains(name); })) {

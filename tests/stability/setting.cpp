@@ -4,8 +4,8 @@
 #include <glm/gtc/type_ptr.hpp>
 #include <numbers>
 
+#include "stereo/head/reader.h"
 #include "stereo/math/rotation.h"
-#include "stereo/trace/reader.h"
 #include "tests/oracle/scene_builder.h"
 
 namespace farshade::stability {
@@ -96,9 +96,9 @@ void SceneFile::move(std::uint32_t node, const glm::dvec3& from, const glm::dvec
        {"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", "translation"}}}}}}});
 }
 
-HeadTrace recorded(const Motion& motion, double length_s) {
+HeadRecording recorded(const Motion& motion, double length_s) {
   constexpr double kRate_hz = 200;
-  HeadTrace trace;
+  HeadRecording trace;
   trace.fov = kDefaultFov;
   trace.eye_distance_m = kDefaultEyeDistance_m;
   const glm::dquat first = toward(motion.target - motion.from);

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "stereo/head/head_recording.h"
 #include "stereo/scene/scene.h"
-#include "stereo/trace/head_trace.h"
-#include "tests/unit/gltf_builder.h"
+#include "tests/unit/scene/gltf_builder.h"
 
 namespace farshade::stability {
 
@@ -57,7 +57,7 @@ struct Motion {
 };
 
 /// 200 samples a second for `length_s`, from stamp 1 s on.
-[[nodiscard]] HeadTrace recorded(const Motion& motion, double length_s);
+[[nodiscard]] HeadRecording recorded(const Motion& motion, double length_s);
 
 /// When the last of so many frames is shown, seconds into the recording.
 [[nodiscard]] double last_shown_s(std::uint32_t frames);
@@ -66,7 +66,7 @@ struct Motion {
 
 struct Setting {
   SceneFile scene;
-  HeadTrace head;  ///< rows as they are to stand in the file, whatever their stamps
+  HeadRecording head;  ///< rows as they are to stand in the file, whatever their stamps
   Extent size{96, 96};
   double delay_ms = 20;
   std::uint32_t frames = 8;

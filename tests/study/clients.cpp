@@ -6,7 +6,7 @@
 #include "stereo/tracer/tracer.h"
 #include "tests/study/figures.h"
 #include "vr_client/ask/request_plan.h"
-#include "vr_client/trace_runtime.h"
+#include "vr_client/runtime/recorded_head_runtime.h"
 
 namespace farshade::study {
 namespace {
@@ -27,9 +27,9 @@ struct Head {
                             .frames = play.frames}),
         link(wire.client(number), clock, target, kRemembered) {}
 
-  TraceRuntime runtime;
-  ShadowLink link;
-  RequestPlan plan{RequestWish{}};
+  RecordedHeadRuntime runtime;
+  NetworkLink link;
+  RequestPlan plan{RequestSettings{}};
   FrameId frame;
 
   /// False: the recording has ended.
@@ -38,7 +38,7 @@ struct Head {
     if (!timing) return false;
     frame = next(frame);
     const Time at = timing->display_time;
-    const std::optional<TraceRequest> asked =
+    const std::optional<FrameRequest> asked =
         plan.ask({frame, at, at, runtime.locate_views(at), LightChanges{}}, timing->period);
     link.request(asked.value(), at);
     return true;
@@ -56,7 +56,7 @@ nlohmann::json measure_clients(const Play& play, std::uint32_t clients, std::uin
   const SharedKey key{.name = "study", .secret = {1}};
   ServerCore core(
       {play.scene.hash, lights}, {key},
-      [&](const TraceRequest& request, ShadowFrame& frame) { return tracer->trace(request, frame); },
+      [&](const FrameRequest& request, ShadowFrame& frame) { return tracer->trace(request, frame); },
       wire.server(), clock, play.limits);
   const SteadyClock real;
   Duration busy{};

@@ -6,8 +6,8 @@
 #include <csignal>
 #include <cstdio>
 
+#include "stereo/head/reader.h"
 #include "stereo/scene/gltf.h"
-#include "stereo/trace/reader.h"
 #include "tests/study/clients.h"
 #include "tests/study/mode_words.h"
 #include "tests/study/point.h"
@@ -41,7 +41,7 @@ Expected<nlohmann::json> measured(const Wish& wish) {
   if (wish.versions) return versions(wish);
   const Expected<Scene> scene = load_scene(wish.scene);
   if (!scene) return tl::unexpected(scene.error());
-  const Expected<HeadTrace> head = load_head_trace(wish.trace, {});
+  const Expected<HeadRecording> head = load_head_recording(wish.trace, {});
   if (!head) return tl::unexpected(head.error());
   const Expected<Network> network = network_from(wish.network);
   if (!network) return tl::unexpected(network.error());

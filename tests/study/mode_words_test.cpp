@@ -9,7 +9,7 @@ namespace {
 struct Settings {
   gpu::Device device;
   Scene scene;
-  HeadTrace head;
+  HeadRecording head;
   Play play{.device = device, .scene = scene, .head = head};
 };
 
@@ -21,7 +21,7 @@ TEST(ModeWords, ANameAloneIsTheModeAsItIsByDefault) {
   for (const ModeName& named : kModes) {
     Settings settings;
     ASSERT_TRUE(set_mode(named.name, settings.play));
-    ModeWish by_default;
+    ModeSettings by_default;
     by_default.mode = named.mode;
     EXPECT_EQ(settings.play.mode, by_default);
     EXPECT_EQ(settings.play.carry_over, CarryOver{});
@@ -48,7 +48,7 @@ TEST(ModeWords, SetWhatTheyName) {
   ASSERT_TRUE(set("client-positions,bits=12", positions));
   EXPECT_EQ(positions.play.mode.position_bits, 12u);
   ASSERT_TRUE(set("local,maps=2048,pcf=0,redraw=always", local));
-  EXPECT_EQ(local.play.mode.shadow_maps, (ShadowMapWish{2048, 0, Redraw::Always}));
+  EXPECT_EQ(local.play.mode.shadow_maps, (ShadowMapSettings{2048, 0, Redraw::Always}));
 }
 
 TEST(ModeWords, RefuseWhatTheModeHasNot) {

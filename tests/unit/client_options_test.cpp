@@ -243,7 +243,7 @@ TEST(ReadOptions, EveryModeHasItsNameAndItsSettings) {
   for (const ModeName& mode : kModes) {
     const Outcome read = read_more({"--mode", std::string(mode.name)});
     ASSERT_TRUE(read.options.has_value()) << read.errors;
-    EXPECT_EQ(read.options->mode, ModeWish{.mode = mode.mode});
+    EXPECT_EQ(read.options->mode, ModeSettings{.mode = mode.mode});
     EXPECT_EQ(name_of(mode.mode), mode.name);
   }
   const Outcome set = read_more({"--mode", "remote", "--bitrate", "2.5", "--position-bits", "24",

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "rt_server/server_core.h"
+#include "rt_server/core/server_core.h"
 #include "stereo/net/arrivals.h"
 #include "stereo/net/assembler.h"
 #include "stereo/wire/handshake.h"
@@ -30,8 +30,8 @@ inline SharedKey key_named(std::string name) {
   return key;
 }
 
-inline TraceRequest request_of(std::uint32_t frame, Extent size) {
-  TraceRequest request;
+inline FrameRequest request_of(std::uint32_t frame, Extent size) {
+  FrameRequest request;
   request.frame = {frame};
   for (View& view : request.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, size};
   return request;
@@ -47,7 +47,7 @@ struct LinkClient {
     return datagram;
   }
   /// Expects the masks and asks for them, with all that a request says besides.
-  Bytes ask(const TraceRequest& request) {
+  Bytes ask(const FrameRequest& request) {
     assembler.expect(request, {scene.light_count}, request.lights.revision);
     return seal({.request = request, .probe_echo = probe, .arrivals = arrivals.report()});
   }

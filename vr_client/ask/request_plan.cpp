@@ -42,7 +42,7 @@ Rigid<Stage, Head> head_of(const StereoView& views) {
   return {slerp(left.rotation, right.rotation, 0.5), (left.translation + right.translation) * 0.5};
 }
 
-void RequestPlan::follow(const RequestWish& wish) {
+void RequestPlan::follow(const RequestSettings& wish) {
   if (wish.predictor != wish_.predictor) predictor_ = Predictor(wish.predictor);
   wish_ = wish;
 }
@@ -70,21 +70,21 @@ Duration RequestPlan::lead(Duration period) const {
 }
 
 /// How the views expected for this display time differ from those that are shown.
-void RequestPlan::compare(const TraceRequest& shown, Duration period) {
+void RequestPlan::compare(const FrameRequest& shown, Duration period) {
   while (!foreseen_.empty() && foreseen_.front().display_time < shown.display_time - period / 2)
     foreseen_.pop_front();
   if (foreseen_.empty() || foreseen_.front().display_time > shown.display_time + period / 2) return;
   guard_band_.observe(shown.views, foreseen_.front().views);
 }
 
-std::optional<TraceRequest> RequestPlan::ask(const TraceRequest& shown, Duration period, SceneClock scene) {
+std::optional<FrameRequest> RequestPlan::ask(const FrameRequest& shown, Duration period, SceneClock scene) {
   const Rigid<Stage, Head> head = head_of(shown.views);
   predictor_.observe(shown.display_time, head);
   compare(shown, period);
   if (frames_++ % wish_.every != 0) return std::nullopt;
 
   const Duration ahead = lead(period);
-  TraceRequest request = shown;
+  FrameRequest request = shown;
   request.display_time += ahead;
   if (scene == SceneClock::Runs) request.scene_time += ahead;
   const Rigid<Stage, Head> then = predictor_.predict(request.display_time);

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "stereo/frame/shadow_frame.h"
-#include "stereo/math/prediction.h"
+#include "stereo/head/prediction.h"
 #include "vr_client/ask/guard_band.h"
 
 namespace farshade {
@@ -17,7 +17,7 @@ enum class GuardBandUse : std::uint8_t { Off, Measured };
 
 inline constexpr std::uint32_t kWidestBand_percent = 300;
 
-struct RequestWish {
+struct RequestSettings {
   PredictorKind predictor = kDefaultPredictor;  ///< Hold asks for the shown views, at their time
   GuardBandUse guard_band = GuardBandUse::Measured;
   std::uint32_t every = 1;                 ///< frames a request: the display's rate over the masks' rate
@@ -35,15 +35,15 @@ class RequestPlan {
   static constexpr std::uint32_t kFullSize = 8;  ///< eighths
   static constexpr Duration kLongestLatency = std::chrono::seconds(2);
 
-  explicit RequestPlan(const RequestWish& wish) : wish_(wish), predictor_(wish.predictor) {}
+  explicit RequestPlan(const RequestSettings& wish) : wish_(wish), predictor_(wish.predictor) {}
 
   /// `shown` is the frame as a full trace would be asked for it, `period` the display's. Nothing on frames
   /// that ask for nothing. Call once a frame.
-  [[nodiscard]] std::optional<TraceRequest> ask(const TraceRequest& shown, Duration period,
+  [[nodiscard]] std::optional<FrameRequest> ask(const FrameRequest& shown, Duration period,
                                                 SceneClock scene = SceneClock::Runs);
 
   /// From now on asks as `wish` says. Another predictor knows nothing yet.
-  void follow(const RequestWish& wish);
+  void follow(const RequestSettings& wish);
 
   /// From now on a guard band adds no more than leaves an eye's view at `pixels`.
   void limit(std::uint32_t pixels) { most_pixels_ = pixels; }
@@ -65,9 +65,9 @@ class RequestPlan {
     Time display_time;
     StereoView views;  ///< neither shrunk nor widened
   };
-  void compare(const TraceRequest& shown, Duration period);
+  void compare(const FrameRequest& shown, Duration period);
 
-  RequestWish wish_;
+  RequestSettings wish_;
   Predictor predictor_;
   GuardBand guard_band_;
   std::deque<Foreseen> foreseen_;  ///< in order of time

@@ -13,41 +13,41 @@ constexpr std::size_t kMostSlices = 65535;
 
 constexpr std::array kPositionKinds{PlaneKind::PositionX, PlaneKind::PositionY, PlaneKind::PositionZ};
 
-class ClientPositions final : public Way {
+class ClientPositions final : public ModePipeline {
  public:
-  explicit ClientPositions(const Session& session)
-      : session_(session),
-        exchange_(session),
-        masks_(session),
-        grid_(grid_of({session.scene.bounds.low}, {session.scene.bounds.high}, session.mode.position_bits)) {}
+  explicit ClientPositions(const RunContext& context)
+      : context_(context),
+        exchange_(context),
+        masks_(context),
+        grid_(grid_of({context.scene.bounds.low}, {context.scene.bounds.high}, context.mode.position_bits)) {}
 
-  const TraceRequest* request(const Moment& moment) override {
+  const FrameRequest* request(const FrameInputs& inputs) override {
     drawn_ = {};
-    const TraceRequest* const asked = exchange_.plan(moment, wanted());
+    const FrameRequest* const asked = exchange_.plan(inputs, wanted());
     if (asked == nullptr) return nullptr;
     pack(*asked);
-    const TraceRequest* const complete = exchange_.complete(narrow<std::uint32_t>(messages_used_));
-    exchange_.send(moment, std::span(messages_).first(messages_used_));
+    const FrameRequest* const complete = exchange_.complete(narrow<std::uint32_t>(messages_used_));
+    exchange_.send(inputs, std::span(messages_).first(messages_used_));
     return complete;
   }
 
-  void collect(const Moment& moment) override { masks_.take(exchange_.receive(moment)); }
+  void collect(const FrameInputs& inputs) override { masks_.take(exchange_.receive(inputs)); }
 
-  Seen draw(const Moment& moment) override {
+  DrawnFrame draw(const FrameInputs& inputs) override {
     // The depth that the request's masks will need is kept already; what it took is part of the request.
-    Seen seen = masks_.draw(moment, nullptr, exchange_);
+    DrawnFrame seen = masks_.draw(inputs, nullptr, exchange_);
     seen.drawn.depth += drawn_.depth;
     return seen;
   }
 
  private:
-  [[nodiscard]] Wanted wanted() const {
-    return {.answer = Answer::MasksOfPositions, .position_bits = session_.mode.position_bits};
+  [[nodiscard]] AnswerSpec wanted() const {
+    return {.answer = Answer::MasksOfPositions, .position_bits = context_.mode.position_bits};
   }
 
   /// The positions of what `asked` sees, as messages.
-  void pack(const TraceRequest& asked) {
-    drawn_ = session_.renderer.keep_depth(asked, masks_.frames(), distances_);
+  void pack(const FrameRequest& asked) {
+    drawn_ = context_.renderer.keep_depth(asked, masks_.frames(), distances_);
     messages_used_ = 0;
     for (const Side side : kSides) {
       const std::size_t eye = index_of(side);
@@ -63,7 +63,7 @@ class ClientPositions final : public Way {
     }
   }
 
-  const Session& session_;
+  const RunContext& context_;
   Exchange exchange_;
   MasksInHand masks_;
   PositionGrid grid_;
@@ -77,8 +77,8 @@ class ClientPositions final : public Way {
 
 }  // namespace
 
-std::unique_ptr<Way> make_client_positions(const Session& session) {
-  return std::make_unique<ClientPositions>(session);
+std::unique_ptr<ModePipeline> make_client_positions(const RunContext& context) {
+  return std::make_unique<ClientPositions>(context);
 }
 
 }  // namespace farshade

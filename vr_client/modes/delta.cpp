@@ -7,36 +7,36 @@
 namespace farshade {
 namespace {
 
-class Delta final : public Way {
+class Delta final : public ModePipeline {
  public:
-  explicit Delta(const Session& session) : session_(session), stream_(session, Answer::Difference) {}
+  explicit Delta(const RunContext& context) : context_(context), stream_(context, Answer::Difference) {}
 
-  const TraceRequest* request(const Moment& moment) override { return stream_.request(moment); }
-  void collect(const Moment& moment) override { stream_.collect(moment); }
+  const FrameRequest* request(const FrameInputs& inputs) override { return stream_.request(inputs); }
+  void collect(const FrameInputs& inputs) override { stream_.collect(inputs); }
 
-  Seen draw(const Moment& moment) override {
-    const ShownFrame frame{.views = moment.shown.views, .state = moment.state, .masks = {}, .carry_over = {}};
+  DrawnFrame draw(const FrameInputs& inputs) override {
+    const ShownFrame frame{.views = inputs.shown.views, .state = inputs.state, .masks = {}, .carry_over = {}};
     const VideoStream::Picture* const picture = stream_.picture();
     if (picture == nullptr)
-      return {.drawn = session_.renderer.draw(frame), .as = ShownAs::Picture, .start_up = true};
+      return {.drawn = context_.renderer.draw(frame), .as = ShownAs::Picture, .start_up = true};
     const StereoView& from = picture->request.views;
-    return {.drawn = session_.renderer.draw_with_difference(frame, picture->eyes, from),
+    return {.drawn = context_.renderer.draw_with_difference(frame, picture->eyes, from),
             .as = ShownAs::Picture,
             .newest = stream_.received(),
-            .age = stream_.age(moment),
-            .black = outside_share(from, moment.shown.views),
+            .age = stream_.age(inputs),
+            .black = outside_share(from, inputs.shown.views),
             .decoding = stream_.decoding()};
   }
 
  private:
-  const Session& session_;
+  const RunContext& context_;
   VideoStream stream_;
 };
 
 }  // namespace
 
-std::unique_ptr<Way> make_delta(const Session& session) {
-  return std::make_unique<Delta>(session);
+std::unique_ptr<ModePipeline> make_delta(const RunContext& context) {
+  return std::make_unique<Delta>(context);
 }
 
 }  // namespace farshade

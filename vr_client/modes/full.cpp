@@ -1,42 +1,42 @@
 // Full: traces every pixel of the shown views itself. Slow, and right: what every other mode is measured
 // against.
-#include "vr_client/modes/way.h"
+#include "vr_client/frame/mode_pipeline.h"
 
 namespace farshade {
 namespace {
 
-class Full final : public Way {
+class Full final : public ModePipeline {
  public:
-  explicit Full(const Session& session) : session_(session) {}
+  explicit Full(const RunContext& context) : context_(context) {}
 
-  const TraceRequest* request(const Moment&) override { return nullptr; }
+  const FrameRequest* request(const FrameInputs&) override { return nullptr; }
 
-  void collect(const Moment& moment) override {
+  void collect(const FrameInputs& inputs) override {
     mask_.reset();
-    if (session_.own_tracer != nullptr) mask_.emplace(session_.own_tracer->trace(moment.shown));
+    if (context_.own_tracer != nullptr) mask_.emplace(context_.own_tracer->trace(inputs.shown));
   }
 
-  Seen draw(const Moment& moment) override {
-    CarryOver carry_over = moment.steering.carry_over;
+  DrawnFrame draw(const FrameInputs& inputs) override {
+    CarryOver carry_over = inputs.steering.carry_over;
     carry_over.lookup = Lookup::Direct;
-    const std::span<const MaskInHand> masks(mask_ ? &*mask_ : nullptr, mask_ ? 1 : 0);
-    return {.drawn = session_.renderer.draw({.views = moment.shown.views,
-                                             .state = moment.state,
+    const std::span<const TracedMask> masks(mask_ ? &*mask_ : nullptr, mask_ ? 1 : 0);
+    return {.drawn = context_.renderer.draw({.views = inputs.shown.views,
+                                             .state = inputs.state,
                                              .masks = masks,
                                              .carry_over = carry_over,
-                                             .report = moment.steering.report}),
+                                             .report = inputs.steering.report}),
             .masks = masks};
   }
 
  private:
-  const Session& session_;
-  std::optional<MaskInHand> mask_;
+  const RunContext& context_;
+  std::optional<TracedMask> mask_;
 };
 
 }  // namespace
 
-std::unique_ptr<Way> make_full(const Session& session) {
-  return std::make_unique<Full>(session);
+std::unique_ptr<ModePipeline> make_full(const RunContext& context) {
+  return std::make_unique<Full>(context);
 }
 
 }  // namespace farshade

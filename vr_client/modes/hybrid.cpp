@@ -4,30 +4,30 @@
 namespace farshade {
 namespace {
 
-class Hybrid final : public Way {
+class Hybrid final : public ModePipeline {
  public:
-  explicit Hybrid(const Session& session) : exchange_(session), masks_(session) {}
+  explicit Hybrid(const RunContext& context) : exchange_(context), masks_(context) {}
 
-  const TraceRequest* request(const Moment& moment) override {
-    asked_ = exchange_.plan(moment, {.answer = Answer::Masks});
-    exchange_.send(moment);
+  const FrameRequest* request(const FrameInputs& inputs) override {
+    asked_ = exchange_.plan(inputs, {.answer = Answer::Masks});
+    exchange_.send(inputs);
     return asked_;
   }
 
-  void collect(const Moment& moment) override { masks_.take(exchange_.receive(moment)); }
+  void collect(const FrameInputs& inputs) override { masks_.take(exchange_.receive(inputs)); }
 
-  Seen draw(const Moment& moment) override { return masks_.draw(moment, asked_, exchange_); }
+  DrawnFrame draw(const FrameInputs& inputs) override { return masks_.draw(inputs, asked_, exchange_); }
 
  private:
   Exchange exchange_;
   MasksInHand masks_;
-  const TraceRequest* asked_ = nullptr;
+  const FrameRequest* asked_ = nullptr;
 };
 
 }  // namespace
 
-std::unique_ptr<Way> make_hybrid(const Session& session) {
-  return std::make_unique<Hybrid>(session);
+std::unique_ptr<ModePipeline> make_hybrid(const RunContext& context) {
+  return std::make_unique<Hybrid>(context);
 }
 
 }  // namespace farshade

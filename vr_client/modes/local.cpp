@@ -1,33 +1,33 @@
 // Local: the client alone, with shadow maps.
-#include "vr_client/modes/way.h"
+#include "vr_client/frame/mode_pipeline.h"
 
 namespace farshade {
 namespace {
 
-class Local final : public Way {
+class Local final : public ModePipeline {
  public:
-  explicit Local(const Session& session) : session_(session) {}
+  explicit Local(const RunContext& context) : context_(context) {}
 
-  const TraceRequest* request(const Moment&) override { return nullptr; }
-  void collect(const Moment&) override {}
+  const FrameRequest* request(const FrameInputs&) override { return nullptr; }
+  void collect(const FrameInputs&) override {}
 
-  Seen draw(const Moment& moment) override {
-    return {.drawn = session_.renderer.draw({.views = moment.shown.views,
-                                             .state = moment.state,
+  DrawnFrame draw(const FrameInputs& inputs) override {
+    return {.drawn = context_.renderer.draw({.views = inputs.shown.views,
+                                             .state = inputs.state,
                                              .masks = {},
                                              .carry_over = {},
-                                             .report = moment.steering.report,
-                                             .shadow_maps = &session_.mode.shadow_maps})};
+                                             .report = inputs.steering.report,
+                                             .shadow_maps = &context_.mode.shadow_maps})};
   }
 
  private:
-  const Session& session_;
+  const RunContext& context_;
 };
 
 }  // namespace
 
-std::unique_ptr<Way> make_local(const Session& session) {
-  return std::make_unique<Local>(session);
+std::unique_ptr<ModePipeline> make_local(const RunContext& context) {
+  return std::make_unique<Local>(context);
 }
 
 }  // namespace farshade

@@ -7,7 +7,7 @@ namespace farshade {
 
 class MasksInHand {
  public:
-  explicit MasksInHand(const Session& session) : session_(session) {}
+  explicit MasksInHand(const RunContext& context) : context_(context) {}
 
   void take(std::span<const ReceivedFrame* const> received);
 
@@ -16,13 +16,13 @@ class MasksInHand {
 
   /// The G-buffer and the masks carried over to it; the depth of `asked`, if any, is kept for its masks.
   /// Masks that were made for these very pixels are not carried.
-  Seen draw(const Moment& moment, const TraceRequest* asked, const Exchange& exchange);
+  DrawnFrame draw(const FrameInputs& inputs, const FrameRequest* asked, const Exchange& exchange);
 
  private:
-  [[nodiscard]] bool is_exact(const MaskInHand& mask, const TraceRequest& shown) const;
+  [[nodiscard]] bool is_exact(const TracedMask& mask, const FrameRequest& shown) const;
 
-  const Session& session_;
-  std::vector<MaskInHand> masks_, drawn_with_;
+  const RunContext& context_;
+  std::vector<TracedMask> masks_, drawn_with_;
   const ReceivedFrame* newest_ = nullptr;
 };
 

@@ -6,41 +6,41 @@
 namespace farshade {
 namespace {
 
-class Remote final : public Way {
+class Remote final : public ModePipeline {
  public:
-  explicit Remote(const Session& session) : session_(session), stream_(session, Answer::Video) {}
+  explicit Remote(const RunContext& context) : context_(context), stream_(context, Answer::Video) {}
 
-  const TraceRequest* request(const Moment& moment) override { return stream_.request(moment); }
-  void collect(const Moment& moment) override { stream_.collect(moment); }
+  const FrameRequest* request(const FrameInputs& inputs) override { return stream_.request(inputs); }
+  void collect(const FrameInputs& inputs) override { stream_.collect(inputs); }
 
-  Seen draw(const Moment& moment) override {
+  DrawnFrame draw(const FrameInputs& inputs) override {
     const VideoStream::Picture* const picture = stream_.picture();
-    const StereoView& shown = moment.shown.views;
+    const StereoView& shown = inputs.shown.views;
     if (picture == nullptr) {
       const PerEye<Image<Rgb8>> black{Image<Rgb8>(shown[0].size), Image<Rgb8>(shown[1].size)};
-      return {.drawn = session_.renderer.show_turned(black, shown, shown),
+      return {.drawn = context_.renderer.show_turned(black, shown, shown),
               .as = ShownAs::Picture,
               .start_up = true,
               .black = {1.0, 1.0}};
     }
     const StereoView& from = picture->request.views;
-    return {.drawn = session_.renderer.show_turned(picture->eyes, from, shown),
+    return {.drawn = context_.renderer.show_turned(picture->eyes, from, shown),
             .as = ShownAs::Picture,
             .newest = stream_.received(),
-            .age = stream_.age(moment),
+            .age = stream_.age(inputs),
             .black = outside_share(from, shown),
             .decoding = stream_.decoding()};
   }
 
  private:
-  const Session& session_;
+  const RunContext& context_;
   VideoStream stream_;
 };
 
 }  // namespace
 
-std::unique_ptr<Way> make_remote(const Session& session) {
-  return std::make_unique<Remote>(session);
+std::unique_ptr<ModePipeline> make_remote(const RunContext& context) {
+  return std::make_unique<Remote>(context);
 }
 
 }  // namespace farshade

@@ -10,20 +10,20 @@
 namespace farshade {
 namespace {
 
-class ServerGBuffer final : public Way {
+class ServerGBuffer final : public ModePipeline {
  public:
-  explicit ServerGBuffer(const Session& session) : session_(session), exchange_(session) {}
+  explicit ServerGBuffer(const RunContext& context) : context_(context), exchange_(context) {}
 
-  const TraceRequest* request(const Moment& moment) override {
-    const TraceRequest* const asked = exchange_.plan(moment, {.answer = Answer::GBuffer});
-    exchange_.send(moment);
+  const FrameRequest* request(const FrameInputs& inputs) override {
+    const FrameRequest* const asked = exchange_.plan(inputs, {.answer = Answer::GBuffer});
+    exchange_.send(inputs);
     return asked;
   }
 
   /// The newest of which all has come that will; before there is one, the newest.
-  void collect(const Moment& moment) override {
+  void collect(const FrameInputs& inputs) override {
     newest_ = nullptr;
-    for (const ReceivedFrame* frame : exchange_.receive(moment)) {
+    for (const ReceivedFrame* frame : exchange_.receive(inputs)) {
       if (frame->gbuffer.tiles == 0) continue;
       if (newest_ == nullptr) newest_ = frame;
       if (!frame->complete() && !frame->report) continue;
@@ -32,18 +32,18 @@ class ServerGBuffer final : public Way {
     }
   }
 
-  Seen draw(const Moment& moment) override {
+  DrawnFrame draw(const FrameInputs& inputs) override {
     if (newest_ == nullptr) {
-      const PerEye<Image<Rgb8>> black{Image<Rgb8>(moment.shown.views[0].size),
-                                      Image<Rgb8>(moment.shown.views[1].size)};
-      return {.drawn = session_.renderer.show_turned(black, moment.shown.views, moment.shown.views),
+      const PerEye<Image<Rgb8>> black{Image<Rgb8>(inputs.shown.views[0].size),
+                                      Image<Rgb8>(inputs.shown.views[1].size)};
+      return {.drawn = context_.renderer.show_turned(black, inputs.shown.views, inputs.shown.views),
               .as = ShownAs::Picture,
               .start_up = true,
               .black = {1.0, 1.0}};
     }
-    const TraceRequest& made_for = newest_->request;
-    const SceneState state = state_at(session_.scene, made_for.scene_time, made_for.lights);
-    const MaskInHand mask{made_for.frame,
+    const FrameRequest& made_for = newest_->request;
+    const SceneState state = state_at(context_.scene, made_for.scene_time, made_for.lights);
+    const TracedMask mask{made_for.frame,
                           made_for.display_time,
                           made_for.scene_time,
                           made_for.views,
@@ -51,17 +51,17 @@ class ServerGBuffer final : public Way {
                           newest_->known_tiles,
                           std::uint64_t{newest_->tiles_known[0]} << 32 | newest_->tiles_known[1],
                           newest_->light_set_revision};
-    DrawTimes drawn = session_.renderer.draw_received(
+    DrawTimes drawn = context_.renderer.draw_received(
         covered(newest_->gbuffer),
         {.views = made_for.views, .state = state, .masks = {&mask, 1}, .carry_over = {}});
-    const DrawTimes turned = session_.renderer.turn_shown(made_for.views, moment.shown.views);
+    const DrawTimes turned = context_.renderer.turn_shown(made_for.views, inputs.shown.views);
     drawn.turn += turned.turn;
     drawn.total += turned.total;
     return {.drawn = drawn,
             .as = ShownAs::Picture,
             .newest = newest_,
-            .age = exchange_.age(newest_, moment),
-            .black = outside_share(made_for.views, moment.shown.views)};
+            .age = exchange_.age(newest_, inputs),
+            .black = outside_share(made_for.views, inputs.shown.views)};
   }
 
  private:
@@ -82,7 +82,7 @@ class ServerGBuffer final : public Way {
     return partly_;
   }
 
-  const Session& session_;
+  const RunContext& context_;
   GBufferPlanes partly_;
   Exchange exchange_;
   const ReceivedFrame* newest_ = nullptr;
@@ -90,8 +90,8 @@ class ServerGBuffer final : public Way {
 
 }  // namespace
 
-std::unique_ptr<Way> make_server_gbuffer(const Session& session) {
-  return std::make_unique<ServerGBuffer>(session);
+std::unique_ptr<ModePipeline> make_server_gbuffer(const RunContext& context) {
+  return std::make_unique<ServerGBuffer>(context);
 }
 
 }  // namespace farshade

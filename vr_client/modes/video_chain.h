@@ -5,8 +5,8 @@
 #include <optional>
 #include <span>
 
+#include "stereo/frame/answer_spec.h"
 #include "stereo/frame/frame_id.h"
-#include "stereo/frame/wanted.h"
 #include "stereo/video/video.h"
 
 namespace farshade {

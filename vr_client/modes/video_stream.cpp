@@ -2,21 +2,21 @@
 
 namespace farshade {
 
-VideoStream::VideoStream(const Session& session, Answer answer)
-    : session_(session), answer_(answer), exchange_(session) {}
+VideoStream::VideoStream(const RunContext& context, Answer answer)
+    : context_(context), answer_(answer), exchange_(context) {}
 
-const TraceRequest* VideoStream::request(const Moment& moment) {
-  const Duration interval = moment.period * moment.steering.wish.every;
-  const TraceRequest* const asked = exchange_.plan(moment, {.answer = answer_,
-                                                            .bits_per_second = session_.mode.bits_per_second,
+const FrameRequest* VideoStream::request(const FrameInputs& inputs) {
+  const Duration interval = inputs.period * inputs.steering.wish.every;
+  const FrameRequest* const asked = exchange_.plan(inputs, {.answer = answer_,
+                                                            .bits_per_second = context_.mode.bits_per_second,
                                                             .interval = interval,
                                                             .coding = chain_.next()});
-  exchange_.send(moment);
+  exchange_.send(inputs);
   return asked;
 }
 
-void VideoStream::collect(const Moment& moment) {
-  const auto received = exchange_.receive(moment);
+void VideoStream::collect(const FrameInputs& inputs) {
+  const auto received = exchange_.receive(inputs);
   const Stopwatch watch;
   for (auto oldest_first = received.rbegin(); oldest_first != received.rend(); ++oldest_first) {
     const ReceivedFrame* const frame = *oldest_first;
@@ -33,16 +33,16 @@ void VideoStream::decode(const ReceivedFrame& frame) {
       chain_.take(id, frame.video.after, frame.video.unit, side_by_side_size(eye));
   if (picture == nullptr) return;
   picture_ = Picture{two_eyes(*picture, eye), frame.request,
-                     session_.link->inbox().asked_at(id).value_or(frame.request.display_time)};
+                     context_.link->inbox().asked_at(id).value_or(frame.request.display_time)};
 }
 
 const ReceivedFrame* VideoStream::received() const {
-  return picture_ ? session_.link->inbox().find(picture_->request.frame) : nullptr;
+  return picture_ ? context_.link->inbox().find(picture_->request.frame) : nullptr;
 }
 
-std::optional<Duration> VideoStream::age(const Moment& moment) const {
+std::optional<Duration> VideoStream::age(const FrameInputs& inputs) const {
   if (!picture_) return std::nullopt;
-  return moment.shown.display_time - picture_->asked_at;
+  return inputs.shown.display_time - picture_->asked_at;
 }
 
 }  // namespace farshade

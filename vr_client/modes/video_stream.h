@@ -10,17 +10,17 @@ namespace farshade {
 class VideoStream {
  public:
   /// `answer` is Video or Difference. Throws where the build has no decoder: open_client has refused it.
-  VideoStream(const Session& session, Answer answer);
+  VideoStream(const RunContext& context, Answer answer);
 
-  const TraceRequest* request(const Moment& moment);
+  const FrameRequest* request(const FrameInputs& inputs);
 
   /// Decodes all that a frame may use by now and has not been decoded.
-  void collect(const Moment& moment);
+  void collect(const FrameInputs& inputs);
 
   /// The newest picture, with what it was made for.
   struct Picture {
     PerEye<Image<Rgb8>> eyes;
-    TraceRequest request;
+    FrameRequest request;
     Time asked_at;
   };
   /// Null before the first.
@@ -28,14 +28,14 @@ class VideoStream {
 
   /// What was received for the picture, if that is still remembered.
   [[nodiscard]] const ReceivedFrame* received() const;
-  [[nodiscard]] std::optional<Duration> age(const Moment& moment) const;
+  [[nodiscard]] std::optional<Duration> age(const FrameInputs& inputs) const;
   /// What decoding took in this frame.
   [[nodiscard]] Duration decoding() const { return decoding_; }
 
  private:
   void decode(const ReceivedFrame& frame);
 
-  const Session& session_;
+  const RunContext& context_;
   Answer answer_;
   Exchange exchange_;
   VideoChain chain_;

@@ -181,13 +181,13 @@ void ComposePass::record(const vk::raii::CommandBuffer& commands, const Composit
   commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &in_order});
   Extent eye = eyes_.wish.size;
   double aspect = composition.aspect;
-  if (composition.way == Way::Anaglyph && composition.shared.count > 0) {
+  if (composition.layout == StereoLayout::Anaglyph && composition.shared.count > 0) {
     aspect *= static_cast<double>(composition.shared.count) / eye.width;
     eye.width = composition.shared.count;
   }
   for (const Panel& panel :
-       panel_rects(left_of(target.size, composition.right_px), eye, aspect, composition.way))
-    if (composition.way == Way::Anaglyph)
+       panel_rects(left_of(target.size, composition.right_px), eye, aspect, composition.layout))
+    if (composition.layout == StereoLayout::Anaglyph)
       draw_anaglyph(commands, composition, panel, eye, target);
     else
       copy(commands, composition.pictures[panel.eye], panel, target.image);

@@ -37,9 +37,9 @@ SharedColumns shared_columns(const PerEye<EyeFov>& fov, double eye_distance_m, E
   return most < eye.width ? SharedColumns{first, eye.width - most} : SharedColumns{};
 }
 
-std::vector<Panel> panel_rects(Extent window, Extent eye, double aspect, Way way) {
+std::vector<Panel> panel_rects(Extent window, Extent eye, double aspect, StereoLayout layout) {
   check(eye.pixels() > 0 && aspect > 0, "an eye has pixels");
-  const bool two = way == Way::SideBySide || way == Way::CrossEyed;
+  const bool two = layout == StereoLayout::SideBySide || layout == StereoLayout::CrossEyed;
   const Extent cell{two ? window.width / 2 : window.width, window.height};
   const Extent size = fitted(cell, eye, aspect);
   if (size.pixels() == 0) return {};
@@ -48,7 +48,7 @@ std::vector<Panel> panel_rects(Extent window, Extent eye, double aspect, Way way
     panels.push_back({.left = place * cell.width + (cell.width - size.width) / 2,
                       .top = (cell.height - size.height) / 2,
                       .size = size,
-                      .eye = way == Way::CrossEyed ? 1u - place : place});
+                      .eye = layout == StereoLayout::CrossEyed ? 1u - place : place});
   return panels;
 }
 

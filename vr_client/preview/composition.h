@@ -7,7 +7,7 @@
 
 namespace farshade {
 
-enum class Way : std::uint8_t {
+enum class StereoLayout : std::uint8_t {
   SideBySide,  ///< the first picture on the left
   CrossEyed,   ///< the first picture on the right: who squints sees depth
   Mono,        ///< the first picture alone
@@ -32,7 +32,7 @@ inline constexpr double kScreen_m = 2;
 [[nodiscard]] SharedColumns shared_columns(const PerEye<EyeFov>& fov, double eye_distance_m, Extent eye);
 
 struct Composition {
-  Way way = Way::SideBySide;
+  StereoLayout layout = StereoLayout::SideBySide;
   PerEye<Picture> pictures{Picture::LeftEye, Picture::RightEye};
   double aspect =
       1;  ///< width / height of an eye's window on the plane z = -1; its pixels need not be square
@@ -54,7 +54,7 @@ inline constexpr double kFillScale = 1.25;
 
 /// Places for pictures of `eye` pixels, all of one size, as large as fits with the aspect kept, each in the
 /// middle of its half (Mono, Anaglyph: of the window). None where not one pixel fits.
-[[nodiscard]] std::vector<Panel> panel_rects(Extent window, Extent eye, double aspect, Way way);
+[[nodiscard]] std::vector<Panel> panel_rects(Extent window, Extent eye, double aspect, StereoLayout layout);
 
 /// What of `window` is left for panels.
 [[nodiscard]] constexpr Extent left_of(Extent window, std::uint32_t right_px) {

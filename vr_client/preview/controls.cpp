@@ -17,7 +17,7 @@ constexpr KeyBinding kKeyTable[] = {
     {Key::F1, Act::Help, "show or hide this"},
     {Key::Tab, Act::Panel, "show or hide the panel"},
     {Key::V, Act::NextLook,
-     "next way to show the eyes: side by side, cross-eyed, mono, anaglyph, difference"},
+     "next layout to show the eyes: side by side, cross-eyed, mono, anaglyph, difference"},
     {Key::O, Act::NextOverlay, "next overlay"},
     {Key::Digit0, Act::NoOverlay, "no overlay"},
     {Key::F, Act::Reference, "trace the reference in every frame, and measure"},
@@ -63,7 +63,7 @@ void switch_light(Controls& controls) {
   change(changes, controls.light, !now.on, now.pose);
 }
 
-void grab_or_let_go(Controls& controls, const Stand& stand) {
+void grab_or_let_go(Controls& controls, const ControlState& stand) {
   if (controls.grab) {
     controls.grab.reset();
     return;
@@ -106,7 +106,7 @@ void change_view(Act act, Controls& controls) {
 }
 
 void change_carry_over(Act act, Controls& controls) {
-  RequestWish& wish = controls.steering.wish;
+  RequestSettings& wish = controls.steering.wish;
   CarryOver& carry_over = controls.steering.carry_over;
   if (act == Act::Reprojection)
     carry_over.lookup = carry_over.lookup == Lookup::Reproject ? Lookup::Direct : Lookup::Reproject;
@@ -123,7 +123,7 @@ void change_carry_over(Act act, Controls& controls) {
   if (act == Act::BetterPath) latency_ms = std::max(latency_ms - kPathStep_ms, 0.0);
 }
 
-void change_scene(Act act, Controls& controls, const Stand& stand) {
+void change_scene(Act act, Controls& controls, const ControlState& stand) {
   const std::size_t lights = stand.lights.lights.size();
   if (act == Act::NextLight && lights > 0)
     controls.light = static_cast<std::uint32_t>((controls.light + 1) % lights);
@@ -134,7 +134,7 @@ void change_scene(Act act, Controls& controls, const Stand& stand) {
   if (act == Act::Animation) clock = clock == SceneClock::Runs ? SceneClock::Stands : SceneClock::Runs;
 }
 
-void change_head(Act act, Controls& controls, const Stand& stand) {
+void change_head(Act act, Controls& controls, const ControlState& stand) {
   if (act == Act::WiderEyes)
     controls.eye_distance_m = std::min(controls.eye_distance_m + kEyeStep_m, kWidestEyes_m);
   if (act == Act::CloserEyes) controls.eye_distance_m = std::max(controls.eye_distance_m - kEyeStep_m, 0.0);
@@ -176,7 +176,7 @@ std::span<const KeyBinding> key_bindings() {
   return kKeyTable;
 }
 
-LinkModel path_of(const PathWish& wish, LinkModel base) {
+LinkModel path_of(const NetworkSettings& wish, LinkModel base) {
   base.delay = duration_from_ms(wish.latency_ms);
   base.jitter = duration_from_ms(wish.jitter_ms);
   base.loss = wish.loss_percent / 100;
@@ -191,7 +191,7 @@ bool Controls::take(Act act) {
   return was;
 }
 
-void act(Act act, Controls& controls, const Stand& stand) {
+void act(Act act, Controls& controls, const ControlState& stand) {
   change_view(act, controls);
   change_carry_over(act, controls);
   change_scene(act, controls, stand);
@@ -200,7 +200,7 @@ void act(Act act, Controls& controls, const Stand& stand) {
     if (act == once) controls.wanted.set(static_cast<std::size_t>(act));
 }
 
-void obey(const Input& input, Controls& controls, const Stand& stand) {
+void obey(const Input& input, Controls& controls, const ControlState& stand) {
   for (const Key key : input.pressed)
     for (const KeyBinding& binding : key_bindings())
       if (binding.key == key) act(binding.act, controls, stand);
@@ -208,7 +208,7 @@ void obey(const Input& input, Controls& controls, const Stand& stand) {
   controls.steering.report = report_for(controls);
 }
 
-void carry_light(Controls& controls, const Stand& stand, double notches) {
+void carry_light(Controls& controls, const ControlState& stand, double notches) {
   if (!controls.grab) return;
   Grab& grab = *controls.grab;
   const double distance = glm::length(grab.position.v);

@@ -7,11 +7,11 @@
 #include <string>
 
 #include "stereo/net/impairment.h"
+#include "vr_client/frame/frame_loop.h"
 #include "vr_client/preview/composition.h"
 #include "vr_client/preview/input.h"
 #include "vr_client/preview/preview_runtime.h"
 #include "vr_client/report/overlays.h"
-#include "vr_client/session.h"
 
 namespace farshade {
 
@@ -33,13 +33,13 @@ constexpr void flip(Switch& s) {
 }
 
 /// What the sliders do to the path from the server to here.
-struct PathWish {
+struct NetworkSettings {
   double latency_ms = 0, jitter_ms = 0, loss_percent = 0;
-  friend bool operator==(const PathWish&, const PathWish&) = default;
+  friend bool operator==(const NetworkSettings&, const NetworkSettings&) = default;
 };
-inline constexpr PathWish kWorstPath{300, 100, 50};
+inline constexpr NetworkSettings kWorstPath{300, 100, 50};
 /// `base` with the wish's latency, jitter and loss.
-[[nodiscard]] LinkModel path_of(const PathWish& wish, LinkModel base);
+[[nodiscard]] LinkModel path_of(const NetworkSettings& wish, LinkModel base);
 
 /// A light held in the hand: where the head sees it, it stays.
 struct Grab {
@@ -111,8 +111,8 @@ struct Controls {
   double fov_rad = 1.5;  ///< full vertical angle
   /// What a recording says its eyes see; until `fov_rad` is touched.
   std::optional<PerEye<EyeFov>> recorded_fov;
-  PathWish path;
-  Steering steering;
+  NetworkSettings path;
+  FrameSettings steering;
   std::optional<Grab> grab;
   std::bitset<kActs> wanted;  ///< acts that are wanted once; taken by take()
 
@@ -124,18 +124,18 @@ inline constexpr double kWidestEyes_m = 0.5;
 inline constexpr std::uint32_t kRarestMasks = 16;  ///< frames a request
 
 /// What acts look at: the scene's lights as they now stand, where the head is, and its recording, if any.
-struct Stand {
+struct ControlState {
   const LightSet& lights;
   Rigid<Stage, Head> stage_from_head;
   Player* player = nullptr;
 };
-void act(Act act, Controls& controls, const Stand& stand);
+void act(Act act, Controls& controls, const ControlState& stand);
 
 /// Does what keys and wheel ask for.
-void obey(const Input& input, Controls& controls, const Stand& stand);
+void obey(const Input& input, Controls& controls, const ControlState& stand);
 
 /// Carries a grabbed light along with the head; the wheel, `notches` away from the viewer, brings it further.
-void carry_light(Controls& controls, const Stand& stand, double notches);
+void carry_light(Controls& controls, const ControlState& stand, double notches);
 
 /// What the input says about the head, from the keys that are held and the mouse.
 [[nodiscard]] HeadInput head_input(const Input& input);

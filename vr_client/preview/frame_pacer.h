@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "vr_client/runtime.h"
+#include "vr_client/runtime/runtime.h"
 
 namespace farshade {
 

@@ -18,8 +18,8 @@ double median_of(const Values& values, const Get& get) {
 
 }  // namespace
 
-void History::learn_link(const FrameView& view, const ShadowLink& link, Instant& instant) {
-  const ShadowLink::Counters counters = link.counters();
+void History::learn_link(const FrameView& view, const NetworkLink& link, Instant& instant) {
+  const NetworkLink::Counters counters = link.counters();
   instant.received = counters.port.received;
   instant.received_bytes = counters.port.received_bytes;
   instant.missing = counters.missing;
@@ -33,7 +33,7 @@ void History::learn_link(const FrameView& view, const ShadowLink& link, Instant&
 }
 
 void History::add(const FrameView& view, const std::optional<PerEye<EyeErrors>>& errors,
-                  const ShadowLink* link, Time now) {
+                  const NetworkLink* link, Time now) {
   const StageTimes& times = view.times;
   const Duration watch = not_below_zero(now - view.starts.end);
   bars_.push_back({.request = times.request,

@@ -4,9 +4,9 @@
 
 #include <deque>
 
-#include "vr_client/link/shadow_link.h"
+#include "vr_client/frame/frame_loop.h"
+#include "vr_client/link/network_link.h"
 #include "vr_client/report/measure.h"
-#include "vr_client/session.h"
 
 namespace farshade {
 
@@ -41,7 +41,7 @@ class History {
  public:
   /// A frame was shown and all of it, the preview's part included, ended at `now`. `link` is null without
   /// a server.
-  void add(const FrameView& view, const std::optional<PerEye<EyeErrors>>& errors, const ShadowLink* link,
+  void add(const FrameView& view, const std::optional<PerEye<EyeErrors>>& errors, const NetworkLink* link,
            Time now);
 
   [[nodiscard]] const std::deque<FrameBar>& bars() const { return bars_; }  ///< oldest first
@@ -54,7 +54,7 @@ class History {
     double frame_ms, watch_ms;
     std::uint64_t received = 0, received_bytes = 0, missing = 0, sessions = 0;
   };
-  void learn_link(const FrameView& view, const ShadowLink& link, Instant& instant);
+  void learn_link(const FrameView& view, const NetworkLink& link, Instant& instant);
 
   std::deque<FrameBar> bars_;
   std::deque<Instant> instants_;

@@ -23,11 +23,11 @@ bool slide(const char* name, double& value, double low, double high, const char*
 }
 
 /// A check box that does `act` when it is clicked.
-void box(const char* name, bool on, Act what, Controls& controls, const Stand& stand) {
+void box(const char* name, bool on, Act what, Controls& controls, const ControlState& stand) {
   if (ImGui::Checkbox(name, &on)) act(what, controls, stand);
 }
 
-void button(const char* name, Act what, Controls& controls, const Stand& stand) {
+void button(const char* name, Act what, Controls& controls, const ControlState& stand) {
   if (ImGui::Button(name)) act(what, controls, stand);
 }
 

@@ -11,7 +11,7 @@ namespace farshade {
 struct PanelFacts {
   const History& history;
   const Scene& scene;
-  const Stand& stand;
+  const ControlState& stand;
   std::string device;  ///< that draws
   std::string server;  ///< how it is with the server
   std::string note;    ///< what happened last: a file written, a failure

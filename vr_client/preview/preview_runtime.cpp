@@ -24,7 +24,7 @@ std::optional<FrameTiming> PreviewRuntime::wait_frame() {
   const Time begin = pacer_.next_begin(now);
   if (begin > now) sleep_(begin - now);
 
-  const std::optional<Hands> hands = take_in_();
+  const std::optional<HeadControls> hands = take_in_();
   if (!hands) return std::nullopt;
   began_at_ = clock_.now();
   const FrameTiming timing = pacer_.begin(*began_at_);
@@ -35,7 +35,7 @@ std::optional<FrameTiming> PreviewRuntime::wait_frame() {
   return timing;
 }
 
-void PreviewRuntime::move_head(const Hands& hands, Duration span) {
+void PreviewRuntime::move_head(const HeadControls& hands, Duration span) {
   const HeadSource before = std::exchange(source_, player_ ? hands.source : HeadSource::Hand);
   if (source_ == HeadSource::Recording) {
     player_->advance(span);
@@ -48,7 +48,7 @@ void PreviewRuntime::move_head(const Hands& hands, Duration span) {
 }
 
 Rigid<Stage, Head> PreviewRuntime::recorded_head(Duration ahead) const {
-  const HeadTrace& trace = setup_.recording->trace;
+  const HeadRecording& trace = setup_.recording->trace;
   return setup_.recording->stage_from_recorded *
          head_at(trace, trace.start() + player_->position_after(ahead));
 }

@@ -6,19 +6,19 @@
 #include <functional>
 #include <optional>
 
-#include "stereo/trace/head_trace.h"
-#include "vr_client/headset.h"
+#include "stereo/head/head_recording.h"
 #include "vr_client/preview/frame_pacer.h"
 #include "vr_client/preview/head.h"
 #include "vr_client/preview/player.h"
-#include "vr_client/runtime.h"
+#include "vr_client/runtime/headset.h"
+#include "vr_client/runtime/runtime.h"
 
 namespace farshade {
 
 enum class HeadSource : std::uint8_t { Hand, Recording };
 
 /// What the viewer decides for one frame.
-struct Hands {
+struct HeadControls {
   HeadSource source = HeadSource::Hand;
   HeadInput head;  ///< heeded if `source` is Hand
   Headset headset;
@@ -27,18 +27,18 @@ struct Hands {
 /// Called once in each wait_frame, when the frame is about to begin: the place to poll a window, to change
 /// the player, or to wait while a window is minimised (that time is not counted as the frame's). Nothing ends
 /// the session.
-using TakeIn = std::function<std::optional<Hands>()>;
+using TakeIn = std::function<std::optional<HeadControls>()>;
 using Sleep = std::function<void(Duration)>;
 
 /// A recording to follow. Keeps a reference.
-struct PlacedTrace {
-  const HeadTrace& trace;
+struct PlacedHeadRecording {
+  const HeadRecording& trace;
   Rigid<Stage, Recorded> stage_from_recorded;
 };
 
 struct PreviewSetup {
   Rigid<Stage, Head> start;  ///< where hands find the head
-  std::optional<PlacedTrace> recording;
+  std::optional<PlacedHeadRecording> recording;
   double refresh_hz = 72;
   std::optional<std::uint32_t> frames;  ///< to show; without end if not said
 };
@@ -68,7 +68,7 @@ class PreviewRuntime final : public Runtime {
   [[nodiscard]] Player* player() { return player_ ? &*player_ : nullptr; }
 
  private:
-  void move_head(const Hands& hands, Duration span);
+  void move_head(const HeadControls& hands, Duration span);
   [[nodiscard]] Rigid<Stage, Head> recorded_head(Duration ahead) const;
 
   PreviewSetup setup_;

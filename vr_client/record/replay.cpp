@@ -20,13 +20,13 @@ std::string to_string(const ReplayVerdict& verdict) {
          verdict.first->what;
 }
 
-Replay::Replay(SessionReader reader, ShadingPass::Report report)
+Replay::Replay(CaptureReader reader, ShadingPass::Report report)
     : reader_(std::move(reader)), report_(report) {
   if (reader_.header().origin == MaskOrigin::Server) link_.emplace(reader_.header());
 }
 
 std::optional<FrameTiming> Replay::wait_frame() {
-  Expected<std::optional<RecordedFrame>> frame = reader_.next();
+  Expected<std::optional<CapturedFrame>> frame = reader_.next();
   if (!frame) error_ = frame.error();
   if (!frame || !*frame) return std::nullopt;
   frame_ = std::move(**frame);

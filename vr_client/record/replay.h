@@ -3,8 +3,8 @@
 /// shown. Same program, same scene, same device: the same bits. Time plays no part.
 #pragma once
 
-#include "vr_client/record/replay_link.h"
-#include "vr_client/record/session_reader.h"
+#include "vr_client/record/capture_link.h"
+#include "vr_client/record/capture_reader.h"
 
 namespace farshade {
 
@@ -26,7 +26,7 @@ class Replay final : public Runtime {
  public:
   /// `report`: what the session is steered to report, which changes no picture. The session must have what
   /// the reader's header says. Stays where it is.
-  Replay(SessionReader reader, ShadingPass::Report report);
+  Replay(CaptureReader reader, ShadingPass::Report report);
 
   /// Ends with the file.
   [[nodiscard]] std::optional<FrameTiming> wait_frame() override;
@@ -35,8 +35,8 @@ class Replay final : public Runtime {
   void end_frame(Time) override {}
 
   /// Null if the session had none.
-  [[nodiscard]] MaskLink* link() { return link_ ? &*link_ : nullptr; }
-  [[nodiscard]] const Steering& steering() const { return steering_; }
+  [[nodiscard]] AnswerLink* link() { return link_ ? &*link_ : nullptr; }
+  [[nodiscard]] const FrameSettings& steering() const { return steering_; }
 
   /// The frame at hand was shown as these pictures.
   void watch(const FrameView& view, const PerEye<Image<Rgb8>>& shown);
@@ -45,11 +45,11 @@ class Replay final : public Runtime {
   [[nodiscard]] Expected<ReplayVerdict> verdict() const;
 
  private:
-  SessionReader reader_;
+  CaptureReader reader_;
   ShadingPass::Report report_;
-  std::optional<ReplayLink> link_;
-  RecordedFrame frame_;
-  Steering steering_;
+  std::optional<CaptureLink> link_;
+  CapturedFrame frame_;
+  FrameSettings steering_;
   ReplayVerdict verdict_;
   std::optional<Error> error_;
 };

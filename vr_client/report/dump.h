@@ -12,8 +12,8 @@
 #pragma once
 
 #include "stereo/scene/scene_state.h"
+#include "vr_client/frame/frame_loop.h"
 #include "vr_client/report/pictures.h"
-#include "vr_client/session.h"
 
 namespace farshade {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "stereo/base/quantile.h"
+#include "vr_client/frame/frame_loop.h"
 #include "vr_client/report/measure.h"
-#include "vr_client/session.h"
 
 namespace farshade {
 

@@ -8,7 +8,7 @@ namespace farshade {
 
 MaskAges ages_of(const FrameView& view) {
   MaskAges ages;
-  for (const MaskInHand& mask : view.masks) {
+  for (const TracedMask& mask : view.masks) {
     // The newest one's age says how late masks are; older ones were asked for earlier by as much as they are
     // for.
     const Duration since_newest = view.masks[0].display_time - mask.display_time;
@@ -24,7 +24,7 @@ PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& 
   const bool shaded = view.as == ShownAs::Shaded;
   for (const Side side : kSides) into.report[index_of(side)] = shaded ? renderer.report(side) : ShownReport{};
   into.shown = renderer.read_shown();
-  const MaskInHand truth = reference.trace(view.shown);
+  const TracedMask truth = reference.trace(view.shown);
   const ShownFrame right{.views = view.shown.views,
                          .state = view.state,
                          .masks = {&truth, 1},

@@ -1,8 +1,8 @@
 /// MeasuredFrame: a frame just shown, read back, traced in full at the very pose shown, and compared.
 #pragma once
 
+#include "vr_client/frame/frame_loop.h"
 #include "vr_client/report/pictures.h"
-#include "vr_client/session.h"
 
 namespace farshade {
 

@@ -40,7 +40,7 @@ struct OverlayInput {
   const Image<Rgb8>* reference;  ///< of the same size; null where none was traced
   const ShownReport& report;     ///< empty where the shading pass was asked for none
   const MaskAges& ages;          ///< one a mask in hand
-  const MaskInHand* newest;      ///< that the frame was drawn with; null where there was none
+  const TracedMask* newest;      ///< that the frame was drawn with; null where there was none
   std::uint32_t light = 0;       ///< that Overlay::Light shows
 };
 

@@ -136,7 +136,7 @@ class Timeline::Events {
   std::string text_;
 };
 
-void Timeline::add(const FrameView& view, const MaskInbox* inbox) {
+void Timeline::add(const FrameView& view, const AnswerInbox* inbox) {
   shown_.push_back({.frame = view.shown.frame,
                     .starts = view.starts,
                     .gbuffer = view.times.gbuffer,
@@ -148,12 +148,12 @@ void Timeline::add(const FrameView& view, const MaskInbox* inbox) {
   if (shown_.size() > 1 && !is_newer(view.shown.frame, shown_[shown_.size() - 2].frame))
     settled_ = asked_.size();
   if (view.asked)
-    if (const MaskInbox::Exchange* const exchange = inbox->exchange(view.asked->frame))
+    if (const AnswerInbox::Exchange* const exchange = inbox->exchange(view.asked->frame))
       asked_.push_back({.exchange = *exchange});
   for (std::size_t i = settled_; i < asked_.size(); ++i) {
     Asked& asked = asked_[i];
     const FrameId frame = asked.exchange.frame;
-    const MaskInbox::Exchange* const exchange = inbox->exchange(frame);
+    const AnswerInbox::Exchange* const exchange = inbox->exchange(frame);
     if (exchange) {
       asked.exchange = *exchange;
       if (const ReceivedFrame* const received = inbox->find(frame)) asked.report = received->report;

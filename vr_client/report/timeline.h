@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "vr_client/session.h"
+#include "vr_client/frame/frame_loop.h"
 
 namespace farshade {
 
@@ -29,7 +29,7 @@ class Timeline {
   /// `view.starts`; null where no server traces. A frame's exchange with the server is kept once, as soon as
   /// all of it is in hand; a server whose report or slices never came has no part in that frame.
   /// Keeps about 250 bytes a frame.
-  void add(const FrameView& view, const MaskInbox* inbox);
+  void add(const FrameView& view, const AnswerInbox* inbox);
 
   /// JSON, about 2 KB a frame. Times are microseconds since the first frame's begin, to an eighth. Process 1
   /// is vr_client: threads `frame` (request, collect with its wait, draw), `device` (G-buffer, depth, shade:
@@ -51,7 +51,7 @@ class Timeline {
     Duration gbuffer{}, depth{}, shade{}, draw{};
   };
   struct Asked {
-    MaskInbox::Exchange exchange;
+    AnswerInbox::Exchange exchange;
     std::optional<FrameReport> report{};
     std::optional<Time> drawn{};  ///< when the first frame began to be drawn with its masks as the newest
   };

@@ -1,0 +1,51 @@
+#include "rt_server/answers/answer_renderer.h"
+
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
+
+#include <stdexcept>
+
+#include "stereo/frame/tiles.h"
+
+namespace farshade {
+
+Expected<void> AnswerRenderer::can_paint() const {
+  const std::size_t instances = ground_.scene.instances.size();
+  if (instances > kMaxInstances)
+    return fail(Fault::Unsupported,
+                fmt::format("the scene has {} instances; at most {} can be drawn", instances, kMaxInstances));
+  return gpu::open_device(ground_.device).map([](const gpu::Device&) {});
+}
+
+Renderer& AnswerRenderer::renderer_for(Extent size) {
+  if (!device_) {
+    Expected<gpu::Device> device = gpu::open_device(ground_.device);
+    if (!device) throw std::runtime_error(device.error().what);
+    device_.emplace(std::move(*device));
+    spdlog::info("drawing on {}: {}", device_->name, device_->why);
+  }
+  if (std::unique_ptr<Renderer>* const found = renderers_.find(size)) return **found;
+  auto renderer =
+      std::make_unique<Renderer>(*device_, ground_.scene, ground_.plan.draw,
+                                 RendererLimits{.size = size, .traced_size = size, .depth_frames = 1});
+  return *renderers_.put(size, std::move(renderer));
+}
+
+AnswerRenderer::RenderedAnswer AnswerRenderer::paint(const FrameRequest& request) {
+  Renderer& renderer = renderer_for(request.views[0].size);
+  const TraceStats traced = ground_.tracer.trace(request, frame_);
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    all_known_[eye].assign(TileGrid{request.views[eye].size}.count(),
+                           all_planes_known(frame_.masks[eye].layout()));
+  mask_.emplace(TracedMask{request.frame, request.display_time, request.scene_time, frame_.views,
+                           frame_.masks, all_known_, ++painted_, frame_.light_set_revision});
+  state_.emplace(state_at(ground_.scene, request.scene_time, request.lights));
+  const ShownFrame shown{.views = request.views,
+                         .state = *state_,
+                         .masks = {&*mask_, 1},
+                         .carry_over = {.lookup = Lookup::Direct}};
+  const DrawTimes drawn = renderer.draw(shown);
+  return {renderer, frame_, shown, {.traced = traced, .draw = drawn.total}};
+}
+
+}  // namespace farshade

@@ -1,0 +1,36 @@
+#include "rt_server/answers/video_streams.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace farshade {
+
+Streams::Stream& Streams::stream_for(const Job& job, const VideoFormat& format) {
+  Stream* const found = streams_.find(job.session.value);
+  if (found != nullptr && found->encoder.format() == format) return *found;
+  Expected<VideoEncoder> encoder = VideoEncoder::create(format);
+  if (!encoder) throw std::runtime_error(encoder.error().what);
+  // What is coded first is coded alone, whatever frame it is.
+  return streams_.put(job.session.value, {std::move(*encoder), job.request.frame});
+}
+
+Duration Streams::code(const Job& job, const PerEye<Image<Rgb8>>& eyes, FramePacker& packer) {
+  const Stopwatch coding;
+  const FrameRequest& request = job.request;
+  const Image<Rgb8> picture = side_by_side(eyes);
+  const double rate = std::clamp(1.0 / seconds_of(request.wanted.interval), 1.0, 1000.0);
+  Stream& stream = stream_for(
+      job,
+      {.size = picture.size, .bits_per_second = request.wanted.bits_per_second, .frames_per_second = rate});
+  const bool alone = request.wanted.coding == Coding::Alone;
+  const auto unit = stream.encoder.encode(picture, alone ? KeyFrame::Now : KeyFrame::IfNeeded);
+  // Sent or not: the next is coded after it.
+  const FrameId last = std::exchange(stream.last, request.frame);
+  if (unit.size() > kMostVideoParts * kVideoPart_bytes)
+    throw std::runtime_error("a coded picture of " + std::to_string(unit.size()) + " bytes");
+  packer.add(request.frame, alone ? request.frame : last, unit);
+  return coding.elapsed();
+}
+
+}  // namespace farshade

@@ -1,0 +1,74 @@
+#include "rt_server/core/gate.h"
+
+#include <sodium.h>
+
+#include <algorithm>
+
+#include "stereo/base/check.h"
+#include "stereo/wire/bytes.h"
+
+namespace farshade {
+
+Gate::Gate(const std::vector<SharedKey>& ring, double handshakes_per_second)
+    : handshakes_per_second_(handshakes_per_second), handshakes_left_(handshakes_per_second) {
+  check(sodium_init() >= 0, "libsodium can be initialised");
+  for (const SharedKey& key : ring) ring_.emplace(id_of(key), key);
+  randombytes_buf(cookie_key_.data(), cookie_key_.size());
+}
+
+Cookie Gate::cookie_for(const Peer& from, const PublicKey& client, std::int64_t period) const {
+  std::vector<std::byte> bytes;
+  bytes.reserve(64);
+  ByteWriter io(bytes);
+  io.array(from.address);
+  io.u32(from.scope);
+  io.u16(from.port);
+  io.array(client);
+  io.u64(static_cast<std::uint64_t>(period));
+  Cookie cookie;
+  static_assert(sizeof cookie == crypto_shorthash_siphashx24_BYTES);
+  static_assert(sizeof cookie_key_ == crypto_shorthash_siphashx24_KEYBYTES);
+  crypto_shorthash_siphashx24(cookie.data(), reinterpret_cast<const std::uint8_t*>(bytes.data()),
+                              bytes.size(), cookie_key_.data());
+  return cookie;
+}
+
+const SharedKey* Gate::admit(const Peer& from, const Hello& hello, std::span<const std::byte> datagram,
+                             Time now, std::vector<std::byte>& answer) {
+  const std::int64_t period = now.time_since_epoch() / kCookiePeriod;
+  const Cookie fresh = cookie_for(from, hello.client, period);
+  const auto is = [&](const Cookie& cookie) {
+    return sodium_memcmp(cookie.data(), hello.cookie.data(), 16) == 0;
+  };
+  if (!is(fresh) && !is(cookie_for(from, hello.client, period - 1))) {
+    ++counters_.retries;
+    encode(Retry{echo_of(hello.client), fresh}, answer);
+    return nullptr;
+  }
+  const auto found = ring_.find(hello.key);
+  if (found == ring_.end() || !is_proved(hello, datagram, found->second)) {
+    ++counters_.unknown_key;
+    encode(OpenRefusal{.reason = RefusalReason::UnknownKey, .echo = echo_of(hello.client)}, answer);
+    return nullptr;
+  }
+  return &found->second;
+}
+
+void Gate::refuse_version(const ForeignHello& hello, std::vector<std::byte>& answer) {
+  ++counters_.version_mismatch;
+  encode(OpenRefusal{.reason = RefusalReason::VersionMismatch, .echo = hello.echo}, answer);
+}
+
+bool Gate::may_shake_hands(Time now) {
+  const double earned = std::max(0.0, seconds_of(now - refilled_)) * handshakes_per_second_;
+  handshakes_left_ = std::min(handshakes_per_second_, handshakes_left_ + earned);
+  refilled_ = std::max(refilled_, now);
+  if (handshakes_left_ < 1) {
+    ++counters_.too_many;
+    return false;
+  }
+  handshakes_left_ -= 1;
+  return true;
+}
+
+}  // namespace farshade

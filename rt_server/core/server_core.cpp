@@ -1,0 +1,176 @@
+#include "rt_server/core/server_core.h"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "stereo/base/check.h"
+#include "stereo/net/explain.h"
+
+namespace farshade {
+namespace {
+
+void log(const Sessions::Event& event) {
+  if (event.refused)
+    spdlog::warn("refused {} at {}: {}", event.name, to_string(event.client), name_of(*event.refused));
+  else
+    spdlog::info("welcomed {} at {}", event.name, to_string(event.client));
+}
+
+/// " (3 forged, 1 replayed)".
+std::string reasons(const RefusalCounts& refused) {
+  std::string text;
+  for (std::size_t i = 0; i < kWireRefusals; ++i)
+    if (refused.of[i] > 0)
+      text += fmt::format("{}{} {}", text.empty() ? " (" : ", ", refused.of[i],
+                          name_of(static_cast<WireRefusal>(i)));
+  return text.empty() ? text : text + ")";
+}
+
+}  // namespace
+
+std::string counters_line(const ServerCounters& counters) {
+  const SessionCounters& sessions = counters.sessions;
+  const GateCounters& gate = counters.gate;
+  return fmt::format(
+      "rt_server: {} clients, {} requests, {} superseded, {} outdated, {} too large, {} for what is not "
+      "given, {} stray positions, {} frames, {} datagrams "
+      "and {} bytes "
+      "sent, {} unsent, {} datagrams received, {} oversized, {} refused{}; hellos: {} without a cookie, {} "
+      "repeated; turned away: {} of another version, {} without a known key, {} of another scene, {} for "
+      "want of room, {} too many handshakes; sessions: {} open, {} forgotten, {} replaced, {} moved; {} "
+      "frames held back by --bytes-per-second",
+      sessions.welcomed, sessions.requests, sessions.superseded, sessions.outdated, sessions.too_large,
+      sessions.unanswered, sessions.stray, counters.frames, counters.port.sent, counters.port.sent_bytes,
+      counters.port.unsent, counters.port.received, counters.port.oversized, counters.refused.total(),
+      reasons(counters.refused), gate.retries, sessions.repeated, gate.version_mismatch, gate.unknown_key,
+      sessions.scene_mismatch, sessions.busy, gate.too_many, counters.sessions_open, sessions.forgotten,
+      sessions.replaced, sessions.moved, sessions.held_back);
+}
+
+std::string rays_line(const TraceStats& traced) {
+  return fmt::format(
+      "rt_server: rays: {} from eyes, {} to lights of {} covered pixels times lights; the others needed "
+      "none: {} turned "
+      "away, {} out of range, {} out of cone, {} proved in sight",
+      traced.primary_rays, traced.shadow_rays, traced.full_shadow_rays, traced.turned_away,
+      traced.out_of_range, traced.out_of_cone, traced.proven);
+}
+
+ServerCore::ServerCore(const Welcome& served, const std::vector<SharedKey>& ring, TraceFunction trace,
+                       DatagramPort& port, const Clock& clock, const SessionLimits& limits, SameAllOver same,
+                       AnswerFunction others)
+    : trace_(std::move(trace)),
+      others_(std::move(others)),
+      port_(port),
+      clock_(clock),
+      sessions_(served, ring, limits),
+      packer_(same) {
+  check(others_ || served.answers == set_of(Answer::Masks), "what is offered can be given");
+}
+
+bool ServerCore::receive(Duration wait) {
+  std::array<std::byte, kMaxDatagram_bytes> buffer;
+  const std::optional<Datagram> datagram = port_.receive(buffer, wait);
+  if (!datagram) return false;
+  bool somebody_waits = false;
+  std::optional<Sessions::Event> event;
+  {
+    const std::lock_guard lock(mutex_);
+    const Decoded<void> taken = sessions_.handle(datagram->from, datagram->bytes, clock_.now(), datagram_);
+    if (!taken) refused_.count(taken.error());
+    somebody_waits = sessions_.job_at().has_value();
+    event = sessions_.take_event();
+  }
+  if (somebody_waits) somebody_waits_.notify_one();
+  if (!datagram_.empty()) port_.send(datagram->from, datagram_);
+  if (event) log(*event);
+  return true;
+}
+
+void ServerCore::send_due() {
+  Peer to;
+  const auto seal = [&] {
+    const std::lock_guard lock(mutex_);
+    return sessions_.seal_due(clock_.now(), to, datagram_);
+  };
+  bool sent = false;
+  for (; seal(); sent = true) port_.send(to, datagram_);
+  if (sent) somebody_waits_.notify_one();  // a request may have waited for its client's last frame to leave
+}
+
+std::optional<Time> ServerCore::next_send() const {
+  const std::lock_guard lock(mutex_);
+  return sessions_.due_at();
+}
+
+std::optional<Time> ServerCore::next_due() const {
+  const std::lock_guard lock(mutex_);
+  const std::optional<Time> send = sessions_.due_at(), work = sessions_.job_at();
+  return send && work ? std::min(*send, *work) : send ? send : work;
+}
+
+bool ServerCore::wait_for_work(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    const std::optional<Time> at = sessions_.job_at();
+    const Time now = clock_.now();
+    if (at && *at <= now) return true;
+    const auto is_news = [&] { return sessions_.job_at() != at; };
+    if (at)
+      somebody_waits_.wait_for(lock, stop, *at - now, is_news);
+    else
+      somebody_waits_.wait(lock, stop, is_news);
+  }
+  return false;
+}
+
+/// Adds to the packer what the request wants.
+AnswerCost ServerCore::answer(const Job& job) {
+  if (job.request.wanted.answer != Answer::Masks) return others_(job, packer_);
+  const TraceStats traced = trace_(job.request, frame_);
+  packer_.add(frame_);
+  return {.traced = traced};
+}
+
+bool ServerCore::work() {
+  std::optional<Job> job;
+  {
+    const std::lock_guard lock(mutex_);
+    job = sessions_.next_job(clock_.now());
+  }
+  if (!job) return false;
+  const Time begun = clock_.now();
+  packer_.begin();
+  const auto [traced, draw, coding] = answer(*job);
+  const FrameReport report{.frame = job->request.frame,
+                           .primary_rays = traced.primary_rays,
+                           .shadow_rays = traced.shadow_rays,
+                           .full_shadow_rays = traced.full_shadow_rays,
+                           .primary = traced.primary,
+                           .shadow = traced.shadow,
+                           .draw = draw,
+                           .pack = coding,
+                           .waited = begun - job->arrived,
+                           .superseded = job->superseded,
+                           .bytes_per_second = job->bytes_per_second,
+                           .scale_eighths = job->scale_eighths};
+  const auto messages = packer_.finish(report);
+  {
+    const std::lock_guard lock(mutex_);
+    const Time now = clock_.now();
+    sessions_.put(job->session, messages, now - begun, now);
+    traced_ += traced;
+  }
+  ++frames_;
+  wake();
+  return true;
+}
+
+ServerCounters ServerCore::counters() const {
+  const std::lock_guard lock(mutex_);
+  return {sessions_.counters(), sessions_.gate(), refused_, port_.counters(), frames_,
+          sessions_.size(),     traced_};
+}
+
+}  // namespace farshade

@@ -1,0 +1,49 @@
+#include "rt_server/keys/keygen.h"
+
+#include <CLI/CLI.hpp>
+
+#include "stereo/wire/key_file.h"
+
+namespace farshade {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Makes both files, or neither.
+Expected<void> write_both(const fs::path& file, const fs::path& ring, const SharedKey& key) {
+  return write_key(file, key).and_then([&] {
+    Expected<void> added = append_to_ring(ring, key);
+    std::error_code ignored;
+    if (!added) fs::remove(file, ignored);  // ours: write_key never overwrites
+    return added;
+  });
+}
+
+}  // namespace
+
+void add_keygen(CLI::App& program, KeygenOptions& options) {
+  CLI::App* command = program.add_subcommand("keygen", "Makes a key for a client and adds it to the ring.");
+  command->add_option("name", options.name, "what the server calls the client: A-Z a-z 0-9 . _ -")
+      ->required();
+  command->add_option("--key", options.key,
+                      "the client's file; " + default_key_path().string() + " unless told");
+  command->add_option("--ring", options.ring,
+                      "the server's key ring; " + default_ring_path().string() + " unless told");
+}
+
+Expected<std::string> keygen(const KeygenOptions& options) {
+  const fs::path file = options.key.empty() ? default_key_path() : fs::path(options.key);
+  const fs::path ring = options.ring.empty() ? default_ring_path() : fs::path(options.ring);
+  const Expected<SharedKey> key = new_key(options.name);
+  if (!key) return tl::unexpected(key.error());
+  if (const Expected<void> written = write_both(file, ring, *key); !written) {
+    if (written.error().fault == Fault::Unavailable && options.key.empty() && fs::exists(file))
+      return fail(Fault::Unavailable, written.error().what + "; say --key FILE for another place");
+    return tl::unexpected(written.error());
+  }
+  return "key of '" + key->name + "': " + file.string() + "\nring: " + ring.string() +
+         "\nnext: copy the key to the client, e.g. scp " + file.string() +
+         " CLIENT:.config/farshade/client.key" + "\n      who has that file gets in: it stays of mode 0600\n";
+}
+
+}  // namespace farshade

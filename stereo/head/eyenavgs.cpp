@@ -1,0 +1,101 @@
+/// EyeNavGS (Ding et al., arXiv 2506.02380, 2025): a row an eye, left and right in turn, both with the head's
+/// rotation. The head lies midway between the two; the eye distance is the median distance of the pairs. A
+/// pair's pose was taken once and logged in two rows some 6 ms apart: the left row's stamp stands for both. A
+/// last left row without its right one is left out. The two vertical fov angles are told apart by their sign.
+#include <algorithm>
+#include <array>
+
+#include "stereo/base/quantile.h"
+#include "stereo/head/formats.h"
+#include "stereo/head/samples.h"
+
+namespace farshade::formats {
+namespace {
+
+constexpr std::size_t kColumns = 20, kStampColumn = 19;
+constexpr int kMillisecondDigits = 6;
+
+struct EyeRow {
+  rows::Place place;
+  std::size_t view = 0;  ///< 0 left, 1 right
+  EyeFov fov;
+  glm::dvec3 position{0.0};
+  glm::dquat rotation{1.0, 0.0, 0.0, 0.0};
+  std::int64_t stamp_ns = 0;
+};
+
+Expected<EyeRow> read_row(const std::vector<std::string_view>& fields, rows::Place place) {
+  if (fields.size() != kColumns)
+    return rows::fail_at(place, Fault::Malformed,
+                         "row has " + std::to_string(fields.size()) + " of 20 columns");
+  std::array<double, 12> v{};  // all before the gaze
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const Expected<double> value = rows::number(fields[i], place);
+    if (!value) return tl::unexpected(value.error());
+    v[i] = *value;
+  }
+  const Expected<std::int64_t> stamp = rows::nanoseconds(fields[kStampColumn], kMillisecondDigits, place);
+  if (!stamp) return tl::unexpected(stamp.error());
+  if (v[0] != 0.0 && v[0] != 1.0)
+    return rows::fail_at(place, Fault::Malformed, "ViewIndex is neither 0 nor 1");
+  const auto [down, up] = std::minmax(v[3], v[4]);
+  if (!(v[1] < 0 && v[2] > 0 && down < 0 && up > 0))
+    return rows::fail_at(place, Fault::OutOfRange,
+                         "fov angles should be left < 0 < right and one up, one down");
+  return EyeRow{.place = place,
+                .view = v[0] == 0.0 ? 0u : 1u,
+                .fov = {.left = v[1], .right = v[2], .up = up, .down = down},
+                .position = {v[5], v[6], v[7]},
+                .rotation = glm::dquat(v[11], v[8], v[9], v[10]),
+                .stamp_ns = *stamp};
+}
+
+/// The recording as it grows, pair by pair.
+struct Pairs {
+  SampleList samples;
+  std::vector<double> distances, rightward;  ///< world units; rightward is along the head's +x
+  PerEye<EyeFov> fov;
+};
+
+Expected<void> add_pair(const EyeRow& left, const EyeRow& right, Pairs& pairs) {
+  if (left.rotation != right.rotation)
+    return rows::fail_at(right.place, Fault::Malformed, "the pair's rows do not share one quaternion");
+  if (right.stamp_ns < left.stamp_ns)
+    return rows::fail_at(right.place, Fault::Malformed, "time stamp lies before that of the pair's left row");
+  const PerEye<EyeFov> fov{left.fov, right.fov};
+  if (pairs.distances.empty()) pairs.fov = fov;
+  if (fov != pairs.fov)
+    return rows::fail_at(right.place, Fault::Unsupported, "fov changes within the recording");
+  const glm::dvec3 across = right.position - left.position;
+  pairs.distances.push_back(glm::length(across));
+  pairs.rightward.push_back(glm::dot(across, left.rotation * glm::dvec3(1, 0, 0)));
+  return pairs.samples.add(left.place, left.stamp_ns, 0.5 * (left.position + right.position), left.rotation);
+}
+
+}  // namespace
+
+Expected<HeadRecording> read_eyenavgs(std::string_view text, std::string_view name, double units_a_metre) {
+  Pairs pairs{.samples = SampleList(units_a_metre), .distances = {}, .rightward = {}, .fov = {}};
+  rows::Lines lines(text, name);
+  std::string_view line;
+  (void)lines.next(line);  // the column names, by which the format was told
+  std::vector<std::string_view> fields;
+  EyeRow left;
+  for (std::size_t wanted = 0; lines.next(line); wanted = 1 - wanted) {
+    rows::split(line, ',', fields);
+    const Expected<EyeRow> row = read_row(fields, lines.place());
+    if (!row) return tl::unexpected(row.error());
+    if (row->view != wanted)
+      return rows::fail_at(row->place, Fault::Malformed, "left and right rows should alternate");
+    if (wanted == 0) {
+      left = *row;
+    } else if (const Expected<void> added = add_pair(left, *row, pairs); !added) {
+      return tl::unexpected(added.error());
+    }
+  }
+  if (quantile(pairs.rightward, 0.5) < 0)
+    return fail(Fault::Malformed, std::string(name) + ": the right eye lies left of the left eye");
+  return std::move(pairs.samples).finish(name, quantile(pairs.distances, 0.5) / units_a_metre, pairs.fov);
+}
+
+}  // namespace farshade::formats

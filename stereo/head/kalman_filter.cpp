@@ -1,0 +1,134 @@
+#include <algorithm>
+#include <cmath>
+
+#include "stereo/head/damped_motion.h"
+#include "stereo/head/pose_filters.h"
+
+namespace farshade {
+namespace {
+
+using Spread = KalmanFilter::Spread;
+
+// A head not yet seen moving is taken to move at most about this fast (rad/s, m/s), whatever a long fade time
+// makes of its driving noise.
+constexpr double kUnseenSpeed = 1.0;
+
+/// How a measured error of p changes p and v.
+struct Gain {
+  double p = 0, v = 0;
+};
+
+/// Velocity unknown, as it is of a process that has long run.
+Spread unseen(double fade_s, double drive, double noise) {
+  return {.p = noise * noise,
+          .v_by_p = 0.0,
+          .v_alone = std::min(0.5 * drive * fade_s, kUnseenSpeed * kUnseenSpeed)};
+}
+
+/// p + travel v, keep v.
+Spread carried(const Spread& s, const DampedStep& step) {
+  const double stretch = 1.0 + step.travel_s * s.v_by_p;
+  const double p = s.p * stretch * stretch + step.travel_s * step.travel_s * s.v_alone;
+  if (!(p > 0)) return {.p = 0, .v_by_p = 0, .v_alone = step.keep * step.keep * s.v_alone};
+  return {.p = p,
+          .v_by_p = step.keep * (s.v_by_p * (s.p / p) * stretch + step.travel_s * (s.v_alone / p)),
+          .v_alone = step.keep * step.keep * s.v_alone * (s.p / p)};
+}
+
+Spread noise_of(const DampedStep& step, double drive) {
+  if (!(drive * step.pp > 0)) return {.p = 0, .v_by_p = 0, .v_alone = drive * step.vv};
+  const double v_by_p = step.pv / step.pp;  // takes at most 3/4 of vv
+  return {.p = drive * step.pp, .v_by_p = v_by_p, .v_alone = drive * (step.vv - v_by_p * step.pv)};
+}
+
+/// Of the sum of two independent errors.
+Spread sum(const Spread& a, const Spread& b) {
+  const double p = a.p + b.p, part = p > 0 ? b.p / p : 0.0, apart = b.v_by_p - a.v_by_p;
+  return {.p = p,
+          .v_by_p = a.v_by_p + part * apart,
+          .v_alone = a.v_alone + b.v_alone + a.p * part * apart * apart};
+}
+
+/// What v does apart from p no measurement of p can tell.
+Gain measure(Spread& s, double noise) {
+  const double r = noise * noise, gain = s.p / (s.p + r);
+  s.p = gain * r;
+  return {.p = gain, .v = gain * s.v_by_p};
+}
+
+/// Where a fading velocity leads, per component.
+glm::dvec3 travel(const glm::dvec3& velocity, const glm::dvec3& fade_s, double lead_s) {
+  glm::dvec3 way;
+  for (int i = 0; i < 3; ++i) way[i] = velocity[i] * damped_travel_s(lead_s, fade_s[i]);
+  return way;
+}
+
+/// One component kind's velocity and errors carried over a step.
+void grow_all(std::array<Spread, 3>& spreads, glm::dvec3& velocity, const glm::dvec3& fade_s, double drive,
+              double step_s) {
+  for (int i = 0; i < 3; ++i) {
+    const DampedStep step = damped_step(step_s, fade_s[i]);
+    Spread& spread = spreads[static_cast<std::size_t>(i)];
+    spread = sum(carried(spread, step), noise_of(step, drive));
+    velocity[i] *= step.keep;
+  }
+}
+
+/// Corrects the velocity by the error of the pose, and returns what corrects the pose.
+glm::dvec3 correct_all(std::array<Spread, 3>& spreads, glm::dvec3& velocity, const glm::dvec3& error,
+                       double noise) {
+  glm::dvec3 correction;
+  for (int i = 0; i < 3; ++i) {
+    const Gain gain = measure(spreads[static_cast<std::size_t>(i)], noise);
+    correction[i] = gain.p * error[i];
+    velocity[i] += gain.v * error[i];
+  }
+  return correction;
+}
+
+std::array<KalmanFilter::Covariance, 3> covariances(const std::array<Spread, 3>& spreads) {
+  std::array<KalmanFilter::Covariance, 3> all;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto& [p, v_by_p, v_alone] = spreads[i];
+    all[i] = {.pp = p, .pv = v_by_p * p, .vv = v_alone + v_by_p * v_by_p * p};
+  }
+  return all;
+}
+
+}  // namespace
+
+void KalmanFilter::start(const HeadPose& pose) {
+  pose_ = pose;
+  velocity_ = {};
+  for (int i = 0; i < 3; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    angular_[at] = unseen(tuning_.angular_fade_s[i], tuning_.angular_drive, tuning_.angular_noise);
+    linear_[at] = unseen(tuning_.linear_fade_s[i], tuning_.linear_drive, tuning_.linear_noise);
+  }
+}
+
+void KalmanFilter::step(double step_s, const HeadPose& pose) {
+  pose_ = ahead(step_s);
+  grow_all(angular_, velocity_.angular, tuning_.angular_fade_s, tuning_.angular_drive, step_s);
+  grow_all(linear_, velocity_.linear, tuning_.linear_fade_s, tuning_.linear_drive, step_s);
+
+  const Twist error = motion_between(pose_, pose);
+  const Twist correction{correct_all(angular_, velocity_.angular, error.angular, tuning_.angular_noise),
+                         correct_all(linear_, velocity_.linear, error.linear, tuning_.linear_noise)};
+  pose_ = pose_ * motion_exp<Head>(correction);
+}
+
+HeadPose KalmanFilter::ahead(double lead_s) const {
+  return pose_ * motion_exp<Head>({travel(velocity_.angular, tuning_.angular_fade_s, lead_s),
+                                   travel(velocity_.linear, tuning_.linear_fade_s, lead_s)});
+}
+
+std::array<KalmanFilter::Covariance, 3> KalmanFilter::angular_covariance() const {
+  return covariances(angular_);
+}
+
+std::array<KalmanFilter::Covariance, 3> KalmanFilter::linear_covariance() const {
+  return covariances(linear_);
+}
+
+}  // namespace farshade

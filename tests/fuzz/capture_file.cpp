@@ -1,0 +1,50 @@
+// Session files: any bytes. They are refused in one sentence that names them, or end; what was read is
+// written and read as the same bytes, and its views can be drawn.
+#include "vr_client/record/capture_reader.h"
+
+#include <sstream>
+
+#include "tests/fuzz/target.h"
+
+using namespace farshade;
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view text = fuzz::text_of(data, size);
+  Expected<CaptureReader> reader =
+      CaptureReader::over(std::make_unique<std::istringstream>(std::string(text)), "fuzzed");
+  const auto refused = [](const Error& error) {
+    check(error.what.starts_with("fuzzed"), "a refusal names the file");
+    for (const char c : error.what) check(c >= ' ' && c <= '~', "a refusal is one plain line");
+  };
+  if (!reader) return refused(reader.error()), 0;
+  std::vector<std::byte> again;
+  append(reader->header(), again);
+  for (;;) {
+    const Expected<std::optional<CapturedFrame>> frame = reader->next();
+    if (!frame) refused(frame.error());
+    if (!frame || !*frame) break;
+    for (const View& view : (*frame)->input.views) {
+      check(is_valid(view), "views can be drawn");
+      check(view.size == reader->header().limits.size, "views have the session's size");
+    }
+    check((*frame)->input.timing.period > Duration::zero(), "time can be divided by the period");
+    check((*frame)->asked || (*frame)->after.empty(), "nothing comes after no request");
+    append(**frame, again);
+  }
+  // A request in the file may say more than is read of it, so the bytes need not be those of the file.
+  Expected<CaptureReader> once_more =
+      CaptureReader::over(std::make_unique<std::istringstream>(
+                              std::string(reinterpret_cast<const char*>(again.data()), again.size())),
+                          "again");
+  check(once_more.has_value(), "what is written can be read");
+  std::vector<std::byte> third;
+  append(once_more->header(), third);
+  for (;;) {
+    const Expected<std::optional<CapturedFrame>> frame = once_more->next();
+    check(frame.has_value(), "what is written can be read");
+    if (!*frame) break;
+    append(**frame, third);
+  }
+  check(third == again, "what is read and written again is the same bytes");
+  return 0;
+}

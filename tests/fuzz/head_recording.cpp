@@ -1,0 +1,67 @@
+// Head traces: a text of any of the three formats is refused, or means a trace that holds what HeadRecording
+// promises and, written in either format, reads back bit for bit.
+#include <cmath>
+#include <cstring>
+
+#include "stereo/head/reader.h"
+#include "stereo/head/writer.h"
+#include "tests/fuzz/target.h"
+
+using namespace farshade;
+
+namespace {
+
+/// Bit for bit, so that no NaN hides; -0 is 0.
+bool is_same(double a, double b) {
+  return a == b || std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+bool is_same(const Rigid<Recorded, Head>& a, const Rigid<Recorded, Head>& b) {
+  const auto& [q, p] = a;
+  const auto& [r, s] = b;
+  return is_same(q.w, r.w) && is_same(q.x, r.x) && is_same(q.y, r.y) && is_same(q.z, r.z) &&
+         is_same(p.x, s.x) && is_same(p.y, s.y) && is_same(p.z, s.z);
+}
+
+void check_promises(const HeadRecording& trace) {
+  check(trace.samples.size() >= kFewestSamples, "samples enough");
+  for (std::size_t i = 0; i < trace.samples.size(); ++i) {
+    const auto& [time, head] = trace.samples[i];
+    check(i == 0 || trace.samples[i - 1].time < time, "stamps grow");
+    check(std::abs(glm::length(head.rotation) - 1.0) < 1e-12, "rotations are unit");
+    check(glm::length(head.translation) <= kFarthestHead_m, "heads are near");
+  }
+  const auto span = trace.end() - trace.start();
+  for (const Time time : {trace.start(), trace.start() + span / 3, trace.end() - Duration(1), trace.end()}) {
+    const auto head = head_at(trace, time);
+    check(std::abs(glm::length(head.rotation) - 1.0) < 1e-9, "rotations between samples are unit");
+    check(glm::length(head.translation) <= 1.001 * kFarthestHead_m, "heads between samples are near");
+  }
+}
+
+void check_same(const Expected<HeadRecording>& read, const HeadRecording& trace) {
+  check(read.has_value(), "what was written is read");
+  check_eq(read->samples.size(), trace.samples.size(), "samples");
+  for (std::size_t i = 0; i < trace.samples.size(); ++i) {
+    check(read->samples[i].time == trace.samples[i].time, "a time comes back");
+    check(is_same(read->samples[i].recorded_from_head, trace.samples[i].recorded_from_head),
+          "a pose comes back bit for bit");
+  }
+  check(read->fov == trace.fov && is_same(read->eye_distance_m, trace.eye_distance_m),
+        "the headset comes back");
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  // This name tells a scale, so EyeNavGS files pass.
+  const auto trace = parse_head_trace(fuzz::text_of(data, size), "eyenavgs_room.csv");
+  if (!trace) {
+    check(!trace.error().what.empty(), "a refusal says why");
+    return 0;
+  }
+  check_promises(*trace);
+  check_same(parse_head_trace(euroc_text(*trace), "a.csv"), *trace);
+  check_same(parse_head_trace(tum_text(*trace), "a.txt"), *trace);
+  return 0;
+}

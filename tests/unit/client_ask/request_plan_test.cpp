@@ -1,0 +1,272 @@
+#include "vr_client/ask/request_plan.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "stereo/math/rotation.h"
+
+#include "stereo/draw/frame_data.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kPeriod = 10ms;
+constexpr Extent kSize{320, 256};
+const Rigid<Stage, Head> kStart{rotation_exp({0.1, 0.4, -0.05}), {1, 1.6, -2}};
+const Twist kScrew{{0.1, 1.5, -0.05}, {0.3, 0, -0.4}};
+
+/// Eyes apart and canted outwards by the same angle.
+Rigid<Head, Eye> head_from(Side side) {
+  const double sign = side == Side::Left ? -1 : 1;
+  return {rotation_exp({0, -0.08 * sign, 0}), {0.032 * sign, 0, -0.01}};
+}
+
+StereoView views_of(const Rigid<Stage, Head>& head) {
+  StereoView views;
+  for (const Side side : kSides)
+    views[index_of(side)] = {head * head_from(side), {-0.8, 0.7, 0.6, -0.65}, kSize};
+  return views;
+}
+
+Rigid<Stage, Head> head_at(Duration time, const Twist& twist = kScrew) {
+  return kStart * motion_exp<Head>(twist * seconds_of(time));
+}
+
+/// What frame `i` shows of a head that moves with `twist`; the scene runs 7 ms behind.
+FrameRequest shown(std::uint32_t i, const Twist& twist = kScrew) {
+  const Duration now = kPeriod * i;
+  return {.frame = {i + 1},
+          .display_time = Time(now),
+          .scene_time = Time(now - 7ms),
+          .views = views_of(head_at(now, twist))};
+}
+
+double apart(const Rigid<Stage, Head>& a, const Rigid<Stage, Head>& b) {
+  return angle_between_rad(a.rotation, b.rotation) + glm::length(a.translation - b.translation);
+}
+
+TEST(HeadOf, IsTheMiddleOfBothEyes) {
+  const Rigid<Stage, Head> head = head_of(views_of(kStart));
+  EXPECT_LT(angle_between_rad(head.rotation, kStart.rotation), 1e-12);
+  EXPECT_LT(
+      glm::length(head.translation - (kStart * Rigid<Head, Head>{{1, 0, 0, 0}, {0, 0, -0.01}}).translation),
+      1e-12);
+}
+
+TEST(RequestPlan, HoldAsksForTheShownViewsAtTheirTime) {
+  RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off});
+  for (std::uint32_t i = 0; i < 50; ++i) {
+    const FrameRequest now = shown(i);
+    const auto asked = plan.ask(now, kPeriod);
+    ASSERT_TRUE(asked.has_value());
+    EXPECT_EQ(asked->frame, now.frame);
+    EXPECT_EQ(asked->display_time, now.display_time);
+    EXPECT_EQ(asked->scene_time, now.scene_time);
+    EXPECT_EQ(asked->views, now.views) << "to the last bit";
+    plan.learn(50ms);
+    EXPECT_EQ(plan.lead(kPeriod), 0ms);
+  }
+}
+
+TEST(RequestPlan, HeldViewsAreWidenedByWhatTheHeadTurnsInTheDelay) {
+  RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Measured});
+  std::optional<FrameRequest> asked;
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    plan.learn(50ms);
+    asked = plan.ask(shown(i), kPeriod);
+  }
+  const FrameRequest now = shown(59);
+  EXPECT_EQ(asked->display_time, now.display_time);
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    EXPECT_TRUE(shares_pixels(now.views[eye], asked->views[eye])) << "the same pose, the same grid";
+    // What is shown 50 ms later lies within what was asked for.
+    const Sides<double> out = outside_px(shown(64).views[eye], asked->views[eye]);
+    EXPECT_LE(out.left, 0.5);
+    EXPECT_LE(out.right, 0.5);
+  }
+  EXPECT_GT(grid_offset_px(now.views[0], asked->views[0]).x, 15) << "the head turns left";
+}
+
+class RequestPlanOf : public testing::TestWithParam<PredictorKind> {};
+
+TEST_P(RequestPlanOf, AsksForThePoseAtTheTimeOfUse) {
+  RequestPlan plan({.predictor = GetParam(), .guard_band = GuardBandUse::Off});
+  for (std::uint32_t i = 0; i < 200; ++i) {
+    const FrameRequest now = shown(i);
+    if (i > 3) plan.learn(40ms);
+    const auto asked = plan.ask(now, kPeriod);
+    ASSERT_TRUE(asked.has_value());
+    if (i < 120) continue;  // predictors learn the velocity first
+    EXPECT_EQ(asked->frame, now.frame);
+    EXPECT_EQ(asked->display_time, now.display_time + 40ms);
+    EXPECT_EQ(asked->scene_time, now.scene_time + 40ms);
+    const StereoView right = views_of(head_at(kPeriod * i + 40ms));
+    ASSERT_LT(apart(head_of(asked->views), head_of(right)), 4e-3) << "frame " << i;
+    EXPECT_GT(apart(head_of(now.views), head_of(right)), 0.05) << "a held head would be this far off";
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      EXPECT_EQ(asked->views[eye].fov, now.views[eye].fov);
+      EXPECT_EQ(asked->views[eye].size, now.views[eye].size);
+    }
+    const auto between_eyes = [](const StereoView& v) {
+      return inverse(v[0].stage_from_eye) * v[1].stage_from_eye;
+    };
+    const Rigid<Eye, Eye> a = between_eyes(asked->views), b = between_eyes(now.views);
+    EXPECT_LT(angle_between_rad(a.rotation, b.rotation) + glm::length(a.translation - b.translation), 1e-12)
+        << "the eyes stay where they are in the head";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kind, RequestPlanOf,
+                         testing::Values(PredictorKind::ConstantVelocity, PredictorKind::DoubleExponential,
+                                         PredictorKind::Kalman),
+                         [](const auto& tested) {
+                           std::string name(to_string(tested.param));
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+TEST(RequestPlan, AHeadAtRestIsAskedForAsItIsShown) {
+  RequestPlan plan({.guard_band = GuardBandUse::Measured});
+  for (std::uint32_t i = 0; i < 30; ++i) {
+    plan.learn(30ms);
+    const FrameRequest now = shown(i, Twist{});
+    const auto asked = plan.ask(now, kPeriod);
+    EXPECT_EQ(asked->display_time, now.display_time + 30ms);
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      EXPECT_EQ(asked->views[eye].stage_from_eye, now.views[eye].stage_from_eye) << "frame " << i;
+      EXPECT_EQ(asked->views[eye].size, now.views[eye].size) << "no guard band is needed";
+    }
+  }
+}
+
+TEST(RequestPlan, AsksOnEveryNthFrame) {
+  for (const std::uint32_t every : {1u, 2u, 3u, 8u}) {
+    RequestPlan plan({.every = every});
+    for (std::uint32_t i = 0; i < 40; ++i)
+      EXPECT_EQ(plan.ask(shown(i), kPeriod).has_value(), i % every == 0) << "frame " << i << " of " << every;
+  }
+}
+
+TEST(RequestPlanLead, IsTheMedianOfWhatWasLearned) {
+  RequestPlan plan({});
+  EXPECT_EQ(plan.lead(kPeriod), kPeriod) << "before anything is known";
+  for (const Duration later : {Duration(20ms), Duration(500ms), Duration(30ms)}) plan.learn(later);
+  EXPECT_EQ(plan.lead(kPeriod), 30ms);
+  for (int i = 0; i < 32; ++i) plan.learn(60ms);
+  EXPECT_EQ(plan.lead(kPeriod), 60ms) << "old ones are forgotten";
+}
+
+TEST(RequestPlanLead, AimsAtTheMiddleOfTheFramesThatAMaskIsUsedFor) {
+  for (const std::uint32_t every : {1u, 2u, 3u, 8u}) {
+    RequestPlan plan({.every = every});
+    plan.learn(20ms);
+    EXPECT_EQ(plan.lead(kPeriod), 20ms + kPeriod * (every - 1) / 2) << "one in " << every;
+  }
+}
+
+TEST(RequestPlan, NeverAsksForMoreThanMayBeAskedFor) {
+  RequestPlan plan(RequestSettings{});
+  plan.learn(20ms);
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    FrameRequest now = shown(i);
+    for (View& view : now.views) view.size = {kMaxViewSide_px, 256};
+    const std::optional<FrameRequest> asked = plan.ask(now, kPeriod);
+    ASSERT_TRUE(asked);
+    for (const View& view : asked->views) ASSERT_TRUE(is_valid(view)) << "frame " << i;
+  }
+}
+
+TEST(RequestPlan, AddsNoGuardBandBeyondWhatTheServerTraces) {
+  for (const bool limited : {false, true}) {
+    RequestPlan plan(RequestSettings{});
+    plan.learn(20ms);
+    std::size_t most = 0;
+    if (limited) plan.limit(static_cast<std::uint32_t>(shown(0).views[0].size.pixels()));
+    for (std::uint32_t i = 0; i < 20; ++i)
+      most = std::max<std::size_t>(most, plan.ask(shown(i), kPeriod)->views[0].size.pixels());
+    EXPECT_EQ(most > shown(0).views[0].size.pixels(), !limited);
+  }
+}
+
+TEST(RequestPlan, TracesWiderAfterAHeadThatTurnsAsNobodyForesees) {
+  RequestPlan plan({.predictor = PredictorKind::ConstantVelocity});
+  std::optional<FrameRequest> asked;
+  for (std::uint32_t i = 0; i < 140; ++i) {
+    plan.learn(40ms);
+    FrameRequest now = shown(i, Twist{});
+    // 3 Hz from side to side: what was so is not so 40 ms later.
+    now.views = views_of(kStart * motion_exp<Head>({{0, 0.15 * std::sin(19 * 0.01 * i), 0}, {}}));
+    asked = plan.ask(now, kPeriod);
+    const Extent most = largest_traced(kSize);
+    EXPECT_LE(asked->views[0].size.width, most.width);
+    EXPECT_LE(asked->views[0].size.height, most.height);
+    EXPECT_EQ(asked->views[0].size, asked->views[1].size);
+  }
+  EXPECT_GE(asked->views[0].size.width, kSize.width + 2 * GuardBand::kStep_px);
+}
+
+TEST(RequestPlanShrink, AsksForTheSameWindowsWithFewerPixels) {
+  for (const std::uint32_t eighths : {1u, 3u, 4u, 7u, 8u}) {
+    RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off});
+    plan.shrink(eighths);
+    const FrameRequest now = shown(0);
+    const std::optional<FrameRequest> asked = plan.ask(now, kPeriod);
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      const View &view = asked->views[eye], &full = now.views[eye];
+      EXPECT_EQ(view.fov, full.fov);
+      EXPECT_EQ(view.stage_from_eye, full.stage_from_eye);
+      EXPECT_NEAR(view.size.width, full.size.width * eighths / 8.0, 0.5) << eighths;
+      EXPECT_NEAR(view.size.height, full.size.height * eighths / 8.0, 0.5) << eighths;
+    }
+  }
+}
+
+TEST(RequestPlanShrink, LeavesSixteenPixelsOfASide) {
+  RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off});
+  plan.shrink(1);
+  FrameRequest now = shown(0);
+  for (View& view : now.views) view.size = {100, 9};
+  EXPECT_EQ(plan.ask(now, kPeriod)->views[0].size, (Extent{16, 9}));
+}
+
+TEST(RequestPlanShrink, KeepsTheGuardBandWhateverTheSize) {
+  RequestPlan full(RequestSettings{.predictor = PredictorKind::Hold}), half(full);
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    half.shrink(i % 20 < 10 ? 4 : 8);  // what was seen at another size counts as it did
+    for (RequestPlan* plan : {&full, &half}) plan->learn(50ms);
+    const std::optional<FrameRequest> wide = full.ask(shown(i), kPeriod), asked = half.ask(shown(i), kPeriod);
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      const EyeWindow a = window_of(wide->views[eye].fov), b = window_of(asked->views[eye].fov);
+      EXPECT_LE(b.left, a.left + 1e-9) << i;
+      EXPECT_GE(b.right, a.right - 1e-9) << i;
+      EXPECT_LE(asked->views[eye].size.width, wide->views[eye].size.width);
+      if (i % 20 >= 10) {
+        EXPECT_EQ(asked->views[eye], wide->views[eye]) << i;
+      }
+    }
+  }
+  EXPECT_GT(full.ask(shown(60), kPeriod)->views[0].size.width, kSize.width);
+}
+
+TEST(RequestPlan, LearnsNothingOfAPause) {
+  RequestPlan plan({});
+  plan.learn(30ms);
+  const Duration lead = plan.lead(10ms);
+  for (int i = 0; i < 100; ++i) plan.learn(60s);
+  EXPECT_EQ(plan.lead(10ms), lead);
+}
+
+TEST(RequestPlan, StandsStillWithTheScene) {
+  RequestPlan plan({.guard_band = GuardBandUse::Off});
+  plan.learn(30ms);
+  const FrameRequest shown{FrameId{1}, Time(1s), Time(5s), {}, {}};
+  EXPECT_GT(plan.ask(shown, 10ms)->scene_time, Time(5s));
+  EXPECT_EQ(plan.ask(shown, 10ms, SceneClock::Stands)->scene_time, Time(5s));
+  EXPECT_GT(plan.ask(shown, 10ms, SceneClock::Stands)->display_time, Time(1s));
+}
+
+}  // namespace
+}  // namespace farshade

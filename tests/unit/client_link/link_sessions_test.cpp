@@ -1,0 +1,256 @@
+/// What becomes of a client's session when its server is restarted, its path falls silent, its address
+/// changes, or somebody else speaks in its server's name.
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/unit/client_link/link_bench.h"
+
+namespace farshade {
+namespace {
+
+using namespace link_test;
+
+constexpr std::size_t kLong = 32;  ///< requests that the link keeps: more than are on the way
+
+/// A forger's datagrams have the server's address and all that can be seen on the wire.
+struct WatchedBench : LinkBench {
+  explicit WatchedBench(const LinkModels& models) : LinkBench(models, kLong) {
+    on_send = [this](std::span<const std::byte> datagram) {
+      const auto envelope = open_client_envelope(datagram);
+      if (!envelope) return false;
+      if (const auto* sealed = std::get_if<Sealed>(&*envelope)) session = sealed->session;
+      if (const auto* hello = std::get_if<Hello>(&*envelope)) echo = echo_of(hello->client);
+      return false;
+    };
+    start_server();
+    EXPECT_TRUE(link.meet(2s).has_value());
+    run(500ms);
+  }
+  template <class Envelope>
+  void forge(const Envelope& envelope) {
+    Bytes datagram;
+    encode(envelope, datagram);
+    forge_bytes(datagram);
+  }
+  void forge_bytes(const Bytes& datagram) { wire.server().send(wire.client().local(), datagram); }
+  void forge_everything() {
+    forge(NoSession{session});
+    forge(Retry{echo, Cookie{1}});
+    for (const RefusalReason reason : {RefusalReason::VersionMismatch, RefusalReason::UnknownKey})
+      forge(OpenRefusal{.reason = reason, .echo = echo});
+    Bytes accept;
+    encode(Accept{.echo = echo, .session = {99}, .server = {9}}, accept);
+    accept.resize(accept.size() + 60, std::byte{3});
+    forge_bytes(accept);
+    Bytes sealed;
+    encode(Sealed{.session = session, .counter = 1'000'000}, sealed);
+    sealed.resize(sealed.size() + 60, std::byte{3});
+    forge_bytes(sealed);
+  }
+
+  SessionId session;
+  Echo echo{};
+};
+
+struct Restart {
+  Duration delay;
+  bool hint;
+};
+class LinkRestart : public testing::TestWithParam<Restart> {};
+
+TEST_P(LinkRestart, MasksAreBackWithinASecond) {
+  MetBench bench(each_way(GetParam().delay), kLong);
+  bench.run(500ms);
+  if (!GetParam().hint)
+    bench.on_answer = [](std::span<const std::byte> datagram) {
+      const auto envelope = open_server_envelope(datagram);
+      return envelope && std::holds_alternative<NoSession>(*envelope);
+    };
+  for (int restart = 1; restart <= 3; ++restart) {
+    bench.start_server();
+    const Duration took = bench.run_until_masks(3s);
+    std::printf("restart at %g ms, %s the hint: masks after %g ms\n", ms_of(GetParam().delay),
+                GetParam().hint ? "with" : "without", ms_of(took));
+    // A mask that was on its way from the old server does not count: run_until_masks waits for a later one.
+    EXPECT_LE(took, 1s);
+    EXPECT_EQ(bench.link.counters().sessions, static_cast<std::uint64_t>(restart + 1));
+    EXPECT_FALSE(bench.link.refused().has_value());
+    bench.run(500ms);
+    EXPECT_EQ(bench.server->counters().sessions_open, 1u);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Delays, LinkRestart,
+                         testing::Values(Restart{0ms, true}, Restart{25ms, true}, Restart{100ms, true},
+                                         Restart{0ms, false}, Restart{25ms, false}, Restart{100ms, false}));
+
+TEST(LinkSession, OutlivesABusyServer) {
+  MetBench bench;
+  bench.trace_time = 700ms;  // a round of many clients
+  bench.run(10s);
+  EXPECT_EQ(bench.link.counters().sessions, 1u);
+  EXPECT_EQ(bench.server->counters().sessions.welcomed, 1u);
+  EXPECT_EQ(bench.server->counters().gate.retries, 1u) << "it was not even asked";
+  EXPECT_GE(bench.server->counters().frames, 13u);
+}
+
+TEST(LinkSession, IsNotEndedBySomebodyElse) {
+  for (const Duration delay : {0ms, 25ms, 100ms}) {
+    WatchedBench bench(each_way(delay));
+    const SessionId before = bench.session;
+    const std::uint64_t frames = bench.server->counters().frames;
+    for (int i = 0; i < 100; ++i) {
+      bench.forge_everything();
+      bench.run(kInterval);
+    }
+    bench.run(500ms);
+    EXPECT_EQ(bench.session, before);
+    EXPECT_EQ(bench.link.counters().sessions, 1u);
+    EXPECT_EQ(bench.server->counters().gate.retries, 1u) << "not a hello more";
+    EXPECT_GE(bench.server->counters().frames - frames, 98u);
+    EXPECT_TRUE(bench.link.welcomed());
+    EXPECT_FALSE(bench.link.refused().has_value());
+    EXPECT_EQ(bench.link.counters().undecodable[WireRefusal::Forged], 100u);
+  }
+}
+
+TEST(LinkSession, IsGotThoughSomebodyElseRefuses) {
+  LinkBench bench(each_way(25ms));
+  Echo echo{};
+  bench.on_send = [&](std::span<const std::byte> datagram) {
+    const auto envelope = open_client_envelope(datagram);
+    if (const auto* hello = envelope ? std::get_if<Hello>(&*envelope) : nullptr) {
+      echo = echo_of(hello->client);
+      Bytes refusal;
+      encode(OpenRefusal{.reason = RefusalReason::UnknownKey, .echo = echo}, refusal);
+      bench.wire.server().send(bench.wire.client().local(), refusal);  // it is there first
+    }
+    return false;
+  };
+  bench.start_server();
+  EXPECT_TRUE(bench.link.meet(2s).has_value());
+  EXPECT_FALSE(bench.link.refused().has_value());
+}
+
+TEST(LinkSession, GoesOnAtOnceAfterSilence) {
+  MetBench bench(each_way(25ms), kLong);
+  bench.run(1s);
+  bool silent = true;
+  bench.on_answer = [&](std::span<const std::byte>) { return silent; };
+  bench.on_send = [&](std::span<const std::byte>) { return silent; };
+  bench.run(2s);
+  silent = false;
+  const Duration took = bench.run_until_masks(2s);
+  std::printf("after silence: masks after %g ms\n", ms_of(took));
+  EXPECT_LE(took, 50ms + kInterval);
+  bench.run(2s);
+  EXPECT_EQ(bench.link.counters().sessions, 1u) << "the old one goes on";
+}
+
+TEST(LinkSession, FollowsItsClientWithinTwoRoundTrips) {
+  for (const Duration way : {0ms, 5ms, 25ms, 100ms}) {
+    MetBench bench(each_way(way), kLong);
+    bench.run(500ms);
+    for (int move = 0; move < 5; ++move) {
+      bench.wire.move_client(0);
+      const Duration took = bench.run_until_masks(3s);
+      EXPECT_LE(took, 4 * way + 2 * kInterval) << ms_of(way) << " ms";
+      bench.run(1s);
+    }
+    EXPECT_EQ(bench.link.counters().sessions, 1u);
+    EXPECT_EQ(bench.server->counters().sessions.moved, 5u);
+  }
+}
+
+TEST(LinkSession, StaysWithItsClientWhenItsDatagramsAreSentOnFromElsewhere) {
+  LinkBench bench(kSlow, kLong, 2);
+  bool steal = false;
+  std::size_t stolen_bytes = 0;
+  // What two clients say at once is heard in their order, and the thief is the first.
+  bench.on_send = [&](std::span<const std::byte> datagram) {
+    if (steal) {
+      bench.wire.client(0).send(bench.wire.server().local(), datagram);
+      stolen_bytes += datagram.size();
+    }
+    return false;
+  };
+  bench.start_server();
+  ASSERT_TRUE(bench.link.meet(2s).has_value());
+  bench.run(500ms);
+  steal = true;
+  const std::uint64_t before = bench.server->counters().frames;
+  std::size_t got = 0;  // by the thief
+  bench.on_event = [&] {
+    std::array<std::byte, kMaxDatagram_bytes> buffer;
+    while (const auto datagram = bench.wire.client(0).receive(buffer, 0s)) got += datagram->bytes.size();
+  };
+  bench.run(100 * kInterval);
+  EXPECT_EQ(bench.server->counters().sessions.moved, 0u);
+  EXPECT_GT(bench.server->counters().refused[WireRefusal::Replayed], 90u);
+  EXPECT_GE(bench.server->counters().frames - before, 98u);
+  EXPECT_GT(got, 0u) << "it was asked to prove itself";
+  EXPECT_LE(got, stolen_bytes);
+  std::size_t whole = 0;
+  for (const ReceivedFrame* frame : bench.link.inbox().received(Time::max()))
+    whole += frame->complete() ? 1 : 0;
+  EXPECT_GE(whole, kLong - 4) << "slices go to the client";
+}
+
+// ---- light changes
+
+/// Frames whose masks speak of what the server did not trace, over `time`.
+void change_lights_and_compare(LinkBench& bench, Duration time) {
+  std::set<std::uint32_t> compared;
+  const Time until = bench.clock.now() + time;
+  for (std::uint32_t n = 0; bench.clock.now() < until; ++n) {
+    change(bench.lights, (n * 7 + n / 5) % 20, n % 3 != 0, LightPose{.position = {{n * 0.01, 1, 2}}});
+    bench.run(kInterval);
+    for (const ReceivedFrame* frame : bench.link.inbox().received(Time::max())) {
+      const LightChanges& traced = bench.traced_lights.at(frame->request.frame.value);
+      ASSERT_EQ(frame->light_set_revision, traced.revision);
+      for (const LightChange& believed : frame->request.lights.lights)
+        ASSERT_NE(std::ranges::find(traced.lights, believed), traced.lights.end())
+            << "frame " << frame->request.frame.value << " light " << believed.light;
+      compared.insert(frame->request.frame.value);
+    }
+  }
+  EXPECT_GT(compared.size(), static_cast<std::size_t>(time / kInterval) / 5);
+}
+
+/// No change more: soon both sides have all of them.
+void expect_agreement(LinkBench& bench) {
+  bench.run(2s);
+  ASSERT_FALSE(bench.traced_lights.empty());
+  EXPECT_EQ(bench.traced_lights.rbegin()->second, bench.lights);
+}
+
+constexpr LinkModel kRough{.delay = 15ms, .jitter = 20ms, .loss = 0.3, .reorder = 0.1};
+
+TEST(LinkLights, ChangesGoUntilAcknowledgedAndBothSidesSpeakOfTheSame) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    SCOPED_TRACE(seed);
+    LinkBench bench({.to_server = kRough, .to_client = kRough, .seed = seed}, kLong);
+    bench.start_server();
+    ASSERT_TRUE(bench.link.meet(10s).has_value());
+    change_lights_and_compare(bench, 5s);
+    expect_agreement(bench);
+  }
+}
+
+TEST(LinkLights, RestartedServerIsToldAllOfThem) {
+  LinkBench bench({.to_server = kRough, .to_client = kRough, .seed = 5}, kLong);
+  bench.start_server();
+  ASSERT_TRUE(bench.link.meet(10s).has_value());
+  change_lights_and_compare(bench, 3s);
+  for (int restart = 0; restart < 3; ++restart) {
+    bench.start_server();
+    change_lights_and_compare(bench, 3s);
+  }
+  expect_agreement(bench);
+  EXPECT_EQ(bench.lights.lights.size(), 20u);
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,94 @@
+#include "vr_client/preview/history.h"
+
+#include <gtest/gtest.h>
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Frames whose parts a test sets before it shows them.
+struct Shown {
+  FrameRequest request;
+  SceneState state;
+  StageTimes times;
+  StageStarts starts;
+  FrameSettings steering;
+  std::optional<FrameRequest> asked;
+
+  Shown() {
+    for (View& view : request.views) view.size = {100, 100};
+  }
+  [[nodiscard]] FrameView view() const {
+    return {.shown = request,
+            .asked = asked ? &*asked : nullptr,
+            .state = state,
+            .masks = {},
+            .newest = nullptr,
+            .age = std::nullopt,
+            .times = times,
+            .starts = starts,
+            .steering = steering,
+            .timing = {}};
+  }
+};
+
+TEST(History, StacksAFramesStagesToItsWholeTime) {
+  Shown shown;
+  shown.times = {.request = 1ms, .collect = 2ms, .gbuffer = 10ms, .depth = 3ms, .shade = 5ms, .draw = 20ms};
+  shown.starts.end = Time(100ms);
+  History history;
+  history.add(shown.view(), {}, nullptr, Time(107ms));
+  ASSERT_EQ(history.bars().size(), 1u);
+  const FrameBar& bar = history.bars().front();
+  EXPECT_EQ(bar.other, 2ms);
+  EXPECT_EQ(bar.watch, 7ms);
+  EXPECT_EQ(bar.request + bar.collect + bar.gbuffer + bar.depth + bar.shade + bar.other + bar.watch, 30ms);
+}
+
+TEST(History, KeepsAGraphsFramesAndTwoSecondsOfFigures) {
+  Shown shown;
+  History history;
+  for (int frame = 0; frame < 300; ++frame) {
+    shown.times.frame = frame < 150 ? 40ms : 10ms;
+    history.add(shown.view(), {}, nullptr, Time(20ms * frame));
+  }
+  EXPECT_EQ(history.bars().size(), kGraphFrames);
+  const Figures figures = history.figures();
+  EXPECT_NEAR(figures.frames_per_s, 50, 1e-9);
+  EXPECT_EQ(figures.frame_ms, 10) << "the first half lies more than two seconds back";
+}
+
+TEST(History, SaysNothingOfWhatIsNotThere) {
+  Shown shown;
+  History history;
+  EXPECT_EQ(history.figures().frame_ms, std::nullopt);
+  history.add(shown.view(), {}, nullptr, Time(1ms));
+  const Figures figures = history.figures();
+  EXPECT_EQ(figures.staleness_ms, std::nullopt);
+  EXPECT_EQ(figures.round_trip_ms, std::nullopt);
+  EXPECT_EQ(figures.loss_percent, std::nullopt);
+  EXPECT_EQ(figures.errors, std::nullopt);
+}
+
+TEST(History, TellsTheGuardBandOfTheNewestRequest) {
+  Shown shown;
+  shown.asked = shown.request;
+  for (View& view : shown.asked->views) view.size = {120, 110};
+  History history;
+  history.add(shown.view(), {}, nullptr, Time(1ms));
+  EXPECT_NEAR(*history.figures().guard_band_percent, 32, 1e-9);
+  EXPECT_EQ(history.figures().asked, (Extent{120, 110}));
+}
+
+TEST(History, ForgetsErrorsOnceNothingIsMeasured) {
+  Shown shown;
+  History history;
+  history.add(shown.view(), PerEye<EyeErrors>{}, nullptr, Time(1ms));
+  EXPECT_TRUE(history.figures().errors);
+  history.add(shown.view(), {}, nullptr, Time(2ms));
+  EXPECT_FALSE(history.figures().errors);
+}
+
+}  // namespace
+}  // namespace farshade

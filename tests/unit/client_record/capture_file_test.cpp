@@ -1,0 +1,281 @@
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "stereo/base/files.h"
+#include "tests/unit/client_record/capture_samples.h"
+#include "tests/unit/scratch_folder.h"
+
+namespace farshade {
+namespace {
+
+using namespace record_samples;
+
+constexpr Time kEarliest(-Duration(std::int64_t{1} << 61)), kLatest(Duration(std::int64_t{1} << 61));
+
+/// What a file holds, as far as it can be read; the error, if there is one, is returned.
+std::optional<Error> read_all(std::span<const std::byte> bytes, std::vector<CapturedFrame>& frames) {
+  Expected<CaptureReader> reader = reader_of(bytes);
+  if (!reader) return reader.error();
+  for (;;) {
+    Expected<std::optional<CapturedFrame>> next = reader->next();
+    if (!next) return next.error();
+    if (!*next) return std::nullopt;
+    frames.push_back(std::move(**next));
+  }
+}
+
+/// Every field is a byte of the file: what is read and written again is the same bytes.
+void expect_round_trip(const CaptureHeader& header, const std::vector<CapturedFrame>& frames) {
+  const Bytes file = file_of(header, frames);
+  std::vector<CapturedFrame> read;
+  const std::optional<Error> wrong = read_all(file, read);
+  ASSERT_FALSE(wrong.has_value()) << wrong->what;
+  ASSERT_EQ(read.size(), frames.size());
+  EXPECT_EQ(file_of(reader_of(file)->header(), read), file);
+}
+
+TEST(SessionFile, IsReadAsItWasWritten) {
+  const CaptureHeader wanted = header();
+  const Bytes file = file_of(wanted, std::vector{frame(1), frame(2)});
+  const CaptureHeader got = reader_of(file)->header();
+  EXPECT_EQ(got.scene, wanted.scene);
+  EXPECT_EQ(got.scene_hash, wanted.scene_hash);
+  EXPECT_EQ(got.lights, wanted.lights);
+  EXPECT_EQ(got.origin, wanted.origin);
+  EXPECT_EQ(got.limits.size, wanted.limits.size);
+  EXPECT_EQ(got.limits.traced_size, wanted.limits.traced_size);
+  EXPECT_EQ(got.limits.depth_frames, wanted.limits.depth_frames);
+  EXPECT_EQ(got.requests, wanted.requests);
+  EXPECT_EQ(got.refresh_hz, wanted.refresh_hz);
+  EXPECT_EQ(got.policy.pace, wanted.policy.pace);
+  EXPECT_EQ(got.policy.round_trip, wanted.policy.round_trip);
+  EXPECT_EQ(got.device, wanted.device);
+  std::vector<CapturedFrame> read;
+  ASSERT_FALSE(read_all(file, read).has_value());
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_EQ(read[1].input.timing.display_time, frame(2).input.timing.display_time);
+  EXPECT_EQ(read[1].input.timing.period, frame(2).input.timing.period);
+  EXPECT_EQ(read[1].input.views, frame(2).input.views);
+  ASSERT_EQ(read[1].before.size(), 2u);
+  EXPECT_EQ(read[1].before[1].bytes, frame(2).before[1].bytes);
+  ASSERT_TRUE(read[1].asked.has_value());
+  EXPECT_EQ(read[1].asked->request.frame, FrameId{2});
+  EXPECT_EQ(read[1].asked->sent, frame(2).asked->sent);
+  ASSERT_EQ(read[1].after.size(), 1u);
+  EXPECT_EQ(read[1].after[0].arrived, frame(2).after[0].arrived);
+  EXPECT_EQ(read[1].shown, frame(2).shown);
+}
+
+TEST(SessionFile, KeepsExtremes) {
+  CaptureHeader big = header();
+  big.scene = std::string(kMaxSessionText_bytes, 's');
+  big.device = "";
+  big.lights = kMaxLights;
+  big.limits = {{kMaxViewSide_px, 1}, {kMaxViewSide_px, 1}, 4096};
+  big.requests = Assembler::kKept + 1;
+  big.policy = {Pace::Virtual, kLatest - Time{}, kLatest - Time{}, kLatest - Time{}};
+  CapturedFrame all = frame(1), none;
+  all.before.clear();
+  for (CapturedFrame* each : {&all, &none}) {
+    each->input = input(1);
+    each->input.timing.display_time = each == &all ? kEarliest : kLatest;
+    for (View& view : each->input.views) view.stage_from_eye.translation = {1e9, -1e9, 0x1p-1074};
+  }
+  FrameSettings& steering = all.input.steering;
+  steering.wish = {PredictorKind::Hold, GuardBandUse::Off, 1024};
+  steering.carry_over = {Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest};
+  steering.scene = SceneClock::Stands;
+  none.input.steering.wish = {PredictorKind::DoubleExponential, GuardBandUse::Off, 1};
+  steering.lights.revision = kFirstLightSet;
+  for (std::uint32_t light = 0; light < kMaxLights; ++light)
+    change(steering.lights, kMaxLights - 1 - light, light % 2 == 0,
+           light % 3 == 0 ? std::nullopt : std::optional(LightPose{.position = {{1e9, 0, -1e9}}}));
+  expect_round_trip(big, {all, none});
+}
+
+TEST(SessionFile, KeepsSteeringWhateverItIs) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    CapturedFrame one = frame(1);
+    FrameSettings& steering = one.input.steering;
+    steering.wish = {kPredictorKinds[random() % 4], static_cast<GuardBandUse>(random() % 2),
+                     1 + static_cast<std::uint32_t>(random() % 64),
+                     static_cast<std::uint32_t>(random() % (kWidestBand_percent + 1))};
+    steering.carry_over = {static_cast<Lookup>(random() % 2), static_cast<Eyes>(random() % 2),
+                           static_cast<Gaps>(random() % 2), static_cast<Edges>(random() % 2)};
+    steering.scene = static_cast<SceneClock>(random() % 2);
+    std::vector<CapturedFrame> read;
+    ASSERT_FALSE(read_all(file_of(header(), std::vector{one}), read).has_value());
+    const FrameSettings& got = read.at(0).input.steering;
+    EXPECT_EQ(got.wish.predictor, steering.wish.predictor);
+    EXPECT_EQ(got.wish.guard_band, steering.wish.guard_band);
+    EXPECT_EQ(got.wish.every, steering.wish.every);
+    EXPECT_EQ(got.wish.guard_band_percent, steering.wish.guard_band_percent);
+    EXPECT_EQ(got.carry_over, steering.carry_over);
+    EXPECT_EQ(got.scene, steering.scene);
+  }
+}
+
+TEST(SessionFile, CutsTextsAndRidsThemOfControlCharacters) {
+  CaptureHeader odd = header();
+  odd.scene = "a\x1b[2Jb\n" + std::string(1000, 'c');
+  odd.device = "Gr\xc3\xa4te";
+  const CaptureHeader got = reader_of(file_of(odd, {}))->header();
+  EXPECT_EQ(got.scene, "a?[2Jb?" + std::string(kMaxSessionText_bytes - 7, 'c'));
+  EXPECT_EQ(got.device, odd.device);
+}
+
+TEST(SessionFile, MessagesOfAFrameThatAsksForNothingComeBefore) {
+  CapturedFrame quiet = frame(1);
+  quiet.asked.reset();
+  std::vector<CapturedFrame> read;
+  ASSERT_FALSE(read_all(file_of(header(), std::vector{quiet}), read).has_value());
+  EXPECT_EQ(read.at(0).before.size(), 3u);
+  EXPECT_TRUE(read.at(0).after.empty());
+}
+
+TEST(SessionFileTruncated, AnywhereEndsWithTheLastWholeFrame) {
+  Bytes file;
+  append(header(), file);
+  const std::size_t header_end = file.size();
+  append(frame(1), file);
+  const std::size_t first_end = file.size();
+  append(frame(2), file);
+  for (std::size_t size = 0; size <= file.size(); ++size) {
+    const Bytes cut(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(size));
+    std::vector<CapturedFrame> read;
+    const std::optional<Error> wrong = read_all(cut, read);
+    EXPECT_EQ(wrong.has_value(), size < header_end) << size;
+    EXPECT_EQ(read.size(), size < first_end ? 0u : size < file.size() ? 1u : 2u) << size;
+  }
+}
+
+TEST(SessionFileFlipped, BytesAreRefusedOrReadAndNothingElse) {
+  const Bytes good = file_of(header(), std::vector{frame(1), frame(2)});
+  std::size_t refused = 0;
+  for (std::size_t at = 0; at < good.size(); ++at)
+    for (const unsigned mask : {1u, 0x80u, 0xffu}) {
+      Bytes bad = good;
+      bad[at] ^= static_cast<std::byte>(mask);
+      std::vector<CapturedFrame> read;
+      const std::optional<Error> wrong = read_all(bad, read);
+      if (!wrong) continue;
+      ++refused;
+      EXPECT_TRUE(wrong->what.starts_with("a.session")) << wrong->what;
+    }
+  EXPECT_GT(refused, 100u);
+}
+
+struct Wrong {
+  const char* name;
+  std::function<void(Bytes& file)> spoil;
+  const char* what;
+};
+
+/// Where the second record begins.
+std::size_t first_frame_at() {
+  Bytes file;
+  append(header(), file);
+  return file.size();
+}
+
+void set_u32(Bytes& file, std::size_t at, std::uint32_t value) {
+  for (int i = 0; i < 4; ++i, value >>= 8) file[at++] = static_cast<std::byte>(value);
+}
+
+TEST(SessionFileWrong, IsNamedWithFileAndByte) {
+  const std::size_t frame_at = first_frame_at();
+  const std::string at = "a.session: byte " + std::to_string(frame_at) + ": ";
+  const std::vector<Wrong> all{
+      {"magic", [](Bytes& f) { f[0] = {}; }, "a.session is no session file"},
+      {"version", [](Bytes& f) { f[4] = std::byte{9}; }, "a.session is a session file of version 9."},
+      {"no header", [](Bytes& f) { f[8] = std::byte{2}; }, "a.session: byte 8: does not begin with a header"},
+      {"kind", [=](Bytes& f) { f[frame_at] = std::byte{77}; }, "no kind of record"},
+      {"length", [=](Bytes& f) { set_u32(f, frame_at + 1, kMaxRecord_bytes + 1); },
+       "a record of 16385 bytes"},
+      {"short", [=](Bytes& f) { set_u32(f, frame_at + 1, 3); }, "frame: truncated"},
+      {"order", [=](Bytes& f) { f[frame_at] = std::byte{5}; }, "shown pictures of no frame"},
+      {"time", [=](Bytes& f) { f[frame_at + kRecordHead_bytes + 7] = std::byte{0x7f}; }, "frame: time range"},
+      {"period",
+       [=](Bytes& f) {
+         for (int i = 8; i < 16; ++i) f[frame_at + 5 + static_cast<unsigned>(i)] = {};
+       },
+       "frame: time range"},
+      {"view",
+       [=](Bytes& f) {
+         for (unsigned i = 16; i < 24; ++i) f[frame_at + 5 + i] = std::byte{0xff};
+       },
+       "frame: view range"},
+      {"code", [=](Bytes& f) { f[frame_at + 5 + 16 + 2 * 88] = std::byte{4}; }, "frame: code"},
+  };
+  for (const Wrong& wrong : all) {
+    Bytes file = file_of(header(), std::vector{frame(1)});
+    wrong.spoil(file);
+    std::vector<CapturedFrame> read;
+    const std::optional<Error> error = read_all(file, read);
+    ASSERT_TRUE(error.has_value()) << wrong.name;
+    const std::string wanted =
+        std::string(wrong.what).starts_with("a.session") ? wrong.what : at + wrong.what;
+    EXPECT_TRUE(error->what.starts_with(wanted)) << wrong.name << ": " << error->what;
+  }
+}
+
+/// Frames that no recorder writes in this order or this session.
+TEST(SessionFileWrong, IsWhatContradictsItself) {
+  const auto error_of = [](const CaptureHeader& head, const std::vector<CapturedFrame>& frames) {
+    std::vector<CapturedFrame> read;
+    return read_all(file_of(head, frames), read).value_or(Error{Fault::Missing, ""}).what;
+  };
+  EXPECT_NE(error_of(header(), {frame(2), frame(1)}).find("time runs backwards"), std::string::npos);
+  CaptureHeader alone = header();
+  alone.origin = MaskOrigin::OwnTracer;
+  EXPECT_NE(error_of(alone, {frame(1)}).find("without a server"), std::string::npos);
+  CaptureHeader narrow = header();
+  narrow.limits.traced_size = narrow.limits.size;
+  EXPECT_NE(error_of(narrow, {frame(1)}).find("guard band"), std::string::npos);
+  CaptureHeader other = header();
+  other.lights = 4;
+  EXPECT_NE(error_of(other, {frame(1)}).find("another scene"), std::string::npos);
+}
+
+TEST(SessionFileWrong, RefusesHeadersThatNoSessionHas) {
+  // Where the origin, the traced size and the numbers of frames lie.
+  const std::size_t origin = 8 + 5 + 1 + header().scene.size() + 32 + 2;
+  for (const auto& [at, value] : {std::pair<std::size_t, unsigned>{origin, 3},
+                                  {origin + 1, 0},
+                                  {origin + 5, 1},
+                                  {origin + 12, 1},
+                                  {origin + 13, 1},
+                                  {origin + 25, 2}}) {
+    Bytes file = file_of(header(), {});
+    file[at] = static_cast<std::byte>(value);
+    EXPECT_FALSE(reader_of(file).has_value()) << "byte " << at - origin << " after the origin";
+  }
+}
+
+TEST(SessionFileOpen, SaysWhatIsWrongWithAFile) {
+  const ScratchFolder folder;
+  EXPECT_EQ(CaptureReader::open(folder.path() / "none").error().fault, Fault::Missing);
+  EXPECT_EQ(CaptureReader::open(folder.path()).error().fault, Fault::Unreadable);
+  ASSERT_TRUE(write_file_atomically(folder.path() / "text", "once upon a time").has_value());
+  EXPECT_EQ(CaptureReader::open(folder.path() / "text").error().fault, Fault::Unsupported);
+  ASSERT_TRUE(
+      write_file_atomically(folder.path() / "good", file_of(header(), std::vector{frame(1), frame(2)}))
+          .has_value());
+  EXPECT_EQ(count_frames(folder.path() / "good").value(), 2u);
+}
+
+TEST(PictureHash, TellsPixelsAndShapesApart) {
+  Image<Rgb8> picture({4, 2});
+  const PictureHash black = hash_of(picture);
+  EXPECT_NE(hash_of(Image<Rgb8>({2, 4})), black);
+  picture.at(3, 1).z = 1;
+  EXPECT_NE(hash_of(picture), black);
+  picture.at(3, 1).z = 0;
+  EXPECT_EQ(hash_of(picture), black);
+}
+
+}  // namespace
+}  // namespace farshade

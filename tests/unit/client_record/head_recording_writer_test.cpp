@@ -1,0 +1,60 @@
+#include <gtest/gtest.h>
+
+#include "stereo/head/reader.h"
+#include "stereo/math/rotation.h"
+#include "tests/unit/scratch_folder.h"
+#include "vr_client/record/head_recording_writer.h"
+#include "vr_client/runtime/headset.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+const Headset kHeadset{0.061, {EyeFov{-0.9, 0.7, 0.7, -0.8}, EyeFov{-0.7, 0.9, 0.7, -0.8}}, {64, 48}};
+
+Rigid<Stage, Head> head_of_frame(int frame) {
+  const double t = 0.1 * frame;
+  return {rotation_exp({0.3 * t, -0.7 * t, 0.05 * t}), {1 + t, 1.6 - 0.1 * t, -t * t}};
+}
+
+TEST(HeadRecordingWriter, WritesWhatLoadsAsTheSameHead) {
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder.path() / "head.csv";
+  HeadRecordingWriter recorder;
+  for (int frame = 0; frame < 50; ++frame)
+    recorder.add(Time(5s + 13'888'889ns * frame), views_of(head_of_frame(frame), kHeadset));
+  ASSERT_TRUE(recorder.write(path).has_value());
+  const HeadRecording loaded = load_head_recording(path).value();
+  ASSERT_EQ(loaded.samples.size(), 50u);
+  EXPECT_NEAR(loaded.eye_distance_m, kHeadset.eye_distance_m, 1e-12);
+  EXPECT_EQ(loaded.fov, kHeadset.fov);
+  for (int frame = 0; frame < 50; ++frame) {
+    const Rigid<Recorded, Head> got = head_at(loaded, Time(5s + 13'888'889ns * frame));
+    const Rigid<Stage, Head> wanted = head_of_frame(frame);
+    EXPECT_LT(glm::length(got.translation - wanted.translation), 1e-12) << frame;
+    EXPECT_GT(std::abs(glm::dot(got.rotation, wanted.rotation)), 1 - 1e-12) << frame;
+    EXPECT_EQ(head_at(loaded, Time(5s + 13'888'889ns * frame)),
+              head_at(recorder.trace(), Time(5s + 13'888'889ns * frame)));
+  }
+}
+
+TEST(HeadRecordingWriter, LeavesOutTimesThatDoNotGoOn) {
+  HeadRecordingWriter recorder;
+  for (const int ms : {10, 20, 20, 15, 30})
+    recorder.add(Time(std::chrono::milliseconds(ms)), views_of(head_of_frame(ms), kHeadset));
+  ASSERT_EQ(recorder.trace().samples.size(), 3u);
+  EXPECT_EQ(recorder.trace().end(), Time(30ms));
+}
+
+TEST(HeadRecordingWriter, RefusesWhatIsTooShortToBeLoaded) {
+  const ScratchFolder folder;
+  HeadRecordingWriter recorder;
+  recorder.add(Time(1s), views_of(head_of_frame(0), kHeadset));
+  recorder.add(Time(2s), views_of(head_of_frame(1), kHeadset));
+  EXPECT_EQ(recorder.write(folder.path() / "head.csv").error().fault, Fault::OutOfRange);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "head.csv"));
+}
+
+}  // namespace
+}  // namespace farshade

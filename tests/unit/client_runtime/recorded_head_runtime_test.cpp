@@ -1,0 +1,117 @@
+#include "vr_client/runtime/recorded_head_runtime.h"
+
+#include <gtest/gtest.h>
+
+#include "stereo/math/rotation.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Time kStart = time_from_ns(7'000'000'123);
+
+/// One second in which the head walks 2 m ahead and turns left by a right angle.
+HeadRecording walk() {
+  HeadRecording trace{.samples = {}, .eye_distance_m = 0.07, .fov = {}};
+  trace.samples.push_back({kStart, {glm::dquat(1, 0, 0, 0), {0, 1.6, 0}}});
+  trace.samples.push_back({kStart + 1s, {rotation_exp({0, 1.57079632679, 0}), {0, 1.6, -2}}});
+  trace.fov = {EyeFov{-0.9, 0.7, 0.6, -0.5}, EyeFov{-0.7, 0.9, 0.6, -0.5}};
+  return trace;
+}
+
+HeadPlayback playback(double refresh_hz, Duration skip = {}, std::optional<std::uint32_t> frames = {}) {
+  return {.stage_from_recorded = {},
+          .eye_size = {96, 64},
+          .refresh_hz = refresh_hz,
+          .skip = skip,
+          .frames = frames};
+}
+
+std::vector<Time> display_times(RecordedHeadRuntime& runtime) {
+  std::vector<Time> times;
+  while (const auto timing = runtime.wait_frame()) {
+    times.push_back(timing->display_time);
+    runtime.end_frame(timing->display_time);
+  }
+  return times;
+}
+
+TEST(RecordedHeadRuntime, GivesEveryDisplayTimeOfTheRecording) {
+  const HeadRecording trace = walk();
+  RecordedHeadRuntime runtime(trace, playback(72));
+  EXPECT_EQ(runtime.frame_count(), 73u);
+  const std::vector<Time> times = display_times(runtime);
+  ASSERT_EQ(times.size(), 73u);
+  EXPECT_EQ(times[0], trace.start());
+  EXPECT_EQ(times[1], trace.start() + 13'888'889ns);
+  EXPECT_EQ(times[72], trace.end()) << "no drift: each time is rounded on its own";
+  EXPECT_EQ(runtime.skipped(), 0u);
+}
+
+TEST(RecordedHeadRuntime, StatesThePeriod) {
+  const HeadRecording trace = walk();
+  RecordedHeadRuntime runtime(trace, playback(90));
+  EXPECT_EQ(runtime.wait_frame()->period, 11'111'111ns);
+}
+
+TEST(RecordedHeadRuntime, SkipsTheBeginningAndStopsAfterTheFramesAskedFor) {
+  const HeadRecording trace = walk();
+  RecordedHeadRuntime runtime(trace, playback(10, 250ms, 3));
+  EXPECT_EQ(runtime.frame_count(), 3u);
+  EXPECT_EQ(display_times(runtime), (std::vector<Time>{kStart + 250ms, kStart + 350ms, kStart + 450ms}));
+  EXPECT_FALSE(runtime.wait_frame().has_value()) << "the end stays the end";
+}
+
+TEST(RecordedHeadRuntime, EndsWithTheRecordingHoweverManyFramesAreAskedFor) {
+  const HeadRecording trace = walk();
+  const RecordedHeadRuntime runtime(trace, playback(10, 800ms, 1000));
+  EXPECT_EQ(runtime.frame_count(), 3u);
+}
+
+TEST(RecordedHeadRuntime, RealTimeShowsOrCountsEveryDisplayTime) {
+  const HeadRecording trace = walk();
+  HeadPlayback fast = playback(1000, 990ms);
+  fast.pace = Pace::Real;
+  RecordedHeadRuntime runtime(trace, fast);
+  const Stopwatch watch;
+  const std::vector<Time> times = display_times(runtime);
+  EXPECT_GE(watch.elapsed(), 10ms);
+  EXPECT_EQ(times.size() + runtime.skipped(), runtime.frame_count());
+  EXPECT_EQ(times.back(), trace.end()) << "the last one is shown, however late";
+}
+
+TEST(RecordedHeadRuntime, EyesAreOneEyeDistanceApartLeftEyeOnTheLeft) {
+  const HeadRecording trace = walk();
+  const RecordedHeadRuntime runtime(trace, playback(72));
+  for (const Duration after : {0ms, 300ms, 1000ms}) {
+    const StereoView views = runtime.locate_views(kStart + after);
+    const Point<Stage> right{views[1].stage_from_eye.translation};
+    const Point<Eye> right_in_left = inverse(views[0].stage_from_eye)(right);
+    EXPECT_LT(glm::length(right_in_left.v - glm::dvec3(0.07, 0, 0)), 1e-12) << after.count();
+  }
+}
+
+TEST(RecordedHeadRuntime, EachEyeHasItsOwnFovAndTheSizeAskedFor) {
+  const HeadRecording trace = walk();
+  const StereoView views = RecordedHeadRuntime(trace, playback(72)).locate_views(kStart);
+  EXPECT_EQ(views[0].fov, trace.fov[0]);
+  EXPECT_EQ(views[1].fov, trace.fov[1]);
+  EXPECT_NE(views[0].fov, views[1].fov);
+  for (const View& view : views) EXPECT_EQ(view.size, (Extent{96, 64}));
+}
+
+TEST(RecordedHeadRuntime, CarriesTheRecordingToItsPlaceInTheStage) {
+  const HeadRecording trace = walk();
+  const Rigid<Stage, Recorded> placed{rotation_exp({0, -1.57079632679, 0}), {100, 0, 50}};
+  HeadPlayback elsewhere = playback(72);
+  elsewhere.stage_from_recorded = placed;
+  const RecordedHeadRuntime runtime(trace, elsewhere);
+  const StereoView views = runtime.locate_views(kStart + 500ms);
+  const glm::dvec3 head = (views[0].stage_from_eye.translation + views[1].stage_from_eye.translation) * 0.5;
+  EXPECT_LT(glm::length(head - glm::dvec3(101, 1.6, 50)), 1e-9) << "ahead was turned to +x";
+  EXPECT_NEAR(heading_rad(views[0].stage_from_eye.rotation), -1.57079632679 / 2, 1e-9);
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,43 @@
+/// Real heads (EyeNavGS), where they lie beside the repository: their speeds are those their README states.
+#include <gtest/gtest.h>
+
+#include "stereo/base/quantile.h"
+#include "stereo/head/reader.h"
+#include "tests/unit/head/head_speed.h"
+
+namespace farshade {
+namespace {
+
+struct Recording {
+  const char* file;
+  double seconds, median, p99, largest;  ///< degrees/s
+};
+std::ostream& operator<<(std::ostream& out, const Recording& recording) {
+  return out << recording.file;
+}
+
+class RecordedHead : public testing::TestWithParam<Recording> {};
+
+TEST_P(RecordedHead, TurnsAsFastAsItsReadmeSays) {
+  const auto& [file, seconds, median, p99, largest] = GetParam();
+  const auto trace = load_head_recording(std::string(FARSHADE_TRACES "/") + file);
+  ASSERT_TRUE(trace) << trace.error().what;
+  const std::vector<double> speeds = turn_speeds_deg_s(*trace, trace->end());
+  EXPECT_NEAR(seconds_of(trace->end() - trace->start()), seconds, 1.0);
+  EXPECT_NEAR(quantile(speeds, 0.5), median, 0.1 * median);
+  EXPECT_NEAR(quantile(speeds, 0.99), p99, 0.1 * p99);
+  EXPECT_NEAR(quantile(speeds, 1.0), largest, 0.1 * largest);
+  EXPECT_GT(trace->eye_distance_m, 0.058);
+  EXPECT_LT(trace->eye_distance_m, 0.068);
+  EXPECT_EQ(trace->fov, kDefaultFov);
+  EXPECT_EQ(trace->rows_left_out, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(EyeNavGs, RecordedHead,
+                         testing::Values(Recording{"eyenavgs_truck_user101.csv", 76, 24, 110, 259},
+                                         Recording{"eyenavgs_truck_user102.csv", 79, 35, 159, 246},
+                                         Recording{"eyenavgs_truck_user104.csv", 66, 39, 161, 321},
+                                         Recording{"eyenavgs_room_user103.csv", 64, 30, 118, 189}));
+
+}  // namespace
+}  // namespace farshade

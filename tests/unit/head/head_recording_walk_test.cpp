@@ -1,0 +1,54 @@
+/// The bundled walk is what its maker says of it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "stereo/base/quantile.h"
+#include "stereo/head/reader.h"
+#include "tests/unit/head/head_speed.h"
+
+namespace farshade {
+namespace {
+
+HeadRecording walk() {
+  return load_head_recording(FARSHADE_ASSETS "/walk.csv").value();
+}
+
+TEST(BundledWalk, LastsTwentySecondsAtSeventyTwoHertz) {
+  const HeadRecording trace = walk();
+  EXPECT_EQ(trace.samples.size(), 20u * 72u + 1u);
+  EXPECT_EQ(ns_of(trace.start()), 1'000'000'000'000);
+  EXPECT_EQ(trace.end() - trace.start(), std::chrono::seconds(20));
+  EXPECT_NE(trace.fov[0], trace.fov[1]);
+}
+
+TEST(BundledWalk, StartsCalmAndTurnsFastWithinFourSeconds) {
+  const HeadRecording trace = walk();
+  const auto speeds = [&](int s) {
+    return turn_speeds_deg_s(trace, trace.start() + std::chrono::seconds(s));
+  };
+  EXPECT_LT(quantile(speeds(1), 1.0), 60.0);
+  EXPECT_GT(quantile(speeds(4), 1.0), 150.0);
+  EXPECT_LT(quantile(speeds(20), 1.0), 250.0);
+}
+
+TEST(BundledWalk, StaysInTheRoomsFreeStrip) {
+  const HeadRecording trace = walk();
+  // The reference camera of room.glb; its strip is free of furniture by 0.4 m.
+  const Rigid<Stage, Eye> camera{rotation_exp({0, std::atan2(1.2, 2.75), 0}), {0.95, 1.6, 1.75}};
+  const auto stage_from_recorded = place(trace, camera);
+  glm::dvec3 low(1e9), high(-1e9);
+  for (const HeadSample& sample : trace.samples) {
+    const Rigid<Stage, Head> head = stage_from_recorded * sample.recorded_from_head;
+    low = glm::min(low, head.translation);
+    high = glm::max(high, head.translation);
+  }
+  EXPECT_TRUE(low.x > -0.9 && high.x < 2.1 && low.z > 0.4 && high.z < 2.0)
+      << low.x << ' ' << high.x << ' ' << high.z;
+  EXPECT_TRUE(low.y > 1.5 && high.y < 1.7);
+  EXPECT_GT(high.x - low.x, 1.0) << "walking";
+}
+
+}  // namespace
+}  // namespace farshade

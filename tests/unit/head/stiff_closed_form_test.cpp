@@ -1,0 +1,159 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "stereo/head/pose_filters.h"
+#include "tests/unit/head/stiff_reference.h"
+#include "tests/unit/head/stiff_sweep.h"
+
+namespace farshade {
+namespace {
+
+using stiff::Real;
+
+constexpr double kRounding = std::numeric_limits<double>::epsilon();
+
+TEST(StiffFilters, AgreeWithTheirClosedFormsOverTheWholeGrid) {
+  const std::vector<stiff::GridError> errors = stiff::all_stiff_errors();
+  EXPECT_EQ(errors.size(), 3U + 4 * 4 + 1);
+  for (const stiff::GridError& e : errors)
+    EXPECT_LE(e.largest, e.bound) << e.filter << ", " << e.figure << ": step " << e.step_s
+                                  << " s, time constant " << e.constant_s << " s";
+}
+
+TEST(StiffReference, IsTheKnownSolutionOfADampedStep) {
+  for (const Real x : {1e-3L, 0.3L, 1.0L, 7.0L, 100.0L, 1e5L}) {
+    const Real fade_s = 0.02L, step_s = x * fade_s;
+    const stiff::DampedReference step = stiff::damped_reference(step_s, fade_s);
+    const Real gone = -std::expm1(-x);
+    EXPECT_NEAR(static_cast<double>(step.keep - std::exp(-x)), 0, 1e-18);
+    EXPECT_NEAR(static_cast<double>(step.travel_s / (fade_s * gone)), 1, 1e-17);
+    EXPECT_NEAR(static_cast<double>(step.vv / (0.5L * fade_s * -std::expm1(-2 * x))), 1, 1e-17);
+    EXPECT_NEAR(static_cast<double>(step.pv / (0.5L * fade_s * fade_s * gone * gone)), 1, 1e-17);
+    const Real way = 2 * x - 3 + 4 * std::exp(-x) - std::exp(-2 * x);  // cancels like x^-3
+    EXPECT_NEAR(static_cast<double>(step.pp / (0.5L * fade_s * fade_s * fade_s * way)), 1,
+                x < 0.01L ? 1e-8 : 1e-15);
+  }
+}
+
+struct Steps {
+  double step_s, constant_s;
+};
+
+std::vector<Steps> grid() {
+  std::vector<Steps> all;
+  const stiff::Grid whole = stiff::whole_grid(1);
+  for (const double step_s : whole.steps_s)
+    for (const double constant_s : whole.constants_s) all.push_back({step_s, constant_s});
+  return all;
+}
+
+/// The part of a ramp that began x smoothing times ago that two low-passes have let through: 1 - e^-x (1 +
+/// x), below 1 as a sum of positive terms.
+Real let_through(Real x) {
+  if (x >= 1) return 1 - std::exp(-x) * (1 + x);
+  Real sum = 0, term = x;
+  for (int k = 2; k <= 24; ++k) sum += term *= x / k;
+  return std::exp(-x) * sum;
+}
+
+TEST(DoubleExponential, AnswersARampLikeTheContinuousFilterAndNeverOvershoots) {
+  const double speed = 2.0;
+  for (const auto& [step_s, constant_s] : grid()) {
+    DoubleExponentialFilter filter(constant_s);
+    filter.start({});
+    double before = 0;
+    for (int i = 1; i <= 20'000; ++i) {
+      // Powers of two make positions, and so the rate, exact.
+      const double exact_step_s = std::exp2(std::round(std::log2(step_s)));
+      filter.step(exact_step_s, {{1, 0, 0, 0}, {speed * exact_step_s * i, 0, 0}});
+      const double velocity = filter.velocity().linear.x;
+      const Real wanted = speed * let_through(Real(i) * exact_step_s / constant_s);
+      // Each step rounds a few times by half an ulp.
+      ASSERT_NEAR(velocity, static_cast<double>(wanted),
+                  (4 + 0.5 * i) * kRounding * static_cast<double>(wanted))
+          << "step " << exact_step_s << " s, smoothing " << constant_s << " s, " << i;
+      ASSERT_GE(velocity, before * (1 - kRounding));
+      ASSERT_LE(velocity, speed * (1 + 4 * kRounding));
+      before = velocity;
+    }
+  }
+}
+
+TEST(DoubleExponential, AnswersAJumpLikeTheContinuousFilter) {
+  const double jump = 0.25;
+  for (const auto& [step_s, constant_s] : grid()) {
+    DoubleExponentialFilter filter(constant_s);
+    filter.start({});
+    const Real x = Real(step_s) / constant_s, rate = jump / Real(step_s);
+    for (int i = 1; i <= 1000; ++i) {
+      filter.step(step_s, {{1, 0, 0, 0}, {jump, 0, 0}});
+      const Real wanted = rate * (let_through(i * x) - let_through((i - 1) * x));
+      ASSERT_NEAR(filter.velocity().linear.x, static_cast<double>(wanted), 1e-13 * static_cast<double>(rate))
+          << "step " << step_s << " s, smoothing " << constant_s << " s, " << i;
+      // After the jump the mean of all that is extrapolated is what is left of it, never more.
+      ASSERT_LE(std::abs(filter.ahead(0).translation.x - jump), jump * (1 + 1e-12));
+    }
+  }
+}
+
+KalmanTuning tuning_of(double fade_s, double drive) {
+  return {.angular_fade_s = glm::dvec3(fade_s),
+          .linear_fade_s = glm::dvec3(fade_s),
+          .angular_drive = drive,
+          .linear_drive = drive,
+          .angular_noise = 3e-4,
+          .linear_noise = 3e-4};
+}
+
+TEST(Kalman, KnowsASpeedAsWellAsTwoPosesTellIt) {
+  // Nothing drives or fades a speed of variance 1; two poses h apart, each of variance r, leave 2 r / (h^2 +
+  // 2 r) of it. As a difference of variances that is lost from h = 1e4 sqrt(r) on.
+  KalmanTuning tuning = tuning_of(1e42, 1e-40);
+  for (const double noise : {1e-6, 3e-4})
+    for (double step_s = 1e-4; step_s < 2e3; step_s *= 10) {
+      tuning.linear_noise = noise;
+      KalmanFilter filter(tuning);
+      filter.start({});
+      filter.step(step_s, {});
+      const double r = noise * noise, wanted = 2 * r / (step_s * step_s + 2 * r);
+      EXPECT_NEAR(filter.linear_covariance()[0].vv, wanted, 8 * kRounding * wanted) << noise << ' ' << step_s;
+    }
+}
+
+/// Largest velocity made out of a ramp of 1 m/s from a long rest, over 1.
+double overshoot(double step_s, double fade_s, double drive) {
+  KalmanFilter filter(tuning_of(fade_s, drive));
+  filter.start({});
+  for (int i = 0; i < 300; ++i) filter.step(step_s, {});
+  double fastest = 0;
+  for (int i = 1; i <= 1000; ++i) {
+    filter.step(step_s, {{1, 0, 0, 0}, {step_s * i, 0, 0}});
+    fastest = std::max(fastest, filter.velocity().linear.x);
+  }
+  return fastest - 1;
+}
+
+TEST(Kalman, OvershootsARampByNoMoreThanTheContinuousAndTheSparseOptimum) {
+  // Nothing fading, the filter between measurements ever closer is Kalman and Bucy's, v' + sqrt(2) w v + w^2
+  // p with w^4 = drive / (noise^2 step): damped by 1 / sqrt(2) it overshoots by e^-pi. Between measurements
+  // ever further apart its gain is 3 - sqrt(3) over the step (the fixed point of the covariances for no
+  // noise).
+  const double continuous = std::exp(-std::numbers::pi), sparse = 2 - std::numbers::sqrt3;
+  EXPECT_NEAR(overshoot(1e-4, 1e9, 0.01), continuous, 1e-3);
+  EXPECT_NEAR(overshoot(1.0, 1e9, 10.0), sparse, 1e-6);
+  for (const double drive : {0.01, 0.1, 1.0, 10.0})
+    for (const auto& [step_s, fade_s] : grid()) {
+      const double over = overshoot(step_s, fade_s, drive);
+      EXPECT_LE(over, sparse) << "step " << step_s << " s, fade " << fade_s << " s, drive " << drive;
+      const double w = std::pow(drive / (9e-8 * step_s), 0.25);
+      if (w * step_s < 0.05) {
+        EXPECT_LE(over, continuous + 1e-3)
+            << "step " << step_s << " s, fade " << fade_s << " s, drive " << drive;
+      }
+    }
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,330 @@
+#include "tests/unit/head/stiff_sweep.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "stereo/head/damped_motion.h"
+#include "stereo/head/prediction.h"
+#include "tests/unit/head/stiff_reference.h"
+
+namespace farshade::stiff {
+namespace {
+
+constexpr Duration kNoGapTooLong = std::chrono::hours(1);
+constexpr double kLeads_s[] = {1e-3, 0.05, 0.5};
+constexpr int kSamples = 300;
+
+/// What moves: along x at walking pace, or about y as fast as heads of the domain turn.
+enum class Axis { Way, Turn };
+constexpr Axis kAxes[] = {Axis::Way, Axis::Turn};
+
+std::string name_of(Axis axis) {
+  return axis == Axis::Way ? "walk," : "turn,";
+}
+
+double speed_of(Axis axis) {
+  return axis == Axis::Way ? 1.0 : 1000.0 * std::numbers::pi / 180.0;
+}
+
+HeadPose posed(Axis axis, double value) {
+  return axis == Axis::Way ? HeadPose{{1, 0, 0, 0}, {value, 0, 0}}
+                           : HeadPose{rotation_exp({0, value, 0}), {}};
+}
+
+/// The pose's coordinate, as exactly as the pose has it.
+Real coordinate(Axis axis, const HeadPose& pose) {
+  return axis == Axis::Way ? Real(pose.translation.x)
+                           : 2 * std::atan2(Real(pose.rotation.y), Real(pose.rotation.w));
+}
+
+/// to - from, the shorter way round if it is an angle.
+Real difference(Axis axis, Real from, Real to) {
+  return axis == Axis::Way ? to - from : std::remainder(to - from, 2 * std::numbers::pi_v<Real>);
+}
+
+double component(Axis axis, const Twist& twist) {
+  return axis == Axis::Way ? twist.linear.x : twist.angular.y;
+}
+
+/// Largest errors allowed of one motion: of the velocity, over the fastest mean rate of a step so far; of the
+/// pose ahead, over 1 and how far it may be out (rad or m).
+struct Bounds {
+  double velocity, ahead;
+};
+
+struct Sample {
+  std::int64_t at_ns;
+  double step_s;
+  HeadPose pose;
+};
+
+std::vector<Sample> motion(Axis axis, double step_s) {
+  const double speed = speed_of(axis);
+  std::vector<Sample> samples;
+  std::int64_t now = 0;
+  double at = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const double part = i % 7 == 3 ? 1e-3 : i % 11 == 5 ? 10.0 : 1.0;
+    const std::int64_t step_ns = std::llround(step_s * part * 1e9);
+    const double moving_s = 1e-9 * static_cast<double>(step_ns);
+    now += step_ns;
+    if (i >= 20 && i < 120) at += speed * moving_s;
+    if (i == 120) at += 0.04;
+    if (i >= 140 && i < 200) at -= speed * moving_s;
+    if (i >= 200) at += speed * moving_s * std::sin(0.4 * i);
+    samples.push_back({now, moving_s, posed(axis, at)});
+  }
+  return samples;
+}
+
+/// With every third pose's stamp repeated and followed by an earlier one, both with a pose that was never
+/// there.
+void observe(Predictor& predictor, const Sample& sample, int count) {
+  const Time time{Duration(sample.at_ns)};
+  predictor.observe(time, sample.pose);
+  if (count % 3) return;
+  const HeadPose nowhere{rotation_exp({0.3, 2.0, 0.1}), {5, 5, 5}};
+  predictor.observe(time, nowhere);
+  predictor.observe(time - Duration(1), nowhere);
+}
+
+double relative(Real actual, Real wanted) {
+  return wanted == 0 ? static_cast<double>(std::abs(actual))
+                     : static_cast<double>(std::abs(actual / wanted - 1));
+}
+
+std::vector<double> decades(int from, int to, int parts) {
+  std::vector<double> all;
+  for (int part = parts * from; part <= parts * to; ++part)
+    all.push_back(std::pow(10.0, static_cast<double>(part) / parts));
+  return all;
+}
+
+/// Runs one filter and its reference through the motion and notes how far they part. Reference: step(step_s,
+/// sample's coordinate), velocity(), ahead(lead) in the coordinate.
+template <class Reference>
+void compare(const PoseFilter& filter, Reference reference, Axis axis, double step_s, double constant_s,
+             GridError& velocity, GridError& ahead) {
+  Predictor predictor(filter, kNoGapTooLong);
+  double fastest = 0;
+  Real before = 0;
+  int count = 0;
+  for (const Sample& sample : motion(axis, step_s)) {
+    const Real now = coordinate(axis, sample.pose);
+    if (count > 0)
+      fastest =
+          std::max(fastest, static_cast<double>(std::abs(difference(axis, before, now))) / sample.step_s);
+    before = now;
+    observe(predictor, sample, count);
+    count++ == 0 ? reference.start(now) : reference.step(Real(sample.step_s), now);
+    const Real parted = component(axis, predictor.velocity()) - reference.velocity();
+    if (fastest > 0) velocity.add(static_cast<double>(std::abs(parted)) / fastest, step_s, constant_s);
+    for (const double lead_s : kLeads_s) {
+      const Time then = Time(Duration(sample.at_ns)) + Duration(std::llround(lead_s * 1e9));
+      const Real said = coordinate(axis, predictor.predict(then)), wanted = reference.ahead(Real(lead_s));
+      const double scale =
+          1.0 + static_cast<double>(std::abs(wanted)) + fastest * (lead_s + reference.memory_s());
+      ahead.add(static_cast<double>(std::abs(difference(axis, wanted, said))) / scale, step_s, constant_s);
+    }
+  }
+}
+
+struct Hold {
+  Real pose = 0;
+
+  void start(Real now) { pose = now; }
+  void step(Real, Real now) { pose = now; }
+  [[nodiscard]] Real velocity() const { return 0; }
+  [[nodiscard]] Real ahead(Real) const { return pose; }
+  [[nodiscard]] double memory_s() const { return 0; }
+};
+
+/// Poses at least a baseline apart are anchors; the velocity is the mean one since the last anchor but one.
+struct ConstantVelocity {
+  struct Anchor {
+    Real time_s = 0, unwound = 0;
+  };
+  Axis axis;
+  Real pose = 0, time_s = 0, unwound = 0, rate = 0;
+  std::vector<Anchor> anchors;
+
+  void start(Real now) {
+    pose = now;
+    anchors = {{}, {}};
+  }
+  void step(Real step_s, Real now) {
+    time_s += step_s;
+    unwound += difference(axis, pose, now);
+    pose = now;
+    const Real baseline_s = ConstantVelocityFilter::kBaseline_s * (1 - 1e-12L);
+    if (time_s - anchors.back().time_s >= baseline_s) anchors.push_back({time_s, unwound});
+    const Anchor& since = anchors[anchors.size() - 2];
+    if (time_s - since.time_s >= baseline_s)
+      rate = difference(axis, since.unwound, unwound) / (time_s - since.time_s);
+  }
+  [[nodiscard]] Real velocity() const { return rate; }
+  [[nodiscard]] Real ahead(Real lead_s) const { return pose + lead_s * rate; }
+  [[nodiscard]] double memory_s() const { return 0; }
+};
+
+struct DoubleExponential {
+  Axis axis;
+  double smoothing_s;
+  DoubleExponentialReference filter{Real(smoothing_s)};
+  Real pose = 0;
+
+  void start(Real now) { pose = now; }
+  void step(Real step_s, Real now) {
+    filter.step(step_s, difference(axis, pose, now));
+    pose = now;
+  }
+  [[nodiscard]] Real velocity() const { return filter.velocity(); }
+  [[nodiscard]] Real ahead(Real lead_s) const { return pose + filter.ahead(lead_s); }
+  [[nodiscard]] double memory_s() const { return smoothing_s; }
+};
+
+constexpr double kNoise = 3e-4;
+
+KalmanTuning tuning_of(double fade_s) {
+  return {.angular_fade_s = glm::dvec3(fade_s),
+          .linear_fade_s = glm::dvec3(fade_s),
+          .angular_drive = 1,
+          .linear_drive = 0.1,
+          .angular_noise = kNoise,
+          .linear_noise = kNoise};
+}
+
+KalmanReference::Tuning reference_tuning(Axis axis, double fade_s) {
+  const double drive = axis == Axis::Way ? 0.1 : 1.0;
+  return {
+      .fade_s = fade_s, .drive = drive, .noise = kNoise, .unseen_vv = std::min(0.5 * drive * fade_s, 1.0)};
+}
+
+struct Kalman {
+  Axis axis;
+  KalmanReference filter;
+  Real pose = 0;
+
+  void start(Real now) { pose = now; }
+  void step(Real step_s, Real now) {
+    pose += filter.travel_s(step_s) * filter.velocity();
+    filter.step(step_s, difference(axis, pose, now));
+    pose += filter.corrected();
+  }
+  [[nodiscard]] Real velocity() const { return filter.velocity(); }
+  [[nodiscard]] Real ahead(Real lead_s) { return pose + filter.travel_s(lead_s) * filter.velocity(); }
+  [[nodiscard]] double memory_s() const { return 0; }
+};
+
+// Rounding (2e-16) times what follows, a few times over. Walking, differences of positions are exact, and a
+// filter loses a few ulps; turning, a pose's own rounding is divided by the shortest step that is not
+// smoothed away (1e-5 s after 1 s of turning is 1e-11 rad/s, of 17). The Kalman filter's estimate is a pose
+// too: 300 m out it rounds by 3e-14 m, and by up to 150 times that per second its velocity.
+constexpr Bounds kHeld[] = {{0, 0}, {0, 0}}, kDifferenced[] = {{4e-15, 1e-15}, {1e-14, 4e-15}},
+                 kSmoothed[] = {{4e-15, 1e-15}, {1e-12, 1e-12}},
+                 kEstimated[] = {{2e-11, 2e-13}, {2e-13, 4e-14}};
+
+/// Both figures of a filter for both motions. `filter(constant)`, `reference(axis, constant)`.
+std::vector<GridError> errors_of(const std::string& name, const Bounds (&bounds)[2], const Grid& grid,
+                                 const auto& filter, const auto& reference) {
+  std::vector<GridError> all;
+  for (const Axis axis : kAxes) {
+    const Bounds& allowed = bounds[axis == Axis::Way ? 0 : 1];
+    GridError velocity{name, name_of(axis) + " velocity", allowed.velocity};
+    GridError ahead{name, name_of(axis) + " pose ahead", allowed.ahead};
+    for (const double constant_s : grid.constants_s)
+      for (const double step_s : grid.steps_s)
+        compare(filter(constant_s), reference(axis, constant_s), axis, step_s, constant_s, velocity, ahead);
+    all.insert(all.end(), {velocity, ahead});
+  }
+  return all;
+}
+
+GridError covariance_errors(const Grid& grid) {
+  GridError all{"kalman", "covariance", 4e-14};
+  for (const double constant_s : grid.constants_s)
+    for (const double step_s : grid.steps_s) {
+      KalmanReference wanted(reference_tuning(Axis::Turn, constant_s));
+      KalmanFilter filter(tuning_of(constant_s));
+      filter.start({});
+      for (const Sample& sample : motion(Axis::Turn, step_s)) {
+        filter.step(sample.step_s, sample.pose);
+        wanted.step(Real(sample.step_s), 0);
+        const KalmanFilter::Covariance c = filter.angular_covariance()[1];
+        for (const double error :
+             {relative(c.pp, wanted.pp()), relative(c.pv, wanted.pv()), relative(c.vv, wanted.vv())})
+          all.add(error, step_s, constant_s);
+      }
+    }
+  return all;
+}
+
+}  // namespace
+
+void GridError::add(double error, double at_step_s, double at_constant_s) {
+  if (error <= largest || std::isnan(largest)) return;  // a NaN is kept
+  largest = error, step_s = at_step_s, constant_s = at_constant_s;
+}
+
+Grid whole_grid(int parts) {
+  return {.steps_s = decades(-4, 0, parts), .constants_s = decades(-5, 3, parts)};
+}
+
+std::vector<GridError> step_errors(const Grid& grid) {
+  GridError keep{"one damped step", "what is kept", 1e-15}, way{"one damped step", "way", 1e-15};
+  GridError noise{"one damped step", "noise covariance", 4e-15};
+  for (const double constant_s : grid.constants_s)
+    for (const double step_s : grid.steps_s) {
+      const DampedReference wanted = damped_reference(step_s, constant_s);
+      const DampedStep step = damped_step(step_s, constant_s);
+      keep.add(static_cast<double>(std::abs(step.keep - wanted.keep)), step_s, constant_s);
+      way.add(relative(step.travel_s, wanted.travel_s), step_s, constant_s);
+      for (const double error :
+           {relative(step.pp, wanted.pp), relative(step.pv, wanted.pv), relative(step.vv, wanted.vv)})
+        noise.add(error, step_s, constant_s);
+    }
+  return {keep, way, noise};
+}
+
+std::vector<GridError> hold_errors(const Grid& grid) {
+  const auto filter = [](double) { return HoldFilter(); };
+  return errors_of("hold", kHeld, {.steps_s = grid.steps_s, .constants_s = {0}}, filter,
+                   [](Axis, double) { return Hold{}; });
+}
+
+std::vector<GridError> constant_velocity_errors(const Grid& grid) {
+  const auto filter = [](double) { return ConstantVelocityFilter(); };
+  return errors_of("constant-velocity", kDifferenced, {.steps_s = grid.steps_s, .constants_s = {0}}, filter,
+                   [](Axis axis, double) { return ConstantVelocity{.axis = axis, .anchors = {}}; });
+}
+
+std::vector<GridError> double_exponential_errors(const Grid& grid) {
+  return errors_of(
+      "double-exponential", kSmoothed, grid, [](double s) { return DoubleExponentialFilter(s); },
+      [](Axis axis, double smoothing_s) {
+        return DoubleExponential{axis, smoothing_s};
+      });
+}
+
+std::vector<GridError> kalman_errors(const Grid& grid) {
+  std::vector<GridError> all = errors_of(
+      "kalman", kEstimated, grid, [](double fade_s) { return KalmanFilter(tuning_of(fade_s)); },
+      [](Axis axis, double fade_s) {
+        return Kalman{axis, KalmanReference(reference_tuning(axis, fade_s))};
+      });
+  all.push_back(covariance_errors(grid));
+  return all;
+}
+
+std::vector<GridError> all_stiff_errors() {
+  std::vector<GridError> all = step_errors(whole_grid(16));
+  for (const auto& errors :
+       {hold_errors, constant_velocity_errors, double_exponential_errors, kalman_errors}) {
+    const std::vector<GridError> some = errors(whole_grid(4));
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  return all;
+}
+
+}  // namespace farshade::stiff

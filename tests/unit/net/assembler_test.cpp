@@ -1,0 +1,294 @@
+#include "stereo/net/assembler.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "stereo/frame/tiles.h"
+#include "stereo/net/frame_packer.h"
+
+namespace farshade {
+namespace {
+
+constexpr std::uint32_t kRevision = 4;
+
+FrameRequest request(std::uint32_t frame, Extent size = {200, 120}) {
+  FrameRequest asked;
+  asked.frame = {frame};
+  for (View& view : asked.views) view.size = size;
+  return asked;
+}
+
+/// Noise, so that the frame takes many slices.
+ShadowFrame noisy_frame(const FrameRequest& asked, std::uint32_t lights, std::uint32_t seed = 1) {
+  ShadowFrame frame{asked.frame, kRevision, asked.views, {}};
+  std::mt19937 random(seed + asked.frame.value);
+  for (const Side side : kSides) {
+    const Extent size = asked.views[index_of(side)].size;
+    EyeMask& mask = frame.masks[index_of(side)] = EyeMask(size, lights);
+    for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane)
+      for (std::uint32_t y = 0; y < size.height; ++y)
+        for (std::uint32_t x = 0; x < size.width; ++x)
+          mask.set_word(x, y, plane, static_cast<std::uint32_t>(random()) & mask.layout().used_bits(plane));
+  }
+  return frame;
+}
+
+/// A frame's datagrams, each in its own allocation.
+std::vector<std::vector<std::byte>> datagrams_of(const ShadowFrame& frame) {
+  FramePacker packer;
+  const auto datagrams = packer.pack(frame, {.frame = frame.frame});
+  return {datagrams.begin(), datagrams.end()};
+}
+
+const ReceivedFrame* accept(Assembler& assembler, const std::vector<std::byte>& datagram) {
+  const auto message = decode_server(datagram);
+  EXPECT_TRUE(message.has_value());
+  if (const auto* report = std::get_if<FrameReport>(&*message)) return assembler.accept(*report);
+  return assembler.accept(std::get<Slice>(*message));
+}
+
+Slice slice_in(const std::vector<std::byte>& datagram) {
+  return std::get<Slice>(*decode_server(datagram));
+}
+
+struct Prepared {
+  explicit Prepared(std::uint32_t lights = 3, std::uint32_t number = 1)
+      : frame(noisy_frame(request(number), lights)), datagrams(datagrams_of(frame)) {
+    assembler.expect(request(number), {lights}, kRevision);
+  }
+  ShadowFrame frame;
+  std::vector<std::vector<std::byte>> datagrams;
+  Assembler assembler;
+};
+
+TEST(FramePacker, KeepsDatagramsSmallAndCountsThem) {
+  const ShadowFrame frame = noisy_frame(request(1), 3);
+  const auto datagrams = datagrams_of(frame);
+  ASSERT_GT(datagrams.size(), 10u);
+  std::size_t bytes = 0;
+  for (std::size_t i = 0; i + 1 < datagrams.size(); ++i) {
+    EXPECT_LE(datagrams[i].size(), kMaxDatagram_bytes);
+    bytes += datagrams[i].size();
+  }
+  const auto report = std::get<FrameReport>(*decode_server(datagrams.back()));
+  EXPECT_EQ(report.slices, datagrams.size() - 1);
+  EXPECT_EQ(report.payload_bytes, bytes);
+}
+
+TEST(FramePacker, EyesTakeTurns) {
+  const auto datagrams = datagrams_of(noisy_frame(request(1), 3));
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(slice_in(datagrams[i]).eye, kSides[i % 2]);
+}
+
+TEST(FramePacker, ASmallFrameAfterALargeOneLeavesNothingBehind) {
+  FramePacker packer;
+  packer.pack(noisy_frame(request(1), 3), {});
+  const ShadowFrame small = noisy_frame(request(2, {16, 16}), 3);
+  EXPECT_EQ(packer.pack(small, {.frame = {2}}).size(), 3u);
+}
+
+class AssemblerOfLights : public testing::TestWithParam<std::uint32_t> {};
+
+TEST_P(AssemblerOfLights, GivesBackEveryMaskInAnyOrder) {
+  Prepared made(GetParam());
+  std::shuffle(made.datagrams.begin(), made.datagrams.end(), std::mt19937(5));
+  for (const auto& datagram : made.datagrams) accept(made.assembler, datagram);
+  const ReceivedFrame* received = made.assembler.find({1});
+  ASSERT_NE(received, nullptr);
+  EXPECT_TRUE(received->complete());
+  EXPECT_TRUE(received->report.has_value());
+  EXPECT_EQ(received->masks, made.frame.masks);
+  EXPECT_EQ(made.assembler.counters().slices, made.datagrams.size() - 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(LightCounts, AssemblerOfLights, testing::Values(1, 8, 9, 16, 17, 32, 33, 40, 256));
+
+TEST(Assembler, LostSliceLeavesItsTilesUnknownAndNothingElse) {
+  Prepared made;
+  const Slice lost = slice_in(made.datagrams[5]);
+  for (std::size_t i = 0; i < made.datagrams.size(); ++i)
+    if (i != 5) accept(made.assembler, made.datagrams[i]);
+  const ReceivedFrame& received = *made.assembler.find({1});
+  EXPECT_FALSE(received.complete());
+  EXPECT_TRUE(received.anything_known());
+  for (const Side side : kSides) {
+    const std::size_t eye = index_of(side);
+    const TileGrid grid{made.frame.masks[eye].size()};
+    std::uint32_t known = 0;
+    for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
+      const bool missing =
+          side == lost.eye && tile >= lost.first_tile && tile < lost.first_tile + lost.tile_count;
+      EXPECT_EQ(received.known_tiles[eye][tile], missing ? 0 : 1);
+      known += received.known_tiles[eye][tile];
+      const TileRect rect = grid.rect(tile);
+      for (std::uint32_t y = rect.y0; y < rect.y1; ++y)
+        for (std::uint32_t x = rect.x0; x < rect.x1; ++x)
+          EXPECT_EQ(received.masks[eye].word(x, y), missing ? 0 : made.frame.masks[eye].word(x, y));
+    }
+    EXPECT_EQ(received.tiles_known[eye], known);
+  }
+}
+
+TEST(Assembler, DuplicatesChangeOnlyACounter) {
+  Prepared made;
+  for (const auto& datagram : made.datagrams) EXPECT_NE(accept(made.assembler, datagram), nullptr);
+  const std::size_t slices = made.datagrams.size() - 1;
+  for (std::size_t i = 0; i < slices; ++i) EXPECT_EQ(accept(made.assembler, made.datagrams[i]), nullptr);
+  EXPECT_EQ(made.assembler.find({1})->masks, made.frame.masks);
+  EXPECT_TRUE(made.assembler.find({1})->complete());
+  EXPECT_EQ(made.assembler.counters(), (AssemblerCounters{.slices = slices, .duplicates = slices}));
+}
+
+TEST(Assembler, SlicesOfSeveralFramesInTurnFindTheirOwn) {
+  Assembler assembler;
+  std::vector<ShadowFrame> frames;
+  std::vector<std::vector<std::vector<std::byte>>> datagrams;
+  for (std::uint32_t number = 1; number <= 3; ++number) {
+    assembler.expect(request(number), {3}, kRevision);
+    frames.push_back(noisy_frame(request(number), 3));
+    datagrams.push_back(datagrams_of(frames.back()));
+  }
+  // The newest frame first: an older one that comes later is still told, in its own place.
+  for (std::size_t number : {2u, 0u, 1u})
+    for (const auto& datagram : datagrams[number]) accept(assembler, datagram);
+  for (std::uint32_t number = 1; number <= 3; ++number)
+    EXPECT_EQ(assembler.find({number})->masks, frames[number - 1].masks);
+  EXPECT_EQ(assembler.newest_known()->request.frame, FrameId{3});
+}
+
+TEST(Assembler, NewestKnownIsTheNewestThatKnowsAnything) {
+  Prepared made(3, 7);
+  EXPECT_EQ(made.assembler.newest_known(), nullptr);
+  accept(made.assembler, made.datagrams[0]);
+  made.assembler.expect(request(8), {3}, kRevision);
+  ASSERT_NE(made.assembler.newest_known(), nullptr);
+  EXPECT_EQ(made.assembler.newest_known()->request.frame, FrameId{7});
+}
+
+TEST(Assembler, IgnoresSliceOfFrameNeverAskedFor) {
+  Prepared made;
+  for (const auto& datagram : datagrams_of(noisy_frame(request(2), 3)))
+    EXPECT_EQ(accept(made.assembler, datagram), nullptr);
+  EXPECT_FALSE(made.assembler.find({1})->anything_known());
+  EXPECT_EQ(made.assembler.find({2}), nullptr);
+  EXPECT_EQ(made.assembler.counters().slices, 0u);
+  EXPECT_GT(made.assembler.counters().unexpected, 0u);
+}
+
+/// The least that an assembler can be.
+constexpr std::size_t kFew = Assembler::kKept + 1;
+
+TEST(Assembler, IgnoresSliceOfFrameThatIsForgotten) {
+  Assembler assembler(kFew);
+  for (std::uint32_t number = 1; number <= kFew + 1; ++number)
+    assembler.expect(request(number), {3}, kRevision);
+  EXPECT_EQ(assembler.find({1}), nullptr);
+  EXPECT_NE(assembler.find({2}), nullptr);
+  EXPECT_EQ(accept(assembler, datagrams_of(noisy_frame(request(1), 3))[0]), nullptr);
+  EXPECT_EQ(assembler.counters(), AssemblerCounters{.unexpected = 1});
+}
+
+TEST(Assembler, KeepsTheLastMasksThroughAnySilence) {
+  Assembler assembler(kFew + 3);
+  std::uint32_t number = 1;
+  for (; number <= 6; ++number) {
+    assembler.expect(request(number), {3}, kRevision);
+    accept(assembler, datagrams_of(noisy_frame(request(number), 3))[0]);
+  }
+  for (; number <= 1000; ++number) assembler.expect(request(number), {3}, kRevision);
+  EXPECT_EQ(assembler.find({2}), nullptr);
+  for (const std::uint32_t kept : {3u, 4u, 5u, 6u, 997u, 1000u})
+    EXPECT_NE(assembler.find({kept}), nullptr) << kept;
+  EXPECT_EQ(assembler.newest_known()->request.frame, FrameId{6});
+}
+
+TEST(Assembler, AReusedSlotRemembersNothing) {
+  Assembler assembler(kFew);
+  std::uint32_t number = 1;
+  for (; number <= kFew; ++number) {
+    assembler.expect(request(number), {3}, kRevision);
+    for (const auto& datagram : datagrams_of(noisy_frame(request(number), 3))) accept(assembler, datagram);
+    ASSERT_TRUE(assembler.find({number})->complete());
+  }
+  assembler.expect(request(number), {3}, kRevision);
+  EXPECT_EQ(assembler.find({1}), nullptr);
+  const ReceivedFrame& received = *assembler.find({number});
+  EXPECT_FALSE(received.anything_known());
+  EXPECT_FALSE(received.report.has_value());
+  EXPECT_TRUE(std::ranges::all_of(received.masks[0].bytes(), [](std::byte b) { return b == std::byte{0}; }));
+}
+
+TEST(Assembler, SizesMayChangeFromFrameToFrame) {
+  Assembler assembler(kFew);
+  for (std::uint32_t number = 1; number <= 2 * kFew; ++number) {
+    const FrameRequest asked = request(number, {number * 40, 90 / number});
+    assembler.expect(asked, {3}, kRevision);
+    const ShadowFrame frame = noisy_frame(asked, 3);
+    for (const auto& datagram : datagrams_of(frame)) accept(assembler, datagram);
+    EXPECT_EQ(assembler.find({number})->masks, frame.masks);
+    EXPECT_TRUE(assembler.find({number})->complete());
+  }
+}
+
+TEST(Assembler, FrameOrderSurvivesWraparound) {
+  Assembler assembler(kFew);
+  for (const std::uint32_t number : {0xfffffffcu, 0xfffffffdu, 0xfffffffeu, 0xffffffffu, 0u, 1u})
+    assembler.expect(request(number), {3}, kRevision);
+  EXPECT_EQ(assembler.find({0xfffffffc}), nullptr);
+  for (const std::uint32_t number : {0xffffffffu, 1u, 0u})
+    for (const auto& datagram : datagrams_of(noisy_frame(request(number), 3))) accept(assembler, datagram);
+  EXPECT_EQ(assembler.newest_known()->request.frame, FrameId{1});
+}
+
+TEST(Assembler, RefusesSlicesThatDoNotFit) {
+  Prepared made;
+  const Slice good = slice_in(made.datagrams[0]);
+  Slice revision = good, lights = good, size = good, block = good, more_tiles = good, no_block = good;
+  revision.light_set_revision += 1;
+  lights.lights += 1;
+  size.size.width -= 1;
+  block.block = block.block.first(block.block.size() / 2);
+  more_tiles.tile_count += 1;
+  no_block.block = {};
+  for (const Slice& bad : {revision, lights, size, block, more_tiles, no_block})
+    EXPECT_EQ(made.assembler.accept(bad), nullptr);
+  EXPECT_FALSE(made.assembler.find({1})->anything_known());
+  EXPECT_TRUE(std::ranges::all_of(made.assembler.find({1})->masks[0].bytes(),
+                                  [](std::byte b) { return b == std::byte{0}; }));
+  const AssemblerCounters& counters = made.assembler.counters();
+  EXPECT_EQ(counters.other_light_set, 1u);
+  EXPECT_EQ(counters.refused[WireRefusal::OtherMask], 2u);
+  EXPECT_EQ(counters.refused.total(), 5u);
+}
+
+TEST(Assembler, SurvivesEveryFlippedBitOfASlice) {
+  Prepared made;
+  const std::vector<std::byte>& good = made.datagrams[0];
+  Assembler assembler;
+  for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {
+    std::vector<std::byte> bad = good;
+    bad[bit / 8] ^= static_cast<std::byte>(1 << bit % 8);
+    const auto message = decode_server(bad);
+    if (!message) continue;
+    assembler.clear();
+    assembler.expect(request(1), {3}, kRevision);
+    if (const auto* slice = std::get_if<Slice>(&*message)) assembler.accept(*slice);
+    for (const EyeMask& mask : assembler.find({1})->masks)
+      for (const std::byte word : mask.bytes()) ASSERT_LT(std::to_integer<int>(word), 8) << "bit " << bit;
+  }
+}
+
+TEST(Assembler, ForgetsEverythingForAnotherServer) {
+  Prepared made(3, 9);
+  accept(made.assembler, made.datagrams[0]);
+  made.assembler.clear();
+  EXPECT_EQ(made.assembler.find({9}), nullptr);
+  EXPECT_EQ(made.assembler.newest_known(), nullptr);
+  made.assembler.expect(request(1), {3}, kRevision);  // frames may be counted anew
+  EXPECT_FALSE(made.assembler.find({1})->anything_known());
+}
+
+}  // namespace
+}  // namespace farshade

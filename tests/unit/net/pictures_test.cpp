@@ -1,0 +1,168 @@
+// G-buffers and coded pictures, packed and assembled: lost, doubled, out of order, and what was not asked
+// for.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "stereo/net/assembler.h"
+#include "stereo/net/frame_packer.h"
+
+namespace farshade {
+namespace {
+
+using Datagrams = std::vector<std::vector<std::byte>>;
+
+FrameRequest request(std::uint32_t frame, Answer answer) {
+  FrameRequest asked;
+  asked.frame = {frame};
+  for (View& view : asked.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, {70, 50}};
+  asked.wanted.answer = answer;
+  return asked;
+}
+
+GBufferPlanes noisy_gbuffer(Extent size) {
+  GBufferPlanes gbuffer;
+  std::mt19937 random(7);
+  for (const PlaneKind kind : kGBufferKinds)
+    for (PixelPlane& plane : planes_of(gbuffer, kind)) {
+      plane = PixelPlane(size, kind == PlaneKind::BaseColor ? 3 : 4);
+      for (std::uint32_t& word : plane.words)
+        word = static_cast<std::uint32_t>(random()) & largest_word(plane.word_bytes);
+    }
+  return gbuffer;
+}
+
+std::vector<std::byte> noise(std::size_t bytes) {
+  std::mt19937 random(9);
+  std::vector<std::byte> made(bytes);
+  for (std::byte& byte : made) byte = static_cast<std::byte>(random());
+  return made;
+}
+
+Datagrams finished(FramePacker& packer, std::uint32_t frame) {
+  const auto datagrams = packer.finish({.frame = {frame}});
+  return {datagrams.begin(), datagrams.end()};
+}
+
+Datagrams video_datagrams(std::uint32_t frame, std::uint32_t after, std::span<const std::byte> unit) {
+  FramePacker packer;
+  packer.begin();
+  packer.add(FrameId{frame}, FrameId{after}, unit);
+  return finished(packer, frame);
+}
+
+void accept(Assembler& assembler, const std::vector<std::byte>& datagram) {
+  const auto message = decode_server(datagram);
+  ASSERT_TRUE(message.has_value());
+  if (const auto* slice = std::get_if<Slice>(&*message)) assembler.accept(*slice);
+  if (const auto* plane = std::get_if<PlaneSlice>(&*message)) assembler.accept(*plane);
+  if (const auto* part = std::get_if<VideoPart>(&*message)) assembler.accept(*part);
+  if (const auto* report = std::get_if<FrameReport>(&*message)) assembler.accept(*report);
+}
+
+TEST(PictureAssembly, GivesBackAGBufferWithItsMasksInAnyOrder) {
+  const FrameRequest asked = request(1, Answer::GBuffer);
+  const GBufferPlanes gbuffer = noisy_gbuffer(asked.views[0].size);
+  ShadowFrame frame{asked.frame, kFirstLightSet, asked.views, {}};
+  for (EyeMask& mask : frame.masks) mask = EyeMask(asked.views[0].size, 3);
+  FramePacker packer;
+  packer.begin();
+  packer.add(frame);
+  packer.add(asked.frame, gbuffer);
+  Datagrams datagrams = finished(packer, 1);
+  std::ranges::shuffle(datagrams, std::mt19937(3));
+
+  Assembler assembler;
+  assembler.expect(asked, {3}, kFirstLightSet);
+  for (const auto& datagram : datagrams) {
+    EXPECT_FALSE(assembler.find({1})->complete() && assembler.find({1})->report);
+    accept(assembler, datagram);
+    accept(assembler, datagram);  // doubled
+  }
+  const ReceivedFrame& received = *assembler.find({1});
+  EXPECT_TRUE(received.complete());
+  EXPECT_EQ(received.gbuffer.planes, gbuffer);
+  EXPECT_EQ(received.masks, frame.masks);
+  EXPECT_EQ(assembler.counters().duplicates, datagrams.size() - 1);
+  EXPECT_EQ(assembler.counters().refused.total(), 0u);
+}
+
+TEST(PictureAssembly, ALostPlaneSliceLeavesItsTilesUnknown) {
+  const FrameRequest asked = request(1, Answer::GBuffer);
+  FramePacker packer;
+  packer.begin();
+  packer.add(asked.frame, noisy_gbuffer(asked.views[0].size));
+  const Datagrams datagrams = finished(packer, 1);
+  Assembler assembler;
+  assembler.expect(asked, {3}, kFirstLightSet);
+  for (std::size_t i = 1; i < datagrams.size(); ++i) accept(assembler, datagrams[i]);
+  const ReceivedFrame& received = *assembler.find({1});
+  EXPECT_FALSE(received.complete());
+  EXPECT_LT(received.gbuffer.tiles_known, received.gbuffer.tiles);
+  EXPECT_EQ(received.gbuffer.known_tiles[0][0][0], 0) << "the first tile of the left eye's colours";
+  EXPECT_EQ(received.gbuffer.planes.base_color[0].words[0], 0u);
+}
+
+TEST(PictureAssembly, GivesBackACodedPictureOfAnySizeInAnyOrder) {
+  for (const std::size_t bytes : {std::size_t{1}, kVideoPart_bytes - 1, kVideoPart_bytes,
+                                  kVideoPart_bytes + 1, 5 * kVideoPart_bytes + 77}) {
+    const std::vector<std::byte> unit = noise(bytes);
+    Datagrams datagrams = video_datagrams(8, 7, unit);
+    std::ranges::reverse(datagrams);
+    Assembler assembler;
+    assembler.expect(request(8, Answer::Video), {3}, kFirstLightSet);
+    for (const auto& datagram : datagrams) accept(assembler, datagram);
+    const ReceivedFrame& received = *assembler.find({8});
+    EXPECT_TRUE(received.complete()) << bytes;
+    EXPECT_EQ(received.video.unit, unit);
+    EXPECT_EQ(received.video.after, FrameId{7});
+    EXPECT_EQ(received.masks[0].size(), Extent{}) << "no masks were wanted";
+  }
+}
+
+TEST(PictureAssembly, APictureThatLacksAPartIsNotComplete) {
+  const Datagrams datagrams = video_datagrams(8, 8, noise(3 * kVideoPart_bytes));
+  Assembler assembler;
+  assembler.expect(request(8, Answer::Difference), {3}, kFirstLightSet);
+  for (std::size_t i = 0; i < datagrams.size(); ++i)
+    if (i != 1) accept(assembler, datagrams[i]);
+  EXPECT_TRUE(assembler.find({8})->anything_known());
+  EXPECT_FALSE(assembler.find({8})->complete());
+}
+
+TEST(PictureAssembly, RefusesWhatWasNotWanted) {
+  Assembler assembler;
+  assembler.expect(request(1, Answer::Masks), {3}, kFirstLightSet);
+  for (const auto& datagram : video_datagrams(1, 1, noise(10))) accept(assembler, datagram);
+  FramePacker packer;
+  packer.begin();
+  packer.add(FrameId{1}, noisy_gbuffer({70, 50}));
+  const Datagrams planes = finished(packer, 1);
+  for (const auto& datagram : planes) accept(assembler, datagram);
+  EXPECT_FALSE(assembler.find({1})->anything_known());
+  EXPECT_EQ(assembler.counters().refused[WireRefusal::AnswerSpec], planes.size());
+}
+
+TEST(PictureAssembly, RefusesAPartOfAnotherCut) {
+  Assembler assembler;
+  assembler.expect(request(8, Answer::Video), {3}, kFirstLightSet);
+  accept(assembler, video_datagrams(8, 7, noise(2 * kVideoPart_bytes))[0]);
+  accept(assembler, video_datagrams(8, 7, noise(3 * kVideoPart_bytes))[1]);
+  accept(assembler, video_datagrams(8, 8, noise(2 * kVideoPart_bytes))[1]);
+  EXPECT_EQ(assembler.counters().refused[WireRefusal::Part], 2u);
+  EXPECT_EQ(assembler.find({8})->video.parts_known, 1u);
+}
+
+TEST(PictureAssembly, AReusedSlotRemembersNoPicture) {
+  Assembler assembler(Assembler::kKept + 1);
+  for (std::uint32_t frame = 1; frame <= 20; ++frame) {
+    assembler.expect(request(frame, frame % 2 == 0 ? Answer::Video : Answer::GBuffer), {3}, kFirstLightSet);
+    EXPECT_FALSE(assembler.find({frame})->anything_known()) << frame;
+    EXPECT_FALSE(assembler.find({frame})->complete()) << frame;
+    if (frame % 2 == 0) accept(assembler, video_datagrams(frame, frame, noise(40))[0]);
+  }
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,136 @@
+/// The files around a scene: its folder and nothing outside of it.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "stereo/base/files.h"
+#include "stereo/scene/gltf_files.h"
+#include "tests/unit/image/image_files.h"
+#include "tests/unit/scene/gltf_builder.h"
+#include "tests/unit/scratch_folder.h"
+
+namespace farshade {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// triangle_file() with its buffer in a file of the name that `uri` says.
+std::vector<std::byte> with_external_buffer(const std::string& uri) {
+  GltfBuilder file = triangle_file();
+  file.json["buffers"][0]["uri"] = uri;
+  return bytes_of_text(file.json.dump());
+}
+
+class SceneFiles : public testing::Test {
+ protected:
+  SceneFiles() {
+    fs::create_directories(folder_ / "sub dir");
+    const auto buffer = triangle_file().bytes();
+    for (const char* name : {"scene/triangle.bin", "scene/sub dir/triangle.bin", "outside.bin"})
+      EXPECT_TRUE(write_file_atomically(scratch_.path() / name, buffer));
+  }
+  Expected<Scene> load_with(const std::string& uri) {
+    EXPECT_TRUE(write_file_atomically(folder_ / "scene.gltf", with_external_buffer(uri)));
+    return load_scene(folder_ / "scene.gltf");
+  }
+  std::string refusal_of(const std::string& uri) {
+    const auto scene = load_with(uri);
+    return scene ? "loaded" : scene.error().what;
+  }
+  ScratchFolder scratch_;
+  fs::path folder_ = scratch_.path() / "scene";
+};
+
+TEST_F(SceneFiles, OpensFilesInsideTheFolder) {
+  for (const char* uri : {"triangle.bin", "./triangle.bin", "sub%20dir/triangle.bin"}) {
+    const auto scene = load_with(uri);
+    ASSERT_TRUE(scene.has_value()) << uri << ": " << scene.error().what;
+    EXPECT_EQ(scene->triangle_count, 1u);
+    EXPECT_EQ(scene->name, "scene.gltf");
+  }
+}
+
+TEST_F(SceneFiles, RefusesWhatLeavesTheFolder) {
+  fs::create_symlink(scratch_.path() / "outside.bin", folder_ / "link.bin");
+  for (const std::string& uri :
+       {std::string("../outside.bin"), std::string("sub%20dir/../../outside.bin"),
+        std::string("%2e%2e/outside.bin"), (scratch_.path() / "outside.bin").string(),
+        "file://" + (scratch_.path() / "outside.bin").string(), std::string("link.bin")}) {
+    const std::string what = refusal_of(uri);
+    EXPECT_NE(what.find("scene's folder"), std::string::npos) << uri << ": " << what;
+  }
+}
+
+TEST_F(SceneFiles, RefusesWhatIsNoFile) {
+  ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  for (const char* uri : {"sub%20dir", "pipe", ".", "missing.bin", "a%00b", "data:text/html,x"}) {
+    const std::string what = refusal_of(uri);
+    EXPECT_NE(what.find("external file '"), std::string::npos) << uri << ": " << what;
+  }
+}
+
+TEST_F(SceneFiles, RefusesBufferOfOtherLength) {
+  EXPECT_TRUE(write_file_atomically(folder_ / "triangle.bin", bytes_of_text("short")));
+  EXPECT_NE(refusal_of("triangle.bin").find("size mismatch"), std::string::npos);
+}
+
+TEST_F(SceneFiles, HoldsTheByteLimit) {
+  EXPECT_TRUE(write_file_atomically(folder_ / "scene.gltf", with_external_buffer("triangle.bin")));
+  SceneLimits limits;
+  limits.external_bytes = 10;
+  EXPECT_FALSE(load_scene(folder_ / "scene.gltf", limits).has_value());
+  limits.external_bytes = 1000;
+  EXPECT_TRUE(load_scene(folder_ / "scene.gltf", limits).has_value());
+  limits.file_bytes = 10;
+  EXPECT_FALSE(load_scene(folder_ / "scene.gltf", limits).has_value());
+}
+
+TEST_F(SceneFiles, FindsExternalImages) {
+  GltfBuilder file = rich_file();
+  file.json["images"][0] = {{"name", "weave"}, {"uri", "weave.png"}};
+  EXPECT_TRUE(write_file_atomically(folder_ / "rich.glb", file.glb()));
+  const auto without = load_scene(folder_ / "rich.glb");
+  ASSERT_FALSE(without.has_value());
+  EXPECT_NE(without.error().what.find("image 0 'weave': external file 'weave.png'"), std::string::npos)
+      << without.error().what;
+  EXPECT_TRUE(write_file_atomically(folder_ / "weave.png", make_noise_png({4, 4})));
+  const auto with = load_scene(folder_ / "rich.glb");
+  ASSERT_TRUE(with.has_value()) << with.error().what;
+  EXPECT_EQ(with->textures.at(0).image.size, (Extent{4, 4}));
+}
+
+TEST_F(SceneFiles, RefusesDirectoriesAndMissingScenes) {
+  EXPECT_EQ(load_scene(folder_ / "none.glb").error().fault, Fault::Missing);
+  EXPECT_FALSE(load_scene(folder_).has_value());
+  EXPECT_FALSE(load_scene("").has_value());
+}
+
+TEST(SceneInMemory, OpensNoFiles) {
+  const auto bytes = with_external_buffer("triangle.bin");
+  const auto scene = load_scene_from_memory(bytes);
+  ASSERT_FALSE(scene.has_value());
+  EXPECT_NE(scene.error().what.find("has no folder"), std::string::npos) << scene.error().what;
+}
+
+TEST(JsonDepth, CountsBracketsOutsideOfStrings) {
+  EXPECT_TRUE(gltf::check_json_depth(R"({"a":[[]],"b":"[[[[\"[[[["})", 3).has_value());
+  EXPECT_FALSE(gltf::check_json_depth(R"({"a":[[[]]]})", 3).has_value());
+  EXPECT_TRUE(gltf::check_json_depth("]]]][[[", 3).has_value());
+}
+
+TEST(Container, RefusesBrokenGlb) {
+  const auto whole = triangle_file().glb();
+  const auto refusal_with = [&](std::size_t at, std::uint8_t value) {
+    auto bytes = whole;
+    bytes[at] = std::byte{value};
+    const auto opened = gltf::open_container(bytes);
+    return opened ? "opened" : opened.error().what;
+  };
+  EXPECT_EQ(refusal_with(4, 3), "GLB: version 3, only 2 is read");
+  EXPECT_NE(refusal_with(8, 1).find("the header says"), std::string::npos);
+  EXPECT_NE(refusal_with(15, 255).find("a chunk says"), std::string::npos);
+  EXPECT_NE(refusal_with(16, 0).find("not JSON"), std::string::npos);
+  EXPECT_EQ(refusal_with(0, 'G'), "neither a GLB nor a glTF JSON text");
+}
+
+}  // namespace
+}  // namespace farshade

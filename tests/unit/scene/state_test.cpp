@@ -1,0 +1,169 @@
+/// Where instances and lights are at a moment, on hierarchies and curves that can be computed by hand.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "stereo/math/rotation.h"
+#include "stereo/scene/scene_state.h"
+#include "tests/unit/scene/gltf_builder.h"
+
+namespace farshade {
+namespace {
+
+using nlohmann::json;
+
+constexpr Time at(double seconds) {
+  return Time(duration_from_ms(seconds * 1e3));
+}
+
+/// A scene of one node that shows nothing, moved by one channel.
+Scene moved_by(Path path, Interpolation interpolation, std::vector<float> keys,
+               std::vector<glm::vec4> values) {
+  Scene scene;
+  scene.nodes.push_back({.name = "mover", .parent = {}, .rest = {}, .moving = true});
+  scene.instances.push_back({0, 0});
+  scene.animation_length_s = keys.back();
+  scene.channels.push_back({0, path, interpolation, std::move(keys), std::move(values)});
+  return scene;
+}
+
+glm::dvec3 origin_at(const Scene& scene, double seconds) {
+  return state_at(scene, at(seconds)).stage_from_object.at(0)(Point<Object>{}).v;
+}
+
+TEST(SceneState, ComposesHierarchyInDouble) {
+  Scene scene;
+  Node far{.name = "far", .parent = {}, .rest = {}, .moving = false};
+  far.rest.translation = {1e6, 0, 0};
+  Node near{.name = "near", .parent = 0u, .rest = {}, .moving = false};
+  near.rest.translation = {1e-4, 0, 0};
+  scene.nodes = {far, near};
+  scene.instances = {{0, 1}};
+  EXPECT_NEAR(origin_at(scene, 0).x - 1e6, 1e-4, 1e-9);
+}
+
+TEST(SceneState, AppliesScaleThenRotationThenTranslation) {
+  Scene scene;
+  Node node{.name = "node", .parent = {}, .rest = {}, .moving = false};
+  node.rest.translation = {1, 2, 3};
+  node.rest.rotation = rotation_exp({0, 0, std::numbers::pi / 2});
+  node.rest.scale = {-2, 1, 1};
+  scene.nodes = {node};
+  scene.instances = {{0, 0}};
+  const auto place = state_at(scene, Time{}).stage_from_object.at(0);
+  EXPECT_LT(glm::distance(place(Point<Object>{{1, 0, 0}}).v, glm::dvec3(1, 0, 3)), 1e-12);
+  EXPECT_LT(glm::determinant(glm::dmat3(place.matrix)), 0.0) << "a mirror stays a mirror";
+}
+
+TEST(SceneState, UsesMatricesAsTheyAre) {
+  GltfBuilder file = triangle_file();
+  file.json["nodes"][0]["matrix"] = {2, 0, 0, 0, 0.5, 1, 0, 0, 0, 0, 1, 0, 7, 8, 9, 1};
+  const auto scene = load(file);
+  ASSERT_TRUE(scene.has_value());
+  const auto place = state_at(*scene, Time{}).stage_from_object.at(0);
+  EXPECT_EQ(place(Point<Object>{{1, 2, 0}}).v, glm::dvec3(10, 10, 9));
+}
+
+TEST(SceneState, LinearGoesStraightAndRepeats) {
+  const Scene scene = moved_by(Path::Translation, Interpolation::Linear, {1, 2, 4},
+                               {{0, 0, 0, 0}, {2, 0, 0, 0}, {2, 4, 0, 0}});
+  EXPECT_EQ(origin_at(scene, 0.5), glm::dvec3(0, 0, 0)) << "held before the first key";
+  EXPECT_NEAR(origin_at(scene, 1.25).x, 0.5, 1e-9);
+  EXPECT_NEAR(origin_at(scene, 3).y, 2.0, 1e-9);
+  EXPECT_EQ(origin_at(scene, 4), origin_at(scene, 0));
+  EXPECT_NEAR(origin_at(scene, 4 + 3).y, 2.0, 1e-9);
+  EXPECT_NEAR(origin_at(scene, -1).y, 2.0, 1e-9) << "time before 0 repeats as well";
+}
+
+TEST(SceneState, StepHoldsUntilTheNextKey) {
+  const Scene scene =
+      moved_by(Path::Translation, Interpolation::Step, {0, 1, 2}, {{1, 0, 0, 0}, {5, 0, 0, 0}, {9, 0, 0, 0}});
+  EXPECT_EQ(origin_at(scene, 0.999).x, 1.0);
+  EXPECT_EQ(origin_at(scene, 1).x, 5.0);
+}
+
+TEST(SceneState, CubicFollowsItsTangents) {
+  // x(t) = t^3 on [0, 2]: value 8 and slope 12 at the end.
+  const Scene scene = moved_by(Path::Translation, Interpolation::CubicSpline, {0, 2},
+                               {{}, {0, 0, 0, 0}, {0, 0, 0, 0}, {12, 0, 0, 0}, {8, 0, 0, 0}, {}});
+  for (const double t : {0.25, 1.0, 1.5}) EXPECT_NEAR(origin_at(scene, t).x, t * t * t, 1e-9);
+}
+
+TEST(SceneState, RotationTurnsAtConstantSpeedTheShortWay) {
+  const float h = std::sqrt(0.5f);
+  const Scene scene = moved_by(Path::Rotation, Interpolation::Linear, {0, 1}, {{0, 0, 0, 1}, {0, -h, 0, -h}});
+  const auto place = state_at(scene, at(1.0 / 3)).stage_from_object.at(0);
+  const glm::dvec3 x = place(Vector<Object>{{1, 0, 0}}).v;
+  EXPECT_NEAR(std::atan2(-x.z, x.x), std::numbers::pi / 6, 1e-6);
+}
+
+TEST(SceneState, SplineThroughNoRotationStaysFinite) {
+  const Scene scene = moved_by(Path::Rotation, Interpolation::CubicSpline, {0, 1},
+                               {{}, {0, 0, 0, 1}, {}, {}, {0, 0, 0, -1}, {}});
+  const auto place = state_at(scene, at(0.5)).stage_from_object.at(0);
+  EXPECT_NEAR(glm::determinant(glm::dmat3(place.matrix)), 1.0, 1e-9);
+}
+
+TEST(SceneState, ScaleThroughZeroCanStillBeInverted) {
+  const Scene scene = moved_by(Path::Scale, Interpolation::Linear, {0, 1}, {{1, 1, 1, 0}, {-1, 0, 1, 0}});
+  const auto place = state_at(scene, at(0.5)).stage_from_object.at(0);
+  EXPECT_NE(glm::determinant(place.matrix), 0.0);
+  EXPECT_TRUE(std::isfinite(glm::inverse(place.matrix)[0][0]));
+}
+
+TEST(SceneState, LightsFollowTheirNodes) {
+  GltfBuilder file = triangle_file();
+  const json spot = file.light({{"type", "spot"}, {"range", 3}, {"spot", json::object()}});
+  file.node({{"children", {2}}, {"translation", {0, 2, 0}}, {"scale", {2, 2, 2}}});
+  file.json["nodes"].push_back({{"extensions", spot},
+                                {"translation", {0, 0, -1}},
+                                {"rotation", {-std::sqrt(0.5), 0, 0, std::sqrt(0.5)}}});
+  const auto scene = load(file);
+  ASSERT_TRUE(scene.has_value()) << scene.error().what;
+  const auto set = state_at(*scene, Time{}).light_set;
+  ASSERT_EQ(set.lights.size(), 1u);
+  EXPECT_LT(glm::distance(set.lights[0].position.v, glm::dvec3(0, 2, -2)), 1e-12);
+  EXPECT_LT(glm::distance(set.lights[0].direction.v, glm::dvec3(0, -1, 0)), 1e-7);
+  EXPECT_EQ(set.lights[0].range_m, 3.0f);
+}
+
+TEST(SceneState, MovingReachesChildrenAndNoOthers) {
+  const auto scene = load(rich_file());
+  ASSERT_TRUE(scene.has_value());
+  for (const Node& node : scene->nodes)
+    EXPECT_EQ(node.moving, node.name == "seat" || node.name == "lamp") << node.name;
+  EXPECT_EQ(scene->animation_length_s, 2.0);
+  const auto lights_at = [&](double s) { return state_at(*scene, at(s)).light_set.lights; };
+  EXPECT_NE(lights_at(0)[0].position, lights_at(0.5)[0].position);
+  EXPECT_EQ(lights_at(0)[2], lights_at(0.5)[2]);
+}
+
+TEST(SceneState, ConstantChannelsAreNoMotion) {
+  GltfBuilder file = rich_file();
+  const auto still = file.accessor(file.view(std::vector<glm::vec3>(3, {4, 5, 6})), 5126, "VEC3", 3);
+  file.json["animations"][0]["samplers"][0]["output"] = still;
+  file.json["animations"][0]["channels"].erase(1);
+  const auto scene = load(file);
+  ASSERT_TRUE(scene.has_value()) << scene.error().what;
+  EXPECT_TRUE(scene->channels.empty());
+  EXPECT_EQ(scene->animation_length_s, 0.0);
+  EXPECT_FALSE(scene->nodes[0].moving);
+  EXPECT_EQ(origin_at(*scene, 0.7), glm::dvec3(4, 5, 6));
+}
+
+TEST(SceneState, AdvanceEqualsStateAt) {
+  const auto scene = load(rich_file());
+  ASSERT_TRUE(scene.has_value());
+  SceneState state = state_at(*scene, Time{});
+  for (const double s : {0.3, 1.7, 5.1}) {
+    advance(*scene, at(s), {}, state);
+    const SceneState fresh = state_at(*scene, at(s));
+    EXPECT_EQ(state.scene_time, fresh.scene_time);
+    EXPECT_EQ(state.stage_from_object, fresh.stage_from_object);
+    EXPECT_EQ(state.light_set.lights, fresh.light_set.lights);
+  }
+}
+
+}  // namespace
+}  // namespace farshade

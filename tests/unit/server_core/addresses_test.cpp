@@ -1,0 +1,125 @@
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/unit/link_client.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace link_test;
+
+const Welcome kServed{{1, 2, 3}, 3};
+const SharedKey kKey = key_named("ada");
+const Peer kHome{{0, 1}, 0, 1}, kAway{{0, 2}, 0, 1}, kThief{{0, 3}, 0, 1};
+
+/// One client in session, whose address is kHome.
+struct Moving : testing::Test {
+  Moving() {
+    say(kHome, client.hello());
+    ask(kHome);
+  }
+  void say(const Peer& from, Bytes datagram) {
+    while (!datagram.empty()) {
+      Bytes answer;
+      (void)sessions.handle(from, datagram, now, answer);
+      EXPECT_LE(answer.size(), datagram.size());
+      sent_to[from] += answer.size();
+      got_from[from] += datagram.size();
+      heard = answer;
+      datagram = from == kThief || answer.empty() ? Bytes() : client.take(answer, now);
+    }
+  }
+  Bytes next_request() {
+    now += 14ms;
+    return client.seal({.request = request_of(++frame, {64, 64}), .probe_echo = client.probe});
+  }
+  void ask(const Peer& from) { say(from, next_request()); }
+  /// Where the slices of the newest request go.
+  Peer slices_go_to() {
+    const auto job = sessions.next_job(now);
+    EXPECT_TRUE(job.has_value());
+    if (!job) return {};
+    EXPECT_EQ(job->request.frame, FrameId{frame});
+    const std::vector<Bytes> messages(3, Bytes(500, std::byte{9}));
+    sessions.put(job->session, messages, {}, now);
+    now += 1s;
+    Peer to;
+    for (Bytes datagram; sessions.seal_due(now, to, datagram);) {
+    }
+    return to;
+  }
+
+  Sessions sessions{kServed, {kKey}};
+  LinkClient client{kKey, kServed};
+  Time now{};
+  std::uint32_t frame = 0;
+  Bytes heard;
+  std::map<Peer, std::size_t> sent_to, got_from;
+};
+using SessionAddress = Moving;
+
+TEST_F(SessionAddress, IsTakenWhenItHasEchoedItsProbe) {
+  EXPECT_EQ(slices_go_to(), kHome);
+  ask(kAway);
+  EXPECT_EQ(client.probes, 1u);
+  EXPECT_EQ(slices_go_to(), kHome);
+  ask(kAway);
+  EXPECT_EQ(slices_go_to(), kAway);
+  EXPECT_EQ(sessions.counters().moved, 1u);
+  EXPECT_EQ(sessions.size(), 1u);
+  EXPECT_LE(sent_to[kAway], got_from[kAway]);
+}
+
+TEST_F(SessionAddress, DoesNotMoveToWhoReplaysACaughtDatagramFirst) {
+  for (int i = 0; i < 20; ++i) {
+    const Bytes caught = next_request();
+    say(kThief, caught);  // before the server has it from the client
+    EXPECT_EQ(sessions.counters().moved, 0u);
+    const Bytes probe = heard;
+    say(kHome, caught);
+    say(kThief, probe);  // as it is: the token is sealed
+    EXPECT_EQ(slices_go_to(), kHome);
+    ask(kHome);
+    EXPECT_EQ(slices_go_to(), kHome);
+  }
+  EXPECT_EQ(sessions.counters().moved, 0u);
+  EXPECT_GT(sent_to[kThief], 0u);
+  EXPECT_LE(sent_to[kThief], got_from[kThief]);
+}
+
+TEST_F(SessionAddress, TokenOfOneAddressMovesNothingToAnother) {
+  ask(kAway);
+  ASSERT_EQ(client.probes, 1u);
+  const Bytes with_token = next_request();
+  say(kThief, with_token);
+  EXPECT_EQ(sessions.counters().moved, 0u);
+  EXPECT_EQ(slices_go_to(), kHome);
+}
+
+TEST_F(SessionAddress, OldDatagramsFromTheOldAddressDoNotBringItBack) {
+  const Bytes late = next_request();
+  ask(kAway);
+  ask(kAway);
+  EXPECT_EQ(sessions.counters().moved, 1u);
+  say(kHome, late);
+  ask(kAway);
+  EXPECT_EQ(slices_go_to(), kAway);
+  EXPECT_EQ(sessions.counters().moved, 1u);
+  EXPECT_EQ(client.probes, 1u);
+}
+
+TEST_F(SessionAddress, FollowsAClientThatMovesEachSecond) {
+  for (std::uint16_t port = 2; port < 50; ++port) {
+    const Peer here{{0, 9}, 0, port};
+    ask(here);
+    ask(here);
+    EXPECT_EQ(slices_go_to(), here);
+  }
+  EXPECT_EQ(sessions.counters().moved, 48u);
+  EXPECT_EQ(sessions.size(), 1u);
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,96 @@
+#include "rt_server/core/outbox.h"
+
+#include <gtest/gtest.h>
+
+namespace farshade {
+namespace {
+
+using std::chrono::milliseconds;
+
+Time at(std::int64_t ms) {
+  return time_from_ns(ms * 1'000'000);
+}
+
+std::vector<std::vector<std::byte>> frame(std::size_t messages, std::size_t bytes = 1000) {
+  std::vector<std::vector<std::byte>> made;
+  for (std::size_t i = 0; i < messages; ++i) made.emplace_back(bytes, std::byte(i));
+  return made;
+}
+
+/// When each left, of who takes each when it is due.
+std::vector<Time> leave(Outbox& outbox) {
+  std::vector<Time> left;
+  while (const auto due = outbox.due()) {
+    const auto message = outbox.take();
+    EXPECT_EQ(message.front(), std::byte(left.size()));
+    left.push_back(*due);
+  }
+  return left;
+}
+
+TEST(Outbox, EmptyHasNothingDue) {
+  Outbox outbox;
+  EXPECT_TRUE(outbox.empty());
+  EXPECT_EQ(outbox.due(), std::nullopt);
+  outbox.put({}, at(5), milliseconds(10), 1e6);
+  EXPECT_TRUE(outbox.empty());
+}
+
+TEST(Outbox, FastPathSpreadsEvenlyOverTheInterval) {
+  Outbox outbox;
+  outbox.put(frame(5), at(100), milliseconds(10), 1e9);
+  EXPECT_EQ(leave(outbox), (std::vector{at(100), at(102), at(104), at(106), at(108)}));
+  EXPECT_EQ(outbox.drained_at(), at(110));
+}
+
+TEST(Outbox, SlowPathIsNeverOutrun) {
+  Outbox outbox;
+  outbox.put(frame(4), at(100), milliseconds(10), 100e3);  // 10 ms a message
+  EXPECT_EQ(leave(outbox), (std::vector{at(100), at(110), at(120), at(130)}));
+  EXPECT_EQ(outbox.drained_at(), at(140));
+}
+
+TEST(Outbox, NextFrameWaitsUntilThePathHasSwallowedTheLast) {
+  Outbox outbox;
+  outbox.put(frame(4), at(100), milliseconds(10), 100e3);
+  leave(outbox);
+  outbox.put(frame(2), at(120), milliseconds(10), 1e9);
+  EXPECT_EQ(leave(outbox), (std::vector{at(140), at(145)}));
+  outbox.put(frame(1), at(900), milliseconds(10), 1e9);
+  EXPECT_EQ(leave(outbox), (std::vector{at(900)}));
+}
+
+TEST(Outbox, LargerMessagesTakeLonger) {
+  Outbox outbox;
+  const std::vector<std::vector<std::byte>> messages{std::vector<std::byte>(1000, std::byte{0}),
+                                                     std::vector<std::byte>(100, std::byte{1}),
+                                                     std::vector<std::byte>(500, std::byte{2})};
+  outbox.put(messages, at(0), Duration{}, 100e3);
+  EXPECT_EQ(leave(outbox), (std::vector{at(0), at(10), at(11)}));
+  EXPECT_EQ(outbox.drained_at(), at(16));
+}
+
+TEST(Outbox, MemoryIsUsedAgainAndOldMessagesDoNotComeBack) {
+  Outbox outbox;
+  outbox.put(frame(20, 1200), at(0), milliseconds(10), 1e9);
+  const std::byte* first = outbox.take().data();
+  while (!outbox.empty()) outbox.take();
+  for (std::size_t n = 1; n <= 20; ++n) {
+    outbox.put(frame(n, 1200 - n), at(100), milliseconds(10), 1e9);
+    const auto message = outbox.take();
+    EXPECT_EQ(message.data(), first);
+    EXPECT_EQ(message.size(), 1200 - n);
+    std::size_t taken = 1;
+    for (; !outbox.empty(); ++taken) outbox.take();
+    EXPECT_EQ(taken, n);
+  }
+}
+
+TEST(OutboxDeathTest, RefusesASecondFrameBeforeTheFirstHasLeft) {
+  Outbox outbox;
+  outbox.put(frame(2), at(0), milliseconds(10), 1e6);
+  EXPECT_DEATH(outbox.put(frame(2), at(0), milliseconds(10), 1e6), "when the last has left");
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,168 @@
+// A request that brings positions: it waits for them, for so long, and no more of them than it said.
+#include <gtest/gtest.h>
+
+#include "stereo/net/virtual_link.h"
+#include "stereo/wire/plane_codec.h"
+#include "tests/unit/link_client.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace link_test;
+
+const Welcome kServed{{1, 2, 3}, 3, Welcome{}.most_pixels, kTracedAnswers};
+const std::vector<SharedKey> kRing{key_named("ada")};
+
+FrameRequest with_positions(std::uint32_t frame, std::uint32_t slices) {
+  FrameRequest request = request_of(frame, {32, 32});
+  request.wanted = {.answer = Answer::MasksOfPositions, .position_bits = 16, .slices = slices};
+  return request;
+}
+
+/// Counts what each answered request brought.
+struct Bench {
+  explicit Bench(AnswerSet answers = kTracedAnswers) {
+    Welcome served = kServed;
+    served.answers = answers;
+    core.emplace(
+        served, kRing, [](const FrameRequest&, ShadowFrame&) { return TraceStats{}; }, link.server(), clock,
+        SessionLimits{}, SameAllOver::OneValue,
+        [this](const Job& job, FramePacker&) {
+          brought.push_back(job.positions.size());
+          return AnswerCost{};
+        });
+    link.while_waiting(
+        [this] {
+          while (core->receive(0s)) {
+          }
+          while (core->work()) {
+          }
+          core->send_due();
+        },
+        [this] { return core->next_due(); });
+    EXPECT_TRUE(client.meet(1s));
+  }
+
+  void say_positions(std::uint32_t frame, std::uint32_t tile = 0) {
+    const std::array block{std::byte{1}};
+    Bytes message, datagram;
+    encode(ClientMessage(PlaneSlice{.frame = {frame},
+                                    .kind = PlaneKind::PositionX,
+                                    .size = {32, 32},
+                                    .word_bytes = 2,
+                                    .first_tile = tile,
+                                    .tile_count = 1,
+                                    .block = block}),
+           message);
+    client.sealer->seal(message, datagram);
+    client.say(datagram);
+  }
+  void pass(Duration span) {
+    const Time until = clock.now() + span;
+    while (clock.now() < until) client.hear(until - clock.now());
+  }
+
+  ManualClock clock;
+  VirtualLink link{clock, {}};
+  std::optional<ServerCore> core;
+  std::vector<std::size_t> brought;
+  PortClient client{link.client(), link.server().local(), kRing[0], kServed};
+};
+
+TEST(ServerPositions, ARequestIsAnsweredOnceAllHaveCome) {
+  Bench bench;
+  bench.client.say(bench.client.ask(with_positions(1, 3)));
+  for (std::uint32_t tile = 0; tile < 2; ++tile) bench.say_positions(1, tile);
+  bench.pass(1ms);
+  EXPECT_TRUE(bench.brought.empty());
+  bench.say_positions(1, 2);
+  bench.pass(1ms);
+  EXPECT_EQ(bench.brought, std::vector<std::size_t>{3});
+}
+
+TEST(ServerPositions, ThoseThatAreLostAreWaitedForNoLongerThanALull) {
+  Bench bench;
+  bench.client.say(bench.client.ask(with_positions(1, 3)));
+  bench.say_positions(1);
+  bench.pass(kPositionsLull - 1ms);
+  EXPECT_TRUE(bench.brought.empty());
+  bench.pass(2ms);
+  EXPECT_EQ(bench.brought, std::vector<std::size_t>{1});
+}
+
+TEST(ServerPositions, OfAnotherRequestOrTooManyAreStray) {
+  Bench bench;
+  bench.say_positions(1);  // before its request
+  bench.client.say(bench.client.ask(with_positions(2, 1)));
+  bench.say_positions(1);
+  bench.pass(1ms);
+  EXPECT_EQ(bench.core->counters().sessions.stray, 2u);
+  bench.say_positions(2);
+  bench.say_positions(2);
+  bench.pass(1ms);
+  EXPECT_EQ(bench.brought, std::vector<std::size_t>{1});
+  EXPECT_EQ(bench.core->counters().sessions.stray, 3u);
+  EXPECT_EQ(bench.core->counters().sessions.requests, 1u) << "positions are no requests";
+}
+
+TEST(ServerPositions, ANewerRequestTakesThePlaceOfOneThatWaitsForThem) {
+  Bench bench;
+  bench.client.say(bench.client.ask(with_positions(1, 2)));
+  bench.say_positions(1);
+  bench.client.say(bench.client.ask(with_positions(2, 1)));
+  bench.say_positions(2);
+  bench.pass(30ms);
+  EXPECT_EQ(bench.brought, std::vector<std::size_t>{1});
+  EXPECT_EQ(bench.core->counters().sessions.superseded, 1u);
+}
+
+TEST(ServerPositions, MoreBytesThanMayWaitAreDropped) {
+  Bench bench;
+  bench.client.say(bench.client.ask(with_positions(1, 65535)));
+  const std::size_t most = kMostPositions_bytes / (kPlaneSliceHeader_bytes + 1);
+  const Bytes full(kMaxPlaneBlock_bytes, std::byte{1});
+  Bytes message, datagram;
+  for (std::size_t i = 0; i * kMaxMessage_bytes < kMostPositions_bytes + 100 * kMaxMessage_bytes; ++i) {
+    encode(ClientMessage(PlaneSlice{
+               .frame = {1}, .kind = PlaneKind::PositionX, .size = {32, 32}, .tile_count = 1, .block = full}),
+           message);
+    bench.client.sealer->seal(message, datagram);
+    bench.client.say(datagram);
+    if (i % 64 == 0)
+      while (bench.core->receive(0s)) {
+      }
+  }
+  while (bench.core->receive(0s)) {
+  }
+  EXPECT_GT(bench.core->counters().sessions.stray, 90u);
+  EXPECT_LT(bench.core->counters().sessions.stray, most);
+}
+
+TEST(ServerAnswers, PicturesOfEyesOfTwoSizesAreNotDrawn) {
+  Bench bench(kEveryAnswer);
+  FrameRequest request = request_of(1, {32, 32});
+  request.wanted.answer = Answer::GBuffer;
+  bench.client.say(bench.client.ask(request));
+  bench.pass(5ms);
+  EXPECT_EQ(bench.brought.size(), 1u) << "of one size they are";
+  request.frame = {2};
+  request.views[1].size = {32, 31};
+  bench.client.say(bench.client.ask(request));
+  bench.pass(5ms);
+  EXPECT_EQ(bench.brought.size(), 1u);
+  EXPECT_EQ(bench.core->counters().sessions.unanswered, 1u);
+}
+
+TEST(ServerAnswers, WhatIsNotGivenIsCountedAndNotAnswered) {
+  Bench bench;
+  FrameRequest request = request_of(1, {32, 32});
+  request.wanted.answer = Answer::GBuffer;
+  bench.client.say(bench.client.ask(request));
+  bench.pass(5ms);
+  EXPECT_TRUE(bench.brought.empty());
+  EXPECT_EQ(bench.core->counters().sessions.unanswered, 1u);
+}
+
+}  // namespace
+}  // namespace farshade

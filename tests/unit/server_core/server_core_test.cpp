@@ -1,0 +1,254 @@
+#include "rt_server/core/server_core.h"
+
+#include <gtest/gtest.h>
+
+#include <latch>
+
+#include "rt_server/core/serve.h"
+#include "stereo/net/udp.h"
+#include "stereo/net/virtual_link.h"
+#include "tests/unit/link_client.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace link_test;
+
+constexpr std::uint32_t kLights = 3;
+const Welcome kServed{{1, 2, 3}, kLights};
+const std::vector<SharedKey> kRing{key_named("ada"), key_named("bob")};
+constexpr Extent kSize{100, 60};
+
+FrameRequest request(std::uint32_t frame) {
+  return request_of(frame, kSize);
+}
+
+/// Masks that differ from frame to frame, eye to eye and pixel to pixel.
+TraceStats paint(const FrameRequest& asked, ShadowFrame& frame) {
+  frame.frame = asked.frame;
+  frame.light_set_revision = asked.lights.revision;
+  frame.views = asked.views;
+  for (const Side side : kSides) {
+    EyeMask& mask = frame.masks[index_of(side)];
+    mask = EyeMask(asked.views[index_of(side)].size, kLights);
+    for (std::uint32_t y = 0; y < kSize.height; ++y)
+      for (std::uint32_t x = 0; x < kSize.width; ++x)
+        mask.set_word(x, y, 0, (x * x / 9 + y * asked.frame.value + index_of(side)) % 8);
+  }
+  return {.primary = 3ms, .shadow = 4ms, .primary_rays = 10, .shadow_rays = 20, .full_shadow_rays = 30};
+}
+
+PerEye<EyeMask> painted(std::uint32_t frame) {
+  ShadowFrame made;
+  paint(request(frame), made);
+  return made.masks;
+}
+
+/// A server and a client over a virtual link, in one thread.
+struct Bench {
+  explicit Bench(const LinkModels& models = {}, TraceFunction trace = paint) : link(clock, models) {
+    core.emplace(kServed, kRing, std::move(trace), link.server(), clock);
+    link.while_waiting([this] { serve(*core); }, [this] { return core->next_due(); });
+  }
+
+  ManualClock clock;
+  VirtualLink link;
+  std::optional<ServerCore> core;
+  PortClient client{link.client(), link.server().local(), kRing[0], kServed};
+};
+
+TEST(ServerCore, AnswersARequestWithBothMasksBitForBit) {
+  Bench bench({.to_server = {.delay = 5ms}, .to_client = {.delay = 5ms}});
+  ASSERT_TRUE(bench.client.meet(1s));
+  EXPECT_EQ(bench.clock.now(), Time(20ms)) << "two round trips";
+  EXPECT_EQ(bench.client.welcome, kServed);
+  bench.client.say(bench.client.ask(request(1)));
+  while (bench.client.hear(100ms)) {
+  }
+  const ReceivedFrame* received = bench.client.assembler.find({1});
+  ASSERT_NE(received, nullptr);
+  EXPECT_TRUE(received->complete());
+  EXPECT_EQ(received->masks, painted(1));
+}
+
+TEST(ServerCore, ReportsWhatTheFrameWasAndCost) {
+  Bench bench;
+  ASSERT_TRUE(bench.client.meet(1s));
+  for (std::uint32_t frame = 1; frame <= 3; ++frame) bench.client.say(bench.client.ask(request(frame)));
+  while (bench.core->receive(0s)) {
+  }
+  bench.clock.advance_to(Time(2ms));
+  ASSERT_TRUE(bench.core->work());
+  while (bench.client.hear(100ms)) {
+  }
+  const ReceivedFrame* received = bench.client.assembler.find({3});
+  ASSERT_TRUE(received->report.has_value());
+  FrameReport report = *received->report;
+  EXPECT_EQ(report.slices, bench.client.assembler.counters().slices);
+  EXPECT_GT(report.payload_bytes, 0u);
+  EXPECT_GT(report.pack, 0s);
+  report.pack = {};
+  report.slices = report.payload_bytes = 0;
+  EXPECT_EQ(report, (FrameReport{.frame = {3},
+                                 .primary_rays = 10,
+                                 .shadow_rays = 20,
+                                 .full_shadow_rays = 30,
+                                 .primary = 3ms,
+                                 .shadow = 4ms,
+                                 .waited = 2ms,
+                                 .superseded = 2,
+                                 .bytes_per_second = static_cast<std::uint32_t>(RateControl::kStart)}));
+  EXPECT_EQ(bench.core->counters().frames, 1u);
+  EXPECT_EQ(bench.core->counters().sessions.superseded, 2u);
+  EXPECT_FALSE(bench.client.assembler.find({1})->anything_known());
+}
+
+TEST(ServerCore, CountsWhatIsNoMessage) {
+  Bench bench;
+  const std::array<std::byte, 40> noise{};
+  bench.link.client().send(bench.link.server().local(), noise);
+  serve(*bench.core);
+  EXPECT_EQ(bench.core->counters().refused[WireRefusal::Magic], 1u);
+  EXPECT_EQ(bench.core->counters().port.sent, 0u);
+}
+
+TEST(ServerCore, TracesNothingForStrangers) {
+  Bench bench;
+  PortClient stranger(bench.link.client(), bench.link.server().local(), key_named("mallory"), kServed);
+  EXPECT_FALSE(stranger.meet(100ms));
+  EXPECT_TRUE(stranger.open_refusal.has_value());
+  Welcome other = kServed;
+  other.scene_hash = {9};
+  PortClient astray(bench.link.client(), bench.link.server().local(), kRing[0], other);
+  EXPECT_FALSE(astray.meet(100ms));
+  EXPECT_TRUE(astray.refusal.has_value());
+  EXPECT_EQ(bench.core->counters().frames, 0u);
+  EXPECT_EQ(bench.core->counters().sessions_open, 0u);
+}
+
+TEST(ServerCore, SlicesLeaveOverHalfTheFrameIntervalAndNotAtOnce) {
+  Bench bench;
+  ASSERT_TRUE(bench.client.meet(1s));
+  FrameRequest asked = request(1);
+  std::vector<Time> arrivals;
+  for (std::uint32_t frame = 1; frame <= 100; ++frame) {
+    const Time begin = Time(frame * 14ms);
+    while (bench.clock.now() < begin) bench.client.hear(begin - bench.clock.now());
+    asked.frame = {frame};
+    asked.display_time = begin;
+    bench.client.say(bench.client.ask(asked));
+    if (frame < 100) continue;
+    while (bench.client.hear(14ms)) arrivals.push_back(bench.clock.now());
+  }
+  ASSERT_GT(arrivals.size(), 2u);
+  const Duration spread = arrivals.back() - arrivals.front();
+  EXPECT_GT(spread, 14ms * 0.5 * 0.9 * static_cast<double>(arrivals.size() - 1) /
+                        static_cast<double>(arrivals.size()));
+  EXPECT_LT(spread, 14ms * 0.5);
+}
+
+TEST(ServerCore, SameSeedSameMasksOverALossyLink) {
+  const auto run = [] {
+    Bench bench({.to_server = {.delay = 3ms, .jitter = 2ms, .loss = 0.05},
+                 .to_client = {.delay = 4ms, .jitter = 8ms, .loss = 0.2},
+                 .seed = 11});
+    std::vector<PerEye<EyeMask>> masks;
+    std::vector<PerEye<std::uint32_t>> known;
+    while (!bench.client.session) bench.client.meet(50ms);
+    for (std::uint32_t frame = 1; frame <= 20; ++frame) {
+      bench.client.say(bench.client.ask(request(frame)));
+      const Time display = bench.clock.now() + 14ms;
+      while (bench.clock.now() < display) bench.client.hear(display - bench.clock.now());
+      if (const ReceivedFrame* newest = bench.client.assembler.newest_known()) {
+        masks.push_back(newest->masks);
+        known.push_back(newest->tiles_known);
+      }
+    }
+    return std::pair(masks, known);
+  };
+  const auto first = run();
+  EXPECT_GT(first.first.size(), 10u);
+  EXPECT_EQ(first, run());
+}
+
+TEST(Serving, NewestWinsWhileTheTracerIsBusyOverRealUdp) {
+  auto port = listen_udp("127.0.0.1:0");
+  ASSERT_TRUE(port.has_value());
+  auto connected = connect_udp(to_string((*port)->local()));
+  ASSERT_TRUE(connected.has_value());
+  std::latch tracing(1), all_asked(1);
+  std::atomic<int> traced = 0;
+  const SteadyClock clock;
+  ServerCore core(
+      kServed, kRing,
+      [&](const FrameRequest& asked, ShadowFrame& frame) {
+        if (traced++ == 0) {
+          tracing.count_down();
+          all_asked.wait();
+        }
+        return paint(asked, frame);
+      },
+      **port, clock);
+  const Serving serving(core);
+
+  PortClient client(*connected->port, connected->server, kRing[0], kServed);
+  ASSERT_TRUE(client.meet(10s));
+  client.say(client.ask(request(1)));
+  tracing.wait();
+  for (std::uint32_t frame = 2; frame <= 6; ++frame) client.say(client.ask(request(frame)));
+  // Loopback keeps the order: once the server has counted this as no message, it has all the requests.
+  connected->port->send(connected->server, std::array<std::byte, 1>{});
+  while (core.counters().refused.total() == 0) std::this_thread::yield();
+  all_asked.count_down();
+  while (!client.assembler.find({6})->report) ASSERT_TRUE(client.hear(10s));
+  EXPECT_TRUE(client.assembler.find({1})->complete());
+  EXPECT_TRUE(client.assembler.find({6})->complete());
+  for (std::uint32_t frame = 2; frame <= 5; ++frame)
+    EXPECT_FALSE(client.assembler.find({frame})->anything_known()) << frame;
+  EXPECT_EQ(traced, 2);
+  EXPECT_EQ(core.counters().sessions.superseded, 4u);
+}
+
+TEST(Serving, ServesTwoClientsAtOnceOverRealUdp) {
+  auto port = listen_udp("127.0.0.1:0");
+  ASSERT_TRUE(port.has_value());
+  const SteadyClock clock;
+  ServerCore core(kServed, kRing, paint, **port, clock);
+  std::array<std::uint32_t, 2> whole{};
+  {
+    const Serving serving(core);
+    std::vector<std::jthread> threads;
+    for (std::size_t i = 0; i < whole.size(); ++i)
+      threads.emplace_back([&core, &whole, i, to = to_string((*port)->local())] {
+        auto connected = connect_udp(to);
+        if (!connected) return;
+        PortClient client(*connected->port, connected->server, kRing[i], kServed);
+        if (!client.meet(10s)) return;
+        for (std::uint32_t frame = 1; frame <= 50; ++frame) {
+          client.say(client.ask(request(frame)));
+          const ReceivedFrame& received = *client.assembler.find({frame});
+          while (!(received.report && received.complete()) && client.hear(1s)) {
+          }
+          if (received.complete() && received.masks == painted(frame)) ++whole[i];
+          (void)core.counters();
+        }
+      });
+  }
+  // Loopback may lose a datagram where the machine is busy.
+  for (const std::uint32_t frames : whole) EXPECT_GE(frames, 45u);
+  EXPECT_EQ(core.counters().sessions.welcomed, 2u);
+}
+
+TEST(Serving, EndsWhileNothingHappens) {
+  auto port = listen_udp("127.0.0.1:0");
+  ASSERT_TRUE(port.has_value());
+  const SteadyClock clock;
+  ServerCore core(kServed, kRing, paint, **port, clock);
+  const Stopwatch watch;
+  { const Serving serving(core); }
+  EXPECT_LT(watch.elapsed(), 10s);
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,382 @@
+#include "rt_server/core/sessions.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/link_client.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace link_test;
+
+const Welcome kServed{{1, 2, 3}, 3};
+const std::vector<SharedKey> kRing{key_named("ada"), key_named("bob"), key_named("eve")};
+
+constexpr Extent kSize{64, 64};
+
+Peer peer(std::uint16_t port) {
+  return Peer{{0, 1}, 0, port};
+}
+
+/// Sessions, and clients that speak to them directly.
+struct House {
+  explicit House(const SessionLimits& limits = {}) : sessions(kServed, kRing, limits) {}
+
+  Bytes say(std::uint16_t port, const Bytes& datagram, Time now = {}) {
+    Bytes answer;
+    taken = sessions.handle(peer(port), datagram, now, answer);
+    EXPECT_LE(answer.size(), datagram.size());
+    return answer;
+  }
+  /// Says `datagram` and what the answers ask for, until nobody has more to say.
+  void talk(LinkClient& client, std::uint16_t port, Bytes datagram, Time now = {}) {
+    while (!datagram.empty()) {
+      const Bytes answer = say(port, datagram, now);
+      if (answer.empty()) return;
+      datagram = client.take(answer, now);
+    }
+  }
+  LinkClient join(std::uint16_t port, Time now = {}, const SharedKey& key = kRing[0]) {
+    LinkClient client(key, kServed);
+    talk(client, port, client.hello(), now);
+    return client;
+  }
+  void ask(LinkClient& client, std::uint16_t port, std::uint32_t frame, Time now = {}) {
+    talk(client, port, client.seal({.request = request_of(frame, kSize)}), now);
+  }
+
+  Sessions sessions;
+  Decoded<void> taken{};
+};
+
+SessionCounters counted(SessionCounters counters) {
+  return counters;
+}
+
+TEST(Sessions, WelcomesWhoProvesAddressAndKeyInTwoRoundTrips) {
+  House house;
+  LinkClient client(kRing[0], kServed);
+  const Bytes again = client.take(house.say(1, client.hello()), {});
+  EXPECT_EQ(house.sessions.size(), 0u) << "nothing is kept of who has not proved its address";
+  ASSERT_FALSE(again.empty());
+  client.take(house.say(1, again), {});
+  EXPECT_EQ(client.welcome, kServed);
+  EXPECT_EQ(house.sessions.size(), 1u);
+  EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1}));
+  EXPECT_EQ(house.sessions.gate().retries, 1u);
+}
+
+TEST(Sessions, KeepsNothingOfWhoHasNoKey) {
+  House house;
+  const LinkClient stranger = house.join(1, {}, key_named("mallory"));
+  EXPECT_EQ(house.sessions.size(), 0u);
+  ASSERT_TRUE(stranger.open_refusal.has_value());
+  EXPECT_EQ(stranger.open_refusal->reason, RefusalReason::UnknownKey);
+  SharedKey forged = key_named("mallory");
+  forged.secret = kRing[0].secret;
+  forged.secret[5] ^= 1;
+  EXPECT_FALSE(house.join(2, {}, forged).welcome.has_value());
+  EXPECT_EQ(house.sessions.size(), 0u);
+  EXPECT_EQ(house.sessions.gate().unknown_key, 2u);
+}
+
+TEST(Sessions, RefusesAnotherSceneAndSaysWhichItServes) {
+  House house;
+  Welcome other = kServed;
+  other.scene_hash[31] ^= 1;
+  LinkClient client(kRing[0], other);
+  house.talk(client, 1, client.hello());
+  ASSERT_TRUE(client.refusal.has_value()) << "sealed: only the server can say it";
+  EXPECT_EQ(*client.refusal, (Refusal{RefusalReason::SceneMismatch, kServed.scene_hash}));
+  EXPECT_EQ(house.sessions.size(), 0u);
+  EXPECT_EQ(house.sessions.counters(), counted({.scene_mismatch = 1}));
+}
+
+TEST(Sessions, RefusesAnotherVersionAndSaysWhichItSpeaks) {
+  House house;
+  LinkClient client(kRing[0], kServed);
+  Bytes foreign = client.hello();
+  foreign[4] = std::byte{kProtocolVersion + 1};
+  house.talk(client, 1, foreign);
+  ASSERT_TRUE(client.open_refusal.has_value());
+  EXPECT_EQ(client.open_refusal->reason, RefusalReason::VersionMismatch);
+  EXPECT_EQ(client.open_refusal->version, kProtocolVersion);
+  EXPECT_EQ(client.open_refusal->echo, client.handshake.echo());
+  EXPECT_EQ(house.sessions.gate().version_mismatch, 1u);
+}
+
+TEST(Sessions, TellsWhoseSessionItDoesNotHave) {
+  House house, restarted;
+  LinkClient client = house.join(1);
+  restarted.ask(client, 1, 1);
+  EXPECT_EQ(client.no_session, 1u);
+  EXPECT_EQ(restarted.taken.error(), WireRefusal::UnknownSession);
+  EXPECT_FALSE(restarted.sessions.job_at().has_value());
+}
+
+TEST(Sessions, NewestRequestWinsAndTheOthersAreCounted) {
+  House house;
+  LinkClient client = house.join(1);
+  for (std::uint32_t frame = 1; frame <= 4; ++frame) house.ask(client, 1, frame, Time(frame * 1ms));
+  const auto job = house.sessions.next_job(Time(4ms));
+  ASSERT_TRUE(job.has_value());
+  EXPECT_EQ(job->request.frame, FrameId{4});
+  EXPECT_EQ(job->arrived, Time(4ms));
+  EXPECT_EQ(job->superseded, 3u);
+  EXPECT_FALSE(house.sessions.job_at().has_value());
+  EXPECT_FALSE(house.sessions.next_job(Time(4ms)).has_value());
+  EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 4, .superseded = 3}));
+}
+
+TEST(Sessions, RequestsThatWereOvertakenAreDropped) {
+  House house;
+  LinkClient client = house.join(1);
+  for (const std::uint32_t frame : {7, 6, 7}) house.ask(client, 1, frame);
+  EXPECT_EQ(house.sessions.next_job({})->request.frame, FrameId{7});
+  house.ask(client, 1, 7);  // what was served
+  EXPECT_FALSE(house.sessions.job_at().has_value());
+  EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 4, .outdated = 3}));
+}
+
+TEST(Sessions, RequestsForMorePixelsThanAllowedAreCountedAndNotTraced) {
+  Welcome small = kServed;
+  small.most_pixels = kSize.width * kSize.height;
+  Sessions sessions(small, kRing);
+  House house;
+  house.sessions = std::move(sessions);
+  LinkClient client = house.join(1);
+  FrameRequest wide = request_of(1, kSize);
+  wide.views[1].size.height += 1;
+  house.talk(client, 1, client.seal({.request = wide}));
+  EXPECT_FALSE(house.sessions.job_at().has_value());
+  house.ask(client, 1, 2);
+  EXPECT_EQ(house.sessions.next_job({})->request.frame, FrameId{2});
+  EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 2, .too_large = 1}));
+}
+
+TEST(Sessions, WhoMakesMoreWorkHasItsTurnLessOften) {
+  House house;
+  std::vector<LinkClient> clients;
+  for (std::uint16_t port = 1; port <= 3; ++port) clients.push_back(house.join(port, {}, kRing[port - 1u]));
+  const std::vector<std::vector<std::byte>> messages;
+  std::array<int, 3> served{};
+  Duration longest{}, waited{};
+  for (std::uint32_t frame = 1; frame <= 120; ++frame) {
+    for (std::uint16_t port = 1; port <= 3; ++port) house.ask(clients[port - 1u], port, frame);
+    const auto job = house.sessions.next_job({});
+    const auto who = static_cast<std::size_t>(std::ranges::find(clients, job->session, &LinkClient::session) -
+                                              clients.begin());
+    const Duration work = who == 2 ? 50ms : 5ms;
+    house.sessions.put(job->session, messages, work, {});
+    ++served[who];
+    waited = who == 0 ? Duration{} : waited + work;
+    longest = std::max(longest, waited);
+  }
+  EXPECT_NEAR(served[0], served[1], 1);
+  EXPECT_NEAR(served[2] * 10, served[0], 20) << "a third of the time is a third of the time";
+  EXPECT_LE(longest, 60ms) << "one large frame at a time";
+}
+
+TEST(Sessions, WhoWasAwayHasNoTurnsInStore) {
+  House house;
+  LinkClient one = house.join(1), two = house.join(2, {}, kRing[1]);
+  std::uint32_t frame = 0;
+  for (int i = 0; i < 100; ++i) {
+    house.ask(one, 1, ++frame);
+    house.sessions.put(house.sessions.next_job({})->session, {}, 5ms, {});
+  }
+  int of_one = 0;
+  for (int i = 0; i < 10; ++i) {
+    house.ask(one, 1, ++frame);
+    house.ask(two, 2, ++frame);
+    const auto job = house.sessions.next_job({});
+    of_one += job->session == one.session;
+    house.sessions.put(job->session, {}, 5ms, {});
+  }
+  EXPECT_EQ(of_one, 5);
+}
+
+TEST(Sessions, FrameOrderSurvivesWraparound) {
+  House house;
+  LinkClient client = house.join(1);
+  for (const std::uint32_t frame : {0xffffffffu, 1u, 0xfffffffeu}) house.ask(client, 1, frame);
+  EXPECT_EQ(house.sessions.next_job({})->request.frame, FrameId{1});
+}
+
+TEST(Sessions, ReplayedForgedAndCutDatagramsChangeNothing) {
+  House house;
+  LinkClient client = house.join(1);
+  const Bytes asked = client.seal({.request = request_of(1, kSize)});
+  house.say(1, asked);
+  ASSERT_EQ(house.sessions.next_job({})->request.frame, FrameId{1});
+  EXPECT_TRUE(house.say(1, asked, Time(1s)).empty());
+  EXPECT_EQ(house.taken.error(), WireRefusal::Replayed);
+  const Bytes next = client.seal({.request = request_of(2, kSize)});
+  for (std::size_t i = 15; i < next.size(); ++i) {  // behind magic, version, type and session
+    Bytes forged = next;
+    forged[i] ^= std::byte{0x10};
+    EXPECT_TRUE(house.say(2, forged, Time(1s)).empty());
+    EXPECT_FALSE(house.taken.has_value()) << i;
+  }
+  for (std::size_t size = 0; size < next.size(); ++size) {
+    house.say(2, Bytes(next.begin(), next.begin() + static_cast<std::ptrdiff_t>(size)), Time(1s));
+    EXPECT_FALSE(house.taken.has_value()) << size;
+  }
+  EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 1}));
+  house.say(1, next, Time(2s));
+  EXPECT_EQ(house.sessions.next_job(Time(2s))->request.frame, FrameId{2}) << "the real one still counts";
+}
+
+TEST(Sessions, ClientRestartedAtItsAddressReplacesItsOlderSession) {
+  House house;
+  LinkClient before = house.join(1), elsewhere = house.join(2), other = house.join(1, {}, kRing[1]);
+  house.ask(before, 1, 1000);
+  LinkClient after = house.join(1);
+  EXPECT_EQ(house.sessions.size(), 4u) << "who only repeats an accept's hello ends nothing";
+  house.ask(after, 1, 1);
+  EXPECT_EQ(house.sessions.size(), 3u);
+  EXPECT_EQ(house.sessions.counters().replaced, 1u);
+  EXPECT_EQ(house.sessions.next_job({})->request.frame, FrameId{1});
+  house.ask(before, 1, 1001);
+  EXPECT_EQ(before.no_session, 1u);
+  house.ask(elsewhere, 2, 2);
+  house.ask(other, 1, 3);
+  EXPECT_EQ(elsewhere.no_session + other.no_session, 0u) << "another address, another key";
+}
+
+TEST(Sessions, ClientsTakeTurnsWhateverTheyAsk) {
+  House house;
+  std::vector<LinkClient> clients;
+  for (std::uint16_t port = 0; port < 3; ++port) clients.push_back(house.join(port));
+  std::uint32_t frame = 0;
+  const auto ask = [&](std::uint16_t port) { house.ask(clients[port], port, ++frame); };
+  for (std::uint16_t port = 0; port < 3; ++port) ask(port);
+  std::vector<std::uint16_t> turns;
+  for (int i = 0; i < 9; ++i) {
+    const SessionId served = house.sessions.next_job({})->session;
+    const auto client = std::ranges::find(clients, served, &LinkClient::session);
+    turns.push_back(static_cast<std::uint16_t>(client - clients.begin()));
+    for (int often = 0; often < 5; ++often) ask(0);  // greedy
+    ask(turns.back());
+  }
+  EXPECT_EQ(turns, (std::vector<std::uint16_t>{0, 1, 2, 0, 1, 2, 0, 1, 2}));
+}
+
+// ---- hellos said again
+
+TEST(Sessions, RepeatedHelloGetsTheVerySameAcceptAndNoSecondSession) {
+  House house;
+  LinkClient client(kRing[0], kServed);
+  const Bytes proved = client.take(house.say(1, client.hello()), {});
+  const Bytes accept = house.say(1, proved);
+  client.take(accept, {});
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(house.say(1, proved, Time(i * 100ms)), accept);
+  house.ask(client, 1, 1, Time(1s));
+  EXPECT_EQ(house.say(1, proved, Time(1s)), accept) << "a session at work is not disturbed";
+  house.ask(client, 1, 2, Time(1s));
+  EXPECT_EQ(house.sessions.size(), 1u);
+  EXPECT_EQ(house.sessions.counters().welcomed, 1u);
+  EXPECT_EQ(house.sessions.counters().repeated, 11u);
+  EXPECT_EQ(house.sessions.next_job(Time(1s))->request.frame, FrameId{2});
+}
+
+TEST(Sessions, HelloCaughtAndRepeatedElsewhereProvesNothing) {
+  House house;
+  LinkClient client(kRing[0], kServed);
+  const Bytes proved = client.take(house.say(1, client.hello()), {});
+  const Bytes answer = house.say(2, proved);
+  EXPECT_TRUE(std::holds_alternative<Retry>(*open_server_envelope(answer)));
+  EXPECT_EQ(house.sessions.size(), 0u);
+}
+
+TEST(Sessions, HelloRepeatedBySomebodyElseLeavesOneSessionForAsLongAsItIsUnconfirmed) {
+  House house;
+  LinkClient client(kRing[0], kServed);
+  const Bytes proved = client.take(house.say(1, client.hello()), {});
+  const Bytes accept = house.say(1, proved);
+  const Duration unconfirmed = SessionLimits{}.unconfirmed;
+  for (Duration at = 0s; at <= unconfirmed; at += 50ms) {
+    const Bytes answer = house.say(1, proved, Time(at));
+    if (answer != accept) {
+      EXPECT_TRUE(std::holds_alternative<Retry>(*open_server_envelope(answer))) << "its cookie is over";
+      EXPECT_GT(at, kCookiePeriod);
+    }
+    EXPECT_EQ(house.sessions.size(), 1u);
+  }
+  for (Duration at = unconfirmed + 1ms; at < 60s; at += 500ms) {
+    house.say(1, proved, Time(at));
+    EXPECT_EQ(house.sessions.size(), 0u) << "no cookie, no session, for ever";
+  }
+  EXPECT_EQ(house.sessions.counters().welcomed, 1u);
+  EXPECT_EQ(house.sessions.counters().forgotten, 1u);
+}
+
+// ---- limits
+
+TEST(Sessions, FullHouseTellsTheNextAndNobodyElse) {
+  House house({.sessions = 2});
+  LinkClient first = house.join(1), second = house.join(2);
+  const LinkClient third = house.join(3);
+  ASSERT_TRUE(third.refusal.has_value());
+  EXPECT_EQ(third.refusal->reason, RefusalReason::Busy);
+  EXPECT_EQ(house.sessions.size(), 2u);
+  EXPECT_EQ(house.sessions.counters().busy, 1u);
+  house.talk(second, 2, second.hello());
+  EXPECT_EQ(house.sessions.counters().repeated, 1u) << "who is in is told so again";
+  house.ask(first, 1, 1);
+  EXPECT_TRUE(house.taken.has_value());
+}
+
+TEST(Sessions, ShakesHandsNoMoreOftenThanItsLimit) {
+  House house({.sessions = 1000, .handshakes_per_second = 10});
+  std::uint16_t port = 0;
+  const auto come = [&](int count, Time now) {
+    const std::size_t before = house.sessions.size();
+    for (int i = 0; i < count; ++i) house.join(++port, now);
+    return house.sessions.size() - before;
+  };
+  EXPECT_EQ(come(50, Time(0s)), 10u);
+  EXPECT_EQ(house.sessions.gate().too_many, 40u);
+  EXPECT_EQ(come(50, Time(500ms)), 5u);
+  EXPECT_EQ(come(50, Time(4s)), 10u) << "no more are saved up";
+}
+
+TEST(Sessions, SendsAClientNoMoreThanItsLimitOfBytesASecond) {
+  constexpr double kMost = 100e3;
+  House house({.bytes_per_second = kMost});
+  LinkClient client = house.join(1);
+  const std::vector<Bytes> messages(20, Bytes(kMaxMessage_bytes, std::byte{5}));
+  std::size_t sent = 0;
+  Time now{};
+  for (std::uint32_t frame = 1; now < Time(10s); now += 5ms, ++frame) {
+    house.ask(client, 1, frame, now);
+    if (const auto job = house.sessions.next_job(now)) house.sessions.put(job->session, messages, {}, now);
+    Peer to;
+    for (Bytes datagram; house.sessions.seal_due(now, to, datagram);) sent += datagram.size();
+  }
+  EXPECT_LE(static_cast<double>(sent), 1.05 * kMost * 10);
+  EXPECT_GE(static_cast<double>(sent), 0.7 * kMost * 10);
+  EXPECT_GT(house.sessions.counters().held_back, 20u);
+}
+
+TEST(Sessions, SilentClientsAreForgottenAfterTheStatedTime) {
+  House house({.sessions = 3, .silence = 10s, .unconfirmed = 5s});
+  LinkClient silent = house.join(1), talks = house.join(2), unconfirmed = house.join(3);
+  house.ask(silent, 1, 1);
+  const auto ask = [&](std::uint32_t frame, Time now) {
+    house.ask(talks, 2, frame, now);
+    return house.sessions.size();
+  };
+  EXPECT_EQ(ask(1, Time(5s)), 3u);
+  EXPECT_EQ(ask(2, Time(5s + 1ms)), 2u) << "who never said anything sealed";
+  EXPECT_EQ(ask(3, Time(10s)), 2u);
+  EXPECT_EQ(ask(4, Time(10s + 1ms)), 1u);
+  EXPECT_EQ(house.sessions.counters().forgotten, 2u);
+  house.ask(silent, 1, 2, Time(11s));
+  EXPECT_EQ(silent.no_session, 1u);
+  EXPECT_TRUE(house.join(4, Time(11s)).welcome.has_value()) << "there is room again";
+}
+
+}  // namespace
+}  // namespace farshade

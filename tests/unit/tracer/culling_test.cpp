@@ -1,0 +1,243 @@
+// What the tracer leaves out: never a bit of a mask, and counted.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "stereo/scene/gltf.h"
+#include "tests/oracle/agreement.h"
+#include "tests/oracle/scene_builder.h"
+
+namespace farshade {
+namespace {
+
+const View kLeft = look({0.1, 3.0, 2.9}, {0.03, 0.0, -0.1}, 64);
+const View kRight = look({0.2, 3.0, 2.9}, {0.03, 0.0, -0.1}, 64);
+
+TracePlan needed_for(const Scene& scene) {
+  return plan_for(scene, {.all_lights = true}).trace;
+}
+
+TracePlan everything_for(const Scene& scene) {
+  return plan_for(scene, {.kind = PlanKind::Everything, .all_lights = true}).trace;
+}
+
+struct Traced {
+  ShadowFrame frame;
+  TraceStats stats;
+};
+
+Traced trace_by(const TracePlan& plan, const Scene& scene, const StereoView& views, Time time = {}) {
+  Tracer tracer = Tracer::create(scene, plan).value();
+  Traced result;
+  result.stats = tracer.trace(request_for(views, time), result.frame);
+  return result;
+}
+
+/// Traces with culling and without, expects the same masks, and returns what culling left.
+TraceStats expect_same_bits(const Scene& scene, const StereoView& views, Time time = {}) {
+  TracePlan plan = needed_for(scene);
+  const Traced culled = trace_by(plan, scene, views, time);
+  plan.skips_rays = false;
+  const Traced whole = trace_by(plan, scene, views, time);
+  EXPECT_EQ(culled.frame.masks, whole.frame.masks);
+  EXPECT_EQ(whole.stats.shadow_rays, whole.stats.full_shadow_rays);
+  const TraceStats& s = culled.stats;
+  EXPECT_EQ(s.shadow_rays + s.proven + s.turned_away + s.out_of_range + s.out_of_cone, s.full_shadow_rays);
+  return s;
+}
+
+StereoView turned_eyes(const Scene& scene, double yaw_rad, std::uint32_t side) {
+  const Rigid<Stage, Eye> camera = scene.camera.value();
+  const auto eye = [&](double x) {
+    return View{
+        {glm::angleAxis(yaw_rad, glm::dvec3(0, 1, 0)) * camera.rotation, camera(Point<Eye>{{x, 0, 0}}).v},
+        {-0.8, 0.8, 0.74, -0.85},
+        {side, side}};
+  };
+  return {eye(-0.032), eye(0.032)};
+}
+
+TEST(TracerCulling, ChangesNoBitOfBoxOverPlane) {
+  const Scene scene = load_scene(FARSHADE_ASSETS "/box_over_plane.gltf").value();
+  for (const double yaw : {0.0, 0.4, -0.5}) {
+    const TraceStats stats = expect_same_bits(scene, turned_eyes(scene, yaw, 256));
+    EXPECT_GT(stats.proven * 10, stats.full_shadow_rays * 8) << "most of the plane is in sight";
+  }
+}
+
+TEST(TracerCulling, ChangesNoBitOfTheRoom) {
+  const Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
+  for (int i = 0; i < 5; ++i) {
+    SCOPED_TRACE(i);
+    const TraceStats stats = expect_same_bits(scene, turned_eyes(scene, 1.3 * i, 256),
+                                              time_from_ns(std::int64_t{i} * 1'300'000'000));
+    EXPECT_GT(stats.proven + stats.turned_away, 0u);
+  }
+}
+
+#ifdef FARSHADE_SHARED_SCENES
+TEST(TracerCulling, ChangesNoBitOfTheSharedScenes) {
+  for (const char* name : {"/modern_living_room.glb", "/pine_tree.glb"}) {
+    SCOPED_TRACE(name);
+    const Scene scene = load_scene(std::string(FARSHADE_SHARED_SCENES) + name).value();
+    for (const double yaw : {0.0, 1.9, -2.2}) {
+      const TraceStats stats = expect_same_bits(scene, turned_eyes(scene, yaw, 256));
+      EXPECT_GT(stats.proven * 2, stats.full_shadow_rays);
+    }
+  }
+}
+#endif
+
+/// Triangles of all sizes in and about a hall of quads, a thing that moves, and lights of every kind.
+Scene soup(std::mt19937& random) {
+  std::uniform_real_distribution<float> place(-2, 2), unit(0, 1);
+  SceneBuilder build;
+  for (const float y : {-2.0f, 2.0f}) build.add(quad({0, y, 0}, {3, 0, 0}, {0, 0, -3}));
+  for (const float x : {-3.0f, 3.0f}) build.add(quad({x, 0, 0}, {0, 2, 0}, {0, 0, -3}));
+  for (int i = 0; i < 8; ++i)  // plates that lie all but on the floor
+    build.add(quad({place(random), -2 + 0.1f * std::pow(unit(random), 3.0f), place(random)},
+                   {0.8f * unit(random), 0, 0}, {0, 0, -0.8f * unit(random)}));
+  std::vector<glm::vec3> corners;
+  for (int i = 0; i < 40; ++i) {
+    const glm::vec3 at(place(random), place(random), place(random));
+    const float size = 0.6f * unit(random) * unit(random);
+    for (int corner = 0; corner < 3; ++corner)
+      corners.push_back(at + size * glm::vec3(place(random), place(random), place(random)));
+  }
+  build.add(triangle_soup(corners));
+  build.move(build.add(box({place(random), place(random), place(random)}, {0.3f, 0.2f, 0.4f})),
+             {0.8, 0.2, -0.5});
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 at(place(random), place(random), place(random));
+    const glm::dvec3 toward(place(random), -2.5 + place(random), place(random));
+    build.point_light(at, i == 0 ? std::optional<float>(1.0f + 2 * unit(random)) : std::nullopt);
+    build.spot_light(at * 0.9, toward, 0.3f + unit(random));
+    build.directional_light(toward);
+  }
+  build.point_light({place(random), 50, place(random)});
+  return build.build();
+}
+
+TEST(TracerCulling, ChangesNoBitOfRandomSoups) {
+  const unsigned seed = 20261122;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uint64_t proven = 0, all = 0;
+  for (int i = 0; i < 24; ++i) {
+    SCOPED_TRACE(i);
+    const Scene scene = soup(random);
+    const double angle = 0.7 * i;
+    const glm::dvec3 eye(2.5 * std::sin(angle), 0.3, 2.5 * std::cos(angle));
+    const StereoView views{look(eye, {0.1, -0.8, 0}, 256),
+                           look(eye + glm::dvec3(0, 0.06, 0), {0.1, -0.8, 0}, 256)};
+    const TraceStats stats = expect_same_bits(scene, views, time_from_ns(std::int64_t{i} * 40'000'000));
+    proven += stats.proven, all += stats.full_shadow_rays;
+  }
+  EXPECT_GT(proven * 20, all) << "the proof is at work";
+}
+
+const StereoView kInside{look({2, 1, 2}, {0, 0, 0}, 64), look({2, 1.1, 2}, {0, 0, 0}, 64)};
+
+SceneBuilder hall() {
+  SceneBuilder build;
+  build.add(box({0, 0, 0}, {3, 2, 3}));
+  build.point_light({0.3, 0.5, -0.2});
+  return build;
+}
+
+TEST(TracerCulling, NothingIsTracedInAnEmptyHall) {
+  const TraceStats stats = expect_same_bits(hall().build(), kInside);
+  EXPECT_EQ(stats.proven + stats.shadow_rays, 2u * 64 * 64);
+  EXPECT_LE(stats.shadow_rays, 8u) << "the edges alone are within rounding of two walls";
+}
+
+TEST(TracerCulling, RaysGoOnlyWhereABoxMayStandInTheWay) {
+  SceneBuilder build = hall();
+  build.add(box({0.3f, -1, -0.2f}, {0.25f, 0.25f, 0.25f}));
+  const Scene scene = build.build();
+  const StereoView views{look({2, 1, 2}, {0.3, -1.5, -0.2}, 256), look({2, 1.1, 2}, {0.3, -1.5, -0.2}, 256)};
+  const TraceStats stats = expect_same_bits(scene, views);
+  std::uint64_t lit = 0;
+  for (const EyeMask& mask : traced(scene, views).masks)
+    for (const std::byte word : mask.bytes()) lit += word == std::byte{1} ? 1 : 0;
+  const std::uint64_t shadowed = stats.full_shadow_rays - stats.turned_away - lit;
+  EXPECT_GT(shadowed, 1000u);
+  EXPECT_GE(stats.shadow_rays, shadowed) << "what is shadowed is never proven";
+  EXPECT_LT(stats.shadow_rays, 3 * shadowed);
+  EXPECT_GT(stats.proven * 10, stats.full_shadow_rays * 8);
+}
+
+TEST(TracerCulling, AThingThatMovesIntoTheWayIsSeen) {
+  SceneBuilder build = hall();
+  build.move(build.add(box({-2.5f, -1, -0.2f}, {0.25f, 0.25f, 0.25f})), {5, 0, 0});
+  const Scene scene = build.build();
+  Tracer tracer = Tracer::create(scene).value();
+  ShadowFrame frame;
+  for (const int ms : {0, 300, 560, 900, 0}) {
+    SCOPED_TRACE(ms);
+    const Time time = time_from_ns(std::int64_t{ms} * 1'000'000);
+    const TraceStats stats = tracer.trace(request_for(kInside, time), frame);
+    TracePlan plan = needed_for(scene);
+    plan.skips_rays = false;
+    EXPECT_EQ(frame.masks, trace_by(plan, scene, kInside, time).frame.masks);
+    EXPECT_GT(stats.shadow_rays, 0u);
+    EXPECT_GT(stats.proven, stats.shadow_rays);
+  }
+}
+
+TEST(TracerCulling, AMovedLightIsTracedUntilItIsBack) {
+  const Scene scene = hall().build();
+  Tracer tracer = Tracer::create(scene).value();
+  FrameRequest request = request_for(kInside);
+  ShadowFrame frame;
+  const TraceStats before = tracer.trace(request, frame);
+  change(request.lights, 0, true, LightPose{Point<Stage>{{0.4, 0.5, -0.2}}, {{0, -1, 0}}});
+  const TraceStats moved = tracer.trace(request, frame);
+  EXPECT_EQ(moved.proven, 0u);
+  EXPECT_EQ(moved.shadow_rays, before.proven + before.shadow_rays);
+  change(request.lights, 0, true, std::nullopt);
+  EXPECT_EQ(tracer.trace(request, frame).proven, before.proven);
+  EXPECT_GT(before.proven, 0u);
+}
+
+TEST(TracerCulling, EverythingTracesEveryPixelAndLightAndAgreesWithTheOracle) {
+  const Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
+  const Time time = time_from_ns(1'300'000'000);
+  const StereoView views = turned_eyes(scene, 0, 96);
+  const Traced all = trace_by(everything_for(scene), scene, views, time);
+  EXPECT_EQ(all.stats.shadow_rays, all.stats.full_shadow_rays);
+  for (const Side side : kSides) {
+    const auto truth = oracle::trace(scene, state_at(scene, time), views[index_of(side)]);
+    const oracle::Agreement agreement = oracle::compare(all.frame.masks[index_of(side)], truth);
+    EXPECT_EQ(agreement.wrong, 0u) << agreement.wrong_x << ", " << agreement.wrong_y;
+    EXPECT_GT(agreement.lit, 0u);
+  }
+}
+
+TEST(TracerMemory, IsByUse) {
+  const Scene scene = hall().build();
+  const TracerMemory needed = Tracer::create(scene).value().memory();
+  EXPECT_EQ(needed.vertices, (36 + 1 + 36) * sizeof(glm::vec3));
+  EXPECT_EQ(needed.triangles, 12 * sizeof(glm::uvec3));
+  EXPECT_GT(needed.facets, 0u);
+  EXPECT_GT(needed.hierarchy, 0u);
+  EXPECT_GE(needed.hierarchy_peak, needed.hierarchy);
+  EXPECT_GT(needed.maps, 0u);
+  EXPECT_LT(needed.maps, 1u << 20);
+  const TracerMemory everything = Tracer::create(scene, everything_for(scene)).value().memory();
+  EXPECT_EQ(everything.maps, 0u);
+  EXPECT_GT(everything.hierarchy, needed.hierarchy);
+}
+
+TEST(TracerCulling, EverythingTracesBothOfCoincidingViews) {
+  SceneBuilder build;
+  build.add(quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4}));
+  build.point_light({0, 2, 0});
+  const Scene scene = build.build();
+  EXPECT_EQ(trace_by(everything_for(scene), scene, {kLeft, kLeft}).stats.primary_rays, 2u * 64 * 64);
+  EXPECT_EQ(trace_by(needed_for(scene), scene, {kLeft, kLeft}).stats.primary_rays, 64u * 64);
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,360 @@
+#include "stereo/wire/messages.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "stereo/wire/bytes.h"
+#include "tests/unit/wire/samples.h"
+
+namespace farshade {
+namespace {
+
+using namespace wire_samples;
+
+/// Where the sample request's fields lie in its bytes.
+constexpr std::size_t kLeftView = 25, kRightView = 117, kWanted = 209, kLightCount = 238, kChanges = 239,
+                      kArrivals = 301;
+
+/// All messages, as bytes. The slice is one of a real mask.
+std::vector<Bytes> client_messages() {
+  return {encoded(ClientMessage(request())), encoded(ClientMessage(plane_slice()))};
+}
+std::vector<Bytes> server_messages() {
+  return {encoded(ServerMessage(welcome())),          encoded(ServerMessage(refusal())),
+          encoded(ServerMessage(report())),           encoded(ServerMessage(probe())),
+          packed(small_frame(), Side::Right).front(), encoded(ServerMessage(plane_slice())),
+          encoded(ServerMessage(video_part()))};
+}
+
+RequestMessage travelled(const RequestMessage& message) {
+  return std::get<RequestMessage>(*decode_client(encoded(ClientMessage(message))));
+}
+
+Bytes patched(Bytes bytes, std::size_t at, std::initializer_list<unsigned> values) {
+  for (const unsigned value : values) bytes.at(at++) = static_cast<std::byte>(value);
+  return bytes;
+}
+Bytes with_f64(Bytes bytes, std::size_t at, double value) {
+  Bytes eight;
+  ByteWriter(eight).f64(value);
+  std::ranges::copy(eight, bytes.begin() + static_cast<std::ptrdiff_t>(at));
+  return bytes;
+}
+
+/// `count` lights switched off, one a revision.
+LightChanges changes_of(std::size_t count) {
+  LightChanges changes;
+  for (std::uint32_t i = 0; i < count; ++i) change(changes, i, false, std::nullopt);
+  return changes;
+}
+
+TEST(Messages, ComeBackAsTheyWere) {
+  const RequestMessage asked = travelled(request());
+  EXPECT_EQ(asked.request.frame, request().request.frame);
+  EXPECT_EQ(asked.request.display_time, request().request.display_time);
+  EXPECT_EQ(asked.request.scene_time, request().request.scene_time);
+  EXPECT_EQ(asked.request.views, request().request.views);
+  EXPECT_EQ(asked.request.lights, request().request.lights);
+  EXPECT_EQ(asked.newest_received, request().newest_received);
+  EXPECT_EQ(asked.probe_echo, request().probe_echo);
+  EXPECT_EQ(asked.arrivals.first, request().arrivals.first);
+  EXPECT_EQ(asked.arrivals.base, request().arrivals.base);
+  EXPECT_EQ(asked.arrivals.count, request().arrivals.count);
+  EXPECT_EQ(asked.arrivals.ticks, request().arrivals.ticks);
+
+  const auto server = server_messages();
+  EXPECT_EQ(std::get<Welcome>(*decode_server(server[0])), welcome());
+  EXPECT_EQ(std::get<Refusal>(*decode_server(server[1])), refusal());
+  EXPECT_EQ(std::get<FrameReport>(*decode_server(server[2])), report());
+  EXPECT_EQ(std::get<Probe>(*decode_server(server[3])), probe());
+  const auto slice = std::get<Slice>(*decode_server(server[4]));
+  EXPECT_EQ(slice.frame, FrameId{258});
+  EXPECT_EQ(slice.light_set_revision, 7u);
+  EXPECT_EQ(slice.eye, Side::Right);
+  EXPECT_EQ(slice.size, (Extent{20, 18}));
+  EXPECT_EQ(slice.lights, 2u);
+  EXPECT_EQ(slice.plane, 0u);
+  EXPECT_EQ(slice.first_tile, 0u);
+  EXPECT_EQ(slice.tile_count, 4u);
+}
+
+TEST(Messages, SliceHeaderHasItsStatedSize) {
+  const Bytes bytes = server_messages()[4];
+  EXPECT_EQ(std::get<Slice>(*decode_server(bytes)).block.size(), bytes.size() - kSliceHeader_bytes);
+}
+
+/// Where what a message says by its fields ends, and a block that goes to the end begins.
+std::size_t fixed_bytes(const Bytes& message) {
+  switch (std::to_integer<unsigned>(message[0])) {
+    case 18:
+      return kSliceHeader_bytes;
+    case 21:
+      return kPlaneSliceHeader_bytes;
+    case 22:
+      return kVideoPartHeader_bytes;
+    default:
+      return message.size();
+  }
+}
+
+TEST(Messages, RefuseEveryTruncation) {
+  const auto cut = [](const Bytes& whole, std::size_t size) {
+    return Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));  // its own allocation
+  };
+  for (const Bytes& whole : client_messages())
+    for (std::size_t size = 0; size < fixed_bytes(whole); ++size)
+      EXPECT_EQ(decode_client(cut(whole, size)).error(), WireRefusal::Truncated)
+          << size << " of " << whole.size();
+  for (const Bytes& whole : server_messages())
+    for (std::size_t size = 0; size < fixed_bytes(whole); ++size)
+      EXPECT_EQ(decode_server(cut(whole, size)).error(), WireRefusal::Truncated)
+          << size << " of " << whole.size();
+}
+
+TEST(Messages, RefuseWhatFollowsTheLastField) {
+  for (Bytes bytes : client_messages()) {
+    if (fixed_bytes(bytes) < bytes.size()) continue;  // its block goes to the end
+    bytes.push_back(std::byte{0});
+    EXPECT_EQ(decode_client(bytes).error(), WireRefusal::TrailingBytes);
+  }
+  for (Bytes bytes : server_messages()) {
+    if (fixed_bytes(bytes) < bytes.size()) continue;
+    bytes.push_back(std::byte{0});
+    EXPECT_EQ(decode_server(bytes).error(), WireRefusal::TrailingBytes);
+  }
+}
+
+/// A message that is taken says all that its bytes say: encoded again it is the same.
+TEST(Messages, EveryFlippedBitIsRefusedOrMeansWhatItSays) {
+  for (const Bytes& whole : client_messages())
+    for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
+      Bytes flipped = whole;
+      flipped[bit / 8] ^= std::byte{1} << bit % 8;
+      const auto message = decode_client(flipped);
+      EXPECT_EQ(message ? encoded(*message) : flipped, flipped) << "bit " << bit;
+    }
+  for (const Bytes& whole : server_messages())
+    for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
+      Bytes flipped = whole;
+      flipped[bit / 8] ^= std::byte{1} << bit % 8;
+      const auto message = decode_server(flipped);
+      EXPECT_EQ(message ? encoded(*message) : flipped, flipped) << "bit " << bit;
+    }
+}
+
+TEST(Messages, EachSideRefusesWhatOnlyTheOtherSays) {
+  const auto goes_both_ways = [](const Bytes& bytes) { return bytes[0] == std::byte{21}; };
+  for (const Bytes& bytes : client_messages()) {
+    EXPECT_TRUE(goes_both_ways(bytes) || decode_server(bytes).error() == WireRefusal::Type);
+  }
+  for (const Bytes& bytes : server_messages()) {
+    EXPECT_TRUE(goes_both_ways(bytes) || decode_client(bytes).error() == WireRefusal::Type);
+  }
+}
+
+TEST(RequestDecode, KnowsNoNewestFrameFromFrameZero) {
+  RequestMessage first = request();
+  first.newest_received.reset();
+  EXPECT_FALSE(travelled(first).newest_received);
+  first.newest_received = FrameId{0};
+  EXPECT_EQ(travelled(first).newest_received, FrameId{0});
+}
+
+TEST(RequestDecode, NewestFrameSurvivesWraparound) {
+  RequestMessage wrapped = request();
+  wrapped.request.frame = FrameId{1};
+  wrapped.newest_received = FrameId{0xfffffffe};
+  EXPECT_EQ(travelled(wrapped).newest_received, wrapped.newest_received);
+}
+
+/// Ranges by setting one number of a good request and writing its bytes by hand.
+TEST(RequestDecode, RefusesViewsOutOfRange) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
+                   inf = std::numeric_limits<double>::infinity();
+  const Bytes good = encoded(ClientMessage(request()));
+  for (const std::size_t view : {kLeftView, kRightView})
+    for (std::size_t number = 0; number < 11; ++number)
+      for (const double bad : {nan, inf, -inf, 1e300, -1e300})
+        EXPECT_EQ(decode_client(with_f64(good, view + 8 * number, bad)).error(), WireRefusal::ViewRange)
+            << "number " << number << " = " << bad;
+}
+
+TEST(RequestDecode, TakesQuaternionsOffUnitByLessThanATenthOfAPercent) {
+  RequestMessage message = request();
+  message.request.views[1].stage_from_eye.rotation *= 1.0009;
+  const Bytes close = encoded(ClientMessage(message));
+  EXPECT_TRUE(decode_client(close));
+  EXPECT_EQ(decode_client(with_f64(close, kRightView, 0.72)).error(), WireRefusal::ViewRange);
+}
+
+TEST(RequestDecode, RefusesPlacesOfLightsOutOfRange) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
+                   inf = std::numeric_limits<double>::infinity();
+  constexpr std::size_t pose = kChanges + 7 + 7;
+  const Bytes good = encoded(ClientMessage(request()));
+  for (std::size_t number = 0; number < 6; ++number)
+    for (const double bad : {nan, inf, -inf, 1.1e9, -1.1e9})
+      EXPECT_EQ(decode_client(with_f64(good, pose + 8 * number, bad)).error(), WireRefusal::ViewRange)
+          << "number " << number << " = " << bad;
+  EXPECT_TRUE(decode_client(with_f64(good, pose, 1e9)));
+  EXPECT_TRUE(decode_client(with_f64(good, pose + 8 * 4, -1.0009)));
+  EXPECT_EQ(decode_client(with_f64(good, pose + 8 * 4, -1.0011)).error(), WireRefusal::ViewRange);
+}
+
+TEST(RequestDecode, TakesAsManyLightChangesAsStatedAndNoMore) {
+  RequestMessage message = request();
+  message.request.lights = changes_of(RequestMessage::kMostLightChanges);
+  EXPECT_EQ(travelled(message).request.lights, message.request.lights);
+
+  const Bytes full = encoded(ClientMessage(message));
+  const auto seventh = full.begin() + static_cast<std::ptrdiff_t>(kChanges + 6 * 7);
+  Bytes more(full.begin(), seventh);
+  const Bytes change = bytes_of({6, 0, 8, 0, 0, 0, 0});
+  more.insert(more.end(), change.begin(), change.end());
+  more.insert(more.end(), seventh, full.end());
+  more = patched(patched(more, kLightCount, {7}), kLightCount - 4, {8, 0, 0, 0});
+  EXPECT_EQ(decode_client(more).error(), WireRefusal::Lights);
+  EXPECT_EQ(decode_client(patched(more, kLightCount, {255})).error(), WireRefusal::Lights);
+}
+
+TEST(RequestDecode, TakesRevisionsInTheirOrderOnly) {
+  const Bytes good = encoded(ClientMessage(request()));  // revisions 3 and 5 of set 5
+  constexpr std::size_t first = kChanges + 2, second = kChanges + 7 + 2;
+  EXPECT_TRUE(decode_client(patched(good, first, {4})));
+  for (const unsigned bad : {0u, 1u, 5u, 6u})  // not after the file's, or not before the second
+    EXPECT_EQ(decode_client(patched(good, first, {bad})).error(), WireRefusal::Lights) << bad;
+  for (const unsigned bad : {2u, 3u, 6u})  // not after the first, or after the set
+    EXPECT_EQ(decode_client(patched(good, second, {bad})).error(), WireRefusal::Lights) << bad;
+}
+
+TEST(RequestDecode, TakesFlagsThatMeanSomethingOnly) {
+  const Bytes good = encoded(ClientMessage(request()));
+  const auto on = decode_client(patched(good, kChanges + 6, {1}));
+  ASSERT_TRUE(on);
+  EXPECT_TRUE(std::get<RequestMessage>(*on).request.lights.lights[0].on);
+  for (unsigned bit = 2; bit < 8; ++bit)
+    EXPECT_EQ(decode_client(patched(good, kChanges + 6, {1u << bit})).error(), WireRefusal::Lights) << bit;
+}
+
+TEST(RequestDecode, TakesTheLastLightAndNoneAfterIt) {
+  const Bytes good = encoded(ClientMessage(request()));
+  EXPECT_TRUE(decode_client(patched(good, kChanges, {255, 0})));
+  EXPECT_EQ(decode_client(patched(good, kChanges, {0, 1})).error(), WireRefusal::Lights);
+}
+
+TEST(RequestDecode, TakesTheLongestArrivalReportAndNoLonger) {
+  RequestMessage message = request();
+  message.arrivals.count = ArrivalReport::kMost;
+  message.arrivals.ticks.fill(0x1234);
+  EXPECT_EQ(travelled(message).arrivals.ticks, message.arrivals.ticks);
+
+  Bytes longer = patched(encoded(ClientMessage(message)), kArrivals + 16, {1, 1});
+  longer.resize(longer.size() + 2);
+  EXPECT_EQ(decode_client(longer).error(), WireRefusal::Arrivals);
+  EXPECT_EQ(decode_client(patched(longer, kArrivals + 16, {255, 255})).error(), WireRefusal::Arrivals);
+}
+
+TEST(RequestDecode, TakesCountersAndTimesOfArrivalsInTheirRangesOnly) {
+  const Bytes good = encoded(ClientMessage(request()));
+  EXPECT_TRUE(decode_client(patched(good, kArrivals + 7, {0x7f})));
+  EXPECT_EQ(decode_client(patched(good, kArrivals + 7, {0x80})).error(), WireRefusal::Arrivals);
+  EXPECT_EQ(decode_client(patched(good, kArrivals + 15, {0x20})).error(), WireRefusal::TimeRange);
+  EXPECT_EQ(decode_client(patched(good, kArrivals + 15, {0xdf})).error(), WireRefusal::TimeRange);
+}
+
+TEST(RequestDecode, TakesOnlyWhatGoesWithTheAnswer) {
+  const auto refusal_of = [](const AnswerSpec& wanted) {
+    RequestMessage message = request();
+    message.request.wanted = {};
+    Bytes bytes = encoded(ClientMessage(message)), fields;
+    ByteWriter io(fields);
+    io.code(wanted.answer), io.u32(wanted.bits_per_second), io.ns(wanted.interval), io.code(wanted.coding);
+    io.u8(wanted.position_bits), io.u16(wanted.slices);
+    std::ranges::copy(fields, bytes.begin() + kWanted);
+    const Decoded<ClientMessage> read = decode_client(bytes);
+    return read ? std::nullopt : std::optional(read.error());
+  };
+  using enum Answer;
+  const Duration frame = std::chrono::milliseconds(14);
+  for (const AnswerSpec& fine : std::initializer_list<AnswerSpec>{
+           {},
+           {.answer = GBuffer},
+           {.answer = Video, .bits_per_second = 100'000, .interval = frame},
+           {.answer = Difference, .bits_per_second = 1'000'000'000, .interval = std::chrono::seconds(10)},
+           {.answer = MasksOfPositions, .position_bits = 8, .slices = 65535},
+           {.answer = MasksOfPositions, .position_bits = 24}})
+    EXPECT_EQ(refusal_of(fine), std::nullopt);
+  for (const AnswerSpec& wrong : std::initializer_list<AnswerSpec>{
+           {.bits_per_second = 1},
+           {.interval = frame},
+           {.coding = Coding::Alone},
+           {.position_bits = 8},
+           {.slices = 1},
+           {.answer = GBuffer, .position_bits = 16},
+           {.answer = Video, .bits_per_second = 99'999, .interval = frame},
+           {.answer = Video, .bits_per_second = 1'000'000'001, .interval = frame},
+           {.answer = Video, .bits_per_second = 100'000},
+           {.answer = Video, .bits_per_second = 100'000, .interval = -frame},
+           {.answer = Video, .bits_per_second = 100'000, .interval = std::chrono::seconds(11)},
+           {.answer = Video, .bits_per_second = 100'000, .interval = frame, .slices = 1},
+           {.answer = MasksOfPositions, .position_bits = 7},
+           {.answer = MasksOfPositions, .position_bits = 25}})
+    EXPECT_EQ(refusal_of(wrong), WireRefusal::AnswerSpec);
+  EXPECT_EQ(refusal_of({.answer = static_cast<Answer>(kAnswers)}), WireRefusal::Code);
+  EXPECT_EQ(refusal_of({.coding = static_cast<Coding>(2)}), WireRefusal::Code);
+}
+
+TEST(PlaneSliceDecode, RefusesWhatNoPlaneHas) {
+  const Bytes good = encoded(ClientMessage(plane_slice()));
+  const auto error = [&](std::size_t at, std::initializer_list<unsigned> values) {
+    return decode_client(patched(good, at, values)).error();
+  };
+  EXPECT_EQ(error(5, {2}), WireRefusal::Code);
+  EXPECT_EQ(error(6, {6}), WireRefusal::Code);
+  EXPECT_EQ(error(7, {0, 0}), WireRefusal::MaskSize);
+  EXPECT_EQ(error(7, {1, 0x20}), WireRefusal::MaskSize);
+  EXPECT_EQ(error(11, {0}), WireRefusal::Code);
+  EXPECT_EQ(error(11, {5}), WireRefusal::Code);
+  EXPECT_EQ(error(12, {4}), WireRefusal::TileRange);
+  EXPECT_EQ(error(16, {4}), WireRefusal::TileRange);
+  EXPECT_EQ(error(16, {0}), WireRefusal::TileRange);
+}
+
+TEST(VideoPartDecode, RefusesPartsThatNoPictureHas) {
+  const Bytes good = encoded(ServerMessage(video_part()));
+  EXPECT_EQ(decode_server(patched(good, 9, {3})).error(), WireRefusal::Part);
+  EXPECT_EQ(decode_server(patched(good, 9, {0, 0, 0})).error(), WireRefusal::Part);
+  EXPECT_EQ(decode_server(patched(good, 11, {1, 0x10})).error(), WireRefusal::Part);  // 4,097 parts
+  EXPECT_EQ(decode_server(patched(good, 9, {1})).error(), WireRefusal::Part) << "shorter than a part is";
+  EXPECT_EQ(decode_server(std::span(good).first(13)).error(), WireRefusal::Part) << "nothing in it";
+  EXPECT_EQ(decode_server(patched(good, 5, {3})).error(), WireRefusal::FrameOrder) << "after a newer one";
+  EXPECT_TRUE(decode_server(patched(good, 5, {2}))) << "alone";
+  Bytes whole = patched(good, 9, {1});
+  whole.resize(kMaxMessage_bytes);
+  EXPECT_TRUE(decode_server(whole));
+}
+
+TEST(RequestEncode, HasRoomForAllThatItMayCarry) {
+  RequestMessage message = request();
+  message.request.lights = changes_of(RequestMessage::kMostLightChanges);
+  for (LightChange& light : message.request.lights.lights) light.pose = LightPose{};
+  message.arrivals.count = ArrivalReport::kMost;
+  EXPECT_EQ(encoded(ClientMessage(message)).size(), 1099u);
+}
+
+TEST(EncodeDeathTest, StopsAtAMessageOutOfItsRanges) {
+  RequestMessage message = request();
+  message.request.views[0].fov.left = 1.0;
+  Bytes bytes;
+  EXPECT_DEATH(encode(ClientMessage(message), bytes), "within its ranges");
+  message = request();
+  message.request.lights = changes_of(RequestMessage::kMostLightChanges + 1);
+  EXPECT_DEATH(encode(ClientMessage(message), bytes), "within its ranges");
+  message = request();
+  message.arrivals.count = ArrivalReport::kMost + 1;
+  EXPECT_DEATH(encode(ClientMessage(message), bytes), "within its ranges");
+}
+
+}  // namespace
+}  // namespace farshade

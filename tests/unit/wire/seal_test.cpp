@@ -1,0 +1,214 @@
+#include "stereo/wire/seal.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <set>
+
+#include "tests/unit/wire/samples.h"
+
+namespace farshade {
+namespace {
+
+using namespace wire_samples;
+
+const Secret kKey(counting<32>(0));
+constexpr SessionId kSession{0x0807060504030201};
+
+Bytes seal(Sealer& sealer, const Bytes& message) {
+  Bytes datagram;
+  sealer.seal(message, datagram);
+  return datagram;
+}
+
+Decoded<Bytes> open(Opener& opener, const Bytes& datagram) {
+  const auto envelope = open_client_envelope(datagram);
+  if (!envelope) return refuse(envelope.error());
+  const auto* sealed = std::get_if<Sealed>(&*envelope);
+  if (sealed == nullptr) return refuse(WireRefusal::Type);
+  Bytes opened;
+  return opener.open(*sealed, datagram, opened).map([](std::span<const std::byte> message) {
+    return Bytes(message.begin(), message.end());
+  });
+}
+
+std::vector<Bytes> messages(std::size_t count) {
+  std::vector<Bytes> all;
+  for (std::size_t i = 0; i < count; ++i) all.push_back(bytes_of({unsigned(i & 255), unsigned(i >> 8)}));
+  return all;
+}
+
+class SealModes : public testing::TestWithParam<Sealing> {};
+INSTANTIATE_TEST_SUITE_P(Both, SealModes, testing::Values(Sealing::On, Sealing::Off),
+                         [](const auto& mode) { return mode.param == Sealing::On ? "On" : "Off"; });
+
+TEST_P(SealModes, MessagesOfEveryLengthComeBack) {
+  Sealer sealer(kSession, kKey, GetParam());
+  Opener opener(kKey, GetParam());
+  for (std::size_t size = 0; size <= kMaxMessage_bytes; size += size < 70 ? 1 : 97) {
+    Bytes message(size);
+    for (std::size_t i = 0; i < size; ++i) message[i] = static_cast<std::byte>(i * 7 + size);
+    const Bytes datagram = seal(sealer, message);
+    EXPECT_EQ(datagram.size(), size + kSealing_bytes);
+    EXPECT_EQ(open(opener, datagram).value(), message);
+  }
+  EXPECT_EQ(seal(sealer, Bytes(kMaxMessage_bytes)).size(), kMaxDatagram_bytes);
+}
+
+TEST_P(SealModes, CountersCountFromNought) {
+  Sealer sealer(kSession, kKey, GetParam());
+  for (std::uint64_t i = 0; i < 1000; ++i) {
+    Bytes datagram;
+    EXPECT_EQ(sealer.seal(bytes_of({1}), datagram), i);
+    const auto sealed = std::get<Sealed>(*open_server_envelope(datagram));
+    EXPECT_EQ(sealed.counter, i);
+    EXPECT_EQ(sealed.session, kSession);
+  }
+}
+
+TEST_P(SealModes, RepeatedDatagramsAreRefused) {
+  Sealer sealer(kSession, kKey, GetParam());
+  Opener opener(kKey, GetParam());
+  std::vector<Bytes> sent;
+  for (const Bytes& message : messages(50)) sent.push_back(seal(sealer, message));
+  for (const Bytes& datagram : sent) EXPECT_TRUE(open(opener, datagram));
+  for (const Bytes& datagram : sent) EXPECT_EQ(open(opener, datagram).error(), WireRefusal::Replayed);
+}
+
+TEST_P(SealModes, AnyOrderWithinTheWindowOpens) {
+  const std::uint32_t seed = std::random_device{}();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  Sealer sealer(kSession, kKey, GetParam());
+  Opener opener(kKey, GetParam());
+  const std::vector<Bytes> said = messages(4096);
+  std::vector<Bytes> sent;
+  for (const Bytes& message : said) sent.push_back(seal(sealer, message));
+  std::vector<std::size_t> order(sent.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::shuffle(order.begin(), order.end(), random);
+  for (const std::size_t i : order) ASSERT_EQ(open(opener, sent[i]).value(), said[i]);
+}
+
+TEST_P(SealModes, WhatHasLeftTheWindowIsRefused) {
+  Sealer sealer(kSession, kKey, GetParam());
+  Opener opener(kKey, GetParam());
+  std::vector<Bytes> sent;
+  for (const Bytes& message : messages(4098)) sent.push_back(seal(sealer, message));
+  EXPECT_TRUE(open(opener, sent[4097]));
+  EXPECT_TRUE(open(opener, sent[2]));
+  EXPECT_EQ(open(opener, sent[1]).error(), WireRefusal::Replayed);
+  EXPECT_EQ(open(opener, sent[0]).error(), WireRefusal::Replayed);
+}
+
+TEST(Seal, NothingOfAMessageIsToBeSeen) {
+  Sealer sealer(kSession, kKey, Sealing::On);
+  const Bytes message(300, std::byte{'a'});
+  const Bytes once = seal(sealer, message), again = seal(sealer, message);
+  EXPECT_LT(std::ranges::count(once, std::byte{'a'}), 30);
+  EXPECT_FALSE(
+      std::equal(once.begin() + kSealedHeader_bytes, once.end(), again.begin() + kSealedHeader_bytes));
+}
+
+TEST(Seal, EveryFlippedBitIsRefusedAndChangesNothing) {
+  Sealer sealer(kSession, kKey, Sealing::On);
+  Opener opener(kKey, Sealing::On);
+  EXPECT_TRUE(open(opener, seal(sealer, bytes_of({1}))));
+  const Bytes whole = seal(sealer, bytes_of({1, 2, 3, 4, 5, 6, 7}));
+  for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
+    Bytes flipped = whole;
+    flipped[bit / 8] ^= std::byte{1} << bit % 8;
+    EXPECT_FALSE(open(opener, flipped)) << "bit " << bit;
+    ASSERT_EQ(opener.window().newest(), 0u) << "bit " << bit;
+  }
+  EXPECT_TRUE(open(opener, whole));
+}
+
+TEST(Seal, EveryTruncationIsRefusedAndChangesNothing) {
+  Sealer sealer(kSession, kKey, Sealing::On);
+  Opener opener(kKey, Sealing::On);
+  const Bytes whole = seal(sealer, bytes_of({1, 2, 3, 4, 5, 6, 7}));
+  for (std::size_t size = 0; size < whole.size(); ++size) {
+    const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
+    EXPECT_EQ(open(opener, cut).error(), size < kSealing_bytes ? WireRefusal::Truncated : WireRefusal::Forged)
+        << size;
+    ASSERT_EQ(opener.window().newest(), std::nullopt);
+  }
+  Bytes longer = whole;
+  longer.push_back(std::byte{0});
+  EXPECT_EQ(open(opener, longer).error(), WireRefusal::Forged);
+  EXPECT_TRUE(open(opener, whole));
+}
+
+TEST(Seal, AForgedCounterMovesNoWindow) {
+  Sealer sealer(kSession, kKey, Sealing::On);
+  Opener opener(kKey, Sealing::On);
+  const Bytes first = seal(sealer, bytes_of({1}));
+  Bytes far = first;
+  far[15 + 6] = std::byte{0xff};  // counter 255 << 48
+  EXPECT_EQ(open(opener, far).error(), WireRefusal::Forged);
+  EXPECT_EQ(opener.window().newest(), std::nullopt);
+  EXPECT_TRUE(open(opener, first));
+}
+
+TEST(Seal, AnotherKeyDoesNotOpen) {
+  Sealer sealer(kSession, kKey, Sealing::On);
+  const Bytes datagram = seal(sealer, bytes_of({1}));
+  for (std::size_t bit = 0; bit < 256; ++bit) {
+    auto bytes = counting<32>(0);
+    bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1u << bit % 8));
+    Opener other(Secret(bytes), Sealing::On);
+    EXPECT_EQ(open(other, datagram).error(), WireRefusal::Forged) << bit;
+  }
+}
+
+TEST(Seal, AnotherSessionDoesNotOpenUnderTheSameKey) {
+  Sealer here(kSession, kKey, Sealing::On), there(SessionId{9}, kKey, Sealing::On);
+  Opener opener(kKey, Sealing::On);
+  const Bytes ours = seal(here, bytes_of({1}));
+  Bytes theirs = seal(there, bytes_of({1}));
+  std::copy_n(ours.begin(), kSealedHeader_bytes, theirs.begin());
+  EXPECT_EQ(open(opener, theirs).error(), WireRefusal::Forged);
+}
+
+TEST(Seal, WhatIsNotSealedDoesNotOpenWhereSealingIsOn) {
+  Sealer sealer(kSession, kKey, Sealing::Off);
+  Opener opener(kKey, Sealing::On);
+  EXPECT_EQ(open(opener, seal(sealer, bytes_of({1}))).error(), WireRefusal::Forged);
+}
+
+TEST(Seal, OffLeavesTheMessageAndATagOfZeros) {
+  Sealer sealer(kSession, kKey, Sealing::Off);
+  const Bytes message = bytes_of({1, 2, 3});
+  const Bytes datagram = seal(sealer, message);
+  Bytes expected = message;
+  expected.resize(message.size() + kTag_bytes);
+  EXPECT_EQ(Bytes(datagram.begin() + kSealedHeader_bytes, datagram.end()), expected);
+  for (std::size_t i = datagram.size() - kTag_bytes; i < datagram.size(); ++i) {
+    Bytes changed = datagram;
+    changed[i] = std::byte{1};
+    Opener opener(kKey, Sealing::Off);
+    EXPECT_EQ(open(opener, changed).error(), WireRefusal::Forged);
+  }
+}
+
+TEST(SealAlone, IsBoundToWhatIsAroundIt) {
+  const Bytes message = bytes_of({1, 2, 3}), around = bytes_of({4, 5}), other = bytes_of({4, 6});
+  const Bytes sealed = seal_alone(kKey, Sealing::On, around, message);
+  EXPECT_EQ(sealed.size(), message.size() + kTag_bytes);
+  Bytes opened;
+  EXPECT_TRUE(open_alone(kKey, Sealing::On, around, sealed, opened));
+  EXPECT_EQ(opened, message);
+  EXPECT_FALSE(open_alone(kKey, Sealing::On, other, sealed, opened));
+  EXPECT_FALSE(open_alone(Secret(counting<32>(1)), Sealing::On, around, sealed, opened));
+  EXPECT_FALSE(open_alone(kKey, Sealing::On, around, std::span(sealed).first(15), opened));
+}
+
+TEST(SealDeathTest, StopsAtAMessageThatDoesNotFit) {
+  Sealer sealer(kSession, kKey, Sealing::On);
+  Bytes datagram;
+  EXPECT_DEATH(sealer.seal(Bytes(kMaxMessage_bytes + 1), datagram), "fits into a sealed datagram");
+}
+
+}  // namespace
+}  // namespace farshade

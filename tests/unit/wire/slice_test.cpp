@@ -1,0 +1,213 @@
+#include "stereo/wire/slice.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/wire/samples.h"
+
+namespace farshade {
+namespace {
+
+using namespace wire_samples;
+
+struct Received {
+  EyeMask mask;
+  KnownTiles known;
+  std::uint32_t learned = 0;
+
+  explicit Received(const EyeMask& like)
+      : mask(like.size(), like.layout()), known(TileGrid{like.size()}.count()) {}
+
+  Decoded<std::uint32_t> take(const Bytes& bytes) {
+    const Decoded<ServerMessage> message = decode_server(bytes);
+    if (!message) return refuse(message.error());
+    const Decoded<std::uint32_t> news = decode_slice_tiles(std::get<Slice>(*message), mask, known);
+    if (news) learned += *news;
+    return news;
+  }
+};
+
+class SliceRoundTrip : public testing::TestWithParam<std::uint32_t> {};
+
+void expect_round_trip(const EyeMask& mask, SameAllOver same = SameAllOver::OneValue) {
+  Received received(mask);
+  const ShadowFrame frame = frame_of(mask, EyeMask{});
+  for (const Bytes& bytes : packed(frame, Side::Left, {}, same)) {
+    ASSERT_LE(bytes.size(), kMaxMessage_bytes);
+    ASSERT_TRUE(received.take(bytes));
+  }
+  EXPECT_EQ(received.mask, mask) << mask.size().width << " x " << mask.size().height;
+  EXPECT_EQ(received.learned, mask.layout().planes() * received.known.size());
+  for (const std::uint8_t known : received.known) EXPECT_EQ(known, all_planes_known(mask.layout()));
+}
+
+TEST_P(SliceRoundTrip, GivesTheMaskBack) {
+  const std::uint32_t seed = std::random_device{}();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  for (const Extent size : {Extent{1, 1}, Extent{16, 16}, Extent{17, 15}, Extent{7, 90}, Extent{83, 50}}) {
+    expect_round_trip(EyeMask(size, GetParam()));
+    expect_round_trip(edge_mask(size, GetParam(), random));
+    expect_round_trip(noise_mask(size, GetParam(), random));
+    expect_round_trip(edge_mask(size, GetParam(), random), SameAllOver::EachPixel);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Lights, SliceRoundTrip,
+                         testing::Values(0u, 1u, 3u, 8u, 9u, 16u, 17u, 32u, 33u, 40u, 256u));
+
+TEST(SlicePacker, TakesTheLongestSides) {
+  for (const Extent size : {Extent{kMaxViewSide_px, 3}, Extent{3, kMaxViewSide_px}}) {
+    std::mt19937 random(5);
+    expect_round_trip(edge_mask(size, 2, random));
+  }
+}
+
+TEST(SlicePacker, FillsItsMessages) {
+  std::mt19937 random(3);
+  const ShadowFrame frame = frame_of(EyeMask{}, noise_mask({256, 256}, 3, random));
+  const auto messages = packed(frame, Side::Right);
+  for (std::size_t i = 0; i + 1 < messages.size(); ++i)
+    EXPECT_GT(messages[i].size() + 3 * 32 + 5, kMaxMessage_bytes) << "slice " << i;
+}
+
+TEST(SlicePacker, MakesWiderWordsNoLonger) {
+  std::mt19937 random(6);
+  const EyeMask mask = edge_mask({70, 50}, 3, random);
+  EyeMask wide(mask.size(), MaskLayout{.lights = 3, .least_word_bytes = 4});
+  for (std::uint32_t y = 0; y < mask.size().height; ++y)
+    for (std::uint32_t x = 0; x < mask.size().width; ++x) wide.set_word(x, y, 0, mask.word(x, y));
+  EXPECT_EQ(wide.bytes().size(), 4 * mask.bytes().size());
+  EXPECT_EQ(packed(frame_of(wide, {}), Side::Left), packed(frame_of(mask, {}), Side::Left));
+  expect_round_trip(wide);
+}
+
+TEST(SlicePacker, SpendsMoreBytesOnLightsThatAreTheSameAllOverIfTheyAreSpelledOut) {
+  const auto bytes_of = [](const std::vector<Bytes>& messages) {
+    std::size_t sum = 0;
+    for (const Bytes& message : messages) sum += message.size();
+    return sum;
+  };
+  std::mt19937 random(6);
+  const ShadowFrame frame = frame_of(edge_mask({512, 512}, 3, random), {});
+  EXPECT_LT(bytes_of(packed(frame, Side::Left)),
+            bytes_of(packed(frame, Side::Left, {}, SameAllOver::EachPixel)));
+}
+
+TEST(SlicePacker, MakesNoSliceOfNothing) {
+  EXPECT_TRUE(packed(frame_of({}, {}), Side::Left).empty());
+}
+
+TEST(SlicePacker, StartsAfreshInTheMiddle) {
+  std::mt19937 random(4);
+  const ShadowFrame frame = frame_of(noise_mask({64, 64}, 8, random), noise_mask({48, 80}, 40, random));
+  SlicePacker packer;
+  packer.start(frame, Side::Right);
+  ASSERT_TRUE(packer.next());
+  packer.start(frame, Side::Left);
+  std::vector<Bytes> messages;
+  while (const std::optional<Slice> slice = packer.next()) messages.push_back(encoded(ServerMessage(*slice)));
+  EXPECT_EQ(messages, packed(frame, Side::Left));
+}
+
+TEST(Slices, DecodeInAnyOrderAndTwice) {
+  std::mt19937 random(6);
+  const EyeMask mask = noise_mask({96, 96}, 40, random);
+  auto messages = packed(frame_of(mask, {}), Side::Left);
+  ASSERT_GT(messages.size(), 4u);
+  std::shuffle(messages.begin(), messages.end(), random);
+  Received received(mask);
+  for (const Bytes& bytes : messages) {
+    EXPECT_GT(received.take(bytes).value(), 0u);
+    EXPECT_EQ(received.take(bytes).value(), 0u);
+  }
+  EXPECT_EQ(received.mask, mask);
+}
+
+TEST(Slices, ALostOneLeavesItsTilesUnknownAndNothingElse) {
+  std::mt19937 random(8);
+  const EyeMask mask = noise_mask({96, 96}, 3, random);
+  const auto messages = packed(frame_of(mask, {}), Side::Left);
+  const TileGrid grid{mask.size()};
+  for (std::size_t lost = 0; lost < messages.size(); ++lost) {
+    Received received(mask);
+    for (std::size_t i = 0; i < messages.size(); ++i)
+      if (i != lost) {
+        ASSERT_TRUE(received.take(messages[i]));
+      }
+    const auto gone = std::get<Slice>(*decode_server(messages[lost]));
+    for (std::uint32_t y = 0; y < 96; ++y)
+      for (std::uint32_t x = 0; x < 96; ++x) {
+        const std::uint32_t tile = y / 16 * grid.columns() + x / 16;
+        const bool unknown = tile - gone.first_tile < gone.tile_count;
+        ASSERT_EQ(received.known[tile], unknown ? 0 : 1);
+        ASSERT_EQ(received.mask.word(x, y), unknown ? 0u : mask.word(x, y));
+      }
+  }
+}
+
+TEST(Slices, TilesNotSentStayAsTheyWere) {
+  std::mt19937 random(9);
+  const EyeMask old = noise_mask({40, 40}, 5, random), mask = noise_mask({40, 40}, 5, random);
+  std::vector<std::uint8_t> sent(9, 1);
+  sent[0] = sent[4] = 0;
+  Received received(mask);
+  received.mask = old;
+  for (const Bytes& bytes : packed(frame_of(mask, {}), Side::Left, sent)) ASSERT_TRUE(received.take(bytes));
+  EXPECT_EQ(received.known, sent);
+  EXPECT_EQ(received.learned, 7u);
+  for (std::uint32_t y = 0; y < 40; ++y)
+    for (std::uint32_t x = 0; x < 40; ++x)
+      ASSERT_EQ(received.mask.word(x, y), (sent[y / 16 * 3 + x / 16] != 0 ? mask : old).word(x, y));
+}
+
+/// What must hold of any bytes: refused and untouched, or taken.
+void expect_harmless(const Bytes& bytes, const EyeMask& like) {
+  const Decoded<ServerMessage> message = decode_server(bytes);
+  if (!message || !std::holds_alternative<Slice>(*message)) return;
+  Received received(like);
+  const Received before = received;
+  if (received.take(bytes)) return;
+  EXPECT_EQ(received.mask, before.mask);
+  EXPECT_EQ(received.known, before.known);
+}
+
+TEST(Slices, EveryTruncationIsRefusedAndChangesNothing) {
+  std::mt19937 random(10);
+  const EyeMask mask = edge_mask({64, 64}, 9, random);
+  for (const Bytes& whole : packed(frame_of(mask, {}), Side::Left))
+    for (std::size_t size = 0; size < whole.size(); ++size) {
+      const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
+      Received received(mask);
+      EXPECT_FALSE(received.take(cut)) << size << " of " << whole.size();
+      EXPECT_EQ(received.mask, EyeMask(mask.size(), 9));
+      EXPECT_EQ(received.known, KnownTiles(16));
+    }
+}
+
+TEST(Slices, EveryFlippedBitIsHarmless) {
+  std::mt19937 random(12);
+  const EyeMask mask = edge_mask({48, 48}, 17, random);
+  for (const Bytes& whole : packed(frame_of(mask, {}), Side::Left))
+    for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
+      Bytes flipped = whole;
+      flipped[bit / 8] ^= std::byte{1} << bit % 8;
+      expect_harmless(flipped, mask);
+    }
+}
+
+TEST(Slices, BlocksOfNoiseAreHarmless) {
+  const std::uint32_t seed = std::random_device{}();
+  SCOPED_TRACE("seed " + std::to_string(seed));
+  std::mt19937 random(seed);
+  const EyeMask mask({48, 48}, 3);
+  for (int i = 0; i < 20'000; ++i) {
+    Bytes tiles(random() % 60);
+    for (std::byte& byte : tiles) byte = static_cast<std::byte>(random() % 4 == 0 ? random() : random() % 4);
+    const Bytes block = literal_block(tiles);
+    expect_harmless(
+        encoded(ServerMessage(Slice{.size = {48, 48}, .lights = 3, .tile_count = 4, .block = block})), mask);
+  }
+}
+
+}  // namespace
+}  // namespace farshade

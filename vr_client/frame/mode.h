@@ -1,0 +1,63 @@
+/// Mode: how the work is split between client and server, and what each way can be set to. docs/modes.md.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "stereo/draw/shadow_map_settings.h"
+#include "stereo/frame/answer_spec.h"
+
+namespace farshade {
+
+enum class Mode : std::uint8_t {
+  Hybrid,           ///< rasterises, carries the server's masks over, shades
+  ClientPositions,  ///< the same, of positions that the client sends
+  ServerGBuffer,    ///< shades the server's G-buffer and masks
+  Remote,           ///< shows the server's video
+  Delta,            ///< draws without shadows, adds the server's difference
+  Local,            ///< shadow maps, alone
+  Full,             ///< traces everything itself: the reference
+};
+
+struct ModeName {
+  Mode mode;
+  std::string_view name;
+};
+inline constexpr std::array<ModeName, 7> kModes{{{Mode::Hybrid, "hybrid"},
+                                                 {Mode::ClientPositions, "client-positions"},
+                                                 {Mode::ServerGBuffer, "server-gbuffer"},
+                                                 {Mode::Remote, "remote"},
+                                                 {Mode::Delta, "delta"},
+                                                 {Mode::Local, "local"},
+                                                 {Mode::Full, "full"}}};
+
+[[nodiscard]] constexpr std::string_view name_of(Mode mode) {
+  return kModes[static_cast<std::size_t>(mode)].name;
+}
+
+/// What a server must be able to give; nothing where none is needed.
+[[nodiscard]] constexpr AnswerSet answers_for(Mode mode) {
+  constexpr std::array<AnswerSet, 7> answers{set_of(Answer::Masks),
+                                             set_of(Answer::MasksOfPositions),
+                                             set_of(Answer::GBuffer),
+                                             set_of(Answer::Video),
+                                             set_of(Answer::Difference),
+                                             0,
+                                             0};
+  return answers[static_cast<std::size_t>(mode)];
+}
+
+/// It carries masks over from the views they were traced for.
+[[nodiscard]] constexpr bool carries_over(Mode mode) {
+  return mode == Mode::Hybrid || mode == Mode::ClientPositions;
+}
+
+struct ModeSettings {
+  Mode mode = Mode::Hybrid;
+  std::uint32_t bits_per_second = 20'000'000;  ///< Remote, Delta
+  std::uint32_t position_bits = 14;            ///< ClientPositions: an axis of the scene
+  ShadowMapSettings shadow_maps{};             ///< Local
+  friend bool operator==(const ModeSettings&, const ModeSettings&) = default;
+};
+
+}  // namespace farshade

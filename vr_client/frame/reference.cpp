@@ -1,0 +1,20 @@
+#include "vr_client/frame/reference.h"
+
+#include "stereo/frame/tiles.h"
+
+namespace farshade {
+
+Reference::Reference(Tracer tracer) : tracer_(std::move(tracer)) {}
+
+TracedMask Reference::trace(const FrameRequest& request) {
+  stats_ = tracer_.trace(request, frame_);
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    all_known_[eye].assign(TileGrid{request.views[eye].size}.count(),
+                           all_planes_known(frame_.masks[eye].layout()));
+  // Contents that no mask from a server has, whose content is a count of tiles.
+  const std::uint64_t content = std::uint64_t{1} << 63 | ++traces_;
+  return {request.frame, request.display_time,     request.scene_time, frame_.views, frame_.masks, all_known_,
+          content,       frame_.light_set_revision};
+}
+
+}  // namespace farshade

@@ -1,0 +1,229 @@
+#include "vr_client/link/network_link.h"
+
+#include <algorithm>
+
+#include "stereo/base/check.h"
+#include "stereo/net/explain.h"
+
+namespace farshade {
+namespace {
+
+/// Between two hellos to a server that has not answered.
+constexpr Duration kHelloInterval = std::chrono::milliseconds(250);
+/// A server that has answered none of several requests for so long may have been restarted: one that is busy
+/// gives a sign of life each 100 ms. A path that is silent looks the same; the session is kept until another
+/// one has begun.
+constexpr Duration kSilence = std::chrono::milliseconds(250);
+/// The same when somebody says that the server does not have our session.
+constexpr Duration kSilenceWhenTold = std::chrono::milliseconds(200);
+constexpr std::uint32_t kUnanswered = 4;
+/// Positions go at most so fast: 32 datagrams of 1,200 bytes each 200 us are 1.5 Gbit/s.
+constexpr std::size_t kBurst = 32;
+constexpr Duration kBurstPause = std::chrono::microseconds(200);
+/// How long a server may take to contradict somebody who says in its name that it refuses us.
+constexpr Duration kHearsayPatience = std::chrono::milliseconds(500);
+
+/// "video, difference".
+std::string names_of(AnswerSet answers) {
+  constexpr std::array<std::string_view, kAnswers> names{"masks", "masks of positions", "G-buffers", "video",
+                                                         "difference"};
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if ((answers >> i & 1u) != 0) text.append(text.empty() ? "" : ", ").append(names[i]);
+  return text;
+}
+
+}  // namespace
+
+NetworkLink::Channel::Channel(const SessionKeys& keys, Time now)
+    : id(keys.session),
+      sealer(keys.session, keys.to_server, keys.sealing),
+      opener(keys.to_client, keys.sealing),
+      heard(now) {}
+
+NetworkLink::NetworkLink(DatagramPort& port, const Clock& clock, const LinkTarget& target, std::size_t frames)
+    : port_(port), clock_(clock), target_(target), inbox_(frames, target.mask) {}
+
+void NetworkLink::say_hello() {
+  if (last_hello_ && clock_.now() - *last_hello_ < kHelloInterval) return;
+  last_hello_ = clock_.now();
+  if (!handshake_) handshake_.emplace(target_.key, target_.scene_hash);
+  handshake_->write_hello(outgoing_);
+  port_.send(target_.server, outgoing_);
+}
+
+/// Says hello where there is no session, or no sign of life of it.
+void NetworkLink::keep_session() {
+  if (refused_) return;
+  const bool silent =
+      channel_ && channel_->unanswered >= kUnanswered && clock_.now() - channel_->heard > kSilence;
+  if (!channel_ || handshake_ || silent) say_hello();
+}
+
+Expected<void> NetworkLink::meet(Duration patience) {
+  const Time until = clock_.now() + patience;
+  const auto given_up = [&] {
+    const Time now = clock_.now();
+    return now >= until || (hearsay_at_ && now >= *hearsay_at_ + kHearsayPatience);
+  };
+  while (!channel_ && !refused_ && !given_up()) {
+    keep_session();
+    receive_one(std::min(kHelloInterval, until - clock_.now()));
+  }
+  if (refused_) return tl::unexpected(*refused_);
+  if (channel_) return {};
+  if (hearsay_at_) return fail(Fault::Mismatch, hearsay_);
+  if (busy_server_) return fail(Fault::Unavailable, *busy_server_);
+  return fail(Fault::Missing, "no server answers at " + to_string(target_.server));
+}
+
+void NetworkLink::request(const FrameRequest& request, Time asked_at,
+                          std::span<const std::vector<std::byte>> positions) {
+  keep_session();
+  if (!channel_) return;
+  send_request(inbox_.ask(request, asked_at, clock_.now()));
+  send_positions(positions);
+}
+
+/// In bursts that a socket's buffer holds, with pauses that its reader needs.
+void NetworkLink::send_positions(std::span<const std::vector<std::byte>> messages) {
+  for (std::size_t i = 0; i < messages.size() && channel_; ++i) {
+    if (i > 0 && i % kBurst == 0) listen(kBurstPause);
+    channel_->sealer.seal(messages[i], outgoing_);
+    port_.send(target_.server, outgoing_);
+  }
+}
+
+void NetworkLink::send_request(const FrameRequest& request) {
+  RequestMessage message{
+      .request = request, .probe_echo = channel_->probe_echo, .arrivals = channel_->arrivals.report()};
+  if (const ReceivedFrame* frame = inbox_.newest_known()) message.newest_received = frame->request.frame;
+  if (listener_.asked) listener_.asked(request);
+  encode(message, message_);
+  channel_->sealer.seal(message_, outgoing_);
+  port_.send(target_.server, outgoing_);
+  ++channel_->unanswered;
+}
+
+bool NetworkLink::receive_one(Duration wait) {
+  const std::optional<Datagram> datagram = port_.receive(incoming_, wait);
+  if (!datagram) return false;
+  const Stopwatch watch;
+  if (const Decoded<void> taken = take_datagram(*datagram); !taken) undecodable_.count(taken.error());
+  busy_ += watch.elapsed();
+  return true;
+}
+
+Decoded<void> NetworkLink::take_datagram(const Datagram& datagram) {
+  const Decoded<ServerEnvelope> envelope = open_server_envelope(datagram.bytes);
+  if (!envelope) return refuse(envelope.error());
+  if (const auto* sealed = std::get_if<Sealed>(&*envelope)) return take_sealed(*sealed, datagram);
+  if (const auto* lost = std::get_if<NoSession>(&*envelope)) {
+    const bool silent = channel_ && clock_.now() - channel_->heard > kSilenceWhenTold;
+    if (silent && lost->session == channel_->id) say_hello();
+    return {};
+  }
+  if (!handshake_) return {};
+  if (const auto* retry = std::get_if<Retry>(&*envelope)) {
+    if (!handshake_->take(*retry)) return {};
+    last_hello_.reset();
+    say_hello();
+  } else if (const auto* accept = std::get_if<Accept>(&*envelope)) {
+    take_accept(*accept, datagram.bytes);
+  } else if (const auto* refusal = std::get_if<OpenRefusal>(&*envelope)) {
+    take_refusal(*refusal);
+  }
+  return {};
+}
+
+void NetworkLink::take_refusal(const OpenRefusal& refusal) {
+  if (refusal.echo != handshake_->echo()) return;
+  if (hearsay_at_) return;
+  hearsay_ = explain(refusal, target_.key.name, target_.server);
+  hearsay_at_ = clock_.now();
+}
+
+void NetworkLink::take_accept(const Accept& accept, std::span<const std::byte> datagram) {
+  const std::optional<ClientHandshake::Met> met = handshake_->take(accept, datagram);
+  if (!met) return;
+  handshake_.reset();
+  hearsay_at_.reset();
+  if (const auto* refusal = std::get_if<Refusal>(&met->answer)) {
+    const std::string why = explain(*refusal, target_.scene_hash);
+    if (refusal->reason == RefusalReason::Busy)
+      busy_server_ = why;
+    else
+      refused_ = Error{Fault::Mismatch, why};
+    return;
+  }
+  const auto& welcome = std::get<Welcome>(met->answer);
+  const std::string server = "the server at " + to_string(target_.server);
+  if (welcome.scene_hash != target_.scene_hash) {
+    refused_ = Error{Fault::Mismatch, server + " serves another scene"};
+    return;
+  }
+  if (welcome.light_count != target_.mask.lights) {
+    refused_ = Error{Fault::Mismatch, server + " has masks of " + std::to_string(welcome.light_count) +
+                                          " lights, this client of " + std::to_string(target_.mask.lights) +
+                                          ": start both with the same --plan"};
+    return;
+  }
+  if ((target_.answers & ~welcome.answers) != 0) {
+    refused_ = Error{Fault::Unsupported,
+                     server + " does not give what this mode needs (" + names_of(target_.answers) +
+                         "): it draws no pictures, or was built without video. Use --mode hybrid"};
+    return;
+  }
+  channel_.emplace(met->keys, clock_.now());
+  inbox_.begin(welcome);
+  if (listener_.heard) {
+    encode(ServerMessage(welcome), message_);
+    listener_.heard(message_, clock_.now());
+  }
+  ++sessions_;
+}
+
+Decoded<void> NetworkLink::take_sealed(const Sealed& sealed, const Datagram& datagram) {
+  if (!channel_ || sealed.session != channel_->id) return refuse(WireRefusal::UnknownSession);
+  const Decoded<std::span<const std::byte>> opened = channel_->opener.open(sealed, datagram.bytes, message_);
+  if (!opened) return refuse(opened.error());
+  channel_->arrivals.add(sealed.counter, datagram.arrived);
+  channel_->heard = clock_.now();
+  channel_->unanswered = 0;
+  handshake_.reset();  // the session lives: no other is needed
+  const Decoded<ServerMessage> message = decode_server(*opened);
+  if (!message) return refuse(message.error());
+  if (listener_.heard) listener_.heard(*opened, datagram.arrived);
+  std::visit([&](const auto& m) { take(m, datagram.arrived); }, *message);
+  return {};
+}
+
+void NetworkLink::poll() {
+  while (receive_one(Duration::zero())) {
+  }
+}
+
+void NetworkLink::listen(Duration span) {
+  const Time until = clock_.now() + span;
+  poll();
+  for (Time now = clock_.now(); now < until; now = clock_.now()) receive_one(until - now);
+}
+
+bool NetworkLink::wait_for(FrameId frame, Duration patience) {
+  const Time until = clock_.now() + patience;
+  poll();
+  while (!inbox_.is_whole(frame)) {
+    const Duration left = until - clock_.now();
+    if (left <= Duration::zero() || !channel_ || !inbox_.may_come(frame)) return false;
+    keep_session();
+    receive_one(std::min(left, kHelloInterval));
+  }
+  return true;
+}
+
+NetworkLink::Counters NetworkLink::counters() const {
+  return {inbox_.counters(), undecodable_, port_.counters(), sessions_,
+          channel_ ? channel_->arrivals.missing() : 0};
+}
+
+}  // namespace farshade

@@ -1,0 +1,30 @@
+#include "vr_client/frame/mode_pipeline.h"
+
+#include "stereo/base/check.h"
+
+namespace farshade {
+
+std::unique_ptr<ModePipeline> make_pipeline(const RunContext& context) {
+  // Where no light casts shadows nobody is asked, and hybrid draws what there is.
+  if (context.link == nullptr && answers_for(context.mode.mode) != 0) return make_hybrid(context);
+  switch (context.mode.mode) {
+    case Mode::Hybrid:
+      return make_hybrid(context);
+    case Mode::ClientPositions:
+      return make_client_positions(context);
+    case Mode::ServerGBuffer:
+      return make_server_gbuffer(context);
+    case Mode::Remote:
+      return make_remote(context);
+    case Mode::Delta:
+      return make_delta(context);
+    case Mode::Local:
+      return make_local(context);
+    case Mode::Full:
+      return make_full(context);
+  }
+  check(false, "a mode that is");
+  return nullptr;
+}
+
+}  // namespace farshade

@@ -1,0 +1,136 @@
+#include "vr_client/preview/recordings.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "stereo/image/codec.h"
+
+namespace farshade {
+namespace {
+
+/// The left eye on the left.
+Image<Rgb8> side_by_side(const PerEye<Image<Rgb8>>& eyes) {
+  const Extent eye = eyes[0].size;
+  Image<Rgb8> both({eye.width * 2, eye.height});
+  for (std::uint32_t y = 0; y < eye.height; ++y)
+    for (std::uint32_t side = 0; side < kEyes; ++side)
+      std::copy_n(&eyes[side].at(0, y), eye.width, &both.at(side * eye.width, y));
+  return both;
+}
+
+}  // namespace
+
+std::filesystem::path Recordings::unused(const char* what, const char* extension) const {
+  for (std::uint32_t number = 1;; ++number) {
+    const std::string name = fmt::format("{}_{:04}", what, number);
+    std::error_code ignored;
+    bool taken = false;
+    for (const char* suffix : {extension, "_left.png"})
+      taken |= std::filesystem::exists(out_ / (name + suffix), ignored);
+    if (!taken) return out_ / name;
+  }
+}
+
+void Recordings::say(const Expected<void>& done, const std::string& otherwise) {
+  if (!done && !failed_) failed_ = done.error();
+  note_ = done ? otherwise : done.error().what;
+  if (done)
+    spdlog::info("{}", note_);
+  else
+    spdlog::error("{}", note_);
+}
+
+void Recordings::take_screenshot(const PerEye<Image<Rgb8>>& eyes, const Image<Rgb8>& window) {
+  const std::string name = unused("screenshot", "_left.png").string();
+  Expected<void> done;
+  for (const Side side : kSides)
+    if (done) done = write_png(fmt::format("{}_{}.png", name, name_of(side)), eyes[index_of(side)]);
+  if (done && window.size.pixels() > 0) done = write_png(name + "_window.png", window);
+  say(done, fmt::format("wrote {}_*.png", name));
+}
+
+void Recordings::toggle_head() {
+  if (!head_) {
+    head_.emplace();
+    say({}, "recording the head");
+    return;
+  }
+  const std::filesystem::path path = unused("head", ".csv").string() + ".csv";
+  say(head_->write(path), "wrote " + path.string());
+  head_.reset();
+}
+
+void Recordings::toggle_frames() {
+  if (frames_) {
+    say({}, fmt::format("wrote {} frames to {}", frames_->written, frames_->folder.string()));
+    frames_.reset();
+    return;
+  }
+  frames_ = Frames{unused("frames", "")};
+  std::error_code error;
+  std::filesystem::create_directories(frames_->folder, error);
+  if (!error) return say({}, "writing frames to " + frames_->folder.string());
+  say(fail(Fault::Unreadable, fmt::format("cannot make {}: {}", frames_->folder.string(), error.message())),
+      "");
+  frames_.reset();
+}
+
+LinkListener Recordings::listen() {
+  session_ = std::make_unique<CaptureWriter>(clock_);
+  session_path_.clear();
+  CaptureWriter* const own = session_.get();
+  // The link outlives a session's recording, and goes on telling.
+  return {.heard =
+              [this, own, inner = own->listener()](auto message, Time arrived) {
+                if (session_.get() == own) inner.heard(message, arrived);
+              },
+          .asked =
+              [this, own, inner = own->listener()](const FrameRequest& request) {
+                if (session_.get() == own) inner.asked(request);
+              }};
+}
+
+void Recordings::begin_session(const std::filesystem::path& path, const CaptureHeader& header) {
+  session_path_ = path;
+  if (path.empty()) session_path_ = unused("session", ".farshade").string() + ".farshade";
+  const Expected<void> opened = session_->open(session_path_, header);
+  say(opened, "recording the session to " + session_path_.string());
+  if (!opened) session_.reset();
+}
+
+void Recordings::end_session() {
+  if (session_path_.empty()) {
+    session_.reset();  // its session never began
+    return;
+  }
+  say({}, fmt::format("wrote {} frames to {}; show it again with --replay", session_->frames(),
+                      session_path_.string()));
+  session_.reset();
+}
+
+void Recordings::watch(const FrameView& view, const PerEye<Image<Rgb8>>* shown,
+                       const PerEye<Image<Rgb8>>* on_show) {
+  if (head_) head_->add(view.shown.display_time, view.shown.views);
+  if (session_) {
+    session_->watch(view, *shown);
+    if (session_->failed()) {
+      say(tl::unexpected(*session_->failed()), "");
+      session_.reset();
+    }
+  }
+  if (!frames_) return;
+  const std::string name = fmt::format("frame_{:05}.png", ++frames_->written);
+  if (const Expected<void> done = write_png(frames_->folder / name, side_by_side(*on_show)); !done) {
+    say(done, "");
+    frames_.reset();
+  }
+}
+
+Expected<void> Recordings::finish() {
+  if (head_) toggle_head();
+  if (frames_) toggle_frames();
+  if (session_) end_session();
+  return failed_ ? Expected<void>(tl::unexpected(*failed_)) : Expected<void>{};
+}
+
+}  // namespace farshade

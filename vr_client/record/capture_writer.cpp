@@ -1,0 +1,61 @@
+#include "vr_client/record/capture_writer.h"
+
+#include <cerrno>
+#include <system_error>
+
+namespace farshade {
+namespace {
+
+Error why_not(const std::filesystem::path& path, int error) {
+  return {error == ENOENT ? Fault::Missing : Fault::Unreadable,
+          "cannot write " + path.string() + ": " + std::generic_category().message(error)};
+}
+
+}  // namespace
+
+LinkListener CaptureWriter::listener() {
+  return {.heard =
+              [this](std::span<const std::byte> message, Time arrived) {
+                if (failed_) return;
+                (frame_.asked ? frame_.after : frame_.before)
+                    .push_back({arrived, {message.begin(), message.end()}});
+              },
+          .asked =
+              [this](const FrameRequest& request) {
+                if (!failed_) frame_.asked = CapturedRequest{clock_.now(), request};
+              }};
+}
+
+Expected<void> CaptureWriter::open(const std::filesystem::path& path, const CaptureHeader& header) {
+  path_ = path;
+  file_.reset(std::fopen(path.c_str(), "wb"));
+  if (!file_) return tl::unexpected(why_not(path, errno));
+  append(header, pending_);
+  if (!write()) return tl::unexpected(why_not(path, errno));
+  return {};
+}
+
+/// All that is pending reaches the file, or errno says why not.
+bool CaptureWriter::write() {
+  bytes_ += pending_.size();
+  const bool written = std::fwrite(pending_.data(), 1, pending_.size(), file_.get()) == pending_.size();
+  pending_.clear();
+  return written && std::fflush(file_.get()) == 0;
+}
+
+void CaptureWriter::watch(const FrameView& view, const PerEye<Image<Rgb8>>& shown) {
+  if (!file_ || failed_) return;
+  frame_.input = {view.timing, view.shown.views, view.steering};
+  for (const Side side : kSides) frame_.shown[index_of(side)] = hash_of(shown[index_of(side)]);
+  append(frame_, pending_);
+  frame_ = {};
+  if (write()) {
+    ++frames_;
+    return;
+  }
+  failed_ = why_not(path_, errno);
+  failed_->what += "; its recording ends before frame " + std::to_string(view.shown.frame.value);
+  file_.reset();
+}
+
+}  // namespace farshade

@@ -1,0 +1,94 @@
+#include "vr_client/report/run_report.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "stereo/base/files.h"
+#include "vr_client/report/dump.h"
+#include "vr_client/report/measured_frame.h"
+
+namespace farshade {
+
+RunReport::RunReport(RunReportOptions wish, Renderer& renderer, Reference* reference)
+    : wish_(std::move(wish)), renderer_(renderer), reference_(reference) {}
+
+/// The rays that a guard band costs: pixels asked for beyond those shown, as a share of these.
+std::optional<double> RunReport::guard_band_of(const FrameView& view) {
+  if (view.asked == nullptr) return std::nullopt;
+  return static_cast<double>(view.asked->views[0].size.pixels()) /
+             static_cast<double>(view.shown.views[0].size.pixels()) -
+         1;
+}
+
+bool RunReport::is_pictured(FrameId frame) const {
+  // The middles of `pictures` equal parts of the session.
+  for (std::uint64_t i = 0; i < wish_.pictures; ++i)
+    if (frame.value == 1 + (2 * i + 1) * wish_.frame_count / (2 * wish_.pictures)) return true;
+  return false;
+}
+
+bool RunReport::is_dumped(FrameId frame) const {
+  return std::find(wish_.dump.begin(), wish_.dump.end(), frame.value) != wish_.dump.end();
+}
+
+/// Mask error, where masks were shown; else the mean squared error that the PSNR stands for.
+double RunReport::badness(const EyeErrors& errors) {
+  return std::isnan(errors.mask_error) ? std::pow(10.0, -errors.psnr_db / 10) : errors.mask_error;
+}
+
+void RunReport::keep(Expected<void> done) {
+  if (!done && !failed_) failed_ = done.error();
+}
+
+void RunReport::watch(const FrameView& view) {
+  const FrameId frame = view.shown.frame;
+  FrameRecord record{.frame = frame,
+                     .display_time = view.shown.display_time,
+                     .age = view.age,
+                     .delta = {},
+                     .start_up = view.start_up,
+                     .times = view.times,
+                     .black = view.black,
+                     .guard_band = guard_band_of(view),
+                     .server = {},
+                     .errors = {}};
+  if (!view.masks.empty())
+    record.delta = pose_delta(view.shown.views[0], view.shown.display_time, view.masks[0].views[0],
+                              view.masks[0].display_time);
+  else if (view.newest)
+    record.delta = pose_delta(view.shown.views[0], view.shown.display_time, view.newest->request.views[0],
+                              view.newest->request.display_time);
+  // A server's frame counts once, in the first frame that is shown with its masks.
+  if (view.newest && view.newest->request.frame != counted_) {
+    record.server = view.newest->report;
+    if (record.server) counted_ = view.newest->request.frame;
+  }
+
+  const bool dumped = is_dumped(frame), pictured = is_pictured(frame);
+  const bool measured =
+      dumped || (wish_.reference_every > 0 && (frame.value - 1) % wish_.reference_every == 0);
+  if (measured) record.errors = measure(view, renderer_, *reference_, current_);
+  log_.add(record);
+  if (failed_) return;
+
+  if (pictured) keep(write_shown(wish_.out, frame, measured ? current_.shown : renderer_.read_shown()));
+  if (dumped) keep(write_dump(wish_.out / "dump", view, current_, renderer_.read_distance()));
+  if (measured && !view.start_up) {
+    const double error = badness((*record.errors)[0]) + badness((*record.errors)[1]);
+    if (error > worst_error_) {
+      worst_error_ = error;
+      worst_ = current_;
+    }
+  }
+}
+
+Expected<void> RunReport::finish() const {
+  if (failed_) return tl::unexpected(*failed_);
+  if (worst_)
+    if (auto done = write_measured(wish_.out, *worst_); !done) return done;
+  if (auto done = write_file_atomically(wish_.out / "summary.csv", summary_csv(log_.summary())); !done)
+    return done;
+  return write_file_atomically(wish_.out / "frames.csv", frames_csv(log_.records()));
+}
+
+}  // namespace farshade

@@ -1,0 +1,41 @@
+#include "vr_client/runtime/recorded_head_runtime.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "vr_client/runtime/headset.h"
+
+namespace farshade {
+
+RecordedHeadRuntime::RecordedHeadRuntime(const HeadRecording& trace, const HeadPlayback& playback)
+    : trace_(trace), playback_(playback) {
+  const double length_s = std::max(0.0, seconds_of(trace.end() - trace.start() - playback.skip));
+  const auto recorded = static_cast<std::uint32_t>(std::floor(length_s * playback.refresh_hz)) + 1;
+  frame_count_ = std::min(playback.frames.value_or(recorded), recorded);
+}
+
+Time RecordedHeadRuntime::display_time(std::uint32_t index) const {
+  const auto offset_ns = std::llround(index * 1e9 / playback_.refresh_hz);
+  return trace_.start() + playback_.skip + Duration(offset_ns);
+}
+
+std::optional<FrameTiming> RecordedHeadRuntime::wait_frame() {
+  if (next_ >= frame_count_) return std::nullopt;
+  if (playback_.pace == Pace::Real) {
+    if (!started_) started_ = clock_.now();
+    const auto due = [&](std::uint32_t index) { return *started_ + (display_time(index) - display_time(0)); };
+    while (next_ + 1 < frame_count_ && due(next_) < clock_.now()) ++next_, ++skipped_;
+    std::this_thread::sleep_for(due(next_) - clock_.now());
+  }
+  return FrameTiming{display_time(next_++), Duration(std::llround(1e9 / playback_.refresh_hz))};
+}
+
+StereoView RecordedHeadRuntime::locate_views(Time display_time) const {
+  const Rigid<Stage, Head> stage_from_head = playback_.stage_from_recorded * head_at(trace_, display_time);
+  return views_of(stage_from_head, {trace_.eye_distance_m, trace_.fov, playback_.eye_size});
+}
+
+void RecordedHeadRuntime::end_frame(Time) {}
+
+}  // namespace farshade
