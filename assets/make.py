@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Makes the bundled assets: python3 assets/make.py [FOLDER], by default the folder of this script.
-With --check it writes nothing and fails if a file there is not, byte for byte, what would be made.
+"""Makes the bundled assets: python3 assets/make.py [FOLDER]. With --check it only compares.
 
-Standard library only, and the same bytes on every run: all chance comes from seeded generators, and numbers
-are rounded to a binary grid far coarser than the differences between maths libraries.
+It uses only the standard library and writes the same bytes on every run: all random numbers come from seeded
+generators, and coordinates are rounded to a grid that is much coarser than the differences between maths libraries.
 """
 
+import argparse
 import sys
 from pathlib import Path
 
@@ -20,22 +20,29 @@ ASSETS = {
 }
 
 
-def main(arguments):
-    checking = "--check" in arguments
-    folders = [a for a in arguments if a != "--check"]
-    folder = Path(folders[0]) if folders else Path(__file__).resolve().parent
+def read_arguments():
+    parser = argparse.ArgumentParser(prog="assets/make.py", description="Makes the bundled assets.")
+    parser.add_argument("folder", nargs="?", type=Path, default=Path(__file__).resolve().parent,
+                        help="the folder of the assets; default: the folder of this script")
+    parser.add_argument("--check", action="store_true",
+                        help="write nothing; fail if a file differs from the bytes that would be written")
+    return parser.parse_args()
+
+
+def main():
+    arguments = read_arguments()
     differing = 0
     for name, make in ASSETS.items():
-        path, content = folder / name, make()
-        if not checking:
-            folder.mkdir(parents=True, exist_ok=True)
+        path, content = arguments.folder / name, make()
+        if not arguments.check:
+            arguments.folder.mkdir(parents=True, exist_ok=True)
             path.write_bytes(content)
             print(f"{name}: {len(content):,} bytes")
         elif not path.exists() or path.read_bytes() != content:
-            print(f"{path} is not what make.py makes", file=sys.stderr)
+            print(f"{path} differs from what make.py writes", file=sys.stderr)
             differing += 1
     return 1 if differing else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

@@ -1,4 +1,4 @@
-# Shared by the scripts beside it: where the tree is, how to prepare it and how to build a preset.
+# Functions of the scripts in this folder: they configure and build a preset and start both programs.
 # shellcheck shell=bash
 set -euo pipefail
 
@@ -6,8 +6,9 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 say() { printf '%s: %s\n' "${0##*/}" "$*" >&2; }
 die() { say "$@"; exit 1; }
+unknown_option() { say "unknown option '$1'; see ${0##*/} --help"; exit 2; }
 
-# As many compilers as there are cores, and 1.5 GB of free memory for each: glTF and Vulkan headers are heavy.
+# The number of compilers to run at the same time: one per core, but each needs 1.5 GB of free memory.
 build_jobs() {
   local cores memory_jobs
   cores=$(nproc)
@@ -16,16 +17,30 @@ build_jobs() {
   echo $((cores < memory_jobs ? cores : memory_jobs))
 }
 
-# configure PRESET: quiet unless it fails.
+# configure PRESET [CMAKE_OPTION...]: prints CMake's output only if it fails.
 configure() {
-  local launcher=() log=$root/build/$1.configure.log
-  if command -v ccache >/dev/null; then launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
+  local preset=$1 options=() log=$root/build/$1.configure.log
+  shift
+  if command -v ccache >/dev/null; then options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
+  # Without this option CMake would keep what it found when it first configured the folder.
+  if pkg-config --exists libavcodec libavutil libswscale; then options+=(-DFARSHADE_VIDEO=ON); fi
   mkdir -p "$root/build"
-  (cd "$root" && cmake --preset "$1" "${launcher[@]}") >"$log" 2>&1 ||
-    { cat "$log" >&2; die "configuring $1 failed"; }
+  (cd "$root" && cmake --preset "$preset" "${options[@]}" "$@") >"$log" 2>&1 ||
+    { cat "$log" >&2; die "configuring $preset failed"; }
 }
 
-# build PRESET TARGET...: the compiler's progress is shown.
+# configure_programs: the preset release without the tests, which need more packages. A folder that is configured with
+# the tests stays so.
+configure_programs() {
+  local options=()
+  [[ -f $root/build/release/CMakeCache.txt ]] || options=(-DBUILD_TESTING=OFF)
+  configure release "${options[@]}"
+}
+
+# configure_tests PRESET: with the tests, also if the folder was configured without them.
+configure_tests() { configure "$1" -DBUILD_TESTING=ON; }
+
+# build PRESET TARGET...: shows the compiler's progress.
 build() {
   local preset=$1
   shift
@@ -50,7 +65,7 @@ start_server() {
   until address=$(sed -n 's/^rt_server: listening on //p' "$server_log") && [[ $address ]]; do
     if ! kill -0 "$server" 2>/dev/null; then
       # Without lights there is nothing to serve, and the client needs no server.
-      grep -q 'has no lights' "$server_log" || server_failed "rt_server ended before it listened"
+      grep -q 'has no light' "$server_log" || server_failed "rt_server ended before it listened"
       address=127.0.0.1:1 && break
     fi
     ((SECONDS < give_up)) || server_failed "rt_server did not listen within $patience_s s"
@@ -58,8 +73,8 @@ start_server() {
   done
 }
 
-# run_client SCENE OPTION...: vr_client with a server of its own; ends as the client does, with what the server said
-# if that went wrong.
+# run_client SCENE OPTION...: starts rt_server and runs vr_client with it. If the client fails, prints the server's log
+# and exits with the client's status.
 run_client() {
   local scene=$1 status=0
   shift
@@ -70,7 +85,7 @@ run_client() {
   "$root/build/release/vr_client/vr_client" --scene "$scene" --server "$address" --key "$key" "$@" || status=$?
   if ((status)); then
     sed 's/^/  /' "$server_log" >&2
-    say "vr_client ended with status $status; above, what rt_server said"
+    say "vr_client ended with status $status; the log of rt_server is above"
     exit "$status"
   fi
 }

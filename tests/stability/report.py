@@ -1,8 +1,8 @@
 """Turns stability.csv into one page: the verdicts, and each sweep's figures as curves with their bounds."""
+import argparse
 import csv
 import html
 import math
-import sys
 from collections import defaultdict
 
 # What a sweep shows, in the order of its plots.
@@ -120,6 +120,8 @@ def main(source, target):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 3:
-        sys.exit("usage: report.py stability.csv report.html")
-    main(sys.argv[1], sys.argv[2])
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("table", help="stability.csv, as scripts/stability writes it")
+    parser.add_argument("page", help="the HTML file to write")
+    arguments = parser.parse_args()
+    main(arguments.table, arguments.page)
