@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "stereo/base/expected.h"
+#include "stereo/base/extent.h"
 #include "stereo/draw/shading.h"
 #include "stereo/gpu/device.h"
-#include "stereo/math/fov.h"
 #include "stereo/plan/scene_plan.h"
 #include "vr_client/ask/request_plan.h"
 #include "vr_client/doctor/doctor.h"

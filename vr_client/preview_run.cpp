@@ -39,8 +39,8 @@ Rigid<Stage, Head> start_of(const Scene& scene) {
 }
 
 double aspect_of(const View& view) {
-  const EyeWindow window = window_of(view.fov);
-  return (window.right - window.left) / (window.up - window.down);
+  const FovTangents window = tangents_of(view.fov);
+  return (window.right_tan - window.left_tan) / (window.up_tan - window.down_tan);
 }
 
 PreviewSetup setup_of(const Options& options, const Scene& scene, const std::optional<HeadRecording>& trace) {

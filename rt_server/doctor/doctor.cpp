@@ -54,7 +54,7 @@ Scene lit_triangle() {
 /// The middle of the triangle is lit, and the sky beside it is not.
 bool traces_right(Tracer& tracer) {
   constexpr Extent kSize{33, 33};
-  const View view{{}, {.left = -1.2, .right = 1.2, .up = 1.2, .down = -1.2}, kSize};
+  const View view{{}, {.left_rad = -1.2, .right_rad = 1.2, .up_rad = 1.2, .down_rad = -1.2}, kSize};
   ShadowFrame frame;
   tracer.trace({.frame = {1}, .display_time = {}, .scene_time = {}, .views = {view, view}}, frame);
   const EyeMask& mask = frame.masks[0];

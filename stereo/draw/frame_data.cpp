@@ -10,8 +10,9 @@ namespace {
 
 /// Origin and step of the window's pixels.
 glm::dvec4 exact_window(const View& view) {
-  const EyeWindow w = window_of(view.fov);
-  return {w.left, w.up, (w.right - w.left) / view.size.width, (w.down - w.up) / view.size.height};
+  const FovTangents w = tangents_of(view.fov);
+  return {w.left_tan, w.up_tan, (w.right_tan - w.left_tan) / view.size.width,
+          (w.down_tan - w.up_tan) / view.size.height};
 }
 
 }  // namespace
@@ -63,7 +64,8 @@ gpu::InstanceData instance_data(const StereoView& shown, const Affine<Stage, Obj
   gpu::InstanceData data{};
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const Affine<Eye, Object> eye_from_object = inverse(shown[eye].stage_from_eye) * stage_from_object;
-    data.clip_from_object[eye] = glm::mat4(clip_from_eye(window_of(shown[eye].fov)) * eye_from_object.matrix);
+    data.clip_from_object[eye] =
+        glm::mat4(clip_from_eye(tangents_of(shown[eye].fov)) * eye_from_object.matrix);
   }
   const glm::dmat3 linear(stage_from_object.matrix);
   data.stage_from_object_normal = glm::mat4(glm::mat3(glm::transpose(glm::inverse(linear))));

@@ -15,16 +15,18 @@ constexpr std::uint32_t kGroup_px = 64;  // as in turn.comp
 
 /// Eye-space (x, y, z) of z < 0 to homogeneous pixels; ray_pixel of fov.h as a matrix.
 glm::dmat3 pixel_from_ray(const View& view) {
-  const EyeWindow w = window_of(view.fov);
-  const double per_x = view.size.width / (w.right - w.left), per_y = view.size.height / (w.down - w.up);
-  return {{per_x, 0, 0}, {0, per_y, 0}, {w.left * per_x, w.up * per_y, -1}};
+  const FovTangents tangents = tangents_of(view.fov);
+  const double per_x = view.size.width / (tangents.right_tan - tangents.left_tan),
+               per_y = view.size.height / (tangents.down_tan - tangents.up_tan);
+  return {{per_x, 0, 0}, {0, per_y, 0}, {tangents.left_tan * per_x, tangents.up_tan * per_y, -1}};
 }
 
 /// Homogeneous pixels to the eye-space point on z = -1; pixel_ray of fov.h as a matrix.
 glm::dmat3 ray_from_pixel(const View& view) {
-  const EyeWindow w = window_of(view.fov);
-  const double step_x = (w.right - w.left) / view.size.width, step_y = (w.down - w.up) / view.size.height;
-  return {{step_x, 0, 0}, {0, step_y, 0}, {w.left, w.up, -1}};
+  const FovTangents tangents = tangents_of(view.fov);
+  const double step_x = (tangents.right_tan - tangents.left_tan) / view.size.width,
+               step_y = (tangents.down_tan - tangents.up_tan) / view.size.height;
+  return {{step_x, 0, 0}, {0, step_y, 0}, {tangents.left_tan, tangents.up_tan, -1}};
 }
 
 /// Linear light of the 256 levels of sRGB (IEC 61966-2-1).

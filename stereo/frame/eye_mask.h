@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "stereo/math/fov.h"
+#include "stereo/base/extent.h"
 
 namespace farshade {
 

@@ -23,7 +23,7 @@ void positions_of(const View& view, std::span<const float> distance_m, const Pos
     plane.word_bytes = grid.word_bytes();
     plane.words.resize(view.size.pixels());
   }
-  const EyeWindow window = window_of(view.fov);
+  const FovTangents window = tangents_of(view.fov);
   const auto stage_ray = [&](double x, double y) {
     return view.stage_from_eye(Vector<Eye>{pixel_ray(window, view.size, {x, y})}).v;
   };

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "stereo/math/fov.h"
+#include "stereo/base/extent.h"
 
 namespace farshade {
 

@@ -7,8 +7,8 @@
 #include <span>
 
 #include "stereo/base/check.h"
+#include "stereo/base/extent.h"
 #include "stereo/gpu/device.h"
-#include "stereo/math/fov.h"
 
 namespace farshade::gpu {
 

@@ -44,7 +44,7 @@ Expected<EyeRow> read_row(const std::vector<std::string_view>& fields, rows::Pla
                          "fov angles should be left < 0 < right and one up, one down");
   return EyeRow{.place = place,
                 .view = v[0] == 0.0 ? 0u : 1u,
-                .fov = {.left = v[1], .right = v[2], .up = up, .down = down},
+                .fov = {.left_rad = v[1], .right_rad = v[2], .up_rad = up, .down_rad = down},
                 .position = {v[5], v[6], v[7]},
                 .rotation = glm::dquat(v[11], v[8], v[9], v[10]),
                 .stamp_ns = *stamp};

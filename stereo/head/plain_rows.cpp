@@ -32,7 +32,7 @@ Expected<EyeFov> read_fov(std::string_view value, rows::Place place) {
     if (!angle) return tl::unexpected(angle.error());
     angles[i] = *angle;
   }
-  return EyeFov{.left = angles[0], .right = angles[1], .up = angles[2], .down = angles[3]};
+  return EyeFov{.left_rad = angles[0], .right_rad = angles[1], .up_rad = angles[2], .down_rad = angles[3]};
 }
 
 /// A file that names its columns names them in our order, or its quaternions would be misread.

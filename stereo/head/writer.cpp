@@ -30,8 +30,9 @@ std::string header(const HeadRecording& trace, std::string_view units, std::stri
                      comment(formats::kEyeDistanceKey, text_of(trace.eye_distance_m));
   for (const Side side : kSides) {
     const EyeFov& fov = trace.fov[index_of(side)];
-    text += comment(formats::kFovKeys[index_of(side)], text_of(fov.left) + ' ' + text_of(fov.right) + ' ' +
-                                                           text_of(fov.up) + ' ' + text_of(fov.down));
+    text += comment(formats::kFovKeys[index_of(side)], text_of(fov.left_rad) + ' ' + text_of(fov.right_rad) +
+                                                           ' ' + text_of(fov.up_rad) + ' ' +
+                                                           text_of(fov.down_rad));
   }
   return text.append("#").append(columns) + '\n';
 }

@@ -6,7 +6,7 @@
 #include <glm/vec4.hpp>
 #include <vector>
 
-#include "stereo/math/fov.h"
+#include "stereo/base/extent.h"
 
 namespace farshade {
 

@@ -37,7 +37,7 @@ struct ViewRays {
 };
 
 inline ViewRays rays_of(const View& view, const glm::dvec3& anchor) {
-  const EyeWindow window = window_of(view.fov);
+  const FovTangents window = tangents_of(view.fov);
   const auto stage_ray = [&](double x, double y) {
     return view.stage_from_eye(Vector<Eye>{pixel_ray(window, view.size, {x, y})}).v;
   };

@@ -32,7 +32,7 @@ bool look_fields(auto& io, codec::Either<View> auto& view) {
   auto& fov = view.fov;
   return io.f64(q.w) && io.f64(q.x) && io.f64(q.y) && io.f64(q.z) &&  //
          io.f64(t.x) && io.f64(t.y) && io.f64(t.z) &&                 //
-         io.f64(fov.left) && io.f64(fov.right) && io.f64(fov.up) && io.f64(fov.down);
+         io.f64(fov.left_rad) && io.f64(fov.right_rad) && io.f64(fov.up_rad) && io.f64(fov.down_rad);
 }
 bool fields(auto& io, codec::Either<View> auto& view) {
   return look_fields(io, view) && fields(io, view.size);

@@ -29,9 +29,9 @@ void check_ranges(const View& view) {
   const auto& t = view.stage_from_eye.translation;
   check_place(t.x, t.y, t.z);
   const EyeFov& fov = view.fov;
-  for (const double angle : {fov.left, fov.right, fov.up, fov.down})
+  for (const double angle : {fov.left_rad, fov.right_rad, fov.up_rad, fov.down_rad})
     check(std::isfinite(angle) && std::abs(angle) < 1.5708, "an eye sees less than half of the room");
-  check(fov.left < fov.right && fov.down < fov.up, "angles are in order");
+  check(fov.left_rad < fov.right_rad && fov.down_rad < fov.up_rad, "angles are in order");
   for (const std::uint32_t side : {view.size.width, view.size.height})
     check(side >= 1 && side <= kMaxViewSide_px, "masks of views can be held");
 }

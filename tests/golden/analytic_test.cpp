@@ -42,7 +42,7 @@ bool meets_box(const glm::dvec3& origin, const glm::dvec3& direction, double end
 /// Where pixel (x, y) surely shows the plane; nothing elsewhere and within the margin of outlines.
 std::optional<glm::dvec3> plane_point(const View& view, std::uint32_t x, std::uint32_t y) {
   const glm::dvec3 ray =
-      view.stage_from_eye.rotation * pixel_ray(window_of(view.fov), view.size, {x + 0.5, y + 0.5});
+      view.stage_from_eye.rotation * pixel_ray(tangents_of(view.fov), view.size, {x + 0.5, y + 0.5});
   const glm::dvec3 eye = view.stage_from_eye.translation;
   const double t = -eye.y / ray.y;
   if (ray.y >= 0 || meets_box(eye, ray, t, kMargin_m)) return std::nullopt;

@@ -127,7 +127,7 @@ Planes planes_seen(Theatre& theatre, const StereoView& views) {
   for (std::size_t eye = 0; eye < kEyes; ++eye) planes.of[eye].resize(views[eye].size.pixels());
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t) {
     const View& view = views[index_of(side)];
-    const glm::dvec3 ray = pixel_ray(window_of(view.fov), view.size, {x + 0.5, y + 0.5});
+    const glm::dvec3 ray = pixel_ray(tangents_of(view.fov), view.size, {x + 0.5, y + 0.5});
     const Point<Eye> p{ray * double{distance[index_of(side)].at(x, y)}};
     planes.of[index_of(side)][std::size_t{y} * view.size.width + x] = plane_of(view.stage_from_eye(p).v);
   });

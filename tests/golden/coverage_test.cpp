@@ -74,7 +74,8 @@ TEST_F(CoverageOf, MirroredSingleSidedQuadsIsOnPaper) {
     for (std::size_t i = 0; i < facings.size(); ++i) {
       const View& view = views[index_of(side)];
       const Point<Stage> center{{-1.05 + 0.3 * static_cast<double>(i), 0, 0}};
-      const glm::dvec2 at = ray_pixel(window_of(view.fov), view.size, inverse(view.stage_from_eye)(center).v);
+      const glm::dvec2 at =
+          ray_pixel(tangents_of(view.fov), view.size, inverse(view.stage_from_eye)(center).v);
       const auto pixel = static_cast<std::size_t>(at.y) * 256 + static_cast<std::size_t>(at.x);
       EXPECT_EQ(shown.reports[index_of(side)].sources[pixel] != kSourceUncovered, facings[i].seen)
           << "quad " << i << ", " << name_of(side);
@@ -103,7 +104,8 @@ TEST_F(CoverageOf, MirroredBoxesShowTheirFrontsLit) {
     for (std::size_t i = 0; i < scales.size(); ++i) {
       const View& view = views[index_of(side)];
       const Point<Stage> front{{-0.75 + 0.5 * static_cast<double>(i), 0, 0.15}};
-      const glm::dvec2 at = ray_pixel(window_of(view.fov), view.size, inverse(view.stage_from_eye)(front).v);
+      const glm::dvec2 at =
+          ray_pixel(tangents_of(view.fov), view.size, inverse(view.stage_from_eye)(front).v);
       const auto x = static_cast<std::uint32_t>(at.x), y = static_cast<std::uint32_t>(at.y);
       EXPECT_NEAR(distances[index_of(side)].at(x, y), 1.9, 1e-4) << "box " << i << ", " << name_of(side);
       EXPECT_TRUE(shown.reports[index_of(side)].mask.lit(x, y, 0)) << "box " << i;

@@ -23,10 +23,10 @@ constexpr double kDegree_rad = std::numbers::pi / 180;
 /// Windows and pixels 1.2 times as large.
 StereoView grown(StereoView views) {
   for (View& view : views) {
-    const EyeWindow window = window_of(view.fov);
-    const double x = 0.1 * (window.right - window.left), y = 0.1 * (window.up - window.down);
-    view.fov = {std::atan(window.left - x), std::atan(window.right + x), std::atan(window.up + y),
-                std::atan(window.down - y)};
+    const FovTangents window = tangents_of(view.fov);
+    const double x = 0.1 * (window.right_tan - window.left_tan), y = 0.1 * (window.up_tan - window.down_tan);
+    view.fov = {std::atan(window.left_tan - x), std::atan(window.right_tan + x), std::atan(window.up_tan + y),
+                std::atan(window.down_tan - y)};
     view.size = {kTracedSide_px, kTracedSide_px};
   }
   return views;

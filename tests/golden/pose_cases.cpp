@@ -33,11 +33,12 @@ constexpr std::array kCases{
 
 EyeFov zoomed(const EyeFov& fov, double zoom) {
   const auto wider = [zoom](double angle_rad) { return std::atan(zoom * std::tan(angle_rad)); };
-  return {wider(fov.left), wider(fov.right), wider(fov.up), wider(fov.down)};
+  return {wider(fov.left_rad), wider(fov.right_rad), wider(fov.up_rad), wider(fov.down_rad)};
 }
 
 StereoView eyes(const PoseCase& pose, const Rigid<Stage, Head>& head, double zoom, std::uint32_t side_px) {
-  const EyeFov left = zoomed(pose.left_fov, zoom), right{-left.right, -left.left, left.up, left.down};
+  const EyeFov left = zoomed(pose.left_fov, zoom),
+               right{-left.right_rad, -left.left_rad, left.up_rad, left.down_rad};
   StereoView views;
   for (const Side side : kSides)
     views[index_of(side)] = {head * head_from_eye(side, pose.eye_distance_m),

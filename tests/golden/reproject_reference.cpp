@@ -17,7 +17,7 @@ double inverse_distance(const SeenDepth& seen, std::int64_t x, std::int64_t y) {
 }
 
 glm::dvec3 ray(const View& view, double x, double y) {
-  return pixel_ray(window_of(view.fov), view.size, {x, y});
+  return pixel_ray(tangents_of(view.fov), view.size, {x, y});
 }
 
 /// The plane m . p = 1 of the shown eye's space on which pixel (x, y) and its eight neighbours lie, if they
@@ -55,7 +55,7 @@ std::optional<Carried> carry(const SeenDepth& shown, std::uint32_t x, std::uint3
   const Rigid<Eye, Eye> traced_from_shown = inverse(traced.stage_from_eye) * shown.view.stage_from_eye;
   const glm::dvec3 point = traced_from_shown(Point<Eye>{ray(shown.view, x + 0.5, y + 0.5) * distance}).v;
   if (point.z >= 0) return std::nullopt;
-  return Carried{point, ray_pixel(window_of(traced.fov), traced.size, point)};
+  return Carried{point, ray_pixel(tangents_of(traced.fov), traced.size, point)};
 }
 
 bool is_inside(const glm::dvec2& at, Extent size) {

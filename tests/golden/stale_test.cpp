@@ -156,13 +156,13 @@ TEST_F(Stale, PointsOnMovingThingsTakeTheBitsOfWhereTheyWere) {
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     const std::size_t eye = index_of(side);
     const View& view = views[eye];
-    const glm::dvec3 ray = pixel_ray(window_of(view.fov), view.size, {x + 0.5, y + 0.5});
+    const glm::dvec3 ray = pixel_ray(tangents_of(view.fov), view.size, {x + 0.5, y + 0.5});
     const glm::dvec3 p = view.stage_from_eye(Point<Eye>{ray * double{distance[eye].at(x, y)}}).v;
     if (std::abs(p.z - 0.2) > 1e-3) return;  // the box's front alone
     ++on_box;
     unknown += source == kSourceUnknown;
     if (source == kSourceUnknown) return;
-    const glm::dvec2 was = ray_pixel(window_of(view.fov), view.size,
+    const glm::dvec2 was = ray_pixel(tangents_of(view.fov), view.size,
                                      inverse(view.stage_from_eye)(Point<Stage>{p - travelled}).v);
     const glm::dvec2 part = was - glm::floor(was);
     if (std::min({part.x, part.y, 1 - part.x, 1 - part.y}) < 0.01) return;  // rounding may go either way

@@ -69,7 +69,7 @@ Rigid<Stage, Head> moved(const Rigid<Stage, Head>& head, double yaw_rad, const g
 }
 
 StereoView eyes_of(const Rigid<Stage, Head>& head, std::uint32_t side_px) {
-  const EyeFov right{-kLeftFov.right, -kLeftFov.left, kLeftFov.up, kLeftFov.down};
+  const EyeFov right{-kLeftFov.right_rad, -kLeftFov.left_rad, kLeftFov.up_rad, kLeftFov.down_rad};
   StereoView views;
   for (const Side side : kSides)
     views[index_of(side)] = {head * head_from_eye(side, kEyeDistance_m),

@@ -63,10 +63,10 @@ glm::dvec3 sample(const Image<Rgb8>& picture, glm::dvec2 at) {
 
 /// Where a shown pixel's direction lies in `from`, by the spaces' own functions; nothing behind and outside.
 std::optional<glm::dvec2> place_in(const View& from, const View& shown, glm::dvec2 pixel) {
-  const Vector<Eye> direction{pixel_ray(window_of(shown.fov), shown.size, pixel)};
+  const Vector<Eye> direction{pixel_ray(tangents_of(shown.fov), shown.size, pixel)};
   const Vector<Eye> there = inverse(from.stage_from_eye)(shown.stage_from_eye(direction));
   if (there.v.z >= 0) return std::nullopt;
-  const glm::dvec2 at = ray_pixel(window_of(from.fov), from.size, there.v);
+  const glm::dvec2 at = ray_pixel(tangents_of(from.fov), from.size, there.v);
   const bool inside = at.x >= 0 && at.y >= 0 && at.x <= from.size.width && at.y <= from.size.height;
   return inside ? std::optional(at) : std::nullopt;
 }

@@ -47,11 +47,11 @@ struct Seen {
 };
 std::optional<Seen> seen_by(const View& other, const View& view, const Image<float>& distance,
                             std::uint32_t x, std::uint32_t y) {
-  const glm::dvec3 ray = pixel_ray(window_of(view.fov), view.size, {x + 0.5, y + 0.5});
+  const glm::dvec3 ray = pixel_ray(tangents_of(view.fov), view.size, {x + 0.5, y + 0.5});
   const Point<Stage> surface = view.stage_from_eye(Point<Eye>{ray * double{distance.at(x, y)}});
   const Point<Eye> p = inverse(other.stage_from_eye)(surface);
   if (p.v.z >= 0) return std::nullopt;
-  const glm::dvec2 pixel = ray_pixel(window_of(other.fov), other.size, p.v);
+  const glm::dvec2 pixel = ray_pixel(tangents_of(other.fov), other.size, p.v);
   if (pixel.x < 0 || pixel.y < 0 || pixel.x >= other.size.width || pixel.y >= other.size.height)
     return std::nullopt;
   return Seen{static_cast<std::uint32_t>(pixel.x), static_cast<std::uint32_t>(pixel.y), -p.v.z};
@@ -138,8 +138,8 @@ TEST_F(PredictedClientDump, TracedViewsAreThoseForeseenForTheTimeShown) {
     EXPECT_GE(wide.size.width, view.size.width);
     EXPECT_GE(wide.size.height, view.size.height);
     EXPECT_GT(wide.size.pixels(), view.size.pixels()) << "there is a guard band";
-    EXPECT_LE(wide.fov.left, view.fov.left + 1e-9);
-    EXPECT_GE(wide.fov.right, view.fov.right - 1e-9);
+    EXPECT_LE(wide.fov.left_rad, view.fov.left_rad + 1e-9);
+    EXPECT_GE(wide.fov.right_rad, view.fov.right_rad - 1e-9);
     EXPECT_EQ(eyes_[eye].traced.size, wide.size);
     EXPECT_EQ(eyes_[eye].shown_mask.size, view.size);
     EXPECT_LT(glm::length(view.stage_from_eye.translation - wide.stage_from_eye.translation), 0.01);

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "stereo/math/fov.h"
+#include "stereo/base/extent.h"
 #include "tests/integration/child_program.h"
 
 namespace farshade {

@@ -17,7 +17,7 @@ const House& house() {
                 {"stereo/frame", {"stereo/math"}},
                 {"stereo/wire", {"stereo/frame"}},
                 {"stereo/net", {"stereo/wire"}},
-                {"stereo/image", {"stereo/math"}},
+                {"stereo/image", {"stereo/base"}},
                 {"stereo/head", {"stereo/frame"}},
                 {"stereo/scene", {"stereo/image", "stereo/frame"}},
                 {"stereo/plan", {"stereo/scene", "stereo/frame"}},

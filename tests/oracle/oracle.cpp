@@ -83,7 +83,7 @@ Masks trace(const Scene& scene, const SceneState& state, const View& view, Searc
   masks.covered.resize(view.size.pixels());
   masks.lit.resize(view.size.pixels() * lights.size());
   masks.in_band.resize(masks.lit.size());
-  const EyeWindow window = window_of(view.fov);
+  const FovTangents window = tangents_of(view.fov);
   const auto see_at = [&](const glm::dvec2& pixel) {
     const Vector<Eye> toward{pixel_ray(window, view.size, pixel)};
     return see(surfaces, {view.stage_from_eye.translation, view.stage_from_eye(toward).v});

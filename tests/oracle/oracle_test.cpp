@@ -45,7 +45,7 @@ TEST(Oracle, ShadowOfASquareIsWhereSimilarTrianglesPutIt) {
   const Scene scene = build.build();
   const View below_square = look({0, 0.9, 0.001}, {0, 0, 0}, 100, 2.0);
   const oracle::Masks masks = oracle::trace(scene, state_at(scene, Time{}), below_square);
-  const EyeWindow window = window_of(below_square.fov);
+  const FovTangents window = tangents_of(below_square.fov);
   for (std::uint32_t y = 0; y < 100; ++y)
     for (std::uint32_t x = 0; x < 100; ++x) {
       const glm::dvec3 toward =

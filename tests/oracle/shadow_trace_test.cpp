@@ -58,7 +58,7 @@ TEST(ShadowTrace, MatchesPaperAnswerForBoxOverPlane) {
   // From between plane and box, so that nothing but the plane is in sight.
   const View view = look({0.3, 0.95, 0.001}, {0.3, 0.0, 0.0}, 256, 2.3);
   const ShadowFrame frame = traced(scene, view);
-  const EyeWindow window = window_of(view.fov);
+  const FovTangents window = tangents_of(view.fov);
   std::array<int, 2> dark{};
   for (std::uint32_t y = 0; y < view.size.height; ++y)
     for (std::uint32_t x = 0; x < view.size.width; ++x) {

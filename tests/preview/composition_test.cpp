@@ -78,7 +78,7 @@ TEST(SharedColumns, PutWhatIsAtTheScreenIntoOneColumn) {
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     EXPECT_LE(shared.first[eye] + shared.count, kEye.width);
     const double x = (eye == 0 ? apart_m : -apart_m) / 2;
-    column[eye] = ray_pixel(window_of(fov[eye]), kEye, {x, 0, -kScreen_m}).x - shared.first[eye];
+    column[eye] = ray_pixel(tangents_of(fov[eye]), kEye, {x, 0, -kScreen_m}).x - shared.first[eye];
   }
   EXPECT_NEAR(column[0], column[1], 1);
 }

@@ -62,7 +62,7 @@ struct Seen {
 
 std::optional<Seen> see(const oracle::Surfaces& surfaces, const View& view, std::uint32_t x,
                         std::uint32_t y) {
-  const glm::dvec3 ray = pixel_ray(window_of(view.fov), view.size, {x + 0.5, y + 0.5});
+  const glm::dvec3 ray = pixel_ray(tangents_of(view.fov), view.size, {x + 0.5, y + 0.5});
   const glm::dvec3 toward = view.stage_from_eye(Vector<Eye>{ray}).v;
   const auto hit = surfaces.nearest({view.stage_from_eye.translation, toward});
   if (!hit) return std::nullopt;
@@ -191,7 +191,7 @@ std::vector<Figure> judge_lookup(const Scene& scene, const Dump& dump) {
         if (!seen || is_other(eye.distance_m.at(x, y), &seen->met)) continue;  // judged in judge_shown
         const glm::dvec3 p = inverse(traced.stage_from_eye)(Point<Stage>{seen->point}).v;
         if (p.z < 0)
-          off_surface.push_back(glm::length(ray_pixel(window_of(traced.fov), traced.size, p) - at));
+          off_surface.push_back(glm::length(ray_pixel(tangents_of(traced.fov), traced.size, p) - at));
       }
   }
   std::vector<Figure> figures{{"looked up", "pixels", static_cast<double>(off_double.size())}};

@@ -19,7 +19,7 @@ std::optional<Pass> pass(const glm::dvec3& a, const glm::dvec3& b, const View& v
   const Rigid<Eye, Stage> eye_from_stage = inverse(view.stage_from_eye);
   const glm::dvec3 p = eye_from_stage(Point<Stage>{a}).v, q = eye_from_stage(Point<Stage>{b}).v;
   if (p.z >= 0 || q.z >= 0) return std::nullopt;
-  const EyeWindow window = window_of(view.fov);
+  const FovTangents window = tangents_of(view.fov);
   const glm::dvec2 from = ray_pixel(window, view.size, p), way = ray_pixel(window, view.size, q) - from;
   const double length2 = glm::dot(way, way);
   const double t = length2 > 0 ? std::clamp(glm::dot(at_px - from, way) / length2, 0.0, 1.0) : 0.0;

@@ -45,15 +45,15 @@ void fit(double low, double high, std::uint32_t side, std::uint32_t& low_px, std
 
 Sides<double> outside_px(const View& shown, const View& traced) {
   const PoseDelta delta = pose_delta(shown, {}, traced, {});
-  const EyeWindow from = window_of(shown.fov), to = window_of(traced.fov);
+  const FovTangents from = tangents_of(shown.fov), to = tangents_of(traced.fov);
   const double width = traced.size.width, height = traced.size.height;
   Sides<double> out{-width, -width, -height, -height};
   constexpr int kParts = 4;  // of each side
   for (int i = 0; i <= kParts; ++i)
     for (int j = 0; j <= kParts; ++j) {
       if (i % kParts != 0 && j % kParts != 0) continue;  // the border alone
-      const glm::dvec3 ray(from.left + (from.right - from.left) * i / kParts,
-                           from.up + (from.down - from.up) * j / kParts, -1);
+      const glm::dvec3 ray(from.left_tan + (from.right_tan - from.left_tan) * i / kParts,
+                           from.up_tan + (from.down_tan - from.up_tan) * j / kParts, -1);
       for (const double nearness : {0.0, 1 / kNearest_m}) {
         const glm::dvec3 seen =
             delta.traced_from_shown.rotation * ray + delta.traced_from_shown.translation * nearness;
@@ -66,11 +66,12 @@ Sides<double> outside_px(const View& shown, const View& traced) {
 }
 
 View widened(const View& view, const Sides<std::uint32_t>& margins_px) {
-  const EyeWindow w = window_of(view.fov);
-  const double x = (w.right - w.left) / view.size.width, y = (w.down - w.up) / view.size.height;
+  const FovTangents w = tangents_of(view.fov);
+  const double x = (w.right_tan - w.left_tan) / view.size.width,
+               y = (w.down_tan - w.up_tan) / view.size.height;
   return {view.stage_from_eye,
-          {std::atan(w.left - margins_px.left * x), std::atan(w.right + margins_px.right * x),
-           std::atan(w.up - margins_px.up * y), std::atan(w.down + margins_px.down * y)},
+          {std::atan(w.left_tan - margins_px.left * x), std::atan(w.right_tan + margins_px.right * x),
+           std::atan(w.up_tan - margins_px.up * y), std::atan(w.down_tan + margins_px.down * y)},
           {view.size.width + margins_px.left + margins_px.right,
            view.size.height + margins_px.up + margins_px.down}};
 }
@@ -96,14 +97,15 @@ Sides<std::uint32_t> GuardBand::margins_px(const StereoView& views, const Twist&
     for (const Sides<double>& seen : seen_) values.push_back(seen.*side);
     return values.empty() ? 0.0 : share * std::max(quantile(values, kQuantile), 0.0);
   };
-  const EyeWindow w = window_of(views[0].fov);
+  const FovTangents w = tangents_of(views[0].fov);
   const Extent size = views[0].size;
   // Pixels a radian at the border, where a turn moves the picture fastest.
   const auto per_rad = [](double low, double high, double pixels) {
     const double edge = std::max(std::abs(low), std::abs(high));
     return pixels / std::abs(high - low) * (1 + edge * edge);
   };
-  const double per_yaw = per_rad(w.left, w.right, size.width), per_pitch = per_rad(w.up, w.down, size.height);
+  const double per_yaw = per_rad(w.left_tan, w.right_tan, size.width),
+               per_pitch = per_rad(w.up_tan, w.down_tan, size.height);
   const double turn = kOfTurn * seconds_of(lead), late = seconds_of(spread);
   // A turn to the left (positive about +y) uncovers the left border, one upwards (about +x) the upper one.
   const double yaw = share * velocity.angular.y * per_yaw, pitch = share * velocity.angular.x * per_pitch;

@@ -25,9 +25,9 @@ SharedColumns shared_columns(const PerEye<EyeFov>& fov, double eye_distance_m, E
   // What lies kScreen_m ahead is half an eye distance to the right of the left eye, and to the left of the
   // right.
   const double half = eye_distance_m / 2 / kScreen_m;
-  const PerEye<EyeWindow> window{window_of(fov[0]), window_of(fov[1])};
-  const PerEye<double> left{window[0].left - half, window[1].left + half};
-  const double column = (window[0].right - window[0].left) / eye.width;
+  const PerEye<FovTangents> window{tangents_of(fov[0]), tangents_of(fov[1])};
+  const PerEye<double> left{window[0].left_tan - half, window[1].left_tan + half};
+  const double column = (window[0].right_tan - window[0].left_tan) / eye.width;
   const auto skipped = [&](std::size_t side) {
     const double columns = std::round((std::max(left[0], left[1]) - left[side]) / column);
     return static_cast<std::uint32_t>(std::min(columns, double{1} * eye.width));

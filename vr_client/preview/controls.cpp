@@ -87,7 +87,7 @@ void reset_lights(Controls& controls) {
 void widen(Controls& controls, double by_rad) {
   if (controls.recorded_fov) {
     const EyeFov& eye = (*controls.recorded_fov)[0];
-    controls.fov_rad = eye.up - eye.down;
+    controls.fov_rad = eye.up_rad - eye.down_rad;
     controls.recorded_fov.reset();
   }
   controls.fov_rad = std::clamp(controls.fov_rad + by_rad, kNarrowestView_rad, kWidestView_rad);

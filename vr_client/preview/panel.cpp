@@ -129,9 +129,10 @@ void draw_head(Controls& controls, const PanelFacts& facts) {
   double apart_mm = controls.eye_distance_m * 1e3;
   if (slide("eyes apart", apart_mm, 0, kWidestEyes_m * 1e3, "%.0f mm"))
     controls.eye_distance_m = apart_mm * 1e-3;
-  double fov_deg = (controls.recorded_fov ? (*controls.recorded_fov)[0].up - (*controls.recorded_fov)[0].down
-                                          : controls.fov_rad) *
-                   kDegrees;
+  double fov_deg =
+      (controls.recorded_fov ? (*controls.recorded_fov)[0].up_rad - (*controls.recorded_fov)[0].down_rad
+                             : controls.fov_rad) *
+      kDegrees;
   if (slide("field of view", fov_deg, kNarrowestView_rad * kDegrees, kWidestView_rad * kDegrees,
             "%.0f deg")) {
     controls.recorded_fov.reset();

@@ -8,8 +8,8 @@
 
 #include "stereo/base/clock.h"
 #include "stereo/base/expected.h"
+#include "stereo/base/extent.h"
 #include "stereo/gpu/device.h"
-#include "stereo/math/fov.h"
 #include "vr_client/preview/input.h"
 
 struct GLFWwindow;

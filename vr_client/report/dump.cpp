@@ -22,7 +22,10 @@ json view_json(const View& view) {
       {"stage_from_eye",
        {{"position_m", vector3(view.stage_from_eye.translation)}, {"rotation_xyzw", {q.x, q.y, q.z, q.w}}}},
       {"fov_rad",
-       {{"left", view.fov.left}, {"right", view.fov.right}, {"up", view.fov.up}, {"down", view.fov.down}}},
+       {{"left", view.fov.left_rad},
+        {"right", view.fov.right_rad},
+        {"up", view.fov.up_rad},
+        {"down", view.fov.down_rad}}},
       {"size_px", {view.size.width, view.size.height}}};
 }
 

@@ -83,9 +83,9 @@ double unmoved_error(const EyeMask& stale, glm::ivec2 offset_px, const ShownRepo
 }
 
 double pixels_per_degree(const View& view) {
-  const EyeWindow w = window_of(view.fov);
-  const double x = view.size.width / std::abs(w.right - w.left),
-               y = view.size.height / std::abs(w.down - w.up);
+  const FovTangents tangents = tangents_of(view.fov);
+  const double x = view.size.width / std::abs(tangents.right_tan - tangents.left_tan),
+               y = view.size.height / std::abs(tangents.down_tan - tangents.up_tan);
   return std::sqrt(x * y) * std::numbers::pi / 180;
 }
 

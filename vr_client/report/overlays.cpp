@@ -168,10 +168,11 @@ struct Chart {
   glm::dvec2 origin, step;
 };
 
-Chart chart_of(const EyeWindow& shown, const EyeWindow& traced, Extent size) {
-  const glm::dvec2 of_shown{shown.right - shown.left, shown.down - shown.up},
-      of_traced{traced.right - traced.left, traced.down - traced.up}, pixels{size.width, size.height},
-      centre{(traced.left + traced.right) / 2, (traced.up + traced.down) / 2};
+Chart chart_of(const FovTangents& shown, const FovTangents& traced, Extent size) {
+  const glm::dvec2 of_shown{shown.right_tan - shown.left_tan, shown.down_tan - shown.up_tan},
+      of_traced{traced.right_tan - traced.left_tan, traced.down_tan - traced.up_tan},
+      pixels{size.width, size.height},
+      centre{(traced.left_tan + traced.right_tan) / 2, (traced.up_tan + traced.down_tan) / 2};
   const glm::dvec2 larger = of_traced / of_shown;
   const glm::dvec2 step = of_shown / pixels * (std::max(larger.x, larger.y) / kTracedShare);
   return {centre - 0.5 * step * pixels, step};
@@ -179,7 +180,7 @@ Chart chart_of(const EyeWindow& shown, const EyeWindow& traced, Extent size) {
 
 /// Which of the chart's pixels the shown eye sees, by direction alone.
 Image<std::uint8_t> seen_on(const Chart& chart, const View& shown, const View& traced, Extent size) {
-  const EyeWindow window = window_of(shown.fov);
+  const FovTangents window = tangents_of(shown.fov);
   const glm::dmat3 shown_from_traced(
       glm::mat3_cast(glm::conjugate(pose_delta(shown, {}, traced, {}).traced_from_shown.rotation)));
   const glm::dvec3 along = shown_from_traced * glm::dvec3(chart.step.x, 0, 0);
@@ -190,8 +191,8 @@ Image<std::uint8_t> seen_on(const Chart& chart, const View& shown, const View& t
     for (std::uint32_t x = 0; x < size.width; ++x) {
       const glm::dvec3 d = first + static_cast<double>(x) * along;
       const double ahead = -d.z;  // where it is negative the window is inside out, and nothing lies in it
-      seen.at(x, y) = (d.x >= window.left * ahead) & (d.x < window.right * ahead) &
-                      (d.y <= window.up * ahead) & (d.y > window.down * ahead);
+      seen.at(x, y) = (d.x >= window.left_tan * ahead) & (d.x < window.right_tan * ahead) &
+                      (d.y <= window.up_tan * ahead) & (d.y > window.down_tan * ahead);
     }
   }
   return seen;
@@ -221,18 +222,18 @@ Image<Rgb8> guard_band_picture(const OverlayInput& input) {
   const std::size_t eye = index_of(input.side);
   const View& traced = input.newest->views[eye];
   const EyeMask& mask = input.newest->masks[eye];
-  const EyeWindow window = window_of(traced.fov);
-  const Chart chart = chart_of(window_of(input.view.fov), window, size);
+  const FovTangents window = tangents_of(traced.fov);
+  const Chart chart = chart_of(tangents_of(input.view.fov), window, size);
   const Image<std::uint8_t> seen = seen_on(chart, input.view, traced, size);
   const auto greys =
       table(mask.lights() + 1, [&](std::size_t lit) { return grey(share_of(lit, mask.lights())); });
   const auto tinted = table(greys.size(), [&](std::size_t lit) { return guard_band_tint(greys[lit]); });
   const glm::dvec2 traced_px(traced.size.width, traced.size.height),
-      per_step = traced_px / glm::dvec2(window.right - window.left, window.down - window.up);
+      per_step = traced_px / glm::dvec2(window.right_tan - window.left_tan, window.down_tan - window.up_tan);
   for (std::uint32_t y = 0; y < size.height; ++y)
     for (std::uint32_t x = 0; x < size.width; ++x) {
       const glm::dvec2 on_plane = chart.origin + (glm::dvec2(x, y) + 0.5) * chart.step,
-                       at = (on_plane - glm::dvec2(window.left, window.up)) * per_step;
+                       at = (on_plane - glm::dvec2(window.left_tan, window.up_tan)) * per_step;
       const bool is_traced = at.x >= 0 && at.y >= 0 && at.x < traced_px.x && at.y < traced_px.y;
       const bool is_seen = seen.at(x, y) != 0;
       Rgb8& color = picture.at(x, y);

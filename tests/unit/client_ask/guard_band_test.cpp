@@ -98,8 +98,8 @@ TEST(Widened, KeepsThePixelGrid) {
                                  view.size.height + margins.up + margins.down}));
     ASSERT_EQ(grid_offset_px(view, wide), glm::ivec2(margins.left, margins.up)) << "case " << i;
     ASSERT_TRUE(shares_pixels(view, wide)) << "case " << i;
-    const glm::dvec3 ray = pixel_ray(window_of(view.fov), view.size, {0.5, 0.5});
-    const glm::dvec2 there = ray_pixel(window_of(wide.fov), wide.size, ray);
+    const glm::dvec3 ray = pixel_ray(tangents_of(view.fov), view.size, {0.5, 0.5});
+    const glm::dvec2 there = ray_pixel(tangents_of(wide.fov), wide.size, ray);
     ASSERT_LT(glm::length(there - glm::dvec2(margins.left + 0.5, margins.up + 0.5)), 1e-6) << "case " << i;
   }
 }
@@ -107,8 +107,8 @@ TEST(Widened, KeepsThePixelGrid) {
 TEST(Widened, ByNothingIsTheSameViewButForRounding) {
   const View same = widened(kView, {});
   EXPECT_EQ(same.size, kView.size);
-  EXPECT_NEAR(same.fov.left, kView.fov.left, 1e-15);
-  EXPECT_NEAR(same.fov.up, kView.fov.up, 1e-15);
+  EXPECT_NEAR(same.fov.left_rad, kView.fov.left_rad, 1e-15);
+  EXPECT_NEAR(same.fov.up_rad, kView.fov.up_rad, 1e-15);
 }
 
 TEST(SharesPixels, IsFalseForAnotherPoseOrGrid) {
@@ -120,8 +120,8 @@ TEST(SharesPixels, IsFalseForAnotherPoseOrGrid) {
   EXPECT_FALSE(shares_pixels(kView, finer));
   View half = kView;  // half a pixel to the side
   const double step = 2 * std::tan(kHalf) / kSize.width;
-  half.fov.left = std::atan(-std::tan(kHalf) + step / 2);
-  half.fov.right = std::atan(std::tan(kHalf) + step / 2);
+  half.fov.left_rad = std::atan(-std::tan(kHalf) + step / 2);
+  half.fov.right_rad = std::atan(std::tan(kHalf) + step / 2);
   EXPECT_FALSE(shares_pixels(kView, half));
 }
 
@@ -153,8 +153,8 @@ TEST(GuardBand, IsNothingWherePredictionsWereRight) {
   std::uniform_real_distribution<double> any(-2, 2);
   for (int i = 0; i < 300; ++i) {
     View view = moved(kView, {any(random), any(random), any(random)}, {any(random), 0, any(random)});
-    view.fov.left -= 0.1 * std::abs(any(random));
-    view.fov.down -= 0.1 * std::abs(any(random));
+    view.fov.left_rad -= 0.1 * std::abs(any(random));
+    view.fov.down_rad -= 0.1 * std::abs(any(random));
     GuardBand band;
     band.observe(both(view), both(view));
     ASSERT_EQ(band.margins_px(both(view), {}, 50ms, {}), (Sides<std::uint32_t>{})) << "case " << i;

@@ -239,9 +239,9 @@ TEST(RequestPlanShrink, KeepsTheGuardBandWhateverTheSize) {
     for (RequestPlan* plan : {&full, &half}) plan->learn(50ms);
     const std::optional<FrameRequest> wide = full.ask(shown(i), kPeriod), asked = half.ask(shown(i), kPeriod);
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
-      const EyeWindow a = window_of(wide->views[eye].fov), b = window_of(asked->views[eye].fov);
-      EXPECT_LE(b.left, a.left + 1e-9) << i;
-      EXPECT_GE(b.right, a.right - 1e-9) << i;
+      const FovTangents a = tangents_of(wide->views[eye].fov), b = tangents_of(asked->views[eye].fov);
+      EXPECT_LE(b.left_tan, a.left_tan + 1e-9) << i;
+      EXPECT_GE(b.right_tan, a.right_tan - 1e-9) << i;
       EXPECT_LE(asked->views[eye].size.width, wide->views[eye].size.width);
       if (i % 20 >= 10) {
         EXPECT_EQ(asked->views[eye], wide->views[eye]) << i;

@@ -181,23 +181,23 @@ TEST(FieldOfView, IsSymmetricWithSquarePixels) {
   for (const double degrees : {1.0, 20.0, 90.0, 140.0})
     for (const double aspect : {0.5, 1.0, 1.6}) {
       const EyeFov fov = field_of_view(degrees / 180 * kPi, aspect);
-      EXPECT_NEAR(fov.up * 2, degrees / 180 * kPi, 1e-12);
-      EXPECT_EQ(fov.up, -fov.down);
-      EXPECT_EQ(fov.right, -fov.left);
-      EXPECT_NEAR(std::tan(fov.right) / std::tan(fov.up), aspect, 1e-9);
+      EXPECT_NEAR(fov.up_rad * 2, degrees / 180 * kPi, 1e-12);
+      EXPECT_EQ(fov.up_rad, -fov.down_rad);
+      EXPECT_EQ(fov.right_rad, -fov.left_rad);
+      EXPECT_NEAR(std::tan(fov.right_rad) / std::tan(fov.up_rad), aspect, 1e-9);
     }
 }
 
 TEST(FieldOfView, StaysWithin1To170Degrees) {
   const auto degrees = [](double angle_rad) { return 2 * angle_rad / kPi * 180; };
-  EXPECT_NEAR(degrees(field_of_view(0, 1).up), 1, 1e-9);
-  EXPECT_NEAR(degrees(field_of_view(-2, 1).up), 1, 1e-9);
-  EXPECT_NEAR(degrees(field_of_view(9, 1).up), 170, 1e-9);
-  EXPECT_NEAR(degrees(field_of_view(9, 0.25).up), 170, 1e-9);
+  EXPECT_NEAR(degrees(field_of_view(0, 1).up_rad), 1, 1e-9);
+  EXPECT_NEAR(degrees(field_of_view(-2, 1).up_rad), 1, 1e-9);
+  EXPECT_NEAR(degrees(field_of_view(9, 1).up_rad), 170, 1e-9);
+  EXPECT_NEAR(degrees(field_of_view(9, 0.25).up_rad), 170, 1e-9);
   for (const double aspect : {1.0, 2.0, 16.0}) {
     const EyeFov wide = field_of_view(9, aspect);
-    EXPECT_NEAR(degrees(wide.right), 170, 1e-9) << aspect;
-    EXPECT_NEAR(std::tan(wide.right) / std::tan(wide.up), aspect, 1e-9);
+    EXPECT_NEAR(degrees(wide.right_rad), 170, 1e-9) << aspect;
+    EXPECT_NEAR(std::tan(wide.right_rad) / std::tan(wide.up_rad), aspect, 1e-9);
     EXPECT_TRUE(is_valid(wide));
   }
 }

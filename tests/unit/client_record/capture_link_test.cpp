@@ -53,7 +53,7 @@ TEST(CaptureLink, NamesWhatIsAskedOtherwise) {
            Case{[](FrameRequest& r) { r.display_time += 2ms; }, "asks for a display time 2"},
            Case{[](FrameRequest& r) { r.scene_time += 1ms; }, "asks for a scene time 1"},
            Case{[](FrameRequest& r) { r.views[1].size.width = 7; }, "asks for another size of the right eye"},
-           Case{[](FrameRequest& r) { r.views[0].fov.up = 0.5; }, "asks for another fov of the left eye"},
+           Case{[](FrameRequest& r) { r.views[0].fov.up_rad = 0.5; }, "asks for another fov of the left eye"},
            Case{[](FrameRequest& r) { r.views[0].stage_from_eye.translation.x += 1e-15; },
                 "asks for another pose of the left eye"},
            Case{[](FrameRequest& r) { change(r.lights, 0, false, {}); }, "asks with other changes of lights"},

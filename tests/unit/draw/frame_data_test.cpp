@@ -35,14 +35,14 @@ class FrameData : public testing::TestWithParam<double> {
   /// In front of `view`, within its fov: its place in the eye.
   Point<Eye> seen_by(const View& view) {
     const glm::dvec2 pixel{between(0, kSize.width), between(0, kSize.height)};
-    return {pixel_ray(window_of(view.fov), kSize, pixel) * between(0.3, 20)};
+    return {pixel_ray(tangents_of(view.fov), kSize, pixel) * between(0.3, 20)};
   }
 
   std::mt19937_64 random_{20};  // the seed
 };
 
 glm::dvec2 pixel_of(const View& view, Point<Stage> p) {
-  return ray_pixel(window_of(view.fov), view.size, inverse(view.stage_from_eye)(p).v);
+  return ray_pixel(tangents_of(view.fov), view.size, inverse(view.stage_from_eye)(p).v);
 }
 
 glm::dvec2 pixel_of_clip(const glm::vec4& clip) {
@@ -88,7 +88,7 @@ TEST_P(FrameData, SourceDataCarriesAPointFromTheShownToTheTracedEye) {
       const Point<Eye> right = inverse(traced[eye].stage_from_eye)(shown[eye].stage_from_eye(p));
       const glm::dvec3 carried(data.traced_from_shown * glm::vec4(p.v, 1.0));
       ASSERT_LT(glm::length(carried - right.v), 2e-5) << "case " << i << ", eye " << eye;
-      const EyeWindow w = window_of(traced[eye].fov);
+      const FovTangents w = tangents_of(traced[eye].fov);
       const glm::dvec3 corner = pixel_ray(w, kSize, {kSize.width, kSize.height});
       ASSERT_NEAR(data.origin_step.x + data.origin_step.z * kSize.width, corner.x, 1e-5);
       ASSERT_NEAR(data.origin_step.y + data.origin_step.w * kSize.height, corner.y, 1e-5);

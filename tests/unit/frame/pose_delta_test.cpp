@@ -32,7 +32,7 @@ TEST_P(PoseDeltaOf, TheSamePoseIsZeroToTheLastBit) {
   for (int i = 0; i < 1000; ++i) {
     const View view = any_view();
     View wider = view;
-    wider.fov.left -= 0.1;
+    wider.fov.left_rad -= 0.1;
     wider.size.width += 16;
     for (const View& traced : {view, wider}) {
       const PoseDelta delta = pose_delta(view, {}, traced, {});

@@ -35,7 +35,7 @@ TEST(PositionGrid, TellsPositionsToHalfAStep) {
     for (std::uint32_t y = 0; y < 30; ++y)
       for (std::uint32_t x = 0; x < 40; ++x) {
         const std::size_t i = y * 40 + x;
-        const glm::dvec3 ray = pixel_ray(window_of(view.fov), view.size, {x + 0.5, y + 0.5});
+        const glm::dvec3 ray = pixel_ray(tangents_of(view.fov), view.size, {x + 0.5, y + 0.5});
         const glm::dvec3 p = view.stage_from_eye(Point<Eye>{ray * double{distances()[i]}}).v;
         for (int axis = 0; axis < 3; ++axis) {
           const PixelPlane& plane = planes[static_cast<std::size_t>(axis)];

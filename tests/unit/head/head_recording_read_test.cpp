@@ -65,7 +65,7 @@ TEST(EurocRead, TakesHeadsetFromItsHeader) {
       "# fov right eye [rad] left right up down: -0.5 0.75 0.6 -0.8\n# who: me\n" +
       kEuroc);
   EXPECT_EQ(trace.eye_distance_m, 0.07);
-  EXPECT_EQ(trace.fov[1], (EyeFov{.left = -0.5, .right = 0.75, .up = 0.6, .down = -0.8}));
+  EXPECT_EQ(trace.fov[1], (EyeFov{.left_rad = -0.5, .right_rad = 0.75, .up_rad = 0.6, .down_rad = -0.8}));
   EXPECT_EQ(trace.fov[0], kDefaultFov[0]);
 }
 
@@ -105,8 +105,10 @@ TEST(EyeNavGsRead, PutsTheHeadBetweenItsEyes) {
   EXPECT_NEAR(trace.eye_distance_m, 0.12, 1e-12);
   EXPECT_LT(glm::length(trace.samples[0].recorded_from_head.translation - glm::dvec3(0, 2, 4)), 1e-12);
   EXPECT_EQ(ns_of(trace.samples[2].time), 28'500'000);
-  EXPECT_EQ(trace.fov[0], (EyeFov{.left = -0.942, .right = 0.698, .up = 0.733, .down = -0.942}));
-  EXPECT_EQ(trace.fov[1], (EyeFov{.left = -0.698, .right = 0.942, .up = 0.733, .down = -0.942}));
+  EXPECT_EQ(trace.fov[0],
+            (EyeFov{.left_rad = -0.942, .right_rad = 0.698, .up_rad = 0.733, .down_rad = -0.942}));
+  EXPECT_EQ(trace.fov[1],
+            (EyeFov{.left_rad = -0.698, .right_rad = 0.942, .up_rad = 0.733, .down_rad = -0.942}));
   // Three decimals are off unit by 2e-4: renormalised. A quarter turn to the left looks along -x.
   const glm::dquat& turned = trace.samples[1].recorded_from_head.rotation;
   EXPECT_NEAR(glm::length(turned), 1.0, 1e-15);

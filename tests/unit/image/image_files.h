@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "stereo/math/fov.h"
+#include "stereo/base/extent.h"
 
 namespace farshade {
 

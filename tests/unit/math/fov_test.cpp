@@ -20,7 +20,7 @@ constexpr Extent kSize{640, 480};
 
 class Fovs : public testing::TestWithParam<EyeFov> {
  protected:
-  const EyeWindow window = window_of(GetParam());
+  const FovTangents window = tangents_of(GetParam());
 };
 
 TEST_P(Fovs, AreValid) {
@@ -30,10 +30,10 @@ TEST_P(Fovs, AreValid) {
 TEST_P(Fovs, CornersLookAlongTheFourAngles) {
   const glm::dvec3 top_left = pixel_ray(window, kSize, {0, 0});
   const glm::dvec3 bottom_right = pixel_ray(window, kSize, {kSize.width, kSize.height});
-  EXPECT_NEAR(std::atan2(top_left.x, -top_left.z), GetParam().left, 1e-14);
-  EXPECT_NEAR(std::atan2(top_left.y, -top_left.z), GetParam().up, 1e-14);
-  EXPECT_NEAR(std::atan2(bottom_right.x, -bottom_right.z), GetParam().right, 1e-14);
-  EXPECT_NEAR(std::atan2(bottom_right.y, -bottom_right.z), GetParam().down, 1e-14);
+  EXPECT_NEAR(std::atan2(top_left.x, -top_left.z), GetParam().left_rad, 1e-14);
+  EXPECT_NEAR(std::atan2(top_left.y, -top_left.z), GetParam().up_rad, 1e-14);
+  EXPECT_NEAR(std::atan2(bottom_right.x, -bottom_right.z), GetParam().right_rad, 1e-14);
+  EXPECT_NEAR(std::atan2(bottom_right.y, -bottom_right.z), GetParam().down_rad, 1e-14);
 }
 
 TEST_P(Fovs, RayPixelInvertsPixelRayAtAnyDistance) {
@@ -62,7 +62,7 @@ INSTANTIATE_TEST_SUITE_P(OneTo170Degrees, Fovs,
                                          fov_of_degrees(-85, 85, 85, -85), fov_of_degrees(10, 30, -5, -40)));
 
 TEST(ClipFromEye, PutsNearPlaneAtOneAndInfinityAtZero) {
-  const glm::dmat4 m = clip_from_eye(window_of(fov_of_degrees(-45, 45, 45, -45)));
+  const glm::dmat4 m = clip_from_eye(tangents_of(fov_of_degrees(-45, 45, 45, -45)));
   const glm::dvec4 near_point = m * glm::dvec4(0, 0, -kNearPlane_m, 1),
                    infinity = m * glm::dvec4(0, 0, -1, 0);
   EXPECT_DOUBLE_EQ(near_point.z / near_point.w, 1.0);
@@ -70,7 +70,7 @@ TEST(ClipFromEye, PutsNearPlaneAtOneAndInfinityAtZero) {
 }
 
 TEST(PixelRay, CentreOfASymmetricEyeLooksAhead) {
-  const glm::dvec3 ahead = pixel_ray(window_of(fov_of_degrees(-30, 30, 20, -20)), kSize, {320, 240});
+  const glm::dvec3 ahead = pixel_ray(tangents_of(fov_of_degrees(-30, 30, 20, -20)), kSize, {320, 240});
   EXPECT_LE(glm::length(ahead - glm::dvec3(0, 0, -1)), 1e-15);
 }
 
@@ -81,13 +81,13 @@ TEST(FovIsValid, RefusesWhatIsNoWindow) {
     fov.*angle = value;
     return fov;
   };
-  EXPECT_FALSE(is_valid(with(&EyeFov::left, degrees(45))));   // no width
-  EXPECT_FALSE(is_valid(with(&EyeFov::left, degrees(50))));   // left of right
-  EXPECT_FALSE(is_valid(with(&EyeFov::down, degrees(45))));   // no height
-  EXPECT_FALSE(is_valid(with(&EyeFov::up, degrees(-50))));    // upside down
-  EXPECT_FALSE(is_valid(with(&EyeFov::right, degrees(90))));  // no tangent
+  EXPECT_FALSE(is_valid(with(&EyeFov::left_rad, degrees(45))));   // no width
+  EXPECT_FALSE(is_valid(with(&EyeFov::left_rad, degrees(50))));   // left of right
+  EXPECT_FALSE(is_valid(with(&EyeFov::down_rad, degrees(45))));   // no height
+  EXPECT_FALSE(is_valid(with(&EyeFov::up_rad, degrees(-50))));    // upside down
+  EXPECT_FALSE(is_valid(with(&EyeFov::right_rad, degrees(90))));  // no tangent
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
-    for (const auto angle : {&EyeFov::left, &EyeFov::right, &EyeFov::up, &EyeFov::down})
+    for (const auto angle : {&EyeFov::left_rad, &EyeFov::right_rad, &EyeFov::up_rad, &EyeFov::down_rad})
       EXPECT_FALSE(is_valid(with(angle, bad)));
 }
 

@@ -27,7 +27,7 @@ struct Seen {
 
 Seen seen(const Scene& scene, const View& view) {
   const oracle::Surfaces surfaces(scene, state_at(scene, Time{}), oracle::Search::Tree);
-  const EyeWindow window = window_of(view.fov);
+  const FovTangents window = tangents_of(view.fov);
   Seen result;
   for (std::uint32_t y = 0; y < view.size.height; ++y)
     for (std::uint32_t x = 0; x < view.size.width; ++x) {

@@ -103,7 +103,7 @@ TEST(TracerPrecision, WideAndLopsidedFov) {
         EyeFov{5 * rad, 20 * rad, -3 * rad, -9 * rad}}) {
     views[0].fov = fov;
     views[1].size = {37, 21};
-    SCOPED_TRACE(fov.left);
+    SCOPED_TRACE(fov.left_rad);
     expect_agrees(scene, views, Time{}, kMostInBand);
   }
 }

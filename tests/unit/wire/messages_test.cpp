@@ -345,7 +345,7 @@ TEST(RequestEncode, HasRoomForAllThatItMayCarry) {
 
 TEST(EncodeDeathTest, StopsAtAMessageOutOfItsRanges) {
   RequestMessage message = request();
-  message.request.views[0].fov.left = 1.0;
+  message.request.views[0].fov.left_rad = 1.0;
   Bytes bytes;
   EXPECT_DEATH(encode(ClientMessage(message), bytes), "within its ranges");
   message = request();

@@ -72,8 +72,8 @@ inline RequestMessage request() {
   view.size = {1024, 768};
   View right = view;
   right.stage_from_eye.translation.z = 0.032;
-  right.fov.left = -0.5;
-  right.fov.right = 0.75;
+  right.fov.left_rad = -0.5;
+  right.fov.right_rad = 0.75;
   RequestMessage message;
   message.request = {FrameId{258}, time_from_ns(11'111'111), time_from_ns(-1), {view, right}};
   message.request.lights = {
