@@ -3,9 +3,11 @@
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
+#include <filesystem>
+
 #include "rt_server/answers/answers.h"
 #include "rt_server/core/serve.h"
-#include "stereo/base/check.h"
+#include "stereo/base/files.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/impaired_port.h"
 #include "stereo/net/udp.h"
@@ -52,6 +54,29 @@ std::string in_words(const TracerMemory& memory) {
       megabytes(memory.maps));
 }
 
+Expected<void> write_ready_file(const ServeOptions& options, const std::string& line) {
+  if (options.ready_file.empty()) return {};
+  return write_file_atomically(options.ready_file, line + "\n");
+}
+
+/// A script that waits for the ready file must not read the one of an earlier server.
+Expected<void> remove_old_ready_file(const ServeOptions& options) {
+  std::error_code failed;
+  if (!options.ready_file.empty()) std::filesystem::remove(options.ready_file, failed);
+  if (failed) return fail(Fault::Unreadable, options.ready_file + " cannot be removed: " + failed.message());
+  return {};
+}
+
+/// Clients shade such a scene without a server. A script learns that from the ready file.
+Expected<void> end_without_shadows(const ServeOptions& options) {
+  const std::string reason = options.scene +
+                             " has no light that casts shadows: there is nothing to serve, clients shade it "
+                             "without a server (--plan prints details)";
+  if (options.ready_file.empty()) return fail(Fault::Unsupported, reason);
+  fmt::print("rt_server: {}\n", reason);
+  return write_ready_file(options, std::string(kReadyNoShadows));
+}
+
 void say_counters(const ServerCore& core) {
   const ServerCounters counters = core.counters();
   fmt::print("{}\n{}\n", counters_line(counters), rays_line(counters.traced));
@@ -61,6 +86,7 @@ void say_counters(const ServerCore& core) {
 }  // namespace
 
 Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
+  if (const Expected<void> removed = remove_old_ready_file(options); !removed) return removed;
   Expected<Scene> loaded = load_scene(options.scene);
   if (!loaded) return tl::unexpected(loaded.error());
   const auto [scene, plan] = plan_scene(std::move(*loaded), {.kind = options.plan.kind});
@@ -69,15 +95,12 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
                in_words(foreseen_memory(scene, plan.trace)));
     return {};
   }
+  if (!plan.server) return end_without_shadows(options);
   const SteadyClock clock;
   const Expected<std::vector<SharedKey>> ring = who_may_come(options);
   if (!ring) return tl::unexpected(ring.error());
   const Expected<std::unique_ptr<DatagramPort>> port = open_port(options, clock);
   if (!port) return tl::unexpected(port.error());
-  if (!plan.server)
-    return fail(Fault::Unsupported, options.scene +
-                                        " has no light that casts shadows: nothing to serve, clients shade "
-                                        "it alone (--plan tells more)");
   Expected<Tracer> tracer = Tracer::create(scene, plan.trace);
   if (!tracer) return tl::unexpected(tracer.error());
 
@@ -100,6 +123,8 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   std::fflush(stdout);
   {
     const Serving serving(core);
+    const std::string line = fmt::format("{} {}", kReadyListening, to_string((*port)->local()));
+    if (const Expected<void> written = write_ready_file(options, line); !written) return written;
     stop.wait([&] { say_counters(core); });
   }
   say_counters(core);

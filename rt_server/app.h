@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "rt_server/core/sessions.h"
 #include "stereo/base/expected.h"
@@ -19,10 +20,20 @@ struct ServeOptions {
   SessionLimits limits;
   std::uint32_t most_pixels = Welcome{}.most_pixels;  ///< of an eye that a client may ask for
   PlanOptions plan;
+  std::string ready_file;  ///< for scripts (kReadyListening, kReadyNoShadows); empty for none
 };
 
-/// Results go to stdout, the log to stderr. Ends when `stop` says so. Says its counters at the end, and on
-/// SIGUSR1. Where the plan is only to be told, it says the plan in words instead.
+/// The one line that the ready file gets: the first, a space and the address, or the second.
+inline constexpr std::string_view kReadyListening = "listening";
+inline constexpr std::string_view kReadyNoShadows = "no-shadows";
+
+/// Serves until SIGINT or SIGTERM arrives. Writes results to stdout and the log to stderr. Prints its
+/// counters at the end and on every SIGUSR1. If `options.plan` only asks for the plan, prints the plan
+/// instead.
+///
+/// Removes an old ready file first. Writes the new one atomically: when the port is open and clients can
+/// connect, or when the scene has no light that casts shadows. In the latter case there is nothing to serve:
+/// with a ready file the call ends at once and succeeds, without one it fails.
 [[nodiscard]] Expected<void> serve(const ServeOptions& options, StopSignal& stop);
 
 }  // namespace farshade

@@ -1,4 +1,5 @@
-// rt_server: traces shadows for clients that ask over UDP. Results go to stdout, the log to stderr.
+// rt_server: traces shadows for clients that send requests over UDP. Writes results to stdout, the log to
+// stderr.
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -16,47 +17,57 @@ using namespace farshade;
 void add_serving(CLI::App& app, ServeOptions& options) {
   app.add_option_function<std::string>(
          "--plan", [&options](const std::string& text) { options.plan = parse_plan_options(text); },
-         "say what the scene needs and what is left out, and nothing else; --plan=everything serves with "
-         "nothing left out, to compare with (clients likewise)")
+         "print what the scene needs and what is left out, then exit; --plan=everything serves with "
+         "nothing left out, for comparison (start the clients with the same option)")
       ->expected(0, 1)
       ->check(CLI::IsMember({"", "needed", "everything"}));
   app.add_option("--scene", options.scene, "glTF 2.0 file (.gltf or .glb)");
-  app.add_option("--listen", options.listen, "address and UDP port; port 0 takes any free one")
+  app.add_option("--listen", options.listen, "address and UDP port; port 0 selects a free port")
       ->capture_default_str();
-  app.add_option("--keys", options.ring, "key ring; " + default_ring_path().string() + " unless told");
-  app.add_flag("--insecure", options.insecure, "no keys and nothing sealed, on this machine alone");
-  app.add_option("--sessions", options.limits.sessions, "most clients at a time")
+  app.add_option("--keys", options.ring, "key ring file; default " + default_ring_path().string());
+  app.add_flag("--insecure", options.insecure,
+               "accept every client on this machine, without keys and without encryption");
+  app.add_option("--ready-file", options.ready_file,
+                 "for scripts: the server writes the line 'listening ADDRESS' to this file when clients can "
+                 "connect; if no light of the scene casts shadows, it writes 'no-shadows' and exits with "
+                 "status 0");
+  app.add_option("--sessions", options.limits.sessions, "maximum number of connected clients")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
   app.add_option("--handshakes-per-second", options.limits.handshakes_per_second,
-                 "most of clients with a key")
+                 "maximum number of handshakes per second, over all clients that have a key")
       ->check(CLI::Range(1.0, 1e6))
       ->capture_default_str();
-  app.add_option("--bytes-per-second", options.limits.bytes_per_second, "most to one client")
+  app.add_option("--bytes-per-second", options.limits.bytes_per_second,
+                 "maximum number of bytes per second that the server sends to one client")
       ->check(CLI::Range(25e3, 1e10))
       ->capture_default_str();
-  app.add_option("--pixels", options.most_pixels, "most an eye that a client may ask for")
+  app.add_option("--pixels", options.most_pixels,
+                 "maximum number of pixels per eye that a client may request")
       ->check(CLI::Range(1u, kMaxViewSide_px * kMaxViewSide_px))
       ->capture_default_str();
   app.add_option(
       "--net", options.net,
-      "impair what arrives here, as a bad network would: poor, or loss=2%,delay=25ms,jitter=5ms, ...");
+      "simulate a bad network for arriving datagrams: poor, or loss=2%,delay=25ms,jitter=5ms, ...");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) try {
-  CLI::App app("Traces which lights each pixel of a stereo client sees and sends it the masks over UDP.");
+  CLI::App app(
+      "Traces which lights are visible from each pixel of a stereo client, and sends the result as masks "
+      "over "
+      "UDP.");
   ServeOptions serving;
-  KeygenOptions making;
-  ServerDoctorOptions examined;
+  KeygenOptions key;
+  ServerDoctorOptions doctor;
   add_serving(app, serving);
-  add_keygen(app, making);
-  add_doctor(app, examined);
+  add_keygen(app, key);
+  add_doctor(app, doctor);
   app.require_subcommand(0, 1);
   CLI11_PARSE(app, argc, argv);
   if (app.got_subcommand("doctor")) {
-    const Findings findings = examine(examined);
+    const Findings findings = examine(doctor);
     print(findings);
     return any_failed(findings) ? EXIT_FAILURE : EXIT_SUCCESS;
   }
@@ -64,7 +75,7 @@ int main(int argc, char** argv) try {
   spdlog::set_default_logger(spdlog::stderr_logger_mt("rt_server"));
   Expected<void> done;
   if (app.got_subcommand("keygen")) {
-    done = keygen(making).map([](const std::string& said) { fmt::print("{}", said); });
+    done = keygen(key).map([](const std::string& text) { fmt::print("{}", text); });
   } else if (serving.scene.empty()) {
     return app.exit(CLI::RequiredError("--scene"));
   } else {

@@ -136,10 +136,9 @@ TEST(ServerKeygen, MakesAKeyThatLetsAClientIn) {
   EXPECT_NE(program.errors().find("welcomed bob at 127.0.0.1:"), std::string::npos);
 }
 
-TEST(ServerProgramRefuses, SceneWithoutLights) {
-  const ScratchFolder folder;
+/// One triangle: (0 0 0), (1 0 0), (0 1 0), and no light.
+std::string scene_without_lights(const ScratchFolder& folder) {
   const std::filesystem::path path = folder.path() / "dark.gltf";
-  // One triangle: (0 0 0), (1 0 0), (0 1 0).
   std::ofstream(path)
       << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
     "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
@@ -147,7 +146,63 @@ TEST(ServerProgramRefuses, SceneWithoutLights) {
     "bufferViews":[{"buffer":0,"byteLength":36}],
     "buffers":[{"byteLength":36,
       "uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
-  EXPECT_NE(complaint_of(server(path.string())).find("nothing to serve"), std::string::npos);
+  return path.string();
+}
+
+TEST(ServerProgramRefuses, SceneWithoutLights) {
+  const ScratchFolder folder;
+  EXPECT_NE(complaint_of(server(scene_without_lights(folder))).find("nothing to serve"), std::string::npos);
+}
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::vector<std::string> with_ready_file(std::vector<std::string> arguments,
+                                         const std::filesystem::path& file) {
+  arguments.insert(arguments.end(), {"--ready-file", file.string()});
+  return arguments;
+}
+
+TEST(ServerReadyFile, HoldsTheAddressOnceClientsCanConnect) {
+  const ScratchFolder folder;
+  const std::filesystem::path ready = folder.path() / "ready";
+  std::ofstream(ready) << "listening 192.0.2.1:1\n";  // of an earlier server
+  ChildProgram program(with_ready_file(server(kScene), ready));
+  ASSERT_TRUE(program.line_after("rt_server: the tracer holds ")) << program.errors();
+  const auto expired = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  std::string text;
+  while (text.empty() && std::chrono::steady_clock::now() < expired) text = text_of(ready);
+  ASSERT_TRUE(text.starts_with("listening 127.0.0.1:")) << text;
+  ASSERT_TRUE(text.ends_with("\n"));
+  const std::string address = text.substr(10, text.size() - 11);
+  const ContentHash hash = load_scene(kScene)->hash;
+  EXPECT_TRUE(std::holds_alternative<Welcome>(answer_to(test_keys().key, hash, address)));
+}
+
+TEST(ServerReadyFile, SaysThatNoLightCastsShadowsAndTheServerSucceeds) {
+  const ScratchFolder folder;
+  const std::filesystem::path ready = folder.path() / "ready";
+  ChildProgram program(with_ready_file(server(scene_without_lights(folder)), ready));
+  EXPECT_EQ(program.wait(), 0) << program.errors();
+  EXPECT_EQ(text_of(ready), "no-shadows\n");
+}
+
+TEST(ServerReadyFile, IsGoneWhenTheServerCannotStart) {
+  const ScratchFolder folder;
+  const std::filesystem::path ready = folder.path() / "ready";
+  std::ofstream(ready) << "listening 192.0.2.1:1\n";
+  complaint_of(with_ready_file(server("no/such.glb"), ready));
+  EXPECT_FALSE(std::filesystem::exists(ready));
+}
+
+TEST(ServerReadyFile, ThatCannotBeWrittenIsAnError) {
+  const ScratchFolder folder;
+  const std::filesystem::path ready = folder.path() / "no" / "ready";
+  ChildProgram program(with_ready_file(server(kScene), ready));
+  EXPECT_GT(program.wait(), 0);
+  EXPECT_NE(program.errors().find(ready.string()), std::string::npos);
 }
 
 }  // namespace
