@@ -8,44 +8,45 @@ namespace farshade {
 
 namespace {
 
-constexpr double kMostIntervals = 4;  ///< a frame may take before it is made smaller
-constexpr double kMarginUp = 0.6;     ///< of them, for the larger size
-constexpr double kNewest = 0.2;       ///< weight of a frame's bytes in their mean
+constexpr double kMostIntervals = 4;  ///< intervals that sending a frame may take at the current size
+constexpr double kLargerIntervals = 0.6 * kMostIntervals;  ///< the same at the next larger size
+constexpr double kNewestWeight = 0.2;                      ///< of a frame in the mean of bytes per frame
 
-/// Bytes at a scale, as a share of those at full size.
-double share_of(std::uint32_t scale) {
-  return std::pow(static_cast<double>(scale) / Quality::kFull, 1.5);
+/// Bytes at a scale, as a share of the bytes at full size.
+double bytes_share(ViewScale scale) {
+  return std::pow(factor_of(scale), 1.5);
 }
 
 }  // namespace
 
-double Quality::bytes_at(std::uint32_t scale) const {
-  return *full_bytes_ * share_of(scale);
+double Quality::bytes_at(ViewScale scale) const {
+  return *full_bytes_ * bytes_share(scale);
 }
 
-Quality::Wish Quality::wish(double bytes_per_second, Duration interval) const {
-  const double carried = bytes_per_second * seconds_of(interval) * kMostIntervals;  // bytes in four intervals
-  if (scale_ > kLeast && bytes_at(scale_) > carried) return Wish::Smaller;
-  if (scale_ < kFull && bytes_at(scale_ + 1) < kMarginUp * carried) return Wish::Larger;
-  return Wish::Stay;
+Quality::Change Quality::change_for(double bytes_per_second, Duration interval) const {
+  const double bytes_per_interval = bytes_per_second * seconds_of(interval);
+  if (scale_ > kLeast && bytes_at(scale_) > kMostIntervals * bytes_per_interval) return Change::Smaller;
+  if (scale_ < kFullViewScale && bytes_at({scale_.eighths + 1}) < kLargerIntervals * bytes_per_interval)
+    return Change::Larger;
+  return Change::None;
 }
 
-void Quality::packed(std::size_t bytes, std::uint32_t scale_eighths, double bytes_per_second,
-                     Duration interval, Time now) {
-  check(scale_eighths >= kLeast && scale_eighths <= kFull, "a frame's scale is one that was advised");
-  check(bytes_per_second > 0, "a path takes some bytes a second");
-  const double full = static_cast<double>(bytes) / share_of(scale_eighths);
-  full_bytes_ = full_bytes_ ? *full_bytes_ + kNewest * (full - *full_bytes_) : full;
+void Quality::packed(std::size_t bytes, ViewScale scale, double bytes_per_second, Duration interval,
+                     Time now) {
+  check(scale >= kLeast && scale <= kFullViewScale, "a frame's scale is one that was advised");
+  check(bytes_per_second > 0, "the rate of a path is positive");
+  const double full = static_cast<double>(bytes) / bytes_share(scale);
+  full_bytes_ = full_bytes_ ? *full_bytes_ + kNewestWeight * (full - *full_bytes_) : full;
 
-  const Wish wished = wish(bytes_per_second, interval);
-  if (wished != wish_) {
-    wish_ = wished;
-    wished_since_ = now;
+  const Change change = change_for(bytes_per_second, interval);
+  if (change != change_) {
+    change_ = change;
+    change_since_ = now;
   }
-  if (wish_ == Wish::Stay || now - wished_since_ < kDwell) return;
-  if (wish_ == Wish::Smaller) --scale_;
-  if (wish_ == Wish::Larger) ++scale_;
-  wish_ = Wish::Stay;
+  if (change_ == Change::None || now - change_since_ < kDwell) return;
+  if (change_ == Change::Smaller) --scale_.eighths;
+  if (change_ == Change::Larger) ++scale_.eighths;
+  change_ = Change::None;
 }
 
 }  // namespace farshade

@@ -1,8 +1,10 @@
-/// Quality: how large a client's views should be for its path. A slow path lowers the mask rate by itself
-/// (outbox.h); smaller views are advised only when a frame takes more than four display intervals. Bytes are
-/// taken to go with scale^1.5: edges grow with the first power, areas with the second. Going up needs two
-/// thirds more rate than staying, so that neither the rate control's own swing (0.85 to 1.1 of what the path
-/// carries) nor bytes that go with scale^1 or scale^2 make the size swing.
+/// Quality: the size of views that the server advises to a client, from the bandwidth of the path to it.
+///
+/// On a slow path the outbox (outbox.h) first lowers the mask rate. Smaller views are advised only when a
+/// frame takes more than four display intervals to send. The size of a frame in bytes is assumed to grow with
+/// scale^1.5: bytes for shadow edges grow with the scale, bytes for areas with its square. A larger size is
+/// advised only when its frames fit in 2.4 intervals. This hysteresis keeps the size stable although the rate
+/// control varies between 0.85 and 1.1 of the path's capacity and the true exponent is between 1 and 2.
 #pragma once
 
 #include <cstddef>
@@ -10,34 +12,34 @@
 #include <optional>
 
 #include "stereo/base/clock.h"
+#include "stereo/frame/view_scale.h"
 
 namespace farshade {
 
 class Quality {
  public:
-  static constexpr std::uint32_t kFull = 8, kLeast = 2;  ///< eighths of the full width and height
-  /// A step is taken when it has been called for by every frame of this time. So full size is back 3 s (six
-  /// steps) and a frame a step after the path can carry it.
+  static constexpr ViewScale kLeast{2};  ///< the smallest size that is advised
+  /// The size changes by one eighth when all frames of this period called for the same change. After the path
+  /// recovers from the worst case, full size returns in six steps: about 3 s.
   static constexpr Duration kDwell = std::chrono::milliseconds(500);
 
-  /// A frame has been packed: `bytes` of all its datagrams, traced at `scale_eighths` (kLeast to kFull), for
-  /// a path of `bytes_per_second` (> 0) and a display that shows a picture every `interval`.
-  void packed(std::size_t bytes, std::uint32_t scale_eighths, double bytes_per_second, Duration interval,
-              Time now);
+  /// Call for each packed frame. `bytes`: size of all its datagrams. `scale` (kLeast to full): size of its
+  /// views. `bytes_per_second` (> 0): capacity of the path. `interval`: display interval of the client.
+  void packed(std::size_t bytes, ViewScale scale, double bytes_per_second, Duration interval, Time now);
 
-  /// To be advised to the client.
-  [[nodiscard]] std::uint32_t scale_eighths() const { return scale_; }
+  /// The size to advise to the client.
+  [[nodiscard]] ViewScale view_scale() const { return scale_; }
 
  private:
-  enum class Wish : std::uint8_t { Stay, Smaller, Larger };
+  enum class Change : std::uint8_t { None, Smaller, Larger };
 
-  [[nodiscard]] Wish wish(double bytes_per_second, Duration interval) const;
-  [[nodiscard]] double bytes_at(std::uint32_t scale) const;
+  [[nodiscard]] Change change_for(double bytes_per_second, Duration interval) const;
+  [[nodiscard]] double bytes_at(ViewScale scale) const;
 
-  std::uint32_t scale_ = kFull;
-  std::optional<double> full_bytes_;  ///< a frame at full size, smoothed over about five frames
-  Wish wish_ = Wish::Stay;
-  Time wished_since_{};
+  ViewScale scale_{};
+  std::optional<double> full_bytes_;  ///< bytes of a frame at full size, smoothed over about five frames
+  Change change_ = Change::None;      ///< called for by every frame since change_since_
+  Time change_since_{};
 };
 
 }  // namespace farshade

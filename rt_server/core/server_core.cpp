@@ -154,7 +154,7 @@ bool ServerCore::work() {
                            .waited = begun - job->arrived,
                            .superseded = job->superseded,
                            .bytes_per_second = job->bytes_per_second,
-                           .scale_eighths = job->scale_eighths};
+                           .view_scale = job->view_scale};
   const auto messages = packer_.finish(report);
   {
     const std::lock_guard lock(mutex_);

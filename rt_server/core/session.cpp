@@ -146,8 +146,8 @@ Job ClientSession::take_job() {
   Job job = std::move(*std::exchange(waiting_, std::nullopt));
   job.superseded = superseded_;
   job.bytes_per_second = static_cast<std::uint32_t>(rate_.bytes_per_second());
-  job.scale_eighths = quality_.scale_eighths();
-  asked_scale_ = job.scale_eighths;
+  job.view_scale = quality_.view_scale();
+  job_scale_ = job.view_scale;
   return job;
 }
 
@@ -158,7 +158,7 @@ void ClientSession::put(std::span<const std::vector<std::byte>> messages, Time n
   for (const std::vector<std::byte>& message : messages) bytes += message.size() + kSealing_bytes;
   if (rate >= limits_.most && static_cast<double>(bytes) > rate * seconds_of(interval_)) ++held_back_;
   outbox_.put(messages, now, spread, rate);
-  quality_.packed(bytes, asked_scale_, rate, interval_, now);
+  quality_.packed(bytes, job_scale_, rate, interval_, now);
 }
 
 void ClientSession::seal_due(Time now, std::vector<std::byte>& datagram) {

@@ -20,7 +20,7 @@ struct Job {
   Time arrived;
   std::uint32_t superseded = 0;        ///< of this client's requests, so far
   std::uint32_t bytes_per_second = 0;  ///< that the path to it carries
-  std::uint32_t scale_eighths = 8;     ///< of their size, that the next views should be asked for
+  ViewScale view_scale{};              ///< the size of views that the client should request next
   /// PlaneSlices of the request's positions that have come, each a message of its own that was decoded once.
   std::vector<std::vector<std::byte>> positions{};
 };
@@ -125,7 +125,7 @@ class ClientSession {
   Outbox outbox_;
   RateControl rate_;
   Quality quality_;
-  std::uint32_t asked_scale_ = Quality::kFull;  ///< of the views of the job in work, as last advised
+  ViewScale job_scale_{};        ///< as advised when the job in work was taken
   std::uint64_t held_back_ = 0;  ///< frames that left slower because of the limit of bytes a second
   std::vector<std::byte> message_;
 };

@@ -108,7 +108,7 @@ bool fields(auto& io, Either<FrameReport> auto& report) {
          io.u64(report.primary_rays) && io.u64(report.shadow_rays) && io.u64(report.full_shadow_rays) &&
          io.ns(report.primary) && io.ns(report.shadow) && io.ns(report.draw) && io.ns(report.pack) &&
          io.ns(report.waited) && io.u32(report.superseded) && io.u32(report.bytes_per_second) &&
-         io.u8(report.scale_eighths);
+         io.u8(report.view_scale.eighths);
 }
 
 bool fields(auto& io, Either<PlaneSlice> auto& slice) {
@@ -221,8 +221,7 @@ Verdict verdict(const FrameReport& report) {
   const bool fine = in_range(report.primary) && in_range(report.shadow) && in_range(report.draw) &&
                     in_range(report.pack) && in_range(report.waited);
   if (!fine) return WireRefusal::TimeRange;
-  const bool sized = report.scale_eighths >= 1 && report.scale_eighths <= kFullScale_eighths;
-  return sized ? kFine : WireRefusal::Code;
+  return is_valid(report.view_scale) ? kFine : WireRefusal::Code;
 }
 
 Verdict verdict(const Probe& probe) {

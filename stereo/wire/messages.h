@@ -18,6 +18,7 @@
 #include "stereo/frame/frame_id.h"
 #include "stereo/frame/pixel_plane.h"
 #include "stereo/frame/shadow_frame.h"
+#include "stereo/frame/view_scale.h"
 #include "stereo/wire/arrival_report.h"
 #include "stereo/wire/refusal.h"
 
@@ -114,8 +115,6 @@ inline constexpr std::size_t kVideoPartHeader_bytes = 13;
 inline constexpr std::size_t kVideoPart_bytes = kMaxMessage_bytes - kVideoPartHeader_bytes;
 inline constexpr std::uint32_t kMostVideoParts = 4096;
 
-inline constexpr std::uint32_t kFullScale_eighths = 8;
-
 /// Sent after a frame's last slice: what the frame was and cost. Lost like any other datagram.
 struct FrameReport {
   FrameId frame{};
@@ -127,8 +126,7 @@ struct FrameReport {
   Duration waited{};                             ///< from arrival of the request to its trace
   std::uint32_t superseded = 0;                  ///< requests dropped so far because a newer one came
   std::uint32_t bytes_per_second = 0;            ///< that the server takes the path to this client to carry
-  std::uint32_t scale_eighths =
-      kFullScale_eighths;  ///< please ask for views of this many eighths of their size
+  ViewScale view_scale{};                        ///< the size of views that the client should request
   friend bool operator==(const FrameReport&, const FrameReport&) = default;
 };
 

@@ -80,7 +80,7 @@ void check_ranges(const Slice& slice) {
 void check_ranges(const FrameReport& report) {
   for (const Duration span : {report.primary, report.shadow, report.draw, report.pack, report.waited})
     check_span(span.count(), 0);
-  check(report.scale_eighths >= 1 && report.scale_eighths <= kFullScale_eighths, "a scale that can be");
+  check(is_valid(report.view_scale), "a scale that can be");
 }
 
 void check_ranges(const Welcome& welcome) {

@@ -18,9 +18,9 @@ constexpr FrameId kTraced{1};
 constexpr std::uint32_t kSide_px = 256;
 
 /// What a plan asks for at that size.
-StereoView asked_at(std::uint32_t eighths, const StereoView& shown, GuardBandUse guard_band) {
+StereoView asked_at(ViewScale scale, const StereoView& shown, GuardBandUse guard_band) {
   RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = guard_band});
-  plan.shrink(eighths);
+  plan.shrink(scale);
   StereoView before = shown;  // a head that turns: the guard band widens
   for (View& view : before) view.stage_from_eye.rotation *= rotation_exp({0, 0.02, 0});
   (void)plan.ask({FrameId{1}, Time(0ms), Time{}, before}, 14ms);
@@ -50,7 +50,7 @@ TEST_F(CoarseMask, CostsSomeDecibelsAndNoMore) {
   RecordProperty("db_at_8", std::to_string(finer));
   for (const std::uint32_t eighths : {6u, 4u, 2u}) {
     for (const GuardBandUse guard_band : {GuardBandUse::Off, GuardBandUse::Measured}) {
-      const double db = psnr_of(asked_at(eighths, asked, guard_band));
+      const double db = psnr_of(asked_at({eighths}, asked, guard_band));
       RecordProperty("db_at_" + std::to_string(eighths), std::to_string(db));
       EXPECT_GT(db, finer - 4) << eighths << " eighths, guard band " << static_cast<int>(guard_band);
       if (guard_band == GuardBandUse::Measured) finer = db;

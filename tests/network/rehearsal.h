@@ -55,7 +55,7 @@ struct PlayedFrame {
   double tiles_current = 0;  ///< share of the newest mask's tiles that have come, of both eyes
   double tiles_recent =
       0;  ///< that have come in it or in the mask before it, where that one has the same size
-  std::uint32_t scale_eighths = 8;
+  ViewScale view_scale{};
 };
 
 struct Played {

@@ -15,10 +15,9 @@ constexpr std::size_t kLatencies = 32, kMostForeseen = 256;
 constexpr std::uint32_t kLeastSide_px = 16;
 
 /// The same window with fewer pixels.
-View shrunk(View view, std::uint32_t eighths) {
+View shrunk(View view, ViewScale scale) {
   const auto side = [&](std::uint32_t full) {
-    const std::uint32_t rounded = (full * eighths + RequestPlan::kFullSize / 2) / RequestPlan::kFullSize;
-    return std::max(rounded, std::min(full, kLeastSide_px));
+    return std::max(scaled_px(full, scale), std::min(full, kLeastSide_px));
   };
   view.size = {side(view.size.width), side(view.size.height)};
   return view;
@@ -47,9 +46,9 @@ void RequestPlan::follow(const RequestSettings& wish) {
   wish_ = wish;
 }
 
-void RequestPlan::shrink(std::uint32_t eighths) {
-  check(eighths >= 1 && eighths <= kFullSize, "views are asked for at one to eight eighths");
-  eighths_ = eighths;
+void RequestPlan::shrink(ViewScale scale) {
+  check(is_valid(scale), "views are requested at one to eight eighths of their size");
+  scale_ = scale;
 }
 
 void RequestPlan::learn(Duration later) {
@@ -91,7 +90,7 @@ std::optional<FrameRequest> RequestPlan::ask(const FrameRequest& shown, Duration
   if (ahead > Duration::zero() && then != head)
     for (View& view : request.views) view.stage_from_eye = then * (inverse(head) * view.stage_from_eye);
   const StereoView full = request.views;
-  for (View& view : request.views) view = shrunk(view, eighths_);
+  for (View& view : request.views) view = shrunk(view, scale_);
   if (wish_.guard_band == GuardBandUse::Off) return request;
 
   // Held views are used late by all of their latency; predicted ones by what the masks' rate leaves.

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "stereo/frame/shadow_frame.h"
+#include "stereo/frame/view_scale.h"
 #include "stereo/head/prediction.h"
 #include "vr_client/ask/guard_band.h"
 
@@ -32,7 +33,6 @@ enum class SceneClock : std::uint8_t { Runs, Stands };
 
 class RequestPlan {
  public:
-  static constexpr std::uint32_t kFullSize = 8;  ///< eighths
   static constexpr Duration kLongestLatency = std::chrono::seconds(2);
 
   explicit RequestPlan(const RequestSettings& wish) : wish_(wish), predictor_(wish.predictor) {}
@@ -52,10 +52,9 @@ class RequestPlan {
   /// guess. It is rounded up to whole frames. More than kLongestLatency was a pause, and tells nothing.
   void learn(Duration later);
 
-  /// From now on views are asked for at `eighths` (1 to 8) eighths of the shown size, at least 16 pixels a
-  /// side where what is shown has them, before they are widened: coarser masks for a path that carries no
-  /// more.
-  void shrink(std::uint32_t eighths);
+  /// From now on requests views at `scale` of the displayed size. A side has at least 16 pixels, or as many
+  /// as the displayed view if that has fewer. The guard band is added afterwards.
+  void shrink(ViewScale scale);
 
   /// From the display time at which masks are asked for to the one for which.
   [[nodiscard]] Duration lead(Duration period) const;
@@ -74,7 +73,7 @@ class RequestPlan {
   std::deque<Duration> later_;
   std::uint32_t frames_ = 0;
   std::uint32_t most_pixels_ = std::numeric_limits<std::uint32_t>::max();
-  std::uint32_t eighths_ = kFullSize;
+  ViewScale scale_{};
 };
 
 }  // namespace farshade

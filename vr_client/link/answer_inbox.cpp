@@ -57,7 +57,7 @@ void AnswerInbox::take(const FrameReport& report, Time arrived) {
   if (Asked* const asked = of_frame(asked_, report.frame)) asked->exchange.last = arrived;
   if (newest_report_ && !is_newer(report.frame, *newest_report_)) return;
   newest_report_ = report.frame;
-  scale_eighths_ = report.scale_eighths;
+  view_scale_ = report.view_scale;
 }
 
 std::vector<const ReceivedFrame*> AnswerInbox::received(Time until) const {

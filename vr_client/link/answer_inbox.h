@@ -54,8 +54,8 @@ class AnswerInbox {
 
   /// Of an eye, that the server traces; as it said when it welcomed us.
   [[nodiscard]] std::uint32_t most_pixels() const { return most_pixels_; }
-  /// Of their size, that views should be asked for: what the server takes the path to carry.
-  [[nodiscard]] std::uint32_t scale_eighths() const { return scale_eighths_; }
+  /// The size of views that the server asks for, because of what the path carries.
+  [[nodiscard]] ViewScale view_scale() const { return view_scale_; }
   [[nodiscard]] const AssemblerCounters& counters() const { return assembler_.counters(); }
 
  private:
@@ -74,7 +74,7 @@ class AnswerInbox {
   std::uint32_t acknowledged_ = kFirstLightSet;  ///< the light set that the server surely has
   std::optional<FrameId> newest_report_;
   std::uint32_t most_pixels_ = Welcome{}.most_pixels;
-  std::uint32_t scale_eighths_ = kFullScale_eighths;
+  ViewScale view_scale_{};
 };
 
 }  // namespace farshade

@@ -25,7 +25,7 @@ const FrameRequest* Exchange::plan(const FrameInputs& inputs, const AnswerSpec& 
   const bool is_picture = is_drawn(wanted.answer);
   if (is_picture) wish.guard_band = GuardBandUse::Off;
   plan_.follow(wish);
-  plan_.shrink(is_picture ? RequestPlan::kFullSize : context_.link->inbox().scale_eighths());
+  plan_.shrink(is_picture ? kFullViewScale : context_.link->inbox().view_scale());
   plan_.limit(context_.link->inbox().most_pixels());
   request_ = plan_.ask(inputs.shown, inputs.period, inputs.steering.scene);
   if (!request_) return nullptr;

@@ -211,7 +211,7 @@ TEST(RequestPlan, TracesWiderAfterAHeadThatTurnsAsNobodyForesees) {
 TEST(RequestPlanShrink, AsksForTheSameWindowsWithFewerPixels) {
   for (const std::uint32_t eighths : {1u, 3u, 4u, 7u, 8u}) {
     RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off});
-    plan.shrink(eighths);
+    plan.shrink({eighths});
     const FrameRequest now = shown(0);
     const std::optional<FrameRequest> asked = plan.ask(now, kPeriod);
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
@@ -226,7 +226,7 @@ TEST(RequestPlanShrink, AsksForTheSameWindowsWithFewerPixels) {
 
 TEST(RequestPlanShrink, LeavesSixteenPixelsOfASide) {
   RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off});
-  plan.shrink(1);
+  plan.shrink(kLeastViewScale);
   FrameRequest now = shown(0);
   for (View& view : now.views) view.size = {100, 9};
   EXPECT_EQ(plan.ask(now, kPeriod)->views[0].size, (Extent{16, 9}));
@@ -235,7 +235,7 @@ TEST(RequestPlanShrink, LeavesSixteenPixelsOfASide) {
 TEST(RequestPlanShrink, KeepsTheGuardBandWhateverTheSize) {
   RequestPlan full(RequestSettings{.predictor = PredictorKind::Hold}), half(full);
   for (std::uint32_t i = 0; i < 60; ++i) {
-    half.shrink(i % 20 < 10 ? 4 : 8);  // what was seen at another size counts as it did
+    half.shrink({i % 20 < 10 ? 4u : 8u});  // what was seen at another size counts as it did
     for (RequestPlan* plan : {&full, &half}) plan->learn(50ms);
     const std::optional<FrameRequest> wide = full.ask(shown(i), kPeriod), asked = half.ask(shown(i), kPeriod);
     for (std::size_t eye = 0; eye < kEyes; ++eye) {

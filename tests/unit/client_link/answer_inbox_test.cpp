@@ -14,8 +14,8 @@ FrameRequest request_of(std::uint32_t frame) {
   return request;
 }
 
-FrameReport report_of(std::uint32_t frame, std::uint32_t scale_eighths = kFullScale_eighths) {
-  return {.frame = {frame}, .scale_eighths = scale_eighths};
+FrameReport report_of(std::uint32_t frame, ViewScale scale = kFullViewScale) {
+  return {.frame = {frame}, .view_scale = scale};
 }
 
 TEST(AnswerInbox, TellsWhenARequestWentOutAndItsAnswerCame) {
@@ -56,9 +56,9 @@ TEST(AnswerInbox, FollowsTheNewestReportsScaleAlone) {
   AnswerInbox inbox(8, {1});
   inbox.begin({});
   for (const std::uint32_t frame : {1u, 2u}) (void)inbox.ask(request_of(frame), {}, {});
-  inbox.take(report_of(2, 5), {});
-  inbox.take(report_of(1, 3), {});
-  EXPECT_EQ(inbox.scale_eighths(), 5u);
+  inbox.take(report_of(2, {5}), {});
+  inbox.take(report_of(1, {3}), {});
+  EXPECT_EQ(inbox.view_scale(), ViewScale{5});
 }
 
 TEST(AnswerInbox, LearnsHowManyPixelsTheServerTraces) {

@@ -22,7 +22,7 @@ struct Client {
   double exponent = 1.5;  ///< of the scale, in a frame's true bytes
   double swing = 0;       ///< of the rate, down and up, every 3 s
   double noise = 0;       ///< of a frame's bytes
-  std::uint32_t scale = Quality::kFull;
+  ViewScale scale = kFullViewScale;
   int steps_down = 0, steps_up = 0;
   std::mt19937_64 random{5};  // the seed
 
@@ -30,13 +30,14 @@ struct Client {
     for (const Time end = now + span; now < end;) {
       const double phase = std::fmod(seconds_of(now.time_since_epoch()), 3.0) / 3;
       const double rate = bytes_per_second * (1 - swing + 1.6 * swing * phase);
-      const double bytes = kFullBytes * std::pow(scale / 8.0, exponent) *
+      const double bytes = kFullBytes * std::pow(factor_of(scale), exponent) *
                            (1 + noise * std::uniform_real_distribution<>(-1, 1)(random));
       quality.packed(static_cast<std::size_t>(bytes), scale, rate, kInterval, now);
-      steps_down += quality.scale_eighths() < scale;
-      steps_up += quality.scale_eighths() > scale;
-      EXPECT_LE(std::abs(static_cast<int>(quality.scale_eighths()) - static_cast<int>(scale)), 1);
-      scale = quality.scale_eighths();
+      steps_down += quality.view_scale() < scale;
+      steps_up += quality.view_scale() > scale;
+      EXPECT_LE(std::abs(static_cast<int>(quality.view_scale().eighths) - static_cast<int>(scale.eighths)),
+                1);
+      scale = quality.view_scale();
       now += std::max<Duration>(kInterval, duration_from_ms(1e3 * bytes / rate));
     }
   }
@@ -48,13 +49,13 @@ const double kFourIntervals = kFullBytes / (4 * seconds_of(kInterval));
 TEST(Quality, SlowerPathLowersTheMaskRateFirst) {
   Client client;
   client.run(1.05 * kFourIntervals, seconds(60));
-  EXPECT_EQ(client.scale, Quality::kFull);
+  EXPECT_EQ(client.scale, kFullViewScale);
 }
 
 TEST(Quality, SizeFollowsWhenTheMaskRateIsAtItsLeast) {
   Client client;
   client.run(0.5 * kFourIntervals, seconds(20));
-  EXPECT_EQ(client.scale, 5U);  // (5/8)^1.5 = 0.494
+  EXPECT_EQ(client.scale, ViewScale{5});  // (5/8)^1.5 = 0.494
   EXPECT_EQ(client.steps_up, 0);
 }
 
@@ -84,7 +85,7 @@ TEST(Quality, FullSizeIsBackSoonAfterThePath) {
   client.run(25e3, seconds(30));
   ASSERT_EQ(client.scale, Quality::kLeast);
   const Time opened = client.now;
-  while (client.scale < Quality::kFull && client.now - opened < seconds(20)) client.run(6.25e6, kInterval);
+  while (client.scale < kFullViewScale && client.now - opened < seconds(20)) client.run(6.25e6, kInterval);
   std::printf("back at full size after %.2f s\n", seconds_of(client.now - opened));
   EXPECT_LT(client.now - opened, milliseconds(3500));
 }

@@ -111,7 +111,7 @@ inline FrameReport report() {
           .waited = Duration(20'000),
           .superseded = 5,
           .bytes_per_second = 12'500'000,
-          .scale_eighths = 7};
+          .view_scale = {7}};
 }
 
 inline constexpr std::array kThreeBytes{std::byte{10}, std::byte{11}, std::byte{12}};
