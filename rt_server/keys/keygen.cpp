@@ -9,12 +9,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Makes both files, or neither.
+/// Writes both files, or neither.
 Expected<void> write_both(const fs::path& file, const fs::path& ring, const SharedKey& key) {
   return write_key(file, key).and_then([&] {
     Expected<void> added = append_to_ring(ring, key);
     std::error_code ignored;
-    if (!added) fs::remove(file, ignored);  // ours: write_key never overwrites
+    if (!added) fs::remove(file, ignored);  // made by this call: write_key never overwrites
     return added;
   });
 }
@@ -23,12 +23,11 @@ Expected<void> write_both(const fs::path& file, const fs::path& ring, const Shar
 
 void add_keygen(CLI::App& program, KeygenOptions& options) {
   CLI::App* command = program.add_subcommand("keygen", "Makes a key for a client and adds it to the ring.");
-  command->add_option("name", options.name, "what the server calls the client: A-Z a-z 0-9 . _ -")
+  command->add_option("name", options.name, "name of the client in the server's log: A-Z a-z 0-9 . _ -")
       ->required();
-  command->add_option("--key", options.key,
-                      "the client's file; " + default_key_path().string() + " unless told");
+  command->add_option("--key", options.key, "the client's key file; default " + default_key_path().string());
   command->add_option("--ring", options.ring,
-                      "the server's key ring; " + default_ring_path().string() + " unless told");
+                      "the server's key ring; default " + default_ring_path().string());
 }
 
 Expected<std::string> keygen(const KeygenOptions& options) {
@@ -38,12 +37,13 @@ Expected<std::string> keygen(const KeygenOptions& options) {
   if (!key) return tl::unexpected(key.error());
   if (const Expected<void> written = write_both(file, ring, *key); !written) {
     if (written.error().fault == Fault::Unavailable && options.key.empty() && fs::exists(file))
-      return fail(Fault::Unavailable, written.error().what + "; say --key FILE for another place");
+      return fail(Fault::Unavailable, written.error().what + "; name another file with --key FILE");
     return tl::unexpected(written.error());
   }
   return "key of '" + key->name + "': " + file.string() + "\nring: " + ring.string() +
          "\nnext: copy the key to the client, e.g. scp " + file.string() +
-         " CLIENT:.config/farshade/client.key" + "\n      who has that file gets in: it stays of mode 0600\n";
+         " CLIENT:.config/farshade/client.key" +
+         "\n      whoever has this file can connect: keep its mode 0600\n";
 }
 
 }  // namespace farshade

@@ -67,7 +67,7 @@ void GenuineClient::check_masks() const {
     if (!received->complete()) continue;
     ShadowFrame painted;
     paint(request(received->request.frame.value), painted);
-    check(received->masks == painted.masks, "masks are what was painted, bit for bit");
+    check(received->masks == painted.masks, "masks are the painted ones, bit for bit");
   }
 }
 

@@ -1,5 +1,5 @@
-// Session files: any bytes. They are refused in one sentence that names them, or end; what was read is
-// written and read as the same bytes, and its views can be drawn.
+// Capture files: arbitrary bytes are refused in one sentence that names the file, or they are read to their
+// end. Writing and reading the content gives the same bytes, and its views can be drawn.
 #include "vr_client/record/capture_reader.h"
 
 #include <sstream>
@@ -25,26 +25,26 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (!frame || !*frame) break;
     for (const View& view : (*frame)->input.views) {
       check(is_valid(view), "views can be drawn");
-      check(view.size == reader->header().limits.size, "views have the session's size");
+      check(view.size == reader->header().limits.size, "views have the size of the capture");
     }
     check((*frame)->input.timing.period > Duration::zero(), "time can be divided by the period");
-    check((*frame)->asked || (*frame)->after.empty(), "nothing comes after no request");
+    check((*frame)->asked || (*frame)->after.empty(), "messages come only after a request");
     append(**frame, again);
   }
-  // A request in the file may say more than is read of it, so the bytes need not be those of the file.
+  // The reader ignores some bytes of a request, so the written bytes may differ from the file.
   Expected<CaptureReader> once_more =
       CaptureReader::over(std::make_unique<std::istringstream>(
                               std::string(reinterpret_cast<const char*>(again.data()), again.size())),
                           "again");
-  check(once_more.has_value(), "what is written can be read");
+  check(once_more.has_value(), "a written capture can be read");
   std::vector<std::byte> third;
   append(once_more->header(), third);
   for (;;) {
     const Expected<std::optional<CapturedFrame>> frame = once_more->next();
-    check(frame.has_value(), "what is written can be read");
+    check(frame.has_value(), "a written capture can be read");
     if (!*frame) break;
     append(**frame, third);
   }
-  check(third == again, "what is read and written again is the same bytes");
+  check(third == again, "reading and writing gives the same bytes");
   return 0;
 }

@@ -1,4 +1,4 @@
-/// What an attacker does to a datagram: makes it shorter or longer, and changes bytes anywhere.
+/// Changes to a datagram by an attacker: another length, and other bytes.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace farshade::fuzz {
 
-/// A byte: with 3 in its low bits two bytes of a new length follow; then changes of two bytes and one, place
-/// and xor, until the input or `most` of them end.
+/// Reads changes from the input. If the first byte has 3 in its low bits, two bytes with a new length follow.
+/// Then come at most `most` changes of three bytes: two for the place, one to xor, until the input ends.
 inline std::vector<std::byte> edited(std::span<const std::byte> datagram, Choices& choices,
                                      std::uint32_t most = 64) {
   std::vector<std::byte> bytes(datagram.begin(), datagram.end());

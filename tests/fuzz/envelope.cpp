@@ -1,5 +1,6 @@
-// Envelopes: any datagram, before it is opened. It is refused, or what it decodes to, encoded again, is the
-// same bytes; what stays sealed is a view into them. The first byte says from which side it comes.
+// Envelopes: an arbitrary datagram before it is opened. It is refused, or it decodes to an envelope; encoding
+// that gives the same bytes, and its sealed part is a view into them. The first byte selects the side that
+// decodes.
 #include "stereo/wire/envelope.h"
 
 #include <algorithm>
@@ -13,11 +14,11 @@ namespace {
 using Bytes = std::span<const std::byte>;
 
 void check_is(const std::vector<std::byte>& encoded, Bytes datagram) {
-  check(std::ranges::equal(encoded, datagram), "encoded again, it is the same bytes");
+  check(std::ranges::equal(encoded, datagram), "encoding gives the same bytes");
 }
 
 void check_tail(Bytes sealed, Bytes datagram, std::size_t header_bytes) {
-  check_eq(sealed.size() + header_bytes, datagram.size(), "what is sealed is all after the header");
+  check_eq(sealed.size() + header_bytes, datagram.size(), "the sealed part is everything after the header");
   check(sealed.data() == datagram.data() + header_bytes, "and lies in the datagram");
   check(sealed.size() >= kTag_bytes, "and has a tag");
 }
@@ -37,7 +38,7 @@ void check_envelope(const auto& envelope, Bytes datagram) {
   check_is(again, datagram);
 }
 
-/// Of it nothing but two fields is known.
+/// Only two fields are known of a hello of another version.
 void check_envelope(const ForeignHello& hello, Bytes datagram) {
   check_eq(datagram.size(), kMaxDatagram_bytes, "bytes of a hello in any version");
   check(hello.version != kProtocolVersion, "another version");

@@ -32,7 +32,7 @@ void fix_random(std::uint64_t seed) {
                                           .close = nullptr};
   state = seed;
   static const int set = randombytes_set_implementation(&fixed);
-  check_eq(set, 0, "libsodium takes its random bytes from here");
+  check_eq(set, 0, "libsodium uses this generator");
 }
 
 }  // namespace farshade::fuzz

@@ -1,7 +1,7 @@
-// glTF: bytes are refused in one sentence, or mean a scene whose every index and number is in range, the same
-// scene each time. No file is opened. Limits are low, so that an allocation sized by the input is seen.
-// An input with a zero byte that is no GLB is JSON and, behind that byte, the binary chunk of a GLB made of
-// both: so the fuzzer may lengthen and shorten either.
+// glTF: bytes are refused in one sentence, or they decode to a scene whose indices and numbers are all in
+// range; decoding again gives the same scene. No file is opened. Limits are low, so that an allocation whose
+// size the input controls exceeds them. An input that has a zero byte and is no GLB is split there into JSON
+// and binary chunk, and a GLB is made of both. So the fuzzer can change the length of either.
 #include "stereo/scene/gltf.h"
 
 #include <cmath>
@@ -28,7 +28,7 @@ void check_mesh(const Scene& scene, const Mesh& mesh) {
   check(mesh.uvs.empty() || mesh.uvs.size() == mesh.positions.size(), "uvs are all or none");
   check(mesh.colors.empty() || mesh.colors.size() == mesh.positions.size(), "colours are all or none");
   for (const glm::uvec3& triangle : mesh.triangles)
-    for (int i = 0; i < 3; ++i) check(triangle[i] < mesh.positions.size(), "a triangle has its vertices");
+    for (int i = 0; i < 3; ++i) check(triangle[i] < mesh.positions.size(), "a triangle's vertices exist");
   for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
     check(is_finite(mesh.positions[i]) && is_finite(mesh.normals[i]), "vertices are finite");
     check(std::abs(glm::length(mesh.normals[i]) - 1.0f) < 1e-3f, "normals are unit");
@@ -39,21 +39,21 @@ void check_mesh(const Scene& scene, const Mesh& mesh) {
 void check_promises(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes) check_mesh(scene, mesh);
   for (const Material& material : scene.materials)
-    check(!material.texture || *material.texture < scene.textures.size(), "a material has its texture");
+    check(!material.texture || *material.texture < scene.textures.size(), "a material's texture exists");
   for (std::size_t i = 0; i < scene.nodes.size(); ++i)
-    check(!scene.nodes[i].parent || *scene.nodes[i].parent < i, "parents stand before their children");
+    check(!scene.nodes[i].parent || *scene.nodes[i].parent < i, "parents come before their children");
   for (const Instance& instance : scene.instances)
     check(instance.mesh < scene.meshes.size() && instance.node < scene.nodes.size(),
           "an instance is of something");
-  check(scene.lights.size() <= kLimits.lights, "lights are few enough");
+  check(scene.lights.size() <= kLimits.lights, "lights within their limit");
   for (const LightSource& light : scene.lights) check(light.node < scene.nodes.size(), "a light has a node");
   check(is_finite(scene.bounds.low) && is_finite(scene.bounds.high), "bounds are finite");
 }
 
 void check_state(const Scene& scene, Time time) {
   const SceneState state = state_at(scene, time);
-  check_eq(state.stage_from_object.size(), scene.instances.size(), "instances in place");
-  check_eq(state.light_set.lights.size(), scene.lights.size(), "lights in place");
+  check_eq(state.stage_from_object.size(), scene.instances.size(), "transforms of instances");
+  check_eq(state.light_set.lights.size(), scene.lights.size(), "lights of the state");
   for (const Light& light : state.light_set.lights) {
     check(is_finite(light.position.v) && is_finite(light.intensity), "lights are finite");
     check(light.kind == LightKind::Point || std::abs(glm::length(light.direction.v) - 1.0) < 1e-6,
@@ -69,7 +69,7 @@ void append_u32(std::vector<std::byte>& file, std::size_t value) {
   for (int i = 0; i < 4; ++i) file.push_back(static_cast<std::byte>(value >> 8 * i & 0xff));
 }
 
-/// A GLB, in an allocation that ends where it does.
+/// A GLB in an allocation of exactly its size.
 std::vector<std::byte> glb_of(std::string json, std::string binary) {
   json.resize((json.size() + 3) / 4 * 4, ' ');
   binary.resize((binary.size() + 3) / 4 * 4);

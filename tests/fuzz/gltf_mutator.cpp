@@ -1,5 +1,5 @@
-// Most changes to a glTF's JSON only break its syntax. So every other change to JSON with a binary chunk
-// (gltf.cpp says how that looks) is to the chunk alone: vertices, indices, keys, pictures.
+// Most changes to the JSON of a glTF only break its syntax. So half of the changes to an input with a binary
+// chunk (see gltf.cpp for its form) affect only the chunk: vertices, indices, keys, images.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

@@ -1,6 +1,6 @@
-// Handshake: what an attacker who sees and changes everything gets. Not a bit of an accept or of a proved
-// hello may differ; nobody without the key passes the gate; no answer is longer than the question. One
-// handshake is made at start-up; an input is what is done to its datagrams.
+// Handshake under an attacker who reads and changes every datagram. A client must accept only an unchanged
+// accept. The gate must admit only an unchanged hello with a valid cookie and proof. No answer may be longer
+// than the hello. One handshake is made at start-up; the input is a list of changes to its datagrams.
 #include "stereo/wire/handshake.h"
 
 #include <algorithm>
@@ -26,13 +26,14 @@ Hello hello_of(const Bytes& datagram) {
   return std::get<Hello>(open_client_envelope(datagram).value());
 }
 
-/// A client with the ring's key, and an outsider with another.
+/// The datagrams of a client with a key of the ring, and of an outsider with another key.
 struct Genuine {
   SharedKey key{.name = "desk", .secret = {7}}, other{.name = "wrong", .secret = {8}};
   Time met = Time(std::chrono::seconds(100));
   Gate gate{{key}, 1e9};
   ClientHandshake client{key, kServed.scene_hash}, outsider{other, kServed.scene_hash};
-  Bytes bare, cookied, outside;  ///< hellos: without a cookie, with it, and with the outsider's own
+  Bytes bare, cookied,
+      outside;  ///< hellos: without a cookie, with a cookie, and the outsider's with a cookie
   Accepted accepted;
 
   Genuine() {
@@ -43,11 +44,12 @@ struct Genuine {
     accepted = accept(hello_of(cookied), cookied, key, kServed).value();
   }
 
-  /// A hello to the gate from peer 0, and the hello that its retry lets `handshake` say.
+  /// Sends `hello` to the gate from peer 0. Returns the hello with the cookie of the answer.
   Bytes with_cookie(ClientHandshake& handshake, const Bytes& hello) {
     Bytes answer, again;
-    check(gate.admit(peer(0), hello_of(hello), hello, met, answer) == nullptr, "a cookie comes first");
-    check(handshake.take(std::get<Retry>(open_server_envelope(answer).value())), "a retry is taken");
+    check(gate.admit(peer(0), hello_of(hello), hello, met, answer) == nullptr,
+          "the first hello gets a cookie");
+    check(handshake.take(std::get<Retry>(open_server_envelope(answer).value())), "a retry is accepted");
     handshake.write_hello(again);
     return again;
   }
@@ -58,22 +60,22 @@ Genuine& genuine() {
   return made;
 }
 
-/// The accept, changed or not, to the client that it is for.
+/// Gives the accept, changed or not, to its client.
 void meet(fuzz::Choices& choices) {
   const Bytes datagram = fuzz::edited(genuine().accepted.datagram, choices);
   const auto envelope = open_server_envelope(datagram);
   const auto* const accept = envelope ? std::get_if<Accept>(&*envelope) : nullptr;
   const auto met = accept != nullptr ? genuine().client.take(*accept, datagram) : std::nullopt;
-  check_eq(met.has_value(), datagram == genuine().accepted.datagram, "met if no bit was changed");
+  check_eq(met.has_value(), datagram == genuine().accepted.datagram, "accepted only if unchanged");
   if (!met) return;
-  check(std::get<Welcome>(met->answer) == kServed, "what was said is what was heard");
+  check(std::get<Welcome>(met->answer) == kServed, "the client reads what the server wrote");
   const SessionKeys& server = genuine().accepted.keys;
   check(met->keys.session == server.session && met->keys.to_server == server.to_server &&
             met->keys.to_client == server.to_client,
         "both sides hold the same keys");
 }
 
-/// A retry with another cookie changes what is said next, not who is met.
+/// A retry with any cookie must not prevent the client from accepting the server's accept.
 void retry(fuzz::Choices& choices) {
   ClientHandshake client = genuine().client;
   Bytes datagram;
@@ -85,10 +87,10 @@ void retry(fuzz::Choices& choices) {
   check_eq(client.take(*said), said->echo == client.echo(), "a retry for this hello");
   const Bytes& accepted = genuine().accepted.datagram;
   const auto answer = open_server_envelope(accepted);
-  check(client.take(std::get<Accept>(*answer), accepted).has_value(), "an answer under way still opens");
+  check(client.take(std::get<Accept>(*answer), accepted).has_value(), "an earlier accept still opens");
 }
 
-/// A hello of somebody's, changed or not, from anywhere, some time later.
+/// Sends a hello of one of the three, changed or not, from any address, after any time.
 void knock(fuzz::Choices& choices) {
   const std::array<const Bytes*, 3> hellos{&genuine().bare, &genuine().cookied, &genuine().outside};
   const Bytes& base = *hellos[choices.up_to(2)];
@@ -104,10 +106,10 @@ void knock(fuzz::Choices& choices) {
   else if (const auto* foreign = std::get_if<ForeignHello>(&*envelope))
     genuine().gate.refuse_version(*foreign, answer);
   const bool proved = datagram == genuine().cookied && host == 0;
-  if (admitted != nullptr) check(proved && later <= kCookieLife, "who has key, address and a fresh cookie");
-  if (proved && later < kCookiePeriod) check(admitted != nullptr, "passes");
-  check(answer.size() <= datagram.size(), "no answer is longer than the question");
-  if (!answer.empty()) check(open_server_envelope(answer).has_value(), "an answer is understood");
+  if (admitted != nullptr) check(proved && later <= kCookieLife, "only with key, address and a valid cookie");
+  if (proved && later < kCookiePeriod) check(admitted != nullptr, "a valid hello is admitted");
+  check(answer.size() <= datagram.size(), "no answer is longer than the hello");
+  if (!answer.empty()) check(open_server_envelope(answer).has_value(), "an answer is a valid datagram");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Head traces: a text of any of the three formats is refused, or means a trace that holds what HeadRecording
-// promises and, written in either format, reads back bit for bit.
+// Head recordings: a text in one of the three formats is refused, or it decodes to a recording that keeps the
+// promises of HeadRecording and that reads back bit for bit after it is written in either format.
 #include <cmath>
 #include <cstring>
 
@@ -11,7 +11,7 @@ using namespace farshade;
 
 namespace {
 
-/// Bit for bit, so that no NaN hides; -0 is 0.
+/// Compares bits, so that a NaN equals itself. -0 equals 0.
 bool is_same(double a, double b) {
   return a == b || std::memcmp(&a, &b, sizeof a) == 0;
 }
@@ -24,7 +24,7 @@ bool is_same(const Rigid<Recorded, Head>& a, const Rigid<Recorded, Head>& b) {
 }
 
 void check_promises(const HeadRecording& trace) {
-  check(trace.samples.size() >= kFewestSamples, "samples enough");
+  check(trace.samples.size() >= kFewestSamples, "enough samples");
   for (std::size_t i = 0; i < trace.samples.size(); ++i) {
     const auto& [time, head] = trace.samples[i];
     check(i == 0 || trace.samples[i - 1].time < time, "stamps grow");
@@ -40,7 +40,7 @@ void check_promises(const HeadRecording& trace) {
 }
 
 void check_same(const Expected<HeadRecording>& read, const HeadRecording& trace) {
-  check(read.has_value(), "what was written is read");
+  check(read.has_value(), "a written recording can be read");
   check_eq(read->samples.size(), trace.samples.size(), "samples");
   for (std::size_t i = 0; i < trace.samples.size(); ++i) {
     check(read->samples[i].time == trace.samples[i].time, "a time comes back");
@@ -54,7 +54,7 @@ void check_same(const Expected<HeadRecording>& read, const HeadRecording& trace)
 }  // namespace
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  // This name tells a scale, so EyeNavGS files pass.
+  // This name contains a scale, which EyeNavGS files need.
   const auto trace = parse_head_trace(fuzz::text_of(data, size), "eyenavgs_room.csv");
   if (!trace) {
     check(!trace.error().what.empty(), "a refusal says why");

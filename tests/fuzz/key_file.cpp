@@ -1,4 +1,4 @@
-// Key files: a text is refused in one sentence, or means keys that, written again, are the same keys.
+// Key files: a text is refused in one sentence, or it decodes to keys that read back the same after writing.
 #include "stereo/wire/key_file.h"
 
 #include <set>
@@ -25,6 +25,6 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   check_eq(names.size(), keys->size(), "names");
   check_eq(ids.size(), keys->size(), "key ids");
   const auto again = parse_keys(text, "again");
-  check(again && *again == *keys, "what is written reads back the same");
+  check(again && *again == *keys, "written keys read back the same");
   return 0;
 }

@@ -1,6 +1,6 @@
-// Messages: any bytes, as if they had opened. They are refused, or what they decode to is within the ranges
-// that tracer and assembler rely on, and encoded again is the same bytes. The first byte says which side
-// they come from.
+// Messages: arbitrary bytes as the content of an opened datagram. They are refused, or they decode to a
+// message within the ranges that tracer and assembler rely on, and encoding it gives the same bytes. The
+// first byte selects the side that decodes.
 #include "stereo/wire/messages.h"
 
 #include <algorithm>
@@ -30,10 +30,10 @@ void check_ranges(const View& view) {
   check_place(t.x, t.y, t.z);
   const EyeFov& fov = view.fov;
   for (const double angle : {fov.left_rad, fov.right_rad, fov.up_rad, fov.down_rad})
-    check(std::isfinite(angle) && std::abs(angle) < 1.5708, "an eye sees less than half of the room");
+    check(std::isfinite(angle) && std::abs(angle) < 1.5708, "an angle is below 90 degrees");
   check(fov.left_rad < fov.right_rad && fov.down_rad < fov.up_rad, "angles are in order");
   for (const std::uint32_t side : {view.size.width, view.size.height})
-    check(side >= 1 && side <= kMaxViewSide_px, "masks of views can be held");
+    check(side >= 1 && side <= kMaxViewSide_px, "a view is within the size limit");
 }
 
 void check_ranges(const RequestMessage& message) {
@@ -41,24 +41,26 @@ void check_ranges(const RequestMessage& message) {
   for (const View& view : request.views) check_ranges(view);
   for (const Time time : {request.display_time, request.scene_time, message.arrivals.base})
     check_span(ns_of(time), -(std::int64_t{1} << 61));
-  check(request.lights.lights.size() <= RequestMessage::kMostLightChanges, "so many lights, no more");
+  check(request.lights.lights.size() <= RequestMessage::kMostLightChanges,
+        "light changes within their limit");
   for (const LightChange& change : request.lights.lights) {
-    check(change.light < kMaxLights, "a light of some light set");
+    check(change.light < kMaxLights, "a light index within its limit");
     if (!change.pose) continue;
     const auto &p = change.pose->position.v, &d = change.pose->direction.v;
     check_place(p.x, p.y, p.z);
     check(std::abs(std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z) - 1) <= 1.001e-3, "directions are unit");
   }
-  check(static_cast<std::uint8_t>(request.wanted.answer) < kAnswers, "an answer that is");
-  check(request.wanted.bits_per_second <= kMostVideo_bits, "a rate that can be");
+  check(static_cast<std::uint8_t>(request.wanted.answer) < kAnswers, "a known kind of answer");
+  check(request.wanted.bits_per_second <= kMostVideo_bits, "a bit rate within its limit");
   check_span(request.wanted.interval.count(), 0);
-  check(message.arrivals.count <= ArrivalReport::kMost, "a report is no longer than it can be");
+  check(message.arrivals.count <= ArrivalReport::kMost, "an arrival report within its limit");
 }
 
 void check_ranges(const PlaneSlice& slice) {
   check(slice.kind <= PlaneKind::PositionZ && slice.word_bytes >= 1 && slice.word_bytes <= 4,
-        "a plane that is");
-  check(slice.size.width <= kMaxViewSide_px && slice.size.height <= kMaxViewSide_px, "a size that can be");
+        "a plane within the mask");
+  check(slice.size.width <= kMaxViewSide_px && slice.size.height <= kMaxViewSide_px,
+        "a size within its limit");
   check(slice.tile_count >= 1 &&
             std::uint64_t{slice.first_tile} + slice.tile_count <= std::uint64_t{TileGrid{slice.size}.count()},
         "tiles in the grid");
@@ -70,8 +72,10 @@ void check_ranges(const VideoPart& part) {
 }
 
 void check_ranges(const Slice& slice) {
-  check(slice.lights <= kMaxLights && slice.plane < MaskLayout{slice.lights}.planes(), "a plane that is");
-  check(slice.size.width <= kMaxViewSide_px && slice.size.height <= kMaxViewSide_px, "a size that can be");
+  check(slice.lights <= kMaxLights && slice.plane < MaskLayout{slice.lights}.planes(),
+        "a plane within the mask");
+  check(slice.size.width <= kMaxViewSide_px && slice.size.height <= kMaxViewSide_px,
+        "a size within its limit");
   check(slice.tile_count >= 1 &&
             std::uint64_t{slice.first_tile} + slice.tile_count <= std::uint64_t{TileGrid{slice.size}.count()},
         "tiles in the grid");
@@ -80,15 +84,15 @@ void check_ranges(const Slice& slice) {
 void check_ranges(const FrameReport& report) {
   for (const Duration span : {report.primary, report.shadow, report.draw, report.pack, report.waited})
     check_span(span.count(), 0);
-  check(is_valid(report.view_scale), "a scale that can be");
+  check(is_valid(report.view_scale), "a valid scale");
 }
 
 void check_ranges(const Welcome& welcome) {
-  check(welcome.light_count <= kMaxLights, "masks have room for the lights");
+  check(welcome.light_count <= kMaxLights, "lights within the limit of a mask");
 }
 void check_ranges(const Refusal&) {}
 void check_ranges(const Probe& probe) {
-  check(probe.token != 0, "a token is none that a client says by itself");
+  check(probe.token != 0, "a token is not the default");
 }
 
 void check_any(const auto& message, std::span<const std::byte> bytes) {
@@ -96,7 +100,7 @@ void check_any(const auto& message, std::span<const std::byte> bytes) {
   std::visit([](const auto& m) { check_ranges(m); }, *message);
   std::vector<std::byte> again;
   encode(*message, again);
-  check(std::ranges::equal(again, bytes), "encoded again, it is the same bytes");
+  check(std::ranges::equal(again, bytes), "encoding gives the same bytes");
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
-// Planes: a block is refused and changes nothing, or fills tiles that, packed again, decode to the same
-// words. An input is seven choices - form, plane, place in it - and then a block or, so that the fuzzer need
-// not write LZ4, the tiles that a block opens to.
+// Planes: a block is refused and changes nothing, or it fills tiles; packing and decoding them gives the same
+// words. The input is seven numbers (form, plane, position in it) and then a block or, so that the fuzzer
+// does not need to write LZ4, the tiles that a block decompresses to.
 #include <lz4.h>
 
 #include <vector>
@@ -22,7 +22,7 @@ struct Input {
   std::span<const std::byte> bytes;
 };
 
-/// Any slice that decode_client or decode_server lets through, of a plane of up to 72 x 40 pixels.
+/// Any slice that decode_client or decode_server accepts, of a plane of up to 72 x 40 pixels.
 Input input_from(fuzz::Choices choices) {
   Input input;
   PlaneSlice& slice = input.slice;
@@ -37,7 +37,7 @@ Input input_from(fuzz::Choices choices) {
   return input;
 }
 
-/// Packed and opened again.
+/// The plane after packing and decoding.
 PixelPlane travelled(const PixelPlane& plane, PlaneKind kind) {
   PlanePacker packer;
   packer.start(FrameId{}, Side::Left, kind, plane);
@@ -46,13 +46,13 @@ PixelPlane travelled(const PixelPlane& plane, PlaneKind kind) {
   while (const std::optional<PlaneSlice> slice = packer.next()) {
     check(slice->block.size() <= kMaxPlaneBlock_bytes, "a block fits its datagram");
     const auto learned = decode_plane_tiles(*slice, back, known);
-    check(learned && *learned == slice->tile_count, "our own slices are whole and new");
+    check(learned && *learned == slice->tile_count, "a slice of our packer teaches all its tiles");
   }
-  check(known == KnownTiles(known.size(), 1), "all tiles came");
+  check(known == KnownTiles(known.size(), 1), "all tiles are known");
   return back;
 }
 
-/// Whether the slice was taken.
+/// Whether the slice was accepted.
 bool decode(const PlaneSlice& slice) {
   PixelPlane plane(slice.size, slice.word_bytes);
   KnownTiles known(TileGrid{slice.size}.count(), 0);
@@ -69,11 +69,11 @@ bool decode(const PlaneSlice& slice) {
   const PixelPlane once = plane;
   check_eq(decode_plane_tiles(slice, plane, known).value(), 0u, "tiles learned from a duplicate");
   check(plane == once, "a duplicate changes nothing");
-  check(travelled(plane, slice.kind) == plane, "packed again, it decodes to the same");
+  check(travelled(plane, slice.kind) == plane, "packing and decoding gives the same plane");
   return true;
 }
 
-/// How many tiles `bytes` are, to the last byte; 0 where they are none.
+/// The number of tiles that `bytes` consist of; 0 if they are not a sequence of tiles.
 std::uint32_t count_tiles(std::span<const std::byte> bytes, PlaneLanes lanes) {
   ByteReader in(bytes);
   std::uint32_t count = 0;
@@ -83,12 +83,12 @@ std::uint32_t count_tiles(std::span<const std::byte> bytes, PlaneLanes lanes) {
     const bool whole = read_plane_tile(in, lanes, words).has_value();
     check_eq(skip_plane_tile(skipped, lanes).has_value(), whole, "reading and skipping refuse the same");
     if (!whole) return 0;
-    check_eq(skipped.remaining(), in.remaining(), "and go as far");
+    check_eq(skipped.remaining(), in.remaining(), "and both end at the same byte");
   }
   return count;
 }
 
-/// An LZ4 block of `bytes`, in an allocation of its own length, as a datagram is.
+/// An LZ4 block of `bytes` in an allocation of exactly its size.
 std::vector<char> compressed(std::span<const std::byte> bytes) {
   const int size = static_cast<int>(bytes.size());
   std::vector<char> block(static_cast<std::size_t>(LZ4_compressBound(size)));
@@ -106,6 +106,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::vector<char> block = compressed(bytes);
   slice.block = std::as_bytes(std::span(block));
   const std::uint32_t tiles = count_tiles(bytes, lanes_of(slice.kind, slice.word_bytes));
-  check_eq(decode(slice), tiles == slice.tile_count, "taken if it is exactly the tiles that it claims");
+  check_eq(decode(slice), tiles == slice.tile_count,
+           "accepted only if it contains exactly the claimed tiles");
   return 0;
 }

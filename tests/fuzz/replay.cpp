@@ -1,5 +1,5 @@
-// Runs a fuzz target over the files of its corpus, without libFuzzer: each in an allocation that ends where
-// it does.
+// Runs a fuzz target on each file of its corpus, without libFuzzer. Each input has its own allocation of
+// exactly its size, so that a sanitizer sees reads beyond its end.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(argv[1])) {
     std::printf("%s\n", entry.path().c_str());
-    std::fflush(stdout);  // the last one named is the one that failed
+    std::fflush(stdout);  // if the target fails, the last printed name is its input
     const auto bytes = read_file(entry.path(), 1u << 20);
     check(bytes.has_value(), "a seed is readable");
     const auto exact = std::make_unique<std::uint8_t[]>(bytes->size());

@@ -1,4 +1,4 @@
-// Writes the binary seeds: fuzz_seeds tests/fuzz/corpus. Those of text formats are written by hand.
+// Writes the binary seeds: fuzz_seeds tests/fuzz/corpus. The seeds of text formats are written by hand.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -32,7 +32,7 @@ Bytes parts(GltfBuilder file) {
   return bytes;
 }
 
-/// The choices of slice_and_tiles.cpp for this slice, then `bytes`.
+/// The numbers of slice_and_tiles.cpp for this slice, then `bytes`.
 Bytes slice_input(unsigned form, const Slice& slice, std::span<const std::byte> bytes) {
   Bytes input =
       wire_samples::bytes_of({form, slice.lights >> 8, slice.lights & 255, slice.size.width - 1,
@@ -58,7 +58,7 @@ void save_slices(const fs::path& folder, const std::string& name, const EyeMask&
   }
 }
 
-/// Form, then the choices of plane_slice.cpp, then a block or the tiles that it opens to.
+/// The form and the other numbers of plane_slice.cpp, then a block or the tiles that it decompresses to.
 void save_planes(const fs::path& folder, const std::string& name, PlaneKind kind, const PixelPlane& plane) {
   PlanePacker packer;
   packer.start(FrameId{}, Side::Left, kind, plane);
@@ -83,7 +83,7 @@ void save_planes(const fs::path& folder, const std::string& name, PlaneKind kind
   }
 }
 
-/// Words by `word(x, y)`.
+/// A plane with the words `word(x, y)`.
 template <class Word>
 PixelPlane plane_of(Extent size, std::uint32_t word_bytes, Word word) {
   PixelPlane plane(size, word_bytes);
@@ -93,7 +93,7 @@ PixelPlane plane_of(Extent size, std::uint32_t word_bytes, Word word) {
   return plane;
 }
 
-/// Bytes of `first`, then `rest`: an input whose first byte is a choice.
+/// An input with the number `first` and the bytes `rest`.
 Bytes after(unsigned first, const Bytes& rest) {
   Bytes input = wire_samples::bytes_of({first});
   input.insert(input.end(), rest.begin(), rest.end());
@@ -127,7 +127,7 @@ void save_messages(const fs::path& folder) {
   save(folder / "video_part", after(1, encoded(ServerMessage(video_part()))));
 }
 
-/// Form, then the choices of handshake.cpp; edits of place (two bytes) and xor.
+/// The form and the other numbers of handshake.cpp; then changes: place (two bytes) and xor.
 void save_handshakes(const fs::path& folder) {
   using wire_samples::bytes_of;
   save(folder / "accept", bytes_of({0}));
@@ -146,7 +146,7 @@ void save_handshakes(const fs::path& folder) {
   save(folder / "hello_version", bytes_of({2, 1, 0, 0, 0, 0, 0, 4, 1}));
 }
 
-/// Steps of server_sequence.cpp: what, from where, and what it needs.
+/// Steps of server_sequence.cpp: kind, address, parameters.
 void save_server_sequences(const fs::path& folder) {
   using wire_samples::bytes_of;
   save(folder / "say", bytes_of({0, 2, 8, 0x46, 0x44, 0x53, 0x48, 2, 0, 6, 1, 0, 1, 1, 9}));
@@ -176,7 +176,7 @@ void save_client_sequences(const fs::path& folder) {
   save(folder / "silence", bytes_of({6, 1, 4, 6, 1, 4, 6, 1, 4, 6, 1, 4, 5, 255, 5, 255, 4, 5, 50}));
 }
 
-/// With a server, its own light changes and a recorder that was killed; and without one.
+/// Captures with a server, light changes and an incomplete end, and without a server.
 void save_session_files(const fs::path& folder) {
   using namespace record_samples;
   CapturedFrame lit = frame(1), quiet = frame(2), alone = frame(1);

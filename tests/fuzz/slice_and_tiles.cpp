@@ -1,6 +1,6 @@
-// Slices and tiles: a block is refused and changes nothing, or fills tiles that, packed again, decode to the
-// same mask. An input is six choices - mask, place in it, form - and then a block or, so that the fuzzer need
-// not write LZ4, the tiles that a block opens to.
+// Slices and tiles: a block is refused and changes nothing, or it fills tiles; packing and decoding them
+// gives the same mask. The input is six numbers (mask, position in it, form) and then a block or, so that the
+// fuzzer does not need to write LZ4, the tiles that a block decompresses to.
 #include <lz4.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ struct Input {
   std::span<const std::byte> bytes;
 };
 
-/// Any slice that decode_server lets through, of a mask of up to 72 x 40 pixels.
+/// Any slice that decode_server accepts, of a mask of up to 72 x 40 pixels.
 Input input_from(fuzz::Choices choices) {
   Input input;
   Slice& slice = input.slice;
@@ -37,7 +37,7 @@ Input input_from(fuzz::Choices choices) {
   return input;
 }
 
-/// What `packer` makes of both, decoded into masks that held something else.
+/// The mask after packing and decoding into a mask with other content.
 EyeMask travelled(const EyeMask& mask) {
   ShadowFrame frame;
   frame.masks[index_of(Side::Left)] = mask;
@@ -48,9 +48,9 @@ EyeMask travelled(const EyeMask& mask) {
   while (const std::optional<Slice> slice = packer.next()) {
     check(slice->block.size() <= kMaxBlock_bytes, "a block fits its datagram");
     const auto learned = decode_slice_tiles(*slice, back, known);
-    check(learned && *learned == slice->tile_count, "our own slices are whole and new");
+    check(learned && *learned == slice->tile_count, "a slice of our packer teaches all its tiles");
   }
-  check(is_whole(known, mask.layout()), "all tiles came");
+  check(is_whole(known, mask.layout()), "all tiles are known");
   return back;
 }
 
@@ -58,10 +58,11 @@ void check_no_bits_without_light(const EyeMask& mask) {
   for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane)
     for (std::uint32_t y = 0; y < mask.size().height; ++y)
       for (std::uint32_t x = 0; x < mask.size().width; ++x)
-        check((mask.word(x, y, plane) & ~mask.layout().used_bits(plane)) == 0, "no bits where no light is");
+        check((mask.word(x, y, plane) & ~mask.layout().used_bits(plane)) == 0,
+              "no bit is set without a light");
 }
 
-/// Whether the slice was taken.
+/// Whether the slice was accepted.
 bool decode(const Slice& slice) {
   EyeMask mask(slice.size, slice.lights);
   KnownTiles known(TileGrid{slice.size}.count(), 0);
@@ -77,7 +78,7 @@ bool decode(const Slice& slice) {
   const EyeMask once = mask;
   check_eq(decode_slice_tiles(slice, mask, known).value(), 0u, "tiles learned from a duplicate");
   check(mask == once, "a duplicate changes nothing");
-  check(travelled(mask) == mask, "packed again, it decodes to the same");
+  check(travelled(mask) == mask, "packing and decoding gives the same mask");
   return true;
 }
 
@@ -88,13 +89,13 @@ void check_comes_back(const TileBits& bits, std::uint32_t lights) {
   ByteReader in(written);
   TileBits again;
   check(read_tile(in, lights, again).has_value() && in.remaining() == 0, "a written tile is read");
-  check(again.varies == bits.varies && again.value == bits.value, "lights come back");
+  check(again.varies == bits.varies && again.value == bits.value, "the lights are the same");
   for (std::uint32_t light = 0; light < 32; ++light)
-    check((bits.varies >> light & 1) == 0 || again.rows[light] == bits.rows[light], "rows come back");
+    check((bits.varies >> light & 1) == 0 || again.rows[light] == bits.rows[light], "the rows are the same");
 }
 
-/// How many tiles `bytes` are, to the last byte; 0 where they are none. Each, written and read again, is the
-/// same.
+/// The number of tiles that `bytes` consist of; 0 if they are not a sequence of tiles. Checks that writing
+/// and reading each tile gives the same tile.
 std::uint32_t count_tiles(std::span<const std::byte> bytes, std::uint32_t lights) {
   ByteReader in(bytes);
   TileBits bits;
@@ -107,7 +108,7 @@ std::uint32_t count_tiles(std::span<const std::byte> bytes, std::uint32_t lights
   return count;
 }
 
-/// An LZ4 block of `bytes`, in an allocation of its own length, as a datagram is.
+/// An LZ4 block of `bytes` in an allocation of exactly its size.
 std::vector<char> compressed(std::span<const std::byte> bytes) {
   const int size = static_cast<int>(bytes.size());
   std::vector<char> block(static_cast<std::size_t>(LZ4_compressBound(size)));
@@ -125,6 +126,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::vector<char> block = compressed(bytes);
   slice.block = std::as_bytes(std::span(block));
   const std::uint32_t tiles = count_tiles(bytes, MaskLayout{slice.lights}.lights_in(slice.plane));
-  check_eq(decode(slice), tiles == slice.tile_count, "taken if it is exactly the tiles that it claims");
+  check_eq(decode(slice), tiles == slice.tile_count,
+           "accepted only if it contains exactly the claimed tiles");
   return 0;
 }

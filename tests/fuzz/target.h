@@ -1,6 +1,6 @@
-/// A fuzz target: one function that takes any bytes at all. libFuzzer calls it (preset fuzz); so does
-/// replay.cpp with every file of tests/fuzz/corpus/NAME, in every preset, so that what was found once stays
-/// found. A target tells properties by check(): a failed one ends the program, as a crash does.
+/// A fuzz target: one function that takes arbitrary bytes. In the preset fuzz libFuzzer calls it. In every
+/// other preset replay.cpp calls it with each file of tests/fuzz/corpus/NAME. A target tests properties with
+/// check(): a failed check ends the program, as a crash does.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 #include "stereo/base/check.h"
 
-/// libFuzzer's entry point. Returns 0: these bytes may join the corpus.
+/// libFuzzer's entry point. Returns 0: libFuzzer may add the input to the corpus.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace farshade::fuzz {
@@ -19,7 +19,7 @@ inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-/// Numbers off the front of an input, 0 where it has ended; what is left are the foreign bytes.
+/// Takes numbers from the front of an input, 0 after its end. The rest of the input are the foreign bytes.
 class Choices {
  public:
   Choices(const std::uint8_t* data, std::size_t size) : rest_(data, size) {}
@@ -31,7 +31,7 @@ class Choices {
       value = value << 8 | rest_.front();
     return value % (most + 1);
   }
-  /// The next `count` bytes, fewer where it has ended.
+  /// The next `count` bytes, or fewer at the end.
   std::span<const std::byte> bytes(std::size_t count) {
     const auto taken = rest_.first(count < rest_.size() ? count : rest_.size());
     rest_ = rest_.subspan(taken.size());

@@ -28,7 +28,7 @@ Bytes random_bytes(std::size_t size, Random& random) {
   return bytes;
 }
 
-/// A body that was changed: what the server makes of it depends on whether its counter has come before.
+/// Counts a datagram with a changed body: replayed if the server has seen its counter, otherwise forged.
 void count_body(Counter counter, Tally& tally) {
   ++(counter == Counter::New ? tally.forged : tally.replayed);
 }
@@ -111,7 +111,7 @@ bool OnPath::send(const Peer& to, std::span<const std::byte> bytes) {
     inner_.send(to, bytes);
     ++tally_.replayed;
   }
-  // Only now: what others repeat must come after it.
+  // After sending: the server must receive the original before a copy of it.
   overheard_.add(bytes);
   return sent;
 }
@@ -127,7 +127,7 @@ void OnPath::send_changed(const Peer& to, std::span<const std::byte> sealed) {
   inner_.send(to, shorter);
   if (sealed_ % 4 == 0) {
     drain(*elsewhere_);
-    elsewhere_->send(to, sealed);  // the first of its counter to come, so it is the one that is taken
+    elsewhere_->send(to, sealed);  // the first datagram with its counter, so the server accepts it
     ++tally_.replayed;
   }
 }
@@ -138,7 +138,7 @@ Strangers::Strangers(const Peer& server, const KeyId& id, const Overheard& overh
     : server_(server), id_(id), overheard_(overheard), random_(seed) {
   for (int i = 0; i < 16; ++i) {
     Source source{.port = new_port(), .key = {}};
-    if (!get_cookie(source)) throw std::runtime_error("the server gives no cookie");
+    if (!get_cookie(source)) throw std::runtime_error("the server sends no cookie");
     sources_.push_back(std::move(source));
   }
 }
@@ -246,7 +246,7 @@ Bytes Strangers::make_hello(const Source& source) {
   if (kind == 2) randomise(hello.cookie, random_);
   Bytes datagram;
   encode(hello, datagram);
-  if (kind == 3) datagram = overheard_.any_hello(random_);  // its cookie is another address's
+  if (kind == 3) datagram = overheard_.any_hello(random_);  // its cookie belongs to another address
   if (kind == 4) {
     datagram[4] ^= static_cast<std::byte>(1 + below(255));
     ++tally_.foreign_version;
@@ -277,12 +277,12 @@ Bytes Strangers::make_sealed() {
     case 2:
       ++tally_.replayed;
       break;
-    case 3:  // forged: of the good client's session, and newer than all of its
+    case 3:  // forged: in the good client's session, with a newer counter
       for (std::size_t at = kCounter_at; at < sealed.size(); ++at)
         sealed[at] = static_cast<std::byte>(random_());
       ++tally_.forged;
       break;
-    default:  // of a session that is none
+    default:  // in a session that does not exist
       for (std::size_t at = kSession_at; at < sealed.size(); ++at)
         sealed[at] = static_cast<std::byte>(random_());
       ++tally_.unknown_session;

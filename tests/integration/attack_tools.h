@@ -1,6 +1,6 @@
-/// Attackers over real sockets: strangers at addresses all over 127/8, and somebody on the path of a good
-/// client who sees, delays, changes and repeats what it sends. Each knows what the server must make of every
-/// datagram of theirs, so that its counters can be held against a tally.
+/// Attackers on real sockets: strangers at many addresses of 127/8, and an attacker on the path of a good
+/// client who reads, delays, changes and repeats its datagrams. Each counts for every datagram how the server
+/// must classify it, so that a test can compare the server's counters.
 #pragma once
 
 #include <memory>
@@ -17,14 +17,15 @@ namespace farshade {
 using Bytes = std::vector<std::byte>;
 using Random = std::mt19937_64;
 
-/// What was sent to the server, by what has to become of it.
+/// Datagrams sent to the server, by the class that the server must count them in.
 struct Tally {
-  std::uint64_t truncated = 0, magic = 0, version = 0, type = 0, padding = 0;  ///< refusals of these names
+  std::uint64_t truncated = 0, magic = 0, version = 0, type = 0, padding = 0;  ///< refusals with these names
   std::uint64_t foreign_version = 0;                                           ///< hellos of another version
-  std::uint64_t hellos = 0;        ///< of ours, that must not begin a session
-  std::uint64_t false_proofs = 0;  ///< of these, with a cookie that holds unless it is seconds old
+  std::uint64_t hellos = 0;  ///< hellos that must not begin a session
+  std::uint64_t false_proofs =
+      0;  ///< hellos among them with a wrong proof; the cookie is valid unless it is seconds old
   std::uint64_t unknown_session = 0, replayed = 0, forged = 0;  ///< sealed
-  std::uint64_t sealed = 0;                                     ///< sealed, and one of these three, whichever
+  std::uint64_t sealed = 0;  ///< sealed datagrams that belong to one of these three
 
   Tally& operator+=(const Tally& other);
   [[nodiscard]] std::uint64_t sealed_of_any_kind() const {
@@ -35,22 +36,22 @@ struct Tally {
   }
 };
 
-/// Whether the server has seen the counter of a sealed datagram before a changed copy of it comes.
+/// Whether the server received the counter of a sealed datagram before it receives a changed copy.
 enum class Counter : std::uint8_t { New, Seen };
 
 /// Flips one bit of a sealed datagram.
 void flip_a_bit(Bytes& sealed, Counter counter, Random& random, Tally& tally);
-/// Cuts a sealed datagram anywhere.
+/// Truncates a sealed datagram at a random place.
 void cut(Bytes& sealed, Counter counter, Random& random, Tally& tally);
 
-/// Takes in all that has come to `port`, so that its counters tell of it.
+/// Receives all datagrams that have arrived at `port`, so that its counters contain them.
 void drain(DatagramPort& port);
 
-/// The newest datagrams that a good client has sent, for attackers to repeat. Any thread may call.
+/// The newest datagrams that a good client sent, for attackers to repeat. Thread-safe.
 class Overheard {
  public:
   void add(std::span<const std::byte> datagram);
-  /// Nothing (an empty one) while none was heard.
+  /// A random one of them; empty if there is none.
   [[nodiscard]] Bytes any_hello(Random& random) const { return any(hellos_, random); }
   [[nodiscard]] Bytes any_sealed(Random& random) const { return any(sealed_, random); }
 
@@ -63,9 +64,10 @@ class Overheard {
   std::size_t heard_ = 0;
 };
 
-/// A client's port with somebody on its path, who hears all that it sends, and from attack() on sends changed
-/// copies of each sealed datagram before it from the client's own address, some of them whole from elsewhere
-/// first, and each once more after it.
+/// A client's port with an attacker on its path. The attacker records everything that the client sends. After
+/// attack() it sends changed copies of each sealed datagram before the original, from the client's own
+/// address, and the unchanged datagram again after it. It sends some datagrams unchanged from another address
+/// first.
 class OnPath final : public DatagramPort {
  public:
   OnPath(DatagramPort& inner, Overheard& overheard, std::uint64_t seed);
@@ -75,7 +77,7 @@ class OnPath final : public DatagramPort {
   [[nodiscard]] const Tally& tally() const { return tally_; }
   [[nodiscard]] std::uint64_t hellos() const { return hellos_; }  ///< the client's own
   [[nodiscard]] std::uint64_t sealed() const { return sealed_; }  ///< the client's own
-  /// Where the datagrams from elsewhere come from; counts what the server answers there.
+  /// The port at the other address. Its counters contain the server's answers to that address.
   [[nodiscard]] DatagramPort& elsewhere() { return *elsewhere_; }
 
   [[nodiscard]] Peer local() const override { return inner_.local(); }
@@ -98,29 +100,29 @@ class OnPath final : public DatagramPort {
   Tally tally_;
 };
 
-/// Attackers without a key at ever new addresses.
+/// Attackers without a key, whose addresses change.
 class Strangers {
  public:
-  /// `id` is the key that the overheard client means; everybody can read it.
+  /// `id` is the key id of the overheard client; it is not secret.
   Strangers(const Peer& server, const KeyId& id, const Overheard& overheard, std::uint64_t seed);
 
-  /// Sends one datagram from any of the addresses.
+  /// Sends one random datagram from a random address.
   void send_one();
 
-  /// One address gives way to a new one, which has got a cookie when this returns. The server takes datagrams
-  /// in their order, so it has by then answered all that was sent before. False: it has not, in a minute.
+  /// Replaces one address by a new one and gets a cookie for it. The server handles datagrams in order, so it
+  /// has then answered everything sent before. Returns false if it does not answer within a minute.
   [[nodiscard]] bool catch_up();
 
-  /// Adds what left `port` and came to it, before the port goes.
+  /// Adds the bytes that `port` sent and received to the sums. Call before a port is closed.
   void settle(const DatagramPort& port);
 
   [[nodiscard]] const Tally& tally() const { return tally_; }
   [[nodiscard]] std::uint64_t bytes_sent() const { return bytes_sent_; }
   [[nodiscard]] std::uint64_t bytes_got() const { return bytes_got_; }
   [[nodiscard]] std::uint64_t addresses() const { return addresses_; }
-  /// Addresses at which more bytes came than had left.
+  /// Addresses that received more bytes than they sent.
   [[nodiscard]] std::uint64_t amplified() const { return amplified_; }
-  /// Datagrams from the server other than a retry, an open refusal or that there is no such session.
+  /// Datagrams from the server other than Retry, OpenRefusal and NoSession.
   [[nodiscard]] std::uint64_t served() const { return served_; }
 
  private:

@@ -19,7 +19,7 @@ std::pair<int, int> make_pipe() {
   return {ends[0], ends[1]};
 }
 
-/// Appends what there is, waiting for something; false at the end.
+/// Waits for output and appends it to `text`. Returns false at the end.
 bool read_more(int from, std::string& text) {
   std::array<char, 4096> buffer;
   const ssize_t size = read(from, buffer.data(), buffer.size());

@@ -1,4 +1,4 @@
-/// A program of ours as a child process: what it says line by line, its end, and all it said until then.
+/// ChildProgram: runs a program as a child process and reads its output.
 #pragma once
 
 #include <sys/types.h>
@@ -16,33 +16,34 @@ class ChildProgram {
   explicit ChildProgram(const std::vector<std::string>& arguments);
   ChildProgram(const ChildProgram&) = delete;
   ChildProgram& operator=(const ChildProgram&) = delete;
-  /// Kills it where it still runs.
+  /// Kills the program if it still runs.
   ~ChildProgram();
 
-  /// The next line of standard output that begins with `prefix`, without it; nothing when output ends first.
+  /// Waits for the next line of standard output that begins with `prefix`, and returns the rest of that line.
+  /// Returns nothing if the output ends first.
   std::optional<std::string> line_after(const std::string& prefix) { return output_.line_after(prefix); }
-  /// The same of standard error.
+  /// The same for standard error.
   std::optional<std::string> error_line_after(const std::string& prefix) {
     return errors_.line_after(prefix);
   }
 
   void send(int signal) const { kill(pid_, signal); }
 
-  /// While it has not been waited for.
+  /// Valid until wait().
   [[nodiscard]] pid_t id() const { return pid_; }
 
-  /// Waits for its end: the exit status, or minus the signal that ended it.
+  /// Waits until the program ends. Returns the exit status, or minus the signal that ended it.
   int wait();
 
-  /// All that it wrote to standard error; waits for its end.
+  /// Waits until the program ends. Returns everything it wrote to standard error.
   [[nodiscard]] std::string errors() { return errors_.all(); }
 
  private:
-  /// The read end of a pipe, and what came through it.
+  /// The read end of a pipe, and the text read from it.
   struct Stream {
     int end = -1;
     std::string text{};
-    std::size_t lines_taken = 0;  ///< bytes of `text` that line_after has passed
+    std::size_t lines_taken = 0;  ///< bytes of `text` up to the last line that line_after returned
 
     std::optional<std::string> line_after(const std::string& prefix);
     const std::string& all();

@@ -20,7 +20,7 @@ std::vector<std::string> server(const std::string& scene, const std::string& lis
   return {RT_SERVER, "--scene", scene, "--listen", listen, "--keys", test_keys().ring};
 }
 
-/// Runs to its end, which must be a failure that is told in one sentence.
+/// Runs a program that must fail with one line of text; returns that line.
 std::string complaint_of(const std::vector<std::string>& arguments) {
   ChildProgram program(arguments);
   const int status = program.wait();
@@ -31,7 +31,7 @@ std::string complaint_of(const std::vector<std::string>& arguments) {
   return errors;
 }
 
-/// What the server at `address` answers a client with `key` that shows `scene`.
+/// The answer of the server at `address` to the hello of a client with `key` and `scene`.
 ServerMessage answer_to(const SharedKey& key, const ContentHash& scene, const std::string& address) {
   const auto client = connect_udp(address);
   ClientHandshake handshake(key, scene);

@@ -1,4 +1,4 @@
-/// A key of the tests' own: the client's file and the server's ring, gone when the test program ends.
+/// TestKeys: a key for tests in a client file and a key ring. Both are removed when the test program ends.
 #pragma once
 
 #include <gtest/gtest.h>

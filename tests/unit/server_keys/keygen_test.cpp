@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// As `rt_server keygen ARGUMENTS`.
+/// Runs `rt_server keygen ARGUMENTS`.
 Expected<std::string> keygen_with(const std::string& arguments) {
   CLI::App program;
   KeygenOptions options;
@@ -21,7 +21,7 @@ Expected<std::string> keygen_with(const std::string& arguments) {
   return keygen(options);
 }
 
-/// Both default places are in a scratch folder.
+/// Both default files are in a scratch folder.
 class Keygen : public testing::Test {
  protected:
   Keygen() { ::setenv("XDG_CONFIG_HOME", folder_.path().c_str(), 1); }
