@@ -16,7 +16,7 @@
 namespace farshade {
 namespace {
 
-Expected<std::vector<SharedKey>> who_may_come(const ServeOptions& options) {
+Expected<std::vector<SharedKey>> load_keys(const ServeOptions& options) {
   if (options.insecure) return std::vector{insecure_key()};
   const std::filesystem::path path =
       options.ring.empty() ? default_ring_path() : std::filesystem::path(options.ring);
@@ -24,9 +24,9 @@ Expected<std::vector<SharedKey>> who_may_come(const ServeOptions& options) {
   if (!ring && ring.error().fault == Fault::Missing)
     return fail(Fault::Missing,
                 "no keys at " + path.string() +
-                    ": make one with rt_server keygen NAME, or name another ring with --keys");
+                    ": make a key with rt_server keygen NAME, or name another ring with --keys");
   if (ring && ring->empty())
-    return fail(Fault::Missing, path.string() + " holds no key: make one with rt_server keygen NAME");
+    return fail(Fault::Missing, path.string() + " contains no key: make one with rt_server keygen NAME");
   return ring;
 }
 
@@ -35,20 +35,20 @@ Expected<std::unique_ptr<DatagramPort>> open_port(const ServeOptions& options, c
   if (!port) return port;
   if (options.insecure && !is_loopback((*port)->local()))
     return fail(Fault::Unsupported,
-                "--insecure lets in whoever comes, so it listens on this machine alone: " + options.listen +
-                    " is not 127.0.0.1 or [::1]");
+                "--insecure accepts every client, so the server must listen on this machine alone: " +
+                    options.listen + " is not 127.0.0.1 or [::1]");
   if (options.net.empty()) return port;
   const Expected<LinkModel> model = parse_link_model(options.net);
   if (!model) return tl::unexpected(model.error());
   return impaired(std::move(*port), *model, clock);
 }
 
-/// "12.3 MB (vertices 1.2, ...)", of 10^6 bytes.
+/// For example "12.3 MB (vertices 1.2, ...)". 1 MB is 10^6 bytes.
 std::string in_words(const TracerMemory& memory) {
   const auto megabytes = [](std::size_t bytes) { return static_cast<double>(bytes) * 1e-6; };
   return fmt::format(
-      "{:.2f} MB (vertices {:.2f}, triangles {:.2f}, facets {:.2f}, hierarchy {:.2f} (while it was built "
-      "{:.2f}), maps of lights {:.2f})",
+      "{:.2f} MB (vertices {:.2f}, triangles {:.2f}, facets {:.2f}, hierarchy {:.2f} (while building it "
+      "{:.2f}), light visibility maps {:.2f})",
       megabytes(memory.total()), megabytes(memory.vertices), megabytes(memory.triangles),
       megabytes(memory.facets), megabytes(memory.hierarchy), megabytes(memory.hierarchy_peak),
       megabytes(memory.maps));
@@ -77,7 +77,14 @@ Expected<void> end_without_shadows(const ServeOptions& options) {
   return write_ready_file(options, std::string(kReadyNoShadows));
 }
 
-void say_counters(const ServerCore& core) {
+void print_keys(const ServeOptions& options, std::size_t keys) {
+  if (options.insecure)
+    fmt::print("rt_server: insecure: any client on this machine may connect, nothing is encrypted\n");
+  else
+    fmt::print("rt_server: the key ring contains {} {}\n", keys, keys == 1 ? "key" : "keys");
+}
+
+void print_counters(const ServerCore& core) {
   const ServerCounters counters = core.counters();
   fmt::print("{}\n{}\n", counters_line(counters), rays_line(counters.traced));
   std::fflush(stdout);
@@ -97,37 +104,30 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   }
   if (!plan.server) return end_without_shadows(options);
   const SteadyClock clock;
-  const Expected<std::vector<SharedKey>> ring = who_may_come(options);
+  const Expected<std::vector<SharedKey>> ring = load_keys(options);
   if (!ring) return tl::unexpected(ring.error());
   const Expected<std::unique_ptr<DatagramPort>> port = open_port(options, clock);
   if (!port) return tl::unexpected(port.error());
   Expected<Tracer> tracer = Tracer::create(scene, plan.trace);
   if (!tracer) return tl::unexpected(tracer.error());
 
-  const auto trace = [&](const FrameRequest& request, ShadowFrame& frame) {
-    return tracer->trace(request, frame);
-  };
-  Answers answers({.scene = scene, .plan = plan, .tracer = *tracer});
-  const Welcome served{scene.hash, plan.trace.mask.lights, options.most_pixels, answers.offered()};
-  ServerCore core(served, *ring, trace, **port, clock, options.limits,
-                  plan.one_value_tiles ? SameAllOver::OneValue : SameAllOver::EachPixel,
-                  [&](const Job& job, FramePacker& packer) { return answers.answer(job, packer); });
+  ServerCore core({scene.hash, plan.trace.mask.lights, options.most_pixels}, *ring,
+                  make_answers({.scene = scene, .plan = plan, .tracer = *tracer}), **port, clock,
+                  options.limits, plan.one_value_tiles ? SameAllOver::OneValue : SameAllOver::EachPixel);
+  const std::string address = to_string((*port)->local());
   fmt::print("rt_server: serving {}, {} triangles, {} lights, scene {}\n", scene.name, scene.triangle_count,
              plan.trace.mask.lights, short_form(scene.hash));
   fmt::print("rt_server: the tracer holds {}\n", in_words(tracer->memory()));
-  if (options.insecure)
-    fmt::print("rt_server: insecure: no keys, nothing is sealed\n");
-  else
-    fmt::print("rt_server: {} {} in the ring\n", ring->size(), ring->size() == 1 ? "key" : "keys");
-  fmt::print("rt_server: listening on {}\n", to_string((*port)->local()));
+  print_keys(options, ring->size());
+  fmt::print("rt_server: listening on {}\n", address);
   std::fflush(stdout);
   {
     const Serving serving(core);
-    const std::string line = fmt::format("{} {}", kReadyListening, to_string((*port)->local()));
-    if (const Expected<void> written = write_ready_file(options, line); !written) return written;
-    stop.wait([&] { say_counters(core); });
+    const Expected<void> written = write_ready_file(options, fmt::format("{} {}", kReadyListening, address));
+    if (!written) return written;
+    stop.wait([&] { print_counters(core); });
   }
-  say_counters(core);
+  print_counters(core);
   return {};
 }
 

@@ -1,4 +1,4 @@
-/// What the program rt_server does when it serves: load the scene, open the port, answer until told to stop.
+/// Serving: loads the scene, opens the port and answers requests until a signal arrives.
 #pragma once
 
 #include <string>
@@ -14,11 +14,12 @@ namespace farshade {
 struct ServeOptions {
   std::string scene;
   std::string listen = "127.0.0.1:7447";
-  std::string ring;       ///< of keys; empty for default_ring_path()
-  bool insecure = false;  ///< anyone on this machine, unsealed
-  std::string net;        ///< the network towards the server, as parse_link_model has it; empty for as it is
+  std::string ring;       ///< key ring file; empty for default_ring_path()
+  bool insecure = false;  ///< accept any client on this machine, without encryption
+  std::string
+      net;  ///< simulated impairment of arriving datagrams, as parse_link_model reads it; empty for none
   SessionLimits limits;
-  std::uint32_t most_pixels = Welcome{}.most_pixels;  ///< of an eye that a client may ask for
+  std::uint32_t most_pixels = Welcome{}.most_pixels;  ///< maximum of an eye's view in a request
   PlanOptions plan;
   std::string ready_file;  ///< for scripts (kReadyListening, kReadyNoShadows); empty for none
 };

@@ -9,37 +9,44 @@
 
 namespace farshade {
 
-Expected<void> AnswerRenderer::can_paint() const {
-  const std::size_t instances = ground_.scene.instances.size();
+Expected<void> AnswerRenderer::can_draw() const {
+  const std::size_t instances = context_.scene.instances.size();
   if (instances > kMaxInstances)
     return fail(Fault::Unsupported,
-                fmt::format("the scene has {} instances; at most {} can be drawn", instances, kMaxInstances));
-  return gpu::open_device(ground_.device).map([](const gpu::Device&) {});
+                fmt::format("the scene has {} instances, more than the {} that can be drawn", instances,
+                            kMaxInstances));
+  return gpu::open_device(context_.device).map([](const gpu::Device&) {});
+}
+
+Expected<void> AnswerRenderer::reopen() {
+  renderers_ = Renderers(kRenderers);
+  device_.reset();
+  Expected<gpu::Device> device = gpu::open_device(context_.device);
+  if (!device) return tl::unexpected(device.error());
+  device_.emplace(std::move(*device));
+  spdlog::info("pictures are drawn on {}: {}", device_->name, device_->why);
+  return {};
 }
 
 Renderer& AnswerRenderer::renderer_for(Extent size) {
-  if (!device_) {
-    Expected<gpu::Device> device = gpu::open_device(ground_.device);
-    if (!device) throw std::runtime_error(device.error().what);
-    device_.emplace(std::move(*device));
-    spdlog::info("drawing on {}: {}", device_->name, device_->why);
-  }
+  if (!device_)
+    if (const Expected<void> opened = reopen(); !opened) throw std::runtime_error(opened.error().what);
   if (std::unique_ptr<Renderer>* const found = renderers_.find(size)) return **found;
   auto renderer =
-      std::make_unique<Renderer>(*device_, ground_.scene, ground_.plan.draw,
+      std::make_unique<Renderer>(*device_, context_.scene, context_.plan.draw,
                                  RendererLimits{.size = size, .traced_size = size, .depth_frames = 1});
   return *renderers_.put(size, std::move(renderer));
 }
 
-AnswerRenderer::RenderedAnswer AnswerRenderer::paint(const FrameRequest& request) {
+AnswerRenderer::RenderedAnswer AnswerRenderer::draw(const FrameRequest& request) {
   Renderer& renderer = renderer_for(request.views[0].size);
-  const TraceStats traced = ground_.tracer.trace(request, frame_);
+  const TraceStats traced = context_.tracer.trace(request, frame_);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     all_known_[eye].assign(TileGrid{request.views[eye].size}.count(),
                            all_planes_known(frame_.masks[eye].layout()));
   mask_.emplace(TracedMask{request.frame, request.display_time, request.scene_time, frame_.views,
-                           frame_.masks, all_known_, ++painted_, frame_.light_set_revision});
-  state_.emplace(state_at(ground_.scene, request.scene_time, request.lights));
+                           frame_.masks, all_known_, ++drawn_, frame_.light_set_revision});
+  state_.emplace(state_at(context_.scene, request.scene_time, request.lights));
   const ShownFrame shown{.views = request.views,
                          .state = *state_,
                          .masks = {&*mask_, 1},

@@ -1,5 +1,5 @@
-/// AnswerRenderer: a request's views as they should look, drawn as the client draws, with masks of this very
-/// request. Opens its device when the first picture is wanted.
+/// AnswerRenderer: draws the requested views as the client would draw them, with masks traced for exactly
+/// this request. Opens its device for the first picture.
 #pragma once
 
 #include <optional>
@@ -12,33 +12,37 @@ namespace farshade {
 
 class AnswerRenderer {
  public:
-  /// What `ground` refers to outlives it.
-  explicit AnswerRenderer(const AnswerContext& ground) : ground_(ground) {}
+  explicit AnswerRenderer(const AnswerContext& context) : context_(context) {}
 
-  /// Whether there is a device to draw on, which is not kept, and the scene can be drawn.
-  [[nodiscard]] Expected<void> can_paint() const;
+  /// Whether a device can be opened and the scene can be drawn. Keeps no device open.
+  [[nodiscard]] Expected<void> can_draw() const;
 
-  /// A request traced and drawn. What it refers to stays until the next call.
+  /// Closes the device with everything made on it, and opens a device again. On failure none is open.
+  [[nodiscard]] Expected<void> reopen();
+
+  /// A drawn request. The references are valid until the next call.
   struct RenderedAnswer {
-    Renderer& renderer;  ///< holds the picture with its shadows
+    Renderer& renderer;  ///< holds the picture with shadows
     const ShadowFrame& frame;
-    ShownFrame shown;  ///< as it was drawn
-    AnswerCost took;
+    ShownFrame shown;  ///< the arguments of the draw
+    AnswerCost cost;
   };
-  /// Throws where no device can be had.
-  [[nodiscard]] RenderedAnswer paint(const FrameRequest& request);
+  /// Traces and draws. Throws if no device can be opened, and vk::DeviceLostError if it is lost.
+  [[nodiscard]] RenderedAnswer draw(const FrameRequest& request);
 
  private:
   Renderer& renderer_for(Extent size);
 
-  AnswerContext ground_;
+  AnswerContext context_;
   std::optional<gpu::Device> device_;
-  Recent<Extent, std::unique_ptr<Renderer>> renderers_{4};  ///< clients' views have few sizes
+  using Renderers = Recent<Extent, std::unique_ptr<Renderer>>;
+  static constexpr std::size_t kRenderers = 4;  ///< the views of the clients have few different sizes
+  Renderers renderers_{kRenderers};
   ShadowFrame frame_;
   PerEye<KnownTiles> all_known_;
   std::optional<TracedMask> mask_;
   std::optional<SceneState> state_;
-  std::uint64_t painted_ = 0;
+  std::uint64_t drawn_ = 0;
 };
 
 }  // namespace farshade

@@ -3,45 +3,30 @@
 #include <spdlog/spdlog.h>
 
 #include "rt_server/answers/answer_renderer.h"
+#include "rt_server/answers/device_recovery.h"
 #include "stereo/video/video.h"
 
 namespace farshade {
-namespace {
 
-constexpr std::size_t index_of(Answer answer) {
-  return static_cast<std::size_t>(answer);
-}
+AnswerMakers make_answers(const AnswerContext& context) {
+  AnswerMakers makers;
+  makers.add(Answer::Masks, make_masks(context.tracer));
+  makers.add(Answer::MasksOfPositions, make_position_masks(context));
 
-}  // namespace
-
-Answers::Answers(const AnswerContext& ground) : painter_(std::make_unique<AnswerRenderer>(ground)) {
-  makers_[index_of(Answer::MasksOfPositions)] = make_position_masks(ground);
-  makers_[index_of(Answer::GBuffer)] = make_gbuffer(*painter_);
-  makers_[index_of(Answer::Video)] = make_video(*painter_);
-  makers_[index_of(Answer::Difference)] = make_difference(*painter_);
-}
-
-Answers::~Answers() = default;
-
-AnswerSet Answers::offered() const {
-  if (const Expected<void> can = painter_->can_paint(); !can) {
-    spdlog::info("no pictures are given: {}", can.error().what);
-    return kTracedAnswers;
+  const auto renderer = std::make_shared<AnswerRenderer>(context);
+  if (const Expected<void> can = renderer->can_draw(); !can) {
+    spdlog::info("pictures are not offered: {}", can.error().what);
+    return makers;
   }
-  if (has_video()) return kEveryAnswer;
-  spdlog::info("no video is given: {}", video_version());
-  return kUncodedAnswers;
-}
-
-AnswerCost Answers::answer(const Job& job, FramePacker& packer) {
-  try {
-    return makers_[index_of(job.request.wanted.answer)]->answer(job, packer);
-  } catch (const std::exception& error) {
-    if (error.what() != last_failure_) spdlog::warn("an answer cannot be made: {}", error.what());
-    last_failure_ = error.what();
-    packer.begin();
-    return {};
+  const auto recovery = std::make_shared<DeviceRecovery>([renderer] { return renderer->reopen(); });
+  makers.add(Answer::GBuffer, recovering(make_gbuffer(renderer), recovery));
+  if (!has_video()) {
+    spdlog::info("video is not offered: {}", video_version());
+    return makers;
   }
+  makers.add(Answer::Video, recovering(make_video(renderer), recovery));
+  makers.add(Answer::Difference, recovering(make_difference(renderer), recovery));
+  return makers;
 }
 
 }  // namespace farshade

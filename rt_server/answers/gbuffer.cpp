@@ -1,4 +1,4 @@
-// G-buffer: base colour, normal and depth as they were drawn, and the masks that go with them.
+// G-buffer: base colour, normal and depth of the requested views, and their masks.
 #include "rt_server/answers/answer_renderer.h"
 
 namespace farshade {
@@ -6,28 +6,28 @@ namespace {
 
 class GBufferAnswer final : public AnswerMaker {
  public:
-  explicit GBufferAnswer(AnswerRenderer& painter) : painter_(painter) {}
+  explicit GBufferAnswer(std::shared_ptr<AnswerRenderer> renderer) : renderer_(std::move(renderer)) {}
 
   AnswerCost answer(const Job& job, FramePacker& packer) override {
-    const AnswerRenderer::RenderedAnswer painted = painter_.paint(job.request);
+    const AnswerRenderer::RenderedAnswer drawn = renderer_->draw(job.request);
     const Stopwatch reading;
-    painted.renderer.read_gbuffer(planes_);
-    AnswerCost took = painted.took;
-    took.draw += reading.elapsed();
-    packer.add(painted.frame);
+    drawn.renderer.read_gbuffer(planes_);
+    AnswerCost cost = drawn.cost;
+    cost.draw += reading.elapsed();
+    packer.add(drawn.frame);
     packer.add(job.request.frame, planes_);
-    return took;
+    return cost;
   }
 
  private:
-  AnswerRenderer& painter_;
+  std::shared_ptr<AnswerRenderer> renderer_;
   GBufferPlanes planes_;
 };
 
 }  // namespace
 
-std::unique_ptr<AnswerMaker> make_gbuffer(AnswerRenderer& painter) {
-  return std::make_unique<GBufferAnswer>(painter);
+std::unique_ptr<AnswerMaker> make_gbuffer(std::shared_ptr<AnswerRenderer> renderer) {
+  return std::make_unique<GBufferAnswer>(std::move(renderer));
 }
 
 }  // namespace farshade

@@ -1,5 +1,5 @@
-// Masks of positions: what the client's slices say is opened, traced, and packed as any masks. Tiles of which
-// a coordinate has not come are not sent.
+// Masks of positions: traces from the surface points that the client sends. Tiles that lack a coordinate are
+// not sent.
 #include "rt_server/answers/answers.h"
 #include "stereo/frame/position_grid.h"
 #include "stereo/frame/tiles.h"
@@ -9,16 +9,16 @@ namespace {
 
 class PositionMasks final : public AnswerMaker {
  public:
-  explicit PositionMasks(const AnswerContext& ground) : scene_(ground.scene), tracer_(ground.tracer) {}
+  explicit PositionMasks(const AnswerContext& context) : scene_(context.scene), tracer_(context.tracer) {}
 
   AnswerCost answer(const Job& job, FramePacker& packer) override {
     const PositionGrid grid =
         grid_of({scene_.bounds.low}, {scene_.bounds.high}, job.request.wanted.position_bits);
     clear(job.request.views, grid);
-    for (const std::vector<std::byte>& message : job.positions) take(message);
-    const AnswerCost took{.traced = tracer_.trace(job.request, positions_, grid, frame_)};
+    for (const std::vector<std::byte>& message : job.positions) unpack(message);
+    const AnswerCost cost{.traced = tracer_.trace(job.request, positions_, grid, frame_)};
     packer.add(frame_, sent_tiles());
-    return took;
+    return cost;
   }
 
  private:
@@ -33,18 +33,19 @@ class PositionMasks final : public AnswerMaker {
       }
   }
 
-  void take(std::span<const std::byte> message) {
+  void unpack(std::span<const std::byte> message) {
     const Decoded<ClientMessage> decoded = decode_client(message);
     if (!decoded) return;
     const auto* const slice = std::get_if<PlaneSlice>(&*decoded);
     if (slice == nullptr || slice->kind < PlaneKind::PositionX) return;
     const std::size_t eye = index_of(slice->eye);
     const auto axis = static_cast<std::size_t>(slice->kind) - static_cast<std::size_t>(PlaneKind::PositionX);
-    // One that does not fit leaves its tiles unknown.
+    // A slice that does not fit the plane leaves its tiles unknown.
     static_cast<void>(decode_plane_tiles(*slice, positions_[eye][axis], known_[eye][axis]));
   }
 
-  /// Those of which all three coordinates have come; the others' pixels are no surface to the tracer.
+  /// Marks the tiles of which all three coordinates have arrived. The tracer treats the pixels of the others
+  /// as background.
   PerEye<std::span<const std::uint8_t>> sent_tiles() {
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
       sent_[eye] = known_[eye][0];
@@ -64,8 +65,8 @@ class PositionMasks final : public AnswerMaker {
 
 }  // namespace
 
-std::unique_ptr<AnswerMaker> make_position_masks(const AnswerContext& ground) {
-  return std::make_unique<PositionMasks>(ground);
+std::unique_ptr<AnswerMaker> make_position_masks(const AnswerContext& context) {
+  return std::make_unique<PositionMasks>(context);
 }
 
 }  // namespace farshade

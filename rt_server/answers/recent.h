@@ -1,4 +1,4 @@
-/// Recent: a few values by key, made when first asked for; the one that was longest not asked for makes room.
+/// Recent: a small LRU cache.
 #pragma once
 
 #include <algorithm>
@@ -11,9 +11,9 @@ namespace farshade {
 template <class Key, class Value>
 class Recent {
  public:
-  explicit Recent(std::size_t most) : most_(most) {}
+  explicit Recent(std::size_t capacity) : capacity_(capacity) {}
 
-  /// Null if there is none.
+  /// Null if there is no value for `key`. The value becomes the most recently used.
   Value* find(const Key& key) {
     const auto found = std::ranges::find(kept_, key, &Kept::first);
     if (found == kept_.end()) return nullptr;
@@ -21,18 +21,18 @@ class Recent {
     return &kept_.front().second;
   }
 
-  /// Takes the place of one of the same key.
+  /// Replaces a value with the same key. Otherwise evicts the least recently used value if the cache is full.
   Value& put(const Key& key, Value value) {
-    std::erase_if(kept_, [&](const Kept& one) { return one.first == key; });
-    if (kept_.size() == most_) kept_.pop_back();
+    std::erase_if(kept_, [&](const Kept& entry) { return entry.first == key; });
+    if (kept_.size() == capacity_) kept_.pop_back();
     kept_.emplace_front(key, std::move(value));
     return kept_.front().second;
   }
 
  private:
   using Kept = std::pair<Key, Value>;
-  std::size_t most_;
-  std::list<Kept> kept_;  ///< latest first
+  std::size_t capacity_;
+  std::list<Kept> kept_;  ///< most recently used first
 };
 
 }  // namespace farshade

@@ -1,5 +1,5 @@
-// Video and difference: both eyes as they should look, or what shadows change in them around mid-grey, as
-// H.264.
+// Video and difference as H.264: the pictures of both eyes, or the difference that shadows make in them, with
+// mid-grey for no difference.
 #include "rt_server/answers/answer_renderer.h"
 #include "rt_server/answers/video_streams.h"
 #include "stereo/draw/difference_picture.h"
@@ -9,49 +9,50 @@ namespace {
 
 using Eyes = PerEye<Image<Rgb8>>;
 
-Eyes as_drawn(const AnswerRenderer::RenderedAnswer& painted) {
-  return painted.renderer.read_shown();
+Eyes with_shadows(const AnswerRenderer::RenderedAnswer& drawn) {
+  return drawn.renderer.read_shown();
 }
 
-Eyes what_shadows_change(const AnswerRenderer::RenderedAnswer& painted) {
-  Eyes eyes = painted.renderer.read_shown();
-  ShownFrame without = painted.shown;
+Eyes shadow_difference(const AnswerRenderer::RenderedAnswer& drawn) {
+  Eyes eyes = drawn.renderer.read_shown();
+  ShownFrame without = drawn.shown;
   without.masks = {};
-  painted.renderer.shade_again(without);
-  const Eyes lit = painted.renderer.read_shown();
+  drawn.renderer.shade_again(without);
+  const Eyes lit = drawn.renderer.read_shown();
   for (std::size_t eye = 0; eye < kEyes; ++eye) eyes[eye] = difference_of(eyes[eye], lit[eye]);
   return eyes;
 }
 
 class CodedAnswer final : public AnswerMaker {
  public:
-  CodedAnswer(AnswerRenderer& painter, Eyes (*picture)(const AnswerRenderer::RenderedAnswer&))
-      : painter_(painter), picture_(picture) {}
+  CodedAnswer(std::shared_ptr<AnswerRenderer> renderer,
+              Eyes (*picture)(const AnswerRenderer::RenderedAnswer&))
+      : renderer_(std::move(renderer)), picture_(picture) {}
 
   AnswerCost answer(const Job& job, FramePacker& packer) override {
-    const AnswerRenderer::RenderedAnswer painted = painter_.paint(job.request);
-    AnswerCost took = painted.took;
+    const AnswerRenderer::RenderedAnswer drawn = renderer_->draw(job.request);
+    AnswerCost cost = drawn.cost;
     const Stopwatch drawing;
-    const Eyes eyes = picture_(painted);
-    took.draw += drawing.elapsed();
-    took.coding = streams_.code(job, eyes, packer);
-    return took;
+    const Eyes eyes = picture_(drawn);
+    cost.draw += drawing.elapsed();
+    cost.coding = streams_.code(job, eyes, packer);
+    return cost;
   }
 
  private:
-  AnswerRenderer& painter_;
+  std::shared_ptr<AnswerRenderer> renderer_;
   Eyes (*picture_)(const AnswerRenderer::RenderedAnswer&);
   Streams streams_;
 };
 
 }  // namespace
 
-std::unique_ptr<AnswerMaker> make_video(AnswerRenderer& painter) {
-  return std::make_unique<CodedAnswer>(painter, as_drawn);
+std::unique_ptr<AnswerMaker> make_video(std::shared_ptr<AnswerRenderer> renderer) {
+  return std::make_unique<CodedAnswer>(std::move(renderer), with_shadows);
 }
 
-std::unique_ptr<AnswerMaker> make_difference(AnswerRenderer& painter) {
-  return std::make_unique<CodedAnswer>(painter, what_shadows_change);
+std::unique_ptr<AnswerMaker> make_difference(std::shared_ptr<AnswerRenderer> renderer) {
+  return std::make_unique<CodedAnswer>(std::move(renderer), shadow_difference);
 }
 
 }  // namespace farshade

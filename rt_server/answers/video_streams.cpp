@@ -11,7 +11,7 @@ Streams::Stream& Streams::stream_for(const Job& job, const VideoFormat& format) 
   if (found != nullptr && found->encoder.format() == format) return *found;
   Expected<VideoEncoder> encoder = VideoEncoder::create(format);
   if (!encoder) throw std::runtime_error(encoder.error().what);
-  // What is coded first is coded alone, whatever frame it is.
+  // The first picture of a stream is a key frame, so it depends on no other frame.
   return streams_.put(job.session.value, {std::move(*encoder), job.request.frame});
 }
 
@@ -25,10 +25,11 @@ Duration Streams::code(const Job& job, const PerEye<Image<Rgb8>>& eyes, FramePac
       {.size = picture.size, .bits_per_second = request.wanted.bits_per_second, .frames_per_second = rate});
   const bool alone = request.wanted.coding == Coding::Alone;
   const auto unit = stream.encoder.encode(picture, alone ? KeyFrame::Now : KeyFrame::IfNeeded);
-  // Sent or not: the next is coded after it.
+  // The next picture depends on this one even if this one is too large to send.
   const FrameId last = std::exchange(stream.last, request.frame);
   if (unit.size() > kMostVideoParts * kVideoPart_bytes)
-    throw std::runtime_error("a coded picture of " + std::to_string(unit.size()) + " bytes");
+    throw std::runtime_error("an encoded picture of " + std::to_string(unit.size()) +
+                             " bytes is too large to send");
   packer.add(request.frame, alone ? request.frame : last, unit);
   return coding.elapsed();
 }

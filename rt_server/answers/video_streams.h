@@ -1,4 +1,4 @@
-/// Streams: an encoder a session, and the picture that its next unit is coded after.
+/// Streams: the video encoder of each session, and the frame that its next picture is coded after.
 #pragma once
 
 #include "rt_server/answers/recent.h"
@@ -10,9 +10,9 @@ namespace farshade {
 
 class Streams {
  public:
-  /// Codes both eyes for `job`, after the session's last picture where the request allows it and nothing of
-  /// the stream has changed. Adds the unit to `packer`, and returns what coding took. Throws where there is
-  /// no encoder.
+  /// Encodes both eyes for `job` and adds the unit to `packer`. The unit depends on the session's last
+  /// picture if the request allows it and the format is unchanged. Returns the time that encoding took.
+  /// Throws if no encoder can be opened or the unit is too large to send.
   Duration code(const Job& job, const PerEye<Image<Rgb8>>& eyes, FramePacker& packer);
 
  private:
@@ -22,8 +22,8 @@ class Streams {
   };
   Stream& stream_for(const Job& job, const VideoFormat& format);
 
-  /// An encoder takes tens of megabytes; of more sessions than this with video, those that wait longest begin
-  /// anew with a key frame.
+  /// An encoder takes tens of megabytes. If more sessions than this use video, the least recently used stream
+  /// is evicted and starts again with a key frame.
   Recent<std::uint64_t, Stream> streams_{8};
 };
 

@@ -37,10 +37,10 @@ const SharedKey* Gate::admit(const Peer& from, const Hello& hello, std::span<con
                              Time now, std::vector<std::byte>& answer) {
   const std::int64_t period = now.time_since_epoch() / kCookiePeriod;
   const Cookie fresh = cookie_for(from, hello.client, period);
-  const auto is = [&](const Cookie& cookie) {
+  const auto matches = [&](const Cookie& cookie) {
     return sodium_memcmp(cookie.data(), hello.cookie.data(), 16) == 0;
   };
-  if (!is(fresh) && !is(cookie_for(from, hello.client, period - 1))) {
+  if (!matches(fresh) && !matches(cookie_for(from, hello.client, period - 1))) {
     ++counters_.retries;
     encode(Retry{echo_of(hello.client), fresh}, answer);
     return nullptr;

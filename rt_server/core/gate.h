@@ -1,6 +1,7 @@
-/// Gate: what stands before the sessions. A stranger's hello is answered with a cookie that proves its
-/// address, one with a cookie is believed if it proves a key of the ring; until then nothing is kept of it,
-/// and no answer is longer than it was. A value without sockets, threads or clocks.
+/// Gate: what a client must prove before the server stores anything for it. A hello is first answered with a
+/// cookie. The hello that brings the cookie back proves the client's address, and its proof shows that the
+/// client has a key of the ring. No answer is longer than the hello. A value without sockets, threads or
+/// clocks.
 #pragma once
 
 #include <map>
@@ -13,26 +14,27 @@
 namespace farshade {
 
 struct GateCounters {
-  std::uint64_t retries = 0;           ///< hellos without a cookie that holds
-  std::uint64_t version_mismatch = 0;  ///< hellos of another version
-  std::uint64_t unknown_key = 0;       ///< hellos of a key that is not in the ring, or not made with it
-  std::uint64_t too_many = 0;          ///< proved hellos beyond handshakes_per_second
+  std::uint64_t retries = 0;           ///< hellos without a valid cookie
+  std::uint64_t version_mismatch = 0;  ///< hellos of another protocol version
+  std::uint64_t unknown_key = 0;       ///< hellos whose key is not in the ring, or whose proof is wrong
+  std::uint64_t too_many = 0;          ///< valid hellos over the limit of handshakes per second
   friend bool operator==(const GateCounters&, const GateCounters&) = default;
 };
 
 class Gate {
  public:
-  /// Keys of different secrets. `handshakes_per_second`: so many are let through, and as many at once after a
-  /// quiet second.
+  /// The keys of `ring` have different secrets. `handshakes_per_second` is the rate of a token bucket that
+  /// holds the tokens of one second.
   Gate(const std::vector<SharedKey>& ring, double handshakes_per_second);
 
-  /// The key that `hello`, read from `datagram`, has proved; it stays where it is. Else null, and `answer`
-  /// becomes what to send back; it is left empty where there is nothing to say.
+  /// Returns the key that `hello`, read from `datagram`, proves; the gate owns it. Otherwise returns null,
+  /// and `answer` becomes the datagram to send back.
   const SharedKey* admit(const Peer& from, const Hello& hello, std::span<const std::byte> datagram, Time now,
                          std::vector<std::byte>& answer);
+  /// `answer` becomes a refusal that names our protocol version.
   void refuse_version(const ForeignHello& hello, std::vector<std::byte>& answer);
 
-  /// A proved hello may have its handshake now; one less may later.
+  /// Whether a client with a valid hello may have its handshake now. Takes a token if so.
   [[nodiscard]] bool may_shake_hands(Time now);
 
   [[nodiscard]] const GateCounters& counters() const { return counters_; }
@@ -41,15 +43,14 @@ class Gate {
   [[nodiscard]] Cookie cookie_for(const Peer& from, const PublicKey& client, std::int64_t period) const;
 
   std::map<KeyId, SharedKey> ring_;
-  std::array<std::uint8_t, 16>
-      cookie_key_{};  ///< of this process; cookies of an earlier one mean a retry more
+  std::array<std::uint8_t, 16> cookie_key_{};  ///< new in each process: cookies of an earlier one are invalid
   double handshakes_per_second_, handshakes_left_;
-  Time refilled_{};
+  Time refilled_{};  ///< when handshakes_left_ was last brought up to date
   GateCounters counters_;
 };
 
-/// How long a cookie holds at most. Sessions must be remembered longer (SessionLimits), so that a repeated
-/// hello finds the session that it has made.
+/// A cookie is valid until the end of the period after the one in which it was made, so at most kCookieLife.
+/// Sessions live longer (SessionLimits), so that a repeated hello finds the session that it began.
 inline constexpr Duration kCookiePeriod = std::chrono::seconds(2);
 inline constexpr Duration kCookieLife = 2 * kCookiePeriod;
 

@@ -8,8 +8,8 @@ namespace farshade {
 
 void Outbox::put(std::span<const std::vector<std::byte>> messages, Time now, Duration spread,
                  double bytes_per_second) {
-  check(empty(), "an outbox takes a frame when the last has left");
-  check(bytes_per_second > 0, "a path takes some bytes a second");
+  check(empty(), "an outbox takes a frame only when it is empty");
+  check(bytes_per_second > 0, "the rate of a path is positive");
   if (messages.empty()) return;
   if (messages_.size() < messages.size()) messages_.resize(messages.size());
   count_ = messages.size();
@@ -19,8 +19,8 @@ void Outbox::put(std::span<const std::vector<std::byte>> messages, Time now, Dur
   for (std::size_t i = 0; i < messages.size(); ++i) {
     messages_[i].bytes.assign(messages[i].begin(), messages[i].end());
     messages_[i].due = due;
-    const double swallowed_ms = 1e3 * static_cast<double>(messages[i].size()) / bytes_per_second;
-    due += std::max(share, duration_from_ms(swallowed_ms));
+    const double sending_ms = 1e3 * static_cast<double>(messages[i].size()) / bytes_per_second;
+    due += std::max(share, duration_from_ms(sending_ms));
   }
   drained_at_ = due;
 }
@@ -30,7 +30,7 @@ std::optional<Time> Outbox::due() const {
 }
 
 std::span<const std::byte> Outbox::take() {
-  check(!empty(), "who takes from an outbox has asked whether it is empty");
+  check(!empty(), "a message is taken only if there is one");
   return messages_[taken_++].bytes;
 }
 

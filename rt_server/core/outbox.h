@@ -1,6 +1,7 @@
-/// Outbox: one frame's datagrams on their way out, evenly over the frame interval and never faster than the
-/// path takes them. A session's next frame is traced when its outbox is empty and the path has drained, so a
-/// slow path lowers the mask rate and builds no queue. A value; time is passed in; memory is used again.
+/// Outbox: sends the datagrams of one frame evenly over the frame interval, and never faster than the path
+/// takes them. The session's next frame is traced when its outbox is empty and the path has drained. So a
+/// slow path lowers the mask rate and does not build a queue. A value; the caller passes the time. Memory is
+/// reused.
 #pragma once
 
 #include <cstddef>
@@ -14,22 +15,22 @@ namespace farshade {
 
 class Outbox {
  public:
-  /// Takes one frame's messages, as copies. The first leaves at `now`, or when the path has swallowed what
-  /// left before; each gives the next its share of `spread`, or the time that `bytes_per_second` (> 0) takes
-  /// for it if that is longer. The outbox must be empty.
+  /// Copies the messages of one frame. The outbox must be empty. The first message is due at `now`, or at
+  /// drained_at() if that is later. The time to the next message is an equal share of `spread`, or the time
+  /// that sending the message takes at `bytes_per_second` (> 0) if that is longer.
   void put(std::span<const std::vector<std::byte>> messages, Time now, Duration spread,
            double bytes_per_second);
 
-  /// When the next may leave; none when empty.
+  /// When the next message is due; nothing if the outbox is empty.
   [[nodiscard]] std::optional<Time> due() const;
 
-  /// The next message; not when empty. Valid until put(). The timetable stays: who comes late finds several
-  /// due.
+  /// Removes the next message. The outbox must not be empty. The span is valid until put(). Due times are
+  /// fixed: after a delay several messages are due.
   std::span<const std::byte> take();
 
   [[nodiscard]] bool empty() const { return taken_ == count_; }
 
-  /// When the path is expected to have swallowed all that was put; the clock's zero before anything was.
+  /// When the path has taken all messages, at the given rates. The clock's zero before the first put().
   [[nodiscard]] Time drained_at() const { return drained_at_; }
 
  private:
@@ -38,7 +39,7 @@ class Outbox {
     Time due{};
   };
 
-  std::vector<Message> messages_;  ///< of which `count_` are of this frame
+  std::vector<Message> messages_;  ///< the first count_ belong to this frame
   std::size_t count_ = 0, taken_ = 0;
   Time drained_at_{};
 };

@@ -5,7 +5,7 @@
 namespace farshade {
 namespace {
 
-constexpr Duration kLongWait = std::chrono::seconds(60);  // wake() ends it
+constexpr Duration kLongWait = std::chrono::seconds(60);  // wake() ends it earlier
 
 }  // namespace
 

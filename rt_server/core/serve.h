@@ -1,4 +1,4 @@
-/// The server's two threads: one hears the network, one traces. They end when the value does.
+/// Serving: the server's two threads. One receives and sends datagrams, the other answers requests.
 #pragma once
 
 #include <thread>
@@ -9,11 +9,11 @@ namespace farshade {
 
 class Serving {
  public:
-  /// Serves from now on. `core` outlives it.
+  /// Starts both threads. `core` must outlive this object.
   explicit Serving(ServerCore& core);
   Serving(const Serving&) = delete;
   Serving& operator=(const Serving&) = delete;
-  /// Ends both threads; a frame that is being traced is finished first.
+  /// Ends both threads. Waits until the answer in work is finished.
   ~Serving();
 
  private:

@@ -17,7 +17,7 @@ void log(const Sessions::Event& event) {
     spdlog::info("welcomed {} at {}", event.name, to_string(event.client));
 }
 
-/// " (3 forged, 1 replayed)".
+/// For example " (3 forged, 1 replayed)".
 std::string reasons(const RefusalCounts& refused) {
   std::string text;
   for (std::size_t i = 0; i < kWireRefusals; ++i)
@@ -27,62 +27,63 @@ std::string reasons(const RefusalCounts& refused) {
   return text.empty() ? text : text + ")";
 }
 
+Welcome with_answers(Welcome served, AnswerSet answers) {
+  served.answers = answers;
+  return served;
+}
+
 }  // namespace
 
 std::string counters_line(const ServerCounters& counters) {
   const SessionCounters& sessions = counters.sessions;
   const GateCounters& gate = counters.gate;
   return fmt::format(
-      "rt_server: {} clients, {} requests, {} superseded, {} outdated, {} too large, {} for what is not "
-      "given, {} stray positions, {} frames, {} datagrams "
-      "and {} bytes "
-      "sent, {} unsent, {} datagrams received, {} oversized, {} refused{}; hellos: {} without a cookie, {} "
-      "repeated; turned away: {} of another version, {} without a known key, {} of another scene, {} for "
-      "want of room, {} too many handshakes; sessions: {} open, {} forgotten, {} replaced, {} moved; {} "
-      "frames held back by --bytes-per-second",
+      "rt_server: {} clients, {} requests, {} superseded, {} outdated, {} too large, {} for answers "
+      "not offered, {} stray positions, {} frames, {} datagrams and {} bytes sent, {} unsent, {} datagrams "
+      "received, {} oversized, {} refused{}; hellos: {} without a cookie, {} repeated; not admitted: {} of "
+      "another version, {} without a known key, {} of another scene, {} because the server was full, {} over "
+      "the handshake limit; sessions: {} open, {} timed out, {} replaced, {} ended because their answer is "
+      "no "
+      "longer offered, {} moved; {} frames slowed by --bytes-per-second",
       sessions.welcomed, sessions.requests, sessions.superseded, sessions.outdated, sessions.too_large,
       sessions.unanswered, sessions.stray, counters.frames, counters.port.sent, counters.port.sent_bytes,
       counters.port.unsent, counters.port.received, counters.port.oversized, counters.refused.total(),
       reasons(counters.refused), gate.retries, sessions.repeated, gate.version_mismatch, gate.unknown_key,
       sessions.scene_mismatch, sessions.busy, gate.too_many, counters.sessions_open, sessions.forgotten,
-      sessions.replaced, sessions.moved, sessions.held_back);
+      sessions.replaced, sessions.withdrawn, sessions.moved, sessions.held_back);
 }
 
 std::string rays_line(const TraceStats& traced) {
   return fmt::format(
-      "rt_server: rays: {} from eyes, {} to lights of {} covered pixels times lights; the others needed "
-      "none: {} turned "
-      "away, {} out of range, {} out of cone, {} proved in sight",
+      "rt_server: rays: {} from eyes, {} to lights, of {} covered pixels times lights; the others needed "
+      "none: "
+      "{} turned away, {} out of range, {} out of cone, {} proved in sight",
       traced.primary_rays, traced.shadow_rays, traced.full_shadow_rays, traced.turned_away,
       traced.out_of_range, traced.out_of_cone, traced.proven);
 }
 
-ServerCore::ServerCore(const Welcome& served, const std::vector<SharedKey>& ring, TraceFunction trace,
-                       DatagramPort& port, const Clock& clock, const SessionLimits& limits, SameAllOver same,
-                       AnswerFunction others)
-    : trace_(std::move(trace)),
-      others_(std::move(others)),
-      port_(port),
+ServerCore::ServerCore(Welcome served, const std::vector<SharedKey>& ring, AnswerMakers answers,
+                       DatagramPort& port, const Clock& clock, const SessionLimits& limits, SameAllOver same)
+    : port_(port),
       clock_(clock),
-      sessions_(served, ring, limits),
-      packer_(same) {
-  check(others_ || served.answers == set_of(Answer::Masks), "what is offered can be given");
-}
+      answers_(std::move(answers)),
+      packer_(same),
+      sessions_(with_answers(served, answers_.offered()), ring, limits) {}
 
 bool ServerCore::receive(Duration wait) {
   std::array<std::byte, kMaxDatagram_bytes> buffer;
   const std::optional<Datagram> datagram = port_.receive(buffer, wait);
   if (!datagram) return false;
-  bool somebody_waits = false;
+  bool is_request_waiting = false;
   std::optional<Sessions::Event> event;
   {
     const std::lock_guard lock(mutex_);
     const Decoded<void> taken = sessions_.handle(datagram->from, datagram->bytes, clock_.now(), datagram_);
     if (!taken) refused_.count(taken.error());
-    somebody_waits = sessions_.job_at().has_value();
+    is_request_waiting = sessions_.job_at().has_value();
     event = sessions_.take_event();
   }
-  if (somebody_waits) somebody_waits_.notify_one();
+  if (is_request_waiting) request_arrived_.notify_one();
   if (!datagram_.empty()) port_.send(datagram->from, datagram_);
   if (event) log(*event);
   return true;
@@ -96,7 +97,7 @@ void ServerCore::send_due() {
   };
   bool sent = false;
   for (; seal(); sent = true) port_.send(to, datagram_);
-  if (sent) somebody_waits_.notify_one();  // a request may have waited for its client's last frame to leave
+  if (sent) request_arrived_.notify_one();  // a request waits until its client's last frame was sent
 }
 
 std::optional<Time> ServerCore::next_send() const {
@@ -116,21 +117,13 @@ bool ServerCore::wait_for_work(const std::stop_token& stop) {
     const std::optional<Time> at = sessions_.job_at();
     const Time now = clock_.now();
     if (at && *at <= now) return true;
-    const auto is_news = [&] { return sessions_.job_at() != at; };
+    const auto has_changed = [&] { return sessions_.job_at() != at; };
     if (at)
-      somebody_waits_.wait_for(lock, stop, *at - now, is_news);
+      request_arrived_.wait_for(lock, stop, *at - now, has_changed);
     else
-      somebody_waits_.wait(lock, stop, is_news);
+      request_arrived_.wait(lock, stop, has_changed);
   }
   return false;
-}
-
-/// Adds to the packer what the request wants.
-AnswerCost ServerCore::answer(const Job& job) {
-  if (job.request.wanted.answer != Answer::Masks) return others_(job, packer_);
-  const TraceStats traced = trace_(job.request, frame_);
-  packer_.add(frame_);
-  return {.traced = traced};
 }
 
 bool ServerCore::work() {
@@ -141,8 +134,9 @@ bool ServerCore::work() {
   }
   if (!job) return false;
   const Time begun = clock_.now();
+  const AnswerSet offered_before = answers_.offered();
   packer_.begin();
-  const auto [traced, draw, coding] = answer(*job);
+  const auto [traced, draw, coding] = answers_.answer(*job, packer_, begun);
   const FrameReport report{.frame = job->request.frame,
                            .primary_rays = traced.primary_rays,
                            .shadow_rays = traced.shadow_rays,
@@ -160,6 +154,7 @@ bool ServerCore::work() {
     const std::lock_guard lock(mutex_);
     const Time now = clock_.now();
     sessions_.put(job->session, messages, now - begun, now);
+    if (answers_.offered() != offered_before) sessions_.offer(answers_.offered());
     traced_ += traced;
   }
   ++frames_;

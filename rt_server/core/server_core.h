@@ -1,104 +1,86 @@
-/// The server without its threads and its socket: datagrams come in by receive() and leave by send_due(),
-/// requests are traced and packed by work(). A program calls them from two threads (serve.h); a test or a
-/// study calls them in turn over a virtual link.
+/// ServerCore: the server without its threads and its socket. receive() takes datagrams, work() answers
+/// requests, send_due() sends the datagrams of the answers. A program calls them from two threads (serve.h);
+/// a test or a study calls them in turn over a virtual link.
 #pragma once
 
 #include <atomic>
 #include <condition_variable>
-#include <functional>
 #include <mutex>
 #include <stop_token>
 #include <string>
 
+#include "rt_server/core/answer_makers.h"
 #include "rt_server/core/sessions.h"
-#include "stereo/net/frame_packer.h"
-#include "stereo/tracer/tracer.h"
 
 namespace farshade {
-
-/// Traces a request into a frame whose buffers are reused: Tracer::trace, or what a test puts in its place.
-using TraceFunction = std::function<TraceStats(const FrameRequest&, ShadowFrame&)>;
-
-/// What an answer took besides packing.
-struct AnswerCost {
-  TraceStats traced{};
-  Duration draw{}, coding{};
-};
-/// Gives the answers that are not masks of what the views see: adds its messages to the packer.
-using AnswerFunction = std::function<AnswerCost(const Job&, FramePacker&)>;
 
 struct ServerCounters {
   SessionCounters sessions;
   GateCounters gate;
-  RefusalCounts refused;  ///< datagrams that are no message, or none of a session's
+  RefusalCounts refused;  ///< received datagrams that were refused: malformed, or of no session
   PortCounters port;
-  std::uint64_t frames = 0;       ///< traced
+  std::uint64_t frames = 0;       ///< requests answered
   std::size_t sessions_open = 0;  ///< now
-  TraceStats traced;              ///< over all frames
+  TraceStats traced;              ///< sum over all frames
 };
 
-/// `counters` in one line for a person at a terminal; of the reasons for refusals only those that occurred.
+/// One line for a person at a terminal. Names only those reasons for refused datagrams that occurred.
 [[nodiscard]] std::string counters_line(const ServerCounters& counters);
 
-/// What was traced and what needed no ray, in one line.
+/// The rays traced, and the reasons why pixel-lights needed none, in one line.
 [[nodiscard]] std::string rays_line(const TraceStats& traced);
 
-/// One thread may call receive(), send_due() and next_due() while another calls wait_for_work() and work();
-/// counters() from any.
+/// One thread may call receive(), send_due(), next_due() and next_send() while another calls wait_for_work()
+/// and work(). Any thread may call counters().
 class ServerCore {
  public:
-  /// `served` is what clients with the same scene are told; `ring` who may come. `port` and `clock` outlive
-  /// the core. `others` gives what `served` offers besides masks.
-  ServerCore(const Welcome& served, const std::vector<SharedKey>& ring, TraceFunction trace,
-             DatagramPort& port, const Clock& clock, const SessionLimits& limits = {},
-             SameAllOver same = SameAllOver::OneValue, AnswerFunction others = {});
+  /// `served` describes the scene to clients; its `answers` are replaced by what `answers` offers. Clients
+  /// need a key of `ring`. `port` and `clock` must outlive the core.
+  ServerCore(Welcome served, const std::vector<SharedKey>& ring, AnswerMakers answers, DatagramPort& port,
+             const Clock& clock, const SessionLimits& limits = {}, SameAllOver same = SameAllOver::OneValue);
 
-  /// Takes the next datagram, waiting at most `wait` for it, and answers what needs no tracing. False: none
-  /// came.
+  /// Waits at most `wait` for the next datagram, processes it, and sends the reply if it has one (handshake,
+  /// probe). Requests wait for work(). Returns false if no datagram came.
   bool receive(Duration wait);
 
-  /// Sends what may leave by now.
+  /// Sends all datagrams that are due.
   void send_due();
 
-  /// When send_due() or work() next has something to do if nothing comes.
+  /// When send_due() or work() next has something to do if no datagram arrives.
   [[nodiscard]] std::optional<Time> next_due() const;
-  /// The same of send_due() alone.
+  /// When send_due() next has something to do.
   [[nodiscard]] std::optional<Time> next_send() const;
 
-  /// Traces the newest request of the client whose turn it is; its slices are due from now on. False: nobody
-  /// waits.
+  /// Answers the newest request of the client whose turn it is, and puts the datagrams into its outbox.
+  /// Returns false if no request is ready.
   bool work();
 
-  /// Blocks until somebody may be served; false when `stop` was requested.
+  /// Blocks until a request is ready. Returns false when `stop` was requested.
   bool wait_for_work(const std::stop_token& stop);
 
-  /// Ends the receive() that waits now, or the next.
+  /// Ends the receive() that is waiting, or the next one.
   void wake() { port_.wake(); }
 
   [[nodiscard]] ServerCounters counters() const;
   [[nodiscard]] const Clock& clock() const { return clock_; }
 
  private:
-  AnswerCost answer(const Job& job);
-
-  TraceFunction trace_;
-  AnswerFunction others_;
   DatagramPort& port_;
   const Clock& clock_;
 
+  // Used by the thread that calls work().
+  AnswerMakers answers_;
+  FramePacker packer_;
+  std::atomic<std::uint64_t> frames_ = 0;
+
   mutable std::mutex mutex_;  ///< guards sessions_, refused_ and traced_
-  std::condition_variable_any somebody_waits_;
+  std::condition_variable_any request_arrived_;
   Sessions sessions_;
   RefusalCounts refused_;
   TraceStats traced_;
 
-  // The network side's own.
+  // Used by the thread that calls receive() and send_due().
   std::vector<std::byte> datagram_;
-
-  // The working side's own.
-  ShadowFrame frame_;
-  FramePacker packer_;
-  std::atomic<std::uint64_t> frames_ = 0;
 };
 
 }  // namespace farshade

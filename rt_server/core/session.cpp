@@ -8,15 +8,16 @@
 namespace farshade {
 namespace {
 
-/// Of the frame interval. More, and every mask is shown half arrived: room at 128 x 128, 25 ms each way, 0.75
-/// gave 22.1 dB and 1.6 % unknown, 0.5 gives 22.9 dB and 0.04 %.
+/// Share of the frame interval over which a frame's datagrams leave. With a larger share most masks are used
+/// before they are complete. Room at 128 x 128, 25 ms each way: 0.75 gave 22.1 dB and 1.6 % unknown, 0.5
+/// gives 22.9 dB and 0.04 %.
 constexpr double kPacedShare = 0.5;
-/// Clients that ask less often than this get their slices within it.
+/// Upper limit of the interval between two requests.
 constexpr Duration kLongestInterval = std::chrono::milliseconds(50);
 
-/// A client that asks and to which nothing has been sent for so long is told that its session lives: a server
-/// with much to trace is not taken for one that was restarted.
-constexpr Duration kSignOfLife = std::chrono::milliseconds(100);
+/// A client that sends requests gets at least one datagram per this time, so that it does not take a busy
+/// server for one that has lost the session.
+constexpr Duration kKeepAlive = std::chrono::milliseconds(100);
 
 std::uint64_t random_token() {
   std::uint64_t token = 0;
@@ -39,31 +40,35 @@ ClientSession::ClientSession(std::string name, const Peer& client, const PublicK
       most_pixels_(served.most_pixels),
       answers_(served.answers),
       client_(client),
-      heard_(now),
-      told_(now),
+      last_received_(now),
+      last_sent_(now),
       rate_(limits) {}
 
-Decoded<ReceivedMessage> ClientSession::take(const Peer& from, const Sealed& sealed,
-                                             std::span<const std::byte> datagram, Time now,
-                                             std::vector<std::byte>& probe) {
+Decoded<ReceivedMessage> ClientSession::receive(const Peer& from, const Sealed& sealed,
+                                                std::span<const std::byte> datagram, Time now,
+                                                std::vector<std::byte>& reply) {
   const bool newest = !opener_.window().newest() || sealed.counter > *opener_.window().newest();
   const Decoded<std::span<const std::byte>> opened = opener_.open(sealed, datagram, message_);
   if (!opened) return refuse(opened.error());
-  heard_ = now;
+  last_received_ = now;
   confirmed_ = true;
   const Decoded<ClientMessage> message = decode_client(*opened);
   if (!message) return refuse(message.error());
-  if (const auto* slice = std::get_if<PlaneSlice>(&*message)) return take_positions(*slice, *opened, now);
+  if (const auto* slice = std::get_if<PlaneSlice>(&*message)) return receive_positions(*slice, *opened, now);
   const auto& request = std::get<RequestMessage>(*message);
-  follow(from, newest, request.probe_echo, probe);
-  if (from == client_ && now - told_ > kSignOfLife) give_sign_of_life(probe);
-  return take(request, now);
+  update_address(from, newest, request.probe_echo, reply);
+  if (from == client_ && now - last_sent_ > kKeepAlive) {
+    // A new token: the one that proves the candidate's address must not be sent to another address.
+    seal_probe(random_token(), reply);
+    last_sent_ = now;
+  }
+  return receive(request, now);
 }
 
-/// An address is believed once who is there has said the token that was sent there: a datagram caught on its
-/// way and sent on from elsewhere moves nothing.
-void ClientSession::follow(const Peer& from, bool newest, std::uint64_t probe_echo,
-                           std::vector<std::byte>& probe) {
+/// Frames follow the client to another address only after a datagram from there has returned the token that
+/// was sent there. An attacker who intercepts a datagram and sends it from elsewhere cannot read the token.
+void ClientSession::update_address(const Peer& from, bool newest, std::uint64_t probe_echo,
+                                   std::vector<std::byte>& probe) {
   if (from == client_) {
     if (newest) candidate_.reset();
     return;
@@ -78,23 +83,20 @@ void ClientSession::follow(const Peer& from, bool newest, std::uint64_t probe_ec
     candidate_ = from;
     probe_token_ = random_token();
   }
-  encode(Probe{probe_token_}, message_);
-  rate_.sent(sealer_.seal(message_, probe), probe.size(), heard_);
+  seal_probe(probe_token_, probe);
 }
 
-/// With a token of its own: one that proves a new address must not be told to an old one.
-void ClientSession::give_sign_of_life(std::vector<std::byte>& probe) {
-  encode(Probe{random_token()}, message_);
-  rate_.sent(sealer_.seal(message_, probe), probe.size(), heard_);
-  told_ = heard_;
+void ClientSession::seal_probe(std::uint64_t token, std::vector<std::byte>& probe) {
+  encode(Probe{token}, message_);
+  rate_.sent(sealer_.seal(message_, probe), probe.size(), last_received_);
 }
 
-ReceivedMessage ClientSession::take(const RequestMessage& message, Time now) {
+ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) {
   rate_.heard(message.arrivals, now);
   merge(lights_, message.request.lights);
   const FrameId frame = message.request.frame;
   if (newest_ && !is_newer(frame, *newest_)) return ReceivedMessage::Outdated;
-  learn_interval(message.request, now);
+  update_interval(message.request, now);
   newest_ = frame;
   for (const View& view : message.request.views)
     if (view.size.pixels() > most_pixels_) return ReceivedMessage::TooLarge;
@@ -107,30 +109,32 @@ ReceivedMessage ClientSession::take(const RequestMessage& message, Time now) {
   if (superseded) ++superseded_;
   waiting_ = Job{.session = id_, .request = message.request, .arrived = now};
   waiting_->request.lights = lights_;
+  wanted_ = answer;
   positions_bytes_ = 0;
-  position_heard_ = now;
-  return superseded ? ReceivedMessage::Superseded : ReceivedMessage::News;
+  position_arrived_ = now;
+  return superseded ? ReceivedMessage::Superseded : ReceivedMessage::NewRequest;
 }
 
-/// They are opened when their turn comes: until then they take no more memory than they took on the wire.
-ReceivedMessage ClientSession::take_positions(const PlaneSlice& slice, std::span<const std::byte> message,
-                                              Time now) {
+/// Stores the compressed message. It is unpacked when the request is answered, so that waiting positions take
+/// no more memory than they took on the wire.
+ReceivedMessage ClientSession::receive_positions(const PlaneSlice& slice, std::span<const std::byte> message,
+                                                 Time now) {
   const bool fits = waiting_ && waiting_->request.frame == slice.frame &&
                     waiting_->positions.size() < waiting_->request.wanted.slices &&
                     positions_bytes_ + message.size() <= kMostPositions_bytes;
   if (!fits) return ReceivedMessage::Stray;
   waiting_->positions.emplace_back(message.begin(), message.end());
   positions_bytes_ += message.size();
-  position_heard_ = now;
+  position_arrived_ = now;
   return ReceivedMessage::Positions;
 }
 
-/// In virtual time a client asks less often than its display would; in real time requests may bunch up on the
-/// way.
-void ClientSession::learn_interval(const FrameRequest& request, Time now) {
+/// Uses the shorter of two measures. In virtual time a client sends requests less often than its display
+/// times say. In real time several requests may arrive at once after a delay.
+void ClientSession::update_interval(const FrameRequest& request, Time now) {
   if (newest_) {
-    const Duration seen = std::min(request.display_time - newest_display_, now - newest_arrived_);
-    interval_ += (std::clamp(seen, Duration::zero(), kLongestInterval) - interval_) / 8;
+    const Duration measured = std::min(request.display_time - newest_display_, now - newest_arrived_);
+    interval_ += (std::clamp(measured, Duration::zero(), kLongestInterval) - interval_) / 8;
   }
   newest_display_ = request.display_time;
   newest_arrived_ = now;
@@ -138,8 +142,9 @@ void ClientSession::learn_interval(const FrameRequest& request, Time now) {
 
 std::optional<Time> ClientSession::ready_at() const {
   if (!waiting_ || !outbox_.empty()) return std::nullopt;
-  const bool whole = waiting_->positions.size() >= waiting_->request.wanted.slices;
-  return whole ? outbox_.drained_at() : std::max(outbox_.drained_at(), position_heard_ + kPositionsLull);
+  const bool complete = waiting_->positions.size() >= waiting_->request.wanted.slices;
+  return complete ? outbox_.drained_at()
+                  : std::max(outbox_.drained_at(), position_arrived_ + kPositionsTimeout);
 }
 
 Job ClientSession::take_job() {
@@ -162,7 +167,7 @@ void ClientSession::put(std::span<const std::vector<std::byte>> messages, Time n
 }
 
 void ClientSession::seal_due(Time now, std::vector<std::byte>& datagram) {
-  told_ = now;
+  last_sent_ = now;
   const std::uint64_t counter = sealer_.seal(outbox_.take(), datagram);
   rate_.sent(counter, datagram.size(), now);
 }

@@ -1,5 +1,5 @@
-/// ClientSession: all that the server keeps of one client that has proved address and key. A value without
-/// sockets, threads or clocks; of bounded size, and none of it shared with another client.
+/// ClientSession: everything that the server stores for one client that has proved its address and its key.
+/// A value of bounded size, without sockets, threads or clocks. Sessions share no data.
 #pragma once
 
 #include <optional>
@@ -13,32 +13,33 @@
 
 namespace farshade {
 
-/// A request whose turn has come.
+/// A request that is to be answered now.
 struct Job {
   SessionId session;
   FrameRequest request;
   Time arrived;
-  std::uint32_t superseded = 0;        ///< of this client's requests, so far
-  std::uint32_t bytes_per_second = 0;  ///< that the path to it carries
+  std::uint32_t superseded = 0;        ///< requests of this client so far that a newer one replaced
+  std::uint32_t bytes_per_second = 0;  ///< estimated capacity of the path to the client
   ViewScale view_scale{};              ///< the size of views that the client should request next
-  /// PlaneSlices of the request's positions that have come, each a message of its own that was decoded once.
+  /// The PlaneSlice messages with the request's positions that have arrived. Each has been decoded once, so
+  /// it is well-formed.
   std::vector<std::vector<std::byte>> positions{};
 };
 
-/// Of positions that one request may bring, in messages; what comes beyond it is dropped.
+/// Maximum total size of the position messages of one request. The server drops messages beyond it.
 inline constexpr std::size_t kMostPositions_bytes = std::size_t{16} << 20;
-/// A request whose positions do not come any more is answered with those that have.
-inline constexpr Duration kPositionsLull = std::chrono::milliseconds(10);
+/// If no position message arrives for this long, the request is answered with those that have arrived.
+inline constexpr Duration kPositionsTimeout = std::chrono::milliseconds(10);
 
-/// What a client's datagram was, once opened.
+/// What an opened datagram of the client contained.
 enum class ReceivedMessage : std::uint8_t {
-  News,        ///< a request newer than all before
-  Superseded,  ///< the same, and it took the place of one that waited
-  Outdated,    ///< a request not newer than one that came before
-  TooLarge,    ///< a request for more pixels than may be asked for
-  Unanswered,  ///< a request for what this server does not give
-  Positions,   ///< some of those of the request that waits
-  Stray,       ///< positions of another request, or too many
+  NewRequest,  ///< a request newer than all before
+  Superseded,  ///< the same, and it replaced one that was waiting
+  Outdated,    ///< a request that is not newer than all before
+  TooLarge,    ///< a request for more pixels than the server allows
+  Unanswered,  ///< a request for an answer that the server does not offer
+  Positions,   ///< positions of the waiting request
+  Stray,       ///< positions of another request, or more than it announced
 };
 
 class ClientSession {
@@ -49,53 +50,61 @@ class ClientSession {
   [[nodiscard]] SessionId id() const { return id_; }
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const Peer& client() const { return client_; }
+  /// The public key of the hello that began the session.
   [[nodiscard]] const PublicKey& hello() const { return hello_; }
-  /// The answer to its hello, to be said again if the hello comes again.
+  /// The answer to that hello. The server sends it again if the hello arrives again.
   [[nodiscard]] std::span<const std::byte> accept_datagram() const { return accept_; }
-  [[nodiscard]] Time heard_at() const { return heard_; }
-  /// Something of the client's has opened: it holds the keys.
+  [[nodiscard]] Time last_received() const { return last_received_; }
+  /// A sealed datagram of the client has been opened, so the client has the session keys.
   [[nodiscard]] bool is_confirmed() const { return confirmed_; }
 
-  /// Opens and takes `sealed`, read from `datagram`. `probe` becomes a datagram to send back to `from`, or is
-  /// left empty.
-  [[nodiscard]] Decoded<ReceivedMessage> take(const Peer& from, const Sealed& sealed,
-                                              std::span<const std::byte> datagram, Time now,
-                                              std::vector<std::byte>& probe);
+  /// Opens `sealed`, which was read from `datagram`, and processes its message. `reply` becomes a datagram to
+  /// send to `from` at once, or is left empty.
+  [[nodiscard]] Decoded<ReceivedMessage> receive(const Peer& from, const Sealed& sealed,
+                                                 std::span<const std::byte> datagram, Time now,
+                                                 std::vector<std::byte>& reply);
 
-  /// A request waits with all that it brings, and the frame before it has left and is through the path; so a
-  /// slow path lowers the mask rate.
+  /// The kind of answer that the last accepted request wants; none before the first.
+  [[nodiscard]] std::optional<Answer> wanted() const { return wanted_; }
+  /// From now on accepts only requests for `answers`.
+  void offer(AnswerSet answers) { answers_ = answers; }
+
+  /// A request is complete and the path has taken the whole previous frame.
   [[nodiscard]] bool is_ready(Time now) const {
     const std::optional<Time> at = ready_at();
     return at && now >= *at;
   }
-  /// When is_ready becomes true if nothing else happens.
+  /// When is_ready() becomes true if nothing else happens.
   [[nodiscard]] std::optional<Time> ready_at() const;
+  /// Removes the waiting request. Only when is_ready().
   [[nodiscard]] Job take_job();
 
-  /// Whose turn it is: the least of these comes first.
+  /// The session with the least Turn is served next.
   struct Turn {
-    Duration work{};  ///< that was done for this client, counted from where the others stood when it came
-    std::uint64_t served = 0;  ///< jobs of all clients when it was served last, or came
+    Duration work{};           ///< spent on this client; a new client starts at the value of the others
+    std::uint64_t served = 0;  ///< number of jobs of all clients when this one was last served, or came
     friend auto operator<=>(const Turn&, const Turn&) = default;
   };
   Turn turn;
 
-  /// The messages of a traced frame, to leave evenly over the frame interval.
+  /// Queues the messages of an answer. They leave evenly over a share of the frame interval.
   void put(std::span<const std::vector<std::byte>> messages, Time now);
 
+  /// When seal_due() has a message to send.
   [[nodiscard]] std::optional<Time> due() const { return outbox_.due(); }
-  /// Seals the message that is due.
+  /// Removes the next message from the queue and seals it into `datagram`.
   void seal_due(Time now, std::vector<std::byte>& datagram);
 
   [[nodiscard]] const RateControl& rate() const { return rate_; }
+  /// Frames that left more slowly because of the limit of bytes per second.
   [[nodiscard]] std::uint64_t held_back() const { return held_back_; }
 
  private:
-  ReceivedMessage take(const RequestMessage& message, Time now);
-  ReceivedMessage take_positions(const PlaneSlice& slice, std::span<const std::byte> message, Time now);
-  void follow(const Peer& from, bool newest, std::uint64_t probe_echo, std::vector<std::byte>& probe);
-  void give_sign_of_life(std::vector<std::byte>& probe);
-  void learn_interval(const FrameRequest& request, Time now);
+  ReceivedMessage receive(const RequestMessage& message, Time now);
+  ReceivedMessage receive_positions(const PlaneSlice& slice, std::span<const std::byte> message, Time now);
+  void update_address(const Peer& from, bool newest, std::uint64_t probe_echo, std::vector<std::byte>& probe);
+  void seal_probe(std::uint64_t token, std::vector<std::byte>& probe);
+  void update_interval(const FrameRequest& request, Time now);
 
   std::string name_;
   SessionId id_;
@@ -107,26 +116,27 @@ class ClientSession {
   std::uint32_t most_pixels_;
   AnswerSet answers_;
 
-  Peer client_;                    ///< has proved that it is there
-  std::optional<Peer> candidate_;  ///< where its newest datagrams come from, if from elsewhere
-  std::uint64_t probe_token_ = 0;
+  Peer client_;                    ///< proved address: frames go there
+  std::optional<Peer> candidate_;  ///< another address, from which the newest datagrams came
+  std::uint64_t probe_token_ = 0;  ///< sent to the candidate, which must send it back
 
-  Time heard_, told_;  ///< when something came from it, and was sent to it
+  Time last_received_, last_sent_;
   bool confirmed_ = false;
   std::optional<FrameId> newest_{};
-  Time newest_display_{}, newest_arrived_{};
-  Duration interval_{};  ///< from one request to the next, as the client's display and our clock have it
+  std::optional<Answer> wanted_{};
+  Time newest_display_{}, newest_arrived_{};  ///< display time and arrival of the newest request
+  Duration interval_{};                       ///< mean time between two requests
   std::optional<Job> waiting_{};
-  std::size_t positions_bytes_ = 0;  ///< of those that wait with it
-  Time position_heard_{};            ///< the last of them
+  std::size_t positions_bytes_ = 0;  ///< total size of waiting_->positions
+  Time position_arrived_{};          ///< arrival of the newest position message, or of its request
   std::uint32_t superseded_ = 0;
   LightChanges lights_;
 
   Outbox outbox_;
   RateControl rate_;
   Quality quality_;
-  ViewScale job_scale_{};        ///< as advised when the job in work was taken
-  std::uint64_t held_back_ = 0;  ///< frames that left slower because of the limit of bytes a second
+  ViewScale job_scale_{};  ///< as advised when the job in work was taken
+  std::uint64_t held_back_ = 0;
   std::vector<std::byte> message_;
 };
 

@@ -9,27 +9,28 @@ namespace farshade {
 Sessions::Sessions(const Welcome& served, const std::vector<SharedKey>& ring, const SessionLimits& limits)
     : served_(served), limits_(limits), gate_(ring, limits.handshakes_per_second) {
   check(limits.unconfirmed > kCookieLife && limits.silence > kCookieLife,
-        "a session outlives the cookie that its hello may be repeated with");
+        "a session lives longer than a cookie: a repeated hello finds the session that it began");
   sessions_.reserve(limits.sessions);
 }
 
 Decoded<void> Sessions::handle(const Peer& from, std::span<const std::byte> datagram, Time now,
                                std::vector<std::byte>& answer) {
   answer.clear();
-  forget_silent(now);
+  end_silent(now);
   const Decoded<ClientEnvelope> envelope = open_client_envelope(datagram);
   if (!envelope) return refuse(envelope.error());
-  if (const auto* sealed = std::get_if<Sealed>(&*envelope)) return take(from, *sealed, datagram, now, answer);
+  if (const auto* sealed = std::get_if<Sealed>(&*envelope))
+    return handle_sealed(from, *sealed, datagram, now, answer);
   if (const auto* foreign = std::get_if<ForeignHello>(&*envelope))
     gate_.refuse_version(*foreign, answer);
   else
-    greet(from, std::get<Hello>(*envelope), datagram, now, answer);
-  check(answer.size() <= datagram.size(), "a stranger gets no more than it sent");
+    handle_hello(from, std::get<Hello>(*envelope), datagram, now, answer);
+  check(answer.size() <= datagram.size(), "an answer is no longer than the datagram that it answers");
   return {};
 }
 
-void Sessions::greet(const Peer& from, const Hello& hello, std::span<const std::byte> datagram, Time now,
-                     std::vector<std::byte>& answer) {
+void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<const std::byte> datagram,
+                            Time now, std::vector<std::byte>& answer) {
   const SharedKey* const key = gate_.admit(from, hello, datagram, now, answer);
   if (key == nullptr) return;
   const auto known = std::ranges::find(sessions_, hello.client, &ClientSession::hello);
@@ -60,38 +61,51 @@ void Sessions::greet(const Peer& from, const Hello& hello, std::span<const std::
   sessions_.back().turn = {work_, jobs_};
 }
 
-Decoded<void> Sessions::take(const Peer& from, const Sealed& sealed, std::span<const std::byte> datagram,
-                             Time now, std::vector<std::byte>& answer) {
+Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
+                                      std::span<const std::byte> datagram, Time now,
+                                      std::vector<std::byte>& answer) {
   ClientSession* const session = find(sealed.session);
   if (session == nullptr) {
     encode(NoSession{sealed.session}, answer);
-    check(answer.size() <= datagram.size(), "a stranger gets no more than it sent");
+    check(answer.size() <= datagram.size(), "an answer is no longer than the datagram that it answers");
     return refuse(WireRefusal::UnknownSession);
   }
   const bool first = !session->is_confirmed();
   const Peer before = session->client();
-  const Decoded<ReceivedMessage> heard = session->take(from, sealed, datagram, now, answer);
+  const Decoded<ReceivedMessage> received = session->receive(from, sealed, datagram, now, answer);
   if (session->client() != before) ++counters_.moved;
-  if (first && session->is_confirmed()) end_earlier(session->id());
-  if (!heard) return refuse(heard.error());
-  if (*heard == ReceivedMessage::Stray) ++counters_.stray;
-  if (*heard == ReceivedMessage::Stray || *heard == ReceivedMessage::Positions) return {};
-  ++counters_.requests;
-  if (*heard == ReceivedMessage::Unanswered) ++counters_.unanswered;
-  if (*heard == ReceivedMessage::Superseded) ++counters_.superseded;
-  if (*heard == ReceivedMessage::Outdated) ++counters_.outdated;
-  if (*heard == ReceivedMessage::TooLarge) ++counters_.too_large;
+  if (first && session->is_confirmed()) end_replaced(session->id());
+  if (!received) return refuse(received.error());
+  count(*received);
   return {};
 }
 
-/// A client that was started anew at its address needs its older session no more.
-void Sessions::end_earlier(SessionId kept) {
+void Sessions::count(ReceivedMessage received) {
+  if (received == ReceivedMessage::Stray) ++counters_.stray;
+  if (received == ReceivedMessage::Stray || received == ReceivedMessage::Positions) return;
+  ++counters_.requests;
+  if (received == ReceivedMessage::Unanswered) ++counters_.unanswered;
+  if (received == ReceivedMessage::Superseded) ++counters_.superseded;
+  if (received == ReceivedMessage::Outdated) ++counters_.outdated;
+  if (received == ReceivedMessage::TooLarge) ++counters_.too_large;
+}
+
+/// A client that was restarted at its address does not need its older session any more.
+void Sessions::end_replaced(SessionId kept) {
   const ClientSession& newer = *find(kept);
   const std::string name = newer.name();
   const Peer client = newer.client();
   counters_.replaced += std::erase_if(sessions_, [&](const ClientSession& session) {
     return session.id() != kept && session.name() == name && session.client() == client;
   });
+}
+
+void Sessions::offer(AnswerSet answers) {
+  served_.answers = answers;
+  counters_.withdrawn += std::erase_if(sessions_, [&](const ClientSession& session) {
+    return session.wanted() && (set_of(*session.wanted()) & answers) == 0;
+  });
+  for (ClientSession& session : sessions_) session.offer(answers);
 }
 
 std::optional<Job> Sessions::next_job(Time now) {
@@ -147,9 +161,9 @@ ClientSession* Sessions::find(SessionId id) {
   return found == sessions_.end() ? nullptr : &*found;
 }
 
-void Sessions::forget_silent(Time now) {
+void Sessions::end_silent(Time now) {
   counters_.forgotten += std::erase_if(sessions_, [&](const ClientSession& session) {
-    return now - session.heard_at() > (session.is_confirmed() ? limits_.silence : limits_.unconfirmed);
+    return now - session.last_received() > (session.is_confirmed() ? limits_.silence : limits_.unconfirmed);
   });
 }
 

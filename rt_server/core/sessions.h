@@ -1,8 +1,9 @@
-/// Sessions: who is in, and whose request is traced next. A value without sockets, threads or clocks.
+/// Sessions: which clients are connected, and whose request is answered next. A value without sockets,
+/// threads or clocks.
 ///
-/// Of each client only the newest request waits; what it replaces is counted, never queued. The client for
-/// which least work was done comes first, of equals the one that was served longest ago. Memory is bounded:
-/// so many sessions, each of bounded size.
+/// The server stores only the newest request of each client. It counts the requests that a newer one
+/// replaced. The client on which the least work was spent is served next; among equals, the one that was
+/// served longest ago. Memory is bounded: the number of sessions and the size of each are.
 #pragma once
 
 #include <cstdint>
@@ -18,48 +19,54 @@ struct SessionLimits {
   std::size_t sessions = 64;
   double handshakes_per_second = 100;
   double bytes_per_second = 12.5e6;                ///< to one client
-  Duration silence = std::chrono::seconds(10);     ///< a client that says nothing for so long is forgotten
-  Duration unconfirmed = std::chrono::seconds(5);  ///< the same before it has said anything sealed
+  Duration silence = std::chrono::seconds(10);     ///< timeout of a session
+  Duration unconfirmed = std::chrono::seconds(5);  ///< the same until its first sealed datagram has arrived
 };
 
 struct SessionCounters {
   std::uint64_t welcomed = 0;    ///< sessions begun
-  std::uint64_t repeated = 0;    ///< hellos of sessions that were there
-  std::uint64_t forgotten = 0;   ///< sessions ended by silence
+  std::uint64_t repeated = 0;    ///< hellos of sessions that exist
+  std::uint64_t forgotten = 0;   ///< sessions ended by timeout
   std::uint64_t replaced = 0;    ///< sessions ended by a newer one of the same key from the same address
+  std::uint64_t withdrawn = 0;   ///< sessions ended because the answer they use is no longer offered
   std::uint64_t moved = 0;       ///< changes of a client's address
-  std::uint64_t requests = 0;    ///< from clients in session
-  std::uint64_t superseded = 0;  ///< of these, replaced by a newer one before their turn
-  std::uint64_t outdated = 0;    ///< of these, not newer than one that came before
-  std::uint64_t too_large = 0;   ///< of these, for more pixels than may be asked for
-  std::uint64_t unanswered = 0;  ///< of these, for what this server does not give
-  std::uint64_t stray = 0;       ///< messages with positions of no request that waits
-  std::uint64_t scene_mismatch = 0, busy = 0;  ///< proved hellos that were refused
-  std::uint64_t held_back = 0;                 ///< frames that the limit of bytes a second slowed
+  std::uint64_t requests = 0;    ///< requests of all sessions; the next four count some of them
+  std::uint64_t superseded = 0;  ///< replaced by a newer request before they were answered
+  std::uint64_t outdated = 0;    ///< not newer than an earlier request
+  std::uint64_t too_large = 0;   ///< for more pixels than allowed
+  std::uint64_t unanswered = 0;  ///< for an answer that the server does not offer
+  std::uint64_t stray = 0;       ///< position messages that belong to no waiting request
+  std::uint64_t scene_mismatch = 0, busy = 0;  ///< hellos with a valid key that were refused
+  std::uint64_t held_back = 0;                 ///< frames slowed by the limit of bytes per second
   friend bool operator==(const SessionCounters&, const SessionCounters&) = default;
 };
 
 class Sessions {
  public:
-  /// `served` is what a client with the same scene is told; `ring` who may come.
+  /// `served` goes to each client that has the same scene. Clients need a key of `ring`.
   Sessions(const Welcome& served, const std::vector<SharedKey>& ring, const SessionLimits& limits = {});
 
-  /// Takes one datagram from `from`. `answer` becomes what to send back there at once, never longer than
+  /// Processes one datagram from `from`. `answer` becomes a datagram to send there at once, never longer than
   /// `datagram`, or is left empty.
   Decoded<void> handle(const Peer& from, std::span<const std::byte> datagram, Time now,
                        std::vector<std::byte>& answer);
 
-  /// The newest request of the client whose turn it is; it waits no more.
+  /// Removes and returns the request to answer next, if one is ready.
   std::optional<Job> next_job(Time now);
 
-  /// The messages of the frame that answers a job, and the work that it took. A session that has ended
-  /// meanwhile gets nothing.
+  /// Queues the messages that answer a job, and counts the `work` that it took. Does nothing if the session
+  /// has ended.
   void put(SessionId session, std::span<const std::vector<std::byte>> messages, Duration work, Time now);
 
-  /// Seals the next datagram that is due; false: none is.
+  /// From now on offers only `answers`. Sessions that use another answer end: their clients are told so by
+  /// NoSession, connect again and read in the Welcome what is offered.
+  void offer(AnswerSet answers);
+
+  /// Seals the next datagram that is due, for `to`. Returns false if none is.
   bool seal_due(Time now, Peer& to, std::vector<std::byte>& datagram);
 
-  /// When next_job or seal_due next has something to do, if nothing comes; the past if they have now.
+  /// When next_job() or seal_due() next has something to do if no datagram arrives. A time in the past means
+  /// now.
   [[nodiscard]] std::optional<Time> job_at() const;
   [[nodiscard]] std::optional<Time> due_at() const;
 
@@ -67,21 +74,23 @@ class Sessions {
   [[nodiscard]] const SessionCounters& counters() const { return counters_; }
   [[nodiscard]] const GateCounters& gate() const { return gate_.counters(); }
 
-  /// What has happened since the last call, for the log: who came, and which proved client was refused why.
+  /// For the log: a client with a valid key was welcomed, or refused for a reason.
   struct Event {
     std::string name;
     Peer client;
     std::optional<RefusalReason> refused{};
   };
+  /// The newest event since the last call.
   std::optional<Event> take_event() { return std::exchange(event_, std::nullopt); }
 
  private:
-  void greet(const Peer& from, const Hello& hello, std::span<const std::byte> datagram, Time now,
-             std::vector<std::byte>& answer);
-  Decoded<void> take(const Peer& from, const Sealed& sealed, std::span<const std::byte> datagram, Time now,
-                     std::vector<std::byte>& answer);
-  void end_earlier(SessionId kept);
-  void forget_silent(Time now);
+  void handle_hello(const Peer& from, const Hello& hello, std::span<const std::byte> datagram, Time now,
+                    std::vector<std::byte>& answer);
+  Decoded<void> handle_sealed(const Peer& from, const Sealed& sealed, std::span<const std::byte> datagram,
+                              Time now, std::vector<std::byte>& answer);
+  void count(ReceivedMessage received);
+  void end_replaced(SessionId kept);
+  void end_silent(Time now);
   [[nodiscard]] ClientSession* find(SessionId id);
 
   Welcome served_;
@@ -89,7 +98,7 @@ class Sessions {
   Gate gate_;
   std::vector<ClientSession> sessions_;
   std::uint64_t jobs_ = 0;
-  Duration work_{};  ///< at which the client stood whose turn came last: who was away begins there
+  Duration work_{};  ///< Turn::work of the client served last: a new or idle client starts at this value
   SessionCounters counters_;
   std::optional<Event> event_;
 };

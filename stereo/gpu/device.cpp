@@ -250,13 +250,20 @@ Expected<Survey> survey(const DeviceOptions& wish) try {
   return fail(Fault::Missing, std::string("Vulkan cannot be asked for its devices: ") + error.what());
 }
 
+/// Any failure is reported as a lost device: the device must then be opened again.
 void submit_and_wait(const Device& device, const vk::raii::CommandBuffer& commands,
                      const vk::raii::Fence& fence) {
   const vk::CommandBuffer handle = *commands;
-  device.queue.submit(vk::SubmitInfo{.commandBufferCount = 1, .pCommandBuffers = &handle}, *fence);
-  if (device.logical.waitForFences(*fence, true, kGpuTimeout_ns) != vk::Result::eSuccess)
-    throw std::runtime_error("vkWaitForFences: the device did not finish within 30 s");
-  device.logical.resetFences(*fence);
+  try {
+    device.queue.submit(vk::SubmitInfo{.commandBufferCount = 1, .pCommandBuffers = &handle}, *fence);
+    if (device.logical.waitForFences(*fence, true, kGpuTimeout_ns) != vk::Result::eSuccess)
+      throw vk::DeviceLostError("vkWaitForFences: the device did not finish within 30 s");
+    device.logical.resetFences(*fence);
+  } catch (const vk::OutOfHostMemoryError& error) {
+    throw vk::DeviceLostError(error.what());
+  } catch (const vk::OutOfDeviceMemoryError& error) {
+    throw vk::DeviceLostError(error.what());
+  }
 }
 
 }  // namespace farshade::gpu

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <thread>
 
+#include "rt_server/answers/answers.h"
 #include "rt_server/core/server_core.h"
 #include "stereo/base/check.h"
 #include "stereo/base/quantile.h"
@@ -82,10 +83,9 @@ Expected<void> run(const Options& options) {
   const SteadyClock clock;
   const auto light_count = narrow<std::uint32_t>(scene->lights.size());
   const SharedKey key{.name = "bench", .secret = {1}};
-  ServerCore core(
-      {scene->hash, light_count}, {key},
-      [&](const FrameRequest& request, ShadowFrame& frame) { return tracer->trace(request, frame); }, **port,
-      clock);
+  AnswerMakers answers;
+  answers.add(Answer::Masks, make_masks(*tracer));
+  ServerCore core({scene->hash, light_count}, {key}, std::move(answers), **port, clock);
   NetworkLink link(*client->port, clock, {client->server, key, scene->hash, light_count}, 8);
   {
     std::jthread welcoming([&](const std::stop_token& stop) {

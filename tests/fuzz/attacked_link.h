@@ -1,6 +1,5 @@
-/// A link in virtual time that somebody listens to, for the targets of whole conversations: taps that keep
-/// what was said, datagrams that never arrive, and masks cheap enough to be painted a thousand times a
-/// second.
+/// A link in virtual time with an attacker, for the targets that run whole conversations: ports that record
+/// and withhold datagrams, and masks that can be painted a thousand times per second.
 #pragma once
 
 #include <map>
@@ -9,6 +8,7 @@
 #include "rt_server/core/server_core.h"
 #include "stereo/net/virtual_link.h"
 #include "tests/fuzz/edits.h"
+#include "tests/unit/answers_from.h"
 #include "vr_client/link/network_link.h"
 
 namespace farshade::fuzz {
@@ -18,15 +18,15 @@ using Bytes = std::vector<std::byte>;
 inline constexpr Welcome kServed{{1, 2, 3}, 3};
 
 [[nodiscard]] FrameRequest request(std::uint32_t frame);
-/// In place of a tracer: masks that differ from frame to frame, eye to eye and pixel to pixel.
+/// Replaces the tracer: masks that differ in each frame, eye and pixel.
 TraceStats paint(const FrameRequest& asked, ShadowFrame& frame);
 
 [[nodiscard]] SharedKey key_named(std::string name);
 
-/// A port whose datagrams are kept, as sent; `hold_next` of them get no further.
+/// A port that records the datagrams it sends, and withholds the next `hold_next` of them.
 class Tap final : public DatagramPort {
  public:
-  /// Keeps them in `heard`, which outlives it.
+  /// Records into `heard`, which must outlive the port.
   Tap(DatagramPort& port, std::vector<Bytes>& heard) : port_(port), heard_(heard) {}
 
   [[nodiscard]] Peer local() const override { return port_.local(); }
@@ -45,18 +45,18 @@ class Tap final : public DatagramPort {
   std::vector<Bytes>& heard_;
 };
 
-/// One of `heard`, the newest first, shortened and changed as the input says; nothing if there is none.
+/// One of `heard`, counted from the newest, truncated and changed by the input; empty if there is none.
 [[nodiscard]] Bytes heard_again(const std::vector<Bytes>& heard, Choices& choices, std::uint32_t most_edits);
 
-/// A genuine client that knows what it should get.
+/// A genuine client that checks the masks it receives.
 struct GenuineClient {
   GenuineClient(DatagramPort& port, const Clock& time, const Peer& server, std::string name,
                 std::vector<Bytes>& heard);
 
   void ask();
-  /// Every whole mask in hand is the one that was painted.
+  /// Checks that every complete mask is the painted one.
   void check_masks() const;
-  /// Asks until it has its masks, `tries` times at most, and waits `patience` for each.
+  /// Sends requests until it has complete masks, at most `tries`. Waits `patience` for each.
   [[nodiscard]] bool gets_masks(int tries, Duration patience);
 
   const Clock& clock;
@@ -65,7 +65,7 @@ struct GenuineClient {
   std::uint32_t asked = 0;
 };
 
-/// Lets the server do all that it can do now.
+/// Lets the server do everything that it can do now.
 void serve(ServerCore& core);
 
 }  // namespace farshade::fuzz

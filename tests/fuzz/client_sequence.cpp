@@ -1,7 +1,7 @@
-// A client with a live session, and an attacker who hears all, says anything in the server's name, and keeps
-// its datagrams from arriving. An input is what happens, step by step, in virtual time. After it the client
-// gets its next masks bit for bit, and keeps the session that it had; it may begin another only if datagrams
-// were withheld, or if it was told that its own is lost. Nothing is taken twice.
+// A client with a live session, and an attacker who reads every datagram, sends any bytes from the server's
+// address, and withholds datagrams. The input is a list of steps in virtual time. Afterwards the client must
+// get its next masks bit for bit and keep its session. It may begin another one only if datagrams were
+// withheld, or if it received a NoSession. It must accept no slice twice.
 #include <spdlog/spdlog.h>
 
 #include "tests/fuzz/attacked_link.h"
@@ -13,7 +13,7 @@ using fuzz::Bytes;
 
 namespace {
 
-constexpr int kMostSteps = 32;  ///< of at most 255 ms: no session ends by silence
+constexpr int kMostSteps = 32;  ///< of at most 255 ms each, so that no session times out
 
 class Conversation {
  public:
@@ -24,7 +24,7 @@ class Conversation {
  private:
   void say(const Bytes& datagram);
   void make(fuzz::Choices& choices);
-  /// Of the newest datagram of this kind that was heard, by either side.
+  /// The newest recorded datagram of this type, of either side.
   template <class Envelope>
   [[nodiscard]] Envelope newest(auto open) const;
   void check_client() const;
@@ -33,11 +33,11 @@ class Conversation {
   VirtualLink wire_{clock_, {}};
   std::vector<Bytes> heard_;
   fuzz::Tap server_tap_{wire_.server(), heard_};
-  ServerCore core_{fuzz::kServed,  {fuzz::key_named("desk")}, fuzz::paint, server_tap_, clock_,
+  ServerCore core_{fuzz::kServed,  {fuzz::key_named("desk")}, masks_from(fuzz::paint), server_tap_, clock_,
                    {.sessions = 4}};
   std::optional<fuzz::GenuineClient> client_;
-  bool withheld_ = false;  ///< something that client or server said
-  bool disowned_ = false;  ///< somebody said that there is no such session
+  bool withheld_ = false;  ///< a datagram of the client or the server
+  bool disowned_ = false;  ///< the client received a NoSession for its session
 };
 
 Conversation::Conversation() {
@@ -46,7 +46,7 @@ Conversation::Conversation() {
   check(client_->gets_masks(1, 100ms), "an undisturbed client gets its masks");
 }
 
-/// In the server's name; not through the tap.
+/// Sends from the server's address, past the tap.
 void Conversation::say(const Bytes& datagram) {
   const auto envelope = open_server_envelope(datagram);
   if (envelope && std::holds_alternative<NoSession>(*envelope)) disowned_ = true;
@@ -59,10 +59,10 @@ Envelope Conversation::newest(auto open) const {
   for (auto datagram = heard_.rbegin(); datagram != heard_.rend(); ++datagram)
     if (const auto envelope = open(*datagram))
       if (const auto* found = std::get_if<Envelope>(&*envelope)) return *found;
-  check_failed("one was heard", "", CallPlace::current());
+  check_failed("one was recorded", "", CallPlace::current());
 }
 
-/// What may be said in the open, with all that an attacker can know in its place.
+/// Sends an unsealed message that is as correct as an attacker can make it.
 void Conversation::make(fuzz::Choices& choices) {
   const Echo echo = echo_of(newest<Hello>(open_client_envelope).client);
   const SessionId session = newest<Sealed>(open_server_envelope).session;
@@ -117,20 +117,20 @@ void Conversation::step(fuzz::Choices& choices) {
 void Conversation::check_client() const {
   client_->check_masks();
   const NetworkLink::Counters counters = client_->link.counters();
-  check_eq(counters.assembler.duplicates, 0u, "slices taken twice");
-  check_eq(counters.assembler.refused.total(), 0u, "slices that opened and are none");
-  check(!client_->link.refused(), "nobody but the server refuses");
+  check_eq(counters.assembler.duplicates, 0u, "slices accepted twice");
+  check_eq(counters.assembler.refused.total(), 0u, "malformed slices");
+  check(!client_->link.refused(), "only the server can refuse");
   if (!withheld_ && !disowned_) {
-    check(client_->link.welcomed(), "the session stays");
-    check_eq(counters.sessions, 1u, "sessions: the one from the beginning");
-    check_eq(counters.missing, 0u, "nothing was withheld, nothing is missed");
+    check(client_->link.welcomed(), "the session lives on");
+    check_eq(counters.sessions, 1u, "sessions: the first one");
+    check_eq(counters.missing, 0u, "missing: nothing was withheld");
   }
 }
 
 void Conversation::finish() {
   server_tap_.hold_next = client_->tap.hold_next = 0;
   check(client_->gets_masks(withheld_ || disowned_ ? 60 : 1, 100ms), "the client gets its masks");
-  check(client_->link.welcomed(), "and has a session");
+  check(client_->link.welcomed(), "and is in session");
   check_client();
 }
 

@@ -1,7 +1,8 @@
-// A server with two live sessions, and an attacker who hears all, says anything in anybody's name, and keeps
-// datagrams from arriving. An input is what happens, step by step, in virtual time. After it the genuine
-// clients get their masks bit for bit; at once if nothing of theirs was withheld. Only what they said
-// counted, and counted once; strangers got no more bytes than they sent.
+// A server with two live sessions, and an attacker who reads every datagram, sends any bytes from any
+// address, and withholds datagrams. The input is a list of steps in virtual time. Afterwards the genuine
+// clients must get their masks bit for bit, with the first request if none of their datagrams was withheld.
+// The server must have counted each of their requests once and no other, and sent no stranger more bytes than
+// it received.
 #include <spdlog/spdlog.h>
 
 #include <deque>
@@ -15,9 +16,9 @@ using fuzz::Bytes;
 
 namespace {
 
-constexpr std::uint32_t kGenuine = 2, kPlaces = 6;  ///< clients, and all places that datagrams come from
+constexpr std::uint32_t kGenuine = 2, kPlaces = 6;  ///< genuine clients, and addresses in all
 constexpr std::size_t kMostSessions = 4;
-constexpr int kMostSteps = 32;  ///< of at most 255 ms: no session ends by silence
+constexpr int kMostSteps = 32;  ///< of at most 255 ms each, so that no session times out
 
 class Conversation {
  public:
@@ -39,10 +40,11 @@ class Conversation {
   fuzz::Tap server_tap_{wire_.server(), heard_};
   const std::vector<SharedKey> ring_{fuzz::key_named("left"), fuzz::key_named("right"),
                                      fuzz::key_named("new")};
-  ServerCore core_{fuzz::kServed, ring_, fuzz::paint, server_tap_, clock_, {.sessions = kMostSessions}};
+  ServerCore core_{fuzz::kServed, ring_,  masks_from(fuzz::paint),
+                   server_tap_,   clock_, {.sessions = kMostSessions}};
   std::deque<fuzz::GenuineClient> clients_;
-  std::map<Peer, std::uint64_t> bytes_from_;  ///< of strangers
-  bool withheld_ = false;                     ///< something that a genuine client or the server said
+  std::map<Peer, std::uint64_t> bytes_from_;  ///< bytes sent by strangers
+  bool withheld_ = false;                     ///< a datagram of a genuine client or of the server
 };
 
 Conversation::Conversation() {
@@ -63,13 +65,13 @@ std::optional<Retry> Conversation::retry_to(std::uint32_t place) {
   std::array<std::byte, kMaxDatagram_bytes> buffer;
   while (const auto datagram = wire_.client(place).receive(buffer, 0s)) {
     const auto envelope = open_server_envelope(datagram->bytes);
-    check(envelope.has_value(), "the server says nothing that is not understood");
+    check(envelope.has_value(), "the server sends only valid datagrams");
     if (const auto* retry = std::get_if<Retry>(&*envelope)) return *retry;
   }
   return std::nullopt;
 }
 
-/// Somebody else comes, as a client does.
+/// A new client says hello, with or without a key of the ring.
 void Conversation::knock(std::uint32_t place, const SharedKey& key) {
   ClientHandshake handshake(key, fuzz::kServed.scene_hash);
   Bytes hello;
@@ -123,13 +125,13 @@ void Conversation::check_server() {
   std::uint64_t asked = 0;
   for (const fuzz::GenuineClient& client : clients_) asked += client.asked;
   if (withheld_)
-    check(counters.sessions.requests <= asked, "what was said counts once");
+    check(counters.sessions.requests <= asked, "each request counts once at most");
   else
-    check_eq(counters.sessions.requests, asked, "requests: what was said counts, once");
+    check_eq(counters.sessions.requests, asked, "requests: each counts once");
   check(counters.sessions_open <= kMostSessions, "no more sessions than allowed");
   for (std::uint32_t place = kGenuine; place < kPlaces; ++place) {
     const Peer peer = wire_.client(place).local();
-    check(server_tap_.bytes_to[peer] <= bytes_from_[peer], "a stranger gets no more than it sent");
+    check(server_tap_.bytes_to[peer] <= bytes_from_[peer], "a stranger receives no more bytes than it sent");
   }
 }
 
@@ -138,8 +140,8 @@ void Conversation::finish() {
   for (fuzz::GenuineClient& client : clients_) client.tap.hold_next = 0;
   for (fuzz::GenuineClient& client : clients_) {
     check(client.gets_masks(withheld_ ? 150 : 1, 100ms), "a genuine client gets its masks");
-    check(client.link.welcomed() && !client.link.refused(), "and has its session");
-    if (!withheld_) check_eq(client.link.counters().sessions, 1u, "sessions: the one from the beginning");
+    check(client.link.welcomed() && !client.link.refused(), "and is in session");
+    if (!withheld_) check_eq(client.link.counters().sessions, 1u, "sessions: the first one");
   }
   check_server();
 }

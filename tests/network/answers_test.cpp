@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "rt_server/answers/answers.h"
+#include "rt_server/answers/answer_renderer.h"
 #include "rt_server/answers/video_streams.h"
 #include "stereo/base/check.h"
 #include "stereo/net/assembler.h"
@@ -107,7 +107,7 @@ class ServerAnswers : public testing::Test {
   /// As a client has it that all of it reaches.
   const ReceivedFrame& received() {
     packer_.begin();
-    answers_.answer(job_, packer_);
+    answers_.answer(job_, packer_, {});
     assembler_.clear();
     assembler_.expect(job_.request, {narrow<std::uint32_t>(scene_.lights.size())}, kFirstLightSet);
     for (const std::vector<std::byte>& message : packer_.finish({.frame = job_.request.frame})) {
@@ -120,7 +120,7 @@ class ServerAnswers : public testing::Test {
   Scene scene_ = load_scene(FARSHADE_ASSETS "/room.glb").value();
   ScenePlan plan_ = plan_for(scene_, {.all_lights = true});
   Tracer tracer_ = Tracer::create(scene_, plan_.trace).value();
-  Answers answers_{{.scene = scene_, .plan = plan_, .tracer = tracer_}};
+  AnswerMakers answers_ = make_answers({.scene = scene_, .plan = plan_, .tracer = tracer_});
   Job job_{};
   FramePacker packer_;
   Assembler assembler_;
@@ -163,6 +163,16 @@ TEST_F(ServerAnswers, MasksOfPositionsAreOfThoseThatHaveCome) {
   EXPECT_FALSE(received().anything_known()) << "nothing is left of the request before";
 }
 
+/// Pictures after the device was lost are those of before.
+TEST_F(ServerAnswers, AReopenedDeviceDrawsTheSamePicture) {
+  AnswerRenderer renderer({.scene = scene_, .plan = plan_, .tracer = tracer_});
+  if (const Expected<void> can = renderer.can_draw(); !can) GTEST_SKIP() << can.error().what;
+  const PerEye<Image<Rgb8>> before = renderer.draw(job_.request).renderer.read_shown();
+  ASSERT_TRUE(renderer.reopen());
+  const PerEye<Image<Rgb8>> after = renderer.draw(job_.request).renderer.read_shown();
+  for (std::size_t eye = 0; eye < kEyes; ++eye) EXPECT_EQ(before[eye].pixels, after[eye].pixels) << eye;
+}
+
 /// What no codec and no device can make ends no server.
 TEST_F(ServerAnswers, WhatCannotBeMadeIsLeftOut) {
   if (!has_video()) GTEST_SKIP() << video_version();
@@ -171,7 +181,7 @@ TEST_F(ServerAnswers, WhatCannotBeMadeIsLeftOut) {
   const auto messages = [&](Extent size) {
     for (View& view : job_.request.views) view.size = size;
     packer_.begin();
-    answers_.answer(job_, packer_);
+    answers_.answer(job_, packer_, {});
     return packer_.finish({.frame = {1}}).size();
   };
   EXPECT_EQ(messages({8, 8}), 1u) << "too small for the codec: the report alone";

@@ -3,6 +3,7 @@
 
 #include <map>
 
+#include "rt_server/answers/answers.h"
 #include "rt_server/core/server_core.h"
 #include "stereo/head/reader.h"
 #include "stereo/net/virtual_link.h"
@@ -51,10 +52,10 @@ struct FarServer {
         [this] { return core->next_due(); });
   }
   void start() {
-    core.emplace(
-        Welcome{ground().scene.hash, lights()}, std::vector{key},
-        [this](const FrameRequest& request, ShadowFrame& frame) { return tracer.trace(request, frame); },
-        wire.server(), clock);
+    AnswerMakers answers;
+    answers.add(Answer::Masks, make_masks(tracer));
+    core.emplace(Welcome{ground().scene.hash, lights()}, std::vector{key}, std::move(answers), wire.server(),
+                 clock);
   }
   static std::uint32_t lights() { return static_cast<std::uint32_t>(ground().scene.lights.size()); }
 

@@ -120,12 +120,9 @@ Played play(const Play& play, const Network& network) {
   const auto lights = narrow<std::uint32_t>(play.scene.lights.size());
   const SharedKey key{.name = "rehearsal", .secret = {1}};
   const ScenePlan plan = plan_for(play.scene, {.all_lights = true});
-  Answers answers({.scene = play.scene, .plan = plan, .tracer = tracer});
-  ServerCore core(
-      {play.scene.hash, lights, Welcome{}.most_pixels, answers.offered()}, {key},
-      [&](const FrameRequest& request, ShadowFrame& frame) { return tracer.trace(request, frame); },
-      wire.server(), clock, play.limits, SameAllOver::OneValue,
-      [&](const Job& job, FramePacker& packer) { return answers.answer(job, packer); });
+  ServerCore core({play.scene.hash, lights}, {key},
+                  make_answers({.scene = play.scene, .plan = plan, .tracer = tracer}), wire.server(), clock,
+                  play.limits);
   wire.while_waiting(
       [&] {
         while (core.receive(Duration::zero())) {

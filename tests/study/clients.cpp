@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "rt_server/answers/answers.h"
 #include "stereo/base/check.h"
 #include "stereo/tracer/tracer.h"
 #include "tests/study/figures.h"
@@ -54,10 +55,9 @@ nlohmann::json measure_clients(const Play& play, std::uint32_t clients, std::uin
   if (!tracer) throw std::runtime_error(tracer.error().what);
   const auto lights = narrow<std::uint32_t>(play.scene.lights.size());
   const SharedKey key{.name = "study", .secret = {1}};
-  ServerCore core(
-      {play.scene.hash, lights}, {key},
-      [&](const FrameRequest& request, ShadowFrame& frame) { return tracer->trace(request, frame); },
-      wire.server(), clock, play.limits);
+  AnswerMakers answers;
+  answers.add(Answer::Masks, make_masks(*tracer));
+  ServerCore core({play.scene.hash, lights}, {key}, std::move(answers), wire.server(), clock, play.limits);
   const SteadyClock real;
   Duration busy{};
   wire.while_waiting(

@@ -1,5 +1,5 @@
-/// A client for tests of the server, as short as it can be: it shakes hands, seals, opens and assembles, and
-/// notes all that it is told. It has no socket and no clock, and says only what a test makes it say.
+/// LinkClient: a minimal client for tests of the server. It shakes hands, seals, opens and assembles, and
+/// keeps everything it receives. It has no socket and no clock, and sends only what a test tells it to send.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,12 +11,13 @@
 #include "stereo/net/arrivals.h"
 #include "stereo/net/assembler.h"
 #include "stereo/wire/handshake.h"
+#include "tests/unit/answers_from.h"
 
 namespace farshade::link_test {
 
 using Bytes = std::vector<std::byte>;
 
-/// Heaps cannot be measured, and all takes ten times as long.
+/// With a sanitizer, heap sizes mean nothing and everything takes ten times as long.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kSanitized = true;
 #else
@@ -46,7 +47,7 @@ struct LinkClient {
     handshake.write_hello(datagram);
     return datagram;
   }
-  /// Expects the masks and asks for them, with all that a request says besides.
+  /// A sealed request. The assembler expects its masks.
   Bytes ask(const FrameRequest& request) {
     assembler.expect(request, {scene.light_count}, request.lights.revision);
     return seal({.request = request, .probe_echo = probe, .arrivals = arrivals.report()});
@@ -58,7 +59,7 @@ struct LinkClient {
     return datagram;
   }
 
-  /// What to say at once to this: the hello again, with the cookie that has come, or nothing.
+  /// Processes a datagram. Returns the reply: the hello with the cookie of a retry, or nothing.
   Bytes take(std::span<const std::byte> datagram, Time arrived) {
     const Decoded<ServerEnvelope> envelope = open_server_envelope(datagram);
     if (!envelope) {
@@ -85,7 +86,7 @@ struct LinkClient {
   std::optional<Opener> opener{};
   Arrivals arrivals{};
   Assembler assembler{};
-  std::uint64_t probe = 0;  ///< the newest token; a test may put it back to 0
+  std::uint64_t probe = 0;  ///< the newest token; a test may reset it to 0
   std::optional<Welcome> welcome{};
   std::optional<Refusal> refusal{};
   std::optional<OpenRefusal> open_refusal{};
@@ -128,13 +129,13 @@ struct LinkClient {
   }
 };
 
-/// The same on a port.
+/// A LinkClient on a port.
 struct PortClient : LinkClient {
   PortClient(DatagramPort& own, const Peer& to, SharedKey client_key, const Welcome& served)
       : LinkClient(std::move(client_key), served), port(own), server(to) {}
 
   void say(const Bytes& datagram) { port.send(server, datagram); }
-  /// False: nothing came.
+  /// Receives one datagram and replies. Returns false if none came.
   bool hear(Duration wait) {
     std::array<std::byte, kMaxDatagram_bytes> buffer;
     const auto datagram = port.receive(buffer, wait);
@@ -142,7 +143,7 @@ struct PortClient : LinkClient {
     if (const Bytes reply = take(datagram->bytes, datagram->arrived); !reply.empty()) say(reply);
     return true;
   }
-  /// Shakes hands; false: no session after `patience`.
+  /// Shakes hands. Returns false if there is no session after `patience`.
   bool meet(Duration patience) {
     say(hello());
     while (!session && hear(patience)) {
@@ -154,7 +155,7 @@ struct PortClient : LinkClient {
   Peer server;
 };
 
-/// Lets a server in virtual time do all that it can do now.
+/// Lets a server in virtual time do everything that it can do now.
 inline void serve(ServerCore& core) {
   while (core.receive(Duration::zero())) {
   }

@@ -89,7 +89,7 @@ struct LinkBench {
       traced_lights[asked.frame.value] = asked.lights;
       return paint(asked, made);
     };
-    server.emplace(served, ring, trace, server_port, clock, limits);
+    server.emplace(served, ring, masks_from(trace), server_port, clock, limits);
   }
   void serve() {
     if (server) {

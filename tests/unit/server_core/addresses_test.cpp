@@ -14,7 +14,7 @@ const Welcome kServed{{1, 2, 3}, 3};
 const SharedKey kKey = key_named("ada");
 const Peer kHome{{0, 1}, 0, 1}, kAway{{0, 2}, 0, 1}, kThief{{0, 3}, 0, 1};
 
-/// One client in session, whose address is kHome.
+/// One client in session, with the address kHome.
 struct Moving : testing::Test {
   Moving() {
     say(kHome, client.hello());
@@ -36,7 +36,7 @@ struct Moving : testing::Test {
     return client.seal({.request = request_of(++frame, {64, 64}), .probe_echo = client.probe});
   }
   void ask(const Peer& from) { say(from, next_request()); }
-  /// Where the slices of the newest request go.
+  /// The address to which the slices of the newest request are sent.
   Peer slices_go_to() {
     const auto job = sessions.next_job(now);
     EXPECT_TRUE(job.has_value());
@@ -87,6 +87,37 @@ TEST_F(SessionAddress, DoesNotMoveToWhoReplaysACaughtDatagramFirst) {
   EXPECT_EQ(sessions.counters().moved, 0u);
   EXPECT_GT(sent_to[kThief], 0u);
   EXPECT_LE(sent_to[kThief], got_from[kThief]);
+}
+
+/// A thief that intercepts datagrams can let the client return the token: it forwards the server's probe.
+/// That must not help it any more once the client was heard at its own address.
+TEST_F(SessionAddress, NewsFromTheKnownAddressEndsTheCandidacyOfAnother) {
+  say(kThief, next_request());  // intercepted: never reaches the server from home
+  client.take(heard, now);      // the probe, forwarded
+  ASSERT_EQ(client.probes, 1u);
+  ask(kHome);
+  say(kThief, next_request());  // intercepted, with the token
+  EXPECT_EQ(sessions.counters().moved, 0u);
+  EXPECT_EQ(slices_go_to(), kHome);
+}
+
+/// A keep-alive goes to the known address. If it carried the candidate's token, the client would return it.
+TEST_F(SessionAddress, KeepAliveDoesNotCarryTheTokenOfACandidate) {
+  const Bytes late = next_request();
+  say(kThief, next_request());  // intercepted: the thief becomes a candidate
+  now += 1s;
+  say(kHome, late);  // older, so the thief remains the candidate
+  ASSERT_EQ(client.probes, 1u) << "the keep-alive";
+  say(kThief, next_request());  // intercepted, with what the keep-alive brought
+  EXPECT_EQ(sessions.counters().moved, 0u);
+}
+
+TEST_F(SessionAddress, ANewCandidateGetsANewToken) {
+  ask(kAway);
+  const std::uint64_t first = client.probe;
+  ask(Peer{{0, 4}, 0, 1});
+  EXPECT_NE(client.probe, first);
+  EXPECT_EQ(sessions.counters().moved, 0u);
 }
 
 TEST_F(SessionAddress, TokenOfOneAddressMovesNothingToAnother) {

@@ -1,4 +1,4 @@
-/// A flood of datagrams from addresses that are not the sender's: what the server answers and what it keeps.
+// A flood of datagrams with spoofed addresses: tests the size of the server's answers and of its memory.
 
 #include <gtest/gtest.h>
 #include <malloc.h>
@@ -28,7 +28,7 @@ std::uint64_t resident_bytes() {
   return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
-/// Everybody at once: each receive() is another address and another datagram.
+/// A port on which each receive() returns another datagram from another address.
 class Flood final : public DatagramPort {
  public:
   explicit Flood(std::uint64_t datagrams) : left_(datagrams) {
@@ -65,7 +65,7 @@ class Flood final : public DatagramPort {
         into[k] = static_cast<std::byte>(word >> 8 * (k - i));
     }
   }
-  /// Returns its size.
+  /// Writes a datagram into `into` and returns its size.
   std::size_t make(std::span<std::byte> into) {
     std::ranges::copy(hello_, into.begin());
     constexpr std::size_t kHead = 7, kPublic = 32;  // magic, version and type; then the public key
@@ -75,20 +75,20 @@ class Flood final : public DatagramPort {
       fill(into.first(size));
       return size;
     }
-    if (kind == 1) {  // of another version
+    if (kind == 1) {  // hello of another version
       into[4] = static_cast<std::byte>(3 + random_() % 250);
       return random_() % 4 == 0 ? random_() % (into.size() + 1) : into.size();
     }
     fill(into.subspan(kHead, kPublic));
-    if (kind == 2) fill(into.subspan(kHelloLasting_bytes, 16));  // a cookie
+    if (kind == 2) fill(into.subspan(kHelloLasting_bytes, 16));  // with a random cookie
     if (kind == 3) fill(into.subspan(kHead, kHelloProved_bytes - kHead + 32));
-    if (kind == 4) {  // sealed, of no session
+    if (kind == 4) {  // sealed, for no session
       into[6] = std::byte{6};
       const std::size_t size = random_() % (into.size() + 1);
       fill(into.subspan(kHead));
       return size;
     }
-    return hello_.size();  // kind 5: as it should be, without a cookie
+    return hello_.size();  // kind 5: a correct first hello
   }
 
   std::uint64_t left_;
@@ -102,8 +102,8 @@ class Flood final : public DatagramPort {
 TEST(ServerFlood, AnswersSpoofedDatagramsWithFewerBytesAndKeepsNothing) {
   ManualClock clock;
   Flood flood(kFlood + 1000);
-  ServerCore core(kServed, {kKey}, {}, flood, clock);
-  for (int i = 0; i < 1000; ++i) core.receive(0s);  // buffers are as large as they get
+  ServerCore core(kServed, {kKey}, AnswerMakers(), flood, clock);
+  for (int i = 0; i < 1000; ++i) core.receive(0s);  // afterwards the buffers do not grow
   const std::uint64_t before = resident_bytes();
   for (std::uint64_t i = 0; i < kFlood; ++i) {
     clock.advance_to(Time(i * 20us));
@@ -121,7 +121,7 @@ TEST(ServerFlood, AnswersSpoofedDatagramsWithFewerBytesAndKeepsNothing) {
               static_cast<long long>(after) - static_cast<long long>(before));
   EXPECT_LE(counters.port.sent_bytes, counters.port.received_bytes);
   EXPECT_LE(flood.worst(), 0) << "no single answer is longer than what it answers";
-  // The sanitizers keep freed memory: it says nothing of ours.
+  // Sanitizers keep freed memory.
   if (!kSanitized) {
     EXPECT_LT(after, before + kMiB);
   }
@@ -131,10 +131,10 @@ TEST(ServerFlood, AnswersSpoofedDatagramsWithFewerBytesAndKeepsNothing) {
   EXPECT_GT(counters.refused[WireRefusal::UnknownSession], kFlood / 10);
 }
 
-/// What the server keeps of a client besides its frame's datagrams, after a minute of requests that change
-/// lights, tell of arrivals, and come from ever new addresses.
+/// The memory of a session without its frame's datagrams, after a minute of requests that change lights,
+/// report arrivals and come from changing addresses.
 TEST(ServerMemory, ASessionIsUnderTwoMebibytesBeyondItsFrame) {
-  if (kSanitized) GTEST_SKIP() << "the sanitizers' heap cannot be measured so";
+  if (kSanitized) GTEST_SKIP() << "the heap of a sanitizer cannot be measured";
   constexpr std::size_t kClients = 64, kMessages = 12;
   const std::vector<Bytes> messages(kMessages, Bytes(kMaxMessage_bytes, std::byte{7}));
   std::vector<LinkClient> clients(kClients, LinkClient(kKey, kServed));

@@ -52,7 +52,7 @@ struct GateTest : testing::Test {
   [[nodiscard]] ServerEnvelope said() const { return *open_server_envelope(answer); }
   [[nodiscard]] bool says_retry() const { return std::holds_alternative<Retry>(said()); }
 
-  /// Has a cookie of `now` for `from`.
+  /// A client with a cookie made at `now` for `from`.
   Client with_cookie(Time now, const Peer& from = kFrom, const SharedKey& key = shared_key()) {
     Client client(key);
     EXPECT_EQ(knock(client, now, from), nullptr);

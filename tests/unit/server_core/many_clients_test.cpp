@@ -1,5 +1,5 @@
-/// Sixty-four clients at one server whose tracer takes 5 ms a frame: three times what it can trace.
-/// Everything happens in virtual time; the network goes on while a frame is traced.
+// Sixty-four clients at one server whose tracer takes 5 ms per frame: they request three times as much as it
+// can trace. Everything happens in virtual time. The network continues while a frame is traced.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ constexpr Duration kTime = kSanitized ? 2s : 6s;
 const Welcome kServed{{1, 2, 3}, 3};
 const SharedKey kKey = key_named("ada");
 
-/// Masks that depend on all that a client asks with.
+/// Masks that depend on everything in a request.
 void paint(const FrameRequest& asked, ShadowFrame& frame) {
   frame.frame = asked.frame;
   frame.light_set_revision = asked.lights.revision;
@@ -68,7 +68,7 @@ struct Member : PortClient {
       say(ask(next_request(now)));
     }
   }
-  /// Ten times as often as others: noise, forgeries, hellos, and requests that nobody needs.
+  /// Sends ten times as often as others: noise, forged datagrams, hellos and absurd requests.
   void harass(Time now) {
     Bytes noise(any(kMaxDatagram_bytes));
     for (std::byte& byte : noise) byte = static_cast<std::byte>(random());
@@ -122,14 +122,12 @@ struct Member : PortClient {
 struct Crowd {
   explicit Crowd(const std::vector<Manner>& manners)
       : link(clock, {.to_server = {.delay = 5ms}, .to_client = {.delay = 5ms}}, manners.size()),
-        core(
-            kServed, {kKey},
-            [this](const FrameRequest& asked, ShadowFrame& frame) {
-              paint(asked, frame);
-              pass_until(clock.now() + kTrace);
-              return TraceStats{};
-            },
-            link.server(), clock) {
+        core(kServed, {kKey}, masks_from([this](const FrameRequest& asked, ShadowFrame& frame) {
+               paint(asked, frame);
+               pass_until(clock.now() + kTrace);
+               return TraceStats{};
+             }),
+             link.server(), clock) {
     for (std::size_t i = 0; i < manners.size(); ++i)
       members.emplace_back(link.client(i), link.server().local(), i, manners[i]);
   }

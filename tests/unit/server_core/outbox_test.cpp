@@ -17,7 +17,7 @@ std::vector<std::vector<std::byte>> frame(std::size_t messages, std::size_t byte
   return made;
 }
 
-/// When each left, of who takes each when it is due.
+/// Takes each message when it is due; returns the times.
 std::vector<Time> leave(Outbox& outbox) {
   std::vector<Time> left;
   while (const auto due = outbox.due()) {
@@ -89,7 +89,7 @@ TEST(Outbox, MemoryIsUsedAgainAndOldMessagesDoNotComeBack) {
 TEST(OutboxDeathTest, RefusesASecondFrameBeforeTheFirstHasLeft) {
   Outbox outbox;
   outbox.put(frame(2), at(0), milliseconds(10), 1e6);
-  EXPECT_DEATH(outbox.put(frame(2), at(0), milliseconds(10), 1e6), "when the last has left");
+  EXPECT_DEATH(outbox.put(frame(2), at(0), milliseconds(10), 1e6), "only when it is empty");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A request that brings positions: it waits for them, for so long, and no more of them than it said.
+// Requests with positions: the server waits for them until a timeout, and accepts no more than announced.
 #include <gtest/gtest.h>
 
 #include "stereo/net/virtual_link.h"
@@ -20,18 +20,14 @@ FrameRequest with_positions(std::uint32_t frame, std::uint32_t slices) {
   return request;
 }
 
-/// Counts what each answered request brought.
+/// A server that records how many position messages each answered request had.
 struct Bench {
   explicit Bench(AnswerSet answers = kTracedAnswers) {
-    Welcome served = kServed;
-    served.answers = answers;
-    core.emplace(
-        served, kRing, [](const FrameRequest&, ShadowFrame&) { return TraceStats{}; }, link.server(), clock,
-        SessionLimits{}, SameAllOver::OneValue,
-        [this](const Job& job, FramePacker&) {
-          brought.push_back(job.positions.size());
-          return AnswerCost{};
-        });
+    const auto count = [this](const Job& job, FramePacker&) {
+      brought.push_back(job.positions.size());
+      return AnswerCost{};
+    };
+    core.emplace(kServed, kRing, answers_from(answers, count), link.server(), clock);
     link.while_waiting(
         [this] {
           while (core->receive(0s)) {
@@ -85,7 +81,7 @@ TEST(ServerPositions, ThoseThatAreLostAreWaitedForNoLongerThanALull) {
   Bench bench;
   bench.client.say(bench.client.ask(with_positions(1, 3)));
   bench.say_positions(1);
-  bench.pass(kPositionsLull - 1ms);
+  bench.pass(kPositionsTimeout - 1ms);
   EXPECT_TRUE(bench.brought.empty());
   bench.pass(2ms);
   EXPECT_EQ(bench.brought, std::vector<std::size_t>{1});

@@ -15,13 +15,13 @@ using std::chrono::seconds;
 constexpr Duration kInterval = std::chrono::nanoseconds(13'888'889);
 constexpr double kFullBytes = 20'400;
 
-/// A client that follows the advice and a path that takes each frame before the next.
+/// A client that follows the advice, and a path that takes each frame before the next one is sent.
 struct Client {
   Quality quality;
   Time now{};
-  double exponent = 1.5;  ///< of the scale, in a frame's true bytes
-  double swing = 0;       ///< of the rate, down and up, every 3 s
-  double noise = 0;       ///< of a frame's bytes
+  double exponent = 1.5;  ///< true bytes of a frame grow with scale^exponent
+  double swing = 0;       ///< relative change of the rate, down and up, every 3 s
+  double noise = 0;       ///< relative noise of a frame's bytes
   ViewScale scale = kFullViewScale;
   int steps_down = 0, steps_up = 0;
   std::mt19937_64 random{5};  // the seed
@@ -43,7 +43,7 @@ struct Client {
   }
 };
 
-/// The rate that carries a full frame in every four intervals.
+/// The rate that carries a full frame in four intervals.
 const double kFourIntervals = kFullBytes / (4 * seconds_of(kInterval));
 
 TEST(Quality, SlowerPathLowersTheMaskRateFirst) {

@@ -24,7 +24,7 @@ FrameRequest request(std::uint32_t frame) {
   return request_of(frame, kSize);
 }
 
-/// Masks that differ from frame to frame, eye to eye and pixel to pixel.
+/// Masks that differ in each frame, eye and pixel.
 TraceStats paint(const FrameRequest& asked, ShadowFrame& frame) {
   frame.frame = asked.frame;
   frame.light_set_revision = asked.lights.revision;
@@ -45,10 +45,11 @@ PerEye<EyeMask> painted(std::uint32_t frame) {
   return made.masks;
 }
 
-/// A server and a client over a virtual link, in one thread.
+/// A server and a client on a virtual link, in one thread.
 struct Bench {
-  explicit Bench(const LinkModels& models = {}, TraceFunction trace = paint) : link(clock, models) {
-    core.emplace(kServed, kRing, std::move(trace), link.server(), clock);
+  explicit Bench(const LinkModels& models = {}, AnswerMakers answers = masks_from(paint))
+      : link(clock, models) {
+    core.emplace(kServed, kRing, std::move(answers), link.server(), clock);
     link.while_waiting([this] { serve(*core); }, [this] { return core->next_due(); });
   }
 
@@ -127,6 +128,31 @@ TEST(ServerCore, TracesNothingForStrangers) {
   EXPECT_EQ(bench.core->counters().sessions_open, 0u);
 }
 
+TEST(ServerCore, WithdrawsAnAnswerThatCanNoLongerBeMade) {
+  AnswerMakers answers = answers_from(set_of(Answer::GBuffer), [](const Job&, FramePacker&) -> AnswerCost {
+    throw AnswersLost(set_of(Answer::GBuffer), "no device");
+  });
+  answers.add(Answer::Masks,
+              std::make_unique<AnswerFrom>([](const Job&, FramePacker&) { return AnswerCost{}; }));
+  Bench bench({}, std::move(answers));
+  ASSERT_TRUE(bench.client.meet(1s));
+  EXPECT_EQ(bench.client.welcome->answers, set_of(Answer::GBuffer) | set_of(Answer::Masks));
+  FrameRequest asked = request(1);
+  asked.wanted.answer = Answer::GBuffer;
+  bench.client.say(bench.client.ask(asked));
+  while (bench.client.hear(10ms)) {
+  }
+  EXPECT_EQ(bench.core->counters().sessions.withdrawn, 1u);
+  asked.frame = {2};
+  bench.client.say(bench.client.ask(asked));
+  while (bench.client.hear(10ms)) {
+  }
+  EXPECT_EQ(bench.client.no_session, 1u);
+  PortClient again(bench.link.client(), bench.link.server().local(), kRing[0], kServed);
+  ASSERT_TRUE(again.meet(1s));
+  EXPECT_EQ(again.welcome->answers, set_of(Answer::Masks));
+}
+
 TEST(ServerCore, SlicesLeaveOverHalfTheFrameIntervalAndNotAtOnce) {
   Bench bench;
   ASSERT_TRUE(bench.client.meet(1s));
@@ -180,16 +206,14 @@ TEST(Serving, NewestWinsWhileTheTracerIsBusyOverRealUdp) {
   std::latch tracing(1), all_asked(1);
   std::atomic<int> traced = 0;
   const SteadyClock clock;
-  ServerCore core(
-      kServed, kRing,
-      [&](const FrameRequest& asked, ShadowFrame& frame) {
-        if (traced++ == 0) {
-          tracing.count_down();
-          all_asked.wait();
-        }
-        return paint(asked, frame);
-      },
-      **port, clock);
+  ServerCore core(kServed, kRing, masks_from([&](const FrameRequest& asked, ShadowFrame& frame) {
+                    if (traced++ == 0) {
+                      tracing.count_down();
+                      all_asked.wait();
+                    }
+                    return paint(asked, frame);
+                  }),
+                  **port, clock);
   const Serving serving(core);
 
   PortClient client(*connected->port, connected->server, kRing[0], kServed);
@@ -197,7 +221,7 @@ TEST(Serving, NewestWinsWhileTheTracerIsBusyOverRealUdp) {
   client.say(client.ask(request(1)));
   tracing.wait();
   for (std::uint32_t frame = 2; frame <= 6; ++frame) client.say(client.ask(request(frame)));
-  // Loopback keeps the order: once the server has counted this as no message, it has all the requests.
+  // Loopback keeps the order: when the server has counted this malformed datagram, it has all requests.
   connected->port->send(connected->server, std::array<std::byte, 1>{});
   while (core.counters().refused.total() == 0) std::this_thread::yield();
   all_asked.count_down();
@@ -214,7 +238,7 @@ TEST(Serving, ServesTwoClientsAtOnceOverRealUdp) {
   auto port = listen_udp("127.0.0.1:0");
   ASSERT_TRUE(port.has_value());
   const SteadyClock clock;
-  ServerCore core(kServed, kRing, paint, **port, clock);
+  ServerCore core(kServed, kRing, masks_from(paint), **port, clock);
   std::array<std::uint32_t, 2> whole{};
   {
     const Serving serving(core);
@@ -235,7 +259,7 @@ TEST(Serving, ServesTwoClientsAtOnceOverRealUdp) {
         }
       });
   }
-  // Loopback may lose a datagram where the machine is busy.
+  // Loopback may lose a datagram if the machine is busy.
   for (const std::uint32_t frames : whole) EXPECT_GE(frames, 45u);
   EXPECT_EQ(core.counters().sessions.welcomed, 2u);
 }
@@ -244,7 +268,7 @@ TEST(Serving, EndsWhileNothingHappens) {
   auto port = listen_udp("127.0.0.1:0");
   ASSERT_TRUE(port.has_value());
   const SteadyClock clock;
-  ServerCore core(kServed, kRing, paint, **port, clock);
+  ServerCore core(kServed, kRing, masks_from(paint), **port, clock);
   const Stopwatch watch;
   { const Serving serving(core); }
   EXPECT_LT(watch.elapsed(), 10s);

@@ -1,0 +1,50 @@
+#include "rt_server/answers/device_recovery.h"
+
+#include <spdlog/spdlog.h>
+
+#include <vulkan/vulkan.hpp>
+
+namespace farshade {
+namespace {
+
+class Recovering final : public AnswerMaker {
+ public:
+  Recovering(std::unique_ptr<AnswerMaker> maker, std::shared_ptr<DeviceRecovery> recovery)
+      : recovery_(std::move(recovery)), maker_(std::move(maker)) {}
+
+  AnswerCost answer(const Job& job, FramePacker& packer) override {
+    return recovery_->answer(*maker_, job, packer);
+  }
+
+ private:
+  std::shared_ptr<DeviceRecovery> recovery_;
+  std::unique_ptr<AnswerMaker> maker_;
+};
+
+[[noreturn]] void give_up(const std::string& why) {
+  throw AnswersLost(kDrawnAnswers,
+                    "pictures need a device, and " + why + "; restart the server to offer them");
+}
+
+}  // namespace
+
+AnswerCost DeviceRecovery::answer(AnswerMaker& maker, const Job& job, FramePacker& packer) {
+  try {
+    const AnswerCost cost = maker.answer(job, packer);
+    losses_ = 0;
+    return cost;
+  } catch (const vk::DeviceLostError& lost) {
+    const std::string why = lost.what();
+    if (++losses_ == kMostLosses) give_up(fmt::format("it was lost {} times in a row: {}", kMostLosses, why));
+    if (const Expected<void> opened = reopen_(); !opened)
+      give_up(fmt::format("it was lost ({}) and cannot be opened again: {}", why, opened.error().what));
+    throw std::runtime_error("the device was lost and has been opened again: " + why);
+  }
+}
+
+std::unique_ptr<AnswerMaker> recovering(std::unique_ptr<AnswerMaker> maker,
+                                        std::shared_ptr<DeviceRecovery> recovery) {
+  return std::make_unique<Recovering>(std::move(maker), std::move(recovery));
+}
+
+}  // namespace farshade

@@ -1,0 +1,36 @@
+/// DeviceRecovery: what happens when the Vulkan device that answers are drawn on is lost. It is opened again;
+/// if that does not help, the answers that need it are no longer offered.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "rt_server/core/answer_makers.h"
+#include "stereo/base/expected.h"
+
+namespace farshade {
+
+/// Shared by all makers that draw on the same device.
+class DeviceRecovery {
+ public:
+  /// After so many losses without an answer between them the device is given up.
+  static constexpr int kMostLosses = 3;
+
+  /// `reopen` closes the device with everything made on it, and opens a device again.
+  explicit DeviceRecovery(std::function<Expected<void>()> reopen) : reopen_(std::move(reopen)) {}
+
+  /// Lets `maker` answer `job`. If the device is lost (vk::DeviceLostError), reopens it, and throws
+  /// std::runtime_error: this request gets no answer, the next one does. Throws AnswersLost with all drawn
+  /// answers if the device cannot be opened again, or was lost kMostLosses times in a row.
+  AnswerCost answer(AnswerMaker& maker, const Job& job, FramePacker& packer);
+
+ private:
+  std::function<Expected<void>()> reopen_;
+  int losses_ = 0;  ///< since the last answer
+};
+
+/// `maker`, called through `recovery`.
+[[nodiscard]] std::unique_ptr<AnswerMaker> recovering(std::unique_ptr<AnswerMaker> maker,
+                                                      std::shared_ptr<DeviceRecovery> recovery);
+
+}  // namespace farshade

@@ -1,0 +1,57 @@
+#include "rt_server/core/answer_makers.h"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "stereo/base/check.h"
+
+namespace farshade {
+namespace {
+
+constexpr std::size_t index_of(Answer answer) {
+  return static_cast<std::size_t>(answer);
+}
+
+}  // namespace
+
+std::optional<std::string> FailureLog::failed(const std::string& what, Time now) {
+  if (logged_at_ && now - *logged_at_ < kInterval) {
+    ++not_logged_;
+    return std::nullopt;
+  }
+  logged_at_ = now;
+  const std::uint64_t others = std::exchange(not_logged_, 0);
+  return others == 0 ? what : fmt::format("{} ({} more failures since the last line)", what, others);
+}
+
+void AnswerMakers::add(Answer answer, std::unique_ptr<AnswerMaker> maker) {
+  check(maker != nullptr, "an answer that is offered has a maker");
+  makers_[index_of(answer)] = std::move(maker);
+}
+
+AnswerSet AnswerMakers::offered() const {
+  AnswerSet offered = 0;
+  for (std::size_t i = 0; i < kAnswers; ++i)
+    if (makers_[i]) offered |= set_of(static_cast<Answer>(i));
+  return offered;
+}
+
+AnswerCost AnswerMakers::answer(const Job& job, FramePacker& packer, Time now) {
+  AnswerMaker* const maker = makers_[index_of(job.request.wanted.answer)].get();
+  check(maker != nullptr, "a session accepts requests for offered answers only");
+  try {
+    return maker->answer(job, packer);
+  } catch (const AnswersLost& lost) {
+    spdlog::error("answers are no longer offered: {}", lost.what());
+    for (std::size_t i = 0; i < kAnswers; ++i)
+      if ((lost.answers & set_of(static_cast<Answer>(i))) != 0) makers_[i].reset();
+  } catch (const std::exception& error) {
+    if (const auto line = failures_.failed(error.what(), now))
+      spdlog::warn("a request cannot be answered: {}", *line);
+  }
+  packer.begin();
+  return {};
+}
+
+}  // namespace farshade

@@ -1,0 +1,69 @@
+/// AnswerMakers: the kinds of answer that a server offers, and the object that makes each of them.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "rt_server/core/session.h"
+#include "stereo/net/frame_packer.h"
+#include "stereo/tracer/tracer.h"
+
+namespace farshade {
+
+/// Work that an answer took, without packing.
+struct AnswerCost {
+  TraceStats traced{};
+  Duration draw{}, coding{};
+};
+
+/// Makes one kind of answer and reuses its buffers. Called by one thread at a time.
+class AnswerMaker {
+ public:
+  virtual ~AnswerMaker() = default;
+  /// Adds the messages of the answer to `packer`. Throws a std::exception if this request cannot be answered
+  /// (for example a picture that is too large for the device), and AnswersLost if no request can be.
+  virtual AnswerCost answer(const Job& job, FramePacker& packer) = 0;
+};
+
+/// `answers` cannot be made any more, whatever is requested. what() is a sentence for the log.
+struct AnswersLost : std::runtime_error {
+  AnswersLost(AnswerSet lost, const std::string& why) : std::runtime_error(why), answers(lost) {}
+  AnswerSet answers;
+};
+
+/// Limits the log of failures that may repeat with every frame: at most one line per interval.
+class FailureLog {
+ public:
+  static constexpr Duration kInterval = std::chrono::seconds(10);
+
+  /// Counts a failure. Returns the line to log: for the first failure, and for the first one that comes at
+  /// least kInterval after the last line; then with the number of failures in between.
+  [[nodiscard]] std::optional<std::string> failed(const std::string& what, Time now);
+
+ private:
+  std::optional<Time> logged_at_;
+  std::uint64_t not_logged_ = 0;
+};
+
+class AnswerMakers {
+ public:
+  /// Offers `answer` from now on. Replaces an earlier maker of that kind.
+  void add(Answer answer, std::unique_ptr<AnswerMaker> maker);
+
+  /// The kinds that have a maker.
+  [[nodiscard]] AnswerSet offered() const;
+
+  /// Lets the maker of the requested kind, which must be offered, answer `job`. If it throws, logs the reason
+  /// and leaves `packer` empty: a request that cannot be answered ends no session. After AnswersLost those
+  /// kinds are no longer offered.
+  AnswerCost answer(const Job& job, FramePacker& packer, Time now);
+
+ private:
+  std::array<std::unique_ptr<AnswerMaker>, kAnswers> makers_;  ///< by Answer; null: not offered
+  FailureLog failures_;
+};
+
+}  // namespace farshade

@@ -1,0 +1,104 @@
+#include "rt_server/answers/device_recovery.h"
+
+#include <gtest/gtest.h>
+
+#include <vulkan/vulkan.hpp>
+
+#include "tests/unit/answers_from.h"
+
+namespace farshade {
+namespace {
+
+using Device = int;  ///< a number, counted up with each opening
+
+/// All drawn answers of a device that is lost or cannot be opened when a test says so.
+struct Server {
+  Device opened = 1;
+  int lost = 0;  ///< draws that still fail with a lost device
+  bool can_open = true;
+  std::string other_failure;  ///< of a draw; empty for none
+  int drawn = 0;
+
+  AnswerMakers makers = [this] {
+    const auto draw = [this](const Job&, FramePacker&) {
+      if (!other_failure.empty()) throw std::runtime_error(other_failure);
+      if (lost > 0) {
+        --lost;
+        throw vk::DeviceLostError("vkQueueSubmit");
+      }
+      ++drawn;
+      return AnswerCost{};
+    };
+    const auto recovery = std::make_shared<DeviceRecovery>([this]() -> Expected<void> {
+      if (!can_open) return fail(Fault::Missing, "no driver");
+      ++opened;
+      return {};
+    });
+    AnswerMakers all = answers_from(kTracedAnswers, [](const Job&, FramePacker&) { return AnswerCost{}; });
+    for (const Answer answer : {Answer::GBuffer, Answer::Video, Answer::Difference})
+      all.add(answer, recovering(std::make_unique<AnswerFrom>(draw), recovery));
+    return all;
+  }();
+
+  void request(Answer answer = Answer::GBuffer) {
+    Job job{};
+    job.request.wanted.answer = answer;
+    FramePacker packer;
+    packer.begin();
+    makers.answer(job, packer, {});
+  }
+};
+
+TEST(DeviceRecovery, OpensALostDeviceAgainAndDrawsTheNextRequest) {
+  Server server;
+  server.request();
+  server.lost = 1;
+  server.request();
+  EXPECT_EQ(server.opened, 2);
+  EXPECT_EQ(server.drawn, 1) << "the request during the loss has no answer";
+  server.request();
+  EXPECT_EQ(server.drawn, 2);
+  EXPECT_EQ(server.makers.offered(), kEveryAnswer);
+}
+
+TEST(DeviceRecovery, StopsOfferingPicturesIfNoDeviceCanBeOpened) {
+  Server server;
+  server.lost = 1;
+  server.can_open = false;
+  server.request(Answer::Video);
+  EXPECT_EQ(server.makers.offered(), kTracedAnswers);
+  server.request(Answer::Masks);
+  server.request(Answer::MasksOfPositions);
+}
+
+TEST(DeviceRecovery, GivesUpADeviceThatIsLostAgainAndAgain) {
+  Server server;
+  server.lost = DeviceRecovery::kMostLosses;
+  for (int i = 0; i < DeviceRecovery::kMostLosses; ++i) {
+    EXPECT_EQ(server.makers.offered(), kEveryAnswer) << i;
+    server.request(i == 1 ? Answer::Video : Answer::GBuffer);
+  }
+  EXPECT_EQ(server.makers.offered(), kTracedAnswers);
+  EXPECT_EQ(server.opened, DeviceRecovery::kMostLosses) << "not opened once more";
+}
+
+TEST(DeviceRecovery, KeepsADeviceThatDrawsBetweenItsLosses) {
+  Server server;
+  for (int i = 0; i < 5 * DeviceRecovery::kMostLosses; ++i) {
+    server.lost = DeviceRecovery::kMostLosses - 1;
+    for (int k = 0; k < DeviceRecovery::kMostLosses; ++k) server.request();
+  }
+  EXPECT_EQ(server.makers.offered(), kEveryAnswer);
+  EXPECT_EQ(server.drawn, 5 * DeviceRecovery::kMostLosses);
+}
+
+TEST(DeviceRecovery, KeepsTheDeviceAfterAnyOtherFailure) {
+  Server server;
+  server.other_failure = "too large";
+  for (int i = 0; i < 2 * DeviceRecovery::kMostLosses; ++i) server.request();
+  EXPECT_EQ(server.opened, 1);
+  EXPECT_EQ(server.makers.offered(), kEveryAnswer);
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,70 @@
+#include "rt_server/core/answer_makers.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/answers_from.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+Job job_for(Answer answer) {
+  Job job{};
+  job.request.frame = {1};
+  job.request.wanted.answer = answer;
+  return job;
+}
+
+TEST(AnswerMakers, OffersTheKindsThatHaveAMaker) {
+  EXPECT_EQ(AnswerMakers().offered(), 0);
+  for (const AnswerSet answers : {kTracedAnswers, kDrawnAnswers, kEveryAnswer})
+    EXPECT_EQ(answers_from(answers, nullptr).offered(), answers);
+}
+
+TEST(AnswerMakers, AFailedAnswerLeavesNothingBehindAndTheNextIsMade) {
+  bool fails = true;
+  AnswerMakers makers = answers_from(kEveryAnswer, [&](const Job& job, FramePacker& packer) {
+    packer.add(job.request.frame, job.request.frame, std::array{std::byte{1}});
+    if (fails) throw std::runtime_error("too large");
+    return AnswerCost{.draw = 3ms};
+  });
+  FramePacker packer;
+  packer.begin();
+  EXPECT_EQ(makers.answer(job_for(Answer::Video), packer, {}).draw, 0ms);
+  EXPECT_EQ(packer.finish({.frame = {1}}).size(), 1u) << "the report alone";
+  EXPECT_EQ(makers.offered(), kEveryAnswer);
+  fails = false;
+  packer.begin();
+  EXPECT_EQ(makers.answer(job_for(Answer::Video), packer, {}).draw, 3ms);
+  EXPECT_EQ(packer.finish({.frame = {1}}).size(), 2u);
+}
+
+TEST(AnswerMakers, LostAnswersAreNoLongerOffered) {
+  AnswerMakers makers = answers_from(kEveryAnswer, [](const Job& job, FramePacker&) -> AnswerCost {
+    if (is_drawn(job.request.wanted.answer)) throw AnswersLost(kDrawnAnswers, "no device");
+    return {};
+  });
+  FramePacker packer;
+  packer.begin();
+  makers.answer(job_for(Answer::Masks), packer, {});
+  EXPECT_EQ(makers.offered(), kEveryAnswer);
+  makers.answer(job_for(Answer::GBuffer), packer, {});
+  EXPECT_EQ(makers.offered(), kTracedAnswers);
+}
+
+TEST(FailureLog, LogsTheFirstFailureAndThenOnePerIntervalWithACount) {
+  FailureLog log;
+  EXPECT_EQ(log.failed("first", Time(1s)), "first");
+  for (int i = 0; i < 7; ++i)
+    EXPECT_EQ(log.failed("other", Time(1s + FailureLog::kInterval - 1ms)), std::nullopt);
+  EXPECT_EQ(log.failed("late", Time(1s + FailureLog::kInterval)),
+            "late (7 more failures since the last line)");
+  EXPECT_EQ(log.failed("later", Time(2s + FailureLog::kInterval)), std::nullopt);
+  EXPECT_EQ(log.failed("last", Time(9s + 2 * FailureLog::kInterval)),
+            "last (1 more failures since the last line)");
+  EXPECT_EQ(log.failed("alone", Time(9s + 3 * FailureLog::kInterval)), "alone");
+}
+
+}  // namespace
+}  // namespace farshade
