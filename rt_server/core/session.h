@@ -95,7 +95,6 @@ class ClientSession {
   /// Removes the next message from the queue and seals it into `datagram`.
   void seal_due(Time now, std::vector<std::byte>& datagram);
 
-  [[nodiscard]] const RateControl& rate() const { return rate_; }
   /// Frames that left more slowly because of the limit of bytes per second.
   [[nodiscard]] std::uint64_t held_back() const { return held_back_; }
 

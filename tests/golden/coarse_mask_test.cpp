@@ -63,9 +63,9 @@ TEST_F(CoarseMask, ReadAtTheShownPixelIsNotShifted) {
   const StereoView fine = theatre_.eyes(theatre_.head());
   shown_ = fine;
   reference_ = theatre_.show_reference(shown_);
-  const double placed = psnr_of(asked_at(4, fine, GuardBandUse::Measured), {.lookup = Lookup::Direct});
+  const double placed = psnr_of(asked_at({4}, fine, GuardBandUse::Measured), {.lookup = Lookup::Direct});
   RecordProperty("db", std::to_string(placed));
-  StereoView turned = asked_at(4, fine, GuardBandUse::Measured);
+  StereoView turned = asked_at({4}, fine, GuardBandUse::Measured);
   for (View& view : turned) view.stage_from_eye.rotation *= rotation_exp({0, 0.008, 0});  // two shown pixels
   EXPECT_GT(placed, psnr_of(turned, {.lookup = Lookup::Direct}) + 1);
 }
