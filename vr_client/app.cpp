@@ -187,7 +187,9 @@ Expected<void> run_replay(const Options& options) {
                 fmt::format("{} was recorded with masks of {} lights, this plan has {}: "
                             "give the recording's --plan",
                             options.replay.string(), header.lights, client.plan.draw.mask.lights));
-  if (header.origin == MaskOrigin::OwnTracer || measures(options))
+  if (header.origin == MaskOrigin::OwnTracer)
+    if (auto done = open_own_tracer(client); !done) return done;
+  if (measures(options))
     if (auto done = open_reference(client); !done) return done;
 
   Reference* const reference = client.reference ? &*client.reference : nullptr;
@@ -200,7 +202,7 @@ Expected<void> run_replay(const Options& options) {
       .renderer = *client.renderer,
       .mode = {.mode = header.origin == MaskOrigin::OwnTracer ? Mode::Full : Mode::Hybrid},
       .link = replay.link(),
-      .own_tracer = header.origin == MaskOrigin::OwnTracer ? reference : nullptr,
+      .own_tracer = client.own_tracer ? &*client.own_tracer : nullptr,
       .steering = replay.steering(),
       .policy = header.policy};
   const auto compare = [&](const FrameView& view) { replay.watch(view, client.renderer->read_shown()); };
@@ -225,7 +227,9 @@ Expected<void> run_client(const Options& options) {
   Expected<std::unique_ptr<Client>> opened = open_client(options, trace->eye_distance_m);
   if (!opened) return tl::unexpected(opened.error());
   Client& client = **opened;
-  if (options.mode.mode == Mode::Full || measures(options))
+  if (options.mode.mode == Mode::Full)
+    if (auto done = open_own_tracer(client); !done) return done;
+  if (measures(options))
     if (auto done = open_reference(client); !done) return done;
   const bool taped = !options.record.empty();
   CaptureWriter tape(client.clock);
@@ -249,7 +253,7 @@ Expected<void> run_client(const Options& options) {
                            .renderer = *client.renderer,
                            .mode = options.mode,
                            .link = client.link ? &*client.link : nullptr,
-                           .own_tracer = options.mode.mode == Mode::Full ? reference : nullptr,
+                           .own_tracer = client.own_tracer ? &*client.own_tracer : nullptr,
                            .steering = steering,
                            .policy = policy};
   const auto record = [&](const FrameView& view) {

@@ -115,9 +115,17 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options, const Sess
 
 Expected<void> open_reference(Client& client) {
   if (client.reference) return {};
-  Expected<Tracer> tracer = Tracer::create(client.scene, client.plan.trace);
+  Expected<Tracer> tracer = Tracer::create_reference(client.scene, client.plan.trace);
   if (!tracer) return tl::unexpected(tracer.error());
   client.reference.emplace(std::move(*tracer));
+  return {};
+}
+
+Expected<void> open_own_tracer(Client& client) {
+  if (client.own_tracer) return {};
+  Expected<Tracer> tracer = Tracer::create(client.scene, client.plan.trace);
+  if (!tracer) return tl::unexpected(tracer.error());
+  client.own_tracer.emplace(std::move(*tracer));
   return {};
 }
 

@@ -19,7 +19,8 @@ struct Client {
   ScenePlan plan;
   gpu::Device device;
   std::unique_ptr<Renderer> renderer;
-  std::optional<Reference> reference;  ///< once it is needed
+  std::optional<Reference> reference;   ///< what pictures are measured against; made when first needed
+  std::optional<Reference> own_tracer;  ///< mode full: what it shows; made when first needed
   SteadyClock clock;
   std::unique_ptr<ImpairedPort> network;  ///< to the server; as good as it is where nothing impairs it
   Peer server;
@@ -49,8 +50,13 @@ inline constexpr double kWorstPreviewPath_ms = 400;
 [[nodiscard]] Expected<std::unique_ptr<Client>> open_client(const Options& options, const SessionNeeds& needs,
                                                             const RendererLimits& limits);
 
-/// Makes sure that there is a reference. Refuses a scene that cannot be traced.
+/// Makes the reference, unless there is one. It traces every ray, without proofs. Refuses a scene that cannot
+/// be traced.
 [[nodiscard]] Expected<void> open_reference(Client& client);
+
+/// Makes the tracer of mode full, unless there is one. It skips rays as the server does. Refuses a scene that
+/// cannot be traced.
+[[nodiscard]] Expected<void> open_own_tracer(Client& client);
 
 /// Opens the network and begins a session with the server, if the mode and the scene need one. A server that
 /// does not answer is a warning: the link goes on trying. A server that refuses us is an error.

@@ -136,7 +136,7 @@ class Preview {
             .renderer = *client_.renderer,
             .mode = options_.mode,
             .link = client_.link ? &*client_.link : nullptr,
-            .own_tracer = options_.mode.mode == Mode::Full ? &*client_.reference : nullptr,
+            .own_tracer = client_.own_tracer ? &*client_.own_tracer : nullptr,
             .steering = controls_.steering,
             .policy = policy()};
   }
@@ -315,7 +315,7 @@ Expected<void> run_preview(const Options& wish) {
       open_client(options, kWidestEyes_m);  // a viewer may set the eyes apart at any time
   if (!client) return tl::unexpected(client.error());
   if (options.mode.mode == Mode::Full)
-    if (auto done = open_reference(**client); !done) return done;
+    if (auto done = open_own_tracer(**client); !done) return done;
 
   Expected<void> done, finished;
   {

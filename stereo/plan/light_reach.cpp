@@ -7,14 +7,15 @@
 namespace farshade {
 namespace {
 
-/// Of distances: far more than double loses, and more than float does in shaders and rays.
+/// Relative margin of distances, and angle in radians. It exceeds the rounding of float in shaders and rays.
 constexpr double kSlack = 1e-5;
 
 double distance_to(const Bounds& box, const glm::dvec3& p) {
   return glm::length(p - glm::clamp(p, box.low, box.high));
 }
 
-/// The angle between `direction` and the nearest point of the ball about the box, as seen from `p`.
+/// The angle at `p` between `direction` and the nearest point of the box's bounding sphere; 0 if `p` is
+/// inside it.
 double angle_to_ball(const Bounds& box, const glm::dvec3& p, const glm::dvec3& direction) {
   const glm::dvec3 to_centre = (box.low + box.high) * 0.5 - p;
   const double radius = glm::length(box.high - box.low) * 0.5, distance = glm::length(to_centre);

@@ -7,7 +7,7 @@
 namespace farshade {
 namespace {
 
-/// "1.2 MB", of 10^6 bytes.
+/// For example "1.2 MB"; 1 MB is 10^6 bytes.
 std::string megabytes(std::uint64_t bytes) {
   return fmt::format("{:.3g} MB", static_cast<double>(bytes) * 1e-6);
 }
@@ -16,7 +16,7 @@ std::string line(std::string_view what, const std::string& words) {
   return fmt::format("  {:<12} {}\n", what, words);
 }
 
-/// How many meshes need something, and the bytes of those streams that do not.
+/// How many meshes use a vertex stream, and the bytes that the other meshes save without it.
 struct Stream {
   std::size_t used = 0;
   std::uint64_t spared_bytes = 0;
@@ -63,38 +63,39 @@ std::string surface_words(const ScenePlan& plan, const Scene& scene) {
   };
   const std::size_t holes = count(&SurfaceNeeds::alpha_test), backs = count(&SurfaceNeeds::back_test);
   return line("textures", of_meshes(stream_of(plan, scene, &SurfaceNeeds::texture, sizeof(glm::vec2)), scene,
-                                    "reads one: no texture coordinates, no bindings")) +
+                                    "has one: no texture coordinates, no bindings")) +
          line("vertex colour",
               of_meshes(stream_of(plan, scene, &SurfaceNeeds::vertex_color, sizeof(glm::u8vec4)), scene,
-                        "has any but white")) +
-         line("holes", holes == 0 ? "off: no alpha test in shaders, no filter for it on rays"
+                        "has another colour than white")) +
+         line("holes", holes == 0 ? "off: no alpha test in shaders, no alpha filter on rays"
                                   : fmt::format("on for {} of {} meshes", holes, scene.meshes.size())) +
-         line("backs", backs == 0 ? "off: all is seen from both sides, no filter on the rays of eyes"
-                                  : fmt::format("on for {} of {} meshes", backs, scene.meshes.size()));
+         line("back faces", backs == 0 ? "off: every surface is double-sided, no filter on primary rays"
+                                       : fmt::format("on for {} of {} meshes", backs, scene.meshes.size()));
 }
 
 std::string motion_words(const ScenePlan& plan) {
   const auto moving = std::ranges::count(plan.trace.moves, true);
   if (!plan.draw.anything_moves())
-    return line("motion",
-                "off: one acceleration structure of the best quality, never refitted; none in reprojection");
+    return line(
+        "motion",
+        "off: one acceleration structure of the best quality, never refitted; no motion in reprojection");
   return line("motion",
-              fmt::format("on for {} of {} instances{}: they are placed anew each frame, and carried back "
-                          "in reprojection",
+              fmt::format("on for {} of {} instances{}: each frame places them again, and reprojection "
+                          "follows their motion",
                           moving, plan.trace.moves.size(), plan.draw.lights_move ? " and for lights" : ""));
 }
 
 std::string light_use_words(const ScenePlan& plan) {
   return line("falloff", plan.draw.ranges_and_cones ? "on: some light has a range or a cone"
                                                     : "off: no light has a range or a cone") +
-         line("rays", plan.trace.skips_rays ? "only where a light can matter and is not proved to be in sight"
+         line("rays", plan.trace.skips_rays ? "only where a light can matter and is not proved to be visible"
                                             : "one for each covered pixel and light");
 }
 
 std::string session_words(const ScenePlan& plan) {
-  return line("other eye",
-              plan.draw.other_eye ? "on: its masks are looked up" : "off: one view, or nothing to look up") +
-         line("depth pass", plan.draw.depth_pass ? "on where other views are asked for than shown"
+  return line("other eye", plan.draw.other_eye ? "on: its masks are looked up"
+                                               : "off: there is one view, or masks fit the shown views") +
+         line("depth pass", plan.draw.depth_pass ? "on where the requested views differ from the shown ones"
                                                  : "off: masks fit the shown views") +
          line("server", plan.server ? "on: some light casts shadows" : "off: no light casts shadows");
 }

@@ -42,7 +42,7 @@ std::vector<LightFate> fates_of(const Scene& scene, const SessionNeeds& needs) {
   return fates;
 }
 
-/// Nothing left out, whatever the scene and the session.
+/// Leaves nothing out, whatever the scene and the session need.
 void turn_everything_on(ScenePlan& plan) {
   for (std::vector<SurfaceNeeds>* surfaces : {&plan.trace.surfaces, &plan.draw.surfaces})
     std::ranges::fill(*surfaces, SurfaceNeeds{true, true, true, true});

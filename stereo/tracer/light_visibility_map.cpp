@@ -89,18 +89,42 @@ void enter(LightVisibilityMap::Cell& cell, std::uint32_t plane, float depth) {
 }
 
 /// The twelve triangles of a box's surface.
-constexpr std::array<std::array<int, 3>, 12> kBoxTriangles{{{0, 1, 3},
-                                                            {0, 3, 2},
-                                                            {4, 6, 7},
-                                                            {4, 7, 5},
-                                                            {0, 4, 5},
-                                                            {0, 5, 1},
-                                                            {2, 3, 7},
-                                                            {2, 7, 6},
-                                                            {0, 2, 6},
-                                                            {0, 6, 4},
-                                                            {1, 5, 7},
-                                                            {1, 7, 3}}};
+constexpr std::array<std::array<std::size_t, 3>, 12> kBoxTriangles{{{0, 1, 3},
+                                                                    {0, 3, 2},
+                                                                    {4, 6, 7},
+                                                                    {4, 7, 5},
+                                                                    {0, 4, 5},
+                                                                    {0, 5, 1},
+                                                                    {2, 3, 7},
+                                                                    {2, 7, 6},
+                                                                    {0, 2, 6},
+                                                                    {0, 6, 4},
+                                                                    {1, 5, 7},
+                                                                    {1, 7, 3}}};
+
+/// Whether `point` lies in the box of a mover, or within `margin` metres of it. The box is a parallelepiped,
+/// which lies between three pairs of parallel planes.
+bool may_contain(const Patch& patch, const glm::dvec3& point, double margin) {
+  const glm::dmat3 linear(patch.placement.linear);
+  const glm::dvec3 from_center = point - glm::dvec3(patch.placement.translation);
+  for (int axis = 0; axis < 3; ++axis) {
+    const glm::dvec3 normal = glm::normalize(glm::cross(linear[(axis + 1) % 3], linear[(axis + 2) % 3]));
+    const double half = std::abs(glm::dot(normal, linear[axis])) * patch.object_half[axis];
+    if (std::abs(glm::dot(normal, from_center)) > half + margin) return false;
+  }
+  return true;
+}
+
+/// Appends the cells that the surface of a mover's box touches.
+void cover_box(const CellFrame& frame, const Patch& patch, std::vector<CellTouch>& touched) {
+  const glm::dmat3 linear(patch.placement.linear);
+  std::array<glm::dvec3, 8> corner;
+  for (std::size_t i = 0; i < corner.size(); ++i) {
+    const glm::dvec3 sign((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
+    corner[i] = linear * (sign * patch.object_half) + glm::dvec3(patch.placement.translation);
+  }
+  for (const auto& t : kBoxTriangles) cover(frame, {corner[t[0]], corner[t[1]], corner[t[2]]}, touched);
+}
 
 }  // namespace
 
@@ -161,20 +185,15 @@ void LightVisibilityMap::place(const SurfaceModel& model) {
   std::vector<CellTouch> touched;
   for (const Patch& patch : model.patches().subspan(model.fixed_count())) {
     if (patch.placement.singular) continue;
-    const glm::dmat3 linear(patch.placement.linear);
-    std::array<glm::dvec3, 8> corner;
-    for (std::size_t i = 0; i < corner.size(); ++i) {
-      const glm::dvec3 sign((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
-      corner[i] = linear * (sign * patch.object_half) + glm::dvec3(patch.placement.translation);
-    }
     CellFrame frame = frame_;
     frame.rounding =
         std::max(frame.rounding, kRounding * kUlp * double{patch.placement.reach + light_.reach});
-    for (const auto& t : kBoxTriangles)
-      cover(frame,
-            {corner[static_cast<std::size_t>(t[0])], corner[static_cast<std::size_t>(t[1])],
-             corner[static_cast<std::size_t>(t[2])]},
-            touched);
+    if (frame.cube && may_contain(patch, frame.origin, frame.rounding)) {
+      // From inside a box, its surface is its far end: the mover may stand before it in every direction.
+      for (std::uint32_t cell = 0; cell < cells_.size(); ++cell) touched.push_back({cell, 0.0f});
+      continue;
+    }
+    cover_box(frame, patch, touched);
   }
   for (const CellTouch& touch : touched) {
     float& moving = cells_[touch.cell].moving;

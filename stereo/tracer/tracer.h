@@ -1,23 +1,26 @@
-/// Tracer: which lights does each pixel's surface see? Primary rays through the pixel centres of both views,
-/// then for each pixel and each light that can matter there (covered, facing, in range and cone) one any-hit
-/// ray. The server answers requests with it; the client's reference mode `full` calls it directly.
+/// Tracer: computes which lights each pixel's surface sees. It casts primary rays through the pixel centres
+/// of both views, and then, for each pixel and each light that can matter there (the pixel is covered, faces
+/// the light, and lies in the light's range and cone), one any-hit ray. The server answers requests with it,
+/// and the client's mode `full` calls it directly.
 ///
-/// A mask bit, defined (tests/oracle holds this tracer to it, in double):
-///  - The pixel's surface is the nearest one on the ray through the pixel's centre. Single-sided materials
-///  are seen
-///    from their counter-clockwise side only, which a transform of negative determinant turns over (glTF 2.0,
-///    3.7.4). Where alpha = base colour factor x texture (bilinear, level 0, wrapped) x vertex colour is
-///    below the material's cutoff there is a hole. An instance whose transform is singular is not there.
-///  - The shading normal N is interpolated and carried to the stage by the inverse transpose; the geometric
-///  normal Ng
-///    is the triangle's, on its counter-clockwise side. Where the back of a double-sided surface is seen,
-///    both turn.
-///  - Light i's bit is 1 iff the light is on, N . L > 0 and Ng . L > 0, the point is nearer than the light's
-///    range (point, spot) and inside its outer cone (spot), and no surface lies strictly between the point
-///    and the light. Both sides of a surface cast; holes do not.
-///  - Pixels that no surface covers are 0.
-/// Float makes it inexact within rounding of edges, and of things closer than 2^-18 of the scene's extent to
-/// a surface.
+/// Definition of a mask bit. tests/oracle computes it in double, and tests compare this tracer with it.
+///
+/// - The pixel's surface is the nearest one on the ray through the pixel's centre. A single-sided material is
+///   seen from its counter-clockwise side only; a transform of negative determinant turns that side over
+///   (glTF 2.0, 3.7.4). A surface has a hole where alpha, which is base colour factor x texture (bilinear,
+///   level 0, wrapped) x vertex colour, is below the material's cutoff. An instance with a singular transform
+///   does not exist.
+/// - N is the shading normal, interpolated, and transformed to the stage by the inverse transpose. Ng is the
+///   geometric normal, on the triangle's counter-clockwise side. Both are negated where the viewer sees the
+///   back of a double-sided surface.
+/// - The bit of a light is 1 if and only if the light is on, N . L > 0, Ng . L > 0, the point is nearer than
+/// the
+///   light's range (point, spot) and inside its outer cone (spot), and no surface lies strictly between the
+///   point and the light. Both sides of a surface cast. Holes do not.
+/// - The bits of pixels that no surface covers are 0.
+///
+/// Float arithmetic makes the bits inexact within rounding of edges, and where an occluder is closer than
+/// 2^-18 of the scene's extent to the surface.
 #pragma once
 
 #include <memory>
@@ -31,14 +34,15 @@
 namespace farshade {
 
 struct TraceStats {
-  /// Wall time of both eyes; the stages of a tile follow each other at once, so it is shared out by their
-  /// core time.
+  /// Wall time of both eyes. The two stages of a tile run directly after one another, so the wall time is
+  /// divided in proportion to the core time of each stage.
   Duration primary{}, shadow{};
   std::uint64_t primary_rays = 0, shadow_rays = 0;
-  /// What a trace that leaves nothing out would cost: covered pixels x lights that are on, both eyes.
+  /// Shadow rays of a trace that skips nothing: covered pixels x lights that are on, both eyes.
   std::uint64_t full_shadow_rays = 0;
-  /// Those of them that are not traced. Dark, by the first of these: beyond the light's range, outside of its
-  /// cone, turned away from it. Lit: proven to have nothing in between.
+  /// Shadow rays that were skipped. The first three count dark pixel-lights, each by the first reason that
+  /// holds: beyond the light's range, outside of its cone, turned away from it. `proven` counts lit
+  /// pixel-lights where the light's map proves that nothing lies in between.
   std::uint64_t out_of_range = 0, out_of_cone = 0, turned_away = 0, proven = 0;
 
   TraceStats& operator+=(const TraceStats& more) {
@@ -54,26 +58,38 @@ struct TraceStats {
 class Tracer {
  public:
   /// Builds the acceleration structure. Keeps a reference to `scene`.
-  /// Refuses (Fault::Unavailable) when the device or its memory is not to be had.
+  /// Refuses (Fault::Unavailable) when the device or its memory is not available.
   [[nodiscard]] static Expected<Tracer> create(const Scene& scene, const TracePlan& plan);
-  /// With the plan of the scene, all of its lights kept.
+  /// With the plan of the scene, which keeps all of its lights.
   [[nodiscard]] static Expected<Tracer> create(const Scene& scene) {
     return create(scene, plan_for(scene, {.all_lights = true}).trace);
+  }
+
+  /// A tracer for the masks that others are compared with. It has no light maps and proves nothing: every
+  /// covered pixel sends a ray to every light that is on, whatever `plan` says. So a wrong proof cannot vouch
+  /// for itself.
+  [[nodiscard]] static Expected<Tracer> create_reference(const Scene& scene, TracePlan plan) {
+    plan.skips_rays = false;
+    return create(scene, plan);
+  }
+  [[nodiscard]] static Expected<Tracer> create_reference(const Scene& scene) {
+    return create_reference(scene, plan_for(scene, {.all_lights = true}).trace);
   }
 
   Tracer(Tracer&&) noexcept;
   Tracer& operator=(Tracer&&) noexcept;
   ~Tracer();
 
-  /// Traces `request` (valid views) against the scene at its scene_time and with its lights into `frame`,
-  /// whose buffers are reused. Nothing is kept of one request's lights for the next. Where both views
-  /// coincide one is traced and copied. One call at a time; uses all cores.
+  /// Traces `request` (valid views) into `frame`, whose buffers are reused, against the scene at the
+  /// request's scene_time and with the request's lights. No light change is kept for the next request. If
+  /// both views coincide, one is traced and copied. One call at a time. Uses all cores.
   TraceStats trace(const FrameRequest& request, ShadowFrame& frame);
 
-  /// The same without primary rays: the pixels' surfaces lie at `positions` on `grid`, planes of the views'
-  /// sizes. What has no word is not covered. Bits of lights behind a surface may be either: a shader that
-  /// knows the normal multiplies them by 0. The others are those of `trace` but for shadows that the grid
-  /// moves: rays start up to 2 E before the surface, E = sqrt(3) / 2 steps (placed_surface.h).
+  /// The same without primary rays: the pixels' surfaces lie at `positions` on `grid`, in planes of the
+  /// views' sizes. A pixel with word 0 is not covered. The bit of a light behind a surface may have either
+  /// value: a shader that knows the normal multiplies it by 0. The other bits equal those of the other
+  /// `trace`, except where the grid's rounding moves a shadow: rays start up to 2 E before the surface, E =
+  /// sqrt(3) / 2 steps (placed_surface.h).
   TraceStats trace(const FrameRequest& request, const PerEye<PositionPlanes>& positions,
                    const PositionGrid& grid, ShadowFrame& frame);
 

@@ -5,9 +5,10 @@
 namespace farshade {
 namespace {
 
-constexpr std::size_t kHierarchy_bytes = 67;  ///< a triangle
-constexpr std::size_t kBuilding_bytes =
-    43;  ///< more, a triangle that does not move, while all of them are built at once
+/// Per triangle.
+constexpr std::size_t kHierarchy_bytes = 67;
+/// In addition, per fixed triangle, while the structure over all of them is built.
+constexpr std::size_t kBuilding_bytes = 43;
 
 std::size_t map_bytes(const LightSource& light) {
   const std::size_t faces = light.kind == LightKind::Directional ? 1 : 6;

@@ -122,7 +122,7 @@ Expected<void> run(const Options& options) {
   if (!trace) return tl::unexpected(trace.error());
   const Expected<gpu::Device> device = gpu::open_device({options.gpu, gpu::Validation::Off});
   if (!device) return tl::unexpected(device.error());
-  Expected<Tracer> tracer = Tracer::create(*scene);
+  Expected<Tracer> tracer = Tracer::create_reference(*scene);
   if (!tracer) return tl::unexpected(tracer.error());
   const Rigid<Stage, Recorded> placed =
       scene->camera ? place(*trace, *scene->camera) : Rigid<Stage, Recorded>{};

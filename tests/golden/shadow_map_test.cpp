@@ -26,7 +26,7 @@ class Stand {
  public:
   Stand(const gpu::Device& device, Scene scene)
       : scene_(std::move(scene)),
-        tracer_(Tracer::create(scene_).value()),
+        tracer_(Tracer::create_reference(scene_).value()),
         renderer_(device, scene_, plan_for(scene_, {.carries_over = false, .all_lights = true}).draw,
                   {kSize, kSize, 1}) {}
 

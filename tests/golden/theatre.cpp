@@ -123,7 +123,7 @@ Theatre::Theatre(const gpu::Device& device, Scene scene, std::uint32_t side_px, 
     : scene_(std::move(scene)),
       state_(state_at(scene_, Time{})),
       side_px_(side_px),
-      tracer_(std::make_unique<Tracer>(value_of(Tracer::create(scene_)))),
+      tracer_(std::make_unique<Tracer>(value_of(Tracer::create_reference(scene_)))),
       renderer_(std::make_unique<Renderer>(
           device, scene_,
           RendererLimits{{side_px, side_px}, {side_px + side_px / 4, side_px + side_px / 4}, depth_frames})) {

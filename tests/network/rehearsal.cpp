@@ -116,7 +116,9 @@ Played play(const Play& play, const Network& network) {
   ManualClock clock;
   VirtualLink wire(clock, {.to_server = network.model, .to_client = network.model});
   Tracer tracer = value_of(Tracer::create(play.scene));
-  Reference reference(value_of(Tracer::create(play.scene)));
+  std::optional<Reference> reference, own_tracer;
+  if (play.reference_every > 0) reference.emplace(value_of(Tracer::create_reference(play.scene)));
+  if (play.mode.mode == Mode::Full) own_tracer.emplace(value_of(Tracer::create(play.scene)));
   const auto lights = narrow<std::uint32_t>(play.scene.lights.size());
   const SharedKey key{.name = "rehearsal", .secret = {1}};
   const ScenePlan plan = plan_for(play.scene, {.all_lights = true});
@@ -170,7 +172,7 @@ Played play(const Play& play, const Network& network) {
                       .reference_every = play.reference_every,
                       .pictures = 0,
                       .dump = {}},
-                     renderer, &reference);
+                     renderer, reference ? &*reference : nullptr);
   const FrameSettings steering{
       .wish = play.request,
       .carry_over = play.carry_over,
@@ -181,7 +183,7 @@ Played play(const Play& play, const Network& network) {
       .renderer = renderer,
       .mode = play.mode,
       .link = answers_for(play.mode.mode) != 0 ? &link : nullptr,
-      .own_tracer = play.mode.mode == Mode::Full ? &reference : nullptr,
+      .own_tracer = own_tracer ? &*own_tracer : nullptr,
       .steering = steering,
       .policy = {.pace = Pace::Real, .round_trip = round_trip, .mask_wait = play.mask_wait}};
   const auto watch = [&](const FrameView& view) {

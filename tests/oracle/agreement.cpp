@@ -12,12 +12,23 @@ FrameRequest request_for(const StereoView& views, Time scene_time, FrameId frame
   return request;
 }
 
-ShadowFrame traced(const Scene& scene, const StereoView& views, Time scene_time) {
-  auto tracer = Tracer::create(scene);
+namespace {
+
+ShadowFrame traced_by(Expected<Tracer> tracer, const StereoView& views, Time scene_time) {
   EXPECT_TRUE(tracer) << tracer.error().what;
   ShadowFrame frame;
   if (tracer) tracer->trace(request_for(views, scene_time), frame);
   return frame;
+}
+
+}  // namespace
+
+ShadowFrame traced(const Scene& scene, const StereoView& views, Time scene_time) {
+  return traced_by(Tracer::create(scene), views, scene_time);
+}
+
+ShadowFrame reference_traced(const Scene& scene, const StereoView& views, Time scene_time) {
+  return traced_by(Tracer::create_reference(scene), views, scene_time);
 }
 
 ShadowFrame traced(const Scene& scene, const View& view, Time scene_time) {

@@ -1,4 +1,4 @@
-/// The tracer against the oracle, as a test expectation.
+/// Test expectation: the tracer agrees with the oracle.
 #pragma once
 
 #include "stereo/tracer/tracer.h"
@@ -10,6 +10,9 @@ namespace farshade {
 
 /// Traces `views` at `scene_time`.
 [[nodiscard]] ShadowFrame traced(const Scene& scene, const StereoView& views, Time scene_time = {});
+
+/// The same by a tracer without proofs: for masks that others are compared with.
+[[nodiscard]] ShadowFrame reference_traced(const Scene& scene, const StereoView& views, Time scene_time = {});
 
 /// The same view for both eyes.
 [[nodiscard]] ShadowFrame traced(const Scene& scene, const View& view, Time scene_time = {});

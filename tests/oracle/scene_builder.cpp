@@ -41,6 +41,17 @@ Mesh box(const glm::vec3& center, const glm::vec3& half) {
   return triangle_soup(corners);
 }
 
+Mesh lampshade(float radius, float half_height) {
+  std::vector<glm::vec3> corners;
+  for (int i = 0; i < 3; ++i) {
+    const float angle = 2 * std::numbers::pi_v<float> / 3 * static_cast<float>(i) + 0.3f;
+    const glm::vec3 out(std::cos(angle), 0, std::sin(angle)), along(-out.z, 0, out.x);
+    const Mesh panel = quad(out * radius, along * (radius * 0.7f), {0, half_height, 0});
+    corners.insert(corners.end(), panel.positions.begin(), panel.positions.end());
+  }
+  return triangle_soup(corners);
+}
+
 glm::dquat toward(const glm::dvec3& direction) {
   const glm::dvec3 from(0, 0, -1), to = glm::normalize(direction);
   return glm::normalize(glm::dquat(1.0 + glm::dot(from, to), glm::cross(from, to)));
@@ -121,6 +132,16 @@ void SceneBuilder::move(std::uint32_t moved, const glm::dvec3& travel) {
   scene_.nodes[moved].moving = true;
   scene_.channels.push_back(
       {.node = moved, .keys_s = {0.0f, 1.0f}, .values = {start, start + glm::vec4(glm::vec3(travel), 0.0f)}});
+  scene_.animation_length_s = 1;
+}
+
+void SceneBuilder::turn(std::uint32_t turned, double angle_rad) {
+  const auto half = static_cast<float>(angle_rad / 2);
+  scene_.nodes[turned].moving = true;
+  scene_.channels.push_back({.node = turned,
+                             .path = Path::Rotation,
+                             .keys_s = {0.0f, 1.0f},
+                             .values = {{0, 0, 0, 1}, {0, std::sin(half), 0, std::cos(half)}}});
   scene_.animation_length_s = 1;
 }
 

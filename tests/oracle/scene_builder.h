@@ -19,6 +19,11 @@ namespace farshade {
 /// Any triangles, each with its own flat normal.
 [[nodiscard]] Mesh triangle_soup(const std::vector<glm::vec3>& corners);
 
+/// Three upright panels around the y axis, `radius` away from it and 1.4 times as wide, with gaps between
+/// them. A hollow mesh: its bounding box contains the origin, and the corners of the box lie outside of the
+/// panels.
+[[nodiscard]] Mesh lampshade(float radius, float half_height);
+
 /// Rotation that turns -z to `direction` (not straight up or down exactly opposed to it).
 [[nodiscard]] glm::dquat toward(const glm::dvec3& direction);
 
@@ -38,6 +43,8 @@ class SceneBuilder {
   std::uint32_t directional_light(const glm::dvec3& direction);
   /// Moves `node` by `travel` over one second, linearly, and from then on again.
   void move(std::uint32_t node, const glm::dvec3& travel);
+  /// Turns `node` about the y axis by `angle_rad` (less than pi) over one second, and from then on again.
+  void turn(std::uint32_t node, double angle_rad);
 
   /// Material 0 is double-sided white.
   [[nodiscard]] Scene build() const;

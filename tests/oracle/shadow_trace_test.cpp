@@ -5,6 +5,7 @@
 
 #include "stereo/scene/gltf.h"
 #include "tests/oracle/agreement.h"
+#include "tests/oracle/random_scenes.h"
 #include "tests/oracle/scene_builder.h"
 
 namespace farshade {
@@ -38,6 +39,22 @@ TEST(ShadowTrace, AgreesWithTheOracleInTheRoom) {
     const Time time = time_from_ns(static_cast<std::int64_t>(i) * 1'300'000'000);
     const oracle::Agreement sum =
         expect_agrees(scene, reference_eyes(scene, yaws[i], {128, 112}), time, 0.11);
+    EXPECT_GT(sum.lit, sum.pixel_lights / 20);
+  }
+}
+
+/// Lights inside of moving meshes included.
+TEST(ShadowTrace, AgreesWithTheOracleOnRandomSoups) {
+  const unsigned seed = 20261123;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  for (int i = 0; i < 6; ++i) {
+    SCOPED_TRACE(i);
+    const Scene scene = random_soup(random);
+    const double angle = 1.1 * i;
+    const View view = look({2.5 * std::sin(angle), 0.3, 2.5 * std::cos(angle)}, {0.1, -0.8, 0}, 96);
+    const oracle::Agreement sum =
+        expect_agrees(scene, {view, view}, time_from_ns(std::int64_t{i} * 150'000'000), 0.15);
     EXPECT_GT(sum.lit, sum.pixel_lights / 20);
   }
 }

@@ -1,4 +1,4 @@
-/// What is left out of scenes that have no use for it, one feature at a time.
+/// The plan leaves out what a scene does not need: one feature at a time.
 #include <gtest/gtest.h>
 
 #include "stereo/plan/light_reach.h"
@@ -16,7 +16,7 @@ Texture checker() {
   return {.image = Image<Rgba8>({2, 2})};
 }
 
-/// One untextured static triangle, seen from both sides, and a point light before it.
+/// One untextured, static, double-sided triangle with a point light in front of it.
 SceneBuilder simplest() {
   SceneBuilder builder;
   builder.add(triangle());
@@ -154,7 +154,7 @@ TEST(ScenePlan, SaysInWordsWhatIsOnAndWhatIsLeftOutAndWhy) {
   const std::string words = in_words(plan_for(scene), scene);
   for (const char* said :
        {"1 of 2 lights cast shadows: 1 byte a pixel", "light 1 left out: it ends before the scene begins",
-        "no mesh reads one", "no alpha test", "never refitted", "no light has a range or a cone"})
+        "no mesh has one", "no alpha test", "never refitted", "no light has a range or a cone"})
     EXPECT_NE(words.find(said), std::string::npos) << said << " is missing in\n" << words;
   const std::string all = in_words(plan_for(scene, {.kind = PlanKind::Everything}), scene);
   for (const char* said :

@@ -8,30 +8,12 @@
 #include <map>
 #include <random>
 
+#include "tests/unit/tracer/cell_place.h"
+
 namespace farshade {
 namespace {
 
 constexpr int kSide = 16;
-
-/// The cell and depth of a point, said again and plainly.
-CellTouch place_of(const CellFrame& frame, const glm::dvec3& p) {
-  const glm::dvec3 v = p - frame.origin;
-  const auto cell = [](int face, double x, double y) {
-    const auto at = [](double along) { return std::min(static_cast<int>(along), kSide - 1); };
-    return static_cast<std::uint32_t>((face * kSide + at(y)) * kSide + at(x));
-  };
-  const double half = kSide * 0.5;
-  if (!frame.cube)
-    return {cell(0, glm::dot(frame.rows[0], v) + half, glm::dot(frame.rows[1], v) + half),
-            static_cast<float>(glm::dot(frame.rows[2], v))};
-  int axis = 0;
-  for (int i = 1; i < 3; ++i)
-    if (std::abs(v[i]) > std::abs(v[axis])) axis = i;
-  const double depth = std::abs(v[axis]);
-  return {cell(2 * axis + (v[axis] < 0 ? 1 : 0), (v[axis == 0 ? 1 : 0] / depth + 1) * half,
-               (v[axis == 2 ? 1 : 2] / depth + 1) * half),
-          static_cast<float>(depth)};
-}
 
 CellFrame cube() {
   CellFrame frame;

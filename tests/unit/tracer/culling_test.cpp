@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 #include "stereo/scene/gltf.h"
 #include "tests/oracle/agreement.h"
+#include "tests/oracle/random_scenes.h"
 #include "tests/oracle/scene_builder.h"
 
 namespace farshade {
@@ -89,36 +89,6 @@ TEST(TracerCulling, ChangesNoBitOfTheSharedScenes) {
 }
 #endif
 
-/// Triangles of all sizes in and about a hall of quads, a thing that moves, and lights of every kind.
-Scene soup(std::mt19937& random) {
-  std::uniform_real_distribution<float> place(-2, 2), unit(0, 1);
-  SceneBuilder build;
-  for (const float y : {-2.0f, 2.0f}) build.add(quad({0, y, 0}, {3, 0, 0}, {0, 0, -3}));
-  for (const float x : {-3.0f, 3.0f}) build.add(quad({x, 0, 0}, {0, 2, 0}, {0, 0, -3}));
-  for (int i = 0; i < 8; ++i)  // plates that lie all but on the floor
-    build.add(quad({place(random), -2 + 0.1f * std::pow(unit(random), 3.0f), place(random)},
-                   {0.8f * unit(random), 0, 0}, {0, 0, -0.8f * unit(random)}));
-  std::vector<glm::vec3> corners;
-  for (int i = 0; i < 40; ++i) {
-    const glm::vec3 at(place(random), place(random), place(random));
-    const float size = 0.6f * unit(random) * unit(random);
-    for (int corner = 0; corner < 3; ++corner)
-      corners.push_back(at + size * glm::vec3(place(random), place(random), place(random)));
-  }
-  build.add(triangle_soup(corners));
-  build.move(build.add(box({place(random), place(random), place(random)}, {0.3f, 0.2f, 0.4f})),
-             {0.8, 0.2, -0.5});
-  for (int i = 0; i < 3; ++i) {
-    const glm::dvec3 at(place(random), place(random), place(random));
-    const glm::dvec3 toward(place(random), -2.5 + place(random), place(random));
-    build.point_light(at, i == 0 ? std::optional<float>(1.0f + 2 * unit(random)) : std::nullopt);
-    build.spot_light(at * 0.9, toward, 0.3f + unit(random));
-    build.directional_light(toward);
-  }
-  build.point_light({place(random), 50, place(random)});
-  return build.build();
-}
-
 TEST(TracerCulling, ChangesNoBitOfRandomSoups) {
   const unsigned seed = 20261122;
   SCOPED_TRACE(seed);
@@ -126,7 +96,7 @@ TEST(TracerCulling, ChangesNoBitOfRandomSoups) {
   std::uint64_t proven = 0, all = 0;
   for (int i = 0; i < 24; ++i) {
     SCOPED_TRACE(i);
-    const Scene scene = soup(random);
+    const Scene scene = random_soup(random);
     const double angle = 0.7 * i;
     const glm::dvec3 eye(2.5 * std::sin(angle), 0.3, 2.5 * std::cos(angle));
     const StereoView views{look(eye, {0.1, -0.8, 0}, 256),
@@ -183,6 +153,57 @@ TEST(TracerCulling, AThingThatMovesIntoTheWayIsSeen) {
     EXPECT_EQ(frame.masks, trace_by(plan, scene, kInside, time).frame.masks);
     EXPECT_GT(stats.shadow_rays, 0u);
     EXPECT_GT(stats.proven, stats.shadow_rays);
+  }
+}
+
+/// A lampshade that stands on the floor and turns slowly around a fixed light. Its bounding box contains the
+/// light and a part of the floor that the panels shadow.
+TEST(TracerCulling, AMoverAroundAFixedLightCastsItsShadowInsideItsBox) {
+  SceneBuilder build;
+  build.add(quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4}));
+  NodeTransform placed;
+  placed.translation = {0, 1, 0};
+  build.turn(build.add(lampshade(0.6f, 1.01f), 0, placed), 0.5);
+  build.point_light({0, 1, 0});
+  const Scene scene = build.build();
+  const StereoView views{look({0.1, 3.0, 2.9}, {0.03, 0.0, -0.1}, 256),
+                         look({0.2, 3.0, 2.9}, {0.03, 0.0, -0.1}, 256)};
+  for (const int ms : {0, 250, 900}) {
+    SCOPED_TRACE(ms);
+    const Time time = time_from_ns(std::int64_t{ms} * 1'000'000);
+    expect_same_bits(scene, views, time);
+    const oracle::Agreement agreement = expect_agrees(scene, views, time, 0.02);
+    EXPECT_GT(agreement.lit * 10, agreement.pixel_lights);
+  }
+}
+
+/// Two upright plates at the ends of a mover along each axis: its box is hollow, and a floor runs through it.
+/// The lights see the box from all sides.
+TEST(TracerCulling, AHollowMoverOfTwoPlatesCastsOnWhatIsInsideItsBox) {
+  for (int axis = 0; axis < 3; ++axis) {
+    SCOPED_TRACE(axis);
+    glm::vec3 end(0.0f), u(0.0f), v(0.0f);
+    end[axis] = 1, u[(axis + 1) % 3] = 1, v[(axis + 2) % 3] = 1;
+    std::vector<glm::vec3> corners;
+    for (const float side : {-1.0f, 1.0f}) {
+      const Mesh plate = quad(end * side, u, v);
+      corners.insert(corners.end(), plate.positions.begin(), plate.positions.end());
+    }
+    SceneBuilder build;
+    build.add(quad({0, -0.3f, 0}, {2, 0, 0}, {0, 0, -2}));
+    build.add(quad({-0.2f, 0, 0}, {0, 0, 2}, {0, 2, 0}));
+    build.move(build.add(triangle_soup(corners)), {0.1, 0.05, 0.1});
+    for (const double far : {-4.0, 4.0})
+      for (int i = 0; i < 3; ++i) {
+        glm::dvec3 at(0.35, 0.55, 0.45);
+        at[i] = far;
+        build.point_light(at);
+        build.directional_light(-at);
+      }
+    const Scene scene = build.build();
+    const StereoView views{look({0.7, 0.6, 0.65}, {0, -0.2, -0.1}, 192),
+                           look({-0.7, 0.6, -0.6}, {0, -0.2, 0}, 192)};
+    expect_same_bits(scene, views, time_from_ns(500'000'000));
   }
 }
 

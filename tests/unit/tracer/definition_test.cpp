@@ -177,5 +177,31 @@ TEST(MaskBit, SurfaceAtTheLightDoesNotCast) {
   EXPECT_GT(lit_share(build.build(), look({0, 1.2, 2}, {0, 0, 0}, kSide, 0.8)), 0.9);
 }
 
+/// The rounding of a far light's coordinates must not let the shade that it lies in cast.
+TEST(MaskBit, SurfaceAtAFarLightDoesNotCast) {
+  for (const float far : {300.0f, 3000.0f, 30'000.0f}) {
+    SceneBuilder build;
+    for (const float x : {-0.3f, -0.1f, 0.1f, 0.3f})  // most vertices are near, and so is the anchor
+      build.add(quad({x, 0.003f * x, 0}, {0.1f, 0.0003f, 0}, {0, 0, -0.4f}));
+    build.add(quad({3, far, -2}, {1, 0.5f, 0}, {0, 0.25f, 1}));
+    build.point_light({3.25, far + 0.125, -2});  // in the plane of the shade
+    const View view = look({0.013, 0.3, 0.29}, {0.003, 0.0, -0.01}, 256);
+    EXPECT_GT(lit_share(build.build(), view), 0.7) << far;
+  }
+}
+
+/// A shading normal that almost lies in the surface does not lift a ray off it.
+TEST(MaskBit, LeaningShadingNormalLeavesNoSpeckles) {
+  SceneBuilder build;
+  Mesh leaning = quad({0, 0.013f, 0}, {4, 0.3f, 0.1f}, {0.1f, 0.2f, -4});
+  for (glm::vec3& normal : leaning.normals) normal = glm::normalize(normal * 0.01f + glm::vec3(1, 0, 0));
+  build.add(leaning);
+  build.directional_light({-1.0, -1.0, 0.1});
+  build.point_light({9.0, 1.5, 0.3});
+  const Scene scene = build.build();
+  const oracle::Agreement sum = expect_agrees(scene, {kFromAbove, kFromAbove}, Time{}, 0.015);
+  EXPECT_GT(sum.lit * 10, sum.pixel_lights * 7);
+}
+
 }  // namespace
 }  // namespace farshade

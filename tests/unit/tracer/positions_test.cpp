@@ -72,7 +72,7 @@ ShadowFrame traced(const Scene& scene, const View& view, const Placed& from) {
 
 /// Share of the pixel-lights that shade the pixel, if they reach it, whose bit is not the ordinary trace's.
 double wrong_share(const Scene& scene, const View& view, const Seen& seen, const EyeMask& mask) {
-  const EyeMask truth = farshade::traced(scene, view).masks[0];
+  const EyeMask truth = reference_traced(scene, {view, view}).masks[0];
   const SceneState state = state_at(scene, Time{});
   std::uint64_t facing = 0, wrong = 0;
   for (std::uint32_t i = 0; i < view.size.pixels(); ++i)

@@ -1,0 +1,87 @@
+// A mover in a light's map: no point of its bounding box, and no point behind one, may count as in sight.
+#include "stereo/tracer/light_visibility_map.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/oracle/scene_builder.h"
+#include "tests/unit/tracer/cell_place.h"
+
+namespace farshade {
+namespace {
+
+/// Whether the directions of a map go to the point at all: a directional light's end with what is fixed.
+bool is_in_frame(const CellFrame& frame, const glm::dvec3& p) {
+  if (frame.cube) return true;
+  const double half = frame.side * 0.5;
+  return std::abs(glm::dot(frame.rows[0], p - frame.origin)) < half &&
+         std::abs(glm::dot(frame.rows[1], p - frame.origin)) < half;
+}
+
+/// A turned, scaled box that moves in a hall.
+Scene mover_scene(std::mt19937& random, LightKind kind) {
+  std::uniform_real_distribution<double> place(-1, 1), size(0.05, 1.5);
+  SceneBuilder build;
+  build.add(box({0, 0, 0}, {4, 4, 4}));
+  NodeTransform transform;
+  transform.translation = {place(random), place(random), place(random)};
+  transform.rotation = toward({place(random), place(random), place(random)});
+  transform.scale = {size(random), -size(random), size(random)};
+  const Mesh mesh = box({0.3f, -0.2f, 0.1f}, {0.5f, 0.5f, 0.5f});
+  build.move(build.add(mesh, 0, transform), {0.1, -0.1, 0.2});
+  const glm::dvec3 around(place(random), place(random), place(random));
+  const bool inside = place(random) < 0;
+  if (kind == LightKind::Directional)
+    build.directional_light(around);
+  else if (inside)
+    build.point_light(transform.translation +
+                      transform.rotation * (transform.scale * (glm::dvec3(0.3, -0.2, 0.1) + 0.45 * around)));
+  else
+    build.point_light(transform.translation + 1.2 * around);
+  return build.build();
+}
+
+void expect_no_point_of_the_mover_in_sight(LightKind kind, unsigned seed) {
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(-1, 1);
+  int inside = 0;
+  for (int i = 0; i < 60; ++i) {
+    const Scene scene = mover_scene(random, kind);
+    const SceneState start = state_at(scene, Time{}), now = state_at(scene, time_from_ns(400'000'000));
+    SurfaceModel model(scene, start, plan_for(scene, {.all_lights = true}).trace);
+    const ShadowLight light = shadow_light(now.light_set.lights[0], model);
+    LightVisibilityMap map(light, planes_of(model), model);
+    model.place(now);
+    map.place(model);
+    const Patch& mover = model.patches()[model.fixed_count()];
+    const glm::dmat4& stage_from_object = now.stage_from_object[mover.instance].matrix;
+    const glm::dvec3 light_in_box =
+        glm::dvec3(glm::inverse(stage_from_object) * glm::dvec4(now.light_set.lights[0].position.v, 1)) -
+        mover.object_center;
+    inside += glm::all(glm::lessThan(glm::abs(light_in_box), mover.object_half));
+    for (int sample = 0; sample < 2000; ++sample) {
+      glm::dvec3 in_box(place(random), place(random), place(random));
+      if (sample % 2 == 0) in_box[sample / 2 % 3] = sample / 6 % 2 == 0 ? -1 : 1;  // on its surface
+      const glm::dvec3 object = mover.object_center + in_box * mover.object_half;
+      const glm::dvec3 p = glm::dvec3(stage_from_object * glm::dvec4(object, 1)) - model.anchor();
+      if (!is_in_frame(map.frame(), p)) continue;
+      const CellTouch truth = place_of(map.frame(), p);
+      ASSERT_LE(map.cells()[truth.cell].moving, truth.depth) << "scene " << i << ", sample " << sample;
+    }
+  }
+  EXPECT_GT(inside, kind == LightKind::Directional ? -1 : 10) << "lights inside the mover";
+}
+
+TEST(LightVisibilityMap, HasNoPointOfAMoverInSightOfAPointLight) {
+  expect_no_point_of_the_mover_in_sight(LightKind::Point, 20261124);
+}
+
+TEST(LightVisibilityMap, HasNoPointOfAMoverInSightOfADirectionalLight) {
+  expect_no_point_of_the_mover_in_sight(LightKind::Directional, 20261125);
+}
+
+}  // namespace
+}  // namespace farshade
