@@ -10,30 +10,30 @@ namespace farshade {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Depths are compared with float ones.
+/// Relative margin of depths, which are later compared in float.
 constexpr double kDepthShare = 1e-5;
 
-/// In front of a face: x and y in cells times w. `near` grows towards the light and is linear in x / w and
-/// y / w: 1 / depth of a cube, -depth else.
-struct Corner {
+/// A corner in front of a face, homogeneous: x and y are in cells times w. `near` grows towards the light and
+/// is linear in x / w and y / w: it is 1 / depth on a cube, and -depth otherwise.
+struct FaceCorner {
   double x, y, w, near;
 };
 
-/// A triangle's corners and at most one more for each side of the face.
+/// The corners of a clipped triangle: three, and at most one more for each side of the face.
 struct Polygon {
-  std::array<Corner, 7> corner;
+  std::array<FaceCorner, 7> corner;
   std::size_t count = 0;
 
-  void add(const Corner& c) { corner[count++] = c; }
-  [[nodiscard]] const Corner& after(std::size_t i) const { return corner[i + 1 == count ? 0 : i + 1]; }
+  void add(const FaceCorner& c) { corner[count++] = c; }
+  [[nodiscard]] const FaceCorner& after(std::size_t i) const { return corner[i + 1 == count ? 0 : i + 1]; }
 };
 
-/// CellFrame::rounding in cells times w.
+/// CellFrame::rounding in units of cells times w.
 double rounding_of(const CellFrame& frame) {
   return frame.rounding * (frame.cube ? frame.side * 0.5 : glm::length(frame.rows[0]));
 }
 
-Corner corner_of(const CellFrame& frame, int face, const glm::dvec3& v) {
+FaceCorner corner_of(const CellFrame& frame, int face, const glm::dvec3& v) {
   const double half = frame.side * 0.5;
   if (!frame.cube)
     return {glm::dot(frame.rows[0], v) + half, glm::dot(frame.rows[1], v) + half, 1,
@@ -43,18 +43,18 @@ Corner corner_of(const CellFrame& frame, int face, const glm::dvec3& v) {
   return {(v[axis == 0 ? 1 : 0] + w) * half, (v[axis == 2 ? 1 : 2] + w) * half, w, 0};
 }
 
-/// How far on the inner side of the `which`th side of the face.
-double inside_by(const CellFrame& frame, double rounding, const Corner& c, int which) {
+/// Signed distance of a corner from one of the four sides of the face, positive inside, in cells times w.
+double inside_by(const CellFrame& frame, double rounding, const FaceCorner& c, int which) {
   const double along = which < 2 ? c.x : c.y;
   return (which % 2 == 0 ? along : frame.side * c.w - along) + CellFrame::kMargin * c.w + rounding;
 }
 
-Corner between(const Corner& a, const Corner& b, double t) {
+FaceCorner between(const FaceCorner& a, const FaceCorner& b, double t) {
   return {a.x + (b.x - a.x) * t, a.y + (b.y - a.y) * t, a.w + (b.w - a.w) * t,
           a.near + (b.near - a.near) * t};
 }
 
-/// Empty where the triangle is beside the face.
+/// Clips to the face. Empty if the triangle is beside the face.
 Polygon clipped(const CellFrame& frame, double rounding, Polygon polygon) {
   for (int which = 0; which < 4 && polygon.count > 0; ++which) {
     std::array<double, 7> inside;
@@ -76,20 +76,20 @@ Polygon clipped(const CellFrame& frame, double rounding, Polygon polygon) {
   return polygon;
 }
 
-/// What of a polygon lies between two rows' borders: from low to high across, and its nearest.
-struct Extent {
+/// The part of a polygon between two borders of rows: its columns from low to high, and its nearest point.
+struct RowExtent {
   double low = kInfinity, high = -kInfinity, near = -kInfinity;
 
-  void add(const Corner& c) {
+  void add(const FaceCorner& c) {
     low = std::min(low, c.x), high = std::max(high, c.x);
     near = std::max(near, c.near);
   }
 };
 
-Extent extent_within(const Polygon& polygon, double top, double bottom) {
-  Extent extent;
+RowExtent extent_within(const Polygon& polygon, double top, double bottom) {
+  RowExtent extent;
   for (std::size_t i = 0; i < polygon.count; ++i) {
-    const Corner &a = polygon.corner[i], &b = polygon.after(i);
+    const FaceCorner &a = polygon.corner[i], &b = polygon.after(i);
     if (a.y >= top && a.y <= bottom) extent.add(a);
     for (const double border : {top, bottom})
       if ((a.y < border) != (b.y < border)) extent.add(between(a, b, (border - a.y) / (b.y - a.y)));
@@ -106,19 +106,19 @@ void cover_face(const CellFrame& frame, std::uint32_t first_cell, Polygon polygo
   double least_w = kInfinity, top = kInfinity, bottom = -kInfinity;
   for (std::size_t i = 0; i < polygon.count; ++i) least_w = std::min(least_w, polygon.corner[i].w);
   const auto side = static_cast<std::uint32_t>(frame.side);
-  if (frame.cube && least_w <= 4 * frame.rounding) {  // at the light: no direction is safe from it
+  if (frame.cube && least_w <= 4 * frame.rounding) {  // it touches the light: it may block any direction
     for (std::uint32_t i = 0; i < side * side; ++i) touched.push_back({first_cell + i, 0.0f});
     return;
   }
   for (std::size_t i = 0; i < polygon.count; ++i) {
-    Corner& c = polygon.corner[i];
+    FaceCorner& c = polygon.corner[i];
     if (frame.cube) c = {c.x / c.w, c.y / c.w, 1, 1 / c.w};
     top = std::min(top, c.y), bottom = std::max(bottom, c.y);
   }
   const double margin = CellFrame::kMargin + rounding / least_w;
   const int last = cell_at(bottom + margin, frame.side);
   for (int row = cell_at(top - margin, frame.side); row <= last; ++row) {
-    const Extent extent = extent_within(polygon, row - margin, row + 1 + margin);
+    const RowExtent extent = extent_within(polygon, row - margin, row + 1 + margin);
     if (extent.low > extent.high) continue;
     const double depth = (frame.cube ? (1 - kDepthShare) / extent.near : -extent.near) - frame.rounding;
     const int right = cell_at(extent.high + margin, frame.side);
@@ -129,8 +129,8 @@ void cover_face(const CellFrame& frame, std::uint32_t first_cell, Polygon polygo
   }
 }
 
-/// As cover, at once, for a triangle within one row or column of one face of a cube: most of a detailed
-/// scene. False where it is no such triangle.
+/// A fast path of `cover` for a triangle within one row or column of one face of a cube, as most triangles of
+/// a detailed scene are. `v` is relative to the light. Returns false, without effect, for any other triangle.
 bool cover_small(const CellFrame& frame, const std::array<glm::dvec3, 3>& v, double rounding,
                  std::vector<CellTouch>& touched) {
   const glm::dvec3 middle = v[0] + v[1] + v[2], size = glm::abs(middle);
@@ -138,7 +138,7 @@ bool cover_small(const CellFrame& frame, const std::array<glm::dvec3, 3>& v, dou
   const int face = 2 * axis + (middle[axis] < 0 ? 1 : 0);
   double least = kInfinity, left = kInfinity, right = -kInfinity, top = kInfinity, bottom = -kInfinity;
   for (const glm::dvec3& corner : v) {
-    const Corner c = corner_of(frame, face, corner);
+    const FaceCorner c = corner_of(frame, face, corner);
     if (c.w <= 4 * frame.rounding) return false;
     least = std::min(least, c.w);
     left = std::min(left, c.x / c.w), right = std::max(right, c.x / c.w);
@@ -159,11 +159,11 @@ bool cover_small(const CellFrame& frame, const std::array<glm::dvec3, 3>& v, dou
 
 }  // namespace
 
-void cover(const CellFrame& frame, const std::array<glm::dvec3, 3>& triangle,
+void cover(const CellFrame& frame, const std::array<Point<Anchor>, 3>& triangle,
            std::vector<CellTouch>& touched) {
   const double rounding = rounding_of(frame);
-  const std::array<glm::dvec3, 3> v{triangle[0] - frame.origin, triangle[1] - frame.origin,
-                                    triangle[2] - frame.origin};
+  const std::array<glm::dvec3, 3> v{(triangle[0] - frame.origin).v, (triangle[1] - frame.origin).v,
+                                    (triangle[2] - frame.origin).v};
   if (frame.cube && cover_small(frame, v, rounding, touched)) return;
   for (int face = 0; face < frame.faces(); ++face) {
     const int axis = face / 2;

@@ -1,32 +1,34 @@
-/// Which cells of a light's directions may a triangle touch, and how near to the light does it come there?
+/// Cells of a light's directions: which cells may a triangle touch, and at which least depth from the light?
 ///
-/// Conservative rasterisation as J. Hasselgren, T. Akenine-Moeller and L. Ohlsson define it ("Conservative
-/// Rasterization", GPU Gems 2, chapter 42). The triangle is clipped to each face (I. E. Sutherland and G. W.
-/// Hodgman, "Reentrant Polygon Clipping", 1974), and each row of cells takes the extent of what lies within
-/// it.
+/// This is conservative rasterisation as J. Hasselgren, T. Akenine-Moeller and L. Ohlsson define it
+/// ("Conservative Rasterization", GPU Gems 2, chapter 42). The triangle is clipped to each face (I. E.
+/// Sutherland and G. W. Hodgman, "Reentrant Polygon Clipping", 1974), and in each row of cells it covers the
+/// extent of the part of it that lies in that row.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <vector>
+
+#include "stereo/tracer/anchor_space.h"
 
 namespace farshade {
 
-/// Directions from a light to numbered cells: `side` x `side` on each face, row by row.
+/// Maps directions from a light to numbered cells: `side` x `side` cells on each face, row by row.
 struct CellFrame {
-  /// Cells by which faces and rows are taken wider, since float may count a point into the neighbouring one:
-  /// its coordinates err by less than 1e-5 cells.
+  /// Faces and rows are widened by this many cells. Float arithmetic may count a point to the neighbouring
+  /// cell, since its cell coordinates are wrong by up to 1e-5 cells.
   static constexpr double kMargin = 1e-3;
 
-  /// Six faces of a cube about `origin`, face 2a along axis a and 2a + 1 against it, x and y the other two
-  /// axes in order; cell coordinates are (x / depth + 1) * side / 2. Else one face: x, y (in cells, from the
-  /// middle) and depth (metres) are rows * (p - origin).
+  /// True for point and spot lights: six faces of a cube around `origin`. Face 2a looks along axis a and face
+  /// 2a + 1 against it; x and y are the other two axes in order; cell coordinates are (x / depth + 1) * side
+  /// / 2. False for directional lights: one face; `rows` * (p - origin) gives x and y in cells from the
+  /// face's centre, and the depth in metres.
   bool cube = true;
   int side = 0;
-  glm::dvec3 origin{0.0};
+  Point<Anchor> origin;
   std::array<glm::dvec3, 3> rows{};
-  double rounding = 0;  ///< metres by which the traversal may take a triangle to be elsewhere
+  double rounding = 0;  ///< metres: the traversal may treat a triangle as displaced by up to this much
 
   [[nodiscard]] int faces() const { return cube ? 6 : 1; }
   [[nodiscard]] std::size_t count() const {
@@ -36,11 +38,11 @@ struct CellFrame {
 
 struct CellTouch {
   std::uint32_t cell;
-  float depth;  ///< metres: the triangle comes no nearer than this there
+  float depth;  ///< metres: no point of the triangle in this cell is nearer to the light
 };
 
-/// Appends to `touched` every cell through which the light may see any of the triangle, once each.
-void cover(const CellFrame& frame, const std::array<glm::dvec3, 3>& triangle,
+/// Appends to `touched`, once each, every cell through which the light may see any part of the triangle.
+void cover(const CellFrame& frame, const std::array<Point<Anchor>, 3>& triangle,
            std::vector<CellTouch>& touched);
 
 }  // namespace farshade

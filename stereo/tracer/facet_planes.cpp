@@ -14,16 +14,22 @@ constexpr double kUlp = 1.0 / (1 << 24);  // u in tile_stages.h
 
 using Corners = std::array<glm::dvec3, 3>;
 
-/// Of tile_stages.h's 64 u M, 10 may be lost before a ray starts and 24 while a plane is met, for triangles
-/// less than 8 times as long as high; each further multiple costs the products of the traversal's normal u M
-/// twice. 32 leave 8 for the plane's own arithmetic (tile_lights.h) and 22 of room for the slab.
+/// The offset in tile_stages.h is 64 u M. Rounding takes up to 10 u M before a ray starts, and up to 24 u M
+/// in the intersection with a plane, for triangles less than kShape times as long as high. Each further
+/// multiple adds 2 u M in the products of the traversal's normal. So kDoubt = 32 leaves 8 u M for the plane's
+/// own arithmetic (light_proof.h) and 22 u M for the thickness of the slab. Triangles thinner than 1 /
+/// kThinnest get no plane.
 constexpr double kDoubt = 32, kShape = 8, kDoubtPerShape = 2, kThinnest = 1e4;
-/// Joined triangles may thicken the slab by this many u M; a single one's is at most 4 thick.
+/// Largest thickness of a slab of several triangles, in u M. The slab of a single triangle is at most 4 u M
+/// thick.
 constexpr double kJoined = 12;
-/// Doubts follow the largest coordinate, so triangles are joined only where it is much the same.
+/// Errors are proportional to the largest coordinate M, so triangles share a plane only if their M is within
+/// this factor.
 constexpr double kSameReach = 1.25;
+/// How many of the newest planes a triangle is compared with.
 constexpr std::size_t kRecent = 8;
 
+/// Height over longest edge.
 double height_share(const Corners& p) {
   double longest = 0;
   for (std::size_t i = 0; i < 3; ++i) longest = std::max(longest, glm::length(p[i] - p[(i + 1) % 3]));
@@ -37,7 +43,7 @@ float rounded_up(double x) {
   return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
 }
 
-/// `plane` with the triangle in it too.
+/// The slab that also contains the triangle `p`.
 FacetPlane widened(FacetPlane plane, const Corners& p) {
   for (const glm::dvec3& corner : p) {
     const double along = glm::dot(glm::dvec3(plane.normal), corner);

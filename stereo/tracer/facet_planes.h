@@ -1,7 +1,6 @@
-/// FacetPlanes: the planes in which the fixed triangles lie, each with room for all of its triangles and for
-/// what the traversal's rounding may see of them.
+/// FacetPlanes: the planes of the fixed triangles. Each plane is a slab that contains all of its triangles.
 ///
-/// Triangles that follow each other in one plane share it, so that a wall is one thing and not many.
+/// Consecutive triangles in one plane share it, so that a wall is one plane and not many.
 #pragma once
 
 #include <cstdint>
@@ -11,21 +10,22 @@
 
 namespace farshade {
 
-inline constexpr std::uint32_t kNoPlane = ~0u;  ///< of triangles too thin to have one
+inline constexpr std::uint32_t kNoPlane = ~0u;  ///< of triangles that are too thin to have a plane
 
-/// low <= dot(normal, x) <= high for every point x of its triangles; anchor-relative metres.
+/// low <= dot(normal, x) <= high for every point x of its triangles, in anchor space.
 struct FacetPlane {
   glm::vec3 normal{0.0f};
   float low = 0, high = 0;
-  float reach = 0;  ///< Facet::reach, the largest
-  /// Nearer to the slab than this, a ray that does not meet a triangle may yet be taken to meet it.
+  float reach = 0;  ///< largest Facet::reach of its triangles
+  /// Metres. If a ray misses a triangle of this plane but comes nearer to the slab than this, rounding in the
+  /// traversal may still report a hit.
   float doubt = 0;
 };
 
 struct FacetPlanes {
   std::vector<FacetPlane> planes;
-  std::vector<std::uint32_t> of_triangle;  ///< fixed triangles only: into planes, or kNoPlane
-  float reach = 0;                         ///< largest of all
+  std::vector<std::uint32_t> of_triangle;  ///< for each fixed triangle: an index into planes, or kNoPlane
+  float reach = 0;                         ///< the largest of all
 };
 
 [[nodiscard]] FacetPlanes planes_of(const SurfaceModel& model);

@@ -6,13 +6,13 @@
 namespace farshade {
 namespace {
 
-/// The one or two texels that a coordinate lies between, and the weight of the second.
+/// The two texels next to a coordinate (the same one twice at a clamped edge), and the weight of the second.
 struct Taps {
   std::uint32_t first, second;
   float weight;
 };
 
-/// The coordinate is brought into one period before it becomes an integer, so that any finite value is safe.
+/// Reduces the coordinate to one period before it becomes an integer, so that no finite value overflows.
 Taps taps_of(float coordinate, Wrap wrap, std::uint32_t size) {
   const auto n = static_cast<std::int64_t>(size);
   float in_period = coordinate - std::floor(coordinate);

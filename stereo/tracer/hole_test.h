@@ -1,5 +1,6 @@
-/// Where an alpha-masked surface is a hole: alpha = factor x texture (bilinear, level 0, wrapped) x vertex
-/// colour, interpolated over the triangle; below the material's cutoff nothing is seen and nothing casts.
+/// HoleTest: finds the holes of an alpha-masked surface. Alpha is factor x texture (bilinear, level 0,
+/// wrapped) x vertex colour, interpolated over the triangle. Where alpha is below the material's cutoff, the
+/// surface is neither seen nor casts.
 #pragma once
 
 #include <span>
@@ -10,10 +11,11 @@ namespace farshade {
 
 class HoleTest {
  public:
-  /// `mesh` and the scene's texture are referred to. Without an alpha cutoff nothing is a hole.
+  /// Keeps references to `mesh` and to the scene's texture. A material without alpha cutoff has no holes.
   HoleTest(const Scene& scene, const Mesh& mesh);
 
-  /// Vertex numbers are the mesh's own; (u, v) weigh the second and third.
+  /// `triangle` holds the mesh's own vertex numbers. The barycentric (u, v) weigh the second and third
+  /// vertex.
   [[nodiscard]] bool is_hole(const glm::uvec3& triangle, float u, float v) const;
 
  private:

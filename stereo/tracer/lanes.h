@@ -1,8 +1,9 @@
-/// K numbers side by side as one value, with the operators of its elements; comparisons give -1 or 0. The
-/// vector extension of GCC and Clang, since GCC leaves loops over lanes scalar as soon as they hold a few
-/// masks, and then a proof costs more than the rays that it saves.
+/// SIMD values of K lanes with the operators of their elements. A comparison gives -1 or 0 in each lane.
 ///
-/// Passed by reference, for how they travel by value is not the same on all machines.
+/// These are the vector extensions of GCC and Clang. GCC does not vectorise plain loops over lanes that
+/// contain several masks, and then a proof would cost more than the rays that it saves. Values are passed by
+/// reference, since the calling convention for passing them by value depends on the machine's instruction
+/// set.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +21,7 @@ using Floats = typename LaneTypes<K>::Floats;
 template <int K>
 using Ints = typename LaneTypes<K>::Ints;
 
-/// As many elements as `lanes` has.
+/// Loads as many elements as `lanes` has; no alignment needed.
 template <class Values>
 void load(Values& lanes, const void* from) {
   std::memcpy(&lanes, from, sizeof lanes);
@@ -30,7 +31,7 @@ void store(const Values& lanes, void* to) {
   std::memcpy(to, &lanes, sizeof lanes);
 }
 
-/// The first lane that is not 0, or -1.
+/// Index of the first lane that is not 0, or -1.
 template <class Mask>
 int first_of(const Mask& mask) {
   std::uint64_t pairs[sizeof(Mask) / 8];
@@ -40,7 +41,7 @@ int first_of(const Mask& mask) {
   return -1;
 }
 
-/// Of lanes that hold counts below 0: minus their sum.
+/// The negated sum of lanes that hold negative counts: sums of -1 masks.
 template <class Counts>
 std::uint64_t counted(const Counts& below_zero) {
   std::int32_t lanes[sizeof(Counts) / 4], sum = 0;

@@ -1,5 +1,5 @@
-/// Where a packet's surfaces lie in front of all that a light's map holds: certain, so that masks are the
-/// same bits with it and without.
+/// The proof for a packet of pixels: which of them lie in front of all occluders in the light's map. The
+/// proof is certain, so masks have the same bits with and without it.
 #pragma once
 
 #include "stereo/tracer/lanes.h"
@@ -8,10 +8,10 @@
 
 namespace farshade {
 
-/// Where a packet's rays start, as a map sees it.
+/// The cells and depths at which a packet's rays start.
 template <int K>
 struct CellLanes {
-  Ints<K> cell;  ///< -1 where the map does not go
+  Ints<K> cell;  ///< -1 beside the map
   Floats<K> depth;
 };
 
@@ -19,9 +19,9 @@ template <int K>
 void find_on_cube(const CellFrame& frame, const TileSurface& s, int first, CellLanes<K>& found) {
   Floats<K> x, y, z;
   load(x, s.ox + first), load(y, s.oy + first), load(z, s.oz + first);
-  x -= static_cast<float>(frame.origin.x);
-  y -= static_cast<float>(frame.origin.y);
-  z -= static_cast<float>(frame.origin.z);
+  x -= static_cast<float>(frame.origin.v.x);
+  y -= static_cast<float>(frame.origin.v.y);
+  z -= static_cast<float>(frame.origin.v.z);
   const Floats<K> ax = x < 0 ? -x : x, ay = y < 0 ? -y : y, az = z < 0 ? -z : z;
   const Ints<K> is_x = (ax >= ay) & (ax >= az), is_y = ~is_x & (ay >= az), is_z = ~(is_x | is_y);
   const Floats<K> along = is_x ? x : is_y ? y : z, u = is_x ? y : x, v = is_z ? y : z;
@@ -41,9 +41,9 @@ template <int K>
 void find_across(const CellFrame& frame, const TileSurface& s, int first, CellLanes<K>& found) {
   Floats<K> x, y, z;
   load(x, s.ox + first), load(y, s.oy + first), load(z, s.oz + first);
-  x -= static_cast<float>(frame.origin.x);
-  y -= static_cast<float>(frame.origin.y);
-  z -= static_cast<float>(frame.origin.z);
+  x -= static_cast<float>(frame.origin.v.x);
+  y -= static_cast<float>(frame.origin.v.y);
+  z -= static_cast<float>(frame.origin.v.z);
   const glm::vec3 across(frame.rows[0]), down(frame.rows[1]), along(frame.rows[2]);
   const float half = static_cast<float>(frame.side) * 0.5f, side = static_cast<float>(frame.side);
   const Floats<K> u = across.x * x + across.y * y + across.z * z + half;
@@ -57,7 +57,8 @@ void find_across(const CellFrame& frame, const TileSurface& s, int first, CellLa
   found.depth = along.x * x + along.y * y + along.z * z;
 }
 
-/// `proven` becomes -1 in those of `lanes` whose light nothing can hide. Looks at each of their cells once.
+/// Sets `proven` to -1 in those of `lanes` from which the light is certainly visible, and to 0 in the others.
+/// Visits each of their cells once.
 template <int K>
 void prove(const LightVisibilityMap& map, const TileSurface& s, int first, const Ints<K>& lanes,
            Ints<K>& proven) {

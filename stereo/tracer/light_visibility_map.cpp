@@ -10,39 +10,42 @@ namespace farshade {
 namespace {
 
 constexpr double kUlp = 1.0 / (1 << 24);  // u in tile_stages.h
-/// Rays and triangles are elsewhere by at most this many u M, for they lose 24 u M together.
+/// Rays and triangles are displaced by at most this many u M: rounding moves them by 24 u M together.
 constexpr double kRounding = 32;
-/// A light this near to a plane, or along it, is not on one side of it for all of its rays.
+/// A light is on one side of a plane for all of its rays only if it is this far from the plane (in u M;
+/// directional lights: if its direction makes an angle of at least this sine with the plane).
 constexpr double kLeastHeight = 64, kLeastSlope = 1e-4;
+/// Instead of a plane's number: not yet looked up, or the light is on neither side of it.
 constexpr std::uint32_t kUnasked = ~0u, kEdgeOn = ~0u - 1;
 
-using Corners = std::array<glm::dvec3, 3>;
+using Corners = std::array<Point<Anchor>, 3>;
 
 Corners corners_of(const SurfaceModel& model, std::uint32_t triangle) {
   const glm::uvec3& t = model.triangles()[triangle];
   const auto p = model.positions();
-  return {glm::dvec3(p[t.x]), glm::dvec3(p[t.y]), glm::dvec3(p[t.z])};
+  return {Point<Anchor>{glm::dvec3(p[t.x])}, {glm::dvec3(p[t.y])}, {glm::dvec3(p[t.z])}};
 }
 
+/// Two unit vectors perpendicular to the unit vector `w` and to each other.
 std::array<glm::dvec3, 2> across(const glm::dvec3& w) {
   const glm::dvec3 other = std::abs(w.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
   const glm::dvec3 u = glm::normalize(glm::cross(other, w));
   return {u, glm::cross(w, u)};
 }
 
-/// One face across `along`, as wide as all that is fixed.
+/// One face perpendicular to `along`, as wide as all fixed patches.
 void fit_across(const SurfaceModel& model, const glm::dvec3& along, CellFrame& frame) {
   const auto [u, v] = across(along);
   glm::dvec3 low(1e300), high(-1e300);
   for (const Patch& patch : model.patches().first(model.fixed_count()))
     for (std::uint32_t i = 0; i < patch.triangle_count; ++i)
-      for (const glm::dvec3& p : corners_of(model, patch.first_triangle + i)) {
-        const glm::dvec3 q(glm::dot(u, p), glm::dot(v, p), glm::dot(along, p));
+      for (const Point<Anchor>& p : corners_of(model, patch.first_triangle + i)) {
+        const glm::dvec3 q(glm::dot(u, p.v), glm::dot(v, p.v), glm::dot(along, p.v));
         low = glm::min(low, q), high = glm::max(high, q);
       }
   if (low.x > high.x) low = high = glm::dvec3(0.0);
   const glm::dvec3 middle = (low + high) * 0.5;
-  frame.origin = u * middle.x + v * middle.y + along * middle.z;
+  frame.origin = {u * middle.x + v * middle.y + along * middle.z};
   const double extent = std::max({high.x - low.x, high.y - low.y, frame.rounding * 1e3, 1e-30});
   const double cells_a_metre = frame.side / (extent * 1.001);
   frame.rows = {u * cells_a_metre, v * cells_a_metre, along};
@@ -54,24 +57,26 @@ CellFrame frame_for(const ShadowLight& light, double reach, const SurfaceModel& 
   frame.rounding = kRounding * kUlp * (reach + light.reach);
   frame.cube = light.kind != LightKind::Directional;
   if (frame.cube)
-    frame.origin = glm::dvec3(light.position);
+    frame.origin = {glm::dvec3(light.position.v)};
   else
-    fit_across(model, glm::normalize(glm::dvec3(light.direction)), frame);
+    fit_across(model, glm::normalize(glm::dvec3(light.direction.v)), frame);
   return frame;
 }
 
-/// 1 = the light is on the side to which the normal points, -1 = on the other, 0 = neither is certain.
+/// 1 = the light is certainly on the side to which the normal points, -1 = certainly on the other, 0 =
+/// uncertain.
 int side_of(const FacetPlane& plane, const ShadowLight& light, double reach) {
   const glm::dvec3 normal(plane.normal);
   if (light.kind == LightKind::Directional) {
-    const double slope = -glm::dot(normal, glm::dvec3(light.direction));
+    const double slope = -glm::dot(normal, glm::dvec3(light.direction.v));
     return slope > kLeastSlope ? 1 : slope < -kLeastSlope ? -1 : 0;
   }
-  const double along = glm::dot(normal, glm::dvec3(light.position));
+  const double along = glm::dot(normal, glm::dvec3(light.position.v));
   const double least = kLeastHeight * kUlp * (reach + light.reach);
   return along > plane.high + least ? 1 : along < plane.low - least ? -1 : 0;
 }
 
+/// Enters a plane by its least depth. A cell keeps its nearest planes; the others count to its rest.
 void enter(LightVisibilityMap::Cell& cell, std::uint32_t plane, float depth) {
   std::size_t last = 0;
   for (std::size_t i = 0; i < LightVisibilityMap::kPlanes; ++i) {
@@ -104,9 +109,9 @@ constexpr std::array<std::array<std::size_t, 3>, 12> kBoxTriangles{{{0, 1, 3},
 
 /// Whether `point` lies in the box of a mover, or within `margin` metres of it. The box is a parallelepiped,
 /// which lies between three pairs of parallel planes.
-bool may_contain(const Patch& patch, const glm::dvec3& point, double margin) {
+bool may_contain(const Patch& patch, Point<Anchor> point, double margin) {
   const glm::dmat3 linear(patch.placement.linear);
-  const glm::dvec3 from_center = point - glm::dvec3(patch.placement.translation);
+  const glm::dvec3 from_center = point.v - glm::dvec3(patch.placement.translation.v);
   for (int axis = 0; axis < 3; ++axis) {
     const glm::dvec3 normal = glm::normalize(glm::cross(linear[(axis + 1) % 3], linear[(axis + 2) % 3]));
     const double half = std::abs(glm::dot(normal, linear[axis])) * patch.object_half[axis];
@@ -118,10 +123,10 @@ bool may_contain(const Patch& patch, const glm::dvec3& point, double margin) {
 /// Appends the cells that the surface of a mover's box touches.
 void cover_box(const CellFrame& frame, const Patch& patch, std::vector<CellTouch>& touched) {
   const glm::dmat3 linear(patch.placement.linear);
-  std::array<glm::dvec3, 8> corner;
+  std::array<Point<Anchor>, 8> corner;
   for (std::size_t i = 0; i < corner.size(); ++i) {
     const glm::dvec3 sign((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
-    corner[i] = linear * (sign * patch.object_half) + glm::dvec3(patch.placement.translation);
+    corner[i] = {linear * (sign * patch.object_half) + glm::dvec3(patch.placement.translation.v)};
   }
   for (const auto& t : kBoxTriangles) cover(frame, {corner[t[0]], corner[t[1]], corner[t[2]]}, touched);
 }

@@ -1,12 +1,14 @@
-/// LightVisibilityMap: what stands first around one light, cell by cell of its directions, so that what
-/// nothing can shadow is known to be lit without a ray.
+/// LightVisibilityMap: the occluders around one light, by direction. It proves that points are lit, without a
+/// ray.
 ///
-/// Every fixed triangle that touches a cell is in it, if not by its plane then by its least depth, and by no
-/// less than all of its rounding: a point with all of its cell's planes behind it, as the light sees it, or
-/// farther than itself, and nearer than the rest, is in sight of the light. Conservative as the shafts of E.
-/// Haines and J. Wallace, "Shaft Culling for Efficient Ray-Traced Radiosity", 1991, over the cells of a light
-/// buffer (E. Haines and D. Greenberg, "The Light Buffer: A Shadow-Testing Accelerator", 1986), which lists
-/// for each of them what may occlude. What moves is entered anew, as boxes, whenever it is placed.
+/// The directions from the light are divided into cells. Each cell holds every fixed triangle that touches
+/// it: its plane, or else its least depth, widened by all rounding errors. The light is visible from a point
+/// if, for each plane in the point's cell, the point lies on the light's side of the plane or nearer than the
+/// plane's triangles, and if the point lies nearer than all other occluders of the cell. This is conservative
+/// like shaft culling (E. Haines and J. Wallace, "Shaft Culling for Efficient Ray-Traced Radiosity", 1991)
+/// over the cells of a light buffer (E. Haines and D. Greenberg, "The Light Buffer: A Shadow-Testing
+/// Accelerator", 1986), which lists the possible occluders of each cell. Moving meshes are entered again, by
+/// their bounding boxes, whenever they are placed.
 #pragma once
 
 #include <array>
@@ -24,26 +26,28 @@ class LightVisibilityMap {
   static constexpr int kPlanes = 3;
   static constexpr int kSide = 32;  ///< cells along a side of a face
 
-  /// Oriented to the light: points with dot(normal, x) - offset >= doubt are on its side.
+  /// The normal points to the light: points with dot(normal, x) - offset >= doubt are on the light's side.
   struct Plane {
     float nx = 0, ny = 0, nz = 0, offset = 0, doubt = 0;
   };
 
-  /// Depths are metres: along the face's axis from a point or spot light, along a directional light's way.
+  /// Depths are in metres: from a point or spot light along the face's axis, or along a directional light's
+  /// direction.
   struct Cell {
-    float rest = kFar;    ///< all that `plane` has no room for is at least as deep
-    float moving = kFar;  ///< all that moves is at least as deep
-    std::array<std::uint32_t, kPlanes> plane{};
-    std::array<float, kPlanes> from{kFar, kFar, kFar};  ///< least depth of that plane's triangles here
+    float rest = kFar;    ///< least depth of the fixed triangles whose planes are not in `plane`
+    float moving = kFar;  ///< least depth of the moving meshes; 0 where one may surround the light
+    std::array<std::uint32_t, kPlanes> plane{};  ///< into planes(); as many as have a finite `from`
+    std::array<float, kPlanes> from{kFar, kFar,
+                                    kFar};  ///< least depth of that plane's triangles in this cell
   };
 
-  /// `model` as placed.
+  /// Enters `model` with its current placements.
   LightVisibilityMap(const ShadowLight& light, const FacetPlanes& planes, const SurfaceModel& model);
 
-  /// Takes over the model's placements.
+  /// Enters the moving meshes where the model has placed them now.
   void place(const SurfaceModel& model);
 
-  /// Whether it is of a light that stands where `light` does.
+  /// Whether the map holds for `light`: same kind, position and direction.
   [[nodiscard]] bool is_of(const ShadowLight& light) const;
 
   [[nodiscard]] const CellFrame& frame() const { return frame_; }
@@ -59,7 +63,7 @@ class LightVisibilityMap {
   CellFrame frame_;
   std::vector<Cell> cells_;
   std::vector<Plane> planes_;
-  std::vector<std::uint32_t> moving_cells_;  ///< with something that moves in them
+  std::vector<std::uint32_t> moving_cells_;  ///< cells with a finite `moving`
 };
 
 }  // namespace farshade

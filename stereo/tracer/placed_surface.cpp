@@ -6,15 +6,15 @@
 namespace farshade {
 namespace {
 
-constexpr int kFarthest_px = 8;  ///< of the neighbours that are tried
+constexpr int kFarthest_px = 8;  ///< distance of the farthest neighbours that are tried
 constexpr int kSide = static_cast<int>(kTileSide_px) + 2 * kFarthest_px;
 
-/// Positions of a tile and of what lies about it, anchor-relative.
+/// Positions of a tile and of a border around it, in anchor space.
 struct Neighbourhood {
   std::array<glm::vec3, std::size_t{kSide} * kSide> position;
   std::array<bool, std::size_t{kSide} * kSide> covered;
 
-  /// Of a pixel of the tile, or up to kFarthest_px beside it.
+  /// Index of a pixel of the tile, or of one up to kFarthest_px beside it.
   [[nodiscard]] static std::size_t at(int x, int y) {
     return static_cast<std::size_t>((y + kFarthest_px) * kSide + x + kFarthest_px);
   }
@@ -31,19 +31,20 @@ void load(const PlacedEye& eye, const TileRect& rect, Neighbourhood& out) {
       const std::uint32_t word = eye.planes[0].words[i];
       if (word == 0) continue;
       const glm::dvec3 steps(word - 1.0, eye.planes[1].words[i] - 1.0, eye.planes[2].words[i] - 1.0);
-      out.position[Neighbourhood::at(x, y)] = glm::vec3(eye.low + steps * eye.step);
+      out.position[Neighbourhood::at(x, y)] = glm::vec3(eye.low.v + steps * eye.step);
       out.covered[Neighbourhood::at(x, y)] = true;
     }
 }
 
-/// A plane about a pixel.
+/// An estimate of the plane of a pixel's surface.
 struct Estimate {
-  glm::vec3 normal;   ///< unit
-  float tilt = 0;     ///< at most so far off, radians, as the sine of that
-  bool sure = false;  ///< the neighbours on both sides lie in it, and the eye is on its seen side
+  glm::vec3 normal;  ///< unit
+  float tilt = 0;    ///< sine of the normal's largest possible error
+  bool sure =
+      false;  ///< the neighbours on all sides lie in the plane, and it is certain which side the eye sees
 };
 
-/// Along one axis, to the neighbour that is nearer: the other may be of another surface.
+/// The difference to the nearer of the two neighbours along one axis. The other may lie on another surface.
 std::optional<glm::vec3> shorter_step(const Neighbourhood& around, int x, int y, int dx, int dy) {
   const std::size_t here = Neighbourhood::at(x, y);
   const std::size_t ahead = Neighbourhood::at(x + dx, y + dy), behind = Neighbourhood::at(x - dx, y - dy);
@@ -55,7 +56,7 @@ std::optional<glm::vec3> shorter_step(const Neighbourhood& around, int x, int y,
   return glm::dot(forth, forth) <= glm::dot(back, back) ? forth : back;
 }
 
-/// Whether the neighbours on all sides are in the plane.
+/// Whether the neighbours on all sides lie in the plane.
 bool is_flat(const Neighbourhood& around, int x, int y, int away, const glm::vec3& normal, float doubt) {
   const glm::vec3 here = around.position[Neighbourhood::at(x, y)];
   for (const auto& [dx, dy] : {std::pair{away, 0}, {-away, 0}, {0, away}, {0, -away}}) {
@@ -66,8 +67,9 @@ bool is_flat(const Neighbourhood& around, int x, int y, int away, const glm::vec
   return true;
 }
 
-/// The first that is tilted by less than the way to the eye stands off the plane, so that it is known which
-/// side is seen; else the last that is tilted by at most 60 degrees.
+/// The first estimate whose tilt is smaller than the angle between the plane and the direction to the eye, so
+/// that it is certain which side the eye sees. If there is none, the last estimate that is tilted by at most
+/// 60 degrees.
 std::optional<Estimate> estimate(const Neighbourhood& around, int x, int y, const glm::vec3& to_eye,
                                  float doubt) {
   std::optional<Estimate> found;
@@ -89,14 +91,14 @@ std::optional<Estimate> estimate(const Neighbourhood& around, int x, int y, cons
   return found;
 }
 
-/// How what float rounds is lifted off, and what is known of lights behind.
+/// How a ray's start is lifted off its surface against rounding of float.
 struct Lift {
   glm::vec3 along;    ///< unit
-  float cosine = 1;   ///< of the angle to the surface's normal
+  float cosine = 1;   ///< of the angle between `along` and the surface's normal, at least
   float tilt = 2.0f;  ///< as PlacedSurface::tilt
 };
 
-/// The least cosine that is believed of a doubtful normal, and the one where neighbours give none.
+/// The cosine that is assumed at least, if the estimate is uncertain or if there is none.
 constexpr float kLeastCosine = 0.125f;
 
 Lift lift_of(const std::optional<Estimate>& found, const glm::vec3& to_eye) {
@@ -108,17 +110,19 @@ Lift lift_of(const std::optional<Estimate>& found, const glm::vec3& to_eye) {
           .tilt = found->tilt};
 }
 
+/// Writes the surface of one covered pixel into pixel `at` of `out`.
 void resolve(const PlacedEye& eye, const TileRect& rect, const Neighbourhood& around, TilePixel pixel,
              PlacedSurface& out, int at) {
-  constexpr float kRounding = 4.0f / (1 << 24);  // of two positions' coordinates, each half an ulp
+  constexpr float kRounding = 4.0f / (1 << 24);  // two positions' coordinates, each rounded by half an ulp
   const float error =
       0.5f * std::numbers::sqrt3_v<float> * (static_cast<float>(eye.step) + kRounding * eye.reach);  // E
   const glm::vec3 ray(eye.rays.corner + eye.rays.across * (rect.x0 + pixel.x + 0.5) +
                       eye.rays.down * (rect.y0 + pixel.y + 0.5));
-  const glm::vec3 told = around.position[Neighbourhood::at(pixel.x, pixel.y)];
-  const float along_ray = std::max(glm::dot(told - eye.rays.origin, ray) / glm::dot(ray, ray), 0.0f);
+  const glm::vec3& origin = eye.rays.origin.v;
+  const glm::vec3 on_grid = around.position[Neighbourhood::at(pixel.x, pixel.y)];
+  const float along_ray = std::max(glm::dot(on_grid - origin, ray) / glm::dot(ray, ray), 0.0f);
   const float length = glm::length(ray);
-  const glm::vec3 p = eye.rays.origin + ray * along_ray, to_eye = -ray / length;
+  const glm::vec3 p = origin + ray * along_ray, to_eye = -ray / length;
   const Lift lift = lift_of(estimate(around, pixel.x, pixel.y, to_eye, 2 * error), to_eye);
   const glm::vec3& n = lift.along;
   const glm::vec3 start =

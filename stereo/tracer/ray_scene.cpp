@@ -29,9 +29,10 @@ using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, Releaser<rtcRel
 using SceneHandle = std::unique_ptr<std::remove_pointer_t<RTCScene>, Releaser<rtcReleaseScene>>;
 using Geometry = std::unique_ptr<std::remove_pointer_t<RTCGeometry>, Releaser<rtcReleaseGeometry>>;
 
-// The two calls by which Embree 3 and 4 differ. Packets are coherent, but are said to be so only in a scene
-// without instances: Debian 12's Embree 3.13.5 never returns from coherent rtcOccluded16 into an instance.
-enum class Coherence { Coherent, Unsaid };
+// The two calls in which Embree 3 and 4 differ. All packets are coherent, but Embree is told so only for the
+// scene without instances: in Debian 12's Embree 3.13.5, a coherent rtcOccluded16 into an instance never
+// returns.
+enum class Coherence { Coherent, Undeclared };
 
 #if RTC_VERSION_MAJOR >= 4
 template <auto Call, class Packet>
@@ -74,7 +75,7 @@ static_assert(offsetof(HitPacket<16>, geometry) == offsetof(RTCHit16, geomID));
 static_assert(offsetof(HitPacket<16>, instance) == offsetof(RTCHit16, instID));
 static_assert(kNothing == RTC_INVALID_GEOMETRY_ID);
 
-/// What a filter needs to know about the geometry it was called for.
+/// User data of a geometry for its filter functions.
 struct FilterData {
   const Patch* patch;
   std::span<const glm::uvec3> triangles;
@@ -85,7 +86,7 @@ struct FilterData {
   }
 };
 
-/// Ray and normal are both in the patch's own space here, so the sign of its transform's determinant is no
+/// Ray and normal are both in the patch's own space here, so the sign of its transform's determinant does not
 /// matter.
 bool is_back(const RTCFilterFunctionNArguments& a, unsigned i) {
   const unsigned n = a.N;
@@ -97,7 +98,7 @@ bool is_back(const RTCFilterFunctionNArguments& a, unsigned i) {
 
 enum class Pass { Holes, Backs, Both };
 
-/// Lets rays pass where the surface is not there, or not seen from that side.
+/// Filter function: lets rays pass through holes and, for primary rays, through back faces.
 template <Pass What>
 void pass_filter(const RTCFilterFunctionNArguments* arguments) {
   const auto& data = *static_cast<const FilterData*>(arguments->geometryUserPtr);
@@ -148,15 +149,15 @@ void occluded_in(RTCScene scene, Coherence coherence, const Lanes<K>& lanes, Ray
     occluded_in<rtcOccluded4>(scene, coherence, lanes.valid, static_cast<RTCRay4*>(rays));
 }
 
-/// Told by the device, from any thread.
-struct Ledger {
+/// Counts Embree's memory. The device calls `note` from any thread.
+struct MemoryCounter {
   std::atomic<std::ptrdiff_t> bytes{0}, peak{0};
 
   static bool note(void* self, ssize_t change, bool /*post*/) {
-    auto& ledger = *static_cast<Ledger*>(self);
-    const std::ptrdiff_t now = ledger.bytes += change;
-    std::ptrdiff_t most = ledger.peak;
-    while (now > most && !ledger.peak.compare_exchange_weak(most, now)) {
+    auto& counter = *static_cast<MemoryCounter*>(self);
+    const std::ptrdiff_t now = counter.bytes += change;
+    std::ptrdiff_t most = counter.peak;
+    while (now > most && !counter.peak.compare_exchange_weak(most, now)) {
     }
     return true;
   }
@@ -166,11 +167,11 @@ struct Ledger {
 
 struct RayScene::Impl {
   const SurfaceModel& model;
-  Ledger ledger;  ///< before the device, which tells it until its end
+  MemoryCounter memory;  ///< before the device, which calls it until the device is destroyed
   Device device{rtcNewDevice(nullptr)};
-  std::vector<FilterData> filter_data;  ///< one a patch; addresses are given to Embree
+  std::vector<FilterData> filter_data;  ///< one per patch; Embree keeps their addresses
   SceneHandle fixed;
-  SceneHandle moving;  ///< instances of moving_scenes; empty where nothing moves
+  SceneHandle moving;  ///< instances of moving_scenes; null if nothing moves
   std::vector<SceneHandle> moving_scenes;
   std::vector<Geometry> moving_instances;
   int width = 4;
@@ -235,7 +236,7 @@ void RayScene::Impl::update() {
       continue;
     }
     const glm::mat3& m = placement.linear;
-    const std::array<glm::vec3, 4> columns{m[0], m[1], m[2], placement.translation};
+    const std::array<glm::vec3, 4> columns{m[0], m[1], m[2], placement.translation.v};
     rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
     rtcEnableGeometry(instance);
     rtcCommitGeometry(instance);
@@ -251,7 +252,7 @@ Expected<RayScene> RayScene::create(const SurfaceModel& model) {
                                         std::to_string(rtcGetDeviceError(nullptr)) + ").");
   if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) impl->width = 8;
   if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) impl->width = 16;
-  rtcSetDeviceMemoryMonitorFunction(device, Ledger::note, &impl->ledger);
+  rtcSetDeviceMemoryMonitorFunction(device, MemoryCounter::note, &impl->memory);
   impl->build();
   if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
     return fail(Fault::Unavailable,
@@ -268,10 +269,10 @@ void RayScene::update() {
   impl_->update();
 }
 std::size_t RayScene::bytes() const {
-  return static_cast<std::size_t>(impl_->ledger.bytes.load());
+  return static_cast<std::size_t>(impl_->memory.bytes.load());
 }
 std::size_t RayScene::peak_bytes() const {
-  return static_cast<std::size_t>(impl_->ledger.peak.load());
+  return static_cast<std::size_t>(impl_->memory.peak.load());
 }
 int RayScene::width() const {
   return impl_->width;
@@ -283,7 +284,7 @@ void RayScene::intersect(const Lanes<K>& lanes, RayHitPacket<K>& packet) const {
   for (int i = 0; i < K; ++i) hit.geometry[i] = hit.instance[i] = kNothing;
   intersect_in<K>(impl_->fixed.get(), Coherence::Coherent, lanes, packet);
   if (!impl_->moving) return;
-  intersect_in<K>(impl_->moving.get(), Coherence::Unsaid, lanes, packet);
+  intersect_in<K>(impl_->moving.get(), Coherence::Undeclared, lanes, packet);
   const auto fixed_count = static_cast<std::uint32_t>(impl_->model.fixed_count());
   for (int i = 0; i < K; ++i)
     if (hit.instance[i] != kNothing) hit.geometry[i] = fixed_count + hit.instance[i];
@@ -292,8 +293,8 @@ void RayScene::intersect(const Lanes<K>& lanes, RayHitPacket<K>& packet) const {
 template <int K>
 void RayScene::occluded(const Lanes<K>& lanes, RayPacket<K>& packet) const {
   occluded_in<K>(impl_->fixed.get(), Coherence::Coherent, lanes, packet);
-  // Rays that were stopped have a negative tfar now and are left alone.
-  if (impl_->moving) occluded_in<K>(impl_->moving.get(), Coherence::Unsaid, lanes, packet);
+  // Rays that are already occluded have a negative tfar and are not traced again.
+  if (impl_->moving) occluded_in<K>(impl_->moving.get(), Coherence::Undeclared, lanes, packet);
 }
 
 template void RayScene::intersect<4>(const Lanes<4>&, RayHitPacket<4>&) const;

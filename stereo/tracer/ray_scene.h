@@ -1,9 +1,9 @@
-/// RayScene: a SurfaceModel made traversable. Its .cpp is the one file that names Embree (3 or 4).
+/// RayScene: the acceleration structure over a SurfaceModel. Its .cpp is the only file that names Embree (3
+/// or 4).
 ///
-/// What is fixed lies in one scene of high build quality. If nothing moves, that is all there is; else the
-/// moving patches are instances in a second, small scene, which alone is rebuilt when they are placed anew
-/// and through which each packet goes after the first. Traversal is robust (watertight); filters sit only on
-/// geometries whose material needs them.
+/// The fixed patches lie in one Embree scene of high build quality. If patches move, they are instances in a
+/// second, small scene. Only that one is rebuilt when they are placed, and each packet traverses it after the
+/// first. Traversal is robust (watertight). Only geometries whose material needs it have filter functions.
 #pragma once
 
 #include <memory>
@@ -17,30 +17,31 @@ namespace farshade {
 
 class RayScene {
  public:
-  /// Refers to `model`, which must stay where it is.
-  /// Refuses (Fault::Unavailable) when the device or its memory is not to be had.
+  /// Keeps a reference to `model`, whose address must not change.
+  /// Refuses (Fault::Unavailable) when the device or its memory is not available.
   [[nodiscard]] static Expected<RayScene> create(const SurfaceModel& model);
 
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;
   ~RayScene();
 
-  /// Takes over the model's placements.
+  /// Moves the instances to the model's current placements.
   void update();
 
-  /// Bytes that the traversal's library holds, and the most that it ever held.
+  /// Bytes that Embree holds now, and the most that it ever held.
   [[nodiscard]] std::size_t bytes() const;
   [[nodiscard]] std::size_t peak_bytes() const;
 
-  /// Rays a packet that this machine traces natively: 16, 8 or 4.
+  /// Rays per packet that this machine traces natively: 16, 8 or 4.
   [[nodiscard]] int width() const;
 
-  /// Nearest seen surface: single-sided materials from behind and holes are passed.
-  /// For K of 4, 8 and 16; coherent packets are expected. A hit's `geometry` becomes the number of its patch.
+  /// Finds the nearest seen surface. Rays pass through holes and the back faces of single-sided materials.
+  /// K is 4, 8 or 16. Packets should be coherent. A hit's `geometry` becomes the number of its patch.
   template <int K>
   void intersect(const Lanes<K>& lanes, RayHitPacket<K>& packet) const;
 
-  /// Sets tfar to -infinity where any surface lies strictly between tnear and tfar. Holes are passed.
+  /// Sets tfar to -infinity for rays with any surface strictly between tnear and tfar. Rays pass through
+  /// holes.
   template <int K>
   void occluded(const Lanes<K>& lanes, RayPacket<K>& packet) const;
 
@@ -50,7 +51,7 @@ class RayScene {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Of the library that traverses, for people.
+/// Embree's version as text.
 [[nodiscard]] std::string embree_version();
 
 }  // namespace farshade

@@ -1,4 +1,4 @@
-/// A light as shadow rays need it: in float, about the model's anchor.
+/// A light as shadow rays need it: in float, in anchor space.
 #pragma once
 
 #include <algorithm>
@@ -12,20 +12,20 @@ namespace farshade {
 struct ShadowLight {
   LightKind kind = LightKind::Point;
   bool on = true;
-  glm::vec3 position{0.0f};   ///< anchor-relative
-  glm::vec3 direction{0.0f};  ///< unit, the way the light travels
-  float reach = 0;            ///< largest absolute coordinate of position
-  float range = kFar;         ///< metres
-  float cos_outer = -2;       ///< below -1: no cone
+  FloatPoint<Anchor> position{};    ///< point and spot lights
+  FloatVector<Anchor> direction{};  ///< unit; the direction in which the light travels
+  float reach = 0;                  ///< largest absolute coordinate of position
+  float range = kFar;               ///< metres
+  float cos_outer = -2;             ///< below -1: no cone
 };
 
 inline ShadowLight shadow_light(const Light& light, const SurfaceModel& model) {
-  const glm::dvec3 position = light.position.v - model.anchor();
-  const double reach = std::max({std::abs(position.x), std::abs(position.y), std::abs(position.z)});
-  ShadowLight result{.kind = light.kind, .on = light.on, .direction = glm::vec3(light.direction.v)};
+  ShadowLight result{.kind = light.kind, .on = light.on, .direction = {glm::vec3(light.direction.v)}};
   if (light.kind == LightKind::Directional) return result;
-  result.position = glm::vec3(position);
-  result.reach = static_cast<float>(reach);
+  const Point<Anchor> position = model.anchor_from_stage()(light.position);
+  result.position = in_float(position);
+  result.reach =
+      static_cast<float>(std::max({std::abs(position.v.x), std::abs(position.v.y), std::abs(position.v.z)}));
   if (light.range_m > 0) result.range = light.range_m;
   if (light.kind == LightKind::Spot) result.cos_outer = std::cos(light.outer_cone_rad);
   return result;

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-#include <limits>
 
 #include "stereo/base/check.h"
 
@@ -19,16 +18,16 @@ double reach_of(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   return std::max({largest(a), largest(b), largest(c)});
 }
 
-/// Largest row sum of absolute values: how much a matrix can grow the largest coordinate.
+/// Largest row sum of absolute values: the largest factor by which a matrix can grow the largest coordinate.
 double largest_row_sum(const glm::dmat3& m) {
   const glm::dmat3 rows = glm::transpose(m);
   const auto sum = [](const glm::dvec3& r) { return std::abs(r.x) + std::abs(r.y) + std::abs(r.z); };
   return std::max({sum(rows[0]), sum(rows[1]), sum(rows[2])});
 }
 
-/// By how much a ray that is carried to object space by a float matrix, and what it meets there back, may be
-/// more wrong than one that stays (R. D. Skeel, "Scaling for numerical stability in Gaussian elimination",
-/// 1979). Scaling along the object's axes does not count.
+/// The factor by which errors may grow when a float matrix carries a ray to object space and the hit point
+/// back (R. D. Skeel, "Scaling for numerical stability in Gaussian elimination", 1979). Scaling along the
+/// object's axes does not increase it.
 double condition(const glm::dmat3& m) {
   const glm::dmat3 inverse = glm::inverse(m);
   const auto absolute = [](const glm::dmat3& a) {
@@ -37,13 +36,13 @@ double condition(const glm::dmat3& m) {
   return largest_row_sum(absolute(m) * absolute(inverse));
 }
 
-/// Inverse transpose times a positive number; exists for every matrix.
+/// Inverse transpose times a positive number. Exists for every matrix.
 glm::dmat3 normal_matrix(const glm::dmat3& m) {
   const glm::dmat3 cofactors(glm::cross(m[1], m[2]), glm::cross(m[2], m[0]), glm::cross(m[0], m[1]));
   return glm::determinant(m) < 0 ? -cofactors : cofactors;
 }
 
-/// No volume is left that float could tell from none.
+/// Whether float cannot tell the volume of the transformed unit cube from 0.
 bool is_singular(const glm::dmat3& m) {
   const double longest = std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])});
   return !(std::abs(glm::determinant(m)) > 1e-12 * longest * longest * longest);
@@ -54,7 +53,7 @@ glm::dvec3 unit_or_zero(const glm::dvec3& v) {
   return size > 0 ? glm::normalize(v / size) : glm::dvec3(0.0);
 }
 
-/// From the corner opposite to the longest edge, so that a sliver keeps its normal.
+/// Computed at the corner opposite to the longest edge, so that a sliver keeps its normal.
 glm::dvec3 facet_normal(const std::array<glm::dvec3, 3>& p) {
   const std::array<glm::dvec3, 3> edge{p[2] - p[1], p[0] - p[2], p[1] - p[0]};
   std::size_t longest = 0;
@@ -77,6 +76,7 @@ SurfaceModel::SurfaceModel(const Scene& scene, const SceneState& state, const Tr
   check_eq(plan.moves.size(), scene.instances.size(), "a plan knows every instance");
   check_eq(plan.surfaces.size(), scene.meshes.size(), "a plan knows every mesh");
   closeup_ = closeup_of(scene, state);
+  anchor_from_stage_ = farshade::anchor_from_stage(closeup_.anchor);
   patches_.reserve(scene.instances.size());
   for (const bool moving : {false, true}) {
     for (std::uint32_t i = 0; i < scene.instances.size(); ++i)
@@ -106,11 +106,12 @@ void SurfaceModel::add(const Scene& scene, const SceneState& state, std::uint32_
   if (needs.alpha_test) patch.holes.emplace(scene, mesh);
   if (moving) {
     const Bounds bounds = bounds_of(mesh);
-    patch.object_center = (bounds.low + bounds.high) * 0.5;
+    patch.object_center = {(bounds.low + bounds.high) * 0.5};
     patch.object_half = (bounds.high - bounds.low) * 0.5;
   }
 
-  const glm::dvec3 shift = moving ? -patch.object_center : glm::dvec3(stage_from_object[3]) - anchor();
+  const Point<Stage> origin{glm::dvec3(stage_from_object[3])};
+  const glm::dvec3 shift = moving ? -patch.object_center.v : anchor_from_stage_(origin).v;
   const auto placed = [&](std::uint32_t vertex) {
     return linear * glm::dvec3(mesh.positions[vertex]) + shift;
   };
@@ -120,36 +121,42 @@ void SurfaceModel::add(const Scene& scene, const SceneState& state, std::uint32_
     normals_.emplace_back(unit_or_zero(normal_from_object * glm::dvec3(mesh.normals[v])));
   }
   const bool mirrored = glm::determinant(linear) < 0;
-  // Holes are cut by the mesh's own vertices.
-  const bool splits = !moving && !needs.alpha_test;
+  // The hole test needs the mesh's own vertices.
+  const bool splits = !moving && !needs.alpha_test && std::isfinite(closeup_.near_m);
   for (const glm::uvec3& t : mesh.triangles) {
     const glm::uvec3 wound = mirrored ? glm::uvec3(t.x, t.z, t.y) : t;
     const std::array<glm::dvec3, 3> p{placed(wound.x), placed(wound.y), placed(wound.z)};
     patch.object_reach = std::max(patch.object_reach, reach_of(p[0], p[1], p[2]));
-    add_triangle(wound + patch.first_vertex, p,
-                 splits ? closeup_.near_m : std::numeric_limits<double>::infinity());
+    if (splits)
+      add_split(wound + patch.first_vertex, {Point<Anchor>{p[0]}, {p[1]}, {p[2]}});
+    else
+      add_triangle(wound + patch.first_vertex, p);
   }
   patch.triangle_count = narrow<std::uint32_t>(triangles_.size()) - patch.first_triangle;
   patches_.push_back(std::move(patch));
 }
 
-void SurfaceModel::add_triangle(const glm::uvec3& vertices, const std::array<glm::dvec3, 3>& p,
-                                double near_m) {
-  const glm::vec3 normal(facet_normal(p));
-  const auto keep = [&](const glm::uvec3& its, double reach) {
+void SurfaceModel::add_triangle(const glm::uvec3& vertices, const std::array<glm::dvec3, 3>& p) {
+  triangles_.push_back(vertices);
+  facets_.push_back({glm::vec3(facet_normal(p)), static_cast<float>(reach_of(p[0], p[1], p[2]))});
+}
+
+void SurfaceModel::add_split(const glm::uvec3& vertices, const std::array<Point<Anchor>, 3>& p) {
+  const glm::vec3 normal(facet_normal({p[0].v, p[1].v, p[2].v}));
+  const auto keep = [&](const glm::uvec3& its, const std::array<Corner, 3>& part) {
     triangles_.push_back(its);
-    facets_.push_back({normal, static_cast<float>(reach)});
+    facets_.push_back(
+        {normal, static_cast<float>(reach_of(part[0].position.v, part[1].position.v, part[2].position.v))});
   };
   const auto corner = [&](int i) {
-    return Corner{p[static_cast<std::size_t>(i)], glm::dvec3(normals_[vertices[i]])};
+    return Corner{p[static_cast<std::size_t>(i)], {glm::dvec3(normals_[vertices[i]])}};
   };
-  split_graded({corner(0), corner(1), corner(2)}, near_m, [&](const std::array<Corner, 3>& part) {
-    const double reach = reach_of(part[0].position, part[1].position, part[2].position);
+  split_graded({corner(0), corner(1), corner(2)}, closeup_.near_m, [&](const std::array<Corner, 3>& part) {
     if (part[0].position == p[0] && part[1].position == p[1] && part[2].position == p[2])
-      return keep(vertices, reach);
+      return keep(vertices, part);
     const auto first = narrow<std::uint32_t>(positions_.size());
-    for (const Corner& c : part) positions_.emplace_back(c.position), normals_.emplace_back(c.normal);
-    keep({first, first + 1, first + 2}, reach);
+    for (const Corner& c : part) positions_.emplace_back(c.position.v), normals_.emplace_back(c.normal.v);
+    keep({first, first + 1, first + 2}, part);
   });
 }
 
@@ -157,14 +164,15 @@ void SurfaceModel::place(const SceneState& state) {
   for (Patch& patch : std::span(patches_).subspan(fixed_count_)) {
     const glm::dmat4& m = state.stage_from_object[patch.instance].matrix;
     const glm::dmat3 linear(m);
-    const glm::dvec3 translation = linear * patch.object_center + glm::dvec3(m[3]) - anchor();
+    const Point<Anchor> translation =
+        anchor_from_stage_(Point<Stage>{linear * patch.object_center.v + glm::dvec3(m[3])});
     Placement& placement = patch.placement;
     placement.linear = glm::mat3(linear);
-    placement.translation = glm::vec3(translation);
+    placement.translation = in_float(translation);
     placement.normal = glm::mat3(normal_matrix(linear / std::max(largest_row_sum(linear), 1e-300)));
     placement.singular = is_singular(linear);
     if (placement.singular) continue;
-    const double grown = largest_row_sum(linear) * patch.object_reach + largest(translation);
+    const double grown = largest_row_sum(linear) * patch.object_reach + largest(translation.v);
     placement.reach = static_cast<float>(2.0 * condition(linear) * grown);
   }
 }

@@ -1,9 +1,9 @@
-/// SurfaceModel: the scene's triangles as the tracer meets them.
+/// SurfaceModel: the scene's triangles as the tracer intersects them.
 ///
-/// What never moves is baked: positions in float relative to the scene's anchor (closeup.h, in double), so
-/// that a scene far from the origin keeps its precision. What moves stays in object space about its mesh's
-/// centre and is placed by a transform a frame. Triangles are wound so that their counter-clockwise side is
-/// the seen one whatever the sign of the transform's determinant.
+/// Instances that never move are transformed once, in double, to anchor space (anchor_space.h), and stored in
+/// float. Instances that move keep their object space, with the origin at the mesh's centre, and are placed
+/// by a transform per frame. Triangles are wound so that the counter-clockwise side is the seen one, whatever
+/// the sign of the transform's determinant.
 #pragma once
 
 #include <glm/mat3x3.hpp>
@@ -17,50 +17,55 @@
 
 namespace farshade {
 
-/// `reach`: largest absolute coordinate of the triangle's vertices, what its rounding errors are measured by.
 struct Facet {
-  glm::vec3 normal{0.0f};  ///< unit, towards the counter-clockwise side; zero where the triangle has no area
-  float reach = 0;
+  glm::vec3 normal{0.0f};  ///< unit, towards the counter-clockwise side; zero if the triangle has no area
+  float reach = 0;  ///< largest absolute coordinate of its vertices; rounding errors are proportional to it
 };
 
-/// Where a moving patch is, anchor-relative.
+/// Maps the vertices of a moving patch to anchor space.
 struct Placement {
   glm::mat3 linear{1.0f};
-  glm::vec3 translation{0.0f};
-  glm::mat3 normal{1.0f};  ///< inverse transpose up to a positive factor
-  float reach = 0;         ///< as Facet::reach for all of its triangles, errors of the transform included
-  bool singular = false;   ///< flattened to nothing: not there
+  FloatPoint<Anchor> translation{};  ///< where the mesh's centre is
+  glm::mat3 normal{1.0f};            ///< inverse transpose, times any positive factor
+  float reach = 0;        ///< as Facet::reach, for all of the patch, with the errors of the transform
+  bool singular = false;  ///< the transform is singular: the instance does not exist
+
+  [[nodiscard]] glm::vec3 operator()(const glm::vec3& vertex) const {
+    return linear * vertex + translation.v;
+  }
 };
 
-/// One instance's triangles.
+/// The triangles of one instance.
 struct Patch {
   std::uint32_t instance = 0;  ///< into Scene::instances
   std::uint32_t first_triangle = 0, triangle_count = 0, first_vertex = 0;
   bool double_sided = false;
-  bool back_test = false;  ///< eyes' rays pass its back, if it is not double-sided
+  bool back_test = false;  ///< primary rays pass its back faces, unless it is double-sided
   bool moving = false;
-  glm::dvec3 object_center{0.0};                 ///< moving only: what the vertices are relative to
-  glm::dvec3 object_half{0.0};                   ///< moving only: of the box about them
-  double object_reach = 0;                       ///< moving only: largest absolute coordinate of its vertices
-  std::optional<HoleTest> holes = std::nullopt;  ///< only where the material needs it
+  Point<Object> object_center{};  ///< moving only: the origin of its vertices, centre of their box
+  glm::dvec3 object_half{0.0};    ///< moving only: half the size of that box
+  double object_reach = 0;        ///< moving only: largest absolute coordinate of its vertices
+  std::optional<HoleTest> holes = std::nullopt;  ///< only if the material has holes
   Placement placement = {};                      ///< moving only
 };
 
 class SurfaceModel {
  public:
-  /// Refers to `scene`. Instances whose transform in `state` is singular and that never move are left out.
+  /// Keeps references to `scene`. Leaves out instances that never move and whose transform is singular.
   SurfaceModel(const Scene& scene, const SceneState& state, const TracePlan& plan);
 
-  /// Moves what moves. Patches keep their addresses.
+  /// Places the moving patches. Patches keep their addresses.
   void place(const SceneState& state);
 
-  [[nodiscard]] const glm::dvec3& anchor() const { return closeup_.anchor; }
+  [[nodiscard]] const Rigid<Anchor, Stage>& anchor_from_stage() const { return anchor_from_stage_; }
 
   [[nodiscard]] std::span<const Patch> patches() const { return patches_; }
-  [[nodiscard]] std::size_t fixed_count() const { return fixed_count_; }  ///< these come first in patches()
+  [[nodiscard]] std::size_t fixed_count() const {
+    return fixed_count_;
+  }  ///< fixed patches come first in patches()
 
-  /// All vertices with one unused one at the end (Embree loads 16 bytes), normals (any length), and vertex
-  /// numbers.
+  /// Vertices of all patches and one unused vertex at the end (Embree loads 16 bytes), normals of any length,
+  /// and the vertex numbers of the triangles. Vertices of fixed patches are in anchor space.
   [[nodiscard]] std::span<const glm::vec3> positions() const { return positions_; }
   [[nodiscard]] std::span<const glm::vec3> normals() const { return normals_; }
   [[nodiscard]] std::span<const glm::uvec3> triangles() const { return triangles_; }
@@ -69,11 +74,13 @@ class SurfaceModel {
  private:
   void add(const Scene& scene, const SceneState& state, std::uint32_t instance, const TracePlan& plan);
 
-  /// `p` as `vertices` say, relative to the anchor, in double; in parts where an edge is longer than
-  /// `near_m`.
-  void add_triangle(const glm::uvec3& vertices, const std::array<glm::dvec3, 3>& p, double near_m);
+  /// `p` are the positions of `vertices` in double.
+  void add_triangle(const glm::uvec3& vertices, const std::array<glm::dvec3, 3>& p);
+  /// The same for a fixed patch: adds the triangle in parts if an edge is too long (closeup.h).
+  void add_split(const glm::uvec3& vertices, const std::array<Point<Anchor>, 3>& p);
 
   Closeup closeup_;
+  Rigid<Anchor, Stage> anchor_from_stage_;
   std::vector<Patch> patches_;
   std::size_t fixed_count_ = 0;
   std::vector<glm::vec3> positions_, normals_;

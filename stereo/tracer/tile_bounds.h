@@ -1,5 +1,5 @@
-/// What one light does to a whole tile, where that can be told without a look at its pixels: certain, so that
-/// masks are the same bits with it and without.
+/// What one light does to a whole tile, if it can be told from the tile's bounds without its single pixels.
+/// The verdicts are certain, so masks have the same bits with and without them.
 #pragma once
 
 #include <algorithm>
@@ -12,23 +12,23 @@
 
 namespace farshade {
 
-/// What of a bit's definition holds in no pixel of a tile; or that all of it holds in all of them; or
-/// neither.
+/// OutOfRange, OutOfCone, TurnedAway: this condition of a set bit holds in no pixel of the tile. Lit: all
+/// conditions hold in all of its pixels. Open: neither is certain.
 enum class TileVerdict : std::uint8_t { Open, OutOfRange, OutOfCone, TurnedAway, Lit };
 
 struct Box {
   glm::vec3 low{kFar}, high{-kFar};
 };
 
-/// About a tile's covered pixels.
+/// Bounds of a tile's covered pixels, in anchor space.
 struct TileBounds {
-  Box points, starts;   ///< of surfaces, and of their shadow rays
-  Box shading, facet;   ///< of normals
-  float reach = 0;      ///< largest
-  float along = -kFar;  ///< where all facets have one normal: least dot(normal, start)
+  Box points, starts;   ///< of the surfaces, and of the starts of their shadow rays
+  Box shading, facet;   ///< of the shading and the geometric normals
+  float reach = 0;      ///< the largest
+  float along = -kFar;  ///< if all geometric normals are equal: the least dot(normal, start)
 };
 
-/// Least and largest of `values` where `reach` is not 0.
+/// Least and largest of `values` in covered pixels, those with a reach above 0.
 inline void span_of(const float (&values)[kTilePixels], const float (&reach)[kTilePixels], float& low,
                     float& high) {
   constexpr int kWide = 8;
@@ -54,7 +54,7 @@ inline Box box_of(const float (&x)[kTilePixels], const float (&y)[kTilePixels], 
   return box;
 }
 
-/// Of a tile with covered pixels.
+/// `s` has covered pixels.
 inline TileBounds bounds_of(const TileSurface& s) {
   TileBounds b{.points = box_of(s.px, s.py, s.pz, s.reach),
                .starts = box_of(s.ox, s.oy, s.oz, s.reach),
@@ -70,17 +70,17 @@ inline TileBounds bounds_of(const TileSurface& s) {
   return b;
 }
 
-/// Of distances and products, for what float loses here and in a pixel's own test.
+/// Relative margin of distances and products, for the rounding here and in a pixel's own test.
 inline constexpr float kCullSlack = 1e-5f;
 
-/// Least value of dot(n, x) in a box.
+/// The least dot(n, x) of all x in a box.
 inline float least_along(const glm::vec3& n, const Box& box) {
   float least = 0;
   for (int axis = 0; axis < 3; ++axis) least += std::min(n[axis] * box.low[axis], n[axis] * box.high[axis]);
   return least;
 }
 
-/// 1 = dot(n, l) is positive for all n and l of the boxes, -1 = for none, 0 = neither is certain.
+/// 1 = dot(n, l) is certainly positive for all n and l in the boxes, -1 = certainly for none, 0 = uncertain.
 inline int facing(const Box& n, const Box& l) {
   float least = 0, most = 0, size = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -93,18 +93,20 @@ inline int facing(const Box& n, const Box& l) {
   return least > kCullSlack * size ? 1 : most < -kCullSlack * size ? -1 : 0;
 }
 
-/// How far a ball reaches out of a spot light's cone, at least (`sign` 1) or at most (-1), for cones of up to
-/// half a space: negative is inside.
+/// Signed distance of the bounding sphere of `points` from a spot light's cone, for cones of up to 90 degrees
+/// from their axis. `sign` 1: of the sphere's nearest point, so that a positive result means all is outside.
+/// `sign` -1: of its farthest point, so that a negative result means all is inside.
 inline float outside_cone(const Box& points, const ShadowLight& light, float sign) {
-  const glm::vec3 v = (points.low + points.high) * 0.5f - light.position;
+  const glm::vec3 v = (points.low + points.high) * 0.5f - light.position.v;
   const float radius = glm::length(points.high - points.low) * 0.5f;
-  const float along = glm::dot(v, light.direction), across = glm::length(glm::cross(v, light.direction));
+  const glm::vec3& axis = light.direction.v;
+  const float along = glm::dot(v, axis), across = glm::length(glm::cross(v, axis));
   const float sin_outer = std::sqrt(std::max(1 - light.cos_outer * light.cos_outer, 0.0f));
   const float slack = radius + kCullSlack * (radius + glm::length(v) + light.reach);
   return across * light.cos_outer - along * sin_outer - sign * slack;
 }
 
-/// Whether all of `starts` lies on the light's side of the plane.
+/// Whether all shadow rays of the tile start on the light's side of the plane.
 inline bool is_before(const TileBounds& b, const LightVisibilityMap::Plane& plane) {
   const glm::vec3 n(plane.nx, plane.ny, plane.nz);
   const float own = b.along + least_along(n - b.facet.low, b.starts);
@@ -112,7 +114,8 @@ inline bool is_before(const TileBounds& b, const LightVisibilityMap::Plane& plan
   return above >= std::max(plane.doubt, 0.5f * kOffset * b.reach) + 0.125f * kOffset * b.reach;
 }
 
-/// The cells in which a box lies, columns and rows with both ends, and the depth of its farther end.
+/// The cells that a box touches: columns left to right and rows top to bottom, inclusive; and its largest
+/// depth. Empty if right < left or bottom < top.
 struct CellRect {
   int face = 0, left = 0, right = -1, top = 0, bottom = -1;
   float depth = 0;
@@ -120,7 +123,8 @@ struct CellRect {
   [[nodiscard]] int count() const { return (right - left + 1) * (bottom - top + 1); }
 };
 
-/// Ends of a range of cells, which is 1/64 cell wider for what float loses. Empty off the face.
+/// The range of cells from coordinate `low` to `high`, widened by 1/64 cell for rounding. Leaves `first` and
+/// `last` as they are if the range leaves the face.
 inline void cells_between(float low, float high, int side, int& first, int& last) {
   constexpr float kWider = 1.0f / 64;
   if (!(low >= -kWider && high <= static_cast<float>(side) + kWider)) return;
@@ -128,10 +132,10 @@ inline void cells_between(float low, float high, int side, int& first, int& last
   last = std::min(static_cast<int>(high + kWider), side - 1);
 }
 
-/// No cells where the box is not before one face.
+/// Empty if the box is not in front of a single face.
 inline CellRect cells_of(const CellFrame& frame, const Box& box) {
   CellRect rect;
-  const glm::vec3 low = box.low - glm::vec3(frame.origin), high = box.high - glm::vec3(frame.origin);
+  const glm::vec3 origin(frame.origin.v), low = box.low - origin, high = box.high - origin;
   const glm::vec3 middle = (low + high) * 0.5f, half = (high - low) * 0.5f;
   const float half_side = static_cast<float>(frame.side) * 0.5f;
   if (!frame.cube) {
@@ -155,7 +159,7 @@ inline CellRect cells_of(const CellFrame& frame, const Box& box) {
   const auto least = [&](float value) { return half_side * value / (value < 0 ? near : far) + half_side; };
   const auto most = [&](float value) { return half_side * value / (value < 0 ? far : near) + half_side; };
   rect.face = 2 * axis + (against ? 1 : 0);
-  // Beyond the face's sides points belong to its neighbours, so not even the rounding may lie there.
+  // A point beyond the face's sides belongs to another face.
   if (std::max({-low[x], high[x], -low[y], high[y]}) > near) return rect;
   cells_between(least(low[x]), most(high[x]), frame.side, rect.left, rect.right);
   cells_between(least(low[y]), most(high[y]), frame.side, rect.top, rect.bottom);
@@ -163,7 +167,7 @@ inline CellRect cells_of(const CellFrame& frame, const Box& box) {
   return rect;
 }
 
-/// Whether nothing in the map can come between any of the tile's pixels and the light.
+/// Whether no occluder in the map can lie between any pixel of the tile and the light.
 inline bool is_clear(const LightVisibilityMap& map, const TileBounds& b) {
   constexpr int kMostCells = 8;
   const CellRect rect = cells_of(map.frame(), b.starts);
@@ -180,12 +184,12 @@ inline bool is_clear(const LightVisibilityMap& map, const TileBounds& b) {
   return true;
 }
 
-/// `map` is the light's, or null.
+/// `map` is the light's map, or null.
 inline TileVerdict verdict_on(const TileBounds& b, const ShadowLight& light, const LightVisibilityMap* map) {
-  Box to_light{-light.direction, -light.direction};
+  Box to_light{-light.direction.v, -light.direction.v};
   bool all = map != nullptr;
   if (light.kind != LightKind::Directional) {
-    to_light = {light.position - b.points.high, light.position - b.points.low};
+    to_light = {light.position.v - b.points.high, light.position.v - b.points.low};
     const glm::vec3 outside = glm::max(glm::max(to_light.low, -to_light.high), glm::vec3(0.0f));
     if (glm::length(outside) > light.range * (1 + kCullSlack)) return TileVerdict::OutOfRange;
     const float farthest = glm::length(glm::max(glm::abs(to_light.low), glm::abs(to_light.high)));

@@ -1,23 +1,25 @@
-/// The two stages of a 16x16 tile, on buffers that stay in the first-level cache between them.
+/// The two stages of a 16x16 tile. Their buffers stay in the first-level cache in between.
 ///
-/// see_tile finds the nearest surface of each pixel; shadow_tile asks for one light which of those surfaces
-/// it reaches.
+/// see_tile finds the nearest surface of each pixel. shadow_tile finds which of these surfaces one light
+/// reaches.
 ///
-/// A shadow ray's offset is counted in units in the last place, after C. Waechter and N. Binder, "A fast and
-/// robust method for avoiding self-intersection", Ray Tracing Gems I, chapter 6, but of the largest
-/// coordinate M that takes part, and its count is derived. With u = 2^-24, distances to the surface's plane
-/// are wrong by at most, in uM:
-///  - 8.7: barycentric sum of the hit point, 2 (weights do not sum to 1) + 3 a coordinate, times sqrt 3
-///  - 1.7: adding the offset, 1 a coordinate
-///  - 3.5: Embree's vertices minus origin, |v - o| <= 2M a coordinate, rounded
-///  - 10.4: Embree's dot of that with the normal, 3 roundings of 2 sqrt 3 M
-///  - 10: Embree's normal, from edges of such vertices (4uM) and a cross product, well-shaped triangle
+/// The offset of a shadow ray from its surface is a multiple of the unit in the last place, as in C. Waechter
+/// and N. Binder, "A fast and robust method for avoiding self-intersection", Ray Tracing Gems I, chapter 6,
+/// but of the largest coordinate M of the triangle, and the multiple is derived. With u = 2^-24, the errors
+/// of a distance to the surface's plane are at most, in u M:
 ///
-/// Together 35 uM; 64 uM leaves room for triangles whose height is a few times smaller than their longest
-/// edge. So a thing closer than 2^-18 of the largest coordinate to a surface may fail to cast on it.
+/// - 8.7: barycentric sum of the hit point; 2 (weights do not sum to 1) + 3 per coordinate, times sqrt 3
+/// - 1.7: addition of the offset; 1 per coordinate
+/// - 3.5: Embree's vertices minus the origin, |v - o| <= 2M per coordinate, rounded
+/// - 10.4: Embree's dot product of that and the normal; 3 roundings of 2 sqrt 3 M
+/// - 10: Embree's normal, from edges of such vertices (4 u M) and a cross product, for a well-shaped triangle
 ///
-/// Rays start at the surface. Packets that share their origin at the light were 0 to 3 % faster in three
-/// scenes, but then the light's coordinates would count into M.
+/// These are 35 u M together. 64 u M leaves room for triangles whose height is a few times smaller than their
+/// longest edge. Therefore an occluder closer than 2^-18 of the largest coordinate to a surface may fail to
+/// cast on it.
+///
+/// Rays start at the surface and end at the light. Packets that start at the light were 0 to 3 % faster in
+/// three scenes, but then the light's coordinates would count into M.
 #pragma once
 
 #include <algorithm>
@@ -30,23 +32,24 @@
 
 namespace farshade {
 
-/// Primary rays of a view: origin, and direction = corner + x across + y down for pixel position (x, y).
+/// Primary rays of a view: the ray through pixel position (x, y) has the direction corner + x across + y
+/// down. Directions are the same in the stage and in anchor space.
 struct ViewRays {
-  glm::vec3 origin;
+  FloatPoint<Anchor> origin;
   glm::dvec3 corner, across, down;
 };
 
-inline ViewRays rays_of(const View& view, const glm::dvec3& anchor) {
+inline ViewRays rays_of(const View& view, const Rigid<Anchor, Stage>& anchor_from_stage) {
   const FovTangents window = tangents_of(view.fov);
   const auto stage_ray = [&](double x, double y) {
     return view.stage_from_eye(Vector<Eye>{pixel_ray(window, view.size, {x, y})}).v;
   };
   const glm::dvec3 corner = stage_ray(0, 0);
-  return {glm::vec3(view.stage_from_eye.translation - anchor), corner, stage_ray(1, 0) - corner,
-          stage_ray(0, 1) - corner};
+  const Point<Stage> eye{view.stage_from_eye.translation};
+  return {in_float(anchor_from_stage(eye)), corner, stage_ray(1, 0) - corner, stage_ray(0, 1) - corner};
 }
 
-/// One lane's hit, carried into `out` at `at`.
+/// Writes the surface that one ray has hit into pixel `at` of `out`.
 inline void resolve_hit(const SurfaceModel& model, std::uint32_t patch_number, std::uint32_t primitive,
                         float u, float v, const glm::vec3& ray, TileSurface& out, int at) {
   const Patch& patch = model.patches()[patch_number];
@@ -59,7 +62,7 @@ inline void resolve_hit(const SurfaceModel& model, std::uint32_t patch_number, s
   float reach = facet.reach;
   if (patch.moving) {
     const Placement& placement = patch.placement;
-    p = placement.linear * p + placement.translation;
+    p = placement(p);
     n = placement.normal * n;
     g = placement.normal * g;
     const float length = glm::length(g);
@@ -75,6 +78,7 @@ inline void resolve_hit(const SurfaceModel& model, std::uint32_t patch_number, s
   out.reach[at] = reach;
 }
 
+/// Writes "not covered" into pixel `at` of `out`.
 inline void resolve_miss(TileSurface& out, int at) {
   out.px[at] = out.py[at] = out.pz[at] = out.reach[at] = 0;
   out.ox[at] = out.oy[at] = out.oz[at] = 0;
@@ -82,7 +86,7 @@ inline void resolve_miss(TileSurface& out, int at) {
   out.gx[at] = out.gy[at] = out.gz[at] = 0;
 }
 
-/// Primary rays through the pixel centres of `rect`.
+/// Casts primary rays through the pixel centres of `rect`.
 template <int K>
 void see_tile(const RayScene& scene, const SurfaceModel& model, const ViewRays& view, const TileRect& rect,
               TileSurface& out) {
@@ -99,7 +103,7 @@ void see_tile(const RayScene& scene, const SurfaceModel& model, const ViewRays& 
       const TilePixel pixel = kTileOrder[static_cast<std::size_t>(first + i)];
       const float x = pixel.x, y = pixel.y;
       lanes.valid[i] = ((pixel.x < width) & (pixel.y < height)) ? -1 : 0;
-      ray.org_x[i] = view.origin.x, ray.org_y[i] = view.origin.y, ray.org_z[i] = view.origin.z;
+      ray.org_x[i] = view.origin.v.x, ray.org_y[i] = view.origin.v.y, ray.org_z[i] = view.origin.v.z;
       ray.dir_x[i] = corner.x + across.x * x + down.x * y;
       ray.dir_y[i] = corner.y + across.y * x + down.y * y;
       ray.dir_z[i] = corner.z + across.z * x + down.z * y;
@@ -120,11 +124,12 @@ void see_tile(const RayScene& scene, const SurfaceModel& model, const ViewRays& 
   }
 }
 
-/// What becomes of the covered pixels of a tile under one light.
+/// Counts of a tile's covered pixels under one light.
 struct TileRays {
   std::uint64_t traced = 0;
-  std::uint64_t proven = 0;                                   ///< lit without a ray
-  std::uint64_t out_of_range = 0, out_of_cone = 0, away = 0;  ///< dark without a ray, by the first of these
+  std::uint64_t proven = 0;  ///< lit, without a ray
+  std::uint64_t out_of_range = 0, out_of_cone = 0,
+                away = 0;  ///< dark, without a ray, by the first that holds
 
   TileRays& operator+=(const TileRays& b) {
     traced += b.traced, proven += b.proven;
@@ -133,10 +138,10 @@ struct TileRays {
   }
 };
 
-/// One packet's way to the light, and what of a bit's definition holds before any ray.
+/// The vectors from one packet's surfaces to the light, and the conditions of a set bit that need no ray.
 template <int K>
 struct LightWay {
-  Floats<K> x, y, z, distance;  ///< from each surface to the light
+  Floats<K> x, y, z, distance;  ///< from the surface to the light; a directional light: unit vectors
   Ints<K> covered, faces, in_range, in_cone;
 };
 
@@ -149,18 +154,19 @@ void set_facing(const TileSurface& s, int first, LightWay<K>& way) {
   way.faces = (nx * way.x + ny * way.y + nz * way.z > 0) & (gx * way.x + gy * way.y + gz * way.z > 0);
 }
 
+/// Fills `way` for the packet that begins at pixel `first`.
 template <int K, class Surface>
 void face_light(const Surface& s, int first, const ShadowLight& light, LightWay<K>& way) {
+  const glm::vec3& axis = light.direction.v;
   Floats<K>&x = way.x, &y = way.y, &z = way.z;
   load(x, s.px + first), load(y, s.py + first), load(z, s.pz + first);
   if (light.kind == LightKind::Directional)
-    x = -light.direction.x - Floats<K>{}, y = -light.direction.y - Floats<K>{},
-    z = -light.direction.z - Floats<K>{};
+    x = -axis.x - Floats<K>{}, y = -axis.y - Floats<K>{}, z = -axis.z - Floats<K>{};
   else
-    x = light.position.x - x, y = light.position.y - y, z = light.position.z - z;
+    x = light.position.v.x - x, y = light.position.v.y - y, z = light.position.v.z - z;
   way.distance = x * x + y * y + z * z;
   for (int i = 0; i < K; ++i) way.distance[i] = std::sqrt(way.distance[i]);
-  const Floats<K> along = -(x * light.direction.x + y * light.direction.y + z * light.direction.z);
+  const Floats<K> along = -(x * axis.x + y * axis.y + z * axis.z);
   way.in_range = way.distance < light.range;
   way.in_cone = along > light.cos_outer * way.distance;
   set_facing(s, first, way);
@@ -169,8 +175,8 @@ void face_light(const Surface& s, int first, const ShadowLight& light, LightWay<
   way.covered = reach > 0;
 }
 
-/// Turns vectors to the light into rays: from the offset surface point to the light, as far as the same
-/// offset before it, or without end.
+/// Makes shadow rays. A ray starts at the offset surface point. It ends before the light, by an offset that
+/// also counts the light's own coordinates; to a directional light it has no end.
 template <int K>
 void aim(const TileSurface& s, int first, const ShadowLight& light, const LightWay<K>& way,
          RayPacket<K>& ray) {
@@ -185,14 +191,14 @@ void aim(const TileSurface& s, int first, const ShadowLight& light, const LightW
   }
   Floats<K> x, y, z, left_out;
   load(x, s.ox + first), load(y, s.oy + first), load(z, s.oz + first), load(left_out, s.reach + first);
-  x = light.position.x - x, y = light.position.y - y, z = light.position.z - z;
+  x = light.position.v.x - x, y = light.position.v.y - y, z = light.position.v.z - z;
   store(x, ray.dir_x), store(y, ray.dir_y), store(z, ray.dir_z);
   left_out = kOffset * (left_out + light.reach) / way.distance;
   const Floats<K> end = 1.0f - left_out;
   store(end > 0 ? end : Floats<K>{}, ray.tfar);
 }
 
-/// Adds `bit` to the words of `lanes`.
+/// Sets `bit` in the words of those `lanes` that are -1.
 template <int K>
 void set_bit(const Ints<K>& lanes, std::uint32_t bit, std::uint32_t* words) {
   Ints<K> word;
@@ -201,8 +207,8 @@ void set_bit(const Ints<K>& lanes, std::uint32_t bit, std::uint32_t* words) {
   store(word, words);
 }
 
-/// Sets `bit` in the words of the pixels that `light` reaches, tracing only rays whose answer is not known
-/// before. `map` is the light's, or null. `occluded(lanes, packet)` traces.
+/// Sets `bit` in the words of the pixels that `light` reaches. Traces only rays whose result is not known in
+/// advance. `map` is the light's map, or null. `occluded(lanes, packet)` traces.
 template <int K, class Surface, class Occluded>
 TileRays shadow_tile(const Surface& surface, const ShadowLight& light, const LightVisibilityMap* map,
                      std::uint32_t bit, std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {
@@ -245,7 +251,7 @@ inline TileRays light_tile(const TileSurface& surface, std::uint32_t bit,
   return {.proven = surface.covered};
 }
 
-/// As shadow_tile, and leaving nothing out: a ray for each covered pixel.
+/// The same as shadow_tile, but traces a ray for every covered pixel.
 template <int K, class Occluded>
 TileRays shadow_whole_tile(const TileSurface& surface, const ShadowLight& light, std::uint32_t bit,
                            std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {

@@ -1,5 +1,5 @@
-/// What the pixels of a 16x16 tile see. Pixels are kept in 4x4 blocks, so that the 16 rays of a packet stay
-/// close to each other.
+/// The surfaces that the pixels of a 16x16 tile see. Pixels are stored in 4x4 blocks, so that the 16 rays of
+/// a packet are close to each other.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@ namespace farshade {
 
 inline constexpr int kTilePixels = static_cast<int>(kTileSide_px * kTileSide_px);
 
-/// Place in the tile of its pixels in block order.
+/// Position of a pixel in its tile. kTileOrder lists the pixels in block order.
 struct TilePixel {
   std::uint8_t x, y;
 };
@@ -25,18 +25,18 @@ inline constexpr std::array<TilePixel, kTilePixels> kTileOrder = [] {
   return order;
 }();
 
-/// Shadow rays start this share of the largest coordinate above their surface; derived in tile_stages.h.
+/// Shadow rays start above their surface by this share of the largest coordinate. Derived in tile_stages.h.
 inline constexpr float kOffset = 64.0f / (1 << 24);
 
-/// In block order, anchor-relative. Normals have any length, are turned as the definition in tracer.h says,
-/// and are zero where nothing is covered.
+/// In block order, in anchor space. Normals are turned as the definition in tracer.h says, and zero where no
+/// surface covers the pixel.
 struct alignas(64) TileSurface {
   float px[kTilePixels], py[kTilePixels], pz[kTilePixels];
   float ox[kTilePixels], oy[kTilePixels], oz[kTilePixels];  ///< where shadow rays start
-  float nx[kTilePixels], ny[kTilePixels], nz[kTilePixels];  ///< shading normal
+  float nx[kTilePixels], ny[kTilePixels], nz[kTilePixels];  ///< shading normal, any length
   float gx[kTilePixels], gy[kTilePixels], gz[kTilePixels];  ///< geometric normal, unit
-  float reach[kTilePixels];                                 ///< Facet::reach
-  std::uint32_t covered = 0;                                ///< pixels
+  float reach[kTilePixels];                                 ///< Facet::reach; 0 = not covered
+  std::uint32_t covered = 0;                                ///< number of covered pixels
 };
 
 }  // namespace farshade

@@ -15,7 +15,7 @@
 namespace farshade {
 namespace {
 
-/// Sums over tiles; times are of all cores together.
+/// Sums over tiles. Times are core times.
 struct TileSums {
   Duration primary{}, shadow{};
   std::uint64_t primary_rays = 0, covered = 0;
@@ -54,14 +54,15 @@ void write_plane(const std::uint32_t (&words)[kTilePixels], const TileRect& rect
 struct Tracer::Impl {
   const Scene& scene;
   TracePlan plan;
-  SceneState state;  ///< with the lights as the scene has them, since each request may change others
+  SceneState state;  ///< with the lights as the scene has them: a request's changes are not kept
   SurfaceModel model;
   std::optional<RayScene> rays;
-  LightSet light_set;               ///< of the request
-  std::vector<ShadowLight> lights;  ///< light_set's
+  LightSet light_set;               ///< of the current request
+  std::vector<ShadowLight> lights;  ///< of light_set
   std::vector<std::optional<LightVisibilityMap>>
-      maps;  ///< one a light, of those that never move by themselves
-  std::vector<const LightVisibilityMap*> maps_in_use;  ///< null where a light is not where its map was made
+      maps;  ///< one per light; empty for lights that an animation moves
+  std::vector<const LightVisibilityMap*>
+      maps_in_use;  ///< null for a light that is not where its map was made
 
   Impl(const Scene& traced, const TracePlan& wanted)
       : scene(traced), plan(wanted), state(state_at(scene, Time{})), model(scene, state, plan) {}
@@ -135,7 +136,7 @@ TileRays Tracer::Impl::shadow(const TileSurface& surface, const TileBounds& boun
   return shadow_tile<K>(surface, lights[light], maps_in_use[light], bit, words, occluded);
 }
 
-/// Calls act(light, bit, words) for the lights that are on, a plane's after the other's, and keeps the words.
+/// Calls act(light, bit, words) for the lights that are on, plane by plane, and writes the words to the mask.
 template <class Act>
 void for_each_light(std::span<const ShadowLight> lights, const TileRect& rect, EyeMask& mask, Act act) {
   const MaskLayout layout = mask.layout();
@@ -183,7 +184,7 @@ TileSums Tracer::Impl::trace_tile(const PlacedEye& eye, const TileRect& rect, Ey
   return sums;
 }
 
-/// Tiles of all eyes are one range, so that no core waits between them.
+/// The tiles of all eyes are one parallel range, so that no core waits between eyes.
 template <int K, class Source>
 TileSums Tracer::Impl::trace_eyes(const PerEye<Source>& sources, std::size_t eyes,
                                   PerEye<EyeMask>& masks) const {
@@ -206,7 +207,7 @@ std::uint64_t Tracer::Impl::lights_on() const {
   return static_cast<std::uint64_t>(std::ranges::count(lights, true, &ShadowLight::on));
 }
 
-/// Largest of all that can occlude, as Facet::reach.
+/// The largest Facet::reach of all occluders.
 float Tracer::Impl::reach() const {
   float most = 0;
   for (const Patch& patch : model.patches()) {
@@ -220,7 +221,7 @@ float Tracer::Impl::reach() const {
   return most;
 }
 
-/// Scene and lights as requested, and a frame that is theirs but for its bits.
+/// Sets scene and lights to those of the request, and everything of `frame` except its bits.
 void Tracer::Impl::prepare(const FrameRequest& request, ShadowFrame& frame) {
   for (const View& view : request.views) check(is_valid(view), "a traced view is valid");
   advance_to(request.scene_time, request.lights);
@@ -234,7 +235,7 @@ void Tracer::Impl::prepare(const FrameRequest& request, ShadowFrame& frame) {
   }
 }
 
-/// Fills the masks of a prepared frame; `same`: the right eye's are the left's.
+/// Traces the masks of a prepared frame. `same`: both views coincide, and the left mask is copied.
 template <class Source>
 TraceStats Tracer::Impl::trace_frame(const PerEye<Source>& sources, bool same, ShadowFrame& frame) const {
   const std::uint64_t on = lights_on();
@@ -282,21 +283,22 @@ Tracer::~Tracer() = default;
 
 TraceStats Tracer::trace(const FrameRequest& request, ShadowFrame& frame) {
   impl_->prepare(request, frame);
-  const glm::dvec3& anchor = impl_->model.anchor();
-  const PerEye<ViewRays> views{rays_of(request.views[0], anchor), rays_of(request.views[1], anchor)};
+  const Rigid<Anchor, Stage>& anchor_from_stage = impl_->model.anchor_from_stage();
+  const PerEye<ViewRays> views{rays_of(request.views[0], anchor_from_stage),
+                               rays_of(request.views[1], anchor_from_stage)};
   return impl_->trace_frame(views, impl_->plan.shares_views && request.views[0] == request.views[1], frame);
 }
 
 TraceStats Tracer::trace(const FrameRequest& request, const PerEye<PositionPlanes>& positions,
                          const PositionGrid& grid, ShadowFrame& frame) {
   impl_->prepare(request, frame);
-  const glm::dvec3& anchor = impl_->model.anchor();
+  const Rigid<Anchor, Stage>& anchor_from_stage = impl_->model.anchor_from_stage();
   const float reach = impl_->reach();
   const auto placed = [&](std::size_t eye) {
     for (const PixelPlane& plane : positions[eye])
       check(plane.size == request.views[eye].size, "positions are those of the view's pixels");
-    return PlacedEye{positions[eye], grid.low.v - anchor, grid.step_m, rays_of(request.views[eye], anchor),
-                     reach};
+    return PlacedEye{positions[eye], anchor_from_stage(grid.low), grid.step_m,
+                     rays_of(request.views[eye], anchor_from_stage), reach};
   };
   return impl_->trace_frame(PerEye<PlacedEye>{placed(0), placed(1)}, false, frame);
 }

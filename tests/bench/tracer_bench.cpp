@@ -51,7 +51,7 @@ Packets<K> record(const SurfaceModel& model, const RayScene& rays, const StereoV
   for (const View& view : views) {
     const TileGrid grid{view.size};
     for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
-      see_tile<K>(rays, model, rays_of(view, model.anchor()), grid.rect(tile), surface);
+      see_tile<K>(rays, model, rays_of(view, model.anchor_from_stage()), grid.rect(tile), surface);
       for (const Light& light : lights) {
         std::uint32_t words[kTilePixels]{};
         packets.count += shadow_tile<K>(surface, shadow_light(light, model), nullptr, 1, words, keep).traced;
@@ -121,7 +121,7 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
     for (const View& view : views) {
       const TileGrid grid{view.size};
       for (std::uint32_t tile = 0; tile < grid.count(); ++tile)
-        see_tile<K>(rays, model, rays_of(view, model.anchor()), grid.rect(tile), surface);
+        see_tile<K>(rays, model, rays_of(view, model.anchor_from_stage()), grid.rect(tile), surface);
     }
   };
   for (int round = 0; round < rounds; ++round) {

@@ -8,17 +8,18 @@ namespace farshade {
 
 [[nodiscard]] FrameRequest request_for(const StereoView& views, Time scene_time = {}, FrameId frame = {});
 
-/// Traces `views` at `scene_time`.
+/// The masks of `views` at `scene_time`, by the tracer with its proofs.
 [[nodiscard]] ShadowFrame traced(const Scene& scene, const StereoView& views, Time scene_time = {});
 
-/// The same by a tracer without proofs: for masks that others are compared with.
+/// The same by a tracer without proofs: a reference for other masks.
 [[nodiscard]] ShadowFrame reference_traced(const Scene& scene, const StereoView& views, Time scene_time = {});
 
 /// The same view for both eyes.
 [[nodiscard]] ShadowFrame traced(const Scene& scene, const View& view, Time scene_time = {});
 
-/// Expects the tracer's masks of both views to equal the oracle's outside the band, the band to hold at most
-/// `most_in_band` of the pixel-lights, and at most a tenth of the band to differ. Returns both eyes' sums.
+/// Expects that the tracer's masks of both views equal the oracle's outside the band, that the band is at
+/// most the share `most_in_band` of all pixel-lights, and that at most a tenth of the band differs. Returns
+/// the sums over both eyes.
 oracle::Agreement expect_agrees(const Scene& scene, const StereoView& views, Time scene_time,
                                 double most_in_band);
 

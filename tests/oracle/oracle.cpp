@@ -11,17 +11,19 @@
 namespace farshade::oracle {
 namespace {
 
-struct Seen {
+/// The surface that a ray sees.
+struct Surface {
   bool covered = false;
   std::uint32_t instance = 0;
   glm::dvec3 point{0.0}, shading{0.0}, facing{0.0};  ///< unit normals, turned to the viewer as defined
 };
 
+/// One light at one surface.
 struct Verdict {
   bool lit = false, grazing = false;
 };
 
-Seen see(const Surfaces& surfaces, const Ray& ray) {
+Surface see(const Surfaces& surfaces, const Ray& ray) {
   const std::optional<Hit> hit = surfaces.nearest(ray);
   if (!hit) return {};
   const Triangle& t = *hit->triangle;
@@ -42,7 +44,7 @@ bool reaches(const Light& light, const glm::dvec3& to_light) {
   return std::atan2(glm::length(glm::cross(axis, away)), glm::dot(axis, away)) < double{light.outer_cone_rad};
 }
 
-Verdict judge(const Surfaces& surfaces, const Seen& seen, const Light& light) {
+Verdict judge(const Surfaces& surfaces, const Surface& seen, const Light& light) {
   if (!seen.covered || !light.on) return {};
   const bool directional = light.kind == LightKind::Directional;
   const glm::dvec3 to_light = directional ? -light.direction.v : light.position.v - seen.point;
@@ -51,7 +53,7 @@ Verdict judge(const Surfaces& surfaces, const Seen& seen, const Light& light) {
   Verdict verdict{false, std::min(std::abs(facing), std::abs(shading)) < kGrazing};
   if (!(facing > 0 && shading > 0 && reaches(light, to_light))) return verdict;
 
-  // Off the surface by what double's rounding of coordinates may have put it below.
+  // Rounding of coordinates in double may have put the point below its surface by this much.
   const glm::dvec3 size =
       glm::max(glm::abs(seen.point), glm::abs(directional ? seen.point : light.position.v));
   const double free = 256 * 0x1p-53 * std::max({size.x, size.y, size.z});
@@ -62,8 +64,8 @@ Verdict judge(const Surfaces& surfaces, const Seen& seen, const Light& light) {
   return verdict;
 }
 
-/// Whether the surface at `a` goes on at `b`.
-bool goes_on(const Seen& a, const Seen& b) {
+/// Whether the surface at `a` continues at `b`.
+bool continues(const Surface& a, const Surface& b) {
   if (!a.covered && !b.covered) return true;
   if (a.covered != b.covered || a.instance != b.instance) return false;
   const glm::dvec3 step = b.point - a.point;
@@ -91,14 +93,14 @@ Masks trace(const Scene& scene, const SceneState& state, const View& view, Searc
   for (std::uint32_t y = 0; y < view.size.height; ++y)
     for (std::uint32_t x = 0; x < view.size.width; ++x) {
       const glm::dvec2 centre(x + 0.5, y + 0.5);
-      const Seen seen = see_at(centre);
+      const Surface seen = see_at(centre);
       masks.covered[masks.pixel(x, y)] = seen.covered;
-      std::array<Seen, 4> around;
+      std::array<Surface, 4> around;
       for (std::size_t i = 0; i < around.size(); ++i) around[i] = see_at(centre + kBandCorners[i]);
       for (std::uint32_t i = 0; i < masks.lights; ++i) {
         const Verdict verdict = judge(surfaces, seen, lights[i]);
-        const bool steady = std::all_of(around.begin(), around.end(), [&](const Seen& corner) {
-          return goes_on(seen, corner) && judge(surfaces, corner, lights[i]).lit == verdict.lit;
+        const bool steady = std::all_of(around.begin(), around.end(), [&](const Surface& corner) {
+          return continues(seen, corner) && judge(surfaces, corner, lights[i]).lit == verdict.lit;
         });
         masks.lit[masks.at(x, y, i)] = verdict.lit;
         masks.in_band[masks.at(x, y, i)] = verdict.grazing || !steady;

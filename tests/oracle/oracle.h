@@ -1,6 +1,6 @@
-/// Oracle: the definition of a mask bit (stereo/tracer/tracer.h) in double precision and as plainly as it can
-/// be said. It shares no code with the tracer. Beside each bit it says whether that bit lies in the band:
-/// where float may rightly disagree with double.
+/// Oracle: computes mask bits by their definition (stereo/tracer/tracer.h), in double precision and as
+/// directly as possible. It shares no code with the tracer. For each bit it also says whether the bit lies in
+/// the band, where a tracer in float may correctly differ from double.
 #pragma once
 
 #include "stereo/frame/eye_mask.h"
@@ -9,17 +9,18 @@
 
 namespace farshade::oracle {
 
-/// The band of a pixel-light: at the corners of a square about the pixel's centre its value is another, or
-/// the seen surface does not go on there (another instance, nothing, or off the pixel's tangent plane by more
-/// than half the distance); or the light stands within kGrazing of the pixel's own surface or shading plane.
-inline constexpr double kBandRadius_px = 1.0 / 16;
-inline constexpr double kGrazing = 1e-5;  ///< sine of an angle
+/// A pixel-light lies in the band if one of these holds. At a corner of a square around the pixel's centre,
+/// its value differs. At such a corner the seen surface does not continue: there is another instance, or
+/// nothing, or the surface is off the pixel's tangent plane by more than half the distance. Or the direction
+/// to the light is within kGrazing of the pixel's surface or of its shading plane.
+inline constexpr double kBandRadius_px = 1.0 / 16;  ///< half the side of the square
+inline constexpr double kGrazing = 1e-5;            ///< sine of an angle
 
 struct Masks {
   Extent size;
   std::uint32_t lights = 0;
-  std::vector<std::uint8_t> covered;       ///< a pixel
-  std::vector<std::uint8_t> lit, in_band;  ///< a pixel-light, lights of a pixel together
+  std::vector<std::uint8_t> covered;       ///< one per pixel
+  std::vector<std::uint8_t> lit, in_band;  ///< one per pixel-light, all lights of a pixel in a row
 
   [[nodiscard]] std::size_t pixel(std::uint32_t x, std::uint32_t y) const {
     return std::size_t{y} * size.width + x;
@@ -29,24 +30,24 @@ struct Masks {
   }
 };
 
-/// How surfaces are searched: one by one, or through a median-split tree that must find the same.
+/// How surfaces are searched: one by one, or in a median-split tree, which must find the same.
 enum class Search { Brute, Tree };
 
 [[nodiscard]] Masks trace(const Scene& scene, const SceneState& state, const View& view,
                           Search search = Search::Tree);
 
-/// What a mask under test looks like against the oracle.
+/// Counts of a mask compared with the oracle's.
 struct Agreement {
-  std::uint64_t pixel_lights = 0, lit = 0, in_band = 0, wrong_in_band = 0,
-                wrong = 0;                                  ///< wrong: outside the band
-  std::uint32_t wrong_x = 0, wrong_y = 0, wrong_light = 0;  ///< the last of them
+  std::uint64_t pixel_lights = 0, lit = 0, in_band = 0, wrong_in_band = 0;
+  std::uint64_t wrong = 0;                                  ///< outside the band
+  std::uint32_t wrong_x = 0, wrong_y = 0, wrong_light = 0;  ///< the last wrong one
 
   [[nodiscard]] double band_share() const {
     return pixel_lights == 0 ? 0 : static_cast<double>(in_band) / static_cast<double>(pixel_lights);
   }
 };
 
-/// Sizes and light counts must agree.
+/// Both must have the same size and number of lights.
 [[nodiscard]] Agreement compare(const EyeMask& mask, const Masks& truth);
 
 }  // namespace farshade::oracle

@@ -1,4 +1,4 @@
-// The oracle judged by arithmetic alone, so that it may judge the tracer.
+// The oracle against results on paper and against its own brute-force search.
 #include "tests/oracle/oracle.h"
 
 #include <gtest/gtest.h>

@@ -24,12 +24,15 @@ Scene random_soup(std::mt19937& random) {
   build.add(triangle_soup(corners));
   build.move(build.add(box({place(random), place(random), place(random)}, {0.3f, 0.2f, 0.4f})),
              {0.8, 0.2, -0.5});
+  const bool surrounds = unit(random) < 0.5f;
   for (int i = 0; i < 3; ++i) {
     const glm::dvec3 at(place(random), place(random), place(random));
     NodeTransform around;
     around.translation = at;
-    if (i == 1) build.turn(build.add(lampshade(0.3f + unit(random), 0.5f + unit(random)), 0, around), 1.0);
-    if (i == 2) build.move(build.add(box({0, 0, 0}, glm::vec3(0.5f)), 0, around), {-0.7, 0.3, 0.6});
+    if (i == 1 && surrounds)
+      build.turn(build.add(lampshade(0.3f + unit(random), 0.5f + unit(random)), 0, around), 1.0);
+    if (i == 2 && surrounds)
+      build.move(build.add(box({0, 0, 0}, glm::vec3(0.5f)), 0, around), {-0.7, 0.3, 0.6});
     const glm::dvec3 toward(place(random), -2.5 + place(random), place(random));
     build.point_light(at, i == 0 ? std::optional<float>(1.0f + 2 * unit(random)) : std::nullopt);
     build.spot_light(at * 0.9, toward, 0.3f + unit(random));

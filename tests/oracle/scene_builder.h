@@ -1,4 +1,4 @@
-/// Scenes built in code, for questions whose answer is known without a file.
+/// SceneBuilder: makes scenes in code, for tests whose expected results are known on paper.
 #pragma once
 
 #include <string_view>
@@ -8,15 +8,15 @@
 
 namespace farshade {
 
-/// Two triangles spanned by `half_u` and `half_v` about `center`; counter-clockwise side along their cross
-/// product. Texture coordinates run from 0 to `repeats`.
+/// Two triangles spanned by `half_u` and `half_v` around `center`. The counter-clockwise side is the one to
+/// which the cross product points. Texture coordinates run from 0 to `repeats`.
 [[nodiscard]] Mesh quad(const glm::vec3& center, const glm::vec3& half_u, const glm::vec3& half_v,
                         float repeats = 1.0f);
 
-/// Closed axis-aligned box, counter-clockwise from outside, flat normals.
+/// Closed axis-aligned box with flat normals, counter-clockwise as seen from outside.
 [[nodiscard]] Mesh box(const glm::vec3& center, const glm::vec3& half);
 
-/// Any triangles, each with its own flat normal.
+/// Triangles of three corners each, with flat normals.
 [[nodiscard]] Mesh triangle_soup(const std::vector<glm::vec3>& corners);
 
 /// Three upright panels around the y axis, `radius` away from it and 1.4 times as wide, with gaps between
@@ -24,14 +24,14 @@ namespace farshade {
 /// panels.
 [[nodiscard]] Mesh lampshade(float radius, float half_height);
 
-/// Rotation that turns -z to `direction` (not straight up or down exactly opposed to it).
+/// A rotation that turns -z to `direction`, which must not be exactly +z.
 [[nodiscard]] glm::dquat toward(const glm::dvec3& direction);
 
 [[nodiscard]] NodeTransform scaled(const glm::dvec3& scale);
 
 class SceneBuilder {
  public:
-  /// All that follows is moved by `shift` in the stage: for scenes far from the origin.
+  /// Moves everything by `shift` in the stage, for scenes far from the origin.
   explicit SceneBuilder(const glm::dvec3& shift = glm::dvec3(0.0));
 
   std::uint32_t material(Material material);
@@ -41,9 +41,9 @@ class SceneBuilder {
   std::uint32_t point_light(const glm::dvec3& position, std::optional<float> range_m = std::nullopt);
   std::uint32_t spot_light(const glm::dvec3& position, const glm::dvec3& direction, float outer_cone_rad);
   std::uint32_t directional_light(const glm::dvec3& direction);
-  /// Moves `node` by `travel` over one second, linearly, and from then on again.
+  /// Moves `node` linearly by `travel` over one second. The animation repeats.
   void move(std::uint32_t node, const glm::dvec3& travel);
-  /// Turns `node` about the y axis by `angle_rad` (less than pi) over one second, and from then on again.
+  /// Turns `node` about the y axis by `angle_rad` (less than pi) over one second. The animation repeats.
   void turn(std::uint32_t node, double angle_rad);
 
   /// Material 0 is double-sided white.

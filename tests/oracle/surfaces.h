@@ -1,4 +1,4 @@
-/// The oracle's triangles in the stage, in double, and the two questions asked of them.
+/// The oracle's triangles, in the stage and in double, and its two queries.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ namespace farshade::oracle {
 struct Triangle {
   std::array<glm::dvec3, 3> position, normal;  ///< stage; normals of any length
   std::array<glm::dvec2, 3> uv{};
-  std::array<double, 3> alpha{1, 1, 1};  ///< of the vertices
+  std::array<double, 3> alpha{1, 1, 1};  ///< per vertex
   glm::dvec3 facing{0.0};                ///< towards the counter-clockwise side, any length
   const Material* material = nullptr;
   const Texture* texture = nullptr;
@@ -34,14 +34,14 @@ class Surfaces {
 
   /// Nearest seen surface with t > 0.
   [[nodiscard]] std::optional<Hit> nearest(const Ray& ray) const;
-  /// Whether anything casts with 0 < t < end.
+  /// Whether any surface casts at 0 < t < end.
   [[nodiscard]] bool blocked(const Ray& ray, double end) const;
 
  private:
   struct Node {
     glm::dvec3 low, high;
-    std::uint32_t first = 0, count = 0;  ///< triangles of a leaf
-    std::uint32_t right = 0;             ///< inner node: its left child follows it
+    std::uint32_t first = 0, count = 0;  ///< a leaf's triangles
+    std::uint32_t right = 0;             ///< right child of an inner node; the left child follows the node
   };
   std::uint32_t split(std::uint32_t first, std::uint32_t count, std::uint32_t leaf_size);
   template <class Visit>

@@ -1,4 +1,4 @@
-// Which cells a triangle is entered in: no point of it may be seen in another, or nearer.
+// The cells that a triangle is entered in: no point of it lies in another cell, or nearer to the light.
 #include "stereo/tracer/cell_cover.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ constexpr int kSide = 16;
 CellFrame cube() {
   CellFrame frame;
   frame.side = kSide;
-  frame.origin = {0.1, -0.2, 0.3};
+  frame.origin = {{0.1, -0.2, 0.3}};
   frame.rounding = 1e-6;
   return frame;
 }
@@ -39,9 +39,9 @@ void expect_covers(const CellFrame& frame, double largest, unsigned seed) {
   for (int i = 0; i < 400; ++i) {
     const glm::dvec3 middle(place(random), place(random), place(random));
     const double size = largest * std::pow(share(random), 4);
-    std::array<glm::dvec3, 3> triangle;
-    for (glm::dvec3& p : triangle)
-      p = middle + size * glm::dvec3(place(random), place(random), place(random));
+    std::array<Point<Anchor>, 3> triangle;
+    for (Point<Anchor>& p : triangle)
+      p = {middle + size * glm::dvec3(place(random), place(random), place(random))};
     std::vector<CellTouch> touched;
     cover(frame, triangle, touched);
     std::map<std::uint32_t, float> depths;
@@ -49,7 +49,7 @@ void expect_covers(const CellFrame& frame, double largest, unsigned seed) {
       EXPECT_TRUE(depths.emplace(touch.cell, touch.depth).second) << "once each";
     for (int sample = 0; sample < 200; ++sample) {
       const double a = share(random), b = share(random) * (1 - a);
-      const glm::dvec3 p = triangle[0] + (triangle[1] - triangle[0]) * a + (triangle[2] - triangle[0]) * b;
+      const Point<Anchor> p = triangle[0] + (triangle[1] - triangle[0]) * a + (triangle[2] - triangle[0]) * b;
       const CellTouch truth = place_of(frame, p);
       const auto found = depths.find(truth.cell);
       ASSERT_NE(found, depths.end()) << "triangle " << i;
@@ -67,10 +67,13 @@ TEST(CellCover, HoldsEveryPointOfTrianglesAcrossALight) {
 }
 
 TEST(CellCover, IsTight) {
-  // 1.6 m before the light, half a cell wide, in the middle of one.
-  const glm::dvec3 at = cube().origin + glm::dvec3(1.6, 0.1, 0.1);
+  // 1.6 m from the light, half a cell wide, in the middle of a cell.
+  const glm::dvec3 at = cube().origin.v + glm::dvec3(1.6, 0.1, 0.1);
   std::vector<CellTouch> touched;
-  cover(cube(), {at - glm::dvec3(0, 0.05, 0.05), at + glm::dvec3(0, 0.05, 0), at + glm::dvec3(0, 0, 0.05)},
+  cover(cube(),
+        {Point<Anchor>{at - glm::dvec3(0, 0.05, 0.05)},
+         {at + glm::dvec3(0, 0.05, 0)},
+         {at + glm::dvec3(0, 0, 0.05)}},
         touched);
   ASSERT_EQ(touched.size(), 1u);
   EXPECT_NEAR(touched[0].depth, 1.6, 1e-4);

@@ -11,8 +11,8 @@ namespace farshade {
 
 /// The cell and the depth of a point. In front of the single face of a directional light, points beside the
 /// face count to its nearest cell.
-inline CellTouch place_of(const CellFrame& frame, const glm::dvec3& p) {
-  const glm::dvec3 v = p - frame.origin;
+inline CellTouch place_of(const CellFrame& frame, Point<Anchor> p) {
+  const glm::dvec3 v = (p - frame.origin).v;
   const auto cell = [&](int face, double x, double y) {
     const auto at = [&](double along) { return std::clamp(static_cast<int>(along), 0, frame.side - 1); };
     return static_cast<std::uint32_t>((face * frame.side + at(y)) * frame.side + at(x));

@@ -1,5 +1,5 @@
-// Small things before large ones: where the anchor lies, what is split, and that the tracer then agrees with
-// the oracle.
+// Small objects among large ones: where the anchor lies, what is split, and that the tracer agrees with the
+// oracle.
 #include "stereo/tracer/closeup.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr glm::dvec3 kPlace{700, 20, -300};
 
-/// A box of 5 cm on a floor 10 km wide, off its middle.
+/// A box of 5 cm on a floor of 10 km, away from the floor's centre.
 Scene box_on_a_huge_floor() {
   SceneBuilder build;
   build.add(quad({0, 20, 0}, {0, 0, 5000}, {5000, 0, 0}));
@@ -35,7 +35,7 @@ Closeup closeup(const Scene& scene) {
 std::vector<std::array<Corner, 3>> parts_of(const std::array<glm::dvec3, 3>& triangle, double near_m) {
   const glm::dvec3 up(0, 1, 0);
   std::vector<std::array<Corner, 3>> parts;
-  split_graded({Corner{triangle[0], up}, {triangle[1], up}, {triangle[2], up}}, near_m,
+  split_graded({Corner{{triangle[0]}, {up}}, {{triangle[1]}, {up}}, {{triangle[2]}, {up}}}, near_m,
                [&](const std::array<Corner, 3>& part) { parts.push_back(part); });
   return parts;
 }
@@ -44,15 +44,15 @@ glm::dvec3 area(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
   return 0.5 * glm::cross(b - a, c - a);
 }
 
-/// Corners of parts that lie on the segment, in its order.
+/// The corners of parts that lie on the segment, as sorted fractions of its length.
 std::vector<double> along(const std::vector<std::array<Corner, 3>>& parts, const glm::dvec3& from,
                           const glm::dvec3& to) {
   std::vector<double> places;
   const glm::dvec3 way = to - from;
   for (const auto& part : parts)
     for (const Corner& corner : part) {
-      const double t = glm::dot(corner.position - from, way) / glm::dot(way, way);
-      if (glm::length(from + way * t - corner.position) < 1e-9) places.push_back(t);
+      const double t = glm::dot(corner.position.v - from, way) / glm::dot(way, way);
+      if (glm::length(from + way * t - corner.position.v) < 1e-9) places.push_back(t);
     }
   std::ranges::sort(places);
   places.erase(std::ranges::unique(places).begin(), places.end());
@@ -64,13 +64,13 @@ TEST(Closeup, AnchorsOrdinaryScenesAtTheMiddleOfTheirBox) {
   build.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
   build.add(box({3, 0.6f, 0}, glm::vec3(0.3f)));
   const Scene scene = build.build();
-  EXPECT_EQ(closeup(scene).anchor, (scene.bounds.low + scene.bounds.high) * 0.5);
+  EXPECT_EQ(closeup(scene).anchor.v, (scene.bounds.low + scene.bounds.high) * 0.5);
   EXPECT_EQ(closeup(scene).near_m, std::numeric_limits<double>::infinity());
 }
 
 TEST(Closeup, AnchorsLopsidedScenesWhereTheirVerticesAre) {
   const Closeup close = closeup(box_on_a_huge_floor());
-  EXPECT_LT(glm::length(close.anchor - kPlace), 0.1);
+  EXPECT_LT(glm::length(close.anchor.v - kPlace), 0.1);
   EXPECT_LT(close.near_m, 2);
 }
 
@@ -80,11 +80,11 @@ TEST(SplitGraded, PartsCoverTheTriangleInItsWindingAndNoneIsLong) {
   const auto parts = parts_of(triangle, near_m);
   glm::dvec3 sum(0.0);
   for (const auto& part : parts) {
-    const glm::dvec3 its = area(part[0].position, part[1].position, part[2].position);
+    const glm::dvec3 its = area(part[0].position.v, part[1].position.v, part[2].position.v);
     EXPECT_GT(its.y, 0);
     sum += its;
     for (std::size_t i = 0; i < 3; ++i) {
-      const glm::dvec3 &a = part[i].position, &b = part[(i + 1) % 3].position;
+      const glm::dvec3 &a = part[i].position.v, &b = part[(i + 1) % 3].position.v;
       const double nearest = std::min({glm::length(a), glm::length(b), glm::length((a + b) * 0.5)});
       EXPECT_LE(glm::length(b - a), std::max(near_m, nearest) + 1e-9);
     }

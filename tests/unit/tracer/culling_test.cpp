@@ -1,4 +1,4 @@
-// What the tracer leaves out: never a bit of a mask, and counted.
+// Rays that the tracer skips: skipping changes no bit, and is counted.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,7 +34,7 @@ Traced trace_by(const TracePlan& plan, const Scene& scene, const StereoView& vie
   return result;
 }
 
-/// Traces with culling and without, expects the same masks, and returns what culling left.
+/// Traces with culling and without, expects the same masks, and returns the counts of the culled trace.
 TraceStats expect_same_bits(const Scene& scene, const StereoView& views, Time time = {}) {
   TracePlan plan = needed_for(scene);
   const Traced culled = trace_by(plan, scene, views, time);
@@ -220,6 +220,53 @@ TEST(TracerCulling, AMovedLightIsTracedUntilItIsBack) {
   change(request.lights, 0, true, std::nullopt);
   EXPECT_EQ(tracer.trace(request, frame).proven, before.proven);
   EXPECT_GT(before.proven, 0u);
+}
+
+TEST(TracerCulling, ATurnedDirectionalLightIsTracedUntilItIsBack) {
+  SceneBuilder build;
+  build.add(quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4}));
+  build.add(box({0, 1, 0}, {0.5f, 0.5f, 0.5f}));
+  build.directional_light({0.3, -1, 0.2});
+  const Scene scene = build.build();
+  Tracer tracer = Tracer::create(scene).value(), reference = Tracer::create_reference(scene).value();
+  FrameRequest request = request_for({kLeft, kRight});
+  change(request.lights, 0, true, LightPose{{}, {glm::normalize(glm::dvec3(-0.8, -1, 0.4))}});
+  ShadowFrame frame, truth;
+  EXPECT_EQ(tracer.trace(request, frame).proven, 0u);
+  reference.trace(request, truth);
+  EXPECT_EQ(frame.masks, truth.masks);
+}
+
+/// A directional light's map ends with the fixed meshes. A mover beyond them has no cell there, and shadows
+/// itself.
+TEST(TracerCulling, AMoverBesideADirectionalLightsMapShadowsItself) {
+  SceneBuilder build;
+  build.add(quad({0, 0, 0}, {1, 0, 0}, {0, 0, -1}));
+  std::vector<glm::vec3> corners;
+  for (const float y : {0.5f, 1.0f}) {
+    const Mesh plate = quad({2.5f, y, 0}, {1, 0, 0}, {0, 0, -1});
+    corners.insert(corners.end(), plate.positions.begin(), plate.positions.end());
+  }
+  build.move(build.add(triangle_soup(corners)), {0.1, 0, 0});
+  build.directional_light({0, -1, 0});
+  const StereoView views{look({2.2, 0.8, 1.5}, {2.5, 0.4, 0}, 128),
+                         look({2.3, 0.8, 1.5}, {2.5, 0.4, 0}, 128)};
+  expect_same_bits(build.build(), views, time_from_ns(500'000'000));
+}
+
+TEST(TracerCulling, AReferenceTracesEveryRay) {
+  const Scene scene = hall().build();
+  for (const bool planned : {false, true}) {
+    Tracer tracer =
+        (planned ? Tracer::create_reference(scene, needed_for(scene)) : Tracer::create_reference(scene))
+            .value();
+    ShadowFrame frame;
+    const TraceStats stats = tracer.trace(request_for(kInside), frame);
+    EXPECT_GT(stats.shadow_rays, 0u);
+    EXPECT_EQ(stats.shadow_rays, stats.full_shadow_rays);
+    EXPECT_EQ(stats.proven + stats.turned_away + stats.out_of_range + stats.out_of_cone, 0u);
+    EXPECT_EQ(tracer.memory().maps, 0u);
+  }
 }
 
 TEST(TracerCulling, EverythingTracesEveryPixelAndLightAndAgreesWithTheOracle) {

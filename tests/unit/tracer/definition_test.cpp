@@ -1,5 +1,5 @@
-// Each clause of a mask bit's definition (stereo/tracer/tracer.h), on scenes where the answer is plain; the
-// oracle is asked as well.
+// Each clause of the definition of a mask bit (stereo/tracer/tracer.h), on scenes whose result is obvious.
+// The oracle must agree, too.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t kSide = 64;
 
-/// A floor of 8 x 8 m at height 0, looked at from above and ahead.
+/// A floor of 8 x 8 m at height 0, seen from above.
 const Mesh kFloor = quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4});
 const View kFromAbove = look({0.13, 3.0, 2.9}, {0.03, 0.0, -0.1}, kSide);
 
@@ -23,7 +23,7 @@ Material sided(bool both) {
   return material;
 }
 
-/// Lit share of the covered pixels, after the oracle agreed.
+/// The share of lit pixel-lights. Expects that the tracer agrees with the oracle.
 double lit_share(const Scene& scene, const View& view, double most_in_band = 0.015) {
   const oracle::Agreement sum = expect_agrees(scene, {view, view}, Time{}, most_in_band);
   return static_cast<double>(sum.lit) / static_cast<double>(sum.pixel_lights);
@@ -77,7 +77,7 @@ TEST(MaskBit, SingleSidedSurfaceIsSeenThroughFromBehind) {
   build.add(kFloor, build.material(sided(false)));
   build.point_light({0.1, -2.0, 0.2});
   EXPECT_EQ(lit_share(build.build(), below), 0.0);
-  build.add(quad({0, 1, 0}, {20, 0, 0}, {0, 0, -20}));  // seen through it
+  build.add(quad({0, 1, 0}, {20, 0, 0}, {0, 0, -20}));  // visible through the floor
   EXPECT_NEAR(lit_share(build.build(), below), 0.5, 0.35);
 }
 
@@ -130,12 +130,27 @@ TEST(MaskBit, HolesAreNeitherSeenNorCast) {
   }
 }
 
+/// glTF 2.0, 3.9.4: what equals the cutoff is there.
+TEST(MaskBit, AlphaEqualToTheCutoffIsNoHole) {
+  const auto mask_with = [](std::optional<float> cutoff) {
+    SceneBuilder build;
+    Material masked = sided(true);
+    masked.base_color.a = 0.5f;
+    masked.alpha_cutoff = cutoff;
+    build.add(kFloor, build.material(masked));
+    build.point_light({0.5, 2.0, 0.2});
+    return traced(build.build(), kFromAbove).masks[0];
+  };
+  EXPECT_EQ(mask_with(0.5f), mask_with(std::nullopt));
+  EXPECT_EQ(mask_with(0.75f), EyeMask(kFromAbove.size, 1));
+}
+
 TEST(MaskBit, EndsAtTheLightsRange) {
   SceneBuilder build;
   build.add(kFloor);
   build.point_light({0, 1, 0}, 1.6f);
   const double share = lit_share(build.build(), look({0, 4, 0.01}, {0, 0, 0}, 128, 2 * std::atan(0.5)));
-  const double disc = std::numbers::pi * (1.6 * 1.6 - 1.0) / 16.0;  // of the 4 x 4 m in sight
+  const double disc = std::numbers::pi * (1.6 * 1.6 - 1.0) / 16.0;  // of the 4 x 4 m that the view shows
   EXPECT_NEAR(share, disc, 0.01);
 }
 
@@ -177,7 +192,7 @@ TEST(MaskBit, SurfaceAtTheLightDoesNotCast) {
   EXPECT_GT(lit_share(build.build(), look({0, 1.2, 2}, {0, 0, 0}, kSide, 0.8)), 0.9);
 }
 
-/// The rounding of a far light's coordinates must not let the shade that it lies in cast.
+/// A far light lies in a shade: rounding of its coordinates must not make the shade cast.
 TEST(MaskBit, SurfaceAtAFarLightDoesNotCast) {
   for (const float far : {300.0f, 3000.0f, 30'000.0f}) {
     SceneBuilder build;
@@ -190,7 +205,7 @@ TEST(MaskBit, SurfaceAtAFarLightDoesNotCast) {
   }
 }
 
-/// A shading normal that almost lies in the surface does not lift a ray off it.
+/// A shading normal that almost lies in the surface would not lift a ray off that surface.
 TEST(MaskBit, LeaningShadingNormalLeavesNoSpeckles) {
   SceneBuilder build;
   Mesh leaning = quad({0, 0.013f, 0}, {4, 0.3f, 0.1f}, {0.1f, 0.2f, -4});

@@ -1,4 +1,4 @@
-// The tracer as a stage: frames, words, reuse, what it leaves out, and things that move.
+// The tracer's frames: mask words, reuse of buffers, ray counts, and moving meshes and lights.
 #include <gtest/gtest.h>
 
 #include "stereo/tracer/tile_stages.h"
@@ -120,7 +120,7 @@ TEST(TracerFrame, NoRayWhereEitherNormalTurnsAway) {
   for (glm::vec3& normal : leaning.normals) normal = glm::normalize(glm::vec3(1.0f, 0.2f, 0.0f));
   SceneBuilder build;
   build.add(leaning);
-  build.directional_light({-1.0, 0.1, 0.0});  // from behind the triangle, before its shading normal
+  build.directional_light({-1.0, 0.1, 0.0});  // from behind the triangle, on the side of its shading normal
   build.directional_light({1.0, -1.0, 0.0});  // the other way round
   const Scene scene = build.build();
   auto tracer = Tracer::create(scene).value();
@@ -149,7 +149,7 @@ std::vector<std::uint32_t> words_by(const Scene& scene) {
   const TileGrid grid{kLeft.size};
   for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
     TileSurface surface;
-    see_tile<K>(rays, model, rays_of(kLeft, model.anchor()), grid.rect(tile), surface);
+    see_tile<K>(rays, model, rays_of(kLeft, model.anchor_from_stage()), grid.rect(tile), surface);
     std::uint32_t words[kTilePixels]{};
     for (std::uint32_t i = 0; i < state.light_set.lights.size(); ++i)
       shadow_tile<K>(surface, shadow_light(state.light_set.lights[i], model), nullptr, 1u << i, words,

@@ -1,4 +1,4 @@
-// The tracer with lights that a viewer has switched off or moved.
+// Lights that a viewer has switched off or moved.
 #include <gtest/gtest.h>
 
 #include "stereo/scene/gltf.h"

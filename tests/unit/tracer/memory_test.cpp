@@ -1,4 +1,4 @@
-/// What a plan foresees of a tracer's memory, and what it comes to.
+/// The predicted memory of a tracer against the measured one.
 #include <gtest/gtest.h>
 
 #include "stereo/scene/gltf.h"
@@ -7,7 +7,7 @@
 namespace farshade {
 namespace {
 
-/// Of the traversal's library, whatever the scene.
+/// Embree's own memory, independent of the scene.
 constexpr double kRoom_bytes = 64 << 10;
 
 void expect_foreseen(const std::filesystem::path& path) {

@@ -1,5 +1,5 @@
-// Tracing from positions that came over the wire: against the ordinary trace where the picture can tell them
-// apart, and against answers on paper.
+// Tracing from received positions: against the ordinary trace where the difference would be visible, and
+// against results on paper.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,16 +19,16 @@ PositionGrid grid_over(const Scene& scene, std::uint32_t bits) {
   return grid_of({scene.bounds.low}, {scene.bounds.high}, bits);
 }
 
-/// What a rasteriser finds at the pixel centres of a view.
-struct Seen {
+/// What a rasteriser computes at the pixel centres of a view.
+struct Rasterised {
   std::vector<float> distance_m;
   std::vector<glm::dvec3> position, normal;  ///< stage; the shading normal, on the viewer's side
 };
 
-Seen seen(const Scene& scene, const View& view) {
+Rasterised seen(const Scene& scene, const View& view) {
   const oracle::Surfaces surfaces(scene, state_at(scene, Time{}), oracle::Search::Tree);
   const FovTangents window = tangents_of(view.fov);
-  Seen result;
+  Rasterised result;
   for (std::uint32_t y = 0; y < view.size.height; ++y)
     for (std::uint32_t x = 0; x < view.size.width; ++x) {
       const Vector<Eye> ray{pixel_ray(window, view.size, {x + 0.5, y + 0.5})};
@@ -56,7 +56,7 @@ struct Placed {
   PositionGrid grid;
 };
 
-Placed placed(const Scene& scene, const View& view, const Seen& seen, std::uint32_t bits) {
+Placed placed(const Scene& scene, const View& view, const Rasterised& seen, std::uint32_t bits) {
   Placed result{.planes = {}, .grid = grid_over(scene, bits)};
   for (PositionPlanes& planes : result.planes) positions_of(view, seen.distance_m, result.grid, planes);
   return result;
@@ -70,8 +70,8 @@ ShadowFrame traced(const Scene& scene, const View& view, const Placed& from) {
   return frame;
 }
 
-/// Share of the pixel-lights that shade the pixel, if they reach it, whose bit is not the ordinary trace's.
-double wrong_share(const Scene& scene, const View& view, const Seen& seen, const EyeMask& mask) {
+/// The share of wrong bits (compared with the ordinary trace) among pixel-lights that face each other.
+double wrong_share(const Scene& scene, const View& view, const Rasterised& seen, const EyeMask& mask) {
   const EyeMask truth = reference_traced(scene, {view, view}).masks[0];
   const SceneState state = state_at(scene, Time{});
   std::uint64_t facing = 0, wrong = 0;
@@ -93,12 +93,12 @@ View camera_of(const Scene& scene, std::uint32_t side_px) {
   return {scene.camera.value_or(Rigid<Stage, Eye>{}), {-0.8, 0.8, 0.8, -0.8}, {side_px, side_px}};
 }
 
-/// With float's own precision the bits are those of the ordinary trace, but at edges.
+/// With 24 bits, the precision of float, the bits equal those of the ordinary trace except at edges.
 TEST(PositionTrace, AgreesWithTheOrdinaryTraceAt24Bits) {
   for (const char* name : {"room.glb", "box_over_plane.gltf"}) {
     const Scene scene = bundled(name);
     const View view = camera_of(scene, 192);
-    const Seen what = seen(scene, view);
+    const Rasterised what = seen(scene, view);
     const ShadowFrame frame = traced(scene, view, placed(scene, view, what, 24));
     EXPECT_LT(wrong_share(scene, view, what, frame.masks[0]), 0.0005) << name;
   }
@@ -107,7 +107,7 @@ TEST(PositionTrace, AgreesWithTheOrdinaryTraceAt24Bits) {
 TEST(PositionTrace, IsLessRightTheFewerBits) {
   const Scene scene = bundled("room.glb");
   const View view = camera_of(scene, 192);
-  const Seen what = seen(scene, view);
+  const Rasterised what = seen(scene, view);
   double before = 1;
   for (const std::uint32_t bits : {8u, 10u, 12u, 14u, 16u}) {
     const ShadowFrame frame = traced(scene, view, placed(scene, view, what, bits));
@@ -119,7 +119,7 @@ TEST(PositionTrace, IsLessRightTheFewerBits) {
   EXPECT_LT(before, 0.002);
 }
 
-/// A floor shadows itself nowhere, however coarse its grid and however the light grazes.
+/// A floor does not shadow itself, at any grid size and any angle of the light.
 TEST(PositionTrace, LeavesAPlaneInTheLight) {
   for (const double height : {2.0, 0.05})
     for (const std::uint32_t bits : {8u, 10u, 12u, 16u, 24u}) {
@@ -127,26 +127,26 @@ TEST(PositionTrace, LeavesAPlaneInTheLight) {
       build.add(quad({0, 0.013f, 0}, {4, 0.3f, 0.1f}, {0.1f, 0.2f, -4}));
       build.point_light({-6.0, height - 0.4, 0.3});
       const Scene scene = build.build();
-      const Seen what = seen(scene, kFromAbove);
+      const Rasterised what = seen(scene, kFromAbove);
       const ShadowFrame frame = traced(scene, kFromAbove, placed(scene, kFromAbove, what, bits));
       EXPECT_EQ(wrong_share(scene, kFromAbove, what, frame.masks[0]), 0.0) << bits << " bits, " << height;
     }
 }
 
-/// A box that hovers over a floor: its shadow is where the way to the light meets it. `off` m about its edge
-/// anything may be.
+/// A box over a floor: its shadow on paper. Bits within `off` m of the shadow's edge are not tested.
 TEST(PositionTrace, MatchesPaperAnswerForBoxOverPlane) {
   SceneBuilder build;
   build.add(quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4}));
   build.add(box({0.2f, 1, -0.3f}, {0.5f, 0.25f, 0.4f}));
   build.point_light({0.2, 3, -0.3});
   const Scene scene = build.build();
-  const Seen what = seen(scene, kFromAbove);
+  const Rasterised what = seen(scene, kFromAbove);
   for (const std::uint32_t bits : {12u, 16u, 24u}) {
     const Placed from = placed(scene, kFromAbove, what, bits);
     const EyeMask mask = traced(scene, kFromAbove, from).masks[0];
-    // From the light at 3 m, the box's top at 1.25 m stands before 3 / 1.75 of its half sides. A start that
-    // is up to 2 E before the floor shifts the shadow by up to 6 E, as ways run at most 2 to 1 aside here.
+    // The light is at 3 m and the box's top at 1.25 m, so the shadow's half sides are 3 / 1.75 times the
+    // box's. A ray that starts up to 2 E before the floor moves the shadow by up to 6 E: rays have a slope of
+    // at most 2 to 1 here.
     const double off = 6 * std::sqrt(3.0) / 2 * from.grid.step_m + 1e-4;
     const double half_x = 0.5 * 3 / 1.75, half_z = 0.4 * 3 / 1.75;
     std::uint32_t dark = 0, bright = 0;
@@ -172,7 +172,7 @@ TEST(PositionTrace, KeepsToRangesConesAndSwitchedOffLights) {
   build.directional_light({0.3, -1, 0.2});
   build.point_light({0, 2, 0});
   const Scene scene = build.build();
-  const Seen what = seen(scene, kFromAbove);
+  const Rasterised what = seen(scene, kFromAbove);
   const Placed from = placed(scene, kFromAbove, what, 24);
   auto tracer = Tracer::create(scene).value();
   FrameRequest request = request_for({kFromAbove, kFromAbove});
@@ -196,13 +196,13 @@ TEST(PositionTrace, KeepsToRangesConesAndSwitchedOffLights) {
   EXPECT_LT(differ, kFromAbove.size.pixels() / 500);
 }
 
-/// What turns away from a light costs no ray, and tiles that never came cost and cover nothing.
+/// Pixels that are turned away from a light need no ray. Tiles that were not received cover nothing.
 TEST(PositionTrace, SparesRaysOfWhatIsTurnedAwayOrMissing) {
   SceneBuilder build;
   build.add(quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4}));
   build.point_light({0.5, -2, 0.2});
   const Scene below = build.build();
-  const Seen what = seen(below, kFromAbove);
+  const Rasterised what = seen(below, kFromAbove);
   Placed from = placed(below, kFromAbove, what, 16);
   auto tracer = Tracer::create(below).value();
   ShadowFrame frame;
@@ -230,7 +230,7 @@ TEST(PositionTrace, IsAsGoodFarFromTheOrigin) {
   const Scene scene = build.build();
   View view = kFromAbove;
   view.stage_from_eye.translation += glm::dvec3{1e6, -1e6, 1e6};
-  const Seen what = seen(scene, view);
+  const Rasterised what = seen(scene, view);
   const ShadowFrame frame = traced(scene, view, placed(scene, view, what, 24));
   EXPECT_LT(wrong_share(scene, view, what, frame.masks[0]), 0.002);
 }

@@ -1,4 +1,4 @@
-// The tracer over its stated domain: sizes, distances, far origins, thin triangles.
+// The tracer over its stated domain: sizes, distances, distant origins, thin triangles.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -11,7 +11,8 @@ namespace {
 
 constexpr double kMostInBand = 0.03;
 
-/// A box over a floor with a near, a grazing and a spot light, `scale` metres large, `shift` from the origin.
+/// A box over a floor with a near, a grazing and a spot light. `scale` is its size in metres, `shift` its
+/// distance from the origin.
 Scene box_scene(double scale, const glm::dvec3& shift = glm::dvec3(0.0)) {
   const auto s = static_cast<float>(scale);
   SceneBuilder build(shift);

@@ -1,4 +1,4 @@
-// What is said of a whole tile must hold for each of its points.
+// The bounds of a tile must hold for each of its points.
 #include "stereo/tracer/tile_bounds.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@ CellFrame cube() {
   CellFrame frame;
   frame.side = LightVisibilityMap::kSide;
   frame.rounding = 32 * 4.0 / (1 << 24);  // coordinates are up to 4
-  frame.origin = {0.125, -0.25, 0.375};
+  frame.origin = {{0.125, -0.25, 0.375}};
   return frame;
 }
 
@@ -27,7 +27,8 @@ CellFrame across() {
   return frame;
 }
 
-/// Random boxes: every corner lies in the cells of its box, at no greater depth than theirs.
+/// Expects of random boxes that every corner lies in the cells of its box, at no greater depth than the box.
+/// Depths in a map are less by the frame's rounding.
 void expect_corners_in_cells(const CellFrame& frame, unsigned seed) {
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
@@ -42,8 +43,9 @@ void expect_corners_in_cells(const CellFrame& frame, unsigned seed) {
     if (rect.right < rect.left || rect.bottom < rect.top) continue;
     ++found;
     for (int c = 0; c < 8; ++c) {
-      const glm::dvec3 corner((c & 1) != 0 ? box.high.x : box.low.x, (c & 2) != 0 ? box.high.y : box.low.y,
-                              (c & 4) != 0 ? box.high.z : box.low.z);
+      const Point<Anchor> corner{glm::dvec3((c & 1) != 0 ? box.high.x : box.low.x,
+                                            (c & 2) != 0 ? box.high.y : box.low.y,
+                                            (c & 4) != 0 ? box.high.z : box.low.z)};
       const CellTouch truth = place_of(frame, corner);
       const int number = static_cast<int>(truth.cell);
       const int face = number / (frame.side * frame.side), row = number / frame.side % frame.side,
@@ -57,7 +59,7 @@ void expect_corners_in_cells(const CellFrame& frame, unsigned seed) {
   EXPECT_GT(found, 5000);
 }
 
-TEST(CellsOf, HoldEveryCornerOfABoxBeforeACube) {
+TEST(CellsOf, HoldEveryCornerOfABoxInFrontOfACube) {
   expect_corners_in_cells(cube(), 20261126);
 }
 
