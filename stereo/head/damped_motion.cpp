@@ -6,16 +6,16 @@
 namespace farshade {
 namespace {
 
-// Where the closed forms below and their series lose about as much to cancellation, a digit at most. Series
-// are summed until their terms fall below 1e-18 of the first.
+// Below this x the series loses fewer digits than the closed form; here both lose at most one. The series
+// ends when a term is below kNegligible of the first.
 constexpr double kSeriesBelow = 1.25;
-constexpr double kNothing = 1e-18;
+constexpr double kNegligible = 1e-18;
 
-/// (2x - 3 + 4 e^-x - e^-2x) / (2 x^3); 1/3 at 0. Times step^3 the variance of the way.
-double way_variance(double x) {
+/// (2x - 3 + 4 e^-x - e^-2x) / (2 x^3); 1/3 at 0. Times step^3, it is the variance of p.
+double distance_variance(double x) {
   if (x >= kSeriesBelow) return (2.0 * x - 3.0 + 4.0 * std::exp(-x) - std::exp(-2.0 * x)) / (2.0 * x * x * x);
   double sum = 0.0, power = 1.0 / 6.0, two_to_k = 8.0;  // (-x)^(k - 3) / k!
-  for (int k = 3; std::abs(power) * two_to_k > kNothing; ++k) {
+  for (int k = 3; std::abs(power) * two_to_k > kNegligible; ++k) {
     sum += power * (two_to_k - 4.0);
     power *= -x / (k + 1);
     two_to_k *= 2.0;
@@ -24,23 +24,13 @@ double way_variance(double x) {
 }
 
 double travel_s(double step_s, double fade_s, double mean) {
-  return std::min({step_s * mean, step_s, fade_s});  // rounding may exceed by an ulp
+  return std::min({step_s * mean, step_s, fade_s});  // rounding may exceed the limits by an ulp
 }
 
 }  // namespace
 
 double mean_decay(double x) {
   return x > 0 ? -std::expm1(-x) / x : 1.0;
-}
-
-double mean_lag(double x) {
-  if (x >= kSeriesBelow) return (1.0 - std::exp(-x) * (1.0 + x)) / x;
-  double sum = 0.0, power = 0.5 * x;  // -(-x)^(k - 1) / k!
-  for (int k = 2; std::abs(power) > kNothing * x; ++k) {
-    sum += power * (k - 1);
-    power *= -x / (k + 1);
-  }
-  return sum;
 }
 
 double damped_travel_s(double step_s, double fade_s) {
@@ -51,7 +41,7 @@ DampedStep damped_step(double step_s, double fade_s) {
   const double x = step_s / fade_s, mean = mean_decay(x), keep = std::exp(-x);
   return {.keep = keep,
           .travel_s = travel_s(step_s, fade_s, mean),
-          .pp = step_s * step_s * step_s * way_variance(x),
+          .pp = step_s * step_s * step_s * distance_variance(x),
           .pv = 0.5 * step_s * step_s * mean * mean,
           .vv = 0.5 * step_s * mean * (1.0 + keep)};
 }

@@ -1,8 +1,8 @@
-/// A velocity that fades towards rest while white noise drives it (an Ornstein-Uhlenbeck process), and the
-/// way it covers: v' = -v / fade + noise, p' = v. One step is the exact solution of this stiff linear system,
-/// for any ratio of step to fade time, so that nothing overshoots or is lost however coarse the steps.
-/// Source: G. E. Uhlenbeck, L. S. Ornstein, "On the theory of the Brownian motion", 1930; D. T. Gillespie,
-/// "Exact numerical simulation of the Ornstein-Uhlenbeck process and its integral", 1996.
+/// A velocity that decays to 0 and is driven by white noise (an Ornstein-Uhlenbeck process), and its
+/// integral: v' = -v / fade + noise, p' = v. One step is the exact solution of this stiff linear system, for
+/// any ratio of step to decay time. Source: G. E. Uhlenbeck, L. S. Ornstein, "On the theory of the Brownian
+/// motion", 1930; D. T. Gillespie, "Exact numerical simulation of the Ornstein-Uhlenbeck process and its
+/// integral", 1996.
 #pragma once
 
 namespace farshade {
@@ -10,15 +10,11 @@ namespace farshade {
 /// (1 - e^-x) / x for x >= 0; 1 at 0.
 [[nodiscard]] double mean_decay(double x);
 
-/// (1 - e^-x (1 + x)) / x for x >= 0; 0 at 0. Times x it is the part of a new constant input that two
-/// first-order low-passes in a row let through.
-[[nodiscard]] double mean_lag(double x);
-
-/// The way that a velocity of 1 covers in step_s >= 0 while it fades: fade_s (1 - e^-(step / fade)). Never
-/// more than step_s or fade_s.
+/// The distance that a velocity of 1 covers in step_s >= 0 while it decays: fade_s (1 - e^-(step / fade)). At
+/// most step_s and fade_s.
 [[nodiscard]] double damped_travel_s(double step_s, double fade_s);
 
-/// What `step_s` >= 0 does to (p, v), for noise of spectral density 1.
+/// The effect of `step_s` >= 0 on (p, v), for noise of spectral density 1.
 struct DampedStep {
   double keep = 1;                ///< v becomes keep * v
   double travel_s = 0;            ///< p grows by travel_s * v (damped_travel_s)

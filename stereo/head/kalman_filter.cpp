@@ -1,32 +1,32 @@
+#include "stereo/head/kalman_filter.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "stereo/head/damped_motion.h"
-#include "stereo/head/pose_filters.h"
 
 namespace farshade {
 namespace {
 
-using Spread = KalmanFilter::Spread;
+using FactoredCovariance = KalmanFilter::FactoredCovariance;
 
-// A head not yet seen moving is taken to move at most about this fast (rad/s, m/s), whatever a long fade time
-// makes of its driving noise.
-constexpr double kUnseenSpeed = 1.0;
+// Standard deviation of the initial velocity (rad/s, m/s) is at most this, also for long decay times.
+constexpr double kInitialSpeed = 1.0;
 
-/// How a measured error of p changes p and v.
+/// The corrections of p and v per unit of the measured error of p.
 struct Gain {
   double p = 0, v = 0;
 };
 
-/// Velocity unknown, as it is of a process that has long run.
-Spread unseen(double fade_s, double drive, double noise) {
+/// The covariance at the start: the velocity has the stationary variance of the process.
+FactoredCovariance initial(double fade_s, double drive, double noise) {
   return {.p = noise * noise,
           .v_by_p = 0.0,
-          .v_alone = std::min(0.5 * drive * fade_s, kUnseenSpeed * kUnseenSpeed)};
+          .v_alone = std::min(0.5 * drive * fade_s, kInitialSpeed * kInitialSpeed)};
 }
 
-/// p + travel v, keep v.
-Spread carried(const Spread& s, const DampedStep& step) {
+/// The covariance after a step without noise: p becomes p + travel * v, v becomes keep * v.
+FactoredCovariance propagated(const FactoredCovariance& s, const DampedStep& step) {
   const double stretch = 1.0 + step.travel_s * s.v_by_p;
   const double p = s.p * stretch * stretch + step.travel_s * step.travel_s * s.v_alone;
   if (!(p > 0)) return {.p = 0, .v_by_p = 0, .v_alone = step.keep * step.keep * s.v_alone};
@@ -35,61 +35,63 @@ Spread carried(const Spread& s, const DampedStep& step) {
           .v_alone = step.keep * step.keep * s.v_alone * (s.p / p)};
 }
 
-Spread noise_of(const DampedStep& step, double drive) {
+/// The covariance that the process noise adds in a step.
+FactoredCovariance noise_of(const DampedStep& step, double drive) {
   if (!(drive * step.pp > 0)) return {.p = 0, .v_by_p = 0, .v_alone = drive * step.vv};
   const double v_by_p = step.pv / step.pp;  // takes at most 3/4 of vv
   return {.p = drive * step.pp, .v_by_p = v_by_p, .v_alone = drive * (step.vv - v_by_p * step.pv)};
 }
 
-/// Of the sum of two independent errors.
-Spread sum(const Spread& a, const Spread& b) {
+/// The covariance of the sum of two independent errors.
+FactoredCovariance sum(const FactoredCovariance& a, const FactoredCovariance& b) {
   const double p = a.p + b.p, part = p > 0 ? b.p / p : 0.0, apart = b.v_by_p - a.v_by_p;
   return {.p = p,
           .v_by_p = a.v_by_p + part * apart,
           .v_alone = a.v_alone + b.v_alone + a.p * part * apart * apart};
 }
 
-/// What v does apart from p no measurement of p can tell.
-Gain measure(Spread& s, double noise) {
+/// Updates the covariance by a measurement of p. It tells nothing about the part of v that is independent of
+/// p.
+Gain measure(FactoredCovariance& s, double noise) {
   const double r = noise * noise, gain = s.p / (s.p + r);
   s.p = gain * r;
   return {.p = gain, .v = gain * s.v_by_p};
 }
 
-/// Where a fading velocity leads, per component.
+/// The distance that the decaying velocity covers, per component.
 glm::dvec3 travel(const glm::dvec3& velocity, const glm::dvec3& fade_s, double lead_s) {
-  glm::dvec3 way;
-  for (int i = 0; i < 3; ++i) way[i] = velocity[i] * damped_travel_s(lead_s, fade_s[i]);
-  return way;
+  glm::dvec3 distance;
+  for (int i = 0; i < 3; ++i) distance[i] = velocity[i] * damped_travel_s(lead_s, fade_s[i]);
+  return distance;
 }
 
-/// One component kind's velocity and errors carried over a step.
-void grow_all(std::array<Spread, 3>& spreads, glm::dvec3& velocity, const glm::dvec3& fade_s, double drive,
-              double step_s) {
+/// Predicts velocity and covariances of the angular or the linear components over a step.
+void predict_all(std::array<FactoredCovariance, 3>& factored, glm::dvec3& velocity, const glm::dvec3& fade_s,
+                 double drive, double step_s) {
   for (int i = 0; i < 3; ++i) {
     const DampedStep step = damped_step(step_s, fade_s[i]);
-    Spread& spread = spreads[static_cast<std::size_t>(i)];
-    spread = sum(carried(spread, step), noise_of(step, drive));
+    FactoredCovariance& one = factored[static_cast<std::size_t>(i)];
+    one = sum(propagated(one, step), noise_of(step, drive));
     velocity[i] *= step.keep;
   }
 }
 
-/// Corrects the velocity by the error of the pose, and returns what corrects the pose.
-glm::dvec3 correct_all(std::array<Spread, 3>& spreads, glm::dvec3& velocity, const glm::dvec3& error,
-                       double noise) {
+/// Corrects the velocity by the measured error of the pose. Returns the correction of the pose.
+glm::dvec3 correct_all(std::array<FactoredCovariance, 3>& factored, glm::dvec3& velocity,
+                       const glm::dvec3& error, double noise) {
   glm::dvec3 correction;
   for (int i = 0; i < 3; ++i) {
-    const Gain gain = measure(spreads[static_cast<std::size_t>(i)], noise);
+    const Gain gain = measure(factored[static_cast<std::size_t>(i)], noise);
     correction[i] = gain.p * error[i];
     velocity[i] += gain.v * error[i];
   }
   return correction;
 }
 
-std::array<KalmanFilter::Covariance, 3> covariances(const std::array<Spread, 3>& spreads) {
+std::array<KalmanFilter::Covariance, 3> covariances(const std::array<FactoredCovariance, 3>& factored) {
   std::array<KalmanFilter::Covariance, 3> all;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto& [p, v_by_p, v_alone] = spreads[i];
+    const auto& [p, v_by_p, v_alone] = factored[i];
     all[i] = {.pp = p, .pv = v_by_p * p, .vv = v_alone + v_by_p * v_by_p * p};
   }
   return all;
@@ -102,15 +104,15 @@ void KalmanFilter::start(const HeadPose& pose) {
   velocity_ = {};
   for (int i = 0; i < 3; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    angular_[at] = unseen(tuning_.angular_fade_s[i], tuning_.angular_drive, tuning_.angular_noise);
-    linear_[at] = unseen(tuning_.linear_fade_s[i], tuning_.linear_drive, tuning_.linear_noise);
+    angular_[at] = initial(tuning_.angular_fade_s[i], tuning_.angular_drive, tuning_.angular_noise);
+    linear_[at] = initial(tuning_.linear_fade_s[i], tuning_.linear_drive, tuning_.linear_noise);
   }
 }
 
 void KalmanFilter::step(double step_s, const HeadPose& pose) {
   pose_ = ahead(step_s);
-  grow_all(angular_, velocity_.angular, tuning_.angular_fade_s, tuning_.angular_drive, step_s);
-  grow_all(linear_, velocity_.linear, tuning_.linear_fade_s, tuning_.linear_drive, step_s);
+  predict_all(angular_, velocity_.angular, tuning_.angular_fade_s, tuning_.angular_drive, step_s);
+  predict_all(linear_, velocity_.linear, tuning_.linear_fade_s, tuning_.linear_drive, step_s);
 
   const Twist error = motion_between(pose_, pose);
   const Twist correction{correct_all(angular_, velocity_.angular, error.angular, tuning_.angular_noise),

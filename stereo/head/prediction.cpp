@@ -10,10 +10,9 @@ namespace farshade {
 namespace {
 
 // Chosen on EyeNavGS users 101, 102, 104 and 103 at 72 Hz (docs/prediction.md) by the p95 of the error 50 and
-// 100 ms ahead. The recordings hardly profit from smoothing: 5 ms beats 10 ms by 5 % at 50 ms.
-constexpr double kSmoothing_s = 0.006;
-// Pitch and roll go back and forth (steps, nods), yaw goes on: one fade time for all axes costs 5 % of the
-// p95 at 50 ms and 8 % at 100 ms. Likewise a walker's bobbing against his walking.
+// 100 ms ahead. Pitch and roll go back and forth (steps, nods), yaw continues: one decay time for all axes
+// costs 5 % of the p95 at 50 ms and 8 % at 100 ms. The same holds for the vertical and the forward motion of
+// a walk.
 constexpr KalmanTuning kKalman{.angular_fade_s = {0.1, 1.0, 0.08},
                                .linear_fade_s = {2.0, 0.3, 2.0},
                                .angular_drive = 0.9,
@@ -21,7 +20,7 @@ constexpr KalmanTuning kKalman{.angular_fade_s = {0.1, 1.0, 0.08},
                                .angular_noise = 3e-4,
                                .linear_noise = 3e-4};
 
-/// later - earlier, for any two stamps; later is not before earlier.
+/// later - earlier for later >= earlier, without overflow.
 double seconds_between(Time earlier, Time later) {
   return static_cast<double>(static_cast<std::uint64_t>(ns_of(later)) -
                              static_cast<std::uint64_t>(ns_of(earlier))) *
@@ -39,8 +38,7 @@ bool is_jump(const HeadPose& before, const HeadPose& now, double step_s) {
          glm::length(now.translation - before.translation) > kJitter_m + kFastestWay_m_s * step_s;
 }
 
-/// Rotations that are unit up to rounding keep their bits: a pose that comes back unpredicted is the same
-/// pose.
+/// Normalises the rotation, unless it is unit up to rounding: predict() returns the newest pose bit for bit.
 HeadPose with_unit_rotation(const HeadPose& pose) {
   const double off = glm::dot(pose.rotation, pose.rotation) - 1.0;
   if (std::abs(off) <= 8.0 * std::numeric_limits<double>::epsilon()) return pose;
@@ -53,10 +51,6 @@ std::string_view to_string(PredictorKind kind) {
   switch (kind) {
     case PredictorKind::Hold:
       return "hold";
-    case PredictorKind::ConstantVelocity:
-      return "constant-velocity";
-    case PredictorKind::DoubleExponential:
-      return "double-exponential";
     case PredictorKind::Kalman:
       return "kalman";
   }
@@ -70,16 +64,7 @@ std::optional<PredictorKind> parse_predictor(std::string_view name) {
 }
 
 PoseFilter make_filter(PredictorKind kind) {
-  switch (kind) {
-    case PredictorKind::ConstantVelocity:
-      return ConstantVelocityFilter{};
-    case PredictorKind::DoubleExponential:
-      return DoubleExponentialFilter(kSmoothing_s);
-    case PredictorKind::Kalman:
-      return KalmanFilter(kKalman);
-    case PredictorKind::Hold:
-      break;
-  }
+  if (kind == PredictorKind::Kalman) return KalmanFilter(kKalman);
   return HoldFilter{};
 }
 

@@ -1,6 +1,6 @@
-/// Predictor: where the head will be when masks asked for now are used. It is fed every pose the runtime
-/// gives and holds the rules for time stamps; the filters themselves are in pose_filters.h, and how they
-/// compare on recorded heads is in docs/prediction.md.
+/// Predictor: predicts the head pose for the time at which the requested masks will be used. The caller feeds
+/// it every pose of the runtime. Predictor checks poses and time stamps; kalman_filter.h has the filter.
+/// docs/prediction.md has the errors on recorded heads.
 #pragma once
 
 #include <optional>
@@ -8,54 +8,68 @@
 #include <variant>
 
 #include "stereo/base/clock.h"
-#include "stereo/head/pose_filters.h"
+#include "stereo/head/kalman_filter.h"
 
 namespace farshade {
 
-enum class PredictorKind { Hold, ConstantVelocity, DoubleExponential, Kalman };
-inline constexpr PredictorKind kPredictorKinds[] = {PredictorKind::Hold, PredictorKind::ConstantVelocity,
-                                                    PredictorKind::DoubleExponential, PredictorKind::Kalman};
+/// The values are part of capture files. 1 and 2 were constant velocity and double exponential smoothing,
+/// which were less exact than the Kalman filter on every recorded head.
+enum class PredictorKind { Hold = 0, Kalman = 3 };
+inline constexpr PredictorKind kPredictorKinds[] = {PredictorKind::Hold, PredictorKind::Kalman};
 inline constexpr PredictorKind kDefaultPredictor = PredictorKind::Kalman;
 
-/// "hold", "constant-velocity", "double-exponential", "kalman"
+/// "hold", "kalman"
 [[nodiscard]] std::string_view to_string(PredictorKind kind);
 [[nodiscard]] std::optional<PredictorKind> parse_predictor(std::string_view name);
 
-using PoseFilter = std::variant<HoldFilter, ConstantVelocityFilter, DoubleExponentialFilter, KalmanFilter>;
+/// Predicts that the head stays at its newest pose.
+class HoldFilter {
+ public:
+  void start(const HeadPose& pose) { pose_ = pose; }
+  void step(double, const HeadPose& pose) { pose_ = pose; }
+  [[nodiscard]] HeadPose ahead(double) const { return pose_; }
+  [[nodiscard]] Twist velocity() const { return {}; }
+
+ private:
+  HeadPose pose_;
+};
+
+using PoseFilter = std::variant<HoldFilter, KalmanFilter>;
 
 /// The filter of a kind, with the constants chosen on recorded heads.
 [[nodiscard]] PoseFilter make_filter(PredictorKind kind);
 
-/// After a gap longer than this the head's velocity is anyone's guess: it is held until the next pose.
+/// After a gap longer than this, the filter starts again: the velocity is 0 until the next pose.
 inline constexpr Duration kLongestGap = std::chrono::milliseconds(250);
-/// A head that moved faster than this, and further than a jitter, was put elsewhere (recentred, say):
-/// likewise.
+/// If the head moved faster than this, and further than kJitter, it was moved to another place (recentred,
+/// for example). The filter starts again.
 inline constexpr double kFastestTurn_rad_s = 40, kFastestWay_m_s = 20;
 inline constexpr double kJitter_rad = 0.05, kJitter_m = 0.05;
-/// Predictions further ahead are those for this lead.
+/// The longest lead. A prediction for a later time is the prediction for this lead.
 inline constexpr Duration kFarthestLead = std::chrono::milliseconds(500);
-/// How far off unit a rotation may be to be taken (and normalised), and how far out a head may be.
+/// Limits for observed poses: the length of a quaternion may differ from 1 by this (it is normalised), and a
+/// head may be this far from the origin.
 inline constexpr double kPoseUnitTolerance = 1e-2, kFarthestPose_m = 1e9;
 
-/// A value: copies are independent, nothing is allocated.
+/// A value type: copies are independent and no memory is allocated.
 class Predictor {
  public:
   explicit Predictor(PredictorKind kind = kDefaultPredictor) : Predictor(make_filter(kind)) {}
   explicit Predictor(const PoseFilter& filter, Duration longest_gap = kLongestGap)
       : filter_(filter), longest_gap_(longest_gap) {}
 
-  /// Takes the head's pose at `time`. Ignored: a stamp not after the newest one; a pose that is not finite,
-  /// off unit or out too far.
+  /// Observes the head pose at `time`. Ignores a stamp that is not after the newest one, and a pose that is
+  /// not finite, not unit, or too far from the origin.
   void observe(Time time, const HeadPose& stage_from_head);
 
-  /// The pose at `time`. Not after the newest observation: that observation as it was given. Before any:
-  /// identity.
+  /// The pose at `time`. If `time` is not after the newest observation, returns that observation unchanged;
+  /// without any observation, the identity.
   [[nodiscard]] HeadPose predict(Time time) const;
 
-  /// The head's estimated body twist (rad/s, m/s, in head axes) at the newest observation.
+  /// Estimated body twist (rad/s, m/s, in head axes) at the newest observation.
   [[nodiscard]] Twist velocity() const;
 
-  /// Stamp of the newest observation taken.
+  /// Time of the newest accepted observation.
   [[nodiscard]] std::optional<Time> newest() const { return newest_; }
 
  private:

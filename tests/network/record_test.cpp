@@ -111,7 +111,7 @@ void steer(std::uint32_t frame, FrameSettings& steering) {
   if (frame == 40) steering.carry_over = {};
   if (frame == 42) steering.scene = SceneClock::Stands;
   if (frame == 56) steering.scene = SceneClock::Runs;
-  if (frame == 60) steering.wish = {PredictorKind::ConstantVelocity, GuardBandUse::Off, 1};
+  if (frame == 60) steering.wish = {PredictorKind::Kalman, GuardBandUse::Off, 1};
   if (frame == 95) steering.wish = {}, change(steering.lights, 0, true, {});
 }
 

@@ -94,7 +94,7 @@ TEST(ReadOptions, TakesEveryOption) {
                                   "--reference-every",
                                   "0",
                                   "--predictor",
-                                  "double-exponential",
+                                  "hold",
                                   "--guard-band",
                                   "off",
                                   "--mask-every",
@@ -129,7 +129,7 @@ TEST(ReadOptions, TakesEveryOption) {
   EXPECT_EQ(options.place, Place::Recorded);
   EXPECT_EQ(options.trace_scale, 0.76);
   EXPECT_EQ(options.reference_every, 0u);
-  EXPECT_EQ(options.request.predictor, PredictorKind::DoubleExponential);
+  EXPECT_EQ(options.request.predictor, PredictorKind::Hold);
   EXPECT_EQ(options.request.guard_band, GuardBandUse::Off);
   EXPECT_EQ(options.request.every, 3u);
   EXPECT_EQ(options.carry_over, (CarryOver{Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest}));

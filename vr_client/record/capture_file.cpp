@@ -90,7 +90,7 @@ Verdict verdict_on_lights(const LightChanges& changes) {
 
 Verdict verdict_on(const FrameSettings& steering) {
   const bool codes =
-      is_one_of(steering.wish.predictor, PredictorKind::Kalman) &&
+      std::ranges::find(kPredictorKinds, steering.wish.predictor) != std::end(kPredictorKinds) &&
       is_one_of(steering.wish.guard_band, GuardBandUse::Measured) && steering.wish.every >= 1 &&
       steering.wish.every <= kMaxEvery && steering.wish.guard_band_percent <= kWidestBand_percent &&
       is_one_of(steering.carry_over.lookup, Lookup::Direct) &&

@@ -90,10 +90,8 @@ TEST(RequestPlan, HeldViewsAreWidenedByWhatTheHeadTurnsInTheDelay) {
   EXPECT_GT(grid_offset_px(now.views[0], asked->views[0]).x, 15) << "the head turns left";
 }
 
-class RequestPlanOf : public testing::TestWithParam<PredictorKind> {};
-
-TEST_P(RequestPlanOf, AsksForThePoseAtTheTimeOfUse) {
-  RequestPlan plan({.predictor = GetParam(), .guard_band = GuardBandUse::Off});
+TEST(RequestPlan, AsksForThePoseAtTheTimeOfUse) {
+  RequestPlan plan({.predictor = PredictorKind::Kalman, .guard_band = GuardBandUse::Off});
   for (std::uint32_t i = 0; i < 200; ++i) {
     const FrameRequest now = shown(i);
     if (i > 3) plan.learn(40ms);
@@ -118,15 +116,6 @@ TEST_P(RequestPlanOf, AsksForThePoseAtTheTimeOfUse) {
         << "the eyes stay where they are in the head";
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(Kind, RequestPlanOf,
-                         testing::Values(PredictorKind::ConstantVelocity, PredictorKind::DoubleExponential,
-                                         PredictorKind::Kalman),
-                         [](const auto& tested) {
-                           std::string name(to_string(tested.param));
-                           std::erase(name, '-');
-                           return name;
-                         });
 
 TEST(RequestPlan, AHeadAtRestIsAskedForAsItIsShown) {
   RequestPlan plan({.guard_band = GuardBandUse::Measured});
@@ -192,7 +181,7 @@ TEST(RequestPlan, AddsNoGuardBandBeyondWhatTheServerTraces) {
 }
 
 TEST(RequestPlan, TracesWiderAfterAHeadThatTurnsAsNobodyForesees) {
-  RequestPlan plan({.predictor = PredictorKind::ConstantVelocity});
+  RequestPlan plan({.predictor = PredictorKind::Kalman});
   std::optional<FrameRequest> asked;
   for (std::uint32_t i = 0; i < 140; ++i) {
     plan.learn(40ms);

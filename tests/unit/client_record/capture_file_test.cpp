@@ -86,7 +86,7 @@ TEST(SessionFile, KeepsExtremes) {
   steering.wish = {PredictorKind::Hold, GuardBandUse::Off, 1024};
   steering.carry_over = {Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest};
   steering.scene = SceneClock::Stands;
-  none.input.steering.wish = {PredictorKind::DoubleExponential, GuardBandUse::Off, 1};
+  none.input.steering.wish = {PredictorKind::Kalman, GuardBandUse::Off, 1};
   steering.lights.revision = kFirstLightSet;
   for (std::uint32_t light = 0; light < kMaxLights; ++light)
     change(steering.lights, kMaxLights - 1 - light, light % 2 == 0,
@@ -100,8 +100,8 @@ TEST(SessionFile, KeepsSteeringWhateverItIs) {
     std::mt19937 random(seed);
     CapturedFrame one = frame(1);
     FrameSettings& steering = one.input.steering;
-    steering.wish = {kPredictorKinds[random() % 4], static_cast<GuardBandUse>(random() % 2),
-                     1 + static_cast<std::uint32_t>(random() % 64),
+    steering.wish = {kPredictorKinds[random() % std::size(kPredictorKinds)],
+                     static_cast<GuardBandUse>(random() % 2), 1 + static_cast<std::uint32_t>(random() % 64),
                      static_cast<std::uint32_t>(random() % (kWidestBand_percent + 1))};
     steering.carry_over = {static_cast<Lookup>(random() % 2), static_cast<Eyes>(random() % 2),
                            static_cast<Gaps>(random() % 2), static_cast<Edges>(random() % 2)};
@@ -115,6 +115,17 @@ TEST(SessionFile, KeepsSteeringWhateverItIs) {
     EXPECT_EQ(got.wish.guard_band_percent, steering.wish.guard_band_percent);
     EXPECT_EQ(got.carry_over, steering.carry_over);
     EXPECT_EQ(got.scene, steering.scene);
+  }
+}
+
+TEST(SessionFile, RefusesPredictorsThatWereRemoved) {
+  for (const int removed : {1, 2, 4}) {
+    CapturedFrame one = frame(1);
+    one.input.steering.wish.predictor = static_cast<PredictorKind>(removed);
+    std::vector<CapturedFrame> read;
+    const auto error = read_all(file_of(header(), std::vector{one}), read);
+    ASSERT_TRUE(error.has_value()) << removed;
+    EXPECT_TRUE(read.empty());
   }
 }
 

@@ -59,14 +59,6 @@ int halvings(Real size) {
   return size > kSmall ? static_cast<int>(std::ceil(std::log2(size / kSmall))) : 0;
 }
 
-template <std::size_t N>
-Matrix<N> exponential(const Matrix<N>& a) {
-  const int times = halvings(norm(a));
-  Matrix<N> result = exponential_series(scaled(a, std::ldexp(Real(1), -times)));
-  for (int i = 0; i < times; ++i) result = product(result, result);
-  return result;
-}
-
 /// Van Loan: exp([-A G; 0 A^T] t) = [. G2; 0 F3], transition F3^T, noise F3^T G2.
 DampedReference van_loan(Real step_s, Real fade_s) {
   const Real rate = 1 / fade_s;
@@ -94,19 +86,6 @@ DampedReference damped_reference(Real step_s, Real fade_s) {
   DampedReference step = van_loan(std::ldexp(step_s, -times), fade_s);
   for (int i = 0; i < times; ++i) step = twice(step);
   return step;
-}
-
-void DoubleExponentialReference::step(Real step_s, Real moved) {
-  auto known = transitions_.find(step_s);
-  if (known == transitions_.end()) {
-    const Real x = step_s / smoothing_s_;
-    known = transitions_.emplace(step_s, exponential(Matrix<3>{{{-x, 0, x}, {x, -x, 0}, {0, 0, 0}}})).first;
-  }
-  const Matrix<3>& to = known->second;
-  const Real input = moved / step_s;
-  const Real once = to[0][0] * once_ + to[0][2] * input;
-  twice_ = to[1][0] * once_ + to[1][1] * twice_ + to[1][2] * input;
-  once_ = once;
 }
 
 const DampedReference& KalmanReference::at(Real step_s) {

@@ -15,20 +15,6 @@ using Real = long double;
 template <std::size_t N>
 using Matrix = std::array<std::array<Real, N>, N>;
 
-/// LaViola's filter: once' = (u - once) / smoothing, twice' = (once - twice) / smoothing, u constant over a
-/// step.
-class DoubleExponentialReference {
- public:
-  explicit DoubleExponentialReference(Real smoothing_s) : smoothing_s_(smoothing_s) {}
-  void step(Real step_s, Real moved);
-  [[nodiscard]] Real velocity() const { return twice_; }
-  [[nodiscard]] Real ahead(Real lead_s) const { return smoothing_s_ * (twice_ - once_) + lead_s * twice_; }
-
- private:
-  Real smoothing_s_, once_ = 0, twice_ = 0;
-  std::map<Real, Matrix<3>> transitions_;
-};
-
 /// p' = v, v' = -v / fade + noise of density 1, over a step.
 struct DampedReference {
   Real keep, travel_s, pp, pv, vv;

@@ -140,50 +140,6 @@ struct Hold {
   [[nodiscard]] double memory_s() const { return 0; }
 };
 
-/// Poses at least a baseline apart are anchors; the velocity is the mean one since the last anchor but one.
-struct ConstantVelocity {
-  struct Anchor {
-    Real time_s = 0, unwound = 0;
-  };
-  Axis axis;
-  Real pose = 0, time_s = 0, unwound = 0, rate = 0;
-  std::vector<Anchor> anchors;
-
-  void start(Real now) {
-    pose = now;
-    anchors = {{}, {}};
-  }
-  void step(Real step_s, Real now) {
-    time_s += step_s;
-    unwound += difference(axis, pose, now);
-    pose = now;
-    const Real baseline_s = ConstantVelocityFilter::kBaseline_s * (1 - 1e-12L);
-    if (time_s - anchors.back().time_s >= baseline_s) anchors.push_back({time_s, unwound});
-    const Anchor& since = anchors[anchors.size() - 2];
-    if (time_s - since.time_s >= baseline_s)
-      rate = difference(axis, since.unwound, unwound) / (time_s - since.time_s);
-  }
-  [[nodiscard]] Real velocity() const { return rate; }
-  [[nodiscard]] Real ahead(Real lead_s) const { return pose + lead_s * rate; }
-  [[nodiscard]] double memory_s() const { return 0; }
-};
-
-struct DoubleExponential {
-  Axis axis;
-  double smoothing_s;
-  DoubleExponentialReference filter{Real(smoothing_s)};
-  Real pose = 0;
-
-  void start(Real now) { pose = now; }
-  void step(Real step_s, Real now) {
-    filter.step(step_s, difference(axis, pose, now));
-    pose = now;
-  }
-  [[nodiscard]] Real velocity() const { return filter.velocity(); }
-  [[nodiscard]] Real ahead(Real lead_s) const { return pose + filter.ahead(lead_s); }
-  [[nodiscard]] double memory_s() const { return smoothing_s; }
-};
-
 constexpr double kNoise = 3e-4;
 
 KalmanTuning tuning_of(double fade_s) {
@@ -217,13 +173,9 @@ struct Kalman {
   [[nodiscard]] double memory_s() const { return 0; }
 };
 
-// Rounding (2e-16) times what follows, a few times over. Walking, differences of positions are exact, and a
-// filter loses a few ulps; turning, a pose's own rounding is divided by the shortest step that is not
-// smoothed away (1e-5 s after 1 s of turning is 1e-11 rad/s, of 17). The Kalman filter's estimate is a pose
-// too: 300 m out it rounds by 3e-14 m, and by up to 150 times that per second its velocity.
-constexpr Bounds kHeld[] = {{0, 0}, {0, 0}}, kDifferenced[] = {{4e-15, 1e-15}, {1e-14, 4e-15}},
-                 kSmoothed[] = {{4e-15, 1e-15}, {1e-12, 1e-12}},
-                 kEstimated[] = {{2e-11, 2e-13}, {2e-13, 4e-14}};
+// Multiples of the rounding (2e-16). The estimate of the Kalman filter is a pose: 300 m from the origin it
+// rounds by 3e-14 m, and its velocity by up to 150 times that per second.
+constexpr Bounds kHeld[] = {{0, 0}, {0, 0}}, kEstimated[] = {{2e-11, 2e-13}, {2e-13, 4e-14}};
 
 /// Both figures of a filter for both motions. `filter(constant)`, `reference(axis, constant)`.
 std::vector<GridError> errors_of(const std::string& name, const Bounds (&bounds)[2], const Grid& grid,
@@ -293,20 +245,6 @@ std::vector<GridError> hold_errors(const Grid& grid) {
                    [](Axis, double) { return Hold{}; });
 }
 
-std::vector<GridError> constant_velocity_errors(const Grid& grid) {
-  const auto filter = [](double) { return ConstantVelocityFilter(); };
-  return errors_of("constant-velocity", kDifferenced, {.steps_s = grid.steps_s, .constants_s = {0}}, filter,
-                   [](Axis axis, double) { return ConstantVelocity{.axis = axis, .anchors = {}}; });
-}
-
-std::vector<GridError> double_exponential_errors(const Grid& grid) {
-  return errors_of(
-      "double-exponential", kSmoothed, grid, [](double s) { return DoubleExponentialFilter(s); },
-      [](Axis axis, double smoothing_s) {
-        return DoubleExponential{axis, smoothing_s};
-      });
-}
-
 std::vector<GridError> kalman_errors(const Grid& grid) {
   std::vector<GridError> all = errors_of(
       "kalman", kEstimated, grid, [](double fade_s) { return KalmanFilter(tuning_of(fade_s)); },
@@ -319,8 +257,7 @@ std::vector<GridError> kalman_errors(const Grid& grid) {
 
 std::vector<GridError> all_stiff_errors() {
   std::vector<GridError> all = step_errors(whole_grid(16));
-  for (const auto& errors :
-       {hold_errors, constant_velocity_errors, double_exponential_errors, kalman_errors}) {
+  for (const auto& errors : {hold_errors, kalman_errors}) {
     const std::vector<GridError> some = errors(whole_grid(4));
     all.insert(all.end(), some.begin(), some.end());
   }

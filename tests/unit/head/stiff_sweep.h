@@ -27,8 +27,6 @@ struct Grid {
 /// damped_step alone.
 [[nodiscard]] std::vector<GridError> step_errors(const Grid& grid);
 [[nodiscard]] std::vector<GridError> hold_errors(const Grid& grid);
-[[nodiscard]] std::vector<GridError> constant_velocity_errors(const Grid& grid);
-[[nodiscard]] std::vector<GridError> double_exponential_errors(const Grid& grid);
 [[nodiscard]] std::vector<GridError> kalman_errors(const Grid& grid);
 
 /// All of them, each over as fine a grid as takes well under a second.

@@ -1,4 +1,4 @@
-#include "stereo/head/pose_filters.h"
+#include "stereo/head/kalman_filter.h"
 
 #include <gtest/gtest.h>
 
@@ -28,57 +28,28 @@ KalmanTuning tuning_with_fade(double fade_s) {
           .linear_noise = 3e-4};
 }
 
-/// Filters that take a constant twist for what it is.
-std::vector<PoseFilter> undamped_filters() {
-  return {ConstantVelocityFilter(), DoubleExponentialFilter(0.01), KalmanFilter(tuning_with_fade(kForever))};
-}
-
 HeadPose on_screw(double time_s) {
   const HeadPose start{rotation_exp({0.2, 1.0, 0.1}), {3, 1.7, -2}};
   return start * motion_exp<Head>(kScrew * time_s);
 }
 
-TEST(PoseFilter, CarriesAConstantTwistOnExactlyWhateverTheSteps) {
-  for (PoseFilter& filter : undamped_filters()) {
-    std::mt19937 random(5);
-    std::uniform_real_distribution<double> step(1e-3, 0.03);
-    std::visit([](auto& f) { f.start(on_screw(0)); }, filter);
-    double now = 0;
-    for (int i = 0; i < 300; ++i) {
-      const double step_s = step(random);
-      now += step_s;
-      std::visit([&](auto& f) { f.step(step_s, on_screw(now)); }, filter);
-    }
-    for (const double lead_s : {0.02, 0.05, 0.1, 0.2, 0.5}) {
-      const HeadPose said = std::visit([&](auto& f) { return f.ahead(lead_s); }, filter);
-      EXPECT_LE(error_of(said, on_screw(now + lead_s)), 1e-9) << "filter " << filter.index();
-      EXPECT_GE(error_of(said, on_screw(now - lead_s)), lead_s) << "filter " << filter.index();
-    }
-    const Twist velocity = std::visit([](auto& f) { return f.velocity(); }, filter);
-    EXPECT_LE(glm::length(velocity.angular - kScrew.angular), 1e-8) << "filter " << filter.index();
-    EXPECT_LE(glm::length(velocity.linear - kScrew.linear), 1e-8) << "filter " << filter.index();
-  }
-}
-
-TEST(ConstantVelocity, IsTheScrewBetweenTheLastTwoPoses) {
-  ConstantVelocityFilter filter;
+TEST(Kalman, ExtrapolatesAConstantTwistExactlyForAnySteps) {
+  KalmanFilter filter(tuning_with_fade(kForever));
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> step(1e-3, 0.03);
   filter.start(on_screw(0));
-  filter.step(0.014, on_screw(5));  // forgotten
-  filter.step(0.014, on_screw(1));
-  filter.step(0.02, on_screw(1.02));
-  EXPECT_LE(error_of(filter.ahead(0.1), on_screw(1.12)), 1e-13);
-}
-
-TEST(ConstantVelocity, IsNotTakenInByABurst) {
-  // 3e-4 rad of jitter between poses 0.1 ms apart would be 170 degrees/s.
-  ConstantVelocityFilter filter;
-  filter.start({});
-  filter.step(1e-4, {rotation_exp({0, 3e-4, 0}), {}});
-  EXPECT_EQ(filter.velocity(), Twist{});
-  for (int i = 0; i < 400; ++i) {
-    filter.step(1e-4, {rotation_exp({0, i % 2 ? 3e-4 : 0.0, 0}), {}});
-    EXPECT_LE(glm::length(filter.velocity().angular), 3e-4 / ConstantVelocityFilter::kBaseline_s);
+  double now = 0;
+  for (int i = 0; i < 300; ++i) {
+    const double step_s = step(random);
+    now += step_s;
+    filter.step(step_s, on_screw(now));
   }
+  for (const double lead_s : {0.02, 0.05, 0.1, 0.2, 0.5}) {
+    EXPECT_LE(error_of(filter.ahead(lead_s), on_screw(now + lead_s)), 1e-9);
+    EXPECT_GE(error_of(filter.ahead(lead_s), on_screw(now - lead_s)), lead_s);
+  }
+  EXPECT_LE(glm::length(filter.velocity().angular - kScrew.angular), 1e-8);
+  EXPECT_LE(glm::length(filter.velocity().linear - kScrew.linear), 1e-8);
 }
 
 struct Steps {
@@ -92,21 +63,6 @@ std::vector<Steps> stiffness_sweep() {
     for (const double constant_s : {1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0, 1e3})
       all.push_back({step_s, constant_s});
   return all;
-}
-
-TEST_P(Stiffness, OfDoubleExponentialFollowsTheContinuousSolution) {
-  // From rest into a constant turn: the twice smoothed rate is rate * (1 - e^-x (1 + x)), x = time /
-  // constant.
-  const auto [step_s, constant_s] = GetParam();
-  const double rate = 0.7;
-  DoubleExponentialFilter filter(constant_s);
-  filter.start({});
-  for (int i = 1; i <= 1000; ++i) {
-    filter.step(step_s, {rotation_exp({0, rate * (i * step_s), 0}), {}});
-    const double x = i * step_s / constant_s, wanted = rate * x * mean_lag(x);
-    ASSERT_NEAR(filter.velocity().angular.y, wanted, 1e-9 * wanted + 1e-15) << "step " << i;
-    ASSERT_LE(filter.velocity().angular.y, rate * (1 + 1e-10)) << "step " << i;
-  }
 }
 
 TEST_P(Stiffness, OfKalmanFadesLikeTheContinuousSolution) {
@@ -147,7 +103,7 @@ TEST_P(Stiffness, LeavesKalmanCovariancePositiveAndItsEstimateAtThePoses) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(PoseFilter, Stiffness, testing::ValuesIn(stiffness_sweep()));
+INSTANTIATE_TEST_SUITE_P(Kalman, Stiffness, testing::ValuesIn(stiffness_sweep()));
 
 TEST(Kalman, IsLeastSquaresWhereNothingDrivesTheHead) {
   // Without driving noise and fading, the best estimate is the line through all poses (Gauss).
