@@ -1,6 +1,7 @@
 #include "stereo/scene/gltf.h"
 
 #include <exception>
+#include <nlohmann/json.hpp>
 
 #include "stereo/base/files.h"
 #include "stereo/scene/gltf_convert.h"
@@ -21,8 +22,9 @@ Expected<Scene> load(std::span<const std::byte> file, const std::filesystem::pat
   gltf::SceneFolder files(folder, limits.external_bytes);
   return gltf::open_container(file).and_then([&](const gltf::Container& container) {
     return gltf::check_json_depth(container.json, limits.json_depth)
-        .and_then([&] { return gltf::check_schema(container.json, !container.bin.empty()); })
-        .and_then([&] { return gltf::parse_document(file, container.is_binary, files); })
+        .and_then([&] { return gltf::parse_json(container.json, !container.bin.empty()); })
+        .and_then(
+            [&](const nlohmann::json& root) { return gltf::parse_document(root, container.bin, files); })
         .and_then([&](const gltf::Document& document) -> Expected<Scene> {
           if (auto valid = gltf::validate(document, limits); !valid) return tl::unexpected(valid.error());
           return gltf::convert(document, limits);
@@ -38,8 +40,7 @@ Expected<Scene> load(std::span<const std::byte> file, const std::filesystem::pat
 
 Expected<Scene> load_scene_from_memory(std::span<const std::byte> file, const std::filesystem::path& folder,
                                        const SceneLimits& limits) {
-  // The libraries below report by exceptions, at the least that memory ran out. None of them passes this
-  // line.
+  // The libraries and the allocator report errors by exceptions. No exception leaves this function.
   try {
     return load(file, folder, limits);
   } catch (const std::exception& refusal) {

@@ -1,9 +1,10 @@
-/// The glTF 2.0 loader: a file of foreign bytes in, a checked Scene or one sentence about what is wrong out.
+/// The glTF 2.0 loader. It turns an untrusted file into a checked Scene, or into one sentence about its first
+/// fault.
 ///
-/// Understood: .gltf and .glb; external, embedded and GLB buffers; PNG and JPEG; indexed and non-indexed
+/// Supported: .gltf and .glb; external, embedded and GLB buffers; PNG and JPEG; indexed and non-indexed
 /// triangles, strips and fans; sparse accessors; KHR_mesh_quantization, KHR_texture_transform,
-/// KHR_lights_punctual; TRS animation. Refused: every other required extension, skins, and morph targets that
-/// are in use.
+/// KHR_lights_punctual; animation of translation, rotation and scale. Refused: every other required
+/// extension, skins, and morph targets with weights.
 #pragma once
 
 #include <cstddef>
@@ -14,20 +15,20 @@
 
 namespace farshade {
 
-/// What a scene may cost before it is refused. The defaults hold every scene this project was tried with.
+/// Limits above which a scene is refused.
 struct SceneLimits {
   std::uint64_t file_bytes = std::uint64_t{1} << 30;      ///< the scene file itself; never above 2^31
-  std::uint64_t external_bytes = std::uint64_t{2} << 30;  ///< all files it names together
+  std::uint64_t external_bytes = std::uint64_t{2} << 30;  ///< all external files together
   std::uint64_t image_pixels = std::uint64_t{1} << 26;    ///< one image
   std::uint32_t json_depth = 128;
   std::uint32_t node_depth = 256;
-  std::uint32_t lights = 256;  ///< as many as a mask has bits for
+  std::uint32_t lights = 256;  ///< the number of bits that a mask can have
 };
 
-/// Loads a .gltf or .glb file. Files that it names are opened only inside of its own folder.
+/// Loads a .gltf or .glb file. It may name external files only inside its own folder.
 [[nodiscard]] Expected<Scene> load_scene(const std::filesystem::path& path, const SceneLimits& limits = {});
 
-/// As load_scene, for a file that is already in memory. An empty `folder` opens no further files.
+/// As load_scene, for a file in memory. With an empty `folder`, external files cannot be read.
 [[nodiscard]] Expected<Scene> load_scene_from_memory(std::span<const std::byte> file,
                                                      const std::filesystem::path& folder = {},
                                                      const SceneLimits& limits = {});

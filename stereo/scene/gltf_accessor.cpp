@@ -21,7 +21,7 @@ T load(const std::uint8_t* bytes) {
   return value;
 }
 
-/// glTF 2.0 section 3.11: signed c / max, at least -1; unsigned c / max.
+/// Normalised integers by glTF 2.0 section 3.11: value / maximum of the type, at least -1.
 template <class T>
 float load_number(const std::uint8_t* bytes, bool normalized) {
   const T value = load<T>(bytes);
@@ -50,7 +50,7 @@ void with_type(Component component, Read read) {
   check(false, "validated component type");
 }
 
-/// Runs `store(element number, its bytes)` over the dense elements, then over the sparse ones.
+/// Calls `store(index, address)` for each dense element, then for each sparse element.
 template <class Store>
 void for_each_element(const Document& document, const Accessor& accessor, Store store) {
   const ElementRun run = elements_of(document, accessor);

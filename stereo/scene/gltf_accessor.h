@@ -1,5 +1,5 @@
-/// Elements of validated accessors as vectors of numbers: strides, sparse parts and normalised integers are
-/// undone.
+/// Reads the elements of validated accessors as numbers. Handles strides, sparse elements and normalised
+/// integers.
 #pragma once
 
 #include <glm/vec2.hpp>
@@ -11,15 +11,15 @@
 
 namespace farshade::gltf {
 
-/// Where the elements of `accessor` start in its buffer, and how far they are apart; null where it has no
-/// view.
+/// The address of the first dense element of `accessor` and the distance between elements in bytes. `first`
+/// is null if the accessor has no buffer view.
 struct ElementRun {
   const std::uint8_t* first = nullptr;
   std::uint64_t stride = 0;
 };
 [[nodiscard]] ElementRun elements_of(const Document& document, const Accessor& accessor);
 
-/// Elements with N components as floats. Missing ones (a three-component colour read as four) are 1.
+/// Elements with N components, as floats. Missing components (alpha of an RGB colour) are 1.
 template <int N>
 [[nodiscard]] std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::uint32_t accessor);
 
@@ -29,7 +29,7 @@ template <int N>
 /// Unsigned scalars (vertex indices).
 [[nodiscard]] std::vector<std::uint32_t> read_indices(const Document& document, std::uint32_t accessor);
 
-/// The element numbers that a sparse accessor overwrites.
+/// The indices of the elements that a sparse accessor replaces.
 [[nodiscard]] std::vector<std::uint32_t> sparse_indices(const Document& document, const Sparse& sparse);
 
 }  // namespace farshade::gltf

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "stereo/scene/gltf_looks.h"
+#include "stereo/scene/gltf_animation.h"
+#include "stereo/scene/gltf_materials.h"
 #include "stereo/scene/gltf_mesh.h"
-#include "stereo/scene/gltf_motion.h"
 #include "stereo/scene/gltf_validate.h"
 #include "stereo/scene/scene_state.h"
 
@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kMaxDistance_m = 1e9;
 
-/// Nodes of the default scene in scene order, and where each of the document's nodes went.
+/// The order of the nodes in the Scene (those of the default scene, parents first), as maps in both
+/// directions.
 struct NodeOrder {
   std::vector<std::uint32_t> from_document;
   std::vector<Index> to_scene;
@@ -44,15 +45,15 @@ void add_nodes(const Document& document, const NodeOrder& order, Scene& scene) {
       scene.nodes[*order.to_scene[child]].parent = i;
 }
 
-/// Converts a mesh's primitives that have triangles, and says which of the scene's meshes they became.
-Expected<std::vector<std::uint32_t>> add_mesh(const Mesh& from, const Document& document, Looks& looks,
-                                              Scene& scene) {
+/// Converts the primitives that have triangles. Returns their indices in Scene::meshes.
+Expected<std::vector<std::uint32_t>> add_mesh(const Mesh& from, const Document& document,
+                                              MaterialConverter& materials, Scene& scene) {
   std::vector<std::uint32_t> numbers;
   for (const Primitive& primitive : from.primitives) {
     if (!primitive.attribute("POSITION") || !primitive.draws_triangles()) continue;
     farshade::Mesh mesh = mesh_from(document, primitive);
     if (mesh.triangles.empty()) continue;
-    const auto material = looks.material(primitive.material);
+    const auto material = materials.material(primitive.material);
     if (!material) return tl::unexpected(material.error());
     mesh.name = from.name;
     mesh.material = *material;
@@ -64,13 +65,13 @@ Expected<std::vector<std::uint32_t>> add_mesh(const Mesh& from, const Document& 
 
 Checked add_instances(const Document& document, const NodeOrder& order, const SceneLimits& limits,
                       Scene& scene) {
-  Looks looks(document, limits, scene);
+  MaterialConverter materials(document, limits, scene);
   std::vector<std::optional<std::vector<std::uint32_t>>> converted(document.meshes.size());
   for (std::uint32_t node = 0; node < order.from_document.size(); ++node) {
     const Index mesh = document.nodes[order.from_document[node]].mesh;
     if (!mesh) continue;
     if (!converted[*mesh]) {
-      auto numbers = add_mesh(document.meshes[*mesh], document, looks, scene);
+      auto numbers = add_mesh(document.meshes[*mesh], document, materials, scene);
       if (!numbers) return tl::unexpected(numbers.error());
       converted[*mesh] = std::move(*numbers);
     }
@@ -98,7 +99,7 @@ LightSource light_from(const Light& from, std::uint32_t node) {
   return to;
 }
 
-/// In the order of the file's lights, and of its nodes where several carry the same light.
+/// Sorts the lights by their index in the file, then by the node that carries them.
 Checked add_lights(const Document& document, const NodeOrder& order, const SceneLimits& limits,
                    Scene& scene) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> uses;  // light, document node
@@ -113,7 +114,8 @@ Checked add_lights(const Document& document, const NodeOrder& order, const Scene
   return {};
 }
 
-/// Where a node looks from, its scale and shear removed: z and y keep their directions as far as they can.
+/// The pose of a node without scale and shear. The z axis keeps its direction; the y axis stays in the plane
+/// of the old y and z axes.
 Rigid<Stage, Eye> rigid_part(const Affine<Stage, Object>& pose) {
   const glm::dvec3 back = glm::normalize(glm::dvec3(pose.matrix[2]));
   const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(pose.matrix[1]), back));
@@ -121,7 +123,7 @@ Rigid<Stage, Eye> rigid_part(const Affine<Stage, Object>& pose) {
   return {glm::normalize(glm::quat_cast(axes)), glm::dvec3(pose.matrix[3])};
 }
 
-/// The first node named `camera:...`, else the first that has a camera.
+/// The first node whose name starts with `camera:`, otherwise the first node with a camera.
 Index camera_node(const Document& document, const NodeOrder& order) {
   Index found;
   for (std::uint32_t i = 0; i < order.from_document.size(); ++i) {
@@ -132,7 +134,8 @@ Index camera_node(const Document& document, const NodeOrder& order) {
   return found;
 }
 
-/// The stage box around a mesh's box, which it may exceed where the mesh is turned.
+/// An axis-aligned stage-space box around the object-space box of a mesh. It may be larger than the mesh
+/// needs.
 void add_bounds(const farshade::Mesh& mesh, const Affine<Stage, Object>& pose, Bounds& bounds) {
   glm::vec3 low = mesh.positions.front(), high = low;
   for (const glm::vec3& p : mesh.positions) {
@@ -174,12 +177,12 @@ Expected<Scene> convert(const Document& document, const SceneLimits& limits) {
   const NodeOrder order = order_nodes(document);
   Scene scene;
   add_nodes(document, order, scene);
-  add_motion(document, order.to_scene, scene);
+  add_animations(document, order.to_scene, scene);
   const Checked checked = add_instances(document, order, limits, scene)
                               .and_then([&] { return add_lights(document, order, limits, scene); })
                               .and_then([&] { return add_places(document, order, scene); });
   if (!checked) return tl::unexpected(checked.error());
-  drop_needless_cutoffs(scene);
+  remove_needless_alpha_tests(scene);
   return scene;
 }
 

@@ -1,4 +1,5 @@
-/// A validated Document into a Scene: the default scene's nodes, parents first, and what hangs on them.
+/// Converts the default scene of a validated Document: its nodes, parents first, with their meshes and
+/// lights.
 #pragma once
 
 #include "stereo/scene/gltf.h"
@@ -6,8 +7,8 @@
 
 namespace farshade::gltf {
 
-/// Refuses images that cannot be decoded, scenes without triangles, more lights than the limit, and what lies
-/// more than 1e9 m from the origin. Leaves name and hash empty.
+/// Refuses images that cannot be decoded, scenes without triangles, more lights than the limit, and geometry
+/// further than 1e9 m from the origin. Does not set name and hash.
 [[nodiscard]] Expected<Scene> convert(const Document& document, const SceneLimits& limits);
 
 }  // namespace farshade::gltf

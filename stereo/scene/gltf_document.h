@@ -1,5 +1,5 @@
-/// What a glTF file says, in plain values and not yet trusted: indices may point nowhere, ranges may lie.
-/// gltf_parse.cpp fills it, gltf_validate.cpp decides about it, and only then is it converted.
+/// The content of a glTF file as plain values. gltf_parse.cpp fills a Document; indices and ranges may still
+/// be wrong. gltf_validate.cpp checks it before it is converted to a Scene.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,7 @@ enum class Component : std::uint32_t {
 };
 enum class Mode : std::uint32_t { Triangles = 4, TriangleStrip = 5, TriangleFan = 6 };
 
-/// Bytes of one component; 0 for a number that is no glTF component type.
+/// Size of a component in bytes; 0 for an unknown component type.
 constexpr std::uint64_t bytes_of(Component c) {
   switch (c) {
     case Component::Int8:
@@ -48,7 +48,7 @@ constexpr std::uint64_t bytes_of(Component c) {
 struct BufferView {
   std::uint32_t buffer = 0;
   std::uint64_t offset = 0, bytes = 0;
-  std::uint64_t stride = 0;  ///< 0 = elements lie close
+  std::uint64_t stride = 0;  ///< 0 = elements are packed without gaps
 };
 
 struct Sparse {
@@ -59,14 +59,14 @@ struct Sparse {
 };
 
 struct Accessor {
-  Index view;  ///< none: all zeros
+  Index view;  ///< without a view, all elements are zero
   std::uint64_t offset = 0, count = 0;
   Component component{};
   std::uint32_t rows = 1, columns = 1;  ///< a vector has one column
   bool normalized = false;
   std::optional<Sparse> sparse;
 
-  /// Columns of a matrix start at multiples of four bytes.
+  /// Columns of a matrix are aligned to four bytes.
   [[nodiscard]] std::uint64_t element_bytes() const {
     const std::uint64_t column = rows * bytes_of(component);
     return columns == 1 ? column : columns * ((column + 3) / 4 * 4);
@@ -74,10 +74,10 @@ struct Accessor {
 };
 
 struct Image {
-  std::string name, uri;
-  Index view;                       ///< its file lies in a buffer view, or
-  std::vector<std::uint8_t> file;   ///< here, if it was embedded as text or external;
-  std::optional<Error> unreadable;  ///< or why it could not be read
+  std::string name;
+  Index view;                       ///< the buffer view that holds the image file
+  std::vector<std::uint8_t> file;   ///< without a view: the image file, from a data URI or an external file
+  std::optional<Error> unreadable;  ///< why the external file could not be read
 };
 
 struct TextureSampler {
@@ -89,7 +89,7 @@ struct Texture {
   Index image, sampler;
 };
 
-/// KHR_texture_transform included.
+/// A reference to a texture, with KHR_texture_transform.
 struct TextureUse {
   std::uint32_t texture = 0, texcoord = 0;
   glm::dvec2 offset{0.0}, scale{1.0};
@@ -119,7 +119,7 @@ struct Primitive {
 struct Mesh {
   std::string name;
   std::vector<Primitive> primitives;
-  bool morphed = false;  ///< some morph weight is not 0
+  bool morphed = false;  ///< a morph target has a weight other than 0
 };
 
 struct Node {
@@ -168,12 +168,12 @@ struct Document {
   std::vector<Node> nodes;
   std::vector<Light> lights;
   std::vector<Animation> animations;
-  std::vector<std::vector<std::uint32_t>> scenes;  ///< their root nodes
+  std::vector<std::vector<std::uint32_t>> scenes;  ///< the root nodes of each scene
   Index default_scene;
   std::uint64_t cameras = 0;
 };
 
-/// Foreign text for a sentence: printable ASCII, cut after 80 characters.
+/// Text from the file for an error message: at most 80 characters, with ? for everything but printable ASCII.
 [[nodiscard]] inline std::string printable(std::string_view text) {
   std::string result(text.substr(0, 80));
   std::replace_if(

@@ -1,6 +1,9 @@
 #include "stereo/scene/gltf_files.h"
 
+#include <sodium/utils.h>
+
 #include <algorithm>
+#include <charconv>
 
 #include "stereo/base/files.h"
 #include "stereo/scene/gltf_document.h"
@@ -28,7 +31,7 @@ struct Chunk {
   std::span<const std::byte> payload;
 };
 
-/// Takes the first chunk off `rest`.
+/// Removes the first chunk from `rest` and returns it.
 Expected<Chunk> take_chunk(std::span<const std::byte>& rest) {
   if (rest.size() < kChunkHeaderBytes) return malformed("GLB: a chunk header is cut off");
   const std::uint64_t length = u32_at(rest, 0);
@@ -52,7 +55,7 @@ Expected<Container> open_glb(std::span<const std::byte> file) {
   const auto json = take_chunk(rest);
   if (!json) return tl::unexpected(json.error());
   if (json->kind != kJsonChunk) return malformed("GLB: the first chunk is not JSON");
-  Container container{text_of(json->payload), true, {}};
+  Container container{text_of(json->payload), {}};
   if (rest.empty()) return container;
   const auto bin = take_chunk(rest);
   if (!bin) return tl::unexpected(bin.error());
@@ -60,16 +63,59 @@ Expected<Container> open_glb(std::span<const std::byte> file) {
   return container;
 }
 
+/// Replaces percent escapes by their bytes. Anything else stays unchanged.
+std::string percent_decoded(std::string_view text) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    std::uint8_t value = 0;
+    const char* digits = text.data() + i + 1;
+    if (text[i] == '%' && i + 2 < text.size() &&
+        std::from_chars(digits, digits + 2, value, 16).ptr == digits + 2) {
+      result += static_cast<char>(value);
+      i += 2;
+    } else {
+      result += text[i];
+    }
+  }
+  return result;
+}
+
+/// The bytes of "data:[media type];base64,DATA". The padding of DATA may be missing.
+Expected<std::vector<std::uint8_t>> decode_data_uri(std::string_view uri) {
+  constexpr std::string_view marker = ";base64,";
+  const auto at = uri.substr(0, uri.find(',') + 1).rfind(marker);
+  if (at == uri.npos) return malformed("a data URI is not base64");
+  std::string_view text = uri.substr(at + marker.size());
+  for (int i = 0; i < 2 && text.ends_with('='); ++i) text.remove_suffix(1);
+  std::vector<std::uint8_t> bytes(text.size() / 4 * 3 + 2);
+  std::size_t size = 0;
+  if (sodium_base642bin(bytes.data(), bytes.size(), text.data(), text.size(), nullptr, &size, nullptr,
+                        sodium_base64_VARIANT_ORIGINAL_NO_PADDING) != 0)
+    return malformed("the base64 text of a data URI is damaged");
+  if (size == 0) return malformed("a data URI is empty");
+  bytes.resize(size);
+  return bytes;
+}
+
 }  // namespace
 
-Expected<std::vector<std::byte>> SceneFolder::read(const std::string& uri) {
-  const std::string name = "external file '" + printable(uri) + "'";
+Expected<std::vector<std::uint8_t>> SceneFolder::load(const std::string& uri) {
+  if (is_data_uri(uri)) return decode_data_uri(uri);
+  const Expected<std::vector<std::byte>> bytes = read(percent_decoded(uri));
+  if (!bytes) return tl::unexpected(bytes.error());
+  if (bytes->empty()) return malformed("external file '" + printable(uri) + "': it is empty");
+  const auto* first = reinterpret_cast<const std::uint8_t*>(bytes->data());
+  return std::vector<std::uint8_t>(first, first + bytes->size());
+}
+
+Expected<std::vector<std::byte>> SceneFolder::read(const std::string& path) {
+  const std::string name = "external file '" + printable(path) + "'";
   if (folder_.empty()) return fail(Fault::Missing, name + ": a scene in memory has no folder");
-  if (uri.empty() || uri.find('\0') != std::string::npos) return malformed(name + ": no file name");
-  const fs::path relative(uri);
+  if (path.empty() || path.find('\0') != std::string::npos) return malformed(name + ": no file name");
+  const fs::path relative(path);
   const bool climbs = std::find(relative.begin(), relative.end(), "..") != relative.end();
-  if (relative.is_absolute() || climbs || uri.find(':') != std::string::npos)
-    return fail(Fault::Unsupported, name + ": only files inside of the scene's folder are opened");
+  if (relative.is_absolute() || climbs || path.find(':') != std::string::npos)
+    return fail(Fault::Unsupported, name + ": only files in the scene's folder are opened");
   std::error_code error;
   const fs::path folder = fs::canonical(folder_, error);
   if (error) return fail(Fault::Missing, folder_.string() + ": " + error.message());
@@ -89,7 +135,7 @@ Expected<Container> open_container(std::span<const std::byte> file) {
   const auto first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos || text[first] != '{')
     return malformed("neither a GLB nor a glTF JSON text");
-  return Container{text, false, {}};
+  return Container{text, {}};
 }
 
 Expected<void> check_json_depth(std::string_view json, std::uint32_t most) {

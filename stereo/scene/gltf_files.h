@@ -1,5 +1,5 @@
-/// Bytes before anything is parsed: files under byte limits, the scene's folder as the only place that it may
-/// name, the GLB container, and the depth of its JSON text.
+/// The bytes of a scene before they are parsed: files and data URIs within byte limits, the GLB container,
+/// and the nesting depth of the JSON text.
 #pragma once
 
 #include <cstddef>
@@ -14,32 +14,39 @@
 
 namespace farshade::gltf {
 
-/// The scene's folder: hands out the files inside of it until a budget of bytes is spent.
+/// "data:..."
+[[nodiscard]] inline bool is_data_uri(std::string_view uri) {
+  return uri.starts_with("data:");
+}
+
+/// Reads what the URIs of a scene name: data URIs, and files in the folder of the scene. The files together
+/// may not have more bytes than the budget.
 class SceneFolder {
  public:
-  /// An empty `folder` hands out nothing.
+  /// With an empty `folder`, no file can be read.
   SceneFolder(std::filesystem::path folder, std::uint64_t budget_bytes)
       : folder_(std::move(folder)), left_bytes_(budget_bytes) {}
 
-  /// The file that a decoded relative URI names. Refuses absolute paths, schemes, `..` and links that lead
-  /// outside.
-  [[nodiscard]] Expected<std::vector<std::byte>> read(const std::string& uri);
+  /// The bytes of a base64 data URI, or of the file that a relative URI (RFC 3986, with percent escapes)
+  /// names. Refuses absolute paths, other schemes, `..`, links that lead out of the folder, and empty files.
+  [[nodiscard]] Expected<std::vector<std::uint8_t>> load(const std::string& uri);
 
  private:
+  [[nodiscard]] Expected<std::vector<std::byte>> read(const std::string& path);
+
   std::filesystem::path folder_;
   std::uint64_t left_bytes_;
 };
 
-/// A glTF file, taken apart. Views into the file.
+/// The parts of a glTF file, as views into its bytes.
 struct Container {
   std::string_view json;
-  bool is_binary = false;          ///< GLB
-  std::span<const std::byte> bin;  ///< the GLB's binary chunk, empty where it has none
+  std::span<const std::byte> bin;  ///< the binary chunk of a GLB; empty if there is none
 };
 [[nodiscard]] Expected<Container> open_container(std::span<const std::byte> file);
 
-/// Refuses JSON nested deeper than `most`, by counting brackets outside of strings. Parsers recurse; this
-/// does not.
+/// Refuses JSON that is nested deeper than `most`. It counts brackets outside of strings and does not
+/// recurse, so that the recursion of the JSON library is bounded.
 [[nodiscard]] Expected<void> check_json_depth(std::string_view json, std::uint32_t most);
 
 }  // namespace farshade::gltf

@@ -16,13 +16,14 @@ std::vector<std::uint32_t> corners_of(const Document& document, const Primitive&
   return corners;
 }
 
-/// Twice the area as a vector; all zero for triangles that no ray can hit.
+/// The normal of the triangle, as long as twice its area. Zero for a triangle that no ray can hit.
 glm::dvec3 area_vector(const std::vector<glm::vec3>& positions, glm::uvec3 triangle) {
   const glm::dvec3 a(positions[triangle.x]), b(positions[triangle.y]), c(positions[triangle.z]);
   return glm::cross(b - a, c - a);
 }
 
-/// glTF 2.0 section 3.7.2.1, so that every second triangle of a strip keeps its winding.
+/// Triangles by glTF 2.0 section 3.7.2.1: every second triangle of a strip swaps two corners to keep the
+/// winding.
 std::vector<glm::uvec3> triangles_of(Mode mode, const std::vector<std::uint32_t>& corners,
                                      const std::vector<glm::vec3>& positions) {
   const std::size_t count = mode == Mode::Triangles ? corners.size() / 3 : corners.size() - 2;
@@ -48,7 +49,7 @@ std::vector<T> by_corner(const std::vector<T>& stream, const std::vector<glm::uv
   return result;
 }
 
-/// Gives every triangle vertices of its own, with its face's normal.
+/// Gives every triangle its own three vertices, with the normal of its plane.
 void make_flat(farshade::Mesh& mesh) {
   mesh.normals.reserve(3 * mesh.triangles.size());
   for (const glm::uvec3 t : mesh.triangles)
@@ -63,7 +64,8 @@ void make_flat(farshade::Mesh& mesh) {
   }
 }
 
-/// Makes normals unit. Those without a direction take that of the triangles around them, by area.
+/// Normalises the normals. A normal of length zero is replaced by the mean of the adjacent triangles'
+/// normals, weighted by area.
 void make_unit(farshade::Mesh& mesh) {
   const auto has_direction = [](glm::vec3 n) { return glm::length(glm::dvec3(n)) > 1e-6; };
   std::vector<glm::dvec3> around;
@@ -80,8 +82,8 @@ void make_unit(farshade::Mesh& mesh) {
   }
 }
 
-/// KHR_texture_transform: scale, then turn counter-clockwise as seen on the image (v points down), then
-/// shift. This is the extension's prose and what three.js and the Khronos sample viewer do.
+/// KHR_texture_transform: scale, then rotate counter-clockwise as seen on the image (v points down), then
+/// translate. The text of the extension, three.js and the Khronos sample viewer agree on this.
 std::vector<glm::vec2> texture_coordinates(const Document& document, const Primitive& primitive,
                                            const TextureUse& use, std::size_t vertices) {
   const Index accessor = primitive.attribute("TEXCOORD_" + std::to_string(use.texcoord));

@@ -1,4 +1,4 @@
-/// Triangles from a validated primitive.
+/// Converts a validated primitive to triangles.
 #pragma once
 
 #include "stereo/scene/gltf_document.h"
@@ -6,9 +6,9 @@
 
 namespace farshade::gltf {
 
-/// Strips and fans become triangles, triangles without area are left out, missing normals are those of the
-/// faces (glTF 2.0 section 3.7.2.1: vertices are then no longer shared), texture coordinates get their
-/// material's transform. Material and name are the caller's.
+/// Converts strips and fans to triangles, removes triangles without area, and applies KHR_texture_transform.
+/// If the primitive has no normals, each triangle gets its own vertices with the normal of its plane
+/// (glTF 2.0 section 3.7.2.1). The caller sets material and name.
 [[nodiscard]] farshade::Mesh mesh_from(const Document& document, const Primitive& primitive);
 
 }  // namespace farshade::gltf

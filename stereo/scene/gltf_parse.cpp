@@ -1,249 +1,242 @@
 #include "stereo/scene/gltf_parse.h"
 
-#include <fstream>  // tinygltf's writers need it and do not include it with TINYGLTF_NO_FS
-
-#define TINYGLTF_IMPLEMENTATION
-#define TINYGLTF_NO_FS
-#define TINYGLTF_NO_STB_IMAGE
-#define TINYGLTF_NO_STB_IMAGE_WRITE
-#include <tiny_gltf.h>
-
-#include <algorithm>
 #include <iterator>
+#include <numbers>
 
-#include "stereo/base/check.h"
+#include "stereo/scene/gltf_json.h"
 
 namespace farshade::gltf {
 namespace {
 
-/// What tinygltf's file callbacks are given: the folder, and what it refused.
-struct FileAccess {
-  SceneFolder* folder = nullptr;
-  std::map<std::string, Error> refused;  ///< by decoded URI
-};
+using Bytes = std::vector<std::uint8_t>;
 
-bool read_whole_file(std::vector<unsigned char>* out, std::string*, const std::string& uri, void* user) {
-  auto& access = *static_cast<FileAccess*>(user);
-  auto bytes = access.folder->read(uri);
-  if (!bytes) {
-    access.refused.insert_or_assign(uri, bytes.error());
-    return false;
-  }
-  const auto* first = reinterpret_cast<const unsigned char*>(bytes->data());
-  out->assign(first, first + bytes->size());
-  return true;
-}
-
-/// Every name "exists": whether it does is said by read_whole_file, with its reason.
-/// Likewise its size, which tinygltf asks for since 2.9 and only compares with a limit of its own.
-template <class Callbacks = tinygltf::FsCallbacks>
-Callbacks callbacks_for(FileAccess& access) {
-  Callbacks callbacks{};
-  callbacks.FileExists = [](const std::string&, void*) { return true; };
-  callbacks.ExpandFilePath = [](const std::string& uri, void*) { return uri; };
-  callbacks.ReadWholeFile = read_whole_file;
-  callbacks.WriteWholeFile = [](std::string*, const std::string&, const std::vector<unsigned char>&, void*) {
-    return false;
-  };
-  if constexpr (requires { callbacks.GetFileSizeInBytes; })
-    callbacks.GetFileSizeInBytes = [](std::size_t*, std::string*, const std::string&, void*) { return true; };
-  callbacks.user_data = &access;
-  return callbacks;
-}
-
-/// Keeps the file as it is; it is decoded after everything was validated. An image in a buffer view is found
-/// there.
-bool keep_image_file(tinygltf::Image* image, const int, std::string*, std::string*, int, int,
-                     const unsigned char* bytes, int size, void*) {
-  if (image->bufferView < 0) image->image.assign(bytes, bytes + size);
-  return true;
-}
-
-Index index_from(int i) {
-  return i < 0 ? Index{} : Index{static_cast<std::uint32_t>(i)};
-}
-
-std::vector<std::uint32_t> indices_from(const std::vector<int>& list) {
-  return {list.begin(), list.end()};
-}
-
-glm::dvec3 vec3_from(const std::vector<double>& v) {
-  check_eq(v.size(), std::size_t{3}, "schema: numbers in a vector");
-  return {v[0], v[1], v[2]};
-}
-
-template <class To, class From, class Convert>
-std::vector<To> each(const std::vector<From>& list, Convert convert) {
+template <class To, class Convert>
+std::vector<To> each(const json::array_t& list, Convert convert) {
   std::vector<To> result;
   result.reserve(list.size());
   std::transform(list.begin(), list.end(), std::back_inserter(result), convert);
   return result;
 }
 
-bool any_weight(const std::vector<double>& weights) {
-  return std::any_of(weights.begin(), weights.end(), [](double w) { return w != 0.0; });
+std::uint32_t number_in(const json& object, std::string_view name, std::uint32_t otherwise = 0) {
+  return value_or(object, name, otherwise);
 }
 
-Accessor accessor_from(const tinygltf::Accessor& from) {
-  Accessor to;
-  to.view = index_from(from.bufferView);
-  to.offset = from.byteOffset;
-  to.count = from.count;
-  to.component = static_cast<Component>(from.componentType);
-  to.normalized = from.normalized;
-  const bool is_matrix = from.type >= TINYGLTF_TYPE_MAT2 && from.type <= TINYGLTF_TYPE_MAT4;
-  const auto components = tinygltf::GetNumComponentsInType(static_cast<std::uint32_t>(from.type));
-  const auto side = from.type == TINYGLTF_TYPE_MAT2 ? 2u : from.type == TINYGLTF_TYPE_MAT3 ? 3u : 4u;
-  to.rows = is_matrix ? side : static_cast<std::uint32_t>(components);
-  to.columns = is_matrix ? side : 1u;
-  if (!from.sparse.isSparse) return to;
-  const auto unsigned_of = [](auto value) { return static_cast<std::uint32_t>(value); };
-  const auto& indices = from.sparse.indices;
-  const auto& values = from.sparse.values;
-  to.sparse = Sparse{unsigned_of(from.sparse.count), unsigned_of(indices.bufferView),
-                     unsigned_of(values.bufferView), unsigned_of(indices.byteOffset),
-                     unsigned_of(values.byteOffset), static_cast<Component>(indices.componentType)};
-  return to;
+std::uint64_t size_in(const json& object, std::string_view name) {
+  return value_or(object, name, std::uint64_t{0});
 }
 
-Image image_from(tinygltf::Image& from, const FileAccess& access) {
-  Image to{from.name, from.uri, index_from(from.bufferView), std::move(from.image), {}};
-  const auto refused = access.refused.find(tinygltf::dlib::urldecode(from.uri));
-  if (refused != access.refused.end()) to.unreadable = refused->second;
-  return to;
+/// The N numbers of the array `name`; the schema checked how many there are.
+template <class Vector>
+std::optional<Vector> vector_in(const json& object, std::string_view name) {
+  const json& value = member(object, name);
+  if (value.is_null()) return std::nullopt;
+  Vector vector{};
+  for (int i = 0; i < Vector::length(); ++i) vector[i] = value.at(static_cast<std::size_t>(i)).get<double>();
+  return vector;
 }
 
-TextureUse texture_use_from(const tinygltf::TextureInfo& from) {
-  TextureUse to;
-  to.texture = static_cast<std::uint32_t>(from.index);
-  to.texcoord = static_cast<std::uint32_t>(from.texCoord);
-  const auto found = from.extensions.find("KHR_texture_transform");
-  if (found == from.extensions.end()) return to;
-  const tinygltf::Value& transform = found->second;
-  const auto pair = [&](const char* name, glm::dvec2 otherwise) {
-    if (!transform.Has(name)) return otherwise;
-    const auto& value = transform.Get(name);
-    return glm::dvec2(value.Get(0).GetNumberAsDouble(), value.Get(1).GetNumberAsDouble());
-  };
-  to.offset = pair("offset", to.offset);
-  to.scale = pair("scale", to.scale);
-  if (transform.Has("rotation")) to.rotation_rad = transform.Get("rotation").GetNumberAsDouble();
-  if (transform.Has("texCoord"))
-    to.texcoord = static_cast<std::uint32_t>(transform.Get("texCoord").GetNumberAsInt());
-  return to;
+std::vector<std::uint32_t> indices_in(const json& object, std::string_view name) {
+  return each<std::uint32_t>(list_in(object, name), [](const json& i) { return i.get<std::uint32_t>(); });
 }
 
-Material material_from(const tinygltf::Material& from) {
-  const auto& pbr = from.pbrMetallicRoughness;
-  check_eq(pbr.baseColorFactor.size(), std::size_t{4}, "schema: numbers in a colour");
-  Material to{from.name, from.alphaMode, {}, from.alphaCutoff, from.doubleSided, {}};
-  for (int i = 0; i < 4; ++i) to.base_color[i] = pbr.baseColorFactor[static_cast<std::size_t>(i)];
-  if (pbr.baseColorTexture.index >= 0) to.texture = texture_use_from(pbr.baseColorTexture);
-  return to;
+bool has_weights(const json& object) {
+  const json::array_t& weights = list_in(object, "weights");
+  return std::any_of(weights.begin(), weights.end(), [](const json& w) { return w.get<double>() != 0.0; });
 }
 
-Mesh mesh_from(const tinygltf::Mesh& from) {
-  Mesh to{from.name, {}, any_weight(from.weights)};
-  for (const auto& primitive : from.primitives) {
-    std::map<std::string, std::uint32_t> attributes(primitive.attributes.begin(), primitive.attributes.end());
-    to.primitives.push_back({std::move(attributes), index_from(primitive.indices),
-                             index_from(primitive.material), static_cast<Mode>(primitive.mode)});
+Expected<Bytes> buffer_from(const json& from, std::size_t index, std::span<const std::byte> bin,
+                            SceneFolder& folder) {
+  const std::uint64_t bytes = size_in(from, "byteLength");
+  const std::string name = label("buffer", index);
+  if (!from.contains("uri")) {
+    if (bytes > bin.size())
+      return malformed(name + ": " + std::to_string(bytes) + " bytes are more than the binary chunk has (" +
+                       std::to_string(bin.size()) + ")");
+    const auto* first = reinterpret_cast<const std::uint8_t*>(bin.data());
+    return Bytes(first, first + bytes);
   }
+  Expected<Bytes> data = folder.load(text_in(from, "uri"));
+  if (!data) return fail(data.error().fault, name + ": " + data.error().what);
+  if (data->size() != bytes)
+    return malformed(name + ": its data has " + std::to_string(data->size()) + " bytes, byteLength is " +
+                     std::to_string(bytes));
+  return data;
+}
+
+Expected<Image> image_from(const json& from, std::size_t index, SceneFolder& folder) {
+  Image to{text_in(from, "name"), index_in(from, "bufferView"), {}, {}};
+  if (to.view) return to;
+  const std::string uri = text_in(from, "uri");
+  Expected<Bytes> file = folder.load(uri);
+  if (file)
+    to.file = std::move(*file);
+  else if (is_data_uri(uri))
+    return fail(file.error().fault, label("image", index, to.name) + ": " + file.error().what);
+  else
+    to.unreadable = file.error();
   return to;
 }
 
-Node node_from(const tinygltf::Node& from) {
+/// The shape of an element of the types that the schema check knows.
+void set_shape(Accessor& to, std::string_view type) {
+  const auto digit = static_cast<std::uint32_t>(type.back() - '0');
+  to.rows = type == "SCALAR" ? 1 : digit;
+  to.columns = type.starts_with("MAT") ? digit : 1;
+}
+
+Accessor accessor_from(const json& from) {
+  Accessor to;
+  to.view = index_in(from, "bufferView");
+  to.offset = size_in(from, "byteOffset");
+  to.count = size_in(from, "count");
+  to.component = static_cast<Component>(number_in(from, "componentType"));
+  to.normalized = value_or(from, "normalized", false);
+  set_shape(to, member(from, "type").get_ref<const std::string&>());
+  const json& sparse = member(from, "sparse");
+  if (sparse.is_null()) return to;
+  const json &indices = member(sparse, "indices"), &values = member(sparse, "values");
+  to.sparse = Sparse{.count = size_in(sparse, "count"),
+                     .index_view = number_in(indices, "bufferView"),
+                     .value_view = number_in(values, "bufferView"),
+                     .index_offset = size_in(indices, "byteOffset"),
+                     .value_offset = size_in(values, "byteOffset"),
+                     .index_component = static_cast<Component>(number_in(indices, "componentType"))};
+  return to;
+}
+
+TextureUse texture_use_from(const json& from) {
+  TextureUse to{.texture = number_in(from, "index"), .texcoord = number_in(from, "texCoord")};
+  const json& transform = extension_in(from, "KHR_texture_transform");
+  if (transform.is_null()) return to;
+  to.offset = vector_in<glm::dvec2>(transform, "offset").value_or(to.offset);
+  to.scale = vector_in<glm::dvec2>(transform, "scale").value_or(to.scale);
+  to.rotation_rad = value_or(transform, "rotation", 0.0);
+  to.texcoord = number_in(transform, "texCoord", to.texcoord);
+  return to;
+}
+
+Material material_from(const json& from) {
+  Material to{.name = text_in(from, "name"),
+              .alpha_mode = text_in(from, "alphaMode", "OPAQUE"),
+              .alpha_cutoff = value_or(from, "alphaCutoff", 0.5),
+              .double_sided = value_or(from, "doubleSided", false),
+              .texture = {}};
+  const json& surface = member(from, "pbrMetallicRoughness");
+  if (surface.is_null()) return to;
+  to.base_color = vector_in<glm::dvec4>(surface, "baseColorFactor").value_or(to.base_color);
+  if (const json& texture = member(surface, "baseColorTexture"); !texture.is_null())
+    to.texture = texture_use_from(texture);
+  return to;
+}
+
+Primitive primitive_from(const json& from) {
+  Primitive to{.attributes = {},
+               .indices = index_in(from, "indices"),
+               .material = index_in(from, "material"),
+               .mode = static_cast<Mode>(number_in(from, "mode", 4))};
+  for (const auto& [semantic, accessor] : member(from, "attributes").items())
+    to.attributes.emplace(semantic, accessor.get<std::uint32_t>());
+  return to;
+}
+
+Node node_from(const json& from) {
   Node to;
-  to.name = from.name;
-  to.children = indices_from(from.children);
-  to.mesh = index_from(from.mesh);
-  to.camera = index_from(from.camera);
-  to.skin = index_from(from.skin);
-  to.morphed = any_weight(from.weights);
-  if (const auto found = from.extensions.find("KHR_lights_punctual"); found != from.extensions.end())
-    to.light = index_from(found->second.Get("light").GetNumberAsInt());
-  if (!from.translation.empty()) to.translation = vec3_from(from.translation);
-  if (!from.scale.empty()) to.scale = vec3_from(from.scale);
-  if (const auto& r = from.rotation; !r.empty()) to.rotation = glm::dquat(r.at(3), r.at(0), r.at(1), r.at(2));
-  if (from.matrix.empty()) return to;
-  check_eq(from.matrix.size(), std::size_t{16}, "schema: numbers in a matrix");
+  to.name = text_in(from, "name");
+  to.children = indices_in(from, "children");
+  to.mesh = index_in(from, "mesh");
+  to.camera = index_in(from, "camera");
+  to.skin = index_in(from, "skin");
+  to.morphed = has_weights(from);
+  if (const json& light = extension_in(from, "KHR_lights_punctual"); !light.is_null())
+    to.light = index_in(light, "light");
+  to.translation = vector_in<glm::dvec3>(from, "translation");
+  to.scale = vector_in<glm::dvec3>(from, "scale");
+  if (const auto r = vector_in<glm::dvec4>(from, "rotation"))
+    to.rotation = glm::dquat(r->w, r->x, r->y, r->z);
+  const json::array_t& matrix = list_in(from, "matrix");
+  if (matrix.empty()) return to;
   to.matrix.emplace();
-  for (int i = 0; i < 16; ++i) (*to.matrix)[i / 4][i % 4] = from.matrix[static_cast<std::size_t>(i)];
+  for (int i = 0; i < 16; ++i) (*to.matrix)[i / 4][i % 4] = matrix[static_cast<std::size_t>(i)].get<double>();
   return to;
 }
 
-Light light_from(const tinygltf::Light& from) {
-  Light to;
-  to.name = from.name;
-  to.type = from.type;
-  if (!from.color.empty()) to.color = vec3_from(from.color);
-  to.intensity = from.intensity;
-  to.inner_cone_rad = from.spot.innerConeAngle;
-  to.outer_cone_rad = from.spot.outerConeAngle;
-  if (from.range > 0.0) to.range_m = from.range;
+Light light_from(const json& from) {
+  Light to{.name = text_in(from, "name"), .type = text_in(from, "type"), .range_m = {}};
+  to.color = vector_in<glm::dvec3>(from, "color").value_or(to.color);
+  to.intensity = value_or(from, "intensity", 1.0);
+  if (const json& range = member(from, "range"); !range.is_null()) to.range_m = range.get<double>();
+  const json& spot = member(from, "spot");
+  if (spot.is_null()) return to;
+  to.inner_cone_rad = value_or(spot, "innerConeAngle", 0.0);
+  to.outer_cone_rad = value_or(spot, "outerConeAngle", std::numbers::pi / 4);
   return to;
 }
 
-Animation animation_from(const tinygltf::Animation& from) {
-  const auto unsigned_of = [](int value) { return static_cast<std::uint32_t>(value); };
-  return {from.name,
-          each<AnimationChannel>(
-              from.channels,
-              [&](const auto& channel) -> AnimationChannel {
-                return {unsigned_of(channel.sampler), unsigned_of(channel.target_node), channel.target_path};
-              }),
-          each<AnimationSampler>(from.samplers, [&](const auto& sampler) -> AnimationSampler {
-            return {unsigned_of(sampler.input), unsigned_of(sampler.output), sampler.interpolation};
-          })};
+/// Leaves out channels without a target node, as the specification asks.
+Animation animation_from(const json& from) {
+  Animation to{text_in(from, "name"), {}, {}};
+  for (const json& channel : list_in(from, "channels")) {
+    const json& target = member(channel, "target");
+    if (const Index node = index_in(target, "node"))
+      to.channels.push_back({number_in(channel, "sampler"), *node, text_in(target, "path")});
+  }
+  to.samplers =
+      each<AnimationSampler>(list_in(from, "samplers"), [](const json& sampler) -> AnimationSampler {
+        return {number_in(sampler, "input"), number_in(sampler, "output"),
+                text_in(sampler, "interpolation", "LINEAR")};
+      });
+  return to;
 }
 
-Document document_from(tinygltf::Model& model, const FileAccess& access) {
+/// Everything that needs no further file.
+Document description_from(const json& root) {
   Document document;
-  document.required_extensions = std::move(model.extensionsRequired);
-  for (auto& buffer : model.buffers) document.buffers.push_back(std::move(buffer.data));
-  document.views = each<BufferView>(model.bufferViews, [](const auto& view) -> BufferView {
-    return {static_cast<std::uint32_t>(view.buffer), view.byteOffset, view.byteLength, view.byteStride};
+  for (const json& name : list_in(root, "extensionsRequired"))
+    document.required_extensions.push_back(name.get<std::string>());
+  document.views = each<BufferView>(list_in(root, "bufferViews"), [](const json& view) -> BufferView {
+    return {number_in(view, "buffer"), size_in(view, "byteOffset"), size_in(view, "byteLength"),
+            size_in(view, "byteStride")};
   });
-  document.accessors = each<Accessor>(model.accessors, accessor_from);
-  for (auto& image : model.images) document.images.push_back(image_from(image, access));
-  document.texture_samplers = each<TextureSampler>(model.samplers, [](const auto& sampler) -> TextureSampler {
-    return {static_cast<std::uint32_t>(sampler.wrapS), static_cast<std::uint32_t>(sampler.wrapT)};
+  document.accessors = each<Accessor>(list_in(root, "accessors"), accessor_from);
+  document.texture_samplers =
+      each<TextureSampler>(list_in(root, "samplers"), [](const json& sampler) -> TextureSampler {
+        return {number_in(sampler, "wrapS", 10497), number_in(sampler, "wrapT", 10497)};
+      });
+  document.textures = each<Texture>(list_in(root, "textures"), [](const json& texture) -> Texture {
+    return {text_in(texture, "name"), index_in(texture, "source"), index_in(texture, "sampler")};
   });
-  document.textures = each<Texture>(model.textures, [](const auto& texture) -> Texture {
-    return {texture.name, index_from(texture.source), index_from(texture.sampler)};
+  document.materials = each<Material>(list_in(root, "materials"), material_from);
+  document.meshes = each<Mesh>(list_in(root, "meshes"), [](const json& mesh) -> Mesh {
+    return {text_in(mesh, "name"), each<Primitive>(list_in(mesh, "primitives"), primitive_from),
+            has_weights(mesh)};
   });
-  document.materials = each<Material>(model.materials, material_from);
-  document.meshes = each<Mesh>(model.meshes, mesh_from);
-  document.nodes = each<Node>(model.nodes, node_from);
-  document.lights = each<Light>(model.lights, light_from);
-  document.animations = each<Animation>(model.animations, animation_from);
+  document.nodes = each<Node>(list_in(root, "nodes"), node_from);
+  if (const json& lights = extension_in(root, "KHR_lights_punctual"); !lights.is_null())
+    document.lights = each<Light>(list_in(lights, "lights"), light_from);
+  document.animations = each<Animation>(list_in(root, "animations"), animation_from);
   document.scenes = each<std::vector<std::uint32_t>>(
-      model.scenes, [](const auto& scene) { return indices_from(scene.nodes); });
-  document.default_scene = index_from(model.defaultScene);
-  document.cameras = model.cameras.size();
+      list_in(root, "scenes"), [](const json& scene) { return indices_in(scene, "nodes"); });
+  document.default_scene = index_in(root, "scene");
+  document.cameras = list_in(root, "cameras").size();
   return document;
 }
 
 }  // namespace
 
-Expected<Document> parse_document(std::span<const std::byte> file, bool is_binary, SceneFolder& folder) {
-  FileAccess access{&folder, {}};
-  tinygltf::TinyGLTF parser;
-  parser.SetFsCallbacks(callbacks_for(access));
-  parser.SetImageLoader(keep_image_file, nullptr);
-  tinygltf::Model model;
-  std::string error, warning;
-  const auto size = narrow<unsigned int>(file.size());
-  const auto* bytes = reinterpret_cast<const unsigned char*>(file.data());
-  const bool parsed = is_binary ? parser.LoadBinaryFromMemory(&model, &error, &warning, bytes, size)
-                                : parser.LoadASCIIFromString(&model, &error, &warning,
-                                                             reinterpret_cast<const char*>(bytes), size, "");
-  if (parsed) return document_from(model, access);
-  for (const auto& refusal : access.refused)
-    if (error.find(refusal.first) != std::string::npos) return tl::unexpected(refusal.second);
-  const bool in_buffers = model.bufferViews.empty() && error.find("image[") == std::string::npos;
-  const std::string where = in_buffers ? label("buffer", model.buffers.size()) + ": " : "";
-  return malformed(where + printable(error.substr(0, error.find('\n'))));
+Expected<Document> parse_document(const json& root, std::span<const std::byte> bin, SceneFolder& folder) {
+  Document document = description_from(root);
+  for (const json& from : list_in(root, "buffers")) {
+    Expected<Bytes> buffer = buffer_from(from, document.buffers.size(), bin, folder);
+    if (!buffer) return tl::unexpected(buffer.error());
+    document.buffers.push_back(std::move(*buffer));
+  }
+  for (const json& from : list_in(root, "images")) {
+    Expected<Image> image = image_from(from, document.images.size(), folder);
+    if (!image) return tl::unexpected(image.error());
+    document.images.push_back(std::move(*image));
+  }
+  return document;
 }
 
 }  // namespace farshade::gltf

@@ -1,14 +1,18 @@
-/// JSON and buffers into a Document: the only place that knows tinygltf.
+/// Builds a Document from the checked JSON and from the buffers and images that the JSON names.
 #pragma once
+
+#include <nlohmann/json_fwd.hpp>
 
 #include "stereo/scene/gltf_document.h"
 #include "stereo/scene/gltf_files.h"
 
 namespace farshade::gltf {
 
-/// `file` passed open_container, check_json_depth and check_schema. Buffers and images that it names by URI
-/// are read from `folder`; a missing buffer is an error, a missing image is said in Image::unreadable.
-[[nodiscard]] Expected<Document> parse_document(std::span<const std::byte> file, bool is_binary,
+/// `root` comes from parse_json. `bin` is the binary chunk of a GLB; it is empty for a .gltf file. Buffers
+/// and images that are named by a relative URI are read from `folder`. Refuses buffers that are missing or
+/// have another size than the JSON says, and images whose data URI cannot be decoded. For an image file that
+/// cannot be read, Image::unreadable says why.
+[[nodiscard]] Expected<Document> parse_document(const nlohmann::json& root, std::span<const std::byte> bin,
                                                 SceneFolder& folder);
 
 }  // namespace farshade::gltf

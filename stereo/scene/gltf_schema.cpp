@@ -1,15 +1,12 @@
 #include "stereo/scene/gltf_schema.h"
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <span>
 
-#include "stereo/scene/gltf_document.h"
+#include "stereo/scene/gltf_json.h"
 
 namespace farshade::gltf {
 namespace {
-
-using nlohmann::json;
 
 enum class Kind {
   Index,
@@ -28,16 +25,16 @@ enum class Kind {
   Objects
 };
 
-constexpr std::uint64_t kMaxIndex = (std::uint64_t{1} << 31) - 1;  // what tinygltf's int holds
-constexpr std::uint64_t kMaxSize = (std::uint64_t{1} << 53) - 1;   // what a JSON number holds exactly
-constexpr double kMaxNumber = 1e30;  // a float holds it, and its products a double
+constexpr std::uint64_t kMaxIndex = (std::uint64_t{1} << 31) - 1;  // the sum of two indices fits in 32 bits
+constexpr std::uint64_t kMaxSize = (std::uint64_t{1} << 53) - 1;   // a double holds every such number exactly
+constexpr double kMaxNumber = 1e30;  // fits in a float; products fit in a double
 
 struct Field {
   std::string_view name;
   Kind kind;
   bool required = false;
-  std::span<const Field> inner = {};  ///< of Object and Objects
-  std::size_t length = 0;             ///< of Numbers; 0 = any
+  std::span<const Field> inner = {};  ///< fields of an Object or of the elements of Objects
+  std::size_t length = 0;             ///< number of elements of Numbers; 0 = any
 };
 constexpr bool kMust = true, kMay = false;
 
@@ -132,7 +129,7 @@ constexpr Field kRoot[] = {{"asset", Kind::Object, kMust, kAsset},
                            {"skins", Kind::Objects, kMay, kSkin},
                            {"extensions", Kind::Object, kMay, kRootExtensions}};
 
-/// Where a value stands; turned into text only when it is refused.
+/// The path of a value in the JSON. It becomes text only for an error message.
 struct Place {
   const Place* parent = nullptr;
   std::string_view name = {};
@@ -255,22 +252,15 @@ Checked check_object(const json& object, std::span<const Field> fields, const Pl
   return {};
 }
 
-/// The objects of one of the root's lists; empty where it is missing.
-const json::array_t& list_of(const json& root, std::string_view name) {
-  static const json::array_t none;
-  const auto found = root.find(name);
-  return found == root.end() ? none : found->get_ref<const json::array_t&>();
-}
-
 template <class Check>
 Checked check_list(const json& root, std::string_view name, Check check_item) {
-  const auto& list = list_of(root, name);
+  const auto& list = list_in(root, name);
   for (std::size_t i = 0; i < list.size(); ++i)
     if (Checked checked = check_item(i, list[i]); !checked) return checked;
   return {};
 }
 
-/// tinygltf copies the binary chunk for every buffer without a URI; only the first may mean it.
+/// Only the first buffer of a GLB may be its binary chunk; every other buffer needs a URI.
 Checked check_buffers(const json& root, bool has_bin) {
   return check_list(root, "buffers", [&](std::size_t i, const json& buffer) -> Checked {
     if (buffer.contains("uri") || (i == 0 && has_bin)) return {};
@@ -295,50 +285,41 @@ Checked check_accessor_types(const json& root) {
   });
 }
 
-/// tinygltf forms the address of an image's bytes before anyone could look at its buffer view.
 Checked check_images(const json& root) {
-  const auto &views = list_of(root, "bufferViews"), &buffers = list_of(root, "buffers");
-  return check_list(root, "images", [&](std::size_t i, const json& image) -> Checked {
-    const std::string name = label("image", i);
-    const bool has_view = image.contains("bufferView");
-    if (has_view == image.contains("uri"))
-      return malformed(name + " should have either a URI or a buffer view");
-    if (!has_view) return {};
-    const auto index = image["bufferView"].get<std::size_t>();
-    if (index >= views.size()) return malformed(name + ": there is no " + label("buffer view", index));
-    const json& view = views[index];
-    const auto buffer = view["buffer"].get<std::size_t>();
-    const std::uint64_t end =
-        view.value("byteOffset", std::uint64_t{0}) + view["byteLength"].get<std::uint64_t>();
-    if (buffer < buffers.size() && end <= buffers[buffer]["byteLength"].get<std::uint64_t>()) return {};
-    return malformed(name + ": " + label("buffer view", index) + " reads beyond its buffer");
+  return check_list(root, "images", [](std::size_t i, const json& image) -> Checked {
+    if (image.contains("bufferView") != image.contains("uri")) return {};
+    return malformed(label("image", i) + " should have either a URI or a buffer view");
   });
 }
 
-/// tinygltf takes the matrix and forgets the rest.
 Checked check_node_transforms(const json& root) {
   return check_list(root, "nodes", [](std::size_t i, const json& node) -> Checked {
     const bool has_parts =
         node.contains("translation") || node.contains("rotation") || node.contains("scale");
     if (!node.contains("matrix") || !has_parts) return {};
-    return malformed(label("node", i, node.value("name", "")) +
+    return malformed(label("node", i, text_in(node, "name")) +
                      " has both a matrix and translation, rotation or scale");
   });
 }
 
 Checked check_spots(const json& root) {
-  const auto extensions = root.find("extensions");
-  if (extensions == root.end() || !extensions->contains("KHR_lights_punctual")) return {};
   return check_list(
-      (*extensions)["KHR_lights_punctual"], "lights", [](std::size_t i, const json& light) -> Checked {
+      extension_in(root, "KHR_lights_punctual"), "lights", [](std::size_t i, const json& light) -> Checked {
         if (light["type"] != "spot" || light.contains("spot")) return {};
-        return malformed(label("light", i, light.value("name", "")) + " is a spot without a cone");
+        return malformed(label("light", i, text_in(light, "name")) + " is a spot without a cone");
       });
+}
+
+Checked check_version(const json& asset) {
+  const std::string version = text_in(asset, "version"), least = text_in(asset, "minVersion", "2.0");
+  if (version.starts_with("2.") && least == "2.0") return {};
+  return fail(Fault::Unsupported,
+              "glTF version " + printable(least == "2.0" ? version : least) + ", only 2.0 is read");
 }
 
 }  // namespace
 
-Checked check_schema(std::string_view text, bool has_bin) {
+Expected<json> parse_json(std::string_view text, bool has_bin) {
   json root;
   try {
     root = json::parse(text);
@@ -348,18 +329,16 @@ Checked check_schema(std::string_view text, bool has_bin) {
     return malformed("JSON: " + printable(after_tag == what.npos ? what : what.substr(after_tag + 2)));
   }
   if (!root.is_object()) return malformed("JSON: the file is not an object");
-  if (auto checked = check_object(root, kRoot, Place{}); !checked) return checked;
-  const json& asset = root["asset"];
-  const std::string version = asset["version"], least = asset.value("minVersion", "2.0");
-  if (version.substr(0, 2) != "2." || least != "2.0")
-    return fail(Fault::Unsupported,
-                "glTF version " + printable(least == "2.0" ? version : least) + ", only 2.0 is read");
-  return check_buffers(root, has_bin)
-      .and_then([&] { return check_view_strides(root); })
-      .and_then([&] { return check_accessor_types(root); })
-      .and_then([&] { return check_images(root); })
-      .and_then([&] { return check_node_transforms(root); })
-      .and_then([&] { return check_spots(root); });
+  const Checked checked = check_object(root, kRoot, Place{})
+                              .and_then([&] { return check_version(root["asset"]); })
+                              .and_then([&] { return check_buffers(root, has_bin); })
+                              .and_then([&] { return check_view_strides(root); })
+                              .and_then([&] { return check_accessor_types(root); })
+                              .and_then([&] { return check_images(root); })
+                              .and_then([&] { return check_node_transforms(root); })
+                              .and_then([&] { return check_spots(root); });
+  if (!checked) return tl::unexpected(checked.error());
+  return root;
 }
 
 }  // namespace farshade::gltf

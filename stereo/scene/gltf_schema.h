@@ -1,17 +1,18 @@
-/// The shape of a glTF file's JSON: every property that this program reads has the type and the sign that the
-/// specification gives it. tinygltf takes a property of the wrong type for a missing one, and cuts integers
-/// to 32 bits; after this check there is nothing left to misunderstand.
+/// Parses the JSON text of a glTF file, once, and checks its shape: every property that this program reads
+/// has the type and the range that the specification gives it. Code that reads the JSON afterwards needs no
+/// checks of types.
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string_view>
 
 #include "stereo/base/expected.h"
 
 namespace farshade::gltf {
 
-/// Refuses with the property's path: "accessors[17].count should be a whole number from 0 to
-/// 9007199254740991". `json` must not be nested deeply (check_json_depth). `has_bin`: the file is a GLB with
-/// a binary chunk.
-[[nodiscard]] Expected<void> check_schema(std::string_view json, bool has_bin);
+/// The root object. Refuses with the path of the property: "accessors[17].count should be a whole number from
+/// 0 to 9007199254740991". The nesting depth of `json` must be bounded (check_json_depth). `has_bin`: the
+/// file is a GLB with a binary chunk.
+[[nodiscard]] Expected<nlohmann::json> parse_json(std::string_view json, bool has_bin);
 
 }  // namespace farshade::gltf

@@ -30,8 +30,8 @@ Checked check_view(const Document& document, std::size_t index, const BufferView
   return {};
 }
 
-/// `count` elements of `bytes` bytes, `stride` apart, from `offset` on, lie in the view. Sizes are below
-/// 2^53.
+/// True if `count` elements of `bytes` bytes, `stride` bytes apart, from `offset` on, lie in the view. Sizes
+/// are below 2^53, so that sums do not overflow.
 bool lies_in(const BufferView& view, std::uint64_t offset, std::uint64_t count, std::uint64_t stride,
              std::uint64_t bytes) {
   if (count == 0) return true;
@@ -139,7 +139,7 @@ Checked validate_accessors(const Document& document) {
 Checked validate(const Document& document, const SceneLimits& limits) {
   return check_extensions(document)
       .and_then([&] { return validate_accessors(document); })
-      .and_then([&] { return validate_looks(document); })
+      .and_then([&] { return validate_materials(document); })
       .and_then([&] { return validate_meshes(document); })
       .and_then([&] { return validate_nodes(document, limits); })
       .and_then([&] { return validate_animations(document); })

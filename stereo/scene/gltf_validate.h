@@ -1,7 +1,6 @@
-/// The pass that makes a Document trustworthy: after it, every index points at something, every accessor lies
-/// inside its buffer (64-bit arithmetic), every number is finite, the nodes are a forest of bounded depth
-/// with invertible transforms, and animations have keys that can be interpolated. What is converted later
-/// needs no checks.
+/// Checks a Document, so that the conversion needs no checks. Afterwards every index is in range, every
+/// accessor lies inside its buffer (64-bit arithmetic), every number is finite, the nodes form a forest of
+/// bounded depth with invertible transforms, and the keys of animations can be interpolated.
 #pragma once
 
 #include "stereo/scene/gltf.h"
@@ -9,32 +8,34 @@
 
 namespace farshade::gltf {
 
-/// The first fault found, named: "mesh 3 'chair', primitive 0: POSITION accessor 17 ...".
+/// Returns the first fault, with the name of the object: "mesh 3 'chair', primitive 0: POSITION accessor 17
+/// ...".
 [[nodiscard]] Checked validate(const Document& document, const SceneLimits& limits);
 
-// Its parts, in the order in which they may rely on each other.
+// The parts of validate(), in order: each part relies on the parts before it.
 
-/// Buffer views, accessors (ranges, sparse parts, finite floats) and that accessors do not claim far more
-/// elements than there are bytes.
+/// Checks buffer views and accessors: ranges, sparse elements, finite floats, and a limit on the number of
+/// elements (element_budget).
 [[nodiscard]] Checked validate_accessors(const Document& document);
-/// Meshes with their attributes and vertex indices.
+/// Checks meshes with their attributes and vertex indices.
 [[nodiscard]] Checked validate_meshes(const Document& document);
-/// Textures, materials and lights.
-[[nodiscard]] Checked validate_looks(const Document& document);
-/// Nodes, scenes and animations.
+/// Checks images, textures, materials and lights.
+[[nodiscard]] Checked validate_materials(const Document& document);
+/// Checks nodes, scenes and animations.
 [[nodiscard]] Checked validate_nodes(const Document& document, const SceneLimits& limits);
 [[nodiscard]] Checked validate_animations(const Document& document);
-/// That no pose of the animated hierarchy carries anything further than numbers can follow.
+/// Refuses node hierarchies whose transforms, animated or not, reach further than double can represent well.
 [[nodiscard]] Checked validate_reach(const Document& document);
 
-/// The nodes below `roots`, parents before children. `roots` of a forest (validate_nodes).
+/// `roots` and the nodes below them, parents before children. The nodes must be a forest (validate_nodes).
 [[nodiscard]] std::vector<std::uint32_t> parents_first(const Document& document,
                                                        const std::vector<std::uint32_t>& roots);
 
-/// How many elements accessors, and the primitives that read them, may claim in total:
+/// The limit on the elements of all accessors together, and on the elements that all primitives read:
+/// 2^22 + 8 * bytes of all buffers, at most 2^30. It bounds the work that a small hostile file can cause.
 [[nodiscard]] std::uint64_t element_budget(const Document& document);
 
-/// Applies `check_item(index, item)` to each of `list`, up to the first fault.
+/// Calls `check_item(index, item)` for each item of `list`, up to the first fault.
 template <class List, class Check>
 [[nodiscard]] Checked check_each(const List& list, Check check_item) {
   for (std::size_t i = 0; i < list.size(); ++i)
@@ -42,7 +43,7 @@ template <class List, class Check>
   return {};
 }
 
-/// Whether an optional index is absent or points into `list`.
+/// True if the optional index is absent or in range for `list`.
 template <class List>
 [[nodiscard]] bool points_into(const List& list, Index index) {
   return !index || *index < list.size();

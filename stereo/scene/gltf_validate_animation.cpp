@@ -1,4 +1,4 @@
-/// Validation of motion: samplers whose keys grow and whose values fit their path.
+/// Validation of animations: the keys of a sampler increase and its values fit the animated property.
 #include <cmath>
 #include <set>
 #include <utility>

@@ -1,4 +1,4 @@
-/// Validation of what is drawn: meshes with their attributes and indices, materials, textures, lights.
+/// Validation of meshes with their attributes and indices, of materials, textures, images and lights.
 #include <cmath>
 #include <numbers>
 
@@ -8,10 +8,10 @@
 namespace farshade::gltf {
 namespace {
 
-/// Largest coordinate of a vertex, metres or not: its square is a float that is far from infinite.
+/// Largest coordinate of a vertex, in units of its space. Its square is far below the largest float.
 constexpr float kMaxCoordinate = 1e9f;
 
-/// Component types that an attribute may have; `integers` covers KHR_mesh_quantization.
+/// Component types that an attribute may have. `integers` says which integers KHR_mesh_quantization allows.
 enum class Integers { None, NormalizedUnsigned, NormalizedSigned, Any };
 
 struct Attribute {
@@ -79,7 +79,7 @@ Checked check_indices(const Document& document, const std::string& name, std::ui
   return {};
 }
 
-/// The texture coordinates that a primitive's material reads; nothing else of TEXCOORD_n matters.
+/// The texture coordinates that the material of a primitive reads. Other TEXCOORD_n are not read.
 std::string texcoord_semantic(const Document& document, const Primitive& primitive) {
   const auto* material = primitive.material ? &document.materials[*primitive.material] : nullptr;
   return material && material->texture ? "TEXCOORD_" + std::to_string(material->texture->texcoord) : "";
@@ -114,6 +114,11 @@ Checked check_primitive(const Document& document, const std::string& name, const
         return primitive.indices ? check_indices(document, name, *primitive.indices, vertices) : Checked{};
       })
       .and_then([&] { return check_index_count(name, primitive.mode, indices); });
+}
+
+Checked check_image(const Document& document, std::size_t index, const Image& image) {
+  if (points_into(document.views, image.view)) return {};
+  return malformed(label("image", index, image.name) + ": there is no " + label("buffer view", *image.view));
 }
 
 bool is_wrap(std::uint32_t wrap) {
@@ -169,9 +174,13 @@ Checked validate_meshes(const Document& document) {
   });
 }
 
-Checked validate_looks(const Document& document) {
-  return check_each(document.textures,
-                    [&](auto i, const auto& texture) { return check_texture(document, i, texture); })
+Checked validate_materials(const Document& document) {
+  return check_each(document.images,
+                    [&](auto i, const auto& image) { return check_image(document, i, image); })
+      .and_then([&] {
+        return check_each(document.textures,
+                          [&](auto i, const auto& texture) { return check_texture(document, i, texture); });
+      })
       .and_then([&] {
         return check_each(document.materials, [&](auto i, const auto& material) {
           return check_material(document, i, material);

@@ -1,4 +1,4 @@
-/// Validation of where things are: the node forest, its transforms, the scenes.
+/// Validation of the nodes (a forest), their transforms, and the scenes.
 #include <cmath>
 
 #include "stereo/scene/gltf_accessor.h"
@@ -7,9 +7,9 @@
 namespace farshade::gltf {
 namespace {
 
-/// Volume of the columns' box relative to their lengths, below which a matrix cannot be inverted in double.
+/// Below this ratio of the determinant to the product of the column lengths, a matrix counts as singular.
 constexpr double kLeastRelativeVolume = 1e-10;
-/// Furthest that any node may carry the unit of its own space, metres.
+/// Largest length, metres, to which the transforms of the nodes may scale one unit of a node's space.
 constexpr double kMaxReach = 1e12;
 
 std::string node_label(const Document& document, std::size_t index) {
@@ -59,7 +59,7 @@ Checked check_references(const Document& document, std::size_t index, const Node
   return {};
 }
 
-/// Every child exists and has one parent. Fills `parents`.
+/// Checks that every child exists and has one parent. Fills `parents`.
 Checked check_children(const Document& document, std::vector<Index>& parents) {
   return check_each(document.nodes, [&](std::size_t i, const Node& node) -> Checked {
     for (const std::uint32_t child : node.children) {
@@ -74,7 +74,7 @@ Checked check_children(const Document& document, std::vector<Index>& parents) {
   });
 }
 
-/// With one parent each, nodes that cannot be reached from a root go round in a cycle.
+/// Every node has at most one parent here, so a node that no root reaches is part of a cycle or below one.
 Checked check_forest(const Document& document, const std::vector<Index>& parents, std::uint32_t most_depth) {
   std::vector<std::uint32_t> roots;
   for (std::uint32_t i = 0; i < parents.size(); ++i)
@@ -109,7 +109,7 @@ Checked check_scenes(const Document& document, const std::vector<Index>& parents
   });
 }
 
-/// Upper bounds of what a node does to lengths: of its own units, and where it puts its origin.
+/// Upper bounds for a node: the factor by which it scales lengths, and the distance of its origin.
 struct Stretch {
   double scale = 1, offset = 0;
 };
@@ -124,7 +124,7 @@ Stretch rest_stretch(const Node& node) {
           glm::length(node.translation.value_or(glm::dvec3(0.0)))};
 }
 
-/// A cubic spline stays below its largest value plus its largest tangent times the time between keys.
+/// Upper bound of a cubic spline: its largest value plus its largest tangent times the time between keys.
 double largest_output(const Document& document, const AnimationSampler& sampler) {
   double largest = 0;
   for (const glm::vec3 v : read_vectors<3>(document, sampler.output))

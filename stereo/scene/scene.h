@@ -1,5 +1,5 @@
-/// Scene: what a glTF file became after every index, range and number in it was checked.
-/// Immutable; where things are at a moment is a SceneState (scene_state.h).
+/// Scene: the content of a glTF file, after all indices, ranges and numbers were checked. A Scene is
+/// immutable. SceneState (scene_state.h) holds the positions of its instances and lights at one time.
 #pragma once
 
 #include <array>
@@ -32,22 +32,23 @@ struct Material {
   glm::vec4 base_color{1.0f};            ///< linear RGBA factor
   std::optional<std::uint32_t> texture;  ///< base colour, into Scene::textures
   std::optional<float>
-      alpha_cutoff;           ///< set: a point with alpha below it is a hole (MASK; BLEND is MASK at 0.5)
-  bool double_sided = false;  ///< else seen from its counter-clockwise side only; casts from both
+      alpha_cutoff;  ///< if set, points with a lower alpha are holes (MASK; BLEND is MASK at 0.5)
+  bool double_sided =
+      false;  ///< if false, visible from the counter-clockwise side only; casts shadows anyway
 };
 
-/// Triangles of one material in object space. All streams have one entry a vertex or are empty.
+/// Triangles of one material, in object space. Each stream has one entry per vertex or is empty.
 struct Mesh {
   std::string name;
   std::uint32_t material = 0;  ///< into Scene::materials
   std::vector<glm::vec3> positions;
   std::vector<glm::vec3> normals;     ///< unit; never empty
   std::vector<glm::vec2> uvs;         ///< KHR_texture_transform applied; empty without a texture
-  std::vector<glm::u8vec4> colors;    ///< linear RGBA, 255 = 1; empty where the file has none
+  std::vector<glm::u8vec4> colors;    ///< linear RGBA, 255 = 1; empty if the file has none
   std::vector<glm::uvec3> triangles;  ///< vertex indices, counter-clockwise from outside
 };
 
-/// Translation, rotation, scale - or a matrix, where the file gave one.
+/// Translation, rotation and scale, or a matrix if the file has one.
 struct NodeTransform {
   glm::dvec3 translation{0.0};
   glm::dquat rotation{1.0, 0.0, 0.0, 0.0};
@@ -68,21 +69,21 @@ struct Instance {
 
 enum class LightKind : std::uint8_t { Point, Spot, Directional };
 
-/// KHR_lights_punctual: shines along its node's -z.
+/// A light of KHR_lights_punctual. It shines along the -z axis of its node.
 struct LightSource {
   std::string name;
   LightKind kind = LightKind::Point;
   std::uint32_t node = 0;
   glm::vec3 intensity{1.0f};     ///< colour times intensity: candela (point, spot) or lux (directional)
-  std::optional<float> range_m;  ///< no light beyond
+  std::optional<float> range_m;  ///< no light beyond this distance
   float inner_cone_rad = 0, outer_cone_rad = 0;  ///< spot only
 };
 
 enum class Path : std::uint8_t { Translation, Rotation, Scale };
 enum class Interpolation : std::uint8_t { Step, Linear, CubicSpline };
 
-/// One animated property of one node. Keys are strictly increasing seconds; values are xyz0 or quaternion
-/// xyzw; cubic splines have three values a key (in-tangent, value, out-tangent).
+/// One animated property of one node. The keys increase strictly. Values are xyz0 or quaternions xyzw. Cubic
+/// splines have three values per key: in-tangent, value, out-tangent.
 struct Channel {
   std::uint32_t node = 0;
   Path path = Path::Translation;
@@ -95,22 +96,23 @@ struct Bounds {
   glm::dvec3 low{0.0}, high{0.0};
 };
 
-/// BLAKE2b-256 of everything that the picture depends on; both sides compare it when they meet.
+/// BLAKE2b-256 of everything that the picture depends on (scene_hash.h). Client and server compare it.
 using SceneHash = std::array<std::uint8_t, 32>;
 
 struct Scene {
-  std::string name;  ///< file name, for people
+  std::string name;  ///< file name, for messages only
   std::vector<Texture> textures;
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
   std::vector<Node> nodes;
   std::vector<Instance> instances;
-  std::vector<LightSource> lights;  ///< bit i of every mask; by the file's lights, then by node
+  std::vector<LightSource>
+      lights;  ///< light i is bit i of every mask; sorted by light of the file, then by node
   std::vector<Channel> channels;
-  double animation_length_s = 0;            ///< animations repeat after it; 0 = nothing is animated
+  double animation_length_s = 0;            ///< the animation repeats after this time; 0 = no animation
   std::optional<Rigid<Stage, Eye>> camera;  ///< reference camera at time 0, if the file has one
-  Bounds bounds;                            ///< holds all triangles at time 0, stage space: the meshes' boxes
-  std::uint64_t triangle_count = 0;         ///< over all instances
+  Bounds bounds;                            ///< boxes of all meshes at time 0, stage space
+  std::uint64_t triangle_count = 0;         ///< of all instances together
   SceneHash hash{};
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are hashed as they lie in memory");
 
-/// Feeds numbers, vectors of numbers, and lists and optionals of these.
+/// Hashes numbers, vectors of numbers, and lists and optionals of them.
 class Hasher {
  public:
   Hasher() {
@@ -62,7 +62,7 @@ class Hasher {
   crypto_generichash_state state_;
 };
 
-void put_looks(Hasher& hasher, const Scene& scene) {
+void put_materials(Hasher& hasher, const Scene& scene) {
   hasher.count(scene.textures.size());
   for (const Texture& t : scene.textures)
     hasher.fields(t.image.size.width, t.image.size.height, t.image.pixels, t.wrap_u, t.wrap_v);
@@ -96,7 +96,7 @@ void put_places(Hasher& hasher, const Scene& scene) {
 
 SceneHash hash_of(const Scene& scene) {
   Hasher hasher;
-  put_looks(hasher, scene);
+  put_materials(hasher, scene);
   put_shapes(hasher, scene);
   put_places(hasher, scene);
   return hasher.finish();

@@ -1,13 +1,13 @@
-/// The content hash by which client and server see that they speak of the same scene.
+/// The hash of a scene. Client and server compare it to be sure that they use the same scene.
 #pragma once
 
 #include "stereo/scene/scene.h"
 
 namespace farshade {
 
-/// BLAKE2b-256 over everything the picture depends on: geometry, looks, decoded textures, nodes, lights,
-/// motion and camera; not names, not what is derived from these. Field by field, little-endian, lists with
-/// their length first.
+/// BLAKE2b-256 over everything that the picture depends on: geometry, materials, decoded textures, nodes,
+/// lights, animation and camera. It leaves out names and derived values. Fields are hashed one by one,
+/// little-endian; each list starts with its length.
 [[nodiscard]] SceneHash hash_of(const Scene& scene);
 
 }  // namespace farshade

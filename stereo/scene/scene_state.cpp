@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kLeastScale = 1e-9;
 
-/// Seconds into the animation, in [0, its length).
+/// Time within one repetition of the animation, in [0, length).
 double animation_time_s(const Scene& scene, Time time) {
   const auto length_ns = std::llround(scene.animation_length_s * 1e9);
   if (length_ns <= 0) return 0.0;
@@ -26,7 +26,7 @@ glm::dvec4 vec_of(const glm::dquat& q) {
   return {q.x, q.y, q.z, q.w};
 }
 
-/// glTF 2.0 appendix C.5: cubic Hermite spline, tangents scaled by the time between keys.
+/// Cubic Hermite spline of glTF 2.0 appendix C.5. Tangents are scaled by the time between keys.
 glm::dvec4 cubic(const Channel& channel, std::size_t key, double t, double step_s) {
   const auto value = [&](std::size_t k, std::size_t part) {
     return glm::dvec4(channel.values[3 * k + part]);
@@ -36,8 +36,8 @@ glm::dvec4 cubic(const Channel& channel, std::size_t key, double t, double step_
          (3 * t2 - 2 * t3) * value(key + 1, 1) + step_s * (t3 - t2) * value(key + 1, 0);
 }
 
-/// The channel's value: xyz0, or a quaternion xyzw that is not yet normalised. Held before the first and
-/// after the last key.
+/// The value of the channel: xyz0, or a quaternion xyzw that may not be unit. It is constant before the first
+/// key and after the last key.
 glm::dvec4 sample(const Channel& channel, double time_s) {
   const bool is_cubic = channel.interpolation == Interpolation::CubicSpline;
   const auto value = [&](std::size_t k) { return glm::dvec4(channel.values[is_cubic ? 3 * k + 1 : k]); };
@@ -66,8 +66,8 @@ void apply(const Channel& channel, double time_s, NodeTransform& transform) {
       transform.scale = glm::dvec3(value);
       break;
     case Path::Rotation:
-      // A spline may pass through 0, where it means no rotation at all; the node then keeps the one it rests
-      // at.
+      // A spline may pass through 0, which is no rotation. The node then keeps the rotation of its rest
+      // transform.
       if (glm::length(value) > 1e-6) transform.rotation = quat_of(value);
       break;
   }

@@ -1,4 +1,4 @@
-/// SceneState: where a scene's instances and lights are at one moment of its animation, in double.
+/// SceneState: the transforms of the instances and the lights of a scene at one time of its animation.
 #pragma once
 
 #include "stereo/frame/light_changes.h"
@@ -6,11 +6,11 @@
 
 namespace farshade {
 
-/// A shadow-casting light as shading and tracing need it. `position` means nothing for directional lights,
-/// `direction` (unit, the way the light travels) nothing for point lights.
+/// A shadow-casting light, for shading and tracing. `position` is undefined for directional lights.
+/// `direction` (unit, in the direction in which the light travels) is undefined for point lights.
 struct Light {
   LightKind kind = LightKind::Point;
-  bool on = true;  ///< a light that is off shines nowhere and has no shadows, but keeps its bit
+  bool on = true;  ///< a light that is off lights nothing, but keeps its bit in the masks
   Point<Stage> position;
   Vector<Stage> direction;
   glm::vec3 intensity{1.0f};
@@ -19,32 +19,32 @@ struct Light {
   friend bool operator==(const Light&, const Light&) = default;
 };
 
-/// The lights in a fixed order: bit i of a mask is light i of the scene, whatever is changed about it.
+/// The lights in a fixed order: bit i of a mask belongs to light i of the scene, also after light changes.
 struct LightSet {
-  std::uint32_t revision = kFirstLightSet;  ///< of the changes that made it
+  std::uint32_t revision = kFirstLightSet;  ///< revision of the light changes that were applied
   std::vector<Light> lights;
 };
 
 struct SceneState {
   Time scene_time{};
-  std::vector<Affine<Stage, Object>> stage_from_object;  ///< one an instance
+  std::vector<Affine<Stage, Object>> stage_from_object;  ///< one per instance
   LightSet light_set;
-  LightChanges light_changes;  ///< that light_set was made with
+  LightChanges light_changes;  ///< the changes that were applied to light_set
 };
 
-/// The state at `scene_time` (0 = start; repeats after animation_length_s), its lights as `changes` leave
-/// them. Changes of lights that the scene does not have are passed over: a viewer may speak of any.
+/// The state at `scene_time` (0 = start; repeats after animation_length_s), with `changes` applied to the
+/// lights. Ignores changes of lights that the scene does not have.
 [[nodiscard]] SceneState state_at(const Scene& scene, Time scene_time, const LightChanges& changes = {});
 
-/// Brings `state`, made from the same scene, to `scene_time` and `changes`: as state_at, but in its memory,
-/// and doing nothing where nothing is animated and no light has changed.
+/// Updates `state`, which was made from the same scene, to `scene_time` and `changes`. The result is the same
+/// as from state_at. Reuses memory, and does nothing if neither animation nor changes alter the state.
 void advance(const Scene& scene, Time scene_time, const LightChanges& changes, SceneState& state);
 
-/// `light_set` as the scene has it becomes what `changes` make of it, as in state_at.
+/// Applies `changes` to a light set that has the lights of the scene, as state_at does.
 void apply(const LightChanges& changes, LightSet& light_set);
 
-/// Each node's own space in the stage. A scale that an animation takes to 0 stays at 1e-9, so that every map
-/// can be inverted.
+/// The transform of each node to the stage. If an animation scales by less than 1e-9, the scale is 1e-9, so
+/// that every transform can be inverted.
 [[nodiscard]] std::vector<Affine<Stage, Object>> stage_from_nodes(const Scene& scene, Time scene_time);
 
 }  // namespace farshade

@@ -45,7 +45,6 @@ const House& house() {
                 {"vr_client", {"vr_client/modes", "vr_client/preview", "vr_client/doctor"}}},
       .libraries = {{"asio", "stereo/net", 1},
                     {"lz4", "stereo/wire", 1},
-                    {"tiny_gltf", "stereo/scene", 1},
                     {"embree", "stereo/tracer", 1},
                     {"png.h", "stereo/image", 1},
                     {"jpeglib.h", "stereo/image", 1},

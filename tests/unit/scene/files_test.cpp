@@ -1,5 +1,6 @@
-/// The files around a scene: its folder and nothing outside of it.
+/// The external files and data URIs of a scene.
 #include <gtest/gtest.h>
+#include <sodium/utils.h>
 #include <sys/stat.h>
 
 #include "stereo/base/files.h"
@@ -13,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// triangle_file() with its buffer in a file of the name that `uri` says.
+/// triangle_file() with its buffer at `uri`.
 std::vector<std::byte> with_external_buffer(const std::string& uri) {
   GltfBuilder file = triangle_file();
   file.json["buffers"][0]["uri"] = uri;
@@ -62,7 +63,7 @@ TEST_F(SceneFiles, RefusesWhatLeavesTheFolder) {
 
 TEST_F(SceneFiles, RefusesWhatIsNoFile) {
   ASSERT_EQ(::mkfifo((folder_ / "pipe").c_str(), 0600), 0);
-  for (const char* uri : {"sub%20dir", "pipe", ".", "missing.bin", "a%00b", "data:text/html,x"}) {
+  for (const char* uri : {"sub%20dir", "pipe", ".", "missing.bin", "a%00b", "", "%zz", "a%2"}) {
     const std::string what = refusal_of(uri);
     EXPECT_NE(what.find("external file '"), std::string::npos) << uri << ": " << what;
   }
@@ -70,7 +71,65 @@ TEST_F(SceneFiles, RefusesWhatIsNoFile) {
 
 TEST_F(SceneFiles, RefusesBufferOfOtherLength) {
   EXPECT_TRUE(write_file_atomically(folder_ / "triangle.bin", bytes_of_text("short")));
-  EXPECT_NE(refusal_of("triangle.bin").find("size mismatch"), std::string::npos);
+  EXPECT_NE(refusal_of("triangle.bin").find("buffer 0: its data has 5 bytes, byteLength is"),
+            std::string::npos);
+  EXPECT_TRUE(write_file_atomically(folder_ / "triangle.bin", std::string_view()));
+  EXPECT_NE(refusal_of("triangle.bin").find("it is empty"), std::string::npos);
+}
+
+/// The buffer of triangle_file() as base64. Its length is a multiple of 3, so that it needs no padding.
+std::string triangle_base64() {
+  const auto bytes = triangle_file().bytes();
+  std::string text(sodium_base64_encoded_len(bytes.size(), sodium_base64_VARIANT_ORIGINAL), '\0');
+  sodium_bin2base64(text.data(), text.size(), reinterpret_cast<const unsigned char*>(bytes.data()),
+                    bytes.size(), sodium_base64_VARIANT_ORIGINAL);
+  text.pop_back();  // the terminating zero
+  return text;
+}
+
+TEST_F(SceneFiles, DecodesDataUris) {
+  for (const std::string media : {"application/octet-stream", "application/gltf-buffer", ""}) {
+    const auto scene = load_with("data:" + media + ";base64," + triangle_base64());
+    ASSERT_TRUE(scene.has_value()) << media << ": " << scene.error().what;
+    EXPECT_EQ(scene->hash, load(triangle_file())->hash);
+  }
+}
+
+TEST_F(SceneFiles, RefusesDamagedDataUris) {
+  const std::string good = triangle_base64(), head = "data:application/octet-stream;base64,";
+  std::string bad_letter = good;
+  bad_letter[5] = '*';
+  for (const auto& [uri, says] :
+       {std::pair<std::string, std::string>{head + bad_letter, "the base64 text of a data URI is damaged"},
+        {head + good.substr(0, 8), "its data has 6 bytes"},
+        {head + good.substr(0, 8) + "AA==", "its data has 7 bytes"},
+        {head + good.substr(0, 8) + "AA", "its data has 7 bytes"},
+        {head + good.substr(0, 8) + "A", "is damaged"},
+        {head + good + "====", "is damaged"},
+        {head, "a data URI is empty"},
+        {"data:text/html,x", "a data URI is not base64"},
+        {"data:;base64", "a data URI is not base64"}}) {
+    const std::string what = refusal_of(uri);
+    EXPECT_NE(what.find(says), std::string::npos) << uri << ": " << what;
+  }
+}
+
+TEST_F(SceneFiles, RefusesDamagedImageDataUri) {
+  GltfBuilder file = rich_file();
+  file.json["images"][0] = {{"name", "weave"}, {"uri", "data:image/png;base64,*"}};
+  const auto scene = load_scene_from_memory(file.glb());
+  ASSERT_FALSE(scene.has_value());
+  EXPECT_EQ(scene.error().what, "image 0 'weave': the base64 text of a data URI is damaged");
+}
+
+TEST(SceneInMemory, RefusesBufferLongerThanTheBinaryChunk) {
+  GltfBuilder file = triangle_file();
+  file.json["buffers"][0]["byteLength"] = 1000;
+  const auto scene = load_scene_from_memory(file.glb());
+  ASSERT_FALSE(scene.has_value());
+  EXPECT_NE(scene.error().what.find("buffer 0: 1000 bytes are more than the binary chunk has"),
+            std::string::npos)
+      << scene.error().what;
 }
 
 TEST_F(SceneFiles, HoldsTheByteLimit) {

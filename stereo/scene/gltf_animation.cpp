@@ -1,4 +1,4 @@
-#include "stereo/scene/gltf_motion.h"
+#include "stereo/scene/gltf_animation.h"
 
 #include <set>
 
@@ -57,7 +57,7 @@ void rest_at(const glm::dvec4& value, Path path, NodeTransform& rest) {
 
 }  // namespace
 
-void add_motion(const Document& document, const std::vector<Index>& scene_node, Scene& scene) {
+void add_animations(const Document& document, const std::vector<Index>& scene_node, Scene& scene) {
   std::set<std::pair<std::uint32_t, Path>> taken;
   double length_s = 0;
   for (const Animation& animation : document.animations)

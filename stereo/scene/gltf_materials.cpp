@@ -1,4 +1,4 @@
-#include "stereo/scene/gltf_looks.h"
+#include "stereo/scene/gltf_materials.h"
 
 #include "stereo/image/codec.h"
 
@@ -21,7 +21,7 @@ std::span<const std::uint8_t> file_of(const Document& document, const Image& ima
   return std::span(document.buffers[view.buffer]).subspan(view.offset, view.bytes);
 }
 
-/// 0..1, the least that a texture holds.
+/// The smallest alpha of a texture, 0 to 1.
 float least_alpha(const farshade::Texture& texture) {
   std::uint8_t least = 255;
   for (const Rgba8 pixel : texture.image.pixels) least = std::min(least, pixel.a);
@@ -30,13 +30,13 @@ float least_alpha(const farshade::Texture& texture) {
 
 }  // namespace
 
-Looks::Looks(const Document& document, const SceneLimits& limits, Scene& scene)
+MaterialConverter::MaterialConverter(const Document& document, const SceneLimits& limits, Scene& scene)
     : document_(document), limits_(limits), scene_(scene), pixels_left_(limits.image_pixels) {
   for (const auto& buffer : document.buffers) pixels_left_ += 64 * buffer.size();
   for (const Image& image : document.images) pixels_left_ += 64 * image.file.size();
 }
 
-Expected<std::uint32_t> Looks::material(Index index) {
+Expected<std::uint32_t> MaterialConverter::material(Index index) {
   if (const auto known = materials_.find(index); known != materials_.end()) return known->second;
   farshade::Material result;
   if (index) {
@@ -55,7 +55,7 @@ Expected<std::uint32_t> Looks::material(Index index) {
   return materials_[index] = static_cast<std::uint32_t>(scene_.materials.size() - 1);
 }
 
-Expected<std::uint32_t> Looks::texture(std::uint32_t index) {
+Expected<std::uint32_t> MaterialConverter::texture(std::uint32_t index) {
   const Texture& from = document_.textures[index];
   if (!from.image)
     return fail(Fault::Unsupported, label("texture", index, from.name) + " has no PNG or JPEG image");
@@ -68,7 +68,7 @@ Expected<std::uint32_t> Looks::texture(std::uint32_t index) {
   return textures_[key] = static_cast<std::uint32_t>(scene_.textures.size() - 1);
 }
 
-Expected<farshade::Image<Rgba8>> Looks::decode(std::uint32_t index) {
+Expected<farshade::Image<Rgba8>> MaterialConverter::decode(std::uint32_t index) {
   const Image& from = document_.images[index];
   const std::string name = label("image", index, from.name);
   if (from.unreadable) return fail(from.unreadable->fault, name + ": " + from.unreadable->what);
@@ -79,7 +79,7 @@ Expected<farshade::Image<Rgba8>> Looks::decode(std::uint32_t index) {
   return image;
 }
 
-void drop_needless_cutoffs(Scene& scene) {
+void remove_needless_alpha_tests(Scene& scene) {
   std::vector<float> least(scene.materials.size());
   for (std::size_t i = 0; i < least.size(); ++i) {
     const farshade::Material& material = scene.materials[i];

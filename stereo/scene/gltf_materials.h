@@ -1,0 +1,38 @@
+/// Converts materials and textures of a validated Document, each at its first use.
+#pragma once
+
+#include <map>
+#include <span>
+#include <tuple>
+
+#include "stereo/scene/gltf.h"
+#include "stereo/scene/gltf_document.h"
+
+namespace farshade::gltf {
+
+class MaterialConverter {
+ public:
+  /// The arguments must outlive this object.
+  MaterialConverter(const Document& document, const SceneLimits& limits, Scene& scene);
+
+  /// Index in Scene::materials of a material of the document; no index: of the default material. Decodes the
+  /// texture and refuses damaged images.
+  [[nodiscard]] Expected<std::uint32_t> material(Index index);
+
+ private:
+  using TextureKey = std::tuple<std::uint32_t, Wrap, Wrap>;  ///< image, wrap modes
+  Expected<std::uint32_t> texture(std::uint32_t index);
+  Expected<farshade::Image<Rgba8>> decode(std::uint32_t index);
+
+  const Document& document_;
+  const SceneLimits& limits_;
+  Scene& scene_;
+  std::uint64_t pixels_left_;  ///< for all images together, against small files that hold many large images
+  std::map<Index, std::uint32_t> materials_;
+  std::map<TextureKey, std::uint32_t> textures_;
+};
+
+/// Removes the alpha test of materials whose alpha is never below the cutoff.
+void remove_needless_alpha_tests(Scene& scene);
+
+}  // namespace farshade::gltf
