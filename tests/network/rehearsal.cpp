@@ -189,7 +189,9 @@ Played play(const Play& play, const Network& network) {
   const auto watch = [&](const FrameView& view) {
     recorder.watch(view);
     if (play.watch) play.watch(view, recorder.log().records().back(), recorder.measured());
-    PlayedFrame frame{.at = clock.now(), .view_scale = link.inbox().view_scale()};
+    PlayedFrame frame{.at = clock.now(),
+                      .view_scale = link.inbox().view_scale(),
+                      .pipelines = renderer.counters().pipelines};
     if (view.newest != nullptr) {
       frame.newest = view.newest->request.frame;
       frame.newest_asked = clock.now() - view.age.value();

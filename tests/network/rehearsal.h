@@ -56,6 +56,7 @@ struct PlayedFrame {
   double tiles_recent =
       0;  ///< that have come in it or in the mask before it, where that one has the same size
   ViewScale view_scale{};
+  std::size_t pipelines = 0;  ///< compiled by the client up to and including this frame
 };
 
 struct Played {

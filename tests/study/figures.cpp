@@ -4,12 +4,15 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "stereo/base/check.h"
+#include "stereo/draw/shading.h"
+
 namespace farshade::study {
 namespace {
 
 constexpr const char* kGroupNames[] = {"error", "wire", "time"};
 
-/// Nine digits tell everything that was measured, and files stay short.
+/// Rounds to nine digits, which keeps the files short.
 double rounded(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.9g", value);
@@ -21,7 +24,7 @@ std::span<const FrameRecord> after(const Played& played, std::uint32_t warm_up) 
   return all.subspan(std::min<std::size_t>(warm_up, all.size()));
 }
 
-/// The server's account of what was asked for from then on.
+/// The server's reports on requests after frame `warm_up`.
 std::vector<FrameReport> reports_after(const Played& played, std::uint32_t warm_up) {
   std::vector<FrameReport> reports;
   for (const FrameReport& report : played.reports)
@@ -29,7 +32,12 @@ std::vector<FrameReport> reports_after(const Played& played, std::uint32_t warm_
   return reports;
 }
 
-/// Of one frame, the worse eye's.
+/// True if the client compiled a pipeline in frame `i`.
+bool compiled_pipeline(std::span<const PlayedFrame> frames, std::size_t i) {
+  return i < frames.size() && frames[i].pipelines != (i == 0 ? 0 : frames[i - 1].pipelines);
+}
+
+/// Adds the errors of one frame: those of the worse eye.
 void add_eye_errors(const PerEye<EyeErrors>& eyes, Figures& figures) {
   const auto add = [&](const char* name, double EyeErrors::*figure, double unit = 100,
                        Worse worse = Worse::High) {
@@ -81,10 +89,26 @@ nlohmann::json Figures::json() const {
   return all;
 }
 
-void add_times(const Played& played, std::uint32_t warm_up, Figures& figures) {
+std::uint32_t round_trip_frames(const LinkModel& each_way, double refresh_hz) {
+  return static_cast<std::uint32_t>(std::ceil(2 * seconds_of(each_way.delay + each_way.jitter) * refresh_hz));
+}
+
+std::uint32_t warm_up_frames(const LinkModel& each_way, double refresh_hz) {
+  return round_trip_frames(each_way, refresh_hz) + narrow<std::uint32_t>(ShadingPass::kMaxMasks);
+}
+
+std::uint32_t first_timed_frame(const Played& played, std::uint32_t warm_up) {
+  const std::vector<FrameRecord>& records = played.log.records();
+  const auto first = std::ranges::find(records, false, &FrameRecord::start_up);
+  return narrow<std::uint32_t>(
+      std::min<std::ptrdiff_t>(first - records.begin() + warm_up, std::ssize(records)));
+}
+
+void add_times(const Played& played, std::uint32_t first, Figures& figures) {
   const auto add = [&](const char* name, Duration time) { figures.add(Group::Time, name, ms_of(time)); };
-  for (const FrameRecord& record : after(played, warm_up)) {
-    const StageTimes& client = record.times;
+  for (std::size_t i = first; i < played.log.records().size(); ++i) {
+    if (compiled_pipeline(played.frames, i)) continue;
+    const StageTimes& client = played.log.records()[i].times;
     add("client_frame", client.frame);
     add("client_request", client.request);
     add("client_collect", client.collect);
@@ -95,7 +119,7 @@ void add_times(const Played& played, std::uint32_t warm_up, Figures& figures) {
     add("client_shade", client.shade);
     add("client_turn", client.turn);
   }
-  for (const FrameReport& server : reports_after(played, warm_up)) {
+  for (const FrameReport& server : reports_after(played, first)) {
     add("server_frame", server.primary + server.shadow + server.draw + server.pack);
     add("server_primary", server.primary);
     add("server_shadow", server.shadow);
@@ -113,8 +137,8 @@ void add_errors(const Played& played, std::uint32_t warm_up, Figures& figures) {
     if (record.errors) add_eye_errors(*record.errors, figures);
   }
   for (const FrameReport& report : reports_after(played, warm_up)) add_report(report, figures);
-  // What travelled in all, shared out over the frames that were shown: handshake and reports included. Of a
-  // mode that asks for nothing the rehearsal's handshake is no part.
+  // Bytes and datagrams of the whole run, handshake and reports included, per frame shown. For a mode that
+  // requests nothing, the handshake does not count.
   const double frames = static_cast<double>(played.log.records().size());
   const auto share = [&](const char* name, std::uint64_t count) {
     figures.add(Group::Wire, name, played.server.frames == 0 ? 0 : static_cast<double>(count) / frames);

@@ -29,8 +29,21 @@ class Figures {
   std::map<Group, std::map<std::string, Values>> groups_;
 };
 
-/// Milliseconds of client and server stages from frame `warm_up` on.
-void add_times(const Played& played, std::uint32_t warm_up, Figures& figures);
+/// Round trip of the network in display frames, rounded up: the first answer cannot be shown earlier.
+[[nodiscard]] std::uint32_t round_trip_frames(const LinkModel& each_way, double refresh_hz);
+
+/// Number of frames between the first frame with an answer and the first frame that is timed: one more round
+/// trip, until answers arrive that were requested with a known latency, and kMaxMasks frames, until the
+/// client shades with as many masks as it can use.
+[[nodiscard]] std::uint32_t warm_up_frames(const LinkModel& each_way, double refresh_hz);
+
+/// Index of the first frame to time: `warm_up` frames after the first frame that was shown with an answer.
+/// The number of frames, if no answer arrived in time.
+[[nodiscard]] std::uint32_t first_timed_frame(const Played& played, std::uint32_t warm_up);
+
+/// Milliseconds of client and server stages, of all frames from index `first` on. Leaves out the client's
+/// times of frames in which it compiled a pipeline.
+void add_times(const Played& played, std::uint32_t first, Figures& figures);
 
 /// Mask error, shares, staleness, latency, bytes, datagrams and rays from frame `warm_up` on. Frames before
 /// anything had come count as start-up and in no figure.

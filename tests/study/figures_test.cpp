@@ -94,5 +94,53 @@ TEST(Figures, AddUpAllStagesOfTheServerAfterTheWarmUp) {
   EXPECT_FALSE(told["time"].contains("client_frame")) << "both frames are warm-up";
 }
 
+TEST(WarmUp, FollowsDelayAndRefreshRate) {
+  using std::chrono::milliseconds;
+  constexpr auto masks = static_cast<std::uint32_t>(ShadingPass::kMaxMasks);
+  EXPECT_EQ(warm_up_frames({}, 72), masks);
+  EXPECT_EQ(warm_up_frames({.delay = milliseconds(50)}, 72), 8 + masks) << "7.2 frames";
+  EXPECT_EQ(warm_up_frames({.delay = milliseconds(100)}, 72), 15 + masks) << "14.4 frames";
+  EXPECT_EQ(warm_up_frames({.delay = milliseconds(50)}, 90), 9 + masks);
+  EXPECT_EQ(warm_up_frames({.delay = milliseconds(40), .jitter = milliseconds(10)}, 72), 8 + masks);
+}
+
+/// A run of `frames` frames whose first answer is shown in frame `answered` (from 0). Frame i takes i + 1 ms.
+Played run_of(std::uint32_t frames, std::uint32_t answered) {
+  Played played;
+  for (std::uint32_t i = 0; i < frames; ++i) {
+    FrameRecord record{.frame = {i + 1},
+                       .display_time = Time{},
+                       .age = {},
+                       .delta = {},
+                       .times = {},
+                       .guard_band = {},
+                       .server = {},
+                       .errors = {}};
+    record.start_up = i < answered;
+    record.times.frame = std::chrono::milliseconds(i + 1);
+    played.log.add(record);
+    played.frames.push_back({.at = Time{}, .pipelines = 4});
+  }
+  return played;
+}
+
+TEST(WarmUp, StartsAtTheFirstFrameWithAnAnswer) {
+  EXPECT_EQ(first_timed_frame(run_of(40, 8), 12), 20u);
+  EXPECT_EQ(first_timed_frame(run_of(40, 15), 19), 34u);
+  EXPECT_EQ(first_timed_frame(run_of(40, 0), 4), 4u) << "a mode without a server";
+  EXPECT_EQ(first_timed_frame(run_of(40, 30), 19), 40u) << "the run ends before the warm-up";
+  EXPECT_EQ(first_timed_frame(run_of(40, 40), 4), 40u) << "no answer";
+}
+
+TEST(WarmUp, LeavesOutFramesThatCompileAPipeline) {
+  Played played = run_of(10, 2);
+  for (std::size_t i = 0; i < 10; ++i) played.frames[i].pipelines = i < 5 ? i : i < 8 ? 5 : 6;
+  Figures figures;
+  add_times(played, first_timed_frame(played, 2), figures);  // 4 and 5 compile, 8 compiles
+  const nlohmann::json frame = figures.json()["time"]["client_frame"];
+  EXPECT_EQ(frame["count"], 3) << "frames 6, 7 and 9; 4, 5 and 8 compile";
+  EXPECT_EQ(frame["median"], 8.0);
+}
+
 }  // namespace
 }  // namespace farshade::study

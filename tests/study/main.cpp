@@ -17,18 +17,18 @@ namespace {
 using namespace farshade;
 using namespace farshade::study;
 
-struct Wish {
+struct Options {
   std::string scene, trace, network = "none", gpu;
   std::filesystem::path pictures;
   Rounds rounds;
-  std::uint32_t side_px = 256, frames = 72, every = 8, clients = 0;
+  std::uint32_t side_px = 256, frames = 72, every = 8, clients = 0, warm_up = 10;
   double skip_s = 0;
   bool timing = false, versions = false;
 };
 
-/// What the figures were measured with, as far as this program alone can tell.
-Expected<nlohmann::json> versions(const Wish& wish) {
-  const Expected<gpu::Survey> survey = gpu::survey({.name_contains = wish.gpu});
+/// Compiler, flags, Vulkan loader and device of this program.
+Expected<nlohmann::json> versions(const Options& options) {
+  const Expected<gpu::Survey> survey = gpu::survey({.name_contains = options.gpu});
   if (!survey) return tl::unexpected(survey.error());
   nlohmann::json told{{"compiler", STUDY_COMPILER}, {"flags", STUDY_FLAGS}, {"loader", survey->loader}};
   for (const gpu::SurveyedDevice& device : survey->devices)
@@ -37,60 +37,65 @@ Expected<nlohmann::json> versions(const Wish& wish) {
   return told;
 }
 
-Expected<nlohmann::json> measured(const Wish& wish) {
-  if (wish.versions) return versions(wish);
-  const Expected<Scene> scene = load_scene(wish.scene);
+Expected<nlohmann::json> measured(const Options& options) {
+  if (options.versions) return versions(options);
+  const Expected<Scene> scene = load_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
-  const Expected<HeadRecording> head = load_head_recording(wish.trace, {});
+  const Expected<HeadRecording> head = load_head_recording(options.trace, {});
   if (!head) return tl::unexpected(head.error());
-  const Expected<Network> network = network_from(wish.network);
+  const Expected<Network> network = network_from(options.network);
   if (!network) return tl::unexpected(network.error());
-  const Expected<gpu::Device> device = gpu::open_device({.name_contains = wish.gpu});
+  const Expected<gpu::Device> device = gpu::open_device({.name_contains = options.gpu});
   if (!device) return tl::unexpected(device.error());
   Play play{.device = *device,
             .scene = *scene,
             .head = *head,
-            .size = {wish.side_px, wish.side_px},
-            .frames = wish.frames,
-            .reference_every = wish.every,
-            .skip = duration_from_ms(wish.skip_s * 1e3)};
-  if (wish.clients > 0) return measure_clients(play, wish.clients, wish.rounds.warm_up);
-  if (wish.timing) return measure_rounds(play, *network, wish.rounds);
-  return set_mode(wish.rounds.modes.at(0), play).and_then([&] {
-    return measure_point(play, *network, wish.pictures);
+            .size = {options.side_px, options.side_px},
+            .frames = options.frames,
+            .reference_every = options.every,
+            .skip = duration_from_ms(options.skip_s * 1e3)};
+  if (options.clients > 0) return measure_clients(play, options.clients, options.warm_up);
+  if (options.timing) return measure_rounds(play, *network, options.rounds);
+  return set_mode(options.rounds.modes.at(0), play).and_then([&] {
+    return measure_point(play, *network, options.pictures);
   });
 }
 
-void add_options(CLI::App& app, Wish& wish) {
-  app.add_option("--scene", wish.scene, "glTF scene");
-  app.add_option("--trace", wish.trace, "recorded head");
-  app.add_option("--network", wish.network, "a named network or words such as loss=5%,delay=25ms, each way");
-  app.add_option("--modes", wish.rounds.modes, "mode words; one, or all that --timing compares");
-  app.add_option("--size", wish.side_px, "pixels a side of an eye")->check(CLI::Range(16, 4096));
-  app.add_option("--frames", wish.frames, "display frames")->check(CLI::Range(1, 100000));
-  app.add_option("--every", wish.every, "measure every Nth frame")->check(CLI::Range(1, 100000));
-  app.add_option("--skip", wish.skip_s, "seconds of the recording to leave out")->check(CLI::Range(0.0, 1e6));
-  app.add_option("--pictures", wish.pictures, "folder for pictures of the worst frame");
-  app.add_option("--clients", wish.clients, "time of a server with so many clients")
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--scene", options.scene, "glTF scene");
+  app.add_option("--trace", options.trace, "recorded head");
+  app.add_option("--network", options.network,
+                 "a named network or words such as loss=5%,delay=25ms, each way");
+  app.add_option("--modes", options.rounds.modes, "mode words; one, or all that --timing compares");
+  app.add_option("--size", options.side_px, "pixels a side of an eye")->check(CLI::Range(16, 4096));
+  app.add_option("--frames", options.frames, "display frames; with --timing, the number of timed frames")
+      ->check(CLI::Range(1, 100000));
+  app.add_option("--every", options.every, "compare every Nth frame with its reference")
+      ->check(CLI::Range(1, 100000));
+  app.add_option("--skip", options.skip_s, "seconds to skip at the start of the recording")
+      ->check(CLI::Range(0.0, 1e6));
+  app.add_option("--pictures", options.pictures, "folder for pictures of the worst frame");
+  app.add_option("--clients", options.clients, "measure the time of a server with this many clients")
       ->check(CLI::Range(1, 64));
-  app.add_flag("--timing", wish.timing, "run times of --modes, without a reference");
-  app.add_option("--rounds", wish.rounds.rounds, "of --timing")->check(CLI::Range(1, 1000));
-  app.add_option("--warm-up", wish.rounds.warm_up, "frames that --timing and --clients leave out");
-  app.add_option("--seed", wish.rounds.seed, "of the order of modes");
-  app.add_option("--gpu", wish.gpu, "use only a device whose name contains this");
-  app.add_flag("--versions", wish.versions, "tell device and compiler, and measure nothing");
+  app.add_flag("--timing", options.timing, "run times of --modes, without a reference");
+  app.add_option("--rounds", options.rounds.rounds, "number of rounds of --timing")
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--warm-up", options.warm_up, "frames before --clients starts to time");
+  app.add_option("--seed", options.rounds.seed, "seed for the order of modes");
+  app.add_option("--gpu", options.gpu, "use only a device whose name contains this");
+  app.add_flag("--versions", options.versions, "print device and compiler, and measure nothing");
 }
 
 }  // namespace
 
 int main(int argc, char** argv) try {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // a study that is killed leaves nobody behind who takes the cores
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // if the study is killed, its points end, too
   CLI::App app("One point of a study, as JSON.");
-  Wish wish;
-  add_options(app, wish);
+  Options options;
+  add_options(app, options);
   CLI11_PARSE(app, argc, argv);
   spdlog::set_level(spdlog::level::warn);
-  const Expected<nlohmann::json> told = measured(wish);
+  const Expected<nlohmann::json> told = measured(options);
   if (told) return std::puts(told->dump(1).c_str()) < 0 ? EXIT_FAILURE : EXIT_SUCCESS;
   std::fprintf(stderr, "study_point: %s\n", told.error().what.c_str());
   return EXIT_FAILURE;

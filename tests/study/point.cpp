@@ -14,30 +14,30 @@
 namespace farshade::study {
 namespace {
 
-/// The pictures of one frame, and how wrong a viewer sees them.
-struct Seen {
+/// The pictures of one frame, with their perceived error.
+struct ComparedFrame {
   PerEye<Image<Rgb8>> shown, reference;
   PerEye<Image<float>> error;
   double flip = -1;  ///< the worse eye's
 };
 
-/// Compares pictures as people see them, and keeps the worst.
-class Viewer {
+/// Compares pictures with perceptual metrics and keeps the worst frame.
+class Comparison {
  public:
-  explicit Viewer(Figures& figures) : figures_(figures) {}
+  explicit Comparison(Figures& figures) : figures_(figures) {}
 
-  void see(const FrameView& view, const MeasuredFrame& frame) {
-    Seen seen{.shown = frame.shown, .reference = frame.reference, .error = {}};
+  void add(const FrameView& view, const MeasuredFrame& frame) {
+    ComparedFrame compared{.shown = frame.shown, .reference = frame.reference, .error = {}};
     double worse_ssim = 1;
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
-      seen.error[eye] =
+      compared.error[eye] =
           flip(frame.reference[eye], frame.shown[eye], pixels_per_degree(view.shown.views[eye]));
-      seen.flip = std::max(seen.flip, mean(seen.error[eye]));
+      compared.flip = std::max(compared.flip, mean(compared.error[eye]));
       worse_ssim = std::min(worse_ssim, ssim(frame.reference[eye], frame.shown[eye]));
     }
-    figures_.add(Group::Error, "flip", seen.flip);
+    figures_.add(Group::Error, "flip", compared.flip);
     figures_.add(Group::Error, "ssim", worse_ssim, Worse::Low);
-    if (seen.flip > worst_.flip) worst_ = std::move(seen);
+    if (compared.flip > worst_.flip) worst_ = std::move(compared);
   }
 
   [[nodiscard]] Expected<void> write(const std::filesystem::path& folder) const {
@@ -55,23 +55,24 @@ class Viewer {
 
  private:
   Figures& figures_;
-  Seen worst_;
+  ComparedFrame worst_;
 };
 
 }  // namespace
 
-Expected<nlohmann::json> measure_point(Play wished, const Network& network,
+Expected<nlohmann::json> measure_point(Play play_settings, const Network& network,
                                        const std::filesystem::path& pictures) {
   Figures figures;
-  Viewer viewer(figures);
-  wished.watch = [&](const FrameView& view, const FrameRecord& record, const MeasuredFrame* measured) {
-    if (measured != nullptr && !record.start_up) viewer.see(view, *measured);
+  Comparison comparison(figures);
+  play_settings.watch = [&](const FrameView& view, const FrameRecord& record, const MeasuredFrame* measured) {
+    if (measured != nullptr && !record.start_up) comparison.add(view, *measured);
   };
-  const Played played = play(wished, network);
+  const Played played = play(play_settings, network);
   add_errors(played, 0, figures);
-  add_times(played, static_cast<std::uint32_t>(played.log.start_up_frames()), figures);
+  add_times(played, first_timed_frame(played, warm_up_frames(network.model, play_settings.refresh_hz)),
+            figures);
   if (!pictures.empty())
-    if (const Expected<void> written = viewer.write(pictures); !written)
+    if (const Expected<void> written = comparison.write(pictures); !written)
       return tl::unexpected(written.error());
   nlohmann::json told = figures.json();
   told["start_up_frames"] = played.log.start_up_frames();
@@ -89,6 +90,8 @@ Expected<nlohmann::json> measure_rounds(const Play& shared, const Network& netwo
   for (const std::string& mode : rounds.modes) entries.push_back({mode, false});
   entries.push_back({rounds.modes.at(0), true});
 
+  const std::uint32_t warm_up = warm_up_frames(network.model, shared.refresh_hz);
+  const std::uint32_t start_up = round_trip_frames(network.model, shared.refresh_hz);
   std::mt19937_64 random(rounds.seed);
   std::vector<Entry*> order;
   for (Entry& entry : entries) order.push_back(&entry);
@@ -97,11 +100,13 @@ Expected<nlohmann::json> measure_rounds(const Play& shared, const Network& netwo
     for (Entry* entry : order) {
       Play own = shared;
       own.reference_every = 0;
+      own.frames += start_up + warm_up;
       if (const Expected<void> set = set_mode(entry->mode, own); !set) return tl::unexpected(set.error());
       const Played played = play(own, network);
       Figures figures;
-      add_times(played, rounds.warm_up, figures);
-      add_times(played, rounds.warm_up, entry->all);
+      const std::uint32_t first = first_timed_frame(played, warm_up);
+      add_times(played, first, figures);
+      add_times(played, first, entry->all);
       entry->each.push_back(figures.json());
     }
   }

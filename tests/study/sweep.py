@@ -10,7 +10,7 @@ and left out.
   frames, every    display frames of a point, and every which of them is compared with its reference
   modes      mode words; ways with one name make one curve
   ablations  {"modes", "scenes", "networks", "traces"}: what hybrid loses without one of its parts
-  timing     {"modes", "rounds", "seed", "frames", "warm_up"}: run times, each way again and again in random order
+  timing     {"modes", "rounds", "seed", "frames"}: run times of the modes, in a random order in each round
   scaling    {"modes", "size", "pixels", "lights", "triangles", "clients", "rounds", "seed", "frames", "warm_up"}
 """
 import json
@@ -122,8 +122,7 @@ def arguments(point, scene_file, trace_file, pictures):
     elif point["kind"] == "clients":
         given += ["--clients", point["x"], "--warm-up", point["warm_up"]]
     else:
-        given += ["--timing", "--modes", *point["modes"], "--rounds", point["rounds"], "--seed", point["seed"],
-                  "--warm-up", point["warm_up"]]
+        given += ["--timing", "--modes", *point["modes"], "--rounds", point["rounds"], "--seed", point["seed"]]
     return [str(a) for a in given]
 
 
