@@ -26,8 +26,8 @@ struct Options {
   std::uint32_t side_px = 1024, frames = 24;
 };
 
-/// A way to carry masks over, and what it took.
-struct Way {
+/// A setting for the reprojection of masks, with the measured times.
+struct CarryOverMode {
   const char* name;
   CarryOver carry_over;
   std::vector<double> ms;
@@ -35,7 +35,7 @@ struct Way {
 
 struct Times {
   std::vector<double> bare, bare_device, frame, collect, draw, gbuffer, depth;
-  std::vector<Way> ways{
+  std::vector<CarryOverMode> modes{
       {"shading alone (mask at the pixel)", {.lookup = Lookup::Direct}, {}},
       {"nearest pixel, this eye", {.eyes = Eyes::This, .gaps = Gaps::Unknown, .edges = Edges::Nearest}, {}},
       {"and the other eye", {.gaps = Gaps::Unknown, .edges = Edges::Nearest}, {}},
@@ -48,8 +48,8 @@ void print(const char* label, const std::vector<double>& values) {
   std::printf("  %-34s %9.2f %9.2f %9.2f\n", label, spread.median, quantile(values, 0.1), spread.p95);
 }
 
-/// By use, as predicted for the scene's plan and for one with everything on; and what `device` has allocated
-/// for the former.
+/// Prints device memory by use: the prediction for the scene's plan and for a plan with every feature, and
+/// the memory that `device` has allocated for the scene's plan.
 void print_memory(const Scene& scene, const RendererLimits& limits, const gpu::Device& device) {
   const auto predicted = [&](PlanKind kind) {
     return client_memory(scene, plan_for(scene, {.kind = kind, .all_lights = true}).draw, limits);
@@ -67,6 +67,25 @@ void print_memory(const Scene& scene, const RendererLimits& limits, const gpu::D
               static_cast<double>(most_at_once(needed)) / kMiB,
               static_cast<double>(device.ledger->read().peak_total) / kMiB,
               static_cast<double>(most_at_once(everything)) / kMiB);
+}
+
+void print_times(const Times& times) {
+  print("bare G-buffer pass", times.bare);
+  print("  of it on the device", times.bare_device);
+  print("client frame", times.frame);
+  print("  collect masks", times.collect);
+  print("  draw", times.draw);
+  print("    G-buffer", times.gbuffer);
+  print("    depth of requested views", times.depth);
+  for (const CarryOverMode& mode : times.modes) print(mode.name, mode.ms);
+}
+
+void print_ratios(const Times& times) {
+  const auto median = [](const std::vector<double>& values) { return quantile(values, 0.5); };
+  std::printf("client frame without depth of requested views / bare G-buffer pass = %.3f (figure: <= %.1f)\n",
+              (median(times.frame) - median(times.depth)) / median(times.bare), kFrameFigure);
+  std::printf("reproject and shade / shading alone = %.3f (figure: <= %.1f)\n",
+              median(times.modes.back().ms) / median(times.modes.front().ms), kReprojectFigure);
 }
 
 Expected<void> run(const Options& options) {
@@ -109,10 +128,10 @@ Expected<void> run(const Options& options) {
         {.views = shown.views, .state = state, .asked = &asked, .masks = masks, .carry_over = {}});
     if (masks.empty()) continue;
     const bool counts = number > warm_up;
-    for (Way& way : times.ways) {
+    for (CarryOverMode& mode : times.modes) {
       const DrawTimes again = renderer.shade_again(
-          {.views = shown.views, .state = state, .masks = masks, .carry_over = way.carry_over});
-      if (counts) way.ms.push_back(ms_of(again.shade));
+          {.views = shown.views, .state = state, .masks = masks, .carry_over = mode.carry_over});
+      if (counts) mode.ms.push_back(ms_of(again.shade));
     }
     if (!counts) continue;
     times.bare.push_back(ms_of(bare.total));
@@ -126,20 +145,9 @@ Expected<void> run(const Options& options) {
   std::printf("%s along %s on %s, %zu frames\n", scene->name.c_str(), options.trace.c_str(),
               device->name.c_str(), times.frame.size());
   std::printf("  %-34s %9s %9s %9s\n", "ms", "median", "p10", "p95");
-  print("bare G-buffer pass", times.bare);
-  print("  of it on the device", times.bare_device);
-  print("client frame", times.frame);
-  print("  collect masks", times.collect);
-  print("  draw", times.draw);
-  print("    G-buffer", times.gbuffer);
-  print("    depth of requested views", times.depth);
-  for (const Way& way : times.ways) print(way.name, way.ms);
+  print_times(times);
   print_memory(*scene, limits, *device);
-  const auto median = [](const std::vector<double>& values) { return quantile(values, 0.5); };
-  std::printf("client frame without depth of requested views / bare G-buffer pass = %.3f (figure: <= %.1f)\n",
-              (median(times.frame) - median(times.depth)) / median(times.bare), kFrameFigure);
-  std::printf("reproject and shade / shading alone = %.3f (figure: <= %.1f)\n",
-              median(times.ways.back().ms) / median(times.ways.front().ms), kReprojectFigure);
+  print_ratios(times);
   return {};
 }
 

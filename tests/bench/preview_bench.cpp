@@ -25,7 +25,7 @@ struct BenchOptions {
   std::uint32_t side_px = 512, frames = 60;
 };
 
-/// A traced frame with what was asked.
+/// A traced frame with its request.
 struct Traced {
   FrameRequest request;
   ShadowFrame frame;
@@ -59,6 +59,22 @@ T value_of(Expected<T> value) {
 void print(const char* label, const std::vector<double>& values) {
   std::printf("  %-34s %9.2f %9.2f %9.2f\n", label, quantile(values, 0.5), quantile(values, 0.1),
               quantile(values, 0.95));
+}
+
+struct Times {
+  std::vector<double> offscreen, previewed, added;
+};
+
+void print_times(const Scene& scene, const BenchOptions& options, const gpu::Device& device,
+                 const Times& times) {
+  std::printf("%s along %s on %s, %zu + %zu frames\n", scene.name.c_str(), options.trace.c_str(),
+              device.name.c_str(), times.offscreen.size(), times.previewed.size());
+  std::printf("  %-34s %9s %9s %9s\n", "ms", "median", "p10", "p95");
+  print("frame, offscreen", times.offscreen);
+  print("frame, in a window with panel", times.previewed);
+  print("  of it composing and presenting", times.added);
+  std::printf("preview / offscreen = %.3f (figure: <= 1.10)\n",
+              quantile(times.previewed, 0.5) / quantile(times.offscreen, 0.5));
 }
 
 void compare(const BenchOptions& options) {
@@ -102,7 +118,7 @@ void compare(const BenchOptions& options) {
     const std::vector<TracedMask> masks = masks_in_hand(traced, shown.frame);
     window->poll();
 
-    // Each pose is drawn both ways, in turns of which comes first.
+    // Each pose is drawn offscreen and in the window; the order alternates.
     for (const bool shows : {number % 2 == 0, number % 2 == 1}) {
       const Stopwatch frame;
       renderer.draw(
@@ -115,14 +131,7 @@ void compare(const BenchOptions& options) {
       if (shows) added.push_back(ms_of(showing.elapsed()));
     }
   }
-  std::printf("%s along %s on %s, %zu + %zu frames\n", scene.name.c_str(), options.trace.c_str(),
-              device.name.c_str(), offscreen.size(), previewed.size());
-  std::printf("  %-34s %9s %9s %9s\n", "ms", "median", "p10", "p95");
-  print("frame, offscreen", offscreen);
-  print("frame, in a window with panel", previewed);
-  print("  of it composing and presenting", added);
-  std::printf("preview / offscreen = %.3f (figure: <= 1.10)\n",
-              quantile(previewed, 0.5) / quantile(offscreen, 0.5));
+  print_times(scene, options, device, {offscreen, previewed, added});
 }
 
 }  // namespace
@@ -130,7 +139,7 @@ void compare(const BenchOptions& options) {
 
 int main(int argc, char** argv) try {
   farshade::BenchOptions options;
-  CLI::App app("What the preview adds to a frame");
+  CLI::App app("Measures the time that the preview adds to a frame.");
   app.add_option("--scene", options.scene);
   app.add_option("--trace", options.trace);
   app.add_option("--size", options.side_px, "pixels a side of an eye")->capture_default_str();

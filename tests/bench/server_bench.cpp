@@ -70,6 +70,18 @@ double print(const char* stage, const std::vector<double>& values) {
   return spread.median;
 }
 
+void print_rows(const std::vector<Row>& rows) {
+  std::printf("%-18s %8s %8s %8s\n", "[ms]", "median", "p95", "p99");
+  const double trace_ms = print("primary + shadow", column(rows, &Row::trace_ms));
+  print("pack", column(rows, &Row::pack_ms));
+  print("seal, send, rest", column(rows, &Row::send_ms));
+  const double frame_ms = print("whole frame", column(rows, &Row::frame_ms));
+  print("datagrams", column(rows, &Row::datagrams));
+  print("payload [kB]", column(rows, &Row::kilobytes));
+  print("shadow rays [M]", column(rows, &Row::megarays));
+  std::printf("whole frame / (primary + shadow): %.3f (to reach: <= %.2f)\n", frame_ms / trace_ms, kFigure);
+}
+
 Expected<void> run(const Options& options) {
   const Expected<Scene> scene = load_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
@@ -100,7 +112,8 @@ Expected<void> run(const Options& options) {
   for (std::uint32_t number = 1; number <= options.frames + kWarmUp; ++number) {
     link.request(request_of(*scene, number, options.side_px), {});
     core.receive(std::chrono::seconds(1));
-    while (core.next_due() && *core.next_due() > clock.now()) continue;  // the path swallows the last frame
+    while (core.next_due() && *core.next_due() > clock.now())
+      continue;  // until the paced datagrams of the last frame are sent
     const Stopwatch working;
     core.work();
     const Duration frame = working.elapsed() + send_all(core);
@@ -119,15 +132,7 @@ Expected<void> run(const Options& options) {
 
   std::printf("%s, %ux%u an eye, %u lights, %zu frames, %u arrived whole\n", scene->name.c_str(),
               options.side_px, options.side_px, light_count, rows.size(), complete);
-  std::printf("%-18s %8s %8s %8s\n", "[ms]", "median", "p95", "p99");
-  const double trace_ms = print("primary + shadow", column(rows, &Row::trace_ms));
-  print("pack", column(rows, &Row::pack_ms));
-  print("seal, send, rest", column(rows, &Row::send_ms));
-  const double frame_ms = print("whole frame", column(rows, &Row::frame_ms));
-  print("datagrams", column(rows, &Row::datagrams));
-  print("payload [kB]", column(rows, &Row::kilobytes));
-  print("shadow rays [M]", column(rows, &Row::megarays));
-  std::printf("whole frame / (primary + shadow): %.3f (to reach: <= %.2f)\n", frame_ms / trace_ms, kFigure);
+  print_rows(rows);
   return {};
 }
 

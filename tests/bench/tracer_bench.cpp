@@ -1,11 +1,11 @@
-// The tracing stage against a bare loop over the very same Embree packets, and with and without what is left
-// out (docs/tracing.md), interleaved in one run.
+// Compares the tracing stage with a bare loop over the same Embree packets, and the tracer with and without
+// skipped rays (docs/tracing.md). The measurements are interleaved in one run.
 //
 //   tracer_bench [--scene S] [--size N] [--rounds R]
 //
 // Prints medians and the spread (p10 to p90) of: primary and shadow stage of a frame (both eyes), the bare
-// loop over all shadow packets of what faces its light; and, in core time, which other programs do not
-// disturb, of primary rays alone, of frames with every shadow ray, and of frames with what matters.
+// loop over all shadow packets of surfaces that face the light; and, in CPU time, which other programs
+// disturb less, primary rays alone, frames with every shadow ray, and frames with skipped rays.
 #include <tbb/parallel_for.h>
 
 #include <CLI/CLI.hpp>
@@ -22,7 +22,7 @@
 namespace farshade {
 namespace {
 
-/// One frame's shadow packets, in the order in which the stage traces them.
+/// The shadow packets of one frame, in the order in which the stage traces them.
 template <int K>
 struct Packets {
   std::vector<RayPacket<K>> rays;
@@ -61,7 +61,7 @@ Packets<K> record(const SurfaceModel& model, const RayScene& rays, const StereoV
   return packets;
 }
 
-/// Nothing but Embree, and the copy that keeps the packets as they were.
+/// Embree alone, with a copy of each packet, so that the packets stay unchanged.
 template <int K>
 double bare_loop_ms(const RayScene& scene, const Packets<K>& packets) {
   const Stopwatch watch;
@@ -78,6 +78,39 @@ void print(const char* what, const std::vector<double>& ms, std::uint64_t rays) 
   const double median = quantile(ms, 0.5);
   std::printf("%-28s %8.2f ms  [%.2f, %.2f]  %6.1f Mray/s\n", what, median, quantile(ms, 0.1),
               quantile(ms, 0.9), static_cast<double>(rays) / median / 1e3);
+}
+
+/// Times of all rounds, ms.
+struct Times {
+  std::vector<double> primary, shadow, bare, ratio, cpu, plain_cpu, see_cpu, plain_shadow;
+};
+
+void print_construction(const TracerMemory& memory, double made_ms, double plain_ms) {
+  std::printf(
+      "made in %.1f ms of core time, maps %.1f ms of it; maps %.2f MB of %.2f MB (peak of the hierarchy %.2f "
+      "MB)\n",
+      made_ms, made_ms - plain_ms, static_cast<double>(memory.maps) / 1e6,
+      static_cast<double>(memory.total()) / 1e6, static_cast<double>(memory.hierarchy_peak) / 1e6);
+}
+
+template <int K>
+void print_times(const StereoView& views, const TraceStats& stats, const Times& times,
+                 std::uint64_t packet_rays) {
+  std::printf("%d wide, %u x %u an eye, shadow rays %.2f M of %.2f M\n", K, views[0].size.width,
+              views[0].size.height, static_cast<double>(stats.shadow_rays) / 1e6,
+              static_cast<double>(stats.full_shadow_rays) / 1e6);
+  print("primary stage", times.primary, stats.primary_rays);
+  std::printf("proven %.3f M, away %.3f M, range %.3f, cone %.3f\n", static_cast<double>(stats.proven) / 1e6,
+              static_cast<double>(stats.turned_away) / 1e6, static_cast<double>(stats.out_of_range) / 1e6,
+              static_cast<double>(stats.out_of_cone) / 1e6);
+  print("shadow stage", times.shadow, stats.shadow_rays);
+  print("core time, primary", times.see_cpu, stats.primary_rays);
+  print("core time, every ray", times.plain_cpu, stats.full_shadow_rays);
+  print("core time, what matters", times.cpu, stats.full_shadow_rays);
+  print("every ray", times.plain_shadow, stats.full_shadow_rays);
+  print("bare loop, same packets", times.bare, packet_rays);
+  std::printf("shadow stage / bare loop, rays a second: %.3f  [%.3f, %.3f]\n", quantile(times.ratio, 0.5),
+              quantile(times.ratio, 0.1), quantile(times.ratio, 0.9));
 }
 
 template <int K>
@@ -102,20 +135,12 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
   const double plain_ms = cpu_ms([&] { plain_made.emplace(Tracer::create(scene, plain_plan).value()); });
   const double made_ms = cpu_ms([&] { making.emplace(Tracer::create(scene).value()); });
   Tracer& plain = *plain_made;
-  const TracerMemory memory = tracer.memory();
-  std::printf(
-      "made in %.1f ms of core time, maps %.1f ms of it; maps %.2f MB of %.2f MB (peak of the hierarchy %.2f "
-      "MB)\n",
-      made_ms, made_ms - plain_ms, static_cast<double>(memory.maps) / 1e6,
-      static_cast<double>(memory.total()) / 1e6, static_cast<double>(memory.hierarchy_peak) / 1e6);
+  print_construction(tracer.memory(), made_ms, plain_ms);
   ShadowFrame plain_frame;
   TraceStats stats = tracer.trace(request, frame);
-  std::vector<double> plain_shadow;
   plain.trace(request, plain_frame);
   std::printf("masks %s\n", plain_frame.masks == frame.masks ? "same" : "DIFFER");
-  std::vector<double> primary, shadow, bare, ratio;
-  std::vector<double> cpu, plain_cpu;
-  std::vector<double> see_cpu;
+  Times times;
   const auto see_all = [&] {
     TileSurface surface;
     for (const View& view : views) {
@@ -125,31 +150,17 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
     }
   };
   for (int round = 0; round < rounds; ++round) {
-    see_cpu.push_back(cpu_ms(see_all));
-    plain_cpu.push_back(cpu_ms([&] { plain.trace(request, plain_frame); }));
-    cpu.push_back(cpu_ms([&] { tracer.trace(request, frame); }));
-    plain_shadow.push_back(ms_of(plain.trace(request, plain_frame).shadow));
+    times.see_cpu.push_back(cpu_ms(see_all));
+    times.plain_cpu.push_back(cpu_ms([&] { plain.trace(request, plain_frame); }));
+    times.cpu.push_back(cpu_ms([&] { tracer.trace(request, frame); }));
+    times.plain_shadow.push_back(ms_of(plain.trace(request, plain_frame).shadow));
     stats = tracer.trace(request, frame);
-    primary.push_back(ms_of(stats.primary));
-    shadow.push_back(ms_of(stats.shadow));
-    bare.push_back(bare_loop_ms(rays, same));
-    ratio.push_back(bare.back() / shadow.back());
+    times.primary.push_back(ms_of(stats.primary));
+    times.shadow.push_back(ms_of(stats.shadow));
+    times.bare.push_back(bare_loop_ms(rays, same));
+    times.ratio.push_back(times.bare.back() / times.shadow.back());
   }
-  std::printf("%d wide, %u x %u an eye, shadow rays %.2f M of %.2f M\n", K, views[0].size.width,
-              views[0].size.height, static_cast<double>(stats.shadow_rays) / 1e6,
-              static_cast<double>(stats.full_shadow_rays) / 1e6);
-  print("primary stage", primary, stats.primary_rays);
-  std::printf("proven %.3f M, away %.3f M, range %.3f, cone %.3f\n", static_cast<double>(stats.proven) / 1e6,
-              static_cast<double>(stats.turned_away) / 1e6, static_cast<double>(stats.out_of_range) / 1e6,
-              static_cast<double>(stats.out_of_cone) / 1e6);
-  print("shadow stage", shadow, stats.shadow_rays);
-  print("core time, primary", see_cpu, stats.primary_rays);
-  print("core time, every ray", plain_cpu, stats.full_shadow_rays);
-  print("core time, what matters", cpu, stats.full_shadow_rays);
-  print("every ray", plain_shadow, stats.full_shadow_rays);
-  print("bare loop, same packets", bare, same.count);
-  std::printf("shadow stage / bare loop, rays a second: %.3f  [%.3f, %.3f]\n", quantile(ratio, 0.5),
-              quantile(ratio, 0.1), quantile(ratio, 0.9));
+  print_times<K>(views, stats, times, same.count);
 }
 
 int run(int argc, char** argv) {

@@ -94,6 +94,13 @@ void unseal(const std::vector<Bytes>& datagrams, Opener& opener, Bytes& opened) 
   }
 }
 
+void print_columns(std::initializer_list<Column> columns) {
+  for (const Column& column : columns) {
+    const Spread spread = spread_of(column.values);
+    std::printf("%-32s %8.3f %8.3f %8.3f\n", column.name, spread.median, spread.p95, spread.p99);
+  }
+}
+
 Expected<void> run(const Options& options) {
   const Expected<Scene> scene = load_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
@@ -147,11 +154,7 @@ Expected<void> run(const Options& options) {
   }
   std::printf("%u x %u an eye, %u lights, %u poses\n%-32s %8s %8s %8s\n", options.side_px, options.side_px,
               frame.masks[0].lights(), options.poses, "", "median", "p95", "p99");
-  for (const Column& column :
-       {as_bytes, as_planes, as_slices, datagrams, trace_ms, pack_ms, seal_ms, unseal_ms, open_ms}) {
-    const Spread spread = spread_of(column.values);
-    std::printf("%-32s %8.3f %8.3f %8.3f\n", column.name, spread.median, spread.p95, spread.p99);
-  }
+  print_columns({as_bytes, as_planes, as_slices, datagrams, trace_ms, pack_ms, seal_ms, unseal_ms, open_ms});
   const auto median = [](const Column& column) { return spread_of(column.values).median; };
   std::printf("seal / (trace + pack + seal): %.4f, figure <= 0.05\n",
               median(seal_ms) / (median(trace_ms) + median(pack_ms) + median(seal_ms)));

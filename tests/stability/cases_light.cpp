@@ -126,9 +126,7 @@ Setting short_range(double range_m) {
   return setting;
 }
 
-}  // namespace
-
-std::vector<Case> light_cases() {
+std::vector<Case> light_positions() {
   const auto at = [](const char* name, const char* extreme, const glm::dvec3& position, double candela) {
     return Case{.name = name, .extreme = extreme, .make = [=] { return one_light(position, candela); }};
   };
@@ -169,6 +167,11 @@ std::vector<Case> light_cases() {
       {.name = "light-point-grazing-89.99deg",
        .extreme = "light at 89.99 degrees 1 m away",
        .make = [] { return grazing_point(89.99); }},
+  };
+}
+
+std::vector<Case> light_shapes_and_counts() {
+  return {
       {.name = "light-overflow", .extreme = "1e30 candela, 0.1 um over the floor", .make = overflowing},
       {.name = "light-overflow-in-shadow",
        .extreme = "1e30 candela, 50 um off, behind a sheet",
@@ -194,6 +197,12 @@ std::vector<Case> light_cases() {
        .make = [] { return many_lights(33); },
        .like = "lights-256"},
   };
+}
+
+}  // namespace
+
+std::vector<Case> light_cases() {
+  return joined({light_positions(), light_shapes_and_counts()});
 }
 
 }  // namespace farshade::stability

@@ -171,11 +171,7 @@ Case like_many_triangles(Case tested) {
   return tested;
 }
 
-}  // namespace
-
-std::vector<Case> scene_cases() {
-  const glm::dmat3 sheared({1, 0, 0}, {0.9, 1, 0}, {0, 0.7, 1});
-  const glm::dmat3 nearly_singular({1, 0, 0}, {1, 1e-4, 0}, {0, 0, 1});
+std::vector<Case> scales_and_origins() {
   return {
       {.name = "ordinary", .extreme = "nothing", .make = [] { return ordinary(); }},
       {.name = "scale-1mm", .extreme = "a scene 4 mm wide", .make = [] { return at_scale(1e-3); }},
@@ -201,6 +197,11 @@ std::vector<Case> scene_cases() {
       {.name = "huge-floor-tiny-box",
        .extreme = "floor of two triangles 10 km wide, box of 5 cm",
        .make = huge_floor},
+  };
+}
+
+std::vector<Case> degenerate_geometry() {
+  return {
       {.name = "triangle-aspect-1e4",
        .extreme = "slivers 1e4 times longer than wide",
        .make = [] { return with(slivers(1.6f, 1e4f)); }},
@@ -222,6 +223,13 @@ std::vector<Case> scene_cases() {
       {.name = "depth-ratio-1e7",
        .extreme = "things 1 mm and 10 km ahead",
        .make = [] { return depth_ratio(1e-3f, 1e4f); }},
+  };
+}
+
+std::vector<Case> transforms_and_motion() {
+  const glm::dmat3 sheared({1, 0, 0}, {0.9, 1, 0}, {0, 0.7, 1});
+  const glm::dmat3 nearly_singular({1, 0, 0}, {1, 1e-4, 0}, {0, 0, 1});
+  return {
       {.name = "mirrored-single-sided", .extreme = "a negative scale turns sides over", .make = mirrored},
       {.name = "sheared",
        .extreme = "a sheared instance",
@@ -264,6 +272,12 @@ std::vector<Case> scene_cases() {
       like_many_triangles(
           {.name = "many-instances", .extreme = "2,000 instances of one box", .make = many_instances}),
   };
+}
+
+}  // namespace
+
+std::vector<Case> scene_cases() {
+  return joined({scales_and_origins(), degenerate_geometry(), transforms_and_motion()});
 }
 
 }  // namespace farshade::stability

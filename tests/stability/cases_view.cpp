@@ -56,9 +56,7 @@ Setting different_eyes() {
   return setting;
 }
 
-}  // namespace
-
-std::vector<Case> view_cases() {
+std::vector<Case> fields_of_view_and_sizes() {
   const auto sized = [](const char* name, const char* extreme, Extent size, const char* like) {
     return Case{.name = name, .extreme = extreme, .make = [=] { return with_size(size); }, .like = like};
   };
@@ -87,7 +85,12 @@ std::vector<Case> view_cases() {
       sized("size-prime", "83 x 61 pixels", {83, 61}, "ordinary"),
       sized("size-2000x3", "2,000 x 3 pixels", {2000, 3}, "ordinary"),
       sized("size-8192x1", "the longest side there is", {8192, 1},
-            "size-372x372"),  // 17 rows with its guard band
+            "size-372x372"),  // 17 rows with its guard band,
+  };
+}
+
+std::vector<Case> eyes_and_cameras() {
+  return {
       {.name = "eyes-0", .extreme = "both eyes in one place", .make = [] { return with_eyes(0); }},
       {.name = "eyes-1um", .extreme = "eyes 1 um apart", .make = [] { return with_eyes(1e-6); }},
       {.name = "eyes-1m",
@@ -130,6 +133,12 @@ std::vector<Case> view_cases() {
              return from({0.5, 1.6, 2.5}, {0.5, 30, 40});
            }},
   };
+}
+
+}  // namespace
+
+std::vector<Case> view_cases() {
+  return joined({fields_of_view_and_sizes(), eyes_and_cameras()});
 }
 
 }  // namespace farshade::stability
