@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint32_t kLongestRoundTrip_frames = 24;
 constexpr Duration kPatience = std::chrono::seconds(3);
 
-/// A recorded head whose frames begin by the link's clock.
+/// Plays a recorded head. Frames begin at times of the link's clock.
 class LinkRuntime final : public Runtime {
  public:
   LinkRuntime(RecordedHeadRuntime& head, NetworkLink& link, ManualClock& clock,
@@ -59,7 +59,7 @@ double known_share(const ReceivedFrame& frame) {
   return static_cast<double>(known) / static_cast<double>(all);
 }
 
-/// Of the newest mask's tiles, those that came in it or in the one after it in `masks`.
+/// The share of the newest mask's tiles that arrived in it or in the next older mask.
 double recent_share(std::span<const TracedMask> masks) {
   std::size_t known = 0, all = 0;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
@@ -76,6 +76,68 @@ template <class T>
 T value_of(Expected<T> value) {
   if (!value) throw std::runtime_error(value.error().what);
   return std::move(*value);
+}
+
+/// The server at its end of the link. It answers a request when the request arrives; its work takes no
+/// virtual time.
+struct LinkServer {
+  LinkServer(const Play& play, VirtualLink& wire, const Clock& clock)
+      : lights(narrow<std::uint32_t>(play.scene.lights.size())),
+        tracer(value_of(Tracer::create(play.scene))),
+        plan(plan_for(play.scene, {.all_lights = true})),
+        core({play.scene.hash, lights}, {key},
+             make_answers({.scene = play.scene, .plan = plan, .tracer = tracer}), wire.server(), clock,
+             play.limits) {
+    wire.while_waiting(
+        [this] {
+          while (core.receive(Duration::zero())) {
+          }
+          while (core.work()) {
+          }
+          core.send_due();
+        },
+        [this] { return core.next_due(); });
+  }
+
+  SharedKey key{.name = "rehearsal", .secret = {1}};
+  std::uint32_t lights;
+  Tracer tracer;
+  ScenePlan plan;
+  ServerCore core;
+};
+
+/// Adds every report that the client receives to `played`.
+void collect_reports(NetworkLink& link, Played& played) {
+  link.tell({.heard =
+                 [&played](std::span<const std::byte> bytes, Time) {
+                   const Decoded<ServerMessage> message = decode_server(bytes);
+                   if (const auto* report = message ? std::get_if<FrameReport>(&*message) : nullptr)
+                     played.reports.push_back(*report);
+                 },
+             .asked = {}});
+}
+
+RecordedHeadRuntime recorded_head(const Play& play) {
+  return {play.head,
+          {.stage_from_recorded =
+               play.scene.camera ? place(play.head, *play.scene.camera) : Rigid<Stage, Recorded>{},
+           .eye_size = play.size,
+           .refresh_hz = play.refresh_hz,
+           .skip = play.skip,
+           .frames = play.frames,
+           .pace = Pace::Virtual}};
+}
+
+PlayedFrame played_frame(const FrameView& view, const Clock& clock, const NetworkLink& link,
+                         const Renderer& renderer) {
+  PlayedFrame frame{
+      .at = clock.now(), .view_scale = link.inbox().view_scale(), .pipelines = renderer.counters().pipelines};
+  if (view.newest == nullptr) return frame;
+  frame.newest = view.newest->request.frame;
+  frame.newest_asked = clock.now() - view.age.value();
+  frame.tiles_current = known_share(*view.newest);
+  if (!view.masks.empty()) frame.tiles_recent = recent_share(view.masks);
+  return frame;
 }
 
 }  // namespace
@@ -115,69 +177,41 @@ double Played::mean_of(double PlayedFrame::*share) const {
 Played play(const Play& play, const Network& network) {
   ManualClock clock;
   VirtualLink wire(clock, {.to_server = network.model, .to_client = network.model});
-  Tracer tracer = value_of(Tracer::create(play.scene));
+  LinkServer server(play, wire, clock);
   std::optional<Reference> reference, own_tracer;
   if (play.reference_every > 0) reference.emplace(value_of(Tracer::create_reference(play.scene)));
   if (play.mode.mode == Mode::Full) own_tracer.emplace(value_of(Tracer::create(play.scene)));
-  const auto lights = narrow<std::uint32_t>(play.scene.lights.size());
-  const SharedKey key{.name = "rehearsal", .secret = {1}};
-  const ScenePlan plan = plan_for(play.scene, {.all_lights = true});
-  ServerCore core({play.scene.hash, lights}, {key},
-                  make_answers({.scene = play.scene, .plan = plan, .tracer = tracer}), wire.server(), clock,
-                  play.limits);
-  wire.while_waiting(
-      [&] {
-        while (core.receive(Duration::zero())) {
-        }
-        while (core.work()) {
-        }
-        core.send_due();
-      },
-      [&] { return core.next_due(); });
-
   const std::uint32_t in_flight =
       kLongestRoundTrip_frames + narrow<std::uint32_t>(ShadingPass::kMaxMasks) + 4;
   Renderer renderer(play.device, play.scene,
                     {.size = play.size, .traced_size = largest_traced(play.size), .depth_frames = in_flight});
-  NetworkLink link(wire.client(), clock,
-                   {wire.server().local(), key, play.scene.hash, {lights}, answers_for(play.mode.mode)},
-                   in_flight);
+  NetworkLink link(
+      wire.client(), clock,
+      {wire.server().local(), server.key, play.scene.hash, {server.lights}, answers_for(play.mode.mode)},
+      in_flight);
   Played played;
-  link.tell({.heard =
-                 [&](std::span<const std::byte> message, Time) {
-                   const Decoded<ServerMessage> said = decode_server(message);
-                   if (const auto* report = said ? std::get_if<FrameReport>(&*said) : nullptr)
-                     played.reports.push_back(*report);
-                 },
-             .asked = {}});
+  collect_reports(link, played);
   const Expected<void> met = link.meet(kPatience);
   const Duration round_trip = met ? (clock.now() - Time{}) / 2 : Duration::zero();
 
-  RecordedHeadRuntime head(
-      play.head, {.stage_from_recorded =
-                      play.scene.camera ? place(play.head, *play.scene.camera) : Rigid<Stage, Recorded>{},
-                  .eye_size = play.size,
-                  .refresh_hz = play.refresh_hz,
-                  .skip = play.skip,
-                  .frames = play.frames,
-                  .pace = Pace::Virtual});
+  RecordedHeadRuntime head = recorded_head(play);
   Time moved = clock.now();
   LinkRuntime runtime(head, link, clock, [&] {
     if (network.moves_every == Duration::zero() || clock.now() - moved < network.moves_every) return;
     moved = clock.now();
     wire.move_client(0);
   });
-  RunReport recorder({.out = {},
-                      .frame_count = play.frames,
-                      .reference_every = play.reference_every,
-                      .pictures = 0,
-                      .dump = {}},
-                     renderer, reference ? &*reference : nullptr);
+  RunReport report({.out = {},
+                    .frame_count = play.frames,
+                    .reference_every = play.reference_every,
+                    .pictures = 0,
+                    .dump = {}},
+                   renderer, reference ? &*reference : nullptr);
   const FrameSettings steering{
       .wish = play.request,
       .carry_over = play.carry_over,
-      .report = recorder.measures_any() ? ShadingPass::Report::On : ShadingPass::Report::Off};
-  const RunContext session{
+      .report = report.measures_any() ? ShadingPass::Report::On : ShadingPass::Report::Off};
+  const RunContext context{
       .scene = play.scene,
       .runtime = runtime,
       .renderer = renderer,
@@ -187,26 +221,17 @@ Played play(const Play& play, const Network& network) {
       .steering = steering,
       .policy = {.pace = Pace::Real, .round_trip = round_trip, .mask_wait = play.mask_wait}};
   const auto watch = [&](const FrameView& view) {
-    recorder.watch(view);
-    if (play.watch) play.watch(view, recorder.log().records().back(), recorder.measured());
-    PlayedFrame frame{.at = clock.now(),
-                      .view_scale = link.inbox().view_scale(),
-                      .pipelines = renderer.counters().pipelines};
-    if (view.newest != nullptr) {
-      frame.newest = view.newest->request.frame;
-      frame.newest_asked = clock.now() - view.age.value();
-      frame.tiles_current = known_share(*view.newest);
-      if (!view.masks.empty()) frame.tiles_recent = recent_share(view.masks);
-    }
-    played.frames.push_back(frame);
+    report.watch(view);
+    if (play.watch) play.watch(view, report.log().records().back(), report.measured());
+    played.frames.push_back(played_frame(view, clock, link, renderer));
     const std::size_t half = played.frames.size() * 2 <= play.frames ? 0 : 1;
     played.heap_peak[half] = std::max<std::size_t>(played.heap_peak[half], mallinfo2().uordblks);
   };
-  const Expected<void> shown = run(session, watch, [] { return false; });
+  const Expected<void> shown = run(context, watch, [] { return false; });
   if (!shown) throw std::runtime_error(shown.error().what);
-  played.log = recorder.log();
+  played.log = report.log();
   played.client = link.counters();
-  played.server = core.counters();
+  played.server = server.core.counters();
   return played;
 }
 

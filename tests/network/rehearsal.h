@@ -1,6 +1,5 @@
-/// Rehearsal: a server and a client, whole, over a virtual link in virtual time. What is shown, and how wrong
-/// it is, depends on nothing but scene, head and network: the same on every run. Only run times are the
-/// machine's.
+/// Rehearsal: the complete server and client on a virtual link in virtual time. Pictures and errors depend
+/// only on scene, head and network, and are the same in every run. Run times depend on the machine.
 #pragma once
 
 #include <array>
@@ -17,17 +16,17 @@
 
 namespace farshade {
 
-/// What lies between server and client.
+/// The network between server and client.
 struct Network {
   std::string name;
-  LinkModel model;         ///< of either direction
-  Duration moves_every{};  ///< the client's address changes so often; 0 = never
+  LinkModel model;         ///< of each direction
+  Duration moves_every{};  ///< interval at which the client's address changes; 0 = never
 };
 
-/// kNetworks, and one on which the client's address changes every 5 s.
+/// kNetworks, and a network on which the client's address changes every 5 s.
 [[nodiscard]] std::vector<Network> named_networks();
 
-/// As people write it: a name of named_networks() or what parse_link_model takes.
+/// Parses a name of named_networks() or a link model (parse_link_model).
 [[nodiscard]] Expected<Network> network_from(const std::string& text);
 
 struct Play {
@@ -37,24 +36,23 @@ struct Play {
   Extent size{128, 128};
   double refresh_hz = 72;
   std::uint32_t frames = 72;
-  std::uint32_t reference_every = 8;  ///< frames of which the error is measured; 0 = none
+  std::uint32_t reference_every = 8;  ///< every Nth frame is compared with its reference; 0 = none
   ModeSettings mode{};
   RequestSettings request{};
   CarryOver carry_over{};
   Duration mask_wait{};  ///< how long a frame waits for its own answer
-  /// Sees each frame; the last is null where it was not measured.
+  /// Called for each frame. The last argument is null for frames that are not compared.
   std::function<void(const FrameView&, const FrameRecord&, const MeasuredFrame*)> watch{};
-  Duration skip{};  ///< of the head's beginning
+  Duration skip{};  ///< skipped at the start of the recording
   SessionLimits limits{};
 };
 
 struct PlayedFrame {
-  Time at;                          ///< on the link's clock: when the frame was begun
-  std::optional<FrameId> newest{};  ///< mask it was shown with
+  Time at;                          ///< start of the frame on the link's clock
+  std::optional<FrameId> newest{};  ///< the newest mask that the frame used
   std::optional<Time> newest_asked{};
-  double tiles_current = 0;  ///< share of the newest mask's tiles that have come, of both eyes
-  double tiles_recent =
-      0;  ///< that have come in it or in the mask before it, where that one has the same size
+  double tiles_current = 0;  ///< share of the newest mask's tiles that have arrived, both eyes
+  double tiles_recent = 0;   ///< that have arrived in it or in the mask before it, if that has the same size
   ViewScale view_scale{};
   std::size_t pipelines = 0;  ///< compiled by the client up to and including this frame
 };
@@ -64,15 +62,16 @@ struct Played {
   std::vector<PlayedFrame> frames;
   NetworkLink::Counters client;
   ServerCounters server;
-  std::vector<FrameReport> reports{};      ///< of all answers, as their client heard them
-  std::array<std::size_t, 2> heap_peak{};  ///< most bytes in use in the first and in the second half
+  std::vector<FrameReport> reports{};  ///< of all answers, as the client received them
+  std::array<std::size_t, 2>
+      heap_peak{};  ///< largest heap in bytes in the first and in the second half of the run
 
   [[nodiscard]] std::vector<double> worse_eye(double EyeErrors::*figure) const;
-  /// Mean over frames with a mask.
+  /// Mean of all frames with a mask.
   [[nodiscard]] double mean_of(double PlayedFrame::*share) const;
 };
 
-/// Plays `frames` display frames. The server's trace takes no virtual time.
+/// Runs `frames` display frames. Tracing takes no virtual time.
 [[nodiscard]] Played play(const Play& play, const Network& network);
 
 }  // namespace farshade
