@@ -1,5 +1,5 @@
-/// Wanted: with what a request is to be answered. Each request says it for itself; docs/modes.md has the
-/// modes that ask so.
+/// AnswerSpec: the kind of answer that a request asks for. Each request states it. docs/modes.md lists the
+/// modes that use each kind.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 namespace farshade {
 
 enum class Answer : std::uint8_t {
-  Masks,             ///< of the surfaces that the views see
-  MasksOfPositions,  ///< of the positions that follow the request
+  Masks,             ///< masks of the surfaces in the views
+  MasksOfPositions,  ///< masks of the positions that the client sends
   GBuffer,           ///< base colour, normal, depth and masks
-  Video,             ///< both eyes as they should look, side by side
-  Difference,        ///< the same with shadows minus without
+  Video,             ///< the shaded pictures of both eyes, side by side
+  Difference,        ///< the picture with shadows minus the picture without
 };
 inline constexpr std::uint8_t kAnswers = 5;
 
@@ -30,7 +30,7 @@ using AnswerSet = std::uint8_t;
   return static_cast<AnswerSet>(1u << static_cast<unsigned>(answer));
 }
 inline constexpr AnswerSet kTracedAnswers = set_of(Answer::Masks) | set_of(Answer::MasksOfPositions);
-/// Pictures that a renderer draws for the views asked, and that are turned to those shown.
+/// Pictures that the server draws for the requested views. The client rotates them to the shown views.
 inline constexpr AnswerSet kDrawnAnswers =
     set_of(Answer::GBuffer) | set_of(Answer::Video) | set_of(Answer::Difference);
 [[nodiscard]] constexpr bool is_drawn(Answer answer) {
@@ -39,10 +39,10 @@ inline constexpr AnswerSet kDrawnAnswers =
 inline constexpr AnswerSet kUncodedAnswers = kTracedAnswers | set_of(Answer::GBuffer);
 inline constexpr AnswerSet kEveryAnswer = (1u << kAnswers) - 1;
 
-/// Whether a picture may be coded as what changed since the one before it.
+/// Whether a picture may be coded as the difference to the previous picture.
 enum class Coding : std::uint8_t {
   AfterLast,
-  Alone,  ///< the decoder lacks a picture: this one must do without
+  Alone,  ///< a key frame: the decoder has lost a picture
 };
 
 inline constexpr std::uint32_t kLeastVideo_bits = 100'000, kMostVideo_bits = 1'000'000'000;  ///< a second
@@ -50,13 +50,13 @@ inline constexpr std::uint32_t kLeastPosition_bits = 8, kMostPosition_bits = 24;
 
 struct AnswerSpec {
   Answer answer = Answer::Masks;
-  // Of Video and Difference; else 0.
+  // For Video and Difference, otherwise 0.
   std::uint32_t bits_per_second = 0;
-  Duration interval{};  ///< between two pictures, up to 10 s
+  Duration interval{};  ///< time between two pictures, up to 10 s
   Coding coding = Coding::AfterLast;
-  // Of MasksOfPositions; else 0.
-  std::uint32_t position_bits = 0;  ///< an axis of their grid
-  std::uint32_t slices = 0;         ///< PlaneSlices that carry them
+  // For MasksOfPositions, otherwise 0.
+  std::uint32_t position_bits = 0;  ///< bits per axis of the position grid
+  std::uint32_t slices = 0;         ///< number of PlaneSlices that carry the positions
   friend bool operator==(const AnswerSpec&, const AnswerSpec&) = default;
 };
 

@@ -1,9 +1,9 @@
-/// EyeMask: for each pixel one bit a light of the light set, 1 = the light is visible from that pixel's
-/// surface.
+/// EyeMask: for each pixel one bit per light of the light set, 1 = the light is visible from the pixel's
+/// surface point.
 ///
-/// Bits lie in the narrowest word that holds them (1, 2 or 4 bytes for up to 8, 16 or 32 lights). More than
-/// 32 lights take planes of 4-byte words: light i is bit i % 32 of plane i / 32. A plane is row-major, top
-/// row first, without padding; planes follow each other. Pixels that no surface covers are 0.
+/// A pixel's bits are stored in the smallest word that holds them (1, 2 or 4 bytes for up to 8, 16 or 32
+/// lights). More than 32 lights need several planes of 4-byte words: light i is bit i % 32 of plane i / 32. A
+/// plane is row-major, top row first, without padding. Pixels without a surface are 0.
 #pragma once
 
 #include <cstddef>
@@ -17,17 +17,17 @@ namespace farshade {
 
 inline constexpr std::uint32_t kMaxLights = 256;
 
-/// How masks of `lights` lights lie in memory; shared by tracer, wire and shader.
+/// The memory layout of masks of `lights` lights. Tracer, wire and shaders share it.
 struct MaskLayout {
   std::uint32_t lights = 0;
-  std::uint32_t least_word_bytes = 1;  ///< 1, 2 or 4: words are this wide even where fewer bits would do
+  std::uint32_t least_word_bytes = 1;  ///< 1, 2 or 4: minimum size of a word
 
   [[nodiscard]] constexpr std::uint32_t planes() const { return lights == 0 ? 1 : (lights + 31) / 32; }
   [[nodiscard]] constexpr std::uint32_t word_bytes() const {
     const std::uint32_t needed = lights <= 8 ? 1 : lights <= 16 ? 2 : 4;
     return needed > least_word_bytes ? needed : least_word_bytes;
   }
-  /// Lights in plane `plane`; its words have no bits above.
+  /// Number of lights in plane `plane`. Higher bits of its words are 0.
   [[nodiscard]] constexpr std::uint32_t lights_in(std::uint32_t plane) const {
     const std::uint32_t before = plane * 32;
     return lights <= before ? 0 : lights - before < 32 ? lights - before : 32;

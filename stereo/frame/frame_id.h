@@ -10,7 +10,7 @@ struct FrameId {
   friend bool operator==(FrameId, FrameId) = default;
 };
 
-/// Serial order: right across wraparound.
+/// Serial order, correct across wraparound.
 constexpr bool is_newer(FrameId a, FrameId b) {
   return static_cast<std::int32_t>(a.value - b.value) > 0;
 }
@@ -19,7 +19,7 @@ constexpr FrameId next(FrameId id) {
   return {id.value + 1};
 }
 
-/// How many requests `b` lies behind `a`; negative when ahead.
+/// Number of requests from `b` to `a`; negative if `b` is newer.
 constexpr std::int32_t frames_between(FrameId a, FrameId b) {
   return static_cast<std::int32_t>(a.value - b.value);
 }

@@ -1,5 +1,5 @@
-/// KnownTiles: which tiles of a mask have arrived. What has not arrived is unknown, never a guess in
-/// disguise.
+/// KnownTiles: the tiles of a mask that have arrived. A pixel of a tile that has not arrived is unknown; its
+/// visibility is never guessed.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 
 namespace farshade {
 
-/// A byte a tile (TileGrid order), its bit p = the tile's plane p is known. So a mask of up to 32 lights has
-/// 0 and 1; one of more has all_planes_known() where no plane is missing.
+/// One byte per tile (TileGrid order). Bit p is set if plane p of the tile is known. A tile of a mask with up
+/// to 32 lights is 0 or 1; a complete tile is all_planes_known().
 using KnownTiles = std::vector<std::uint8_t>;
 static_assert(MaskLayout{kMaxLights}.planes() <= 8);
 
@@ -19,7 +19,7 @@ static_assert(MaskLayout{kMaxLights}.planes() <= 8);
   return static_cast<std::uint8_t>((1u << layout.planes()) - 1);
 }
 
-/// No plane of any tile is missing.
+/// True if all planes of all tiles are known.
 [[nodiscard]] inline bool is_whole(const KnownTiles& tiles, MaskLayout layout) {
   return std::all_of(tiles.begin(), tiles.end(),
                      [all = all_planes_known(layout)](std::uint8_t tile) { return tile == all; });

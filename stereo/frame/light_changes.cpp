@@ -5,14 +5,14 @@
 namespace farshade {
 namespace {
 
-/// Where the changes after `revision` begin.
+/// The first change after `revision`.
 auto first_after(const std::vector<LightChange>& lights, std::uint32_t revision) {
   return std::find_if(lights.begin(), lights.end(), [revision](const LightChange& change) {
     return is_newer_light_set(change.revision, revision);
   });
 }
 
-/// In place of what the light had; in order of revision.
+/// Replaces the change of the same light and keeps the order by revision.
 void put(std::vector<LightChange>& lights, const LightChange& change) {
   std::erase_if(lights, [&](const LightChange& old) { return old.light == change.light; });
   lights.insert(first_after(lights, change.revision), change);

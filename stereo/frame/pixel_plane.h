@@ -1,5 +1,5 @@
-/// A plane of pixels: one number a pixel, a layer of a G-buffer or a coordinate of its surface points, as
-/// one side makes it for the other.
+/// A plane of pixels that is sent: one number per pixel. It is a layer of a G-buffer, or a coordinate of the
+/// surface points.
 #pragma once
 
 #include <array>
@@ -10,12 +10,12 @@
 
 namespace farshade {
 
-/// What a plane's words are. The numbers are those of the wire.
+/// The meaning of a plane's words. The values are part of the wire format.
 enum class PlaneKind : std::uint8_t { BaseColor, Normal, Depth, PositionX, PositionY, PositionZ };
 
 inline constexpr std::uint32_t kMaxPlaneWord_bytes = 4;
 
-/// The largest word of so many bytes, 1 to kMaxPlaneWord_bytes.
+/// The largest word of `word_bytes` bytes (1 to kMaxPlaneWord_bytes).
 constexpr std::uint32_t largest_word(std::uint32_t word_bytes) {
   return 0xffffffffu >> 8 * (kMaxPlaneWord_bytes - word_bytes);
 }
@@ -31,15 +31,15 @@ struct PixelPlane {
   friend bool operator==(const PixelPlane&, const PixelPlane&) = default;
 };
 
-/// A G-buffer of both eyes as it travels: base colour as the image stores it (3 bytes), normal (4), depth
-/// (float bits, reversed z, 4; 0 where nothing is covered).
+/// The G-buffer of both eyes as it is sent: base colour as stored in the image (3 bytes), normal (4), depth
+/// (bits of a float, reversed z, 4; 0 without a surface).
 struct GBufferPlanes {
   PerEye<PixelPlane> base_color, normal, depth;
   friend bool operator==(const GBufferPlanes&, const GBufferPlanes&) = default;
 };
 inline constexpr std::array kGBufferKinds{PlaneKind::BaseColor, PlaneKind::Normal, PlaneKind::Depth};
 
-/// One of kGBufferKinds.
+/// The plane of a kind in kGBufferKinds.
 [[nodiscard]] constexpr auto& planes_of(auto& gbuffer, PlaneKind kind) {
   return kind == PlaneKind::BaseColor ? gbuffer.base_color
          : kind == PlaneKind::Normal  ? gbuffer.normal

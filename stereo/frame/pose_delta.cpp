@@ -11,7 +11,7 @@ PoseDelta pose_delta(const View& shown, Time shown_at, const View& traced, Time 
   PoseDelta delta{.traced_from_shown = {}, .angle_rad = 0, .distance_m = 0, .age = shown_at - traced_for};
   if (to == from) return delta;
   const glm::dquat back = glm::conjugate(to.rotation);
-  // The difference is taken before it is rotated: 1,000 km from the origin it keeps its digits.
+  // Subtracting before rotating keeps the precision 1,000 km from the origin.
   delta.traced_from_shown = {
       to.rotation == from.rotation ? glm::dquat(1, 0, 0, 0) : glm::normalize(back * from.rotation),
       back * (from.translation - to.translation)};

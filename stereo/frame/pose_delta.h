@@ -1,5 +1,5 @@
-/// PoseDelta: what moved between the view a mask was traced for and the view that is shown. Computed once, in
-/// double; the shader's transform, the log's columns and the preview's numbers are all this value.
+/// PoseDelta: the difference between the view for which a mask was traced and the shown view, in double. The
+/// shaders, the logs and the preview use the same value.
 #pragma once
 
 #include "stereo/base/clock.h"
@@ -8,16 +8,16 @@
 namespace farshade {
 
 struct PoseDelta {
-  Rigid<Eye, Eye> traced_from_shown;  ///< a point of the shown eye's space in the traced eye's
+  Rigid<Eye, Eye> traced_from_shown;  ///< maps points of the shown eye's space to the traced eye's space
   double angle_rad = 0;               ///< in [0, pi]
   double distance_m = 0;              ///< between the two eyes
-  Duration age{};                     ///< shown minus traced time; negative where the traced view was to come
+  Duration age{};  ///< shown minus traced time; negative if the traced view is for a later time
 
-  /// Nothing moved, to the last bit.
+  /// True if both poses are equal, bit for bit.
   [[nodiscard]] bool is_zero() const { return angle_rad == 0 && distance_m == 0; }
 };
 
-/// `shown` at `shown_at` against `traced`, traced for `traced_for`.
+/// Compares `shown` at time `shown_at` with `traced`, which was traced for time `traced_for`.
 [[nodiscard]] PoseDelta pose_delta(const View& shown, Time shown_at, const View& traced, Time traced_for);
 
 }  // namespace farshade

@@ -23,9 +23,9 @@ void positions_of(const View& view, std::span<const float> distance_m, const Pos
     plane.word_bytes = grid.word_bytes();
     plane.words.resize(view.size.pixels());
   }
-  const FovTangents window = tangents_of(view.fov);
+  const FovTangents tangents = tangents_of(view.fov);
   const auto stage_ray = [&](double x, double y) {
-    return view.stage_from_eye(Vector<Eye>{pixel_ray(window, view.size, {x, y})}).v;
+    return view.stage_from_eye(Vector<Eye>{pixel_ray(tangents, view.size, {x, y})}).v;
   };
   const glm::dvec3 corner = stage_ray(0.5, 0.5);
   const glm::dvec3 across = stage_ray(1.5, 0.5) - corner, down = stage_ray(0.5, 1.5) - corner;
@@ -38,9 +38,9 @@ void positions_of(const View& view, std::span<const float> distance_m, const Pos
       const glm::dvec3 at = (eye + ray * double{distance_m[i]}) / grid.step_m;
       const glm::dvec3 point(std::floor(at.x + 0.5), std::floor(at.y + 0.5), std::floor(at.z + 0.5));
       const auto inside = [last](double axis) { return axis >= 0 && axis <= last; };  // false for NaN
-      const bool told = distance_m[i] > 0 && inside(point.x) && inside(point.y) && inside(point.z);
+      const bool is_inside = distance_m[i] > 0 && inside(point.x) && inside(point.y) && inside(point.z);
       for (std::size_t axis = 0; axis < 3; ++axis)
-        planes[axis].words[i] = told ? static_cast<std::uint32_t>(point[static_cast<int>(axis)]) + 1 : 0;
+        planes[axis].words[i] = is_inside ? static_cast<std::uint32_t>(point[static_cast<int>(axis)]) + 1 : 0;
     }
 }
 

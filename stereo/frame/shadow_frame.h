@@ -1,5 +1,5 @@
-/// ShadowFrame: what a server makes of a request - both eyes' masks, the views they were traced for, the
-/// light set they speak of. A mask never travels or rests without its views.
+/// ShadowFrame: the server's result for a request: the masks of both eyes, with the views and the light set
+/// revision for which they were traced. Masks are always stored and sent with their views.
 #pragma once
 
 #include "stereo/base/clock.h"
@@ -11,14 +11,14 @@
 
 namespace farshade {
 
-/// What a client asks for.
+/// A request of the client.
 struct FrameRequest {
   FrameId frame;
-  Time display_time;  ///< when the traced views are to be shown
-  Time scene_time;    ///< where the animation stands
+  Time display_time;  ///< time at which the traced views will be shown
+  Time scene_time;    ///< time of the animation
   StereoView views;
-  LightChanges lights{};  ///< the light set that the masks are to speak of
-  AnswerSpec wanted{};    ///< with what to answer
+  LightChanges lights{};  ///< the light changes to trace with
+  AnswerSpec wanted{};    ///< the kind of answer
 };
 
 struct ShadowFrame {

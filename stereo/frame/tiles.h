@@ -1,4 +1,4 @@
-/// Tiles: the 16x16-pixel squares in which masks are traced, packed, lost and known.
+/// Tiles: squares of 16x16 pixels. Masks are traced, packed, sent and tracked as known or unknown per tile.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ struct TileRect {
   std::uint32_t x0, y0, x1, y1;  ///< pixels, end exclusive; tiles at the right and bottom may be smaller
 };
 
-/// Tiles of a picture, numbered row by row from the top left.
+/// The tiles of a picture, numbered row by row from the top left.
 struct TileGrid {
   Extent size;  ///< pixels
 

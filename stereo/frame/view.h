@@ -1,4 +1,4 @@
-/// View: where one eye is, what it sees and how many pixels it has. Two of them are a frame's views.
+/// View: pose, field of view and size in pixels of one eye. A frame has two views.
 #pragma once
 
 #include <array>
@@ -26,14 +26,14 @@ constexpr const char* name_of(Side side) {
   return side == Side::Left ? "left" : "right";
 }
 
-/// One value for each eye, left first.
+/// One value per eye, left first.
 template <class T>
 using PerEye = std::array<T, kEyes>;
 using StereoView = PerEye<View>;
 
 inline constexpr std::uint32_t kMaxViewSide_px = 8192;
 
-/// Finite pose with unit rotation (within 1e-3), valid fov, sides within 1..kMaxViewSide_px.
+/// True for a finite pose with unit rotation (within 1e-3), a valid fov, and sides from 1 to kMaxViewSide_px.
 [[nodiscard]] bool is_valid(const View& view);
 
 }  // namespace farshade

@@ -33,7 +33,7 @@ glm::dquat slerp(const glm::dquat& a, const glm::dquat& b, double t) {
 double heading_rad(const glm::dquat& rotation) {
   const glm::dvec3 ahead = rotation * glm::dvec3(0, 0, -1);
   const glm::dvec3 up = rotation * glm::dvec3(0, 1, 0);
-  // Looking straight up or down, "ahead" has no heading; the top (or bottom) of the head has.
+  // If the head looks straight up or down, the direction of its bottom (or top) defines the heading.
   const double level2 = ahead.x * ahead.x + ahead.z * ahead.z;
   const glm::dvec3 level = level2 > 1e-12 ? ahead : (ahead.y > 0 ? -up : up);
   return std::atan2(-level.x, -level.z);

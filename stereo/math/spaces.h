@@ -1,6 +1,6 @@
-/// Spaces in types: a point knows the space it is in, a rigid transform knows between which two it maps.
-/// Names read right to left and adjacent names cancel: `stage_from_eye * eye_from_object` is
-/// stage_from_object. Everything here is double and metres; shaders see camera-relative float.
+/// Coordinate spaces as types: a point has a space, and a transform has a source and a target space. Names
+/// read right to left and adjacent names cancel: `stage_from_eye * eye_from_object` is stage_from_object. All
+/// values are double, in metres. Shaders get camera-relative floats.
 #pragma once
 
 #include <glm/gtc/quaternion.hpp>
@@ -10,11 +10,11 @@
 
 namespace farshade {
 
-struct Stage;     ///< the fixed, gravity-aligned room: +x right, +y up, -z ahead, right-handed
-struct Head;      ///< between the eyes, moving
-struct Eye;       ///< one eye, moving: +x right, +y up, -z ahead
-struct Object;    ///< a mesh's own space, as its file has it
-struct Recorded;  ///< the stage of a recorded head trace, before it is placed in a scene
+struct Stage;     ///< the fixed, gravity-aligned world: +x right, +y up, -z ahead, right-handed
+struct Head;      ///< the head, with its origin between the eyes
+struct Eye;       ///< one eye: +x right, +y up, -z ahead
+struct Object;    ///< the space of a mesh in its file
+struct Recorded;  ///< the stage of a head recording, before it is placed in a scene
 
 template <class Space>
 struct Vector {
@@ -53,11 +53,11 @@ double length(Vector<S> a) {
   return glm::length(a.v);
 }
 
-/// Rotation, then translation: p_To = rotation * p_From + translation. `rotation` is unit.
+/// A rotation, then a translation: p_To = rotation * p_From + translation. `rotation` is unit.
 template <class To, class From>
 struct Rigid {
   glm::dquat rotation{1.0, 0.0, 0.0, 0.0};  ///< (w, x, y, z)
-  glm::dvec3 translation{0.0};              ///< where From's origin is in To
+  glm::dvec3 translation{0.0};              ///< the origin of From in To
 
   Point<To> operator()(Point<From> p) const { return {rotation * p.v + translation}; }
   Vector<To> operator()(Vector<From> d) const { return {rotation * d.v}; }
@@ -84,7 +84,7 @@ glm::dmat4 matrix(const Rigid<To, From>& t) {
   return m;
 }
 
-/// Any invertible affine map, as glTF's nodes need (scale, negative scale, shear from matrices).
+/// An invertible affine map, as glTF nodes have (scale, negative scale, shear).
 template <class To, class From>
 struct Affine {
   glm::dmat4 matrix{1.0};  ///< last row 0 0 0 1

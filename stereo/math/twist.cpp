@@ -6,11 +6,11 @@
 namespace farshade {
 namespace {
 
-// Below this square of the angle the closed forms lose digits to cancellation; the series' next terms are
-// under 1e-16 of their sums there.
+// Below this squared angle, the closed forms lose digits to cancellation. There, the first omitted term of
+// each series is below 1e-16 of the sum.
 constexpr double kSeriesBelow = 0.25;
 
-/// (1 - cos a) / a^2, written without a difference.
+/// (1 - cos a) / a^2, without cancellation.
 double one_minus_cos_over_square(double angle) {
   const double half = 0.5 * angle;
   const double sinc = half < 1e-4 ? 1.0 - half * half / 6.0 : std::sin(half) / half;

@@ -1,14 +1,14 @@
-/// Rigid motions as screws: a constant body twist carries a head along an exact arc (a turn about the neck is
-/// one), and every motion between two poses is the screw of one twist.
-/// Source: J. Sola, J. Deray, D. Atchuthan, "A micro Lie theory for state estimation in robotics", 2018,
-/// appendix D (SE(3)); closed forms, with series near zero.
+/// Rigid motions as screws: a constant body twist moves a head along an exact arc (for example a turn about
+/// the neck). Every motion between two poses is the screw of one twist. Source: J. Sola, J. Deray, D.
+/// Atchuthan, "A micro Lie theory for state estimation in robotics", 2018, appendix D (SE(3)); closed forms,
+/// with series near zero.
 #pragma once
 
 #include "stereo/math/rotation.h"
 
 namespace farshade {
 
-/// How a frame moves, in its own axes: a body twist. Times a number of seconds it is a motion (rad, m).
+/// A body twist: the velocity of a frame in its own axes. Multiplied by seconds it is a motion (rad, m).
 struct Twist {
   glm::dvec3 angular{0.0};  ///< rad/s
   glm::dvec3 linear{0.0};   ///< m/s
@@ -25,11 +25,11 @@ inline Twist operator*(const Twist& a, double s) {
   return {a.angular * s, a.linear * s};
 }
 
-/// Where the origin comes to when its frame makes the motion: V(angular) * linear, the mean of the rotations
-/// passed through times the path.
+/// The translation of the origin by the motion: V(angular) * linear, where V is the mean of the rotations
+/// during the motion.
 [[nodiscard]] glm::dvec3 screw_translation(const Twist& motion);
 
-/// Inverse of screw_translation: the `linear` that with `angular` (length up to pi) leads to `translation`.
+/// Inverse of screw_translation: the `linear` that gives `translation` with `angular` (length up to pi).
 [[nodiscard]] glm::dvec3 screw_linear(const glm::dvec3& angular, const glm::dvec3& translation);
 
 /// Exponential of a motion (rad, m).
@@ -38,18 +38,18 @@ template <class Space>
   return {rotation_exp(motion.angular), screw_translation(motion)};
 }
 
-/// Logarithm: the motion (rad, m) that motion_exp makes of, turning the shorter way round.
+/// Inverse of motion_exp: the motion (rad, m) with the shorter rotation.
 template <class Space>
 [[nodiscard]] Twist motion_log(const Rigid<Space, Space>& moved) {
   const glm::dvec3 angular = rotation_log(moved.rotation);
   return {angular, screw_linear(angular, moved.translation)};
 }
 
-/// The motion (rad, m; in From's axes) that leads from pose `a` to pose `b`: b = a * motion_exp(motion).
+/// The motion (rad, m, in the axes of From) from pose `a` to pose `b`: b = a * motion_exp(motion).
 template <class To, class From>
 [[nodiscard]] Twist motion_between(const Rigid<To, From>& a, const Rigid<To, From>& b) {
   const glm::dquat back = glm::conjugate(a.rotation);
-  // Positions are subtracted before they are turned, so that nothing is lost far from the origin.
+  // Subtracting before rotating keeps the precision far from the origin.
   return motion_log(Rigid<From, From>{back * b.rotation, back * (b.translation - a.translation)});
 }
 

@@ -32,9 +32,8 @@ struct Material {
   glm::vec4 base_color{1.0f};            ///< linear RGBA factor
   std::optional<std::uint32_t> texture;  ///< base colour, into Scene::textures
   std::optional<float>
-      alpha_cutoff;  ///< if set, points with a lower alpha are holes (MASK; BLEND is MASK at 0.5)
-  bool double_sided =
-      false;  ///< if false, visible from the counter-clockwise side only; casts shadows anyway
+      alpha_cutoff;           ///< if set, a point with less alpha is a hole (MASK; BLEND is MASK at 0.5)
+  bool double_sided = false;  ///< if false, only the counter-clockwise side is visible; both cast shadows
 };
 
 /// Triangles of one material, in object space. Each stream has one entry per vertex or is empty.
@@ -106,8 +105,7 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Node> nodes;
   std::vector<Instance> instances;
-  std::vector<LightSource>
-      lights;  ///< light i is bit i of every mask; sorted by light of the file, then by node
+  std::vector<LightSource> lights;  ///< light i has bit i of every mask; by light of the file, then node
   std::vector<Channel> channels;
   double animation_length_s = 0;            ///< the animation repeats after this time; 0 = no animation
   std::optional<Rigid<Stage, Eye>> camera;  ///< reference camera at time 0, if the file has one
