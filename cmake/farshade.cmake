@@ -1,9 +1,9 @@
-# The two ways a target is made here: a library with verified headers, and a program.
+# farshade_library makes a library whose headers are compiled alone, farshade_test makes a test program.
 
 add_library(farshade_options INTERFACE)
 target_compile_options(farshade_options INTERFACE
   -Wall -Wextra -Wconversion -Wshadow -Werror
-  # No fused multiply-add behind our back: a mask is the same bits on every machine.
+  # Without fused multiply-add, so that a mask has the same bits on every machine.
   -ffp-contract=off)
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   target_compile_options(farshade_options INTERFACE -Wno-restrict)  # false alarms on "literal" + string: GCC PR 105651
@@ -13,15 +13,24 @@ if(FARSHADE_NATIVE)
 endif()
 target_include_directories(farshade_options INTERFACE ${PROJECT_SOURCE_DIR})
 
-# farshade_library(NAME HEADERS a.h ... SOURCES a.cpp ... DEPENDS lib ... PRIVATE_DEPENDS lib ...)
-# Every header is compiled alone by the target all_verify_interface_header_sets.
+# farshade_library(NAME HEADERS a.h ... SOURCES a.cpp ... DEPENDS lib ... PRIVATE_DEPENDS lib ... [ALONE a.cpp ...]
+#   [COLD])
+# The target all_verify_interface_header_sets compiles every header alone. With FARSHADE_UNITY the sources are compiled
+# in units of up to 12 files, because vulkan_raii.hpp alone costs 4 s in each unit. ALONE: sources that stay units of
+# their own, because names in their anonymous namespaces clash with others or because they have own compiler options.
+# COLD: the code runs once per program, so it is optimised less (-O1 takes 60 % of the time of -O3 for CLI11 and glTF).
 function(farshade_library name)
-  cmake_parse_arguments(ARG "" "" "HEADERS;SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "COLD" "" "HEADERS;SOURCES;DEPENDS;PRIVATE_DEPENDS;ALONE" ${ARGN})
   if(ARG_SOURCES)
     add_library(${name} STATIC)
     set(scope PUBLIC)
     target_sources(${name} PRIVATE ${ARG_SOURCES})
     target_link_libraries(${name} PRIVATE ${ARG_PRIVATE_DEPENDS})
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ${FARSHADE_UNITY} UNITY_BUILD_BATCH_SIZE 12)
+    if(ARG_COLD)
+      target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+    endif()
+    set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   else()
     add_library(${name} INTERFACE)
     set(scope INTERFACE)

@@ -3,6 +3,7 @@
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+programs=${FARSHADE_PROGRAMS:-$root/build/release}  # the build folder of the programs that scripts start
 
 say() { printf '%s: %s\n' "${0##*/}" "$*" >&2; }
 die() { say "$@"; exit 1; }
@@ -22,6 +23,8 @@ configure() {
   local preset=$1 options=() log=$root/build/$1.configure.log
   shift
   if command -v ccache >/dev/null; then options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
+  # Scripts build everything at once, so they compile the sources of a library together. clang-tidy wants single files.
+  if [[ $preset != clang ]]; then options+=(-DFARSHADE_UNITY=ON); fi
   # Without this option CMake would keep what it found when it first configured the folder.
   if pkg-config --exists libavcodec libavutil libswscale; then options+=(-DFARSHADE_VIDEO=ON); fi
   mkdir -p "$root/build"
@@ -50,27 +53,40 @@ build() {
 
 minutes() { printf '%d:%02d min' $(($1 / 60)) $(($1 % 60)); }
 
-# start_server SCENE: rt_server on a free loopback port, with keys made for this once; `address`, where it listens,
-# and `key`, the file that lets a client in. Stop it in an EXIT trap by stop_server.
+# start_server SCENE: starts rt_server on a free loopback port with new keys. Sets `address`, where the server listens,
+# and `key`, the key file that lets a client in. If no light of the scene casts shadows, the server has nothing to serve:
+# it ends, and `address` is one where nobody listens, because the client needs no server either.
+# Call stop_server in an EXIT trap.
 start_server() {
-  local program=$root/build/release/rt_server/rt_server
+  local program=$programs/rt_server/rt_server patience_s=60 give_up ready
   server_files=$(mktemp -d)
   server_log=$server_files/log
   key=$server_files/client.key
   "$program" keygen client --key "$key" --ring "$server_files/ring.keys" >/dev/null || die "no key could be made"
-  "$program" --scene "$1" --listen 127.0.0.1:0 --keys "$server_files/ring.keys" >"$server_log" 2>&1 &
+  "$program" --scene "$1" --listen 127.0.0.1:0 --keys "$server_files/ring.keys" --ready-file "$server_files/ready" \
+    >"$server_log" 2>&1 &
   server=$!
-  local patience_s=60 give_up
   give_up=$((SECONDS + patience_s))
-  until address=$(sed -n 's/^rt_server: listening on //p' "$server_log") && [[ $address ]]; do
+  until ready=$(whole_line "$server_files/ready"); do
     if ! kill -0 "$server" 2>/dev/null; then
-      # Without lights there is nothing to serve, and the client needs no server.
-      grep -q 'has no light' "$server_log" || server_failed "rt_server ended before it listened"
-      address=127.0.0.1:1 && break
+      # The server may have written the file and ended between these two checks.
+      ready=$(whole_line "$server_files/ready") || server_failed "rt_server ended before it listened"
+      break
     fi
     ((SECONDS < give_up)) || server_failed "rt_server did not listen within $patience_s s"
     sleep 0.05
   done
+  case $ready in
+    'listening '*) address=${ready#listening } ;;
+    no-shadows) address=127.0.0.1:1 ;;
+    *) server_failed "rt_server wrote '$ready' to its ready file" ;;
+  esac
+}
+
+# whole_line FILE: prints the first line of FILE; fails if there is none that ends with a newline.
+whole_line() {
+  local line
+  [[ -f $1 ]] && IFS= read -r line <"$1" && printf '%s\n' "$line"
 }
 
 # run_client SCENE OPTION...: starts rt_server and runs vr_client with it. If the client fails, prints the server's log
@@ -82,7 +98,7 @@ run_client() {
   trap stop_server EXIT
   trap 'exit 130' INT
   trap 'exit 143' TERM
-  "$root/build/release/vr_client/vr_client" --scene "$scene" --server "$address" --key "$key" "$@" || status=$?
+  "$programs/vr_client/vr_client" --scene "$scene" --server "$address" --key "$key" "$@" || status=$?
   if ((status)); then
     sed 's/^/  /' "$server_log" >&2
     say "vr_client ended with status $status; the log of rt_server is above"
