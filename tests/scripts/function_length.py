@@ -9,6 +9,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+# Functions that may be longer for now: (file, name). An entry that is no longer needed is an error, too.
+EXCEPTIONS = set()
+
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = re.compile(r"\.(cpp|h|comp|glsl|vert|frag)$")
 TEXT = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'', re.DOTALL)
@@ -37,6 +40,8 @@ def functions(source):
             start, head = open_braces.pop()
             if body == len(open_braces):
                 body = None
+                if re.match(r"\s*[,{]", source[match.end():]):  # a member initialiser with braces
+                    continue
                 lines = source.count("\n", start, match.start()) + 1
                 yield source.count("\n", 0, start) + 1, lines, " ".join(head.split())
         start_of_head = match.end()
@@ -56,13 +61,23 @@ def main():
         listed = subprocess.run(["git", "-C", ROOT, "ls-files"], capture_output=True, text=True, check=True).stdout
         files = [ROOT / name for name in listed.splitlines() if SOURCES.search(name) and (ROOT / name).is_file()]
     count = failures = 0
+    excused = set()
     for path in files:
         for line, length, head in functions(path.read_text(encoding="utf-8")):
             count += 1
             if length > arguments.limit:
+                name = re.search(r"(\w+)\s*\(", head)[1]
+                place = (str(path.resolve().relative_to(ROOT)), name) if path.resolve().is_relative_to(ROOT) else None
+                if place in EXCEPTIONS:
+                    excused.add(place)
+                    continue
                 failures += 1
                 print(f"{path}:{line}: {length} lines: {head[-100:]}")
-    print(f"{count} functions in {len(files)} files; {failures} are longer than {arguments.limit} lines")
+    if not arguments.files:
+        for file, name in sorted(EXCEPTIONS - excused):
+            failures += 1
+            print(f"{file}: {name} needs no exception")
+    print(f"{count} functions in {len(files)} files; {len(excused)} exceptions, {failures} faults")
     return 1 if failures else 0
 
 
