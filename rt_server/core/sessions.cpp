@@ -48,9 +48,9 @@ void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<cons
     refused = RefusalReason::Busy;
     ++counters_.busy;
   }
-  const ServerMessage said =
+  const ServerMessage message =
       refused ? ServerMessage(Refusal{*refused, served_.scene_hash}) : ServerMessage(served_);
-  const std::optional<Accepted> accepted = accept(hello, datagram, *key, said);
+  const std::optional<Accepted> accepted = accept(hello, datagram, *key, message);
   if (!accepted) return;
   answer = accepted->datagram;
   event_ = Event{key->name, from, refused};
