@@ -1,7 +1,8 @@
-/// EyeNavGS (Ding et al., arXiv 2506.02380, 2025): a row an eye, left and right in turn, both with the head's
-/// rotation. The head lies midway between the two; the eye distance is the median distance of the pairs. A
-/// pair's pose was taken once and logged in two rows some 6 ms apart: the left row's stamp stands for both. A
-/// last left row without its right one is left out. The two vertical fov angles are told apart by their sign.
+/// EyeNavGS (Ding et al., arXiv 2506.02380, 2025): one row per eye, alternating left and right, both with the
+/// rotation of the head. The head is midway between the eyes; the eye distance is the median distance of all
+/// pairs. The pose of a pair was sampled once and logged in two rows about 6 ms apart, so the stamp of the
+/// left row is used. A last left row without a right row is ignored. The sign tells which vertical fov angle
+/// is up and which is down.
 #include <algorithm>
 #include <array>
 
@@ -28,7 +29,7 @@ Expected<EyeRow> read_row(const std::vector<std::string_view>& fields, rows::Pla
   if (fields.size() != kColumns)
     return rows::fail_at(place, Fault::Malformed,
                          "row has " + std::to_string(fields.size()) + " of 20 columns");
-  std::array<double, 12> v{};  // all before the gaze
+  std::array<double, 12> v{};  // the columns before the gaze
   for (std::size_t i = 0; i < v.size(); ++i) {
     const Expected<double> value = rows::number(fields[i], place);
     if (!value) return tl::unexpected(value.error());
@@ -50,10 +51,10 @@ Expected<EyeRow> read_row(const std::vector<std::string_view>& fields, rows::Pla
                 .stamp_ns = *stamp};
 }
 
-/// The recording as it grows, pair by pair.
+/// The recording while it is read, pair by pair.
 struct Pairs {
   SampleList samples;
-  std::vector<double> distances, rightward;  ///< world units; rightward is along the head's +x
+  std::vector<double> distances, rightward;  ///< world units; rightward is along +x of the head
   PerEye<EyeFov> fov;
 };
 
@@ -78,7 +79,7 @@ Expected<HeadRecording> read_eyenavgs(std::string_view text, std::string_view na
   Pairs pairs{.samples = SampleList(units_a_metre), .distances = {}, .rightward = {}, .fov = {}};
   rows::Lines lines(text, name);
   std::string_view line;
-  (void)lines.next(line);  // the column names, by which the format was told
+  (void)lines.next(line);  // the column names, which identified the format
   std::vector<std::string_view> fields;
   EyeRow left;
   for (std::size_t wanted = 0; lines.next(line); wanted = 1 - wanted) {

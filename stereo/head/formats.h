@@ -1,5 +1,5 @@
-/// The file formats behind load_head_recording, one function a kind; and the comment lines they share with
-/// the writer.
+/// The file formats of load_head_recording, one function per format, and the comment lines that they share
+/// with the writer.
 #pragma once
 
 #include "stereo/head/reader.h"

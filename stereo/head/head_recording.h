@@ -1,4 +1,4 @@
-/// HeadRecording: a recorded head, in metres and nanoseconds, and what its headset's eyes were.
+/// HeadRecording: recorded head poses, in metres and nanoseconds, with eye distance and fov of the headset.
 #pragma once
 
 #include <vector>
@@ -18,20 +18,21 @@ struct HeadRecording {
   std::vector<HeadSample> samples;
   double eye_distance_m = 0.063;
   PerEye<EyeFov> fov;
-  std::size_t rows_left_out = 0;  ///< rows of the file whose stamps repeat another or run backward
+  std::size_t rows_left_out = 0;  ///< rows of the file with repeated or backward stamps
 
   [[nodiscard]] Time start() const { return samples.front().time; }
   [[nodiscard]] Time end() const { return samples.back().time; }
 };
 
-/// The head at `time`: lerp and slerp between neighbours, held outside the recording.
-[[nodiscard]] Rigid<Recorded, Head> head_at(const HeadRecording& trace, Time time);
+/// The head at `time`, interpolated between samples. Constant before the first and after the last sample.
+[[nodiscard]] Rigid<Recorded, Head> head_at(const HeadRecording& recording, Time time);
 
-/// Carries the trace's first head position and heading over to `reference`'s position and heading. Gravity
-/// stays.
-[[nodiscard]] Rigid<Stage, Recorded> place(const HeadRecording& trace, const Rigid<Stage, Eye>& reference);
+/// The transform that places the first head position and heading of the recording at those of `reference`.
+/// The direction of gravity stays.
+[[nodiscard]] Rigid<Stage, Recorded> place(const HeadRecording& recording,
+                                           const Rigid<Stage, Eye>& reference);
 
-/// An eye in the head: half the eye distance to its side, looking straight ahead.
+/// The pose of an eye in the head: half the eye distance to its side, looking straight ahead.
 [[nodiscard]] Rigid<Head, Eye> head_from_eye(Side side, double eye_distance_m);
 
 }  // namespace farshade

@@ -1,4 +1,4 @@
-/// EuRoC and TUM: one pose a row. They differ in separator, unit of time and place of the quaternion's w.
+/// EuRoC and TUM: one pose per row. They differ in separator, unit of time and column of the quaternion's w.
 #include <array>
 
 #include "stereo/head/formats.h"
@@ -35,7 +35,7 @@ Expected<EyeFov> read_fov(std::string_view value, rows::Place place) {
   return EyeFov{.left_rad = angles[0], .right_rad = angles[1], .up_rad = angles[2], .down_rad = angles[3]};
 }
 
-/// A file that names its columns names them in our order, or its quaternions would be misread.
+/// Refuses a file whose column names have another order, because its quaternions would be misread.
 Expected<void> check_columns(std::string_view names, const Layout& layout, rows::Place place) {
   std::vector<std::string_view> theirs, ours;
   rows::split(names, layout.separator, theirs);
@@ -47,7 +47,7 @@ Expected<void> check_columns(std::string_view names, const Layout& layout, rows:
   return {};
 }
 
-/// A line `# key: value`; keys that are not ours are other people's comments.
+/// Reads a line `# key: value`. Unknown keys are comments.
 Expected<void> read_comment(std::string_view line, const Layout& layout, rows::Place place,
                             Headset& headset) {
   line = rows::trimmed(line.substr(1));

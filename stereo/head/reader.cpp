@@ -11,7 +11,8 @@ namespace {
 
 enum class Format { Euroc, Tum, EyeNavGs };
 
-/// By the first line that is no comment; a file of comments alone is an empty EuRoC file.
+/// Detects the format by the first line that is not a comment. A file with only comments is an empty EuRoC
+/// file.
 Format format_of(std::string_view text) {
   rows::Lines lines(text, "");
   for (std::string_view line; lines.next(line);) {
@@ -30,19 +31,19 @@ constexpr KnownScale kKnownScales[] = {{"eyenavgs_truck", 0.76}, {"eyenavgs_room
 Expected<double> scale_of(Format format, std::string_view name, const HeadRecordingOptions& options) {
   if (options.scene_scale) {
     if (std::isfinite(*options.scene_scale) && *options.scene_scale > 0) return *options.scene_scale;
-    return fail(Fault::OutOfRange, "the scene scale of a trace must be a positive number");
+    return fail(Fault::OutOfRange, "the scene scale of a recording must be a positive number");
   }
   if (format != Format::EyeNavGs) return 1.0;
   for (const KnownScale& known : kKnownScales)
     if (name.find(known.name_part) != name.npos) return known.units_a_metre;
   return fail(Fault::Unsupported,
-              std::string(name) + ": an EyeNavGS trace of an unknown scene: state its scene scale");
+              std::string(name) + ": an EyeNavGS recording of an unknown scene: state its scene scale");
 }
 
 }  // namespace
 
-Expected<HeadRecording> parse_head_trace(std::string_view text, std::string_view name,
-                                         const HeadRecordingOptions& options) {
+Expected<HeadRecording> parse_head_recording(std::string_view text, std::string_view name,
+                                             const HeadRecordingOptions& options) {
   const Format format = format_of(text);
   const Expected<double> scale = scale_of(format, name, options);
   if (!scale) return tl::unexpected(scale.error());
@@ -59,10 +60,10 @@ Expected<HeadRecording> parse_head_trace(std::string_view text, std::string_view
 
 Expected<HeadRecording> load_head_recording(const std::filesystem::path& path,
                                             const HeadRecordingOptions& options) {
-  const Expected<std::vector<std::byte>> bytes = read_file(path, kMaxTraceBytes);
+  const Expected<std::vector<std::byte>> bytes = read_file(path, kMaxRecordingBytes);
   if (!bytes) return tl::unexpected(bytes.error());
   const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-  return parse_head_trace(text, path.filename().string(), options);
+  return parse_head_recording(text, path.filename().string(), options);
 }
 
 }  // namespace farshade

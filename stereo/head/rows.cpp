@@ -10,7 +10,7 @@ namespace {
 constexpr std::string_view kBlanks = " \t\r";
 constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;
 
-/// For messages: what stands there, without control characters and not too much of it.
+/// The text of a field for an error message: shortened and without control characters.
 std::string quoted(std::string_view field) {
   std::string shown(field.substr(0, 40));
   std::replace_if(
@@ -83,10 +83,10 @@ Expected<std::int64_t> nanoseconds(std::string_view field, int digits, Place pla
   if (!value) return tl::unexpected(value.error());
   if (field.find_first_of("eE") != std::string_view::npos)
     return rounded(*value * std::pow(10.0, digits), field, place);
-  // Digit by digit: a double of seconds since 1970 holds no nanoseconds.
+  // Digit by digit: a double with seconds since 1970 is not precise to nanoseconds.
   const bool negative = field.front() == '-';
   std::int64_t ns = 0;
-  int fraction = -1;  // digits read behind the point; -1 = none seen yet
+  int fraction = -1;  // number of digits after the point; -1 = no point yet
   const auto take = [&](int digit) {
     return ns <= (kLatest_ns - digit) / 10 && (ns = ns * 10 + digit, true);
   };

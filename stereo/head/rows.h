@@ -1,4 +1,4 @@
-/// Rows of numbers in a text file, read without regard to locale; errors name file and line.
+/// Reads rows of numbers from text, independent of the locale. Errors name file and line.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace farshade::rows {
 
-/// Where a row came from, for errors.
+/// File and line of a row, for error messages.
 struct Place {
   std::string_view file;
   std::size_t line = 0;  ///< from 1
@@ -18,11 +18,11 @@ struct Place {
 
 [[nodiscard]] tl::unexpected<Error> fail_at(Place place, Fault fault, const std::string& what);
 
-/// Walks over lines; ends of line may be LF or CRLF, a byte order mark is skipped.
+/// Iterates over the lines of a text. Lines end with LF or CRLF; a byte order mark is skipped.
 class Lines {
  public:
   Lines(std::string_view text, std::string_view file);
-  /// The next line that is not blank into `line`, without blanks around it. False at the end.
+  /// Sets `line` to the next line that is not blank, trimmed. Returns false at the end.
   [[nodiscard]] bool next(std::string_view& line);
   [[nodiscard]] Place place() const { return place_; }
 
@@ -33,14 +33,14 @@ class Lines {
 
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 
-/// Splits at commas or, for `separator` ' ', at runs of blanks. `fields` is reused.
+/// Splits at commas or, for `separator` ' ', at runs of blanks. Reuses the memory of `fields`.
 void split(std::string_view line, char separator, std::vector<std::string_view>& fields);
 
-/// A finite number that fills `field`.
+/// Parses the whole of `field` as a finite number.
 [[nodiscard]] Expected<double> number(std::string_view field, Place place);
 
-/// A decimal number of units of 10^digits nanoseconds, rounded to whole nanoseconds; exact where it is
-/// written without an exponent. At most 2^62 ns from 0.
+/// Parses a decimal number in units of 10^digits nanoseconds and rounds it to whole nanoseconds. The result
+/// is exact if there is no exponent. At most 2^62 ns from 0.
 [[nodiscard]] Expected<std::int64_t> nanoseconds(std::string_view field, int digits, Place place);
 
 }  // namespace farshade::rows

@@ -9,12 +9,13 @@
 namespace farshade {
 namespace {
 
-/// Leaves the longest part whose stamps grow: one stamp that ran ahead costs one sample, not all that follow.
-/// Of equal stamps the first stays. By patience sorting (M. L. Fredman, "On computing the length of longest
-/// increasing subsequences", 1975).
+/// Keeps the longest subsequence with increasing stamps, so that one stamp that is too late removes one
+/// sample, not all samples after it. Of equal stamps, the first is kept. Algorithm: patience sorting (M. L.
+/// Fredman, "On computing the length of longest increasing subsequences", 1975).
 void keep_growing(std::vector<HeadSample>& samples) {
   constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  std::vector<std::size_t> last_of_length;  // the sample with the least stamp that ends a part of that length
+  std::vector<std::size_t>
+      last_of_length;  // the sample with the smallest stamp that ends a subsequence of that length
   std::vector<std::size_t> before(samples.size(), kNone);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const auto at = std::ranges::lower_bound(last_of_length, samples[i].time, {},
@@ -43,8 +44,9 @@ Expected<void> SampleList::add(rows::Place place, std::int64_t stamp_ns, const g
   const glm::dvec3 position_m = position / units_a_metre_;
   if (!(glm::length(position_m) <= kFarthestHead_m))
     return rows::fail_at(place, Fault::OutOfRange, "head is more than 1e9 m from the origin");
-  // Unit as far as doubles can be: kept as it is, so that what was written reads back bit for bit.
-  trace_.samples.push_back(
+  // A rotation that is unit up to rounding stays unchanged, so that a written recording reads back bit for
+  // bit.
+  recording_.samples.push_back(
       {time_from_ns(stamp_ns), {off_unit < 1e-15 ? rotation : rotation / norm, position_m}});
   return {};
 }
@@ -52,11 +54,11 @@ Expected<void> SampleList::add(rows::Place place, std::int64_t stamp_ns, const g
 Expected<HeadRecording> SampleList::finish(std::string_view file, double eye_distance_m,
                                            const PerEye<EyeFov>& fov) && {
   const std::string name(file);
-  const std::size_t rows = trace_.samples.size();
-  keep_growing(trace_.samples);
-  trace_.rows_left_out = rows - trace_.samples.size();
-  if (trace_.samples.size() < kFewestSamples)
-    return fail(Fault::Malformed, name + ": holds " + std::to_string(trace_.samples.size()) +
+  const std::size_t rows = recording_.samples.size();
+  keep_growing(recording_.samples);
+  recording_.rows_left_out = rows - recording_.samples.size();
+  if (recording_.samples.size() < kFewestSamples)
+    return fail(Fault::Malformed, name + ": holds " + std::to_string(recording_.samples.size()) +
                                       " head samples in time order, at least " +
                                       std::to_string(kFewestSamples) + " are needed");
   if (!(eye_distance_m >= 0.0 && eye_distance_m <= 1.0))
@@ -66,9 +68,9 @@ Expected<HeadRecording> SampleList::finish(std::string_view file, double eye_dis
     if (!is_valid(fov[index_of(side)]))
       return fail(Fault::OutOfRange,
                   name + ": fov of the " + name_of(side) + " eye is empty or beyond 89.5 degrees");
-  trace_.eye_distance_m = eye_distance_m;
-  trace_.fov = fov;
-  return std::move(trace_);
+  recording_.eye_distance_m = eye_distance_m;
+  recording_.fov = fov;
+  return std::move(recording_);
 }
 
 }  // namespace farshade

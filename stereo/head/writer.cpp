@@ -24,12 +24,12 @@ std::string comment(std::string_view key, std::string_view value) {
   return ("# " + std::string(key) + ": ").append(value) + '\n';
 }
 
-std::string header(const HeadRecording& trace, std::string_view units, std::string_view columns) {
+std::string header(const HeadRecording& recording, std::string_view units, std::string_view columns) {
   std::string text = comment(formats::kAxesKey, formats::kAxes) + comment(formats::kUnitsKey, units) +
                      comment("clock", "monotonic") + comment("space", "head in stage") +
-                     comment(formats::kEyeDistanceKey, text_of(trace.eye_distance_m));
+                     comment(formats::kEyeDistanceKey, text_of(recording.eye_distance_m));
   for (const Side side : kSides) {
-    const EyeFov& fov = trace.fov[index_of(side)];
+    const EyeFov& fov = recording.fov[index_of(side)];
     text += comment(formats::kFovKeys[index_of(side)], text_of(fov.left_rad) + ' ' + text_of(fov.right_rad) +
                                                            ' ' + text_of(fov.up_rad) + ' ' +
                                                            text_of(fov.down_rad));
@@ -47,30 +47,30 @@ std::string seconds_text(std::int64_t ns) {
 
 }  // namespace
 
-std::string euroc_text(const HeadRecording& trace) {
-  std::string text = header(trace, formats::kEurocUnits, formats::kEurocColumns);
-  for (const auto& [time, head] : trace.samples) {
+std::string euroc_text(const HeadRecording& recording) {
+  std::string text = header(recording, formats::kEurocUnits, formats::kEurocColumns);
+  for (const auto& [time, head] : recording.samples) {
     const auto& [q, p] = head;
     text += row_of(std::to_string(ns_of(time)), {p.x, p.y, p.z, q.w, q.x, q.y, q.z}, ',');
   }
   return text;
 }
 
-std::string tum_text(const HeadRecording& trace) {
-  std::string text = header(trace, formats::kTumUnits, formats::kTumColumns);
-  for (const auto& [time, head] : trace.samples) {
+std::string tum_text(const HeadRecording& recording) {
+  std::string text = header(recording, formats::kTumUnits, formats::kTumColumns);
+  for (const auto& [time, head] : recording.samples) {
     const auto& [q, p] = head;
     text += row_of(seconds_text(ns_of(time)), {p.x, p.y, p.z, q.x, q.y, q.z, q.w}, ' ');
   }
   return text;
 }
 
-Expected<void> write_euroc(const std::filesystem::path& path, const HeadRecording& trace) {
-  return write_file_atomically(path, euroc_text(trace));
+Expected<void> write_euroc(const std::filesystem::path& path, const HeadRecording& recording) {
+  return write_file_atomically(path, euroc_text(recording));
 }
 
-Expected<void> write_tum(const std::filesystem::path& path, const HeadRecording& trace) {
-  return write_file_atomically(path, tum_text(trace));
+Expected<void> write_tum(const std::filesystem::path& path, const HeadRecording& recording) {
+  return write_file_atomically(path, tum_text(recording));
 }
 
 }  // namespace farshade

@@ -1,4 +1,4 @@
-/// Writes head traces. Reading back what was written gives the same trace, bit for bit, in either format.
+/// Writes head recordings. In both formats, a written recording reads back bit for bit.
 #pragma once
 
 #include <filesystem>
@@ -9,14 +9,14 @@
 
 namespace farshade {
 
-/// EuRoC/ASL CSV, `ns,x,y,z,qw,qx,qy,qz`, under lines that state axes, units, clock, space, eye distance and
+/// EuRoC/ASL CSV, `ns,x,y,z,qw,qx,qy,qz`, after lines that state axes, units, clock, space, eye distance and
 /// fov.
-[[nodiscard]] std::string euroc_text(const HeadRecording& trace);
-/// TUM, `seconds x y z qx qy qz qw`, under the same lines as comments.
-[[nodiscard]] std::string tum_text(const HeadRecording& trace);
+[[nodiscard]] std::string euroc_text(const HeadRecording& recording);
+/// TUM, `seconds x y z qx qy qz qw`, after the same lines as comments.
+[[nodiscard]] std::string tum_text(const HeadRecording& recording);
 
-/// Atomic: on failure `path` is as it was.
-[[nodiscard]] Expected<void> write_euroc(const std::filesystem::path& path, const HeadRecording& trace);
-[[nodiscard]] Expected<void> write_tum(const std::filesystem::path& path, const HeadRecording& trace);
+/// Atomic: on failure `path` stays unchanged.
+[[nodiscard]] Expected<void> write_euroc(const std::filesystem::path& path, const HeadRecording& recording);
+[[nodiscard]] Expected<void> write_tum(const std::filesystem::path& path, const HeadRecording& recording);
 
 }  // namespace farshade

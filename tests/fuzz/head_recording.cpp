@@ -23,31 +23,32 @@ bool is_same(const Rigid<Recorded, Head>& a, const Rigid<Recorded, Head>& b) {
          is_same(p.x, s.x) && is_same(p.y, s.y) && is_same(p.z, s.z);
 }
 
-void check_promises(const HeadRecording& trace) {
-  check(trace.samples.size() >= kFewestSamples, "enough samples");
-  for (std::size_t i = 0; i < trace.samples.size(); ++i) {
-    const auto& [time, head] = trace.samples[i];
-    check(i == 0 || trace.samples[i - 1].time < time, "stamps grow");
+void check_promises(const HeadRecording& recording) {
+  check(recording.samples.size() >= kFewestSamples, "enough samples");
+  for (std::size_t i = 0; i < recording.samples.size(); ++i) {
+    const auto& [time, head] = recording.samples[i];
+    check(i == 0 || recording.samples[i - 1].time < time, "stamps grow");
     check(std::abs(glm::length(head.rotation) - 1.0) < 1e-12, "rotations are unit");
     check(glm::length(head.translation) <= kFarthestHead_m, "heads are near");
   }
-  const auto span = trace.end() - trace.start();
-  for (const Time time : {trace.start(), trace.start() + span / 3, trace.end() - Duration(1), trace.end()}) {
-    const auto head = head_at(trace, time);
+  const auto span = recording.end() - recording.start();
+  for (const Time time :
+       {recording.start(), recording.start() + span / 3, recording.end() - Duration(1), recording.end()}) {
+    const auto head = head_at(recording, time);
     check(std::abs(glm::length(head.rotation) - 1.0) < 1e-9, "rotations between samples are unit");
     check(glm::length(head.translation) <= 1.001 * kFarthestHead_m, "heads between samples are near");
   }
 }
 
-void check_same(const Expected<HeadRecording>& read, const HeadRecording& trace) {
+void check_same(const Expected<HeadRecording>& read, const HeadRecording& recording) {
   check(read.has_value(), "a written recording can be read");
-  check_eq(read->samples.size(), trace.samples.size(), "samples");
-  for (std::size_t i = 0; i < trace.samples.size(); ++i) {
-    check(read->samples[i].time == trace.samples[i].time, "a time comes back");
-    check(is_same(read->samples[i].recorded_from_head, trace.samples[i].recorded_from_head),
+  check_eq(read->samples.size(), recording.samples.size(), "samples");
+  for (std::size_t i = 0; i < recording.samples.size(); ++i) {
+    check(read->samples[i].time == recording.samples[i].time, "a time comes back");
+    check(is_same(read->samples[i].recorded_from_head, recording.samples[i].recorded_from_head),
           "a pose comes back bit for bit");
   }
-  check(read->fov == trace.fov && is_same(read->eye_distance_m, trace.eye_distance_m),
+  check(read->fov == recording.fov && is_same(read->eye_distance_m, recording.eye_distance_m),
         "the headset comes back");
 }
 
@@ -55,13 +56,13 @@ void check_same(const Expected<HeadRecording>& read, const HeadRecording& trace)
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   // This name contains a scale, which EyeNavGS files need.
-  const auto trace = parse_head_trace(fuzz::text_of(data, size), "eyenavgs_room.csv");
-  if (!trace) {
-    check(!trace.error().what.empty(), "a refusal says why");
+  const auto recording = parse_head_recording(fuzz::text_of(data, size), "eyenavgs_room.csv");
+  if (!recording) {
+    check(!recording.error().what.empty(), "a refusal says why");
     return 0;
   }
-  check_promises(*trace);
-  check_same(parse_head_trace(euroc_text(*trace), "a.csv"), *trace);
-  check_same(parse_head_trace(tum_text(*trace), "a.txt"), *trace);
+  check_promises(*recording);
+  check_same(parse_head_recording(euroc_text(*recording), "a.csv"), *recording);
+  check_same(parse_head_recording(tum_text(*recording), "a.txt"), *recording);
   return 0;
 }

@@ -16,10 +16,10 @@ glm::dquat turned(double yaw_rad, double pitch_rad = 0.0) {
 }
 
 HeadRecording two_samples() {
-  HeadRecording trace;
-  trace.samples = {{time_from_ns(1000), {turned(0.0), {1, 2, 3}}},
-                   {time_from_ns(2000), {turned(90 * kDegree), {3, 2, 1}}}};
-  return trace;
+  HeadRecording recording;
+  recording.samples = {{time_from_ns(1000), {turned(0.0), {1, 2, 3}}},
+                       {time_from_ns(2000), {turned(90 * kDegree), {3, 2, 1}}}};
+  return recording;
 }
 
 void expect_near(const glm::dvec3& a, const glm::dvec3& b) {
@@ -33,41 +33,41 @@ TEST(HeadAt, GoesHalfWayBetweenNeighbours) {
 }
 
 TEST(HeadAt, MeetsEverySampleExactly) {
-  const HeadRecording trace = two_samples();
-  for (const HeadSample& sample : trace.samples) {
-    const auto head = head_at(trace, sample.time);
+  const HeadRecording recording = two_samples();
+  for (const HeadSample& sample : recording.samples) {
+    const auto head = head_at(recording, sample.time);
     expect_near(head.translation, sample.recorded_from_head.translation);
     EXPECT_LT(angle_between_rad(head.rotation, sample.recorded_from_head.rotation), 1e-12);
   }
 }
 
 TEST(HeadAt, HoldsOutsideTheRecording) {
-  const HeadRecording trace = two_samples();
-  EXPECT_EQ(head_at(trace, time_from_ns(-5)), trace.samples.front().recorded_from_head);
-  EXPECT_EQ(head_at(trace, time_from_ns(9'000'000'000)), trace.samples.back().recorded_from_head);
+  const HeadRecording recording = two_samples();
+  EXPECT_EQ(head_at(recording, time_from_ns(-5)), recording.samples.front().recorded_from_head);
+  EXPECT_EQ(head_at(recording, time_from_ns(9'000'000'000)), recording.samples.back().recorded_from_head);
 }
 
 TEST(HeadAt, TakesTheShortWayWhenTheSignFlips) {
-  HeadRecording trace = two_samples();
-  trace.samples[1].recorded_from_head.rotation = -trace.samples[1].recorded_from_head.rotation;
-  EXPECT_LT(angle_between_rad(head_at(trace, time_from_ns(1500)).rotation, turned(45 * kDegree)), 1e-12);
+  HeadRecording recording = two_samples();
+  recording.samples[1].recorded_from_head.rotation = -recording.samples[1].recorded_from_head.rotation;
+  EXPECT_LT(angle_between_rad(head_at(recording, time_from_ns(1500)).rotation, turned(45 * kDegree)), 1e-12);
 }
 
 TEST(Place, CarriesFirstHeadOverToTheReference) {
-  HeadRecording trace = two_samples();
-  trace.samples[0].recorded_from_head.rotation = turned(30 * kDegree, -20 * kDegree);
+  HeadRecording recording = two_samples();
+  recording.samples[0].recorded_from_head.rotation = turned(30 * kDegree, -20 * kDegree);
   const Rigid<Stage, Eye> reference{turned(-75 * kDegree, 10 * kDegree), {5, 1.6, -2}};
-  const Rigid<Stage, Head> head = place(trace, reference) * trace.samples[0].recorded_from_head;
+  const Rigid<Stage, Head> head = place(recording, reference) * recording.samples[0].recorded_from_head;
   expect_near(head.translation, reference.translation);
   EXPECT_NEAR(heading_rad(head.rotation), -75 * kDegree, 1e-12);
 }
 
 TEST(Place, LeavesGravityAndPitchAlone) {
-  HeadRecording trace = two_samples();
-  trace.samples[0].recorded_from_head.rotation = turned(30 * kDegree, -20 * kDegree);
-  const auto stage_from_recorded = place(trace, {turned(1.0, 0.7), {0, 0, 0}});
+  HeadRecording recording = two_samples();
+  recording.samples[0].recorded_from_head.rotation = turned(30 * kDegree, -20 * kDegree);
+  const auto stage_from_recorded = place(recording, {turned(1.0, 0.7), {0, 0, 0}});
   expect_near(stage_from_recorded.rotation * glm::dvec3(0, 1, 0), {0, 1, 0});
-  const Rigid<Stage, Head> head = stage_from_recorded * trace.samples[0].recorded_from_head;
+  const Rigid<Stage, Head> head = stage_from_recorded * recording.samples[0].recorded_from_head;
   EXPECT_NEAR(std::asin((head.rotation * glm::dvec3(0, 0, -1)).y), -20 * kDegree, 1e-12);
 }
 

@@ -34,39 +34,39 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 HeadRecording good(const std::string& text, const HeadRecordingOptions& options = {},
                    const std::string& name = "t.csv") {
-  const auto trace = parse_head_trace(text, name, options);
-  EXPECT_TRUE(trace) << (trace ? "" : trace.error().what);
-  return trace.value_or(HeadRecording{});
+  const auto recording = parse_head_recording(text, name, options);
+  EXPECT_TRUE(recording) << (recording ? "" : recording.error().what);
+  return recording.value_or(HeadRecording{});
 }
 
 /// The refusal's sentence; it must name `named`.
 void expect_refused(const std::string& text, Fault fault, const std::string& named,
                     const HeadRecordingOptions& options = {}) {
-  const auto trace = parse_head_trace(text, "t.csv", options);
-  ASSERT_FALSE(trace) << named;
-  EXPECT_EQ(trace.error().fault, fault) << trace.error().what;
-  EXPECT_NE(trace.error().what.find(named), std::string::npos) << trace.error().what;
+  const auto recording = parse_head_recording(text, "t.csv", options);
+  ASSERT_FALSE(recording) << named;
+  EXPECT_EQ(recording.error().fault, fault) << recording.error().what;
+  EXPECT_NE(recording.error().what.find(named), std::string::npos) << recording.error().what;
 }
 
 TEST(EurocRead, KeepsNanosecondsAndQuaternionOrder) {
-  const HeadRecording trace = good(kEuroc);
-  ASSERT_EQ(trace.samples.size(), 3u);
-  EXPECT_EQ(ns_of(trace.samples[0].time), 1403636579763555584);
-  EXPECT_EQ(trace.samples[1].recorded_from_head.translation, glm::dvec3(1.5, 2, 3));
-  EXPECT_EQ(trace.samples[1].recorded_from_head.rotation, glm::dquat(0.8, 0.6, 0, 0));  // w first
-  EXPECT_EQ(trace.fov, kDefaultFov);
-  EXPECT_EQ(trace.eye_distance_m, kDefaultEyeDistance_m);
+  const HeadRecording recording = good(kEuroc);
+  ASSERT_EQ(recording.samples.size(), 3u);
+  EXPECT_EQ(ns_of(recording.samples[0].time), 1403636579763555584);
+  EXPECT_EQ(recording.samples[1].recorded_from_head.translation, glm::dvec3(1.5, 2, 3));
+  EXPECT_EQ(recording.samples[1].recorded_from_head.rotation, glm::dquat(0.8, 0.6, 0, 0));  // w first
+  EXPECT_EQ(recording.fov, kDefaultFov);
+  EXPECT_EQ(recording.eye_distance_m, kDefaultEyeDistance_m);
 }
 
 TEST(EurocRead, TakesHeadsetFromItsHeader) {
-  const HeadRecording trace = good(
+  const HeadRecording recording = good(
       "# axes: +x right, +y up, -z ahead, right-handed\n# units: m, ns\n"
       "# eye distance [m]: 0.07\n"
       "# fov right eye [rad] left right up down: -0.5 0.75 0.6 -0.8\n# who: me\n" +
       kEuroc);
-  EXPECT_EQ(trace.eye_distance_m, 0.07);
-  EXPECT_EQ(trace.fov[1], (EyeFov{.left_rad = -0.5, .right_rad = 0.75, .up_rad = 0.6, .down_rad = -0.8}));
-  EXPECT_EQ(trace.fov[0], kDefaultFov[0]);
+  EXPECT_EQ(recording.eye_distance_m, 0.07);
+  EXPECT_EQ(recording.fov[1], (EyeFov{.left_rad = -0.5, .right_rad = 0.75, .up_rad = 0.6, .down_rad = -0.8}));
+  EXPECT_EQ(recording.fov[0], kDefaultFov[0]);
 }
 
 TEST(EurocRead, RefusesForeignAxesUnitsAndColumns) {
@@ -81,36 +81,36 @@ TEST(EurocRead, RefusesForeignAxesUnitsAndColumns) {
 }
 
 TEST(TumRead, HasSecondsAndTheScalarLast) {
-  const HeadRecording trace = good(
+  const HeadRecording recording = good(
       "# timestamp tx ty tz qx qy qz qw\n1403636579.763555584 1 2 3 0.6 0 0 0.8\n"
       "1403636579.7685555204 1  2\t3 0 0 0 1\n1.403636580e9 1 2 3 0 0 0 1\n");
-  EXPECT_EQ(ns_of(trace.samples[0].time), 1403636579763555584);
-  EXPECT_EQ(ns_of(trace.samples[1].time), 1403636579768555520);
-  EXPECT_EQ(ns_of(trace.samples[2].time), 1403636580000000000);
-  EXPECT_EQ(trace.samples[0].recorded_from_head.rotation, glm::dquat(0.8, 0.6, 0, 0));
+  EXPECT_EQ(ns_of(recording.samples[0].time), 1403636579763555584);
+  EXPECT_EQ(ns_of(recording.samples[1].time), 1403636579768555520);
+  EXPECT_EQ(ns_of(recording.samples[2].time), 1403636580000000000);
+  EXPECT_EQ(recording.samples[0].recorded_from_head.rotation, glm::dquat(0.8, 0.6, 0, 0));
 }
 
 TEST(TumRead, HandlesTimeBeforeZeroAndItsLimits) {
-  const HeadRecording trace = good("-1.5 0 0 0 0 0 0 1\n-0.0000000015 0 0 0 0 0 0 1\n7 0 0 0 0 0 0 1\n");
-  EXPECT_EQ(ns_of(trace.samples[0].time), -1'500'000'000);
-  EXPECT_EQ(ns_of(trace.samples[1].time), -2);
-  EXPECT_EQ(ns_of(trace.samples[2].time), 7'000'000'000);
+  const HeadRecording recording = good("-1.5 0 0 0 0 0 0 1\n-0.0000000015 0 0 0 0 0 0 1\n7 0 0 0 0 0 0 1\n");
+  EXPECT_EQ(ns_of(recording.samples[0].time), -1'500'000'000);
+  EXPECT_EQ(ns_of(recording.samples[1].time), -2);
+  EXPECT_EQ(ns_of(recording.samples[2].time), 7'000'000'000);
   expect_refused("4611686018427387905 0 0 0 0 0 0 1\n", Fault::OutOfRange, "t.csv:1");
   expect_refused("1e300 0 0 0 0 0 0 1\n", Fault::OutOfRange, "t.csv:1");
 }
 
 TEST(EyeNavGsRead, PutsTheHeadBetweenItsEyes) {
-  const HeadRecording trace = good(kEyeNavGs, {.scene_scale = 0.5});
-  ASSERT_EQ(trace.samples.size(), 3u);
-  EXPECT_NEAR(trace.eye_distance_m, 0.12, 1e-12);
-  EXPECT_LT(glm::length(trace.samples[0].recorded_from_head.translation - glm::dvec3(0, 2, 4)), 1e-12);
-  EXPECT_EQ(ns_of(trace.samples[2].time), 28'500'000);
-  EXPECT_EQ(trace.fov[0],
+  const HeadRecording recording = good(kEyeNavGs, {.scene_scale = 0.5});
+  ASSERT_EQ(recording.samples.size(), 3u);
+  EXPECT_NEAR(recording.eye_distance_m, 0.12, 1e-12);
+  EXPECT_LT(glm::length(recording.samples[0].recorded_from_head.translation - glm::dvec3(0, 2, 4)), 1e-12);
+  EXPECT_EQ(ns_of(recording.samples[2].time), 28'500'000);
+  EXPECT_EQ(recording.fov[0],
             (EyeFov{.left_rad = -0.942, .right_rad = 0.698, .up_rad = 0.733, .down_rad = -0.942}));
-  EXPECT_EQ(trace.fov[1],
+  EXPECT_EQ(recording.fov[1],
             (EyeFov{.left_rad = -0.698, .right_rad = 0.942, .up_rad = 0.733, .down_rad = -0.942}));
   // Three decimals are off unit by 2e-4: renormalised. A quarter turn to the left looks along -x.
-  const glm::dquat& turned = trace.samples[1].recorded_from_head.rotation;
+  const glm::dquat& turned = recording.samples[1].recorded_from_head.rotation;
   EXPECT_NEAR(glm::length(turned), 1.0, 1e-15);
   EXPECT_LT(glm::length(turned * glm::dvec3(0, 0, -1) - glm::dvec3(-1, 0, 0)), 1e-12);
 }
@@ -161,10 +161,10 @@ TEST(HeadTraceRead, RefusesQuaternionsThatAreFarOffUnit) {
 TEST(HeadTraceRead, LeavesOutRepeatedAndBackwardStampsAndCountsThem) {
   for (const char* stamp : {"1403636579768555520", "1403636579768555519", "1403636579000000000", "-5"}) {
     SCOPED_TRACE(stamp);
-    const HeadRecording trace =
+    const HeadRecording recording =
         good(replaced(kEuroc, "\n\n", std::string("\n") + stamp + ",7,7,7,1,0,0,0\n"));
-    EXPECT_EQ(trace.rows_left_out, 1u);
-    ASSERT_EQ(trace.samples.size(), 3u);
+    EXPECT_EQ(recording.rows_left_out, 1u);
+    ASSERT_EQ(recording.samples.size(), 3u);
   }
   const HeadRecording repeated = good(replaced(kEuroc, "\n\n", "\n1403636579768555520,7,7,7,1,0,0,0\n"));
   EXPECT_EQ(repeated.samples[1].recorded_from_head.translation.x, 1.5);  // the first of the two stays
@@ -173,10 +173,10 @@ TEST(HeadTraceRead, LeavesOutRepeatedAndBackwardStampsAndCountsThem) {
 TEST(HeadTraceRead, LosesOneRowToOneStampThatRanAhead) {
   std::string text;
   for (int i = 0; i < 20; ++i) text += std::to_string(i == 4 ? 3'600'000 : i) + ",0,0,0,1,0,0,0\n";
-  const HeadRecording trace = good(text);
-  EXPECT_EQ(trace.rows_left_out, 1u);
-  EXPECT_EQ(trace.samples.size(), 19u);
-  EXPECT_EQ(ns_of(trace.end()), 19);
+  const HeadRecording recording = good(text);
+  EXPECT_EQ(recording.rows_left_out, 1u);
+  EXPECT_EQ(recording.samples.size(), 19u);
+  EXPECT_EQ(ns_of(recording.end()), 19);
 }
 
 TEST(HeadTraceRead, RefusesStampsThatRunBackwardAllTheWay) {
@@ -198,15 +198,15 @@ TEST(HeadTraceRead, SurvivesEveryTruncation) {
     for (std::size_t length = 0; length < text.size(); ++length) {
       const std::unique_ptr<char[]> cut(new char[length]);  // its true end is the sanitizer's to see
       text.copy(cut.get(), length);
-      const auto trace = parse_head_trace({cut.get(), length}, "eyenavgs_room.csv");
-      EXPECT_TRUE(!trace || trace->samples.size() >= kFewestSamples) << length;
+      const auto recording = parse_head_recording({cut.get(), length}, "eyenavgs_room.csv");
+      EXPECT_TRUE(!recording || recording->samples.size() >= kFewestSamples) << length;
     }
 }
 
 TEST(HeadTraceRead, NamesAMissingFile) {
-  const auto trace = load_head_recording("no/such/trace.csv");
-  ASSERT_FALSE(trace);
-  EXPECT_EQ(trace.error().fault, Fault::Missing);
+  const auto recording = load_head_recording("no/such/trace.csv");
+  ASSERT_FALSE(recording);
+  EXPECT_EQ(recording.error().fault, Fault::Missing);
 }
 
 }  // namespace

@@ -20,17 +20,17 @@ class RecordedHead : public testing::TestWithParam<Recording> {};
 
 TEST_P(RecordedHead, TurnsAsFastAsItsReadmeSays) {
   const auto& [file, seconds, median, p99, largest] = GetParam();
-  const auto trace = load_head_recording(std::string(FARSHADE_TRACES "/") + file);
-  ASSERT_TRUE(trace) << trace.error().what;
-  const std::vector<double> speeds = turn_speeds_deg_s(*trace, trace->end());
-  EXPECT_NEAR(seconds_of(trace->end() - trace->start()), seconds, 1.0);
+  const auto recording = load_head_recording(std::string(FARSHADE_TRACES "/") + file);
+  ASSERT_TRUE(recording) << recording.error().what;
+  const std::vector<double> speeds = turn_speeds_deg_s(*recording, recording->end());
+  EXPECT_NEAR(seconds_of(recording->end() - recording->start()), seconds, 1.0);
   EXPECT_NEAR(quantile(speeds, 0.5), median, 0.1 * median);
   EXPECT_NEAR(quantile(speeds, 0.99), p99, 0.1 * p99);
   EXPECT_NEAR(quantile(speeds, 1.0), largest, 0.1 * largest);
-  EXPECT_GT(trace->eye_distance_m, 0.058);
-  EXPECT_LT(trace->eye_distance_m, 0.068);
-  EXPECT_EQ(trace->fov, kDefaultFov);
-  EXPECT_EQ(trace->rows_left_out, 0u);
+  EXPECT_GT(recording->eye_distance_m, 0.058);
+  EXPECT_LT(recording->eye_distance_m, 0.068);
+  EXPECT_EQ(recording->fov, kDefaultFov);
+  EXPECT_EQ(recording->rows_left_out, 0u);
 }
 
 INSTANTIATE_TEST_SUITE_P(EyeNavGs, RecordedHead,

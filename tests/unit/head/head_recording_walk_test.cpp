@@ -16,17 +16,17 @@ HeadRecording walk() {
 }
 
 TEST(BundledWalk, LastsTwentySecondsAtSeventyTwoHertz) {
-  const HeadRecording trace = walk();
-  EXPECT_EQ(trace.samples.size(), 20u * 72u + 1u);
-  EXPECT_EQ(ns_of(trace.start()), 1'000'000'000'000);
-  EXPECT_EQ(trace.end() - trace.start(), std::chrono::seconds(20));
-  EXPECT_NE(trace.fov[0], trace.fov[1]);
+  const HeadRecording recording = walk();
+  EXPECT_EQ(recording.samples.size(), 20u * 72u + 1u);
+  EXPECT_EQ(ns_of(recording.start()), 1'000'000'000'000);
+  EXPECT_EQ(recording.end() - recording.start(), std::chrono::seconds(20));
+  EXPECT_NE(recording.fov[0], recording.fov[1]);
 }
 
 TEST(BundledWalk, StartsCalmAndTurnsFastWithinFourSeconds) {
-  const HeadRecording trace = walk();
+  const HeadRecording recording = walk();
   const auto speeds = [&](int s) {
-    return turn_speeds_deg_s(trace, trace.start() + std::chrono::seconds(s));
+    return turn_speeds_deg_s(recording, recording.start() + std::chrono::seconds(s));
   };
   EXPECT_LT(quantile(speeds(1), 1.0), 60.0);
   EXPECT_GT(quantile(speeds(4), 1.0), 150.0);
@@ -34,12 +34,12 @@ TEST(BundledWalk, StartsCalmAndTurnsFastWithinFourSeconds) {
 }
 
 TEST(BundledWalk, StaysInTheRoomsFreeStrip) {
-  const HeadRecording trace = walk();
+  const HeadRecording recording = walk();
   // The reference camera of room.glb; its strip is free of furniture by 0.4 m.
   const Rigid<Stage, Eye> camera{rotation_exp({0, std::atan2(1.2, 2.75), 0}), {0.95, 1.6, 1.75}};
-  const auto stage_from_recorded = place(trace, camera);
+  const auto stage_from_recorded = place(recording, camera);
   glm::dvec3 low(1e9), high(-1e9);
-  for (const HeadSample& sample : trace.samples) {
+  for (const HeadSample& sample : recording.samples) {
     const Rigid<Stage, Head> head = stage_from_recorded * sample.recorded_from_head;
     low = glm::min(low, head.translation);
     high = glm::max(high, head.translation);

@@ -13,15 +13,15 @@ namespace {
 HeadRecording random_trace(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
-  HeadRecording trace;
-  trace.eye_distance_m = 0.06 + 0.01 * any(random);
-  trace.fov = {EyeFov{-0.9, 0.1 + 0.5 / 3, 0.7, -0.8}, EyeFov{-0.6, 0.9, 1.0 / 3, -0.8}};
+  HeadRecording recording;
+  recording.eye_distance_m = 0.06 + 0.01 * any(random);
+  recording.fov = {EyeFov{-0.9, 0.1 + 0.5 / 3, 0.7, -0.8}, EyeFov{-0.6, 0.9, 1.0 / 3, -0.8}};
   std::int64_t ns = -3'000'000'007;
   for (int i = 0; i < 200; ++i, ns += 1 + static_cast<std::int64_t>(random() % 100'000'000))
-    trace.samples.push_back({time_from_ns(ns),
-                             {rotation_exp({3 * any(random), 3 * any(random), 3 * any(random)}),
-                              {any(random), 1e-7 * any(random), 1e6 * any(random)}}});
-  return trace;
+    recording.samples.push_back({time_from_ns(ns),
+                                 {rotation_exp({3 * any(random), 3 * any(random), 3 * any(random)}),
+                                  {any(random), 1e-7 * any(random), 1e6 * any(random)}}});
+  return recording;
 }
 
 void expect_same(const HeadRecording& a, const HeadRecording& b) {
@@ -37,21 +37,21 @@ void expect_same(const HeadRecording& a, const HeadRecording& b) {
 TEST(HeadTraceRoundTrip, KeepsEveryBitInBothFormats) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const HeadRecording trace = random_trace(seed);
-    const auto euroc = parse_head_trace(euroc_text(trace), "t.csv");
-    const auto tum = parse_head_trace(tum_text(trace), "t.txt");
+    const HeadRecording recording = random_trace(seed);
+    const auto euroc = parse_head_recording(euroc_text(recording), "t.csv");
+    const auto tum = parse_head_recording(tum_text(recording), "t.txt");
     ASSERT_TRUE(euroc) << euroc.error().what;
     ASSERT_TRUE(tum) << tum.error().what;
-    expect_same(*euroc, trace);
-    expect_same(*tum, trace);
+    expect_same(*euroc, recording);
+    expect_same(*tum, recording);
   }
 }
 
 TEST(EurocText, IsWhatTheFormatSays) {
-  HeadRecording trace;
-  trace.fov = kDefaultFov;
-  trace.samples = {{time_from_ns(5), {glm::dquat(0.8, 0.6, 0, 0), {1, 2, -3.5}}}};
-  EXPECT_EQ(euroc_text(trace),
+  HeadRecording recording;
+  recording.fov = kDefaultFov;
+  recording.samples = {{time_from_ns(5), {glm::dquat(0.8, 0.6, 0, 0), {1, 2, -3.5}}}};
+  EXPECT_EQ(euroc_text(recording),
             "# axes: +x right, +y up, -z ahead, right-handed\n"
             "# units: m, ns\n"
             "# clock: monotonic\n"
@@ -64,21 +64,21 @@ TEST(EurocText, IsWhatTheFormatSays) {
 }
 
 TEST(TumText, PutsTheScalarLast) {
-  HeadRecording trace;
-  trace.samples = {{time_from_ns(-1'500'000'000), {glm::dquat(0.8, 0.6, 0, 0), {1, 2, 3}}}};
-  const std::string text = tum_text(trace);
+  HeadRecording recording;
+  recording.samples = {{time_from_ns(-1'500'000'000), {glm::dquat(0.8, 0.6, 0, 0), {1, 2, 3}}}};
+  const std::string text = tum_text(recording);
   EXPECT_EQ(text.substr(text.find("qw\n") + 3), "-1.500000000 1 2 3 0.6 0 0 0.8\n");
 }
 
 TEST(HeadTraceWrite, WritesFilesAndLeavesNothingWhereItMayNot) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "farshade_trace_write";
   std::filesystem::create_directories(folder);
-  const HeadRecording trace = random_trace(9);
-  ASSERT_TRUE(write_euroc(folder / "a.csv", trace));
-  ASSERT_TRUE(write_tum(folder / "a.txt", trace));
-  expect_same(load_head_recording(folder / "a.csv").value(), trace);
-  expect_same(load_head_recording(folder / "a.txt").value(), trace);
-  EXPECT_FALSE(write_euroc(folder / "missing" / "a.csv", trace));
+  const HeadRecording recording = random_trace(9);
+  ASSERT_TRUE(write_euroc(folder / "a.csv", recording));
+  ASSERT_TRUE(write_tum(folder / "a.txt", recording));
+  expect_same(load_head_recording(folder / "a.csv").value(), recording);
+  expect_same(load_head_recording(folder / "a.txt").value(), recording);
+  EXPECT_FALSE(write_euroc(folder / "missing" / "a.csv", recording));
   EXPECT_FALSE(std::filesystem::exists(folder / "missing"));
   std::filesystem::remove_all(folder);
 }

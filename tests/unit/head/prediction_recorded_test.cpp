@@ -13,27 +13,27 @@ namespace farshade {
 namespace {
 
 /// 95 % of the predictions made at 72 Hz turn out closer than this, radians.
-double turn_error_p95(const HeadRecording& trace, PredictorKind kind, Duration lead) {
+double turn_error_p95(const HeadRecording& recording, PredictorKind kind, Duration lead) {
   Predictor predictor(kind);
   std::vector<double> errors;
   for (int frame = 0;; ++frame) {
-    const Time now = trace.start() + Duration(std::llround(frame * 1e9 / 72));
-    if (now + lead > trace.end()) return quantile(errors, 0.95);
-    predictor.observe(now, Rigid<Stage, Recorded>{} * head_at(trace, now));
+    const Time now = recording.start() + Duration(std::llround(frame * 1e9 / 72));
+    if (now + lead > recording.end()) return quantile(errors, 0.95);
+    predictor.observe(now, Rigid<Stage, Recorded>{} * head_at(recording, now));
     errors.push_back(
-        angle_between_rad(predictor.predict(now + lead).rotation, head_at(trace, now + lead).rotation));
+        angle_between_rad(predictor.predict(now + lead).rotation, head_at(recording, now + lead).rotation));
   }
 }
 
 class PredictorOnRecordedHead : public testing::TestWithParam<const char*> {};
 
 TEST_P(PredictorOnRecordedHead, DefaultHasTheShortestTail) {
-  const auto trace = load_head_recording(std::string(FARSHADE_TRACES "/") + GetParam());
-  ASSERT_TRUE(trace) << trace.error().what;
+  const auto recording = load_head_recording(std::string(FARSHADE_TRACES "/") + GetParam());
+  ASSERT_TRUE(recording) << recording.error().what;
   for (const int lead_ms : {50, 100}) {
     std::map<PredictorKind, double> p95;
     for (const PredictorKind kind : kPredictorKinds)
-      p95[kind] = turn_error_p95(*trace, kind, std::chrono::milliseconds(lead_ms));
+      p95[kind] = turn_error_p95(*recording, kind, std::chrono::milliseconds(lead_ms));
     for (const PredictorKind kind : kPredictorKinds) {
       EXPECT_GE(p95[kind], p95[kDefaultPredictor]) << to_string(kind) << ' ' << lead_ms << " ms";
       if (kind != PredictorKind::Hold) {
