@@ -2,7 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include <vulkan/vulkan.hpp>
+#include "stereo/gpu/device.h"
 
 namespace farshade {
 namespace {

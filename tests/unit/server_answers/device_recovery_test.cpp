@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <vulkan/vulkan.hpp>
-
+#include "stereo/gpu/device.h"
 #include "tests/unit/answers_from.h"
 
 namespace farshade {
