@@ -1,5 +1,5 @@
-// What a server gives, one answer at a time, without a client: what of it still opens where something was
-// lost before, and what cannot be made.
+// Single answers of a server, without a client: which answers decode after a loss, and answers that cannot be
+// made.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -26,7 +26,7 @@ struct Coded {
   std::vector<std::byte> unit;
 };
 
-/// Nothing where the unit could not be sent.
+/// No value if the unit could not be sent.
 std::optional<Coded> code(Streams& streams, FrameId frame, const PerEye<Image<Rgb8>>& eyes,
                           Coding coding = Coding::AfterLast, std::uint64_t session = 1) {
   Job job{};
@@ -104,7 +104,7 @@ class ServerAnswers : public testing::Test {
     job_.request.frame = {1};
   }
 
-  /// As a client has it that all of it reaches.
+  /// The picture of a client that receives everything.
   const ReceivedFrame& received() {
     packer_.begin();
     answers_.answer(job_, packer_, {});
@@ -126,7 +126,7 @@ class ServerAnswers : public testing::Test {
   Assembler assembler_;
 };
 
-/// A tile is traced where all three coordinates have come, of this very request.
+/// A tile is traced if all three coordinates of this request have arrived.
 TEST_F(ServerAnswers, MasksOfPositionsAreOfThoseThatHaveCome) {
   constexpr std::array kAxes{PlaneKind::PositionX, PlaneKind::PositionY, PlaneKind::PositionZ};
   job_.request.wanted = {.answer = Answer::MasksOfPositions, .position_bits = 14};
@@ -163,7 +163,7 @@ TEST_F(ServerAnswers, MasksOfPositionsAreOfThoseThatHaveCome) {
   EXPECT_FALSE(received().anything_known()) << "nothing is left of the request before";
 }
 
-/// Pictures after the device was lost are those of before.
+/// Pictures after a device loss equal those before it.
 TEST_F(ServerAnswers, AReopenedDeviceDrawsTheSamePicture) {
   AnswerRenderer renderer({.scene = scene_, .plan = plan_, .tracer = tracer_});
   if (const Expected<void> can = renderer.can_draw(); !can) GTEST_SKIP() << can.error().what;
@@ -173,7 +173,7 @@ TEST_F(ServerAnswers, AReopenedDeviceDrawsTheSamePicture) {
   for (std::size_t eye = 0; eye < kEyes; ++eye) EXPECT_EQ(before[eye].pixels, after[eye].pixels) << eye;
 }
 
-/// What no codec and no device can make ends no server.
+/// An answer that no codec and no device can make does not end the server.
 TEST_F(ServerAnswers, WhatCannotBeMadeIsLeftOut) {
   if (!has_video()) GTEST_SKIP() << video_version();
   job_.request.wanted = {

@@ -1,5 +1,5 @@
-// Every mode, whole, over a network that is as good as it can be: what it shows is what `full` shows, within
-// the error that the mode itself has. And over one that loses: it goes on.
+// Complete runs of every mode. Over a perfect network, the pictures equal those of `full`, except for the
+// error of the mode. Over a network with loss, the run continues.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ Play play_of(const ModeSettings& mode, std::uint32_t frames) {
           .mode = mode};
 }
 
-/// Of the worse eye of each measured frame.
+/// The figure of the worse eye, for each compared frame.
 std::vector<double> psnr_of(const Played& played) {
   std::vector<double> values;
   for (const FrameRecord& record : played.log.records())
@@ -46,7 +46,7 @@ std::vector<double> psnr_of(const Played& played) {
   return values;
 }
 
-/// Of the pixels that count; 99 dB where nothing differs.
+/// PSNR over the selected pixels; 99 dB if they are equal.
 double psnr_where(const Image<Rgb8>& shown, const Image<Rgb8>& reference, const auto& counts) {
   double squares = 0, values = 0;
   for (std::size_t i = 0; i < shown.pixels.size(); ++i)
@@ -71,7 +71,7 @@ std::string name(const testing::TestParamInfo<Case>& info) {
 
 class EveryMode : public testing::TestWithParam<Case> {};
 
-/// Asked for what is shown, and waited for: no age, no other pose.
+/// The request is for the shown views and the frame waits for it: no age, no pose difference.
 TEST_P(EveryMode, ShowsWhatFullShowsWhereNothingIsLate) {
   const auto& [mode, least_dB] = GetParam();
   if (set_of(Answer::Video) & answers_for(mode.mode) && !has_video()) GTEST_SKIP() << video_version();
@@ -141,7 +141,7 @@ HeadRecording turning() {
 
 class EveryPictureMode : public testing::TestWithParam<Case> {};
 
-/// What was drawn for where the head was shows where that lies now.
+/// A picture drawn for an earlier pose shows the geometry at its current position.
 TEST_P(EveryPictureMode, IsTurnedToThePoseShown) {
   const ModeSettings mode = GetParam().mode;
   const double least_dB = GetParam().least_dB;
@@ -165,14 +165,14 @@ TEST_P(EveryPictureMode, IsTurnedToThePoseShown) {
   EXPECT_GT(measured, 5u);
 }
 
-// Unturned they have 20, 20 and 28 dB; turned, what resampling takes from edges.
+// Without rotation they have 20, 20 and 28 dB. With rotation, only resampling at edges remains.
 INSTANTIATE_TEST_SUITE_P(Modes, EveryPictureMode,
                          testing::Values(Case{{.mode = Mode::ServerGBuffer}, 27},
                                          Case{{.mode = Mode::Remote, .bits_per_second = 50'000'000}, 27},
                                          Case{{.mode = Mode::Delta, .bits_per_second = 50'000'000}, 34}),
                          name);
 
-/// A head that turns sees beyond the picture that a server drew: black, and counted.
+/// A head that turns sees areas outside the server's picture. They are black and counted.
 TEST(RemoteMode, CountsWhatItsPictureDoesNotReach) {
   if (!has_video()) GTEST_SKIP() << video_version();
   Play play = play_of({.mode = Mode::Remote}, 30);
@@ -217,7 +217,7 @@ TEST(PositionsMode, IsExactButWhereAnEdgeRunsThroughThePixel) {
   EXPECT_EQ(measured, 3u);
 }
 
-/// The modes' own errors are told where there are lights to tell, and not where there are none.
+/// Errors of masks are reported for scenes with lights only.
 TEST(LocalMode, TellsTheErrorOfItsMaps) {
   const Played played = farshade::play(play_of({.mode = Mode::Local}, 4), {.name = "none", .model = {}});
   for (const FrameRecord& record : played.log.records())

@@ -1,5 +1,4 @@
-// How wrong the picture is over networks: one row each, error in virtual time, client frame time of this
-// machine.
+// Prints the picture error for each network: errors in virtual time, client frame times of this machine.
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>

@@ -1,4 +1,4 @@
-// A whole session in virtual time over every named network: it goes on, gently.
+// A complete run in virtual time over every named network. The run must continue, with bounded errors.
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// What lavapipe holds goes up and down by so much with what the head sees (90 to 105 MB over 900 frames).
+/// The memory of lavapipe varies by this much with the view (90 to 105 MB over 900 frames).
 constexpr std::size_t kDriverSwing_bytes = 48u << 20;
 constexpr Duration kPeriod = Duration(1'000'000'000 / 72);
 
@@ -22,7 +22,7 @@ struct Ground {
   HeadRecording head = load_head_recording(FARSHADE_ASSETS "/walk.csv", {}).value();
 };
 
-/// Opened once: a scene and a device for all tests of this program.
+/// Scene and device for all tests of this program.
 const Ground& ground() {
   static const Ground one;
   return one;

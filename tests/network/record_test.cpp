@@ -1,4 +1,4 @@
-// Whole sessions that are recorded to a file and shown again from it: every request and every picture.
+// Complete runs that are written to a capture file and replayed: every request and every picture is equal.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -30,13 +30,13 @@ struct Ground {
   HeadRecording head = load_head_recording(FARSHADE_ASSETS "/walk.csv", {}).value();
 };
 
-/// Opened once: a scene and a device for all tests of this program.
+/// Scene and device for all tests of this program.
 const Ground& ground() {
   static const Ground one;
   return one;
 }
 
-/// A server that may be replaced, behind a network that loses and delays.
+/// A server that can be restarted, behind a network with loss and delay.
 struct FarServer {
   explicit FarServer(ManualClock& its_clock)
       : clock(its_clock), wire(clock, {.to_server = kBad, .to_client = kBad}) {
@@ -67,7 +67,7 @@ struct FarServer {
   std::optional<ServerCore> core;
 };
 
-/// A recorded head on the server's clock, at whose frames things happen.
+/// A recorded head on the server's clock, with events at given frames.
 class Stage final : public Runtime {
  public:
   Stage(Pace pace, ManualClock& clock, NetworkLink* link, std::function<void(std::uint32_t frame)> happens)
@@ -100,7 +100,7 @@ class Stage final : public Runtime {
   std::uint32_t frame_ = 0;
 };
 
-/// Everything that can be steered, while the session runs.
+/// All settings that can change during a run.
 void steer(std::uint32_t frame, FrameSettings& steering) {
   const LightPose lamp{.position = {{0.3, 1.9, -0.4}}, .direction = {{0, -1, 0}}};
   if (frame == 12) steering.wish.predictor = PredictorKind::Hold;
@@ -127,7 +127,7 @@ CaptureHeader header_of(MaskOrigin origin, const MaskPolicy& policy) {
           .device = ground().device.name};
 }
 
-/// Steered, with light changes, over a bad network, to a server that is restarted at frame 44.
+/// Changed settings and lights over a bad network, with a server that is restarted at frame 44.
 void record(const std::filesystem::path& file, MaskPolicy policy) {
   ManualClock clock;
   FarServer server(clock);
@@ -157,7 +157,7 @@ void record(const std::filesystem::path& file, MaskPolicy policy) {
   ASSERT_EQ(recorder.frames(), kFrames);
 }
 
-/// With reports, which the recording was made without.
+/// Replays with reports, which the captured run did not have.
 Expected<ReplayVerdict> replayed(CaptureReader reader) {
   const CaptureHeader header = reader.header();
   Replay replay(std::move(reader), ShadingPass::Report::On);
@@ -209,7 +209,7 @@ std::ptrdiff_t heard(const std::vector<CapturedFrame>& frames) {
   return count;
 }
 
-/// Of the frames whose report came: how many fewer slices came than it speaks of.
+/// For frames with a report: the number of slices that did not arrive.
 std::uint32_t lost_slices(const std::vector<CapturedFrame>& frames) {
   std::map<std::uint32_t, std::uint32_t> came, sent;
   for (const CapturedFrame& frame : frames)
@@ -225,7 +225,7 @@ std::uint32_t lost_slices(const std::vector<CapturedFrame>& frames) {
   return lost;
 }
 
-/// A recording of each pace, made once.
+/// A capture of each pace, made once.
 const std::filesystem::path& recorded(const MaskPolicy& policy) {
   static const ScratchFolder folder;
   static std::map<Pace, std::filesystem::path> made;

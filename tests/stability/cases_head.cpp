@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t kFrames = 30;
 
-/// A head that turns on the spot, and looks at things in the frame that is judged.
+/// A head that turns on the spot and looks at the geometry in the compared frame.
 Setting turning(double degrees_s, std::uint32_t frames = kFrames) {
   Setting setting = ordinary();
   setting.frames = frames;
@@ -81,7 +81,7 @@ void other_sign(std::vector<HeadSample>& rows) {
 }
 
 void burst(std::vector<HeadSample>& rows) {
-  // Ten rows within 10 ns, as a buffer that is read late would stamp them.
+  // Ten rows within 10 ns, like stamps of a buffer that was read late.
   for (std::size_t i = 40; i < 50; ++i)
     rows[i].time = rows[40].time + Duration(static_cast<std::int64_t>(i) - 40);
 }

@@ -1,4 +1,4 @@
-/// Extreme lights: near, far, grazing, inside of things, on edges, many, strong.
+/// Extreme lights: near, far, grazing, inside geometry, on edges, many, strong.
 #include <cmath>
 #include <numbers>
 
@@ -8,10 +8,10 @@
 namespace farshade::stability {
 namespace {
 
-/// Of the floating box, to the last bit of its vertices.
+/// A corner of the floating box, exactly.
 constexpr glm::dvec3 kCorner{0.3f, 0.6f + 0.2f, 0.3f};
 
-/// The ordinary things under one point light that gives about 1 lux at the place it stands `away_m` from.
+/// The ordinary scene with one point light that gives about 1 lux at a distance of `away_m`.
 Setting one_light(const glm::dvec3& position, double candela) {
   Setting setting = unlit();
   setting.scene.point_light(position, candela);
@@ -28,7 +28,7 @@ Setting far_light(double away_m) {
   return one_light(way * away_m, 3 * away_m * away_m);
 }
 
-/// The sun that far from straight above the floor.
+/// The sun at that angle from the normal of the floor.
 Setting grazing(double from_normal_degrees) {
   const double angle = from_normal_degrees * std::numbers::pi / 180;
   Setting setting = unlit();

@@ -1,4 +1,4 @@
-/// Outside of the domain: refused in a sentence, never shown as NaN.
+/// Settings outside the domain: the programs refuse them with a sentence and never show NaN.
 #include <cmath>
 #include <limits>
 

@@ -34,7 +34,7 @@ Mesh slivers(float length_m, float aspect) {
   return triangle_soup(corners);
 }
 
-/// A floor 1e4 m wide, of two triangles, with a 5 cm box on it that the head stands before.
+/// A floor 1e4 m wide, of two triangles, with a box of 5 cm in front of the head.
 Setting huge_floor() {
   Setting setting;
   setting.scene.add(quad({0, 0, 0}, {0, 0, 5000}, {5000, 0, 0}));
@@ -46,7 +46,7 @@ Setting huge_floor() {
   return setting;
 }
 
-/// A box close before the eyes, and a wall far behind all.
+/// A box close to the eyes, and a distant wall.
 Setting depth_ratio(float near_m, float far_m) {
   Setting setting = ordinary();
   setting.scene.add(box({0.5f, 1.6f, 2.5f - near_m}, glm::vec3(0.2f * near_m)));

@@ -1,4 +1,4 @@
-/// Extreme views: fov, sizes, eye distances, places of the eyes.
+/// Extreme views: fov, sizes, eye distances, eye positions.
 #include "tests/oracle/scene_builder.h"
 #include "tests/stability/cases.h"
 
@@ -21,7 +21,7 @@ Setting with_size(Extent size) {
   return setting;
 }
 
-/// So narrow that its pixel is no mixture of edges.
+/// A fov so narrow that no edge crosses the pixel.
 Setting one_pixel() {
   Setting setting = symmetric(1);
   setting.size = {1, 1};

@@ -26,7 +26,7 @@ StereoView views_of(const json& described) {
   return {view_of(described["left"]), view_of(described["right"])};
 }
 
-/// Takes what was read, or keeps why it was not.
+/// Stores the value, or the error.
 template <class T>
 void take(Expected<T> read, T& into, std::optional<Error>& failed) {
   if (read)

@@ -1,4 +1,4 @@
-/// Dump, read back: one frame of the client as vr_client/report/dump.h writes it.
+/// Reads a dumped frame, as vr_client/report/dump.h writes it.
 #pragma once
 
 #include <filesystem>
@@ -22,10 +22,10 @@ struct Dump {
   PerEye<DumpedEye> eyes;
 };
 
-/// Missing where a file is not there or the frame was shown without any mask.
+/// Fault::Missing if a file is missing or the frame was shown without a mask.
 [[nodiscard]] Expected<Dump> read_dump(const std::filesystem::path& frame_folder);
 
-/// Numbers in the dump's float pictures that are not finite.
+/// Counts the values in the float pictures of the dump that are not finite.
 [[nodiscard]] std::size_t count_not_finite(const Dump& dump);
 
 }  // namespace farshade::stability

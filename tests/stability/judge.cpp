@@ -20,7 +20,7 @@ double most_off_double_px(const Dump& dump) {
   const Extent size = dump.traced[0].size;
   return std::max(1e-3, 0x1p-22 * std::max(size.width, size.height));
 }
-/// Against the true surface: the rasteriser's grid.
+/// Bound against the true surface: the grid of the rasteriser.
 constexpr double kMostOffSurface_px = 1.0 / 256;
 /// Rounding to 8 bits, and normals of 16.
 constexpr double kMostOffPicture_levels = 2;
@@ -54,7 +54,7 @@ std::vector<Figure> figures_of(const Wrong& wrong, const std::string& masks) {
           {"band " + masks, "%", share(wrong.in_band)}};
 }
 
-/// The oracle's view of a pixel's surface.
+/// The surface of a pixel in the oracle.
 struct Seen {
   glm::dvec3 point, normal, base_color;
   Met met;
@@ -78,7 +78,7 @@ std::optional<Seen> see(const oracle::Surfaces& surfaces, const View& view, std:
               {t.position, hit->t}};
 }
 
-/// What `light` would send to the point if nothing stood between (KHR_lights_punctual), times N . L.
+/// The unshadowed irradiance of `light` at the point (KHR_lights_punctual), times N . L.
 glm::dvec3 radiance(const Light& light, const Seen& seen) {
   const bool directional = light.kind == LightKind::Directional;
   const glm::dvec3 to_light = directional ? -light.direction.v : light.position.v - seen.point;
@@ -101,7 +101,7 @@ double srgb_level(double linear) {
   return 255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055);
 }
 
-/// Levels by which a shown pixel differs from the formula; 0 where truth is in doubt.
+/// The difference of a shown pixel from the formula, in levels; 0 in the oracle's band.
 double off_picture(const Seen& seen, const LightSet& lights, const oracle::Masks& truth, std::uint32_t x,
                    std::uint32_t y, const Rgb8& shown) {
   glm::dvec3 irradiance(0.0);

@@ -1,4 +1,4 @@
-/// Judge: a dumped frame against the double-precision oracle, figure by figure.
+/// Judge: compares a dumped frame with the double-precision oracle and records figures.
 #pragma once
 
 #include "stereo/scene/scene_state.h"
@@ -7,19 +7,19 @@
 
 namespace farshade::stability {
 
-/// Bits of a mask beyond the low 16 are not dumped, and not judged.
+/// Number of mask bits that the dump holds. Higher bits are not compared.
 inline constexpr std::uint32_t kJudgedLights = 16;
 
-/// Shares are of pixel-lights of both eyes. "False shadow": shadowed, but lit in truth; "false light": the
-/// other way round; both outside the oracle's band (oracle.h), both bound to be 0.
-/// The masks as they were traced, at the views they were traced for.
+/// Compares the traced masks with the oracle at the traced views. Shares are of the pixel-lights of both
+/// eyes. "False shadow": shadowed, but lit in the oracle; "false light": lit, but shadowed in the oracle.
+/// Both count only outside the oracle's band (oracle.h), and both must be 0.
 [[nodiscard]] std::vector<Figure> judge_traced(const Scene& scene, const Dump& dump);
 
-/// The masks as they were shown, and the picture; for a frame whose shown views are the traced ones.
+/// Compares the shown masks and the picture, for a frame whose shown views are the traced views.
 [[nodiscard]] std::vector<Figure> judge_shown(const Scene& scene, const Dump& dump);
 
-/// Where points were looked up in the newest mask's view, in pixels: against double from the same stored
-/// depth, and against the oracle's own surface.
+/// Compares the look-up positions in the view of the newest mask, in pixels, with those in double from the
+/// same stored depth and from the oracle's surface.
 [[nodiscard]] std::vector<Figure> judge_lookup(const Scene& scene, const Dump& dump);
 
 }  // namespace farshade::stability

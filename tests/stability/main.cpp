@@ -20,7 +20,7 @@ struct Wish {
   bool cases = false, sweeps = false, quick = false, list = false;
 };
 
-/// Few enough for every change: what has broken before, and an end of each kind.
+/// The cases for every change: those that found faults before, and one extreme of each kind.
 constexpr const char* kQuick =
     "scale-1mm|origin-1000km|fov-170$|light-0.1mm|triangle-aspect-1e6|head-1000-deg-s|size-1x1|trace-"
     "backward|"
@@ -40,7 +40,7 @@ std::vector<Case> chosen(const Wish& wish) {
   return all;
 }
 
-/// The ordinary case that another is as costly as, run when it is first asked for.
+/// The ordinary case to compare the cost with. It runs at its first use.
 class Ordinary {
  public:
   explicit Ordinary(const Room& room) : room_(room) {}
@@ -59,7 +59,7 @@ class Ordinary {
   std::map<std::string, Pace> paces_;
 };
 
-/// Three tries: a machine that was busy once must not tell a case from an ordinary one.
+/// Up to three tries, so that a busy machine does not fail a case.
 Ran run_with_pace(const Case& tested, const Room& room, Ordinary& ordinary) {
   Ran ran = run(tested, room);
   if (tested.outcome != Outcome::Works) return ran;

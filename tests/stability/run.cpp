@@ -24,7 +24,7 @@ namespace farshade::stability {
 namespace {
 
 constexpr double kMostTimesOrdinary = 4;
-/// Masks asked for before a predictor has seen a head move.
+/// Number of frames before the predictor knows the motion of the head.
 constexpr std::size_t kUnsettled = 3;
 constexpr double kDegrees = 180 / std::numbers::pi;
 
@@ -53,7 +53,7 @@ Columns read_columns(const std::filesystem::path& path) {
   return columns;
 }
 
-/// Those that are there; empty fields are frames that the column says nothing of.
+/// The values of a column. Empty fields are frames without a value.
 std::vector<double> numbers(const Columns& columns, const std::string& name) {
   std::vector<double> values;
   if (const auto column = columns.find(name); column != columns.end())
@@ -62,7 +62,7 @@ std::vector<double> numbers(const Columns& columns, const std::string& name) {
   return values;
 }
 
-/// Fields of frames.csv that are not finite, or no number at all.
+/// Counts the fields of frames.csv that are not finite numbers.
 double count_not_finite(const Columns& columns) {
   double count = 0;
   for (const auto& [name, fields] : columns)
@@ -98,7 +98,7 @@ struct Ended {
   std::string errors;
 };
 
-/// One session of the client, its results in `out`.
+/// One run of the client, with its results in `out`.
 class Sessions {
  public:
   Sessions(const Room& room, const Setting& setting, const Files& files, std::string server)
@@ -150,7 +150,7 @@ std::string last_line(const std::string& text) {
   return last;
 }
 
-/// The number before `what`; 0 if it is not there.
+/// The number before `what`; 0 if it is missing.
 double number_before(const std::string& line, const std::string& what) {
   const std::size_t end = line.find(what);
   if (end == std::string::npos || end == 0) return 0;
@@ -158,8 +158,8 @@ double number_before(const std::string& line, const std::string& what) {
   return std::strtod(line.c_str() + (start == std::string::npos ? 0 : start + 1), nullptr);
 }
 
-/// What the server refused for what it says, by its own count; a session that is over, or a datagram twice,
-/// is the network's doing. Not finite if it did not tell.
+/// The number of messages that the server refused for their content, from its own counters. Ended sessions
+/// and duplicated datagrams do not count. NaN if the server did not report it.
 double refused_by(ChildProgram& server) {
   server.send(SIGTERM);
   while (const auto line = server.line_after("rt_server: "))
@@ -178,7 +178,7 @@ Pace pace_of(const Columns& frames) {
           quantile(numbers(frames, "server frame [ms]"), 0.25)};
 }
 
-/// What views held since they were asked for would have missed in each frame, and what those asked for did.
+/// The errors, per frame, of views held since the request and of the requested views.
 void judge_head(const Case& tested, const Files& files, const Columns& frames, Verdict& verdict) {
   const Expected<HeadRecording> trace = load_head_recording(files.head);
   const std::array names{"display_time_ns", "head turned since traced view [deg]",
@@ -208,7 +208,7 @@ void judge_head(const Case& tested, const Files& files, const Columns& frames, V
   verdict.figures.push_back({"predictor way", "mm", most_mm});
 }
 
-/// True if the run came to its end; else says why in the verdict.
+/// True if the run ended regularly; otherwise the verdict says why not.
 bool ended(const Ended& run, const char* which, Verdict& verdict) {
   if (run.status == 0) return true;
   verdict.broken = fmt::format("{} run ended with {}: {}", which, run.status, last_line(run.errors));
@@ -219,7 +219,7 @@ std::filesystem::path dumped(const std::filesystem::path& out, const Setting& se
   return out / "dump" / fmt::format("frame_{:04}", setting.frames);
 }
 
-/// A refusal is one sentence in the program's own name, and a status that a shell sees.
+/// A refusal is one sentence that starts with the program's name, and a nonzero exit status.
 bool is_refusal(const Ended& run, const std::string& program) {
   const std::string said = last_line(run.errors);
   return run.status > 0 && run.status < 126 && said.starts_with(program + ": ") && said.size() > 20;

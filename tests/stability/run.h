@@ -1,4 +1,4 @@
-/// Run: one case through the real rt_server and vr_client over a UDP socket, and what came of it.
+/// Runs one case through the real rt_server and vr_client over a UDP socket and returns its verdict.
 #pragma once
 
 #include <filesystem>
@@ -12,25 +12,25 @@ namespace farshade::stability {
 
 enum class Outcome : std::uint8_t {
   Works,
-  Refused,     ///< by the client, with a sentence
-  BothRefuse,  ///< by server and client, each with a sentence: the scene is out of the domain
+  Refused,     ///< the client refuses with a sentence
+  BothRefuse,  ///< server and client refuse, each with a sentence: the scene is outside the domain
 };
 
-/// What an extreme head is held to.
+/// The bound for the prediction of an extreme head.
 enum class HeadBound : std::uint8_t {
   None,
-  NoWorseThanHeld,  ///< the predicted views miss by no more than views held since they were asked for
-  TwiceHeld,        ///< by no more than twice that: what seemed a speed was a jerk of the recording's
+  NoWorseThanHeld,  ///< the error of the requested views is at most that of held views
+  TwiceHeld,        ///< at most twice that: a jump in the recording looks like a velocity
 };
 
 struct Case {
   std::string name, extreme;
-  std::string sweep{};  ///< whose point this is; empty: of none
-  double x = 0;         ///< where on the sweep
+  std::string sweep{};  ///< the sweep of this point; empty: none
+  double x = 0;         ///< position on the sweep
   std::function<Setting()> make;
   Outcome outcome = Outcome::Works;
   HeadBound head = HeadBound::None;
-  std::string like = "ordinary";  ///< the ordinary case of as many triangles, lights and pixels
+  std::string like = "ordinary";  ///< the ordinary case with as many triangles, lights and pixels
 };
 
 /// Lower quartiles of run times, ms.
@@ -38,7 +38,7 @@ struct Pace {
   double client_ms = 0, server_ms = 0;
 };
 
-/// Where things are: the programs, keys for them, and a folder for one case at a time.
+/// Paths of the programs, their keys, and a folder for the files of one case.
 struct Room {
   std::filesystem::path server, client, folder;
 };
@@ -48,11 +48,11 @@ struct Ran {
   Pace pace;
 };
 
-/// Runs the case twice: once with masks of the very pose shown, once 20 ms late (or as the case says) with
-/// prediction and guard band.
+/// Runs the case twice: with masks of the shown pose, and with masks that are 20 ms late (or as the case
+/// says), with prediction and guard band.
 [[nodiscard]] Ran run(const Case& tested, const Room& room);
 
-/// Adds run times to the verdict: at most four times those of the ordinary case.
+/// Adds run times to the verdict. The bound is four times those of the ordinary case.
 void judge_pace(const Pace& pace, const Pace& ordinary, Verdict& verdict);
 
 }  // namespace farshade::stability

@@ -1,4 +1,4 @@
-/// Sweeps: error as a curve. Each point is a case of its own, held to the same bounds.
+/// Sweeps: errors as curves. Each point is a case with the same bounds.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -45,7 +45,7 @@ Setting prediction(double delay_ms) {
   return setting;
 }
 
-/// Near ones stand over the floor, far ones beside the scene.
+/// Near lights are above the floor, far lights beside the scene.
 Setting light_distance(double away_m) {
   Setting setting = unlit();
   const glm::dvec3 way = glm::normalize(glm::dvec3(0.1, 1, 0.15));

@@ -8,8 +8,8 @@
 namespace farshade::stability {
 namespace {
 
-/// How an edge passes a pixel position: how far off, and its distance along -z there. Nothing if it reaches
-/// behind the eye.
+/// The distance of an edge from a pixel position, and its distance along -z there. No value if the edge
+/// reaches behind the eye.
 struct Pass {
   double off_px, distance_m;
 };

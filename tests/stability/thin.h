@@ -1,9 +1,8 @@
-/// Thin things: whether a rasteriser may rightly have seen another surface than a ray through a pixel's
-/// centre does.
+/// Thin geometry: decides whether a rasteriser may see another surface than a ray through the pixel centre.
 ///
-/// It moves vertices to a grid of 1/256 pixel, so that what ends, or begins, that close to a centre may or
-/// may not cover it. Geometry thinner than the oracle's band passes between the band's five rays; here edges
-/// are measured.
+/// A rasteriser snaps vertices to a grid of 1/256 pixel, so geometry with an edge that close to a centre may
+/// or may not cover it. Geometry that is thinner than the oracle's band passes between the five rays of the
+/// band, so this test measures the distance of edges instead.
 #pragma once
 
 #include <array>
@@ -18,7 +17,7 @@ using Corners = std::array<glm::dvec3, 3>;  ///< stage
 
 [[nodiscard]] std::vector<Corners> triangles_of(const Scene& scene, const SceneState& state);
 
-/// What a ray through a pixel's centre meets.
+/// The surface that a ray through a pixel centre hits.
 struct Met {
   Corners corners;
   double distance_m = 0;  ///< along -z
@@ -27,11 +26,11 @@ struct Met {
 inline constexpr double kGrid_px = 1.0 / 64;   ///< four steps of the rasteriser's grid
 inline constexpr double kSameDistance = 1e-2;  ///< relative
 
-/// Whether `distance_m` (0 = nothing) speaks of another surface than `met` (null: none).
+/// True if `distance_m` (0 = no surface) is the distance of another surface than `met` (null: no surface).
 [[nodiscard]] bool is_other(double distance_m, const Met* met);
 
-/// Whether that other surface may be seen: an edge of something at that distance passes within kGrid_px of
-/// the centre if it lies before `met`; an edge of `met` itself does if it lies behind.
+/// True if the rasteriser may see that other surface: if it is in front of `met`, an edge at that distance
+/// passes within kGrid_px of the centre; if it is behind, an edge of `met` does.
 [[nodiscard]] bool may_be_seen(double distance_m, const Met* met, const View& view,
                                const glm::dvec2& centre_px, const std::vector<Corners>& triangles);
 

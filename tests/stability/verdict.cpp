@@ -9,7 +9,7 @@
 namespace farshade::stability {
 namespace {
 
-/// Share of the bound that is used up; beyond 1 it is broken.
+/// The figure as a fraction of its bound; above 1 it exceeds the bound.
 double strain(const Figure& figure) {
   if (!figure.bound) return -1;
   if (!std::isfinite(figure.value)) return std::numeric_limits<double>::infinity();

@@ -1,4 +1,4 @@
-/// Verdict: the figures of one case, each against its bound.
+/// Verdict: the figures of one case with their bounds.
 #pragma once
 
 #include <optional>
@@ -10,18 +10,18 @@ namespace farshade::stability {
 struct Figure {
   std::string name, unit;
   double value = 0;
-  std::optional<double> bound{};  ///< at most; none: told, not judged
+  std::optional<double> bound{};  ///< upper bound; none: reported only
 };
 
-/// A figure that is not finite is never within bound.
+/// A figure that is not finite exceeds any bound.
 [[nodiscard]] bool holds(const Figure& figure);
 
 struct Verdict {
   std::vector<Figure> figures;
-  std::string broken{};  ///< not empty: the case did not come to figures, and why
+  std::string broken{};  ///< if not empty: the reason why the case has no figures
 
   [[nodiscard]] bool good() const;
-  /// The judged figure that is closest to its bound, or furthest beyond; null if none is judged.
+  /// The bounded figure that is closest to its bound, or furthest beyond it; null if no figure has a bound.
   [[nodiscard]] const Figure* tightest() const;
 };
 

@@ -16,7 +16,7 @@ constexpr Duration kApart = std::chrono::milliseconds(100);
 constexpr Duration kPatience = std::chrono::seconds(3);
 constexpr std::size_t kRemembered = 32;
 
-/// A client that asks and takes what comes.
+/// A client that sends requests and receives the answers.
 struct Head {
   Head(const Play& play, Duration ahead, VirtualLink& wire, std::size_t number, const Clock& clock,
        const LinkTarget& target)
@@ -33,7 +33,7 @@ struct Head {
   RequestPlan plan{RequestSettings{}};
   FrameId frame;
 
-  /// False: the recording has ended.
+  /// Returns false at the end of the recording.
   bool ask() {
     const std::optional<FrameTiming> timing = runtime.wait_frame();
     if (!timing) return false;

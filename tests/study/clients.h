@@ -1,5 +1,5 @@
-/// Clients: what one server needs for a display frame of several heads, each along another part of the same
-/// recording. Nobody draws.
+/// Measures the server time per display frame for several heads. Each head follows another part of the same
+/// recording. The clients do not draw.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,9 +8,9 @@
 
 namespace farshade::study {
 
-/// Figures as Figures::json has them: of each display frame from `warm_up` on, the time in which the server
-/// took in, traced, packed and sent what `clients` heads asked for at once, `time.server_frame`, ms. Head i
-/// is a tenth of a second ahead of head i - 1. Of `play` counts what both sides need; its mode does not.
+/// Figures as in Figures::json: for each display frame from `warm_up` on, the time in which the server
+/// received, traced, packed and sent the answers for the simultaneous requests of `clients` heads,
+/// `time.server_frame`, ms. Head i is 0.1 s ahead of head i - 1. The mode in `play` has no effect.
 [[nodiscard]] nlohmann::json measure_clients(const Play& play, std::uint32_t clients, std::uint32_t warm_up);
 
 }  // namespace farshade::study

@@ -1,5 +1,5 @@
-/// Figures: named values gathered over frames, told as median, p95 and p99. Three groups: `error` and `wire`
-/// are the same on every run, `time` is the machine's.
+/// Figures: named values of all frames, summarised as median, p95 and p99. The groups `error` and `wire` are
+/// the same in every run; `time` depends on the machine.
 #pragma once
 
 #include <map>
@@ -15,7 +15,7 @@ enum class Group : std::uint8_t { Error, Wire, Time };
 
 class Figures {
  public:
-  /// One more value of a figure. For Worse::Low p95 and p99 are the 5 % and 1 % quantiles.
+  /// Adds a value to a figure. For Worse::Low, p95 and p99 are the 5 % and 1 % quantiles.
   void add(Group group, const std::string& name, double value, Worse worse = Worse::High);
 
   /// `{"error": {NAME: {"median", "p95", "p99", "count"}}, "wire": .., "time": ..}`, numbers to 9 digits.
@@ -46,7 +46,7 @@ class Figures {
 void add_times(const Played& played, std::uint32_t first, Figures& figures);
 
 /// Mask error, shares, staleness, latency, bytes, datagrams and rays from frame `warm_up` on. Frames before
-/// anything had come count as start-up and in no figure.
+/// the first answer are start-up frames and count in no figure.
 void add_errors(const Played& played, std::uint32_t warm_up, Figures& figures);
 
 }  // namespace farshade::study

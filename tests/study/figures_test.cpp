@@ -26,7 +26,7 @@ EyeErrors eye(double mask_error, double psnr_db) {
   return errors;
 }
 
-/// Two frames: one before anything had come, one with errors.
+/// Two frames: one before the first answer, one with errors.
 Played two_frames(const PerEye<EyeErrors>& errors) {
   Played played;
   const auto frame = [](std::uint32_t number) {

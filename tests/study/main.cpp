@@ -1,4 +1,4 @@
-// study_point: one point of a study, as JSON on stdout. scripts/study runs it, point by point.
+// study_point: measures one point of a study and prints it as JSON. scripts/study runs it for each point.
 #include <spdlog/spdlog.h>
 #include <sys/prctl.h>
 

@@ -7,10 +7,10 @@
 namespace farshade::study {
 namespace {
 
-/// A frame that waits for its own answer gives up after this.
+/// The longest time that a frame waits for its own answer.
 constexpr Duration kLongestWait = std::chrono::seconds(1);
 
-/// Within [least, most], and what may follow it are K and M.
+/// A number in [least, most]; K or M may follow it.
 std::optional<std::uint32_t> number_from(std::string_view text, std::uint32_t least, std::uint32_t most) {
   std::uint64_t value = 0;
   const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -22,10 +22,10 @@ std::optional<std::uint32_t> number_from(std::string_view text, std::uint32_t le
   return static_cast<std::uint32_t>(value);
 }
 
-/// Takes a word's value; false: the word has no such value.
+/// Applies the value of a word. Returns false for an invalid value.
 using Setter = std::function<bool(std::string_view value, Play& play)>;
 
-/// A word with one value beside its default.
+/// A word with one value besides its default.
 template <class Set>
 Setter only(std::string_view value, const Set& set) {
   return [=](std::string_view text, Play& play) { return text == value && (set(play), true); };
@@ -83,7 +83,7 @@ const std::vector<Word>& all_words() {
   return words;
 }
 
-/// Cuts the first of the words, which commas part, off `words`.
+/// Removes the first word, up to a comma, from `words` and returns it.
 std::string_view next_word(std::string_view& words) {
   const std::size_t end = std::min(words.find(','), words.size());
   const std::string_view word = words.substr(0, end);

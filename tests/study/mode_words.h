@@ -1,12 +1,12 @@
-/// Mode words: a way of working as a sweep writes it, such as `hybrid`, `hybrid,eyes=this` or
-/// `remote,bitrate=20M`: the mode's name, then what is to be otherwise than by default.
+/// Mode words: a mode with settings as text, such as `hybrid`, `hybrid,eyes=this` or `remote,bitrate=20M`:
+/// the name of the mode, then the settings that differ from the defaults.
 #pragma once
 
 #include "tests/network/rehearsal.h"
 
 namespace farshade::study {
 
-/// What words may say of a play.
+/// The settings that words can change in a play.
 ///
 ///     with a server             predictor=NAME  every=N  wait (for the frame's own answer, at most a second)
 ///     that carry masks over     reprojection=off  band=off  eyes=this  gaps=unknown  edges=nearest
@@ -14,7 +14,7 @@ namespace farshade::study {
 ///     remote, delta             bitrate=N, NK or NM, bits a second
 ///     local                     maps=PIXELS, a side  pcf=TEXELS  redraw=always
 ///
-/// Leaves all else in `play` alone. Malformed names the word that is none of the mode's.
+/// Changes nothing else in `play`. Fault::Malformed names a word that the mode does not have.
 [[nodiscard]] Expected<void> set_mode(std::string_view words, Play& play);
 
 }  // namespace farshade::study

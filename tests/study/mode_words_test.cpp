@@ -5,7 +5,7 @@
 namespace farshade::study {
 namespace {
 
-/// A play of which only the settings matter.
+/// A play for tests of settings only.
 struct Settings {
   gpu::Device device;
   Scene scene;
