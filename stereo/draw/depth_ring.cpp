@@ -7,17 +7,17 @@
 
 namespace farshade {
 
-DepthRing::DepthRing(const gpu::Device& device, Extent size, std::uint32_t frames)
+DepthRing::DepthRing(const gpu::Device& device, Extent size, std::uint32_t slots)
     : image_(gpu::make_image(
           device,
           {.size = size,
-           .layers = static_cast<std::uint32_t>(kEyes) * (frames + 1),
+           .layers = static_cast<std::uint32_t>(kEyes) * (slots + 1),
            .format = kDepthFormat,
            .usage = vk::ImageUsageFlagBits::eDepthStencilAttachment | vk::ImageUsageFlagBits::eTransferSrc |
                     vk::ImageUsageFlagBits::eTransferDst | vk::ImageUsageFlagBits::eSampled,
            .use = gpu::Use::Depth},
           "depth ring")),
-      slots_(frames + 1) {
+      slots_(slots + 1) {
   for (std::uint32_t i = 0; i < slots_.size(); ++i)
     slots_[i].view = gpu::view_layers(device, image_, i * kEyes, kEyes);
   gpu::run_now(device, [&](const vk::raii::CommandBuffer& commands) {
@@ -35,20 +35,8 @@ std::optional<std::size_t> DepthRing::slot_of(FrameId frame) const {
   return static_cast<std::size_t>(slot - slots_.begin());
 }
 
-std::size_t DepthRing::room(std::span<const FrameId> kept) const {
-  std::optional<std::size_t> oldest;
-  for (std::size_t slot = 0; slot + 1 < slots_.size(); ++slot) {
-    const std::optional<FrameId> held = slots_[slot].frame;
-    if (!held) return slot;
-    const bool is_kept = std::ranges::find(kept, *held) != kept.end();
-    if (!is_kept && (!oldest || is_newer(*slots_[*oldest].frame, *held))) oldest = slot;
-  }
-  check(oldest.has_value(), "what is kept leaves room");
-  return *oldest;
-}
-
-DepthRing::Place DepthRing::claim(FrameId frame, std::span<const FrameId> kept) {
-  const std::size_t slot = slot_of(frame).value_or(room(kept));
+std::optional<DepthRing::Place> DepthRing::claim(FrameId frame, std::size_t slot) {
+  if (slot + 1 >= slots_.size()) return std::nullopt;
   slots_[slot].frame = frame;
   return place(slot);
 }
@@ -59,7 +47,7 @@ void DepthRing::forget() {
 
 std::uint32_t DepthRing::layer_of(FrameId frame) const {
   const std::optional<std::size_t> slot = slot_of(frame);
-  check(slot.has_value(), "the depth asked for is in the ring");
+  check(slot.has_value(), "the ring has the frame whose layer is read");
   return place(*slot).layer;
 }
 

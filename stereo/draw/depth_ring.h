@@ -1,10 +1,9 @@
-/// DepthRing: the depths of the views that masks were asked for, so that a mask that comes back later can be
-/// tested against what its views saw. One more place holds the shown views' depth, where they were not asked
-/// for themselves.
+/// DepthRing: the depth of the views that masks were requested for. A mask that comes later is compared with
+/// it, to find out what surface each of its pixels belongs to. One more place holds the depth of the shown
+/// views, for frames whose shown and requested views differ.
 #pragma once
 
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "stereo/frame/frame_id.h"
@@ -15,24 +14,22 @@ namespace farshade {
 
 class DepthRing {
  public:
-  /// Places for the views of `frames` requests, each up to `size` pixels an eye.
-  DepthRing(const gpu::Device& device, Extent size, std::uint32_t frames);
+  /// Has `slots` places for the views of requests, each up to `size` pixels an eye.
+  DepthRing(const gpu::Device& device, Extent size, std::uint32_t slots);
 
-  /// Both eyes' layers.
+  /// The layers of both eyes.
   struct Place {
-    std::uint32_t layer = 0;  ///< the left eye's; the right eye's is the next
+    std::uint32_t layer = 0;  ///< of the left eye; the right eye has the next one
     vk::ImageView view;
   };
-  /// Whether it remembers any request.
-  [[nodiscard]] bool remembers() const { return slots_.size() > 1; }
-  /// A place for a request that is newer than all before. If none is free, the oldest request that is not
-  /// among `kept`, fewer than there are places, loses its depth.
-  Place claim(FrameId frame, std::span<const FrameId> kept);
-  /// No request's depth is in the ring.
+  /// The place of a request's depth. Whoever owns the request records (stereo/net/assembler.h) chooses the
+  /// slot; the depth that it held before is lost. No value if the ring has no such slot.
+  std::optional<Place> claim(FrameId frame, std::size_t slot);
+  /// Empties all slots.
   void forget();
   [[nodiscard]] Place shown() const { return place(slots_.size() - 1); }
   [[nodiscard]] bool has(FrameId frame) const { return slot_of(frame).has_value(); }
-  /// A frame that the ring has.
+  /// The layer of a frame that the ring has.
   [[nodiscard]] std::uint32_t layer_of(FrameId frame) const;
 
   [[nodiscard]] const gpu::Image& image() const { return image_; }
@@ -44,11 +41,10 @@ class DepthRing {
     vk::raii::ImageView view{nullptr};
   };
   [[nodiscard]] std::optional<std::size_t> slot_of(FrameId frame) const;
-  [[nodiscard]] std::size_t room(std::span<const FrameId> kept) const;
   [[nodiscard]] Place place(std::size_t slot) const;
 
   gpu::Image image_;
-  std::vector<Slot> slots_;  ///< the last is the shown views' and holds no request
+  std::vector<Slot> slots_;  ///< the last one is that of the shown views and holds no request
 };
 
 }  // namespace farshade

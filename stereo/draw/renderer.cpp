@@ -43,14 +43,11 @@ void Renderer::make_depth_pass() {
 void Renderer::place_depth(const ShownFrame& frame) {
   asked_depth_.reset();
   shown_depth_ = ring_.shown();
-  if (frame.asked == nullptr || !ring_.remembers()) return;
-  // Through a silence of the network requests go on, and the last masks are still shown.
-  std::vector<FrameId> kept;
-  for (const TracedMask& mask : frame.masks)
-    if (kept.size() < ShadingPass::kMaxMasks && ring_.has(mask.frame)) kept.push_back(mask.frame);
-  const DepthRing::Place place = ring_.claim(frame.asked->frame, kept);
+  if (frame.asked == nullptr) return;
+  const std::optional<DepthRing::Place> place = ring_.claim(frame.asked->frame, frame.asked_slot);
+  if (!place) return;
   if (frame.asked->views == frame.views && frame.asked->scene_time == frame.state.scene_time) {
-    shown_depth_ = place;
+    shown_depth_ = *place;
     return;
   }
   if (!plan_.depth_pass) return;
@@ -126,22 +123,21 @@ DrawTimes Renderer::shade_again(const ShownFrame& frame) {
   return times;
 }
 
-DrawTimes Renderer::keep_depth(const FrameRequest& asked, std::span<const FrameId> kept,
-                               PerEye<Image<float>>& into) {
+DrawTimes Renderer::keep_depth(const FrameRequest& asked, std::size_t slot, PerEye<Image<float>>& into) {
   const Stopwatch watch;
-  check(ring_.remembers(), "there is room for a request's depth");
-  const DepthRing::Place place = ring_.claim(asked.frame, kept);
+  const std::optional<DepthRing::Place> place = ring_.claim(asked.frame, slot);
+  check(place.has_value(), "the depth ring has the slot of the request's record");
   if (!depth_pass_) make_depth_pass();
   depth_pass_->prepare(asked.views, state_at(scene_, asked.scene_time, asked.lights));
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
   stamps_.reset(commands_);
   stamps_.write(commands_, 0);
-  depth_pass_->record(commands_, ring_, place);
+  depth_pass_->record(commands_, ring_, *place);
   for (std::uint32_t stage = 1; stage < kStamps; ++stage) stamps_.write(commands_, stage);
   commands_.end();
   gpu::submit_and_wait(device_, commands_, fence_);
-  read_distance(place, asked.views[0].size, into);
+  read_distance(*place, asked.views[0].size, into);
   return {.depth = stamps_.between(0, 1), .total = watch.elapsed()};
 }
 

@@ -22,20 +22,21 @@ struct DrawTimes {
 struct ShownFrame {
   StereoView views;  ///< both eyes of the renderer's size
   const SceneState& state;
-  const FrameRequest* asked = nullptr;  ///< what this frame asks for; its views' depth is kept
+  const FrameRequest* asked = nullptr;  ///< this frame's request; the depth of its views is kept
   std::span<const TracedMask> masks;  ///< newest first; those whose depth is not in the ring are passed over
   CarryOver carry_over;
   ShadingPass::Report report = ShadingPass::Report::Off;
   /// Set: shadows come from maps that are drawn for this frame, and `masks` are not read. One that
   /// shadow_map_bytes does not refuse for the scene.
   const ShadowMapSettings* shadow_maps = nullptr;
+  std::size_t asked_slot = 0;  ///< where the depth is kept: the slot of the request's record
 };
 
 /// How large the renderer's pictures and masks may be, and how long requests are remembered.
 struct RendererLimits {
   Extent size;                     ///< pixels of a shown eye
   Extent traced_size;              ///< of a traced eye at most
-  std::uint32_t depth_frames = 8;  ///< requests whose depth is kept
+  std::uint32_t depth_frames = 8;  ///< slots for the depth of requests
 };
 
 class Renderer {
@@ -56,8 +57,8 @@ class Renderer {
   DrawTimes draw_gbuffer(const ShownFrame& frame);
 
   /// Draws the depth of what `asked` sees, keeps it for the request's masks, and reads it: metres along -z, 0
-  /// where nothing is covered, into images whose memory is reused. Those of `kept` are not driven out.
-  DrawTimes keep_depth(const FrameRequest& asked, std::span<const FrameId> kept, PerEye<Image<float>>& into);
+  /// where nothing is covered, into images whose memory is reused. `slot` is that of the request's record.
+  DrawTimes keep_depth(const FrameRequest& asked, std::size_t slot, PerEye<Image<float>>& into);
 
   /// Shades `planes` that another renderer read at `frame.views`, instead of drawing; masks are read pixel by
   /// pixel (Lookup::Direct), and nothing is kept for requests. Same planes, masks and lights: same picture.

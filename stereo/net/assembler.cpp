@@ -39,10 +39,12 @@ void begin(ReceivedGBuffer& gbuffer, const StereoView& views) {
     }
 }
 
-void reset(ReceivedFrame& frame, const FrameRequest& request, MaskLayout layout, std::uint32_t revision) {
+void reset(RequestRecord& frame, const FrameRequest& request, MaskLayout layout, std::uint32_t revision) {
   frame.request = request;
   frame.light_set_revision = revision;
   frame.report.reset();
+  frame.first_piece.reset();
+  frame.report_arrived.reset();
   clear(frame.gbuffer);
   frame.video.known.clear();
   frame.video.parts_known = 0;
@@ -57,7 +59,7 @@ void reset(ReceivedFrame& frame, const FrameRequest& request, MaskLayout layout,
 
 }  // namespace
 
-bool ReceivedFrame::complete() const {
+bool RequestRecord::complete() const {
   const Answer answer = request.wanted.answer;
   if (is_video(answer)) return video.complete();
   const bool has_planes =
@@ -66,71 +68,77 @@ bool ReceivedFrame::complete() const {
 }
 
 Assembler::Assembler(std::size_t frames) : slots_(frames) {
+  for (std::size_t slot = 0; slot < frames; ++slot) slots_[slot].slot = slot;
   check(frames > kKept, "an assembler has room for more than what it keeps");
 }
 
-void Assembler::expect(const FrameRequest& request, MaskLayout layout, std::uint32_t revision) {
+void Assembler::expect(const FrameRequest& request, MaskLayout layout, std::uint32_t revision,
+                       const RequestOrigin& origin) {
   check(!newest_ || is_newer(request.frame, *newest_), "requests are expected in order");
   newest_ = request.frame;
-  reset(room(), request, layout, revision);
+  RequestRecord& record = slots_[next_slot()];
+  used_ = std::max(used_, record.slot + 1);
+  reset(record, request, layout, revision);
+  record.origin = origin;
 }
 
-bool Assembler::is_kept(const ReceivedFrame& frame) const {
+bool Assembler::is_kept(const RequestRecord& frame) const {
   if (!frame.anything_known()) return false;
-  const auto newer = std::ranges::count_if(remembered(), [&](const ReceivedFrame& other) {
+  const auto newer = std::ranges::count_if(records(), [&](const RequestRecord& other) {
     return other.anything_known() && is_newer(other.request.frame, frame.request.frame);
   });
   return static_cast<std::size_t>(newer) < kKept;
 }
 
-/// A slot for one more request.
-ReceivedFrame& Assembler::room() {
-  if (used_ < slots_.size()) return slots_[used_++];
-  ReceivedFrame* oldest = nullptr;
-  for (ReceivedFrame& slot : slots_)
-    if (!is_kept(slot) && (!oldest || is_newer(oldest->request.frame, slot.request.frame))) oldest = &slot;
-  check(oldest != nullptr, "what is kept leaves room");
-  return *oldest;
+std::size_t Assembler::next_slot() const {
+  if (used_ < slots_.size()) return used_;
+  const RequestRecord* oldest = nullptr;
+  for (const RequestRecord& record : slots_)
+    if (!is_kept(record) && (!oldest || is_newer(oldest->request.frame, record.request.frame)))
+      oldest = &record;
+  check(oldest != nullptr, "the eviction rule leaves a slot");
+  return oldest->slot;
 }
 
-ReceivedFrame* Assembler::slot_of(FrameId frame) {
-  for (ReceivedFrame& slot : std::span(slots_).first(used_))
+RequestRecord* Assembler::slot_of(FrameId frame) {
+  for (RequestRecord& slot : std::span(slots_).first(used_))
     if (slot.request.frame == frame) return &slot;
   return nullptr;
 }
 
-const ReceivedFrame* Assembler::find(FrameId frame) const {
+const RequestRecord* Assembler::find(FrameId frame) const {
   return const_cast<Assembler*>(this)->slot_of(frame);
 }
 
-const ReceivedFrame* Assembler::newest_known() const {
-  const ReceivedFrame* newest = nullptr;
-  for (const ReceivedFrame& slot : remembered())
+const RequestRecord* Assembler::newest_known() const {
+  const RequestRecord* newest = nullptr;
+  for (const RequestRecord& slot : records())
     if (slot.anything_known() && (!newest || is_newer(slot.request.frame, newest->request.frame)))
       newest = &slot;
   return newest;
 }
 
-/// The frame, if it was asked for.
-ReceivedFrame* Assembler::wanted(FrameId frame) {
-  ReceivedFrame* const found = slot_of(frame);
+/// The record of a request that is still remembered.
+RequestRecord* Assembler::find_or_count(FrameId frame) {
+  RequestRecord* const found = slot_of(frame);
   if (found == nullptr) ++counters_.unexpected;
   return found;
 }
 
-const ReceivedFrame* Assembler::count(ReceivedFrame& frame, const Decoded<std::uint32_t>& news,
-                                      std::uint32_t& known) {
+const RequestRecord* Assembler::count(RequestRecord& record, const Decoded<std::uint32_t>& news,
+                                      std::uint32_t& known, Time arrived) {
   if (!news) {
     counters_.refused.count(news.error());
     return nullptr;
   }
   ++(*news > 0 ? counters_.slices : counters_.duplicates);
   known += *news;
-  return *news > 0 ? &frame : nullptr;
+  if (*news > 0 && !record.first_piece) record.first_piece = arrived;
+  return *news > 0 ? &record : nullptr;
 }
 
-const ReceivedFrame* Assembler::accept(const Slice& slice) {
-  ReceivedFrame* const frame = wanted(slice.frame);
+const RequestRecord* Assembler::accept(const Slice& slice, Time arrived) {
+  RequestRecord* const frame = find_or_count(slice.frame);
   if (frame == nullptr) return nullptr;
   if (slice.light_set_revision != frame->light_set_revision) {
     ++counters_.other_light_set;
@@ -138,25 +146,25 @@ const ReceivedFrame* Assembler::accept(const Slice& slice) {
   }
   const std::size_t eye = index_of(slice.eye);
   return count(*frame, decode_slice_tiles(slice, frame->masks[eye], frame->known_tiles[eye]),
-               frame->tiles_known[eye]);
+               frame->tiles_known[eye], arrived);
 }
 
-const ReceivedFrame* Assembler::accept(const PlaneSlice& slice) {
-  ReceivedFrame* const frame = wanted(slice.frame);
+const RequestRecord* Assembler::accept(const PlaneSlice& slice, Time arrived) {
+  RequestRecord* const frame = find_or_count(slice.frame);
   if (frame == nullptr) return nullptr;
   ReceivedGBuffer& gbuffer = frame->gbuffer;
   if (frame->request.wanted.answer != Answer::GBuffer || slice.kind > PlaneKind::Depth)
-    return count(*frame, refuse(WireRefusal::AnswerSpec), gbuffer.tiles_known);
+    return count(*frame, refuse(WireRefusal::AnswerSpec), gbuffer.tiles_known, arrived);
   if (gbuffer.tiles == 0) begin(gbuffer, frame->request.views);
   const std::size_t eye = index_of(slice.eye), kind = static_cast<std::size_t>(slice.kind);
   return count(
       *frame,
       decode_plane_tiles(slice, planes_of(gbuffer.planes, slice.kind)[eye], gbuffer.known_tiles[kind][eye]),
-      gbuffer.tiles_known);
+      gbuffer.tiles_known, arrived);
 }
 
-const ReceivedFrame* Assembler::accept(const VideoPart& part) {
-  ReceivedFrame* const frame = wanted(part.frame);
+const RequestRecord* Assembler::accept(const VideoPart& part, Time arrived) {
+  RequestRecord* const frame = find_or_count(part.frame);
   if (frame == nullptr) return nullptr;
   ReceivedVideo& video = frame->video;
   const auto take = [&]() -> Decoded<std::uint32_t> {
@@ -174,13 +182,14 @@ const ReceivedFrame* Assembler::accept(const VideoPart& part) {
     if (part.part + 1 == part.parts) video.unit.resize(at + part.bytes.size());
     return 1u;
   };
-  return count(*frame, take(), video.parts_known);
+  return count(*frame, take(), video.parts_known, arrived);
 }
 
-const ReceivedFrame* Assembler::accept(const FrameReport& report) {
-  ReceivedFrame* const frame = wanted(report.frame);
+const RequestRecord* Assembler::accept(const FrameReport& report, Time arrived) {
+  RequestRecord* const frame = find_or_count(report.frame);
   if (frame == nullptr) return nullptr;
   frame->report = report;
+  frame->report_arrived = arrived;
   return frame;
 }
 

@@ -1,6 +1,8 @@
-/// Assembler: slices and parts back into what was asked for, in whatever order, number and state they come. A
-/// slice that never comes leaves its tiles unknown in that frame and changes nothing else; one that does not
-/// fit what was asked for changes nothing but a counter. Memory is so many frames, used again.
+/// Assembler: the client's memory of its requests, a ring of records. It fills each record with the pieces of
+/// its answer, in whatever order they come. A piece that never comes leaves its tiles unknown in that record
+/// and changes nothing else. A piece that does not fit its request only increments a counter. Everything else
+/// that is kept for each request, such as the depth of its views, lies at the place with the record's slot
+/// number, so that one eviction rule holds for all of it.
 #pragma once
 
 #include <cstdint>
@@ -32,10 +34,21 @@ struct ReceivedVideo {
   [[nodiscard]] bool complete() const { return !known.empty() && parts_known == known.size(); }
 };
 
-/// What has come of one request so far. Bits of tiles that are not known are 0 and mean nothing. Of masks,
-/// G-buffer and video those are there that were wanted.
-struct ReceivedFrame {
+/// When and by whom a request was made.
+struct RequestOrigin {
+  Time asked_at;              ///< the display time of the frame that asked
+  Time sent;                  ///< on the client's clock
+  std::uint64_t session = 0;  ///< counts the sessions of this client
+};
+
+/// All that the client knows about one request: the request, when it was made, and what has come of its
+/// answer. Bits of tiles that are not known are 0 and mean nothing. The record holds masks, G-buffer or video
+/// as the request asks for.
+struct RequestRecord {
+  std::size_t slot = 0;  ///< the record's place in the ring
   FrameRequest request;
+  RequestOrigin origin;
+  std::optional<Time> first_piece, report_arrived;  ///< on the client's clock
   std::uint32_t light_set_revision = 0;
   PerEye<EyeMask> masks;
   PerEye<KnownTiles> known_tiles;
@@ -67,29 +80,36 @@ struct AssemblerCounters {
 
 class Assembler {
  public:
-  /// Frames of which something is known that no newer request without an answer drives out: through a silence
-  /// of the network the last masks stay in hand.
+  /// The eviction rule: a new request takes the slot of the oldest record, but never of the newest kKept
+  /// records with any piece. So the last masks survive when the network is silent and requests go on.
   static constexpr std::size_t kKept = 4;
 
-  /// Remembers `frames` requests, more than kKept: those kept, and the newest.
+  /// A ring of `frames` records, more than kKept.
   explicit Assembler(std::size_t frames = 8);
 
-  /// From now on takes slices of `request`, whose masks shall lie as `layout` says, of the light set
-  /// `revision`. `request.frame` is newer than every frame expected before. When there is no room, the
-  /// oldest request that is not kept is forgotten: pointers to its frame then show the new one.
-  void expect(const FrameRequest& request, MaskLayout layout, std::uint32_t revision);
+  /// Makes the record of `request`, whose answer has masks of this layout and light set. `request.frame` is
+  /// newer than every frame expected before. Pointers to the record that is evicted then refer to the new
+  /// one.
+  void expect(const FrameRequest& request, MaskLayout layout, std::uint32_t revision,
+              const RequestOrigin& origin = {});
 
-  /// The frame that now knows more; null if nothing changed.
-  const ReceivedFrame* accept(const Slice& slice);
-  const ReceivedFrame* accept(const PlaneSlice& slice);
-  const ReceivedFrame* accept(const VideoPart& part);
-  /// The frame that now has its report; null if it is none of ours.
-  const ReceivedFrame* accept(const FrameReport& report);
+  /// Takes a piece that came at `arrived`. Returns the record that has changed; null if nothing has.
+  const RequestRecord* accept(const Slice& slice, Time arrived = {});
+  const RequestRecord* accept(const PlaneSlice& slice, Time arrived = {});
+  const RequestRecord* accept(const VideoPart& part, Time arrived = {});
+  /// Takes the report of an answer. Returns its record; null if there is no such request.
+  const RequestRecord* accept(const FrameReport& report, Time arrived = {});
+
+  /// The slot of the next request's record, if no piece comes before.
+  [[nodiscard]] std::size_t next_slot() const;
+
+  /// All records, in no particular order.
+  [[nodiscard]] std::span<const RequestRecord> records() const { return std::span(slots_).first(used_); }
 
   /// Null if not remembered. Frames stay where they are until they are forgotten.
-  [[nodiscard]] const ReceivedFrame* find(FrameId frame) const;
+  [[nodiscard]] const RequestRecord* find(FrameId frame) const;
   /// The newest frame of which anything is known; null if there is none.
-  [[nodiscard]] const ReceivedFrame* newest_known() const;
+  [[nodiscard]] const RequestRecord* newest_known() const;
 
   /// Forgets every request, not the counters: for another server or scene.
   void clear();
@@ -97,14 +117,13 @@ class Assembler {
   [[nodiscard]] const AssemblerCounters& counters() const { return counters_; }
 
  private:
-  [[nodiscard]] ReceivedFrame* slot_of(FrameId frame);
-  [[nodiscard]] ReceivedFrame* wanted(FrameId frame);
-  const ReceivedFrame* count(ReceivedFrame& frame, const Decoded<std::uint32_t>& news, std::uint32_t& known);
-  [[nodiscard]] bool is_kept(const ReceivedFrame& frame) const;
-  [[nodiscard]] ReceivedFrame& room();
-  [[nodiscard]] std::span<const ReceivedFrame> remembered() const { return std::span(slots_).first(used_); }
+  [[nodiscard]] RequestRecord* slot_of(FrameId frame);
+  [[nodiscard]] RequestRecord* find_or_count(FrameId frame);
+  const RequestRecord* count(RequestRecord& record, const Decoded<std::uint32_t>& news, std::uint32_t& known,
+                             Time arrived);
+  [[nodiscard]] bool is_kept(const RequestRecord& frame) const;
 
-  std::vector<ReceivedFrame> slots_;
+  std::vector<RequestRecord> slots_;
   std::size_t used_ = 0;  ///< slots that hold a request
   std::optional<FrameId> newest_;
   AssemblerCounters counters_;

@@ -124,8 +124,12 @@ Expected<void> run(const Options& options) {
     report.frame = asked.frame;
     const double collect = collect_ms(assembler, packer.pack(traced, report));
     const std::vector<TracedMask> masks = masks_in_hand(assembler, shown.frame);
-    const DrawTimes drawn = renderer.draw(
-        {.views = shown.views, .state = state, .asked = &asked, .masks = masks, .carry_over = {}});
+    const DrawTimes drawn = renderer.draw({.views = shown.views,
+                                           .state = state,
+                                           .asked = &asked,
+                                           .masks = masks,
+                                           .carry_over = {},
+                                           .asked_slot = assembler.find(asked.frame)->slot});
     if (masks.empty()) continue;
     const bool counts = number > warm_up;
     for (CarryOverMode& mode : times.modes) {

@@ -74,8 +74,12 @@ class Way {
     for (const std::vector<std::byte>& datagram : datagrams) bytes += static_cast<double>(datagram.size());
     const double taken_ms = collect_ms(assembler_, datagrams);
     const std::vector<TracedMask> masks = masks_in_hand(assembler_, shown.frame);
-    const DrawTimes drawn = renderer_.draw(
-        {.views = shown.views, .state = state_, .asked = &asked, .masks = masks, .carry_over = {}});
+    const DrawTimes drawn = renderer_.draw({.views = shown.views,
+                                            .state = state_,
+                                            .asked = &asked,
+                                            .masks = masks,
+                                            .carry_over = {},
+                                            .asked_slot = assembler_.find(asked.frame)->slot});
     if (masks.empty()) return std::nullopt;
     return Figures{.rays = static_cast<double>(stats.primary_rays + stats.shadow_rays),
                    .shadow_rays = static_cast<double>(stats.shadow_rays),

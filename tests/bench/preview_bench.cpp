@@ -121,8 +121,12 @@ void compare(const BenchOptions& options) {
     // Each pose is drawn offscreen and in the window; the order alternates.
     for (const bool shows : {number % 2 == 0, number % 2 == 1}) {
       const Stopwatch frame;
-      renderer.draw(
-          {.views = shown.views, .state = state, .asked = &asked, .masks = masks, .carry_over = {}});
+      renderer.draw({.views = shown.views,
+                     .state = state,
+                     .asked = &asked,
+                     .masks = masks,
+                     .carry_over = {},
+                     .asked_slot = asked.frame.value % kRing_frames});
       const Stopwatch showing;
       if (shows) presenter.show(composition, [&] { draw_panel(controls, facts); });
       device.logical.waitIdle();

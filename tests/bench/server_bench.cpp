@@ -118,7 +118,7 @@ Expected<void> run(const Options& options) {
     core.work();
     const Duration frame = working.elapsed() + send_all(core);
     link.poll();
-    const ReceivedFrame& received = *link.inbox().find({number});
+    const RequestRecord& received = *link.inbox().find({number});
     if (number <= kWarmUp || !received.report) continue;
     complete += received.complete() ? 1 : 0;
     const FrameReport& report = *received.report;

@@ -63,7 +63,7 @@ void GenuineClient::ask() {
 }
 
 void GenuineClient::check_masks() const {
-  for (const ReceivedFrame* received : link.inbox().received(clock.now())) {
+  for (const RequestRecord* received : link.inbox().received(clock.now())) {
     if (!received->complete()) continue;
     ShadowFrame painted;
     paint(request(received->request.frame.value), painted);

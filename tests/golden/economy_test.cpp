@@ -83,7 +83,8 @@ class Economy : public OnLavapipe {
     renderer.draw_gbuffer({.views = shown, .state = then, .asked = &first, .masks = {}, .carry_over = {}});
     const Mask mask = all_lit(plan.mask, first.frame, shown);
     const std::vector<TracedMask> masks{mask.in_hand()};
-    renderer.draw({.views = shown, .state = now, .asked = &second, .masks = masks, .carry_over = {}});
+    renderer.draw(
+        {.views = shown, .state = now, .asked = &second, .masks = masks, .carry_over = {}, .asked_slot = 1});
     return renderer.counters();
   }
 };

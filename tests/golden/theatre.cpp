@@ -123,6 +123,7 @@ Theatre::Theatre(const gpu::Device& device, Scene scene, std::uint32_t side_px, 
     : scene_(std::move(scene)),
       state_(state_at(scene_, Time{})),
       side_px_(side_px),
+      depth_frames_(depth_frames),
       tracer_(std::make_unique<Tracer>(value_of(Tracer::create_reference(scene_)))),
       renderer_(std::make_unique<Renderer>(
           device, scene_,
@@ -149,6 +150,7 @@ Mask Theatre::ask(FrameId frame, const StereoView& views) {
   for (View& view : shown) view.size = {side_px_, side_px_};
   ShownFrame drawn = shown_frame(shown, {}, {});
   drawn.asked = &asked;
+  drawn.asked_slot = frame.value % depth_frames_;
   renderer_->draw_gbuffer(drawn);
   return trace(frame, views);
 }

@@ -104,7 +104,7 @@ class Theatre {
 
   Scene scene_;
   SceneState state_;
-  std::uint32_t side_px_;
+  std::uint32_t side_px_, depth_frames_;
   std::unique_ptr<Tracer> tracer_;
   std::unique_ptr<Renderer> renderer_;
 };

@@ -105,7 +105,7 @@ class ServerAnswers : public testing::Test {
   }
 
   /// The picture of a client that receives everything.
-  const ReceivedFrame& received() {
+  const RequestRecord& received() {
     packer_.begin();
     answers_.answer(job_, packer_, {});
     assembler_.clear();
@@ -152,7 +152,7 @@ TEST_F(ServerAnswers, MasksOfPositionsAreOfThoseThatHaveCome) {
       }
     }
   }
-  const ReceivedFrame& part = received();
+  const RequestRecord& part = received();
   EXPECT_TRUE(part.complete(Side::Right));
   ASSERT_LT(lost, part.known_tiles[0].size()) << "a slice is not the whole eye";
   for (std::uint32_t tile = 0; tile < part.known_tiles[0].size(); ++tile)

@@ -100,6 +100,43 @@ TEST(OverNetworkLoss, CostsLessThanADecibel) {
   }
 }
 
+/// The settled part of a run of 160 x 160 pixels an eye over a path with this delay in each direction.
+struct Settled {
+  double mask_error = 0, newest = 0;
+};
+Settled settled(Duration delay) {
+  const Played run = play({.device = ground().device,
+                           .scene = ground().scene,
+                           .head = ground().head,
+                           .size = {160, 160},
+                           .frames = 96,
+                           .reference_every = 3},
+                          {"", {.delay = delay}});
+  Settled result;
+  std::size_t measured = 0;
+  for (std::size_t i = 32; i < run.log.records().size(); ++i) {
+    const FrameRecord& record = run.log.records()[i];
+    if (!record.errors) continue;
+    ++measured;
+    for (const EyeErrors& eye : *record.errors) {
+      result.mask_error += eye.mask_error / kEyes;
+      result.newest += eye.newest / kEyes;
+    }
+  }
+  result.mask_error /= static_cast<double>(measured);
+  result.newest /= static_cast<double>(measured);
+  std::printf("%lld ms: mask error %.4f %%, %.1f %% from the first mask\n",
+              static_cast<long long>(delay / 1ms), result.mask_error * 100, result.newest * 100);
+  return result;
+}
+
+// At 20 ms each way, a frame begins while the slices of an answer are arriving.
+TEST(OverNetworkDelay, ShorterDelayIsNoWorse) {
+  const Settled near = settled(20ms), far = settled(50ms);
+  EXPECT_LE(near.mask_error, far.mask_error);
+  EXPECT_GE(near.newest, far.newest - 0.01);
+}
+
 TEST(OverNetworkSilence, IsOverOneRoundTripAndTwoFramesAfterIt) {
   constexpr Duration kWay = 25ms;
   const Played run = played({"", {.delay = kWay, .silence = 2s, .silence_every = 5s}}, 400);

@@ -50,7 +50,7 @@ class LinkRuntime final : public Runtime {
   std::function<void()> before_frame_;
 };
 
-double known_share(const ReceivedFrame& frame) {
+double known_share(const RequestRecord& frame) {
   std::size_t known = 0, all = 0;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     known += frame.tiles_known[eye];

@@ -1,6 +1,7 @@
 #include "vr_client/ask/guard_band.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "stereo/base/quantile.h"
@@ -9,16 +10,15 @@
 namespace farshade {
 namespace {
 
-/// Two seconds at 72 Hz: long enough for a tail, short enough to follow a head that comes to rest.
+/// Two seconds at 72 Hz: long enough to see rare errors, short enough to follow a head that comes to rest.
 constexpr std::size_t kMemory_frames = 144;
 constexpr double kQuantile = 0.95;
-/// Of the angle that the head would turn within the lead at its present speed, as a margin on both sides:
-/// what a predictor that has just seen the head start or stop may be wrong by.
-constexpr double kOfTurn = 0.15;
-/// Of a side of the view: what both margins of an axis may add at most.
-constexpr std::uint32_t kMostParts = 4;
+/// Share of the angle that the head turns within the lead at its present speed. It is added to both sides of
+/// the axis: a predictor may be wrong by so much when the head has just started or stopped.
+constexpr double kTurnShare = 0.15;
+/// Both margins of an axis together add at most this part of the view's side: a quarter.
+constexpr std::uint32_t kLargestPart = 4;
 
-/// Left, right, up, down of each eye's worst.
 Sides<double> worst(const Sides<double>& a, const Sides<double>& b) {
   return {std::max(a.left, b.left), std::max(a.right, b.right), std::max(a.up, b.up),
           std::max(a.down, b.down)};
@@ -30,11 +30,11 @@ std::uint32_t stepped(double margin_px) {
 }
 
 std::uint32_t most_px(std::uint32_t side) {
-  return (side / kMostParts + GuardBand::kStep_px - 1) / GuardBand::kStep_px * GuardBand::kStep_px;
+  return (side / kLargestPart + GuardBand::kStep_px - 1) / GuardBand::kStep_px * GuardBand::kStep_px;
 }
 
-/// Both margins of an axis within what the axis may grow by, each in whole steps.
-void fit(double low, double high, std::uint32_t side, std::uint32_t& low_px, std::uint32_t& high_px) {
+/// Rounds both margins of an axis up to whole steps, within the largest growth of the axis.
+void round_axis(double low, double high, std::uint32_t side, std::uint32_t& low_px, std::uint32_t& high_px) {
   const double most = most_px(side), sum = std::max(low, 0.0) + std::max(high, 0.0);
   const double scale = sum > most ? most / sum : 1;
   low_px = std::min(stepped(low * scale), most_px(side));
@@ -48,16 +48,16 @@ Sides<double> outside_px(const View& shown, const View& traced) {
   const FovTangents from = tangents_of(shown.fov), to = tangents_of(traced.fov);
   const double width = traced.size.width, height = traced.size.height;
   Sides<double> out{-width, -width, -height, -height};
-  constexpr int kParts = 4;  // of each side
+  constexpr int kParts = 4;  // samples along each side of the border
   for (int i = 0; i <= kParts; ++i)
     for (int j = 0; j <= kParts; ++j) {
-      if (i % kParts != 0 && j % kParts != 0) continue;  // the border alone
+      if (i % kParts != 0 && j % kParts != 0) continue;  // not on the border
       const glm::dvec3 ray(from.left_tan + (from.right_tan - from.left_tan) * i / kParts,
                            from.up_tan + (from.down_tan - from.up_tan) * j / kParts, -1);
       for (const double nearness : {0.0, 1 / kNearest_m}) {
         const glm::dvec3 seen =
             delta.traced_from_shown.rotation * ray + delta.traced_from_shown.translation * nearness;
-        // Beyond 80 degrees off the axis no margin helps.
+        // No margin helps beyond 80 degrees off the axis.
         const glm::dvec2 px = ray_pixel(to, traced.size, {seen.x, seen.y, std::min(seen.z, -0.17)});
         out = worst(out, {-px.x, px.x - width, -px.y, px.y - height});
       }
@@ -80,12 +80,39 @@ Extent largest_traced(Extent size) {
   return {size.width + most_px(size.width), size.height + most_px(size.height)};
 }
 
-void GuardBand::observe(const StereoView& shown, const StereoView& predicted) {
-  const Sides<double> out = worst(outside_px(shown[0], predicted[0]), outside_px(shown[1], predicted[1]));
-  if (seen_.size() < kMemory_frames) {
-    seen_.push_back(out);
+Sides<std::uint32_t> reduced_to_fit(const StereoView& views, const Sides<std::uint32_t>& needed_px,
+                                    std::uint64_t most_pixels) {
+  using Margins = Sides<std::uint32_t>;
+  const auto fits = [&](const Margins& margins) {
+    return std::ranges::all_of(views, [&](const View& view) {
+      const View wide = widened(view, margins);
+      return is_valid(wide) && wide.size.pixels() <= most_pixels;
+    });
+  };
+  if (fits(needed_px)) return needed_px;
+  Margins given{}, missing = needed_px;
+  const auto needs_less = [&](auto a, auto b) { return missing.*a < missing.*b; };
+  constexpr std::array kEach{&Margins::left, &Margins::right, &Margins::up, &Margins::down};
+  for (;;) {
+    const auto side = *std::ranges::max_element(kEach, needs_less);
+    if (missing.*side == 0) return given;
+    Margins wider = given;
+    wider.*side += std::min(missing.*side, GuardBand::kStep_px);
+    if (fits(wider)) {
+      missing.*side -= wider.*side - given.*side;
+      given = wider;
+    } else {
+      missing.*side = 0;
+    }
+  }
+}
+
+void GuardBand::observe(const StereoView& shown, const StereoView& traced) {
+  const Sides<double> outside = worst(outside_px(shown[0], traced[0]), outside_px(shown[1], traced[1]));
+  if (observed_px_.size() < kMemory_frames) {
+    observed_px_.push_back(outside);
   } else {
-    seen_[next_] = out;
+    observed_px_[next_] = outside;
   }
   next_ = (next_ + 1) % kMemory_frames;
 }
@@ -94,29 +121,31 @@ Sides<std::uint32_t> GuardBand::margins_px(const StereoView& views, const Twist&
                                            Duration spread, double share) const {
   const auto measured = [&](double Sides<double>::*side) {
     std::vector<double> values;
-    for (const Sides<double>& seen : seen_) values.push_back(seen.*side);
+    for (const Sides<double>& outside : observed_px_) values.push_back(outside.*side);
     return values.empty() ? 0.0 : share * std::max(quantile(values, kQuantile), 0.0);
   };
   const FovTangents w = tangents_of(views[0].fov);
   const Extent size = views[0].size;
-  // Pixels a radian at the border, where a turn moves the picture fastest.
+  // Pixels per radian at the border, where a turn moves the picture fastest.
   const auto per_rad = [](double low, double high, double pixels) {
     const double edge = std::max(std::abs(low), std::abs(high));
     return pixels / std::abs(high - low) * (1 + edge * edge);
   };
   const double per_yaw = per_rad(w.left_tan, w.right_tan, size.width),
                per_pitch = per_rad(w.up_tan, w.down_tan, size.height);
-  const double turn = kOfTurn * seconds_of(lead), late = seconds_of(spread);
-  // A turn to the left (positive about +y) uncovers the left border, one upwards (about +x) the upper one.
-  const double yaw = share * velocity.angular.y * per_yaw, pitch = share * velocity.angular.x * per_pitch;
-  const double either_x = std::abs(yaw) * turn, either_y = std::abs(pitch) * turn;
+  // The head may stop as well as go on, so both sides of an axis get the same.
+  const double yaw_px = share * std::abs(velocity.angular.y) * per_yaw,
+               pitch_px = share * std::abs(velocity.angular.x) * per_pitch;
+  const double surprise_s = kTurnShare * seconds_of(lead), spread_s = seconds_of(spread);
+  // The measurement holds what the spread adds, once frames have been drawn at this speed.
+  const auto margin = [&](double Sides<double>::*side, double px_per_s) {
+    return std::max(measured(side), px_per_s * spread_s) + px_per_s * surprise_s;
+  };
   Sides<std::uint32_t> margins;
-  fit(measured(&Sides<double>::left) + either_x + std::abs(yaw) * late,
-      measured(&Sides<double>::right) + either_x + std::abs(yaw) * late, size.width, margins.left,
-      margins.right);
-  fit(measured(&Sides<double>::up) + either_y + std::abs(pitch) * late,
-      measured(&Sides<double>::down) + either_y + std::abs(pitch) * late, size.height, margins.up,
-      margins.down);
+  round_axis(margin(&Sides<double>::left, yaw_px), margin(&Sides<double>::right, yaw_px), size.width,
+             margins.left, margins.right);
+  round_axis(margin(&Sides<double>::up, pitch_px), margin(&Sides<double>::down, pitch_px), size.height,
+             margins.up, margins.down);
   return margins;
 }
 

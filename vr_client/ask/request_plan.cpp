@@ -11,10 +11,10 @@
 namespace farshade {
 namespace {
 
-constexpr std::size_t kLatencies = 32, kMostForeseen = 256;
+constexpr std::size_t kLatencies = 32;
 constexpr std::uint32_t kLeastSide_px = 16;
 
-/// The same window with fewer pixels.
+/// The same window with fewer pixels, rounded to the nearest.
 View shrunk(View view, ViewScale scale) {
   const auto side = [&](std::uint32_t full) {
     return std::max(scaled_px(full, scale), std::min(full, kLeastSide_px));
@@ -23,7 +23,8 @@ View shrunk(View view, ViewScale scale) {
   return view;
 }
 
-/// Margins of a view of size `full` as those of one of size `small`: no narrower, and whole tiles again.
+/// The margins of a view of size `full`, converted to a view of size `small`. They are rounded up to whole
+/// tiles, so they cover no smaller angle.
 Sides<std::uint32_t> shrunk(const Sides<std::uint32_t>& margins_px, Extent full, Extent small) {
   const auto margin = [](std::uint32_t px, std::uint32_t from, std::uint32_t to) {
     const std::uint64_t step = std::uint64_t{from} * GuardBand::kStep_px;
@@ -41,9 +42,9 @@ Rigid<Stage, Head> head_of(const StereoView& views) {
   return {slerp(left.rotation, right.rotation, 0.5), (left.translation + right.translation) * 0.5};
 }
 
-void RequestPlan::follow(const RequestSettings& wish) {
-  if (wish.predictor != wish_.predictor) predictor_ = Predictor(wish.predictor);
-  wish_ = wish;
+void RequestPlan::follow(const RequestSettings& settings) {
+  if (settings.predictor != settings_.predictor) predictor_ = Predictor(settings.predictor);
+  settings_ = settings;
 }
 
 void RequestPlan::shrink(ViewScale scale) {
@@ -51,36 +52,37 @@ void RequestPlan::shrink(ViewScale scale) {
   scale_ = scale;
 }
 
-void RequestPlan::learn(Duration later) {
-  if (later > kLongestLatency) return;
-  later_.push_back(later);
-  if (later_.size() > kLatencies) later_.pop_front();
+void RequestPlan::learn(Duration latency) {
+  if (latency > kLongestLatency) return;
+  latencies_.push_back(latency);
+  if (latencies_.size() > kLatencies) latencies_.pop_front();
+}
+
+void RequestPlan::drawn_with(const StereoView& shown, const StereoView& traced, Duration age) {
+  if (age > kLongestLatency) return;
+  // The traced views at full size and without their guard band: the shown window at the traced pose.
+  StereoView unwidened = shown;
+  for (std::size_t eye = 0; eye < kEyes; ++eye) unwidened[eye].stage_from_eye = traced[eye].stage_from_eye;
+  guard_band_.observe(shown, unwidened);
 }
 
 Duration RequestPlan::lead(Duration period) const {
-  if (wish_.predictor == PredictorKind::Hold) return {};
-  std::vector<double> later;
-  for (const Duration d : later_) later.push_back(seconds_of(d));
-  // Masks are used from the first frame on that begins after they have come.
-  const double frames = later.empty() ? 1 : std::ceil(quantile(later, 0.5) / seconds_of(period) - 1e-3);
+  if (settings_.predictor == PredictorKind::Hold) return {};
+  std::vector<double> latencies_s;
+  for (const Duration latency : latencies_) latencies_s.push_back(seconds_of(latency));
+  // The first frame that begins after the masks have come is the first to use them. The tolerance keeps a
+  // latency of whole frames from being rounded up to one more.
+  const double frames =
+      latencies_s.empty() ? 1 : std::ceil(quantile(latencies_s, 0.5) / seconds_of(period) - 1e-3);
   const double used_s = std::max(frames, 0.0) * seconds_of(period);
-  // Masks that come once in n frames are used for n frames: aim at the middle of these.
-  return duration_from_ms(used_s * 1e3) + period * (wish_.every - 1) / 2;
-}
-
-/// How the views expected for this display time differ from those that are shown.
-void RequestPlan::compare(const FrameRequest& shown, Duration period) {
-  while (!foreseen_.empty() && foreseen_.front().display_time < shown.display_time - period / 2)
-    foreseen_.pop_front();
-  if (foreseen_.empty() || foreseen_.front().display_time > shown.display_time + period / 2) return;
-  guard_band_.observe(shown.views, foreseen_.front().views);
+  // With one request in n frames, masks are used for n frames: aim at the middle of them.
+  return duration_from_ms(used_s * 1e3) + period * (settings_.every - 1) / 2;
 }
 
 std::optional<FrameRequest> RequestPlan::ask(const FrameRequest& shown, Duration period, SceneClock scene) {
   const Rigid<Stage, Head> head = head_of(shown.views);
   predictor_.observe(shown.display_time, head);
-  compare(shown, period);
-  if (frames_++ % wish_.every != 0) return std::nullopt;
+  if (frames_++ % settings_.every != 0) return std::nullopt;
 
   const Duration ahead = lead(period);
   FrameRequest request = shown;
@@ -91,24 +93,18 @@ std::optional<FrameRequest> RequestPlan::ask(const FrameRequest& shown, Duration
     for (View& view : request.views) view.stage_from_eye = then * (inverse(head) * view.stage_from_eye);
   const StereoView full = request.views;
   for (View& view : request.views) view = shrunk(view, scale_);
-  if (wish_.guard_band == GuardBandUse::Off) return request;
+  if (settings_.guard_band == GuardBandUse::Off) return request;
 
-  // Held views are used late by all of their latency; predicted ones by what the masks' rate leaves.
-  const bool held = wish_.predictor == PredictorKind::Hold;
-  const Time used_at =
-      held ? shown.display_time + (later_.empty() ? period : later_.back()) : request.display_time;
-  foreseen_.push_back({used_at, full});
-  if (foreseen_.size() > kMostForeseen) foreseen_.pop_front();
-  const Sides<std::uint32_t> margins =
-      shrunk(guard_band_.margins_px(full, predictor_.velocity(), used_at - shown.display_time,
-                                    period * (wish_.every - 1) / 2, wish_.guard_band_percent / 100.0),
+  // Held views are not predicted, but used after the whole latency.
+  const bool is_held = settings_.predictor == PredictorKind::Hold;
+  const Duration used_after = !is_held ? ahead : latencies_.empty() ? period : latencies_.back();
+  const Sides<std::uint32_t> needed =
+      shrunk(guard_band_.margins_px(full, predictor_.velocity(), used_after,
+                                    period * (settings_.every - 1) / 2, settings_.guard_band_percent / 100.0),
              full[0].size, request.views[0].size);
-  // Views at the limits of what may be asked for stay as they are.
+  const Sides<std::uint32_t> margins = reduced_to_fit(request.views, needed, most_pixels_);
   const StereoView wide{widened(request.views[0], margins), widened(request.views[1], margins)};
-  const auto may_be_asked = [&](const View& view) {
-    return is_valid(view) && view.size.pixels() <= most_pixels_;
-  };
-  if (may_be_asked(wide[0]) && may_be_asked(wide[1])) request.views = wide;
+  if (is_valid(wide[0]) && is_valid(wide[1])) request.views = wide;  // rounding may exceed a limit
   return request;
 }
 

@@ -1,6 +1,6 @@
-/// Request plan: what each frame asks the server for. The masks of a request are used some time later; so it
-/// asks for the views that the head is predicted to have then, a guard band wider, at the scene's time then.
-/// How much later is measured on the masks that have come.
+/// Request plan: decides what each frame asks the server for. Masks are used some time after they were asked
+/// for, so a request asks for the predicted views and scene time of that later moment, with a guard band. The
+/// lead time is the median latency of recent masks.
 #pragma once
 
 #include <deque>
@@ -19,58 +19,56 @@ enum class GuardBandUse : std::uint8_t { Off, Measured };
 inline constexpr std::uint32_t kWidestBand_percent = 300;
 
 struct RequestSettings {
-  PredictorKind predictor = kDefaultPredictor;  ///< Hold asks for the shown views, at their time
+  PredictorKind predictor = kDefaultPredictor;  ///< Hold asks for the shown views at their own time
   GuardBandUse guard_band = GuardBandUse::Measured;
-  std::uint32_t every = 1;                 ///< frames a request: the display's rate over the masks' rate
-  std::uint32_t guard_band_percent = 100;  ///< of what is measured to be needed, at most kWidestBand_percent
+  std::uint32_t every = 1;                 ///< one request in so many frames
+  std::uint32_t guard_band_percent = 100;  ///< of the measured width, at most kWidestBand_percent
 };
 
-/// Whether the scene's animations go on from frame to frame.
+/// Whether the scene's animations play.
 enum class SceneClock : std::uint8_t { Runs, Stands };
 
-/// The middle of both eyes.
+/// The pose in the middle between both eyes.
 [[nodiscard]] Rigid<Stage, Head> head_of(const StereoView& views);
 
 class RequestPlan {
  public:
   static constexpr Duration kLongestLatency = std::chrono::seconds(2);
 
-  explicit RequestPlan(const RequestSettings& wish) : wish_(wish), predictor_(wish.predictor) {}
+  explicit RequestPlan(const RequestSettings& settings)
+      : settings_(settings), predictor_(settings.predictor) {}
 
-  /// `shown` is the frame as a full trace would be asked for it, `period` the display's. Nothing on frames
-  /// that ask for nothing. Call once a frame.
+  /// The request of the frame that shows `shown`, on a display of the given period. No value on frames
+  /// without a request. Call once a frame.
   [[nodiscard]] std::optional<FrameRequest> ask(const FrameRequest& shown, Duration period,
                                                 SceneClock scene = SceneClock::Runs);
 
-  /// From now on asks as `wish` says. Another predictor knows nothing yet.
-  void follow(const RequestSettings& wish);
+  /// Sets the settings of the following requests. A new predictor starts without history.
+  void follow(const RequestSettings& settings);
 
-  /// From now on a guard band adds no more than leaves an eye's view at `pixels`.
+  /// Sets the largest number of pixels that an eye's view may have with its guard band.
   void limit(std::uint32_t pixels) { most_pixels_ = pixels; }
 
-  /// Masks could be used `later` after the display time at which they were asked for; before any has come, a
-  /// guess. It is rounded up to whole frames. More than kLongestLatency was a pause, and tells nothing.
-  void learn(Duration later);
+  /// Records the latency of an answer: the display time of the first frame that could use all of it, minus
+  /// the display time of the frame that asked for it. Latencies over kLongestLatency are ignored.
+  void learn(Duration latency);
 
-  /// From now on requests views at `scale` of the displayed size. A side has at least 16 pixels, or as many
-  /// as the displayed view if that has fewer. The guard band is added afterwards.
+  /// A frame with the views `shown` was drawn with masks that were traced for `traced` and asked for `age`
+  /// ago. The guard band learns from it. Ages over kLongestLatency are ignored.
+  void drawn_with(const StereoView& shown, const StereoView& traced, Duration age);
+
+  /// Sets the scale of requested views against the shown size. A side has at least 16 pixels, or as many as
+  /// the shown view if that has fewer. The guard band is added afterwards.
   void shrink(ViewScale scale);
 
-  /// From the display time at which masks are asked for to the one for which.
+  /// The time between the frame that asks and the frame that the request is made for.
   [[nodiscard]] Duration lead(Duration period) const;
 
  private:
-  struct Foreseen {
-    Time display_time;
-    StereoView views;  ///< neither shrunk nor widened
-  };
-  void compare(const FrameRequest& shown, Duration period);
-
-  RequestSettings wish_;
+  RequestSettings settings_;
   Predictor predictor_;
   GuardBand guard_band_;
-  std::deque<Foreseen> foreseen_;  ///< in order of time
-  std::deque<Duration> later_;
+  std::deque<Duration> latencies_;
   std::uint32_t frames_ = 0;
   std::uint32_t most_pixels_ = std::numeric_limits<std::uint32_t>::max();
   ViewScale scale_{};

@@ -5,7 +5,7 @@
 namespace farshade {
 namespace {
 
-/// What the scene's clock says: it follows the display's as long as it runs.
+/// The scene's clock. It advances with the display's clock while the scene's animations play.
 class SceneTime {
  public:
   Time at(Time display_time, SceneClock clock) {
@@ -47,32 +47,33 @@ Expected<void> run(const RunContext& context, const FrameWatcher& watch, const s
     if (context.link && context.link->refused()) return tl::unexpected(*context.link->refused());
 
     starts.draw = clock.now();
-    const DrawnFrame seen = pipeline->draw(inputs);
+    const DrawnFrame drawn_frame = pipeline->draw(inputs);
     context.runtime.end_frame(timing->display_time);
     starts.end = clock.now();
 
     times.request = starts.collect - starts.request;
-    times.collect = context.link ? context.link->busy() - busy + seen.decoding : starts.draw - starts.collect;
-    times.gbuffer = seen.drawn.gbuffer;
-    times.depth = seen.drawn.depth;
-    times.maps = seen.drawn.maps;
-    times.shade = seen.drawn.shade;
-    times.turn = seen.drawn.turn;
-    times.draw = seen.drawn.total;
+    times.collect =
+        context.link ? context.link->busy() - busy + drawn_frame.decoding : starts.draw - starts.collect;
+    times.gbuffer = drawn_frame.drawn.gbuffer;
+    times.depth = drawn_frame.drawn.depth;
+    times.maps = drawn_frame.drawn.maps;
+    times.shade = drawn_frame.drawn.shade;
+    times.turn = drawn_frame.drawn.turn;
+    times.draw = drawn_frame.drawn.total;
     times.frame = times.request + times.collect + times.draw;
     watch({.shown = shown,
            .asked = asked,
            .state = state,
-           .masks = seen.masks,
-           .newest = seen.newest,
-           .age = seen.age,
+           .masks = drawn_frame.masks,
+           .newest = drawn_frame.newest,
+           .age = drawn_frame.age,
            .times = times,
            .starts = starts,
            .steering = steering,
            .timing = *timing,
-           .as = seen.as,
-           .start_up = seen.start_up,
-           .black = seen.black});
+           .as = drawn_frame.as,
+           .start_up = drawn_frame.start_up,
+           .black = drawn_frame.black});
   }
   return {};
 }

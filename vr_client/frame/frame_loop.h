@@ -1,4 +1,4 @@
-/// Session: what one run of the client is made of, and the way of one frame through it.
+/// Frame loop: what one run of the client consists of, and the steps of each of its frames.
 #pragma once
 
 #include <functional>
@@ -13,62 +13,62 @@
 
 namespace farshade {
 
-/// When masks may be used.
+/// When a frame may use answers.
 struct MaskPolicy {
   Pace pace = Pace::Virtual;
-  Duration delay{};       ///< Virtual only: from a request to its masks
-  Duration round_trip{};  ///< Real only: as measured when the server was met
-  Duration mask_wait{};   ///< how long a frame waits for its own masks before it is drawn with earlier ones
+  Duration delay{};       ///< Pace::Virtual only: the time from a request to its answer
+  Duration round_trip{};  ///< Pace::Real only: measured in the handshake
+  Duration mask_wait{};   ///< how long a frame waits for its own answer before it uses earlier ones
 };
 
-/// What may be another from one frame to the next; read once a frame, after Runtime::wait_frame.
+/// Settings that may change between frames. They are read once a frame, after Runtime::wait_frame.
 struct FrameSettings {
   RequestSettings wish;
   CarryOver carry_over;
-  LightChanges lights{};  ///< all that the viewer has changed so far
+  LightChanges lights{};  ///< all changes that the viewer has made so far
   SceneClock scene = SceneClock::Runs;
   ShadingPass::Report report = ShadingPass::Report::Off;
 };
 
-/// Work of the client's stages; time spent waiting for the display or the server is not counted.
+/// The time that the client's stages worked, without waits for the display or the server.
 struct StageTimes {
-  Duration request{};                                    ///< locate views, pose the scene, predict, send
-  Duration collect{};                                    ///< decode and assemble slices; in mode full: trace
+  Duration request{};                                    ///< locate views, animate the scene, predict, send
+  Duration collect{};                                    ///< decode answers; in mode full: trace
   Duration gbuffer{}, depth{}, maps{}, shade{}, turn{};  ///< on the device
-  Duration draw{};   ///< all of them with recording, uploads, submission and the wait for the device
+  Duration draw{};   ///< the device's stages with recording, uploads, submission and the wait for them
   Duration frame{};  ///< request + collect + draw
 };
 
-/// When a frame's stages began, on the machine's clock.
+/// When the stages of a frame began, on the machine's clock.
 struct StageStarts {
   Time request{}, collect{}, draw{}, end{};
 };
 
-/// What a shown picture is.
+/// How a shown picture was made.
 enum class ShownAs : std::uint8_t {
-  Shaded,   ///< shaded here, light by light: the renderer's report tells of each
-  Picture,  ///< what a server drew, or what it changed
+  Shaded,   ///< the client shaded it; the renderer's report has the visibility of each light
+  Picture,  ///< the server drew it, or the difference that its shadows make
 };
 
-/// One frame as it was shown. References end with the call.
+/// A frame that was shown. The references are valid during the call that receives it.
 struct FrameView {
-  const FrameRequest& shown;  ///< what a full trace of the views on show would be asked
-  const FrameRequest* asked;  ///< what this frame asked for; null if nothing
+  const FrameRequest& shown;  ///< the request that a full trace of the shown views would have
+  const FrameRequest* asked;  ///< this frame's request; null if it had none
   const SceneState& state;
-  std::span<const TracedMask> masks;  ///< that the frame was drawn with, newest first
-  const ReceivedFrame* newest;        ///< what the newest of them came from; null if no server sent it
-  std::optional<Duration> age;        ///< of what the newest was asked with: how long ago that was
+  std::span<const TracedMask> masks;  ///< the masks it was drawn with; the shader trusts the first most
+  const RequestRecord* newest;        ///< the record of the first of them; null if no server sent it
+  std::optional<Duration> age;        ///< the time since that record's request
   const StageTimes& times;
   const StageStarts& starts;
-  const FrameSettings& steering;  ///< that it was shown with
+  const FrameSettings& steering;  ///< the settings it was shown with
   FrameTiming timing;
   ShownAs as = ShownAs::Shaded;
-  bool start_up = false;   ///< nothing of what the mode needs had come yet
-  PerEye<double> black{};  ///< share of each eye that the server's picture does not reach
+  bool start_up = false;   ///< no answer that the mode needs had come yet
+  PerEye<double> black{};  ///< the share of each eye that the server's picture does not cover
 };
 using FrameWatcher = std::function<void(const FrameView&)>;
 
-/// What the mode needs is there: a link, or a tracer of one's own; neither where no light casts shadows.
+/// The parts of a run. The link or the tracer that the mode needs is set, unless no light casts shadows.
 struct RunContext {
   const Scene& scene;
   Runtime& runtime;
@@ -76,11 +76,11 @@ struct RunContext {
   ModeSettings mode{};
   AnswerLink* link = nullptr;       ///< modes with a server
   Reference* own_tracer = nullptr;  ///< mode full
-  const FrameSettings& steering;    ///< as it stands when a frame begins
+  const FrameSettings& steering;    ///< read when a frame begins
   MaskPolicy policy;
 };
 
-/// Shows frames until the runtime ends, `stop` says so or the server refuses us for good.
+/// Shows frames until the runtime ends, `stop` returns true, or the server refuses the client for good.
 [[nodiscard]] Expected<void> run(const RunContext& context, const FrameWatcher& watch,
                                  const std::function<bool()>& stop);
 

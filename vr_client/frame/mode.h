@@ -1,4 +1,4 @@
-/// Mode: how the work is split between client and server, and what each way can be set to. docs/modes.md.
+/// Mode: how the work is split between client and server, and the settings of each mode. docs/modes.md.
 #pragma once
 
 #include <array>
@@ -10,13 +10,13 @@
 namespace farshade {
 
 enum class Mode : std::uint8_t {
-  Hybrid,           ///< rasterises, carries the server's masks over, shades
-  ClientPositions,  ///< the same, of positions that the client sends
-  ServerGBuffer,    ///< shades the server's G-buffer and masks
-  Remote,           ///< shows the server's video
-  Delta,            ///< draws without shadows, adds the server's difference
-  Local,            ///< shadow maps, alone
-  Full,             ///< traces everything itself: the reference
+  Hybrid,           ///< the client rasterises, reprojects the server's masks and shades
+  ClientPositions,  ///< the same with masks of positions that the client sends
+  ServerGBuffer,    ///< the client shades the server's G-buffer and masks
+  Remote,           ///< the client shows the server's video
+  Delta,            ///< the client draws without shadows and adds the server's difference
+  Local,            ///< the client alone, with shadow maps
+  Full,             ///< the client alone traces every pixel: the reference
 };
 
 struct ModeName {
@@ -35,7 +35,7 @@ inline constexpr std::array<ModeName, 7> kModes{{{Mode::Hybrid, "hybrid"},
   return kModes[static_cast<std::size_t>(mode)].name;
 }
 
-/// What a server must be able to give; nothing where none is needed.
+/// The kinds of answers that a server must offer for this mode; empty if the mode needs no server.
 [[nodiscard]] constexpr AnswerSet answers_for(Mode mode) {
   constexpr std::array<AnswerSet, 7> answers{set_of(Answer::Masks),
                                              set_of(Answer::MasksOfPositions),
@@ -47,7 +47,7 @@ inline constexpr std::array<ModeName, 7> kModes{{{Mode::Hybrid, "hybrid"},
   return answers[static_cast<std::size_t>(mode)];
 }
 
-/// It carries masks over from the views they were traced for.
+/// The mode reprojects masks from the views they were traced for.
 [[nodiscard]] constexpr bool carries_over(Mode mode) {
   return mode == Mode::Hybrid || mode == Mode::ClientPositions;
 }
@@ -55,7 +55,7 @@ inline constexpr std::array<ModeName, 7> kModes{{{Mode::Hybrid, "hybrid"},
 struct ModeSettings {
   Mode mode = Mode::Hybrid;
   std::uint32_t bits_per_second = 20'000'000;  ///< Remote, Delta
-  std::uint32_t position_bits = 14;            ///< ClientPositions: an axis of the scene
+  std::uint32_t position_bits = 14;            ///< ClientPositions: bits for each axis of the scene
   ShadowMapSettings shadow_maps{};             ///< Local
   friend bool operator==(const ModeSettings&, const ModeSettings&) = default;
 };

@@ -1,6 +1,6 @@
-/// Way: how a mode's frames come by their light. The loop (session.cpp) begins a frame and walks three steps;
-/// each mode is one file beside this one with its three steps in it, and the stages that modes share are
-/// exchange.h and the renderer's.
+/// Mode pipeline: the three steps of a frame in one mode. The frame loop (frame_loop.cpp) calls them in
+/// order. Each mode is one file in vr_client/modes; the steps that modes share are in modes/exchange.h and in
+/// the renderer.
 #pragma once
 
 #include <memory>
@@ -9,42 +9,42 @@
 
 namespace farshade {
 
-/// A frame that has begun: what it is to show, and what it is steered by.
+/// A frame that has begun: what it shows, and its settings.
 struct FrameInputs {
   const FrameRequest& shown;
   const SceneState& state;
-  Duration period;  ///< the display's
+  Duration period;  ///< of the display
   const FrameSettings& steering;
 };
 
-/// What a frame was shown with. What it refers to stays until the next frame begins.
+/// How a frame was drawn. References are valid until the next frame begins.
 struct DrawnFrame {
   DrawTimes drawn;
   ShownAs as = ShownAs::Shaded;
-  bool start_up = false;                ///< nothing of what it needs has come yet
-  std::span<const TracedMask> masks{};  ///< that it was drawn with, newest first
-  const ReceivedFrame* newest = nullptr;
+  bool start_up = false;                ///< no answer that the mode needs has come yet
+  std::span<const TracedMask> masks{};  ///< the masks it was drawn with, the most trusted first
+  const RequestRecord* newest = nullptr;
   std::optional<Duration> age{};
   PerEye<double> black{};
-  Duration decoding{};  ///< of what came, beyond what the link does
+  Duration decoding{};  ///< the time for decoding answers, without that of the link
 };
 
 class ModePipeline {
  public:
   virtual ~ModePipeline() = default;
 
-  /// Asks the server, where the mode has one, and says for what. It stays until the next call.
+  /// Sends this frame's request. Returns it, valid until the next call; null if there is none.
   virtual const FrameRequest* request(const FrameInputs& inputs) = 0;
 
-  /// Takes in what has come, or traces.
+  /// Receives answers, or traces.
   virtual void collect(const FrameInputs& inputs) = 0;
 
-  /// Leaves the picture in the renderer.
+  /// Draws the picture, which stays in the renderer.
   virtual DrawnFrame draw(const FrameInputs& inputs) = 0;
 };
 
-// Each in its own file. What the mode needs of `session` (link, own tracer) is there, or no light casts
-// shadows. References are kept.
+// Each mode is in a file of its own. The context has the link or the tracer that the mode needs, unless no
+// light casts shadows. References are kept.
 [[nodiscard]] std::unique_ptr<ModePipeline> make_hybrid(const RunContext& context);
 [[nodiscard]] std::unique_ptr<ModePipeline> make_client_positions(const RunContext& context);
 [[nodiscard]] std::unique_ptr<ModePipeline> make_server_gbuffer(const RunContext& context);
@@ -53,7 +53,7 @@ class ModePipeline {
 [[nodiscard]] std::unique_ptr<ModePipeline> make_local(const RunContext& context);
 [[nodiscard]] std::unique_ptr<ModePipeline> make_full(const RunContext& context);
 
-/// That of session.mode.
+/// The pipeline of context.mode.
 [[nodiscard]] std::unique_ptr<ModePipeline> make_pipeline(const RunContext& context);
 
 }  // namespace farshade

@@ -11,7 +11,7 @@ TracedMask Reference::trace(const FrameRequest& request) {
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     all_known_[eye].assign(TileGrid{request.views[eye].size}.count(),
                            all_planes_known(frame_.masks[eye].layout()));
-  // Contents that no mask from a server has, whose content is a count of tiles.
+  // The content number of a server's mask is a count of tiles. This one never equals it.
   const std::uint64_t content = std::uint64_t{1} << 63 | ++traces_;
   return {request.frame, request.display_time,     request.scene_time, frame_.views, frame_.masks, all_known_,
           content,       frame_.light_set_revision};

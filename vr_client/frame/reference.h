@@ -1,4 +1,4 @@
-/// Reference: the client's own full trace at the pose shown. Mode `full` shows it; every other mode is
+/// Reference: the client's own full trace at the shown pose. Mode `full` shows it. All other modes are
 /// measured against it.
 #pragma once
 
@@ -11,10 +11,11 @@ namespace farshade {
 
 class Reference {
  public:
-  /// Keeps a reference to what `scene` the tracer was made of.
+  /// The scene that the tracer was made from must outlive it.
   explicit Reference(Tracer tracer);
 
-  /// Every pixel of `request`'s views, at its scene time and with its lights. Valid until the next call.
+  /// Traces every pixel of the views of `request`, at its scene time and with its lights. The mask is valid
+  /// until the next call.
   [[nodiscard]] TracedMask trace(const FrameRequest& request);
 
   [[nodiscard]] const TraceStats& stats() const { return stats_; }

@@ -1,5 +1,5 @@
-/// AnswerLink: what a session needs of whoever brings it masks: the wire (shadow_link.h) or a session on file
-/// (record/replay_link.h).
+/// AnswerLink: what a run of the client needs of the source of its answers. There are two: the network
+/// (network_link.h) and a capture file (record/capture_link.h).
 #pragma once
 
 #include "stereo/base/expected.h"
@@ -11,20 +11,20 @@ class AnswerLink {
  public:
   virtual ~AnswerLink() = default;
 
-  /// `asked_at` is the display time of the frame that asks; AnswerInbox::received tells frames apart by it.
-  /// `positions` are messages that go behind the request: the PlaneSlices that it announces.
+  /// Sends a request. `asked_at` is the display time of the frame that makes it. `positions` are the messages
+  /// that follow it: the PlaneSlices that it announces. Without a session nothing is sent or recorded.
   virtual void request(const FrameRequest& request, Time asked_at,
                        std::span<const std::vector<std::byte>> positions = {}) = 0;
 
-  /// Takes in what arrives until `frame` is whole or `patience` is over. True if it is whole.
+  /// Receives until all of the answer to `frame` has come or `patience` is over. True if all has come.
   virtual bool wait_for(FrameId frame, Duration patience) = 0;
 
   [[nodiscard]] virtual const AnswerInbox& inbox() const = 0;
 
-  /// A refusal that no waiting can cure.
+  /// Why the server refuses this client for good; no value while it does not.
   [[nodiscard]] virtual const std::optional<Error>& refused() const = 0;
 
-  /// Time spent so far on opening, decoding and assembling, waits not counted.
+  /// The time spent so far on opening, decoding and assembling messages, without waits.
   [[nodiscard]] virtual Duration busy() const = 0;
 };
 

@@ -8,20 +8,20 @@
 namespace farshade {
 namespace {
 
-/// Between two hellos to a server that has not answered.
+/// The time between two hellos to a server that has not answered.
 constexpr Duration kHelloInterval = std::chrono::milliseconds(250);
-/// A server that has answered none of several requests for so long may have been restarted: one that is busy
-/// gives a sign of life each 100 ms. A path that is silent looks the same; the session is kept until another
-/// one has begun.
+/// A busy server sends a message every 100 ms. If none has come for this long and several requests were not
+/// answered, the server may have been restarted, and the client says hello. A silent path looks the same, so
+/// the old session is kept until a new one begins.
 constexpr Duration kSilence = std::chrono::milliseconds(250);
-/// The same when somebody says that the server does not have our session.
+/// The same after a datagram without authentication has said that the server does not know the session.
 constexpr Duration kSilenceWhenTold = std::chrono::milliseconds(200);
 constexpr std::uint32_t kUnanswered = 4;
-/// Positions go at most so fast: 32 datagrams of 1,200 bytes each 200 us are 1.5 Gbit/s.
+/// The largest rate of positions: 32 datagrams of 1,200 bytes every 200 us are 1.5 Gbit/s.
 constexpr std::size_t kBurst = 32;
 constexpr Duration kBurstPause = std::chrono::microseconds(200);
-/// How long a server may take to contradict somebody who says in its name that it refuses us.
-constexpr Duration kHearsayPatience = std::chrono::milliseconds(500);
+/// How long the client waits for an authenticated answer after a refusal without authentication.
+constexpr Duration kContradictionTime = std::chrono::milliseconds(500);
 
 /// "video, difference".
 std::string names_of(AnswerSet answers) {
@@ -52,7 +52,7 @@ void NetworkLink::say_hello() {
   port_.send(target_.server, outgoing_);
 }
 
-/// Says hello where there is no session, or no sign of life of it.
+/// Says hello if there is no session, or if the server is silent.
 void NetworkLink::keep_session() {
   if (refused_) return;
   const bool silent =
@@ -64,7 +64,7 @@ Expected<void> NetworkLink::meet(Duration patience) {
   const Time until = clock_.now() + patience;
   const auto given_up = [&] {
     const Time now = clock_.now();
-    return now >= until || (hearsay_at_ && now >= *hearsay_at_ + kHearsayPatience);
+    return now >= until || (unproved_refusal_at_ && now >= *unproved_refusal_at_ + kContradictionTime);
   };
   while (!channel_ && !refused_ && !given_up()) {
     keep_session();
@@ -72,7 +72,7 @@ Expected<void> NetworkLink::meet(Duration patience) {
   }
   if (refused_) return tl::unexpected(*refused_);
   if (channel_) return {};
-  if (hearsay_at_) return fail(Fault::Mismatch, hearsay_);
+  if (unproved_refusal_at_) return fail(Fault::Mismatch, unproved_refusal_);
   if (busy_server_) return fail(Fault::Unavailable, *busy_server_);
   return fail(Fault::Missing, "no server answers at " + to_string(target_.server));
 }
@@ -85,7 +85,7 @@ void NetworkLink::request(const FrameRequest& request, Time asked_at,
   send_positions(positions);
 }
 
-/// In bursts that a socket's buffer holds, with pauses that its reader needs.
+/// Sends in bursts that fit the buffer of a socket, with pauses in which its reader can empty it.
 void NetworkLink::send_positions(std::span<const std::vector<std::byte>> messages) {
   for (std::size_t i = 0; i < messages.size() && channel_; ++i) {
     if (i > 0 && i % kBurst == 0) listen(kBurstPause);
@@ -97,7 +97,7 @@ void NetworkLink::send_positions(std::span<const std::vector<std::byte>> message
 void NetworkLink::send_request(const FrameRequest& request) {
   RequestMessage message{
       .request = request, .probe_echo = channel_->probe_echo, .arrivals = channel_->arrivals.report()};
-  if (const ReceivedFrame* frame = inbox_.newest_known()) message.newest_received = frame->request.frame;
+  if (const RequestRecord* frame = inbox_.newest_known()) message.newest_received = frame->request.frame;
   if (listener_.asked) listener_.asked(request);
   encode(message, message_);
   channel_->sealer.seal(message_, outgoing_);
@@ -138,16 +138,16 @@ Decoded<void> NetworkLink::take_datagram(const Datagram& datagram) {
 
 void NetworkLink::take_refusal(const OpenRefusal& refusal) {
   if (refusal.echo != handshake_->echo()) return;
-  if (hearsay_at_) return;
-  hearsay_ = explain(refusal, target_.key.name, target_.server);
-  hearsay_at_ = clock_.now();
+  if (unproved_refusal_at_) return;
+  unproved_refusal_ = explain(refusal, target_.key.name, target_.server);
+  unproved_refusal_at_ = clock_.now();
 }
 
 void NetworkLink::take_accept(const Accept& accept, std::span<const std::byte> datagram) {
   const std::optional<ClientHandshake::Met> met = handshake_->take(accept, datagram);
   if (!met) return;
   handshake_.reset();
-  hearsay_at_.reset();
+  unproved_refusal_at_.reset();
   if (const auto* refusal = std::get_if<Refusal>(&met->answer)) {
     const std::string why = explain(*refusal, target_.scene_hash);
     if (refusal->reason == RefusalReason::Busy)
@@ -190,11 +190,11 @@ Decoded<void> NetworkLink::take_sealed(const Sealed& sealed, const Datagram& dat
   channel_->arrivals.add(sealed.counter, datagram.arrived);
   channel_->heard = clock_.now();
   channel_->unanswered = 0;
-  handshake_.reset();  // the session lives: no other is needed
+  handshake_.reset();  // the session is alive, so no new one is needed
   const Decoded<ServerMessage> message = decode_server(*opened);
   if (!message) return refuse(message.error());
   if (listener_.heard) listener_.heard(*opened, datagram.arrived);
-  std::visit([&](const auto& m) { take(m, datagram.arrived); }, *message);
+  std::visit([&](const auto& any) { take(any, datagram.arrived); }, *message);
   return {};
 }
 

@@ -1,7 +1,7 @@
-/// NetworkLink: the client's end of the wire. Gets a session and keeps it, sends what is to be traced,
-/// assembles what comes back, hands out the masks in hand, newest first. Never blocks longer than it was
-/// told; a server that is gone, late or restarted means fewer masks, nothing else. Nothing that has not
-/// opened ends anything.
+/// NetworkLink: the client's end of the network. It opens a session and keeps it alive, sends requests and
+/// receives answers. It never blocks longer than the caller allows. A server that is absent, late or
+/// restarted means fewer answers and has no other effect. A datagram that does not authenticate cannot end a
+/// session.
 #pragma once
 
 #include <functional>
@@ -15,54 +15,54 @@
 
 namespace farshade {
 
-/// Whom to talk to, and about what.
+/// The server, and what the client needs of it.
 struct LinkTarget {
   Peer server;
   SharedKey key;
   ContentHash scene_hash{};
-  MaskLayout mask;                            ///< of every mask that comes
-  AnswerSet answers = set_of(Answer::Masks);  ///< that the server must give
+  MaskLayout mask;                            ///< the layout of all masks
+  AnswerSet answers = set_of(Answer::Masks);  ///< the kinds of answers that the server must offer
 };
 
-/// Told what is said within sessions, before it is taken in: what a session on file is made of. A Welcome
-/// comes first and whenever a new session begins.
+/// Sees the messages of sessions before they take effect; a capture file is written from them. A Welcome
+/// comes first, and again whenever a new session begins.
 struct LinkListener {
-  std::function<void(std::span<const std::byte> message, Time arrived)> heard;  ///< as decode_server takes it
-  std::function<void(const FrameRequest& request)> asked;                       ///< as it goes out
+  std::function<void(std::span<const std::byte> message, Time arrived)> heard;  ///< opened, for decode_server
+  std::function<void(const FrameRequest& request)> asked;                       ///< as it is sent
 };
 
 class NetworkLink final : public AnswerLink {
  public:
-  /// Remembers `frames` requests, as Assembler does. `port` and `clock`, which times waits, outlive it.
+  /// Keeps the records of `frames` requests. Keeps references to `port`, and to `clock`, which times waits.
   NetworkLink(DatagramPort& port, const Clock& clock, const LinkTarget& target, std::size_t frames);
 
-  /// From now on; empty functions are not called.
+  /// Sets the listener. Empty functions are not called.
   void tell(LinkListener listener) { listener_ = std::move(listener); }
 
-  /// Says hello until the server welcomes us or `patience` is over. Refuses what the server refuses
-  /// (Mismatch), a server that does not answer (Missing) or has no room (Unavailable); after the latter two
-  /// one may go on, the link keeps trying.
+  /// Sends hellos until a session is open or `patience` is over. Fails if the server refuses the client
+  /// (Mismatch), does not answer (Missing) or is full (Unavailable). After the latter two the caller may go
+  /// on, because the link keeps trying.
   [[nodiscard]] Expected<void> meet(Duration patience);
 
-  /// Of the light set that `request` speaks of goes what the server is not known to have.
+  /// Sends only those light changes that the server may not have yet.
   void request(const FrameRequest& request, Time asked_at,
                std::span<const std::vector<std::byte>> positions = {}) override;
 
-  /// Takes in all that has arrived.
+  /// Receives all datagrams that have arrived.
   void poll();
 
-  /// Takes in what arrives for so long.
+  /// Receives for a time of `span`.
   void listen(Duration span);
 
   bool wait_for(FrameId frame, Duration patience) override;
 
   [[nodiscard]] const AnswerInbox& inbox() const override { return inbox_; }
 
-  /// Set once the server has proved itself and said it.
+  /// Set once an authenticated server has refused this client for good.
   [[nodiscard]] const std::optional<Error>& refused() const override { return refused_; }
-  /// A session is open, as far as we know.
+  /// A session is open, as far as the client knows.
   [[nodiscard]] bool welcomed() const { return channel_ && !handshake_; }
-  /// When something of the session at hand last came; nothing before there is one.
+  /// When the last message of the open session came; no value without a session.
   [[nodiscard]] std::optional<Time> heard_at() const {
     return channel_ ? std::optional(channel_->heard) : std::nullopt;
   }
@@ -71,16 +71,15 @@ class NetworkLink final : public AnswerLink {
     AssemblerCounters assembler;
     RefusalCounts undecodable;
     PortCounters port;
-    std::uint64_t sessions = 0;  ///< begun
-    std::uint64_t missing =
-        0;  ///< datagrams of this session that have not come, of those sent before the newest
+    std::uint64_t sessions = 0;  ///< begun so far
+    std::uint64_t missing = 0;   ///< datagrams of this session, older than the newest, that have not come
   };
   [[nodiscard]] Counters counters() const;
 
   [[nodiscard]] Duration busy() const override { return busy_; }
 
  private:
-  /// A session.
+  /// An open session.
   struct Channel {
     explicit Channel(const SessionKeys& keys, Time now);
     SessionId id;
@@ -89,7 +88,7 @@ class NetworkLink final : public AnswerLink {
     Arrivals arrivals{};
     std::uint64_t probe_echo = 0;
     Time heard;
-    std::uint32_t unanswered = 0;  ///< requests since then
+    std::uint32_t unanswered = 0;  ///< requests sent since then
   };
 
   bool receive_one(Duration wait);
@@ -112,16 +111,16 @@ class NetworkLink final : public AnswerLink {
   DatagramPort& port_;
   const Clock& clock_;
   LinkTarget target_;
-  std::optional<ClientHandshake> handshake_;  ///< under way
+  std::optional<ClientHandshake> handshake_;  ///< in progress
   std::optional<Channel> channel_;
   AnswerInbox inbox_;
   LinkListener listener_;
   std::optional<Time> last_hello_;
   std::optional<Error> refused_;
-  std::optional<std::string> busy_server_;  ///< what a server without room has said
-  /// Why there may be no session; from somebody who has proved nothing, at `hearsay_at_`.
-  std::string hearsay_;
-  std::optional<Time> hearsay_at_;
+  std::optional<std::string> busy_server_;  ///< why a full server has refused
+  /// Why there may be no session: a refusal without authentication, which came at the given time.
+  std::string unproved_refusal_;
+  std::optional<Time> unproved_refusal_at_;
   std::uint64_t sessions_ = 0;
   RefusalCounts undecodable_{};
   Duration busy_{};

@@ -1,14 +1,15 @@
-// Client-positions: draws the depth of the views it asks for and sends where their pixels lie; the server
-// traces these points and needs to draw nothing. The masks that come are carried over as in hybrid.
+// Client-positions: the client draws the depth of the views it asks for and sends the positions of their
+// pixels. The server traces shadow rays from these positions and draws nothing. The client reprojects the
+// masks as in mode hybrid.
 #include "stereo/base/check.h"
 #include "stereo/frame/position_grid.h"
 #include "stereo/wire/plane_codec.h"
-#include "vr_client/modes/masks.h"
+#include "vr_client/modes/mask_sources.h"
 
 namespace farshade {
 namespace {
 
-/// That a request can announce. Tiles of what does not fit stay unknown.
+/// The number of slices that a request can announce. Tiles in further slices stay unknown.
 constexpr std::size_t kMostSlices = 65535;
 
 constexpr std::array kPositionKinds{PlaneKind::PositionX, PlaneKind::PositionY, PlaneKind::PositionZ};
@@ -17,13 +18,13 @@ class ClientPositions final : public ModePipeline {
  public:
   explicit ClientPositions(const RunContext& context)
       : context_(context),
-        exchange_(context),
-        masks_(context),
+        exchange_(context.link, context.policy, context.steering.wish),
+        masks_(context.scene.animation_length_s > 0),
         grid_(grid_of({context.scene.bounds.low}, {context.scene.bounds.high}, context.mode.position_bits)) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
     drawn_ = {};
-    const FrameRequest* const asked = exchange_.plan(inputs, wanted());
+    const FrameRequest* const asked = exchange_.plan(inputs, answer());
     if (asked == nullptr) return nullptr;
     pack(*asked);
     const FrameRequest* const complete = exchange_.complete(narrow<std::uint32_t>(messages_used_));
@@ -31,23 +32,26 @@ class ClientPositions final : public ModePipeline {
     return complete;
   }
 
-  void collect(const FrameInputs& inputs) override { masks_.take(exchange_.receive(inputs)); }
+  void collect(const FrameInputs& inputs) override {
+    const auto usable = exchange_.receive(inputs);
+    masks_.take(usable, exchange_.settled());
+  }
 
   DrawnFrame draw(const FrameInputs& inputs) override {
-    // The depth that the request's masks will need is kept already; what it took is part of the request.
-    DrawnFrame seen = masks_.draw(inputs, nullptr, exchange_);
-    seen.drawn.depth += drawn_.depth;
-    return seen;
+    // pack() has kept the depth of the requested views.
+    DrawnFrame drawn = masks_.draw(context_.renderer, inputs, nullptr, exchange_);
+    drawn.drawn.depth += drawn_.depth;
+    return drawn;
   }
 
  private:
-  [[nodiscard]] AnswerSpec wanted() const {
+  [[nodiscard]] AnswerSpec answer() const {
     return {.answer = Answer::MasksOfPositions, .position_bits = context_.mode.position_bits};
   }
 
-  /// The positions of what `asked` sees, as messages.
+  /// Writes the positions of the pixels of the requested views into messages.
   void pack(const FrameRequest& asked) {
-    drawn_ = context_.renderer.keep_depth(asked, masks_.frames(), distances_);
+    drawn_ = context_.renderer.keep_depth(asked, exchange_.next_slot(), distances_);
     messages_used_ = 0;
     for (const Side side : kSides) {
       const std::size_t eye = index_of(side);
@@ -65,7 +69,7 @@ class ClientPositions final : public ModePipeline {
 
   const RunContext& context_;
   Exchange exchange_;
-  MasksInHand masks_;
+  MaskSources masks_;
   PositionGrid grid_;
   DrawTimes drawn_;
   PerEye<Image<float>> distances_;

@@ -1,6 +1,6 @@
-// Delta: the client draws its own picture without shadows and adds what the server says they change (delta
-// encoding of Cuervo et al., "Kahawai: High-Quality Mobile Gaming Using GPU Offload", MobiSys 2015), turned
-// to the pose shown. Where the server's picture does not reach, the client's own shows, without shadows.
+// Delta: the client draws a picture without shadows and adds the server's picture of the difference that
+// shadows make, turned to the shown pose (delta encoding of Cuervo et al., "Kahawai: High-Quality Mobile
+// Gaming Using GPU Offload", MobiSys 2015). Pixels that the server's picture does not cover have no shadows.
 #include "stereo/draw/turn_pass.h"
 #include "vr_client/modes/video_stream.h"
 

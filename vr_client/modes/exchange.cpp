@@ -5,31 +5,31 @@
 namespace farshade {
 namespace {
 
-/// In virtual time a frame's answer is awaited in real time before it is drawn, so that what is shown depends
-/// on the set delay alone. This is how long a reply may really take before it counts as lost.
+/// In virtual time the client waits in real time for a frame's answer before it draws the frame, so that the
+/// picture depends on the configured delay alone. An answer that takes longer than this counts as lost.
 constexpr Duration kVirtualPatience = std::chrono::seconds(5);
-/// What has not come for so long after some of its frame's answer has is lost.
-constexpr Duration kLull = std::chrono::milliseconds(250);
+/// If a part of an answer has come, and then nothing more for so long, the rest counts as lost.
+constexpr Duration kIdle = std::chrono::milliseconds(250);
 
 }  // namespace
 
-Exchange::Exchange(const RunContext& context) : context_(context), plan_(context.steering.wish) {
-  const MaskPolicy& policy = context.policy;
+Exchange::Exchange(AnswerLink* link, const MaskPolicy& policy, const RequestSettings& settings)
+    : link_(link), policy_(policy), plan_(settings) {
   plan_.learn(policy.pace == Pace::Real ? policy.round_trip : policy.delay - policy.mask_wait);
 }
 
-const FrameRequest* Exchange::plan(const FrameInputs& inputs, const AnswerSpec& wanted) {
+const FrameRequest* Exchange::plan(const FrameInputs& inputs, const AnswerSpec& answer) {
   request_.reset();
-  if (context_.link == nullptr) return nullptr;
-  RequestSettings wish = inputs.steering.wish;
-  const bool is_picture = is_drawn(wanted.answer);
-  if (is_picture) wish.guard_band = GuardBandUse::Off;
-  plan_.follow(wish);
-  plan_.shrink(is_picture ? kFullViewScale : context_.link->inbox().view_scale());
-  plan_.limit(context_.link->inbox().most_pixels());
+  if (link_ == nullptr) return nullptr;
+  RequestSettings settings = inputs.steering.wish;
+  const bool is_picture = is_drawn(answer.answer);
+  if (is_picture) settings.guard_band = GuardBandUse::Off;
+  plan_.follow(settings);
+  plan_.shrink(is_picture ? kFullViewScale : link_->inbox().view_scale());
+  plan_.limit(link_->inbox().most_pixels());
   request_ = plan_.ask(inputs.shown, inputs.period, inputs.steering.scene);
   if (!request_) return nullptr;
-  request_->wanted = wanted;
+  request_->wanted = answer;
   return &*request_;
 }
 
@@ -41,63 +41,67 @@ const FrameRequest* Exchange::complete(std::uint32_t slices) {
 void Exchange::send(const FrameInputs& inputs, std::span<const std::vector<std::byte>> positions) {
   if (!request_) return;
   asked_ = request_->frame;
-  context_.link->request(*request_, inputs.shown.display_time, positions);
+  link_->request(*request_, inputs.shown.display_time, positions);
 }
 
-std::span<const ReceivedFrame* const> Exchange::receive(const FrameInputs& inputs) {
+std::span<const RequestRecord* const> Exchange::receive(const FrameInputs& inputs) {
   received_.clear();
-  if (context_.link == nullptr) return received_;
-  await();
-  const AnswerInbox& inbox = context_.link->inbox();
-  received_ = inbox.received(usable_until(inputs.shown.display_time));
-  for (const ReceivedFrame* frame : received_)
-    if (is_newer(frame->request.frame, newest_seen_))
-      plan_.learn(inputs.shown.display_time - inbox.asked_at(frame->request.frame).value());
-  if (!received_.empty()) newest_seen_ = received_.front()->request.frame;
+  settled_ = nullptr;
+  if (link_ == nullptr) return received_;
+  wait_for_answer();
+  received_ = link_->inbox().received(usable_until(inputs.shown.display_time));
+  settle(inputs);
   return received_;
 }
 
-std::optional<Duration> Exchange::age(const ReceivedFrame* frame, const FrameInputs& inputs) const {
-  if (frame == nullptr) return std::nullopt;
-  const std::optional<Time> asked_at = context_.link->inbox().asked_at(frame->request.frame);
-  if (!asked_at) return std::nullopt;
-  return inputs.shown.display_time - *asked_at;
+void Exchange::settle(const FrameInputs& inputs) {
+  for (const RequestRecord* record : received_) {
+    if (!link_->inbox().is_settled(*record)) continue;
+    if (settled_ == nullptr) settled_ = record;
+    if (is_newer(record->request.frame, newest_learned_)) plan_.learn(age_of(*record, inputs));
+  }
+  if (settled_ != nullptr) newest_learned_ = settled_->request.frame;
+  if (settled_ == nullptr && !received_.empty()) settled_ = received_.front();
 }
 
-/// A server that once let the patience run out is not waited for again until it has answered.
-void Exchange::await() {
-  if (context_.policy.pace == Pace::Real) {
-    context_.link->wait_for(asked_, context_.policy.mask_wait);
-  } else if (asked_ != awaited_) {
-    const Duration patience = answering_ ? kVirtualPatience : Duration::zero();
-    answering_ = await_what_comes(patience) || is_whole(awaited_);
-    awaited_ = asked_;
+void Exchange::drawn_with(const FrameInputs& inputs, const RequestRecord& record) {
+  plan_.drawn_with(inputs.shown.views, record.request.views, age_of(record, inputs));
+}
+
+const RequestRecord* Exchange::record(const FrameRequest* request) const {
+  return request == nullptr || link_ == nullptr ? nullptr : link_->inbox().find(request->frame);
+}
+
+/// After a server has let the patience run out, the client does not wait until the server has answered again.
+void Exchange::wait_for_answer() {
+  if (policy_.pace == Pace::Real) {
+    link_->wait_for(asked_, policy_.mask_wait);
+  } else if (asked_ != waited_for_) {
+    const Duration patience = is_answering_ ? kVirtualPatience : Duration::zero();
+    const RequestRecord* const before = link_->inbox().find(waited_for_);
+    is_answering_ = wait_until_idle(patience) || (before != nullptr && before->complete());
+    waited_for_ = asked_;
   }
 }
 
-/// True if some of what was asked for has come.
-bool Exchange::await_what_comes(Duration patience) {
+/// True if at least a part of the answer has come.
+bool Exchange::wait_until_idle(Duration patience) {
   const auto known = [&] {
-    const ReceivedFrame* const received = context_.link->inbox().find(asked_);
+    const RequestRecord* const received = link_->inbox().find(asked_);
     return received == nullptr ? 0 : received->pieces_known();
   };
   std::uint32_t before = 0;
-  for (Duration waited{}; waited <= patience; waited += kLull) {
-    if (context_.link->wait_for(asked_, std::min(kLull, patience - waited))) return true;
+  for (Duration waited{}; waited <= patience; waited += kIdle) {
+    if (link_->wait_for(asked_, std::min(kIdle, patience - waited))) return true;
     if (known() > 0 && known() == before) return true;
     before = known();
   }
   return before > 0;
 }
 
-bool Exchange::is_whole(FrameId frame) const {
-  const ReceivedFrame* const received = context_.link->inbox().find(frame);
-  return received != nullptr && received->complete();
-}
-
 Time Exchange::usable_until(Time display_time) const {
-  if (context_.policy.pace == Pace::Real) return Time::max();
-  return display_time - context_.policy.delay + context_.policy.mask_wait;
+  if (policy_.pace == Pace::Real) return Time::max();
+  return display_time - policy_.delay + policy_.mask_wait;
 }
 
 }  // namespace farshade

@@ -1,44 +1,62 @@
-/// Exchange: what all modes with a server share - predict the views to ask for, send, await what may be
-/// awaited, and tell what of all that has come a frame may use.
+/// Exchange: the part that all modes with a server share. It plans and sends the requests, waits for answers
+/// where the policy says so, and tells which answers a frame may use.
 #pragma once
 
 #include "vr_client/frame/mode_pipeline.h"
 
 namespace farshade {
 
+/// The time since a request was made.
+[[nodiscard]] inline Duration age_of(const RequestRecord& record, const FrameInputs& inputs) {
+  return inputs.shown.display_time - record.origin.asked_at;
+}
+
 class Exchange {
  public:
-  explicit Exchange(const RunContext& context);
+  /// `link` may be null: then there are no requests and no answers.
+  Exchange(AnswerLink* link, const MaskPolicy& policy, const RequestSettings& settings);
 
-  /// What this frame should ask for, to be answered as `wanted` says; null on frames that ask for nothing.
-  /// Pictures are asked for in the shown size, without a guard band: they are turned, not looked up.
-  const FrameRequest* plan(const FrameInputs& inputs, const AnswerSpec& wanted);
+  /// Plans this frame's request for an answer of the kind `answer`. Null on frames without a request.
+  /// Requests for pictures have the shown size and no guard band, because pictures are turned, not looked up.
+  const FrameRequest* plan(const FrameInputs& inputs, const AnswerSpec& answer);
 
-  /// What was planned, now that so many positions' messages are to go behind it.
+  /// Sets the number of position messages that follow the planned request.
   const FrameRequest* complete(std::uint32_t slices);
 
-  /// Sends what was planned. `positions` are messages that go behind it.
+  /// Sends the planned request, followed by the messages `positions`.
   void send(const FrameInputs& inputs, std::span<const std::vector<std::byte>> positions = {});
 
-  /// Awaits what may be awaited, then gives what a frame may use of all that has come, newest first.
-  std::span<const ReceivedFrame* const> receive(const FrameInputs& inputs);
+  /// Waits for answers where the policy says so, then returns the answers that this frame may use, newest
+  /// first. The pointers stay valid until the next request.
+  std::span<const RequestRecord* const> receive(const FrameInputs& inputs);
 
-  /// How long ago `frame` was asked for.
-  [[nodiscard]] std::optional<Duration> age(const ReceivedFrame* frame, const FrameInputs& inputs) const;
+  /// Of the answers last received, the newest that is as complete as it will be; before there is one, the
+  /// newest. It is never older than that of an earlier frame. Null if there is no answer.
+  [[nodiscard]] const RequestRecord* settled() const { return settled_; }
+
+  /// The frame is drawn with the masks of `record` as its first source. The guard band learns from that.
+  void drawn_with(const FrameInputs& inputs, const RequestRecord& record);
+
+  /// The slot of the record that the planned request will get when it is sent.
+  [[nodiscard]] std::size_t next_slot() const { return link_->inbox().next_slot(); }
+  /// The record of a request; null if it was not sent, or is forgotten.
+  [[nodiscard]] const RequestRecord* record(const FrameRequest* request) const;
 
  private:
-  void await();
-  bool await_what_comes(Duration patience);
-  [[nodiscard]] bool is_whole(FrameId frame) const;
+  void wait_for_answer();
+  bool wait_until_idle(Duration patience);
+  void settle(const FrameInputs& inputs);
   [[nodiscard]] Time usable_until(Time display_time) const;
 
-  const RunContext& context_;
+  AnswerLink* link_;
+  MaskPolicy policy_;
   RequestPlan plan_;
   std::optional<FrameRequest> request_;
-  std::vector<const ReceivedFrame*> received_;
-  FrameId newest_seen_;  ///< frames count from 1
-  FrameId asked_, awaited_;
-  bool answering_ = true;
+  std::vector<const RequestRecord*> received_;
+  const RequestRecord* settled_ = nullptr;
+  FrameId newest_learned_;  ///< the newest frame whose latency is known; frames count from 1
+  FrameId asked_, waited_for_;
+  bool is_answering_ = true;
 };
 
 }  // namespace farshade

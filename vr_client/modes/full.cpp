@@ -1,5 +1,5 @@
-// Full: traces every pixel of the shown views itself. Slow, and right: what every other mode is measured
-// against.
+// Full: the client traces every pixel of the shown views. This is slow and exact; all other modes are
+// measured against it.
 #include "vr_client/frame/mode_pipeline.h"
 
 namespace farshade {

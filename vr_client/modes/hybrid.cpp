@@ -1,12 +1,15 @@
-// Hybrid: asks for masks of predicted views, draws its own G-buffer, carries the newest masks over to it.
-#include "vr_client/modes/masks.h"
+// Hybrid: the client requests masks for predicted views, draws its own G-buffer and reprojects the masks.
+#include "vr_client/modes/mask_sources.h"
 
 namespace farshade {
 namespace {
 
 class Hybrid final : public ModePipeline {
  public:
-  explicit Hybrid(const RunContext& context) : exchange_(context), masks_(context) {}
+  explicit Hybrid(const RunContext& context)
+      : renderer_(context.renderer),
+        exchange_(context.link, context.policy, context.steering.wish),
+        masks_(context.scene.animation_length_s > 0) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
     asked_ = exchange_.plan(inputs, {.answer = Answer::Masks});
@@ -14,13 +17,19 @@ class Hybrid final : public ModePipeline {
     return asked_;
   }
 
-  void collect(const FrameInputs& inputs) override { masks_.take(exchange_.receive(inputs)); }
+  void collect(const FrameInputs& inputs) override {
+    const auto usable = exchange_.receive(inputs);
+    masks_.take(usable, exchange_.settled());
+  }
 
-  DrawnFrame draw(const FrameInputs& inputs) override { return masks_.draw(inputs, asked_, exchange_); }
+  DrawnFrame draw(const FrameInputs& inputs) override {
+    return masks_.draw(renderer_, inputs, exchange_.record(asked_), exchange_);
+  }
 
  private:
+  Renderer& renderer_;
   Exchange exchange_;
-  MasksInHand masks_;
+  MaskSources masks_;
   const FrameRequest* asked_ = nullptr;
 };
 

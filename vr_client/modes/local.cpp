@@ -1,4 +1,4 @@
-// Local: the client alone, with shadow maps.
+// Local: the client draws shadow maps and needs no server.
 #include "vr_client/frame/mode_pipeline.h"
 
 namespace farshade {

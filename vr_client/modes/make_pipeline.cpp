@@ -5,7 +5,7 @@
 namespace farshade {
 
 std::unique_ptr<ModePipeline> make_pipeline(const RunContext& context) {
-  // Where no light casts shadows nobody is asked, and hybrid draws what there is.
+  // If no light casts shadows, there is no link, and hybrid draws the scene without masks.
   if (context.link == nullptr && answers_for(context.mode.mode) != 0) return make_hybrid(context);
   switch (context.mode.mode) {
     case Mode::Hybrid:
@@ -23,7 +23,7 @@ std::unique_ptr<ModePipeline> make_pipeline(const RunContext& context) {
     case Mode::Full:
       return make_full(context);
   }
-  check(false, "a mode that is");
+  check(false, "every mode has a pipeline");
   return nullptr;
 }
 

@@ -1,18 +1,18 @@
-// Server-gbuffer: the server draws the G-buffer and traces its masks; the client shades both, as it would its
-// own, and turns the picture to the pose it shows. It needs no geometry, and no more of the scene than
-// lights.
+// Server-gbuffer: the server draws the G-buffer and traces its masks. The client shades them with the same
+// passes as its own G-buffer, and turns the picture to the shown pose. Of the scene it needs only the lights.
 #include <algorithm>
 
 #include "stereo/draw/turn_pass.h"
 #include "stereo/frame/tiles.h"
-#include "vr_client/modes/exchange.h"
+#include "vr_client/modes/mask_sources.h"
 
 namespace farshade {
 namespace {
 
 class ServerGBuffer final : public ModePipeline {
  public:
-  explicit ServerGBuffer(const RunContext& context) : context_(context), exchange_(context) {}
+  explicit ServerGBuffer(const RunContext& context)
+      : context_(context), exchange_(context.link, context.policy, context.steering.wish) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
     const FrameRequest* const asked = exchange_.plan(inputs, {.answer = Answer::GBuffer});
@@ -20,10 +20,10 @@ class ServerGBuffer final : public ModePipeline {
     return asked;
   }
 
-  /// The newest of which all has come that will; before there is one, the newest.
+  /// Takes the newest answer that is complete or whose report has come; before there is one, the newest.
   void collect(const FrameInputs& inputs) override {
     newest_ = nullptr;
-    for (const ReceivedFrame* frame : exchange_.receive(inputs)) {
+    for (const RequestRecord* frame : exchange_.receive(inputs)) {
       if (frame->gbuffer.tiles == 0) continue;
       if (newest_ == nullptr) newest_ = frame;
       if (!frame->complete() && !frame->report) continue;
@@ -43,14 +43,7 @@ class ServerGBuffer final : public ModePipeline {
     }
     const FrameRequest& made_for = newest_->request;
     const SceneState state = state_at(context_.scene, made_for.scene_time, made_for.lights);
-    const TracedMask mask{made_for.frame,
-                          made_for.display_time,
-                          made_for.scene_time,
-                          made_for.views,
-                          newest_->masks,
-                          newest_->known_tiles,
-                          std::uint64_t{newest_->tiles_known[0]} << 32 | newest_->tiles_known[1],
-                          newest_->light_set_revision};
+    const TracedMask mask = mask_of(*newest_);
     DrawTimes drawn = context_.renderer.draw_received(
         covered(newest_->gbuffer),
         {.views = made_for.views, .state = state, .masks = {&mask, 1}, .carry_over = {}});
@@ -60,12 +53,12 @@ class ServerGBuffer final : public ModePipeline {
     return {.drawn = drawn,
             .as = ShownAs::Picture,
             .newest = newest_,
-            .age = exchange_.age(newest_, inputs),
+            .age = age_of(*newest_, inputs),
             .black = outside_share(made_for.views, inputs.shown.views)};
   }
 
  private:
-  /// Pixels of which not all planes have come are no surface.
+  /// The planes, with a depth of "nothing" in tiles of which not all planes have come.
   const GBufferPlanes& covered(const ReceivedGBuffer& received) {
     if (received.tiles_known == received.tiles) return received.planes;
     partly_ = received.planes;
@@ -85,7 +78,7 @@ class ServerGBuffer final : public ModePipeline {
   const RunContext& context_;
   GBufferPlanes partly_;
   Exchange exchange_;
-  const ReceivedFrame* newest_ = nullptr;
+  const RequestRecord* newest_ = nullptr;
 };
 
 }  // namespace

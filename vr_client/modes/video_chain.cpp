@@ -20,7 +20,7 @@ const Image<Rgb8>* VideoChain::take(FrameId frame, FrameId after, std::span<cons
                                     Extent size) {
   const std::optional<FrameId> last = std::exchange(last_, std::nullopt);
   if (after == frame)
-    decoder_.reset();  // what is said to stand alone must
+    decoder_.reset();  // a key frame depends on no other
   else if (after != last)
     return nullptr;
   const Expected<const Image<Rgb8>*> picture = decoder_.decode(unit);

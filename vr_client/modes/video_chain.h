@@ -1,5 +1,5 @@
-/// Video chain: units that stand on one another, decoded in an unbroken row or not at all. A unit onto
-/// another picture than the one it was coded after would decode, and be wrong.
+/// Video chain: decodes coded pictures that depend on the picture before. A picture that is decoded after
+/// another one than it was coded after would be wrong without an error, so the chain refuses it.
 #pragma once
 
 #include <optional>
@@ -13,20 +13,20 @@ namespace farshade {
 
 class VideoChain {
  public:
-  /// Throws where the build has no decoder.
+  /// Throws if the build has no decoder.
   VideoChain();
 
-  /// The picture of `unit`, which is whole and was coded after the one of frame `after` (`frame` itself:
-  /// alone), valid until the next call. Null where that is not the unit taken last, or where it is damaged or
-  /// of another size; from then on, until a unit comes that was coded alone.
+  /// Decodes a complete unit that was coded after the picture of frame `after`; a key frame names itself.
+  /// The picture is valid until the next call. Null if `after` is not the frame decoded last, or if the unit
+  /// is damaged or of another size. After that, all units up to the next key frame give null.
   const Image<Rgb8>* take(FrameId frame, FrameId after, std::span<const std::byte> unit, Extent size);
 
-  /// How the next unit must be coded to be of use.
+  /// How the next unit must be coded so that it can be decoded.
   [[nodiscard]] Coding next() const { return last_ ? Coding::AfterLast : Coding::Alone; }
 
  private:
   VideoDecoder decoder_;
-  std::optional<FrameId> last_;  ///< of the unit taken last
+  std::optional<FrameId> last_;  ///< the frame decoded last
 };
 
 }  // namespace farshade

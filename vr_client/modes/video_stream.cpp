@@ -3,7 +3,7 @@
 namespace farshade {
 
 VideoStream::VideoStream(const RunContext& context, Answer answer)
-    : context_(context), answer_(answer), exchange_(context) {}
+    : context_(context), answer_(answer), exchange_(context.link, context.policy, context.steering.wish) {}
 
 const FrameRequest* VideoStream::request(const FrameInputs& inputs) {
   const Duration interval = inputs.period * inputs.steering.wish.every;
@@ -19,24 +19,23 @@ void VideoStream::collect(const FrameInputs& inputs) {
   const auto received = exchange_.receive(inputs);
   const Stopwatch watch;
   for (auto oldest_first = received.rbegin(); oldest_first != received.rend(); ++oldest_first) {
-    const ReceivedFrame* const frame = *oldest_first;
-    const bool is_news = !picture_ || is_newer(frame->request.frame, picture_->request.frame);
-    if (is_news && frame->video.complete()) decode(*frame);
+    const RequestRecord* const frame = *oldest_first;
+    const bool is_newer_picture = !picture_ || is_newer(frame->request.frame, picture_->request.frame);
+    if (is_newer_picture && frame->video.complete()) decode(*frame);
   }
   decoding_ = watch.elapsed();
 }
 
-void VideoStream::decode(const ReceivedFrame& frame) {
+void VideoStream::decode(const RequestRecord& frame) {
   const FrameId id = frame.request.frame;
   const Extent eye = frame.request.views[0].size;
   const Image<Rgb8>* const picture =
       chain_.take(id, frame.video.after, frame.video.unit, side_by_side_size(eye));
   if (picture == nullptr) return;
-  picture_ = Picture{two_eyes(*picture, eye), frame.request,
-                     context_.link->inbox().asked_at(id).value_or(frame.request.display_time)};
+  picture_ = Picture{two_eyes(*picture, eye), frame.request, frame.origin.asked_at};
 }
 
-const ReceivedFrame* VideoStream::received() const {
+const RequestRecord* VideoStream::received() const {
   return picture_ ? context_.link->inbox().find(picture_->request.frame) : nullptr;
 }
 

@@ -1,5 +1,5 @@
-/// Video stream: what remote and delta do alike - ask for a coded picture, decode what has come in order,
-/// notice what is lost.
+/// Video stream: the part that modes remote and delta share. It requests coded pictures, decodes them in
+/// order and requests a key frame after a loss.
 #pragma once
 
 #include "vr_client/modes/exchange.h"
@@ -9,31 +9,31 @@ namespace farshade {
 
 class VideoStream {
  public:
-  /// `answer` is Video or Difference. Throws where the build has no decoder: open_client has refused it.
+  /// `answer` is Video or Difference. Throws if the build has no decoder, which open_client refuses before.
   VideoStream(const RunContext& context, Answer answer);
 
   const FrameRequest* request(const FrameInputs& inputs);
 
-  /// Decodes all that a frame may use by now and has not been decoded.
+  /// Decodes the pictures that this frame may use and that have not been decoded yet.
   void collect(const FrameInputs& inputs);
 
-  /// The newest picture, with what it was made for.
+  /// The newest picture and its request.
   struct Picture {
     PerEye<Image<Rgb8>> eyes;
     FrameRequest request;
     Time asked_at;
   };
-  /// Null before the first.
+  /// Null before the first picture.
   [[nodiscard]] const Picture* picture() const { return picture_ ? &*picture_ : nullptr; }
 
-  /// What was received for the picture, if that is still remembered.
-  [[nodiscard]] const ReceivedFrame* received() const;
+  /// The record of the picture's request; null if it is forgotten.
+  [[nodiscard]] const RequestRecord* received() const;
   [[nodiscard]] std::optional<Duration> age(const FrameInputs& inputs) const;
-  /// What decoding took in this frame.
+  /// The time that decoding took in this frame.
   [[nodiscard]] Duration decoding() const { return decoding_; }
 
  private:
-  void decode(const ReceivedFrame& frame);
+  void decode(const RequestRecord& frame);
 
   const RunContext& context_;
   Answer answer_;

@@ -28,8 +28,8 @@ void History::learn_link(const FrameView& view, const NetworkLink& link, Instant
   const FrameReport& report = *view.newest->report;
   newest_.rays = report.primary_rays + report.shadow_rays;
   newest_.server_ms = ms_of(report.waited + report.primary + report.shadow + report.draw + report.pack);
-  if (const auto* exchange = link.inbox().exchange(report.frame); exchange && exchange->last)
-    newest_.round_trip_ms = ms_of(*exchange->last - exchange->sent);
+  if (const RequestRecord& record = *view.newest; record.report_arrived)
+    newest_.round_trip_ms = ms_of(*record.report_arrived - record.origin.sent);
 }
 
 void History::add(const FrameView& view, const std::optional<PerEye<EyeErrors>>& errors,

@@ -148,18 +148,18 @@ void Timeline::add(const FrameView& view, const AnswerInbox* inbox) {
   if (shown_.size() > 1 && !is_newer(view.shown.frame, shown_[shown_.size() - 2].frame))
     settled_ = asked_.size();
   if (view.asked)
-    if (const AnswerInbox::Exchange* const exchange = inbox->exchange(view.asked->frame))
-      asked_.push_back({.exchange = *exchange});
+    if (const RequestRecord* const record = inbox->find(view.asked->frame))
+      asked_.push_back({.exchange = {record->request.frame, record->origin.sent, {}, {}}});
   for (std::size_t i = settled_; i < asked_.size(); ++i) {
     Asked& asked = asked_[i];
-    const FrameId frame = asked.exchange.frame;
-    const AnswerInbox::Exchange* const exchange = inbox->exchange(frame);
-    if (exchange) {
-      asked.exchange = *exchange;
-      if (const ReceivedFrame* const received = inbox->find(frame)) asked.report = received->report;
+    const RequestRecord* const record = inbox->find(asked.exchange.frame);
+    if (record) {
+      asked.exchange.first = record->first_piece;
+      asked.exchange.last = record->report_arrived;
+      asked.report = record->report;
     }
     const bool all_known = asked.report && asked.exchange.first;
-    if (i == settled_ && (exchange == nullptr || all_known)) ++settled_;
+    if (i == settled_ && (record == nullptr || all_known)) ++settled_;
   }
   if (view.masks.empty()) return;
   const auto of_mask = std::find_if(asked_.rbegin(), asked_.rend(), [&](const Asked& asked) {

@@ -50,8 +50,14 @@ class Timeline {
     StageStarts starts;
     Duration gbuffer{}, depth{}, shade{}, draw{};
   };
+  /// When a request was sent, and when the first piece and the report of its answer came.
+  struct Exchange {
+    FrameId frame;
+    Time sent;
+    std::optional<Time> first, last;
+  };
   struct Asked {
-    AnswerInbox::Exchange exchange;
+    Exchange exchange;
     std::optional<FrameReport> report{};
     std::optional<Time> drawn{};  ///< when the first frame began to be drawn with its masks as the newest
   };

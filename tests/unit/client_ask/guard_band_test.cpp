@@ -213,6 +213,75 @@ TEST(GuardBand, WidensTheAxisOfATurn) {
   EXPECT_EQ(margins_of({}, yaw, 0ms), (Sides<std::uint32_t>{}));
 }
 
+/// Pixels per radian at the border of kView, along each axis: width / (2 tan a) * (1 + tan^2 a).
+double pixels_per_rad(double pixels, double half_rad) {
+  const double edge = std::tan(half_rad);
+  return pixels / (2 * edge) * (1 + edge * edge);
+}
+
+TEST(GuardBand, AddsFifteenPercentOfTheTurnWithinTheLead) {
+  const double per_yaw = pixels_per_rad(kSize.width, kHalf),
+               per_pitch = pixels_per_rad(kSize.height, kHalfUp);
+  for (const double px : {15.9, 16.1, 31.9, 32.1}) {
+    const std::uint32_t wanted = px < 16 ? 16 : px < 32 ? 32 : 48;
+    const double yaw = px / (0.15 * 0.05 * per_yaw), pitch = px / (0.15 * 0.05 * per_pitch);
+    EXPECT_EQ(margins_of({}, {{0, yaw, 0}, {}}).left, wanted) << px;
+    EXPECT_EQ(margins_of({}, {{0, -yaw, 0}, {}}).right, wanted) << px;
+    EXPECT_EQ(margins_of({}, {{pitch, 0, 0}, {}}).up, wanted) << px;
+    EXPECT_EQ(margins_of({}, {{-pitch, 0, 0}, {}}).down, wanted) << px;
+  }
+}
+
+TEST(GuardBand, AddsTheTurnWithinTheSpreadUnlessTheMeasurementHoldsIt) {
+  const double per_yaw = pixels_per_rad(kSize.width, kHalf);
+  const Twist velocity{{0, 31 / (0.02 * per_yaw), 0}, {}};  // 31 px in 20 ms
+  EXPECT_EQ(margins_of({}, velocity, 0ms, 20ms).left, 32u);
+  EXPECT_EQ(margins_of({}, velocity, 0ms, 21ms).left, 48u);
+  GuardBand band;
+  const double per_x = kSize.width / (2 * std::tan(kHalf));
+  band.observe(both(moved(kView, {}, {40 / per_x * kNearest_m, 0, 0})), both(kView));  // 40 px on the right
+  EXPECT_EQ(margins_of(band, velocity, 0ms, 20ms).left, 32u);
+  EXPECT_EQ(margins_of(band, velocity, 0ms, 20ms).right, 48u) << "not the sum of both";
+}
+
+TEST(ReducedToFit, LeavesWhatFits) {
+  const Sides<std::uint32_t> margins{16, 32, 48, 0};
+  const std::uint64_t pixels = widened(kView, margins).size.pixels();
+  EXPECT_EQ(reduced_to_fit(both(kView), margins, pixels), margins);
+  EXPECT_NE(reduced_to_fit(both(kView), margins, pixels - 1), margins);
+}
+
+TEST(ReducedToFit, GivesStepsToTheSideThatMissesMost) {
+  const std::uint64_t most = widened(kView, {48, 0, 16, 0}).size.pixels();
+  EXPECT_EQ(reduced_to_fit(both(kView), {64, 16, 32, 0}, most), (Sides<std::uint32_t>{48, 0, 16, 0}));
+}
+
+TEST(ReducedToFit, UsesAllThatTheLimitLeaves) {
+  std::mt19937_64 random(8);  // the seed
+  for (int i = 0; i < 500; ++i) {
+    const auto any_px = [&] { return static_cast<std::uint32_t>(random() % 5) * GuardBand::kStep_px; };
+    const Sides<std::uint32_t> needed{any_px(), any_px(), any_px(), any_px()};
+    const std::uint64_t most = kSize.pixels() + random() % (kSize.pixels() / 3);
+    const Sides<std::uint32_t> fitted = reduced_to_fit(both(kView), needed, most);
+    ASSERT_LE(widened(kView, fitted).size.pixels(), most) << "case " << i;
+    using Margins = Sides<std::uint32_t>;
+    for (const auto side : {&Margins::left, &Margins::right, &Margins::up, &Margins::down}) {
+      Margins wider = fitted;
+      wider.*side += GuardBand::kStep_px;
+      ASSERT_TRUE(fitted.*side == needed.*side || widened(kView, wider).size.pixels() > most) << "case " << i;
+    }
+  }
+}
+
+TEST(ReducedToFit, NarrowsAnAxisAtItsLimitAlone) {
+  View wide = kView;
+  wide.size.width = kMaxViewSide_px - 40;
+  const Sides<std::uint32_t> fitted = reduced_to_fit(both(wide), {32, 32, 48, 48}, ~0ull);
+  EXPECT_EQ(fitted.left + fitted.right, 32u);
+  EXPECT_EQ(fitted.up, 48u);
+  EXPECT_EQ(fitted.down, 48u);
+}
+
 TEST(GuardBand, StaysWithinTheLargestTracedSizeInWholeSteps) {
   std::mt19937_64 random(5);  // the seed
   std::uniform_real_distribution<double> any(-1, 1);

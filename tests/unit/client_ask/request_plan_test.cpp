@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <deque>
 
 #include "stereo/math/rotation.h"
 
@@ -77,6 +78,7 @@ TEST(RequestPlan, HeldViewsAreWidenedByWhatTheHeadTurnsInTheDelay) {
   for (std::uint32_t i = 0; i < 60; ++i) {
     plan.learn(50ms);
     asked = plan.ask(shown(i), kPeriod);
+    if (i >= 5) plan.drawn_with(shown(i).views, shown(i - 5).views, 50ms);
   }
   const FrameRequest now = shown(59);
   EXPECT_EQ(asked->display_time, now.display_time);
@@ -148,6 +150,24 @@ TEST(RequestPlanLead, IsTheMedianOfWhatWasLearned) {
   EXPECT_EQ(plan.lead(kPeriod), 60ms) << "old ones are forgotten";
 }
 
+TEST(RequestPlanLead, ForgetsWhatIsOlderThanThirtyTwoAnswers) {
+  RequestPlan plan({});
+  for (int i = 0; i < 200; ++i) plan.learn(20ms);
+  for (int i = 0; i < 32; ++i) plan.learn(60ms);
+  EXPECT_EQ(plan.lead(kPeriod), 60ms);
+}
+
+TEST(RequestPlanLead, IsRoundedUpToWholeFrames) {
+  for (const auto& [latency, lead] : {std::pair{Duration(20ms), 20ms},
+                                      {Duration(20ms + 5us), 20ms},
+                                      {Duration(21ms), 30ms},
+                                      {Duration(29ms), 30ms}}) {
+    RequestPlan plan({});
+    plan.learn(latency);
+    EXPECT_EQ(plan.lead(kPeriod), lead) << latency.count();
+  }
+}
+
 TEST(RequestPlanLead, AimsAtTheMiddleOfTheFramesThatAMaskIsUsedFor) {
   for (const std::uint32_t every : {1u, 2u, 3u, 8u}) {
     RequestPlan plan({.every = every});
@@ -168,27 +188,75 @@ TEST(RequestPlan, NeverAsksForMoreThanMayBeAskedFor) {
   }
 }
 
-TEST(RequestPlan, AddsNoGuardBandBeyondWhatTheServerTraces) {
-  for (const bool limited : {false, true}) {
-    RequestPlan plan(RequestSettings{});
-    plan.learn(20ms);
-    std::size_t most = 0;
-    if (limited) plan.limit(static_cast<std::uint32_t>(shown(0).views[0].size.pixels()));
-    for (std::uint32_t i = 0; i < 20; ++i)
-      most = std::max<std::size_t>(most, plan.ask(shown(i), kPeriod)->views[0].size.pixels());
-    EXPECT_EQ(most > shown(0).views[0].size.pixels(), !limited);
+/// The views that are asked for after a turn of the head to the left, with at most `pixels` an eye.
+StereoView asked_within(std::uint32_t pixels) {
+  RequestPlan plan(RequestSettings{});
+  plan.learn(20ms);
+  plan.limit(pixels);
+  for (std::uint32_t i = 0; i < 20; ++i) {
+    if (i >= 5) plan.drawn_with(shown(i).views, shown(i - 5).views, 5 * kPeriod);
+    if (const auto asked = plan.ask(shown(i), kPeriod); i == 19) return asked->views;
   }
+  return {};
+}
+
+TEST(RequestPlan, ShrinksTheGuardBandToWhatTheServerTraces) {
+  const auto shown_pixels = static_cast<std::uint32_t>(kSize.pixels());
+  const Extent unlimited = asked_within(~0u)[0].size;
+  ASSERT_GE(unlimited.width, kSize.width + 3 * GuardBand::kStep_px);
+  EXPECT_EQ(asked_within(static_cast<std::uint32_t>(unlimited.pixels()))[0].size, unlimited);
+  EXPECT_EQ(asked_within(shown_pixels)[0].size, kSize) << "no room at all";
+  const auto one_step = shown_pixels + GuardBand::kStep_px * kSize.height;
+  const Extent narrow = asked_within(one_step)[0].size;
+  EXPECT_EQ(narrow, (Extent{kSize.width + GuardBand::kStep_px, kSize.height})) << "room for one step";
+  const Extent less = asked_within(static_cast<std::uint32_t>(unlimited.pixels()) - 1)[0].size;
+  EXPECT_LT(less.pixels(), unlimited.pixels());
+  EXPECT_GE(less.pixels() + GuardBand::kStep_px * unlimited.width, unlimited.pixels());
+}
+
+/// How wide the views of the 100th frame are when each frame is drawn with masks that were made for the views
+/// `frames` before it.
+std::uint32_t width_when_masks_are_late(std::uint32_t frames) {
+  RequestPlan plan({.predictor = PredictorKind::Kalman});
+  for (std::uint32_t i = 0; i < 100; ++i) {
+    plan.learn(40ms);
+    const auto asked = plan.ask(shown(i), kPeriod);
+    if (i == 99) return asked->views[0].size.width;
+    if (i >= frames) plan.drawn_with(shown(i).views, shown(i - frames).views, kPeriod * (4 + frames));
+  }
+  return 0;
+}
+
+TEST(RequestPlan, WidensTheGuardBandWhenMasksComeLaterThanExpected) {
+  const std::uint32_t in_time = width_when_masks_are_late(0), late = width_when_masks_are_late(4);
+  EXPECT_GE(late, in_time + GuardBand::kStep_px);
+}
+
+TEST(RequestPlan, LearnsNothingOfMasksFromBeforeAPause) {
+  RequestPlan plan({.predictor = PredictorKind::Hold});
+  std::optional<FrameRequest> asked;
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    plan.drawn_with(shown(i + 300, Twist{{0, 0.3, 0}, {}}).views, shown(0).views, 3s);
+    asked = plan.ask(shown(i, Twist{}), kPeriod);
+  }
+  EXPECT_EQ(asked->views[0].size, kSize);
 }
 
 TEST(RequestPlan, TracesWiderAfterAHeadThatTurnsAsNobodyForesees) {
   RequestPlan plan({.predictor = PredictorKind::Kalman});
   std::optional<FrameRequest> asked;
+  std::deque<StereoView> in_flight;
   for (std::uint32_t i = 0; i < 140; ++i) {
     plan.learn(40ms);
     FrameRequest now = shown(i, Twist{});
     // 3 Hz from side to side: what was so is not so 40 ms later.
     now.views = views_of(kStart * motion_exp<Head>({{0, 0.15 * std::sin(19 * 0.01 * i), 0}, {}}));
     asked = plan.ask(now, kPeriod);
+    in_flight.push_back(asked->views);
+    if (in_flight.size() > 4) {
+      plan.drawn_with(now.views, in_flight.front(), 40ms);
+      in_flight.pop_front();
+    }
     const Extent most = largest_traced(kSize);
     EXPECT_LE(asked->views[0].size.width, most.width);
     EXPECT_LE(asked->views[0].size.height, most.height);
@@ -225,7 +293,10 @@ TEST(RequestPlanShrink, KeepsTheGuardBandWhateverTheSize) {
   RequestPlan full(RequestSettings{.predictor = PredictorKind::Hold}), half(full);
   for (std::uint32_t i = 0; i < 60; ++i) {
     half.shrink({i % 20 < 10 ? 4u : 8u});  // what was seen at another size counts as it did
-    for (RequestPlan* plan : {&full, &half}) plan->learn(50ms);
+    for (RequestPlan* plan : {&full, &half}) {
+      plan->learn(50ms);
+      if (i >= 5) plan->drawn_with(shown(i).views, shown(i - 5).views, 50ms);
+    }
     const std::optional<FrameRequest> wide = full.ask(shown(i), kPeriod), asked = half.ask(shown(i), kPeriod);
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
       const FovTangents a = tangents_of(wide->views[eye].fov), b = tangents_of(asked->views[eye].fov);
@@ -238,6 +309,22 @@ TEST(RequestPlanShrink, KeepsTheGuardBandWhateverTheSize) {
     }
   }
   EXPECT_GT(full.ask(shown(60), kPeriod)->views[0].size.width, kSize.width);
+}
+
+TEST(RequestPlanShrink, RoundsMarginsUpToWholeTiles) {
+  RequestPlan full(RequestSettings{.predictor = PredictorKind::Hold}), less(full);
+  less.shrink({7});
+  for (std::uint32_t i = 0; i < 40; ++i) {
+    for (RequestPlan* plan : {&full, &less}) {
+      plan->learn(50ms);
+      if (i >= 5) plan->drawn_with(shown(i).views, shown(i - 5).views, 50ms);
+    }
+    const auto wide = full.ask(shown(i), kPeriod)->views[0], scaled = less.ask(shown(i), kPeriod)->views[0];
+    const FovTangents a = tangents_of(wide.fov), b = tangents_of(scaled.fov);
+    EXPECT_EQ((scaled.size.width - kSize.width * 7 / 8) % GuardBand::kStep_px, 0u);
+    ASSERT_LE(b.left_tan, a.left_tan + 1e-9) << "no narrower, frame " << i;
+    ASSERT_GE(b.right_tan, a.right_tan - 1e-9) << "no narrower, frame " << i;
+  }
 }
 
 TEST(RequestPlan, LearnsNothingOfAPause) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "stereo/net/frame_packer.h"
+
 namespace farshade {
 namespace {
 
@@ -18,17 +20,89 @@ FrameReport report_of(std::uint32_t frame, ViewScale scale = kFullViewScale) {
   return {.frame = {frame}, .view_scale = scale};
 }
 
-TEST(AnswerInbox, TellsWhenARequestWentOutAndItsAnswerCame) {
+/// An eye's whole mask: a single tile that is lit everywhere.
+Slice slice_of(std::uint32_t frame, Side eye = Side::Left) {
+  static std::vector<std::byte> block;
+  ShadowFrame made{{frame}, kFirstLightSet, request_of(frame).views, {}};
+  for (EyeMask& mask : made.masks) mask = EyeMask({16, 16}, 1);
+  static FramePacker packer;
+  for (const std::vector<std::byte>& datagram : packer.pack(made, {.frame = {frame}})) {
+    const Decoded<ServerMessage> message = decode_server(datagram);
+    const auto* const slice = std::get_if<Slice>(&*message);
+    if (slice == nullptr || slice->eye != eye) continue;
+    Slice found = *slice;
+    block.assign(slice->block.begin(), slice->block.end());
+    found.block = block;
+    return found;
+  }
+  return {};
+}
+
+TEST(AnswerInbox, RecordsWhenARequestWasMadeAndItsAnswerCame) {
   AnswerInbox inbox(8, {1});
   inbox.begin({});
   (void)inbox.ask(request_of(1), Time(10ms), Time(1s));
-  ASSERT_NE(inbox.exchange({1}), nullptr);
-  EXPECT_EQ(inbox.exchange({1})->sent, Time(1s));
-  EXPECT_EQ(inbox.exchange({1})->last, std::nullopt);
+  const RequestRecord* const record = inbox.find({1});
+  ASSERT_NE(record, nullptr);
+  EXPECT_EQ(record->origin.asked_at, Time(10ms));
+  EXPECT_EQ(record->origin.sent, Time(1s));
+  EXPECT_EQ(record->report_arrived, std::nullopt);
+  inbox.take(slice_of(1), Time(1s + 15ms));
   inbox.take(report_of(1), Time(1s + 20ms));
-  EXPECT_EQ(inbox.exchange({1})->last, Time(1s + 20ms));
-  EXPECT_EQ(inbox.asked_at({1}), Time(10ms));
-  EXPECT_EQ(inbox.exchange({2}), nullptr);
+  EXPECT_EQ(record->first_piece, Time(1s + 15ms));
+  EXPECT_EQ(record->report_arrived, Time(1s + 20ms));
+  inbox.take(report_of(2), Time(2s));
+  EXPECT_EQ(inbox.find({2}), nullptr);
+}
+
+TEST(AnswerInbox, ANewRequestsRecordRemembersNothingOfItsSlot) {
+  AnswerInbox inbox(Assembler::kKept + 1, {1});
+  inbox.begin({});
+  for (std::uint32_t frame = 1; frame <= 20; ++frame) {
+    const std::size_t slot = inbox.next_slot();
+    (void)inbox.ask(request_of(frame), Time(10ms * frame), Time(1s));
+    const RequestRecord& record = *inbox.find({frame});
+    EXPECT_EQ(record.slot, slot);
+    EXPECT_FALSE(record.first_piece || record.report_arrived || record.anything_known()) << frame;
+    inbox.take(slice_of(frame), Time(1s));
+    inbox.take(report_of(frame), Time(1s));
+  }
+}
+
+TEST(AnswerInbox, ListsWhatHasComeNewestFirst) {
+  AnswerInbox inbox(8, {1});
+  inbox.begin({});
+  for (std::uint32_t frame = 1; frame <= 5; ++frame)
+    (void)inbox.ask(request_of(frame), Time(10ms * frame), {});
+  for (const std::uint32_t frame : {2u, 5u, 3u}) inbox.take(slice_of(frame), {});
+  const auto frames = [&](Time until) {
+    std::vector<std::uint32_t> found;
+    for (const RequestRecord* record : inbox.received(until)) found.push_back(record->request.frame.value);
+    return found;
+  };
+  EXPECT_EQ(frames(Time::max()), (std::vector<std::uint32_t>{5, 3, 2}));
+  EXPECT_EQ(frames(Time(30ms)), (std::vector<std::uint32_t>{3, 2}));
+  EXPECT_EQ(frames(Time(30ms - 1ns)), (std::vector<std::uint32_t>{2}));
+}
+
+TEST(AnswerInboxSettled, MeansCompleteOrReportedOrOvertaken) {
+  AnswerInbox inbox(8, {1});
+  inbox.begin({});
+  for (std::uint32_t frame = 1; frame <= 4; ++frame) (void)inbox.ask(request_of(frame), {}, {});
+  const auto settled = [&](std::uint32_t frame) { return inbox.is_settled(*inbox.find({frame})); };
+  inbox.take(slice_of(1), {});
+  EXPECT_FALSE(settled(1)) << "one eye is missing";
+  inbox.take(slice_of(1, Side::Right), {});
+  EXPECT_TRUE(settled(1)) << "complete";
+  inbox.take(slice_of(2), {});
+  EXPECT_FALSE(settled(2));
+  inbox.take(report_of(2), {});
+  EXPECT_TRUE(settled(2)) << "the report is sent last";
+  inbox.take(slice_of(3), {});
+  EXPECT_FALSE(settled(3));
+  inbox.take(slice_of(4), {});
+  EXPECT_TRUE(settled(3)) << "the next answer is arriving";
+  EXPECT_FALSE(settled(4));
 }
 
 TEST(AnswerInbox, ExpectsNothingOfAnEarlierSession) {

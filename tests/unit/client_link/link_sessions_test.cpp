@@ -193,7 +193,7 @@ TEST(LinkSession, StaysWithItsClientWhenItsDatagramsAreSentOnFromElsewhere) {
   EXPECT_GT(got, 0u) << "it was asked to prove itself";
   EXPECT_LE(got, stolen_bytes);
   std::size_t whole = 0;
-  for (const ReceivedFrame* frame : bench.link.inbox().received(Time::max()))
+  for (const RequestRecord* frame : bench.link.inbox().received(Time::max()))
     whole += frame->complete() ? 1 : 0;
   EXPECT_GE(whole, kLong - 4) << "slices go to the client";
 }
@@ -207,7 +207,7 @@ void change_lights_and_compare(LinkBench& bench, Duration time) {
   for (std::uint32_t n = 0; bench.clock.now() < until; ++n) {
     change(bench.lights, (n * 7 + n / 5) % 20, n % 3 != 0, LightPose{.position = {{n * 0.01, 1, 2}}});
     bench.run(kInterval);
-    for (const ReceivedFrame* frame : bench.link.inbox().received(Time::max())) {
+    for (const RequestRecord* frame : bench.link.inbox().received(Time::max())) {
       const LightChanges& traced = bench.traced_lights.at(frame->request.frame.value);
       ASSERT_EQ(frame->light_set_revision, traced.revision);
       for (const LightChange& believed : frame->request.lights.lights)

@@ -21,11 +21,11 @@ TEST(CaptureLink, HearsInTheFrameAndOnTheSideOfTheRequestThatItWasHeardOn) {
   link.begin(one);
   EXPECT_EQ(link.inbox().most_pixels(), 4242u);
   link.request(as_recorded(one), Time(14ms));
-  ASSERT_NE(link.inbox().exchange(FrameId{1}), nullptr);
-  EXPECT_EQ(link.inbox().exchange(FrameId{1})->sent, one.asked->sent);
-  EXPECT_FALSE(link.inbox().exchange(FrameId{1})->last.has_value());
+  ASSERT_NE(link.inbox().find(FrameId{1}), nullptr);
+  EXPECT_EQ(link.inbox().find(FrameId{1})->origin.sent, one.asked->sent);
+  EXPECT_FALSE(link.inbox().find(FrameId{1})->report_arrived.has_value());
   link.wait_for(FrameId{1}, 0s);
-  EXPECT_EQ(link.inbox().exchange(FrameId{1})->last, Time(1s));
+  EXPECT_EQ(link.inbox().find(FrameId{1})->report_arrived, Time(1s));
   EXPECT_EQ(link.end(), std::nullopt);
 }
 
@@ -40,7 +40,7 @@ TEST(CaptureLink, AsksNothingBeforeItIsWelcome) {
     link.wait_for(FrameId{1}, 0s);
     EXPECT_EQ(link.end(), std::nullopt);
   }
-  EXPECT_EQ(link.inbox().exchange(FrameId{1}), nullptr);
+  EXPECT_EQ(link.inbox().find(FrameId{1}), nullptr);
 }
 
 TEST(CaptureLink, NamesWhatIsAskedOtherwise) {

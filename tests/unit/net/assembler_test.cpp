@@ -42,7 +42,7 @@ std::vector<std::vector<std::byte>> datagrams_of(const ShadowFrame& frame) {
   return {datagrams.begin(), datagrams.end()};
 }
 
-const ReceivedFrame* accept(Assembler& assembler, const std::vector<std::byte>& datagram) {
+const RequestRecord* accept(Assembler& assembler, const std::vector<std::byte>& datagram) {
   const auto message = decode_server(datagram);
   EXPECT_TRUE(message.has_value());
   if (const auto* report = std::get_if<FrameReport>(&*message)) return assembler.accept(*report);
@@ -95,7 +95,7 @@ TEST_P(AssemblerOfLights, GivesBackEveryMaskInAnyOrder) {
   Prepared made(GetParam());
   std::shuffle(made.datagrams.begin(), made.datagrams.end(), std::mt19937(5));
   for (const auto& datagram : made.datagrams) accept(made.assembler, datagram);
-  const ReceivedFrame* received = made.assembler.find({1});
+  const RequestRecord* received = made.assembler.find({1});
   ASSERT_NE(received, nullptr);
   EXPECT_TRUE(received->complete());
   EXPECT_TRUE(received->report.has_value());
@@ -110,7 +110,7 @@ TEST(Assembler, LostSliceLeavesItsTilesUnknownAndNothingElse) {
   const Slice lost = slice_in(made.datagrams[5]);
   for (std::size_t i = 0; i < made.datagrams.size(); ++i)
     if (i != 5) accept(made.assembler, made.datagrams[i]);
-  const ReceivedFrame& received = *made.assembler.find({1});
+  const RequestRecord& received = *made.assembler.find({1});
   EXPECT_FALSE(received.complete());
   EXPECT_TRUE(received.anything_known());
   for (const Side side : kSides) {
@@ -214,7 +214,7 @@ TEST(Assembler, AReusedSlotRemembersNothing) {
   }
   assembler.expect(request(number), {3}, kRevision);
   EXPECT_EQ(assembler.find({1}), nullptr);
-  const ReceivedFrame& received = *assembler.find({number});
+  const RequestRecord& received = *assembler.find({number});
   EXPECT_FALSE(received.anything_known());
   EXPECT_FALSE(received.report.has_value());
   EXPECT_TRUE(std::ranges::all_of(received.masks[0].bytes(), [](std::byte b) { return b == std::byte{0}; }));

@@ -80,7 +80,7 @@ TEST(PictureAssembly, GivesBackAGBufferWithItsMasksInAnyOrder) {
     accept(assembler, datagram);
     accept(assembler, datagram);  // doubled
   }
-  const ReceivedFrame& received = *assembler.find({1});
+  const RequestRecord& received = *assembler.find({1});
   EXPECT_TRUE(received.complete());
   EXPECT_EQ(received.gbuffer.planes, gbuffer);
   EXPECT_EQ(received.masks, frame.masks);
@@ -97,7 +97,7 @@ TEST(PictureAssembly, ALostPlaneSliceLeavesItsTilesUnknown) {
   Assembler assembler;
   assembler.expect(asked, {3}, kFirstLightSet);
   for (std::size_t i = 1; i < datagrams.size(); ++i) accept(assembler, datagrams[i]);
-  const ReceivedFrame& received = *assembler.find({1});
+  const RequestRecord& received = *assembler.find({1});
   EXPECT_FALSE(received.complete());
   EXPECT_LT(received.gbuffer.tiles_known, received.gbuffer.tiles);
   EXPECT_EQ(received.gbuffer.known_tiles[0][0][0], 0) << "the first tile of the left eye's colours";
@@ -113,7 +113,7 @@ TEST(PictureAssembly, GivesBackACodedPictureOfAnySizeInAnyOrder) {
     Assembler assembler;
     assembler.expect(request(8, Answer::Video), {3}, kFirstLightSet);
     for (const auto& datagram : datagrams) accept(assembler, datagram);
-    const ReceivedFrame& received = *assembler.find({8});
+    const RequestRecord& received = *assembler.find({8});
     EXPECT_TRUE(received.complete()) << bytes;
     EXPECT_EQ(received.video.unit, unit);
     EXPECT_EQ(received.video.after, FrameId{7});

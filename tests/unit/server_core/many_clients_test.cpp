@@ -101,7 +101,7 @@ struct Member : PortClient {
     if (served) longest_wait = std::max(longest_wait, now - *served);
     served = now;
     ++frames;
-    const ReceivedFrame& received = *assembler.find(report->frame);
+    const RequestRecord& received = *assembler.find(report->frame);
     ShadowFrame wanted;
     paint(received.request, wanted);
     if (received.complete() && received.masks == wanted.masks) ++right;

@@ -67,7 +67,7 @@ TEST(ServerCore, AnswersARequestWithBothMasksBitForBit) {
   bench.client.say(bench.client.ask(request(1)));
   while (bench.client.hear(100ms)) {
   }
-  const ReceivedFrame* received = bench.client.assembler.find({1});
+  const RequestRecord* received = bench.client.assembler.find({1});
   ASSERT_NE(received, nullptr);
   EXPECT_TRUE(received->complete());
   EXPECT_EQ(received->masks, painted(1));
@@ -83,7 +83,7 @@ TEST(ServerCore, ReportsWhatTheFrameWasAndCost) {
   ASSERT_TRUE(bench.core->work());
   while (bench.client.hear(100ms)) {
   }
-  const ReceivedFrame* received = bench.client.assembler.find({3});
+  const RequestRecord* received = bench.client.assembler.find({3});
   ASSERT_TRUE(received->report.has_value());
   FrameReport report = *received->report;
   EXPECT_EQ(report.slices, bench.client.assembler.counters().slices);
@@ -186,7 +186,7 @@ TEST(ServerCore, SameSeedSameMasksOverALossyLink) {
       bench.client.say(bench.client.ask(request(frame)));
       const Time display = bench.clock.now() + 14ms;
       while (bench.clock.now() < display) bench.client.hear(display - bench.clock.now());
-      if (const ReceivedFrame* newest = bench.client.assembler.newest_known()) {
+      if (const RequestRecord* newest = bench.client.assembler.newest_known()) {
         masks.push_back(newest->masks);
         known.push_back(newest->tiles_known);
       }
@@ -251,7 +251,7 @@ TEST(Serving, ServesTwoClientsAtOnceOverRealUdp) {
         if (!client.meet(10s)) return;
         for (std::uint32_t frame = 1; frame <= 50; ++frame) {
           client.say(client.ask(request(frame)));
-          const ReceivedFrame& received = *client.assembler.find({frame});
+          const RequestRecord& received = *client.assembler.find({frame});
           while (!(received.report && received.complete()) && client.hear(1s)) {
           }
           if (received.complete() && received.masks == painted(frame)) ++whole[i];

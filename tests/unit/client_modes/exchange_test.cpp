@@ -1,0 +1,304 @@
+#include "vr_client/modes/exchange.h"
+
+#include <gtest/gtest.h>
+
+#include "stereo/math/rotation.h"
+#include "tests/unit/client_modes/scripted_link.h"
+#include "vr_client/modes/mask_sources.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+using modes_test::kEye;
+using modes_test::ScriptedLink;
+using Part = ScriptedLink::Part;
+
+constexpr Duration kPeriod = 10ms;
+constexpr AnswerSpec kMasks{.answer = Answer::Masks};
+
+/// A client whose head turns slowly, one frame after the other.
+struct Client {
+  explicit Client(const MaskPolicy& policy = {.pace = Pace::Real, .round_trip = 20ms},
+                  const RequestSettings& settings = {.predictor = PredictorKind::ConstantVelocity})
+      : exchange(&link, policy, settings) {
+    steering.wish = settings;
+  }
+
+  /// Begins frame `number` and sends its request.
+  const FrameRequest* ask(std::uint32_t number, const AnswerSpec& answer = kMasks) {
+    shown = {FrameId{number}, Time(kPeriod * number), Time(kPeriod * number), {}, steering.lights};
+    for (View& view : shown.views) view = {{}, {-0.7, 0.7, 0.6, -0.6}, kEye};
+    for (View& view : shown.views) view.stage_from_eye.rotation = rotation_exp({0, 0.01 * number, 0});
+    const FrameRequest* const request = exchange.plan(inputs(), answer);
+    exchange.send(inputs());
+    return request;
+  }
+  /// The frames that the frame at hand may use, newest first.
+  std::vector<std::uint32_t> receive() {
+    std::vector<std::uint32_t> frames;
+    for (const RequestRecord* record : exchange.receive(inputs()))
+      frames.push_back(record->request.frame.value);
+    return frames;
+  }
+  [[nodiscard]] std::uint32_t settled() const {
+    return exchange.settled() ? exchange.settled()->request.frame.value : 0;
+  }
+  /// The time between the frame at hand and the frame that its request is made for.
+  [[nodiscard]] Duration lead() const { return link.sent.back().display_time - shown.display_time; }
+  [[nodiscard]] FrameInputs inputs() const { return {shown, state, kPeriod, steering}; }
+
+  ScriptedLink link;
+  FrameSettings steering;
+  SceneState state;
+  FrameRequest shown;
+  Exchange exchange;
+};
+
+TEST(Exchange, SendsWhatItHasPlanned) {
+  Client client;
+  const FrameRequest* const request = client.ask(1);
+  ASSERT_NE(request, nullptr);
+  ASSERT_EQ(client.link.sent.size(), 1u);
+  EXPECT_EQ(client.link.sent[0].views, request->views);
+  EXPECT_EQ(client.link.sent[0].wanted, kMasks);
+  const RequestRecord* const record = client.exchange.record(request);
+  ASSERT_NE(record, nullptr);
+  EXPECT_EQ(record->origin.asked_at, client.shown.display_time) << "not the time it is predicted for";
+}
+
+TEST(Exchange, WithoutALinkAsksAndReceivesNothing) {
+  const FrameSettings steering;
+  const SceneState state;
+  const FrameRequest shown{.frame = {1}};
+  const FrameInputs inputs{shown, state, kPeriod, steering};
+  Exchange exchange(nullptr, {}, {});
+  EXPECT_EQ(exchange.plan(inputs, kMasks), nullptr);
+  exchange.send(inputs);
+  EXPECT_TRUE(exchange.receive(inputs).empty());
+  EXPECT_EQ(exchange.settled(), nullptr);
+  EXPECT_EQ(exchange.record(&shown), nullptr);
+}
+
+TEST(Exchange, AsksForPicturesWithoutAGuardBandInTheShownSize) {
+  for (const Answer answer : {Answer::Masks, Answer::Video}) {
+    Client client({.pace = Pace::Real, .round_trip = 20ms}, {.predictor = PredictorKind::Hold});
+    for (std::uint32_t i = 1; i <= 40; ++i) {
+      client.ask(i, {.answer = answer});
+      if (i > 5) client.exchange.drawn_with(client.inputs(), *client.link.inbox().find({i - 5}));
+    }
+    EXPECT_EQ(client.link.sent.back().views[0].size == kEye, answer == Answer::Video);
+  }
+}
+
+TEST(Exchange, KeepsTheGuardBandWithinWhatTheServerTraces) {
+  Client client({.pace = Pace::Real, .round_trip = 20ms}, {.predictor = PredictorKind::Hold});
+  client.link.welcome({.most_pixels = static_cast<std::uint32_t>(kEye.pixels())});
+  for (std::uint32_t i = 1; i <= 20; ++i) {
+    client.ask(i);
+    if (i > 5) client.exchange.drawn_with(client.inputs(), *client.link.inbox().find({i - 5}));
+  }
+  EXPECT_EQ(client.link.sent.back().views[0].size, kEye);
+}
+
+TEST(ExchangeSettled, IsTheNewestThatIsAsCompleteAsItWillBe) {
+  Client client;
+  for (std::uint32_t i = 1; i <= 4; ++i) client.ask(i);
+  EXPECT_EQ(client.receive(), (std::vector<std::uint32_t>{}));
+  EXPECT_EQ(client.settled(), 0u);
+  client.link.deliver({1}, Part::FirstSlice);
+  EXPECT_EQ(client.receive(), (std::vector<std::uint32_t>{1}));
+  EXPECT_EQ(client.settled(), 1u) << "a part is better than nothing";
+  client.link.deliver({1}, Part::All);
+  client.link.deliver({2}, Part::FirstSlice);
+  EXPECT_EQ(client.receive(), (std::vector<std::uint32_t>{2, 1}));
+  EXPECT_EQ(client.settled(), 1u) << "the slices of 2 are arriving";
+  client.link.deliver({2}, Part::All);
+  client.receive();
+  EXPECT_EQ(client.settled(), 2u);
+}
+
+// On a path that loses slices of every answer.
+TEST(ExchangeSettled, IsTheNewestOvertakenOrReportedWhereNothingIsEverComplete) {
+  Client client;
+  for (std::uint32_t i = 1; i <= 5; ++i) client.ask(i);
+  for (std::uint32_t i = 1; i <= 3; ++i) client.link.deliver({i}, Part::FirstSlice);
+  client.receive();
+  EXPECT_EQ(client.settled(), 2u) << "3 may still be arriving";
+  client.link.deliver({3}, Part::Report);
+  client.receive();
+  EXPECT_EQ(client.settled(), 3u) << "its report was sent behind its slices";
+}
+
+TEST(ExchangeLatency, IsMeasuredWhenAnAnswerIsComplete) {
+  // The first slice of an answer comes two frames after the request, the rest one frame later.
+  Client client({.pace = Pace::Real, .round_trip = kPeriod});
+  for (std::uint32_t i = 1; i <= 60; ++i) {
+    client.ask(i);
+    if (i > 2) client.link.deliver({i - 2}, Part::FirstSlice);
+    if (i > 3) client.link.deliver({i - 3}, Part::All);
+    client.receive();
+  }
+  EXPECT_EQ(client.lead(), 3 * kPeriod);
+}
+
+TEST(ExchangeLatency, IsMeasuredOnceForEachAnswer) {
+  Client client({.pace = Pace::Real, .round_trip = kPeriod});
+  for (std::uint32_t i = 1; i <= 10; ++i) {
+    client.ask(i);
+    if (i > 1) client.link.deliver({i - 1}, Part::All);
+    client.receive();
+  }
+  // An answer that is used for a hundred frames more does not count again.
+  client.steering.wish.every = 1000;
+  for (std::uint32_t i = 11; i <= 110; ++i) {
+    client.ask(i);
+    client.receive();
+  }
+  client.steering.wish.every = 1;
+  client.ask(111);
+  EXPECT_EQ(client.lead(), kPeriod);
+}
+
+TEST(ExchangeVirtual, UsesWhatTheDelayAllows) {
+  Client client({.pace = Pace::Virtual, .delay = 2 * kPeriod});
+  client.link.on_wait = [&](FrameId frame) { client.link.deliver(frame, Part::All); };
+  std::vector<std::uint32_t> usable;
+  for (std::uint32_t i = 1; i <= 6; ++i) {
+    client.ask(i);
+    usable = client.receive();
+  }
+  EXPECT_EQ(usable, (std::vector<std::uint32_t>{4, 3, 2, 1}));
+  EXPECT_EQ(client.settled(), 4u);
+  EXPECT_EQ(client.lead(), 2 * kPeriod);
+}
+
+TEST(ExchangeVirtual, MaskWaitMakesYoungerAnswersUsable) {
+  Client client({.pace = Pace::Virtual, .delay = 2 * kPeriod, .mask_wait = kPeriod});
+  client.link.on_wait = [&](FrameId frame) { client.link.deliver(frame, Part::All); };
+  std::vector<std::uint32_t> usable;
+  for (std::uint32_t i = 1; i <= 6; ++i) {
+    client.ask(i);
+    usable = client.receive();
+  }
+  EXPECT_EQ(usable.front(), 5u);
+  EXPECT_EQ(client.lead(), kPeriod);
+}
+
+TEST(ExchangeVirtual, WaitsForAServerThatDoesNotAnswerOnceOnly) {
+  Client client({.pace = Pace::Virtual, .delay = kPeriod});
+  client.ask(1);
+  client.receive();
+  EXPECT_GE(client.link.waited, 5s) << "the first answer may take long";
+  client.link.waited = {};
+  for (std::uint32_t i = 2; i <= 10; ++i) {
+    client.ask(i);
+    client.receive();
+  }
+  EXPECT_EQ(client.link.waited, 0s);
+  // It answers again, late: the next answer is waited for.
+  client.link.deliver({10}, Part::All);
+  client.ask(11);
+  client.receive();
+  client.ask(12);
+  client.receive();
+  EXPECT_GE(client.link.waited, 5s);
+}
+
+TEST(ExchangeVirtual, DoesNotWaitForTheRestOfAnAnswerThatHasStopped) {
+  Client client({.pace = Pace::Virtual, .delay = kPeriod});
+  client.link.on_wait = [&](FrameId frame) { client.link.deliver(frame, Part::FirstSlice); };
+  client.ask(1);
+  client.receive();
+  EXPECT_LE(client.link.waited, 500ms) << "a quarter of a second without a new slice";
+}
+
+TEST(ExchangeReal, WaitsNoLongerThanTheMaskWait) {
+  Client client({.pace = Pace::Real, .round_trip = 20ms, .mask_wait = 4ms});
+  client.ask(1);
+  client.receive();
+  EXPECT_EQ(client.link.waited, 4ms);
+}
+
+TEST(ExchangeGuardBand, LearnsFromTheMasksThatFramesAreDrawnWith) {
+  const auto width = [](std::uint32_t late) {
+    Client client({.pace = Pace::Real, .round_trip = 20ms});
+    for (std::uint32_t i = 1; i <= 60; ++i) {
+      client.ask(i);
+      if (i > late) client.exchange.drawn_with(client.inputs(), *client.link.inbox().find({i - late}));
+    }
+    return client.link.sent.back().views[0].size.width;
+  };
+  EXPECT_GT(width(12), width(2)) << "masks that come ten frames late need a wider band";
+}
+
+// ---- the order of the masks
+
+struct Sources : Client {
+  MaskSources sources{false};
+  std::vector<std::uint32_t> take() {
+    const auto usable = exchange.receive(inputs());
+    sources.take(usable, exchange.settled());
+    std::vector<std::uint32_t> frames;
+    for (const TracedMask& mask : sources.masks()) frames.push_back(mask.frame.value);
+    return frames;
+  }
+};
+
+TEST(MaskSources, TrustTheNewestCompleteMaskFirst) {
+  Sources client;
+  for (std::uint32_t i = 1; i <= 5; ++i) client.ask(i);
+  client.link.deliver({1}, Part::All);
+  client.link.deliver({2}, Part::All);
+  client.link.deliver({3}, Part::All);
+  EXPECT_EQ(client.take(), (std::vector<std::uint32_t>{3, 2, 1}));
+  client.link.deliver({4}, Part::FirstSlice);
+  EXPECT_EQ(client.take(), (std::vector<std::uint32_t>{3, 4, 2, 1})) << "4 fills in what 3 does not know";
+  client.link.deliver({4}, Part::All);
+  EXPECT_EQ(client.take(), (std::vector<std::uint32_t>{4, 3, 2, 1}));
+}
+
+TEST(MaskSources, TellWhenTheBitsOfAMaskChange) {
+  Sources client;
+  client.ask(1);
+  client.link.deliver({1}, Part::FirstSlice);
+  client.take();
+  const std::uint64_t part = client.sources.masks()[0].content;
+  client.link.deliver({1}, Part::All);
+  client.take();
+  EXPECT_NE(client.sources.masks()[0].content, part);
+}
+
+TEST(MaskSources, AreReadDirectlyWhereTheFirstIsExact) {
+  Sources client;
+  client.steering.wish.predictor = PredictorKind::Hold;
+  client.steering.wish.guard_band = GuardBandUse::Off;
+  const auto lookup = [&](const FrameRequest& shown) {
+    return client.sources.lookup(shown, Lookup::Reproject);
+  };
+  client.ask(1);
+  EXPECT_EQ(lookup(client.shown), Lookup::Reproject) << "no mask";
+  client.link.deliver({1}, Part::FirstSlice);
+  client.take();
+  EXPECT_EQ(lookup(client.shown), Lookup::Reproject) << "a part of it";
+  client.link.deliver({1}, Part::All);
+  client.take();
+  EXPECT_EQ(lookup(client.shown), Lookup::Direct);
+  FrameRequest other = client.shown;
+  other.scene_time += 1s;
+  EXPECT_EQ(lookup(other), Lookup::Direct) << "nothing is animated";
+  EXPECT_EQ(MaskSources(true).lookup(other, Lookup::Reproject), Lookup::Reproject);
+  MaskSources animated(true);
+  animated.take(client.exchange.receive(client.inputs()), client.exchange.settled());
+  EXPECT_EQ(animated.lookup(other, Lookup::Reproject), Lookup::Reproject) << "another scene time";
+  EXPECT_EQ(animated.lookup(client.shown, Lookup::Reproject), Lookup::Direct);
+  other = client.shown;
+  other.views[1].stage_from_eye.translation.x += 0.01;
+  EXPECT_EQ(lookup(other), Lookup::Reproject) << "the right eye has moved";
+  other = client.shown;
+  change(other.lights, 0, false, std::nullopt);
+  EXPECT_EQ(lookup(other), Lookup::Reproject) << "another light set";
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,66 @@
+/// A link whose answers a test writes: no network, no clock and no server.
+#pragma once
+
+#include <functional>
+
+#include "stereo/net/frame_packer.h"
+#include "vr_client/link/answer_link.h"
+
+namespace farshade::modes_test {
+
+inline constexpr Extent kEye{192, 128};
+inline constexpr MaskLayout kLayout{1};
+
+class ScriptedLink final : public AnswerLink {
+ public:
+  explicit ScriptedLink(std::size_t frames = 16) : inbox_(frames, kLayout) { inbox_.begin({}); }
+
+  void request(const FrameRequest& request, Time asked_at,
+               std::span<const std::vector<std::byte>> positions = {}) override {
+    sent.push_back(inbox_.ask(request, asked_at, {}));
+    positions_sent += positions.size();
+  }
+  bool wait_for(FrameId frame, Duration patience) override {
+    waited += patience;
+    ++waits;
+    if (on_wait) on_wait(frame);
+    return inbox_.is_whole(frame);
+  }
+  [[nodiscard]] const AnswerInbox& inbox() const override { return inbox_; }
+  [[nodiscard]] const std::optional<Error>& refused() const override { return refused_; }
+  [[nodiscard]] Duration busy() const override { return {}; }
+
+  /// Which pieces of an answer come.
+  enum class Part { FirstSlice, AllSlices, Report, All };
+
+  /// A part of the answer to `frame` comes: masks that are lit everywhere.
+  void deliver(FrameId frame, Part part) {
+    const RequestRecord* const record = inbox_.find(frame);
+    if (record == nullptr) return;
+    ShadowFrame made{frame, record->light_set_revision, record->request.views, {}};
+    for (std::size_t eye = 0; eye < kEyes; ++eye)
+      made.masks[eye] = EyeMask(record->request.views[eye].size, kLayout);
+    FramePacker packer;
+    for (const std::vector<std::byte>& datagram : packer.pack(made, {.frame = frame})) {
+      const Decoded<ServerMessage> message = decode_server(datagram);
+      if (const auto* slice = std::get_if<Slice>(&*message)) {
+        if (part != Part::Report) inbox_.take(*slice, {});
+        if (part == Part::FirstSlice) return;
+      } else if (part == Part::Report || part == Part::All) {
+        inbox_.take(std::get<FrameReport>(*message), {});
+      }
+    }
+  }
+  void welcome(const Welcome& welcome) { inbox_.begin(welcome); }
+
+  std::vector<FrameRequest> sent;
+  std::size_t positions_sent = 0, waits = 0;
+  Duration waited{};
+  std::function<void(FrameId)> on_wait;
+
+ private:
+  AnswerInbox inbox_;
+  std::optional<Error> refused_;
+};
+
+}  // namespace farshade::modes_test

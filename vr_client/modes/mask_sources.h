@@ -1,0 +1,39 @@
+/// Mask sources: the masks that modes hybrid and client-positions draw a frame with, in the order in which
+/// the shader trusts them.
+#pragma once
+
+#include "vr_client/modes/exchange.h"
+
+namespace farshade {
+
+/// The masks of an answer. References to the record are kept.
+[[nodiscard]] TracedMask mask_of(const RequestRecord& record);
+
+class MaskSources {
+ public:
+  /// `is_animated`: the scene has animations, so a mask is exact at one scene time only.
+  explicit MaskSources(bool is_animated) : is_animated_(is_animated) {}
+
+  /// Chooses the masks of a frame: first the newest of `usable` that is as complete as it will be
+  /// (`settled`, one of `usable` or null), then the others from new to old. So newer masks, of which a part
+  /// has come, fill in what the first one does not know.
+  void take(std::span<const RequestRecord* const> usable, const RequestRecord* settled);
+
+  [[nodiscard]] std::span<const TracedMask> masks() const { return masks_; }
+
+  /// Direct if the first mask was traced for exactly the pixels, scene time and lights of `shown` and is
+  /// complete; otherwise `wanted`.
+  [[nodiscard]] Lookup lookup(const FrameRequest& shown, Lookup wanted) const;
+
+  /// Draws the G-buffer and shades it with the masks. Keeps the depth of the views of `asked`, the record of
+  /// this frame's request, unless it is null.
+  DrawnFrame draw(Renderer& renderer, const FrameInputs& inputs, const RequestRecord* asked,
+                  Exchange& exchange);
+
+ private:
+  bool is_animated_;
+  std::vector<const RequestRecord*> records_;  ///< in the order of trust
+  std::vector<TracedMask> masks_, drawn_with_;
+};
+
+}  // namespace farshade
