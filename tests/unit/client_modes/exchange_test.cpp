@@ -70,7 +70,7 @@ TEST(Exchange, SendsWhatItHasPlanned) {
 TEST(Exchange, WithoutALinkAsksAndReceivesNothing) {
   const FrameSettings steering;
   const SceneState state;
-  const FrameRequest shown{.frame = {1}};
+  const FrameRequest shown{FrameId{1}, {}, {}, {}, {}};
   const FrameInputs inputs{shown, state, kPeriod, steering};
   Exchange exchange(nullptr, {}, {});
   EXPECT_EQ(exchange.plan(inputs, kMasks), nullptr);
