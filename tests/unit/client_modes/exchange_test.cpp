@@ -20,7 +20,7 @@ constexpr AnswerSpec kMasks{.answer = Answer::Masks};
 /// A client whose head turns slowly, one frame after the other.
 struct Client {
   explicit Client(const MaskPolicy& policy = {.pace = Pace::Real, .round_trip = 20ms},
-                  const RequestSettings& settings = {.predictor = PredictorKind::ConstantVelocity})
+                  const RequestSettings& settings = {})
       : exchange(&link, policy, settings) {
     steering.wish = settings;
   }
