@@ -41,8 +41,8 @@ function(farshade_library name)
 endfunction()
 
 # farshade_test(NAME SOURCES a_test.cpp ... DEPENDS lib ... [LABEL unit] [TIMEOUT seconds] [ENVIRONMENT NAME=value])
-# One gtest program; every case in it is one CTest test. Tests may use FARSHADE_ASSETS (bundled assets).
-# The target tests_LABEL builds all programs of that label.
+# Makes one gtest program; each of its cases is one CTest test. Its sources may use the macro FARSHADE_ASSETS, the folder
+# of the bundled assets. The target tests_LABEL builds all programs of that label.
 function(farshade_test name)
   cmake_parse_arguments(ARG "" "LABEL;TIMEOUT;ENVIRONMENT" "SOURCES;DEPENDS" ${ARGN})
   if(NOT ARG_LABEL)
@@ -53,6 +53,9 @@ function(farshade_test name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE farshade_options ${ARG_DEPENDS} GTest::gtest_main)
+  if(FARSHADE_UNITY)  # a whole build: less time for sources whose speed matters to nobody
+    target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  endif()
   target_compile_definitions(${name} PRIVATE
     FARSHADE_ASSETS="${PROJECT_SOURCE_DIR}/assets"
     FARSHADE_SOURCE="${PROJECT_SOURCE_DIR}"
