@@ -1,4 +1,4 @@
-"""Furniture, each standing on y = 0 about its own origin. Functions return one shape, or one a material."""
+"""Furniture. Each piece stands on y = 0 at the origin. A function returns one shape, or one shape per material."""
 
 import math
 import random
@@ -7,7 +7,7 @@ from .shapes import box, cone, disc, joined, lathe, quad, rod, rounded_box, sphe
 
 
 def chair():
-    """Faces +z. Returns (wood, cushion)."""
+    """A chair that faces +z. Returns (wood, cushion)."""
     leg = joined(lathe([(0.013, 0.0), (0.019, 0.2), (0.022, 0.43)], 10, 4), disc(0.013, 10).turned("x", 180))
     legs = [leg.turned("z", -4 * sx).turned("x", 4 * sz).moved(0.19 * sx, 0.0015, 0.18 * sz)
             for sx in (-1, 1) for sz in (-1, 1)]
@@ -33,7 +33,7 @@ def table(length=1.5, width=0.85, height=0.75):
 
 
 def sofa(length=2.0):
-    """Faces +x, back at x = 0. Returns (cloth, feet, two throw pillows)."""
+    """A sofa that faces +x, with its back at x = 0. Returns (cloth, feet, two throw pillows)."""
     plump = lambda shape, k: shape.warped(
         lambda p: (p[0], p[1] * (1 + k * math.cos(2.2 * p[2]) * math.cos(3 * p[0])), p[2]))
     base = rounded_box(0.80, 0.22, length - 0.1, 0.03, 2).moved(0.43, 0.24, 0)
@@ -52,7 +52,7 @@ def sofa(length=2.0):
 
 
 def pillow(side=0.42):
-    """Lies flat: a square whose corners are drawn out."""
+    """A pillow that lies on y = 0: a square with stretched corners."""
     def f(u, v, sign):
         x, z = 2 * u - 1, 2 * v - 1
         puff = max(0.0, (1 - x * x) * (1 - z * z)) ** 0.55
@@ -62,7 +62,7 @@ def pillow(side=0.42):
 
 
 def shelf(width=1.3, height=2.0, depth=0.32):
-    """Back at z = 0. Boards at y = 0.08, 0.46, 0.84, 1.22, 1.60 and the top."""
+    """The back is at z = 0. The boards are at y = 0.08, 0.46, 0.84, 1.22, 1.60 and the top."""
     sides = [box(0.025, height, depth).moved(s * (width - 0.025) / 2, height / 2, depth / 2) for s in (-1, 1)]
     boards = [box(width - 0.05, 0.025, depth).moved(0, y - 0.0125, depth / 2)
               for y in (*SHELF_BOARDS, height)]
@@ -77,7 +77,7 @@ BOOK_COLORS = ((0.42, 0.06, 0.05), (0.05, 0.12, 0.28), (0.09, 0.22, 0.12), (0.55
 
 
 def books(rng, length, tallest):
-    """A row of books along x from 0, spines to +z; the last one leans."""
+    """A row of books along +x from x = 0. The spines face +z, and the last book leans."""
     row, x = [], 0.0
     while x < length:
         thick, high = 0.018 + 0.036 * rng.random(), tallest * (0.68 + 0.3 * rng.random())
@@ -94,7 +94,7 @@ def books(rng, length, tallest):
 
 
 def vase(profile, sides=26, along=14):
-    """An open vase with an inner wall; `profile` lists (radius, y) of the outside from the foot up."""
+    """An open vase with an inner wall; `profile` lists (radius, y) of the outer wall from bottom to top."""
     outside = lathe(profile, sides, along)
     inside = lathe([(max(r - 0.006, 0.004), max(y, 0.008)) for r, y in profile], sides, along // 2).flipped()
     r, y = profile[-1]
@@ -110,7 +110,7 @@ BOWL = [(0.05, 0.0), (0.11, 0.025), (0.155, 0.065), (0.175, 0.1)]
 
 
 def twigs(rng, count=7):
-    """Dry twigs for a vase: thin bent rods from the origin up."""
+    """Dry twigs for a vase: thin bent rods that rise from the origin."""
     def twig():
         turn, spread = 2 * math.pi * rng.random(), 0.06 + 0.16 * rng.random()
         height = 0.35 + 0.25 * rng.random()
@@ -124,7 +124,7 @@ def twigs(rng, count=7):
 
 
 def frame(width, height, picture):
-    """Hangs on a wall behind z = 0. Returns (frame and white mount, the card that shows `picture` of 3)."""
+    """A picture frame on a wall at z = 0. Returns (frame and white mount, card with picture number `picture` of 3)."""
     bar = 0.028
     sides = [rounded_box(bar, height + bar, 0.03, 0.006, 1).moved(s * width / 2, 0, 0.015) for s in (-1, 1)]
     ends = [rounded_box(width + bar, bar, 0.03, 0.006, 1).moved(0, s * height / 2, 0.015) for s in (-1, 1)]
@@ -135,7 +135,7 @@ def frame(width, height, picture):
 
 
 def blind(width, top, bottom, spacing=0.055, blade=0.05, tilt=20):
-    """Slats across x, hanging in z = 0 from `top` to `bottom`, inner edge low; rails and cords."""
+    """A blind in the plane z = 0 from `top` to `bottom`: slats along x whose inner edge is lower, rails and cords."""
     def slat(y):
         arch = lambda u, v, s: (width * (u - 0.5) * s, 0.004 * math.cos(math.pi * (v - 0.5)) + 0.0008 * s,
                                 -blade * (v - 0.5))
@@ -150,7 +150,7 @@ def blind(width, top, bottom, spacing=0.055, blade=0.05, tilt=20):
 
 
 def curtain(width, height, folds, rng):
-    """A hanging cloth about x = 0 from y = 0 up, folds deeper towards the floor."""
+    """A hanging cloth, centred on x = 0, from y = 0 upwards. Its folds are deeper near the floor."""
     phase = [2 * math.pi * rng.random() for _ in range(3)]
 
     def f(u, v):
@@ -182,7 +182,7 @@ def plant(rng, leaves=46):
 
 
 def pendant_shade():
-    """A wide metal cone, open below, apex cap at y = 0; hangs down."""
+    """A wide metal cone that hangs down from y = 0, closed at the top and open below."""
     profile = [(0.31, -0.20), (0.25, -0.135), (0.15, -0.07), (0.06, -0.035), (0.03, 0.0)]
     return joined(lathe(profile, 48, 16), disc(0.03, 24))
 
@@ -197,7 +197,7 @@ def cage(radius=0.13, ribs=6):
 
 
 def petals(count=8, inner=0.06, outer=0.17):
-    """A flat flower, seen from above: the lamp's cap, so that its shadow on the ceiling is one."""
+    """A flat flower, visible from above. It covers the lamp, so that its shadow falls on the ceiling."""
     middle, swing = (inner + outer) / 2, (outer - inner) / 2
 
     def f(u, v):
@@ -208,7 +208,7 @@ def petals(count=8, inner=0.06, outer=0.17):
 
 
 def orrery_arm():
-    """One third of the planets: a rod along +x with a ringed planet and, further round, a small moon."""
+    """One third of the planets: a rod along +x, a planet with a ring, and a small moon."""
     planet = joined(sphere(0.055, 22).colored((0.62, 0.30, 0.10)),
                     torus(0.085, 0.006, 28, 6).scaled(1, 0.5, 1).turned("x", 24).colored((0.70, 0.58, 0.36)))
     moon = joined(sphere(0.03, 14).colored((0.30, 0.42, 0.60)), rod((0, 0.03, 0), (0, 0.1, 0), 0.0025, 6))
@@ -218,7 +218,7 @@ def orrery_arm():
 
 
 def door(width=0.86, height=2.05):
-    """On a wall behind z = 0: leaf, panels, casing and knob."""
+    """A door on a wall at z = 0: leaf, panels, casing and knob."""
     white, dark = (0.66, 0.63, 0.56), (0.55, 0.40, 0.14)
     panels = [rounded_box(width * 0.36, h, 0.02, 0.009, 1).moved(s * width * 0.22, y, 0.03)
               for s in (-1, 1) for y, h in ((0.5, 0.7), (1.45, 0.9))]
@@ -232,7 +232,7 @@ def door(width=0.86, height=2.05):
 
 
 def sideboard(length=1.5, depth=0.38, height=0.72):
-    """Faces -x, back at x = 0, along z."""
+    """Faces -x, with its back at x = 0 and its length along z."""
     middle = (height + 0.14) / 2
     carcass = rounded_box(depth, height - 0.14, length, 0.012, 2).moved(-depth / 2, middle, 0)
     doors = [rounded_box(0.02, height - 0.2, length / 3 - 0.02, 0.008, 1)

@@ -69,7 +69,8 @@ class Document:
         return self._append("materials", material)
 
     def mesh(self, name, *parts):
-        """`parts` are pairs of shape and material; uvs and colours are kept where they say something."""
+        """`parts` are pairs of shape and material. Texture coordinates are written if the
+        material has a texture, vertex colours if one is not white."""
         primitives = []
         for shape, material in parts:
             attributes = {
@@ -112,7 +113,7 @@ class Document:
         return number
 
     def animate_rotation(self, node, times_s, quaternions):
-        """Linear keys; quaternions are (x, y, z, w)."""
+        """The keys are interpolated linearly; quaternions are (x, y, z, w)."""
         animation = self.root.setdefault("animations", [{"name": "all", "channels": [], "samplers": []}])[0]
         animation["samplers"].append({
             "input": self._accessor([(t,) for t in times_s], "SCALAR", bounds=True),

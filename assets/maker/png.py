@@ -1,4 +1,4 @@
-"""PNG, 8 bits a channel, written without compression: the bytes depend on no deflate library's choices."""
+"""Writes PNG with 8 bits per channel, uncompressed, so that the bytes do not depend on a deflate library."""
 
 import struct
 import zlib

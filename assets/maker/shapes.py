@@ -57,12 +57,12 @@ class Shape:
         return self._with(turn, turn)
 
     def scaled(self, x, y, z):
-        """All factors positive."""
+        """All factors must be positive."""
         return self._with(lambda p: (p[0] * x, p[1] * y, p[2] * z),
                           lambda n: unit((n[0] / x, n[1] / y, n[2] / z)))
 
     def warped(self, f):
-        """Every point through the smooth map f; normals through its derivative."""
+        """Maps every point by the smooth function f, and every normal by its derivative."""
         def normal(p, n):
             side = unit(cross(n, (0, 1, 0) if abs(n[1]) < 0.9 else (1, 0, 0)))
             up = cross(n, side)
@@ -78,12 +78,12 @@ class Shape:
                      self.triangles)
 
     def pictured(self, place):
-        """Texture coordinates through place(u, v)."""
+        """Maps the texture coordinates by place(u, v)."""
         return Shape(self.positions, self.normals, tuple(place(u, v) for u, v in self.uvs), self.colors,
                      self.triangles)
 
     def flipped(self):
-        """Inside out."""
+        """Turns the surface inside out."""
         return Shape(self.positions, tuple(times(n, -1) for n in self.normals), self.uvs, self.colors,
                      tuple((a, c, b) for a, b, c in self.triangles))
 
@@ -110,7 +110,7 @@ def derivative(f, t):
 
 
 def _grid(rows, columns):
-    """Triangles over a grid of vertices numbered row by row; u runs along a row."""
+    """Triangles of a grid of vertices. The vertices are numbered row by row, and u runs along a row."""
     for j in range(rows - 1):
         for i in range(columns - 1):
             a = j * columns + i
@@ -119,12 +119,12 @@ def _grid(rows, columns):
 
 
 def surface(f, across, along):
-    """The surface f(u, v), u and v in [0, 1], seen from where u runs to the right when v runs up."""
+    """The surface f(u, v), with u and v in [0, 1]. Its front is the side from which u runs to the right when v runs up."""
     positions, normals, uvs = [], [], []
     for j in range(along + 1):
         for i in range(across + 1):
             u, v = i / across, j / along
-            # At a pole the derivative by u vanishes: its normal is the one just beside it.
+            # At a pole the derivative by u vanishes, so the normal is taken next to the pole.
             nu, nv = u, min(max(v, 1e-3), 1 - 1e-3)
             positions.append(f(u, v))
             normals.append(unit(cross(derivative(lambda t: f(t, nv), nu),
@@ -137,12 +137,12 @@ def surface(f, across, along):
 
 
 def quad(corner, right, up, across=1, along=1):
-    """A flat sheet, seen from where `right` is right of `up`."""
+    """A flat rectangle. Its front is the side from which `right` points to the right when `up` points up."""
     return surface(lambda u, v: add(corner, add(times(right, u), times(up, v))), across, along)
 
 
 def box(x, y, z):
-    """Sharp edges, centred."""
+    """A box with sharp edges, centred at the origin."""
     half = (x / 2, y / 2, z / 2)
     face = quad((-1, -1, 1), (2, 0, 0), (0, 2, 0))
     faces = [face.turned("y", a) for a in (0, 90, 180, 270)] + [face.turned("x", a) for a in (-90, 90)]
@@ -150,7 +150,7 @@ def box(x, y, z):
 
 
 def rounded_box(x, y, z, radius, steps=2):
-    """Centred; edges and corners rounded in `steps` steps each half."""
+    """A box centred at the origin. Its edges and corners are rounded in 2 * `steps` steps."""
     inner = (x / 2 - radius, y / 2 - radius, z / 2 - radius)
     quarter = [math.pi / 4 * i / steps for i in range(steps + 1)]
     turns = [(-1, math.tan(a - math.pi / 4)) for a in quarter] + [(1, math.tan(a)) for a in quarter]
@@ -172,7 +172,7 @@ def rounded_box(x, y, z, radius, steps=2):
 
 
 def spline(points, t):
-    """Catmull-Rom through the points (tuples of numbers), t in [0, 1]; straight on outside."""
+    """A Catmull-Rom spline through the points (tuples of numbers) for t in [0, 1], continued straight outside."""
     spans = len(points) - 1
     i = min(max(int(t * spans), 0), spans - 1)
     w = t * spans - i
@@ -184,7 +184,8 @@ def spline(points, t):
 
 
 def lathe(profile, sides, along):
-    """Turned about +y: `profile` lists (radius, y) from bottom to top, joined smoothly. Radii stay >= 0."""
+    """A surface of revolution about +y. `profile` lists (radius, y) from bottom to top and is interpolated smoothly.
+    Negative radii are set to 0."""
     def f(u, v):
         r, y = spline(profile, v)
         r, a = max(r, 0.0), 2 * math.pi * u
@@ -201,7 +202,7 @@ def cone(bottom, top, height, sides, closed=True):
 
 
 def disc(radius, sides):
-    """On y = 0, seen from above."""
+    """A disc on y = 0 that faces up."""
     return surface(lambda u, v: (radius * (1 - v) * math.cos(2 * math.pi * u), 0.0,
                                  -radius * (1 - v) * math.sin(2 * math.pi * u)), sides, 1)
 
@@ -213,13 +214,13 @@ def sphere(radius, sides=24):
 
 
 def torus(ring, thickness, sides=32, around=12):
-    """Lies flat; `ring` is the radius of its middle line."""
+    """A torus on y = 0. `ring` is the radius of its centre line."""
     return tube(lambda v: (ring * math.cos(2 * math.pi * v), 0.0, -ring * math.sin(2 * math.pi * v)),
                 lambda v: thickness, around, sides, (0, 1, 0))
 
 
 def tube(path, radius, around, along, aside):
-    """About path(v), v in [0, 1], with radius(v), its ends open; `aside` is never parallel to the path."""
+    """A tube around path(v) for v in [0, 1] with radius(v) and open ends. `aside` must never be parallel to the path."""
     def f(u, v):
         ahead = unit(derivative(path, v))
         n = unit(cross(aside, ahead))

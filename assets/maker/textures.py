@@ -24,7 +24,7 @@ def _noise(rng, columns, rows):
 
 
 def planks(size=512, rows=14):
-    """Oak boards along u, two to a row, each with its own tone and grain; dark joints. 2 m a side."""
+    """Oak boards along u, two per row, with different tones and grains and dark joints. One tile covers 2 m x 2 m."""
     rng = random.Random(20)
     streaks, grain, clouds = _noise(rng, 6, 160), _noise(rng, 40, 256), _noise(rng, 5, 24)
     boards = [[(rng.random(), rng.random(), rng.random()) for _ in range(2)] for _ in range(rows)]
@@ -46,7 +46,7 @@ def planks(size=512, rows=14):
 
 
 def leaf(width=64, height=128):
-    """A pointed leaf that fills the picture, stalk at the bottom, veins lighter than the blade."""
+    """A pointed leaf that fills the picture. The stalk is at the bottom, and the veins are lighter than the blade."""
     def pixel(x, y):
         v = 1 - (y + 0.5) / height
         u = abs((x + 0.5) / width * 2 - 1)
@@ -63,13 +63,13 @@ def leaf(width=64, height=128):
 
 
 def _srgb(color):
-    """Bytes of a linear colour (IEC 61966-2-1)."""
+    """The sRGB bytes of a linear colour (IEC 61966-2-1)."""
     code = lambda c: 12.92 * c if c <= 0.0031308 else 1.055 * c ** (1 / 2.4) - 0.055
     return tuple(round(255 * min(max(code(c), 0.0), 1.0)) for c in color)
 
 
 def rug(width=176, height=208):
-    """Woven diamonds within a border; linear colours."""
+    """A rug: woven diamonds within a border. The colours in the code are linear."""
     rng = random.Random(13)
     field = ((0.40, 0.11, 0.07), (0.56, 0.45, 0.30), (0.40, 0.11, 0.07), (0.09, 0.18, 0.21))
 
@@ -85,7 +85,7 @@ def rug(width=176, height=208):
 
 
 def paintings(size=96):
-    """Three squares side by side: a dusk, three discs, waves; linear colours, v upwards."""
+    """Three pictures side by side: a dusk, three discs, waves. The colours in the code are linear, and v points up."""
     def dusk(u, v):
         sun = max(0.0, 1 - 9 * ((u - 0.64) ** 2 + (v - 0.42) ** 2))
         if v < 0.30 + 0.09 * math.sin(5 * u + 0.6):

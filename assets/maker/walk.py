@@ -1,7 +1,7 @@
-"""A head trace in the manner of a recorded one: 20 s at 72 Hz, made for room.glb.
+"""A synthetic head recording of 20 s at 72 Hz, made for room.glb.
 
 Gestures are minimum-jerk moves (Flash and Hogan 1985): a turn of A degrees in T seconds peaks at 1.875 A / T.
-Between them the head never rests: a sum of slow sines sways it, and each step bobs it.
+Between the gestures, a sum of slow sines moves the head, and each step moves it up and down.
 """
 
 import math
@@ -26,7 +26,7 @@ WALKS = ((1.8, 2.1, (-0.41, -0.56)), (5.2, 1.2, (0.15, -0.10)), (8.2, 2.3, (-0.6
 
 
 def eased(t, begins, lasts):
-    """0 before, 1 after, minimum jerk between."""
+    """Rises from 0 at `begins` to 1 at `begins` + `lasts` with minimum jerk."""
     s = min(max((t - begins) / lasts, 0.0), 1.0)
     return s * s * s * (10 - 15 * s + 6 * s * s)
 
@@ -46,7 +46,7 @@ def pace(t):
 
 
 def sway(t, seed, slowest_hz=0.13):
-    """Smooth noise within +-1, 0 at t = 0: sines whose periods share no multiple."""
+    """Smooth noise within +-1, 0 at t = 0: a sum of sines with incommensurable periods."""
     wave = lambda s: sum(math.sin(2 * math.pi * slowest_hz * 1.618 ** k * s + seed * (1.3 + k)) / 1.4 ** k
                          for k in range(5))
     return (wave(t) - wave(0.0)) / 3.2
