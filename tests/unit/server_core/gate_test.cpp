@@ -189,6 +189,7 @@ TEST_F(GateTest, AClockThatStandsOrStepsBackEarnsNothing) {
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(gate.may_shake_hands(kStart));
   EXPECT_FALSE(gate.may_shake_hands(kStart - std::chrono::seconds(5)));
   EXPECT_FALSE(gate.may_shake_hands(kStart));
+  EXPECT_TRUE(gate.may_shake_hands(kStart + std::chrono::milliseconds(101))) << "and costs nothing";
 }
 
 }  // namespace
