@@ -88,6 +88,16 @@ void print_ratios(const Times& times) {
               median(times.modes.back().ms) / median(times.modes.front().ms), kReprojectFigure);
 }
 
+void print_report(const Options& options, const Scene& scene, const RendererLimits& limits,
+                  const gpu::Device& device, const Times& times) {
+  std::printf("%s along %s on %s, %zu frames\n", scene.name.c_str(), options.trace.c_str(),
+              device.name.c_str(), times.frame.size());
+  std::printf("  %-34s %9s %9s %9s\n", "ms", "median", "p10", "p95");
+  print_times(times);
+  print_memory(scene, limits, device);
+  print_ratios(times);
+}
+
 Expected<void> run(const Options& options) {
   const Expected<Scene> scene = load_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
@@ -146,12 +156,7 @@ Expected<void> run(const Options& options) {
     times.gbuffer.push_back(ms_of(drawn.gbuffer));
     times.depth.push_back(ms_of(drawn.depth));
   }
-  std::printf("%s along %s on %s, %zu frames\n", scene->name.c_str(), options.trace.c_str(),
-              device->name.c_str(), times.frame.size());
-  std::printf("  %-34s %9s %9s %9s\n", "ms", "median", "p10", "p95");
-  print_times(times);
-  print_memory(*scene, limits, *device);
-  print_ratios(times);
+  print_report(options, *scene, limits, *device, times);
   return {};
 }
 
