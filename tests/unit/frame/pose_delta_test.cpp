@@ -100,6 +100,14 @@ TEST(PoseDelta, TurnsAndStepsAloneAreTold) {
   EXPECT_FALSE(turn.is_zero());
 }
 
+TEST(PoseDelta, KeepsASmallStepFarFromTheOrigin) {
+  constexpr double step_m = 1.0 / 1024;  // exact next to 1e6
+  const View traced{{rotation_exp({0.4, -1.1, 0.2}), {1e6, -7e5, 3e5}}, {-0.7, 0.8, 0.6, -0.5}, {96, 64}};
+  View shown = traced;
+  shown.stage_from_eye.translation.y += step_m;
+  EXPECT_NEAR(glm::length(pose_delta(shown, {}, traced, {}).traced_from_shown.translation), step_m, 1e-15);
+}
+
 TEST(PoseDelta, AgeIsShownMinusTracedTime) {
   const View view{{}, {-0.7, 0.8, 0.6, -0.5}, {96, 64}};
   EXPECT_EQ(pose_delta(view, Time(70ms), view, Time(50ms)).age, 20ms);

@@ -67,6 +67,17 @@ TEST(PositionGrid, WhatLiesOutsideIsNotCovered) {
   }
 }
 
+TEST(PositionGrid, HoldsItsLastPointAndNothingBeyond) {
+  const View ahead{{}, {-0.5, 0.5, 0.5, -0.5}, {1, 1}};  // one pixel that looks along -z
+  PositionPlanes planes;
+  positions_of(ahead, std::vector{5.0f}, {.low = {{-254, 0, -10}}, .step_m = 1, .bits = 8}, planes);
+  EXPECT_EQ(planes[0].words[0], 255u) << "the largest word";
+  EXPECT_EQ(planes[1].words[0], 1u);
+  EXPECT_EQ(planes[2].words[0], 6u);
+  positions_of(ahead, std::vector{5.0f}, {.low = {{-255, 0, -10}}, .step_m = 1, .bits = 8}, planes);
+  for (const PixelPlane& plane : planes) EXPECT_EQ(plane.words[0], 0u);
+}
+
 TEST(PositionGrid, ReusesItsPlanes) {
   PositionPlanes planes;
   positions_of(unit_view(), distances(), grid(16), planes);

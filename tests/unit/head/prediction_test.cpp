@@ -157,6 +157,20 @@ TEST_P(PredictorOf, HoldsAHeadThatWasPutElsewhere) {
   }
 }
 
+TEST_P(PredictorOf, KeepsItsVelocityOverJitterAndTheLongestGap) {
+  if (GetParam() == PredictorKind::Hold) return;
+  // 0.03 rad and 3 cm within 0.1 ms are faster than any head, but no more than jitter.
+  Predictor jitter = after_a_second({}, kScrew);
+  const HeadPose now = moved({}, kScrew, jitter.newest()->time_since_epoch());
+  jitter.observe(*jitter.newest() + std::chrono::microseconds(100),
+                 now * Rigid<Head, Head>{rotation_exp({0, 0.03, 0}), {0.03, 0, 0}});
+  EXPECT_NE(jitter.velocity(), Twist{});
+  Predictor gap = after_a_second({}, kScrew);
+  const Time back = *gap.newest() + kLongestGap;
+  gap.observe(back, moved({}, kScrew, back.time_since_epoch()));
+  EXPECT_NE(gap.velocity(), Twist{});
+}
+
 TEST_P(PredictorOf, StaysCalmInABurst) {
   // Poses rounded to 1e-3 as recordings are, 0.1 ms apart, of a head that turns at 1 rad/s.
   Predictor predictor(GetParam());
