@@ -42,7 +42,7 @@ class SceneFiles : public testing::Test {
 };
 
 TEST_F(SceneFiles, OpensFilesInsideTheFolder) {
-  for (const char* uri : {"triangle.bin", "./triangle.bin", "sub%20dir/triangle.bin"}) {
+  for (const char* uri : {"triangle.bin", "./triangle.bin", "sub%20dir/triangle.bin", "triangle.bi%6e"}) {
     const auto scene = load_with(uri);
     ASSERT_TRUE(scene.has_value()) << uri << ": " << scene.error().what;
     EXPECT_EQ(scene->triangle_count, 1u);

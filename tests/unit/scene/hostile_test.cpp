@@ -115,6 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
                 {{"/accessors/0/count", 2}, {"/accessors/0/sparse/count", 1}},
                 "accessor 0: its sparse indices should grow and stay below 2"},
         Spoiled{"SparseTooMany", {{"/accessors/0/sparse/count", 5}}, "accessor 0: has 5 sparse elements"},
+        Spoiled{"ViewUnaligned", {{"/bufferViews/0/byteOffset", 2}}, "accessor 0 is not aligned"},
         Spoiled{"SparseIndicesBeyondView",
                 {{"/accessors/0/sparse/count", 2}},
                 "accessor 0: its sparse indices read beyond"},
