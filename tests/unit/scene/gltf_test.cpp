@@ -1,6 +1,7 @@
 /// What the loader understands, on files whose result is known on paper.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numbers>
 
@@ -311,6 +312,18 @@ TEST(SceneHashOf, ChangesWithEveryByteThatIsShown) {
   GltfBuilder moved = file;
   moved.bytes()[12] ^= std::byte{1};
   EXPECT_NE(loaded(moved).hash, hash);
+}
+
+TEST(GltfLights, SpotHasTheDefaultConeOfTheExtension) {
+  GltfBuilder file = rich_file();
+  nlohmann::json& spot = file.json["extensions"]["KHR_lights_punctual"]["lights"][2];
+  spot["spot"] = nlohmann::json::object();
+  const auto scene = load(file);
+  ASSERT_TRUE(scene.has_value()) << scene.error().what;
+  const auto found = std::ranges::find(scene->lights, LightKind::Spot, &LightSource::kind);
+  ASSERT_NE(found, scene->lights.end());
+  EXPECT_EQ(found->inner_cone_rad, 0.0f);
+  EXPECT_EQ(found->outer_cone_rad, static_cast<float>(std::numbers::pi / 4));
 }
 
 }  // namespace
