@@ -50,7 +50,8 @@ void expect_covers(const CellFrame& frame, double largest, unsigned seed) {
     for (int sample = 0; sample < 200; ++sample) {
       const double a = share(random), b = share(random) * (1 - a);
       const Point<Anchor> p = triangle[0] + (triangle[1] - triangle[0]) * a + (triangle[2] - triangle[0]) * b;
-      const CellTouch truth = place_of(frame, p);
+      const glm::dvec3 moved(place(random), place(random), place(random));
+      const CellTouch truth = place_of(frame, p + Vector<Anchor>{moved * (frame.rounding / 8)});
       const auto found = depths.find(truth.cell);
       ASSERT_NE(found, depths.end()) << "triangle " << i;
       ASSERT_LE(found->second, truth.depth) << "triangle " << i;
@@ -64,6 +65,13 @@ TEST(CellCover, HoldsEveryPointOfTrianglesAboutACube) {
 
 TEST(CellCover, HoldsEveryPointOfTrianglesAcrossALight) {
   expect_covers(across(), 0.4, 20261123);
+}
+
+/// The traversal may treat a triangle as displaced by the frame's rounding.
+TEST(CellCover, HoldsPointsThatRoundingHasMoved) {
+  CellFrame frame = cube();
+  frame.rounding = 0.02;
+  expect_covers(frame, 0.5, 20261129);
 }
 
 TEST(CellCover, IsTight) {

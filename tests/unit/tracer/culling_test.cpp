@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "stereo/scene/gltf.h"
 #include "tests/oracle/agreement.h"
@@ -144,6 +145,7 @@ TEST(TracerCulling, AThingThatMovesIntoTheWayIsSeen) {
   const Scene scene = build.build();
   Tracer tracer = Tracer::create(scene).value();
   ShadowFrame frame;
+  std::optional<std::uint64_t> proven_at_start;
   for (const int ms : {0, 300, 560, 900, 0}) {
     SCOPED_TRACE(ms);
     const Time time = time_from_ns(std::int64_t{ms} * 1'000'000);
@@ -153,6 +155,10 @@ TEST(TracerCulling, AThingThatMovesIntoTheWayIsSeen) {
     EXPECT_EQ(frame.masks, trace_by(plan, scene, kInside, time).frame.masks);
     EXPECT_GT(stats.shadow_rays, 0u);
     EXPECT_GT(stats.proven, stats.shadow_rays);
+    if (ms == 0) {
+      EXPECT_EQ(stats.proven, proven_at_start.value_or(stats.proven)) << "what has moved away proves again";
+      proven_at_start = stats.proven;
+    }
   }
 }
 
@@ -205,6 +211,27 @@ TEST(TracerCulling, AHollowMoverOfTwoPlatesCastsOnWhatIsInsideItsBox) {
                            look({-0.7, 0.6, -0.6}, {0, -0.2, 0}, 192)};
     expect_same_bits(scene, views, time_from_ns(500'000'000));
   }
+}
+
+/// A plank of slivers, each 200 m long and 1 cm wide: too thin to have a plane in the light's map.
+TEST(TracerCulling, SliversWithoutAPlaneCast) {
+  SceneBuilder build;
+  build.add(quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4}));
+  std::vector<glm::vec3> corners;
+  for (int i = 0; i < 20; ++i) {
+    const float z = 0.01f * static_cast<float>(i);
+    for (const glm::vec3& corner : {glm::vec3(-100, 1, z + 0.01f),
+                                    {100, 1, z + 0.01f},
+                                    {100, 1, z},
+                                    {-100, 1, z + 0.01f},
+                                    {100, 1, z},
+                                    {-100, 1, z}})
+      corners.push_back(corner);
+  }
+  build.add(triangle_soup(corners));
+  build.point_light({0.2, 2, 0.3});
+  const TraceStats stats = expect_same_bits(build.build(), {kLeft, kRight});
+  EXPECT_GT(stats.proven * 2, stats.full_shadow_rays) << "the rest of the floor is proved lit";
 }
 
 TEST(TracerCulling, AMovedLightIsTracedUntilItIsBack) {

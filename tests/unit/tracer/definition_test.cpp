@@ -108,7 +108,7 @@ TEST(MaskBit, NegativeScaleTurnsTheSeenSideOver) {
 TEST(MaskBit, HolesAreNeitherSeenNorCast) {
   Texture stripes;
   stripes.image = Image<Rgba8>({4, 4}, Rgba8(255));
-  for (std::uint32_t y = 0; y < 4; ++y) stripes.image.at(1, y).a = stripes.image.at(2, y).a = 0;
+  for (std::uint32_t y = 0; y < 4; ++y) stripes.image.at(0, y).a = stripes.image.at(1, y).a = 0;
   for (const Wrap wrap : {Wrap::Repeat, Wrap::MirroredRepeat, Wrap::ClampToEdge}) {
     stripes.wrap_u = stripes.wrap_v = wrap;
     SceneBuilder build;

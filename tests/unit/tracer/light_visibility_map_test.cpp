@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "stereo/tracer/light_proof.h"
 #include "tests/oracle/scene_builder.h"
 #include "tests/unit/tracer/cell_place.h"
 
@@ -30,7 +31,7 @@ Scene mover_scene(std::mt19937& random, LightKind kind) {
   transform.translation = {place(random), place(random), place(random)};
   transform.rotation = toward({place(random), place(random), place(random)});
   transform.scale = {size(random), -size(random), size(random)};
-  const Mesh mesh = box({0.3f, -0.2f, 0.1f}, {0.5f, 0.5f, 0.5f});
+  const Mesh mesh = box({0.3f, -0.2f, 0.1f}, {0.5f, 0.15f, 1.1f});
   build.move(build.add(mesh, 0, transform), {0.1, -0.1, 0.2});
   const glm::dvec3 around(place(random), place(random), place(random));
   const bool inside = place(random) < 0;
@@ -38,7 +39,8 @@ Scene mover_scene(std::mt19937& random, LightKind kind) {
     build.directional_light(around);
   else if (inside)
     build.point_light(transform.translation +
-                      transform.rotation * (transform.scale * (glm::dvec3(0.3, -0.2, 0.1) + 0.45 * around)));
+                      transform.rotation * (transform.scale * (glm::dvec3(0.3, -0.2, 0.1) +
+                                                               glm::dvec3(0.45, 0.13, 1) * around)));
   else
     build.point_light(transform.translation + 1.2 * around);
   return build.build();
@@ -85,6 +87,57 @@ TEST(LightVisibilityMap, ProvesNoPointOfAMoverLitByAPointLight) {
 
 TEST(LightVisibilityMap, ProvesNoPointOfAMoverLitByADirectionalLight) {
   expect_no_point_of_the_mover_proved_lit(LightKind::Directional, 20261125);
+}
+
+/// A tilted floor of many quads: most of its triangles share planes.
+Scene tilted_floor() {
+  SceneBuilder build;
+  for (int x = -4; x < 4; ++x)
+    for (int z = -4; z < 4; ++z)
+      build.add(quad({static_cast<float>(x), 0.07f * static_cast<float>(x) + 0.013f, static_cast<float>(z)},
+                     {0.5f, 0.035f, 0}, {0, 0, -0.5f}));
+  build.point_light({0.3, 2, 0.1});
+  return build.build();
+}
+
+TEST(FacetPlanes, ContainTheirTrianglesAndAllowForTheTraversalsRounding) {
+  const Scene scene = tilted_floor();
+  const SurfaceModel model(scene, state_at(scene, Time{}), plan_for(scene, {.all_lights = true}).trace);
+  const FacetPlanes planes = planes_of(model);
+  EXPECT_LT(planes.planes.size(), planes.of_triangle.size());
+  for (std::size_t t = 0; t < planes.of_triangle.size(); ++t) {
+    const FacetPlane& plane = planes.planes.at(planes.of_triangle[t]);
+    EXPECT_GE(plane.doubt, 24.0f / (1 << 24) * plane.reach) << "what the traversal may lose at a plane";
+    for (int corner = 0; corner < 3; ++corner) {
+      const glm::vec3 p = model.positions()[model.triangles()[t][corner]];
+      const double along = glm::dot(glm::dvec3(plane.normal), glm::dvec3(p));
+      EXPECT_GE(along, plane.low);
+      EXPECT_LE(along, plane.high);
+    }
+  }
+}
+
+/// Starts of shadow rays at 0.3 and 20 times the plane's tolerance above the floor.
+TEST(LightProof, NeedsMoreThanThePlanesToleranceAboveIt) {
+  const Scene scene = tilted_floor();
+  const SceneState state = state_at(scene, Time{});
+  const SurfaceModel model(scene, state, plan_for(scene, {.all_lights = true}).trace);
+  const LightVisibilityMap map(shadow_light(state.light_set.lights[0], model), planes_of(model), model);
+  const LightVisibilityMap::Plane& plane = map.planes()[map.cells()[place_of(map.frame(), {}).cell].plane[0]];
+  const glm::vec3 normal(plane.nx, plane.ny, plane.nz);
+  for (const float height : {0.3f, 20.0f}) {
+    TileSurface surface{};
+    for (int i = 0; i < 4; ++i) {
+      const glm::vec3 aside(0.3f * static_cast<float>(i) - 0.5f, 0, 0.21f * static_cast<float>(i));
+      const glm::vec3 on_plane = aside + normal * (plane.offset - glm::dot(normal, aside));
+      const glm::vec3 start = on_plane + normal * (height * plane.doubt);
+      surface.ox[i] = start.x, surface.oy[i] = start.y, surface.oz[i] = start.z;
+      surface.reach[i] = plane.doubt / (0.5f * kOffset);
+    }
+    Ints<4> lanes = ~Ints<4>{}, proven{};
+    prove<4>(map, surface, 0, lanes, proven);
+    EXPECT_EQ(counted(proven), height < 1 ? 0u : 4u) << height;
+  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 
 #include "tests/unit/tracer/cell_place.h"
@@ -65,6 +66,81 @@ TEST(CellsOf, HoldEveryCornerOfABoxInFrontOfACube) {
 
 TEST(CellsOf, HoldEveryCornerOfABoxAcrossALight) {
   expect_corners_in_cells(across(), 20261127);
+}
+
+/// What a pixel's own test gives for one point of a tile and its normal.
+struct PointTruth {
+  bool in_range, in_cone, faces;
+};
+
+PointTruth truth_of(const ShadowLight& light, const glm::dvec3& p, const glm::dvec3& normal) {
+  const glm::dvec3 axis(light.direction.v);
+  const glm::dvec3 to_light = light.kind == LightKind::Directional ? -axis : glm::dvec3(light.position.v) - p;
+  return {
+      light.kind == LightKind::Directional || glm::length(to_light) < light.range,
+      light.kind != LightKind::Spot || -glm::dot(axis, to_light) > light.cos_outer * glm::length(to_light),
+      glm::dot(normal, to_light) > 0};
+}
+
+/// Random tiles in an empty scene: each verdict holds for every point and normal of the tile.
+TEST(TileVerdict, HoldsForEveryPointOfTheTile) {
+  const unsigned seed = 20261128;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> place(-1, 1), share(0, 1);
+  const auto vector = [&] { return glm::vec3(place(random), place(random), place(random)); };
+  const SurfaceModel empty(Scene{}, SceneState{}, TracePlan{});
+  const FacetPlanes planes = planes_of(empty);
+  std::array<int, 5> verdicts{};
+  for (int i = 0; i < 4000; ++i) {
+    ShadowLight light{.kind = std::array{LightKind::Point, LightKind::Spot, LightKind::Directional}[i % 3]};
+    light.position = {vector()}, light.direction = {glm::normalize(vector())};
+    TileBounds tile;
+    tile.points.low = 2.0f * vector();
+    tile.points.high = tile.points.low + 0.1f * share(random) * glm::abs(vector());
+    tile.starts = tile.points;
+    const glm::vec3 normal = glm::normalize(vector()), spread = 0.1f * glm::abs(vector());
+    tile.shading = {normal - spread, normal + spread};
+    tile.facet = {normal, normal};
+    const glm::vec3 way = tile.points.low - light.position.v;
+    light.range = glm::length(way) * (0.9f + 0.2f * share(random));
+    const float cosine = glm::dot(way, light.direction.v) / glm::length(way);
+    if (light.kind == LightKind::Spot) light.cos_outer = std::max(cosine + 0.1f * place(random), 0.0f);
+    const LightVisibilityMap map(light, planes, empty);
+    const TileVerdict verdict = verdict_on(tile, light, &map);
+    ++verdicts[static_cast<std::size_t>(verdict)];
+    for (int sample = 0; sample < 64; ++sample) {
+      const auto in_box = [&](const Box& box) {
+        const glm::dvec3 at(share(random), share(random), share(random));
+        return glm::dvec3(box.low) + glm::dvec3(box.high - box.low) * (sample % 2 == 0 ? glm::round(at) : at);
+      };
+      const PointTruth truth = truth_of(light, in_box(tile.points), in_box(tile.shading));
+      if (verdict == TileVerdict::Lit) {
+        ASSERT_TRUE(truth.in_range && truth.in_cone && truth.faces) << i;
+      }
+      if (verdict == TileVerdict::OutOfRange) {
+        ASSERT_FALSE(truth.in_range) << i;
+      }
+      if (verdict == TileVerdict::OutOfCone) {
+        ASSERT_FALSE(truth.in_cone) << i;
+      }
+    }
+  }
+  for (const TileVerdict verdict :
+       {TileVerdict::OutOfRange, TileVerdict::OutOfCone, TileVerdict::TurnedAway, TileVerdict::Lit})
+    EXPECT_GT(verdicts[static_cast<std::size_t>(verdict)], 50) << static_cast<int>(verdict);
+}
+
+TEST(IsBefore, NeedsMoreThanThePlanesTolerance) {
+  const LightVisibilityMap::Plane floor{0, 1, 0, 0, 0.01f};
+  for (const float height : {-0.02f, 0.005f, 0.02f}) {
+    TileBounds tile;
+    tile.starts = {{-1, height, -1}, {1, height, 1}};
+    tile.facet = {{0, 1, 0}, {0, 1, 0}};
+    tile.along = height;
+    tile.reach = 1;
+    EXPECT_EQ(is_before(tile, floor), height > floor.doubt) << height;
+  }
 }
 
 }  // namespace
