@@ -12,11 +12,11 @@
 namespace farshade {
 namespace {
 
-/// How long a server may take to answer hello before the client goes on without it.
-constexpr Duration kMeetPatience = std::chrono::seconds(3);
+/// If the server does not answer a hello within this time, the client starts without it.
+constexpr Duration kMeetTimeout = std::chrono::seconds(3);
 
-/// In real time, masks that come later than this find their depth gone; in a preview, kWorstPreviewPath_ms
-/// later.
+/// In real time, the depth of a requested view is kept for this long; in a preview, kWorstPreviewPath_ms
+/// longer. Masks that arrive later cannot be used.
 constexpr double kLongestRoundTrip_ms = 250;
 
 }  // namespace
@@ -24,7 +24,7 @@ constexpr double kLongestRoundTrip_ms = 250;
 RendererLimits renderer_limits(const Options& options) {
   if (!carries_over(options.mode.mode))
     return {.size = options.size, .traced_size = options.size, .depth_frames = 1};
-  // Whoever looks at a preview may want a guard band at any time.
+  // The viewer of a preview may switch the guard band on at any time.
   const bool wider = options.preview || options.request.guard_band == GuardBandUse::Measured;
   return {.size = options.size,
           .traced_size = wider ? largest_traced(options.size) : options.size,
@@ -36,8 +36,8 @@ namespace {
 Expected<SharedKey> key_for(const Options& options, const Peer& server) {
   if (options.insecure) {
     if (is_loopback(server)) return insecure_key();
-    return fail(Fault::Unsupported, fmt::format("--insecure talks to this machine alone, not to {}: leave it "
-                                                "away, and use a key",
+    return fail(Fault::Unsupported, fmt::format("--insecure works on this machine only, not with {}: omit it "
+                                                "and use a key",
                                                 options.server));
   }
   const std::filesystem::path path = options.key.empty() ? default_key_path() : options.key;
@@ -45,9 +45,10 @@ Expected<SharedKey> key_for(const Options& options, const Peer& server) {
   if (!key && key.error().fault == Fault::Missing)
     return fail(
         Fault::Missing,
-        fmt::format("no key at {}: make one on the server with rt_server keygen NAME and copy it here, "
-                    "or name it with --key",
-                    path.string()));
+        fmt::format(
+            "no key file at {}: make a key on the server with rt_server keygen NAME and copy it here, "
+            "or name the file with --key",
+            path.string()));
   return key;
 }
 
@@ -56,18 +57,14 @@ Expected<LinkModel> network_of(const Options& options) {
   return parse_link_model(options.net);
 }
 
-}  // namespace
-
-namespace {
-
-/// What the mode needs of this build, and what it may take.
-Expected<void> fits(const ModeSettings& wish, const Scene& scene) {
-  const bool streams = wish.mode == Mode::Remote || wish.mode == Mode::Delta;
+/// Does this build support the mode, and are the shadow maps of mode local small enough?
+Expected<void> check_mode(const ModeSettings& settings, const Scene& scene) {
+  const bool streams = settings.mode == Mode::Remote || settings.mode == Mode::Delta;
   if (streams && !has_video())
     return fail(Fault::Unavailable,
-                fmt::format("mode {} needs video: {}", name_of(wish.mode), video_version()));
-  if (wish.mode != Mode::Local) return {};
-  return shadow_map_bytes(scene, wish.shadow_maps).map([](std::uint64_t) {});
+                fmt::format("mode {} needs video: {}", name_of(settings.mode), video_version()));
+  if (settings.mode != Mode::Local) return {};
+  return shadow_map_bytes(scene, settings.shadow_maps).map([](std::uint64_t) {});
 }
 
 }  // namespace
@@ -104,7 +101,7 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options, const Sess
     return fail(Fault::Unsupported,
                 fmt::format("{} has {} instances; at most {} can be drawn", options.scene.string(),
                             client->scene.instances.size(), kMaxInstances));
-  if (auto fit = fits(options.mode, client->scene); !fit) return tl::unexpected(fit.error());
+  if (auto fit = check_mode(options.mode, client->scene); !fit) return tl::unexpected(fit.error());
   Expected<gpu::Device> device = gpu::open_device(options.device);
   if (!device) return tl::unexpected(device.error());
   client->device = std::move(*device);
@@ -138,16 +135,16 @@ Expected<void> meet(const Options& options, Client& client, LinkListener listene
                       frames_in_flight(options));
   client.link->tell(std::move(listener));
   const Stopwatch meeting;
-  const Expected<void> met = client.link->meet(kMeetPatience);
-  client.round_trip = meeting.elapsed() / 2;  // a handshake takes two
+  const Expected<void> met = client.link->meet(kMeetTimeout);
+  client.round_trip = meeting.elapsed() / 2;  // a handshake takes two round trips
   if (met && options.size.pixels() > client.link->inbox().most_pixels())
     return fail(
         Fault::OutOfRange,
-        fmt::format("the server traces at most {} pixels an eye (rt_server --pixels), --size asks for {}",
+        fmt::format("the server traces at most {} pixels per eye (rt_server --pixels), but --size needs {}",
                     client.link->inbox().most_pixels(), options.size.pixels()));
   if (!met) {
     if (met.error().fault == Fault::Mismatch || client.link->refused()) return met;
-    spdlog::warn("{}; going on without shadows from it, and trying again", met.error().what);
+    spdlog::warn("{}; the client starts without its shadows and keeps trying", met.error().what);
   }
   return {};
 }
@@ -155,7 +152,7 @@ Expected<void> meet(const Options& options, Client& client, LinkListener listene
 Expected<void> open_link(const Options& options, Client& client, LinkListener listener) {
   if (answers_for(options.mode.mode) == 0) return {};
   if (!client.plan.server) {
-    spdlog::info("no light casts shadows: no server is needed");
+    spdlog::info("no light casts shadows, so no server is needed");
     return {};
   }
   const Expected<LinkModel> model = network_of(options);

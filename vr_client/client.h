@@ -1,5 +1,5 @@
-/// Client: what a session stands on, opened in the order in which it is needed: scene, device, renderer,
-/// reference, and the link to a server.
+/// Client: the objects that every run needs, in the order of their creation: scene, device, renderer,
+/// reference tracer and the link to a server.
 #pragma once
 
 #include <memory>
@@ -13,63 +13,64 @@
 
 namespace farshade {
 
-/// Built top to bottom, torn down in reverse.
+/// Members are destroyed in reverse order.
 struct Client {
-  Scene scene;  ///< with the lights that its plan keeps
+  Scene scene;  ///< with the lights that the plan keeps
   ScenePlan plan;
   gpu::Device device;
   std::unique_ptr<Renderer> renderer;
-  std::optional<Reference> reference;   ///< what pictures are measured against; made when first needed
-  std::optional<Reference> own_tracer;  ///< mode full: what it shows; made when first needed
+  std::optional<Reference> reference;   ///< for measuring; empty until open_reference
+  std::optional<Reference> own_tracer;  ///< mode full: traces the shown shadows; empty until open_own_tracer
   SteadyClock clock;
-  std::unique_ptr<ImpairedPort> network;  ///< to the server; as good as it is where nothing impairs it
+  std::unique_ptr<ImpairedPort> network;  ///< to the server; impaired only if --net says so
   Peer server;
-  std::optional<NetworkLink> link;  ///< mode hybrid, where there are lights
-  Duration round_trip{};            ///< of the first exchange with the server
+  std::optional<NetworkLink> link;  ///< in modes with a server, if a light casts shadows
+  Duration round_trip{};            ///< measured during the handshake
 };
 
-/// By how much the viewer of a preview may make the path worse and still get masks.
+/// The viewer of a preview can delay messages by at most this much.
 inline constexpr double kWorstPreviewPath_ms = 400;
 
-/// Frames that may be needed after they were asked for: while masks are on their way, and as older masks.
+/// Number of requests that the client remembers: those whose masks have not arrived, and those whose masks
+/// are still used.
 [[nodiscard]] std::uint32_t frames_in_flight(const Options& options);
 
-/// What a session with `options` asks of the scene's plan, for eyes that far apart.
+/// What a run with these options needs from the scene's plan.
 [[nodiscard]] SessionNeeds needs_of(const Options& options, double eye_distance_m);
 
-/// How large the renderer of such a session is.
+/// Sizes and counts for which the renderer of such a run allocates memory.
 [[nodiscard]] RendererLimits renderer_limits(const Options& options);
 
-/// The scene with its plan.
+/// Loads the scene and makes its plan.
 [[nodiscard]] Expected<PlannedScene> load_planned(const Options& options, const SessionNeeds& needs);
 
-/// Scene, device and renderer. Refuses what cannot be drawn.
+/// Opens scene, device and renderer. Fails if the scene cannot be drawn.
 [[nodiscard]] Expected<std::unique_ptr<Client>> open_client(const Options& options, double eye_distance_m);
 
-/// The same for a session that is on file.
+/// The same for the replay of a capture.
 [[nodiscard]] Expected<std::unique_ptr<Client>> open_client(const Options& options, const SessionNeeds& needs,
                                                             const RendererLimits& limits);
 
-/// Makes the reference, unless there is one. It traces every ray, without proofs. Refuses a scene that cannot
-/// be traced.
+/// Creates the reference tracer unless it exists. It traces every ray, without proofs. Fails if the scene
+/// cannot be traced.
 [[nodiscard]] Expected<void> open_reference(Client& client);
 
-/// Makes the tracer of mode full, unless there is one. It skips rays as the server does. Refuses a scene that
+/// Creates the tracer of mode full unless it exists. It skips the same rays as the server. Fails if the scene
 /// cannot be traced.
 [[nodiscard]] Expected<void> open_own_tracer(Client& client);
 
-/// Opens the network and begins a session with the server, if the mode and the scene need one. A server that
-/// does not answer is a warning: the link goes on trying. A server that refuses us is an error.
-/// `listener` is told what is said from the first word on.
+/// Opens the socket and a session with the server, if mode and scene need one. A server that does not answer
+/// causes a warning, and the link keeps trying. A refusal by the server is an error. `listener` gets all
+/// messages from the first one on.
 [[nodiscard]] Expected<void> open_link(const Options& options, Client& client, LinkListener listener = {});
 
-/// Begins another session over the network that is open: the old one's masks are gone.
+/// Opens a new session on the same socket. The masks of the old session are dropped.
 [[nodiscard]] Expected<void> meet(const Options& options, Client& client, LinkListener listener = {});
 
-/// What a recording of a session of this client says first.
+/// The header of a capture of this client.
 [[nodiscard]] CaptureHeader header_of(const Options& options, const Client& client, const MaskPolicy& policy);
 
-/// Malformed, with the first message, if the validation layers have said anything.
+/// Malformed, with the first message, if the validation layers reported anything.
 [[nodiscard]] Expected<void> no_validation_messages(const gpu::Device& device);
 
 }  // namespace farshade

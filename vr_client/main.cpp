@@ -1,4 +1,4 @@
-// vr_client: shows a scene to both eyes along a recorded head, with shadows from an rt_server.
+// vr_client: shows a scene to both eyes along a head recording, with shadows that an rt_server traces.
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -17,12 +17,12 @@ int main(int argc, char** argv) try {
     print(findings);
     return any_failed(findings) ? EXIT_FAILURE : EXIT_SUCCESS;
   }
-  const auto way = options->plan.only_told          ? tell_plan
-                   : !options->export_trace.empty() ? export_trace
-                   : !options->replay.empty()       ? run_replay
-                   : options->preview               ? run_preview
-                                                    : run_client;
-  if (const Expected<void> done = way(*options); !done) {
+  const auto task = options->plan.only_told          ? print_plan
+                    : !options->export_trace.empty() ? export_head_recording
+                    : !options->replay.empty()       ? run_replay
+                    : options->preview               ? run_preview
+                                                     : run_client;
+  if (const Expected<void> done = task(*options); !done) {
     spdlog::error(done.error().what);
     return EXIT_FAILURE;
   }

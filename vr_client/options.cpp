@@ -13,15 +13,25 @@ namespace farshade {
 namespace {
 
 constexpr const char* kAbout =
-    "Shows a scene to both eyes along a recorded head, with shadows traced by an rt_server.\n"
-    "Writes pictures, summary.csv and frames.csv to the output folder and prints the summary.";
+    "Shows a scene to both eyes along a recorded head, with shadows that an rt_server traces.\n"
+    "Writes pictures, summary.csv and frames.csv to the output folder, and prints the summary.";
 
 constexpr const char* kExamples =
     "Examples:\n"
     "  vr_client --scene assets/room.glb --trace assets/walk.csv --server 127.0.0.1:7447\n"
     "  vr_client --scene assets/room.glb --trace assets/walk.csv --mode full --frames 10";
 
-/// As CLI::Range, which lets NaN through.
+/// Values as they are on the command line, before they are checked and converted.
+struct CommandLine {
+  Options options;
+  ClientDoctorOptions doctor;
+  std::string size = "512x512";
+  std::string predictor{to_string(kDefaultPredictor)};
+  double video_megabits = Options{}.mode.bits_per_second * 1e-6;
+  bool validate = false;
+};
+
+/// Like CLI::Range, but refuses NaN.
 CLI::Validator within(double low, double high) {
   const std::string range = fmt::format("{:g} to {:g}", low, high);
   return {[=](std::string& text) {
@@ -45,7 +55,163 @@ std::map<std::string, Mode> modes() {
 }
 
 std::string one_line(const CLI::App*, const CLI::Error& error) {
-  return fmt::format("vr_client: {} (--help tells more)\n", error.what());
+  return fmt::format("vr_client: {} (see --help)\n", error.what());
+}
+
+/// Accepts the names of `values`.
+template <class Enum>
+CLI::CheckedTransformer one_of(std::map<std::string, Enum> values) {
+  return CLI::CheckedTransformer(std::move(values));
+}
+
+void add_scene_options(CLI::App& app, CommandLine& line) {
+  Options& options = line.options;
+  app.add_option("--scene", options.scene, "glTF scene (.gltf or .glb)");
+  app.add_option("--trace", options.trace, "head recording: EuRoC/ASL CSV, TUM or EyeNavGS CSV");
+  app.add_option("--trace-scale", options.trace_scale,
+                 "units per metre of the head recording, if its format does not define them")
+      ->check(within(1e-6, 1e6));
+  app.add_option("--place", options.place,
+                 "where the head starts: at the scene's reference camera, or where it was recorded")
+      ->transform(one_of<Place>({{"camera", Place::Camera}, {"recorded", Place::Recorded}}));
+  app.add_option("--size", line.size, "pixels of each eye")->capture_default_str();
+  app.add_option("--frames", options.frames, "number of frames to show (default: the whole recording)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--skip", options.skip_s, "seconds to skip at the beginning of the recording")
+      ->check(within(0, 1e6));
+  app.add_option("--refresh", options.refresh_hz, "refresh rate of the display, Hz")
+      ->check(within(1, 1000))
+      ->capture_default_str();
+}
+
+void add_link_options(CLI::App& app, Options& options) {
+  app.add_option("--server", options.server, "address of the rt_server")->capture_default_str();
+  app.add_option("--key", options.key,
+                 "key file that rt_server keygen made (default: " + default_key_path().string() + ")");
+  app.add_flag("--insecure", options.insecure,
+               "use no key and no encryption; only for a server on this machine");
+  app.add_option("--net", options.net,
+                 "simulate a bad network on received datagrams: poor, or loss=2%,delay=25ms,jitter=5ms, ...");
+}
+
+void add_mode_options(CLI::App& app, CommandLine& line) {
+  ModeSettings& mode = line.options.mode;
+  app.add_option("--mode", mode.mode,
+                 "how client and server share the work (docs/modes.md): hybrid shades with masks from the "
+                 "server, full traces everything in the client")
+      ->transform(one_of(modes()));
+  app.add_option("--bitrate", line.video_megabits, "remote, delta: bit rate of the server's video, Mbit/s")
+      ->check(within(kLeastVideo_bits * 1e-6, kMostVideo_bits * 1e-6))
+      ->capture_default_str();
+  app.add_option("--position-bits", mode.position_bits,
+                 "client-positions: bits per coordinate, which span the longest side of the scene")
+      ->check(CLI::Range(kLeastPosition_bits, kMostPosition_bits))
+      ->capture_default_str();
+  app.add_option("--shadow-maps", mode.shadow_maps.side_px, "local: width and height of a shadow map, pixels")
+      ->check(CLI::Range(kLeastMapSide_px, kMostMapSide_px))
+      ->capture_default_str();
+  app.add_option("--pcf", mode.shadow_maps.pcf_radius, "local: radius of percentage-closer filtering, texels")
+      ->check(CLI::Range(0u, kMostPcfRadius))
+      ->capture_default_str();
+}
+
+void add_request_options(CLI::App& app, CommandLine& line) {
+  Options& options = line.options;
+  app.add_option("--clock", options.pace,
+                 "virtual: show every frame and repeat exactly; real: skip frames that are too late")
+      ->transform(one_of<Pace>({{"virtual", Pace::Virtual}, {"real", Pace::Real}}));
+  app.add_option("--delay", options.delay_ms, "virtual clock: ms from a request until its masks are used")
+      ->check(within(0, 500))
+      ->capture_default_str();
+  app.add_option("--mask-wait", options.mask_wait_ms, "ms that each frame waits for its own masks")
+      ->check(within(0, 1000))
+      ->capture_default_str();
+  app.add_option("--predictor", line.predictor,
+                 "how the client predicts the head pose at which masks will be used; hold: no prediction")
+      ->check(CLI::IsMember(predictors()))
+      ->capture_default_str();
+  app.add_option("--guard-band", options.request.guard_band,
+                 "measured: request views wider than shown, by the measured prediction error")
+      ->transform(one_of<GuardBandUse>({{"measured", GuardBandUse::Measured}, {"off", GuardBandUse::Off}}));
+  app.add_option("--mask-every", options.request.every, "request masks in every Nth frame")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+}
+
+void add_carry_over_options(CLI::App& app, CarryOver& carry_over) {
+  app.add_option("--reprojection", carry_over.lookup,
+                 "off: show old masks without reprojection, as a baseline to compare with")
+      ->transform(one_of<Lookup>({{"on", Lookup::Reproject}, {"off", Lookup::Direct}}));
+  app.add_option("--eyes", carry_over.eyes, "whose masks an eye may use: those of both eyes, or only its own")
+      ->transform(one_of<Eyes>({{"both", Eyes::Both}, {"this", Eyes::This}}));
+  app.add_option("--gaps", carry_over.gaps,
+                 "visibility of a pixel that no mask covers: from neighbouring pixels, or unknown")
+      ->transform(one_of<Gaps>({{"neighbours", Gaps::Neighbours}, {"unknown", Gaps::Unknown}}));
+  app.add_option("--edges", carry_over.edges, "how masks are sampled at shadow edges")
+      ->transform(one_of<Edges>({{"filtered", Edges::Filtered}, {"nearest", Edges::Nearest}}));
+}
+
+void add_output_options(CLI::App& app, Options& options) {
+  app.add_option("--reference-every", options.reference_every,
+                 "compare every Nth frame with a full trace; 0: never, measure run times only")
+      ->capture_default_str();
+  app.add_option("--pictures", options.pictures, "number of frames whose pictures are written")
+      ->capture_default_str();
+  app.add_option("--dump", options.dump,
+                 "frames to dump for other programs to check, such as 10,20; the first frame is 1")
+      ->delimiter(',');
+  app.add_option("--record", options.record, "write a capture of the run to this file, for --replay");
+  app.add_option("--replay", options.replay,
+                 "replay this capture without head recording, server or key, and compare every request and "
+                 "picture")
+      ->excludes("--record")
+      ->excludes("--trace");
+  app.add_option("--timeline", options.timeline,
+                 "write a timeline of the stages of client and server, as JSON for ui.perfetto.dev");
+  app.add_option("--out", options.out, "output folder")->capture_default_str();
+  CLI::Option* const preview =
+      app.add_flag("--preview", options.preview,
+                   "show the eyes in a window; mouse and keys, or --trace, move the head; F1 lists the keys");
+  // A window runs on the machine's clock, and its viewer chooses what is measured and written.
+  for (const char* without_window :
+       {"--clock", "--delay", "--pictures", "--dump", "--reference-every", "--replay"})
+    app.get_option(without_window)->excludes(preview);
+}
+
+void add_other_options(CLI::App& app, CommandLine& line) {
+  Options& options = line.options;
+  app.add_option("--gpu", options.device.name_contains, "use only a device whose name contains this text");
+  app.add_option("--export-trace", options.export_trace,
+                 "only convert the head recording to metres: .csv writes EuRoC/ASL, .tum or .txt writes TUM");
+  app.add_option_function<std::string>(
+         "--plan", [&options](const std::string& text) { options.plan = parse_plan_options(text); },
+         "print what the scene needs and what the programs leave out, and exit; --plan=everything leaves "
+         "nothing out, for comparison (give the server the same option)")
+      ->expected(0, 1)
+      ->check(CLI::IsMember({"", "needed", "everything"}));
+  app.add_flag("--validate", line.validate, "use the Vulkan validation layers; any message is an error");
+}
+
+/// Throws a CLI::ParseError if options are missing or contradict each other.
+Options checked(CommandLine line) {
+  Options& options = line.options;
+  if (options.trace.empty() && !options.preview && options.replay.empty() && !options.plan.only_told)
+    throw CLI::RequiredError("--trace");
+  if (options.scene.empty() && options.export_trace.empty()) throw CLI::RequiredError("--scene");
+  const Expected<Extent> size = parse_size(line.size);
+  if (!size) throw CLI::ValidationError("--size", size.error().what);
+  options.size = *size;
+  options.request.predictor = parse_predictor(line.predictor).value();
+  options.mode.bits_per_second = static_cast<std::uint32_t>(std::lround(line.video_megabits * 1e6));
+  if (line.validate) options.device.validation = gpu::Validation::On;
+  const std::string mode(name_of(options.mode.mode));
+  if (!options.dump.empty() && (answers_for(options.mode.mode) & kDrawnAnswers) != 0)
+    throw CLI::ValidationError("--dump",
+                               "mode " + mode + " shows pictures of the server; there is no mask to dump");
+  const bool has_masks = options.mode.mode == Mode::Hybrid || options.mode.mode == Mode::Full;
+  if (!options.record.empty() && !has_masks)
+    throw CLI::ValidationError("--record", "only modes hybrid and full can be captured, not mode " + mode);
+  return std::move(options);
 }
 
 }  // namespace
@@ -67,157 +233,26 @@ Expected<Extent> parse_size(const std::string& text) {
 }
 
 tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
-  Options options;
+  CommandLine line;
   CLI::App app{kAbout, "vr_client"};
   app.footer(kExamples);
   app.failure_message(&one_line);
-  std::string size = "512x512";
-  std::string predictor(to_string(kDefaultPredictor));
-  bool validate = false;
-  double video_megabits = options.mode.bits_per_second * 1e-6;
-  ClientDoctorOptions examined;
-  add_doctor(app, examined);
   app.require_subcommand(0, 1);
-
-  app.add_option("--scene", options.scene, "glTF scene (.gltf or .glb)");
-  app.add_option("--trace", options.trace, "recorded head: EuRoC/ASL CSV, TUM or EyeNavGS CSV");
-  app.add_option("--trace-scale", options.trace_scale,
-                 "units of the recording a metre, where its file cannot say")
-      ->check(within(1e-6, 1e6));
-  app.add_option("--place", options.place, "start the head at the scene's reference camera, or as recorded")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Place>{{"camera", Place::Camera}, {"recorded", Place::Recorded}}));
-  app.add_option("--size", size, "pixels an eye")->capture_default_str();
-  app.add_option("--frames", options.frames, "display frames to show (default: the whole recording)")
-      ->check(CLI::PositiveNumber);
-  app.add_option("--skip", options.skip_s, "seconds of the recording to skip")->check(within(0, 1e6));
-  app.add_option("--refresh", options.refresh_hz, "display rate, Hz")
-      ->check(within(1, 1000))
-      ->capture_default_str();
-  app.add_option("--server", options.server, "address of the rt_server")->capture_default_str();
-  app.add_option("--key", options.key,
-                 "key file that rt_server keygen made; " + default_key_path().string() + " unless told");
-  app.add_flag("--insecure", options.insecure, "no key and nothing sealed, to a server on this machine");
-  app.add_option(
-      "--net", options.net,
-      "impair what arrives here, as a bad network would: poor, or loss=2%,delay=25ms,jitter=5ms, ...");
-  app.add_option("--mode", options.mode.mode,
-                 "how the work is split (docs/modes.md): hybrid shades with the server's masks, full traces "
-                 "everything here")
-      ->transform(CLI::CheckedTransformer(modes()));
-  app.add_option("--bitrate", video_megabits,
-                 "remote, delta: millions of bits a second of the server's video")
-      ->check(within(kLeastVideo_bits * 1e-6, kMostVideo_bits * 1e-6))
-      ->capture_default_str();
-  app.add_option("--position-bits", options.mode.position_bits,
-                 "client-positions: of a coordinate, over the scene's longest side")
-      ->check(CLI::Range(kLeastPosition_bits, kMostPosition_bits))
-      ->capture_default_str();
-  app.add_option("--shadow-maps", options.mode.shadow_maps.side_px, "local: pixels of a shadow map's side")
-      ->check(CLI::Range(kLeastMapSide_px, kMostMapSide_px))
-      ->capture_default_str();
-  app.add_option("--pcf", options.mode.shadow_maps.pcf_radius,
-                 "local: texels that a shadow's edge is filtered over")
-      ->check(CLI::Range(0u, kMostPcfRadius))
-      ->capture_default_str();
-  app.add_option("--clock", options.pace,
-                 "virtual: every display time gets its frame, repeatable; real: as it comes")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Pace>{{"virtual", Pace::Virtual}, {"real", Pace::Real}}));
-  app.add_option("--delay", options.delay_ms, "virtual clock: ms from a request to its masks")
-      ->check(within(0, 500))
-      ->capture_default_str();
-  app.add_option("--mask-wait", options.mask_wait_ms, "ms that a frame waits for its own masks")
-      ->check(within(0, 1000))
-      ->capture_default_str();
-  app.add_option("--predictor", predictor,
-                 "how views are predicted for the time their masks are used; hold: as shown")
-      ->check(CLI::IsMember(predictors()))
-      ->capture_default_str();
-  app.add_option("--guard-band", options.request.guard_band,
-                 "trace beyond the views' borders by what prediction was seen to miss")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, GuardBandUse>{
-          {"measured", GuardBandUse::Measured}, {"off", GuardBandUse::Off}}));
-  app.add_option("--mask-every", options.request.every, "ask for masks on every Nth frame")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  app.add_option("--reprojection", options.carry_over.lookup,
-                 "off: show stale masks as they are, which is what reprojection is measured against")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Lookup>{{"on", Lookup::Reproject}, {"off", Lookup::Direct}}));
-  app.add_option("--eyes", options.carry_over.eyes, "whose masks an eye may take from")
-      ->transform(
-          CLI::CheckedTransformer(std::map<std::string, Eyes>{{"both", Eyes::Both}, {"this", Eyes::This}}));
-  app.add_option("--gaps", options.carry_over.gaps, "what a point gets that no traced view saw")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Gaps>{{"neighbours", Gaps::Neighbours}, {"unknown", Gaps::Unknown}}));
-  app.add_option("--edges", options.carry_over.edges, "between a mask's pixels at shadow edges")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Edges>{{"filtered", Edges::Filtered}, {"nearest", Edges::Nearest}}));
-  app.add_option("--reference-every", options.reference_every,
-                 "compare every Nth frame with a full trace; 0 = never (run times only)")
-      ->capture_default_str();
-  app.add_option("--pictures", options.pictures, "instants of which both eyes are written")
-      ->capture_default_str();
-  app.add_option("--dump", options.dump,
-                 "frames (1 = first) to dump for other programs to check, such as 10,20")
-      ->delimiter(',');
-  CLI::Option* const preview =
-      app.add_flag("--preview", options.preview,
-                   "show it in a window: mouse and keys are the head (or --trace), F1 tells the keys");
-  app.add_option("--record", options.record, "write the session to this file, for --replay");
-  app.add_option(
-         "--replay", options.replay,
-         "show the session on this file again, without head, server or key, and compare every request "
-         "and picture")
-      ->excludes("--record")
-      ->excludes("--trace");
-  app.add_option(
-      "--timeline", options.timeline,
-      "write the stages of client and server on one time axis, as JSON that ui.perfetto.dev opens");
-  app.add_option("--out", options.out, "output folder")->capture_default_str();
-  app.add_option("--gpu", options.device.name_contains, "use only a device whose name contains this");
-  app.add_option("--export-trace", options.export_trace,
-                 "only write the recording in metres: .csv EuRoC/ASL, .tum or .txt TUM");
-  app.add_option_function<std::string>(
-         "--plan", [&options](const std::string& text) { options.plan = parse_plan_options(text); },
-         "say what the scene needs and what is left out, and nothing else; --plan=everything leaves nothing "
-         "out, to compare with (the server likewise)")
-      ->expected(0, 1)
-      ->check(CLI::IsMember({"", "needed", "everything"}));
-  // What a window shows is paced by the machine, and measured and kept as its viewer wants.
-  for (const char* of_replays :
-       {"--clock", "--delay", "--pictures", "--dump", "--reference-every", "--replay"})
-    app.get_option(of_replays)->excludes(preview);
-  app.add_flag("--validate", validate, "run with Vulkan validation layers; any message is an error");
-
+  add_doctor(app, line.doctor);
+  add_scene_options(app, line);
+  add_link_options(app, line.options);
+  add_mode_options(app, line);
+  add_request_options(app, line);
+  add_carry_over_options(app, line.options.carry_over);
+  add_output_options(app, line.options);
+  add_other_options(app, line);
   try {
     app.parse(argc, argv);
-    if (app.got_subcommand("doctor")) {
-      options.doctor = examined;
-      return options;
-    }
-    if (options.trace.empty() && !options.preview && options.replay.empty() && !options.plan.only_told)
-      throw CLI::RequiredError("--trace");
-    if (options.scene.empty() && options.export_trace.empty()) throw CLI::RequiredError("--scene");
-    const Expected<Extent> parsed = parse_size(size);
-    if (!parsed) throw CLI::ValidationError("--size", parsed.error().what);
-    options.size = *parsed;
-    options.request.predictor = parse_predictor(predictor).value();
-    options.mode.bits_per_second = static_cast<std::uint32_t>(std::lround(video_megabits * 1e6));
-    if (!options.dump.empty() && (answers_for(options.mode.mode) & kDrawnAnswers) != 0)
-      throw CLI::ValidationError("--dump", "what is shown in mode " +
-                                               std::string(name_of(options.mode.mode)) +
-                                               " is a server's picture, which no mask explains");
-    const bool recordable = options.mode.mode == Mode::Hybrid || options.mode.mode == Mode::Full;
-    if (!options.record.empty() && !recordable)
-      throw CLI::ValidationError("--record", "sessions of hybrid and full can be recorded, not of " +
-                                                 std::string(name_of(options.mode.mode)));
+    if (app.got_subcommand("doctor")) line.options.doctor = line.doctor;
+    return line.options.doctor ? std::move(line.options) : checked(std::move(line));
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(EarlyExit{app.exit(error) == 0 ? 0 : 2});
   }
-  if (validate) options.device.validation = gpu::Validation::On;
-  return options;
 }
 
 }  // namespace farshade

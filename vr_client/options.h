@@ -1,4 +1,4 @@
-/// What a user asks of the client, checked before anything is opened.
+/// The command line of the client. It is checked before any file, device or socket is opened.
 #pragma once
 
 #include <filesystem>
@@ -18,25 +18,26 @@
 
 namespace farshade {
 
-/// Where the recorded head starts.
+/// Where the head recording starts.
 enum class Place : std::uint8_t {
-  Camera,    ///< at the scene's reference camera, facing its way (as recorded where the scene has none)
+  Camera,    ///< at the scene's reference camera, in its direction; as recorded if the scene has no camera
   Recorded,  ///< as recorded
 };
 
 struct Options {
   std::filesystem::path scene, trace, out = "out";
-  std::filesystem::path export_trace;  ///< not empty: write the recording there, and nothing else
-  std::optional<double> trace_scale;   ///< the recording's units a metre, where its file cannot say
+  std::filesystem::path export_trace;  ///< not empty: only write the head recording to this file
+  std::optional<double>
+      trace_scale;  ///< units per metre of the head recording, if its format does not define them
   Place place = Place::Camera;
-  Extent size{512, 512};  ///< an eye
+  Extent size{512, 512};  ///< of each eye
   std::optional<std::uint32_t> frames;
   double skip_s = 0;
   double refresh_hz = 72;
   std::string server = "127.0.0.1:7447";
-  std::filesystem::path key;  ///< file; empty for default_key_path()
-  bool insecure = false;      ///< no key, unsealed, to a server on this machine
-  std::string net;  ///< the network towards the client, as parse_link_model has it; empty for as it is
+  std::filesystem::path key;  ///< file; empty: default_key_path()
+  bool insecure = false;      ///< no key and no encryption; only with a server on this machine
+  std::string net;            ///< impairment of received datagrams, for parse_link_model; empty: none
   ModeSettings mode;
   Pace pace = Pace::Virtual;
   double delay_ms = 20, mask_wait_ms = 0;
@@ -45,24 +46,25 @@ struct Options {
   std::uint32_t reference_every = 1;  ///< 0 = never
   std::uint32_t pictures = 4;
   std::vector<std::uint32_t> dump;
-  std::filesystem::path timeline;  ///< not empty: write the stages of client and server there
+  std::filesystem::path timeline;  ///< not empty: write the timeline to this file
   gpu::DeviceOptions device;
-  std::filesystem::path record;  ///< not empty: write the session there, to be replayed
-  std::filesystem::path replay;  ///< not empty: show the session on this file again, and compare
+  std::filesystem::path record;  ///< not empty: write a capture to this file
+  std::filesystem::path replay;  ///< not empty: replay this capture and compare
   PlanOptions plan;
-  bool preview = false;                       ///< in a window, until it is closed
-  std::optional<ClientDoctorOptions> doctor;  ///< set: look at the machine, and nothing else
+  bool preview = false;                       ///< show a window until the user closes it
+  std::optional<ClientDoctorOptions> doctor;  ///< set: only run the doctor
 };
 
-/// The program is done before it began: help was printed (status 0), or what is wrong with the command line.
+/// The program should exit with this status: 0 after it printed the help, 2 after an error in the command
+/// line.
 struct EarlyExit {
   int status;
 };
 
-/// Reads the command line. Prints help or what is wrong with it itself.
+/// Reads the command line. Prints the help and errors itself.
 [[nodiscard]] tl::expected<Options, EarlyExit> read_options(int argc, char** argv);
 
-/// Size from `WIDTHxHEIGHT`, both within 1..kMaxViewSide_px.
+/// Parses `WIDTHxHEIGHT`, both within 1..kMaxViewSide_px.
 [[nodiscard]] Expected<Extent> parse_size(const std::string& text);
 
 }  // namespace farshade

@@ -22,19 +22,19 @@ static_assert(kWorstPath.latency_ms + kWorstPath.jitter_ms <= kWorstPreviewPath_
 
 constexpr const char* kTitle = "Farshade";
 constexpr std::uint32_t kFirstPanel_px = 330, kLeastEye_px = 480, kLeastHeight_px = 720;
-/// A window opened larger than this would hardly fit a desktop.
-constexpr Extent kMostFirstWindow{1860, 1000};
-/// A minimised window is looked at so often.
+/// The first window is at most this large, so that it fits on a desktop.
+constexpr Extent kLargestFirstWindow{1860, 1000};
+/// Interval between polls of a minimised window.
 constexpr Duration kMinimisedWait = std::chrono::milliseconds(100);
-constexpr Duration kTitleEvery = std::chrono::seconds(1);
-/// A server that has said nothing for so long is said to be silent.
-constexpr Duration kSilent = std::chrono::seconds(1);
-constexpr double kPersonsEyes_m = 1.6;
+constexpr Duration kTitleInterval = std::chrono::seconds(1);
+/// The panel reports a server as silent after this time without a message.
+constexpr Duration kSilentAfter = std::chrono::seconds(1);
+constexpr double kEyeHeight_m = 1.6;
 
 Rigid<Stage, Head> start_of(const Scene& scene) {
   if (scene.camera) return {scene.camera->rotation, scene.camera->translation};
   const glm::dvec3 low = scene.bounds.low, high = scene.bounds.high;
-  return {.translation = {(low.x + high.x) / 2, std::min(low.y + kPersonsEyes_m, (low.y + high.y) / 2),
+  return {.translation = {(low.x + high.x) / 2, std::min(low.y + kEyeHeight_m, (low.y + high.y) / 2),
                           (low.z + high.z) / 2}};
 }
 
@@ -43,47 +43,48 @@ double aspect_of(const View& view) {
   return (window.right_tan - window.left_tan) / (window.up_tan - window.down_tan);
 }
 
-PreviewSetup setup_of(const Options& options, const Scene& scene, const std::optional<HeadRecording>& trace) {
+PreviewSetup setup_of(const Options& options, const Scene& scene,
+                      const std::optional<HeadRecording>& recording) {
   PreviewSetup setup{
       .start = start_of(scene), .recording = {}, .refresh_hz = options.refresh_hz, .frames = options.frames};
   const bool placed = options.place == Place::Camera && scene.camera.has_value();
-  if (trace)
-    setup.recording.emplace(
-        PlacedHeadRecording{*trace, placed ? place(*trace, *scene.camera) : Rigid<Stage, Recorded>{}});
+  if (recording)
+    setup.recording.emplace(PlacedHeadRecording{
+        *recording, placed ? place(*recording, *scene.camera) : Rigid<Stage, Recorded>{}});
   return setup;
 }
 
-Controls first_controls(const Options& options, const std::optional<HeadRecording>& trace) {
+Controls first_controls(const Options& options, const std::optional<HeadRecording>& recording) {
   Controls controls;
-  controls.steering.wish = options.request;
-  controls.steering.carry_over = options.carry_over;
-  if (trace) {
+  controls.settings.wish = options.request;
+  controls.settings.carry_over = options.carry_over;
+  if (recording) {
     controls.head = HeadSource::Recording;
-    controls.eye_distance_m = trace->eye_distance_m;
-    controls.recorded_fov = trace->fov;
+    controls.eye_distance_m = recording->eye_distance_m;
+    controls.recorded_fov = recording->fov;
   }
   return controls;
 }
 
-/// One preview, from the window's opening to its close.
+/// One preview, from opening to closing its window.
 class Preview {
  public:
-  /// The first frames draw without a reference; one is made when it is first needed.
+  /// The reference tracer is created when it is first needed.
   Preview(const Options& options, Client& client, Window& window, StopSignal& stop_signal,
-          const std::optional<HeadRecording>& trace, const LinkModel& path)
+          const std::optional<HeadRecording>& recording, const LinkModel& path)
       : options_(options),
         client_(client),
         window_(window),
         stop_signal_(stop_signal),
         presenter_(client.device, window, client.renderer->shown()),
-        controls_(first_controls(options, trace)),
+        controls_(first_controls(options, recording)),
         path_(path),
         lights_(state_at(client.scene, {}).light_set),
         runtime_(
-            setup_of(options, client.scene, trace), client.clock,
-            [](Duration span) { std::this_thread::sleep_for(span); }, [this] { return take_in(); }),
+            setup_of(options, client.scene, recording), client.clock,
+            [](Duration span) { std::this_thread::sleep_for(span); }, [this] { return read_controls(); }),
         inspection_(*client.renderer),
-        takes_(options.out, client.clock) {
+        recordings_(options.out, client.clock) {
     controls_.path = {ms_of(path_.delay), ms_of(path_.jitter), path_.loss * 100};
     if (Player* const player = runtime_.player()) {
       player->set_at_end(AtEnd::Loop);
@@ -91,27 +92,28 @@ class Preview {
     }
   }
 
-  /// Session after session: one that is recorded begins with its recording.
+  /// Runs the frame loop until the preview ends. Starting a capture restarts the loop with a new session,
+  /// because a capture must contain all messages of its session.
   Expected<void> run_all() {
-    // Written once before there is anything in it, to learn early that it cannot be.
+    // An empty timeline is written first, so that a path that cannot be written fails early.
     if (auto written = write_timeline(); !written) return written;
-    const bool recorded = !options_.record.empty();
-    Expected<void> done = open_link(options_, client_, recorded ? takes_.listen() : LinkListener{});
+    const bool captures = !options_.record.empty();
+    Expected<void> done = open_link(options_, client_, captures ? recordings_.listen() : LinkListener{});
     if (!done) return done;
-    if (recorded) takes_.begin_session(options_.record, header_of(options_, client_, policy()));
-    if (recorded && !takes_.records_session()) return {};  // finish() says why
+    if (captures) recordings_.begin_capture(options_.record, header_of(options_, client_, policy()));
+    if (captures && !recordings_.writes_capture()) return {};  // finish() returns the error
     do {
-      if (restart_ == Restart::Wanted) done = begin_recorded_session();
+      if (restart_ == Restart::Wanted) done = restart_with_capture();
       const auto stop = [&] { return ended() || restart_ == Restart::Wanted; };
       if (done)
         done = run(
-            session(), [this](const FrameView& view) { watch(view); }, stop);
+            run_context(), [this](const FrameView& view) { watch(view); }, stop);
     } while (done && restart_ == Restart::Wanted && !ended());
     return done;
   }
 
   [[nodiscard]] Expected<void> finish() {
-    const Expected<void> taken = takes_.finish();
+    const Expected<void> taken = recordings_.finish();
     const Expected<void> written = write_timeline();
     return taken ? written : taken;
   }
@@ -123,46 +125,46 @@ class Preview {
   [[nodiscard]] bool ended() {
     return quit_ == Quit::Wanted || window_.should_close() || stop_signal_.has_come();
   }
-  [[nodiscard]] ControlState stand() { return {lights_, runtime_.stage_from_head(), runtime_.player()}; }
+  [[nodiscard]] ControlContext context() { return {lights_, runtime_.stage_from_head(), runtime_.player()}; }
 
   [[nodiscard]] MaskPolicy policy() const {
     return {.pace = Pace::Real,
             .round_trip = client_.round_trip,
             .mask_wait = duration_from_ms(options_.mask_wait_ms)};
   }
-  [[nodiscard]] RunContext session() {
+  [[nodiscard]] RunContext run_context() {
     return {.scene = client_.scene,
             .runtime = runtime_,
             .renderer = *client_.renderer,
             .mode = options_.mode,
             .link = client_.link ? &*client_.link : nullptr,
             .own_tracer = client_.own_tracer ? &*client_.own_tracer : nullptr,
-            .steering = controls_.steering,
+            .steering = controls_.settings,
             .policy = policy()};
   }
 
-  Expected<void> begin_recorded_session() {
+  Expected<void> restart_with_capture() {
     restart_ = Restart::No;
     history_ = {};
     client_.renderer->forget();
-    LinkListener listener = takes_.listen();
+    LinkListener listener = recordings_.listen();
     if (client_.link)
       if (auto met = meet(options_, client_, std::move(listener)); !met) return met;
-    takes_.begin_session({}, header_of(options_, client_, policy()));
+    recordings_.begin_capture({}, header_of(options_, client_, policy()));
     return {};
   }
 
-  /// What hands did since the last frame, done; nothing ends the session.
-  std::optional<HeadControls> take_in() {
+  /// Applies the input since the last frame. Returns nothing to end or restart the run.
+  std::optional<HeadControls> read_controls() {
     while (window_.framebuffer_size().pixels() == 0 && !ended()) {
       window_.wait(kMinimisedWait);
       if (client_.link) client_.link->poll();
     }
     const Input input = window_.poll();
-    obey(input, controls_, stand());
+    apply_input(input, controls_, context());
     follow_path();
-    begin_and_end_takes();
-    if (controls_.take(Act::Quit)) quit_ = Quit::Wanted;
+    toggle_recordings();
+    if (controls_.take(Command::Quit)) quit_ = Quit::Wanted;
     if (ended() || restart_ == Restart::Wanted) return std::nullopt;
     return HeadControls{controls_.head, head_input(input), headset_of(controls_, options_.size)};
   }
@@ -173,97 +175,97 @@ class Preview {
     client_.network->follow(path_of(controls_.path, path_));
   }
 
-  void begin_and_end_takes() {
-    if (controls_.take(Act::RecordHead)) takes_.toggle_head();
-    if (controls_.take(Act::RecordFrames)) takes_.toggle_frames();
-    if (!controls_.take(Act::RecordSession)) return;
-    if (takes_.records_session())
-      takes_.end_session();
+  void toggle_recordings() {
+    if (controls_.take(Command::RecordHead)) recordings_.toggle_head();
+    if (controls_.take(Command::RecordFrames)) recordings_.toggle_frames();
+    if (!controls_.take(Command::RecordCapture)) return;
+    if (recordings_.writes_capture())
+      recordings_.end_capture();
     else
       restart_ = Restart::Wanted;
   }
 
-  /// A frame was drawn: look into it, keep what is to be kept of it, show it.
+  /// Inspects, records and shows a frame that was drawn.
   void watch(const FrameView& view) {
     lights_ = view.state.light_set;
-    inspection_.look(view, controls_, reference());
+    inspection_.inspect(view, controls_, reference());
     const Composition composition = compose(view);
-    keep(view, composition);
+    record(view, composition);
     if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->inbox() : nullptr);
-    const ControlState now = stand();
+    const ControlContext now = context();
     const PanelFacts facts = facts_of(now);
     presenter_.show(composition, [&] { draw_panel(controls_, facts); });
     history_.add(view, inspection_.errors(), client_.link ? &*client_.link : nullptr, client_.clock.now());
-    tell_title();
+    update_title();
   }
 
-  /// Null where none is needed; one that cannot be had is said once and not needed any more.
+  /// Null if the controls need no reference. If it cannot be created, the controls that need it are reset.
   Reference* reference() {
     if (!needs_reference(controls_)) return nullptr;
     if (const Expected<void> opened = open_reference(client_); opened) return &*client_.reference;
     controls_.reference = Switch::Off;
-    if (controls_.look == Look::Difference) controls_.look = Look::SideBySide;
+    if (controls_.display == DisplayMode::Difference) controls_.display = DisplayMode::SideBySide;
     if (controls_.overlay == Overlay::Error) controls_.overlay = Overlay::None;
     return nullptr;
   }
 
   Composition compose(const FrameView& view) {
-    constexpr std::array ways{StereoLayout::SideBySide, StereoLayout::CrossEyed, StereoLayout::Mono,
-                              StereoLayout::Anaglyph, StereoLayout::SideBySide};
+    constexpr std::array layouts{StereoLayout::SideBySide, StereoLayout::CrossEyed, StereoLayout::Mono,
+                                 StereoLayout::Anaglyph, StereoLayout::SideBySide};
     Composition composition{
-        .layout = ways[static_cast<std::size_t>(controls_.look)],
+        .layout = layouts[static_cast<std::size_t>(controls_.display)],
         .pictures = {Picture::LeftEye, Picture::RightEye},
         .aspect = aspect_of(view.shown.views[0]),
         .shared = shared_columns({view.shown.views[0].fov, view.shown.views[1].fov}, controls_.eye_distance_m,
                                  options_.size),
         .right_px = panel_width_px(controls_, window_.framebuffer_size(), window_.content_scale())};
-    if (const auto& pictures = inspection_.in_place()) {
+    if (const auto& pictures = inspection_.replacement()) {
       for (const Side side : kSides) presenter_.upload(side, (*pictures)[index_of(side)]);
       composition.pictures = {Picture::LeftUpload, Picture::RightUpload};
     }
     return composition;
   }
 
-  void keep(const FrameView& view, const Composition& composition) {
-    if (controls_.take(Act::Screenshot))
-      takes_.take_screenshot(inspection_.on_show(), presenter_.read_back(composition));
-    takes_.watch(view, takes_.records_session() ? &inspection_.shown() : nullptr,
-                 takes_.records_frames() ? &inspection_.on_show() : nullptr);
+  void record(const FrameView& view, const Composition& composition) {
+    if (controls_.take(Command::Screenshot))
+      recordings_.take_screenshot(inspection_.displayed(), presenter_.read_back(composition));
+    recordings_.watch(view, recordings_.writes_capture() ? &inspection_.shown() : nullptr,
+                      recordings_.records_frames() ? &inspection_.displayed() : nullptr);
   }
 
-  PanelFacts facts_of(const ControlState& now) {
+  PanelFacts facts_of(const ControlContext& now) {
     return {.history = history_,
             .scene = client_.scene,
-            .stand = now,
+            .context = now,
             .device = client_.device.name,
             .server = server_state(),
-            .note = takes_.note(),
-            .recording_head = switch_of(takes_.records_head()),
-            .recording_session = switch_of(takes_.records_session()),
-            .recording_frames = switch_of(takes_.records_frames()),
+            .note = recordings_.note(),
+            .recording_head = switch_of(recordings_.records_head()),
+            .writing_capture = switch_of(recordings_.writes_capture()),
+            .recording_frames = switch_of(recordings_.records_frames()),
             .window = window_.framebuffer_size(),
             .scale = window_.content_scale()};
   }
 
   [[nodiscard]] std::string server_state() const {
     if (!client_.link)
-      return client_.scene.lights.empty()        ? "no lights: no server"
+      return client_.scene.lights.empty()        ? "the scene has no lights: no server"
              : options_.mode.mode == Mode::Local ? "shadow maps: no server"
-                                                 : "traces here: no server";
+                                                 : "this client traces: no server";
     const std::string server =
         std::string(name_of(options_.mode.mode)) + ", server " + to_string(client_.server);
     const std::optional<Time> heard = client_.link->heard_at();
     if (!heard) return server + " does not answer";
     const Duration silence = client_.clock.now() - *heard;
-    if (silence > kSilent) return fmt::format("{} silent for {:.0f} s", server, seconds_of(silence));
+    if (silence > kSilentAfter) return fmt::format("{} silent for {:.0f} s", server, seconds_of(silence));
     return server;
   }
 
-  void tell_title() {
+  void update_title() {
     const Time now = client_.clock.now();
-    if (titled_ && now - *titled_ < kTitleEvery) return;
+    if (titled_ && now - *titled_ < kTitleInterval) return;
     titled_ = now;
-    window_.set_title(fmt::format("{}: {}, {:.0f} frames a second", kTitle, client_.scene.name,
+    window_.set_title(fmt::format("{}: {}, {:.0f} frames per second", kTitle, client_.scene.name,
                                   history_.figures().frames_per_s));
   }
 
@@ -273,38 +275,39 @@ class Preview {
   StopSignal& stop_signal_;
   Presenter presenter_;
   Controls controls_;
-  LinkModel path_;  ///< as the command line has it
+  LinkModel path_;  ///< from the command line
   std::optional<NetworkSettings> followed_;
-  LightSet lights_;  ///< as last shown
+  LightSet lights_;  ///< of the last shown frame
   PreviewRuntime runtime_;
   Inspection inspection_;
   History history_;
-  Recordings takes_;
+  Recordings recordings_;
   Timeline timeline_;
   std::optional<Time> titled_;
   enum class Restart : std::uint8_t { No, Wanted } restart_ = Restart::No;
   enum class Quit : std::uint8_t { No, Wanted } quit_ = Quit::No;
 };
 
-/// Room for both eyes pixel by pixel, small ones enlarged, and the panel.
+/// Room for both eyes at scale 1 and the panel; small eyes are enlarged.
 Extent window_size(const Options& options) {
-  const Extent wanted{std::max(options.size.width, kLeastEye_px) * 2 + kFirstPanel_px,
-                      std::max(options.size.height, kLeastHeight_px)};
-  return {std::min(wanted.width, kMostFirstWindow.width), std::min(wanted.height, kMostFirstWindow.height)};
+  const Extent preferred{std::max(options.size.width, kLeastEye_px) * 2 + kFirstPanel_px,
+                         std::max(options.size.height, kLeastHeight_px)};
+  return {std::min(preferred.width, kLargestFirstWindow.width),
+          std::min(preferred.height, kLargestFirstWindow.height)};
 }
 
 }  // namespace
 
-Expected<void> run_preview(const Options& wish) {
-  Options options = wish;
+Expected<void> run_preview(const Options& given) {
+  Options options = given;
   options.pace = Pace::Real;
   StopSignal stop_signal;
   if (auto done = make_folder(options.out); !done) return done;
-  std::optional<HeadRecording> trace;
+  std::optional<HeadRecording> recording;
   if (!options.trace.empty()) {
     Expected<HeadRecording> loaded = load_head_recording(options.trace, {options.trace_scale});
     if (!loaded) return tl::unexpected(loaded.error());
-    trace = std::move(*loaded);
+    recording = std::move(*loaded);
   }
   const Expected<LinkModel> path = options.net.empty() ? LinkModel{} : parse_link_model(options.net);
   if (!path) return tl::unexpected(path.error());
@@ -312,18 +315,18 @@ Expected<void> run_preview(const Options& wish) {
   if (!window) return tl::unexpected(window.error());
   options.device.presentation = (*window)->presentation();
   Expected<std::unique_ptr<Client>> client =
-      open_client(options, kWidestEyes_m);  // a viewer may set the eyes apart at any time
+      open_client(options, kWidestEyes_m);  // the viewer may change the eye distance at any time
   if (!client) return tl::unexpected(client.error());
   if (options.mode.mode == Mode::Full)
     if (auto done = open_own_tracer(**client); !done) return done;
 
   Expected<void> done, finished;
   {
-    Preview preview(options, **client, **window, stop_signal, trace, *path);
+    Preview preview(options, **client, **window, stop_signal, recording, *path);
     try {
       done = preview.run_all();
     } catch (const std::exception& error) {
-      // A lost device, a surface that went: whatever ends the preview, what was taken is kept.
+      // For example a lost device or surface. The recordings are finished below.
       done = fail(Fault::Unavailable, fmt::format("drawing on {} failed ({}); start again",
                                                   (*client)->device.name, error.what()));
     }

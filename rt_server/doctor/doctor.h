@@ -1,10 +1,10 @@
-/// `rt_server doctor`: what a server needs of this machine, and what to do where it is missing. Serves nobody
-/// and changes nothing.
+/// `rt_server doctor`: checks what a server needs on this machine, and names a cure for each problem. It
+/// serves no client and changes nothing.
 #pragma once
 
 #include <string>
 
-#include "stereo/doctor/finding.h"
+#include "stereo/doctor/checks.h"
 
 namespace CLI {
 class App;
@@ -13,9 +13,9 @@ class App;
 namespace farshade {
 
 struct ServerDoctorOptions {
-  std::string ring;  ///< empty for default_ring_path()
+  std::string ring;  ///< empty: default_ring_path()
   std::string listen = "127.0.0.1:7447";
-  std::string scene;  ///< empty: none is loaded
+  std::string scene;  ///< empty: no scene is loaded
 };
 
 /// Adds the subcommand `doctor` and its options to the program. `options` must outlive the parsing.

@@ -1,25 +1,49 @@
-/// What both doctors look at: versions, key files, scene files, socket buffers.
+/// Findings of `rt_server doctor` and `vr_client doctor`, and the checks that both programs share.
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
-#include "stereo/doctor/finding.h"
+#include "stereo/base/expected.h"
 #include "stereo/scene/scene.h"
 
 namespace farshade {
 
-/// Protocol, build, compiler and libraries, in one line to compare with the other side's.
-[[nodiscard]] Finding check_versions();
+enum class Severity : std::uint8_t {
+  Ok,
+  Warn,  ///< the program works, but more slowly or without one of its features
+  Fail,  ///< the program cannot work
+};
+
+struct Finding {
+  Severity severity = Severity::Ok;
+  std::string subject;  ///< what was checked
+  std::string found;    ///< contains no secret
+  std::string cure{};   ///< what the user can do; empty if the severity is Ok
+};
+using Findings = std::vector<Finding>;
+
+/// A Fail finding whose text is `error`'s.
+[[nodiscard]] Finding failed(std::string subject, const Error& error, std::string cure);
+
+/// Prints one line per finding to standard output: `FAIL  SUBJECT: FOUND; cure: CURE`.
+void print(const Findings& findings);
+
+[[nodiscard]] bool any_failed(const Findings& findings);
+
+/// The protocol version, to compare with the other program's. Warns about a debug build.
+[[nodiscard]] Finding check_build();
 
 enum class KeyFile : std::uint8_t { OfClient, Ring };
 
-/// Is it there, whose is it, who may read it, how many keys does it hold. Says no secret.
+/// Does the file exist, may only its owner read it, and is it valid?
 [[nodiscard]] Finding check_key_file(const std::filesystem::path& path, KeyFile kind);
 
-/// A scene that was asked for, as load_scene has answered.
+/// `scene` is the result of load_scene.
 [[nodiscard]] Finding check_scene(const Expected<Scene>& scene);
 
-/// What the kernel grants a UDP socket of the buffers that we ask for.
+/// Does the kernel grant UDP sockets the buffer sizes that the programs ask for?
 [[nodiscard]] Finding check_socket_buffers();
 
 }  // namespace farshade

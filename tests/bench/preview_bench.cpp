@@ -94,7 +94,7 @@ void compare(const BenchOptions& options) {
   Controls controls;
   const History history;
   const SceneState state = state_at(scene, Time{});
-  const ControlState stand{state.light_set, {}, nullptr};
+  const ControlContext stand{state.light_set, {}, nullptr};
   const PanelFacts facts{.history = history,
                          .scene = scene,
                          .stand = stand,

@@ -1,5 +1,5 @@
-// Capture files: arbitrary bytes are refused in one sentence that names the file, or they are read to their
-// end. Writing and reading the content gives the same bytes, and its views can be drawn.
+// Capture files: any bytes. The reader either reads frames to the end or returns one sentence that names the
+// file. Frames that were read are written again as the same bytes, and their views can be drawn.
 #include "vr_client/record/capture_reader.h"
 
 #include <sstream>
@@ -25,13 +25,13 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (!frame || !*frame) break;
     for (const View& view : (*frame)->input.views) {
       check(is_valid(view), "views can be drawn");
-      check(view.size == reader->header().limits.size, "views have the size of the capture");
+      check(view.size == reader->header().limits.size, "views have the size of the header");
     }
     check((*frame)->input.timing.period > Duration::zero(), "time can be divided by the period");
-    check((*frame)->asked || (*frame)->after.empty(), "messages come only after a request");
+    check((*frame)->request || (*frame)->after.empty(), "a frame without a request has no messages after it");
     append(**frame, again);
   }
-  // The reader ignores some bytes of a request, so the written bytes may differ from the file.
+  // The reader drops some fields of a request, so the bytes may differ from those of the fuzzed file.
   Expected<CaptureReader> once_more =
       CaptureReader::over(std::make_unique<std::istringstream>(
                               std::string(reinterpret_cast<const char*>(again.data()), again.size())),

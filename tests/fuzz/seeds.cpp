@@ -176,13 +176,14 @@ void save_client_sequences(const fs::path& folder) {
   save(folder / "silence", bytes_of({6, 1, 4, 6, 1, 4, 6, 1, 4, 6, 1, 4, 5, 255, 5, 255, 4, 5, 50}));
 }
 
-/// Captures with a server, light changes and an incomplete end, and without a server.
-void save_session_files(const fs::path& folder) {
+/// One capture with a server and light changes, the same cut off, one without a server, and one whose request
+/// is another message.
+void save_captures(const fs::path& folder) {
   using namespace record_samples;
   CapturedFrame lit = frame(1), quiet = frame(2), alone = frame(1);
-  change(lit.input.steering.lights, 2, false, {});
-  change(lit.input.steering.lights, 0, true, LightPose{.position = {{1, 2, 3}}});
-  quiet.asked.reset();
+  change(lit.input.settings.lights, 2, false, {});
+  change(lit.input.settings.lights, 0, true, LightPose{.position = {{1, 2, 3}}});
+  quiet.request.reset();
   quiet.before = std::exchange(quiet.after, {});
   Bytes whole = file_of(header(), std::vector{lit, quiet});
   save(folder / "server", whole);
@@ -190,10 +191,11 @@ void save_session_files(const fs::path& folder) {
   save(folder / "cut_off", whole);
   CaptureHeader nobody = header();
   nobody.origin = MaskOrigin::Nobody;
-  alone.asked.reset();
+  alone.request.reset();
   alone.before.clear();
   alone.after.clear();
   save(folder / "nobody", file_of(nobody, std::vector{alone}));
+  save(folder / "plane_slice_as_request", file_with_request(wire_samples::plane_slice()));
 }
 
 }  // namespace
@@ -212,7 +214,7 @@ int main(int argc, char** argv) {
   save_handshakes(corpus / "handshake");
   save_server_sequences(corpus / "server_sequence");
   save_client_sequences(corpus / "client_sequence");
-  save_session_files(corpus / "session_file");
+  save_captures(corpus / "capture_file");
   std::mt19937 random(1);
   const fs::path planes = corpus / "plane_slice";
   std::mt19937 noise(2);

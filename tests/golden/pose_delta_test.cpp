@@ -9,14 +9,15 @@
 
 #include "stereo/image/codec.h"
 #include "stereo/image/difference.h"
-#include "stereo/image/flip.h"
-#include "stereo/image/heat_map.h"
-#include "stereo/image/ssim.h"
+#include "tests/metrics/flip.h"
+#include "tests/metrics/heat_map.h"
+#include "tests/metrics/ssim.h"
 #include "stereo/scene/gltf.h"
 #include "tests/golden/pose_cases.h"
 #include "tests/golden/pose_delta_rows.h"
 #include "tests/golden/reproject_reference.h"
 #include "tests/golden/theatre.h"
+#include "tests/metrics/pixels_per_degree.h"
 #include "vr_client/report/measure.h"
 
 namespace farshade {

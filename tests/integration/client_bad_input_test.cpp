@@ -12,8 +12,7 @@ namespace {
 
 class ClientProgramRefuses : public testing::Test {
  protected:
-  /// Runs to its end, which must be a failure told in one sentence that names `culprit`, with nothing
-  /// written.
+  /// Runs the client. It must fail with one sentence that names `culprit`, and write nothing.
   void expect_refusal(std::map<std::string, std::string> options, const std::string& culprit) {
     options.insert({{"--out", out_.string()}, {"--mode", "full"}});
     const Ended run = run_client(options);
@@ -37,7 +36,7 @@ class ClientProgramRefuses : public testing::Test {
 constexpr const char* kHeader =
     "#timestamp [ns],p_RS_R_x [m],p_RS_R_y [m],p_RS_R_z [m],q_RS_w [],q_RS_x [],q_RS_y [],q_RS_z []\n";
 
-TEST_F(ClientProgramRefuses, SceneThatIsNotThere) {
+TEST_F(ClientProgramRefuses, MissingScene) {
   expect_refusal({{"--scene", "no/such.glb"}}, "no/such.glb");
 }
 
@@ -52,33 +51,33 @@ TEST_F(ClientProgramRefuses, TruncatedScene) {
   }
 }
 
-TEST_F(ClientProgramRefuses, TraceThatIsNotThere) {
+TEST_F(ClientProgramRefuses, MissingHeadRecording) {
   expect_refusal({{"--trace", "no/such.csv"}}, "no/such.csv");
 }
 
-TEST_F(ClientProgramRefuses, TraceWithNaN) {
+TEST_F(ClientProgramRefuses, HeadRecordingWithNaN) {
   expect_refusal(
       {{"--trace", file("nan.csv", std::string(kHeader) + "0,0,0,0,1,0,0,0\n10,nan,0,0,1,0,0,0\n")}},
       "nan.csv:3");
 }
 
-TEST_F(ClientProgramRefuses, TraceWithTwoRows) {
+TEST_F(ClientProgramRefuses, HeadRecordingWithTwoRows) {
   expect_refusal(
       {{"--trace", file("short.csv", std::string(kHeader) + "0,0,0,0,1,0,0,0\n10,0,0,0,1,0,0,0\n")}},
       "short.csv");
 }
 
-TEST_F(ClientProgramRefuses, TraceOfWhichTooLittleIsInTimeOrder) {
+TEST_F(ClientProgramRefuses, HeadRecordingWithTooFewRowsInTimeOrder) {
   expect_refusal({{"--trace", file("back.csv", std::string(kHeader) + "20,0,0,0,1,0,0,0\n10,0,0,0,1,0,0,0\n"
                                                                       "30,0,0,0,1,0,0,0\n")}},
                  "back.csv: holds 2 head samples in time order");
 }
 
-TEST_F(ClientProgramRefuses, SkipBeyondTheTrace) {
+TEST_F(ClientProgramRefuses, SkipBeyondTheHeadRecording) {
   expect_refusal({{"--skip", "1000"}}, "--skip 1000");
 }
 
-TEST_F(ClientProgramRefuses, OutputFolderWithAFileInItsPlace) {
+TEST_F(ClientProgramRefuses, OutputFolderThatIsAFile) {
   const std::string taken = file("taken", "mine");
   expect_refusal({{"--out", taken}}, "taken");
   expect_refusal({{"--out", taken + "/below"}}, "taken/below");
@@ -90,12 +89,12 @@ TEST_F(ClientProgramRefuses, SizesOutOfRange) {
     expect_refusal({{"--size", size}}, "size '" + size + "' is not WIDTHxHEIGHT");
 }
 
-TEST_F(ClientProgramRefuses, DeviceThatIsNotThere) {
+TEST_F(ClientProgramRefuses, MissingDevice) {
   expect_refusal({{"--gpu", "Voodoo2"}}, "no usable Vulkan 1.3 device");
 }
 
 TEST_F(ClientProgramRefuses, OutputThatCannotBeWrittenLater) {
-  std::filesystem::create_directories(out_ / "frame_0001_left.png");  // a folder in the picture's place
+  std::filesystem::create_directories(out_ / "frame_0001_left.png");  // a folder with the name of a picture
   const Ended run =
       run_client({{"--out", out_.string()}, {"--mode", "full"}, {"--frames", "1"}, {"--pictures", "1"}});
   EXPECT_GT(run.status, 0);
@@ -114,7 +113,7 @@ TEST_F(ClientProgramRefuses, ServerOfAnotherScene) {
   EXPECT_NE(server.program().errors().find(cure), std::string::npos);
 }
 
-TEST_F(ClientProgramRefuses, AddressThatIsNone) {
+TEST_F(ClientProgramRefuses, InvalidAddress) {
   const Ended run = run_client({{"--server", "here"}, {"--out", out_.string()}});
   EXPECT_GT(run.status, 0);
   EXPECT_NE(run.errors.find("'here' is no address"), std::string::npos) << run.errors;

@@ -1,4 +1,4 @@
-// A dump, read as another program would: from its files alone, with the geometry written out again.
+// Reads a dump as another program would: from its files only, with its own implementation of the geometry.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -40,7 +40,7 @@ struct DumpedEye {
   Image<Rgb8> shown, reference;
 };
 
-/// Where the surface that pixel (x, y) of `view` shows is seen by `other`: pixel position and distance.
+/// The position and distance in `other` of the surface that pixel (x, y) of `view` shows.
 struct Seen {
   std::uint32_t x, y;
   double distance;
@@ -59,8 +59,8 @@ std::optional<Seen> seen_by(const View& other, const View& view, const Image<flo
 
 class ClientDump : public testing::Test {
  protected:
-  /// Frame 5 of a session with a delay of 20 ms: what it shows was asked for in frame 3, here for the views
-  /// that frame 3 showed.
+  /// Frame 5 of a run with a delay of 20 ms. It shows masks that frame 3 requested, here for the views that
+  /// frame 3 showed.
   void SetUp() override { dump({{"--predictor", "hold"}, {"--guard-band", "off"}}); }
 
   void dump(std::map<std::string, std::string> options) {
@@ -105,7 +105,7 @@ TEST_F(ClientDump, StatesFramesAndTimesOfBothViews) {
   EXPECT_EQ(shown["scene_time_ns"], 55'555'556);
 }
 
-TEST_F(ClientDump, StatesTheViewsOfTheTrace) {
+TEST_F(ClientDump, StatesTheViewsOfTheHeadRecording) {
   const HeadRecording trace = load_head_recording(kWalk, {}).value();
   for (const StereoView& views : {shown_, traced_}) {
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
@@ -120,13 +120,13 @@ TEST_F(ClientDump, StatesTheViewsOfTheTrace) {
   EXPECT_NE(shown_, traced_);
 }
 
-/// As a user runs it: asked for in frame 3, for the views foreseen for frame 5 and a guard band.
+/// The default settings: frame 3 requests masks for the views predicted for frame 5, with a guard band.
 class PredictedClientDump : public ClientDump {
  protected:
   void SetUp() override { dump({}); }
 };
 
-TEST_F(PredictedClientDump, TracedViewsAreThoseForeseenForTheTimeShown) {
+TEST_F(PredictedClientDump, TracedViewsArePredictedForTheDisplayTime) {
   const json &shown = described_["shown"], &traced = described_["traced"];
   EXPECT_EQ(shown["frame"], 5);
   EXPECT_EQ(traced["frame"], 3);
@@ -172,7 +172,7 @@ TEST_F(ClientDump, CoveredPixelsHaveFiniteDistanceAndBitsOfLightsOnly) {
   }
 }
 
-/// Swapped eyes, a mirrored picture or a distance along the ray would not agree.
+/// Fails for swapped eyes, a mirrored picture, or a distance along the ray.
 TEST_F(ClientDump, BothEyesSeeTheSameSurfaces) {
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     int common = 0, equal = 0;
@@ -188,7 +188,7 @@ TEST_F(ClientDump, BothEyesSeeTheSameSurfaces) {
   }
 }
 
-/// Of covered pixels whose surface the traced view has in its picture, those that show that pixel's bits.
+/// The share of covered pixels that show the bits of the traced pixel with the same surface.
 struct CarriedOver {
   int common = 0, equal = 0, equal_in_place = 0;
 };
@@ -207,9 +207,9 @@ CarriedOver carried_over(const DumpedEye& eye, const View& shown, const View& tr
   return count;
 }
 
-/// The mask shown is the traced mask carried over by the views stated, and not as it was. At shadow edges,
-/// which are many at this size, it is what lies between the pixels.
-TEST_F(ClientDump, ShownMaskIsTheTracedMaskCarriedOver) {
+/// The shown mask is the traced mask, reprojected with the stated views. At shadow edges, of which there are
+/// many at this size, it is filtered between pixels.
+TEST_F(ClientDump, ShownMaskIsTheReprojectedTracedMask) {
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const CarriedOver count = carried_over(eyes_[eye], shown_[eye], traced_[eye]);
     EXPECT_GT(count.equal, count.common * 0.95) << "eye " << eye << ", of " << count.common;
@@ -217,7 +217,7 @@ TEST_F(ClientDump, ShownMaskIsTheTracedMaskCarriedOver) {
   }
 }
 
-TEST_F(PredictedClientDump, ShownMaskIsTheTracedMaskCarriedOver) {
+TEST_F(PredictedClientDump, ShownMaskIsTheReprojectedTracedMask) {
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const CarriedOver count = carried_over(eyes_[eye], shown_[eye], traced_[eye]);
     EXPECT_GT(count.equal, count.common * 0.95) << "eye " << eye << ", of " << count.common;
@@ -226,7 +226,7 @@ TEST_F(PredictedClientDump, ShownMaskIsTheTracedMaskCarriedOver) {
   }
 }
 
-TEST_F(ClientDump, ShownPictureIsNearItsReference) {
+TEST_F(ClientDump, ShownPictureIsCloseToItsReference) {
   for (const DumpedEye& eye : eyes_) {
     EXPECT_EQ(eye.shown.size, kClientSize);
     EXPECT_GT(psnr_db(eye.shown, eye.reference), 18);

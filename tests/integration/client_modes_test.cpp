@@ -1,4 +1,4 @@
-// Every mode through the real programs over UDP: what a user types works, or says why it does not.
+// Runs every mode with the real programs over UDP. A command line works, or the program says why it does not.
 #include <gtest/gtest.h>
 
 #include "stereo/video/video.h"
@@ -43,17 +43,17 @@ INSTANTIATE_TEST_SUITE_P(Modes, ClientMode,
                                          Case{"local", 15}, Case{"full", 50}),
                          mode_name);
 
-TEST(ClientModes, WhatCannotBeRecordedIsSaid) {
+TEST(ClientModes, RefusesToCaptureOtherModes) {
   const ScratchFolder folder;
   const Ended run = run_client({{"--mode", "remote"},
                                 {"--record", (folder.path() / "session").string()},
                                 {"--out", folder.path().string()}});
   EXPECT_NE(run.status, 0);
-  EXPECT_NE(run.errors.find("sessions of hybrid and full can be recorded, not of remote"), std::string::npos)
+  EXPECT_NE(run.errors.find("only modes hybrid and full can be captured, not mode remote"), std::string::npos)
       << run.errors;
 }
 
-TEST(ClientModes, MapsThatTakeTooMuchAreRefusedWithWhatWouldDo) {
+TEST(ClientModes, RefusesShadowMapsThatNeedTooMuchMemory) {
   const ScratchFolder folder;
   const Ended run =
       run_client({{"--mode", "local"}, {"--shadow-maps", "8192"}, {"--out", folder.path().string()}});

@@ -31,7 +31,7 @@ std::vector<std::string> client_arguments(const std::map<std::string, std::strin
               {"--size", std::to_string(kClientSize.width) + "x" + std::to_string(kClientSize.height)},
               {"--frames", "8"},
               {"--key", test_keys().client}});
-  // The Vulkan loader unloads drivers at the end, and what they leak then has no module to be excused by.
+  // The Vulkan loader unloads drivers at the end. A leak suppression cannot name a module that is unloaded.
   std::vector<std::string> arguments{"/usr/bin/env", "LSAN_OPTIONS=detect_leaks=0", VR_CLIENT};
   for (const auto& [name, value] : all) {
     arguments.push_back(name);

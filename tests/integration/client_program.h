@@ -1,5 +1,5 @@
-/// vr_client and rt_server as the tests run them: small, short, in a scratch folder, on a port of the
-/// system's choice.
+/// Runs vr_client and rt_server for tests: small and short, in a scratch folder, on a port that the system
+/// chooses.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@ namespace farshade {
 inline const std::string kRoom = FARSHADE_ASSETS "/room.glb", kWalk = FARSHADE_ASSETS "/walk.csv";
 inline constexpr Extent kClientSize{96, 64};
 
-/// An rt_server that listens.
+/// An rt_server process that accepts clients.
 class RunningServer {
  public:
   explicit RunningServer(const std::string& scene = kRoom, const std::string& listen = "127.0.0.1:0",
@@ -29,7 +29,7 @@ class RunningServer {
   std::string address_;
 };
 
-/// vr_client with `options`, along the walk at kClientSize unless they say otherwise.
+/// The command line of vr_client with `options`. By default it plays the walk at kClientSize.
 [[nodiscard]] std::vector<std::string> client_arguments(const std::map<std::string, std::string>& options);
 
 struct Ended {
@@ -38,7 +38,7 @@ struct Ended {
 };
 [[nodiscard]] Ended run_client(const std::map<std::string, std::string>& options);
 
-/// Column name to fields, top row first. Fields hold no commas.
+/// The columns of a CSV file by name, without the heading. Fields contain no commas.
 using Csv = std::map<std::string, std::vector<std::string>>;
 [[nodiscard]] Csv read_csv(const std::filesystem::path& path);
 
@@ -46,7 +46,7 @@ using Csv = std::map<std::string, std::vector<std::string>>;
 [[nodiscard]] std::vector<double> summary_row(const std::filesystem::path& out, const std::string& group,
                                               const std::string& metric);
 
-/// All regular files below `folder`, as paths from it.
+/// The paths of all regular files below `folder`, relative to it.
 [[nodiscard]] std::vector<std::string> files_below(const std::filesystem::path& folder);
 
 }  // namespace farshade

@@ -14,20 +14,20 @@
 namespace farshade {
 namespace {
 
-/// What a 96x64 picture of the room may have wrong with masks 28 ms old: it has 2.3 %, nearly all of it on
-/// shadow edges, which are many at this size.
+/// Limit of the mask error of a 96x64 picture of the room with masks that are 28 ms old. It was 2.3 %, nearly
+/// all at shadow edges, of which there are many at this size.
 constexpr double kMaskError_percent = 5;
 
 bool is_error_or_wire(const std::string& column) {
   return column.starts_with("left eye") || column.starts_with("right eye") || column.starts_with("wire");
 }
 
-/// Somewhere that takes datagrams and never answers.
+/// A port that receives datagrams and never answers.
 std::unique_ptr<DatagramPort> silent_port() {
   return std::move(*listen_udp("127.0.0.1:0"));
 }
 
-TEST(ClientProgram, DoesNotWaitLongForWhatIsLost) {
+TEST(ClientProgram, DoesNotWaitLongForLostMasks) {
   const ScratchFolder folder;
   const RunningServer server;
   const Stopwatch watch;
@@ -40,7 +40,7 @@ TEST(ClientProgram, DoesNotWaitLongForWhatIsLost) {
   EXPECT_LT(watch.elapsed(), std::chrono::seconds(60)) << "5 s for each frame that lost something is 2 min";
 }
 
-TEST(ClientProgram, TalksToAnInsecureServerOnItsMachineAndToNoOther) {
+TEST(ClientProgram, UsesAnInsecureServerOnItsOwnMachineOnly) {
   const ScratchFolder folder;
   ChildProgram server({RT_SERVER, "--scene", kRoom, "--listen", "127.0.0.1:0", "--insecure"});
   const auto address = server.line_after("rt_server: listening on ");
@@ -54,7 +54,7 @@ TEST(ClientProgram, TalksToAnInsecureServerOnItsMachineAndToNoOther) {
   EXPECT_NE(keyed.status, 0);
   const Ended far =
       run_client({{"--server", "192.0.2.1:7447"}, {"--insecure", ""}, {"--out", folder.path().string()}});
-  EXPECT_NE(far.errors.find("talks to this machine alone"), std::string::npos) << far.errors;
+  EXPECT_NE(far.errors.find("works on this machine only"), std::string::npos) << far.errors;
 }
 
 TEST(ClientProgram, ShowsTheRoomWithMasksFromTheServer) {
@@ -89,7 +89,8 @@ TEST(ClientProgram, ShowsTheRoomWithMasksFromTheServer) {
     EXPECT_GT(summary_row(folder.path(), eye, "from newest mask")[2], 95);
     EXPECT_GT(summary_row(folder.path(), eye, "PSNR")[2], 18);
   }
-  // 20 ms is more than one display frame of 13.9 ms, less than two; and two ahead is what was asked for.
+  // 20 ms is between one and two display periods of 13.9 ms, so the client requests masks for two frames
+  // ahead.
   EXPECT_NEAR(summary_row(folder.path(), "wire", "age")[0], 2 * 1000 / 72.0, 1e-3);
   EXPECT_NEAR(summary_row(folder.path(), "wire", "staleness")[0], 0, 1e-3);
   EXPECT_GT(summary_row(folder.path(), "wire", "bytes a frame")[0], 100);
@@ -97,7 +98,7 @@ TEST(ClientProgram, ShowsTheRoomWithMasksFromTheServer) {
     EXPECT_GT(summary_row(folder.path(), "client", metric)[0], 0) << metric;
 }
 
-TEST(ClientProgram, SameReplayTwiceGivesTheSameBytes) {
+TEST(ClientProgram, TheSameRunTwiceGivesTheSameBytes) {
   const ScratchFolder folder;
   const RunningServer server;
   std::array<std::filesystem::path, 2> outs{folder.path() / "a", folder.path() / "b"};
@@ -120,7 +121,7 @@ TEST(ClientProgram, SameReplayTwiceGivesTheSameBytes) {
   EXPECT_GE(compared, 13u);
 }
 
-TEST(ClientProgram, HoldingWithoutAGuardBandShowsMasksAsOldAsTheyAre) {
+TEST(ClientProgram, WithoutPredictionAndGuardBandShowsOldMasks) {
   const ScratchFolder folder;
   const RunningServer server;
   const Ended run = run_client({{"--server", server.address()},
@@ -132,8 +133,8 @@ TEST(ClientProgram, HoldingWithoutAGuardBandShowsMasksAsOldAsTheyAre) {
   EXPECT_EQ(summary_row(folder.path(), "head", "guard band")[0], 0);
 }
 
-/// A head at rest whose masks come at once: nothing is carried over, and nothing is wrong.
-TEST(ClientProgram, MasksOfTheVeryViewsThatAreShownAreExact) {
+/// With a resting head and no delay, masks belong to the shown views, so there is no error.
+TEST(ClientProgram, MasksOfTheShownViewsAreExact) {
   const ScratchFolder folder;
   const RunningServer server;
   const Ended run = run_client({{"--server", server.address()},
@@ -150,9 +151,8 @@ TEST(ClientProgram, MasksOfTheVeryViewsThatAreShownAreExact) {
 
 class MaskRate : public testing::TestWithParam<std::uint32_t> {};
 
-/// Masks on every Nth frame only: all frames are drawn with masks, which are no older than what they have to
-/// be.
-TEST_P(MaskRate, BelowTheDisplaysKeepsEveryFrameInMasks) {
+/// With a request in every Nth frame, all frames are drawn with masks, which are as new as possible.
+TEST_P(MaskRate, BelowTheRefreshRateGivesEveryFrameMasks) {
   const std::uint32_t every = GetParam(), frames = 4 * every + 4;
   const ScratchFolder folder;
   const RunningServer server;
@@ -183,7 +183,7 @@ TEST_P(MaskRate, BelowTheDisplaysKeepsEveryFrameInMasks) {
 
 INSTANTIATE_TEST_SUITE_P(OneIn, MaskRate, testing::Values(1, 2, 3, 8));
 
-TEST(ClientProgram, SummarisesWhatItAskedForAndWhatCameOfIt) {
+TEST(ClientProgram, SummarisesRequestsAndAnswers) {
   const ScratchFolder folder;
   const RunningServer server;
   const Ended run = run_client({{"--server", server.address()},
@@ -207,7 +207,7 @@ TEST(ClientProgram, SummarisesWhatItAskedForAndWhatCameOfIt) {
                                                         {"right eye", "unknown"},
                                                         {"left eye", "stale"}})
     EXPECT_GE(summary_row(folder.path(), group, metric)[0], -20) << group << " " << metric;
-  // 50 ms are four frames; a mask is used in the fourth, the fifth and the sixth.
+  // 50 ms are four frames. A mask is used in the fourth, fifth and sixth frame after its request.
   EXPECT_NEAR(summary_row(folder.path(), "wire", "age")[0], 5 * 1000 / 72.0, 1e-3);
   EXPECT_GT(summary_row(folder.path(), "client", "depth of requested views")[1], 0);
 }
@@ -223,14 +223,14 @@ TEST(ClientProgram, FullModeNeedsNoServerAndHasNoError) {
   }
 }
 
-TEST(ClientProgram, SaysItsPlanWithoutDeviceServerOrRecording) {
+TEST(ClientProgram, PrintsItsPlanWithoutDeviceServerOrRecording) {
   ChildProgram program({"/usr/bin/env", "VK_DRIVER_FILES=/dev/null", VR_CLIENT, "--scene", kRoom, "--plan"});
   EXPECT_TRUE(program.line_after("plan for room.glb: what it needs"));
   EXPECT_TRUE(program.line_after("  masks        3 of 3 lights cast shadows: 1 byte a pixel and eye"));
   EXPECT_EQ(program.wait(), 0) << program.errors();
 }
 
-/// "123 from eyes, 45 to lights ...": the numbers in order.
+/// The numbers of a line like "123 from eyes, 45 to lights ...", in order.
 std::vector<double> numbers_in(const std::string& text) {
   std::vector<double> numbers;
   std::string digits;
@@ -245,7 +245,7 @@ std::vector<double> numbers_in(const std::string& text) {
   return numbers;
 }
 
-TEST(ServerOfAClient, AccountsForEveryPixelAndLightWithARayOrTheReasonForNone) {
+TEST(ServerOfAClient, CountsEveryPixelLightAsARayOrByTheReasonForNone) {
   for (const std::string plan : {"needed", "everything"}) {
     const ScratchFolder folder;
     RunningServer server(kRoom, "127.0.0.1:0", {"--plan=" + plan});
@@ -268,8 +268,8 @@ TEST(ServerOfAClient, AccountsForEveryPixelAndLightWithARayOrTheReasonForNone) {
   }
 }
 
-/// Both programs with nothing left out: the same masks and so the same pictures.
-TEST(ClientProgram, ShowsTheSameWithAndWithoutWhatTheSceneDoesNotNeed) {
+/// With --plan=everything for both programs, masks and pictures are the same.
+TEST(ClientProgram, ShowsTheSameWithEveryPlan) {
   const ScratchFolder folder;
   std::vector<double> error;
   for (const std::string plan : {"needed", "everything"}) {
@@ -284,7 +284,7 @@ TEST(ClientProgram, ShowsTheSameWithAndWithoutWhatTheSceneDoesNotNeed) {
   EXPECT_NEAR(error[0], error[1], error[0] * 0.02);
 }
 
-TEST(ClientProgram, RefusesAServerWithAnotherPlanWhereThatChangesTheMasks) {
+TEST(ClientProgram, RefusesAServerWhosePlanGivesOtherMasks) {
   const ScratchFolder folder;
   const std::filesystem::path scene = folder.path() / "far.gltf";
   // One triangle: (0 0 0), (1 0 0), (0 1 0); one light that reaches it and one that does not.
@@ -332,7 +332,7 @@ TEST(ClientProgram, SceneWithoutLightsNeedsNoServer) {
   }
 }
 
-TEST(ClientProgram, GoesOnWithoutAServerThatIsNotThere) {
+TEST(ClientProgram, RunsWithoutAServer) {
   const ScratchFolder folder;
   const auto nobody = silent_port();
   const Ended run = run_client(
@@ -343,7 +343,7 @@ TEST(ClientProgram, GoesOnWithoutAServerThatIsNotThere) {
   EXPECT_EQ(read_csv(folder.path() / "frames.csv").at("frame").size(), 4u);
 }
 
-TEST(ClientProgram, GoesOnWithAServerThatWasRestarted) {
+TEST(ClientProgram, ReconnectsToARestartedServer) {
   const ScratchFolder folder;
   auto server = std::make_unique<RunningServer>();
   const std::string address = server->address();
@@ -362,7 +362,7 @@ TEST(ClientProgram, GoesOnWithAServerThatWasRestarted) {
   EXPECT_EQ(frames.at("wire age [ms]").back(), "27.7778");
 }
 
-TEST(ClientProgram, EndsOnASignalWithASummaryOfWhatWasShown) {
+TEST(ClientProgram, WritesItsSummaryAfterASignal) {
   const ScratchFolder folder;
   const RunningServer server;
   ChildProgram client(client_arguments(
@@ -371,14 +371,14 @@ TEST(ClientProgram, EndsOnASignalWithASummaryOfWhatWasShown) {
   client.send(SIGINT);
   const std::string errors = client.errors();
   EXPECT_EQ(client.wait(), 0) << errors;
-  EXPECT_NE(errors.find("stopped; writing what was shown so far"), std::string::npos);
+  EXPECT_NE(errors.find("stopped; writing the reports of the frames so far"), std::string::npos);
   const std::size_t shown = read_csv(folder.path() / "frames.csv").at("frame").size();
   EXPECT_GE(shown, 140u);
   EXPECT_LT(shown, 1400u);
   EXPECT_GT(summary_row(folder.path(), "client", "frame")[0], 0);
 }
 
-TEST(ClientProgram, ValidationLayersHaveNothingToSay) {
+TEST(ClientProgram, CausesNoValidationMessage) {
   const ScratchFolder folder;
   const RunningServer server;
   const Ended run = run_client({{"--server", server.address()},
@@ -397,7 +397,7 @@ TEST(ClientProgram, HelpListsEveryOption) {
   EXPECT_EQ(program.wait(), 0);
 }
 
-TEST(ClientProgram, ExportsARecordingInEitherFormat) {
+TEST(ClientProgram, ExportsAHeadRecordingInBothFormats) {
   const ScratchFolder folder;
   const HeadRecording walk = *load_head_recording(kWalk);
   for (const std::string name : {"walk.tum", "walk.csv"}) {
@@ -410,7 +410,7 @@ TEST(ClientProgram, ExportsARecordingInEitherFormat) {
   }
   const Ended refused = run_client({{"--export-trace", (folder.path() / "walk.xyz").string()}});
   EXPECT_EQ(refused.status, 1);
-  EXPECT_NE(refused.errors.find("cannot tell the format"), std::string::npos) << refused.errors;
+  EXPECT_NE(refused.errors.find("unknown format"), std::string::npos) << refused.errors;
 }
 
 }  // namespace

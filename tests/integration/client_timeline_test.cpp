@@ -1,4 +1,4 @@
-// A timeline, read as a viewer would: from the file alone.
+// Reads a timeline from its file, as a viewer would.
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -18,7 +18,7 @@ struct TimeSpan {
   double begin_us, end_us;
 };
 
-/// The one span or arrow end of each name and frame, such as "request X".
+/// The events by name, phase and frame. Each occurs once.
 using Spans = std::map<std::string, std::map<std::uint32_t, TimeSpan>>;
 
 Spans spans_of(const std::filesystem::path& path) {
@@ -40,7 +40,7 @@ void expect_inside(const TimeSpan& inner, const TimeSpan& outer, const std::stri
   EXPECT_LE(inner.end_us, outer.end_us) << what;
 }
 
-TEST(ClientTimeline, HasEveryFrameAndTheServersWorkBetweenRequestAndAnswer) {
+TEST(ClientTimeline, HasEveryFrameAndTheWorkOfTheServer) {
   const ScratchFolder folder;
   const RunningServer server;
   const std::filesystem::path file = folder.path() / "timeline.json";
@@ -65,7 +65,7 @@ TEST(ClientTimeline, HasEveryFrameAndTheServersWorkBetweenRequestAndAnswer) {
       expect_inside(spans[stage][frame], work, stage);
     EXPECT_EQ(spans["request f"][frame].begin_us, work.begin_us);
   }
-  // 20 ms of delay are two frames: the masks of frames 1 to 6 are drawn with in frames 3 to 8.
+  // A delay of 20 ms is two frames: frames 3 to 8 are drawn with the masks of frames 1 to 6.
   EXPECT_EQ(spans["masks f"].size(), 6u);
   for (const auto& [frame, drawn] : spans["masks f"])
     EXPECT_EQ(drawn.begin_us, spans["draw X"][frame + 2].begin_us);
@@ -88,7 +88,7 @@ TEST(ClientTimeline, IsWrittenAfterASignal) {
   EXPECT_GE(shown, 140u);
 }
 
-TEST(ClientTimeline, ThatCannotBeWrittenIsRefusedBeforeAnythingIsShown) {
+TEST(ClientTimeline, FailsAtOnceIfItCannotBeWritten) {
   const ScratchFolder folder;
   const Ended run = run_client({{"--mode", "full"},
                                 {"--timeline", (folder.path() / "no" / "timeline.json").string()},

@@ -16,33 +16,30 @@ bool is_below(std::string_view path, std::string_view folder) {
   return path.starts_with(folder) && (path.size() == folder.size() || path[folder.size()] == '/');
 }
 
+/// The room whose folder holds the file itself. A new subfolder needs a room of its own.
 const Room* room_of(const House& house, std::string_view path) {
-  const auto at =
-      std::ranges::find_if(house.rooms, [&](const Room& room) { return is_below(path, room.folder); });
+  const std::string_view folder = path.substr(0, std::min(path.rfind('/'), path.size()));
+  const auto at = std::ranges::find(house.rooms, folder, &Room::folder);
   return at == house.rooms.end() ? nullptr : &*at;
 }
 
-/// All folders that `room` sees, at any remove, without itself unless the arrows lead back.
-std::set<std::string_view> sight_of(const House& house, const Room& room) {
-  std::set<std::string_view> seen;
-  const std::function<void(const Room&)> look = [&](const Room& from) {
+/// All folders that `room` may include. It contains `room` itself only if the permissions form a cycle.
+std::set<std::string_view> allowed_for(const House& house, const Room& room) {
+  std::set<std::string_view> allowed;
+  const std::function<void(const Room&)> visit = [&](const Room& from) {
     for (const std::string_view folder : from.sees)
-      if (seen.insert(folder).second)
+      if (allowed.insert(folder).second)
         for (const Room& next : house.rooms)
-          if (is_below(next.folder, folder)) look(next);
+          if (next.folder == folder) visit(next);
   };
-  look(room);
-  return seen;
+  visit(room);
+  return allowed;
 }
 
-bool sees(const std::set<std::string_view>& sight, std::string_view path) {
-  return std::ranges::any_of(sight, [&](std::string_view folder) { return is_below(path, folder); });
-}
-
-void find_circling_arrows(const House& house, Faults& found) {
+void find_room_cycles(const House& house, Faults& found) {
   for (const Room& room : house.rooms)
-    if (sees(sight_of(house, room), room.folder))
-      found.push_back(std::string(room.folder) + " sees itself in a circle");
+    if (allowed_for(house, room).contains(room.folder))
+      found.push_back(std::string(room.folder) + " may include itself through a cycle");
 }
 
 void find_forbidden_includes(const House& house, const SourceFile& file, Faults& found) {
@@ -51,17 +48,18 @@ void find_forbidden_includes(const House& house, const SourceFile& file, Faults&
     found.push_back(file.path + " is in no room");
     return;
   }
-  const auto sight = sight_of(house, *room);
+  const auto allowed = allowed_for(house, *room);
   for (const std::string& include : file.ours) {
-    if (!room_of(house, include) && !is_below(include, house.guests))
+    const Room* const target = room_of(house, include);
+    if (!target && !is_below(include, house.guests))
       found.push_back(file.path + " includes \"" + include + "\", which is no path from the root");
-    else if (!is_below(include, room->folder) && !sees(sight, include))
+    else if (target != room && !(target && allowed.contains(target->folder)))
       found.push_back(file.path + " includes \"" + include + "\", which " + std::string(room->folder) +
-                      " does not see");
+                      " may not include");
   }
 }
 
-void find_strewn_library(const House& house, const Library& library, const std::vector<SourceFile>& tree,
+void check_library_place(const House& house, const Library& library, const std::vector<SourceFile>& tree,
                          Faults& found) {
   std::vector<std::string> users;
   for (const SourceFile& file : tree) {
@@ -80,7 +78,7 @@ void find_strewn_library(const House& house, const Library& library, const std::
   found.push_back(sentence);
 }
 
-void find_circling_includes(const std::vector<SourceFile>& tree, Faults& found) {
+void find_include_cycles(const std::vector<SourceFile>& tree, Faults& found) {
   enum class Mark { New, Open, Done };
   struct Node {
     const SourceFile* file;
@@ -93,8 +91,7 @@ void find_circling_includes(const std::vector<SourceFile>& tree, Faults& found) 
     for (const std::string& include : node.file->ours) {
       const auto at = nodes.find(include);
       if (at == nodes.end()) continue;
-      if (at->second.mark == Mark::Open)
-        found.push_back(node.file->path + " closes a circle with " + include);
+      if (at->second.mark == Mark::Open) found.push_back(node.file->path + " closes a cycle with " + include);
       if (at->second.mark == Mark::New) visit(at->second);
     }
     node.mark = Mark::Done;
@@ -103,8 +100,8 @@ void find_circling_includes(const std::vector<SourceFile>& tree, Faults& found) 
     if (node.mark == Mark::New) visit(node);
 }
 
-/// `text` behind `word` and the blanks before and after it; empty where something else stands.
-std::string_view behind(std::string_view text, std::string_view word) {
+/// The part of `text` after `word` and the blanks around it. Empty if `text` does not begin with `word`.
+std::string_view after(std::string_view text, std::string_view word) {
   constexpr std::string_view blanks = " \t";
   text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
   if (!text.starts_with(word)) return {};
@@ -117,7 +114,7 @@ SourceFile read_includes(const fs::path& path, std::string from_root) {
   SourceFile file{std::move(from_root), {}, {}};
   std::ifstream text(path);
   for (std::string line; std::getline(text, line);) {
-    const std::string_view named = behind(behind(line, "#"), "include");
+    const std::string_view named = after(after(line, "#"), "include");
     const std::size_t end = named.find_first_of("\">", 1);
     if (named.empty() || end == std::string_view::npos) continue;
     (named[0] == '<' ? file.theirs : file.ours).emplace_back(named.substr(1, end - 1));
@@ -140,11 +137,11 @@ std::vector<SourceFile> read_tree(const fs::path& root, const House& house) {
 
 std::vector<std::string> faults(const House& house, const std::vector<SourceFile>& tree) {
   Faults found;
-  find_circling_arrows(house, found);
+  find_room_cycles(house, found);
   for (const SourceFile& file : tree)
     if (!is_below(file.path, house.guests)) find_forbidden_includes(house, file, found);
-  for (const Library& library : house.libraries) find_strewn_library(house, library, tree, found);
-  find_circling_includes(tree, found);
+  for (const Library& library : house.libraries) check_library_place(house, library, tree, found);
+  find_include_cycles(tree, found);
   return found;
 }
 

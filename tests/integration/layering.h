@@ -1,5 +1,5 @@
-/// Layering: which room of the tree may include which, and where a library may be named. A checker that reads
-/// nothing but #include lines, so that it holds whatever the build links.
+/// Layering: which folder may include which, and where a third-party library may be named. The checks read
+/// #include lines and CMakeLists.txt files only, so they do not depend on what the build links by accident.
 #pragma once
 
 #include <cstddef>
@@ -16,13 +16,14 @@ struct SourceFile {
   std::vector<std::string> theirs;  ///< #include <...>
 };
 
-/// A folder, and the folders it may include; what these see it sees too, and itself.
+/// A folder and the folders that it may include. Permission is transitive: a folder may also include what
+/// those folders may include. It may always include itself.
 struct Room {
   std::string_view folder;
   std::vector<std::string_view> sees;
 };
 
-/// Includes that begin with `prefix` appear below `folder` only, in at most `files` files.
+/// Only files below `folder` may include headers that begin with `prefix`, and at most `files` of them.
 struct Library {
   std::string_view prefix, folder;
   std::size_t files;
@@ -37,7 +38,7 @@ struct House {
 /// All .h and .cpp files below the rooms' folders.
 [[nodiscard]] std::vector<SourceFile> read_tree(const std::filesystem::path& root, const House& house);
 
-/// One sentence for each broken rule; empty where the house stands.
+/// One sentence for each broken rule; empty if the tree keeps all of them.
 [[nodiscard]] std::vector<std::string> faults(const House& house, const std::vector<SourceFile>& tree);
 
 }  // namespace farshade

@@ -169,7 +169,7 @@ Expected<ReplayVerdict> replayed(CaptureReader reader) {
                            .renderer = renderer,
                            .link = replay.link(),
                            .own_tracer = tracer ? &*tracer : nullptr,
-                           .steering = replay.steering(),
+                           .steering = replay.settings(),
                            .policy = header.policy};
   const auto watch = [&](const FrameView& view) { replay.watch(view, renderer.read_shown()); };
   const Expected<void> shown = run(session, watch, [] { return false; });
@@ -231,7 +231,7 @@ const std::filesystem::path& recorded(const MaskPolicy& policy) {
   static std::map<Pace, std::filesystem::path> made;
   std::filesystem::path& file = made[policy.pace];
   if (!file.empty()) return file;
-  file = folder.path() / (policy.pace == Pace::Real ? "real.session" : "virtual.session");
+  file = folder.path() / (policy.pace == Pace::Real ? "real.capture" : "virtual.capture");
   record(file, policy);
   return file;
 }
@@ -244,7 +244,7 @@ class RecordedSession : public testing::TestWithParam<MaskPolicy> {
 TEST_P(RecordedSession, AsksAndShowsTheSameAgain) {
   const Expected<ReplayVerdict> verdict = replayed(CaptureReader::open(file).value());
   ASSERT_TRUE(verdict.has_value()) << verdict.error().what;
-  EXPECT_EQ(to_string(*verdict), "110 frames, all requests and pictures as recorded");
+  EXPECT_EQ(to_string(*verdict), "110 frames, all requests and pictures as captured");
 
   // What that was.
   const std::vector<CapturedFrame> frames = frames_of(file);
@@ -252,11 +252,11 @@ TEST_P(RecordedSession, AsksAndShowsTheSameAgain) {
   EXPECT_GT(heard<Slice>(frames), 40);
   EXPECT_GT(lost_slices(frames), 0u);
   const auto changes = [](const CapturedFrame& f) {
-    return f.asked && !f.asked->request.lights.lights.empty();
+    return f.request && !f.request->request.lights.lights.empty();
   };
   EXPECT_GT(std::ranges::count_if(frames, changes), 3);
-  EXPECT_GT(std::ranges::count_if(frames, [](const CapturedFrame& f) { return !f.asked; }), 10);
-  const auto shows = [](const CapturedFrame& f) { return f.shown; };
+  EXPECT_GT(std::ranges::count_if(frames, [](const CapturedFrame& f) { return !f.request; }), 10);
+  const auto shows = [](const CapturedFrame& f) { return f.pictures; };
   EXPECT_EQ(std::ranges::adjacent_find(frames, {}, shows), frames.end()) << "no two pictures are the same";
 }
 
@@ -291,10 +291,10 @@ TEST_P(RecordedSession, DiffersWhereAnInputIsAnother) {
   ASSERT_TRUE(by_pose.first.has_value());
   EXPECT_EQ(by_pose.first->frame, FrameId{50}) << to_string(by_pose);
   for (std::size_t i = 12; i < steered.size(); ++i)
-    steered[i].input.steering.wish.predictor = PredictorKind::Kalman;
+    steered[i].input.settings.wish.predictor = PredictorKind::Kalman;
   const ReplayVerdict by_wish = replayed(reader_of(header, steered)).value();
   ASSERT_TRUE(by_wish.first.has_value());
-  EXPECT_TRUE(by_wish.first->what.starts_with("asks")) << to_string(by_wish);
+  EXPECT_TRUE(by_wish.first->what.starts_with("requests")) << to_string(by_wish);
   EXPECT_EQ(by_wish.first->frame, FrameId{13}) << to_string(by_wish);
 }
 
@@ -306,7 +306,7 @@ INSTANTIATE_TEST_SUITE_P(Pace, RecordedSession,
 TEST(RecordedSessionWithoutServer, ShowsTheSameAgain) {
   for (const MaskOrigin origin : {MaskOrigin::OwnTracer, MaskOrigin::Nobody}) {
     const ScratchFolder folder;
-    const std::filesystem::path file = folder.path() / "a.session";
+    const std::filesystem::path file = folder.path() / "a.capture";
     ManualClock clock;
     CaptureWriter recorder(clock);
     const MaskPolicy policy{.pace = Pace::Virtual};
@@ -325,7 +325,7 @@ TEST(RecordedSessionWithoutServer, ShowsTheSameAgain) {
     const auto watch = [&](const FrameView& view) { recorder.watch(view, renderer.read_shown()); };
     ASSERT_TRUE(run(session, watch, [&] { return recorder.frames() == 30; }).has_value());
     EXPECT_EQ(to_string(replayed(CaptureReader::open(file).value()).value()),
-              "30 frames, all requests and pictures as recorded");
+              "30 frames, all requests and pictures as captured");
   }
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr Extent kEye{512, 512};
 
-TEST(PanelRects, ShowPixelByPixelWhereThatNearlyFills) {
+TEST(PanelRects, AreUnscaledIfThatNearlyFillsTheWindow) {
   EXPECT_EQ(panel_rects({1040, 540}, kEye, 1, StereoLayout::SideBySide),
             (std::vector<Panel>{{4, 14, kEye, 0}, {524, 14, kEye, 1}}));
   EXPECT_EQ(panel_rects({1024, 512}, kEye, 1.0000001, StereoLayout::SideBySide),
@@ -18,7 +18,7 @@ TEST(PanelRects, ShowPixelByPixelWhereThatNearlyFills) {
   EXPECT_EQ(panel_rects({639, 639}, kEye, 1, StereoLayout::Mono)[0].size, kEye);
 }
 
-TEST(PanelRects, FillWhereTheWindowIsLargerOrSmaller) {
+TEST(PanelRects, FillALargerOrSmallerWindow) {
   EXPECT_EQ(panel_rects({640, 900}, kEye, 1, StereoLayout::Mono)[0], (Panel{0, 130, {640, 640}, 0}));
   EXPECT_EQ(panel_rects({1000, 900}, kEye, 1, StereoLayout::SideBySide)[1], (Panel{500, 200, {500, 500}, 1}));
 }
@@ -29,17 +29,17 @@ TEST(PanelRects, CrossedEyesAreSwapped) {
   EXPECT_EQ(panels[1], (Panel{524, 14, kEye, 0}));
 }
 
-TEST(PanelRects, MonoAndAnaglyphHaveOnePanelInTheMiddle) {
+TEST(PanelRects, MonoAndAnaglyphHaveOneCentredPanel) {
   for (const StereoLayout layout : {StereoLayout::Mono, StereoLayout::Anaglyph})
     EXPECT_EQ(panel_rects({1040, 540}, kEye, 1, layout), (std::vector<Panel>{{264, 14, kEye, 0}}));
 }
 
-TEST(PanelRects, PixelsThatAreNotSquareAreShownInTheirShape) {
+TEST(PanelRects, KeepTheShapeOfNonSquarePixels) {
   const auto panels = panel_rects({512, 512}, kEye, 2, StereoLayout::Mono);
   EXPECT_EQ(panels[0], (Panel{0, 128, {512, 256}, 0}));
 }
 
-TEST(PanelRects, KeepAspectAndStayInTheirHalf) {
+TEST(PanelRects, KeepTheAspectRatioAndStayInTheirHalf) {
   constexpr unsigned seed = 5;
   std::mt19937 random(seed);
   std::uniform_int_distribution<std::uint32_t> side(1, 3000);
@@ -57,18 +57,18 @@ TEST(PanelRects, KeepAspectAndStayInTheirHalf) {
   }
 }
 
-TEST(PanelRects, NoneWhereNotOnePixelFits) {
+TEST(PanelRects, AreEmptyIfNoPixelFits) {
   EXPECT_TRUE(panel_rects({0, 0}, kEye, 1, StereoLayout::Mono).empty());
   EXPECT_TRUE(panel_rects({1, 100}, kEye, 1, StereoLayout::SideBySide).empty());
   EXPECT_TRUE(panel_rects({1, 100}, kEye, 1000, StereoLayout::Mono).empty());
 }
 
-TEST(SharedColumns, AreAllOfEyesThatSeeTheSame) {
+TEST(SharedColumns, AreAllColumnsOfEqualEyes) {
   const EyeFov fov{-0.7, 0.7, 0.6, -0.6};
   EXPECT_EQ(shared_columns({fov, fov}, 0, kEye), (SharedColumns{{0, 0}, kEye.width}));
 }
 
-TEST(SharedColumns, PutWhatIsAtTheScreenIntoOneColumn) {
+TEST(SharedColumns, PutPointsAtTheScreenIntoOneColumn) {
   const PerEye<EyeFov> fov{EyeFov{-0.9, 0.7, 0.6, -0.6}, EyeFov{-0.7, 0.9, 0.6, -0.6}};
   const double apart_m = 0.2;
   const SharedColumns shared = shared_columns(fov, apart_m, kEye);
@@ -83,12 +83,12 @@ TEST(SharedColumns, PutWhatIsAtTheScreenIntoOneColumn) {
   EXPECT_NEAR(column[0], column[1], 1);
 }
 
-TEST(SharedColumns, AreAllWhereNothingIsShared) {
+TEST(SharedColumns, AreAllColumnsIfNoneIsShared) {
   EXPECT_EQ(shared_columns({EyeFov{-1, -0.5, 0.6, -0.6}, EyeFov{0.5, 1, 0.6, -0.6}}, 0, kEye),
             SharedColumns{});
 }
 
-TEST(LeftOf, LeavesThePanelItsRoom) {
+TEST(LeftOf, LeavesRoomForThePanel) {
   EXPECT_EQ(left_of({1000, 700}, 330), (Extent{670, 700}));
   EXPECT_EQ(left_of({200, 700}, 330), (Extent{0, 700}));
 }

@@ -26,7 +26,7 @@ PreviewDesk::~PreviewDesk() {
 
 void PreviewDesk::start(const std::vector<std::string>& options) {
   if (!server_) server_ = std::make_unique<RunningServer>();
-  // The Vulkan loader unloads drivers at the end, and what they leak then has no module to be excused by.
+  // The Vulkan loader unloads drivers at the end. A leak suppression cannot name a module that is unloaded.
   std::vector<std::string> arguments{"/usr/bin/env", "LSAN_OPTIONS=detect_leaks=0",
                                      VR_CLIENT,      "--preview",
                                      "--scene",      kRoom,
@@ -40,7 +40,7 @@ void PreviewDesk::start(const std::vector<std::string>& options) {
 
 void PreviewDesk::open(const std::vector<std::string>& options) {
   start(options);
-  // The title names the scene once a frame was shown.
+  // The title names the scene after the first frame.
   ASSERT_TRUE(patiently([&] {
     const auto found = screen_.find("Farshade: ");
     window_ = found.value_or(0);
@@ -81,7 +81,7 @@ EyePictures PreviewDesk::take_screenshot() {
   screen_.tap("F12");
   const std::string name = (out_ / fmt::format("screenshot_{:04}_", ++screenshots_)).string();
   EyePictures pictures;
-  // A file is there before all of it is; the window's is written last.
+  // A file exists before it is complete. The picture of the window is written last.
   EXPECT_TRUE(patiently([&] {
     if (!std::filesystem::exists(name + "window.png")) return false;
     auto window = read_png(name + "window.png");

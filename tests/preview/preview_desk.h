@@ -1,6 +1,5 @@
-/// A desk to try the preview at: `vr_client --preview` of the bundled room as a child process with an
-/// rt_server of its own, on a screen of its own, writing to a folder of its own. Deadlines are a minute, so
-/// that a machine that is busy with other things fails no test.
+/// Fixture for tests of `vr_client --preview`: runs it with the bundled room as a child process, with its own
+/// rt_server, X screen and output folder. Timeouts are one minute, so that a busy machine fails no test.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -24,22 +23,22 @@ class PreviewDesk : public testing::Test {
   PreviewDesk();
   ~PreviewDesk() override;
 
-  /// Starts the preview with `options` besides those of the desk, waits for its first shown frames, hides the
-  /// panel and stops the room's animation.
+  /// Starts the preview with additional `options`, waits for its first frames, hides the panel and stops the
+  /// animation of the room.
   void open(const std::vector<std::string>& options = {});
-  /// Starts it alone; its window may never come.
+  /// Only starts the preview. It may never open a window.
   void start(const std::vector<std::string>& options = {});
 
-  /// Calls `holds` until it does, for a minute at most.
+  /// Repeats `holds` until it returns true, for at most one minute.
   [[nodiscard]] bool patiently(const std::function<bool()>& holds);
-  /// Waits until what is on the screen in the window has changed `times` times.
+  /// Waits until the content of the window has changed `times` times.
   [[nodiscard]] bool changes(int times = 1);
   [[nodiscard]] bool appears(const std::filesystem::path& file);
   void resize(Extent size);
-  /// Presses F12 and gives what it wrote: the eyes and the window, without panel.
+  /// Presses F12 and returns the written pictures: the eyes, and the window without its panel.
   [[nodiscard]] EyePictures take_screenshot();
 
-  /// The program's exit status, once it ends; its errors are in `errors_`.
+  /// Waits for the end of the program and returns its exit status. Stores its error output in `errors_`.
   [[nodiscard]] int end();
 
   const std::filesystem::path out_;
@@ -53,7 +52,7 @@ class PreviewDesk : public testing::Test {
   int screenshots_ = 0;
 };
 
-/// The pixels of `image` from (left, top) on.
+/// The part of `image` that begins at (left, top).
 [[nodiscard]] Image<Rgb8> crop(const Image<Rgb8>& image, std::uint32_t left, std::uint32_t top, Extent size);
 
 }  // namespace farshade

@@ -16,7 +16,7 @@ namespace {
 
 using PreviewProgram = PreviewDesk;
 
-/// The eye is shown pixel by pixel in the middle of each half of this window.
+/// In this window, each eye is shown unscaled in the middle of its half.
 constexpr Extent kSnug{220, 110};
 
 EyePictures halves(const Image<Rgb8>& window, std::uint32_t side) {
@@ -33,21 +33,21 @@ std::vector<Image<Rgb8>> pictures_in(const std::filesystem::path& folder, const 
   return pictures;
 }
 
-/// What vr_client wrote for each frame of a session that it replayed, the left eye on the left.
+/// What vr_client wrote for each frame of a replayed capture.
 struct Replayed {
   std::vector<Image<Rgb8>> left, right;
 };
 
-Replayed replay(const std::filesystem::path& session, const std::filesystem::path& out) {
+Replayed replay(const std::filesystem::path& capture, const std::filesystem::path& out) {
   ChildProgram program({"/usr/bin/env", "LSAN_OPTIONS=detect_leaks=0", VR_CLIENT, "--scene", kRoom,
-                        "--replay", session.string(), "--out", out.string(), "--pictures", "100000",
+                        "--replay", capture.string(), "--out", out.string(), "--pictures", "100000",
                         "--reference-every", "0"});
   const std::string errors = program.errors();
   EXPECT_EQ(program.wait(), 0) << errors;
   return {pictures_in(out, "_left.png"), pictures_in(out, "_right.png")};
 }
 
-/// Whether `frames` (both eyes side by side) are those that were replayed from frame `first` on.
+/// Are `frames` (both eyes side by side) equal to the replayed frames from frame `first` on?
 bool are_from(std::size_t first, const std::vector<Image<Rgb8>>& frames, const Replayed& replayed) {
   for (std::size_t i = 0; i < frames.size(); ++i)
     if (crop(frames[i], 0, 0, kDeskEye) != replayed.left[first + i] ||
@@ -56,11 +56,11 @@ bool are_from(std::size_t first, const std::vector<Image<Rgb8>>& frames, const R
   return true;
 }
 
-TEST_F(PreviewProgram, ShowsInItsWindowWhatIsDrawnWithoutOne) {
+TEST_F(PreviewProgram, ShowsThePicturesThatAReplayDraws) {
   open();
   resize(kSnug);
   screen_.tap("F8");
-  ASSERT_TRUE(appears(out_ / "session_0001.farshade"));
+  ASSERT_TRUE(appears(out_ / "capture_0001.farshade"));
   screen_.tap("F10");
   screen_.press("d");
   ASSERT_TRUE(appears(out_ / "frames_0001/frame_00012.png"));
@@ -78,7 +78,7 @@ TEST_F(PreviewProgram, ShowsInItsWindowWhatIsDrawnWithoutOne) {
   EXPECT_EQ(seen.left, taken.left);
   EXPECT_EQ(seen.right, taken.right);
   EXPECT_NE(taken.left, taken.right);
-  const Replayed replayed = replay(out_ / "session_0001.farshade", out_ / "replay");
+  const Replayed replayed = replay(out_ / "capture_0001.farshade", out_ / "replay");
   const std::vector<Image<Rgb8>> frames = pictures_in(out_ / "frames_0001", ".png");
   ASSERT_GE(frames.size(), 12);
   ASSERT_GE(replayed.left.size(), frames.size());
@@ -91,8 +91,8 @@ TEST_F(PreviewProgram, ShowsInItsWindowWhatIsDrawnWithoutOne) {
   EXPECT_EQ(seen.right, replayed.right[static_cast<std::size_t>(still - replayed.left.begin())]);
 }
 
-/// Steps of a recorded head, each a walk ahead at walking speed or none; how many were walked, in how many
-/// goes.
+/// The steps of a recorded head. Each step is either a step ahead at walking speed or no movement. Counts the
+/// steps that moved, and the number of uninterrupted walks.
 struct Walk {
   int steps = 0, goes = 0;
 };
@@ -157,7 +157,7 @@ TEST_F(PreviewProgram, KeysAndMouseMoveTheHead) {
   EXPECT_NEAR(pitch_rad(last) - pitch_rad(first), dragged_up * kTurn_rad_per_px, 1e-6);
 }
 
-/// The largest difference of any channel to `eye`, carried over to that size between its four pixels around.
+/// The largest difference of any channel from `eye`, scaled to that size with bilinear filtering.
 double difference_to_resized(const Image<Rgb8>& seen, const Image<Rgb8>& eye) {
   double largest = 0;
   const auto at = [&](double x, double y) {
@@ -185,7 +185,7 @@ std::uint64_t light_of(const Image<Rgb8>& image) {
   return sum;
 }
 
-TEST_F(PreviewProgram, FollowsItsWindowsSizeAndKeepsTheAspect) {
+TEST_F(PreviewProgram, FollowsTheSizeOfItsWindowAndKeepsTheAspectRatio) {
   open();
   struct Sized {
     Extent window;
@@ -201,7 +201,7 @@ TEST_F(PreviewProgram, FollowsItsWindowsSizeAndKeepsTheAspect) {
     })) << "window of "
         << size.width << " x " << size.height;
     EXPECT_EQ(taken.left.size, kDeskEye);
-    // Devices may weigh neighbours with 8 bits only.
+    // Devices may filter with weights of 8 bits.
     EXPECT_LE(difference_to_resized(seen.left, taken.left), 2);
     EXPECT_LE(difference_to_resized(seen.right, taken.right), 2);
     EXPECT_EQ(light_of(seen.window), light_of(seen.left) + light_of(seen.right)) << "nothing beside the eyes";
@@ -212,7 +212,7 @@ TEST_F(PreviewProgram, FollowsItsWindowsSizeAndKeepsTheAspect) {
   EXPECT_EQ(end(), 0) << errors_;
 }
 
-TEST_F(PreviewProgram, RestsWhileMinimisedAndGoesOnUntilClosed) {
+TEST_F(PreviewProgram, PausesWhileMinimisedAndRunsUntilClosed) {
   constexpr Duration rest = std::chrono::milliseconds(1500);
   const SteadyClock clock;
   screen_.manage_windows();
@@ -242,11 +242,11 @@ TEST_F(PreviewProgram, RestsWhileMinimisedAndGoesOnUntilClosed) {
   EXPECT_GT(longest, rest * 2 / 3) << "no frames while it was minimised";
 }
 
-TEST_F(PreviewProgram, FinishesItsTakesWhenInterrupted) {
+TEST_F(PreviewProgram, FinishesItsRecordingsWhenInterrupted) {
   open();
   screen_.tap("F9");
   screen_.tap("F8");
-  ASSERT_TRUE(appears(out_ / "session_0001.farshade"));
+  ASSERT_TRUE(appears(out_ / "capture_0001.farshade"));
   screen_.press("d");
   ASSERT_TRUE(changes(3));
   program_->send(SIGINT);
@@ -254,23 +254,23 @@ TEST_F(PreviewProgram, FinishesItsTakesWhenInterrupted) {
   const auto trace = load_head_recording(out_ / "head_0001.csv");
   ASSERT_TRUE(trace) << trace.error().what;
   EXPECT_GE(trace->samples.size(), 3);
-  EXPECT_GE(replay(out_ / "session_0001.farshade", out_ / "replay").left.size(), 3);
+  EXPECT_GE(replay(out_ / "capture_0001.farshade", out_ / "replay").left.size(), 3);
 }
 
-TEST_F(PreviewProgram, IsRecordedAndTimedFromItsFirstWord) {
-  const std::filesystem::path session = out_ / "whole.farshade", timeline = out_ / "timeline.json";
+TEST_F(PreviewProgram, CapturesAndTimesItsFirstMessages) {
+  const std::filesystem::path capture = out_ / "whole.farshade", timeline = out_ / "timeline.json";
   start({"--trace", FARSHADE_ASSETS "/walk.csv", "--skip", "1", "--net", "wifi", "--frames", "12", "--record",
-         session.string(), "--timeline", timeline.string()});
+         capture.string(), "--timeline", timeline.string()});
   ASSERT_EQ(end(), 0) << errors_;
-  EXPECT_EQ(replay(session, out_ / "replay").left.size(), 12u);
+  EXPECT_EQ(replay(capture, out_ / "replay").left.size(), 12u);
   std::stringstream events;
   events << std::ifstream(timeline).rdbuf();
   for (const char* told : {"rt_server", "\"shadow\"", "\"shade\"", "\"frame\":12"})
     EXPECT_NE(events.str().find(told), std::string::npos) << told;
 }
 
-TEST_F(PreviewProgram, RefusesAtOnceWhatItCannotDo) {
-  for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--record", "/nowhere/session"},
+TEST_F(PreviewProgram, FailsAtOnceOnInvalidOptions) {
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--record", "/nowhere/capture"},
                                                 {"--timeline", "/nowhere/timeline"},
                                                 {"--net", "nonsense"}}) {
     start(wrong);
@@ -279,7 +279,7 @@ TEST_F(PreviewProgram, RefusesAtOnceWhatItCannotDo) {
   }
 }
 
-TEST_F(PreviewProgram, OutlivesItsServer) {
+TEST_F(PreviewProgram, ContinuesAfterItsServerEnds) {
   open();
   server_->program().send(SIGKILL);
   server_->program().wait();
@@ -298,7 +298,7 @@ TEST_F(PreviewProgram, EndsWhenTheServerHasAnotherScene) {
   EXPECT_NE(errors_.find("scene"), std::string::npos) << errors_;
 }
 
-TEST_F(PreviewProgram, EndsWhenItsServerComesBackWithAnotherScene) {
+TEST_F(PreviewProgram, EndsWhenItsServerRestartsWithAnotherScene) {
   open();
   const std::string address = server_->address();
   server_->program().send(SIGKILL);
@@ -308,8 +308,8 @@ TEST_F(PreviewProgram, EndsWhenItsServerComesBackWithAnotherScene) {
   EXPECT_NE(errors_.find("scene"), std::string::npos) << errors_;
 }
 
-/// Every key is obeyed before the F12 after it.
-TEST_F(PreviewProgram, EveryLookAndOverlayIsAnotherPictureAndValid) {
+/// A key takes effect before the F12 that follows it.
+TEST_F(PreviewProgram, EveryDisplayModeAndOverlayGivesAnotherPicture) {
   open({"--validate"});
   resize({400, 200});
   std::vector<EyePictures> overlays{take_screenshot()};
@@ -336,7 +336,7 @@ TEST_F(PreviewProgram, EveryLookAndOverlayIsAnotherPictureAndValid) {
   EXPECT_EQ(end(), 0) << errors_;
 }
 
-TEST_F(PreviewProgram, F1ShowsTheKeysAndHidesThem) {
+TEST_F(PreviewProgram, F1ShowsAndHidesTheKeys) {
   open();
   resize({1200, 800});
   Image<Rgb8> bare, with_keys;
@@ -352,7 +352,7 @@ TEST_F(PreviewProgram, F1ShowsTheKeysAndHidesThem) {
   EXPECT_EQ(end(), 0) << errors_;
 }
 
-TEST_F(PreviewProgram, WithoutADesktopSaysWhatToDo) {
+TEST_F(PreviewProgram, NamesTheCureWithoutADesktop) {
   program_ = std::make_unique<ChildProgram>(std::vector<std::string>{
       "/usr/bin/env", "-u", "DISPLAY", "-u", "WAYLAND_DISPLAY", "LSAN_OPTIONS=detect_leaks=0", VR_CLIENT,
       "--preview", "--scene", kRoom, "--out", out_});

@@ -20,7 +20,7 @@ namespace {
 constexpr Extent kEye{512, 512}, kWindow{1040, 540};
 constexpr const char* kTitle = "Farshade window test";
 
-/// The screen that all tests of this program share; each opens and closes its own window.
+/// All tests of this program share this screen. Each opens and closes its own window.
 class Screen final : public testing::Environment {
  public:
   static XScreen& get() { return *instance()->screen_; }
@@ -36,7 +36,7 @@ class Screen final : public testing::Environment {
 };
 [[maybe_unused]] const Screen* const kScreen = Screen::instance();
 
-/// No two pixels nearby alike, the eyes unlike each other: a shift by one or a swap is seen.
+/// Neighbouring pixels differ, and so do the eyes, so that a shift by one pixel or a swap is detected.
 Image<Rgb8> pattern(Side side) {
   Image<Rgb8> image(kEye);
   for (std::uint32_t y = 0; y < kEye.height; ++y)
@@ -45,7 +45,7 @@ Image<Rgb8> pattern(Side side) {
   return image;
 }
 
-/// Two layers in layout General, as a renderer leaves them.
+/// Two layers in layout General, as the renderer leaves them.
 gpu::Image make_eyes(const gpu::Device& device) {
   using Layout = vk::ImageLayout;
   using Usage = vk::ImageUsageFlagBits;
@@ -99,7 +99,7 @@ T value_of(Expected<T> expected) {
 
 void no_panel() {}
 
-/// A window with a presenter. Every test ends without a word from the validation layers.
+/// A window with a presenter. No test may cause a message of the validation layers.
 class PreviewWindow : public testing::Test {
  protected:
   void open(gpu::Validation validation = gpu::Validation::On) {
@@ -119,7 +119,7 @@ class PreviewWindow : public testing::Test {
     for (const std::string& message : device_->validation_log->messages()) ADD_FAILURE() << message;
   }
 
-  /// The window's own pixels, once they are what `read_back` says they should be.
+  /// The pixels of the window, after they have become equal to those of `read_back`.
   Image<Rgb8> on_screen(const Composition& composition) {
     Image<Rgb8> wanted, seen;
     const bool same = screen_.wait_until([&] {
@@ -135,7 +135,7 @@ class PreviewWindow : public testing::Test {
     return seen;
   }
 
-  /// Takes in events until `holds` says that what was waited for is among them.
+  /// Polls events until `holds` returns true for them.
   bool poll_until(const std::function<bool(const Input&)>& holds) {
     return screen_.wait_until([&] { return holds(window_->poll()); });
   }
@@ -148,7 +148,7 @@ class PreviewWindow : public testing::Test {
   XScreen::WindowId id_ = 0;
 };
 
-TEST_F(PreviewWindow, ShowsBothEyesPixelByPixel) {
+TEST_F(PreviewWindow, ShowsBothEyesUnscaled) {
   open();
   const Image<Rgb8> seen = on_screen({});
   const auto panels = panel_rects(kWindow, kEye, 1, StereoLayout::SideBySide);
@@ -188,8 +188,8 @@ double srgb_of(double light) {
   return light <= 0.0031308 ? light * 12.92 : 1.055 * std::pow(light, 1 / 2.4) - 0.055;
 }
 
-/// Rows are what the window's red, green and blue take from the left eye's, then the right eye's colour:
-/// E. Dubois, ICASSP 2001.
+/// One row for each of the window's red, green and blue: the weights of the left eye's colour, then of the
+/// right eye's. E. Dubois, ICASSP 2001.
 Rgb8 dubois(Rgb8 left, Rgb8 right) {
   constexpr double rows[3][6] = {{0.4561, 0.500484, 0.176381, -0.0434706, -0.0879388, -0.00155529},
                                  {-0.0400822, -0.0378246, -0.0157589, 0.378476, 0.73364, -0.0184503},
@@ -214,7 +214,7 @@ TEST_F(PreviewWindow, AnaglyphHasTheLeastSquaresColours) {
             1);
 }
 
-/// Between the four pixels around, as the shader should.
+/// Bilinear filtering, as the shader should do it.
 Rgb8 between(const Image<Rgb8>& image, double x, double y) {
   const double at_x = std::clamp(x - 0.5, 0.0, image.size.width - 1.0),
                at_y = std::clamp(y - 0.5, 0.0, image.size.height - 1.0);
@@ -228,7 +228,7 @@ Rgb8 between(const Image<Rgb8>& image, double x, double y) {
   return Rgb8(glm::round(glm::mix(top, bottom, at_y - low_y)));
 }
 
-TEST_F(PreviewWindow, FollowsItsSizeAndKeepsTheAspect) {
+TEST_F(PreviewWindow, FollowsItsSizeAndKeepsTheAspectRatio) {
   open();
   on_screen({});
   for (const Extent size : {Extent{700, 640}, {1500, 320}, {1040, 540}}) {
@@ -248,7 +248,7 @@ TEST_F(PreviewWindow, FollowsItsSizeAndKeepsTheAspect) {
       for (std::uint32_t y = 0; y < panel.size.height; ++y)
         for (std::uint32_t x = 0; x < panel.size.width; ++x)
           wanted.at(x, y) = between(picture, (x + 0.5) * step, (y + 0.5) * step);
-      // Devices may weigh neighbours with 8 bits only.
+      // Devices may filter with weights of 8 bits.
       EXPECT_LE(largest_difference(crop(seen, panel), wanted), 2);
     }
   }
@@ -281,7 +281,7 @@ TEST_F(PreviewWindow, DrawsThePanelOverThePictures) {
     }
 }
 
-TEST_F(PreviewWindow, HearsKeys) {
+TEST_F(PreviewWindow, ReportsKeys) {
   open();
   std::vector<Key> pressed;
   for (const char* key : {"w", "1", "F1", "space", "bracketleft", "minus", "Escape"}) screen_.tap(key);
@@ -299,7 +299,7 @@ TEST_F(PreviewWindow, HearsKeys) {
   EXPECT_TRUE(poll_until([](const Input& input) { return !input.holds(Key::D); }));
 }
 
-TEST_F(PreviewWindow, MeasuresDragsAndTheWheel) {
+TEST_F(PreviewWindow, ReportsDragsAndTheWheel) {
   open();
   glm::dvec2 dragged{0, 0};
   double scrolled = 0;
@@ -326,7 +326,7 @@ TEST_F(PreviewWindow, MeasuresDragsAndTheWheel) {
   EXPECT_EQ(scrolled, 1);
 }
 
-TEST_F(PreviewWindow, LeavesToThePanelWhatIsThePanels) {
+TEST_F(PreviewWindow, LeavesInputOverThePanelToThePanel) {
   open();
   const auto panel = [] {
     ImGui::SetNextWindowPos({0, 0});
@@ -339,7 +339,7 @@ TEST_F(PreviewWindow, LeavesToThePanelWhatIsThePanels) {
     presenter_->show({}, panel);
     return ImGui::GetFrameCount() >= 3;
   }));
-  // Pressed before the panel has heard that the mouse is there.
+  // The button is pressed before ImGui has received the mouse position.
   screen_.move_mouse(id_, 100, 100);
   screen_.press_button();
   screen_.move_mouse(id_, 150, 150);
@@ -353,14 +353,14 @@ TEST_F(PreviewWindow, LeavesToThePanelWhatIsThePanels) {
   EXPECT_EQ(dragged, glm::dvec2(0, 0));
 }
 
-TEST_F(PreviewWindow, HearsThatItIsToClose) {
+TEST_F(PreviewWindow, ReportsThatItShouldClose) {
   open();
   EXPECT_FALSE(window_->should_close());
   screen_.close(id_);
   EXPECT_TRUE(poll_until([&](const Input&) { return window_->should_close(); }));
 }
 
-TEST_F(PreviewWindow, ShowsNothingWhileMinimisedAndAllAfterwards) {
+TEST_F(PreviewWindow, ShowsNothingWhileMinimisedAndContinuesAfterwards) {
   screen_.manage_windows();
   open();
   on_screen({});
@@ -373,7 +373,7 @@ TEST_F(PreviewWindow, ShowsNothingWhileMinimisedAndAllAfterwards) {
   EXPECT_EQ(on_screen({}).size, kWindow);
 }
 
-/// What a frame pays for being shown, printed; the bound only catches waiting for a display.
+/// Prints the time to show a frame. The limit only detects waiting for the display.
 TEST_F(PreviewWindow, ShowingCostsAFewMilliseconds) {
   open(gpu::Validation::Off);
   screen_.move_mouse(id_, 1000, 500);  // hands off the panel
@@ -406,7 +406,7 @@ TEST_F(PreviewWindow, ShowingCostsAFewMilliseconds) {
   time("anaglyph", StereoLayout::Anaglyph, figures);
 }
 
-TEST(OpenWindow, WithoutADesktopSaysWhatToDo) {
+TEST(OpenWindow, NamesTheCureWithoutADesktop) {
   unsetenv("DISPLAY");
   unsetenv("WAYLAND_DISPLAY");
   const auto window = open_window(kTitle, kWindow);
@@ -417,7 +417,7 @@ TEST(OpenWindow, WithoutADesktopSaysWhatToDo) {
     EXPECT_NE(window.error().what.find(cure), std::string::npos) << cure << ": " << window.error().what;
 }
 
-TEST(OpenWindow, PassesOnWhyADesktopDoesNotAnswer) {
+TEST(OpenWindow, NamesTheReasonIfTheDisplayDoesNotAnswer) {
   setenv("DISPLAY", ":65000", 1);
   const auto window = open_window(kTitle, kWindow);
   setenv("DISPLAY", Screen::get().display().c_str(), 1);

@@ -22,7 +22,7 @@ struct XScreen::Connection {
 
 namespace {
 
-/// A window that goes away while it is looked at is no reason to die, as it is to Xlib.
+/// By default Xlib ends the program when a window disappears while it is read.
 int ignore_error(Display* /*display*/, XErrorEvent* /*error*/) {
   return 0;
 }
@@ -86,10 +86,10 @@ void XScreen::manage_windows() {
   x_->manager_settings = std::filesystem::temp_directory_path() / ("twmrc_" + std::to_string(server_->id()));
   std::ofstream(x_->manager_settings) << "RandomPlacement\nNoGrabServer\n";
   manager_ = std::make_unique<ChildProgram>(
-      // Its fonts are those of this locale; others need font sets that may not be there.
+      // twm needs the fonts of this locale; the font sets of others may be missing.
       std::vector<std::string>{"/usr/bin/env", "LC_ALL=C", "twm", "-display", name_, "-f",
                                x_->manager_settings.string()});
-  // A manager is there once it alone is told what windows ask for.
+  // The window manager is running once it has claimed the redirection of window requests.
   check(wait_until([&] {
           XWindowAttributes root{};
           XGetWindowAttributes(x_->display, x_->root, &root);

@@ -1,5 +1,5 @@
-/// A desktop for one test program: an X server of its own (Xvfb, 1600x900), where windows are found, looked
-/// at, resized and closed, and where keys are pressed and the mouse is moved, as a user would.
+/// An X server (Xvfb, 1600x900) for one test program. Tests find, read, resize and close windows, press keys
+/// and move the mouse, as a user would.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@ class XScreen {
  public:
   using WindowId = unsigned long;
 
-  /// Starts the server on a display that is free and sets DISPLAY to it. Aborts where there is no Xvfb.
+  /// Starts the server on a free display and sets DISPLAY. Aborts if Xvfb is missing.
   XScreen();
   XScreen(const XScreen&) = delete;
   XScreen& operator=(const XScreen&) = delete;
@@ -24,22 +24,22 @@ class XScreen {
 
   [[nodiscard]] const std::string& display() const { return name_; }
 
-  /// Starts a window manager (twm), without which windows are neither minimised nor framed.
+  /// Starts a window manager (twm), which is needed to minimise windows and to draw frames.
   void manage_windows();
 
-  /// The viewable window whose title begins so.
+  /// The visible window whose title begins with this text.
   [[nodiscard]] std::optional<WindowId> find(const std::string& title);
-  /// The same, waiting up to ten seconds for it.
+  /// The same, but waits up to ten seconds for it.
   [[nodiscard]] std::optional<WindowId> wait_for(const std::string& title);
-  /// Calls `holds` whenever something happens on the screen, and now and then; false after ten seconds.
+  /// Repeats `holds` after each event and regularly until it returns true. False after ten seconds.
   [[nodiscard]] bool wait_until(const std::function<bool()>& holds);
 
   [[nodiscard]] Extent size_of(WindowId window);
   [[nodiscard]] std::string title_of(WindowId window);
-  /// What is on the screen within the window.
+  /// The displayed content of the window.
   [[nodiscard]] Image<Rgb8> screenshot(WindowId window);
 
-  // Hands. Keys by their X names: "w", "F1", "space", "Shift_L". Mouse within the window, pixels.
+  // Input. Keys have their X names: "w", "F1", "space", "Shift_L". Mouse positions are pixels of the window.
   void focus(WindowId window);
   void press(const std::string& key);
   void release(const std::string& key);
@@ -48,7 +48,7 @@ class XScreen {
   void press_button(unsigned button = 1);
   void release_button(unsigned button = 1);
 
-  // What a window manager does, or asks for.
+  // Actions of a window manager.
   void resize(WindowId window, Extent size);
   void close(WindowId window);  ///< WM_DELETE_WINDOW: the cross in the frame
   void iconify(WindowId window);

@@ -4,9 +4,10 @@
 #include <random>
 
 #include "stereo/image/codec.h"
-#include "stereo/image/flip.h"
-#include "stereo/image/heat_map.h"
-#include "stereo/image/ssim.h"
+#include "tests/metrics/flip.h"
+#include "tests/metrics/heat_map.h"
+#include "tests/metrics/ssim.h"
+#include "tests/metrics/pixels_per_degree.h"
 #include "tests/study/figures.h"
 #include "tests/study/mode_words.h"
 #include "vr_client/report/measure.h"

@@ -21,19 +21,19 @@ Outcome read(std::vector<std::string> arguments) {
   return {std::move(options), std::move(out), testing::internal::GetCapturedStderr()};
 }
 
-/// With what is required given.
+/// Adds the required options.
 Outcome read_more(const std::vector<std::string>& more) {
   std::vector<std::string> arguments{"--scene", "a.glb", "--trace", "b.csv"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return read(arguments);
 }
 
-TEST(ParseSize, TakesWidthByHeight) {
+TEST(ParseSize, AcceptsWidthByHeight) {
   EXPECT_EQ(*parse_size("96x64"), (Extent{96, 64}));
   EXPECT_EQ(*parse_size("1x8192"), (Extent{1, 8192}));
 }
 
-TEST(ParseSize, RefusesAllElseAndSaysWhatItWants) {
+TEST(ParseSize, RefusesEverythingElseAndStatesTheRange) {
   for (const std::string text : {"",
                                  "x",
                                  "0x0",
@@ -62,7 +62,7 @@ TEST(ParseSize, RefusesAllElseAndSaysWhatItWants) {
   }
 }
 
-TEST(ReadOptions, TakesEveryOption) {
+TEST(ReadOptions, AcceptsEveryOption) {
   const Outcome read = read_more({"--size",
                                   "96x64",
                                   "--frames",
@@ -137,14 +137,14 @@ TEST(ReadOptions, TakesEveryOption) {
   EXPECT_EQ(options.device.validation, gpu::Validation::On);
 }
 
-TEST(ReadOptions, PreviewTakesNoOptionsOfReplays) {
+TEST(ReadOptions, PreviewExcludesTheOptionsOfReplays) {
   EXPECT_TRUE(read_more({"--preview"}).options.has_value());
   for (const std::vector<std::string>& other : {std::vector<std::string>{"--clock", "real"},
                                                 {"--delay", "5"},
                                                 {"--pictures", "1"},
                                                 {"--dump", "1"},
                                                 {"--reference-every", "2"},
-                                                {"--replay", "session"}}) {
+                                                {"--replay", "capture"}}) {
     std::vector<std::string> arguments{"--preview"};
     arguments.insert(arguments.end(), other.begin(), other.end());
     const Outcome read = read_more(arguments);
@@ -154,7 +154,7 @@ TEST(ReadOptions, PreviewTakesNoOptionsOfReplays) {
   }
 }
 
-TEST(ReadOptions, DefaultsAreThoseOfTheHeader) {
+TEST(ReadOptions, HasTheDefaultsOfTheHeader) {
   const Outcome read = read_more({});
   ASSERT_TRUE(read.options.has_value());
   EXPECT_EQ(read.options->size, (Extent{512, 512}));
@@ -168,7 +168,7 @@ TEST(ReadOptions, DefaultsAreThoseOfTheHeader) {
   EXPECT_EQ(read.options->carry_over, CarryOver{});
 }
 
-TEST(ReadOptions, KnowsEveryPredictorByItsName) {
+TEST(ReadOptions, AcceptsEveryPredictor) {
   for (const PredictorKind kind : kPredictorKinds) {
     const Outcome read = read_more({"--predictor", std::string(to_string(kind))});
     ASSERT_TRUE(read.options.has_value()) << read.errors;
@@ -176,7 +176,7 @@ TEST(ReadOptions, KnowsEveryPredictorByItsName) {
   }
 }
 
-TEST(ReadOptions, HelpIsNoFailure) {
+TEST(ReadOptions, ExitsWith0AfterHelp) {
   const Outcome asked = read({"--help"});
   ASSERT_FALSE(asked.options.has_value());
   EXPECT_EQ(asked.options.error().status, 0);
@@ -185,7 +185,7 @@ TEST(ReadOptions, HelpIsNoFailure) {
   EXPECT_EQ(asked.errors, "");
 }
 
-TEST(ReadOptions, SaysWhatIsWrongInOneLineAndExitsWith2) {
+TEST(ReadOptions, NamesTheFaultInOneLineAndExitsWith2) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> wrong{
       {{"--size", "0x0"}, "--size"},
       {{"--size", "100000x100000"}, "--size"},
@@ -210,7 +210,7 @@ TEST(ReadOptions, SaysWhatIsWrongInOneLineAndExitsWith2) {
       {{"--position-bits", "25"}, "--position-bits"},
       {{"--shadow-maps", "16"}, "--shadow-maps"},
       {{"--pcf", "9"}, "--pcf"},
-      {{"--mode", "delta", "--record", "session"}, "--record"},
+      {{"--mode", "delta", "--record", "capture"}, "--record"},
       {{"--mode", "server-gbuffer", "--dump", "3"}, "--dump"},
       {{"--clock", "wall"}, "--clock"},
       {{"--place", "here"}, "--place"},
@@ -239,7 +239,7 @@ TEST(ReadOptions, SaysWhatIsWrongInOneLineAndExitsWith2) {
   }
 }
 
-TEST(ReadOptions, EveryModeHasItsNameAndItsSettings) {
+TEST(ReadOptions, AcceptsEveryModeAndItsSettings) {
   for (const ModeName& mode : kModes) {
     const Outcome read = read_more({"--mode", std::string(mode.name)});
     ASSERT_TRUE(read.options.has_value()) << read.errors;
@@ -255,7 +255,41 @@ TEST(ReadOptions, EveryModeHasItsNameAndItsSettings) {
   EXPECT_EQ(set.options->mode.shadow_maps.pcf_radius, 0u);
 }
 
-TEST(ReadOptions, NamesWhatIsMissing) {
+TEST(ReadOptions, PlanAndPreviewAndExportNeedLess) {
+  EXPECT_TRUE(read({"--scene", "a.glb", "--plan"}).options.has_value());
+  EXPECT_TRUE(read({"--scene", "a.glb", "--preview"}).options.has_value());
+  EXPECT_TRUE(read({"--scene", "a.glb", "--replay", "a.farshade"}).options.has_value());
+  EXPECT_TRUE(read({"--trace", "b.csv", "--export-trace", "c.tum"}).options.has_value());
+  EXPECT_FALSE(read({"--trace", "b.csv", "--preview"}).options.has_value()) << "a preview needs a scene";
+  EXPECT_FALSE(read({"--scene", "a.glb", "--export-trace", "c.tum"}).options.has_value());
+}
+
+TEST(ReadOptions, ReadsThePlan) {
+  EXPECT_FALSE(read_more({}).options->plan.only_told);
+  const Outcome told = read_more({"--plan"});
+  EXPECT_TRUE(told.options->plan.only_told);
+  EXPECT_EQ(told.options->plan.kind, PlanKind::Needed);
+  EXPECT_EQ(read_more({"--plan=everything"}).options->plan.kind, PlanKind::Everything);
+}
+
+TEST(ReadOptions, CapturesModesWithMasksOnly) {
+  for (const ModeName& mode : kModes) {
+    const Outcome read = read_more({"--mode", std::string(mode.name), "--record", "a.farshade"});
+    EXPECT_EQ(read.options.has_value(), mode.mode == Mode::Hybrid || mode.mode == Mode::Full) << mode.name;
+  }
+  EXPECT_FALSE(read_more({"--record", "a", "--replay", "b"}).options.has_value());
+}
+
+TEST(ReadOptions, RunsTheDoctorWithoutOtherOptions) {
+  const Outcome read = farshade::read({"doctor", "--server", "there:1", "--insecure"});
+  ASSERT_TRUE(read.options.has_value()) << read.errors;
+  ASSERT_TRUE(read.options->doctor.has_value());
+  EXPECT_EQ(read.options->doctor->server, "there:1");
+  EXPECT_TRUE(read.options->doctor->insecure);
+  EXPECT_FALSE(read_more({}).options->doctor.has_value());
+}
+
+TEST(ReadOptions, NamesMissingOptions) {
   EXPECT_EQ(read({}).options.error().status, 2);
   const Outcome outcome = read({"--scene", "a.glb"});
   ASSERT_FALSE(outcome.options.has_value());

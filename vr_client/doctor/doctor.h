@@ -1,10 +1,10 @@
-/// `vr_client doctor`: what a client needs of this machine and of its server, and what to do where it is
-/// missing. Draws nothing and opens no window.
+/// `vr_client doctor`: checks what a client needs on this machine and at its server, and names a cure for
+/// each problem. It draws nothing and opens no window.
 #pragma once
 
 #include <string>
 
-#include "stereo/doctor/finding.h"
+#include "stereo/doctor/checks.h"
 
 namespace CLI {
 class App;
@@ -13,10 +13,10 @@ class App;
 namespace farshade {
 
 struct ClientDoctorOptions {
-  std::string key;     ///< file; empty for default_key_path()
-  std::string server;  ///< empty: none is asked
+  std::string key;     ///< file; empty: default_key_path()
+  std::string server;  ///< empty: no server is contacted
   bool insecure = false;
-  std::string scene;  ///< empty: any scene of the server's is right
+  std::string scene;  ///< empty: the server may serve any scene
 };
 
 /// Adds the subcommand `doctor` and its options to the program. `options` must outlive the parsing.

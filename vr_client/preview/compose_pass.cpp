@@ -34,8 +34,8 @@ ComposePass::ComposePass(const gpu::Device& device, const gpu::Image& eyes, vk::
                                    "anaglyph")),
       vertex_(gpu::make_shader(device, anaglyph_vert_spv, "anaglyph.vert")),
       fragment_(gpu::make_shader(device, anaglyph_frag_spv, "anaglyph.frag")) {
-  check_eq(eyes.wish.layers, std::uint32_t{kEyes}, "layers of what is shown");
-  // Nothing is uploaded yet, and the set wants an image.
+  check_eq(eyes.wish.layers, std::uint32_t{kEyes}, "layers of the eyes' image");
+  // Nothing is uploaded yet, but the descriptor set needs an image.
   for (const std::uint32_t binding : {0u, 1u})
     gpu::bind_image(device, bindings_, binding, {*eyes.view, Layout::eGeneral, nullptr});
   const vk::DescriptorSetLayout set = *bindings_.layout;
@@ -102,12 +102,12 @@ void ComposePass::make_uploads() {
                              vk::ImageSubresourceRange{vk::ImageAspectFlagBits::eColor, 0, 1, 0, kEyes});
     gpu::transition(commands, uploads_, filled, Layout::eGeneral);
   });
-  device_.logical.waitIdle();  // a frame in flight uses the set
+  device_.logical.waitIdle();  // a frame in flight may use the descriptor set
   gpu::bind_image(device_, bindings_, 1, {*uploads_.view, Layout::eGeneral, nullptr});
 }
 
 void ComposePass::upload(Side side, const Image<Rgb8>& picture) {
-  check(picture.size == eyes_.wish.size, "an upload has the eyes' size");
+  check(picture.size == eyes_.wish.size, "an upload has the size of the eyes");
   if (uploads_.wish.size.pixels() == 0) make_uploads();
   const auto pixels = staging_.as<Rgba8>();
   for (std::size_t i = 0; i < picture.pixels.size(); ++i) pixels[i] = Rgba8(picture.pixels[i], 255);
@@ -123,13 +123,13 @@ void ComposePass::upload(Side side, const Image<Rgb8>& picture) {
   });
 }
 
-/// Of one size, nothing is filtered: the window gets the picture's bytes.
+/// At equal sizes the blit does not filter: the window gets the bytes of the picture.
 void ComposePass::copy(const vk::raii::CommandBuffer& commands, Picture picture, const Panel& panel,
                        vk::Image target) const {
   const auto number = static_cast<std::uint32_t>(picture);
   const gpu::Image& source = number < kEyes ? eyes_ : uploads_;
   const Extent size = eyes_.wish.size;
-  check(source.wish.size == size, "what is shown in place of an eye was uploaded");
+  check(source.wish.size == size, "a picture that replaces an eye was uploaded");
   const gpu::LayerRange layer{number % std::uint32_t{kEyes}, 1};
   const vk::ImageBlit blit{
       .srcSubresource = {vk::ImageAspectFlagBits::eColor, 0, layer.first, 1},

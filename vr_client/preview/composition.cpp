@@ -8,7 +8,7 @@
 namespace farshade {
 namespace {
 
-/// The largest size of this aspect within `cell`, or the eye's own where that is nearly as large.
+/// The largest size of this aspect ratio within `cell`, or the eye's own size if that is nearly as large.
 Extent fitted(Extent cell, Extent eye, double aspect) {
   const double height = std::min(double{1} * cell.height, cell.width / aspect);
   const bool square_pixels = std::abs(eye.height * aspect - eye.width) < 0.5;
@@ -22,8 +22,8 @@ Extent fitted(Extent cell, Extent eye, double aspect) {
 }  // namespace
 
 SharedColumns shared_columns(const PerEye<EyeFov>& fov, double eye_distance_m, Extent eye) {
-  // What lies kScreen_m ahead is half an eye distance to the right of the left eye, and to the left of the
-  // right.
+  // A point kScreen_m ahead lies half an eye distance to the right of the left eye and to the left of the
+  // right eye.
   const double half = eye_distance_m / 2 / kScreen_m;
   const PerEye<FovTangents> window{tangents_of(fov[0]), tangents_of(fov[1])};
   const PerEye<double> left{window[0].left_tan - half, window[1].left_tan + half};
@@ -38,7 +38,7 @@ SharedColumns shared_columns(const PerEye<EyeFov>& fov, double eye_distance_m, E
 }
 
 std::vector<Panel> panel_rects(Extent window, Extent eye, double aspect, StereoLayout layout) {
-  check(eye.pixels() > 0 && aspect > 0, "an eye has pixels");
+  check(eye.pixels() > 0 && aspect > 0, "the eye has pixels and an aspect ratio");
   const bool two = layout == StereoLayout::SideBySide || layout == StereoLayout::CrossEyed;
   const Extent cell{two ? window.width / 2 : window.width, window.height};
   const Extent size = fitted(cell, eye, aspect);

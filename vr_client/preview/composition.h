@@ -1,4 +1,4 @@
-/// Composition: which pictures stand where in the window. Pure: pixels in, rectangles out.
+/// Composition: computes where in the window each picture is shown.
 #pragma once
 
 #include <vector>
@@ -9,54 +9,55 @@ namespace farshade {
 
 enum class StereoLayout : std::uint8_t {
   SideBySide,  ///< the first picture on the left
-  CrossEyed,   ///< the first picture on the right: who squints sees depth
-  Mono,        ///< the first picture alone
-  Anaglyph,    ///< both in one, for glasses that are red on the left and cyan on the right
+  CrossEyed,   ///< the first picture on the right, for viewing with crossed eyes
+  Mono,        ///< only the first picture
+  Anaglyph,    ///< both pictures in one, for red-cyan glasses
 };
 
-/// Eyes as the renderer drew them, or pictures that were uploaded in their place.
+/// The picture of an eye as drawn, or an uploaded picture that replaces it.
 enum class Picture : std::uint8_t { LeftEye, RightEye, LeftUpload, RightUpload };
 
-/// A run of columns of each picture, of one width, as which both eyes look into one another's directions.
+/// The columns that show the same directions in both eyes.
 struct SharedColumns {
   PerEye<std::uint32_t> first{};
-  std::uint32_t count = 0;  ///< 0: all of both pictures
+  std::uint32_t count = 0;  ///< 0: all columns of both pictures
   friend bool operator==(const SharedColumns&, const SharedColumns&) = default;
 };
 
-/// Where a point so far ahead of the head lies on the screen of an anaglyph itself, not before or behind it.
+/// In an anaglyph, points at this distance ahead of the head appear in the plane of the screen.
 inline constexpr double kScreen_m = 2;
 
-/// The columns that eyes of `eye` pixels share in an anaglyph: eyes whose fov is not symmetric, as those of
-/// headsets are, see the same thing in different columns. All where they share nothing.
+/// The shared columns of two eyes of `eye` pixels each, for an anaglyph. The fov of a headset's eyes is not
+/// symmetric, so that the same direction lies in different columns. Returns all columns if the eyes share
+/// none.
 [[nodiscard]] SharedColumns shared_columns(const PerEye<EyeFov>& fov, double eye_distance_m, Extent eye);
 
 struct Composition {
   StereoLayout layout = StereoLayout::SideBySide;
   PerEye<Picture> pictures{Picture::LeftEye, Picture::RightEye};
-  double aspect =
-      1;  ///< width / height of an eye's window on the plane z = -1; its pixels need not be square
-  SharedColumns shared{};      ///< Anaglyph shows these alone
-  std::uint32_t right_px = 0;  ///< of the window's right side, left free
+  double aspect = 1;       ///< width / height of an eye's view on the plane z = -1; pixels may be non-square
+  SharedColumns shared{};  ///< the columns that Anaglyph shows
+  std::uint32_t right_px = 0;  ///< width of the right part of the window that stays free for the panel
 };
 
-/// One picture's place in the window, pixels.
+/// The rectangle of one picture in the window, pixels.
 struct Panel {
   std::uint32_t left = 0, top = 0;
   Extent size;
-  std::size_t eye = 0;  ///< which of the composition's pictures
+  std::size_t eye = 0;  ///< index into Composition::pictures
   friend bool operator==(const Panel&, const Panel&) = default;
 };
 
-/// At least 1 and below this, the scale that would fill the window is taken as 1: a picture that is shown
-/// pixel by pixel is sharper than one that is hardly larger.
+/// If the largest scale that fits is at least 1 and below this value, pictures are shown at scale 1: an
+/// unscaled picture is sharper than one that is slightly larger.
 inline constexpr double kFillScale = 1.25;
 
-/// Places for pictures of `eye` pixels, all of one size, as large as fits with the aspect kept, each in the
-/// middle of its half (Mono, Anaglyph: of the window). None where not one pixel fits.
+/// The rectangles of pictures of `eye` pixels. They have one size, the largest that fits with this aspect
+/// ratio, and are centred in the halves of the window (Mono and Anaglyph: in the window). Empty if no pixel
+/// fits.
 [[nodiscard]] std::vector<Panel> panel_rects(Extent window, Extent eye, double aspect, StereoLayout layout);
 
-/// What of `window` is left for panels.
+/// The part of `window` beside the panel.
 [[nodiscard]] constexpr Extent left_of(Extent window, std::uint32_t right_px) {
   return {window.width > right_px ? window.width - right_px : 0, window.height};
 }

@@ -1,5 +1,5 @@
-/// Controls: everything that a viewer can set, and the one table of keys that sets it, which the window obeys
-/// and F1 prints. Pure: acts change values; whoever runs the session reads them once a frame.
+/// Controls: all settings that the viewer of a preview can change, and the table of keys that change them. F1
+/// shows this table. Commands only change values here; the preview reads them once per frame.
 #pragma once
 
 #include <bitset>
@@ -15,11 +15,11 @@
 
 namespace farshade {
 
-/// How the window shows the eyes.
-enum class Look : std::uint8_t { SideBySide, CrossEyed, Mono, Anaglyph, Difference };
-inline constexpr std::array kLooks{Look::SideBySide, Look::CrossEyed, Look::Mono, Look::Anaglyph,
-                                   Look::Difference};
-[[nodiscard]] const char* name_of(Look look);
+/// How the window shows the two eyes.
+enum class DisplayMode : std::uint8_t { SideBySide, CrossEyed, Mono, Anaglyph, Difference };
+inline constexpr std::array kDisplayModes{DisplayMode::SideBySide, DisplayMode::CrossEyed, DisplayMode::Mono,
+                                          DisplayMode::Anaglyph, DisplayMode::Difference};
+[[nodiscard]] const char* name_of(DisplayMode display);
 
 enum class Switch : std::uint8_t { Off, On };
 constexpr bool is_on(Switch s) {
@@ -32,29 +32,29 @@ constexpr void flip(Switch& s) {
   s = switch_of(!is_on(s));
 }
 
-/// What the sliders do to the path from the server to here.
+/// Impairment of the network path from the server to the client, set by sliders.
 struct NetworkSettings {
   double latency_ms = 0, jitter_ms = 0, loss_percent = 0;
   friend bool operator==(const NetworkSettings&, const NetworkSettings&) = default;
 };
 inline constexpr NetworkSettings kWorstPath{300, 100, 50};
-/// `base` with the wish's latency, jitter and loss.
-[[nodiscard]] LinkModel path_of(const NetworkSettings& wish, LinkModel base);
+/// `base` with the latency, jitter and loss of `settings`.
+[[nodiscard]] LinkModel path_of(const NetworkSettings& settings, LinkModel base);
 
-/// A light held in the hand: where the head sees it, it stays.
-struct Grab {
+/// A light that moves with the head: its pose relative to the head is constant.
+struct GrabbedLight {
   std::uint32_t light = 0;
   Point<Head> position;
   Vector<Head> direction;
 };
 
-enum class Act : std::uint8_t {
-  // What the eyes see.
-  NextLook,
+enum class Command : std::uint8_t {
+  // Display.
+  NextDisplayMode,
   NextOverlay,
   NoOverlay,
   Reference,
-  // How shadows are carried over, and asked for.
+  // Reprojection, requests and network path.
   Reprojection,
   NextPredictor,
   GuardBand,
@@ -62,13 +62,13 @@ enum class Act : std::uint8_t {
   FasterMasks,
   WorsePath,
   BetterPath,
-  // The scene.
+  // Scene.
   NextLight,
   LightOnOff,
   GrabLight,
   ResetLights,
   Animation,
-  // The head.
+  // Head.
   HeadSource,
   PlayPause,
   Back,
@@ -80,70 +80,72 @@ enum class Act : std::uint8_t {
   CloserEyes,
   WiderFov,
   NarrowerFov,
-  // Wanted once, of whoever runs the session.
+  // Executed once by the preview, see Controls::take.
   Screenshot,
   RecordHead,
-  RecordSession,
+  RecordCapture,
   RecordFrames,
   Panel,
   Help,
   Quit,
 };
-inline constexpr std::size_t kActs = static_cast<std::size_t>(Act::Quit) + 1;
+inline constexpr std::size_t kCommands = static_cast<std::size_t>(Command::Quit) + 1;
 
 struct KeyBinding {
   Key key;
-  Act act;
-  const char* does;
+  Command command;
+  const char* description;
 };
-/// In the order in which F1 prints them; no key twice.
+/// In the order of the help window. No key occurs twice.
 [[nodiscard]] std::span<const KeyBinding> key_bindings();
-/// As on the keyboard.
+/// The label on the keyboard.
 [[nodiscard]] std::string name_of(Key key);
 
 struct Controls {
-  Look look = Look::SideBySide;
+  DisplayMode display = DisplayMode::SideBySide;
   Overlay overlay = Overlay::None;
   std::uint32_t light = 0;  ///< selected
   Switch reference = Switch::Off, panel = Switch::On, help = Switch::Off;
-  HeadSource head = HeadSource::Hand;
+  HeadSource head = HeadSource::Simulated;
   double eye_distance_m = 0.063;
   double fov_rad = 1.5;  ///< full vertical angle
-  /// What a recording says its eyes see; until `fov_rad` is touched.
+  /// The fov of the head recording. It overrides `fov_rad` until the viewer changes that.
   std::optional<PerEye<EyeFov>> recorded_fov;
   NetworkSettings path;
-  FrameSettings steering;
-  std::optional<Grab> grab;
-  std::bitset<kActs> wanted;  ///< acts that are wanted once; taken by take()
+  FrameSettings settings;
+  std::optional<GrabbedLight> grab;
+  std::bitset<kCommands> pending;  ///< commands that the preview has not executed yet
 
-  /// True once after each Act of the kind.
-  [[nodiscard]] bool take(Act act);
+  /// True if `command` is pending, which it then no longer is.
+  [[nodiscard]] bool take(Command command);
 };
 
 inline constexpr double kWidestEyes_m = 0.5;
 inline constexpr std::uint32_t kRarestMasks = 16;  ///< frames a request
 
-/// What acts look at: the scene's lights as they now stand, where the head is, and its recording, if any.
-struct ControlState {
+/// What commands depend on: the current lights of the scene, the head pose, and the player of the head
+/// recording, if there is one.
+struct ControlContext {
   const LightSet& lights;
   Rigid<Stage, Head> stage_from_head;
   Player* player = nullptr;
 };
-void act(Act act, Controls& controls, const ControlState& stand);
+/// Changes the controls as `command` says.
+void execute(Command command, Controls& controls, const ControlContext& context);
 
-/// Does what keys and wheel ask for.
-void obey(const Input& input, Controls& controls, const ControlState& stand);
+/// Executes the commands of the pressed keys, and moves a grabbed light.
+void apply_input(const Input& input, Controls& controls, const ControlContext& context);
 
-/// Carries a grabbed light along with the head; the wheel, `notches` away from the viewer, brings it further.
-void carry_light(Controls& controls, const ControlState& stand, double notches);
+/// Moves a grabbed light with the head. Positive `notches` of the wheel move it away from the viewer.
+void carry_light(Controls& controls, const ControlContext& context, double notches);
 
-/// What the input says about the head, from the keys that are held and the mouse.
+/// The head movement that the held keys and the mouse ask for.
 [[nodiscard]] HeadInput head_input(const Input& input);
 
-/// The headset that these controls describe, with eyes of `size`.
+/// The headset with the eye distance and fov of these controls, and `size` pixels per eye.
 [[nodiscard]] Headset headset_of(const Controls& controls, Extent size);
 
-/// What overlays and measuring need of the shading pass.
+/// Whether the shading pass must report, for overlays or measuring.
 [[nodiscard]] ShadingPass::Report report_for(const Controls& controls);
 
 }  // namespace farshade

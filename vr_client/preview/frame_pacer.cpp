@@ -10,8 +10,8 @@
 namespace farshade {
 
 FramePacer::FramePacer(double refresh_hz) : period_ns_(1e9 / refresh_hz) {
-  check(std::isfinite(refresh_hz) && refresh_hz > 0, "a display has a refresh rate");
-  // As if all had been well: a slow first frame, as drivers have, is a hitch among fifteen others.
+  check(std::isfinite(refresh_hz) && refresh_hz > 0, "the refresh rate is finite and above 0");
+  // The first frame is often slow. With 15 frame times of 0 beside it, it does not change the pace.
   frame_times_ns_.fill(0.0);
 }
 

@@ -1,7 +1,7 @@
-/// FramePacer: which display times frames are made for. Display times lie on the display's grid. A frame
-/// begins on a grid point and is shown n points later; the next begins when it is shown. n follows how long
-/// frames take, as headset runtimes throttle an application to a half or third of the refresh rate, so that
-/// the frame interval that predictors see is the true one.
+/// FramePacer: chooses the display time of each frame on the grid of the display's refreshes. A frame begins
+/// on a grid point and is shown n points later; the next frame begins when it is shown. n follows the
+/// measured frame times, as headset runtimes throttle an application to a half or a third of the refresh
+/// rate. So predictors see the true frame interval.
 #pragma once
 
 #include <array>
@@ -14,25 +14,26 @@ namespace farshade {
 
 class FramePacer {
  public:
-  /// n rises when this quantile of the last kRemembered frame times exceeds n display periods: one frame in
-  /// five may hitch without a change. It falls to m when that quantile is within kRoom of m periods.
+  /// n rises if this quantile of the last kRemembered frame times exceeds n display periods, so that one late
+  /// frame in five does not change it. n falls to m if the quantile is below kRoom * m periods.
   static constexpr std::size_t kRemembered = 16;
   static constexpr double kQuantile = 0.75, kRoom = 0.9;
 
   /// `refresh_hz` > 0. Starts with n = 1.
   explicit FramePacer(double refresh_hz);
 
-  /// The frame begun last took so long to make.
+  /// Adds the frame time of the last frame.
   void learn(Duration frame_time);
 
-  /// When the next frame should begin: `now` for the first; else when the last is shown, or, more than half a
-  /// period too late for that, at the next grid point. May lie less than half a period before `now`.
+  /// When the next frame should begin. The first frame begins at `now`. Later frames begin when the last one
+  /// is shown or, if that is more than half a period ago, at the nearest grid point. The result may lie up to
+  /// half a period before `now`.
   [[nodiscard]] Time next_begin(Time now) const;
 
-  /// A frame begins now. Its display time is later than every one before it, by whole display periods.
+  /// Begins a frame at `now`. Its display time is later than all earlier ones, by whole display periods.
   [[nodiscard]] FrameTiming begin(Time now);
 
-  /// n: display periods that a frame begun now is given.
+  /// n: the number of display periods per frame.
   [[nodiscard]] std::uint32_t periods() const { return periods_; }
 
  private:

@@ -9,7 +9,7 @@
 namespace farshade {
 namespace {
 
-double held(double pitch_rad) {
+double clamped(double pitch_rad) {
   return std::clamp(pitch_rad, -kSteepestPitch_rad, kSteepestPitch_rad);
 }
 
@@ -18,7 +18,7 @@ double pitch_of(const glm::dquat& rotation) {
   return std::atan2(ahead.y, std::hypot(ahead.x, ahead.z));
 }
 
-/// Chord of an arc that turns by `turn_rad`, as a share of the arc's length: sin(a/2) / (a/2).
+/// Chord length / arc length of an arc that turns by `turn_rad`: sin(a/2) / (a/2).
 double chord_share(double turn_rad) {
   const double half = 0.5 * turn_rad;
   return std::abs(half) < 1e-4 ? 1.0 - half * half / 6.0 : std::sin(half) / half;
@@ -34,20 +34,20 @@ bool is_finite(const HeadInput& input) {
 SimulatedHead::SimulatedHead(const Rigid<Stage, Head>& start)
     : position_(start.translation),
       yaw_rad_(heading_rad(start.rotation)),
-      pitch_rad_(held(pitch_of(start.rotation))) {}
+      pitch_rad_(clamped(pitch_of(start.rotation))) {}
 
 void SimulatedHead::step(const HeadInput& input, Duration span) {
-  check(is_finite(input) && span >= Duration::zero(), "a head is moved by finite input, onwards in time");
+  check(is_finite(input) && span >= Duration::zero(), "the head gets finite input and a span of at least 0");
   const double turn_rad = -input.turn_px.x * kTurn_rad_per_px;
-  const double speed = input.gait == Gait::Run ? kRunningSpeed_m_per_s : kWalkingSpeed_m_per_s;
-  const double way_m = speed * seconds_of(std::min(span, kLongestStep));
+  const double speed_m_per_s = input.speed == MoveSpeed::Run ? kRunningSpeed_m_per_s : kWalkingSpeed_m_per_s;
+  const double distance_m = speed_m_per_s * seconds_of(std::min(span, kLongestStep));
   const glm::dvec3 walk = input.walk / std::max(1.0, glm::length(input.walk));
 
   const glm::dquat midway = rotation_exp({0.0, yaw_rad_ + 0.5 * turn_rad, 0.0});
-  position_ += way_m * (chord_share(turn_rad) * (midway * glm::dvec3(walk.x, 0.0, walk.z)) +
-                        glm::dvec3(0.0, walk.y, 0.0));
+  position_ += distance_m * (chord_share(turn_rad) * (midway * glm::dvec3(walk.x, 0.0, walk.z)) +
+                             glm::dvec3(0.0, walk.y, 0.0));
   yaw_rad_ = std::remainder(yaw_rad_ + turn_rad, 2.0 * std::numbers::pi);
-  pitch_rad_ = held(pitch_rad_ - input.turn_px.y * kTurn_rad_per_px);
+  pitch_rad_ = clamped(pitch_rad_ - input.turn_px.y * kTurn_rad_per_px);
 }
 
 Rigid<Stage, Head> SimulatedHead::stage_from_head() const {

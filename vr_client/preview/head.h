@@ -1,7 +1,7 @@
-/// SimulatedHead: a head moved by mouse and keys. The mouse turns it (no roll), keys walk it along the floor
-/// where it is heading, and up and down along gravity. Its state is angles and a position, so that its
-/// rotation stays unit however long the session. Walking and turning at constant rates is integrated exactly
-/// (the path is an arc), so that the frame rate does not show.
+/// SimulatedHead: a head that mouse and keys move. The mouse turns it without roll. Keys move it
+/// horizontally, relative to its heading, and up and down. The state is two angles and a position, so that
+/// the rotation stays a unit quaternion. Moving and turning at constant rates is integrated exactly (the path
+/// is an arc), so that the movement does not depend on the frame rate.
 #pragma once
 
 #include <cstdint>
@@ -14,31 +14,31 @@
 
 namespace farshade {
 
-enum class Gait : std::uint8_t { Walk, Run };
+enum class MoveSpeed : std::uint8_t { Walk, Run };
 
-/// What hands did in one frame. Finite.
+/// Input of one frame. All values must be finite.
 struct HeadInput {
-  glm::dvec2 turn_px{0.0};  ///< mouse movement since the last frame: +x right turns right, +y down looks down
-  glm::dvec3 walk{0.0};     ///< right, up, back, each -1..1; longer than 1 counts as 1
-  Gait gait = Gait::Walk;
+  glm::dvec2 turn_px{0.0};  ///< mouse movement since the last frame: +x turns right, +y looks down
+  glm::dvec3 walk{0.0};     ///< right, up, back, each -1..1; a longer vector is shortened to length 1
+  MoveSpeed speed = MoveSpeed::Walk;
 };
 
-/// A drag across an eye of 512 pixels turns by a right angle, about what such an eye shows.
+/// A drag across an eye of 512 pixels turns by 90 degrees, about the fov of such an eye.
 inline constexpr double kTurn_rad_per_px = 0.5 * std::numbers::pi / 512;
-/// Just short of straight up or down, where a head would lose its heading.
+/// The pitch stays below 90 degrees, where the heading is undefined.
 inline constexpr double kSteepestPitch_rad = 89.9 / 180 * std::numbers::pi;
-/// A person's preferred pace (R. Bohannon, "Comfortable and maximum walking speed of adults", 1997) and a
-/// jog.
+/// Comfortable walking speed of adults (R. Bohannon, "Comfortable and maximum walking speed of adults",
+/// 1997), and a jogging speed.
 inline constexpr double kWalkingSpeed_m_per_s = 1.4, kRunningSpeed_m_per_s = 4.0;
-/// Longer steps count as this one: a hitch with a key held does not fling the head through a wall.
+/// A longer step counts as this one, so that a delayed frame does not move the head far.
 inline constexpr Duration kLongestStep = std::chrono::milliseconds(250);
 
 class SimulatedHead {
  public:
-  /// Where `start` is and looks. Its roll is dropped, its pitch held within kSteepestPitch_rad.
+  /// Starts at `start` without its roll; the pitch is clamped to kSteepestPitch_rad.
   explicit SimulatedHead(const Rigid<Stage, Head>& start);
 
-  /// Moves on by `span` >= 0, during which `input` was given at an even rate.
+  /// Moves the head by `span` >= 0, during which `input` was given at a constant rate.
   void step(const HeadInput& input, Duration span);
 
   [[nodiscard]] Rigid<Stage, Head> stage_from_head() const;

@@ -18,7 +18,7 @@ double median_of(const Values& values, const Get& get) {
 
 }  // namespace
 
-void History::learn_link(const FrameView& view, const NetworkLink& link, Instant& instant) {
+void History::read_link(const FrameView& view, const NetworkLink& link, Instant& instant) {
   const NetworkLink::Counters counters = link.counters();
   instant.received = counters.port.received;
   instant.received_bytes = counters.port.received_bytes;
@@ -61,7 +61,7 @@ void History::add(const FrameView& view, const std::optional<PerEye<EyeErrors>>&
                                         1);
   }
   Instant instant{.at = now, .frame_ms = ms_of(times.frame), .watch_ms = ms_of(watch)};
-  if (link) learn_link(view, *link, instant);
+  if (link) read_link(view, *link, instant);
   instants_.push_back(instant);
   while (instants_.size() > 2 && now - instants_.front().at > kFigureSpan) instants_.pop_front();
 }
@@ -76,7 +76,7 @@ Figures History::figures() const {
   if (span_s <= 0) return figures;
   figures.frames_per_s = static_cast<double>(instants_.size() - 1) / span_s;
   figures.megabit_per_s = static_cast<double>(last.received_bytes - first.received_bytes) * 8e-6 / span_s;
-  // Counters of what is missing begin anew with each session, and what came late is missing no more.
+  // The counter of missing datagrams restarts with each session, and decreases when a late datagram arrives.
   const auto received = static_cast<double>(last.received - first.received);
   const double missing = static_cast<double>(last.missing) - static_cast<double>(first.missing);
   if (last.sessions > 0 && last.sessions == first.sessions && received + missing > 0)

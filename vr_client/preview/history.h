@@ -1,5 +1,5 @@
-/// History: what the last frames were, as the panel tells it: stages frame by frame for the graph, and
-/// figures over the last two seconds. Pure.
+/// History: data of the last frames for the panel: the duration of the stages of each frame for the graph,
+/// and figures over the last two seconds.
 #pragma once
 
 #include <deque>
@@ -13,34 +13,34 @@ namespace farshade {
 inline constexpr std::size_t kGraphFrames = 120;
 inline constexpr Duration kFigureSpan = std::chrono::seconds(2);
 
-/// One frame of the graph, in the order in which its bar is stacked.
+/// The bar of one frame in the graph, from bottom to top.
 struct FrameBar {
   Duration request{}, collect{}, gbuffer{}, depth{}, shade{};
-  Duration other{};  ///< draw, but for the three stages on the device
+  Duration other{};  ///< draw without the stages on the device
   Duration watch{};  ///< overlays, panel, presenting
 };
 
-/// Figures that nothing is known of are empty.
+/// Unknown figures are empty.
 struct Figures {
   double frames_per_s = 0;
   std::optional<double> frame_ms{};       ///< median of request + collect + draw
-  std::optional<double> watch_ms{};       ///< median of what the preview adds
-  std::optional<double> staleness_ms{};   ///< newest frame's
-  std::optional<double> age_ms{};         ///< the same
-  std::optional<double> round_trip_ms{};  ///< of the newest frame whose report came: request to report
-  std::optional<double> server_ms{};      ///< of the same: what the server worked
-  std::optional<double> loss_percent{};   ///< of datagrams of this session
-  double megabit_per_s = 0;               ///< that arrived here
+  std::optional<double> watch_ms{};       ///< median of the preview's own work
+  std::optional<double> staleness_ms{};   ///< of the newest frame
+  std::optional<double> age_ms{};         ///< of the newest frame
+  std::optional<double> round_trip_ms{};  ///< from request to report, of the newest frame with a report
+  std::optional<double> server_ms{};      ///< working time of the server for that frame
+  std::optional<double> loss_percent{};   ///< lost datagrams of this session
+  double megabit_per_s = 0;               ///< received
   std::optional<std::uint64_t> rays{};    ///< primary and shadow rays of the newest frame
   std::optional<double> guard_band_percent{};
-  std::optional<PerEye<EyeErrors>> errors{};  ///< newest measured frame's; gone once measuring stops
-  Extent asked{};                             ///< an eye of the newest request
+  std::optional<PerEye<EyeErrors>> errors{};  ///< of the newest frame; empty if it was not measured
+  Extent asked{};                             ///< size of an eye in the newest request
 };
 
 class History {
  public:
-  /// A frame was shown and all of it, the preview's part included, ended at `now`. `link` is null without
-  /// a server.
+  /// Adds a frame that was shown and whose processing, including the preview's, ended at `now`. `link` is
+  /// null without a server.
   void add(const FrameView& view, const std::optional<PerEye<EyeErrors>>& errors, const NetworkLink* link,
            Time now);
 
@@ -48,13 +48,13 @@ class History {
   [[nodiscard]] Figures figures() const;
 
  private:
-  /// Counters as they stood at an instant.
+  /// Counters at one point in time.
   struct Instant {
     Time at;
     double frame_ms, watch_ms;
     std::uint64_t received = 0, received_bytes = 0, missing = 0, sessions = 0;
   };
-  void learn_link(const FrameView& view, const NetworkLink& link, Instant& instant);
+  void read_link(const FrameView& view, const NetworkLink& link, Instant& instant);
 
   std::deque<FrameBar> bars_;
   std::deque<Instant> instants_;

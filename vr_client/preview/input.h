@@ -1,4 +1,4 @@
-/// Input: what the viewer's hands did since it was last asked for, in words that no window system knows.
+/// Input: keys and mouse movement since the last poll, independent of the window system.
 #pragma once
 
 #include <bitset>
@@ -8,7 +8,7 @@
 
 namespace farshade {
 
-/// Keys by their place on a US keyboard: Q is left of W on all of them.
+/// Keys by their position on a US keyboard.
 enum class Key : std::uint8_t {
   // clang-format off
   A, B, C, D, E, F, G, H, I, J, K, L, M, N, O, P, Q, R, S, T, U, V, W, X, Y, Z,
@@ -20,12 +20,12 @@ enum class Key : std::uint8_t {
 };
 inline constexpr std::size_t kKeys = static_cast<std::size_t>(Key::Control) + 1;
 
-/// What the panel over the pictures took for itself is not in it.
+/// Input that the panel has used is not included.
 struct Input {
-  std::vector<Key> pressed;  ///< in order; a key held down long enough to repeat counts once
-  std::bitset<kKeys> held;   ///< at this moment, by the key's number
-  glm::dvec2 drag_px{0, 0};  ///< the mouse's way with its left button held: x to the right, y down
-  double scroll = 0;         ///< notches of the wheel, away from the viewer positive
+  std::vector<Key> pressed;  ///< in order, without key repeats
+  std::bitset<kKeys> held;   ///< keys that are down now, indexed by Key
+  glm::dvec2 drag_px{0, 0};  ///< mouse movement with the left button down: x to the right, y down
+  double scroll = 0;         ///< notches of the wheel; positive is away from the viewer
 
   [[nodiscard]] bool holds(Key key) const { return held[static_cast<std::size_t>(key)]; }
 };

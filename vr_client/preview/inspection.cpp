@@ -6,7 +6,8 @@
 namespace farshade {
 
 bool needs_reference(const Controls& controls) {
-  return is_on(controls.reference) || controls.look == Look::Difference || controls.overlay == Overlay::Error;
+  return is_on(controls.reference) || controls.display == DisplayMode::Difference ||
+         controls.overlay == Overlay::Error;
 }
 
 const PerEye<Image<Rgb8>>& Inspection::shown() {
@@ -28,15 +29,15 @@ Image<Rgb8> Inspection::overlaid(Side side, const FrameView& view, const Control
                           .light = controls.light});
 }
 
-void Inspection::look(const FrameView& view, const Controls& controls, Reference* reference) {
+void Inspection::inspect(const FrameView& view, const Controls& controls, Reference* reference) {
   errors_.reset();
-  in_place_.reset();
+  replacement_.reset();
   read_ = Shown::NotRead;
   measured_ = Measured::No;
-  // Controls may have changed since the frame was drawn; what it did not report cannot be looked into.
+  // The controls may have changed since the frame was drawn. A frame without a report cannot be inspected.
   if (view.steering.report == ShadingPass::Report::Off || view.as == ShownAs::Picture) return;
   if (needs_reference(controls)) {
-    check(reference != nullptr, "there is a reference where one is needed");
+    check(reference != nullptr, "a reference exists when the controls need one");
     errors_ = measure(view, renderer_, *reference, frame_);
     read_ = Shown::Read;
     measured_ = Measured::Yes;
@@ -45,9 +46,9 @@ void Inspection::look(const FrameView& view, const Controls& controls, Reference
     for (const Side side : kSides) frame_.report[index_of(side)] = renderer_.report(side);
     (void)shown();
   }
-  in_place_ = {overlaid(Side::Left, view, controls), overlaid(Side::Right, view, controls)};
-  if (controls.look == Look::Difference)
-    (*in_place_)[1] = difference_x8(frame_.shown[0], frame_.reference[0]);
+  replacement_ = {overlaid(Side::Left, view, controls), overlaid(Side::Right, view, controls)};
+  if (controls.display == DisplayMode::Difference)
+    (*replacement_)[1] = difference_x8(frame_.shown[0], frame_.reference[0]);
 }
 
 }  // namespace farshade

@@ -1,5 +1,5 @@
-/// Inspection: a shown frame, looked into as the controls ask: measured against its reference, and its eyes
-/// replaced by overlays or by what is wrong with them. Costs nothing while nothing is asked.
+/// Inspection: measures a shown frame against its reference and replaces the eyes' pictures by overlays or
+/// differences, as the controls ask. It does no work if the controls ask for nothing.
 #pragma once
 
 #include "vr_client/preview/controls.h"
@@ -7,25 +7,25 @@
 
 namespace farshade {
 
-/// Whether these controls need the full trace of what is shown.
+/// Whether these controls need a full trace of the shown frame.
 [[nodiscard]] bool needs_reference(const Controls& controls);
 
 class Inspection {
  public:
-  /// Reads `renderer`'s pictures.
+  /// Reads pictures from `renderer`.
   explicit Inspection(Renderer& renderer) : renderer_(renderer) {}
 
-  /// Of the frame drawn last. `reference` may be null where needs_reference is false.
-  void look(const FrameView& view, const Controls& controls, Reference* reference);
+  /// Inspects the last drawn frame. `reference` may be null if needs_reference is false.
+  void inspect(const FrameView& view, const Controls& controls, Reference* reference);
 
-  /// How wrong the frame is, if it was measured.
+  /// The errors of the frame, if it was measured.
   [[nodiscard]] const std::optional<PerEye<EyeErrors>>& errors() const { return errors_; }
-  /// To be shown in place of the eyes as drawn; nothing: the eyes as drawn.
-  [[nodiscard]] const std::optional<PerEye<Image<Rgb8>>>& in_place() const { return in_place_; }
-  /// The eyes as drawn; read back when first asked for.
+  /// Pictures that replace those of the eyes; empty if the eyes are shown as drawn.
+  [[nodiscard]] const std::optional<PerEye<Image<Rgb8>>>& replacement() const { return replacement_; }
+  /// The pictures of the eyes, read back at the first call.
   [[nodiscard]] const PerEye<Image<Rgb8>>& shown();
-  /// What is on show: in_place() or shown().
-  [[nodiscard]] const PerEye<Image<Rgb8>>& on_show() { return in_place_ ? *in_place_ : shown(); }
+  /// The displayed pictures: replacement() or shown().
+  [[nodiscard]] const PerEye<Image<Rgb8>>& displayed() { return replacement_ ? *replacement_ : shown(); }
 
  private:
   [[nodiscard]] Image<Rgb8> overlaid(Side side, const FrameView& view, const Controls& controls) const;
@@ -35,7 +35,7 @@ class Inspection {
   enum class Shown : std::uint8_t { NotRead, Read } read_ = Shown::NotRead;
   enum class Measured : std::uint8_t { No, Yes } measured_ = Measured::No;
   std::optional<PerEye<EyeErrors>> errors_;
-  std::optional<PerEye<Image<Rgb8>>> in_place_;
+  std::optional<PerEye<Image<Rgb8>>> replacement_;
 };
 
 }  // namespace farshade

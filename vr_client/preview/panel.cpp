@@ -22,16 +22,16 @@ bool slide(const char* name, double& value, double low, double high, const char*
   return true;
 }
 
-/// A check box that does `act` when it is clicked.
-void box(const char* name, bool on, Act what, Controls& controls, const ControlState& stand) {
-  if (ImGui::Checkbox(name, &on)) act(what, controls, stand);
+/// A check box that executes a command when it is clicked.
+void box(const char* name, bool on, Command command, Controls& controls, const ControlContext& context) {
+  if (ImGui::Checkbox(name, &on)) execute(command, controls, context);
 }
 
-void button(const char* name, Act what, Controls& controls, const ControlState& stand) {
-  if (ImGui::Button(name)) act(what, controls, stand);
+void button(const char* name, Command command, Controls& controls, const ControlContext& context) {
+  if (ImGui::Button(name)) execute(command, controls, context);
 }
 
-/// One of `all`, by name.
+/// A list to choose one of `all` by name.
 template <class All, class T>
 void choose(const char* name, const All& all, T& chosen, const auto& name_of_one) {
   if (!ImGui::BeginCombo(name, std::string(name_of_one(chosen)).c_str())) return;
@@ -53,37 +53,38 @@ void draw_legend(const Controls& controls, std::uint32_t lights) {
 }
 
 void draw_view(Controls& controls, const PanelFacts& facts) {
-  choose("eyes", kLooks, controls.look, [](Look look) { return name_of(look); });
+  choose("eyes", kDisplayModes, controls.display, [](DisplayMode display) { return name_of(display); });
   choose("overlay", kOverlays, controls.overlay, [](Overlay overlay) { return name_of(overlay); });
   draw_legend(controls, static_cast<std::uint32_t>(facts.scene.lights.size()));
-  box("reference: trace all, measure", is_on(controls.reference), Act::Reference, controls, facts.stand);
+  box("reference: full trace, measure", is_on(controls.reference), Command::Reference, controls,
+      facts.context);
 }
 
 void draw_masks(Controls& controls, const PanelFacts& facts) {
   slide("latency", controls.path.latency_ms, 0, kWorstPath.latency_ms, "%.0f ms");
   slide("jitter", controls.path.jitter_ms, 0, kWorstPath.jitter_ms, "%.0f ms");
   slide("loss", controls.path.loss_percent, 0, kWorstPath.loss_percent, "%.1f %%");
-  auto every = static_cast<int>(controls.steering.wish.every);
+  auto every = static_cast<int>(controls.settings.wish.every);
   if (ImGui::SliderInt("masks", &every, 1, static_cast<int>(kRarestMasks), "in 1 of %d frames",
                        ImGuiSliderFlags_AlwaysClamp))
-    controls.steering.wish.every =
+    controls.settings.wish.every =
         static_cast<std::uint32_t>(std::clamp(every, 1, static_cast<int>(kRarestMasks)));
-  auto band = static_cast<int>(controls.steering.wish.guard_band_percent);
+  auto band = static_cast<int>(controls.settings.wish.guard_band_percent);
   if (ImGui::SliderInt("guard band", &band, 0, static_cast<int>(kWidestBand_percent), "%d %% of the measured",
                        ImGuiSliderFlags_AlwaysClamp))
-    controls.steering.wish.guard_band_percent =
+    controls.settings.wish.guard_band_percent =
         static_cast<std::uint32_t>(std::clamp(band, 0, static_cast<int>(kWidestBand_percent)));
-  box("reprojection", controls.steering.carry_over.lookup == Lookup::Reproject, Act::Reprojection, controls,
-      facts.stand);
+  box("reprojection", controls.settings.carry_over.lookup == Lookup::Reproject, Command::Reprojection,
+      controls, facts.context);
   ImGui::SameLine();
-  box("band on", controls.steering.wish.guard_band == GuardBandUse::Measured, Act::GuardBand, controls,
-      facts.stand);
-  choose("predictor", kPredictorKinds, controls.steering.wish.predictor,
+  box("band on", controls.settings.wish.guard_band == GuardBandUse::Measured, Command::GuardBand, controls,
+      facts.context);
+  choose("predictor", kPredictorKinds, controls.settings.wish.predictor,
          [](PredictorKind kind) { return to_string(kind); });
 }
 
 void draw_lights(Controls& controls, const PanelFacts& facts) {
-  const std::vector<Light>& lights = facts.stand.lights.lights;
+  const std::vector<Light>& lights = facts.context.lights.lights;
   const bool scrolls = lights.size() > 6;
   if (scrolls) ImGui::BeginChild("lights", {0, 6 * ImGui::GetFrameHeightWithSpacing()}, true);
   for (std::uint32_t i = 0; i < lights.size(); ++i) {
@@ -95,26 +96,27 @@ void draw_lights(Controls& controls, const PanelFacts& facts) {
     const std::string& name = facts.scene.lights[i].name;
     if (ImGui::Checkbox(name.empty() ? fmt::format("light {}", i).c_str() : name.c_str(), &on)) {
       controls.light = i;
-      act(Act::LightOnOff, controls, facts.stand);
+      execute(Command::LightOnOff, controls, facts.context);
       controls.light = selected;
     }
     ImGui::PopID();
   }
   if (scrolls) ImGui::EndChild();
-  button(controls.grab ? "let go" : "grab", Act::GrabLight, controls, facts.stand);
+  button(controls.grab ? "release" : "grab", Command::GrabLight, controls, facts.context);
   ImGui::SameLine();
-  button("reset", Act::ResetLights, controls, facts.stand);
+  button("reset", Command::ResetLights, controls, facts.context);
   if (facts.scene.animation_length_s == 0) return;
   ImGui::SameLine();
-  box("animation", controls.steering.scene == SceneClock::Runs, Act::Animation, controls, facts.stand);
+  box("animation", controls.settings.scene == SceneClock::Runs, Command::Animation, controls, facts.context);
 }
 
 void draw_player(Controls& controls, const PanelFacts& facts, Player& player) {
-  box("by the recording", controls.head == HeadSource::Recording, Act::HeadSource, controls, facts.stand);
+  box("follow the recording", controls.head == HeadSource::Recording, Command::HeadSource, controls,
+      facts.context);
   ImGui::SameLine();
-  button(player.playing() ? "pause" : "play", Act::PlayPause, controls, facts.stand);
+  button(player.playing() ? "pause" : "play", Command::PlayPause, controls, facts.context);
   ImGui::SameLine();
-  box("loop", player.at_end() == AtEnd::Loop, Act::Loop, controls, facts.stand);
+  box("loop", player.at_end() == AtEnd::Loop, Command::Loop, controls, facts.context);
   double at_s = seconds_of(player.position());
   if (slide("at", at_s, 0, seconds_of(player.length()), "%.2f s")) player.scrub(duration_from_ms(at_s * 1e3));
   double speed = player.speed();
@@ -122,10 +124,10 @@ void draw_player(Controls& controls, const PanelFacts& facts, Player& player) {
 }
 
 void draw_head(Controls& controls, const PanelFacts& facts) {
-  if (facts.stand.player)
-    draw_player(controls, facts, *facts.stand.player);
+  if (facts.context.player)
+    draw_player(controls, facts, *facts.context.player);
   else
-    ImGui::TextUnformatted("drag the picture to look; W A S D Q E walk");
+    ImGui::TextUnformatted("drag the picture to look around; W A S D Q E move");
   double apart_mm = controls.eye_distance_m * 1e3;
   if (slide("eyes apart", apart_mm, 0, kWidestEyes_m * 1e3, "%.0f mm"))
     controls.eye_distance_m = apart_mm * 1e-3;
@@ -141,13 +143,13 @@ void draw_head(Controls& controls, const PanelFacts& facts) {
 }
 
 void draw_recording(Controls& controls, const PanelFacts& facts) {
-  button("screenshot", Act::Screenshot, controls, facts.stand);
+  button("screenshot", Command::Screenshot, controls, facts.context);
   ImGui::SameLine();
-  box("head", is_on(facts.recording_head), Act::RecordHead, controls, facts.stand);
+  box("head", is_on(facts.recording_head), Command::RecordHead, controls, facts.context);
   ImGui::SameLine();
-  box("session", is_on(facts.recording_session), Act::RecordSession, controls, facts.stand);
+  box("capture", is_on(facts.writing_capture), Command::RecordCapture, controls, facts.context);
   ImGui::SameLine();
-  box("frames", is_on(facts.recording_frames), Act::RecordFrames, controls, facts.stand);
+  box("frames", is_on(facts.recording_frames), Command::RecordFrames, controls, facts.context);
 }
 
 void draw_help(Controls& controls, const PanelFacts& facts) {
@@ -157,24 +159,24 @@ void draw_help(Controls& controls, const PanelFacts& facts) {
   ImGui::SetNextWindowFocus();
   if (ImGui::Begin("keys", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse) &&
       ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
-    const auto row = [](const std::string& key, const char* does) {
+    const auto row = [](const std::string& key, const char* description) {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
       ImGui::TextUnformatted(key.c_str());
       ImGui::TableNextColumn();
-      ImGui::TextUnformatted(does);
+      ImGui::TextUnformatted(description);
     };
-    row("mouse", "drag the picture to look");
-    row("W A S D", "walk, Shift runs");
+    row("mouse", "drag the picture to look around");
+    row("W A S D", "walk; with Shift run");
     row("Q E", "down, up");
-    for (const KeyBinding& binding : key_bindings()) row(name_of(binding.key), binding.does);
+    for (const KeyBinding& binding : key_bindings()) row(name_of(binding.key), binding.description);
     ImGui::EndTable();
   }
   ImGui::End();
   if (ImGui::IsMouseClicked(0)) controls.help = Switch::Off;
 }
 
-/// A heading that can be folded, and what is under it.
+/// A collapsible section.
 void section(const char* name, const auto& draw) {
   if (ImGui::CollapsingHeader(name, ImGuiTreeNodeFlags_DefaultOpen)) draw();
 }
@@ -197,10 +199,10 @@ void draw_panel(Controls& controls, const PanelFacts& facts) {
   if (ImGui::Begin("panel", nullptr, flags)) {
     ImGui::TextWrapped("%s", facts.server.c_str());
     if (!facts.note.empty()) ImGui::TextWrapped("%s", facts.note.c_str());
-    ImGui::TextDisabled("F1: keys   Tab: hide this");
+    ImGui::TextDisabled("F1: keys   Tab: hide the panel");
     ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.62f);
     draw_figures(facts.history, controls);
-    section("what you see", [&] { draw_view(controls, facts); });
+    section("display", [&] { draw_view(controls, facts); });
     section("path and masks", [&] { draw_masks(controls, facts); });
     section("lights", [&] { draw_lights(controls, facts); });
     section("head", [&] { draw_head(controls, facts); });

@@ -1,5 +1,5 @@
-/// Panel: what the preview says and lets be set, with Dear ImGui: figures, the graph of stages, sliders, and
-/// the key map. It sets controls; it does nothing else.
+/// Panel: figures, the graph of stages, sliders and the list of keys, drawn with Dear ImGui. It changes the
+/// controls and has no other effect.
 #pragma once
 
 #include "vr_client/preview/controls.h"
@@ -7,26 +7,26 @@
 
 namespace farshade {
 
-/// What is going on, for the panel to say.
+/// The data that the panel shows.
 struct PanelFacts {
   const History& history;
   const Scene& scene;
-  const ControlState& stand;
-  std::string device;  ///< that draws
-  std::string server;  ///< how it is with the server
-  std::string note;    ///< what happened last: a file written, a failure
-  Switch recording_head = Switch::Off, recording_session = Switch::Off, recording_frames = Switch::Off;
+  const ControlContext& context;
+  std::string device;  ///< name of the GPU
+  std::string server;  ///< state of the server
+  std::string note;    ///< the last message of Recordings
+  Switch recording_head = Switch::Off, writing_capture = Switch::Off, recording_frames = Switch::Off;
   Extent window;     ///< pixels
-  double scale = 1;  ///< of text
+  double scale = 1;  ///< scale of the text
 };
 
-/// Pixels of the window's right side that the panel takes; none while it is hidden.
+/// Width of the panel at the right side of the window, pixels; 0 while it is hidden.
 [[nodiscard]] std::uint32_t panel_width_px(const Controls& controls, Extent window, double scale);
 
-/// Between ImGui's NewFrame and Render.
+/// Draws the panel. Call it between ImGui's NewFrame and Render.
 void draw_panel(Controls& controls, const PanelFacts& facts);
 
-/// The panel's first part: figures in rows and the graph of stages (panel_figures.cpp).
+/// Draws the first part of the panel: the table of figures and the graph of stages.
 void draw_figures(const History& history, const Controls& controls);
 
 }  // namespace farshade

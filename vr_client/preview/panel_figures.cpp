@@ -13,13 +13,13 @@ struct Stage {
   Duration FrameBar::*time;
   ImU32 color;
 };
-// Okabe and Ito's colours, which those who see no red or green can tell apart ("Color universal design",
-// 2008).
+// Colours of Okabe and Ito, which people with colour vision deficiency can distinguish ("Color universal
+// design", 2008).
 constexpr Stage kStages[] = {
     {"request", &FrameBar::request, IM_COL32(230, 159, 0, 255)},
     {"collect", &FrameBar::collect, IM_COL32(240, 228, 66, 255)},
     {"G-buffer", &FrameBar::gbuffer, IM_COL32(0, 114, 178, 255)},
-    {"asked depth", &FrameBar::depth, IM_COL32(86, 180, 233, 255)},
+    {"requested depth", &FrameBar::depth, IM_COL32(86, 180, 233, 255)},
     {"reproject, shade", &FrameBar::shade, IM_COL32(0, 158, 115, 255)},
     {"rest of draw", &FrameBar::other, IM_COL32(204, 121, 167, 255)},
     {"preview", &FrameBar::watch, IM_COL32(150, 150, 150, 255)},
@@ -60,26 +60,26 @@ void error_rows(const PerEye<EyeErrors>& errors) {
 void figure_rows(const Figures& figures, const Controls& controls) {
   row("frame",
       text_of(figures.frame_ms, "{:.1f} ms") +
-          fmt::format(" + {:.1f}, {:.1f} a second", figures.watch_ms.value_or(0), figures.frames_per_s));
-  row("masks",
-      text_of(figures.staleness_ms, "{:.0f} ms stale") + text_of(figures.age_ms, ", asked {:.0f} ms ago"));
+          fmt::format(" + {:.1f}, {:.1f} per second", figures.watch_ms.value_or(0), figures.frames_per_s));
+  row("masks", text_of(figures.staleness_ms, "{:.0f} ms stale") +
+                   text_of(figures.age_ms, ", requested {:.0f} ms ago"));
   row("round trip",
       text_of(figures.round_trip_ms, "{:.1f} ms") + text_of(figures.server_ms, ", server {:.1f}"));
   row("path",
       fmt::format("{:.2f} Mbit/s", figures.megabit_per_s) + text_of(figures.loss_percent, ", {:.1f} % lost"));
   std::string rays = "-";
-  if (figures.rays) rays = fmt::format("{:.2f} M a frame", static_cast<double>(*figures.rays) * 1e-6);
+  if (figures.rays) rays = fmt::format("{:.2f} M per frame", static_cast<double>(*figures.rays) * 1e-6);
   row("rays", rays);
-  row("asked for", fmt::format("{}x{}", figures.asked.width, figures.asked.height) +
+  row("requested", fmt::format("{}x{}", figures.asked.width, figures.asked.height) +
                        text_of(figures.guard_band_percent, ", {:+.0f} % pixels"));
   if (figures.errors)
     error_rows(*figures.errors);
   else if (is_on(controls.reference))
-    row("mask error", "not yet");
+    row("mask error", "not measured yet");
 }
 
-/// A bar a frame, newest on the right, stages stacked; a line each 10 ms, or each 100 where that is too
-/// dense.
+/// One bar of stacked stages per frame, the newest on the right. A horizontal line marks each 10 ms, or each
+/// 100 ms if the scale is above 150 ms.
 void graph(const std::deque<FrameBar>& bars) {
   const ImVec2 corner = ImGui::GetCursorScreenPos();
   const ImVec2 size(ImGui::GetContentRegionAvail().x, 6 * ImGui::GetTextLineHeight());

@@ -14,12 +14,13 @@ namespace {
 
 using Layout = vk::ImageLayout;
 
-constexpr Duration kReadable = std::chrono::milliseconds(100);
+constexpr Duration kRedrawInterval = std::chrono::milliseconds(100);
 
-/// Draws that ImGui keeps buffers for: while the device draws one, the next is recorded.
+/// Number of frames for which ImGui keeps buffers: the device draws one while the next is recorded.
 constexpr std::uint32_t kDrawings = 2;
 
-/// One colour attachment, cleared, that is copied from afterwards. ImGui 1.86 knows no dynamic rendering.
+/// One colour attachment that is cleared first and copied afterwards. ImGui 1.86 does not support dynamic
+/// rendering.
 vk::raii::RenderPass make_render_pass(const gpu::Device& device, vk::Format format) {
   const vk::AttachmentDescription color{.format = format,
                                         .samples = vk::SampleCountFlagBits::e1,
@@ -56,8 +57,8 @@ vk::raii::RenderPass make_render_pass(const gpu::Device& device, vk::Format form
                                           .pDependencies = dependencies.data()});
 }
 
-/// ImGui's dark look, as large as the desktop wants text; square, opaque and without a border that would
-/// reach beyond it, so that a window is all of its rectangle.
+/// ImGui's dark style at the content scale of the desktop. Windows have square corners, no transparency and
+/// no border, so that each fills exactly its rectangle.
 void set_style(double content_scale) {
   constexpr double font_px = 13;
   ImGui::StyleColorsDark();
@@ -71,7 +72,7 @@ void set_style(double content_scale) {
   ImFontConfig font;
   font.SizePixels = static_cast<float>(std::floor(font_px * content_scale));
   ImGui::GetIO().Fonts->AddFontDefault(&font);
-  ImGui::GetIO().IniFilename = nullptr;  // a preview leaves no files behind
+  ImGui::GetIO().IniFilename = nullptr;  // write no settings file
 }
 
 void init_back_end(const gpu::Device& device, vk::DescriptorPool pool, vk::RenderPass render_pass) {
@@ -95,11 +96,11 @@ void init_back_end(const gpu::Device& device, vk::DescriptorPool pool, vk::Rende
   ImGui_ImplVulkan_DestroyFontUploadObjects();
 }
 
-/// What an ImGui window covers.
+/// The bounding rectangle of an ImGui draw list.
 std::optional<vk::Rect2D> covered(const ImDrawList& list, Extent within) {
   glm::dvec2 low(within.width, within.height), high(0, 0);
   for (const ImDrawVert& vertex : list.VtxBuffer) {
-    if ((vertex.col & IM_COL32_A_MASK) == 0) continue;  // where an edge has faded away
+    if ((vertex.col & IM_COL32_A_MASK) == 0) continue;  // the transparent side of an anti-aliased edge
     low = glm::min(low, glm::dvec2(vertex.pos.x, vertex.pos.y));
     high = glm::max(high, glm::dvec2(vertex.pos.x, vertex.pos.y));
   }
@@ -137,7 +138,7 @@ PanelLayer::~PanelLayer() {
 }
 
 bool PanelLayer::is_due(Extent window, Time now) const {
-  if (!laid_out_ || now - *laid_out_ >= kReadable || image_.wish.size != window) return true;
+  if (!laid_out_ || now - *laid_out_ >= kRedrawInterval || image_.wish.size != window) return true;
   if (ImGui::IsAnyItemActive()) return true;
   return covers(window_.cursor_px());
 }
@@ -162,7 +163,7 @@ void PanelLayer::lay_out(Extent window, Time now, const std::function<void()>& d
 
 void PanelLayer::fit(Extent window) {
   using Usage = vk::ImageUsageFlagBits;
-  device_.logical.waitIdle();  // a frame in flight may copy from it
+  device_.logical.waitIdle();  // a frame in flight may copy from the image
   image_ = gpu::make_image(
       device_, {.size = window, .format = format_, .usage = Usage::eColorAttachment | Usage::eTransferSrc},
       "panel");

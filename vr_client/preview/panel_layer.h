@@ -1,7 +1,6 @@
-/// Panel layer: what Dear ImGui draws, on an image of its own, so that a frame pays for a copy and not for
-/// its triangles (0.2 against 1.5 ms on a CPU device): people read figures ten times a second at most. While
-/// hands are on the panel it is drawn anew for every frame. Its windows are opaque, so that copies are
-/// enough.
+/// PanelLayer: draws Dear ImGui's windows into an image of its own. Most frames only copy this image (0.2
+/// against 1.5 ms on a CPU device). The image is redrawn ten times per second, and in every frame while the
+/// user interacts with the panel. The windows are opaque, so that a copy suffices.
 #pragma once
 
 #include <functional>
@@ -13,29 +12,29 @@
 
 namespace farshade {
 
-/// Dear ImGui, its hands in the window and its Vulkan back end, as long as this lives. One at a time.
+/// Owns the contexts of Dear ImGui, its GLFW and its Vulkan back end. Only one may exist at a time.
 class PanelLayer {
  public:
-  /// Pictures of `format`. Both references are kept.
+  /// `format` is the format of the swapchain. Both references are kept.
   PanelLayer(const gpu::Device& device, Window& window, vk::Format format);
   PanelLayer(const PanelLayer&) = delete;
   PanelLayer& operator=(const PanelLayer&) = delete;
   ~PanelLayer();
 
-  /// Whether the picture of it is old, too small or touched; then `lay_out` and `record_drawing` are to
-  /// follow.
+  /// True if the image is outdated, has the wrong size, or the user interacts with the panel. Then call
+  /// `lay_out` and `record_drawing`.
   [[nodiscard]] bool is_due(Extent window, Time now) const;
 
-  /// Lays out what `draw` says with ImGui's calls.
+  /// Begins an ImGui frame, calls `draw` and ends the frame.
   void lay_out(Extent window, Time now, const std::function<void()>& draw);
   void record_drawing(const vk::raii::CommandBuffer& commands);
 
-  /// Copies the panel's windows over `target`, which is of the size last laid out and in layout
-  /// TransferDstOptimal.
+  /// Copies the panel's windows into `target`, which must have the size of the last `lay_out` and be in
+  /// layout TransferDstOptimal.
   void record_copy(const vk::raii::CommandBuffer& commands, vk::Image target) const;
 
  private:
-  /// A place in the window, pixels.
+  /// Does one of the panel's windows contain this point of the window, in pixels?
   [[nodiscard]] bool covers(glm::dvec2 place) const;
   void fit(Extent window);
 
@@ -46,7 +45,7 @@ class PanelLayer {
   vk::raii::DescriptorPool pool_{nullptr};
   gpu::Image image_;  ///< in layout TransferSrcOptimal after drawing
   vk::raii::Framebuffer framebuffer_{nullptr};
-  std::vector<vk::Rect2D> windows_;  ///< of the panel, within the image
+  std::vector<vk::Rect2D> windows_;  ///< rectangles of ImGui's windows within the image
   std::optional<Time> laid_out_;
 };
 

@@ -8,7 +8,7 @@
 namespace farshade {
 
 Player::Player(Duration length) : length_(length) {
-  check(length > Duration::zero(), "a recording to play has a length");
+  check(length > Duration::zero(), "the recording has a length");
 }
 
 void Player::play() {
@@ -21,19 +21,19 @@ void Player::scrub(Duration to) {
 }
 
 void Player::set_speed(double speed) {
-  check(!std::isnan(speed), "a speed is a number");
+  check(!std::isnan(speed), "the speed is a number");
   speed_ = std::clamp(speed, kSlowest, kFastest);
 }
 
 void Player::advance(Duration span) {
-  check(span >= Duration::zero(), "a player goes onwards");
+  check(span >= Duration::zero(), "the player advances by at least 0");
   position_ = position_after(span);
   if (at_end_ == AtEnd::Hold && position_ == length_) playing_ = false;
 }
 
 Duration Player::position_after(Duration ahead) const {
   if (!playing_) return position_;
-  // In double, so that no span overflows; exact below 100 days.
+  // Computed in double, so that no span overflows. Exact below 100 days.
   const auto length_ns = static_cast<double>(length_.count());
   double at_ns = static_cast<double>(position_.count()) + static_cast<double>(ahead.count()) * speed_;
   if (at_end_ == AtEnd::Loop) {

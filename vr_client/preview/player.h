@@ -1,4 +1,4 @@
-/// Player: which instant of a recording is on show, as the session's time goes on.
+/// Player: the position within a head recording while it plays.
 #pragma once
 
 #include <cstdint>
@@ -16,22 +16,22 @@ class Player {
   /// Plays from the beginning. `length` > 0.
   explicit Player(Duration length);
 
-  /// At the end, starts over.
+  /// At the end of the recording, plays from the beginning.
   void play();
   void pause() { playing_ = false; }
-  /// To this time after the recording's start, or to the end that is nearer. Plays on if it played.
+  /// Moves to this time since the start of the recording, clamped to its length. Does not change playing().
   void scrub(Duration to);
-  /// Recorded seconds a second, held within kSlowest..kFastest.
+  /// Recorded seconds per second, clamped to kSlowest..kFastest.
   void set_speed(double speed);
   void set_at_end(AtEnd at_end) { at_end_ = at_end; }
 
-  /// The session's time has moved on by `span` >= 0. With AtEnd::Hold, reaching the end pauses there; with
-  /// Loop the end is the beginning.
+  /// Advances by `span` >= 0 of display time. At the end, AtEnd::Hold pauses, and AtEnd::Loop continues from
+  /// the beginning.
   void advance(Duration span);
 
-  /// Since the recording's start: 0..length.
+  /// Time since the start of the recording: 0..length.
   [[nodiscard]] Duration position() const { return position_; }
-  /// Where `advance(ahead)` would lead. A negative span leads back.
+  /// The position after `advance(ahead)`. A negative span gives an earlier position.
   [[nodiscard]] Duration position_after(Duration ahead) const;
   [[nodiscard]] Duration length() const { return length_; }
   [[nodiscard]] bool playing() const { return playing_; }

@@ -7,7 +7,7 @@ namespace {
 
 using Layout = vk::ImageLayout;
 
-/// While the device draws one frame, the next is recorded.
+/// The device draws one frame while the next is recorded.
 constexpr std::uint32_t kFlights = 2;
 
 }  // namespace
@@ -32,7 +32,7 @@ Presenter::~Presenter() {
   try {
     device_.logical.waitIdle();
   } catch (const vk::SystemError&) {
-    // A lost device draws no more, and who lost it has been told.
+    // The device is lost. The call that lost it has thrown already.
   }
 }
 

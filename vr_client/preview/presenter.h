@@ -1,4 +1,4 @@
-/// Presenter: composes two pictures and a panel into the window, and does not wait for the display.
+/// Presenter: composes two pictures and the panel into the window. It does not wait for the display.
 #pragma once
 
 #include "stereo/gpu/swapchain.h"
@@ -9,27 +9,28 @@ namespace farshade {
 
 class Presenter {
  public:
-  /// The device was opened for `window.presentation()`. `eyes`: as ComposePass takes them. All are kept.
+  /// The device must have been opened with `window.presentation()`. `eyes` is the image for ComposePass. All
+  /// references are kept.
   Presenter(const gpu::Device& device, Window& window, const gpu::Image& eyes);
   Presenter(const Presenter&) = delete;
   Presenter& operator=(const Presenter&) = delete;
   ~Presenter();
 
-  /// NotNow: the window is minimised, or the display still holds all images; nothing was drawn.
+  /// NotNow: nothing was drawn, because the window is minimised or the display still uses all images.
   enum class Outcome : std::uint8_t { Shown, NotNow };
 
-  /// Shows the composition and, over it, what `draw_panel` last drew with ImGui. It is called when the panel
-  /// is to be drawn anew: ten times a second, and for every frame while hands are on it.
+  /// Shows the composition, and above it the panel that `draw_panel` drew with ImGui. `draw_panel` is called
+  /// when the panel must be redrawn, see PanelLayer.
   Outcome show(const Composition& composition, const std::function<void()>& draw_panel);
 
-  /// Takes a picture of the eyes' size, for Picture::LeftUpload or RightUpload; it stays until the next.
+  /// Uploads a picture of the eyes' size for Picture::LeftUpload or RightUpload.
   void upload(Side side, const Image<Rgb8>& picture) { compose_.upload(side, picture); }
 
-  /// The composition at the window's size, without panel; empty while the window is minimised.
+  /// The composition at the size of the window, without the panel. Empty while the window is minimised.
   [[nodiscard]] Image<Rgb8> read_back(const Composition& composition) const;
 
  private:
-  /// What one frame in flight holds.
+  /// Objects of one frame in flight.
   struct Flight {
     vk::raii::CommandBuffer commands;
     vk::raii::Fence done;
@@ -45,7 +46,7 @@ class Presenter {
   gpu::Swapchain swapchain_;
   ComposePass compose_;
   PanelLayer panel_;
-  std::vector<vk::raii::Semaphore> drawn_;  ///< one a swapchain image
+  std::vector<vk::raii::Semaphore> drawn_;  ///< one per swapchain image
   std::vector<Flight> flights_;
   std::size_t next_flight_ = 0;
 };

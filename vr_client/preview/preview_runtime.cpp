@@ -6,55 +6,55 @@
 
 namespace farshade {
 
-PreviewRuntime::PreviewRuntime(const PreviewSetup& setup, const Clock& clock, Sleep sleep, TakeIn take_in)
+PreviewRuntime::PreviewRuntime(const PreviewSetup& setup, const Clock& clock, Sleep sleep,
+                               ReadControls read_controls)
     : setup_(setup),
       clock_(clock),
       sleep_(std::move(sleep)),
-      take_in_(std::move(take_in)),
+      read_controls_(std::move(read_controls)),
       pacer_(setup.refresh_hz),
-      hand_(setup.start),
+      simulated_(setup.start),
       stage_from_head_(setup.start) {
-  if (setup.recording) player_.emplace(setup.recording->trace.end() - setup.recording->trace.start());
+  if (setup.recording) player_.emplace(setup.recording->head.end() - setup.recording->head.start());
 }
 
 std::optional<FrameTiming> PreviewRuntime::wait_frame() {
-  if (setup_.frames && begun_ >= *setup_.frames) return std::nullopt;
+  if (setup_.frames && frames_ >= *setup_.frames) return std::nullopt;
   const Time now = clock_.now();
   if (began_at_) pacer_.learn(now - *began_at_);
   const Time begin = pacer_.next_begin(now);
   if (begin > now) sleep_(begin - now);
 
-  const std::optional<HeadControls> hands = take_in_();
-  if (!hands) return std::nullopt;
+  const std::optional<HeadControls> controls = read_controls_();
+  if (!controls) return std::nullopt;
   began_at_ = clock_.now();
   const FrameTiming timing = pacer_.begin(*began_at_);
-  move_head(*hands, timing.display_time - display_time_.value_or(timing.display_time));
-  headset_ = hands->headset;
+  move_head(*controls, timing.display_time - display_time_.value_or(timing.display_time));
+  headset_ = controls->headset;
   display_time_ = timing.display_time;
-  ++begun_;
+  ++frames_;
   return timing;
 }
 
-void PreviewRuntime::move_head(const HeadControls& hands, Duration span) {
-  const HeadSource before = std::exchange(source_, player_ ? hands.source : HeadSource::Hand);
+void PreviewRuntime::move_head(const HeadControls& controls, Duration span) {
+  const HeadSource before = std::exchange(source_, player_ ? controls.source : HeadSource::Simulated);
   if (source_ == HeadSource::Recording) {
     player_->advance(span);
     stage_from_head_ = recorded_head(Duration::zero());
   } else {
-    if (before == HeadSource::Recording) hand_ = SimulatedHead(stage_from_head_);
-    hand_.step(hands.head, span);
-    stage_from_head_ = hand_.stage_from_head();
+    if (before == HeadSource::Recording) simulated_ = SimulatedHead(stage_from_head_);
+    simulated_.step(controls.head, span);
+    stage_from_head_ = simulated_.stage_from_head();
   }
 }
 
 Rigid<Stage, Head> PreviewRuntime::recorded_head(Duration ahead) const {
-  const HeadRecording& trace = setup_.recording->trace;
-  return setup_.recording->stage_from_recorded *
-         head_at(trace, trace.start() + player_->position_after(ahead));
+  const HeadRecording& head = setup_.recording->head;
+  return setup_.recording->stage_from_recorded * head_at(head, head.start() + player_->position_after(ahead));
 }
 
 StereoView PreviewRuntime::locate_views(Time display_time) const {
-  check(display_time_.has_value(), "a frame has begun before its views are located");
+  check(display_time_.has_value(), "views are located after a frame has begun");
   return views_of(
       source_ == HeadSource::Recording ? recorded_head(display_time - *display_time_) : stage_from_head_,
       headset_);

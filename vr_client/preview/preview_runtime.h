@@ -1,5 +1,5 @@
-/// PreviewRuntime: a headset on a desk. Its head is moved by hands or by a recording, its display times are
-/// paced by a clock, and it asks its owner once a frame what hands did.
+/// PreviewRuntime: the Runtime of the preview. Mouse and keys or a head recording move the head. A FramePacer
+/// chooses the display times. Once per frame a callback supplies the controls of the head.
 #pragma once
 
 #include <cstdint>
@@ -15,75 +15,77 @@
 
 namespace farshade {
 
-enum class HeadSource : std::uint8_t { Hand, Recording };
+enum class HeadSource : std::uint8_t { Simulated, Recording };
 
-/// What the viewer decides for one frame.
+/// Head and headset of one frame.
 struct HeadControls {
-  HeadSource source = HeadSource::Hand;
-  HeadInput head;  ///< heeded if `source` is Hand
+  HeadSource source = HeadSource::Simulated;
+  HeadInput head;  ///< used if `source` is Simulated
   Headset headset;
 };
 
-/// Called once in each wait_frame, when the frame is about to begin: the place to poll a window, to change
-/// the player, or to wait while a window is minimised (that time is not counted as the frame's). Nothing ends
-/// the session.
-using TakeIn = std::function<std::optional<HeadControls>()>;
+/// Called once in each wait_frame, before the frame begins. The callback may poll the window, change the
+/// player, and wait while the window is minimised; that time does not count as frame time. If it returns
+/// nothing, the run ends.
+using ReadControls = std::function<std::optional<HeadControls>()>;
 using Sleep = std::function<void(Duration)>;
 
-/// A recording to follow. Keeps a reference.
+/// A head recording and its placement in the scene. Keeps a reference.
 struct PlacedHeadRecording {
-  const HeadRecording& trace;
+  const HeadRecording& head;
   Rigid<Stage, Recorded> stage_from_recorded;
 };
 
 struct PreviewSetup {
-  Rigid<Stage, Head> start;  ///< where hands find the head
+  Rigid<Stage, Head> start;  ///< initial pose of the simulated head
   std::optional<PlacedHeadRecording> recording;
   double refresh_hz = 72;
-  std::optional<std::uint32_t> frames;  ///< to show; without end if not said
+  std::optional<std::uint32_t> frames;  ///< number of frames; empty: unlimited
 };
 
 class PreviewRuntime final : public Runtime {
  public:
-  /// Keeps a reference to `clock`. `sleep` lets that clock go on by at least the span given.
-  PreviewRuntime(const PreviewSetup& setup, const Clock& clock, Sleep sleep, TakeIn take_in);
+  /// Keeps a reference to `clock`. `sleep` must wait until that clock has advanced by at least the given
+  /// span.
+  PreviewRuntime(const PreviewSetup& setup, const Clock& clock, Sleep sleep, ReadControls read_controls);
 
-  /// Sleeps until the next frame should begin, takes in what hands did, and fixes where the head is in this
-  /// frame. Hands move the head and the player moves on by what the display time has since the last frame.
-  /// Hands that take over from a recording have the head where it was, upright.
-  /// Display times strictly increase, by whole display periods; `period` is the n periods that frames now
-  /// take (FramePacer).
+  /// Sleeps until the next frame should begin, reads the controls and computes the head pose of the frame.
+  /// The simulated head and the player advance by the difference of the display times. When the simulated
+  /// head takes over from the recording, it starts at the last recorded pose without roll. Display times
+  /// strictly increase by whole display periods; `period` is the number of periods per frame times the
+  /// display period (FramePacer).
   [[nodiscard]] std::optional<FrameTiming> wait_frame() override;
 
-  /// A head moved by hands does not know its future: its pose is this frame's for every time. A recording
-  /// is sampled at `display_time`. Not before the first frame.
+  /// The simulated head has the pose of the current frame at every time, because its future is unknown. A
+  /// recording is sampled at `display_time`. Call it only after the first wait_frame.
   [[nodiscard]] StereoView locate_views(Time display_time) const override;
   void end_frame(Time display_time) override;
 
-  /// The head at this frame's display time; before the first frame, the start.
+  /// The head pose at the display time of the current frame. Before the first frame: the initial pose.
   [[nodiscard]] const Rigid<Stage, Head>& stage_from_head() const { return stage_from_head_; }
-  /// What moves the head in this frame: Hand if there is no recording, whatever was wanted.
+  /// The source of the head pose of the current frame; Simulated if there is no recording.
   [[nodiscard]] HeadSource source() const { return source_; }
-  /// Where the recording stands; it stands still while hands move the head. Null without one.
+  /// The player of the recording, which does not advance while the head is simulated. Null without a
+  /// recording.
   [[nodiscard]] Player* player() { return player_ ? &*player_ : nullptr; }
 
  private:
-  void move_head(const HeadControls& hands, Duration span);
+  void move_head(const HeadControls& controls, Duration span);
   [[nodiscard]] Rigid<Stage, Head> recorded_head(Duration ahead) const;
 
   PreviewSetup setup_;
   const Clock& clock_;
   Sleep sleep_;
-  TakeIn take_in_;
+  ReadControls read_controls_;
   FramePacer pacer_;
   std::optional<Player> player_;
-  SimulatedHead hand_;
+  SimulatedHead simulated_;
   Rigid<Stage, Head> stage_from_head_;
-  HeadSource source_ = HeadSource::Hand;
+  HeadSource source_ = HeadSource::Simulated;
   Headset headset_;
-  std::uint32_t begun_ = 0;           ///< frames
-  std::optional<Time> began_at_;      ///< this frame, on the clock
-  std::optional<Time> display_time_;  ///< of this frame
+  std::uint32_t frames_ = 0;          ///< frames that have begun
+  std::optional<Time> began_at_;      ///< begin of the current frame, on the clock
+  std::optional<Time> display_time_;  ///< of the current frame
 };
 
 }  // namespace farshade

@@ -31,9 +31,9 @@ std::filesystem::path Recordings::unused(const char* what, const char* extension
   }
 }
 
-void Recordings::say(const Expected<void>& done, const std::string& otherwise) {
+void Recordings::report(const Expected<void>& done, const std::string& success) {
   if (!done && !failed_) failed_ = done.error();
-  note_ = done ? otherwise : done.error().what;
+  note_ = done ? success : done.error().what;
   if (done)
     spdlog::info("{}", note_);
   else
@@ -46,82 +46,83 @@ void Recordings::take_screenshot(const PerEye<Image<Rgb8>>& eyes, const Image<Rg
   for (const Side side : kSides)
     if (done) done = write_png(fmt::format("{}_{}.png", name, name_of(side)), eyes[index_of(side)]);
   if (done && window.size.pixels() > 0) done = write_png(name + "_window.png", window);
-  say(done, fmt::format("wrote {}_*.png", name));
+  report(done, fmt::format("wrote {}_*.png", name));
 }
 
 void Recordings::toggle_head() {
   if (!head_) {
     head_.emplace();
-    say({}, "recording the head");
+    report({}, "recording the head");
     return;
   }
   const std::filesystem::path path = unused("head", ".csv").string() + ".csv";
-  say(head_->write(path), "wrote " + path.string());
+  report(head_->write(path), "wrote " + path.string());
   head_.reset();
 }
 
 void Recordings::toggle_frames() {
   if (frames_) {
-    say({}, fmt::format("wrote {} frames to {}", frames_->written, frames_->folder.string()));
+    report({}, fmt::format("wrote {} frames to {}", frames_->written, frames_->folder.string()));
     frames_.reset();
     return;
   }
   frames_ = Frames{unused("frames", "")};
   std::error_code error;
   std::filesystem::create_directories(frames_->folder, error);
-  if (!error) return say({}, "writing frames to " + frames_->folder.string());
-  say(fail(Fault::Unreadable, fmt::format("cannot make {}: {}", frames_->folder.string(), error.message())),
+  if (!error) return report({}, "writing frames to " + frames_->folder.string());
+  report(
+      fail(Fault::Unreadable, fmt::format("cannot make {}: {}", frames_->folder.string(), error.message())),
       "");
   frames_.reset();
 }
 
 LinkListener Recordings::listen() {
-  session_ = std::make_unique<CaptureWriter>(clock_);
-  session_path_.clear();
-  CaptureWriter* const own = session_.get();
-  // The link outlives a session's recording, and goes on telling.
+  capture_ = std::make_unique<CaptureWriter>(clock_);
+  capture_path_.clear();
+  CaptureWriter* const own = capture_.get();
+  // The link outlives a capture and keeps calling its listener.
   return {.heard =
               [this, own, inner = own->listener()](auto message, Time arrived) {
-                if (session_.get() == own) inner.heard(message, arrived);
+                if (capture_.get() == own) inner.heard(message, arrived);
               },
           .asked =
               [this, own, inner = own->listener()](const FrameRequest& request) {
-                if (session_.get() == own) inner.asked(request);
+                if (capture_.get() == own) inner.asked(request);
               }};
 }
 
-void Recordings::begin_session(const std::filesystem::path& path, const CaptureHeader& header) {
-  session_path_ = path;
-  if (path.empty()) session_path_ = unused("session", ".farshade").string() + ".farshade";
-  const Expected<void> opened = session_->open(session_path_, header);
-  say(opened, "recording the session to " + session_path_.string());
-  if (!opened) session_.reset();
+void Recordings::begin_capture(const std::filesystem::path& path, const CaptureHeader& header) {
+  capture_path_ = path;
+  if (path.empty()) capture_path_ = unused("capture", ".farshade").string() + ".farshade";
+  const Expected<void> opened = capture_->open(capture_path_, header);
+  report(opened, "writing a capture to " + capture_path_.string());
+  if (!opened) capture_.reset();
 }
 
-void Recordings::end_session() {
-  if (session_path_.empty()) {
-    session_.reset();  // its session never began
+void Recordings::end_capture() {
+  if (capture_path_.empty()) {
+    capture_.reset();  // begin_capture was never called
     return;
   }
-  say({}, fmt::format("wrote {} frames to {}; show it again with --replay", session_->frames(),
-                      session_path_.string()));
-  session_.reset();
+  report({}, fmt::format("wrote a capture of {} frames to {}; replay it with --replay", capture_->frames(),
+                         capture_path_.string()));
+  capture_.reset();
 }
 
 void Recordings::watch(const FrameView& view, const PerEye<Image<Rgb8>>* shown,
-                       const PerEye<Image<Rgb8>>* on_show) {
+                       const PerEye<Image<Rgb8>>* displayed) {
   if (head_) head_->add(view.shown.display_time, view.shown.views);
-  if (session_) {
-    session_->watch(view, *shown);
-    if (session_->failed()) {
-      say(tl::unexpected(*session_->failed()), "");
-      session_.reset();
+  if (capture_) {
+    capture_->watch(view, *shown);
+    if (capture_->failed()) {
+      report(tl::unexpected(*capture_->failed()), "");
+      capture_.reset();
     }
   }
   if (!frames_) return;
   const std::string name = fmt::format("frame_{:05}.png", ++frames_->written);
-  if (const Expected<void> done = write_png(frames_->folder / name, side_by_side(*on_show)); !done) {
-    say(done, "");
+  if (const Expected<void> done = write_png(frames_->folder / name, side_by_side(*displayed)); !done) {
+    report(done, "");
     frames_.reset();
   }
 }
@@ -129,7 +130,7 @@ void Recordings::watch(const FrameView& view, const PerEye<Image<Rgb8>>* shown,
 Expected<void> Recordings::finish() {
   if (head_) toggle_head();
   if (frames_) toggle_frames();
-  if (session_) end_session();
+  if (capture_) end_capture();
   return failed_ ? Expected<void>(tl::unexpected(*failed_)) : Expected<void>{};
 }
 

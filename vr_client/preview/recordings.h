@@ -1,6 +1,6 @@
-/// Takes: what a viewer keeps of a preview: screenshots, the head, every frame, the whole session. Each goes
-/// to a new file or folder of the output folder, and none is ever written over. A failure to write ends that
-/// take and is said; the preview goes on.
+/// Recordings: the files that the viewer of a preview writes: screenshots, head recordings, pictures of every
+/// frame and captures. Each goes to a new file or folder in the output folder; no file is overwritten. A
+/// failure to write ends that recording and is reported; the preview continues.
 #pragma once
 
 #include <filesystem>
@@ -14,16 +14,17 @@ namespace farshade {
 
 class Recordings {
  public:
-  /// `clock` is the link's.
+  /// `clock` must be the clock of the link.
   Recordings(std::filesystem::path out, const Clock& clock) : out_(std::move(out)), clock_(clock) {}
 
-  /// The last thing worth saying: a file that was written, a failure.
+  /// The last message: a file that was written, or a failure.
   [[nodiscard]] const std::string& note() const { return note_; }
 
-  /// Each eye's picture, and the window's if it has one now: `screenshot_NNNN_{left,right,window}.png`.
+  /// Writes the pictures of the eyes and, unless it is empty, of the window:
+  /// `screenshot_NNNN_{left,right,window}.png`.
   void take_screenshot(const PerEye<Image<Rgb8>>& eyes, const Image<Rgb8>& window);
 
-  /// `head_NNNN.csv`, written when it ends.
+  /// `head_NNNN.csv`, written when the recording ends.
   void toggle_head();
   [[nodiscard]] bool records_head() const { return head_.has_value(); }
 
@@ -31,18 +32,19 @@ class Recordings {
   void toggle_frames();
   [[nodiscard]] bool records_frames() const { return frames_.has_value(); }
 
-  /// `session_NNNN.farshade`. First what the link shall tell, before it meets a server (if there is to be
-  /// one); then the file, before the first frame. The link may tell as long as this lives.
+  /// `capture_NNNN.farshade`. Call listen() before the link meets the server, and begin_capture() before the
+  /// first frame. The returned listener is valid as long as this object lives.
   [[nodiscard]] LinkListener listen();
-  /// An empty `path` is a new one of the output folder's; a file at any other is replaced.
-  void begin_session(const std::filesystem::path& path, const CaptureHeader& header);
-  void end_session();
-  [[nodiscard]] bool records_session() const { return session_ != nullptr; }
+  /// An empty `path` selects a new file in the output folder. An existing file at another path is replaced.
+  void begin_capture(const std::filesystem::path& path, const CaptureHeader& header);
+  void end_capture();
+  [[nodiscard]] bool writes_capture() const { return capture_ != nullptr; }
 
-  /// A frame was shown; `shown` are its eyes as drawn. Only if some take records pictures: `on_show`.
-  void watch(const FrameView& view, const PerEye<Image<Rgb8>>* shown, const PerEye<Image<Rgb8>>* on_show);
+  /// Adds a shown frame. `shown` are its pictures as drawn, needed for a capture; `displayed` are the
+  /// displayed pictures, needed while frames are written.
+  void watch(const FrameView& view, const PerEye<Image<Rgb8>>* shown, const PerEye<Image<Rgb8>>* displayed);
 
-  /// Ends all takes. The first failure of any.
+  /// Ends all recordings. Returns the first failure.
   [[nodiscard]] Expected<void> finish();
 
  private:
@@ -51,14 +53,14 @@ class Recordings {
     std::uint32_t written = 0;
   };
   [[nodiscard]] std::filesystem::path unused(const char* what, const char* extension) const;
-  void say(const Expected<void>& done, const std::string& otherwise);
+  void report(const Expected<void>& done, const std::string& success);
 
   std::filesystem::path out_;
   const Clock& clock_;
   std::optional<HeadRecordingWriter> head_;
   std::optional<Frames> frames_;
-  std::unique_ptr<CaptureWriter> session_;
-  std::filesystem::path session_path_;
+  std::unique_ptr<CaptureWriter> capture_;
+  std::filesystem::path capture_path_;
   std::string note_;
   std::optional<Error> failed_;
 };

@@ -6,8 +6,10 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <iterator>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "stereo/base/check.h"
 
@@ -15,73 +17,55 @@ namespace farshade {
 namespace {
 
 constexpr const char* kCure =
-    "run it in a desktop session, through `ssh -X` or under `xvfb-run -a`; or leave --preview away: "
-    "pictures go to out/";
+    "run it in a desktop session, through `ssh -X` or under `xvfb-run -a`, or omit --preview to write "
+    "pictures to out/";
 
 bool is_set(const char* variable) {
   const char* value = std::getenv(variable);
   return value != nullptr && *value != '\0';
 }
 
-/// GLFW's own words for what just failed.
-std::string last_words() {
+/// GLFW's description of the last error.
+std::string last_error() {
   const char* words = nullptr;
   glfwGetError(&words);
   return words ? words : "no reason given";
 }
 
-/// `code` counted from `first` if it is within `count` of it.
+/// The key of `code` if it is one of the `count` codes from `first` on.
 std::optional<Key> in_row(int code, int first, int count, Key first_key) {
   if (code < first || code >= first + count) return std::nullopt;
   return static_cast<Key>(static_cast<int>(first_key) + code - first);
 }
 
+/// Keys that are not in a row of consecutive codes.
+constexpr std::pair<int, Key> kOtherKeys[] = {{GLFW_KEY_SPACE, Key::Space},
+                                              {GLFW_KEY_TAB, Key::Tab},
+                                              {GLFW_KEY_ENTER, Key::Enter},
+                                              {GLFW_KEY_KP_ENTER, Key::Enter},
+                                              {GLFW_KEY_ESCAPE, Key::Escape},
+                                              {GLFW_KEY_LEFT, Key::Left},
+                                              {GLFW_KEY_RIGHT, Key::Right},
+                                              {GLFW_KEY_UP, Key::Up},
+                                              {GLFW_KEY_DOWN, Key::Down},
+                                              {GLFW_KEY_HOME, Key::Home},
+                                              {GLFW_KEY_END, Key::End},
+                                              {GLFW_KEY_EQUAL, Key::Plus},
+                                              {GLFW_KEY_KP_ADD, Key::Plus},
+                                              {GLFW_KEY_MINUS, Key::Minus},
+                                              {GLFW_KEY_KP_SUBTRACT, Key::Minus},
+                                              {GLFW_KEY_LEFT_BRACKET, Key::LeftBracket},
+                                              {GLFW_KEY_RIGHT_BRACKET, Key::RightBracket},
+                                              {GLFW_KEY_COMMA, Key::Comma},
+                                              {GLFW_KEY_PERIOD, Key::Period},
+                                              {GLFW_KEY_LEFT_SHIFT, Key::Shift},
+                                              {GLFW_KEY_RIGHT_SHIFT, Key::Shift},
+                                              {GLFW_KEY_LEFT_CONTROL, Key::Control},
+                                              {GLFW_KEY_RIGHT_CONTROL, Key::Control}};
+
 std::optional<Key> other_key(int code) {
-  switch (code) {
-    case GLFW_KEY_SPACE:
-      return Key::Space;
-    case GLFW_KEY_TAB:
-      return Key::Tab;
-    case GLFW_KEY_ENTER:
-    case GLFW_KEY_KP_ENTER:
-      return Key::Enter;
-    case GLFW_KEY_ESCAPE:
-      return Key::Escape;
-    case GLFW_KEY_LEFT:
-      return Key::Left;
-    case GLFW_KEY_RIGHT:
-      return Key::Right;
-    case GLFW_KEY_UP:
-      return Key::Up;
-    case GLFW_KEY_DOWN:
-      return Key::Down;
-    case GLFW_KEY_HOME:
-      return Key::Home;
-    case GLFW_KEY_END:
-      return Key::End;
-    case GLFW_KEY_EQUAL:
-    case GLFW_KEY_KP_ADD:
-      return Key::Plus;
-    case GLFW_KEY_MINUS:
-    case GLFW_KEY_KP_SUBTRACT:
-      return Key::Minus;
-    case GLFW_KEY_LEFT_BRACKET:
-      return Key::LeftBracket;
-    case GLFW_KEY_RIGHT_BRACKET:
-      return Key::RightBracket;
-    case GLFW_KEY_COMMA:
-      return Key::Comma;
-    case GLFW_KEY_PERIOD:
-      return Key::Period;
-    case GLFW_KEY_LEFT_SHIFT:
-    case GLFW_KEY_RIGHT_SHIFT:
-      return Key::Shift;
-    case GLFW_KEY_LEFT_CONTROL:
-    case GLFW_KEY_RIGHT_CONTROL:
-      return Key::Control;
-    default:
-      return std::nullopt;
-  }
+  const auto* const found = std::ranges::find(kOtherKeys, code, &std::pair<int, Key>::first);
+  return found == std::end(kOtherKeys) ? std::nullopt : std::optional(found->second);
 }
 
 std::optional<Key> key_of(int code) {
@@ -99,18 +83,18 @@ Window& owner_of(GLFWwindow* window) {
 
 Expected<std::unique_ptr<Window>> open_window(const std::string& title, Extent size) {
   if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY"))
-    return fail(Fault::Missing, std::string("there is no desktop to open a window on (neither DISPLAY nor "
+    return fail(Fault::Missing, std::string("cannot open a window: there is no desktop (neither DISPLAY nor "
                                             "WAYLAND_DISPLAY is set); ") +
                                     kCure);
-  if (!glfwInit()) return fail(Fault::Missing, "no window could be opened: " + last_words() + "; " + kCure);
+  if (!glfwInit()) return fail(Fault::Missing, "cannot open a window: " + last_error() + "; " + kCure);
   glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
   GLFWwindow* const window =
       glfwCreateWindow(narrow<int>(size.width), narrow<int>(size.height), title.c_str(), nullptr, nullptr);
   if (!window) {
-    const std::string words = last_words();
+    const std::string words = last_error();
     glfwTerminate();
-    return fail(Fault::Missing, "no window could be opened: " + words + "; " + kCure);
+    return fail(Fault::Missing, "cannot open a window: " + words + "; " + kCure);
   }
   return std::unique_ptr<Window>(new Window(window));
 }
@@ -148,7 +132,7 @@ gpu::Presentation Window::presentation() const {
 vk::raii::SurfaceKHR Window::make_surface(const vk::raii::Instance& instance) const {
   VkSurfaceKHR surface = VK_NULL_HANDLE;
   if (glfwCreateWindowSurface(*instance, window_, nullptr, &surface) != VK_SUCCESS)
-    throw std::runtime_error("glfwCreateWindowSurface: " + last_words());
+    throw std::runtime_error("glfwCreateWindowSurface: " + last_error());
   return {instance, surface};
 }
 
@@ -165,7 +149,7 @@ double Window::content_scale() const {
   return static_cast<double>(y);
 }
 
-/// GLFW tells it in screen coordinates.
+/// GLFW reports the position in screen coordinates.
 glm::dvec2 Window::cursor_px() const {
   int width = 0, height = 0;
   glfwGetWindowSize(window_, &width, &height);
@@ -194,8 +178,8 @@ void Window::wait(Duration longest) {
 }
 
 void Window::attach_panel(std::function<bool(glm::dvec2)> covers) {
-  check(panel_ == Panel::None, "one panel at a time");
-  ImGui_ImplGlfw_InitForVulkan(window_, true);  // it passes on to our callbacks what it hears
+  check(panel_ == Panel::None, "only one panel is attached");
+  ImGui_ImplGlfw_InitForVulkan(window_, true);  // ImGui passes all events on to the callbacks of this window
   panel_ = Panel::Attached;
   panel_covers_ = std::move(covers);
 }
@@ -207,7 +191,7 @@ void Window::detach_panel() {
 
 void Window::begin_panel() {
   ImGui_ImplGlfw_NewFrame();
-  // The back end counts in screen coordinates, which are larger than pixels on some desktops.
+  // The back end uses screen coordinates, whose unit is larger than a pixel on some desktops.
   const Extent size = framebuffer_size();
   ImGuiIO& io = ImGui::GetIO();
   io.DisplaySize = {static_cast<float>(size.width), static_cast<float>(size.height)};
@@ -216,7 +200,7 @@ void Window::begin_panel() {
   if (io.MousePos.x > -FLT_MAX) io.MousePos = {static_cast<float>(mouse.x), static_cast<float>(mouse.y)};
 }
 
-/// Keys that are let go are always heard: one that was held as the panel began to listen must not stick.
+/// Releases are always handled, so that a key that was down when the panel took the keyboard is not stuck.
 void Window::on_key(int key, int action) {
   const auto known = key_of(key);
   if (!known) return;

@@ -1,5 +1,5 @@
-/// Window: the one on the desktop that the preview shows in, and the hands of who looks at it.
-/// The only room that knows GLFW; all calls from the thread that opened it.
+/// Window: the window of the preview and its keyboard and mouse input. Only window.cpp uses GLFW. All calls
+/// must come from the thread that opened the window.
 #pragma once
 
 #include <functional>
@@ -18,9 +18,9 @@ namespace farshade {
 
 class Window;
 
-/// A window of `size` (pixels, times the desktop's content scale) that is shown at once. Missing, with the
-/// cure, where there is no desktop to open it on: without DISPLAY and WAYLAND_DISPLAY none is even looked
-/// for. One at a time.
+/// Opens and shows a window of `size` pixels, times the content scale of the desktop. Missing, with a cure,
+/// if there is no desktop; without DISPLAY and WAYLAND_DISPLAY the function does not try. Only one window may
+/// exist.
 [[nodiscard]] Expected<std::unique_ptr<Window>> open_window(const std::string& title, Extent size);
 
 class Window {
@@ -29,28 +29,29 @@ class Window {
   Window& operator=(const Window&) = delete;
   ~Window();
 
-  /// What a device must have to show here. Refers to no window: any device may be asked.
+  /// What a device must support to present to windows. The result does not refer to this window.
   [[nodiscard]] gpu::Presentation presentation() const;
-  /// Throws where the instance lacks what `presentation` asks for. Must be gone before the window.
+  /// Throws if the instance lacks an extension of `presentation`. The surface must be destroyed before the
+  /// window.
   [[nodiscard]] vk::raii::SurfaceKHR make_surface(const vk::raii::Instance& instance) const;
 
-  [[nodiscard]] Extent framebuffer_size() const;  ///< pixels; zero while it is minimised
-  [[nodiscard]] double content_scale() const;     ///< how much larger than usual the desktop wants text
-  [[nodiscard]] glm::dvec2 cursor_px() const;     ///< the mouse within the framebuffer, pixels
+  [[nodiscard]] Extent framebuffer_size() const;  ///< pixels; zero while the window is minimised
+  [[nodiscard]] double content_scale() const;     ///< the scale of text on this desktop
+  [[nodiscard]] glm::dvec2 cursor_px() const;     ///< position of the mouse in the framebuffer, pixels
   [[nodiscard]] bool should_close() const;
   void set_title(const std::string& title);
 
-  /// What has happened since the last call.
+  /// The input since the last call.
   Input poll();
-  /// Returns when something happens, or after `longest`; what happens is kept for `poll`.
+  /// Returns at the next event, or after `longest`. `poll` returns that event.
   void wait(Duration longest);
 
-  // The panel's hands: Dear ImGui's current context is told of mouse and keys between these two.
-  /// `covers` says whether a place, in pixels of the window, is the panel's as it now is on show: who presses
-  /// there means the panel.
+  /// From attach_panel to detach_panel, the current context of Dear ImGui gets mouse and keys too. `covers`
+  /// must return whether the displayed panel contains a point, in pixels of the window. Clicks there go to
+  /// the panel.
   void attach_panel(std::function<bool(glm::dvec2)> covers);
   void detach_panel();
-  /// Before ImGui::NewFrame. The panel counts in pixels.
+  /// Call it before ImGui::NewFrame. The panel uses pixel coordinates.
   void begin_panel();
 
  private:

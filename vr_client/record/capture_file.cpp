@@ -1,5 +1,5 @@
-// Each kind of record has one field list, read and written by the same function, and one statement of its
-// ranges. The ranges are those within which a session runs without overflow, whatever a file says.
+// Each kind of record has one function that lists its fields for reading and writing, and one function that
+// checks their ranges. Within these ranges a replay cannot overflow.
 #include "vr_client/record/capture_file.h"
 
 #include <sodium.h>
@@ -42,7 +42,7 @@ bool light_fields(ByteWriter& io, const LightChanges& changes) {
   for (const LightChange& change : changes.lights) fine = fine && fields(io, change);
   return fine;
 }
-/// Grows with the bytes that are there, not with the count that they claim.
+/// The vector grows with the bytes that are present, not with the count that the file states.
 bool light_fields(ByteReader& io, LightChanges& changes) {
   std::uint16_t count = 0;
   if (!io.u32(changes.revision) || !io.u16(count)) return false;
@@ -51,15 +51,15 @@ bool light_fields(ByteReader& io, LightChanges& changes) {
   return true;
 }
 
-bool steering_fields(auto& io, Either<FrameSettings> auto& steering) {
-  return io.code(steering.wish.predictor) && io.code(steering.wish.guard_band) &&
-         io.u32(steering.wish.every) && io.u32(steering.wish.guard_band_percent) &&
-         io.code(steering.carry_over.lookup) && io.code(steering.carry_over.eyes) &&
-         io.code(steering.carry_over.gaps) && io.code(steering.carry_over.edges) && io.code(steering.scene) &&
-         light_fields(io, steering.lights);
+bool settings_fields(auto& io, Either<FrameSettings> auto& settings) {
+  return io.code(settings.wish.predictor) && io.code(settings.wish.guard_band) &&
+         io.u32(settings.wish.every) && io.u32(settings.wish.guard_band_percent) &&
+         io.code(settings.carry_over.lookup) && io.code(settings.carry_over.eyes) &&
+         io.code(settings.carry_over.gaps) && io.code(settings.carry_over.edges) && io.code(settings.scene) &&
+         light_fields(io, settings.lights);
 }
 
-// ---- ranges
+// ---- Ranges
 
 bool in_range(Extent size) {
   const auto fits = [](std::uint32_t side) { return side >= 1 && side <= kMaxViewSide_px; };
@@ -67,7 +67,7 @@ bool in_range(Extent size) {
 }
 
 bool is_plain(const std::string& text) {
-  return text.size() <= kMaxSessionText_bytes &&
+  return text.size() <= kMaxCaptureText_bytes &&
          std::ranges::all_of(text, [](char c) { return static_cast<unsigned char>(c) >= 0x20 && c != 0x7f; });
 }
 
@@ -88,31 +88,32 @@ Verdict verdict_on_lights(const LightChanges& changes) {
   return kFine;
 }
 
-Verdict verdict_on(const FrameSettings& steering) {
+Verdict verdict_on(const FrameSettings& settings) {
   const bool codes =
-      std::ranges::find(kPredictorKinds, steering.wish.predictor) != std::end(kPredictorKinds) &&
-      is_one_of(steering.wish.guard_band, GuardBandUse::Measured) && steering.wish.every >= 1 &&
-      steering.wish.every <= kMaxEvery && steering.wish.guard_band_percent <= kWidestBand_percent &&
-      is_one_of(steering.carry_over.lookup, Lookup::Direct) &&
-      is_one_of(steering.carry_over.eyes, Eyes::Both) &&
-      is_one_of(steering.carry_over.gaps, Gaps::Neighbours) &&
-      is_one_of(steering.carry_over.edges, Edges::Filtered) && is_one_of(steering.scene, SceneClock::Stands);
-  return codes ? verdict_on_lights(steering.lights) : WireRefusal::Code;
+      std::ranges::find(kPredictorKinds, settings.wish.predictor) != std::end(kPredictorKinds) &&
+      is_one_of(settings.wish.guard_band, GuardBandUse::Measured) && settings.wish.every >= 1 &&
+      settings.wish.every <= kMaxEvery && settings.wish.guard_band_percent <= kWidestBand_percent &&
+      is_one_of(settings.carry_over.lookup, Lookup::Direct) &&
+      is_one_of(settings.carry_over.eyes, Eyes::Both) &&
+      is_one_of(settings.carry_over.gaps, Gaps::Neighbours) &&
+      is_one_of(settings.carry_over.edges, Edges::Filtered) && is_one_of(settings.scene, SceneClock::Stands);
+  return codes ? verdict_on_lights(settings.lights) : WireRefusal::Code;
 }
 
-/// An Asked record before its message is decoded, a Heard one likewise.
-struct DatedBytes {
+/// Fields of a Request or Received record before its message is decoded.
+struct TimedMessage {
   Time time;
   std::span<const std::byte> bytes;
 };
 
-struct ShownRecord {
+struct PicturesRecord {
   PerEye<PictureHash> pictures{};
 };
 
 }  // namespace
 
-// Not in the anonymous namespace: the codec finds them by their arguments.
+// These functions are outside the anonymous namespace because the codec finds them by argument-dependent
+// lookup.
 
 bool fields(auto& io, Either<CaptureHeader> auto& header) {
   auto& [size, traced_size, depth_frames] = header.limits;
@@ -126,20 +127,20 @@ bool fields(auto& io, Either<CaptureHeader> auto& header) {
 
 bool fields(auto& io, Either<CapturedFrameInput> auto& input) {
   return io.ns(input.timing.display_time) && io.ns(input.timing.period) && look_fields(io, input.views[0]) &&
-         look_fields(io, input.views[1]) && steering_fields(io, input.steering);
+         look_fields(io, input.views[1]) && settings_fields(io, input.settings);
 }
 
 namespace {
-bool fields(auto& io, Either<DatedBytes> auto& dated) {
-  return io.ns(dated.time) && io.rest(dated.bytes);
+bool fields(auto& io, Either<TimedMessage> auto& timed) {
+  return io.ns(timed.time) && io.rest(timed.bytes);
 }
-bool fields(auto& io, Either<ShownRecord> auto& shown) {
-  return io.array(shown.pictures[0]) && io.array(shown.pictures[1]);
+bool fields(auto& io, Either<PicturesRecord> auto& record) {
+  return io.array(record.pictures[0]) && io.array(record.pictures[1]);
 }
-Verdict verdict(const DatedBytes& dated) {
-  return in_range(dated.time) ? kFine : Verdict(WireRefusal::TimeRange);
+Verdict verdict(const TimedMessage& timed) {
+  return in_range(timed.time) ? kFine : Verdict(WireRefusal::TimeRange);
 }
-Verdict verdict(const ShownRecord&) {
+Verdict verdict(const PicturesRecord&) {
   return kFine;
 }
 }  // namespace
@@ -168,19 +169,19 @@ Verdict verdict(const CapturedFrameInput& input) {
     return WireRefusal::TimeRange;
   for (const View& view : input.views)
     if (!in_range(view.stage_from_eye.translation) || !is_valid(view)) return WireRefusal::ViewRange;
-  return verdict_on(input.steering);
+  return verdict_on(input.settings);
 }
 
 namespace {
 
-/// The record's head, then its fields.
+/// Kind and length, then the fields.
 template <class Record>
 void append_record(RecordKind kind, const Record& record, std::vector<std::byte>& file) {
-  check(!verdict(record), "a record is within its ranges before it is written");
+  check(!verdict(record), "a record that is written is within its ranges");
   std::vector<std::byte> body;
   ByteWriter fields_of(body);
   fields(fields_of, record);
-  check(body.size() <= kMaxRecord_bytes, "a record is no longer than any may be");
+  check(body.size() <= kMaxRecord_bytes, "a record that is written has at most kMaxRecord_bytes");
   ByteWriter io(file);
   io.code(kind);
   io.u32(body.size());
@@ -188,23 +189,23 @@ void append_record(RecordKind kind, const Record& record, std::vector<std::byte>
 }
 
 std::string plain(std::string text) {
-  text.resize(std::min(text.size(), kMaxSessionText_bytes));
+  text.resize(std::min(text.size(), kMaxCaptureText_bytes));
   std::ranges::replace_if(
       text, [](char c) { return !is_plain({c}); }, '?');
   return text;
 }
 
-void append_heard(const std::vector<CapturedMessage>& all, std::vector<std::byte>& file) {
-  for (const CapturedMessage& heard : all)
-    append_record(RecordKind::Heard, DatedBytes{heard.arrived, heard.bytes}, file);
+void append_received(const std::vector<CapturedMessage>& messages, std::vector<std::byte>& file) {
+  for (const CapturedMessage& message : messages)
+    append_record(RecordKind::Received, TimedMessage{message.arrived, message.bytes}, file);
 }
 
 }  // namespace
 
 void append(const CaptureHeader& header, std::vector<std::byte>& file) {
   ByteWriter io(file);
-  io.u32(kSessionMagic);
-  io.u16(kSessionVersion);
+  io.u32(kCaptureMagic);
+  io.u16(kCaptureVersion);
   io.u16(kProtocolVersion);
   CaptureHeader written = header;
   written.scene = plain(header.scene);
@@ -214,14 +215,14 @@ void append(const CaptureHeader& header, std::vector<std::byte>& file) {
 
 void append(const CapturedFrame& frame, std::vector<std::byte>& file) {
   append_record(RecordKind::Frame, frame.input, file);
-  append_heard(frame.before, file);
-  if (frame.asked) {
+  append_received(frame.before, file);
+  if (frame.request) {
     std::vector<std::byte> message;
-    encode(ClientMessage(RequestMessage{.request = frame.asked->request}), message);
-    append_record(RecordKind::Asked, DatedBytes{frame.asked->sent, message}, file);
+    encode(ClientMessage(RequestMessage{.request = frame.request->request}), message);
+    append_record(RecordKind::Request, TimedMessage{frame.request->sent, message}, file);
   }
-  append_heard(frame.after, file);
-  append_record(RecordKind::Shown, ShownRecord{frame.shown}, file);
+  append_received(frame.after, file);
+  append_record(RecordKind::Pictures, PicturesRecord{frame.pictures}, file);
 }
 
 Decoded<CaptureHeader> decode_header(std::span<const std::byte> bytes) {
@@ -238,25 +239,27 @@ Decoded<CapturedFrameInput> decode_frame(std::span<const std::byte> bytes, Exten
   return input;
 }
 
-Decoded<CapturedMessage> decode_heard(std::span<const std::byte> bytes) {
-  const Decoded<DatedBytes> dated = codec::read<DatedBytes>(ByteReader(bytes));
-  if (!dated) return refuse(dated.error());
-  if (const Decoded<ServerMessage> message = decode_server(dated->bytes); !message)
+Decoded<CapturedMessage> decode_received(std::span<const std::byte> bytes) {
+  const Decoded<TimedMessage> timed = codec::read<TimedMessage>(ByteReader(bytes));
+  if (!timed) return refuse(timed.error());
+  if (const Decoded<ServerMessage> message = decode_server(timed->bytes); !message)
     return refuse(message.error());
-  return CapturedMessage{dated->time, {dated->bytes.begin(), dated->bytes.end()}};
+  return CapturedMessage{timed->time, {timed->bytes.begin(), timed->bytes.end()}};
 }
 
-Decoded<CapturedRequest> decode_asked(std::span<const std::byte> bytes) {
-  const Decoded<DatedBytes> dated = codec::read<DatedBytes>(ByteReader(bytes));
-  if (!dated) return refuse(dated.error());
-  Decoded<ClientMessage> message = decode_client(dated->bytes);
+Decoded<CapturedRequest> decode_request(std::span<const std::byte> bytes) {
+  const Decoded<TimedMessage> timed = codec::read<TimedMessage>(ByteReader(bytes));
+  if (!timed) return refuse(timed.error());
+  Decoded<ClientMessage> message = decode_client(timed->bytes);
   if (!message) return refuse(message.error());
-  return CapturedRequest{dated->time, std::move(std::get<RequestMessage>(*message).request)};
+  auto* const request = std::get_if<RequestMessage>(&*message);
+  if (!request) return refuse(WireRefusal::Type);
+  return CapturedRequest{timed->time, std::move(request->request)};
 }
 
-Decoded<PerEye<PictureHash>> decode_shown(std::span<const std::byte> bytes) {
-  return codec::read<ShownRecord>(ByteReader(bytes)).map([](const ShownRecord& shown) {
-    return shown.pictures;
+Decoded<PerEye<PictureHash>> decode_pictures(std::span<const std::byte> bytes) {
+  return codec::read<PicturesRecord>(ByteReader(bytes)).map([](const PicturesRecord& record) {
+    return record.pictures;
   });
 }
 

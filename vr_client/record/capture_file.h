@@ -1,6 +1,6 @@
-/// Session file: what the outside world gave a client, frame by frame, and what the client made of it, so
-/// that the session can be shown again bit for bit (replay.h). docs/session-file.md has the bytes; a record
-/// is its kind, its length and its fields, and each kind has one field list for writing and reading.
+/// Capture file: all inputs of a run, frame by frame, and hashes of the pictures that the run showed, so that
+/// replay.h can repeat the run bit for bit. docs/capture-file.md specifies the bytes. A record is a kind, a
+/// length and fields. Each kind has one field list for both writing and reading.
 #pragma once
 
 #include <string>
@@ -11,73 +11,76 @@
 
 namespace farshade {
 
-inline constexpr std::uint32_t kSessionMagic = 0x53534446;  // "FDSS" in byte order
-inline constexpr std::uint16_t kSessionVersion = 1;
-inline constexpr std::size_t kSessionPreamble_bytes = 8;  ///< magic, version, version of the messages inside
-inline constexpr std::size_t kRecordHead_bytes = 5;       ///< kind, length
-inline constexpr std::size_t kMaxRecord_bytes = 16384;    ///< without its head
-inline constexpr std::size_t kMaxSessionText_bytes = 255;
+inline constexpr std::uint32_t kCaptureMagic = 0x53534446;  // "FDSS" in byte order
+inline constexpr std::uint16_t kCaptureVersion = 1;
+inline constexpr std::size_t kCapturePreamble_bytes =
+    8;  ///< magic, format version, protocol version of the messages
+inline constexpr std::size_t kRecordHead_bytes = 5;     ///< kind and length
+inline constexpr std::size_t kMaxRecord_bytes = 16384;  ///< without kind and length
+inline constexpr std::size_t kMaxCaptureText_bytes = 255;
 
-enum class RecordKind : std::uint8_t { Header = 1, Frame = 2, Heard = 3, Asked = 4, Shown = 5 };
+enum class RecordKind : std::uint8_t { Header = 1, Frame = 2, Received = 3, Request = 4, Pictures = 5 };
 
-/// Who gave the masks.
+/// Who traced the masks.
 enum class MaskOrigin : std::uint8_t { Nobody, Server, OwnTracer };
 
-/// What a session stood on.
+/// Configuration of the captured run.
 struct CaptureHeader {
-  std::string scene;  ///< its file's name, for people
+  std::string scene;  ///< name of the scene file, for messages only
   ContentHash scene_hash{};
   std::uint32_t lights = 0;
   MaskOrigin origin = MaskOrigin::Nobody;
-  RendererLimits limits;       ///< traced_size: size, or largest_traced(size)
-  std::uint32_t requests = 0;  ///< that the AnswerInbox remembers
+  RendererLimits limits;       ///< traced_size is size or largest_traced(size)
+  std::uint32_t requests = 0;  ///< number of requests that the AnswerInbox remembers
   double refresh_hz = 0;
   MaskPolicy policy;
-  std::string device;  ///< that drew; another one may draw other pictures
+  std::string device;  ///< name of the GPU; another GPU may draw other pictures
 };
 
 struct CapturedMessage {
   Time arrived;
-  std::vector<std::byte> bytes;  ///< as decode_server takes them
+  std::vector<std::byte> bytes;  ///< input of decode_server
 };
 
 struct CapturedRequest {
   Time sent;
-  FrameRequest request;  ///< as it went out: of its lights what the server was not known to have
+  FrameRequest request;  ///< as sent, with only the light changes that the server had not confirmed
 };
 
-/// BLAKE2b-128 of a picture's size and pixels.
+/// BLAKE2b-128 of the size and the pixels of a picture.
 using PictureHash = std::array<std::uint8_t, 16>;
 [[nodiscard]] PictureHash hash_of(const Image<Rgb8>& picture);
 
-/// All that the outside world decides about a frame but what the server says.
+/// Inputs of a frame except server messages.
 struct CapturedFrameInput {
   FrameTiming timing;
-  StereoView views;        ///< of the session's eye size
-  FrameSettings steering;  ///< but for `report`, which changes no picture
+  StereoView views;        ///< their size is the header's limits.size
+  FrameSettings settings;  ///< without `report`, which changes no picture
 };
 
 struct CapturedFrame {
   CapturedFrameInput input;
-  std::vector<CapturedMessage> before;   ///< taken in before `asked` went out; all if nothing did
-  std::optional<CapturedRequest> asked;  ///< nothing: it asked for nothing, or there was no session to ask in
-  std::vector<CapturedMessage> after;    ///< taken in from then on, before it was drawn
-  PerEye<PictureHash> shown{};
+  std::vector<CapturedMessage> before;  ///< received before `request` was sent; all, if there is no request
+  std::optional<CapturedRequest> request;  ///< empty if the frame sent no request or no session was open
+  std::vector<CapturedMessage> after;  ///< received after `request` was sent and before the frame was drawn
+  PerEye<PictureHash> pictures{};
 };
 
-/// Appends what a file begins with, or what it goes on with. Texts are cut to kMaxSessionText_bytes and rid
-/// of control characters; anything else out of its range is a bug here.
+/// Append the beginning of a file (preamble and header) and one frame. Texts are cut to
+/// kMaxCaptureText_bytes, and '?' replaces control characters. Any other value out of its range is a bug in
+/// the caller.
 void append(const CaptureHeader& header, std::vector<std::byte>& file);
 void append(const CapturedFrame& frame, std::vector<std::byte>& file);
 
-// ---- what a record holds, from `bytes` without the record's head; refused as messages are
+// Decoders of the record bodies: `bytes` excludes kind and length. They refuse bytes as message decoders do.
 
 [[nodiscard]] Decoded<CaptureHeader> decode_header(std::span<const std::byte> bytes);
-/// The views get `eye_size`, which the file says once.
+/// `eye_size` is the size of both views; the file holds it once, in its header.
 [[nodiscard]] Decoded<CapturedFrameInput> decode_frame(std::span<const std::byte> bytes, Extent eye_size);
-/// Its message decodes.
-[[nodiscard]] Decoded<CapturedMessage> decode_heard(std::span<const std::byte> bytes);
-[[nodiscard]] Decoded<CapturedRequest> decode_asked(std::span<const std::byte> bytes);
-[[nodiscard]] Decoded<PerEye<PictureHash>> decode_shown(std::span<const std::byte> bytes);
+/// Refuses bytes that are not a server message.
+[[nodiscard]] Decoded<CapturedMessage> decode_received(std::span<const std::byte> bytes);
+/// Refuses client messages that are not a request (Type).
+[[nodiscard]] Decoded<CapturedRequest> decode_request(std::span<const std::byte> bytes);
+[[nodiscard]] Decoded<PerEye<PictureHash>> decode_pictures(std::span<const std::byte> bytes);
 
 }  // namespace farshade

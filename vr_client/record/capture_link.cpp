@@ -2,30 +2,30 @@
 
 namespace farshade {
 
-std::optional<std::string> difference_of(const FrameRequest& request, const FrameRequest& recorded) {
-  if (request.frame != recorded.frame)
-    return "asks as frame " + std::to_string(request.frame.value) + ", not as frame " +
-           std::to_string(recorded.frame.value);
-  if (request.display_time != recorded.display_time)
-    return "asks for a display time " + std::to_string(ms_of(request.display_time - recorded.display_time)) +
-           " ms later than recorded";
-  if (request.scene_time != recorded.scene_time)
-    return "asks for a scene time " + std::to_string(ms_of(request.scene_time - recorded.scene_time)) +
-           " ms later than recorded";
+std::optional<std::string> difference_of(const FrameRequest& request, const FrameRequest& captured) {
+  if (request.frame != captured.frame)
+    return "requests frame " + std::to_string(request.frame.value) + " instead of frame " +
+           std::to_string(captured.frame.value);
+  if (request.display_time != captured.display_time)
+    return "requests a display time " + std::to_string(ms_of(request.display_time - captured.display_time)) +
+           " ms later than captured";
+  if (request.scene_time != captured.scene_time)
+    return "requests a scene time " + std::to_string(ms_of(request.scene_time - captured.scene_time)) +
+           " ms later than captured";
   for (const Side side : kSides) {
-    const View &asked = request.views[index_of(side)], &before = recorded.views[index_of(side)];
-    if (asked == before) continue;
-    const char* const what = asked.size != before.size ? "size" : asked.fov != before.fov ? "fov" : "pose";
-    return std::string("asks for another ") + what + " of the " + name_of(side) + " eye";
+    const View &now = request.views[index_of(side)], &before = captured.views[index_of(side)];
+    if (now == before) continue;
+    const char* const what = now.size != before.size ? "size" : now.fov != before.fov ? "fov" : "pose";
+    return std::string("requests another ") + what + " of the " + name_of(side) + " eye";
   }
-  if (request.lights != recorded.lights) return "asks with other changes of lights";
+  if (request.lights != captured.lights) return "requests other light changes";
   return std::nullopt;
 }
 
 void CaptureLink::begin(const CapturedFrame& frame) {
   frame_ = &frame;
   taken_ = 0;
-  asked_ = false;
+  requested_ = false;
   difference_.reset();
   was_welcomed_ = welcomed_;
   take(frame.before);
@@ -33,16 +33,16 @@ void CaptureLink::begin(const CapturedFrame& frame) {
 
 void CaptureLink::take(std::span<const CapturedMessage> messages) {
   const Stopwatch watch;
-  for (const CapturedMessage& heard : messages) {
-    const Decoded<ServerMessage> message = decode_server(heard.bytes);
+  for (const CapturedMessage& captured : messages) {
+    const Decoded<ServerMessage> message = decode_server(captured.bytes);
     if (!message) continue;
     if (const auto* const welcome = std::get_if<Welcome>(&*message)) {
       inbox_.begin(*welcome);
       welcomed_ = true;
     } else if (const auto* const slice = std::get_if<Slice>(&*message)) {
-      inbox_.take(*slice, heard.arrived);
+      inbox_.take(*slice, captured.arrived);
     } else if (const auto* const report = std::get_if<FrameReport>(&*message)) {
-      inbox_.take(*report, heard.arrived);
+      inbox_.take(*report, captured.arrived);
     }
   }
   busy_ += watch.elapsed();
@@ -50,11 +50,12 @@ void CaptureLink::take(std::span<const CapturedMessage> messages) {
 
 void CaptureLink::request(const FrameRequest& request, Time asked_at,
                           std::span<const std::vector<std::byte>>) {
-  if (!frame_->asked && !was_welcomed_) return;
-  asked_ = true;
-  const Time now = frame_->asked ? frame_->asked->sent : Time{};
+  if (!frame_->request && !was_welcomed_) return;
+  requested_ = true;
+  const Time now = frame_->request ? frame_->request->sent : Time{};
   const FrameRequest sent = inbox_.ask(request, asked_at, now);
-  difference_ = frame_->asked ? difference_of(sent, frame_->asked->request) : "asks, where nothing was asked";
+  difference_ = frame_->request ? difference_of(sent, frame_->request->request)
+                                : "sends a request that was not captured";
 }
 
 bool CaptureLink::wait_for(FrameId frame, Duration) {
@@ -64,7 +65,7 @@ bool CaptureLink::wait_for(FrameId frame, Duration) {
 }
 
 std::optional<std::string> CaptureLink::end() {
-  if (frame_->asked && !asked_) return "asks for nothing, where a request was recorded";
+  if (frame_->request && !requested_) return "sends no request, though one was captured";
   return difference_;
 }
 

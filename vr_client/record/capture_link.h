@@ -1,5 +1,6 @@
-/// CaptureLink: the link of a session on file. It hears what was heard, in the frame and on the side of the
-/// request it was heard on, and compares what is asked with what was asked. It never waits.
+/// CaptureLink: replays the messages of a capture. Each message arrives in the same frame as in the captured
+/// run, and before or after the request as it did then. The link compares the requests of the replay with the
+/// captured ones. It never waits.
 #pragma once
 
 #include "vr_client/link/answer_link.h"
@@ -11,18 +12,20 @@ class CaptureLink final : public AnswerLink {
  public:
   explicit CaptureLink(const CaptureHeader& header) : inbox_(header.requests, MaskLayout{header.lights}) {}
 
-  /// A frame begins; `frame` stays until the next call.
+  /// Begins a frame. `frame` must live until the next call.
   void begin(const CapturedFrame& frame);
 
-  /// The frame at hand was shown. How what it asked differs from what was asked; nothing if it does not.
+  /// Ends the current frame. Returns how its request differs from the captured one; nothing if they are
+  /// equal.
   [[nodiscard]] std::optional<std::string> end();
 
-  /// As over the wire, nothing is asked before the first Welcome, nor perhaps in the frame that heard it.
+  /// As with a NetworkLink, no request is sent before the first Welcome. The frame that received the Welcome
+  /// may or may not have sent one.
   void request(const FrameRequest& request, Time asked_at,
                std::span<const std::vector<std::byte>> positions = {}) override;
 
-  /// Takes what the frame at hand heard, however short the patience.
-  bool wait_for(FrameId frame, Duration patience) override;
+  /// Takes all messages of the current frame, whatever the timeout.
+  bool wait_for(FrameId frame, Duration timeout) override;
 
   [[nodiscard]] const AnswerInbox& inbox() const override { return inbox_; }
   [[nodiscard]] const std::optional<Error>& refused() const override { return refused_; }
@@ -32,17 +35,18 @@ class CaptureLink final : public AnswerLink {
   void take(std::span<const CapturedMessage> messages);
 
   AnswerInbox inbox_;
-  bool welcomed_ = false, was_welcomed_ = false;  ///< so far; before the frame at hand
+  bool welcomed_ = false;      ///< a Welcome was received
+  bool was_welcomed_ = false;  ///< as welcomed_, when the current frame began
   const CapturedFrame* frame_ = nullptr;
-  std::size_t taken_ = 0;  ///< of frame_->after
-  bool asked_ = false;     ///< in the frame at hand
+  std::size_t taken_ = 0;   ///< messages of frame_->after
+  bool requested_ = false;  ///< in the current frame
   std::optional<std::string> difference_;
-  std::optional<Error> refused_;  ///< never
+  std::optional<Error> refused_;  ///< always empty
   Duration busy_{};
 };
 
-/// In what one request differs from the one that was recorded; nothing if it does not.
+/// The first difference between a request and the captured one; nothing if they are equal.
 [[nodiscard]] std::optional<std::string> difference_of(const FrameRequest& request,
-                                                       const FrameRequest& recorded);
+                                                       const FrameRequest& captured);
 
 }  // namespace farshade

@@ -13,12 +13,12 @@ const char* name_of(RecordKind kind) {
       return "header";
     case RecordKind::Frame:
       return "frame";
-    case RecordKind::Heard:
-      return "heard message";
-    case RecordKind::Asked:
-      return "asked request";
-    case RecordKind::Shown:
-      return "shown pictures";
+    case RecordKind::Received:
+      return "received message";
+    case RecordKind::Request:
+      return "request";
+    case RecordKind::Pictures:
+      return "pictures";
   }
   return "unknown";
 }
@@ -36,7 +36,7 @@ tl::unexpected<Error> CaptureReader::refused(const Record& record, WireRefusal w
 Expected<CaptureReader> CaptureReader::open(const std::filesystem::path& path) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) return fail(Fault::Missing, "no session file at " + path.string());
+  if (!std::filesystem::exists(status)) return fail(Fault::Missing, "no capture file at " + path.string());
   auto file = std::make_unique<std::ifstream>(path, std::ios::binary);
   if (std::filesystem::is_directory(status) || !*file)
     return fail(Fault::Unreadable, "cannot read " + path.string());
@@ -52,26 +52,27 @@ Expected<CaptureReader> CaptureReader::over(std::unique_ptr<std::istream> bytes,
 Expected<void> CaptureReader::begin() {
   std::uint32_t magic = 0;
   std::uint16_t version = 0, protocol = 0;
-  const bool whole = read(kSessionPreamble_bytes);
+  const bool whole = read(kCapturePreamble_bytes);
   ByteReader io(body_);
-  if (!whole || !io.u32(magic) || !io.u16(version) || !io.u16(protocol) || magic != kSessionMagic)
-    return fail(Fault::Unsupported, name_ + " is no session file");
-  if (version != kSessionVersion || protocol != kProtocolVersion)
-    return fail(Fault::Unsupported, name_ + " is a session file of version " + std::to_string(version) + "." +
-                                        std::to_string(protocol) + "; this program reads " +
-                                        std::to_string(kSessionVersion) + "." +
+  if (!whole || !io.u32(magic) || !io.u16(version) || !io.u16(protocol) || magic != kCaptureMagic)
+    return fail(Fault::Unsupported, name_ + " is not a capture file");
+  if (version != kCaptureVersion || protocol != kProtocolVersion)
+    return fail(Fault::Unsupported, name_ + " is a capture file of version " + std::to_string(version) + "." +
+                                        std::to_string(protocol) + "; this program reads version " +
+                                        std::to_string(kCaptureVersion) + "." +
                                         std::to_string(kProtocolVersion));
   const Expected<std::optional<Record>> record = next_record();
   if (!record) return tl::unexpected(record.error());
-  if (!*record) return fail_at(at_, "ends before its header does");
-  if ((*record)->kind != RecordKind::Header) return fail_at((*record)->at, "does not begin with a header");
+  if (!*record) return fail_at(at_, "the file ends inside its header");
+  if ((*record)->kind != RecordKind::Header)
+    return fail_at((*record)->at, "the first record is not a header");
   Decoded<CaptureHeader> header = decode_header(body_);
   if (!header) return refused(**record, header.error());
   header_ = std::move(*header);
   return {};
 }
 
-/// Into `body_`; false if the file ends before.
+/// Fills `body_`. False if the file ends first.
 bool CaptureReader::read(std::size_t size) {
   body_.resize(size);
   bytes_->read(reinterpret_cast<char*>(body_.data()), static_cast<std::streamsize>(size));
@@ -80,12 +81,12 @@ bool CaptureReader::read(std::size_t size) {
   return got == size;
 }
 
-/// Leaves its fields in `body_`. Nothing where the file ends, in it or before it.
+/// Leaves the record's fields in `body_`. Returns nothing if the file ends before or inside the record.
 Expected<std::optional<CaptureReader::Record>> CaptureReader::next_record() {
   Record record{.kind = RecordKind::Header, .at = at_};
   const auto at_end = [&]() -> Expected<std::optional<Record>> {
     if (bytes_->bad())
-      return fail(Fault::Unreadable, name_ + " cannot be read on from byte " + std::to_string(at_));
+      return fail(Fault::Unreadable, name_ + " cannot be read from byte " + std::to_string(at_));
     return std::nullopt;
   };
   if (!read(kRecordHead_bytes)) return at_end();
@@ -93,8 +94,8 @@ Expected<std::optional<CaptureReader::Record>> CaptureReader::next_record() {
   std::uint32_t size = 0;
   io.code(record.kind);
   io.u32(size);
-  if (record.kind < RecordKind::Header || record.kind > RecordKind::Shown)
-    return fail_at(record.at, "no kind of record");
+  if (record.kind < RecordKind::Header || record.kind > RecordKind::Pictures)
+    return fail_at(record.at, "unknown kind of record");
   if (size > kMaxRecord_bytes) return fail_at(record.at, "a record of " + std::to_string(size) + " bytes");
   if (!read(size)) return at_end();
   return record;
@@ -103,45 +104,46 @@ Expected<std::optional<CaptureReader::Record>> CaptureReader::next_record() {
 Expected<void> CaptureReader::take_frame(const Record& record, CapturedFrame& frame) const {
   Decoded<CapturedFrameInput> input = decode_frame(body_, header_.limits.size);
   if (!input) return refused(record, input.error());
-  if (shown_at_ && input->timing.display_time < *shown_at_) return fail_at(record.at, "time runs backwards");
-  const bool wide = input->steering.wish.guard_band == GuardBandUse::Measured;
+  if (last_display_time_ && input->timing.display_time < *last_display_time_)
+    return fail_at(record.at, "the display time runs backwards");
+  const bool wide = input->settings.wish.guard_band == GuardBandUse::Measured;
   if (header_.origin == MaskOrigin::Server && wide &&
       header_.limits.traced_size != largest_traced(header_.limits.size))
-    return fail_at(record.at, "a guard band in a session without one");
+    return fail_at(record.at, "a guard band, though the header's traced size has no room for one");
   frame.input = std::move(*input);
   return {};
 }
 
-Expected<void> CaptureReader::take_heard(const Record& record, CapturedFrame& frame) const {
-  Decoded<CapturedMessage> heard = decode_heard(body_);
-  if (!heard) return refused(record, heard.error());
-  const Decoded<ServerMessage> message = decode_server(heard->bytes);
+Expected<void> CaptureReader::take_received(const Record& record, CapturedFrame& frame) const {
+  Decoded<CapturedMessage> received = decode_received(body_);
+  if (!received) return refused(record, received.error());
+  const Decoded<ServerMessage> message = decode_server(received->bytes);
   const auto* const welcome = std::get_if<Welcome>(&*message);
   if (welcome && (welcome->scene_hash != header_.scene_hash || welcome->light_count != header_.lights))
-    return fail_at(record.at, "a welcome to another scene");
-  (frame.asked ? frame.after : frame.before).push_back(std::move(*heard));
+    return fail_at(record.at, "a welcome for another scene");
+  (frame.request ? frame.after : frame.before).push_back(std::move(*received));
   return {};
 }
 
-/// Of a frame that has begun.
+/// Adds a record to a frame that has begun.
 Expected<void> CaptureReader::take(const Record& record, CapturedFrame& frame) const {
-  const bool of_link = record.kind == RecordKind::Heard || record.kind == RecordKind::Asked;
-  if (of_link && header_.origin != MaskOrigin::Server)
-    return fail_at(record.at, "a server's word in a session without a server");
-  if (record.kind == RecordKind::Heard) return take_heard(record, frame);
-  if (record.kind == RecordKind::Asked) {
-    if (frame.asked) return fail_at(record.at, "a second request in one frame");
-    Decoded<CapturedRequest> asked = decode_asked(body_);
-    if (!asked) return refused(record, asked.error());
-    frame.asked = std::move(*asked);
+  const bool from_link = record.kind == RecordKind::Received || record.kind == RecordKind::Request;
+  if (from_link && header_.origin != MaskOrigin::Server)
+    return fail_at(record.at, "a message in a capture without a server");
+  if (record.kind == RecordKind::Received) return take_received(record, frame);
+  if (record.kind == RecordKind::Request) {
+    if (frame.request) return fail_at(record.at, "a second request in one frame");
+    Decoded<CapturedRequest> request = decode_request(body_);
+    if (!request) return refused(record, request.error());
+    frame.request = std::move(*request);
     return {};
   }
-  if (record.kind != RecordKind::Shown)
+  if (record.kind != RecordKind::Pictures)
     return fail_at(record.at,
-                   std::string("a frame that is not shown before the next ") + name_of(record.kind));
-  const Decoded<PerEye<PictureHash>> shown = decode_shown(body_);
-  if (!shown) return refused(record, shown.error());
-  frame.shown = *shown;
+                   std::string("the frame has no pictures before the next ") + name_of(record.kind));
+  const Decoded<PerEye<PictureHash>> pictures = decode_pictures(body_);
+  if (!pictures) return refused(record, pictures.error());
+  frame.pictures = *pictures;
   return {};
 }
 
@@ -150,16 +152,16 @@ Expected<std::optional<CapturedFrame>> CaptureReader::next() {
   if (!record) return tl::unexpected(record.error());
   if (!*record) return std::nullopt;
   if ((*record)->kind != RecordKind::Frame)
-    return fail_at((*record)->at, std::string(name_of((*record)->kind)) + " of no frame");
+    return fail_at((*record)->at, std::string(name_of((*record)->kind)) + " outside of a frame");
   CapturedFrame frame;
   if (auto taken = take_frame(**record, frame); !taken) return tl::unexpected(taken.error());
-  while ((*record)->kind != RecordKind::Shown) {
+  while ((*record)->kind != RecordKind::Pictures) {
     record = next_record();
     if (!record) return tl::unexpected(record.error());
     if (!*record) return std::nullopt;
     if (auto taken = take(**record, frame); !taken) return tl::unexpected(taken.error());
   }
-  shown_at_ = frame.input.timing.display_time;
+  last_display_time_ = frame.input.timing.display_time;
   return frame;
 }
 

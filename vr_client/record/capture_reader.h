@@ -1,5 +1,5 @@
-/// CaptureReader: a session file, frame by frame. Holds one frame at a time; no length in the file sizes an
-/// allocation before it was checked.
+/// CaptureReader: reads a capture file frame by frame. It holds one frame at a time. It checks every length
+/// from the file before it allocates memory for it.
 #pragma once
 
 #include <filesystem>
@@ -13,24 +13,23 @@ namespace farshade {
 
 class CaptureReader {
  public:
-  /// Refuses what is not there (Missing), may not be read (Unreadable), is no session file or another
-  /// version's (Unsupported), or ends before its header does (Malformed).
+  /// Errors: Missing (no such file), Unreadable, Unsupported (not a capture file, or another version),
+  /// Malformed (the file ends inside its header).
   [[nodiscard]] static Expected<CaptureReader> open(const std::filesystem::path& path);
-  /// The same from any bytes; `name` is what errors call them.
+  /// Reads from any stream. Errors call it `name`.
   [[nodiscard]] static Expected<CaptureReader> over(std::unique_ptr<std::istream> bytes, std::string name);
 
   [[nodiscard]] const CaptureHeader& header() const { return header_; }
-  [[nodiscard]] const std::string& name() const { return name_; }
 
-  /// The next frame; nothing at the end. A frame that the file's end cuts off is not there: its recorder was
-  /// stopped. Anything else that is wrong is an error that names file and byte, after which nothing can be
-  /// read.
+  /// Returns the next frame, or nothing at the end of the file. An incomplete last frame also ends the file:
+  /// its writer was killed. Any other fault is an error that names file and byte; no frame can be read after
+  /// it.
   [[nodiscard]] Expected<std::optional<CapturedFrame>> next();
 
  private:
   struct Record {
     RecordKind kind;
-    std::uint64_t at;  ///< of its head, in the file
+    std::uint64_t at;  ///< byte at which the record begins
   };
 
   CaptureReader(std::unique_ptr<std::istream> bytes, std::string name)
@@ -41,19 +40,19 @@ class CaptureReader {
   [[nodiscard]] Expected<std::optional<Record>> next_record();
   [[nodiscard]] Expected<void> take(const Record& record, CapturedFrame& frame) const;
   [[nodiscard]] Expected<void> take_frame(const Record& record, CapturedFrame& frame) const;
-  [[nodiscard]] Expected<void> take_heard(const Record& record, CapturedFrame& frame) const;
+  [[nodiscard]] Expected<void> take_received(const Record& record, CapturedFrame& frame) const;
   [[nodiscard]] tl::unexpected<Error> fail_at(std::uint64_t at, const std::string& what) const;
   [[nodiscard]] tl::unexpected<Error> refused(const Record& record, WireRefusal why) const;
 
   std::unique_ptr<std::istream> bytes_;
   std::string name_;
   CaptureHeader header_;
-  std::vector<std::byte> body_;  ///< of the record at hand
+  std::vector<std::byte> body_;  ///< of the current record
   std::uint64_t at_ = 0;         ///< bytes read
-  std::optional<Time> shown_at_;
+  std::optional<Time> last_display_time_;
 };
 
-/// Reads a file to its end. What CaptureReader::next says of it, or how many frames there are.
+/// Reads a whole file and returns its number of frames. Errors are those of CaptureReader::next.
 [[nodiscard]] Expected<std::uint32_t> count_frames(const std::filesystem::path& path);
 
 }  // namespace farshade

@@ -17,12 +17,12 @@ LinkListener CaptureWriter::listener() {
   return {.heard =
               [this](std::span<const std::byte> message, Time arrived) {
                 if (failed_) return;
-                (frame_.asked ? frame_.after : frame_.before)
+                (frame_.request ? frame_.after : frame_.before)
                     .push_back({arrived, {message.begin(), message.end()}});
               },
           .asked =
               [this](const FrameRequest& request) {
-                if (!failed_) frame_.asked = CapturedRequest{clock_.now(), request};
+                if (!failed_) frame_.request = CapturedRequest{clock_.now(), request};
               }};
 }
 
@@ -35,7 +35,7 @@ Expected<void> CaptureWriter::open(const std::filesystem::path& path, const Capt
   return {};
 }
 
-/// All that is pending reaches the file, or errno says why not.
+/// Writes all pending bytes. False on failure; errno then holds the reason.
 bool CaptureWriter::write() {
   bytes_ += pending_.size();
   const bool written = std::fwrite(pending_.data(), 1, pending_.size(), file_.get()) == pending_.size();
@@ -46,7 +46,7 @@ bool CaptureWriter::write() {
 void CaptureWriter::watch(const FrameView& view, const PerEye<Image<Rgb8>>& shown) {
   if (!file_ || failed_) return;
   frame_.input = {view.timing, view.shown.views, view.steering};
-  for (const Side side : kSides) frame_.shown[index_of(side)] = hash_of(shown[index_of(side)]);
+  for (const Side side : kSides) frame_.pictures[index_of(side)] = hash_of(shown[index_of(side)]);
   append(frame_, pending_);
   frame_ = {};
   if (write()) {
@@ -54,7 +54,7 @@ void CaptureWriter::watch(const FrameView& view, const PerEye<Image<Rgb8>>& show
     return;
   }
   failed_ = why_not(path_, errno);
-  failed_->what += "; its recording ends before frame " + std::to_string(view.shown.frame.value);
+  failed_->what += "; the capture ends before frame " + std::to_string(view.shown.frame.value);
   file_.reset();
 }
 

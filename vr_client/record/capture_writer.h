@@ -1,6 +1,6 @@
-/// CaptureWriter: writes a session file while the session runs. It hears what the link hears from before
-/// the link meets a server, and each frame goes to the file when it was shown, so that a recorder that is
-/// killed leaves all frames but the last.
+/// CaptureWriter: writes a capture file during a run. Its listener must be given to the link before the link
+/// meets the server. The writer appends each frame as soon as the frame was shown: a program that is killed
+/// leaves all complete frames.
 #pragma once
 
 #include <cstdio>
@@ -14,20 +14,20 @@ namespace farshade {
 
 class CaptureWriter {
  public:
-  /// `clock` is the link's.
+  /// `clock` must be the clock of the link.
   explicit CaptureWriter(const Clock& clock) : clock_(clock) {}
 
-  /// What a link shall tell, from before it meets a server on. Speaks to this recorder, which must stay where
-  /// it is.
+  /// The functions that the link calls for each message and request. They refer to this writer, which must
+  /// not move.
   [[nodiscard]] LinkListener listener();
 
-  /// Begins the file, once it is known what the session stands on: before its first frame.
+  /// Creates the file. Call it before the first frame.
   [[nodiscard]] Expected<void> open(const std::filesystem::path& path, const CaptureHeader& header);
 
-  /// A frame was shown as these pictures. A failure to write ends the recording, not the session.
+  /// Appends a frame that was shown as these pictures. A failure to write ends the capture, not the run.
   void watch(const FrameView& view, const PerEye<Image<Rgb8>>& shown);
 
-  /// Why nothing more is recorded, naming file and frame.
+  /// Why the capture ended early; the sentence names file and frame.
   [[nodiscard]] const std::optional<Error>& failed() const { return failed_; }
   [[nodiscard]] std::uint32_t frames() const { return frames_; }  ///< in the file
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }    ///< of the file
@@ -41,7 +41,7 @@ class CaptureWriter {
   const Clock& clock_;
   std::filesystem::path path_;
   std::unique_ptr<std::FILE, Close> file_;
-  CapturedFrame frame_;  ///< what has been heard and asked since the last frame was shown
+  CapturedFrame frame_;  ///< messages and request since the last frame was shown
   std::vector<std::byte> pending_;
   std::uint32_t frames_ = 0;
   std::uint64_t bytes_ = 0;

@@ -1,4 +1,4 @@
-/// HeadRecordingWriter: the head of a session as a recording like those that sessions replay (stereo/trace).
+/// HeadRecordingWriter: records the head poses of a run as a head recording (stereo/head).
 #pragma once
 
 #include "stereo/base/expected.h"
@@ -8,18 +8,19 @@ namespace farshade {
 
 class HeadRecordingWriter {
  public:
-  /// The head between the eyes of `views`, which were shown at `display_time`. A time that is not after the
-  /// last one is left out. Eye distance and fov of the last views are those of the recording: it has one
-  /// headset.
+  /// Adds the head pose between the eyes of `views`, which were shown at `display_time`. Skips a time that is
+  /// not later than the last one. The recording has one eye distance and one fov per eye: those of the last
+  /// views.
   void add(Time display_time, const StereoView& views);
 
-  [[nodiscard]] const HeadRecording& trace() const { return trace_; }
+  [[nodiscard]] const HeadRecording& recording() const { return recording_; }
 
-  /// EuRoC/ASL CSV in stage axes. Refuses fewer frames than a recording needs (OutOfRange).
+  /// Writes an EuRoC/ASL CSV file in stage axes. OutOfRange if there are fewer samples than a recording
+  /// needs.
   [[nodiscard]] Expected<void> write(const std::filesystem::path& path) const;
 
  private:
-  HeadRecording trace_;
+  HeadRecording recording_;
 };
 
 }  // namespace farshade

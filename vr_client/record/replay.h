@@ -1,6 +1,7 @@
-/// Replay: a session on file, shown again. It is the runtime, the link and the steering of a session whose
-/// frames are those of the file, and it compares what that session asks and shows with what was asked and
-/// shown. Same program, same scene, same device: the same bits. Time plays no part.
+/// Replay: repeats a captured run. It supplies the runtime, the link and the settings of each frame from the
+/// capture file, and compares the requests and pictures of the replay with the captured ones. The same
+/// program with the same scene on the same device gives the same bits. The replay does not depend on
+/// wall-clock time.
 #pragma once
 
 #include "vr_client/record/capture_link.h"
@@ -8,7 +9,7 @@
 
 namespace farshade {
 
-/// Where a replay first is not what was recorded.
+/// The first difference between a replay and its capture.
 struct ReplayDifference {
   FrameId frame;
   std::string what;
@@ -19,29 +20,29 @@ struct ReplayVerdict {
   std::optional<ReplayDifference> first;
 };
 
-/// "312 frames, all requests and pictures as recorded", or what first differs, and in which frame.
+/// "312 frames, all requests and pictures as captured", or the first difference and its frame.
 [[nodiscard]] std::string to_string(const ReplayVerdict& verdict);
 
 class Replay final : public Runtime {
  public:
-  /// `report`: what the session is steered to report, which changes no picture. The session must have what
-  /// the reader's header says. Stays where it is.
+  /// `report` replaces the captured setting; it changes no picture. The run must be configured as the
+  /// reader's header states. The object must not move.
   Replay(CaptureReader reader, ShadingPass::Report report);
 
-  /// Ends with the file.
+  /// Returns nothing at the end of the file.
   [[nodiscard]] std::optional<FrameTiming> wait_frame() override;
-  /// As recorded for the frame at hand, whatever the time.
+  /// The captured views of the current frame, whatever the time.
   [[nodiscard]] StereoView locate_views(Time display_time) const override;
   void end_frame(Time) override {}
 
-  /// Null if the session had none.
+  /// Null if the captured run had no server.
   [[nodiscard]] AnswerLink* link() { return link_ ? &*link_ : nullptr; }
-  [[nodiscard]] const FrameSettings& steering() const { return steering_; }
+  [[nodiscard]] const FrameSettings& settings() const { return settings_; }
 
-  /// The frame at hand was shown as these pictures.
+  /// Compares the current frame, which was shown as these pictures.
   void watch(const FrameView& view, const PerEye<Image<Rgb8>>& shown);
 
-  /// What came of it so far; the error if the file could not be read to its end.
+  /// The result so far. An error if the file could not be read to its end.
   [[nodiscard]] Expected<ReplayVerdict> verdict() const;
 
  private:
@@ -49,7 +50,7 @@ class Replay final : public Runtime {
   ShadingPass::Report report_;
   std::optional<CaptureLink> link_;
   CapturedFrame frame_;
-  FrameSettings steering_;
+  FrameSettings settings_;
   ReplayVerdict verdict_;
   std::optional<Error> error_;
 };

@@ -67,7 +67,7 @@ Image<std::uint16_t> sources_of(const ShownReport& report) {
   return image;
 }
 
-/// Where each pixel's point lies in its source's view, along one axis; 0 where there is none.
+/// One coordinate of each pixel's surface point in the view of its source; 0 without a source.
 Image<float> lookup_of(const ShownReport& report, std::size_t axis) {
   Image<float> image(report.mask.size());
   for (std::size_t i = 0; i < report.positions.size(); ++i) {

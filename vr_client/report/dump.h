@@ -1,14 +1,17 @@
-/// Dump: for one frame, what another program needs to check us, in formats that any program reads.
+/// Dump: writes one frame in common formats, with everything that another program needs to check it.
 ///
-/// For each eye EYE in left, right, in the folder `frame_NNNN`:
-///   EYE_mask_traced.png  16-bit grey: low 16 bits of the newest mask in hand (absent if there is none)
-///   EYE_mask_shown.png   16-bit grey: low 16 bits of what was shown (an unknown pixel: the rule's bits)
-///   EYE_source.png       16-bit grey: what each pixel was shown with, as ShownReport::sources has it
-///   EYE_lookup_x.pfm, EYE_lookup_y.pfm   where its point lies in that source's view, pixels; 0: in none
-///   EYE_distance.pfm     metres along -z in the shown view, 0 where nothing is covered
+/// Files in the folder `frame_NNNN`, where EYE is left or right:
+///   EYE_mask_traced.png  16-bit grey: low 16 bits of the newest mask; no file without a mask
+///   EYE_mask_shown.png   16-bit grey: low 16 bits of the shown visibility
+///   EYE_source.png       16-bit grey: source of each pixel, a value of ShownReport::sources
+///   EYE_lookup_x.pfm, EYE_lookup_y.pfm   position of the pixel's surface point in the view of its source,
+///   pixels; 0: no
+///                        source
+///   EYE_distance.pfm     metres along -z in the shown view, 0 without geometry
 ///   EYE_shown.png, EYE_reference.png   8-bit sRGB
-///   views.json           poses, fov, sizes, frame ids and times of shown and traced views; lights in bit
-///   order
+///   views.json           poses, fov, sizes, frame ids and times of the shown and the traced views; lights in
+///   bit
+///                        order
 #pragma once
 
 #include "stereo/scene/scene_state.h"
@@ -17,7 +20,7 @@
 
 namespace farshade {
 
-/// `view` and `frame` speak of the same frame; `distance` as Renderer::read_distance.
+/// `view` and `frame` must belong to the same frame. `distance` is the result of Renderer::read_distance.
 [[nodiscard]] Expected<void> write_dump(const std::filesystem::path& folder, const FrameView& view,
                                         const MeasuredFrame& frame, const PerEye<Image<float>>& distance);
 

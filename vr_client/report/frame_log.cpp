@@ -10,131 +10,131 @@
 namespace farshade {
 namespace {
 
-/// One figure of a frame, for the summary and for frames.csv alike.
+using Value = std::optional<double>;
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+/// One figure of a frame, for the summary and for frames.csv.
 struct Figure {
   std::string group, metric, unit;
-  std::function<std::optional<double>(const FrameRecord&)> of;
+  std::function<Value(const FrameRecord&)> of;
   Worse worse = Worse::High;
 };
 
-template <class Get>
-Figure client_ms(std::string metric, Get get) {
-  return {"client", std::move(metric), "ms",
-          [get](const FrameRecord& r) -> std::optional<double> { return ms_of(get(r.times)); }};
+/// `get` of the value, or nothing if there is none.
+template <class T, class Get>
+Value value_of(const std::optional<T>& value, const Get& get) {
+  return value ? Value(static_cast<double>(get(*value))) : std::nullopt;
 }
 
-template <class Get>
-Figure server(std::string metric, std::string unit, Get get, Worse worse = Worse::High) {
-  return {"server", std::move(metric), std::move(unit),
-          [get](const FrameRecord& r) -> std::optional<double> {
-            if (!r.server) return std::nullopt;
-            return static_cast<double>(get(*r.server));
-          },
-          worse};
+std::vector<Figure> client_figures() {
+  const auto stage = [](const char* metric, Duration StageTimes::*time) {
+    return Figure{"client", metric, "ms",
+                  [time](const FrameRecord& r) -> Value { return ms_of(r.times.*time); }};
+  };
+  return {stage("frame", &StageTimes::frame),
+          stage("request", &StageTimes::request),
+          stage("collect masks", &StageTimes::collect),
+          stage("draw", &StageTimes::draw),
+          stage("G-buffer", &StageTimes::gbuffer),
+          stage("depth of requested views", &StageTimes::depth),
+          stage("shadow maps", &StageTimes::maps),
+          stage("reproject and shade", &StageTimes::shade),
+          stage("turn", &StageTimes::turn)};
 }
 
-template <class Get>
-Figure error(Side side, std::string metric, std::string unit, Worse worse, Get get) {
-  return {std::string(name_of(side)) + " eye", std::move(metric), std::move(unit),
-          [get, side](const FrameRecord& r) -> std::optional<double> {
-            if (!r.errors || r.start_up) return std::nullopt;
-            const double value = get((*r.errors)[index_of(side)]);
-            return std::isnan(value) ? std::nullopt : std::optional(value);
-          },
-          worse};
+Duration total_work(const FrameReport& report) {
+  return report.primary + report.shadow + report.draw + report.pack;
 }
 
-std::vector<Figure> figures() {
-  std::vector<Figure> list{
-      client_ms("frame", [](const StageTimes& t) { return t.frame; }),
-      client_ms("request", [](const StageTimes& t) { return t.request; }),
-      client_ms("collect masks", [](const StageTimes& t) { return t.collect; }),
-      client_ms("draw", [](const StageTimes& t) { return t.draw; }),
-      client_ms("G-buffer", [](const StageTimes& t) { return t.gbuffer; }),
-      client_ms("depth of requested views", [](const StageTimes& t) { return t.depth; }),
-      client_ms("shadow maps", [](const StageTimes& t) { return t.maps; }),
-      client_ms("reproject and shade", [](const StageTimes& t) { return t.shade; }),
-      client_ms("turn", [](const StageTimes& t) { return t.turn; }),
-      server("frame", "ms",
-             [](const FrameReport& r) { return ms_of(r.primary + r.shadow + r.draw + r.pack); }),
-      server("primary visibility", "ms", [](const FrameReport& r) { return ms_of(r.primary); }),
-      server("shadow rays", "ms", [](const FrameReport& r) { return ms_of(r.shadow); }),
-      server("draw", "ms", [](const FrameReport& r) { return ms_of(r.draw); }),
-      server("code and pack", "ms", [](const FrameReport& r) { return ms_of(r.pack); }),
-      server("request waited", "ms", [](const FrameReport& r) { return ms_of(r.waited); }),
-      server("primary rays", "rays", [](const FrameReport& r) { return r.primary_rays; }),
-      server("shadow rays", "rays", [](const FrameReport& r) { return r.shadow_rays; }),
-      server("share of a full trace", "%",
-             [](const FrameReport& r) {
-               return r.full_shadow_rays == 0 ? 0.0
-                                              : 100.0 * static_cast<double>(r.shadow_rays) /
-                                                    static_cast<double>(r.full_shadow_rays);
-             }),
+double percent_of_full_trace(const FrameReport& report) {
+  if (report.full_shadow_rays == 0) return 0;
+  return 100.0 * static_cast<double>(report.shadow_rays) / static_cast<double>(report.full_shadow_rays);
+}
+
+std::vector<Figure> server_figures() {
+  const auto server = [](const char* metric, const char* unit, auto get) {
+    return Figure{"server", metric, unit, [get](const FrameRecord& r) { return value_of(r.server, get); }};
+  };
+  return {server("frame", "ms", [](const FrameReport& r) { return ms_of(total_work(r)); }),
+          server("primary visibility", "ms", [](const FrameReport& r) { return ms_of(r.primary); }),
+          server("shadow rays", "ms", [](const FrameReport& r) { return ms_of(r.shadow); }),
+          server("draw", "ms", [](const FrameReport& r) { return ms_of(r.draw); }),
+          server("code and pack", "ms", [](const FrameReport& r) { return ms_of(r.pack); }),
+          server("request waited", "ms", [](const FrameReport& r) { return ms_of(r.waited); }),
+          server("primary rays", "rays", [](const FrameReport& r) { return r.primary_rays; }),
+          server("shadow rays", "rays", [](const FrameReport& r) { return r.shadow_rays; }),
+          server("share of a full trace", "%", percent_of_full_trace)};
+}
+
+std::vector<Figure> wire_and_head_figures() {
+  // A frame's datagrams are its slices and one report.
+  return {
       {"wire", "datagrams a frame", "",
-       [](const FrameRecord& r) -> std::optional<double> {
-         if (!r.server) return std::nullopt;
-         return r.server->slices + 1.0;
-       }},
+       [](const FrameRecord& r) { return value_of(r.server, [](const auto& s) { return s.slices + 1.0; }); }},
       {"wire", "bytes a frame", "B",
-       [](const FrameRecord& r) -> std::optional<double> {
-         if (!r.server) return std::nullopt;
-         return r.server->payload_bytes;
+       [](const FrameRecord& r) {
+         return value_of(r.server, [](const auto& s) { return s.payload_bytes; });
        }},
       {"wire", "staleness", "ms",
-       [](const FrameRecord& r) -> std::optional<double> {
-         if (!r.delta) return std::nullopt;
-         return ms_of(r.delta->age);
-       }},
+       [](const FrameRecord& r) { return value_of(r.delta, [](const auto& d) { return ms_of(d.age); }); }},
       {"wire", "age", "ms",
-       [](const FrameRecord& r) -> std::optional<double> {
-         if (!r.age) return std::nullopt;
-         return ms_of(*r.age);
-       }},
+       [](const FrameRecord& r) { return value_of(r.age, [](Duration age) { return ms_of(age); }); }},
       {"head", "turned since traced view", "deg",
-       [](const FrameRecord& r) -> std::optional<double> {
-         if (!r.delta) return std::nullopt;
-         return r.delta->angle_rad * 180 / std::numbers::pi;
+       [](const FrameRecord& r) {
+         return value_of(r.delta, [](const auto& d) { return d.angle_rad * kDegrees; });
        }},
       {"head", "moved since traced view", "mm",
-       [](const FrameRecord& r) -> std::optional<double> {
-         if (!r.delta) return std::nullopt;
-         return r.delta->distance_m * 1e3;
+       [](const FrameRecord& r) {
+         return value_of(r.delta, [](const auto& d) { return d.distance_m * 1e3; });
        }},
-      {"head", "guard band", "% of pixels",
-       [](const FrameRecord& r) -> std::optional<double> {
-         if (!r.guard_band) return std::nullopt;
-         return *r.guard_band * 100;
-       }},
-  };
-  for (const Side side : kSides) {
-    list.push_back(
-        error(side, "mask error", "%", Worse::High, [](const EyeErrors& e) { return 100 * e.mask_error; }));
-    list.push_back(error(side, "mask error among known", "%", Worse::High,
-                         [](const EyeErrors& e) { return 100 * e.known_error; }));
-    list.push_back(error(side, "mask error unreprojected", "%", Worse::High,
-                         [](const EyeErrors& e) { return 100 * e.unmoved_error.value_or(kNotMeasured); }));
-    list.push_back(error(side, "PSNR", "dB", Worse::Low, [](const EyeErrors& e) { return e.psnr_db; }));
-    list.push_back(
-        error(side, "from newest mask", "%", Worse::Low, [](const EyeErrors& e) { return 100 * e.newest; }));
-    list.push_back(error(side, "from other eye's newest", "%", Worse::High,
-                         [](const EyeErrors& e) { return 100 * e.other_eye; }));
-    list.push_back(
-        error(side, "from older masks", "%", Worse::High, [](const EyeErrors& e) { return 100 * e.older; }));
-    list.push_back(
-        error(side, "neighbours", "%", Worse::High, [](const EyeErrors& e) { return 100 * e.neighbours; }));
-    list.push_back(
-        error(side, "unknown", "%", Worse::High, [](const EyeErrors& e) { return 100 * e.unknown; }));
-    list.push_back(error(side, "stale", "%", Worse::High, [](const EyeErrors& e) { return 100 * e.stale; }));
-    list.push_back({std::string(name_of(side)) + " eye", "not reached by the picture", "%",
-                    [side](const FrameRecord& r) -> std::optional<double> {
-                      return r.start_up ? std::nullopt : std::optional(100 * r.black[index_of(side)]);
-                    },
-                    Worse::High});
-  }
-  return list;
+      {"head", "guard band", "% of pixels", [](const FrameRecord& r) {
+         return value_of(r.guard_band, [](double share) { return share * 100; });
+       }}};
 }
 
-Spread toward(Worse worse, std::vector<double> values) {
+std::vector<Figure> eye_figures(Side side) {
+  const std::string group = std::string(name_of(side)) + " eye";
+  const auto error = [&](const char* metric, const char* unit, Worse worse, double (*get)(const EyeErrors&)) {
+    return Figure{group, metric, unit,
+                  [get, side](const FrameRecord& r) -> Value {
+                    if (!r.errors || r.start_up) return std::nullopt;
+                    const double value = get((*r.errors)[index_of(side)]);
+                    return std::isnan(value) ? std::nullopt : Value(value);
+                  },
+                  worse};
+  };
+  const auto percent = [&](const char* metric, double (*get)(const EyeErrors&), Worse worse = Worse::High) {
+    return error(metric, "%", worse, get);
+  };
+  return {percent("mask error", [](const EyeErrors& e) { return 100 * e.mask_error; }),
+          percent("mask error among known", [](const EyeErrors& e) { return 100 * e.known_error; }),
+          percent("mask error unreprojected",
+                  [](const EyeErrors& e) { return 100 * e.unmoved_error.value_or(kNotMeasured); }),
+          error("PSNR", "dB", Worse::Low, [](const EyeErrors& e) { return e.psnr_db; }),
+          percent(
+              "from newest mask", [](const EyeErrors& e) { return 100 * e.newest; }, Worse::Low),
+          percent("from other eye's newest", [](const EyeErrors& e) { return 100 * e.other_eye; }),
+          percent("from older masks", [](const EyeErrors& e) { return 100 * e.older; }),
+          percent("neighbours", [](const EyeErrors& e) { return 100 * e.neighbours; }),
+          percent("unknown", [](const EyeErrors& e) { return 100 * e.unknown; }),
+          percent("stale", [](const EyeErrors& e) { return 100 * e.stale; }),
+          {group, "not reached by the picture", "%", [side](const FrameRecord& r) -> Value {
+             return r.start_up ? std::nullopt : Value(100 * r.black[index_of(side)]);
+           }}};
+}
+
+/// All figures, in the order of the summary's rows and of the columns of frames.csv.
+std::vector<Figure> figures() {
+  std::vector<Figure> all;
+  for (const auto& part : {client_figures(), server_figures(), wire_and_head_figures(),
+                           eye_figures(Side::Left), eye_figures(Side::Right)})
+    all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
+
+/// Median and the quantiles on the worse side.
+Spread spread_toward(Worse worse, std::vector<double> values) {
   if (worse == Worse::High) return spread_of(std::move(values));
   return {values.size(), quantile(values, 0.5), quantile(values, 0.05), quantile(values, 0.01)};
 }
@@ -142,8 +142,7 @@ Spread toward(Worse worse, std::vector<double> values) {
 }  // namespace
 
 std::size_t FrameLog::start_up_frames() const {
-  return static_cast<std::size_t>(std::count_if(records_.begin(), records_.end(),
-                                                [](const FrameRecord& record) { return record.start_up; }));
+  return static_cast<std::size_t>(std::ranges::count_if(records_, &FrameRecord::start_up));
 }
 
 std::vector<SummaryRow> FrameLog::summary() const {
@@ -153,7 +152,8 @@ std::vector<SummaryRow> FrameLog::summary() const {
     for (const FrameRecord& record : records_)
       if (const std::optional<double> value = figure.of(record)) values.push_back(*value);
     if (!values.empty())
-      rows.push_back({figure.group, figure.metric, figure.unit, toward(figure.worse, std::move(values))});
+      rows.push_back(
+          {figure.group, figure.metric, figure.unit, spread_toward(figure.worse, std::move(values))});
   }
   return rows;
 }

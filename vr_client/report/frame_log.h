@@ -1,4 +1,4 @@
-/// FrameLog: what was measured of every frame, and its summary: median, p95 and p99, never a mean alone.
+/// FrameLog: the measurements of every frame, and their summary as median, p95 and p99.
 #pragma once
 
 #include <filesystem>
@@ -14,18 +14,18 @@ namespace farshade {
 struct FrameRecord {
   FrameId frame;
   Time display_time;
-  std::optional<Duration> age;  ///< since the newest mask was asked for; nothing where no server sent one
-  std::optional<PoseDelta>
-      delta;              ///< the left eye's, from what the newest answer was made for to what was shown
-  bool start_up = false;  ///< nothing of what the mode needs had come
+  std::optional<Duration> age;  ///< since the newest mask was requested; empty without a mask from a server
+  /// Of the left eye: from the view of the newest answer to the shown view.
+  std::optional<PoseDelta> delta;
+  bool start_up = false;  ///< no answer that the mode needs had arrived yet
   StageTimes times;
-  PerEye<double> black{};                   ///< share of each eye that the server's picture does not reach
-  std::optional<double> guard_band;         ///< pixels asked for beyond those shown, as a share of these
-  std::optional<FrameReport> server;        ///< of masks first shown in this frame
-  std::optional<PerEye<EyeErrors>> errors;  ///< nothing if no reference was traced
+  PerEye<double> black{};            ///< share of each eye's pixels outside the server's picture
+  std::optional<double> guard_band;  ///< requested pixels beyond the shown ones, as a share of the shown ones
+  std::optional<FrameReport> server;        ///< of the answer that this frame was the first to show
+  std::optional<PerEye<EyeErrors>> errors;  ///< empty if no reference was traced
 };
 
-/// Percentiles point to the worse side: for `LowIsWorse` rows p95 and p99 are the 5 % and 1 % quantiles.
+/// Which values of a figure are worse. Where low values are worse, p95 and p99 are the 5 % and 1 % quantiles.
 enum class Worse : std::uint8_t { High, Low };
 
 struct SummaryRow {
@@ -38,7 +38,7 @@ class FrameLog {
   void add(const FrameRecord& record) { records_.push_back(record); }
   [[nodiscard]] const std::vector<FrameRecord>& records() const { return records_; }
 
-  /// Frames shown before anything had come; their errors are not part of the summary.
+  /// Number of frames that were shown before any answer had arrived. The summary excludes their errors.
   [[nodiscard]] std::size_t start_up_frames() const;
 
   [[nodiscard]] std::vector<SummaryRow> summary() const;
@@ -47,13 +47,13 @@ class FrameLog {
   std::vector<FrameRecord> records_;
 };
 
-/// A table for people.
+/// The summary as a text table.
 [[nodiscard]] std::string table(const std::vector<SummaryRow>& rows);
 
 /// `summary.csv`: group,metric,unit,median,p95,p99,frames.
 [[nodiscard]] std::string summary_csv(const std::vector<SummaryRow>& rows);
 
-/// `frames.csv`: one row a frame; empty fields where nothing was measured.
+/// `frames.csv`: one row per frame. A field without a measurement is empty.
 [[nodiscard]] std::string frames_csv(const std::vector<FrameRecord>& records);
 
 }  // namespace farshade

@@ -2,7 +2,6 @@
 
 #include <bit>
 #include <cmath>
-#include <numbers>
 
 namespace farshade {
 namespace {
@@ -80,13 +79,6 @@ double unmoved_error(const EyeMask& stale, glm::ivec2 offset_px, const ShownRepo
     }
   });
   return total == 0 ? 0 : wrong / total;
-}
-
-double pixels_per_degree(const View& view) {
-  const FovTangents tangents = tangents_of(view.fov);
-  const double x = view.size.width / std::abs(tangents.right_tan - tangents.left_tan),
-               y = view.size.height / std::abs(tangents.down_tan - tangents.up_tan);
-  return std::sqrt(x * y) * std::numbers::pi / 180;
 }
 
 }  // namespace farshade

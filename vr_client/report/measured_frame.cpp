@@ -9,8 +9,8 @@ namespace farshade {
 MaskAges ages_of(const FrameView& view) {
   MaskAges ages;
   for (const TracedMask& mask : view.masks) {
-    // The newest one's age says how late masks are; older ones were asked for earlier by as much as they are
-    // for.
+    // `age` is that of the newest mask. An older mask was requested earlier by the difference of their
+    // display times.
     const Duration since_newest = view.masks[0].display_time - mask.display_time;
     ages.push_back(view.age.value_or(Duration::zero()) + since_newest);
   }

@@ -1,4 +1,4 @@
-/// MeasuredFrame: a frame just shown, read back, traced in full at the very pose shown, and compared.
+/// Measuring a shown frame: read it back, trace it in full at the shown pose, and compare.
 #pragma once
 
 #include "vr_client/frame/frame_loop.h"
@@ -6,15 +6,15 @@
 
 namespace farshade {
 
-/// Equal pictures have an infinite PSNR, of which no percentile can be taken.
+/// Upper limit of the PSNR. Equal pictures have an infinite one, which has no percentiles.
 inline constexpr double kEqualPictures_dB = 99;
 
-/// How long ago each mask that `view` was drawn with was asked for, newest first.
+/// The time since the request of each mask that `view` was drawn with, newest mask first.
 [[nodiscard]] MaskAges ages_of(const FrameView& view);
 
-/// Leaves `into` holding the frame as shown and as it should have been. Call it before the next frame is
-/// drawn; the frame was drawn with Report::On. Of one that was not shaded here there is no report. Afterwards
-/// the renderer's picture is the reference's.
+/// Stores the shown frame and its reference in `into` and returns the errors. Call it before the next frame
+/// is drawn. The frame must have been drawn with Report::On. A frame that was not shaded by this client has
+/// no report. Afterwards the renderer holds the reference's picture.
 [[nodiscard]] PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& reference,
                                         MeasuredFrame& into);
 

@@ -10,7 +10,7 @@
 namespace farshade {
 namespace {
 
-/// Pictures of one size side by side, a row after the other, two pixels apart.
+/// Arranges pictures of one size in rows, two pixels apart.
 Image<Rgb8> sheet(const std::vector<std::vector<Image<Rgb8>>>& rows) {
   constexpr std::uint32_t gap = 2;
   const Extent cell = rows[0][0].size;

@@ -1,5 +1,4 @@
-/// Pictures: the shown frames as PNG, and for the worst of them what was wrong and where each shadow came
-/// from.
+/// PNG pictures of shown frames. For the worst frame also the differences and the source of each shadow.
 #pragma once
 
 #include <filesystem>
@@ -11,11 +10,11 @@
 
 namespace farshade {
 
-/// One frame with its reference, kept to be written later.
+/// One frame with its reference.
 struct MeasuredFrame {
   FrameId frame;
   PerEye<Image<Rgb8>> shown, reference;
-  PerEye<ShownReport> report;  ///< empty where it was not shaded here
+  PerEye<ShownReport> report;  ///< empty if the client did not shade the frame
   MaskAges ages;
 };
 
@@ -23,8 +22,8 @@ struct MeasuredFrame {
 [[nodiscard]] Expected<void> write_shown(const std::filesystem::path& folder, FrameId frame,
                                          const PerEye<Image<Rgb8>>& shown);
 
-/// `worst_NNNN_EYE_{shown,reference,difference_x8,source}.png`, the last where there is a report, and
-/// `worst.png` with all of them: a row an eye.
+/// `worst_NNNN_EYE_{shown,reference,difference_x8,source}.png`, and `worst.png` with all of them in one row
+/// per eye. The source picture needs a report.
 [[nodiscard]] Expected<void> write_measured(const std::filesystem::path& folder, const MeasuredFrame& frame);
 
 }  // namespace farshade

@@ -9,10 +9,10 @@
 
 namespace farshade {
 
-RunReport::RunReport(RunReportOptions wish, Renderer& renderer, Reference* reference)
-    : wish_(std::move(wish)), renderer_(renderer), reference_(reference) {}
+RunReport::RunReport(RunReportOptions options, Renderer& renderer, Reference* reference)
+    : options_(std::move(options)), renderer_(renderer), reference_(reference) {}
 
-/// The rays that a guard band costs: pixels asked for beyond those shown, as a share of these.
+/// The cost of the guard band: requested pixels beyond the shown ones, as a share of the shown ones.
 std::optional<double> RunReport::guard_band_of(const FrameView& view) {
   if (view.asked == nullptr) return std::nullopt;
   return static_cast<double>(view.asked->views[0].size.pixels()) /
@@ -21,17 +21,17 @@ std::optional<double> RunReport::guard_band_of(const FrameView& view) {
 }
 
 bool RunReport::is_pictured(FrameId frame) const {
-  // The middles of `pictures` equal parts of the session.
-  for (std::uint64_t i = 0; i < wish_.pictures; ++i)
-    if (frame.value == 1 + (2 * i + 1) * wish_.frame_count / (2 * wish_.pictures)) return true;
+  // The run is divided into `pictures` equal parts; the frame in the middle of each is written.
+  for (std::uint64_t i = 0; i < options_.pictures; ++i)
+    if (frame.value == 1 + (2 * i + 1) * options_.frame_count / (2 * options_.pictures)) return true;
   return false;
 }
 
 bool RunReport::is_dumped(FrameId frame) const {
-  return std::find(wish_.dump.begin(), wish_.dump.end(), frame.value) != wish_.dump.end();
+  return std::find(options_.dump.begin(), options_.dump.end(), frame.value) != options_.dump.end();
 }
 
-/// Mask error, where masks were shown; else the mean squared error that the PSNR stands for.
+/// The mask error, or for a picture from the server the mean squared error, computed from the PSNR.
 double RunReport::badness(const EyeErrors& errors) {
   return std::isnan(errors.mask_error) ? std::pow(10.0, -errors.psnr_db / 10) : errors.mask_error;
 }
@@ -58,7 +58,7 @@ void RunReport::watch(const FrameView& view) {
   else if (view.newest)
     record.delta = pose_delta(view.shown.views[0], view.shown.display_time, view.newest->request.views[0],
                               view.newest->request.display_time);
-  // A server's frame counts once, in the first frame that is shown with its masks.
+  // The report of a server frame is logged once, with the first frame that shows its answer.
   if (view.newest && view.newest->request.frame != counted_) {
     record.server = view.newest->report;
     if (record.server) counted_ = view.newest->request.frame;
@@ -66,13 +66,13 @@ void RunReport::watch(const FrameView& view) {
 
   const bool dumped = is_dumped(frame), pictured = is_pictured(frame);
   const bool measured =
-      dumped || (wish_.reference_every > 0 && (frame.value - 1) % wish_.reference_every == 0);
+      dumped || (options_.reference_every > 0 && (frame.value - 1) % options_.reference_every == 0);
   if (measured) record.errors = measure(view, renderer_, *reference_, current_);
   log_.add(record);
   if (failed_) return;
 
-  if (pictured) keep(write_shown(wish_.out, frame, measured ? current_.shown : renderer_.read_shown()));
-  if (dumped) keep(write_dump(wish_.out / "dump", view, current_, renderer_.read_distance()));
+  if (pictured) keep(write_shown(options_.out, frame, measured ? current_.shown : renderer_.read_shown()));
+  if (dumped) keep(write_dump(options_.out / "dump", view, current_, renderer_.read_distance()));
   if (measured && !view.start_up) {
     const double error = badness((*record.errors)[0]) + badness((*record.errors)[1]);
     if (error > worst_error_) {
@@ -85,10 +85,10 @@ void RunReport::watch(const FrameView& view) {
 Expected<void> RunReport::finish() const {
   if (failed_) return tl::unexpected(*failed_);
   if (worst_)
-    if (auto done = write_measured(wish_.out, *worst_); !done) return done;
-  if (auto done = write_file_atomically(wish_.out / "summary.csv", summary_csv(log_.summary())); !done)
+    if (auto done = write_measured(options_.out, *worst_); !done) return done;
+  if (auto done = write_file_atomically(options_.out / "summary.csv", summary_csv(log_.summary())); !done)
     return done;
-  return write_file_atomically(wish_.out / "frames.csv", frames_csv(log_.records()));
+  return write_file_atomically(options_.out / "frames.csv", frames_csv(log_.records()));
 }
 
 }  // namespace farshade

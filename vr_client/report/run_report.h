@@ -1,4 +1,4 @@
-/// Recorder: watches the session, measures its frames and writes pictures of them as they come.
+/// RunReport: measures the frames of a run, writes pictures of some of them, and finally writes the summary.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace farshade {
 
 struct RunReportOptions {
   std::filesystem::path out;
-  std::uint32_t frame_count = 0;      ///< that the session will show, to spread pictures and tell progress
+  std::uint32_t frame_count = 0;      ///< frames that the run will show; pictures are spread evenly over them
   std::uint32_t reference_every = 1;  ///< 0 = never
   std::uint32_t pictures = 4;
   std::vector<std::uint32_t> dump;
@@ -20,23 +20,23 @@ struct RunReportOptions {
 
 class RunReport {
  public:
-  /// `reference` may be null only if the wish asks for none.
-  RunReport(RunReportOptions wish, Renderer& renderer, Reference* reference);
+  /// `reference` may be null only if `options` measure no frame.
+  RunReport(RunReportOptions options, Renderer& renderer, Reference* reference);
 
-  /// A session must fill the report for these frames.
-  [[nodiscard]] bool measures_any() const { return wish_.reference_every > 0 || !wish_.dump.empty(); }
+  /// True if the shading pass must report, because frames will be measured.
+  [[nodiscard]] bool measures_any() const { return options_.reference_every > 0 || !options_.dump.empty(); }
 
   void watch(const FrameView& view);
 
-  /// The first failure to write, after which no more is tried.
+  /// The first failure to write. Nothing is written after it.
   [[nodiscard]] const std::optional<Error>& failed() const { return failed_; }
   [[nodiscard]] const FrameLog& log() const { return log_; }
-  /// The frame watched last, if it was measured; else null.
+  /// The last frame if it was measured, else null.
   [[nodiscard]] const MeasuredFrame* measured() const {
     return !log_.records().empty() && log_.records().back().errors ? &current_ : nullptr;
   }
 
-  /// Pictures of the worst frame, summary.csv and frames.csv.
+  /// Writes the pictures of the worst frame, summary.csv and frames.csv.
   [[nodiscard]] Expected<void> finish() const;
 
  private:
@@ -46,11 +46,11 @@ class RunReport {
   [[nodiscard]] static double badness(const EyeErrors& errors);
   void keep(Expected<void> done);
 
-  RunReportOptions wish_;
+  RunReportOptions options_;
   Renderer& renderer_;
   Reference* reference_;
   FrameLog log_;
-  std::optional<FrameId> counted_;  ///< newest server frame in the log
+  std::optional<FrameId> counted_;  ///< the server frame that was logged last
   MeasuredFrame current_;
   std::optional<MeasuredFrame> worst_;
   double worst_error_ = -1;

@@ -1,7 +1,6 @@
-/// Timeline: the stages of client and server on one time axis, in the Trace Event Format (Google, "Trace
-/// Event Format", 2016: the JSON object form), which Perfetto's UI and chrome://tracing open. All on the
-/// client's clock from its first frame on. The server's clock is not ours: where its work lay between our
-/// request and its first slice is an estimate, see place_work.
+/// Timeline: the stages of client and server on one time axis, written as trace events. The axis is the
+/// client's clock, from the first frame on. The server's clock is unknown: place_work estimates when the
+/// server worked on a request.
 #pragma once
 
 #include <filesystem>
@@ -9,66 +8,63 @@
 #include <vector>
 
 #include "vr_client/frame/frame_loop.h"
+#include "vr_client/report/trace_events.h"
 
 namespace farshade {
 
-struct TimeSpan {
-  Time begin, end;
-};
-
-/// Where `work` lay that a request sent at `sent` caused and whose first answer came at `first`: in the
-/// middle of what it leaves, as the way there and the way back are taken to be equally long (F. Cristian,
-/// "Probabilistic clock synchronization", Distributed Computing 3, 1989). Wrong by half of what the two ways
-/// differ by, and never by more than half of what the work leaves: under --net, which impairs the way back
-/// alone, the server's work is shown late by half of the delay. Work longer than the interval fills it.
+/// Estimates when a server did `work` for a request that was sent at `sent` and whose first answer arrived at
+/// `first`: in the middle of that interval, which assumes that both directions take equally long (F.
+/// Cristian, "Probabilistic clock synchronization", Distributed Computing 3, 1989). The error is half of the
+/// difference between the two directions, and at most half of the interval without the work. For example,
+/// --net delays only the way to the client, so the work is shown late by half of that delay. Work that is
+/// longer than the interval is shortened to it.
 [[nodiscard]] TimeSpan place_work(Time sent, Time first, Duration work);
 
 class Timeline {
  public:
-  /// Of a frame as soon as it was shown, in order. `inbox` is what the session's link fills, on the clock of
-  /// `view.starts`; null where no server traces. A frame's exchange with the server is kept once, as soon as
-  /// all of it is in hand; a server whose report or slices never came has no part in that frame.
-  /// Keeps about 250 bytes a frame.
+  /// Adds a frame as soon as it was shown, in order. `inbox` is the inbox of the run's link, with times on
+  /// the clock of `view.starts`; null without a server. If the server's report or slices of a request never
+  /// arrive, the timeline shows no work of the server for it. Needs about 250 bytes per frame.
   void add(const FrameView& view, const AnswerInbox* inbox);
 
-  /// JSON, about 2 KB a frame. Times are microseconds since the first frame's begin, to an eighth. Process 1
-  /// is vr_client: threads `frame` (request, collect with its wait, draw), `device` (G-buffer, depth, shade:
-  /// their lengths are measured, they are laid end to end to the end of draw) and `network` (datagrams, from
-  /// an answer's first slice to its report). Process 2 is rt_server: threads `waiting` (a request, for its
-  /// trace) and `worker` (work: primary, shadow, pack, laid end to end). Spans never leave those that hold
-  /// them: what was measured longer by another clock is scaled down. Every event names its frame, a server's
-  /// the frame that asked. Arrows lead from a request to its work and from its packing to the frame first
-  /// drawn with its masks as the newest. Spans that would overlap in a row go to another of the same name.
+  /// The JSON text, about 2 KB per frame. Process 1 is vr_client, with the threads `frame` (request, collect
+  /// with its wait, draw), `device` (G-buffer, depth, shade: their lengths are measured, and they are placed
+  /// one after the other up to the end of draw) and `network` (datagrams, from the first slice of an answer
+  /// to its report). Process 2 is rt_server, with the threads `waiting` (a request that waits for the tracer)
+  /// and `worker` (work: primary, shadow, pack, one after the other). A span that was measured by another
+  /// clock is scaled down to fit into the span that contains it. Every event names its frame; events of the
+  /// server name the frame of the request. Arrows lead from a request to its work, and from its packing to
+  /// the first frame that was drawn with its masks as the newest. Spans that would overlap on a thread go to
+  /// another thread of the same name.
   [[nodiscard]] std::string text() const;
 
-  /// text() into a file; its folder must exist.
+  /// Writes text() to a file. Its folder must exist.
   [[nodiscard]] Expected<void> write(const std::filesystem::path& path) const;
 
  private:
-  struct Shown {
+  struct ShownFrame {
     FrameId frame;
     StageStarts starts;
     Duration gbuffer{}, depth{}, shade{}, draw{};
   };
-  /// When a request was sent, and when the first piece and the report of its answer came.
+  /// When a request was sent, and when the first slice and the report of its answer arrived.
   struct Exchange {
     FrameId frame;
     Time sent;
     std::optional<Time> first, last;
   };
-  struct Asked {
+  struct ServerRequest {
     Exchange exchange;
     std::optional<FrameReport> report{};
-    std::optional<Time> drawn{};  ///< when the first frame began to be drawn with its masks as the newest
+    std::optional<Time> drawn{};  ///< when the first frame with its masks as the newest began to be drawn
   };
-  class Events;
 
-  static void write_shown(const Shown& shown, Events& events);
-  static void write_asked(const Asked& asked, Events& events);
+  static void write_frame(const ShownFrame& shown, TraceEvents& events);
+  static void write_request(const ServerRequest& request, TraceEvents& events);
 
-  std::vector<Shown> shown_;
-  std::vector<Asked> asked_;  ///< oldest first
-  std::size_t settled_ = 0;   ///< of these, the first so many: nothing more will be learnt of their exchange
+  std::vector<ShownFrame> frames_;
+  std::vector<ServerRequest> requests_;  ///< oldest first
+  std::size_t settled_ = 0;              ///< number of requests, from the first on, that are complete
 };
 
 }  // namespace farshade

@@ -1,4 +1,4 @@
-/// Headset: what a head wears, and where that puts its two views.
+/// Headset: the geometry of the two eyes of a headset.
 #pragma once
 
 #include "stereo/frame/view.h"
@@ -12,16 +12,15 @@ struct Headset {
   friend bool operator==(const Headset&, const Headset&) = default;
 };
 
-/// Each eye half the eye distance to its side, looking where the head looks.
+/// The views of both eyes. Each eye is half the eye distance beside the head's centre and looks ahead.
 [[nodiscard]] StereoView views_of(const Rigid<Stage, Head>& stage_from_head, const Headset& headset);
 
-/// What both angles of `field_of_view` keep within, radians.
+/// Limits of both angles of field_of_view.
 inline constexpr double kNarrowestView_rad = 0.017453292519943295;  // 1 degree
 inline constexpr double kWidestView_rad = 2.9670597283903604;       // 170 degrees
 
-/// A symmetric eye of this full vertical angle whose pixels are square; `aspect` is width / height, > 0.
-/// An angle below 1 degree counts as 1 degree; one with which the larger of height and width would exceed
-/// 170 degrees counts as the largest with which it does not.
+/// The symmetric field of view with this full vertical angle and square pixels. `aspect` is width / height, >
+/// 0. The angle is clamped so that it is at least 1 degree and neither height nor width exceeds 170 degrees.
 [[nodiscard]] EyeFov field_of_view(double vertical_rad, double aspect);
 
 }  // namespace farshade

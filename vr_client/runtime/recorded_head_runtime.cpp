@@ -8,16 +8,16 @@
 
 namespace farshade {
 
-RecordedHeadRuntime::RecordedHeadRuntime(const HeadRecording& trace, const HeadPlayback& playback)
-    : trace_(trace), playback_(playback) {
-  const double length_s = std::max(0.0, seconds_of(trace.end() - trace.start() - playback.skip));
-  const auto recorded = static_cast<std::uint32_t>(std::floor(length_s * playback.refresh_hz)) + 1;
-  frame_count_ = std::min(playback.frames.value_or(recorded), recorded);
+RecordedHeadRuntime::RecordedHeadRuntime(const HeadRecording& recording, const HeadPlayback& playback)
+    : recording_(recording), playback_(playback) {
+  const double length_s = std::max(0.0, seconds_of(recording.end() - recording.start() - playback.skip));
+  const auto all = static_cast<std::uint32_t>(std::floor(length_s * playback.refresh_hz)) + 1;
+  frame_count_ = std::min(playback.frames.value_or(all), all);
 }
 
 Time RecordedHeadRuntime::display_time(std::uint32_t index) const {
   const auto offset_ns = std::llround(index * 1e9 / playback_.refresh_hz);
-  return trace_.start() + playback_.skip + Duration(offset_ns);
+  return recording_.start() + playback_.skip + Duration(offset_ns);
 }
 
 std::optional<FrameTiming> RecordedHeadRuntime::wait_frame() {
@@ -32,8 +32,9 @@ std::optional<FrameTiming> RecordedHeadRuntime::wait_frame() {
 }
 
 StereoView RecordedHeadRuntime::locate_views(Time display_time) const {
-  const Rigid<Stage, Head> stage_from_head = playback_.stage_from_recorded * head_at(trace_, display_time);
-  return views_of(stage_from_head, {trace_.eye_distance_m, trace_.fov, playback_.eye_size});
+  const Rigid<Stage, Head> stage_from_head =
+      playback_.stage_from_recorded * head_at(recording_, display_time);
+  return views_of(stage_from_head, {recording_.eye_distance_m, recording_.fov, playback_.eye_size});
 }
 
 void RecordedHeadRuntime::end_frame(Time) {}

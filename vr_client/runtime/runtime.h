@@ -1,5 +1,5 @@
-/// Runtime: where head poses come from and pictures go, in OpenXR's shape. The frame loop reads the same over
-/// a recorded trace, a simulated head or a headset.
+/// Runtime: supplies display times and head poses, with the interface of OpenXR. The frame loop is the same
+/// for a head recording, a simulated head and a headset.
 #pragma once
 
 #include <cstdint>
@@ -10,26 +10,26 @@
 
 namespace farshade {
 
-/// Whose time a session lives in. Virtual: every display time gets its frame, however long that takes, and
-/// masks come after a set delay, so that a replay is the same every time. Real: the machine's clock.
+/// The clock of a run. Virtual: every display time gets its frame, however long it takes to draw, and masks
+/// are used after a fixed delay, so that a run can be repeated exactly. Real: the machine's clock.
 enum class Pace : std::uint8_t { Virtual, Real };
 
 struct FrameTiming {
-  Time display_time;  ///< when the frame begun now will be seen
-  Duration period;    ///< between two display times
+  Time display_time;  ///< when the display will show the frame that begins now
+  Duration period;    ///< time between two frames
 };
 
 class Runtime {
  public:
   virtual ~Runtime() = default;
 
-  /// Blocks until the next frame should begin (xrWaitFrame); nothing when the session has ended.
+  /// Blocks until the next frame should begin (xrWaitFrame). Returns nothing at the end of the run.
   [[nodiscard]] virtual std::optional<FrameTiming> wait_frame() = 0;
 
   /// Both eyes' views at `display_time` (xrLocateViews).
   [[nodiscard]] virtual StereoView locate_views(Time display_time) const = 0;
 
-  /// The frame for `display_time` is drawn (xrEndFrame).
+  /// Called when the frame for `display_time` was drawn (xrEndFrame).
   virtual void end_frame(Time display_time) = 0;
 };
 

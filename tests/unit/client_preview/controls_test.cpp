@@ -21,11 +21,11 @@ LightSet two_lights() {
 
 class ControlsTest : public testing::Test {
  protected:
-  ControlState stand() { return {lights_, head_, &player_}; }
-  void act(Act what, int times = 1) {
-    for (int i = 0; i < times; ++i) farshade::act(what, controls_, stand());
+  ControlContext context() { return {lights_, head_, &player_}; }
+  void execute(Command command, int times = 1) {
+    for (int i = 0; i < times; ++i) farshade::execute(command, controls_, context());
   }
-  const LightChange& last_change() { return controls_.steering.lights.lights.back(); }
+  const LightChange& last_change() { return controls_.settings.lights.lights.back(); }
 
   LightSet lights_ = two_lights();
   Rigid<Stage, Head> head_;
@@ -33,21 +33,21 @@ class ControlsTest : public testing::Test {
   Controls controls_;
 };
 
-TEST(KeyBindings, NameEachKeyOnceAndReachEveryAct) {
+TEST(KeyBindings, NameEachKeyOnceAndReachEveryCommand) {
   std::set<Key> keys;
-  std::set<Act> acts;
+  std::set<Command> commands;
   std::set<std::string> names;
   for (const KeyBinding& binding : key_bindings()) {
     EXPECT_TRUE(keys.insert(binding.key).second) << name_of(binding.key);
     EXPECT_TRUE(names.insert(name_of(binding.key)).second) << name_of(binding.key);
-    acts.insert(binding.act);
-    EXPECT_STRNE(binding.does, "");
+    commands.insert(binding.command);
+    EXPECT_STRNE(binding.description, "");
   }
-  EXPECT_EQ(acts.size(), kActs);
+  EXPECT_EQ(commands.size(), kCommands);
   for (const Key walks : {Key::W, Key::A, Key::S, Key::D, Key::Q, Key::E}) EXPECT_FALSE(keys.contains(walks));
 }
 
-TEST(KeyNames, AreAsOnTheKeyboard) {
+TEST(KeyNames, AreTheLabelsOfTheKeyboard) {
   EXPECT_EQ(name_of(Key::A), "A");
   EXPECT_EQ(name_of(Key::Z), "Z");
   EXPECT_EQ(name_of(Key::Digit0), "0");
@@ -56,50 +56,51 @@ TEST(KeyNames, AreAsOnTheKeyboard) {
   EXPECT_EQ(name_of(Key::Control), "Ctrl");
 }
 
-TEST_F(ControlsTest, LooksAndOverlaysGoRound) {
-  std::set<Look> looks;
-  for (std::size_t i = 0; i < kLooks.size(); ++i, act(Act::NextLook)) looks.insert(controls_.look);
-  EXPECT_EQ(looks.size(), kLooks.size());
-  EXPECT_EQ(controls_.look, Look::SideBySide);
+TEST_F(ControlsTest, DisplayModesAndOverlaysCycle) {
+  std::set<DisplayMode> modes;
+  for (std::size_t i = 0; i < kDisplayModes.size(); ++i, execute(Command::NextDisplayMode))
+    modes.insert(controls_.display);
+  EXPECT_EQ(modes.size(), kDisplayModes.size());
+  EXPECT_EQ(controls_.display, DisplayMode::SideBySide);
   std::set<Overlay> overlays;
-  for (std::size_t i = 0; i < kOverlays.size(); ++i, act(Act::NextOverlay))
+  for (std::size_t i = 0; i < kOverlays.size(); ++i, execute(Command::NextOverlay))
     overlays.insert(controls_.overlay);
   EXPECT_EQ(overlays.size(), kOverlays.size());
-  act(Act::NextOverlay, 3);
-  act(Act::NoOverlay);
+  execute(Command::NextOverlay, 3);
+  execute(Command::NoOverlay);
   EXPECT_EQ(controls_.overlay, Overlay::None);
 }
 
-TEST_F(ControlsTest, ReprojectionGuardBandAndPredictorsSteerTheSession) {
-  act(Act::Reprojection);
-  EXPECT_EQ(controls_.steering.carry_over.lookup, Lookup::Direct);
-  act(Act::Reprojection);
-  EXPECT_EQ(controls_.steering.carry_over.lookup, Lookup::Reproject);
-  act(Act::GuardBand);
-  EXPECT_EQ(controls_.steering.wish.guard_band, GuardBandUse::Off);
+TEST_F(ControlsTest, ReprojectionGuardBandAndPredictorsChangeTheFrameSettings) {
+  execute(Command::Reprojection);
+  EXPECT_EQ(controls_.settings.carry_over.lookup, Lookup::Direct);
+  execute(Command::Reprojection);
+  EXPECT_EQ(controls_.settings.carry_over.lookup, Lookup::Reproject);
+  execute(Command::GuardBand);
+  EXPECT_EQ(controls_.settings.wish.guard_band, GuardBandUse::Off);
   std::set<PredictorKind> predictors;
-  for (std::size_t i = 0; i < std::size(kPredictorKinds); ++i, act(Act::NextPredictor))
-    predictors.insert(controls_.steering.wish.predictor);
+  for (std::size_t i = 0; i < std::size(kPredictorKinds); ++i, execute(Command::NextPredictor))
+    predictors.insert(controls_.settings.wish.predictor);
   EXPECT_EQ(predictors.size(), std::size(kPredictorKinds));
-  EXPECT_EQ(controls_.steering.wish.predictor, kDefaultPredictor);
-  act(Act::Animation);
-  EXPECT_EQ(controls_.steering.scene, SceneClock::Stands);
+  EXPECT_EQ(controls_.settings.wish.predictor, kDefaultPredictor);
+  execute(Command::Animation);
+  EXPECT_EQ(controls_.settings.scene, SceneClock::Stands);
 }
 
 TEST_F(ControlsTest, MaskRateAndPathStayWithinTheirLimits) {
-  act(Act::SlowerMasks, 9);
-  EXPECT_EQ(controls_.steering.wish.every, kRarestMasks);
-  act(Act::FasterMasks, 9);
-  EXPECT_EQ(controls_.steering.wish.every, 1u);
-  act(Act::WorsePath);
+  execute(Command::SlowerMasks, 9);
+  EXPECT_EQ(controls_.settings.wish.every, kRarestMasks);
+  execute(Command::FasterMasks, 9);
+  EXPECT_EQ(controls_.settings.wish.every, 1u);
+  execute(Command::WorsePath);
   EXPECT_EQ(controls_.path.latency_ms, 25);
-  act(Act::WorsePath, 99);
+  execute(Command::WorsePath, 99);
   EXPECT_EQ(controls_.path.latency_ms, kWorstPath.latency_ms);
-  act(Act::BetterPath, 99);
+  execute(Command::BetterPath, 99);
   EXPECT_EQ(controls_.path, NetworkSettings{});
 }
 
-TEST(NetworkSettings, ChangesWhatItNamesAndLeavesTheRest) {
+TEST(NetworkSettings, ChangeLatencyJitterAndLossOnly) {
   const LinkModel base{.reorder = 0.1, .seed = 7};
   const LinkModel model = path_of({.latency_ms = 40, .jitter_ms = 10, .loss_percent = 5}, base);
   EXPECT_EQ(model.delay, 40ms);
@@ -109,131 +110,131 @@ TEST(NetworkSettings, ChangesWhatItNamesAndLeavesTheRest) {
   EXPECT_EQ(model.seed, 7u);
 }
 
-TEST_F(ControlsTest, SwitchesTheSelectedLightAlone) {
-  act(Act::NextLight);
+TEST_F(ControlsTest, SwitchesOnlyTheSelectedLight) {
+  execute(Command::NextLight);
   EXPECT_EQ(controls_.light, 1u);
-  act(Act::LightOnOff);
-  ASSERT_EQ(controls_.steering.lights.lights.size(), 1u);
+  execute(Command::LightOnOff);
+  ASSERT_EQ(controls_.settings.lights.lights.size(), 1u);
   EXPECT_EQ(last_change().light, 1u);
   EXPECT_FALSE(last_change().on);
-  act(Act::LightOnOff);
+  execute(Command::LightOnOff);
   EXPECT_TRUE(last_change().on);
-  act(Act::NextLight);
+  execute(Command::NextLight);
   EXPECT_EQ(controls_.light, 0u);
 }
 
-TEST_F(ControlsTest, GrabbedLightKeepsItsPlaceBeforeTheHead) {
-  act(Act::GrabLight);
+TEST_F(ControlsTest, GrabbedLightMovesWithTheHead) {
+  execute(Command::GrabLight);
   head_ = {glm::angleAxis(std::numbers::pi / 2, glm::dvec3(0, 1, 0)), {10, 0, 0}};
-  carry_light(controls_, stand(), 0);
-  // (1, 2, 3) before a head at the origin, turned by 90 degrees to the left about +y and taken along.
+  carry_light(controls_, context(), 0);
+  // The light at (1, 2, 3) relative to the head, which turns left by 90 degrees about +y and moves.
   const glm::dvec3 at = last_change().pose->position.v;
   EXPECT_NEAR(at.x, 13, 1e-12);
   EXPECT_NEAR(at.y, 2, 1e-12);
   EXPECT_NEAR(at.z, -1, 1e-12);
   EXPECT_NEAR(glm::length(last_change().pose->direction.v), 1, 1e-12);
-  const std::uint32_t revision = controls_.steering.lights.revision;
-  carry_light(controls_, stand(), 0);
-  EXPECT_EQ(controls_.steering.lights.revision, revision) << "what does not move makes no light set";
-  act(Act::GrabLight);
+  const std::uint32_t revision = controls_.settings.lights.revision;
+  carry_light(controls_, context(), 0);
+  EXPECT_EQ(controls_.settings.lights.revision, revision) << "what does not move makes no light set";
+  execute(Command::GrabLight);
   head_ = {};
-  carry_light(controls_, stand(), 0);
+  carry_light(controls_, context(), 0);
   EXPECT_EQ(last_change().pose->position.v, at) << "let go";
 }
 
-TEST_F(ControlsTest, WheelBringsAGrabbedLightFurtherAndNearer) {
-  act(Act::GrabLight);
-  carry_light(controls_, stand(), 1);
+TEST_F(ControlsTest, WheelMovesAGrabbedLightFartherAndNearer) {
+  execute(Command::GrabLight);
+  carry_light(controls_, context(), 1);
   const double far = glm::length(last_change().pose->position.v);
   EXPECT_NEAR(far / glm::length(glm::dvec3(1, 2, 3)), 1.1, 1e-12);
-  carry_light(controls_, stand(), -1000);
+  carry_light(controls_, context(), -1000);
   EXPECT_GT(glm::length(last_change().pose->position.v), 0);
   EXPECT_LT(glm::length(last_change().pose->position.v), 0.1);
 }
 
-TEST_F(ControlsTest, LightWithoutDirectionIsGrabbedWithOne) {
-  act(Act::NextLight);
-  act(Act::GrabLight);
-  carry_light(controls_, stand(), 1);
+TEST_F(ControlsTest, GrabbedLightWithoutDirectionGetsOne) {
+  execute(Command::NextLight);
+  execute(Command::GrabLight);
+  carry_light(controls_, context(), 1);
   EXPECT_NEAR(glm::length(last_change().pose->direction.v), 1, 1e-12);
 }
 
-TEST_F(ControlsTest, ResetGivesAllLightsBackToTheScene) {
-  act(Act::LightOnOff);
-  act(Act::NextLight);
-  act(Act::GrabLight);
-  carry_light(controls_, stand(), 1);
-  act(Act::ResetLights);
+TEST_F(ControlsTest, ResetRestoresAllLights) {
+  execute(Command::LightOnOff);
+  execute(Command::NextLight);
+  execute(Command::GrabLight);
+  carry_light(controls_, context(), 1);
+  execute(Command::ResetLights);
   EXPECT_FALSE(controls_.grab);
-  for (const LightChange& change : controls_.steering.lights.lights) {
+  for (const LightChange& change : controls_.settings.lights.lights) {
     EXPECT_TRUE(change.on);
     EXPECT_FALSE(change.pose);
   }
-  const std::uint32_t revision = controls_.steering.lights.revision;
-  act(Act::ResetLights);
-  EXPECT_EQ(controls_.steering.lights.revision, revision);
+  const std::uint32_t revision = controls_.settings.lights.revision;
+  execute(Command::ResetLights);
+  EXPECT_EQ(controls_.settings.lights.revision, revision);
 }
 
-TEST_F(ControlsTest, RecordingIsPlayedByKeys) {
-  act(Act::HeadSource);
+TEST_F(ControlsTest, KeysControlTheRecording) {
+  execute(Command::HeadSource);
   EXPECT_EQ(controls_.head, HeadSource::Recording);
-  act(Act::Forward, 2);
+  execute(Command::Forward, 2);
   EXPECT_EQ(player_.position(), 2s);
-  act(Act::Back);
+  execute(Command::Back);
   EXPECT_EQ(player_.position(), 1s);
-  act(Act::PlayPause);
+  execute(Command::PlayPause);
   EXPECT_FALSE(player_.playing());
-  act(Act::Slower);
+  execute(Command::Slower);
   EXPECT_EQ(player_.speed(), 0.5);
-  act(Act::Faster, 2);
+  execute(Command::Faster, 2);
   EXPECT_EQ(player_.speed(), 2);
-  act(Act::Loop);
+  execute(Command::Loop);
   EXPECT_EQ(player_.at_end(), AtEnd::Loop);
 }
 
-TEST_F(ControlsTest, WithoutARecordingTheHeadStaysInHand) {
-  farshade::act(Act::HeadSource, controls_, {lights_, head_, nullptr});
-  farshade::act(Act::PlayPause, controls_, {lights_, head_, nullptr});
-  EXPECT_EQ(controls_.head, HeadSource::Hand);
+TEST_F(ControlsTest, WithoutARecordingTheHeadStaysSimulated) {
+  farshade::execute(Command::HeadSource, controls_, {lights_, head_, nullptr});
+  farshade::execute(Command::PlayPause, controls_, {lights_, head_, nullptr});
+  EXPECT_EQ(controls_.head, HeadSource::Simulated);
 }
 
-TEST_F(ControlsTest, FieldOfViewStartsFromTheRecordingsOwn) {
+TEST_F(ControlsTest, FieldOfViewStartsFromTheRecording) {
   const EyeFov own{-0.7, 0.8, 0.6, -0.5};
   controls_.recorded_fov = PerEye<EyeFov>{own, own};
   EXPECT_EQ(headset_of(controls_, {100, 100}).fov[1], own);
-  act(Act::WiderFov);
+  execute(Command::WiderFov);
   EXPECT_NEAR(controls_.fov_rad, 1.1 + 5 * std::numbers::pi / 180, 1e-12);
   EXPECT_NE(headset_of(controls_, {100, 100}).fov[1], own);
-  act(Act::NarrowerFov, 99);
+  execute(Command::NarrowerFov, 99);
   EXPECT_EQ(controls_.fov_rad, kNarrowestView_rad);
-  act(Act::WiderFov, 99);
+  execute(Command::WiderFov, 99);
   EXPECT_EQ(controls_.fov_rad, kWidestView_rad);
 }
 
-TEST_F(ControlsTest, EyesStayBetweenTogetherAndFarApart) {
-  act(Act::CloserEyes, 99);
+TEST_F(ControlsTest, EyeDistanceStaysWithinItsLimits) {
+  execute(Command::CloserEyes, 99);
   EXPECT_EQ(controls_.eye_distance_m, 0);
-  act(Act::WiderEyes, 99);
+  execute(Command::WiderEyes, 99);
   EXPECT_EQ(controls_.eye_distance_m, kWidestEyes_m);
 }
 
-TEST_F(ControlsTest, WhatIsWantedOnceIsTakenOnce) {
-  act(Act::Screenshot);
-  EXPECT_FALSE(controls_.take(Act::RecordHead));
-  EXPECT_TRUE(controls_.take(Act::Screenshot));
-  EXPECT_FALSE(controls_.take(Act::Screenshot));
-  act(Act::NextLook);
-  EXPECT_FALSE(controls_.take(Act::NextLook));
+TEST_F(ControlsTest, PendingCommandIsTakenOnce) {
+  execute(Command::Screenshot);
+  EXPECT_FALSE(controls_.take(Command::RecordHead));
+  EXPECT_TRUE(controls_.take(Command::Screenshot));
+  EXPECT_FALSE(controls_.take(Command::Screenshot));
+  execute(Command::NextDisplayMode);
+  EXPECT_FALSE(controls_.take(Command::NextDisplayMode));
 }
 
-TEST_F(ControlsTest, ReportsAreMadeForThoseWhoLookIntoThem) {
+TEST_F(ControlsTest, ReportsAreOnIfOverlaysOrMeasuringNeedThem) {
   EXPECT_EQ(report_for(controls_), ShadingPass::Report::Off);
-  obey({.pressed = {Key::O}, .held = {}}, controls_, stand());
+  apply_input({.pressed = {Key::O}, .held = {}}, controls_, context());
   EXPECT_EQ(controls_.overlay, Overlay::Source);
-  EXPECT_EQ(controls_.steering.report, ShadingPass::Report::On);
-  obey({.pressed = {Key::Digit0}, .held = {}}, controls_, stand());
-  EXPECT_EQ(controls_.steering.report, ShadingPass::Report::Off);
-  act(Act::Reference);
+  EXPECT_EQ(controls_.settings.report, ShadingPass::Report::On);
+  apply_input({.pressed = {Key::Digit0}, .held = {}}, controls_, context());
+  EXPECT_EQ(controls_.settings.report, ShadingPass::Report::Off);
+  execute(Command::Reference);
   EXPECT_EQ(report_for(controls_), ShadingPass::Report::On);
 }
 
@@ -244,7 +245,7 @@ TEST(HeadInputOf, ReadsHeldKeysAndTheMouse) {
   const HeadInput head = head_input(input);
   EXPECT_EQ(head.walk, glm::dvec3(1, 0, -1));
   EXPECT_EQ(head.turn_px, glm::dvec2(3, -4));
-  EXPECT_EQ(head.gait, Gait::Run);
+  EXPECT_EQ(head.speed, MoveSpeed::Run);
   input.held.set(static_cast<std::size_t>(Key::S));
   EXPECT_EQ(head_input(input).walk.z, 0);
 }

@@ -38,7 +38,7 @@ void expect_near(const glm::dvec3& is, const glm::dvec3& wanted, double toleranc
       << is.x << " " << is.y << " " << is.z << ", not " << wanted.x << " " << wanted.y << " " << wanted.z;
 }
 
-TEST(SimulatedHead, TurnsTheWayTheMouseMoves) {
+TEST(SimulatedHead, TurnsInTheDirectionOfTheMouse) {
   const auto looks = [](glm::dvec2 turn_px) { return ahead_of(moved(0, {.turn_px = turn_px}, 10ms)); };
   expect_near(looks({kRightAngle_px, 0}), {1, 0, 0}, 1e-12);
   expect_near(looks({-kRightAngle_px, 0}), {-1, 0, 0}, 1e-12);
@@ -46,7 +46,7 @@ TEST(SimulatedHead, TurnsTheWayTheMouseMoves) {
   expect_near(looks({0, -kRightAngle_px / 2}), {0, std::sqrt(0.5), -std::sqrt(0.5)}, 1e-12);
 }
 
-TEST(SimulatedHead, TurnsWithoutRollAndHoldsStill) {
+TEST(SimulatedHead, TurnsWithoutRoll) {
   SimulatedHead head(standing(0));
   head.step({.turn_px = {123, 77}}, 10ms);
   const Rigid<Stage, Head> turned = head.stage_from_head();
@@ -55,7 +55,7 @@ TEST(SimulatedHead, TurnsWithoutRollAndHoldsStill) {
   EXPECT_EQ(head.stage_from_head(), turned);
 }
 
-TEST(SimulatedHead, WalksWhereItIsHeading) {
+TEST(SimulatedHead, WalksInTheDirectionOfItsHeading) {
   struct Case {
     double yaw_rad;
     glm::dvec3 walk, wanted;
@@ -77,19 +77,19 @@ TEST(SimulatedHead, StaysOnTheFloorHoweverSteeplyItLooks) {
   }
 }
 
-TEST(SimulatedHead, RunsAndIsNoFasterAcross) {
-  EXPECT_NEAR(glm::length(way(0, {.walk = {0, 0, -1}, .gait = Gait::Run}, 100ms)), 0.4, 1e-12);
+TEST(SimulatedHead, RunsAndIsNotFasterDiagonally) {
+  EXPECT_NEAR(glm::length(way(0, {.walk = {0, 0, -1}, .speed = MoveSpeed::Run}, 100ms)), 0.4, 1e-12);
   EXPECT_NEAR(glm::length(way(0, {.walk = {1, 0, -1}}, 100ms)), 0.14, 1e-12);
   EXPECT_NEAR(glm::length(way(0, {.walk = {1, 1, -1}}, 100ms)), 0.14, 1e-12);
 }
 
-TEST(SimulatedHead, AHitchDoesNotFlingIt) {
+TEST(SimulatedHead, LimitsTheStepOfALateFrame) {
   EXPECT_EQ(way(0, {.walk = {0, 0, -1}}, 10s), way(0, {.walk = {0, 0, -1}}, 250ms));
   EXPECT_NEAR(glm::length(way(0, {.walk = {0, 0, -1}}, 250ms)), 0.35, 1e-12);
 }
 
-TEST(SimulatedHead, FrameRateDoesNotShow) {
-  constexpr HeadInput whole{.turn_px = {300, 60}, .walk = {0.3, 0.2, -0.9}, .gait = Gait::Run};
+TEST(SimulatedHead, DoesNotDependOnTheFrameRate) {
+  constexpr HeadInput whole{.turn_px = {300, 60}, .walk = {0.3, 0.2, -0.9}, .speed = MoveSpeed::Run};
   const Rigid<Stage, Head> wanted = moved(0.4, whole, 240ms).stage_from_head();
   for (const int frames : {2, 3, 24, 240}) {
     SimulatedHead head(standing(0.4));
@@ -101,7 +101,7 @@ TEST(SimulatedHead, FrameRateDoesNotShow) {
   }
 }
 
-TEST(SimulatedHead, LooksNearlyStraightUpAndDownAndNoFurther) {
+TEST(SimulatedHead, LimitsThePitch) {
   for (const double sign : {-1.0, 1.0}) {
     SimulatedHead head(standing(0.3));
     head.step({.turn_px = {0, -sign * 1e5}}, 10ms);
@@ -114,7 +114,7 @@ TEST(SimulatedHead, LooksNearlyStraightUpAndDownAndNoFurther) {
   }
 }
 
-TEST(SimulatedHead, StartsWhereItIsToldWithoutRoll) {
+TEST(SimulatedHead, StartsAtThePoseWithoutRoll) {
   for (const double roll_rad : {0.0, 0.3, -1.2}) {
     const Rigid<Stage, Head> start = standing(2.5, -0.6, roll_rad);
     const SimulatedHead head(start);
@@ -131,7 +131,7 @@ TEST(SimulatedHead, StartsLookingStraightUpOrDown) {
   }
 }
 
-TEST(SimulatedHead, StaysUnitThroughAMillionSteps) {
+TEST(SimulatedHead, KeepsAUnitQuaternionForAMillionSteps) {
   constexpr unsigned seed = 4711;
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
@@ -149,14 +149,14 @@ TEST(SimulatedHead, StaysUnitThroughAMillionSteps) {
   EXPECT_NEAR(std::remainder(heading_rad(end.rotation) + turned_px * kTurn_rad_per_px, 2 * kPi), 0, 1e-6);
 }
 
-TEST(SimulatedHeadDeathTest, RefusesWhatIsNoInput) {
+TEST(SimulatedHeadDeathTest, RefusesInvalidInput) {
   SimulatedHead head(standing(0));
   EXPECT_DEATH(head.step({.turn_px = {NAN, 0}}, 1ms), "finite input");
   EXPECT_DEATH(head.step({.walk = {0, 0, INFINITY}}, 1ms), "finite input");
-  EXPECT_DEATH(head.step({}, -1ms), "onwards");
+  EXPECT_DEATH(head.step({}, -1ms), "a span of at least 0");
 }
 
-TEST(HeadsetViews, EyesAreOneEyeDistanceApartAndLookAlike) {
+TEST(HeadsetViews, EyesAreOneEyeDistanceApartAndParallel) {
   const Headset headset{.eye_distance_m = 0.08,
                         .fov = {EyeFov{-0.9, 0.7, 0.6, -0.5}, EyeFov{-0.7, 0.9, 0.6, -0.5}},
                         .eye_size = {96, 64}};
@@ -202,7 +202,7 @@ TEST(FieldOfView, StaysWithin1To170Degrees) {
   }
 }
 
-TEST(FieldOfViewDeathTest, RefusesWhatHasNoShape) {
+TEST(FieldOfViewDeathTest, RefusesInvalidAspects) {
   EXPECT_DEATH((void)field_of_view(1, 0), "shape");
   EXPECT_DEATH((void)field_of_view(NAN, 1), "shape");
 }

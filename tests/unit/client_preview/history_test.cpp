@@ -7,13 +7,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Frames whose parts a test sets before it shows them.
+/// A frame whose parts a test sets before it adds the frame.
 struct Shown {
   FrameRequest request;
   SceneState state;
   StageTimes times;
   StageStarts starts;
-  FrameSettings steering;
+  FrameSettings settings;
   std::optional<FrameRequest> asked;
 
   Shown() {
@@ -33,7 +33,7 @@ struct Shown {
   }
 };
 
-TEST(History, StacksAFramesStagesToItsWholeTime) {
+TEST(History, TheStagesOfAFrameAddUpToItsTime) {
   Shown shown;
   shown.times = {.request = 1ms, .collect = 2ms, .gbuffer = 10ms, .depth = 3ms, .shade = 5ms, .draw = 20ms};
   shown.starts.end = Time(100ms);
@@ -46,7 +46,7 @@ TEST(History, StacksAFramesStagesToItsWholeTime) {
   EXPECT_EQ(bar.request + bar.collect + bar.gbuffer + bar.depth + bar.shade + bar.other + bar.watch, 30ms);
 }
 
-TEST(History, KeepsAGraphsFramesAndTwoSecondsOfFigures) {
+TEST(History, KeepsTheFramesOfTheGraphAndTwoSecondsOfFigures) {
   Shown shown;
   History history;
   for (int frame = 0; frame < 300; ++frame) {
@@ -59,7 +59,7 @@ TEST(History, KeepsAGraphsFramesAndTwoSecondsOfFigures) {
   EXPECT_EQ(figures.frame_ms, 10) << "the first half lies more than two seconds back";
 }
 
-TEST(History, SaysNothingOfWhatIsNotThere) {
+TEST(History, LeavesUnknownFiguresEmpty) {
   Shown shown;
   History history;
   EXPECT_EQ(history.figures().frame_ms, std::nullopt);
@@ -71,7 +71,7 @@ TEST(History, SaysNothingOfWhatIsNotThere) {
   EXPECT_EQ(figures.errors, std::nullopt);
 }
 
-TEST(History, TellsTheGuardBandOfTheNewestRequest) {
+TEST(History, StatesTheGuardBandOfTheNewestRequest) {
   Shown shown;
   shown.asked = shown.request;
   for (View& view : shown.asked->views) view.size = {120, 110};
@@ -81,7 +81,7 @@ TEST(History, TellsTheGuardBandOfTheNewestRequest) {
   EXPECT_EQ(history.figures().asked, (Extent{120, 110}));
 }
 
-TEST(History, ForgetsErrorsOnceNothingIsMeasured) {
+TEST(History, DropsErrorsWhenMeasuringStops) {
   Shown shown;
   History history;
   history.add(shown.view(), PerEye<EyeErrors>{}, nullptr, Time(1ms));

@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-TEST(Player, PlaysFromTheBeginningAtTheSessionsPace) {
+TEST(Player, PlaysFromTheBeginningAtTheSpeedOfTheDisplay) {
   Player player(10s);
   EXPECT_EQ(player.length(), 10s);
   EXPECT_EQ(player.position(), 0s);
@@ -20,7 +20,7 @@ TEST(Player, PlaysFromTheBeginningAtTheSessionsPace) {
   EXPECT_EQ(player.position(), 1500ms + 1ns);
 }
 
-TEST(Player, StandsStillWhilePaused) {
+TEST(Player, DoesNotAdvanceWhilePaused) {
   Player player(10s);
   player.advance(1s);
   player.pause();
@@ -32,7 +32,7 @@ TEST(Player, StandsStillWhilePaused) {
   EXPECT_EQ(player.position(), 2s) << "pausing and playing lose nothing";
 }
 
-TEST(Player, ScrubsAndStopsAtTheEnds) {
+TEST(Player, ScrubbingIsClampedToTheRecording) {
   for (const bool plays : {false, true}) {
     Player player(10s);
     if (!plays) player.pause();
@@ -47,7 +47,7 @@ TEST(Player, ScrubsAndStopsAtTheEnds) {
   }
 }
 
-TEST(Player, HoldsTheEndAndStartsOverWhenPlayedAgain) {
+TEST(Player, HoldsTheEndAndRestartsWhenPlayedAgain) {
   Player player(10s);
   player.scrub(9s);
   player.advance(3s);
@@ -61,7 +61,7 @@ TEST(Player, HoldsTheEndAndStartsOverWhenPlayedAgain) {
   EXPECT_EQ(player.position(), 1s);
 }
 
-TEST(Player, LoopsAsOftenAsItTakes) {
+TEST(Player, LoopsSeveralTimesInOneStep) {
   Player player(10s);
   player.set_at_end(AtEnd::Loop);
   player.advance(9s);
@@ -74,7 +74,7 @@ TEST(Player, LoopsAsOftenAsItTakes) {
   EXPECT_TRUE(player.playing());
 }
 
-TEST(Player, LoopsOnFromTheEndItWasScrubbedTo) {
+TEST(Player, LoopsAfterScrubbingToTheEnd) {
   Player player(10s);
   player.set_at_end(AtEnd::Loop);
   player.scrub(10s);
@@ -82,7 +82,7 @@ TEST(Player, LoopsOnFromTheEndItWasScrubbedTo) {
   EXPECT_EQ(player.position(), 1s);
 }
 
-TEST(Player, KeepsItsSpeedWithinLimits) {
+TEST(Player, ClampsItsSpeed) {
   struct Case {
     double asked, speed;
   };
@@ -95,7 +95,7 @@ TEST(Player, KeepsItsSpeedWithinLimits) {
   }
 }
 
-TEST(Player, LooksAheadAndBackWithoutMoving) {
+TEST(Player, PredictsPositionsWithoutMoving) {
   Player player(10s);
   player.set_speed(2);
   player.scrub(3s);
@@ -116,10 +116,10 @@ TEST(Player, StepsOfAFrameAddUp) {
   EXPECT_NEAR(seconds_of(player.position()), 42, 1e-5);
 }
 
-TEST(PlayerDeathTest, RefusesWhatIsNoTime) {
+TEST(PlayerDeathTest, RefusesInvalidTimes) {
   EXPECT_DEATH(Player(0s), "has a length");
   Player player(1s);
-  EXPECT_DEATH(player.advance(-1ns), "onwards");
+  EXPECT_DEATH(player.advance(-1ns), "advances by at least 0");
   EXPECT_DEATH(player.set_speed(NAN), "is a number");
 }
 

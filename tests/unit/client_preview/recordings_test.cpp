@@ -10,32 +10,32 @@ namespace {
 
 using namespace std::chrono_literals;
 
-class TakesTest : public testing::Test {
+class RecordingsTest : public testing::Test {
  protected:
-  TakesTest() { std::filesystem::create_directories(folder_); }
-  ~TakesTest() override { std::filesystem::remove_all(folder_); }
+  RecordingsTest() { std::filesystem::create_directories(folder_); }
+  ~RecordingsTest() override { std::filesystem::remove_all(folder_); }
 
-  void show(Recordings& takes, int frames = 1) {
+  void show(Recordings& recordings, int frames = 1) {
     for (int i = 0; i < frames; ++i) {
       request_.display_time += 10ms;
-      takes.watch({.shown = request_,
-                   .asked = nullptr,
-                   .state = state_,
-                   .masks = {},
-                   .newest = nullptr,
-                   .age = std::nullopt,
-                   .times = times_,
-                   .starts = starts_,
-                   .steering = steering_,
-                   .timing = {request_.display_time, 10ms}},
-                  &eyes_, &eyes_);
+      recordings.watch({.shown = request_,
+                        .asked = nullptr,
+                        .state = state_,
+                        .masks = {},
+                        .newest = nullptr,
+                        .age = std::nullopt,
+                        .times = times_,
+                        .starts = starts_,
+                        .steering = steering_,
+                        .timing = {request_.display_time, 10ms}},
+                       &eyes_, &eyes_);
     }
   }
   [[nodiscard]] bool is_there(const char* name) const { return std::filesystem::exists(folder_ / name); }
 
   std::filesystem::path folder_ =
       std::filesystem::path(testing::TempDir()) /
-      (std::string("takes_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+      (std::string("recordings_") + testing::UnitTest::GetInstance()->current_test_info()->name());
   SteadyClock clock_;
   PerEye<Image<Rgb8>> eyes_{Image<Rgb8>({4, 3}, Rgb8(10, 20, 30)), Image<Rgb8>({4, 3}, Rgb8(40, 50, 60))};
   FrameRequest request_ = [] {
@@ -57,10 +57,10 @@ class TakesTest : public testing::Test {
   FrameSettings steering_;
 };
 
-TEST_F(TakesTest, ScreenshotsAreNeverWrittenOver) {
-  Recordings takes(folder_, clock_);
-  takes.take_screenshot(eyes_, Image<Rgb8>({8, 8}));
-  takes.take_screenshot(eyes_, {});
+TEST_F(RecordingsTest, NeverOverwritesScreenshots) {
+  Recordings recordings(folder_, clock_);
+  recordings.take_screenshot(eyes_, Image<Rgb8>({8, 8}));
+  recordings.take_screenshot(eyes_, {});
   EXPECT_TRUE(is_there("screenshot_0001_window.png"));
   EXPECT_FALSE(is_there("screenshot_0002_window.png")) << "minimised: there is none";
   const auto right = read_png(folder_ / "screenshot_0002_right.png");
@@ -68,23 +68,23 @@ TEST_F(TakesTest, ScreenshotsAreNeverWrittenOver) {
   EXPECT_EQ(right->pixels[0], Rgb8(40, 50, 60));
 }
 
-TEST_F(TakesTest, HeadIsWrittenWhenItsRecordingEnds) {
-  Recordings takes(folder_, clock_);
-  takes.toggle_head();
-  EXPECT_TRUE(takes.records_head());
-  show(takes, 5);
-  takes.toggle_head();
+TEST_F(RecordingsTest, WritesTheHeadWhenItsRecordingEnds) {
+  Recordings recordings(folder_, clock_);
+  recordings.toggle_head();
+  EXPECT_TRUE(recordings.records_head());
+  show(recordings, 5);
+  recordings.toggle_head();
   const auto trace = load_head_recording(folder_ / "head_0001.csv");
   ASSERT_TRUE(trace);
   EXPECT_EQ(trace->samples.size(), 5u);
   EXPECT_NEAR(trace->eye_distance_m, 0.063, 1e-12);
 }
 
-TEST_F(TakesTest, FramesAreBothEyesSideBySide) {
-  Recordings takes(folder_, clock_);
-  takes.toggle_frames();
-  show(takes, 2);
-  takes.toggle_frames();
+TEST_F(RecordingsTest, WritesBothEyesOfAFrameSideBySide) {
+  Recordings recordings(folder_, clock_);
+  recordings.toggle_frames();
+  show(recordings, 2);
+  recordings.toggle_frames();
   const auto frame = read_png(folder_ / "frames_0001" / "frame_00002.png");
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->size, (Extent{8, 3}));
@@ -92,37 +92,37 @@ TEST_F(TakesTest, FramesAreBothEyesSideBySide) {
   EXPECT_EQ(frame->at(4, 0), Rgb8(40, 50, 60));
 }
 
-TEST_F(TakesTest, AllThatIsBeingRecordedIsFinished) {
-  Recordings takes(folder_, clock_);
-  takes.toggle_head();
-  takes.toggle_frames();
-  (void)takes.listen();
-  takes.begin_session({}, header_);
-  EXPECT_TRUE(takes.records_session()) << takes.note();
-  show(takes, 3);
-  EXPECT_TRUE(takes.finish());
+TEST_F(RecordingsTest, FinishesAllActiveRecordings) {
+  Recordings recordings(folder_, clock_);
+  recordings.toggle_head();
+  recordings.toggle_frames();
+  (void)recordings.listen();
+  recordings.begin_capture({}, header_);
+  EXPECT_TRUE(recordings.writes_capture()) << recordings.note();
+  show(recordings, 3);
+  EXPECT_TRUE(recordings.finish());
   EXPECT_TRUE(is_there("head_0001.csv"));
   EXPECT_TRUE(is_there("frames_0001/frame_00003.png"));
-  EXPECT_TRUE(is_there("session_0001.farshade"));
-  EXPECT_FALSE(takes.records_head() || takes.records_frames() || takes.records_session());
+  EXPECT_TRUE(is_there("capture_0001.farshade"));
+  EXPECT_FALSE(recordings.records_head() || recordings.records_frames() || recordings.writes_capture());
 }
 
-TEST_F(TakesTest, FailureIsSaidAndEndsTheTake) {
-  Recordings takes(folder_ / "nowhere", clock_);
-  (void)takes.listen();
-  takes.begin_session({}, {});
-  EXPECT_FALSE(takes.records_session());
-  EXPECT_NE(takes.note().find("nowhere"), std::string::npos);
-  takes.take_screenshot(eyes_, {});
-  EXPECT_NE(takes.note().find("screenshot"), std::string::npos);
-  EXPECT_FALSE(takes.finish());
+TEST_F(RecordingsTest, ReportsAFailureAndEndsTheRecording) {
+  Recordings recordings(folder_ / "nowhere", clock_);
+  (void)recordings.listen();
+  recordings.begin_capture({}, {});
+  EXPECT_FALSE(recordings.writes_capture());
+  EXPECT_NE(recordings.note().find("nowhere"), std::string::npos);
+  recordings.take_screenshot(eyes_, {});
+  EXPECT_NE(recordings.note().find("screenshot"), std::string::npos);
+  EXPECT_FALSE(recordings.finish());
 }
 
-TEST_F(TakesTest, LinkMayGoOnTellingAfterTheRecording) {
-  Recordings takes(folder_, clock_);
-  const LinkListener listener = takes.listen();
-  takes.begin_session({}, header_);
-  takes.end_session();
+TEST_F(RecordingsTest, IgnoresMessagesAfterTheCapture) {
+  Recordings recordings(folder_, clock_);
+  const LinkListener listener = recordings.listen();
+  recordings.begin_capture({}, header_);
+  recordings.end_capture();
   listener.heard({}, Time{});
   listener.asked(request_);
 }

@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 constexpr Time kNow = time_from_ns(5'000'000'077);
 constexpr Duration kPeriod = 10ms;
 
-/// A pacer whose frames take as long as they are told to, on a clock that only they and waiting move.
+/// A pacer with given frame times, on a clock that only frames and waiting advance.
 struct PacerBench {
   FramePacer pacer{100};
   Time now = kNow;
@@ -66,7 +66,7 @@ TEST(FramePacer, GivesSlowFramesTheWholePeriodsTheyNeed) {
   }
 }
 
-TEST(FramePacer, AFewHitchesChangeNothing) {
+TEST(FramePacer, IgnoresAFewLateFrames) {
   PacerBench bench;
   for (int i = 0; i < 100; ++i) {
     bench.frame(i % 6 == 0 ? 47ms : 8ms);
@@ -74,19 +74,19 @@ TEST(FramePacer, AFewHitchesChangeNothing) {
   }
 }
 
-TEST(FramePacer, AHitchInEveryThirdFrameIsALoad) {
+TEST(FramePacer, ReactsToALateFrameInThree) {
   PacerBench bench;
   for (int i = 0; i < 18; ++i) bench.frame(i % 3 == 0 ? 28ms : 8ms);
   EXPECT_EQ(bench.pacer.periods(), 3u);
 }
 
-TEST(FramePacer, ASlowFirstFrameChangesNothing) {
+TEST(FramePacer, IgnoresASlowFirstFrame) {
   PacerBench bench;
   bench.frame(900ms);
   EXPECT_EQ(bench.frame(8ms).period, kPeriod);
 }
 
-TEST(FramePacer, FollowsALoadUpAndDownWithin16Frames) {
+TEST(FramePacer, FollowsChangesWithin16Frames) {
   PacerBench bench;
   bench.frames(16, 8ms);
   bench.frames(16, 28ms);
@@ -95,7 +95,7 @@ TEST(FramePacer, FollowsALoadUpAndDownWithin16Frames) {
   EXPECT_EQ(bench.pacer.periods(), 1u);
 }
 
-TEST(FramePacer, DoesNotFlutterAroundALimit) {
+TEST(FramePacer, DoesNotOscillateAtALimit) {
   constexpr unsigned seed = 20;
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
@@ -111,7 +111,7 @@ TEST(FramePacer, DoesNotFlutterAroundALimit) {
   EXPECT_EQ(bench.pacer.periods(), 2u) << "room enough to fall";
 }
 
-TEST(FramePacer, DisplayTimesGoForwardsByWholePeriodsUnderAnyHitches) {
+TEST(FramePacer, DisplayTimesIncreaseByWholePeriods) {
   for (const unsigned seed : {1u, 2u, 3u, 4u, 5u}) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
@@ -129,7 +129,7 @@ TEST(FramePacer, DisplayTimesGoForwardsByWholePeriodsUnderAnyHitches) {
   }
 }
 
-TEST(FramePacer, ALateFrameBeginsAtOnceOrAtTheNextGridPoint) {
+TEST(FramePacer, ALateFrameBeginsAtOnceOrAtTheNearestGridPoint) {
   for (const auto& [late, begins] : {std::pair<Duration, Duration>{4ms, 14ms}, {6ms, 20ms}}) {
     FramePacer pacer(100);
     (void)pacer.begin(kNow);
@@ -138,12 +138,12 @@ TEST(FramePacer, ALateFrameBeginsAtOnceOrAtTheNextGridPoint) {
   }
 }
 
-TEST(FramePacerDeathTest, RefusesADisplayWithoutARate) {
+TEST(FramePacerDeathTest, RefusesAnInvalidRefreshRate) {
   EXPECT_DEATH(FramePacer(0), "refresh rate");
   EXPECT_DEATH(FramePacer(NAN), "refresh rate");
 }
 
-/// The head walks 1 m to the right in a second, and turns left by 1 rad.
+/// The head moves 1 m to the right in one second, and turns left by 1 rad.
 HeadRecording walk() {
   HeadRecording trace;
   trace.samples.push_back({kNow, {glm::dquat(1, 0, 0, 0), {0, 1.6, 0}}});
@@ -153,12 +153,12 @@ HeadRecording walk() {
 
 constexpr Rigid<Stage, Head> kStart{glm::dquat(1, 0, 0, 0), {0, 1.7, 5}};
 
-/// A runtime at 100 Hz on a clock of its own. `hands` is what it takes in.
+/// A runtime at 100 Hz with its own clock. `controls` is the result of its callback.
 struct Desk {
   HeadRecording trace = walk();
   ManualClock clock;
   std::vector<Duration> slept;
-  std::optional<HeadControls> hands = HeadControls{};
+  std::optional<HeadControls> controls = HeadControls{};
   Duration taking_in{};
   PreviewSetup setup{.start = kStart,
                      .recording = PlacedHeadRecording{trace, {glm::dquat(1, 0, 0, 0), {0, 0, 50}}},
@@ -176,7 +176,7 @@ struct Desk {
         },
         [this] {
           clock.advance_to(clock.now() + taking_in);
-          return hands;
+          return controls;
         });
     return *runtime;
   }
@@ -199,7 +199,7 @@ TEST(PreviewRuntime, SleepsUntilTheFrameShouldBegin) {
   EXPECT_EQ(desk.clock.now(), kNow + 23ms);
 }
 
-TEST(PreviewRuntime, EndsAfterTheFramesAskedFor) {
+TEST(PreviewRuntime, EndsAfterTheRequestedFrames) {
   Desk desk;
   desk.setup.frames = 2;
   PreviewRuntime& runtime = desk.open();
@@ -209,15 +209,15 @@ TEST(PreviewRuntime, EndsAfterTheFramesAskedFor) {
   EXPECT_FALSE(runtime.wait_frame()) << "the end stays the end";
 }
 
-TEST(PreviewRuntime, EndsWhenHandsSaySo) {
+TEST(PreviewRuntime, EndsWhenTheCallbackReturnsNothing) {
   Desk desk;
   PreviewRuntime& runtime = desk.open();
   EXPECT_TRUE(runtime.wait_frame());
-  desk.hands.reset();
+  desk.controls.reset();
   EXPECT_FALSE(runtime.wait_frame());
 }
 
-TEST(PreviewRuntime, NoDisplayTimeComesTwiceUnderHitches) {
+TEST(PreviewRuntime, NoDisplayTimeRepeatsAfterLateFrames) {
   constexpr unsigned seed = 8;
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
@@ -253,9 +253,9 @@ TEST(PreviewRuntime, WaitingInAMinimisedWindowIsNotFrameTime) {
   EXPECT_EQ(desk.frame(2ms).period, kPeriod);
 }
 
-TEST(PreviewRuntime, HandsMoveTheHeadByDisplayTime) {
+TEST(PreviewRuntime, SimulatedHeadMovesByDisplayTime) {
   Desk desk;
-  desk.hands->head.walk = {0, 0, -1};
+  desk.controls->head.walk = {0, 0, -1};
   desk.open();
   desk.frame(3ms);
   EXPECT_EQ(desk.head(), kStart.translation) << "no time has passed";
@@ -266,30 +266,30 @@ TEST(PreviewRuntime, HandsMoveTheHeadByDisplayTime) {
   EXPECT_NEAR(desk.head().z, 5 - 0.070, 1e-12) << "two frames, 10 ms and 30 ms long";
 }
 
-TEST(PreviewRuntime, AHeadInHandsKnowsNoFuture) {
+TEST(PreviewRuntime, SimulatedHeadHasOnePoseForAllTimes) {
   Desk desk;
-  desk.hands->head = {.turn_px = {40, 0}, .walk = {0, 0, -1}};
+  desk.controls->head = {.turn_px = {40, 0}, .walk = {0, 0, -1}};
   const PreviewRuntime& runtime = desk.open();
   desk.frame(3ms);
   const Time shown = desk.frame(3ms).display_time;
   EXPECT_EQ(runtime.locate_views(shown), runtime.locate_views(shown + 100ms));
-  EXPECT_EQ(runtime.locate_views(shown), views_of(runtime.stage_from_head(), desk.hands->headset));
+  EXPECT_EQ(runtime.locate_views(shown), views_of(runtime.stage_from_head(), desk.controls->headset));
 }
 
-TEST(PreviewRuntime, WearsTheHeadsetThatHandsChoseForTheFrame) {
+TEST(PreviewRuntime, UsesTheHeadsetOfTheFrame) {
   Desk desk;
   const PreviewRuntime& runtime = desk.open();
   for (const double eye_distance_m : {0.063, 0.0, 0.2}) {
     const EyeFov fov = field_of_view(1 + eye_distance_m, 1.5);
-    desk.hands->headset = {.eye_distance_m = eye_distance_m, .fov = {fov, fov}, .eye_size = {96, 64}};
+    desk.controls->headset = {.eye_distance_m = eye_distance_m, .fov = {fov, fov}, .eye_size = {96, 64}};
     const Time shown = desk.frame(3ms).display_time;
-    EXPECT_EQ(runtime.locate_views(shown), views_of(kStart, desk.hands->headset));
+    EXPECT_EQ(runtime.locate_views(shown), views_of(kStart, desk.controls->headset));
   }
 }
 
 TEST(PreviewRuntime, ARecordingMovesTheHeadByDisplayTime) {
   Desk desk;
-  desk.hands->source = HeadSource::Recording;
+  desk.controls->source = HeadSource::Recording;
   PreviewRuntime& runtime = desk.open();
   const Time first = desk.frame(3ms).display_time;
   EXPECT_EQ(desk.head(), glm::dvec3(0, 1.6, 50));
@@ -306,37 +306,37 @@ TEST(PreviewRuntime, ARecordingMovesTheHeadByDisplayTime) {
   EXPECT_NEAR(desk.head().x, 1, 1e-9) << "holds its last pose";
 }
 
-TEST(PreviewRuntime, HandsTakeTheHeadWhereTheRecordingLeftIt) {
+TEST(PreviewRuntime, SimulatedHeadContinuesFromTheRecording) {
   Desk desk;
-  desk.hands->source = HeadSource::Recording;
+  desk.controls->source = HeadSource::Recording;
   PreviewRuntime& runtime = desk.open();
   for (int i = 0; i < 40; ++i) desk.frame(3ms);
   const Rigid<Stage, Head> left = runtime.stage_from_head();
   EXPECT_NEAR(left.translation.x, 0.39, 1e-9);
 
-  desk.hands->source = HeadSource::Hand;
+  desk.controls->source = HeadSource::Simulated;
   desk.frame(3ms);
   EXPECT_EQ(runtime.stage_from_head().translation, left.translation);
   EXPECT_LT(angle_between_rad(runtime.stage_from_head().rotation, left.rotation), 1e-12);
-  EXPECT_EQ(runtime.source(), HeadSource::Hand);
-  desk.hands->head.walk = {0, 1, 0};
+  EXPECT_EQ(runtime.source(), HeadSource::Simulated);
+  desk.controls->head.walk = {0, 1, 0};
   desk.frame(3ms);
   EXPECT_NEAR(desk.head().y, 1.614, 1e-12);
 
-  desk.hands->source = HeadSource::Recording;
+  desk.controls->source = HeadSource::Recording;
   desk.frame(3ms);
   EXPECT_NEAR(desk.head().x, 0.40, 1e-9) << "the recording stood still meanwhile";
   EXPECT_NEAR(desk.head().y, 1.6, 1e-9);
 }
 
-TEST(PreviewRuntime, WithoutARecordingHandsHaveTheHead) {
+TEST(PreviewRuntime, UsesTheSimulatedHeadWithoutARecording) {
   Desk desk;
   desk.setup.recording.reset();
-  desk.hands->source = HeadSource::Recording;
+  desk.controls->source = HeadSource::Recording;
   PreviewRuntime& runtime = desk.open();
   desk.frame(3ms);
   EXPECT_EQ(desk.head(), kStart.translation);
-  EXPECT_EQ(runtime.source(), HeadSource::Hand);
+  EXPECT_EQ(runtime.source(), HeadSource::Simulated);
   EXPECT_EQ(runtime.player(), nullptr);
 }
 

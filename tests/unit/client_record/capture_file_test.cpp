@@ -13,7 +13,7 @@ using namespace record_samples;
 
 constexpr Time kEarliest(-Duration(std::int64_t{1} << 61)), kLatest(Duration(std::int64_t{1} << 61));
 
-/// What a file holds, as far as it can be read; the error, if there is one, is returned.
+/// Reads all frames up to the first error, and returns that error.
 std::optional<Error> read_all(std::span<const std::byte> bytes, std::vector<CapturedFrame>& frames) {
   Expected<CaptureReader> reader = reader_of(bytes);
   if (!reader) return reader.error();
@@ -25,7 +25,7 @@ std::optional<Error> read_all(std::span<const std::byte> bytes, std::vector<Capt
   }
 }
 
-/// Every field is a byte of the file: what is read and written again is the same bytes.
+/// Reading a file and writing it again must give the same bytes.
 void expect_round_trip(const CaptureHeader& header, const std::vector<CapturedFrame>& frames) {
   const Bytes file = file_of(header, frames);
   std::vector<CapturedFrame> read;
@@ -35,7 +35,7 @@ void expect_round_trip(const CaptureHeader& header, const std::vector<CapturedFr
   EXPECT_EQ(file_of(reader_of(file)->header(), read), file);
 }
 
-TEST(SessionFile, IsReadAsItWasWritten) {
+TEST(CaptureFile, IsReadAsItWasWritten) {
   const CaptureHeader wanted = header();
   const Bytes file = file_of(wanted, std::vector{frame(1), frame(2)});
   const CaptureHeader got = reader_of(file)->header();
@@ -59,17 +59,17 @@ TEST(SessionFile, IsReadAsItWasWritten) {
   EXPECT_EQ(read[1].input.views, frame(2).input.views);
   ASSERT_EQ(read[1].before.size(), 2u);
   EXPECT_EQ(read[1].before[1].bytes, frame(2).before[1].bytes);
-  ASSERT_TRUE(read[1].asked.has_value());
-  EXPECT_EQ(read[1].asked->request.frame, FrameId{2});
-  EXPECT_EQ(read[1].asked->sent, frame(2).asked->sent);
+  ASSERT_TRUE(read[1].request.has_value());
+  EXPECT_EQ(read[1].request->request.frame, FrameId{2});
+  EXPECT_EQ(read[1].request->sent, frame(2).request->sent);
   ASSERT_EQ(read[1].after.size(), 1u);
   EXPECT_EQ(read[1].after[0].arrived, frame(2).after[0].arrived);
-  EXPECT_EQ(read[1].shown, frame(2).shown);
+  EXPECT_EQ(read[1].pictures, frame(2).pictures);
 }
 
-TEST(SessionFile, KeepsExtremes) {
+TEST(CaptureFile, KeepsExtremes) {
   CaptureHeader big = header();
-  big.scene = std::string(kMaxSessionText_bytes, 's');
+  big.scene = std::string(kMaxCaptureText_bytes, 's');
   big.device = "";
   big.lights = kMaxLights;
   big.limits = {{kMaxViewSide_px, 1}, {kMaxViewSide_px, 1}, 4096};
@@ -82,46 +82,46 @@ TEST(SessionFile, KeepsExtremes) {
     each->input.timing.display_time = each == &all ? kEarliest : kLatest;
     for (View& view : each->input.views) view.stage_from_eye.translation = {1e9, -1e9, 0x1p-1074};
   }
-  FrameSettings& steering = all.input.steering;
-  steering.wish = {PredictorKind::Hold, GuardBandUse::Off, 1024};
-  steering.carry_over = {Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest};
-  steering.scene = SceneClock::Stands;
-  none.input.steering.wish = {PredictorKind::Kalman, GuardBandUse::Off, 1};
-  steering.lights.revision = kFirstLightSet;
+  FrameSettings& settings = all.input.settings;
+  settings.wish = {PredictorKind::Hold, GuardBandUse::Off, 1024};
+  settings.carry_over = {Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest};
+  settings.scene = SceneClock::Stands;
+  none.input.settings.wish = {PredictorKind::Kalman, GuardBandUse::Off, 1};
+  settings.lights.revision = kFirstLightSet;
   for (std::uint32_t light = 0; light < kMaxLights; ++light)
-    change(steering.lights, kMaxLights - 1 - light, light % 2 == 0,
+    change(settings.lights, kMaxLights - 1 - light, light % 2 == 0,
            light % 3 == 0 ? std::nullopt : std::optional(LightPose{.position = {{1e9, 0, -1e9}}}));
   expect_round_trip(big, {all, none});
 }
 
-TEST(SessionFile, KeepsSteeringWhateverItIs) {
+TEST(CaptureFile, KeepsAllFrameSettings) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
     CapturedFrame one = frame(1);
-    FrameSettings& steering = one.input.steering;
-    steering.wish = {kPredictorKinds[random() % std::size(kPredictorKinds)],
+    FrameSettings& settings = one.input.settings;
+    settings.wish = {kPredictorKinds[random() % std::size(kPredictorKinds)],
                      static_cast<GuardBandUse>(random() % 2), 1 + static_cast<std::uint32_t>(random() % 64),
                      static_cast<std::uint32_t>(random() % (kWidestBand_percent + 1))};
-    steering.carry_over = {static_cast<Lookup>(random() % 2), static_cast<Eyes>(random() % 2),
+    settings.carry_over = {static_cast<Lookup>(random() % 2), static_cast<Eyes>(random() % 2),
                            static_cast<Gaps>(random() % 2), static_cast<Edges>(random() % 2)};
-    steering.scene = static_cast<SceneClock>(random() % 2);
+    settings.scene = static_cast<SceneClock>(random() % 2);
     std::vector<CapturedFrame> read;
     ASSERT_FALSE(read_all(file_of(header(), std::vector{one}), read).has_value());
-    const FrameSettings& got = read.at(0).input.steering;
-    EXPECT_EQ(got.wish.predictor, steering.wish.predictor);
-    EXPECT_EQ(got.wish.guard_band, steering.wish.guard_band);
-    EXPECT_EQ(got.wish.every, steering.wish.every);
-    EXPECT_EQ(got.wish.guard_band_percent, steering.wish.guard_band_percent);
-    EXPECT_EQ(got.carry_over, steering.carry_over);
-    EXPECT_EQ(got.scene, steering.scene);
+    const FrameSettings& got = read.at(0).input.settings;
+    EXPECT_EQ(got.wish.predictor, settings.wish.predictor);
+    EXPECT_EQ(got.wish.guard_band, settings.wish.guard_band);
+    EXPECT_EQ(got.wish.every, settings.wish.every);
+    EXPECT_EQ(got.wish.guard_band_percent, settings.wish.guard_band_percent);
+    EXPECT_EQ(got.carry_over, settings.carry_over);
+    EXPECT_EQ(got.scene, settings.scene);
   }
 }
 
-TEST(SessionFile, RefusesPredictorsThatWereRemoved) {
+TEST(CaptureFile, RefusesPredictorsThatWereRemoved) {
   for (const int removed : {1, 2, 4}) {
     CapturedFrame one = frame(1);
-    one.input.steering.wish.predictor = static_cast<PredictorKind>(removed);
+    one.input.settings.wish.predictor = static_cast<PredictorKind>(removed);
     std::vector<CapturedFrame> read;
     const auto error = read_all(file_of(header(), std::vector{one}), read);
     ASSERT_TRUE(error.has_value()) << removed;
@@ -129,25 +129,25 @@ TEST(SessionFile, RefusesPredictorsThatWereRemoved) {
   }
 }
 
-TEST(SessionFile, CutsTextsAndRidsThemOfControlCharacters) {
+TEST(CaptureFile, CutsTextsAndReplacesControlCharacters) {
   CaptureHeader odd = header();
   odd.scene = "a\x1b[2Jb\n" + std::string(1000, 'c');
   odd.device = "Gr\xc3\xa4te";
   const CaptureHeader got = reader_of(file_of(odd, {}))->header();
-  EXPECT_EQ(got.scene, "a?[2Jb?" + std::string(kMaxSessionText_bytes - 7, 'c'));
+  EXPECT_EQ(got.scene, "a?[2Jb?" + std::string(kMaxCaptureText_bytes - 7, 'c'));
   EXPECT_EQ(got.device, odd.device);
 }
 
-TEST(SessionFile, MessagesOfAFrameThatAsksForNothingComeBefore) {
+TEST(CaptureFile, MessagesOfAFrameWithoutRequestComeBefore) {
   CapturedFrame quiet = frame(1);
-  quiet.asked.reset();
+  quiet.request.reset();
   std::vector<CapturedFrame> read;
   ASSERT_FALSE(read_all(file_of(header(), std::vector{quiet}), read).has_value());
   EXPECT_EQ(read.at(0).before.size(), 3u);
   EXPECT_TRUE(read.at(0).after.empty());
 }
 
-TEST(SessionFileTruncated, AnywhereEndsWithTheLastWholeFrame) {
+TEST(CaptureFileTruncated, AnywhereEndsWithTheLastWholeFrame) {
   Bytes file;
   append(header(), file);
   const std::size_t header_end = file.size();
@@ -163,7 +163,7 @@ TEST(SessionFileTruncated, AnywhereEndsWithTheLastWholeFrame) {
   }
 }
 
-TEST(SessionFileFlipped, BytesAreRefusedOrReadAndNothingElse) {
+TEST(CaptureFileFlipped, BytesAreRefusedOrReadAndNothingElse) {
   const Bytes good = file_of(header(), std::vector{frame(1), frame(2)});
   std::size_t refused = 0;
   for (std::size_t at = 0; at < good.size(); ++at)
@@ -174,7 +174,7 @@ TEST(SessionFileFlipped, BytesAreRefusedOrReadAndNothingElse) {
       const std::optional<Error> wrong = read_all(bad, read);
       if (!wrong) continue;
       ++refused;
-      EXPECT_TRUE(wrong->what.starts_with("a.session")) << wrong->what;
+      EXPECT_TRUE(wrong->what.starts_with("a.capture")) << wrong->what;
     }
   EXPECT_GT(refused, 100u);
 }
@@ -185,7 +185,7 @@ struct Wrong {
   const char* what;
 };
 
-/// Where the second record begins.
+/// The byte at which the second record begins.
 std::size_t first_frame_at() {
   Bytes file;
   append(header(), file);
@@ -196,18 +196,19 @@ void set_u32(Bytes& file, std::size_t at, std::uint32_t value) {
   for (int i = 0; i < 4; ++i, value >>= 8) file[at++] = static_cast<std::byte>(value);
 }
 
-TEST(SessionFileWrong, IsNamedWithFileAndByte) {
+TEST(CaptureFileFault, IsNamedWithFileAndByte) {
   const std::size_t frame_at = first_frame_at();
-  const std::string at = "a.session: byte " + std::to_string(frame_at) + ": ";
+  const std::string at = "a.capture: byte " + std::to_string(frame_at) + ": ";
   const std::vector<Wrong> all{
-      {"magic", [](Bytes& f) { f[0] = {}; }, "a.session is no session file"},
-      {"version", [](Bytes& f) { f[4] = std::byte{9}; }, "a.session is a session file of version 9."},
-      {"no header", [](Bytes& f) { f[8] = std::byte{2}; }, "a.session: byte 8: does not begin with a header"},
-      {"kind", [=](Bytes& f) { f[frame_at] = std::byte{77}; }, "no kind of record"},
+      {"magic", [](Bytes& f) { f[0] = {}; }, "a.capture is not a capture file"},
+      {"version", [](Bytes& f) { f[4] = std::byte{9}; }, "a.capture is a capture file of version 9."},
+      {"no header", [](Bytes& f) { f[8] = std::byte{2}; },
+       "a.capture: byte 8: the first record is not a header"},
+      {"kind", [=](Bytes& f) { f[frame_at] = std::byte{77}; }, "unknown kind of record"},
       {"length", [=](Bytes& f) { set_u32(f, frame_at + 1, kMaxRecord_bytes + 1); },
        "a record of 16385 bytes"},
       {"short", [=](Bytes& f) { set_u32(f, frame_at + 1, 3); }, "frame: truncated"},
-      {"order", [=](Bytes& f) { f[frame_at] = std::byte{5}; }, "shown pictures of no frame"},
+      {"order", [=](Bytes& f) { f[frame_at] = std::byte{5}; }, "pictures outside of a frame"},
       {"time", [=](Bytes& f) { f[frame_at + kRecordHead_bytes + 7] = std::byte{0x7f}; }, "frame: time range"},
       {"period",
        [=](Bytes& f) {
@@ -228,18 +229,19 @@ TEST(SessionFileWrong, IsNamedWithFileAndByte) {
     const std::optional<Error> error = read_all(file, read);
     ASSERT_TRUE(error.has_value()) << wrong.name;
     const std::string wanted =
-        std::string(wrong.what).starts_with("a.session") ? wrong.what : at + wrong.what;
+        std::string(wrong.what).starts_with("a.capture") ? wrong.what : at + wrong.what;
     EXPECT_TRUE(error->what.starts_with(wanted)) << wrong.name << ": " << error->what;
   }
 }
 
-/// Frames that no recorder writes in this order or this session.
-TEST(SessionFileWrong, IsWhatContradictsItself) {
+/// No CaptureWriter writes frames in this order or with this header.
+TEST(CaptureFileFault, RefusesContradictions) {
   const auto error_of = [](const CaptureHeader& head, const std::vector<CapturedFrame>& frames) {
     std::vector<CapturedFrame> read;
     return read_all(file_of(head, frames), read).value_or(Error{Fault::Missing, ""}).what;
   };
-  EXPECT_NE(error_of(header(), {frame(2), frame(1)}).find("time runs backwards"), std::string::npos);
+  EXPECT_NE(error_of(header(), {frame(2), frame(1)}).find("the display time runs backwards"),
+            std::string::npos);
   CaptureHeader alone = header();
   alone.origin = MaskOrigin::OwnTracer;
   EXPECT_NE(error_of(alone, {frame(1)}).find("without a server"), std::string::npos);
@@ -251,8 +253,18 @@ TEST(SessionFileWrong, IsWhatContradictsItself) {
   EXPECT_NE(error_of(other, {frame(1)}).find("another scene"), std::string::npos);
 }
 
-TEST(SessionFileWrong, RefusesHeadersThatNoSessionHas) {
-  // Where the origin, the traced size and the numbers of frames lie.
+TEST(CaptureFileFault, RefusesAnotherMessageAsRequest) {
+  std::vector<CapturedFrame> read;
+  ASSERT_FALSE(
+      read_all(file_with_request(RequestMessage{.request = sent_request(1).request}), read).has_value());
+  EXPECT_TRUE(read.at(0).request.has_value());
+  const std::optional<Error> error = read_all(file_with_request(wire_samples::plane_slice()), read);
+  ASSERT_TRUE(error.has_value());
+  EXPECT_TRUE(error->what.ends_with("request: type")) << error->what;
+}
+
+TEST(CaptureFileFault, RefusesHeadersOutOfRange) {
+  // Byte offsets of the origin, the traced size and the frame counts.
   const std::size_t origin = 8 + 5 + 1 + header().scene.size() + 32 + 2;
   for (const auto& [at, value] : {std::pair<std::size_t, unsigned>{origin, 3},
                                   {origin + 1, 0},
@@ -266,7 +278,19 @@ TEST(SessionFileWrong, RefusesHeadersThatNoSessionHas) {
   }
 }
 
-TEST(SessionFileOpen, SaysWhatIsWrongWithAFile) {
+TEST(CaptureFileFault, RefusesTooFewRememberedRequests) {
+  CaptureHeader fewest = header();
+  fewest.requests = Assembler::kKept + 1;
+  const Bytes good = file_of(fewest, {});
+  EXPECT_TRUE(reader_of(good).has_value());
+  Bytes bad = good;
+  const std::size_t requests_at = 8 + 5 + 1 + fewest.scene.size() + 32 + 2 + 1 + 4 + 4 + 4;
+  ASSERT_EQ(bad.at(requests_at), static_cast<std::byte>(fewest.requests));
+  bad[requests_at] = static_cast<std::byte>(Assembler::kKept);
+  EXPECT_FALSE(reader_of(bad).has_value());
+}
+
+TEST(CaptureFileOpen, NamesTheFault) {
   const ScratchFolder folder;
   EXPECT_EQ(CaptureReader::open(folder.path() / "none").error().fault, Fault::Missing);
   EXPECT_EQ(CaptureReader::open(folder.path()).error().fault, Fault::Unreadable);

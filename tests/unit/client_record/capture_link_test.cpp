@@ -9,31 +9,31 @@ namespace {
 using namespace record_samples;
 using namespace std::chrono_literals;
 
-/// What the session at hand asks in this frame if it does as the one that was recorded.
-FrameRequest as_recorded(const CapturedFrame& frame) {
-  return frame.asked->request;
+/// The request that equals the captured one.
+FrameRequest as_captured(const CapturedFrame& frame) {
+  return frame.request->request;
 }
 
-TEST(CaptureLink, HearsInTheFrameAndOnTheSideOfTheRequestThatItWasHeardOn) {
+TEST(CaptureLink, ReplaysMessagesBeforeAndAfterTheRequest) {
   CaptureLink link(header());
   CapturedFrame one = frame(1);
-  one.before.push_back(heard(Welcome{wire_samples::counting_hash(), 3, 4242}));
+  one.before.push_back(received(Welcome{wire_samples::counting_hash(), 3, 4242}));
   link.begin(one);
   EXPECT_EQ(link.inbox().most_pixels(), 4242u);
-  link.request(as_recorded(one), Time(14ms));
+  link.request(as_captured(one), Time(14ms));
   ASSERT_NE(link.inbox().find(FrameId{1}), nullptr);
-  EXPECT_EQ(link.inbox().find(FrameId{1})->origin.sent, one.asked->sent);
+  EXPECT_EQ(link.inbox().find(FrameId{1})->origin.sent, one.request->sent);
   EXPECT_FALSE(link.inbox().find(FrameId{1})->report_arrived.has_value());
   link.wait_for(FrameId{1}, 0s);
   EXPECT_EQ(link.inbox().find(FrameId{1})->report_arrived, Time(1s));
   EXPECT_EQ(link.end(), std::nullopt);
 }
 
-TEST(CaptureLink, AsksNothingBeforeItIsWelcome) {
+TEST(CaptureLink, SendsNoRequestBeforeTheWelcome) {
   CaptureLink link(header());
   CapturedFrame one = frame(1), two = frame(2);
-  for (CapturedFrame* each : {&one, &two}) each->asked.reset(), each->after.clear(), each->before.clear();
-  two.before = {heard(wire_samples::welcome())};
+  for (CapturedFrame* each : {&one, &two}) each->request.reset(), each->after.clear(), each->before.clear();
+  two.before = {received(wire_samples::welcome())};
   for (const CapturedFrame* each : {&one, &two}) {
     link.begin(*each);
     link.request({.frame = {1}, .display_time = {}, .scene_time = {}, .views = {}}, {});
@@ -43,49 +43,49 @@ TEST(CaptureLink, AsksNothingBeforeItIsWelcome) {
   EXPECT_EQ(link.inbox().find(FrameId{1}), nullptr);
 }
 
-TEST(CaptureLink, NamesWhatIsAskedOtherwise) {
+TEST(CaptureLink, NamesTheDifferenceOfARequest) {
   struct Case {
     std::function<void(FrameRequest&)> change;
     const char* what;
   };
   for (const Case& each : {
-           Case{[](FrameRequest& r) { r.frame.value = 9; }, "asks as frame 9, not as frame 1"},
-           Case{[](FrameRequest& r) { r.display_time += 2ms; }, "asks for a display time 2"},
-           Case{[](FrameRequest& r) { r.scene_time += 1ms; }, "asks for a scene time 1"},
-           Case{[](FrameRequest& r) { r.views[1].size.width = 7; }, "asks for another size of the right eye"},
-           Case{[](FrameRequest& r) { r.views[0].fov.up_rad = 0.5; }, "asks for another fov of the left eye"},
+           Case{[](FrameRequest& r) { r.frame.value = 9; }, "requests frame 9 instead of frame 1"},
+           Case{[](FrameRequest& r) { r.display_time += 2ms; }, "requests a display time 2"},
+           Case{[](FrameRequest& r) { r.scene_time += 1ms; }, "requests a scene time 1"},
+           Case{[](FrameRequest& r) { r.views[1].size.width = 7; }, "requests another size of the right eye"},
+           Case{[](FrameRequest& r) { r.views[0].fov.up_rad = 0.5; }, "requests another fov of the left eye"},
            Case{[](FrameRequest& r) { r.views[0].stage_from_eye.translation.x += 1e-15; },
-                "asks for another pose of the left eye"},
-           Case{[](FrameRequest& r) { change(r.lights, 0, false, {}); }, "asks with other changes of lights"},
+                "requests another pose of the left eye"},
+           Case{[](FrameRequest& r) { change(r.lights, 0, false, {}); }, "requests other light changes"},
        }) {
     CaptureLink link(header());
     const CapturedFrame one = frame(1);
-    FrameRequest asked = as_recorded(one);
-    each.change(asked);
+    FrameRequest request = as_captured(one);
+    each.change(request);
     link.begin(one);
-    link.request(asked, Time(14ms));
-    link.wait_for(asked.frame, 0s);
+    link.request(request, Time(14ms));
+    link.wait_for(request.frame, 0s);
     const std::optional<std::string> what = link.end();
     ASSERT_TRUE(what.has_value()) << each.what;
     EXPECT_TRUE(what->starts_with(each.what)) << *what;
   }
 }
 
-TEST(CaptureLink, TellsRequestsThatAreMissingOrTooMany) {
+TEST(CaptureLink, ReportsMissingAndSurplusRequests) {
   CaptureLink link(header());
   const CapturedFrame one = frame(1);
   link.begin(one);
-  EXPECT_EQ(link.end(), "asks for nothing, where a request was recorded");
+  EXPECT_EQ(link.end(), "sends no request, though one was captured");
   CapturedFrame two = frame(2);
-  two.asked.reset();
+  two.request.reset();
   link.begin(two);
-  link.request(as_recorded(frame(2)), Time(28ms));
-  EXPECT_EQ(link.end(), "asks, where nothing was asked");
+  link.request(as_captured(frame(2)), Time(28ms));
+  EXPECT_EQ(link.end(), "sends a request that was not captured");
 }
 
-TEST(Replay, GivesTimesViewsAndSteeringOfEachFrame) {
+TEST(Replay, GivesTimesViewsAndSettingsOfEachFrame) {
   std::vector<CapturedFrame> frames{frame(1), frame(2)};
-  frames[1].input.steering.scene = SceneClock::Stands;
+  frames[1].input.settings.scene = SceneClock::Stands;
   frames[1].input.views[0].stage_from_eye.translation.y = 3;
   Replay replay(std::move(*reader_of(file_of(header(), frames))), ShadingPass::Report::On);
   EXPECT_NE(replay.link(), nullptr);
@@ -95,14 +95,55 @@ TEST(Replay, GivesTimesViewsAndSteeringOfEachFrame) {
     EXPECT_EQ(timing->display_time, each.input.timing.display_time);
     EXPECT_EQ(timing->period, each.input.timing.period);
     EXPECT_EQ(replay.locate_views(timing->display_time), each.input.views);
-    EXPECT_EQ(replay.steering().scene, each.input.steering.scene);
-    EXPECT_EQ(replay.steering().report, ShadingPass::Report::On);
+    EXPECT_EQ(replay.settings().scene, each.input.settings.scene);
+    EXPECT_EQ(replay.settings().report, ShadingPass::Report::On);
   }
   EXPECT_FALSE(replay.wait_frame().has_value());
   EXPECT_TRUE(replay.verdict().has_value());
 }
 
-TEST(Replay, EndsWhereTheFileIsWrongAndSaysSo) {
+TEST(Replay, NamesTheEyeWhosePictureDiffers) {
+  const Image<Rgb8> black(kEye), white(kEye, Rgb8(255));
+  struct Case {
+    Image<Rgb8> left, right;
+    const char* what;
+  };
+  for (const Case& each :
+       {Case{black, black, nullptr}, Case{white, black, "shows another picture to the left eye"},
+        Case{black, white, "shows another picture to the right eye"},
+        Case{white, white, "shows other pictures to both eyes"}}) {
+    CaptureHeader alone = header();
+    alone.origin = MaskOrigin::Nobody;
+    const CapturedFrame captured{.input = input(1),
+                                 .before = {},
+                                 .request = {},
+                                 .after = {},
+                                 .pictures = {hash_of(black), hash_of(black)}};
+    Replay replay(std::move(*reader_of(file_of(alone, std::vector{captured}))), ShadingPass::Report::Off);
+    ASSERT_TRUE(replay.wait_frame().has_value());
+    const FrameRequest shown = sent_request(1).request;
+    const SceneState state;
+    const StageTimes times;
+    const StageStarts starts;
+    replay.watch({.shown = shown,
+                  .asked = nullptr,
+                  .state = state,
+                  .masks = {},
+                  .newest = nullptr,
+                  .age = {},
+                  .times = times,
+                  .starts = starts,
+                  .steering = captured.input.settings,
+                  .timing = captured.input.timing},
+                 {each.left, each.right});
+    const ReplayVerdict verdict = replay.verdict().value();
+    EXPECT_EQ(verdict.frames, 1u);
+    ASSERT_EQ(verdict.first.has_value(), each.what != nullptr);
+    if (each.what) EXPECT_EQ(verdict.first->what, each.what);
+  }
+}
+
+TEST(Replay, EndsAtAFaultOfTheFile) {
   Bytes file = file_of(header(), std::vector{frame(1)});
   file.push_back(std::byte{77});
   file.resize(file.size() + 4);
@@ -110,12 +151,12 @@ TEST(Replay, EndsWhereTheFileIsWrongAndSaysSo) {
   EXPECT_TRUE(replay.wait_frame().has_value());
   EXPECT_FALSE(replay.wait_frame().has_value());
   ASSERT_FALSE(replay.verdict().has_value());
-  EXPECT_NE(replay.verdict().error().what.find("no kind of record"), std::string::npos);
+  EXPECT_NE(replay.verdict().error().what.find("unknown kind of record"), std::string::npos);
 }
 
 TEST(ReplayVerdict, IsOneSentence) {
   EXPECT_EQ(to_string(ReplayVerdict{.frames = 312, .first = {}}),
-            "312 frames, all requests and pictures as recorded");
+            "312 frames, all requests and pictures as captured");
   EXPECT_EQ(to_string(ReplayVerdict{.frames = 9, .first = ReplayDifference{{4}, "shows snow"}}),
             "frame 4 of 9 frames differs: it shows snow");
 }

@@ -1,8 +1,9 @@
-/// Session files that the tests of record/ share.
+/// Captures that the tests of record/ share.
 #pragma once
 
 #include <sstream>
 
+#include "stereo/wire/bytes.h"
 #include "tests/unit/wire/samples.h"
 #include "vr_client/record/capture_reader.h"
 
@@ -24,22 +25,22 @@ inline CaptureHeader header() {
           .device = "a device"};
 }
 
-/// The display's frame of this number, 14 ms a frame.
+/// Frame `frame` of a display with a period of 14 ms.
 inline CapturedFrameInput input(std::uint32_t frame) {
   CapturedFrameInput made{
       .timing = {Time(std::chrono::milliseconds(14) * frame), std::chrono::milliseconds(14)},
       .views = {},
-      .steering = {}};
+      .settings = {}};
   for (View& view : made.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, kEye};
   made.views[1].stage_from_eye.translation.x = 0.064;
   return made;
 }
 
-inline CapturedMessage heard(const ServerMessage& message, Time arrived = {}) {
+inline CapturedMessage received(const ServerMessage& message, Time arrived = {}) {
   return {arrived, wire_samples::encoded(message)};
 }
 
-inline CapturedRequest asked(std::uint32_t frame) {
+inline CapturedRequest sent_request(std::uint32_t frame) {
   const CapturedFrameInput shown = input(frame);
   return {shown.timing.display_time,
           {FrameId{frame}, shown.timing.display_time, shown.timing.display_time, shown.views}};
@@ -49,13 +50,13 @@ inline PerEye<PictureHash> pictures(unsigned first) {
   return {wire_samples::counting<16>(first), wire_samples::counting<16>(first + 100)};
 }
 
-/// A frame with everything in it.
+/// A frame with every kind of record.
 inline CapturedFrame frame(std::uint32_t number) {
   return {.input = input(number),
-          .before = {heard(wire_samples::welcome()), heard(Probe{7})},
-          .asked = asked(number),
-          .after = {heard(FrameReport{.frame = {number}, .slices = 2}, Time(std::chrono::seconds(1)))},
-          .shown = pictures(number)};
+          .before = {received(wire_samples::welcome()), received(Probe{7})},
+          .request = sent_request(number),
+          .after = {received(FrameReport{.frame = {number}, .slices = 2}, Time(std::chrono::seconds(1)))},
+          .pictures = pictures(number)};
 }
 
 inline Bytes file_of(const CaptureHeader& header, std::span<const CapturedFrame> frames) {
@@ -65,10 +66,29 @@ inline Bytes file_of(const CaptureHeader& header, std::span<const CapturedFrame>
   return bytes;
 }
 
+/// A capture whose only frame holds `message` as its request. A CaptureWriter writes nothing but requests
+/// there.
+inline Bytes file_with_request(const ClientMessage& message) {
+  CapturedFrame quiet{.input = input(1), .before = {}, .request = {}, .after = {}, .pictures = pictures(1)};
+  Bytes file = file_of(header(), std::vector{quiet});
+  // The last record holds the hashes of both pictures.
+  const auto pictures_at =
+      file.end() - static_cast<std::ptrdiff_t>(kRecordHead_bytes + 2 * sizeof(PictureHash));
+  const Bytes message_bytes = wire_samples::encoded(message);
+  Bytes record;
+  ByteWriter io(record);
+  io.code(RecordKind::Request);
+  io.u32(sizeof(std::int64_t) + message_bytes.size());
+  io.ns(Time{});
+  io.rest(message_bytes);
+  file.insert(pictures_at, record.begin(), record.end());
+  return file;
+}
+
 inline Expected<CaptureReader> reader_of(std::span<const std::byte> bytes) {
   return CaptureReader::over(std::make_unique<std::istringstream>(
                                  std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())),
-                             "a.session");
+                             "a.capture");
 }
 
 }  // namespace farshade::record_samples

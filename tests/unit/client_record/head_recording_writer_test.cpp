@@ -18,13 +18,13 @@ Rigid<Stage, Head> head_of_frame(int frame) {
   return {rotation_exp({0.3 * t, -0.7 * t, 0.05 * t}), {1 + t, 1.6 - 0.1 * t, -t * t}};
 }
 
-TEST(HeadRecordingWriter, WritesWhatLoadsAsTheSameHead) {
+TEST(HeadRecordingWriter, WritesAFileThatLoadsAsTheSamePoses) {
   const ScratchFolder folder;
   const std::filesystem::path path = folder.path() / "head.csv";
-  HeadRecordingWriter recorder;
+  HeadRecordingWriter writer;
   for (int frame = 0; frame < 50; ++frame)
-    recorder.add(Time(5s + 13'888'889ns * frame), views_of(head_of_frame(frame), kHeadset));
-  ASSERT_TRUE(recorder.write(path).has_value());
+    writer.add(Time(5s + 13'888'889ns * frame), views_of(head_of_frame(frame), kHeadset));
+  ASSERT_TRUE(writer.write(path).has_value());
   const HeadRecording loaded = load_head_recording(path).value();
   ASSERT_EQ(loaded.samples.size(), 50u);
   EXPECT_NEAR(loaded.eye_distance_m, kHeadset.eye_distance_m, 1e-12);
@@ -35,24 +35,24 @@ TEST(HeadRecordingWriter, WritesWhatLoadsAsTheSameHead) {
     EXPECT_LT(glm::length(got.translation - wanted.translation), 1e-12) << frame;
     EXPECT_GT(std::abs(glm::dot(got.rotation, wanted.rotation)), 1 - 1e-12) << frame;
     EXPECT_EQ(head_at(loaded, Time(5s + 13'888'889ns * frame)),
-              head_at(recorder.trace(), Time(5s + 13'888'889ns * frame)));
+              head_at(writer.recording(), Time(5s + 13'888'889ns * frame)));
   }
 }
 
-TEST(HeadRecordingWriter, LeavesOutTimesThatDoNotGoOn) {
-  HeadRecordingWriter recorder;
+TEST(HeadRecordingWriter, SkipsTimesThatDoNotIncrease) {
+  HeadRecordingWriter writer;
   for (const int ms : {10, 20, 20, 15, 30})
-    recorder.add(Time(std::chrono::milliseconds(ms)), views_of(head_of_frame(ms), kHeadset));
-  ASSERT_EQ(recorder.trace().samples.size(), 3u);
-  EXPECT_EQ(recorder.trace().end(), Time(30ms));
+    writer.add(Time(std::chrono::milliseconds(ms)), views_of(head_of_frame(ms), kHeadset));
+  ASSERT_EQ(writer.recording().samples.size(), 3u);
+  EXPECT_EQ(writer.recording().end(), Time(30ms));
 }
 
-TEST(HeadRecordingWriter, RefusesWhatIsTooShortToBeLoaded) {
+TEST(HeadRecordingWriter, RefusesARecordingThatIsTooShort) {
   const ScratchFolder folder;
-  HeadRecordingWriter recorder;
-  recorder.add(Time(1s), views_of(head_of_frame(0), kHeadset));
-  recorder.add(Time(2s), views_of(head_of_frame(1), kHeadset));
-  EXPECT_EQ(recorder.write(folder.path() / "head.csv").error().fault, Fault::OutOfRange);
+  HeadRecordingWriter writer;
+  writer.add(Time(1s), views_of(head_of_frame(0), kHeadset));
+  writer.add(Time(2s), views_of(head_of_frame(1), kHeadset));
+  EXPECT_EQ(writer.write(folder.path() / "head.csv").error().fault, Fault::OutOfRange);
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "head.csv"));
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numbers>
 #include <sstream>
+#include <tuple>
 
 namespace farshade {
 namespace {
@@ -75,7 +76,7 @@ TEST(FrameLog, PercentilesPointToTheWorseSide) {
   EXPECT_DOUBLE_EQ(psnr->spread.p99, 22);
 }
 
-TEST(FrameLog, SaysHowFarTheHeadWasFromWhereItsMasksWereTraced) {
+TEST(FrameLog, HasThePoseDifferenceToTheTracedView) {
   const auto rows = full_log().summary();
   EXPECT_DOUBLE_EQ(row(rows, "wire", "staleness")->spread.median, 20);
   EXPECT_DOUBLE_EQ(row(rows, "wire", "age")->spread.median, 30);
@@ -85,7 +86,7 @@ TEST(FrameLog, SaysHowFarTheHeadWasFromWhereItsMasksWereTraced) {
   EXPECT_DOUBLE_EQ(row(rows, "head", "guard band")->spread.median, 25);
 }
 
-TEST(FrameLog, EveryShareOfAnEyeHasItsRow) {
+TEST(FrameLog, HasARowForEveryShareOfAnEye) {
   FrameLog log;
   FrameRecord made = record(1);
   (*made.errors)[1] = {.mask_error = 0.01,
@@ -116,7 +117,7 @@ TEST(FrameLog, EveryShareOfAnEyeHasItsRow) {
   }
 }
 
-TEST(FrameLog, StartUpFramesAreCountedAndTheirErrorsLeftOut) {
+TEST(FrameLog, CountsStartUpFramesAndExcludesTheirErrors) {
   FrameLog log;
   for (std::uint32_t frame = 1; frame <= 5; ++frame) {
     FrameRecord made = record(frame);
@@ -138,7 +139,7 @@ TEST(FrameLog, StartUpFramesAreCountedAndTheirErrorsLeftOut) {
   EXPECT_EQ(row(rows, "client", "frame")->spread.count, 5u) << "their times are times like any other";
 }
 
-TEST(FrameLog, WhatWasNeverMeasuredHasNoRow) {
+TEST(FrameLog, HasNoRowWithoutMeasurements) {
   FrameLog log;
   FrameRecord bare = record(1);
   bare.errors.reset();
@@ -150,7 +151,7 @@ TEST(FrameLog, WhatWasNeverMeasuredHasNoRow) {
   EXPECT_TRUE(FrameLog().summary().empty());
 }
 
-TEST(FrameLog, ServerFiguresComeFromItsReports) {
+TEST(FrameLog, TakesServerFiguresFromReports) {
   FrameLog log;
   FrameRecord made = record(1);
   made.server = FrameReport{.frame = {1},
@@ -171,7 +172,57 @@ TEST(FrameLog, ServerFiguresComeFromItsReports) {
   EXPECT_DOUBLE_EQ(row(rows, "wire", "bytes a frame")->spread.median, 4000);
 }
 
-TEST(SummaryCsv, HasSevenFieldsALineAndReadsBack) {
+TEST(FrameLog, HasARowForEveryStage) {
+  FrameLog log;
+  FrameRecord made = record(1);
+  made.times = {.request = 1ms,
+                .collect = 2ms,
+                .gbuffer = 3ms,
+                .depth = 4ms,
+                .maps = 5ms,
+                .shade = 6ms,
+                .turn = 7ms,
+                .draw = 8ms,
+                .frame = 9ms};
+  made.server = FrameReport{.primary = 10ms, .shadow = 11ms, .draw = 12ms, .pack = 13ms, .waited = 14ms};
+  log.add(made);
+  const auto rows = log.summary();
+  const std::vector<std::tuple<std::string, std::string, double>> expected{
+      {"client", "request", 1},
+      {"client", "collect masks", 2},
+      {"client", "G-buffer", 3},
+      {"client", "depth of requested views", 4},
+      {"client", "shadow maps", 5},
+      {"client", "reproject and shade", 6},
+      {"client", "turn", 7},
+      {"client", "draw", 8},
+      {"client", "frame", 9},
+      {"server", "primary visibility", 10},
+      {"server", "draw", 12},
+      {"server", "code and pack", 13},
+      {"server", "request waited", 14},
+      {"server", "frame", 46}};
+  for (const auto& [group, metric, ms] : expected) {
+    const SummaryRow* const found = row(rows, group, metric);
+    ASSERT_NE(found, nullptr) << group << " " << metric;
+    EXPECT_DOUBLE_EQ(found->spread.median, ms) << group << " " << metric;
+    EXPECT_EQ(found->unit, "ms");
+  }
+}
+
+TEST(FrameLog, AHighShareOfTheNewestMaskIsBetter) {
+  FrameLog log;
+  for (std::uint32_t frame = 1; frame <= 101; ++frame) {
+    FrameRecord made = record(frame);
+    (*made.errors)[0].newest = (*made.errors)[0].older = 0.001 * frame;
+    log.add(made);
+  }
+  const auto rows = log.summary();
+  EXPECT_NEAR(row(rows, "left eye", "from newest mask")->spread.p95, 0.6, 1e-9);
+  EXPECT_NEAR(row(rows, "left eye", "from older masks")->spread.p95, 9.6, 1e-9);
+}
+
+TEST(SummaryCsv, HasSevenFieldsPerLine) {
   const auto table = cells(summary_csv(full_log().summary()));
   ASSERT_GT(table.size(), 10u);
   EXPECT_EQ(table[0],
@@ -180,7 +231,7 @@ TEST(SummaryCsv, HasSevenFieldsALineAndReadsBack) {
   EXPECT_EQ(table[1], (std::vector<std::string>{"client", "frame", "ms", "51", "96", "100", "101"}));
 }
 
-TEST(FramesCsv, HasOneRowAFrameAndEmptyFieldsWhereNothingWasMeasured) {
+TEST(FramesCsv, HasOneRowPerFrameAndEmptyFieldsWithoutMeasurements) {
   FrameRecord unmeasured = record(8);
   unmeasured.errors.reset();
   const auto table = cells(frames_csv({record(7), unmeasured}));
@@ -199,7 +250,7 @@ TEST(FramesCsv, HasOneRowAFrameAndEmptyFieldsWhereNothingWasMeasured) {
   EXPECT_EQ(table[1][column("wire datagrams a frame")], "");
 }
 
-TEST(SummaryTable, SaysEachGroupOnce) {
+TEST(SummaryTable, NamesEachGroupOnce) {
   const std::string text = table(full_log().summary());
   for (const std::string group : {"\nclient\n", "\nleft eye\n", "\nright eye\n"}) {
     const std::size_t first = text.find(group);

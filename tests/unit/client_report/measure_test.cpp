@@ -6,6 +6,8 @@
 #include <numbers>
 #include <random>
 
+#include "tests/metrics/pixels_per_degree.h"
+
 namespace farshade {
 namespace {
 
@@ -67,7 +69,7 @@ TEST(CompareMasks, CountsWrongPixelLightsOfCoveredPixels) {
   EXPECT_EQ(errors.unknown, 0);
 }
 
-TEST(CompareMasks, AFractionIsWrongByItsDistanceFromTheTruth) {
+TEST(CompareMasks, AFractionIsWrongByItsDifference) {
   ShownReport report = shown(1, {0, 0, 0, 0});
   report.visibility = {51, 51, 255, 0};
   EyeMask reference({4, 1}, 1);
@@ -76,7 +78,7 @@ TEST(CompareMasks, AFractionIsWrongByItsDistanceFromTheTruth) {
   EXPECT_DOUBLE_EQ(compare_masks(report, reference).mask_error, (0.8 + 0.2) / 4);
 }
 
-TEST(CompareMasks, UnknownCountsByTheRule) {
+TEST(CompareMasks, UnknownCountsWithItsShownVisibility) {
   constexpr double shown_k = kUnknownVisibility;
   const ShownReport report = shown(2, {kSourceUnknown, kSourceUnknown, 0, 0});
   EyeMask reference({4, 1}, 2);
@@ -149,7 +151,7 @@ TEST(CompareMasks, FortyLightsLieInTwoPlanes) {
   EXPECT_DOUBLE_EQ(errors.stale, 2.0 / 80);
 }
 
-TEST(CompareMasks, NothingCoveredOrNoLightsIsNoError) {
+TEST(CompareMasks, HasNoErrorWithoutCoveredPixelsOrLights) {
   const auto u = kSourceUncovered;
   EXPECT_EQ(compare_masks(shown(3, {u, u, u, u}), EyeMask({4, 1}, 3)).mask_error, 0);
   EXPECT_EQ(compare_masks(shown(0, {0, 0, 0, 0}), EyeMask({4, 1}, 0)).mask_error, 0);
@@ -167,7 +169,7 @@ TEST(UnmovedError, ReadsTheStaleMaskAtTheShownPixels) {
   EXPECT_DOUBLE_EQ(unmoved_error(stale, {0, 0}, report, reference), 3.0 / 6);
 }
 
-TEST(UnmovedError, BeginsWhereTheGuardBandEnds) {
+TEST(UnmovedError, SkipsTheGuardBand) {
   const ShownReport report = shown(2, {0, 0, 0, 0});
   EyeMask reference({4, 1}, 2), wide({7, 3}, 2);
   for (std::uint32_t x = 0; x < 4; ++x) {
@@ -179,7 +181,7 @@ TEST(UnmovedError, BeginsWhereTheGuardBandEnds) {
   EXPECT_GT(unmoved_error(wide, {2, 0}, report, reference), 0);
 }
 
-TEST(UnmovedError, ShowsWhatLiesOutsideByTheRule) {
+TEST(UnmovedError, CountsPixelsOutsideAsUnknown) {
   const ShownReport report = shown(3, {0, 0, 0, 0});
   EyeMask reference({4, 1}, 3);
   reference.set_word(0, 0, 0, 0b001);  // outside: one lit, two dark

@@ -20,7 +20,7 @@ int brightness(Rgb8 color) {
   return color.r + color.g + color.b;
 }
 
-/// One pixel a source, `lights` lights, nothing unknown but by its source, nothing stale.
+/// One pixel per source. Only pixels without a source are unknown; nothing is stale.
 ShownReport report_of(const std::vector<std::uint8_t>& sources, std::uint32_t lights = 1) {
   const Extent size{static_cast<std::uint32_t>(sources.size()), 1};
   const MaskLayout layout{lights};
@@ -38,13 +38,13 @@ ShownReport report_of(const std::vector<std::uint8_t>& sources, std::uint32_t li
   return report;
 }
 
-/// One pixel a source, all masks of `age`.
+/// One pixel per source; all masks have this age.
 Image<Rgb8> sources_drawn(const std::vector<std::uint8_t>& sources, Duration age) {
   const Extent size{static_cast<std::uint32_t>(sources.size()), 1};
   return source_picture(report_of(sources), MaskAges(ShadingPass::kMaxMasks, age), size);
 }
 
-/// What an overlay is made of, owned; the shown picture is one colour.
+/// Owns the inputs of an overlay. The shown picture has one colour.
 struct Frame {
   explicit Frame(ShownReport of, Rgb8 color = Rgb8(200, 100, 50))
       : report(std::move(of)),
@@ -249,7 +249,7 @@ TEST(Overlay, LightIsThatLightAlone) {
   frame.report.stale[1] = frame.report.unknown[1] = static_cast<std::uint8_t>(~(1u << 5));
   const Image<Rgb8> picture = frame.drawn(Overlay::Light);
   const std::vector<LegendEntry> read = frame.explained(Overlay::Light);
-  EXPECT_EQ(read.at(0).text, "light 37 is seen");
+  EXPECT_EQ(read.at(0).text, "light 37 is visible");
   constexpr std::array<std::size_t, 4> entry_of{0, 2, 3, 4};
   for (std::uint32_t x = 0; x < entry_of.size(); ++x)
     EXPECT_EQ(picture.at(x, 0), read[entry_of[x]].color) << x << ": " << read[entry_of[x]].text;
@@ -318,12 +318,12 @@ TEST_F(GuardBandOverlay, SurroundsTheShownView) {
   for (const auto& [y, wanted] : std::vector<std::pair<std::uint32_t, Rgb8>>{
            {9, kBlack}, {10, guard_}, {17, outline_}, {19, all_}, {82, outline_}, {89, guard_}, {90, kBlack}})
     EXPECT_EQ(picture.at(40, y), wanted) << y;
-  // Tile 0 of the left eye has not come.
+  // Tile 0 of the left eye has not arrived.
   EXPECT_EQ(picture.at(19, 19), read_[5].color);
 }
 
 TEST_F(GuardBandOverlay, ShowsWhatATurnedHeadSeesBeyondIt) {
-  // The mask's head is turned to the left of the one that is shown.
+  // The traced head is turned to the left of the shown head.
   const Image<Rgb8> picture = drawn(1.25, 0.3);
   EXPECT_EQ(picture.at(12, 50), guard_);
   EXPECT_EQ(picture.at(94, 50), lacking_);

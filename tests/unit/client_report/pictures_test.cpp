@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// One pixel a source, one light, nothing stale.
+/// One pixel per source, one light, nothing stale.
 ShownReport report_of(const std::vector<std::uint8_t>& sources) {
   const Extent size{static_cast<std::uint32_t>(sources.size()), 1};
   return {.mask = EyeMask(size, 1),

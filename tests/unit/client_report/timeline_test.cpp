@@ -19,12 +19,13 @@ using nlohmann::json;
 constexpr Time kBegin(7h);
 constexpr Extent kSize{16, 16};
 
-/// A session told by hand. Instants are counted from kBegin.
+/// Builds the timeline of a run step by step. Times are relative to kBegin.
 class Told {
  public:
   Told() { inbox_.begin({}); }
 
-  /// Frame `number` begins at `at`: 1 ms of request, sent half way, 2 ms of collect, 5 ms of draw.
+  /// Frame `number` begins at `at`. Its stages are 1 ms request (sent after 0.5 ms), 2 ms collect and 5 ms
+  /// draw.
   void show(std::uint32_t number, Duration at, std::optional<std::uint32_t> newest_mask = std::nullopt,
             const StageTimes& times = {.gbuffer = 1ms, .shade = 3ms, .draw = 5ms}) {
     const Time begin = kBegin + at;
@@ -71,7 +72,7 @@ struct Event {
   friend bool operator==(const Event&, const Event&) = default;
 };
 
-/// All but metadata, in the order of the file, threads by "process thread".
+/// All events except metadata, in the order of the file. Threads are named "process thread".
 std::vector<Event> events_of(const std::string& text) {
   const json trace = json::parse(text);
   EXPECT_EQ(trace["displayTimeUnit"], "ms");
@@ -110,8 +111,8 @@ bool holds(const Event& outer, const Event& inner) {
   return outer.tid == inner.tid && outer.begin_us <= inner.begin_us && inner.end_us <= outer.end_us;
 }
 
-/// What a viewer needs of any timeline: lengths that are none below zero, spans of a thread apart or one in
-/// the other with the outer one first, arrows that go forwards in time and end in spans.
+/// Checks what every viewer needs: no negative length; spans of a thread are disjoint or nested, the outer
+/// one first; arrows lead forwards in time and end in spans.
 void expect_sound(const std::vector<Event>& events) {
   std::map<std::pair<std::string, std::uint32_t>, std::vector<Event>> arrows;
   for (std::size_t i = 0; i < events.size(); ++i) {
@@ -139,13 +140,13 @@ void expect_sound(const std::vector<Event>& events) {
   }
 }
 
-TEST(PlaceWork, HalvesWhatTheWorkLeaves) {
+TEST(PlaceWork, PlacesTheWorkInTheMiddle) {
   const TimeSpan placed = place_work(kBegin, kBegin + 17ms, 7ms);
   EXPECT_EQ(placed.begin, kBegin + 5ms);
   EXPECT_EQ(placed.end, kBegin + 12ms);
 }
 
-TEST(PlaceWork, NeverLeavesTheInterval) {
+TEST(PlaceWork, StaysWithinTheInterval) {
   for (const Duration between : {-3ms, 0ms, 2ms}) {
     const TimeSpan placed = place_work(kBegin, kBegin + between, 7ms);
     EXPECT_EQ(placed.begin, kBegin);
@@ -154,7 +155,7 @@ TEST(PlaceWork, NeverLeavesTheInterval) {
   EXPECT_EQ(place_work(kBegin, kBegin + 4ms, -1ms).end, kBegin + 2ms);
 }
 
-TEST(Timeline, LaysTheClientsStagesFromTheFirstFrameOn) {
+TEST(Timeline, PlacesTheStagesOfTheClient) {
   Told told;
   told.show(1, 0ms);
   told.show(2, 20ms);
@@ -170,7 +171,7 @@ TEST(Timeline, LaysTheClientsStagesFromTheFirstFrameOn) {
                                  on("collect", 21000, 23000, 2), on("draw", 23000, 28000, 2)}));
 }
 
-TEST(Timeline, EndsTheDevicesPassesWhereDrawEnds) {
+TEST(Timeline, EndsThePassesOfTheDeviceWithDraw) {
   Told told;
   told.show(1, 0ms, {}, {.gbuffer = 500us, .depth = 250us, .shade = 2ms, .draw = 4ms});
   const auto passes = events_on("vr_client device", told);
@@ -192,10 +193,10 @@ TEST(Timeline, ScalesDownDevicePassesThatAreLongerThanDraw) {
   EXPECT_EQ(passes[1].end_us, 7000);
 }
 
-TEST(Timeline, PlacesTheServersWorkMidwayBetweenRequestAndFirstSlice) {
+TEST(Timeline, PlacesTheWorkOfTheServerBetweenRequestAndFirstSlice) {
   Told told;
   told.show(1, 0ms);
-  told.first_slice_comes(1, 17500us);  // 17 ms after it was sent, 10 of them on the way
+  told.first_slice_comes(1, 17500us);  // 17 ms after it was sent; 10 ms of this are network delay
   told.report_comes(report_of(1), 21ms);
   for (const std::uint32_t frame : {2, 3, 4}) told.show(frame, frame * 10ms);
   const auto waiting = events_on("rt_server waiting", told);
@@ -216,7 +217,7 @@ TEST(Timeline, PlacesTheServersWorkMidwayBetweenRequestAndFirstSlice) {
   EXPECT_EQ(datagrams[0].end_us, 21000);
 }
 
-TEST(Timeline, ScalesDownServersWorkThatIsLongerThanTheExchange) {
+TEST(Timeline, ScalesDownServerWorkThatIsLongerThanTheExchange) {
   Told told;
   told.show(1, 0ms);
   told.first_slice_comes(1, 4000us);  // 3.5 ms after it was sent, for 7 ms of work
@@ -230,11 +231,11 @@ TEST(Timeline, ScalesDownServersWorkThatIsLongerThanTheExchange) {
   expect_sound(events_of(told.timeline.text()));
 }
 
-TEST(Timeline, LeadsArrowsFromRequestToWorkAndToTheFirstFrameWithItsMasks) {
+TEST(Timeline, DrawsArrowsFromRequestToWorkAndToTheFirstFrameWithItsMasks) {
   Told told;
   told.show(1, 0ms);
   told.first_slice_comes(1, 17500us);
-  told.show(2, 18ms, 1);  // drawn with the masks before their report came
+  told.show(2, 18ms, 1);  // drawn with the masks before their report arrived
   told.report_comes(report_of(1), 21ms);
   told.show(3, 30ms, 1);
   const auto arrows = arrows_of(told);
@@ -251,7 +252,7 @@ TEST(Timeline, LeadsArrowsFromRequestToWorkAndToTheFirstFrameWithItsMasks) {
   expect_sound(events_of(told.timeline.text()));
 }
 
-TEST(Timeline, LeavesOutTheServerWhereItsReportOrSlicesNeverCame) {
+TEST(Timeline, OmitsTheServerIfItsReportOrSlicesNeverArrive) {
   Told told;
   told.show(1, 0ms);
   told.show(2, 10ms);
@@ -266,12 +267,12 @@ TEST(Timeline, LeavesOutTheServerWhereItsReportOrSlicesNeverCame) {
   EXPECT_EQ(datagrams[0].end_us, 15000);
 }
 
-TEST(Timeline, KeepsSpansOfDifferentFramesApart) {
+TEST(Timeline, PutsOverlappingSpansOnSeparateThreads) {
   Told told;
   told.show(1, 0ms);
   told.show(2, 8ms);
   told.first_slice_comes(1, 17500us);
-  told.first_slice_comes(2, 18000us);  // its work is placed from 9.75 ms on, frame 1's ends at 12.5 ms
+  told.first_slice_comes(2, 18000us);  // its work begins at 9.75 ms, that of frame 1 ends at 12.5 ms
   for (const std::uint32_t frame : {1, 2}) told.report_comes(report_of(frame), 20ms);
   told.show(3, 20ms);
   const auto work = events_on("rt_server worker", told);
@@ -281,7 +282,7 @@ TEST(Timeline, KeepsSpansOfDifferentFramesApart) {
   expect_sound(events_of(told.timeline.text()));
 }
 
-TEST(Timeline, IsSoundWhateverTheNetworkDoes) {
+TEST(Timeline, IsConsistentForAnyNetwork) {
   const unsigned seed = std::random_device{}();
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
@@ -312,7 +313,7 @@ TEST(Timeline, IsSoundWhateverTheNetworkDoes) {
   expect_sound(events);
 }
 
-TEST(Timeline, WithoutServerHasTheClientsStagesAlone) {
+TEST(Timeline, HasOnlyTheStagesOfTheClientWithoutAServer) {
   Timeline timeline;
   EXPECT_TRUE(events_of(timeline.text()).empty());
   const FrameRequest shown{};
@@ -333,7 +334,7 @@ TEST(Timeline, WithoutServerHasTheClientsStagesAlone) {
   EXPECT_EQ(events_of(timeline.text()).size(), 5u);
 }
 
-TEST(Timeline, IsWrittenWholeOrRefused) {
+TEST(Timeline, IsWrittenWholeOrNotAtAll) {
   const ScratchFolder folder;
   Told told;
   told.show(1, 0ms);

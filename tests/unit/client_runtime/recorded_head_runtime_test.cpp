@@ -11,7 +11,7 @@ using namespace std::chrono_literals;
 
 constexpr Time kStart = time_from_ns(7'000'000'123);
 
-/// One second in which the head walks 2 m ahead and turns left by a right angle.
+/// A recording of one second, in which the head moves 2 m ahead and turns left by 90 degrees.
 HeadRecording walk() {
   HeadRecording trace{.samples = {}, .eye_distance_m = 0.07, .fov = {}};
   trace.samples.push_back({kStart, {glm::dquat(1, 0, 0, 0), {0, 1.6, 0}}});

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <random>
 
-#include "stereo/image/flip.h"
+#include "tests/metrics/flip.h"
 
 namespace farshade {
 namespace {

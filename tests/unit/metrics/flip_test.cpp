@@ -1,4 +1,4 @@
-#include "stereo/image/flip.h"
+#include "tests/metrics/flip.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "stereo/image/flip.h"
+#include "tests/metrics/flip.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 #include <numeric>
 
 #include "stereo/base/check.h"
-#include "stereo/image/separable.h"
+#include "tests/metrics/separable.h"
 
 namespace farshade {
 namespace {

@@ -1,4 +1,4 @@
-#include "stereo/image/ssim.h"
+#include "tests/metrics/ssim.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "stereo/image/separable.h"
+#include "tests/metrics/separable.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,4 +1,4 @@
-#include "stereo/image/heat_map.h"
+#include "tests/metrics/heat_map.h"
 
 #include <algorithm>
 #include <array>
