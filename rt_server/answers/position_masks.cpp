@@ -13,7 +13,7 @@ class PositionMasks final : public AnswerMaker {
 
   AnswerCost answer(const Job& job, FramePacker& packer) override {
     const PositionGrid grid =
-        grid_of({scene_.bounds.low}, {scene_.bounds.high}, job.request.wanted.position_bits);
+        grid_of({scene_.bounds.low}, {scene_.bounds.high}, job.request.answer.position_bits);
     clear(job.request.views, grid);
     for (const std::vector<std::byte>& message : job.positions) unpack(message);
     const AnswerCost cost{.traced = tracer_.trace(job.request, positions_, grid, frame_)};

@@ -19,11 +19,11 @@ Duration Streams::code(const Job& job, const PerEye<Image<Rgb8>>& eyes, FramePac
   const Stopwatch coding;
   const FrameRequest& request = job.request;
   const Image<Rgb8> picture = side_by_side(eyes);
-  const double rate = std::clamp(1.0 / seconds_of(request.wanted.interval), 1.0, 1000.0);
+  const double rate = std::clamp(1.0 / seconds_of(request.answer.interval), 1.0, 1000.0);
   Stream& stream = stream_for(
       job,
-      {.size = picture.size, .bits_per_second = request.wanted.bits_per_second, .frames_per_second = rate});
-  const bool alone = request.wanted.coding == Coding::Alone;
+      {.size = picture.size, .bits_per_second = request.answer.bits_per_second, .frames_per_second = rate});
+  const bool alone = request.answer.coding == Coding::Alone;
   const auto unit = stream.encoder.encode(picture, alone ? KeyFrame::Now : KeyFrame::IfNeeded);
   // The next picture depends on this one even if this one is too large to send.
   const FrameId last = std::exchange(stream.last, request.frame);

@@ -38,7 +38,7 @@ AnswerSet AnswerMakers::offered() const {
 }
 
 AnswerCost AnswerMakers::answer(const Job& job, FramePacker& packer, Time now) {
-  AnswerMaker* const maker = makers_[index_of(job.request.wanted.answer)].get();
+  AnswerMaker* const maker = makers_[index_of(job.request.answer.kind)].get();
   check(maker != nullptr, "a session accepts requests for offered answers only");
   try {
     return maker->answer(job, packer);

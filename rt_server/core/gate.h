@@ -10,6 +10,7 @@
 #include "stereo/base/clock.h"
 #include "stereo/net/datagram.h"
 #include "stereo/wire/handshake.h"
+#include "stereo/wire/timing.h"
 
 namespace farshade {
 
@@ -48,10 +49,5 @@ class Gate {
   Time refilled_{};  ///< when handshakes_left_ was last brought up to date
   GateCounters counters_;
 };
-
-/// A cookie is valid until the end of the period after the one in which it was made, so at most kCookieLife.
-/// Sessions live longer (SessionLimits), so that a repeated hello finds the session that it began.
-inline constexpr Duration kCookiePeriod = std::chrono::seconds(2);
-inline constexpr Duration kCookieLife = 2 * kCookiePeriod;
 
 }  // namespace farshade

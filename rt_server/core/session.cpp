@@ -15,10 +15,6 @@ constexpr double kPacedShare = 0.5;
 /// Upper limit of the interval between two requests.
 constexpr Duration kLongestInterval = std::chrono::milliseconds(50);
 
-/// A client that sends requests gets at least one datagram per this time, so that it does not take a busy
-/// server for one that has lost the session.
-constexpr Duration kKeepAlive = std::chrono::milliseconds(100);
-
 std::uint64_t random_token() {
   std::uint64_t token = 0;
   while (token == 0) randombytes_buf(&token, sizeof token);
@@ -57,7 +53,7 @@ Decoded<ReceivedMessage> ClientSession::receive(const Peer& from, const Sealed& 
   if (const auto* slice = std::get_if<PlaneSlice>(&*message)) return receive_positions(*slice, *opened, now);
   const auto& request = std::get<RequestMessage>(*message);
   update_address(from, newest, request.probe_echo, reply);
-  if (from == client_ && now - last_sent_ > kKeepAlive) {
+  if (from == client_ && now - last_sent_ > kKeepaliveInterval) {
     // A new token: the one that proves the candidate's address must not be sent to another address.
     seal_probe(random_token(), reply);
     last_sent_ = now;
@@ -92,7 +88,7 @@ void ClientSession::seal_probe(std::uint64_t token, std::vector<std::byte>& prob
 }
 
 ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) {
-  rate_.heard(message.arrivals, now);
+  rate_.take(message.arrivals, now);
   merge(lights_, message.request.lights);
   const FrameId frame = message.request.frame;
   if (newest_ && !is_newer(frame, *newest_)) return ReceivedMessage::Outdated;
@@ -100,7 +96,7 @@ ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) 
   newest_ = frame;
   for (const View& view : message.request.views)
     if (view.size.pixels() > most_pixels_) return ReceivedMessage::TooLarge;
-  const Answer answer = message.request.wanted.answer;
+  const Answer answer = message.request.answer.kind;
   if ((answers_ & set_of(answer)) == 0) return ReceivedMessage::Unanswered;
   // A renderer draws two eyes of one size.
   const StereoView& views = message.request.views;
@@ -109,7 +105,7 @@ ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) 
   if (superseded) ++superseded_;
   waiting_ = Job{.session = id_, .request = message.request, .arrived = now};
   waiting_->request.lights = lights_;
-  wanted_ = answer;
+  requested_answer_ = answer;
   positions_bytes_ = 0;
   position_arrived_ = now;
   return superseded ? ReceivedMessage::Superseded : ReceivedMessage::NewRequest;
@@ -120,7 +116,7 @@ ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) 
 ReceivedMessage ClientSession::receive_positions(const PlaneSlice& slice, std::span<const std::byte> message,
                                                  Time now) {
   const bool fits = waiting_ && waiting_->request.frame == slice.frame &&
-                    waiting_->positions.size() < waiting_->request.wanted.slices &&
+                    waiting_->positions.size() < waiting_->request.answer.slices &&
                     positions_bytes_ + message.size() <= kMostPositions_bytes;
   if (!fits) return ReceivedMessage::Stray;
   waiting_->positions.emplace_back(message.begin(), message.end());
@@ -142,7 +138,7 @@ void ClientSession::update_interval(const FrameRequest& request, Time now) {
 
 std::optional<Time> ClientSession::ready_at() const {
   if (!waiting_ || !outbox_.empty()) return std::nullopt;
-  const bool complete = waiting_->positions.size() >= waiting_->request.wanted.slices;
+  const bool complete = waiting_->positions.size() >= waiting_->request.answer.slices;
   return complete ? outbox_.drained_at()
                   : std::max(outbox_.drained_at(), position_arrived_ + kPositionsTimeout);
 }

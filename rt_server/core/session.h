@@ -10,6 +10,7 @@
 #include "stereo/net/datagram.h"
 #include "stereo/net/rate_control.h"
 #include "stereo/wire/handshake.h"
+#include "stereo/wire/timing.h"
 
 namespace farshade {
 
@@ -28,8 +29,6 @@ struct Job {
 
 /// Maximum total size of the position messages of one request. The server drops messages beyond it.
 inline constexpr std::size_t kMostPositions_bytes = std::size_t{16} << 20;
-/// If no position message arrives for this long, the request is answered with those that have arrived.
-inline constexpr Duration kPositionsTimeout = std::chrono::milliseconds(10);
 
 /// What an opened datagram of the client contained.
 enum class ReceivedMessage : std::uint8_t {
@@ -65,7 +64,7 @@ class ClientSession {
                                                  std::vector<std::byte>& reply);
 
   /// The kind of answer that the last accepted request wants; none before the first.
-  [[nodiscard]] std::optional<Answer> wanted() const { return wanted_; }
+  [[nodiscard]] std::optional<Answer> requested_answer() const { return requested_answer_; }
   /// From now on accepts only requests for `answers`.
   void offer(AnswerSet answers) { answers_ = answers; }
 
@@ -122,7 +121,7 @@ class ClientSession {
   Time last_received_, last_sent_;
   bool confirmed_ = false;
   std::optional<FrameId> newest_{};
-  std::optional<Answer> wanted_{};
+  std::optional<Answer> requested_answer_{};
   Time newest_display_{}, newest_arrived_{};  ///< display time and arrival of the newest request
   Duration interval_{};                       ///< mean time between two requests
   std::optional<Job> waiting_{};

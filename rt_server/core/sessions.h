@@ -18,9 +18,9 @@ namespace farshade {
 struct SessionLimits {
   std::size_t sessions = 64;
   double handshakes_per_second = 100;
-  double bytes_per_second = 12.5e6;                ///< to one client
-  Duration silence = std::chrono::seconds(10);     ///< timeout of a session
-  Duration unconfirmed = std::chrono::seconds(5);  ///< the same until its first sealed datagram has arrived
+  double bytes_per_second = 12.5e6;            ///< to one client
+  Duration silence = kSessionTimeout;          ///< timeout of a session
+  Duration unconfirmed = kUnconfirmedTimeout;  ///< the same until its first sealed datagram has arrived
 };
 
 struct SessionCounters {

@@ -1,4 +1,4 @@
-/// Checks of our own invariants. They stay on in every build and print both values.
+/// Checks of this program's own invariants. They are active in every build and print both values.
 #pragma once
 
 #include <concepts>
@@ -9,7 +9,7 @@
 
 namespace farshade {
 
-/// Where a call stands, as a default argument. std::source_location is this, but clang 14 lacks it.
+/// The place of a call, as a default argument. It replaces std::source_location, which clang 14 lacks.
 struct CallPlace {
   const char* file;
   unsigned line;
@@ -27,14 +27,14 @@ inline void check(bool holds, std::string_view what, CallPlace where = CallPlace
     check_failed(what, "", where);
 }
 
-/// Aborts unless `actual == wanted`, printing both.
+/// Prints both values and aborts unless `actual == expected`.
 template <class A, class B>
-void check_eq(const A& actual, const B& wanted, std::string_view what,
+void check_eq(const A& actual, const B& expected, std::string_view what,
               CallPlace where = CallPlace::current()) {
-  if (actual == wanted) [[likely]]
+  if (actual == expected) [[likely]]
     return;
   std::ostringstream detail;
-  detail << "is " << actual << ", should be " << wanted;
+  detail << "is " << actual << ", should be " << expected;
   check_failed(what, detail.str(), where);
 }
 

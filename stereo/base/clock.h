@@ -1,5 +1,5 @@
-/// Time: signed 64-bit nanoseconds on a monotonic clock (as XrTime), and the clock seam.
-/// Programs read the steady clock or a manual one; only `Clock::now` knows which.
+/// Time: signed 64-bit nanoseconds on a monotonic clock (like XrTime), and an interface for clocks.
+/// Programs read time through `Clock`, so that tests can use a clock of their own.
 #pragma once
 
 #include <chrono>
@@ -7,7 +7,7 @@
 
 namespace farshade {
 
-/// The time base of displays, requests and scenes. Its epoch means nothing.
+/// The time base of displays, requests and scenes. Its epoch is arbitrary.
 struct StageClock {
   using duration = std::chrono::nanoseconds;
   using rep = duration::rep;
@@ -49,7 +49,7 @@ class SteadyClock final : public Clock {
   }
 };
 
-/// A clock that its owner moves. Never goes back.
+/// A clock that its owner advances. It never goes back.
 class ManualClock final : public Clock {
  public:
   [[nodiscard]] Time now() const override { return now_; }

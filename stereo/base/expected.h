@@ -1,5 +1,5 @@
-/// Failure as a value, for foreign bytes, files and missing devices.
-/// Broken invariants of our own are `check` (check.h); failed Vulkan calls throw and only `main` catches.
+/// Errors as values, for foreign bytes, files and missing devices.
+/// A broken invariant of this program fails a `check` (check.h). A failed Vulkan call throws.
 #pragma once
 
 #include <string>
@@ -8,18 +8,18 @@
 
 namespace farshade {
 
-/// Closed set of what can go wrong outside of this program.
+/// Kinds of errors that come from outside of this program.
 enum class Fault {
-  Missing,      ///< a file, device or peer that is not there
-  Unreadable,   ///< it is there and may not be read or written
-  Malformed,    ///< bytes that break their format
+  Missing,      ///< a file, device or peer does not exist
+  Unreadable,   ///< it exists but cannot be read or written
+  Malformed,    ///< the bytes break their format
   OutOfRange,   ///< well-formed, but a value is outside its stated limits
-  Unsupported,  ///< valid, and asks for something this program does not do
-  Mismatch,     ///< two sides that should agree do not
-  Unavailable,  ///< a resource that is taken or exhausted
+  Unsupported,  ///< valid, but this program does not implement it
+  Mismatch,     ///< two sides that should agree do not agree
+  Unavailable,  ///< a resource is in use or exhausted
 };
 
-/// `what` is one sentence for the user: where it happened, what is wrong and, where known, the cure.
+/// `what` is one sentence for the user: where it happened, what is wrong and, if known, how to fix it.
 struct Error {
   Fault fault;
   std::string what;

@@ -1,5 +1,4 @@
-/// Files as whole byte strings. A write is atomic: readers see the old file or the whole new one, never a
-/// part.
+/// Whole files as byte strings. A write is atomic: readers see the old file or the whole new one.
 #pragma once
 
 #include <cstddef>
@@ -13,30 +12,31 @@
 
 namespace farshade {
 
-/// All bytes of a regular file. Refuses other kinds of file, and more than `max_bytes` before reading any.
+/// Returns all bytes of a regular file. Refuses other kinds of files, and files of more than `max_bytes`
+/// before it reads them.
 [[nodiscard]] Expected<std::vector<std::byte>> read_file(const std::filesystem::path& path,
                                                          std::uint64_t max_bytes);
 
-/// Writes beside `path` and renames over it. On failure `path` is as it was and nothing is left behind.
-/// The folder must exist.
+/// Writes a temporary file beside `path` and renames it to `path`. After a failure `path` is unchanged and
+/// the temporary file is gone. The folder must exist.
 [[nodiscard]] Expected<void> write_file_atomically(const std::filesystem::path& path,
                                                    std::span<const std::byte> bytes);
 [[nodiscard]] Expected<void> write_file_atomically(const std::filesystem::path& path, std::string_view text);
 
-/// Makes a folder where there is none. Refuses (Unreadable) one that no file can be written to.
+/// Makes a folder if it does not exist. Refuses (Unreadable) a folder to which no file can be written.
 [[nodiscard]] Expected<void> make_folder(const std::filesystem::path& folder);
 
 // ---- files with secrets
 
-/// As read_file. Refuses (Unreadable, with the cure) a file that group or others may read or write, and one
-/// that belongs to neither this user nor root.
+/// As read_file. Refuses (Unreadable) a file that group or others may read or write, and a file that belongs
+/// to neither this user nor root. The error tells how to fix it.
 [[nodiscard]] Expected<std::vector<std::byte>> read_private_file(const std::filesystem::path& path,
                                                                  std::uint64_t max_bytes);
 
 enum class IfThere { Replace, Refuse };
 
-/// As write_file_atomically, of mode 0600. A file that is there and should not be replaced stays as it is:
-/// Unavailable.
+/// As write_file_atomically, with mode 0600. With IfThere::Refuse an existing file is an error (Unavailable)
+/// and stays unchanged.
 [[nodiscard]] Expected<void> write_private_file(const std::filesystem::path& path, std::string_view text,
                                                 IfThere if_there);
 

@@ -1,4 +1,4 @@
-/// Median, p95 and p99 of measured values: how every time and error here is reported.
+/// Median, p95 and p99 of measured values. All reports of times and errors use them.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@ struct Spread {
 };
 
 /// The q-quantile (0..1) by linear interpolation between closest ranks (Hyndman and Fan 1996, type 7).
-/// 0 of no values.
+/// Returns 0 if there are no values.
 [[nodiscard]] double quantile(std::vector<double> values, double q);
 
 [[nodiscard]] Spread spread_of(std::vector<double> values);

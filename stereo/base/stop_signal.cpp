@@ -22,13 +22,13 @@ StopSignal::StopSignal() {
   check_eq(pthread_sigmask(SIG_BLOCK, &all, nullptr), 0, "signals can be blocked");
 }
 
-void StopSignal::wait(const std::function<void()>& tell) {
+void StopSignal::wait(const std::function<void()>& report) {
   const sigset_t all = with_question(signals_);
   while (!came_) {
     int signal = 0;
     check_eq(sigwait(&all, &signal), 0, "a signal can be waited for");
     if (signal == SIGUSR1)
-      tell();
+      report();
     else
       let_the_next_one_through();
   }

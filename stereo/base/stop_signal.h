@@ -1,6 +1,6 @@
-/// SIGINT and SIGTERM as something to wait for or to ask about, instead of something that interrupts.
-/// Once the first has come the next one ends the program at once, as it would without this.
-/// SIGUSR1 ends nothing: it asks a program that waits how things stand.
+/// StopSignal: a program waits for SIGINT and SIGTERM, or polls them, instead of being interrupted by them.
+/// After the first of them, the next one ends the program at once, as by default. SIGUSR1 asks a waiting
+/// program to report its state.
 #pragma once
 
 #include <csignal>
@@ -10,14 +10,14 @@ namespace farshade {
 
 class StopSignal {
  public:
-  /// Blocks all three signals in this thread and in every thread that it starts from now on: make it before
-  /// them, and ask it from this thread.
+  /// Blocks all three signals in this thread and in every thread that it starts from now on. So construct it
+  /// before other threads, and call it from this thread only.
   StopSignal();
 
-  /// Returns when SIGINT or SIGTERM has come. Calls `tell` whenever SIGUSR1 comes.
-  void wait(const std::function<void()>& tell = [] {});
+  /// Returns when SIGINT or SIGTERM has arrived. Calls `report` for each SIGUSR1.
+  void wait(const std::function<void()>& report = [] {});
 
-  /// Whether SIGINT or SIGTERM has come by now.
+  /// Whether SIGINT or SIGTERM has arrived by now.
   [[nodiscard]] bool has_come();
 
  private:

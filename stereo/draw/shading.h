@@ -23,8 +23,8 @@ struct TracedMask {
   const PerEye<EyeMask>& masks;
   const PerEye<KnownTiles>& known_tiles;
   std::uint64_t content = 0;  ///< changes whenever bits do
-  /// That its bits speak of: lights changed after it are stale in this mask.
-  std::uint32_t light_set_revision = kFirstLightSet;
+  /// The light set that the mask was traced with: lights that changed after it are stale in this mask.
+  LightSetRevision light_set_revision = kFirstLightSet;
 };
 
 enum class Lookup : std::uint8_t {

@@ -1,5 +1,5 @@
-/// AnswerSpec: the kind of answer that a request asks for. Each request states it. docs/modes.md lists the
-/// modes that use each kind.
+/// AnswerSpec: the kind of answer that a request asks for. Every request contains its own; docs/modes.md
+/// lists the modes that use each kind.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 namespace farshade {
 
 enum class Answer : std::uint8_t {
-  Masks,             ///< masks of the surfaces in the views
-  MasksOfPositions,  ///< masks of the positions that the client sends
+  Masks,             ///< masks of the surfaces that the views see
+  MasksOfPositions,  ///< masks of the surface positions that the client sends after the request
   GBuffer,           ///< base colour, normal, depth and masks
   Video,             ///< the shaded pictures of both eyes, side by side
-  Difference,        ///< the picture with shadows minus the picture without
+  Difference,        ///< pictures with shadows minus pictures without, side by side
 };
 inline constexpr std::uint8_t kAnswers = 5;
 
@@ -30,33 +30,35 @@ using AnswerSet = std::uint8_t;
   return static_cast<AnswerSet>(1u << static_cast<unsigned>(answer));
 }
 inline constexpr AnswerSet kTracedAnswers = set_of(Answer::Masks) | set_of(Answer::MasksOfPositions);
-/// Pictures that the server draws for the requested views. The client rotates them to the shown views.
+/// Answers that need a renderer on the server. The client rotates them to the shown views.
 inline constexpr AnswerSet kDrawnAnswers =
     set_of(Answer::GBuffer) | set_of(Answer::Video) | set_of(Answer::Difference);
 [[nodiscard]] constexpr bool is_drawn(Answer answer) {
   return (set_of(answer) & kDrawnAnswers) != 0;
 }
+/// Answers that a build without a video encoder can give.
 inline constexpr AnswerSet kUncodedAnswers = kTracedAnswers | set_of(Answer::GBuffer);
 inline constexpr AnswerSet kEveryAnswer = (1u << kAnswers) - 1;
 
-/// Whether a picture may be coded as the difference to the previous picture.
+/// Whether the encoder may predict a picture from the one before it.
 enum class Coding : std::uint8_t {
   AfterLast,
-  Alone,  ///< a key frame: the decoder has lost a picture
+  Alone,  ///< it must not: the decoder lacks the picture before
 };
 
 inline constexpr std::uint32_t kLeastVideo_bits = 100'000, kMostVideo_bits = 1'000'000'000;  ///< a second
-inline constexpr std::uint32_t kLeastPosition_bits = 8, kMostPosition_bits = 24;             ///< an axis
+inline constexpr Duration kMostPictureInterval = std::chrono::seconds(10);
+inline constexpr std::uint32_t kLeastPosition_bits = 8, kMostPosition_bits = 24;  ///< of an axis
 
 struct AnswerSpec {
-  Answer answer = Answer::Masks;
-  // For Video and Difference, otherwise 0.
+  Answer kind = Answer::Masks;
+  // For Video and Difference; otherwise 0.
   std::uint32_t bits_per_second = 0;
-  Duration interval{};  ///< time between two pictures, up to 10 s
+  Duration interval{};  ///< between two pictures, up to kMostPictureInterval
   Coding coding = Coding::AfterLast;
-  // For MasksOfPositions, otherwise 0.
-  std::uint32_t position_bits = 0;  ///< bits per axis of the position grid
-  std::uint32_t slices = 0;         ///< number of PlaneSlices that carry the positions
+  // For MasksOfPositions; otherwise 0.
+  std::uint32_t position_bits = 0;  ///< bits of an axis of the positions' grid
+  std::uint32_t slices = 0;         ///< PlaneSlices that contain the positions
   friend bool operator==(const AnswerSpec&, const AnswerSpec&) = default;
 };
 

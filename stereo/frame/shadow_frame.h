@@ -1,5 +1,5 @@
-/// ShadowFrame: the server's result for a request: the masks of both eyes, with the views and the light set
-/// revision for which they were traced. Masks are always stored and sent with their views.
+/// ShadowFrame: the masks of both eyes, the views and the light set that they were traced with. A mask is
+/// never sent or stored without its views.
 #pragma once
 
 #include "stereo/base/clock.h"
@@ -11,19 +11,19 @@
 
 namespace farshade {
 
-/// A request of the client.
+/// A client's request for one frame.
 struct FrameRequest {
   FrameId frame;
-  Time display_time;  ///< time at which the traced views will be shown
-  Time scene_time;    ///< time of the animation
+  Time display_time;  ///< when the client will show the requested views
+  Time scene_time;    ///< time of the scene's animation
   StereoView views;
-  LightChanges lights{};  ///< the light changes to trace with
-  AnswerSpec wanted{};    ///< the kind of answer
+  LightChanges lights{};  ///< the light set to trace
+  AnswerSpec answer{};
 };
 
 struct ShadowFrame {
   FrameId frame;
-  std::uint32_t light_set_revision = 0;
+  LightSetRevision light_set_revision{};
   StereoView views;
   PerEye<EyeMask> masks;
 };

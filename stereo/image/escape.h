@@ -1,6 +1,6 @@
-/// The one way out of libpng and libjpeg on error: a long jump to the step that called them.
-/// A jump runs no destructors, so a step holds only trivial objects while the library runs (buffers are made
-/// by its caller), and the callbacks do as well.
+/// Error handling of libpng and libjpeg: their error callback jumps back to the function that called them.
+/// A long jump runs no destructors. So that function and the callbacks have only trivial objects while the
+/// library runs; their caller owns the buffers.
 #pragma once
 
 #include <csetjmp>
@@ -12,7 +12,7 @@ struct Escape {
   char reason[256] = "";  ///< set before the jump; JMSG_LENGTH_MAX of libjpeg is 200
 };
 
-/// Runs `step`. False if it jumped: `escape.reason` says why.
+/// Runs `step`. Returns false if it jumped, with the error text in `escape.reason`.
 template <class Step>
 [[nodiscard]] bool runs_through(Escape& escape, const Step& step) {
   if (setjmp(escape.landing) != 0) return false;

@@ -1,4 +1,4 @@
-/// The codecs behind codec.h, on bytes in memory: one file each names its library.
+/// The codecs behind codec.h, on bytes in memory. Only one file includes each library.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ namespace farshade {
 [[nodiscard]] Expected<Image<Rgba8>> decode_png(std::span<const std::byte> file, std::uint64_t max_pixels);
 [[nodiscard]] Expected<Image<Rgba8>> decode_jpeg(std::span<const std::byte> file, std::uint64_t max_pixels);
 
-/// 16-bit grey only.
+/// Accepts 16-bit grey only.
 [[nodiscard]] Expected<Image<std::uint16_t>> decode_png16(std::span<const std::byte> file,
                                                           std::uint64_t max_pixels);
 [[nodiscard]] Expected<std::vector<std::byte>> encode_png(const Image<Rgb8>& image);
@@ -26,7 +26,7 @@ namespace farshade {
 [[nodiscard]] std::vector<std::byte> encode_pfm(const Image<float>& image);
 [[nodiscard]] Expected<Image<float>> decode_pfm(std::span<const std::byte> file, std::uint64_t max_pixels);
 
-/// Refuses an empty picture, and more than `max_pixels`.
+/// Refuses an empty picture, and a picture of more than `max_pixels`.
 [[nodiscard]] Expected<void> check_size(std::uint32_t width, std::uint32_t height, std::uint64_t max_pixels);
 
 }  // namespace farshade

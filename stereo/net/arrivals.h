@@ -1,6 +1,6 @@
-/// Arrivals: the client's side of the rate control. It notes which sealed datagrams came and when, and says
-/// so in an ArrivalReport with every request. What came is said in several reports, so that a lost one costs
-/// nothing. Fixed memory: the newest ArrivalReport::kMost counters.
+/// Arrivals: the client's side of the rate control. It records which sealed datagrams arrived and when, and
+/// makes the ArrivalReport of every request. Each arrival is in several reports, so that a lost report does
+/// no harm. Its memory is fixed: it remembers the newest ArrivalReport::kMost counters.
 #pragma once
 
 #include <algorithm>
@@ -13,20 +13,22 @@ namespace farshade {
 
 class Arrivals {
  public:
-  /// Reports that tell of each datagram: a quarter of the reports lost leaves 0.4 % of the datagrams untold.
-  static constexpr std::size_t kTold = 4;
+  /// Number of reports that contain an arrival. If a quarter of the reports is lost, the server does not
+  /// learn of 0.4 % of the arrivals.
+  static constexpr std::size_t kReports = 4;
 
-  /// A datagram that opened, in any order, never the same twice. `arrived` is on the client's clock.
+  /// Records a datagram that opened. Datagrams may come in any order, each of them once. `arrived` is on the
+  /// client's clock.
   void add(std::uint64_t counter, Time arrived);
 
-  /// For the next request, once a request. Goes back to the oldest datagram that was news, as come or as
-  /// skipped by a newer one, in this report or the kTold - 1 before it, as far as it is among the newest
-  /// kMost counters and no more than 65,534 ticks (4.2 s) before the latest arrival. Empty (`count` 0) when
-  /// nothing came in that time.
+  /// The report for the next request; call it once for each request. It begins with the oldest datagram that
+  /// has arrived, or was skipped by a newer one, since the last kReports - 1 reports. It leaves out datagrams
+  /// that are not among the newest kMost counters, and arrivals more than 65,534 ticks (4.2 s) before the
+  /// latest one. It is empty (`count` 0) if nothing has arrived in that time.
   [[nodiscard]] ArrivalReport report();
 
   [[nodiscard]] std::uint64_t received() const { return received_; }
-  /// Not here yet, of all from the first that came to the newest.
+  /// Datagrams that have not arrived, of all between the first and the newest that have.
   [[nodiscard]] std::uint64_t missing() const;
 
  private:
@@ -34,22 +36,22 @@ class Arrivals {
   static constexpr std::uint64_t kNothing = std::numeric_limits<std::uint64_t>::max();
 
   struct Slot {
-    bool here = false;
+    bool has_arrived = false;
     Time arrived{};
   };
 
   [[nodiscard]] const Slot& slot(std::uint64_t counter) const { return slots_[counter % kKept]; }
-  [[nodiscard]] std::uint64_t oldest_to_tell() const;
+  [[nodiscard]] std::uint64_t oldest_to_report() const;
 
-  std::array<Slot, kKept> slots_{};  ///< of the counters (newest_ - kKept, newest_]
+  std::array<Slot, kKept> slots_{};  ///< for the counters (newest_ - kKept, newest_]
   std::uint64_t newest_ = 0;
-  std::uint64_t oldest_ = kNothing;  ///< least counter that ever came
+  std::uint64_t oldest_ = kNothing;  ///< least counter that ever arrived
   std::uint64_t received_ = 0;
-  std::array<std::uint64_t, kTold> fresh_from_ =
-      filled();  ///< oldest counter that was news in a report; [0]: the next one
+  std::array<std::uint64_t, kReports> fresh_from_ =
+      filled();  ///< oldest new counter of each report; [0] is the next report
 
-  static constexpr std::array<std::uint64_t, kTold> filled() {
-    std::array<std::uint64_t, kTold> all{};
+  static constexpr std::array<std::uint64_t, kReports> filled() {
+    std::array<std::uint64_t, kReports> all{};
     all.fill(kNothing);
     return all;
   }

@@ -39,7 +39,7 @@ void begin(ReceivedGBuffer& gbuffer, const StereoView& views) {
     }
 }
 
-void reset(RequestRecord& frame, const FrameRequest& request, MaskLayout layout, std::uint32_t revision) {
+void reset(RequestRecord& frame, const FrameRequest& request, MaskLayout layout, LightSetRevision revision) {
   frame.request = request;
   frame.light_set_revision = revision;
   frame.report.reset();
@@ -50,7 +50,7 @@ void reset(RequestRecord& frame, const FrameRequest& request, MaskLayout layout,
   frame.video.parts_known = 0;
   for (const Side side : kSides) {
     const std::size_t eye = index_of(side);
-    const Extent size = has_masks(request.wanted.answer) ? request.views[eye].size : Extent{};
+    const Extent size = has_masks(request.answer.kind) ? request.views[eye].size : Extent{};
     clear(frame.masks[eye], size, layout);
     frame.known_tiles[eye].assign(TileGrid{size}.count(), 0);
     frame.tiles_known[eye] = 0;
@@ -60,7 +60,7 @@ void reset(RequestRecord& frame, const FrameRequest& request, MaskLayout layout,
 }  // namespace
 
 bool RequestRecord::complete() const {
-  const Answer answer = request.wanted.answer;
+  const Answer answer = request.answer.kind;
   if (is_video(answer)) return video.complete();
   const bool has_planes =
       answer != Answer::GBuffer || (gbuffer.tiles > 0 && gbuffer.tiles_known == gbuffer.tiles);
@@ -72,7 +72,7 @@ Assembler::Assembler(std::size_t frames) : slots_(frames) {
   check(frames > kKept, "an assembler has room for more than what it keeps");
 }
 
-void Assembler::expect(const FrameRequest& request, MaskLayout layout, std::uint32_t revision,
+void Assembler::expect(const FrameRequest& request, MaskLayout layout, LightSetRevision revision,
                        const RequestOrigin& origin) {
   check(!newest_ || is_newer(request.frame, *newest_), "requests are expected in order");
   newest_ = request.frame;
@@ -153,7 +153,7 @@ const RequestRecord* Assembler::accept(const PlaneSlice& slice, Time arrived) {
   RequestRecord* const frame = find_or_count(slice.frame);
   if (frame == nullptr) return nullptr;
   ReceivedGBuffer& gbuffer = frame->gbuffer;
-  if (frame->request.wanted.answer != Answer::GBuffer || slice.kind > PlaneKind::Depth)
+  if (frame->request.answer.kind != Answer::GBuffer || slice.kind > PlaneKind::Depth)
     return count(*frame, refuse(WireRefusal::AnswerSpec), gbuffer.tiles_known, arrived);
   if (gbuffer.tiles == 0) begin(gbuffer, frame->request.views);
   const std::size_t eye = index_of(slice.eye), kind = static_cast<std::size_t>(slice.kind);
@@ -168,7 +168,7 @@ const RequestRecord* Assembler::accept(const VideoPart& part, Time arrived) {
   if (frame == nullptr) return nullptr;
   ReceivedVideo& video = frame->video;
   const auto take = [&]() -> Decoded<std::uint32_t> {
-    if (!is_video(frame->request.wanted.answer)) return refuse(WireRefusal::AnswerSpec);
+    if (!is_video(frame->request.answer.kind)) return refuse(WireRefusal::AnswerSpec);
     if (video.known.empty()) {
       video.after = part.after;
       video.known.assign(part.parts, false);

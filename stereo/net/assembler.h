@@ -49,7 +49,7 @@ struct RequestRecord {
   FrameRequest request;
   RequestOrigin origin;
   std::optional<Time> first_piece, report_arrived;  ///< on the client's clock
-  std::uint32_t light_set_revision = 0;
+  LightSetRevision light_set_revision{};
   PerEye<EyeMask> masks;
   PerEye<KnownTiles> known_tiles;
   PerEye<std::uint32_t> tiles_known{};  ///< planes counted one by one
@@ -90,7 +90,7 @@ class Assembler {
   /// Makes the record of `request`, whose answer has masks of this layout and light set. `request.frame` is
   /// newer than every frame expected before. Pointers to the record that is evicted then refer to the new
   /// one.
-  void expect(const FrameRequest& request, MaskLayout layout, std::uint32_t revision,
+  void expect(const FrameRequest& request, MaskLayout layout, LightSetRevision revision,
               const RequestOrigin& origin = {});
 
   /// Takes a piece that came at `arrived`. Returns the record that has changed; null if nothing has.

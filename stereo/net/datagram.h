@@ -1,6 +1,5 @@
-/// The datagram seam: the one place where bytes leave and reach a program. Real UDP (udp.h), UDP behind a bad
-/// network (impaired_port.h) and an in-process link in virtual time (virtual_link.h) are behind it;
-/// everything above works over any of them.
+/// DatagramPort: the interface through which a program sends and receives datagrams. It is implemented by UDP
+/// (udp.h), by UDP with simulated impairments (impaired_port.h) and, in tests, by a link in virtual time.
 #pragma once
 
 #include <array>
@@ -16,10 +15,10 @@
 
 namespace farshade {
 
-/// An address that datagrams come from and go to; a value to compare and to key by, nothing to look into.
+/// An address of a datagram's sender or receiver.
 struct Peer {
   std::array<std::uint8_t, 16> address{};  ///< IPv6, or IPv4 mapped into it (RFC 4291, 2.5.5.2)
-  std::uint32_t scope = 0;                 ///< interface of an IPv6 link-local address, else 0
+  std::uint32_t scope = 0;                 ///< interface of an IPv6 link-local address, otherwise 0
   std::uint16_t port = 0;
   friend auto operator<=>(const Peer&, const Peer&) = default;
 };
@@ -27,43 +26,43 @@ struct Peer {
 /// `127.0.0.1:7447` or `[::1]:7447`.
 [[nodiscard]] std::string to_string(const Peer& peer);
 
-/// An address that no other machine can reach: 127.0.0.0/8 or ::1.
+/// Whether no other machine can reach the address: 127.0.0.0/8 or ::1.
 [[nodiscard]] bool is_loopback(const Peer& peer);
 
 struct Datagram {
   Peer from;
-  std::span<const std::byte> bytes;  ///< in the buffer that the receiver gave
-  /// When it reached this machine, however late it is read: on the steady clock (SteadyClock), over a virtual
-  /// link on the link's.
+  std::span<const std::byte> bytes;  ///< in the receiver's buffer
+  /// When it reached this machine, even if it is read later. On the steady clock (SteadyClock); over a
+  /// virtual link, on the link's clock.
   Time arrived{};
 };
 
 struct PortCounters {
   std::uint64_t sent = 0, sent_bytes = 0;
   std::uint64_t received = 0, received_bytes = 0;
-  std::uint64_t unsent = 0;     ///< the socket had no room or the network no way: dropped on this side
-  std::uint64_t oversized = 0;  ///< came longer than the receiver's buffer, dropped
-  std::uint64_t strangers = 0;  ///< came from another address than the one this port talks to, dropped
+  std::uint64_t unsent = 0;     ///< dropped on this side: no room in the socket, or no route
+  std::uint64_t oversized = 0;  ///< dropped: longer than the receiver's buffer
+  std::uint64_t strangers = 0;  ///< dropped: from an address that this port does not talk to
   friend bool operator==(const PortCounters&, const PortCounters&) = default;
 };
 
-/// Sends and receives datagrams of at most kMaxDatagram_bytes (stereo/wire/messages.h) and allocates nothing.
-/// One thread may receive while another sends; wake and counters may be called from any thread.
+/// Sends and receives datagrams of at most kMaxDatagram_bytes (stereo/wire/messages.h). Allocates nothing.
+/// One thread may receive while another sends. Any thread may call wake and counters.
 class DatagramPort {
  public:
   virtual ~DatagramPort() = default;
 
-  /// Where datagrams to this port go.
+  /// The address of this port.
   [[nodiscard]] virtual Peer local() const = 0;
 
-  /// Hands `bytes` to the network and never blocks. False: dropped on this side, counted as unsent.
+  /// Sends `bytes` without blocking. False: they were dropped on this side and counted as unsent.
   virtual bool send(const Peer& to, std::span<const std::byte> bytes) = 0;
 
-  /// The next datagram, copied to `into`; waits for one at most `wait` (0 polls). Nothing at the end of the
-  /// wait or when woken. Errors of earlier sends (ICMP) never show here.
+  /// Waits at most `wait` (0 polls) for a datagram and copies it to `into`. Returns nothing after the wait,
+  /// or when woken. Errors of earlier sends (ICMP) have no effect here.
   [[nodiscard]] virtual std::optional<Datagram> receive(std::span<std::byte> into, Duration wait) = 0;
 
-  /// Ends the receive that waits now, or else the next one that would.
+  /// Ends the receive that waits now, or otherwise the next one that would wait.
   virtual void wake() = 0;
 
   [[nodiscard]] virtual PortCounters counters() const = 0;

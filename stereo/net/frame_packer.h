@@ -1,4 +1,4 @@
-/// Frame packer: the answer to a request into datagrams, in memory that is used again.
+/// FramePacker: encodes the answer to a request as messages. It reuses its memory.
 #pragma once
 
 #include <cstddef>
@@ -17,22 +17,22 @@ class FramePacker {
   explicit FramePacker(SameAllOver same = SameAllOver::OneValue)
       : packers_{SlicePacker(same), SlicePacker(same)} {}
 
-  /// Another answer begins.
+  /// Begins another answer.
   void begin();
 
-  /// Slices of left and right in turn, so that a burst of loss falls on both. `sent` has one entry a tile,
-  /// 0 = not to be sent; empty: all are.
+  /// Adds slices of the left and the right eye in turn, so that a burst of loss affects both. `sent` has one
+  /// entry for each tile, 0: the tile is not sent. If it is empty, all tiles are sent.
   void add(const ShadowFrame& frame, const PerEye<std::span<const std::uint8_t>>& sent = {});
   void add(FrameId frame, const GBufferPlanes& gbuffer);
-  /// The parts of a coded picture, of 1 byte to kMostVideoParts * kVideoPart_bytes, that decodes after the
-  /// picture of `after`, or alone where that is `frame`.
+  /// Adds the parts of a coded picture of 1 to kMostVideoParts * kVideoPart_bytes bytes. It depends on the
+  /// picture of `after`; if that is `frame`, it depends on none.
   void add(FrameId frame, FrameId after, std::span<const std::byte> video_unit);
 
-  /// All that was added, in the order to send it, then `report`, whose `slices` and `payload_bytes` are
-  /// filled in here and to whose `pack` the time is added that it took. Valid until the next begin().
+  /// Returns the messages in the order in which to send them, `report` last. Sets the report's `slices` and
+  /// `payload_bytes`, and adds the time that packing took to its `pack`. Valid until the next begin().
   std::span<const std::vector<std::byte>> finish(FrameReport report);
 
-  /// The datagrams of `frame` alone.
+  /// The messages of `frame` and `report`.
   std::span<const std::vector<std::byte>> pack(const ShadowFrame& frame, const FrameReport& report) {
     begin();
     add(frame);
@@ -45,7 +45,7 @@ class FramePacker {
 
   PerEye<SlicePacker> packers_;
   PlanePacker plane_packer_;
-  std::vector<std::vector<std::byte>> datagrams_;  ///< those beyond used_ keep their memory for later frames
+  std::vector<std::vector<std::byte>> datagrams_;  ///< those beyond used_ keep their memory for later answers
   std::size_t used_ = 0, payload_bytes_ = 0;
   Duration packing_{};
 };

@@ -1,5 +1,5 @@
-/// A live bad network: a port that treats what arrives at it by a model. Each program's model is thus the
-/// network towards it; both programs with one have both directions.
+/// ImpairedPort: a port that applies a network model to the datagrams that arrive at it. So the model of each
+/// program is the direction towards that program.
 #pragma once
 
 #include <memory>
@@ -11,13 +11,13 @@ namespace farshade {
 
 class ImpairedPort : public DatagramPort {
  public:
-  /// As Impairment::follow. Called by the thread that receives.
+  /// As Impairment::follow. Only the receiving thread may call it.
   virtual void follow(const LinkModel& model) = 0;
 };
 
-/// `inner` with `model` before it. A datagram sets out when it reached `inner`, and `arrived` says when the
-/// model lets it arrive: receive() hands out none before. Sends go straight through. No thread of its own:
-/// what waits, waits in receive(). `clock` is the one that `inner` waits by, and outlives the port.
+/// Puts `model` before `inner`. A datagram starts when it reaches `inner`, and `arrived` is the time at which
+/// the model lets it arrive; receive() does not return it earlier. Sends are not affected. The port has no
+/// thread: all waiting happens in receive(). `clock` is the clock of `inner` and must outlive the port.
 [[nodiscard]] std::unique_ptr<ImpairedPort> impaired(std::unique_ptr<DatagramPort> inner,
                                                      const LinkModel& model, const Clock& clock);
 

@@ -1,6 +1,6 @@
-/// Impairment: one seeded model of a bad network, in time that it is told. A datagram passes a bottleneck
-/// with a queue, may be lost, corrupted, doubled or held back, and arrives after its delay. Both directions
-/// of the virtual link (virtual_link.h) and live ports (impaired_port.h) are this.
+/// Impairment: a seeded model of one direction of a bad network. The caller passes the time. A datagram
+/// passes a bottleneck with a queue, may be lost, corrupted, duplicated or reordered, and arrives after its
+/// delay. ImpairedPort (impaired_port.h) and the tests' virtual link use it.
 #pragma once
 
 #include <array>
@@ -19,24 +19,26 @@
 
 namespace farshade {
 
-/// What one direction of a path does to its datagrams. Rates are probabilities, each for itself.
+/// Impairments of one direction of a path. Loss, reorder, duplicate and corrupt are independent
+/// probabilities.
 struct LinkModel {
-  Duration delay{};   ///< every datagram's least time on the way
-  Duration jitter{};  ///< more, uniform in [0, jitter): 25±10 ms is a delay of 15 ms and a jitter of 20 ms
-  double loss = 0;    ///< mean rate of not arriving
-  /// Mean number of datagrams lost in a row, never less than independent losses have, 1 / (1 - loss): 1 means
-  /// independent. Two states, in one of which all is lost: Gilbert, "Capacity of a burst-noise channel",
-  /// 1960; Elliott, "Estimates of error rates for codes on burst-noise channels", 1963.
+  Duration delay{};   ///< least delay of every datagram
+  Duration jitter{};  ///< additional delay, uniform in [0, jitter): 25±10 ms is delay 15 ms and jitter 20 ms
+  double loss = 0;    ///< mean loss rate
+  /// Mean number of consecutive losses. 1 means independent losses, of which 1 / (1 - loss) are consecutive
+  /// on average; that is also the least possible mean. Two states, with loss in one of them: Gilbert,
+  /// "Capacity of a burst-noise channel", 1960; Elliott, "Estimates of error rates for codes on burst-noise
+  /// channels", 1963.
   double burst = 1;
-  double reorder = 0;  ///< held back by `reorder_by` more than its delay, so that others overtake it
+  double reorder = 0;  ///< rate of datagrams with `reorder_by` more delay, so that later ones overtake them
   Duration reorder_by = std::chrono::milliseconds(10);
-  double duplicate = 0;                             ///< arrives twice, the second with a jitter of its own
-  double corrupt = 0;                               ///< one random bit of it is flipped
-  double rate_bytes_per_s = 0;                      ///< the bottleneck, in datagram payload; 0: none
-  Duration queue = std::chrono::milliseconds(100);  ///< longest wait before the bottleneck: more is dropped
-  Duration silence{};                               ///< the last so much of every `silence_every` is lost
+  double duplicate = 0;         ///< rate of datagrams that arrive twice, each with its own jitter
+  double corrupt = 0;           ///< rate of datagrams with one flipped random bit
+  double rate_bytes_per_s = 0;  ///< rate of the bottleneck, in UDP payload; 0: no bottleneck
+  Duration queue = std::chrono::milliseconds(100);  ///< longest wait before the bottleneck; it drops others
+  Duration silence{};  ///< length of a silence at the end of every `silence_every`
   Duration silence_every{};
-  std::uint64_t seed = 1;  ///< of everything random here
+  std::uint64_t seed = 1;  ///< of all random numbers of the model
   friend bool operator==(const LinkModel&, const LinkModel&) = default;
 };
 
@@ -45,8 +47,8 @@ struct NamedNetwork {
   LinkModel model;
 };
 
-/// The networks that everything is tested over. Delays are one way, rates are of one direction: a client and
-/// a server that both meet a network meet it twice in a round trip.
+/// Named networks for tests and for --net. Delays and rates are for one direction. If client and server both
+/// use a network, a round trip passes it twice.
 inline constexpr std::array<NamedNetwork, 12> kNetworks = [] {
   using std::chrono::milliseconds, std::chrono::seconds;
   constexpr LinkModel poor{
@@ -70,53 +72,54 @@ inline constexpr std::array<NamedNetwork, 12> kNetworks = [] {
   }};
 }();
 
-/// A network as people write it: a name of kNetworks, or words such as
+/// Parses a network: a name of kNetworks, or words such as
 /// `loss=2%,burst=3,delay=25ms,jitter=5ms,reorder=2%,reorder_by=10ms,duplicate=1%,corrupt=0.5%,rate=10Mbit,`
-/// `queue=100ms,silence=2s/5s,seed=7`, or a name followed by such words. Refuses anything else (Malformed)
-/// and values that mean nothing (OutOfRange), names the word and says what there is.
+/// `queue=100ms,silence=2s/5s,seed=7`, or a name followed by such words. Refuses other words
+/// (Malformed) and bad values (OutOfRange). The error names the word and lists what is possible.
 [[nodiscard]] Expected<LinkModel> parse_link_model(std::string_view text);
 
 struct ImpairmentCounters {
-  std::uint64_t lost = 0;        ///< by chance or in silence
-  std::uint64_t overflowed = 0;  ///< found the queue before the bottleneck, or kLinkCapacity, full
+  std::uint64_t lost = 0;        ///< by random loss or in a silence
+  std::uint64_t overflowed = 0;  ///< dropped: the bottleneck's queue is full, or kLinkCapacity is reached
   std::uint64_t duplicated = 0, corrupted = 0, reordered = 0;
   friend bool operator==(const ImpairmentCounters&, const ImpairmentCounters&) = default;
 };
 
-/// Most datagrams on the way in one direction.
+/// Most datagrams in transit in one direction.
 inline constexpr std::size_t kLinkCapacity = 8192;
 
 /// A datagram between its sender and its receiver.
 struct InTransit {
   Time arrival;
-  std::uint64_t order = 0;  ///< counts up within one Impairment: tells datagrams apart
-  Peer peer;                ///< as it was given
+  std::uint64_t order = 0;  ///< serial number within one Impairment
+  Peer peer;                ///< as passed to push()
   std::size_t size = 0;
   std::array<std::byte, kMaxDatagram_bytes> buffer;
   [[nodiscard]] std::span<const std::byte> bytes() const { return std::span(buffer).first(size); }
 };
 
-/// One direction in time. All random numbers are drawn for every datagram, whatever happens to it: another
-/// rate of one mishap leaves all others as they were.
+/// One direction of a path. It draws all random numbers for every datagram, whatever happens to it. So a
+/// change of one rate does not change the other impairments.
 class Impairment {
  public:
-  /// Silence is counted from `start`. `stream` makes another run of the same model.
+  /// The periods of silence start at `start`. Another `stream` gives other random numbers.
   Impairment(const LinkModel& model, Time start, std::uint64_t stream = 0);
 
-  /// From now on datagrams meet `model`, its seed aside; those on the way keep their times.
+  /// Uses `model`, except its seed, from now on. Datagrams in transit keep their arrival times.
   void follow(const LinkModel& model);
 
-  /// Takes a datagram that sets out at `now`. False: kLinkCapacity are on the way already. What the model
-  /// drops was sent all the same.
+  /// Sends a datagram at `now`. False: kLinkCapacity datagrams are in transit already. Returns true if the
+  /// model drops the datagram.
   bool push(Time now, const Peer& peer, std::span<const std::byte> bytes);
 
-  /// The datagram that arrives first, of the same instant the one pushed first; null if there is none.
+  /// The datagram that arrives first, or null. Of datagrams with the same arrival, the one that was pushed
+  /// first.
   [[nodiscard]] const InTransit* front() const { return queue_.empty() ? nullptr : queue_.front(); }
 
-  /// Takes front() away; its memory stays as it is until the next push.
+  /// Removes front(). The datagram stays valid until the next push.
   void pop();
 
-  /// Drops all that is on the way and says how many those were.
+  /// Drops all datagrams in transit and returns their number.
   std::size_t clear();
 
   [[nodiscard]] const ImpairmentCounters& counters() const { return counters_; }
@@ -136,7 +139,7 @@ class Impairment {
   Time bottleneck_free_;
   std::uint64_t next_order_ = 0;
   std::vector<std::unique_ptr<InTransit>> owned_;
-  std::vector<InTransit*> free_, queue_;  ///< queue_ is a heap, the earliest on top
+  std::vector<InTransit*> free_, queue_;  ///< queue_ is a heap with the earliest arrival on top
   ImpairmentCounters counters_;
 };
 

@@ -9,21 +9,21 @@ namespace farshade {
 
 namespace {
 
-// As published (draft-ietf-rmcat-gcc-02 and libwebrtc's trendline estimator).
+// The published constants (draft-ietf-rmcat-gcc-02 and libwebrtc's trendline estimator).
 constexpr double kSmoothing = 0.9, kGain = 4, kMostDeltas = 60;
 constexpr double kUp = 0.0087, kDown = 0.039, kLeastThreshold = 6, kMostThreshold = 600, kOutlier = 15;
 constexpr double kOveruseMs = 10;
 constexpr double kDecrease = 0.85, kIncrease = 1.08, kBeyondCarried = 1.5;
 
-constexpr Duration kSilence = std::chrono::milliseconds(500);  ///< the trend starts again after it
-constexpr double kJumpMs = 1000;                               ///< a delay's change that no queue makes
+constexpr Duration kSilence = std::chrono::milliseconds(500);  ///< the trend restarts after it
+constexpr double kJumpMs = 1000;                               ///< a change of delay that no queue causes
 constexpr Duration kOutage = std::chrono::milliseconds(250);
 constexpr Duration kLate =
-    std::chrono::milliseconds(250);  ///< a datagram that much newer came: this one is lost
+    std::chrono::milliseconds(250);  ///< a datagram is lost if one came that was sent this much later
 constexpr Duration kLossWindow = std::chrono::milliseconds(500);
 constexpr Duration kBaseAge = std::chrono::seconds(5);
 constexpr double kExcess = 0.10;
-/// Client times beyond this are no clock's; sums with them could overflow.
+/// Client times beyond this are invalid; sums with them could overflow.
 constexpr std::int64_t kMostNs = std::int64_t{1} << 61;
 
 }  // namespace
@@ -41,7 +41,7 @@ std::uint32_t DelayTrend::group_of(Time sent) {
 void DelayTrend::add(std::uint32_t number, Time sent, double delay_ms) {
   if (number + open_.size() <= newest_) return;
   for (std::uint32_t i = 0; number > newest_ && i < open_.size(); ++i) {
-    // From the oldest on: the group that this place holds is done when its place is needed.
+    // From the oldest on: a group is closed when its place in the ring is needed.
     std::optional<Group>& oldest = open_[(newest_ + 1 + i) % open_.size()];
     if (!oldest || oldest->number + open_.size() > number) continue;
     close(*oldest);
@@ -153,7 +153,7 @@ void LossMeter::arrived(Time sent) {
   ++count_;
 }
 
-void LossMeter::untold(Time sent) {
+void LossMeter::unreported(Time sent) {
   if (sent < from_) return;
   if (!run_start_) run_start_ = sent;
   counted_to_ = sent;
@@ -161,7 +161,7 @@ void LossMeter::untold(Time sent) {
 
 void LossMeter::lost(Time sent) {
   if (sent < from_) return;
-  untold(sent);
+  unreported(sent);
   ++run_;
 }
 
@@ -198,7 +198,7 @@ RateControl::RateControl(RateLimits limits)
 void RateControl::sent(std::uint64_t counter, std::size_t bytes, Time at) {
   if (next_ == oldest_) next_ = oldest_ = judged_ = counter;
   check_eq(counter, next_, "counters of sent datagrams go up by one");
-  records_[counter % kRemembered] = {at, trend_.group_of(at), narrow<std::uint16_t>(bytes), Fate::Untold};
+  records_[counter % kRemembered] = {at, trend_.group_of(at), narrow<std::uint16_t>(bytes), Fate::Unreported};
   ++next_;
   if (next_ - oldest_ > kRemembered) ++oldest_;
 }
@@ -207,7 +207,7 @@ RateControl::Record* RateControl::find(std::uint64_t counter) {
   return counter >= oldest_ && counter < next_ ? &records_[counter % kRemembered] : nullptr;
 }
 
-void RateControl::heard(const ArrivalReport& report, Time now) {
+void RateControl::take(const ArrivalReport& report, Time now) {
   if (!learn(report, now)) return;
   judge_losses();
   adapt_to_loss(now);
@@ -215,7 +215,7 @@ void RateControl::heard(const ArrivalReport& report, Time now) {
   adapted_ = now;
 }
 
-/// True if anything was new.
+/// Returns whether anything in the report was new.
 bool RateControl::learn(const ArrivalReport& report, Time now) {
   if (report.count > ArrivalReport::kMost || report.first > next_ ||
       std::abs(ns_of(report.base) / 2) > kMostNs / 2)
@@ -238,7 +238,7 @@ bool RateControl::learn(const ArrivalReport& report, Time now) {
   return true;
 }
 
-/// Counts what was sent so long before the newest arrival that it will not come any more.
+/// Counts datagrams that were sent kLate or more before the newest arrival: they will not arrive any more.
 void RateControl::judge_losses() {
   judged_ = std::max(judged_, oldest_);
   for (; judged_ < next_; ++judged_) {
@@ -246,7 +246,7 @@ void RateControl::judge_losses() {
     if (newest_arrived_ - record.at < kLate) break;
     if (record.fate == Fate::Arrived) losses_.arrived(record.at);
     if (record.fate == Fate::Absent) losses_.lost(record.at);
-    if (record.fate == Fate::Untold) losses_.untold(record.at);
+    if (record.fate == Fate::Unreported) losses_.unreported(record.at);
   }
 }
 
@@ -260,13 +260,14 @@ void RateControl::adapt_to_delay(Time now) {
   const double seconds = adapted_ ? std::min(seconds_of(now - *adapted_), 0.5) : 0;
   if (trend_.verdict() == DelayTrend::Verdict::Normal) raise(seconds);
   if (trend_.verdict() != DelayTrend::Verdict::Overuse) return;
-  // A lower rate shows no earlier than a round trip later.
+  // The effect of a lower rate is visible one round trip later.
   if (lowered_ && now - *lowered_ < std::max<Duration>(round_trip_, std::chrono::milliseconds(100))) return;
   lower_to(kDecrease * carried().value_or(rate_), now);
   if (trial_) trial_->rate_before = std::min(trial_->rate_before, rate_);
 }
 
-/// Loss that came with the rate goes with it; loss that stays at a lower rate is the path's own.
+/// The loss guard: lowers the rate once after excessive loss. If the loss remains at the lower rate, it
+/// belongs to the path: it becomes the base loss, and the rate is restored.
 void RateControl::adapt_to_loss(Time now) {
   const auto loss = losses_.next_window();
   if (!loss) return;
@@ -285,9 +286,9 @@ void RateControl::adapt_to_loss(Time now) {
   }
 }
 
-/// As published: slowly near what was last too much, fast elsewhere, never far beyond what is known to
-/// arrive. Our steps are those of the paper a response time, not a second: from 2 Mbit/s to what 72 Hz needs
-/// the latter takes 23 s.
+/// As published: slow growth near the rate of the last decrease, fast growth elsewhere, and never far above
+/// the received rate. The paper's step is for one second. Here it is for one response time: with steps of a
+/// second it takes 23 s from 2 Mbit/s to the rate that 72 Hz needs.
 void RateControl::raise(double seconds) {
   if (trial_) return;
   const auto carried_now = carried();

@@ -1,8 +1,9 @@
-/// RateControl: how fast a session's datagrams may leave, from what its client says has arrived. The
-/// delay-based half of Google congestion control (Carlucci et al., "Analysis and Design of the Google
-/// Congestion Control for WebRTC", MMSys 2016; draft-ietf-rmcat-gcc-02; trendline filter as in libwebrtc). It
-/// feels queues grow and takes random loss for what it is. One guard of our own sees policers and short
-/// queues, which lose but do not delay. Values only: time is passed in, memory is fixed.
+/// RateControl: sets the send rate of a session from its client's arrival reports. It is the delay-based part
+/// of Google congestion control (Carlucci et al., "Analysis and Design of the Google Congestion Control for
+/// WebRTC", MMSys 2016; draft-ietf-rmcat-gcc-02; trendline filter as in libwebrtc). It reacts to growing
+/// queues and ignores random loss. A loss guard reacts to policers and short queues, which drop datagrams but
+/// do not delay them; without it a policer at 8 Mbit/s drops 31 % of the datagrams instead of 4 %
+/// (docs/link.md). The caller passes the time. Memory is fixed.
 #pragma once
 
 #include <array>
@@ -13,18 +14,19 @@
 
 namespace farshade {
 
-/// Is a queue growing? Datagrams are grouped as they are sent, at least kGroup and kGroupCount each. The
-/// published 5 ms groups bursts; our slices are paced, a burst is no more than one of them. A group's delay
-/// is that of its fastest datagram: a queue holds up that one too, jitter does not (the least of n uniform
-/// delays varies as 1/n; 22 come of a group at 72 Hz and 25 % loss). A datagram later than its group is not
-/// missed: it was not the fastest.
+/// Detects a growing queue. It groups datagrams as they are sent; a group has at least kGroupCount datagrams
+/// and lasts at least kGroup. The published 5 ms collect bursts, but the slices here are paced. The delay of
+/// a group is the delay of its fastest datagram: a queue delays that one as well, jitter does not. (The least
+/// of n uniform delays has a spread of 1/n; at 72 Hz and 25 % loss 22 datagrams of a group arrive.) So a
+/// datagram that arrives after its group is closed does no harm.
 class DelayTrend {
  public:
   enum class Verdict { Normal, Overuse, Underuse };
 
-  /// The group of a datagram that leaves now. Call in order.
+  /// Returns the group of a datagram that is sent at `sent`. Call it in the order of sending.
   std::uint32_t group_of(Time sent);
-  /// A datagram that arrived. `delay_ms` is arrival less sending, on two clocks: only differences count.
+  /// Records a datagram that arrived. `delay_ms` is arrival minus sending, on two different clocks, so only
+  /// its differences have a meaning.
   void add(std::uint32_t group, Time sent, double delay_ms);
 
   [[nodiscard]] Verdict verdict() const { return verdict_; }
@@ -32,12 +34,12 @@ class DelayTrend {
  private:
   static constexpr Duration kGroup = std::chrono::milliseconds(25);
   static constexpr std::uint32_t kGroupCount = 8;
-  static constexpr Duration kLongestGroup = std::chrono::milliseconds(60);  ///< whatever the count
-  static constexpr std::size_t kWindow = 20;                                ///< groups in the line's fit
+  static constexpr Duration kLongestGroup = std::chrono::milliseconds(60);  ///< also with fewer datagrams
+  static constexpr std::size_t kWindow = 20;                                ///< groups in the linear fit
 
   struct Group {
     std::uint32_t number = 0;
-    Time sent{};  ///< of the fastest, as the delay
+    Time sent{};  ///< of the fastest datagram, like the delay
     double delay_ms = 0;
   };
 
@@ -46,52 +48,53 @@ class DelayTrend {
   void detect(double trend, double step_ms);
   [[nodiscard]] double slope() const;
 
-  std::uint32_t sending_ = 0, sending_count_ = 0;  ///< the group that is being sent, and what it has
+  std::uint32_t sending_ = 0, sending_count_ = 0;  ///< current group, and its number of datagrams
   Time sending_since_{};
 
-  std::array<std::optional<Group>, 3> open_{};  ///< the newest and the two before
+  std::array<std::optional<Group>, 3> open_{};  ///< the newest group and the two before
   std::uint32_t newest_ = 0;
 
-  std::optional<Group> first_, last_;  ///< closed since the restart
+  std::optional<Group> first_, last_;  ///< groups closed since the restart
   double smoothed_ms_ = 0;
   std::array<double, kWindow> x_{}, y_{};
-  std::size_t points_ = 0;  ///< closed since the restart
+  std::size_t points_ = 0;  ///< groups closed since the restart
 
   double threshold_ms_ = 12.5, last_trend_ = 0, over_ms_ = 0;
-  int over_ = 0;  ///< groups over the threshold, in a row
+  int over_ = 0;  ///< consecutive groups over the threshold
   Verdict verdict_ = Verdict::Normal;
 };
 
-/// Bytes a second over the last half second of arrivals, on the client's clock.
+/// The received rate over the last half second of arrivals, on the client's clock.
 class ReceivedRate {
  public:
   void add(Time arrived, std::size_t bytes);
-  /// None until 100 ms are known.
+  /// Returns nothing before 100 ms of arrivals are known.
   [[nodiscard]] std::optional<double> bytes_per_second() const;
 
  private:
   static constexpr Duration kBucket = std::chrono::milliseconds(25);
-  static constexpr std::int64_t kBuckets = 21;  ///< the newest is not full yet and does not count
+  static constexpr std::int64_t kBuckets = 21;  ///< the newest is incomplete and not counted
 
   std::array<std::uint64_t, kBuckets> bytes_{};
   std::int64_t first_ = 0, newest_ = 0;  ///< bucket numbers
   bool any_ = false;
 };
 
-/// Share of datagrams that did not come, over windows of sending time, and the path's own: the least of about
-/// 10 s. A stretch of 250 ms and more of which nothing came is an outage: it is not counted.
+/// Measures the share of lost datagrams over windows of sending time, and the path's base loss: the least
+/// share of about the last 10 s. A time of 250 ms or more without any arrival is an outage and not counted as
+/// loss.
 class LossMeter {
  public:
-  /// Datagrams in the order of their sending.
+  /// The fate of each datagram, in the order of sending.
   void arrived(Time sent);
   void lost(Time sent);
-  void untold(Time sent);  ///< no report spoke of it: part of an outage, if there is one, never a loss
+  void unreported(Time sent);  ///< in no report: may be part of an outage, but is not a loss
 
-  /// The window that has filled since the last call, if one has.
+  /// Returns the share of lost datagrams of a window that has ended since the last call.
   [[nodiscard]] std::optional<double> next_window();
-  /// Starts the window again, with what is sent from `from` on.
+  /// Starts a new window with the datagrams that are sent from `from` on.
   void restart(Time from);
-  /// More than the path's own loss accounts for: base + 10 % + two standard deviations of a window's count.
+  /// Whether `loss` is above the base loss by more than 10 % and two standard deviations of a window.
   [[nodiscard]] bool is_excessive(double loss) const;
   void set_base(double loss) { base_now_ = base_before_ = loss; }
 
@@ -106,9 +109,9 @@ class LossMeter {
   Time from_{}, counted_to_{};
   std::optional<Time> window_start_;
   std::uint32_t count_ = 0, lost_ = 0;
-  std::optional<Time> run_start_;  ///< of losses in a row
+  std::optional<Time> run_start_;  ///< first of the current consecutive losses
   std::uint32_t run_ = 0;
-  double loss_ = 0, base_now_ = 0, base_before_ = 0;  ///< least of these 5 s, and of the 5 s before
+  double loss_ = 0, base_now_ = 0, base_before_ = 0;  ///< bases: least loss of the current and the last 5 s
   std::optional<Time> base_since_;
 };
 
@@ -118,37 +121,37 @@ struct RateLimits {
 
 class RateControl {
  public:
-  /// Before anything is known, bytes a second: 72 frames a second of 46 datagrams.
+  /// Initial rate, bytes a second: 72 frames of 46 datagrams a second.
   static constexpr double kStart = 4e6;
-  /// Sent datagrams that are remembered: 0.8 s at the highest rate.
+  /// Number of sent datagrams that it remembers: 0.8 s at the highest rate.
   static constexpr std::size_t kRemembered = 8192;
 
   explicit RateControl(RateLimits limits = {});
 
-  /// A sealed datagram left. Counters go up by one, `at` does not go back.
+  /// Records a sealed datagram that was sent. Counters are consecutive; `at` does not decrease.
   void sent(std::uint64_t counter, std::size_t bytes, Time at);
 
-  /// What the client says. Known things, things never sent and impossible times are passed over; nothing that
-  /// a report says takes the rate out of its limits.
-  void heard(const ArrivalReport& report, Time now);
+  /// Processes a report of the client. Ignores arrivals that it knows already, counters that were never sent
+  /// and impossible times. No report can move the rate out of its limits.
+  void take(const ArrivalReport& report, Time now);
 
   [[nodiscard]] double bytes_per_second() const { return rate_; }
-  /// Share of datagrams lost, of the last window; outages are not counted.
+  /// Share of lost datagrams in the last window, without outages.
   [[nodiscard]] double loss() const { return losses_.loss(); }
-  /// Of it, the path's own, whatever the rate.
+  /// The path's base loss, which does not depend on the rate.
   [[nodiscard]] double base_loss() const { return losses_.base(); }
-  /// A queue is growing now.
+  /// Whether a queue is growing now.
   [[nodiscard]] bool is_congested() const { return trend_.verdict() == DelayTrend::Verdict::Overuse; }
 
  private:
-  enum class Fate : std::uint8_t { Untold, Absent, Arrived };
+  enum class Fate : std::uint8_t { Unreported, Absent, Arrived };
   struct Record {
     Time at{};
     std::uint32_t group = 0;
     std::uint16_t bytes = 0;
-    Fate fate = Fate::Untold;
+    Fate fate = Fate::Unreported;
   };
-  /// A rate lowered for its loss, until a window sent at the lower rate says whether that helped.
+  /// A lower rate because of loss, until a window sent at this rate shows whether it helped.
   struct Trial {
     double rate_before, loss_before;
   };
@@ -160,26 +163,26 @@ class RateControl {
   void adapt_to_loss(Time now);
   void raise(double seconds);
   void lower_to(double bytes_per_second, Time now);
-  /// What the path brings, without its own loss.
+  /// The rate that the path carries: the received rate, corrected for the base loss.
   [[nodiscard]] std::optional<double> carried() const;
 
   RateLimits limits_;
   std::array<Record, kRemembered> records_{};
-  std::uint64_t next_ = 0;    ///< counter to be sent next
-  std::uint64_t oldest_ = 0;  ///< counter remembered
-  std::uint64_t judged_ = 0;  ///< before this one, what is lost has been counted
-  Time newest_arrived_{};     ///< its sending
+  std::uint64_t next_ = 0;    ///< counter of the next datagram
+  std::uint64_t oldest_ = 0;  ///< oldest remembered counter
+  std::uint64_t judged_ = 0;  ///< losses before this counter are counted
+  Time newest_arrived_{};     ///< send time of that datagram
 
   DelayTrend trend_;
   ReceivedRate received_;
   LossMeter losses_;
 
   double rate_ = kStart;
-  Duration round_trip_ = std::chrono::milliseconds(100);  ///< from sending to hearing of it
-  std::optional<double> capacity_;                        ///< what the path carried when it was last too much
+  Duration round_trip_ = std::chrono::milliseconds(100);  ///< from sending to the report
+  std::optional<double> capacity_;                        ///< rate that the path carried at the last decrease
   std::optional<Time> adapted_, lowered_;
   std::optional<Trial> trial_;
-  int excessive_ = 0;  ///< windows in a row; one alone may be a burst
+  int excessive_ = 0;  ///< consecutive windows; a single one may be a burst
 };
 
 }  // namespace farshade

@@ -1,6 +1,6 @@
-/// Real UDP behind the datagram seam, IPv4 and IPv6. udp.cpp is the one file that names asio.
-/// Sockets stay unconnected: no ICMP error can end a session, and a client outlives a change of its own
-/// address.
+/// DatagramPort over UDP, IPv4 and IPv6. Only udp.cpp includes asio.
+/// The sockets are unconnected. So an ICMP error cannot end a session, and a session survives a change of the
+/// client's own address.
 #pragma once
 
 #include <memory>
@@ -11,22 +11,21 @@
 
 namespace farshade {
 
-/// What is asked of the kernel for either direction; it may grant less (net.core.rmem_max).
+/// Socket buffer size to request for each direction. The kernel may grant less (net.core.rmem_max).
 inline constexpr int kSocketBuffer_bytes = 4 << 20;
 
-/// A port that listens on `address` (`127.0.0.1:7447`, `[::]:0`, `name:port`); port 0 lets the system choose,
-/// and
-/// `[::]` takes IPv4 too. Refuses bad addresses (Malformed), unknown names and foreign addresses (Missing), a
-/// port in use (Unavailable).
+/// Opens a port that listens on `address` (`127.0.0.1:7447`, `[::]:0`, `name:port`). With port 0 the system
+/// chooses a port. `[::]` includes IPv4. Errors: Malformed for a bad address, Missing for an unknown name or
+/// an address of another machine, Unavailable for a port in use.
 [[nodiscard]] Expected<std::unique_ptr<DatagramPort>> listen_udp(std::string_view address);
 
 struct UdpClient {
-  std::unique_ptr<DatagramPort> port;  ///< hears nobody but `server`
+  std::unique_ptr<DatagramPort> port;  ///< receives from `server` only
   Peer server;
 };
 
-/// A port of the system's choice that talks to `address`. Nothing is sent: whether somebody listens there
-/// shows when answers come.
+/// Opens a port, chosen by the system, that talks to `address`. It sends nothing, so it does not know whether
+/// somebody listens there.
 [[nodiscard]] Expected<UdpClient> connect_udp(std::string_view address);
 
 }  // namespace farshade

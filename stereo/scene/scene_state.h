@@ -21,7 +21,7 @@ struct Light {
 
 /// The lights in a fixed order: bit i of a mask belongs to light i of the scene, also after light changes.
 struct LightSet {
-  std::uint32_t revision = kFirstLightSet;  ///< revision of the light changes that were applied
+  LightSetRevision revision = kFirstLightSet;  ///< revision of the light changes that were applied
   std::vector<Light> lights;
 };
 

@@ -1,5 +1,5 @@
-/// Colours as H.264 has them: YUV 4:2:0, BT.709, full range, and back to RGB. libswscale with accurate
-/// rounding does it, over planes with room for its wide stores.
+/// Converts RGB to the colours of H.264 (YUV 4:2:0, BT.709, full range) and back. Uses libswscale with
+/// accurate rounding, on planes with room for its wide stores.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace farshade {
 
-/// Rows of luma and of two chroma planes, each of which has half of both sides.
+/// Rows of luma and of two chroma planes. A chroma plane has half the width and half the height.
 template <class Byte>
 struct YuvPlanes {
   std::array<Byte*, 3> rows;
@@ -21,7 +21,7 @@ struct YuvPlanes {
 class ColourConverter {
  public:
   enum class To : std::uint8_t { Yuv, Rgb };
-  /// For pictures of `size`, both sides even. Unavailable when libswscale will not.
+  /// For pictures of `size`, with even width and height. Unavailable if libswscale fails.
   [[nodiscard]] static Expected<ColourConverter> create(Extent size, To to);
   ColourConverter(ColourConverter&&) noexcept;
   ColourConverter& operator=(ColourConverter&&) noexcept;
@@ -29,7 +29,7 @@ class ColourConverter {
 
   [[nodiscard]] Extent size() const { return size_; }
 
-  /// `rgb` is of the size; only that To of `create` may be asked for.
+  /// `rgb` has the converter's size. Only the direction that was given to `create` may be called.
   void to_yuv(const Image<Rgb8>& rgb, const YuvPlanes<std::uint8_t>& yuv);
   void to_rgb(const YuvPlanes<const std::uint8_t>& yuv, Image<Rgb8>& rgb);
 

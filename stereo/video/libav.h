@@ -1,4 +1,4 @@
-/// Libav: libavcodec, and owners of what it allocates. Only encoder.cpp and decoder.cpp see it.
+/// libavcodec, and owning pointers for its objects. Only encoder.cpp and decoder.cpp include it.
 #pragma once
 
 #include <memory>

@@ -1,7 +1,7 @@
-/// Video: pictures as H.264 and back, for answers that are pictures. libavcodec with libx264 does it; a build
-/// without them (FARSHADE_VIDEO=OFF) has the same interface and says Unavailable.
-/// Tuned for the next picture, not for the stream: no B frames, no lookahead, each picture goes in and comes
-/// out as one access unit, and no unit is larger than four pictures' share of the bit rate.
+/// Video: encodes pictures as H.264 and decodes them, with libavcodec and libx264. A build without these
+/// libraries (FARSHADE_VIDEO=OFF) has the same interface, which returns Unavailable.
+/// The settings give low latency: no B frames and no lookahead, so each picture becomes one access unit at
+/// once. No unit is larger than four pictures' share of the bit rate.
 #pragma once
 
 #include <cstddef>
@@ -18,24 +18,25 @@ namespace farshade {
 
 /// Whether this build can encode and decode.
 [[nodiscard]] bool has_video();
-/// The libraries and their versions, or the words that say how to get them.
+/// The libraries and their versions, or how to get them.
 [[nodiscard]] std::string video_version();
 
 struct VideoFormat {
-  Extent size;  ///< pixels of the whole picture; both sides even, 32 at least
+  Extent size;  ///< pixels of the whole picture; width and height are even and at least 32
   std::uint32_t bits_per_second = 20'000'000;
   double frames_per_second = 72;
   friend bool operator==(const VideoFormat&, const VideoFormat&) = default;
 };
 
-/// A key frame is decoded without any unit before it. The first picture is one; others only where asked.
+/// A key frame decodes without an earlier unit. The first picture is one; later pictures only on request.
 enum class KeyFrame : std::uint8_t { IfNeeded, Now };
 
-/// H.264 High profile, YUV 4:2:0, BT.709 in full range. The same pictures give the same bytes.
+/// H.264 High profile, YUV 4:2:0, BT.709, full range. The same pictures give the same bytes.
 class VideoEncoder {
  public:
-  /// OutOfRange: sides that are odd, below 32 or beyond two views side by side; a bit rate beyond
-  /// 10^5..10^9; frames a second beyond 1..1000. Unavailable: a build without video, or libx264 will not.
+  /// OutOfRange: width or height is odd, below 32 or larger than two views side by side; the bit rate is
+  /// outside of 10^5..10^9; frames a second are outside of 1..1000. Unavailable: this build has no video, or
+  /// libx264 fails.
   [[nodiscard]] static Expected<VideoEncoder> create(const VideoFormat& format);
   VideoEncoder(VideoEncoder&&) noexcept;
   VideoEncoder& operator=(VideoEncoder&&) noexcept;
@@ -43,8 +44,8 @@ class VideoEncoder {
 
   [[nodiscard]] const VideoFormat& format() const;
 
-  /// One whole access unit: Annex B, with parameter sets at key frames. Valid until the next call.
-  /// `picture` is of the format's size.
+  /// Returns one whole access unit: Annex B, with parameter sets at key frames. Valid until the next call.
+  /// `picture` has the format's size.
   [[nodiscard]] std::span<const std::byte> encode(const Image<Rgb8>& picture, KeyFrame key);
 
  private:
@@ -53,9 +54,10 @@ class VideoEncoder {
   std::unique_ptr<Codec> codec_;
 };
 
-/// The way back. Units are foreign bytes, and what can be told to be damaged is refused as a whole. Not all
-/// can: the last block of a unit that lacks its last bytes, or a picture whose predecessor was never decoded,
-/// looks whole and is wrong. So the caller decodes whole units only, and resets after a gap.
+/// Decodes the encoder's units. Units are foreign bytes. The decoder refuses a unit if it detects damage. It
+/// cannot detect all damage: a unit whose last bytes are missing, or whose reference picture was never
+/// decoded, may give a wrong picture. So the caller decodes complete units only, and calls reset() after a
+/// gap.
 class VideoDecoder {
  public:
   [[nodiscard]] static Expected<VideoDecoder> create();
@@ -63,12 +65,13 @@ class VideoDecoder {
   VideoDecoder& operator=(VideoDecoder&&) noexcept;
   ~VideoDecoder();
 
-  /// The picture of one whole access unit, valid until the next call. Missing: it is no key frame, and none
-  /// has been decoded since the start, a reset or a refusal. Malformed: no picture comes of it. Unsupported:
-  /// not what VideoEncoder makes. OutOfRange: larger than two views of kMaxViewSide_px side by side.
+  /// Returns the picture of one whole access unit, valid until the next call. Missing: the unit is not a key
+  /// frame, and no key frame has been decoded since the start, a reset or an error. Malformed: the unit gives
+  /// no picture. Unsupported: the format is not VideoEncoder's. OutOfRange: the picture is larger than two
+  /// views of kMaxViewSide_px side by side.
   [[nodiscard]] Expected<const Image<Rgb8>*> decode(std::span<const std::byte> access_unit);
 
-  /// After a gap: only a key frame is decodable.
+  /// Call it after a gap. Only a key frame decodes then.
   void reset();
 
  private:
@@ -77,14 +80,14 @@ class VideoDecoder {
   std::unique_ptr<Codec> codec_;
 };
 
-/// Size of both eyes of `eye` pixels side by side. 4:2:0 halves the colour of two columns and two rows, so
-/// an eye's odd side gets one more: its last column or row again.
+/// Size of a picture with two eyes of `eye` pixels side by side. 4:2:0 needs an even width and height, so an
+/// eye with an odd width or height gets its last column or row twice.
 [[nodiscard]] Extent side_by_side_size(Extent eye);
 
-/// Both eyes, of one size, left eye first, padded as side_by_side_size says.
+/// Both eyes side by side, left eye first, padded as side_by_side_size says. Both have the same size.
 [[nodiscard]] Image<Rgb8> side_by_side(const PerEye<Image<Rgb8>>& eyes);
 
-/// The eyes of a picture of side_by_side_size(eye), without the padding.
+/// Splits a picture of side_by_side_size(eye) into the eyes, without the padding.
 [[nodiscard]] PerEye<Image<Rgb8>> two_eyes(const Image<Rgb8>& picture, Extent eye);
 
 }  // namespace farshade

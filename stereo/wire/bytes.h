@@ -1,5 +1,5 @@
-/// Bytes of the wire: little-endian, field by field. ByteWriter and ByteReader answer the same calls, so that
-/// one `fields(io, message)` is both the encoder and the decoder of a message.
+/// Writes and reads little-endian fields. ByteWriter and ByteReader have the same functions, so that one
+/// `fields(io, message)` is both the encoder and the decoder of a message.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace farshade {
 
-/// Appends to `out`, which it does not own. Never fails; a value that its field cannot hold is our own bug.
+/// Appends to `out`, which it does not own. Never fails: a value that does not fit its field fails a check.
 class ByteWriter {
  public:
   explicit ByteWriter(std::vector<std::byte>& out) : out_(out) {}
@@ -57,7 +57,7 @@ class ByteWriter {
   std::vector<std::byte>& out_;
 };
 
-/// Reads foreign bytes. A call that would pass the end returns false and changes nothing. Allocates nothing.
+/// Reads foreign bytes. A read beyond the end returns false and changes nothing. Allocates nothing.
 class ByteReader {
  public:
   explicit ByteReader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -87,7 +87,7 @@ class ByteReader {
     return true;
   }
 
-  /// `value` may then be one that Enum does not name: the range check comes after.
+  /// `value` may become a number that Enum does not name; the caller checks its range afterwards.
   template <class Enum>
   bool code(Enum& value) {
     std::uint8_t byte = 0;

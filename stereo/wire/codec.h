@@ -1,6 +1,6 @@
-/// Codec: one way to write and read any of several messages. A message brings three things by overload or
-/// specialisation: `fields(io, message)`, one list for both directions; `verdict(message)`, its ranges; and
-/// its number `kTypeOf<Message>`. For the .cpp files that define messages; nobody else includes it.
+/// Codec: reads and writes any of several messages. For each message there are three overloads or
+/// specialisations: `fields(io, message)`, its fields for both directions; `verdict(message)`, its range
+/// checks; and `kTypeOf<Message>`, its type number. Only the .cpp files that define messages include it.
 #pragma once
 
 #include <concepts>
@@ -14,11 +14,11 @@
 
 namespace farshade::codec {
 
-/// A message to be read, or one to be written.
+/// A message that is read (mutable) or written (const).
 template <class T, class Message>
 concept Either = std::same_as<std::remove_const_t<T>, Message>;
 
-/// Why a message may not be sent and is refused; nothing if it is fine.
+/// The reason to refuse a message; empty if it is valid.
 using Verdict = std::optional<WireRefusal>;
 inline constexpr Verdict kFine = std::nullopt;
 
@@ -27,7 +27,7 @@ inline constexpr std::uint8_t kTypeOf = 0;
 
 inline constexpr std::uint32_t kMagic = 0x48534446;  // "FDSH" in byte order
 
-/// What every datagram begins with, in every version.
+/// The beginning of every datagram, in every version.
 struct Header {
   std::uint32_t magic = kMagic;
   std::uint16_t version = 0;
@@ -47,7 +47,7 @@ Decoded<Message> read(ByteReader io) {
   return message;
 }
 
-/// Reads the one of `Messages` whose number is `type`.
+/// Reads the one of `Messages` whose type number is `type`.
 template <class... Messages>
 Decoded<std::variant<Messages...>> read_any(std::type_identity<std::variant<Messages...>>, std::uint8_t type,
                                             ByteReader io) {

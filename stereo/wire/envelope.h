@@ -1,6 +1,6 @@
-/// Envelopes: what can be read of a datagram before it is opened. Magic, version and type; then the handshake
-/// (handshake.h) or a sealed message (seal.h). PROTOCOL.md has the bytes and what each step defends against.
-/// Nothing here is secret, and nothing is believed before it has opened.
+/// Envelopes: the part of a datagram that is not encrypted. It has magic, version and type, and then a step
+/// of the handshake (handshake.h) or a sealed message (seal.h). PROTOCOL.md has the bytes, and what each step
+/// defends against. An envelope has no secrets, and is not trusted before its sealed part has opened.
 #pragma once
 
 #include <array>
@@ -14,11 +14,13 @@
 
 namespace farshade {
 
-using PublicKey = std::array<std::uint8_t, 32>;  ///< X25519, of one handshake
-using Echo = std::array<std::uint8_t, 16>;  ///< the first bytes of a hello's public key: which hello is meant
-using Cookie = std::array<std::uint8_t, 16>;  ///< opaque to the client; zeros: has none yet
+using PublicKey = std::array<std::uint8_t, 32>;  ///< X25519, for one handshake
+/// The first bytes of a Hello's public key: an answer repeats them to tell which Hello it answers.
+using Echo = std::array<std::uint8_t, 16>;
+using Cookie = std::array<std::uint8_t, 16>;  ///< opaque to the client; zeros: the client has none yet
 
-/// Chosen at random by the server: names a session wherever its client's datagrams come from.
+/// A random number from the server. It identifies a session, whatever address its client's datagrams come
+/// from.
 struct SessionId {
   std::uint64_t value = 0;
   friend auto operator<=>(const SessionId&, const SessionId&) = default;
@@ -26,7 +28,7 @@ struct SessionId {
 
 // ---- client -> server
 
-/// Padded to kMaxDatagram_bytes, so that no answer is longer.
+/// The first step of the handshake. Padded to kMaxDatagram_bytes, so that no answer is longer.
 struct Hello {
   PublicKey client{};
   KeyId key{};
@@ -36,7 +38,7 @@ struct Hello {
   friend bool operator==(const Hello&, const Hello&) = default;
 };
 
-/// A hello of another version; its layout beyond these is unknown.
+/// A Hello of another version. Only these fields are the same in every version.
 struct ForeignHello {
   std::uint16_t version = 0;
   Echo echo{};
@@ -44,15 +46,15 @@ struct ForeignHello {
 
 // ---- server -> client
 
-/// Say it again, with this cookie: shows that the address is the client's own.
+/// Asks for the same Hello with this cookie, which proves the client's address.
 struct Retry {
   Echo echo{};
   Cookie cookie{};
   friend bool operator==(const Retry&, const Retry&) = default;
 };
 
-/// No, to somebody who has not proved a key. Its layout is the same in every version. Anyone could have sent
-/// it: it explains, and ends nothing.
+/// A refusal for a client that has not proved a key. Its layout is the same in every version. Anybody could
+/// have sent it, so it gives the user a reason but does not end a session or a handshake.
 struct OpenRefusal {
   std::uint16_t version = kProtocolVersion;               ///< the server's
   RefusalReason reason = RefusalReason::VersionMismatch;  ///< VersionMismatch or UnknownKey
@@ -68,8 +70,8 @@ struct Accept {
   std::span<const std::byte> sealed{};  ///< message and tag; a view into the datagram
 };
 
-/// A sealed datagram came for a session that the server does not have: it was restarted, or has forgotten it.
-/// Anyone could have sent it: it lets a client say hello, and ends nothing.
+/// The server does not have the session of a sealed datagram: it was restarted, or the session timed out.
+/// Anybody could have sent it, so it makes a client send a Hello but does not end the session.
 struct NoSession {
   SessionId session{};
   friend bool operator==(const NoSession&, const NoSession&) = default;
@@ -83,7 +85,7 @@ struct Sealed {
   std::span<const std::byte> sealed{};  ///< message and tag; a view into the datagram
 };
 
-/// Bytes of a Sealed before `sealed`; they are authenticated with it.
+/// Bytes of a Sealed before `sealed`. The tag authenticates them, too.
 inline constexpr std::size_t kSealedHeader_bytes = 23;
 /// Bytes of an Accept before `sealed`.
 inline constexpr std::size_t kAcceptHeader_bytes = 63;
@@ -97,8 +99,8 @@ static_assert(kSealing_bytes == kSealedHeader_bytes + kTag_bytes);
 using ClientEnvelope = std::variant<Hello, ForeignHello, Sealed>;
 using ServerEnvelope = std::variant<Retry, OpenRefusal, Accept, NoSession, Sealed>;
 
-/// Replaces `datagram` by the envelope's bytes. Of a Hello all but its proof must be set: what is proved is
-/// its first kHelloProved_bytes bytes.
+/// Replaces `datagram` by the envelope's bytes. The proof of a Hello covers its first kHelloProved_bytes
+/// bytes, so the caller encodes it once without the proof and once with it.
 void encode(const Hello& hello, std::vector<std::byte>& datagram);
 void encode(const Retry& retry, std::vector<std::byte>& datagram);
 void encode(const OpenRefusal& refusal, std::vector<std::byte>& datagram);

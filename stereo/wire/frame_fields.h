@@ -1,6 +1,5 @@
-/// Frame fields: field lists and ranges of what frames are made of - times, views, light changes - the same
-/// on the wire and in session files. For the .cpp files that define messages and records; nobody else
-/// includes it.
+/// Field lists and range checks of times, views and light changes, for messages and for capture files. Only
+/// the .cpp files that define messages and records include it.
 #pragma once
 
 #include <cmath>
@@ -15,17 +14,18 @@
 namespace farshade {
 
 inline constexpr std::int64_t kMaxTime_ns = std::int64_t{1}
-                                            << 61;  // 73 years: sums and differences cannot overflow
+                                            << 61;  // 73 years: sums and differences do not overflow
 inline constexpr double kMaxCoordinate_m = 1e9;
 inline constexpr double kMaxOffUnit = 1e-3;
 
-// ---- field lists: `io` is a ByteWriter and the value const, or a ByteReader. False: the bytes end early.
+// ---- field lists: `io` is a ByteWriter and the value const, or a ByteReader. They return false if the bytes
+// end early.
 
 bool fields(auto& io, codec::Either<Extent> auto& size) {
   return io.u16(size.width) && io.u16(size.height);
 }
 
-/// All of a view but its size.
+/// All fields of a view except its size.
 bool look_fields(auto& io, codec::Either<View> auto& view) {
   auto& q = view.stage_from_eye.rotation;
   auto& t = view.stage_from_eye.translation;
@@ -47,13 +47,13 @@ bool fields(auto& io, codec::Either<LightPose> auto& pose) {
 /// Bit 0: on; bit 1: a pose follows.
 inline bool fields(ByteWriter& io, const LightChange& change) {
   const unsigned flags = (change.on ? 1u : 0u) | (change.pose ? 2u : 0u);
-  return io.u16(change.light) && io.u32(change.revision) && io.u8(flags) &&
+  return io.u16(change.light) && io.u32(change.revision.value) && io.u8(flags) &&
          (!change.pose || fields(io, *change.pose));
 }
 inline bool fields(ByteReader& io, LightChange& change) {
   std::uint8_t flags = 0;
-  if (!io.u16(change.light) || !io.u32(change.revision) || !io.u8(flags)) return false;
-  if (flags > 3) change.light = kMaxLights;  // flags that mean nothing: refused with it
+  if (!io.u16(change.light) || !io.u32(change.revision.value) || !io.u8(flags)) return false;
+  if (flags > 3) change.light = kMaxLights;  // unknown flags: the range check refuses the change
   change.on = (flags & 1u) != 0;
   return (flags & 2u) == 0 || fields(io, change.pose.emplace());
 }
@@ -77,11 +77,11 @@ inline bool in_range(const LightPose& pose) {
   return in_range(pose.position.v) && std::abs(glm::length(pose.direction.v) - 1) <= kMaxOffUnit;
 }
 
-/// Of changes that stand in ascending order, so that the last is the newest; none beyond `newest`. `before`:
-/// the revision that the change follows.
-inline codec::Verdict verdict_on(const LightChange& change, std::uint32_t before, std::uint32_t newest) {
-  const bool in_order =
-      is_newer_light_set(change.revision, before) && !is_newer_light_set(change.revision, newest);
+/// Checks one change of a list in ascending order of revisions. `before` is the previous change's revision,
+/// and no change is newer than `newest`.
+inline codec::Verdict verdict_on(const LightChange& change, LightSetRevision before,
+                                 LightSetRevision newest) {
+  const bool in_order = is_newer(change.revision, before) && !is_newer(change.revision, newest);
   if (change.light >= kMaxLights || !in_order) return WireRefusal::Lights;
   return change.pose && !in_range(*change.pose) ? codec::Verdict(WireRefusal::ViewRange) : codec::kFine;
 }

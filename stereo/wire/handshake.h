@@ -1,7 +1,8 @@
-/// Handshake: how a client that shares a key with the server gets a session, in two round trips: hello, retry
-/// with a cookie, hello with the cookie, accept. X25519 of two keys made for this once gives forward secrecy,
-/// the shared key mixed in says who is there; both sides have proved it when the accept, and the first sealed
-/// datagram after it, have opened. Values and functions: no sockets, no clocks, no state of the server.
+/// Handshake: a client that shares a key with the server gets a session in two round trips: Hello, Retry with
+/// a cookie, Hello with the cookie, Accept. X25519 with two ephemeral keys gives forward secrecy. The session
+/// keys also depend on the shared key, which authenticates both sides: the server has proved it when the
+/// Accept opens, the client when its first sealed datagram opens. This file has no sockets, no clocks and no
+/// state of the server.
 #pragma once
 
 #include <optional>
@@ -12,33 +13,32 @@
 
 namespace farshade {
 
-/// The key that everyone knows. Sessions made with it are not sealed: for one machine, where a server was
-/// told so.
+/// A key that everybody knows. Sessions with it are not sealed. It is for tests on one machine (--insecure).
 [[nodiscard]] const SharedKey& insecure_key();
 
-/// What both sides hold once they have met.
+/// The keys of a session, equal on both sides.
 struct SessionKeys {
   SessionId session;
   Secret to_server, to_client;
   Sealing sealing = Sealing::On;
 };
 
-/// One client's attempt, with keys of its own.
+/// The client's side of one handshake, with its own ephemeral key.
 class ClientHandshake {
  public:
   ClientHandshake(const SharedKey& key, const ContentHash& scene_hash);
 
-  /// Replaces `datagram` by the hello to send now.
+  /// Replaces `datagram` by the Hello to send now.
   void write_hello(std::vector<std::byte>& datagram) const;
 
-  /// Another hello should be sent at once, with the cookie now in hand. False: it answers no hello of ours.
+  /// Keeps the Retry's cookie; the caller sends another Hello at once. False: it does not answer this Hello.
   [[nodiscard]] bool take(const Retry& retry);
 
   struct Met {
     SessionKeys keys;
     ServerMessage answer;  ///< Welcome or Refusal
   };
-  /// `datagram` is the one that `accept` was read from. Nothing: it answers no hello of ours, or its sender
+  /// `accept` was read from `datagram`. Returns nothing if it does not answer this Hello, or if its sender
   /// does not have the key.
   [[nodiscard]] std::optional<Met> take(const Accept& accept, std::span<const std::byte> datagram) const;
 
@@ -52,13 +52,14 @@ class ClientHandshake {
   Cookie cookie_{};
 };
 
-/// `hello` was made by who has `key`; `datagram` is the one that it was read from.
+/// Whether the sender of `hello`, read from `datagram`, has `key`.
 [[nodiscard]] bool is_proved(const Hello& hello, std::span<const std::byte> datagram, const SharedKey& key);
 
 [[nodiscard]] Echo echo_of(const PublicKey& client);
 
-/// The server's side: fresh keys, and the datagram that answers `hello` with `answer`. Call it for a proved
-/// hello only; two calls for one hello give two sessions.
+/// The server's side: new session keys, and the datagram that answers `hello` with `answer` (Welcome or
+/// Refusal). Call it for a proved Hello only. Two calls for the same Hello give two sessions. Returns nothing
+/// if the client's public key gives no secret.
 struct Accepted {
   SessionKeys keys;
   std::vector<std::byte> datagram;

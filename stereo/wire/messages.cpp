@@ -1,5 +1,5 @@
-// Each message has one field list, read and written by the same function, and one statement of its ranges,
-// which foreign bytes are refused by and our own messages are checked against.
+// Each message has one field list, which both reads and writes it, and one function that checks its ranges:
+// for foreign bytes, which are refused, and for our own messages, where a failure is a bug.
 #include "stereo/wire/messages.h"
 
 #include <algorithm>
@@ -36,10 +36,11 @@ using codec::Either;
 using codec::kFine;
 using codec::Verdict;
 
-// ---- field lists: `io` is a ByteWriter and the message const, or a ByteReader. False: the bytes end early.
-// Not in the anonymous namespace: the codec finds them by their arguments.
+// ---- field lists: `io` is a ByteWriter and the message const, or a ByteReader. They return false if the
+// bytes end early. They are not in the anonymous namespace, since the codec finds them by argument-dependent
+// lookup.
 
-/// What the client holds travels as how far it lies behind the frame asked for; 0: none.
+/// The newest frame that the client has is sent as its distance to the requested frame; 0: it has none.
 bool frames_behind_field(ByteWriter& io, const RequestMessage& message) {
   const std::optional<FrameId> newest = message.newest_received;
   return io.u32(newest ? message.request.frame.value - newest->value : 0u);
@@ -52,14 +53,14 @@ bool frames_behind_field(ByteReader& io, RequestMessage& message) {
 }
 
 bool fields(ByteWriter& io, const LightChanges& changes) {
-  bool fine = io.u32(changes.revision) && io.u8(changes.lights.size());
+  bool fine = io.u32(changes.revision.value) && io.u8(changes.lights.size());
   for (const LightChange& change : changes.lights) fine = fine && fields(io, change);
   return fine;
 }
 bool fields(ByteReader& io, LightChanges& changes) {
   std::uint8_t count = 0;
-  if (!io.u32(changes.revision) || !io.u8(count)) return false;
-  // One beyond the most is read, so that the verdict sees that there are too many.
+  if (!io.u32(changes.revision.value) || !io.u8(count)) return false;
+  // Reads one more than allowed, so that the range check sees that there are too many.
   const std::size_t most = RequestMessage::kMostLightChanges + 1;
   for (std::size_t i = 0; i < std::min<std::size_t>(count, most); ++i)
     if (!fields(io, changes.lights.emplace_back())) return false;
@@ -74,9 +75,9 @@ bool fields(auto& io, Either<ArrivalReport> auto& report) {
   return fine;
 }
 
-bool fields(auto& io, Either<AnswerSpec> auto& wanted) {
-  return io.code(wanted.answer) && io.u32(wanted.bits_per_second) && io.ns(wanted.interval) &&
-         io.code(wanted.coding) && io.u8(wanted.position_bits) && io.u16(wanted.slices);
+bool fields(auto& io, Either<AnswerSpec> auto& spec) {
+  return io.code(spec.kind) && io.u32(spec.bits_per_second) && io.ns(spec.interval) && io.code(spec.coding) &&
+         io.u8(spec.position_bits) && io.u16(spec.slices);
 }
 
 bool fields(auto& io, Either<RequestMessage> auto& message) {
@@ -84,7 +85,7 @@ bool fields(auto& io, Either<RequestMessage> auto& message) {
   return io.u32(request.frame.value) && frames_behind_field(io, message) &&  //
          io.ns(request.display_time) && io.ns(request.scene_time) &&         //
          fields(io, request.views[0]) && fields(io, request.views[1]) &&     //
-         fields(io, request.wanted) &&                                       //
+         fields(io, request.answer) &&                                       //
          io.u64(message.probe_echo) && fields(io, request.lights) && fields(io, message.arrivals);
 }
 
@@ -98,7 +99,7 @@ bool fields(auto& io, Either<Refusal> auto& refusal) {
 }
 
 bool fields(auto& io, Either<Slice> auto& slice) {
-  return io.u32(slice.frame.value) && io.u32(slice.light_set_revision) && io.code(slice.eye) &&
+  return io.u32(slice.frame.value) && io.u32(slice.light_set_revision.value) && io.code(slice.eye) &&
          fields(io, slice.size) && io.u16(slice.lights) && io.u8(slice.plane) && io.u32(slice.first_tile) &&
          io.u16(slice.tile_count) && io.rest(slice.block);
 }
@@ -126,13 +127,11 @@ bool fields(auto& io, Either<Probe> auto& probe) {
   return io.u64(probe.token);
 }
 
-constexpr Duration kLongestInterval = std::chrono::seconds(10);
-
-// ---- ranges: why a message may not be sent and is refused
+// ---- ranges: the reason to refuse a message
 
 Verdict verdict(const LightChanges& changes) {
   if (changes.lights.size() > RequestMessage::kMostLightChanges) return WireRefusal::Lights;
-  std::uint32_t last = kFirstLightSet;
+  LightSetRevision last = kFirstLightSet;
   for (const LightChange& change : changes.lights) {
     if (const Verdict why = verdict_on(change, last, changes.revision)) return why;
     last = change.revision;
@@ -146,19 +145,19 @@ Verdict verdict(const ArrivalReport& report) {
   return in_range(report.base) ? kFine : WireRefusal::TimeRange;
 }
 
-/// What an answer does not need is 0.
-Verdict verdict(const AnswerSpec& wanted) {
-  if (static_cast<std::uint8_t>(wanted.answer) >= kAnswers) return WireRefusal::Code;
-  if (wanted.coding != Coding::AfterLast && wanted.coding != Coding::Alone) return WireRefusal::Code;
-  const bool video = is_video(wanted.answer), positions = wanted.answer == Answer::MasksOfPositions;
-  const bool rate =
-      video ? wanted.bits_per_second >= kLeastVideo_bits && wanted.bits_per_second <= kMostVideo_bits
-            : wanted.bits_per_second == 0 && wanted.coding == Coding::AfterLast;
-  const bool interval = video ? wanted.interval > Duration::zero() && wanted.interval <= kLongestInterval
-                              : wanted.interval == Duration::zero();
+/// Fields that an answer does not use must be 0.
+Verdict verdict(const AnswerSpec& spec) {
+  if (static_cast<std::uint8_t>(spec.kind) >= kAnswers) return WireRefusal::Code;
+  if (spec.coding != Coding::AfterLast && spec.coding != Coding::Alone) return WireRefusal::Code;
+  const bool video = is_video(spec.kind), positions = spec.kind == Answer::MasksOfPositions;
+  const bool rate = video
+                        ? spec.bits_per_second >= kLeastVideo_bits && spec.bits_per_second <= kMostVideo_bits
+                        : spec.bits_per_second == 0 && spec.coding == Coding::AfterLast;
+  const bool interval = video ? spec.interval > Duration::zero() && spec.interval <= kMostPictureInterval
+                              : spec.interval == Duration::zero();
   const bool grid =
-      positions ? wanted.position_bits >= kLeastPosition_bits && wanted.position_bits <= kMostPosition_bits
-                : wanted.position_bits == 0 && wanted.slices == 0;
+      positions ? spec.position_bits >= kLeastPosition_bits && spec.position_bits <= kMostPosition_bits
+                : spec.position_bits == 0 && spec.slices == 0;
   return rate && interval && grid ? kFine : WireRefusal::AnswerSpec;
 }
 
@@ -168,7 +167,7 @@ Verdict verdict(const RequestMessage& message) {
     return WireRefusal::FrameOrder;
   if (!in_range(request.display_time) || !in_range(request.scene_time)) return WireRefusal::TimeRange;
   if (!in_range(request.views[0]) || !in_range(request.views[1])) return WireRefusal::ViewRange;
-  if (const Verdict why = verdict(request.wanted)) return why;
+  if (const Verdict why = verdict(request.answer)) return why;
   if (const Verdict why = verdict(request.lights)) return why;
   return verdict(message.arrivals);
 }
@@ -185,7 +184,7 @@ Verdict verdict(const Refusal& refusal) {
   return known ? kFine : WireRefusal::Code;
 }
 
-/// What all slices say: whose, and which tiles.
+/// Checks the fields that all slices have: eye, size and tiles.
 Verdict verdict_on_tiles(const auto& slice) {
   const auto side_fits = [](std::uint32_t side) { return side >= 1 && side <= kMaxViewSide_px; };
   if (slice.eye != Side::Left && slice.eye != Side::Right) return WireRefusal::Code;
@@ -205,7 +204,7 @@ Verdict verdict(const Slice& slice) {
 
 Verdict verdict(const PlaneSlice& slice) {
   if (slice.kind > PlaneKind::PositionZ) return WireRefusal::Code;
-  if (slice.word_bytes < 1 || slice.word_bytes > 4) return WireRefusal::Code;
+  if (slice.word_bytes < 1 || slice.word_bytes > kMaxPlaneWord_bytes) return WireRefusal::Code;
   return verdict_on_tiles(slice);
 }
 

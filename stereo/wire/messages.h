@@ -1,7 +1,6 @@
-/// Messages: what client and server say to each other once they share keys, one message a sealed datagram.
-/// PROTOCOL.md has the bytes. They are encoded to and decoded from a span of bytes and know nothing of
-/// addresses, sockets or sealing. Decoders check length, then ranges, then trailing bytes; they refuse, never
-/// clamp.
+/// Messages between client and server, one message in each sealed datagram. PROTOCOL.md has the bytes.
+/// The encoders and decoders know nothing of addresses, sockets or sealing. Decoders check length, then
+/// ranges, then trailing bytes. They refuse a bad message; they never clamp a value.
 #pragma once
 
 #include <array>
@@ -26,122 +25,122 @@ namespace farshade {
 
 inline constexpr std::uint16_t kProtocolVersion = 3;
 inline constexpr std::size_t kMaxDatagram_bytes = 1200;  ///< UDP payload, sealing included
-inline constexpr std::size_t kSealing_bytes = 39;        ///< of these: what sealing adds (envelope.h)
+inline constexpr std::size_t kSealing_bytes = 39;        ///< of which sealing adds (envelope.h)
 inline constexpr std::size_t kMaxMessage_bytes = kMaxDatagram_bytes - kSealing_bytes;
 
-/// As Scene::hash; the wire knows no scenes.
+/// The same as Scene::hash, without a dependency on scenes.
 using ContentHash = std::array<std::uint8_t, 32>;
 
 // ---- client -> server
 
-/// What to trace, and what the server should know by then. Each request says all that the server has not yet
-/// acknowledged, so that none needs another.
+/// A request for a frame. It contains everything that the server has not yet acknowledged, so that no request
+/// depends on an earlier one.
 struct RequestMessage {
-  /// Changed lights that one request can carry; the others follow in the next.
+  /// Most light changes in one request; the next requests contain the others.
   static constexpr std::size_t kMostLightChanges = 6;
 
-  FrameRequest
-      request;  ///< of its lights those that the server is not known to have, at most kMostLightChanges
-  std::optional<FrameId> newest_received{};  ///< newest frame of which a slice came; older than request.frame
-  std::uint64_t probe_echo = 0;              ///< the newest Probe's token
+  /// Its light changes are those that the server may not have yet, at most kMostLightChanges.
+  FrameRequest request;
+  std::optional<FrameId>
+      newest_received{};         ///< newest frame with a slice that came; older than request.frame
+  std::uint64_t probe_echo = 0;  ///< the newest Probe's token, or 0
   ArrivalReport arrivals{};
 };
 
 // ---- either way
 
-/// A run of tiles of one plane of one eye: of the positions that a request brings, of the G-buffer that
-/// answers one. Decodes without any other (plane_codec.h packs and opens it).
+/// Consecutive tiles of one plane of one eye: positions from the client, or a G-buffer from the server. It
+/// decodes without any other slice (plane_codec.h).
 struct PlaneSlice {
   FrameId frame{};
   Side eye = Side::Left;
   PlaneKind kind = PlaneKind::BaseColor;
-  Extent size{};                       ///< of the whole plane
-  std::uint32_t word_bytes = 4;        ///< 1 to 4
+  Extent size{};                       ///< size of the whole plane
+  std::uint32_t word_bytes = 4;        ///< 1 to kMaxPlaneWord_bytes
   std::uint32_t first_tile = 0;        ///< in TileGrid{size}
   std::uint32_t tile_count = 0;        ///< 1 or more, first_tile + tile_count within the grid
-  std::span<const std::byte> block{};  ///< LZ4; a view into the message or the packer, owned by neither
+  std::span<const std::byte> block{};  ///< LZ4; points into the received message or the packer
 };
 
 using ClientMessage = std::variant<RequestMessage, PlaneSlice>;
 
 // ---- server -> client
 
-/// The answer to a hello whose sender has the key and the scene.
+/// The answer to a Hello from a client that has the key and the scene.
 struct Welcome {
   ContentHash scene_hash{};
   std::uint32_t light_count = 0;
-  /// Of an eye's view that a request may ask for: nobody's trace keeps the others waiting for long.
+  /// Most pixels of an eye's view. The limit keeps one client's trace from delaying the others for long.
   std::uint32_t most_pixels = std::uint32_t{1} << 23;
-  AnswerSet answers = set_of(Answer::Masks);  ///< that requests may want
+  AnswerSet answers = set_of(Answer::Masks);  ///< that clients may request
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
 
 enum class RefusalReason : std::uint8_t {
   VersionMismatch = 1,
-  UnknownKey = 2,  ///< no key of this id, or a hello that was not made with it
+  UnknownKey = 2,  ///< the server has no key with this id, or the proof was made with another key
   SceneMismatch = 3,
-  Busy = 4,  ///< no room for another client; ask again later
+  Busy = 4,  ///< the server has no room for another client now
 };
 
-/// The answer to a hello whose sender has the key, and yet gets no session: SceneMismatch or Busy.
+/// The answer to a Hello from a client that has the key but gets no session: SceneMismatch or Busy.
 struct Refusal {
   RefusalReason reason = RefusalReason::Busy;
   ContentHash scene_hash{};  ///< the server's
   friend bool operator==(const Refusal&, const Refusal&) = default;
 };
 
-/// A run of tiles of one plane of one eye's mask; decodes without any other slice (slice.h packs and opens
-/// it).
+/// Consecutive tiles of one plane of one eye's mask. It decodes without any other slice (slice.h).
 struct Slice {
   FrameId frame{};
-  std::uint32_t light_set_revision = 0;
+  LightSetRevision light_set_revision{};
   Side eye = Side::Left;
-  Extent size{};                       ///< of the whole mask
-  std::uint32_t lights = 0;            ///< of the whole mask
-  std::uint32_t plane = 0;             ///< it tells lights 32 * plane and up, as MaskLayout has them
+  Extent size{};                       ///< size of the whole mask
+  std::uint32_t lights = 0;            ///< in the whole mask
+  std::uint32_t plane = 0;             ///< it has the lights from 32 * plane on (MaskLayout)
   std::uint32_t first_tile = 0;        ///< in TileGrid{size}
   std::uint32_t tile_count = 0;        ///< 1 or more, first_tile + tile_count within the grid
-  std::span<const std::byte> block{};  ///< LZ4; a view into the message or the packer, owned by neither
+  std::span<const std::byte> block{};  ///< LZ4; points into the received message or the packer
 };
 
-/// A part of the coded picture of both eyes. All parts but the last have kVideoPart_bytes.
+/// A part of a coded picture of both eyes. All parts but the last have kVideoPart_bytes.
 struct VideoPart {
   FrameId frame{};
-  FrameId after{};                     ///< it decodes after this frame's picture; `frame` itself: alone
-  std::uint32_t part = 0, parts = 1;   ///< this one, of so many: at most kMostVideoParts
-  std::span<const std::byte> bytes{};  ///< a view, owned by neither; 1 or more
+  FrameId after{};                     ///< the frame whose picture it depends on; `frame` itself: none
+  std::uint32_t part = 0, parts = 1;   ///< index and number of parts, at most kMostVideoParts
+  std::span<const std::byte> bytes{};  ///< 1 or more; points into the received message or the packer
 };
 inline constexpr std::size_t kVideoPartHeader_bytes = 13;
 inline constexpr std::size_t kVideoPart_bytes = kMaxMessage_bytes - kVideoPartHeader_bytes;
 inline constexpr std::uint32_t kMostVideoParts = 4096;
 
-/// Sent after a frame's last slice: what the frame was and cost. Lost like any other datagram.
+/// The server sends it after the other messages of a frame. It may be lost like any other datagram.
 struct FrameReport {
   FrameId frame{};
-  std::uint32_t slices = 0;         ///< messages of this frame, this report not among them
-  std::uint32_t payload_bytes = 0;  ///< of those messages, before they are sealed
+  std::uint32_t slices = 0;         ///< messages of this frame, without this report
+  std::uint32_t payload_bytes = 0;  ///< bytes of those messages, before sealing
   std::uint64_t primary_rays = 0, shadow_rays = 0;
-  std::uint64_t full_shadow_rays = 0;            ///< of a trace that leaves nothing out
-  Duration primary{}, shadow{}, draw{}, pack{};  ///< stages of this frame; coding is part of pack
-  Duration waited{};                             ///< from arrival of the request to its trace
-  std::uint32_t superseded = 0;                  ///< requests dropped so far because a newer one came
-  std::uint32_t bytes_per_second = 0;            ///< that the server takes the path to this client to carry
+  std::uint64_t full_shadow_rays = 0;            ///< shadow rays that a trace without any saving would need
+  Duration primary{}, shadow{}, draw{}, pack{};  ///< times of the stages; pack includes coding
+  Duration waited{};                             ///< from the request's arrival to its trace
+  std::uint32_t superseded = 0;                  ///< requests that newer ones have replaced so far
+  std::uint32_t bytes_per_second = 0;            ///< that the path carries, by the server's estimate
   ViewScale view_scale{};                        ///< the size of views that the client should request
   friend bool operator==(const FrameReport&, const FrameReport&) = default;
 };
 
-/// Sent to an address from which the client's datagrams come of late: whoever is there says the token in its
-/// next request, and slices go there from then on. Also sent, with a token that means nothing, to a client
-/// that asks and has been sent nothing for 100 ms: a sign of life of a busy server.
+/// The server sends it to a new address of a client. The client puts the token into its next requests, and
+/// the server then sends slices to that address. It is also a keepalive (kKeepaliveInterval) from a busy
+/// server to a client that sends requests; nothing depends on its token then.
 struct Probe {
   std::uint64_t token = 0;  ///< not 0
   friend bool operator==(const Probe&, const Probe&) = default;
 };
 
-/// Bytes of a slice's message before its block.
+/// Bytes of a Slice message before its block.
 inline constexpr std::size_t kSliceHeader_bytes = 23;
 inline constexpr std::size_t kMaxBlock_bytes = kMaxMessage_bytes - kSliceHeader_bytes;
-/// The same of a plane's slice.
+/// Bytes of a PlaneSlice message before its block.
 inline constexpr std::size_t kPlaneSliceHeader_bytes = 18;
 inline constexpr std::size_t kMaxPlaneBlock_bytes = kMaxMessage_bytes - kPlaneSliceHeader_bytes;
 
@@ -149,11 +148,12 @@ using ServerMessage = std::variant<Welcome, Refusal, Slice, FrameReport, Probe, 
 
 // ---- bytes
 
-/// Replaces `bytes` by the message's, at most kMaxMessage_bytes. A message out of its ranges is a bug here.
+/// Replaces `bytes` by the message's bytes, at most kMaxMessage_bytes. Checks that its fields are in their
+/// ranges.
 void encode(const ClientMessage& message, std::vector<std::byte>& bytes);
 void encode(const ServerMessage& message, std::vector<std::byte>& bytes);
 
-/// Blocks and parts point into `bytes`.
+/// Blocks and parts of the result point into `bytes`.
 [[nodiscard]] Decoded<ClientMessage> decode_client(std::span<const std::byte> bytes);
 [[nodiscard]] Decoded<ServerMessage> decode_server(std::span<const std::byte> bytes);
 

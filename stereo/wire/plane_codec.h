@@ -1,5 +1,5 @@
-/// Plane codec: a plane of pixels as slices that each decode alone, as masks travel (slice.h). A slice that
-/// is lost leaves its tiles unknown and nothing else.
+/// Plane codec: packs a plane of pixels into slices that decode independently, like a mask (slice.h). If a
+/// slice is lost, only its tiles stay unknown.
 #pragma once
 
 #include <array>
@@ -13,29 +13,29 @@
 
 namespace farshade {
 
-/// Packs plane after plane; keeps its buffers, so that packing allocates nothing once warm.
+/// Packs one plane after another. It reuses its buffers, so that it allocates only for the first planes.
 ///
 ///     packer.start(frame, eye, kind, plane);
 ///     while (const std::optional<PlaneSlice> slice = packer.next()) send(*slice);
 class PlanePacker {
  public:
-  /// Packs `plane`, which must stay as it is until the last slice was made.
+  /// Starts to pack `plane`, which must stay unchanged until the last slice.
   void start(FrameId frame, Side eye, PlaneKind kind, const PixelPlane& plane);
 
-  /// The next slice, or none after the last. Its block lives here, until the next call.
+  /// Returns the next slice, or nothing after the last. Its block is valid until the next call.
   [[nodiscard]] std::optional<PlaneSlice> next();
 
  private:
   const PixelPlane* plane_ = nullptr;
-  PlaneSlice slice_;  ///< what all slices of this plane share, and where the next one starts
-  TileBlocks ready_;  ///< tiles from slice_.first_tile on
+  PlaneSlice slice_;  ///< fields that all slices of this plane share, and the next slice's first tile
+  TileBlocks ready_;  ///< written tiles, from slice_.first_tile on
   std::array<std::byte, kMaxPlaneBlock_bytes> block_;
 };
 
-/// Writes the tiles of a slice, as decode_client or decode_server gave it, into `plane` and sets them in
-/// `known` (one entry a tile of the plane) to 1. Returns how many of them were 0 before: 0 for a duplicate,
-/// TileGrid::count() over all slices of a plane. Refuses a slice for a plane of another size or word length,
-/// and every block that is not exactly the tiles it claims. Then plane and known stay as they were.
+/// Writes the tiles of a decoded slice into `plane` and sets their entries in `known` (one for each tile of
+/// the plane) to 1. Returns how many of these entries were 0 before: 0 for a duplicate. Refuses a slice of a
+/// plane with another size or word length, and a block whose content is not exactly the slice's tiles. After
+/// a refusal plane and known are unchanged.
 [[nodiscard]] Decoded<std::uint32_t> decode_plane_tiles(const PlaneSlice& slice, PixelPlane& plane,
                                                         KnownTiles& known);
 

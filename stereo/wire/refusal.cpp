@@ -7,7 +7,7 @@ std::string_view name_of(WireRefusal refusal) {
       "too long",    "truncated",   "magic",     "version",   "type",       "view range",      "time range",
       "frame order", "code",        "lights",    "mask size", "tile range", "trailing bytes",  "block",
       "tile coding", "tile length", "tile bits", "arrivals",  "padding",    "unknown session", "replayed",
-      "forged",      "wanted",      "part",      "other mask"};
+      "forged",      "answer",      "part",      "other mask"};
   return names[static_cast<std::size_t>(refusal)];
 }
 

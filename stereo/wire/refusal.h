@@ -1,5 +1,5 @@
-/// Why foreign bytes were refused, and how often: each reason has its own counter.
-/// A refusal is a number, not a sentence: a flood of bad datagrams must cost nothing.
+/// Reasons to refuse foreign bytes, and a counter for each of them.
+/// A refusal is a number and not a sentence, so that a flood of bad datagrams is cheap.
 #pragma once
 
 #include <array>
@@ -14,29 +14,29 @@ namespace farshade {
 enum class WireRefusal : std::uint8_t {
   TooLong,         ///< more than kMaxDatagram_bytes
   Truncated,       ///< ends inside a field
-  Magic,           ///< not ours
-  Version,         ///< ours, another version, and not one of the messages that every version has
-  Type,            ///< no message of this direction
+  Magic,           ///< not a datagram of this protocol
+  Version,         ///< of another version, and not an envelope that every version has
+  Type,            ///< no envelope or message of this direction has this type
   ViewRange,       ///< pose, fov or size of a view out of range
   TimeRange,       ///< a time or duration out of range
-  FrameOrder,      ///< a request says that it holds a frame it has not yet asked for
-  Code,            ///< an enumeration, flag or reserved byte holds what it may not
-  Lights,          ///< more than kMaxLights, or a plane beyond them
+  FrameOrder,      ///< a frame refers to a newer one
+  Code,            ///< an enumeration, flag or reserved byte has an undefined value
+  Lights,          ///< more than kMaxLights, a plane beyond them, or light changes out of order
   MaskSize,        ///< a side of 0 or more than kMaxViewSide_px
   TileRange,       ///< no tiles, or tiles outside the grid
   TrailingBytes,   ///< bytes after the last field
-  Block,           ///< not an LZ4 block, or one that opens to more than a slice may hold
-  TileCoding,      ///< a tile coding this version does not know
-  TileLength,      ///< tile bytes that are more or fewer than their codings need
-  TileBits,        ///< bits where there is no light
-  Arrivals,        ///< an arrival report longer or later than any can be
-  Padding,         ///< a hello that is not 1,200 bytes, or filled with other than zeros
-  UnknownSession,  ///< sealed for a session that is not there
-  Replayed,        ///< sealed, and its counter was opened before or has left the window
-  Forged,          ///< sealed, and does not open: forged, damaged, or under another key
-  AnswerSpec,      ///< an answer that is wanted with what it does not go with, or out of range
-  Part,            ///< a part of a picture that no picture has, or of another length
-  OtherMask,       ///< a valid slice of a mask with another size or light count than the one to be filled
+  Block,           ///< not an LZ4 block, or its content is longer than kMaxOpened_bytes
+  TileCoding,      ///< a tile coding that this version does not know
+  TileLength,      ///< more or fewer bytes than the tiles need
+  TileBits,        ///< a bit of a light that does not exist is set
+  Arrivals,        ///< an arrival report is too long, or its counter too large
+  Padding,         ///< a Hello has another length, or padding other than zeros
+  UnknownSession,  ///< a Sealed of a session that does not exist
+  Replayed,        ///< the counter was opened before, or is older than the window
+  Forged,          ///< the tag is wrong: forged, damaged, or sealed with another key
+  AnswerSpec,      ///< fields that do not fit the kind of answer, or are out of range
+  Part,            ///< a VideoPart with a wrong index, number or length
+  OtherMask,       ///< a valid slice, but of a mask with another size or light count
 };
 inline constexpr std::size_t kWireRefusals = 25;
 

@@ -1,5 +1,5 @@
-/// ReplayWindow: which counters have been seen, as a ring of bits behind the newest (RFC 6479). A counter
-/// that is older than the window counts as seen.
+/// ReplayWindow: remembers which counters have been opened, as a ring of bits behind the newest one (RFC
+/// 6479). It treats a counter that is older than the window as opened.
 #pragma once
 
 #include <array>
@@ -10,14 +10,14 @@ namespace farshade {
 
 class ReplayWindow {
  public:
-  static constexpr std::uint64_t kSize = 4096;  ///< counters that it tells apart, the newest among them
+  static constexpr std::uint64_t kSize = 4096;  ///< counters in the window, including the newest
 
   [[nodiscard]] bool is_new(std::uint64_t counter) const {
     if (!newest_ || counter > *newest_) return true;
     return *newest_ - counter < kSize && (word(counter) >> (counter % 64) & 1u) == 0;
   }
 
-  /// Only for a counter that is new, and whose datagram has opened.
+  /// Call it only for a counter that is new and whose datagram has opened.
   void take(std::uint64_t counter) {
     if (!newest_ || counter > *newest_) forget_up_to(counter);
     bits_[counter / 64 % kWords] |= std::uint64_t{1} << (counter % 64);
@@ -26,7 +26,7 @@ class ReplayWindow {
   [[nodiscard]] std::optional<std::uint64_t> newest() const { return newest_; }
 
  private:
-  /// One word more than the window, so that the newest counter's word never holds bits of the oldest ones.
+  /// One word more than the window needs: the newest counter's word never has bits of the oldest counters.
   static constexpr std::uint64_t kWords = kSize / 64 + 1;
 
   [[nodiscard]] std::uint64_t word(std::uint64_t counter) const { return bits_[counter / 64 % kWords]; }

@@ -1,7 +1,6 @@
-/// Seal: messages closed so that only the other side opens them, and nobody changes, forges or repeats them.
-/// ChaCha20-Poly1305 (RFC 8439) by libsodium; the nonce is a counter that goes with the datagram, each
-/// direction and each session has a key of its own, made anew for every handshake, so no nonce is used twice
-/// under a key.
+/// Seal: encrypts and authenticates messages with ChaCha20-Poly1305 (RFC 8439, libsodium), and refuses
+/// replays. The nonce is a counter that the datagram contains. Each direction of each session has its own
+/// key, so no nonce is used twice with one key.
 #pragma once
 
 #include <array>
@@ -14,7 +13,7 @@
 
 namespace farshade {
 
-/// 32 secret bytes, wiped when they go.
+/// 32 secret bytes. The destructor overwrites them.
 class Secret {
  public:
   Secret() = default;
@@ -32,7 +31,7 @@ class Secret {
   std::array<std::uint8_t, 32> bytes_{};
 };
 
-/// Off closes nothing, and keeps the datagrams as long as they are: for looking at the wire on one machine.
+/// Off sends messages without encryption, in datagrams of the same length: to inspect traffic on one machine.
 enum class Sealing : std::uint8_t { On, Off };
 
 class Sealer {
@@ -55,9 +54,9 @@ class Opener {
  public:
   Opener(const Secret& key, Sealing sealing) : key_(key), sealing_(sealing) {}
 
-  /// The message that `sealed`, read from `datagram`, holds; in `opened`, until the next call. Refuses what
-  /// was opened before or has left the window (Replayed) and what does not open (Forged): then nothing has
-  /// changed.
+  /// Decrypts `sealed`, read from `datagram`, into `opened` and returns a view of it. Refuses a counter that
+  /// was opened before or is older than the window (Replayed), and a wrong tag (Forged). After a refusal the
+  /// window is unchanged.
   [[nodiscard]] Decoded<std::span<const std::byte>> open(const Sealed& sealed,
                                                          std::span<const std::byte> datagram,
                                                          std::vector<std::byte>& opened);
@@ -70,8 +69,8 @@ class Opener {
   ReplayWindow window_;
 };
 
-/// One message under a key of its own: the sealed half of an Accept. `around` are the bytes that it is bound
-/// to.
+/// Seals or opens a single message with its own key: the sealed part of an Accept. The tag also authenticates
+/// the bytes of `around`.
 [[nodiscard]] std::vector<std::byte> seal_alone(const Secret& key, Sealing sealing,
                                                 std::span<const std::byte> around,
                                                 std::span<const std::byte> message);

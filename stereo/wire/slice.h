@@ -1,7 +1,7 @@
-/// Slices: the tiles of a mask, packed into datagrams that each decode alone.
+/// Slices: packs the tiles of a mask into messages that decode independently.
 ///
-/// Tiles are written one after the other (tile_codec.h); each datagram takes as many whole ones as it holds
-/// (tile_blocks.h). A datagram that is lost leaves its tiles unknown and nothing else.
+/// Tiles are coded one after the other (tile_codec.h). Each slice takes as many whole tiles as fit into its
+/// datagram (tile_blocks.h). If a datagram is lost, only its tiles stay unknown.
 #pragma once
 
 #include <array>
@@ -18,13 +18,13 @@
 
 namespace farshade {
 
-/// How a light that is the same all over a tile is told.
+/// How a light that has the same value in all pixels of a tile is coded.
 enum class SameAllOver : std::uint8_t {
-  OneValue,   ///< once for the tile
-  EachPixel,  ///< as any other: what it costs where the plan leaves nothing out
+  OneValue,   ///< one bit for the tile
+  EachPixel,  ///< one bit for each pixel, to measure the cost of a plan without savings
 };
 
-/// Packs eye after eye; keeps its buffers, so that packing allocates nothing once warm.
+/// Packs one eye after another. It reuses its buffers, so that it allocates only for the first masks.
 ///
 ///     packer.start(frame, eye);
 ///     while (const std::optional<Slice> slice = packer.next()) send(*slice);
@@ -32,11 +32,11 @@ class SlicePacker {
  public:
   explicit SlicePacker(SameAllOver same = SameAllOver::OneValue) : same_(same) {}
 
-  /// Packs `eye` of `frame`, which must stay as it is until the last slice was made. `sent` has one entry a
-  /// tile, 0 = not to be sent; empty: all are sent.
+  /// Starts to pack `eye` of `frame`, which must stay unchanged until the last slice. `sent` has one entry
+  /// for each tile, 0: the tile is not sent. If `sent` is empty, all tiles are sent.
   void start(const ShadowFrame& frame, Side eye, std::span<const std::uint8_t> sent = {});
 
-  /// The next slice, or none after the last. Its block lives here, until the next call.
+  /// Returns the next slice, or nothing after the last. Its block is valid until the next call.
   [[nodiscard]] std::optional<Slice> next();
 
  private:
@@ -47,16 +47,15 @@ class SlicePacker {
   SameAllOver same_;
   const EyeMask* mask_ = nullptr;
   std::span<const std::uint8_t> sent_;
-  Slice slice_;       ///< what all slices of this eye share, and where the next one starts
-  TileBlocks ready_;  ///< tiles from slice_.first_tile on
+  Slice slice_;       ///< fields that all slices of this eye share, and the next slice's first tile
+  TileBlocks ready_;  ///< written tiles, from slice_.first_tile on
   std::array<std::byte, kMaxBlock_bytes> block_;
 };
 
-/// Writes the tiles of a slice, as decode_server gave it, into `mask` and marks them in `known` (one entry a
-/// tile of the mask). Returns how many of them were unknown before, planes counted one by one: 0 for a
-/// duplicate, TileGrid::count() x planes() over all slices of a mask. Refuses a slice for a mask of another
-/// size or light count, and every block that is not exactly the tiles it claims. Then, and for tiles not
-/// sent, mask and known stay as they were.
+/// Writes the tiles of a decoded slice into `mask` and marks them in `known` (one entry for each tile of the
+/// mask). Returns how many of these tiles were unknown in the slice's plane before: 0 for a duplicate.
+/// Refuses a slice of a mask with another size or light count, and a block whose content is not exactly the
+/// slice's tiles. After a refusal, and for tiles that were not sent, mask and known are unchanged.
 [[nodiscard]] Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, EyeMask& mask, KnownTiles& known);
 
 }  // namespace farshade

@@ -1,5 +1,5 @@
-/// TileBlocks: tiles, as bytes one after the other, packed into LZ4 blocks that each open alone. A block
-/// takes as many whole tiles as its datagram holds (LZ4_compress_destSize). Masks and planes travel so.
+/// TileBlocks: packs the coded tiles of masks and planes into LZ4 blocks that decompress independently. A
+/// block takes as many whole tiles as fit into its datagram (LZ4_compress_destSize).
 #pragma once
 
 #include <array>
@@ -12,26 +12,26 @@
 
 namespace farshade {
 
-/// What a block opens to at most; bounds the decoder's memory.
+/// Largest content of a block. It limits the decoder's memory.
 inline constexpr std::size_t kMaxOpened_bytes = 16384;
 
-/// What LZ4 makes of `bytes` bytes at most (LZ4_COMPRESSBOUND), for claims that any tile fits a block.
+/// Most bytes that LZ4 needs for `bytes` bytes (LZ4_COMPRESSBOUND). Shows that every tile fits into a block.
 constexpr std::size_t most_packed_bytes(std::size_t bytes) {
   return bytes + bytes / 255 + 16;
 }
 
-/// Keeps its buffers, so that packing allocates nothing once warm.
+/// Reuses its buffers, so that it allocates only for the first blocks.
 class TileBlocks {
  public:
-  /// No tile lies ready.
+  /// Removes all written tiles.
   void clear();
 
-  /// Tiles that lie ready to be packed.
+  /// Number of written tiles that are not packed yet.
   [[nodiscard]] std::uint32_t ready() const { return static_cast<std::uint32_t>(ends_.size()); }
   [[nodiscard]] bool has_room_for(std::size_t tile_bytes) const {
     return written_.size() + tile_bytes <= kMaxOpened_bytes;
   }
-  /// `write(bytes)` appends one tile, for which there is room.
+  /// `write(bytes)` appends one tile. The caller has checked that there is room.
   template <class Write>
   void add(Write&& write) {
     write(written_);
@@ -42,8 +42,8 @@ class TileBlocks {
     std::uint32_t tiles = 0;
     std::size_t block_bytes = 0;
   };
-  /// Packs the first of the ready tiles, at least one, into `block`, which holds any one, and takes them
-  /// away.
+  /// Packs as many written tiles as possible, at least one, into `block` and removes them. `block` must have
+  /// room for every single tile.
   Packed pack(std::span<std::byte> block);
 
  private:
@@ -51,16 +51,16 @@ class TileBlocks {
   [[nodiscard]] Packed compress(std::span<std::byte> block) const;
 
   std::vector<std::byte> written_;
-  std::vector<std::size_t> ends_;  ///< where each tile ends in written_
+  std::vector<std::size_t> ends_;  ///< end of each tile in written_
 };
 
 using OpenedBlock = std::array<std::byte, kMaxOpened_bytes>;
 
-/// What `block` opens to, in `opened`; nothing if it is no LZ4 block, or holds more.
+/// Decompresses `block` into `opened`. Returns nothing if it is not an LZ4 block or has more content.
 [[nodiscard]] std::optional<std::span<const std::byte>> open_block(std::span<const std::byte> block,
                                                                    OpenedBlock& opened);
 
-/// Of the library that packs them, for people.
+/// Version of the LZ4 library, for reports.
 [[nodiscard]] std::string lz4_version();
 
 }  // namespace farshade

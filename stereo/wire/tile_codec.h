@@ -1,9 +1,9 @@
-/// Tile codec: one plane (up to 32 lights) of one 16x16 tile of a mask, as bits and as bytes.
+/// Tile codec: codes one plane (up to 32 lights) of one 16x16 tile of a mask.
 ///
-/// Most tiles hold one value; a light that differs within a tile mostly does so along one shadow edge, which
-/// moves little from row to row. So a light's plane is told by the rows that differ from the row above, and a
-/// row's difference by the runs of pixels that flip: about one byte a row of edge, which LZ4 then shortens
-/// further. PROTOCOL.md has the bytes.
+/// Most tiles have the same value in all pixels. If a light varies within a tile, it mostly has one shadow
+/// edge, which moves little from row to row. So the coder writes only the rows that differ from the row
+/// above, and for each of them the runs of pixels that flip. That takes about one byte for each row of an
+/// edge, and LZ4 shortens it further. PROTOCOL.md has the bytes.
 #pragma once
 
 #include <array>
@@ -18,35 +18,36 @@
 
 namespace farshade {
 
-/// First byte of a tile on the wire. New ways to code a tile get new numbers; these stay.
+/// First byte of a coded tile. A new coding gets a new number; these numbers keep their meaning.
 enum class TileCoding : std::uint8_t { NotSent = 0, OneValue = 1, BitPlanes = 2 };
 
-/// One light in one tile: bit x of row y. Pixels outside of the mask repeat the last column and row.
+/// One light in one tile: bit x of row y is pixel (x, y). Pixels outside of the mask repeat its last column
+/// and row.
 using PlaneRows = std::array<std::uint16_t, kTileSide_px>;
 
 /// One plane of a tile. Bit i of the words is light 32 * plane + i.
 struct TileBits {
-  std::uint32_t varies = 0;        ///< lights that are not the same at all pixels
-  std::uint32_t value = 0;         ///< what the others are everywhere; 0 for those that vary
-  std::array<PlaneRows, 32> rows;  ///< of the lights that vary; the rest is not initialised
+  std::uint32_t varies = 0;        ///< lights that differ between pixels
+  std::uint32_t value = 0;         ///< value of the other lights; 0 for lights that vary
+  std::array<PlaneRows, 32> rows;  ///< of the lights that vary; others are not initialised
 };
 
-/// Says of all `lights` how they are at each pixel, even of those that are the same everywhere.
+/// Turns all `lights` into lights that vary, with a bit for each pixel.
 void spell_out(std::uint32_t lights, TileBits& bits);
 
-/// Masks to bits and back. `rect` is a tile of the mask's TileGrid, `plane` one of its layout's.
+/// Reads a tile's bits from a mask, or writes them to it. `rect` is a tile of the mask's TileGrid.
 [[nodiscard]] TileBits split_tile(const EyeMask& mask, TileRect rect, std::uint32_t plane);
 void merge_tile(const TileBits& bits, TileRect rect, std::uint32_t plane, EyeMask& mask);
 
-/// Coding, varying and raw lights, and 32 lights' rows as they are: no tile is longer.
+/// The longest tile: coding, varying and raw lights, and raw rows of 32 lights.
 inline constexpr std::size_t kMaxTile_bytes = 1 + 4 + 4 + 32 * 32;
 
-/// Appends the shortest of the codings. `lights` is the number of lights in the plane.
+/// Appends the tile in its shortest coding. `lights` is the number of lights in the plane.
 void write_tile(const TileBits& bits, std::uint32_t lights, std::vector<std::byte>& out);
 void write_not_sent(std::vector<std::byte>& out);
 
-/// Takes one tile from `in`; NotSent leaves `bits` as it is.
-/// Refuses unknown codings, tiles that end too early and bits at or above `lights`.
+/// Reads one tile from `in`. NotSent leaves `bits` unchanged.
+/// Refuses unknown codings, tiles that end early, and set bits at or above `lights`.
 [[nodiscard]] Decoded<TileCoding> read_tile(ByteReader& in, std::uint32_t lights, TileBits& bits);
 
 }  // namespace farshade

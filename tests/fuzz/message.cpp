@@ -50,9 +50,9 @@ void check_ranges(const RequestMessage& message) {
     check_place(p.x, p.y, p.z);
     check(std::abs(std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z) - 1) <= 1.001e-3, "directions are unit");
   }
-  check(static_cast<std::uint8_t>(request.wanted.answer) < kAnswers, "a known kind of answer");
-  check(request.wanted.bits_per_second <= kMostVideo_bits, "a bit rate within its limit");
-  check_span(request.wanted.interval.count(), 0);
+  check(static_cast<std::uint8_t>(request.answer.kind) < kAnswers, "a known kind of answer");
+  check(request.answer.bits_per_second <= kMostVideo_bits, "a bit rate within its limit");
+  check_span(request.answer.interval.count(), 0);
   check(message.arrivals.count <= ArrivalReport::kMost, "an arrival report within its limit");
 }
 

@@ -48,7 +48,7 @@ struct Mask {
   StereoView views;
   PerEye<EyeMask> bits;
   PerEye<KnownTiles> known_tiles;
-  std::uint32_t light_set_revision = kFirstLightSet;
+  LightSetRevision light_set_revision = kFirstLightSet;
 
   /// Refers to this mask.
   [[nodiscard]] TracedMask in_hand() const;

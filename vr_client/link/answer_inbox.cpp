@@ -24,7 +24,7 @@ FrameRequest AnswerInbox::ask(const FrameRequest& request, Time asked_at, Time n
 
 /// A piece of an answer shows which light set the server has.
 void AnswerInbox::acknowledge(const RequestRecord* changed) {
-  if (changed != nullptr && is_newer_light_set(changed->light_set_revision, acknowledged_))
+  if (changed != nullptr && is_newer(changed->light_set_revision, acknowledged_))
     acknowledged_ = changed->light_set_revision;
 }
 

@@ -55,8 +55,8 @@ class AnswerInbox {
 
   Assembler assembler_;
   MaskLayout layout_;
-  std::uint64_t session_ = 0;                    ///< counts sessions
-  std::uint32_t acknowledged_ = kFirstLightSet;  ///< the newest light set that the server surely has
+  std::uint64_t session_ = 0;                       ///< counts sessions
+  LightSetRevision acknowledged_ = kFirstLightSet;  ///< the newest light set that the server surely has
   std::optional<FrameId> newest_report_;
   std::uint32_t most_pixels_ = Welcome{}.most_pixels;
   ViewScale view_scale_{};

@@ -4,19 +4,11 @@
 
 #include "stereo/base/check.h"
 #include "stereo/net/explain.h"
+#include "stereo/wire/timing.h"
 
 namespace farshade {
 namespace {
 
-/// The time between two hellos to a server that has not answered.
-constexpr Duration kHelloInterval = std::chrono::milliseconds(250);
-/// A busy server sends a message every 100 ms. If none has come for this long and several requests were not
-/// answered, the server may have been restarted, and the client says hello. A silent path looks the same, so
-/// the old session is kept until a new one begins.
-constexpr Duration kSilence = std::chrono::milliseconds(250);
-/// The same after a datagram without authentication has said that the server does not know the session.
-constexpr Duration kSilenceWhenTold = std::chrono::milliseconds(200);
-constexpr std::uint32_t kUnanswered = 4;
 /// The largest rate of positions: 32 datagrams of 1,200 bytes every 200 us are 1.5 Gbit/s.
 constexpr std::size_t kBurst = 32;
 constexpr Duration kBurstPause = std::chrono::microseconds(200);
@@ -56,7 +48,7 @@ void NetworkLink::say_hello() {
 void NetworkLink::keep_session() {
   if (refused_) return;
   const bool silent =
-      channel_ && channel_->unanswered >= kUnanswered && clock_.now() - channel_->heard > kSilence;
+      channel_ && channel_->unanswered >= kLeastUnanswered && clock_.now() - channel_->heard > kServerSilence;
   if (!channel_ || handshake_ || silent) say_hello();
 }
 
@@ -119,7 +111,7 @@ Decoded<void> NetworkLink::take_datagram(const Datagram& datagram) {
   if (!envelope) return refuse(envelope.error());
   if (const auto* sealed = std::get_if<Sealed>(&*envelope)) return take_sealed(*sealed, datagram);
   if (const auto* lost = std::get_if<NoSession>(&*envelope)) {
-    const bool silent = channel_ && clock_.now() - channel_->heard > kSilenceWhenTold;
+    const bool silent = channel_ && clock_.now() - channel_->heard > kServerSilenceAfterNoSession;
     if (silent && lost->session == channel_->id) say_hello();
     return {};
   }

@@ -46,7 +46,7 @@ class ClientPositions final : public ModePipeline {
 
  private:
   [[nodiscard]] AnswerSpec answer() const {
-    return {.answer = Answer::MasksOfPositions, .position_bits = context_.mode.position_bits};
+    return {.kind = Answer::MasksOfPositions, .position_bits = context_.mode.position_bits};
   }
 
   /// Writes the positions of the pixels of the requested views into messages.

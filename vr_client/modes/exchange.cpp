@@ -22,19 +22,19 @@ const FrameRequest* Exchange::plan(const FrameInputs& inputs, const AnswerSpec& 
   request_.reset();
   if (link_ == nullptr) return nullptr;
   RequestSettings settings = inputs.steering.wish;
-  const bool is_picture = is_drawn(answer.answer);
+  const bool is_picture = is_drawn(answer.kind);
   if (is_picture) settings.guard_band = GuardBandUse::Off;
   plan_.follow(settings);
   plan_.shrink(is_picture ? kFullViewScale : link_->inbox().view_scale());
   plan_.limit(link_->inbox().most_pixels());
   request_ = plan_.ask(inputs.shown, inputs.period, inputs.steering.scene);
   if (!request_) return nullptr;
-  request_->wanted = answer;
+  request_->answer = answer;
   return &*request_;
 }
 
 const FrameRequest* Exchange::complete(std::uint32_t slices) {
-  request_->wanted.slices = slices;
+  request_->answer.slices = slices;
   return &*request_;
 }
 

@@ -12,7 +12,7 @@ class Hybrid final : public ModePipeline {
         masks_(context.scene.animation_length_s > 0) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
-    asked_ = exchange_.plan(inputs, {.answer = Answer::Masks});
+    asked_ = exchange_.plan(inputs, {.kind = Answer::Masks});
     exchange_.send(inputs);
     return asked_;
   }

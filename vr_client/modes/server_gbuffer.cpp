@@ -15,7 +15,7 @@ class ServerGBuffer final : public ModePipeline {
       : context_(context), exchange_(context.link, context.policy, context.steering.wish) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
-    const FrameRequest* const asked = exchange_.plan(inputs, {.answer = Answer::GBuffer});
+    const FrameRequest* const asked = exchange_.plan(inputs, {.kind = Answer::GBuffer});
     exchange_.send(inputs);
     return asked;
   }

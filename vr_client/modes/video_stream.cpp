@@ -7,7 +7,7 @@ VideoStream::VideoStream(const RunContext& context, Answer answer)
 
 const FrameRequest* VideoStream::request(const FrameInputs& inputs) {
   const Duration interval = inputs.period * inputs.steering.wish.every;
-  const FrameRequest* const asked = exchange_.plan(inputs, {.answer = answer_,
+  const FrameRequest* const asked = exchange_.plan(inputs, {.kind = answer_,
                                                             .bits_per_second = context_.mode.bits_per_second,
                                                             .interval = interval,
                                                             .coding = chain_.next()});

@@ -38,14 +38,14 @@ bool text_field(ByteReader& io, std::string& text) {
 }
 
 bool light_fields(ByteWriter& io, const LightChanges& changes) {
-  bool fine = io.u32(changes.revision) && io.u16(changes.lights.size());
+  bool fine = io.u32(changes.revision.value) && io.u16(changes.lights.size());
   for (const LightChange& change : changes.lights) fine = fine && fields(io, change);
   return fine;
 }
 /// The vector grows with the bytes that are present, not with the count that the file states.
 bool light_fields(ByteReader& io, LightChanges& changes) {
   std::uint16_t count = 0;
-  if (!io.u32(changes.revision) || !io.u16(count)) return false;
+  if (!io.u32(changes.revision.value) || !io.u16(count)) return false;
   for (std::size_t i = 0; i < count; ++i)
     if (!fields(io, changes.lights.emplace_back())) return false;
   return true;
@@ -78,7 +78,7 @@ bool is_one_of(Enum value, Enum last) {
 
 Verdict verdict_on_lights(const LightChanges& changes) {
   std::bitset<kMaxLights> seen;
-  std::uint32_t last = kFirstLightSet;
+  LightSetRevision last = kFirstLightSet;
   for (const LightChange& change : changes.lights) {
     if (const Verdict why = verdict_on(change, last, changes.revision)) return why;
     if (seen.test(change.light)) return WireRefusal::Lights;

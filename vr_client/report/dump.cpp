@@ -50,7 +50,7 @@ json describe(const FrameView& view) {
                    {"display_time_ns", ns_of(view.shown.display_time)},
                    {"scene_time_ns", ns_of(view.shown.scene_time)},
                    {"views", views_json(view.shown.views)}}},
-                 {"light_set_revision", view.state.light_set.revision},
+                 {"light_set_revision", view.state.light_set.revision.value},
                  {"lights", json::array()},
                  {"traced", nullptr}};
   for (const Light& light : view.state.light_set.lights) described["lights"].push_back(light_json(light));

@@ -244,7 +244,7 @@ TEST(NetworkLink, HostileBytesChangeNothingButCounters) {
   slice.frame = {77};
   bench.send(bench.sealed(slice));
   slice.frame = {1};
-  slice.light_set_revision = 9;
+  slice.light_set_revision = {9};
   bench.send(bench.sealed(slice));
   bench.send(bench.sealed(FrameReport{.frame = {78}}));
   bench.send(bench.sealed(Refusal{}));

@@ -15,7 +15,7 @@ using modes_test::ScriptedLink;
 using Part = ScriptedLink::Part;
 
 constexpr Duration kPeriod = 10ms;
-constexpr AnswerSpec kMasks{.answer = Answer::Masks};
+constexpr AnswerSpec kMasks{.kind = Answer::Masks};
 
 /// A client whose head turns slowly, one frame after the other.
 struct Client {
@@ -61,7 +61,7 @@ TEST(Exchange, SendsWhatItHasPlanned) {
   ASSERT_NE(request, nullptr);
   ASSERT_EQ(client.link.sent.size(), 1u);
   EXPECT_EQ(client.link.sent[0].views, request->views);
-  EXPECT_EQ(client.link.sent[0].wanted, kMasks);
+  EXPECT_EQ(client.link.sent[0].answer, kMasks);
   const RequestRecord* const record = client.exchange.record(request);
   ASSERT_NE(record, nullptr);
   EXPECT_EQ(record->origin.asked_at, client.shown.display_time) << "not the time it is predicted for";
@@ -84,7 +84,7 @@ TEST(Exchange, AsksForPicturesWithoutAGuardBandInTheShownSize) {
   for (const Answer answer : {Answer::Masks, Answer::Video}) {
     Client client({.pace = Pace::Real, .round_trip = 20ms}, {.predictor = PredictorKind::Hold});
     for (std::uint32_t i = 1; i <= 40; ++i) {
-      client.ask(i, {.answer = answer});
+      client.ask(i, {.kind = answer});
       if (i > 5) client.exchange.drawn_with(client.inputs(), *client.link.inbox().find({i - 5}));
     }
     EXPECT_EQ(client.link.sent.back().views[0].size == kEye, answer == Answer::Video);

@@ -133,7 +133,7 @@ TEST_F(ControlsTest, GrabbedLightMovesWithTheHead) {
   EXPECT_NEAR(at.y, 2, 1e-12);
   EXPECT_NEAR(at.z, -1, 1e-12);
   EXPECT_NEAR(glm::length(last_change().pose->direction.v), 1, 1e-12);
-  const std::uint32_t revision = controls_.settings.lights.revision;
+  const LightSetRevision revision = controls_.settings.lights.revision;
   carry_light(controls_, context(), 0);
   EXPECT_EQ(controls_.settings.lights.revision, revision) << "what does not move makes no light set";
   execute(Command::GrabLight);
@@ -170,7 +170,7 @@ TEST_F(ControlsTest, ResetRestoresAllLights) {
     EXPECT_TRUE(change.on);
     EXPECT_FALSE(change.pose);
   }
-  const std::uint32_t revision = controls_.settings.lights.revision;
+  const LightSetRevision revision = controls_.settings.lights.revision;
   execute(Command::ResetLights);
   EXPECT_EQ(controls_.settings.lights.revision, revision);
 }

@@ -177,11 +177,12 @@ TEST(MotionBetweenLightSets, LightsChangedSinceAreStaleAndNoOthers) {
   change(changes, 2, false, std::nullopt);
   const MotionModel model = model_of(scene);
   const std::array<unsigned long, 5> stale{0b1010, 0b0010, 0b0010, 0, 0};  // what is off never is
-  for (std::uint32_t revision = kFirstLightSet; revision <= changes.revision; ++revision)
+  for (LightSetRevision revision = kFirstLightSet; !is_newer(revision, changes.revision);
+       revision = next(revision))
     for (const Duration later : {0ms, 400ms}) {
       const Motion motion = model.between(state_at(scene, Time{}, up_to(changes, revision)),
                                           state_at(scene, Time(later), changes));
-      EXPECT_EQ(motion.stale_lights.to_ulong(), stale[revision - 1]) << revision;
+      EXPECT_EQ(motion.stale_lights.to_ulong(), stale[revision.value - 1]) << revision.value;
       EXPECT_TRUE(motion.moved.empty());
     }
 }

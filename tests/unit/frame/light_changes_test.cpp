@@ -18,8 +18,8 @@ std::optional<LightChange> of_light(const LightChanges& changes, std::uint32_t l
 
 bool in_order(const LightChanges& changes) {
   for (std::size_t i = 1; i < changes.lights.size(); ++i)
-    if (!is_newer_light_set(changes.lights[i].revision, changes.lights[i - 1].revision)) return false;
-  return changes.lights.empty() || !is_newer_light_set(changes.lights.back().revision, changes.revision);
+    if (!is_newer(changes.lights[i].revision, changes.lights[i - 1].revision)) return false;
+  return changes.lights.empty() || !is_newer(changes.lights.back().revision, changes.revision);
 }
 
 LightPose somewhere(double x) {
@@ -31,37 +31,37 @@ TEST(LightChanges, KeepTheNewestOfEachLight) {
   change(changes, 3, false, std::nullopt);
   change(changes, 1, true, somewhere(1));
   change(changes, 3, true, somewhere(2));
-  EXPECT_EQ(changes, (LightChanges{4, {{1, 3, true, somewhere(1)}, {3, 4, true, somewhere(2)}}}));
+  EXPECT_EQ(changes, (LightChanges{{4}, {{1, {3}, true, somewhere(1)}, {3, {4}, true, somewhere(2)}}}));
 }
 
 TEST(LightChanges, RevisionsGoOnAfterWraparound) {
-  LightChanges changes{0xfffffffe, {}};
+  LightChanges changes{{0xfffffffe}, {}};
   for (const std::uint32_t light : {0u, 1u, 2u}) change(changes, light, false, std::nullopt);
-  EXPECT_EQ(changes.revision, 1u);
+  EXPECT_EQ(changes.revision, LightSetRevision{1});
   EXPECT_TRUE(in_order(changes));
-  EXPECT_EQ(since(changes, 0xffffffff, 9).lights.size(), 2u);
-  EXPECT_EQ(up_to(changes, 0xffffffff).lights.size(), 1u);
+  EXPECT_EQ(since(changes, {0xffffffff}, 9).lights.size(), 2u);
+  EXPECT_EQ(up_to(changes, {0xffffffff}).lights.size(), 1u);
 }
 
 TEST(LightChanges, SinceLeavesOutWhatDoesNotFitAndSaysSo) {
   LightChanges changes;
   for (const std::uint32_t light : {5u, 6u, 5u, 7u}) change(changes, light, false, std::nullopt);
-  EXPECT_EQ(since(changes, 1, 3), changes);
-  EXPECT_EQ(since(changes, 1, 2), (LightChanges{4, {{6, 3, false, {}}, {5, 4, false, {}}}}));
-  EXPECT_EQ(since(changes, 3, 1), (LightChanges{4, {{5, 4, false, {}}}}));
-  EXPECT_EQ(since(changes, 3, 0), (LightChanges{3, {}}));
-  EXPECT_EQ(since(changes, 5, 1), (LightChanges{5, {}}));
+  EXPECT_EQ(since(changes, {1}, 3), changes);
+  EXPECT_EQ(since(changes, {1}, 2), (LightChanges{{4}, {{6, {3}, false, {}}, {5, {4}, false, {}}}}));
+  EXPECT_EQ(since(changes, {3}, 1), (LightChanges{{4}, {{5, {4}, false, {}}}}));
+  EXPECT_EQ(since(changes, {3}, 0), (LightChanges{{3}, {}}));
+  EXPECT_EQ(since(changes, {5}, 1), (LightChanges{{5}, {}}));
 }
 
 TEST(LightChanges, MergeTakesNothingOlder) {
   LightChanges held;
-  merge(held, {4, {{1, 3, false, {}}, {2, 4, false, {}}}});
+  merge(held, {{4}, {{1, {3}, false, {}}, {2, {4}, false, {}}}});
   const LightChanges before = held;
-  merge(held, {3, {{1, 2, true, {}}, {9, 3, false, {}}}});
-  merge(held, {4, {{9, 4, false, {}}}});
+  merge(held, {{3}, {{1, {2}, true, {}}, {9, {3}, false, {}}}});
+  merge(held, {{4}, {{9, {4}, false, {}}}});
   EXPECT_EQ(held, before);
-  merge(held, {6, {{2, 2, true, {}}, {5, 6, false, {}}}});
-  EXPECT_EQ(held, (LightChanges{6, {{1, 3, false, {}}, {2, 4, false, {}}, {5, 6, false, {}}}}));
+  merge(held, {{6}, {{2, {2}, true, {}}, {5, {6}, false, {}}}});
+  EXPECT_EQ(held, (LightChanges{{6}, {{1, {3}, false, {}}, {2, {4}, false, {}}, {5, {6}, false, {}}}}));
 }
 
 /// A viewer who changes lights at random, and a server that hears of them over a link that loses, doubles and
@@ -97,27 +97,29 @@ class Convergence : public testing::TestWithParam<std::uint32_t> {
     if (const auto update = arrive(updates_)) merge(server_, *update);
     send(acknowledgements_, server_.revision);
     if (const auto revision = arrive(acknowledgements_))
-      if (is_newer_light_set(*revision, acknowledged_)) acknowledged_ = *revision;
+      if (is_newer(*revision, acknowledged_)) acknowledged_ = *revision;
   }
   void expect_claim_holds() const {
     for (std::uint32_t light = 0; light < kLights; ++light) {
       const std::optional<LightChange> newest = of_light(viewer_, light);
-      if (newest && is_newer_light_set(newest->revision, server_.revision)) continue;
-      ASSERT_EQ(of_light(server_, light), newest) << "light " << light << " at revision " << server_.revision;
+      if (newest && is_newer(newest->revision, server_.revision)) continue;
+      ASSERT_EQ(of_light(server_, light), newest)
+          << "light " << light << " at revision " << server_.revision.value;
     }
     ASSERT_TRUE(in_order(server_));
   }
 
   std::mt19937 random_{GetParam()};
   LightChanges viewer_, server_;
-  std::uint32_t acknowledged_ = kFirstLightSet;
+  LightSetRevision acknowledged_ = kFirstLightSet;
   std::deque<LightChanges> updates_;
-  std::deque<std::uint32_t> acknowledgements_;
+  std::deque<LightSetRevision> acknowledgements_;
 };
 
 TEST_P(Convergence, WhatAReceiverClaimsIsTrueAtEveryStepAndItGetsThere) {
   SCOPED_TRACE(testing::Message() << "seed " << GetParam());
-  viewer_.revision = server_.revision = acknowledged_ = GetParam() % 2 == 0 ? kFirstLightSet : 0xfffffff0;
+  viewer_.revision = server_.revision = acknowledged_ =
+      GetParam() % 2 == 0 ? kFirstLightSet : LightSetRevision{0xfffffff0};
   std::size_t partial = 0, behind = 0;
   for (int step = 0; step < 1500; ++step) {
     if (chance(0.4)) change_something();

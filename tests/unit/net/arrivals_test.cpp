@@ -24,7 +24,7 @@ TEST(Arrivals, WhatCameIsToldAsOftenAsPromisedAndNoMore) {
   Arrivals arrivals;
   arrivals.add(7, at(3));
   arrivals.add(9, at(5));
-  for (std::size_t i = 0; i < Arrivals::kTold; ++i) {
+  for (std::size_t i = 0; i < Arrivals::kReports; ++i) {
     const ArrivalReport report = arrivals.report();
     ASSERT_EQ(report.count, 3U);
     EXPECT_EQ(report.first, 7U);
@@ -42,7 +42,7 @@ TEST(Arrivals, LateOneReachesBackToItself) {
   Arrivals arrivals;
   for (std::uint64_t counter = 10; counter < 20; ++counter)
     if (counter != 12) arrivals.add(counter, at(30));
-  for (std::size_t i = 0; i < Arrivals::kTold; ++i) static_cast<void>(arrivals.report());
+  for (std::size_t i = 0; i < Arrivals::kReports; ++i) static_cast<void>(arrivals.report());
   arrivals.add(12, at(90));
   const ArrivalReport report = arrivals.report();
   EXPECT_EQ(report.first, 12U);
@@ -54,7 +54,7 @@ TEST(Arrivals, LateOneReachesBackToItself) {
 TEST(Arrivals, WhatWasSkippedAfterAPauseIsToldAsAbsent) {
   Arrivals arrivals;
   arrivals.add(10, at(0));
-  for (std::size_t i = 0; i < Arrivals::kTold; ++i) static_cast<void>(arrivals.report());
+  for (std::size_t i = 0; i < Arrivals::kReports; ++i) static_cast<void>(arrivals.report());
   arrivals.add(14, at(500));
   const ArrivalReport report = arrivals.report();
   EXPECT_EQ(report.first, 11U);

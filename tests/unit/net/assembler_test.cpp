@@ -11,7 +11,7 @@
 namespace farshade {
 namespace {
 
-constexpr std::uint32_t kRevision = 4;
+constexpr LightSetRevision kRevision{4};
 
 FrameRequest request(std::uint32_t frame, Extent size = {200, 120}) {
   FrameRequest asked;
@@ -246,7 +246,7 @@ TEST(Assembler, RefusesSlicesThatDoNotFit) {
   Prepared made;
   const Slice good = slice_in(made.datagrams[0]);
   Slice revision = good, lights = good, size = good, block = good, more_tiles = good, no_block = good;
-  revision.light_set_revision += 1;
+  revision.light_set_revision.value += 1;
   lights.lights += 1;
   size.size.width -= 1;
   block.block = block.block.first(block.block.size() / 2);

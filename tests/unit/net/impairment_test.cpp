@@ -211,6 +211,17 @@ TEST(Impairment, BottleneckPassesItsRateAndDropsBeyondItsQueue) {
   EXPECT_NEAR(static_cast<double>(narrow.heard.size()), 1000 / 8.0 + 100 / 8.0, 2);
 }
 
+// The model loses a datagram behind the bottleneck, where it has taken its time and its room in the queue.
+TEST(Impairment, LostDatagramsUseTheBottleneck) {
+  const LinkModel narrow{.delay = 3ms, .rate_bytes_per_s = 4000, .queue = 100ms};
+  LinkModel lossy = narrow;
+  lossy.loss = 0.5;
+  const Outcome all = run(narrow, 1000), some = run(lossy, 1000);
+  EXPECT_EQ(some.counters.overflowed, all.counters.overflowed);
+  EXPECT_LT(some.heard.size(), all.heard.size());
+  for (const Arrival& each : some.heard) EXPECT_NE(std::ranges::find(all.heard, each), all.heard.end());
+}
+
 TEST(Impairment, BottleneckWithinItsRateOnlyTakesItsTime) {
   const Outcome wide = run({.rate_bytes_per_s = 16'000}, 1000);
   EXPECT_EQ(wide.counters, ImpairmentCounters{});

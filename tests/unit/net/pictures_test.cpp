@@ -17,7 +17,7 @@ FrameRequest request(std::uint32_t frame, Answer answer) {
   FrameRequest asked;
   asked.frame = {frame};
   for (View& view : asked.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, {70, 50}};
-  asked.wanted.answer = answer;
+  asked.answer.kind = answer;
   return asked;
 }
 
@@ -117,7 +117,7 @@ TEST(PictureAssembly, GivesBackACodedPictureOfAnySizeInAnyOrder) {
     EXPECT_TRUE(received.complete()) << bytes;
     EXPECT_EQ(received.video.unit, unit);
     EXPECT_EQ(received.video.after, FrameId{7});
-    EXPECT_EQ(received.masks[0].size(), Extent{}) << "no masks were wanted";
+    EXPECT_EQ(received.masks[0].size(), Extent{}) << "no masks were requested";
   }
 }
 

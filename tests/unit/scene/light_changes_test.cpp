@@ -40,7 +40,7 @@ TEST(SceneLightChanges, ALightThatIsOffKeepsItsPlaceInTheSet) {
   change(changes, 1, false, std::nullopt);
   const SceneState as_loaded = state_at(scene, Time(500ms)), state = state_at(scene, Time(500ms), changes);
   ASSERT_EQ(state.light_set.lights.size(), 3u);
-  EXPECT_EQ(state.light_set.revision, 2u);
+  EXPECT_EQ(state.light_set.revision, LightSetRevision{2});
   EXPECT_FALSE(state.light_set.lights[1].on);
   EXPECT_EQ(state.light_set.lights[1].position, as_loaded.light_set.lights[1].position);
   EXPECT_EQ(state.light_set.lights[0], as_loaded.light_set.lights[0]);
@@ -68,7 +68,7 @@ TEST(SceneLightChanges, OfLightsThatTheSceneDoesNotHaveArePassedOver) {
   for (const std::uint32_t light : {3u, 255u, 0xffffffffu}) change(changes, light, false, kElsewhere);
   const LightSet set = state_at(scene, Time{}, changes).light_set;
   EXPECT_EQ(set.lights, state_at(scene, Time{}).light_set.lights);
-  EXPECT_EQ(set.revision, 4u);
+  EXPECT_EQ(set.revision, LightSetRevision{4});
 }
 
 TEST(SceneLightChanges, AdvanceFollowsThemWhereNothingIsAnimated) {

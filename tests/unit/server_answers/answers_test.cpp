@@ -32,7 +32,7 @@ std::optional<Coded> code(Streams& streams, FrameId frame, const PerEye<Image<Rg
   Job job{};
   job.session = {session};
   job.request.frame = frame;
-  job.request.wanted = {.answer = Answer::Video,
+  job.request.answer = {.kind = Answer::Video,
                         .bits_per_second = kMostVideo_bits,
                         .interval = std::chrono::seconds(10),
                         .coding = coding};
@@ -129,7 +129,7 @@ class ServerAnswers : public testing::Test {
 /// A tile is traced if all three coordinates of this request have arrived.
 TEST_F(ServerAnswers, MasksOfPositionsAreOfThoseThatHaveCome) {
   constexpr std::array kAxes{PlaneKind::PositionX, PlaneKind::PositionY, PlaneKind::PositionZ};
-  job_.request.wanted = {.answer = Answer::MasksOfPositions, .position_bits = 14};
+  job_.request.answer = {.kind = Answer::MasksOfPositions, .position_bits = 14};
   const PositionGrid grid = grid_of({scene_.bounds.low}, {scene_.bounds.high}, 14);
   PositionPlanes planes;
   PlanePacker packer;
@@ -176,8 +176,8 @@ TEST_F(ServerAnswers, AReopenedDeviceDrawsTheSamePicture) {
 /// An answer that no codec and no device can make does not end the server.
 TEST_F(ServerAnswers, WhatCannotBeMadeIsLeftOut) {
   if (!has_video()) GTEST_SKIP() << video_version();
-  job_.request.wanted = {
-      .answer = Answer::Video, .bits_per_second = 1'000'000, .interval = std::chrono::milliseconds(14)};
+  job_.request.answer = {
+      .kind = Answer::Video, .bits_per_second = 1'000'000, .interval = std::chrono::milliseconds(14)};
   const auto messages = [&](Extent size) {
     for (View& view : job_.request.views) view.size = size;
     packer_.begin();

@@ -41,7 +41,7 @@ struct Server {
 
   void request(Answer answer = Answer::GBuffer) {
     Job job{};
-    job.request.wanted.answer = answer;
+    job.request.answer.kind = answer;
     FramePacker packer;
     packer.begin();
     makers.answer(job, packer, {});

@@ -12,7 +12,7 @@ using namespace std::chrono_literals;
 Job job_for(Answer answer) {
   Job job{};
   job.request.frame = {1};
-  job.request.wanted.answer = answer;
+  job.request.answer.kind = answer;
   return job;
 }
 
@@ -42,7 +42,7 @@ TEST(AnswerMakers, AFailedAnswerLeavesNothingBehindAndTheNextIsMade) {
 
 TEST(AnswerMakers, LostAnswersAreNoLongerOffered) {
   AnswerMakers makers = answers_from(kEveryAnswer, [](const Job& job, FramePacker&) -> AnswerCost {
-    if (is_drawn(job.request.wanted.answer)) throw AnswersLost(kDrawnAnswers, "no device");
+    if (is_drawn(job.request.answer.kind)) throw AnswersLost(kDrawnAnswers, "no device");
     return {};
   });
   FramePacker packer;

@@ -67,7 +67,7 @@ TEST(SessionPacing, NextRequestWaitsUntilThePathHasDrained) {
 TEST(SessionPacing, ARequestWithoutItsPositionsWaitsForThePathToo) {
   SlowPath path;
   FrameRequest request = request_of(2, kSize);
-  request.wanted = {.answer = Answer::MasksOfPositions, .position_bits = 16, .slices = 3};
+  request.answer = {.kind = Answer::MasksOfPositions, .position_bits = 16, .slices = 3};
   path.talk(path.client, 1, path.client.seal({.request = request}), Time(5ms));
   EXPECT_EQ(path.sessions.job_at(), Time(200ms));
   request.frame = {3};

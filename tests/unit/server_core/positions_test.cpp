@@ -16,7 +16,7 @@ const std::vector<SharedKey> kRing{key_named("ada")};
 
 FrameRequest with_positions(std::uint32_t frame, std::uint32_t slices) {
   FrameRequest request = request_of(frame, {32, 32});
-  request.wanted = {.answer = Answer::MasksOfPositions, .position_bits = 16, .slices = slices};
+  request.answer = {.kind = Answer::MasksOfPositions, .position_bits = 16, .slices = slices};
   return request;
 }
 
@@ -138,7 +138,7 @@ TEST(ServerPositions, MoreBytesThanMayWaitAreDropped) {
 TEST(ServerAnswers, PicturesOfEyesOfTwoSizesAreNotDrawn) {
   Bench bench(kEveryAnswer);
   FrameRequest request = request_of(1, {32, 32});
-  request.wanted.answer = Answer::GBuffer;
+  request.answer.kind = Answer::GBuffer;
   bench.client.say(bench.client.ask(request));
   bench.pass(5ms);
   EXPECT_EQ(bench.brought.size(), 1u) << "of one size they are";
@@ -153,7 +153,7 @@ TEST(ServerAnswers, PicturesOfEyesOfTwoSizesAreNotDrawn) {
 TEST(ServerAnswers, WhatIsNotGivenIsCountedAndNotAnswered) {
   Bench bench;
   FrameRequest request = request_of(1, {32, 32});
-  request.wanted.answer = Answer::GBuffer;
+  request.answer.kind = Answer::GBuffer;
   bench.client.say(bench.client.ask(request));
   bench.pass(5ms);
   EXPECT_TRUE(bench.brought.empty());

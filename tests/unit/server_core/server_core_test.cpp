@@ -138,7 +138,7 @@ TEST(ServerCore, WithdrawsAnAnswerThatCanNoLongerBeMade) {
   ASSERT_TRUE(bench.client.meet(1s));
   EXPECT_EQ(bench.client.welcome->answers, set_of(Answer::GBuffer) | set_of(Answer::Masks));
   FrameRequest asked = request(1);
-  asked.wanted.answer = Answer::GBuffer;
+  asked.answer.kind = Answer::GBuffer;
   bench.client.say(bench.client.ask(asked));
   while (bench.client.hear(10ms)) {
   }

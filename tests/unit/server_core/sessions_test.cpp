@@ -230,7 +230,7 @@ TEST(SessionOffer, EndsSessionsThatUseAWithdrawnAnswerAndNoOther) {
   house.sessions = Sessions(served, kRing);
   const auto ask_for = [&](LinkClient& client, std::uint16_t port, std::uint32_t frame, Answer answer) {
     FrameRequest request = request_of(frame, kSize);
-    request.wanted.answer = answer;
+    request.answer.kind = answer;
     house.talk(client, port, client.seal({.request = request}));
   };
   LinkClient masks = house.join(1), planes = house.join(2), silent = house.join(3);

@@ -67,7 +67,7 @@ TEST_P(BundledScene, ChangedLightsAreTracedAsTheyAre) {
   change(changes, lights() - 1, true, std::nullopt);
   trace(tracer, changes, frame);
   EXPECT_EQ(frame.masks, as_loaded.masks);
-  EXPECT_EQ(frame.light_set_revision, 5u);
+  EXPECT_EQ(frame.light_set_revision, LightSetRevision{5});
 }
 
 TEST_P(BundledScene, TwoViewersOfOneRevisionGetTheirOwnLights) {

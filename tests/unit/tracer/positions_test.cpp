@@ -181,11 +181,11 @@ TEST(PositionTrace, KeepsToRangesConesAndSwitchedOffLights) {
     tracer.trace(request, frame);
     return frame;
   }();
-  request.lights = {.revision = 2, .lights = {{.light = 3, .revision = 2, .on = false, .pose = {}}}};
+  request.lights = {.revision = {2}, .lights = {{.light = 3, .revision = {2}, .on = false, .pose = {}}}};
   ShadowFrame frame, truth;
   const TraceStats stats = tracer.trace(request, from.planes, from.grid, frame);
   tracer.trace(request, truth);
-  EXPECT_EQ(frame.light_set_revision, 2u);
+  EXPECT_EQ(frame.light_set_revision, LightSetRevision{2});
   EXPECT_NE(truth.masks[0], first.masks[0]);
   EXPECT_EQ(stats.primary_rays, 0u);
   EXPECT_GT(stats.out_of_range, 0u);

@@ -70,7 +70,7 @@ TEST(Messages, ComeBackAsTheyWere) {
   EXPECT_EQ(std::get<Probe>(*decode_server(server[3])), probe());
   const auto slice = std::get<Slice>(*decode_server(server[4]));
   EXPECT_EQ(slice.frame, FrameId{258});
-  EXPECT_EQ(slice.light_set_revision, 7u);
+  EXPECT_EQ(slice.light_set_revision, LightSetRevision{7});
   EXPECT_EQ(slice.eye, Side::Right);
   EXPECT_EQ(slice.size, (Extent{20, 18}));
   EXPECT_EQ(slice.lights, 2u);
@@ -264,13 +264,13 @@ TEST(RequestDecode, TakesCountersAndTimesOfArrivalsInTheirRangesOnly) {
 }
 
 TEST(RequestDecode, TakesOnlyWhatGoesWithTheAnswer) {
-  const auto refusal_of = [](const AnswerSpec& wanted) {
+  const auto refusal_of = [](const AnswerSpec& spec) {
     RequestMessage message = request();
-    message.request.wanted = {};
+    message.request.answer = {};
     Bytes bytes = encoded(ClientMessage(message)), fields;
     ByteWriter io(fields);
-    io.code(wanted.answer), io.u32(wanted.bits_per_second), io.ns(wanted.interval), io.code(wanted.coding);
-    io.u8(wanted.position_bits), io.u16(wanted.slices);
+    io.code(spec.kind), io.u32(spec.bits_per_second), io.ns(spec.interval), io.code(spec.coding);
+    io.u8(spec.position_bits), io.u16(spec.slices);
     std::ranges::copy(fields, bytes.begin() + kWanted);
     const Decoded<ClientMessage> read = decode_client(bytes);
     return read ? std::nullopt : std::optional(read.error());
@@ -279,11 +279,11 @@ TEST(RequestDecode, TakesOnlyWhatGoesWithTheAnswer) {
   const Duration frame = std::chrono::milliseconds(14);
   for (const AnswerSpec& fine : std::initializer_list<AnswerSpec>{
            {},
-           {.answer = GBuffer},
-           {.answer = Video, .bits_per_second = 100'000, .interval = frame},
-           {.answer = Difference, .bits_per_second = 1'000'000'000, .interval = std::chrono::seconds(10)},
-           {.answer = MasksOfPositions, .position_bits = 8, .slices = 65535},
-           {.answer = MasksOfPositions, .position_bits = 24}})
+           {.kind = GBuffer},
+           {.kind = Video, .bits_per_second = 100'000, .interval = frame},
+           {.kind = Difference, .bits_per_second = 1'000'000'000, .interval = std::chrono::seconds(10)},
+           {.kind = MasksOfPositions, .position_bits = 8, .slices = 65535},
+           {.kind = MasksOfPositions, .position_bits = 24}})
     EXPECT_EQ(refusal_of(fine), std::nullopt);
   for (const AnswerSpec& wrong : std::initializer_list<AnswerSpec>{
            {.bits_per_second = 1},
@@ -291,17 +291,17 @@ TEST(RequestDecode, TakesOnlyWhatGoesWithTheAnswer) {
            {.coding = Coding::Alone},
            {.position_bits = 8},
            {.slices = 1},
-           {.answer = GBuffer, .position_bits = 16},
-           {.answer = Video, .bits_per_second = 99'999, .interval = frame},
-           {.answer = Video, .bits_per_second = 1'000'000'001, .interval = frame},
-           {.answer = Video, .bits_per_second = 100'000},
-           {.answer = Video, .bits_per_second = 100'000, .interval = -frame},
-           {.answer = Video, .bits_per_second = 100'000, .interval = std::chrono::seconds(11)},
-           {.answer = Video, .bits_per_second = 100'000, .interval = frame, .slices = 1},
-           {.answer = MasksOfPositions, .position_bits = 7},
-           {.answer = MasksOfPositions, .position_bits = 25}})
+           {.kind = GBuffer, .position_bits = 16},
+           {.kind = Video, .bits_per_second = 99'999, .interval = frame},
+           {.kind = Video, .bits_per_second = 1'000'000'001, .interval = frame},
+           {.kind = Video, .bits_per_second = 100'000},
+           {.kind = Video, .bits_per_second = 100'000, .interval = -frame},
+           {.kind = Video, .bits_per_second = 100'000, .interval = std::chrono::seconds(11)},
+           {.kind = Video, .bits_per_second = 100'000, .interval = frame, .slices = 1},
+           {.kind = MasksOfPositions, .position_bits = 7},
+           {.kind = MasksOfPositions, .position_bits = 25}})
     EXPECT_EQ(refusal_of(wrong), WireRefusal::AnswerSpec);
-  EXPECT_EQ(refusal_of({.answer = static_cast<Answer>(kAnswers)}), WireRefusal::Code);
+  EXPECT_EQ(refusal_of({.kind = static_cast<Answer>(kAnswers)}), WireRefusal::Code);
   EXPECT_EQ(refusal_of({.coding = static_cast<Coding>(2)}), WireRefusal::Code);
 }
 

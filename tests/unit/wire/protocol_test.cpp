@@ -88,7 +88,7 @@ TEST(Protocol, RequestIsAsThePageSays) {
   EXPECT_EQ(read.request.scene_time, request().request.scene_time);
   EXPECT_EQ(read.request.views, request().request.views);
   EXPECT_EQ(read.request.lights, request().request.lights);
-  EXPECT_EQ(read.request.wanted, request().request.wanted);
+  EXPECT_EQ(read.request.answer, request().request.answer);
   EXPECT_EQ(read.probe_echo, request().probe_echo);
   EXPECT_EQ(read.arrivals.first, request().arrivals.first);
   EXPECT_EQ(read.arrivals.base, request().arrivals.base);

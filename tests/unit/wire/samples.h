@@ -77,15 +77,15 @@ inline RequestMessage request() {
   RequestMessage message;
   message.request = {FrameId{258}, time_from_ns(11'111'111), time_from_ns(-1), {view, right}};
   message.request.lights = {
-      .revision = 5,
+      .revision = {5},
       .lights = {
-          {.light = 2, .revision = 3, .on = false, .pose = {}},
+          {.light = 2, .revision = {3}, .on = false, .pose = {}},
           {.light = 0,
-           .revision = 5,
+           .revision = {5},
            .on = true,
            .pose = LightPose{Point<Stage>{{0.5, 2.0, -1.25}}, Vector<Stage>{{0, -1, 0}}}},
       }};
-  message.request.wanted = {.answer = Answer::Video,
+  message.request.answer = {.kind = Answer::Video,
                             .bits_per_second = 2'000'000,
                             .interval = Duration(11'111'111),
                             .coding = Coding::Alone};
@@ -167,7 +167,7 @@ inline NoSession no_session() {
 inline ShadowFrame small_frame() {
   ShadowFrame frame;
   frame.frame = FrameId{258};
-  frame.light_set_revision = 7;
+  frame.light_set_revision = {7};
   for (EyeMask& mask : frame.masks) {
     mask = EyeMask({20, 18}, 2);
     for (std::uint32_t y = 0; y < 18; ++y)
@@ -208,7 +208,7 @@ inline EyeMask edge_mask(Extent size, std::uint32_t lights, std::mt19937& random
 inline ShadowFrame frame_of(const EyeMask& left, const EyeMask& right) {
   ShadowFrame frame;
   frame.frame = FrameId{41};
-  frame.light_set_revision = 2;
+  frame.light_set_revision = {2};
   frame.masks = {left, right};
   return frame;
 }
