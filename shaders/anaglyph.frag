@@ -1,6 +1,6 @@
-// Two pictures as one anaglyph: the colour that comes nearest, through red and cyan glasses, to what each eye
-// should see, by least squares in linear light - a 3x6 matrix (E. Dubois, "A projection method to generate
-// anaglyph stereo images", ICASSP 2001). Pictures and window are sRGB-coded.
+// Composes two pictures to an anaglyph: the colour that looks, through red and cyan glasses, most like what each eye
+// should see. The least-squares solution in linear light is a 3x6 matrix (E. Dubois, "A projection method to generate
+// anaglyph stereo images", ICASSP 2001). The pictures and the window are sRGB-coded.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/anaglyph_data.h"
@@ -13,7 +13,7 @@ layout(push_constant) uniform Push { AnaglyphData panel; };
 
 layout(location = 0) out vec4 color;
 
-// Columns are what the red, green and blue of a picture give.
+// The columns are the contributions of a picture's red, green and blue.
 const mat3 kLeft = mat3(0.456100, -0.0400822, -0.0152161,
                         0.500484, -0.0378246, -0.0205971,
                         0.176381, -0.0157589, -0.00546856);

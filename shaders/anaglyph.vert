@@ -1,4 +1,4 @@
-// One triangle over the whole window; the scissor leaves the panel of it.
+// One triangle that covers the window; the scissor limits it to the panel.
 #version 460
 
 void main() {

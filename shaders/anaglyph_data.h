@@ -1,4 +1,4 @@
-/// What the anaglyph in the preview's window is told: shared by C++ and GLSL, written once.
+/// What anaglyph.frag and the preview's C++ code share; see shared.h.
 #ifndef FARSHADE_SHADERS_ANAGLYPH_DATA_H
 #define FARSHADE_SHADERS_ANAGLYPH_DATA_H
 
@@ -11,8 +11,8 @@ using glm::vec4;
 #endif
 
 struct AnaglyphData {
-  vec4 place;      // the panel's left top corner in the window, and picture pixels per window pixel
-  uvec4 pictures;  // left, right: 0, 1 eyes as drawn, 2, 3 uploads; zw: the first column of either
+  vec4 place;      // xy = the panel's top left corner in the window, zw = picture pixels per window pixel
+  uvec4 pictures;  // x = left, y = right picture: 0, 1 drawn eyes, 2, 3 uploads; z, w = their first columns
 };
 
 #ifdef __cplusplus

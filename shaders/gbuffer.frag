@@ -1,14 +1,13 @@
-// G-buffer: base colour, and in one word pair the shading normal, the geometric normal and the instance.
-// Compiled with and without TEXTURED and COLORED, since what a shader could read must be bound; with DEPTH_ONLY it only
-// cuts holes.
-// Holes of alpha-masked materials are cut at LOD 0, as the tracer cuts them.
+// Writes the G-buffer: the base colour, and in two words the shading normal, the geometric normal and the instance.
+// TEXTURED and COLORED add the inputs that a mesh has, because every declared input must be bound. With DEPTH_ONLY it
+// only does the alpha test. Alpha is read at LOD 0, as the tracer reads it.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared.h"
 
 layout(constant_id = 0) const bool kMasked = false;
-layout(constant_id = 1) const bool kGeometricNormals = true;  // masks are carried over: along planes
-layout(constant_id = 2) const bool kInstances = true;         // some can move
+layout(constant_id = 1) const bool kGeometricNormals = true;  // needed to carry masks over
+layout(constant_id = 2) const bool kInstances = true;         // needed if some instances can move
 
 #ifdef TEXTURED
 layout(set = 1, binding = 0) uniform sampler2DArray base_color_texture;
@@ -28,7 +27,7 @@ layout(location = 3) flat in uint eye;
 layout(location = 0) out vec4 base_color;
 layout(location = 1) out uvec2 surface;
 
-// Octahedral map of unit vectors to [-1, 1]^2 (Cigolle et al., "A Survey of Efficient Representations for
+// The octahedral map of unit vectors to [-1, 1]^2 (Cigolle et al., "A Survey of Efficient Representations for
 // Independent Unit Vectors", JCGT 2014).
 vec2 octahedral(vec3 n) {
   vec2 p = n.xy / (abs(n.x) + abs(n.y) + abs(n.z));
@@ -36,7 +35,7 @@ vec2 octahedral(vec3 n) {
   return n.z < 0.0 ? folded : p;
 }
 
-// Depth is near / distance, which a plane makes linear on the screen: 1/z = A tx + B ty + C with eye-space normal
+// Depth is near / distance, which is linear on the screen for a plane: 1/z = A tx + B ty + C with eye-space normal
 // (A, B, -C). Its screen derivatives are exact within a triangle.
 vec3 geometric_normal() {
   vec4 window = frame.eye[eye].window.origin_step;

@@ -1,6 +1,6 @@
-// G-buffer, both eyes in one layered pass: each draw's instances are the eyes, and an eye's layer is its index.
-// With DEPTH_ONLY, for the views that masks are asked for: positions, and what cuts holes. TEXTURED and COLORED: with
-// texture coordinates, with a colour a vertex. A stream that is not read is not there.
+// Draws both eyes in one layered pass: the instances of a draw are the eyes, and an eye's layer is its index.
+// DEPTH_ONLY omits what only colours need. TEXTURED and COLORED add texture coordinates and vertex colours; a mesh
+// without such a stream has no buffer for it.
 // (Not multiview: lavapipe of Mesa 22.3.6 loses every draw that needs clipping in all views but the first.)
 #version 460
 #extension GL_ARB_shader_viewport_layer_array : require

@@ -1,25 +1,26 @@
-// Motion: where a surface was when a mask was traced, and what that mask may no longer know.
-// A light that has moved is stale itself; of the other lights a pixel is stale where the way to the light passes
-// the sphere about something that has moved - as it was then or as it is now - and on what has moved itself.
+// Motion: where a surface point was when a mask was traced, and which bits of that mask are stale.
+// The bits of a light that has moved are stale. For any other light, a pixel's bit is stale if the line to the light
+// passes the bounding sphere of an instance that has moved, at its old or its new place, and if the pixel shows such an
+// instance.
 
-// Compiled without MOTION, for scenes whose instances stay where they are, only lights can be stale.
+// Compiled without MOTION, for scenes whose instances cannot move, only bits of lights that have moved are stale.
 
 #ifdef MOTION
-layout(std430, binding = 9) readonly buffer MotionSlots { uint motion_slots[]; };  // an instance's; 0 = never moves
-layout(std430, binding = 10) readonly buffer Motions { mat4 motions[]; };          // a slot, a mask, an eye
+layout(std430, binding = 9) readonly buffer MotionSlots { uint motion_slots[]; };  // [instance]; 0 = cannot move
+layout(std430, binding = 10) readonly buffer Motions { mat4 motions[]; };          // [slot - 1][mask][eye]
 
 uint slot_of(uint instance) { return motion_slots[instance]; }
 
-// `since` is 0 for the newest mask and 1 for all older ones together.
+// Whether an instance has moved since the newest mask (`since` = 0) or since any older mask (1).
 bool has_moved(uint since, uint slot) {
   return slot != 0u && motions[((slot - 1) * FARSHADE_MAX_MASKS + since) * 2 + kEye][0][3] != 0.0;
 }
 
-// A point on an instance that can move, back to where it was for `mask`; both spaces are the shown eye's.
+// Moves a point on an instance that can move to where it was for `mask`. Both points are in the shown eye's space.
 void carry_back(uint mask, uint slot, inout vec3 p, inout vec3 n) {
   mat4 carry = motions[((slot - 1) * FARSHADE_MAX_MASKS + mask) * 2 + kEye];
   p = (carry * vec4(p, 1.0)).xyz;
-  n = mat3(carry) * n;  // right for rigid motions; others cost knowledge, not truth
+  n = mat3(carry) * n;  // exact for rigid motions; others find fewer known pixels
 }
 
 bool passes(vec4 sphere, vec3 p, vec3 to_light, float distance) {
@@ -28,8 +29,8 @@ bool passes(vec4 sphere, vec3 p, vec3 to_light, float distance) {
   return dot(c, c) <= sphere.w;
 }
 
-// Bit i: something that has moved may stand, or have stood, between the point `p` and light 32 * plane + i. Loops are
-// unrolled, since lavapipe reads uniforms at constant places once and at others lane by lane.
+// Bit i: an instance that has moved may be, or may have been, between the point `p` and light 32 * plane + i. The loops
+// are unrolled, because lavapipe reads a uniform once if its index is constant, and once per lane otherwise.
 uint crossed_bits(uint since, uint slot, vec3 p, uint plane) {
   uint crossed = 0u;
   [[unroll]] for (uint i = plane * 32; i < min(kLights, plane * 32 + 32); ++i) {
@@ -52,7 +53,7 @@ void carry_back(uint mask, uint slot, inout vec3 p, inout vec3 n) {}
 uint crossed_bits(uint since, uint slot, vec3 p, uint plane) { return 0u; }
 #endif
 
-// Bit i: light 32 * plane + i may have changed at the point `p` (eye-relative, stage axes).
+// Bit i: the visibility of light 32 * plane + i at the point `p` (eye-relative, stage axes) may have changed.
 uint stale_bits(uint since, uint slot, vec3 p, uint plane) {
   return frame.stale_lights[since * 2 + plane / 4][plane % 4] | crossed_bits(since, slot, p, plane);
 }

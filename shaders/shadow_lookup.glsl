@@ -1,12 +1,12 @@
-// Shadow maps: which lights see a shown surface point? A light's map keeps the depth of the surface nearest to it
-// (Williams 1978). The (2r + 1)^2 texels about the point are compared with it, and what they say is weighed by how much
-// of a box 2r texels wide about the point each of them covers: percentage-closer filtering (Reeves, Salesin, Cook,
-// "Rendering antialiased shadows with depth maps", SIGGRAPH 1987), without steps between texels.
-// Bias: a texel is compared with the depth that the receiver's own plane has there (J. Isidoro, "Shadow mapping: GPU-based
-// tips and techniques", GDC 2006), so that a plane does not shadow itself at any slope, without an offset that would part
-// shadows from what casts them. What is left is slack: half of what the plane's depth changes from the point to the
-// texel, since surfaces bend; a texel's width, since they have corners; and float's rounding. (shadow_map_bench
-// --size 192 --frames 3, room at 1024 texels: mask error 0.0138; with a quarter of texel and change 0.0170.)
+// Shadow maps: the visibility of lights at a shown surface point. A light's map stores the depth of the surface nearest
+// to the light (Williams 1978). The (2r + 1)^2 texels around the point are compared with the point, and each result is
+// weighted by the share of a box, 2r texels wide around the point, that the texel covers: percentage-closer filtering
+// (Reeves, Salesin, Cook, "Rendering antialiased shadows with depth maps", SIGGRAPH 1987), continuous between texels.
+// Bias: a texel is compared with the depth of the receiver's plane at the texel (J. Isidoro, "Shadow mapping: GPU-based
+// tips and techniques", GDC 2006). So a plane of any slope does not shadow itself, and no constant offset detaches shadows
+// from their casters. The remaining tolerance is half of the plane's change of depth from the point to the texel, because
+// surfaces bend; one texel's width, because they have corners; and float rounding. (shadow_map_bench --size 192
+// --frames 3, room at 1024 texels: mask error 0.0138; with a quarter of both terms 0.0170.)
 
 #ifdef SHADOW_MAPS
 layout(set = 1, binding = 0) uniform sampler2DArray shadow_maps;
@@ -14,24 +14,24 @@ layout(set = 1, binding = 1) uniform ShadowMaps { ShadowMapData maps[kLights + 1
 
 const float kMapBend = 0.5, kMapFootprint = 1.0, kMapRounding = 16.0 / 16777216.0;
 
-// 0, as where nothing is covered, beyond the picture.
+// 0 outside of the picture, as for uncovered pixels.
 float shown_depth(ivec2 pixel) {
   ivec2 last = ivec2(frame.eye[kEye].size_px.xy) - 1, inside = clamp(pixel, ivec2(0), last);
   return inside == pixel ? texelFetch(depth_ring, ivec3(inside, frame.counts.y + kEye), 0).r : 0.0;
 }
 
-// Of the planes that a pixel's neighbours, one beside and one above or below, may span with it, the normal of the one
-// that is most like the shading normal `n`: of any other a neighbour lies on another surface. Where none is much like
-// it, the surface is too thin on the screen to tell. Both are the shown eye's, the plane's towards it. Depth is
-// near / distance, which a plane makes linear on the screen (gbuffer.frag).
-const float kMuchLike = 0.7;
+// The normal of the plane through the pixel and two of its neighbours, one beside it and one above or below. Of the four
+// such planes, it takes the one closest to the shading normal `n`, because any other contains a neighbour on another
+// surface. It returns `n` if none is close: then the surface is only a pixel wide. Both normals are in the shown eye's
+// space; the plane's faces the eye. Depth is near / distance, which is linear on the screen for a plane (gbuffer.frag).
+const float kClose = 0.7;
 
 vec3 plane_normal(ivec2 pixel, float depth, vec3 n) {
   vec4 window = frame.eye[kEye].window.origin_step;
   vec2 t = window.xy + (vec2(pixel) + 0.5) * window.zw;
   vec2 before = depth - vec2(shown_depth(pixel - ivec2(1, 0)), shown_depth(pixel - ivec2(0, 1)));
   vec2 after = vec2(shown_depth(pixel + ivec2(1, 0)), shown_depth(pixel + ivec2(0, 1))) - depth;
-  vec4 best = vec4(n, kMuchLike);
+  vec4 best = vec4(n, kClose);
   [[unroll]] for (int i = 0; i < 4; ++i) {
     vec2 gradient = vec2(i % 2 == 0 ? before.x : after.x, i < 2 ? before.y : after.y) / window.zw;
     vec3 plane = normalize(vec3(-gradient, depth - dot(gradient, t)));
@@ -41,12 +41,12 @@ vec3 plane_normal(ivec2 pixel, float depth, vec3 n) {
   return best.xyz;
 }
 
-// A point before a light, and the plane that it lies on: in texels of one layer of its map.
+// A point that receives light, and its plane, in texels of one layer of the light's map.
 struct Receiver {
   vec2 at;         // texels
-  float depth;     // as the map has it
-  vec2 gradient;   // of the plane's depth, a texel
-  float slack;     // of every comparison
+  float depth;     // in the units of the map
+  vec2 gradient;   // of the plane's depth, per texel
+  float tolerance;  // of every comparison
   uint layer;
 };
 
@@ -75,19 +75,19 @@ Receiver receiver_of(uint i, vec3 from_light, vec3 plane) {
     receiver.at = p.xy * texels;
     receiver.depth = -p.z * per_m;
     receiver.gradient = per_m * n.xy / (n.z * texels);
-    receiver.slack = kMapFootprint * per_m / texels.x + kMapRounding;
+    receiver.tolerance = kMapFootprint * per_m / texels.x + kMapRounding;
   } else {
     receiver.at = p.xy / p.z * texels;
     receiver.depth = kNear / p.z;
     receiver.gradient = kNear * n.xy / (dot(n, p) * texels);
-    receiver.slack = (kMapFootprint / texels.x + kMapRounding) * receiver.depth;
+    receiver.tolerance = (kMapFootprint / texels.x + kMapRounding) * receiver.depth;
   }
   receiver.at += 0.5 * float(kMapSide);
   return receiver;
 }
 
-// Of the box about the point, the share that a texel `d` texels from the point's own covers along one axis; `f` is
-// the point's place in its own.
+// The share of the filter box that a texel covers along one axis. `d` is its distance in texels from the texel of the
+// point; `f` is the position of the point in its texel.
 float covers(int d, float f) {
   int r = int(kPcfRadius);
   return r == 0 ? 1.0 : (1.0 - (d == -r ? f : 0.0) - (d == r ? 1.0 - f : 0.0)) / float(2 * r);
@@ -102,14 +102,14 @@ float unblocked(Receiver receiver) {
     for (int x = -r; x <= r; ++x) {
       float change = dot(receiver.gradient, vec2(own + ivec2(x, y)) + 0.5 - receiver.at);
       float blocker = texelFetch(shadow_maps, ivec3(own + ivec2(x, y), receiver.layer), 0).r;
-      bool blocked = blocker > receiver.depth + change + kMapBend * abs(change) + receiver.slack;
+      bool blocked = blocker > receiver.depth + change + kMapBend * abs(change) + receiver.tolerance;
       lit += blocked ? 0.0 : covers(x, f.x) * covers(y, f.y);
     }
   return lit;
 }
 
-// As a mask's bit is defined (tracer.h): 0 where the light is off, behind one of the normals, or does not reach.
-float sight_of_light(uint i, vec3 p, vec3 plane, vec3 n) {
+// Defined as a mask's bit is (tracer.h): 0 if the light is off, behind one of the normals, or out of reach.
+float visibility_from_map(uint i, vec3 p, vec3 plane, vec3 n) {
   vec4 place = lights[i].position[kEye];
   vec3 to_light = place.xyz - p * place.w;
   bool reaches = maps[i].place.x != FARSHADE_MAP_NONE && dot(n, to_light) > 0.0 && dot(plane, to_light) > 0.0;
@@ -122,16 +122,16 @@ float sight_of_light(uint i, vec3 p, vec3 plane, vec3 n) {
   return reaches ? unblocked(receiver_of(i, p - maps[i].origin[kEye].xyz, plane)) : 0.0;
 }
 
-Visibility8 sights_of_lights(uint group, vec3 p, vec3 plane, vec3 n) {
+Visibility8 visibility_from_maps(uint group, vec3 p, vec3 plane, vec3 n) {
   Visibility8 k = Visibility8(vec4(0.0), vec4(0.0));
   for (uint i = 0; i < 8 && group * 8 + i < kLights; ++i) {
-    float sight = sight_of_light(group * 8 + i, p, plane, n);
-    if (i < 4) k.low[i] = sight;
-    else k.high[i - 4] = sight;
+    float visibility = visibility_from_map(group * 8 + i, p, plane, n);
+    if (i < 4) k.low[i] = visibility;
+    else k.high[i - 4] = visibility;
   }
   return k;
 }
 #else
 vec3 plane_normal(ivec2 pixel, float depth, vec3 n) { return n; }
-Visibility8 sights_of_lights(uint group, vec3 p, vec3 plane, vec3 n) { return Visibility8(vec4(0.0), vec4(0.0)); }
+Visibility8 visibility_from_maps(uint group, vec3 p, vec3 plane, vec3 n) { return Visibility8(vec4(0.0), vec4(0.0)); }
 #endif

@@ -1,18 +1,18 @@
-// Turn: a picture made for other views is shown in the direction in which its pixels lay, as if all of it were
-// infinitely far (rotational timewarp: van Waveren, "The asynchronous time warp for virtual reality on consumer
-// hardware", VRST 2016). Between pixels colours are mixed as light. With kAdds the picture is a difference, and is added
-// to what is shown already.
+// Turn: shows a picture that was made for other views in the directions that its pixels had, as if everything were
+// infinitely far away (rotational timewarp: van Waveren, "The asynchronous time warp for virtual reality on consumer
+// hardware", VRST 2016). Colours are interpolated in linear light. With kAdds the picture is a difference, which is added
+// to the shown picture.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/turn_data.h"
 
-layout(local_size_x = 64) in;
+layout(local_size_x = FARSHADE_TURN_GROUP) in;
 
-layout(constant_id = 0) const bool kAdds = false;
+layout(constant_id = FARSHADE_TURN_CONSTANT_ADDS) const bool kAdds = false;
 
 layout(std430, binding = 0) readonly buffer Picture { uint picture[]; };  // the left eye's rows, then the right eye's
 layout(binding = 1, rgba8) uniform image2DArray shown;
-layout(std430, binding = 2) readonly buffer Light { float light_of[256]; };  // of each level
+layout(std430, binding = 2) readonly buffer Light { float light_of[256]; };  // linear light of each sRGB level
 layout(push_constant) uniform Turn { TurnData turn; };
 
 const float kNoDifference = 128.0 / 255.0;
@@ -21,7 +21,7 @@ vec3 srgb(vec3 c) {
   return mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, 12.92 * c, lessThanEqual(c, vec3(0.0031308)));
 }
 
-// Of the pixel, or the nearest of the border. A difference is no light: it is mixed as it is.
+// The colour of a pixel, or of the nearest border pixel: linear light, or the level of a difference.
 vec3 texel(ivec2 at, uint eye) {
   uvec2 inside = uvec2(clamp(at, ivec2(0), ivec2(turn.size.xy) - 1));
   uint value = picture[(eye * turn.size.y + inside.y) * turn.size.x + inside.x];
@@ -36,9 +36,9 @@ void main() {
   vec4 column[3] = {turn.from_shown[eye * 3], turn.from_shown[eye * 3 + 1], turn.from_shown[eye * 3 + 2]};
   vec3 place = (column[0] * (pixel.x + 0.5) + column[1] * (pixel.y + 0.5) + column[2]).xyz;
   vec2 at = place.xy / place.z;
-  // False too where `at` is no number.
+  // Also false if `at` is NaN.
   bool covered = place.z > 0.0 && all(greaterThanEqual(at, vec2(0.0))) && all(lessThanEqual(at, vec2(turn.size.xy)));
-  // A scalar: Mesa 22.3 folds a choice between constant vectors to its first component.
+  // A scalar constant, because Mesa 22.3 folds a choice between constant vectors to the first component of each.
   vec3 result = vec3(kAdds ? kNoDifference : 0.0);
   if (covered) {
     vec2 corner = floor(at - 0.5), part = at - 0.5 - corner;

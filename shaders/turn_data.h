@@ -1,4 +1,4 @@
-/// What the turn pass is told, in C++ and GLSL. See shared.h.
+/// What turn.comp and TurnPass share; see shared.h.
 #ifndef FARSHADE_SHADERS_TURN_DATA_H
 #define FARSHADE_SHADERS_TURN_DATA_H
 
@@ -10,8 +10,11 @@ using glm::uvec4;
 using glm::vec4;
 #endif
 
+#define FARSHADE_TURN_GROUP 64         // invocations of a workgroup, one pixel each
+#define FARSHADE_TURN_CONSTANT_ADDS 0  // id of the specialisation constant
+
 struct TurnData {
-  vec4 from_shown[2 * 3];  // of each eye three columns: where a shown pixel's direction lies in the picture
+  vec4 from_shown[2 * 3];  // for each eye the columns of a matrix: shown pixel to position in the picture
   uvec4 size;              // xy = pixels of an eye
 };
 

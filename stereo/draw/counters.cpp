@@ -16,20 +16,17 @@ std::size_t mip_chain_bytes(Extent size) {
 }
 
 void add_scene(const Scene& scene, const DrawPlan& plan, gpu::BytesByUse& memory) {
-  std::size_t largest = 0;
-  for (std::size_t mesh = 0; mesh < scene.meshes.size(); ++mesh) {
-    const StreamBytes bytes = stream_bytes(scene.meshes[mesh], plan.surfaces[mesh]);
-    memory[gpu::Use::Vertices] += bytes.total();
-    largest = std::max({largest, bytes.positions, bytes.normals, bytes.uvs, bytes.colors, bytes.indices});
-  }
+  const std::size_t streams = stream_bytes(scene, plan).total();
+  memory[gpu::Use::Vertices] += streams;
+  std::size_t staging = std::min(streams, kStagingBytes);
   const std::vector<bool> read = textures_read(scene, plan);
   for (std::size_t i = 0; i < read.size(); ++i) {
     if (!read[i]) continue;
     const Extent size = i < scene.textures.size() ? scene.textures[i].image.size : Extent{1, 1};
     memory[gpu::Use::Textures] += mip_chain_bytes(size);
-    largest = std::max(largest, size.pixels() * 4);
+    staging = std::max(staging, size.pixels() * 4);
   }
-  memory[gpu::Use::Staging] = largest;
+  memory[gpu::Use::Staging] = staging;
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
-/// What drawing costs, counted: so that a test can assert that what a scene does not need is not paid for.
+/// Counters of what drawing costs. Tests use them to assert that a scene does not pay for features that it
+/// does not use.
 #pragma once
 
 #include "stereo/draw/scene_buffers.h"
@@ -9,20 +10,21 @@ namespace farshade {
 struct RendererLimits;
 
 struct DrawCounters {
-  std::uint64_t pipelines = 0;          ///< made so far
+  std::uint64_t pipelines = 0;          ///< created so far
   std::uint64_t bindings = 0;           ///< descriptors in all sets
-  std::uint64_t vertex_bytes = 0;       ///< of streams and indices on the device
-  std::uint64_t vertex_bytes_read = 0;  ///< of these, what the last frame's draws read, both eyes
-  std::uint64_t lookups = 0;  ///< traced views that a point shown in the last frame may be sought in
-  gpu::MemoryUse memory;      ///< of the whole device, by use
+  std::uint64_t vertex_bytes = 0;       ///< of vertex streams and indices on the device
+  std::uint64_t vertex_bytes_read = 0;  ///< that the last frame's draws read, for both eyes
+  std::uint64_t lookups = 0;            ///< traced views in which the last frame looked up a point, at most
+  std::uint64_t mask_uploads = 0;       ///< copies of a mask, both eyes, to the device so far
+  gpu::MemoryUse memory;                ///< of the whole device, by use
 };
 
-/// The bytes a renderer allocates, by use. Report and ReadBack: once a report is asked for, a picture read
-/// back; Staging: the largest, which is gone once the scene is on the device.
+/// The bytes that a renderer allocates, by use. It allocates Report and ReadBack when they are first
+/// requested, and frees Staging once the scene is on the device.
 [[nodiscard]] gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& plan,
                                             const RendererLimits& limits);
 
-/// Of what client_memory says, the most that there is at one time.
+/// The peak of the sum of all uses.
 [[nodiscard]] std::uint64_t most_at_once(const gpu::BytesByUse& memory);
 
 }  // namespace farshade

@@ -1,4 +1,4 @@
-/// What the shaders are told about a frame, composed in double and rounded once. Pure; no device needed.
+/// The data of a frame for the shaders, computed in double and rounded to float once. Pure; no device needed.
 #pragma once
 
 #include <span>
@@ -12,26 +12,26 @@ namespace farshade {
 [[nodiscard]] gpu::WindowData window_data(const View& view);
 [[nodiscard]] gpu::EyeData eye_data(const View& view);
 
-/// How a shown eye looks points up in a traced view. `place` is left to the caller.
+/// How a shown eye's points are projected into a traced view. The caller fills `place`.
 [[nodiscard]] gpu::SourceData source_data(const PoseDelta& delta, const View& traced);
 
-/// Pixels of `traced` that lie left of and above `shown`'s, if both have one pixel grid: the guard band.
-/// The nearest whole number if they have not.
+/// The number of pixels of `traced` to the left of and above `shown` (its guard band), if both have one pixel
+/// grid. Otherwise rounded to whole pixels.
 [[nodiscard]] glm::ivec2 grid_offset_px(const View& shown, const View& traced);
 
-/// xy, zw: a pixel position p of `shown` lies at p * xy + zw in `traced`, were both of one pose.
+/// (xy, zw): a pixel position p of `shown` is at p * xy + zw in `traced`, as if both had one pose.
 [[nodiscard]] glm::vec4 pixel_map(const View& shown, const View& traced);
 
-/// Whether a shown pixel's centre is a traced pixel's centre: one pose, one pixel grid.
+/// Whether each shown pixel's centre is a traced pixel's centre: same pose, same pixel grid.
 [[nodiscard]] bool shares_pixels(const View& shown, const View& traced);
 
 [[nodiscard]] gpu::InstanceData instance_data(const StereoView& shown,
                                               const Affine<Stage, Object>& stage_from_object);
 
-/// A light that is off shines with intensity 0.
+/// A light that is off has intensity 0.
 [[nodiscard]] gpu::LightData light_data(const StereoView& shown, const Light& light);
 
-/// False only if no part of the object-space box can be seen by `eye`.
+/// A conservative frustum test: false only if `eye` can see no part of the object-space box.
 [[nodiscard]] bool may_be_seen(const gpu::InstanceData& instance, std::size_t eye, const glm::vec3& low,
                                const glm::vec3& high);
 

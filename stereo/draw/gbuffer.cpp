@@ -27,7 +27,7 @@ GBufferPass::GBufferPass(const gpu::Device& device, const Scene& scene, const Dr
       pass_(device, scene, plan, buffers, frame, Outputs::GBuffer),
       base_colors_(make_output(device, size, kColorFormat, "base colours")),
       surfaces_(make_output(device, size, surface_format(plan), "surfaces")) {
-  check(scene.instances.size() <= kMaxInstances, "the G-buffer can tell all instances apart");
+  check(scene.instances.size() <= kMaxInstances, "the G-buffer has an index for every instance");
   gpu::run_now(device, [&](const vk::raii::CommandBuffer& commands) {
     for (const gpu::Image* image : {&base_colors_, &surfaces_})
       gpu::transition(commands, *image, Layout::eUndefined, Layout::eShaderReadOnlyOptimal);
@@ -57,7 +57,8 @@ void DepthPass::prepare(const StereoView& views, const SceneState& state) {
 
 void DepthPass::record(const vk::raii::CommandBuffer& commands, const DepthRing& ring,
                        const DepthRing::Place& place) const {
-  check(size_.width <= ring.size().width && size_.height <= ring.size().height, "the views fit the ring");
+  check(size_.width <= ring.size().width && size_.height <= ring.size().height,
+        "requested views fit the depth ring");
   const gpu::LayerRange layers{place.layer, kEyes};
   gpu::transition(commands, ring.image(), Layout::eUndefined, Layout::eDepthAttachmentOptimal, layers);
   pass_.record(commands, size_, {}, cleared(place.view, Layout::eDepthAttachmentOptimal));

@@ -1,5 +1,5 @@
-/// G-buffer pass: both eyes of the shown views - base colour, normals, instance - with their depth in a place
-/// of the ring. Requested views other than the shown ones need their depth alone.
+/// GBufferPass draws base colours, normals and instances of the shown views, both eyes, and their depth into
+/// a place of the depth ring. DepthPass draws the depth of requested views that are not shown.
 #pragma once
 
 #include "stereo/draw/depth_ring.h"
@@ -7,18 +7,18 @@
 
 namespace farshade {
 
-/// The G-buffer has 16 bits for an instance.
+/// The G-buffer stores an instance in 16 bits.
 inline constexpr std::size_t kMaxInstances = 1 << 16;
 
 class GBufferPass {
  public:
-  /// At most kMaxInstances instances. `size` pixels an eye. References are kept.
+  /// The scene has at most kMaxInstances instances. `size` is in pixels per eye. Keeps the references.
   GBufferPass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
               const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size);
 
   void prepare(const StereoView& views, const SceneState& state) { pass_.prepare(views, state); }
 
-  /// Draws, depth into `place` of `ring`. Afterwards both images and the place are readable by shaders.
+  /// Draws, with depth into `place` of `ring`. Afterwards shaders can read both images and the place.
   void record(const vk::raii::CommandBuffer& commands, const DepthRing& ring,
               const DepthRing::Place& place) const;
 
@@ -38,10 +38,10 @@ class DepthPass {
             const gpu::Buffer& frame)
       : pass_(device, scene, plan, buffers, frame, Outputs::Depth) {}
 
-  /// Both views have one size, at most the ring's.
+  /// Both views have one size, which is at most the ring's.
   void prepare(const StereoView& views, const SceneState& state);
 
-  /// Draws into `place` of `ring`, which is readable by shaders afterwards.
+  /// Draws into `place` of `ring`. Afterwards shaders can read it.
   void record(const vk::raii::CommandBuffer& commands, const DepthRing& ring,
               const DepthRing::Place& place) const;
 

@@ -9,7 +9,7 @@ using ImageLayout = vk::ImageLayout;
 
 constexpr std::uint32_t kColorBits = 0xffffff, kOpaque = 0xff000000;
 
-/// An image with the place of its layers, both eyes', in a buffer.
+/// Both eyes' layers of an image, and their offset in a buffer.
 struct Part {
   const gpu::Image& image;
   gpu::LayerRange layers;
@@ -39,7 +39,7 @@ void check_fits(const PixelPlane& plane, Extent size, std::uint32_t word_bytes) 
   check_eq(plane.word_bytes, word_bytes, "bytes of a plane's words");
 }
 
-/// NaN is not within.
+/// False for NaN.
 bool is_depth(std::uint32_t word) {
   const auto depth = std::bit_cast<float>(word);
   return depth >= 0 && depth <= 1;

@@ -1,5 +1,5 @@
-/// G-buffer transfer: base colours, shading normals and depth out of the device's images, and back into those
-/// of another device, word by word, so that both shade to the same picture.
+/// GBufferTransfer copies base colours, shading normals and depth from the device's images to planes, and
+/// planes to the images of another device. It keeps every word, so that both devices shade the same picture.
 #pragma once
 
 #include "stereo/draw/gbuffer.h"
@@ -9,24 +9,24 @@ namespace farshade {
 
 class GBufferTransfer {
  public:
-  /// References are kept. Takes no memory before it is used.
+  /// Keeps the references. Allocates no memory before its first use.
   GBufferTransfer(const gpu::Device& device, const GBufferPass& gbuffer, const DepthRing& ring, Extent size)
       : device_(device), gbuffer_(gbuffer), ring_(ring), size_(size) {}
 
-  /// What was drawn last, its depth in `place`, into `planes`, whose memory is reused.
+  /// Copies what was drawn last, with its depth in `place`, to `planes`. Reuses their memory.
   void read(const DepthRing::Place& place, GBufferPlanes& planes);
 
-  /// Puts planes of the pass's size ready for `record`. Depths that are no near / distance - NaN, below 0,
-  /// above 1 - are taken as not covered.
+  /// Prepares `record` with planes of the pass's size. A pixel whose depth is NaN, below 0 or above 1 counts
+  /// as not covered.
   void prepare(const GBufferPlanes& planes);
 
-  /// Fills the images and `place`, as if they had been drawn.
+  /// Fills the images and `place` as if they had been drawn.
   void record(const vk::raii::CommandBuffer& commands, const DepthRing::Place& place) const;
 
  private:
-  /// Of a buffer that holds both eyes' layers of all images.
+  /// Offsets in a buffer with both eyes' layers of all images.
   struct Layout {
-    std::size_t surface_words = 1;  ///< a pixel; the normal is the first
+    std::size_t surface_words = 1;  ///< per pixel; the first is the normal
     std::size_t normals = 0, depths = 0, bytes = 0;
   };
   [[nodiscard]] Layout layout() const;
@@ -35,7 +35,7 @@ class GBufferTransfer {
   const GBufferPass& gbuffer_;
   const DepthRing& ring_;
   Extent size_;
-  gpu::Buffer readback_, upload_;  ///< once needed
+  gpu::Buffer readback_, upload_;  ///< allocated at first use
 };
 
 }  // namespace farshade

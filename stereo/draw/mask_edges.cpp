@@ -8,14 +8,14 @@
 namespace farshade {
 namespace {
 
-/// Plane `plane` of a mask as words.
+/// The words of one plane.
 template <class Word>
 std::span<const Word> words_of(const EyeMask& mask, std::uint32_t plane) {
   const std::size_t count = mask.size().pixels();
   return {reinterpret_cast<const Word*>(mask.bytes().data()) + plane * count, count};
 }
 
-/// Sets `differs` to 1 at (x, y) where the pixels x, x + 1 of rows y, y + 1 are not of one value in `words`.
+/// Sets `differs` at (x, y) to 1 if the pixels x and x + 1 of rows y and y + 1 do not all have the same word.
 template <class Word>
 void mark_corners(std::span<const Word> words, Extent size, std::vector<std::uint8_t>& differs) {
   const std::size_t w = size.width;
@@ -28,14 +28,14 @@ void mark_corners(std::span<const Word> words, Extent size, std::vector<std::uin
   }
 }
 
-/// Of each pixel, the corners of its four quarters.
+/// The four edge bits of each pixel.
 std::vector<std::uint8_t> edges_of(const std::vector<std::uint8_t>& differs, Extent size) {
   const std::size_t w = size.width;
   std::vector<std::uint8_t> edges(differs.size());
-  const std::vector<std::uint8_t> nothing(w, 0);
+  const std::vector<std::uint8_t> no_edges(w, 0);
   for (std::size_t y = 0; y < size.height; ++y) {
     const std::uint8_t *const lower = differs.data() + y * w, *const upper =
-                                                                  y == 0 ? nothing.data() : lower - w;
+                                                                  y == 0 ? no_edges.data() : lower - w;
     std::uint8_t* const row = edges.data() + y * w;
     row[0] = static_cast<std::uint8_t>(upper[0] << 1 | lower[0] << 3);
     for (std::size_t x = 1; x < w; ++x)

@@ -1,6 +1,6 @@
-/// Mask edges: a mask as the device holds it has four bits more than there are lights. They say of each
-/// quarter of a pixel whether the 2x2 pixels around its corner differ in any light: only there is it worth
-/// asking what lies between pixels.
+/// Mask edges: a mask on the device has four bits per pixel beside those of the lights, one for each quarter
+/// of the pixel. Such a bit is 1 if the 2x2 pixels around the quarter's corner differ in any light. Only
+/// there does shade.comp filter the visibility between pixels.
 #pragma once
 
 #include <span>
@@ -9,8 +9,8 @@
 
 namespace farshade {
 
-/// The four bits, in the order of the pixel's quarters: upper left, upper right, lower left, lower right.
-/// They lie in one plane.
+/// The first of the four bits. Their order is upper left, upper right, lower left, lower right. All four are
+/// in one plane.
 [[nodiscard]] constexpr std::uint32_t first_edge_bit(std::uint32_t lights) {
   return lights % 32 <= 28 ? lights : (lights + 31) / 32 * 32;
 }
@@ -19,12 +19,13 @@ namespace farshade {
 }
 static_assert(with_edge_bits({3}).word_bytes() == 1 && with_edge_bits({kMaxLights}).planes() == 9);
 
-/// Bytes of a mask of `size` that lies as `layout` says.
+/// Bytes of a mask of `size` in `layout`.
 [[nodiscard]] constexpr std::size_t mask_bytes(Extent size, MaskLayout layout) {
   return size.pixels() * layout.planes() * layout.word_bytes();
 }
 
-/// Writes `mask` with its edges to `out`, mask_bytes(mask.size(), with_edge_bits(mask.layout())) bytes.
+/// Writes `mask` with its edge bits to `out`, which has mask_bytes(mask.size(),
+/// with_edge_bits(mask.layout())) bytes.
 void copy_with_edges(const EyeMask& mask, std::span<std::byte> out);
 
 }  // namespace farshade

@@ -9,7 +9,7 @@
 namespace farshade {
 namespace {
 
-bool looks_elsewhere(const Light& then, const Light& now) {
+bool changes_bits(const Light& then, const Light& now) {
   return then.kind != now.kind || then.position != now.position || then.direction != now.direction ||
          then.range_m != now.range_m || then.outer_cone_rad != now.outer_cone_rad;
 }
@@ -28,12 +28,12 @@ Sphere sphere_about(const Affine<Stage, Object>& stage_from_object, const glm::d
 }  // namespace
 
 Sphere merged(const Sphere& a, const Sphere& b) {
-  const Vector<Stage> way = b.centre - a.centre;
-  const double apart = length(way);
+  const Vector<Stage> offset = b.centre - a.centre;
+  const double apart = length(offset);
   if (apart + b.radius <= a.radius) return a;
   if (apart + a.radius <= b.radius) return b;
   const double radius = (apart + a.radius + b.radius) / 2;
-  return {a.centre + way * ((radius - a.radius) / apart), radius};
+  return {a.centre + offset * ((radius - a.radius) / apart), radius};
 }
 
 void add_sphere(const Sphere& sphere, std::vector<Sphere>& spheres) {
@@ -71,7 +71,7 @@ Motion MotionModel::between(const SceneState& then, const SceneState& now) const
   const bool moves = !same_instant(then.scene_time, now.scene_time);
   for (std::size_t i = 0; i < now.light_set.lights.size(); ++i) {
     const Light &before = then.light_set.lights[i], &after = now.light_set.lights[i];
-    if (moves && looks_elsewhere(before, after)) motion.stale_lights.set(i);
+    if (moves && changes_bits(before, after)) motion.stale_lights.set(i);
     if (!after.on) motion.stale_lights.reset(i);
   }
   if (!moves) return motion;

@@ -1,6 +1,7 @@
-/// Motion: what a mask may no longer know. Two states of a scene say which lights and instances have moved
-/// or were changed between them; of an instance it keeps how its points are carried back, and the spheres
-/// about it then and now, since a shadow can only have changed on the way to a light that passes one of them.
+/// Motion: what has moved between two states of a scene, and so which bits of a mask are stale. For lights it
+/// is a set. For instances it is the transform back to the earlier state, and the bounding spheres at both
+/// places: the visibility of a light can only have changed if the line to the light passes one of these
+/// spheres.
 #pragma once
 
 #include <bitset>
@@ -19,33 +20,33 @@ struct Sphere {
 
 /// From one state of a scene to a later one.
 struct Motion {
-  /// Another place, direction, cone or range now, or changed by the viewer since. A light that is off now
-  /// never is: it is dark whatever a mask says.
+  /// Lights with another position, direction, cone or range, and lights that the viewer has changed. A light
+  /// that is off now is never stale, because it is dark whatever its bit is.
   std::bitset<kMaxLights> stale_lights;
-  std::bitset<kMaxLights> changed_lights;  ///< of these, those that the viewer has changed since
-  std::vector<std::optional<glm::dmat4>> then_from_now;  ///< stage to stage; one a slot; none = has not moved
-  std::vector<Sphere> moved;                             ///< at most kMostSpheres
+  std::bitset<kMaxLights> changed_lights;                ///< the stale lights that the viewer has changed
+  std::vector<std::optional<glm::dmat4>> then_from_now;  ///< [slot], stage to stage; empty: has not moved
+  std::vector<Sphere> moved;                             ///< bounding spheres; at most kMostSpheres
 
-  /// Nothing has moved.
   [[nodiscard]] bool is_still() const { return stale_lights.none() && moved.empty(); }
 };
 
-/// Less than any clock that predicts display times is off by, and too short for anything to move visibly.
+/// Whether two times are so close that nothing moves visibly between them. Predictions of display times have
+/// larger errors.
 [[nodiscard]] constexpr bool same_instant(Time a, Time b) {
   return a - b <= std::chrono::microseconds(1) && b - a <= std::chrono::microseconds(1);
 }
 
-/// The instances that move, by a plan; numbered from 0: their slots.
+/// The instances of a scene that can move. Each has a slot, counted from 0.
 class MotionModel {
  public:
-  /// `moves`: one an instance.
+  /// `moves`: the plan's flag for each instance.
   MotionModel(const Scene& scene, const std::vector<bool>& moves);
 
-  /// Slot + 1 of each instance, 0 for one that does not move.
+  /// For each instance its slot + 1, or 0 if it cannot move.
   [[nodiscard]] const std::vector<std::uint32_t>& slots() const { return slots_; }
   [[nodiscard]] std::size_t slot_count() const { return moving_.size(); }
 
-  /// Both states of the model's scene, `then` made with what `now`'s changes were up to its revision.
+  /// Both states are of the model's scene. `then` has the light changes of `now` up to its own revision.
   [[nodiscard]] Motion between(const SceneState& then, const SceneState& now) const;
 
  private:
@@ -57,10 +58,11 @@ class MotionModel {
   std::vector<std::uint32_t> slots_;
 };
 
-/// The smallest sphere that holds both.
+/// The smallest sphere that contains both.
 [[nodiscard]] Sphere merged(const Sphere& a, const Sphere& b);
 
-/// Adds to at most kMostSpheres; where there is no room, to the one that grows least.
+/// Adds a sphere to a list of at most kMostSpheres. If the list is full, it merges the sphere with the one
+/// that grows least.
 inline constexpr std::size_t kMostSpheres = 4;
 void add_sphere(const Sphere& sphere, std::vector<Sphere>& spheres);
 

@@ -3,7 +3,7 @@
 namespace farshade {
 namespace {
 
-/// One before each stage of a frame, and one behind the last.
+/// One timestamp before each stage of a frame, and one after the last.
 constexpr std::uint32_t kStamps = 5;
 
 }  // namespace
@@ -31,7 +31,7 @@ Renderer::Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan,
       fence_(device.logical.createFence({})),
       stamps_(device, kStamps) {
   check(limits.traced_size.width >= size_.width && limits.traced_size.height >= size_.height,
-        "what is shown can be traced");
+        "traced views may be as large as shown views");
   if (plan_.depth_pass && !plan_.builds_late) make_depth_pass();
 }
 
@@ -39,7 +39,7 @@ void Renderer::make_depth_pass() {
   depth_pass_.emplace(device_, scene_, plan_, buffers_, frame_buffer_);
 }
 
-/// Where the shown views' depth goes, and the requested views' if they are others.
+/// Chooses where the depth of the shown views goes, and that of the requested views if they differ.
 void Renderer::place_depth(const ShownFrame& frame) {
   asked_depth_.reset();
   shown_depth_ = ring_.shown();
@@ -57,7 +57,7 @@ void Renderer::place_depth(const ShownFrame& frame) {
                        plan_.anything_moves() ? state_at(scene_, frame.asked->scene_time) : frame.state);
 }
 
-/// The masks that can be used, as the shading pass takes them.
+/// Selects the usable masks and prepares the shading pass with them.
 void Renderer::prepare_shading(const ShownFrame& frame) {
   if (frame.shadow_maps != nullptr) {
     ShadowMaps& maps = need_maps(*frame.shadow_maps);
@@ -81,11 +81,11 @@ void Renderer::prepare_shading(const ShownFrame& frame) {
   shading_.prepare(shown_depth_.layer, frame.views, frame.state.light_set, masks, frame.carry_over);
 }
 
-/// Those that stand already, if they are as wished for.
-ShadowMaps& Renderer::need_maps(const ShadowMapSettings& wish) {
-  if (!shadow_maps_ || shadow_maps_->wish() != wish) {
+/// The existing shadow maps if their settings match, otherwise new ones.
+ShadowMaps& Renderer::need_maps(const ShadowMapSettings& settings) {
+  if (!shadow_maps_ || shadow_maps_->settings() != settings) {
     shadow_maps_.reset();
-    shadow_maps_.emplace(device_, scene_, plan_, buffers_, frame_buffer_, wish);
+    shadow_maps_.emplace(device_, scene_, plan_, buffers_, frame_buffer_, settings);
   }
   return *shadow_maps_;
 }
@@ -255,6 +255,7 @@ DrawCounters Renderer::counters() const {
   DrawCounters counters{.pipelines = shading_.pipelines(),
                         .bindings = shading_.bindings(),
                         .lookups = shading_.lookups(),
+                        .mask_uploads = shading_.mask_uploads(),
                         .memory = device_.ledger->read()};
   const auto add = [&](const ScenePass& pass, bool drawn) {
     counters.pipelines += pass.pipelines();
@@ -271,13 +272,12 @@ DrawCounters Renderer::counters() const {
     counters.pipelines += turn_->pipelines();
     counters.bindings += turn_->bindings();
   }
-  for (const TextureBuffers& texture : buffers_.textures) counters.bindings += texture.bindings.kinds.size();
-  for (const MeshBuffers& mesh : buffers_.meshes) counters.vertex_bytes += mesh.bytes.total();
+  for (const gpu::Bindings& set : buffers_.texture_sets) counters.bindings += set.kinds.size();
+  for (const DeviceMesh& mesh : buffers_.meshes) counters.vertex_bytes += mesh.bytes.total();
   return counters;
 }
 
-/// The first `size` pixels of layers of an image that rests in `layout`, four bytes a pixel, into
-/// `readback_`.
+/// Copies the top left `size` pixels of layers of an image in `layout` to `readback_`, four bytes per pixel.
 void Renderer::read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers,
                          Extent size) const {
   constexpr auto source = vk::ImageLayout::eTransferSrcOptimal;

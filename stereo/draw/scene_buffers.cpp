@@ -1,29 +1,25 @@
 #include "stereo/draw/scene_buffers.h"
 
 #include <algorithm>
+#include <map>
 
 namespace farshade {
 namespace {
 
 using Usage = vk::BufferUsageFlagBits;
 
-template <class T>
-gpu::Buffer stream(const gpu::Device& device, const std::vector<T>& values, vk::BufferUsageFlags usage,
-                   const std::string& name) {
-  return gpu::make_filled_buffer(device, std::as_bytes(std::span(values)), usage, name, gpu::Use::Vertices);
-}
-
-/// A stream that the plan wants of a mesh without it, filled so that nothing changes by it.
+/// The values of a stream, or `count` neutral values if the plan needs a stream that the mesh lacks.
 template <class T>
 std::vector<T> filled(const std::vector<T>& values, std::size_t count, T neutral) {
   return values.empty() ? std::vector<T>(count, neutral) : values;
 }
 
-/// What a mesh's vertices are sent relative to. One that lies far from its own origin, as in map coordinates,
-/// would lose its digits where the device adds up float products; all others stay as they are. (The
-/// relative-to-centre method: P. Cozzi, K. Ring, "3D Engine Design for Virtual Globes", 2011, chapter 5.)
+/// The point that a mesh's vertices are sent relative to. A mesh far from its own origin, as in map
+/// coordinates, would lose digits where the device adds up float products. All other meshes keep their
+/// origin. (The relative-to-centre method: P. Cozzi, K. Ring, "3D Engine Design for Virtual Globes", 2011,
+/// chapter 5.)
 glm::dvec3 center_of(const std::vector<glm::vec3>& positions) {
-  constexpr double kFar = 16;  // times its own half size
+  constexpr double kFar = 16;  // distance from the origin in half sizes of the mesh
   glm::dvec3 low(positions.front()), high(low);
   for (const glm::vec3& p : positions)
     low = glm::min(low, glm::dvec3(p)), high = glm::max(high, glm::dvec3(p));
@@ -36,30 +32,66 @@ std::vector<glm::vec3> relative_to(const glm::dvec3& center, std::vector<glm::ve
   return positions;
 }
 
-MeshBuffers make_mesh(const gpu::Device& device, const Scene& scene, const Mesh& mesh,
-                      const SurfaceNeeds& needs) {
-  const std::size_t count = mesh.positions.size();
-  MeshBuffers buffers;
-  buffers.bytes = stream_bytes(mesh, needs);
-  buffers.texture = texture_of(scene, mesh, needs);
-  buffers.center = center_of(mesh.positions);
-  const std::vector<glm::vec3> positions = relative_to(buffers.center, mesh.positions);
-  buffers.positions = stream(device, positions, Usage::eVertexBuffer, mesh.name + " positions");
-  buffers.normals = stream(device, mesh.normals, Usage::eVertexBuffer, mesh.name + " normals");
-  if (needs.texture)
-    buffers.uvs =
-        stream(device, filled(mesh.uvs, count, glm::vec2(0)), Usage::eVertexBuffer, mesh.name + " uvs");
-  if (needs.vertex_color)
-    buffers.colors = stream(device, filled(mesh.colors, count, glm::u8vec4(255)), Usage::eVertexBuffer,
-                            mesh.name + " colors");
-  buffers.indices = stream(device, mesh.triangles, Usage::eIndexBuffer, mesh.name + " indices");
-  buffers.index_count = narrow<std::uint32_t>(mesh.triangles.size() * 3);
-  buffers.low = buffers.high = positions.front();
-  for (const glm::vec3& p : positions) {
-    buffers.low = glm::min(buffers.low, p);
-    buffers.high = glm::max(buffers.high, p);
+/// Places each mesh's streams one after the other.
+class Layout {
+ public:
+  [[nodiscard]] StreamBytes add(const StreamBytes& bytes) {
+    StreamBytes offsets;
+    offsets.positions = vertex_bytes_;
+    offsets.normals = offsets.positions + bytes.positions;
+    offsets.uvs = offsets.normals + bytes.normals;
+    offsets.colors = offsets.uvs + bytes.uvs;
+    offsets.indices = index_bytes_;
+    vertex_bytes_ += bytes.vertices();
+    index_bytes_ += bytes.indices;
+    return offsets;
   }
-  return buffers;
+
+ private:
+  std::size_t vertex_bytes_ = 0, index_bytes_ = 0;
+};
+
+/// Copies a mesh's streams to where `mesh` places them and sets the bounding box.
+void upload(const Mesh& source, const SurfaceNeeds& needs, const SceneBuffers& buffers,
+            gpu::BufferUpload& uploads, DeviceMesh& mesh) {
+  const auto write = [&](const gpu::Buffer& target, std::size_t offset, const auto& values) {
+    uploads.write(target, offset, std::as_bytes(std::span(values)));
+  };
+  const std::size_t count = source.positions.size();
+  const std::vector<glm::vec3> positions = relative_to(mesh.center, source.positions);
+  write(buffers.vertices, mesh.offsets.positions, positions);
+  write(buffers.vertices, mesh.offsets.normals, source.normals);
+  if (needs.texture) write(buffers.vertices, mesh.offsets.uvs, filled(source.uvs, count, glm::vec2(0)));
+  if (needs.vertex_color)
+    write(buffers.vertices, mesh.offsets.colors, filled(source.colors, count, glm::u8vec4(255)));
+  write(buffers.indices, mesh.offsets.indices, source.triangles);
+  mesh.low = mesh.high = positions.front();
+  for (const glm::vec3& p : positions) {
+    mesh.low = glm::min(mesh.low, p);
+    mesh.high = glm::max(mesh.high, p);
+  }
+}
+
+void make_meshes(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, SceneBuffers& buffers) {
+  const StreamBytes all = stream_bytes(scene, plan);
+  buffers.vertices = gpu::make_device_buffer(
+      device, all.vertices(), Usage::eVertexBuffer | Usage::eTransferDst, "vertices", gpu::Use::Vertices);
+  buffers.indices = gpu::make_device_buffer(device, all.indices, Usage::eIndexBuffer | Usage::eTransferDst,
+                                            "indices", gpu::Use::Vertices);
+  gpu::BufferUpload uploads(device, std::min(all.total(), kStagingBytes));
+  Layout layout;
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+    const Mesh& source = scene.meshes[i];
+    DeviceMesh mesh{.bytes = stream_bytes(source, plan.surfaces[i]),
+                    .offsets = {},
+                    .texture = texture_of(scene, source, plan.surfaces[i]),
+                    .index_count = narrow<std::uint32_t>(source.triangles.size() * 3),
+                    .center = center_of(source.positions)};
+    mesh.offsets = layout.add(mesh.bytes);
+    upload(source, plan.surfaces[i], buffers, uploads, mesh);
+    buffers.meshes.push_back(mesh);
+  }
+  uploads.flush();
 }
 
 vk::SamplerAddressMode address_mode(Wrap wrap) {
@@ -73,24 +105,17 @@ vk::SamplerAddressMode address_mode(Wrap wrap) {
   }
 }
 
+vk::raii::Sampler make_sampler(const gpu::Device& device, Wrap u, Wrap v) {
+  return device.logical.createSampler({.magFilter = vk::Filter::eLinear,
+                                       .minFilter = vk::Filter::eLinear,
+                                       .mipmapMode = vk::SamplerMipmapMode::eLinear,
+                                       .addressModeU = address_mode(u),
+                                       .addressModeV = address_mode(v),
+                                       .maxLod = VK_LOD_CLAMP_NONE});
+}
+
 const std::vector<gpu::BindingKind> kTextureSet{
     {vk::DescriptorType::eCombinedImageSampler, vk::ShaderStageFlagBits::eFragment}};
-
-TextureBuffers make_texture(const gpu::Device& device, const Texture& texture, const std::string& name) {
-  TextureBuffers buffers;
-  buffers.image =
-      gpu::make_texture(device, texture.image.size, std::as_bytes(std::span(texture.image.pixels)), name);
-  buffers.sampler = device.logical.createSampler({.magFilter = vk::Filter::eLinear,
-                                                  .minFilter = vk::Filter::eLinear,
-                                                  .mipmapMode = vk::SamplerMipmapMode::eLinear,
-                                                  .addressModeU = address_mode(texture.wrap_u),
-                                                  .addressModeV = address_mode(texture.wrap_v),
-                                                  .maxLod = VK_LOD_CLAMP_NONE});
-  buffers.bindings = gpu::make_bindings(device, kTextureSet, name);
-  gpu::bind_image(device, buffers.bindings, 0,
-                  {*buffers.image.view, vk::ImageLayout::eShaderReadOnlyOptimal, *buffers.sampler});
-  return buffers;
-}
 
 const Texture& white_pixel() {
   static const Texture white = [] {
@@ -99,6 +124,38 @@ const Texture& white_pixel() {
     return texture;
   }();
   return white;
+}
+
+/// One sampler for each pair of wrap modes in use: Vulkan guarantees only 4,000 samplers.
+void make_textures(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+                   SceneBuffers& buffers) {
+  const std::vector<bool> read = textures_read(scene, plan);
+  const auto texture = [&](std::size_t i) -> const Texture& {
+    return i < scene.textures.size() ? scene.textures[i] : white_pixel();
+  };
+  std::vector<gpu::TextureContent> contents;
+  for (std::size_t i = 0; i < read.size(); ++i)
+    if (read[i])
+      contents.push_back({texture(i).image.size, std::as_bytes(std::span(texture(i).image.pixels))});
+  if (contents.empty()) {
+    buffers.texture_sets.resize(read.size());
+    return;
+  }
+  buffers.textures = gpu::make_textures(device, contents);
+  buffers.texture_layout = gpu::make_layout(device, kTextureSet);
+  std::map<std::pair<Wrap, Wrap>, std::size_t> samplers;
+  auto image = buffers.textures.images.begin();
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    gpu::Bindings& set = buffers.texture_sets.emplace_back();
+    if (!read[i]) continue;
+    const std::pair wraps(texture(i).wrap_u, texture(i).wrap_v);
+    const auto [sampler, is_new] = samplers.try_emplace(wraps, buffers.samplers.size());
+    if (is_new) buffers.samplers.push_back(make_sampler(device, wraps.first, wraps.second));
+    set = gpu::make_bindings(device, kTextureSet, "texture " + std::to_string(i));
+    gpu::bind_image(
+        device, set, 0,
+        {*image++->view, vk::ImageLayout::eShaderReadOnlyOptimal, *buffers.samplers[sampler->second]});
+  }
 }
 
 }  // namespace
@@ -110,6 +167,20 @@ StreamBytes stream_bytes(const Mesh& mesh, const SurfaceNeeds& needs) {
           .uvs = needs.texture ? count * sizeof(glm::vec2) : 0,
           .colors = needs.vertex_color ? count * sizeof(glm::u8vec4) : 0,
           .indices = mesh.triangles.size() * sizeof(glm::uvec3)};
+}
+
+StreamBytes stream_bytes(const Scene& scene, const DrawPlan& plan) {
+  check_eq(plan.surfaces.size(), scene.meshes.size(), "the plan is the scene's");
+  StreamBytes sum;
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+    const StreamBytes bytes = stream_bytes(scene.meshes[i], plan.surfaces[i]);
+    sum.positions += bytes.positions;
+    sum.normals += bytes.normals;
+    sum.uvs += bytes.uvs;
+    sum.colors += bytes.colors;
+    sum.indices += bytes.indices;
+  }
+  return sum;
 }
 
 std::optional<std::size_t> texture_of(const Scene& scene, const Mesh& mesh, const SurfaceNeeds& needs) {
@@ -127,18 +198,9 @@ std::vector<bool> textures_read(const Scene& scene, const DrawPlan& plan) {
 }
 
 SceneBuffers make_scene_buffers(const gpu::Device& device, const Scene& scene, const DrawPlan& plan) {
-  check_eq(plan.surfaces.size(), scene.meshes.size(), "the plan is the scene's");
   SceneBuffers buffers;
-  for (std::size_t mesh = 0; mesh < scene.meshes.size(); ++mesh)
-    buffers.meshes.push_back(make_mesh(device, scene, scene.meshes[mesh], plan.surfaces[mesh]));
-  const std::vector<bool> read = textures_read(scene, plan);
-  for (std::size_t i = 0; i < read.size(); ++i)
-    buffers.textures.push_back(
-        read[i] ? make_texture(device, i < scene.textures.size() ? scene.textures[i] : white_pixel(),
-                               "texture " + std::to_string(i))
-                : TextureBuffers{});
-  if (std::ranges::find(read, true) != read.end())
-    buffers.texture_layout = gpu::make_layout(device, kTextureSet);
+  make_meshes(device, scene, plan, buffers);
+  make_textures(device, scene, plan, buffers);
   return buffers;
 }
 

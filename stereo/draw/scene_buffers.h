@@ -1,50 +1,58 @@
-/// The scene on the device: the vertex streams and textures that its plan says are read, and no others.
+/// The scene on the device: the vertex streams and textures that its plan needs, and no others. One buffer
+/// holds the vertex streams of all meshes and one buffer their indices, so that the number of allocations
+/// does not depend on the number of meshes (Vulkan guarantees only 4,096).
 #pragma once
 
 #include <optional>
 #include <vector>
 
 #include "stereo/gpu/pass.h"
+#include "stereo/gpu/upload.h"
 #include "stereo/plan/scene_plan.h"
 
 namespace farshade {
 
-/// Bytes of a mesh's streams; 0 where a stream is not needed.
+/// One size or offset in bytes for each stream of a mesh.
 struct StreamBytes {
   std::size_t positions = 0, normals = 0, uvs = 0, colors = 0, indices = 0;
-  [[nodiscard]] std::size_t total() const { return positions + normals + uvs + colors + indices; }
+  [[nodiscard]] std::size_t vertices() const { return positions + normals + uvs + colors; }
+  [[nodiscard]] std::size_t total() const { return vertices() + indices; }
 };
+/// The sizes of a mesh's streams. A stream that is not needed has size 0.
 [[nodiscard]] StreamBytes stream_bytes(const Mesh& mesh, const SurfaceNeeds& needs);
+/// The sum over all meshes.
+[[nodiscard]] StreamBytes stream_bytes(const Scene& scene, const DrawPlan& plan);
 
-/// What a mesh reads, into Scene::textures; one past them: a white pixel, where the plan wants a texture and
-/// the mesh has none. Nothing where the plan wants none.
+/// The staging buffer for vertex streams and indices is at most this large.
+inline constexpr std::size_t kStagingBytes = 16 << 20;
+
+/// The texture that a mesh reads: an index into Scene::textures, or one past its end for a white pixel, if
+/// the plan needs a texture and the mesh has none. Empty if the plan needs none.
 [[nodiscard]] std::optional<std::size_t> texture_of(const Scene& scene, const Mesh& mesh,
                                                     const SurfaceNeeds& needs);
 
-/// Of each texture of the scene and of the white pixel after them: whether a mesh reads it.
+/// For each texture of the scene, and the white pixel after them: whether a mesh reads it.
 [[nodiscard]] std::vector<bool> textures_read(const Scene& scene, const DrawPlan& plan);
 
-struct MeshBuffers {
-  gpu::Buffer positions, normals, uvs, colors, indices;  ///< empty where the mesh does not need it
+struct DeviceMesh {
   StreamBytes bytes;
-  std::optional<std::size_t> texture;  ///< into SceneBuffers::textures
+  StreamBytes offsets;                 ///< of indices: in SceneBuffers::indices; of others: in its vertices
+  std::optional<std::size_t> texture;  ///< index into SceneBuffers::texture_sets
   std::uint32_t index_count = 0;
-  glm::dvec3 center{0.0};           ///< object space: what positions and box are relative to
-  glm::vec3 low{0.0f}, high{0.0f};  ///< the box about them
-};
-
-struct TextureBuffers {
-  gpu::Image image;
-  vk::raii::Sampler sampler{nullptr};
-  gpu::Bindings bindings;  ///< set 1 of the G-buffer pass
+  glm::dvec3 center{0.0};           ///< object space; positions and box are relative to it
+  glm::vec3 low{0.0f}, high{0.0f};  ///< bounding box
 };
 
 struct SceneBuffers {
-  std::vector<MeshBuffers> meshes;
-  std::vector<TextureBuffers> textures;                   ///< as textures_read; empty where none reads it
-  vk::raii::DescriptorSetLayout texture_layout{nullptr};  ///< null where nothing is textured
+  gpu::Buffer vertices, indices;
+  std::vector<DeviceMesh> meshes;
+  gpu::ImageGroup textures;  ///< those that a mesh reads
+  std::vector<vk::raii::Sampler> samplers;
+  std::vector<gpu::Bindings> texture_sets;  ///< set 1 of the G-buffer pass, for each entry of textures_read
+  vk::raii::DescriptorSetLayout texture_layout{nullptr};  ///< null if no mesh reads a texture
 };
 
+/// Throws if the device has too little memory.
 [[nodiscard]] SceneBuffers make_scene_buffers(const gpu::Device& device, const Scene& scene,
                                               const DrawPlan& plan);
 

@@ -1,16 +1,8 @@
 #include "stereo/draw/shading.h"
 
 #include <algorithm>
-#include <bit>
 
-#include "shaders/shade.comp.spv.h"
-#include "shaders/shade_direct.comp.spv.h"
-#include "shaders/shade_direct_report.comp.spv.h"
-#include "shaders/shade_maps.comp.spv.h"
-#include "shaders/shade_maps_report.comp.spv.h"
-#include "shaders/shade_motion.comp.spv.h"
-#include "shaders/shade_motion_report.comp.spv.h"
-#include "shaders/shade_report.comp.spv.h"
+#include "stereo/draw/shading_motion.h"
 #include "stereo/frame/tiles.h"
 
 namespace farshade {
@@ -18,19 +10,15 @@ namespace {
 
 using Layout = vk::ImageLayout;
 
-constexpr std::uint32_t kGroup_px = 64;  // as in shade.comp
 static_assert(kTileSide_px == FARSHADE_TILE_PX);
 static_assert(ShadingPass::kMaxMasks * kEyes == FARSHADE_MAX_SOURCES && kMostSpheres == FARSHADE_MAX_MOVED);
 
-/// A filtered visibility is pulled this much away from a half; docs/reprojection.md has the measurement.
-constexpr float kSharpness = 4.0f;
-
-/// A view turned further than this has next to nothing in common with the one before.
+/// Views that differ by a larger turn have almost nothing in common, so the newest mask is no guess.
 constexpr double kMeaninglessTurn_rad = 0.25;
 
 constexpr gpu::BindingKind kStorage{vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eCompute};
 
-/// Set 0 of shade.comp: the last bindings only where masks are carried over, and things move meanwhile.
+/// Set 0 of shade.comp. It has the last bindings only if masks are carried over, and if instances can move.
 std::vector<gpu::BindingKind> shading_set(const ShadingBytes& bytes) {
   using Type = vk::DescriptorType;
   const auto compute = vk::ShaderStageFlagBits::eCompute;
@@ -41,19 +29,6 @@ std::vector<gpu::BindingKind> shading_set(const ShadingBytes& bytes) {
   if (bytes.lists > 0) kinds.push_back(kStorage);
   if (bytes.motions > 0) kinds.insert(kinds.end(), 2, kStorage);
   return kinds;
-}
-
-enum class Shadows : std::uint8_t { Masks, Maps };
-
-std::span<const std::uint32_t> shader_of(std::uint32_t pass, Shadows shadows, bool motion,
-                                         ShadingPass::Report report) {
-  const bool tells = report == ShadingPass::Report::On;
-  using Words = std::span<const std::uint32_t>;
-  if (shadows == Shadows::Maps) return tells ? Words(shade_maps_report_comp_spv) : shade_maps_comp_spv;
-  if (pass == FARSHADE_PASS_DIRECT)
-    return tells ? Words(shade_direct_report_comp_spv) : shade_direct_comp_spv;
-  if (motion) return tells ? Words(shade_motion_report_comp_spv) : shade_motion_comp_spv;
-  return tells ? Words(shade_report_comp_spv) : shade_comp_spv;
 }
 
 using At = vk::PipelineStageFlagBits2;
@@ -77,7 +52,9 @@ ShadingPass::ShadingPass(const gpu::Device& device, const DrawPlan& plan, const 
       frame_buffer_(frame),
       size_(size),
       bytes_(shading_bytes(plan, size, traced_size)),
-      motion_count_(motion.slot_count()) {
+      motion_count_(motion.slot_count()),
+      pipelines_(device, plan, motion.slot_count() > 0),
+      slots_(most_masks(plan)) {
   make_buffers(motion);
   make_sets(gbuffer);
   if (!plan.builds_late) make_all_pipelines();
@@ -131,27 +108,30 @@ void ShadingPass::make_sets(const GBufferPass& gbuffer) {
   check_eq(std::size_t{binding}, bindings_.kinds.size(), "bindings of the shading pass");
 }
 
-/// The device slot that holds the mask; written only if it does not hold these bits yet.
-std::size_t ShadingPass::make_resident(const TracedMask& mask) {
-  const auto places = std::span(resident_).first(most_masks(plan_));
-  auto slot = std::ranges::find(places, std::optional(mask.frame), &Resident::frame);
-  if (slot == places.end()) slot = std::ranges::min_element(places, {}, &Resident::used);
-  const auto index = static_cast<std::size_t>(slot - places.begin());
-  if (slot->frame != mask.frame || slot->content != mask.content)
-    *slot = {mask.frame, mask.content, draws_, upload(index, mask)};
-  slot->used = draws_;
-  return index;
+/// Copies to the device what it does not hold yet. Returns the slot of each mask.
+std::vector<std::size_t> ShadingPass::make_resident(std::span<const DatedMask> masks) {
+  std::vector<MaskVersion> versions;
+  for (const DatedMask& dated : masks) versions.push_back({dated.mask.frame, dated.mask.content});
+  std::vector<std::size_t> slots;
+  for (const MaskSlots::Assignment& assigned : slots_.assign(versions)) {
+    if (assigned.must_upload) {
+      slot_is_whole_[assigned.slot] = upload(assigned.slot, masks[slots.size()].mask);
+      ++mask_uploads_;
+    }
+    slots.push_back(assigned.slot);
+  }
+  return slots;
 }
 
-/// True if every tile is known. A tile counts as known once all its planes are.
+/// Copies a mask to a slot. Returns whether every tile is known; a tile is known once all its planes are.
 bool ShadingPass::upload(std::size_t slot, const TracedMask& mask) const {
   bool whole = true;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const std::size_t place = slot * kEyes + eye;
     const EyeMask& bits = mask.masks[eye];
-    check(bits.layout() == plan_.mask, "a mask lies as planned");
+    check(bits.layout() == plan_.mask, "a mask has the layout of the plan");
     const std::size_t bytes = mask_bytes(bits.size(), device_mask(plan_));
-    check(bytes <= bytes_.mask, "a mask fits its place");
+    check(bytes <= bytes_.mask, "a mask fits its slot");
     const auto there = mask_buffer_.as<std::byte>().subspan(place * bytes_.mask, bytes);
     if (carries_masks(plan_)) {
       copy_with_edges(bits, there);
@@ -170,15 +150,16 @@ bool ShadingPass::upload(std::size_t slot, const TracedMask& mask) const {
   return whole;
 }
 
-/// Each mask as traced for the eye itself and for the other.
-void ShadingPass::list_sources(const StereoView& views, std::span<const DatedMask> masks,
-                               gpu::FrameData& frame) {
+/// Writes the sources of each shown eye: the masks traced for it and, if used, those for the other eye.
+void ShadingPass::write_sources(const StereoView& views, std::span<const DatedMask> masks,
+                                gpu::FrameData& frame) {
   frame.counts.x = narrow<std::uint32_t>(masks.size());
   whole_ = true;
+  const std::vector<std::size_t> slots = make_resident(masks);
   for (std::size_t m = 0; m < masks.size(); ++m) {
     const TracedMask& mask = masks[m].mask;
-    const std::size_t slot = make_resident(mask);
-    whole_ &= resident_[slot].whole;
+    const std::size_t slot = slots[m];
+    whole_ &= slot_is_whole_[slot];
     const std::size_t layer = ring_.has(mask.frame) ? ring_.layer_of(mask.frame) : 0;
     for (std::size_t eye = 0; eye < kEyes; ++eye)
       for (std::size_t traced = 0; traced < kEyes; ++traced) {
@@ -192,70 +173,32 @@ void ShadingPass::list_sources(const StereoView& views, std::span<const DatedMas
   }
 }
 
-/// How points on moving instances are carried back to where they were for `masks[mask]`.
-void ShadingPass::tell_carries(const StereoView& views, std::span<const DatedMask> masks, std::size_t mask) {
-  const auto has_moved = [&](const DatedMask& dated, std::size_t slot) {
-    return slot < dated.motion.then_from_now.size() && dated.motion.then_from_now[slot];
-  };
+void ShadingPass::write_motion(const StereoView& views, std::span<const DatedMask> masks,
+                               gpu::FrameData& frame) {
+  std::vector<const Motion*> since;
+  for (const DatedMask& dated : masks) since.push_back(&dated.motion);
+  const AnyMotion any = write_stale(views, since, frame);
+  moved_since_newest_ = any.since_newest;
+  moved_ = any.since_any;
+  if (!plan_.builds_late) assume_nothing();
+  if (!moved_) return;
   for (std::size_t slot = 0; slot < motion_count_; ++slot)
-    for (std::size_t eye = 0; eye < kEyes; ++eye) {
-      glm::mat4& carry = motion_buffer_.as<glm::mat4>()[(slot * kMaxMasks + mask) * kEyes + eye];
-      carry = glm::mat4(1.0f);
-      const Rigid<Stage, Eye>& stage_from_eye = views[eye].stage_from_eye;
-      if (has_moved(masks[mask], slot))
-        carry = glm::mat4(matrix(inverse(stage_from_eye)) * *masks[mask].motion.then_from_now[slot] *
-                          matrix(stage_from_eye));
-      const auto since = mask == 0 ? masks.first(1) : masks.subspan(1);
-      const bool moved =
-          std::ranges::any_of(since, [&](const DatedMask& dated) { return has_moved(dated, slot); });
-      carry[0][3] = moved ? 1.0f : 0.0f;
-    }
-}
-
-/// What `masks`, the newest (since = 0) or all older ones (1), may no longer know. True if that is anything.
-bool ShadingPass::tell_stale(const StereoView& views, std::span<const DatedMask> masks, std::size_t since,
-                             gpu::FrameData& frame) {
-  std::bitset<kMaxLights> lights, changed;
-  std::vector<Sphere> moved;
-  for (const DatedMask& dated : masks) {
-    lights |= dated.motion.stale_lights;
-    changed |= dated.motion.changed_lights;
-    for (const Sphere& sphere : dated.motion.moved) add_sphere(sphere, moved);
-  }
-  for (std::size_t i = 0; i < lights.size(); ++i) {
-    const auto word = static_cast<int>(i / 32 % 4);
-    if (lights[i]) frame.stale_lights[since * 2 + i / 128][word] |= 1u << i % 32;
-    if (changed[i]) frame.changed_lights[i / 128][word] |= 1u << i % 32;
-  }
-  for (std::size_t eye = 0; eye < kEyes; ++eye)
-    for (std::size_t i = 0; i < kMostSpheres; ++i) {
-      glm::vec4& sphere = frame.moved[(since * kEyes + eye) * kMostSpheres + i];
-      sphere = {0, 0, 0, -1};
-      if (i < moved.size())
-        sphere = glm::vec4(moved[i].centre.v - views[eye].stage_from_eye.translation,
-                           moved[i].radius * moved[i].radius);
-    }
-  return lights.any() || !moved.empty();
+    write_motions(views, since, slot, motion_buffer_.as<glm::mat4>());
 }
 
 void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
                           std::span<const DatedMask> masks, const CarryOver& carry_over) {
   check(masks.size() <= most_masks(plan_), "no more masks than the device holds");
   check_eq(lights.lights.size(), std::size_t{plan_.mask.lights}, "lights of the scene and of the plan");
-  ++draws_;
   carry_over_ = carry_over;
   if (!carries_masks(plan_)) carry_over_.lookup = Lookup::Direct;
   other_eye_ = plan_.other_eye && carry_over.eyes == Eyes::Both &&
                (!plan_.builds_late || (!masks.empty() && masks[0].mask.views[0] != masks[0].mask.views[1]));
   gpu::FrameData frame{};
   for (std::size_t eye = 0; eye < kEyes; ++eye) frame.eye[eye] = eye_data(views[eye]);
-  list_sources(views, masks, frame);
+  write_sources(views, masks, frame);
   masks_ = masks.size();
-  const std::size_t newest = std::min(masks_, std::size_t{1});
-  moved_since_newest_ = tell_stale(views, masks.first(newest), 0, frame);
-  moved_ = tell_stale(views, masks.subspan(newest), 1, frame) || moved_since_newest_;
-  if (!plan_.builds_late) fit_every_frame();
-  for (std::size_t m = 0; m < masks.size() && moved_; ++m) tell_carries(views, masks, m);
+  write_motion(views, masks, frame);
   frame.counts.y = shown_layer;
   if (!masks.empty()) {
     const PoseDelta delta = pose_delta(views[0], {}, masks[0].mask.views[0], {});
@@ -263,10 +206,10 @@ void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, co
     frame.direct = pixel_map(views[0], masks[0].mask.views[0]);
   }
   maps_ = nullptr;
-  tell_frame(views, lights, frame);
+  write_frame(views, lights, frame);
 }
 
-void ShadingPass::tell_frame(const StereoView& views, const LightSet& lights, const gpu::FrameData& frame) {
+void ShadingPass::write_frame(const StereoView& views, const LightSet& lights, const gpu::FrameData& frame) {
   frame_buffer_.as<gpu::FrameData>()[0] = frame;
   for (std::size_t i = 0; i < lights.lights.size(); ++i) {
     light_buffer_.as<gpu::LightData>()[i] = light_data(views, lights.lights[i]);
@@ -274,61 +217,42 @@ void ShadingPass::tell_frame(const StereoView& views, const LightSet& lights, co
   }
 }
 
-/// As pipelines that are made before any frame is known must: nothing is taken for granted.
-void ShadingPass::fit_every_frame() {
+/// Pipelines that are created before the first frame must be right for any frame.
+void ShadingPass::assume_nothing() {
   whole_ = false;
   moved_ = moved_since_newest_ = true;
 }
 
-vk::raii::Pipeline ShadingPass::make_pipeline(const Key& key) {
-  const Shadows shadows = key.map_side_px > 0 ? Shadows::Maps : Shadows::Masks;
-  const vk::raii::ShaderModule shader =
-      gpu::make_shader(device_, shader_of(key.pass, shadows, motion_count_ > 0, key.report), "shade.comp");
-  const std::uint32_t lights = plan_.mask.lights;
-  const gpu::Specialization constants(
-      {lights, device_mask(plan_).word_bytes(), key.pass, key.carry_over.eyes == Eyes::Both,
-       plan_.ranges_and_cones, std::bit_cast<std::uint32_t>(static_cast<float>(kNearPlane_m)),
-       std::bit_cast<std::uint32_t>(kUnknownVisibility), key.eye, key.whole, key.moved,
-       key.carry_over.gaps == Gaps::Neighbours, key.carry_over.edges == Edges::Filtered,
-       std::bit_cast<std::uint32_t>(kSharpness), key.moved_since_newest, first_edge_bit(lights),
-       key.map_side_px, key.pcf_radius});
-  return gpu::make_compute_pipeline(device_, need_layout(key.report), shader, constants, "shade");
-}
-
-const vk::raii::Pipeline& ShadingPass::need_pipeline(const Key& key) {
-  auto found = pipelines_.find(key);
-  if (found == pipelines_.end()) found = pipelines_.emplace(key, make_pipeline(key)).first;
-  return found->second;
-}
-
-/// Those of the default way to carry masks over.
+/// Creates the pipelines of the default CarryOver.
 void ShadingPass::make_all_pipelines() {
-  fit_every_frame();
+  assume_nothing();
   other_eye_ = plan_.other_eye;
   const std::uint32_t last = carries_masks(plan_) ? FARSHADE_PASS_MOVING : FARSHADE_PASS_DIRECT;
   for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass)
-    for (std::uint32_t eye = 0; eye < kEyes; ++eye) need_pipeline(key_of(pass, Report::Off, eye));
+    for (std::uint32_t eye = 0; eye < kEyes; ++eye) need_pipeline(pass, Report::Off, eye);
 }
 
-/// What a pass does not look at is the same in all of its keys, so that it is not compiled again for nothing.
-ShadingPass::Key ShadingPass::key_of(std::uint32_t pass, Report report, std::uint32_t eye) const {
+const vk::raii::Pipeline& ShadingPass::need_pipeline(std::uint32_t pass, Report report, std::uint32_t eye) {
+  return pipelines_.need(key_of(pass, report, eye), need_layout(report));
+}
+
+/// State that a pass does not read has one value in all of its keys, so that no pipeline is compiled twice.
+ShadingKey ShadingPass::key_of(std::uint32_t pass, Report report, std::uint32_t eye) const {
   const bool second_look = pass >= FARSHADE_PASS_HARD, direct = pass == FARSHADE_PASS_DIRECT;
-  CarryOver carry_over = direct ? CarryOver{} : carry_over_;
-  carry_over.lookup = Lookup::Reproject;
-  carry_over.eyes = second_look && other_eye_ ? Eyes::Both : Eyes::This;
-  if (!second_look) carry_over.gaps = Gaps::Neighbours;
   return {.pass = pass,
-          .carry_over = carry_over,
-          .report = report,
+          .eye = eye,
+          .reports = report == Report::On,
+          .other_eye = second_look && other_eye_,
+          .neighbours = !second_look || carry_over_.gaps == Gaps::Neighbours,
+          .filters_edges = direct || carry_over_.edges == Edges::Filtered,
           .whole = whole_ && !second_look,
           .moved = moved_ && !direct,
           .moved_since_newest = moved_since_newest_ && !direct,
-          .eye = eye,
-          .map_side_px = maps_ != nullptr ? maps_->wish().side_px : 0,
-          .pcf_radius = maps_ != nullptr ? maps_->wish().pcf_radius : 0};
+          .map_side_px = maps_ != nullptr ? maps_->settings().side_px : 0,
+          .pcf_radius = maps_ != nullptr ? maps_->settings().pcf_radius : 0};
 }
 
-/// The report is large and most sessions never ask for it.
+/// Created when a report is first requested, because the report is large.
 void ShadingPass::make_report_buffer() {
   if (report_buffer_.bytes > 0) return;
   report_buffer_ = gpu::make_readback_buffer(device_, bytes_.report, "report", gpu::Use::Report);
@@ -338,14 +262,14 @@ void ShadingPass::make_report_buffer() {
 
 void ShadingPass::shade_all(const vk::raii::CommandBuffer& commands, std::uint32_t pass, Report report) {
   for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
-    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(key_of(pass, report, eye)));
-    commands.dispatch((size_.width + kGroup_px - 1) / kGroup_px, size_.height, 1);
+    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(pass, report, eye));
+    commands.dispatch((size_.width + FARSHADE_SHADE_GROUP - 1) / FARSHADE_SHADE_GROUP, size_.height, 1);
   }
 }
 
 void ShadingPass::shade_listed(const vk::raii::CommandBuffer& commands, std::uint32_t pass, Report report) {
   for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
-    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(key_of(pass, report, eye)));
+    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(pass, report, eye));
     const std::size_t list = eye * 2 + (pass == FARSHADE_PASS_MOVING ? 1 : 0);
     commands.dispatchIndirect(*hard_buffer_.buffer, list * sizeof(glm::uvec4));
   }

@@ -24,7 +24,7 @@ DrawPlan settled(DrawPlan plan) {
 ShadingBytes shading_bytes(const DrawPlan& plan, Extent size, Extent traced_size) {
   const auto moving = static_cast<std::size_t>(std::ranges::count(plan.moves, true));
   ShadingBytes bytes{.lights = (plan.mask.lights + 1) * sizeof(gpu::LightData)};
-  bytes.report = kEyes * size.pixels() * ReportLayout(plan.mask).words * 4;
+  bytes.report = kEyes * size.pixels() * std::size_t{FARSHADE_REPORT_WORDS(plan.mask.lights)} * 4;
   if (most_masks(plan) > 0) {
     bytes.mask = whole_words(mask_bytes(traced_size, device_mask(plan)));
     bytes.known = (TileGrid{traced_size}.count() + 31) / 32 * 4;

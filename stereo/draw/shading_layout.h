@@ -1,56 +1,42 @@
-/// How what the shading pass reads and writes lies in memory, and how much there is of it. Pure; the pass and
-/// the prediction of its memory go by the same figures.
+/// The sizes and layouts of the buffers of ShadingPass. Pure; the pass and the prediction of its memory use
+/// the same figures.
 #pragma once
 
+#include "shaders/shade_data.h"
 #include "shaders/shared.h"
 #include "stereo/draw/mask_edges.h"
 #include "stereo/plan/scene_plan.h"
 
 namespace farshade {
 
-/// Masks are carried over from the views they were traced for to others; else they are read at the pixel.
+/// Whether masks are carried over to views other than the traced ones. Otherwise they are read at the shown
+/// pixel.
 [[nodiscard]] constexpr bool carries_masks(const DrawPlan& plan) {
   return plan.depth_pass && plan.mask.lights > 0;
 }
 
-/// `plan` without what only serves carrying masks over, where none are.
+/// `plan`; if masks are not carried over, without the features that only serve to carry them.
 [[nodiscard]] DrawPlan settled(DrawPlan plan);
 
-/// A mask as the device holds it: with the bits that say where edges pass, if anybody asks for them.
+/// The layout of a mask on the device: with edge bits, if masks are carried over.
 [[nodiscard]] constexpr MaskLayout device_mask(const DrawPlan& plan) {
   return carries_masks(plan) ? with_edge_bits(plan.mask) : plan.mask;
 }
 
-/// Masks that the device holds.
+/// The number of masks that the device holds.
 [[nodiscard]] constexpr std::size_t most_masks(const DrawPlan& plan) {
   return plan.mask.lights == 0 ? 0 : carries_masks(plan) ? FARSHADE_MAX_MASKS : 1;
 }
 
-/// What one pixel's report is made of, in words, as shade.comp writes it.
-struct ReportLayout {
-  explicit ReportLayout(MaskLayout mask)
-      : visibility(3),
-        unknown(3 + (mask.lights + 3) / 4),
-        stale(unknown + planes(mask)),
-        beside(stale + planes(mask)),
-        words(beside + planes(mask)) {}
-
-  std::size_t visibility, unknown, stale, beside, words;
-
- private:
-  /// Without lights shade.comp has no planes.
-  static std::size_t planes(MaskLayout mask) { return (mask.lights + 31) / 32; }
-};
-
 /// Bytes of the pass's buffers.
 struct ShadingBytes {
   std::size_t lights = 0;
-  std::size_t mask = 0, known = 0;     ///< one eye's mask and which of its tiles are known: whole words
-  std::size_t slots = 0, motions = 0;  ///< 0 where nothing moves
-  std::size_t lists = 0;               ///< 0 where masks are read at the pixel
-  std::size_t report = 0;              ///< once it is asked for
+  std::size_t mask = 0, known = 0;     ///< one eye's mask and bitmap of known tiles; multiples of 4
+  std::size_t slots = 0, motions = 0;  ///< 0 if nothing moves
+  std::size_t lists = 0;               ///< 0 if masks are not carried over
+  std::size_t report = 0;              ///< allocated when a report is first requested
 };
-/// For eyes of `size` and masks of up to `traced_size` pixels.
+/// For shown eyes of `size` and masks of at most `traced_size` pixels.
 [[nodiscard]] ShadingBytes shading_bytes(const DrawPlan& plan, Extent size, Extent traced_size);
 
 }  // namespace farshade

@@ -3,10 +3,41 @@
 #include "stereo/draw/shading.h"
 
 namespace farshade {
+namespace {
+
+/// One pixel's record in the report (shade_data.h).
+struct Record {
+  std::span<const std::uint32_t> words;
+  std::uint32_t lights;
+
+  [[nodiscard]] std::uint8_t source() const {
+    return static_cast<std::uint8_t>(words[FARSHADE_REPORT_SOURCE]);
+  }
+  [[nodiscard]] std::uint16_t rays() const {
+    return static_cast<std::uint16_t>(words[FARSHADE_REPORT_SOURCE] >> 16);
+  }
+  [[nodiscard]] std::array<float, 2> position() const {
+    return {std::bit_cast<float>(words[FARSHADE_REPORT_X]), std::bit_cast<float>(words[FARSHADE_REPORT_Y])};
+  }
+  [[nodiscard]] std::uint8_t visibility(std::size_t light) const {
+    return static_cast<std::uint8_t>(words[FARSHADE_REPORT_VISIBILITY + light / 4] >> (light % 4 * 8));
+  }
+  [[nodiscard]] std::uint32_t unknown(std::size_t plane) const {
+    return words[FARSHADE_REPORT_UNKNOWN(lights) + plane];
+  }
+  [[nodiscard]] std::uint32_t stale(std::size_t plane) const {
+    return words[FARSHADE_REPORT_STALE(lights) + plane];
+  }
+  [[nodiscard]] std::uint32_t beside(std::size_t plane) const {
+    return words[FARSHADE_REPORT_BESIDE(lights) + plane];
+  }
+};
+
+}  // namespace
 
 ShownReport ShadingPass::report(Side side) const {
-  const ReportLayout layout(plan_.mask);
-  const std::size_t pixels = size_.pixels(), lights = plan_.mask.lights, planes = (lights + 31) / 32;
+  const std::uint32_t lights = plan_.mask.lights, planes = FARSHADE_PLANES(lights);
+  const std::size_t pixels = size_.pixels(), words = FARSHADE_REPORT_WORDS(lights);
   ShownReport result{.mask = EyeMask(size_, plan_.mask),
                      .sources = std::vector<std::uint8_t>(pixels),
                      .positions = std::vector<std::array<float, 2>>(pixels),
@@ -15,15 +46,14 @@ ShownReport ShadingPass::report(Side side) const {
                      .stale = std::vector<std::uint32_t>(pixels * planes),
                      .beside = std::vector<std::uint32_t>(pixels * planes),
                      .rays = std::vector<std::uint16_t>(pixels)};
-  auto row = report_buffer_.as<const std::uint32_t>().subspan(index_of(side) * pixels * layout.words);
-  for (std::size_t at = 0; at < pixels; ++at, row = row.subspan(layout.words)) {
-    result.sources[at] = static_cast<std::uint8_t>(row[0]);
-    result.rays[at] = static_cast<std::uint16_t>(row[0] >> 16);
-    result.positions[at] = {std::bit_cast<float>(row[1]), std::bit_cast<float>(row[2])};
+  const auto all = report_buffer_.as<const std::uint32_t>().subspan(index_of(side) * pixels * words);
+  for (std::size_t at = 0; at < pixels; ++at) {
+    const Record record{all.subspan(at * words, words), lights};
+    result.sources[at] = record.source();
+    result.rays[at] = record.rays();
+    result.positions[at] = record.position();
     for (std::size_t i = 0; i < lights; ++i)
-      result.visibility[at * lights + i] =
-          off_[i] ? std::uint8_t{0}
-                  : static_cast<std::uint8_t>(row[layout.visibility + i / 4] >> (i % 4 * 8));
+      result.visibility[at * lights + i] = off_[i] ? std::uint8_t{0} : record.visibility(i);
     for (std::uint32_t plane = 0; plane < planes; ++plane) {
       std::uint32_t bits = 0, on = 0;
       for (std::size_t i = plane * 32; i < std::min<std::size_t>(lights, plane * 32 + 32); ++i) {
@@ -32,9 +62,9 @@ ShownReport ShadingPass::report(Side side) const {
       }
       result.mask.set_word(static_cast<std::uint32_t>(at % size_.width),
                            static_cast<std::uint32_t>(at / size_.width), plane, bits);
-      result.unknown[at * planes + plane] = row[layout.unknown + plane] & on;
-      result.stale[at * planes + plane] = row[layout.stale + plane] & on;
-      result.beside[at * planes + plane] = row[layout.beside + plane] & on;
+      result.unknown[at * planes + plane] = record.unknown(plane) & on;
+      result.stale[at * planes + plane] = record.stale(plane) & on;
+      result.beside[at * planes + plane] = record.beside(plane) & on;
     }
   }
   return result;

@@ -4,7 +4,7 @@
 
 namespace farshade {
 
-/// Set 0, the shadow maps' where shadows come from them, and the report's where one is asked for.
+/// Set 0, then the set of the shadow maps if they are used, then the set of the report if one is requested.
 std::vector<const gpu::Bindings*> ShadingPass::sets(Report report) const {
   std::vector<const gpu::Bindings*> result{&bindings_};
   if (maps_ != nullptr) result.push_back(&maps_->bindings());
@@ -48,7 +48,7 @@ void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, co
   gpu::FrameData frame{};
   for (std::size_t eye = 0; eye < kEyes; ++eye) frame.eye[eye] = eye_data(views[eye]);
   frame.counts.y = shown_layer;
-  tell_frame(views, lights, frame);
+  write_frame(views, lights, frame);
 }
 
 }  // namespace farshade

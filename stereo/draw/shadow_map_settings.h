@@ -1,5 +1,5 @@
-/// ShadowMapSettings: how a client that has no server draws its own shadows - one depth map a light, six for
-/// a light that shines all around - and how much memory that may take.
+/// ShadowMapSettings: how a client without a server draws its own shadows, with one depth map per light, or
+/// six per point light, and a limit on their memory.
 #pragma once
 
 #include <cstdint>
@@ -8,27 +8,28 @@
 
 namespace farshade {
 
-/// When maps are drawn anew.
+/// When shadow maps are redrawn.
 enum class Redraw : std::uint8_t {
-  WhenMoved,  ///< a light or an instance stands elsewhere than when they were drawn, or a light went on
-  Always,     ///< in every frame
+  WhenMoved,  ///< if a light or an instance has moved, or a light was switched on
+  Always,     ///< every frame
 };
 
 struct ShadowMapSettings {
-  std::uint32_t side_px = 1024;  ///< of a map, or of one face of a cube
-  std::uint32_t pcf_radius = 1;  ///< texels: (2r+1)^2 comparisons, weighed by a box 2r texels wide; 0 = one
+  std::uint32_t side_px = 1024;  ///< of a map or a cube face
+  std::uint32_t pcf_radius =
+      1;  ///< texels: (2r+1)^2 comparisons, box filter 2r texels wide; 0: one comparison
   Redraw redraw = Redraw::WhenMoved;
   friend bool operator==(const ShadowMapSettings&, const ShadowMapSettings&) = default;
 };
 
 inline constexpr std::uint32_t kLeastMapSide_px = 32, kMostMapSide_px = 8192, kMostPcfRadius = 8;
 
-/// What all maps of a scene may take together.
+/// The limit for all maps of a scene together.
 inline constexpr std::uint64_t kMostShadowMapBytes = std::uint64_t{1} << 30;
 
-/// Bytes of the maps of all of `scene`'s lights. Refuses (Fault::OutOfRange) a side or radius outside of the
-/// limits above and (Fault::Unavailable) maps that would take more than kMostShadowMapBytes, and says which
-/// side would do. A renderer is only given wishes that this does not refuse.
-[[nodiscard]] Expected<std::uint64_t> shadow_map_bytes(const Scene& scene, const ShadowMapSettings& wish);
+/// The bytes of the maps of all lights of `scene`. Fault::OutOfRange if the side or the radius is outside of
+/// the limits above; Fault::Unavailable if the maps exceed kMostShadowMapBytes, with a side that would fit. A
+/// renderer takes only settings for which this succeeds.
+[[nodiscard]] Expected<std::uint64_t> shadow_map_bytes(const Scene& scene, const ShadowMapSettings& settings);
 
 }  // namespace farshade

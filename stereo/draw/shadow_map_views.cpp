@@ -7,12 +7,12 @@
 namespace farshade {
 namespace {
 
-/// Texels from a map's middle to where what it has to see ends.
-double reach_texels(const ShadowMapSettings& wish) {
-  return 0.5 * wish.side_px - (wish.pcf_radius + 1);
+/// Texels from the middle of a map to the border that PCF needs.
+double reach_texels(const ShadowMapSettings& settings) {
+  return 0.5 * settings.side_px - (settings.pcf_radius + 1);
 }
 
-/// Axes about `ahead`, unit.
+/// Sets unit axes perpendicular to `ahead`.
 void set_axes(const glm::dvec3& ahead, MapView& view) {
   const glm::dvec3 size = glm::abs(ahead);
   const glm::dvec3 aside = size.y <= size.x && size.y <= size.z ? glm::dvec3(0, 1, 0)
@@ -23,10 +23,11 @@ void set_axes(const glm::dvec3& ahead, MapView& view) {
   view.up = glm::cross(view.right, ahead);
 }
 
-/// The box about `corners` along the light's axes: its middle on the far side is the origin.
+/// Fits a parallel projection to the box around `corners` along the light's axes. The origin is the centre of
+/// the box's far side.
 void fit(std::span<const Point<Stage>> corners, double reach, MapView& view) {
   constexpr double kMargin = 1e-3, kLeast_m = 1e-6;
-  const glm::dvec3 about = corners[0].v;  // so that nothing is lost far from the stage's origin
+  const glm::dvec3 about = corners[0].v;  // keeps precision far from the stage's origin
   glm::dvec3 low(0.0), high(0.0);
   for (const Point<Stage>& corner : corners) {
     const glm::dvec3 d = corner.v - about,
@@ -40,9 +41,10 @@ void fit(std::span<const Point<Stage>> corners, double reach, MapView& view) {
   view.depth_per_m = 0.5 / half.z;
 }
 
-MapView view_of(const Light& light, std::span<const Point<Stage>> corners, const ShadowMapSettings& wish) {
-  MapView view{.origin = light.position, .side_px = wish.side_px};
-  const double reach = reach_texels(wish);
+MapView view_of(const Light& light, std::span<const Point<Stage>> corners,
+                const ShadowMapSettings& settings) {
+  MapView view{.origin = light.position, .side_px = settings.side_px};
+  const double reach = reach_texels(settings);
   if (!light.on || corners.empty()) return view;
   if (light.kind == LightKind::Directional) {
     view.kind = FARSHADE_MAP_PARALLEL;
@@ -78,7 +80,7 @@ MapView face_view(const MapView& cube, std::uint32_t face) {
 }
 
 glm::dmat4 clip_from_stage(const MapView& view) {
-  glm::dmat4 rows(0.0);  // as rows; w of a view of no kind is -1: behind it
+  glm::dmat4 rows(0.0);  // as rows; w = -1 clips everything
   rows[3].w = -1.0;
   if (view.kind == FARSHADE_MAP_NONE) return rows;
   const auto row = [&](const glm::dvec3& axis) { return glm::dvec4(axis, -glm::dot(axis, view.origin.v)); };
@@ -92,10 +94,10 @@ glm::dmat4 clip_from_stage(const MapView& view) {
 }
 
 ShadowMapViews shadow_map_views(std::span<const Light> lights, std::span<const Point<Stage>> corners,
-                                const ShadowMapSettings& wish) {
+                                const ShadowMapSettings& settings) {
   ShadowMapViews views;
   for (const Light& light : lights) {
-    const LightShadowMaps map{view_of(light, corners, wish),
+    const LightShadowMaps map{view_of(light, corners, settings),
                               static_cast<std::uint32_t>(views.layer_clip.size())};
     const std::uint32_t layers = map_layers(light.kind, light.outer_cone_rad);
     for (std::uint32_t layer = 0; layer < layers; ++layer)
@@ -117,25 +119,25 @@ gpu::ShadowMapData shadow_map_data(const StereoView& shown, const LightShadowMap
   return data;
 }
 
-Expected<std::uint64_t> shadow_map_bytes(const Scene& scene, const ShadowMapSettings& wish) {
+Expected<std::uint64_t> shadow_map_bytes(const Scene& scene, const ShadowMapSettings& settings) {
   const auto number = [](std::uint64_t n) { return std::to_string(n); };
-  if (wish.side_px < kLeastMapSide_px || wish.side_px > kMostMapSide_px)
-    return fail(Fault::OutOfRange, "a shadow map has " + number(kLeastMapSide_px) + " to " +
+  if (settings.side_px < kLeastMapSide_px || settings.side_px > kMostMapSide_px)
+    return fail(Fault::OutOfRange, "a shadow map must have " + number(kLeastMapSide_px) + " to " +
                                        number(kMostMapSide_px) + " texels a side, not " +
-                                       number(wish.side_px));
-  if (wish.pcf_radius > kMostPcfRadius)
-    return fail(Fault::OutOfRange, "shadows are filtered over 0 to " + number(kMostPcfRadius) +
-                                       " texels, not " + number(wish.pcf_radius));
+                                       number(settings.side_px));
+  if (settings.pcf_radius > kMostPcfRadius)
+    return fail(Fault::OutOfRange, "the PCF radius must be 0 to " + number(kMostPcfRadius) + " texels, not " +
+                                       number(settings.pcf_radius));
   std::uint64_t layers = 0;
   for (const LightSource& light : scene.lights) layers += map_layers(light.kind, light.outer_cone_rad);
-  layers += layers % 2;  // they are drawn in pairs
+  layers += layers % 2;  // layers are drawn in pairs
   const auto bytes_at = [&](std::uint64_t side) { return layers * side * side * 4; };
-  if (bytes_at(wish.side_px) <= kMostShadowMapBytes) return bytes_at(wish.side_px);
-  std::uint64_t side = wish.side_px;
+  if (bytes_at(settings.side_px) <= kMostShadowMapBytes) return bytes_at(settings.side_px);
+  std::uint64_t side = settings.side_px;
   while (bytes_at(side) > kMostShadowMapBytes) side /= 2;
   return fail(Fault::Unavailable,
-              "shadow maps of " + number(scene.lights.size()) + " lights with " + number(wish.side_px) +
-                  " texels a side take " + number(bytes_at(wish.side_px) >> 20) + " MiB, and " +
+              "shadow maps of " + number(scene.lights.size()) + " lights with " + number(settings.side_px) +
+                  " texels a side take " + number(bytes_at(settings.side_px) >> 20) + " MiB, and " +
                   number(kMostShadowMapBytes >> 20) + " are allowed: " + number(side) + " texels would do");
 }
 

@@ -1,7 +1,7 @@
-/// Shadow map views: how each light sees the scene. A point light looks through the six faces of a cube, as
-/// does a spot too wide for one window; a spot through a window that holds its outer cone; a directional
-/// light along its direction, at a box that holds the scene. Pure; no device needed. (L. Williams, "Casting
-/// curved shadows on curved surfaces", SIGGRAPH 1978.)
+/// Shadow map views: the projection of each light's shadow map. A point light has the six faces of a cube,
+/// and so has a spot that is too wide for one perspective projection. Other spots have one perspective
+/// projection that contains the outer cone. A directional light has a parallel projection of a box around the
+/// scene. Pure; no device needed. (L. Williams, "Casting curved shadows on curved surfaces", SIGGRAPH 1978.)
 #pragma once
 
 #include <span>
@@ -13,14 +13,14 @@
 
 namespace farshade {
 
-/// A spot whose outer cone is wider than this takes a cube: near the rim of a wider window texels would be
-/// more than four times as far apart as in its middle.
+/// A spot with a wider outer cone uses a cube. In a wider projection, texels at the rim would be more than
+/// four times as far apart as in the middle.
 inline constexpr float kWidestWindow_rad = 1.05f;
 
-/// Layers of a light's map: 6 or 1.
+/// The number of layers of a light's map: 6 or 1.
 [[nodiscard]] std::uint32_t map_layers(LightKind kind, float outer_cone_rad);
 
-/// How one layer sees: as gpu::ShadowMapData has it, in double and in the stage.
+/// The projection of one layer: gpu::ShadowMapData in double and relative to the stage.
 struct MapView {
   std::uint32_t kind = FARSHADE_MAP_NONE;
   glm::dvec3 right{0.0}, up{0.0}, ahead{0.0};
@@ -30,29 +30,29 @@ struct MapView {
   std::uint32_t side_px = 1;  ///< of the map
 };
 
-/// Of a cube's face: +x, -x, +y, -y, +z, -z.
+/// The projection of a cube face; the faces are +x, -x, +y, -y, +z, -z.
 [[nodiscard]] MapView face_view(const MapView& cube, std::uint32_t face);
 
-/// Vulkan clip space from the stage: depth near / distance as everywhere, parallel: from 1 nearest the light
-/// to 0. A view of no kind sees nothing.
+/// From the stage to Vulkan clip space. Depth is near / distance; in a parallel projection it runs from 1 at
+/// the end nearest to the light to 0. With FARSHADE_MAP_NONE everything is clipped.
 [[nodiscard]] glm::dmat4 clip_from_stage(const MapView& view);
 
 struct LightShadowMaps {
-  MapView view;  ///< a cube's has no axes
+  MapView view;  ///< without axes for a cube
   std::uint32_t first_layer = 0;
 };
 
 struct ShadowMapViews {
-  std::vector<LightShadowMaps> lights;  ///< one a light; of no kind where it is off
+  std::vector<LightShadowMaps> lights;  ///< FARSHADE_MAP_NONE for a light that is off
   std::vector<glm::dmat4> layer_clip;   ///< clip_from_stage of each layer
 };
 
-/// `corners`: of boxes that together hold the scene; without any there is nothing to see. Around all that a
-/// map has to see it leaves as many texels as PCF reaches, so that no comparison is made beyond a map's edge
-/// or across a cube's.
+/// `corners` are those of boxes that together contain the scene; if there are none, no light has a map. Each
+/// map has a border as wide as the PCF filter, so that no comparison reads beyond the edge of a map or a cube
+/// face.
 [[nodiscard]] ShadowMapViews shadow_map_views(std::span<const Light> lights,
                                               std::span<const Point<Stage>> corners,
-                                              const ShadowMapSettings& wish);
+                                              const ShadowMapSettings& settings);
 
 [[nodiscard]] gpu::ShadowMapData shadow_map_data(const StereoView& shown, const LightShadowMaps& map);
 

@@ -7,18 +7,18 @@ namespace {
 
 using Layout = vk::ImageLayout;
 
-/// Of all lights, in pairs.
+/// The layers of all lights, rounded up to pairs.
 std::uint32_t layer_count(const Scene& scene) {
   std::uint32_t layers = 0;
   for (const LightSource& light : scene.lights) layers += map_layers(light.kind, light.outer_cone_rad);
   return std::max(layers + layers % 2, 2u);
 }
 
-gpu::Image make_maps(const gpu::Device& device, const Scene& scene, const ShadowMapSettings& wish) {
-  check(shadow_map_bytes(scene, wish).has_value(), "the shadow maps that are wished for can be had");
+gpu::Image make_maps(const gpu::Device& device, const Scene& scene, const ShadowMapSettings& settings) {
+  check(shadow_map_bytes(scene, settings).has_value(), "shadow_map_bytes accepts the settings");
   return gpu::make_image(
       device,
-      {.size = {wish.side_px, wish.side_px},
+      {.size = {settings.side_px, settings.side_px},
        .layers = layer_count(scene),
        .format = kDepthFormat,
        .usage = vk::ImageUsageFlagBits::eDepthStencilAttachment | vk::ImageUsageFlagBits::eSampled,
@@ -33,27 +33,28 @@ const std::vector<gpu::BindingKind> kMapSet{
 }  // namespace
 
 ShadowMaps::ShadowMaps(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
-                       const SceneBuffers& buffers, const gpu::Buffer& frame, const ShadowMapSettings& wish)
+                       const SceneBuffers& buffers, const gpu::Buffer& frame,
+                       const ShadowMapSettings& settings)
     : scene_(scene),
       buffers_(buffers),
-      wish_(wish),
-      maps_(make_maps(device, scene, wish)),
-      places_(gpu::make_mapped_buffer(device, (scene.lights.size() + 1) * sizeof(gpu::ShadowMapData),
-                                      vk::BufferUsageFlagBits::eUniformBuffer, "shadow map views",
-                                      gpu::Use::ShadowMaps)),
+      settings_(settings),
+      maps_(make_maps(device, scene, settings)),
+      map_data_(gpu::make_mapped_buffer(device, (scene.lights.size() + 1) * sizeof(gpu::ShadowMapData),
+                                        vk::BufferUsageFlagBits::eUniformBuffer, "shadow map views",
+                                        gpu::Use::ShadowMaps)),
       nearest_(device.logical.createSampler({})),
       bindings_(gpu::make_bindings(device, kMapSet, "shadow maps")),
       pass_(device, scene, plan, buffers, frame, Outputs::Casters, maps_.wish.layers / 2) {
   for (std::uint32_t first = 0; first < maps_.wish.layers; first += 2)
     pairs_.push_back(gpu::view_layers(device, maps_, first, 2));
   gpu::bind_image(device, bindings_, 0, {*maps_.view, Layout::eShaderReadOnlyOptimal, *nearest_});
-  gpu::bind_buffer(device, bindings_, 1, places_);
+  gpu::bind_buffer(device, bindings_, 1, map_data_);
 }
 
 std::vector<Point<Stage>> ShadowMaps::corners(const SceneState& state) const {
   std::vector<Point<Stage>> result;
   for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
-    const MeshBuffers& mesh = buffers_.meshes[scene_.instances[i].mesh];
+    const DeviceMesh& mesh = buffers_.meshes[scene_.instances[i].mesh];
     for (int corner = 0; corner < 8; ++corner) {
       const glm::dvec3 p(corner & 1 ? mesh.high.x : mesh.low.x, corner & 2 ? mesh.high.y : mesh.low.y,
                          corner & 4 ? mesh.high.z : mesh.low.z);
@@ -66,14 +67,14 @@ std::vector<Point<Stage>> ShadowMaps::corners(const SceneState& state) const {
 void ShadowMaps::prepare(const StereoView& shown, const SceneState& state) {
   const std::vector<Light>& lights = state.light_set.lights;
   check_eq(lights.size(), scene_.lights.size(), "lights of the scene and of its state");
-  ShadowMapViews views = shadow_map_views(lights, corners(state), wish_);
+  ShadowMapViews views = shadow_map_views(lights, corners(state), settings_);
   for (std::size_t i = 0; i < lights.size(); ++i)
-    places_.as<gpu::ShadowMapData>()[i] = shadow_map_data(shown, views.lights[i]);
+    map_data_.as<gpu::ShadowMapData>()[i] = shadow_map_data(shown, views.lights[i]);
   views.layer_clip.resize(maps_.wish.layers, clip_from_stage({}));
-  Content wanted{std::move(views.layer_clip), state.stage_from_object};
-  due_ = wish_.redraw == Redraw::Always || wanted != drawn_;
+  Content needed{std::move(views.layer_clip), state.stage_from_object};
+  due_ = settings_.redraw == Redraw::Always || needed != drawn_;
   if (!due_) return;
-  drawn_ = std::move(wanted);
+  drawn_ = std::move(needed);
   std::vector<PerEye<glm::dmat4>> pairs;
   for (std::size_t layer = 0; layer < drawn_.layer_clip.size(); layer += 2)
     pairs.push_back({drawn_.layer_clip[layer], drawn_.layer_clip[layer + 1]});

@@ -1,5 +1,5 @@
-/// ShadowMaps: the depth maps of all lights on the device, for a client without a server. They are drawn
-/// again only where a light or an instance stands elsewhere than when they were drawn last.
+/// ShadowMaps: the shadow maps of all lights on the device, for a client without a server. With
+/// Redraw::WhenMoved they are redrawn only after a light or an instance has moved.
 #pragma once
 
 #include "stereo/draw/scene_pass.h"
@@ -9,26 +9,26 @@ namespace farshade {
 
 class ShadowMaps {
  public:
-  /// References are kept. `frame` holds a FrameData; `wish` is one that shadow_map_bytes does not refuse for
-  /// `scene`. Throws when the device runs out of memory.
+  /// Keeps the references. `frame` holds a FrameData. shadow_map_bytes must succeed for `scene` and
+  /// `settings`. Throws when the device runs out of memory.
   ShadowMaps(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
-             const gpu::Buffer& frame, const ShadowMapSettings& wish);
+             const gpu::Buffer& frame, const ShadowMapSettings& settings);
 
-  /// For a frame that shows `shown` in `state`. Call before `record`.
+  /// Prepares a frame with the shown views and the scene's state. Call before `record`.
   void prepare(const StereoView& shown, const SceneState& state);
 
-  /// Draws the maps if they are not as the state wants them. Afterwards they are readable by shaders.
+  /// Draws the maps if `due`. Afterwards shaders can read them.
   void record(const vk::raii::CommandBuffer& commands);
 
-  [[nodiscard]] const ShadowMapSettings& wish() const { return wish_; }
-  /// Set 1 of shade.comp with SHADOW_MAPS: the maps, and a ShadowMapData of each light.
+  [[nodiscard]] const ShadowMapSettings& settings() const { return settings_; }
+  /// Set 1 of shade.comp with SHADOW_MAPS: the maps, and a ShadowMapData for each light.
   [[nodiscard]] const gpu::Bindings& bindings() const { return bindings_; }
   [[nodiscard]] const ScenePass& scene_pass() const { return pass_; }
-  /// Whether the last `prepare` wanted them drawn.
+  /// Whether the maps must be redrawn for the last `prepare`.
   [[nodiscard]] bool due() const { return due_; }
 
  private:
-  /// What the maps show.
+  /// What the maps depend on.
   struct Content {
     std::vector<glm::dmat4> layer_clip;
     std::vector<Affine<Stage, Object>> stage_from_object;
@@ -38,10 +38,10 @@ class ShadowMaps {
 
   const Scene& scene_;
   const SceneBuffers& buffers_;
-  ShadowMapSettings wish_;
+  ShadowMapSettings settings_;
   gpu::Image maps_;
-  std::vector<vk::raii::ImageView> pairs_;  ///< of two layers each
-  gpu::Buffer places_;
+  std::vector<vk::raii::ImageView> pairs_;  ///< two layers each
+  gpu::Buffer map_data_;                    ///< a ShadowMapData for each light
   vk::raii::Sampler nearest_{nullptr};
   gpu::Bindings bindings_;
   ScenePass pass_;

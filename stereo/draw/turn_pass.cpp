@@ -11,9 +11,7 @@
 namespace farshade {
 namespace {
 
-constexpr std::uint32_t kGroup_px = 64;  // as in turn.comp
-
-/// Eye-space (x, y, z) of z < 0 to homogeneous pixels; ray_pixel of fov.h as a matrix.
+/// From eye-space (x, y, z), z < 0, to homogeneous pixels: ray_pixel of fov.h as a matrix.
 glm::dmat3 pixel_from_ray(const View& view) {
   const FovTangents tangents = tangents_of(view.fov);
   const double per_x = view.size.width / (tangents.right_tan - tangents.left_tan),
@@ -21,7 +19,7 @@ glm::dmat3 pixel_from_ray(const View& view) {
   return {{per_x, 0, 0}, {0, per_y, 0}, {tangents.left_tan * per_x, tangents.up_tan * per_y, -1}};
 }
 
-/// Homogeneous pixels to the eye-space point on z = -1; pixel_ray of fov.h as a matrix.
+/// From homogeneous pixels to the eye-space point on z = -1: pixel_ray of fov.h as a matrix.
 glm::dmat3 ray_from_pixel(const View& view) {
   const FovTangents tangents = tangents_of(view.fov);
   const double step_x = (tangents.right_tan - tangents.left_tan) / view.size.width,
@@ -39,7 +37,7 @@ std::array<float, 256> light_of_levels() {
   return light;
 }
 
-/// All that was written before is seen by all that comes.
+/// Makes all earlier writes visible to all later commands and to the host.
 void barrier(const vk::raii::CommandBuffer& commands) {
   const vk::MemoryBarrier2 memory{
       .srcStageMask = vk::PipelineStageFlagBits2::eAllCommands,
@@ -115,8 +113,10 @@ const vk::raii::Pipeline& TurnPass::need_pipeline(Effect effect) {
   vk::raii::Pipeline& pipeline = pipelines_[static_cast<std::size_t>(effect)];
   if (*pipeline) return pipeline;
   const vk::raii::ShaderModule shader = gpu::make_shader(device_, turn_comp_spv, "turn.comp");
-  pipeline = gpu::make_compute_pipeline(device_, layout_, shader,
-                                        gpu::Specialization({effect == Effect::Add}), "turn");
+  std::vector<std::uint32_t> constants(1);
+  constants[FARSHADE_TURN_CONSTANT_ADDS] = effect == Effect::Add;
+  pipeline =
+      gpu::make_compute_pipeline(device_, layout_, shader, gpu::Specialization(std::move(constants)), "turn");
   return pipeline;
 }
 
@@ -147,7 +147,7 @@ void TurnPass::record(const vk::raii::CommandBuffer& commands, const StereoView&
   commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(effect));
   commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *bindings_.set, {});
   commands.pushConstants<gpu::TurnData>(*layout_, vk::ShaderStageFlagBits::eCompute, 0, data);
-  commands.dispatch((size_.width + kGroup_px - 1) / kGroup_px, size_.height, kEyes);
+  commands.dispatch((size_.width + FARSHADE_TURN_GROUP - 1) / FARSHADE_TURN_GROUP, size_.height, kEyes);
   barrier(commands);
   stamps_.write(commands, 1);
 }

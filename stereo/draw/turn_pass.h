@@ -1,5 +1,5 @@
-/// Turn pass: a picture made for other views is shown in the direction in which its pixels lay (turn.comp).
-/// The eyes' places do not enter, so what is near is wrong by the parallax that the eyes have moved through.
+/// TurnPass shows a picture that was made for other views in the directions that its pixels had (turn.comp).
+/// It ignores the eyes' positions, so near objects are displaced by the parallax of the eyes' movement.
 #pragma once
 
 #include "stereo/frame/view.h"
@@ -8,31 +8,33 @@
 
 namespace farshade {
 
-/// Takes a pixel position (x, y, 1) of `shown` to (x w, y w, w) of `from`, both eyes at one place; w > 0
-/// ahead of `from`. The identity, to double's rounding, where both look alike.
+/// Maps a pixel position (x, y, 1) of `shown` to (x w, y w, w) in `from`, as if both eyes were at one
+/// position. w > 0 in front of `from`. The identity, up to rounding, if both views have one rotation and one
+/// window.
 [[nodiscard]] glm::dmat3 turned_pixel(const View& from, const View& shown);
 
-/// Share of the shown pixels whose centre lies outside of `from`, each eye.
+/// For each eye, the share of shown pixels whose centre is outside of `from`.
 [[nodiscard]] PerEye<double> outside_share(const StereoView& from, const StereoView& shown);
 
 class TurnPass {
  public:
-  /// What is turned: the picture loaded last, or what is shown already.
+  /// The picture to turn: the one that was loaded last, or the shown picture.
   enum class Source : std::uint8_t { Loaded, Shown };
-  /// Show: what the picture does not cover is black. Add: it is a difference_of, added to what is shown;
-  /// what it does not cover stays.
+  /// Show: the turned picture replaces the shown one; pixels outside of it are black. Add: the picture is a
+  /// difference_of, which is added to the shown picture; pixels outside of it do not change.
   enum class Effect : std::uint8_t { Show, Add };
 
-  /// `shown` has a layer an eye, rgba8 UNORM, storage and transfer source, and rests in layout General. Kept.
+  /// `shown` has one layer per eye, format rgba8 UNORM, usage storage and transfer source, and layout
+  /// General. Keeps the reference.
   TurnPass(const gpu::Device& device, const gpu::Image& shown);
 
-  /// sRGB, both eyes of the size of `shown`.
+  /// Loads an sRGB picture. Both eyes have the size of `shown`.
   void load(const PerEye<Image<Rgb8>>& picture);
 
-  /// From a picture for `from` to `shown`, both of the size of the image.
+  /// Turns a picture made for `from` to the views `shown`. All views have the size of the image.
   void record(const vk::raii::CommandBuffer& commands, const StereoView& from, const StereoView& shown,
               Source source, Effect effect);
-  /// On the device, of the last `record`, after it has finished.
+  /// The time on the device of the last `record`. Call after the device has finished.
   [[nodiscard]] Duration time() const { return stamps_.between(0, 1); }
 
   [[nodiscard]] std::size_t pipelines() const;
@@ -45,11 +47,12 @@ class TurnPass {
   const gpu::Device& device_;
   const gpu::Image& shown_;
   Extent size_;
-  gpu::Buffer picture_;   ///< both eyes, four bytes a pixel
-  gpu::Buffer light_of_;  ///< of each sRGB level
+  gpu::Buffer picture_;   ///< both eyes, four bytes per pixel
+  gpu::Buffer light_of_;  ///< linear light of each sRGB level
   gpu::Bindings bindings_;
   vk::raii::PipelineLayout layout_{nullptr};
-  std::array<vk::raii::Pipeline, 2> pipelines_{nullptr, nullptr};  ///< of each effect, once it is asked for
+  std::array<vk::raii::Pipeline, 2> pipelines_{nullptr,
+                                               nullptr};  ///< one for each effect, created at first use
   gpu::Timestamps stamps_;
 };
 

@@ -9,12 +9,12 @@
 namespace farshade::gpu {
 namespace {
 
-/// What kMaxLights lights take in shade.comp; every driver but the barest grants it.
+/// The uniform buffer of shade.comp for kMaxLights lights. Almost every driver allows it.
 constexpr std::uint32_t kUniformRange_bytes = 32 << 10;
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
-/// The parameters are C types in older Vulkan headers, C++ types in newer ones.
+/// The types of the parameters depend on the version of the Vulkan headers.
 constexpr auto on_message = [](auto /*severity*/, auto /*types*/, const auto* data, void* log) -> vk::Bool32 {
   static_cast<ValidationLog*>(log)->add(data->pMessage);
   return VK_FALSE;
@@ -55,8 +55,8 @@ vk::raii::Instance make_instance(const vk::raii::Context& context, ValidationLog
 }
 
 bool can_present(const vk::raii::Instance& instance, const vk::raii::PhysicalDevice& physical,
-                 std::uint32_t queue_family, const DeviceOptions& wish) {
-  return !wish.presentation || wish.presentation->can_present(*instance, *physical, queue_family);
+                 std::uint32_t queue_family, const DeviceOptions& options) {
+  return !options.presentation || options.presentation->can_present(*instance, *physical, queue_family);
 }
 
 bool has_swapchains(const vk::raii::PhysicalDevice& physical) {
@@ -67,22 +67,22 @@ bool has_swapchains(const vk::raii::PhysicalDevice& physical) {
 
 std::optional<std::uint32_t> graphics_queue_family(const vk::raii::Instance& instance,
                                                    const vk::raii::PhysicalDevice& physical,
-                                                   const DeviceOptions& wish) {
+                                                   const DeviceOptions& options) {
   const auto families = physical.getQueueFamilyProperties();
   const vk::QueueFlags wanted = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute;
   for (std::uint32_t i = 0; i < families.size(); ++i)
     if ((families[i].queueFlags & wanted) == wanted && families[i].timestampValidBits > 0 &&
-        can_present(instance, physical, i, wish))
+        can_present(instance, physical, i, options))
       return i;
   return std::nullopt;
 }
 
-/// What the device lacks, or nothing.
+/// What the device lacks; empty if it is usable.
 std::string lacks(const vk::raii::Instance& instance, const vk::raii::PhysicalDevice& physical,
-                  const DeviceOptions& wish) {
+                  const DeviceOptions& options) {
   const vk::PhysicalDeviceProperties properties = physical.getProperties();
-  if (std::string(properties.deviceName).find(wish.name_contains) == std::string::npos)
-    return "its name lacks '" + wish.name_contains + "'";
+  if (std::string(properties.deviceName).find(options.name_contains) == std::string::npos)
+    return "its name lacks '" + options.name_contains + "'";
   if (properties.apiVersion < VK_API_VERSION_1_3) return "no Vulkan 1.3";
   if (properties.limits.maxUniformBufferRange < kUniformRange_bytes) return "uniform buffers are too short";
   const auto features = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features,
@@ -91,10 +91,10 @@ std::string lacks(const vk::raii::Instance& instance, const vk::raii::PhysicalDe
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().dynamicRendering) return "no dynamic rendering";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().synchronization2) return "no synchronization2";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().maintenance4) return "no maintenance4";
-  if (wish.presentation && !has_swapchains(physical)) return "no swapchains";
-  if (!graphics_queue_family(instance, physical, wish))
-    return wish.presentation ? "no queue that draws, computes, keeps time and shows in this window"
-                             : "no queue that draws, computes and keeps time";
+  if (options.presentation && !has_swapchains(physical)) return "no swapchains";
+  if (!graphics_queue_family(instance, physical, options))
+    return options.presentation ? "no queue that draws, computes, keeps time and shows in this window"
+                                : "no queue that draws, computes and keeps time";
   return {};
 }
 
@@ -111,18 +111,18 @@ int preference(vk::PhysicalDeviceType type) {
   }
 }
 
-/// A device and why it is passed over; an empty reason: it is the one to take.
+/// A device and why it is not chosen; empty for the chosen one.
 struct Judged {
   vk::raii::PhysicalDevice physical;
   std::string passed_over;
 };
 
-/// All devices, in the loader's order; at most one of them is to be taken.
-std::vector<Judged> judge(const vk::raii::Instance& instance, const DeviceOptions& wish) {
+/// All devices in the loader's order. At most one is chosen.
+std::vector<Judged> judge(const vk::raii::Instance& instance, const DeviceOptions& options) {
   std::vector<Judged> judged;
   std::optional<std::size_t> best;
   for (vk::raii::PhysicalDevice& physical : vk::raii::PhysicalDevices(instance)) {
-    std::string passed_over = lacks(instance, physical, wish);
+    std::string passed_over = lacks(instance, physical, options);
     const int here = preference(physical.getProperties().deviceType);
     const bool usable = passed_over.empty();
     if (usable && best && here <= preference(judged[*best].physical.getProperties().deviceType)) {
@@ -136,7 +136,7 @@ std::vector<Judged> judge(const vk::raii::Instance& instance, const DeviceOption
   return judged;
 }
 
-/// "NAME: reason; ..." of those that are passed over.
+/// "NAME: reason; ..." for the devices that are not chosen.
 std::string reasons(const std::vector<Judged>& judged) {
   std::string text;
   for (const Judged& one : judged)
@@ -168,7 +168,7 @@ SurveyedDevice describe(const Judged& judged) {
 }
 
 vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, std::uint32_t queue_family,
-                              const DeviceOptions& wish) {
+                              const DeviceOptions& options) {
   vk::PhysicalDeviceVulkan13Features features13{
       .synchronization2 = true, .dynamicRendering = true, .maintenance4 = true};
   vk::PhysicalDeviceVulkan12Features features12{.pNext = &features13, .shaderOutputLayer = true};
@@ -176,11 +176,12 @@ vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, std::uin
   const vk::DeviceQueueCreateInfo queue{
       .queueFamilyIndex = queue_family, .queueCount = 1, .pQueuePriorities = &priority};
   const char* const swapchains = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
-  return vk::raii::Device(physical, vk::DeviceCreateInfo{.pNext = &features12,
-                                                         .queueCreateInfoCount = 1,
-                                                         .pQueueCreateInfos = &queue,
-                                                         .enabledExtensionCount = wish.presentation ? 1u : 0u,
-                                                         .ppEnabledExtensionNames = &swapchains});
+  return vk::raii::Device(physical,
+                          vk::DeviceCreateInfo{.pNext = &features12,
+                                               .queueCreateInfoCount = 1,
+                                               .pQueueCreateInfos = &queue,
+                                               .enabledExtensionCount = options.presentation ? 1u : 0u,
+                                               .ppEnabledExtensionNames = &swapchains});
 }
 
 }  // namespace
@@ -195,19 +196,19 @@ std::vector<std::string> ValidationLog::messages() const {
   return messages_;
 }
 
-Expected<Device> open_device(const DeviceOptions& wish) try {
+Expected<Device> open_device(const DeviceOptions& options) try {
   Device device;
-  if (wish.validation == Validation::On) {
+  if (options.validation == Validation::On) {
     if (!has_validation_layer(device.context))
       return fail(Fault::Missing,
                   "Vulkan validation layers are not installed (Debian: vulkan-validationlayers)");
     device.validation_log = std::make_unique<ValidationLog>();
   }
-  device.instance = make_instance(device.context, device.validation_log.get(), wish.presentation);
+  device.instance = make_instance(device.context, device.validation_log.get(), options.presentation);
   if (device.validation_log)
     device.messenger = device.instance.createDebugUtilsMessengerEXT(messenger_info(*device.validation_log));
 
-  std::vector<Judged> judged = judge(device.instance, wish);
+  std::vector<Judged> judged = judge(device.instance, options);
   const std::string passed_over = reasons(judged);
   const auto taken = std::ranges::find(judged, "", &Judged::passed_over);
   if (taken == judged.end())
@@ -221,29 +222,34 @@ Expected<Device> open_device(const DeviceOptions& wish) try {
                                                                      : "the most capable device";
   if (!passed_over.empty()) device.why += " (passed over: " + passed_over + ")";
   device.timestamp_period_ns = properties.limits.timestampPeriod;
+  device.max_allocations = properties.limits.maxMemoryAllocationCount;
+  device.max_allocation_bytes =
+      device.physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceVulkan11Properties>()
+          .get<vk::PhysicalDeviceVulkan11Properties>()
+          .maxMemoryAllocationSize;
   device.memory = device.physical.getMemoryProperties();
-  device.queue_family = *graphics_queue_family(device.instance, device.physical, wish);
-  device.logical = make_logical(device.physical, device.queue_family, wish);
+  device.queue_family = *graphics_queue_family(device.instance, device.physical, options);
+  device.logical = make_logical(device.physical, device.queue_family, options);
   device.queue = device.logical.getQueue(device.queue_family, 0);
   device.commands = device.logical.createCommandPool(
       {.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer, .queueFamilyIndex = device.queue_family});
   return device;
 } catch (const std::exception& error) {
-  // The loader throws when there is no driver at all; that is a missing device, not a broken invariant.
+  // The loader throws if there is no driver. That is a missing device, not a broken invariant.
   return fail(Fault::Missing, std::string("no usable Vulkan device: ") + error.what() +
                                   "; install a driver, for example Debian's mesa-vulkan-drivers");
 }
 
-Expected<Survey> survey(const DeviceOptions& wish) try {
+Expected<Survey> survey(const DeviceOptions& options) try {
   const vk::raii::Context context;
   Survey found{.loader = version_text(context.enumerateInstanceVersion()),
                .validation = has_validation_layer(context) ? Validation::On : Validation::Off,
                .devices = {}};
   try {
-    const vk::raii::Instance instance = make_instance(context, nullptr, wish.presentation);
-    for (const Judged& judged : judge(instance, wish)) found.devices.push_back(describe(judged));
+    const vk::raii::Instance instance = make_instance(context, nullptr, options.presentation);
+    for (const Judged& judged : judge(instance, options)) found.devices.push_back(describe(judged));
   } catch (const vk::IncompatibleDriverError&) {
-    // What the loader says where there is no driver at all.
+    // The loader throws this if there is no driver.
   }
   return found;
 } catch (const std::exception& error) {

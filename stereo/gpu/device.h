@@ -1,5 +1,5 @@
-/// Device: one Vulkan 1.3 device with one queue - a GPU if there is one, lavapipe otherwise - and why it was
-/// chosen. With validation on, every message of the layers is counted and kept; tests demand none.
+/// Device: one Vulkan 1.3 device with one queue: a GPU if there is one, otherwise lavapipe. With validation
+/// on, it keeps every message of the validation layers; tests expect none.
 #pragma once
 
 #include <atomic>
@@ -16,7 +16,7 @@
 
 namespace farshade::gpu {
 
-/// What the validation layers said, from any thread.
+/// Messages of the validation layers. Thread-safe.
 class ValidationLog {
  public:
   void add(std::string message);
@@ -29,16 +29,17 @@ class ValidationLog {
 
 enum class Validation : std::uint8_t { Off, On };
 
-/// What it takes to show pictures in a window, as the window's system states it.
+/// What a window system needs of a device to show pictures.
 struct Presentation {
   std::vector<std::string> instance_extensions;
   std::function<bool(vk::Instance, vk::PhysicalDevice, std::uint32_t queue_family)> can_present;
 };
 
 struct DeviceOptions {
-  std::string name_contains;  ///< only devices whose name contains this; empty = the best there is
+  std::string name_contains;  ///< only devices whose name contains this; empty = any
   Validation validation = Validation::Off;
-  std::optional<Presentation> presentation = std::nullopt;  ///< only devices that can; adds VK_KHR_swapchain
+  /// Set: only devices that can present, with VK_KHR_swapchain enabled.
+  std::optional<Presentation> presentation = std::nullopt;
 };
 
 struct Device {
@@ -52,31 +53,35 @@ struct Device {
   std::uint32_t queue_family = 0;
   vk::raii::CommandPool commands{nullptr};
   vk::PhysicalDeviceMemoryProperties memory;
-  std::shared_ptr<Ledger> ledger = std::make_shared<Ledger>();  ///< of everything allocated on the device
+  std::uint64_t max_allocations = 0;       ///< that may exist at one time (maxMemoryAllocationCount)
+  std::uint64_t max_allocation_bytes = 0;  ///< of one allocation (maxMemoryAllocationSize)
+  std::shared_ptr<Ledger> ledger = std::make_shared<Ledger>();  ///< of all memory allocated on the device
   float timestamp_period_ns = 1;                                ///< of one timestamp tick
   std::string name;
-  std::string why;  ///< one clause: why this one and what was passed over
+  std::string why;  ///< one clause: why this device was chosen, and why others were not
 };
 
-/// Refuses with Fault::Missing, naming for each device what it lacks.
-[[nodiscard]] Expected<Device> open_device(const DeviceOptions& wish);
+/// The best device that `options` allow. Fault::Missing if there is none; the error names what each device
+/// lacks.
+[[nodiscard]] Expected<Device> open_device(const DeviceOptions& options);
 
-/// What open_device would see and do.
+/// One device that open_device considers.
 struct SurveyedDevice {
   std::string name, kind, api;
-  std::string driver;       ///< its name and version; empty where the device is too old to say
-  std::string passed_over;  ///< why; empty: this is the one that is taken
+  std::string driver;       ///< name and version; empty below Vulkan 1.2, which does not report them
+  std::string passed_over;  ///< why open_device does not choose it; empty: it does
 };
 struct Survey {
   std::string loader;                       ///< version
   Validation validation = Validation::Off;  ///< whether the layers are installed
-  std::vector<SurveyedDevice> devices;      ///< none where there is no driver
+  std::vector<SurveyedDevice> devices;      ///< empty if there is no driver
 };
 
-/// Every device here and the verdict on it. Missing where not even the loader answers.
-[[nodiscard]] Expected<Survey> survey(const DeviceOptions& wish);
+/// All devices of this machine, and which one open_device chooses. Fault::Missing if there is no Vulkan
+/// loader.
+[[nodiscard]] Expected<Survey> survey(const DeviceOptions& options);
 
-/// Names `handle` for validation messages and captures; nothing when validation is off.
+/// Names `handle` in validation messages and debuggers. Does nothing when validation is off.
 template <class Handle>
 void set_name(const Device& device, const Handle& handle, const std::string& name) {
   if (!device.validation_log) return;
@@ -86,14 +91,14 @@ void set_name(const Device& device, const Handle& handle, const std::string& nam
        .pObjectName = name.c_str()});
 }
 
-/// Records with `record`, submits, and waits. Waits at most kGpuTimeout, then throws: a driver that hangs
-/// must not hang us.
+/// Calls `record` with a command buffer, submits the buffer and waits for it. Throws after kGpuTimeout_ns, so
+/// that a driver that hangs does not hang the program.
 template <class Record>
 void run_now(const Device& device, Record&& record);
 
 inline constexpr std::uint64_t kGpuTimeout_ns = 30'000'000'000;
 
-/// Submits `commands` with `fence` and waits for it.
+/// Submits `commands` with `fence` and waits for the fence. Throws after kGpuTimeout_ns.
 void submit_and_wait(const Device& device, const vk::raii::CommandBuffer& commands,
                      const vk::raii::Fence& fence);
 

@@ -17,11 +17,13 @@ void Ledger::add(Use use, std::uint64_t bytes) {
   use_.now[use] += bytes;
   use_.peak[use] = std::max(use_.peak[use], use_.now[use]);
   use_.peak_total = std::max(use_.peak_total, use_.now.total());
+  ++use_.allocations;
 }
 
-void Ledger::take_back(Use use, std::uint64_t bytes) {
+void Ledger::remove(Use use, std::uint64_t bytes) {
   const std::lock_guard lock(mutex_);
   use_.now[use] -= bytes;
+  --use_.allocations;
 }
 
 MemoryUse Ledger::read() const {
@@ -45,7 +47,7 @@ Charge& Charge::operator=(Charge&& other) noexcept {
 }
 
 void Charge::end() {
-  if (ledger_) ledger_->take_back(use_, bytes_);
+  if (ledger_) ledger_->remove(use_, bytes_);
   ledger_.reset();
 }
 

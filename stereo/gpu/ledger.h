@@ -1,5 +1,5 @@
-/// Ledger: how many bytes of device memory were allocated for what, now and at the most. Every Buffer and
-/// Image carries the charge for its allocation, which is taken back when it is freed.
+/// Ledger: counts the bytes of device memory by use, now and at peak, and the number of allocations. Each
+/// allocation holds a Charge, which removes its bytes from the ledger when the memory is freed.
 #pragma once
 
 #include <array>
@@ -12,21 +12,21 @@
 
 namespace farshade::gpu {
 
-/// What memory is for.
+/// What an allocation is used for.
 enum class Use : std::uint8_t {
   Vertices,  ///< vertex streams and indices
   Textures,
-  Frame,    ///< what is told anew every frame: uniforms, lights, instances
+  Frame,    ///< data written every frame: uniforms, lights, instances
   GBuffer,  ///< base colours and surfaces
   Depth,    ///< of shown and of requested views
-  Masks,    ///< and which of their tiles are known
-  Motion,   ///< where things that move were
-  Lists,    ///< of pixels that take a second look
-  Shown,    ///< the picture
-  Report,   ///< what each pixel was shown with
+  Masks,    ///< and their bitmaps of known tiles
+  Motion,   ///< earlier transforms of instances that move
+  Lists,    ///< of pixels for the second shading pass
+  Shown,    ///< the shaded picture
+  Report,   ///< per pixel, how it was shaded
   ReadBack,
   ShadowMaps,  ///< of a client that draws its own shadows
-  Staging,     ///< on its way to the device
+  Staging,     ///< host memory from which the device copies
   Other,
 };
 inline constexpr std::size_t kUses = 14;
@@ -43,18 +43,19 @@ struct BytesByUse {
   }
 };
 
-/// Allocated bytes, as the driver rounded them.
+/// Allocated bytes, as rounded up by the driver.
 struct MemoryUse {
   BytesByUse now;
-  BytesByUse peak;  ///< of each use by itself
+  BytesByUse peak;  ///< of each use separately; the peaks may lie at different times
   std::uint64_t peak_total = 0;
+  std::uint64_t allocations = 0;  ///< that exist now
 };
 
-/// Of one device. Safe to use from several threads.
+/// The ledger of one device. Thread-safe.
 class Ledger {
  public:
   void add(Use use, std::uint64_t bytes);
-  void take_back(Use use, std::uint64_t bytes);
+  void remove(Use use, std::uint64_t bytes);
   [[nodiscard]] MemoryUse read() const;
 
  private:
@@ -62,7 +63,7 @@ class Ledger {
   MemoryUse use_;
 };
 
-/// An allocation's entry in a ledger, for as long as it lives.
+/// One allocation's entry in a ledger. The entry exists as long as the Charge.
 class Charge {
  public:
   Charge() = default;
@@ -74,7 +75,7 @@ class Charge {
  private:
   void end();
 
-  std::shared_ptr<Ledger> ledger_;  ///< null: charges nothing
+  std::shared_ptr<Ledger> ledger_;  ///< null: no entry
   Use use_ = Use::Other;
   std::uint64_t bytes_ = 0;
 };

@@ -1,8 +1,6 @@
 #include "stereo/gpu/memory.h"
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
 #include <stdexcept>
 
 namespace farshade::gpu {
@@ -10,26 +8,43 @@ namespace {
 
 using Property = vk::MemoryPropertyFlagBits;
 
-/// The first memory type that has all of `wanted`, trying the wishes in order.
+/// The first memory type that has all properties of `choices[0]`, or else of `choices[1]`, and so on.
 std::uint32_t memory_type(const Device& device, std::uint32_t allowed,
-                          std::initializer_list<vk::MemoryPropertyFlags> wishes) {
-  for (const vk::MemoryPropertyFlags wanted : wishes)
+                          std::initializer_list<vk::MemoryPropertyFlags> choices) {
+  for (const vk::MemoryPropertyFlags wanted : choices)
     for (std::uint32_t i = 0; i < device.memory.memoryTypeCount; ++i)
       if ((allowed >> i & 1u) && (device.memory.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
   throw std::runtime_error("vkAllocateMemory: no memory type fits");
 }
 
+Allocation allocate(const Device& device, std::size_t bytes, std::uint32_t type, const std::string& name,
+                    Use use) {
+  const auto refuse = [&](const std::string& what) {
+    throw std::runtime_error("vkAllocateMemory for '" + name + "': " + device.name + " allows " + what);
+  };
+  if (device.ledger->read().allocations >= device.max_allocations)
+    refuse(std::to_string(device.max_allocations) + " allocations, and all are in use");
+  if (bytes > device.max_allocation_bytes)
+    refuse(std::to_string(device.max_allocation_bytes >> 20) + " MiB in one allocation, and " +
+           std::to_string(bytes >> 20) + " MiB are needed");
+  Allocation result;
+  result.memory = device.logical.allocateMemory({.allocationSize = bytes, .memoryTypeIndex = type});
+  result.charge = Charge(device.ledger, use, bytes);
+  return result;
+}
+
 Buffer make_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
-                   std::initializer_list<vk::MemoryPropertyFlags> wishes, const std::string& name, Use use) {
+                   std::initializer_list<vk::MemoryPropertyFlags> memory, const std::string& name, Use use) {
   Buffer result;
   result.bytes = std::max<std::size_t>(bytes, 16);
   result.buffer = device.logical.createBuffer({.size = result.bytes, .usage = usage});
   const vk::MemoryRequirements needs = result.buffer.getMemoryRequirements();
-  const std::uint32_t type = memory_type(device, needs.memoryTypeBits, wishes);
-  result.memory = device.logical.allocateMemory({.allocationSize = needs.size, .memoryTypeIndex = type});
-  result.charge = Charge(device.ledger, use, needs.size);
+  Allocation allocation =
+      allocate(device, needs.size, memory_type(device, needs.memoryTypeBits, memory), name, use);
+  result.memory = std::move(allocation.memory);
+  result.charge = std::move(allocation.charge);
   result.buffer.bindMemory(*result.memory, 0);
-  if (wishes.begin()[0] & Property::eHostVisible)
+  if (memory.begin()[0] & Property::eHostVisible)
     result.mapped = static_cast<std::byte*>(result.memory.mapMemory(0, VK_WHOLE_SIZE));
   set_name(device, result.buffer, name);
   return result;
@@ -39,6 +54,22 @@ constexpr vk::MemoryPropertyFlags kHost = Property::eHostVisible | Property::eHo
 
 vk::ImageAspectFlags aspect_of(vk::Format format) {
   return format == vk::Format::eD32Sfloat ? vk::ImageAspectFlagBits::eDepth : vk::ImageAspectFlagBits::eColor;
+}
+
+/// An image without memory and view.
+Image bare_image(const Device& device, const ImageSpec& spec, const std::string& name) {
+  Image result;
+  result.wish = spec;
+  result.aspect = aspect_of(spec.format);
+  result.image = device.logical.createImage({.imageType = vk::ImageType::e2D,
+                                             .format = spec.format,
+                                             .extent = {spec.size.width, spec.size.height, 1},
+                                             .mipLevels = spec.mip_levels,
+                                             .arrayLayers = spec.layers,
+                                             .samples = vk::SampleCountFlagBits::e1,
+                                             .usage = spec.usage});
+  set_name(device, result.image, name);
+  return result;
 }
 
 vk::raii::ImageView make_view(const Device& device, const Image& image, LayerRange layers) {
@@ -65,32 +96,22 @@ void barrier(const vk::raii::CommandBuffer& commands, vk::Image image, vk::Image
   commands.pipelineBarrier2({.imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &all});
 }
 
-/// Halves level by level; each level ends readable by shaders.
-void fill_mips(const vk::raii::CommandBuffer& commands, const Image& texture) {
-  using Layout = vk::ImageLayout;
-  const auto level = [](std::uint32_t mip) {
-    return vk::ImageSubresourceRange{vk::ImageAspectFlagBits::eColor, mip, 1, 0, 1};
-  };
-  const auto side = [](std::uint32_t full, std::uint32_t mip) {
-    return static_cast<std::int32_t>(std::max(full >> mip, 1u));
-  };
-  for (std::uint32_t mip = 1; mip < texture.wish.mip_levels; ++mip) {
-    barrier(commands, *texture.image, Layout::eTransferDstOptimal, Layout::eTransferSrcOptimal,
-            level(mip - 1));
-    const auto corner = [&](std::uint32_t m) {
-      return vk::Offset3D{side(texture.wish.size.width, m), side(texture.wish.size.height, m), 1};
-    };
-    const vk::ImageBlit blit{.srcSubresource = {vk::ImageAspectFlagBits::eColor, mip - 1, 0, 1},
-                             .srcOffsets = {{vk::Offset3D{}, corner(mip - 1)}},
-                             .dstSubresource = {vk::ImageAspectFlagBits::eColor, mip, 0, 1},
-                             .dstOffsets = {{vk::Offset3D{}, corner(mip)}}};
-    commands.blitImage(*texture.image, Layout::eTransferSrcOptimal, *texture.image,
-                       Layout::eTransferDstOptimal, blit, vk::Filter::eLinear);
-    barrier(commands, *texture.image, Layout::eTransferSrcOptimal, Layout::eShaderReadOnlyOptimal,
-            level(mip - 1));
+/// Binds `images` one after the other to one allocation.
+Allocation bind_together(const Device& device, std::span<Image> images, const std::string& name) {
+  std::size_t bytes = 0;
+  std::uint32_t allowed = ~0u;
+  std::vector<std::size_t> offsets;
+  for (const Image& image : images) {
+    const vk::MemoryRequirements needs = image.image.getMemoryRequirements();
+    bytes = (bytes + needs.alignment - 1) / needs.alignment * needs.alignment;
+    offsets.push_back(bytes);
+    bytes += needs.size;
+    allowed &= needs.memoryTypeBits;
   }
-  barrier(commands, *texture.image, Layout::eTransferDstOptimal, Layout::eShaderReadOnlyOptimal,
-          level(texture.wish.mip_levels - 1));
+  Allocation result = allocate(device, bytes, memory_type(device, allowed, {Property::eDeviceLocal, {}}),
+                               name, images[0].wish.use);
+  for (std::size_t i = 0; i < images.size(); ++i) images[i].image.bindMemory(*result.memory, offsets[i]);
+  return result;
 }
 
 }  // namespace
@@ -111,39 +132,39 @@ Buffer make_device_buffer(const Device& device, std::size_t bytes, vk::BufferUsa
   return make_buffer(device, bytes, usage, {Property::eDeviceLocal}, name, use);
 }
 
-Buffer make_filled_buffer(const Device& device, std::span<const std::byte> content,
-                          vk::BufferUsageFlags usage, const std::string& name, Use use) {
-  const Buffer staging = make_buffer(device, content.size(), vk::BufferUsageFlagBits::eTransferSrc, {kHost},
-                                     name + " staging", Use::Staging);
-  if (!content.empty()) std::memcpy(staging.mapped, content.data(), content.size());
-  Buffer result = make_buffer(device, content.size(), usage | vk::BufferUsageFlagBits::eTransferDst,
-                              {Property::eDeviceLocal}, name, use);
-  run_now(device, [&](const vk::raii::CommandBuffer& commands) {
-    commands.copyBuffer(*staging.buffer, *result.buffer, vk::BufferCopy{.size = result.bytes});
-  });
+Buffer make_staging_buffer(const Device& device, std::size_t bytes, const std::string& name) {
+  return make_buffer(device, bytes, vk::BufferUsageFlagBits::eTransferSrc, {kHost}, name, Use::Staging);
+}
+
+Image make_image(const Device& device, const ImageSpec& spec, const std::string& name) {
+  Image result = bare_image(device, spec, name);
+  Allocation allocation = bind_together(device, {&result, 1}, name);
+  result.memory = std::move(allocation.memory);
+  result.charge = std::move(allocation.charge);
+  result.view = make_view(device, result, {0, spec.layers});
   return result;
 }
 
-Image make_image(const Device& device, const ImageSpec& wish, const std::string& name) {
-  Image result;
-  result.wish = wish;
-  result.aspect = aspect_of(wish.format);
-  result.image = device.logical.createImage({.imageType = vk::ImageType::e2D,
-                                             .format = wish.format,
-                                             .extent = {wish.size.width, wish.size.height, 1},
-                                             .mipLevels = wish.mip_levels,
-                                             .arrayLayers = wish.layers,
-                                             .samples = vk::SampleCountFlagBits::e1,
-                                             .usage = wish.usage});
-  const vk::MemoryRequirements needs = result.image.getMemoryRequirements();
-  result.memory = device.logical.allocateMemory(
-      {.allocationSize = needs.size,
-       .memoryTypeIndex = memory_type(device, needs.memoryTypeBits, {Property::eDeviceLocal, {}})});
-  result.charge = Charge(device.ledger, wish.use, needs.size);
-  result.image.bindMemory(*result.memory, 0);
-  result.view = make_view(device, result, {0, wish.layers});
-  set_name(device, result.image, name);
-  return result;
+ImageGroup make_image_group(const Device& device, std::span<const ImageSpec> specs, const std::string& name) {
+  ImageGroup group;
+  std::vector<std::size_t> first{0};  // image of each allocation
+  std::size_t bytes = 0;
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    group.images.push_back(bare_image(device, specs[i], name + " " + std::to_string(i)));
+    const std::size_t needed = group.images[i].image.getMemoryRequirements().size;
+    if (bytes > 0 && bytes + needed > kSharedBytes) {
+      first.push_back(i);
+      bytes = 0;
+    }
+    bytes += needed;
+  }
+  first.push_back(specs.size());
+  const std::span<Image> images(group.images);
+  for (std::size_t i = 0; i + 1 < first.size() && !specs.empty(); ++i)
+    group.memory.push_back(
+        bind_together(device, images.subspan(first[i], first[i + 1] - first[i]), name + " memory"));
+  for (Image& image : group.images) image.view = make_view(device, image, {0, image.wish.layers});
+  return group;
 }
 
 vk::raii::ImageView view_layers(const Device& device, const Image& image, std::uint32_t first,
@@ -162,30 +183,9 @@ void transition(const vk::raii::CommandBuffer& commands, vk::Image image, vk::Im
   barrier(commands, image, from, to, {vk::ImageAspectFlagBits::eColor, 0, 1, 0, 1});
 }
 
-Image make_texture(const Device& device, Extent size, std::span<const std::byte> rgba,
-                   const std::string& name) {
-  check_eq(rgba.size(), size.pixels() * 4, "a texture has four bytes a pixel");
-  const Buffer staging =
-      make_buffer(device, rgba.size(), vk::BufferUsageFlagBits::eTransferSrc, {kHost}, name, Use::Staging);
-  std::memcpy(staging.mapped, rgba.data(), rgba.size());
-  using Usage = vk::ImageUsageFlagBits;
-  Image result =
-      make_image(device,
-                 {.size = size,
-                  .mip_levels = static_cast<std::uint32_t>(std::bit_width(std::max(size.width, size.height))),
-                  .format = vk::Format::eR8G8B8A8Srgb,
-                  .usage = Usage::eTransferDst | Usage::eTransferSrc | Usage::eSampled,
-                  .use = Use::Textures},
-                 name);
-  run_now(device, [&](const vk::raii::CommandBuffer& commands) {
-    transition(commands, result, vk::ImageLayout::eUndefined, vk::ImageLayout::eTransferDstOptimal);
-    commands.copyBufferToImage(
-        *staging.buffer, *result.image, vk::ImageLayout::eTransferDstOptimal,
-        vk::BufferImageCopy{.imageSubresource = {vk::ImageAspectFlagBits::eColor, 0, 0, 1},
-                            .imageExtent = {size.width, size.height, 1}});
-    fill_mips(commands, result);
-  });
-  return result;
+void transition_mips(const vk::raii::CommandBuffer& commands, const Image& image, vk::ImageLayout from,
+                     vk::ImageLayout to, MipRange mips) {
+  barrier(commands, *image.image, from, to, {vk::ImageAspectFlagBits::eColor, mips.first, mips.count, 0, 1});
 }
 
 }  // namespace farshade::gpu

@@ -1,6 +1,5 @@
-/// Buffers and images with the memory they lie in: one allocation each, freed with them.
-/// Mapped buffers are for what changes every frame; everything else lies on the device and is filled by
-/// `upload`.
+/// Buffers and images with their memory. Each has one allocation, except textures, which share a few.
+/// Mapped buffers hold what changes every frame. All other buffers and images are in device-local memory.
 #pragma once
 
 #include <cstddef>
@@ -17,16 +16,18 @@ struct Buffer {
   vk::raii::DeviceMemory memory{nullptr};
   vk::raii::Buffer buffer{nullptr};
   std::size_t bytes = 0;
-  std::byte* mapped = nullptr;  ///< null for device buffers; coherent
+  std::byte* mapped = nullptr;  ///< coherent; null for device buffers
 
   template <class T>
   [[nodiscard]] std::span<T> as() const {
-    check(mapped != nullptr, "only mapped buffers are read and written by the host");
+    check(mapped != nullptr, "the host accesses mapped buffers only");
     return {reinterpret_cast<T*>(mapped), bytes / sizeof(T)};
   }
 };
 
-/// Written by the host each frame, read by the device. `bytes` of 0 is rounded up to something bindable.
+// All functions below throw when the device has no memory or no allocation left.
+
+/// Written by the host every frame, read by the device. A size below 16 bytes is rounded up to 16.
 [[nodiscard]] Buffer make_mapped_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
                                         const std::string& name, Use use = Use::Other);
 
@@ -34,14 +35,12 @@ struct Buffer {
 [[nodiscard]] Buffer make_readback_buffer(const Device& device, std::size_t bytes, const std::string& name,
                                           Use use = Use::ReadBack);
 
-/// Written and read by the device alone.
+/// Written and read by the device only.
 [[nodiscard]] Buffer make_device_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
                                         const std::string& name, Use use = Use::Other);
 
-/// Device-local, holding `content`.
-[[nodiscard]] Buffer make_filled_buffer(const Device& device, std::span<const std::byte> content,
-                                        vk::BufferUsageFlags usage, const std::string& name,
-                                        Use use = Use::Other);
+/// Host memory from which the device copies to other buffers and images.
+[[nodiscard]] Buffer make_staging_buffer(const Device& device, std::size_t bytes, const std::string& name);
 
 struct ImageSpec {
   Extent size;
@@ -54,32 +53,52 @@ struct ImageSpec {
 
 struct Image {
   Charge charge;
-  vk::raii::DeviceMemory memory{nullptr};
+  vk::raii::DeviceMemory memory{nullptr};  ///< null for a texture: Textures::memory
   vk::raii::Image image{nullptr};
-  vk::raii::ImageView view{nullptr};  ///< all layers as an array, all mips
+  vk::raii::ImageView view{nullptr};  ///< all layers as an array, all mip levels
   ImageSpec wish;
   vk::ImageAspectFlags aspect;
 };
 
-[[nodiscard]] Image make_image(const Device& device, const ImageSpec& wish, const std::string& name);
+[[nodiscard]] Image make_image(const Device& device, const ImageSpec& spec, const std::string& name);
 
-/// A view of `layers` layers from `first` of an image.
+/// A view of `layers` layers of an image, from layer `first`.
 [[nodiscard]] vk::raii::ImageView view_layers(const Device& device, const Image& image, std::uint32_t first,
                                               std::uint32_t layers);
 
-/// Moves layers between layouts, with the barrier that makes earlier writes visible to later use.
+/// Changes the layout of layers. Its barrier makes earlier writes visible to later commands.
 struct LayerRange {
   std::uint32_t first = 0, count = VK_REMAINING_ARRAY_LAYERS;
 };
 void transition(const vk::raii::CommandBuffer& commands, const Image& image, vk::ImageLayout from,
                 vk::ImageLayout to, LayerRange layers = {});
 
-/// The same for the one colour layer of an image whose memory is another's.
+/// The same for the one colour layer of an image that is not an Image, such as a swapchain's.
 void transition(const vk::raii::CommandBuffer& commands, vk::Image image, vk::ImageLayout from,
                 vk::ImageLayout to);
 
-/// An sRGB texture with its mip chain (box filter in linear light by blits).
-[[nodiscard]] Image make_texture(const Device& device, Extent size, std::span<const std::byte> rgba,
-                                 const std::string& name);
+/// The same for mip levels of the first layer of a colour image.
+struct MipRange {
+  std::uint32_t first = 0, count = 1;
+};
+void transition_mips(const vk::raii::CommandBuffer& commands, const Image& image, vk::ImageLayout from,
+                     vk::ImageLayout to, MipRange mips);
+
+/// A memory allocation that several images share.
+struct Allocation {
+  Charge charge;
+  vk::raii::DeviceMemory memory{nullptr};
+};
+/// The bytes of an allocation that images share are at most this, or those of one image.
+inline constexpr std::size_t kSharedBytes = 64 << 20;
+
+/// Images without contents that share allocations.
+struct ImageGroup {
+  std::vector<Allocation> memory;
+  std::vector<Image> images;  ///< one for each spec
+};
+/// `specs` have the same use, format and usage flags.
+[[nodiscard]] ImageGroup make_image_group(const Device& device, std::span<const ImageSpec> specs,
+                                          const std::string& name);
 
 }  // namespace farshade::gpu

@@ -107,7 +107,7 @@ Duration Timestamps::between(std::uint32_t from, std::uint32_t to) const {
   const auto [result, ticks] =
       pool_.getResults<std::uint64_t>(0, count_, count_ * sizeof(std::uint64_t), sizeof(std::uint64_t),
                                       vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait);
-  check(result == vk::Result::eSuccess, "timestamps are there once the fence is signalled");
+  check(result == vk::Result::eSuccess, "timestamps are available once the fence is signalled");
   return Duration(static_cast<std::int64_t>(static_cast<double>(ticks[to] - ticks[from]) * period_ns_));
 }
 

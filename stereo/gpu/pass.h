@@ -1,5 +1,5 @@
-/// Passes: what pipelines are made of - shaders, bindings, specialisation - and timestamps around what they
-/// do.
+/// Building blocks of passes: shaders, descriptor bindings, specialisation constants, compute pipelines,
+/// timestamps.
 #pragma once
 
 #include <array>
@@ -14,14 +14,14 @@ namespace farshade::gpu {
 [[nodiscard]] vk::raii::ShaderModule make_shader(const Device& device, std::span<const std::uint32_t> spirv,
                                                  const std::string& name);
 
-/// What one binding of a set is; `count` > 1 is an array.
+/// The kind of one binding of a descriptor set; `count` > 1 is an array.
 struct BindingKind {
   vk::DescriptorType type;
   vk::ShaderStageFlags stages;
   std::uint32_t count = 1;
 };
 
-/// One descriptor set: binding i is `kinds[i]`.
+/// A descriptor set; binding i has kind `kinds[i]`.
 struct Bindings {
   vk::raii::DescriptorSetLayout layout{nullptr};
   vk::raii::DescriptorPool pool{nullptr};
@@ -36,7 +36,7 @@ struct Bindings {
 
 void bind_buffer(const Device& device, const Bindings& bindings, std::uint32_t binding, const Buffer& buffer);
 
-/// `layout` is the one the image is in when the set is used; `sampler` may be null for storage images.
+/// `layout` is the layout of the image when the set is used. `sampler` may be null for storage images.
 struct ImageBinding {
   vk::ImageView view;
   vk::ImageLayout layout;
@@ -45,7 +45,7 @@ struct ImageBinding {
 void bind_image(const Device& device, const Bindings& bindings, std::uint32_t binding,
                 const ImageBinding& image, std::uint32_t element = 0);
 
-/// Specialisation constants 0, 1, 2 ... of a shader, as 32-bit words.
+/// The specialisation constants with ids 0, 1, 2, ... of a shader, as 32-bit words.
 struct Specialization {
   explicit Specialization(std::vector<std::uint32_t> constants);
   [[nodiscard]] vk::SpecializationInfo info() const;
@@ -61,13 +61,13 @@ struct Specialization {
                                                        const Specialization& specialization,
                                                        const std::string& name);
 
-/// Timestamps 0..count-1 of one submission.
+/// Timestamps 0 to count - 1 of one submission.
 class Timestamps {
  public:
   Timestamps(const Device& device, std::uint32_t count);
   void reset(const vk::raii::CommandBuffer& commands) const;
   void write(const vk::raii::CommandBuffer& commands, std::uint32_t index) const;
-  /// Time between two of them, after the submission has finished.
+  /// The time between two timestamps. Call after the submission has finished.
   [[nodiscard]] Duration between(std::uint32_t from, std::uint32_t to) const;
 
  private:

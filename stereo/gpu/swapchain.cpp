@@ -14,7 +14,7 @@ vk::SurfaceFormatKHR choose_format(const Device& device, const vk::raii::Surface
   throw std::runtime_error("vkGetPhysicalDeviceSurfaceFormatsKHR: no 8-bit UNORM format with sRGB colours");
 }
 
-/// FIFO is what every surface offers.
+/// Every surface supports FIFO.
 vk::PresentModeKHR choose_mode(const Device& device, const vk::raii::SurfaceKHR& surface) {
   const auto offered = device.physical.getSurfacePresentModesKHR(*surface);
   for (const vk::PresentModeKHR wanted : {vk::PresentModeKHR::eMailbox, vk::PresentModeKHR::eImmediate})
@@ -22,10 +22,10 @@ vk::PresentModeKHR choose_mode(const Device& device, const vk::raii::SurfaceKHR&
   return vk::PresentModeKHR::eFifo;
 }
 
-/// The surface's own size; where it leaves that to us, `wanted` within its limits.
+/// The size that the surface prescribes, or `wanted` within its limits if it prescribes none.
 Extent granted_size(const vk::SurfaceCapabilitiesKHR& surface, Extent wanted) {
-  constexpr std::uint32_t ours_to_choose = 0xffff'ffff;
-  if (surface.currentExtent.width != ours_to_choose)
+  constexpr std::uint32_t free_to_choose = 0xffff'ffff;
+  if (surface.currentExtent.width != free_to_choose)
     return {surface.currentExtent.width, surface.currentExtent.height};
   return {std::clamp(wanted.width, surface.minImageExtent.width, surface.maxImageExtent.width),
           std::clamp(wanted.height, surface.minImageExtent.height, surface.maxImageExtent.height)};
@@ -53,7 +53,7 @@ bool Swapchain::fit(Extent wanted) {
   size_ = wanted.pixels() == 0 ? Extent{} : granted_size(surface, wanted);
   targets_.clear();
   if (size_.pixels() == 0) return true;
-  // One is shown, one waits to be, one is drawn to.
+  // One image is shown, one waits to be shown, one is being drawn.
   std::uint32_t count = std::max(surface.minImageCount, 3u);
   if (surface.maxImageCount > 0) count = std::min(count, surface.maxImageCount);
   const vk::raii::SwapchainKHR old = std::move(swapchain_);

@@ -1,7 +1,6 @@
-/// Swapchain: the images of a window, remade whenever the window's size is another. Drawing paces itself, so
-/// nothing here waits for the display: where it can replace a waiting picture it does (MAILBOX, IMMEDIATE),
-/// and an image that is not free yet is not waited for. The images are 8-bit UNORM: what is drawn or
-/// copied is what the screen gets, already sRGB-coded.
+/// Swapchain: the images of a window, recreated when the size of the window changes. Drawing has its own
+/// pace, so the swapchain never waits for the display: it prefers MAILBOX and IMMEDIATE, and `acquire` does
+/// not wait for an image. The images are 8-bit UNORM and contain sRGB-coded colours.
 #pragma once
 
 #include <optional>
@@ -12,28 +11,29 @@ namespace farshade::gpu {
 
 class Swapchain {
  public:
-  /// Keeps both references. Throws where the surface takes no 8-bit UNORM picture.
+  /// Keeps both references. Throws if the surface supports no 8-bit UNORM format.
   Swapchain(const Device& device, const vk::raii::SurfaceKHR& surface);
 
-  /// Remade if it is not for `wanted` pixels or no longer fits the surface; true if it was: targets and size
-  /// are others then, and the device is idle. An extent of zero leaves nothing to show to.
+  /// Recreates the swapchain if its size is not `wanted` or it no longer fits the surface. Returns whether it
+  /// did; then targets and size have changed, and the device is idle. With an extent of zero there are no
+  /// images.
   [[nodiscard]] bool fit(Extent wanted);
 
-  /// Of its images, as the surface grants it; zero where there is nothing to show to.
+  /// The size of the images as granted by the surface; zero if there are no images.
   [[nodiscard]] Extent size() const { return size_; }
   [[nodiscard]] vk::Format format() const { return format_.format; }
-  /// Its images, to be drawn to or copied to.
+  /// An image to draw to or copy to.
   struct Target {
     vk::Image image;
     vk::raii::ImageView view;
   };
   [[nodiscard]] const std::vector<Target>& targets() const { return targets_; }
 
-  /// The image to draw to next; `ready` is signalled once it may be. Nothing if none is free now, or if the
-  /// swapchain no longer fits (the next `fit` remakes it).
+  /// The index of the next image to draw to; signals `ready` when drawing may begin. Empty if no image is
+  /// free, or if the swapchain no longer fits (the next `fit` recreates it).
   [[nodiscard]] std::optional<std::uint32_t> acquire(vk::Semaphore ready);
 
-  /// Shows image `index` once `drawn` is signalled.
+  /// Presents image `index` once `drawn` is signalled.
   void present(std::uint32_t index, vk::Semaphore drawn);
 
  private:

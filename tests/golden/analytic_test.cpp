@@ -1,4 +1,4 @@
-/// Box over plane (assets/ORIGIN.md): every pixel of the plane has the colour that paper gives it.
+/// Box over plane (assets/ORIGIN.md): every pixel of the plane has the colour computed by hand.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,13 +6,13 @@
 #include <numbers>
 
 #include "stereo/scene/scene_state.h"
-#include "tests/golden/theatre.h"
+#include "tests/golden/test_rig.h"
 
 namespace farshade {
 namespace {
 
 constexpr FrameId kTraced{1}, kNow{2};
-constexpr double kMargin_m = 2e-3;  ///< about what paper draws as a line
+constexpr double kMargin_m = 2e-3;  ///< around outlines, which are left out
 
 struct Rectangle {
   double x0, x1, z0, z1;
@@ -26,7 +26,7 @@ struct Rectangle {
 constexpr std::array<Rectangle, 2> kShadows{Rectangle{-0.95, 0.65, -0.8, 0.8},
                                             Rectangle{0.5, 2.0, -0.5, 0.5}};
 
-/// Whether the ray meets the box grown by `grown` before `end`.
+/// Whether the ray meets the box, enlarged by `grown`, before `end`.
 bool meets_box(const glm::dvec3& origin, const glm::dvec3& direction, double end, double grown) {
   const glm::dvec3 low = glm::dvec3(-0.5, 1, -0.5) - grown, high = glm::dvec3(0.5, 1.5, 0.5) + grown;
   double enter = 0;
@@ -39,7 +39,7 @@ bool meets_box(const glm::dvec3& origin, const glm::dvec3& direction, double end
   return enter < end;
 }
 
-/// Where pixel (x, y) surely shows the plane; nothing elsewhere and within the margin of outlines.
+/// The point of the plane that pixel (x, y) shows. Empty if it shows something else or an outline is near.
 std::optional<glm::dvec3> plane_point(const View& view, std::uint32_t x, std::uint32_t y) {
   const glm::dvec3 ray =
       view.stage_from_eye.rotation * pixel_ray(tangents_of(view.fov), view.size, {x + 0.5, y + 0.5});
@@ -64,14 +64,14 @@ int paper_grey(const glm::dvec3& p, std::array<bool, 2> lit) {
   return srgb8(0.7 / std::numbers::pi * ((lit[0] ? from_point : 0) + (lit[1] ? from_sun : 0)));
 }
 
-/// The plane's pixels by which lights paper says they see, and those that are not as paper says.
+/// Numbers of the plane's pixels by the lights that they see, and of those with a wrong colour.
 struct Verdict {
   std::array<std::size_t, 4> checked{};
   std::size_t unlike = 0;
   int farthest = 0;
 };
 
-/// Pixels nearer than `margin_m` to a shadow's outline, and those without a known mask, are left out.
+/// Leaves out pixels nearer than `margin_m` to a shadow's outline, and pixels without a known mask.
 Verdict check_plane(const Shown& shown, const StereoView& views, double margin_m) {
   Verdict verdict;
   for (const Side side : kSides) {
@@ -104,26 +104,26 @@ void expect_as_on_paper(const Verdict& verdict) {
 
 class PaperPicture : public OnLavapipe {
  protected:
-  Theatre theatre_{device_, bundled("box_over_plane.gltf"), 256};
-  StereoView now_ = theatre_.eyes(theatre_.head());
+  TestRig rig_{device_, bundled("box_over_plane.gltf"), 256};
+  StereoView now_ = rig_.eyes(rig_.head());
 };
 
 TEST_F(PaperPicture, HasEveryColourOfThePlaneRight) {
-  const Mask own = theatre_.ask(kNow, now_);
-  expect_as_on_paper(check_plane(theatre_.show(now_, {own.in_hand()}, kPlainCarryOver), now_, kMargin_m));
+  const Mask own = rig_.ask(kNow, now_);
+  expect_as_on_paper(check_plane(rig_.show(now_, {own.traced_mask()}, kPlainCarryOver), now_, kMargin_m));
 }
 
 TEST_F(PaperPicture, KeepsShadowsInPlaceUnderStaleMasks) {
   const Mask stale =
-      theatre_.ask(kTraced, theatre_.eyes(moved(theatre_.head(), 3 * std::numbers::pi / 180, {0.02, 0, 0})));
-  constexpr double kPixel_m = 0.04;  ///< what one pixel spans on the plane near the box, slantwise
-  expect_as_on_paper(check_plane(theatre_.show(now_, {stale.in_hand()}), now_, kPixel_m));
+      rig_.ask(kTraced, rig_.eyes(moved(rig_.head(), 3 * std::numbers::pi / 180, {0.02, 0, 0})));
+  constexpr double kPixel_m = 0.04;  ///< the footprint of a pixel on the plane near the box
+  expect_as_on_paper(check_plane(rig_.show(now_, {stale.traced_mask()}), now_, kPixel_m));
 }
 
 TEST_F(PaperPicture, IsNotOnPaperWhenThePoseDeltaIsIgnored) {
   const Mask stale =
-      theatre_.ask(kTraced, theatre_.eyes(moved(theatre_.head(), 3 * std::numbers::pi / 180, {0.02, 0, 0})));
-  const Shown ignored = theatre_.show(now_, {stale.in_hand()}, {.lookup = Lookup::Direct});
+      rig_.ask(kTraced, rig_.eyes(moved(rig_.head(), 3 * std::numbers::pi / 180, {0.02, 0, 0})));
+  const Shown ignored = rig_.show(now_, {stale.traced_mask()}, {.lookup = Lookup::Direct});
   EXPECT_GT(check_plane(ignored, now_, 0.04).unlike, 500u);
 }
 

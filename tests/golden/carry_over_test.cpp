@@ -1,10 +1,10 @@
-/// What carries a mask over beyond the plain lookup: the other eye, neighbours on the same plane, shadow
-/// edges between pixels, the guard band.
+/// The ways to carry masks over that kPlainCarryOver lacks: the other eye, neighbours on the same plane,
+/// filtered shadow edges; and the guard band.
 #include <cmath>
 #include <numbers>
 
 #include "stereo/frame/tiles.h"
-#include "tests/golden/theatre.h"
+#include "tests/golden/test_rig.h"
 #include "tests/oracle/scene_builder.h"
 #include "vr_client/ask/guard_band.h"
 #include "vr_client/report/measure.h"
@@ -26,28 +26,28 @@ std::uint8_t source_of(const Shown& shown, Side side, std::uint32_t x, std::uint
 
 class CarryOverOf : public OnLavapipe {};
 
-/// `mask` without what was traced for `side`.
+/// `mask` with all tiles of one eye unknown.
 Mask without(Mask mask, Side side) {
   std::ranges::fill(mask.known_tiles[index_of(side)], std::uint8_t{0});
   return mask;
 }
 
 TEST_F(CarryOverOf, OtherEyeComesAfterThisEyesNewestAndBeforeOlderMasks) {
-  Theatre theatre(device_, bundled("room.glb"), 192);
+  TestRig rig(device_, bundled("room.glb"), 192);
   const auto turned = [&](double degrees, double step_m) {
-    return theatre.eyes(moved(theatre.head(), degrees * kDegree, {step_m, 0, 0}));
+    return rig.eyes(moved(rig.head(), degrees * kDegree, {step_m, 0, 0}));
   };
-  const Mask older = with_noise(theatre.ask(kOlder, turned(12, 0.1)), 11),
-             newest = with_noise(theatre.ask(kTraced, turned(-6, -0.05)), 12);
+  const Mask older = with_noise(rig.ask(kOlder, turned(12, 0.1)), 11),
+             newest = with_noise(rig.ask(kTraced, turned(-6, -0.05)), 12);
   const StereoView now = turned(0, 0);
-  const Shown all = theatre.show(now, {newest.in_hand(), older.in_hand()}, plain_and(Eyes::Both));
+  const Shown all = rig.show(now, {newest.traced_mask(), older.traced_mask()}, plain_and(Eyes::Both));
   const std::array<std::uint8_t, 4> in_order{0, kOtherEye, 1, kOtherEye + 1};
   for (const Side side : kSides) {
-    // Each source alone: what it knows, and which bits it has.
-    const std::array alone{theatre.show(now, {newest.in_hand()}, kPlainCarryOver),
-                           theatre.show(now, {without(newest, side).in_hand()}, plain_and(Eyes::Both)),
-                           theatre.show(now, {older.in_hand()}, kPlainCarryOver),
-                           theatre.show(now, {without(older, side).in_hand()}, plain_and(Eyes::Both))};
+    // The known pixels and the bits of each source alone.
+    const std::array alone{rig.show(now, {newest.traced_mask()}, kPlainCarryOver),
+                           rig.show(now, {without(newest, side).traced_mask()}, plain_and(Eyes::Both)),
+                           rig.show(now, {older.traced_mask()}, kPlainCarryOver),
+                           rig.show(now, {without(older, side).traced_mask()}, plain_and(Eyes::Both))};
     std::array<std::size_t, 4> used{};
     std::size_t wrong_source = 0, wrong_bits = 0;
     for_covered(all, [&](Side of, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
@@ -73,11 +73,11 @@ TEST_F(CarryOverOf, OtherEyeSeesBehindWhatHidesAPointFromThis) {
   builder.add(quad({0, 0, -3}, {4, 0, 0}, {0, 4, 0}));
   builder.add(quad({0, 0, -0.5}, {0.1, 0, 0}, {0, 4, 0}));  // a post close to the eyes
   builder.point_light({1, 1, 1});
-  Theatre theatre(device_, builder.build(), 192);
-  const auto eyes_at = [&](double x) { return theatre.eyes({{1, 0, 0, 0}, {x, 0, 1}}); };
-  const Mask traced = theatre.ask(kTraced, eyes_at(0));
-  const Shown one = theatre.show(eyes_at(0.02), {traced.in_hand()}, plain_and(Eyes::This)),
-              both = theatre.show(eyes_at(0.02), {traced.in_hand()}, plain_and(Eyes::Both));
+  TestRig rig(device_, builder.build(), 192);
+  const auto eyes_at = [&](double x) { return rig.eyes({{1, 0, 0, 0}, {x, 0, 1}}); };
+  const Mask traced = rig.ask(kTraced, eyes_at(0));
+  const Shown one = rig.show(eyes_at(0.02), {traced.traced_mask()}, plain_and(Eyes::This)),
+              both = rig.show(eyes_at(0.02), {traced.traced_mask()}, plain_and(Eyes::Both));
   const auto count = [](const Shown& shown, std::uint8_t wanted) {
     std::size_t found = 0;
     for_covered(shown,
@@ -90,7 +90,7 @@ TEST_F(CarryOverOf, OtherEyeSeesBehindWhatHidesAPointFromThis) {
   EXPECT_EQ(count(both, 0), count(one, 0)) << "this eye's own view comes first";
 }
 
-/// A floor, a wall that meets it, and a box before both: steps and creases.
+/// A floor, a wall that meets it, and a box in front of both: steps and creases.
 Scene corner_with_box() {
   SceneBuilder builder;
   builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
@@ -100,7 +100,7 @@ Scene corner_with_box() {
   return builder.build();
 }
 
-/// The plane of corner_with_box that a point lies on, from 1; 0 near where two meet.
+/// The number of the plane of corner_with_box that contains a point, from 1; 0 near an edge.
 std::uint32_t plane_of(const glm::dvec3& p) {
   const std::array distances{std::abs(p.y),       std::abs(p.z + 2),   std::abs(p.y - 1),
                              std::abs(p.z - 0.5), std::abs(p.x + 0.5), std::abs(p.x - 0.5)};
@@ -117,12 +117,12 @@ std::uint32_t plane_of(const glm::dvec3& p) {
 }
 
 struct Planes {
-  PerEye<std::vector<std::uint32_t>> of;  ///< each pixel's, 0 = none or not sure
+  PerEye<std::vector<std::uint32_t>> of;  ///< for each pixel; 0: none, or not certain
 };
 
-Planes planes_seen(Theatre& theatre, const StereoView& views) {
-  const Shown shown = theatre.show(views, {});
-  const PerEye<Image<float>> distance = theatre.renderer().read_distance();
+Planes planes_seen(TestRig& rig, const StereoView& views) {
+  const Shown shown = rig.show(views, {});
+  const PerEye<Image<float>> distance = rig.renderer().read_distance();
   Planes planes;
   for (std::size_t eye = 0; eye < kEyes; ++eye) planes.of[eye].resize(views[eye].size.pixels());
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t) {
@@ -134,7 +134,7 @@ Planes planes_seen(Theatre& theatre, const StereoView& views) {
   return planes;
 }
 
-/// A mask whose bits say which plane each pixel shows.
+/// A mask whose bits are the number of the plane that each pixel shows.
 Mask painted_by_plane(Mask mask, const Planes& planes) {
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     for (std::uint32_t y = 0; y < mask.views[eye].size.height; ++y)
@@ -145,17 +145,17 @@ Mask painted_by_plane(Mask mask, const Planes& planes) {
 
 class Neighbours : public OnLavapipe {
  protected:
-  Theatre theatre_{device_, corner_with_box(), 192};
-  StereoView views_ = theatre_.eyes(head_looking({0.8, 1.7, 3.2}, {0, 0.6, 0}));
+  TestRig rig_{device_, corner_with_box(), 192};
+  StereoView views_ = rig_.eyes(head_looking({0.8, 1.7, 3.2}, {0, 0.6, 0}));
 };
 
 TEST_F(Neighbours, AreOfThePointsOwnPlane) {
-  const Planes planes = planes_seen(theatre_, views_);
-  Mask holed = painted_by_plane(theatre_.ask(kTraced, views_), planes);
+  const Planes planes = planes_seen(rig_, views_);
+  Mask holed = painted_by_plane(rig_.ask(kTraced, views_), planes);
   for (std::size_t eye = 0; eye < kEyes; ++eye)  // a chequerboard of tiles
     for (std::uint32_t tile = 0; tile < holed.known_tiles[eye].size(); ++tile)
       holed.known_tiles[eye][tile] = (tile / 12 + tile % 12) % 2;
-  const Shown shown = theatre_.show(views_, {holed.in_hand()}, plain_and(Eyes::This, Gaps::Neighbours));
+  const Shown shown = rig_.show(views_, {holed.traced_mask()}, plain_and(Eyes::This, Gaps::Neighbours));
   std::size_t beside = 0, of_another = 0, unknown = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     const std::uint32_t own = planes.of[index_of(side)][std::size_t{y} * 192 + x];
@@ -175,12 +175,12 @@ TEST_F(Neighbours, AreOfThePointsOwnPlane) {
 }
 
 TEST_F(Neighbours, ReachNoFurtherThan32Pixels) {
-  Mask strip = theatre_.ask(kTraced, views_);
+  Mask strip = rig_.ask(kTraced, views_);
   for (std::size_t eye = 0; eye < kEyes; ++eye)  // all but the leftmost tiles
     for (std::uint32_t tile = 0; tile < strip.known_tiles[eye].size(); ++tile)
       strip.known_tiles[eye][tile] = tile % 12 == 0;
   std::size_t near = 0, far = 0;
-  for_covered(theatre_.show(views_, {strip.in_hand()}, plain_and(Eyes::This, Gaps::Neighbours)),
+  for_covered(rig_.show(views_, {strip.traced_mask()}, plain_and(Eyes::This, Gaps::Neighbours)),
               [&](Side, std::uint32_t x, std::uint32_t, std::uint8_t source) {
                 near += source == kNeighbour && x < 16 + 16;
                 far += source == kNeighbour && x >= 16 + 32;
@@ -188,10 +188,10 @@ TEST_F(Neighbours, ReachNoFurtherThan32Pixels) {
   EXPECT_GT(near, 1000u);
   EXPECT_EQ(far, 0u);
 
-  // Beyond the border of a view that looked elsewhere.
-  const Mask aside = theatre_.ask(
-      kOlder, theatre_.eyes(moved(head_looking({0.8, 1.7, 3.2}, {0, 0.6, 0}), 14 * kDegree, {})));
-  const Shown shown = theatre_.show(views_, {aside.in_hand()}, plain_and(Eyes::This, Gaps::Neighbours));
+  // Points beyond the border of a view in another direction.
+  const Mask aside =
+      rig_.ask(kOlder, rig_.eyes(moved(head_looking({0.8, 1.7, 3.2}, {0, 0.6, 0}), 14 * kDegree, {})));
+  const Shown shown = rig_.show(views_, {aside.traced_mask()}, plain_and(Eyes::This, Gaps::Neighbours));
   std::size_t beside = 0, unknown = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     unknown += source == kSourceUnknown;
@@ -208,12 +208,11 @@ TEST_F(Neighbours, ReachNoFurtherThan32Pixels) {
 }
 
 TEST_F(Neighbours, ChangeNothingThatAViewHasSeen) {
-  Theatre theatre(device_, bundled("room.glb"), 192);
-  const StereoView now = theatre.eyes(theatre.head());
-  const Mask stale =
-      with_noise(theatre.ask(kTraced, theatre.eyes(moved(theatre.head(), 3 * kDegree, {0.03, 0, 0}))), 4);
-  const Shown without = theatre.show(now, {stale.in_hand()}, plain_and(Eyes::Both)),
-              with = theatre.show(now, {stale.in_hand()}, plain_and(Eyes::Both, Gaps::Neighbours));
+  TestRig rig(device_, bundled("room.glb"), 192);
+  const StereoView now = rig.eyes(rig.head());
+  const Mask stale = with_noise(rig.ask(kTraced, rig.eyes(moved(rig.head(), 3 * kDegree, {0.03, 0, 0}))), 4);
+  const Shown without = rig.show(now, {stale.traced_mask()}, plain_and(Eyes::Both)),
+              with = rig.show(now, {stale.traced_mask()}, plain_and(Eyes::Both, Gaps::Neighbours));
   std::size_t filled = 0, changed = 0;
   for_covered(with, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     const std::uint8_t before = source_of(without, side, x, y);
@@ -237,7 +236,7 @@ struct EdgeMove {
 
 class FilteredEdges : public OnLavapipe, public testing::WithParamInterface<EdgeMove> {};
 
-/// Whether the four pixels of `mask` about the position `at` differ.
+/// Whether the four pixels of `mask` around the position `at` differ.
 bool differs_about(const EyeMask& mask, const std::array<float, 2>& at) {
   const auto corner = [](float position, std::uint32_t side) {
     return static_cast<std::uint32_t>(
@@ -250,18 +249,18 @@ bool differs_about(const EyeMask& mask, const std::array<float, 2>& at) {
 
 TEST_P(FilteredEdges, AreNearerToTheTruthAndChangeNothingElse) {
   const EdgeMove& move = GetParam();
-  Theatre theatre(device_, bundled(move.file), 256, 8);
+  TestRig rig(device_, bundled(move.file), 256, 8);
   const auto moved_by = [&](double times) {
-    return theatre.eyes(moved(theatre.head(), move.yaw_degrees * kDegree * times, move.step_m * times));
+    return rig.eyes(moved(rig.head(), move.yaw_degrees * kDegree * times, move.step_m * times));
   };
   std::vector<Mask> masks;
-  for (std::uint32_t i = 0; i < 4; ++i) masks.push_back(theatre.ask({10 - i}, moved_by(1 + 0.37 * i)));
+  for (std::uint32_t i = 0; i < 4; ++i) masks.push_back(rig.ask({10 - i}, moved_by(1 + 0.37 * i)));
   std::vector<TracedMask> in_hand;
-  for (const Mask& mask : masks) in_hand.push_back(mask.in_hand());
+  for (const Mask& mask : masks) in_hand.push_back(mask.traced_mask());
   const StereoView now = moved_by(0);
-  const Mask truth = theatre.trace(kNow, now);
-  const Shown nearest = theatre.show(now, in_hand, plain_and(Eyes::Both, Gaps::Neighbours)),
-              filtered = theatre.show(now, in_hand, plain_and(Eyes::Both, Gaps::Neighbours, Edges::Filtered));
+  const Mask truth = rig.trace(kNow, now);
+  const Shown nearest = rig.show(now, in_hand, plain_and(Eyes::Both, Gaps::Neighbours)),
+              filtered = rig.show(now, in_hand, plain_and(Eyes::Both, Gaps::Neighbours, Edges::Filtered));
   double nearest_error = 0, filtered_error = 0;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const EyeErrors a = compare_masks(nearest.reports[eye], truth.bits[eye]),
@@ -304,8 +303,8 @@ class GuardBandOf : public OnLavapipe {
   static StereoView widened_views(const StereoView& views) {
     return {widened(views[0], kMargins), widened(views[1], kMargins)};
   }
-  Theatre theatre_{device_, bundled("room.glb"), 192};
-  StereoView views_ = theatre_.eyes(theatre_.head());
+  TestRig rig_{device_, bundled("room.glb"), 192};
+  StereoView views_ = rig_.eyes(rig_.head());
 
   /// Covered pixels that do not show the bits of the same pixel of `wide`.
   static std::size_t unlike(const Shown& shown, const Mask& wide) {
@@ -319,10 +318,10 @@ class GuardBandOf : public OnLavapipe {
 };
 
 TEST_F(GuardBandOf, IdenticalPoseIsExactlyTheMaskReadDirectly) {
-  const Mask wide = with_noise(theatre_.trace(kTraced, widened_views(views_)), 8);
-  EXPECT_EQ(unlike(theatre_.show(views_, {wide.in_hand()}, {.lookup = Lookup::Direct}), wide), 0u);
-  Mask truth = theatre_.trace(kNow, views_);
-  const Mask wide_truth = theatre_.trace(kTraced, widened_views(views_));
+  const Mask wide = with_noise(rig_.trace(kTraced, widened_views(views_)), 8);
+  EXPECT_EQ(unlike(rig_.show(views_, {wide.traced_mask()}, {.lookup = Lookup::Direct}), wide), 0u);
+  Mask truth = rig_.trace(kNow, views_);
+  const Mask wide_truth = rig_.trace(kTraced, widened_views(views_));
   std::size_t differing = 0;
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     for (std::uint32_t y = 0; y < 192; ++y)
@@ -334,16 +333,16 @@ TEST_F(GuardBandOf, IdenticalPoseIsExactlyTheMaskReadDirectly) {
 }
 
 TEST_F(GuardBandOf, IdenticalPoseIsExactlyTheMaskReprojected) {
-  const Mask wide = with_noise(theatre_.ask(kTraced, widened_views(views_)), 9);
-  EXPECT_EQ(unlike(theatre_.show(views_, {wide.in_hand()}, kPlainCarryOver), wide), 0u);
+  const Mask wide = with_noise(rig_.ask(kTraced, widened_views(views_)), 9);
+  EXPECT_EQ(unlike(rig_.show(views_, {wide.traced_mask()}, kPlainCarryOver), wide), 0u);
 }
 
 TEST_F(GuardBandOf, HasWhatATurnUncovers) {
   const auto outcome_after = [&](const StereoView& traced, double degrees, FrameId frame) {
-    const Mask mask = theatre_.ask(frame, traced);
-    const StereoView now = theatre_.eyes(moved(theatre_.head(), degrees * kDegree, {}));
-    const Shown shown = theatre_.show(now, {mask.in_hand()}, kPlainCarryOver);
-    const Mask truth = theatre_.trace(kNow, now);
+    const Mask mask = rig_.ask(frame, traced);
+    const StereoView now = rig_.eyes(moved(rig_.head(), degrees * kDegree, {}));
+    const Shown shown = rig_.show(now, {mask.traced_mask()}, kPlainCarryOver);
+    const Mask truth = rig_.trace(kNow, now);
     return compare_masks(shown.reports[0], truth.bits[0]);
   };
   const EyeErrors bare = outcome_after(views_, 5, kOlder),

@@ -1,4 +1,4 @@
-/// Masks of fewer pixels than are shown: coarser shadow edges, in the right place.
+/// Masks with fewer pixels than the shown views: shadow edges are coarser, but not displaced.
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
@@ -6,7 +6,7 @@
 #include "stereo/image/codec.h"
 #include "stereo/image/difference.h"
 #include "stereo/math/rotation.h"
-#include "tests/golden/theatre.h"
+#include "tests/golden/test_rig.h"
 #include "vr_client/ask/request_plan.h"
 
 namespace farshade {
@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 constexpr FrameId kTraced{1};
 constexpr std::uint32_t kSide_px = 256;
 
-/// What a plan asks for at that size.
+/// The views that a request plan asks for at that size.
 StereoView asked_at(ViewScale scale, const StereoView& shown, GuardBandUse guard_band) {
   RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = guard_band});
   plan.shrink(scale);
@@ -29,14 +29,14 @@ StereoView asked_at(ViewScale scale, const StereoView& shown, GuardBandUse guard
 
 class CoarseMask : public OnLavapipe {
  protected:
-  Theatre theatre_{device_, bundled("room.glb"), kSide_px};
-  StereoView shown_ = theatre_.eyes(moved(theatre_.head(), 0.02, {0.02, 0.01, 0.01}));
-  PerEye<Image<Rgb8>> reference_ = theatre_.show_reference(shown_);
+  TestRig rig_{device_, bundled("room.glb"), kSide_px};
+  StereoView shown_ = rig_.eyes(moved(rig_.head(), 0.02, {0.02, 0.01, 0.01}));
+  PerEye<Image<Rgb8>> reference_ = rig_.show_reference(shown_);
 
-  /// Of both eyes, the worse.
+  /// The lower PSNR of the two eyes.
   double psnr_of(const StereoView& traced_for, const CarryOver& carry_over = {}) {
-    const Mask traced = theatre_.ask(kTraced, traced_for);
-    const PerEye<Image<Rgb8>> pictures = theatre_.show(shown_, {traced.in_hand()}, carry_over).pictures;
+    const Mask traced = rig_.ask(kTraced, traced_for);
+    const PerEye<Image<Rgb8>> pictures = rig_.show(shown_, {traced.traced_mask()}, carry_over).pictures;
     if (const char* folder = std::getenv("FARSHADE_KEEP_PICTURES"))
       (void)write_png(std::string(folder) + "/coarse_" + std::to_string(traced_for[0].size.width) + ".png",
                       pictures[0]);
@@ -45,7 +45,7 @@ class CoarseMask : public OnLavapipe {
 };
 
 TEST_F(CoarseMask, CostsSomeDecibelsAndNoMore) {
-  const StereoView asked = theatre_.eyes(theatre_.head());
+  const StereoView asked = rig_.eyes(rig_.head());
   double finer = psnr_of(asked);
   RecordProperty("db_at_8", std::to_string(finer));
   for (const std::uint32_t eighths : {6u, 4u, 2u}) {
@@ -59,10 +59,10 @@ TEST_F(CoarseMask, CostsSomeDecibelsAndNoMore) {
 }
 
 TEST_F(CoarseMask, ReadAtTheShownPixelIsNotShifted) {
-  // What an unknown point is shown with, and direct mode: the traced pixel in the same direction.
-  const StereoView fine = theatre_.eyes(theatre_.head());
+  // The guess for unknown points and Lookup::Direct read the traced pixel in the same direction.
+  const StereoView fine = rig_.eyes(rig_.head());
   shown_ = fine;
-  reference_ = theatre_.show_reference(shown_);
+  reference_ = rig_.show_reference(shown_);
   const double placed = psnr_of(asked_at({4}, fine, GuardBandUse::Measured), {.lookup = Lookup::Direct});
   RecordProperty("db", std::to_string(placed));
   StereoView turned = asked_at({4}, fine, GuardBandUse::Measured);

@@ -1,21 +1,20 @@
-/// The one judgement of a picture against its golden, and how far pictures of one build may stray from
-/// another's.
+/// Compares a picture with its golden, with limits that allow for the rounding of other drivers.
 #pragma once
 
 #include "stereo/image/image.h"
 
 namespace farshade {
 
-/// How far a picture is from its golden.
+/// The difference between a picture and its golden.
 struct Distance {
-  double psnr_db = 0;          ///< infinite if equal
+  double psnr_db = 0;          ///< infinite if both are equal
   double differing_share = 0;  ///< of pixels with a channel more than 2/255 away
 };
 
 /// Both of one size.
 [[nodiscard]] Distance distance(const Image<Rgb8>& picture, const Image<Rgb8>& golden);
 
-/// Room for another driver's rounding at edges; less than any fault that tests/golden knows.
+/// Limits that another driver's rounding at edges does not reach, and that every fault tested here exceeds.
 inline constexpr double kLeastPsnr_db = 38, kMostDiffering = 0.005;
 
 [[nodiscard]] inline bool agrees(const Distance& d) {

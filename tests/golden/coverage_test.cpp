@@ -1,9 +1,9 @@
-/// The rasteriser covers what rays meet: facing, mirrored instances, holes; and masks of many lights shade
-/// whole.
+/// The rasteriser covers the pixels whose rays meet a surface: facing, mirrored instances, holes. And masks
+/// with two planes shade with all lights.
 #include <algorithm>
 #include <cmath>
 
-#include "tests/golden/theatre.h"
+#include "tests/golden/test_rig.h"
 #include "tests/oracle/oracle.h"
 #include "tests/oracle/scene_builder.h"
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr FrameId kNow{1};
 
-/// Pixels of both eyes that the client covers and rays do not, or the reverse, and those both cover.
+/// Numbers of pixels, both eyes: covered by only one of client and rays, and covered by both.
 struct Coverage {
   std::size_t apart = 0, common = 0, pixels = 0;
   [[nodiscard]] double apart_share() const {
@@ -20,9 +20,9 @@ struct Coverage {
   }
 };
 
-Coverage coverage_of(Theatre& theatre, const StereoView& views) {
-  const Shown shown = theatre.show(views, {});
-  Scene unlit = theatre.scene();
+Coverage coverage_of(TestRig& rig, const StereoView& views) {
+  const Shown shown = rig.show(views, {});
+  Scene unlit = rig.scene();
   unlit.lights.clear();
   Coverage coverage;
   for (const Side side : kSides) {
@@ -41,13 +41,13 @@ Coverage coverage_of(Theatre& theatre, const StereoView& views) {
 class CoverageOf : public OnLavapipe {};
 
 TEST_F(CoverageOf, RoomAgreesWithRays) {
-  Theatre theatre(device_, bundled("room.glb"), 192);
-  const Coverage coverage = coverage_of(theatre, theatre.eyes(theatre.head()));
+  TestRig rig(device_, bundled("room.glb"), 192);
+  const Coverage coverage = coverage_of(rig, rig.eyes(rig.head()));
   EXPECT_LE(coverage.apart_share(), 5e-4);
   EXPECT_GT(coverage.common, coverage.pixels / 2);
 }
 
-/// What faces which way, seen from +z: sign of each axis' scale, and whether the quad then faces the viewer.
+/// The signs of a quad's scale, and whether the quad then faces a viewer at +z.
 struct Facing {
   glm::dvec3 scale;
   bool seen;
@@ -65,11 +65,11 @@ TEST_F(CoverageOf, MirroredSingleSidedQuadsIsOnPaper) {
     builder.add(quad({0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}), single_sided, transform);
   }
   builder.point_light({0, 0, 2});
-  Theatre theatre(device_, builder.build(), 256);
-  const StereoView views = theatre.eyes({{1, 0, 0, 0}, {0, 0, 2.2}});
-  EXPECT_EQ(coverage_of(theatre, views).apart, 0u);
+  TestRig rig(device_, builder.build(), 256);
+  const StereoView views = rig.eyes({{1, 0, 0, 0}, {0, 0, 2.2}});
+  EXPECT_EQ(coverage_of(rig, views).apart, 0u);
 
-  const Shown shown = theatre.show(views, {});
+  const Shown shown = rig.show(views, {});
   for (const Side side : kSides)
     for (std::size_t i = 0; i < facings.size(); ++i) {
       const View& view = views[index_of(side)];
@@ -93,13 +93,13 @@ TEST_F(CoverageOf, MirroredBoxesShowTheirFrontsLit) {
     builder.add(box({0, 0, 0}, {0.15, 0.15, 0.15}), single_sided, transform);
   }
   builder.point_light({0, 0, 2});
-  Theatre theatre(device_, builder.build(), 256);
-  const StereoView views = theatre.eyes({{1, 0, 0, 0}, {0, 0, 2.05}});
-  EXPECT_LE(coverage_of(theatre, views).apart_share(), 1e-4);
+  TestRig rig(device_, builder.build(), 256);
+  const StereoView views = rig.eyes({{1, 0, 0, 0}, {0, 0, 2.05}});
+  EXPECT_LE(coverage_of(rig, views).apart_share(), 1e-4);
 
-  const Mask mask = theatre.ask(kNow, views);
-  const Shown shown = theatre.show(views, {mask.in_hand()});
-  const PerEye<Image<float>> distances = theatre.renderer().read_distance();
+  const Mask mask = rig.ask(kNow, views);
+  const Shown shown = rig.show(views, {mask.traced_mask()});
+  const PerEye<Image<float>> distances = rig.renderer().read_distance();
   for (const Side side : kSides)
     for (std::size_t i = 0; i < scales.size(); ++i) {
       const View& view = views[index_of(side)];
@@ -125,22 +125,22 @@ TEST_F(CoverageOf, AlphaMaskedLeavesAgreesWithRays) {
   middle = state_at(plant, Time{})
                .stage_from_object[0](Point<Object>{middle / static_cast<double>(leaves.positions.size())})
                .v;
-  Theatre theatre(device_, std::move(plant), 256);
+  TestRig rig(device_, std::move(plant), 256);
   const Coverage coverage =
-      coverage_of(theatre, theatre.eyes(head_looking(middle + glm::dvec3(0.5, 0.3, 1.0), middle)));
+      coverage_of(rig, rig.eyes(head_looking(middle + glm::dvec3(0.5, 0.3, 1.0), middle)));
   EXPECT_GT(coverage.common, 5000u);
   EXPECT_LE(coverage.apart_share(), 2e-3);
 }
 
 TEST_F(CoverageOf, FortyLightsShadesFromBothPlanes) {
   const auto picture_of = [&](std::uint32_t lights, bool second_plane) {
-    Theatre theatre(device_, with_lights(bundled("room.glb"), lights), 128);
-    const StereoView views = theatre.eyes(theatre.head());
-    Mask mask = theatre.ask(kNow, views);
+    TestRig rig(device_, with_lights(bundled("room.glb"), lights), 128);
+    const StereoView views = rig.eyes(rig.head());
+    Mask mask = rig.ask(kNow, views);
     for (EyeMask& bits : mask.bits)
       for (std::uint32_t y = 0; y < 128 && lights > 32 && !second_plane; ++y)
         for (std::uint32_t x = 0; x < 128; ++x) bits.set_word(x, y, 1, 0);
-    return theatre.show(views, {mask.in_hand()}).pictures;
+    return rig.show(views, {mask.traced_mask()}).pictures;
   };
   const auto first_plane = picture_of(40, false);
   EXPECT_EQ(first_plane, picture_of(32, true)) << "lights 32 to 39 are the second plane's";

@@ -1,12 +1,13 @@
-/// What a scene does not need costs nothing: a ladder of scenes, each with one feature more than the one
-/// before, whose counters may change by what that feature takes and by nothing else. And what is drawn is the
-/// same with everything on.
+/// A scene does not pay for features that it does not use. A ladder of scenes adds one feature at a time, and
+/// the counters must change by the cost of that feature only. With all features on, the picture stays the
+/// same.
+#include <deque>
 #include <set>
 
 #include "stereo/frame/tiles.h"
 #include "stereo/image/difference.h"
 #include "stereo/scene/gltf.h"
-#include "tests/golden/theatre.h"
+#include "tests/golden/test_rig.h"
 #include "tests/oracle/scene_builder.h"
 
 namespace farshade {
@@ -28,7 +29,7 @@ enum class Feature : std::uint8_t {
   MovingThing
 };
 
-/// One triangle before the eyes and one light, and `features`.
+/// One triangle in front of the eyes and one light, with `features`.
 Scene scene_with(const std::set<Feature>& features) {
   const auto has = [&](Feature feature) { return features.contains(feature); };
   SceneBuilder builder;
@@ -60,7 +61,7 @@ StereoView eyes_at(double aside_m) {
   return views;
 }
 
-/// A mask of `layout` that says lit everywhere.
+/// A mask with all bits set.
 Mask all_lit(MaskLayout layout, FrameId frame, const StereoView& views) {
   EyeMask bits(kSize, layout);
   for (std::uint32_t plane = 0; plane < layout.planes(); ++plane)
@@ -72,7 +73,7 @@ Mask all_lit(MaskLayout layout, FrameId frame, const StereoView& views) {
 
 class Economy : public OnLavapipe {
  protected:
-  /// Asks for views, and half a second later shows others with the mask that was asked for.
+  /// Requests a mask for some views, and half a second later draws other views with it.
   DrawCounters drawn(const Scene& scene, const SessionNeeds& needs = {}) {
     const DrawPlan plan = plan_for(scene, needs).draw;
     Renderer renderer(device_, scene, plan, kLimits);
@@ -82,14 +83,14 @@ class Economy : public OnLavapipe {
         second{FrameId{2}, Time{}, Time(500ms), asked};
     renderer.draw_gbuffer({.views = shown, .state = then, .asked = &first, .masks = {}, .carry_over = {}});
     const Mask mask = all_lit(plan.mask, first.frame, shown);
-    const std::vector<TracedMask> masks{mask.in_hand()};
+    const std::vector<TracedMask> masks{mask.traced_mask()};
     renderer.draw(
         {.views = shown, .state = now, .asked = &second, .masks = masks, .carry_over = {}, .asked_slot = 1});
     return renderer.counters();
   }
 };
 
-/// What of the memory differs.
+/// The uses whose bytes differ.
 std::string changes(const gpu::BytesByUse& before, const gpu::BytesByUse& after) {
   std::string text;
   for (std::size_t use = 0; use < gpu::kUses; ++use)
@@ -101,14 +102,14 @@ std::string changes(const gpu::BytesByUse& before, const gpu::BytesByUse& after)
 struct Rung {
   const char* name;
   Feature feature;
-  // What it adds to the rung before.
+  // The cost of the feature.
   std::uint64_t pipelines, bindings, vertex_bytes, vertex_bytes_read;
   const char* memory;
 };
 
 constexpr std::uint64_t kCorners = 3, kBothEyes = 2;
 
-// Streams are read once for each eye; with holes, by the depth pass too.
+// Each eye reads the streams once. With holes, the depth pass reads them, too.
 const std::array kLadder{
     Rung{"texture", Feature::Texture, 0, 1, kCorners * 8, kCorners * 8 * kBothEyes, "vertices, textures"},
     Rung{"vertex colours", Feature::VertexColors, 0, 0, kCorners * 4, kCorners * 4 * kBothEyes, "vertices"},
@@ -189,6 +190,38 @@ TEST_F(Economy, EverythingIsBuiltBeforeTheFirstFrame) {
   EXPECT_EQ(everything.counters().pipelines, drawn(scene, {.kind = PlanKind::Everything}).pipelines);
 }
 
+/// Draws frames as the client does: each frame requests a mask, and masks arrive three or four frames later.
+TEST_F(Economy, AMaskIsUploadedOnceWhileItIsInUse) {
+  constexpr std::uint32_t kFrames = 24;
+  const Scene scene = scene_with({});
+  const DrawPlan plan = plan_for(scene).draw;
+  Renderer renderer(device_, scene, plan, {.size = kSize, .traced_size = kSize, .depth_frames = 8});
+  const SceneState state = state_at(scene, Time{});
+  const StereoView views = eyes_at(0.06);
+  std::deque<Mask> masks;  // newest first
+  std::uint32_t traced = 0;
+  for (std::uint32_t frame = 1; frame <= kFrames; ++frame) {
+    const FrameRequest request{FrameId{frame}, Time{}, Time{}, views};
+    // Every fifth frame no mask arrives, and the frame after it receives two.
+    const std::uint32_t arrived = frame % 5 == 0 ? traced : frame < 4 ? 0 : frame - 3;
+    std::uint64_t news = 0;
+    for (; traced < arrived; ++traced, ++news)
+      masks.push_front(all_lit(plan.mask, FrameId{traced + 1}, views));
+    if (masks.size() > 6) masks.resize(6, masks.back());
+    if (frame % 7 == 0 &&
+        !masks.empty()) {  // a tile of the newest mask is lost after all: its content changes
+      masks.front().known_tiles[0][0] = 0;
+      news = std::max<std::uint64_t>(news, 1);
+    }
+    std::vector<TracedMask> in_hand;
+    for (const Mask& mask : masks) in_hand.push_back(mask.traced_mask());
+    const std::uint64_t before = renderer.counters().mask_uploads;
+    renderer.draw({.views = views, .state = state, .asked = &request, .masks = in_hand, .carry_over = {}});
+    EXPECT_EQ(renderer.counters().mask_uploads - before, news) << "frame " << frame;
+  }
+  EXPECT_GT(traced, kFrames / 2);
+}
+
 /// `mask` in the words of `layout`.
 Mask in_words_of(MaskLayout layout, Mask mask) {
   for (EyeMask& bits : mask.bits) {
@@ -207,7 +240,7 @@ class WholeScene : public OnLavapipe, public testing::WithParamInterface<const c
   static constexpr std::uint32_t kSide_px = 160;
   static constexpr Time kThen{}, kNow = Time(400ms);
 
-  /// A frame with a mask of another pose and moment, and what each pixel was shown with.
+  /// A frame drawn with a mask of another pose and time, and its report.
   struct Drawn {
     Shown shown;
     DrawCounters counters;
@@ -221,7 +254,7 @@ class WholeScene : public OnLavapipe, public testing::WithParamInterface<const c
     const FrameRequest first{FrameId{1}, kThen, kThen, asked}, second{FrameId{2}, kNow, kNow, asked};
     renderer.draw_gbuffer({.views = shown, .state = then, .asked = &first, .masks = {}, .carry_over = {}});
     const Mask mask = in_words_of(plan.mask, traced(first));
-    const std::vector<TracedMask> masks{mask.in_hand()};
+    const std::vector<TracedMask> masks{mask.traced_mask()};
     renderer.draw({.views = shown,
                    .state = now,
                    .asked = &second,
@@ -253,7 +286,7 @@ void expect_the_same(const Shown& a, const Shown& b) {
   }
 }
 
-/// Drivers round every allocation up; where a use is small, that is more than a tenth of it.
+/// Drivers round every allocation up. If a use is small, that is more than a tenth of it.
 constexpr double kRounding_bytes = 64 << 10;
 
 void expect_predicted(const gpu::BytesByUse& predicted, const gpu::MemoryUse& measured) {

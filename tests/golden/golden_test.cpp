@@ -1,10 +1,10 @@
-/// Pictures against committed goldens, both eyes; and faults that the same judgement must refuse.
-/// README.md says how goldens are renewed.
+/// Compares pictures of both eyes with committed goldens, and expects that the comparison fails for pictures
+/// with deliberate faults. README.md says how to regenerate the goldens.
 #include <numbers>
 
 #include "stereo/image/difference.h"
 #include "tests/golden/goldens.h"
-#include "tests/golden/theatre.h"
+#include "tests/golden/test_rig.h"
 
 namespace farshade {
 namespace {
@@ -15,9 +15,9 @@ struct GoldenScene {
   const char* name;
   const char* file;
   std::uint32_t side_px;
-  double least_shown_db;              ///< of the picture with stale shadows against the reference
-  std::vector<std::uint32_t> lights;  ///< those whose absence both eyes must show
-  std::optional<Rigid<Stage, Head>> head = std::nullopt;  ///< else the scene's camera
+  double least_shown_db;              ///< PSNR of the picture with stale shadows against the reference
+  std::vector<std::uint32_t> lights;  ///< each changes both eyes visibly when it is off
+  std::optional<Rigid<Stage, Head>> head = std::nullopt;  ///< empty: at the scene's camera
 };
 
 std::ostream& operator<<(std::ostream& out, const GoldenScene& scene) {
@@ -32,7 +32,7 @@ Image<Rgb8> mirrored(const Image<Rgb8>& image) {
   return result;
 }
 
-/// Moved right and down, its border repeated.
+/// The image shifted right and down, with repeated border pixels.
 Image<Rgb8> shifted(const Image<Rgb8>& image, std::uint32_t right, std::uint32_t down) {
   Image<Rgb8> result(image.size);
   for (std::uint32_t y = 0; y < image.size.height; ++y)
@@ -44,15 +44,15 @@ Image<Rgb8> shifted(const Image<Rgb8>& image, std::uint32_t right, std::uint32_t
 /// A picture at the scene's camera; its shadows were traced 3 degrees and 2 cm away, or (reference) at it.
 class Golden : public OnLavapipe, public testing::WithParamInterface<GoldenScene> {
  protected:
-  Theatre theatre_{device_, bundled(GetParam().file), GetParam().side_px};
-  Rigid<Stage, Head> head_ = GetParam().head.value_or(theatre_.head());
-  StereoView now_ = theatre_.eyes(head_);
-  Mask stale_ = theatre_.ask(kTraced, theatre_.eyes(moved(head_, 3 * std::numbers::pi / 180, {0.02, 0, 0})));
+  TestRig rig_{device_, bundled(GetParam().file), GetParam().side_px};
+  Rigid<Stage, Head> head_ = GetParam().head.value_or(rig_.head());
+  StereoView now_ = rig_.eyes(head_);
+  Mask stale_ = rig_.ask(kTraced, rig_.eyes(moved(head_, 3 * std::numbers::pi / 180, {0.02, 0, 0})));
 };
 
 TEST_P(Golden, ShownAndReferenceAreTheirGoldens) {
-  const PerEye<Image<Rgb8>> shown = theatre_.show(now_, {stale_.in_hand()}).pictures,
-                            reference = theatre_.show_reference(now_);
+  const PerEye<Image<Rgb8>> shown = rig_.show(now_, {stale_.traced_mask()}).pictures,
+                            reference = rig_.show_reference(now_);
   expect_golden(GetParam().name, "shown", shown);
   expect_golden(GetParam().name, "reference", reference);
   for (const Side side : kSides)
@@ -60,7 +60,7 @@ TEST_P(Golden, ShownAndReferenceAreTheirGoldens) {
 }
 
 TEST_P(Golden, RefusesADroppedLight) {
-  const Mask truth = theatre_.trace(kNow, now_);
+  const Mask truth = rig_.trace(kNow, now_);
   for (const std::uint32_t light : GetParam().lights) {
     SCOPED_TRACE("without light " + std::to_string(light));
     Mask without = truth;
@@ -68,26 +68,26 @@ TEST_P(Golden, RefusesADroppedLight) {
       for (std::uint32_t y = 0; y < bits.size().height; ++y)
         for (std::uint32_t x = 0; x < bits.size().width; ++x)
           bits.set_word(x, y, 0, bits.word(x, y) & ~(1u << light));
-    expect_refused(theatre_.show(now_, {without.in_hand()}, {.lookup = Lookup::Direct}).pictures,
+    expect_refused(rig_.show(now_, {without.traced_mask()}, {.lookup = Lookup::Direct}).pictures,
                    goldens(GetParam().name, "reference"));
   }
 }
 
 TEST_P(Golden, RefusesSwappedEyes) {
-  const PerEye<Image<Rgb8>> shown = theatre_.show(now_, {stale_.in_hand()}).pictures;
+  const PerEye<Image<Rgb8>> shown = rig_.show(now_, {stale_.traced_mask()}).pictures;
   expect_refused({shown[1], shown[0]}, goldens(GetParam().name, "shown"));
 }
 
 TEST_P(Golden, RefusesMasksOfSwappedEyes) {
-  Mask swapped = theatre_.trace(kNow, now_);
+  Mask swapped = rig_.trace(kNow, now_);
   std::swap(swapped.bits[0], swapped.bits[1]);
-  expect_refused(theatre_.show(now_, {swapped.in_hand()}, {.lookup = Lookup::Direct}).pictures,
+  expect_refused(rig_.show(now_, {swapped.traced_mask()}, {.lookup = Lookup::Direct}).pictures,
                  goldens(GetParam().name, "reference"));
 }
 
 TEST_P(Golden, RefusesAnIgnoredPoseDelta) {
   const PerEye<Image<Rgb8>> ignored =
-      theatre_.show(now_, {stale_.in_hand()}, {.lookup = Lookup::Direct}).pictures;
+      rig_.show(now_, {stale_.traced_mask()}, {.lookup = Lookup::Direct}).pictures;
   expect_refused(ignored, goldens(GetParam().name, "shown"));
   expect_refused(ignored, goldens(GetParam().name, "reference"));
 }

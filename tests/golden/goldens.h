@@ -1,5 +1,5 @@
-/// Goldens: committed pictures of both eyes, and the judgement of a picture against its own. README.md says
-/// how they are renewed.
+/// Goldens: committed pictures of both eyes that tests compare their pictures with. README.md says how to
+/// regenerate them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,16 +11,16 @@
 
 namespace farshade {
 
-/// `images/lavapipe_embree_SCENE_WHAT_EYE.png`; throws where one cannot be read.
+/// `images/lavapipe_embree_SCENE_WHAT_EYE.png`. Throws if one cannot be read.
 [[nodiscard]] PerEye<Image<Rgb8>> goldens(const std::string& scene, const std::string& what);
 
 [[nodiscard]] testing::AssertionResult agrees_with(const Image<Rgb8>& picture, const Image<Rgb8>& golden);
 
-/// Both eyes agree with their goldens, which are written anew first where the environment has
-/// FARSHADE_UPDATE_GOLDENS.
+/// Expects that both eyes agree with their goldens. Writes the goldens first if the environment variable
+/// FARSHADE_UPDATE_GOLDENS is set.
 void expect_golden(const std::string& scene, const std::string& what, const PerEye<Image<Rgb8>>& pictures);
 
-/// Neither eye's picture passes for its golden.
+/// Expects that neither eye's picture agrees with its golden.
 void expect_refused(const PerEye<Image<Rgb8>>& pictures, const PerEye<Image<Rgb8>>& golden);
 
 }  // namespace farshade

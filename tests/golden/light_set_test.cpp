@@ -1,8 +1,8 @@
-/// Lights that a viewer switches and moves: a mask of an older light set is used for the lights that did not
-/// change, and for those that did exactly as far as for lights that an animation has moved.
+/// Lights that a viewer switches and moves: masks of an older light set are used for unchanged lights. For
+/// changed lights they are used exactly as for lights that an animation has moved.
 #include <random>
 
-#include "tests/golden/theatre.h"
+#include "tests/golden/test_rig.h"
 
 namespace farshade {
 namespace {
@@ -11,7 +11,7 @@ constexpr FrameId kOlder{1}, kTraced{2};
 constexpr std::uint32_t kChanged = 1;  // of the room's three lights
 const LightPose kElsewhere{Point<Stage>{{0.2, 2.3, 0.4}}, Vector<Stage>{{0, -1, 0}}};
 
-/// The bits of `light` alone drawn anew.
+/// `mask` with random bits for `light`.
 Mask with_noise_in(Mask mask, std::uint32_t light, std::uint64_t seed) {
   const Mask noise = with_noise(mask, seed);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
@@ -66,24 +66,24 @@ class LightSets : public OnLavapipe {
     return changes;
   }
 
-  Theatre theatre_{device_, bundled("room.glb"), 160};
-  StereoView views_ = theatre_.eyes(theatre_.head());
+  TestRig rig_{device_, bundled("room.glb"), 160};
+  StereoView views_ = rig_.eyes(rig_.head());
 };
 
 TEST_F(LightSets, ALightThatIsOffAddsNothingWhateverMasksSay) {
   Scene without = bundled("room.glb");
   without.lights[kChanged].intensity = glm::vec3(0.0f);
-  Theatre dark(device_, std::move(without), 160);
-  theatre_.set_lights(changed(false, std::nullopt));
-  expect_same(theatre_.show_reference(views_), dark.show_reference(views_));
+  TestRig dark(device_, std::move(without), 160);
+  rig_.set_lights(changed(false, std::nullopt));
+  expect_same(rig_.show_reference(views_), dark.show_reference(views_));
 
-  theatre_.set_lights({});
-  const Mask traced = theatre_.ask(kTraced, views_);
-  theatre_.set_lights(changed(false, std::nullopt));
-  const Shown shown = theatre_.show(views_, {traced.in_hand()}),
-              spoilt = theatre_.show(views_, {with_noise_in(traced, kChanged, 4).in_hand()});
+  rig_.set_lights({});
+  const Mask traced = rig_.ask(kTraced, views_);
+  rig_.set_lights(changed(false, std::nullopt));
+  const Shown shown = rig_.show(views_, {traced.traced_mask()}),
+              spoilt = rig_.show(views_, {with_noise_in(traced, kChanged, 4).traced_mask()});
   (void)dark.ask(kTraced, views_);
-  expect_same(shown.pictures, dark.show(views_, {traced.in_hand()}).pictures);
+  expect_same(shown.pictures, dark.show(views_, {traced.traced_mask()}).pictures);
   for (const Shown* each : {&shown, &spoilt}) {
     const Counts counts = count_of(*each, kChanged);
     EXPECT_EQ(counts.shown + counts.unknown + counts.stale, 0u);
@@ -91,10 +91,10 @@ TEST_F(LightSets, ALightThatIsOffAddsNothingWhateverMasksSay) {
 }
 
 TEST_F(LightSets, OnlyTheChangedLightIsStaleInTheNewestMask) {
-  const Mask traced = with_noise(theatre_.ask(kTraced, views_), 1);
-  const Shown before = theatre_.show(views_, {traced.in_hand()}, kPlainCarryOver);
-  theatre_.set_lights(changed(true, kElsewhere));
-  const Shown after = theatre_.show(views_, {traced.in_hand()}, kPlainCarryOver);
+  const Mask traced = with_noise(rig_.ask(kTraced, views_), 1);
+  const Shown before = rig_.show(views_, {traced.traced_mask()}, kPlainCarryOver);
+  rig_.set_lights(changed(true, kElsewhere));
+  const Shown after = rig_.show(views_, {traced.traced_mask()}, kPlainCarryOver);
   for (const std::uint32_t light : {0u, 1u, 2u}) {
     EXPECT_EQ(count_of(before, light).stale, 0u) << light;
     const Counts counts = count_of(after, light);
@@ -106,19 +106,19 @@ TEST_F(LightSets, OnlyTheChangedLightIsStaleInTheNewestMask) {
 }
 
 TEST_F(LightSets, AMaskOfTheNewSetIsNotStaleAndGivesTheReference) {
-  (void)theatre_.ask(kOlder, views_);
-  theatre_.set_lights(changed(true, kElsewhere));
-  const Mask traced = theatre_.ask(kTraced, views_);
-  const Shown shown = theatre_.show(views_, {traced.in_hand()}, kPlainCarryOver);
+  (void)rig_.ask(kOlder, views_);
+  rig_.set_lights(changed(true, kElsewhere));
+  const Mask traced = rig_.ask(kTraced, views_);
+  const Shown shown = rig_.show(views_, {traced.traced_mask()}, kPlainCarryOver);
   EXPECT_EQ(count_of(shown, kChanged).stale, 0u);
-  expect_same(shown.pictures, theatre_.show_reference(views_));
+  expect_same(shown.pictures, rig_.show_reference(views_));
 }
 
 TEST_F(LightSets, AnOlderMaskIsNotAskedAboutALightThatWasChangedSince) {
-  const Mask older = theatre_.ask(kOlder, views_);
-  theatre_.set_lights(changed(true, kElsewhere));
-  const Mask newest = half_known(theatre_.ask(kTraced, views_));
-  const Shown plain = theatre_.show(views_, {newest.in_hand(), older.in_hand()}, kPlainCarryOver);
+  const Mask older = rig_.ask(kOlder, views_);
+  rig_.set_lights(changed(true, kElsewhere));
+  const Mask newest = half_known(rig_.ask(kTraced, views_));
+  const Shown plain = rig_.show(views_, {newest.traced_mask(), older.traced_mask()}, kPlainCarryOver);
   const Counts counts = count_of(plain, kChanged);
   EXPECT_GT(counts.from_older, counts.all / 4);
   EXPECT_EQ(counts.unknown, counts.from_older);
@@ -126,20 +126,20 @@ TEST_F(LightSets, AnOlderMaskIsNotAskedAboutALightThatWasChangedSince) {
   // Its bits change nothing, an unchanged light's do. (Which pixels are taken to be near an edge is told by
   // all lights together, so that edges are left out here.)
   const auto with_older = [&](const Mask& mask) {
-    return theatre_.show(views_, {newest.in_hand(), mask.in_hand()}, {.edges = Edges::Nearest}).pictures;
+    return rig_.show(views_, {newest.traced_mask(), mask.traced_mask()}, {.edges = Edges::Nearest}).pictures;
   };
   expect_same(with_older(older), with_older(with_noise_in(older, kChanged, 7)));
   EXPECT_FALSE(with_older(older)[0].pixels == with_older(with_noise_in(older, 2, 7))[0].pixels);
 }
 
 TEST_F(LightSets, ALightSwitchedOnAgainDoesNotShowTheBitsFromBeforeItWasOff) {
-  const Mask older = theatre_.ask(kOlder, views_);
+  const Mask older = rig_.ask(kOlder, views_);
   LightChanges changes = changed(false, std::nullopt);
-  theatre_.set_lights(changes);
-  const Mask newest = half_known(theatre_.ask(kTraced, views_));
+  rig_.set_lights(changes);
+  const Mask newest = half_known(rig_.ask(kTraced, views_));
   change(changes, kChanged, true, std::nullopt);
-  theatre_.set_lights(changes);
-  const Shown shown = theatre_.show(views_, {newest.in_hand(), older.in_hand()}, kPlainCarryOver);
+  rig_.set_lights(changes);
+  const Shown shown = rig_.show(views_, {newest.traced_mask(), older.traced_mask()}, kPlainCarryOver);
   const Counts counts = count_of(shown, kChanged);
   EXPECT_EQ(counts.unknown, counts.from_older);
   EXPECT_EQ(counts.stale, counts.all - counts.from_older);

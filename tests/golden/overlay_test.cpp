@@ -1,5 +1,5 @@
-/// Overlays of a frame that knows a little of everything: a head that has turned since its masks were traced
-/// with a guard band, tiles that have not come, an older mask, things that have moved.
+/// The overlays of a frame that has a little of everything: a head that has turned since its masks were
+/// traced with a guard band, missing tiles, an older mask, moved instances.
 #include "vr_client/report/overlays.h"
 
 #include <numbers>
@@ -8,7 +8,7 @@
 
 #include "stereo/frame/tiles.h"
 #include "tests/golden/goldens.h"
-#include "tests/golden/theatre.h"
+#include "tests/golden/test_rig.h"
 
 namespace farshade {
 namespace {
@@ -47,19 +47,19 @@ void lose_tiles(Mask& mask, std::uint32_t first_column, std::uint32_t one_in) {
 class OverlayGolden : public OnLavapipe {
  protected:
   OverlayGolden() {
-    theatre_.set_time(Time(500ms));
-    older_ = theatre_.ask(kOlder, grown(theatre_.eyes(moved(head_, 14 * kDegree_rad, {0.06, 0, 0}))));
-    theatre_.set_time(Time(650ms));
-    traced_ = theatre_.ask(kTraced, grown(theatre_.eyes(moved(head_, 9 * kDegree_rad, {0.04, 0, 0}))));
+    rig_.set_time(Time(500ms));
+    older_ = rig_.ask(kOlder, grown(rig_.eyes(moved(head_, 14 * kDegree_rad, {0.06, 0, 0}))));
+    rig_.set_time(Time(650ms));
+    traced_ = rig_.ask(kTraced, grown(rig_.eyes(moved(head_, 9 * kDegree_rad, {0.04, 0, 0}))));
     lose_tiles(older_, 7, 11);
     lose_tiles(traced_, 6, 7);
-    theatre_.set_time(Time(800ms));
-    shown_ = theatre_.show(now_, {traced_.in_hand(), older_.in_hand()});
-    reference_ = theatre_.show_reference(now_);
+    rig_.set_time(Time(800ms));
+    shown_ = rig_.show(now_, {traced_.traced_mask(), older_.traced_mask()});
+    reference_ = rig_.show_reference(now_);
   }
 
   [[nodiscard]] PerEye<Image<Rgb8>> drawn(Overlay overlay) const {
-    const TracedMask newest = traced_.in_hand();
+    const TracedMask newest = traced_.traced_mask();
     PerEye<Image<Rgb8>> pictures;
     for (const Side side : kSides) {
       const std::size_t eye = index_of(side);
@@ -75,9 +75,9 @@ class OverlayGolden : public OnLavapipe {
     return pictures;
   }
 
-  Theatre theatre_{device_, bundled("room.glb"), kSide_px};
-  Rigid<Stage, Head> head_ = theatre_.head();
-  StereoView now_ = theatre_.eyes(head_);
+  TestRig rig_{device_, bundled("room.glb"), kSide_px};
+  Rigid<Stage, Head> head_ = rig_.head();
+  StereoView now_ = rig_.eyes(head_);
   Mask older_, traced_;
   Shown shown_;
   PerEye<Image<Rgb8>> reference_;
@@ -95,7 +95,7 @@ TEST_F(OverlayGolden, RefusesSwappedEyes) {
   }
 }
 
-/// Every colour of every legend can be looked for in these goldens.
+/// These goldens contain every colour of every legend.
 TEST_F(OverlayGolden, TheFrameKnowsALittleOfEverything) {
   std::array<std::size_t, 256> sources{};
   std::size_t stale = 0;
@@ -121,18 +121,18 @@ std::ostream& operator<<(std::ostream& out, const RayCase& tested) {
 class RaysNeeded : public OnLavapipe, public testing::WithParamInterface<RayCase> {};
 
 TEST_P(RaysNeeded, AreAboutThoseThatATracerSpends) {
-  Theatre theatre(device_, bundled(GetParam().file), kSide_px);
-  theatre.set_lights(GetParam().lights);
-  const StereoView views = theatre.eyes(theatre.head());
-  auto tracer = Tracer::create(theatre.scene());
+  TestRig rig(device_, bundled(GetParam().file), kSide_px);
+  rig.set_lights(GetParam().lights);
+  const StereoView views = rig.eyes(rig.head());
+  auto tracer = Tracer::create(rig.scene());
   ASSERT_TRUE(tracer) << tracer.error().what;
   ShadowFrame traced;
   const TraceStats spent = tracer->trace(
       {.frame = kNow, .display_time = {}, .scene_time = {}, .views = views, .lights = GetParam().lights},
       traced);
-  const Mask older = theatre.ask(kTraced, theatre.eyes(moved(theatre.head(), 3 * kDegree_rad, {0.02, 0, 0})));
-  for (const std::vector<TracedMask>& masks : {std::vector<TracedMask>{}, {older.in_hand()}}) {
-    const Shown shown = theatre.show(views, masks);
+  const Mask older = rig.ask(kTraced, rig.eyes(moved(rig.head(), 3 * kDegree_rad, {0.02, 0, 0})));
+  for (const std::vector<TracedMask>& masks : {std::vector<TracedMask>{}, {older.traced_mask()}}) {
+    const Shown shown = rig.show(views, masks);
     std::uint64_t needed = 0;
     for (const ShownReport& report : shown.reports) {
       needed = std::accumulate(report.rays.begin(), report.rays.end(), needed);

@@ -1,4 +1,4 @@
-/// Measured by picture_tests; README.md says how to measure anew.
+/// Measured by picture_tests; README.md says how to measure again.
 #include "tests/golden/pose_delta_rows.h"
 
 namespace farshade {

@@ -1,4 +1,4 @@
-/// What reprojected pictures were measured to be worth, for each scene, pose delta and age.
+/// The measured quality of reprojected pictures for each scene, pose delta and age.
 #pragma once
 
 #include <ostream>
@@ -9,12 +9,12 @@
 
 namespace farshade {
 
-/// A picture against its reference.
+/// The quality of a picture against its reference.
 struct Judged {
   double psnr_db = 0, ssim = 0, flip = 0;
 };
 
-/// With a mask traced `age_ms` before the scene's time that is shown.
+/// With a mask that was traced for `age_ms` before the shown scene time.
 struct AtAge {
   int age_ms = 0;
   PerEye<Judged> eyes;
@@ -31,7 +31,7 @@ inline std::ostream& operator<<(std::ostream& out, const Row& row) {
 }
 
 [[nodiscard]] std::span<const Row> bundled_rows();
-/// Of a scene that lies beside the repository on some machines.
+/// For a scene that exists beside the repository on some machines only.
 [[nodiscard]] std::span<const Row> shared_rows();
 
 }  // namespace farshade

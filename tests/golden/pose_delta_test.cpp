@@ -1,6 +1,7 @@
-/// Each eye's picture with carried-over masks against the same picture with every shadow traced, for a fixed
-/// list of pose deltas and ages; and faults that the same judgement must refuse. kRows is what was measured;
-/// a picture may be worse by kMargin. README.md says how to measure anew, and where the pictures lie.
+/// Compares each eye's picture with carried-over masks with the same picture with all shadows traced, for a
+/// fixed list of pose deltas and ages, and expects that the comparison fails for deliberate faults. The rows
+/// are measured values; a picture may be worse by kMargin. README.md says how to measure again and where the
+/// pictures are.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +17,7 @@
 #include "tests/golden/pose_cases.h"
 #include "tests/golden/pose_delta_rows.h"
 #include "tests/golden/reproject_reference.h"
-#include "tests/golden/theatre.h"
+#include "tests/golden/test_rig.h"
 #include "tests/metrics/pixels_per_degree.h"
 #include "vr_client/report/measure.h"
 
@@ -76,16 +77,16 @@ class PoseDelta : public OnLavapipe, public testing::WithParamInterface<Row> {};
 
 TEST_P(PoseDelta, ShowsWhatAFullTraceWould) {
   const auto& [scene, pose, ages] = GetParam();
-  Theatre theatre(device_, scene_named(scene), kSide_px);
-  const PoseViews views = views_of(pose_case(pose), theatre.head(), kSide_px);
-  theatre.set_time(kNow);
-  const PerEye<Image<Rgb8>> reference = theatre.show_reference(views.shown);
+  TestRig rig(device_, scene_named(scene), kSide_px);
+  const PoseViews views = views_of(pose_case(pose), rig.head(), kSide_px);
+  rig.set_time(kNow);
+  const PerEye<Image<Rgb8>> reference = rig.show_reference(views.shown);
   std::string measured;
   for (const auto& [age_ms, expected] : ages) {
-    theatre.set_time(kNow - std::chrono::milliseconds(age_ms));
-    const Mask traced = theatre.ask(FrameId{static_cast<std::uint32_t>(age_ms + 1)}, views.traced);
-    theatre.set_time(kNow);
-    const PerEye<Image<Rgb8>> shown = theatre.show(views.shown, {traced.in_hand()}).pictures;
+    rig.set_time(kNow - std::chrono::milliseconds(age_ms));
+    const Mask traced = rig.ask(FrameId{static_cast<std::uint32_t>(age_ms + 1)}, views.traced);
+    rig.set_time(kNow);
+    const PerEye<Image<Rgb8>> shown = rig.show(views.shown, {traced.traced_mask()}).pictures;
     PerEye<Judged> eyes;
     for (const Side side : kSides) {
       const std::size_t eye = index_of(side);
@@ -116,9 +117,9 @@ class PoseDeltaFault : public OnLavapipe, public testing::WithParamInterface<con
   /// The mask in hand for `pose`, and the views it is shown in.
   Mask ask(const char* pose) {
     pose_ = pose;
-    views_ = views_of(pose_case(pose), theatre_.head(), kSide_px);
-    reference_ = theatre_.show_reference(views_.shown);
-    return theatre_.ask(FrameId{1}, views_.traced);
+    views_ = views_of(pose_case(pose), rig_.head(), kSide_px);
+    reference_ = rig_.show_reference(views_.shown);
+    return rig_.ask(FrameId{1}, views_.traced);
   }
 
   /// Neither eye's picture passes for what was measured without the fault.
@@ -137,10 +138,10 @@ class PoseDeltaFault : public OnLavapipe, public testing::WithParamInterface<con
   /// Shadows are read at the very pixels they are shown at.
   PerEye<Image<Rgb8>> show_as_they_are(Mask mask) {
     mask.views = views_.shown;
-    return theatre_.show(views_.shown, {mask.in_hand()}, {.lookup = Lookup::Direct}).pictures;
+    return rig_.show(views_.shown, {mask.traced_mask()}, {.lookup = Lookup::Direct}).pictures;
   }
 
-  Theatre theatre_{device_, scene_named(GetParam()), kSide_px};
+  TestRig rig_{device_, scene_named(GetParam()), kSide_px};
   PoseViews views_;
 
  private:
@@ -160,7 +161,7 @@ TEST_P(PoseDeltaFault, RefusesMasksOfSwappedEyes) {
   for (const char* pose : {"Yaw1", "Step1cm", "EyeDistance70mm"}) {
     Mask mask = ask(pose);
     std::swap(mask.bits[0], mask.bits[1]);
-    expect_refused(theatre_.show(views_.shown, {mask.in_hand()}).pictures, "swapped_eyes");
+    expect_refused(rig_.show(views_.shown, {mask.traced_mask()}).pictures, "swapped_eyes");
   }
 }
 
@@ -172,7 +173,7 @@ TEST_P(PoseDeltaFault, RefusesAnInvertedDelta) {
       const Rigid<Stage, Eye>& shown = views_.shown[eye].stage_from_eye;
       mask.views[eye].stage_from_eye = shown * (inverse(views_.traced[eye].stage_from_eye) * shown);
     }
-    expect_refused(theatre_.show(views_.shown, {mask.in_hand()}).pictures, "inverted_delta");
+    expect_refused(rig_.show(views_.shown, {mask.traced_mask()}).pictures, "inverted_delta");
   }
 }
 
@@ -188,8 +189,8 @@ void copy_pixel(const EyeMask& from, EyeMask& to, std::size_t pixel) {
 TEST_P(PoseDeltaFault, RefusesADroppedSameSurfaceTest) {
   for (const char* pose : {"Step10cm", "Step50cm", "Yaw5Step10cm"}) {
     const Mask mask = ask(pose);
-    const Shown right = theatre_.show(views_.shown, {mask.in_hand()});
-    const PerEye<Image<float>> distance_m = theatre_.renderer().read_distance();
+    const Shown right = rig_.show(views_.shown, {mask.traced_mask()});
+    const PerEye<Image<float>> distance_m = rig_.renderer().read_distance();
     Mask tested = mask, dropped = mask;
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
       const ShownReport& report = right.reports[eye];

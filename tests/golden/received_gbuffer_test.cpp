@@ -1,9 +1,9 @@
-/// A G-buffer that is read from one renderer and received by another: the same picture, bit for bit.
+/// A G-buffer that one renderer reads and another receives gives the same picture, bit for bit.
 #include <bit>
 #include <limits>
 
 #include "stereo/frame/tiles.h"
-#include "tests/golden/theatre.h"
+#include "tests/golden/test_rig.h"
 #include "tests/oracle/scene_builder.h"
 
 namespace farshade {
@@ -35,7 +35,7 @@ class ReceivedGBuffer : public OnLavapipe {
     const SceneState state = state_at(scene, Time{});
     const StereoView views = eyes_of(head_at_camera(scene), kSide_px);
     const Mask mask = traced(scene, views);
-    const std::vector<TracedMask> masks{mask.in_hand()};
+    const std::vector<TracedMask> masks{mask.traced_mask()};
     sender.draw(shown(views, state, masks));
     GBufferPlanes planes;
     sender.read_gbuffer(planes);
@@ -76,7 +76,7 @@ TEST_F(ReceivedGBuffer, WhatDidNotComeIsBackground) {
   const SceneState state = state_at(scene, Time{});
   const StereoView views = eyes_of(head_at_camera(scene), kSide_px);
   const Mask mask = traced(scene, views);
-  const std::vector<TracedMask> masks{mask.in_hand()};
+  const std::vector<TracedMask> masks{mask.traced_mask()};
   renderer.draw(shown(views, state, masks));
   const auto drawn = renderer.read_shown();
   GBufferPlanes planes;

@@ -1,4 +1,5 @@
-/// The shaders' float reprojection against the same in double: where points fall, and which views saw them.
+/// Compares the shaders' float reprojection with a reference in double: where points are, and which views saw
+/// them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +9,7 @@
 #include "stereo/base/quantile.h"
 #include "tests/golden/pose_cases.h"
 #include "tests/golden/reproject_reference.h"
-#include "tests/golden/theatre.h"
+#include "tests/golden/test_rig.h"
 #include "tests/oracle/scene_builder.h"
 
 namespace farshade {
@@ -49,11 +50,11 @@ void compare_pixel(const SeenDepth& shown, const SeenDepth& traced, const ShownR
   against.hidden += same == SameSurface::No && carried && is_inside(carried->at, traced.view.size);
 }
 
-void compare(Theatre& theatre, const PoseViews& views, Against& against) {
-  const Mask mask = theatre.ask(kTraced, views.traced);
-  const PerEye<Image<float>> traced = theatre.renderer().read_distance();
-  const Shown now = theatre.show(views.shown, {mask.in_hand()}, kOneView);
-  const PerEye<Image<float>> shown = theatre.renderer().read_distance();
+void compare(TestRig& rig, const PoseViews& views, Against& against) {
+  const Mask mask = rig.ask(kTraced, views.traced);
+  const PerEye<Image<float>> traced = rig.renderer().read_distance();
+  const Shown now = rig.show(views.shown, {mask.traced_mask()}, kOneView);
+  const PerEye<Image<float>> shown = rig.renderer().read_distance();
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const SeenDepth of_shown{views.shown[eye], shown[eye]}, of_traced{views.traced[eye], traced[eye]};
     for (std::size_t i = 0; i < now.reports[eye].sources.size(); ++i)
@@ -98,13 +99,12 @@ class ReprojectReference : public OnLavapipe, public testing::WithParamInterface
     EXPECT_EQ(against.accepted, 0u) << "of " << against.other;
   }
 
-  Theatre theatre_{device_, GetParam().scene(), kSide_px};
+  TestRig rig_{device_, GetParam().scene(), kSide_px};
 };
 
 TEST_P(ReprojectReference, AgreesWithFloatForAllPoses) {
   Against against;
-  for (const PoseCase& pose : pose_cases())
-    compare(theatre_, views_of(pose, theatre_.head(), kSide_px), against);
+  for (const PoseCase& pose : pose_cases()) compare(rig_, views_of(pose, rig_.head(), kSide_px), against);
   expect_agreement(against);
   EXPECT_GT(against.hidden, 100u);
 }
@@ -116,12 +116,12 @@ TEST_P(ReprojectReference, AgreesWithFloatForFovsOf1And170Degrees) {
     Against against;
     // Turns within the fov: a view of 1 degree shares nothing with one that is turned by 5.
     for (const double share : {0.1, -0.3})
-      compare(theatre_,
+      compare(rig_,
               views_of({.name = "",
                         .yaw_degrees = std::min(20.0, fov_degrees) * share,
                         .step_m = 0.1 * share,
                         .left_fov = {-half_rad, half_rad, half_rad, -half_rad}},
-                       theatre_.head(), kSide_px),
+                       rig_.head(), kSide_px),
               against);
     expect_agreement(against);
   }

@@ -1,10 +1,11 @@
-/// Reprojection on the device: what each pixel may take from a mask traced for other views, and what not.
+/// Reprojection on the device: which bits each pixel takes from masks that were traced for other views.
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
 
 #include "stereo/frame/tiles.h"
-#include "tests/golden/theatre.h"
+#include "tests/golden/test_rig.h"
 #include "tests/oracle/scene_builder.h"
 
 namespace farshade {
@@ -38,9 +39,9 @@ Outcome outcome_of(const Shown& shown, const Mask& truth) {
 
 class Reproject : public OnLavapipe {};
 
-/// Every covered pixel is known from the newest mask and has its very bits.
-void expect_same_mask(Theatre& theatre, const StereoView& views, const Mask& mask) {
-  const Shown shown = theatre.show(views, {mask.in_hand()}, kPlainCarryOver);
+/// Expects that every covered pixel has the bits of the same pixel of the mask.
+void expect_same_mask(TestRig& rig, const StereoView& views, const Mask& mask) {
+  const Shown shown = rig.show(views, {mask.traced_mask()}, kPlainCarryOver);
   std::size_t covered = 0, elsewhere = 0, changed = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     ++covered;
@@ -60,11 +61,11 @@ struct LitScene {
 class ReprojectSamePose : public OnLavapipe, public testing::WithParamInterface<LitScene> {};
 
 TEST_P(ReprojectSamePose, ReturnsSameMask) {
-  Theatre theatre(device_, with_lights(bundled(GetParam().file), GetParam().lights), 192);
-  const StereoView views = theatre.eyes(theatre.head());
-  const Mask traced = theatre.ask(kTraced, views);
-  expect_same_mask(theatre, views, traced);
-  expect_same_mask(theatre, views, with_noise(traced, 20261));
+  TestRig rig(device_, with_lights(bundled(GetParam().file), GetParam().lights), 192);
+  const StereoView views = rig.eyes(rig.head());
+  const Mask traced = rig.ask(kTraced, views);
+  expect_same_mask(rig, views, traced);
+  expect_same_mask(rig, views, with_noise(traced, 20261));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -89,11 +90,11 @@ class ReprojectMove : public OnLavapipe, public testing::WithParamInterface<Move
 
 TEST_P(ReprojectMove, IsWrongAndIgnorantWithinBounds) {
   const Move& move = GetParam();
-  Theatre theatre(device_, bundled(move.file), 256);
-  const Mask stale = theatre.ask(kTraced, theatre.eyes(theatre.head()));
-  const StereoView now = theatre.eyes(moved(theatre.head(), move.yaw_degrees * kDegree, move.step_m));
+  TestRig rig(device_, bundled(move.file), 256);
+  const Mask stale = rig.ask(kTraced, rig.eyes(rig.head()));
+  const StereoView now = rig.eyes(moved(rig.head(), move.yaw_degrees * kDegree, move.step_m));
   const Outcome outcome =
-      outcome_of(theatre.show(now, {stale.in_hand()}, kPlainCarryOver), theatre.trace(kNow, now));
+      outcome_of(rig.show(now, {stale.traced_mask()}, kPlainCarryOver), rig.trace(kNow, now));
   RecordProperty("wrong", std::to_string(outcome.wrong));
   RecordProperty("unknown", std::to_string(outcome.unknown));
   EXPECT_LE(outcome.wrong, move.most_wrong);
@@ -114,20 +115,24 @@ INSTANTIATE_TEST_SUITE_P(
                     Move{"RoomAhead10cm", "room.glb", 0, {0, 0, -0.1}, 0.031, 0.062}),
     [](const auto& tested) { return std::string(tested.param.name); });
 
-TEST_F(Reproject, LeavesTilesThatNeverCameUnknown) {
-  Theatre theatre(device_, bundled("room.glb"), 192);
-  const StereoView views = theatre.eyes(theatre.head());
-  Mask holed = with_noise(theatre.ask(kTraced, views), 1);
-  for (std::uint32_t tile = 0; tile < TileGrid{views[0].size}.count(); ++tile) {
+/// Eyes of 200 pixels have 12.5 columns of tiles.
+class ReprojectTiles : public OnLavapipe, public testing::WithParamInterface<std::uint32_t> {};
+
+TEST_P(ReprojectTiles, ThatNeverArrivedStayUnknown) {
+  const std::uint32_t side_px = GetParam();
+  TestRig rig(device_, bundled("room.glb"), side_px);
+  const StereoView views = rig.eyes(rig.head());
+  const TileGrid grid{views[0].size};
+  Mask holed = with_noise(rig.ask(kTraced, views), 1);
+  for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
     holed.known_tiles[0][tile] = tile % 3 != 0;
     holed.known_tiles[1][tile] = tile % 2 == 0;
   }
   const auto known = [&](Side side, std::uint32_t x, std::uint32_t y) {
-    return holed.known_tiles[index_of(side)]
-                            [y / kTileSide_px * TileGrid{views[0].size}.columns() + x / kTileSide_px] != 0;
+    return holed.known_tiles[index_of(side)][y / kTileSide_px * grid.columns() + x / kTileSide_px] != 0;
   };
   std::size_t unknown = 0, disagreeing = 0;
-  for_covered(theatre.show(views, {holed.in_hand()}, kPlainCarryOver),
+  for_covered(rig.show(views, {holed.traced_mask()}, kPlainCarryOver),
               [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
                 unknown += source == kSourceUnknown;
                 disagreeing += source != (known(side, x, y) ? 0 : kSourceUnknown);
@@ -135,8 +140,8 @@ TEST_F(Reproject, LeavesTilesThatNeverCameUnknown) {
   EXPECT_GT(unknown, 1000u);
   EXPECT_EQ(disagreeing, 0u);
 
-  const Mask older = with_noise(theatre.ask(kOlder, views), 2);
-  const Shown shown = theatre.show(views, {holed.in_hand(), older.in_hand()}, kPlainCarryOver);
+  const Mask older = with_noise(rig.ask(kOlder, views), 2);
+  const Shown shown = rig.show(views, {holed.traced_mask(), older.traced_mask()}, kPlainCarryOver);
   std::size_t misread = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     const std::size_t eye = index_of(side);
@@ -147,16 +152,47 @@ TEST_F(Reproject, LeavesTilesThatNeverCameUnknown) {
   EXPECT_EQ(misread, 0u);
 }
 
+INSTANTIATE_TEST_SUITE_P(OfEyes_px, ReprojectTiles, testing::Values(192, 200),
+                         testing::PrintToStringParamName());
+
+TEST_F(Reproject, TakesTheNewestOfSeveralMasksThatKnowATile) {
+  TestRig rig(device_, bundled("room.glb"), 128);
+  const StereoView views = rig.eyes(rig.head());
+  std::vector<Mask> masks;  // oldest first
+  for (std::uint32_t i = 0; i < 4; ++i) masks.push_back(with_noise(rig.ask(FrameId{i + 1}, views), i));
+  std::ranges::reverse(masks);
+  // Bit `m` of the tile's number says whether mask `m` knows it: all 16 combinations occur.
+  for (std::size_t m = 0; m < masks.size(); ++m)
+    for (KnownTiles& tiles : masks[m].known_tiles)
+      for (std::size_t tile = 0; tile < tiles.size(); ++tile) tiles[tile] = (tile >> m & 1u) != 0;
+  std::vector<TracedMask> in_hand;
+  for (const Mask& mask : masks) in_hand.push_back(mask.traced_mask());
+  const Shown shown = rig.show(views, in_hand, kPlainCarryOver);
+  std::array<std::size_t, 4> used{};
+  std::size_t wrong_source = 0, wrong_bits = 0;
+  for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+    const std::uint32_t tile = y / kTileSide_px * TileGrid{views[0].size}.columns() + x / kTileSide_px;
+    std::uint8_t newest = 0;
+    while (newest < 4 && (tile >> newest & 1u) == 0) ++newest;
+    wrong_source += source != (newest < 4 ? newest : kSourceUnknown);
+    if (newest == 4) return;
+    ++used[newest];
+    wrong_bits +=
+        !same_bits(shown.reports[index_of(side)].mask, {x, y}, masks[newest].bits[index_of(side)], {x, y});
+  });
+  EXPECT_EQ(wrong_source, 0u);
+  EXPECT_EQ(wrong_bits, 0u);
+  for (const std::size_t count : used) EXPECT_GT(count, 500u);
+}
+
 TEST_F(Reproject, TakesTheOlderMaskOnlyWhereTheNewestFails) {
-  Theatre theatre(device_, bundled("room.glb"), 192);
-  const auto turned = [&](double degrees) {
-    return theatre.eyes(moved(theatre.head(), degrees * kDegree, {}));
-  };
-  const Mask older = with_noise(theatre.ask(kOlder, turned(12)), 3),
-             newest = with_noise(theatre.ask(kTraced, turned(-8)), 4);
-  const Shown both = theatre.show(turned(0), {newest.in_hand(), older.in_hand()}, kPlainCarryOver),
-              first = theatre.show(turned(0), {newest.in_hand()}, kPlainCarryOver),
-              second = theatre.show(turned(0), {older.in_hand()}, kPlainCarryOver);
+  TestRig rig(device_, bundled("room.glb"), 192);
+  const auto turned = [&](double degrees) { return rig.eyes(moved(rig.head(), degrees * kDegree, {})); };
+  const Mask older = with_noise(rig.ask(kOlder, turned(12)), 3),
+             newest = with_noise(rig.ask(kTraced, turned(-8)), 4);
+  const Shown both = rig.show(turned(0), {newest.traced_mask(), older.traced_mask()}, kPlainCarryOver),
+              first = rig.show(turned(0), {newest.traced_mask()}, kPlainCarryOver),
+              second = rig.show(turned(0), {older.traced_mask()}, kPlainCarryOver);
   std::array<std::size_t, 2> used{};
   std::size_t wrong_source = 0, wrong_bits = 0;
   for_covered(both, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
@@ -178,11 +214,11 @@ TEST_F(Reproject, TakesTheOlderMaskOnlyWhereTheNewestFails) {
 }
 
 TEST_F(Reproject, TakesNothingFromAViewThatLooksElsewhere) {
-  Theatre theatre(device_, bundled("room.glb"), 128);
+  TestRig rig(device_, bundled("room.glb"), 128);
   for (const double degrees : {90.0, 180.0}) {
     const Mask elsewhere =
-        with_noise(theatre.ask(kTraced, theatre.eyes(moved(theatre.head(), degrees * kDegree, {}))), 5);
-    const Shown shown = theatre.show(theatre.eyes(theatre.head()), {elsewhere.in_hand()}, kPlainCarryOver);
+        with_noise(rig.ask(kTraced, rig.eyes(moved(rig.head(), degrees * kDegree, {}))), 5);
+    const Shown shown = rig.show(rig.eyes(rig.head()), {elsewhere.traced_mask()}, kPlainCarryOver);
     std::size_t known = 0;
     for_covered(shown, [&](Side, std::uint32_t, std::uint32_t, std::uint8_t source) {
       known += source != kSourceUnknown;
@@ -192,20 +228,20 @@ TEST_F(Reproject, TakesNothingFromAViewThatLooksElsewhere) {
 }
 
 TEST_F(Reproject, ShowsUnknownByTheStatedRule) {
-  Theatre theatre(device_, bundled("room.glb"), 128);
-  const StereoView views = theatre.eyes(theatre.head());
-  Mask all_lit = theatre.ask(kTraced, views);
+  TestRig rig(device_, bundled("room.glb"), 128);
+  const StereoView views = rig.eyes(rig.head());
+  Mask all_lit = rig.ask(kTraced, views);
   for (EyeMask& bits : all_lit.bits)
     for (std::uint32_t y = 0; y < 128; ++y)
       for (std::uint32_t x = 0; x < 128; ++x) bits.set_word(x, y, 0, bits.layout().used_bits(0));
-  const Shown lit = theatre.show(views, {all_lit.in_hand()}, {.lookup = Lookup::Direct}),
-              unknown = theatre.show(views, {});
+  const Shown lit = rig.show(views, {all_lit.traced_mask()}, {.lookup = Lookup::Direct}),
+              unknown = rig.show(views, {});
   ASSERT_EQ(kUnknownVisibility, 1.0f);
   EXPECT_EQ(unknown.pictures[0], lit.pictures[0]);
   EXPECT_EQ(unknown.pictures[1], lit.pictures[1]);
 }
 
-/// A sheet without thickness at z = 0 in front of a far wall on either side.
+/// A sheet of no thickness at z = 0, and a wall on either side.
 Scene sheet_between_walls() {
   SceneBuilder builder;
   builder.add(quad({0, 0, 0}, {0.5, 0, 0}, {0, 0.5, 0}));
@@ -216,10 +252,10 @@ Scene sheet_between_walls() {
 }
 
 TEST_F(Reproject, TellsBackFromFrontOfASheet) {
-  Theatre theatre(device_, sheet_between_walls(), 128);
+  TestRig rig(device_, sheet_between_walls(), 128);
   const Rigid<Stage, Head> front{{1, 0, 0, 0}, {0, 0, 1.2}}, back{{0, 0, 1, 0}, {0, 0, -1.2}};
-  const Mask of_front = theatre.ask(kTraced, theatre.eyes(front));
-  const Shown from_back = theatre.show(theatre.eyes(back), {of_front.in_hand()}, kPlainCarryOver);
+  const Mask of_front = rig.ask(kTraced, rig.eyes(front));
+  const Shown from_back = rig.show(rig.eyes(back), {of_front.traced_mask()}, kPlainCarryOver);
   const ShownReport& report = from_back.reports[0];
   EXPECT_EQ(report.sources[64 * 128 + 64], kSourceUnknown) << "the middle of the sheet's back";
   std::size_t known = 0;
@@ -230,25 +266,26 @@ TEST_F(Reproject, TellsBackFromFrontOfASheet) {
 }
 
 TEST_F(Reproject, PassesOverMasksWhoseDepthLeftTheRing) {
-  Theatre theatre(device_, bundled("box_over_plane.gltf"), 128, 2);
-  const StereoView before = theatre.eyes(moved(theatre.head(), 3 * kDegree, {0.05, 0, 0})),
-                   now = theatre.eyes(theatre.head());
+  TestRig rig(device_, bundled("box_over_plane.gltf"), 128, 2);
+  const StereoView before = rig.eyes(moved(rig.head(), 3 * kDegree, {0.05, 0, 0})),
+                   now = rig.eyes(rig.head());
   const auto known = [&](const std::vector<TracedMask>& masks) {
     std::size_t count = 0;
-    for_covered(theatre.show(now, masks, kPlainCarryOver),
+    for_covered(rig.show(now, masks, kPlainCarryOver),
                 [&](Side, std::uint32_t, std::uint32_t, std::uint8_t source) {
                   EXPECT_TRUE(source == 0 || source == kSourceUnknown) << "source " << int{source};
                   count += source == 0;
                 });
     return count;
   };
-  const Mask first = theatre.ask(FrameId{10}, before), second = theatre.ask(FrameId{11}, before);
-  EXPECT_GT(known({first.in_hand()}), 1000u) << "in the ring of two";
-  EXPECT_GT(known({first.in_hand()}), 1000u) << "frames that ask for nothing take no place";
-  const Mask third = theatre.ask(FrameId{12}, before);
-  EXPECT_EQ(known({first.in_hand()}), 0u) << "its place is the third's";
-  EXPECT_GT(known({first.in_hand(), second.in_hand()}), 1000u) << "the one after it still counts, as newest";
-  EXPECT_GT(known({third.in_hand()}), 1000u);
+  const Mask first = rig.ask(FrameId{10}, before), second = rig.ask(FrameId{11}, before);
+  EXPECT_GT(known({first.traced_mask()}), 1000u) << "in the ring of two";
+  EXPECT_GT(known({first.traced_mask()}), 1000u) << "frames that ask for nothing take no place";
+  const Mask third = rig.ask(FrameId{12}, before);
+  EXPECT_EQ(known({first.traced_mask()}), 0u) << "its place is the third's";
+  EXPECT_GT(known({first.traced_mask(), second.traced_mask()}), 1000u)
+      << "the one after it still counts, as newest";
+  EXPECT_GT(known({third.traced_mask()}), 1000u);
 }
 
 TEST_F(Reproject, HoldsFarFromTheOrigin) {
@@ -261,13 +298,13 @@ TEST_F(Reproject, HoldsFarFromTheOrigin) {
     return builder.build();
   };
   const auto show_at = [&](const glm::dvec3& shift) {
-    Theatre theatre(device_, scene_at(shift), 128);
+    TestRig rig(device_, scene_at(shift), 128);
     const Rigid<Stage, Head> head =
         head_looking(shift + glm::dvec3(0.5, 1.6, 2.5), shift + glm::dvec3(0, 0.4, 0));
-    const Mask stale = theatre.ask(kTraced, theatre.eyes(moved(head, 2 * kDegree, {0.03, 0, 0})));
-    const StereoView now = theatre.eyes(head);
-    const Shown shown = theatre.show(now, {stale.in_hand()}, kPlainCarryOver);
-    return outcome_of(shown, theatre.trace(kNow, now));
+    const Mask stale = rig.ask(kTraced, rig.eyes(moved(head, 2 * kDegree, {0.03, 0, 0})));
+    const StereoView now = rig.eyes(head);
+    const Shown shown = rig.show(now, {stale.traced_mask()}, kPlainCarryOver);
+    return outcome_of(shown, rig.trace(kNow, now));
   };
   const Outcome near = show_at({0, 0, 0}), far = show_at({1e6, 0, -1e6});
   EXPECT_NEAR(far.wrong, near.wrong, 0.001);

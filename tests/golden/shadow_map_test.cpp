@@ -1,10 +1,10 @@
-/// Shadow maps against the full trace: how far the visibilities that they give are from its bits, for every
-/// kind of light, and that maps are drawn when they have to be and not else.
+/// Compares shadow maps with the full trace: the error of their visibilities for every kind of light. And
+/// maps are redrawn only when they must be.
 #include <cmath>
 
 #include "stereo/frame/tiles.h"
 #include "stereo/image/difference.h"
-#include "tests/golden/theatre.h"
+#include "tests/golden/test_rig.h"
 #include "tests/oracle/scene_builder.h"
 #include "vr_client/report/measure.h"
 

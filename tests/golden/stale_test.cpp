@@ -1,8 +1,8 @@
-/// Moving things: what a mask may no longer know is marked, at the least; and points on what has moved are
-/// carried back to where they were.
+/// Moving lights and instances: every bit that may have changed is marked as stale, and points on instances
+/// that have moved are looked up where they were.
 #include <cmath>
 
-#include "tests/golden/theatre.h"
+#include "tests/golden/test_rig.h"
 #include "tests/oracle/scene_builder.h"
 
 namespace farshade {
@@ -33,7 +33,7 @@ PixelLights count_of(const Shown& shown, std::uint32_t light) {
   return count;
 }
 
-/// A floor and a box that stand still; of three lights the second travels.
+/// A floor and a box that do not move, and three lights, the second of which moves.
 Scene moving_light() {
   SceneBuilder builder;
   builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
@@ -50,12 +50,12 @@ const Rigid<Stage, Head> kBefore = head_looking({0.5, 1.6, 2.5}, {0, 0.4, 0});
 class Stale : public OnLavapipe {};
 
 TEST_F(Stale, IsTheLightThatMovedAndNoOther) {
-  Theatre theatre(device_, moving_light(), 128);
-  const StereoView views = theatre.eyes(kBefore);
-  const Mask traced = with_noise(theatre.ask(kTraced, views), 1);
-  const Shown still = theatre.show(views, {traced.in_hand()}, kPlainCarryOver);
-  theatre.set_time(Time(200ms));
-  const Shown moved = theatre.show(views, {traced.in_hand()}, kPlainCarryOver);
+  TestRig rig(device_, moving_light(), 128);
+  const StereoView views = rig.eyes(kBefore);
+  const Mask traced = with_noise(rig.ask(kTraced, views), 1);
+  const Shown still = rig.show(views, {traced.traced_mask()}, kPlainCarryOver);
+  rig.set_time(Time(200ms));
+  const Shown moved = rig.show(views, {traced.traced_mask()}, kPlainCarryOver);
   for (const std::uint32_t light : {0u, 1u, 2u}) {
     EXPECT_EQ(count_of(still, light).stale, 0u) << light;
     const PixelLights count = count_of(moved, light);
@@ -67,16 +67,16 @@ TEST_F(Stale, IsTheLightThatMovedAndNoOther) {
 }
 
 TEST_F(Stale, OfAnOlderMaskIsUnknown) {
-  Theatre theatre(device_, moving_light(), 128);
-  const StereoView views = theatre.eyes(kBefore);
-  const Mask older = with_noise(theatre.ask(kOlder, views), 2);
-  theatre.set_time(Time(200ms));
-  Mask newest = with_noise(theatre.ask(kTraced, views), 3);
+  TestRig rig(device_, moving_light(), 128);
+  const StereoView views = rig.eyes(kBefore);
+  const Mask older = with_noise(rig.ask(kOlder, views), 2);
+  rig.set_time(Time(200ms));
+  Mask newest = with_noise(rig.ask(kTraced, views), 3);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     for (std::size_t tile = 0; tile < newest.known_tiles[eye].size(); ++tile)
       newest.known_tiles[eye][tile] = tile % 2;
   std::size_t from_older = 0, wrong = 0;
-  const Shown shown = theatre.show(views, {newest.in_hand(), older.in_hand()}, kPlainCarryOver);
+  const Shown shown = rig.show(views, {newest.traced_mask(), older.traced_mask()}, kPlainCarryOver);
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     const ShownReport& report = shown.reports[index_of(side)];
     const std::size_t pixel = std::size_t{y} * 128 + x;
@@ -94,23 +94,23 @@ TEST_F(Stale, OfAnOlderMaskIsUnknown) {
   EXPECT_GT(from_older, 5000u);
 }
 
-/// Every pixel-light whose truth has changed, on a surface that has not moved, is marked.
+/// Every bit that has changed on a surface that has not moved is marked.
 class StaleOverTime : public OnLavapipe, public testing::WithParamInterface<int> {};
 
 TEST_P(StaleOverTime, MarksAllThatMovingCastersChangedInTheRoom) {
-  Theatre theatre(device_, bundled("room.glb"), 192);
-  const StereoView views = theatre.eyes(theatre.head());
-  theatre.set_time(Time(700ms));
-  const Mask before = theatre.ask(kTraced, views);
+  TestRig rig(device_, bundled("room.glb"), 192);
+  const StereoView views = rig.eyes(rig.head());
+  rig.set_time(Time(700ms));
+  const Mask before = rig.ask(kTraced, views);
   const auto distances = [&] {
-    (void)theatre.show(views, {});
-    return theatre.renderer().read_distance();
+    (void)rig.show(views, {});
+    return rig.renderer().read_distance();
   };
   const PerEye<Image<float>> then = distances();
-  theatre.set_time(Time(700ms + GetParam() * 1ms));
-  const Mask truth = theatre.trace(kNow, views);
-  const Shown shown = theatre.show(views, {before.in_hand()}, kPlainCarryOver);
-  const PerEye<Image<float>> now = theatre.renderer().read_distance();
+  rig.set_time(Time(700ms + GetParam() * 1ms));
+  const Mask truth = rig.trace(kNow, views);
+  const Shown shown = rig.show(views, {before.traced_mask()}, kPlainCarryOver);
+  const PerEye<Image<float>> now = rig.renderer().read_distance();
   std::size_t changed = 0, missed = 0, stale = 0, all = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     const std::size_t eye = index_of(side), pixel = std::size_t{y} * 192 + x;
@@ -134,7 +134,7 @@ TEST_P(StaleOverTime, MarksAllThatMovingCastersChangedInTheRoom) {
 
 INSTANTIATE_TEST_SUITE_P(AfterMs, StaleOverTime, testing::Values(14, 100, 500));
 
-/// A wall and before it a box that travels to the right.
+/// A wall and in front of it a box that moves to the right.
 Scene moving_box() {
   SceneBuilder builder;
   builder.add(quad({0, 1, -1}, {4, 0, 0}, {0, 4, 0}));
@@ -145,13 +145,13 @@ Scene moving_box() {
 }
 
 TEST_F(Stale, PointsOnMovingThingsTakeTheBitsOfWhereTheyWere) {
-  Theatre theatre(device_, moving_box(), 192);
-  const StereoView views = theatre.eyes({{1, 0, 0, 0}, {0, 1, 1.5}});
-  const Mask traced = with_noise(theatre.ask(kTraced, views), 5);
-  theatre.set_time(Time(300ms));
+  TestRig rig(device_, moving_box(), 192);
+  const StereoView views = rig.eyes({{1, 0, 0, 0}, {0, 1, 1.5}});
+  const Mask traced = with_noise(rig.ask(kTraced, views), 5);
+  rig.set_time(Time(300ms));
   const glm::dvec3 travelled(0.15, 0, 0);
-  const Shown shown = theatre.show(views, {traced.in_hand()}, kPlainCarryOver);
-  const PerEye<Image<float>> distance = theatre.renderer().read_distance();
+  const Shown shown = rig.show(views, {traced.traced_mask()}, kPlainCarryOver);
+  const PerEye<Image<float>> distance = rig.renderer().read_distance();
   std::size_t on_box = 0, wrong_bits = 0, unflagged = 0, unknown = 0, moved_px = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     const std::size_t eye = index_of(side);
@@ -180,16 +180,32 @@ TEST_F(Stale, PointsOnMovingThingsTakeTheBitsOfWhereTheyWere) {
 }
 
 TEST_F(Stale, WallBehindAMovingBoxKeepsWhatNothingPassed) {
-  Theatre theatre(device_, moving_box(), 192);
-  const StereoView views = theatre.eyes({{1, 0, 0, 0}, {0, 1, 1.5}});
-  const Mask traced = theatre.ask(kTraced, views);
-  theatre.set_time(Time(300ms));
-  const Shown shown = theatre.show(views, {traced.in_hand()}, kPlainCarryOver);
+  TestRig rig(device_, moving_box(), 192);
+  const StereoView views = rig.eyes({{1, 0, 0, 0}, {0, 1, 1.5}});
+  const Mask traced = rig.ask(kTraced, views);
+  rig.set_time(Time(300ms));
+  const Shown shown = rig.show(views, {traced.traced_mask()}, kPlainCarryOver);
   for (const std::uint32_t light : {0u, 1u}) {
     const PixelLights count = count_of(shown, light);
     EXPECT_GT(count.stale, count.all / 20) << light;
     EXPECT_LT(count.stale, count.all / 2) << light;
   }
+}
+
+/// A box that moves above a point light, and a directional light from straight above.
+TEST_F(Stale, IsNothingOnAccountOfWhatMovesBeyondTheLight) {
+  SceneBuilder builder;
+  builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
+  builder.move(builder.add(box({0, 4, 0}, {0.1, 0.1, 0.1})), {0.5, 0, 0});
+  builder.point_light({0, 2, 0});
+  builder.directional_light({0, -1, 0});
+  TestRig rig(device_, builder.build(), 128);
+  const StereoView views = rig.eyes(kBefore);
+  const Mask traced = rig.ask(kTraced, views);
+  rig.set_time(Time(300ms));
+  const Shown shown = rig.show(views, {traced.traced_mask()}, kPlainCarryOver);
+  EXPECT_EQ(count_of(shown, 0).stale, 0u) << "the box never stands between floor and point light";
+  EXPECT_GT(count_of(shown, 1).stale, 50u) << "the box stands between floor and sun";
 }
 
 }  // namespace

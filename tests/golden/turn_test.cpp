@@ -1,5 +1,5 @@
-/// Pictures made for other views: turned on the device they are what double precision says, pixel for pixel,
-/// and where the answer is known on paper they are that. And differences bring shadows back.
+/// Pictures that were made for other views: the device turns them as a reference in double precision and
+/// results computed by hand say, pixel by pixel. And a difference picture restores shadows.
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -8,7 +8,7 @@
 #include "stereo/draw/turn_pass.h"
 #include "stereo/image/difference.h"
 #include "stereo/math/rotation.h"
-#include "tests/golden/theatre.h"
+#include "tests/golden/test_rig.h"
 
 namespace farshade {
 namespace {
@@ -225,22 +225,22 @@ class Difference : public OnLavapipe {
     return renderer_.read_shown();
   }
   Pictures reference(const StereoView& views) {
-    const Mask truth = theatre_.trace(FrameId{1}, views);
-    return drawn(views, std::vector{truth.in_hand()});
+    const Mask truth = rig_.trace(FrameId{1}, views);
+    return drawn(views, std::vector{truth.traced_mask()});
   }
 
-  Theatre theatre_{device_, bundled("room.glb"), kSide_px};
-  SceneState state_ = state_at(theatre_.scene(), Time{});
-  Renderer renderer_{device_, theatre_.scene(), {{kSide_px, kSide_px}, {kSide_px, kSide_px}, 1}};
-  StereoView views_ = theatre_.eyes(theatre_.head());
+  TestRig rig_{device_, bundled("room.glb"), kSide_px};
+  SceneState state_ = state_at(rig_.scene(), Time{});
+  Renderer renderer_{device_, rig_.scene(), {{kSide_px, kSide_px}, {kSide_px, kSide_px}, 1}};
+  StereoView views_ = rig_.eyes(rig_.head());
 };
 
 TEST_F(Difference, BringsTheShadowsBack) {
   const Pictures with = reference(views_), without = drawn(views_);
   const Pictures difference{difference_of(with[0], without[0]), difference_of(with[1], without[1])};
   EXPECT_LT(psnr_db(with[0], without[0]), 30.0) << "there are shadows";
-  const Mask mask = theatre_.trace(FrameId{2}, views_);
-  const std::vector masks{mask.in_hand()};
+  const Mask mask = rig_.trace(FrameId{2}, views_);
+  const std::vector masks{mask.traced_mask()};
   renderer_.draw_with_difference(frame_of(views_, masks), difference, views_);
   const Pictures result = renderer_.read_shown();
   for (std::size_t eye = 0; eye < kEyes; ++eye)
@@ -250,7 +250,7 @@ TEST_F(Difference, BringsTheShadowsBack) {
 }
 
 TEST_F(Difference, IsTurnedToTheViewsShown) {
-  const StereoView turned = theatre_.eyes(moved(theatre_.head(), 0.1, {}));
+  const StereoView turned = rig_.eyes(moved(rig_.head(), 0.1, {}));
   const Pictures with = reference(views_), without = drawn(views_);
   const Pictures difference{difference_of(with[0], without[0]), difference_of(with[1], without[1])};
   const Pictures truth = reference(turned), bare = drawn(turned);
@@ -261,7 +261,7 @@ TEST_F(Difference, IsTurnedToTheViewsShown) {
 }
 
 TEST_F(Difference, LeavesWhatItDoesNotCoverWithoutShadows) {
-  const StereoView behind = theatre_.eyes(moved(theatre_.head(), 2 * kQuarterTurn_rad, {}));
+  const StereoView behind = rig_.eyes(moved(rig_.head(), 2 * kQuarterTurn_rad, {}));
   const Pictures bare = drawn(behind);
   renderer_.draw_with_difference(frame_of(behind), noise({kSide_px, kSide_px}, 3), views_);
   EXPECT_TRUE(renderer_.read_shown() == bare);

@@ -10,7 +10,7 @@
 namespace farshade {
 namespace {
 
-/// Float alone, with coordinates of 20 m, leaves at most 0.002 px in the cases below, at either origin.
+/// The largest error of float with coordinates of 20 m is 0.002 px in the cases below, at both origins.
 constexpr double kBound_px = 0.005;
 constexpr Extent kSize{1024, 900};
 constexpr int kCases = 2000;
@@ -22,7 +22,7 @@ class FrameData : public testing::TestWithParam<double> {
     return {between(-half, half), between(-half, half), between(-half, half)};
   }
 
-  /// Eyes that differ in all they can, `GetParam()` metres from the stage's origin.
+  /// Random eyes of unlike poses and fovs, `GetParam()` metres from the stage's origin.
   StereoView views() {
     StereoView made;
     const glm::dvec3 far = glm::dvec3(0.6, -0.64, 0.48) * GetParam();
@@ -32,7 +32,7 @@ class FrameData : public testing::TestWithParam<double> {
               kSize};
     return made;
   }
-  /// In front of `view`, within its fov: its place in the eye.
+  /// A random point in front of `view` and within its fov.
   Point<Eye> seen_by(const View& view) {
     const glm::dvec2 pixel{between(0, kSize.width), between(0, kSize.height)};
     return {pixel_ray(tangents_of(view.fov), kSize, pixel) * between(0.3, 20)};
@@ -58,7 +58,7 @@ TEST_P(FrameData, ClipFromObjectProjectsAsRaysDo) {
           glm::translate(glm::dmat4(1.0), seen.v + in_cube(5)) * glm::mat4_cast(rotation_exp(in_cube(2)));
       placed = glm::scale(placed, {between(0.5, 2), -between(0.5, 2), between(0.5, 2)});
       const Affine<Stage, Object> stage_from_object{placed};
-      // A vertex is float; where it is in the stage is what float left of it.
+      // A vertex is float, so its position in the stage is computed from the rounded vertex.
       const glm::vec3 vertex(glm::inverse(placed) * glm::dvec4(seen.v, 1.0));
       const Point<Stage> p = stage_from_object(Point<Object>{glm::dvec3(vertex)});
       const gpu::InstanceData data = instance_data(shown, stage_from_object);

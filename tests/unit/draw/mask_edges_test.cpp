@@ -1,6 +1,6 @@
-/// A mask as the device holds it, against its definition: bits as they were, and four more that say whether
-/// the 2x2 pixels about each corner of a pixel differ. Corners on the border have no four pixels, and no
-/// edge.
+/// Compares masks on the device with their definition: unchanged bits, and four edge bits that say whether
+/// the 2x2 pixels around each corner of a pixel differ. A corner on the border does not have four pixels and
+/// is no edge.
 #include "stereo/draw/mask_edges.h"
 
 #include <gtest/gtest.h>
@@ -12,12 +12,12 @@
 namespace farshade {
 namespace {
 
-/// A word of a mask that lies as `layout` says.
+/// A word of a mask in `layout`.
 std::uint32_t word_at(std::span<const std::byte> bytes, MaskLayout layout, Extent size, std::uint32_t x,
                       std::uint32_t y, std::uint32_t plane) {
   const std::size_t at = (plane * size.pixels() + std::size_t{y} * size.width + x) * layout.word_bytes();
   std::uint32_t word = 0;
-  std::memcpy(&word, bytes.data() + at, layout.word_bytes());  // little-endian, as everything here
+  std::memcpy(&word, bytes.data() + at, layout.word_bytes());  // little-endian
   return word;
 }
 
@@ -28,16 +28,17 @@ bool differ(const EyeMask& mask, glm::uvec2 a, glm::uvec2 b) {
   return false;
 }
 
-/// Of quarter `quarter` of pixel (x, y).
+/// The edge bit of a quarter of pixel (x, y), by its definition.
 bool is_edge(const EyeMask& mask, std::uint32_t x, std::uint32_t y, std::uint32_t quarter) {
-  const std::uint32_t right = x + quarter % 2, lower = y + quarter / 2;  // of the corner's four pixels
+  const std::uint32_t right = x + quarter % 2,
+                      lower = y + quarter / 2;  // the last of the corner's four pixels
   if (right == 0 || lower == 0 || right >= mask.size().width || lower >= mask.size().height) return false;
   const glm::uvec2 first(right - 1, lower - 1);
   return differ(mask, first, {right, lower - 1}) || differ(mask, first, {right - 1, lower}) ||
          differ(mask, first, {right, lower});
 }
 
-/// Expects of the device's mask what the definition says of `mask`. Returns how many edge quarters there are.
+/// Compares the device's copy of `mask` with the definition. Returns the number of edge bits that are set.
 std::size_t check_against_definition(const EyeMask& mask) {
   const MaskLayout layout = with_edge_bits(mask.layout());
   const std::uint32_t lights = mask.lights(), first = first_edge_bit(lights);
@@ -81,7 +82,7 @@ TEST_P(MaskEdgesOf, AreThoseOfTheDefinitionForAnyNumberOfLights) {
     SCOPED_TRACE(std::to_string(lights) + " lights");
     EyeMask mask(size, lights);
     check_against_definition(mask);
-    // Few pixels differ, each in one light: edges and their absence both occur.
+    // A few pixels differ, each in one light, so that some corners are edges and others are not.
     for (std::size_t i = 0; i < 1 + size.pixels() / 40; ++i) {
       const std::uint32_t light = static_cast<std::uint32_t>(random_()) % lights;
       mask.set_word(static_cast<std::uint32_t>(random_()) % size.width,
@@ -105,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(Size, MaskEdgesOf,
 
 TEST(MaskEdges, OfOnePixelAreTheSixteenQuartersAboutItsCorners) {
   EyeMask mask({7, 6}, 40);
-  mask.set_word(3, 2, 1, 1u << 7);  // the last light of all
+  mask.set_word(3, 2, 1, 1u << 7);  // the last light
   EXPECT_EQ(check_against_definition(mask), 16u);
   mask = EyeMask({7, 6}, 40);
   mask.set_word(0, 5, 0, 1);

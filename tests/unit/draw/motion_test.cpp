@@ -19,7 +19,7 @@ MotionModel model_of(const Scene& scene) {
   return {scene, plan_for(scene).draw.moves};
 }
 
-/// How far `inner` reaches out of `outer`, metres.
+/// How far `inner` extends beyond `outer`, metres.
 double beyond(const Sphere& outer, const Sphere& inner) {
   return length(inner.centre - outer.centre) + inner.radius - outer.radius;
 }
@@ -78,8 +78,8 @@ TEST_F(Spheres, AddSphereJoinsTheOneThatGrowsLeast) {
   for (std::size_t i = 0; i < kMostSpheres; ++i) EXPECT_EQ(spheres[i].radius, i == 2 ? 1.5 : 1.0) << i;
 }
 
-/// A floor, a box that travels 2 m along +x in a second, and two lights of which the second travels as far
-/// along +z.
+/// A floor, a box that moves 2 m along +x in a second, and two lights, the second of which moves as far along
+/// +z.
 struct Moving {
   Moving() {
     SceneBuilder builder;
@@ -176,7 +176,8 @@ TEST(MotionBetweenLightSets, LightsChangedSinceAreStaleAndNoOthers) {
   change(changes, 1, true, elsewhere);
   change(changes, 2, false, std::nullopt);
   const MotionModel model = model_of(scene);
-  const std::array<unsigned long, 5> stale{0b1010, 0b0010, 0b0010, 0, 0};  // what is off never is
+  const std::array<unsigned long, 5> stale{0b1010, 0b0010, 0b0010, 0,
+                                           0};  // a light that is off is never stale
   for (LightSetRevision revision = kFirstLightSet; !is_newer(revision, changes.revision);
        revision = next(revision))
     for (const Duration later : {0ms, 400ms}) {

@@ -8,10 +8,10 @@ namespace farshade {
 namespace {
 
 constexpr ShadowMapSettings kWish{.side_px = 256, .pcf_radius = 2};
-constexpr double kGuard = 3;  ///< texels about what a map has to see
+constexpr double kGuard = 3;  ///< texels of border around what a map must contain
 constexpr int kCases = 500;
 
-/// A light, the corners that it shines at, and points about it, `GetParam()` metres from the stage's origin.
+/// Random lights, boxes and points, `GetParam()` metres from the stage's origin.
 class ShadowMapViewsOf : public testing::TestWithParam<double> {
  protected:
   double between(double low, double high) { return std::uniform_real_distribution(low, high)(random_); }
@@ -34,7 +34,7 @@ class ShadowMapViewsOf : public testing::TestWithParam<double> {
   std::mt19937_64 random_{31};  // the seed
 };
 
-/// Texel position and depth; nothing behind the view.
+/// Texel position and depth. Empty for a point behind the view.
 std::optional<glm::dvec3> seen(const glm::dmat4& clip_from_stage, Point<Stage> p) {
   const glm::dvec4 clip = clip_from_stage * glm::dvec4(p.v, 1.0);
   if (clip.w <= 0) return std::nullopt;
@@ -91,7 +91,7 @@ TEST_P(ShadowMapViewsOf, AParallelViewHoldsTheSceneAndWhatIsNearerIsDeeper) {
   }
 }
 
-/// What shadow_lookup.glsl makes of a point, by the data that it is given.
+/// The texel position and depth of a point as shadow_lookup.glsl computes them.
 glm::vec3 looked_up(const gpu::ShadowMapData& map, const glm::vec3& from_eye) {
   const glm::vec3 d = from_eye - glm::vec3(map.origin[1]);
   const glm::vec3 p(glm::dot(d, glm::vec3(map.right)), glm::dot(d, glm::vec3(map.up)),

@@ -1,4 +1,4 @@
-#include "tests/golden/theatre.h"
+#include "tests/golden/test_rig.h"
 
 #include <cmath>
 #include <functional>
@@ -15,7 +15,7 @@
 namespace farshade {
 namespace {
 
-/// The value, or an exception that fails the test with the reason.
+/// The value. Throws the error, so that the test fails with it.
 template <class T>
 T value_of(Expected<T> value) {
   if (!value) throw std::runtime_error(value.error().what);
@@ -43,7 +43,7 @@ Scene with_lights(Scene scene, std::uint32_t count) {
   if (scene.lights.size() > count) scene.lights.resize(count);
   for (auto i = static_cast<std::uint32_t>(scene.lights.size()); i < count; ++i) {
     Node node;
-    const double turn = 2.4 * i;  // about the golden angle: no two stand alike
+    const double turn = 2.4 * i;  // about the golden angle, so that no two lights have one position
     node.rest.translation =
         given[i % given.size()].position.v + glm::dvec3(std::cos(turn), 0.0, std::sin(turn)) * (0.02 * i);
     LightSource light;
@@ -78,7 +78,7 @@ StereoView eyes_of(const Rigid<Stage, Head>& head, std::uint32_t side_px) {
   return views;
 }
 
-TracedMask Mask::in_hand() const {
+TracedMask Mask::traced_mask() const {
   std::uint64_t content = 0;
   const auto add = [&content](const void* data, std::size_t bytes) {
     const std::string_view text(static_cast<const char*>(data), bytes);
@@ -119,7 +119,7 @@ void for_covered(const Shown& shown, const Visit& visit) {
   }
 }
 
-Theatre::Theatre(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames)
+TestRig::TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames)
     : scene_(std::move(scene)),
       state_(state_at(scene_, Time{})),
       side_px_(side_px),
@@ -130,7 +130,7 @@ Theatre::Theatre(const gpu::Device& device, Scene scene, std::uint32_t side_px, 
           RendererLimits{{side_px, side_px}, {side_px + side_px / 4, side_px + side_px / 4}, depth_frames})) {
 }
 
-Mask Theatre::trace(FrameId frame, const StereoView& views) {
+Mask TestRig::trace(FrameId frame, const StereoView& views) {
   const Time now = state_.scene_time;
   ShadowFrame traced;
   tracer_->trace({.frame = frame,
@@ -143,10 +143,10 @@ Mask Theatre::trace(FrameId frame, const StereoView& views) {
   return {frame, now, views, std::move(traced.masks), {all, all}, traced.light_set_revision};
 }
 
-Mask Theatre::ask(FrameId frame, const StereoView& views) {
+Mask TestRig::ask(FrameId frame, const StereoView& views) {
   const Time now = state_.scene_time;
   const FrameRequest asked{.frame = frame, .display_time = now, .scene_time = now, .views = views};
-  StereoView shown = views;  // where `views` are of another size, the same heads in the size that is shown
+  StereoView shown = views;  // the same heads; `views` may have another size
   for (View& view : shown) view.size = {side_px_, side_px_};
   ShownFrame drawn = shown_frame(shown, {}, {});
   drawn.asked = &asked;
@@ -155,18 +155,18 @@ Mask Theatre::ask(FrameId frame, const StereoView& views) {
   return trace(frame, views);
 }
 
-Shown Theatre::show(const StereoView& views, const std::vector<TracedMask>& masks,
+Shown TestRig::show(const StereoView& views, const std::vector<TracedMask>& masks,
                     const CarryOver& carry_over) {
   renderer_->draw(shown_frame(views, masks, carry_over));
   return {renderer_->read_shown(), {renderer_->report(Side::Left), renderer_->report(Side::Right)}};
 }
 
-PerEye<Image<Rgb8>> Theatre::show_reference(const StereoView& views) {
+PerEye<Image<Rgb8>> TestRig::show_reference(const StereoView& views) {
   const Mask truth = trace(FrameId{}, views);
-  return show(views, {truth.in_hand()}, {.lookup = Lookup::Direct}).pictures;
+  return show(views, {truth.traced_mask()}, {.lookup = Lookup::Direct}).pictures;
 }
 
-ShownFrame Theatre::shown_frame(const StereoView& views, std::span<const TracedMask> masks,
+ShownFrame TestRig::shown_frame(const StereoView& views, std::span<const TracedMask> masks,
                                 const CarryOver& carry_over) const {
   return {.views = views,
           .state = state_,

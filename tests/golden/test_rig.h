@@ -1,5 +1,5 @@
-/// Theatre: what every test here stands on - lavapipe with validation, a scene with its tracer and renderer,
-/// heads, and masks that a test may spoil.
+/// The fixtures of the tests in this folder: lavapipe with validation, a scene with its tracer and renderer
+/// (TestRig), heads, and masks that a test may change.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 
 namespace farshade {
 
-/// Opens lavapipe with validation on. Each test ends by expecting that the layers said nothing.
+/// Opens lavapipe with validation. At its end, each test expects that the validation layers gave no message.
 class OnLavapipe : public testing::Test {
  protected:
   OnLavapipe();
@@ -22,16 +22,16 @@ class OnLavapipe : public testing::Test {
   gpu::Device device_;
 };
 
-/// A bundled scene; the test fails where it cannot be loaded.
+/// A bundled scene. Throws if it cannot be loaded.
 [[nodiscard]] Scene bundled(const char* name);
 
-/// `scene` with its first lights and, where it has fewer than `count`, further point lights about them.
+/// `scene` with `count` lights: its first ones and, if it has fewer, more point lights around them.
 [[nodiscard]] Scene with_lights(Scene scene, std::uint32_t count);
 
-/// The head that stands at the scene's camera.
+/// The head at the scene's camera.
 [[nodiscard]] Rigid<Stage, Head> head_at_camera(const Scene& scene);
 
-/// The head that stands at `eye` and looks at `target`.
+/// The head at `eye` that looks at `target`.
 [[nodiscard]] Rigid<Stage, Head> head_looking(const glm::dvec3& eye, const glm::dvec3& target);
 
 /// `head` after a turn to its left and a step in its own axes (+x right, -z ahead).
@@ -41,7 +41,7 @@ class OnLavapipe : public testing::Test {
 /// Both eyes of `head`, 63 mm apart, with an asymmetric fov of about 63 x 62 degrees.
 [[nodiscard]] StereoView eyes_of(const Rigid<Stage, Head>& head, std::uint32_t side_px);
 
-/// A mask that owns what it says.
+/// A mask that owns its data.
 struct Mask {
   FrameId frame;
   Time scene_time;
@@ -50,14 +50,14 @@ struct Mask {
   PerEye<KnownTiles> known_tiles;
   LightSetRevision light_set_revision = kFirstLightSet;
 
-  /// Refers to this mask.
-  [[nodiscard]] TracedMask in_hand() const;
+  /// The result refers to this mask.
+  [[nodiscard]] TracedMask traced_mask() const;
 };
 
-/// All bits of `mask` drawn anew from a stated seed.
+/// `mask` with random bits.
 [[nodiscard]] Mask with_noise(Mask mask, std::uint64_t seed);
 
-/// The bare lookup: the nearest pixel of this eye's masks that saw the same surface, or nothing.
+/// The simplest way to carry masks over: the nearest pixel of this eye's masks that saw the same surface.
 inline constexpr CarryOver kPlainCarryOver{
     .lookup = Lookup::Reproject, .eyes = Eyes::This, .gaps = Gaps::Unknown, .edges = Edges::Nearest};
 
@@ -72,30 +72,30 @@ struct Shown {
 using Visit = std::function<void(Side, std::uint32_t x, std::uint32_t y, std::uint8_t source)>;
 void for_covered(const Shown& shown, const Visit& visit);
 
-class Theatre {
+class TestRig {
  public:
-  /// Eyes of `side_px`; traced views may be a quarter larger.
-  Theatre(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames = 4);
+  /// Shown eyes have `side_px` x `side_px` pixels. Traced views may be a quarter larger.
+  TestRig(const gpu::Device& device, Scene scene, std::uint32_t side_px, std::uint32_t depth_frames = 4);
 
   [[nodiscard]] const Scene& scene() const { return scene_; }
   [[nodiscard]] const Renderer& renderer() const { return *renderer_; }
   [[nodiscard]] Rigid<Stage, Head> head() const { return head_at_camera(scene_); }
   [[nodiscard]] StereoView eyes(const Rigid<Stage, Head>& head) const { return eyes_of(head, side_px_); }
 
-  /// The full trace at `views`, all tiles known.
+  /// The mask of a full trace at `views`, with all tiles known.
   [[nodiscard]] Mask trace(FrameId frame, const StereoView& views);
-  /// As trace, and the views' depth goes into the ring.
+  /// The same, and the depth ring keeps the views' depth.
   [[nodiscard]] Mask ask(FrameId frame, const StereoView& views);
 
-  /// Shows `views` with `masks`, newest first, and asks for nothing.
+  /// Draws `views` with `masks`, newest first, without a request.
   [[nodiscard]] Shown show(const StereoView& views, const std::vector<TracedMask>& masks,
                            const CarryOver& carry_over = {});
-  /// The picture with every pixel's shadows traced at `views`.
+  /// Draws `views` with shadows traced at these views.
   [[nodiscard]] PerEye<Image<Rgb8>> show_reference(const StereoView& views);
 
-  /// Where everything stands from now on: the scene at `scene_time`.
+  /// Sets the time of the scene.
   void set_time(Time scene_time) { state_ = state_at(scene_, scene_time, state_.light_changes); }
-  /// What a viewer has changed about the lights, from now on.
+  /// Sets the viewer's changes of the lights.
   void set_lights(const LightChanges& changes) { state_ = state_at(scene_, state_.scene_time, changes); }
 
  private:

@@ -1,0 +1,59 @@
+/// What shade.comp and the C++ code that runs it both know: the ids of its specialisation constants, the size
+/// of its workgroups, and the layout of its report. The structs that it reads are in shared.h.
+#ifndef FARSHADE_SHADERS_SHADE_DATA_H
+#define FARSHADE_SHADERS_SHADE_DATA_H
+
+#define FARSHADE_SHADE_GROUP 64  // invocations of a workgroup, one pixel each
+
+// What one dispatch does. DIRECT reads the newest mask at the shown pixel. The others carry masks over: EASY
+// shades all pixels that the newest mask is enough for and lists the others; HARD shades the listed pixels;
+// MOVING shades the listed pixels on instances that can move.
+#define FARSHADE_PASS_DIRECT 0
+#define FARSHADE_PASS_EASY 1
+#define FARSHADE_PASS_HARD 2
+#define FARSHADE_PASS_MOVING 3
+
+// Ids of the specialisation constants.
+#define FARSHADE_CONSTANT_LIGHTS 0
+#define FARSHADE_CONSTANT_WORD_BYTES 1           // of a mask: 1, 2 or 4
+#define FARSHADE_CONSTANT_PASS 2                 // FARSHADE_PASS_*
+#define FARSHADE_CONSTANT_OTHER_EYE 3            // masks traced for the other eye are sources, too
+#define FARSHADE_CONSTANT_RANGES_AND_CONES 4     // some light has a range or a cone
+#define FARSHADE_CONSTANT_NEAR 5                 // distance of the near plane, metres
+#define FARSHADE_CONSTANT_UNKNOWN_VISIBILITY 6   // factor of the guess for unknown visibility
+#define FARSHADE_CONSTANT_EYE 7                  // 0 left, 1 right
+#define FARSHADE_CONSTANT_WHOLE 8                // every tile of every mask is known
+#define FARSHADE_CONSTANT_MOVED 9                // something has moved since a mask in use was traced
+#define FARSHADE_CONSTANT_NEIGHBOURS 10          // points that no view saw take bits from a neighbour
+#define FARSHADE_CONSTANT_EDGES 11               // shadow edges are filtered
+#define FARSHADE_CONSTANT_SHARPNESS 12           // contrast of a filtered shadow edge
+#define FARSHADE_CONSTANT_MOVED_SINCE_NEWEST 13  // something has moved since the newest mask was traced
+#define FARSHADE_CONSTANT_EDGE_BIT 14            // the first of a mask's four edge bits: mask_edges.h
+#define FARSHADE_CONSTANT_MAP_SIDE 15            // texels of a shadow map
+#define FARSHADE_CONSTANT_PCF_RADIUS 16          // texels
+#define FARSHADE_CONSTANTS 17
+
+// The report: one record of 32-bit words per pixel, the left eye's pixels first. A record begins with these
+// words; the others' places depend on the number of lights.
+#define FARSHADE_REPORT_SOURCE 0  // and from bit 16 on, how many lights would shine here without shadows
+#define FARSHADE_REPORT_X 1       // float bits: position in the source's view, pixels
+#define FARSHADE_REPORT_Y 2
+#define FARSHADE_REPORT_VISIBILITY 3  // 8 bits a light, 255 = fully visible
+
+#define FARSHADE_QUADS(lights) (((lights) + 3) / 4)     // words of visibilities
+#define FARSHADE_PLANES(lights) (((lights) + 31) / 32)  // words with one bit a light
+
+// Words with one bit a light: shown by the rule for unknown visibility; something has moved since; taken from
+// a neighbour because the mask that saw the point is too old for this light.
+#define FARSHADE_REPORT_UNKNOWN(lights) (FARSHADE_REPORT_VISIBILITY + FARSHADE_QUADS(lights))
+#define FARSHADE_REPORT_STALE(lights) (FARSHADE_REPORT_UNKNOWN(lights) + FARSHADE_PLANES(lights))
+#define FARSHADE_REPORT_BESIDE(lights) (FARSHADE_REPORT_STALE(lights) + FARSHADE_PLANES(lights))
+#define FARSHADE_REPORT_WORDS(lights) (FARSHADE_REPORT_BESIDE(lights) + FARSHADE_PLANES(lights))
+
+// What a pixel was shaded with: the source that gave its bits, plus FARSHADE_NEIGHBOUR if the source's view
+// saw only the surface beside the point. FARSHADE_SOURCE_UNCOVERED: the pixel shows no surface.
+#define FARSHADE_NEIGHBOUR 64u
+#define FARSHADE_SOURCE_UNKNOWN 254u
+#define FARSHADE_SOURCE_UNCOVERED 255u
+
+#endif

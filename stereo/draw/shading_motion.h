@@ -1,0 +1,35 @@
+/// The motion data of shade.comp: the lights and instances that have moved since the masks in use were
+/// traced. Pure; no device needed.
+#pragma once
+
+#include <span>
+
+#include "shaders/shared.h"
+#include "stereo/draw/motion.h"
+#include "stereo/frame/view.h"
+
+namespace farshade {
+
+/// The motion since each mask in use was traced, newest mask first; at most FARSHADE_MAX_MASKS.
+using MaskMotions = std::span<const Motion* const>;
+
+/// Index of a matrix in the buffer `motions` of motion.glsl. `slot` counts from 0.
+[[nodiscard]] constexpr std::size_t motion_index(std::size_t slot, std::size_t mask, std::size_t eye) {
+  return (slot * FARSHADE_MAX_MASKS + mask) * kEyes + eye;
+}
+
+/// Writes, for each mask, the matrix that moves a point on the instance of `slot` to where it was then, in
+/// each shown eye's space. Element [0][3] is a flag: 1 if the instance has moved since the newest mask (in
+/// matrices of mask 0) or since any older mask (in matrices of the others).
+void write_motions(const StereoView& views, MaskMotions since, std::size_t slot,
+                   std::span<glm::mat4> matrices);
+
+/// Whether lights or instances have moved.
+struct AnyMotion {
+  bool since_newest = false;  ///< since the newest mask was traced
+  bool since_any = false;     ///< since any mask in use was traced
+};
+/// Writes the lights that are stale and the bounding spheres of moved instances to `frame`.
+AnyMotion write_stale(const StereoView& views, MaskMotions since, gpu::FrameData& frame);
+
+}  // namespace farshade

@@ -1,0 +1,186 @@
+/// The scene on the device: few allocations whatever the number of meshes and textures, and every mesh is
+/// drawn from its own part of the shared buffers.
+#include <cmath>
+#include <cstring>
+#include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
+#include <random>
+#include <stdexcept>
+
+#include "stereo/gpu/upload.h"
+#include "tests/golden/test_rig.h"
+#include "tests/oracle/scene_builder.h"
+
+namespace farshade {
+namespace {
+
+constexpr Extent kSize{256, 256};
+constexpr RendererLimits kLimits{.size = kSize, .traced_size = kSize, .depth_frames = 1};
+
+struct SceneDrawn {
+  PerEye<Image<Rgb8>> pictures;
+  std::uint64_t allocations = 0, vertex_bytes = 0;
+};
+
+class SceneMemory : public OnLavapipe {
+ protected:
+  SceneDrawn drawn(const Scene& scene) {
+    const std::uint64_t before = device_.ledger->read().allocations;
+    Renderer renderer(device_, scene, kLimits);
+    const View view = look({0, 0, 0}, {0, 0, -1}, kSize.width);
+    const SceneState state = state_at(scene, Time{});
+    renderer.draw({.views = {view, view}, .state = state, .masks = {}, .carry_over = {}});
+    const DrawCounters counters = renderer.counters();
+    return {renderer.read_shown(), counters.memory.allocations - before, counters.vertex_bytes};
+  }
+};
+
+/// Triangle `i` of a wall of `columns` x `columns` at z = -2: corners, and a colour unlike its neighbours'.
+std::array<glm::vec3, 3> corners_of(std::uint32_t i, std::uint32_t columns) {
+  const float step = 3.0f / static_cast<float>(columns);
+  const glm::vec3 at(step * static_cast<float>(i % columns) - 1.5f,
+                     step * static_cast<float>(i / columns) - 1.5f, -2.0f);
+  return {at, at + glm::vec3(step, 0, 0), at + glm::vec3(0, step, 0)};
+}
+glm::u8vec4 color_of(std::uint32_t i) {
+  return {50 + i * 37 % 200, 50 + i * 91 % 200, 50 + i * 53 % 200, 255};
+}
+
+/// Two triangles in three have a colour; the others are white and have no colour stream.
+bool is_colored(std::uint32_t i) {
+  return i % 3 != 0;
+}
+
+Mesh mesh_of(const std::vector<std::uint32_t>& triangles, std::uint32_t columns, bool colored) {
+  std::vector<glm::vec3> corners;
+  for (const std::uint32_t i : triangles)
+    for (const glm::vec3& corner : corners_of(i, columns)) corners.push_back(corner);
+  Mesh mesh = triangle_soup(corners);
+  for (const std::uint32_t i : triangles)
+    if (colored) mesh.colors.insert(mesh.colors.end(), 3, color_of(i));
+  return mesh;
+}
+
+/// `count` triangles, each a mesh of its own or all in two meshes.
+enum class Meshes : std::uint8_t { One, Each };
+Scene wall_of(std::uint32_t count, Meshes meshes) {
+  const auto columns = static_cast<std::uint32_t>(std::ceil(std::sqrt(count)));
+  SceneBuilder builder;
+  builder.point_light({0, 0, 1});
+  std::vector<std::uint32_t> colored, white;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (meshes == Meshes::Each) builder.add(mesh_of({i}, columns, is_colored(i)));
+    (is_colored(i) ? colored : white).push_back(i);
+  }
+  if (meshes == Meshes::One) {
+    builder.add(mesh_of(colored, columns, true));
+    builder.add(mesh_of(white, columns, false));
+  }
+  return builder.build();
+}
+
+TEST_F(SceneMemory, TwentyThousandMeshesTakeAsManyAllocationsAsTwoAndLookTheSame) {
+  constexpr std::uint32_t kMeshes = 20'000;
+  const SceneDrawn one = drawn(wall_of(kMeshes, Meshes::One)), each = drawn(wall_of(kMeshes, Meshes::Each));
+  EXPECT_EQ(each.allocations, one.allocations);
+  EXPECT_LE(each.allocations, 24u);
+  EXPECT_EQ(each.vertex_bytes, one.vertex_bytes);
+  for (std::size_t eye = 0; eye < kEyes; ++eye) EXPECT_TRUE(each.pictures[eye] == one.pictures[eye]) << eye;
+  const auto lit = std::ranges::count_if(one.pictures[0].pixels, [](Rgb8 p) { return p != Rgb8(0); });
+  EXPECT_GT(lit, kSize.pixels() / 4) << "the wall is in view";
+}
+
+/// A row of `count` quads, each with a texture of one colour.
+Scene textured_row(std::uint32_t count) {
+  SceneBuilder builder;
+  builder.point_light({0, 0, 1});
+  const float half = 1.5f / static_cast<float>(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    Texture texture{.image = Image<Rgba8>({1 + i % 5, 1 + i % 3})};
+    std::ranges::fill(texture.image.pixels, Rgba8(color_of(i)));
+    texture.wrap_u = static_cast<Wrap>(i % 3);
+    Material material;
+    material.texture = builder.texture(texture);
+    const float x = half * (2.0f * static_cast<float>(i) + 1) - 1.5f;
+    builder.add(quad({x, 0, -2}, {half, 0, 0}, {0, 1.5f, 0}), builder.material(material));
+  }
+  return builder.build();
+}
+
+/// The colours of the middle row of a picture, without black and without repeats.
+std::vector<Rgb8> colors_along(const Image<Rgb8>& picture) {
+  std::vector<Rgb8> colors;
+  for (std::uint32_t x = 0; x < picture.size.width; ++x)
+    if (const Rgb8 here = picture.at(x, picture.size.height / 2); here != Rgb8(0))
+      if (colors.empty() || colors.back() != here) colors.push_back(here);
+  return colors;
+}
+
+TEST_F(SceneMemory, TexturesShareAllocationsAndKeepTheirColors) {
+  const SceneDrawn one = drawn(textured_row(1)), many = drawn(textured_row(60));
+  EXPECT_EQ(many.allocations, one.allocations);
+  // The light falls off towards the sides, so each texture shows as one or more colours of its hue.
+  std::vector<std::uint32_t> seen;
+  for (const Rgb8& color : colors_along(many.pictures[0])) {
+    const auto hue_distance = [&](std::uint32_t i) {
+      const auto linear = [](glm::vec3 c) { return glm::pow(c / 255.0f, glm::vec3(2.2f)); };
+      return glm::length(glm::normalize(linear(glm::vec3(color))) -
+                         glm::normalize(linear(glm::vec3(color_of(i)))));
+    };
+    std::uint32_t nearest = 0;
+    for (std::uint32_t i = 1; i < 60; ++i)
+      if (hue_distance(i) < hue_distance(nearest)) nearest = i;
+    if (seen.empty() || seen.back() != nearest) seen.push_back(nearest);
+  }
+  EXPECT_TRUE(std::ranges::is_sorted(seen)) << "textures are in the order of their quads";
+  EXPECT_GT(seen.size(), 50u);
+}
+
+TEST_F(SceneMemory, ASceneThatNeedsTooManyAllocationsIsRefusedWithTheLimit) {
+  const Scene scene = wall_of(4, Meshes::One);
+  device_.max_allocations = device_.ledger->read().allocations + 3;
+  try {
+    Renderer renderer(device_, scene, kLimits);
+    FAIL() << "a fourth allocation was made";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("allows 3 allocations"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(device_.ledger->read().allocations, 0u);
+}
+
+TEST_F(SceneMemory, AnAllocationThatIsTooLargeIsRefusedWithTheLimit) {
+  device_.max_allocation_bytes = 1 << 20;
+  try {
+    (void)gpu::make_mapped_buffer(device_, 3 << 20, vk::BufferUsageFlagBits::eStorageBuffer, "too much");
+    FAIL() << "3 MiB were allocated";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("'too much'"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("allows 1 MiB in one allocation"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST_F(SceneMemory, UploadsArriveWhateverTheirSizeAgainstTheStagingBuffer) {
+  constexpr std::size_t kBytes = 5000, kStaging = 256;
+  std::mt19937 random(6);  // the seed
+  std::vector<std::byte> content(kBytes);
+  for (std::byte& byte : content) byte = static_cast<std::byte>(random());
+  const gpu::Buffer target = gpu::make_device_buffer(
+      device_, kBytes, vk::BufferUsageFlagBits::eTransferDst | vk::BufferUsageFlagBits::eTransferSrc,
+      "target");
+  gpu::BufferUpload uploads(device_, kStaging);
+  for (std::size_t at = 0; at < kBytes;) {
+    const std::size_t size = std::min<std::size_t>(random() % 700, kBytes - at);
+    uploads.write(target, at, std::span(content).subspan(at, size));
+    at += size;
+  }
+  uploads.flush();
+  const gpu::Buffer readback = gpu::make_readback_buffer(device_, kBytes, "read-back");
+  gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
+    commands.copyBuffer(*target.buffer, *readback.buffer, vk::BufferCopy{.size = kBytes});
+  });
+  EXPECT_EQ(std::memcmp(readback.mapped, content.data(), kBytes), 0);
+}
+
+}  // namespace
+}  // namespace farshade
