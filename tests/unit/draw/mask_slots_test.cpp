@@ -65,7 +65,7 @@ TEST(MaskSlots, RandomListsUploadWhatTheFrameBeforeDidNotUseAndShareNoSlot) {
     const std::size_t count = number(random);
     while (wanted.size() < count) wanted.insert(id(random));
     std::vector<MaskVersion> masks;
-    for (const std::uint32_t id : wanted) masks.push_back({FrameId{id}});
+    for (const std::uint32_t frame_id : wanted) masks.push_back({FrameId{frame_id}});
     std::shuffle(masks.begin(), masks.end(), random);
     const auto assignments = slots.assign(masks);
     std::set<std::size_t> taken;
