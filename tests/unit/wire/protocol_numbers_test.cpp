@@ -263,7 +263,7 @@ TEST(ProtocolNumbers, FovIsRefusedBeyondThePagesAngle) {
   View view = request().request.views[0];
   view.fov = {-angle, angle, angle, -angle};
   EXPECT_TRUE(is_valid(view));
-  view.fov.right = angle + 1e-3;
+  view.fov.right_rad = angle + 1e-3;
   EXPECT_FALSE(is_valid(view));
 }
 
