@@ -8,6 +8,7 @@
 #include "stereo/head/reader.h"
 #include "stereo/head/writer.h"
 #include "vr_client/client.h"
+#include "vr_client/modes/make_pipeline.h"
 #include "vr_client/record/capture_writer.h"
 #include "vr_client/record/replay.h"
 #include "vr_client/report/progress.h"
@@ -111,7 +112,7 @@ Expected<void> show(const Options& options, const RunContext& context, std::uint
     progress.show(view.shown.frame.value);
   };
   const auto stop = [&] { return stop_signal.has_come() || report.failed().has_value(); };
-  if (auto done = run(context, watch, stop); !done) return done;
+  if (auto done = run(context, *make_pipeline(context), watch, stop); !done) return done;
   if (stop_signal.has_come()) fmt::print(stderr, "\nstopped; writing the reports of the frames so far\n");
 
   for (const std::uint32_t dump : options.dump)

@@ -1,4 +1,5 @@
 #include "vr_client/preview_run.h"
+#include "vr_client/modes/make_pipeline.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -105,11 +106,15 @@ class Preview {
     do {
       if (restart_ == Restart::Wanted) done = restart_with_capture();
       const auto stop = [&] { return ended() || restart_ == Restart::Wanted; };
-      if (done)
-        done = run(
-            run_context(), [this](const FrameView& view) { watch(view); }, stop);
+      if (done) done = run_once(stop);
     } while (done && restart_ == Restart::Wanted && !ended());
     return done;
+  }
+
+  [[nodiscard]] Expected<void> run_once(const std::function<bool()>& stop) {
+    const RunContext context = run_context();
+    return run(
+        context, *make_pipeline(context), [this](const FrameView& view) { watch(view); }, stop);
   }
 
   [[nodiscard]] Expected<void> finish() {

@@ -33,7 +33,7 @@ std::vector<glm::vec3> relative_to(const glm::dvec3& center, std::vector<glm::ve
 }
 
 /// Places each mesh's streams one after the other.
-class Layout {
+class VertexLayout {
  public:
   [[nodiscard]] StreamBytes add(const StreamBytes& bytes) {
     StreamBytes offsets;
@@ -79,7 +79,7 @@ void make_meshes(const gpu::Device& device, const Scene& scene, const DrawPlan& 
   buffers.indices = gpu::make_device_buffer(device, all.indices, Usage::eIndexBuffer | Usage::eTransferDst,
                                             "indices", gpu::Use::Vertices);
   gpu::BufferUpload uploads(device, std::min(all.total(), kStagingBytes));
-  Layout layout;
+  VertexLayout layout;
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     const Mesh& source = scene.meshes[i];
     DeviceMesh mesh{.bytes = stream_bytes(source, plan.surfaces[i]),

@@ -21,12 +21,12 @@ namespace {
 constexpr float kSharpness = 4.0f;
 
 std::span<const std::uint32_t> shader_of(const ShadingKey& key, bool motion) {
-  using Words = std::span<const std::uint32_t>;
-  if (key.uses_maps()) return key.reports ? Words(shade_maps_report_comp_spv) : shade_maps_comp_spv;
+  using SpirvWords = std::span<const std::uint32_t>;
+  if (key.uses_maps()) return key.reports ? SpirvWords(shade_maps_report_comp_spv) : shade_maps_comp_spv;
   if (key.pass == FARSHADE_PASS_DIRECT)
-    return key.reports ? Words(shade_direct_report_comp_spv) : shade_direct_comp_spv;
-  if (motion) return key.reports ? Words(shade_motion_report_comp_spv) : shade_motion_comp_spv;
-  return key.reports ? Words(shade_report_comp_spv) : shade_comp_spv;
+    return key.reports ? SpirvWords(shade_direct_report_comp_spv) : shade_direct_comp_spv;
+  if (motion) return key.reports ? SpirvWords(shade_motion_report_comp_spv) : shade_motion_comp_spv;
+  return key.reports ? SpirvWords(shade_report_comp_spv) : shade_comp_spv;
 }
 
 gpu::Specialization constants_of(const ShadingKey& key, const DrawPlan& plan) {

@@ -9,6 +9,7 @@
 #include "stereo/net/virtual_link.h"
 #include "stereo/scene/gltf.h"
 #include "tests/unit/scratch_folder.h"
+#include "vr_client/modes/make_pipeline.h"
 #include "vr_client/record/capture_writer.h"
 #include "vr_client/record/replay.h"
 #include "vr_client/runtime/recorded_head_runtime.h"
@@ -152,7 +153,7 @@ void record(const std::filesystem::path& file, MaskPolicy policy) {
                            .steering = steering,
                            .policy = policy};
   const auto watch = [&](const FrameView& view) { recorder.watch(view, renderer.read_shown()); };
-  ASSERT_TRUE(run(session, watch, [] { return false; }).has_value());
+  ASSERT_TRUE(run(session, *make_pipeline(session), watch, [] { return false; }).has_value());
   ASSERT_FALSE(recorder.failed().has_value());
   ASSERT_EQ(recorder.frames(), kFrames);
 }
@@ -172,7 +173,7 @@ Expected<ReplayVerdict> replayed(CaptureReader reader) {
                            .steering = replay.settings(),
                            .policy = header.policy};
   const auto watch = [&](const FrameView& view) { replay.watch(view, renderer.read_shown()); };
-  const Expected<void> shown = run(session, watch, [] { return false; });
+  const Expected<void> shown = run(session, *make_pipeline(session), watch, [] { return false; });
   EXPECT_TRUE(shown.has_value());
   return replay.verdict();
 }
@@ -323,7 +324,8 @@ TEST(RecordedSessionWithoutServer, ShowsTheSameAgain) {
                              .steering = steering,
                              .policy = policy};
     const auto watch = [&](const FrameView& view) { recorder.watch(view, renderer.read_shown()); };
-    ASSERT_TRUE(run(session, watch, [&] { return recorder.frames() == 30; }).has_value());
+    ASSERT_TRUE(
+        run(session, *make_pipeline(session), watch, [&] { return recorder.frames() == 30; }).has_value());
     EXPECT_EQ(to_string(replayed(CaptureReader::open(file).value()).value()),
               "30 frames, all requests and pictures as captured");
   }

@@ -8,6 +8,7 @@
 #include "rt_server/answers/answers.h"
 #include "stereo/base/check.h"
 #include "stereo/tracer/tracer.h"
+#include "vr_client/modes/make_pipeline.h"
 #include "vr_client/report/run_report.h"
 #include "vr_client/runtime/recorded_head_runtime.h"
 
@@ -227,7 +228,7 @@ Played play(const Play& play, const Network& network) {
     const std::size_t half = played.frames.size() * 2 <= play.frames ? 0 : 1;
     played.heap_peak[half] = std::max<std::size_t>(played.heap_peak[half], mallinfo2().uordblks);
   };
-  const Expected<void> shown = run(context, watch, [] { return false; });
+  const Expected<void> shown = run(context, *make_pipeline(context), watch, [] { return false; });
   if (!shown) throw std::runtime_error(shown.error().what);
   played.log = report.log();
   played.client = link.counters();

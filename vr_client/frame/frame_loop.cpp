@@ -21,9 +21,9 @@ class SceneTime {
 
 }  // namespace
 
-Expected<void> run(const RunContext& context, const FrameWatcher& watch, const std::function<bool()>& stop) {
+Expected<void> run(const RunContext& context, ModePipeline& pipeline, const FrameWatcher& watch,
+                   const std::function<bool()>& stop) {
   const SteadyClock clock;
-  const std::unique_ptr<ModePipeline> pipeline = make_pipeline(context);
   FrameId frame;
   SceneTime scene_time;
   while (!stop()) {
@@ -39,15 +39,15 @@ Expected<void> run(const RunContext& context, const FrameWatcher& watch, const s
                              context.runtime.locate_views(timing->display_time), steering.lights};
     const SceneState state = state_at(context.scene, shown.scene_time, shown.lights);
     const FrameInputs inputs{shown, state, timing->period, steering};
-    const FrameRequest* const asked = pipeline->request(inputs);
+    const FrameRequest* const asked = pipeline.request(inputs);
 
     starts.collect = clock.now();
     const Duration busy = context.link ? context.link->busy() : Duration::zero();
-    pipeline->collect(inputs);
+    pipeline.collect(inputs);
     if (context.link && context.link->refused()) return tl::unexpected(*context.link->refused());
 
     starts.draw = clock.now();
-    const DrawnFrame drawn_frame = pipeline->draw(inputs);
+    const DrawnFrame drawn_frame = pipeline.draw(inputs);
     context.runtime.end_frame(timing->display_time);
     starts.end = clock.now();
 

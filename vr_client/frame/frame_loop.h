@@ -80,8 +80,11 @@ struct RunContext {
   MaskPolicy policy;
 };
 
+class ModePipeline;
+
 /// Shows frames until the runtime ends, `stop` returns true, or the server refuses the client for good.
-[[nodiscard]] Expected<void> run(const RunContext& context, const FrameWatcher& watch,
+/// `pipeline` is that of the context's mode (vr_client/modes/make_pipeline.h).
+[[nodiscard]] Expected<void> run(const RunContext& context, ModePipeline& pipeline, const FrameWatcher& watch,
                                  const std::function<bool()>& stop);
 
 }  // namespace farshade

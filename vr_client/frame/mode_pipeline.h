@@ -3,8 +3,6 @@
 /// the renderer.
 #pragma once
 
-#include <memory>
-
 #include "vr_client/frame/frame_loop.h"
 
 namespace farshade {
@@ -42,18 +40,5 @@ class ModePipeline {
   /// Draws the picture, which stays in the renderer.
   virtual DrawnFrame draw(const FrameInputs& inputs) = 0;
 };
-
-// Each mode is in a file of its own. The context has the link or the tracer that the mode needs, unless no
-// light casts shadows. References are kept.
-[[nodiscard]] std::unique_ptr<ModePipeline> make_hybrid(const RunContext& context);
-[[nodiscard]] std::unique_ptr<ModePipeline> make_client_positions(const RunContext& context);
-[[nodiscard]] std::unique_ptr<ModePipeline> make_server_gbuffer(const RunContext& context);
-[[nodiscard]] std::unique_ptr<ModePipeline> make_remote(const RunContext& context);
-[[nodiscard]] std::unique_ptr<ModePipeline> make_delta(const RunContext& context);
-[[nodiscard]] std::unique_ptr<ModePipeline> make_local(const RunContext& context);
-[[nodiscard]] std::unique_ptr<ModePipeline> make_full(const RunContext& context);
-
-/// The pipeline of context.mode.
-[[nodiscard]] std::unique_ptr<ModePipeline> make_pipeline(const RunContext& context);
 
 }  // namespace farshade

@@ -4,6 +4,7 @@
 #include "stereo/base/check.h"
 #include "stereo/frame/position_grid.h"
 #include "stereo/wire/plane_codec.h"
+#include "vr_client/modes/make_pipeline.h"
 #include "vr_client/modes/mask_sources.h"
 
 namespace farshade {

@@ -2,6 +2,7 @@
 // shadows make, turned to the shown pose (delta encoding of Cuervo et al., "Kahawai: High-Quality Mobile
 // Gaming Using GPU Offload", MobiSys 2015). Pixels that the server's picture does not cover have no shadows.
 #include "stereo/draw/turn_pass.h"
+#include "vr_client/modes/make_pipeline.h"
 #include "vr_client/modes/video_stream.h"
 
 namespace farshade {

@@ -1,6 +1,6 @@
 // Full: the client traces every pixel of the shown views. This is slow and exact; all other modes are
 // measured against it.
-#include "vr_client/frame/mode_pipeline.h"
+#include "vr_client/modes/make_pipeline.h"
 
 namespace farshade {
 namespace {

@@ -1,4 +1,5 @@
 // Hybrid: the client requests masks for predicted views, draws its own G-buffer and reprojects the masks.
+#include "vr_client/modes/make_pipeline.h"
 #include "vr_client/modes/mask_sources.h"
 
 namespace farshade {

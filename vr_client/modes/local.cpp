@@ -1,5 +1,5 @@
 // Local: the client draws shadow maps and needs no server.
-#include "vr_client/frame/mode_pipeline.h"
+#include "vr_client/modes/make_pipeline.h"
 
 namespace farshade {
 namespace {

@@ -1,4 +1,4 @@
-#include "vr_client/frame/mode_pipeline.h"
+#include "vr_client/modes/make_pipeline.h"
 
 #include "stereo/base/check.h"
 

@@ -1,6 +1,7 @@
 // Remote: the server draws both eyes and sends them as video. The client turns the newest picture to the
 // shown pose. Pixels that the picture does not cover are black.
 #include "stereo/draw/turn_pass.h"
+#include "vr_client/modes/make_pipeline.h"
 #include "vr_client/modes/video_stream.h"
 
 namespace farshade {

@@ -15,7 +15,7 @@ void for_covered(const ShownReport& shown, Extent size, const Visit& visit) {
       if (shown.sources[pixel] != kSourceUncovered) visit(x, y, pixel);
 }
 
-double& share_of(EyeErrors& errors, std::uint8_t source) {
+double& share_from(EyeErrors& errors, std::uint8_t source) {
   if (source >= kNeighbour) return errors.neighbours;
   if (source % kOtherEye > 0) return errors.older;
   return source == 0 ? errors.newest : errors.other_eye;
@@ -46,7 +46,7 @@ EyeErrors compare_masks(const ShownReport& shown, const EyeMask& reference) {
     }
     errors.unknown += static_cast<double>(unknown);
     if (shown.sources[pixel] != kSourceUnknown)
-      share_of(errors, shown.sources[pixel]) += static_cast<double>(lights - unknown - beside);
+      share_from(errors, shown.sources[pixel]) += static_cast<double>(lights - unknown - beside);
     errors.neighbours += static_cast<double>(beside);
   });
   if (total == 0) return errors;
