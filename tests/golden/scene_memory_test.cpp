@@ -1,9 +1,9 @@
 /// The scene on the device: few allocations whatever the number of meshes and textures, and every mesh is
 /// drawn from its own part of the shared buffers.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <glm/exponential.hpp>
-#include <glm/geometric.hpp>
+#include <glm/common.hpp>
 #include <random>
 #include <stdexcept>
 
@@ -34,6 +34,16 @@ class SceneMemory : public OnLavapipe {
     return {renderer.read_shown(), counters.memory.allocations - before, counters.vertex_bytes};
   }
 };
+
+/// The number of pixels with a channel that differs by more than `levels`.
+std::size_t differing(const Image<Rgb8>& a, const Image<Rgb8>& b, int levels) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+    const glm::ivec3 off = glm::abs(glm::ivec3(a.pixels[i]) - glm::ivec3(b.pixels[i]));
+    count += std::max({off.x, off.y, off.z}) > levels;
+  }
+  return count;
+}
 
 /// Triangle `i` of a wall of `columns` x `columns` at z = -2: corners, and a colour unlike its neighbours'.
 std::array<glm::vec3, 3> corners_of(std::uint32_t i, std::uint32_t columns) {
@@ -85,55 +95,51 @@ TEST_F(SceneMemory, TwentyThousandMeshesTakeAsManyAllocationsAsTwoAndLookTheSame
   EXPECT_EQ(each.allocations, one.allocations);
   EXPECT_LE(each.allocations, 24u);
   EXPECT_EQ(each.vertex_bytes, one.vertex_bytes);
-  for (std::size_t eye = 0; eye < kEyes; ++eye) EXPECT_TRUE(each.pictures[eye] == one.pictures[eye]) << eye;
+  // A small mesh far from its origin is drawn relative to its centre, which moves a few edges by a rounding.
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    EXPECT_LT(differing(each.pictures[eye], one.pictures[eye], 0), kSize.pixels() / 200) << eye;
   const auto lit = std::ranges::count_if(one.pictures[0].pixels, [](Rgb8 p) { return p != Rgb8(0); });
   EXPECT_GT(lit, kSize.pixels() / 4) << "the wall is in view";
 }
 
-/// A row of `count` quads, each with a texture of one colour.
-Scene textured_row(std::uint32_t count) {
+float linear_of(std::uint8_t level) {
+  const float c = static_cast<float>(level) / 255;
+  return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
+}
+
+/// A row of `count` quads, each of another colour, which a texture or the material gives.
+enum class ColorFrom : std::uint8_t { Texture, Material };
+Scene colored_row(std::uint32_t count, ColorFrom from) {
   SceneBuilder builder;
   builder.point_light({0, 0, 1});
   const float half = 1.5f / static_cast<float>(count);
   for (std::uint32_t i = 0; i < count; ++i) {
-    Texture texture{.image = Image<Rgba8>({1 + i % 5, 1 + i % 3})};
-    std::ranges::fill(texture.image.pixels, Rgba8(color_of(i)));
-    texture.wrap_u = static_cast<Wrap>(i % 3);
+    const glm::u8vec4 color = color_of(i);
     Material material;
-    material.texture = builder.texture(texture);
+    if (from == ColorFrom::Texture) {
+      Texture texture{.image = Image<Rgba8>({1 + i % 5, 1 + i % 3})};
+      std::ranges::fill(texture.image.pixels, Rgba8(color));
+      texture.wrap_u = static_cast<Wrap>(i % 3);
+      material.texture = builder.texture(texture);
+    } else {
+      material.base_color = {linear_of(color.r), linear_of(color.g), linear_of(color.b), 1};
+    }
     const float x = half * (2.0f * static_cast<float>(i) + 1) - 1.5f;
     builder.add(quad({x, 0, -2}, {half, 0, 0}, {0, 1.5f, 0}), builder.material(material));
   }
   return builder.build();
 }
 
-/// The colours of the middle row of a picture, without black and without repeats.
-std::vector<Rgb8> colors_along(const Image<Rgb8>& picture) {
-  std::vector<Rgb8> colors;
-  for (std::uint32_t x = 0; x < picture.size.width; ++x)
-    if (const Rgb8 here = picture.at(x, picture.size.height / 2); here != Rgb8(0))
-      if (colors.empty() || colors.back() != here) colors.push_back(here);
-  return colors;
-}
-
 TEST_F(SceneMemory, TexturesShareAllocationsAndKeepTheirColors) {
-  const SceneDrawn one = drawn(textured_row(1)), many = drawn(textured_row(60));
+  const SceneDrawn one = drawn(colored_row(1, ColorFrom::Texture)),
+                   many = drawn(colored_row(60, ColorFrom::Texture)),
+                   plain = drawn(colored_row(60, ColorFrom::Material));
   EXPECT_EQ(many.allocations, one.allocations);
-  // The light falls off towards the sides, so each texture shows as one or more colours of its hue.
-  std::vector<std::uint32_t> seen;
-  for (const Rgb8& color : colors_along(many.pictures[0])) {
-    const auto hue_distance = [&](std::uint32_t i) {
-      const auto linear = [](glm::vec3 c) { return glm::pow(c / 255.0f, glm::vec3(2.2f)); };
-      return glm::length(glm::normalize(linear(glm::vec3(color))) -
-                         glm::normalize(linear(glm::vec3(color_of(i)))));
-    };
-    std::uint32_t nearest = 0;
-    for (std::uint32_t i = 1; i < 60; ++i)
-      if (hue_distance(i) < hue_distance(nearest)) nearest = i;
-    if (seen.empty() || seen.back() != nearest) seen.push_back(nearest);
-  }
-  EXPECT_TRUE(std::ranges::is_sorted(seen)) << "textures are in the order of their quads";
-  EXPECT_GT(seen.size(), 50u);
+  EXPECT_EQ(many.allocations, plain.allocations + 1);
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    EXPECT_LT(differing(many.pictures[eye], plain.pictures[eye], 2), 200u)
+        << "but at borders of quads; " << eye;
+  EXPECT_GT(differing(many.pictures[0], one.pictures[0], 2), kSize.pixels() / 4) << "the colours differ";
 }
 
 TEST_F(SceneMemory, ASceneThatNeedsTooManyAllocationsIsRefusedWithTheLimit) {
