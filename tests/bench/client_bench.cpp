@@ -98,6 +98,16 @@ void print_report(const Options& options, const Scene& scene, const RendererLimi
   print_ratios(times);
 }
 
+void add_frame(Times& times, const DrawTimes& bare, const DrawTimes& drawn, double decode_ms) {
+  times.bare.push_back(ms_of(bare.total));
+  times.bare_device.push_back(ms_of(bare.gbuffer));
+  times.collect.push_back(decode_ms);
+  times.draw.push_back(ms_of(drawn.total));
+  times.frame.push_back(decode_ms + ms_of(drawn.total));
+  times.gbuffer.push_back(ms_of(drawn.gbuffer));
+  times.depth.push_back(ms_of(drawn.depth));
+}
+
 Expected<void> run(const Options& options) {
   const Expected<Scene> scene = load_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
@@ -148,13 +158,7 @@ Expected<void> run(const Options& options) {
       if (counts) mode.ms.push_back(ms_of(again.shade));
     }
     if (!counts) continue;
-    times.bare.push_back(ms_of(bare.total));
-    times.bare_device.push_back(ms_of(bare.gbuffer));
-    times.collect.push_back(collect);
-    times.draw.push_back(ms_of(drawn.total));
-    times.frame.push_back(collect + ms_of(drawn.total));
-    times.gbuffer.push_back(ms_of(drawn.gbuffer));
-    times.depth.push_back(ms_of(drawn.depth));
+    add_frame(times, bare, drawn, collect);
   }
   print_report(options, *scene, limits, *device, times);
   return {};

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <iterator>
+#include <sstream>
+
 namespace farshade {
 namespace {
 
@@ -62,54 +65,18 @@ TEST(ParseSize, RefusesEverythingElseAndStatesTheRange) {
   }
 }
 
+/// Every option of the client but --preview, --replay and those that end the program.
+std::vector<std::string> every_option() {
+  std::istringstream words(
+      "--size 96x64 --frames 8 --skip 1.5 --refresh 90 --server [::1]:9 --mode full --clock real "
+      "--delay 35 --mask-wait 3 --pictures 2 --dump 3,5 --out there --place recorded "
+      "--trace-scale 0.76 --reference-every 0 --predictor hold --guard-band off --mask-every 3 "
+      "--reprojection off --eyes this --gaps unknown --edges nearest --gpu llvm --validate");
+  return {std::istream_iterator<std::string>(words), {}};
+}
+
 TEST(ReadOptions, AcceptsEveryOption) {
-  const Outcome read = read_more({"--size",
-                                  "96x64",
-                                  "--frames",
-                                  "8",
-                                  "--skip",
-                                  "1.5",
-                                  "--refresh",
-                                  "90",
-                                  "--server",
-                                  "[::1]:9",
-                                  "--mode",
-                                  "full",
-                                  "--clock",
-                                  "real",
-                                  "--delay",
-                                  "35",
-                                  "--mask-wait",
-                                  "3",
-                                  "--pictures",
-                                  "2",
-                                  "--dump",
-                                  "3,5",
-                                  "--out",
-                                  "there",
-                                  "--place",
-                                  "recorded",
-                                  "--trace-scale",
-                                  "0.76",
-                                  "--reference-every",
-                                  "0",
-                                  "--predictor",
-                                  "hold",
-                                  "--guard-band",
-                                  "off",
-                                  "--mask-every",
-                                  "3",
-                                  "--reprojection",
-                                  "off",
-                                  "--eyes",
-                                  "this",
-                                  "--gaps",
-                                  "unknown",
-                                  "--edges",
-                                  "nearest",
-                                  "--gpu",
-                                  "llvm",
-                                  "--validate"});
+  const Outcome read = read_more(every_option());
   ASSERT_TRUE(read.options.has_value()) << read.errors;
   const Options& options = *read.options;
   EXPECT_EQ(options.scene, "a.glb");
