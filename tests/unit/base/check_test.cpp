@@ -14,7 +14,7 @@ TEST(Check, PassesWhatHolds) {
 }
 
 TEST(CheckDeathTest, NamesFileAndInvariant) {
-  EXPECT_DEATH(check(false, "pigs fly"), "base_check_test.cpp:[0-9]+: check failed: pigs fly");
+  EXPECT_DEATH(check(false, "pigs fly"), "check_test.cpp:[0-9]+: check failed: pigs fly");
 }
 
 TEST(CheckDeathTest, PrintsBothValues) {

@@ -28,7 +28,7 @@ struct Shown {
             .age = std::nullopt,
             .times = times,
             .starts = starts,
-            .steering = steering,
+            .steering = settings,
             .timing = {}};
   }
 };

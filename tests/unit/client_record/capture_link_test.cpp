@@ -139,7 +139,9 @@ TEST(Replay, NamesTheEyeWhosePictureDiffers) {
     const ReplayVerdict verdict = replay.verdict().value();
     EXPECT_EQ(verdict.frames, 1u);
     ASSERT_EQ(verdict.first.has_value(), each.what != nullptr);
-    if (each.what) EXPECT_EQ(verdict.first->what, each.what);
+    if (each.what != nullptr) {
+      EXPECT_EQ(verdict.first->what, each.what);
+    }
   }
 }
 

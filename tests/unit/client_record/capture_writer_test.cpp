@@ -28,7 +28,7 @@ void watch(CaptureWriter& writer, std::uint32_t number) {
                 .age = {},
                 .times = times,
                 .starts = starts,
-                .steering = made.steering,
+                .steering = made.settings,
                 .timing = made.timing},
                {Image<Rgb8>(kEye), Image<Rgb8>(kEye, {1, 2, 3})});
 }
