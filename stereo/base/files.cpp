@@ -12,14 +12,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// An open file, closed at the end.
+/// An open file. The destructor closes it.
 struct Descriptor {
   int number = -1;
   explicit Descriptor(int opened) : number(opened) {}
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
   ~Descriptor() { close_now(); }
-  /// 0, or the errno of the late write errors that only close() tells.
+  /// Returns 0, or the errno of a late write error that only close() reports.
   int close_now() {
     const int closed = number;
     number = -1;
@@ -34,7 +34,7 @@ tl::unexpected<Error> fail_errno(const char* verb, const fs::path& path, int err
       std::string("cannot ") + verb + " '" + path.string() + "': " + std::generic_category().message(error));
 }
 
-/// Bytes read until `space` is full or the file ends; -1 and errno on failure.
+/// Reads until `space` is full or the file ends. Returns the number of bytes, or -1 with errno.
 ssize_t read_fully(int file, std::span<std::byte> space) {
   std::size_t done = 0;
   while (done < space.size()) {
@@ -47,7 +47,7 @@ ssize_t read_fully(int file, std::span<std::byte> space) {
   return static_cast<ssize_t>(done);
 }
 
-/// 0, or the errno of the write that failed.
+/// Returns 0, or the errno of the failed write.
 int write_fully(int file, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t put = ::write(file, bytes.data(), bytes.size());
@@ -58,14 +58,15 @@ int write_fully(int file, std::span<const std::byte> bytes) {
   return 0;
 }
 
-/// How a new file is opened. What waits at a private file's partial name might be open to others already.
+/// Flags for a new file. A private file must not reuse an existing temporary file, which others may have
+/// open.
 struct Opening {
   int flags;
   mode_t mode;
 };
 constexpr Opening kPublic{O_TRUNC, 0666}, kPrivate{O_EXCL, 0600};
 
-/// 0, or the errno of what failed.
+/// Returns 0, or the errno of the failed call.
 int create_with(const fs::path& path, std::span<const std::byte> bytes, Opening how) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC | how.flags, how.mode));
   if (file.number < 0) return errno;
@@ -73,7 +74,7 @@ int create_with(const fs::path& path, std::span<const std::byte> bytes, Opening 
   return file.close_now();
 }
 
-/// Passes a file's status, or says why it is refused.
+/// Returns the file's status, or the reason to refuse it.
 using Gate = Expected<void> (*)(const fs::path& path, const struct stat& status);
 
 Expected<void> no_gate(const fs::path&, const struct stat&) {
@@ -94,7 +95,7 @@ Expected<void> only_its_owners(const fs::path& path, const struct stat& status) 
 }
 
 Expected<std::vector<std::byte>> read_through(Gate gate, const fs::path& path, std::uint64_t max_bytes) {
-  // Non-blocking, so that opening a pipe that nobody writes returns and can be refused.
+  // Non-blocking, so that opening a pipe without a writer returns and the pipe can be refused.
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   struct stat status {};
   if (file.number < 0 || ::fstat(file.number, &status) != 0) return fail_errno("read", path, errno);
@@ -112,9 +113,10 @@ Expected<std::vector<std::byte>> read_through(Gate gate, const fs::path& path, s
   return bytes;
 }
 
-/// Beside `path` first, then to its place. A link is what renames without replacing.
+/// Writes beside `path`, then renames. Without replacement it makes a hard link, which fails if `path`
+/// exists.
 Expected<void> write(const fs::path& path, std::span<const std::byte> bytes, Opening how, IfThere if_there) {
-  // A thread writes one file at a time, so its number makes the name unique on this machine.
+  // A thread writes one file at a time, so its id makes the name unique on this machine.
   fs::path partial = path;
   partial += ".partial-" + std::to_string(::gettid());
   int error = create_with(partial, bytes, how);

@@ -12,10 +12,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// 16 bytes a pixel and then some: more than any of our formats needs.
+/// Largest file: more than 16 bytes a pixel, which is more than any format here needs.
 constexpr std::uint64_t kMaxFileBytes = 16 * kMaxImagePixels + 65536;
 
-/// What `decode` makes of the file, with the path in front of its complaint.
+/// Decodes the file with `decode`. Errors begin with the path.
 template <class Decode>
 auto read_with(const fs::path& path, Decode decode) -> decltype(decode(std::span<const std::byte>{}, 0)) {
   const auto file = read_file(path, kMaxFileBytes);

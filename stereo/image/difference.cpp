@@ -12,7 +12,7 @@ namespace farshade {
 double mse(const Image<Rgb8>& a, const Image<Rgb8>& b) {
   check(a.size == b.size, "compared pictures have one size");
   if (a.pixels.empty()) return 0;
-  std::uint64_t sum = 0;  // whole numbers: the same figure in any order of summation
+  std::uint64_t sum = 0;  // integers: the result does not depend on the order of summation
   for (std::size_t i = 0; i < a.pixels.size(); ++i) {
     const glm::ivec3 d = glm::ivec3(a.pixels[i]) - glm::ivec3(b.pixels[i]);
     sum += static_cast<std::uint64_t>(d.x * d.x + d.y * d.y + d.z * d.z);

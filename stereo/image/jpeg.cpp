@@ -1,8 +1,8 @@
-/// JPEG through libjpeg-turbo. Whatever libjpeg only warns of (cut or damaged data, painted over in grey) is
-/// an error.
+/// JPEG with libjpeg-turbo. Every warning of libjpeg (truncated or damaged data, which it fills with grey) is
+/// an error here.
 #include <cstddef>
 #include <cstdio>
-// libjpeg's header needs FILE and size_t declared before it.
+// libjpeg's header needs the declarations of FILE and size_t.
 #include <jpeglib.h>
 
 #include <string>
@@ -13,7 +13,7 @@
 namespace farshade {
 namespace {
 
-/// A progressive picture has about ten scans; each costs a pass over all pixels, however few bytes it has.
+/// Most scans of a progressive picture; normal ones have about ten. Each scan costs a pass over all pixels.
 constexpr int kMaxScans = 64;
 
 struct ErrorManager : jpeg_error_mgr {
@@ -35,7 +35,7 @@ void on_progress(j_common_ptr jpeg) {
   std::longjmp(escape.landing, 1);
 }
 
-/// A libjpeg reader over bytes in memory. The address is libjpeg's: it does not move.
+/// A libjpeg reader of bytes in memory. libjpeg keeps its address, so it must not move.
 struct Reader {
   ErrorManager errors{};
   jpeg_progress_mgr progress{};

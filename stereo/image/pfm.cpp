@@ -15,7 +15,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "floats are written as they lie in memory");
 
-/// The next word of a header and the one white-space byte behind it; empty when there is none.
+/// Takes the next word of a header and the one white-space byte after it. Empty if there is none.
 std::string_view take_word(std::string_view& text) {
   const std::size_t end = text.find_first_of(" \t\r\n");
   if (end == std::string_view::npos) return {};

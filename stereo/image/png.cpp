@@ -1,5 +1,4 @@
-/// PNG through libpng's row interface. Its simplified interface would be shorter, but it applies gamma
-/// chunks.
+/// PNG with libpng's row interface. The simplified interface would be shorter, but it applies gamma chunks.
 #include <png.h>
 
 #include <algorithm>
@@ -20,7 +19,7 @@ namespace {
   std::snprintf(escape.reason, sizeof escape.reason, "%s", message);
   std::longjmp(escape.landing, 1);
 }
-void on_warning(png_structp, png_const_charp) {}  // what matters is an error: see png_set_benign_errors
+void on_warning(png_structp, png_const_charp) {}  // relevant warnings are errors, see png_set_benign_errors
 
 void take_bytes(png_structp png, png_bytep to, std::size_t count) {
   auto& rest = *static_cast<std::span<const std::byte>*>(png_get_io_ptr(png));
@@ -29,7 +28,7 @@ void take_bytes(png_structp png, png_bytep to, std::size_t count) {
   rest = rest.subspan(count);
 }
 
-/// A libpng reader over bytes in memory. The address is libpng's: it does not move.
+/// A libpng reader of bytes in memory. libpng keeps its address, so it must not move.
 struct Reader {
   Escape escape;
   std::span<const std::byte> rest;
@@ -54,14 +53,14 @@ struct Header {
   int bits = 0, color = 0;
 };
 
-/// Reads up to the pixels and checks that there are not too many, nor more than the file can hold.
+/// Reads the header and checks that there are not too many pixels, nor more than the file can contain.
 Expected<Header> read_header(Reader& reader, std::size_t file_bytes, std::uint64_t max_pixels) {
   Header header;
   if (!reader.info) return fail(Fault::Unavailable, "libpng cannot start");
   const bool read = runs_through(reader.escape, [&] {
     png_set_read_fn(reader.png, &reader.rest, take_bytes);
     png_set_benign_errors(reader.png, 0);
-    // Only what makes pixels: no profiles, gamma or texts, which may also unpack to any size.
+    // Keeps only chunks with pixels: no profiles, gamma or texts, which may decompress to any size.
     png_set_keep_unknown_chunks(reader.png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
     png_read_info(reader.png, reader.info);
     png_get_IHDR(reader.png, reader.info, &header.width, &header.height, &header.bits, &header.color, nullptr,
@@ -70,14 +69,14 @@ Expected<Header> read_header(Reader& reader, std::size_t file_bytes, std::uint64
   if (!read) return reader.refused();
   if (const auto fits = check_size(header.width, header.height, max_pixels); !fits)
     return tl::unexpected(fits.error());
-  // Deflate packs at most 1032 : 1 (zlib's technical notes), so a small file cannot ask for much memory.
+  // Deflate compresses at most 1032 : 1 (zlib's technical notes), so a small file cannot need much memory.
   if (std::uint64_t{header.height} * png_get_rowbytes(reader.png, reader.info) >
       1032 * std::uint64_t{file_bytes})
     return fail(Fault::Malformed, "faulty PNG: file is too short for its size in pixels");
   return header;
 }
 
-/// Reads all rows, after `transform` has told libpng what a pixel is to become, and the end of the file.
+/// Calls `transform`, which sets libpng's output format, and then reads all rows and the end of the file.
 template <class Pixel, class Transform>
 Expected<Image<Pixel>> read_rows(Reader& reader, Extent size, const Transform& transform) {
   Image<Pixel> image(size);

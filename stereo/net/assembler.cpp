@@ -15,14 +15,14 @@ void clear(EyeMask& mask, Extent size, MaskLayout layout) {
     mask = EyeMask(size, layout);
 }
 
-/// Memory for the words comes with the first slice.
+/// The first slice allocates the words.
 void clear(ReceivedGBuffer& gbuffer) {
   for (const PlaneKind kind : kGBufferKinds)
     for (PixelPlane& plane : planes_of(gbuffer.planes, kind)) plane.size = {};
   gbuffer.tiles_known = gbuffer.tiles = 0;
 }
 
-/// 3 bytes of base colour, 4 of the others.
+/// 3 bytes for base colour, 4 for the others.
 std::uint32_t word_bytes_of(PlaneKind kind) {
   return kind == PlaneKind::BaseColor ? 3 : 4;
 }

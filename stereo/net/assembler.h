@@ -17,17 +17,17 @@
 
 namespace farshade {
 
-/// A G-buffer's planes, tile by tile; words of tiles that are not known are 0.
+/// The planes of a G-buffer. Words of unknown tiles are 0.
 struct ReceivedGBuffer {
   GBufferPlanes planes;
   std::array<PerEye<KnownTiles>, kGBufferKinds.size()> known_tiles;
-  std::uint32_t tiles_known = 0, tiles = 0;  ///< of all planes of both eyes
+  std::uint32_t tiles_known = 0, tiles = 0;  ///< counted over all planes of both eyes
 };
 
-/// A coded picture's parts.
+/// The parts of a coded picture.
 struct ReceivedVideo {
-  FrameId after;                ///< as the parts say
-  std::vector<std::byte> unit;  ///< the parts in their places
+  FrameId after;                ///< from the parts
+  std::vector<std::byte> unit;  ///< the parts in order
   std::vector<bool> known;
   std::uint32_t parts_known = 0;
 
@@ -52,7 +52,7 @@ struct RequestRecord {
   LightSetRevision light_set_revision{};
   PerEye<EyeMask> masks;
   PerEye<KnownTiles> known_tiles;
-  PerEye<std::uint32_t> tiles_known{};  ///< planes counted one by one
+  PerEye<std::uint32_t> tiles_known{};  ///< each plane of a tile counts
   ReceivedGBuffer gbuffer;
   ReceivedVideo video;
   std::optional<FrameReport> report;
@@ -63,18 +63,18 @@ struct RequestRecord {
   }
   [[nodiscard]] bool complete() const;
   [[nodiscard]] bool anything_known() const { return pieces_known() > 0; }
-  /// Tiles and parts.
+  /// Number of known tiles and parts.
   [[nodiscard]] std::uint32_t pieces_known() const {
     return tiles_known[0] + tiles_known[1] + gbuffer.tiles_known + video.parts_known;
   }
 };
 
 struct AssemblerCounters {
-  std::uint64_t slices = 0;      ///< and parts taken, duplicates not among them
-  std::uint64_t duplicates = 0;  ///< told nothing new
-  std::uint64_t unexpected = 0;  ///< of a frame never asked for, or forgotten
+  std::uint64_t slices = 0;      ///< accepted slices and parts, without duplicates
+  std::uint64_t duplicates = 0;  ///< slices and parts with nothing new
+  std::uint64_t unexpected = 0;  ///< of a frame without a record
   std::uint64_t other_light_set = 0;
-  RefusalCounts refused{};  ///< of a mask of another shape, or faulty inside
+  RefusalCounts refused{};  ///< slices that do not fit the request, or are damaged
   friend bool operator==(const AssemblerCounters&, const AssemblerCounters&) = default;
 };
 
@@ -106,12 +106,12 @@ class Assembler {
   /// All records, in no particular order.
   [[nodiscard]] std::span<const RequestRecord> records() const { return std::span(slots_).first(used_); }
 
-  /// Null if not remembered. Frames stay where they are until they are forgotten.
+  /// The record of `frame`, or null. A record stays at its address until it is evicted.
   [[nodiscard]] const RequestRecord* find(FrameId frame) const;
-  /// The newest frame of which anything is known; null if there is none.
+  /// The newest record with any piece, or null.
   [[nodiscard]] const RequestRecord* newest_known() const;
 
-  /// Forgets every request, not the counters: for another server or scene.
+  /// Removes all records, but keeps the counters: for another server or scene.
   void clear();
 
   [[nodiscard]] const AssemblerCounters& counters() const { return counters_; }
@@ -124,7 +124,7 @@ class Assembler {
   [[nodiscard]] bool is_kept(const RequestRecord& frame) const;
 
   std::vector<RequestRecord> slots_;
-  std::size_t used_ = 0;  ///< slots that hold a request
+  std::size_t used_ = 0;  ///< slots with a record
   std::optional<FrameId> newest_;
   AssemblerCounters counters_;
 };

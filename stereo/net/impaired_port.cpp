@@ -6,7 +6,7 @@
 namespace farshade {
 namespace {
 
-/// A flood shall not keep a caller for longer than this many datagrams from those that are due.
+/// Most datagrams to take in at once, so that a flood does not delay datagrams that are due.
 constexpr int kMostTakenAtOnce = 1024;
 
 class Impaired final : public ImpairedPort {

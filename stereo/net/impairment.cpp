@@ -9,7 +9,7 @@
 namespace farshade {
 namespace {
 
-/// Heap order: the earliest on top.
+/// Heap order: the earliest arrival is on top.
 constexpr auto kLater = [](const InTransit* a, const InTransit* b) {
   return a->arrival != b->arrival ? a->arrival > b->arrival : a->order > b->order;
 };
@@ -44,7 +44,7 @@ bool Impairment::push(Time now, const Peer& peer, std::span<const std::byte> byt
     ++counters_.overflowed;
     return true;
   }
-  // After the bottleneck: another loss rate leaves the times of the others alone.
+  // After the bottleneck, so that another loss rate does not change the times of other datagrams.
   if (lost) {
     ++counters_.lost;
     return true;
@@ -78,7 +78,7 @@ std::size_t Impairment::clear() {
   return dropped;
 }
 
-/// [0, 1). std's distributions differ between standard libraries; the engine does not.
+/// Uniform in [0, 1). The distributions of std differ between standard libraries; the engine does not.
 double Impairment::uniform() {
   return static_cast<double>(random_() >> 11) * 0x1p-53;
 }
@@ -96,7 +96,7 @@ bool Impairment::loses(double draw) {
   return in_burst_;
 }
 
-/// When the last byte has left the bottleneck; nothing if the queue before it is full.
+/// The time at which the last byte leaves the bottleneck; nothing if its queue is full.
 std::optional<Time> Impairment::past_bottleneck(Time now, std::size_t size) {
   if (model_.rate_bytes_per_s == 0) return now;
   const Time begins = std::max(now, bottleneck_free_);
@@ -141,7 +141,7 @@ constexpr std::array kTimes_ns{Unit{"us", 1e3}, Unit{"ms", 1e6}, Unit{"s", 1e9}}
 constexpr std::array kRates_bytes_per_s{Unit{"kbit", 1e3 / 8}, Unit{"Mbit", 1e6 / 8}, Unit{"Gbit", 1e9 / 8}};
 constexpr double kMostTime_ns = 60e9;
 
-/// Whether a value was read, and if it was, whether it may be so.
+/// The result of parsing a value.
 enum class Word { Sound, Malformed, OutOfRange };
 
 Word number(std::string_view text, std::span<const Unit> units, double least, double most, double& into) {

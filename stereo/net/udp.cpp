@@ -29,7 +29,7 @@ Peer peer_of(const Endpoint& endpoint) {
   return {wide.to_bytes(), narrow<std::uint32_t>(wide.scope_id()), endpoint.port()};
 }
 
-/// `peer` as a socket of family `family` names it; unspecified address if that family cannot reach it.
+/// `peer` as an endpoint of family `family`; the unspecified address if that family cannot reach it.
 Endpoint endpoint_of(const Peer& peer, const udp& family) {
   const asio::ip::address_v6 wide(peer.address, peer.scope);
   if (family == udp::v6()) return {wide, peer.port};
@@ -37,7 +37,7 @@ Endpoint endpoint_of(const Peer& peer, const udp& family) {
           peer.port};
 }
 
-/// A flood of datagrams that nobody wants shall not keep a caller for longer than this many of them.
+/// Most datagrams from strangers to drop in one call, so that a flood does not delay the caller for long.
 constexpr int kMostDropsACall = 1024;
 
 /// An event that poll() can wait for and any thread can raise.
@@ -61,10 +61,10 @@ class WakeEvent {
   int fd_;
 };
 
-/// When the datagram of `header` came: the kernel stamps it on the wall clock. Where it did not, now.
+/// The arrival of the datagram of `header`. The kernel's time stamp is on the wall clock; without one, now.
 Time arrival_of(msghdr& header) {
-  // The wall clock is read first: a pause before the other makes an arrival late, never earlier than its
-  // cause.
+  // Reads the wall clock first: a pause between the two clocks can make an arrival later, but never earlier
+  // than the event that caused it.
   timespec wall{};
   clock_gettime(CLOCK_REALTIME, &wall);
   const Time now = SteadyClock().now();
@@ -82,11 +82,11 @@ Time arrival_of(msghdr& header) {
 
 struct Incoming {
   Endpoint from;
-  std::size_t size = 0;  ///< the datagram's own, also where the buffer was shorter
+  std::size_t size = 0;  ///< size of the datagram, also if the buffer is shorter
   Time arrived;
 };
 
-/// The datagram that waits in `socket`, copied to `into` as far as it fits; nothing if none waits.
+/// Takes the next datagram of `socket` and copies what fits into `into`. Returns nothing if there is none.
 std::optional<Incoming> take_datagram(int socket, std::span<std::byte> into) {
   Incoming incoming;
   iovec buffer{into.data(), into.size()};
@@ -98,7 +98,7 @@ std::optional<Incoming> take_datagram(int socket, std::span<std::byte> into) {
   header.msg_iovlen = 1;
   header.msg_control = control.data();
   header.msg_controllen = control.size();
-  // MSG_TRUNC makes the kernel return the datagram's own size.
+  // With MSG_TRUNC the kernel returns the full size of the datagram.
   const ssize_t size = recvmsg(socket, &header, MSG_TRUNC | MSG_DONTWAIT);
   if (size < 0) return std::nullopt;
   incoming.from.resize(header.msg_namelen);
@@ -115,7 +115,7 @@ class UdpPort final : public DatagramPort {
         family_(local.protocol()),
         local_(peer_of(local)) {}
 
-  /// From now on hears only `peer`.
+  /// Receives only from `peer` from now on.
   void talk_to(const Peer& peer) { partner_ = peer; }
 
   [[nodiscard]] Peer local() const override { return local_; }
@@ -176,7 +176,7 @@ class UdpPort final : public DatagramPort {
       wake_.clear();
       return false;
     }
-    return ready != 0;  // a signal (-1) is no reason to give up: the caller's deadline decides
+    return ready != 0;  // after a signal (-1) the caller checks its deadline
   }
 
   std::unique_ptr<asio::io_context> context_;
@@ -225,11 +225,11 @@ Expected<std::unique_ptr<UdpPort>> bound_port(std::unique_ptr<asio::io_context> 
   udp::socket socket(*context);
   asio::error_code error;
   socket.open(endpoint.protocol(), error);
-  asio::error_code ignored;  // less buffer, or no IPv4 on an IPv6 socket, is no reason to refuse
+  asio::error_code ignored;  // a smaller buffer, or an IPv6 socket without IPv4, is acceptable
   if (endpoint.protocol() == udp::v6()) socket.set_option(asio::ip::v6_only(false), ignored);
   socket.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer_bytes), ignored);
   socket.set_option(asio::socket_base::send_buffer_size(kSocketBuffer_bytes), ignored);
-  const int stamped = 1;  // refused: arrivals are then when they are read
+  const int stamped = 1;  // if this fails, the arrival is the time of reading
   setsockopt(socket.native_handle(), SOL_SOCKET, SO_TIMESTAMPNS, &stamped, sizeof stamped);
   if (!error) socket.non_blocking(true, error);
   if (!error) socket.bind(endpoint, error);

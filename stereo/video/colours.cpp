@@ -17,7 +17,7 @@ struct ColourConverter::Scaler {
 };
 
 Expected<ColourConverter> ColourConverter::create(Extent size, To to) {
-  // Planar RGB is what libswscale has fast code for at full chroma resolution.
+  // libswscale has fast code for planar RGB at full chroma resolution.
   const AVPixelFormat from_format = to == To::Yuv ? AV_PIX_FMT_GBRP : AV_PIX_FMT_YUV420P,
                       to_format = to == To::Yuv ? AV_PIX_FMT_YUV420P : AV_PIX_FMT_GBRP;
   const auto width = narrow<int>(size.width), height = narrow<int>(size.height);

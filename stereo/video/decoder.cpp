@@ -10,10 +10,10 @@
 namespace farshade {
 namespace {
 
-/// Far more than a picture of the largest size may take.
+/// Larger than every picture of the largest size.
 constexpr std::size_t kMaxUnit_bytes = std::size_t{1} << 28;
 
-/// Whether a NAL unit of an instantaneous decoder refresh is among those of the Annex B unit (H.264, 7.4.1).
+/// Whether the Annex B unit contains a NAL unit of an instantaneous decoder refresh (H.264, 7.4.1).
 bool holds_key_frame(std::span<const std::byte> unit) {
   constexpr std::array start{std::byte{0}, std::byte{0}, std::byte{1}};
   constexpr std::byte type_bits{0x1f}, idr{5};
@@ -37,8 +37,8 @@ struct VideoDecoder::Codec {
   Libav<AVCodecContext> context;  ///< null after a reset, until a key frame comes
   Libav<AVFrame> frame;
   Libav<AVPacket> packet;
-  std::optional<ColourConverter> colours;  ///< of the size decoded last
-  bool has_reference = false;              ///< a key frame, and all that came after it
+  std::optional<ColourConverter> colours;  ///< for the size of the last picture
+  bool has_reference = false;              ///< a key frame and all units after it were decoded
   Image<Rgb8> picture;
 
   Expected<void> open();
@@ -52,7 +52,7 @@ VideoDecoder& VideoDecoder::operator=(VideoDecoder&&) noexcept = default;
 VideoDecoder::~VideoDecoder() = default;
 
 Expected<VideoDecoder> VideoDecoder::create() {
-  av_log_set_level(AV_LOG_QUIET);  // damaged units make it talk
+  av_log_set_level(AV_LOG_QUIET);  // it logs every damaged unit
   auto codec = std::make_unique<Codec>();
   codec->frame.reset(av_frame_alloc());
   codec->packet.reset(av_packet_alloc());
@@ -65,7 +65,7 @@ Expected<void> VideoDecoder::Codec::open() {
   if (codec == nullptr) return fail(Fault::Unavailable, "this libavcodec does not decode H.264");
   context.reset(avcodec_alloc_context3(codec));
   if (!context) return fail(Fault::Unavailable, "no memory for a video decoder");
-  context->thread_count = 1;  // threads of frames would hold pictures back
+  context->thread_count = 1;  // frame threads would delay pictures
   context->flags |= AV_CODEC_FLAG_LOW_DELAY;
   context->err_recognition = AV_EF_EXPLODE | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_CAREFUL;
   context->error_concealment = 0;
@@ -75,9 +75,9 @@ Expected<void> VideoDecoder::Codec::open() {
   return {};
 }
 
-/// The unit's one picture into `frame`.
+/// Decodes the unit's only picture into `frame`.
 Expected<void> VideoDecoder::Codec::decode_frame(std::span<const std::byte> unit) {
-  // libavcodec copies what it does not own, and only reads it.
+  // libavcodec copies data that it does not own, and does not change it.
   packet->data = const_cast<std::uint8_t*>(reinterpret_cast<const std::uint8_t*>(unit.data()));
   packet->size = narrow<int>(unit.size());
   if (avcodec_send_packet(context.get(), packet.get()) < 0)
@@ -122,7 +122,7 @@ Expected<const Image<Rgb8>*> VideoDecoder::decode(std::span<const std::byte> uni
   return &codec_->picture;
 }
 
-/// Nothing of the old decoder stays: what a damaged parameter set has told it outlives a flush.
+/// Drops the whole decoder: the contents of a damaged parameter set would survive a flush.
 void VideoDecoder::reset() {
   codec_->has_reference = false;
   codec_->context.reset();

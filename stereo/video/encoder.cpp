@@ -9,8 +9,9 @@
 namespace farshade {
 namespace {
 
-/// The coder's VBV, in pictures: no unit is larger, and none takes longer on a link of the asked bit rate.
-/// With two or three, libx264 leaves a fifth or a seventh of the bit rate unused.
+/// Size of the encoder's VBV buffer, in pictures. No unit is larger, and none takes longer on a link with the
+/// configured bit rate. With two or three pictures libx264 leaves a fifth or a seventh of the bit rate
+/// unused.
 constexpr double kBuffer_frames = 4;
 
 std::string refusal(const VideoFormat& format) {
@@ -29,7 +30,7 @@ std::string refusal(const VideoFormat& format) {
   return "";
 }
 
-/// The one thread makes bytes that are the same on machines with any number of cores.
+/// One thread, so that the bytes do not depend on the number of cores.
 void describe(const VideoFormat& format, AVCodecContext& context) {
   const AVRational rate = av_d2q(format.frames_per_second, 1'000'000);
   context.width = narrow<int>(format.size.width);
@@ -92,7 +93,7 @@ VideoEncoder::~VideoEncoder() = default;
 
 Expected<VideoEncoder> VideoEncoder::create(const VideoFormat& format) {
   if (const std::string why = refusal(format); !why.empty()) return fail(Fault::OutOfRange, why);
-  av_log_set_level(AV_LOG_QUIET);  // what it has to say comes back as codes
+  av_log_set_level(AV_LOG_QUIET);  // its return codes report errors
   const AVCodec* codec = avcodec_find_encoder_by_name("libx264");
   if (codec == nullptr)
     return fail(Fault::Unavailable, "this libavcodec has no libx264: install one that has, as Debian's");

@@ -93,7 +93,7 @@ Decoded<codec::Header> read_header(ByteReader& io) {
   return header;
 }
 
-/// Cheapest checks first: a flood of these must cost nothing.
+/// Cheapest checks first, so that a flood of Hellos is cheap.
 Decoded<ClientEnvelope> read_hello(ByteReader io, std::uint16_t version) {
   if (io.remaining() + 7 != kMaxDatagram_bytes) return refuse(WireRefusal::Padding);
   if (version != kProtocolVersion) {

@@ -13,7 +13,7 @@ namespace {
 static_assert(sizeof(PublicKey) == crypto_kx_PUBLICKEYBYTES && Secret::size() == crypto_kx_SECRETKEYBYTES);
 static_assert(Secret::size() == crypto_kx_SESSIONKEYBYTES);
 
-/// BLAKE2b-256 of parts one after the other, keyed or not.
+/// BLAKE2b-256 of a sequence of parts, with or without a key.
 class Hash {
  public:
   explicit Hash(std::span<const std::uint8_t> key = {}) {
@@ -46,10 +46,10 @@ std::array<std::uint8_t, 32> proof_of(std::span<const std::byte> hello_datagram,
   return Hash(key.secret).add("farshade-2 hello").add(hello_datagram.first(kHelloProved_bytes)).finish();
 }
 
-/// The secrets of one session: two X25519 keys (crypto_kx), the shared key, and all that was said in the
-/// open.
+/// The key schedule of one session: two X25519 secrets (crypto_kx), the shared key, and the transcript of the
+/// unencrypted handshake.
 struct Schedule {
-  Secret up, down;  ///< crypto_kx's, from and to the client
+  Secret up, down;  ///< from crypto_kx: from the client, and to the client
   const SharedKey& key;
   std::array<std::uint8_t, 32> transcript;
 
@@ -66,8 +66,8 @@ struct Schedule {
   [[nodiscard]] Secret accept_key() const { return derive("farshade-2 accept"); }
 };
 
-/// Not the cookie, nor the proof that covers it: an answer that was on its way while the client was given a
-/// newer cookie still opens.
+/// Excludes the cookie and the proof, which covers the cookie: an Accept that was on its way when the client
+/// got a newer cookie still opens.
 std::array<std::uint8_t, 32> transcript_of(std::span<const std::byte> hello_datagram,
                                            std::span<const std::byte> accept_datagram) {
   return Hash()

@@ -36,7 +36,7 @@ bool is_name(std::string_view name) {
          std::all_of(name.begin(), name.end(), is_name_character);
 }
 
-/// The next word of `line`, which then begins behind it; empty at its end.
+/// Removes and returns the next word of `line`; empty at its end.
 std::string_view take_word(std::string_view& line) {
   line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
   const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
@@ -44,7 +44,7 @@ std::string_view take_word(std::string_view& line) {
   return word;
 }
 
-/// The next line of `text`, which then begins behind it.
+/// Removes and returns the next line of `text`.
 std::string_view take_line(std::string_view& text) {
   const std::string_view line = text.substr(0, text.find('\n'));
   text.remove_prefix(std::min(line.size() + 1, text.size()));
@@ -59,7 +59,7 @@ bool read_secret(std::string_view digits, Secret& secret) {
          bytes == secret.size();
 }
 
-/// A line that is neither blank nor a comment. What it says is not repeated in errors: it may be a secret.
+/// Parses a line that is neither blank nor a comment. Errors do not quote it, since it may contain a secret.
 Expected<SharedKey> read_key(std::string_view line, const std::string& place) {
   SharedKey key;
   if (const std::string_view format = take_word(line); format != kFormat) {
@@ -77,8 +77,8 @@ Expected<SharedKey> read_key(std::string_view line, const std::string& place) {
   return key;
 }
 
-/// Which lines names and secrets first stood in.
-class Seen {
+/// The line numbers of names and secrets, to detect duplicates.
+class DuplicateCheck {
  public:
   Expected<void> add(const SharedKey& key, std::size_t line, const std::string& place) {
     const auto [name, is_new_name] = names_.emplace(key.name, line);
@@ -103,7 +103,7 @@ Expected<std::string> read_text(const fs::path& path) {
   });
 }
 
-/// The folders on the way to `path`, for this user alone where they are new.
+/// Makes the missing folders of `path`, for this user only.
 Expected<void> make_folders(const fs::path& path) {
   const fs::path folder = path.parent_path();
   std::error_code error;
@@ -116,7 +116,7 @@ Expected<void> make_folders(const fs::path& path) {
 }
 
 fs::path config_folder() {
-  // A relative XDG_CONFIG_HOME is to be ignored: XDG Base Directory Specification 0.8.
+  // A relative XDG_CONFIG_HOME must be ignored: XDG Base Directory Specification 0.8.
   if (const char* config = std::getenv("XDG_CONFIG_HOME");
       config != nullptr && fs::path(config).is_absolute())
     return fs::path(config) / "farshade";
@@ -156,7 +156,7 @@ Expected<std::vector<SharedKey>> parse_keys(std::string_view text, std::string_v
   if (text.size() > kMaxKeyFileBytes)
     return fail(Fault::OutOfRange, file + ": more than " + std::to_string(kMaxKeyFileBytes) + " bytes");
   std::vector<SharedKey> keys;
-  Seen seen;
+  DuplicateCheck duplicates;
   for (std::size_t number = 1; !text.empty(); ++number) {
     const std::string_view line = take_line(text);
     const std::size_t first = line.find_first_not_of(kBlanks);
@@ -164,7 +164,7 @@ Expected<std::vector<SharedKey>> parse_keys(std::string_view text, std::string_v
     const std::string place = file + ":" + std::to_string(number) + ": ";
     Expected<SharedKey> key = read_key(line, place);
     if (!key) return tl::unexpected(key.error());
-    if (const Expected<void> added = seen.add(*key, number, place); !added)
+    if (const Expected<void> added = duplicates.add(*key, number, place); !added)
       return tl::unexpected(added.error());
     if (keys.size() == kMaxRingKeys)
       return fail(Fault::OutOfRange, place + "more than " + std::to_string(kMaxRingKeys) + " keys");

@@ -48,18 +48,18 @@ Decoded<std::uint32_t> decode_plane_tiles(const PlaneSlice& slice, PixelPlane& p
   const std::optional<std::span<const std::byte>> tiles = open_block(slice.block, opened);
   if (!tiles) return refuse(WireRefusal::Block);
 
-  // Once to look, once to write: nothing is written from a slice that turns out to be broken further on.
+  // Checks all tiles first, so that nothing is written from a damaged slice.
   const PlaneLanes lanes = lanes_of(slice.kind, slice.word_bytes);
-  ByteReader looked(*tiles);
+  ByteReader checked(*tiles);
   for (std::uint32_t i = 0; i < slice.tile_count; ++i)
-    if (const Decoded<void> tile = skip_plane_tile(looked, lanes); !tile) return refuse(tile.error());
-  if (looked.remaining() > 0) return refuse(WireRefusal::TileLength);
+    if (const Decoded<void> tile = skip_plane_tile(checked, lanes); !tile) return refuse(tile.error());
+  if (checked.remaining() > 0) return refuse(WireRefusal::TileLength);
 
   ByteReader in(*tiles);
   TileWords words;
   std::uint32_t learned = 0;
   for (std::uint32_t tile = slice.first_tile; tile < slice.first_tile + slice.tile_count; ++tile) {
-    check(read_plane_tile(in, lanes, words).has_value(), "a tile that was looked at is whole");
+    check(read_plane_tile(in, lanes, words).has_value(), "a checked tile is complete");
     store_tile(words, grid.rect(tile), plane);
     learned += known[tile] == 0;
     known[tile] = 1;

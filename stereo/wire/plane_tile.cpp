@@ -12,13 +12,13 @@ constexpr std::uint32_t low_bits(std::uint32_t bits) {
   return bits == 0 ? 0 : ~0u >> (32 - bits);
 }
 
-/// Small differences of either sign, modulo 2^bits, as small numbers: 0, -1, 1, -2 ... as 0, 1, 2, 3 ...
-std::uint32_t folded(std::uint32_t difference, std::uint32_t bits) {
+/// Zigzag coding modulo 2^bits: 0, -1, 1, -2, ... become 0, 1, 2, 3, ...
+std::uint32_t zigzag(std::uint32_t difference, std::uint32_t bits) {
   const std::uint32_t negative = difference >> (bits - 1) & 1;
   return (difference << 1 ^ (0 - negative)) & low_bits(bits);
 }
-std::uint32_t unfolded(std::uint32_t rest) {
-  return rest >> 1 ^ (0 - (rest & 1));
+std::uint32_t unzigzag(std::uint32_t residual) {
+  return residual >> 1 ^ (0 - (residual & 1));
 }
 
 std::uint32_t gradient(const std::uint32_t* lane, std::uint32_t x, std::uint32_t y) {
@@ -39,51 +39,51 @@ std::uint32_t predicted(const std::uint32_t* lane, std::uint32_t x, std::uint32_
   return How == Prediction::Gradient ? gradient(lane, x, y) : median(lane, x, y);
 }
 
-/// Calls act(i, x, y) for all pixels but the first, of which nothing predicts anything.
+/// Calls act(i, x, y) for all pixels but the first, which has no prediction.
 template <class Act>
 void for_the_others(Act act) {
   for (std::uint32_t i = 1; i < kTilePixelCount; ++i) act(i, i % kSide, i / kSide);
 }
 
-/// What prediction leaves of a lane.
-struct Rests {
+/// The residuals of a lane.
+struct Residuals {
   Prediction how;
-  TileWords of{};                           ///< folded; the first pixel's is 0
-  std::array<std::uint32_t, kSide> rows{};  ///< all bits of a row
-  std::uint32_t width = 0;                  ///< bits of the largest
-  std::size_t row_count = 0;                ///< rows of bit planes that hold anything
+  TileWords of{};                           ///< zigzag-coded; the first pixel's is 0
+  std::array<std::uint32_t, kSide> rows{};  ///< OR of each row
+  std::uint32_t width = 0;                  ///< bits of the largest residual
+  std::size_t row_count = 0;                ///< non-empty rows of bit planes
 
   [[nodiscard]] std::size_t bytes() const { return 2 * (width + row_count); }
 };
 
 template <Prediction How>
-Rests rests_of(const TileWords& lane, std::uint32_t bits) {
-  Rests rests{.how = How};
+Residuals residuals_of(const TileWords& lane, std::uint32_t bits) {
+  Residuals residuals{.how = How};
   for_the_others([&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
-    rests.of[i] = folded((lane[i] - predicted<How>(&lane[i], x, y)) & low_bits(bits), bits);
+    residuals.of[i] = zigzag((lane[i] - predicted<How>(&lane[i], x, y)) & low_bits(bits), bits);
   });
   std::uint32_t all = 0;
   for (std::uint32_t y = 0; y < kSide; ++y) {
-    for (std::uint32_t x = 0; x < kSide; ++x) rests.rows[y] |= rests.of[y * kSide + x];
-    all |= rests.rows[y];
-    rests.row_count += static_cast<std::size_t>(std::popcount(rests.rows[y]));
+    for (std::uint32_t x = 0; x < kSide; ++x) residuals.rows[y] |= residuals.of[y * kSide + x];
+    all |= residuals.rows[y];
+    residuals.row_count += static_cast<std::size_t>(std::popcount(residuals.rows[y]));
   }
-  rests.width = static_cast<std::uint32_t>(std::bit_width(all));
-  return rests;
+  residuals.width = static_cast<std::uint32_t>(std::bit_width(all));
+  return residuals;
 }
 
-/// A lane's first byte on the wire: bits of the largest rest, prediction above.
+/// A coded lane's first byte: bits of the largest residual, and the prediction above them.
 constexpr std::uint32_t kPredictionShift = 6;
 
-void write_rests(const Rests& rests, ByteWriter& io) {
-  for (std::uint32_t bit = rests.width; bit-- > 0;) {
+void write_residuals(const Residuals& residuals, ByteWriter& io) {
+  for (std::uint32_t bit = residuals.width; bit-- > 0;) {
     std::uint32_t holding = 0;
-    for (std::uint32_t y = 0; y < kSide; ++y) holding |= (rests.rows[y] >> bit & 1) << y;
+    for (std::uint32_t y = 0; y < kSide; ++y) holding |= (residuals.rows[y] >> bit & 1) << y;
     io.u16(holding);
     for (std::uint32_t y = 0; y < kSide; ++y) {
       if ((holding >> y & 1) == 0) continue;
       std::uint32_t row = 0;
-      for (std::uint32_t x = 0; x < kSide; ++x) row |= (rests.of[y * kSide + x] >> bit & 1) << x;
+      for (std::uint32_t x = 0; x < kSide; ++x) row |= (residuals.of[y * kSide + x] >> bit & 1) << x;
       io.u16(row);
     }
   }
@@ -91,24 +91,25 @@ void write_rests(const Rests& rests, ByteWriter& io) {
 
 void write_lane(const TileWords& lane, std::uint32_t bits, std::vector<std::byte>& out) {
   ByteWriter io(out);
-  Rests rests = rests_of<Prediction::Gradient>(lane, bits);
-  if (rests.width > 0)
-    if (const Rests other = rests_of<Prediction::Median>(lane, bits); other.bytes() < rests.bytes())
-      rests = other;
-  io.u8(rests.width | static_cast<std::uint32_t>(rests.how) << kPredictionShift);
+  Residuals residuals = residuals_of<Prediction::Gradient>(lane, bits);
+  if (residuals.width > 0)
+    if (const Residuals other = residuals_of<Prediction::Median>(lane, bits);
+        other.bytes() < residuals.bytes())
+      residuals = other;
+  io.u8(residuals.width | static_cast<std::uint32_t>(residuals.how) << kPredictionShift);
   for (std::uint32_t bit = 0; bit < bits; bit += 8) io.u8(lane[0] >> bit & 0xff);
-  write_rests(rests, io);
+  write_residuals(residuals, io);
 }
 
-/// A lane as it lies on the wire, found to be whole.
+/// A coded lane that was found to be complete.
 struct WrittenLane {
   Prediction how;
   std::uint32_t width = 0, first = 0;
-  ByteReader rests;
+  ByteReader residuals;
 };
 
-/// Steps over bit planes. False where they end too early.
-bool skip_rests(ByteReader& in, std::uint32_t width) {
+/// Skips bit planes. False if they end early.
+bool skip_residuals(ByteReader& in, std::uint32_t width) {
   for (; width > 0; --width) {
     std::uint32_t holding = 0, row = 0;
     if (!in.u16(holding)) return false;
@@ -131,40 +132,40 @@ Decoded<WrittenLane> find_lane(ByteReader& in, std::uint32_t bits) {
     first |= byte << bit;
   }
   WrittenLane lane{how, width, first, in};
-  if (!skip_rests(in, width)) return refuse(WireRefusal::TileLength);
+  if (!skip_residuals(in, width)) return refuse(WireRefusal::TileLength);
   return lane;
 }
 
-void read_rests(ByteReader in, std::uint32_t width, TileWords& rests) {
-  rests.fill(0);
+void read_residuals(ByteReader in, std::uint32_t width, TileWords& residuals) {
+  residuals.fill(0);
   for (std::uint32_t bit = width; bit-- > 0;) {
     std::uint32_t holding = 0;
     in.u16(holding);
     for (; holding != 0; holding &= holding - 1) {
       std::uint32_t row = 0;
       in.u16(row);
-      std::uint32_t* const rest = &rests[static_cast<std::size_t>(std::countr_zero(holding)) * kSide];
+      std::uint32_t* const rest = &residuals[static_cast<std::size_t>(std::countr_zero(holding)) * kSide];
       for (std::uint32_t x = 0; x < kSide; ++x) rest[x] |= (row >> x & 1) << bit;
     }
   }
 }
 
 template <Prediction How>
-void restore(const TileWords& rests, std::uint32_t bits, TileWords& lane) {
+void restore(const TileWords& residuals, std::uint32_t bits, TileWords& lane) {
   for_the_others([&](std::uint32_t i, std::uint32_t x, std::uint32_t y) {
-    lane[i] = (predicted<How>(&lane[i], x, y) + unfolded(rests[i])) & low_bits(bits);
+    lane[i] = (predicted<How>(&lane[i], x, y) + unzigzag(residuals[i])) & low_bits(bits);
   });
 }
 
 void expand(const WrittenLane& written, std::uint32_t bits, TileWords& lane) {
   if (written.width == 0) return lane.fill(written.first);
-  TileWords rests;
-  read_rests(written.rests, written.width, rests);
+  TileWords residuals;
+  read_residuals(written.residuals, written.width, residuals);
   lane[0] = written.first;
   if (written.how == Prediction::Gradient)
-    restore<Prediction::Gradient>(rests, bits, lane);
+    restore<Prediction::Gradient>(residuals, bits, lane);
   else
-    restore<Prediction::Median>(rests, bits, lane);
+    restore<Prediction::Median>(residuals, bits, lane);
 }
 
 }  // namespace

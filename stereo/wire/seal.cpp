@@ -14,7 +14,7 @@ static_assert(Secret::size() == crypto_aead_chacha20poly1305_ietf_KEYBYTES);
 
 using Nonce = std::array<std::uint8_t, crypto_aead_chacha20poly1305_ietf_NPUBBYTES>;
 
-/// Four zeros, then the counter, little-endian.
+/// Four zero bytes, then the counter, little-endian.
 Nonce nonce_of(std::uint64_t counter) {
   Nonce nonce{};
   for (std::size_t i = 0; i < 8; ++i) nonce[4 + i] = static_cast<std::uint8_t>(counter >> (8 * i));
@@ -25,7 +25,7 @@ const std::uint8_t* octets(std::span<const std::byte> bytes) {
   return reinterpret_cast<const std::uint8_t*>(bytes.data());
 }
 
-/// Appends `message`, sealed, to `out`, whose bytes from `around` on it is bound to.
+/// Appends the sealed `message` to `out`. The tag also authenticates `around`.
 void append_sealed(const Secret& key, Sealing sealing, std::uint64_t counter,
                    std::span<const std::byte> around, std::span<const std::byte> message,
                    std::vector<std::byte>& out) {
@@ -66,7 +66,7 @@ std::uint64_t Sealer::seal(std::span<const std::byte> message, std::vector<std::
   check(message.size() <= kMaxMessage_bytes, "a message fits into a sealed datagram");
   const std::uint64_t counter = next_++;
   encode(Sealed{session_, counter, {}}, datagram);
-  datagram.reserve(kMaxDatagram_bytes);  // `around` stays where it is
+  datagram.reserve(kMaxDatagram_bytes);  // so that `around` is not reallocated
   append_sealed(key_, sealing_, counter, std::span(datagram).first(kSealedHeader_bytes), message, datagram);
   return counter;
 }

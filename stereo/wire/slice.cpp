@@ -38,7 +38,7 @@ std::optional<Slice> SlicePacker::next() {
   return made;
 }
 
-/// Writes tiles until a slice's worth lies ready, or the plane ends.
+/// Codes tiles until there are enough for a slice, or the plane ends.
 void SlicePacker::write_ahead() {
   const TileGrid grid{slice_.size};
   const std::uint32_t lights = mask_->layout().lights_in(slice_.plane);
@@ -67,14 +67,14 @@ Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, EyeMask& mask, Kno
   const std::optional<std::span<const std::byte>> tiles = open_block(slice.block, opened);
   if (!tiles) return refuse(WireRefusal::Block);
 
-  // Once to look, once to write: nothing is written from a slice that turns out to be broken further on.
+  // Checks all tiles first, so that nothing is written from a damaged slice.
   const std::uint32_t lights = layout.lights_in(slice.plane);
   TileBits bits;
-  ByteReader looked(*tiles);
+  ByteReader checked(*tiles);
   for (std::uint32_t i = 0; i < slice.tile_count; ++i)
-    if (const Decoded<TileCoding> coding = read_tile(looked, lights, bits); !coding)
+    if (const Decoded<TileCoding> coding = read_tile(checked, lights, bits); !coding)
       return refuse(coding.error());
-  if (looked.remaining() > 0) return refuse(WireRefusal::TileLength);
+  if (checked.remaining() > 0) return refuse(WireRefusal::TileLength);
 
   ByteReader in(*tiles);
   std::uint32_t learned = 0;

@@ -33,8 +33,9 @@ TileBlocks::Packed TileBlocks::pack(std::span<std::byte> block) {
   return packed;
 }
 
-/// LZ4 tells how many bytes it could fit; the tile that they end in is left for the next block. What is
-/// before it is compressed again, alone, and hardly ever grows by that; if it does, one more tile is left.
+/// LZ4 returns how many bytes fit. The tile in which they end is left for the next block. The complete tiles
+/// before it are compressed again. If that needs more bytes, which is rare, one more tile is left for the
+/// next block.
 TileBlocks::Packed TileBlocks::compress(std::span<std::byte> block) const {
   int taken = static_cast<int>(written_.size());
   const int filled = LZ4_compress_destSize(chars(written_.data()), chars(block.data()), &taken,

@@ -12,10 +12,10 @@ static_assert(std::endian::native == std::endian::little, "pixel i of eight is b
 constexpr std::uint32_t kSide = kTileSide_px;
 constexpr std::uint64_t kEachByte = 0x0101010101010101;
 
-/// Eight of a mask word's lights at all pixels of a tile: a byte a pixel, two words a row.
+/// Eight lights of a mask word in all pixels of a tile: one byte for each pixel, two words for each row.
 using ByteBlock = std::array<std::array<std::uint64_t, 2>, kSide>;
 
-/// Where the bytes of lights 8 * group.. of a tile's plane lie in a mask.
+/// The place of the bytes of lights from 8 * group on, of a tile's plane, in a mask.
 struct BlockPlace {
   std::size_t offset, row_bytes, pixel_bytes;
   std::uint32_t width, height;  ///< pixels
@@ -57,8 +57,8 @@ void store_block(const ByteBlock& block, const BlockPlace& place, std::span<std:
   }
 }
 
-/// Bit `light` of eight pixels as a byte. The product brings bit 8 i to bit 56 + i; no two terms meet, so
-/// none carries.
+/// Bit `light` of eight pixels as a byte. The product moves bit 8 i to bit 56 + i. No two terms overlap, so
+/// there is no carry.
 std::uint32_t gather_bits(std::uint64_t pixels, std::uint32_t light) {
   return static_cast<std::uint32_t>(((pixels >> light & kEachByte) * 0x0102040810204080) >> 56);
 }
@@ -77,7 +77,7 @@ PlaneRows rows_of(const ByteBlock& block, std::uint32_t light) {
   return rows;
 }
 
-/// All eight bytes of `word` and-ed.
+/// AND of the eight bytes of `word`.
 std::uint32_t and_of_bytes(std::uint64_t word) {
   word &= word >> 32;
   word &= word >> 16;
@@ -91,15 +91,16 @@ void for_each_bit(std::uint32_t word, Act act) {
   for (; word != 0; word &= word - 1) act(static_cast<std::uint32_t>(std::countr_zero(word)));
 }
 
-// ---- a plane's rows as flips
+// ---- rows as flipped pixels
 
 std::uint32_t run_of(std::uint32_t first, std::uint32_t last) {
   return (2u << last) - (1u << first);
 }
 
-/// A row's flips as runs, the outermost first: from the first to the last flip, then what is left inside. A
-/// run is a byte of two pixels, the first in the low nibble; they are swapped while more runs follow, and
-/// such a run has two pixels at least, as there is something inside of it.
+/// Writes a row's flips as runs, the outermost first: from the first to the last flip, then the flips that
+/// remain inside. A run is one byte with its first pixel in the low nibble and its last in the high nibble.
+/// They are swapped if another run follows; such a run has at least two pixels, since the next one lies
+/// inside.
 std::byte* write_flips(std::uint32_t flips, std::byte* out) {
   for (;;) {
     const auto first = static_cast<std::uint32_t>(std::countr_zero(flips));
@@ -126,7 +127,7 @@ bool read_flips(ByteReader& in, std::uint32_t& flips) {
 
 constexpr std::size_t kRawRows_bytes = 2 * kSide;
 
-/// Row changes in at most kRawRows_bytes bytes of `out`: their number, or 0 where they would need more.
+/// Writes row changes to `out` and returns their size, or 0 if they need more than kRawRows_bytes.
 std::size_t write_changes(const PlaneRows& rows, std::array<std::byte, kRawRows_bytes + 8>& out) {
   std::byte* end = out.data() + 2;
   std::uint32_t changed = 0, above = 0;
@@ -158,7 +159,7 @@ bool read_rows(ByteReader& in, PlaneRows& rows) {
   return std::all_of(rows.begin(), rows.end(), [&in](std::uint16_t& row) { return in.u16(row); });
 }
 
-// ---- words of one bit a light: as many bytes as the plane's lights need
+// ---- words with one bit for each light, in as many bytes as the plane's lights need
 
 void write_lights(ByteWriter out, std::uint32_t word, std::uint32_t lights) {
   for (std::uint32_t bit = 0; bit < lights; bit += 8) out.u8(word >> bit & 0xff);

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "rt_server/core/server_core.h"
-#include "stereo/net/virtual_link.h"
 #include "tests/fuzz/edits.h"
+#include "tests/support/virtual_link.h"
 #include "tests/unit/answers_from.h"
 #include "vr_client/link/network_link.h"
 

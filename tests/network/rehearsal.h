@@ -8,7 +8,7 @@
 
 #include "rt_server/core/server_core.h"
 #include "stereo/head/head_recording.h"
-#include "stereo/net/virtual_link.h"
+#include "tests/support/virtual_link.h"
 #include "vr_client/frame/frame_loop.h"
 #include "vr_client/link/network_link.h"
 #include "vr_client/report/frame_log.h"

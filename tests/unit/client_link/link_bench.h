@@ -6,7 +6,7 @@
 #include <map>
 #include <optional>
 
-#include "stereo/net/virtual_link.h"
+#include "tests/support/virtual_link.h"
 #include "tests/unit/link_client.h"
 #include "vr_client/link/network_link.h"
 

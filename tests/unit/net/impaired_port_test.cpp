@@ -7,7 +7,7 @@
 
 #include "stereo/net/impaired_port.h"
 #include "stereo/net/udp.h"
-#include "stereo/net/virtual_link.h"
+#include "tests/support/virtual_link.h"
 
 namespace farshade {
 namespace {

@@ -144,6 +144,19 @@ TEST(PictureAssembly, RefusesWhatWasNotWanted) {
   EXPECT_EQ(assembler.counters().refused[WireRefusal::AnswerSpec], planes.size());
 }
 
+TEST(PictureAssembly, RefusesPositionsInAGBuffer) {
+  const FrameRequest asked = request(1, Answer::GBuffer);
+  PixelPlane plane(asked.views[0].size, 4);
+  PlanePacker packer;
+  for (const PlaneKind kind : {PlaneKind::PositionX, PlaneKind::PositionZ}) {
+    Assembler assembler;
+    assembler.expect(asked, {3}, kFirstLightSet);
+    packer.start({1}, Side::Left, kind, plane);
+    EXPECT_EQ(assembler.accept(*packer.next()), nullptr);
+    EXPECT_EQ(assembler.counters().refused[WireRefusal::AnswerSpec], 1u);
+  }
+}
+
 TEST(PictureAssembly, RefusesAPartOfAnotherCut) {
   Assembler assembler;
   assembler.expect(request(8, Answer::Video), {3}, kFirstLightSet);

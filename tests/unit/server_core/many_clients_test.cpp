@@ -7,7 +7,7 @@
 #include <deque>
 #include <random>
 
-#include "stereo/net/virtual_link.h"
+#include "tests/support/virtual_link.h"
 #include "tests/unit/link_client.h"
 
 namespace farshade {

@@ -1,8 +1,8 @@
 // Requests with positions: the server waits for them until a timeout, and accepts no more than announced.
 #include <gtest/gtest.h>
 
-#include "stereo/net/virtual_link.h"
 #include "stereo/wire/plane_codec.h"
+#include "tests/support/virtual_link.h"
 #include "tests/unit/link_client.h"
 
 namespace farshade {

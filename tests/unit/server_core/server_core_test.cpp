@@ -6,7 +6,7 @@
 
 #include "rt_server/core/serve.h"
 #include "stereo/net/udp.h"
-#include "stereo/net/virtual_link.h"
+#include "tests/support/virtual_link.h"
 #include "tests/unit/link_client.h"
 
 namespace farshade {

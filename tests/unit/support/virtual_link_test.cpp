@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "stereo/net/virtual_link.h"
 #include "stereo/wire/messages.h"
+#include "tests/support/virtual_link.h"
 
 namespace farshade {
 namespace {

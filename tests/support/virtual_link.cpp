@@ -1,4 +1,4 @@
-#include "stereo/net/virtual_link.h"
+#include "tests/support/virtual_link.h"
 
 #include <algorithm>
 #include <deque>
@@ -32,7 +32,7 @@ struct VirtualLink::Impl {
   struct Direction {
     Impairment path;
     const Port* reader = nullptr;
-    std::optional<std::uint64_t> shown;  ///< the datagram that the others were last told of
+    std::optional<std::uint64_t> shown;  ///< the last datagram for which the others were called
   };
   struct Client {
     std::unique_ptr<Port> port;
@@ -43,9 +43,9 @@ struct VirtualLink::Impl {
 
   Impl(ManualClock& time, const LinkModels& models, std::size_t count);
 
-  /// Of the directions that are `wanted` and not empty the one whose datagram arrives first.
-  template <class Wanted>
-  [[nodiscard]] Direction* first(const Wanted& wanted);
+  /// Of the non-empty directions for which `matches` is true, the one whose datagram arrives first.
+  template <class Matches>
+  [[nodiscard]] Direction* first(const Matches& matches);
 
   void move(std::size_t i);
 
@@ -171,12 +171,12 @@ VirtualLink::Impl::Impl(ManualClock& time, const LinkModels& models, std::size_t
   }
 }
 
-template <class Wanted>
-VirtualLink::Impl::Direction* VirtualLink::Impl::first(const Wanted& wanted) {
+template <class Matches>
+VirtualLink::Impl::Direction* VirtualLink::Impl::first(const Matches& matches) {
   Direction* best = nullptr;
   const auto consider = [&](Direction& each) {
     const InTransit* const front = each.path.front();
-    if (front != nullptr && wanted(each) && (!best || front->arrival < best->path.front()->arrival))
+    if (front != nullptr && matches(each) && (!best || front->arrival < best->path.front()->arrival))
       best = &each;
   };
   for (Client& client : clients) {
