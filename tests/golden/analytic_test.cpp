@@ -7,6 +7,7 @@
 
 #include "stereo/scene/scene_state.h"
 #include "tests/golden/test_rig.h"
+#include "tests/oracle/scene_builder.h"
 
 namespace farshade {
 namespace {
@@ -125,6 +126,45 @@ TEST_F(PaperPicture, IsNotOnPaperWhenThePoseDeltaIsIgnored) {
       rig_.ask(kTraced, rig_.eyes(moved(rig_.head(), 3 * std::numbers::pi / 180, {0.02, 0, 0})));
   const Shown ignored = rig_.show(now_, {stale.traced_mask()}, {.lookup = Lookup::Direct});
   EXPECT_GT(check_plane(ignored, now_, 0.04).unlike, 500u);
+}
+
+class Formula : public OnLavapipe {};
+
+/// A spot with a range and a soft cone above a white floor. No mask exists, so every pixel is lit.
+TEST_F(Formula, RangeAndConeFallOffAsTheExtensionSays) {
+  const glm::dvec3 at(0.3, 2, -0.2);
+  const double range_m = 3, outer_rad = 0.9;
+  SceneBuilder builder;
+  builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
+  builder.spot_light(at, {0, -1, 0}, static_cast<float>(outer_rad));
+  Scene scene = builder.build();
+  scene.lights[0].range_m = static_cast<float>(range_m);
+  scene.lights[0].intensity = glm::vec3(30);
+  const Light light = state_at(scene, Time{}).light_set.lights[0];
+  TestRig rig(device_, std::move(scene), 192);
+  const StereoView views = rig.eyes(head_looking({0.4, 1.8, 3}, {0, 0, 0}));
+  const Shown shown = rig.show(views, {});
+  const double inner = std::cos(double{light.inner_cone_rad}), outer = std::cos(double{light.outer_cone_rad});
+  std::size_t checked = 0, wrong = 0, dark = 0;
+  for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t) {
+    const View& view = views[index_of(side)];
+    const glm::dvec3 ray =
+        view.stage_from_eye.rotation * pixel_ray(tangents_of(view.fov), view.size, {x + 0.5, y + 0.5});
+    const glm::dvec3 p = view.stage_from_eye.translation - ray * (view.stage_from_eye.translation.y / ray.y);
+    const glm::dvec3 to_light = at - p;
+    const double d = glm::length(to_light), down = to_light.y / d;
+    const double cone = std::clamp((down - outer) / (inner - outer), 0.0, 1.0);
+    const double window = std::clamp(1 - std::pow(d / range_m, 4), 0.0, 1.0);
+    const glm::dvec3 irradiance = glm::dvec3(light.intensity) * (down * cone * cone * window / (d * d));
+    const int grey = srgb8(std::min(irradiance.x / std::numbers::pi, 1.0));
+    ++checked;
+    dark += grey == 0;
+    wrong += std::abs(int{shown.pictures[index_of(side)].at(x, y).x} - grey) > 1;
+  });
+  EXPECT_GT(checked, 20'000u);
+  EXPECT_GT(dark, 1000u);
+  EXPECT_GT(checked - dark, 5000u);
+  EXPECT_EQ(wrong, 0u) << "of " << checked;
 }
 
 }  // namespace

@@ -192,6 +192,40 @@ TEST_F(Stale, WallBehindAMovingBoxKeepsWhatNothingPassed) {
   }
 }
 
+/// `mask` with random bits for `light`, which is one of up to 8.
+Mask with_noise_for(Mask mask, std::uint32_t light, std::uint64_t seed) {
+  const Mask noise = with_noise(mask, seed);
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    for (std::uint32_t y = 0; y < mask.bits[eye].size().height; ++y)
+      for (std::uint32_t x = 0; x < mask.bits[eye].size().width; ++x) {
+        const std::uint32_t own = mask.bits[eye].word(x, y), other = noise.bits[eye].word(x, y);
+        mask.bits[eye].set_word(x, y, 0, (own & ~(1u << light)) | (other & 1u << light));
+      }
+  return mask;
+}
+
+TEST_F(Stale, LightsOfOlderMasksHaveNoWeightInFilteredEdges) {
+  TestRig rig(device_, moving_light(), 128);
+  const StereoView before = rig.eyes(kBefore), views = rig.eyes(moved(kBefore, 0.01, {0.01, 0, 0}));
+  const Mask older = rig.ask(kOlder, before);
+  rig.set_time(Time(200ms));
+  const Mask newest = rig.ask(kTraced, before);
+  const auto visibilities = [&](const Mask& old, std::uint32_t light) {
+    const Shown shown = rig.show(views, {newest.traced_mask(), old.traced_mask()});
+    std::vector<std::uint8_t> result;
+    for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+      if (source != 0) return;  // other pixels may take their bits from the older mask
+      result.push_back(shown.reports[index_of(side)].visibility[(std::size_t{y} * 128 + x) * 3 + light]);
+    });
+    return result;
+  };
+  const auto with_bits = [&](std::uint32_t light, std::uint64_t seed) {
+    return visibilities(with_noise_for(older, light, seed), light);
+  };
+  EXPECT_EQ(with_bits(1, 7), with_bits(1, 8)) << "light 1 has moved since the older mask";
+  EXPECT_NE(with_bits(0, 7), with_bits(0, 8)) << "light 0 has not moved";
+}
+
 /// A box that moves above a point light, and a directional light from straight above.
 TEST_F(Stale, IsNothingOnAccountOfWhatMovesBeyondTheLight) {
   SceneBuilder builder;
