@@ -238,8 +238,8 @@ TEST_F(Attack, ChangesNothingForAGoodClientNorInMemoryAndIsCounted) {
   std::printf(
       "%lu datagrams from %lu addresses; %lu frames of the good client; %lu bytes sent, %lu got; "
       "the server grew by %.0f KiB\n",
-      sent.total() - calm, strangers_->addresses(), frames, strangers_->bytes_sent(), strangers_->bytes_got(),
-      grown);
+      strangers_->tally().total() - calm, strangers_->addresses(), frames, strangers_->bytes_sent(),
+      strangers_->bytes_got(), grown);
   server_.program().send(SIGTERM);
   EXPECT_EQ(server_.program().wait(), 0);
 }
