@@ -192,10 +192,10 @@ TEST_F(Economy, EverythingIsBuiltBeforeTheFirstFrame) {
 
 /// Draws frames as the client does: each frame requests a mask, and masks arrive three or four frames later.
 TEST_F(Economy, AMaskIsUploadedOnceWhileItIsInUse) {
-  constexpr std::uint32_t kFrames = 24;
+  constexpr std::uint32_t kFrames = 24, kSlots = 8;
   const Scene scene = scene_with({});
   const DrawPlan plan = plan_for(scene).draw;
-  Renderer renderer(device_, scene, plan, {.size = kSize, .traced_size = kSize, .depth_frames = 8});
+  Renderer renderer(device_, scene, plan, {.size = kSize, .traced_size = kSize, .depth_frames = kSlots});
   const SceneState state = state_at(scene, Time{});
   const StereoView views = eyes_at(0.06);
   std::deque<Mask> masks;  // newest first
@@ -216,7 +216,12 @@ TEST_F(Economy, AMaskIsUploadedOnceWhileItIsInUse) {
     std::vector<TracedMask> in_hand;
     for (const Mask& mask : masks) in_hand.push_back(mask.traced_mask());
     const std::uint64_t before = renderer.counters().mask_uploads;
-    renderer.draw({.views = views, .state = state, .asked = &request, .masks = in_hand, .carry_over = {}});
+    renderer.draw({.views = views,
+                   .state = state,
+                   .asked = &request,
+                   .masks = in_hand,
+                   .carry_over = {},
+                   .asked_slot = frame % kSlots});
     EXPECT_EQ(renderer.counters().mask_uploads - before, news) << "frame " << frame;
   }
   EXPECT_GT(traced, kFrames / 2);
