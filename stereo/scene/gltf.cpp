@@ -1,13 +1,11 @@
 #include "stereo/scene/gltf.h"
 
 #include <exception>
-#include <nlohmann/json.hpp>
 
 #include "stereo/base/files.h"
 #include "stereo/scene/gltf_convert.h"
 #include "stereo/scene/gltf_files.h"
 #include "stereo/scene/gltf_parse.h"
-#include "stereo/scene/gltf_schema.h"
 #include "stereo/scene/gltf_validate.h"
 #include "stereo/scene/scene_hash.h"
 
@@ -22,9 +20,7 @@ Expected<Scene> load(std::span<const std::byte> file, const std::filesystem::pat
   gltf::SceneFolder files(folder, limits.external_bytes);
   return gltf::open_container(file).and_then([&](const gltf::Container& container) {
     return gltf::check_json_depth(container.json, limits.json_depth)
-        .and_then([&] { return gltf::parse_json(container.json, !container.bin.empty()); })
-        .and_then(
-            [&](const nlohmann::json& root) { return gltf::parse_document(root, container.bin, files); })
+        .and_then([&] { return gltf::parse_document(container.json, container.bin, files); })
         .and_then([&](const gltf::Document& document) -> Expected<Scene> {
           if (auto valid = gltf::validate(document, limits); !valid) return tl::unexpected(valid.error());
           return gltf::convert(document, limits);

@@ -1,6 +1,6 @@
 #include "stereo/scene/gltf_parse.h"
 
-#include <iterator>
+#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "stereo/scene/gltf_json.h"
@@ -10,53 +10,34 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
+/// Calls `convert(object, index)` for each object of the list `name`.
 template <class To, class Convert>
-std::vector<To> each(const json::array_t& list, Convert convert) {
+std::vector<To> each(const JsonObject& parent, std::string_view name, Convert convert,
+                     Need need = Need::Optional) {
   std::vector<To> result;
-  result.reserve(list.size());
-  std::transform(list.begin(), list.end(), std::back_inserter(result), convert);
+  for (const JsonObject& from : parent.objects(name, need)) result.push_back(convert(from, result.size()));
   return result;
 }
 
-std::uint32_t number_in(const json& object, std::string_view name, std::uint32_t otherwise = 0) {
-  return value_or(object, name, otherwise);
+bool has_weights(const JsonObject& from) {
+  const std::vector<double> weights = from.numbers("weights");
+  return std::any_of(weights.begin(), weights.end(), [](double w) { return w != 0.0; });
 }
 
-std::uint64_t size_in(const json& object, std::string_view name) {
-  return value_or(object, name, std::uint64_t{0});
-}
-
-/// The N numbers of the array `name`; the schema checked how many there are.
-template <class Vector>
-std::optional<Vector> vector_in(const json& object, std::string_view name) {
-  const json& value = member(object, name);
-  if (value.is_null()) return std::nullopt;
-  Vector vector{};
-  for (int i = 0; i < Vector::length(); ++i) vector[i] = value.at(static_cast<std::size_t>(i)).get<double>();
-  return vector;
-}
-
-std::vector<std::uint32_t> indices_in(const json& object, std::string_view name) {
-  return each<std::uint32_t>(list_in(object, name), [](const json& i) { return i.get<std::uint32_t>(); });
-}
-
-bool has_weights(const json& object) {
-  const json::array_t& weights = list_in(object, "weights");
-  return std::any_of(weights.begin(), weights.end(), [](const json& w) { return w.get<double>() != 0.0; });
-}
-
-Expected<Bytes> buffer_from(const json& from, std::size_t index, std::span<const std::byte> bin,
+/// Only the first buffer of a GLB may be its binary chunk; every other buffer needs a URI.
+Expected<Bytes> buffer_from(const JsonObject& from, std::size_t index, std::span<const std::byte> bin,
                             SceneFolder& folder) {
-  const std::uint64_t bytes = size_in(from, "byteLength");
-  const std::string name = label("buffer", index);
-  if (!from.contains("uri")) {
+  const std::uint64_t bytes = from.length("byteLength");
+  const std::string name = label("buffer", index), uri = from.text("uri");
+  if (!from.has("uri")) {
+    if (index > 0 || bin.empty()) return malformed(name + " has neither a URI nor a GLB's binary chunk");
     if (bytes > bin.size())
       return malformed(name + ": " + std::to_string(bytes) + " bytes are more than the binary chunk has (" +
                        std::to_string(bin.size()) + ")");
     const auto* first = reinterpret_cast<const std::uint8_t*>(bin.data());
     return Bytes(first, first + bytes);
   }
-  Expected<Bytes> data = folder.load(text_in(from, "uri"));
+  Expected<Bytes> data = folder.load(uri);
   if (!data) return fail(data.error().fault, name + ": " + data.error().what);
   if (data->size() != bytes)
     return malformed(name + ": its data has " + std::to_string(data->size()) + " bytes, byteLength is " +
@@ -64,10 +45,12 @@ Expected<Bytes> buffer_from(const json& from, std::size_t index, std::span<const
   return data;
 }
 
-Expected<Image> image_from(const json& from, std::size_t index, SceneFolder& folder) {
-  Image to{text_in(from, "name"), index_in(from, "bufferView"), {}, {}};
+Expected<Image> image_from(const JsonObject& from, std::size_t index, SceneFolder& folder) {
+  Image to{from.text("name"), from.index("bufferView"), {}, {}};
+  const std::string uri = from.text("uri");
+  if (from.has("bufferView") == from.has("uri"))
+    return malformed(label("image", index) + " should have either a URI or a buffer view");
   if (to.view) return to;
-  const std::string uri = text_in(from, "uri");
   Expected<Bytes> file = folder.load(uri);
   if (file)
     to.file = std::move(*file);
@@ -78,164 +61,206 @@ Expected<Image> image_from(const json& from, std::size_t index, SceneFolder& fol
   return to;
 }
 
-/// The shape of an element of the types that the schema check knows.
-void set_shape(Accessor& to, std::string_view type) {
-  const auto digit = static_cast<std::uint32_t>(type.back() - '0');
-  to.rows = type == "SCALAR" ? 1 : digit;
-  to.columns = type.starts_with("MAT") ? digit : 1;
+BufferView view_from(const JsonObject& from, std::size_t index) {
+  const BufferView to{from.required_index("buffer"), from.size("byteOffset"), from.length("byteLength"),
+                      from.size("byteStride")};
+  if (from.has("byteStride") && (to.stride < 4 || to.stride > 252 || to.stride % 4 != 0))
+    from.refuse(label("buffer view", index) + ": its stride should be a multiple of 4 from 4 to 252");
+  return to;
 }
 
-Accessor accessor_from(const json& from) {
+struct Shape {
+  std::string_view type;
+  std::uint32_t rows, columns;
+};
+constexpr Shape kShapes[] = {{"SCALAR", 1, 1}, {"VEC2", 2, 1}, {"VEC3", 3, 1}, {"VEC4", 4, 1},
+                             {"MAT2", 2, 2},   {"MAT3", 3, 3}, {"MAT4", 4, 4}};
+
+Accessor accessor_from(const JsonObject& from, std::size_t index) {
   Accessor to;
-  to.view = index_in(from, "bufferView");
-  to.offset = size_in(from, "byteOffset");
-  to.count = size_in(from, "count");
-  to.component = static_cast<Component>(number_in(from, "componentType"));
-  to.normalized = value_or(from, "normalized", false);
-  set_shape(to, member(from, "type").get_ref<const std::string&>());
-  const json& sparse = member(from, "sparse");
-  if (sparse.is_null()) return to;
-  const json &indices = member(sparse, "indices"), &values = member(sparse, "values");
-  to.sparse = Sparse{.count = size_in(sparse, "count"),
-                     .index_view = number_in(indices, "bufferView"),
-                     .value_view = number_in(values, "bufferView"),
-                     .index_offset = size_in(indices, "byteOffset"),
-                     .value_offset = size_in(values, "byteOffset"),
-                     .index_component = static_cast<Component>(number_in(indices, "componentType"))};
+  to.view = from.index("bufferView");
+  to.offset = from.size("byteOffset");
+  to.count = from.length("count");
+  to.component = static_cast<Component>(from.required_index("componentType"));
+  to.normalized = from.flag("normalized");
+  const std::string type = from.text("type", Need::Required);
+  const auto* shape = std::ranges::find(kShapes, type, &Shape::type);
+  if (shape == std::end(kShapes)) {
+    from.refuse(label("accessor", index) + ": unknown type '" + printable(type) + "'");
+    return to;
+  }
+  to.rows = shape->rows;
+  to.columns = shape->columns;
+  const JsonObject sparse = from.object("sparse");
+  if (!sparse) return to;
+  const JsonObject indices = sparse.object("indices", Need::Required),
+                   values = sparse.object("values", Need::Required);
+  to.sparse = Sparse{.count = sparse.required_index("count"),
+                     .index_view = indices.required_index("bufferView"),
+                     .value_view = values.required_index("bufferView"),
+                     .index_offset = indices.index("byteOffset").value_or(0),
+                     .value_offset = values.index("byteOffset").value_or(0),
+                     .index_component = static_cast<Component>(indices.required_index("componentType"))};
   return to;
 }
 
-TextureUse texture_use_from(const json& from) {
-  TextureUse to{.texture = number_in(from, "index"), .texcoord = number_in(from, "texCoord")};
-  const json& transform = extension_in(from, "KHR_texture_transform");
-  if (transform.is_null()) return to;
-  to.offset = vector_in<glm::dvec2>(transform, "offset").value_or(to.offset);
-  to.scale = vector_in<glm::dvec2>(transform, "scale").value_or(to.scale);
-  to.rotation_rad = value_or(transform, "rotation", 0.0);
-  to.texcoord = number_in(transform, "texCoord", to.texcoord);
+TextureUse texture_use_from(const JsonObject& from) {
+  TextureUse to{.texture = from.required_index("index"), .texcoord = from.index("texCoord").value_or(0)};
+  const JsonObject transform = from.extension("KHR_texture_transform");
+  to.offset = transform.vector<glm::dvec2>("offset").value_or(to.offset);
+  to.scale = transform.vector<glm::dvec2>("scale").value_or(to.scale);
+  to.rotation_rad = transform.number("rotation").value_or(0.0);
+  to.texcoord = transform.index("texCoord").value_or(to.texcoord);
   return to;
 }
 
-Material material_from(const json& from) {
-  Material to{.name = text_in(from, "name"),
-              .alpha_mode = text_in(from, "alphaMode", "OPAQUE"),
-              .alpha_cutoff = value_or(from, "alphaCutoff", 0.5),
-              .double_sided = value_or(from, "doubleSided", false),
+Material material_from(const JsonObject& from, std::size_t) {
+  Material to{.name = from.text("name"),
+              .alpha_mode = from.text("alphaMode", Need::Optional, "OPAQUE"),
+              .alpha_cutoff = from.number("alphaCutoff", Sign::NotNegative).value_or(0.5),
+              .double_sided = from.flag("doubleSided"),
               .texture = {}};
-  const json& surface = member(from, "pbrMetallicRoughness");
-  if (surface.is_null()) return to;
-  to.base_color = vector_in<glm::dvec4>(surface, "baseColorFactor").value_or(to.base_color);
-  if (const json& texture = member(surface, "baseColorTexture"); !texture.is_null())
-    to.texture = texture_use_from(texture);
+  const JsonObject surface = from.object("pbrMetallicRoughness");
+  to.base_color = surface.vector<glm::dvec4>("baseColorFactor").value_or(to.base_color);
+  if (const JsonObject texture = surface.object("baseColorTexture")) to.texture = texture_use_from(texture);
   return to;
 }
 
-Primitive primitive_from(const json& from) {
-  Primitive to{.attributes = {},
-               .indices = index_in(from, "indices"),
-               .material = index_in(from, "material"),
-               .mode = static_cast<Mode>(number_in(from, "mode", 4))};
-  for (const auto& [semantic, accessor] : member(from, "attributes").items())
-    to.attributes.emplace(semantic, accessor.get<std::uint32_t>());
-  return to;
+Primitive primitive_from(const JsonObject& from, std::size_t) {
+  return {.attributes = from.required_index_map("attributes"),
+          .indices = from.index("indices"),
+          .material = from.index("material"),
+          .mode = static_cast<Mode>(from.index("mode").value_or(4))};
 }
 
-Node node_from(const json& from) {
+Node node_from(const JsonObject& from, std::size_t index) {
   Node to;
-  to.name = text_in(from, "name");
-  to.children = indices_in(from, "children");
-  to.mesh = index_in(from, "mesh");
-  to.camera = index_in(from, "camera");
-  to.skin = index_in(from, "skin");
+  to.name = from.text("name");
+  to.children = from.indices("children");
+  to.mesh = from.index("mesh");
+  to.camera = from.index("camera");
+  to.skin = from.index("skin");
   to.morphed = has_weights(from);
-  if (const json& light = extension_in(from, "KHR_lights_punctual"); !light.is_null())
-    to.light = index_in(light, "light");
-  to.translation = vector_in<glm::dvec3>(from, "translation");
-  to.scale = vector_in<glm::dvec3>(from, "scale");
-  if (const auto r = vector_in<glm::dvec4>(from, "rotation"))
-    to.rotation = glm::dquat(r->w, r->x, r->y, r->z);
-  const json::array_t& matrix = list_in(from, "matrix");
+  if (const JsonObject light = from.extension("KHR_lights_punctual"))
+    to.light = light.required_index("light");
+  to.translation = from.vector<glm::dvec3>("translation");
+  to.scale = from.vector<glm::dvec3>("scale");
+  if (const auto r = from.vector<glm::dvec4>("rotation")) to.rotation = glm::dquat(r->w, r->x, r->y, r->z);
+  const std::vector<double> matrix = from.numbers("matrix", 16);
   if (matrix.empty()) return to;
+  if (to.translation || to.rotation || to.scale)
+    from.refuse(label("node", index, to.name) + " has both a matrix and translation, rotation or scale");
   to.matrix.emplace();
-  for (int i = 0; i < 16; ++i) (*to.matrix)[i / 4][i % 4] = matrix[static_cast<std::size_t>(i)].get<double>();
+  for (int i = 0; i < 16; ++i) (*to.matrix)[i / 4][i % 4] = matrix[static_cast<std::size_t>(i)];
   return to;
 }
 
-Light light_from(const json& from) {
-  Light to{.name = text_in(from, "name"), .type = text_in(from, "type"), .range_m = {}};
-  to.color = vector_in<glm::dvec3>(from, "color").value_or(to.color);
-  to.intensity = value_or(from, "intensity", 1.0);
-  if (const json& range = member(from, "range"); !range.is_null()) to.range_m = range.get<double>();
-  const json& spot = member(from, "spot");
-  if (spot.is_null()) return to;
-  to.inner_cone_rad = value_or(spot, "innerConeAngle", 0.0);
-  to.outer_cone_rad = value_or(spot, "outerConeAngle", std::numbers::pi / 4);
+Light light_from(const JsonObject& from, std::size_t index) {
+  Light to{.name = from.text("name"),
+           .type = from.text("type", Need::Required),
+           .intensity = from.number("intensity", Sign::NotNegative).value_or(1.0),
+           .range_m = from.number("range", Sign::Positive)};
+  to.color = from.vector<glm::dvec3>("color").value_or(to.color);
+  const JsonObject spot = from.object("spot");
+  if (to.type == "spot" && !spot) from.refuse(label("light", index, to.name) + " is a spot without a cone");
+  to.inner_cone_rad = spot.number("innerConeAngle", Sign::NotNegative).value_or(0.0);
+  to.outer_cone_rad = spot.number("outerConeAngle", Sign::NotNegative).value_or(std::numbers::pi / 4);
   return to;
 }
 
 /// Leaves out channels without a target node, as the specification asks.
-Animation animation_from(const json& from) {
-  Animation to{text_in(from, "name"), {}, {}};
-  for (const json& channel : list_in(from, "channels")) {
-    const json& target = member(channel, "target");
-    if (const Index node = index_in(target, "node"))
-      to.channels.push_back({number_in(channel, "sampler"), *node, text_in(target, "path")});
+Animation animation_from(const JsonObject& from, std::size_t) {
+  Animation to{from.text("name"), {}, {}};
+  for (const JsonObject& channel : from.objects("channels", Need::Required)) {
+    const JsonObject target = channel.object("target", Need::Required);
+    const AnimationChannel read{channel.required_index("sampler"), target.index("node").value_or(0),
+                                target.text("path", Need::Required)};
+    if (target.has("node")) to.channels.push_back(read);
   }
-  to.samplers =
-      each<AnimationSampler>(list_in(from, "samplers"), [](const json& sampler) -> AnimationSampler {
-        return {number_in(sampler, "input"), number_in(sampler, "output"),
-                text_in(sampler, "interpolation", "LINEAR")};
-      });
+  to.samplers = each<AnimationSampler>(
+      from, "samplers",
+      [](const JsonObject& sampler, std::size_t) -> AnimationSampler {
+        return {sampler.required_index("input"), sampler.required_index("output"),
+                sampler.text("interpolation", Need::Optional, "LINEAR")};
+      },
+      Need::Required);
   return to;
 }
 
+void check_version(const JsonObject& asset) {
+  const std::string version = asset.text("version", Need::Required),
+                    least = asset.text("minVersion", Need::Optional, "2.0");
+  if (version.starts_with("2.") && least == "2.0") return;
+  asset.refuse("glTF version " + printable(least == "2.0" ? version : least) + ", only 2.0 is read",
+               Fault::Unsupported);
+}
+
 /// Everything that needs no further file.
-Document description_from(const json& root) {
+Document description_from(const JsonObject& root) {
   Document document;
-  for (const json& name : list_in(root, "extensionsRequired"))
-    document.required_extensions.push_back(name.get<std::string>());
-  document.views = each<BufferView>(list_in(root, "bufferViews"), [](const json& view) -> BufferView {
-    return {number_in(view, "buffer"), size_in(view, "byteOffset"), size_in(view, "byteLength"),
-            size_in(view, "byteStride")};
-  });
-  document.accessors = each<Accessor>(list_in(root, "accessors"), accessor_from);
+  check_version(root.object("asset", Need::Required));
+  document.required_extensions = root.texts("extensionsRequired");
+  document.views = each<BufferView>(root, "bufferViews", view_from);
+  document.accessors = each<Accessor>(root, "accessors", accessor_from);
   document.texture_samplers =
-      each<TextureSampler>(list_in(root, "samplers"), [](const json& sampler) -> TextureSampler {
-        return {number_in(sampler, "wrapS", 10497), number_in(sampler, "wrapT", 10497)};
+      each<TextureSampler>(root, "samplers", [](const JsonObject& sampler, std::size_t) -> TextureSampler {
+        return {sampler.index("wrapS").value_or(10497), sampler.index("wrapT").value_or(10497)};
       });
-  document.textures = each<Texture>(list_in(root, "textures"), [](const json& texture) -> Texture {
-    return {text_in(texture, "name"), index_in(texture, "source"), index_in(texture, "sampler")};
+  document.textures = each<Texture>(root, "textures", [](const JsonObject& texture, std::size_t) -> Texture {
+    return {texture.text("name"), texture.index("source"), texture.index("sampler")};
   });
-  document.materials = each<Material>(list_in(root, "materials"), material_from);
-  document.meshes = each<Mesh>(list_in(root, "meshes"), [](const json& mesh) -> Mesh {
-    return {text_in(mesh, "name"), each<Primitive>(list_in(mesh, "primitives"), primitive_from),
+  document.materials = each<Material>(root, "materials", material_from);
+  document.meshes = each<Mesh>(root, "meshes", [](const JsonObject& mesh, std::size_t) -> Mesh {
+    return {mesh.text("name"), each<Primitive>(mesh, "primitives", primitive_from, Need::Required),
             has_weights(mesh)};
   });
-  document.nodes = each<Node>(list_in(root, "nodes"), node_from);
-  if (const json& lights = extension_in(root, "KHR_lights_punctual"); !lights.is_null())
-    document.lights = each<Light>(list_in(lights, "lights"), light_from);
-  document.animations = each<Animation>(list_in(root, "animations"), animation_from);
+  document.nodes = each<Node>(root, "nodes", node_from);
+  if (const JsonObject lights = root.extension("KHR_lights_punctual"))
+    document.lights = each<Light>(lights, "lights", light_from, Need::Required);
+  document.animations = each<Animation>(root, "animations", animation_from);
   document.scenes = each<std::vector<std::uint32_t>>(
-      list_in(root, "scenes"), [](const json& scene) { return indices_in(scene, "nodes"); });
-  document.default_scene = index_in(root, "scene");
-  document.cameras = list_in(root, "cameras").size();
+      root, "scenes", [](const JsonObject& scene, std::size_t) { return scene.indices("nodes"); });
+  document.default_scene = root.index("scene");
+  document.cameras = root.objects("cameras").size();
   return document;
+}
+
+Expected<nlohmann::json> json_from(std::string_view text) try {
+  nlohmann::json root = nlohmann::json::parse(text);
+  if (!root.is_object()) return malformed("JSON: the file is not an object");
+  return root;
+} catch (const nlohmann::json::exception& refusal) {
+  const std::string_view what = refusal.what();
+  const auto after_tag = what.find("] ");
+  return malformed("JSON: " + printable(after_tag == what.npos ? what : what.substr(after_tag + 2)));
+}
+
+/// Appends the files that the list `name` names to `files`, if nothing is wrong before.
+template <class File, class Load>
+void load_files(const JsonObject& root, std::string_view name, const Checked& verdict,
+                std::vector<File>& files, Load load) {
+  for (const JsonObject& from : root.objects(name)) {
+    if (!verdict) return;
+    Expected<File> file = load(from, files.size());
+    if (!file) return from.refuse(file.error().what, file.error().fault);
+    files.push_back(std::move(*file));
+  }
 }
 
 }  // namespace
 
-Expected<Document> parse_document(const json& root, std::span<const std::byte> bin, SceneFolder& folder) {
+Expected<Document> parse_document(std::string_view text, std::span<const std::byte> bin,
+                                  SceneFolder& folder) {
+  const Expected<nlohmann::json> json = json_from(text);
+  if (!json) return tl::unexpected(json.error());
+  Checked verdict;
+  const JsonObject root(*json, "", verdict);
   Document document = description_from(root);
-  for (const json& from : list_in(root, "buffers")) {
-    Expected<Bytes> buffer = buffer_from(from, document.buffers.size(), bin, folder);
-    if (!buffer) return tl::unexpected(buffer.error());
-    document.buffers.push_back(std::move(*buffer));
-  }
-  for (const json& from : list_in(root, "images")) {
-    Expected<Image> image = image_from(from, document.images.size(), folder);
-    if (!image) return tl::unexpected(image.error());
-    document.images.push_back(std::move(*image));
-  }
+  load_files(root, "buffers", verdict, document.buffers,
+             [&](const JsonObject& from, std::size_t i) { return buffer_from(from, i, bin, folder); });
+  load_files(root, "images", verdict, document.images,
+             [&](const JsonObject& from, std::size_t i) { return image_from(from, i, folder); });
+  if (!verdict) return tl::unexpected(verdict.error());
   return document;
 }
 
