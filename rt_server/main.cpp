@@ -66,11 +66,7 @@ int main(int argc, char** argv) try {
   add_doctor(app, doctor);
   app.require_subcommand(0, 1);
   CLI11_PARSE(app, argc, argv);
-  if (app.got_subcommand("doctor")) {
-    const Findings findings = examine(doctor);
-    print(findings);
-    return any_failed(findings) ? EXIT_FAILURE : EXIT_SUCCESS;
-  }
+  if (app.got_subcommand("doctor")) return report(examine(doctor));
   StopSignal stop;
   spdlog::set_default_logger(spdlog::stderr_logger_mt("rt_server"));
   Expected<void> done;

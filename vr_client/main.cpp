@@ -12,11 +12,7 @@ int main(int argc, char** argv) try {
   spdlog::set_pattern("vr_client: %v");
   const tl::expected<Options, EarlyExit> options = read_options(argc, argv);
   if (!options) return options.error().status;
-  if (options->doctor) {
-    const Findings findings = examine(*options->doctor);
-    print(findings);
-    return any_failed(findings) ? EXIT_FAILURE : EXIT_SUCCESS;
-  }
+  if (options->doctor) return report(examine(*options->doctor));
   const auto task = options->plan.only_told          ? print_plan
                     : !options->export_trace.empty() ? export_head_recording
                     : !options->replay.empty()       ? run_replay

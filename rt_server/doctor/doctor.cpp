@@ -16,37 +16,31 @@ Finding check_served_scene(const std::string& path) {
   Finding finding = check_scene(scene);
   if (scene && scene->lights.empty()) {
     finding.severity = Severity::Fail;
-    finding.cure =
-        "a scene without lights needs no server: add lights (KHR_lights_punctual), or run clients "
-        "without a server";
+    finding.cure = "add lights (KHR_lights_punctual), or run clients without a server";
   }
   return finding;
 }
 
-/// Reading firewall rules takes root, so this check can only give advice.
-Finding check_firewall(const Peer& listen) {
-  if (is_loopback(listen))
-    return {Severity::Ok, "firewall",
-            to_string(listen) +
-                " is reachable from this machine only; for other machines use --listen 0.0.0.0:" +
-                std::to_string(listen.port)};
-  return {Severity::Warn, "firewall", "not checked: a firewall may drop the clients' datagrams",
-          fmt::format(
-              "open the port, for example sudo ufw allow {0}/udp or sudo firewall-cmd --add-port={0}/udp, "
-              "and test with vr_client doctor --server HOST:{0} on a client's machine",
-              listen.port)};
-}
-
+/// The port, and the firewall before it. Reading firewall rules takes root, so that check only gives advice.
 Findings check_port(const std::string& address) {
   const auto port = listen_udp(address);
-  if (!port) {
-    const bool taken = port.error().fault == Fault::Unavailable;
+  if (!port)
     return {failed("port", port.error(),
-                   taken ? "find the other program with ss -ulpn and stop it, or --listen on another port"
-                         : "--listen on an address of this machine, such as 127.0.0.1:7447 or 0.0.0.0:7447")};
-  }
+                   "--listen on a free port of an address of this machine, such as 127.0.0.1:7447 or "
+                   "0.0.0.0:7447; ss -ulpn lists the programs that use a port")};
   const Peer local = (*port)->local();
-  return {{Severity::Ok, "port", to_string(local) + " is free"}, check_firewall(local)};
+  const Finding free{Severity::Ok, "port", to_string(local) + " is free"};
+  if (is_loopback(local))
+    return {free,
+            {Severity::Ok, "firewall",
+             fmt::format("{} is reachable from this machine only; for other machines use --listen 0.0.0.0:{}",
+                         to_string(local), local.port)}};
+  return {free,
+          {Severity::Warn, "firewall", "not checked: a firewall may drop the clients' datagrams",
+           fmt::format("open the port, for example sudo ufw allow {0}/udp or sudo firewall-cmd "
+                       "--add-port={0}/udp, and test with vr_client doctor --server HOST:{0} on a client's "
+                       "machine",
+                       local.port)}};
 }
 
 }  // namespace

@@ -35,52 +35,42 @@ Finding failed(std::string subject, const Error& error, std::string cure) {
   return {Severity::Fail, std::move(subject), error.what, std::move(cure)};
 }
 
-void print(const Findings& findings) {
+int report(const Findings& findings) {
   constexpr std::array names{"ok", "warn", "FAIL"};
   for (const Finding& finding : findings)
     fmt::print("{:<5} {}: {}{}{}\n", names[static_cast<std::size_t>(finding.severity)], finding.subject,
                finding.found, finding.cure.empty() ? "" : "; cure: ", finding.cure);
-}
-
-bool any_failed(const Findings& findings) {
-  return std::ranges::any_of(findings, [](const Finding& f) { return f.severity == Severity::Fail; });
+  return std::ranges::count(findings, Severity::Fail, &Finding::severity) > 0 ? 1 : 0;
 }
 
 Finding check_build() {
-  Finding finding{Severity::Ok, "build", fmt::format("{}, protocol version {}", kBuild, kProtocolVersion)};
-  if (kBuild == "Debug") {
-    finding.severity = Severity::Warn;
-    finding.cure = "a Debug build is slow: build with cmake --preset release";
-  }
-  return finding;
+  const std::string found = fmt::format("{}, protocol version {}", kBuild, kProtocolVersion);
+  if (kBuild != "Debug") return {Severity::Ok, "build", found};
+  return {Severity::Warn, "build", found, "a Debug build is slow: build with cmake --preset release"};
 }
 
 Finding check_key_file(const std::filesystem::path& path, KeyFile kind) {
   const bool is_ring = kind == KeyFile::Ring;
   const char* const subject = is_ring ? "key ring" : "key file";
-  const std::string make_one =
-      is_ring
-          ? "make a key with rt_server keygen NAME, or name another ring with --keys"
-          : "make a key on the server with rt_server keygen NAME and copy it here, or name another key file "
-            "with --key";
   const Expected<std::size_t> keys =
       is_ring ? load_key_ring(path).map([](const auto& ring) { return ring.size(); })
               : load_key(path).map([](const auto&) { return std::size_t{1}; });
+  if (keys && *keys > 0)
+    return {Severity::Ok, subject,
+            fmt::format("{}: {} {}", path.string(), *keys, *keys == 1 ? "key" : "keys")};
   if (!keys && keys.error().fault == Fault::Unreadable)
     return failed(
         subject, keys.error(),
         "make it a file that only you may read: chown it to yourself and chmod 600 " + path.string());
-  if (!keys) return failed(subject, keys.error(), make_one);
-  if (*keys == 0) return {Severity::Fail, subject, path.string() + " holds no key", make_one};
-  return {Severity::Ok, subject, fmt::format("{}: {} {}", path.string(), *keys, *keys == 1 ? "key" : "keys")};
+  return {Severity::Fail, subject, keys ? path.string() + " contains no key" : keys.error().what,
+          is_ring ? "make a key with rt_server keygen NAME, or name another ring with --keys"
+                  : "make a key on the server with rt_server keygen NAME and copy it here, or name another "
+                    "key file with --key"};
 }
 
 Finding check_scene(const Expected<Scene>& scene) {
   if (!scene)
-    return failed("scene", scene.error(),
-                  scene.error().fault == Fault::Missing
-                      ? "name an existing .gltf or .glb file with --scene"
-                      : "export it again as glTF 2.0, or use another scene");
+    return failed("scene", scene.error(), "name a readable glTF 2.0 file (.gltf or .glb) with --scene");
   return {Severity::Ok, "scene",
           fmt::format("{}: {} triangles, {} lights, scene {}", scene->name, scene->triangle_count,
                       scene->lights.size(), short_form(scene->hash))};
@@ -88,15 +78,11 @@ Finding check_scene(const Expected<Scene>& scene) {
 
 Finding check_socket_buffers() {
   const int bytes = std::min(granted_bytes(SO_RCVBUF), granted_bytes(SO_SNDBUF));
-  Finding finding{Severity::Ok, "socket buffers",
-                  fmt::format("{} bytes granted of {} requested", bytes, kSocketBuffer_bytes)};
-  if (bytes < kSocketBuffer_bytes) {
-    finding.severity = Severity::Warn;
-    finding.cure =
-        fmt::format("bursts may be lost: sudo sysctl -w net.core.rmem_max={0} net.core.wmem_max={0}",
-                    kSocketBuffer_bytes);
-  }
-  return finding;
+  const std::string found = fmt::format("{} bytes granted of {} requested", bytes, kSocketBuffer_bytes);
+  if (bytes >= kSocketBuffer_bytes) return {Severity::Ok, "socket buffers", found};
+  return {Severity::Warn, "socket buffers", found,
+          fmt::format("bursts may be lost: sudo sysctl -w net.core.rmem_max={0} net.core.wmem_max={0}",
+                      kSocketBuffer_bytes)};
 }
 
 }  // namespace farshade

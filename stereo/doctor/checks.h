@@ -27,10 +27,9 @@ using Findings = std::vector<Finding>;
 /// A Fail finding whose text is `error`'s.
 [[nodiscard]] Finding failed(std::string subject, const Error& error, std::string cure);
 
-/// Prints one line per finding to standard output: `FAIL  SUBJECT: FOUND; cure: CURE`.
-void print(const Findings& findings);
-
-[[nodiscard]] bool any_failed(const Findings& findings);
+/// Prints one line per finding to standard output: `FAIL  SUBJECT: FOUND; cure: CURE`. Returns the exit
+/// status of the program: 1 if any finding is a Fail.
+[[nodiscard]] int report(const Findings& findings);
 
 /// The protocol version, to compare with the other program's. Warns about a debug build.
 [[nodiscard]] Finding check_build();

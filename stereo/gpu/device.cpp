@@ -146,27 +146,6 @@ std::string reasons(const std::vector<Judged>& judged) {
   return text;
 }
 
-std::string version_text(std::uint32_t version) {
-  return std::to_string(VK_API_VERSION_MAJOR(version)) + "." + std::to_string(VK_API_VERSION_MINOR(version)) +
-         "." + std::to_string(VK_API_VERSION_PATCH(version));
-}
-
-SurveyedDevice describe(const Judged& judged) {
-  const auto all =
-      judged.physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
-  const auto& properties = all.get<vk::PhysicalDeviceProperties2>().properties;
-  SurveyedDevice device{.name = properties.deviceName.data(),
-                        .kind = vk::to_string(properties.deviceType),
-                        .api = version_text(properties.apiVersion),
-                        .driver = {},
-                        .passed_over = judged.passed_over};
-  if (properties.apiVersion >= VK_API_VERSION_1_2) {
-    const auto& driver = all.get<vk::PhysicalDeviceDriverProperties>();
-    device.driver = std::string(driver.driverName.data()) + " " + driver.driverInfo.data();
-  }
-  return device;
-}
-
 vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, std::uint32_t queue_family,
                               const DeviceOptions& options) {
   vk::PhysicalDeviceVulkan13Features features13{
@@ -238,22 +217,6 @@ Expected<Device> open_device(const DeviceOptions& options) try {
   // The loader throws if there is no driver. That is a missing device, not a broken invariant.
   return fail(Fault::Missing, std::string("no usable Vulkan device: ") + error.what() +
                                   "; install a driver, for example Debian's mesa-vulkan-drivers");
-}
-
-Expected<Survey> survey(const DeviceOptions& options) try {
-  const vk::raii::Context context;
-  Survey found{.loader = version_text(context.enumerateInstanceVersion()),
-               .validation = has_validation_layer(context) ? Validation::On : Validation::Off,
-               .devices = {}};
-  try {
-    const vk::raii::Instance instance = make_instance(context, nullptr, options.presentation);
-    for (const Judged& judged : judge(instance, options)) found.devices.push_back(describe(judged));
-  } catch (const vk::IncompatibleDriverError&) {
-    // The loader throws this if there is no driver.
-  }
-  return found;
-} catch (const std::exception& error) {
-  return fail(Fault::Missing, std::string("Vulkan cannot be asked for its devices: ") + error.what());
 }
 
 /// Any failure is reported as a lost device: the device must then be opened again.

@@ -65,22 +65,6 @@ struct Device {
 /// lacks.
 [[nodiscard]] Expected<Device> open_device(const DeviceOptions& options);
 
-/// One device that open_device considers.
-struct SurveyedDevice {
-  std::string name, kind, api;
-  std::string driver;       ///< name and version; empty below Vulkan 1.2, which does not report them
-  std::string passed_over;  ///< why open_device does not choose it; empty: it does
-};
-struct Survey {
-  std::string loader;                       ///< version
-  Validation validation = Validation::Off;  ///< whether the layers are installed
-  std::vector<SurveyedDevice> devices;      ///< empty if there is no driver
-};
-
-/// All devices of this machine, and which one open_device chooses. Fault::Missing if there is no Vulkan
-/// loader.
-[[nodiscard]] Expected<Survey> survey(const DeviceOptions& options);
-
 /// Names `handle` in validation messages and debuggers. Does nothing when validation is off.
 template <class Handle>
 void set_name(const Device& device, const Handle& handle, const std::string& name) {

@@ -24,19 +24,21 @@ std::string_view name_of(RefusalReason reason) {
   return "unknown reason";
 }
 
-std::string explain(const Refusal& refusal, const ContentHash& scene_hash) {
+Explanation explain(const Refusal& refusal, const ContentHash& scene_hash) {
   if (refusal.reason == RefusalReason::Busy)
-    return "the server has no room for another client: try again later, or start it with more --sessions";
-  return "the server serves scene " + short_form(refusal.scene_hash) + ", the client shows scene " +
-         short_form(scene_hash) + ": give both the same scene file";
+    return {"the server has no room for another client", "try again later, or start it with more --sessions"};
+  return {"the server serves scene " + short_form(refusal.scene_hash) + ", the client shows scene " +
+              short_form(scene_hash),
+          "give both the same scene file"};
 }
 
-std::string explain(const OpenRefusal& refusal, const std::string& key, const Peer& server) {
+Explanation explain(const OpenRefusal& refusal, const std::string& key, const Peer& server) {
   if (refusal.reason == RefusalReason::VersionMismatch)
-    return "the server speaks protocol version " + std::to_string(refusal.version) + ", the client " +
-           std::to_string(kProtocolVersion) + ": build both from the same source";
-  return "the server at " + to_string(server) + " does not know the key '" + key +
-         "': add it to the server's ring (rt_server keygen), or give --key the file that was made there";
+    return {"the server speaks protocol version " + std::to_string(refusal.version) + ", the client " +
+                std::to_string(kProtocolVersion),
+            "build both from the same source"};
+  return {"the server at " + to_string(server) + " does not know the key '" + key + "'",
+          "add it to the server's ring (rt_server keygen), or give --key the file that was made there"};
 }
 
 }  // namespace farshade

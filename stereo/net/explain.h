@@ -14,10 +14,16 @@ namespace farshade {
 /// A few words for a log.
 [[nodiscard]] std::string_view name_of(RefusalReason reason);
 
-/// The reason why a client with scene `scene_hash` was refused, and how to fix it.
-[[nodiscard]] std::string explain(const Refusal& refusal, const ContentHash& scene_hash);
+/// Why a client was refused, and what the user can do.
+struct Explanation {
+  std::string reason, cure;
+  [[nodiscard]] std::string sentence() const { return reason + ": " + cure; }
+};
+
+/// `scene_hash` is the scene of the client.
+[[nodiscard]] Explanation explain(const Refusal& refusal, const ContentHash& scene_hash);
 
 /// The same for a client that sent a Hello with the key named `key` to `server`.
-[[nodiscard]] std::string explain(const OpenRefusal& refusal, const std::string& key, const Peer& server);
+[[nodiscard]] Explanation explain(const OpenRefusal& refusal, const std::string& key, const Peer& server);
 
 }  // namespace farshade

@@ -145,8 +145,7 @@ TEST_F(ClientDoctor, FindsNoFault) {
   const Diagnosis diagnosis = visit({"--scene", kRoom});
   EXPECT_EQ(diagnosis.status, 0);
   expect_ok(diagnosis, "server", "the same scene");
-  expect_ok(diagnosis, "Vulkan device", "Vulkan 1.");
-  expect_ok(diagnosis, "drawing", "opens");
+  expect_ok(diagnosis, "drawing", " opens: ");
   expect_ok(diagnosis, "key file", "1 key");
 }
 
@@ -209,7 +208,7 @@ TEST(ClientDoctorAlone, FailsOnAServerOfAnotherVersion) {
   const Diagnosis diagnosis =
       ask_client({"--key", test_keys().client, "--server", to_string((*port)->local())});
   const std::string ours = std::to_string(kProtocolVersion);
-  expect_fail(diagnosis, "server", "version 77, this client version " + ours, "the same source");
+  expect_fail(diagnosis, "server", "version 77, the client " + ours, "the same source");
 }
 
 TEST(ClientDoctorAlone, OnlyWarnsWithoutAWindowSystem) {
@@ -222,7 +221,7 @@ TEST(ClientDoctorAlone, OnlyWarnsWithoutAWindowSystem) {
 TEST(ClientDoctorAlone, NamesThePackageOfAMissingVulkanDriver) {
   const Diagnosis diagnosis = ask(VR_CLIENT, {"--key", test_keys().client},
                                   {"VK_DRIVER_FILES=/no/such.json", "VK_ICD_FILENAMES=/no/such.json"});
-  expect_fail(diagnosis, "drawing", "no Vulkan device", "mesa-vulkan-drivers");
+  expect_fail(diagnosis, "drawing", "no usable Vulkan", "mesa-vulkan-drivers");
 }
 
 TEST(Doctors, HaveHelp) {

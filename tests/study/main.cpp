@@ -26,15 +26,25 @@ struct Options {
   bool timing = false, versions = false;
 };
 
+std::string version_text(std::uint32_t version) {
+  return fmt::format("{}.{}.{}", VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version),
+                     VK_API_VERSION_PATCH(version));
+}
+
 /// Compiler, flags, Vulkan loader and device of this program.
 Expected<nlohmann::json> versions(const Options& options) {
-  const Expected<gpu::Survey> survey = gpu::survey({.name_contains = options.gpu});
-  if (!survey) return tl::unexpected(survey.error());
-  nlohmann::json told{{"compiler", STUDY_COMPILER}, {"flags", STUDY_FLAGS}, {"loader", survey->loader}};
-  for (const gpu::SurveyedDevice& device : survey->devices)
-    if (device.passed_over.empty())
-      told.update({{"device", device.name}, {"driver", device.driver}, {"api", device.api}});
-  return told;
+  const Expected<gpu::Device> device = gpu::open_device({.name_contains = options.gpu});
+  if (!device) return tl::unexpected(device.error());
+  const auto all =
+      device->physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
+  const auto& driver = all.get<vk::PhysicalDeviceDriverProperties>();
+  return nlohmann::json{
+      {"compiler", STUDY_COMPILER},
+      {"flags", STUDY_FLAGS},
+      {"loader", version_text(device->context.enumerateInstanceVersion())},
+      {"device", device->name},
+      {"driver", std::string(driver.driverName.data()) + " " + driver.driverInfo.data()},
+      {"api", version_text(all.get<vk::PhysicalDeviceProperties2>().properties.apiVersion)}};
 }
 
 Expected<nlohmann::json> measured(const Options& options) {

@@ -24,25 +24,10 @@ constexpr const char* kDriverCure =
     "existing "
     "files";
 
-Finding check_device(const gpu::SurveyedDevice& device) {
-  return {Severity::Ok, "Vulkan device",
-          fmt::format("{}, {}, Vulkan {}, {}: {}", device.name, device.kind, device.api,
-                      device.driver.empty() ? "driver unknown" : device.driver,
-                      device.passed_over.empty() ? "used" : "not used, " + device.passed_over)};
-}
-
-Findings check_vulkan() {
-  const Expected<gpu::Survey> survey = gpu::survey({});
-  if (!survey) return {failed("drawing", survey.error(), kDriverCure)};
-  Findings findings;
-  for (const gpu::SurveyedDevice& device : survey->devices) findings.push_back(check_device(device));
-  if (survey->devices.empty())
-    findings.push_back({Severity::Fail, "drawing", "no Vulkan device was found", kDriverCure});
-  else if (const Expected<gpu::Device> device = gpu::open_device({}); device)
-    findings.push_back({Severity::Ok, "drawing", device->name + " opens"});
-  else
-    findings.push_back(failed("drawing", device.error(), kDriverCure));
-  return findings;
+Finding check_drawing() {
+  const Expected<gpu::Device> device = gpu::open_device({});
+  if (!device) return failed("drawing", device.error(), kDriverCure);
+  return {Severity::Ok, "drawing", fmt::format("{} opens: {}", device->name, device->why)};
 }
 
 Finding check_window_system() {
@@ -58,7 +43,7 @@ Finding check_window_system() {
 struct Contact {
   std::string server;
   SharedKey key;
-  const Scene* scene;  ///< null if no scene was named
+  std::optional<ContentHash> scene;
 };
 
 /// What the server answered. An open refusal is not authenticated; an accepted handshake replaces it.
@@ -72,7 +57,7 @@ struct HelloAnswer {
 HelloAnswer say_hello(DatagramPort& port, const Peer& server, const Contact& contact) {
   using namespace std::chrono_literals;
   const SteadyClock clock;
-  ClientHandshake handshake(contact.key, contact.scene ? contact.scene->hash : ContentHash{});
+  ClientHandshake handshake(contact.key, contact.scene.value_or(ContentHash{}));
   std::vector<std::byte> datagram;
   std::array<std::byte, kMaxDatagram_bytes> buffer{};
   HelloAnswer answer;
@@ -100,37 +85,22 @@ HelloAnswer say_hello(DatagramPort& port, const Peer& server, const Contact& con
   return answer;
 }
 
-Finding judge(const Contact& contact, const HelloAnswer& answer) {
-  const auto fail_with = [&](std::string found, std::string cure) {
-    return Finding{Severity::Fail, "server", contact.server + ": " + std::move(found), std::move(cure)};
-  };
+Finding judge(const Contact& contact, const Peer& server, const HelloAnswer& answer) {
   if (!answer.message && !answer.open_refusal)
-    return fail_with("no answer",
-                     "start rt_server on that machine, with --listen on this port and on an address that is "
-                     "reachable from here, and open the UDP port in every firewall on the path");
-  if (!answer.message && answer.open_refusal->reason == RefusalReason::VersionMismatch)
-    return fail_with(fmt::format("the server speaks protocol version {}, this client version {}",
-                                 answer.open_refusal->version, kProtocolVersion),
-                     "build both from the same source");
-  if (!answer.message)
-    return fail_with(
-        fmt::format("the server does not know the key '{}'", contact.key.name),
-        "add it to the server's ring (rt_server keygen NAME, then restart rt_server), or give --key "
-        "the file that was made there; --insecure works only if the server was started with it");
-  const std::string reached =
-      fmt::format("{}: the server answers and knows the key '{}'", contact.server, contact.key.name);
+    return {Severity::Fail, "server", contact.server + ": no answer",
+            "start rt_server on that machine, with --listen on this port and on an address that is reachable "
+            "from here, and open the UDP port in every firewall on the path"};
+  const auto fails = [](const Explanation& why) {
+    return Finding{Severity::Fail, "server", why.reason, why.cure};
+  };
+  if (!answer.message) return fails(explain(*answer.open_refusal, contact.key.name, server));
   const auto* const refusal = std::get_if<Refusal>(&*answer.message);
-  if (!refusal) return {Severity::Ok, "server", reached + "; it serves the same scene"};
-  if (refusal->reason == RefusalReason::Busy)
-    return fail_with("the server has no room for another client",
-                     "try again later, or start it with more --sessions");
-  const std::string served = short_form(refusal->scene_hash);
-  if (!contact.scene)
-    return {Severity::Ok, "server",
-            fmt::format("{}; it serves scene {} (--scene FILE compares)", reached, served)};
-  return fail_with(fmt::format("the server serves scene {}, the client shows scene {} ({})", served,
-                               short_form(contact.scene->hash), contact.scene->name),
-                   "give both the same scene file");
+  const bool compared = !refusal || contact.scene || refusal->reason == RefusalReason::Busy;
+  if (refusal && compared) return fails(explain(*refusal, contact.scene.value_or(ContentHash{})));
+  const std::string scene = compared ? "the same scene" : "scene " + short_form(refusal->scene_hash);
+  return {Severity::Ok, "server",
+          fmt::format("{}: the server answers, knows the key '{}' and serves {}", contact.server,
+                      contact.key.name, scene)};
 }
 
 Finding check_server(const Contact& contact) {
@@ -141,26 +111,7 @@ Finding check_server(const Contact& contact) {
   if (contact.key == insecure_key() && !is_loopback(client->server))
     return {Severity::Fail, "server", "--insecure works on this machine only, not with " + contact.server,
             "omit --insecure and use a key"};
-  return judge(contact, say_hello(*client->port, client->server, contact));
-}
-
-Findings check_link(const ClientDoctorOptions& options, const Scene* scene) {
-  Findings findings;
-  Expected<SharedKey> key = insecure_key();
-  if (!options.insecure) {
-    const std::filesystem::path path =
-        options.key.empty() ? default_key_path() : std::filesystem::path(options.key);
-    findings.push_back(check_key_file(path, KeyFile::OfClient));
-    key = load_key(path);
-  }
-  findings.push_back(check_socket_buffers());
-  if (!options.server.empty() && key)
-    findings.push_back(check_server({options.server, *key, scene}));
-  else if (!options.server.empty())
-    findings.push_back({Severity::Fail, "server",
-                        options.server + " was not contacted, because there is no key",
-                        "see the line about the key file"});
-  return findings;
+  return judge(contact, client->server, say_hello(*client->port, client->server, contact));
 }
 
 }  // namespace
@@ -178,14 +129,24 @@ void add_doctor(CLI::App& program, ClientDoctorOptions& options) {
 }
 
 Findings examine(const ClientDoctorOptions& options) {
-  Findings findings{check_build()};
-  for (Finding& finding : check_vulkan()) findings.push_back(std::move(finding));
-  findings.push_back(check_window_system());
-  std::optional<Expected<Scene>> scene;
-  if (!options.scene.empty()) findings.push_back(check_scene(scene.emplace(load_scene(options.scene))));
-  const bool loaded = scene && scene->has_value();
-  for (Finding& finding : check_link(options, loaded ? &scene->value() : nullptr))
-    findings.push_back(std::move(finding));
+  Findings findings{check_build(), check_drawing(), check_window_system(), check_socket_buffers()};
+  std::optional<ContentHash> scene;
+  if (!options.scene.empty()) {
+    const Expected<Scene> loaded = load_scene(options.scene);
+    findings.push_back(check_scene(loaded));
+    if (loaded) scene = loaded->hash;
+  }
+  const std::filesystem::path path =
+      options.key.empty() ? default_key_path() : std::filesystem::path(options.key);
+  if (!options.insecure) findings.push_back(check_key_file(path, KeyFile::OfClient));
+  if (options.server.empty()) return findings;
+  const Expected<SharedKey> key = options.insecure ? insecure_key() : load_key(path);
+  if (key)
+    findings.push_back(check_server({options.server, *key, scene}));
+  else
+    findings.push_back({Severity::Fail, "server",
+                        options.server + " was not contacted, because there is no key",
+                        "see the line about the key file"});
   return findings;
 }
 

@@ -131,7 +131,7 @@ Decoded<void> NetworkLink::take_datagram(const Datagram& datagram) {
 void NetworkLink::take_refusal(const OpenRefusal& refusal) {
   if (refusal.echo != handshake_->echo()) return;
   if (unproved_refusal_at_) return;
-  unproved_refusal_ = explain(refusal, target_.key.name, target_.server);
+  unproved_refusal_ = explain(refusal, target_.key.name, target_.server).sentence();
   unproved_refusal_at_ = clock_.now();
 }
 
@@ -141,7 +141,7 @@ void NetworkLink::take_accept(const Accept& accept, std::span<const std::byte> d
   handshake_.reset();
   unproved_refusal_at_.reset();
   if (const auto* refusal = std::get_if<Refusal>(&met->answer)) {
-    const std::string why = explain(*refusal, target_.scene_hash);
+    const std::string why = explain(*refusal, target_.scene_hash).sentence();
     if (refusal->reason == RefusalReason::Busy)
       busy_server_ = why;
     else
