@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "rt_server/answers/answers.h"
-#include "rt_server/core/serve.h"
+#include "rt_server/core/server_core.h"
 #include "stereo/base/files.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/impaired_port.h"

@@ -7,6 +7,25 @@
 #include "stereo/video/video.h"
 
 namespace farshade {
+namespace {
+
+/// Which lights each pixel of the requested views sees.
+class Masks final : public AnswerMaker {
+ public:
+  explicit Masks(Tracer& tracer) : tracer_(tracer) {}
+
+  AnswerCost answer(const Job& job, FramePacker& packer) override {
+    const TraceStats traced = tracer_.trace(job.request, frame_);
+    packer.add(frame_);
+    return {.traced = traced};
+  }
+
+ private:
+  Tracer& tracer_;
+  ShadowFrame frame_;
+};
+
+}  // namespace
 
 AnswerMakers make_answers(const AnswerContext& context) {
   AnswerMakers makers;
@@ -27,6 +46,10 @@ AnswerMakers make_answers(const AnswerContext& context) {
   makers.add(Answer::Video, recovering(make_video(renderer), recovery));
   makers.add(Answer::Difference, recovering(make_difference(renderer), recovery));
   return makers;
+}
+
+std::unique_ptr<AnswerMaker> make_masks(Tracer& tracer) {
+  return std::make_unique<Masks>(tracer);
 }
 
 }  // namespace farshade

@@ -1,5 +1,5 @@
-/// Answers: makes the answers that this build and this machine can give. One file beside this one for each
-/// kind of answer. The kinds that need a picture share a renderer.
+/// Answers: makes the answers that this build and this machine can give. The masks are in answers.cpp; each
+/// other kind has one file beside it. The kinds that need a picture share a renderer.
 #pragma once
 
 #include <memory>

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "stereo/base/check.h"
@@ -9,6 +10,8 @@
 
 namespace farshade {
 namespace {
+
+constexpr Duration kLongWait = std::chrono::seconds(60);  // wake() ends it earlier
 
 void log(const Sessions::Event& event) {
   if (event.refused)
@@ -166,6 +169,25 @@ ServerCounters ServerCore::counters() const {
   const std::lock_guard lock(mutex_);
   return {sessions_.counters(), sessions_.gate(), refused_, port_.counters(), frames_,
           sessions_.size(),     traced_};
+}
+
+Serving::Serving(ServerCore& core)
+    : core_(core),
+      network_([&core](const std::stop_token& stop) {
+        while (!stop.stop_requested()) {
+          const std::optional<Time> due = core.next_send();
+          core.receive(due ? std::clamp(*due - core.clock().now(), Duration::zero(), kLongWait) : kLongWait);
+          core.send_due();
+        }
+      }),
+      worker_([&core](const std::stop_token& stop) {
+        while (core.wait_for_work(stop)) core.work();
+      }) {}
+
+Serving::~Serving() {
+  network_.request_stop();
+  worker_.request_stop();
+  core_.wake();
 }
 
 }  // namespace farshade

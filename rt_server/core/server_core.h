@@ -1,5 +1,5 @@
 /// ServerCore: the server without its threads and its socket. receive() takes datagrams, work() answers
-/// requests, send_due() sends the datagrams of the answers. A program calls them from two threads (serve.h);
+/// requests, send_due() sends the datagrams of the answers. A program calls them from two threads (Serving);
 /// a test or a study calls them in turn over a virtual link.
 #pragma once
 
@@ -8,6 +8,7 @@
 #include <mutex>
 #include <stop_token>
 #include <string>
+#include <thread>
 
 #include "rt_server/core/answer_makers.h"
 #include "rt_server/core/sessions.h"
@@ -81,6 +82,21 @@ class ServerCore {
 
   // Used by the thread that calls receive() and send_due().
   std::vector<std::byte> datagram_;
+};
+
+/// The two threads of a server: one receives and sends datagrams, the other answers requests.
+class Serving {
+ public:
+  /// Starts both threads. `core` must outlive this object.
+  explicit Serving(ServerCore& core);
+  Serving(const Serving&) = delete;
+  Serving& operator=(const Serving&) = delete;
+  /// Ends both threads. Waits until the answer in work is finished.
+  ~Serving();
+
+ private:
+  ServerCore& core_;
+  std::jthread network_, worker_;
 };
 
 }  // namespace farshade

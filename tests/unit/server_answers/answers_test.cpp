@@ -5,7 +5,7 @@
 #include <random>
 
 #include "rt_server/answers/answer_renderer.h"
-#include "rt_server/answers/video_streams.h"
+#include "rt_server/answers/video.h"
 #include "stereo/base/check.h"
 #include "stereo/net/assembler.h"
 #include "stereo/scene/gltf.h"

@@ -1,4 +1,4 @@
-#include "rt_server/core/outbox.h"
+#include "rt_server/core/session.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,6 @@
 
 #include <latch>
 
-#include "rt_server/core/serve.h"
 #include "stereo/net/udp.h"
 #include "tests/support/virtual_link.h"
 #include "tests/unit/link_client.h"
