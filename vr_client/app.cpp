@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
 
 #include "stereo/base/files.h"
 #include "stereo/base/stop_signal.h"
@@ -11,7 +15,6 @@
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/record/capture_writer.h"
 #include "vr_client/record/replay.h"
-#include "vr_client/report/progress.h"
 #include "vr_client/report/run_report.h"
 #include "vr_client/report/timeline.h"
 #include "vr_client/runtime/headset.h"
@@ -42,10 +45,6 @@ Expected<HeadRecording> load_head(const Options& options) {
     spdlog::warn("{}: skipped {} rows whose time stamps repeat or run backwards", options.trace.string(),
                  head->rows_left_out);
   return head;
-}
-
-Expected<void> write_timeline(const Options& options, const Timeline& timeline) {
-  return options.timeline.empty() ? Expected<void>{} : timeline.write(options.timeline);
 }
 
 std::string megabytes(std::uint64_t bytes) {
@@ -95,13 +94,34 @@ ShadingPass::Report report_for(const RunReport& report) {
   return report.measures_any() ? ShadingPass::Report::On : ShadingPass::Report::Off;
 }
 
+/// Prints to standard error how many frames of a run are done. On a terminal one line is overwritten with
+/// each frame; elsewhere a line follows each tenth of the run.
+class Progress {
+ public:
+  explicit Progress(std::uint32_t frames) : frames_(frames) {}
+
+  void show(std::uint32_t done) const {
+    const bool terminal = isatty(STDERR_FILENO) != 0;
+    const std::uint32_t step = terminal ? 1 : std::max(frames_ / 10, 1u);
+    if (done % step != 0 && done != frames_) return;
+    const double left_s = seconds_of(watch_.elapsed()) / done * (frames_ - done);
+    fmt::print(stderr, "{}frame {} of {}, about {:.0f} s left{}", terminal ? "\r" : "", done, frames_, left_s,
+               terminal && done != frames_ ? "   " : "   \n");
+    std::fflush(stderr);
+  }
+
+ private:
+  std::uint32_t frames_;
+  Stopwatch watch_;
+};
+
 /// Runs the frame loop and writes the reports that the options ask for. `first` gets each frame before
 /// anything else is drawn.
 Expected<void> show(const Options& options, const RunContext& context, std::uint32_t frames,
                     RunReport& report, StopSignal& stop_signal, const FrameWatcher& first) {
   // An empty timeline is written first, so that a path that cannot be written fails early.
   Timeline timeline;
-  if (auto done = write_timeline(options, timeline); !done) return done;
+  if (auto done = timeline.write(options.timeline); !done) return done;
   // In a replay, messages carry the arrival times of the captured run's clock, which do not fit the timeline.
   const AnswerInbox* const inbox = context.link && options.replay.empty() ? &context.link->inbox() : nullptr;
   Progress progress(frames);
@@ -119,7 +139,7 @@ Expected<void> show(const Options& options, const RunContext& context, std::uint
     if (dump == 0 || dump > report.log().records().size())
       spdlog::warn("frame {} was not dumped, because it was not shown", dump);
   if (auto done = report.finish(); !done) return done;
-  return write_timeline(options, timeline);
+  return timeline.write(options.timeline);
 }
 
 /// Mismatch if the capture was made with another scene or plan.

@@ -1,4 +1,4 @@
-/// The client's runs without a window. Each function opens what the options name and writes the reports.
+/// The client's runs. Each function opens what the options name and writes the reports.
 #pragma once
 
 #include "vr_client/options.h"
@@ -18,5 +18,14 @@ namespace farshade {
 
 /// Writes the head recording in the format that the extension of the file name selects.
 [[nodiscard]] Expected<void> export_head_recording(const Options& options);
+
+/// Shows the scene in a window. Mouse and keys or a head recording move the head. The viewer can change the
+/// settings while it runs. A panel shows figures and settings.
+///
+/// Runs until the user closes the window, a stop signal comes or the server refuses the client. Then all
+/// recordings are finished, also if the device was lost. If the X server ends, Xlib ends the program: a
+/// capture then lacks its last frame, and a head recording and a timeline are lost. If the server does not
+/// answer, the preview continues and shows that.
+[[nodiscard]] Expected<void> run_preview(const Options& options);
 
 }  // namespace farshade

@@ -4,7 +4,6 @@
 
 #include "vr_client/app.h"
 #include "vr_client/doctor/doctor.h"
-#include "vr_client/preview_run.h"
 
 int main(int argc, char** argv) try {
   using namespace farshade;

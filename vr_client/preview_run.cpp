@@ -1,4 +1,4 @@
-#include "vr_client/preview_run.h"
+#include "vr_client/app.h"
 #include "vr_client/modes/make_pipeline.h"
 
 #include <fmt/format.h>
@@ -97,7 +97,7 @@ class Preview {
   /// because a capture must contain all messages of its session.
   Expected<void> run_all() {
     // An empty timeline is written first, so that a path that cannot be written fails early.
-    if (auto written = write_timeline(); !written) return written;
+    if (auto written = timeline_.write(options_.timeline); !written) return written;
     const bool captures = !options_.record.empty();
     Expected<void> done = open_link(options_, client_, captures ? recordings_.listen() : LinkListener{});
     if (!done) return done;
@@ -119,14 +119,11 @@ class Preview {
 
   [[nodiscard]] Expected<void> finish() {
     const Expected<void> taken = recordings_.finish();
-    const Expected<void> written = write_timeline();
+    const Expected<void> written = timeline_.write(options_.timeline);
     return taken ? written : taken;
   }
 
  private:
-  [[nodiscard]] Expected<void> write_timeline() const {
-    return options_.timeline.empty() ? Expected<void>{} : timeline_.write(options_.timeline);
-  }
   [[nodiscard]] bool ended() {
     return quit_ == Quit::Wanted || window_.should_close() || stop_signal_.has_come();
   }

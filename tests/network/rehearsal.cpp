@@ -223,7 +223,8 @@ Played play(const Play& play, const Network& network) {
       .policy = {.pace = Pace::Real, .round_trip = round_trip, .mask_wait = play.mask_wait}};
   const auto watch = [&](const FrameView& view) {
     report.watch(view);
-    if (play.watch) play.watch(view, report.log().records().back(), report.measured());
+    const FrameRecord& record = report.log().records().back();
+    if (play.watch) play.watch(view, record, record.errors ? &report.measured() : nullptr);
     played.frames.push_back(played_frame(view, clock, link, renderer));
     const std::size_t half = played.frames.size() * 2 <= play.frames ? 0 : 1;
     played.heap_peak[half] = std::max<std::size_t>(played.heap_peak[half], mallinfo2().uordblks);

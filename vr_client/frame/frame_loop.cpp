@@ -1,7 +1,5 @@
 #include "vr_client/frame/frame_loop.h"
 
-#include "vr_client/frame/mode_pipeline.h"
-
 namespace farshade {
 namespace {
 

@@ -7,7 +7,7 @@ namespace farshade {
 Reference::Reference(Tracer tracer) : tracer_(std::move(tracer)) {}
 
 TracedMask Reference::trace(const FrameRequest& request) {
-  stats_ = tracer_.trace(request, frame_);
+  static_cast<void>(tracer_.trace(request, frame_));
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     all_known_[eye].assign(TileGrid{request.views[eye].size}.count(),
                            all_planes_known(frame_.masks[eye].layout()));

@@ -18,12 +18,9 @@ class Reference {
   /// until the next call.
   [[nodiscard]] TracedMask trace(const FrameRequest& request);
 
-  [[nodiscard]] const TraceStats& stats() const { return stats_; }
-
  private:
   Tracer tracer_;
   ShadowFrame frame_;
-  TraceStats stats_;
   PerEye<KnownTiles> all_known_;
   std::uint64_t traces_ = 0;
 };

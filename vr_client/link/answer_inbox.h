@@ -22,10 +22,9 @@ class AnswerInbox {
   [[nodiscard]] FrameRequest ask(const FrameRequest& request, Time asked_at, Time now);
 
   /// Takes a message of the server that came at `arrived`.
-  void take(const Slice& slice, Time arrived) { acknowledge(assembler_.accept(slice, arrived)); }
-  void take(const PlaneSlice& slice, Time arrived) { acknowledge(assembler_.accept(slice, arrived)); }
-  void take(const VideoPart& part, Time arrived) { acknowledge(assembler_.accept(part, arrived)); }
   void take(const FrameReport& report, Time arrived);
+  /// Slice, PlaneSlice or VideoPart.
+  void take(const auto& piece, Time arrived) { acknowledge(assembler_.accept(piece, arrived)); }
 
   /// The record of a request; null if there is none. It stays valid until its slot is used again.
   [[nodiscard]] const RequestRecord* find(FrameId frame) const { return assembler_.find(frame); }

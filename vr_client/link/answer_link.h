@@ -1,5 +1,5 @@
 /// AnswerLink: what a run of the client needs of the source of its answers. There are two: the network
-/// (network_link.h) and a capture file (record/capture_link.h).
+/// (network_link.h) and a capture file (record/replay.h).
 #pragma once
 
 #include "stereo/base/expected.h"

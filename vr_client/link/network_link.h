@@ -60,8 +60,6 @@ class NetworkLink final : public AnswerLink {
 
   /// Set once an authenticated server has refused this client for good.
   [[nodiscard]] const std::optional<Error>& refused() const override { return refused_; }
-  /// A session is open, as far as the client knows.
-  [[nodiscard]] bool welcomed() const { return channel_ && !handshake_; }
   /// When the last message of the open session came; no value without a session.
   [[nodiscard]] std::optional<Time> heard_at() const {
     return channel_ ? std::optional(channel_->heard) : std::nullopt;
@@ -102,11 +100,8 @@ class NetworkLink final : public AnswerLink {
   Decoded<void> take_sealed(const Sealed& sealed, const Datagram& datagram);
   void take(const Welcome&, Time) {}
   void take(const Refusal&, Time) {}
-  void take(const Slice& slice, Time arrived) { inbox_.take(slice, arrived); }
-  void take(const PlaneSlice& slice, Time arrived) { inbox_.take(slice, arrived); }
-  void take(const VideoPart& part, Time arrived) { inbox_.take(part, arrived); }
-  void take(const FrameReport& report, Time arrived) { inbox_.take(report, arrived); }
   void take(const Probe& probe, Time) { channel_->probe_echo = probe.token; }
+  void take(const auto& piece_or_report, Time arrived) { inbox_.take(piece_or_report, arrived); }
 
   DatagramPort& port_;
   const Clock& clock_;

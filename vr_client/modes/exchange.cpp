@@ -13,6 +13,14 @@ constexpr Duration kIdle = std::chrono::milliseconds(250);
 
 }  // namespace
 
+DrawnFrame draw_black(Renderer& renderer, const StereoView& shown) {
+  const PerEye<Image<Rgb8>> black{Image<Rgb8>(shown[0].size), Image<Rgb8>(shown[1].size)};
+  return {.drawn = renderer.show_turned(black, shown, shown),
+          .as = ShownAs::Picture,
+          .start_up = true,
+          .black = {1.0, 1.0}};
+}
+
 Exchange::Exchange(AnswerLink* link, const MaskPolicy& policy, const RequestSettings& settings)
     : link_(link), policy_(policy), plan_(settings) {
   plan_.learn(policy.pace == Pace::Real ? policy.round_trip : policy.delay - policy.mask_wait);

@@ -2,7 +2,7 @@
 /// where the policy says so, and tells which answers a frame may use.
 #pragma once
 
-#include "vr_client/frame/mode_pipeline.h"
+#include "vr_client/frame/frame_loop.h"
 
 namespace farshade {
 
@@ -10,6 +10,9 @@ namespace farshade {
 [[nodiscard]] inline Duration age_of(const RequestRecord& record, const FrameInputs& inputs) {
   return inputs.shown.display_time - record.origin.asked_at;
 }
+
+/// Shows black: the frames of a mode that shows pictures of the server, before the first one has come.
+[[nodiscard]] DrawnFrame draw_black(Renderer& renderer, const StereoView& shown);
 
 class Exchange {
  public:

@@ -3,11 +3,11 @@
 
 #include <memory>
 
-#include "vr_client/frame/mode_pipeline.h"
+#include "vr_client/frame/frame_loop.h"
 
 namespace farshade {
 
-// Each mode is in a file of its own. The context has the link or the tracer that the mode needs, unless no
+// The context has the link or the tracer that the mode needs, unless no
 // light casts shadows. References are kept.
 [[nodiscard]] std::unique_ptr<ModePipeline> make_hybrid(const RunContext& context);
 [[nodiscard]] std::unique_ptr<ModePipeline> make_client_positions(const RunContext& context);

@@ -34,14 +34,7 @@ class ServerGBuffer final : public ModePipeline {
   }
 
   DrawnFrame draw(const FrameInputs& inputs) override {
-    if (newest_ == nullptr) {
-      const PerEye<Image<Rgb8>> black{Image<Rgb8>(inputs.shown.views[0].size),
-                                      Image<Rgb8>(inputs.shown.views[1].size)};
-      return {.drawn = context_.renderer.show_turned(black, inputs.shown.views, inputs.shown.views),
-              .as = ShownAs::Picture,
-              .start_up = true,
-              .black = {1.0, 1.0}};
-    }
+    if (newest_ == nullptr) return draw_black(context_.renderer, inputs.shown.views);
     const FrameRequest& made_for = newest_->request;
     const SceneState state = state_at(context_.scene, made_for.scene_time, made_for.lights);
     const TracedMask mask = mask_of(*newest_);

@@ -33,9 +33,6 @@ class FramePacer {
   /// Begins a frame at `now`. Its display time is later than all earlier ones, by whole display periods.
   [[nodiscard]] FrameTiming begin(Time now);
 
-  /// n: the number of display periods per frame.
-  [[nodiscard]] std::uint32_t periods() const { return periods_; }
-
  private:
   [[nodiscard]] Duration after(std::int64_t ticks) const;
   [[nodiscard]] std::int64_t tick_to_begin_at(Time now) const;

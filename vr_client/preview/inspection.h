@@ -3,7 +3,7 @@
 #pragma once
 
 #include "vr_client/preview/controls.h"
-#include "vr_client/report/measured_frame.h"
+#include "vr_client/report/measure.h"
 
 namespace farshade {
 

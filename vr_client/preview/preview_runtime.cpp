@@ -60,6 +60,4 @@ StereoView PreviewRuntime::locate_views(Time display_time) const {
       headset_);
 }
 
-void PreviewRuntime::end_frame(Time) {}
-
 }  // namespace farshade

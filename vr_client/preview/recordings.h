@@ -7,10 +7,26 @@
 #include <memory>
 #include <string>
 
+#include "stereo/head/writer.h"
 #include "vr_client/record/capture_writer.h"
-#include "vr_client/record/head_recording_writer.h"
 
 namespace farshade {
+
+/// Records the head poses of a run as a head recording (stereo/head).
+class HeadRecordingWriter {
+ public:
+  /// Adds the head pose between the eyes of `views`, which were shown at `display_time`. Skips a time that is
+  /// not later than the last one. The recording has one eye distance and one fov per eye: those of the last
+  /// views.
+  void add(Time display_time, const StereoView& views);
+
+  /// Writes an EuRoC/ASL CSV file in stage axes. OutOfRange if there are fewer samples than a recording
+  /// needs.
+  [[nodiscard]] Expected<void> write(const std::filesystem::path& path) const;
+
+ private:
+  HeadRecording recording_;
+};
 
 class Recordings {
  public:

@@ -4,8 +4,9 @@
 #include <limits>
 #include <optional>
 
-#include "stereo/draw/renderer.h"
 #include "stereo/frame/pose_delta.h"
+#include "vr_client/frame/frame_loop.h"
+#include "vr_client/report/overlays.h"
 
 namespace farshade {
 
@@ -49,5 +50,25 @@ inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 /// p + offset_px of `stale`. Pixels outside of `stale` count as unknown, with visibility kUnknownVisibility.
 [[nodiscard]] double unmoved_error(const EyeMask& stale, glm::ivec2 offset_px, const ShownReport& shown,
                                    const EyeMask& reference);
+
+/// One frame with its reference.
+struct MeasuredFrame {
+  FrameId frame;
+  PerEye<Image<Rgb8>> shown, reference;
+  PerEye<ShownReport> report;  ///< empty if the client did not shade the frame
+  MaskAges ages;
+};
+
+/// Upper limit of the PSNR. Equal pictures have an infinite one, which has no percentiles.
+inline constexpr double kEqualPictures_dB = 99;
+
+/// The time since the request of each mask that `view` was drawn with, newest mask first.
+[[nodiscard]] MaskAges ages_of(const FrameView& view);
+
+/// Stores the shown frame and its reference in `into` and returns the errors. Call it before the next frame
+/// is drawn. The frame must have been drawn with Report::On. A frame that was not shaded by this client has
+/// no report. Afterwards the renderer holds the reference's picture.
+[[nodiscard]] PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& reference,
+                                        MeasuredFrame& into);
 
 }  // namespace farshade

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <bit>
+#include <glm/mat3x3.hpp>
+#include <optional>
 
 #include "stereo/base/check.h"
+#include "stereo/frame/pose_delta.h"
+#include "stereo/frame/tiles.h"
 #include "stereo/image/difference.h"
-#include "vr_client/report/guard_band_picture.h"
 #include "vr_client/report/overlay_colors.h"
 
 namespace farshade {
@@ -93,6 +96,101 @@ Image<Rgb8> rays_picture(const OverlayInput& input) {
       lookup_table(lights + 1, [&](std::size_t rays) { return ramp(share_of(rays, lights)); });
   return painted(input.report, input.shown.size,
                  [&](std::size_t i) { return colors.at(input.report.rays[i]); });
+}
+
+// ---- Overlay::GuardBand
+
+/// The traced view takes at most this share of the picture's width and height.
+constexpr double kTracedShare = 0.8;
+
+/// The mapping of the picture onto the plane z = -1 of the traced eye: pixel position p lies at
+/// origin + p * step.
+struct Chart {
+  glm::dvec2 origin, step;
+};
+
+Chart chart_of(const FovTangents& shown, const FovTangents& traced, Extent size) {
+  const glm::dvec2 of_shown{shown.right_tan - shown.left_tan, shown.down_tan - shown.up_tan},
+      of_traced{traced.right_tan - traced.left_tan, traced.down_tan - traced.up_tan},
+      pixels{size.width, size.height},
+      centre{(traced.left_tan + traced.right_tan) / 2, (traced.up_tan + traced.down_tan) / 2};
+  const glm::dvec2 larger = of_traced / of_shown;
+  const glm::dvec2 step = of_shown / pixels * (std::max(larger.x, larger.y) / kTracedShare);
+  return {centre - 0.5 * step * pixels, step};
+}
+
+/// 1 for each pixel of the chart whose direction lies in the shown view.
+Image<std::uint8_t> seen_on(const Chart& chart, const View& shown, const View& traced, Extent size) {
+  const FovTangents window = tangents_of(shown.fov);
+  const glm::dmat3 shown_from_traced(
+      glm::mat3_cast(glm::conjugate(pose_delta(shown, {}, traced, {}).traced_from_shown.rotation)));
+  const glm::dvec3 along = shown_from_traced * glm::dvec3(chart.step.x, 0, 0);
+  Image<std::uint8_t> seen(size);
+  for (std::uint32_t y = 0; y < size.height; ++y) {
+    const glm::dvec3 first =
+        shown_from_traced * glm::dvec3(chart.origin + (glm::dvec2(0, y) + 0.5) * chart.step, -1.0);
+    for (std::uint32_t x = 0; x < size.width; ++x) {
+      const glm::dvec3 d = first + static_cast<double>(x) * along;
+      const double ahead = -d.z;  // behind the eye this is negative, so that no direction passes the test
+      seen.at(x, y) = (d.x >= window.left_tan * ahead) & (d.x < window.right_tan * ahead) &
+                      (d.y <= window.up_tan * ahead) & (d.y > window.down_tan * ahead);
+    }
+  }
+  return seen;
+}
+
+bool on_outline(const Image<std::uint8_t>& seen, std::uint32_t x, std::uint32_t y) {
+  const std::uint8_t here = seen.at(x, y);
+  return (x > 0 && seen.at(x - 1, y) != here) || (x + 1 < seen.size.width && seen.at(x + 1, y) != here) ||
+         (y > 0 && seen.at(x, y - 1) != here) || (y + 1 < seen.size.height && seen.at(x, y + 1) != here);
+}
+
+/// Number of lights that are visible from the traced pixel. Nothing if its tile has not arrived.
+std::optional<std::size_t> lights_lit(const EyeMask& bits, const KnownTiles& known, std::uint32_t x,
+                                      std::uint32_t y) {
+  const std::uint32_t tile = y / kTileSide_px * TileGrid{bits.size()}.columns() + x / kTileSide_px;
+  if (known[tile] != all_planes_known(bits.layout())) return std::nullopt;
+  int lit = 0;
+  for (std::uint32_t plane = 0; plane < bits.layout().planes(); ++plane)
+    lit += std::popcount(bits.word(x, y, plane));
+  return static_cast<std::size_t>(lit);
+}
+
+/// The whole traced view, with the part that is shown marked in it.
+Image<Rgb8> guard_band_picture(const OverlayInput& input) {
+  const Extent size = input.shown.size;
+  Image<Rgb8> picture(size);
+  if (input.newest == nullptr) return picture;
+  const std::size_t eye = index_of(input.side);
+  const View& traced = input.newest->views[eye];
+  const EyeMask& mask = input.newest->masks[eye];
+  const FovTangents window = tangents_of(traced.fov);
+  const Chart chart = chart_of(tangents_of(input.view.fov), window, size);
+  const Image<std::uint8_t> seen = seen_on(chart, input.view, traced, size);
+  const auto greys =
+      lookup_table(mask.lights() + 1, [&](std::size_t lit) { return grey(share_of(lit, mask.lights())); });
+  const auto tinted =
+      lookup_table(greys.size(), [&](std::size_t lit) { return guard_band_tint(greys[lit]); });
+  const glm::dvec2 traced_px(traced.size.width, traced.size.height),
+      per_step = traced_px / glm::dvec2(window.right_tan - window.left_tan, window.down_tan - window.up_tan);
+  for (std::uint32_t y = 0; y < size.height; ++y)
+    for (std::uint32_t x = 0; x < size.width; ++x) {
+      const glm::dvec2 on_plane = chart.origin + (glm::dvec2(x, y) + 0.5) * chart.step,
+                       at = (on_plane - glm::dvec2(window.left_tan, window.up_tan)) * per_step;
+      const bool is_traced = at.x >= 0 && at.y >= 0 && at.x < traced_px.x && at.y < traced_px.y;
+      const bool is_seen = seen.at(x, y) != 0;
+      Rgb8& color = picture.at(x, y);
+      if (on_outline(seen, x, y)) {
+        color = kOutlineColor;
+      } else if (is_traced) {
+        const auto lit = lights_lit(mask, input.newest->known_tiles[eye], static_cast<std::uint32_t>(at.x),
+                                    static_cast<std::uint32_t>(at.y));
+        color = !lit ? kUnknownColor : is_seen ? greys[*lit] : tinted[*lit];
+      } else if (is_seen) {
+        color = kNotTracedColor;
+      }
+    }
+  return picture;
 }
 
 }  // namespace

@@ -6,17 +6,8 @@
 
 #include "stereo/base/expected.h"
 #include "vr_client/report/measure.h"
-#include "vr_client/report/overlays.h"
 
 namespace farshade {
-
-/// One frame with its reference.
-struct MeasuredFrame {
-  FrameId frame;
-  PerEye<Image<Rgb8>> shown, reference;
-  PerEye<ShownReport> report;  ///< empty if the client did not shade the frame
-  MaskAges ages;
-};
 
 /// `frame_NNNN_left.png` and `_right.png`.
 [[nodiscard]] Expected<void> write_shown(const std::filesystem::path& folder, FrameId frame,

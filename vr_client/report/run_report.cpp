@@ -5,7 +5,6 @@
 
 #include "stereo/base/files.h"
 #include "vr_client/report/dump.h"
-#include "vr_client/report/measured_frame.h"
 
 namespace farshade {
 

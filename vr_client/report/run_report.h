@@ -31,10 +31,8 @@ class RunReport {
   /// The first failure to write. Nothing is written after it.
   [[nodiscard]] const std::optional<Error>& failed() const { return failed_; }
   [[nodiscard]] const FrameLog& log() const { return log_; }
-  /// The last frame if it was measured, else null.
-  [[nodiscard]] const MeasuredFrame* measured() const {
-    return !log_.records().empty() && log_.records().back().errors ? &current_ : nullptr;
-  }
+  /// The last frame that was measured.
+  [[nodiscard]] const MeasuredFrame& measured() const { return current_; }
 
   /// Writes the pictures of the worst frame, summary.csv and frames.csv.
   [[nodiscard]] Expected<void> finish() const;

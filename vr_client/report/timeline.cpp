@@ -1,12 +1,204 @@
 #include "vr_client/report/timeline.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <span>
 
 #include "stereo/base/files.h"
-#include "vr_client/report/trace_events.h"
 
 namespace farshade {
+namespace {
+
+/// The rows of the timeline, from the top. Frame, Device and Network belong to process 1, vr_client; Waiting
+/// and Worker to process 2, rt_server.
+enum class TraceRow : std::uint8_t { Frame, Device, Network, Waiting, Worker };
+
+struct TraceStage {
+  const char* name;
+  Duration length;
+};
+
+struct RowName {
+  int process;
+  const char* thread;
+};
+constexpr std::array<RowName, 5> kRowNames{
+    {{1, "frame"}, {1, "device"}, {1, "network"}, {2, "waiting"}, {2, "worker"}}};
+
+/// Thread numbers are unique over both processes: 1000 for each row.
+constexpr std::size_t kThreadsPerRow = 1000;
+
+std::size_t thread_number(std::size_t row, std::size_t thread) {
+  return row * kThreadsPerRow + thread + 1;
+}
+
+Duration total_of(std::span<const TraceStage> stages) {
+  Duration total{};
+  for (const TraceStage& stage : stages) total += stage.length;
+  return total;
+}
+
+/// `part` of a `whole` that must fit into `room`: unchanged if it fits, else scaled down with the whole.
+Duration fitted(Duration part, Duration whole, Duration room) {
+  if (whole <= room) return part;
+  return duration_from_ms(ms_of(room) * (seconds_of(part) / seconds_of(whole)));
+}
+
+/// Writes time spans and arrows in the Trace Event Format (Google, "Trace Event Format", 2016: the JSON
+/// object form), which ui.perfetto.dev and chrome://tracing open.
+class TraceEvents {
+ public:
+  struct Thread {
+    int process;
+    std::size_t number;
+  };
+
+  /// Times are written relative to `zero`, in microseconds, rounded down to an eighth.
+  explicit TraceEvents(Time zero) : zero_(zero) {}
+
+  /// A thread of `row` that has no span in `span`, and marks it as occupied. Adds a thread if all are
+  /// occupied.
+  Thread thread(TraceRow row, TimeSpan span);
+
+  void add(const char* name, TimeSpan span, Thread on, FrameId frame);
+
+  /// Adds the stages one after the other, scaled down if they are longer than `within`. Returns their begins.
+  std::vector<Time> add_stages(std::span<const TraceStage> stages, TimeSpan within, Thread on, FrameId frame);
+
+  /// Adds an arrow between the innermost spans that contain its ends.
+  void add_arrow(const char* name, Time from, Thread from_thread, Time to, Thread to_thread, FrameId frame);
+
+  /// Names the processes and threads and returns the whole JSON text.
+  [[nodiscard]] std::string finish();
+
+ private:
+  static constexpr std::size_t kRows = 5;
+  void add_arrow_end(const char* phase, const char* name, Time at, Thread on, FrameId frame);
+  void append(const std::string& fields);
+  [[nodiscard]] double microseconds(Time time) const;
+
+  Time zero_;
+  std::uint64_t arrows_ = 0;
+  std::array<std::vector<Time>, kRows> ends_;  ///< end of the last span of each thread of each row
+  std::string text_;
+};
+
+TraceEvents::Thread TraceEvents::thread(TraceRow row, TimeSpan span) {
+  const auto index = static_cast<std::size_t>(row);
+  std::vector<Time>& ends = ends_[index];
+  auto free = std::ranges::find_if(ends, [&](Time end) { return end <= span.begin; });
+  if (free == ends.end()) free = ends.insert(ends.end(), span.end);
+  *free = span.end;
+  return {kRowNames[index].process, thread_number(index, static_cast<std::size_t>(free - ends.begin()))};
+}
+
+void TraceEvents::add(const char* name, TimeSpan span, Thread on, FrameId frame) {
+  const double begin = microseconds(span.begin), end = microseconds(span.end);
+  append(
+      fmt::format(R"("ph":"X","name":"{}","ts":{:.3f},"dur":{:.3f},"pid":{},"tid":{},"args":{{"frame":{}}})",
+                  name, begin, end - begin, on.process, on.number, frame.value));
+}
+
+std::vector<Time> TraceEvents::add_stages(std::span<const TraceStage> stages, TimeSpan within, Thread on,
+                                          FrameId frame) {
+  const Duration total = total_of(stages), room = within.end - within.begin;
+  std::vector<Time> begins;
+  Duration before{};
+  for (const TraceStage& stage : stages) {
+    const Duration after = before + stage.length;
+    const TimeSpan span{within.begin + fitted(before, total, room),
+                        within.begin + fitted(after, total, room)};
+    begins.push_back(span.begin);
+    if (stage.length > Duration::zero()) add(stage.name, span, on, frame);
+    before = after;
+  }
+  return begins;
+}
+
+void TraceEvents::add_arrow(const char* name, Time from, Thread from_thread, Time to, Thread to_thread,
+                            FrameId frame) {
+  ++arrows_;  // frame ids restart with each session, so they cannot identify an arrow
+  add_arrow_end("s", name, from, from_thread, frame);
+  add_arrow_end("f", name, to, to_thread, frame);
+}
+
+void TraceEvents::add_arrow_end(const char* phase, const char* name, Time at, Thread on, FrameId frame) {
+  append(fmt::format(
+      R"("ph":"{}","bp":"e","cat":"wire","name":"{}","id":{},"ts":{:.3f},"pid":{},"tid":{},"args":{{"frame":{}}})",
+      phase, name, arrows_, microseconds(at), on.process, on.number, frame.value));
+}
+
+std::string TraceEvents::finish() {
+  append(R"("ph":"M","name":"process_name","pid":1,"args":{"name":"vr_client"})");
+  append(R"("ph":"M","name":"process_name","pid":2,"args":{"name":"rt_server"})");
+  for (std::size_t row = 0; row < kRows; ++row)
+    for (std::size_t i = 0; i < ends_[row].size(); ++i) {
+      const int process = kRowNames[row].process;
+      const std::size_t number = thread_number(row, i);
+      append(fmt::format(R"("ph":"M","name":"thread_name","pid":{},"tid":{},"args":{{"name":"{}"}})", process,
+                         number, kRowNames[row].thread));
+      append(
+          fmt::format(R"("ph":"M","name":"thread_sort_index","pid":{},"tid":{},"args":{{"sort_index":{}}})",
+                      process, number, number));
+    }
+  return "{\"traceEvents\":[\n" + text_ + "\n],\"displayTimeUnit\":\"ms\"}\n";
+}
+
+/// The names are constants of this program, so that they need no escapes.
+void TraceEvents::append(const std::string& fields) {
+  text_ += (text_.empty() ? "{" : ",\n{") + fields + "}";
+}
+
+/// Doubles represent eighths exactly, also in nanoseconds. So a span that contains another one does so in
+/// every reader.
+double TraceEvents::microseconds(Time time) const {
+  return static_cast<double>((time - zero_).count() / 125) / 8;
+}
+
+void write_frame(const auto& shown, TraceEvents& events) {
+  const StageStarts& starts = shown.starts;
+  const TimeSpan whole{starts.request, starts.end};
+  const TimeSpan draw{starts.draw, std::min(starts.draw + shown.draw, starts.end)};
+  const auto frame = events.thread(TraceRow::Frame, whole);
+  events.add("frame", whole, frame, shown.frame);
+  events.add("request", {starts.request, starts.collect}, frame, shown.frame);
+  events.add("collect", {starts.collect, starts.draw}, frame, shown.frame);
+  events.add("draw", draw, frame, shown.frame);
+
+  const std::array<TraceStage, 3> passes{
+      {{"G-buffer", shown.gbuffer}, {"depth", shown.depth}, {"shade", shown.shade}}};
+  const TimeSpan device{std::max(draw.begin, draw.end - total_of(passes)), draw.end};
+  events.add_stages(passes, device, events.thread(TraceRow::Device, device), shown.frame);
+}
+
+void write_request(const auto& request, TraceEvents& events) {
+  const auto& [frame, sent, first, last] = request.exchange;
+  if (!first) return;
+  const TimeSpan datagrams{std::min(*first, last.value_or(*first)), std::max(*first, last.value_or(*first))};
+  events.add("datagrams", datagrams, events.thread(TraceRow::Network, datagrams), frame);
+  if (!request.report) return;
+
+  const FrameReport& report = *request.report;
+  std::vector<TraceStage> stages{{"primary", report.primary}, {"shadow", report.shadow}};
+  if (report.draw > Duration::zero()) stages.push_back({"draw", report.draw});
+  stages.push_back({"pack", report.pack});
+  const Duration work = report.waited + total_of(stages);
+  const TimeSpan placed = place_work(sent, *first, work);
+  const Time begun = placed.begin + fitted(report.waited, work, placed.end - placed.begin);
+  const TimeSpan waited{placed.begin, begun}, worked{begun, placed.end};
+  events.add("waited", waited, events.thread(TraceRow::Waiting, waited), frame);
+  const auto worker = events.thread(TraceRow::Worker, worked);
+  events.add("work", worked, worker, frame);
+  const std::vector<Time> begins = events.add_stages(stages, worked, worker, frame);
+  const TraceEvents::Thread client{.process = 1,
+                                   .number = 1};  // frames do not overlap: their row has one thread
+  events.add_arrow("request", sent, client, begun, worker, frame);
+  if (request.drawn) events.add_arrow("masks", begins.back(), worker, *request.drawn, client, frame);
+}
+
+}  // namespace
 
 TimeSpan place_work(Time sent, Time first, Duration work) {
   const Duration between = std::max(first - sent, Duration::zero());
@@ -47,47 +239,6 @@ void Timeline::add(const FrameView& view, const AnswerInbox* inbox) {
   if (of_mask != requests_.rend() && !of_mask->drawn) of_mask->drawn = view.starts.draw;
 }
 
-void Timeline::write_frame(const ShownFrame& shown, TraceEvents& events) {
-  const StageStarts& starts = shown.starts;
-  const TimeSpan whole{starts.request, starts.end};
-  const TimeSpan draw{starts.draw, std::min(starts.draw + shown.draw, starts.end)};
-  const auto frame = events.thread(TraceRow::Frame, whole);
-  events.add("frame", whole, frame, shown.frame);
-  events.add("request", {starts.request, starts.collect}, frame, shown.frame);
-  events.add("collect", {starts.collect, starts.draw}, frame, shown.frame);
-  events.add("draw", draw, frame, shown.frame);
-
-  const std::array<TraceStage, 3> passes{
-      {{"G-buffer", shown.gbuffer}, {"depth", shown.depth}, {"shade", shown.shade}}};
-  const TimeSpan device{std::max(draw.begin, draw.end - total_of(passes)), draw.end};
-  events.add_stages(passes, device, events.thread(TraceRow::Device, device), shown.frame);
-}
-
-void Timeline::write_request(const ServerRequest& request, TraceEvents& events) {
-  const auto& [frame, sent, first, last] = request.exchange;
-  if (!first) return;
-  const TimeSpan datagrams{std::min(*first, last.value_or(*first)), std::max(*first, last.value_or(*first))};
-  events.add("datagrams", datagrams, events.thread(TraceRow::Network, datagrams), frame);
-  if (!request.report) return;
-
-  const FrameReport& report = *request.report;
-  std::vector<TraceStage> stages{{"primary", report.primary}, {"shadow", report.shadow}};
-  if (report.draw > Duration::zero()) stages.push_back({"draw", report.draw});
-  stages.push_back({"pack", report.pack});
-  const Duration work = report.waited + total_of(stages);
-  const TimeSpan placed = place_work(sent, *first, work);
-  const Time begun = placed.begin + fitted(report.waited, work, placed.end - placed.begin);
-  const TimeSpan waited{placed.begin, begun}, worked{begun, placed.end};
-  events.add("waited", waited, events.thread(TraceRow::Waiting, waited), frame);
-  const auto worker = events.thread(TraceRow::Worker, worked);
-  events.add("work", worked, worker, frame);
-  const std::vector<Time> begins = events.add_stages(stages, worked, worker, frame);
-  const TraceEvents::Thread client{.process = 1,
-                                   .number = 1};  // frames do not overlap: their row has one thread
-  events.add_arrow("request", sent, client, begun, worker, frame);
-  if (request.drawn) events.add_arrow("masks", begins.back(), worker, *request.drawn, client, frame);
-}
-
 std::string Timeline::text() const {
   TraceEvents events(frames_.empty() ? Time{} : frames_.front().starts.request);
   for (const ShownFrame& frame : frames_) write_frame(frame, events);
@@ -96,7 +247,7 @@ std::string Timeline::text() const {
 }
 
 Expected<void> Timeline::write(const std::filesystem::path& path) const {
-  return write_file_atomically(path, text());
+  return path.empty() ? Expected<void>{} : write_file_atomically(path, text());
 }
 
 }  // namespace farshade

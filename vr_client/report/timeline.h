@@ -8,9 +8,12 @@
 #include <vector>
 
 #include "vr_client/frame/frame_loop.h"
-#include "vr_client/report/trace_events.h"
 
 namespace farshade {
+
+struct TimeSpan {
+  Time begin, end;
+};
 
 /// Estimates when a server did `work` for a request that was sent at `sent` and whose first answer arrived at
 /// `first`: in the middle of that interval, which assumes that both directions take equally long (F.
@@ -38,7 +41,7 @@ class Timeline {
   /// another thread of the same name.
   [[nodiscard]] std::string text() const;
 
-  /// Writes text() to a file. Its folder must exist.
+  /// Writes text() to a file, whose folder must exist. Does nothing if `path` is empty.
   [[nodiscard]] Expected<void> write(const std::filesystem::path& path) const;
 
  private:
@@ -58,9 +61,6 @@ class Timeline {
     std::optional<FrameReport> report{};
     std::optional<Time> drawn{};  ///< when the first frame with its masks as the newest began to be drawn
   };
-
-  static void write_frame(const ShownFrame& shown, TraceEvents& events);
-  static void write_request(const ServerRequest& request, TraceEvents& events);
 
   std::vector<ShownFrame> frames_;
   std::vector<ServerRequest> requests_;  ///< oldest first

@@ -37,6 +37,4 @@ StereoView RecordedHeadRuntime::locate_views(Time display_time) const {
   return views_of(stage_from_head, {recording_.eye_distance_m, recording_.fov, playback_.eye_size});
 }
 
-void RecordedHeadRuntime::end_frame(Time) {}
-
 }  // namespace farshade

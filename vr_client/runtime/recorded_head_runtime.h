@@ -25,7 +25,6 @@ class RecordedHeadRuntime final : public Runtime {
 
   [[nodiscard]] std::optional<FrameTiming> wait_frame() override;
   [[nodiscard]] StereoView locate_views(Time display_time) const override;
-  void end_frame(Time display_time) override;
 
   /// Number of display times of the whole playback.
   [[nodiscard]] std::uint32_t frame_count() const { return frame_count_; }

@@ -30,7 +30,7 @@ class Runtime {
   [[nodiscard]] virtual StereoView locate_views(Time display_time) const = 0;
 
   /// Called when the frame for `display_time` was drawn (xrEndFrame).
-  virtual void end_frame(Time display_time) = 0;
+  virtual void end_frame(Time /*display_time*/) {}
 };
 
 }  // namespace farshade

@@ -110,7 +110,7 @@ TEST(LinkSession, IsNotEndedBySomebodyElse) {
     EXPECT_EQ(bench.link.counters().sessions, 1u);
     EXPECT_EQ(bench.server->counters().gate.retries, 1u) << "not a hello more";
     EXPECT_GE(bench.server->counters().frames - frames, 98u);
-    EXPECT_TRUE(bench.link.welcomed());
+    EXPECT_TRUE(bench.link.heard_at().has_value());
     EXPECT_FALSE(bench.link.refused().has_value());
     EXPECT_EQ(bench.link.counters().undecodable[WireRefusal::Forged], 100u);
   }

@@ -14,7 +14,7 @@ TEST(ShadowLinkMeet, IsWelcomedAfterTwoRoundTrips) {
   LinkBench bench;
   bench.start_server();
   EXPECT_TRUE(bench.link.meet(3s).has_value());
-  EXPECT_TRUE(bench.link.welcomed());
+  EXPECT_TRUE(bench.link.heard_at().has_value());
   EXPECT_EQ(bench.clock.now(), Time(4 * kWay));
   EXPECT_EQ(bench.link.counters().port.sent, 2u);
 }
@@ -44,7 +44,7 @@ TEST(ShadowLinkMeet, RefusesAServerWithAnotherNumberOfLights) {
   const Expected<void> met = bench.link.meet(3s);
   ASSERT_FALSE(met.has_value());
   EXPECT_EQ(met.error().fault, Fault::Mismatch);
-  EXPECT_FALSE(bench.link.welcomed());
+  EXPECT_FALSE(bench.link.heard_at().has_value());
 }
 
 TEST(ShadowLinkMeet, GivesUpOnAServerThatIsNotThereAfterItsPatience) {
@@ -82,7 +82,7 @@ TEST(NetworkLink, GoesOnTryingAServerThatComesLate) {
   bench.clock.advance_to(Time(2s));
   bench.ask(request(1));
   bench.pass(4 * kWay);
-  EXPECT_TRUE(bench.link.welcomed());
+  EXPECT_TRUE(bench.link.heard_at().has_value());
   bench.ask(request(2));
   EXPECT_TRUE(bench.link.wait_for({2}, 1s));
 }
@@ -258,7 +258,7 @@ TEST(NetworkLink, HostileBytesChangeNothingButCounters) {
   EXPECT_EQ(counters.assembler.refused.total(), 1u);
   EXPECT_EQ(counters.assembler.unexpected, 2u);
   EXPECT_EQ(counters.assembler.other_light_set, 1u);
-  EXPECT_TRUE(bench.link.welcomed());
+  EXPECT_TRUE(bench.link.heard_at().has_value());
   EXPECT_FALSE(bench.link.refused().has_value());
   EXPECT_EQ(bench.link.inbox().find({1})->masks, painted(1));
 }

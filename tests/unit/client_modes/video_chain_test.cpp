@@ -1,4 +1,4 @@
-#include "vr_client/modes/video_chain.h"
+#include "vr_client/modes/video.h"
 
 #include <gtest/gtest.h>
 

@@ -30,6 +30,11 @@ struct PacerBench {
   void frames(int count, Duration takes) {
     for (int i = 0; i < count; ++i) frame(takes);
   }
+  /// The number of display periods that the next frame takes.
+  [[nodiscard]] std::int64_t periods() const {
+    FramePacer next = pacer;
+    return next.begin(now).period / kPeriod;
+  }
 };
 
 TEST(FramePacer, GivesFastFramesEveryDisplayTime) {
@@ -52,13 +57,13 @@ TEST(FramePacer, DoesNotDriftOverADay) {
 TEST(FramePacer, GivesSlowFramesTheWholePeriodsTheyNeed) {
   struct Case {
     Duration takes;
-    std::uint32_t periods;
+    std::int64_t periods;
   };
   for (const Case c :
        {Case{1ms, 1}, Case{10ms, 1}, Case{11ms, 2}, Case{20ms, 2}, Case{33ms, 4}, Case{95ms, 10}}) {
     PacerBench bench;
     bench.frames(20, c.takes);
-    EXPECT_EQ(bench.pacer.periods(), c.periods) << ms_of(c.takes);
+    EXPECT_EQ(bench.periods(), c.periods) << ms_of(c.takes);
     const FrameTiming one = bench.frame(c.takes);
     const FrameTiming next = bench.frame(c.takes);
     EXPECT_EQ(one.period, c.periods * kPeriod);
@@ -70,14 +75,14 @@ TEST(FramePacer, IgnoresAFewLateFrames) {
   PacerBench bench;
   for (int i = 0; i < 100; ++i) {
     bench.frame(i % 6 == 0 ? 47ms : 8ms);
-    EXPECT_EQ(bench.pacer.periods(), 1u);
+    EXPECT_EQ(bench.periods(), 1);
   }
 }
 
 TEST(FramePacer, ReactsToALateFrameInThree) {
   PacerBench bench;
   for (int i = 0; i < 18; ++i) bench.frame(i % 3 == 0 ? 28ms : 8ms);
-  EXPECT_EQ(bench.pacer.periods(), 3u);
+  EXPECT_EQ(bench.periods(), 3);
 }
 
 TEST(FramePacer, IgnoresASlowFirstFrame) {
@@ -90,9 +95,9 @@ TEST(FramePacer, FollowsChangesWithin16Frames) {
   PacerBench bench;
   bench.frames(16, 8ms);
   bench.frames(16, 28ms);
-  EXPECT_EQ(bench.pacer.periods(), 3u);
+  EXPECT_EQ(bench.periods(), 3);
   bench.frames(16, 8ms);
-  EXPECT_EQ(bench.pacer.periods(), 1u);
+  EXPECT_EQ(bench.periods(), 1);
 }
 
 TEST(FramePacer, DoesNotOscillateAtALimit) {
@@ -102,13 +107,13 @@ TEST(FramePacer, DoesNotOscillateAtALimit) {
   std::uniform_int_distribution<std::int64_t> takes_us(19'200, 20'800);
   PacerBench bench;
   bench.frames(32, 20'500us);
-  ASSERT_EQ(bench.pacer.periods(), 3u);
+  ASSERT_EQ(bench.periods(), 3);
   for (int i = 0; i < 500; ++i) {
     bench.frame(std::chrono::microseconds(takes_us(random)));
-    EXPECT_EQ(bench.pacer.periods(), 3u) << i;
+    EXPECT_EQ(bench.periods(), 3) << i;
   }
   bench.frames(16, 17'900us);
-  EXPECT_EQ(bench.pacer.periods(), 2u) << "room enough to fall";
+  EXPECT_EQ(bench.periods(), 2) << "room enough to fall";
 }
 
 TEST(FramePacer, DisplayTimesIncreaseByWholePeriods) {
@@ -293,7 +298,6 @@ TEST(PreviewRuntime, ARecordingMovesTheHeadByDisplayTime) {
   PreviewRuntime& runtime = desk.open();
   const Time first = desk.frame(3ms).display_time;
   EXPECT_EQ(desk.head(), glm::dvec3(0, 1.6, 50));
-  EXPECT_EQ(runtime.source(), HeadSource::Recording);
   runtime.player()->set_speed(2);
   Time shown = first;
   while (shown < first + 300ms) shown = desk.frame(3ms).display_time;
@@ -318,7 +322,6 @@ TEST(PreviewRuntime, SimulatedHeadContinuesFromTheRecording) {
   desk.frame(3ms);
   EXPECT_EQ(runtime.stage_from_head().translation, left.translation);
   EXPECT_LT(angle_between_rad(runtime.stage_from_head().rotation, left.rotation), 1e-12);
-  EXPECT_EQ(runtime.source(), HeadSource::Simulated);
   desk.controls->head.walk = {0, 1, 0};
   desk.frame(3ms);
   EXPECT_NEAR(desk.head().y, 1.614, 1e-12);
@@ -336,7 +339,6 @@ TEST(PreviewRuntime, UsesTheSimulatedHeadWithoutARecording) {
   PreviewRuntime& runtime = desk.open();
   desk.frame(3ms);
   EXPECT_EQ(desk.head(), kStart.translation);
-  EXPECT_EQ(runtime.source(), HeadSource::Simulated);
   EXPECT_EQ(runtime.player(), nullptr);
 }
 
