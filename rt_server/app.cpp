@@ -99,7 +99,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   const auto [scene, plan] = plan_scene(std::move(*loaded), {.kind = options.plan.kind});
   if (options.plan.only_told) {
     fmt::print("{}  {:<12} the tracer holds {}\n", in_words(plan, scene), "memory",
-               in_words(foreseen_memory(scene, plan.trace)));
+               in_words(estimated_memory(scene, plan.trace)));
     return {};
   }
   if (!plan.server) return end_without_shadows(options);

@@ -97,15 +97,15 @@ const ivec2 kAround[8] = ivec2[](ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(
 const uint kRings = 5;
 const float kFarthest_px = 32.0, kNeighbourBend = 0.05;
 
-Sample nearest_on_plane(Surface surface, bool wanted) {
+Sample nearest_on_plane(Surface surface, bool needed) {
   const uint source = kNewest;
   Sample found = Sample(FARSHADE_SOURCE_UNKNOWN, true, ivec2(0), vec2(0.0));
   Projection projection = project(source, surface);
   found.at = projection.at;
   vec2 inside = clamp(projection.at, vec2(0.0), frame.sources[source].per_step.zw - 1.0);
-  wanted = wanted && projection.visible && all(lessThanEqual(abs(inside - projection.at), vec2(kFarthest_px)));
+  needed = needed && projection.visible && all(lessThanEqual(abs(inside - projection.at), vec2(kFarthest_px)));
   ivec2 start = ivec2(inside);
-  [[dont_unroll]] for (uint tap = 0; wanted && tap <= 8 * kRings && found.source == FARSHADE_SOURCE_UNKNOWN; ++tap) {
+  [[dont_unroll]] for (uint tap = 0; needed && tap <= 8 * kRings && found.source == FARSHADE_SOURCE_UNKNOWN; ++tap) {
     ivec2 pixel = tap == 0 ? start : start + (kAround[(tap - 1) % 8] << ((tap - 1) / 8));
     if (same_surface(source, projection, pixel, kNeighbourBend)) {
       found.source = source;

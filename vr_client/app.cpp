@@ -210,7 +210,7 @@ Expected<void> run_replay(const Options& options) {
       .mode = {.mode = header.origin == MaskOrigin::OwnTracer ? Mode::Full : Mode::Hybrid},
       .link = replay.link(),
       .own_tracer = client.own_tracer ? &*client.own_tracer : nullptr,
-      .steering = replay.settings(),
+      .settings = replay.settings(),
       .policy = header.policy};
   const auto compare = [&](const FrameView& view) { replay.watch(view, client.renderer->read_shown()); };
   if (auto done = show(options, context, *frames, report, stop_signal, compare); !done) return done;
@@ -255,14 +255,14 @@ Expected<void> run_client(const Options& options) {
   RunReport report({options.out, frames, options.reference_every, options.pictures, options.dump},
                    *client.renderer, reference);
   const FrameSettings settings{
-      .wish = options.request, .carry_over = options.carry_over, .report = report_for(report)};
+      .request = options.request, .carry_over = options.carry_over, .report = report_for(report)};
   const RunContext context{.scene = client.scene,
                            .runtime = runtime,
                            .renderer = *client.renderer,
                            .mode = options.mode,
                            .link = client.link ? &*client.link : nullptr,
                            .own_tracer = client.own_tracer ? &*client.own_tracer : nullptr,
-                           .steering = settings,
+                           .settings = settings,
                            .policy = policy};
   const auto append_frame = [&](const FrameView& view) {
     if (captures && !capture.failed()) capture.watch(view, client.renderer->read_shown());

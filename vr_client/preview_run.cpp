@@ -57,7 +57,7 @@ PreviewSetup setup_of(const Options& options, const Scene& scene,
 
 Controls first_controls(const Options& options, const std::optional<HeadRecording>& recording) {
   Controls controls;
-  controls.settings.wish = options.request;
+  controls.settings.request = options.request;
   controls.settings.carry_over = options.carry_over;
   if (recording) {
     controls.head = HeadSource::Recording;
@@ -141,7 +141,7 @@ class Preview {
             .mode = options_.mode,
             .link = client_.link ? &*client_.link : nullptr,
             .own_tracer = client_.own_tracer ? &*client_.own_tracer : nullptr,
-            .steering = controls_.settings,
+            .settings = controls_.settings,
             .policy = policy()};
   }
 
@@ -256,9 +256,9 @@ class Preview {
                                                  : "this client traces: no server";
     const std::string server =
         std::string(name_of(options_.mode.mode)) + ", server " + to_string(client_.server);
-    const std::optional<Time> heard = client_.link->heard_at();
-    if (!heard) return server + " does not answer";
-    const Duration silence = client_.clock.now() - *heard;
+    const std::optional<Time> last_received = client_.link->last_received();
+    if (!last_received) return server + " does not answer";
+    const Duration silence = client_.clock.now() - *last_received;
     if (silence > kSilentAfter) return fmt::format("{} silent for {:.0f} s", server, seconds_of(silence));
     return server;
   }

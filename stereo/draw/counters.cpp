@@ -31,8 +31,8 @@ void add_scene(const Scene& scene, const DrawPlan& plan, gpu::BytesByUse& memory
 
 }  // namespace
 
-gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& wanted, const RendererLimits& limits) {
-  const DrawPlan plan = settled(wanted);
+gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, const RendererLimits& limits) {
+  const DrawPlan plan = settled(requested);
   const ShadingBytes shading = shading_bytes(plan, limits.size, limits.traced_size);
   const std::size_t pixels = kEyes * limits.size.pixels(), places = most_masks(plan) * kEyes;
   const std::size_t passes = plan.depth_pass ? 2 : 1;

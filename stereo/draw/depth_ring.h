@@ -33,7 +33,7 @@ class DepthRing {
   [[nodiscard]] std::uint32_t layer_of(FrameId frame) const;
 
   [[nodiscard]] const gpu::Image& image() const { return image_; }
-  [[nodiscard]] Extent size() const { return image_.wish.size; }
+  [[nodiscard]] Extent size() const { return image_.spec.size; }
 
  private:
   struct Slot {

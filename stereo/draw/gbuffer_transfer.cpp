@@ -49,7 +49,7 @@ bool is_depth(std::uint32_t word) {
 
 GBufferTransfer::Layout GBufferTransfer::layout() const {
   const std::size_t pixels = size_.pixels() * kEyes;
-  const bool pairs = gbuffer_.surfaces().wish.format == vk::Format::eR32G32Uint;
+  const bool pairs = gbuffer_.surfaces().spec.format == vk::Format::eR32G32Uint;
   Layout layout{.surface_words = pairs ? 2u : 1u, .normals = pixels * 4, .depths = 0, .bytes = 0};
   layout.depths = layout.normals + pixels * layout.surface_words * 4;
   layout.bytes = layout.depths + pixels * 4;

@@ -43,18 +43,18 @@ void Renderer::make_depth_pass() {
 void Renderer::place_depth(const ShownFrame& frame) {
   asked_depth_.reset();
   shown_depth_ = ring_.shown();
-  if (frame.asked == nullptr) return;
-  const std::optional<DepthRing::Place> place = ring_.claim(frame.asked->frame, frame.asked_slot);
+  if (frame.request == nullptr) return;
+  const std::optional<DepthRing::Place> place = ring_.claim(frame.request->frame, frame.request_slot);
   if (!place) return;
-  if (frame.asked->views == frame.views && frame.asked->scene_time == frame.state.scene_time) {
+  if (frame.request->views == frame.views && frame.request->scene_time == frame.state.scene_time) {
     shown_depth_ = *place;
     return;
   }
   if (!plan_.depth_pass) return;
   asked_depth_ = place;
   if (!depth_pass_) make_depth_pass();
-  depth_pass_->prepare(frame.asked->views,
-                       plan_.anything_moves() ? state_at(scene_, frame.asked->scene_time) : frame.state);
+  depth_pass_->prepare(frame.request->views,
+                       plan_.anything_moves() ? state_at(scene_, frame.request->scene_time) : frame.state);
 }
 
 /// Selects the usable masks and prepares the shading pass with them.
@@ -123,12 +123,12 @@ DrawTimes Renderer::shade_again(const ShownFrame& frame) {
   return times;
 }
 
-DrawTimes Renderer::keep_depth(const FrameRequest& asked, std::size_t slot, PerEye<Image<float>>& into) {
+DrawTimes Renderer::keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into) {
   const Stopwatch watch;
-  const std::optional<DepthRing::Place> place = ring_.claim(asked.frame, slot);
+  const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
   check(place.has_value(), "the depth ring has the slot of the request's record");
   if (!depth_pass_) make_depth_pass();
-  depth_pass_->prepare(asked.views, state_at(scene_, asked.scene_time, asked.lights));
+  depth_pass_->prepare(request.views, state_at(scene_, request.scene_time, request.lights));
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
   stamps_.reset(commands_);
@@ -137,14 +137,14 @@ DrawTimes Renderer::keep_depth(const FrameRequest& asked, std::size_t slot, PerE
   for (std::uint32_t stage = 1; stage < kStamps; ++stage) stamps_.write(commands_, stage);
   commands_.end();
   gpu::submit_and_wait(device_, commands_, fence_);
-  read_distance(*place, asked.views[0].size, into);
+  read_distance(*place, request.views[0].size, into);
   return {.depth = stamps_.between(0, 1), .total = watch.elapsed()};
 }
 
 DrawTimes Renderer::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {
   const Stopwatch watch;
   ShownFrame direct = frame;
-  direct.asked = nullptr;
+  direct.request = nullptr;
   direct.carry_over.lookup = Lookup::Direct;
   place_depth(direct);
   transfer_.prepare(planes);

@@ -22,13 +22,13 @@ struct DrawTimes {
 struct ShownFrame {
   StereoView views;  ///< both of the renderer's size
   const SceneState& state;
-  const FrameRequest* asked = nullptr;  ///< this frame's request, if any; the depth of its views is kept
-  std::span<const TracedMask> masks;    ///< newest first; masks whose depth is not in the ring are skipped
+  const FrameRequest* request = nullptr;  ///< this frame's request, if any; the depth of its views is kept
+  std::span<const TracedMask> masks;      ///< newest first; masks whose depth is not in the ring are skipped
   CarryOver carry_over;
   ShadingPass::Report report = ShadingPass::Report::Off;
   /// Set: shadows come from shadow maps instead of `masks`. shadow_map_bytes must succeed for these settings.
   const ShadowMapSettings* shadow_maps = nullptr;
-  std::size_t asked_slot = 0;  ///< where the depth is kept: the slot of the request's record
+  std::size_t request_slot = 0;  ///< where the depth is kept: the slot of the request's record
 };
 
 /// Sizes of pictures and masks, and the number of requests whose depth is kept.
@@ -51,12 +51,12 @@ class Renderer {
   /// Shades the last drawn frame again. Views and state are the same; masks and CarryOver may differ.
   DrawTimes shade_again(const ShownFrame& frame);
 
-  /// Draws only the G-buffer, which is the cost of a client without shadows. Keeps the depth for `asked`.
+  /// Draws only the G-buffer, which is the cost of a client without shadows. Keeps the depth for `request`.
   DrawTimes draw_gbuffer(const ShownFrame& frame);
 
-  /// Draws the depth of the views of `asked`, keeps it for the request's masks, and reads it back: metres
+  /// Draws the depth of the views of `request`, keeps it for the request's masks, and reads it back: metres
   /// along -z, 0 for uncovered pixels. Reuses the memory of `into`. `slot` is that of the request's record.
-  DrawTimes keep_depth(const FrameRequest& asked, std::size_t slot, PerEye<Image<float>>& into);
+  DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into);
 
   /// Shades a G-buffer that another renderer drew for `frame.views`. Masks are read with Lookup::Direct, and
   /// no depth is kept. The same planes, masks and lights give the same picture.

@@ -44,8 +44,8 @@ ShadowMaps::ShadowMaps(const gpu::Device& device, const Scene& scene, const Draw
                                         gpu::Use::ShadowMaps)),
       nearest_(device.logical.createSampler({})),
       bindings_(gpu::make_bindings(device, kMapSet, "shadow maps")),
-      pass_(device, scene, plan, buffers, frame, Outputs::Casters, maps_.wish.layers / 2) {
-  for (std::uint32_t first = 0; first < maps_.wish.layers; first += 2)
+      pass_(device, scene, plan, buffers, frame, Outputs::Casters, maps_.spec.layers / 2) {
+  for (std::uint32_t first = 0; first < maps_.spec.layers; first += 2)
     pairs_.push_back(gpu::view_layers(device, maps_, first, 2));
   gpu::bind_image(device, bindings_, 0, {*maps_.view, Layout::eShaderReadOnlyOptimal, *nearest_});
   gpu::bind_buffer(device, bindings_, 1, map_data_);
@@ -70,7 +70,7 @@ void ShadowMaps::prepare(const StereoView& shown, const SceneState& state) {
   ShadowMapViews views = shadow_map_views(lights, corners(state), settings_);
   for (std::size_t i = 0; i < lights.size(); ++i)
     map_data_.as<gpu::ShadowMapData>()[i] = shadow_map_data(shown, views.lights[i]);
-  views.layer_clip.resize(maps_.wish.layers, clip_from_stage({}));
+  views.layer_clip.resize(maps_.spec.layers, clip_from_stage({}));
   Content needed{std::move(views.layer_clip), state.stage_from_object};
   due_ = settings_.redraw == Redraw::Always || needed != drawn_;
   if (!due_) return;
@@ -85,7 +85,7 @@ void ShadowMaps::record(const vk::raii::CommandBuffer& commands) {
   if (!due_) return;
   gpu::transition(commands, maps_, Layout::eUndefined, Layout::eDepthAttachmentOptimal);
   for (std::size_t pair = 0; pair < pairs_.size(); ++pair)
-    pass_.record(commands, maps_.wish.size, {}, cleared(*pairs_[pair], Layout::eDepthAttachmentOptimal),
+    pass_.record(commands, maps_.spec.size, {}, cleared(*pairs_[pair], Layout::eDepthAttachmentOptimal),
                  pair);
   gpu::transition(commands, maps_, Layout::eDepthAttachmentOptimal, Layout::eShaderReadOnlyOptimal);
 }

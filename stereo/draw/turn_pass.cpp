@@ -75,7 +75,7 @@ PerEye<double> outside_share(const StereoView& from, const StereoView& shown) {
 TurnPass::TurnPass(const gpu::Device& device, const gpu::Image& shown)
     : device_(device),
       shown_(shown),
-      size_(shown.wish.size),
+      size_(shown.spec.size),
       picture_(gpu::make_mapped_buffer(
           device, kEyes * size_.pixels() * 4,
           vk::BufferUsageFlagBits::eStorageBuffer | vk::BufferUsageFlagBits::eTransferDst, "picture to turn",

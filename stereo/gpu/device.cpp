@@ -69,9 +69,9 @@ std::optional<std::uint32_t> graphics_queue_family(const vk::raii::Instance& ins
                                                    const vk::raii::PhysicalDevice& physical,
                                                    const DeviceOptions& options) {
   const auto families = physical.getQueueFamilyProperties();
-  const vk::QueueFlags wanted = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute;
+  const vk::QueueFlags required = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute;
   for (std::uint32_t i = 0; i < families.size(); ++i)
-    if ((families[i].queueFlags & wanted) == wanted && families[i].timestampValidBits > 0 &&
+    if ((families[i].queueFlags & required) == required && families[i].timestampValidBits > 0 &&
         can_present(instance, physical, i, options))
       return i;
   return std::nullopt;

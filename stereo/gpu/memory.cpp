@@ -11,9 +11,10 @@ using Property = vk::MemoryPropertyFlagBits;
 /// The first memory type that has all properties of `choices[0]`, or else of `choices[1]`, and so on.
 std::uint32_t memory_type(const Device& device, std::uint32_t allowed,
                           std::initializer_list<vk::MemoryPropertyFlags> choices) {
-  for (const vk::MemoryPropertyFlags wanted : choices)
+  for (const vk::MemoryPropertyFlags required : choices)
     for (std::uint32_t i = 0; i < device.memory.memoryTypeCount; ++i)
-      if ((allowed >> i & 1u) && (device.memory.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
+      if ((allowed >> i & 1u) && (device.memory.memoryTypes[i].propertyFlags & required) == required)
+        return i;
   throw std::runtime_error("vkAllocateMemory: no memory type fits");
 }
 
@@ -59,7 +60,7 @@ vk::ImageAspectFlags aspect_of(vk::Format format) {
 /// An image without memory and view.
 Image bare_image(const Device& device, const ImageSpec& spec, const std::string& name) {
   Image result;
-  result.wish = spec;
+  result.spec = spec;
   result.aspect = aspect_of(spec.format);
   result.image = device.logical.createImage({.imageType = vk::ImageType::e2D,
                                              .format = spec.format,
@@ -75,9 +76,9 @@ Image bare_image(const Device& device, const ImageSpec& spec, const std::string&
 vk::raii::ImageView make_view(const Device& device, const Image& image, LayerRange layers) {
   return device.logical.createImageView({.image = *image.image,
                                          .viewType = vk::ImageViewType::e2DArray,
-                                         .format = image.wish.format,
+                                         .format = image.spec.format,
                                          .subresourceRange = {.aspectMask = image.aspect,
-                                                              .levelCount = image.wish.mip_levels,
+                                                              .levelCount = image.spec.mip_levels,
                                                               .baseArrayLayer = layers.first,
                                                               .layerCount = layers.count}});
 }
@@ -109,7 +110,7 @@ Allocation bind_together(const Device& device, std::span<Image> images, const st
     allowed &= needs.memoryTypeBits;
   }
   Allocation result = allocate(device, bytes, memory_type(device, allowed, {Property::eDeviceLocal, {}}),
-                               name, images[0].wish.use);
+                               name, images[0].spec.use);
   for (std::size_t i = 0; i < images.size(); ++i) images[i].image.bindMemory(*result.memory, offsets[i]);
   return result;
 }
@@ -163,7 +164,7 @@ ImageGroup make_image_group(const Device& device, std::span<const ImageSpec> spe
   for (std::size_t i = 0; i + 1 < first.size() && !specs.empty(); ++i)
     group.memory.push_back(
         bind_together(device, images.subspan(first[i], first[i + 1] - first[i]), name + " memory"));
-  for (Image& image : group.images) image.view = make_view(device, image, {0, image.wish.layers});
+  for (Image& image : group.images) image.view = make_view(device, image, {0, image.spec.layers});
   return group;
 }
 

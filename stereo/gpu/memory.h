@@ -56,7 +56,7 @@ struct Image {
   vk::raii::DeviceMemory memory{nullptr};  ///< null for a texture: Textures::memory
   vk::raii::Image image{nullptr};
   vk::raii::ImageView view{nullptr};  ///< all layers as an array, all mip levels
-  ImageSpec wish;
+  ImageSpec spec;
   vk::ImageAspectFlags aspect;
 };
 

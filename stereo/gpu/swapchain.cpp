@@ -8,27 +8,27 @@ namespace {
 
 vk::SurfaceFormatKHR choose_format(const Device& device, const vk::raii::SurfaceKHR& surface) {
   const auto offered = device.physical.getSurfaceFormatsKHR(*surface);
-  for (const vk::Format wanted : {vk::Format::eB8G8R8A8Unorm, vk::Format::eR8G8B8A8Unorm})
+  for (const vk::Format preferred : {vk::Format::eB8G8R8A8Unorm, vk::Format::eR8G8B8A8Unorm})
     for (const vk::SurfaceFormatKHR& format : offered)
-      if (format.format == wanted && format.colorSpace == vk::ColorSpaceKHR::eSrgbNonlinear) return format;
+      if (format.format == preferred && format.colorSpace == vk::ColorSpaceKHR::eSrgbNonlinear) return format;
   throw std::runtime_error("vkGetPhysicalDeviceSurfaceFormatsKHR: no 8-bit UNORM format with sRGB colours");
 }
 
 /// Every surface supports FIFO.
 vk::PresentModeKHR choose_mode(const Device& device, const vk::raii::SurfaceKHR& surface) {
   const auto offered = device.physical.getSurfacePresentModesKHR(*surface);
-  for (const vk::PresentModeKHR wanted : {vk::PresentModeKHR::eMailbox, vk::PresentModeKHR::eImmediate})
-    if (std::ranges::find(offered, wanted) != offered.end()) return wanted;
+  for (const vk::PresentModeKHR preferred : {vk::PresentModeKHR::eMailbox, vk::PresentModeKHR::eImmediate})
+    if (std::ranges::find(offered, preferred) != offered.end()) return preferred;
   return vk::PresentModeKHR::eFifo;
 }
 
-/// The size that the surface prescribes, or `wanted` within its limits if it prescribes none.
-Extent granted_size(const vk::SurfaceCapabilitiesKHR& surface, Extent wanted) {
+/// The size that the surface prescribes, or `requested` within its limits if it prescribes none.
+Extent granted_size(const vk::SurfaceCapabilitiesKHR& surface, Extent requested) {
   constexpr std::uint32_t free_to_choose = 0xffff'ffff;
   if (surface.currentExtent.width != free_to_choose)
     return {surface.currentExtent.width, surface.currentExtent.height};
-  return {std::clamp(wanted.width, surface.minImageExtent.width, surface.maxImageExtent.width),
-          std::clamp(wanted.height, surface.minImageExtent.height, surface.maxImageExtent.height)};
+  return {std::clamp(requested.width, surface.minImageExtent.width, surface.maxImageExtent.width),
+          std::clamp(requested.height, surface.minImageExtent.height, surface.maxImageExtent.height)};
 }
 
 vk::CompositeAlphaFlagBitsKHR choose_alpha(vk::CompositeAlphaFlagsKHR offered) {
@@ -44,13 +44,13 @@ Swapchain::Swapchain(const Device& device, const vk::raii::SurfaceKHR& surface)
       format_(choose_format(device, surface)),
       mode_(choose_mode(device, surface)) {}
 
-bool Swapchain::fit(Extent wanted) {
-  if (wanted == wanted_ && state_ == State::Fits) return false;
+bool Swapchain::fit(Extent requested) {
+  if (requested == requested_ && state_ == State::Fits) return false;
   device_.logical.waitIdle();
-  wanted_ = wanted;
+  requested_ = requested;
   state_ = State::Fits;
   const vk::SurfaceCapabilitiesKHR surface = device_.physical.getSurfaceCapabilitiesKHR(*surface_);
-  size_ = wanted.pixels() == 0 ? Extent{} : granted_size(surface, wanted);
+  size_ = requested.pixels() == 0 ? Extent{} : granted_size(surface, requested);
   targets_.clear();
   if (size_.pixels() == 0) return true;
   // One image is shown, one waits to be shown, one is being drawn.

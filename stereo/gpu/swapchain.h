@@ -14,10 +14,10 @@ class Swapchain {
   /// Keeps both references. Throws if the surface supports no 8-bit UNORM format.
   Swapchain(const Device& device, const vk::raii::SurfaceKHR& surface);
 
-  /// Recreates the swapchain if its size is not `wanted` or it no longer fits the surface. Returns whether it
-  /// did; then targets and size have changed, and the device is idle. With an extent of zero there are no
+  /// Recreates the swapchain if its size is not `requested` or it no longer fits the surface. Returns whether
+  /// it did; then targets and size have changed, and the device is idle. With an extent of zero there are no
   /// images.
-  [[nodiscard]] bool fit(Extent wanted);
+  [[nodiscard]] bool fit(Extent requested);
 
   /// The size of the images as granted by the surface; zero if there are no images.
   [[nodiscard]] Extent size() const { return size_; }
@@ -41,7 +41,7 @@ class Swapchain {
   const vk::raii::SurfaceKHR& surface_;
   vk::SurfaceFormatKHR format_;
   vk::PresentModeKHR mode_;
-  Extent wanted_, size_;
+  Extent requested_, size_;
   enum class State : std::uint8_t { Fits, Stale } state_ = State::Stale;
   vk::raii::SwapchainKHR swapchain_{nullptr};
   std::vector<Target> targets_;

@@ -14,7 +14,7 @@ vk::Offset3D corner_of(const Image& texture, std::uint32_t mip) {
   const auto side = [mip](std::uint32_t full) {
     return static_cast<std::int32_t>(std::max(full >> mip, 1u));
   };
-  return {side(texture.wish.size.width), side(texture.wish.size.height), 1};
+  return {side(texture.spec.size.width), side(texture.spec.size.height), 1};
 }
 
 /// Fills each mip level from the one before. Afterwards shaders can read all levels.
@@ -22,7 +22,7 @@ void fill_mips(const vk::raii::CommandBuffer& commands, const Image& texture) {
   const auto make_readable = [&](Layout from, std::uint32_t mip) {
     transition_mips(commands, texture, from, Layout::eShaderReadOnlyOptimal, {mip, 1});
   };
-  for (std::uint32_t mip = 1; mip < texture.wish.mip_levels; ++mip) {
+  for (std::uint32_t mip = 1; mip < texture.spec.mip_levels; ++mip) {
     transition_mips(commands, texture, Layout::eTransferDstOptimal, Layout::eTransferSrcOptimal,
                     {mip - 1, 1});
     const vk::ImageBlit blit{.srcSubresource = {vk::ImageAspectFlagBits::eColor, mip - 1, 0, 1},
@@ -33,11 +33,11 @@ void fill_mips(const vk::raii::CommandBuffer& commands, const Image& texture) {
                        Layout::eTransferDstOptimal, blit, vk::Filter::eLinear);
     make_readable(Layout::eTransferSrcOptimal, mip - 1);
   }
-  make_readable(Layout::eTransferDstOptimal, texture.wish.mip_levels - 1);
+  make_readable(Layout::eTransferDstOptimal, texture.spec.mip_levels - 1);
 }
 
 void fill_texture(const Device& device, const Image& texture, std::span<const std::byte> rgba) {
-  check_eq(rgba.size(), texture.wish.size.pixels() * 4, "a texture has four bytes a pixel");
+  check_eq(rgba.size(), texture.spec.size.pixels() * 4, "a texture has four bytes a pixel");
   const Buffer staging = make_staging_buffer(device, rgba.size(), "texture staging");
   std::memcpy(staging.mapped, rgba.data(), rgba.size());
   run_now(device, [&](const vk::raii::CommandBuffer& commands) {
@@ -45,7 +45,7 @@ void fill_texture(const Device& device, const Image& texture, std::span<const st
     commands.copyBufferToImage(
         *staging.buffer, *texture.image, Layout::eTransferDstOptimal,
         vk::BufferImageCopy{.imageSubresource = {vk::ImageAspectFlagBits::eColor, 0, 0, 1},
-                            .imageExtent = {texture.wish.size.width, texture.wish.size.height, 1}});
+                            .imageExtent = {texture.spec.size.width, texture.spec.size.height, 1}});
     fill_mips(commands, texture);
   });
 }

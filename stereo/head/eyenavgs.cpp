@@ -82,13 +82,13 @@ Expected<HeadRecording> read_eyenavgs(std::string_view text, std::string_view na
   (void)lines.next(line);  // the column names, which identified the format
   std::vector<std::string_view> fields;
   EyeRow left;
-  for (std::size_t wanted = 0; lines.next(line); wanted = 1 - wanted) {
+  for (std::size_t expected = 0; lines.next(line); expected = 1 - expected) {
     rows::split(line, ',', fields);
     const Expected<EyeRow> row = read_row(fields, lines.place());
     if (!row) return tl::unexpected(row.error());
-    if (row->view != wanted)
+    if (row->view != expected)
       return rows::fail_at(row->place, Fault::Malformed, "left and right rows should alternate");
-    if (wanted == 0) {
+    if (expected == 0) {
       left = *row;
     } else if (const Expected<void> added = add_pair(left, *row, pairs); !added) {
       return tl::unexpected(added.error());

@@ -18,9 +18,8 @@
 namespace farshade {
 
 struct HeadRecordingOptions {
-  /// World units per metre; positions are divided by it. If unset: 1. For EyeNavGS the file name then defines
-  /// it
-  /// (`eyenavgs_truck` 0.76, `eyenavgs_room` 2); a file with another name is refused.
+  /// World units per metre; positions are divided by it. If unset: 1, except for EyeNavGS, where the file
+  /// name defines it (`eyenavgs_truck` 0.76, `eyenavgs_room` 2); a file with another name is refused.
   std::optional<double> scene_scale;
 };
 

@@ -36,7 +36,7 @@ struct ReceivedVideo {
 
 /// When and by whom a request was made.
 struct RequestOrigin {
-  Time asked_at;              ///< the display time of the frame that asked
+  Time requested_at;          ///< the display time of the frame that made it
   Time sent;                  ///< on the client's clock
   std::uint64_t session = 0;  ///< counts the sessions of this client
 };

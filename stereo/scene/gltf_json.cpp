@@ -56,19 +56,19 @@ void JsonObject::refuse(std::string what, Fault fault) const {
 
 /// The member if it is there and fits; otherwise null.
 template <class Fits>
-const json* JsonObject::member(std::string_view name, Need need, std::string_view wanted, Fits fits) const {
+const json* JsonObject::member(std::string_view name, Need need, std::string_view expected, Fits fits) const {
   const json* const found = find(name);
   if (!found && object_ && need == Need::Required) refuse(path_of(name) + " is missing");
   if (!found || fits(*found)) return found;
-  refuse(path_of(name) + " should be " + std::string(wanted));
+  refuse(path_of(name) + " should be " + std::string(expected));
   return nullptr;
 }
 
 std::optional<std::uint64_t> JsonObject::whole(std::string_view name, Need need, std::uint64_t least,
                                                std::uint64_t most) const {
-  const std::string wanted = "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
+  const std::string expected = "a whole number from " + std::to_string(least) + " to " + std::to_string(most);
   const json* const value =
-      member(name, need, wanted, [&](const json& v) { return is_whole(v, least, most); });
+      member(name, need, expected, [&](const json& v) { return is_whole(v, least, most); });
   return value ? std::optional(value->get<std::uint64_t>()) : std::nullopt;
 }
 
@@ -92,11 +92,11 @@ std::optional<double> JsonObject::number(std::string_view name, Sign sign) const
   const double least = sign == Sign::Any           ? -kMaxNumber
                        : sign == Sign::NotNegative ? 0.0
                                                    : double{std::numeric_limits<float>::min()};
-  const std::string_view wanted = sign == Sign::Any           ? "a number within +-1e30"
-                                  : sign == Sign::NotNegative ? "a number from 0 to 1e30"
-                                                              : "a number above 0, up to 1e30";
+  const std::string_view expected = sign == Sign::Any           ? "a number within +-1e30"
+                                    : sign == Sign::NotNegative ? "a number from 0 to 1e30"
+                                                                : "a number above 0, up to 1e30";
   const json* const value =
-      member(name, Need::Optional, wanted, [&](const json& v) { return is_number(v, least); });
+      member(name, Need::Optional, expected, [&](const json& v) { return is_number(v, least); });
   return value ? std::optional(value->get<double>()) : std::nullopt;
 }
 
@@ -129,9 +129,9 @@ std::map<std::string, std::uint32_t> JsonObject::required_index_map(std::string_
 }
 
 std::vector<double> JsonObject::numbers(std::string_view name, std::size_t count) const {
-  const std::string wanted =
+  const std::string expected =
       "a list of " + (count ? std::to_string(count) + " " : "") + "numbers within +-1e30";
-  return list_from<double>(member(name, Need::Optional, wanted, [&](const json& v) {
+  return list_from<double>(member(name, Need::Optional, expected, [&](const json& v) {
     return (count == 0 || v.size() == count) &&
            is_list_of(v, [](const json& n) { return is_number(n, -kMaxNumber); });
   }));

@@ -70,7 +70,7 @@ class JsonObject {
   [[nodiscard]] const nlohmann::json* find(std::string_view name) const;
   [[nodiscard]] std::string path_of(std::string_view name) const;
   template <class Fits>
-  const nlohmann::json* member(std::string_view name, Need need, std::string_view wanted, Fits fits) const;
+  const nlohmann::json* member(std::string_view name, Need need, std::string_view expected, Fits fits) const;
   std::optional<std::uint64_t> whole(std::string_view name, Need need, std::uint64_t least,
                                      std::uint64_t most) const;
 

@@ -30,14 +30,14 @@ bool is_allowed(const Accessor& accessor, Integers integers) {
 }
 
 Checked check_attribute(const Document& document, const std::string& name, const Primitive& primitive,
-                        const Attribute& wanted, std::uint64_t vertices) {
-  const Index index = primitive.attribute(wanted.semantic);
+                        const Attribute& expected, std::uint64_t vertices) {
+  const Index index = primitive.attribute(expected.semantic);
   if (!index) return {};
-  const std::string subject = name + ": " + printable(wanted.semantic) + " " + label("accessor", *index);
+  const std::string subject = name + ": " + printable(expected.semantic) + " " + label("accessor", *index);
   if (*index >= document.accessors.size()) return malformed(subject + " is not there");
   const Accessor& accessor = document.accessors[*index];
-  if (accessor.columns != 1 || accessor.rows < wanted.least_rows || accessor.rows > wanted.most_rows ||
-      !is_allowed(accessor, wanted.integers))
+  if (accessor.columns != 1 || accessor.rows < expected.least_rows || accessor.rows > expected.most_rows ||
+      !is_allowed(accessor, expected.integers))
     return malformed(subject + " has a type that this attribute cannot have");
   if (accessor.count != vertices)
     return malformed(subject + " has " + std::to_string(accessor.count) + " elements for " +

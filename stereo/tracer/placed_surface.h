@@ -42,10 +42,10 @@ void place_tile(const PlacedEye& eye, const TileRect& rect, PlacedSurface& out);
 /// Skips only pixels that are certainly turned away. The bit of a light behind the surface may have either
 /// value.
 template <int K>
-void set_facing(const PlacedSurface& s, int first, LightWay<K>& way) {
+void set_facing(const PlacedSurface& s, int first, LightGeometry<K>& to_light) {
   Floats<K> nx, ny, nz, tilt;
   load(nx, s.nx + first), load(ny, s.ny + first), load(nz, s.nz + first), load(tilt, s.tilt + first);
-  way.faces = nx * way.x + ny * way.y + nz * way.z > -tilt * way.distance;
+  to_light.faces = nx * to_light.x + ny * to_light.y + nz * to_light.z > -tilt * to_light.distance;
 }
 
 }  // namespace farshade

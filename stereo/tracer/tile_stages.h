@@ -128,8 +128,8 @@ void see_tile(const RayScene& scene, const SurfaceModel& model, const ViewRays& 
 struct TileRays {
   std::uint64_t traced = 0;
   std::uint64_t proven = 0;  ///< lit, without a ray
-  std::uint64_t out_of_range = 0, out_of_cone = 0,
-                away = 0;  ///< dark, without a ray, by the first that holds
+  /// Dark, without a ray; counted by the first condition that holds.
+  std::uint64_t out_of_range = 0, out_of_cone = 0, away = 0;
 
   TileRays& operator+=(const TileRays& b) {
     traced += b.traced, proven += b.proven;
@@ -140,52 +140,53 @@ struct TileRays {
 
 /// The vectors from one packet's surfaces to the light, and the conditions of a set bit that need no ray.
 template <int K>
-struct LightWay {
+struct LightGeometry {
   Floats<K> x, y, z, distance;  ///< from the surface to the light; a directional light: unit vectors
   Ints<K> covered, faces, in_range, in_cone;
 };
 
 /// Whether the light is on the seen side of both the shading and the geometric normal.
 template <int K>
-void set_facing(const TileSurface& s, int first, LightWay<K>& way) {
+void set_facing(const TileSurface& s, int first, LightGeometry<K>& to_light) {
   Floats<K> nx, ny, nz, gx, gy, gz;
   load(nx, s.nx + first), load(ny, s.ny + first), load(nz, s.nz + first);
   load(gx, s.gx + first), load(gy, s.gy + first), load(gz, s.gz + first);
-  way.faces = (nx * way.x + ny * way.y + nz * way.z > 0) & (gx * way.x + gy * way.y + gz * way.z > 0);
+  to_light.faces = (nx * to_light.x + ny * to_light.y + nz * to_light.z > 0) &
+                   (gx * to_light.x + gy * to_light.y + gz * to_light.z > 0);
 }
 
-/// Fills `way` for the packet that begins at pixel `first`.
+/// Fills `to_light` for the packet that begins at pixel `first`.
 template <int K, class Surface>
-void face_light(const Surface& s, int first, const ShadowLight& light, LightWay<K>& way) {
+void face_light(const Surface& s, int first, const ShadowLight& light, LightGeometry<K>& to_light) {
   const glm::vec3& axis = light.direction.v;
-  Floats<K>&x = way.x, &y = way.y, &z = way.z;
+  Floats<K>&x = to_light.x, &y = to_light.y, &z = to_light.z;
   load(x, s.px + first), load(y, s.py + first), load(z, s.pz + first);
   if (light.kind == LightKind::Directional)
     x = -axis.x - Floats<K>{}, y = -axis.y - Floats<K>{}, z = -axis.z - Floats<K>{};
   else
     x = light.position.v.x - x, y = light.position.v.y - y, z = light.position.v.z - z;
-  way.distance = x * x + y * y + z * z;
-  for (int i = 0; i < K; ++i) way.distance[i] = std::sqrt(way.distance[i]);
+  to_light.distance = x * x + y * y + z * z;
+  for (int i = 0; i < K; ++i) to_light.distance[i] = std::sqrt(to_light.distance[i]);
   const Floats<K> along = -(x * axis.x + y * axis.y + z * axis.z);
-  way.in_range = way.distance < light.range;
-  way.in_cone = along > light.cos_outer * way.distance;
-  set_facing(s, first, way);
+  to_light.in_range = to_light.distance < light.range;
+  to_light.in_cone = along > light.cos_outer * to_light.distance;
+  set_facing(s, first, to_light);
   Floats<K> reach;
   load(reach, s.reach + first);
-  way.covered = reach > 0;
+  to_light.covered = reach > 0;
 }
 
 /// Makes shadow rays. A ray starts at the offset surface point. It ends before the light, by an offset that
 /// also counts the light's own coordinates; to a directional light it has no end.
 template <int K>
-void aim(const TileSurface& s, int first, const ShadowLight& light, const LightWay<K>& way,
+void aim(const TileSurface& s, int first, const ShadowLight& light, const LightGeometry<K>& to_light,
          RayPacket<K>& ray) {
   std::memcpy(ray.org_x, s.ox + first, sizeof ray.org_x);
   std::memcpy(ray.org_y, s.oy + first, sizeof ray.org_y);
   std::memcpy(ray.org_z, s.oz + first, sizeof ray.org_z);
   store(Floats<K>{}, ray.tnear);
   if (light.kind == LightKind::Directional) {
-    store(way.x, ray.dir_x), store(way.y, ray.dir_y), store(way.z, ray.dir_z);
+    store(to_light.x, ray.dir_x), store(to_light.y, ray.dir_y), store(to_light.z, ray.dir_z);
     store(kFar - Floats<K>{}, ray.tfar);
     return;
   }
@@ -193,7 +194,7 @@ void aim(const TileSurface& s, int first, const ShadowLight& light, const LightW
   load(x, s.ox + first), load(y, s.oy + first), load(z, s.oz + first), load(left_out, s.reach + first);
   x = light.position.v.x - x, y = light.position.v.y - y, z = light.position.v.z - z;
   store(x, ray.dir_x), store(y, ray.dir_y), store(z, ray.dir_z);
-  left_out = kOffset * (left_out + light.reach) / way.distance;
+  left_out = kOffset * (left_out + light.reach) / to_light.distance;
   const Floats<K> end = 1.0f - left_out;
   store(end > 0 ? end : Floats<K>{}, ray.tfar);
 }
@@ -216,13 +217,13 @@ TileRays shadow_tile(const Surface& surface, const ShadowLight& light, const Lig
   set_constants(ray);
   Ints<K> traced{}, known{}, too_far{}, beside{}, away{};
   for (int first = 0; first < kTilePixels; first += K) {
-    LightWay<K> way;
-    face_light(surface, first, light, way);
-    const Ints<K> near = way.covered & way.in_range, lit = near & way.in_cone;
-    too_far += way.covered & ~way.in_range;
-    beside += near & ~way.in_cone;
-    away += lit & ~way.faces;
-    Ints<K> needed = lit & way.faces;
+    LightGeometry<K> to_light;
+    face_light(surface, first, light, to_light);
+    const Ints<K> near = to_light.covered & to_light.in_range, lit = near & to_light.in_cone;
+    too_far += to_light.covered & ~to_light.in_range;
+    beside += near & ~to_light.in_cone;
+    away += lit & ~to_light.faces;
+    Ints<K> needed = lit & to_light.faces;
     if (first_of(needed) < 0) continue;
     if (map != nullptr) {
       Ints<K> proven;
@@ -233,7 +234,7 @@ TileRays shadow_tile(const Surface& surface, const ShadowLight& light, const Lig
       if (first_of(needed) < 0) continue;
     }
     traced += needed;
-    aim(surface, first, light, way, ray);
+    aim(surface, first, light, to_light, ray);
     Lanes<K> lanes;
     store(needed, lanes.valid);
     occluded(lanes, ray);
@@ -258,15 +259,16 @@ TileRays shadow_whole_tile(const TileSurface& surface, const ShadowLight& light,
   RayPacket<K> ray;
   set_constants(ray);
   for (int first = 0; first < kTilePixels; first += K) {
-    LightWay<K> way;
-    face_light(surface, first, light, way);
-    aim(surface, first, light, way, ray);
+    LightGeometry<K> to_light;
+    face_light(surface, first, light, to_light);
+    aim(surface, first, light, to_light, ray);
     Lanes<K> lanes;
-    store(way.covered, lanes.valid);
+    store(to_light.covered, lanes.valid);
     occluded(lanes, ray);
     Floats<K> met;
     load(met, ray.tfar);
-    set_bit<K>(way.covered & way.faces & way.in_range & way.in_cone & (met >= 0), bit, words + first);
+    set_bit<K>(to_light.covered & to_light.faces & to_light.in_range & to_light.in_cone & (met >= 0), bit,
+               words + first);
   }
   return {.traced = surface.covered};
 }

@@ -64,8 +64,8 @@ struct Tracer::Impl {
   std::vector<const LightVisibilityMap*>
       maps_in_use;  ///< null for a light that is not where its map was made
 
-  Impl(const Scene& traced, const TracePlan& wanted)
-      : scene(traced), plan(wanted), state(state_at(scene, Time{})), model(scene, state, plan) {}
+  Impl(const Scene& traced, const TracePlan& requested)
+      : scene(traced), plan(requested), state(state_at(scene, Time{})), model(scene, state, plan) {}
 
   void make_maps();
   void advance_to(Time scene_time, const LightChanges& changes);

@@ -13,8 +13,7 @@
 /// - N is the shading normal, interpolated, and transformed to the stage by the inverse transpose. Ng is the
 ///   geometric normal, on the triangle's counter-clockwise side. Both are negated where the viewer sees the
 ///   back of a double-sided surface.
-/// - The bit of a light is 1 if and only if the light is on, N . L > 0, Ng . L > 0, the point is nearer than
-/// the
+/// - The bit of a light is 1 if and only if the light is on, N . L > 0, Ng . L > 0, the point is within the
 ///   light's range (point, spot) and inside its outer cone (spot), and no surface lies strictly between the
 ///   point and the light. Both sides of a surface cast. Holes do not.
 /// - The bits of pixels that no surface covers are 0.

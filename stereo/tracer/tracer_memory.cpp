@@ -17,7 +17,7 @@ std::size_t map_bytes(const LightSource& light) {
 
 }  // namespace
 
-TracerMemory foreseen_memory(const Scene& scene, const TracePlan& plan) {
+TracerMemory estimated_memory(const Scene& scene, const TracePlan& plan) {
   TracerMemory memory;
   std::size_t fixed = 0, triangles = 0;
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {

@@ -27,6 +27,6 @@ struct TracerMemory {
 /// What a tracer of `scene` with `plan` will hold. The hierarchy's bytes per triangle were measured
 /// (Embree 3.13, 1,652 to 344,416 triangles). Triangles that a lopsided scene has split (closeup.h) are not
 /// predicted.
-[[nodiscard]] TracerMemory foreseen_memory(const Scene& scene, const TracePlan& plan);
+[[nodiscard]] TracerMemory estimated_memory(const Scene& scene, const TracePlan& plan);
 
 }  // namespace farshade

@@ -16,7 +16,7 @@ namespace farshade {
 
 using PublicKey = std::array<std::uint8_t, 32>;  ///< X25519, for one handshake
 /// The first bytes of a Hello's public key: an answer repeats them to tell which Hello it answers.
-using Echo = std::array<std::uint8_t, 16>;
+using HelloEcho = std::array<std::uint8_t, 16>;
 using Cookie = std::array<std::uint8_t, 16>;  ///< opaque to the client; zeros: the client has none yet
 
 /// A random number from the server. It identifies a session, whatever address its client's datagrams come
@@ -41,14 +41,14 @@ struct Hello {
 /// A Hello of another version. Only these fields are the same in every version.
 struct ForeignHello {
   std::uint16_t version = 0;
-  Echo echo{};
+  HelloEcho echo{};
 };
 
 // ---- server -> client
 
 /// Asks for the same Hello with this cookie, which proves the client's address.
 struct Retry {
-  Echo echo{};
+  HelloEcho echo{};
   Cookie cookie{};
   friend bool operator==(const Retry&, const Retry&) = default;
 };
@@ -58,13 +58,13 @@ struct Retry {
 struct OpenRefusal {
   std::uint16_t version = kProtocolVersion;               ///< the server's
   RefusalReason reason = RefusalReason::VersionMismatch;  ///< VersionMismatch or UnknownKey
-  Echo echo{};
+  HelloEcho echo{};
   friend bool operator==(const OpenRefusal&, const OpenRefusal&) = default;
 };
 
 /// The server's half of the handshake, and its first sealed message: Welcome or Refusal.
 struct Accept {
-  Echo echo{};
+  HelloEcho echo{};
   SessionId session{};
   PublicKey server{};
   std::span<const std::byte> sealed{};  ///< message and tag; a view into the datagram

@@ -89,8 +89,8 @@ const SharedKey& insecure_key() {
   return key;
 }
 
-Echo echo_of(const PublicKey& client) {
-  Echo echo;
+HelloEcho echo_of(const PublicKey& client) {
+  HelloEcho echo;
   std::copy_n(client.begin(), echo.size(), echo.begin());
   return echo;
 }
@@ -101,7 +101,7 @@ ClientHandshake::ClientHandshake(const SharedKey& key, const ContentHash& scene_
   crypto_kx_keypair(public_.data(), secret_.data());
 }
 
-Echo ClientHandshake::echo() const {
+HelloEcho ClientHandshake::echo() const {
   return echo_of(public_);
 }
 

@@ -42,7 +42,7 @@ class ClientHandshake {
   /// does not have the key.
   [[nodiscard]] std::optional<Met> take(const Accept& accept, std::span<const std::byte> datagram) const;
 
-  [[nodiscard]] Echo echo() const;
+  [[nodiscard]] HelloEcho echo() const;
 
  private:
   SharedKey key_;
@@ -55,7 +55,7 @@ class ClientHandshake {
 /// Whether the sender of `hello`, read from `datagram`, has `key`.
 [[nodiscard]] bool is_proved(const Hello& hello, std::span<const std::byte> datagram, const SharedKey& key);
 
-[[nodiscard]] Echo echo_of(const PublicKey& client);
+[[nodiscard]] HelloEcho echo_of(const PublicKey& client);
 
 /// The server's side: new session keys, and the datagram that answers `hello` with `answer` (Welcome or
 /// Refusal). Call it for a proved Hello only. Two calls for the same Hello give two sessions. Returns nothing

@@ -54,9 +54,8 @@ void store_tile(const TileWords& words, TileRect rect, PixelPlane& plane);
 /// Appends all lanes, each with the prediction that makes it shorter:
 ///  - one byte: the number of bits of the largest residual in the low six bits, Prediction above them;
 ///  - the first pixel's value, as many bytes as the lane has;
-///  - for each bit of the residuals, highest first: two bytes with a bit for each row in which a residual has
-///  this
-///    bit, then two bytes for each of those rows; bit x is pixel x.
+///  - for each bit of the residuals, highest first: two bytes with a bit for each row in which a residual
+///    has this bit, then two bytes for each of those rows; bit x is pixel x.
 /// A residual is a difference modulo 2^bits, zigzag-coded: 0, -1, 1, -2 become 0, 1, 2, 3. The first pixel
 /// has none.
 void write_plane_tile(const TileWords& words, PlaneLanes lanes, std::vector<std::byte>& out);

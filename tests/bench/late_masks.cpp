@@ -20,7 +20,7 @@ double collect_ms(Assembler& assembler, std::span<const std::vector<std::byte>> 
   return ms_of(watch.elapsed());
 }
 
-std::vector<TracedMask> masks_in_hand(const Assembler& assembler, FrameId shown) {
+std::vector<TracedMask> usable_masks(const Assembler& assembler, FrameId shown) {
   std::vector<TracedMask> masks;
   for (std::uint32_t age = kLate_frames; age < kLate_frames + ShadingPass::kMaxMasks; ++age)
     if (const RequestRecord* frame = assembler.find({shown.value - age}); frame && frame->complete())

@@ -1,5 +1,5 @@
-// What a scene's plan saves: the same session with what the scene needs and with everything on, each frame
-// both ways, in turns of which comes first. Figure to reach: the plan is ahead in every row.
+// What a scene's plan saves. Each frame is traced and drawn twice, with the features that the scene needs and
+// with all features; the order alternates. Target: the plan with the needed features is better in every row.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
@@ -38,22 +38,22 @@ struct Row {
   const char* format;
 };
 constexpr std::array kRows{Row{"rays, millions", &Figures::rays, 1e-6, "%10.3f"},
-                           Row{"  of them for shadows", &Figures::shadow_rays, 1e-6, "%10.3f"},
+                           Row{"  shadow rays among them", &Figures::shadow_rays, 1e-6, "%10.3f"},
                            Row{"bytes of masks, kB", &Figures::bytes, 1e-3, "%10.1f"},
                            Row{"server: trace, ms", &Figures::trace_ms, 1, "%10.1f"},
                            Row{"server: pack, ms", &Figures::pack_ms, 1, "%10.2f"},
-                           Row{"client: take masks in, ms", &Figures::collect_ms, 1, "%10.2f"},
+                           Row{"client: decode masks, ms", &Figures::collect_ms, 1, "%10.2f"},
                            Row{"client: G-buffer, ms", &Figures::gbuffer_ms, 1, "%10.1f"},
-                           Row{"client: depth asked for, ms", &Figures::depth_ms, 1, "%10.1f"},
-                           Row{"client: carry over, shade, ms", &Figures::shade_ms, 1, "%10.1f"},
+                           Row{"client: requested depth, ms", &Figures::depth_ms, 1, "%10.1f"},
+                           Row{"client: reproject, shade, ms", &Figures::shade_ms, 1, "%10.1f"},
                            Row{"client: frame, ms", &Figures::client_ms, 1, "%10.1f"},
                            Row{"server: memory, MB", &Figures::server_bytes, 1e-6, "%10.1f"},
                            Row{"client: memory on the device, MB", &Figures::client_bytes, 1e-6, "%10.1f"}};
 
 /// A server and a client that follow one plan.
-class Way {
+class PlanPair {
  public:
-  Way(const Options& options, const Scene& scene, PlanKind kind, Extent size)
+  PlanPair(const Options& options, const Scene& scene, PlanKind kind, Extent size)
       : planned_(plan_scene(scene, {.kind = kind})),
         device_(value_of(gpu::open_device({options.gpu, gpu::Validation::Off}))),
         tracer_(value_of(Tracer::create(planned_.scene, planned_.plan.trace))),
@@ -61,25 +61,25 @@ class Way {
         renderer_(device_, planned_.scene, planned_.plan.draw, {size, largest_traced(size), kRing_frames}),
         state_(state_at(planned_.scene, Time{})) {}
 
-  /// Nothing while there are no masks to draw with.
-  std::optional<Figures> frame(const FrameRequest& shown, const FrameRequest& asked) {
-    assembler_.expect(asked, planned_.plan.draw.mask, state_.light_set.revision);
+  /// No figures while there are no masks to draw with.
+  std::optional<Figures> frame(const FrameRequest& shown, const FrameRequest& request) {
+    assembler_.expect(request, planned_.plan.draw.mask, state_.light_set.revision);
     const Stopwatch tracing;
-    const TraceStats stats = tracer_.trace(asked, traced_);
+    const TraceStats stats = tracer_.trace(request, traced_);
     const double trace_ms = ms_of(tracing.elapsed());
     const Stopwatch packing;
-    const auto datagrams = packer_.pack(traced_, {.frame = asked.frame});
+    const auto datagrams = packer_.pack(traced_, {.frame = request.frame});
     const double pack_ms = ms_of(packing.elapsed());
     double bytes = 0;
     for (const std::vector<std::byte>& datagram : datagrams) bytes += static_cast<double>(datagram.size());
     const double taken_ms = collect_ms(assembler_, datagrams);
-    const std::vector<TracedMask> masks = masks_in_hand(assembler_, shown.frame);
+    const std::vector<TracedMask> masks = usable_masks(assembler_, shown.frame);
     const DrawTimes drawn = renderer_.draw({.views = shown.views,
                                             .state = state_,
-                                            .asked = &asked,
+                                            .request = &request,
                                             .masks = masks,
                                             .carry_over = {},
-                                            .asked_slot = assembler_.find(asked.frame)->slot});
+                                            .request_slot = assembler_.find(request.frame)->slot});
     if (masks.empty()) return std::nullopt;
     return Figures{.rays = static_cast<double>(stats.primary_rays + stats.shadow_rays),
                    .shadow_rays = static_cast<double>(stats.shadow_rays),
@@ -100,13 +100,13 @@ class Way {
   [[nodiscard]] double building_mb() const { return static_cast<double>(tracer_.memory().most()) * 1e-6; }
 
  private:
-  /// Tracer and the masks that it writes.
+  /// tracer and masks
   [[nodiscard]] std::size_t server_bytes() const {
     return tracer_.memory().total() + traced_.masks[0].bytes().size() + traced_.masks[1].bytes().size();
   }
 
   PlannedScene planned_;
-  gpu::Device device_;  ///< its own: memory is counted a device
+  gpu::Device device_;  ///< its own device, because memory is counted per device
   Tracer tracer_;
   FramePacker packer_;
   Assembler assembler_{kRing_frames};
@@ -121,7 +121,7 @@ double median(const std::vector<Figures>& figures, const Row& row) {
   return quantile(values, 0.5);
 }
 
-/// Of a figure in both ways; true if the plan is ahead.
+/// Prints one figure of both plans. Returns true if the needed plan is better.
 bool print_row(const char* name, const char* format, double needed, double everything) {
   std::printf("  %-32s ", name);
   std::printf(format, needed);
@@ -136,31 +136,31 @@ bool compare(const Options& options) {
   const HeadRecording head = value_of(load_head_recording(options.trace));
   const Extent size{options.side_px, options.side_px};
   const auto placed = scene.camera ? place(head, *scene.camera) : Rigid<Stage, Recorded>{};
-  std::array<Way, 2> ways{Way(options, scene, PlanKind::Needed, size),
-                          Way(options, scene, PlanKind::Everything, size)};
+  std::array<PlanPair, 2> pairs{PlanPair(options, scene, PlanKind::Needed, size),
+                                PlanPair(options, scene, PlanKind::Everything, size)};
   RequestPlan plan(RequestSettings{});
   plan.learn(kPeriod * kLate_frames);
   std::array<std::vector<Figures>, 2> figures;
   constexpr std::uint32_t kWarmUp = 8;
   for (std::uint32_t number = 1; number <= kWarmUp + options.frames; ++number) {
     const FrameRequest shown = shown_at(head, placed, number, options.side_px);
-    const FrameRequest asked = plan.ask(shown, kPeriod).value();
-    for (const std::size_t way : {number % 2, 1 - number % 2}) {
-      const std::optional<Figures> taken = ways[way].frame(shown, asked);
-      if (taken && number > kWarmUp) figures[way].push_back(*taken);
+    const FrameRequest request = plan.ask(shown, kPeriod).value();
+    for (const std::size_t pair : {number % 2, 1 - number % 2}) {
+      const std::optional<Figures> taken = pairs[pair].frame(shown, request);
+      if (taken && number > kWarmUp) figures[pair].push_back(*taken);
     }
   }
   std::printf("%s%s along %s on %s, %ux%u an eye, medians of %zu frames\n",
-              in_words(ways[0].planned().plan, ways[0].planned().scene).c_str(), scene.name.c_str(),
-              options.trace.c_str(), ways[0].device().name.c_str(), size.width, size.height,
+              in_words(pairs[0].planned().plan, pairs[0].planned().scene).c_str(), scene.name.c_str(),
+              options.trace.c_str(), pairs[0].device().name.c_str(), size.width, size.height,
               figures[0].size());
   std::printf("  %-32s %10s %10s %8s\n", "a frame, both eyes", "needed", "everything", "ratio");
   bool ahead = true;
   for (const Row& row : kRows)
     ahead &= print_row(row.name, row.format, median(figures[0], row), median(figures[1], row));
-  std::printf("the server's tracer at its most, while it is built: %.1f MB and %.1f MB\n",
-              ways[0].building_mb(), ways[1].building_mb());
-  std::printf("the plan is %s\n", ahead ? "ahead in every row" : "NOT ahead in every row");
+  std::printf("peak memory of the server's tracer while it is built: %.1f MB and %.1f MB\n",
+              pairs[0].building_mb(), pairs[1].building_mb());
+  std::printf("the plan is %s\n", ahead ? "better in every row" : "NOT better in every row");
   return ahead;
 }
 
@@ -169,12 +169,12 @@ bool compare(const Options& options) {
 
 int main(int argc, char** argv) try {
   farshade::bench::Options options;
-  CLI::App app("What a scene's plan saves against a plan with everything on");
+  CLI::App app("Measures what a scene's plan saves, compared with a plan that has every feature.");
   app.add_option("--scene", options.scene, "glTF 2.0 file")->required();
   app.add_option("--trace", options.trace, "recorded head")->capture_default_str();
   app.add_option("--size", options.side_px, "pixels a side of an eye")->capture_default_str();
   app.add_option("--frames", options.frames, "frames to measure")->capture_default_str();
-  app.add_option("--gpu", options.gpu, "only a device whose name contains this");
+  app.add_option("--gpu", options.gpu, "use only a device whose name contains this");
   CLI11_PARSE(app, argc, argv);
   return farshade::bench::compare(options) ? EXIT_SUCCESS : EXIT_FAILURE;
 } catch (const std::exception& error) {

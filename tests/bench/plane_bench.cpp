@@ -1,11 +1,11 @@
-// Planes of pixels: what a G-buffer costs on the wire, and what precision of positions is enough.
+// Planes of pixels: the cost of a G-buffer on the wire, and the precision that positions need.
 //
 //   plane_bench --scene S [--size N] [--poses P]
 //
-// For views all around the scene's reference camera: bytes and datagrams of each plane of an eye, times to
-// read, pack, open and upload those of both eyes; then for each number of bits an axis the share of wrong
-// bits among pixel-lights that face their light (against the ordinary trace of the same views), the bytes of
-// an eye's positions and the time of the trace.
+// For views in all directions around the scene's reference camera, prints the bytes and datagrams of each
+// plane of an eye, and the times to read, pack, open and upload the planes of both eyes. For each number of
+// bits per axis, it prints the share of wrong bits among pixel-lights that face their light (compared with
+// the ordinary trace of the same views), the bytes of an eye's positions, and the time of the trace.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -43,9 +43,9 @@ FrameRequest request_of(const Scene& scene, double yaw_rad, std::uint32_t side_p
   return request;
 }
 
-/// A plane of both eyes, packed and opened: what it cost.
+/// The cost of packing and opening a plane of both eyes.
 struct Travel {
-  std::vector<double> kilobytes, datagrams;  ///< an eye
+  std::vector<double> kilobytes, datagrams;  ///< per eye
   double pack_ms = 0, open_ms = 0;           ///< both eyes
 
   void take(const PerEye<const PixelPlane*>& planes, PlaneKind kind, PlanePacker& packer) {
@@ -63,7 +63,7 @@ struct Travel {
         check(decode_plane_tiles(std::get<PlaneSlice>(*decode_server(message)), opened, known).has_value(),
               "our own slices open");
       open_ms += ms_of(opening.elapsed());
-      check(opened == plane, "planes come back as they were");
+      check(opened == plane, "planes are unchanged");
       double bytes = 0;
       for (const auto& message : messages) bytes += static_cast<double>(message.size());
       kilobytes.push_back(bytes / 1e3);
@@ -72,7 +72,8 @@ struct Travel {
   }
 };
 
-/// Pixel-lights that shade their pixel if they reach it: N . L > 0 (gbuffer.frag has the normal's form).
+/// The lights that shine on each pixel if nothing is in between: N . L > 0 (gbuffer.frag defines the format
+/// of normals).
 std::vector<std::uint32_t> facing_of(const PixelPlane& normal, const PixelPlane& x, const PixelPlane& y,
                                      const PixelPlane& z, const PositionGrid& grid, const LightSet& lights) {
   std::vector<std::uint32_t> facing(normal.words.size());
@@ -89,8 +90,8 @@ std::vector<std::uint32_t> facing_of(const PixelPlane& normal, const PixelPlane&
                                                  grid.offset_m(z.words[i]));
     for (std::size_t light = 0; light < std::min<std::size_t>(lights.lights.size(), 32); ++light) {
       const Light& of = lights.lights[light];
-      const glm::dvec3 way = of.kind == LightKind::Directional ? -of.direction.v : of.position.v - p;
-      if (of.on && glm::dot(n, way) > 0) facing[i] |= 1u << light;
+      const glm::dvec3 to_light = of.kind == LightKind::Directional ? -of.direction.v : of.position.v - p;
+      if (of.on && glm::dot(n, to_light) > 0) facing[i] |= 1u << light;
     }
   }
   return facing;
@@ -223,10 +224,11 @@ Expected<void> run(const Options& options) {
 
 int main(int argc, char** argv) {
   farshade::Options options;
-  CLI::App app{"Bytes and times of planes of pixels, and what precision of positions is enough"};
+  CLI::App app{"Measures bytes and times of planes of pixels, and the precision that positions need."};
   app.add_option("--scene", options.scene, "glTF file")->required();
   app.add_option("--size", options.side_px, "pixels a side of each eye")->check(CLI::Range(16, 8192));
-  app.add_option("--poses", options.poses, "directions to look in, all around")->check(CLI::Range(1, 1000));
+  app.add_option("--poses", options.poses, "number of directions, evenly around the camera")
+      ->check(CLI::Range(1, 1000));
   CLI11_PARSE(app, argc, argv);
   const farshade::Expected<void> done = farshade::run(options);
   if (!done) std::fprintf(stderr, "plane_bench: %s\n", done.error().what.c_str());

@@ -1,13 +1,13 @@
-// How wrong each predictor is on recorded heads.
+// Prints how wrong each predictor is on recorded heads.
 //
 //   prediction_table [--csv FILE] TRACE...
 //   prediction_table --stiff
 //
-// The head is shown at 72 Hz as vr_client plays a recording; each frame gives its pose to the predictor,
-// which says where the head will be 20 to 200 ms later. The table pools the errors of all recordings; the CSV
-// has every recording's as well. A second table says how the default's error grows with how fast the head
-// turns when it is asked: what a guard band has to hold. --stiff needs no recording: how far every filter is
-// from its closed form, over all time constants and steps.
+// The head is shown at 72 Hz as vr_client plays a recording. Each frame passes its pose to the predictor,
+// which predicts the pose 20 to 200 ms later. The table contains the errors of all recordings together; the
+// CSV also has the errors of each recording. A second table shows how the default predictor's error grows
+// with the turning speed of the head, which is what a guard band must cover. --stiff needs no recording: it
+// prints the difference of every filter from its closed form, over all time constants and steps.
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -27,7 +27,8 @@ namespace {
 
 constexpr double kRefresh_hz = 72, kDegrees = 180.0 / std::numbers::pi;
 constexpr int kLeads_ms[] = {20, 50, 100, 200};
-/// The second table's classes of turning speed, degrees/s: from each to the next.
+/// The classes of turning speed in the second table, degrees/s: each begins at its entry and ends at the
+/// next.
 constexpr double kSpeeds_deg_s[] = {0, 10, 30, 60, 100, 1e9};
 
 struct Recording {
@@ -36,15 +37,16 @@ struct Recording {
 };
 
 struct Errors {
-  std::vector<double> turn_deg, way_mm;
-  std::vector<double> speed_deg_s;  ///< that the predictor made out when it was asked
+  std::vector<double> turn_deg, distance_mm;
+  std::vector<double> speed_deg_s;  ///< estimated by the predictor at the time of the prediction
 };
 
 HeadPose shown_at(const HeadRecording& trace, Time time) {
-  return Rigid<Stage, Recorded>{} * head_at(trace, time);  // as it lies: a place changes no error
+  return Rigid<Stage, Recorded>{} *
+         head_at(trace, time);  // the placement of the recording does not change errors
 }
 
-/// At every display time from which the recording still knows the head `lead` later.
+/// Adds the errors at every display time for which the recording has a pose `lead` later.
 void add_errors(const HeadRecording& trace, PredictorKind kind, Duration lead, Errors& errors) {
   Predictor predictor(kind);
   for (std::int64_t frame = 0;; ++frame) {
@@ -54,7 +56,7 @@ void add_errors(const HeadRecording& trace, PredictorKind kind, Duration lead, E
     const HeadPose said = predictor.predict(shown + lead), was = shown_at(trace, shown + lead);
     errors.turn_deg.push_back(angle_between_rad(said.rotation, was.rotation) * kDegrees);
     errors.speed_deg_s.push_back(glm::length(predictor.velocity().angular) * kDegrees);
-    errors.way_mm.push_back(1e3 * glm::length(said.translation - was.translation));
+    errors.distance_mm.push_back(1e3 * glm::length(said.translation - was.translation));
   }
 }
 
@@ -71,10 +73,10 @@ void print_table(const std::vector<Recording>& recordings) {
   for (const PredictorKind kind : kPredictorKinds)
     for (const int lead_ms : kLeads_ms) {
       const Errors errors = errors_of(recordings, kind, lead_ms);
-      const Spread turn = spread_of(errors.turn_deg), way = spread_of(errors.way_mm);
+      const Spread turn = spread_of(errors.turn_deg), distance = spread_of(errors.distance_mm);
       std::printf("| %s%s | %d | %.2f | %.2f | %.2f | %.1f | %.1f | %.1f |\n",
                   std::string(to_string(kind)).c_str(), kind == kDefaultPredictor ? " (default)" : "",
-                  lead_ms, turn.median, turn.p95, turn.p99, way.median, way.p95, way.p99);
+                  lead_ms, turn.median, turn.p95, turn.p99, distance.median, distance.p95, distance.p99);
     }
 }
 
@@ -104,10 +106,10 @@ bool write_csv(const std::string& path, const std::vector<Recording>& recordings
     for (const PredictorKind kind : kPredictorKinds)
       for (const int lead_ms : kLeads_ms) {
         const Errors errors = errors_of(some, kind, lead_ms);
-        const Spread turn = spread_of(errors.turn_deg), way = spread_of(errors.way_mm);
+        const Spread turn = spread_of(errors.turn_deg), distance = spread_of(errors.distance_mm);
         out << name << ',' << to_string(kind) << ',' << lead_ms << ',' << turn.count << ',' << turn.median
-            << ',' << turn.p95 << ',' << turn.p99 << ',' << way.median << ',' << way.p95 << ',' << way.p99
-            << '\n';
+            << ',' << turn.p95 << ',' << turn.p99 << ',' << distance.median << ',' << distance.p95 << ','
+            << distance.p99 << '\n';
       }
   };
   for (const Recording& recording : recordings) rows(recording.name, {recording});
@@ -132,7 +134,7 @@ int print_stiff() {
 int run(int argc, char** argv) {
   std::vector<std::string> paths;
   std::string csv;
-  CLI::App app("prediction errors on recorded heads");
+  CLI::App app("Prints prediction errors on recorded heads.");
   CLI::Option* traces = app.add_option("TRACE", paths);
   app.add_option("--csv", csv)->needs(traces);
   const CLI::Option* stiff = app.add_flag("--stiff")->excludes(traces);

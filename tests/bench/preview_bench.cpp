@@ -1,6 +1,7 @@
-// What the preview adds to a frame: drawing both eyes offscreen, against drawing, composing, and presenting
-// them with the panel in a real window on an X server of this program's own. Each pose is drawn both ways, in
-// turns of which comes first, and each frame ends when the device is idle: no work hides between two frames.
+// Measures what the preview adds to a frame. It compares drawing both eyes offscreen with drawing, composing
+// and presenting them with the panel in a window on this program's own X server. Each pose is drawn both
+// ways; the order alternates. Each frame ends when the device is idle, so that no work is hidden between two
+// frames.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <deque>
@@ -41,7 +42,7 @@ Traced trace(Tracer& tracer, const FrameRequest& request) {
   return traced;
 }
 
-std::vector<TracedMask> masks_in_hand(const std::deque<Traced>& all, FrameId shown) {
+std::vector<TracedMask> usable_masks(const std::deque<Traced>& all, FrameId shown) {
   std::vector<TracedMask> masks;
   for (auto traced = all.rbegin(); traced != all.rend() && masks.size() < ShadingPass::kMaxMasks; ++traced)
     if (traced->request.frame.value + kLate_frames <= shown.value)
@@ -72,7 +73,7 @@ void print_times(const Scene& scene, const BenchOptions& options, const gpu::Dev
   std::printf("  %-34s %9s %9s %9s\n", "ms", "median", "p10", "p95");
   print("frame, offscreen", times.offscreen);
   print("frame, in a window with panel", times.previewed);
-  print("  of it composing and presenting", times.added);
+  print("  composing and presenting", times.added);
   std::printf("preview / offscreen = %.3f (figure: <= 1.10)\n",
               quantile(times.previewed, 0.5) / quantile(times.offscreen, 0.5));
 }
@@ -83,9 +84,9 @@ void compare(const BenchOptions& options) {
   const auto window = value_of(open_window("Farshade", {size.width * 2 + 330, std::max(size.height, 720u)}));
   const Scene scene = value_of(load_scene(options.scene));
   const HeadRecording head = value_of(load_head_recording(options.trace));
-  gpu::DeviceOptions wish;
-  wish.presentation = window->presentation();
-  const gpu::Device device = value_of(gpu::open_device(wish));
+  gpu::DeviceOptions device_options;
+  device_options.presentation = window->presentation();
+  const gpu::Device device = value_of(gpu::open_device(device_options));
   Renderer renderer(device, scene, {size, largest_traced(size), kRing_frames});
   Presenter presenter(device, *window, renderer.shown());
   Tracer tracer = value_of(Tracer::create(scene));
@@ -94,10 +95,10 @@ void compare(const BenchOptions& options) {
   Controls controls;
   const History history;
   const SceneState state = state_at(scene, Time{});
-  const ControlContext stand{state.light_set, {}, nullptr};
+  const ControlContext context{state.light_set, {}, nullptr};
   const PanelFacts facts{.history = history,
                          .scene = scene,
-                         .stand = stand,
+                         .context = context,
                          .device = device.name,
                          .server = "server",
                          .note = {},
@@ -112,10 +113,10 @@ void compare(const BenchOptions& options) {
     const Time at = head.start() + kPeriod * number;
     const Headset headset{head.eye_distance_m, head.fov, size};
     const FrameRequest shown{{number}, at, {}, views_of(placed * head_at(head, at), headset), {}};
-    const FrameRequest asked = plan.ask(shown, kPeriod, SceneClock::Stands).value();
-    traced.push_back(trace(tracer, asked));
+    const FrameRequest request = plan.ask(shown, kPeriod, SceneClock::Paused).value();
+    traced.push_back(trace(tracer, request));
     if (traced.size() > kRing_frames / 2) traced.pop_front();
-    const std::vector<TracedMask> masks = masks_in_hand(traced, shown.frame);
+    const std::vector<TracedMask> masks = usable_masks(traced, shown.frame);
     window->poll();
 
     // Each pose is drawn offscreen and in the window; the order alternates.
@@ -123,10 +124,10 @@ void compare(const BenchOptions& options) {
       const Stopwatch frame;
       renderer.draw({.views = shown.views,
                      .state = state,
-                     .asked = &asked,
+                     .request = &request,
                      .masks = masks,
                      .carry_over = {},
-                     .asked_slot = asked.frame.value % kRing_frames});
+                     .request_slot = request.frame.value % kRing_frames});
       const Stopwatch showing;
       if (shows) presenter.show(composition, [&] { draw_panel(controls, facts); });
       device.logical.waitIdle();

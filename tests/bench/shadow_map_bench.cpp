@@ -1,5 +1,5 @@
-// Shadow maps against the full trace along a recorded head: how wrong they are, and what drawing and reading
-// them takes on the device - drawn anew in every frame, and kept where nothing moves.
+// Compares shadow maps with the full trace along a recorded head: their error, and the time on the device to
+// draw and read them, if they are drawn in every frame and if they are kept while nothing moves.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
@@ -45,15 +45,15 @@ class Comparison {
   void compare(const FrameRequest& request, std::uint32_t map_side_px, Figures& figures) {
     tracer_.trace(request, truth_);
     const PerEye<Image<Rgb8>> reference = draw_masks(request, figures);
-    ShadowMapSettings wish{map_side_px, options_.pcf_radius, Redraw::Always};
-    figures.maps_ms.push_back(ms(draw_maps(request, wish).maps));
-    wish.redraw = Redraw::WhenMoved;
-    draw_maps(request, wish);
-    const DrawTimes kept = draw_maps(request, wish);
+    ShadowMapSettings settings{map_side_px, options_.pcf_radius, Redraw::Always};
+    figures.maps_ms.push_back(ms(draw_maps(request, settings).maps));
+    settings.redraw = Redraw::WhenMoved;
+    draw_maps(request, settings);
+    const DrawTimes kept = draw_maps(request, settings);
     figures.kept_ms.push_back(ms(kept.maps));
     figures.shade_ms.push_back(ms(kept.shade));
     figures.gbuffer_ms.push_back(ms(kept.gbuffer));
-    draw_maps(request, wish, ShadingPass::Report::On);
+    draw_maps(request, settings, ShadingPass::Report::On);
     const PerEye<Image<Rgb8>> pictures = renderer_.read_shown();
     for (const Side side : kSides) {
       const std::size_t eye = index_of(side);
@@ -88,14 +88,14 @@ class Comparison {
     return renderer_.read_shown();
   }
 
-  DrawTimes draw_maps(const FrameRequest& request, const ShadowMapSettings& wish,
+  DrawTimes draw_maps(const FrameRequest& request, const ShadowMapSettings& settings,
                       ShadingPass::Report report = ShadingPass::Report::Off) {
     return renderer_.draw({.views = request.views,
                            .state = state_,
                            .masks = {},
                            .carry_over = {},
                            .report = report,
-                           .shadow_maps = &wish});
+                           .shadow_maps = &settings});
   }
 
   const Scene& scene_;
@@ -153,10 +153,10 @@ int main(int argc, char** argv) try {
   app.add_option("--trace", options.trace, "recorded head")->capture_default_str();
   app.add_option("--size", options.side_px, "pixels of each side of an eye")->capture_default_str();
   app.add_option("--frames", options.frames, "frames compared")->capture_default_str();
-  app.add_option("--every", options.every, "frames of the recording from one to the next")
+  app.add_option("--every", options.every, "frames of the recording per compared frame")
       ->capture_default_str();
   app.add_option("--side", options.map_sides_px, "texels of each side of a map")->capture_default_str();
-  app.add_option("--radius", options.pcf_radius, "texels that shadows are filtered over")
+  app.add_option("--radius", options.pcf_radius, "radius of the shadow filter, texels")
       ->capture_default_str();
   app.add_option("--out", options.out, "folder for the left eye's pictures");
   app.add_option("--gpu", options.gpu, "use only a device whose name contains this");

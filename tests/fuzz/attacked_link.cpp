@@ -5,20 +5,20 @@
 namespace farshade::fuzz {
 
 FrameRequest request(std::uint32_t frame) {
-  FrameRequest asked;
-  asked.frame = {frame};
-  asked.display_time = Time(frame * std::chrono::milliseconds(14));
-  for (View& view : asked.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, {18, 10}};
-  return asked;
+  FrameRequest requested;
+  requested.frame = {frame};
+  requested.display_time = Time(frame * std::chrono::milliseconds(14));
+  for (View& view : requested.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, {18, 10}};
+  return requested;
 }
 
-TraceStats paint(const FrameRequest& asked, ShadowFrame& frame) {
-  frame.frame = asked.frame;
-  frame.light_set_revision = asked.lights.revision;
-  frame.views = asked.views;
-  std::uint32_t noise = asked.frame.value;
+TraceStats paint(const FrameRequest& requested, ShadowFrame& frame) {
+  frame.frame = requested.frame;
+  frame.light_set_revision = requested.lights.revision;
+  frame.views = requested.views;
+  std::uint32_t noise = requested.frame.value;
   for (const Side side : kSides) {
-    const Extent size = asked.views[index_of(side)].size;
+    const Extent size = requested.views[index_of(side)].size;
     EyeMask& mask = frame.masks[index_of(side)];
     mask = EyeMask(size, kServed.light_count);
     for (std::uint32_t y = 0; y < size.height; ++y)
@@ -35,31 +35,31 @@ SharedKey key_named(std::string name) {
 }
 
 bool Tap::send(const Peer& to, std::span<const std::byte> bytes) {
-  heard_.emplace_back(bytes.begin(), bytes.end());
+  recorded_.emplace_back(bytes.begin(), bytes.end());
   bytes_to[to] += bytes.size();
   if (hold_next == 0) return port_.send(to, bytes);
   --hold_next;
   return true;
 }
 
-Bytes heard_again(const std::vector<Bytes>& heard, Choices& choices, std::uint32_t most_edits) {
+Bytes replayed(const std::vector<Bytes>& recorded, Choices& choices, std::uint32_t most_edits) {
   const std::uint32_t back = choices.up_to(255);
   const std::uint32_t edits = choices.up_to(most_edits);
-  if (heard.empty()) return {};
-  return edited(heard[heard.size() - 1 - back % heard.size()], choices, edits);
+  if (recorded.empty()) return {};
+  return edited(recorded[recorded.size() - 1 - back % recorded.size()], choices, edits);
 }
 
 GenuineClient::GenuineClient(DatagramPort& port, const Clock& time, const Peer& server, std::string name,
-                             std::vector<Bytes>& heard)
+                             std::vector<Bytes>& recorded)
     : clock(time),
-      tap(port, heard),
+      tap(port, recorded),
       link(tap, time, {server, key_named(std::move(name)), kServed.scene_hash, {kServed.light_count}},
            Assembler::kKept + 1) {
   check(link.meet(std::chrono::seconds(1)).has_value(), "a client with the key is welcomed");
 }
 
 void GenuineClient::ask() {
-  link.request(request(++asked), clock.now());
+  link.request(request(++requests), clock.now());
 }
 
 void GenuineClient::check_masks() const {
@@ -75,7 +75,7 @@ bool GenuineClient::gets_masks(int tries, Duration patience) {
   for (; tries > 0; --tries) {
     ask();
     const Time until = clock.now() + patience;
-    const bool whole = link.wait_for({asked}, patience);
+    const bool whole = link.wait_for({requests}, patience);
     check_masks();
     if (whole) return true;
     link.listen(until - clock.now());

@@ -19,15 +19,15 @@ inline constexpr Welcome kServed{{1, 2, 3}, 3};
 
 [[nodiscard]] FrameRequest request(std::uint32_t frame);
 /// Replaces the tracer: masks that differ in each frame, eye and pixel.
-TraceStats paint(const FrameRequest& asked, ShadowFrame& frame);
+TraceStats paint(const FrameRequest& requested, ShadowFrame& frame);
 
 [[nodiscard]] SharedKey key_named(std::string name);
 
 /// A port that records the datagrams it sends, and withholds the next `hold_next` of them.
 class Tap final : public DatagramPort {
  public:
-  /// Records into `heard`, which must outlive the port.
-  Tap(DatagramPort& port, std::vector<Bytes>& heard) : port_(port), heard_(heard) {}
+  /// Records into `recorded`, which must outlive the port.
+  Tap(DatagramPort& port, std::vector<Bytes>& recorded) : port_(port), recorded_(recorded) {}
 
   [[nodiscard]] Peer local() const override { return port_.local(); }
   bool send(const Peer& to, std::span<const std::byte> bytes) override;
@@ -42,16 +42,16 @@ class Tap final : public DatagramPort {
 
  private:
   DatagramPort& port_;
-  std::vector<Bytes>& heard_;
+  std::vector<Bytes>& recorded_;
 };
 
-/// One of `heard`, counted from the newest, truncated and changed by the input; empty if there is none.
-[[nodiscard]] Bytes heard_again(const std::vector<Bytes>& heard, Choices& choices, std::uint32_t most_edits);
+/// One of `recorded`, counted from the newest, truncated and changed by the input; empty if there is none.
+[[nodiscard]] Bytes replayed(const std::vector<Bytes>& recorded, Choices& choices, std::uint32_t most_edits);
 
 /// A genuine client that checks the masks it receives.
 struct GenuineClient {
   GenuineClient(DatagramPort& port, const Clock& time, const Peer& server, std::string name,
-                std::vector<Bytes>& heard);
+                std::vector<Bytes>& recorded);
 
   void ask();
   /// Checks that every complete mask is the painted one.
@@ -62,7 +62,7 @@ struct GenuineClient {
   const Clock& clock;
   Tap tap;
   NetworkLink link;
-  std::uint32_t asked = 0;
+  std::uint32_t requests = 0;
 };
 
 /// Lets the server do everything that it can do now.

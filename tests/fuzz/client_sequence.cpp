@@ -31,8 +31,8 @@ class Conversation {
 
   ManualClock clock_;
   VirtualLink wire_{clock_, {}};
-  std::vector<Bytes> heard_;
-  fuzz::Tap server_tap_{wire_.server(), heard_};
+  std::vector<Bytes> recorded_;
+  fuzz::Tap server_tap_{wire_.server(), recorded_};
   ServerCore core_{fuzz::kServed,  {fuzz::key_named("desk")}, masks_from(fuzz::paint), server_tap_, clock_,
                    {.sessions = 4}};
   std::optional<fuzz::GenuineClient> client_;
@@ -42,7 +42,7 @@ class Conversation {
 
 Conversation::Conversation() {
   wire_.while_waiting([this] { fuzz::serve(core_); }, [this] { return core_.next_due(); });
-  client_.emplace(wire_.client(), clock_, wire_.server().local(), "desk", heard_);
+  client_.emplace(wire_.client(), clock_, wire_.server().local(), "desk", recorded_);
   check(client_->gets_masks(1, 100ms), "an undisturbed client gets its masks");
 }
 
@@ -56,7 +56,7 @@ void Conversation::say(const Bytes& datagram) {
 
 template <class Envelope>
 Envelope Conversation::newest(auto open) const {
-  for (auto datagram = heard_.rbegin(); datagram != heard_.rend(); ++datagram)
+  for (auto datagram = recorded_.rbegin(); datagram != recorded_.rend(); ++datagram)
     if (const auto envelope = open(*datagram))
       if (const auto* found = std::get_if<Envelope>(&*envelope)) return *found;
   check_failed("one was recorded", "", CallPlace::current());
@@ -64,7 +64,7 @@ Envelope Conversation::newest(auto open) const {
 
 /// Sends an unsealed message that is as correct as an attacker can make it.
 void Conversation::make(fuzz::Choices& choices) {
-  const Echo echo = echo_of(newest<Hello>(open_client_envelope).client);
+  const HelloEcho echo = echo_of(newest<Hello>(open_client_envelope).client);
   const SessionId session = newest<Sealed>(open_server_envelope).session;
   const auto number = static_cast<std::uint8_t>(choices.up_to(255));
   const Bytes sealed(16 + choices.up_to(64), static_cast<std::byte>(number));
@@ -92,16 +92,16 @@ void Conversation::make(fuzz::Choices& choices) {
 }
 
 void Conversation::step(fuzz::Choices& choices) {
-  enum Step : std::uint32_t { Say, Repeat, Forge, Make, Ask, Pass, Withhold, kSteps };
+  enum Step : std::uint32_t { Say, Repeat, Forge, Make, Request, Pass, Withhold, kSteps };
   const std::uint32_t kind = choices.up_to(kSteps - 1);
   if (kind == Say) {
     const auto bytes = choices.bytes(choices.up_to(255));
     say(Bytes(bytes.begin(), bytes.end()));
   } else if (kind == Repeat || kind == Forge) {
-    say(fuzz::heard_again(heard_, choices, kind == Forge ? 8 : 0));
+    say(fuzz::replayed(recorded_, choices, kind == Forge ? 8 : 0));
   } else if (kind == Make) {
     make(choices);
-  } else if (kind == Ask) {
+  } else if (kind == Request) {
     client_->ask();
     fuzz::serve(core_);
     client_->link.poll();

@@ -36,8 +36,8 @@ class Conversation {
 
   ManualClock clock_;
   VirtualLink wire_{clock_, {}, kPlaces};
-  std::vector<Bytes> heard_;
-  fuzz::Tap server_tap_{wire_.server(), heard_};
+  std::vector<Bytes> recorded_;
+  fuzz::Tap server_tap_{wire_.server(), recorded_};
   const std::vector<SharedKey> ring_{fuzz::key_named("left"), fuzz::key_named("right"),
                                      fuzz::key_named("new")};
   ServerCore core_{fuzz::kServed, ring_,  masks_from(fuzz::paint),
@@ -50,7 +50,7 @@ class Conversation {
 Conversation::Conversation() {
   wire_.while_waiting([this] { fuzz::serve(core_); }, [this] { return core_.next_due(); });
   for (std::uint32_t i = 0; i < kGenuine; ++i) {
-    clients_.emplace_back(wire_.client(i), clock_, server(), ring_[i].name, heard_);
+    clients_.emplace_back(wire_.client(i), clock_, server(), ring_[i].name, recorded_);
     check(clients_[i].gets_masks(1, 100ms), "an undisturbed client gets its masks");
   }
 }
@@ -76,12 +76,12 @@ void Conversation::knock(std::uint32_t place, const SharedKey& key) {
   ClientHandshake handshake(key, fuzz::kServed.scene_hash);
   Bytes hello;
   handshake.write_hello(hello);
-  heard_.push_back(hello);
+  recorded_.push_back(hello);
   say_from(place, hello);
   const std::optional<Retry> retry = retry_to(place);
   if (!retry || !handshake.take(*retry)) return;
   handshake.write_hello(hello);
-  heard_.push_back(hello);
+  recorded_.push_back(hello);
   say_from(place, hello);
 }
 
@@ -94,15 +94,15 @@ void Conversation::pass(Duration time) {
 }
 
 void Conversation::step(fuzz::Choices& choices) {
-  enum Step : std::uint32_t { Say, Repeat, Forge, Ask, Pass, Withhold, Move, Knock, kSteps };
+  enum Step : std::uint32_t { Say, Repeat, Forge, Request, Pass, Withhold, Move, Knock, kSteps };
   const std::uint32_t kind = choices.up_to(kSteps - 1), place = choices.up_to(kPlaces - 1);
   const std::uint32_t client = place % kGenuine;
   if (kind == Say) {
     const auto bytes = choices.bytes(choices.up_to(255));
     say_from(place, Bytes(bytes.begin(), bytes.end()));
   } else if (kind == Repeat || kind == Forge) {
-    say_from(place, fuzz::heard_again(heard_, choices, kind == Forge ? 8 : 0));
-  } else if (kind == Ask) {
+    say_from(place, fuzz::replayed(recorded_, choices, kind == Forge ? 8 : 0));
+  } else if (kind == Request) {
     clients_[client].ask();
     fuzz::serve(core_);
     clients_[client].link.poll();
@@ -122,12 +122,12 @@ void Conversation::step(fuzz::Choices& choices) {
 
 void Conversation::check_server() {
   const ServerCounters counters = core_.counters();
-  std::uint64_t asked = 0;
-  for (const fuzz::GenuineClient& client : clients_) asked += client.asked;
+  std::uint64_t requests = 0;
+  for (const fuzz::GenuineClient& client : clients_) requests += client.requests;
   if (withheld_)
-    check(counters.sessions.requests <= asked, "each request counts once at most");
+    check(counters.sessions.requests <= requests, "each request counts once at most");
   else
-    check_eq(counters.sessions.requests, asked, "requests: each counts once");
+    check_eq(counters.sessions.requests, requests, "requests: each counts once");
   check(counters.sessions_open <= kMostSessions, "no more sessions than allowed");
   for (std::uint32_t place = kGenuine; place < kPlaces; ++place) {
     const Peer peer = wire_.client(place).local();

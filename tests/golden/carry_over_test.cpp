@@ -1,5 +1,5 @@
-/// The ways to carry masks over that kPlainCarryOver lacks: the other eye, neighbours on the same plane,
-/// filtered shadow edges; and the guard band.
+/// The reprojection features that kPlainCarryOver turns off: masks of the other eye, neighbours on the same
+/// plane, filtered shadow edges. Also the guard band.
 #include <cmath>
 #include <numbers>
 
@@ -43,7 +43,7 @@ TEST_F(CarryOverOf, OtherEyeComesAfterThisEyesNewestAndBeforeOlderMasks) {
   const Shown all = rig.show(now, {newest.traced_mask(), older.traced_mask()}, plain_and(Eyes::Both));
   const std::array<std::uint8_t, 4> in_order{0, kOtherEye, 1, kOtherEye + 1};
   for (const Side side : kSides) {
-    // The known pixels and the bits of each source alone.
+    // Compare the known pixels and the bits of each source separately.
     const std::array alone{rig.show(now, {newest.traced_mask()}, kPlainCarryOver),
                            rig.show(now, {without(newest, side).traced_mask()}, plain_and(Eyes::Both)),
                            rig.show(now, {older.traced_mask()}, kPlainCarryOver),
@@ -78,10 +78,10 @@ TEST_F(CarryOverOf, OtherEyeSeesBehindWhatHidesAPointFromThis) {
   const Mask traced = rig.ask(kTraced, eyes_at(0));
   const Shown one = rig.show(eyes_at(0.02), {traced.traced_mask()}, plain_and(Eyes::This)),
               both = rig.show(eyes_at(0.02), {traced.traced_mask()}, plain_and(Eyes::Both));
-  const auto count = [](const Shown& shown, std::uint8_t wanted) {
+  const auto count = [](const Shown& shown, std::uint8_t expected) {
     std::size_t found = 0;
-    for_covered(shown,
-                [&](Side, std::uint32_t, std::uint32_t, std::uint8_t source) { found += source == wanted; });
+    for_covered(
+        shown, [&](Side, std::uint32_t, std::uint32_t, std::uint8_t source) { found += source == expected; });
     return found;
   };
   EXPECT_GT(count(one, kSourceUnknown), 300u);
@@ -117,7 +117,7 @@ std::uint32_t plane_of(const glm::dvec3& p) {
 }
 
 struct Planes {
-  PerEye<std::vector<std::uint32_t>> of;  ///< for each pixel; 0: none, or not certain
+  PerEye<std::vector<std::uint32_t>> of;  ///< for each pixel; 0: no plane, or uncertain
 };
 
 Planes planes_seen(TestRig& rig, const StereoView& views) {
@@ -134,7 +134,7 @@ Planes planes_seen(TestRig& rig, const StereoView& views) {
   return planes;
 }
 
-/// A mask whose bits are the number of the plane that each pixel shows.
+/// A mask in which the bits of each pixel are the number of the plane that the pixel shows.
 Mask painted_by_plane(Mask mask, const Planes& planes) {
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     for (std::uint32_t y = 0; y < mask.views[eye].size.height; ++y)
@@ -170,8 +170,8 @@ TEST_F(Neighbours, AreOfThePointsOwnPlane) {
     of_another += taken != own && taken != 0;
   });
   EXPECT_GT(beside, 10'000u);
-  EXPECT_LT(unknown, beside / 20) << "a tile's middle is 8 pixels from its border";
-  EXPECT_LE(of_another, beside / 1000) << "a pixel that touches a crease is of both planes";
+  EXPECT_LT(unknown, beside / 20) << "the middle of a tile is 8 pixels from its border";
+  EXPECT_LE(of_another, beside / 1000) << "a pixel on a crease belongs to both planes";
 }
 
 TEST_F(Neighbours, ReachNoFurtherThan32Pixels) {
@@ -188,7 +188,7 @@ TEST_F(Neighbours, ReachNoFurtherThan32Pixels) {
   EXPECT_GT(near, 1000u);
   EXPECT_EQ(far, 0u);
 
-  // Points beyond the border of a view in another direction.
+  // Points outside of a view that looks in another direction.
   const Mask aside =
       rig_.ask(kOlder, rig_.eyes(moved(head_looking({0.8, 1.7, 3.2}, {0, 0.6, 0}), 14 * kDegree, {})));
   const Shown shown = rig_.show(views_, {aside.traced_mask()}, plain_and(Eyes::This, Gaps::Neighbours));
@@ -255,12 +255,13 @@ TEST_P(FilteredEdges, AreNearerToTheTruthAndChangeNothingElse) {
   };
   std::vector<Mask> masks;
   for (std::uint32_t i = 0; i < 4; ++i) masks.push_back(rig.ask({10 - i}, moved_by(1 + 0.37 * i)));
-  std::vector<TracedMask> in_hand;
-  for (const Mask& mask : masks) in_hand.push_back(mask.traced_mask());
+  std::vector<TracedMask> traced_masks;
+  for (const Mask& mask : masks) traced_masks.push_back(mask.traced_mask());
   const StereoView now = moved_by(0);
   const Mask truth = rig.trace(kNow, now);
-  const Shown nearest = rig.show(now, in_hand, plain_and(Eyes::Both, Gaps::Neighbours)),
-              filtered = rig.show(now, in_hand, plain_and(Eyes::Both, Gaps::Neighbours, Edges::Filtered));
+  const Shown nearest = rig.show(now, traced_masks, plain_and(Eyes::Both, Gaps::Neighbours)),
+              filtered =
+                  rig.show(now, traced_masks, plain_and(Eyes::Both, Gaps::Neighbours, Edges::Filtered));
   double nearest_error = 0, filtered_error = 0;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const EyeErrors a = compare_masks(nearest.reports[eye], truth.bits[eye]),
@@ -328,8 +329,7 @@ TEST_F(GuardBandOf, IdenticalPoseIsExactlyTheMaskReadDirectly) {
       for (std::uint32_t x = 0; x < 192; ++x)
         differing +=
             !same_bits(truth.bits[eye], {x, y}, wide_truth.bits[eye], {x + kMargins.left, y + kMargins.up});
-  EXPECT_LE(differing, 40u)
-      << "of 73,728: rays that rounding moves by 1e-16 meet the same things but at edges";
+  EXPECT_LE(differing, 40u) << "of 73,728: rounding moves rays by 1e-16, which matters only at edges";
 }
 
 TEST_F(GuardBandOf, IdenticalPoseIsExactlyTheMaskReprojected) {
@@ -348,10 +348,10 @@ TEST_F(GuardBandOf, HasWhatATurnUncovers) {
   const EyeErrors bare = outcome_after(views_, 5, kOlder),
                   wide = outcome_after(widened_views(views_), 5, kTraced);
   EXPECT_GT(bare.unknown, 0.12);
-  EXPECT_LT(wide.unknown, 0.05) << "what is left is hidden, not outside";
+  EXPECT_LT(wide.unknown, 0.05) << "the remaining pixels are hidden, not outside";
   EXPECT_NEAR(wide.known_error, bare.known_error, 0.01);
   EXPECT_GT(outcome_after(widened_views(views_), -9, kTraced).unknown, 0.05)
-      << "the right side's is narrower";
+      << "the band on the right side is narrower";
 }
 
 }  // namespace

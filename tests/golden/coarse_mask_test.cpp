@@ -18,7 +18,7 @@ constexpr FrameId kTraced{1};
 constexpr std::uint32_t kSide_px = 256;
 
 /// The views that a request plan asks for at that size.
-StereoView asked_at(ViewScale scale, const StereoView& shown, GuardBandUse guard_band) {
+StereoView requested_views(ViewScale scale, const StereoView& shown, GuardBandUse guard_band) {
   RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = guard_band});
   plan.shrink(scale);
   StereoView before = shown;  // a head that turns: the guard band widens
@@ -45,12 +45,12 @@ class CoarseMask : public OnLavapipe {
 };
 
 TEST_F(CoarseMask, CostsSomeDecibelsAndNoMore) {
-  const StereoView asked = rig_.eyes(rig_.head());
-  double finer = psnr_of(asked);
+  const StereoView requested = rig_.eyes(rig_.head());
+  double finer = psnr_of(requested);
   RecordProperty("db_at_8", std::to_string(finer));
   for (const std::uint32_t eighths : {6u, 4u, 2u}) {
     for (const GuardBandUse guard_band : {GuardBandUse::Off, GuardBandUse::Measured}) {
-      const double db = psnr_of(asked_at({eighths}, asked, guard_band));
+      const double db = psnr_of(requested_views({eighths}, requested, guard_band));
       RecordProperty("db_at_" + std::to_string(eighths), std::to_string(db));
       EXPECT_GT(db, finer - 4) << eighths << " eighths, guard band " << static_cast<int>(guard_band);
       if (guard_band == GuardBandUse::Measured) finer = db;
@@ -63,9 +63,10 @@ TEST_F(CoarseMask, ReadAtTheShownPixelIsNotShifted) {
   const StereoView fine = rig_.eyes(rig_.head());
   shown_ = fine;
   reference_ = rig_.show_reference(shown_);
-  const double placed = psnr_of(asked_at({4}, fine, GuardBandUse::Measured), {.lookup = Lookup::Direct});
+  const double placed =
+      psnr_of(requested_views({4}, fine, GuardBandUse::Measured), {.lookup = Lookup::Direct});
   RecordProperty("db", std::to_string(placed));
-  StereoView turned = asked_at({4}, fine, GuardBandUse::Measured);
+  StereoView turned = requested_views({4}, fine, GuardBandUse::Measured);
   for (View& view : turned) view.stage_from_eye.rotation *= rotation_exp({0, 0.008, 0});  // two shown pixels
   EXPECT_GT(placed, psnr_of(turned, {.lookup = Lookup::Direct}) + 1);
 }

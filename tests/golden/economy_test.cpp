@@ -54,7 +54,7 @@ Scene scene_with(const std::set<Feature>& features) {
   return builder.build();
 }
 
-/// Eyes that look along -z from the origin, the left one `aside_m` to the left.
+/// Eyes that look along -z from the origin. The left eye is `aside_m` to the left.
 StereoView eyes_at(double aside_m) {
   StereoView views{look({0, 0, 0}, {0, 0, -1}, kSize.width), look({0, 0, 0}, {0, 0, -1}, kSize.width)};
   views[0].stage_from_eye.translation.x -= aside_m;
@@ -78,19 +78,23 @@ class Economy : public OnLavapipe {
     const DrawPlan plan = plan_for(scene, needs).draw;
     Renderer renderer(device_, scene, plan, kLimits);
     const SceneState then = state_at(scene, Time{}), now = state_at(scene, Time(500ms));
-    const StereoView shown = eyes_at(0.06), asked = eyes_at(0.08);
+    const StereoView shown = eyes_at(0.06), requested = eyes_at(0.08);
     const FrameRequest first{FrameId{1}, Time{}, Time{}, shown},
-        second{FrameId{2}, Time{}, Time(500ms), asked};
-    renderer.draw_gbuffer({.views = shown, .state = then, .asked = &first, .masks = {}, .carry_over = {}});
+        second{FrameId{2}, Time{}, Time(500ms), requested};
+    renderer.draw_gbuffer({.views = shown, .state = then, .request = &first, .masks = {}, .carry_over = {}});
     const Mask mask = all_lit(plan.mask, first.frame, shown);
     const std::vector<TracedMask> masks{mask.traced_mask()};
-    renderer.draw(
-        {.views = shown, .state = now, .asked = &second, .masks = masks, .carry_over = {}, .asked_slot = 1});
+    renderer.draw({.views = shown,
+                   .state = now,
+                   .request = &second,
+                   .masks = masks,
+                   .carry_over = {},
+                   .request_slot = 1});
     return renderer.counters();
   }
 };
 
-/// The uses whose bytes differ.
+/// The uses whose numbers of bytes differ.
 std::string changes(const gpu::BytesByUse& before, const gpu::BytesByUse& after) {
   std::string text;
   for (std::size_t use = 0; use < gpu::kUses; ++use)
@@ -102,7 +106,7 @@ std::string changes(const gpu::BytesByUse& before, const gpu::BytesByUse& after)
 struct Rung {
   const char* name;
   Feature feature;
-  // The cost of the feature.
+  // The cost of each feature.
   std::uint64_t pipelines, bindings, vertex_bytes, vertex_bytes_read;
   const char* memory;
 };
@@ -123,7 +127,7 @@ const std::array kLadder{
 TEST_F(Economy, OneTriangleAndOneLightCostTheLeast) {
   const DrawCounters counters = drawn(scene_with({}));
   EXPECT_EQ(counters.pipelines, 1u + 1u + 2u * 2u)
-      << "G-buffer, depth, and of each eye the easy and hard pass";
+      << "G-buffer, depth, and for each eye the easy and the hard pass";
   EXPECT_EQ(counters.bindings, 2u + 1u + 9u);
   EXPECT_EQ(counters.vertex_bytes, kCorners * 24 + 12);
   EXPECT_EQ(counters.vertex_bytes_read, kBothEyes * (kCorners * 24 + 12 + kCorners * 12 + 12));
@@ -159,8 +163,8 @@ TEST_F(Economy, MasksTakeTheNarrowestWords) {
 TEST_F(Economy, MasksThatFitTheShownViewsNeedNothingToCarryThemOver) {
   const DrawCounters carried = drawn(scene_with({})),
                      fitting = drawn(scene_with({}), {.carries_over = false});
-  EXPECT_EQ(fitting.pipelines, 1u + 2u) << "G-buffer, and a pass an eye";
-  EXPECT_EQ(fitting.bindings, carried.bindings - 2) << "the depth pass's, and the list of hard pixels";
+  EXPECT_EQ(fitting.pipelines, 1u + 2u) << "G-buffer, and one pass per eye";
+  EXPECT_EQ(fitting.bindings, carried.bindings - 2) << "the depth pass, and the list of hard pixels";
   EXPECT_EQ(fitting.memory.now[Use::Lists], 0u);
   EXPECT_EQ(fitting.memory.now[Use::GBuffer] * 3, carried.memory.now[Use::GBuffer] * 2);
   EXPECT_LE(fitting.memory.now[Use::Masks] * 4, carried.memory.now[Use::Masks] + 1024);
@@ -209,25 +213,25 @@ TEST_F(Economy, AMaskIsUploadedOnceWhileItIsInUse) {
       masks.push_front(all_lit(plan.mask, FrameId{traced + 1}, views));
     if (masks.size() > 6) masks.resize(6, masks.back());
     if (frame % 7 == 0 &&
-        !masks.empty()) {  // a tile of the newest mask is lost after all: its content changes
+        !masks.empty()) {  // a tile of the newest mask is lost: the content of the mask changes
       masks.front().known_tiles[0][0] = 0;
       news = std::max<std::uint64_t>(news, 1);
     }
-    std::vector<TracedMask> in_hand;
-    for (const Mask& mask : masks) in_hand.push_back(mask.traced_mask());
+    std::vector<TracedMask> traced_masks;
+    for (const Mask& mask : masks) traced_masks.push_back(mask.traced_mask());
     const std::uint64_t before = renderer.counters().mask_uploads;
     renderer.draw({.views = views,
                    .state = state,
-                   .asked = &request,
-                   .masks = in_hand,
+                   .request = &request,
+                   .masks = traced_masks,
                    .carry_over = {},
-                   .asked_slot = frame % kSlots});
+                   .request_slot = frame % kSlots});
     EXPECT_EQ(renderer.counters().mask_uploads - before, news) << "frame " << frame;
   }
   EXPECT_GT(traced, kFrames / 2);
 }
 
-/// `mask` in the words of `layout`.
+/// `mask` converted to the words of `layout`.
 Mask in_words_of(MaskLayout layout, Mask mask) {
   for (EyeMask& bits : mask.bits) {
     EyeMask wider(bits.size(), layout);
@@ -254,15 +258,15 @@ class WholeScene : public OnLavapipe, public testing::WithParamInterface<const c
     const DrawPlan plan = plan_for(scene_, {.kind = kind, .all_lights = true}).draw;
     Renderer renderer(device_, scene_, plan, limits_);
     const SceneState then = state_at(scene_, kThen), now = state_at(scene_, kNow);
-    const StereoView asked = eyes_of(head_, kSide_px),
+    const StereoView requested = eyes_of(head_, kSide_px),
                      shown = eyes_of(moved(head_, 0.05, {0.02, 0, 0}), kSide_px);
-    const FrameRequest first{FrameId{1}, kThen, kThen, asked}, second{FrameId{2}, kNow, kNow, asked};
-    renderer.draw_gbuffer({.views = shown, .state = then, .asked = &first, .masks = {}, .carry_over = {}});
+    const FrameRequest first{FrameId{1}, kThen, kThen, requested}, second{FrameId{2}, kNow, kNow, requested};
+    renderer.draw_gbuffer({.views = shown, .state = then, .request = &first, .masks = {}, .carry_over = {}});
     const Mask mask = in_words_of(plan.mask, traced(first));
     const std::vector<TracedMask> masks{mask.traced_mask()};
     renderer.draw({.views = shown,
                    .state = now,
-                   .asked = &second,
+                   .request = &second,
                    .masks = masks,
                    .carry_over = {},
                    .report = ShadingPass::Report::On});
@@ -291,7 +295,7 @@ void expect_the_same(const Shown& a, const Shown& b) {
   }
 }
 
-/// Drivers round every allocation up. If a use is small, that is more than a tenth of it.
+/// Drivers round every allocation up. For a small use the rounding is more than a tenth of it.
 constexpr double kRounding_bytes = 64 << 10;
 
 void expect_predicted(const gpu::BytesByUse& predicted, const gpu::MemoryUse& measured) {

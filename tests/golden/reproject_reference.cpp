@@ -6,13 +6,16 @@
 namespace farshade {
 namespace {
 
-constexpr double kPlain = 4e-6;      ///< a plane's second differences stay below this share of 1/d: 64 ulps
-constexpr double kBorder_px = 0.02;  ///< a point this close to the border of a pixel may fall on either
-constexpr double kGrazing = 0.05;    ///< sine of the least angle at which normals of 8 bits can be held to it
+constexpr double kPlain =
+    4e-6;  ///< the second differences of 1/d on a plane stay below this share of 1/d: 64 ulps
+constexpr double kBorder_px =
+    0.02;  ///< a point this close to the border of a pixel may count to either pixel
+constexpr double kGrazing =
+    0.05;  ///< sine of the smallest angle at which the result is compared: normals have 8 bits
 constexpr double kClear = 2;
 
-double inverse_distance(const SeenDepth& seen, std::int64_t x, std::int64_t y) {
-  const float distance = seen.distance_m.at(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
+double inverse_distance(const EyeDepth& depth, std::int64_t x, std::int64_t y) {
+  const float distance = depth.distance_m.at(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
   return distance > 0 ? 1.0 / distance : 0.0;
 }
 
@@ -20,18 +23,18 @@ glm::dvec3 ray(const View& view, double x, double y) {
   return pixel_ray(tangents_of(view.fov), view.size, {x, y});
 }
 
-/// The plane m . p = 1 of the shown eye's space on which pixel (x, y) and its eight neighbours lie, if they
-/// do.
-std::optional<glm::dvec3> plane_about(const SeenDepth& seen, std::uint32_t x, std::uint32_t y) {
-  const Extent size = seen.view.size;
+/// The plane m . p = 1 of the shown eye's space that contains pixel (x, y) and its eight neighbours. No value
+/// if they lie in no plane.
+std::optional<glm::dvec3> plane_about(const EyeDepth& depth, std::uint32_t x, std::uint32_t y) {
+  const Extent size = depth.view.size;
   if (x == 0 || y == 0 || x + 1 >= size.width || y + 1 >= size.height) return std::nullopt;
-  const double middle = inverse_distance(seen, x, y);
+  const double middle = inverse_distance(depth, x, y);
   const auto at = [&](int dx, int dy) {
-    return inverse_distance(seen, std::int64_t{x} + dx, std::int64_t{y} + dy);
+    return inverse_distance(depth, std::int64_t{x} + dx, std::int64_t{y} + dy);
   };
   for (const auto& [dx, dy] : {std::pair{1, 0}, {0, 1}, {1, 1}, {1, -1}})
     if (std::abs(at(dx, dy) + at(-dx, -dy) - 2 * middle) > kPlain * middle) return std::nullopt;
-  const glm::dvec3 r = ray(seen.view, x + 0.5, y + 0.5), next = ray(seen.view, x + 1.5, y + 1.5);
+  const glm::dvec3 r = ray(depth.view, x + 0.5, y + 0.5), next = ray(depth.view, x + 1.5, y + 1.5);
   const double mx = (at(1, 0) - at(-1, 0)) / 2 / (next.x - r.x),
                my = (at(0, 1) - at(0, -1)) / 2 / (next.y - r.y);
   return glm::dvec3(mx, my, mx * r.x + my * r.y - middle);
@@ -41,7 +44,7 @@ bool is_near_border(double position) {
   return std::abs(position - std::round(position)) < kBorder_px;
 }
 
-/// Metres across which a pixel sees at distance 1.
+/// The width in metres of a pixel's footprint at distance 1.
 double footprint(const View& view) {
   const glm::dvec3 step = ray(view, 1, 1) - ray(view, 0, 0);
   return std::max(std::abs(step.x), std::abs(step.y));
@@ -49,7 +52,7 @@ double footprint(const View& view) {
 
 }  // namespace
 
-std::optional<Carried> carry(const SeenDepth& shown, std::uint32_t x, std::uint32_t y, const View& traced) {
+std::optional<Carried> carry(const EyeDepth& shown, std::uint32_t x, std::uint32_t y, const View& traced) {
   const double distance = shown.distance_m.at(x, y);
   if (!(distance > 0)) return std::nullopt;
   const Rigid<Eye, Eye> traced_from_shown = inverse(traced.stage_from_eye) * shown.view.stage_from_eye;
@@ -62,7 +65,7 @@ bool is_inside(const glm::dvec2& at, Extent size) {
   return at.x >= 0 && at.y >= 0 && at.x < size.width && at.y < size.height;
 }
 
-SameSurface same_surface(const SeenDepth& shown, std::uint32_t x, std::uint32_t y, const SeenDepth& traced) {
+SameSurface same_surface(const EyeDepth& shown, std::uint32_t x, std::uint32_t y, const EyeDepth& traced) {
   const std::optional<Carried> carried = carry(shown, x, y, traced.view);
   if (!carried) return SameSurface::No;
   const glm::dvec2 at = carried->at;
@@ -72,7 +75,8 @@ SameSurface same_surface(const SeenDepth& shown, std::uint32_t x, std::uint32_t 
 
   const std::optional<glm::dvec3> m = plane_about(shown, x, y);
   if (!m) return SameSurface::Unclear;
-  // In traced space m . inverse(T) p = 1: with T p = R p + t that is (R m) . p = 1 + (R m) . t.
+  // A point p of the shown eye is T p = R p + t in the traced eye. So m . p = 1 becomes (R m) . p = 1 + (R m)
+  // . t.
   const Rigid<Eye, Eye> t = inverse(traced.view.stage_from_eye) * shown.view.stage_from_eye;
   const glm::dvec3 rm = t.rotation * *m;
   const double from_eye = 1 + glm::dot(rm, t.translation);
@@ -91,7 +95,7 @@ SameSurface same_surface(const SeenDepth& shown, std::uint32_t x, std::uint32_t 
   return apart > kClear * allowed ? SameSurface::No : SameSurface::Unclear;
 }
 
-EyeMask carried_without_test(const SeenDepth& shown, const View& traced, const EyeMask& bits) {
+EyeMask carried_without_test(const EyeDepth& shown, const View& traced, const EyeMask& bits) {
   const Extent size = shown.view.size;
   EyeMask result(size, bits.lights());
   for (std::uint32_t y = 0; y < size.height; ++y)

@@ -1,5 +1,5 @@
-/// Compares the shaders' float reprojection with a reference in double: where points are, and which views saw
-/// them.
+/// Compares the shaders' float reprojection with a reference in double: the positions of points in traced
+/// views, and whether those views saw the points.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,21 +18,22 @@ namespace {
 constexpr std::uint32_t kSide_px = 192;
 constexpr FrameId kTraced{1};
 
-/// Nothing but the newest mask as traced for this eye, or unknown.
+/// Uses only the newest mask that was traced for this eye. Other points are unknown.
 constexpr CarryOver kOneView{.eyes = Eyes::This, .gaps = Gaps::Unknown, .edges = Edges::Nearest};
 
-/// What the float path may be off by at most. Measured: 7e-5 px.
+/// The largest allowed error of the float positions. Measured: 7e-5 px.
 constexpr double kMostOff_px = 1e-3;
 
-/// The float path against the double one, over both eyes of some pairs of views. Counts are of shown pixels.
+/// Compares the float and the double results over both eyes of some pairs of views. Counts are of shown
+/// pixels.
 struct Against {
-  std::vector<double> off_px;           ///< of every pixel that was found in the traced view
-  std::size_t same = 0, refused = 0;    ///< clearly the same surface; of these, not found
-  std::size_t other = 0, accepted = 0;  ///< clearly none that was seen; of these, found
+  std::vector<double> off_px;           ///< error of every pixel that was found in the traced view
+  std::size_t same = 0, refused = 0;    ///< clearly the same surface; how many of them were not found
+  std::size_t other = 0, accepted = 0;  ///< clearly another surface; how many of them were found
   std::size_t hidden = 0;               ///< of `other`, within the traced view
 };
 
-void compare_pixel(const SeenDepth& shown, const SeenDepth& traced, const ShownReport& report, std::size_t i,
+void compare_pixel(const EyeDepth& shown, const EyeDepth& traced, const ShownReport& report, std::size_t i,
                    Against& against) {
   const auto x = static_cast<std::uint32_t>(i % shown.view.size.width),
              y = static_cast<std::uint32_t>(i / shown.view.size.width);
@@ -56,7 +57,7 @@ void compare(TestRig& rig, const PoseViews& views, Against& against) {
   const Shown now = rig.show(views.shown, {mask.traced_mask()}, kOneView);
   const PerEye<Image<float>> shown = rig.renderer().read_distance();
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    const SeenDepth of_shown{views.shown[eye], shown[eye]}, of_traced{views.traced[eye], traced[eye]};
+    const EyeDepth of_shown{views.shown[eye], shown[eye]}, of_traced{views.traced[eye], traced[eye]};
     for (std::size_t i = 0; i < now.reports[eye].sources.size(); ++i)
       if (now.reports[eye].sources[i] != kSourceUncovered)
         compare_pixel(of_shown, of_traced, now.reports[eye], i, against);
@@ -114,7 +115,7 @@ TEST_P(ReprojectReference, AgreesWithFloatForFovsOf1And170Degrees) {
     SCOPED_TRACE(fov_degrees);
     const double half_rad = fov_degrees / 2 * std::numbers::pi / 180;
     Against against;
-    // Turns within the fov: a view of 1 degree shares nothing with one that is turned by 5.
+    // These turns are smaller than the fov: a view of 1 degree shares nothing with one that is turned by 5.
     for (const double share : {0.1, -0.3})
       compare(rig_,
               views_of({.name = "",

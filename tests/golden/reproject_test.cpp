@@ -1,4 +1,4 @@
-/// Reprojection on the device: which bits each pixel takes from masks that were traced for other views.
+/// Reprojection on the device: which bits each pixel gets from masks that were traced for other views.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -14,7 +14,7 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr FrameId kOlder{1}, kTraced{2}, kNow{3};
 
-/// Shares over both eyes: `unknown` of covered pixels, `wrong` of the pixel-lights of the others.
+/// Shares over both eyes: `unknown` of covered pixels, `wrong` of the pixel-lights of known pixels.
 struct Outcome {
   std::size_t covered = 0, known = 0;
   double unknown = 0, wrong = 0;
@@ -99,7 +99,7 @@ TEST_P(ReprojectMove, IsWrongAndIgnorantWithinBounds) {
   RecordProperty("unknown", std::to_string(outcome.unknown));
   EXPECT_LE(outcome.wrong, move.most_wrong);
   EXPECT_LE(outcome.unknown, move.most_unknown);
-  EXPECT_GT(outcome.unknown, 0) << "a moved head uncovers something";
+  EXPECT_GT(outcome.unknown, 0) << "a moved head sees new surfaces";
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -165,9 +165,9 @@ TEST_F(Reproject, TakesTheNewestOfSeveralMasksThatKnowATile) {
   for (std::size_t m = 0; m < masks.size(); ++m)
     for (KnownTiles& tiles : masks[m].known_tiles)
       for (std::size_t tile = 0; tile < tiles.size(); ++tile) tiles[tile] = (tile >> m & 1u) != 0;
-  std::vector<TracedMask> in_hand;
-  for (const Mask& mask : masks) in_hand.push_back(mask.traced_mask());
-  const Shown shown = rig.show(views, in_hand, kPlainCarryOver);
+  std::vector<TracedMask> traced_masks;
+  for (const Mask& mask : masks) traced_masks.push_back(mask.traced_mask());
+  const Shown shown = rig.show(views, traced_masks, kPlainCarryOver);
   std::array<std::size_t, 4> used{};
   std::size_t wrong_source = 0, wrong_bits = 0;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
@@ -262,7 +262,7 @@ TEST_F(Reproject, TellsBackFromFrontOfASheet) {
   for_covered(from_back, [&](Side, std::uint32_t, std::uint32_t, std::uint8_t source) {
     known += source != kSourceUnknown;
   });
-  EXPECT_EQ(known, 0u) << "the front's view saw neither the sheet's back nor the wall behind itself";
+  EXPECT_EQ(known, 0u) << "the view of the front saw neither the sheet's back nor the wall behind the eye";
 }
 
 TEST_F(Reproject, PassesOverMasksWhoseDepthLeftTheRing) {
@@ -279,12 +279,12 @@ TEST_F(Reproject, PassesOverMasksWhoseDepthLeftTheRing) {
     return count;
   };
   const Mask first = rig.ask(FrameId{10}, before), second = rig.ask(FrameId{11}, before);
-  EXPECT_GT(known({first.traced_mask()}), 1000u) << "in the ring of two";
-  EXPECT_GT(known({first.traced_mask()}), 1000u) << "frames that ask for nothing take no place";
+  EXPECT_GT(known({first.traced_mask()}), 1000u) << "the ring has two slots";
+  EXPECT_GT(known({first.traced_mask()}), 1000u) << "frames without a request use no slot";
   const Mask third = rig.ask(FrameId{12}, before);
-  EXPECT_EQ(known({first.traced_mask()}), 0u) << "its place is the third's";
+  EXPECT_EQ(known({first.traced_mask()}), 0u) << "the third request uses its slot";
   EXPECT_GT(known({first.traced_mask(), second.traced_mask()}), 1000u)
-      << "the one after it still counts, as newest";
+      << "the second request still counts, as the newest";
   EXPECT_GT(known({third.traced_mask()}), 1000u);
 }
 

@@ -1,5 +1,5 @@
-/// Compares shadow maps with the full trace: the error of their visibilities for every kind of light. And
-/// maps are redrawn only when they must be.
+/// Compares shadow maps with the full trace: the error of visibilities for every kind of light. Maps are
+/// redrawn only when they must be.
 #include <cmath>
 
 #include "stereo/frame/tiles.h"
@@ -14,29 +14,31 @@ namespace {
 constexpr std::uint32_t kSide_px = 192;
 constexpr Extent kSize{kSide_px, kSide_px};
 
-/// Against the trace; the worse of the two eyes.
+/// Errors against the full trace; the worse of the two eyes.
 struct Wrong {
   double mask_error = 0;
-  double dark = 0, lit = 0;  ///< shares of pixel-lights: traced as lit, shown as less; the other way round
-  double shadowed = 0;       ///< share that is traced as dark
+  double dark = 0,
+         lit =
+             0;  ///< shares of pixel-lights: traced as lit but shown as less; traced as dark but shown as lit
+  double shadowed = 0;  ///< share that was traced as dark
 };
 
-/// A scene, shown with masks of its trace or with maps.
-class Stand {
+/// A scene that is shown with masks of a full trace or with shadow maps.
+class ShadowMapRig {
  public:
-  Stand(const gpu::Device& device, Scene scene)
+  ShadowMapRig(const gpu::Device& device, Scene scene)
       : scene_(std::move(scene)),
         tracer_(Tracer::create_reference(scene_).value()),
         renderer_(device, scene_, plan_for(scene_, {.carries_over = false, .all_lights = true}).draw,
                   {kSize, kSize, 1}) {}
 
-  DrawTimes show(const Rigid<Stage, Head>& head, const ShadowMapSettings& wish) {
+  DrawTimes show(const Rigid<Stage, Head>& head, const ShadowMapSettings& settings) {
     return renderer_.draw({.views = eyes_of(head, kSide_px),
                            .state = state_,
                            .masks = {},
                            .carry_over = {},
                            .report = ShadingPass::Report::On,
-                           .shadow_maps = &wish});
+                           .shadow_maps = &settings});
   }
 
   void show_traced(const Rigid<Stage, Head>& head) {
@@ -57,7 +59,7 @@ class Stand {
                     .report = ShadingPass::Report::On});
   }
 
-  /// Of what was shown last, from `head`.
+  /// The errors of the picture that was shown last, from `head`.
   [[nodiscard]] Wrong wrong(const Rigid<Stage, Head>& head) {
     const PerEye<EyeMask> truth = traced(eyes_of(head, kSide_px));
     Wrong worst;
@@ -71,8 +73,8 @@ class Stand {
     return worst;
   }
 
-  Wrong show_and_judge(const Rigid<Stage, Head>& head, const ShadowMapSettings& wish) {
-    show(head, wish);
+  Wrong show_and_judge(const Rigid<Stage, Head>& head, const ShadowMapSettings& settings) {
+    show(head, settings);
     return wrong(head);
   }
 
@@ -131,11 +133,11 @@ struct Bundled {
 class ShadowMapError : public OnLavapipe, public testing::WithParamInterface<Bundled> {};
 
 TEST_P(ShadowMapError, IsBoundedAndFallsAsTheResolutionDoubles) {
-  Stand stand(device_, bundled(GetParam().scene));
-  const Rigid<Stage, Head> head = head_at_camera(stand.scene());
+  ShadowMapRig rig(device_, bundled(GetParam().scene));
+  const Rigid<Stage, Head> head = head_at_camera(rig.scene());
   double before = 1;
   for (const std::uint32_t side_px : {256u, 512u, 1024u}) {
-    const double error = stand.show_and_judge(head, {.side_px = side_px}).mask_error;
+    const double error = rig.show_and_judge(head, {.side_px = side_px}).mask_error;
     EXPECT_LT(error, 0.8 * before) << side_px;
     before = error;
   }
@@ -145,7 +147,7 @@ TEST_P(ShadowMapError, IsBoundedAndFallsAsTheResolutionDoubles) {
 INSTANTIATE_TEST_SUITE_P(Scenes, ShadowMapError,
                          testing::Values(Bundled{"box_over_plane.gltf", 0.004}, Bundled{"room.glb", 0.02}));
 
-/// Six walls that do not meet, and in each direction of the cube and across its edges something in the way.
+/// Six walls that do not meet, and an obstacle in each direction of the cube and across its edges.
 Scene walls_about_a_light() {
   SceneBuilder builder;
   for (int axis = 0; axis < 3; ++axis)
@@ -166,18 +168,18 @@ Scene walls_about_a_light() {
 }
 
 TEST_F(ShadowMapsShown, EveryFaceOfACubeSeesItsOwnDirection) {
-  Stand stand(device_, walls_about_a_light());
+  ShadowMapRig rig(device_, walls_about_a_light());
   for (const glm::dvec3 ahead :
        {glm::dvec3(1, 0, 0.01), {-1, 0, 0.01}, {0.01, 1, 0}, {0.01, -1, 0}, {0.01, 0, 1}, {0.01, 0, -1}}) {
     SCOPED_TRACE(testing::Message() << ahead.x << ' ' << ahead.y << ' ' << ahead.z);
-    const Wrong wrong = stand.show_and_judge(
+    const Wrong wrong = rig.show_and_judge(
         head_looking(glm::dvec3(ahead.y, ahead.z, ahead.x) * 1.5 - ahead * 2.0, ahead * 4.0), {});
     EXPECT_GT(wrong.shadowed, 0.02);
     EXPECT_LT(wrong.mask_error, 0.01);
   }
 }
 
-/// Planes at all slopes, under lights of every kind: nothing stands between.
+/// Planes at all slopes, under lights of every kind, without obstacles.
 Scene bare_planes() {
   SceneBuilder builder;
   builder.add(quad({0, 0, 0}, {0, 0, 12}, {12, 0, 0}));
@@ -185,7 +187,7 @@ Scene bare_planes() {
   builder.add(quad({3, 0.3f, -3}, {0, 0.3f, 0.8f}, {0.8f, -0.4f, 0}));
   builder.point_light({0.2, 1.1, -0.3});
   builder.spot_light({0, 5, -4}, {0.1, -1, 0.2}, 0.6f);
-  builder.spot_light({-6, 1.5, -4}, {1, -0.3, 0}, 1.4f);  // too wide for a window
+  builder.spot_light({-6, 1.5, -4}, {1, -0.3, 0}, 1.4f);  // too wide for one perspective projection
   builder.directional_light({0.3, -1, 0.1});
   builder.directional_light({1, -0.08, 0.2});
   return builder.build();
@@ -193,21 +195,21 @@ Scene bare_planes() {
 
 TEST_F(ShadowMapsShown, PlanesDoNotShadowThemselvesAtAnySlopeNorAtSeams) {
   Scene scene = bare_planes();
-  scene.instances.resize(1);  // the ground alone
-  Stand stand(device_, scene);
+  scene.instances.resize(1);  // only the ground
+  ShadowMapRig rig(device_, scene);
   for (const std::uint32_t radius : {0u, 1u, 3u})
     for (const std::uint32_t side_px : {128u, 1024u}) {
       SCOPED_TRACE(testing::Message() << "radius " << radius << ", " << side_px << " texels");
-      const Wrong wrong = stand.show_and_judge(head_looking({0, 3, 5}, {0, 0, -2}),
-                                               {.side_px = side_px, .pcf_radius = radius});
+      const Wrong wrong =
+          rig.show_and_judge(head_looking({0, 3, 5}, {0, 0, -2}), {.side_px = side_px, .pcf_radius = radius});
       EXPECT_EQ(wrong.dark, 0.0);
-      EXPECT_LT(wrong.lit, 1e-3) << "about the spots' rims";
+      EXPECT_LT(wrong.lit, 1e-3) << "near the rims of the spots";
     }
 }
 
 TEST_F(ShadowMapsShown, TiltedPlanesAreWrongOnlyAtTheirOutlines) {
-  Stand stand(device_, bare_planes());
-  const Wrong wrong = stand.show_and_judge(head_looking({0, 3, 2}, {0, 0, -4}), {});
+  ShadowMapRig rig(device_, bare_planes());
+  const Wrong wrong = rig.show_and_judge(head_looking({0, 3, 2}, {0, 0, -4}), {});
   EXPECT_LT(wrong.mask_error, 0.006);
 }
 
@@ -240,9 +242,9 @@ class ShadowMapLight : public OnLavapipe, public testing::WithParamInterface<Kin
 
 TEST_P(ShadowMapLight, CastsTheTracedShadowThatTouchesItsCaster) {
   SceneBuilder builder = stage();
-  builder.add(quad({-0.8f, 0.4f, 0.9f}, {0, 0.4f, 0}, {0.4f, 0, 0.5f}));  // thin, and stands on the ground
-  Stand stand(device_, builder.build());
-  const Wrong wrong = stand.show_and_judge(head_, {});
+  builder.add(quad({-0.8f, 0.4f, 0.9f}, {0, 0.4f, 0}, {0.4f, 0, 0.5f}));  // thin, standing on the ground
+  ShadowMapRig rig(device_, builder.build());
+  const Wrong wrong = rig.show_and_judge(head_, {});
   EXPECT_GT(wrong.shadowed, 0.03);
   EXPECT_LT(wrong.mask_error, 0.004);
   EXPECT_LT(wrong.lit, 0.002);
@@ -254,8 +256,8 @@ TEST_P(ShadowMapLight, BothSidesOfASingleSidedSurfaceCast) {
     Material single;
     const std::uint32_t material = builder.material(single);
     builder.add(quad({-0.9f, 1.0f, 0.5f}, {0, 0, 0.3f}, {0.3f * up, 0, 0}), material);
-    Stand stand(device_, builder.build());
-    EXPECT_LT(stand.show_and_judge(head_, {}).mask_error, 0.005) << up;
+    ShadowMapRig rig(device_, builder.build());
+    EXPECT_LT(rig.show_and_judge(head_, {}).mask_error, 0.005) << up;
   }
 }
 
@@ -269,8 +271,8 @@ TEST_P(ShadowMapLight, ShinesThroughTheHolesOfMaskedMaterials) {
   masked.alpha_cutoff = 0.5f;
   masked.texture = builder.texture(sieve);
   builder.add(quad({0.3f, 1.6f, 0.2f}, {0, 0, 0.8f}, {0.8f, 0, 0}), builder.material(masked));
-  Stand stand(device_, builder.build());
-  const Wrong wrong = stand.show_and_judge(head_, {.side_px = 2048});
+  ShadowMapRig rig(device_, builder.build());
+  const Wrong wrong = rig.show_and_judge(head_, {.side_px = 2048});
   EXPECT_LT(wrong.mask_error, 0.012);
 }
 
@@ -278,15 +280,15 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ShadowMapLight,
                          testing::Values(Kind::Point, Kind::Spot, Kind::WideSpot, Kind::Directional));
 
 TEST_F(ShadowMapsShown, ReportSaysThatAllIsKnownAndFresh) {
-  Stand stand(device_, bundled("room.glb"));
-  stand.show(head_at_camera(stand.scene()), {});
-  const ShownReport report = stand.renderer().report(Side::Left);
+  ShadowMapRig rig(device_, bundled("room.glb"));
+  rig.show(head_at_camera(rig.scene()), {});
+  const ShownReport report = rig.renderer().report(Side::Left);
   const EyeErrors errors = compare_masks(report, report.mask);
   EXPECT_EQ(errors.newest, 1.0);
   EXPECT_EQ(errors.unknown + errors.stale + errors.neighbours, 0.0);
 }
 
-/// A caster and a light that move, and a light that stays.
+/// A caster and a light that move, and a light that does not.
 Scene moving_scene() {
   SceneBuilder builder;
   builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
@@ -299,61 +301,61 @@ Scene moving_scene() {
 }
 
 TEST_F(ShadowMapsShown, AreDrawnAgainOnlyWhereSomethingMoved) {
-  Stand stand(device_, moving_scene());
+  ShadowMapRig rig(device_, moving_scene());
   const Rigid<Stage, Head> head = head_looking({-1.5, 2, 2.5}, {0, 0.2, 0});
-  ShadowMapSettings wish;
+  ShadowMapSettings settings;
   const auto read = [&](const Rigid<Stage, Head>& from) {
-    const DrawTimes times = stand.show(from, wish);
-    const std::uint64_t bytes = stand.renderer().counters().vertex_bytes_read;
+    const DrawTimes times = rig.show(from, settings);
+    const std::uint64_t bytes = rig.renderer().counters().vertex_bytes_read;
     EXPECT_EQ(times.maps > Duration{}, bytes > 400 * 7) << bytes;
-    EXPECT_LT(stand.wrong(from).mask_error, 0.006);
+    EXPECT_LT(rig.wrong(from).mask_error, 0.006);
     return bytes;
   };
   const std::uint64_t first = read(head), kept = read(moved(head, 0.1, {0.1, 0, 0}));
-  EXPECT_LT(kept, first) << "a head that moves needs no new maps";
-  stand.set(Time(std::chrono::milliseconds(500)));
+  EXPECT_LT(kept, first) << "a moving head needs no new maps";
+  rig.set(Time(std::chrono::milliseconds(500)));
   EXPECT_EQ(read(head), first);
   EXPECT_EQ(read(head), kept);
   LightChanges changes;
   change(changes, 1, true, LightPose{{}, {glm::normalize(glm::dvec3(0.4, -1, 0))}});
-  stand.set(Time(std::chrono::milliseconds(500)), changes);
+  rig.set(Time(std::chrono::milliseconds(500)), changes);
   EXPECT_EQ(read(head), first);
-  wish.redraw = Redraw::Always;
+  settings.redraw = Redraw::Always;
   EXPECT_EQ(read(head), first);
   EXPECT_EQ(read(head), first);
 }
 
 TEST_F(ShadowMapsShown, ALightThatIsOffTakesNoMapAndTheOthersStayRight) {
-  Stand stand(device_, moving_scene());
+  ShadowMapRig rig(device_, moving_scene());
   const Rigid<Stage, Head> head = head_looking({-1.5, 2, 2.5}, {0, 0.2, 0});
-  const double both = stand.show_and_judge(head, {}).mask_error;
-  const std::uint64_t bytes = stand.renderer().counters().vertex_bytes_read;
+  const double both = rig.show_and_judge(head, {}).mask_error;
+  const std::uint64_t bytes = rig.renderer().counters().vertex_bytes_read;
   LightChanges changes;
   change(changes, 0, false, std::nullopt);
-  stand.set(Time{}, changes);
-  EXPECT_LT(stand.show_and_judge(head, {}).mask_error, 0.006);
-  EXPECT_LT(stand.renderer().counters().vertex_bytes_read, bytes);
+  rig.set(Time{}, changes);
+  EXPECT_LT(rig.show_and_judge(head, {}).mask_error, 0.006);
+  EXPECT_LT(rig.renderer().counters().vertex_bytes_read, bytes);
   change(changes, 0, true, std::nullopt);
-  stand.set(Time{}, changes);
-  EXPECT_EQ(stand.show_and_judge(head, {}).mask_error, both);
+  rig.set(Time{}, changes);
+  EXPECT_EQ(rig.show_and_judge(head, {}).mask_error, both);
 }
 
 TEST_F(ShadowMapsShown, CostNothingUntilTheyAreWishedForAndLeaveMasksAlone) {
-  Stand stand(device_, bundled("box_over_plane.gltf"));
-  const Rigid<Stage, Head> head = head_at_camera(stand.scene());
-  stand.show_traced(head);
-  const PerEye<Image<Rgb8>> before = stand.renderer().read_shown();
-  const DrawCounters without = stand.renderer().counters();
+  ShadowMapRig rig(device_, bundled("box_over_plane.gltf"));
+  const Rigid<Stage, Head> head = head_at_camera(rig.scene());
+  rig.show_traced(head);
+  const PerEye<Image<Rgb8>> before = rig.renderer().read_shown();
+  const DrawCounters without = rig.renderer().counters();
   EXPECT_EQ(without.memory.peak[gpu::Use::ShadowMaps], 0u);
-  const ShadowMapSettings wish;
-  stand.show(head, wish);
-  const DrawCounters with = stand.renderer().counters();
-  EXPECT_EQ(with.pipelines, without.pipelines + 1 + 2) << "casters, and a pass an eye";
+  const ShadowMapSettings settings;
+  rig.show(head, settings);
+  const DrawCounters with = rig.renderer().counters();
+  EXPECT_EQ(with.pipelines, without.pipelines + 1 + 2) << "casters, and one pass per eye";
   EXPECT_NEAR(static_cast<double>(with.memory.now[gpu::Use::ShadowMaps]),
-              static_cast<double>(shadow_map_bytes(stand.scene(), wish).value()), 64 << 10);
-  EXPECT_GT(psnr_db(stand.renderer().read_shown()[0], before[0]), 30.0);
-  stand.show_traced(head);
-  EXPECT_TRUE(stand.renderer().read_shown()[0].pixels == before[0].pixels);
+              static_cast<double>(shadow_map_bytes(rig.scene(), settings).value()), 64 << 10);
+  EXPECT_GT(psnr_db(rig.renderer().read_shown()[0], before[0]), 30.0);
+  rig.show_traced(head);
+  EXPECT_TRUE(rig.renderer().read_shown()[0].pixels == before[0].pixels);
 }
 
 }  // namespace

@@ -145,12 +145,12 @@ Mask TestRig::trace(FrameId frame, const StereoView& views) {
 
 Mask TestRig::ask(FrameId frame, const StereoView& views) {
   const Time now = state_.scene_time;
-  const FrameRequest asked{.frame = frame, .display_time = now, .scene_time = now, .views = views};
+  const FrameRequest request{.frame = frame, .display_time = now, .scene_time = now, .views = views};
   StereoView shown = views;  // the same heads; `views` may have another size
   for (View& view : shown) view.size = {side_px_, side_px_};
   ShownFrame drawn = shown_frame(shown, {}, {});
-  drawn.asked = &asked;
-  drawn.asked_slot = frame.value % depth_frames_;
+  drawn.request = &request;
+  drawn.request_slot = frame.value % depth_frames_;
   renderer_->draw_gbuffer(drawn);
   return trace(frame, views);
 }

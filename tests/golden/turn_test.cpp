@@ -1,5 +1,5 @@
-/// Pictures that were made for other views: the device turns them as a reference in double precision and
-/// results computed by hand say, pixel by pixel. And a difference picture restores shadows.
+/// Pictures that were made for other views. The device turns them; the result is compared with a reference in
+/// double precision and with results computed on paper. A difference picture restores shadows.
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -28,7 +28,7 @@ EyeFov square_fov(double half_rad) {
   return {-half_rad, half_rad, half_rad, -half_rad};
 }
 
-/// Unlike in the two eyes, at any two heights, and on both sides.
+/// A picture that differs between the eyes, between any two heights, and between both sides.
 Pictures noise(Extent size, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   Pictures pictures{Image<Rgb8>(size), Image<Rgb8>(size)};
@@ -46,7 +46,7 @@ double level_of(double light) {
   return 255 * (light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1 / 2.4) - 0.055);
 }
 
-/// The picture at a position, mixed as light.
+/// The picture at a position, interpolated in linear light.
 glm::dvec3 sample(const Image<Rgb8>& picture, glm::dvec2 at) {
   const glm::dvec2 corner = glm::floor(at - 0.5), part = at - 0.5 - corner;
   glm::dvec3 light(0.0);
@@ -61,7 +61,8 @@ glm::dvec3 sample(const Image<Rgb8>& picture, glm::dvec2 at) {
   return {level_of(light.r), level_of(light.g), level_of(light.b)};
 }
 
-/// Where a shown pixel's direction lies in `from`, by the spaces' own functions; nothing behind and outside.
+/// The position in `from` of a shown pixel's direction, computed with the functions of the spaces. No value
+/// behind or outside of `from`.
 std::optional<glm::dvec2> place_in(const View& from, const View& shown, glm::dvec2 pixel) {
   const Vector<Eye> direction{pixel_ray(tangents_of(shown.fov), shown.size, pixel)};
   const Vector<Eye> there = inverse(from.stage_from_eye)(shown.stage_from_eye(direction));
@@ -71,16 +72,16 @@ std::optional<glm::dvec2> place_in(const View& from, const View& shown, glm::dve
   return inside ? std::optional(at) : std::nullopt;
 }
 
-/// Pixels of `shown` that are more than a level off what double precision says. Positions on the border may
-/// fall on either side.
+/// The number of pixels of `shown` that differ by more than one level from the result in double. Positions on
+/// the border may count as inside or outside.
 int wrong_pixels(const Image<Rgb8>& shown_picture, const Image<Rgb8>& picture, const View& from,
                  const View& shown) {
   int wrong = 0;
   for (std::uint32_t y = 0; y < shown.size.height; ++y)
     for (std::uint32_t x = 0; x < shown.size.width; ++x) {
       const auto place = place_in(from, shown, {x + 0.5, y + 0.5});
-      const glm::dvec3 wanted = place ? sample(picture, *place) : glm::dvec3(0.0);
-      const glm::dvec3 off = glm::abs(glm::dvec3(shown_picture.at(x, y)) - wanted);
+      const glm::dvec3 expected = place ? sample(picture, *place) : glm::dvec3(0.0);
+      const glm::dvec3 off = glm::abs(glm::dvec3(shown_picture.at(x, y)) - expected);
       wrong += std::max({off.x, off.y, off.z}) > 1.0;
     }
   return wrong;
@@ -118,7 +119,7 @@ TEST_F(Turn, EveryPixelIsWhatDoublePrecisionSays) {
                shown = views_of(turn.shown_rad, {-0.6, 0.65, 0.5, -0.7});
     from[1].fov = {-0.5, 0.7, 0.7, -0.75};
     shown[1].fov = {-0.65, 0.6, 0.55, -0.65};
-    shown[0].stage_from_eye.translation = {1, 2, 3};  // does not enter
+    shown[0].stage_from_eye.translation = {1, 2, 3};  // must have no effect
     const Pictures result = turned(picture, from, shown);
     const PerEye<double> outside = outside_share(from, shown);
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
@@ -129,8 +130,8 @@ TEST_F(Turn, EveryPixelIsWhatDoublePrecisionSays) {
   }
 }
 
-/// Seen 45 degrees to the left, after a quarter turn to the left a thing is 45 degrees to the right. Each eye
-/// has a bar of its own colour there.
+/// Something seen 45 degrees to the left is 45 degrees to the right after a quarter turn to the left. Each
+/// eye has a bar of its own colour there.
 TEST_F(Turn, AQuarterTurnTakesAMarkerWherePaperSays) {
   const EyeFov fov = square_fov(1.2);
   const double middle = kSize.width / 2.0, aside = middle / std::tan(1.2);
@@ -196,8 +197,6 @@ TEST_F(Turn, CostsNothingUntilAPictureIsTurned) {
             before.memory.now[gpu::Use::Shown] + kEyes * kSize.pixels() * 4);
 }
 
-// Differences.
-
 TEST(DifferencePicture, HoldsWhatShadowsTakeAwayWithinALevel) {
   Image<Rgb8> with({256, 256}), without({256, 256});
   for (std::uint32_t y = 0; y < 256; ++y)
@@ -210,7 +209,7 @@ TEST(DifferencePicture, HoldsWhatShadowsTakeAwayWithinALevel) {
     for (int channel = 0; channel < 3; ++channel)
       ASSERT_NEAR(without.pixels[i][channel] + 2 * (difference.pixels[i][channel] - 128),
                   with.pixels[i][channel], 1);
-  EXPECT_EQ(difference.at(0, 0).b, 128) << "no difference is mid-grey";
+  EXPECT_EQ(difference.at(0, 0).b, 128) << "equal pictures give mid-grey";
 }
 
 class Difference : public OnLavapipe {

@@ -41,7 +41,7 @@ double memory_KiB(pid_t pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/smaps_rollup");
   for (std::string word; file >> word;)
     if (word == "Rss:" && file >> word) return std::stod(word);
-  ADD_FAILURE() << "no memory of process " << pid << " to be seen";
+  ADD_FAILURE() << "cannot read the memory of process " << pid;
   return NAN;
 }
 
@@ -118,8 +118,8 @@ class Attack : public testing::Test {
   /// Runs a genuine client to its end. Its address is then free for an attacker.
   void leave_a_ghost() {
     UdpClient udp = connect_udp(server_.address()).value();
-    OnPath heard(*udp.port, ghost_said_, kSeed);
-    Walker walker(heard, target_);
+    OnPath port(*udp.port, ghost_said_, kSeed);
+    Walker walker(port, target_);
     for (int frames = 0; frames < 4; ++frames) ASSERT_TRUE(walker.next_masks().has_value());
     ghost_address_ = "127.0.0.1:" + std::to_string(udp.port->local().port);
   }

@@ -269,10 +269,10 @@ Bytes Strangers::make_sealed() {
   Bytes sealed = overheard_.any_sealed(random_);
   switch (below(5)) {
     case 0:
-      flip_a_bit(sealed, Counter::Seen, random_, tally_);
+      flip_a_bit(sealed, Counter::Repeated, random_, tally_);
       break;
     case 1:
-      cut(sealed, Counter::Seen, random_, tally_);
+      cut(sealed, Counter::Repeated, random_, tally_);
       break;
     case 2:
       ++tally_.replayed;

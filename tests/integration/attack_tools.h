@@ -37,7 +37,7 @@ struct Tally {
 };
 
 /// Whether the server received the counter of a sealed datagram before it receives a changed copy.
-enum class Counter : std::uint8_t { New, Seen };
+enum class Counter : std::uint8_t { New, Repeated };
 
 /// Flips one bit of a sealed datagram.
 void flip_a_bit(Bytes& sealed, Counter counter, Random& random, Tally& tally);

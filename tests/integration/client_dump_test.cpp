@@ -41,12 +41,12 @@ struct DumpedEye {
 };
 
 /// The position and distance in `other` of the surface that pixel (x, y) of `view` shows.
-struct Seen {
+struct ProjectedPixel {
   std::uint32_t x, y;
   double distance;
 };
-std::optional<Seen> seen_by(const View& other, const View& view, const Image<float>& distance,
-                            std::uint32_t x, std::uint32_t y) {
+std::optional<ProjectedPixel> pixel_in(const View& other, const View& view, const Image<float>& distance,
+                                       std::uint32_t x, std::uint32_t y) {
   const glm::dvec3 ray = pixel_ray(tangents_of(view.fov), view.size, {x + 0.5, y + 0.5});
   const Point<Stage> surface = view.stage_from_eye(Point<Eye>{ray * double{distance.at(x, y)}});
   const Point<Eye> p = inverse(other.stage_from_eye)(surface);
@@ -54,7 +54,7 @@ std::optional<Seen> seen_by(const View& other, const View& view, const Image<flo
   const glm::dvec2 pixel = ray_pixel(tangents_of(other.fov), other.size, p.v);
   if (pixel.x < 0 || pixel.y < 0 || pixel.x >= other.size.width || pixel.y >= other.size.height)
     return std::nullopt;
-  return Seen{static_cast<std::uint32_t>(pixel.x), static_cast<std::uint32_t>(pixel.y), -p.v.z};
+  return ProjectedPixel{static_cast<std::uint32_t>(pixel.x), static_cast<std::uint32_t>(pixel.y), -p.v.z};
 }
 
 class ClientDump : public testing::Test {
@@ -177,11 +177,11 @@ TEST_F(ClientDump, BothEyesSeeTheSameSurfaces) {
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     int common = 0, equal = 0;
     for_covered(eye, [&](std::uint32_t x, std::uint32_t y) {
-      const auto seen = seen_by(shown_[1 - eye], shown_[eye], eyes_[eye].distance, x, y);
-      if (!seen) return;
+      const auto other_pixel = pixel_in(shown_[1 - eye], shown_[eye], eyes_[eye].distance, x, y);
+      if (!other_pixel) return;
       ++common;
-      const double other = eyes_[1 - eye].distance.at(seen->x, seen->y);
-      equal += std::abs(other - seen->distance) < 0.03 * seen->distance;
+      const double other = eyes_[1 - eye].distance.at(other_pixel->x, other_pixel->y);
+      equal += std::abs(other - other_pixel->distance) < 0.03 * other_pixel->distance;
     });
     EXPECT_GT(common, static_cast<int>(kClientSize.pixels() / 3));
     EXPECT_GT(equal, common * 0.9) << "eye " << eye << ", of " << common;
@@ -198,10 +198,10 @@ CarriedOver carried_over(const DumpedEye& eye, const View& shown, const View& tr
   for (std::uint32_t y = 0; y < kClientSize.height; ++y)
     for (std::uint32_t x = 0; x < kClientSize.width; ++x) {
       if (eye.distance.at(x, y) <= 0) continue;
-      const auto seen = seen_by(traced, shown, eye.distance, x, y);
-      if (!seen) continue;
+      const auto other_pixel = pixel_in(traced, shown, eye.distance, x, y);
+      if (!other_pixel) continue;
       ++count.common;
-      count.equal += eye.traced.at(seen->x, seen->y) == eye.shown_mask.at(x, y);
+      count.equal += eye.traced.at(other_pixel->x, other_pixel->y) == eye.shown_mask.at(x, y);
       count.equal_in_place += eye.traced.at(x, y) == eye.shown_mask.at(x, y);
     }
   return count;

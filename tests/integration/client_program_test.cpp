@@ -37,7 +37,8 @@ TEST(ClientProgram, DoesNotWaitLongForLostMasks) {
                                 {"--reference-every", "0"},
                                 {"--out", folder.path().string()}});
   EXPECT_EQ(run.status, 0) << run.errors;
-  EXPECT_LT(watch.elapsed(), std::chrono::seconds(60)) << "5 s for each frame that lost something is 2 min";
+  EXPECT_LT(watch.elapsed(), std::chrono::seconds(60))
+      << "waiting 5 s for each incomplete frame would take 2 min";
 }
 
 TEST(ClientProgram, UsesAnInsecureServerOnItsOwnMachineOnly) {
@@ -63,11 +64,11 @@ TEST(ClientProgram, ShowsTheRoomWithMasksFromTheServer) {
   const Ended run =
       run_client({{"--server", server.address()}, {"--delay", "20"}, {"--out", folder.path().string()}});
   ASSERT_EQ(run.status, 0) << run.errors;
-  std::vector<std::string> wanted{"frames.csv", "summary.csv", "worst.png"};
+  std::vector<std::string> expected{"frames.csv", "summary.csv", "worst.png"};
   const auto files = files_below(folder.path());
   for (const std::string eye : {"left", "right"}) {
     for (const std::string frame : {"0002", "0004", "0006", "0008"})
-      wanted.push_back("frame_" + frame + "_" + eye + ".png");
+      expected.push_back("frame_" + frame + "_" + eye + ".png");
     for (const std::string what : {"shown", "reference", "difference_x8", "source"})
       EXPECT_EQ(
           std::ranges::count_if(
@@ -75,8 +76,8 @@ TEST(ClientProgram, ShowsTheRoomWithMasksFromTheServer) {
               [&](auto& f) { return f.starts_with("worst_") && f.ends_with(eye + "_" + what + ".png"); }),
           1);
   }
-  for (const std::string& file : wanted) EXPECT_TRUE(std::ranges::count(files, file)) << file;
-  EXPECT_EQ(files.size(), wanted.size() + 8) << testing::PrintToString(files);
+  for (const std::string& file : expected) EXPECT_TRUE(std::ranges::count(files, file)) << file;
+  EXPECT_EQ(files.size(), expected.size() + 8) << testing::PrintToString(files);
 
   const auto left = read_png(folder.path() / "frame_0004_left.png");
   const auto right = read_png(folder.path() / "frame_0004_right.png");
@@ -169,8 +170,8 @@ TEST_P(MaskRate, BelowTheRefreshRateGivesEveryFrameMasks) {
       EXPECT_EQ(age, "") << "frame " << i + 1;
       continue;
     }
-    const std::size_t asked = (i - kDelay) / every * every;
-    EXPECT_NEAR(std::stod(age), static_cast<double>(i - asked) * 1000 / 72, 1e-2) << "frame " << i + 1;
+    const std::size_t requested = (i - kDelay) / every * every;
+    EXPECT_NEAR(std::stod(age), static_cast<double>(i - requested) * 1000 / 72, 1e-2) << "frame " << i + 1;
     EXPECT_EQ(csv.at("server frame [ms]")[i] != "", (i - kDelay) % every == 0)
         << "frame " << i + 1 << ": a server's frame counts once";
     EXPECT_EQ(csv.at("head guard band [% of pixels]")[i] != "", i % every == 0) << "frame " << i + 1;
@@ -356,9 +357,9 @@ TEST(ClientProgram, ReconnectsToARestartedServer) {
   ASSERT_EQ(client.wait(), 0) << errors;
   const Csv frames = read_csv(folder.path() / "frames.csv");
   const std::vector<std::string>& served = frames.at("server frame [ms]");
-  EXPECT_LT(std::ranges::count(served, ""), 100) << "it is heard again";
+  EXPECT_LT(std::ranges::count(served, ""), 100) << "the server answers again";
   EXPECT_GE(std::ranges::count(served, ""), 1);
-  EXPECT_EQ(std::count(served.end() - 20, served.end(), ""), 0) << "and waited for again";
+  EXPECT_EQ(std::count(served.end() - 20, served.end(), ""), 0) << "the client waits for it again";
   EXPECT_EQ(frames.at("wire age [ms]").back(), "27.7778");
 }
 

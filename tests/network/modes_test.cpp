@@ -16,28 +16,28 @@ namespace {
 
 using namespace std::chrono_literals;
 
-struct Ground {
+struct Setup {
   gpu::Device device =
       gpu::open_device({.name_contains = "llvmpipe", .validation = gpu::Validation::On}).value();
   Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
   HeadRecording head = load_head_recording(FARSHADE_ASSETS "/walk.csv", {}).value();
 };
-const Ground& ground() {
-  static const Ground one;
-  return one;
+const Setup& setup() {
+  static const Setup shared;
+  return shared;
 }
 
 Play play_of(const ModeSettings& mode, std::uint32_t frames) {
-  return {.device = ground().device,
-          .scene = ground().scene,
-          .head = ground().head,
+  return {.device = setup().device,
+          .scene = setup().scene,
+          .head = setup().head,
           .size = {160, 128},
           .frames = frames,
           .reference_every = 3,
           .mode = mode};
 }
 
-/// The figure of the worse eye, for each compared frame.
+/// The PSNR of the worse eye, for each compared frame.
 std::vector<double> psnr_of(const Played& played) {
   std::vector<double> values;
   for (const FrameRecord& record : played.log.records())
@@ -60,7 +60,7 @@ double psnr_where(const Image<Rgb8>& shown, const Image<Rgb8>& reference, const 
 
 struct Case {
   ModeSettings mode;
-  double least_dB;  ///< of every frame
+  double least_dB;  ///< the least PSNR of any frame
 };
 
 std::string name(const testing::TestParamInfo<Case>& info) {
@@ -80,13 +80,13 @@ TEST_P(EveryMode, ShowsWhatFullShowsWhereNothingIsLate) {
   play.mask_wait = 1s;
   const Played played = farshade::play(play, {.name = "none", .model = {}});
   const std::vector<double> psnr = psnr_of(played);
-  ASSERT_EQ(psnr.size(), 4u) << "each measured frame had what the mode needs";
+  ASSERT_EQ(psnr.size(), 4u) << "each measured frame had an answer";
   EXPECT_GE(*std::ranges::min_element(psnr), least_dB);
-  EXPECT_EQ(ground().device.validation_log->messages(), std::vector<std::string>{});
+  EXPECT_EQ(setup().device.validation_log->messages(), std::vector<std::string>{});
 }
 
-// Exact masks: 50 dB. Positions are those of the rasteriser, which at an edge sees another surface than a
-// ray: PositionsMode holds what that comes to. Video and maps have their own.
+// Exact masks give 50 dB. Positions come from the rasteriser, which at an edge sees another surface than a
+// ray; PositionsMode tests the effect. Video and shadow maps have limits of their own.
 INSTANTIATE_TEST_SUITE_P(Modes, EveryMode,
                          testing::Values(Case{{.mode = Mode::Hybrid}, 50}, Case{{.mode = Mode::Full}, 50},
                                          Case{{.mode = Mode::ClientPositions, .position_bits = 24}, 36},
@@ -129,9 +129,9 @@ INSTANTIATE_TEST_SUITE_P(Modes, EveryServedMode,
                                          Mode::Remote, Mode::Delta),
                          mode_name);
 
-/// Turns on the spot, 40 degrees/s to the left, so that parallax is next to nothing.
+/// Turns on the spot, 40 degrees/s to the left, so that there is almost no parallax.
 HeadRecording turning() {
-  HeadRecording head = ground().head;
+  HeadRecording head = setup().head;
   head.samples.clear();
   for (int i = 0; i < 100; ++i)
     head.samples.push_back(
@@ -148,7 +148,7 @@ TEST_P(EveryPictureMode, IsTurnedToThePoseShown) {
   if (set_of(Answer::Video) & answers_for(mode.mode) && !has_video()) GTEST_SKIP() << video_version();
   const Scene scene = load_scene(FARSHADE_ASSETS "/box_over_plane.gltf").value();
   const HeadRecording head = turning();
-  Play play{.device = ground().device, .scene = scene, .head = head, .size = {160, 128}};
+  Play play{.device = setup().device, .scene = scene, .head = head, .size = {160, 128}};
   play.frames = 30;
   play.reference_every = 3;
   play.mode = mode;
@@ -165,7 +165,8 @@ TEST_P(EveryPictureMode, IsTurnedToThePoseShown) {
   EXPECT_GT(measured, 5u);
 }
 
-// Without rotation they have 20, 20 and 28 dB. With rotation, only resampling at edges remains.
+// Without turning the pictures, these modes have 20, 20 and 28 dB. After turning them, only resampling at
+// edges causes errors.
 INSTANTIATE_TEST_SUITE_P(Modes, EveryPictureMode,
                          testing::Values(Case{{.mode = Mode::ServerGBuffer}, 27},
                                          Case{{.mode = Mode::Remote, .bits_per_second = 50'000'000}, 27},
@@ -187,8 +188,8 @@ TEST(RemoteMode, CountsWhatItsPictureDoesNotReach) {
   EXPECT_LT(most, 0.5);
 }
 
-/// The reference's rays and the client's rasteriser disagree about pixels through which an edge runs, of a
-/// thing or of its shadow: the oracle's band. Elsewhere masks of positions are exact.
+/// The reference's rays and the client's rasteriser disagree about pixels through which the edge of an object
+/// or a shadow runs: the oracle's band. Elsewhere masks of positions are exact.
 TEST(PositionsMode, IsExactButWhereAnEdgeRunsThroughThePixel) {
   Play play = play_of({.mode = Mode::ClientPositions, .position_bits = 24}, 7);
   play.request = {.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off};
@@ -198,7 +199,7 @@ TEST(PositionsMode, IsExactButWhereAnEdgeRunsThroughThePixel) {
     if (frame == nullptr || record.start_up) return;
     ++measured;
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
-      const oracle::Masks truth = oracle::trace(ground().scene, view.state, view.shown.views[eye]);
+      const oracle::Masks truth = oracle::trace(setup().scene, view.state, view.shown.views[eye]);
       const auto is_clear = [&](std::size_t pixel) {
         const auto first = truth.in_band.begin() + static_cast<std::ptrdiff_t>(pixel * truth.lights);
         return std::none_of(first, first + truth.lights, [](std::uint8_t in_band) { return in_band != 0; });

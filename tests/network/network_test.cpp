@@ -12,26 +12,26 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// The memory of lavapipe varies by this much with the view (90 to 105 MB over 900 frames).
+/// The memory of lavapipe varies by up to this much with the view (90 to 105 MB over 900 frames).
 constexpr std::size_t kDriverSwing_bytes = 48u << 20;
 constexpr Duration kPeriod = Duration(1'000'000'000 / 72);
 
-struct Ground {
+struct Setup {
   gpu::Device device = gpu::open_device({.name_contains = "llvmpipe"}).value();
   Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
   HeadRecording head = load_head_recording(FARSHADE_ASSETS "/walk.csv", {}).value();
 };
 
 /// Scene and device for all tests of this program.
-const Ground& ground() {
-  static const Ground one;
-  return one;
+const Setup& setup() {
+  static const Setup shared;
+  return shared;
 }
 
 Played played(const Network& network, std::uint32_t frames = 72, std::uint32_t reference_every = 0) {
-  return play({.device = ground().device,
-               .scene = ground().scene,
-               .head = ground().head,
+  return play({.device = setup().device,
+               .scene = setup().scene,
+               .head = setup().head,
                .size = {64, 64},
                .frames = frames,
                .reference_every = reference_every},
@@ -53,20 +53,20 @@ class OverNetwork : public testing::TestWithParam<std::string> {};
 TEST_P(OverNetwork, EveryFrameIsShownAndNoneGoesBack) {
   const Network network = network_from(GetParam()).value();
   const bool slow = network.moves_every > 0s || network.model.silence > 0s;
-  const std::uint32_t frames = slow ? 400 : 100;  // both begin anew every 5 s
+  const std::uint32_t frames = slow ? 400 : 100;  // both repeat every 5 s
   const Played run = played(network, frames);
   EXPECT_EQ(run.frames.size(), frames);
   std::optional<FrameId> newest;
   for (const PlayedFrame& frame : run.frames) {
     if (!frame.newest) {
-      EXPECT_FALSE(newest.has_value()) << "what was in hand is lost";
+      EXPECT_FALSE(newest.has_value()) << "the client has lost its masks";
       continue;
     }
     EXPECT_TRUE(!newest || *newest == *frame.newest || is_newer(*frame.newest, *newest));
     newest = frame.newest;
   }
   EXPECT_EQ(newest.has_value(), network.model.loss < 1);
-  EXPECT_LT(run.heap_peak[1], run.heap_peak[0] + kDriverSwing_bytes) << "memory is flat";
+  EXPECT_LT(run.heap_peak[1], run.heap_peak[0] + kDriverSwing_bytes) << "memory does not grow";
 }
 
 INSTANTIATE_TEST_SUITE_P(Named, OverNetwork, testing::ValuesIn(names()), [](const auto& each) {
@@ -88,7 +88,7 @@ TEST(OverNetworkLoss, OfFivePercentLeavesFivePercentOfTilesToOlderMasks) {
   const Played run = played({"", {.delay = 25ms, .loss = 0.05}}, 200);
   EXPECT_GE(run.mean_of(&PlayedFrame::tiles_current), 0.945);
   EXPECT_LT(run.mean_of(&PlayedFrame::tiles_current), 0.97) << "nothing was lost";
-  EXPECT_GE(run.mean_of(&PlayedFrame::tiles_recent), 0.98) << "the mask before has what is missing";
+  EXPECT_GE(run.mean_of(&PlayedFrame::tiles_recent), 0.98) << "the mask before has the missing tiles";
 }
 
 TEST(OverNetworkLoss, CostsLessThanADecibel) {
@@ -100,14 +100,15 @@ TEST(OverNetworkLoss, CostsLessThanADecibel) {
   }
 }
 
-/// The settled part of a run of 160 x 160 pixels an eye over a path with this delay in each direction.
+/// The frames of a run after its start, at 160 x 160 pixels per eye, over a path with this delay in each
+/// direction.
 struct Settled {
   double mask_error = 0, newest = 0;
 };
 Settled settled(Duration delay) {
-  const Played run = play({.device = ground().device,
-                           .scene = ground().scene,
-                           .head = ground().head,
+  const Played run = play({.device = setup().device,
+                           .scene = setup().scene,
+                           .head = setup().head,
                            .size = {160, 160},
                            .frames = 96,
                            .reference_every = 3},
@@ -130,7 +131,7 @@ Settled settled(Duration delay) {
   return result;
 }
 
-// At 20 ms each way, a frame begins while the slices of an answer are arriving.
+// With 20 ms in each direction, a frame begins while the slices of an answer are arriving.
 TEST(OverNetworkDelay, ShorterDelayIsNoWorse) {
   const Settled near = settled(20ms), far = settled(50ms);
   EXPECT_LE(near.mask_error, far.mask_error);
@@ -146,7 +147,7 @@ TEST(OverNetworkSilence, IsOverOneRoundTripAndTwoFramesAfterIt) {
   });
   ASSERT_NE(first_after, run.frames.end());
   EXPECT_LE(first_after->at - ended, 2 * kWay + 2 * kPeriod);
-  EXPECT_EQ(run.client.sessions, 1u) << "the session lived through it";
+  EXPECT_EQ(run.client.sessions, 1u) << "the session survived";
 }
 
 TEST(OverNetworkMove, GoesOnAtTheNewAddress) {

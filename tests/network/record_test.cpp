@@ -25,16 +25,16 @@ constexpr RendererLimits limits_of(Extent traced) {
   return {.size = kEye, .traced_size = traced, .depth_frames = kInFlight};
 }
 
-struct Ground {
+struct Setup {
   gpu::Device device = gpu::open_device({.name_contains = "llvmpipe"}).value();
   Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
   HeadRecording head = load_head_recording(FARSHADE_ASSETS "/walk.csv", {}).value();
 };
 
 /// Scene and device for all tests of this program.
-const Ground& ground() {
-  static const Ground one;
-  return one;
+const Setup& setup() {
+  static const Setup shared;
+  return shared;
 }
 
 /// A server that can be restarted, behind a network with loss and delay.
@@ -55,15 +55,15 @@ struct FarServer {
   void start() {
     AnswerMakers answers;
     answers.add(Answer::Masks, make_masks(tracer));
-    core.emplace(Welcome{ground().scene.hash, lights()}, std::vector{key}, std::move(answers), wire.server(),
+    core.emplace(Welcome{setup().scene.hash, lights()}, std::vector{key}, std::move(answers), wire.server(),
                  clock);
   }
-  static std::uint32_t lights() { return static_cast<std::uint32_t>(ground().scene.lights.size()); }
+  static std::uint32_t lights() { return static_cast<std::uint32_t>(setup().scene.lights.size()); }
 
   static constexpr LinkModel kBad{.delay = 15ms, .jitter = 20ms, .loss = 0.05};
   const SharedKey key{.name = "record", .secret = {1}};
   ManualClock& clock;
-  Tracer tracer = Tracer::create(ground().scene).value();
+  Tracer tracer = Tracer::create(setup().scene).value();
   VirtualLink wire;
   std::optional<ServerCore> core;
 };
@@ -88,8 +88,8 @@ class Stage final : public Runtime {
   void end_frame(Time display_time) override { head_.end_frame(display_time); }
 
  private:
-  RecordedHeadRuntime head_{ground().head,
-                            {.stage_from_recorded = place(ground().head, ground().scene.camera.value()),
+  RecordedHeadRuntime head_{setup().head,
+                            {.stage_from_recorded = place(setup().head, setup().scene.camera.value()),
                              .eye_size = kEye,
                              .frames = kFrames}};
   Pace pace_;
@@ -102,30 +102,30 @@ class Stage final : public Runtime {
 };
 
 /// All settings that can change during a run.
-void steer(std::uint32_t frame, FrameSettings& steering) {
+void steer(std::uint32_t frame, FrameSettings& settings) {
   const LightPose lamp{.position = {{0.3, 1.9, -0.4}}, .direction = {{0, -1, 0}}};
-  if (frame == 12) steering.wish.predictor = PredictorKind::Hold;
-  if (frame == 20) change(steering.lights, 0, false, {});
-  if (frame == 24) change(steering.lights, 1, true, lamp);
-  if (frame == 28) steering.wish.every = 3;
-  if (frame == 34) steering.carry_over = {Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest};
-  if (frame == 40) steering.carry_over = {};
-  if (frame == 42) steering.scene = SceneClock::Stands;
-  if (frame == 56) steering.scene = SceneClock::Runs;
-  if (frame == 60) steering.wish = {PredictorKind::Kalman, GuardBandUse::Off, 1};
-  if (frame == 95) steering.wish = {}, change(steering.lights, 0, true, {});
+  if (frame == 12) settings.request.predictor = PredictorKind::Hold;
+  if (frame == 20) change(settings.lights, 0, false, {});
+  if (frame == 24) change(settings.lights, 1, true, lamp);
+  if (frame == 28) settings.request.every = 3;
+  if (frame == 34) settings.carry_over = {Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest};
+  if (frame == 40) settings.carry_over = {};
+  if (frame == 42) settings.scene = SceneClock::Paused;
+  if (frame == 56) settings.scene = SceneClock::Running;
+  if (frame == 60) settings.request = {PredictorKind::Kalman, GuardBandUse::Off, 1};
+  if (frame == 95) settings.request = {}, change(settings.lights, 0, true, {});
 }
 
 CaptureHeader header_of(MaskOrigin origin, const MaskPolicy& policy) {
   return {.scene = "room.glb",
-          .scene_hash = ground().scene.hash,
+          .scene_hash = setup().scene.hash,
           .lights = FarServer::lights(),
           .origin = origin,
           .limits = limits_of(largest_traced(kEye)),
           .requests = kInFlight,
           .refresh_hz = 72,
           .policy = policy,
-          .device = ground().device.name};
+          .device = setup().device.name};
 }
 
 /// Changed settings and lights over a bad network, with a server that is restarted at frame 44.
@@ -134,26 +134,26 @@ void record(const std::filesystem::path& file, MaskPolicy policy) {
   FarServer server(clock);
   CaptureWriter recorder(clock);
   NetworkLink link(server.wire.client(), clock,
-                   {server.wire.server().local(), server.key, ground().scene.hash, FarServer::lights()},
+                   {server.wire.server().local(), server.key, setup().scene.hash, FarServer::lights()},
                    kInFlight);
   link.tell(recorder.listener());
   ASSERT_TRUE(link.meet(3s).has_value());
   policy.round_trip = (clock.now() - Time{}) / 2;
   ASSERT_TRUE(recorder.open(file, header_of(MaskOrigin::Server, policy)).has_value());
-  FrameSettings steering;
+  FrameSettings settings;
   Stage stage(policy.pace, clock, &link, [&](std::uint32_t frame) {
-    steer(frame, steering);
+    steer(frame, settings);
     if (frame == 44) server.start();
   });
-  Renderer renderer(ground().device, ground().scene, limits_of(largest_traced(kEye)));
-  const RunContext session{.scene = ground().scene,
+  Renderer renderer(setup().device, setup().scene, limits_of(largest_traced(kEye)));
+  const RunContext context{.scene = setup().scene,
                            .runtime = stage,
                            .renderer = renderer,
                            .link = &link,
-                           .steering = steering,
+                           .settings = settings,
                            .policy = policy};
   const auto watch = [&](const FrameView& view) { recorder.watch(view, renderer.read_shown()); };
-  ASSERT_TRUE(run(session, *make_pipeline(session), watch, [] { return false; }).has_value());
+  ASSERT_TRUE(run(context, *make_pipeline(context), watch, [] { return false; }).has_value());
   ASSERT_FALSE(recorder.failed().has_value());
   ASSERT_EQ(recorder.frames(), kFrames);
 }
@@ -163,17 +163,17 @@ Expected<ReplayVerdict> replayed(CaptureReader reader) {
   const CaptureHeader header = reader.header();
   Replay replay(std::move(reader), ShadingPass::Report::On);
   std::optional<Reference> tracer;
-  if (header.origin == MaskOrigin::OwnTracer) tracer.emplace(Tracer::create(ground().scene).value());
-  Renderer renderer(ground().device, ground().scene, header.limits);
-  const RunContext session{.scene = ground().scene,
+  if (header.origin == MaskOrigin::OwnTracer) tracer.emplace(Tracer::create(setup().scene).value());
+  Renderer renderer(setup().device, setup().scene, header.limits);
+  const RunContext context{.scene = setup().scene,
                            .runtime = replay,
                            .renderer = renderer,
                            .link = replay.link(),
                            .own_tracer = tracer ? &*tracer : nullptr,
-                           .steering = replay.settings(),
+                           .settings = replay.settings(),
                            .policy = header.policy};
   const auto watch = [&](const FrameView& view) { replay.watch(view, renderer.read_shown()); };
-  const Expected<void> shown = run(session, *make_pipeline(session), watch, [] { return false; });
+  const Expected<void> shown = run(context, *make_pipeline(context), watch, [] { return false; });
   EXPECT_TRUE(shown.has_value());
   return replay.verdict();
 }
@@ -196,13 +196,13 @@ CaptureReader reader_of(const CaptureHeader& header, const std::vector<CapturedF
 }
 
 template <class Message>
-bool is_a(const CapturedMessage& heard) {
-  const Decoded<ServerMessage> message = decode_server(heard.bytes);
+bool is_a(const CapturedMessage& received) {
+  const Decoded<ServerMessage> message = decode_server(received.bytes);
   return message && std::holds_alternative<Message>(*message);
 }
 
 template <class Message>
-std::ptrdiff_t heard(const std::vector<CapturedFrame>& frames) {
+std::ptrdiff_t count_received(const std::vector<CapturedFrame>& frames) {
   std::ptrdiff_t count = 0;
   for (const CapturedFrame& frame : frames)
     count += std::ranges::count_if(frame.before, is_a<Message>) +
@@ -237,20 +237,20 @@ const std::filesystem::path& recorded(const MaskPolicy& policy) {
   return file;
 }
 
-class RecordedSession : public testing::TestWithParam<MaskPolicy> {
+class CapturedRun : public testing::TestWithParam<MaskPolicy> {
  protected:
   const std::filesystem::path file = recorded(GetParam());
 };
 
-TEST_P(RecordedSession, AsksAndShowsTheSameAgain) {
+TEST_P(CapturedRun, AsksAndShowsTheSameAgain) {
   const Expected<ReplayVerdict> verdict = replayed(CaptureReader::open(file).value());
   ASSERT_TRUE(verdict.has_value()) << verdict.error().what;
   EXPECT_EQ(to_string(*verdict), "110 frames, all requests and pictures as captured");
 
-  // What that was.
+  // Check that the capture contains what these tests are about.
   const std::vector<CapturedFrame> frames = frames_of(file);
-  EXPECT_EQ(heard<Welcome>(frames), 2) << "the server was restarted";
-  EXPECT_GT(heard<Slice>(frames), 40);
+  EXPECT_EQ(count_received<Welcome>(frames), 2) << "the server was restarted";
+  EXPECT_GT(count_received<Slice>(frames), 40);
   EXPECT_GT(lost_slices(frames), 0u);
   const auto changes = [](const CapturedFrame& f) {
     return f.request && !f.request->request.lights.lights.empty();
@@ -258,10 +258,10 @@ TEST_P(RecordedSession, AsksAndShowsTheSameAgain) {
   EXPECT_GT(std::ranges::count_if(frames, changes), 3);
   EXPECT_GT(std::ranges::count_if(frames, [](const CapturedFrame& f) { return !f.request; }), 10);
   const auto shows = [](const CapturedFrame& f) { return f.pictures; };
-  EXPECT_EQ(std::ranges::adjacent_find(frames, {}, shows), frames.end()) << "no two pictures are the same";
+  EXPECT_EQ(std::ranges::adjacent_find(frames, {}, shows), frames.end()) << "consecutive pictures differ";
 }
 
-TEST_P(RecordedSession, DiffersWhereASliceWasDropped) {
+TEST_P(CapturedRun, DiffersWhereASliceWasDropped) {
   std::vector<CapturedFrame> frames = frames_of(file);
   const CaptureHeader header = CaptureReader::open(file)->header();
   for (const std::size_t from : {8u, 30u}) {
@@ -276,14 +276,14 @@ TEST_P(RecordedSession, DiffersWhereASliceWasDropped) {
     while (!dropped(edited.at(at).before) && !dropped(edited.at(at).after)) ++at;
     const ReplayVerdict verdict = replayed(reader_of(header, edited)).value();
     ASSERT_TRUE(verdict.first.has_value());
-    // In virtual time a mask is used the delay after it came.
+    // In virtual time a mask is used when the configured delay after its request is over.
     const auto latest = static_cast<std::uint32_t>(at + 1) + (GetParam().pace == Pace::Virtual ? 2 : 0);
     EXPECT_GE(verdict.first->frame.value, at + 1);
     EXPECT_LE(verdict.first->frame.value, latest) << to_string(verdict);
   }
 }
 
-TEST_P(RecordedSession, DiffersWhereAnInputIsAnother) {
+TEST_P(CapturedRun, DiffersWhereAnInputIsAnother) {
   std::vector<CapturedFrame> frames = frames_of(file);
   const CaptureHeader header = CaptureReader::open(file)->header();
   std::vector<CapturedFrame> moved = frames, steered = frames;
@@ -292,19 +292,19 @@ TEST_P(RecordedSession, DiffersWhereAnInputIsAnother) {
   ASSERT_TRUE(by_pose.first.has_value());
   EXPECT_EQ(by_pose.first->frame, FrameId{50}) << to_string(by_pose);
   for (std::size_t i = 12; i < steered.size(); ++i)
-    steered[i].input.settings.wish.predictor = PredictorKind::Kalman;
-  const ReplayVerdict by_wish = replayed(reader_of(header, steered)).value();
-  ASSERT_TRUE(by_wish.first.has_value());
-  EXPECT_TRUE(by_wish.first->what.starts_with("requests")) << to_string(by_wish);
-  EXPECT_EQ(by_wish.first->frame, FrameId{13}) << to_string(by_wish);
+    steered[i].input.settings.request.predictor = PredictorKind::Kalman;
+  const ReplayVerdict by_settings = replayed(reader_of(header, steered)).value();
+  ASSERT_TRUE(by_settings.first.has_value());
+  EXPECT_TRUE(by_settings.first->what.starts_with("requests")) << to_string(by_settings);
+  EXPECT_EQ(by_settings.first->frame, FrameId{13}) << to_string(by_settings);
 }
 
-INSTANTIATE_TEST_SUITE_P(Pace, RecordedSession,
+INSTANTIATE_TEST_SUITE_P(Pace, CapturedRun,
                          testing::Values(MaskPolicy{.pace = Pace::Real},
                                          MaskPolicy{.pace = Pace::Virtual, .delay = 20ms}),
                          [](const auto& each) { return each.param.pace == Pace::Real ? "Real" : "Virtual"; });
 
-TEST(RecordedSessionWithoutServer, ShowsTheSameAgain) {
+TEST(CapturedRunWithoutServer, ShowsTheSameAgain) {
   for (const MaskOrigin origin : {MaskOrigin::OwnTracer, MaskOrigin::Nobody}) {
     const ScratchFolder folder;
     const std::filesystem::path file = folder.path() / "a.capture";
@@ -312,20 +312,20 @@ TEST(RecordedSessionWithoutServer, ShowsTheSameAgain) {
     CaptureWriter recorder(clock);
     const MaskPolicy policy{.pace = Pace::Virtual};
     ASSERT_TRUE(recorder.open(file, header_of(origin, policy)).has_value());
-    FrameSettings steering;
-    Stage stage(policy.pace, clock, nullptr, [&](std::uint32_t frame) { steer(frame, steering); });
-    Renderer renderer(ground().device, ground().scene, limits_of(largest_traced(kEye)));
+    FrameSettings settings;
+    Stage stage(policy.pace, clock, nullptr, [&](std::uint32_t frame) { steer(frame, settings); });
+    Renderer renderer(setup().device, setup().scene, limits_of(largest_traced(kEye)));
     std::optional<Reference> tracer;
-    if (origin == MaskOrigin::OwnTracer) tracer.emplace(Tracer::create(ground().scene).value());
-    const RunContext session{.scene = ground().scene,
+    if (origin == MaskOrigin::OwnTracer) tracer.emplace(Tracer::create(setup().scene).value());
+    const RunContext context{.scene = setup().scene,
                              .runtime = stage,
                              .renderer = renderer,
                              .own_tracer = tracer ? &*tracer : nullptr,
-                             .steering = steering,
+                             .settings = settings,
                              .policy = policy};
     const auto watch = [&](const FrameView& view) { recorder.watch(view, renderer.read_shown()); };
     ASSERT_TRUE(
-        run(session, *make_pipeline(session), watch, [&] { return recorder.frames() == 30; }).has_value());
+        run(context, *make_pipeline(context), watch, [&] { return recorder.frames() == 30; }).has_value());
     EXPECT_EQ(to_string(replayed(CaptureReader::open(file).value()).value()),
               "30 frames, all requests and pictures as captured");
   }

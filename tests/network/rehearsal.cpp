@@ -109,13 +109,13 @@ struct LinkServer {
 
 /// Adds every report that the client receives to `played`.
 void collect_reports(NetworkLink& link, Played& played) {
-  link.tell({.heard =
+  link.tell({.received =
                  [&played](std::span<const std::byte> bytes, Time) {
                    const Decoded<ServerMessage> message = decode_server(bytes);
                    if (const auto* report = message ? std::get_if<FrameReport>(&*message) : nullptr)
                      played.reports.push_back(*report);
                  },
-             .asked = {}});
+             .sent = {}});
 }
 
 RecordedHeadRuntime recorded_head(const Play& play) {
@@ -208,8 +208,8 @@ Played play(const Play& play, const Network& network) {
                     .pictures = 0,
                     .dump = {}},
                    renderer, reference ? &*reference : nullptr);
-  const FrameSettings steering{
-      .wish = play.request,
+  const FrameSettings settings{
+      .request = play.request,
       .carry_over = play.carry_over,
       .report = report.measures_any() ? ShadingPass::Report::On : ShadingPass::Report::Off};
   const RunContext context{
@@ -219,7 +219,7 @@ Played play(const Play& play, const Network& network) {
       .mode = play.mode,
       .link = answers_for(play.mode.mode) != 0 ? &link : nullptr,
       .own_tracer = own_tracer ? &*own_tracer : nullptr,
-      .steering = steering,
+      .settings = settings,
       .policy = {.pace = Pace::Real, .round_trip = round_trip, .mask_wait = play.mask_wait}};
   const auto watch = [&](const FrameView& view) {
     report.watch(view);

@@ -121,17 +121,17 @@ class PreviewWindow : public testing::Test {
 
   /// The pixels of the window, after they have become equal to those of `read_back`.
   Image<Rgb8> on_screen(const Composition& composition) {
-    Image<Rgb8> wanted, seen;
+    Image<Rgb8> expected, seen;
     const bool same = screen_.wait_until([&] {
       window_->poll();
       presenter_->show(composition, no_panel);
-      wanted = presenter_->read_back(composition);
+      expected = presenter_->read_back(composition);
       seen = screen_.screenshot(id_);
-      return seen == wanted;
+      return seen == expected;
     });
-    EXPECT_TRUE(same) << "on screen " << seen.size.width << " x " << seen.size.height << ", wanted "
-                      << wanted.size.width << " x " << wanted.size.height << ", differing by "
-                      << largest_difference(seen, wanted);
+    EXPECT_TRUE(same) << "on screen " << seen.size.width << " x " << seen.size.height << ", expected "
+                      << expected.size.width << " x " << expected.size.height << ", differing by "
+                      << largest_difference(seen, expected);
     return seen;
   }
 
@@ -208,10 +208,11 @@ TEST_F(PreviewWindow, AnaglyphHasTheLeastSquaresColours) {
   open();
   const Image<Rgb8> seen = on_screen({.layout = StereoLayout::Anaglyph}), left = pattern(Side::Left),
                     right = pattern(Side::Right);
-  Image<Rgb8> wanted(kEye);
-  for (std::size_t i = 0; i < kEye.pixels(); ++i) wanted.pixels[i] = dubois(left.pixels[i], right.pixels[i]);
-  EXPECT_LE(largest_difference(crop(seen, panel_rects(kWindow, kEye, 1, StereoLayout::Anaglyph)[0]), wanted),
-            1);
+  Image<Rgb8> expected(kEye);
+  for (std::size_t i = 0; i < kEye.pixels(); ++i)
+    expected.pixels[i] = dubois(left.pixels[i], right.pixels[i]);
+  EXPECT_LE(
+      largest_difference(crop(seen, panel_rects(kWindow, kEye, 1, StereoLayout::Anaglyph)[0]), expected), 1);
 }
 
 /// Bilinear filtering, as the shader should do it.
@@ -243,13 +244,13 @@ TEST_F(PreviewWindow, FollowsItsSizeAndKeepsTheAspectRatio) {
     for (const Panel& panel : panels) {
       EXPECT_EQ(panel.size.width, panel.size.height);
       const Image<Rgb8> picture = pattern(kSides[panel.eye]);
-      Image<Rgb8> wanted(panel.size);
+      Image<Rgb8> expected(panel.size);
       const double step = 512.0 / panel.size.width;
       for (std::uint32_t y = 0; y < panel.size.height; ++y)
         for (std::uint32_t x = 0; x < panel.size.width; ++x)
-          wanted.at(x, y) = between(picture, (x + 0.5) * step, (y + 0.5) * step);
+          expected.at(x, y) = between(picture, (x + 0.5) * step, (y + 0.5) * step);
       // Devices may filter with weights of 8 bits.
-      EXPECT_LE(largest_difference(crop(seen, panel), wanted), 2);
+      EXPECT_LE(largest_difference(crop(seen, panel), expected), 2);
     }
   }
 }

@@ -8,7 +8,7 @@
 namespace farshade::stability {
 namespace {
 
-/// A corner of the floating box, exactly.
+/// A corner of the floating box, without rounding.
 constexpr glm::dvec3 kCorner{0.3f, 0.6f + 0.2f, 0.3f};
 
 /// The ordinary scene with one point light that gives about 1 lux at a distance of `away_m`.
@@ -18,17 +18,17 @@ Setting one_light(const glm::dvec3& position, double candela) {
   return setting;
 }
 
-/// `away_m` over a place of the floor that is in view.
+/// A light `away_m` above a visible place on the floor.
 Setting over_the_floor(double away_m) {
   return one_light({-0.6, away_m, 0.9}, 3 * away_m * away_m);
 }
 
 Setting far_light(double away_m) {
-  const glm::dvec3 way = glm::normalize(glm::dvec3(0.4, 1, 0.5));
-  return one_light(way * away_m, 3 * away_m * away_m);
+  const glm::dvec3 direction = glm::normalize(glm::dvec3(0.4, 1, 0.5));
+  return one_light(direction * away_m, 3 * away_m * away_m);
 }
 
-/// The sun at that angle from the normal of the floor.
+/// A sun at this angle from the normal of the floor.
 Setting grazing(double from_normal_degrees) {
   const double angle = from_normal_degrees * std::numbers::pi / 180;
   Setting setting = unlit();
@@ -59,8 +59,8 @@ Setting at_camera() {
   return setting;
 }
 
-/// Looks straight down on the floor from (0.9, 1, 0.9), with both eyes in one place: the middle pixel of an
-/// odd number sees what lies under the head.
+/// Looks straight down on the floor from (0.9, 1, 0.9), with both eyes in one place. With an odd number of
+/// pixels, the middle pixel shows the point below the head.
 Setting looks_down(const glm::dvec3& light, double candela) {
   Setting setting = one_light(light, candela);
   setting.scene.sun({0.3, -1, -0.6}, 0.8);
@@ -75,7 +75,8 @@ Setting looks_down(const glm::dvec3& light, double candela) {
   return setting;
 }
 
-/// So strong and near that its irradiance is beyond what a float holds; half of the floor is in its shadow.
+/// A light so strong and near that its irradiance exceeds the range of a float. Half of the floor is in its
+/// shadow.
 Setting overflowing() {
   Setting setting = unlit();
   setting.scene.point_light({0.45, 0.41, 0.2}, 1e30);
@@ -84,8 +85,9 @@ Setting overflowing() {
   return setting;
 }
 
-/// In a scene 4 mm wide, through a sheet that shows its other side alone, and under which only a light at its
-/// side reaches: the light over the sheet would be infinite there, and is in shadow.
+/// A scene 4 mm wide, seen from above through a single-sided sheet whose visible side faces down. The light
+/// above the floor would give infinite irradiance there, but the sheet shadows the floor from it. Only a
+/// second light at the side reaches the floor.
 Setting overflowing_in_shadow() {
   Setting setting = unlit({.scale = 1e-3});
   const glm::dvec3 below{9e-4, 0, 9e-4};

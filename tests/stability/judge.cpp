@@ -14,15 +14,16 @@
 namespace farshade::stability {
 namespace {
 
-/// The float reprojection against the same in double: as tests/golden/reproject_reference_test.cpp has it,
-/// and for sides beyond 4,194 pixels twice what a float can tell a position by.
+/// The bound for float reprojection against the same in double: as in
+/// tests/golden/reproject_reference_test.cpp, but for sides of more than 4,194 pixels twice the resolution of
+/// a float position.
 double most_off_double_px(const Dump& dump) {
   const Extent size = dump.traced[0].size;
   return std::max(1e-3, 0x1p-22 * std::max(size.width, size.height));
 }
-/// Bound against the true surface: the grid of the rasteriser.
+/// The bound for the distance from the true surface: the grid of the rasteriser.
 constexpr double kMostOffSurface_px = 1.0 / 256;
-/// Rounding to 8 bits, and normals of 16.
+/// Rounding to 8 bits, and normals with 16 bits.
 constexpr double kMostOffPicture_levels = 2;
 
 struct Wrong {
@@ -55,13 +56,13 @@ std::vector<Figure> figures_of(const Wrong& wrong, const std::string& masks) {
 }
 
 /// The surface of a pixel in the oracle.
-struct Seen {
+struct SurfacePoint {
   glm::dvec3 point, normal, base_color;
   Met met;
 };
 
-std::optional<Seen> see(const oracle::Surfaces& surfaces, const View& view, std::uint32_t x,
-                        std::uint32_t y) {
+std::optional<SurfacePoint> see(const oracle::Surfaces& surfaces, const View& view, std::uint32_t x,
+                                std::uint32_t y) {
   const glm::dvec3 ray = pixel_ray(tangents_of(view.fov), view.size, {x + 0.5, y + 0.5});
   const glm::dvec3 toward = view.stage_from_eye(Vector<Eye>{ray}).v;
   const auto hit = surfaces.nearest({view.stage_from_eye.translation, toward});
@@ -71,20 +72,20 @@ std::optional<Seen> see(const oracle::Surfaces& surfaces, const View& view, std:
     return of[0] * (1 - hit->u - hit->v) + of[1] * hit->u + of[2] * hit->v;
   };
   const double side = t.material->double_sided && glm::dot(toward, t.facing) > 0 ? -1 : 1;
-  // The ray is as long along -z as t says.
-  return Seen{mix(t.position),
-              glm::normalize(mix(t.normal)) * side,
-              glm::dvec3(t.material->base_color),
-              {t.position, hit->t}};
+  // The ray has length 1 along -z, so t is the distance along -z.
+  return SurfacePoint{mix(t.position),
+                      glm::normalize(mix(t.normal)) * side,
+                      glm::dvec3(t.material->base_color),
+                      {t.position, hit->t}};
 }
 
 /// The unshadowed irradiance of `light` at the point (KHR_lights_punctual), times N . L.
-glm::dvec3 radiance(const Light& light, const Seen& seen) {
+glm::dvec3 radiance(const Light& light, const SurfacePoint& point) {
   const bool directional = light.kind == LightKind::Directional;
-  const glm::dvec3 to_light = directional ? -light.direction.v : light.position.v - seen.point;
+  const glm::dvec3 to_light = directional ? -light.direction.v : light.position.v - point.point;
   const double distance2 = glm::dot(to_light, to_light);
   const glm::dvec3 l = to_light / std::sqrt(distance2);
-  double strength = std::max(glm::dot(seen.normal, l), 0.0) / (directional ? 1 : distance2);
+  double strength = std::max(glm::dot(point.normal, l), 0.0) / (directional ? 1 : distance2);
   if (light.range_m > 0)
     strength *= std::clamp(1 - std::pow(distance2 / (double{light.range_m} * light.range_m), 2), 0.0, 1.0);
   if (light.kind == LightKind::Spot) {
@@ -102,14 +103,14 @@ double srgb_level(double linear) {
 }
 
 /// The difference of a shown pixel from the formula, in levels; 0 in the oracle's band.
-double off_picture(const Seen& seen, const LightSet& lights, const oracle::Masks& truth, std::uint32_t x,
-                   std::uint32_t y, const Rgb8& shown) {
+double off_picture(const SurfacePoint& point, const LightSet& lights, const oracle::Masks& truth,
+                   std::uint32_t x, std::uint32_t y, const Rgb8& shown) {
   glm::dvec3 irradiance(0.0);
   for (std::uint32_t i = 0; i < truth.lights; ++i) {
     if (truth.in_band[truth.at(x, y, i)]) return 0;
-    if (truth.lit[truth.at(x, y, i)]) irradiance += radiance(lights.lights[i], seen);
+    if (truth.lit[truth.at(x, y, i)]) irradiance += radiance(lights.lights[i], point);
   }
-  const glm::dvec3 color = seen.base_color * irradiance / std::numbers::pi;
+  const glm::dvec3 color = point.base_color * irradiance / std::numbers::pi;
   double off = 0;
   for (int c = 0; c < 3; ++c) off = std::max(off, std::abs(srgb_level(color[c]) - shown[c]));
   return off;
@@ -124,7 +125,7 @@ void add_spread(std::vector<Figure>& figures, const std::string& name, const std
   figures.push_back({name + " largest", unit, largest, most});
 }
 
-/// All lights of the pixel lie in the band: the surface itself may be another.
+/// All lights of the pixel lie in the band, so the pixel may show another surface.
 bool in_doubt(const oracle::Masks& truth, std::uint32_t x, std::uint32_t y) {
   for (std::uint32_t i = 0; i < truth.lights; ++i)
     if (!truth.in_band[truth.at(x, y, i)]) return false;
@@ -154,13 +155,13 @@ std::vector<Figure> judge_shown(const Scene& scene, const Dump& dump) {
     add(eye.mask_shown, truth, wrong);
     for (std::uint32_t y = 0; y < view.size.height; ++y)
       for (std::uint32_t x = 0; x < view.size.width; ++x) {
-        const auto seen = see(surfaces, view, x, y);
-        const Met* const met = seen ? &seen->met : nullptr;
+        const auto surface = see(surfaces, view, x, y);
+        const Met* const met = surface ? &surface->met : nullptr;
         if (const double drawn_m = eye.distance_m.at(x, y); is_other(drawn_m, met))
           other += !may_be_seen(drawn_m, met, view, {x + 0.5, y + 0.5}, triangles);
-        else if (seen) {
+        else if (surface) {
           distance_off = std::max(distance_off, std::abs(drawn_m / met->distance_m - 1));
-          levels = std::max(levels, off_picture(*seen, state.light_set, truth, x, y, eye.shown.at(x, y)));
+          levels = std::max(levels, off_picture(*surface, state.light_set, truth, x, y, eye.shown.at(x, y)));
         }
       }
   }
@@ -179,17 +180,17 @@ std::vector<Figure> judge_lookup(const Scene& scene, const Dump& dump) {
     const DumpedEye& eye = dump.eyes[e];
     const View &view = dump.shown[e], &traced = dump.traced[e];
     const oracle::Masks truth = oracle::trace(scene, state, view);
-    const SeenDepth seen_depth{view, eye.distance_m};
+    const EyeDepth eye_depth{view, eye.distance_m};
     for (std::uint32_t y = 0; y < view.size.height; ++y)
       for (std::uint32_t x = 0; x < view.size.width; ++x) {
-        if (eye.source.at(x, y) != 0) continue;  // not from the newest mask as traced for this eye
+        if (eye.source.at(x, y) != 0) continue;  // not from the newest mask that was traced for this eye
         const glm::dvec2 at(eye.lookup_x.at(x, y), eye.lookup_y.at(x, y));
-        const std::optional<Carried> carried = carry(seen_depth, x, y, traced);
+        const std::optional<Carried> carried = carry(eye_depth, x, y, traced);
         off_double.push_back(carried ? glm::length(carried->at - at) : HUGE_VAL);
         if (in_doubt(truth, x, y)) continue;
-        const auto seen = see(surfaces, view, x, y);
-        if (!seen || is_other(eye.distance_m.at(x, y), &seen->met)) continue;  // judged in judge_shown
-        const glm::dvec3 p = inverse(traced.stage_from_eye)(Point<Stage>{seen->point}).v;
+        const auto surface = see(surfaces, view, x, y);
+        if (!surface || is_other(eye.distance_m.at(x, y), &surface->met)) continue;  // judged in judge_shown
+        const glm::dvec3 p = inverse(traced.stage_from_eye)(Point<Stage>{surface->point}).v;
         if (p.z < 0)
           off_surface.push_back(glm::length(ray_pixel(tangents_of(traced.fov), traced.size, p) - at));
       }

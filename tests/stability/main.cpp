@@ -1,4 +1,5 @@
-// stability: every extreme case through the real rt_server and vr_client, as a table, CSV and exit status.
+// stability: runs every extreme case through the real rt_server and vr_client. Prints a table, writes CSV,
+// and fails if a case exceeds its bounds.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -14,33 +15,33 @@ namespace {
 using namespace farshade;
 using namespace farshade::stability;
 
-struct Wish {
+struct Options {
   std::string only = ".*";
   std::filesystem::path out = "out/stability";
   bool cases = false, sweeps = false, quick = false, list = false;
 };
 
-/// The cases for every change: those that found faults before, and one extreme of each kind.
+/// The cases that run after every change: those that found faults before, and one extreme of each kind.
 constexpr const char* kQuick =
     "scale-1mm|origin-1000km|fov-170$|light-0.1mm|triangle-aspect-1e6|head-1000-deg-s|size-1x1|trace-"
     "backward|"
     "huge-floor|vertices-1000km|depth-ratio-1e7|light-overflow-in-shadow";
 
-std::vector<Case> chosen(const Wish& wish) {
+std::vector<Case> chosen(const Options& options) {
   std::vector<Case> all;
   const auto take = [&](std::vector<Case> cases) {
-    const std::regex only(wish.quick ? kQuick : wish.only);
+    const std::regex only(options.quick ? kQuick : options.only);
     for (Case& tested : cases)
       if (std::regex_search(tested.name, only)) all.push_back(std::move(tested));
   };
-  if (!wish.sweeps)
+  if (!options.sweeps)
     for (const auto& cases : {scene_cases(), light_cases(), view_cases(), head_cases(), refused_cases()})
       take(cases);
-  if (!wish.cases && !wish.quick) take(sweep_cases());
+  if (!options.cases && !options.quick) take(sweep_cases());
   return all;
 }
 
-/// The ordinary case to compare the cost with. It runs at its first use.
+/// The ordinary cases, to compare run times with. Each runs at its first use.
 class Ordinary {
  public:
   explicit Ordinary(const Room& room) : room_(room) {}
@@ -59,7 +60,7 @@ class Ordinary {
   std::map<std::string, Pace> paces_;
 };
 
-/// Up to three tries, so that a busy machine does not fail a case.
+/// Runs a case up to three times, so that a busy machine does not fail it.
 Ran run_with_pace(const Case& tested, const Room& room, Ordinary& ordinary) {
   Ran ran = run(tested, room);
   if (tested.outcome != Outcome::Works) return ran;
@@ -88,20 +89,21 @@ void write_rows(std::ofstream& csv, const Case& tested, const Verdict& verdict) 
         figure.bound ? fmt::format("{:.6g}", *figure.bound) : "", holds(figure));
 }
 
-int run_all(const Wish& wish) {
-  const std::vector<Case> cases = chosen(wish);
-  if (wish.list) {
+int run_all(const Options& options) {
+  const std::vector<Case> cases = chosen(options);
+  if (options.list) {
     for (const Case& tested : cases) fmt::print("{:<34} {}\n", tested.name, tested.extreme);
     return EXIT_SUCCESS;
   }
-  std::filesystem::create_directories(wish.out);
-  const Room room{RT_SERVER, VR_CLIENT, wish.out / "case"};
-  std::ofstream csv(wish.out / "stability.csv");
+  std::filesystem::create_directories(options.out);
+  const Room room{RT_SERVER, VR_CLIENT, options.out / "case"};
+  std::ofstream csv(options.out / "stability.csv");
   csv << "case,extreme,sweep,x,figure,unit,value,bound,verdict\n";
   Ordinary ordinary(room);
   const Stopwatch watch;
   std::size_t bad = 0, done = 0;
-  fmt::print("{:<34} {:<46} {:<56} {}\n", "case", "what is extreme", "tightest figure of bound", "verdict");
+  fmt::print("{:<34} {:<46} {:<56} {}\n", "case", "what is extreme", "figure closest to its bound",
+             "verdict");
   for (const Case& tested : cases) {
     const Verdict verdict = run_with_pace(tested, room, ordinary).verdict;
     bad += !verdict.good();
@@ -134,16 +136,16 @@ int run_all(const Wish& wish) {
 int main(int argc, char** argv) try {
   CLI::App app(
       "Runs extreme cases through rt_server and vr_client and judges them against double precision.");
-  Wish wish;
-  app.add_option("--only", wish.only, "cases whose name this regular expression finds")
+  Options options;
+  app.add_option("--only", options.only, "cases whose name this regular expression finds")
       ->capture_default_str();
-  app.add_option("--out", wish.out, "folder for stability.csv")->capture_default_str();
-  CLI::Option* const cases = app.add_flag("--cases", wish.cases, "no sweeps");
-  app.add_flag("--sweeps", wish.sweeps, "nothing but sweeps")->excludes(cases);
-  app.add_flag("--quick", wish.quick, "the few that every change is held to");
-  app.add_flag("--list", wish.list, "names alone");
+  app.add_option("--out", options.out, "folder for stability.csv")->capture_default_str();
+  CLI::Option* const cases = app.add_flag("--cases", options.cases, "run no sweeps");
+  app.add_flag("--sweeps", options.sweeps, "run only sweeps")->excludes(cases);
+  app.add_flag("--quick", options.quick, "run only the few cases that every change must pass");
+  app.add_flag("--list", options.list, "only list the names of the cases");
   CLI11_PARSE(app, argc, argv);
-  return run_all(wish);
+  return run_all(options);
 } catch (const std::exception& error) {
   fmt::print(stderr, "stability: {}\n", error.what());
   return EXIT_FAILURE;

@@ -150,7 +150,7 @@ std::string last_line(const std::string& text) {
   return last;
 }
 
-/// The number before `what`; 0 if it is missing.
+/// The number before `what` in the text; 0 if it is missing.
 double number_before(const std::string& line, const std::string& what) {
   const std::size_t end = line.find(what);
   if (end == std::string::npos || end == 0) return 0;
@@ -195,8 +195,8 @@ void judge_head(const Case& tested, const Files& files, const Columns& frames, V
     const Time now = time_from_ns(std::strtoll(field(0).c_str(), nullptr, 10));
     const double age_ms = std::strtod(field(3).c_str(), nullptr);
     const Rigid<Recorded, Head> shown = head_at(*trace, now),
-                                asked = head_at(*trace, now - duration_from_ms(age_ms));
-    held_deg = std::max(held_deg, angle_between_rad(shown.rotation, asked.rotation) * kDegrees);
+                                requested = head_at(*trace, now - duration_from_ms(age_ms));
+    held_deg = std::max(held_deg, angle_between_rad(shown.rotation, requested.rotation) * kDegrees);
     most_deg = std::max(most_deg, std::strtod(field(1).c_str(), nullptr));
     most_mm = std::max(most_mm, std::strtod(field(2).c_str(), nullptr));
   }

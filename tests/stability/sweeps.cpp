@@ -48,8 +48,8 @@ Setting prediction(double delay_ms) {
 /// Near lights are above the floor, far lights beside the scene.
 Setting light_distance(double away_m) {
   Setting setting = unlit();
-  const glm::dvec3 way = glm::normalize(glm::dvec3(0.1, 1, 0.15));
-  setting.scene.point_light(glm::dvec3(-0.6, 0, 0.9) + way * away_m, 3 * away_m * away_m);
+  const glm::dvec3 direction = glm::normalize(glm::dvec3(0.1, 1, 0.15));
+  setting.scene.point_light(glm::dvec3(-0.6, 0, 0.9) + direction * away_m, 3 * away_m * away_m);
   return setting;
 }
 
@@ -66,7 +66,8 @@ Setting fov(double full_degrees) {
   return setting;
 }
 
-/// The nearest thing 1e4 / ratio metres ahead, but no nearer than 1 mm; the farthest ratio times that.
+/// The nearest object is 100 / ratio metres ahead, but at least 1 mm and at most 0.5 m; the farthest is
+/// `ratio` times as far away.
 Setting depth_ratio(double ratio) {
   const auto near_m = static_cast<float>(std::max(1e-3, std::min(0.5, 100 / ratio)));
   const float far_m = near_m * static_cast<float>(ratio);

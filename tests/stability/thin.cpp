@@ -20,11 +20,11 @@ std::optional<Pass> pass(const glm::dvec3& a, const glm::dvec3& b, const View& v
   const glm::dvec3 p = eye_from_stage(Point<Stage>{a}).v, q = eye_from_stage(Point<Stage>{b}).v;
   if (p.z >= 0 || q.z >= 0) return std::nullopt;
   const FovTangents window = tangents_of(view.fov);
-  const glm::dvec2 from = ray_pixel(window, view.size, p), way = ray_pixel(window, view.size, q) - from;
-  const double length2 = glm::dot(way, way);
-  const double t = length2 > 0 ? std::clamp(glm::dot(at_px - from, way) / length2, 0.0, 1.0) : 0.0;
+  const glm::dvec2 from = ray_pixel(window, view.size, p), along = ray_pixel(window, view.size, q) - from;
+  const double length2 = glm::dot(along, along);
+  const double t = length2 > 0 ? std::clamp(glm::dot(at_px - from, along) / length2, 0.0, 1.0) : 0.0;
   // Inverse distance is linear on the screen.
-  return Pass{glm::length(from + way * t - at_px), 1 / (-1 / p.z * (1 - t) - 1 / q.z * t)};
+  return Pass{glm::length(from + along * t - at_px), 1 / (-1 / p.z * (1 - t) - 1 / q.z * t)};
 }
 
 }  // namespace

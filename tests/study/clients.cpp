@@ -39,9 +39,9 @@ struct Head {
     if (!timing) return false;
     frame = next(frame);
     const Time at = timing->display_time;
-    const std::optional<FrameRequest> asked =
+    const std::optional<FrameRequest> request =
         plan.ask({frame, at, at, runtime.locate_views(at), LightChanges{}}, timing->period);
-    link.request(asked.value(), at);
+    link.request(request.value(), at);
     return true;
   }
 };

@@ -65,7 +65,7 @@ TEST(ParseSize, RefusesEverythingElseAndStatesTheRange) {
   }
 }
 
-/// Every option of the client but --preview, --replay and those that end the program.
+/// Every option of the client except --preview, --replay and those that end the program.
 std::vector<std::string> every_option() {
   std::istringstream words(
       "--size 96x64 --frames 8 --skip 1.5 --refresh 90 --server [::1]:9 --mode full --clock real "
@@ -144,12 +144,12 @@ TEST(ReadOptions, AcceptsEveryPredictor) {
 }
 
 TEST(ReadOptions, ExitsWith0AfterHelp) {
-  const Outcome asked = read({"--help"});
-  ASSERT_FALSE(asked.options.has_value());
-  EXPECT_EQ(asked.options.error().status, 0);
-  EXPECT_NE(asked.out.find("--mask-wait"), std::string::npos);
-  EXPECT_NE(asked.out.find("Examples:"), std::string::npos);
-  EXPECT_EQ(asked.errors, "");
+  const Outcome help = read({"--help"});
+  ASSERT_FALSE(help.options.has_value());
+  EXPECT_EQ(help.options.error().status, 0);
+  EXPECT_NE(help.out.find("--mask-wait"), std::string::npos);
+  EXPECT_NE(help.out.find("Examples:"), std::string::npos);
+  EXPECT_EQ(help.errors, "");
 }
 
 TEST(ReadOptions, NamesTheFaultInOneLineAndExitsWith2) {

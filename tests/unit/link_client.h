@@ -17,7 +17,7 @@ namespace farshade::link_test {
 
 using Bytes = std::vector<std::byte>;
 
-/// With a sanitizer, heap sizes mean nothing and everything takes ten times as long.
+/// With a sanitizer, heap sizes have no meaning and everything takes ten times as long.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr bool kSanitized = true;
 #else
@@ -122,9 +122,9 @@ struct LinkClient {
       ++reports;
       report = *told;
       assembler.accept(*told);
-    } else if (const auto* asked = std::get_if<Probe>(&*said)) {
+    } else if (const auto* new_probe = std::get_if<Probe>(&*said)) {
       ++probes;
-      probe = asked->token;
+      probe = new_probe->token;
     }
   }
 };

@@ -87,7 +87,7 @@ std::optional<FrameRequest> RequestPlan::ask(const FrameRequest& shown, Duration
   const Duration ahead = lead(period);
   FrameRequest request = shown;
   request.display_time += ahead;
-  if (scene == SceneClock::Runs) request.scene_time += ahead;
+  if (scene == SceneClock::Running) request.scene_time += ahead;
   const Rigid<Stage, Head> then = predictor_.predict(request.display_time);
   if (ahead > Duration::zero() && then != head)
     for (View& view : request.views) view.stage_from_eye = then * (inverse(head) * view.stage_from_eye);

@@ -1,6 +1,6 @@
-/// Request plan: decides what each frame asks the server for. Masks are used some time after they were asked
-/// for, so a request asks for the predicted views and scene time of that later moment, with a guard band. The
-/// lead time is the median latency of recent masks.
+/// Request plan: makes each frame's request. The client uses masks some time after it requested them. So a
+/// request has the predicted views and scene time of that later time, with a guard band. The lead time is the
+/// median latency of recent masks.
 #pragma once
 
 #include <deque>
@@ -26,7 +26,7 @@ struct RequestSettings {
 };
 
 /// Whether the scene's animations play.
-enum class SceneClock : std::uint8_t { Runs, Stands };
+enum class SceneClock : std::uint8_t { Running, Paused };
 
 /// The pose in the middle between both eyes.
 [[nodiscard]] Rigid<Stage, Head> head_of(const StereoView& views);
@@ -41,7 +41,7 @@ class RequestPlan {
   /// The request of the frame that shows `shown`, on a display of the given period. No value on frames
   /// without a request. Call once a frame.
   [[nodiscard]] std::optional<FrameRequest> ask(const FrameRequest& shown, Duration period,
-                                                SceneClock scene = SceneClock::Runs);
+                                                SceneClock scene = SceneClock::Running);
 
   /// Sets the settings of the following requests. A new predictor starts without history.
   void follow(const RequestSettings& settings);

@@ -7,7 +7,7 @@ namespace {
 class SceneTime {
  public:
   Time at(Time display_time, SceneClock clock) {
-    if (last_ && clock == SceneClock::Runs) now_ += display_time - *last_;
+    if (last_ && clock == SceneClock::Running) now_ += display_time - *last_;
     last_ = display_time;
     return now_;
   }
@@ -27,17 +27,17 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
   while (!stop()) {
     const std::optional<FrameTiming> timing = context.runtime.wait_frame();
     if (!timing) break;
-    const FrameSettings steering = context.steering;
+    const FrameSettings settings = context.settings;
     StageTimes times;
     StageStarts starts;
 
     starts.request = clock.now();
     frame = next(frame);
-    const FrameRequest shown{frame, timing->display_time, scene_time.at(timing->display_time, steering.scene),
-                             context.runtime.locate_views(timing->display_time), steering.lights};
+    const FrameRequest shown{frame, timing->display_time, scene_time.at(timing->display_time, settings.scene),
+                             context.runtime.locate_views(timing->display_time), settings.lights};
     const SceneState state = state_at(context.scene, shown.scene_time, shown.lights);
-    const FrameInputs inputs{shown, state, timing->period, steering};
-    const FrameRequest* const asked = pipeline.request(inputs);
+    const FrameInputs inputs{shown, state, timing->period, settings};
+    const FrameRequest* const request = pipeline.request(inputs);
 
     starts.collect = clock.now();
     const Duration busy = context.link ? context.link->busy() : Duration::zero();
@@ -60,14 +60,14 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
     times.draw = drawn_frame.drawn.total;
     times.frame = times.request + times.collect + times.draw;
     watch({.shown = shown,
-           .asked = asked,
+           .request = request,
            .state = state,
            .masks = drawn_frame.masks,
            .newest = drawn_frame.newest,
            .age = drawn_frame.age,
            .times = times,
            .starts = starts,
-           .steering = steering,
+           .settings = settings,
            .timing = *timing,
            .as = drawn_frame.as,
            .start_up = drawn_frame.start_up,

@@ -23,10 +23,10 @@ struct MaskPolicy {
 
 /// Settings that may change between frames. They are read once a frame, after Runtime::wait_frame.
 struct FrameSettings {
-  RequestSettings wish;
+  RequestSettings request;
   CarryOver carry_over;
   LightChanges lights{};  ///< all changes that the viewer has made so far
-  SceneClock scene = SceneClock::Runs;
+  SceneClock scene = SceneClock::Running;
   ShadingPass::Report report = ShadingPass::Report::Off;
 };
 
@@ -52,15 +52,15 @@ enum class ShownAs : std::uint8_t {
 
 /// A frame that was shown. The references are valid during the call that receives it.
 struct FrameView {
-  const FrameRequest& shown;  ///< the request that a full trace of the shown views would have
-  const FrameRequest* asked;  ///< this frame's request; null if it had none
+  const FrameRequest& shown;    ///< the request that a full trace of the shown views would have
+  const FrameRequest* request;  ///< this frame's request; null if it had none
   const SceneState& state;
   std::span<const TracedMask> masks;  ///< the masks it was drawn with; the shader trusts the first most
   const RequestRecord* newest;        ///< the record of the first of them; null if no server sent it
   std::optional<Duration> age;        ///< the time since that record's request
   const StageTimes& times;
   const StageStarts& starts;
-  const FrameSettings& steering;  ///< the settings it was shown with
+  const FrameSettings& settings;  ///< the settings it was shown with
   FrameTiming timing;
   ShownAs as = ShownAs::Shaded;
   bool start_up = false;   ///< no answer that the mode needs had come yet
@@ -76,7 +76,7 @@ struct RunContext {
   ModeSettings mode{};
   AnswerLink* link = nullptr;       ///< modes with a server
   Reference* own_tracer = nullptr;  ///< mode full
-  const FrameSettings& steering;    ///< read when a frame begins
+  const FrameSettings& settings;    ///< read when a frame begins
   MaskPolicy policy;
 };
 
@@ -85,7 +85,7 @@ struct FrameInputs {
   const FrameRequest& shown;
   const SceneState& state;
   Duration period;  ///< of the display
-  const FrameSettings& steering;
+  const FrameSettings& settings;
 };
 
 /// How a frame was drawn. References are valid until the next frame begins.

@@ -11,14 +11,14 @@ void AnswerInbox::begin(const Welcome& welcome) {
   ++session_;
 }
 
-FrameRequest AnswerInbox::ask(const FrameRequest& request, Time asked_at, Time now) {
+FrameRequest AnswerInbox::ask(const FrameRequest& request, Time requested_at, Time now) {
   FrameRequest sent = request;
   sent.lights = since(request.lights, acknowledged_, RequestMessage::kMostLightChanges);
   // The masks of the answer are of this light set.
   FrameRequest expected = request;
   expected.lights = up_to(request.lights, sent.lights.revision);
   assembler_.expect(expected, layout_, expected.lights.revision,
-                    {.asked_at = asked_at, .sent = now, .session = session_});
+                    {.requested_at = requested_at, .sent = now, .session = session_});
   return sent;
 }
 
@@ -38,7 +38,7 @@ void AnswerInbox::take(const FrameReport& report, Time arrived) {
 std::vector<const RequestRecord*> AnswerInbox::received(Time until) const {
   std::vector<const RequestRecord*> found;
   for (const RequestRecord& record : assembler_.records())
-    if (record.anything_known() && record.origin.asked_at <= until) found.push_back(&record);
+    if (record.anything_known() && record.origin.requested_at <= until) found.push_back(&record);
   std::ranges::sort(found, [](const RequestRecord* a, const RequestRecord* b) {
     return is_newer(a->request.frame, b->request.frame);
   });

@@ -17,9 +17,9 @@ class AnswerInbox {
   /// A session begins: its server knows no light changes and answers no earlier request.
   void begin(const Welcome& welcome);
 
-  /// Makes the record of a request that the frame of display time `asked_at` makes and that is sent at `now`.
-  /// Returns the request to send: with the light changes that the server may not have yet.
-  [[nodiscard]] FrameRequest ask(const FrameRequest& request, Time asked_at, Time now);
+  /// Makes the record of a request that the frame of display time `requested_at` makes and that is sent at
+  /// `now`. Returns the request to send: with the light changes that the server may not have yet.
+  [[nodiscard]] FrameRequest ask(const FrameRequest& request, Time requested_at, Time now);
 
   /// Takes a message of the server that came at `arrived`.
   void take(const FrameReport& report, Time arrived);

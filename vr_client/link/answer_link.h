@@ -11,9 +11,10 @@ class AnswerLink {
  public:
   virtual ~AnswerLink() = default;
 
-  /// Sends a request. `asked_at` is the display time of the frame that makes it. `positions` are the messages
-  /// that follow it: the PlaneSlices that it announces. Without a session nothing is sent or recorded.
-  virtual void request(const FrameRequest& request, Time asked_at,
+  /// Sends a request. `requested_at` is the display time of the frame that makes it. `positions` are the
+  /// messages that follow it: the PlaneSlices that it announces. Without a session nothing is sent or
+  /// recorded.
+  virtual void request(const FrameRequest& request, Time requested_at,
                        std::span<const std::vector<std::byte>> positions = {}) = 0;
 
   /// Receives until all of the answer to `frame` has come or `patience` is over. True if all has come.

@@ -31,7 +31,7 @@ NetworkLink::Channel::Channel(const SessionKeys& keys, Time now)
     : id(keys.session),
       sealer(keys.session, keys.to_server, keys.sealing),
       opener(keys.to_client, keys.sealing),
-      heard(now) {}
+      last_received(now) {}
 
 NetworkLink::NetworkLink(DatagramPort& port, const Clock& clock, const LinkTarget& target, std::size_t frames)
     : port_(port), clock_(clock), target_(target), inbox_(frames, target.mask) {}
@@ -47,8 +47,8 @@ void NetworkLink::say_hello() {
 /// Says hello if there is no session, or if the server is silent.
 void NetworkLink::keep_session() {
   if (refused_) return;
-  const bool silent =
-      channel_ && channel_->unanswered >= kLeastUnanswered && clock_.now() - channel_->heard > kServerSilence;
+  const bool silent = channel_ && channel_->unanswered >= kLeastUnanswered &&
+                      clock_.now() - channel_->last_received > kServerSilence;
   if (!channel_ || handshake_ || silent) say_hello();
 }
 
@@ -69,11 +69,11 @@ Expected<void> NetworkLink::meet(Duration patience) {
   return fail(Fault::Missing, "no server answers at " + to_string(target_.server));
 }
 
-void NetworkLink::request(const FrameRequest& request, Time asked_at,
+void NetworkLink::request(const FrameRequest& request, Time requested_at,
                           std::span<const std::vector<std::byte>> positions) {
   keep_session();
   if (!channel_) return;
-  send_request(inbox_.ask(request, asked_at, clock_.now()));
+  send_request(inbox_.ask(request, requested_at, clock_.now()));
   send_positions(positions);
 }
 
@@ -90,7 +90,7 @@ void NetworkLink::send_request(const FrameRequest& request) {
   RequestMessage message{
       .request = request, .probe_echo = channel_->probe_echo, .arrivals = channel_->arrivals.report()};
   if (const RequestRecord* frame = inbox_.newest_known()) message.newest_received = frame->request.frame;
-  if (listener_.asked) listener_.asked(request);
+  if (listener_.sent) listener_.sent(request);
   encode(message, message_);
   channel_->sealer.seal(message_, outgoing_);
   port_.send(target_.server, outgoing_);
@@ -111,7 +111,7 @@ Decoded<void> NetworkLink::take_datagram(const Datagram& datagram) {
   if (!envelope) return refuse(envelope.error());
   if (const auto* sealed = std::get_if<Sealed>(&*envelope)) return take_sealed(*sealed, datagram);
   if (const auto* lost = std::get_if<NoSession>(&*envelope)) {
-    const bool silent = channel_ && clock_.now() - channel_->heard > kServerSilenceAfterNoSession;
+    const bool silent = channel_ && clock_.now() - channel_->last_received > kServerSilenceAfterNoSession;
     if (silent && lost->session == channel_->id) say_hello();
     return {};
   }
@@ -168,9 +168,9 @@ void NetworkLink::take_accept(const Accept& accept, std::span<const std::byte> d
   }
   channel_.emplace(met->keys, clock_.now());
   inbox_.begin(welcome);
-  if (listener_.heard) {
+  if (listener_.received) {
     encode(ServerMessage(welcome), message_);
-    listener_.heard(message_, clock_.now());
+    listener_.received(message_, clock_.now());
   }
   ++sessions_;
 }
@@ -180,12 +180,12 @@ Decoded<void> NetworkLink::take_sealed(const Sealed& sealed, const Datagram& dat
   const Decoded<std::span<const std::byte>> opened = channel_->opener.open(sealed, datagram.bytes, message_);
   if (!opened) return refuse(opened.error());
   channel_->arrivals.add(sealed.counter, datagram.arrived);
-  channel_->heard = clock_.now();
+  channel_->last_received = clock_.now();
   channel_->unanswered = 0;
   handshake_.reset();  // the session is alive, so no new one is needed
   const Decoded<ServerMessage> message = decode_server(*opened);
   if (!message) return refuse(message.error());
-  if (listener_.heard) listener_.heard(*opened, datagram.arrived);
+  if (listener_.received) listener_.received(*opened, datagram.arrived);
   std::visit([&](const auto& any) { take(any, datagram.arrived); }, *message);
   return {};
 }

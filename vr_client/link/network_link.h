@@ -27,8 +27,9 @@ struct LinkTarget {
 /// Sees the messages of sessions before they take effect; a capture file is written from them. A Welcome
 /// comes first, and again whenever a new session begins.
 struct LinkListener {
-  std::function<void(std::span<const std::byte> message, Time arrived)> heard;  ///< opened, for decode_server
-  std::function<void(const FrameRequest& request)> asked;                       ///< as it is sent
+  std::function<void(std::span<const std::byte> message, Time arrived)>
+      received;                                           ///< opened, for decode_server
+  std::function<void(const FrameRequest& request)> sent;  ///< as it is sent
 };
 
 class NetworkLink final : public AnswerLink {
@@ -45,7 +46,7 @@ class NetworkLink final : public AnswerLink {
   [[nodiscard]] Expected<void> meet(Duration patience);
 
   /// Sends only those light changes that the server may not have yet.
-  void request(const FrameRequest& request, Time asked_at,
+  void request(const FrameRequest& request, Time requested_at,
                std::span<const std::vector<std::byte>> positions = {}) override;
 
   /// Receives all datagrams that have arrived.
@@ -61,8 +62,8 @@ class NetworkLink final : public AnswerLink {
   /// Set once an authenticated server has refused this client for good.
   [[nodiscard]] const std::optional<Error>& refused() const override { return refused_; }
   /// When the last message of the open session came; no value without a session.
-  [[nodiscard]] std::optional<Time> heard_at() const {
-    return channel_ ? std::optional(channel_->heard) : std::nullopt;
+  [[nodiscard]] std::optional<Time> last_received() const {
+    return channel_ ? std::optional(channel_->last_received) : std::nullopt;
   }
 
   struct Counters {
@@ -85,7 +86,7 @@ class NetworkLink final : public AnswerLink {
     Opener opener;
     Arrivals arrivals{};
     std::uint64_t probe_echo = 0;
-    Time heard;
+    Time last_received;
     std::uint32_t unanswered = 0;  ///< requests sent since then
   };
 

@@ -17,14 +17,14 @@ class Full final : public ModePipeline {
   }
 
   DrawnFrame draw(const FrameInputs& inputs) override {
-    CarryOver carry_over = inputs.steering.carry_over;
+    CarryOver carry_over = inputs.settings.carry_over;
     carry_over.lookup = Lookup::Direct;
     const std::span<const TracedMask> masks(mask_ ? &*mask_ : nullptr, mask_ ? 1 : 0);
     return {.drawn = context_.renderer.draw({.views = inputs.shown.views,
                                              .state = inputs.state,
                                              .masks = masks,
                                              .carry_over = carry_over,
-                                             .report = inputs.steering.report}),
+                                             .report = inputs.settings.report}),
             .masks = masks};
   }
 
@@ -46,7 +46,7 @@ class Local final : public ModePipeline {
                                              .state = inputs.state,
                                              .masks = {},
                                              .carry_over = {},
-                                             .report = inputs.steering.report,
+                                             .report = inputs.settings.report,
                                              .shadow_maps = &context_.mode.shadow_maps})};
   }
 

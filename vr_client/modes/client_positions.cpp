@@ -19,15 +19,15 @@ class ClientPositions final : public ModePipeline {
  public:
   explicit ClientPositions(const RunContext& context)
       : context_(context),
-        exchange_(context.link, context.policy, context.steering.wish),
+        exchange_(context.link, context.policy, context.settings.request),
         masks_(context.scene.animation_length_s > 0),
         grid_(grid_of({context.scene.bounds.low}, {context.scene.bounds.high}, context.mode.position_bits)) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
     drawn_ = {};
-    const FrameRequest* const asked = exchange_.plan(inputs, answer());
-    if (asked == nullptr) return nullptr;
-    pack(*asked);
+    const FrameRequest* const request = exchange_.plan(inputs, answer());
+    if (request == nullptr) return nullptr;
+    pack(*request);
     const FrameRequest* const complete = exchange_.complete(narrow<std::uint32_t>(messages_used_));
     exchange_.send(inputs, std::span(messages_).first(messages_used_));
     return complete;
@@ -51,14 +51,14 @@ class ClientPositions final : public ModePipeline {
   }
 
   /// Writes the positions of the pixels of the requested views into messages.
-  void pack(const FrameRequest& asked) {
-    drawn_ = context_.renderer.keep_depth(asked, exchange_.next_slot(), distances_);
+  void pack(const FrameRequest& request) {
+    drawn_ = context_.renderer.keep_depth(request, exchange_.next_slot(), distances_);
     messages_used_ = 0;
     for (const Side side : kSides) {
       const std::size_t eye = index_of(side);
-      positions_of(asked.views[eye], distances_[eye].pixels, grid_, planes_);
+      positions_of(request.views[eye], distances_[eye].pixels, grid_, planes_);
       for (std::size_t axis = 0; axis < planes_.size(); ++axis) {
-        packer_.start(asked.frame, side, kPositionKinds[axis], planes_[axis]);
+        packer_.start(request.frame, side, kPositionKinds[axis], planes_[axis]);
         while (const std::optional<PlaneSlice> slice = packer_.next()) {
           if (messages_used_ == kMostSlices) return;
           if (messages_used_ == messages_.size()) messages_.emplace_back();

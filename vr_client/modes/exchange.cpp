@@ -29,13 +29,13 @@ Exchange::Exchange(AnswerLink* link, const MaskPolicy& policy, const RequestSett
 const FrameRequest* Exchange::plan(const FrameInputs& inputs, const AnswerSpec& answer) {
   request_.reset();
   if (link_ == nullptr) return nullptr;
-  RequestSettings settings = inputs.steering.wish;
+  RequestSettings settings = inputs.settings.request;
   const bool is_picture = is_drawn(answer.kind);
   if (is_picture) settings.guard_band = GuardBandUse::Off;
   plan_.follow(settings);
   plan_.shrink(is_picture ? kFullViewScale : link_->inbox().view_scale());
   plan_.limit(link_->inbox().most_pixels());
-  request_ = plan_.ask(inputs.shown, inputs.period, inputs.steering.scene);
+  request_ = plan_.ask(inputs.shown, inputs.period, inputs.settings.scene);
   if (!request_) return nullptr;
   request_->answer = answer;
   return &*request_;
@@ -48,7 +48,7 @@ const FrameRequest* Exchange::complete(std::uint32_t slices) {
 
 void Exchange::send(const FrameInputs& inputs, std::span<const std::vector<std::byte>> positions) {
   if (!request_) return;
-  asked_ = request_->frame;
+  requested_ = request_->frame;
   link_->request(*request_, inputs.shown.display_time, positions);
 }
 
@@ -83,24 +83,24 @@ const RequestRecord* Exchange::record(const FrameRequest* request) const {
 /// After a server has let the patience run out, the client does not wait until the server has answered again.
 void Exchange::wait_for_answer() {
   if (policy_.pace == Pace::Real) {
-    link_->wait_for(asked_, policy_.mask_wait);
-  } else if (asked_ != waited_for_) {
+    link_->wait_for(requested_, policy_.mask_wait);
+  } else if (requested_ != waited_for_) {
     const Duration patience = is_answering_ ? kVirtualPatience : Duration::zero();
     const RequestRecord* const before = link_->inbox().find(waited_for_);
     is_answering_ = wait_until_idle(patience) || (before != nullptr && before->complete());
-    waited_for_ = asked_;
+    waited_for_ = requested_;
   }
 }
 
 /// True if at least a part of the answer has come.
 bool Exchange::wait_until_idle(Duration patience) {
   const auto known = [&] {
-    const RequestRecord* const received = link_->inbox().find(asked_);
+    const RequestRecord* const received = link_->inbox().find(requested_);
     return received == nullptr ? 0 : received->pieces_known();
   };
   std::uint32_t before = 0;
   for (Duration waited{}; waited <= patience; waited += kIdle) {
-    if (link_->wait_for(asked_, std::min(kIdle, patience - waited))) return true;
+    if (link_->wait_for(requested_, std::min(kIdle, patience - waited))) return true;
     if (known() > 0 && known() == before) return true;
     before = known();
   }

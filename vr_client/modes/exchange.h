@@ -8,7 +8,7 @@ namespace farshade {
 
 /// The time since a request was made.
 [[nodiscard]] inline Duration age_of(const RequestRecord& record, const FrameInputs& inputs) {
-  return inputs.shown.display_time - record.origin.asked_at;
+  return inputs.shown.display_time - record.origin.requested_at;
 }
 
 /// Shows black: the frames of a mode that shows pictures of the server, before the first one has come.
@@ -58,7 +58,7 @@ class Exchange {
   std::vector<const RequestRecord*> received_;
   const RequestRecord* settled_ = nullptr;
   FrameId newest_learned_;  ///< the newest frame whose latency is known; frames count from 1
-  FrameId asked_, waited_for_;
+  FrameId requested_, waited_for_;
   bool is_answering_ = true;
 };
 

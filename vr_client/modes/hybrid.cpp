@@ -9,13 +9,13 @@ class Hybrid final : public ModePipeline {
  public:
   explicit Hybrid(const RunContext& context)
       : renderer_(context.renderer),
-        exchange_(context.link, context.policy, context.steering.wish),
+        exchange_(context.link, context.policy, context.settings.request),
         masks_(context.scene.animation_length_s > 0) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
-    asked_ = exchange_.plan(inputs, {.kind = Answer::Masks});
+    request_ = exchange_.plan(inputs, {.kind = Answer::Masks});
     exchange_.send(inputs);
-    return asked_;
+    return request_;
   }
 
   void collect(const FrameInputs& inputs) override {
@@ -24,14 +24,14 @@ class Hybrid final : public ModePipeline {
   }
 
   DrawnFrame draw(const FrameInputs& inputs) override {
-    return masks_.draw(renderer_, inputs, exchange_.record(asked_), exchange_);
+    return masks_.draw(renderer_, inputs, exchange_.record(request_), exchange_);
   }
 
  private:
   Renderer& renderer_;
   Exchange exchange_;
   MaskSources masks_;
-  const FrameRequest* asked_ = nullptr;
+  const FrameRequest* request_ = nullptr;
 };
 
 }  // namespace

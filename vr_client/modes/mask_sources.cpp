@@ -23,8 +23,8 @@ void MaskSources::take(std::span<const RequestRecord* const> usable, const Reque
   for (const RequestRecord* record : records_) masks_.push_back(mask_of(*record));
 }
 
-Lookup MaskSources::lookup(const FrameRequest& shown, Lookup wanted) const {
-  if (masks_.empty()) return wanted;
+Lookup MaskSources::lookup(const FrameRequest& shown, Lookup requested) const {
+  if (masks_.empty()) return requested;
   const TracedMask& first = masks_[0];
   const auto is_same = [&](std::size_t eye) {
     return shares_pixels(shown.views[eye], first.views[eye]) &&
@@ -32,20 +32,20 @@ Lookup MaskSources::lookup(const FrameRequest& shown, Lookup wanted) const {
   };
   const bool is_exact = is_same(0) && is_same(1) && first.light_set_revision == shown.lights.revision &&
                         (!is_animated_ || same_instant(first.scene_time, shown.scene_time));
-  return is_exact ? Lookup::Direct : wanted;
+  return is_exact ? Lookup::Direct : requested;
 }
 
-DrawnFrame MaskSources::draw(Renderer& renderer, const FrameInputs& inputs, const RequestRecord* asked,
+DrawnFrame MaskSources::draw(Renderer& renderer, const FrameInputs& inputs, const RequestRecord* record,
                              Exchange& exchange) {
-  CarryOver carry_over = inputs.steering.carry_over;
+  CarryOver carry_over = inputs.settings.carry_over;
   carry_over.lookup = lookup(inputs.shown, carry_over.lookup);
   DrawnFrame drawn{.drawn = renderer.draw({.views = inputs.shown.views,
                                            .state = inputs.state,
-                                           .asked = asked ? &asked->request : nullptr,
+                                           .request = record ? &record->request : nullptr,
                                            .masks = masks_,
                                            .carry_over = carry_over,
-                                           .report = inputs.steering.report,
-                                           .asked_slot = asked ? asked->slot : 0})};
+                                           .report = inputs.settings.report,
+                                           .request_slot = record ? record->slot : 0})};
   // The renderer passes over masks without depth.
   const RequestRecord* first = nullptr;
   drawn_with_.clear();

@@ -22,12 +22,12 @@ class MaskSources {
   [[nodiscard]] std::span<const TracedMask> masks() const { return masks_; }
 
   /// Direct if the first mask was traced for exactly the pixels, scene time and lights of `shown` and is
-  /// complete; otherwise `wanted`.
-  [[nodiscard]] Lookup lookup(const FrameRequest& shown, Lookup wanted) const;
+  /// complete; otherwise `requested`.
+  [[nodiscard]] Lookup lookup(const FrameRequest& shown, Lookup requested) const;
 
-  /// Draws the G-buffer and shades it with the masks. Keeps the depth of the views of `asked`, the record of
+  /// Draws the G-buffer and shades it with the masks. Keeps the depth of the views of `record`, the record of
   /// this frame's request, unless it is null.
-  DrawnFrame draw(Renderer& renderer, const FrameInputs& inputs, const RequestRecord* asked,
+  DrawnFrame draw(Renderer& renderer, const FrameInputs& inputs, const RequestRecord* record,
                   Exchange& exchange);
 
  private:

@@ -13,12 +13,12 @@ namespace {
 class ServerGBuffer final : public ModePipeline {
  public:
   explicit ServerGBuffer(const RunContext& context)
-      : context_(context), exchange_(context.link, context.policy, context.steering.wish) {}
+      : context_(context), exchange_(context.link, context.policy, context.settings.request) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
-    const FrameRequest* const asked = exchange_.plan(inputs, {.kind = Answer::GBuffer});
+    const FrameRequest* const request = exchange_.plan(inputs, {.kind = Answer::GBuffer});
     exchange_.send(inputs);
-    return asked;
+    return request;
   }
 
   /// Takes the newest answer that is complete or whose report has come; before there is one, the newest.

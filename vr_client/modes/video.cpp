@@ -57,7 +57,7 @@ class VideoStream {
   struct Picture {
     PerEye<Image<Rgb8>> eyes;
     FrameRequest request;
-    Time asked_at;
+    Time requested_at;
   };
   /// Null before the first picture.
   [[nodiscard]] const Picture* picture() const { return picture_ ? &*picture_ : nullptr; }
@@ -80,16 +80,17 @@ class VideoStream {
 };
 
 VideoStream::VideoStream(const RunContext& context, Answer answer)
-    : context_(context), answer_(answer), exchange_(context.link, context.policy, context.steering.wish) {}
+    : context_(context), answer_(answer), exchange_(context.link, context.policy, context.settings.request) {}
 
 const FrameRequest* VideoStream::request(const FrameInputs& inputs) {
-  const Duration interval = inputs.period * inputs.steering.wish.every;
-  const FrameRequest* const asked = exchange_.plan(inputs, {.kind = answer_,
-                                                            .bits_per_second = context_.mode.bits_per_second,
-                                                            .interval = interval,
-                                                            .coding = chain_.next()});
+  const Duration interval = inputs.period * inputs.settings.request.every;
+  const FrameRequest* const request =
+      exchange_.plan(inputs, {.kind = answer_,
+                              .bits_per_second = context_.mode.bits_per_second,
+                              .interval = interval,
+                              .coding = chain_.next()});
   exchange_.send(inputs);
-  return asked;
+  return request;
 }
 
 void VideoStream::collect(const FrameInputs& inputs) {
@@ -109,7 +110,7 @@ void VideoStream::decode(const RequestRecord& frame) {
   const Image<Rgb8>* const picture =
       chain_.take(id, frame.video.after, frame.video.unit, side_by_side_size(eye));
   if (picture == nullptr) return;
-  picture_ = Picture{two_eyes(*picture, eye), frame.request, frame.origin.asked_at};
+  picture_ = Picture{two_eyes(*picture, eye), frame.request, frame.origin.requested_at};
 }
 
 const RequestRecord* VideoStream::received() const {
@@ -118,7 +119,7 @@ const RequestRecord* VideoStream::received() const {
 
 std::optional<Duration> VideoStream::age(const FrameInputs& inputs) const {
   if (!picture_) return std::nullopt;
-  return inputs.shown.display_time - picture_->asked_at;
+  return inputs.shown.display_time - picture_->requested_at;
 }
 
 class Remote final : public ModePipeline {

@@ -34,7 +34,7 @@ ComposePass::ComposePass(const gpu::Device& device, const gpu::Image& eyes, vk::
                                    "anaglyph")),
       vertex_(gpu::make_shader(device, anaglyph_vert_spv, "anaglyph.vert")),
       fragment_(gpu::make_shader(device, anaglyph_frag_spv, "anaglyph.frag")) {
-  check_eq(eyes.wish.layers, std::uint32_t{kEyes}, "layers of the eyes' image");
+  check_eq(eyes.spec.layers, std::uint32_t{kEyes}, "layers of the eyes' image");
   // Nothing is uploaded yet, but the descriptor set needs an image.
   for (const std::uint32_t binding : {0u, 1u})
     gpu::bind_image(device, bindings_, binding, {*eyes.view, Layout::eGeneral, nullptr});
@@ -88,12 +88,12 @@ vk::raii::Pipeline ComposePass::make_pipeline(Filter filter, vk::Format format) 
 void ComposePass::make_uploads() {
   using Usage = vk::ImageUsageFlagBits;
   uploads_ = gpu::make_image(device_,
-                             {.size = eyes_.wish.size,
+                             {.size = eyes_.spec.size,
                               .layers = kEyes,
                               .format = vk::Format::eR8G8B8A8Unorm,
                               .usage = Usage::eStorage | Usage::eTransferDst | Usage::eTransferSrc},
                              "uploads");
-  staging_ = gpu::make_mapped_buffer(device_, eyes_.wish.size.pixels() * 4,
+  staging_ = gpu::make_mapped_buffer(device_, eyes_.spec.size.pixels() * 4,
                                      vk::BufferUsageFlagBits::eTransferSrc, "uploads staging");
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
     constexpr auto filled = Layout::eTransferDstOptimal;
@@ -107,8 +107,8 @@ void ComposePass::make_uploads() {
 }
 
 void ComposePass::upload(Side side, const Image<Rgb8>& picture) {
-  check(picture.size == eyes_.wish.size, "an upload has the size of the eyes");
-  if (uploads_.wish.size.pixels() == 0) make_uploads();
+  check(picture.size == eyes_.spec.size, "an upload has the size of the eyes");
+  if (uploads_.spec.size.pixels() == 0) make_uploads();
   const auto pixels = staging_.as<Rgba8>();
   for (std::size_t i = 0; i < picture.pixels.size(); ++i) pixels[i] = Rgba8(picture.pixels[i], 255);
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
@@ -118,7 +118,7 @@ void ComposePass::upload(Side side, const Image<Rgb8>& picture) {
     commands.copyBufferToImage(
         *staging_.buffer, *uploads_.image, filled,
         vk::BufferImageCopy{.imageSubresource = {vk::ImageAspectFlagBits::eColor, 0, layer.first, 1},
-                            .imageExtent = {eyes_.wish.size.width, eyes_.wish.size.height, 1}});
+                            .imageExtent = {eyes_.spec.size.width, eyes_.spec.size.height, 1}});
     gpu::transition(commands, uploads_, filled, Layout::eGeneral, layer);
   });
 }
@@ -128,8 +128,8 @@ void ComposePass::copy(const vk::raii::CommandBuffer& commands, Picture picture,
                        vk::Image target) const {
   const auto number = static_cast<std::uint32_t>(picture);
   const gpu::Image& source = number < kEyes ? eyes_ : uploads_;
-  const Extent size = eyes_.wish.size;
-  check(source.wish.size == size, "a picture that replaces an eye was uploaded");
+  const Extent size = eyes_.spec.size;
+  check(source.spec.size == size, "a picture that replaces an eye was uploaded");
   const gpu::LayerRange layer{number % std::uint32_t{kEyes}, 1};
   const vk::ImageBlit blit{
       .srcSubresource = {vk::ImageAspectFlagBits::eColor, 0, layer.first, 1},
@@ -179,7 +179,7 @@ void ComposePass::record(const vk::raii::CommandBuffer& commands, const Composit
       .dstStageMask = vk::PipelineStageFlagBits2::eAllCommands,
       .dstAccessMask = vk::AccessFlagBits2::eMemoryRead | vk::AccessFlagBits2::eMemoryWrite};
   commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &in_order});
-  Extent eye = eyes_.wish.size;
+  Extent eye = eyes_.spec.size;
   double aspect = composition.aspect;
   if (composition.layout == StereoLayout::Anaglyph && composition.shared.count > 0) {
     aspect *= static_cast<double>(composition.shared.count) / eye.width;

@@ -107,18 +107,18 @@ void change_view(Command command, Controls& controls) {
 }
 
 void change_carry_over(Command command, Controls& controls) {
-  RequestSettings& wish = controls.settings.wish;
+  RequestSettings& request = controls.settings.request;
   CarryOver& carry_over = controls.settings.carry_over;
   if (command == Command::Reprojection)
     carry_over.lookup = carry_over.lookup == Lookup::Reproject ? Lookup::Direct : Lookup::Reproject;
   if (command == Command::NextPredictor) {
-    const auto* const now = std::ranges::find(kPredictorKinds, wish.predictor);
-    wish.predictor = now + 1 == std::end(kPredictorKinds) ? *kPredictorKinds : *(now + 1);
+    const auto* const now = std::ranges::find(kPredictorKinds, request.predictor);
+    request.predictor = now + 1 == std::end(kPredictorKinds) ? *kPredictorKinds : *(now + 1);
   }
   if (command == Command::GuardBand)
-    wish.guard_band = wish.guard_band == GuardBandUse::Off ? GuardBandUse::Measured : GuardBandUse::Off;
-  if (command == Command::SlowerMasks) wish.every = std::min(wish.every * 2, kRarestMasks);
-  if (command == Command::FasterMasks) wish.every = std::max(wish.every / 2, 1u);
+    request.guard_band = request.guard_band == GuardBandUse::Off ? GuardBandUse::Measured : GuardBandUse::Off;
+  if (command == Command::SlowerMasks) request.every = std::min(request.every * 2, kRarestMasks);
+  if (command == Command::FasterMasks) request.every = std::max(request.every / 2, 1u);
   double& latency_ms = controls.path.latency_ms;
   if (command == Command::WorsePath) latency_ms = std::min(latency_ms + kPathStep_ms, kWorstPath.latency_ms);
   if (command == Command::BetterPath) latency_ms = std::max(latency_ms - kPathStep_ms, 0.0);
@@ -133,7 +133,7 @@ void change_scene(Command command, Controls& controls, const ControlContext& con
   if (command == Command::ResetLights) reset_lights(controls);
   SceneClock& clock = controls.settings.scene;
   if (command == Command::Animation)
-    clock = clock == SceneClock::Runs ? SceneClock::Stands : SceneClock::Runs;
+    clock = clock == SceneClock::Running ? SceneClock::Paused : SceneClock::Running;
 }
 
 void change_head(Command command, Controls& controls, const ControlContext& context) {

@@ -54,9 +54,9 @@ void History::add(const FrameView& view, const std::optional<PerEye<EyeErrors>>&
   else if (view.newest)
     newest_.staleness_ms = ms_of(view.shown.display_time - view.newest->request.display_time);
   if (view.age) newest_.age_ms = ms_of(*view.age);
-  if (view.asked) {
-    newest_.asked = view.asked->views[0].size;
-    newest_.guard_band_percent = 100 * (static_cast<double>(newest_.asked.pixels()) /
+  if (view.request) {
+    newest_.requested = view.request->views[0].size;
+    newest_.guard_band_percent = 100 * (static_cast<double>(newest_.requested.pixels()) /
                                             static_cast<double>(view.shown.views[0].size.pixels()) -
                                         1);
   }

@@ -34,7 +34,7 @@ struct Figures {
   std::optional<std::uint64_t> rays{};    ///< primary and shadow rays of the newest frame
   std::optional<double> guard_band_percent{};
   std::optional<PerEye<EyeErrors>> errors{};  ///< of the newest frame; empty if it was not measured
-  Extent asked{};                             ///< size of an eye in the newest request
+  Extent requested{};                         ///< size of an eye in the newest request
 };
 
 class History {

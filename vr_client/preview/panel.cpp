@@ -64,22 +64,22 @@ void draw_masks(Controls& controls, const PanelFacts& facts) {
   slide("latency", controls.path.latency_ms, 0, kWorstPath.latency_ms, "%.0f ms");
   slide("jitter", controls.path.jitter_ms, 0, kWorstPath.jitter_ms, "%.0f ms");
   slide("loss", controls.path.loss_percent, 0, kWorstPath.loss_percent, "%.1f %%");
-  auto every = static_cast<int>(controls.settings.wish.every);
+  auto every = static_cast<int>(controls.settings.request.every);
   if (ImGui::SliderInt("masks", &every, 1, static_cast<int>(kRarestMasks), "in 1 of %d frames",
                        ImGuiSliderFlags_AlwaysClamp))
-    controls.settings.wish.every =
+    controls.settings.request.every =
         static_cast<std::uint32_t>(std::clamp(every, 1, static_cast<int>(kRarestMasks)));
-  auto band = static_cast<int>(controls.settings.wish.guard_band_percent);
+  auto band = static_cast<int>(controls.settings.request.guard_band_percent);
   if (ImGui::SliderInt("guard band", &band, 0, static_cast<int>(kWidestBand_percent), "%d %% of the measured",
                        ImGuiSliderFlags_AlwaysClamp))
-    controls.settings.wish.guard_band_percent =
+    controls.settings.request.guard_band_percent =
         static_cast<std::uint32_t>(std::clamp(band, 0, static_cast<int>(kWidestBand_percent)));
   box("reprojection", controls.settings.carry_over.lookup == Lookup::Reproject, Command::Reprojection,
       controls, facts.context);
   ImGui::SameLine();
-  box("band on", controls.settings.wish.guard_band == GuardBandUse::Measured, Command::GuardBand, controls,
+  box("band on", controls.settings.request.guard_band == GuardBandUse::Measured, Command::GuardBand, controls,
       facts.context);
-  choose("predictor", kPredictorKinds, controls.settings.wish.predictor,
+  choose("predictor", kPredictorKinds, controls.settings.request.predictor,
          [](PredictorKind kind) { return to_string(kind); });
 }
 
@@ -107,7 +107,8 @@ void draw_lights(Controls& controls, const PanelFacts& facts) {
   button("reset", Command::ResetLights, controls, facts.context);
   if (facts.scene.animation_length_s == 0) return;
   ImGui::SameLine();
-  box("animation", controls.settings.scene == SceneClock::Runs, Command::Animation, controls, facts.context);
+  box("animation", controls.settings.scene == SceneClock::Running, Command::Animation, controls,
+      facts.context);
 }
 
 void draw_player(Controls& controls, const PanelFacts& facts, Player& player) {

@@ -70,7 +70,7 @@ void figure_rows(const Figures& figures, const Controls& controls) {
   std::string rays = "-";
   if (figures.rays) rays = fmt::format("{:.2f} M per frame", static_cast<double>(*figures.rays) * 1e-6);
   row("rays", rays);
-  row("requested", fmt::format("{}x{}", figures.asked.width, figures.asked.height) +
+  row("requested", fmt::format("{}x{}", figures.requested.width, figures.requested.height) +
                        text_of(figures.guard_band_percent, ", {:+.0f} % pixels"));
   if (figures.errors)
     error_rows(*figures.errors);

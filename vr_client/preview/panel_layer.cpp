@@ -138,7 +138,7 @@ PanelLayer::~PanelLayer() {
 }
 
 bool PanelLayer::is_due(Extent window, Time now) const {
-  if (!laid_out_ || now - *laid_out_ >= kRedrawInterval || image_.wish.size != window) return true;
+  if (!laid_out_ || now - *laid_out_ >= kRedrawInterval || image_.spec.size != window) return true;
   if (ImGui::IsAnyItemActive()) return true;
   return covers(window_.cursor_px());
 }
@@ -148,7 +148,7 @@ bool PanelLayer::covers(glm::dvec2 place) const {
 }
 
 void PanelLayer::lay_out(Extent window, Time now, const std::function<void()>& draw) {
-  if (image_.wish.size != window) fit(window);
+  if (image_.spec.size != window) fit(window);
   laid_out_ = now;
   ImGui_ImplVulkan_NewFrame();
   window_.begin_panel();
@@ -180,7 +180,7 @@ void PanelLayer::record_drawing(const vk::raii::CommandBuffer& commands) {
   const vk::ClearValue nothing{};
   commands.beginRenderPass({.renderPass = *render_pass_,
                             .framebuffer = *framebuffer_,
-                            .renderArea = {.extent = {image_.wish.size.width, image_.wish.size.height}},
+                            .renderArea = {.extent = {image_.spec.size.width, image_.spec.size.height}},
                             .clearValueCount = 1,
                             .pClearValues = &nothing},
                            vk::SubpassContents::eInline);

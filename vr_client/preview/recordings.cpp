@@ -101,13 +101,13 @@ LinkListener Recordings::listen() {
   capture_path_.clear();
   CaptureWriter* const own = capture_.get();
   // The link outlives a capture and keeps calling its listener.
-  return {.heard =
+  return {.received =
               [this, own, inner = own->listener()](auto message, Time arrived) {
-                if (capture_.get() == own) inner.heard(message, arrived);
+                if (capture_.get() == own) inner.received(message, arrived);
               },
-          .asked =
+          .sent =
               [this, own, inner = own->listener()](const FrameRequest& request) {
-                if (capture_.get() == own) inner.asked(request);
+                if (capture_.get() == own) inner.sent(request);
               }};
 }
 

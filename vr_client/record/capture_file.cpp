@@ -52,8 +52,8 @@ bool light_fields(ByteReader& io, LightChanges& changes) {
 }
 
 bool settings_fields(auto& io, Either<FrameSettings> auto& settings) {
-  return io.code(settings.wish.predictor) && io.code(settings.wish.guard_band) &&
-         io.u32(settings.wish.every) && io.u32(settings.wish.guard_band_percent) &&
+  return io.code(settings.request.predictor) && io.code(settings.request.guard_band) &&
+         io.u32(settings.request.every) && io.u32(settings.request.guard_band_percent) &&
          io.code(settings.carry_over.lookup) && io.code(settings.carry_over.eyes) &&
          io.code(settings.carry_over.gaps) && io.code(settings.carry_over.edges) && io.code(settings.scene) &&
          light_fields(io, settings.lights);
@@ -90,13 +90,13 @@ Verdict verdict_on_lights(const LightChanges& changes) {
 
 Verdict verdict_on(const FrameSettings& settings) {
   const bool codes =
-      std::ranges::find(kPredictorKinds, settings.wish.predictor) != std::end(kPredictorKinds) &&
-      is_one_of(settings.wish.guard_band, GuardBandUse::Measured) && settings.wish.every >= 1 &&
-      settings.wish.every <= kMaxEvery && settings.wish.guard_band_percent <= kWidestBand_percent &&
+      std::ranges::find(kPredictorKinds, settings.request.predictor) != std::end(kPredictorKinds) &&
+      is_one_of(settings.request.guard_band, GuardBandUse::Measured) && settings.request.every >= 1 &&
+      settings.request.every <= kMaxEvery && settings.request.guard_band_percent <= kWidestBand_percent &&
       is_one_of(settings.carry_over.lookup, Lookup::Direct) &&
       is_one_of(settings.carry_over.eyes, Eyes::Both) &&
       is_one_of(settings.carry_over.gaps, Gaps::Neighbours) &&
-      is_one_of(settings.carry_over.edges, Edges::Filtered) && is_one_of(settings.scene, SceneClock::Stands);
+      is_one_of(settings.carry_over.edges, Edges::Filtered) && is_one_of(settings.scene, SceneClock::Paused);
   return codes ? verdict_on_lights(settings.lights) : WireRefusal::Code;
 }
 

@@ -106,7 +106,7 @@ Expected<void> CaptureReader::take_frame(const Record& record, CapturedFrame& fr
   if (!input) return refused(record, input.error());
   if (last_display_time_ && input->timing.display_time < *last_display_time_)
     return fail_at(record.at, "the display time runs backwards");
-  const bool wide = input->settings.wish.guard_band == GuardBandUse::Measured;
+  const bool wide = input->settings.request.guard_band == GuardBandUse::Measured;
   if (header_.origin == MaskOrigin::Server && wide &&
       header_.limits.traced_size != largest_traced(header_.limits.size))
     return fail_at(record.at, "a guard band, though the header's traced size has no room for one");

@@ -14,13 +14,13 @@ Error why_not(const std::filesystem::path& path, int error) {
 }  // namespace
 
 LinkListener CaptureWriter::listener() {
-  return {.heard =
+  return {.received =
               [this](std::span<const std::byte> message, Time arrived) {
                 if (failed_) return;
                 (frame_.request ? frame_.after : frame_.before)
                     .push_back({arrived, {message.begin(), message.end()}});
               },
-          .asked =
+          .sent =
               [this](const FrameRequest& request) {
                 if (!failed_) frame_.request = CapturedRequest{clock_.now(), request};
               }};
@@ -45,7 +45,7 @@ bool CaptureWriter::write() {
 
 void CaptureWriter::watch(const FrameView& view, const PerEye<Image<Rgb8>>& shown) {
   if (!file_ || failed_) return;
-  frame_.input = {view.timing, view.shown.views, view.steering};
+  frame_.input = {view.timing, view.shown.views, view.settings};
   for (const Side side : kSides) frame_.pictures[index_of(side)] = hash_of(shown[index_of(side)]);
   append(frame_, pending_);
   frame_ = {};

@@ -25,7 +25,7 @@ class CaptureLink final : public AnswerLink {
 
   /// As with a NetworkLink, no request is sent before the first Welcome. The frame that received the Welcome
   /// may or may not have sent one.
-  void request(const FrameRequest& request, Time asked_at,
+  void request(const FrameRequest& request, Time requested_at,
                std::span<const std::vector<std::byte>> positions = {}) override;
 
   /// Takes all messages of the current frame, whatever the timeout.

@@ -13,8 +13,8 @@ RunReport::RunReport(RunReportOptions options, Renderer& renderer, Reference* re
 
 /// The cost of the guard band: requested pixels beyond the shown ones, as a share of the shown ones.
 std::optional<double> RunReport::guard_band_of(const FrameView& view) {
-  if (view.asked == nullptr) return std::nullopt;
-  return static_cast<double>(view.asked->views[0].size.pixels()) /
+  if (view.request == nullptr) return std::nullopt;
+  return static_cast<double>(view.request->views[0].size.pixels()) /
              static_cast<double>(view.shown.views[0].size.pixels()) -
          1;
 }

@@ -218,8 +218,8 @@ void Timeline::add(const FrameView& view, const AnswerInbox* inbox) {
   // Frame ids restart with each session: earlier requests are complete when a new session begins.
   if (frames_.size() > 1 && !is_newer(view.shown.frame, frames_[frames_.size() - 2].frame))
     settled_ = requests_.size();
-  if (view.asked)
-    if (const RequestRecord* const record = inbox->find(view.asked->frame))
+  if (view.request)
+    if (const RequestRecord* const record = inbox->find(view.request->frame))
       requests_.push_back({.exchange = {record->request.frame, record->origin.sent, {}, {}}});
   for (std::size_t i = settled_; i < requests_.size(); ++i) {
     ServerRequest& request = requests_[i];

@@ -27,11 +27,11 @@ StereoView both(const View& view) {
   return {view, view};
 }
 
-void expect_near(const Sides<double>& found, const Sides<double>& wanted, double tolerance) {
-  EXPECT_NEAR(found.left, wanted.left, tolerance);
-  EXPECT_NEAR(found.right, wanted.right, tolerance);
-  EXPECT_NEAR(found.up, wanted.up, tolerance);
-  EXPECT_NEAR(found.down, wanted.down, tolerance);
+void expect_near(const Sides<double>& found, const Sides<double>& expected, double tolerance) {
+  EXPECT_NEAR(found.left, expected.left, tolerance);
+  EXPECT_NEAR(found.right, expected.right, tolerance);
+  EXPECT_NEAR(found.up, expected.up, tolerance);
+  EXPECT_NEAR(found.down, expected.down, tolerance);
 }
 
 TEST(OutsidePx, IsZeroForTheSameView) {
@@ -41,7 +41,7 @@ TEST(OutsidePx, IsZeroForTheSameView) {
 TEST(OutsidePx, IsClosedFormForAYaw) {
   const double per_x = kSize.width / (2 * std::tan(kHalf)), per_y = kSize.height / (2 * std::tan(kHalfUp));
   for (const double a : {0.001, 0.02, 0.3}) {
-    // The left border comes to the angle half + a, its corners further from the middle row as well.
+    // The left border is at the angle half + a. Its corners are also further from the middle row.
     const double ahead = (std::tan(kHalf + a) - std::tan(kHalf)) * per_x,
                  behind = (std::tan(kHalf - a) - std::tan(kHalf)) * per_x,
                  corner = std::tan(kHalfUp) * (std::cos(kHalf) / std::cos(kHalf + a) - 1) * per_y;
@@ -63,9 +63,10 @@ TEST(OutsidePx, IsClosedFormForAStepBesideTheNearestSurface) {
   const double per_x = kSize.width / (2 * std::tan(kHalf)), per_y = kSize.height / (2 * std::tan(kHalfUp));
   expect_near(outside_px(moved(kView, {}, {0.1, 0, 0}), kView), {0, 0.1 / kNearest_m * per_x, 0, 0}, 1e-8);
   expect_near(outside_px(moved(kView, {}, {0, -0.04, 0}), kView), {0, 0, 0, 0.04 / kNearest_m * per_y}, 1e-8);
-  // Forwards: the border of what is shown lies inside of what was traced, but for surfaces without end.
+  // A head that moved forwards: the border of the shown view lies inside the traced view, except for
+  // infinitely distant surfaces.
   expect_near(outside_px(moved(kView, {}, {0, 0, -0.2}), kView), {0, 0, 0, 0}, 1e-8);
-  // Backwards: what lies 1 m ahead now is 0.8 m ahead of the traced eye.
+  // A head that moved backwards: a point that is now 1 m ahead is 0.8 m ahead of the traced eye.
   expect_near(outside_px(moved(kView, {}, {0, 0, 0.2}), kView),
               {256 / 0.8 - 256, 256 / 0.8 - 256, 200 / 0.8 - 200, 200 / 0.8 - 200}, 1e-8);
 }
@@ -118,7 +119,7 @@ TEST(SharesPixels, IsFalseForAnotherPoseOrGrid) {
   View finer = kView;
   finer.size.width += 1;
   EXPECT_FALSE(shares_pixels(kView, finer));
-  View half = kView;  // half a pixel to the side
+  View half = kView;  // moved to the side by half a pixel
   const double step = 2 * std::tan(kHalf) / kSize.width;
   half.fov.left_rad = std::atan(-std::tan(kHalf) + step / 2);
   half.fov.right_rad = std::atan(std::tan(kHalf) + step / 2);
@@ -168,7 +169,7 @@ TEST(GuardBand, GrowsOnTheSidesThatNeedItOnly) {
   };
   struct Case {
     glm::dvec3 step;
-    Sides<std::uint32_t> wanted;
+    Sides<std::uint32_t> expected;
   };
   for (const Case& c : {Case{{0.1, 0, 0}, {.right = in_steps(0.1 * per_x)}},
                         Case{{-0.1, 0, 0}, {.left = in_steps(0.1 * per_x)}},
@@ -176,7 +177,7 @@ TEST(GuardBand, GrowsOnTheSidesThatNeedItOnly) {
                         Case{{0, -0.06, 0}, {.down = in_steps(0.06 * per_y)}}}) {
     GuardBand band;
     for (int i = 0; i < 20; ++i) band.observe(both(moved(kView, {}, c.step)), both(kView));
-    EXPECT_EQ(margins_of(band), c.wanted) << c.step.x << " " << c.step.y;
+    EXPECT_EQ(margins_of(band), c.expected) << c.step.x << " " << c.step.y;
   }
 }
 
@@ -204,7 +205,7 @@ TEST(GuardBand, WidensTheAxisOfATurn) {
   const Twist yaw{{0, 2, 0}, {}}, pitch{{-2, 0, 0}, {}};
   const Sides<std::uint32_t> turning = margins_of({}, yaw), nodding = margins_of({}, pitch);
   EXPECT_GT(turning.left, 0u);
-  EXPECT_EQ(turning.left, turning.right) << "it may stop as well as go on";
+  EXPECT_EQ(turning.left, turning.right) << "the head may also stop";
   EXPECT_EQ(turning.up + turning.down, 0u);
   EXPECT_EQ(nodding.left + nodding.right, 0u);
   EXPECT_GT(nodding.up, 0u);
@@ -223,12 +224,12 @@ TEST(GuardBand, AddsFifteenPercentOfTheTurnWithinTheLead) {
   const double per_yaw = pixels_per_rad(kSize.width, kHalf),
                per_pitch = pixels_per_rad(kSize.height, kHalfUp);
   for (const double px : {15.9, 16.1, 31.9, 32.1}) {
-    const std::uint32_t wanted = px < 16 ? 16 : px < 32 ? 32 : 48;
+    const std::uint32_t expected = px < 16 ? 16 : px < 32 ? 32 : 48;
     const double yaw = px / (0.15 * 0.05 * per_yaw), pitch = px / (0.15 * 0.05 * per_pitch);
-    EXPECT_EQ(margins_of({}, {{0, yaw, 0}, {}}).left, wanted) << px;
-    EXPECT_EQ(margins_of({}, {{0, -yaw, 0}, {}}).right, wanted) << px;
-    EXPECT_EQ(margins_of({}, {{pitch, 0, 0}, {}}).up, wanted) << px;
-    EXPECT_EQ(margins_of({}, {{-pitch, 0, 0}, {}}).down, wanted) << px;
+    EXPECT_EQ(margins_of({}, {{0, yaw, 0}, {}}).left, expected) << px;
+    EXPECT_EQ(margins_of({}, {{0, -yaw, 0}, {}}).right, expected) << px;
+    EXPECT_EQ(margins_of({}, {{pitch, 0, 0}, {}}).up, expected) << px;
+    EXPECT_EQ(margins_of({}, {{-pitch, 0, 0}, {}}).down, expected) << px;
   }
 }
 
@@ -304,7 +305,7 @@ TEST(GuardBand, StaysWithinTheLargestTracedSizeInWholeSteps) {
     reached = reached || wide == most;
   }
   EXPECT_TRUE(reached);
-  EXPECT_EQ(largest_traced({512, 256}), (Extent{640, 320})) << "a quarter more";
+  EXPECT_EQ(largest_traced({512, 256}), (Extent{640, 320})) << "a quarter larger";
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ constexpr Extent kSize{320, 256};
 const Rigid<Stage, Head> kStart{rotation_exp({0.1, 0.4, -0.05}), {1, 1.6, -2}};
 const Twist kScrew{{0.1, 1.5, -0.05}, {0.3, 0, -0.4}};
 
-/// Eyes apart and canted outwards by the same angle.
+/// Eyes at a distance from each other, both canted outwards by the same angle.
 Rigid<Head, Eye> head_from(Side side) {
   const double sign = side == Side::Left ? -1 : 1;
   return {rotation_exp({0, -0.08 * sign, 0}), {0.032 * sign, 0, -0.01}};
@@ -36,7 +36,7 @@ Rigid<Stage, Head> head_at(Duration time, const Twist& twist = kScrew) {
   return kStart * motion_exp<Head>(twist * seconds_of(time));
 }
 
-/// What frame `i` shows of a head that moves with `twist`; the scene runs 7 ms behind.
+/// The views of frame `i` of a head that moves with `twist`. The scene time is 7 ms behind the display time.
 FrameRequest shown(std::uint32_t i, const Twist& twist = kScrew) {
   const Duration now = kPeriod * i;
   return {.frame = {i + 1},
@@ -61,12 +61,12 @@ TEST(RequestPlan, HoldAsksForTheShownViewsAtTheirTime) {
   RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off});
   for (std::uint32_t i = 0; i < 50; ++i) {
     const FrameRequest now = shown(i);
-    const auto asked = plan.ask(now, kPeriod);
-    ASSERT_TRUE(asked.has_value());
-    EXPECT_EQ(asked->frame, now.frame);
-    EXPECT_EQ(asked->display_time, now.display_time);
-    EXPECT_EQ(asked->scene_time, now.scene_time);
-    EXPECT_EQ(asked->views, now.views) << "to the last bit";
+    const auto request = plan.ask(now, kPeriod);
+    ASSERT_TRUE(request.has_value());
+    EXPECT_EQ(request->frame, now.frame);
+    EXPECT_EQ(request->display_time, now.display_time);
+    EXPECT_EQ(request->scene_time, now.scene_time);
+    EXPECT_EQ(request->views, now.views) << "to the last bit";
     plan.learn(50ms);
     EXPECT_EQ(plan.lead(kPeriod), 0ms);
   }
@@ -74,22 +74,22 @@ TEST(RequestPlan, HoldAsksForTheShownViewsAtTheirTime) {
 
 TEST(RequestPlan, HeldViewsAreWidenedByWhatTheHeadTurnsInTheDelay) {
   RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Measured});
-  std::optional<FrameRequest> asked;
+  std::optional<FrameRequest> request;
   for (std::uint32_t i = 0; i < 60; ++i) {
     plan.learn(50ms);
-    asked = plan.ask(shown(i), kPeriod);
+    request = plan.ask(shown(i), kPeriod);
     if (i >= 5) plan.drawn_with(shown(i).views, shown(i - 5).views, 50ms);
   }
   const FrameRequest now = shown(59);
-  EXPECT_EQ(asked->display_time, now.display_time);
+  EXPECT_EQ(request->display_time, now.display_time);
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    EXPECT_TRUE(shares_pixels(now.views[eye], asked->views[eye])) << "the same pose, the same grid";
-    // What is shown 50 ms later lies within what was asked for.
-    const Sides<double> out = outside_px(shown(64).views[eye], asked->views[eye]);
+    EXPECT_TRUE(shares_pixels(now.views[eye], request->views[eye])) << "the same pose, the same grid";
+    // The view that is shown 50 ms later lies within the requested view.
+    const Sides<double> out = outside_px(shown(64).views[eye], request->views[eye]);
     EXPECT_LE(out.left, 0.5);
     EXPECT_LE(out.right, 0.5);
   }
-  EXPECT_GT(grid_offset_px(now.views[0], asked->views[0]).x, 15) << "the head turns left";
+  EXPECT_GT(grid_offset_px(now.views[0], request->views[0]).x, 15) << "the head turns left";
 }
 
 TEST(RequestPlan, AsksForThePoseAtTheTimeOfUse) {
@@ -97,25 +97,25 @@ TEST(RequestPlan, AsksForThePoseAtTheTimeOfUse) {
   for (std::uint32_t i = 0; i < 200; ++i) {
     const FrameRequest now = shown(i);
     if (i > 3) plan.learn(40ms);
-    const auto asked = plan.ask(now, kPeriod);
-    ASSERT_TRUE(asked.has_value());
+    const auto request = plan.ask(now, kPeriod);
+    ASSERT_TRUE(request.has_value());
     if (i < 120) continue;  // predictors learn the velocity first
-    EXPECT_EQ(asked->frame, now.frame);
-    EXPECT_EQ(asked->display_time, now.display_time + 40ms);
-    EXPECT_EQ(asked->scene_time, now.scene_time + 40ms);
+    EXPECT_EQ(request->frame, now.frame);
+    EXPECT_EQ(request->display_time, now.display_time + 40ms);
+    EXPECT_EQ(request->scene_time, now.scene_time + 40ms);
     const StereoView right = views_of(head_at(kPeriod * i + 40ms));
-    ASSERT_LT(apart(head_of(asked->views), head_of(right)), 4e-3) << "frame " << i;
-    EXPECT_GT(apart(head_of(now.views), head_of(right)), 0.05) << "a held head would be this far off";
+    ASSERT_LT(apart(head_of(request->views), head_of(right)), 4e-3) << "frame " << i;
+    EXPECT_GT(apart(head_of(now.views), head_of(right)), 0.05) << "a held pose would have this error";
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
-      EXPECT_EQ(asked->views[eye].fov, now.views[eye].fov);
-      EXPECT_EQ(asked->views[eye].size, now.views[eye].size);
+      EXPECT_EQ(request->views[eye].fov, now.views[eye].fov);
+      EXPECT_EQ(request->views[eye].size, now.views[eye].size);
     }
     const auto between_eyes = [](const StereoView& v) {
       return inverse(v[0].stage_from_eye) * v[1].stage_from_eye;
     };
-    const Rigid<Eye, Eye> a = between_eyes(asked->views), b = between_eyes(now.views);
+    const Rigid<Eye, Eye> a = between_eyes(request->views), b = between_eyes(now.views);
     EXPECT_LT(angle_between_rad(a.rotation, b.rotation) + glm::length(a.translation - b.translation), 1e-12)
-        << "the eyes stay where they are in the head";
+        << "the eyes do not move within the head";
   }
 }
 
@@ -124,11 +124,11 @@ TEST(RequestPlan, AHeadAtRestIsAskedForAsItIsShown) {
   for (std::uint32_t i = 0; i < 30; ++i) {
     plan.learn(30ms);
     const FrameRequest now = shown(i, Twist{});
-    const auto asked = plan.ask(now, kPeriod);
-    EXPECT_EQ(asked->display_time, now.display_time + 30ms);
+    const auto request = plan.ask(now, kPeriod);
+    EXPECT_EQ(request->display_time, now.display_time + 30ms);
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
-      EXPECT_EQ(asked->views[eye].stage_from_eye, now.views[eye].stage_from_eye) << "frame " << i;
-      EXPECT_EQ(asked->views[eye].size, now.views[eye].size) << "no guard band is needed";
+      EXPECT_EQ(request->views[eye].stage_from_eye, now.views[eye].stage_from_eye) << "frame " << i;
+      EXPECT_EQ(request->views[eye].size, now.views[eye].size) << "no guard band is needed";
     }
   }
 }
@@ -147,7 +147,7 @@ TEST(RequestPlanLead, IsTheMedianOfWhatWasLearned) {
   for (const Duration later : {Duration(20ms), Duration(500ms), Duration(30ms)}) plan.learn(later);
   EXPECT_EQ(plan.lead(kPeriod), 30ms);
   for (int i = 0; i < 32; ++i) plan.learn(60ms);
-  EXPECT_EQ(plan.lead(kPeriod), 60ms) << "old ones are forgotten";
+  EXPECT_EQ(plan.lead(kPeriod), 60ms) << "old latencies are forgotten";
 }
 
 TEST(RequestPlanLead, ForgetsWhatIsOlderThanThirtyTwoAnswers) {
@@ -182,20 +182,20 @@ TEST(RequestPlan, NeverAsksForMoreThanMayBeAskedFor) {
   for (std::uint32_t i = 0; i < 20; ++i) {
     FrameRequest now = shown(i);
     for (View& view : now.views) view.size = {kMaxViewSide_px, 256};
-    const std::optional<FrameRequest> asked = plan.ask(now, kPeriod);
-    ASSERT_TRUE(asked);
-    for (const View& view : asked->views) ASSERT_TRUE(is_valid(view)) << "frame " << i;
+    const std::optional<FrameRequest> request = plan.ask(now, kPeriod);
+    ASSERT_TRUE(request);
+    for (const View& view : request->views) ASSERT_TRUE(is_valid(view)) << "frame " << i;
   }
 }
 
-/// The views that are asked for after a turn of the head to the left, with at most `pixels` an eye.
+/// The views requested after a turn of the head to the left, with at most `pixels` per eye.
 StereoView asked_within(std::uint32_t pixels) {
   RequestPlan plan(RequestSettings{});
   plan.learn(20ms);
   plan.limit(pixels);
   for (std::uint32_t i = 0; i < 20; ++i) {
     if (i >= 5) plan.drawn_with(shown(i).views, shown(i - 5).views, 5 * kPeriod);
-    if (const auto asked = plan.ask(shown(i), kPeriod); i == 19) return asked->views;
+    if (const auto request = plan.ask(shown(i), kPeriod); i == 19) return request->views;
   }
   return {};
 }
@@ -205,7 +205,7 @@ TEST(RequestPlan, ShrinksTheGuardBandToWhatTheServerTraces) {
   const Extent unlimited = asked_within(~0u)[0].size;
   ASSERT_GE(unlimited.width, kSize.width + 3 * GuardBand::kStep_px);
   EXPECT_EQ(asked_within(static_cast<std::uint32_t>(unlimited.pixels()))[0].size, unlimited);
-  EXPECT_EQ(asked_within(shown_pixels)[0].size, kSize) << "no room at all";
+  EXPECT_EQ(asked_within(shown_pixels)[0].size, kSize) << "no room for a guard band";
   const auto one_step = shown_pixels + GuardBand::kStep_px * kSize.height;
   const Extent narrow = asked_within(one_step)[0].size;
   EXPECT_EQ(narrow, (Extent{kSize.width + GuardBand::kStep_px, kSize.height})) << "room for one step";
@@ -214,14 +214,14 @@ TEST(RequestPlan, ShrinksTheGuardBandToWhatTheServerTraces) {
   EXPECT_GE(less.pixels() + GuardBand::kStep_px * unlimited.width, unlimited.pixels());
 }
 
-/// How wide the views of the 100th frame are when each frame is drawn with masks that were made for the views
-/// `frames` before it.
+/// The width of the views of the 100th frame, if each frame is drawn with masks that were made for the views
+/// `frames` frames earlier.
 std::uint32_t width_when_masks_are_late(std::uint32_t frames) {
   RequestPlan plan({.predictor = PredictorKind::Kalman});
   for (std::uint32_t i = 0; i < 100; ++i) {
     plan.learn(40ms);
-    const auto asked = plan.ask(shown(i), kPeriod);
-    if (i == 99) return asked->views[0].size.width;
+    const auto request = plan.ask(shown(i), kPeriod);
+    if (i == 99) return request->views[0].size.width;
     if (i >= frames) plan.drawn_with(shown(i).views, shown(i - frames).views, kPeriod * (4 + frames));
   }
   return 0;
@@ -234,35 +234,35 @@ TEST(RequestPlan, WidensTheGuardBandWhenMasksComeLaterThanExpected) {
 
 TEST(RequestPlan, LearnsNothingOfMasksFromBeforeAPause) {
   RequestPlan plan({.predictor = PredictorKind::Hold});
-  std::optional<FrameRequest> asked;
+  std::optional<FrameRequest> request;
   for (std::uint32_t i = 0; i < 60; ++i) {
     plan.drawn_with(shown(i + 300, Twist{{0, 0.3, 0}, {}}).views, shown(0).views, 3s);
-    asked = plan.ask(shown(i, Twist{}), kPeriod);
+    request = plan.ask(shown(i, Twist{}), kPeriod);
   }
-  EXPECT_EQ(asked->views[0].size, kSize);
+  EXPECT_EQ(request->views[0].size, kSize);
 }
 
 TEST(RequestPlan, TracesWiderAfterAHeadThatTurnsAsNobodyForesees) {
   RequestPlan plan({.predictor = PredictorKind::Kalman});
-  std::optional<FrameRequest> asked;
+  std::optional<FrameRequest> request;
   std::deque<StereoView> in_flight;
   for (std::uint32_t i = 0; i < 140; ++i) {
     plan.learn(40ms);
     FrameRequest now = shown(i, Twist{});
-    // 3 Hz from side to side: what was so is not so 40 ms later.
+    // The head turns from side to side at 3 Hz, so the velocity has changed 40 ms later.
     now.views = views_of(kStart * motion_exp<Head>({{0, 0.15 * std::sin(19 * 0.01 * i), 0}, {}}));
-    asked = plan.ask(now, kPeriod);
-    in_flight.push_back(asked->views);
+    request = plan.ask(now, kPeriod);
+    in_flight.push_back(request->views);
     if (in_flight.size() > 4) {
       plan.drawn_with(now.views, in_flight.front(), 40ms);
       in_flight.pop_front();
     }
     const Extent most = largest_traced(kSize);
-    EXPECT_LE(asked->views[0].size.width, most.width);
-    EXPECT_LE(asked->views[0].size.height, most.height);
-    EXPECT_EQ(asked->views[0].size, asked->views[1].size);
+    EXPECT_LE(request->views[0].size.width, most.width);
+    EXPECT_LE(request->views[0].size.height, most.height);
+    EXPECT_EQ(request->views[0].size, request->views[1].size);
   }
-  EXPECT_GE(asked->views[0].size.width, kSize.width + 2 * GuardBand::kStep_px);
+  EXPECT_GE(request->views[0].size.width, kSize.width + 2 * GuardBand::kStep_px);
 }
 
 TEST(RequestPlanShrink, AsksForTheSameWindowsWithFewerPixels) {
@@ -270,9 +270,9 @@ TEST(RequestPlanShrink, AsksForTheSameWindowsWithFewerPixels) {
     RequestPlan plan({.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off});
     plan.shrink({eighths});
     const FrameRequest now = shown(0);
-    const std::optional<FrameRequest> asked = plan.ask(now, kPeriod);
+    const std::optional<FrameRequest> request = plan.ask(now, kPeriod);
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
-      const View &view = asked->views[eye], &full = now.views[eye];
+      const View &view = request->views[eye], &full = now.views[eye];
       EXPECT_EQ(view.fov, full.fov);
       EXPECT_EQ(view.stage_from_eye, full.stage_from_eye);
       EXPECT_NEAR(view.size.width, full.size.width * eighths / 8.0, 0.5) << eighths;
@@ -292,19 +292,20 @@ TEST(RequestPlanShrink, LeavesSixteenPixelsOfASide) {
 TEST(RequestPlanShrink, KeepsTheGuardBandWhateverTheSize) {
   RequestPlan full(RequestSettings{.predictor = PredictorKind::Hold}), half(full);
   for (std::uint32_t i = 0; i < 60; ++i) {
-    half.shrink({i % 20 < 10 ? 4u : 8u});  // what was seen at another size counts as it did
+    half.shrink({i % 20 < 10 ? 4u : 8u});  // distances that were observed at another size count in full
     for (RequestPlan* plan : {&full, &half}) {
       plan->learn(50ms);
       if (i >= 5) plan->drawn_with(shown(i).views, shown(i - 5).views, 50ms);
     }
-    const std::optional<FrameRequest> wide = full.ask(shown(i), kPeriod), asked = half.ask(shown(i), kPeriod);
+    const std::optional<FrameRequest> wide = full.ask(shown(i), kPeriod),
+                                      request = half.ask(shown(i), kPeriod);
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
-      const FovTangents a = tangents_of(wide->views[eye].fov), b = tangents_of(asked->views[eye].fov);
+      const FovTangents a = tangents_of(wide->views[eye].fov), b = tangents_of(request->views[eye].fov);
       EXPECT_LE(b.left_tan, a.left_tan + 1e-9) << i;
       EXPECT_GE(b.right_tan, a.right_tan - 1e-9) << i;
-      EXPECT_LE(asked->views[eye].size.width, wide->views[eye].size.width);
+      EXPECT_LE(request->views[eye].size.width, wide->views[eye].size.width);
       if (i % 20 >= 10) {
-        EXPECT_EQ(asked->views[eye], wide->views[eye]) << i;
+        EXPECT_EQ(request->views[eye], wide->views[eye]) << i;
       }
     }
   }
@@ -340,8 +341,8 @@ TEST(RequestPlan, StandsStillWithTheScene) {
   plan.learn(30ms);
   const FrameRequest shown{FrameId{1}, Time(1s), Time(5s), {}, {}};
   EXPECT_GT(plan.ask(shown, 10ms)->scene_time, Time(5s));
-  EXPECT_EQ(plan.ask(shown, 10ms, SceneClock::Stands)->scene_time, Time(5s));
-  EXPECT_GT(plan.ask(shown, 10ms, SceneClock::Stands)->display_time, Time(1s));
+  EXPECT_EQ(plan.ask(shown, 10ms, SceneClock::Paused)->scene_time, Time(5s));
+  EXPECT_GT(plan.ask(shown, 10ms, SceneClock::Paused)->display_time, Time(1s));
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ TEST(AnswerInbox, RecordsWhenARequestWasMadeAndItsAnswerCame) {
   (void)inbox.ask(request_of(1), Time(10ms), Time(1s));
   const RequestRecord* const record = inbox.find({1});
   ASSERT_NE(record, nullptr);
-  EXPECT_EQ(record->origin.asked_at, Time(10ms));
+  EXPECT_EQ(record->origin.requested_at, Time(10ms));
   EXPECT_EQ(record->origin.sent, Time(1s));
   EXPECT_EQ(record->report_arrived, std::nullopt);
   inbox.take(slice_of(1), Time(1s + 15ms));

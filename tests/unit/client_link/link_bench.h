@@ -1,5 +1,5 @@
-/// A NetworkLink over a virtual link, and a server that answers at the far end, may be replaced and tells
-/// what it traced. Time passes from one event to the next.
+/// A NetworkLink over a virtual link. At the other end a server answers. A test can replace the server and
+/// read what it traced. Time advances from one event to the next.
 #pragma once
 
 #include <functional>
@@ -28,17 +28,17 @@ inline LinkModels each_way(Duration delay) {
 }
 
 inline FrameRequest request(std::uint32_t frame, Duration display = {}) {
-  FrameRequest asked = request_of(frame, kSize);
-  asked.display_time = Time(display);
-  return asked;
+  FrameRequest requested = request_of(frame, kSize);
+  requested.display_time = Time(display);
+  return requested;
 }
 
-/// In place of a tracer: masks that differ from frame to frame, eye to eye and pixel to pixel.
-inline TraceStats paint(const FrameRequest& asked, ShadowFrame& frame) {
-  frame.frame = asked.frame;
-  frame.light_set_revision = asked.lights.revision;
-  frame.views = asked.views;
-  std::uint32_t noise = asked.frame.value;
+/// Replaces the tracer: masks that differ between frames, eyes and pixels.
+inline TraceStats paint(const FrameRequest& requested, ShadowFrame& frame) {
+  frame.frame = requested.frame;
+  frame.light_set_revision = requested.lights.revision;
+  frame.views = requested.views;
+  std::uint32_t noise = requested.frame.value;
   for (EyeMask& mask : frame.masks) {
     mask = EyeMask(kSize, kLights);
     for (std::uint32_t y = 0; y < kSize.height; ++y)
@@ -54,7 +54,7 @@ inline PerEye<EyeMask> painted(std::uint32_t frame) {
   return made.masks;
 }
 
-/// A port whose datagrams a test watches, and drops.
+/// A port whose datagrams a test can watch and drop.
 class WatchedPort final : public DatagramPort {
  public:
   using Drops = std::function<bool(std::span<const std::byte>)>;
@@ -76,7 +76,7 @@ class WatchedPort final : public DatagramPort {
 };
 
 struct LinkBench {
-  /// The link keeps `frames` requests; it is the last of `clients` at the wire.
+  /// The link keeps `frames` requests. Its client is the last of the `clients` clients of the wire.
   explicit LinkBench(const LinkModels& models = kSlow, std::size_t frames = kFrames, std::size_t clients = 1)
       : wire(clock, models, clients),
         client_port(wire.client(clients - 1), on_send),
@@ -85,9 +85,9 @@ struct LinkBench {
   }
   void start_server(const Welcome& served = kServed, const SessionLimits& limits = {},
                     const std::vector<SharedKey>& ring = {kKey}) {
-    const auto trace = [this](const FrameRequest& asked, ShadowFrame& made) {
-      traced_lights[asked.frame.value] = asked.lights;
-      return paint(asked, made);
+    const auto trace = [this](const FrameRequest& requested, ShadowFrame& made) {
+      traced_lights[requested.frame.value] = requested.lights;
+      return paint(requested, made);
     };
     server.emplace(served, ring, masks_from(trace), server_port, clock, limits);
   }
@@ -102,7 +102,7 @@ struct LinkBench {
     while (wire.server().receive(nobody_reads_it, 0s)) {
     }
   }
-  /// When serve() next has something to do though nothing comes.
+  /// The time at which serve() has work if no datagram arrives.
   [[nodiscard]] std::optional<Time> due() const {
     if (!server) return std::nullopt;
     const std::optional<Time> any = server->next_due(), send = server->next_send();
@@ -122,18 +122,18 @@ struct LinkBench {
       if (on_event) on_event();
     }
   }
-  /// By the frame that shows the views themselves.
-  void ask(const FrameRequest& asked) { link.request(asked, asked.display_time); }
-  /// Asks for a frame each display interval.
+  /// The requesting frame shows the requested views themselves.
+  void ask(const FrameRequest& requested) { link.request(requested, requested.display_time); }
+  /// Sends a request in each display interval.
   void run(Duration time) {
     for (const Time until = clock.now() + time; clock.now() < until;) {
-      FrameRequest asked = request(++frame, clock.now().time_since_epoch());
-      asked.lights = lights;
-      ask(asked);
+      FrameRequest requested = request(++frame, clock.now().time_since_epoch());
+      requested.lights = lights;
+      ask(requested);
       pass(kInterval);
     }
   }
-  /// The same until a mask of a frame asked for from now on is in hand; how long that took.
+  /// The same until a mask has arrived that was requested after the call. Returns the time that this took.
   Duration run_until_masks(Duration patience) {
     const Time begin = clock.now();
     const std::uint32_t before = frame;
@@ -148,7 +148,7 @@ struct LinkBench {
     return (came ? *came : Time::max()) - begin;
   }
 
-  /// Of datagrams about to be sent; true: lost on the way.
+  /// Called with each datagram before it is sent. Returns true to lose the datagram.
   WatchedPort::Drops on_send, on_answer;
   Duration trace_time{};
   Time busy_until{};

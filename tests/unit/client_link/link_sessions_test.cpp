@@ -1,5 +1,5 @@
-/// What becomes of a client's session when its server is restarted, its path falls silent, its address
-/// changes, or somebody else speaks in its server's name.
+/// A client's session when its server is restarted, its path is silent, its address changes, or somebody
+/// forges datagrams of its server.
 
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@ namespace {
 
 using namespace link_test;
 
-constexpr std::size_t kLong = 32;  ///< requests that the link keeps: more than are on the way
+constexpr std::size_t kLong = 32;  ///< requests that the link keeps: more than are in transit
 
-/// A forger's datagrams have the server's address and all that can be seen on the wire.
+/// A forger's datagrams have the server's address and everything that is visible on the wire.
 struct WatchedBench : LinkBench {
   explicit WatchedBench(const LinkModels& models) : LinkBench(models, kLong) {
     on_send = [this](std::span<const std::byte> datagram) {
@@ -51,7 +51,7 @@ struct WatchedBench : LinkBench {
   }
 
   SessionId session;
-  Echo echo{};
+  HelloEcho echo{};
 };
 
 struct Restart {
@@ -73,7 +73,7 @@ TEST_P(LinkRestart, MasksAreBackWithinASecond) {
     const Duration took = bench.run_until_masks(3s);
     std::printf("restart at %g ms, %s the hint: masks after %g ms\n", ms_of(GetParam().delay),
                 GetParam().hint ? "with" : "without", ms_of(took));
-    // A mask that was on its way from the old server does not count: run_until_masks waits for a later one.
+    // A mask of the old server that was in transit does not count: run_until_masks waits for a later one.
     EXPECT_LE(took, 1s);
     EXPECT_EQ(bench.link.counters().sessions, static_cast<std::uint64_t>(restart + 1));
     EXPECT_FALSE(bench.link.refused().has_value());
@@ -88,11 +88,11 @@ INSTANTIATE_TEST_SUITE_P(Delays, LinkRestart,
 
 TEST(LinkSession, OutlivesABusyServer) {
   MetBench bench;
-  bench.trace_time = 700ms;  // a round of many clients
+  bench.trace_time = 700ms;  // as long as a round of many clients
   bench.run(10s);
   EXPECT_EQ(bench.link.counters().sessions, 1u);
   EXPECT_EQ(bench.server->counters().sessions.welcomed, 1u);
-  EXPECT_EQ(bench.server->counters().gate.retries, 1u) << "it was not even asked";
+  EXPECT_EQ(bench.server->counters().gate.retries, 1u) << "no cookie was requested";
   EXPECT_GE(bench.server->counters().frames, 13u);
 }
 
@@ -108,9 +108,9 @@ TEST(LinkSession, IsNotEndedBySomebodyElse) {
     bench.run(500ms);
     EXPECT_EQ(bench.session, before);
     EXPECT_EQ(bench.link.counters().sessions, 1u);
-    EXPECT_EQ(bench.server->counters().gate.retries, 1u) << "not a hello more";
+    EXPECT_EQ(bench.server->counters().gate.retries, 1u) << "no further hello";
     EXPECT_GE(bench.server->counters().frames - frames, 98u);
-    EXPECT_TRUE(bench.link.heard_at().has_value());
+    EXPECT_TRUE(bench.link.last_received().has_value());
     EXPECT_FALSE(bench.link.refused().has_value());
     EXPECT_EQ(bench.link.counters().undecodable[WireRefusal::Forged], 100u);
   }
@@ -118,14 +118,14 @@ TEST(LinkSession, IsNotEndedBySomebodyElse) {
 
 TEST(LinkSession, IsGotThoughSomebodyElseRefuses) {
   LinkBench bench(each_way(25ms));
-  Echo echo{};
+  HelloEcho echo{};
   bench.on_send = [&](std::span<const std::byte> datagram) {
     const auto envelope = open_client_envelope(datagram);
     if (const auto* hello = envelope ? std::get_if<Hello>(&*envelope) : nullptr) {
       echo = echo_of(hello->client);
       Bytes refusal;
       encode(OpenRefusal{.reason = RefusalReason::UnknownKey, .echo = echo}, refusal);
-      bench.wire.server().send(bench.wire.client().local(), refusal);  // it is there first
+      bench.wire.server().send(bench.wire.client().local(), refusal);  // it arrives first
     }
     return false;
   };
@@ -146,17 +146,17 @@ TEST(LinkSession, GoesOnAtOnceAfterSilence) {
   std::printf("after silence: masks after %g ms\n", ms_of(took));
   EXPECT_LE(took, 50ms + kInterval);
   bench.run(2s);
-  EXPECT_EQ(bench.link.counters().sessions, 1u) << "the old one goes on";
+  EXPECT_EQ(bench.link.counters().sessions, 1u) << "the old session continues";
 }
 
 TEST(LinkSession, FollowsItsClientWithinTwoRoundTrips) {
-  for (const Duration way : {0ms, 5ms, 25ms, 100ms}) {
-    MetBench bench(each_way(way), kLong);
+  for (const Duration delay : {0ms, 5ms, 25ms, 100ms}) {
+    MetBench bench(each_way(delay), kLong);
     bench.run(500ms);
     for (int move = 0; move < 5; ++move) {
       bench.wire.move_client(0);
       const Duration took = bench.run_until_masks(3s);
-      EXPECT_LE(took, 4 * way + 2 * kInterval) << ms_of(way) << " ms";
+      EXPECT_LE(took, 4 * delay + 2 * kInterval) << ms_of(delay) << " ms";
       bench.run(1s);
     }
     EXPECT_EQ(bench.link.counters().sessions, 1u);
@@ -168,7 +168,8 @@ TEST(LinkSession, StaysWithItsClientWhenItsDatagramsAreSentOnFromElsewhere) {
   LinkBench bench(kSlow, kLong, 2);
   bool steal = false;
   std::size_t stolen_bytes = 0;
-  // What two clients say at once is heard in their order, and the thief is the first.
+  // Datagrams that two clients send at the same time arrive in the order of the clients; the thief is the
+  // first.
   bench.on_send = [&](std::span<const std::byte> datagram) {
     if (steal) {
       bench.wire.client(0).send(bench.wire.server().local(), datagram);
@@ -181,7 +182,7 @@ TEST(LinkSession, StaysWithItsClientWhenItsDatagramsAreSentOnFromElsewhere) {
   bench.run(500ms);
   steal = true;
   const std::uint64_t before = bench.server->counters().frames;
-  std::size_t got = 0;  // by the thief
+  std::size_t got = 0;  // number of masks that the thief received
   bench.on_event = [&] {
     std::array<std::byte, kMaxDatagram_bytes> buffer;
     while (const auto datagram = bench.wire.client(0).receive(buffer, 0s)) got += datagram->bytes.size();
@@ -190,7 +191,7 @@ TEST(LinkSession, StaysWithItsClientWhenItsDatagramsAreSentOnFromElsewhere) {
   EXPECT_EQ(bench.server->counters().sessions.moved, 0u);
   EXPECT_GT(bench.server->counters().refused[WireRefusal::Replayed], 90u);
   EXPECT_GE(bench.server->counters().frames - before, 98u);
-  EXPECT_GT(got, 0u) << "it was asked to prove itself";
+  EXPECT_GT(got, 0u) << "the server sent it a probe";
   EXPECT_LE(got, stolen_bytes);
   std::size_t whole = 0;
   for (const RequestRecord* frame : bench.link.inbox().received(Time::max()))
@@ -198,9 +199,7 @@ TEST(LinkSession, StaysWithItsClientWhenItsDatagramsAreSentOnFromElsewhere) {
   EXPECT_GE(whole, kLong - 4) << "slices go to the client";
 }
 
-// ---- light changes
-
-/// Frames whose masks speak of what the server did not trace, over `time`.
+/// The frames within `time` whose masks claim light changes that the server did not trace.
 void change_lights_and_compare(LinkBench& bench, Duration time) {
   std::set<std::uint32_t> compared;
   const Time until = bench.clock.now() + time;
@@ -219,7 +218,7 @@ void change_lights_and_compare(LinkBench& bench, Duration time) {
   EXPECT_GT(compared.size(), static_cast<std::size_t>(time / kInterval) / 5);
 }
 
-/// No change more: soon both sides have all of them.
+/// Without further changes, both sides soon have all of them.
 void expect_agreement(LinkBench& bench) {
   bench.run(2s);
   ASSERT_FALSE(bench.traced_lights.empty());

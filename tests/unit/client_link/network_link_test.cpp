@@ -14,7 +14,7 @@ TEST(ShadowLinkMeet, IsWelcomedAfterTwoRoundTrips) {
   LinkBench bench;
   bench.start_server();
   EXPECT_TRUE(bench.link.meet(3s).has_value());
-  EXPECT_TRUE(bench.link.heard_at().has_value());
+  EXPECT_TRUE(bench.link.last_received().has_value());
   EXPECT_EQ(bench.clock.now(), Time(4 * kWay));
   EXPECT_EQ(bench.link.counters().port.sent, 2u);
 }
@@ -29,7 +29,7 @@ TEST(ShadowLinkMeet, SaysWhichSceneEachSideHasAndStopsAsking) {
   EXPECT_EQ(met.error().fault, Fault::Mismatch);
   EXPECT_NE(met.error().what.find("abcd0000"), std::string::npos) << met.error().what;
   EXPECT_NE(met.error().what.find("01020300"), std::string::npos) << met.error().what;
-  EXPECT_EQ(bench.clock.now(), Time(4 * kWay)) << "no patience can cure it";
+  EXPECT_EQ(bench.clock.now(), Time(4 * kWay)) << "waiting longer would not help";
   bench.clock.advance_to(Time(5s));
   bench.ask(request(1));
   EXPECT_EQ(bench.link.counters().port.sent, 2u);
@@ -44,7 +44,7 @@ TEST(ShadowLinkMeet, RefusesAServerWithAnotherNumberOfLights) {
   const Expected<void> met = bench.link.meet(3s);
   ASSERT_FALSE(met.has_value());
   EXPECT_EQ(met.error().fault, Fault::Mismatch);
-  EXPECT_FALSE(bench.link.heard_at().has_value());
+  EXPECT_FALSE(bench.link.last_received().has_value());
 }
 
 TEST(ShadowLinkMeet, GivesUpOnAServerThatIsNotThereAfterItsPatience) {
@@ -64,7 +64,7 @@ TEST(ShadowLinkMeet, SaysThatAServerIsFull) {
   ASSERT_FALSE(met.has_value());
   EXPECT_EQ(met.error().fault, Fault::Unavailable);
   EXPECT_NE(met.error().what.find("no room"), std::string::npos);
-  EXPECT_FALSE(bench.link.refused().has_value()) << "it may have room later";
+  EXPECT_FALSE(bench.link.refused().has_value()) << "the server may have room later";
 }
 
 TEST(NetworkLink, ServesMasksBitForBit) {
@@ -82,7 +82,7 @@ TEST(NetworkLink, GoesOnTryingAServerThatComesLate) {
   bench.clock.advance_to(Time(2s));
   bench.ask(request(1));
   bench.pass(4 * kWay);
-  EXPECT_TRUE(bench.link.heard_at().has_value());
+  EXPECT_TRUE(bench.link.last_received().has_value());
   bench.ask(request(2));
   EXPECT_TRUE(bench.link.wait_for({2}, 1s));
 }
@@ -123,7 +123,7 @@ TEST(NetworkLink, MasksComeNewestFirstAndNotBeyondUntil) {
       values.push_back(mask->request.frame.value);
     return values;
   };
-  EXPECT_EQ(frames(Time::max()), (std::vector<std::uint32_t>{4, 2, 1})) << "4 took the place of 3";
+  EXPECT_EQ(frames(Time::max()), (std::vector<std::uint32_t>{4, 2, 1})) << "4 evicted 3";
   EXPECT_EQ(frames(Time(40ms)), (std::vector<std::uint32_t>{4, 2, 1}));
   EXPECT_EQ(frames(Time(40ms - 1ns)), (std::vector<std::uint32_t>{2, 1}));
   EXPECT_EQ(frames(Time(9ms)), (std::vector<std::uint32_t>{}));
@@ -132,13 +132,14 @@ TEST(NetworkLink, MasksComeNewestFirstAndNotBeyondUntil) {
 TEST(NetworkLink, TellsFramesApartByWhenTheyAskedNotByWhatFor) {
   MetBench bench;
   for (std::uint32_t frame = 1; frame <= 3; ++frame) {
-    bench.link.request(request(frame, 500ms - frame * 10ms), Time(frame * 10ms));  // for ever earlier times
+    bench.link.request(request(frame, 500ms - frame * 10ms),
+                       Time(frame * 10ms));  // the display times decrease
     ASSERT_TRUE(bench.link.wait_for({frame}, 1s));
   }
   ASSERT_EQ(bench.link.inbox().received(Time(20ms)).size(), 2u);
   EXPECT_EQ(bench.link.inbox().received(Time(20ms)).front()->request.frame, FrameId{2});
   EXPECT_TRUE(bench.link.inbox().received(Time(10ms - 1ns)).empty());
-  EXPECT_EQ(bench.link.inbox().find({3})->origin.asked_at, Time(30ms));
+  EXPECT_EQ(bench.link.inbox().find({3})->origin.requested_at, Time(30ms));
   EXPECT_EQ(bench.link.inbox().find({3})->request.display_time, Time(470ms));
   EXPECT_EQ(bench.link.inbox().find({5}), nullptr);
 }
@@ -154,32 +155,32 @@ TEST(NetworkLink, KeepsTheNewestRequestsOnly) {
   EXPECT_EQ(masks.front()->request.frame, FrameId{20});
   EXPECT_EQ(masks.back()->request.frame, FrameId{15});
   EXPECT_EQ(bench.link.inbox().find({14}), nullptr);
-  EXPECT_EQ(bench.link.inbox().find({15})->origin.asked_at, Time(150ms));
+  EXPECT_EQ(bench.link.inbox().find({15})->origin.requested_at, Time(150ms));
 }
 
 TEST(ShadowLinkWait, EndsWhenTheFrameIsWhole) {
   MetBench bench;
-  const Time asked = bench.clock.now();
+  const Time begun = bench.clock.now();
   bench.ask(request(1));
   EXPECT_TRUE(bench.link.wait_for({1}, 1s));
-  EXPECT_GT(bench.clock.now() - asked, 2 * kWay);
-  EXPECT_LT(bench.clock.now() - asked, 2 * kWay + 3ms) << "as fast as the path is taken to be";
+  EXPECT_GT(bench.clock.now() - begun, 2 * kWay);
+  EXPECT_LT(bench.clock.now() - begun, 2 * kWay + 3ms) << "as fast as the path is taken to be";
   EXPECT_TRUE(bench.link.inbox().find({1})->report.has_value());
 }
 
 TEST(ShadowLinkWait, LastsAsLongAsItsPatience) {
   MetBench bench;
-  const Time asked = bench.clock.now();
+  const Time begun = bench.clock.now();
   bench.ask(request(1));
   EXPECT_FALSE(bench.link.wait_for({1}, 0ms));
-  EXPECT_EQ(bench.clock.now(), asked);
+  EXPECT_EQ(bench.clock.now(), begun);
   EXPECT_FALSE(bench.link.wait_for({1}, 7ms));
-  EXPECT_EQ(bench.clock.now() - asked, 7ms);
+  EXPECT_EQ(bench.clock.now() - begun, 7ms);
   bench.server.reset();
   bench.ask(request(2));
   EXPECT_FALSE(bench.link.wait_for({2}, 100ms));
-  EXPECT_EQ(bench.clock.now() - asked, 107ms);
-  EXPECT_TRUE(bench.link.inbox().find({1})->complete()) << "what came meanwhile was taken";
+  EXPECT_EQ(bench.clock.now() - begun, 107ms);
+  EXPECT_TRUE(bench.link.inbox().find({1})->complete()) << "pieces that arrived meanwhile were accepted";
 }
 
 TEST(ShadowLinkWait, DoesNotWaitForAServerThatHasNotWelcomedIt) {
@@ -189,7 +190,7 @@ TEST(ShadowLinkWait, DoesNotWaitForAServerThatHasNotWelcomedIt) {
   EXPECT_EQ(bench.clock.now(), Time{});
 }
 
-/// A server that has the key and says what it likes.
+/// A server that has the key and sends any messages.
 struct WildServer : LinkBench {
   WildServer() : LinkBench(each_way(0ms)) {
     on_send = [this](std::span<const std::byte> datagram) {
@@ -258,7 +259,7 @@ TEST(NetworkLink, HostileBytesChangeNothingButCounters) {
   EXPECT_EQ(counters.assembler.refused.total(), 1u);
   EXPECT_EQ(counters.assembler.unexpected, 2u);
   EXPECT_EQ(counters.assembler.other_light_set, 1u);
-  EXPECT_TRUE(bench.link.heard_at().has_value());
+  EXPECT_TRUE(bench.link.last_received().has_value());
   EXPECT_FALSE(bench.link.refused().has_value());
   EXPECT_EQ(bench.link.inbox().find({1})->masks, painted(1));
 }

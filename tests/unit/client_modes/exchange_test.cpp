@@ -17,24 +17,24 @@ using Part = ScriptedLink::Part;
 constexpr Duration kPeriod = 10ms;
 constexpr AnswerSpec kMasks{.kind = Answer::Masks};
 
-/// A client whose head turns slowly, one frame after the other.
+/// A client whose head turns slowly from frame to frame.
 struct Client {
   explicit Client(const MaskPolicy& policy = {.pace = Pace::Real, .round_trip = 20ms},
-                  const RequestSettings& settings = {})
-      : exchange(&link, policy, settings) {
-    steering.wish = settings;
+                  const RequestSettings& request = {})
+      : exchange(&link, policy, request) {
+    settings.request = request;
   }
 
   /// Begins frame `number` and sends its request.
   const FrameRequest* ask(std::uint32_t number, const AnswerSpec& answer = kMasks) {
-    shown = {FrameId{number}, Time(kPeriod * number), Time(kPeriod * number), {}, steering.lights};
+    shown = {FrameId{number}, Time(kPeriod * number), Time(kPeriod * number), {}, settings.lights};
     for (View& view : shown.views) view = {{}, {-0.7, 0.7, 0.6, -0.6}, kEye};
     for (View& view : shown.views) view.stage_from_eye.rotation = rotation_exp({0, 0.01 * number, 0});
     const FrameRequest* const request = exchange.plan(inputs(), answer);
     exchange.send(inputs());
     return request;
   }
-  /// The frames that the frame at hand may use, newest first.
+  /// The frames whose answers the current frame may use, newest first.
   std::vector<std::uint32_t> receive() {
     std::vector<std::uint32_t> frames;
     for (const RequestRecord* record : exchange.receive(inputs()))
@@ -44,12 +44,12 @@ struct Client {
   [[nodiscard]] std::uint32_t settled() const {
     return exchange.settled() ? exchange.settled()->request.frame.value : 0;
   }
-  /// The time between the frame at hand and the frame that its request is made for.
+  /// The time between the current frame and the frame that its request is made for.
   [[nodiscard]] Duration lead() const { return link.sent.back().display_time - shown.display_time; }
-  [[nodiscard]] FrameInputs inputs() const { return {shown, state, kPeriod, steering}; }
+  [[nodiscard]] FrameInputs inputs() const { return {shown, state, kPeriod, settings}; }
 
   ScriptedLink link;
-  FrameSettings steering;
+  FrameSettings settings;
   SceneState state;
   FrameRequest shown;
   Exchange exchange;
@@ -64,14 +64,14 @@ TEST(Exchange, SendsWhatItHasPlanned) {
   EXPECT_EQ(client.link.sent[0].answer, kMasks);
   const RequestRecord* const record = client.exchange.record(request);
   ASSERT_NE(record, nullptr);
-  EXPECT_EQ(record->origin.asked_at, client.shown.display_time) << "not the time it is predicted for";
+  EXPECT_EQ(record->origin.requested_at, client.shown.display_time) << "not the time it is predicted for";
 }
 
 TEST(Exchange, WithoutALinkAsksAndReceivesNothing) {
-  const FrameSettings steering;
+  const FrameSettings settings;
   const SceneState state;
   const FrameRequest shown{FrameId{1}, {}, {}, {}, {}};
-  const FrameInputs inputs{shown, state, kPeriod, steering};
+  const FrameInputs inputs{shown, state, kPeriod, settings};
   Exchange exchange(nullptr, {}, {});
   EXPECT_EQ(exchange.plan(inputs, kMasks), nullptr);
   exchange.send(inputs);
@@ -127,7 +127,7 @@ TEST(ExchangeSettled, IsTheNewestOvertakenOrReportedWhereNothingIsEverComplete) 
   EXPECT_EQ(client.settled(), 2u) << "3 may still be arriving";
   client.link.deliver({3}, Part::Report);
   client.receive();
-  EXPECT_EQ(client.settled(), 3u) << "its report was sent behind its slices";
+  EXPECT_EQ(client.settled(), 3u) << "the report was sent after the slices";
 }
 
 TEST(ExchangeLatency, IsMeasuredWhenAnAnswerIsComplete) {
@@ -149,13 +149,13 @@ TEST(ExchangeLatency, IsMeasuredOnceForEachAnswer) {
     if (i > 1) client.link.deliver({i - 1}, Part::All);
     client.receive();
   }
-  // An answer that is used for a hundred frames more does not count again.
-  client.steering.wish.every = 1000;
+  // An answer that is used for a hundred more frames does not count again.
+  client.settings.request.every = 1000;
   for (std::uint32_t i = 11; i <= 110; ++i) {
     client.ask(i);
     client.receive();
   }
-  client.steering.wish.every = 1;
+  client.settings.request.every = 1;
   client.ask(111);
   EXPECT_EQ(client.lead(), kPeriod);
 }
@@ -196,7 +196,7 @@ TEST(ExchangeVirtual, WaitsForAServerThatDoesNotAnswerOnceOnly) {
     client.receive();
   }
   EXPECT_EQ(client.link.waited, 0s);
-  // It answers again, late: the next answer is waited for.
+  // The server answers again, late, so the client waits for the next answer.
   client.link.deliver({10}, Part::All);
   client.ask(11);
   client.receive();
@@ -231,8 +231,6 @@ TEST(ExchangeGuardBand, LearnsFromTheMasksThatFramesAreDrawnWith) {
   };
   EXPECT_GT(width(12), width(2)) << "masks that come ten frames late need a wider band";
 }
-
-// ---- the order of the masks
 
 struct Sources : Client {
   MaskSources sources{false};
@@ -271,8 +269,8 @@ TEST(MaskSources, TellWhenTheBitsOfAMaskChange) {
 
 TEST(MaskSources, AreReadDirectlyWhereTheFirstIsExact) {
   Sources client;
-  client.steering.wish.predictor = PredictorKind::Hold;
-  client.steering.wish.guard_band = GuardBandUse::Off;
+  client.settings.request.predictor = PredictorKind::Hold;
+  client.settings.request.guard_band = GuardBandUse::Off;
   const auto lookup = [&](const FrameRequest& shown) {
     return client.sources.lookup(shown, Lookup::Reproject);
   };

@@ -1,4 +1,4 @@
-/// A link whose answers a test writes: no network, no clock and no server.
+/// A link whose answers a test supplies: no network, no clock and no server.
 #pragma once
 
 #include <functional>
@@ -15,9 +15,9 @@ class ScriptedLink final : public AnswerLink {
  public:
   explicit ScriptedLink(std::size_t frames = 16) : inbox_(frames, kLayout) { inbox_.begin({}); }
 
-  void request(const FrameRequest& request, Time asked_at,
+  void request(const FrameRequest& request, Time requested_at,
                std::span<const std::vector<std::byte>> positions = {}) override {
-    sent.push_back(inbox_.ask(request, asked_at, {}));
+    sent.push_back(inbox_.ask(request, requested_at, {}));
     positions_sent += positions.size();
   }
   bool wait_for(FrameId frame, Duration patience) override {
@@ -30,10 +30,10 @@ class ScriptedLink final : public AnswerLink {
   [[nodiscard]] const std::optional<Error>& refused() const override { return refused_; }
   [[nodiscard]] Duration busy() const override { return {}; }
 
-  /// Which pieces of an answer come.
+  /// Which pieces of an answer arrive.
   enum class Part { FirstSlice, AllSlices, Report, All };
 
-  /// A part of the answer to `frame` comes: masks that are lit everywhere.
+  /// A part of the answer to `frame` arrives: masks that are lit everywhere.
   void deliver(FrameId frame, Part part) {
     const RequestRecord* const record = inbox_.find(frame);
     if (record == nullptr) return;

@@ -77,21 +77,21 @@ TEST_F(ControlsTest, ReprojectionGuardBandAndPredictorsChangeTheFrameSettings) {
   execute(Command::Reprojection);
   EXPECT_EQ(controls_.settings.carry_over.lookup, Lookup::Reproject);
   execute(Command::GuardBand);
-  EXPECT_EQ(controls_.settings.wish.guard_band, GuardBandUse::Off);
+  EXPECT_EQ(controls_.settings.request.guard_band, GuardBandUse::Off);
   std::set<PredictorKind> predictors;
   for (std::size_t i = 0; i < std::size(kPredictorKinds); ++i, execute(Command::NextPredictor))
-    predictors.insert(controls_.settings.wish.predictor);
+    predictors.insert(controls_.settings.request.predictor);
   EXPECT_EQ(predictors.size(), std::size(kPredictorKinds));
-  EXPECT_EQ(controls_.settings.wish.predictor, kDefaultPredictor);
+  EXPECT_EQ(controls_.settings.request.predictor, kDefaultPredictor);
   execute(Command::Animation);
-  EXPECT_EQ(controls_.settings.scene, SceneClock::Stands);
+  EXPECT_EQ(controls_.settings.scene, SceneClock::Paused);
 }
 
 TEST_F(ControlsTest, MaskRateAndPathStayWithinTheirLimits) {
   execute(Command::SlowerMasks, 9);
-  EXPECT_EQ(controls_.settings.wish.every, kRarestMasks);
+  EXPECT_EQ(controls_.settings.request.every, kRarestMasks);
   execute(Command::FasterMasks, 9);
-  EXPECT_EQ(controls_.settings.wish.every, 1u);
+  EXPECT_EQ(controls_.settings.request.every, 1u);
   execute(Command::WorsePath);
   EXPECT_EQ(controls_.path.latency_ms, 25);
   execute(Command::WorsePath, 99);
@@ -135,11 +135,11 @@ TEST_F(ControlsTest, GrabbedLightMovesWithTheHead) {
   EXPECT_NEAR(glm::length(last_change().pose->direction.v), 1, 1e-12);
   const LightSetRevision revision = controls_.settings.lights.revision;
   carry_light(controls_, context(), 0);
-  EXPECT_EQ(controls_.settings.lights.revision, revision) << "what does not move makes no light set";
+  EXPECT_EQ(controls_.settings.lights.revision, revision) << "without movement there is no new light set";
   execute(Command::GrabLight);
   head_ = {};
   carry_light(controls_, context(), 0);
-  EXPECT_EQ(last_change().pose->position.v, at) << "let go";
+  EXPECT_EQ(last_change().pose->position.v, at) << "the light was released";
 }
 
 TEST_F(ControlsTest, WheelMovesAGrabbedLightFartherAndNearer) {

@@ -31,9 +31,9 @@ TEST(HeadRecordingWriter, WritesAFileThatLoadsAsTheSamePoses) {
   EXPECT_EQ(loaded.fov, kHeadset.fov);
   for (int frame = 0; frame < 50; ++frame) {
     const Rigid<Recorded, Head> got = head_at(loaded, Time(5s + 13'888'889ns * frame));
-    const Rigid<Stage, Head> wanted = head_of_frame(frame);
-    EXPECT_LT(glm::length(got.translation - wanted.translation), 1e-12) << frame;
-    EXPECT_GT(std::abs(glm::dot(got.rotation, wanted.rotation)), 1 - 1e-12) << frame;
+    const Rigid<Stage, Head> expected = head_of_frame(frame);
+    EXPECT_LT(glm::length(got.translation - expected.translation), 1e-12) << frame;
+    EXPECT_GT(std::abs(glm::dot(got.rotation, expected.rotation)), 1 - 1e-12) << frame;
   }
 }
 

@@ -25,7 +25,7 @@ SimulatedHead moved(double yaw_rad, const HeadInput& input, Duration span) {
   return head;
 }
 
-glm::dvec3 way(double yaw_rad, const HeadInput& input, Duration span) {
+glm::dvec3 walked(double yaw_rad, const HeadInput& input, Duration span) {
   return moved(yaw_rad, input, span).stage_from_head().translation - standing(0).translation;
 }
 
@@ -33,9 +33,9 @@ glm::dvec3 ahead_of(const SimulatedHead& head) {
   return head.stage_from_head().rotation * glm::dvec3(0, 0, -1);
 }
 
-void expect_near(const glm::dvec3& is, const glm::dvec3& wanted, double tolerance) {
-  EXPECT_LT(glm::length(is - wanted), tolerance)
-      << is.x << " " << is.y << " " << is.z << ", not " << wanted.x << " " << wanted.y << " " << wanted.z;
+void expect_near(const glm::dvec3& is, const glm::dvec3& expected, double tolerance) {
+  EXPECT_LT(glm::length(is - expected), tolerance) << is.x << " " << is.y << " " << is.z << ", not "
+                                                   << expected.x << " " << expected.y << " " << expected.z;
 }
 
 TEST(SimulatedHead, TurnsInTheDirectionOfTheMouse) {
@@ -58,13 +58,13 @@ TEST(SimulatedHead, TurnsWithoutRoll) {
 TEST(SimulatedHead, WalksInTheDirectionOfItsHeading) {
   struct Case {
     double yaw_rad;
-    glm::dvec3 walk, wanted;
+    glm::dvec3 walk, expected;
   };
   for (const Case& c : {Case{0, {0, 0, -1}, {0, 0, -1}}, Case{0, {1, 0, 0}, {1, 0, 0}},
                         Case{0, {0, 1, 0}, {0, 1, 0}}, Case{kPi / 2, {0, 0, -1}, {-1, 0, 0}},
                         Case{kPi / 2, {1, 0, 0}, {0, 0, -1}}, Case{kPi / 2, {0, -1, 0}, {0, -1, 0}},
                         Case{kPi, {0, 0, 1}, {0, 0, -1}}, Case{0, {0.5, 0, 0}, {0.5, 0, 0}}})
-    expect_near(way(c.yaw_rad, {.walk = c.walk}, 200ms), 0.28 * c.wanted, 1e-12);
+    expect_near(walked(c.yaw_rad, {.walk = c.walk}, 200ms), 0.28 * c.expected, 1e-12);
 }
 
 TEST(SimulatedHead, StaysOnTheFloorHoweverSteeplyItLooks) {
@@ -78,26 +78,26 @@ TEST(SimulatedHead, StaysOnTheFloorHoweverSteeplyItLooks) {
 }
 
 TEST(SimulatedHead, RunsAndIsNotFasterDiagonally) {
-  EXPECT_NEAR(glm::length(way(0, {.walk = {0, 0, -1}, .speed = MoveSpeed::Run}, 100ms)), 0.4, 1e-12);
-  EXPECT_NEAR(glm::length(way(0, {.walk = {1, 0, -1}}, 100ms)), 0.14, 1e-12);
-  EXPECT_NEAR(glm::length(way(0, {.walk = {1, 1, -1}}, 100ms)), 0.14, 1e-12);
+  EXPECT_NEAR(glm::length(walked(0, {.walk = {0, 0, -1}, .speed = MoveSpeed::Run}, 100ms)), 0.4, 1e-12);
+  EXPECT_NEAR(glm::length(walked(0, {.walk = {1, 0, -1}}, 100ms)), 0.14, 1e-12);
+  EXPECT_NEAR(glm::length(walked(0, {.walk = {1, 1, -1}}, 100ms)), 0.14, 1e-12);
 }
 
 TEST(SimulatedHead, LimitsTheStepOfALateFrame) {
-  EXPECT_EQ(way(0, {.walk = {0, 0, -1}}, 10s), way(0, {.walk = {0, 0, -1}}, 250ms));
-  EXPECT_NEAR(glm::length(way(0, {.walk = {0, 0, -1}}, 250ms)), 0.35, 1e-12);
+  EXPECT_EQ(walked(0, {.walk = {0, 0, -1}}, 10s), walked(0, {.walk = {0, 0, -1}}, 250ms));
+  EXPECT_NEAR(glm::length(walked(0, {.walk = {0, 0, -1}}, 250ms)), 0.35, 1e-12);
 }
 
 TEST(SimulatedHead, DoesNotDependOnTheFrameRate) {
   constexpr HeadInput whole{.turn_px = {300, 60}, .walk = {0.3, 0.2, -0.9}, .speed = MoveSpeed::Run};
-  const Rigid<Stage, Head> wanted = moved(0.4, whole, 240ms).stage_from_head();
+  const Rigid<Stage, Head> expected = moved(0.4, whole, 240ms).stage_from_head();
   for (const int frames : {2, 3, 24, 240}) {
     SimulatedHead head(standing(0.4));
     HeadInput part = whole;
     part.turn_px /= frames;
     for (int i = 0; i < frames; ++i) head.step(part, 240ms / frames);
-    expect_near(head.stage_from_head().translation, wanted.translation, 1e-9);
-    EXPECT_LT(angle_between_rad(head.stage_from_head().rotation, wanted.rotation), 1e-9) << frames;
+    expect_near(head.stage_from_head().translation, expected.translation, 1e-9);
+    EXPECT_LT(angle_between_rad(head.stage_from_head().rotation, expected.rotation), 1e-9) << frames;
   }
 }
 
@@ -107,10 +107,10 @@ TEST(SimulatedHead, LimitsThePitch) {
     head.step({.turn_px = {0, -sign * 1e5}}, 10ms);
     const glm::dvec3 ahead = ahead_of(head);
     EXPECT_GT(sign * ahead.y, std::sin(89.8 / 180 * kPi));
-    EXPECT_NEAR(std::atan2(-ahead.x, -ahead.z), 0.3, 1e-9) << "still heads where it did";
+    EXPECT_NEAR(std::atan2(-ahead.x, -ahead.z), 0.3, 1e-9) << "the heading is unchanged";
     head.step({.turn_px = {0, sign * kRightAngle_px}}, 10ms);
     EXPECT_NEAR(ahead_of(head).y, -sign * std::sin(0.1 / 180 * kPi), 1e-9)
-        << "what was too much is forgotten";
+        << "the movement beyond the limit is dropped";
   }
 }
 

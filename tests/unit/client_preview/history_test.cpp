@@ -14,21 +14,21 @@ struct Shown {
   StageTimes times;
   StageStarts starts;
   FrameSettings settings;
-  std::optional<FrameRequest> asked;
+  std::optional<FrameRequest> sent;
 
   Shown() {
     for (View& view : request.views) view.size = {100, 100};
   }
   [[nodiscard]] FrameView view() const {
     return {.shown = request,
-            .asked = asked ? &*asked : nullptr,
+            .request = sent ? &*sent : nullptr,
             .state = state,
             .masks = {},
             .newest = nullptr,
             .age = std::nullopt,
             .times = times,
             .starts = starts,
-            .steering = settings,
+            .settings = settings,
             .timing = {}};
   }
 };
@@ -73,12 +73,12 @@ TEST(History, LeavesUnknownFiguresEmpty) {
 
 TEST(History, StatesTheGuardBandOfTheNewestRequest) {
   Shown shown;
-  shown.asked = shown.request;
-  for (View& view : shown.asked->views) view.size = {120, 110};
+  shown.sent = shown.request;
+  for (View& view : shown.sent->views) view.size = {120, 110};
   History history;
   history.add(shown.view(), {}, nullptr, Time(1ms));
   EXPECT_NEAR(*history.figures().guard_band_percent, 32, 1e-9);
-  EXPECT_EQ(history.figures().asked, (Extent{120, 110}));
+  EXPECT_EQ(history.figures().requested, (Extent{120, 110}));
 }
 
 TEST(History, DropsErrorsWhenMeasuringStops) {

@@ -68,7 +68,7 @@ TEST(Player, LoopsSeveralTimesInOneStep) {
   player.advance(3s);
   EXPECT_EQ(player.position(), 2s);
   player.advance(8s);
-  EXPECT_EQ(player.position(), 0s) << "the end is the beginning";
+  EXPECT_EQ(player.position(), 0s) << "the end equals the beginning";
   player.advance(10'000s + 1s);
   EXPECT_EQ(player.position(), 1s);
   EXPECT_TRUE(player.playing());
@@ -84,14 +84,14 @@ TEST(Player, LoopsAfterScrubbingToTheEnd) {
 
 TEST(Player, ClampsItsSpeed) {
   struct Case {
-    double asked, speed;
+    double requested, speed;
   };
   for (const Case c : {Case{1, 1}, Case{0.25, 0.25}, Case{4, 4}, Case{0, 0.1}, Case{-2, 0.1}, Case{100, 4}}) {
     Player player(10s);
-    player.set_speed(c.asked);
+    player.set_speed(c.requested);
     EXPECT_EQ(player.speed(), c.speed);
     player.advance(2s);
-    EXPECT_EQ(player.position(), std::chrono::round<Duration>(2s * c.speed)) << c.asked;
+    EXPECT_EQ(player.position(), std::chrono::round<Duration>(2s * c.speed)) << c.requested;
   }
 }
 

@@ -19,14 +19,14 @@ class RecordingsTest : public testing::Test {
     for (int i = 0; i < frames; ++i) {
       request_.display_time += 10ms;
       recordings.watch({.shown = request_,
-                        .asked = nullptr,
+                        .request = nullptr,
                         .state = state_,
                         .masks = {},
                         .newest = nullptr,
                         .age = std::nullopt,
                         .times = times_,
                         .starts = starts_,
-                        .steering = steering_,
+                        .settings = settings_,
                         .timing = {request_.display_time, 10ms}},
                        &eyes_, &eyes_);
     }
@@ -54,7 +54,7 @@ class RecordingsTest : public testing::Test {
   SceneState state_;
   StageTimes times_;
   StageStarts starts_;
-  FrameSettings steering_;
+  FrameSettings settings_;
 };
 
 TEST_F(RecordingsTest, NeverOverwritesScreenshots) {
@@ -62,7 +62,7 @@ TEST_F(RecordingsTest, NeverOverwritesScreenshots) {
   recordings.take_screenshot(eyes_, Image<Rgb8>({8, 8}));
   recordings.take_screenshot(eyes_, {});
   EXPECT_TRUE(is_there("screenshot_0001_window.png"));
-  EXPECT_FALSE(is_there("screenshot_0002_window.png")) << "minimised: there is none";
+  EXPECT_FALSE(is_there("screenshot_0002_window.png")) << "the window is minimised";
   const auto right = read_png(folder_ / "screenshot_0002_right.png");
   ASSERT_TRUE(right);
   EXPECT_EQ(right->pixels[0], Rgb8(40, 50, 60));
@@ -123,8 +123,8 @@ TEST_F(RecordingsTest, IgnoresMessagesAfterTheCapture) {
   const LinkListener listener = recordings.listen();
   recordings.begin_capture({}, header_);
   recordings.end_capture();
-  listener.heard({}, Time{});
-  listener.asked(request_);
+  listener.received({}, Time{});
+  listener.sent(request_);
 }
 
 }  // namespace

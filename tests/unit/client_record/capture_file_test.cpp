@@ -36,21 +36,21 @@ void expect_round_trip(const CaptureHeader& header, const std::vector<CapturedFr
 }
 
 TEST(CaptureFile, IsReadAsItWasWritten) {
-  const CaptureHeader wanted = header();
-  const Bytes file = file_of(wanted, std::vector{frame(1), frame(2)});
+  const CaptureHeader expected = header();
+  const Bytes file = file_of(expected, std::vector{frame(1), frame(2)});
   const CaptureHeader got = reader_of(file)->header();
-  EXPECT_EQ(got.scene, wanted.scene);
-  EXPECT_EQ(got.scene_hash, wanted.scene_hash);
-  EXPECT_EQ(got.lights, wanted.lights);
-  EXPECT_EQ(got.origin, wanted.origin);
-  EXPECT_EQ(got.limits.size, wanted.limits.size);
-  EXPECT_EQ(got.limits.traced_size, wanted.limits.traced_size);
-  EXPECT_EQ(got.limits.depth_frames, wanted.limits.depth_frames);
-  EXPECT_EQ(got.requests, wanted.requests);
-  EXPECT_EQ(got.refresh_hz, wanted.refresh_hz);
-  EXPECT_EQ(got.policy.pace, wanted.policy.pace);
-  EXPECT_EQ(got.policy.round_trip, wanted.policy.round_trip);
-  EXPECT_EQ(got.device, wanted.device);
+  EXPECT_EQ(got.scene, expected.scene);
+  EXPECT_EQ(got.scene_hash, expected.scene_hash);
+  EXPECT_EQ(got.lights, expected.lights);
+  EXPECT_EQ(got.origin, expected.origin);
+  EXPECT_EQ(got.limits.size, expected.limits.size);
+  EXPECT_EQ(got.limits.traced_size, expected.limits.traced_size);
+  EXPECT_EQ(got.limits.depth_frames, expected.limits.depth_frames);
+  EXPECT_EQ(got.requests, expected.requests);
+  EXPECT_EQ(got.refresh_hz, expected.refresh_hz);
+  EXPECT_EQ(got.policy.pace, expected.policy.pace);
+  EXPECT_EQ(got.policy.round_trip, expected.policy.round_trip);
+  EXPECT_EQ(got.device, expected.device);
   std::vector<CapturedFrame> read;
   ASSERT_FALSE(read_all(file, read).has_value());
   ASSERT_EQ(read.size(), 2u);
@@ -83,10 +83,10 @@ TEST(CaptureFile, KeepsExtremes) {
     for (View& view : each->input.views) view.stage_from_eye.translation = {1e9, -1e9, 0x1p-1074};
   }
   FrameSettings& settings = all.input.settings;
-  settings.wish = {PredictorKind::Hold, GuardBandUse::Off, 1024};
+  settings.request = {PredictorKind::Hold, GuardBandUse::Off, 1024};
   settings.carry_over = {Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest};
-  settings.scene = SceneClock::Stands;
-  none.input.settings.wish = {PredictorKind::Kalman, GuardBandUse::Off, 1};
+  settings.scene = SceneClock::Paused;
+  none.input.settings.request = {PredictorKind::Kalman, GuardBandUse::Off, 1};
   settings.lights.revision = kFirstLightSet;
   for (std::uint32_t light = 0; light < kMaxLights; ++light)
     change(settings.lights, kMaxLights - 1 - light, light % 2 == 0,
@@ -100,19 +100,20 @@ TEST(CaptureFile, KeepsAllFrameSettings) {
     std::mt19937 random(seed);
     CapturedFrame one = frame(1);
     FrameSettings& settings = one.input.settings;
-    settings.wish = {kPredictorKinds[random() % std::size(kPredictorKinds)],
-                     static_cast<GuardBandUse>(random() % 2), 1 + static_cast<std::uint32_t>(random() % 64),
-                     static_cast<std::uint32_t>(random() % (kWidestBand_percent + 1))};
+    settings.request = {kPredictorKinds[random() % std::size(kPredictorKinds)],
+                        static_cast<GuardBandUse>(random() % 2),
+                        1 + static_cast<std::uint32_t>(random() % 64),
+                        static_cast<std::uint32_t>(random() % (kWidestBand_percent + 1))};
     settings.carry_over = {static_cast<Lookup>(random() % 2), static_cast<Eyes>(random() % 2),
                            static_cast<Gaps>(random() % 2), static_cast<Edges>(random() % 2)};
     settings.scene = static_cast<SceneClock>(random() % 2);
     std::vector<CapturedFrame> read;
     ASSERT_FALSE(read_all(file_of(header(), std::vector{one}), read).has_value());
     const FrameSettings& got = read.at(0).input.settings;
-    EXPECT_EQ(got.wish.predictor, settings.wish.predictor);
-    EXPECT_EQ(got.wish.guard_band, settings.wish.guard_band);
-    EXPECT_EQ(got.wish.every, settings.wish.every);
-    EXPECT_EQ(got.wish.guard_band_percent, settings.wish.guard_band_percent);
+    EXPECT_EQ(got.request.predictor, settings.request.predictor);
+    EXPECT_EQ(got.request.guard_band, settings.request.guard_band);
+    EXPECT_EQ(got.request.every, settings.request.every);
+    EXPECT_EQ(got.request.guard_band_percent, settings.request.guard_band_percent);
     EXPECT_EQ(got.carry_over, settings.carry_over);
     EXPECT_EQ(got.scene, settings.scene);
   }
@@ -120,8 +121,8 @@ TEST(CaptureFile, KeepsAllFrameSettings) {
 
 TEST(CaptureFile, RefusesPredictorsThatWereRemoved) {
   CapturedFrame hold = frame(1), kalman = frame(1);
-  hold.input.settings.wish.predictor = PredictorKind::Hold;
-  kalman.input.settings.wish.predictor = PredictorKind::Kalman;
+  hold.input.settings.request.predictor = PredictorKind::Hold;
+  kalman.input.settings.request.predictor = PredictorKind::Kalman;
   Bytes file = file_of(header(), std::vector{hold});
   const Bytes other = file_of(header(), std::vector{kalman});
   const auto predictor = std::ranges::mismatch(file, other).in1;
@@ -234,9 +235,9 @@ TEST(CaptureFileFault, IsNamedWithFileAndByte) {
     std::vector<CapturedFrame> read;
     const std::optional<Error> error = read_all(file, read);
     ASSERT_TRUE(error.has_value()) << wrong.name;
-    const std::string wanted =
+    const std::string expected =
         std::string(wrong.what).starts_with("a.capture") ? wrong.what : at + wrong.what;
-    EXPECT_TRUE(error->what.starts_with(wanted)) << wrong.name << ": " << error->what;
+    EXPECT_TRUE(error->what.starts_with(expected)) << wrong.name << ": " << error->what;
   }
 }
 

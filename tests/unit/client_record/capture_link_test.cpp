@@ -85,7 +85,7 @@ TEST(CaptureLink, ReportsMissingAndSurplusRequests) {
 
 TEST(Replay, GivesTimesViewsAndSettingsOfEachFrame) {
   std::vector<CapturedFrame> frames{frame(1), frame(2)};
-  frames[1].input.settings.scene = SceneClock::Stands;
+  frames[1].input.settings.scene = SceneClock::Paused;
   frames[1].input.views[0].stage_from_eye.translation.y = 3;
   Replay replay(std::move(*reader_of(file_of(header(), frames))), ShadingPass::Report::On);
   EXPECT_NE(replay.link(), nullptr);
@@ -126,14 +126,14 @@ TEST(Replay, NamesTheEyeWhosePictureDiffers) {
     const StageTimes times;
     const StageStarts starts;
     replay.watch({.shown = shown,
-                  .asked = nullptr,
+                  .request = nullptr,
                   .state = state,
                   .masks = {},
                   .newest = nullptr,
                   .age = {},
                   .times = times,
                   .starts = starts,
-                  .steering = captured.input.settings,
+                  .settings = captured.input.settings,
                   .timing = captured.input.timing},
                  {each.left, each.right});
     const ReplayVerdict verdict = replay.verdict().value();

@@ -21,14 +21,14 @@ void watch(CaptureWriter& writer, std::uint32_t number) {
   const StageTimes times;
   const StageStarts starts;
   writer.watch({.shown = shown,
-                .asked = nullptr,
+                .request = nullptr,
                 .state = state,
                 .masks = {},
                 .newest = nullptr,
                 .age = {},
                 .times = times,
                 .starts = starts,
-                .steering = made.settings,
+                .settings = made.settings,
                 .timing = made.timing},
                {Image<Rgb8>(kEye), Image<Rgb8>(kEye, {1, 2, 3})});
 }
@@ -39,11 +39,11 @@ TEST(CaptureWriter, WritesEachFrameWithItsMessagesAndRequest) {
   ManualClock clock;
   CaptureWriter writer(clock);
   const LinkListener tell = writer.listener();
-  tell.heard(wire_samples::encoded(wire_samples::welcome()), Time(1ms));
+  tell.received(wire_samples::encoded(wire_samples::welcome()), Time(1ms));
   ASSERT_TRUE(writer.open(path, header()).has_value());
   clock.advance_to(Time(3ms));
-  tell.asked(sent_request(1).request);
-  tell.heard(wire_samples::encoded(ServerMessage(Probe{5})), Time(4ms));
+  tell.sent(sent_request(1).request);
+  tell.received(wire_samples::encoded(ServerMessage(Probe{5})), Time(4ms));
   watch(writer, 1);
   watch(writer, 2);
   EXPECT_EQ(writer.frames(), 2u);

@@ -32,7 +32,7 @@ FrameRecord record(std::uint32_t frame) {
   return made;
 }
 
-/// Frames 1 to 101: percentiles fall on frames.
+/// Frames 1 to 101, so that the percentiles are values of frames.
 FrameLog full_log() {
   FrameLog log;
   for (std::uint32_t frame = 1; frame <= 101; ++frame) log.add(record(frame));
@@ -72,7 +72,7 @@ TEST(FrameLog, PercentilesPointToTheWorseSide) {
   const SummaryRow* psnr = row(rows, "right eye", "PSNR");
   ASSERT_NE(psnr, nullptr);
   EXPECT_DOUBLE_EQ(psnr->spread.median, 71);
-  EXPECT_DOUBLE_EQ(psnr->spread.p95, 26) << "a low PSNR is the bad one";
+  EXPECT_DOUBLE_EQ(psnr->spread.p95, 26) << "a low PSNR is worse";
   EXPECT_DOUBLE_EQ(psnr->spread.p99, 22);
 }
 
@@ -100,16 +100,16 @@ TEST(FrameLog, HasARowForEveryShareOfAnEye) {
                        .unmoved_error = 0.06};
   log.add(made);
   const auto rows = log.summary();
-  const std::vector<std::pair<std::string, double>> wanted{{"mask error", 1},
-                                                           {"mask error among known", 2},
-                                                           {"mask error unreprojected", 6},
-                                                           {"from newest mask", 50},
-                                                           {"from other eye's newest", 25},
-                                                           {"from older masks", 12.5},
-                                                           {"neighbours", 6.25},
-                                                           {"unknown", 3.125},
-                                                           {"stale", 40}};
-  for (const auto& [metric, percent] : wanted) {
+  const std::vector<std::pair<std::string, double>> expected{{"mask error", 1},
+                                                             {"mask error among known", 2},
+                                                             {"mask error unreprojected", 6},
+                                                             {"from newest mask", 50},
+                                                             {"from other eye's newest", 25},
+                                                             {"from older masks", 12.5},
+                                                             {"neighbours", 6.25},
+                                                             {"unknown", 3.125},
+                                                             {"stale", 40}};
+  for (const auto& [metric, percent] : expected) {
     const SummaryRow* const found = row(rows, "right eye", metric);
     ASSERT_NE(found, nullptr) << metric;
     EXPECT_DOUBLE_EQ(found->spread.median, percent) << metric;
@@ -136,7 +136,7 @@ TEST(FrameLog, CountsStartUpFramesAndExcludesTheirErrors) {
   EXPECT_EQ(row(rows, "wire", "staleness")->spread.count, 3u);
   EXPECT_EQ(row(rows, "wire", "age")->spread.count, 3u);
   EXPECT_EQ(row(rows, "head", "turned since traced view")->spread.count, 3u);
-  EXPECT_EQ(row(rows, "client", "frame")->spread.count, 5u) << "their times are times like any other";
+  EXPECT_EQ(row(rows, "client", "frame")->spread.count, 5u) << "their times count";
 }
 
 TEST(FrameLog, HasNoRowWithoutMeasurements) {
@@ -168,7 +168,8 @@ TEST(FrameLog, TakesServerFiguresFromReports) {
   const auto rows = log.summary();
   EXPECT_DOUBLE_EQ(row(rows, "server", "frame")->spread.median, 9);
   EXPECT_DOUBLE_EQ(row(rows, "server", "share of a full trace")->spread.median, 25);
-  EXPECT_DOUBLE_EQ(row(rows, "wire", "datagrams a frame")->spread.median, 10) << "the report is one too";
+  EXPECT_DOUBLE_EQ(row(rows, "wire", "datagrams a frame")->spread.median, 10)
+      << "the report is a datagram, too";
   EXPECT_DOUBLE_EQ(row(rows, "wire", "bytes a frame")->spread.median, 4000);
 }
 

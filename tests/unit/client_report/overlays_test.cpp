@@ -81,7 +81,7 @@ TEST(SourcePicture, TellsEverySourceApart) {
   EXPECT_EQ(picture.at(1, 0).b, 255) << "an older one";
   EXPECT_EQ(picture.at(2, 0), Rgb8(60, 210, 230)) << "the other eye's newest";
   EXPECT_EQ(picture.at(3, 0), Rgb8(240, 230, 60)) << "the nearest pixel on the same surface";
-  EXPECT_EQ(picture.at(4, 0), picture.at(1, 0)) << "older is older, whichever eye's";
+  EXPECT_EQ(picture.at(4, 0), picture.at(1, 0)) << "older masks of both eyes have one colour";
   EXPECT_EQ(picture.at(5, 0), kOrange);
   EXPECT_EQ(picture.at(6, 0), kBlack);
 }
@@ -97,7 +97,7 @@ TEST(SourcePicture, DrawsRedLinesOverWhatIsStaleInAnyPlane) {
       EXPECT_EQ(picture.at(x, y), y > 0 && (x + y) % 4 == 0 ? lines : Rgb8(60, 220, 90)) << x << ", " << y;
 }
 
-TEST(SourcePicture, EveryMaskInHandHasItsOwnColor) {
+TEST(SourcePicture, EveryUsedMaskHasItsOwnColor) {
   std::vector<std::uint8_t> all;
   for (std::size_t i = 0; i < ShadingPass::kMaxMasks; ++i) all.push_back(static_cast<std::uint8_t>(i));
   const Image<Rgb8> picture = sources_drawn(all, 0ms);
@@ -222,7 +222,8 @@ TEST(Overlay, UnknownIsBrighterTheMoreIsUnknown) {
   const std::vector<LegendEntry> read = frame.explained(Overlay::Unknown);
   EXPECT_EQ(picture.at(0, 0), read.at(3).color) << read.at(3).text;
   EXPECT_EQ(picture.at(1, 0), read.at(1).color) << read.at(1).text;
-  EXPECT_GT(brightness(picture.at(2, 0)), brightness(picture.at(1, 0))) << "unknown goes before stale";
+  EXPECT_GT(brightness(picture.at(2, 0)), brightness(picture.at(1, 0)))
+      << "unknown takes precedence over stale";
   EXPECT_LT(brightness(picture.at(2, 0)), brightness(picture.at(3, 0)));
   EXPECT_EQ(picture.at(3, 0), read.at(0).color) << read.at(0).text;
   EXPECT_EQ(picture.at(4, 0), read.at(2).color) << read.at(2).text;
@@ -263,7 +264,7 @@ TEST(Overlay, RaysAreCountedOnTheLegendsScale) {
     const std::vector<LegendEntry> read = frame.explained(Overlay::Rays);
     EXPECT_EQ(picture.at(0, 0), read.front().color);
     EXPECT_EQ(picture.at(1, 0), read.back().color);
-    EXPECT_EQ(picture.at(2, 0), read.back().color) << "whatever is known";
+    EXPECT_EQ(picture.at(2, 0), read.back().color) << "regardless of the known bits";
     EXPECT_EQ(read.front().text, "0 rays");
     EXPECT_EQ(read.back().text, std::to_string(lights) + (lights == 1 ? " ray" : " rays"));
   }
@@ -300,24 +301,24 @@ class GuardBandOverlay : public testing::Test {
 };
 
 TEST_F(GuardBandOverlay, SurroundsTheShownView) {
-  // Traced: 80 of 100 pixels, from 10 on. Shown: 1 / 1.25 of that, 64 of 100, from 18 on.
+  // Traced: 80 of 100 pixels, from 10 on. Shown: 1 / 1.25 of these, 64 of 100, from 18 on.
   const Image<Rgb8> picture = drawn(1.25, 0);
-  for (const auto& [x, wanted] : std::vector<std::pair<std::uint32_t, Rgb8>>{{9, kBlack},
-                                                                             {10, guard_},
-                                                                             {16, guard_},
-                                                                             {17, outline_},
-                                                                             {18, outline_},
-                                                                             {19, all_},
-                                                                             {49, all_},
-                                                                             {50, none_},
-                                                                             {80, none_},
-                                                                             {81, outline_},
-                                                                             {82, outline_},
-                                                                             {90, kBlack}})
-    EXPECT_EQ(picture.at(x, 50), wanted) << x;
-  for (const auto& [y, wanted] : std::vector<std::pair<std::uint32_t, Rgb8>>{
+  for (const auto& [x, expected] : std::vector<std::pair<std::uint32_t, Rgb8>>{{9, kBlack},
+                                                                               {10, guard_},
+                                                                               {16, guard_},
+                                                                               {17, outline_},
+                                                                               {18, outline_},
+                                                                               {19, all_},
+                                                                               {49, all_},
+                                                                               {50, none_},
+                                                                               {80, none_},
+                                                                               {81, outline_},
+                                                                               {82, outline_},
+                                                                               {90, kBlack}})
+    EXPECT_EQ(picture.at(x, 50), expected) << x;
+  for (const auto& [y, expected] : std::vector<std::pair<std::uint32_t, Rgb8>>{
            {9, kBlack}, {10, guard_}, {17, outline_}, {19, all_}, {82, outline_}, {89, guard_}, {90, kBlack}})
-    EXPECT_EQ(picture.at(40, y), wanted) << y;
+    EXPECT_EQ(picture.at(40, y), expected) << y;
   // Tile 0 of the left eye has not arrived.
   EXPECT_EQ(picture.at(19, 19), read_[5].color);
 }

@@ -35,7 +35,7 @@ class Told {
     std::vector<TracedMask> masks;
     if (newest_mask) masks.push_back({{*newest_mask}, {}, {}, request.views, no_masks_, no_tiles_});
     const StageStarts starts{begin, begin + 1ms, begin + 3ms, begin + 8ms};
-    timeline.add({request, &request, state_, masks, nullptr, std::nullopt, times, starts, steering_, {}},
+    timeline.add({request, &request, state_, masks, nullptr, std::nullopt, times, starts, settings_, {}},
                  &inbox_);
   }
 
@@ -54,7 +54,7 @@ class Told {
   AnswerInbox inbox_{8, {1}};
   FramePacker packer_;
   const SceneState state_;
-  const FrameSettings steering_;
+  const FrameSettings settings_;
   const PerEye<EyeMask> no_masks_;
   const PerEye<KnownTiles> no_tiles_;
 };
@@ -200,7 +200,7 @@ TEST(Timeline, PlacesTheWorkOfTheServerBetweenRequestAndFirstSlice) {
   told.report_comes(report_of(1), 21ms);
   for (const std::uint32_t frame : {2, 3, 4}) told.show(frame, frame * 10ms);
   const auto waiting = events_on("rt_server waiting", told);
-  ASSERT_EQ(waiting.size(), 1u) << "a frame's exchange is kept once";
+  ASSERT_EQ(waiting.size(), 1u) << "the exchange of a frame appears once";
   EXPECT_EQ(waiting[0].begin_us, 5500);
   EXPECT_EQ(waiting[0].end_us, 6500);
   const auto work = events_on("rt_server worker", told);
@@ -318,7 +318,7 @@ TEST(Timeline, HasOnlyTheStagesOfTheClientWithoutAServer) {
   EXPECT_TRUE(events_of(timeline.text()).empty());
   const FrameRequest shown{};
   const SceneState state;
-  const FrameSettings steering;
+  const FrameSettings settings;
   const StageTimes times{.gbuffer = 1ms, .draw = 5ms};
   timeline.add({shown,
                 nullptr,
@@ -328,7 +328,7 @@ TEST(Timeline, HasOnlyTheStagesOfTheClientWithoutAServer) {
                 std::nullopt,
                 times,
                 {kBegin, kBegin + 1ms, kBegin + 3ms, kBegin + 8ms},
-                steering,
+                settings,
                 {}},
                nullptr);
   EXPECT_EQ(events_of(timeline.text()).size(), 5u);

@@ -61,11 +61,11 @@ TEST(MaskSlots, RandomListsUploadWhatTheFrameBeforeDidNotUseAndShareNoSlot) {
   MaskSlots slots(4);
   std::set<std::uint32_t> used_before;
   for (int frame = 0; frame < 2000; ++frame) {
-    std::set<std::uint32_t> wanted;
+    std::set<std::uint32_t> expected;
     const std::size_t count = number(random);
-    while (wanted.size() < count) wanted.insert(id(random));
+    while (expected.size() < count) expected.insert(id(random));
     std::vector<MaskVersion> masks;
-    for (const std::uint32_t frame_id : wanted) masks.push_back({FrameId{frame_id}});
+    for (const std::uint32_t frame_id : expected) masks.push_back({FrameId{frame_id}});
     std::shuffle(masks.begin(), masks.end(), random);
     const auto assignments = slots.assign(masks);
     std::set<std::size_t> taken;
@@ -77,7 +77,7 @@ TEST(MaskSlots, RandomListsUploadWhatTheFrameBeforeDidNotUseAndShareNoSlot) {
       }
     }
     EXPECT_EQ(taken.size(), masks.size()) << "frame " << frame;
-    used_before = wanted;
+    used_before = expected;
   }
 }
 

@@ -8,7 +8,7 @@ namespace farshade {
 namespace {
 
 constexpr ShadowMapSettings kWish{.side_px = 256, .pcf_radius = 2};
-constexpr double kGuard = 3;  ///< texels of border around what a map must contain
+constexpr double kGuard = 3;  ///< border around the part that a map must contain, texels
 constexpr int kCases = 500;
 
 /// Random lights, boxes and points, `GetParam()` metres from the stage's origin.
@@ -135,7 +135,7 @@ TEST(ShadowMapViews, LightsFollowEachOtherAndThoseThatAreOffSeeNothing) {
   EXPECT_EQ(views.lights[3].first_layer, 13u);
   EXPECT_EQ(views.layer_clip.size(), 14u);
   EXPECT_EQ(views.lights[0].view.kind, FARSHADE_MAP_NONE);
-  EXPECT_EQ(views.lights[2].view.kind, FARSHADE_MAP_CUBE) << "too wide for a window";
+  EXPECT_EQ(views.lights[2].view.kind, FARSHADE_MAP_CUBE) << "too wide for one perspective projection";
   for (int layer = 0; layer < 6; ++layer) EXPECT_FALSE(seen(views.layer_clip[0], {{0, 0, -3}}));
 }
 
@@ -155,11 +155,11 @@ TEST(ShadowMapBytes, AreThoseOfEveryFaceAndRefusedBeyondTheBudget) {
 }
 
 TEST(ShadowMapBytes, RefuseSidesAndRadiiOutsideOfTheirLimits) {
-  for (const ShadowMapSettings wish :
+  for (const ShadowMapSettings settings :
        {ShadowMapSettings{.side_px = 0}, ShadowMapSettings{.side_px = kLeastMapSide_px - 1},
         ShadowMapSettings{.side_px = kMostMapSide_px + 1},
         ShadowMapSettings{.pcf_radius = kMostPcfRadius + 1}}) {
-    const Expected<std::uint64_t> bytes = shadow_map_bytes(with_point_lights(1), wish);
+    const Expected<std::uint64_t> bytes = shadow_map_bytes(with_point_lights(1), settings);
     ASSERT_FALSE(bytes);
     EXPECT_EQ(bytes.error().fault, Fault::OutOfRange);
   }

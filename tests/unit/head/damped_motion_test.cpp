@@ -12,7 +12,8 @@ struct Case {
   double step_s, fade_s;
 };
 
-/// Steps from 1e-4 to 1 s against fade times from 1e-5 to 1e3 s, both beyond by a decade, and rounder ones.
+/// Steps from 1e-4 to 1 s and fade times from 1e-5 to 1e3 s, each extended by a decade on both sides, and
+/// some round values.
 std::vector<Case> sweep() {
   std::vector<Case> all;
   for (double step = -5; step <= 1; step += 0.5)
@@ -21,11 +22,12 @@ std::vector<Case> sweep() {
   return all;
 }
 
-void expect_close(double actual, double wanted, double relative, const Case& at) {
-  EXPECT_NEAR(actual, wanted, relative * std::abs(wanted)) << "step " << at.step_s << " fade " << at.fade_s;
+void expect_close(double actual, double expected, double relative, const Case& at) {
+  EXPECT_NEAR(actual, expected, relative * std::abs(expected))
+      << "step " << at.step_s << " fade " << at.fade_s;
 }
 
-/// a, then b.
+/// The effect of step `a`, then step `b`.
 DampedStep compose(const DampedStep& a, const DampedStep& b) {
   const double pv = a.pv + b.travel_s * a.vv;
   return {.keep = a.keep * b.keep,

@@ -31,8 +31,8 @@ TEST(StiffReference, IsTheKnownSolutionOfADampedStep) {
     EXPECT_NEAR(static_cast<double>(step.travel_s / (fade_s * gone)), 1, 1e-17);
     EXPECT_NEAR(static_cast<double>(step.vv / (0.5L * fade_s * -std::expm1(-2 * x))), 1, 1e-17);
     EXPECT_NEAR(static_cast<double>(step.pv / (0.5L * fade_s * fade_s * gone * gone)), 1, 1e-17);
-    const Real way = 2 * x - 3 + 4 * std::exp(-x) - std::exp(-2 * x);  // cancels like x^-3
-    EXPECT_NEAR(static_cast<double>(step.pp / (0.5L * fade_s * fade_s * fade_s * way)), 1,
+    const Real factor = 2 * x - 3 + 4 * std::exp(-x) - std::exp(-2 * x);  // cancels like x^-3
+    EXPECT_NEAR(static_cast<double>(step.pp / (0.5L * fade_s * fade_s * fade_s * factor)), 1,
                 x < 0.01L ? 1e-8 : 1e-15);
   }
 }
@@ -59,8 +59,9 @@ KalmanTuning tuning_of(double fade_s, double drive) {
 }
 
 TEST(Kalman, KnowsASpeedAsWellAsTwoPosesTellIt) {
-  // Nothing drives or fades a speed of variance 1; two poses h apart, each of variance r, leave 2 r / (h^2 +
-  // 2 r) of it. As a difference of variances that is lost from h = 1e4 sqrt(r) on.
+  // Nothing drives or damps a velocity of variance 1. Two poses h apart, each of variance r, reduce this
+  // variance to 2 r / (h^2 + 2 r). Computed as a difference of variances, it would be lost from h = 1e4
+  // sqrt(r) on.
   KalmanTuning tuning = tuning_of(1e42, 1e-40);
   for (const double noise : {1e-6, 3e-4})
     for (double step_s = 1e-4; step_s < 2e3; step_s *= 10) {
@@ -68,12 +69,13 @@ TEST(Kalman, KnowsASpeedAsWellAsTwoPosesTellIt) {
       KalmanFilter filter(tuning);
       filter.start({});
       filter.step(step_s, {});
-      const double r = noise * noise, wanted = 2 * r / (step_s * step_s + 2 * r);
-      EXPECT_NEAR(filter.linear_covariance()[0].vv, wanted, 8 * kRounding * wanted) << noise << ' ' << step_s;
+      const double r = noise * noise, expected = 2 * r / (step_s * step_s + 2 * r);
+      EXPECT_NEAR(filter.linear_covariance()[0].vv, expected, 8 * kRounding * expected)
+          << noise << ' ' << step_s;
     }
 }
 
-/// Largest velocity made out of a ramp of 1 m/s from a long rest, over 1.
+/// The largest estimated velocity on a ramp of 1 m/s after a long rest, minus 1.
 double overshoot(double step_s, double fade_s, double drive) {
   KalmanFilter filter(tuning_of(fade_s, drive));
   filter.start({});
@@ -87,10 +89,10 @@ double overshoot(double step_s, double fade_s, double drive) {
 }
 
 TEST(Kalman, OvershootsARampByNoMoreThanTheContinuousAndTheSparseOptimum) {
-  // Nothing fading, the filter between measurements ever closer is Kalman and Bucy's, v' + sqrt(2) w v + w^2
-  // p with w^4 = drive / (noise^2 step): damped by 1 / sqrt(2) it overshoots by e^-pi. Between measurements
-  // ever further apart its gain is 3 - sqrt(3) over the step (the fixed point of the covariances for no
-  // noise).
+  // Without decay, and for steps that become ever shorter, the filter becomes that of Kalman and Bucy, v' +
+  // sqrt(2) w v + w^2 p with w^4 = drive / (noise^2 step). It is damped by 1 / sqrt(2), so it overshoots by
+  // e^-pi. For steps that become ever longer, its gain is 3 - sqrt(3) per step (the fixed point of the
+  // covariances without noise).
   const double continuous = std::exp(-std::numbers::pi), sparse = 2 - std::numbers::sqrt3;
   EXPECT_NEAR(overshoot(1e-4, 1e9, 0.01), continuous, 1e-3);
   EXPECT_NEAR(overshoot(1.0, 1e9, 10.0), sparse, 1e-6);

@@ -15,40 +15,40 @@ constexpr Duration kNoGapTooLong = std::chrono::hours(1);
 constexpr double kLeads_s[] = {1e-3, 0.05, 0.5};
 constexpr int kSamples = 300;
 
-/// What moves: along x at walking pace, or about y as fast as heads of the domain turn.
-enum class Axis { Way, Turn };
-constexpr Axis kAxes[] = {Axis::Way, Axis::Turn};
+/// The motion: along x at walking pace, or about y as fast as heads of the domain turn.
+enum class Axis { Linear, Angular };
+constexpr Axis kAxes[] = {Axis::Linear, Axis::Angular};
 
 std::string name_of(Axis axis) {
-  return axis == Axis::Way ? "walk," : "turn,";
+  return axis == Axis::Linear ? "walk," : "turn,";
 }
 
 double speed_of(Axis axis) {
-  return axis == Axis::Way ? 1.0 : 1000.0 * std::numbers::pi / 180.0;
+  return axis == Axis::Linear ? 1.0 : 1000.0 * std::numbers::pi / 180.0;
 }
 
 HeadPose posed(Axis axis, double value) {
-  return axis == Axis::Way ? HeadPose{{1, 0, 0, 0}, {value, 0, 0}}
-                           : HeadPose{rotation_exp({0, value, 0}), {}};
+  return axis == Axis::Linear ? HeadPose{{1, 0, 0, 0}, {value, 0, 0}}
+                              : HeadPose{rotation_exp({0, value, 0}), {}};
 }
 
-/// The pose's coordinate, as exactly as the pose has it.
+/// The coordinate of the pose along or about the axis, without additional rounding.
 Real coordinate(Axis axis, const HeadPose& pose) {
-  return axis == Axis::Way ? Real(pose.translation.x)
-                           : 2 * std::atan2(Real(pose.rotation.y), Real(pose.rotation.w));
+  return axis == Axis::Linear ? Real(pose.translation.x)
+                              : 2 * std::atan2(Real(pose.rotation.y), Real(pose.rotation.w));
 }
 
-/// to - from, the shorter way round if it is an angle.
+/// to - from; for an angle, the shorter direction.
 Real difference(Axis axis, Real from, Real to) {
-  return axis == Axis::Way ? to - from : std::remainder(to - from, 2 * std::numbers::pi_v<Real>);
+  return axis == Axis::Linear ? to - from : std::remainder(to - from, 2 * std::numbers::pi_v<Real>);
 }
 
 double component(Axis axis, const Twist& twist) {
-  return axis == Axis::Way ? twist.linear.x : twist.angular.y;
+  return axis == Axis::Linear ? twist.linear.x : twist.angular.y;
 }
 
-/// Largest errors allowed of one motion: of the velocity, over the fastest mean rate of a step so far; of the
-/// pose ahead, over 1 and how far it may be out (rad or m).
+/// The largest allowed errors of one motion: of the velocity, relative to the fastest mean rate of a step so
+/// far; of the predicted pose, relative to 1 plus its possible distance (rad or m).
 struct Bounds {
   double velocity, ahead;
 };
@@ -78,8 +78,7 @@ std::vector<Sample> motion(Axis axis, double step_s) {
   return samples;
 }
 
-/// With every third pose's stamp repeated and followed by an earlier one, both with a pose that was never
-/// there.
+/// Repeats every third stamp and then adds an earlier one, both with a pose that the head never had.
 void observe(Predictor& predictor, const Sample& sample, int count) {
   const Time time{Duration(sample.at_ns)};
   predictor.observe(time, sample.pose);
@@ -89,9 +88,9 @@ void observe(Predictor& predictor, const Sample& sample, int count) {
   predictor.observe(time - Duration(1), nowhere);
 }
 
-double relative(Real actual, Real wanted) {
-  return wanted == 0 ? static_cast<double>(std::abs(actual))
-                     : static_cast<double>(std::abs(actual / wanted - 1));
+double relative(Real actual, Real expected) {
+  return expected == 0 ? static_cast<double>(std::abs(actual))
+                       : static_cast<double>(std::abs(actual / expected - 1));
 }
 
 std::vector<double> decades(int from, int to, int parts) {
@@ -101,8 +100,8 @@ std::vector<double> decades(int from, int to, int parts) {
   return all;
 }
 
-/// Runs one filter and its reference through the motion and notes how far they part. Reference: step(step_s,
-/// sample's coordinate), velocity(), ahead(lead) in the coordinate.
+/// Runs one filter and its reference through the motion and records their largest differences. The reference
+/// has step(step_s, the sample's coordinate), velocity(), and ahead(lead), which returns a coordinate.
 template <class Reference>
 void compare(const PoseFilter& filter, Reference reference, Axis axis, double step_s, double constant_s,
              GridError& velocity, GridError& ahead) {
@@ -122,10 +121,10 @@ void compare(const PoseFilter& filter, Reference reference, Axis axis, double st
     if (fastest > 0) velocity.add(static_cast<double>(std::abs(parted)) / fastest, step_s, constant_s);
     for (const double lead_s : kLeads_s) {
       const Time then = Time(Duration(sample.at_ns)) + Duration(std::llround(lead_s * 1e9));
-      const Real said = coordinate(axis, predictor.predict(then)), wanted = reference.ahead(Real(lead_s));
+      const Real said = coordinate(axis, predictor.predict(then)), expected = reference.ahead(Real(lead_s));
       const double scale =
-          1.0 + static_cast<double>(std::abs(wanted)) + fastest * (lead_s + reference.memory_s());
-      ahead.add(static_cast<double>(std::abs(difference(axis, wanted, said))) / scale, step_s, constant_s);
+          1.0 + static_cast<double>(std::abs(expected)) + fastest * (lead_s + reference.memory_s());
+      ahead.add(static_cast<double>(std::abs(difference(axis, expected, said))) / scale, step_s, constant_s);
     }
   }
 }
@@ -152,7 +151,7 @@ KalmanTuning tuning_of(double fade_s) {
 }
 
 KalmanReference::Tuning reference_tuning(Axis axis, double fade_s) {
-  const double drive = axis == Axis::Way ? 0.1 : 1.0;
+  const double drive = axis == Axis::Linear ? 0.1 : 1.0;
   return {
       .fade_s = fade_s, .drive = drive, .noise = kNoise, .unseen_vv = std::min(0.5 * drive * fade_s, 1.0)};
 }
@@ -173,16 +172,17 @@ struct Kalman {
   [[nodiscard]] double memory_s() const { return 0; }
 };
 
-// Multiples of the rounding (2e-16). The estimate of the Kalman filter is a pose: 300 m from the origin it
-// rounds by 3e-14 m, and its velocity by up to 150 times that per second.
+// Multiples of the rounding error (2e-16). The estimate of the Kalman filter is a pose: 300 m from the origin
+// it is rounded by 3e-14 m, and its velocity by up to 150 times that per second.
 constexpr Bounds kHeld[] = {{0, 0}, {0, 0}}, kEstimated[] = {{2e-11, 2e-13}, {2e-13, 4e-14}};
 
-/// Both figures of a filter for both motions. `filter(constant)`, `reference(axis, constant)`.
+/// Both errors of a filter for both motions. `filter(constant)` and `reference(axis, constant)` make the two
+/// sides.
 std::vector<GridError> errors_of(const std::string& name, const Bounds (&bounds)[2], const Grid& grid,
                                  const auto& filter, const auto& reference) {
   std::vector<GridError> all;
   for (const Axis axis : kAxes) {
-    const Bounds& allowed = bounds[axis == Axis::Way ? 0 : 1];
+    const Bounds& allowed = bounds[axis == Axis::Linear ? 0 : 1];
     GridError velocity{name, name_of(axis) + " velocity", allowed.velocity};
     GridError ahead{name, name_of(axis) + " pose ahead", allowed.ahead};
     for (const double constant_s : grid.constants_s)
@@ -197,15 +197,15 @@ GridError covariance_errors(const Grid& grid) {
   GridError all{"kalman", "covariance", 4e-14};
   for (const double constant_s : grid.constants_s)
     for (const double step_s : grid.steps_s) {
-      KalmanReference wanted(reference_tuning(Axis::Turn, constant_s));
+      KalmanReference expected(reference_tuning(Axis::Angular, constant_s));
       KalmanFilter filter(tuning_of(constant_s));
       filter.start({});
-      for (const Sample& sample : motion(Axis::Turn, step_s)) {
+      for (const Sample& sample : motion(Axis::Angular, step_s)) {
         filter.step(sample.step_s, sample.pose);
-        wanted.step(Real(sample.step_s), 0);
+        expected.step(Real(sample.step_s), 0);
         const KalmanFilter::Covariance c = filter.angular_covariance()[1];
         for (const double error :
-             {relative(c.pp, wanted.pp()), relative(c.pv, wanted.pv()), relative(c.vv, wanted.vv())})
+             {relative(c.pp, expected.pp()), relative(c.pv, expected.pv()), relative(c.vv, expected.vv())})
           all.add(error, step_s, constant_s);
       }
     }
@@ -224,19 +224,19 @@ Grid whole_grid(int parts) {
 }
 
 std::vector<GridError> step_errors(const Grid& grid) {
-  GridError keep{"one damped step", "what is kept", 1e-15}, way{"one damped step", "way", 1e-15};
+  GridError keep{"one damped step", "what is kept", 1e-15}, travel{"one damped step", "travel", 1e-15};
   GridError noise{"one damped step", "noise covariance", 4e-15};
   for (const double constant_s : grid.constants_s)
     for (const double step_s : grid.steps_s) {
-      const DampedReference wanted = damped_reference(step_s, constant_s);
+      const DampedReference expected = damped_reference(step_s, constant_s);
       const DampedStep step = damped_step(step_s, constant_s);
-      keep.add(static_cast<double>(std::abs(step.keep - wanted.keep)), step_s, constant_s);
-      way.add(relative(step.travel_s, wanted.travel_s), step_s, constant_s);
+      keep.add(static_cast<double>(std::abs(step.keep - expected.keep)), step_s, constant_s);
+      travel.add(relative(step.travel_s, expected.travel_s), step_s, constant_s);
       for (const double error :
-           {relative(step.pp, wanted.pp), relative(step.pv, wanted.pv), relative(step.vv, wanted.vv)})
+           {relative(step.pp, expected.pp), relative(step.pv, expected.pv), relative(step.vv, expected.vv)})
         noise.add(error, step_s, constant_s);
     }
-  return {keep, way, noise};
+  return {keep, travel, noise};
 }
 
 std::vector<GridError> hold_errors(const Grid& grid) {

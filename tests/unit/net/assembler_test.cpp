@@ -14,18 +14,18 @@ namespace {
 constexpr LightSetRevision kRevision{4};
 
 FrameRequest request(std::uint32_t frame, Extent size = {200, 120}) {
-  FrameRequest asked;
-  asked.frame = {frame};
-  for (View& view : asked.views) view.size = size;
-  return asked;
+  FrameRequest requested;
+  requested.frame = {frame};
+  for (View& view : requested.views) view.size = size;
+  return requested;
 }
 
 /// Noise, so that the frame takes many slices.
-ShadowFrame noisy_frame(const FrameRequest& asked, std::uint32_t lights, std::uint32_t seed = 1) {
-  ShadowFrame frame{asked.frame, kRevision, asked.views, {}};
-  std::mt19937 random(seed + asked.frame.value);
+ShadowFrame noisy_frame(const FrameRequest& requested, std::uint32_t lights, std::uint32_t seed = 1) {
+  ShadowFrame frame{requested.frame, kRevision, requested.views, {}};
+  std::mt19937 random(seed + requested.frame.value);
   for (const Side side : kSides) {
-    const Extent size = asked.views[index_of(side)].size;
+    const Extent size = requested.views[index_of(side)].size;
     EyeMask& mask = frame.masks[index_of(side)] = EyeMask(size, lights);
     for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane)
       for (std::uint32_t y = 0; y < size.height; ++y)
@@ -150,7 +150,7 @@ TEST(Assembler, SlicesOfSeveralFramesInTurnFindTheirOwn) {
     frames.push_back(noisy_frame(request(number), 3));
     datagrams.push_back(datagrams_of(frames.back()));
   }
-  // The newest frame first: an older one that comes later is still told, in its own place.
+  // The newest frame arrives first. An older one that arrives later is still reported, in its own place.
   for (std::size_t number : {2u, 0u, 1u})
     for (const auto& datagram : datagrams[number]) accept(assembler, datagram);
   for (std::uint32_t number = 1; number <= 3; ++number)
@@ -177,7 +177,7 @@ TEST(Assembler, IgnoresSliceOfFrameNeverAskedFor) {
   EXPECT_GT(made.assembler.counters().unexpected, 0u);
 }
 
-/// The least that an assembler can be.
+/// The smallest possible assembler.
 constexpr std::size_t kFew = Assembler::kKept + 1;
 
 TEST(Assembler, IgnoresSliceOfFrameThatIsForgotten) {
@@ -223,9 +223,9 @@ TEST(Assembler, AReusedSlotRemembersNothing) {
 TEST(Assembler, SizesMayChangeFromFrameToFrame) {
   Assembler assembler(kFew);
   for (std::uint32_t number = 1; number <= 2 * kFew; ++number) {
-    const FrameRequest asked = request(number, {number * 40, 90 / number});
-    assembler.expect(asked, {3}, kRevision);
-    const ShadowFrame frame = noisy_frame(asked, 3);
+    const FrameRequest requested = request(number, {number * 40, 90 / number});
+    assembler.expect(requested, {3}, kRevision);
+    const ShadowFrame frame = noisy_frame(requested, 3);
     for (const auto& datagram : datagrams_of(frame)) accept(assembler, datagram);
     EXPECT_EQ(assembler.find({number})->masks, frame.masks);
     EXPECT_TRUE(assembler.find({number})->complete());
@@ -286,7 +286,7 @@ TEST(Assembler, ForgetsEverythingForAnotherServer) {
   made.assembler.clear();
   EXPECT_EQ(made.assembler.find({9}), nullptr);
   EXPECT_EQ(made.assembler.newest_known(), nullptr);
-  made.assembler.expect(request(1), {3}, kRevision);  // frames may be counted anew
+  made.assembler.expect(request(1), {3}, kRevision);  // frame numbers may start again
   EXPECT_FALSE(made.assembler.find({1})->anything_known());
 }
 

@@ -13,10 +13,10 @@ namespace farshade {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr Duration kPatience = 10s;  // never reached where datagrams arrive
+constexpr Duration kPatience = 10s;  // not reached if datagrams arrive
 const std::array kOne{std::byte{1}}, kTwo{std::byte{2}};
 
-/// The virtual link's port `inner`, owned by nobody, as a port to own.
+/// A port that owns nothing and forwards to the virtual link's port `inner`.
 class Borrowed final : public DatagramPort {
  public:
   explicit Borrowed(DatagramPort& inner) : inner_(inner) {}
@@ -48,31 +48,31 @@ TEST(ImpairedPort, HandsOutWhenItIsDue) {
   bench.send(kOne);
   EXPECT_FALSE(bench.port->receive(bench.buffer, 6999us).has_value());
   EXPECT_EQ(bench.clock.now(), Time(6999us));
-  const auto heard = bench.port->receive(bench.buffer, kPatience);
-  ASSERT_TRUE(heard.has_value());
+  const auto received = bench.port->receive(bench.buffer, kPatience);
+  ASSERT_TRUE(received.has_value());
   EXPECT_EQ(bench.clock.now(), Time(7ms));
-  EXPECT_EQ(heard->arrived, Time(7ms));
-  EXPECT_EQ(heard->from, bench.link.client().local());
-  EXPECT_TRUE(std::ranges::equal(heard->bytes, kOne));
+  EXPECT_EQ(received->arrived, Time(7ms));
+  EXPECT_EQ(received->from, bench.link.client().local());
+  EXPECT_TRUE(std::ranges::equal(received->bytes, kOne));
 }
 
 TEST(ImpairedPort, LateReaderSeesWhenItWasDue) {
   Bench bench({.delay = 5ms});
   bench.send(kOne);
   bench.clock.advance_to(Time(1s));
-  const auto heard = bench.port->receive(bench.buffer, 0s);
-  ASSERT_TRUE(heard.has_value());
-  EXPECT_EQ(heard->arrived, Time(7ms));
+  const auto received = bench.port->receive(bench.buffer, 0s);
+  ASSERT_TRUE(received.has_value());
+  EXPECT_EQ(received->arrived, Time(7ms));
 }
 
 TEST(ImpairedPort, FollowsAnotherModelFromThenOn) {
   Bench bench({.delay = 5ms});
   bench.send(kOne);
-  EXPECT_FALSE(bench.port->receive(bench.buffer, 4ms).has_value()) << "taken in by the first model";
+  EXPECT_FALSE(bench.port->receive(bench.buffer, 4ms).has_value()) << "the first model holds it";
   bench.port->follow({.delay = 1ms});
   bench.send(kOne);
   EXPECT_TRUE(bench.port->receive(bench.buffer, kPatience).has_value());
-  EXPECT_EQ(bench.clock.now(), Time(7ms)) << "on the way under both: 2 + 5 and 4 + 2 + 1 ms";
+  EXPECT_EQ(bench.clock.now(), Time(7ms)) << "delayed by both models: 2 + 5 and 4 + 2 + 1 ms";
   EXPECT_TRUE(bench.port->receive(bench.buffer, kPatience).has_value());
   EXPECT_EQ(bench.clock.now(), Time(7ms));
   bench.port->follow({.loss = 1});
@@ -130,26 +130,26 @@ TEST(ImpairedPort, DelaysAndLosesOnLoopback) {
   LiveBench bench(kModel);
   std::vector<Time> sent;
   Impairment same(kModel, Time{});
-  std::vector<int> wanted, heard;
+  std::vector<int> expected, received;
   for (std::uint8_t i = 0; i < kCount; ++i) {
     const std::array bytes{std::byte{i}};
     sent.push_back(bench.clock.now());
     ASSERT_TRUE(bench.sender->send(bench.address, bytes));
-    same.push(Time(i * 1h), {}, bytes);  // which are lost does not depend on when they come
+    same.push(Time(i * 1h), {}, bytes);  // the arrival times do not decide which datagrams are lost
   }
   for (; same.front() != nullptr; same.pop())
-    wanted.push_back(std::to_integer<int>(same.front()->bytes()[0]));
-  while (heard.size() < wanted.size()) {
+    expected.push_back(std::to_integer<int>(same.front()->bytes()[0]));
+  while (received.size() < expected.size()) {
     const auto datagram = bench.port->receive(bench.buffer, kPatience);
     ASSERT_TRUE(datagram.has_value());
     const Time now = bench.clock.now();
-    heard.push_back(std::to_integer<int>(datagram->bytes[0]));
+    received.push_back(std::to_integer<int>(datagram->bytes[0]));
     EXPECT_GE(now, datagram->arrived);
-    EXPECT_GE(datagram->arrived - sent[static_cast<std::size_t>(heard.back())], 20ms);
+    EXPECT_GE(datagram->arrived - sent[static_cast<std::size_t>(received.back())], 20ms);
   }
   EXPECT_FALSE(bench.port->receive(bench.buffer, 0s).has_value());
-  std::ranges::sort(heard);
-  EXPECT_EQ(heard, wanted);
+  std::ranges::sort(received);
+  EXPECT_EQ(received, expected);
 }
 
 TEST(ImpairedPort, AnotherThreadWakesAndSends) {

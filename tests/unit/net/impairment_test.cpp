@@ -29,16 +29,16 @@ std::array<std::byte, kSize> numbered(int number) {
 }
 
 struct Outcome {
-  std::vector<Arrival> heard;
+  std::vector<Arrival> received;
   ImpairmentCounters counters;
   [[nodiscard]] std::vector<bool> came() const {
     std::vector<bool> result(kCount, false);
-    for (const Arrival& arrival : heard) result[static_cast<std::size_t>(arrival.number)] = true;
+    for (const Arrival& arrival : received) result[static_cast<std::size_t>(arrival.number)] = true;
     return result;
   }
 };
 
-/// `count` numbered datagrams, one each `apart`.
+/// `count` numbered datagrams at intervals of `apart`.
 Outcome run(const LinkModel& model, int count = kCount, Duration apart = 1ms) {
   Impairment path(model, Time{});
   Outcome result;
@@ -47,7 +47,7 @@ Outcome run(const LinkModel& model, int count = kCount, Duration apart = 1ms) {
       Arrival arrival{item->arrival, 0, {}};
       std::ranges::copy(item->bytes(), arrival.bytes.begin());
       for (std::size_t i = 0; i < 4; ++i) arrival.number |= std::to_integer<int>(arrival.bytes[i]) << (8 * i);
-      result.heard.push_back(arrival);
+      result.received.push_back(arrival);
     }
   };
   for (int i = 0; i < count; ++i) {
@@ -59,7 +59,7 @@ Outcome run(const LinkModel& model, int count = kCount, Duration apart = 1ms) {
   return result;
 }
 
-/// Within four standard deviations of a share of independent cases.
+/// Expects a share of independent cases within four standard deviations.
 void expect_share(std::uint64_t happened, double share) {
   const double deviation = std::sqrt(share * (1 - share) / kCount);
   EXPECT_NEAR(static_cast<double>(happened) / kCount, share, 4 * deviation);
@@ -68,10 +68,10 @@ void expect_share(std::uint64_t happened, double share) {
 TEST(Impairment, SameSeedSameRun) {
   LinkModel model = parse_link_model("hostile,burst=3,corrupt=5%,reorder=5%,rate=1Mbit,seed=42").value();
   const Outcome first = run(model), again = run(model);
-  EXPECT_EQ(first.heard, again.heard);
+  EXPECT_EQ(first.received, again.received);
   EXPECT_EQ(first.counters, again.counters);
   model.seed = 43;
-  EXPECT_NE(run(model).heard, first.heard);
+  EXPECT_NE(run(model).received, first.received);
 }
 
 TEST(Impairment, StreamsOfOneSeedDiffer) {
@@ -83,25 +83,25 @@ TEST(Impairment, StreamsOfOneSeedDiffer) {
 
 TEST(Impairment, NothingHappensWithoutAModel) {
   const Outcome sound = run({});
-  ASSERT_EQ(sound.heard.size(), std::size_t{kCount});
+  ASSERT_EQ(sound.received.size(), std::size_t{kCount});
   for (int i = 0; i < kCount; ++i)
-    ASSERT_EQ(sound.heard[static_cast<std::size_t>(i)], (Arrival{Time(i * 1ms), i, numbered(i)}));
+    ASSERT_EQ(sound.received[static_cast<std::size_t>(i)], (Arrival{Time(i * 1ms), i, numbered(i)}));
   EXPECT_EQ(sound.counters, ImpairmentCounters{});
 }
 
 TEST(Impairment, LosesItsShareIndependently) {
   const Outcome lossy = run({.loss = 0.05});
   expect_share(lossy.counters.lost, 0.05);
-  EXPECT_EQ(lossy.heard.size(), kCount - lossy.counters.lost);
+  EXPECT_EQ(lossy.received.size(), kCount - lossy.counters.lost);
   const std::vector<bool> came = lossy.came();
   std::uint64_t pairs = 0;
   for (std::size_t i = 1; i < came.size(); ++i) pairs += !came[i] && !came[i - 1] ? 1 : 0;
   expect_share(pairs, 0.05 * 0.05);
 }
 
-// The losses of n datagrams have variance n s (1 - s) (1 + c) / (1 - c) in a two-state chain of which one
-// step correlates by c = 1 - p - r; burst lengths are geometric: variance (1 - r) / r^2 each, of about n s r
-// bursts.
+// A two-state chain in which one step correlates by c = 1 - p - r: the number of losses of n datagrams has
+// variance n s (1 - s) (1 + c) / (1 - c). Burst lengths are geometric with variance (1 - r) / r^2 each; there
+// are about n s r bursts.
 TEST(Impairment, LosesInBurstsOfTheMeanLength) {
   for (const double burst : {3.0, 8.0}) {
     const double share = 0.05, r = 1 / burst, c = 1 - share * r / (1 - share) - r;
@@ -117,41 +117,41 @@ TEST(Impairment, LosesInBurstsOfTheMeanLength) {
 }
 
 TEST(Impairment, LosesAllWhereNothingGetsThrough) {
-  for (const double burst : {1.0, 8.0}) EXPECT_TRUE(run({.loss = 1, .burst = burst}).heard.empty());
+  for (const double burst : {1.0, 8.0}) EXPECT_TRUE(run({.loss = 1, .burst = burst}).received.empty());
 }
 
 TEST(Impairment, HoldsBackItsShare) {
   const Outcome held = run({.delay = 5ms, .reorder = 0.3, .reorder_by = 2500us});
   expect_share(held.counters.reordered, 0.3);
   std::uint64_t late = 0, overtaken = 0;
-  for (std::size_t i = 0; i < held.heard.size(); ++i) {
-    const Duration travelled = held.heard[i].time - Time(held.heard[i].number * 1ms);
+  for (std::size_t i = 0; i < held.received.size(); ++i) {
+    const Duration travelled = held.received[i].time - Time(held.received[i].number * 1ms);
     EXPECT_TRUE(travelled == 5ms || travelled == 7500us);
     late += travelled == 7500us ? 1 : 0;
-    overtaken += i > 0 && held.heard[i].number < held.heard[i - 1].number ? 1 : 0;
+    overtaken += i > 0 && held.received[i].number < held.received[i - 1].number ? 1 : 0;
   }
   EXPECT_EQ(late, held.counters.reordered);
-  EXPECT_GT(overtaken, late / 4) << "the next two were seldom held back too";
+  EXPECT_GT(overtaken, late / 4) << "the next two datagrams were seldom late, too";
 }
 
 TEST(Impairment, DoublesItsShare) {
   const Outcome twice = run({.jitter = 500us, .duplicate = 0.25});
   expect_share(twice.counters.duplicated, 0.25);
   std::map<int, std::vector<Duration>> travelled;
-  for (const Arrival& arrival : twice.heard) {
+  for (const Arrival& arrival : twice.received) {
     travelled[arrival.number].push_back(arrival.time - Time(arrival.number * 1ms));
     EXPECT_LT(travelled[arrival.number].back(), 500us);
     EXPECT_EQ(arrival.bytes, numbered(arrival.number));
   }
   EXPECT_EQ(travelled.size(), std::size_t{kCount});
-  EXPECT_EQ(twice.heard.size(), kCount + twice.counters.duplicated);
+  EXPECT_EQ(twice.received.size(), kCount + twice.counters.duplicated);
   std::uint64_t doubled = 0, apart = 0;
   for (const auto& [number, times] : travelled) {
     doubled += times.size() == 2 ? 1 : 0;
     apart += times.back() - times.front() > 100us ? 1 : 0;
   }
   EXPECT_EQ(doubled, twice.counters.duplicated);
-  expect_share(apart, 0.25 * 0.8 * 0.8);  // two draws differ by more than a fifth
+  expect_share(apart, 0.25 * 0.8 * 0.8);  // the difference of two draws exceeds a fifth
 }
 
 TEST(Impairment, FlipsOneBitOfItsShare) {
@@ -159,11 +159,11 @@ TEST(Impairment, FlipsOneBitOfItsShare) {
   expect_share(corrupted.counters.corrupted, 0.3);
   std::array<int, 8 * kSize> flipped{};
   std::uint64_t faulty = 0;
-  for (std::size_t i = 0; i < corrupted.heard.size(); ++i) {
+  for (std::size_t i = 0; i < corrupted.received.size(); ++i) {
     const auto sound = numbered(static_cast<int>(i));
     int bits = 0;
     for (std::size_t bit = 0; bit < 8 * kSize; ++bit) {
-      const std::byte change = sound[bit / 8] ^ corrupted.heard[i].bytes[bit / 8];
+      const std::byte change = sound[bit / 8] ^ corrupted.received[i].bytes[bit / 8];
       if ((change >> (bit % 8) & std::byte{1}) == std::byte{0}) continue;
       ++bits;
       ++flipped[bit];
@@ -181,51 +181,52 @@ TEST(Impairment, OneRateLeavesTheOthersAlone) {
   const Outcome all = run(parse_link_model(base).value(), 2000);
   const auto with = [&](const char* more) { return run(parse_link_model(base + more).value(), 2000); };
   const auto unchanged = [&](const Outcome& other) {
-    return static_cast<std::size_t>(std::ranges::count_if(all.heard, [&](const Arrival& each) {
-      return std::ranges::find(other.heard, each) != other.heard.end();
+    return static_cast<std::size_t>(std::ranges::count_if(all.received, [&](const Arrival& each) {
+      return std::ranges::find(other.received, each) != other.received.end();
     }));
   };
   const Outcome lossy = with(",loss=50%"), silent = with(",silence=100ms/300ms"),
                 twice = with(",duplicate=50%");
   const Outcome corrupted = with(",corrupt=50%"), held = with(",reorder=50%");
-  EXPECT_LT(lossy.heard.size(), all.heard.size());
-  EXPECT_EQ(unchanged(lossy), lossy.heard.size());
-  EXPECT_LT(silent.heard.size(), all.heard.size());
-  EXPECT_EQ(unchanged(silent), silent.heard.size());
-  EXPECT_EQ(unchanged(twice), all.heard.size());
-  EXPECT_EQ(unchanged(corrupted), all.heard.size() - corrupted.counters.corrupted);
-  EXPECT_EQ(unchanged(held), all.heard.size() - held.counters.reordered);
+  EXPECT_LT(lossy.received.size(), all.received.size());
+  EXPECT_EQ(unchanged(lossy), lossy.received.size());
+  EXPECT_LT(silent.received.size(), all.received.size());
+  EXPECT_EQ(unchanged(silent), silent.received.size());
+  EXPECT_EQ(unchanged(twice), all.received.size());
+  EXPECT_EQ(unchanged(corrupted), all.received.size() - corrupted.counters.corrupted);
+  EXPECT_EQ(unchanged(held), all.received.size() - held.counters.reordered);
 }
 
-// 8 bytes at 1,000 bytes/s: one each 8 ms leaves. 100 ms of queue is 12.5 of them.
+// 8 bytes at 1,000 bytes/s: a datagram leaves every 8 ms. A queue of 100 ms holds 12.5 datagrams.
 TEST(Impairment, BottleneckPassesItsRateAndDropsBeyondItsQueue) {
   const Outcome narrow = run({.delay = 3ms, .rate_bytes_per_s = 1000, .queue = 100ms}, 1000);
-  ASSERT_EQ(narrow.heard.front().time, Time(8ms + 3ms));
-  for (std::size_t i = 1; i < narrow.heard.size(); ++i) {
-    ASSERT_EQ(narrow.heard[i].time - narrow.heard[i - 1].time, 8ms);
-    ASSERT_GT(narrow.heard[i].number, narrow.heard[i - 1].number);
-    const Duration travelled = narrow.heard[i].time - Time(narrow.heard[i].number * 1ms);
+  ASSERT_EQ(narrow.received.front().time, Time(8ms + 3ms));
+  for (std::size_t i = 1; i < narrow.received.size(); ++i) {
+    ASSERT_EQ(narrow.received[i].time - narrow.received[i - 1].time, 8ms);
+    ASSERT_GT(narrow.received[i].number, narrow.received[i - 1].number);
+    const Duration travelled = narrow.received[i].time - Time(narrow.received[i].number * 1ms);
     ASSERT_LE(travelled, 100ms + 8ms + 3ms);
   }
-  EXPECT_EQ(narrow.heard.size() + narrow.counters.overflowed, 1000u);
-  EXPECT_NEAR(static_cast<double>(narrow.heard.size()), 1000 / 8.0 + 100 / 8.0, 2);
+  EXPECT_EQ(narrow.received.size() + narrow.counters.overflowed, 1000u);
+  EXPECT_NEAR(static_cast<double>(narrow.received.size()), 1000 / 8.0 + 100 / 8.0, 2);
 }
 
-// The model loses a datagram behind the bottleneck, where it has taken its time and its room in the queue.
+// The model loses a datagram after the bottleneck, where it has already used time and queue space.
 TEST(Impairment, LostDatagramsUseTheBottleneck) {
   const LinkModel narrow{.delay = 3ms, .rate_bytes_per_s = 4000, .queue = 100ms};
   LinkModel lossy = narrow;
   lossy.loss = 0.5;
   const Outcome all = run(narrow, 1000), some = run(lossy, 1000);
   EXPECT_EQ(some.counters.overflowed, all.counters.overflowed);
-  EXPECT_LT(some.heard.size(), all.heard.size());
-  for (const Arrival& each : some.heard) EXPECT_NE(std::ranges::find(all.heard, each), all.heard.end());
+  EXPECT_LT(some.received.size(), all.received.size());
+  for (const Arrival& each : some.received)
+    EXPECT_NE(std::ranges::find(all.received, each), all.received.end());
 }
 
 TEST(Impairment, BottleneckWithinItsRateOnlyTakesItsTime) {
   const Outcome wide = run({.rate_bytes_per_s = 16'000}, 1000);
   EXPECT_EQ(wide.counters, ImpairmentCounters{});
-  for (const Arrival& arrival : wide.heard) EXPECT_EQ(arrival.time, Time(arrival.number * 1ms + 500us));
+  for (const Arrival& arrival : wide.received) EXPECT_EQ(arrival.time, Time(arrival.number * 1ms + 500us));
 }
 
 TEST(Impairment, SilenceIsTheEndOfEveryPeriod) {
@@ -237,7 +238,7 @@ TEST(Impairment, SilenceIsTheEndOfEveryPeriod) {
 
 TEST(Impairment, SameInstantKeepsTheOrder) {
   const Outcome together = run({.delay = 4ms}, 1000, 0ms);
-  for (int i = 0; i < 1000; ++i) EXPECT_EQ(together.heard[static_cast<std::size_t>(i)].bytes, numbered(i));
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(together.received[static_cast<std::size_t>(i)].bytes, numbered(i));
 }
 
 TEST(Impairment, IsBounded) {
@@ -255,20 +256,20 @@ TEST(LinkModelParse, ReadsEveryWord) {
       "loss=2%,burst=3,delay=25ms,jitter=500us,reorder=2%,reorder_by=0.01s,duplicate=1%,corrupt=0.5%,"
       "rate=10Mbit,queue=50ms,silence=2s/5s,seed=7");
   ASSERT_TRUE(model.has_value()) << model.error().what;
-  const LinkModel wanted{.delay = 25ms,
-                         .jitter = 500us,
-                         .loss = 0.02,
-                         .burst = 3,
-                         .reorder = 0.02,
-                         .reorder_by = 10ms,
-                         .duplicate = 0.01,
-                         .corrupt = 0.005,
-                         .rate_bytes_per_s = 1.25e6,
-                         .queue = 50ms,
-                         .silence = 2s,
-                         .silence_every = 5s,
-                         .seed = 7};
-  EXPECT_EQ(*model, wanted);
+  const LinkModel expected{.delay = 25ms,
+                           .jitter = 500us,
+                           .loss = 0.02,
+                           .burst = 3,
+                           .reorder = 0.02,
+                           .reorder_by = 10ms,
+                           .duplicate = 0.01,
+                           .corrupt = 0.005,
+                           .rate_bytes_per_s = 1.25e6,
+                           .queue = 50ms,
+                           .silence = 2s,
+                           .silence_every = 5s,
+                           .seed = 7};
+  EXPECT_EQ(*model, expected);
 }
 
 TEST(LinkModelParse, KnowsNamesAndWhatOverridesThem) {

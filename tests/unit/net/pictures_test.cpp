@@ -1,5 +1,5 @@
-// G-buffers and coded pictures, packed and assembled: lost, doubled, out of order, and what was not asked
-// for.
+// G-buffers and coded pictures are packed and assembled: lost, duplicated, reordered and unrequested
+// messages.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,11 +14,11 @@ namespace {
 using Datagrams = std::vector<std::vector<std::byte>>;
 
 FrameRequest request(std::uint32_t frame, Answer answer) {
-  FrameRequest asked;
-  asked.frame = {frame};
-  for (View& view : asked.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, {70, 50}};
-  asked.answer.kind = answer;
-  return asked;
+  FrameRequest requested;
+  requested.frame = {frame};
+  for (View& view : requested.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, {70, 50}};
+  requested.answer.kind = answer;
+  return requested;
 }
 
 GBufferPlanes noisy_gbuffer(Extent size) {
@@ -62,19 +62,19 @@ void accept(Assembler& assembler, const std::vector<std::byte>& datagram) {
 }
 
 TEST(PictureAssembly, GivesBackAGBufferWithItsMasksInAnyOrder) {
-  const FrameRequest asked = request(1, Answer::GBuffer);
-  const GBufferPlanes gbuffer = noisy_gbuffer(asked.views[0].size);
-  ShadowFrame frame{asked.frame, kFirstLightSet, asked.views, {}};
-  for (EyeMask& mask : frame.masks) mask = EyeMask(asked.views[0].size, 3);
+  const FrameRequest requested = request(1, Answer::GBuffer);
+  const GBufferPlanes gbuffer = noisy_gbuffer(requested.views[0].size);
+  ShadowFrame frame{requested.frame, kFirstLightSet, requested.views, {}};
+  for (EyeMask& mask : frame.masks) mask = EyeMask(requested.views[0].size, 3);
   FramePacker packer;
   packer.begin();
   packer.add(frame);
-  packer.add(asked.frame, gbuffer);
+  packer.add(requested.frame, gbuffer);
   Datagrams datagrams = finished(packer, 1);
   std::ranges::shuffle(datagrams, std::mt19937(3));
 
   Assembler assembler;
-  assembler.expect(asked, {3}, kFirstLightSet);
+  assembler.expect(requested, {3}, kFirstLightSet);
   for (const auto& datagram : datagrams) {
     EXPECT_FALSE(assembler.find({1})->complete() && assembler.find({1})->report);
     accept(assembler, datagram);
@@ -89,13 +89,13 @@ TEST(PictureAssembly, GivesBackAGBufferWithItsMasksInAnyOrder) {
 }
 
 TEST(PictureAssembly, ALostPlaneSliceLeavesItsTilesUnknown) {
-  const FrameRequest asked = request(1, Answer::GBuffer);
+  const FrameRequest requested = request(1, Answer::GBuffer);
   FramePacker packer;
   packer.begin();
-  packer.add(asked.frame, noisy_gbuffer(asked.views[0].size));
+  packer.add(requested.frame, noisy_gbuffer(requested.views[0].size));
   const Datagrams datagrams = finished(packer, 1);
   Assembler assembler;
-  assembler.expect(asked, {3}, kFirstLightSet);
+  assembler.expect(requested, {3}, kFirstLightSet);
   for (std::size_t i = 1; i < datagrams.size(); ++i) accept(assembler, datagrams[i]);
   const RequestRecord& received = *assembler.find({1});
   EXPECT_FALSE(received.complete());
@@ -145,12 +145,12 @@ TEST(PictureAssembly, RefusesWhatWasNotWanted) {
 }
 
 TEST(PictureAssembly, RefusesPositionsInAGBuffer) {
-  const FrameRequest asked = request(1, Answer::GBuffer);
-  PixelPlane plane(asked.views[0].size, 4);
+  const FrameRequest requested = request(1, Answer::GBuffer);
+  PixelPlane plane(requested.views[0].size, 4);
   PlanePacker packer;
   for (const PlaneKind kind : {PlaneKind::PositionX, PlaneKind::PositionZ}) {
     Assembler assembler;
-    assembler.expect(asked, {3}, kFirstLightSet);
+    assembler.expect(requested, {3}, kFirstLightSet);
     packer.start({1}, Side::Left, kind, plane);
     EXPECT_EQ(assembler.accept(*packer.next()), nullptr);
     EXPECT_EQ(assembler.counters().refused[WireRefusal::AnswerSpec], 1u);

@@ -10,7 +10,7 @@ namespace farshade {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr Duration kPatience = 10s;  // never reached where datagrams arrive
+constexpr Duration kPatience = 10s;  // not reached if datagrams arrive
 
 std::vector<std::byte> bytes(std::initializer_list<int> values) {
   std::vector<std::byte> result;
@@ -34,10 +34,10 @@ Pair connected(const char* listen_address) {
 void expect_round_trip(Pair& pair) {
   std::array<std::byte, 1500> buffer;
   ASSERT_TRUE(pair.client.port->send(pair.client.server, bytes({1, 2, 3})));
-  const auto asked = pair.server->receive(buffer, kPatience);
-  ASSERT_TRUE(asked.has_value());
-  EXPECT_TRUE(std::ranges::equal(asked->bytes, bytes({1, 2, 3})));
-  ASSERT_TRUE(pair.server->send(asked->from, bytes({9, 8})));
+  const auto request = pair.server->receive(buffer, kPatience);
+  ASSERT_TRUE(request.has_value());
+  EXPECT_TRUE(std::ranges::equal(request->bytes, bytes({1, 2, 3})));
+  ASSERT_TRUE(pair.server->send(request->from, bytes({9, 8})));
   const auto answered = pair.client.port->receive(buffer, kPatience);
   ASSERT_TRUE(answered.has_value());
   EXPECT_EQ(answered->from, pair.client.server);
@@ -103,7 +103,8 @@ TEST(Udp, RefusesToTalkToNobody) {
 }
 
 TEST(Udp, RefusesAnAddressOfAnotherMachine) {
-  const auto port = listen_udp("192.0.2.1:0");  // documentation range, nobody's (RFC 5737)
+  const auto port =
+      listen_udp("192.0.2.1:0");  // an address of the documentation range (RFC 5737), which no machine has
   ASSERT_FALSE(port.has_value());
   EXPECT_EQ(port.error().fault, Fault::Missing);
 }
@@ -136,10 +137,10 @@ TEST(Udp, ClientHearsNobodyButItsServer) {
   ASSERT_TRUE(from.has_value());
   ASSERT_TRUE((*stranger)->send(from->from, bytes({66})));
   ASSERT_TRUE(pair.server->send(from->from, bytes({7})));
-  // Loopback delivers in order: the stranger's datagram lies first, and a poll must still reach the server's.
-  const auto heard = pair.client.port->receive(buffer, 0s);
-  ASSERT_TRUE(heard.has_value());
-  EXPECT_TRUE(std::ranges::equal(heard->bytes, bytes({7})));
+  // Loopback delivers in order: the stranger's datagram is first, and a poll must still return the server's.
+  const auto received = pair.client.port->receive(buffer, 0s);
+  ASSERT_TRUE(received.has_value());
+  EXPECT_TRUE(std::ranges::equal(received->bytes, bytes({7})));
   EXPECT_EQ(pair.client.port->counters().strangers, 1u);
 }
 
@@ -181,8 +182,8 @@ TEST(Udp, TakesAWholeFrameAtOnce) {
   EXPECT_EQ(arrived, 100);
 }
 
-// On loopback a datagram has arrived when one sent after it has. For the first moments of a socket's life the
-// kernel may stamp only at the read, so that this is tried until it has begun.
+// On loopback a datagram has arrived when one sent after it has arrived. A new socket's kernel may at first
+// take time stamps only at the read, so the test repeats until stamps are taken at arrival.
 TEST(Udp, LateReaderSeesWhenADatagramCame) {
   Pair pair = connected("127.0.0.1:0");
   auto witness = listen_udp("127.0.0.1:0");

@@ -187,11 +187,11 @@ TEST(LightReach, NeverDeniesALightThatShinesOnARandomPointOfTheBox) {
     light.range_m = static_cast<float>(random() * 8);
     light.outer_cone_rad = static_cast<float>(random() * 1.5);
     const glm::dvec3 p = box.low + (box.high - box.low) * glm::dvec3(random(), random(), random());
-    const glm::dvec3 way = p - light.position.v;
-    const double angle =
-        std::atan2(glm::length(glm::cross(way, light.direction.v)), glm::dot(way, light.direction.v));
-    const bool shines =
-        glm::length(way) < light.range_m && (light.kind == LightKind::Point || angle < light.outer_cone_rad);
+    const glm::dvec3 from_light = p - light.position.v;
+    const double angle = std::atan2(glm::length(glm::cross(from_light, light.direction.v)),
+                                    glm::dot(from_light, light.direction.v));
+    const bool shines = glm::length(from_light) < light.range_m &&
+                        (light.kind == LightKind::Point || angle < light.outer_cone_rad);
     shining += shines;
     denied += !may_reach(light, box);
     ASSERT_TRUE(!shines || may_reach(light, box)) << "case " << i << " of seed 7";

@@ -14,7 +14,7 @@ const Welcome kServed{{1, 2, 3}, 3};
 const SharedKey kKey = key_named("ada");
 const Peer kHome{{0, 1}, 0, 1}, kAway{{0, 2}, 0, 1}, kThief{{0, 3}, 0, 1};
 
-/// One client in session, with the address kHome.
+/// A client with a session and the address kHome.
 struct Moving : testing::Test {
   Moving() {
     say(kHome, client.hello());
@@ -27,7 +27,7 @@ struct Moving : testing::Test {
       EXPECT_LE(answer.size(), datagram.size());
       sent_to[from] += answer.size();
       got_from[from] += datagram.size();
-      heard = answer;
+      received = answer;
       datagram = from == kThief || answer.empty() ? Bytes() : client.take(answer, now);
     }
   }
@@ -55,7 +55,7 @@ struct Moving : testing::Test {
   LinkClient client{kKey, kServed};
   Time now{};
   std::uint32_t frame = 0;
-  Bytes heard;
+  Bytes received;
   std::map<Peer, std::size_t> sent_to, got_from;
 };
 using SessionAddress = Moving;
@@ -75,11 +75,11 @@ TEST_F(SessionAddress, IsTakenWhenItHasEchoedItsProbe) {
 TEST_F(SessionAddress, DoesNotMoveToWhoReplaysACaughtDatagramFirst) {
   for (int i = 0; i < 20; ++i) {
     const Bytes caught = next_request();
-    say(kThief, caught);  // before the server has it from the client
+    say(kThief, caught);  // before the server has received it from the client
     EXPECT_EQ(sessions.counters().moved, 0u);
-    const Bytes probe = heard;
+    const Bytes probe = received;
     say(kHome, caught);
-    say(kThief, probe);  // as it is: the token is sealed
+    say(kThief, probe);  // unchanged: the token is sealed
     EXPECT_EQ(slices_go_to(), kHome);
     ask(kHome);
     EXPECT_EQ(slices_go_to(), kHome);
@@ -89,11 +89,11 @@ TEST_F(SessionAddress, DoesNotMoveToWhoReplaysACaughtDatagramFirst) {
   EXPECT_LE(sent_to[kThief], got_from[kThief]);
 }
 
-/// A thief that intercepts datagrams can let the client return the token: it forwards the server's probe.
-/// That must not help it any more once the client was heard at its own address.
+/// A thief that intercepts datagrams can make the client return the token: it forwards the server's probe.
+/// That must not help the thief after the server has received a datagram from the client's own address.
 TEST_F(SessionAddress, NewsFromTheKnownAddressEndsTheCandidacyOfAnother) {
   say(kThief, next_request());  // intercepted: never reaches the server from home
-  client.take(heard, now);      // the probe, forwarded
+  client.take(received, now);   // the probe, forwarded
   ASSERT_EQ(client.probes, 1u);
   ask(kHome);
   say(kThief, next_request());  // intercepted, with the token
@@ -108,7 +108,7 @@ TEST_F(SessionAddress, KeepAliveDoesNotCarryTheTokenOfACandidate) {
   now += 1s;
   say(kHome, late);  // older, so the thief remains the candidate
   ASSERT_EQ(client.probes, 1u) << "the keep-alive";
-  say(kThief, next_request());  // intercepted, with what the keep-alive brought
+  say(kThief, next_request());  // intercepted, with the content of the keep-alive
   EXPECT_EQ(sessions.counters().moved, 0u);
 }
 

@@ -129,7 +129,7 @@ TEST_F(GateTest, EveryFlippedBitOfACookieGetsARetry) {
   }
 }
 
-/// Before its address is proved a stranger learns nothing of keys.
+/// Before a stranger's address is proved, the server tells it nothing about keys.
 TEST_F(GateTest, SpeaksOfKeysToProvedAddressesOnly) {
   EXPECT_EQ(knock(Client(key_of("stranger", 50)), kStart), nullptr);
   EXPECT_TRUE(says_retry());
@@ -168,9 +168,9 @@ TEST_F(GateTest, TellsAnotherVersionItsOwn) {
 }
 
 TEST_F(GateTest, LetsSoManyShakeHandsASecond) {
-  const auto let_through = [&](Time now, int asked) {
+  const auto let_through = [&](Time now, int attempts) {
     int through = 0;
-    for (int i = 0; i < asked; ++i) through += gate.may_shake_hands(now) ? 1 : 0;
+    for (int i = 0; i < attempts; ++i) through += gate.may_shake_hands(now) ? 1 : 0;
     return through;
   };
   EXPECT_EQ(let_through(kStart, 50), 10);
@@ -189,7 +189,7 @@ TEST_F(GateTest, AClockThatStandsOrStepsBackEarnsNothing) {
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(gate.may_shake_hands(kStart));
   EXPECT_FALSE(gate.may_shake_hands(kStart - std::chrono::seconds(5)));
   EXPECT_FALSE(gate.may_shake_hands(kStart));
-  EXPECT_TRUE(gate.may_shake_hands(kStart + std::chrono::milliseconds(101))) << "and costs nothing";
+  EXPECT_TRUE(gate.may_shake_hands(kStart + std::chrono::milliseconds(101))) << "and this costs nothing";
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Sixty-four clients at one server whose tracer takes 5 ms per frame: they request three times as much as it
-// can trace. Everything happens in virtual time. The network continues while a frame is traced.
+// Sixty-four clients of one server whose tracer takes 5 ms per frame. They request three times as much as it
+// can trace. Everything happens in virtual time. Datagrams travel while a frame is traced.
 
 #include <gtest/gtest.h>
 
@@ -22,17 +22,17 @@ constexpr Duration kTime = kSanitized ? 2s : 6s;
 const Welcome kServed{{1, 2, 3}, 3};
 const SharedKey kKey = key_named("ada");
 
-/// Masks that depend on everything in a request.
-void paint(const FrameRequest& asked, ShadowFrame& frame) {
-  frame.frame = asked.frame;
-  frame.light_set_revision = asked.lights.revision;
-  frame.views = asked.views;
+/// Masks that depend on all fields of a request.
+void paint(const FrameRequest& requested, ShadowFrame& frame) {
+  frame.frame = requested.frame;
+  frame.light_set_revision = requested.lights.revision;
+  frame.views = requested.views;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    const View& view = asked.views[eye];
+    const View& view = requested.views[eye];
     frame.masks[eye] = EyeMask(view.size, kServed.light_count);
     const double place = view.stage_from_eye.translation.x * 1000;
     const auto seed = static_cast<std::uint32_t>(static_cast<std::int64_t>(place) +
-                                                 asked.scene_time.time_since_epoch() / 1us);
+                                                 requested.scene_time.time_since_epoch() / 1us);
     for (std::uint32_t y = 0; y < view.size.height; ++y)
       for (std::uint32_t x = 0; x < view.size.width; ++x)
         frame.masks[eye].set_word(x, y, 0, (x / 3 * seed + y * (seed >> 7) + eye) >> 4 & 7);
@@ -102,9 +102,9 @@ struct Member : PortClient {
     served = now;
     ++frames;
     const RequestRecord& received = *assembler.find(report->frame);
-    ShadowFrame wanted;
-    paint(received.request, wanted);
-    if (received.complete() && received.masks == wanted.masks) ++right;
+    ShadowFrame expected;
+    paint(received.request, expected);
+    if (received.complete() && received.masks == expected.masks) ++right;
   }
 
   std::size_t index;
@@ -122,8 +122,8 @@ struct Member : PortClient {
 struct Crowd {
   explicit Crowd(const std::vector<Manner>& manners)
       : link(clock, {.to_server = {.delay = 5ms}, .to_client = {.delay = 5ms}}, manners.size()),
-        core(kServed, {kKey}, masks_from([this](const FrameRequest& asked, ShadowFrame& frame) {
-               paint(asked, frame);
+        core(kServed, {kKey}, masks_from([this](const FrameRequest& requested, ShadowFrame& frame) {
+               paint(requested, frame);
                pass_until(clock.now() + kTrace);
                return TraceStats{};
              }),

@@ -24,16 +24,16 @@ FrameRequest request(std::uint32_t frame) {
 }
 
 /// Masks that differ in each frame, eye and pixel.
-TraceStats paint(const FrameRequest& asked, ShadowFrame& frame) {
-  frame.frame = asked.frame;
-  frame.light_set_revision = asked.lights.revision;
-  frame.views = asked.views;
+TraceStats paint(const FrameRequest& requested, ShadowFrame& frame) {
+  frame.frame = requested.frame;
+  frame.light_set_revision = requested.lights.revision;
+  frame.views = requested.views;
   for (const Side side : kSides) {
     EyeMask& mask = frame.masks[index_of(side)];
-    mask = EyeMask(asked.views[index_of(side)].size, kLights);
+    mask = EyeMask(requested.views[index_of(side)].size, kLights);
     for (std::uint32_t y = 0; y < kSize.height; ++y)
       for (std::uint32_t x = 0; x < kSize.width; ++x)
-        mask.set_word(x, y, 0, (x * x / 9 + y * asked.frame.value + index_of(side)) % 8);
+        mask.set_word(x, y, 0, (x * x / 9 + y * requested.frame.value + index_of(side)) % 8);
   }
   return {.primary = 3ms, .shadow = 4ms, .primary_rays = 10, .shadow_rays = 20, .full_shadow_rays = 30};
 }
@@ -136,14 +136,14 @@ TEST(ServerCore, WithdrawsAnAnswerThatCanNoLongerBeMade) {
   Bench bench({}, std::move(answers));
   ASSERT_TRUE(bench.client.meet(1s));
   EXPECT_EQ(bench.client.welcome->answers, set_of(Answer::GBuffer) | set_of(Answer::Masks));
-  FrameRequest asked = request(1);
-  asked.answer.kind = Answer::GBuffer;
-  bench.client.say(bench.client.ask(asked));
+  FrameRequest requested = request(1);
+  requested.answer.kind = Answer::GBuffer;
+  bench.client.say(bench.client.ask(requested));
   while (bench.client.hear(10ms)) {
   }
   EXPECT_EQ(bench.core->counters().sessions.withdrawn, 1u);
-  asked.frame = {2};
-  bench.client.say(bench.client.ask(asked));
+  requested.frame = {2};
+  bench.client.say(bench.client.ask(requested));
   while (bench.client.hear(10ms)) {
   }
   EXPECT_EQ(bench.client.no_session, 1u);
@@ -155,14 +155,14 @@ TEST(ServerCore, WithdrawsAnAnswerThatCanNoLongerBeMade) {
 TEST(ServerCore, SlicesLeaveOverHalfTheFrameIntervalAndNotAtOnce) {
   Bench bench;
   ASSERT_TRUE(bench.client.meet(1s));
-  FrameRequest asked = request(1);
+  FrameRequest requested = request(1);
   std::vector<Time> arrivals;
   for (std::uint32_t frame = 1; frame <= 100; ++frame) {
     const Time begin = Time(frame * 14ms);
     while (bench.clock.now() < begin) bench.client.hear(begin - bench.clock.now());
-    asked.frame = {frame};
-    asked.display_time = begin;
-    bench.client.say(bench.client.ask(asked));
+    requested.frame = {frame};
+    requested.display_time = begin;
+    bench.client.say(bench.client.ask(requested));
     if (frame < 100) continue;
     while (bench.client.hear(14ms)) arrivals.push_back(bench.clock.now());
   }
@@ -205,12 +205,12 @@ TEST(Serving, NewestWinsWhileTheTracerIsBusyOverRealUdp) {
   std::latch tracing(1), all_asked(1);
   std::atomic<int> traced = 0;
   const SteadyClock clock;
-  ServerCore core(kServed, kRing, masks_from([&](const FrameRequest& asked, ShadowFrame& frame) {
+  ServerCore core(kServed, kRing, masks_from([&](const FrameRequest& requested, ShadowFrame& frame) {
                     if (traced++ == 0) {
                       tracing.count_down();
                       all_asked.wait();
                     }
-                    return paint(asked, frame);
+                    return paint(requested, frame);
                   }),
                   **port, clock);
   const Serving serving(core);

@@ -16,7 +16,7 @@ TEST(Sessions, WelcomesWhoProvesAddressAndKeyInTwoRoundTrips) {
   House house;
   LinkClient client(kRing[0], kServed);
   const Bytes again = client.take(house.say(1, client.hello()), {});
-  EXPECT_EQ(house.sessions.size(), 0u) << "nothing is kept of who has not proved its address";
+  EXPECT_EQ(house.sessions.size(), 0u) << "the server stores nothing before the address is proved";
   ASSERT_FALSE(again.empty());
   client.take(house.say(1, again), {});
   EXPECT_EQ(client.welcome, kServed);
@@ -45,7 +45,7 @@ TEST(Sessions, RefusesAnotherSceneAndSaysWhichItServes) {
   other.scene_hash[31] ^= 1;
   LinkClient client(kRing[0], other);
   house.talk(client, 1, client.hello());
-  ASSERT_TRUE(client.refusal.has_value()) << "sealed: only the server can say it";
+  ASSERT_TRUE(client.refusal.has_value()) << "sealed, so only the server can have sent it";
   EXPECT_EQ(*client.refusal, (Refusal{RefusalReason::SceneMismatch, kServed.scene_hash}));
   EXPECT_EQ(house.sessions.size(), 0u);
   EXPECT_EQ(house.sessions.counters(), counted({.scene_mismatch = 1}));
@@ -92,7 +92,7 @@ TEST(Sessions, RequestsThatWereOvertakenAreDropped) {
   LinkClient client = house.join(1);
   for (const std::uint32_t frame : {7, 6, 7}) house.ask(client, 1, frame);
   EXPECT_EQ(house.sessions.next_job({})->request.frame, FrameId{7});
-  house.ask(client, 1, 7);  // what was served
+  house.ask(client, 1, 7);  // the request that was answered
   EXPECT_FALSE(house.sessions.job_at().has_value());
   EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 4, .outdated = 3}));
 }
@@ -132,7 +132,7 @@ TEST(Sessions, WhoMakesMoreWorkHasItsTurnLessOften) {
     longest = std::max(longest, waited);
   }
   EXPECT_NEAR(served[0], served[1], 1);
-  EXPECT_NEAR(served[2] * 10, served[0], 20) << "a third of the time is a third of the time";
+  EXPECT_NEAR(served[2] * 10, served[0], 20) << "each client gets a third of the time";
   EXPECT_LE(longest, 60ms) << "one large frame at a time";
 }
 
@@ -165,13 +165,13 @@ TEST(Sessions, FrameOrderSurvivesWraparound) {
 TEST(Sessions, ReplayedForgedAndCutDatagramsChangeNothing) {
   House house;
   LinkClient client = house.join(1);
-  const Bytes asked = client.seal({.request = request_of(1, kSize)});
-  house.say(1, asked);
+  const Bytes requested = client.seal({.request = request_of(1, kSize)});
+  house.say(1, requested);
   ASSERT_EQ(house.sessions.next_job({})->request.frame, FrameId{1});
-  EXPECT_TRUE(house.say(1, asked, Time(1s)).empty());
+  EXPECT_TRUE(house.say(1, requested, Time(1s)).empty());
   EXPECT_EQ(house.taken.error(), WireRefusal::Replayed);
   const Bytes next = client.seal({.request = request_of(2, kSize)});
-  for (std::size_t i = 15; i < next.size(); ++i) {  // behind magic, version, type and session
+  for (std::size_t i = 15; i < next.size(); ++i) {  // after magic, version, type and session
     Bytes forged = next;
     forged[i] ^= std::byte{0x10};
     EXPECT_TRUE(house.say(2, forged, Time(1s)).empty());
@@ -183,7 +183,8 @@ TEST(Sessions, ReplayedForgedAndCutDatagramsChangeNothing) {
   }
   EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 1}));
   house.say(1, next, Time(2s));
-  EXPECT_EQ(house.sessions.next_job(Time(2s))->request.frame, FrameId{2}) << "the real one still counts";
+  EXPECT_EQ(house.sessions.next_job(Time(2s))->request.frame, FrameId{2})
+      << "the genuine request still counts";
 }
 
 TEST(Sessions, ClientRestartedAtItsAddressReplacesItsOlderSession) {
@@ -191,7 +192,7 @@ TEST(Sessions, ClientRestartedAtItsAddressReplacesItsOlderSession) {
   LinkClient before = house.join(1), elsewhere = house.join(2), other = house.join(1, {}, kRing[1]);
   house.ask(before, 1, 1000);
   LinkClient after = house.join(1);
-  EXPECT_EQ(house.sessions.size(), 4u) << "who only repeats an accept's hello ends nothing";
+  EXPECT_EQ(house.sessions.size(), 4u) << "a repeated hello ends no session";
   house.ask(after, 1, 1);
   EXPECT_EQ(house.sessions.size(), 3u);
   EXPECT_EQ(house.sessions.counters().replaced, 1u);
@@ -221,8 +222,6 @@ TEST(Sessions, ClientsTakeTurnsWhateverTheyAsk) {
   EXPECT_EQ(turns, (std::vector<std::uint16_t>{0, 1, 2, 0, 1, 2, 0, 1, 2}));
 }
 
-// ---- answers that are no longer offered
-
 TEST(SessionOffer, EndsSessionsThatUseAWithdrawnAnswerAndNoOther) {
   House house;
   Welcome served = kServed;
@@ -250,8 +249,6 @@ TEST(SessionOffer, EndsSessionsThatUseAWithdrawnAnswerAndNoOther) {
   EXPECT_FALSE(house.sessions.next_job({}));
 }
 
-// ---- repeated hellos
-
 TEST(Sessions, RepeatedHelloGetsTheVerySameAcceptAndNoSecondSession) {
   House house;
   LinkClient client(kRing[0], kServed);
@@ -260,7 +257,7 @@ TEST(Sessions, RepeatedHelloGetsTheVerySameAcceptAndNoSecondSession) {
   client.take(accept, {});
   for (int i = 0; i < 10; ++i) EXPECT_EQ(house.say(1, proved, Time(i * 100ms)), accept);
   house.ask(client, 1, 1, Time(1s));
-  EXPECT_EQ(house.say(1, proved, Time(1s)), accept) << "a session at work is not disturbed";
+  EXPECT_EQ(house.say(1, proved, Time(1s)), accept) << "an active session is not disturbed";
   house.ask(client, 1, 2, Time(1s));
   EXPECT_EQ(house.sessions.size(), 1u);
   EXPECT_EQ(house.sessions.counters().welcomed, 1u);
@@ -286,20 +283,18 @@ TEST(Sessions, HelloRepeatedBySomebodyElseLeavesOneSessionForAsLongAsItIsUnconfi
   for (Duration at = 0s; at <= unconfirmed; at += 50ms) {
     const Bytes answer = house.say(1, proved, Time(at));
     if (answer != accept) {
-      EXPECT_TRUE(std::holds_alternative<Retry>(*open_server_envelope(answer))) << "its cookie is over";
+      EXPECT_TRUE(std::holds_alternative<Retry>(*open_server_envelope(answer))) << "its cookie has expired";
       EXPECT_GT(at, kCookiePeriod);
     }
     EXPECT_EQ(house.sessions.size(), 1u);
   }
   for (Duration at = unconfirmed + 1ms; at < 60s; at += 500ms) {
     house.say(1, proved, Time(at));
-    EXPECT_EQ(house.sessions.size(), 0u) << "no cookie, no session, for ever";
+    EXPECT_EQ(house.sessions.size(), 0u) << "without a valid cookie there is never a session";
   }
   EXPECT_EQ(house.sessions.counters().welcomed, 1u);
   EXPECT_EQ(house.sessions.counters().forgotten, 1u);
 }
-
-// ---- limits
 
 TEST(Sessions, FullHouseTellsTheNextAndNobodyElse) {
   House house({.sessions = 2});
@@ -310,7 +305,7 @@ TEST(Sessions, FullHouseTellsTheNextAndNobodyElse) {
   EXPECT_EQ(house.sessions.size(), 2u);
   EXPECT_EQ(house.sessions.counters().busy, 1u);
   house.talk(second, 2, second.hello());
-  EXPECT_EQ(house.sessions.counters().repeated, 1u) << "who is in is told so again";
+  EXPECT_EQ(house.sessions.counters().repeated, 1u) << "the server repeats its accept";
   house.ask(first, 1, 1);
   EXPECT_TRUE(house.taken.has_value());
 }
@@ -326,7 +321,7 @@ TEST(Sessions, ShakesHandsNoMoreOftenThanItsLimit) {
   EXPECT_EQ(come(50, Time(0s)), 10u);
   EXPECT_EQ(house.sessions.gate().too_many, 40u);
   EXPECT_EQ(come(50, Time(500ms)), 5u);
-  EXPECT_EQ(come(50, Time(4s)), 10u) << "no more are saved up";
+  EXPECT_EQ(come(50, Time(4s)), 10u) << "no more tokens were saved";
 }
 
 TEST(Sessions, SendsAClientNoMoreThanItsLimitOfBytesASecond) {
@@ -356,7 +351,7 @@ TEST(Sessions, SilentClientsAreForgottenAfterTheStatedTime) {
     return house.sessions.size();
   };
   EXPECT_EQ(ask(1, Time(5s)), 3u);
-  EXPECT_EQ(ask(2, Time(5s + 1ms)), 2u) << "who never said anything sealed";
+  EXPECT_EQ(ask(2, Time(5s + 1ms)), 2u) << "the client that sent nothing sealed";
   EXPECT_EQ(ask(3, Time(10s)), 2u);
   EXPECT_EQ(ask(4, Time(10s + 1ms)), 1u);
   EXPECT_EQ(house.sessions.counters().forgotten, 2u);

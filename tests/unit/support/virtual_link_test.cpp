@@ -30,22 +30,22 @@ std::optional<int> receive_number(DatagramPort& at, Duration wait) {
   return std::to_integer<int>(datagram->bytes[0]) << 8 | std::to_integer<int>(datagram->bytes[1]);
 }
 
-/// Sends `count` numbers to the server, 1 ms apart, and hears them all.
+/// Sends `count` numbers to the server, 1 ms apart, and receives them.
 std::vector<Arrival> run(const LinkModels& models, int count) {
   ManualClock clock;
   VirtualLink link(clock, models);
-  std::vector<Arrival> heard;
+  std::vector<Arrival> received;
   const auto hear_until = [&](Time deadline) {
     while (clock.now() < deadline)
       if (const auto number = receive_number(link.server(), deadline - clock.now()))
-        heard.push_back({clock.now(), *number});
+        received.push_back({clock.now(), *number});
   };
   for (int i = 0; i < count; ++i) {
     send_number(link.client(), link.server().local(), i);
     hear_until(clock.now() + 1ms);
   }
   hear_until(clock.now() + 1s);
-  return heard;
+  return received;
 }
 
 TEST(VirtualLink, DelaysExactly) {
@@ -81,17 +81,17 @@ TEST(VirtualLink, SameSeedSameRun) {
 }
 
 TEST(VirtualLink, ThisRunIsTheSameOnEveryMachine) {
-  const auto heard =
+  const auto received =
       run({.to_server = {.delay = 3ms, .jitter = 9ms, .loss = 0.5}, .to_client = {}, .seed = 1}, 12);
   std::vector<int> numbers;
-  for (const Arrival& arrival : heard) numbers.push_back(arrival.number);
+  for (const Arrival& arrival : received) numbers.push_back(arrival.number);
   EXPECT_EQ(numbers, (std::vector<int>{0, 3, 11, 4}));
 }
 
 TEST(VirtualLink, LosesTheShareItWasTold) {
-  const auto heard = run({.to_server = {.loss = 0.25}, .to_client = {}, .seed = 7}, 4000);
+  const auto received = run({.to_server = {.loss = 0.25}, .to_client = {}, .seed = 7}, 4000);
   const double deviation = std::sqrt(0.25 * 0.75 / 4000);
-  EXPECT_NEAR(static_cast<double>(heard.size()) / 4000, 0.75, 4 * deviation);
+  EXPECT_NEAR(static_cast<double>(received.size()) / 4000, 0.75, 4 * deviation);
 }
 
 TEST(VirtualLink, LossLeavesTheDelaysOfTheOthersAlone) {
@@ -103,14 +103,14 @@ TEST(VirtualLink, LossLeavesTheDelaysOfTheOthersAlone) {
 }
 
 TEST(VirtualLink, JitterStaysInItsBoundsAndReorders) {
-  const auto heard = run({.to_server = {.delay = 4ms, .jitter = 10ms}, .to_client = {}, .seed = 3}, 300);
-  ASSERT_EQ(heard.size(), 300u);
+  const auto received = run({.to_server = {.delay = 4ms, .jitter = 10ms}, .to_client = {}, .seed = 3}, 300);
+  ASSERT_EQ(received.size(), 300u);
   int overtaken = 0;
-  for (std::size_t i = 0; i < heard.size(); ++i) {
-    const Duration travelled = heard[i].time - Time(std::chrono::milliseconds(heard[i].number));
+  for (std::size_t i = 0; i < received.size(); ++i) {
+    const Duration travelled = received[i].time - Time(std::chrono::milliseconds(received[i].number));
     EXPECT_GE(travelled, 4ms);
     EXPECT_LT(travelled, 14ms);
-    if (i > 0 && heard[i].number < heard[i - 1].number) ++overtaken;
+    if (i > 0 && received[i].number < received[i - 1].number) ++overtaken;
   }
   EXPECT_GT(overtaken, 50);
 }
@@ -119,13 +119,13 @@ TEST(VirtualLink, DirectionsDoNotDisturbEachOther) {
   const auto numbers_up = [](bool talk_back) {
     ManualClock clock;
     VirtualLink link(clock, {.to_server = {.loss = 0.5}, .to_client = {.loss = 0.5}, .seed = 9});
-    std::vector<int> heard;
+    std::vector<int> received;
     for (int i = 0; i < 64; ++i) {
       send_number(link.client(), link.server().local(), i);
       if (talk_back) send_number(link.server(), link.client().local(), i);
-      if (const auto number = receive_number(link.server(), 0s)) heard.push_back(*number);
+      if (const auto number = receive_number(link.server(), 0s)) received.push_back(*number);
     }
-    return heard;
+    return received;
   };
   EXPECT_EQ(numbers_up(false), numbers_up(true));
 }
@@ -137,7 +137,7 @@ TEST(VirtualLink, FarEndAnswersWithinTheWait) {
     while (const auto number = receive_number(link.server(), 0s))
       send_number(link.server(), link.client().local(), *number + 100);
   });
-  // Two datagrams of the same instant: the far end is told of both.
+  // Two datagrams arrive at the same time. The other side is called for both.
   send_number(link.client(), link.server().local(), 1);
   EXPECT_EQ(receive_number(link.client(), 10ms), 101);
   EXPECT_EQ(clock.now(), Time(5ms));
@@ -205,7 +205,7 @@ TEST(VirtualLink, ServerHearsAllClientsInOrderOfArrival) {
   VirtualLink link(clock, {.to_server = {.jitter = 50ms}, .to_client = {.delay = 1ms}, .seed = 11}, 64);
   for (std::size_t i = 0; i < 64; ++i)
     send_number(link.client(i), link.server().local(), static_cast<int>(i));
-  std::vector<int> heard;
+  std::vector<int> received;
   std::array<std::byte, kMaxDatagram_bytes> buffer;
   Time last{};
   while (const auto datagram = link.server().receive(buffer, 50ms)) {
@@ -214,11 +214,11 @@ TEST(VirtualLink, ServerHearsAllClientsInOrderOfArrival) {
     EXPECT_EQ(datagram->arrived, clock.now());
     EXPECT_GE(datagram->arrived, last);
     last = datagram->arrived;
-    heard.push_back(number);
+    received.push_back(number);
     send_number(link.server(), datagram->from, 100 + number);
-    if (heard.size() == 64) break;
+    if (received.size() == 64) break;
   }
-  EXPECT_FALSE(std::ranges::is_sorted(heard)) << "each client has its own delays";
+  EXPECT_FALSE(std::ranges::is_sorted(received)) << "each client has its own delays";
   for (std::size_t i = 0; i < 64; ++i) {
     EXPECT_EQ(receive_number(link.client(i), 1ms), static_cast<int>(100 + i));
     EXPECT_EQ(receive_number(link.client(i), 0s), std::nullopt);
@@ -230,13 +230,14 @@ TEST(VirtualLink, ClientsDoNotDisturbEachOther) {
   const auto numbers_up = [](std::size_t clients) {
     ManualClock clock;
     VirtualLink link(clock, {.to_server = {.loss = 0.5}, .to_client = {}, .seed = 9}, clients);
-    std::vector<int> heard;
+    std::vector<int> received;
     for (int i = 0; i < 64; ++i)
       for (std::size_t c = 0; c < clients; ++c) {
         send_number(link.client(c), link.server().local(), i);
-        if (const auto number = receive_number(link.server(), 0s); number && c == 0) heard.push_back(*number);
+        if (const auto number = receive_number(link.server(), 0s); number && c == 0)
+          received.push_back(*number);
       }
-    return heard;
+    return received;
   };
   EXPECT_EQ(numbers_up(1), numbers_up(5));
 }
@@ -265,7 +266,7 @@ TEST(VirtualLink, MovedClientIsReachedOnlyAtItsNewAddress) {
   link.move_client(1);
   EXPECT_NE(link.client(1).local(), old);
   EXPECT_NE(link.client(1).local(), link.client(0).local());
-  EXPECT_TRUE(send_number(link.server(), old, 3)) << "no network tells";
+  EXPECT_TRUE(send_number(link.server(), old, 3)) << "the sender does not learn of it";
   EXPECT_EQ(link.lost_to_old_addresses(), 2u);
   send_number(link.client(1), link.server().local(), 4);
   std::array<std::byte, kMaxDatagram_bytes> buffer;

@@ -48,11 +48,11 @@ glm::dvec3 area(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
 std::vector<double> along(const std::vector<std::array<Corner, 3>>& parts, const glm::dvec3& from,
                           const glm::dvec3& to) {
   std::vector<double> places;
-  const glm::dvec3 way = to - from;
+  const glm::dvec3 ray = to - from;
   for (const auto& part : parts)
     for (const Corner& corner : part) {
-      const double t = glm::dot(corner.position.v - from, way) / glm::dot(way, way);
-      if (glm::length(from + way * t - corner.position.v) < 1e-9) places.push_back(t);
+      const double t = glm::dot(corner.position.v - from, ray) / glm::dot(ray, ray);
+      if (glm::length(from + ray * t - corner.position.v) < 1e-9) places.push_back(t);
     }
   std::ranges::sort(places);
   places.erase(std::ranges::unique(places).begin(), places.end());

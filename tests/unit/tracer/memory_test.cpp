@@ -1,4 +1,4 @@
-/// The predicted memory of a tracer against the measured one.
+/// Compares the predicted memory of a tracer with the measured memory.
 #include <gtest/gtest.h>
 
 #include "stereo/scene/gltf.h"
@@ -10,33 +10,33 @@ namespace {
 /// Embree's own memory, independent of the scene.
 constexpr double kRoom_bytes = 64 << 10;
 
-void expect_foreseen(const std::filesystem::path& path) {
+void expect_estimated(const std::filesystem::path& path) {
   for (const PlanKind kind : {PlanKind::Needed, PlanKind::Everything}) {
     SCOPED_TRACE(path.filename().string() + (kind == PlanKind::Needed ? ", needed" : ", everything"));
     const auto [scene, plan] = plan_scene(load_scene(path).value(), {.kind = kind});
-    const TracerMemory foreseen = foreseen_memory(scene, plan.trace);
+    const TracerMemory estimated = estimated_memory(scene, plan.trace);
     const TracerMemory held = Tracer::create(scene, plan.trace)->memory();
-    EXPECT_EQ(foreseen.triangles, held.triangles);
-    EXPECT_EQ(foreseen.facets, held.facets);
+    EXPECT_EQ(estimated.triangles, held.triangles);
+    EXPECT_EQ(estimated.facets, held.facets);
     const auto expect_near = [](std::size_t a, std::size_t b) {
       EXPECT_NEAR(static_cast<double>(a), static_cast<double>(b), 0.1 * static_cast<double>(b) + kRoom_bytes);
     };
-    expect_near(foreseen.vertices, held.vertices);
-    expect_near(foreseen.total(), held.total());
-    expect_near(foreseen.most(), held.most());
+    expect_near(estimated.vertices, held.vertices);
+    expect_near(estimated.total(), held.total());
+    expect_near(estimated.most(), held.most());
   }
 }
 
 TEST(TracerMemory, IsForeseenForEveryBundledScene) {
   for (const char* name : {"room.glb", "box_over_plane.gltf"})
-    expect_foreseen(std::string(FARSHADE_ASSETS "/") + name);
+    expect_estimated(std::string(FARSHADE_ASSETS "/") + name);
 }
 
 TEST(TracerMemory, IsForeseenForLargerScenes) {
   const std::filesystem::path shared = FARSHADE_SOURCE "/../shared/scenes";
   if (!std::filesystem::exists(shared / "modern_living_room.glb"))
-    GTEST_SKIP() << "no scenes beside the repository";
-  for (const char* name : {"modern_living_room.glb", "pine_tree.glb"}) expect_foreseen(shared / name);
+    GTEST_SKIP() << "there are no scenes beside the repository";
+  for (const char* name : {"modern_living_room.glb", "pine_tree.glb"}) expect_estimated(shared / name);
 }
 
 }  // namespace

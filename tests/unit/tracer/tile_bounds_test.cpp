@@ -68,7 +68,7 @@ TEST(CellsOf, HoldEveryCornerOfABoxAcrossALight) {
   expect_corners_in_cells(across(), 20261127);
 }
 
-/// What a pixel's own test gives for one point of a tile and its normal.
+/// The result of the per-pixel test for one point of a tile and its normal.
 struct PointTruth {
   bool in_range, in_cone, faces;
 };
@@ -102,9 +102,9 @@ TEST(TileVerdict, HoldsForEveryPointOfTheTile) {
     const glm::vec3 normal = glm::normalize(vector()), spread = 0.1f * glm::abs(vector());
     tile.shading = {normal - spread, normal + spread};
     tile.facet = {normal, normal};
-    const glm::vec3 way = tile.points.low - light.position.v;
-    light.range = glm::length(way) * (0.9f + 0.2f * share(random));
-    const float cosine = glm::dot(way, light.direction.v) / glm::length(way);
+    const glm::vec3 from_light = tile.points.low - light.position.v;
+    light.range = glm::length(from_light) * (0.9f + 0.2f * share(random));
+    const float cosine = glm::dot(from_light, light.direction.v) / glm::length(from_light);
     if (light.kind == LightKind::Spot) light.cos_outer = std::max(cosine + 0.1f * place(random), 0.0f);
     const LightVisibilityMap map(light, planes, empty);
     const TileVerdict verdict = verdict_on(tile, light, &map);

@@ -32,7 +32,7 @@ std::optional<ClientHandshake::Met> take(const ClientHandshake& client, const By
   return client.take(std::get<Accept>(*envelope), datagram);
 }
 
-/// A handshake of shared_key() that the server has answered.
+/// A handshake with shared_key() that the server has answered.
 struct Answered {
   ClientHandshake client{shared_key(), counting_hash()};
   Bytes hello = hello_of(client);
@@ -87,7 +87,7 @@ TEST(Handshake, HelloIsProvedByItsKeyAlone) {
   EXPECT_FALSE(is_proved(read_hello(h.hello), h.hello, kStrangersKey));
 }
 
-/// Public key, key's name, scene hash, cookie, proof: whatever is changed on the way shows.
+/// Any changed bit of public key, key name, scene hash, cookie or proof is detected.
 TEST(Handshake, EveryFlippedBitOfAHelloUndoesItsProof) {
   const Answered h;
   for (std::size_t bit = 0; bit < 8 * h.hello.size(); ++bit) {
@@ -123,7 +123,7 @@ TEST(Handshake, AServerWithoutTheKeyIsNotBelieved) {
   EXPECT_FALSE(take(client, accepted(hello_of(client), kStrangersKey, welcome()).datagram));
 }
 
-/// The keys of all that was said: a server that was told of another scene does not share them.
+/// The keys depend on the whole handshake: a server that received another scene hash has other keys.
 TEST(Handshake, AHelloThatWasChangedOnItsWayGivesOtherKeys) {
   const ClientHandshake client(shared_key(), counting_hash());
   for (const std::size_t at : {std::size_t{7 + 31}, std::size_t{39}, std::size_t{47}, std::size_t{78}}) {
@@ -141,7 +141,7 @@ TEST(Handshake, AnotherServersPublicKeyIsRefused) {
   EXPECT_FALSE(take(h.client, changed));
 }
 
-/// Points of small order give a secret that everyone knows.
+/// Points of small order give a shared secret that everyone knows.
 TEST(Handshake, PublicKeysThatGiveNoSecretAreRefused) {
   ClientHandshake client(shared_key(), counting_hash());
   Hello hello = read_hello(hello_of(client));
@@ -179,7 +179,7 @@ TEST(Handshake, SaysACookieOnceItHasOne) {
   EXPECT_TRUE(is_proved(read_hello(second), second, shared_key()));
 }
 
-/// A cookie that runs out while the accept is on its way, or a forged retry, costs nothing.
+/// A cookie that expires while the accept is in transit, or a forged retry, has no effect.
 TEST(Handshake, AnAcceptOfAnEarlierCookieStillOpens) {
   ClientHandshake client(shared_key(), counting_hash());
   ASSERT_TRUE(client.take(Retry{.echo = client.echo(), .cookie = counting<16>(1)}));
@@ -206,7 +206,7 @@ TEST(Handshake, NoTwoShareAKey) {
   EXPECT_EQ(sessions.size(), 100u);
 }
 
-/// Forward secrecy rests on this: shared key, hello and all that can be heard do not make the keys.
+/// Forward secrecy: the shared key, the hello and all datagrams together do not determine the session keys.
 TEST(Handshake, KeysDependOnWhatIsNeverSaid) {
   const Answered h;
   const Accepted again = accepted(h.hello, shared_key(), welcome());
@@ -216,8 +216,8 @@ TEST(Handshake, KeysDependOnWhatIsNeverSaid) {
             std::get<Accept>(*open_server_envelope(again.datagram)).server);
 }
 
-/// The same hello, repeated by the network or a thief, meets a server that remembers nothing: all its
-/// counters begin at 0 again, under keys that have never been.
+/// The same hello, repeated by the network or a thief, reaches a server that remembers nothing. All its
+/// counters begin at 0 again, but its keys are new.
 TEST(Handshake, AServerThatRestartsNeverReusesANonceUnderAKey) {
   const ClientHandshake client(shared_key(), counting_hash());
   const Bytes hello = hello_of(client);
@@ -235,7 +235,7 @@ TEST(Handshake, AServerThatRestartsNeverReusesANonceUnderAKey) {
     return datagram;
   };
   const Bytes a = first_of(before.keys), b = first_of(after.keys);
-  std::size_t same = 0;  // of key stream: as often as chance has it, 1 in 256
+  std::size_t same = 0;  // equal bytes of the two key streams; the expected share is 1 in 256
   for (std::size_t i = kSealedHeader_bytes; i < a.size() - kTag_bytes; ++i) same += a[i] == b[i] ? 1 : 0;
   EXPECT_LT(same, 20u);
   const SessionKeys met = take(client, after.datagram)->keys;
@@ -245,7 +245,7 @@ TEST(Handshake, AServerThatRestartsNeverReusesANonceUnderAKey) {
   EXPECT_TRUE(opener.open(std::get<Sealed>(*open_server_envelope(b)), b, opened));
 }
 
-/// Where nothing is sealed the echo alone tells them apart.
+/// In unsealed datagrams, only the echo distinguishes the handshakes.
 TEST(Handshake, OfTheKeyThatEveryoneKnowsTakesItsOwnAnswerOnly) {
   const ClientHandshake mine(insecure_key(), counting_hash()), other(insecure_key(), counting_hash());
   EXPECT_FALSE(take(mine, accepted(hello_of(other), insecure_key(), welcome()).datagram));
@@ -261,7 +261,7 @@ TEST(Handshake, OfTheKeyThatEveryoneKnowsSealsNothing) {
   EXPECT_EQ(insecure_key().secret, (std::array<std::uint8_t, 32>{}));
 }
 
-// ---- the key schedule once more, by hand, as PROTOCOL.md tells it
+// The key schedule again, computed step by step as PROTOCOL.md describes it.
 
 using Digest = std::array<std::uint8_t, 32>;
 
@@ -288,9 +288,9 @@ TEST(Handshake, KeysAreDerivedAsThePageSays) {
   const Bytes unproved = enveloped(hello);
   append(said, std::span(unproved).first(95));
   hello.proof = blake2b(shared_key().secret, said);
-  const Bytes asked = enveloped(hello);
-  EXPECT_TRUE(is_proved(hello, asked, shared_key()));
-  const Accepted server = accepted(asked, shared_key(), welcome());
+  const Bytes hello_bytes = enveloped(hello);
+  EXPECT_TRUE(is_proved(hello, hello_bytes, shared_key()));
+  const Accepted server = accepted(hello_bytes, shared_key(), welcome());
   const auto answer = std::get<Accept>(*open_server_envelope(server.datagram));
 
   std::array<std::uint8_t, 32> down, up;
@@ -298,7 +298,7 @@ TEST(Handshake, KeysAreDerivedAsThePageSays) {
                                           answer.server.data()),
             0);
   std::vector<std::uint8_t> transcript;
-  append(transcript, std::span(asked).first(79));
+  append(transcript, std::span(hello_bytes).first(79));
   append(transcript, std::span(server.datagram).first(63));
   const Digest open_words = blake2b({}, transcript);
   const auto derived = [&](std::string_view label) {

@@ -12,11 +12,11 @@ namespace {
 
 using namespace wire_samples;
 
-/// Where the sample request's fields lie in its bytes.
+/// The byte positions of the fields of the sample request.
 constexpr std::size_t kLeftView = 25, kRightView = 117, kWanted = 209, kLightCount = 238, kChanges = 239,
                       kArrivals = 301;
 
-/// All messages, as bytes. The slice is one of a real mask.
+/// All messages, encoded. The slice belongs to a real mask.
 std::vector<Bytes> client_messages() {
   return {encoded(ClientMessage(request())), encoded(ClientMessage(plane_slice()))};
 }
@@ -42,7 +42,7 @@ Bytes with_f64(Bytes bytes, std::size_t at, double value) {
   return bytes;
 }
 
-/// `count` lights switched off, one a revision.
+/// `count` lights are switched off, one per revision.
 LightChanges changes_of(std::size_t count) {
   LightChanges changes;
   for (std::uint32_t i = 0; i < count; ++i) change(changes, i, false, std::nullopt);
@@ -50,18 +50,18 @@ LightChanges changes_of(std::size_t count) {
 }
 
 TEST(Messages, ComeBackAsTheyWere) {
-  const RequestMessage asked = travelled(request());
-  EXPECT_EQ(asked.request.frame, request().request.frame);
-  EXPECT_EQ(asked.request.display_time, request().request.display_time);
-  EXPECT_EQ(asked.request.scene_time, request().request.scene_time);
-  EXPECT_EQ(asked.request.views, request().request.views);
-  EXPECT_EQ(asked.request.lights, request().request.lights);
-  EXPECT_EQ(asked.newest_received, request().newest_received);
-  EXPECT_EQ(asked.probe_echo, request().probe_echo);
-  EXPECT_EQ(asked.arrivals.first, request().arrivals.first);
-  EXPECT_EQ(asked.arrivals.base, request().arrivals.base);
-  EXPECT_EQ(asked.arrivals.count, request().arrivals.count);
-  EXPECT_EQ(asked.arrivals.ticks, request().arrivals.ticks);
+  const RequestMessage requested = travelled(request());
+  EXPECT_EQ(requested.request.frame, request().request.frame);
+  EXPECT_EQ(requested.request.display_time, request().request.display_time);
+  EXPECT_EQ(requested.request.scene_time, request().request.scene_time);
+  EXPECT_EQ(requested.request.views, request().request.views);
+  EXPECT_EQ(requested.request.lights, request().request.lights);
+  EXPECT_EQ(requested.newest_received, request().newest_received);
+  EXPECT_EQ(requested.probe_echo, request().probe_echo);
+  EXPECT_EQ(requested.arrivals.first, request().arrivals.first);
+  EXPECT_EQ(requested.arrivals.base, request().arrivals.base);
+  EXPECT_EQ(requested.arrivals.count, request().arrivals.count);
+  EXPECT_EQ(requested.arrivals.ticks, request().arrivals.ticks);
 
   const auto server = server_messages();
   EXPECT_EQ(std::get<Welcome>(*decode_server(server[0])), welcome());
@@ -84,7 +84,7 @@ TEST(Messages, SliceHeaderHasItsStatedSize) {
   EXPECT_EQ(std::get<Slice>(*decode_server(bytes)).block.size(), bytes.size() - kSliceHeader_bytes);
 }
 
-/// Where what a message says by its fields ends, and a block that goes to the end begins.
+/// The size of the message's fields, after which a block extends to the end.
 std::size_t fixed_bytes(const Bytes& message) {
   switch (std::to_integer<unsigned>(message[0])) {
     case 18:
@@ -114,7 +114,7 @@ TEST(Messages, RefuseEveryTruncation) {
 
 TEST(Messages, RefuseWhatFollowsTheLastField) {
   for (Bytes bytes : client_messages()) {
-    if (fixed_bytes(bytes) < bytes.size()) continue;  // its block goes to the end
+    if (fixed_bytes(bytes) < bytes.size()) continue;  // its block extends to the end of the message
     bytes.push_back(std::byte{0});
     EXPECT_EQ(decode_client(bytes).error(), WireRefusal::TrailingBytes);
   }
@@ -125,7 +125,7 @@ TEST(Messages, RefuseWhatFollowsTheLastField) {
   }
 }
 
-/// A message that is taken says all that its bytes say: encoded again it is the same.
+/// A message that is accepted keeps all information: encoding it again gives the same bytes.
 TEST(Messages, EveryFlippedBitIsRefusedOrMeansWhatItSays) {
   for (const Bytes& whole : client_messages())
     for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
@@ -168,7 +168,7 @@ TEST(RequestDecode, NewestFrameSurvivesWraparound) {
   EXPECT_EQ(travelled(wrapped).newest_received, wrapped.newest_received);
 }
 
-/// Ranges by setting one number of a good request and writing its bytes by hand.
+/// Tests ranges: changes one number of a valid request and writes the bytes directly.
 TEST(RequestDecode, RefusesViewsOutOfRange) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
                    inf = std::numeric_limits<double>::infinity();
@@ -222,9 +222,10 @@ TEST(RequestDecode, TakesRevisionsInTheirOrderOnly) {
   const Bytes good = encoded(ClientMessage(request()));  // revisions 3 and 5 of set 5
   constexpr std::size_t first = kChanges + 2, second = kChanges + 7 + 2;
   EXPECT_TRUE(decode_client(patched(good, first, {4})));
-  for (const unsigned bad : {0u, 1u, 5u, 6u})  // not after the file's, or not before the second
+  for (const unsigned bad :
+       {0u, 1u, 5u, 6u})  // not after the file's revision, or not before the second change
     EXPECT_EQ(decode_client(patched(good, first, {bad})).error(), WireRefusal::Lights) << bad;
-  for (const unsigned bad : {2u, 3u, 6u})  // not after the first, or after the set
+  for (const unsigned bad : {2u, 3u, 6u})  // not after the first change, or after the set
     EXPECT_EQ(decode_client(patched(good, second, {bad})).error(), WireRefusal::Lights) << bad;
 }
 
@@ -326,10 +327,11 @@ TEST(VideoPartDecode, RefusesPartsThatNoPictureHas) {
   EXPECT_EQ(decode_server(patched(good, 9, {3})).error(), WireRefusal::Part);
   EXPECT_EQ(decode_server(patched(good, 9, {0, 0, 0})).error(), WireRefusal::Part);
   EXPECT_EQ(decode_server(patched(good, 11, {1, 0x10})).error(), WireRefusal::Part);  // 4,097 parts
-  EXPECT_EQ(decode_server(patched(good, 9, {1})).error(), WireRefusal::Part) << "shorter than a part is";
-  EXPECT_EQ(decode_server(std::span(good).first(13)).error(), WireRefusal::Part) << "nothing in it";
-  EXPECT_EQ(decode_server(patched(good, 5, {3})).error(), WireRefusal::FrameOrder) << "after a newer one";
-  EXPECT_TRUE(decode_server(patched(good, 5, {2}))) << "alone";
+  EXPECT_EQ(decode_server(patched(good, 9, {1})).error(), WireRefusal::Part) << "shorter than any part";
+  EXPECT_EQ(decode_server(std::span(good).first(13)).error(), WireRefusal::Part) << "empty";
+  EXPECT_EQ(decode_server(patched(good, 5, {3})).error(), WireRefusal::FrameOrder)
+      << "depends on a newer picture";
+  EXPECT_TRUE(decode_server(patched(good, 5, {2}))) << "a key frame";
   Bytes whole = patched(good, 9, {1});
   whole.resize(kMaxMessage_bytes);
   EXPECT_TRUE(decode_server(whole));

@@ -1,5 +1,4 @@
-// Each refusal by the smallest change to good bytes that earns it. Together they reach every counter
-// once.
+// Causes each refusal by the smallest change to valid bytes. Together the cases increment every counter once.
 #include "stereo/wire/refusal.h"
 
 #include <gtest/gtest.h>
@@ -35,7 +34,7 @@ Bytes with_tile(std::initializer_list<unsigned> tile) {
   return with_block(literal_block(bytes_of(tile)));
 }
 
-/// An LZ4 block of zeros without end: one literal, then a match of 255 n bytes one byte back.
+/// An endless LZ4 block of zeros: one literal, then a match of 255 n bytes at distance one.
 Bytes bomb() {
   Bytes block = bytes_of({0x1f, 0, 1, 0});
   block.resize(block.size() + 100, std::byte{255});
@@ -77,29 +76,29 @@ std::vector<Case> envelopes_to_client() {
 }
 
 std::vector<Case> messages_to_server() {
-  const Bytes asked = encoded(ClientMessage(request()));
+  const Bytes requested = encoded(ClientMessage(request()));
   return {
-      {"longer than a message", and_more(asked, kMaxMessage_bytes), WireRefusal::TooLong},
+      {"longer than a message", and_more(requested, kMaxMessage_bytes), WireRefusal::TooLong},
       {"nothing", {}, WireRefusal::Truncated},
-      {"a type that is not", patched(asked, 0, {2}), WireRefusal::Type},
-      {"a server's type", patched(asked, 0, {16}), WireRefusal::Type},
-      {"holding a newer frame than asked for", patched(asked, 5, {0xff, 0xff, 0xff, 0xff}),
+      {"a type that is not", patched(requested, 0, {2}), WireRefusal::Type},
+      {"a server's type", patched(requested, 0, {16}), WireRefusal::Type},
+      {"holding a newer frame than asked for", patched(requested, 5, {0xff, 0xff, 0xff, 0xff}),
        WireRefusal::FrameOrder},
-      {"display time beyond 73 years", patched(asked, 9 + 7, {0x40}), WireRefusal::TimeRange},
-      {"scene time before -73 years", patched(asked, 17 + 7, {0x80}), WireRefusal::TimeRange},
-      {"left fov beyond right", patched(asked, 25 + 56 + 7, {0x3f}), WireRefusal::ViewRange},
-      {"picture 0 pixels wide", patched(asked, 25 + 88, {0, 0}), WireRefusal::ViewRange},
-      {"picture 8193 pixels high", patched(asked, 117 + 90, {0x01, 0x20}), WireRefusal::ViewRange},
-      {"an answer that is none", patched(asked, 209, {kAnswers}), WireRefusal::Code},
-      {"video at no rate", patched(asked, 210, {0, 0, 0, 0}), WireRefusal::AnswerSpec},
-      {"a 257th light", patched(asked, 239, {0, 1}), WireRefusal::Lights},
-      {"a counter that none will reach", patched(asked, 301 + 7, {0x80}), WireRefusal::Arrivals},
-      {"arrivals beyond 73 years", patched(asked, 309 + 7, {0x40}), WireRefusal::TimeRange},
-      {"one byte too many", and_more(asked, 1), WireRefusal::TrailingBytes},
+      {"display time beyond 73 years", patched(requested, 9 + 7, {0x40}), WireRefusal::TimeRange},
+      {"scene time before -73 years", patched(requested, 17 + 7, {0x80}), WireRefusal::TimeRange},
+      {"left fov beyond right", patched(requested, 25 + 56 + 7, {0x3f}), WireRefusal::ViewRange},
+      {"picture 0 pixels wide", patched(requested, 25 + 88, {0, 0}), WireRefusal::ViewRange},
+      {"picture 8193 pixels high", patched(requested, 117 + 90, {0x01, 0x20}), WireRefusal::ViewRange},
+      {"an answer that is none", patched(requested, 209, {kAnswers}), WireRefusal::Code},
+      {"video at no rate", patched(requested, 210, {0, 0, 0, 0}), WireRefusal::AnswerSpec},
+      {"a 257th light", patched(requested, 239, {0, 1}), WireRefusal::Lights},
+      {"a counter that none will reach", patched(requested, 301 + 7, {0x80}), WireRefusal::Arrivals},
+      {"arrivals beyond 73 years", patched(requested, 309 + 7, {0x40}), WireRefusal::TimeRange},
+      {"one byte too many", and_more(requested, 1), WireRefusal::TrailingBytes},
   };
 }
 
-/// To a client that waits for a 48 x 48 mask of three lights.
+/// Sends to a client that waits for a 48 x 48 mask of three lights.
 std::vector<Case> messages_to_client() {
   const Bytes slice = with_tile({1, 5}), greeting = encoded(ServerMessage(welcome()));
   const Bytes account = encoded(ServerMessage(report())), no = encoded(ServerMessage(refusal()));
@@ -139,7 +138,7 @@ std::vector<Case> messages_to_client() {
   };
 }
 
-/// A session of which counter 5000 has been opened, and what it is sent next.
+/// A session in which counter 5000 has been opened, and the datagram that it receives next.
 std::vector<Case> sealed() {
   const Secret key(counting<32>(0)), other(counting<32>(1));
   Sealer sealer(SessionId{7}, key, Sealing::On), stranger(SessionId{7}, other, Sealing::On);
@@ -150,10 +149,10 @@ std::vector<Case> sealed() {
     const auto message = opener.open(std::get<Sealed>(*envelope), datagram, opened);
     return message ? decode_client(*message).error() : message.error();
   };
-  const Bytes asked = encoded(ClientMessage(request()));
+  const Bytes requested = encoded(ClientMessage(request()));
   Bytes early, datagram;
-  sealer.seal(asked, early);
-  for (int i = 0; i < 5000; ++i) sealer.seal(asked, datagram);
+  sealer.seal(requested, early);
+  for (int i = 0; i < 5000; ++i) sealer.seal(requested, datagram);
   Bytes opened;
   EXPECT_TRUE(opener.open(std::get<Sealed>(*open_client_envelope(datagram)), datagram, opened));
   std::vector<Case> cases;
@@ -163,7 +162,7 @@ std::vector<Case> sealed() {
   };
   expect("once more", datagram, WireRefusal::Replayed);
   expect("long ago", early, WireRefusal::Replayed);
-  for (int i = 0; i < 6000; ++i) stranger.seal(asked, datagram);
+  for (int i = 0; i < 6000; ++i) stranger.seal(requested, datagram);
   expect("under another key", datagram, WireRefusal::Forged);
   sealer.seal(bytes_of({1, 2}), datagram);
   expect("sealed, and too short a request", datagram, WireRefusal::Truncated);
@@ -176,7 +175,7 @@ WireRefusal answer_of(const Decoded<Any>& decoded) {
   return decoded ? WireRefusal{} : decoded.error();
 }
 
-/// Also expects that nothing was touched.
+/// Also expects that nothing has changed.
 WireRefusal answer_of_client(const Bytes& bytes) {
   const Decoded<ServerMessage> message = decode_server(bytes);
   if (!message) return message.error();
@@ -202,7 +201,7 @@ TEST(WireRefusals, EachFaultHasItsOwnCounter) {
   for (const Case& c : messages_to_server()) expect(c, answer_of(decode_client(c.bytes)));
   for (const Case& c : messages_to_client()) expect(c, answer_of_client(c.bytes));
   for (const Case& c : sealed()) expect(c, c.why);
-  counts.count(WireRefusal::UnknownSession);  // what a sessions' keeper says: no bytes are wrong
+  counts.count(WireRefusal::UnknownSession);  // counted by Sessions, because no bytes are wrong
   for (std::size_t i = 0; i < kWireRefusals; ++i)
     EXPECT_GT(counts.of[i], 0u) << "no case for '" << name_of(static_cast<WireRefusal>(i)) << "'";
 }
