@@ -1,11 +1,11 @@
-"""Turns stability.csv into one page: the verdicts, and each sweep's figures as curves with their bounds."""
+"""Makes one HTML page of stability.csv: the verdicts, and the figures of each sweep as curves with their bounds."""
 import argparse
 import csv
 import html
 import math
 from collections import defaultdict
 
-# What a sweep shows, in the order of its plots.
+# The figures that are plotted for each sweep, in this order.
 PLOTTED = ["false shadow traced", "false light traced", "false shadow shown", "false light shown",
            "reprojection largest", "surface largest", "picture off", "predictor turn", "client frame"]
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 300, 190, 56, 10, 24, 34
@@ -18,7 +18,7 @@ svg { margin: 4px; background: #fafafa; } text { font: 10px system-ui, sans-seri
 
 
 class Axis:
-    """From values to pixels; logarithmic where they span more than a factor of 30 above 0, with 0 below all."""
+    """Maps values to pixels. Logarithmic if positive values span more than a factor of 30; 0 is then at the end."""
 
     def __init__(self, values, low_px, high_px):
         positive = [v for v in values if v > 0]
@@ -49,7 +49,7 @@ class Axis:
 
 
 def plot(title, unit, points):
-    """points: (x, value, bound or None, good), by x."""
+    """An SVG plot. `points` are (x, value, bound or None, good), sorted by x."""
     bounds = [b for _, _, b, _ in points if b is not None]
     x_axis = Axis([p[0] for p in points], LEFT, WIDTH - RIGHT)
     y_axis = Axis([p[1] for p in points] + bounds + [0], HEIGHT - BOTTOM, TOP)
@@ -108,7 +108,7 @@ def main(source, target):
                 points = sorted(figures[figure])
                 page.append(plot(figure, points[0][4], [p[:4] for p in points]))
 
-    page.append("<h2>Cases</h2><table><tr><th>case<th>what is extreme<th>tightest figure<th>value<th>bound<th>")
+    page.append("<h2>Cases</h2><table><tr><th>case<th>what is extreme<th>figure closest to its bound<th>value<th>bound<th>")
     for name, own in cases.items():
         worst = max(own, key=strain)
         mark = "<td class=bad>BROKEN" if name in bad else "<td>ok"
@@ -121,7 +121,7 @@ def main(source, target):
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("table", help="stability.csv, as scripts/stability writes it")
+    parser.add_argument("table", help="stability.csv of scripts/stability")
     parser.add_argument("page", help="the HTML file to write")
     arguments = parser.parse_args()
     main(arguments.table, arguments.page)

@@ -1,13 +1,13 @@
-"""What figures say together: fronts, curves at equal error, exponents, where one way loses to another. Pure."""
+"""Compares figures: Pareto fronts, costs at equal error, exponents, and the rows that are better than another. Pure."""
 import math
 
-# Student's t, 97.5 %, by degrees of freedom from 1 on.
+# The 97.5 % quantiles of Student's t distribution for 1, 2, .. degrees of freedom.
 T_975 = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228, 2.201, 2.179, 2.160, 2.145, 2.131)
 T_975_MANY = 1.96
 
 
 def pareto(points):
-    """Indices of those (cost, error) that no other is at least as good as in both, and better in one; by cost."""
+    """The Pareto front of (cost, error) points: their indices, by cost. Equal points are all on the front."""
     front, best = [], math.inf
     for i in sorted(range(len(points)), key=lambda k: points[k]):
         cost, error = points[i]
@@ -20,10 +20,10 @@ def pareto(points):
 
 
 def exponent(xs, ys):
-    """Least squares of log y over log x: {"exponent", "interval", "factor", "spread", "points"}.
+    """The least-squares fit of log y over log x: {"exponent", "interval", "factor", "spread", "points"}.
 
-    `interval` is half of the 95 % interval of the exponent (None of two points), `spread` the largest ratio between
-    a measured y and the fitted one. None where fewer than two xs differ.
+    `interval` is half the width of the exponent's 95 % confidence interval, or None for two points. `spread` is the
+    largest ratio between a measured y and the fitted y. Returns None if there are fewer than two different xs.
     """
     pairs = [(math.log(x), math.log(y)) for x, y in zip(xs, ys) if x > 0 and y > 0]
     n = len(pairs)
@@ -42,10 +42,10 @@ def exponent(xs, ys):
 
 
 def cost_at(curve, error):
-    """What a curve of (cost, error) costs where it has this error: (cost, how).
+    """The cost at which a curve of (cost, error) points reaches this error: (cost, how).
 
-    Along its Pareto front, log of cost over error, straight between points. `how` is "between"; "at most" where the
-    cheapest point is as good already; "never" (cost None) where none is.
+    Interpolates the logarithm of the cost linearly between the points of the Pareto front. `how` is "between"; or
+    "at most" if the error of the cheapest point is smaller; or "never" if no point reaches the error (cost None).
     """
     front = [curve[i] for i in pareto(curve)]
     if not front or front[-1][1] > error:
@@ -57,14 +57,14 @@ def cost_at(curve, error):
             if worse == better:
                 return cheap, "between"
             share = (worse - error) / (worse - better)
-            if cheap <= 0:  # no logarithm of nothing
+            if cheap <= 0:  # 0 has no logarithm
                 return cheap + share * (dear - cheap), "between"
             return math.exp(math.log(cheap) + share * (math.log(dear) - math.log(cheap))), "between"
     return None, "never"
 
 
 def better_in_both(rows, own, cost, error):
-    """Of `rows` those that have less `error` than `own` for no more `cost`, or the same for less; by error."""
+    """The rows that are at least as good as `own` in `cost` and in `error`, and better in one of them; by error."""
     def value(row, figure):
         return row.get(figure)
     if value(own, cost) is None or value(own, error) is None:
@@ -76,7 +76,7 @@ def better_in_both(rows, own, cost, error):
 
 
 def grouped(rows, *keys):
-    """Rows by the values of keys, in the order in which these first come."""
+    """Groups rows by the values of keys. The groups are in the order of their first rows."""
     groups = {}
     for row in rows:
         groups.setdefault(tuple(row[k] for k in keys), []).append(row)

@@ -1,4 +1,4 @@
-"""Plots as SVG. A mode has one colour in all of them; a point's group has an id by which the page tells its settings.
+"""Plots as SVG. A mode has one colour in all plots. Each point has an id, with which the page finds its description.
 """
 import html
 import io
@@ -12,7 +12,7 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 from analysis import exponent, grouped, pareto  # noqa: E402
 
-# Okabe and Ito, "Color universal design", 2008: told apart by nearly everybody, and in print.
+# Okabe and Ito, "Color universal design", 2008: nearly everybody can distinguish these colours, also in print.
 COLOURS = {"hybrid": "#d55e00", "client-positions": "#e69f00", "server-gbuffer": "#009e73", "remote": "#0072b2",
            "delta": "#56b4e9", "local": "#cc79a7", "full": "#000000"}
 OTHER = "#777777"
@@ -26,7 +26,7 @@ plt.rcParams.update({"svg.fonttype": "none", "font.family": "sans-serif", "font.
 
 
 class Points:
-    """Numbers the points of all plots of a page, and keeps what a reader may want to know of each."""
+    """Numbers the points of all plots of a page and keeps the description of each."""
 
     def __init__(self):
         self.told = []
@@ -42,13 +42,13 @@ def words_of(row, *figures):
 
 
 def svg_of(figure, name, points):
-    plt.rcParams["svg.hashsalt"] = name  # the same bytes on every run
+    plt.rcParams["svg.hashsalt"] = name  # so that every run writes the same bytes
     text = io.StringIO()
     figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, bbox_inches="tight")
     plt.close(figure)
     svg = text.getvalue()
     svg = svg[svg.index("<svg"):]
-    # Ids are a page's, and several plots share one.
+    # Several plots share a page, and its ids must be unique.
     svg = re.sub(r'(id="|xlink:href="#|url\(#)(?!point-)', rf"\g<1>{name}-", svg)
 
     def titled(match):
@@ -77,14 +77,15 @@ def front(axes, pairs):
               markeredgecolor="#999999", markeredgewidth=0.9, zorder=1)
 
 
-def from_nothing(axes, values):
-    """A logarithmic axis that has a place for 0: linear up to the least value that is more."""
+def log_from_zero(axes, values):
+    """Makes the x axis logarithmic with a place for 0: it is linear up to the smallest positive value."""
     least = min((v for v in values if v > 0), default=1)
     axes.set_xscale("symlog", linthresh=10 ** math.floor(math.log10(least)), linscale=0.6)
 
 
 def error_against(name, rows, x, x_label, columns, points, error=("flip", "FLIP")):
-    """A row of small plots a scene and head, a column each value of `columns`; a mode's ways are joined."""
+    """A row of small plots for each scene and head, and a column for each value of `columns`. Lines join the rows of a
+    mode. Returns None if there are no rows."""
     rows = [r for r in rows if r.get(x) is not None and r.get(error[0]) is not None]
     if not rows:
         return None
@@ -111,7 +112,7 @@ def error_against(name, rows, x, x_label, columns, points, error=("flip", "FLIP"
     values = [r[x] for r in rows]
     for axes in grid.flat:
         if columns and max(values) > 30 * min(values):
-            from_nothing(axes, values)
+            log_from_zero(axes, values)
         elif columns and max(values) > 3 * min(values):
             axes.set_xscale("log")
         axes.set_ylim(bottom=min(0, axes.get_ylim()[0]))
@@ -120,7 +121,8 @@ def error_against(name, rows, x, x_label, columns, points, error=("flip", "FLIP"
 
 
 def scaling(name, rows, axis, label, points):
-    """Client and server time over one number, with the fitted power; also the fits, one a mode and side."""
+    """Plots client and server time over one number, with the fitted powers. Also returns the fits: one for each mode and
+    side."""
     own = [r for r in rows if r["part"] == "scaling" and r["axis"] == axis and not r["again"]]
     if not own:
         return None, []
@@ -142,7 +144,7 @@ def scaling(name, rows, axis, label, points):
             ends = [fits[-1]["from"], fits[-1]["to"]]
             axes.plot(ends, [fit["factor"] * x ** fit["exponent"] for x in ends], "--",
                       color=COLOURS.get(series[0]["mode"], OTHER), label=f"{words}: x^{round(fit['exponent'], 2) + 0:.2f}")
-        axes.set(xscale="log", yscale="log", xlabel=label, ylabel=f"{side}, ms a frame")
+        axes.set(xscale="log", yscale="log", xlabel=label, ylabel=f"{side}, ms per frame")
         if axes.has_data():
             axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1), ncol=2)
         else:

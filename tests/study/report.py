@@ -1,4 +1,4 @@
-"""The report: one page that needs nothing else - plots, pictures, and tables whose words follow from the rows."""
+"""The report: one HTML file without external parts. It has plots, pictures and tables."""
 import base64
 import html
 import io
@@ -9,11 +9,11 @@ from PIL import Image
 import plots
 import tables
 
-PICTURE_PX = 192  # of a side: a page with every mode's worst frame stays small
+PICTURE_PX = 192  # width and height, so that the page stays small
 
 
 def small_png(path):
-    """As a data URI: at most PICTURE_PX a side, 128 colours."""
+    """The picture as a data URI, with at most PICTURE_PX per side and 128 colours."""
     with Image.open(path) as picture:
         picture = picture.convert("RGB")
         picture.thumbnail((PICTURE_PX, PICTURE_PX), Image.Resampling.BOX)
@@ -24,7 +24,7 @@ def small_png(path):
 
 
 def worst_pictures(rows):
-    """Of each mode the frame with the largest FLIP of all that were compared."""
+    """For each scene and mode, the pictures of the compared frame with the largest FLIP."""
     parts = []
     for (scene, mode), own in plots.grouped([r for r in rows if r["part"] == "mode"], "scene", "mode").items():
         own = [r for r in own if r["flip"] is not None and (r["pictures"] / "left_heat.png").exists()]
@@ -42,18 +42,18 @@ def worst_pictures(rows):
 
 
 PLOTS = [
-    ("client", "Error against the client's run time", "client_ms", "client, ms a frame", "network"),
-    ("server", "Error against the server's run time", "server_ms", "server, ms a frame", "network"),
-    ("both", "Error against the run time of both", "both_ms", "both, ms a frame", "network"),
-    ("bytes", "Error against bytes", "bytes", "bytes down a frame", "network"),
-    # Not figure `staleness`: what was predicted for the very time at which it is shown has none, however old it is.
-    ("staleness", "Error against staleness", "latency", "how long ago what is shown was asked for, ms", None),
+    ("client", "Error against the client's run time", "client_ms", "client, ms per frame", "network"),
+    ("server", "Error against the server's run time", "server_ms", "server, ms per frame", "network"),
+    ("both", "Error against the run time of both", "both_ms", "both, ms per frame", "network"),
+    ("bytes", "Error against bytes", "bytes", "bytes to the client per frame", "network"),
+    # Not the figure `staleness`: that is 0 for a mask that was predicted for exactly the time of its display.
+    ("staleness", "Error against staleness", "latency", "time from request to display, ms", None),
 ]
 SCALES = [("pixels", "pixels, both eyes"), ("lights", "lights"), ("triangles", "triangles"), ("clients", "clients")]
 
 
 def draw(rows):
-    """Name -> (title, SVG); the fits; what each point says when it is hovered over."""
+    """Returns name -> (title, SVG), the fits, and the description of each point."""
     points, drawn, fits = plots.Points(), {}, []
     modes = [r for r in rows if r["part"] == "mode"]
     everywhere = tables.on_every_network(modes)
@@ -71,10 +71,10 @@ def draw(rows):
 
 
 def make(header, rows):
-    """(name -> SVG, the page)."""
+    """Returns (name -> SVG, the page)."""
     drawn, fits, told = draw(rows)
     networks = {r["network"]: r["network_words"] for r in rows}
-    header = header | {"networks": "; ".join(f"{name}: {words}" for name, words in networks.items()) + " (each way)"}
+    header = header | {"networks": "; ".join(f"{name}: {words}" for name, words in networks.items()) + " (in each direction)"}
     said = "".join(f"<dt>{html.escape(k)}<dd>{html.escape(str(v))}" for k, v in header.items())
     sections = "".join(f'<section><h2>{html.escape(title)}</h2><div class="plot">{svg}</div></section>\n'
                        for title, svg in drawn.values())
@@ -119,14 +119,14 @@ document.body.dataset.points = String(told.length);
 """
 
 PAGE = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>How wrong, for how much time</title><style>{style}</style></head>
+<html lang="en"><head><meta charset="utf-8"><title>Error and run time</title><style>{style}</style></head>
 <body>
-<h1>How wrong, for how much time</h1>
+<h1>Error and run time</h1>
 <dl>{header}</dl>
 {plots}
 {tables}
 <h2>The worst frame of each mode</h2>
-<p>As shown, as it should have been, and FLIP: black is no error, yellow the largest.</p>
+<p>The shown picture, the reference, and the error map of FLIP: black is no error, yellow the largest.</p>
 {pictures}
 <div id="told"></div>
 <script type="application/json" id="points">{told}</script>

@@ -1,4 +1,4 @@
-"""Finished points as rows, and what is written of them: results.csv, results.json, plots and report.html."""
+"""Makes rows from finished points and writes results.csv, results.json, plots and report.html."""
 import csv
 import io
 import json
@@ -7,10 +7,10 @@ import os
 import report
 from sweep import mode_name
 
-# Columns that say what was measured; the figures follow.
+# Columns that state what was measured. The columns of figures follow.
 SAID = ["kind", "part", "axis", "x", "scene", "trace", "network", "network_words", "size", "mode", "words", "again",
         "frames", "every", "start_up_frames"]
-# A row's own short names of the figures that plots and tables use: median of group.figure.
+# Short names for the medians that plots and tables use: name -> (group, figure).
 SHORT = {"flip": ("error", "flip"), "ssim": ("error", "ssim"), "psnr": ("error", "psnr"),
          "mask_error": ("error", "mask_error"), "staleness": ("wire", "staleness"), "latency": ("wire", "latency"),
          "black": ("error", "black"), "unknown": ("error", "unknown"),
@@ -31,7 +31,7 @@ def figures_row(settings, words, result, figures):
 
 
 def rows_of(points):
-    """`points`: (settings, path of the file). A row a mode."""
+    """`points` are pairs of settings and the path of the result. Returns a row for each mode."""
     rows = []
     for settings, path in points:
         result = json.loads(path.read_text(encoding="utf-8"))["result"]
@@ -52,13 +52,13 @@ def rows_of(points):
 
 
 def with_times(rows):
-    """Adds server_ms and both_ms, of a shown frame, and takes run times from the rounds where there are any."""
+    """Adds server_ms and both_ms per shown frame. Takes run times from the timing rounds, if there are any."""
     rounds = {(r["scene"], r["size"], r["network"], r["words"]): r for r in rows
               if r["part"] == "timing" and not r["again"]}
     for row in rows:
         measured = rounds.get((row["scene"], row["size"], row["network"], row["words"]), row)
         row["client_ms"] = measured["client_ms"]
-        answer_ms = measured["answer_ms"] or row["answer_ms"] or 0.0  # rounds may be too short for an answer to come
+        answer_ms = measured["answer_ms"] or row["answer_ms"] or 0.0  # rounds may be too short for an answer to arrive
         answers = row["answers"] if row["answers"] is not None and row["kind"] == "error" else 1
         row["server_ms"] = answer_ms * answers
         if row["client_ms"] is not None:

@@ -1,7 +1,7 @@
-"""Scenes of which one number grows and nothing else: lights, or triangles. Made as assets/ are. And others' scenes
-with the head standing elsewhere.
+"""Scenes that differ in one number only: lights or triangles. They are made like the scenes of assets/. Also moves the
+camera of other scenes.
 
-A floor of 6 m with 16 things on it, looked at from 4 m away, so that the same pixels are covered whatever the number.
+A scene is a floor of 6 m with 16 spheres on it, seen from 4 m away. So the same pixels are covered for every number.
 """
 import json
 import math
@@ -21,12 +21,12 @@ ORDINARY = {"lights": 3, "triangles": 4096}
 
 
 def sides_for(triangles):
-    """Of each thing, so that the scene has about so many; a sphere of s sides has s * s - 2 * s, its poles apart."""
+    """The sides s of each sphere for about this many triangles in the scene. A sphere has s * s - 2 * s."""
     return 2 * max(2, round((1 + math.sqrt(1 + triangles / THINGS)) / 2))
 
 
 def triangles_in(triangles):
-    """How many there really are."""
+    """The exact number of triangles of the scene."""
     sides = sides_for(triangles)
     return THINGS * (sides * sides - 2 * sides) + 2
 
@@ -38,11 +38,11 @@ def make(axis, count):
     grey, red = doc.material("floor", (0.6, 0.6, 0.6)), doc.material("things", (0.6, 0.25, 0.12))
     doc.node("floor", mesh=doc.mesh("floor", (quad((-3, 0, 3), (6, 0, 0), (0, 0, -6)), grey)))
     thing = sphere(0.3, sides_for(numbers["triangles"]))
-    for i in range(THINGS):  # a mesh each, so that the triangles are in memory, not instances
+    for i in range(THINGS):  # each has its own mesh, so that the number of triangles in memory grows, too
         doc.node(f"thing {i}", at=(-1.8 + 1.2 * (i % 4), 0.4, -1.8 + 1.2 * (i // 4)),
                  mesh=doc.mesh(f"thing {i}", (thing, red)))
     for i in range(numbers["lights"]):
-        angle = 2.4 * i  # the golden angle: no two stand in line
+        angle = 2.4 * i  # about the golden angle, so that no two lights are in line
         radius = 0.5 + 1.5 * i / numbers["lights"]
         doc.node(f"light:{i}", at=(radius * math.cos(angle), 2.5 + 0.01 * i, radius * math.sin(angle)),
                  light={"type": "point", "color": [1, 1, 1], "intensity": 40 / numbers["lights"]})
@@ -53,12 +53,12 @@ def make(axis, count):
 
 
 def standing(glb, x, y, z, heading_deg):
-    """The same .glb with its camera there, upright, looking along -z turned by so much to the left.
+    """The same .glb with its camera at (x, y, z), upright, looking along -z turned to the left by heading_deg.
 
-    ValueError where it is no .glb, or has no camera that stands by itself.
+    Raises ValueError if it is no .glb, or if none of its root nodes has a camera.
     """
     if len(glb) < 20 or glb[:4] != b"glTF":
-        raise ValueError("a head can stand elsewhere only in a .glb")
+        raise ValueError("only the camera of a .glb can be moved")
     length, = struct.unpack_from("<I", glb, 12)
     document, rest = json.loads(glb[20:20 + length]), glb[20 + length:]
     half = math.radians(heading_deg) / 2
@@ -66,7 +66,7 @@ def standing(glb, x, y, z, heading_deg):
     within = {child for node in nodes for child in node.get("children", [])}
     cameras = [node for i, node in enumerate(nodes) if "camera" in node and i not in within]
     if not cameras:
-        raise ValueError("there is no camera by itself whose place the head could take")
+        raise ValueError("no root node has a camera")
     for node in cameras:
         node.pop("matrix", None)
         node |= {"translation": [x, y, z], "rotation": [0, math.sin(half), 0, math.cos(half)]}

@@ -1,5 +1,5 @@
-"""Runs a sweep point by point and makes its report. A point that is finished is one file in OUT/points, named by a
-hash of all that it depends on: settings, program, scene and recording. It is not run again.
+"""Runs a sweep point by point and writes its report. A finished point is a file in OUT/points. Its name is a hash of
+everything that the point depends on: settings, program, scene and recording. A finished point is not run again.
 """
 import argparse
 import hashlib
@@ -37,7 +37,7 @@ def hash_of_file(path, known={}):
 
 
 def write_whole(path, text):
-    """Readers see the old file or the new one, never a part."""
+    """Writes atomically: readers see the old file or the whole new one."""
     beside = path.with_name(path.name + ".tmp")
     beside.write_text(text, encoding="utf-8")
     os.replace(beside, path)
@@ -52,7 +52,7 @@ class Study:
         self.program_hash = hash_of_file(program)
 
     def scene_file(self, point):
-        """Scenes for scaling, and those with the head elsewhere, are made when they are first needed."""
+        """The path of the point's scene. Makes scenes for scaling and scenes with a moved camera at first use."""
         if point["scene_file"].startswith("made:"):
             axis, count = point["scene_file"].removeprefix("made:").split("-")
             return self.made_scene(f"{axis}-{count}", lambda: scenes.make(axis, int(count)))
@@ -74,14 +74,14 @@ class Study:
         return path
 
     def place_of(self, point):
-        """Where its result lies, or will."""
+        """The path of the point's result."""
         depends_on = {"settings": point, "program": self.program_hash, "scene": hash_of_file(self.scene_file(point)),
                       "trace": hash_of_file(self.root / point["trace_file"])}
         key = hashlib.sha256(json.dumps(depends_on, sort_keys=True).encode()).hexdigest()[:24]
         return self.points / f"{key}.json"
 
     def run(self, point, place):
-        """Measures one point and keeps it; what went wrong, or nothing."""
+        """Measures one point and writes its result. Returns the error message, or None."""
         pictures = place.with_suffix(".pictures.tmp")
         shutil.rmtree(pictures, ignore_errors=True)
         pictures.mkdir()
@@ -107,11 +107,11 @@ class Study:
         return None
 
     def run_all(self, points):
-        """Returns (point, place) of all that are there in the end, and how many failed."""
+        """Returns (point, path) of all finished points, and the number of points that failed."""
         places = [(p, self.place_of(p)) for p in points]
         todo = [(p, where) for p, where in places if not where.exists()]
         if len(todo) < len(places):
-            say(f"{len(places) - len(todo)} of {len(places)} points are there already")
+            say(f"{len(places) - len(todo)} of {len(places)} points are finished already")
         begun, done, left, failed = time.monotonic(), 0.0, sum(work_in(p) for p, _ in todo), 0
         for i, (point, place) in enumerate(todo):
             spent = time.monotonic() - begun
@@ -121,12 +121,12 @@ class Study:
             done, left = done + work_in(point), left - work_in(point)
             if wrong:
                 failed += 1
-                say(f"left out, for it failed: {wrong.splitlines()[-1]}")
+                say(f"failed and is left out: {wrong.splitlines()[-1]}")
         return [(p, where) for p, where in places if where.exists()], failed
 
 
 def libraries(program):
-    """Versions of those that matter, by the files that the program is linked to."""
+    """Versions of the main libraries, from the names of the files that the program is linked to."""
     linked = subprocess.run(["ldd", program], capture_output=True, text=True, check=False).stdout
     found = {}
     for name in ("embree3", "embree4", "tbb", "lz4", "sodium", "avcodec", "x264", "vulkan"):
@@ -137,7 +137,7 @@ def libraries(program):
 
 
 def header(study, command):
-    """What the figures were measured with."""
+    """Describes machine, versions and command of the measurement."""
     cpu = re.search(r"model name\s*: (.*)", Path("/proc/cpuinfo").read_text(encoding="utf-8"))
     memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2 ** 30
     versions = json.loads(subprocess.run([study.program, "--versions"], capture_output=True, text=True,
@@ -146,7 +146,7 @@ def header(study, command):
     def git(*words):
         return subprocess.run(["git", "-C", study.root, *words], capture_output=True, text=True,
                               check=False).stdout.strip()
-    commit = git("rev-parse", "HEAD") or "not known"
+    commit = git("rev-parse", "HEAD") or "unknown"
     if git("status", "--porcelain", "--untracked-files=no"):
         commit += ", changed"
     return {"machine": f"{cpu[1] if cpu else platform.machine()}, {os.cpu_count()} cores, {memory:.0f} GiB, "
@@ -158,13 +158,13 @@ def header(study, command):
 
 def read_arguments():
     parser = argparse.ArgumentParser(prog="scripts/study", description=__doc__)
-    parser.add_argument("sweep", type=Path, help="what to measure; tests/study/sweep.py tells what it may say")
-    parser.add_argument("--root", type=Path, required=True, help="of the tree")
+    parser.add_argument("sweep", type=Path, help="JSON file, see tests/study/sweep.py")
+    parser.add_argument("--root", type=Path, required=True, help="root of the source tree")
     parser.add_argument("--program", type=Path, required=True, help="study_point")
     parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--only", default="", help="points whose line in --list this regular expression finds")
-    parser.add_argument("--list", action="store_true", help="name the points and stop")
-    parser.add_argument("--command", default=shlex.join(sys.argv), help="as the report's header says it")
+    parser.add_argument("--only", default="", help="regular expression: only the points of --list that it matches")
+    parser.add_argument("--list", action="store_true", help="list the points and stop")
+    parser.add_argument("--command", default=shlex.join(sys.argv), help="the command line that the report states")
     return parser.parse_args()
 
 
@@ -185,7 +185,7 @@ def main():
         results.write(given.out, header(study, given.command), there)
     except KeyboardInterrupt:
         kept = sum(study.place_of(p).exists() for p in points)
-        say(f"stopped; {kept} of {len(points)} points are kept, the same command goes on from here")
+        say(f"stopped; {kept} of {len(points)} points are kept; repeat the command to continue")
         return 130
     say(f"{given.out}/report.html, results.csv, results.json, plots/")
     return 1 if failed else 0

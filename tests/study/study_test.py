@@ -1,6 +1,6 @@
-"""The whole study, small: it runs, it outlives being killed, it says what it leaves out, its page opens in Chromium.
+"""Runs a small study. It can be killed and continued, it reports what it leaves out, and its page opens in Chromium.
 
-Wants STUDY_POINT, the program, and STUDY_OUT, a folder for what comes of it.
+Needs two environment variables: STUDY_POINT is the program, STUDY_OUT a folder for the results.
 """
 import base64
 import csv
@@ -34,29 +34,29 @@ def run(out, *more, sweep=HERE / "quick.json"):
 
 
 def points_in(out):
-    """Name and time of change of every finished point."""
+    """The name and the time of the last change of every finished point."""
     return {p.name: p.stat().st_mtime_ns for p in (out / "points").glob("*.json")}
 
 
 def wait_for_points(child, out, count):
-    """A child that is at work on the next."""
+    """Waits until `count` points are finished and the child works on the next one."""
     give_up = time.monotonic() + PATIENCE_S
     while len(points_in(out)) < count:
         if child.poll() is not None or time.monotonic() > give_up:
             child.kill()
-            raise AssertionError(f"no {count} points came: {child.communicate()[1]}")
+            raise AssertionError(f"{count} points were not finished: {child.communicate()[1]}")
         time.sleep(0.02)
 
 
 def error_columns(out):
-    """results.csv without what the machine's clock says."""
+    """The rows of results.csv without run times."""
     with open(out / "results.csv", newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     return [{k: v for k, v in row.items() if not k.startswith("time.")} for row in rows]
 
 
 def setUpModule():
-    """The quick sweep, whole."""
+    """Runs the whole quick sweep."""
     shutil.rmtree(OUT, ignore_errors=True)
     OUT.mkdir(parents=True)
     status, _, said = run(OUT / "whole")
@@ -66,9 +66,7 @@ def setUpModule():
 class Study(unittest.TestCase):
     whole = OUT / "whole"
 
-    # ---- what is measured
-
-    def test_writes_a_row_a_mode_with_figures(self):
+    def test_writes_a_row_with_figures_for_each_mode(self):
         rows = error_columns(self.whole)
         full = [r for r in rows if r["mode"] == "full" and r["kind"] == "error"]
         self.assertEqual(len(full), 1, "a mode without a server is measured on one network")
@@ -78,7 +76,7 @@ class Study(unittest.TestCase):
         late = {r["words"]: r for r in rows if r["network"] == "25 ms" and r["kind"] == "error"}
         self.assertGreater(float(late["hybrid,reprojection=off"]["error.mask_error.median"]),
                            float(late["hybrid"]["error.mask_error.median"]))
-        self.assertGreater(float(late["hybrid"]["wire.latency.median"]), 50, "there and back")
+        self.assertGreater(float(late["hybrid"]["wire.latency.median"]), 50, "two directions of 25 ms")
         self.assertGreater(float(late["hybrid"]["wire.down_bytes.median"]), 100)
 
     def test_keeps_pictures_of_worst_frames(self):
@@ -88,16 +86,14 @@ class Study(unittest.TestCase):
                 self.assertEqual(names, [f"{eye}_{what}.png" for eye in ("left", "right")
                                          for what in ("heat", "reference", "shown")])
 
-    def test_times_the_first_way_twice(self):
+    def test_times_the_first_mode_twice(self):
         with open(self.whole / "results.csv", newline="", encoding="utf-8") as file:
             timed = [r for r in csv.DictReader(file) if r["part"] == "timing" and r["network"] == "none"]
         self.assertEqual([(r["words"], r["again"]) for r in timed], [("hybrid", "0"), ("full", "0"), ("hybrid", "1")])
         for row in timed:
             self.assertGreater(float(row["time.client_frame.median"]), 0)
 
-    # ---- killed and gone on with
-
-    def test_a_killed_study_goes_on_to_the_same_results(self):
+    def test_a_killed_study_continues_to_the_same_results(self):
         out, only = OUT / "killed", ("--only", "^(mode|ablation)")
         count = len(run(out, *only, "--list")[1].splitlines())
         child = begin(out, *only)
@@ -105,11 +101,11 @@ class Study(unittest.TestCase):
         child.send_signal(signal.SIGKILL)
         child.communicate()
         kept = points_in(out)
-        self.assertLess(len(kept), count, "it was killed too late to tell anything")
+        self.assertLess(len(kept), count, "it was killed too late")
         self.assertFalse((out / "results.csv").exists())
         status, _, said = run(out, *only)
         self.assertEqual(status, 0, said)
-        self.assertIn(f"{len(kept)} of {count} points are there already", said)
+        self.assertIn(f"{len(kept)} of {count} points are finished already", said)
         after = points_in(out)
         self.assertEqual(len(after), count)
         self.assertEqual({name: after[name] for name in kept}, kept, "finished points were run again")
@@ -120,19 +116,17 @@ class Study(unittest.TestCase):
         mine = error_columns(out)
         self.assertEqual(mine, [{k: r[k] for k in mine[0]} for r in whole])
 
-    def test_ctrl_c_ends_with_how_to_go_on(self):
+    def test_ctrl_c_says_how_to_continue(self):
         out = OUT / "stopped"
         child = begin(out, "--only", "^(mode|ablation)")
         wait_for_points(child, out, 1)
         child.send_signal(signal.SIGINT)
         _, said = child.communicate(timeout=PATIENCE_S)
         self.assertEqual(child.returncode, 130, said)
-        self.assertRegex(said, r"stopped; [1-9] of \d points are kept, the same command goes on from here")
+        self.assertRegex(said, r"stopped; [1-9] of \d points are kept; repeat the command to continue")
         self.assertNotIn("Traceback", said)
 
-    # ---- said, not silent
-
-    def test_says_what_is_not_there_and_goes_on(self):
+    def test_reports_missing_files_and_continues(self):
         sweep = json.loads((HERE / "quick.json").read_text())
         sweep["scenes"]["castle"] = "../shared/scenes/castle.glb"
         path = OUT / "castle.json"
@@ -143,7 +137,7 @@ class Study(unittest.TestCase):
         self.assertNotIn("castle", told)
         self.assertIn("box over plane", told)
 
-    def test_says_which_point_failed_and_ends_with_1(self):
+    def test_reports_a_failed_point_and_ends_with_status_1(self):
         sweep = json.loads((HERE / "quick.json").read_text())
         sweep["modes"] = ["full", "hybrid,every=0"]
         path = OUT / "wrong.json"
@@ -151,10 +145,10 @@ class Study(unittest.TestCase):
         status, _, said = run(OUT / "wrong", "--only", "^mode", sweep=path)
         self.assertEqual(status, 1, said)
         self.assertIn("mode hybrid has no 'every=0'", said)
-        self.assertTrue((OUT / "wrong" / "report.html").exists(), "what could be measured is reported")
+        self.assertTrue((OUT / "wrong" / "report.html").exists(), "the other points are reported")
 
 
-# What a browser is asked of a page: before it, to keep errors, and after it, to hover and to look.
+# Scripts added to the page: FIRST records errors; LAST hovers over all points and records what is drawn.
 FIRST = """<script>window.seen = [];
 addEventListener('error', e => seen.push(String(e.message)));
 console.error = (...words) => seen.push(words.join(' '));</script>"""
@@ -164,7 +158,7 @@ const tips = drawn.map(p => { p.dispatchEvent(new MouseEvent('mouseover', {clien
   const tip = document.getElementById('told');
   const text = tip.style.display === 'block' ? tip.textContent : '';
   p.dispatchEvent(new MouseEvent('mouseout'));
-  return tip.style.display === 'none' ? text : 'it stays'; });
+  return tip.style.display === 'none' ? text : 'the tip stays'; });
 document.body.dataset.verdict = JSON.stringify({errors: seen, points: drawn.length, tips,
   plots: [...document.querySelectorAll('svg')].filter(s => s.getBoundingClientRect().height > 100).length,
   pictures: [...document.images].map(i => i.complete && i.naturalWidth)});
@@ -172,7 +166,7 @@ document.body.dataset.verdict = JSON.stringify({errors: seen, points: drawn.leng
 
 
 def verdict_on(page, folder):
-    """What Chromium makes of a page: its errors, and what it drew."""
+    """Opens a page in Chromium. Returns the errors and what was drawn."""
     browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     assert browser, "there is no chromium: scripts/setup installs it"
     watched = page.replace("<head>", "<head>" + FIRST, 1).replace("</body>", LAST + "</body>", 1)
@@ -183,7 +177,7 @@ def verdict_on(page, folder):
          "--virtual-time-budget=5000", f"--user-data-dir={folder / 'browser'}", "--dump-dom", path.as_uri()],
         capture_output=True, text=True, timeout=PATIENCE_S, check=False)
     found = re.search(r'data-verdict="([^"]*)"', shown.stdout)
-    verdict = json.loads(html.unescape(found[1])) if found else {"errors": ["it ran no script to its end"]}
+    verdict = json.loads(html.unescape(found[1])) if found else {"errors": ["the page's scripts did not finish"]}
     verdict["errors"] += [line for line in shown.stderr.splitlines() if ":CONSOLE" in line]
     return verdict
 
@@ -195,7 +189,7 @@ class Page(unittest.TestCase):
         cls.folder = OUT / "page"
         cls.folder.mkdir(exist_ok=True)
 
-    def test_needs_nothing_from_elsewhere(self):
+    def test_has_no_external_parts(self):
         fetched = re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?(?!data:|#|xlink)([a-z]+:[^"\')\s>]*)', self.page)
         self.assertEqual(fetched, [])
 
@@ -205,17 +199,17 @@ class Page(unittest.TestCase):
         self.assertEqual(verdict["plots"], 9)
         told = json.loads(re.search(r'id="points">(.*?)</script>', self.page, re.S)[1])
         self.assertEqual(verdict["points"], len(told), "each point is drawn")
-        self.assertEqual(verdict["tips"], told, "and says what it is")
+        self.assertEqual(verdict["tips"], told, "and its tip has its description")
         self.assertTrue(verdict["pictures"] and all(verdict["pictures"]))
 
-    def test_has_a_header_and_every_table_that_its_rows_make(self):
+    def test_has_a_header_and_every_table(self):
         for word in ("machine", "compiler", "device", "driver", "libraries", "commit", "command"):
             self.assertTrue(f"<dt>{word}<dd>" in self.page, word)
         for title in ("Where hybrid loses", "End-to-end latency", "Scaling", "Ablations", "Noise", "Run times",
                       "All figures", "The worst frame of each mode"):
             self.assertTrue(f"<h2>{title}</h2>" in self.page, title)
 
-    def test_would_be_red_for_broken_pages(self):
+    def test_detects_broken_pages(self):
         def verdict(*change):
             self.assertTrue(change[0] in self.page, change[0])
             return verdict_on(self.page.replace(*change), self.folder)

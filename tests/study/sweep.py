@@ -1,15 +1,14 @@
-"""A sweep: a small JSON file that says what is measured, and the points that it comes to.
+"""A sweep: a JSON file that says what to measure, and the points that follow from it.
 
-Paths in it are relative to the root of the tree. What is not there (recordings and scenes beside the tree) is said
-and left out.
+Paths in it are relative to the root of the source tree. Missing recordings and scenes are reported and left out.
 
-  scenes     name: file, or {"file", "stand", "skip_s", "frames", "every"}: where the head begins if not at the file's
-             camera, [x, y, z, heading in degrees], and what else is not as with other scenes
-  traces     name: {"file", "skip_s"}
-  networks   name: words, each way                  sizes    pixels a side of an eye
-  frames, every    display frames of a point, and every which of them is compared with its reference
-  modes      mode words; ways with one name make one curve
-  ablations  {"modes", "scenes", "networks", "traces"}: what hybrid loses without one of its parts
+  scenes     name: file, or {"file", "stand", "skip_s", "frames", "every"}. "stand" is where the head begins, if not
+             at the file's camera: [x, y, z, heading in degrees]. The others replace the values of the sweep
+  traces     head recordings: name: {"file", "skip_s"}
+  networks   name: link model of each direction     sizes    width and height of an eye in pixels
+  frames, every    display frames of a point; every Nth of them is compared with its reference
+  modes      mode words (mode_words.h); entries with the same mode form one curve
+  ablations  {"modes", "scenes", "networks", "traces"}: hybrid without one of its parts
   timing     {"modes", "rounds", "seed", "frames"}: run times of the modes, in a random order in each round
   scaling    {"modes", "size", "pixels", "lights", "triangles", "clients", "rounds", "seed", "frames", "warm_up"}
 """
@@ -18,9 +17,9 @@ import re
 
 import scenes
 
-# Modes that ask no server for anything: one network is as good as any other.
+# Modes without a server: they are measured on one network only.
 ALONE = ("local", "full")
-# Heads of scenes made for scaling do not matter, so that they are in the tree.
+# The head for scaling scenes. It is part of the source tree.
 SCALING_TRACE = {"name": "walk", "file": "assets/walk.csv", "skip_s": 0}
 
 
@@ -29,7 +28,7 @@ def mode_name(words):
 
 
 class Sweep:
-    """`points` are settings: flat dictionaries, each with `kind` error, timing or clients, in the order to run."""
+    """`points` are settings: flat dictionaries in the order to run. Their `kind` is error, timing or clients."""
 
     def __init__(self, path, root, say):
         self.root = root
@@ -51,7 +50,7 @@ class Sweep:
         return found
 
     def _places(self):
-        """Scene and trace as settings."""
+        """Settings for each pair of scene and head recording."""
         for scene, of_scene in self.scenes.items():
             for trace, of_trace in self.traces.items():
                 stand = {"stand": of_scene["stand"]} if "stand" in of_scene else {}
@@ -78,7 +77,7 @@ class Sweep:
             return
         first, seen = next(iter(self.networks)), set()
         for place in self._places():
-            if place["scene"] in seen:  # another head is another picture, not another way to spend time
+            if place["scene"] in seen:  # the head does not change run times much
                 continue
             seen.add(place["scene"])
             for size in self.told["sizes"]:
@@ -107,14 +106,14 @@ class Sweep:
 
 
 def name_of(point):
-    """In one line, for people and for --only."""
+    """One line for people and for --only."""
     what = {"error": " ".join(point["modes"]), "timing": "all modes",
             "clients": f"{point.get('x')} clients"}[point["kind"]]
     return f"{point['part']}: {point['scene']}, {point['trace']}, {point['network']}, {point['size']} px, {what}"
 
 
 def arguments(point, scene_file, trace_file, pictures):
-    """Of study_point."""
+    """The command line of study_point."""
     given = ["--scene", scene_file, "--trace", trace_file, "--size", point["size"], "--frames", point["frames"],
              "--skip", point["skip_s"], "--network", point["network_words"]]
     if point["kind"] == "error":
@@ -127,7 +126,7 @@ def arguments(point, scene_file, trace_file, pictures):
 
 
 def work_in(point):
-    """What a point takes, in a unit of its own: enough to tell how long the rest takes."""
+    """The work of a point in an arbitrary unit, to predict the remaining time."""
     runs = point.get("rounds", 1) * (len(point["modes"]) + 1) if point["kind"] == "timing" else 1
     reference = 4 / point["every"] if point["kind"] == "error" else 0
     clients = point["x"] if point["kind"] == "clients" else 1
