@@ -23,7 +23,7 @@ configure() {
   local preset=$1 options=() log=$root/build/$1.configure.log
   shift
   if command -v ccache >/dev/null; then options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
-  # Scripts build everything at once, so they compile the sources of a library together. clang-tidy wants single files.
+  # Scripts build everything at once, so they compile the sources of a library together. clang-tidy needs single files.
   if [[ $preset != clang ]]; then options+=(-DFARSHADE_UNITY=ON); fi
   # Without this option CMake would keep what it found when it first configured the folder.
   if pkg-config --exists libavcodec libavutil libswscale; then options+=(-DFARSHADE_VIDEO=ON); fi

@@ -15,7 +15,7 @@ EXCEPTIONS = set()
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = re.compile(r"\.(cpp|h|comp|glsl|vert|frag)$")
 TEXT = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'', re.DOTALL)
-# What may stand between a parameter list and its body: qualifiers, a return type, member initialisers.
+# What may be between a parameter list and its body: qualifiers, a return type, member initialisers.
 HEAD = re.compile(r"\)\s*(const|noexcept|override|final|mutable|->[^;]*|:[^:].*)?(\s*(const|noexcept|override|final))*$",
                   re.DOTALL)
 OTHER = re.compile(r"^(struct|class|namespace|enum|union)\b|^(template\b.*)?(struct|class|union)\s+\w+\s*$")
