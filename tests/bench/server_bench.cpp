@@ -1,5 +1,6 @@
-// The whole server frame against its tracing: request in, both eyes traced, packed, sealed and sent over UDP
-// on loopback. Figure to reach: median frame <= 1.35 x median (primary + shadow).
+// Compares the whole server frame with its tracing: a request arrives, both eyes are traced, packed, sealed
+// and sent over UDP on loopback. Target: the median frame takes at most 1.35 times the median of primary and
+// shadow stage.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -46,7 +47,8 @@ struct Row {
   double frame_ms, trace_ms, pack_ms, send_ms, datagrams, kilobytes, megarays;
 };
 
-/// Sends what work() has left in the outbox, when each is due; the time that took, waits not counted.
+/// Sends the messages that work() has left in the outbox when they are due. Returns the time that this took,
+/// without waits.
 Duration send_all(ServerCore& core) {
   Duration busy{};
   while (const std::optional<Time> due = core.next_send()) {
@@ -139,7 +141,7 @@ Expected<void> run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("The whole server frame against its tracing.");
+  CLI::App app("Compares the whole server frame with its tracing.");
   Options options;
   app.add_option("--scene", options.scene, "glTF 2.0 file")->required();
   app.add_option("--size", options.side_px, "width and height of an eye in pixels")->capture_default_str();

@@ -3,9 +3,10 @@
 //
 //   tracer_bench [--scene S] [--size N] [--rounds R]
 //
-// Prints medians and the spread (p10 to p90) of: primary and shadow stage of a frame (both eyes), the bare
-// loop over all shadow packets of surfaces that face the light; and, in CPU time, which other programs
-// disturb less, primary rays alone, frames with every shadow ray, and frames with skipped rays.
+// Prints medians and the spread (p10 to p90) of three times: the primary and the shadow stage of a frame
+// (both eyes), and the bare loop over all shadow packets of surfaces that face the light. In CPU time, which
+// other programs disturb less, it prints primary rays alone, frames with every shadow ray, and frames with
+// skipped rays.
 #include <tbb/parallel_for.h>
 
 #include <CLI/CLI.hpp>
@@ -87,7 +88,8 @@ struct Times {
 
 void print_construction(const TracerMemory& memory, double made_ms, double plain_ms) {
   std::printf(
-      "made in %.1f ms of core time, maps %.1f ms of it; maps %.2f MB of %.2f MB (peak of the hierarchy %.2f "
+      "made in %.1f ms of core time, of which maps took %.1f ms; maps %.2f MB of %.2f MB (peak of the "
+      "hierarchy %.2f "
       "MB)\n",
       made_ms, made_ms - plain_ms, static_cast<double>(memory.maps) / 1e6,
       static_cast<double>(memory.total()) / 1e6, static_cast<double>(memory.hierarchy_peak) / 1e6);
@@ -106,7 +108,7 @@ void print_times(const StereoView& views, const TraceStats& stats, const Times& 
   print("shadow stage", times.shadow, stats.shadow_rays);
   print("core time, primary", times.see_cpu, stats.primary_rays);
   print("core time, every ray", times.plain_cpu, stats.full_shadow_rays);
-  print("core time, what matters", times.cpu, stats.full_shadow_rays);
+  print("core time, needed rays", times.cpu, stats.full_shadow_rays);
   print("every ray", times.plain_shadow, stats.full_shadow_rays);
   print("bare loop, same packets", times.bare, packet_rays);
   std::printf("shadow stage / bare loop, rays a second: %.3f  [%.3f, %.3f]\n", quantile(times.ratio, 0.5),
@@ -167,7 +169,7 @@ int run(int argc, char** argv) {
   std::string path = FARSHADE_ASSETS "/room.glb";
   std::uint32_t side = 1024;
   int rounds = 21;
-  CLI::App app("the tracing stage against a bare Embree packet loop");
+  CLI::App app("Compares the tracing stage with a bare loop over Embree packets.");
   app.add_option("--scene", path);
   app.add_option("--size", side);
   app.add_option("--rounds", rounds);

@@ -1,6 +1,6 @@
-// The tile codec on traced masks: bytes an eye, and times to pack and open both eyes, beside LZ4 over the
-// whole mask as it lies in memory and as plain bit planes, neither of which a lost datagram would leave
-// anything of.
+// The tile codec on traced masks: the bytes of an eye, and the times to pack and open both eyes. It is
+// compared with LZ4 over the whole mask as it is in memory, and over plain bit planes. With those two, one
+// lost datagram would lose the whole mask.
 #include <lz4.h>
 
 #include <CLI/CLI.hpp>
@@ -150,7 +150,7 @@ Expected<void> run(const Options& options) {
       as_slices.values.push_back(bytes / 2e3);
       datagrams.values.push_back(static_cast<double>(packed.size()) / 2);
     }
-    check(masks == frame.masks, "masks come back as they were");
+    check(masks == frame.masks, "masks are unchanged");
   }
   std::printf("%u x %u an eye, %u lights, %u poses\n%-32s %8s %8s %8s\n", options.side_px, options.side_px,
               frame.masks[0].lights(), options.poses, "", "median", "p95", "p99");
@@ -165,10 +165,11 @@ Expected<void> run(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  CLI::App app{"Bytes and times of packing traced masks"};
+  CLI::App app{"Measures bytes and times of packing traced masks."};
   app.add_option("--scene", options.scene, "glTF file")->required();
   app.add_option("--size", options.side_px, "pixels a side of each eye")->check(CLI::Range(1, 8192));
-  app.add_option("--poses", options.poses, "directions to look in, all around")->check(CLI::Range(1, 1000));
+  app.add_option("--poses", options.poses, "number of directions, evenly around the camera")
+      ->check(CLI::Range(1, 1000));
   CLI11_PARSE(app, argc, argv);
   const Expected<void> done = run(options);
   if (!done) std::fprintf(stderr, "wire_bench: %s\n", done.error().what.c_str());

@@ -1,7 +1,7 @@
-// glTF: bytes are refused in one sentence, or they decode to a scene whose indices and numbers are all in
-// range; decoding again gives the same scene. No file is opened. Limits are low, so that an allocation whose
-// size the input controls exceeds them. An input that has a zero byte and is no GLB is split there into JSON
-// and binary chunk, and a GLB is made of both. So the fuzzer can change the length of either.
+// glTF: bytes are refused with one sentence, or they decode to a scene whose indices and numbers are all in
+// range. Decoding again gives the same scene. No file is opened. Limits are low, so that an allocation
+// exceeds them if the input controls its size. An input with a zero byte that is no GLB is split at that byte
+// into JSON and binary chunk, and both are put into a GLB. So the fuzzer can change the length of either.
 #include "stereo/scene/gltf.h"
 
 #include <cmath>
@@ -69,7 +69,7 @@ void append_u32(std::vector<std::byte>& file, std::size_t value) {
   for (int i = 0; i < 4; ++i) file.push_back(static_cast<std::byte>(value >> 8 * i & 0xff));
 }
 
-/// A GLB in an allocation of exactly its size.
+/// A GLB in an allocation of exactly its own size.
 std::vector<std::byte> glb_of(std::string json, std::string binary) {
   json.resize((json.size() + 3) / 4 * 4, ' ');
   binary.resize((binary.size() + 3) / 4 * 4);

@@ -1,5 +1,5 @@
-// Most changes to the JSON of a glTF only break its syntax. So half of the changes to an input with a binary
-// chunk (see gltf.cpp for its form) affect only the chunk: vertices, indices, keys, images.
+// Most changes to the JSON of a glTF file only break its syntax. So half of the changes to an input with a
+// binary chunk (gltf.cpp describes this form) affect only the chunk: vertices, indices, keys, images.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

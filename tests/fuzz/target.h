@@ -19,7 +19,8 @@ inline std::string_view text_of(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-/// Takes numbers from the front of an input, 0 after its end. The rest of the input are the foreign bytes.
+/// Reads numbers from the front of an input; 0 after its end. The remaining bytes of the input are the bytes
+/// under test.
 class Choices {
  public:
   Choices(const std::uint8_t* data, std::size_t size) : rest_(data, size) {}

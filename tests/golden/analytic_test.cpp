@@ -1,4 +1,4 @@
-/// Box over plane (assets/ORIGIN.md): every pixel of the plane has the colour computed by hand.
+/// Box over plane (assets/ORIGIN.md): each pixel of the plane has the colour that was computed on paper.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,11 +13,11 @@ namespace farshade {
 namespace {
 
 constexpr FrameId kTraced{1}, kNow{2};
-constexpr double kMargin_m = 2e-3;  ///< around outlines, which are left out
+constexpr double kMargin_m = 2e-3;  ///< pixels nearer than this to an outline are left out
 
 struct Rectangle {
   double x0, x1, z0, z1;
-  /// How far inside of the outline, metres; negative outside.
+  /// Distance to the outline in metres; positive inside, negative outside.
   [[nodiscard]] double inside(const glm::dvec3& p) const {
     return std::min({p.x - x0, x1 - p.x, p.z - z0, z1 - p.z});
   }
@@ -40,7 +40,8 @@ bool meets_box(const glm::dvec3& origin, const glm::dvec3& direction, double end
   return enter < end;
 }
 
-/// The point of the plane that pixel (x, y) shows. Empty if it shows something else or an outline is near.
+/// The point of the plane that pixel (x, y) shows. Empty if the pixel shows something else or is near an
+/// outline.
 std::optional<glm::dvec3> plane_point(const View& view, std::uint32_t x, std::uint32_t y) {
   const glm::dvec3 ray =
       view.stage_from_eye.rotation * pixel_ray(tangents_of(view.fov), view.size, {x + 0.5, y + 0.5});
@@ -65,7 +66,7 @@ int paper_grey(const glm::dvec3& p, std::array<bool, 2> lit) {
   return srgb8(0.7 / std::numbers::pi * ((lit[0] ? from_point : 0) + (lit[1] ? from_sun : 0)));
 }
 
-/// Numbers of the plane's pixels by the lights that they see, and of those with a wrong colour.
+/// The number of the plane's pixels for each set of lights that they see, and the number with a wrong colour.
 struct Verdict {
   std::array<std::size_t, 4> checked{};
   std::size_t unlike = 0;

@@ -11,10 +11,10 @@ struct Distance {
   double differing_share = 0;  ///< of pixels with a channel more than 2/255 away
 };
 
-/// Both of one size.
+/// Both pictures have one size.
 [[nodiscard]] Distance distance(const Image<Rgb8>& picture, const Image<Rgb8>& golden);
 
-/// Limits that another driver's rounding at edges does not reach, and that every fault tested here exceeds.
+/// Rounding at edges by another driver does not reach these limits; every fault tested here exceeds them.
 inline constexpr double kLeastPsnr_db = 38, kMostDiffering = 0.005;
 
 [[nodiscard]] inline bool agrees(const Distance& d) {

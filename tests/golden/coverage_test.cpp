@@ -1,5 +1,5 @@
-/// The rasteriser covers the pixels whose rays meet a surface: facing, mirrored instances, holes. And masks
-/// with two planes shade with all lights.
+/// The rasteriser covers the pixels whose rays meet a surface, also with single-sided materials, mirrored
+/// instances and holes. Masks with two planes shade with all lights.
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr FrameId kNow{1};
 
-/// Numbers of pixels, both eyes: covered by only one of client and rays, and covered by both.
+/// Numbers of pixels of both eyes: covered by the client or the rays alone, and covered by both.
 struct Coverage {
   std::size_t apart = 0, common = 0, pixels = 0;
   [[nodiscard]] double apart_share() const {
@@ -143,7 +143,7 @@ TEST_F(CoverageOf, FortyLightsShadesFromBothPlanes) {
     return rig.show(views, {mask.traced_mask()}).pictures;
   };
   const auto first_plane = picture_of(40, false);
-  EXPECT_EQ(first_plane, picture_of(32, true)) << "lights 32 to 39 are the second plane's";
+  EXPECT_EQ(first_plane, picture_of(32, true)) << "lights 32 to 39 are in the second plane";
   EXPECT_NE(first_plane, picture_of(40, true));
 }
 

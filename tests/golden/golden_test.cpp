@@ -16,7 +16,7 @@ struct GoldenScene {
   const char* file;
   std::uint32_t side_px;
   double least_shown_db;              ///< PSNR of the picture with stale shadows against the reference
-  std::vector<std::uint32_t> lights;  ///< each changes both eyes visibly when it is off
+  std::vector<std::uint32_t> lights;  ///< switching one of them off changes both eyes visibly
   std::optional<Rigid<Stage, Head>> head = std::nullopt;  ///< empty: at the scene's camera
 };
 
@@ -41,7 +41,8 @@ Image<Rgb8> shifted(const Image<Rgb8>& image, std::uint32_t right, std::uint32_t
   return result;
 }
 
-/// A picture at the scene's camera; its shadows were traced 3 degrees and 2 cm away, or (reference) at it.
+/// A picture at the scene's camera. Its shadows were traced 3 degrees and 2 cm away or, for the reference, at
+/// it.
 class Golden : public OnLavapipe, public testing::WithParamInterface<GoldenScene> {
  protected:
   TestRig rig_{device_, bundled(GetParam().file), GetParam().side_px};

@@ -1,5 +1,5 @@
-/// Lights that a viewer switches and moves: masks of an older light set are used for unchanged lights. For
-/// changed lights they are used exactly as for lights that an animation has moved.
+/// A viewer switches and moves lights. Masks of an older light set are used for unchanged lights. For changed
+/// lights they are used exactly as for lights that an animation has moved.
 #include <random>
 
 #include "tests/golden/test_rig.h"
@@ -24,7 +24,7 @@ Mask with_noise_in(Mask mask, std::uint32_t light, std::uint64_t seed) {
   return mask;
 }
 
-/// Every other tile of it lost.
+/// The same mask with every other tile lost.
 Mask half_known(Mask mask) {
   for (KnownTiles& tiles : mask.known_tiles)
     for (std::size_t tile = 0; tile < tiles.size(); ++tile) tiles[tile] = tile % 2;
@@ -33,10 +33,10 @@ Mask half_known(Mask mask) {
 
 struct Counts {
   std::size_t all = 0, from_older = 0, unknown = 0, stale = 0;
-  std::size_t shown = 0;  ///< with some of its light, and not by the rule for what is unknown
+  std::size_t shown = 0;  ///< shown with some of the light, and not because of the rule for unknown bits
 };
 
-/// Of covered pixels, one light's.
+/// Counts over covered pixels, for one light.
 Counts count_of(const Shown& shown, std::uint32_t light) {
   Counts counts;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
@@ -99,7 +99,7 @@ TEST_F(LightSets, OnlyTheChangedLightIsStaleInTheNewestMask) {
     EXPECT_EQ(count_of(before, light).stale, 0u) << light;
     const Counts counts = count_of(after, light);
     EXPECT_EQ(counts.stale, light == kChanged ? counts.all : 0u) << light;
-    EXPECT_EQ(counts.unknown, 0u) << "the newest mask is the best there is: shown, and flagged";
+    EXPECT_EQ(counts.unknown, 0u) << "the newest mask is the best available: shown, and flagged";
   }
   for (const Side side : kSides)
     EXPECT_EQ(after.reports[index_of(side)].mask, before.reports[index_of(side)].mask);
@@ -123,8 +123,8 @@ TEST_F(LightSets, AnOlderMaskIsNotAskedAboutALightThatWasChangedSince) {
   EXPECT_GT(counts.from_older, counts.all / 4);
   EXPECT_EQ(counts.unknown, counts.from_older);
   for (const std::uint32_t light : {0u, 2u}) EXPECT_EQ(count_of(plain, light).unknown, 0u);
-  // Its bits change nothing, an unchanged light's do. (Which pixels are taken to be near an edge is told by
-  // all lights together, so that edges are left out here.)
+  // The bits of the changed light change nothing; the bits of an unchanged light do. Edges are left out,
+  // because the bits of all lights decide which pixels are near an edge.
   const auto with_older = [&](const Mask& mask) {
     return rig_.show(views_, {newest.traced_mask(), mask.traced_mask()}, {.edges = Edges::Nearest}).pictures;
   };
@@ -143,7 +143,7 @@ TEST_F(LightSets, ALightSwitchedOnAgainDoesNotShowTheBitsFromBeforeItWasOff) {
   const Counts counts = count_of(shown, kChanged);
   EXPECT_EQ(counts.unknown, counts.from_older);
   EXPECT_EQ(counts.stale, counts.all - counts.from_older);
-  EXPECT_EQ(counts.shown, 0u) << "dark, as the newest mask has it, and said to be stale or unknown";
+  EXPECT_EQ(counts.shown, 0u) << "dark as in the newest mask, and marked as stale or unknown";
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
-/// Reprojection is never worse than none: along head recordings, no eye's mask error is above that of the
-/// same stale mask shown without reprojection, on any frame. Masks are four frames old, without prediction or
-/// guard band, and the scene is animated.
+/// Reprojection is never worse than no reprojection. Along head recordings, in every frame, the mask error of
+/// each eye is at most that of the same stale mask shown without reprojection. Masks are four frames old,
+/// without prediction or guard band, and the scene is animated.
 #include <cmath>
 
 #include "stereo/draw/frame_data.h"

@@ -1,5 +1,5 @@
-/// The overlays of a frame that has a little of everything: a head that has turned since its masks were
-/// traced with a guard band, missing tiles, an older mask, moved instances.
+/// The overlays of a frame that has all features: the head has turned since its masks were traced with a
+/// guard band, tiles are missing, and there are an older mask and moved instances.
 #include "vr_client/report/overlays.h"
 
 #include <numbers>
@@ -32,7 +32,7 @@ StereoView grown(StereoView views) {
   return views;
 }
 
-/// Leaves out a block of tiles, of both eyes, and some more that differ from eye to eye.
+/// Removes a block of tiles in both eyes, and some more tiles that differ between the eyes.
 void lose_tiles(Mask& mask, std::uint32_t first_column, std::uint32_t one_in) {
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const TileGrid grid{mask.bits[eye].size()};
@@ -142,7 +142,7 @@ TEST_P(RaysNeeded, AreAboutThoseThatATracerSpends) {
     const auto mattering = static_cast<double>(spent.shadow_rays + spent.proven);
     RecordProperty("needed_over_spent", std::to_string(static_cast<double>(needed) / mattering));
     EXPECT_NEAR(static_cast<double>(needed), mattering, 0.02 * mattering);
-    EXPECT_GT(spent.full_shadow_rays, needed) << "there is something to leave out";
+    EXPECT_GT(spent.full_shadow_rays, needed) << "some rays can be skipped";
   }
 }
 

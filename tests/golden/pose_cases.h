@@ -1,5 +1,5 @@
-/// The fixed list of pose deltas, from shown eyes to the eyes that a mask was traced for, that reprojection
-/// is tested with.
+/// The fixed list of pose deltas for the tests of reprojection. A delta leads from the shown eyes to the eyes
+/// that a mask was traced for.
 #pragma once
 
 #include <span>

@@ -1,4 +1,4 @@
-/// Measured by picture_tests; README.md says how to measure again.
+/// Measured by picture_tests. README.md says how to repeat the measurement.
 #include "tests/golden/pose_delta_rows.h"
 
 namespace farshade {

@@ -31,7 +31,7 @@ inline std::ostream& operator<<(std::ostream& out, const Row& row) {
 }
 
 [[nodiscard]] std::span<const Row> bundled_rows();
-/// For a scene that exists beside the repository on some machines only.
+/// For a scene that only some machines have beside the repository.
 [[nodiscard]] std::span<const Row> shared_rows();
 
 }  // namespace farshade

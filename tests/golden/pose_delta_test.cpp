@@ -1,7 +1,7 @@
-/// Compares each eye's picture with carried-over masks with the same picture with all shadows traced, for a
-/// fixed list of pose deltas and ages, and expects that the comparison fails for deliberate faults. The rows
-/// are measured values; a picture may be worse by kMargin. README.md says how to measure again and where the
-/// pictures are.
+/// Compares each eye's picture, shaded with reprojected masks, with the same picture with all shadows traced,
+/// for a fixed list of pose deltas and ages. The comparison must fail for deliberate faults. The rows are
+/// measured values; a picture may be worse by kMargin. README.md says how to repeat the measurement and where
+/// the pictures are.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,9 +25,9 @@ namespace farshade {
 namespace {
 
 constexpr std::uint32_t kSide_px = 192;
-constexpr Time kNow{std::chrono::seconds(1)};  ///< of the scene's animation
+constexpr Time kNow{std::chrono::seconds(1)};  ///< time of the scene's animation
 
-/// Room for another compiler's rounding at edges; less than any fault below.
+/// Allows for another compiler's rounding at edges; smaller than the effect of any fault below.
 constexpr Judged kMargin{0.5, 0.004, 0.003};
 
 std::string to_text(const Judged& judged) {
@@ -56,7 +56,7 @@ testing::AssertionResult is_as_good(const Judged& now, const Judged& measured) {
          << "PSNR, SSIM, FLIP are " << to_text(now) << ", were " << to_text(measured);
 }
 
-/// A row for each eye: shown, reference, where a viewer would see them differ.
+/// A row for each eye: the shown picture, the reference, and the differences that a viewer would see.
 void write_artefact(const std::string& name, const PerEye<Image<Rgb8>>& shown,
                     const PerEye<Image<Rgb8>>& reference, const StereoView& views) {
   Image<Rgb8> sheet({3 * kSide_px, kEyes * kSide_px});
@@ -111,10 +111,10 @@ INSTANTIATE_TEST_SUITE_P(Shared, PoseDelta, testing::ValuesIn(shared_rows().begi
                          kNameOfRow);
 #endif
 
-/// Everything is right up to the fault that a test then makes.
+/// A correct set-up, into which each test puts one fault.
 class PoseDeltaFault : public OnLavapipe, public testing::WithParamInterface<const char*> {
  protected:
-  /// The mask in hand for `pose`, and the views it is shown in.
+  /// The mask for `pose`, and the views in which it is shown.
   Mask ask(const char* pose) {
     pose_ = pose;
     views_ = views_of(pose_case(pose), rig_.head(), kSide_px);
@@ -122,7 +122,7 @@ class PoseDeltaFault : public OnLavapipe, public testing::WithParamInterface<con
     return rig_.ask(FrameId{1}, views_.traced);
   }
 
-  /// Neither eye's picture passes for what was measured without the fault.
+  /// Expects that neither eye's picture is as good as the picture that was measured without the fault.
   void expect_refused(const PerEye<Image<Rgb8>>& shown, const char* fault) const {
     for (const Side side : kSides) {
       const std::size_t eye = index_of(side);
@@ -135,7 +135,7 @@ class PoseDeltaFault : public OnLavapipe, public testing::WithParamInterface<con
     return judge(shown[eye], reference_[eye], views_.shown[eye]);
   }
 
-  /// Shadows are read at the very pixels they are shown at.
+  /// Shadows are read at the same pixels at which they are shown.
   PerEye<Image<Rgb8>> show_as_they_are(Mask mask) {
     mask.views = views_.shown;
     return rig_.show(views_.shown, {mask.traced_mask()}, {.lookup = Lookup::Direct}).pictures;
@@ -165,7 +165,7 @@ TEST_P(PoseDeltaFault, RefusesMasksOfSwappedEyes) {
   }
 }
 
-/// The shader is told the way from traced to shown for the way from shown to traced.
+/// The shader gets the transform from traced to shown eyes instead of the one from shown to traced eyes.
 TEST_P(PoseDeltaFault, RefusesAnInvertedDelta) {
   for (const char* pose : {"Yaw1", "Step10cm", "Yaw5Step10cm", "Roll10"}) {
     Mask mask = ask(pose);
@@ -184,8 +184,8 @@ void copy_pixel(const EyeMask& from, EyeMask& to, std::size_t pixel) {
     to.set_word(x, y, plane, from.word(x, y, plane));
 }
 
-/// No option drops the test. So the masks that were shown are shown again, but where the newest view did not
-/// see the surface they have the bits that it would give without the test.
+/// No option turns the test off. So a mask is made that has the bits which the newest view would give without
+/// the test, at the pixels where that view did not see the surface, and is shown at the same pixels.
 TEST_P(PoseDeltaFault, RefusesADroppedSameSurfaceTest) {
   for (const char* pose : {"Step10cm", "Step50cm", "Yaw5Step10cm"}) {
     const Mask mask = ask(pose);
@@ -203,7 +203,8 @@ TEST_P(PoseDeltaFault, RefusesADroppedSameSurfaceTest) {
     const PerEye<Image<Rgb8>> with = show_as_they_are(tested), without = show_as_they_are(dropped);
     expect_refused(without, "dropped_test");
     for (std::size_t eye = 0; eye < kEyes; ++eye)
-      EXPECT_LT(judged(without, eye).psnr_db, judged(with, eye).psnr_db - 2) << "what the drop alone costs";
+      EXPECT_LT(judged(without, eye).psnr_db, judged(with, eye).psnr_db - 2)
+          << "the cost of turning the test off";
   }
 }
 

@@ -15,7 +15,7 @@ constexpr RendererLimits kLimits{
 
 class ReceivedGBuffer : public OnLavapipe {
  protected:
-  /// Traced for `views`, all tiles known.
+  /// A mask that was traced for `views`, with all tiles known.
   static Mask traced(const Scene& scene, const StereoView& views) {
     Tracer tracer = Tracer::create(scene).value();
     ShadowFrame frame;
@@ -29,7 +29,7 @@ class ReceivedGBuffer : public OnLavapipe {
     return {.views = views, .state = state, .masks = masks, .carry_over = {.lookup = Lookup::Direct}};
   }
 
-  /// Another renderer, of a plan of its own, to which nothing but the planes has come.
+  /// Another renderer with its own plan, which receives only the planes.
   void expect_same_picture(const Scene& scene, const DrawPlan& sender_plan, const DrawPlan& receiver_plan) {
     Renderer sender(device_, scene, sender_plan, kLimits), receiver(device_, scene, receiver_plan, kLimits);
     const SceneState state = state_at(scene, Time{});
@@ -62,7 +62,7 @@ TEST_F(ReceivedGBuffer, GivesTheSamePictureBitForBit) {
   }
 }
 
-/// Where masks are not carried over, the images have other words.
+/// If masks are not carried over, the images have other words.
 TEST_F(ReceivedGBuffer, GivesTheSamePictureBetweenPlans) {
   const Scene scene = bundled("room.glb");
   const DrawPlan direct = plan_for(scene, {.carries_over = false, .all_lights = true}).draw;
@@ -93,7 +93,7 @@ TEST_F(ReceivedGBuffer, WhatDidNotComeIsBackground) {
       ASSERT_EQ(received[0].at(x, y), y == 100 ? Rgb8(0) : drawn[0].at(x, y)) << x << ", " << y;
 }
 
-/// Neither a sender's nor a receiver's buffers are there before they are used.
+/// Neither the sender nor the receiver allocates buffers before the first use.
 TEST_F(ReceivedGBuffer, TakesNoMemoryBeforeItIsUsed) {
   const Scene scene = bundled("box_over_plane.gltf");
   Renderer renderer(device_, scene, kLimits);

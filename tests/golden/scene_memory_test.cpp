@@ -1,5 +1,5 @@
-/// The scene on the device: few allocations whatever the number of meshes and textures, and every mesh is
-/// drawn from its own part of the shared buffers.
+/// The scene on the device: the number of allocations is small for any number of meshes and textures, and
+/// every mesh is drawn from its own part of the shared buffers.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -71,7 +71,7 @@ Mesh mesh_of(const std::vector<std::uint32_t>& triangles, std::uint32_t columns,
   return mesh;
 }
 
-/// `count` triangles, each a mesh of its own or all in two meshes.
+/// `count` triangles, as one mesh each or all in two meshes.
 enum class Meshes : std::uint8_t { One, Each };
 Scene wall_of(std::uint32_t count, Meshes meshes) {
   const auto columns = static_cast<std::uint32_t>(std::ceil(std::sqrt(count)));
@@ -95,7 +95,7 @@ TEST_F(SceneMemory, TwentyThousandMeshesTakeAsManyAllocationsAsTwoAndLookTheSame
   EXPECT_EQ(each.allocations, one.allocations);
   EXPECT_LE(each.allocations, 24u);
   EXPECT_EQ(each.vertex_bytes, one.vertex_bytes);
-  // A small mesh far from its origin is drawn relative to its centre, which moves a few edges by a rounding.
+  // A small mesh far from its origin is drawn relative to its centre, so rounding moves a few edges.
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     EXPECT_LT(differing(each.pictures[eye], one.pictures[eye], 0), kSize.pixels() / 200) << eye;
   const auto lit = std::ranges::count_if(one.pictures[0].pixels, [](Rgb8 p) { return p != Rgb8(0); });
@@ -107,7 +107,7 @@ float linear_of(std::uint8_t level) {
   return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
 }
 
-/// A row of `count` quads, each of another colour, which a texture or the material gives.
+/// A row of `count` quads. Each has another colour, from a texture or from its material.
 enum class ColorFrom : std::uint8_t { Texture, Material };
 Scene colored_row(std::uint32_t count, ColorFrom from) {
   SceneBuilder builder;
@@ -138,7 +138,7 @@ TEST_F(SceneMemory, TexturesShareAllocationsAndKeepTheirColors) {
   EXPECT_EQ(many.allocations, plain.allocations + 1);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     EXPECT_LT(differing(many.pictures[eye], plain.pictures[eye], 2), 200u)
-        << "but at borders of quads; " << eye;
+        << "except at borders of quads; " << eye;
   EXPECT_GT(differing(many.pictures[0], one.pictures[0], 2), kSize.pixels() / 4) << "the colours differ";
 }
 

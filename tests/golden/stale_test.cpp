@@ -1,5 +1,5 @@
 /// Moving lights and instances: every bit that may have changed is marked as stale, and points on instances
-/// that have moved are looked up where they were.
+/// that have moved are looked up at their old positions.
 #include <cmath>
 
 #include "tests/golden/test_rig.h"
@@ -20,7 +20,7 @@ struct PixelLights {
   std::size_t all = 0, stale = 0, unknown = 0;
 };
 
-/// Of light `light` over covered pixels.
+/// Counts of light `light` over covered pixels.
 PixelLights count_of(const Shown& shown, std::uint32_t light) {
   PixelLights count;
   for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t) {
@@ -33,7 +33,7 @@ PixelLights count_of(const Shown& shown, std::uint32_t light) {
   return count;
 }
 
-/// A floor and a box that do not move, and three lights, the second of which moves.
+/// A floor and a box that do not move, and three lights, of which the second moves.
 Scene moving_light() {
   SceneBuilder builder;
   builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
@@ -60,7 +60,7 @@ TEST_F(Stale, IsTheLightThatMovedAndNoOther) {
     EXPECT_EQ(count_of(still, light).stale, 0u) << light;
     const PixelLights count = count_of(moved, light);
     EXPECT_EQ(count.stale, light == 1 ? count.all : 0u) << light;
-    EXPECT_EQ(count.unknown, 0u) << "the newest mask is the best there is: trusted, and flagged";
+    EXPECT_EQ(count.unknown, 0u) << "the newest mask is the best available: used, and flagged";
   }
   EXPECT_EQ(moved.reports[0].mask, still.reports[0].mask);
   EXPECT_EQ(moved.reports[1].mask, still.reports[1].mask);
@@ -84,17 +84,17 @@ TEST_F(Stale, OfAnOlderMaskIsUnknown) {
     from_older += source;
     const Mask& mask = source == 1 ? older : newest;
     wrong += report.unknown[pixel] != (source == 1 ? 0b010u : 0u);
-    wrong += report.stale[pixel] != 0;  // what is unknown is not stale, and the newest was traced now
+    wrong += report.stale[pixel] != 0;  // unknown bits are not stale, and the newest mask was traced now
     for (const std::uint32_t light : {0u, 2u})
       wrong += report.mask.lit(x, y, light) != mask.bits[index_of(side)].lit(x, y, light);
-    // The newest mask's tile has not come there: the older one's bit is the best guess.
+    // The newest mask lacks the tile there, so the older mask's bit is the best guess.
     if (source == 1) wrong += report.mask.lit(x, y, 1) != older.bits[index_of(side)].lit(x, y, 1);
   });
   EXPECT_EQ(wrong, 0u);
   EXPECT_GT(from_older, 5000u);
 }
 
-/// Every bit that has changed on a surface that has not moved is marked.
+/// Every bit that has changed on a surface that has not moved is marked as stale.
 class StaleOverTime : public OnLavapipe, public testing::WithParamInterface<int> {};
 
 TEST_P(StaleOverTime, MarksAllThatMovingCastersChangedInTheRoom) {
@@ -129,12 +129,12 @@ TEST_P(StaleOverTime, MarksAllThatMovingCastersChangedInTheRoom) {
   RecordProperty("changed", std::to_string(changed));
   EXPECT_GT(changed, 100u);
   EXPECT_EQ(missed, 0u) << "of " << changed << " changed; " << stale << " of " << all << " are marked";
-  EXPECT_LT(stale, all * 3 / 4) << "a rule that marks all is no rule";
+  EXPECT_LT(stale, all * 3 / 4) << "not everything is marked";
 }
 
 INSTANTIATE_TEST_SUITE_P(AfterMs, StaleOverTime, testing::Values(14, 100, 500));
 
-/// A wall and in front of it a box that moves to the right.
+/// A wall, and in front of it a box that moves to the right.
 Scene moving_box() {
   SceneBuilder builder;
   builder.add(quad({0, 1, -1}, {4, 0, 0}, {0, 4, 0}));
@@ -158,14 +158,14 @@ TEST_F(Stale, PointsOnMovingThingsTakeTheBitsOfWhereTheyWere) {
     const View& view = views[eye];
     const glm::dvec3 ray = pixel_ray(tangents_of(view.fov), view.size, {x + 0.5, y + 0.5});
     const glm::dvec3 p = view.stage_from_eye(Point<Eye>{ray * double{distance[eye].at(x, y)}}).v;
-    if (std::abs(p.z - 0.2) > 1e-3) return;  // the box's front alone
+    if (std::abs(p.z - 0.2) > 1e-3) return;  // only the box's front
     ++on_box;
     unknown += source == kSourceUnknown;
     if (source == kSourceUnknown) return;
     const glm::dvec2 was = ray_pixel(tangents_of(view.fov), view.size,
                                      inverse(view.stage_from_eye)(Point<Stage>{p - travelled}).v);
     const glm::dvec2 part = was - glm::floor(was);
-    if (std::min({part.x, part.y, 1 - part.x, 1 - part.y}) < 0.01) return;  // rounding may go either way
+    if (std::min({part.x, part.y, 1 - part.x, 1 - part.y}) < 0.01) return;  // rounding may decide either way
     const glm::uvec2 there(was);
     moved_px += there != glm::uvec2(x, y);
     const ShownReport& report = shown.reports[eye];
@@ -174,9 +174,9 @@ TEST_F(Stale, PointsOnMovingThingsTakeTheBitsOfWhereTheyWere) {
   });
   EXPECT_GT(on_box, 5000u);
   EXPECT_GT(moved_px, on_box / 2);
-  EXPECT_LT(unknown, on_box / 20) << "only the border that the travel uncovers";
+  EXPECT_LT(unknown, on_box / 20) << "only the border that the movement uncovers";
   EXPECT_EQ(wrong_bits, 0u) << "of " << on_box;
-  EXPECT_EQ(unflagged, 0u) << "what has moved itself is stale in all lights";
+  EXPECT_EQ(unflagged, 0u) << "a surface that has moved is stale in all lights";
 }
 
 TEST_F(Stale, WallBehindAMovingBoxKeepsWhatNothingPassed) {

@@ -1,4 +1,4 @@
-/// The fixtures of the tests in this folder: lavapipe with validation, a scene with its tracer and renderer
+/// Fixtures of the tests in this folder: lavapipe with validation, a scene with its tracer and renderer
 /// (TestRig), heads, and masks that a test may change.
 #pragma once
 
@@ -13,7 +13,8 @@
 
 namespace farshade {
 
-/// Opens lavapipe with validation. At its end, each test expects that the validation layers gave no message.
+/// Opens lavapipe with validation. At the end of each test, expects that the validation layers gave no
+/// message.
 class OnLavapipe : public testing::Test {
  protected:
   OnLavapipe();
@@ -25,7 +26,7 @@ class OnLavapipe : public testing::Test {
 /// A bundled scene. Throws if it cannot be loaded.
 [[nodiscard]] Scene bundled(const char* name);
 
-/// `scene` with `count` lights: its first ones and, if it has fewer, more point lights around them.
+/// `scene` with `count` lights: its own lights first, then additional point lights around them.
 [[nodiscard]] Scene with_lights(Scene scene, std::uint32_t count);
 
 /// The head at the scene's camera.
@@ -57,7 +58,7 @@ struct Mask {
 /// `mask` with random bits.
 [[nodiscard]] Mask with_noise(Mask mask, std::uint64_t seed);
 
-/// The simplest way to carry masks over: the nearest pixel of this eye's masks that saw the same surface.
+/// The simplest reprojection: the nearest pixel of this eye's masks that saw the same surface.
 inline constexpr CarryOver kPlainCarryOver{
     .lookup = Lookup::Reproject, .eyes = Eyes::This, .gaps = Gaps::Unknown, .edges = Edges::Nearest};
 

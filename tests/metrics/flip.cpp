@@ -19,17 +19,19 @@ namespace {
 
 using std::numbers::pi;
 
-/// Contrast sensitivity of a channel over frequency f in cycles a degree is a sum of a exp(-b f^2) (paper,
-/// table 1); in space that is a sum of a sqrt(pi / b) exp(-pi^2 x^2 / b), x in degrees from the pixel.
+/// The contrast sensitivity of a channel over the frequency f in cycles per degree is a sum of terms a exp(-b
+/// f^2) (paper, table 1). In space it is a sum of terms a sqrt(pi / b) exp(-pi^2 x^2 / b), with x in degrees
+/// from the pixel.
 struct Sensitivity {
   double a, b;
 };
 constexpr Sensitivity kLight{1, 0.0047}, kRedGreen{1, 0.0053}, kBlueYellow[] = {{34.1, 0.04}, {13.5, 0.025}};
 constexpr double kFeatureWidth_deg = 0.082;
 constexpr float kColourExponent = 0.7f, kFeatureExponent = 0.5f;
-constexpr float kKneeAt = 0.4f, kKneeTo = 0.95f;  // share of the largest colour difference; what it maps to
+constexpr float kKneeAt = 0.4f,
+                kKneeTo = 0.95f;  // a share of the largest colour difference, and the error that it maps to
 
-/// Weights that float arithmetic could not see at the end of a kernel are left out.
+/// The weights at the end of a kernel that are too small for float are left out.
 std::vector<float> trimmed(const std::vector<double>& sides) {
   std::size_t count = sides.size();
   while (count > 0 && std::abs(sides[count - 1]) < 1e-10) --count;
@@ -57,8 +59,8 @@ EvenKernel gaussian(double sigma, int radius) {
   return {1, trimmed(sides)};
 }
 
-/// First derivative of a Gaussian; the positive weights add up to 1, the negative ones to -1. What is common
-/// to all weights is divided out before it can underflow.
+/// First derivative of a Gaussian. The positive weights add up to 1, the negative ones to -1. The common
+/// factor of all weights is divided out before it can underflow.
 OddKernel edge_detector(double sigma, int radius) {
   auto sides = sampled(radius, [&](double x) { return x * std::exp((1 - x * x) / (2 * sigma * sigma)); });
   const double sum = sum_of(sides);
@@ -66,7 +68,8 @@ OddKernel edge_detector(double sigma, int radius) {
   return {trimmed(sides)};
 }
 
-/// Second derivative of a Gaussian, likewise: negative within sigma of the centre, positive beyond.
+/// Second derivative of a Gaussian, normalised likewise: negative within sigma of the centre, positive
+/// beyond.
 EvenKernel point_detector(double sigma, int radius) {
   const double variance = sigma * sigma, nearest = std::floor(sigma) + 1;
   auto inner = sampled(radius, [&](double x) {
@@ -80,8 +83,8 @@ EvenKernel point_detector(double sigma, int radius) {
   return {0, trimmed(inner)};
 }
 
-/// XYZ of the sRGB primaries (IEC 61966-2-1), each coordinate divided by that of D65 white (0.3127, 0.3290).
-/// So white is (1, 1, 1), and neither YCxCz nor L*a*b* needs another white point.
+/// XYZ of the sRGB primaries (IEC 61966-2-1). Each coordinate is divided by that of D65 white (0.3127,
+/// 0.3290), so that white is (1, 1, 1) and neither YCxCz nor L*a*b* needs another white point.
 const glm::dmat3 kXyzFromRgb{{0.433887345566, 0.212639005872, 0.017750040071},
                              {0.376224009137, 0.715168678768, 0.109447620855},
                              {0.189888645296, 0.072192315361, 0.872802339074}};
@@ -98,7 +101,7 @@ const std::array<float, 256>& linear_from_srgb() {
   return table;
 }
 
-/// YCxCz without its factors and offset, which the way back takes off again: Y, X - Y, Y - Z.
+/// YCxCz without its factors and offset, because the inverse transform removes them again: Y, X - Y, Y - Z.
 struct Opponents {
   Image<float> light, red_green, blue_yellow;
 };
@@ -121,8 +124,9 @@ Image<float> blurred(const Image<float>& picture, const EvenKernel& kernel) {
   return along_columns(along_rows(picture, kernel), kernel);
 }
 
-/// The eye's blur of each channel. All kernels reach as far as three deviations of the widest. A sum of two
-/// Gaussians is not separable, each of them is; they share in proportion to what their samples add up to.
+/// The eye's blur of each channel. All kernels reach as far as three deviations of the widest one. A sum of
+/// two Gaussians is not separable, but each Gaussian is. Their shares are proportional to the sums of their
+/// samples.
 Opponents blurred_by_eye(const Opponents& sharp, double pixels_per_degree) {
   const auto sigma_px = [&](double b) { return std::sqrt(b / 2) / pi * pixels_per_degree; };
   const int radius = static_cast<int>(std::ceil(3 * sigma_px(kBlueYellow[0].b)));
@@ -147,7 +151,7 @@ Opponents blurred_by_eye(const Opponents& sharp, double pixels_per_degree) {
   return result;
 }
 
-/// CIE L*a*b*, chroma scaled by lightness (Hunt effect), of XYZ relative to white.
+/// CIE L*a*b* of XYZ relative to white, with the chroma scaled by lightness (Hunt effect).
 glm::vec3 hunt_lab(glm::vec3 xyz) {
   constexpr float kDelta = 6.0f / 29;
   const auto f = [](float t) {
@@ -164,13 +168,13 @@ Image<glm::vec3> seen_colours(const Opponents& channels) {
   for (std::size_t i = 0; i < result.pixels.size(); ++i) {
     const float y = channels.light.pixels[i];
     const glm::vec3 xyz(y + channels.red_green.pixels[i], y, y - channels.blue_yellow.pixels[i]);
-    // Channels blur differently, so that their sum may be no colour a display shows.
+    // The channels are blurred differently, so their sum may be a colour that no display shows.
     result.pixels[i] = hunt_lab(xyz_from_rgb * glm::clamp(rgb_from_xyz * xyz, 0.0f, 1.0f));
   }
   return result;
 }
 
-/// Lengths of the vectors whose coordinates two pictures hold.
+/// The lengths of the vectors whose coordinates are in two pictures.
 Image<float> magnitudes(Image<float> along_x, const Image<float>& along_y) {
   std::ranges::transform(along_x.pixels, along_y.pixels, along_x.pixels.begin(),
                          [](float x, float y) { return std::sqrt(x * x + y * y); });
@@ -184,7 +188,7 @@ float colour_difference(glm::vec3 a, glm::vec3 b) {
   return std::pow(std::abs(a.x - b.x) + glm::length(chroma), kColourExponent);
 }
 
-/// 0 to 1 from 0 to `largest`: what lies below the knee gets nearly all of the range.
+/// Maps 0 to `largest` onto 0 to 1. Values below the knee get nearly the whole range.
 float redistributed(float difference, float largest) {
   const float knee = kKneeAt * largest;
   if (difference < knee) return kKneeTo / knee * difference;
@@ -211,7 +215,7 @@ Image<float> flip(const SeenPicture& reference, const SeenPicture& test) {
   check(reference.colour.size == test.colour.size, "compared pictures have one size");
   check_eq(test.pixels_per_degree, reference.pixels_per_degree, "compared pictures' pixels a degree");
   const glm::mat3 xyz_from_rgb(kXyzFromRgb);
-  // The largest difference between displayable colours is that of green and blue.
+  // The largest difference between two displayable colours is that of green and blue.
   const float largest = colour_difference(hunt_lab(xyz_from_rgb[1]), hunt_lab(xyz_from_rgb[2]));
   Image<float> error(reference.colour.size);
   for (std::size_t i = 0; i < error.pixels.size(); ++i) {

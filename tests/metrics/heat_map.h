@@ -1,12 +1,12 @@
-/// Errors as colours that a reader can rank: lightness grows with the error all along the map.
+/// Shows errors as colours that a reader can rank: the lightness increases monotonically with the error.
 #pragma once
 
 #include "stereo/image/image.h"
 
 namespace farshade {
 
-/// 0 is black, 1 a light yellow; values outside, NaN too, take the nearer end (NaN: black). The colours are
-/// those of magma (van der Walt and Smith, Matplotlib, CC0) at six even steps, linear in sRGB between them.
+/// 0 is black and 1 is a light yellow. Values outside are clamped; NaN gives black. The colours are those of
+/// magma (van der Walt and Smith, Matplotlib, CC0) at six even steps, with linear interpolation in sRGB.
 [[nodiscard]] Image<Rgb8> heat_map(const Image<float>& error);
 
 }  // namespace farshade

@@ -6,7 +6,7 @@
 namespace farshade {
 namespace {
 
-// Taps outside, pixels inside: the inner loops are plain array arithmetic, which compilers vectorise.
+// The outer loops run over taps and the inner loops over pixels, so that compilers vectorise the inner loops.
 
 void start(const EvenKernel& kernel, const float* centre, float* result, std::size_t count) {
   for (std::size_t x = 0; x < count; ++x) result[x] = kernel.sum * centre[x];

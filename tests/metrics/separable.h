@@ -1,9 +1,8 @@
-/// A picture of one channel run through kernels of one dimension, along its rows or its columns. Beyond a
+/// Filters a picture of one channel with kernels of one dimension, along its rows or its columns. Beyond the
 /// border the border's pixel repeats.
 ///
-/// A kernel is kept as its weights on differences: of a neighbour from the centre where it is even, of the
-/// two neighbours at one distance from each other where it is odd. So a constant comes out exactly as it
-/// must.
+/// A kernel is stored as weights of differences: of a neighbour and the centre if the kernel is even, of the
+/// two neighbours at one distance if it is odd. So the result for a constant picture is exact.
 #pragma once
 
 #include <vector>
@@ -12,8 +11,7 @@
 
 namespace farshade {
 
-/// Result: `sum` p[0] + sum over k of sides[k-1] (p[k] + p[-k] - 2 p[0]); `sum` is what all weights add up
-/// to.
+/// Result: `sum` p[0] + sum over k of sides[k-1] (p[k] + p[-k] - 2 p[0]). `sum` is the sum of all weights.
 struct EvenKernel {
   float sum = 1;
   std::vector<float> sides;  ///< at distances 1, 2, ...

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kC1 = 0.01 * 255 * 0.01 * 255, kC2 = 0.03 * 255 * 0.03 * 255;
 
-/// Along a side of `length` > 0 pixels.
+/// The window along a side of `length` > 0 pixels.
 std::vector<double> window(std::size_t length) {
   const std::size_t radius = std::min<std::size_t>(5, (length - 1) / 2);
   std::vector<double> weights(2 * radius + 1);
@@ -34,8 +34,8 @@ std::vector<double> luma(const Image<Rgb8>& picture) {
   return values;
 }
 
-/// Weighted sums over a window, one array entry a pixel of a row. The formula needs the two variances only
-/// added up, so that four sums do.
+/// Weighted sums over a window, one array entry for each pixel of a row. The formula needs only the sum of
+/// the two variances, so four sums suffice.
 struct Sums {
   std::vector<double> a, b, squares, product;  ///< of a, b, a^2 + b^2, a b
   explicit Sums(std::size_t width) : a(width), b(width), squares(width), product(width) {}

@@ -1,4 +1,4 @@
-// Prints the picture error for each network: errors in virtual time, client frame times of this machine.
+// Prints the picture error for each network in virtual time, and the client's frame times on this machine.
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
@@ -93,7 +93,7 @@ Expected<void> print_table(const Options& options) {
   std::printf("%s, %s, %ux%u an eye, %u frames at 72 Hz, every %uth measured; worse eye\n",
               options.scene.c_str(), options.head.c_str(), options.side_px, options.side_px, options.frames,
               options.every);
-  std::printf("%-34s %16s %15s %8s %14s %7s %8s %15s\n", "network, each way", "mask error %", "PSNR dB",
+  std::printf("%-34s %16s %15s %8s %14s %7s %8s %15s\n", "network, per direction", "mask error %", "PSNR dB",
               "unknown", "tiles now, or", "age", "masks", "client ms");
   std::printf("%-34s %16s %15s %8s %14s %7s %8s %15s\n", "", "median / p99", "mean / p99", "%",
               "a mask ago %", "ms", "a second", "median / p99");

@@ -15,10 +15,11 @@ namespace {
 struct Surface {
   bool covered = false;
   std::uint32_t instance = 0;
-  glm::dvec3 point{0.0}, shading{0.0}, facing{0.0};  ///< unit normals, turned to the viewer as defined
+  glm::dvec3 point{0.0}, shading{0.0},
+      facing{0.0};  ///< unit normals, turned to the viewer as in the definition
 };
 
-/// One light at one surface.
+/// One light at one surface point.
 struct Verdict {
   bool lit = false, grazing = false;
 };
@@ -53,7 +54,7 @@ Verdict judge(const Surfaces& surfaces, const Surface& seen, const Light& light)
   Verdict verdict{false, std::min(std::abs(facing), std::abs(shading)) < kGrazing};
   if (!(facing > 0 && shading > 0 && reaches(light, to_light))) return verdict;
 
-  // Rounding of coordinates in double may have put the point below its surface by this much.
+  // Rounding of coordinates in double may place the point below its surface by this much.
   const glm::dvec3 size =
       glm::max(glm::abs(seen.point), glm::abs(directional ? seen.point : light.position.v));
   const double free = 256 * 0x1p-53 * std::max({size.x, size.y, size.z});
@@ -64,7 +65,7 @@ Verdict judge(const Surfaces& surfaces, const Surface& seen, const Light& light)
   return verdict;
 }
 
-/// Whether the surface at `a` continues at `b`.
+/// Whether the surface of `a` continues at `b`.
 bool continues(const Surface& a, const Surface& b) {
   if (!a.covered && !b.covered) return true;
   if (a.covered != b.covered || a.instance != b.instance) return false;

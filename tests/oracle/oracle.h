@@ -9,10 +9,10 @@
 
 namespace farshade::oracle {
 
-/// A pixel-light lies in the band if one of these holds. At a corner of a square around the pixel's centre,
-/// its value differs. At such a corner the seen surface does not continue: there is another instance, or
-/// nothing, or the surface is off the pixel's tangent plane by more than half the distance. Or the direction
-/// to the light is within kGrazing of the pixel's surface or of its shading plane.
+/// A pixel-light lies in the band if one of these conditions holds. At a corner of a square around the
+/// pixel's centre, its value differs. At such a corner the visible surface does not continue: there is
+/// another instance, or nothing, or the surface is off the pixel's tangent plane by more than half the
+/// distance. The direction to the light is within kGrazing of the pixel's surface or of its shading plane.
 inline constexpr double kBandRadius_px = 1.0 / 16;  ///< half the side of the square
 inline constexpr double kGrazing = 1e-5;            ///< sine of an angle
 
@@ -30,7 +30,7 @@ struct Masks {
   }
 };
 
-/// How surfaces are searched: one by one, or in a median-split tree, which must find the same.
+/// How surfaces are searched: one by one, or in a median-split tree. Both give the same result.
 enum class Search { Brute, Tree };
 
 [[nodiscard]] Masks trace(const Scene& scene, const SceneState& state, const View& view,

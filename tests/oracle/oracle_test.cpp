@@ -1,4 +1,4 @@
-// The oracle against results on paper and against its own brute-force search.
+// Compares the oracle with results on paper and with its own brute-force search.
 #include "tests/oracle/oracle.h"
 
 #include <gtest/gtest.h>

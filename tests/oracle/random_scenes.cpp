@@ -11,7 +11,7 @@ Scene random_soup(std::mt19937& random) {
   SceneBuilder build;
   for (const float y : {-2.0f, 2.0f}) build.add(quad({0, y, 0}, {3, 0, 0}, {0, 0, -3}));
   for (const float x : {-3.0f, 3.0f}) build.add(quad({x, 0, 0}, {0, 2, 0}, {0, 0, -3}));
-  for (int i = 0; i < 8; ++i)  // plates that lie all but on the floor
+  for (int i = 0; i < 8; ++i)  // plates that lie almost on the floor
     build.add(quad({place(random), -2 + 0.1f * std::pow(unit(random), 3.0f), place(random)},
                    {0.8f * unit(random), 0, 0}, {0, 0, -0.8f * unit(random)}));
   std::vector<glm::vec3> corners;

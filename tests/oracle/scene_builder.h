@@ -8,8 +8,8 @@
 
 namespace farshade {
 
-/// Two triangles spanned by `half_u` and `half_v` around `center`. The counter-clockwise side is the one to
-/// which the cross product points. Texture coordinates run from 0 to `repeats`.
+/// Two triangles spanned by `half_u` and `half_v` around `center`. The counter-clockwise side is the one that
+/// cross(half_u, half_v) points to. Texture coordinates run from 0 to `repeats`.
 [[nodiscard]] Mesh quad(const glm::vec3& center, const glm::vec3& half_u, const glm::vec3& half_v,
                         float repeats = 1.0f);
 

@@ -1,4 +1,4 @@
-// The tracer against the oracle on the bundled scenes and on random ones, and against a result on paper.
+// Compares the tracer with the oracle on the bundled scenes and on random ones, and with a result on paper.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -72,7 +72,7 @@ struct Rectangle {
 TEST(ShadowTrace, MatchesPaperAnswerForBoxOverPlane) {
   const Scene scene = load_scene(FARSHADE_ASSETS "/box_over_plane.gltf").value();
   const std::array<Rectangle, 2> shadows{Rectangle{-0.95, 0.65, -0.8, 0.8}, Rectangle{0.5, 2.0, -0.5, 0.5}};
-  // The eye is between plane and box, so that it sees nothing but the plane.
+  // The eye is between plane and box, so it sees only the plane.
   const View view = look({0.3, 0.95, 0.001}, {0.3, 0.0, 0.0}, 256, 2.3);
   const ShadowFrame frame = traced(scene, view);
   const FovTangents window = tangents_of(view.fov);
@@ -84,7 +84,7 @@ TEST(ShadowTrace, MatchesPaperAnswerForBoxOverPlane) {
       const glm::dvec3 point = view.stage_from_eye.translation + toward * (-0.95 / toward.y);
       for (std::uint32_t light = 0; light < 2; ++light) {
         const double inside_by = shadows[light].inside_by(point);
-        if (std::abs(inside_by) < 2e-5) continue;  // file's and tracer's rounding
+        if (std::abs(inside_by) < 2e-5) continue;  // rounding of the file and of the tracer
         ASSERT_EQ(frame.masks[0].lit(x, y, light), inside_by < 0)
             << point.x << ", " << point.z << " light " << light;
         dark[light] += inside_by > 0;

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
-/// Moeller and Trumbore, both sides. The edges belong to the triangle, with a little more than rounding, so
-/// that a ray through the edge of two does not pass between them.
+/// Moeller and Trumbore, both sides. A triangle includes its edges and a margin slightly larger than
+/// rounding, so that a ray through a shared edge does not pass between two triangles.
 std::optional<Hit> meet(const Triangle& triangle, const Ray& ray) {
   const auto& [a, b, c] = triangle.position;
   const glm::dvec3 ab = b - a, ac = c - a, across = glm::cross(ray.direction, ac);
@@ -32,7 +32,7 @@ Value mix(const std::array<Value, 3>& of, const Hit& hit) {
   return of[0] * (1 - hit.u - hit.v) + of[1] * hit.u + of[2] * hit.v;
 }
 
-/// Texel number that a wrapped index stands for.
+/// The texel that a wrapped index refers to.
 std::uint32_t wrapped(double index, Wrap wrap, double size) {
   if (wrap == Wrap::ClampToEdge) return static_cast<std::uint32_t>(std::clamp(index, 0.0, size - 1));
   const double period = wrap == Wrap::Repeat ? size : 2 * size;
@@ -145,7 +145,7 @@ std::uint32_t Surfaces::split(std::uint32_t first, std::uint32_t count, std::uin
   return number;
 }
 
-/// `visit` sees every triangle that the ray may meet and returns true to stop.
+/// `visit` is called for every triangle that the ray may meet and returns true to stop.
 template <class Visit>
 void Surfaces::visit(const Ray& ray, Visit&& visit) const {
   std::array<std::uint32_t, 64> waiting;

@@ -1,4 +1,4 @@
-/// The oracle's triangles, in the stage and in double, and its two queries.
+/// The oracle's triangles, in stage space and in double, and the two queries.
 #pragma once
 
 #include <array>
@@ -32,9 +32,9 @@ class Surfaces {
  public:
   Surfaces(const Scene& scene, const SceneState& state, Search search);
 
-  /// Nearest seen surface with t > 0.
+  /// The nearest visible surface with t > 0.
   [[nodiscard]] std::optional<Hit> nearest(const Ray& ray) const;
-  /// Whether any surface casts at 0 < t < end.
+  /// Whether any surface casts a shadow at 0 < t < end.
   [[nodiscard]] bool blocked(const Ray& ray, double end) const;
 
  private:

@@ -87,7 +87,7 @@ TEST_F(PreviewProgram, ShowsThePicturesThatAReplayDraws) {
   while (first + frames.size() < replayed.left.size() && !are_from(first, frames, replayed)) ++first;
   EXPECT_TRUE(are_from(first, frames, replayed)) << "written frames are not among those replayed";
   const auto still = std::ranges::find(replayed.left, seen.left);
-  ASSERT_NE(still, replayed.left.end()) << "what was on the screen is not among the frames replayed";
+  ASSERT_NE(still, replayed.left.end()) << "the picture on the screen is not among the replayed frames";
   EXPECT_EQ(seen.right, replayed.right[static_cast<std::size_t>(still - replayed.left.begin())]);
 }
 
@@ -331,7 +331,8 @@ TEST_F(PreviewProgram, EveryDisplayModeAndOverlayGivesAnotherPicture) {
       EXPECT_NE(looks[i].window, looks.back().window) << i << ", " << look;
   }
   screen_.tap("v");
-  EXPECT_TRUE(patiently([&] { return take_screenshot().window == looks.front().window; })) << "round again";
+  EXPECT_TRUE(patiently([&] { return take_screenshot().window == looks.front().window; }))
+      << "back at the first look";
   screen_.tap("Escape");
   EXPECT_EQ(end(), 0) << errors_;
 }

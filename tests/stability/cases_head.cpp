@@ -25,7 +25,7 @@ Setting late(double delay_ms, double degrees_s) {
   return setting;
 }
 
-/// Looks one way for a second of samples and the other way from then on.
+/// Looks in one direction for a second of samples, and in the other direction afterwards.
 Setting flips() {
   Setting setting = turning(0);
   const glm::dquat back = rotation_exp({0, std::numbers::pi, 0});

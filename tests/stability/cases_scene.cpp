@@ -94,7 +94,7 @@ Setting by_node_matrix(const glm::dmat3& linear) {
   return setting;
 }
 
-/// A single-sided panel, mirrored by its node: glTF turns its seen side over.
+/// A single-sided panel that its node mirrors: in glTF this exchanges the visible side.
 Setting mirrored() {
   Setting setting = ordinary();
   Mesh panel = box({0, 0, 0}, {0.2f, 0.25f, 0.2f});
@@ -107,14 +107,14 @@ Setting flattened(double thickness) {
   return by_node_matrix(glm::dmat3({1, 0, 0}, {0, thickness, 0}, {0, 0, 1}));
 }
 
-/// Vertices far out, carried back by their node: what an exporter makes of a site in map coordinates.
+/// Vertices far from the origin, moved back by their node, as exporters make it of a site in map coordinates.
 Setting vertices_far_out(float away_m) {
   Setting setting = ordinary();
   setting.scene.add(box({away_m, 0.25f, 0.25f}, {0.25f, 0.25f, 0.25f}), at({-0.75 - away_m, 0, 0}));
   return setting;
 }
 
-/// Alpha falls over a panel from 1 to 0 and is cut at its middle, by vertex colours alone.
+/// Vertex colours let alpha fall from 1 to 0 over a panel; the cutoff is in its middle.
 Setting alpha_edge(double cutoff) {
   Setting setting = ordinary();
   Mesh panel = quad({-0.6f, 0.6f, 0.4f}, {0.4f, 0, 0}, {0, 0.4f, 0});
@@ -126,7 +126,7 @@ Setting alpha_edge(double cutoff) {
   return setting;
 }
 
-/// Posts that are about a pixel wide, and half of one.
+/// Posts of the given width. 3 cm are about one pixel.
 Setting thin_posts(float width_m) {
   std::vector<glm::vec3> corners;
   Setting setting = ordinary();

@@ -21,7 +21,7 @@ Setting with_size(Extent size) {
   return setting;
 }
 
-/// A fov so narrow that no edge crosses the pixel.
+/// A fov so narrow that no edge crosses any pixel.
 Setting one_pixel() {
   Setting setting = symmetric(1);
   setting.size = {1, 1};

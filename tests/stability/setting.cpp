@@ -128,7 +128,7 @@ Setting unlit(const Frame& frame) {
   Motion motion;
   motion.from = frame.origin + motion.from * s;
   motion.target = frame.origin + motion.target * s;
-  motion.drift_m_s *= std::min(s, 10.0);  // no head does 20 m/s: predictors take that for a jump
+  motion.drift_m_s *= std::min(s, 10.0);  // no head moves at 20 m/s: predictors treat that as a jump
   setting.head = recorded(motion, 1);
   setting.head.eye_distance_m *= std::min(s, 1.0);
   setting.set_fov(degrees(-42, 35, 36, -40));

@@ -90,7 +90,7 @@ class VirtualLink::Impl::Port : public DatagramPort {
   [[nodiscard]] PortCounters counters() const override { return counters_; }
 
  protected:
-  /// False: nobody has this address, or too much is on the way.
+  /// False: no client has this address, or too many datagrams are in transit.
   virtual bool carry(const Peer& to, std::span<const std::byte> bytes) = 0;
 
   Impl& link_;
@@ -109,7 +109,7 @@ class VirtualLink::Impl::Port : public DatagramPort {
     return Datagram{item.peer, into.first(item.size), item.arrival};
   }
 
-  /// Moves the clock to what happens next, at most to `until`, and lets the others see what reaches them.
+  /// Moves the clock to the next event, at most to `until`, and lets the others receive what reaches them.
   void pass_time(Time until) {
     Direction* const far = link_.first([this](const Direction& each) {
       return each.reader != this && each.shown != each.path.front()->order;

@@ -1,4 +1,4 @@
-/// Answers that functions make, in place of a tracer and a renderer.
+/// Answers that test functions make, instead of a tracer and a renderer.
 #pragma once
 
 #include <functional>
@@ -19,7 +19,7 @@ class AnswerFrom final : public AnswerMaker {
   Function function_;
 };
 
-/// Offers `answers`; `function` makes each of them.
+/// Offers `answers`. `function` makes each of them.
 [[nodiscard]] inline AnswerMakers answers_from(AnswerSet answers, const AnswerFrom::Function& function) {
   AnswerMakers makers;
   for (std::uint8_t i = 0; i < kAnswers; ++i)
@@ -28,7 +28,7 @@ class AnswerFrom final : public AnswerMaker {
   return makers;
 }
 
-/// Offers masks; `trace` fills the frame, whose buffers are reused.
+/// Offers masks. `trace` fills the frame, whose buffers are reused.
 [[nodiscard]] inline AnswerMakers masks_from(
     std::function<TraceStats(const FrameRequest&, ShadowFrame&)> trace) {
   const auto make = [trace = std::move(trace), frame = std::make_shared<ShadowFrame>()](const Job& job,

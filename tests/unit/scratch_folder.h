@@ -1,4 +1,4 @@
-/// A fresh folder for one test, gone with everything in it at the end.
+/// A new folder for one test. It is removed with its contents at the end.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -60,7 +60,7 @@ TEST(WriteFile, FollowsNoLinkThatWaitsAtItsPartialName) {
   EXPECT_EQ(text_of(folder.path() / "elsewhere"), "untouched");
 }
 
-/// For a process of its own: files may have eight bytes from here on.
+/// Limits files to eight bytes from now on. Call it in a process of its own.
 [[noreturn]] void overwrite_with_no_space_left(const fs::path& path) {
   ::signal(SIGXFSZ, SIG_IGN);
   const rlimit eight_bytes{8, 8};
@@ -89,7 +89,7 @@ TEST(ReadFile, RefusesWhatIsNoRegularFile) {
   EXPECT_EQ(read_file(folder.path(), 10).error().fault, Fault::Unreadable);
   const fs::path pipe = folder.path() / "pipe";
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  EXPECT_EQ(read_file(pipe, 10).error().fault, Fault::Unreadable);  // and does not wait for a writer
+  EXPECT_EQ(read_file(pipe, 10).error().fault, Fault::Unreadable);  // and it does not wait for a writer
 }
 
 TEST(ReadFile, ReadsEmptyFile) {

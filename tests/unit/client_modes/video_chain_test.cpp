@@ -25,7 +25,7 @@ class VideoChainTest : public testing::Test {
     const std::span<const std::byte> bytes = encoder_->encode(picture, key);
     return {bytes.begin(), bytes.end()};
   }
-  /// The grey level of the picture; -1 where there is none.
+  /// The grey level of the picture; -1 if there is none.
   int taken(FrameId frame, FrameId after, const std::vector<std::byte>& unit, Extent size = kSize) {
     const Image<Rgb8>* const picture = chain_->take(frame, after, unit, size);
     return picture == nullptr ? -1 : picture->at(9, 9).g;
@@ -40,7 +40,7 @@ TEST_F(VideoChainTest, TakesUnitsThatStandOnOneAnother) {
   EXPECT_NEAR(taken({3}, {3}, unit(40)), 40, 2);
   EXPECT_EQ(chain_->next(), Coding::AfterLast);
   EXPECT_NEAR(taken({4}, {3}, unit(90)), 90, 2);
-  EXPECT_NEAR(taken({9}, {4}, unit(140)), 140, 2) << "frames that were never coded are no gap";
+  EXPECT_NEAR(taken({9}, {4}, unit(140)), 140, 2) << "frames without a picture are no gap";
 }
 
 TEST_F(VideoChainTest, AfterAGapTakesNothingUpToOneCodedAlone) {
@@ -48,7 +48,7 @@ TEST_F(VideoChainTest, AfterAGapTakesNothingUpToOneCodedAlone) {
   unit(60);  // frame 2 is lost
   EXPECT_EQ(taken({3}, {2}, unit(90)), -1);
   EXPECT_EQ(chain_->next(), Coding::Alone);
-  EXPECT_EQ(taken({4}, {3}, unit(100)), -1) << "stands on what was not taken";
+  EXPECT_EQ(taken({4}, {3}, unit(100)), -1) << "it depends on a picture that was not decoded";
   EXPECT_NEAR(taken({5}, {5}, unit(140, KeyFrame::Now)), 140, 2);
   EXPECT_EQ(chain_->next(), Coding::AfterLast);
 }

@@ -67,7 +67,8 @@ TEST(FramePacer, GivesSlowFramesTheWholePeriodsTheyNeed) {
     const FrameTiming one = bench.frame(c.takes);
     const FrameTiming next = bench.frame(c.takes);
     EXPECT_EQ(one.period, c.periods * kPeriod);
-    EXPECT_EQ(next.display_time - one.display_time, one.period) << "the interval is the one that was said";
+    EXPECT_EQ(next.display_time - one.display_time, one.period)
+        << "the display time follows the stated interval";
   }
 }
 
@@ -113,7 +114,7 @@ TEST(FramePacer, DoesNotOscillateAtALimit) {
     EXPECT_EQ(bench.periods(), 3) << i;
   }
   bench.frames(16, 17'900us);
-  EXPECT_EQ(bench.periods(), 2) << "room enough to fall";
+  EXPECT_EQ(bench.periods(), 2) << "enough room to fall";
 }
 
 TEST(FramePacer, DisplayTimesIncreaseByWholePeriods) {
@@ -211,7 +212,7 @@ TEST(PreviewRuntime, EndsAfterTheRequestedFrames) {
   EXPECT_TRUE(runtime.wait_frame());
   EXPECT_TRUE(runtime.wait_frame());
   EXPECT_FALSE(runtime.wait_frame());
-  EXPECT_FALSE(runtime.wait_frame()) << "the end stays the end";
+  EXPECT_FALSE(runtime.wait_frame()) << "there are no frames after the end";
 }
 
 TEST(PreviewRuntime, EndsWhenTheCallbackReturnsNothing) {

@@ -1,4 +1,4 @@
-/// Captures that the tests of record/ share.
+/// Captures that the tests of vr_client/record share.
 #pragma once
 
 #include <sstream>
@@ -66,8 +66,7 @@ inline Bytes file_of(const CaptureHeader& header, std::span<const CapturedFrame>
   return bytes;
 }
 
-/// A capture whose only frame holds `message` as its request. A CaptureWriter writes nothing but requests
-/// there.
+/// A capture whose only frame has `message` as its request. A CaptureWriter writes only requests there.
 inline Bytes file_with_request(const ClientMessage& message) {
   CapturedFrame quiet{.input = input(1), .before = {}, .request = {}, .after = {}, .pictures = pictures(1)};
   Bytes file = file_of(header(), std::vector{quiet});

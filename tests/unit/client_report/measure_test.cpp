@@ -11,8 +11,8 @@
 namespace farshade {
 namespace {
 
-/// Four pixels in a row. Nothing is lit, unknown or stale but pixels without a source, which are unknown and
-/// shown by the rule.
+/// Four pixels in a row. Nothing is lit, unknown or stale, except that pixels without a source are unknown
+/// and shown by the rule for unknown bits.
 ShownReport shown(std::uint32_t lights, const std::array<std::uint8_t, 4>& sources) {
   const std::size_t planes = MaskLayout{lights}.planes();
   ShownReport report{.mask = EyeMask({4, 1}, lights),
@@ -31,7 +31,7 @@ ShownReport shown(std::uint32_t lights, const std::array<std::uint8_t, 4>& sourc
   return report;
 }
 
-/// Pixel `x` shows the lights of `bits` fully, the others not at all.
+/// Pixel `x` shows the lights of `bits` fully and the others not at all.
 void light_up(ShownReport& report, std::uint32_t x, std::uint32_t plane, std::uint32_t bits) {
   report.mask.set_word(x, 0, plane, bits);
   const std::uint32_t lights = report.mask.lights();
@@ -162,7 +162,7 @@ TEST(UnmovedError, ReadsTheStaleMaskAtTheShownPixels) {
   EyeMask stale({4, 1}, 2), reference({4, 1}, 2);
   stale.set_word(0, 0, 0, 0b11);  // one wrong
   reference.set_word(0, 0, 0, 0b01);
-  stale.set_word(1, 0, 0, 0b10);  // right, whatever was shown
+  stale.set_word(1, 0, 0, 0b10);  // right, although it was shown differently
   reference.set_word(1, 0, 0, 0b10);
   reference.set_word(2, 0, 0, 0b11);  // not covered
   reference.set_word(3, 0, 0, 0b11);  // two wrong
@@ -190,7 +190,7 @@ TEST(UnmovedError, CountsPixelsOutsideAsUnknown) {
   EXPECT_DOUBLE_EQ(unmoved_error(stale, {-1, 0}, report, reference), ((1 - k) + 2 * k) / 12);
   reference.set_word(0, 0, 0, 0);
   EXPECT_DOUBLE_EQ(unmoved_error(stale, {1, 0}, report, reference), 3 * k / 12) << "beyond the right border";
-  EXPECT_DOUBLE_EQ(unmoved_error(stale, {0, 1}, report, reference), k) << "all of it below";
+  EXPECT_DOUBLE_EQ(unmoved_error(stale, {0, 1}, report, reference), k) << "all pixels are below the border";
 }
 
 TEST(PixelsPerDegree, IsThatOfTheMiddleOfTheView) {

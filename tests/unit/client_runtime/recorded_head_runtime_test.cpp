@@ -60,7 +60,7 @@ TEST(RecordedHeadRuntime, SkipsTheBeginningAndStopsAfterTheFramesAskedFor) {
   RecordedHeadRuntime runtime(trace, playback(10, 250ms, 3));
   EXPECT_EQ(runtime.frame_count(), 3u);
   EXPECT_EQ(display_times(runtime), (std::vector<Time>{kStart + 250ms, kStart + 350ms, kStart + 450ms}));
-  EXPECT_FALSE(runtime.wait_frame().has_value()) << "the end stays the end";
+  EXPECT_FALSE(runtime.wait_frame().has_value()) << "there are no frames after the end";
 }
 
 TEST(RecordedHeadRuntime, EndsWithTheRecordingHoweverManyFramesAreAskedFor) {
@@ -78,7 +78,7 @@ TEST(RecordedHeadRuntime, RealTimeShowsOrCountsEveryDisplayTime) {
   const std::vector<Time> times = display_times(runtime);
   EXPECT_GE(watch.elapsed(), 10ms);
   EXPECT_EQ(times.size() + runtime.skipped(), runtime.frame_count());
-  EXPECT_EQ(times.back(), trace.end()) << "the last one is shown, however late";
+  EXPECT_EQ(times.back(), trace.end()) << "the last frame is shown even if it is late";
 }
 
 TEST(RecordedHeadRuntime, EyesAreOneEyeDistanceApartLeftEyeOnTheLeft) {

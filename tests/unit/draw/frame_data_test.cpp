@@ -22,7 +22,7 @@ class FrameData : public testing::TestWithParam<double> {
     return {between(-half, half), between(-half, half), between(-half, half)};
   }
 
-  /// Random eyes of unlike poses and fovs, `GetParam()` metres from the stage's origin.
+  /// Random eyes with different poses and fovs, `GetParam()` metres from the stage's origin.
   StereoView views() {
     StereoView made;
     const glm::dvec3 far = glm::dvec3(0.6, -0.64, 0.48) * GetParam();
@@ -114,8 +114,8 @@ TEST_P(FrameData, LightsAreRelativeToEachEye) {
   gpu::LightData data = light_data(shown, light);
   EXPECT_LT(glm::length(glm::dvec4(data.position[0]) - glm::dvec4(1, 2, 3, 1)), 1e-6);
   EXPECT_LT(glm::length(glm::dvec4(data.position[1]) - glm::dvec4(glm::dvec3(1, 2, 3) + apart, 1)), 1e-6);
-  EXPECT_EQ(data.intensity, glm::vec4(3, 4, 5, 0)) << "no range: no window";
-  EXPECT_EQ(data.spot_cone, glm::vec4(0, 1, 0, 0)) << "no cone: factor 1 everywhere";
+  EXPECT_EQ(data.intensity, glm::vec4(3, 4, 5, 0)) << "without a range there is no window";
+  EXPECT_EQ(data.spot_cone, glm::vec4(0, 1, 0, 0)) << "without a cone the factor is 1 everywhere";
   light.range_m = 4;
   EXPECT_EQ(light_data(shown, light).intensity.w, 1.0f / 16);
 }
@@ -205,7 +205,7 @@ TEST(MayBeSeen, IsNeverFalseForABoxWithAVisiblePoint) {
     passed_over += !may;
   }
   EXPECT_GT(seen, kCases / 10);
-  EXPECT_GT(passed_over, kCases / 4) << "a test that passes nothing over saves nothing";
+  EXPECT_GT(passed_over, kCases / 4) << "the test leaves out something";
 }
 
 TEST(MayBeSeen, AsksTheEyeThatItIsTold) {

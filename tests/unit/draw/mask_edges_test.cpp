@@ -67,7 +67,7 @@ TEST(MaskEdges, HaveTheirFourBitsInOnePlaneAboveTheLights) {
     ASSERT_EQ(first / 32, (first + 3) / 32);
     ASSERT_GE(with_edge_bits({lights}).lights_in(first / 32), (first + 4) - first / 32 * 32);
   }
-  EXPECT_EQ(with_edge_bits({4}).word_bytes(), 1u) << "up to four lights a byte holds all";
+  EXPECT_EQ(with_edge_bits({4}).word_bytes(), 1u) << "with up to four lights, one byte holds everything";
   EXPECT_EQ(with_edge_bits({12}).word_bytes(), 2u);
 }
 
@@ -117,7 +117,8 @@ TEST(MaskEdges, AreNoneInAWholeMaskNorInNothing) {
   EyeMask mask({9, 9}, 16);
   for (std::uint32_t y = 0; y < 9; ++y)
     for (std::uint32_t x = 0; x < 9; ++x) mask.set_word(x, y, 0, 0xFFFF);
-  EXPECT_EQ(check_against_definition(mask), 0u) << "all lit, and beyond the border is no shadow";
+  EXPECT_EQ(check_against_definition(mask), 0u)
+      << "all pixels are lit, and there is no shadow beyond the border";
   EXPECT_EQ(check_against_definition(EyeMask({0, 0}, 3)), 0u);
 }
 

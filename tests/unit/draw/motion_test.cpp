@@ -78,8 +78,8 @@ TEST_F(Spheres, AddSphereJoinsTheOneThatGrowsLeast) {
   for (std::size_t i = 0; i < kMostSpheres; ++i) EXPECT_EQ(spheres[i].radius, i == 2 ? 1.5 : 1.0) << i;
 }
 
-/// A floor, a box that moves 2 m along +x in a second, and two lights, the second of which moves as far along
-/// +z.
+/// A floor, a box that moves 2 m along +x in a second, and two lights. The second light moves 2 m along +z in
+/// a second.
 struct Moving {
   Moving() {
     SceneBuilder builder;
@@ -105,7 +105,7 @@ TEST(MotionModel, GivesSlotsToWhatCanMoveOnly) {
 TEST(MotionModel, NothingMovesInNoTime) {
   const Moving moving;
   EXPECT_TRUE(moving.between(300ms, 300ms).is_still());
-  EXPECT_TRUE(moving.between(300ms, 300ms + 1us).is_still()) << "what a clock that predicts may be off by";
+  EXPECT_TRUE(moving.between(300ms, 300ms + 1us).is_still()) << "the error of a predicted display time";
   EXPECT_TRUE(moving.between(300ms, 1300ms).is_still()) << "the animation repeats";
   EXPECT_FALSE(moving.between(300ms, 300ms + 1ms).is_still());
 }
@@ -144,7 +144,8 @@ TEST(MotionModel, SpheresHoldTheCasterWhereItWasAndWhereItIs) {
           std::ranges::any_of(motion.moved, [&](const Sphere& s) { return beyond(s, point) < 1e-6; }));
     }
   for (const Sphere& sphere : motion.moved)
-    EXPECT_NEAR(sphere.radius, std::sqrt(0.3 * 0.3 + 0.4 * 0.4 + 0.5 * 0.5), 1e-6) << "and are no larger";
+    EXPECT_NEAR(sphere.radius, std::sqrt(0.3 * 0.3 + 0.4 * 0.4 + 0.5 * 0.5), 1e-6)
+        << "and the spheres are no larger";
 }
 
 TEST(MotionModel, ManyCastersShareTheSpheresThereAre) {

@@ -64,8 +64,8 @@ TEST(LightChanges, MergeTakesNothingOlder) {
   EXPECT_EQ(held, (LightChanges{{6}, {{1, {3}, false, {}}, {2, {4}, false, {}}, {5, {6}, false, {}}}}));
 }
 
-/// A viewer who changes lights at random, and a server that hears of them over a link that loses, doubles and
-/// reorders both the updates and what says that they came.
+/// A viewer changes lights at random. A server receives the updates over a link that loses, duplicates and
+/// reorders both the updates and their acknowledgements.
 class Convergence : public testing::TestWithParam<std::uint32_t> {
  protected:
   static constexpr std::uint32_t kLights = 12;

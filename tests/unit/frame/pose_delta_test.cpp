@@ -19,7 +19,7 @@ class PoseDeltaOf : public testing::TestWithParam<double> {
   glm::dvec3 in_cube(double half) {
     return {between(-half, half), between(-half, half), between(-half, half)};
   }
-  /// `GetParam()` metres from the origin.
+  /// Poses `GetParam()` metres from the origin.
   View any_view() {
     return {{rotation_exp(in_cube(1.7)), glm::dvec3(0.6, -0.64, 0.48) * GetParam() + in_cube(2)},
             {-0.7, 0.8, 0.6, -0.5},
@@ -60,12 +60,12 @@ TEST_P(PoseDeltaOf, StatesAngleAndDistanceOfAKnownMotion) {
   }
 }
 
-/// Of the points, not of the poses: what `traced_from_shown` owes the shader.
+/// The shader needs the transform of points, `traced_from_shown`, not the poses.
 TEST_P(PoseDeltaOf, CarriesPointsWithoutLossFarFromTheOrigin) {
   for (int i = 0; i < 1000; ++i) {
     const View shown = any_view(), traced = any_view();
     const Point<Eye> p{in_cube(10)};
-    // The exact way, in the shown eye's position's frame: positions are subtracted first.
+    // The exact computation, relative to the position of the shown eye: positions are subtracted first.
     const glm::dvec3 apart = shown.stage_from_eye.translation - traced.stage_from_eye.translation;
     const glm::dvec3 right =
         glm::conjugate(traced.stage_from_eye.rotation) * (shown.stage_from_eye.rotation * p.v + apart);
@@ -95,7 +95,7 @@ TEST(PoseDelta, TurnsAndStepsAloneAreTold) {
   shown = traced;
   shown.stage_from_eye.rotation = rotation_exp({0, 0.3 + 1e-9, 0});
   const PoseDelta turn = pose_delta(shown, {}, traced, {});
-  EXPECT_NEAR(turn.angle_rad, 1e-9, 1e-15) << "no angle is too small";
+  EXPECT_NEAR(turn.angle_rad, 1e-9, 1e-15) << "small angles count, too";
   EXPECT_EQ(turn.distance_m, 0);
   EXPECT_FALSE(turn.is_zero());
 }
@@ -111,7 +111,8 @@ TEST(PoseDelta, KeepsASmallStepFarFromTheOrigin) {
 TEST(PoseDelta, AgeIsShownMinusTracedTime) {
   const View view{{}, {-0.7, 0.8, 0.6, -0.5}, {96, 64}};
   EXPECT_EQ(pose_delta(view, Time(70ms), view, Time(50ms)).age, 20ms);
-  EXPECT_EQ(pose_delta(view, Time(50ms), view, Time(70ms)).age, -20ms) << "the traced view is to come";
+  EXPECT_EQ(pose_delta(view, Time(50ms), view, Time(70ms)).age, -20ms)
+      << "the traced view is for a later time";
 }
 
 }  // namespace

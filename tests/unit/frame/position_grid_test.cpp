@@ -15,7 +15,7 @@ View unit_view() {
   return view;
 }
 
-/// Distances whose points are within the scene that grid() is of.
+/// Distances whose points are within the scene of grid().
 std::vector<float> distances() {
   std::vector<float> result(kView.size.pixels());
   for (std::size_t i = 0; i < result.size(); ++i)

@@ -18,7 +18,7 @@ TEST(Ledger, KeepsWhatIsThereAndTheMostThatEverWas) {
   EXPECT_EQ(use.now[Use::Staging], 0u);
   EXPECT_EQ(use.now.total(), 110u);
   EXPECT_EQ(use.peak[Use::Staging], 1000u);
-  EXPECT_EQ(use.peak_total, 1100u) << "at one time, not the sum of what each use had at its own";
+  EXPECT_EQ(use.peak_total, 1100u) << "the peak at one time, not the sum of the uses' own peaks";
 }
 
 TEST(Ledger, ChargesAreTakenBackOnceWhoeverHoldsThem) {

@@ -39,7 +39,7 @@ HeadRecording good(const std::string& text, const HeadRecordingOptions& options 
   return recording.value_or(HeadRecording{});
 }
 
-/// The refusal's sentence; it must name `named`.
+/// Returns the sentence of the refusal. Expects that it contains `named`.
 void expect_refused(const std::string& text, Fault fault, const std::string& named,
                     const HeadRecordingOptions& options = {}) {
   const auto recording = parse_head_recording(text, "t.csv", options);
@@ -109,7 +109,8 @@ TEST(EyeNavGsRead, PutsTheHeadBetweenItsEyes) {
             (EyeFov{.left_rad = -0.942, .right_rad = 0.698, .up_rad = 0.733, .down_rad = -0.942}));
   EXPECT_EQ(recording.fov[1],
             (EyeFov{.left_rad = -0.698, .right_rad = 0.942, .up_rad = 0.733, .down_rad = -0.942}));
-  // Three decimals are off unit by 2e-4: renormalised. A quarter turn to the left looks along -x.
+  // Quaternions with three decimals are off unit by 2e-4 and are normalised. A quarter turn to the left looks
+  // along -x.
   const glm::dquat& turned = recording.samples[1].recorded_from_head.rotation;
   EXPECT_NEAR(glm::length(turned), 1.0, 1e-15);
   EXPECT_LT(glm::length(turned * glm::dvec3(0, 0, -1) - glm::dvec3(-1, 0, 0)), 1e-12);
@@ -167,7 +168,7 @@ TEST(HeadTraceRead, LeavesOutRepeatedAndBackwardStampsAndCountsThem) {
     ASSERT_EQ(recording.samples.size(), 3u);
   }
   const HeadRecording repeated = good(replaced(kEuroc, "\n\n", "\n1403636579768555520,7,7,7,1,0,0,0\n"));
-  EXPECT_EQ(repeated.samples[1].recorded_from_head.translation.x, 1.5);  // the first of the two stays
+  EXPECT_EQ(repeated.samples[1].recorded_from_head.translation.x, 1.5);  // the first of the two rows is kept
 }
 
 TEST(HeadTraceRead, LosesOneRowToOneStampThatRanAhead) {
@@ -196,7 +197,8 @@ TEST(HeadTraceRead, RefusesTooFewSamplesAndShortRows) {
 TEST(HeadTraceRead, SurvivesEveryTruncation) {
   for (const std::string& text : {kEuroc, kEyeNavGs})
     for (std::size_t length = 0; length < text.size(); ++length) {
-      const std::unique_ptr<char[]> cut(new char[length]);  // its true end is the sanitizer's to see
+      const std::unique_ptr<char[]> cut(
+          new char[length]);  // its own allocation, so that the sanitizer detects reads beyond the end
       text.copy(cut.get(), length);
       const auto recording = parse_head_recording({cut.get(), length}, "eyenavgs_room.csv");
       EXPECT_TRUE(!recording || recording->samples.size() >= kFewestSamples) << length;

@@ -1,4 +1,5 @@
-/// Real heads (EyeNavGS), where they lie beside the repository: their speeds are those their README states.
+/// Real heads (EyeNavGS), if the recordings lie beside the repository: their speeds are those that their
+/// README states.
 #include <gtest/gtest.h>
 
 #include "stereo/base/quantile.h"

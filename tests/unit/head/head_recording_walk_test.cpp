@@ -1,4 +1,4 @@
-/// The bundled walk is what its maker says of it.
+/// The bundled walk has the properties that its maker states.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ TEST(BundledWalk, StartsCalmAndTurnsFastWithinFourSeconds) {
 
 TEST(BundledWalk, StaysInTheRoomsFreeStrip) {
   const HeadRecording recording = walk();
-  // The reference camera of room.glb; its strip is free of furniture by 0.4 m.
+  // The reference camera of room.glb. The strip around it is free of furniture by 0.4 m.
   const Rigid<Stage, Eye> camera{rotation_exp({0, std::atan2(1.2, 2.75), 0}), {0.95, 1.6, 1.75}};
   const auto stage_from_recorded = place(recording, camera);
   glm::dvec3 low(1e9), high(-1e9);
@@ -47,7 +47,7 @@ TEST(BundledWalk, StaysInTheRoomsFreeStrip) {
   EXPECT_TRUE(low.x > -0.9 && high.x < 2.1 && low.z > 0.4 && high.z < 2.0)
       << low.x << ' ' << high.x << ' ' << high.z;
   EXPECT_TRUE(low.y > 1.5 && high.y < 1.7);
-  EXPECT_GT(high.x - low.x, 1.0) << "walking";
+  EXPECT_GT(high.x - low.x, 1.0) << "the head walks";
 }
 
 }  // namespace

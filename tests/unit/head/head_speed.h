@@ -1,4 +1,4 @@
-/// How fast a recorded head turns, for tests on whole traces.
+/// How fast a recorded head turns, for tests on whole recordings.
 #pragma once
 
 #include <numbers>
@@ -9,7 +9,7 @@
 
 namespace farshade {
 
-/// Degrees a second between neighbouring samples, up to `end`.
+/// The speeds between neighbouring samples, up to `end`, in degrees per second.
 inline std::vector<double> turn_speeds_deg_s(const HeadRecording& trace, Time end) {
   std::vector<double> speeds;
   for (std::size_t i = 1; i < trace.samples.size() && trace.samples[i].time <= end; ++i) {

@@ -66,8 +66,8 @@ std::vector<Steps> stiffness_sweep() {
 }
 
 TEST_P(Stiffness, OfKalmanFadesLikeTheContinuousSolution) {
-  // The same steps' worth of unseen time, predicted at once: v constant (1 - e^-x), never beyond v *
-  // constant.
+  // Predict the time of the same steps at once, without measurements: v constant (1 - e^-x), never more than
+  // v * constant.
   const auto [step_s, constant_s] = GetParam();
   KalmanFilter filter(tuning_with_fade(constant_s));
   filter.start({});
@@ -87,14 +87,15 @@ TEST_P(Stiffness, LeavesKalmanCovariancePositiveAndItsEstimateAtThePoses) {
   std::mt19937 random(1);
   std::normal_distribution<double> jitter(0, 3e-4);
   for (int i = 1; i <= 2000; ++i) {
-    // Bursts and gaps about the step.
+    // Gaps and bursts around the normal step.
     const double this_step_s = step_s * (i % 7 == 0 ? 1e-3 : i % 11 == 0 ? 10 : 1);
     const HeadPose pose{rotation_exp({jitter(random), 1 + jitter(random), 0}), {jitter(random), 0, 0}};
     filter.step(this_step_s, pose);
     for (const auto& covariances : {filter.angular_covariance(), filter.linear_covariance()})
       for (const auto& c : covariances) {
         ASSERT_GT(c.pp, 0);
-        ASSERT_LE(c.pp, 3e-4 * 3e-4 * (1 + 1e-12));  // never surer of a pose than unmeasured
+        ASSERT_LE(c.pp,
+                  3e-4 * 3e-4 * (1 + 1e-12));  // the filter never states a smaller variance than the bound
         ASSERT_GT(c.vv, 0);
         ASSERT_GE(c.pp * c.vv, c.pv * c.pv * (1 - 1e-9)) << "step " << i;
       }
@@ -106,7 +107,7 @@ TEST_P(Stiffness, LeavesKalmanCovariancePositiveAndItsEstimateAtThePoses) {
 INSTANTIATE_TEST_SUITE_P(Kalman, Stiffness, testing::ValuesIn(stiffness_sweep()));
 
 TEST(Kalman, IsLeastSquaresWhereNothingDrivesTheHead) {
-  // Without driving noise and fading, the best estimate is the line through all poses (Gauss).
+  // Without process noise and decay, the best estimate is the line through all poses (Gauss).
   KalmanTuning tuning = tuning_with_fade(1e12);
   tuning.angular_drive = tuning.linear_drive = 1e-14;
   KalmanFilter filter(tuning);
@@ -127,9 +128,9 @@ TEST(Kalman, IsLeastSquaresWhereNothingDrivesTheHead) {
 }
 
 TEST(Kalman, IsAsWrongAsItSaysItIs) {
-  // A walker drawn from the filter's own model, gaps included: squared errors over the variances stated are 1
-  // on average (Bar-Shalom, Li, Kirubarajan, "Estimation with applications to tracking and navigation",
-  // 2001, 5.4).
+  // A walker that moves as the filter's own model says, with gaps. The squared errors divided by the stated
+  // variances are 1 on average (Bar-Shalom, Li, Kirubarajan, "Estimation with applications to tracking and
+  // navigation", 2001, 5.4).
   for (const double fade_s : {0.02, 0.3, 5.0}) {
     const unsigned seed = 4711;
     std::mt19937 random(seed);
@@ -157,7 +158,7 @@ TEST(Kalman, IsAsWrongAsItSaysItIs) {
 }
 
 TEST(Kalman, KeepsItsWitsOverGapsOf126Ms) {
-  // Recorded heads have them; what is said right after one must still beat holding the head.
+  // Recorded heads have such steps. Predictions right after one must still be better than holding the head.
   Predictor kalman(PredictorKind::Kalman);
   double now = 0;
   for (int i = 0; i < 200; ++i) {

@@ -1,5 +1,5 @@
-/// The default predictor is the best of all on real heads (EyeNavGS), where they lie beside the repository.
-/// docs/prediction.md has the whole table.
+/// The default predictor is the best one on real heads (EyeNavGS), if the recordings lie beside the
+/// repository. docs/prediction.md has the whole table.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace farshade {
 namespace {
 
-/// 95 % of the predictions made at 72 Hz turn out closer than this, radians.
+/// The error in radians that 95 % of the predictions made at 72 Hz stay below.
 double turn_error_p95(const HeadRecording& recording, PredictorKind kind, Duration lead) {
   Predictor predictor(kind);
   std::vector<double> errors;

@@ -36,7 +36,7 @@ bool is_finite(const HeadPose& pose) {
 
 class PredictorOf : public testing::TestWithParam<PredictorKind> {
  protected:
-  /// One second of a constant twist, a pose a frame.
+  /// One second of a constant twist, with a pose per frame.
   [[nodiscard]] Predictor after_a_second(const HeadPose& start, const Twist& twist) const {
     Predictor predictor(GetParam());
     for (Duration now{}; now <= milliseconds(1000); now += kFrame)
@@ -59,8 +59,8 @@ TEST_P(PredictorOf, NameReadsBack) {
 
 TEST_P(PredictorOf, GoesTheWayTheHeadGoes) {
   if (GetParam() == PredictorKind::Hold) return;
-  // Every axis, either way, from a head that faces another way than the stage: a predictor that goes
-  // backwards, or takes head axes for stage axes, is further off than one that holds.
+  // Test both directions of every axis, from a head whose axes differ from the stage's. A predictor that
+  // extrapolates backwards, or that confuses head axes and stage axes, is worse than one that holds the pose.
   const HeadPose start{rotation_exp({0.3, 2.0, -0.5}), {10, -3, 4}};
   for (int axis = 0; axis < 6; ++axis)
     for (const double sign : {-1.0, 1.0}) {
@@ -150,7 +150,7 @@ TEST_P(PredictorOf, HoldsAHeadThatWasPutElsewhere) {
     predictor.observe(*predictor.newest() + kFrame, jump);
     EXPECT_EQ(predictor.velocity(), Twist{});
   }
-  // The fastest head of the domain, 1,000 degrees/s, is not held.
+  // The fastest head of the domain, 1,000 degrees/s, does not restart the filter.
   const Predictor fast = after_a_second({}, {{0, 1000 * pi / 180, 0}, {}});
   if (GetParam() != PredictorKind::Hold) {
     EXPECT_NEAR(fast.velocity().angular.y, 1000 * pi / 180, 1.0);
@@ -159,7 +159,7 @@ TEST_P(PredictorOf, HoldsAHeadThatWasPutElsewhere) {
 
 TEST_P(PredictorOf, KeepsItsVelocityOverJitterAndTheLongestGap) {
   if (GetParam() == PredictorKind::Hold) return;
-  // 0.03 rad and 3 cm within 0.1 ms are faster than any head, but no more than jitter.
+  // 0.03 rad and 3 cm within 0.1 ms are faster than any head, but still within jitter.
   Predictor jitter = after_a_second({}, kScrew);
   const HeadPose now = moved({}, kScrew, jitter.newest()->time_since_epoch());
   jitter.observe(*jitter.newest() + std::chrono::microseconds(100),
@@ -172,7 +172,7 @@ TEST_P(PredictorOf, KeepsItsVelocityOverJitterAndTheLongestGap) {
 }
 
 TEST_P(PredictorOf, StaysCalmInABurst) {
-  // Poses rounded to 1e-3 as recordings are, 0.1 ms apart, of a head that turns at 1 rad/s.
+  // A head that turns at 1 rad/s. Its poses are 0.1 ms apart and rounded to 1e-3, as in recordings.
   Predictor predictor(GetParam());
   for (int i = 0; i < 5000; ++i) {
     const double turn = std::round(1e-4 * i * 1e3) / 1e3;
@@ -232,7 +232,7 @@ TEST(Predictor, KnowsNoOtherNames) {
 }
 
 TEST(Predictor, OfTheDefaultKindFadesOnTheScrewItWasOn) {
-  // A pure turn fades to a stop short of where it would have gone for ever, without leaving its axis.
+  // The prediction of a pure turn comes to a stop before the undamped one, and stays on the axis.
   Predictor predictor;
   for (int i = 0; i <= 72; ++i) predictor.observe(Time(i * kFrame), {rotation_exp({0, 0.02 * i, 0}), {}});
   const double rate = predictor.velocity().angular.y;

@@ -13,7 +13,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::numbers::pi;
 
-// Sanitizers and unoptimised builds take ten times as long a step.
+// Sanitizers and unoptimised builds take ten times as long per step.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__OPTIMIZE__)
 constexpr int kManySteps = 1'000'000;
 #else
@@ -33,7 +33,8 @@ KalmanTuning tuning_with_fade(double fade_s) {
           .linear_noise = 3e-4};
 }
 
-/// All filters with their product constants, and Kalman filters with decay times at both ends of the domain.
+/// All filters with the constants of the product, and Kalman filters with decay times at both ends of the
+/// domain.
 std::vector<PoseFilter> all_filters() {
   std::vector<PoseFilter> all;
   for (const PredictorKind kind : kPredictorKinds) all.push_back(make_filter(kind));
@@ -91,8 +92,8 @@ TEST_P(ManySteps, LeaveEveryFilterOnTheUnitSphere) {
 INSTANTIATE_TEST_SUITE_P(Kind, ManySteps, testing::ValuesIn(kPredictorKinds));
 
 TEST(ManyTurns, ComeFullCircle) {
-  // A step's quaternion is rounded once and for all, by up to half an ulp of 1 in its angle's half, and every
-  // product again: no more than a rounding a step.
+  // The quaternion of a step is rounded once, by up to half an ulp of 1 in half of its angle. Each product is
+  // rounded again, by at most one rounding per step.
   std::mt19937 random(3);
   const glm::dvec3 axis = random_axis(random);
   HeadPose pose{rotation_exp({0.3, -1.0, 0.2}), {}};
@@ -112,7 +113,7 @@ void expect_covariance(const KalmanFilter::Covariance& c, double noise, double s
   ASSERT_TRUE(std::isfinite(c.vv));
   ASSERT_GT(c.pp, 0);
   ASSERT_GT(c.vv, 0);
-  ASSERT_LE(c.pp, noise * noise);  // never less sure of a pose than the measurement is
+  ASSERT_LE(c.pp, noise * noise);  // the variance of a pose is never larger than that of a measurement
   ASSERT_GE(c.pp * c.vv, c.pv * c.pv * (1 - 8 * kRounding)) << "step " << step_s;
 }
 
@@ -139,7 +140,7 @@ TEST(StiffFilters, AreFiniteForNoStepAtAllAndForEndlessOnes) {
       start(filter, {});
       double turned = 0;
       for (int i = 0; i < 200; ++i) {
-        turned += i % 3 == 0 ? 1e-3 : 0.0;  // a head seen to move within no time, and one seen standing
+        turned += i % 3 == 0 ? 1e-3 : 0.0;  // a head that moves within no time, and a head that stands still
         step(filter, step_s, {rotation_exp({0, turned, 0}), {0, 0, turned}});
         if (i % 10 == 0) step(filter, 0.014, {rotation_exp({0, turned, 0}), {0, 0, turned}});
         for (const double lead_s : {0.0, kTiniest, 0.1, 0.5})
@@ -168,7 +169,7 @@ TEST(StiffFilters, ForgetWithinAStepOfTenThousandTimeConstants) {
 }
 
 TEST(StiffFilters, TakeHalfTurnsBetweenPosesEitherWay) {
-  // As little as rounding decides which way round half a turn is; that is all it may decide.
+  // Rounding decides the direction of a rotation by half a turn. It must decide nothing else.
   for (PoseFilter& filter : all_filters())
     for (const double step_s : {1e-4, 0.014, 0.2}) {
       start(filter, {});
@@ -193,7 +194,7 @@ TEST(RotationLog, IsNowhereTornApartButAtTheHalfTurn) {
       const glm::dvec3 beyond = rotation_log(rotation_exp(axis * (pi + short_of)));
       EXPECT_LE(glm::length(beyond + axis * (pi - short_of)), 4e-15) << short_of;
     }
-    // Off unit by 1e-3 the axis and the angle are the same.
+    // An error of 1e-3 in the length of a quaternion changes neither axis nor angle.
     for (const double angle : {0.0, 1e-300, 1e-9, 1.0, pi - 1e-9})
       for (const double length : {0.999, 1.001})
         EXPECT_LE(glm::length(rotation_log(rotation_exp(axis * angle) * length) - axis * angle), 4e-15)
@@ -201,8 +202,9 @@ TEST(RotationLog, IsNowhereTornApartButAtTheHalfTurn) {
   }
 }
 
-/// The default filter after a second at `rate` rad/s about an oblique axis, asked for the pose lead_s ahead;
-/// and how far, degrees, that is from its velocity integrated while every axis fades in its own time.
+/// The prediction of the default filter for lead_s ahead, after a second at `rate` rad/s about an oblique
+/// axis, and its distance in degrees from the integral of its velocity, if each axis decays with its own
+/// constant.
 double apart_from_integral_deg(double rate, double lead_s) {
   const glm::dvec3 turn = rate * glm::normalize(glm::dvec3(1, 1, 1)), fade_s{0.1, 1.0, 0.08};
   PoseFilter filter = make_filter(PredictorKind::Kalman);
@@ -219,16 +221,16 @@ double apart_from_integral_deg(double rate, double lead_s) {
 }
 
 TEST(Kalman, FadingPerAxisStaysNearTheIntegralOfItsVelocity) {
-  // docs/prediction.md, "What falls short", quotes these.
+  // docs/prediction.md, "Limits", quotes these figures.
   EXPECT_NEAR(apart_from_integral_deg(100 * pi / 180, 0.1), 0.0, 0.05);
   EXPECT_NEAR(apart_from_integral_deg(300 * pi / 180, 0.1), 0.35, 0.05);
   EXPECT_NEAR(apart_from_integral_deg(1000 * pi / 180, 0.1), 3.8, 0.3);
   EXPECT_NEAR(apart_from_integral_deg(1000 * pi / 180, 0.5), 52, 3);
 }
 
-/// A head that turns at the domain's limit about wandering axes, and what may come of it on the way: gaps of
-/// minutes, bursts, stamps that repeat or go back, quaternions of either sign and off unit by 1e-3, half
-/// turns.
+/// A head that turns at the domain's limit about changing axes, with the faults that a recording may have:
+/// gaps of minutes, bursts, repeated and backward stamps, quaternions of either sign and off unit by 1e-3,
+/// half turns.
 class WildHead {
  public:
   explicit WildHead(unsigned seed) : random_(seed) {}

@@ -44,7 +44,7 @@ Real norm(const Matrix<N>& a) {
   return largest;
 }
 
-/// For a norm up to kSmall: Horner's way, smallest terms first.
+/// For a norm up to kSmall: Horner's method, smallest terms first.
 template <std::size_t N>
 Matrix<N> exponential_series(const Matrix<N>& a) {
   Matrix<N> sum = identity<N>();

@@ -1,7 +1,8 @@
-/// The pose filters along one axis as what they are, linear systems, solved another way than the product
-/// does: in long double, transitions by the matrix exponential (Taylor series, scaling and squaring), the
-/// Kalman filter's process noise by Van Loan's augmented matrix over a short step that is then doubled
-/// (squaring that matrix itself would overflow: it holds e^(step / fade)), its measurements in Joseph's form.
+/// A reference for the pose filters along one axis: they are linear systems, solved here in another way than
+/// in the product. It computes in long double, with transitions by the matrix exponential (Taylor series,
+/// scaling and squaring). The Kalman filter's process noise comes from Van Loan's augmented matrix over a
+/// short step that is then doubled, because squaring that matrix would overflow: it contains e^(step / fade).
+/// Measurements use Joseph's form.
 /// Sources: C. F. Van Loan, "Computing integrals involving the matrix exponential", 1978; R. S. Bucy, P. D.
 /// Joseph, "Filtering for stochastic processes with applications to guidance", 1968.
 #pragma once
@@ -15,7 +16,7 @@ using Real = long double;
 template <std::size_t N>
 using Matrix = std::array<std::array<Real, N>, N>;
 
-/// p' = v, v' = -v / fade + noise of density 1, over a step.
+/// p' = v, v' = -v / fade + noise of density 1, over one step.
 struct DampedReference {
   Real keep, travel_s, pp, pv, vv;
 };
@@ -29,7 +30,8 @@ class KalmanReference {
   explicit KalmanReference(const Tuning& tuning)
       : tuning_(tuning), pp_(tuning.noise * tuning.noise), vv_(tuning.unseen_vv) {}
 
-  /// Carries the estimate over the step; what is measured then is told as its difference from ahead(step).
+  /// Predicts the estimate over the step. The measurement afterwards is given as its difference from
+  /// ahead(step).
   void step(Real step_s, Real error);
   [[nodiscard]] Real travel_s(Real lead_s) { return at(lead_s).travel_s; }
   [[nodiscard]] Real velocity() const { return v_; }

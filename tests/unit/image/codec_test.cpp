@@ -68,7 +68,7 @@ struct PngKind {
   const char* name;
   int bits, color;
   std::vector<std::uint8_t> rows;  // two rows of two pixels, as the file has them
-  std::vector<Rgba8> pixels;       // what they are
+  std::vector<Rgba8> pixels;       // the expected pixels
 };
 
 class PngKinds : public testing::TestWithParam<PngKind> {};
@@ -166,7 +166,7 @@ TEST(DecodeImage, RefusesSizeThatItsFileCannotFill) {
   EXPECT_NE(image.error().what.find("too short"), std::string::npos) << image.error().what;
 }
 
-/// A file of each kind, to be harmed.
+/// One file of each kind; the tests damage them.
 std::vector<std::vector<std::byte>> sample_files() {
   return {make_noise_png({9, 7}), make_png({2, 2}, 8, 3, {0, 1, 2, 3}), make_jpeg({40, 24}, JpegKind::Colour),
           make_jpeg({40, 24}, JpegKind::Progressive)};

@@ -50,8 +50,7 @@ std::vector<std::byte> encode_png(Extent size, int bits, int color, int interlac
   return file;
 }
 
-/// The legal script with the most scans that need no refinement: each coefficient of each component by
-/// itself.
+/// The legal script with the most scans without refinement: a scan for each coefficient of each component.
 std::vector<jpeg_scan_info> one_scan_a_coefficient() {
   std::vector<jpeg_scan_info> scans{{3, {0, 1, 2, 0}, 0, 0, 0, 0}};
   for (int component = 0; component < 3; ++component)

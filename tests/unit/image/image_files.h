@@ -1,4 +1,4 @@
-/// PNG and JPEG files of every kind a scene may bring, made in memory by the libraries' own writers.
+/// PNG and JPEG files of every kind that a scene may contain, made in memory by the libraries' own writers.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,8 @@ namespace farshade {
 /// An interlaced 8-bit RGBA PNG of seeded noise.
 [[nodiscard]] std::vector<std::byte> make_noise_png(Extent size);
 
-/// Grey 1x1 PNGs of value 77: one with a compressed text that does not unpack, one with a row too many.
+/// Grey 1x1 PNGs of value 77: one with a compressed text that cannot be decompressed, one with a row too
+/// many.
 [[nodiscard]] std::vector<std::byte> make_png_with_faulty_text();
 [[nodiscard]] std::vector<std::byte> make_png_with_extra_row();
 

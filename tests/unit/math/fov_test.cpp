@@ -82,7 +82,7 @@ TEST(FovIsValid, RefusesWhatIsNoWindow) {
     return fov;
   };
   EXPECT_FALSE(is_valid(with(&EyeFov::left_rad, degrees(45))));   // no width
-  EXPECT_FALSE(is_valid(with(&EyeFov::left_rad, degrees(50))));   // left of right
+  EXPECT_FALSE(is_valid(with(&EyeFov::left_rad, degrees(50))));   // left angle beyond the right one
   EXPECT_FALSE(is_valid(with(&EyeFov::down_rad, degrees(45))));   // no height
   EXPECT_FALSE(is_valid(with(&EyeFov::up_rad, degrees(-50))));    // upside down
   EXPECT_FALSE(is_valid(with(&EyeFov::right_rad, degrees(90))));  // no tangent

@@ -41,7 +41,7 @@ TEST_P(RotationAngle, IsWhatAngleBetweenMeasures) {
   }
 }
 
-// Both sides of the series' limits, tiny angles, and near the half turn.
+// Both sides of the limits of the series, tiny angles, and angles near half a turn.
 INSTANTIATE_TEST_SUITE_P(Rotation, RotationAngle,
                          testing::Values(0.0, 1e-300, 1e-160, 1e-12, 1e-8, 9.9e-5, 1.01e-4, 0.1, 1.0, pi / 2,
                                          3.0, pi - 1e-6, pi - 1e-9));

@@ -7,7 +7,7 @@
 namespace farshade {
 namespace {
 
-// What must not compile does not: spaces that do not meet, and sums that mean nothing.
+// These expressions must not compile: transforms between different spaces, and sums without a meaning.
 template <class A, class B>
 concept Composes = requires(A a, B b) {
   a* b;

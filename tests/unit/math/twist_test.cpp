@@ -16,7 +16,7 @@ glm::dvec3 random_vector(std::mt19937& random) {
   return {normal(random), normal(random), normal(random)};
 }
 
-/// Motions of one turning angle: seeded axes and paths.
+/// Motions with one turning angle: seeded axes and translations.
 std::vector<Twist> motions(double angle) {
   std::mt19937 random(11);
   std::vector<Twist> all;
@@ -36,7 +36,7 @@ TEST_P(MotionAngle, SurvivesExpThenLog) {
 }
 
 TEST_P(MotionAngle, IsTheSameInOneStepOrInMany) {
-  constexpr int kSteps = 1024;  // each of them deep in the series
+  constexpr int kSteps = 1024;  // each step is small, so it uses the series
   for (const Twist& motion : motions(GetParam())) {
     const auto once = motion_exp<Head>(motion), small = motion_exp<Head>(motion * (1.0 / kSteps));
     Rigid<Head, Head> many;
@@ -46,7 +46,7 @@ TEST_P(MotionAngle, IsTheSameInOneStepOrInMany) {
   }
 }
 
-// Both sides of the series' limit, tiny angles, and near the half turn.
+// Both sides of the limit of the series, tiny angles, and angles near half a turn.
 INSTANTIATE_TEST_SUITE_P(Motion, MotionAngle,
                          testing::Values(0.0, 1e-300, 1e-160, 1e-12, 1e-6, 1e-3, 0.1, 0.4999, 0.5001, 1.0,
                                          pi / 2, 3.0, pi - 1e-6));

@@ -1,5 +1,6 @@
-/// FLIP against the paper's equations written down one by one: double precision, two-dimensional kernels,
-/// direct convolution, the matrix worked out from the primaries. Nothing is shared with the product.
+/// Compares FLIP with a literal implementation of the paper's equations: double precision, two-dimensional
+/// kernels, direct convolution, the colour matrix computed from the primaries. It shares no code with
+/// tests/metrics.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -72,7 +73,7 @@ Kernel kernel(int radius, const std::function<double(double, double)>& weight) {
   return result;
 }
 
-/// Positive weights to a sum of 1, negative ones to -1.
+/// Scales positive weights to a sum of 1 and negative ones to -1.
 Kernel normalised(Kernel k) {
   double positive = 0, negative = 0;
   for (const double w : k.weights) (w > 0 ? positive : negative) += std::abs(w);
@@ -151,7 +152,7 @@ double literal_flip(const Image<dvec3>& reference, const Image<dvec3>& test, dou
   return std::pow(colour, 1 - feature);
 }
 
-/// Blocks of random size and colour on a random ground, some noise: flat parts, edges, points.
+/// Blocks of random size and colour on a random background, with some noise: flat areas, edges, points.
 Image<Rgb8> random_picture(Extent size, std::mt19937& random) {
   const auto any = [&](std::uint32_t below) { return static_cast<std::uint32_t>(random() % below); };
   const auto colour = [&] { return Rgb8(any(256), any(256), any(256)); };
@@ -181,7 +182,7 @@ TEST_P(FlipLiteral, IsWhatThePapersEquationsGive) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
     const Image<Rgb8> a = random_picture(size, random);
-    // The first pair differs everywhere, the others in a few pixels.
+    // The first pair of pictures differs everywhere, the others in a few pixels.
     Image<Rgb8> b = seed == 1 ? random_picture(size, random) : a;
     for (int i = 0; i < 3; ++i)
       b.pixels[random() % b.pixels.size()] = Rgb8(static_cast<std::uint8_t>(random() % 256));

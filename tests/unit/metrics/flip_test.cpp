@@ -10,13 +10,13 @@ namespace farshade {
 namespace {
 
 constexpr Rgb8 kBlack{0, 0, 0}, kWhite{255, 255, 255}, kRed{255, 0, 0}, kGreen{0, 255, 0}, kBlue{0, 0, 255};
-constexpr double kMonitor = 67;  // the paper's: 0.7 m from a monitor 0.7 m wide with 3840 pixels
+constexpr double kMonitor = 67;  // the paper's monitor: 0.7 m wide, 3840 pixels, seen from 0.7 m
 
-/// So few pixels a degree that every Gaussian is within one pixel: nothing is blurred, the edge detector is
+/// So few pixels per degree that every Gaussian is within one pixel: nothing is blurred, the edge detector is
 /// p[1] - p[-1], the point detector (p[-1] + p[1]) / 2 - p[0].
 constexpr double kCoarse = 0.01;
 
-/// The error, the same everywhere, between two pictures of one colour each.
+/// The error between two pictures of one colour each. It is the same everywhere.
 double between(Rgb8 reference, Rgb8 test, double pixels_per_degree = kMonitor) {
   const Image<float> error =
       flip(Image<Rgb8>({9, 7}, reference), Image<Rgb8>({9, 7}, test), pixels_per_degree);
@@ -24,7 +24,8 @@ double between(Rgb8 reference, Rgb8 test, double pixels_per_degree = kMonitor) {
   return error.pixels[0];
 }
 
-/// Blurs and features leave a constant as it is, so the error is the redistributed colour difference.
+/// Blurring and feature detection do not change a constant picture, so the error is the mapped colour
+/// difference.
 ///
 /// The scale: XYZ relative to white are the columns of the sRGB matrix over D65,
 ///   green (0.37622, 0.71517, 0.10945): cube roots 0.72190, 0.89427, 0.47834
@@ -37,7 +38,7 @@ double between(Rgb8 reference, Rgb8 test, double pixels_per_degree = kMonitor) {
 TEST(FlipOfConstants, MatchesPaperAnswers) {
   // L 0 and 100: 100^0.7 = 25.1189, beyond the knee: 0.95 + 0.05 (25.1189 - 16.5106) / (41.2766 - 16.5106).
   EXPECT_NEAR(between(kBlack, kWhite), 0.967379, 2e-6);
-  // The largest difference there is.
+  // The largest possible difference.
   EXPECT_NEAR(between(kGreen, kBlue), 1.0, 1e-6);
   EXPECT_LE(between(kGreen, kBlue), 1.0);
   // Red: XYZ (0.43389, 0.21264, 0.01775): L 53.2371, Hunt (42.638, 35.777); HyAB to green 34.498 +
@@ -119,8 +120,8 @@ TEST(Flip, FeaturesRaiseTheErrorOfColours) {
   EXPECT_NEAR(error.at(4, 1), 0.0, 1e-6);
 }
 
-// A white pixel among black ones against white everywhere, unblurred: features differ as far as they can, as
-// for a point, but the pixel itself has one colour, so nothing flips there.
+// A white pixel among black ones, compared with white everywhere, without blur. The features differ as much
+// as possible, as for a point, but the pixel itself has the same colour in both, so the error is 0.
 TEST(Flip, IsZeroWhereColoursAreEqualWhateverTheFeatures) {
   Image<Rgb8> point({5, 5}, kBlack);
   point.at(2, 2) = kWhite;

@@ -47,9 +47,9 @@ TEST(Ssim, OfEqualPicturesIsOne) {
   EXPECT_EQ(ssim(Image<Rgb8>(), Image<Rgb8>()), 1);
 }
 
-// Over a Gaussian window with a deviation of 1.5 pixels a checkerboard is half of each grey within 1e-8: both
-// means are 127.5, variances s^2 and t^2 for boards of 127.5 +- s and 127.5 +- t, covariance s t, negative if
-// one is inverted.
+// Over a Gaussian window with a deviation of 1.5 pixels, a checkerboard is half of each grey within 1e-8.
+// Both means are 127.5. The variances are s^2 and t^2 for boards of 127.5 +- s and 127.5 +- t. The covariance
+// is s t, negative if one board is inverted.
 TEST(Ssim, OfCheckerboardsIsInClosedForm) {
   const Extent size{30, 30};
   const auto expected = [](double s, double t) { return (2 * s * t + kC2) / (s * s + t * t + kC2); };
@@ -79,7 +79,7 @@ TEST(Ssim, FallsAsNoiseGrows) {
   }
 }
 
-/// The paper's equations 14 to 16 one window after another, moments taken about the mean.
+/// The paper's equations 14 to 16, one window after another, with moments about the mean.
 double literal_ssim(const Image<Rgb8>& a, const Image<Rgb8>& b) {
   const int width = static_cast<int>(a.size.width), height = static_cast<int>(a.size.height);
   const int rx = std::min(5, (width - 1) / 2), ry = std::min(5, (height - 1) / 2);

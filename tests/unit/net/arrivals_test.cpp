@@ -68,7 +68,7 @@ TEST(Arrivals, KeepsTheNewestAndForgetsWhatAGapLeftBehind) {
   for (std::uint64_t counter = 0; counter < 1000; ++counter) arrivals.add(counter, at(1));
   EXPECT_EQ(arrivals.report().first, 1000 - ArrivalReport::kMost);
   arrivals.add(100'000, at(2));
-  arrivals.add(5, at(3));  // too old to be told, still counted
+  arrivals.add(5, at(3));  // too old for the report, but counted
   const ArrivalReport report = arrivals.report();
   EXPECT_EQ(report.count, ArrivalReport::kMost);
   EXPECT_EQ(report.first + report.count - 1, 100'000U);

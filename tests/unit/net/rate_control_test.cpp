@@ -1,5 +1,5 @@
-// RateControl against a simulated path in virtual time: a bottleneck with a queue or a policer, delay,
-// jitter, loss; a server that paces frames at the rate, a client that asks at 72 Hz and reports what came.
+// RateControl on a simulated path in virtual time: a bottleneck with a queue or a policer, delay, jitter and
+// loss; a server that paces frames at the rate; a client that requests at 72 Hz and reports arrivals.
 #include "stereo/net/rate_control.h"
 
 #include <gtest/gtest.h>
@@ -21,16 +21,16 @@ using std::chrono::seconds;
 constexpr std::size_t kBytes = 1200;
 constexpr int kSlices = 17;
 constexpr Duration kInterval = std::chrono::nanoseconds(13'888'889);
-constexpr double kNeeded = kSlices * kBytes * 72.0;  ///< bytes a second: every frame at 72 Hz
+constexpr double kNeeded = kSlices * kBytes * 72.0;  ///< bytes per second for every frame at 72 Hz
 
 struct Path {
-  double bottleneck = 1e9;             ///< bytes a second
+  double bottleneck = 1e9;             ///< bytes per second
   Duration queue = milliseconds(300);  ///< drop-tail, as time to drain
-  double policer = 0;                  ///< bytes a second; 0: none. A bucket of 20 ms, no queue
+  double policer = 0;  ///< bytes per second with a bucket of 20 ms and no queue; 0: no policer
   Duration delay = milliseconds(10), jitter{};
-  double burst = 1;  ///< losses in a row, on average
+  double burst = 1;  ///< mean number of consecutive losses
   double loss = 0, report_loss = 0, report_twice = 0;
-  Duration stall = milliseconds(2);  ///< between a drained frame and the next: request, trace
+  Duration stall = milliseconds(2);  ///< time between a drained frame and the next one: request and trace
 };
 
 class Simulation {
@@ -42,11 +42,11 @@ class Simulation {
   Path path;
   RateControl control;
   Arrivals arrivals;
-  bool silent = false;          ///< nothing gets through either way
+  bool silent = false;          ///< nothing arrives in either direction
   std::uint64_t frames = 0;     ///< begun
   std::uint64_t delivered = 0;  ///< bytes
-  Duration worst_queue{};       ///< since it was last set to zero
-  double least_rate = 1e99;     ///< since it was last set
+  Duration worst_queue{};       ///< since the test last set it to zero
+  double least_rate = 1e99;     ///< since the test last set it
 
   [[nodiscard]] Time now() const { return now_; }
 
@@ -96,7 +96,8 @@ class Simulation {
     to_client_.emplace(free_ + on_the_way(), counter);
   }
 
-  /// Gilbert's two states: all is lost in one, nothing in the other. Bursts of 1 are independent losses.
+  /// Gilbert's two states: all datagrams are lost in one, none in the other. Bursts of 1 are independent
+  /// losses.
   bool lost() {
     if (path.burst <= 1) return chance(path.loss);
     const double leave = 1 / path.burst;
@@ -255,7 +256,7 @@ TEST_P(RateControlSeeds, PolicerIsFoundByItsLoss) {
   EXPECT_LT(lost, 0.15);
 }
 
-/// Datagrams of 3 s, one a millisecond; the verdicts met on the way.
+/// The verdicts over 3 s of datagrams, one per millisecond.
 template <class DelayOf>
 bool overuse_met(const DelayOf& delay_ms) {
   DelayTrend trend;
@@ -309,7 +310,7 @@ TEST(DelayTrend, FallingTrendIsNotOveruse) {
   }));
 }
 
-/// One datagram a millisecond for a second; those sent from `from` to `to` ms are lost.
+/// One datagram per millisecond for one second. Those sent from `from` to `to` ms are lost.
 std::optional<double> loss_of_gap(int from, int to) {
   LossMeter meter;
   for (int i = 0; i < 1000; ++i) {
@@ -372,7 +373,7 @@ TEST(ReceivedRate, IsTheLastHalfSecondsBytes) {
   EXPECT_DOUBLE_EQ(rate.bytes_per_second().value(), 2e6);
 }
 
-/// A control that has sent 1,000 datagrams in a second, and a report of some of them.
+/// A rate control that has sent 1,000 datagrams in a second, and a report of some of them.
 struct Thousand {
   Thousand() {
     for (std::uint64_t i = 0; i < 1000; ++i)

@@ -1,4 +1,4 @@
-/// The bundled scenes are what assets/ORIGIN.md says of them.
+/// The bundled scenes have the properties that assets/ORIGIN.md states.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -22,7 +22,7 @@ void append_u32(std::vector<std::byte>& to, std::size_t value) {
   for (int i = 0; i < 4; ++i) to.push_back(static_cast<std::byte>(value >> 8 * i & 0xFF));
 }
 
-/// Appends to the list `name`, which it makes where it is missing.
+/// Appends to the list `name`. Makes the list if it is missing.
 std::uint32_t push(json& object, const char* name, const json& value) {
   object[name].push_back(value);
   return static_cast<std::uint32_t>(object[name].size() - 1);

@@ -1,4 +1,4 @@
-/// Small glTF files made in memory, to be changed by tests and loaded.
+/// Makes small glTF files in memory, for tests to change and load.
 #pragma once
 
 #include <cstddef>
@@ -15,32 +15,32 @@ namespace farshade {
 
 class GltfBuilder {
  public:
-  /// An empty scene; `json` is open to every change.
+  /// An empty scene. `json` may be changed in any way.
   GltfBuilder();
   nlohmann::json json;
 
-  /// Appends values to the buffer, from a multiple of four on, as a buffer view of their own. Returns its
+  /// Appends values to the buffer, aligned to four bytes, with a buffer view of their own. Returns the view's
   /// number.
   template <class T>
   std::uint32_t view(const std::vector<T>& values) {
     return view_of_bytes(values.data(), values.size() * sizeof(T));
   }
-  /// An accessor over a buffer view, with further properties, if any, in `more`. Returns its number.
+  /// Adds an accessor over a buffer view, with the properties of `more`. Returns its number.
   std::uint32_t accessor(std::uint32_t view, int component, const std::string& type, std::size_t count,
                          const nlohmann::json& more = {});
-  /// Positions as an accessor.
+  /// Adds positions as an accessor. Returns its number.
   std::uint32_t positions(const std::vector<glm::vec3>& points);
-  /// A mesh with one primitive and a root node that shows it. Returns the mesh's number.
+  /// Adds a mesh with one primitive and a root node that shows it. Returns the mesh's number.
   std::uint32_t mesh(const nlohmann::json& primitive);
-  /// Appends a root node. Returns its number.
+  /// Adds a root node. Returns its number.
   std::uint32_t node(const nlohmann::json& node);
-  /// A KHR_lights_punctual light, and the extension value by which a node carries it.
+  /// Adds a KHR_lights_punctual light. Returns the extension value with which a node refers to it.
   nlohmann::json light(const nlohmann::json& light);
 
   [[nodiscard]] std::vector<std::byte> glb() const;
-  /// JSON text with the buffer as a data URI.
+  /// The JSON text with the buffer as a data URI.
   [[nodiscard]] std::vector<std::byte> gltf() const;
-  /// The bytes that buffer views look into.
+  /// The bytes that the buffer views refer to.
   [[nodiscard]] std::vector<std::byte>& bytes() { return bytes_; }
 
  private:
@@ -51,13 +51,13 @@ class GltfBuilder {
 /// One triangle (0,0,0) (1,0,0) (0,1,0), indexed, without normals.
 [[nodiscard]] GltfBuilder triangle_file();
 
-/// A textured, coloured, indexed quad with sparse positions that swings and spins, three kinds of light, a
-/// camera: something of all that is understood.
+/// A textured, coloured, indexed quad with sparse positions that swings and spins, three kinds of light, and
+/// a camera: at least one use of every supported feature.
 [[nodiscard]] GltfBuilder rich_file();
 
 [[nodiscard]] std::vector<std::byte> bytes_of_text(std::string_view text);
 
-/// Loads a copy whose allocation ends where the bytes end.
+/// Loads a copy in an allocation that ends with the bytes.
 [[nodiscard]] Expected<Scene> load_copy(const std::byte* bytes, std::size_t size);
 [[nodiscard]] inline Expected<Scene> load(const GltfBuilder& file) {
   const auto bytes = file.glb();

@@ -1,4 +1,4 @@
-/// What the loader understands, on files whose result is known on paper.
+/// The supported features, on files whose result is known on paper.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -80,7 +80,7 @@ TEST(GltfMesh, MissingNormalsAreTheFaces) {
   const auto indices = file.accessor(file.view<std::uint8_t>({0, 1, 2, 0, 2, 3}), 5121, "SCALAR", 6);
   file.mesh({{"attributes", {{"POSITION", points}}}, {"indices", indices}});
   const Mesh mesh = loaded(file).meshes.at(0);
-  ASSERT_EQ(mesh.normals.size(), 6u) << "faces share no vertices";
+  ASSERT_EQ(mesh.normals.size(), 6u) << "triangles share no vertices";
   EXPECT_EQ(mesh.normals[0], glm::vec3(0, 0, 1));
   EXPECT_EQ(mesh.normals[5], glm::vec3(1, 0, 0));
   EXPECT_EQ(triangles_of(mesh), (std::vector<Triangle>{{kA, kB, kC}, {kA, kC, {0, 0, 1}}}));
@@ -96,7 +96,7 @@ TEST(GltfMesh, NormalsBecomeUnitAndZeroOnesFollowTheTriangles) {
 TEST(GltfMesh, UndoesQuantization) {
   GltfBuilder file;
   file.json["extensionsRequired"] = {"KHR_mesh_quantization"};
-  // Elements of six bytes that lie eight apart, as the specification asks.
+  // Elements of six bytes at a distance of eight bytes, as the specification requires.
   const auto positions = file.view<std::int16_t>({-32768, 32767, 0, 0, 0, 0, 0, 0, 32767, 0, 0, 0});
   file.json["bufferViews"][positions]["byteStride"] = 8;
   const auto normals = file.view<std::int8_t>({0, 0, 127, 0, 0, 0, 127, 0, 0, 0, -128, 0});
@@ -120,7 +120,7 @@ TEST(GltfMesh, SparseElementsOverNothingStandInZeros) {
   file.json["meshes"][0]["primitives"].push_back(
       {{"attributes", {{"POSITION", file.positions({kA, kB, kC})}}}});
   const Scene scene = loaded(file);
-  EXPECT_EQ(scene.meshes.size(), 1u) << "all but one vertex at 0: no area";
+  EXPECT_EQ(scene.meshes.size(), 1u) << "all but one vertex at 0: the mesh has no area";
 }
 
 TEST(GltfMesh, ReadsVertexColours) {
@@ -136,7 +136,7 @@ TEST(GltfMesh, AppliesTheTextureTransform) {
   auto& transform = file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]
                              ["KHR_texture_transform"];
   transform = {{"offset", {0.5, 0.25}}, {"rotation", std::numbers::pi / 2}, {"scale", {2, 3}}};
-  // A quarter turn counter-clockwise on the image, v down: (u, v) -> (v, -u).
+  // A quarter turn counter-clockwise in the image, with v down: (u, v) -> (v, -u).
   const auto uvs = loaded(file).meshes.at(0).uvs;
   const std::vector<glm::vec2> expected = {{0.5, 0.25}, {0.5, -1.75}, {3.5, -1.75}, {3.5, 0.25}};
   ASSERT_EQ(uvs.size(), expected.size());

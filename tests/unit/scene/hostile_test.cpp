@@ -1,5 +1,4 @@
-/// glTF files that are wrong: each is refused with a sentence that names the object, and nothing worse
-/// happens.
+/// Wrong glTF files: each is refused with a sentence that names the object, and has no other effect.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -14,9 +13,9 @@ namespace farshade {
 namespace {
 
 using nlohmann::json;
-using Change = std::pair<const char*, json>;  ///< JSON pointer and its new value; null removes
+using Change = std::pair<const char*, json>;  ///< JSON pointer and its new value; null removes the member
 
-/// One way to spoil rich_file(), and what the sentence must say.
+/// One change that makes rich_file() wrong, and what the sentence must contain.
 struct Spoiled {
   const char* name;
   std::vector<Change> changes;
@@ -322,7 +321,7 @@ TEST(GltfHostile, SurvivesFlippedBytes) {
     loaded += scene.has_value();
     ASSERT_TRUE(scene.has_value() || !scene.error().what.empty());
   }
-  EXPECT_GT(loaded, 0) << "some flips hit only colours";
+  EXPECT_GT(loaded, 0) << "some flips change only colours";
   EXPECT_LT(loaded, 3000);
 }
 
@@ -344,7 +343,7 @@ TEST(GltfHostile, SurvivesReplacedNumbers) {
     }
 }
 
-/// Seconds that refusing (or loading) takes.
+/// The time in seconds to refuse (or load) the file.
 double seconds_to_load(const std::vector<std::byte>& file) {
   const auto start = std::chrono::steady_clock::now();
   const auto scene = load_copy(file.data(), file.size());
@@ -371,7 +370,7 @@ TEST(GltfHostile, RefusesDeepNodes) {
   EXPECT_EQ(scene.error().what, "node 256 is nested deeper than 256 levels");
 }
 
-/// A few kilobytes that ask for terabytes: one buffer view read by very many accessors and primitives.
+/// A few kilobytes that would need terabytes: very many accessors and primitives read one buffer view.
 TEST(GltfHostile, RefusesWorkOutOfProportionQuickly) {
   GltfBuilder file = triangle_file();
   file.json["accessors"][0].erase("bufferView");

@@ -1,4 +1,4 @@
-// What a viewer has changed about a scene's lights, in the scene's state.
+// A viewer's light changes in the scene's state.
 #include <gtest/gtest.h>
 
 #include "stereo/scene/scene_state.h"
@@ -10,7 +10,7 @@ using namespace std::chrono_literals;
 
 const LightPose kElsewhere{Point<Stage>{{7, 8, 9}}, Vector<Stage>{{0, -1, 0}}};
 
-/// Three lights, of which the second travels by one metre a second.
+/// Three lights. The second one moves by one metre per second.
 Scene three_lights() {
   Scene scene;
   for (std::uint32_t i = 0; i < 3; ++i) {

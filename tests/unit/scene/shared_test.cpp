@@ -1,4 +1,4 @@
-/// The scenes this project was made with, by their known figures.
+/// Known figures of the scenes that the project was developed with.
 #include <gtest/gtest.h>
 
 #include "stereo/scene/gltf.h"

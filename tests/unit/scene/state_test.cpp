@@ -1,4 +1,4 @@
-/// Where instances and lights are at a moment, on hierarchies and curves that can be computed by hand.
+/// Instances and lights at a given time, for hierarchies and curves with results computed on paper.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ constexpr Time at(double seconds) {
   return Time(duration_from_ms(seconds * 1e3));
 }
 
-/// A scene of one node that shows nothing, moved by one channel.
+/// A scene with one node without a mesh, animated by one channel.
 Scene moved_by(Path path, Interpolation interpolation, std::vector<float> keys,
                std::vector<glm::vec4> values) {
   Scene scene;
@@ -68,12 +68,12 @@ TEST(SceneState, UsesMatricesAsTheyAre) {
 TEST(SceneState, LinearGoesStraightAndRepeats) {
   const Scene scene = moved_by(Path::Translation, Interpolation::Linear, {1, 2, 4},
                                {{0, 0, 0, 0}, {2, 0, 0, 0}, {2, 4, 0, 0}});
-  EXPECT_EQ(origin_at(scene, 0.5), glm::dvec3(0, 0, 0)) << "held before the first key";
+  EXPECT_EQ(origin_at(scene, 0.5), glm::dvec3(0, 0, 0)) << "constant before the first key";
   EXPECT_NEAR(origin_at(scene, 1.25).x, 0.5, 1e-9);
   EXPECT_NEAR(origin_at(scene, 3).y, 2.0, 1e-9);
   EXPECT_EQ(origin_at(scene, 4), origin_at(scene, 0));
   EXPECT_NEAR(origin_at(scene, 4 + 3).y, 2.0, 1e-9);
-  EXPECT_NEAR(origin_at(scene, -1).y, 2.0, 1e-9) << "time before 0 repeats as well";
+  EXPECT_NEAR(origin_at(scene, -1).y, 2.0, 1e-9) << "negative times repeat as well";
 }
 
 TEST(SceneState, StepHoldsUntilTheNextKey) {

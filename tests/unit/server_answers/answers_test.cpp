@@ -1,5 +1,4 @@
-// Single answers of a server, without a client: which answers decode after a loss, and answers that cannot be
-// made.
+// Answers of a server, without a client: answers after a loss, and answers that cannot be made.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -63,13 +62,13 @@ class StreamsCode : public testing::Test {
 };
 
 TEST_F(StreamsCode, WhatIsAskedForAloneNeedsNothingBefore) {
-  EXPECT_EQ(code(streams_, {1}, grey(kEye, 40))->after, FrameId{1}) << "the first is alone in any case";
+  EXPECT_EQ(code(streams_, {1}, grey(kEye, 40))->after, FrameId{1}) << "the first is a key frame in any case";
   const Coded next = *code(streams_, {2}, grey(kEye, 90));
   EXPECT_EQ(next.after, FrameId{1});
   const Coded alone = *code(streams_, {3}, grey(kEye, 140), Coding::Alone);
   EXPECT_EQ(alone.after, FrameId{3});
   VideoDecoder late = VideoDecoder::create().value();
-  EXPECT_FALSE(late.decode(next.unit)) << "stands on the first";
+  EXPECT_FALSE(late.decode(next.unit)) << "depends on the first";
   const Image<Rgb8>* const shown = late.decode(alone.unit).value();
   EXPECT_NEAR(shown->at(5, 5).g, 140, 2);
 }
@@ -85,7 +84,7 @@ TEST_F(StreamsCode, AnotherSizeBeginsAnew) {
   EXPECT_EQ(code(streams_, {2}, grey({96, 48}, 40))->after, FrameId{2});
 }
 
-/// The encoder goes on after a picture that was too many bytes to send, and the client must learn that.
+/// The encoder continues after a picture that had too many bytes to send; the client must be told.
 TEST_F(StreamsCode, WhatFollowsAPictureTooLargeToSendIsSaidToStandOnIt) {
   constexpr Extent large{2048, 2048};
   PerEye<Image<Rgb8>> noise = grey(large, 0);
@@ -93,7 +92,7 @@ TEST_F(StreamsCode, WhatFollowsAPictureTooLargeToSendIsSaidToStandOnIt) {
   for (Image<Rgb8>& image : noise)
     for (Rgb8& pixel : image.pixels) pixel = Rgb8(random() & 255, random() & 255, random() & 255);
   EXPECT_EQ(code(streams_, {1}, grey(large, 90))->after, FrameId{1});
-  EXPECT_FALSE(code(streams_, {2}, noise)) << "more than a frame's parts can carry";
+  EXPECT_FALSE(code(streams_, {2}, noise)) << "larger than the parts of a frame";
   EXPECT_EQ(code(streams_, {3}, grey(large, 90))->after, FrameId{2});
 }
 
@@ -126,14 +125,14 @@ class ServerAnswers : public testing::Test {
   Assembler assembler_;
 };
 
-/// A tile is traced if all three coordinates of this request have arrived.
+/// A tile is traced only if all three coordinates of this request have arrived.
 TEST_F(ServerAnswers, MasksOfPositionsAreOfThoseThatHaveCome) {
   constexpr std::array kAxes{PlaneKind::PositionX, PlaneKind::PositionY, PlaneKind::PositionZ};
   job_.request.answer = {.kind = Answer::MasksOfPositions, .position_bits = 14};
   const PositionGrid grid = grid_of({scene_.bounds.low}, {scene_.bounds.high}, 14);
   PositionPlanes planes;
   PlanePacker packer;
-  std::mt19937 random(3);  // what packs badly comes in several slices
+  std::mt19937 random(3);  // noise packs badly and needs several slices
   std::vector<float> distances_m(job_.request.views[0].size.pixels());
   for (float& distance : distances_m) distance = 1 + static_cast<float>(random() % 1000) / 1000;
   std::uint32_t lost_from = 0, lost = 0;
@@ -154,13 +153,13 @@ TEST_F(ServerAnswers, MasksOfPositionsAreOfThoseThatHaveCome) {
   }
   const RequestRecord& part = received();
   EXPECT_TRUE(part.complete(Side::Right));
-  ASSERT_LT(lost, part.known_tiles[0].size()) << "a slice is not the whole eye";
+  ASSERT_LT(lost, part.known_tiles[0].size()) << "a slice holds only a part of the eye";
   for (std::uint32_t tile = 0; tile < part.known_tiles[0].size(); ++tile)
     EXPECT_EQ(part.known_tiles[0][tile] != 0, tile < lost_from || tile >= lost_from + lost) << tile;
   job_.positions.push_back(of_left_y);
   EXPECT_TRUE(received().complete(Side::Left));
   job_.positions.clear();
-  EXPECT_FALSE(received().anything_known()) << "nothing is left of the request before";
+  EXPECT_FALSE(received().anything_known()) << "nothing of the earlier request is left";
 }
 
 /// Pictures after a device loss equal those before it.
@@ -184,8 +183,8 @@ TEST_F(ServerAnswers, WhatCannotBeMadeIsLeftOut) {
     answers_.answer(job_, packer_, {});
     return packer_.finish({.frame = {1}}).size();
   };
-  EXPECT_EQ(messages({8, 8}), 1u) << "too small for the codec: the report alone";
-  EXPECT_GT(messages({64, 64}), 1u) << "and the next is answered";
+  EXPECT_EQ(messages({8, 8}), 1u) << "too small for the codec: only the report";
+  EXPECT_GT(messages({64, 64}), 1u) << "the next request is answered";
 }
 
 }  // namespace

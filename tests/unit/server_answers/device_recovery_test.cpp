@@ -8,14 +8,14 @@
 namespace farshade {
 namespace {
 
-using Device = int;  ///< a number, counted up with each opening
+using Device = int;  ///< a number that increases with each opening
 
-/// All drawn answers of a device that is lost or cannot be opened when a test says so.
+/// All drawn answers of a device that is lost or cannot be opened, as the test chooses.
 struct Server {
   Device opened = 1;
-  int lost = 0;  ///< draws that still fail with a lost device
+  int lost = 0;  ///< the number of draws that will fail with a lost device
   bool can_open = true;
-  std::string other_failure;  ///< of a draw; empty for none
+  std::string other_failure;  ///< the error of a draw; empty: none
   int drawn = 0;
 
   AnswerMakers makers = [this] {
@@ -78,7 +78,7 @@ TEST(DeviceRecovery, GivesUpADeviceThatIsLostAgainAndAgain) {
     server.request(i == 1 ? Answer::Video : Answer::GBuffer);
   }
   EXPECT_EQ(server.makers.offered(), kTracedAnswers);
-  EXPECT_EQ(server.opened, DeviceRecovery::kMostLosses) << "not opened once more";
+  EXPECT_EQ(server.opened, DeviceRecovery::kMostLosses) << "it was not opened again";
 }
 
 TEST(DeviceRecovery, KeepsADeviceThatDrawsBetweenItsLosses) {

@@ -32,7 +32,7 @@ TEST(AnswerMakers, AFailedAnswerLeavesNothingBehindAndTheNextIsMade) {
   FramePacker packer;
   packer.begin();
   EXPECT_EQ(makers.answer(job_for(Answer::Video), packer, {}).draw, 0ms);
-  EXPECT_EQ(packer.finish({.frame = {1}}).size(), 1u) << "the report alone";
+  EXPECT_EQ(packer.finish({.frame = {1}}).size(), 1u) << "only the report";
   EXPECT_EQ(makers.offered(), kEveryAnswer);
   fails = false;
   packer.begin();

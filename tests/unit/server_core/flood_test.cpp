@@ -103,7 +103,7 @@ TEST(ServerFlood, AnswersSpoofedDatagramsWithFewerBytesAndKeepsNothing) {
   ManualClock clock;
   Flood flood(kFlood + 1000);
   ServerCore core(kServed, {kKey}, AnswerMakers(), flood, clock);
-  for (int i = 0; i < 1000; ++i) core.receive(0s);  // afterwards the buffers do not grow
+  for (int i = 0; i < 1000; ++i) core.receive(0s);  // afterwards the buffers do not grow any more
   const std::uint64_t before = resident_bytes();
   for (std::uint64_t i = 0; i < kFlood; ++i) {
     clock.advance_to(Time(i * 20us));
@@ -120,13 +120,13 @@ TEST(ServerFlood, AnswersSpoofedDatagramsWithFewerBytesAndKeepsNothing) {
               static_cast<unsigned long long>(counters.port.sent_bytes),
               static_cast<long long>(after) - static_cast<long long>(before));
   EXPECT_LE(counters.port.sent_bytes, counters.port.received_bytes);
-  EXPECT_LE(flood.worst(), 0) << "no single answer is longer than what it answers";
+  EXPECT_LE(flood.worst(), 0) << "no answer is longer than the datagram it answers";
   // Sanitizers keep freed memory.
   if (!kSanitized) {
     EXPECT_LT(after, before + kMiB);
   }
   EXPECT_EQ(counters.sessions, SessionCounters{});
-  EXPECT_GT(counters.gate.retries, kFlood / 3) << "the well-formed ones got their cookie";
+  EXPECT_GT(counters.gate.retries, kFlood / 3) << "the well-formed hellos got a cookie";
   EXPECT_GT(counters.gate.version_mismatch, kFlood / 10);
   EXPECT_GT(counters.refused[WireRefusal::UnknownSession], kFlood / 10);
 }
@@ -179,7 +179,7 @@ TEST(ServerMemory, ASessionIsUnderTwoMebibytesBeyondItsFrame) {
   std::printf("a session: %zu bytes in place, %.0f bytes in all beyond its frame's %zu\n",
               sizeof(ClientSession), per_session, frame_bytes);
   EXPECT_LT(per_session, 2.0 * kMiB);
-  EXPECT_GE(per_session, 0.9 * sizeof(ClientSession)) << "all of it was seen";
+  EXPECT_GE(per_session, 0.9 * sizeof(ClientSession)) << "the measurement includes the whole session";
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ std::vector<std::vector<std::byte>> frame(std::size_t messages, std::size_t byte
   return made;
 }
 
-/// Takes each message when it is due; returns the times.
+/// Takes each message when it is due. Returns the times.
 std::vector<Time> leave(Outbox& outbox) {
   std::vector<Time> left;
   while (const auto due = outbox.due()) {
@@ -45,7 +45,7 @@ TEST(Outbox, FastPathSpreadsEvenlyOverTheInterval) {
 
 TEST(Outbox, SlowPathIsNeverOutrun) {
   Outbox outbox;
-  outbox.put(frame(4), at(100), milliseconds(10), 100e3);  // 10 ms a message
+  outbox.put(frame(4), at(100), milliseconds(10), 100e3);  // 10 ms per message
   EXPECT_EQ(leave(outbox), (std::vector{at(100), at(110), at(120), at(130)}));
   EXPECT_EQ(outbox.drained_at(), at(140));
 }

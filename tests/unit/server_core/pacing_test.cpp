@@ -1,4 +1,4 @@
-// When the server answers a client's next request, and when the datagrams of a frame leave.
+// The times at which the server answers a client's next request and sends the datagrams of a frame.
 #include <gtest/gtest.h>
 
 #include "tests/unit/server_core/house.h"
@@ -42,7 +42,8 @@ TEST(SessionPacing, FollowsTheShorterOfDisplayAndArrivalIntervals) {
   EXPECT_NEAR(ms_of(spread_of_frame(80ms, 90ms)), expected_ms(50), 0.01) << "the upper limit";
 }
 
-/// A path of 100 kB/s that takes 20 messages of the first answer, and a client that asks for positions.
+/// A path of 100 kB/s that has taken 20 messages of the first answer, and a client that requests masks of
+/// positions.
 struct SlowPath : House {
   SlowPath() : House({.bytes_per_second = 100e3}) {
     Welcome served = kServed;

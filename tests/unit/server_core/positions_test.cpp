@@ -141,7 +141,7 @@ TEST(ServerAnswers, PicturesOfEyesOfTwoSizesAreNotDrawn) {
   request.answer.kind = Answer::GBuffer;
   bench.client.say(bench.client.ask(request));
   bench.pass(5ms);
-  EXPECT_EQ(bench.brought.size(), 1u) << "of one size they are";
+  EXPECT_EQ(bench.brought.size(), 1u) << "eyes of one size are drawn";
   request.frame = {2};
   request.views[1].size = {32, 31};
   bench.client.say(bench.client.ask(request));

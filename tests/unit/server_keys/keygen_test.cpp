@@ -37,7 +37,7 @@ TEST_F(Keygen, WritesTheClientsFileAndAddsToTheRing) {
   EXPECT_EQ(load_key_ring(folder_.path() / "farshade" / "ring.keys").value(), std::vector{key});
   EXPECT_NE(said->find(default_key_path().string()), std::string::npos) << *said;
   EXPECT_NE(said->find(default_ring_path().string()), std::string::npos) << *said;
-  EXPECT_EQ(said->find(key_line(key).substr(20, 64)), std::string::npos) << "a secret is not for the screen";
+  EXPECT_EQ(said->find(key_line(key).substr(20, 64)), std::string::npos) << "the secret is not printed";
 }
 
 TEST_F(Keygen, TakesOtherPlaces) {

@@ -1,4 +1,5 @@
-// The cells that a triangle is entered in: no point of it lies in another cell, or nearer to the light.
+// The cells of a triangle: no point of the triangle lies in another cell, or nearer to the light than the
+// depth of its cell.
 #include "stereo/tracer/cell_cover.h"
 
 #include <gtest/gtest.h>

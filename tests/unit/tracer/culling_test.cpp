@@ -1,4 +1,4 @@
-// Rays that the tracer skips: skipping changes no bit, and is counted.
+// Rays that the tracer skips: skipping changes no bit, and the skipped rays are counted.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -63,7 +63,7 @@ TEST(TracerCulling, ChangesNoBitOfBoxOverPlane) {
   const Scene scene = load_scene(FARSHADE_ASSETS "/box_over_plane.gltf").value();
   for (const double yaw : {0.0, 0.4, -0.5}) {
     const TraceStats stats = expect_same_bits(scene, turned_eyes(scene, yaw, 256));
-    EXPECT_GT(stats.proven * 10, stats.full_shadow_rays * 8) << "most of the plane is in sight";
+    EXPECT_GT(stats.proven * 10, stats.full_shadow_rays * 8) << "most of the plane is proved lit";
   }
 }
 
@@ -105,7 +105,7 @@ TEST(TracerCulling, ChangesNoBitOfRandomSoups) {
     const TraceStats stats = expect_same_bits(scene, views, time_from_ns(std::int64_t{i} * 40'000'000));
     proven += stats.proven, all += stats.full_shadow_rays;
   }
-  EXPECT_GT(proven * 20, all) << "the proof is at work";
+  EXPECT_GT(proven * 20, all) << "the proof is used";
 }
 
 const StereoView kInside{look({2, 1, 2}, {0, 0, 0}, 64), look({2, 1.1, 2}, {0, 0, 0}, 64)};
@@ -120,7 +120,7 @@ SceneBuilder hall() {
 TEST(TracerCulling, NothingIsTracedInAnEmptyHall) {
   const TraceStats stats = expect_same_bits(hall().build(), kInside);
   EXPECT_EQ(stats.proven + stats.shadow_rays, 2u * 64 * 64);
-  EXPECT_LE(stats.shadow_rays, 8u) << "the edges alone are within rounding of two walls";
+  EXPECT_LE(stats.shadow_rays, 8u) << "only the edges are within rounding of two walls";
 }
 
 TEST(TracerCulling, RaysGoOnlyWhereABoxMayStandInTheWay) {
@@ -134,7 +134,7 @@ TEST(TracerCulling, RaysGoOnlyWhereABoxMayStandInTheWay) {
     for (const std::byte word : mask.bytes()) lit += word == std::byte{1} ? 1 : 0;
   const std::uint64_t shadowed = stats.full_shadow_rays - stats.turned_away - lit;
   EXPECT_GT(shadowed, 1000u);
-  EXPECT_GE(stats.shadow_rays, shadowed) << "what is shadowed is never proven";
+  EXPECT_GE(stats.shadow_rays, shadowed) << "shadowed pixels are never proved lit";
   EXPECT_LT(stats.shadow_rays, 3 * shadowed);
   EXPECT_GT(stats.proven * 10, stats.full_shadow_rays * 8);
 }
@@ -156,7 +156,8 @@ TEST(TracerCulling, AThingThatMovesIntoTheWayIsSeen) {
     EXPECT_GT(stats.shadow_rays, 0u);
     EXPECT_GT(stats.proven, stats.shadow_rays);
     if (ms == 0) {
-      EXPECT_EQ(stats.proven, proven_at_start.value_or(stats.proven)) << "what has moved away proves again";
+      EXPECT_EQ(stats.proven, proven_at_start.value_or(stats.proven))
+          << "after the mover has gone, the proof succeeds again";
       proven_at_start = stats.proven;
     }
   }

@@ -130,7 +130,7 @@ TEST(MaskBit, HolesAreNeitherSeenNorCast) {
   }
 }
 
-/// glTF 2.0, 3.9.4: what equals the cutoff is there.
+/// glTF 2.0, 3.9.4: alpha equal to the cutoff is opaque.
 TEST(MaskBit, AlphaEqualToTheCutoffIsNoHole) {
   const auto mask_with = [](std::optional<float> cutoff) {
     SceneBuilder build;
@@ -150,7 +150,7 @@ TEST(MaskBit, EndsAtTheLightsRange) {
   build.add(kFloor);
   build.point_light({0, 1, 0}, 1.6f);
   const double share = lit_share(build.build(), look({0, 4, 0.01}, {0, 0, 0}, 128, 2 * std::atan(0.5)));
-  const double disc = std::numbers::pi * (1.6 * 1.6 - 1.0) / 16.0;  // of the 4 x 4 m that the view shows
+  const double disc = std::numbers::pi * (1.6 * 1.6 - 1.0) / 16.0;  // of the 4 x 4 m in view
   EXPECT_NEAR(share, disc, 0.01);
 }
 
@@ -192,7 +192,8 @@ TEST(MaskBit, SurfaceAtTheLightDoesNotCast) {
   EXPECT_GT(lit_share(build.build(), look({0, 1.2, 2}, {0, 0, 0}, kSide, 0.8)), 0.9);
 }
 
-/// A far light lies in a shade: rounding of its coordinates must not make the shade cast.
+/// A far light lies in the plane of a shade: rounding of its coordinates must not make the shade cast a
+/// shadow.
 TEST(MaskBit, SurfaceAtAFarLightDoesNotCast) {
   for (const float far : {300.0f, 3000.0f, 30'000.0f}) {
     SceneBuilder build;

@@ -121,7 +121,7 @@ TEST(TracerFrame, NoRayWhereEitherNormalTurnsAway) {
   SceneBuilder build;
   build.add(leaning);
   build.directional_light({-1.0, 0.1, 0.0});  // from behind the triangle, on the side of its shading normal
-  build.directional_light({1.0, -1.0, 0.0});  // the other way round
+  build.directional_light({1.0, -1.0, 0.0});  // the opposite case
   const Scene scene = build.build();
   auto tracer = Tracer::create(scene).value();
   ShadowFrame frame;

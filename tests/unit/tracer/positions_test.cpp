@@ -1,5 +1,5 @@
-// Tracing from received positions: against the ordinary trace where the difference would be visible, and
-// against results on paper.
+// Tracing from received positions, compared with the ordinary trace where a difference would be visible, and
+// with results on paper.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ PositionGrid grid_over(const Scene& scene, std::uint32_t bits) {
   return grid_of({scene.bounds.low}, {scene.bounds.high}, bits);
 }
 
-/// What a rasteriser computes at the pixel centres of a view.
+/// The values that a rasteriser computes at the pixel centres of a view.
 struct Rasterised {
   std::vector<float> distance_m;
   std::vector<glm::dvec3> position, normal;  ///< stage; the shading normal, on the viewer's side

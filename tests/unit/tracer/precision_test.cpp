@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kMostInBand = 0.03;
 
-/// A box over a floor with a near, a grazing and a spot light. `scale` is its size in metres, `shift` its
+/// A box over a floor with a near, a grazing and a spot light. `scale` is the size in metres, `shift` the
 /// distance from the origin.
 Scene box_scene(double scale, const glm::dvec3& shift = glm::dvec3(0.0)) {
   const auto s = static_cast<float>(scale);
@@ -75,8 +75,7 @@ TEST(TracerPrecision, LightATenthOfAMillimetreFromItsSurface) {
 TEST(TracerPrecision, NeedlesDuplicatesAndPointsDoNoHarm) {
   SceneBuilder build;
   std::vector<glm::vec3> corners;
-  for (int i = 0; i < 64;
-       ++i) {  // a floor of needles, 4 m by 4 um, and the gaps between them filled by wide ones
+  for (int i = 0; i < 64; ++i) {  // a floor of needles, 4 m by 4 um; wide needles fill the gaps between them
     const float z = -2 + static_cast<float>(i) / 16, width = 1.0f / 16 - 4e-6f;
     for (const auto& [from, to] : {std::pair{z, z + width}, std::pair{z + width, z + 1.0f / 16}})
       for (const glm::vec3& corner :

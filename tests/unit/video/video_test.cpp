@@ -14,7 +14,7 @@ using Unit = std::vector<std::byte>;
 
 constexpr Extent kSize{320, 160};
 
-/// A drawn scene that moves with `frame`: shaded floor, bars and discs with sharp edges, fine stripes.
+/// A drawn scene that moves with `frame`: a shaded floor, bars and discs with sharp edges, fine stripes.
 Image<Rgb8> drawn(Extent size, int frame) {
   Image<Rgb8> picture(size);
   const auto level = [](double value) { return static_cast<std::uint8_t>(std::clamp(value, 0.0, 255.0)); };
@@ -69,7 +69,7 @@ Image<Rgb8> grey(Image<Rgb8> picture) {
   return picture;
 }
 
-/// Colour has half of the resolution, and the drawn scene's edges are of colours: its PSNR cannot be high.
+/// Colour has half the resolution, and the drawn scene has coloured edges, so its PSNR cannot be high.
 TEST(Video, EveryPictureComesBackAtOnceAndIsClose) {
   for (const bool coloured : {false, true}) {
     VideoEncoder coder = encoder({kSize, 50'000'000, 72});
@@ -86,7 +86,8 @@ TEST(Video, EveryPictureComesBackAtOnceAndIsClose) {
   }
 }
 
-/// Half a picture of one colour: what 4:2:0 cannot spoil shows whether range and matrix agree both ways.
+/// Half a picture of one colour. 4:2:0 does not change it, so it shows whether encoder and decoder agree
+/// about range and matrix.
 TEST(Video, ColoursKeepTheirLevels) {
   for (const Rgb8 colour : {Rgb8(0, 0, 0), Rgb8(255, 255, 255), Rgb8(255, 0, 0), Rgb8(0, 0, 255),
                             Rgb8(128, 128, 128), Rgb8(10, 200, 90)}) {
@@ -187,9 +188,9 @@ TEST(Video, RefusesFormatsItCannotMake) {
   EXPECT_EQ(fault({kSize, 1'000'000, std::nan("")}), Fault::OutOfRange);
 }
 
-// Units are foreign bytes.
+// Damaged units: units come from the network.
 
-/// A key frame and one after it, of a size that keeps the tests below short.
+/// A key frame and the frame after it, small enough to keep the tests below short.
 struct TwoUnits {
   TwoUnits() {
     VideoEncoder coder = encoder({{64, 48}, 20'000'000, 72});
@@ -199,8 +200,8 @@ struct TwoUnits {
   Unit key, next;
 };
 
-/// Arithmetic decoding reads on into the zeros behind a unit's end: its last block may pass without its
-/// bytes.
+/// Arithmetic decoding reads on into the zeros after the end of a unit. So its last block may decode without
+/// its bytes.
 constexpr std::size_t kLastBlock_bytes = 32;
 
 TEST(VideoDecoder, RefusesTruncations) {
@@ -212,7 +213,7 @@ TEST(VideoDecoder, RefusesTruncations) {
         << length << " of " << units.key.size();
   }
   for (std::size_t length = 0; length < units.next.size(); ++length) {
-    ASSERT_TRUE(back.decode(units.key).has_value()) << "it recovers";
+    ASSERT_TRUE(back.decode(units.key).has_value()) << "the decoder recovers";
     const auto decoded = back.decode(std::span(units.next).first(length));
     EXPECT_TRUE(!decoded || length + kLastBlock_bytes > units.next.size())
         << length << " of " << units.next.size();
@@ -230,7 +231,7 @@ TEST(VideoDecoder, OutlivesDamageAndNoise) {
     Unit damaged = round % 2 == 0 ? units.key : units.next;
     const std::size_t hits = 1 + random() % 4;
     for (std::size_t hit = 0; hit < hits; ++hit) {
-      // Parameter sets and slice headers are short and come first: half of the damage goes there.
+      // Parameter sets and slice headers are short and come first, so half of the damage goes there.
       const std::size_t reach =
           random() % 2 == 0 ? std::min<std::size_t>(64, damaged.size()) : damaged.size();
       damaged[random() % reach] = static_cast<std::byte>(random());
@@ -240,13 +241,13 @@ TEST(VideoDecoder, OutlivesDamageAndNoise) {
     const auto decoded = back.decode(damaged);
     ASSERT_TRUE(!decoded || (*decoded)->pixels.size() == (*decoded)->size.pixels());
   }
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "nor does damage make libav print";
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "libav prints nothing for damaged units, either";
   back.reset();
   EXPECT_TRUE(back.decode(units.key).has_value());
   EXPECT_TRUE(back.decode(units.next).has_value());
 }
 
-// Both eyes in one picture.
+// Both eyes are in one picture.
 
 TEST(SideBySide, GivesBothEyesBack) {
   for (const Extent eye : {Extent{32, 32}, Extent{33, 17}, Extent{1, 1}, Extent{4, 5}}) {

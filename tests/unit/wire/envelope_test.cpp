@@ -71,7 +71,7 @@ TEST(Envelopes, RefuseEveryTruncation) {
   for (const Bytes& whole : to_server())
     for (std::size_t size = 0; size < whole.size(); ++size) {
       const auto envelope = open_client_envelope(cut(whole, size));
-      if (envelope) {  // a tag's bytes may be any
+      if (envelope) {  // the bytes of a tag may have any value
         EXPECT_TRUE(std::holds_alternative<Sealed>(*envelope) && size >= kSealedHeader_bytes + kTag_bytes);
         continue;
       }
@@ -98,7 +98,7 @@ TEST(Envelopes, RefuseWhatFollowsTheLastField) {
   }
 }
 
-/// An envelope that is taken says all that its bytes say: written again it is the same.
+/// An envelope that is accepted keeps all information: encoding it again gives the same bytes.
 TEST(Envelopes, EveryFlippedBitIsRefusedOrMeansWhatItSays) {
   const auto for_each_flip = [](const std::vector<Bytes>& datagrams, const auto& look_at) {
     for (const Bytes& whole : datagrams)
@@ -139,11 +139,11 @@ TEST(HelloEnvelope, IsPaddedWithZerosToItsLastByte) {
 TEST(HelloEnvelope, OfAnotherVersionIsKnownByVersionAndEcho) {
   Bytes bytes = enveloped(hello());
   bytes[4] = std::byte{kProtocolVersion + 1};
-  bytes[kMaxDatagram_bytes - 1] = std::byte{0xff};  // what it says beyond the echo is its own affair
+  bytes[kMaxDatagram_bytes - 1] = std::byte{0xff};  // the bytes after the echo are not checked
   const auto foreign = std::get<ForeignHello>(*open_client_envelope(bytes));
   EXPECT_EQ(foreign.version, kProtocolVersion + 1);
   EXPECT_EQ(foreign.echo, retry().echo);
-  bytes.pop_back();  // no answer to a short one: it could be longer than the question
+  bytes.pop_back();  // a short hello gets no answer: the answer could be longer than the hello
   EXPECT_EQ(open_client_envelope(bytes).error(), WireRefusal::Padding);
 }
 

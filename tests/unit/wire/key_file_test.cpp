@@ -82,7 +82,7 @@ TEST(KeyFile, RefusesWhatIsAnotherUsers) {
   const fs::path path = folder.path() / "a.key";
   ASSERT_TRUE(write_key(path, key_of("a", 1)));
   if (::chown(path.c_str(), ::geteuid() + 1, static_cast<gid_t>(-1)) != 0)
-    GTEST_SKIP() << "only root gives files away";
+    GTEST_SKIP() << "only root may change the owner of a file";
   const auto key = load_key(path);
   ASSERT_FALSE(key);
   EXPECT_EQ(key.error().fault, Fault::Unreadable);
@@ -243,7 +243,7 @@ TEST(NewKey, RefusesNamesThatAreNone) {
 TEST(DefaultKeyPlaces, AreInTheConfigFolder) {
   const std::string home = std::getenv("HOME") != nullptr ? std::getenv("HOME") : "";
   ::setenv("HOME", "/home/someone", 1);
-  ::setenv("XDG_CONFIG_HOME", "relative", 1);  // to be ignored
+  ::setenv("XDG_CONFIG_HOME", "relative", 1);  // must be ignored
   EXPECT_EQ(default_key_path(), "/home/someone/.config/farshade/client.key");
   ::setenv("XDG_CONFIG_HOME", "/etc/xdg", 1);
   EXPECT_EQ(default_ring_path(), "/etc/xdg/farshade/ring.keys");

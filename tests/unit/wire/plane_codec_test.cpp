@@ -22,7 +22,7 @@ PixelPlane noise_plane(Extent size, std::uint32_t word_bytes, std::mt19937& rand
   return plane;
 }
 
-/// A plane in space, some of it in front of nothing.
+/// The depth of a plane in space; some pixels have no surface.
 PixelPlane smooth_plane(Extent size, std::uint32_t word_bytes, std::mt19937& random) {
   PixelPlane plane(size, word_bytes);
   const auto below = [&](std::uint32_t most) { return static_cast<std::uint32_t>(random() % most); };
@@ -117,7 +117,7 @@ TEST(PlanePacker, SpendsHardlyAnythingOnOneValue) {
   EXPECT_LT(bytes_in(packed(one_value({512, 512}, 4, 0x3f800001), PlaneKind::Depth)), 200u);
 }
 
-/// Numbers that are linear on the screen, as depth is on any plane, are foretold but for rounding.
+/// Values that are linear on the screen, such as the depth of a plane, are predicted up to rounding.
 TEST(PlanePacker, SpendsLittleOnWhatIsLinearOnTheScreen) {
   PixelPlane plane({256, 256}, 4);
   for (std::uint32_t y = 0; y < 256; ++y)
@@ -127,7 +127,7 @@ TEST(PlanePacker, SpendsLittleOnWhatIsLinearOnTheScreen) {
   EXPECT_LT(bytes_in(packed(plane, PlaneKind::Depth)), 256u * 256 * 4 / 8);
 }
 
-/// Channels and the two numbers of a normal have their own steps.
+/// Each channel and each of the two numbers of a normal has its own gradient.
 TEST(PlanePacker, LanesDoNotDisturbEachOther) {
   PixelPlane plane({128, 128}, 4);
   for (std::uint32_t i = 0; i < plane.words.size(); ++i)
@@ -206,7 +206,7 @@ TEST(PlaneSlices, AreExactlyTheTilesTheyClaim) {
   EXPECT_EQ(known, KnownTiles(12));
 }
 
-/// What must hold of any bytes: refused and untouched, or taken.
+/// A property of all inputs: they are refused and nothing changes, or they are accepted.
 void expect_harmless(const Bytes& bytes, const PixelPlane& like) {
   const Decoded<ServerMessage> message = decode_server(bytes);
   if (!message || !std::holds_alternative<PlaneSlice>(*message)) return;
@@ -280,7 +280,7 @@ TEST(PlaneTile, IsRefusedWhereItClaimsWhatNoLaneHolds) {
   EXPECT_EQ(read({9, 7, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}),
             refuse(WireRefusal::TileBits));
   EXPECT_EQ(read({1, 7, 1, 0, 2}), refuse(WireRefusal::TileLength));
-  // One rest of -1, folded to 1, at the second pixel: from there on the step goes on.
+  // A single residual of -1, coded as 1, at the second pixel. From there on the gradient continues.
   EXPECT_TRUE(read({1, 7, 1, 0, 2, 0}));
   EXPECT_EQ(words[0], 7u);
   EXPECT_EQ(words[1], 6u);

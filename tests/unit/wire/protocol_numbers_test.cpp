@@ -1,5 +1,5 @@
-// The numbers that PROTOCOL.md shares with the code: its table of constants, every "value (`kName`)" in its
-// text, its headings and its offset columns are read here and compared with the code.
+// The numbers that PROTOCOL.md shares with the code. This test reads its table of constants, every "value
+// (`kName`)" in the text, the headings and the offset columns, and compares them with the code.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ namespace {
 
 using namespace wire_samples;
 
-/// The page's lines outside of its code blocks.
+/// The lines of the document outside of its code blocks.
 std::vector<std::string> lines_of_text() {
   std::ifstream page(FARSHADE_SOURCE "/stereo/wire/PROTOCOL.md");
   EXPECT_TRUE(page) << "PROTOCOL.md is missing";
@@ -38,14 +38,14 @@ std::vector<std::string> lines_of_text() {
   return lines;
 }
 
-/// The same as one line, so that a sentence may break anywhere.
+/// The same as one line, because a sentence may be broken anywhere.
 std::string text() {
   std::string all;
   for (const std::string& line : lines_of_text()) all += line + " ";
   return all;
 }
 
-/// 16384 as the page writes it: "16,384".
+/// 16384 in the document's notation: "16,384".
 std::string count(std::uint64_t value) {
   std::string digits = std::to_string(value);
   for (std::size_t end = digits.size(); end > 3; end -= 3) digits.insert(end - 3, ",");
@@ -140,7 +140,7 @@ TEST(ProtocolNumbers, ValueBesideANameIsThatConstants) {
   for (std::sregex_iterator at(page.begin(), page.end(), mention), end; at != end; ++at) {
     const std::string name = (*at)[3], unit = (*at)[2];
     if (!of_code.contains(name)) continue;
-    // A number without its unit stands where the unit is that of the column or of the noun that follows.
+    // A number has no unit of its own if the column or the noun after it has the unit.
     const std::string value = of_code.at(name), number = value.substr(0, value.find(' '));
     EXPECT_EQ((*at)[1], number) << name;
     EXPECT_TRUE(unit.empty() || number + " " + unit == value) << at->str();
@@ -156,7 +156,7 @@ TEST(ProtocolNumbers, EveryTimeHasTheNameOfItsConstant) {
   const std::regex time(R"([0-9][0-9,.]* (ms|us|s)\b)");
   for (std::sregex_iterator at(page.begin(), page.end(), time), end; at != end; ++at)
     EXPECT_EQ(page.substr(static_cast<std::size_t>(at->position() + at->length()), 3), " (`")
-        << "the page says " << at->str() << " without the name of its constant";
+        << "the document says " << at->str() << " without the name of its constant";
 }
 
 struct Size {
@@ -173,7 +173,7 @@ Size size_of_envelope(const Bytes& datagram) {
 Size size_of_message(const Bytes& message) {
   return {std::to_integer<std::size_t>(message.at(0)), message.size(), message.size()};
 }
-/// Messages that end with bytes of any number.
+/// Messages that end with any number of bytes.
 Size open_size(const Bytes& message, std::size_t header) {
   return {std::to_integer<std::size_t>(message.at(0)), header + 1, kMaxMessage_bytes};
 }

@@ -1,5 +1,5 @@
-// PROTOCOL.md's examples are the goldens: its bytes are read here and compared both ways, so that the page,
-// the encoder and the decoder cannot drift apart.
+// The examples in PROTOCOL.md are the golden bytes. The encoder must write them and the decoder must read
+// them, so that document, encoder and decoder stay equal.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -14,7 +14,7 @@ namespace {
 
 using namespace wire_samples;
 
-/// The bytes of the page's block "```hex NAME": a line is bytes in hex, two spaces, and what they mean.
+/// The bytes of the block "```hex NAME". A line has bytes in hex, two spaces, and their meaning.
 Bytes example(const std::string& name) {
   std::ifstream page(FARSHADE_SOURCE "/stereo/wire/PROTOCOL.md");
   EXPECT_TRUE(page) << "PROTOCOL.md is missing";
@@ -31,7 +31,7 @@ Bytes example(const std::string& name) {
   return bytes;
 }
 
-/// The page leaves the zeros out.
+/// The document omits the zeros.
 Bytes padded(Bytes bytes) {
   bytes.resize(kMaxDatagram_bytes);
   return bytes;
@@ -63,7 +63,7 @@ TEST(Protocol, NoSessionIsAsThePageSays) {
   EXPECT_EQ(std::get<NoSession>(*open_server_envelope(example("no-session"))), no_session());
 }
 
-/// The page's bytes were made without this library: ChaCha20-Poly1305 as RFC 8439 writes it down.
+/// The bytes in the document were made without this library, with ChaCha20-Poly1305 as RFC 8439 defines it.
 TEST(Protocol, SealedIsAsThePageSays) {
   const Secret key(counting<32>(0x80));
   Sealer sealer(SessionId{0x0807060504030201}, key, Sealing::On);

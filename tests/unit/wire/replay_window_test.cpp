@@ -9,7 +9,7 @@
 namespace farshade {
 namespace {
 
-/// What the window says of itself, in the simplest way: all that was taken is remembered.
+/// The definition of the window in its simplest form: it remembers all accepted counters.
 struct NaiveWindow {
   std::set<std::uint64_t> taken;
 
@@ -88,7 +88,7 @@ TEST(ReplayWindow, AgreesWithASetOfAllThatWasTaken) {
           break;
         case 2:
           counter += up_to(100) == 0 ? up_to(20'000) : 1;
-          break;  // now and then beyond the ring
+          break;  // sometimes beyond the ring
         case 3:
           counter -= std::min(counter, up_to(80));
           break;

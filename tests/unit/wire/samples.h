@@ -1,4 +1,4 @@
-/// Messages and masks that the wire's tests share.
+/// Messages and masks that the tests of the wire format share.
 #pragma once
 
 #include <algorithm>
@@ -37,7 +37,7 @@ inline Bytes encoded(const ServerMessage& message) {
   return bytes;
 }
 
-/// Byte i is first + i.
+/// Byte i has the value first + i.
 template <std::size_t N>
 std::array<std::uint8_t, N> counting(unsigned first) {
   std::array<std::uint8_t, N> bytes;
@@ -62,8 +62,8 @@ inline Probe probe() {
   return {.token = 0x0102030405060708};
 }
 
-/// A quarter turn to the left, eyes 64 mm apart, asymmetric fov; one light off, one elsewhere; of three
-/// datagrams the second has not come.
+/// A quarter turn to the left, eyes 64 mm apart, an asymmetric fov, one light off and one at another place.
+/// Of three datagrams, the second has not arrived.
 inline RequestMessage request() {
   View view;
   view.stage_from_eye.rotation = {0.70710678118654757, 0.0, 0.70710678118654757, 0.0};
@@ -129,8 +129,6 @@ inline VideoPart video_part() {
   return {.frame = FrameId{258}, .after = FrameId{257}, .part = 2, .parts = 3, .bytes = kThreeBytes};
 }
 
-// ---- envelopes
-
 template <class Envelope>
 Bytes enveloped(const Envelope& envelope) {
   Bytes datagram;
@@ -138,7 +136,7 @@ Bytes enveloped(const Envelope& envelope) {
   return datagram;
 }
 
-/// Its proof is one of shared_key(): made by `python3` and hashlib.blake2b, not by the code under test.
+/// Its proof was made with shared_key() by `python3` and hashlib.blake2b, not by the code under test.
 inline Hello hello() {
   return {.client = counting<32>(0x20),
           .key = {0xd8, 0xd8, 0xc6, 0xac, 0x12, 0xd1, 0xb2, 0x8b},
@@ -161,9 +159,9 @@ inline NoSession no_session() {
   return {SessionId{0x0807060504030201}};
 }
 
-/// 20 x 18 pixels, two lights: two columns and rows of tiles, of which only the first is whole. Light 0
-/// reaches the pixels from x = 5 on in rows 3 to 7 and nothing else; light 1 reaches all but the last two
-/// rows.
+/// 20 x 18 pixels and two lights. There are two columns and two rows of tiles, of which only the first is
+/// complete. Light 0 reaches only the pixels from x = 5 on in rows 3 to 7. Light 1 reaches all rows but the
+/// last two.
 inline ShadowFrame small_frame() {
   ShadowFrame frame;
   frame.frame = FrameId{258};
@@ -177,7 +175,7 @@ inline ShadowFrame small_frame() {
   return frame;
 }
 
-/// Every bit by a coin.
+/// Every bit is random.
 inline EyeMask noise_mask(Extent size, std::uint32_t lights, std::mt19937& random) {
   EyeMask mask(size, lights);
   for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane)
@@ -187,7 +185,7 @@ inline EyeMask noise_mask(Extent size, std::uint32_t lights, std::mt19937& rando
   return mask;
 }
 
-/// Like shadows: each light has a straight and a round edge.
+/// Similar to shadows: each light has a straight and a round edge.
 inline EyeMask edge_mask(Extent size, std::uint32_t lights, std::mt19937& random) {
   EyeMask mask(size, lights);
   std::uniform_real_distribution<double> anywhere(0.0, 1.0), slope(-2.0, 2.0);
@@ -223,7 +221,7 @@ inline std::vector<Bytes> packed(const ShadowFrame& frame, Side eye, std::span<c
   return messages;
 }
 
-/// An LZ4 block that holds `bytes` as they are.
+/// An LZ4 block that contains `bytes` uncompressed.
 inline Bytes literal_block(const Bytes& bytes) {
   Bytes block;
   std::size_t n = bytes.size();

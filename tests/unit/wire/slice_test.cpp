@@ -160,7 +160,7 @@ TEST(Slices, TilesNotSentStayAsTheyWere) {
       ASSERT_EQ(received.mask.word(x, y), (sent[y / 16 * 3 + x / 16] != 0 ? mask : old).word(x, y));
 }
 
-/// What must hold of any bytes: refused and untouched, or taken.
+/// A property of all inputs: they are refused and nothing changes, or they are accepted.
 void expect_harmless(const Bytes& bytes, const EyeMask& like) {
   const Decoded<ServerMessage> message = decode_server(bytes);
   if (!message || !std::holds_alternative<Slice>(*message)) return;

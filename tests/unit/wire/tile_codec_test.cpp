@@ -11,7 +11,7 @@ using namespace wire_samples;
 
 constexpr TileRect kTile{0, 0, 16, 16};
 
-/// One tile, one light, from 16 rows of bits, pixel 0 the lowest.
+/// One tile of one light, given as 16 rows of bits; pixel 0 is the lowest bit.
 EyeMask tile_of(const PlaneRows& rows) {
   EyeMask mask({16, 16}, 1);
   for (std::uint32_t y = 0; y < 16; ++y)
@@ -25,7 +25,7 @@ Bytes written(const EyeMask& mask) {
   return bytes;
 }
 
-/// The tile after the way to bytes and back.
+/// The tile after encoding and decoding.
 EyeMask travelled(const EyeMask& mask) {
   const Bytes bytes = written(mask);
   ByteReader in(bytes);
@@ -51,7 +51,7 @@ TEST(TileCodec, OneValueOfNoLightsIsCodingAlone) {
 TEST(TileCodec, AnEdgeIsTheRowsWhereItMoves) {
   PlaneRows rows{};
   for (std::uint32_t y = 4; y < 16; ++y) rows[y] = y < 9 ? 0x03f0 : 0x07e0;
-  // varies: light 0; not raw; rows 4 and 9 change: pixels 4 to 9 flip, then 4 and 10 (the run 10..4, inside
+  // varies: light 0; not raw; rows 4 and 9 change: pixels 4 to 9 flip, then 4 and 10 (the run 10..4, within
   // it 5..9).
   EXPECT_EQ(written(tile_of(rows)), bytes_of({2, 1, 0, 0x10, 0x02, 0x94, 0x4a, 0x95}));
   EXPECT_EQ(travelled(tile_of(rows)), tile_of(rows));
