@@ -121,7 +121,7 @@ void Conversation::check_client() const {
   check_eq(counters.assembler.refused.total(), 0u, "malformed slices");
   check(!client_->link.refused(), "only the server can refuse");
   if (!withheld_ && !disowned_) {
-    check(client_->link.heard_at().has_value(), "the session lives on");
+    check(client_->link.last_received().has_value(), "the session lives on");
     check_eq(counters.sessions, 1u, "sessions: the first one");
     check_eq(counters.missing, 0u, "missing: nothing was withheld");
   }
@@ -130,7 +130,7 @@ void Conversation::check_client() const {
 void Conversation::finish() {
   server_tap_.hold_next = client_->tap.hold_next = 0;
   check(client_->gets_masks(withheld_ || disowned_ ? 60 : 1, 100ms), "the client gets its masks");
-  check(client_->link.heard_at().has_value(), "and is in session");
+  check(client_->link.last_received().has_value(), "and is in session");
   check_client();
 }
 

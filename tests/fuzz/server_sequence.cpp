@@ -140,7 +140,7 @@ void Conversation::finish() {
   for (fuzz::GenuineClient& client : clients_) client.tap.hold_next = 0;
   for (fuzz::GenuineClient& client : clients_) {
     check(client.gets_masks(withheld_ ? 150 : 1, 100ms), "a genuine client gets its masks");
-    check(client.link.heard_at().has_value() && !client.link.refused(), "and is in session");
+    check(client.link.last_received().has_value() && !client.link.refused(), "and is in session");
     if (!withheld_) check_eq(client.link.counters().sessions, 1u, "sessions: the first one");
   }
   check_server();
