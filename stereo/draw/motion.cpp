@@ -76,13 +76,13 @@ Motion MotionModel::between(const SceneState& then, const SceneState& now) const
   }
   if (!moves) return motion;
   for (std::size_t slot = 0; slot < moving_.size(); ++slot) {
-    const Moving& thing = moving_[slot];
-    const Affine<Stage, Object>&before = then.stage_from_object[thing.instance],
-                        &after = now.stage_from_object[thing.instance];
+    const Moving& mover = moving_[slot];
+    const Affine<Stage, Object>&before = then.stage_from_object[mover.instance],
+                        &after = now.stage_from_object[mover.instance];
     if (before == after) continue;
     motion.then_from_now[slot] = before.matrix * glm::inverse(after.matrix);
-    add_sphere(sphere_about(before, thing.low, thing.high), motion.moved);
-    add_sphere(sphere_about(after, thing.low, thing.high), motion.moved);
+    add_sphere(sphere_about(before, mover.low, mover.high), motion.moved);
+    add_sphere(sphere_about(after, mover.low, mover.high), motion.moved);
   }
   return motion;
 }

@@ -110,7 +110,8 @@ Expected<const Image<Rgb8>*> VideoDecoder::decode(std::span<const std::byte> uni
   if (unit.empty() || unit.size() > kMaxUnit_bytes)
     return fail(Fault::Malformed, "a video unit of " + std::to_string(unit.size()) + " bytes");
   if (!codec_->has_reference && !holds_key_frame(unit))
-    return fail(Fault::Missing, "a video unit stands on pictures that have not come: a key frame is needed");
+    return fail(Fault::Missing,
+                "a video unit depends on pictures that have not arrived: a key frame is needed");
   const Expected<void> shown = (codec_->context ? Expected<void>{} : codec_->open())
                                    .and_then([&] { return codec_->decode_frame(unit); })
                                    .and_then([&] { return codec_->convert_frame(); });

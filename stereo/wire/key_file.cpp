@@ -84,10 +84,10 @@ class DuplicateCheck {
     const auto [name, is_new_name] = names_.emplace(key.name, line);
     if (!is_new_name)
       return fail(Fault::Malformed,
-                  place + "the name '" + key.name + "' stands in line " + std::to_string(name->second));
+                  place + "the name '" + key.name + "' is already in line " + std::to_string(name->second));
     const auto [secret, is_new_secret] = secrets_.emplace(key.secret, line);
     if (!is_new_secret)
-      return fail(Fault::Malformed, place + "the secret of '" + key.name + "' stands in line " +
+      return fail(Fault::Malformed, place + "the secret of '" + key.name + "' is already in line " +
                                         std::to_string(secret->second));
     return {};
   }

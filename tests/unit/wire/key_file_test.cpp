@@ -208,8 +208,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "64 hexadecimal digits"},
         BadLine{"MoreBehind", "farshade-key-1 b " + kDigits + " 1", "more behind the secret"},
         BadLine{"SecretOfZeros", "farshade-key-1 b " + std::string(64, '0'), "a secret of zeros is none"},
-        BadLine{"NameTwice", "farshade-key-1 a " + kDigits, "the name 'a' stands in line 2"},
-        BadLine{"SecretTwice", key_line(key_of("b", 1)), "the secret of 'b' stands in line 2"}),
+        BadLine{"NameTwice", "farshade-key-1 a " + kDigits, "the name 'a' is already in line 2"},
+        BadLine{"SecretTwice", key_line(key_of("b", 1)), "the secret of 'b' is already in line 2"}),
     [](const auto& bad) { return bad.param.name; });
 
 TEST(KeyId, FollowsFromTheSecretAlone) {
