@@ -53,7 +53,7 @@ struct Facing {
   bool seen;
 };
 
-TEST_F(CoverageOf, MirroredSingleSidedQuadsIsOnPaper) {
+TEST_F(CoverageOf, MirroredSingleSidedQuadsIsAsComputedOnPaper) {
   const std::array facings{Facing{{1, 1, 1}, true},    Facing{{-1, 1, 1}, true},   Facing{{1, -1, 1}, true},
                            Facing{{-1, -1, 1}, true},  Facing{{1, 1, -1}, false},  Facing{{-1, 1, -1}, false},
                            Facing{{1, -1, -1}, false}, Facing{{-1, -1, -1}, false}};

@@ -175,7 +175,7 @@ TEST_F(Economy, TheOtherEyeIsLookedUpOnlyWhereItStandsElsewhere) {
   EXPECT_EQ(drawn(scene_with({}), {.two_views = false}).lookups, 1u);
 }
 
-TEST_F(Economy, EverythingOnCostsMoreOfEverything) {
+TEST_F(Economy, AllFeaturesTogetherCostMoreOfEverything) {
   const DrawCounters needed = drawn(scene_with({})),
                      everything = drawn(scene_with({}), {.kind = PlanKind::Everything});
   EXPECT_GT(everything.pipelines, needed.pipelines);

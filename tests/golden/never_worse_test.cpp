@@ -54,7 +54,7 @@ Time time_of(int frame) {
   return Time(Duration(std::llround(frame * 1e9 / kRefresh_hz)));
 }
 
-TEST_P(NeverWorse, ThanTheStaleMaskAsItIs) {
+TEST_P(NeverWorse, ThanTheStaleMaskWithoutReprojection) {
   double sum = 0, sum_unmoved = 0;
   int frames = 0;
   for (int frame = GetParam().first; trace_.start() + time_of(frame).time_since_epoch() <= trace_.end();

@@ -96,7 +96,7 @@ TEST_F(OverlayGolden, RefusesSwappedEyes) {
 }
 
 /// These goldens contain every colour of every legend.
-TEST_F(OverlayGolden, TheFrameKnowsALittleOfEverything) {
+TEST_F(OverlayGolden, TheFrameHasEverySource) {
   std::array<std::size_t, 256> sources{};
   std::size_t stale = 0;
   for_covered(shown_, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {

@@ -70,7 +70,7 @@ TEST_F(ReceivedGBuffer, GivesTheSamePictureBetweenPlans) {
   expect_same_picture(scene, whole_plan(scene), direct);
 }
 
-TEST_F(ReceivedGBuffer, WhatDidNotComeIsBackground) {
+TEST_F(ReceivedGBuffer, MissingTilesAreBackground) {
   const Scene scene = bundled("box_over_plane.gltf");
   Renderer renderer(device_, scene, kLimits);
   const SceneState state = state_at(scene, Time{});

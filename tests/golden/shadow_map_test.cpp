@@ -340,7 +340,7 @@ TEST_F(ShadowMapsShown, ALightThatIsOffTakesNoMapAndTheOthersStayRight) {
   EXPECT_EQ(rig.show_and_judge(head, {}).mask_error, both);
 }
 
-TEST_F(ShadowMapsShown, CostNothingUntilTheyAreWishedForAndLeaveMasksAlone) {
+TEST_F(ShadowMapsShown, CostNothingUntilTheyAreUsedAndDoNotChangeMasks) {
   ShadowMapRig rig(device_, bundled("box_over_plane.gltf"));
   const Rigid<Stage, Head> head = head_at_camera(rig.scene());
   rig.show_traced(head);

@@ -144,7 +144,7 @@ Scene moving_box() {
   return builder.build();
 }
 
-TEST_F(Stale, PointsOnMovingThingsTakeTheBitsOfWhereTheyWere) {
+TEST_F(Stale, PointsOnMovingMeshesTakeTheBitsOfTheirOldPlaces) {
   TestRig rig(device_, moving_box(), 192);
   const StereoView views = rig.eyes({{1, 0, 0, 0}, {0, 1, 1.5}});
   const Mask traced = with_noise(rig.ask(kTraced, views), 5);

@@ -52,7 +52,7 @@ ServerMessage answer_to(const SharedKey& key, const ContentHash& scene, const st
   throw std::runtime_error("a handshake takes two round trips");
 }
 
-TEST(ServerProgram, SaysItsPlanAndEnds) {
+TEST(ServerProgram, PrintsItsPlanAndEnds) {
   for (const auto& [plan, said] : {std::pair{"--plan", "plan for box_over_plane.gltf: what it needs"},
                                    {"--plan=", "plan for box_over_plane.gltf: what it needs"}}) {
     ChildProgram program({RT_SERVER, "--scene", kScene, plan});

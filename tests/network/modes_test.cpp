@@ -72,7 +72,7 @@ std::string name(const testing::TestParamInfo<Case>& info) {
 class EveryMode : public testing::TestWithParam<Case> {};
 
 /// The request is for the shown views and the frame waits for it: no age, no pose difference.
-TEST_P(EveryMode, ShowsWhatFullShowsWhereNothingIsLate) {
+TEST_P(EveryMode, ShowsThePictureOfFullIfNothingIsLate) {
   const auto& [mode, least_dB] = GetParam();
   if (set_of(Answer::Video) & answers_for(mode.mode) && !has_video()) GTEST_SKIP() << video_version();
   Play play = play_of(mode, 10);
@@ -104,7 +104,7 @@ std::string mode_name(const testing::TestParamInfo<Mode>& info) {
 
 class EveryServedMode : public testing::TestWithParam<Mode> {};
 
-TEST_P(EveryServedMode, GoesOnWhereDatagramsAreLost) {
+TEST_P(EveryServedMode, ContinuesWhenDatagramsAreLost) {
   const Mode mode = GetParam();
   if (set_of(Answer::Video) & answers_for(mode) && !has_video()) GTEST_SKIP() << video_version();
   std::optional<FrameId> newest;
@@ -142,7 +142,7 @@ HeadRecording turning() {
 class EveryPictureMode : public testing::TestWithParam<Case> {};
 
 /// A picture drawn for an earlier pose shows the geometry at its current position.
-TEST_P(EveryPictureMode, IsTurnedToThePoseShown) {
+TEST_P(EveryPictureMode, IsTurnedToTheShownPose) {
   const ModeSettings mode = GetParam().mode;
   const double least_dB = GetParam().least_dB;
   if (set_of(Answer::Video) & answers_for(mode.mode) && !has_video()) GTEST_SKIP() << video_version();
@@ -190,7 +190,7 @@ TEST(RemoteMode, CountsWhatItsPictureDoesNotReach) {
 
 /// The reference's rays and the client's rasteriser disagree about pixels through which the edge of an object
 /// or a shadow runs: the oracle's band. Elsewhere masks of positions are exact.
-TEST(PositionsMode, IsExactButWhereAnEdgeRunsThroughThePixel) {
+TEST(PositionsMode, IsExactExceptForPixelsWithAnEdge) {
   Play play = play_of({.mode = Mode::ClientPositions, .position_bits = 24}, 7);
   play.request = {.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off};
   play.mask_wait = 1s;
@@ -219,7 +219,7 @@ TEST(PositionsMode, IsExactButWhereAnEdgeRunsThroughThePixel) {
 }
 
 /// Errors of masks are reported for scenes with lights only.
-TEST(LocalMode, TellsTheErrorOfItsMaps) {
+TEST(LocalMode, ReportsTheErrorOfItsMaps) {
   const Played played = farshade::play(play_of({.mode = Mode::Local}, 4), {.name = "none", .model = {}});
   for (const FrameRecord& record : played.log.records())
     if (record.errors) {

@@ -17,7 +17,7 @@ Expected<void> set(const char* words, Settings& settings) {
   return set_mode(words, settings.play);
 }
 
-TEST(ModeWords, ANameAloneIsTheModeAsItIsByDefault) {
+TEST(ModeWords, ANameAloneIsTheModeWithItsDefaults) {
   for (const ModeName& named : kModes) {
     Settings settings;
     ASSERT_TRUE(set_mode(named.name, settings.play));
@@ -29,7 +29,7 @@ TEST(ModeWords, ANameAloneIsTheModeAsItIsByDefault) {
   }
 }
 
-TEST(ModeWords, SetWhatTheyName) {
+TEST(ModeWords, SetTheNamedSetting) {
   Settings hybrid;
   ASSERT_TRUE(
       set("hybrid,reprojection=off,band=off,eyes=this,gaps=unknown,edges=nearest,predictor=hold,every=4,wait",
@@ -51,7 +51,7 @@ TEST(ModeWords, SetWhatTheyName) {
   EXPECT_EQ(local.play.mode.shadow_maps, (ShadowMapSettings{2048, 0, Redraw::Always}));
 }
 
-TEST(ModeWords, RefuseWhatTheModeHasNot) {
+TEST(ModeWords, RefuseSettingsThatTheModeLacks) {
   for (const char* words :
        {"", "hybird", "hybrid,eyes", "hybrid,eyes=", "hybrid,eyes=both", "hybrid,every=0", "hybrid,every=2x",
         "hybrid,bitrate=20M", "hybrid,wait=1", "remote,bitrate=20G", "remote,bitrate=1",

@@ -34,7 +34,7 @@ TEST_P(StopSignalTest, SecondOneEndsTheProgram) {
       testing::KilledBySignal(GetParam()), "");
 }
 
-TEST_P(StopSignalTest, AQuestionIsAnsweredAndEndsNothing) {
+TEST_P(StopSignalTest, AReportRequestEndsNothing) {
   StopSignal stop;
   raise(SIGUSR1);
   EXPECT_FALSE(stop.has_come());

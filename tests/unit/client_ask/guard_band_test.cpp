@@ -131,7 +131,7 @@ Sides<std::uint32_t> margins_of(const GuardBand& band, const Twist& velocity = {
   return band.margins_px(both(kView), velocity, lead, spread);
 }
 
-TEST(GuardBand, KnowsNothingAtFirst) {
+TEST(GuardBand, IsZeroAtFirst) {
   EXPECT_EQ(margins_of(GuardBand{}), (Sides<std::uint32_t>{}));
   EXPECT_EQ(margins_of(GuardBand{}, {}, 50ms, 50ms), (Sides<std::uint32_t>{})) << "a head at rest";
 }
@@ -149,7 +149,7 @@ TEST(GuardBand, IsAsWideAsItIsAskedToBe) {
   EXPECT_LE(all(100), largest_traced(kSize).width - kSize.width);
 }
 
-TEST(GuardBand, IsNothingWherePredictionsWereRight) {
+TEST(GuardBand, IsZeroIfPredictionsWereRight) {
   std::mt19937_64 random(6);  // the seed
   std::uniform_real_distribution<double> any(-2, 2);
   for (int i = 0; i < 300; ++i) {

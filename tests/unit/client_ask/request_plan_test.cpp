@@ -119,7 +119,7 @@ TEST(RequestPlan, AsksForThePoseAtTheTimeOfUse) {
   }
 }
 
-TEST(RequestPlan, AHeadAtRestIsAskedForAsItIsShown) {
+TEST(RequestPlan, AHeadAtRestIsRequestedAsShown) {
   RequestPlan plan({.guard_band = GuardBandUse::Measured});
   for (std::uint32_t i = 0; i < 30; ++i) {
     plan.learn(30ms);
@@ -141,7 +141,7 @@ TEST(RequestPlan, AsksOnEveryNthFrame) {
   }
 }
 
-TEST(RequestPlanLead, IsTheMedianOfWhatWasLearned) {
+TEST(RequestPlanLead, IsTheMedianOfTheLatencies) {
   RequestPlan plan({});
   EXPECT_EQ(plan.lead(kPeriod), kPeriod) << "before anything is known";
   for (const Duration later : {Duration(20ms), Duration(500ms), Duration(30ms)}) plan.learn(later);
@@ -176,7 +176,7 @@ TEST(RequestPlanLead, AimsAtTheMiddleOfTheFramesThatAMaskIsUsedFor) {
   }
 }
 
-TEST(RequestPlan, NeverAsksForMoreThanMayBeAskedFor) {
+TEST(RequestPlan, NeverRequestsInvalidViews) {
   RequestPlan plan(RequestSettings{});
   plan.learn(20ms);
   for (std::uint32_t i = 0; i < 20; ++i) {
@@ -242,7 +242,7 @@ TEST(RequestPlan, LearnsNothingOfMasksFromBeforeAPause) {
   EXPECT_EQ(request->views[0].size, kSize);
 }
 
-TEST(RequestPlan, TracesWiderAfterAHeadThatTurnsAsNobodyForesees) {
+TEST(RequestPlan, TracesWiderAfterUnpredictedTurns) {
   RequestPlan plan({.predictor = PredictorKind::Kalman});
   std::optional<FrameRequest> request;
   std::deque<StereoView> in_flight;
@@ -336,7 +336,7 @@ TEST(RequestPlan, LearnsNothingOfAPause) {
   EXPECT_EQ(plan.lead(10ms), lead);
 }
 
-TEST(RequestPlan, StandsStillWithTheScene) {
+TEST(RequestPlan, PausesWithTheScene) {
   RequestPlan plan({.guard_band = GuardBandUse::Off});
   plan.learn(30ms);
   const FrameRequest shown{FrameId{1}, Time(1s), Time(5s), {}, {}};

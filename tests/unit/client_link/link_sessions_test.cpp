@@ -116,7 +116,7 @@ TEST(LinkSession, IsNotEndedBySomebodyElse) {
   }
 }
 
-TEST(LinkSession, IsGotThoughSomebodyElseRefuses) {
+TEST(LinkSession, BeginsAlthoughSomebodyElseRefuses) {
   LinkBench bench(each_way(25ms));
   HelloEcho echo{};
   bench.on_send = [&](std::span<const std::byte> datagram) {
@@ -134,7 +134,7 @@ TEST(LinkSession, IsGotThoughSomebodyElseRefuses) {
   EXPECT_FALSE(bench.link.refused().has_value());
 }
 
-TEST(LinkSession, GoesOnAtOnceAfterSilence) {
+TEST(LinkSession, ContinuesAtOnceAfterSilence) {
   MetBench bench(each_way(25ms), kLong);
   bench.run(1s);
   bool silent = true;
@@ -227,7 +227,7 @@ void expect_agreement(LinkBench& bench) {
 
 constexpr LinkModel kRough{.delay = 15ms, .jitter = 20ms, .loss = 0.3, .reorder = 0.1};
 
-TEST(LinkLights, ChangesGoUntilAcknowledgedAndBothSidesSpeakOfTheSame) {
+TEST(LinkLights, ChangesAreSentUntilAcknowledgedAndBothSidesAgree) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     SCOPED_TRACE(seed);
     LinkBench bench({.to_server = kRough, .to_client = kRough, .seed = seed}, kLong);
@@ -238,7 +238,7 @@ TEST(LinkLights, ChangesGoUntilAcknowledgedAndBothSidesSpeakOfTheSame) {
   }
 }
 
-TEST(LinkLights, RestartedServerIsToldAllOfThem) {
+TEST(LinkLights, ARestartedServerGetsAllChanges) {
   LinkBench bench({.to_server = kRough, .to_client = kRough, .seed = 5}, kLong);
   bench.start_server();
   ASSERT_TRUE(bench.link.meet(10s).has_value());

@@ -129,7 +129,7 @@ TEST(NetworkLink, MasksComeNewestFirstAndNotBeyondUntil) {
   EXPECT_EQ(frames(Time(9ms)), (std::vector<std::uint32_t>{}));
 }
 
-TEST(NetworkLink, TellsFramesApartByWhenTheyAskedNotByWhatFor) {
+TEST(NetworkLink, OrdersFramesByRequestTimeAndNotByDisplayTime) {
   MetBench bench;
   for (std::uint32_t frame = 1; frame <= 3; ++frame) {
     bench.link.request(request(frame, 500ms - frame * 10ms),

@@ -101,7 +101,7 @@ TEST(Exchange, KeepsTheGuardBandWithinWhatTheServerTraces) {
   EXPECT_EQ(client.link.sent.back().views[0].size, kEye);
 }
 
-TEST(ExchangeSettled, IsTheNewestThatIsAsCompleteAsItWillBe) {
+TEST(ExchangeSettled, IsTheNewestAnswerThatIsAsCompleteAsItWillBe) {
   Client client;
   for (std::uint32_t i = 1; i <= 4; ++i) client.ask(i);
   EXPECT_EQ(client.receive(), (std::vector<std::uint32_t>{}));
@@ -119,7 +119,7 @@ TEST(ExchangeSettled, IsTheNewestThatIsAsCompleteAsItWillBe) {
 }
 
 // On a path that loses slices of every answer.
-TEST(ExchangeSettled, IsTheNewestOvertakenOrReportedWhereNothingIsEverComplete) {
+TEST(ExchangeSettled, IsTheNewestOvertakenOrReportedAnswerIfNoneIsEverComplete) {
   Client client;
   for (std::uint32_t i = 1; i <= 5; ++i) client.ask(i);
   for (std::uint32_t i = 1; i <= 3; ++i) client.link.deliver({i}, Part::FirstSlice);

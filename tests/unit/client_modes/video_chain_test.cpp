@@ -35,7 +35,7 @@ class VideoChainTest : public testing::Test {
   std::optional<VideoChain> chain_;
 };
 
-TEST_F(VideoChainTest, TakesUnitsThatStandOnOneAnother) {
+TEST_F(VideoChainTest, DecodesUnitsThatDependOnEachOther) {
   EXPECT_EQ(chain_->next(), Coding::Alone);
   EXPECT_NEAR(taken({3}, {3}, unit(40)), 40, 2);
   EXPECT_EQ(chain_->next(), Coding::AfterLast);
@@ -43,7 +43,7 @@ TEST_F(VideoChainTest, TakesUnitsThatStandOnOneAnother) {
   EXPECT_NEAR(taken({9}, {4}, unit(140)), 140, 2) << "frames without a picture are no gap";
 }
 
-TEST_F(VideoChainTest, AfterAGapTakesNothingUpToOneCodedAlone) {
+TEST_F(VideoChainTest, AfterAGapDecodesNothingUpToAKeyFrame) {
   taken({1}, {1}, unit(40));
   unit(60);  // frame 2 is lost
   EXPECT_EQ(taken({3}, {2}, unit(90)), -1);
@@ -53,7 +53,7 @@ TEST_F(VideoChainTest, AfterAGapTakesNothingUpToOneCodedAlone) {
   EXPECT_EQ(chain_->next(), Coding::AfterLast);
 }
 
-TEST_F(VideoChainTest, DoesNotBelieveThatAUnitStandsAlone) {
+TEST_F(VideoChainTest, RefusesAUnitThatOnlyClaimsToBeAKeyFrame) {
   taken({1}, {1}, unit(40));
   EXPECT_EQ(taken({2}, {2}, unit(90)), -1);
   EXPECT_EQ(chain_->next(), Coding::Alone);

@@ -218,7 +218,7 @@ TEST_F(ControlsTest, EyeDistanceStaysWithinItsLimits) {
   EXPECT_EQ(controls_.eye_distance_m, kWidestEyes_m);
 }
 
-TEST_F(ControlsTest, PendingCommandIsTakenOnce) {
+TEST_F(ControlsTest, PendingCommandIsExecutedOnce) {
   execute(Command::Screenshot);
   EXPECT_FALSE(controls_.take(Command::RecordHead));
   EXPECT_TRUE(controls_.take(Command::Screenshot));

@@ -69,7 +69,7 @@ TEST(CompareMasks, CountsWrongPixelLightsOfCoveredPixels) {
   EXPECT_EQ(errors.unknown, 0);
 }
 
-TEST(CompareMasks, AFractionIsWrongByItsDifference) {
+TEST(CompareMasks, AFractionCountsByItsDifference) {
   ShownReport report = shown(1, {0, 0, 0, 0});
   report.visibility = {51, 51, 255, 0};
   EyeMask reference({4, 1}, 1);

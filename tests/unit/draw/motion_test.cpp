@@ -110,7 +110,7 @@ TEST(MotionModel, NothingMovesInNoTime) {
   EXPECT_FALSE(moving.between(300ms, 300ms + 1ms).is_still());
 }
 
-TEST(MotionModel, StalesTheLightThatMovedAndNoOther) {
+TEST(MotionModel, MarksOnlyTheMovedLightStale) {
   const Motion motion = Moving().between(100ms, 300ms);
   EXPECT_FALSE(motion.stale_lights[0]);
   EXPECT_TRUE(motion.stale_lights[1]);

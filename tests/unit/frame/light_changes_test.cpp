@@ -116,7 +116,7 @@ class Convergence : public testing::TestWithParam<std::uint32_t> {
   std::deque<LightSetRevision> acknowledgements_;
 };
 
-TEST_P(Convergence, WhatAReceiverClaimsIsTrueAtEveryStepAndItGetsThere) {
+TEST_P(Convergence, TheReceiversRevisionIsTrueAtEveryStepAndReachesTheSenders) {
   SCOPED_TRACE(testing::Message() << "seed " << GetParam());
   viewer_.revision = server_.revision = acknowledged_ =
       GetParam() % 2 == 0 ? kFirstLightSet : LightSetRevision{0xfffffff0};

@@ -85,7 +85,7 @@ TEST_P(PoseDeltaOf, BackIsTheInverse) {
 
 INSTANTIATE_TEST_SUITE_P(OriginsAt_m, PoseDeltaOf, testing::Values(0.0, 1e6));
 
-TEST(PoseDelta, TurnsAndStepsAloneAreTold) {
+TEST(PoseDelta, StatesTurnsAndStepsSeparately) {
   View traced{{rotation_exp({0, 0.3, 0}), {1, 1.6, 0}}, {-0.7, 0.8, 0.6, -0.5}, {96, 64}}, shown = traced;
   shown.stage_from_eye.translation.x += 0.5;
   const PoseDelta step = pose_delta(shown, {}, traced, {});

@@ -27,7 +27,7 @@ PositionGrid grid(std::uint32_t bits) {
   return grid_of({{-4, -3, -2}}, {{6, 7, 8}}, bits);
 }
 
-TEST(PositionGrid, TellsPositionsToHalfAStep) {
+TEST(PositionGrid, StoresPositionsWithinHalfAStep) {
   const View view = unit_view();
   for (const std::uint32_t bits : {8u, 13u, 16u, 24u}) {
     PositionPlanes planes;
@@ -57,7 +57,7 @@ TEST(PositionGrid, HoldsTheSceneAndALittleMore) {
   EXPECT_DOUBLE_EQ(grid_of({{1, 1, 1}}, {{1, 1, 1}}, 10).step_m, 1.125 / 1022);  // a scene without extent
 }
 
-TEST(PositionGrid, WhatLiesOutsideIsNotCovered) {
+TEST(PositionGrid, PositionsOutsideAreNotCovered) {
   const View view = unit_view();
   PositionPlanes planes;
   for (const float distance :

@@ -8,7 +8,7 @@
 namespace farshade::gpu {
 namespace {
 
-TEST(Ledger, KeepsWhatIsThereAndTheMostThatEverWas) {
+TEST(Ledger, CountsPresentAndPeakBytes) {
   const auto ledger = std::make_shared<Ledger>();
   const Charge kept(ledger, Use::Masks, 100);
   { const Charge brief(ledger, Use::Staging, 1000); }
@@ -21,7 +21,7 @@ TEST(Ledger, KeepsWhatIsThereAndTheMostThatEverWas) {
   EXPECT_EQ(use.peak_total, 1100u) << "the peak at one time, not the sum of the uses' own peaks";
 }
 
-TEST(Ledger, ChargesAreTakenBackOnceWhoeverHoldsThem) {
+TEST(Ledger, EachChargeIsRemovedOnceAfterMoves) {
   const auto ledger = std::make_shared<Ledger>();
   {
     std::vector<Charge> charges;

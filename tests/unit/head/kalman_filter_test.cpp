@@ -106,7 +106,7 @@ TEST_P(Stiffness, LeavesKalmanCovariancePositiveAndItsEstimateAtThePoses) {
 
 INSTANTIATE_TEST_SUITE_P(Kalman, Stiffness, testing::ValuesIn(stiffness_sweep()));
 
-TEST(Kalman, IsLeastSquaresWhereNothingDrivesTheHead) {
+TEST(Kalman, IsLeastSquaresWithoutProcessNoise) {
   // Without process noise and decay, the best estimate is the line through all poses (Gauss).
   KalmanTuning tuning = tuning_with_fade(1e12);
   tuning.angular_drive = tuning.linear_drive = 1e-14;
@@ -127,7 +127,7 @@ TEST(Kalman, IsLeastSquaresWhereNothingDrivesTheHead) {
   EXPECT_NEAR(filter.ahead(0).translation.x, line_end, 1e-7);
 }
 
-TEST(Kalman, IsAsWrongAsItSaysItIs) {
+TEST(Kalman, ErrorsMatchTheStatedVariances) {
   // A walker that moves as the filter's own model says, with gaps. The squared errors divided by the stated
   // variances are 1 on average (Bar-Shalom, Li, Kirubarajan, "Estimation with applications to tracking and
   // navigation", 2001, 5.4).
@@ -157,7 +157,7 @@ TEST(Kalman, IsAsWrongAsItSaysItIs) {
   }
 }
 
-TEST(Kalman, KeepsItsWitsOverGapsOf126Ms) {
+TEST(Kalman, PredictsWellAfterGapsOf126Ms) {
   // Recorded heads have such steps. Predictions right after one must still be better than holding the head.
   Predictor kalman(PredictorKind::Kalman);
   double now = 0;

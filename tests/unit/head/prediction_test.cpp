@@ -57,7 +57,7 @@ TEST_P(PredictorOf, NameReadsBack) {
   EXPECT_EQ(Predictor(GetParam()).newest(), std::nullopt);
 }
 
-TEST_P(PredictorOf, GoesTheWayTheHeadGoes) {
+TEST_P(PredictorOf, FollowsTheDirectionOfTheHead) {
   if (GetParam() == PredictorKind::Hold) return;
   // Test both directions of every axis, from a head whose axes differ from the stage's. A predictor that
   // extrapolates backwards, or that confuses head axes and stage axes, is worse than one that holds the pose.
@@ -144,7 +144,7 @@ TEST_P(PredictorOf, KeepsGoingOverAShortGap) {
   EXPECT_LE(error_of(predictor.predict(later), then), 0.5 * error_of(predictor.predict(back), then));
 }
 
-TEST_P(PredictorOf, HoldsAHeadThatWasPutElsewhere) {
+TEST_P(PredictorOf, HoldsAHeadThatJumped) {
   for (const HeadPose& jump : {HeadPose{{1, 0, 0, 0}, {0, 0, 3}}, HeadPose{rotation_exp({0, pi, 0}), {}}}) {
     Predictor predictor = after_a_second({}, kScrew);
     predictor.observe(*predictor.newest() + kFrame, jump);
@@ -171,7 +171,7 @@ TEST_P(PredictorOf, KeepsItsVelocityOverJitterAndTheLongestGap) {
   EXPECT_NE(gap.velocity(), Twist{});
 }
 
-TEST_P(PredictorOf, StaysCalmInABurst) {
+TEST_P(PredictorOf, KeepsItsVelocityInABurst) {
   // A head that turns at 1 rad/s. Its poses are 0.1 ms apart and rounded to 1e-3, as in recordings.
   Predictor predictor(GetParam());
   for (int i = 0; i < 5000; ++i) {
@@ -181,7 +181,7 @@ TEST_P(PredictorOf, StaysCalmInABurst) {
   }
 }
 
-TEST_P(PredictorOf, IsFiniteWhateverFiniteComes) {
+TEST_P(PredictorOf, IsFiniteForAnyFiniteInput) {
   const unsigned seed = 77;
   std::mt19937_64 random(seed);
   std::uniform_int_distribution<std::int64_t> any;

@@ -58,7 +58,7 @@ KalmanTuning tuning_of(double fade_s, double drive) {
           .linear_noise = 3e-4};
 }
 
-TEST(Kalman, KnowsASpeedAsWellAsTwoPosesTellIt) {
+TEST(Kalman, KnowsAVelocityAsExactlyAsTwoPosesDefineIt) {
   // Nothing drives or damps a velocity of variance 1. Two poses h apart, each of variance r, reduce this
   // variance to 2 r / (h^2 + 2 r). Computed as a difference of variances, it would be lost from h = 1e4
   // sqrt(r) on.

@@ -184,7 +184,7 @@ TEST(StiffFilters, TakeHalfTurnsBetweenPosesEitherWay) {
     }
 }
 
-TEST(RotationLog, IsNowhereTornApartButAtTheHalfTurn) {
+TEST(RotationLog, IsContinuousExceptAtTheHalfTurn) {
   std::mt19937 random(17);
   for (int i = 0; i < 100; ++i) {
     const glm::dvec3 axis = random_axis(random);

@@ -46,7 +46,7 @@ TEST(PngCodec, Returns16BitWhatWasWritten) {
   EXPECT_EQ(eight_bits.at(0, 1), Rgba8(254, 254, 254, 255));  // 0xff00: the file's high byte comes first
 }
 
-TEST(PngCodec, Refuses8BitWhere16AreWanted) {
+TEST(PngCodec, Refuses8BitWhere16AreExpected) {
   const ScratchFolder folder;
   ASSERT_TRUE(write_png(folder.path() / "a.png", random_picture({4, 4}, 2)));
   EXPECT_EQ(read_png16(folder.path() / "a.png").error().fault, Fault::Unsupported);

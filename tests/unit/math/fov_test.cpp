@@ -74,7 +74,7 @@ TEST(PixelRay, CentreOfASymmetricEyeLooksAhead) {
   EXPECT_LE(glm::length(ahead - glm::dvec3(0, 0, -1)), 1e-15);
 }
 
-TEST(FovIsValid, RefusesWhatIsNoWindow) {
+TEST(FovIsValid, RefusesAnglesThatAreNoWindow) {
   const EyeFov good = fov_of_degrees(-45, 45, 45, -45);
   const auto with = [&](double EyeFov::*angle, double value) {
     EyeFov fov = good;

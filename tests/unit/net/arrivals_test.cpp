@@ -14,13 +14,13 @@ Time at(std::int64_t ms) {
   return time_from_ns(ms * 1'000'000);
 }
 
-TEST(Arrivals, NothingCameIsAnEmptyReport) {
+TEST(Arrivals, WithoutArrivalsTheReportIsEmpty) {
   Arrivals arrivals;
   EXPECT_EQ(arrivals.report().count, 0U);
   EXPECT_EQ(arrivals.missing(), 0U);
 }
 
-TEST(Arrivals, WhatCameIsToldAsOftenAsPromisedAndNoMore) {
+TEST(Arrivals, EachArrivalIsInAFixedNumberOfReports) {
   Arrivals arrivals;
   arrivals.add(7, at(3));
   arrivals.add(9, at(5));
@@ -38,7 +38,7 @@ TEST(Arrivals, WhatCameIsToldAsOftenAsPromisedAndNoMore) {
   EXPECT_EQ(arrivals.missing(), 1U);
 }
 
-TEST(Arrivals, LateOneReachesBackToItself) {
+TEST(Arrivals, ALateArrivalExtendsTheReportBackToIt) {
   Arrivals arrivals;
   for (std::uint64_t counter = 10; counter < 20; ++counter)
     if (counter != 12) arrivals.add(counter, at(30));
@@ -51,7 +51,7 @@ TEST(Arrivals, LateOneReachesBackToItself) {
   EXPECT_EQ(report.arrival(0), at(30) + 937 * ArrivalReport::kTick);
 }
 
-TEST(Arrivals, WhatWasSkippedAfterAPauseIsToldAsAbsent) {
+TEST(Arrivals, SkippedDatagramsAfterAPauseAreReportedAbsent) {
   Arrivals arrivals;
   arrivals.add(10, at(0));
   for (std::size_t i = 0; i < Arrivals::kReports; ++i) static_cast<void>(arrivals.report());
@@ -63,7 +63,7 @@ TEST(Arrivals, WhatWasSkippedAfterAPauseIsToldAsAbsent) {
   EXPECT_TRUE(report.arrived(3));
 }
 
-TEST(Arrivals, KeepsTheNewestAndForgetsWhatAGapLeftBehind) {
+TEST(Arrivals, KeepsTheNewestCountersAndForgetsThoseBeforeAGap) {
   Arrivals arrivals;
   for (std::uint64_t counter = 0; counter < 1000; ++counter) arrivals.add(counter, at(1));
   EXPECT_EQ(arrivals.report().first, 1000 - ArrivalReport::kMost);
@@ -77,7 +77,7 @@ TEST(Arrivals, KeepsTheNewestAndForgetsWhatAGapLeftBehind) {
   EXPECT_EQ(arrivals.received(), 1002U);
 }
 
-TEST(Arrivals, WhatIsTooOldForTheTicksIsLeftOut) {
+TEST(Arrivals, ArrivalsTooOldForTheTicksAreLeftOut) {
   Arrivals arrivals;
   arrivals.add(1, at(0));
   arrivals.add(2, at(10'000));
@@ -88,7 +88,7 @@ TEST(Arrivals, WhatIsTooOldForTheTicksIsLeftOut) {
   EXPECT_EQ(report.base, at(10'000));
 }
 
-TEST(Arrivals, RandomOrdersAreToldAsTheyCame) {
+TEST(Arrivals, RandomOrdersAreReportedAsTheyArrived) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937_64 random(seed);

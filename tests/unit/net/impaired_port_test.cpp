@@ -43,7 +43,7 @@ struct Bench {
   std::array<std::byte, 1500> buffer;
 };
 
-TEST(ImpairedPort, HandsOutWhenItIsDue) {
+TEST(ImpairedPort, ReturnsADatagramWhenItIsDue) {
   Bench bench({.delay = 5ms});
   bench.send(kOne);
   EXPECT_FALSE(bench.port->receive(bench.buffer, 6999us).has_value());
@@ -80,7 +80,7 @@ TEST(ImpairedPort, FollowsAnotherModelFromThenOn) {
   EXPECT_FALSE(bench.port->receive(bench.buffer, kPatience).has_value());
 }
 
-TEST(ImpairedPort, LosesWhatComesAndNotWhatGoes) {
+TEST(ImpairedPort, LosesReceivedDatagramsAndNoSentOnes) {
   Bench bench({.loss = 1});
   bench.send(kOne);
   EXPECT_FALSE(bench.port->receive(bench.buffer, 1s).has_value());
@@ -89,7 +89,7 @@ TEST(ImpairedPort, LosesWhatComesAndNotWhatGoes) {
   EXPECT_TRUE(bench.link.client().receive(bench.buffer, 1s).has_value());
 }
 
-TEST(ImpairedPort, CountsWhatItHandsOut) {
+TEST(ImpairedPort, CountsReturnedDatagrams) {
   Bench bench({.duplicate = 1});
   for (int i = 0; i < 3; ++i) bench.send(kOne);
   for (int i = 0; i < 5; ++i) EXPECT_TRUE(bench.port->receive(bench.buffer, 1s).has_value());

@@ -120,7 +120,7 @@ TEST(Impairment, LosesAllWhereNothingGetsThrough) {
   for (const double burst : {1.0, 8.0}) EXPECT_TRUE(run({.loss = 1, .burst = burst}).received.empty());
 }
 
-TEST(Impairment, HoldsBackItsShare) {
+TEST(Impairment, DelaysItsShare) {
   const Outcome held = run({.delay = 5ms, .reorder = 0.3, .reorder_by = 2500us});
   expect_share(held.counters.reordered, 0.3);
   std::uint64_t late = 0, overtaken = 0;
@@ -134,7 +134,7 @@ TEST(Impairment, HoldsBackItsShare) {
   EXPECT_GT(overtaken, late / 4) << "the next two datagrams were seldom late, too";
 }
 
-TEST(Impairment, DoublesItsShare) {
+TEST(Impairment, DuplicatesItsShare) {
   const Outcome twice = run({.jitter = 500us, .duplicate = 0.25});
   expect_share(twice.counters.duplicated, 0.25);
   std::map<int, std::vector<Duration>> travelled;

@@ -131,7 +131,7 @@ TEST(PictureAssembly, APictureThatLacksAPartIsNotComplete) {
   EXPECT_FALSE(assembler.find({8})->complete());
 }
 
-TEST(PictureAssembly, RefusesWhatWasNotWanted) {
+TEST(PictureAssembly, RefusesUnrequestedPieces) {
   Assembler assembler;
   assembler.expect(request(1, Answer::Masks), {3}, kFirstLightSet);
   for (const auto& datagram : video_datagrams(1, 1, noise(10))) accept(assembler, datagram);

@@ -435,7 +435,7 @@ TEST(RateControlHostile, RandomReportsLeaveTheRateWithinItsLimits) {
   }
 }
 
-TEST(RateControlReports, ToldAgainOrInAnotherOrderAreTheSameKnowledge) {
+TEST(RateControlReports, RepeatedOrReorderedHaveTheSameEffect) {
   Thousand once, often;
   for (std::uint64_t first = 500; first < 1500; first += 100)
     once.hear(first, time_from_ns(first * 1'000'000), 100, 7);

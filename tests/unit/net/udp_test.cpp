@@ -127,7 +127,7 @@ TEST(Udp, AbsentServerBreaksNothing) {
   expect_round_trip(pair);
 }
 
-TEST(Udp, ClientHearsNobodyButItsServer) {
+TEST(Udp, ClientReceivesOnlyFromItsServer) {
   Pair pair = connected("127.0.0.1:0");
   auto stranger = listen_udp("127.0.0.1:0");
   ASSERT_TRUE(stranger.has_value());

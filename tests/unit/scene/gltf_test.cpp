@@ -114,7 +114,7 @@ TEST(GltfMesh, AppliesSparseElements) {
   EXPECT_EQ(mesh.positions, (std::vector<glm::vec3>{{0, 0, 0}, {1, 0, 0}, {1, 1, 0.5f}, {0, 1, 0}}));
 }
 
-TEST(GltfMesh, SparseElementsOverNothingStandInZeros) {
+TEST(GltfMesh, SparseElementsWithoutBufferReplaceZeros) {
   GltfBuilder file = rich_file();
   file.json["accessors"][0].erase("bufferView");
   file.json["meshes"][0]["primitives"].push_back(
@@ -250,7 +250,7 @@ TEST(GltfLights, KeepTheOrderOfTheFile) {
   EXPECT_EQ(lights[1].range_m, 7.0f);
 }
 
-TEST(GltfLights, NoneIsFine) {
+TEST(GltfLights, ASceneNeedsNoLight) {
   EXPECT_TRUE(loaded(triangle_file()).lights.empty());
 }
 
@@ -279,7 +279,7 @@ TEST(GltfCamera, MirroredNodeGivesAProperRotation) {
   EXPECT_NEAR(std::abs(rotation.w), 1.0, 1e-12);
 }
 
-TEST(GltfCamera, NoneIsFine) {
+TEST(GltfCamera, ASceneNeedsNoCamera) {
   EXPECT_FALSE(loaded(triangle_file()).camera.has_value());
 }
 

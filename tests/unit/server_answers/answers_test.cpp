@@ -61,7 +61,7 @@ class StreamsCode : public testing::Test {
   Streams streams_;
 };
 
-TEST_F(StreamsCode, WhatIsAskedForAloneNeedsNothingBefore) {
+TEST_F(StreamsCode, ARequestedKeyFrameDependsOnNoPicture) {
   EXPECT_EQ(code(streams_, {1}, grey(kEye, 40))->after, FrameId{1}) << "the first is a key frame in any case";
   const Coded next = *code(streams_, {2}, grey(kEye, 90));
   EXPECT_EQ(next.after, FrameId{1});
@@ -85,7 +85,7 @@ TEST_F(StreamsCode, AnotherSizeBeginsAnew) {
 }
 
 /// The encoder continues after a picture that had too many bytes to send; the client must be told.
-TEST_F(StreamsCode, WhatFollowsAPictureTooLargeToSendIsSaidToStandOnIt) {
+TEST_F(StreamsCode, ThePictureAfterOneTooLargeToSendDependsOnIt) {
   constexpr Extent large{2048, 2048};
   PerEye<Image<Rgb8>> noise = grey(large, 0);
   std::mt19937 random(7);
@@ -126,7 +126,7 @@ class ServerAnswers : public testing::Test {
 };
 
 /// A tile is traced only if all three coordinates of this request have arrived.
-TEST_F(ServerAnswers, MasksOfPositionsAreOfThoseThatHaveCome) {
+TEST_F(ServerAnswers, MasksOfPositionsCoverOnlyReceivedPositions) {
   constexpr std::array kAxes{PlaneKind::PositionX, PlaneKind::PositionY, PlaneKind::PositionZ};
   job_.request.answer = {.kind = Answer::MasksOfPositions, .position_bits = 14};
   const PositionGrid grid = grid_of({scene_.bounds.low}, {scene_.bounds.high}, 14);
@@ -173,7 +173,7 @@ TEST_F(ServerAnswers, AReopenedDeviceDrawsTheSamePicture) {
 }
 
 /// An answer that no codec and no device can make does not end the server.
-TEST_F(ServerAnswers, WhatCannotBeMadeIsLeftOut) {
+TEST_F(ServerAnswers, AnswersThatCannotBeMadeAreLeftOut) {
   if (!has_video()) GTEST_SKIP() << video_version();
   job_.request.answer = {
       .kind = Answer::Video, .bits_per_second = 1'000'000, .interval = std::chrono::milliseconds(14)};

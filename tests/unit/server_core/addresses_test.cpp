@@ -72,7 +72,7 @@ TEST_F(SessionAddress, IsTakenWhenItHasEchoedItsProbe) {
   EXPECT_LE(sent_to[kAway], got_from[kAway]);
 }
 
-TEST_F(SessionAddress, DoesNotMoveToWhoReplaysACaughtDatagramFirst) {
+TEST_F(SessionAddress, DoesNotMoveToAThiefThatReplaysADatagramFirst) {
   for (int i = 0; i < 20; ++i) {
     const Bytes caught = next_request();
     say(kThief, caught);  // before the server has received it from the client
@@ -91,7 +91,7 @@ TEST_F(SessionAddress, DoesNotMoveToWhoReplaysACaughtDatagramFirst) {
 
 /// A thief that intercepts datagrams can make the client return the token: it forwards the server's probe.
 /// That must not help the thief after the server has received a datagram from the client's own address.
-TEST_F(SessionAddress, NewsFromTheKnownAddressEndsTheCandidacyOfAnother) {
+TEST_F(SessionAddress, ADatagramFromTheKnownAddressEndsTheCandidacyOfAnother) {
   say(kThief, next_request());  // intercepted: never reaches the server from home
   client.take(received, now);   // the probe, forwarded
   ASSERT_EQ(client.probes, 1u);

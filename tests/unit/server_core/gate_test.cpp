@@ -61,7 +61,7 @@ struct GateTest : testing::Test {
   }
 };
 
-TEST_F(GateTest, AsksAStrangerToSayItAgain) {
+TEST_F(GateTest, AnswersAStrangerWithACookie) {
   const Client client;
   EXPECT_EQ(knock(client, kStart), nullptr);
   const auto retry = std::get<Retry>(said());
@@ -70,7 +70,7 @@ TEST_F(GateTest, AsksAStrangerToSayItAgain) {
   EXPECT_EQ(gate.counters(), (GateCounters{.retries = 1}));
 }
 
-TEST_F(GateTest, AdmitsWhoHasCookieAndKey) {
+TEST_F(GateTest, AdmitsAClientWithCookieAndKey) {
   EXPECT_EQ(knock(with_cookie(kStart), kStart)->name, "desk");
   EXPECT_EQ(knock(with_cookie(kStart, kFrom, key_of("any", 100)), kStart)->name, "lap");
   EXPECT_EQ(gate.counters(), (GateCounters{.retries = 2}));
@@ -112,7 +112,7 @@ TEST_F(GateTest, CookiesHoldTwoToFourSeconds) {
   EXPECT_EQ(kCookieLife, std::chrono::seconds(4));
 }
 
-TEST_F(GateTest, OfAnotherProcessKnowsNoCookieOfThisOne) {
+TEST_F(GateTest, CookiesAreInvalidInAnotherProcess) {
   const Client client = with_cookie(kStart);
   gate = Gate({shared_key()}, 10);
   EXPECT_EQ(knock(client, kStart), nullptr);
@@ -130,7 +130,7 @@ TEST_F(GateTest, EveryFlippedBitOfACookieGetsARetry) {
 }
 
 /// Before a stranger's address is proved, the server tells it nothing about keys.
-TEST_F(GateTest, SpeaksOfKeysToProvedAddressesOnly) {
+TEST_F(GateTest, AnswersAboutKeysOnlyToProvedAddresses) {
   EXPECT_EQ(knock(Client(key_of("stranger", 50)), kStart), nullptr);
   EXPECT_TRUE(says_retry());
   EXPECT_EQ(gate.counters().unknown_key, 0u);
@@ -155,7 +155,7 @@ TEST_F(GateTest, RefusesAHelloThatTheKeyDidNotMake) {
   EXPECT_EQ(gate.counters().unknown_key, 3u);
 }
 
-TEST_F(GateTest, TellsAnotherVersionItsOwn) {
+TEST_F(GateTest, TellsAClientOfAnotherVersionTheServersVersion) {
   Bytes later = Client().hello();
   later[4] = std::byte{9};
   const auto foreign = std::get<ForeignHello>(*open_client_envelope(later));
@@ -167,7 +167,7 @@ TEST_F(GateTest, TellsAnotherVersionItsOwn) {
   EXPECT_EQ(gate.counters(), (GateCounters{.version_mismatch = 1}));
 }
 
-TEST_F(GateTest, LetsSoManyShakeHandsASecond) {
+TEST_F(GateTest, LimitsHandshakesPerSecond) {
   const auto let_through = [&](Time now, int attempts) {
     int through = 0;
     for (int i = 0; i < attempts; ++i) through += gate.may_shake_hands(now) ? 1 : 0;
@@ -185,7 +185,7 @@ TEST_F(GateTest, LetsSoManyShakeHandsASecond) {
   EXPECT_LE(through, 110);
 }
 
-TEST_F(GateTest, AClockThatStandsOrStepsBackEarnsNothing) {
+TEST_F(GateTest, AClockThatStopsOrStepsBackGivesNoTokens) {
   for (int i = 0; i < 10; ++i) EXPECT_TRUE(gate.may_shake_hands(kStart));
   EXPECT_FALSE(gate.may_shake_hands(kStart - std::chrono::seconds(5)));
   EXPECT_FALSE(gate.may_shake_hands(kStart));

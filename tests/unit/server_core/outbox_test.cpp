@@ -43,14 +43,14 @@ TEST(Outbox, FastPathSpreadsEvenlyOverTheInterval) {
   EXPECT_EQ(outbox.drained_at(), at(110));
 }
 
-TEST(Outbox, SlowPathIsNeverOutrun) {
+TEST(Outbox, NeverSendsFasterThanTheSlowPath) {
   Outbox outbox;
   outbox.put(frame(4), at(100), milliseconds(10), 100e3);  // 10 ms per message
   EXPECT_EQ(leave(outbox), (std::vector{at(100), at(110), at(120), at(130)}));
   EXPECT_EQ(outbox.drained_at(), at(140));
 }
 
-TEST(Outbox, NextFrameWaitsUntilThePathHasSwallowedTheLast) {
+TEST(Outbox, NextFrameWaitsUntilThePathHasTakenTheLast) {
   Outbox outbox;
   outbox.put(frame(4), at(100), milliseconds(10), 100e3);
   leave(outbox);

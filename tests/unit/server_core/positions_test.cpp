@@ -77,7 +77,7 @@ TEST(ServerPositions, ARequestIsAnsweredOnceAllHaveCome) {
   EXPECT_EQ(bench.brought, std::vector<std::size_t>{3});
 }
 
-TEST(ServerPositions, ThoseThatAreLostAreWaitedForNoLongerThanALull) {
+TEST(ServerPositions, AreAwaitedUntilATimeoutAfterTheLastOne) {
   Bench bench;
   bench.client.say(bench.client.ask(with_positions(1, 3)));
   bench.say_positions(1);
@@ -150,7 +150,7 @@ TEST(ServerAnswers, PicturesOfEyesOfTwoSizesAreNotDrawn) {
   EXPECT_EQ(bench.core->counters().sessions.unanswered, 1u);
 }
 
-TEST(ServerAnswers, WhatIsNotGivenIsCountedAndNotAnswered) {
+TEST(ServerAnswers, RequestsForAnswersThatAreNotOfferedAreCountedAndNotAnswered) {
   Bench bench;
   FrameRequest request = request_of(1, {32, 32});
   request.answer.kind = Answer::GBuffer;

@@ -72,7 +72,7 @@ TEST(ServerCore, AnswersARequestWithBothMasksBitForBit) {
   EXPECT_EQ(received->masks, painted(1));
 }
 
-TEST(ServerCore, ReportsWhatTheFrameWasAndCost) {
+TEST(ServerCore, ReportsTheFrameAndItsCost) {
   Bench bench;
   ASSERT_TRUE(bench.client.meet(1s));
   for (std::uint32_t frame = 1; frame <= 3; ++frame) bench.client.say(bench.client.ask(request(frame)));
@@ -104,7 +104,7 @@ TEST(ServerCore, ReportsWhatTheFrameWasAndCost) {
   EXPECT_FALSE(bench.client.assembler.find({1})->anything_known());
 }
 
-TEST(ServerCore, CountsWhatIsNoMessage) {
+TEST(ServerCore, CountsDatagramsThatAreNoMessages) {
   Bench bench;
   const std::array<std::byte, 40> noise{};
   bench.link.client().send(bench.link.server().local(), noise);

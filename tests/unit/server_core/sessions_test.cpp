@@ -12,7 +12,7 @@ SessionCounters counted(SessionCounters counters) {
   return counters;
 }
 
-TEST(Sessions, WelcomesWhoProvesAddressAndKeyInTwoRoundTrips) {
+TEST(Sessions, WelcomesAClientThatProvesAddressAndKeyInTwoRoundTrips) {
   House house;
   LinkClient client(kRing[0], kServed);
   const Bytes again = client.take(house.say(1, client.hello()), {});
@@ -25,7 +25,7 @@ TEST(Sessions, WelcomesWhoProvesAddressAndKeyInTwoRoundTrips) {
   EXPECT_EQ(house.sessions.gate().retries, 1u);
 }
 
-TEST(Sessions, KeepsNothingOfWhoHasNoKey) {
+TEST(Sessions, StoresNothingForAClientWithoutAKey) {
   House house;
   const LinkClient stranger = house.join(1, {}, key_named("mallory"));
   EXPECT_EQ(house.sessions.size(), 0u);
@@ -64,7 +64,7 @@ TEST(Sessions, RefusesAnotherVersionAndSaysWhichItSpeaks) {
   EXPECT_EQ(house.sessions.gate().version_mismatch, 1u);
 }
 
-TEST(Sessions, TellsWhoseSessionItDoesNotHave) {
+TEST(Sessions, AnswersUnknownSessionsWithNoSession) {
   House house, restarted;
   LinkClient client = house.join(1);
   restarted.ask(client, 1, 1);
@@ -113,7 +113,7 @@ TEST(Sessions, RequestsForMorePixelsThanAllowedAreCountedAndNotTraced) {
   EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 2, .too_large = 1}));
 }
 
-TEST(Sessions, WhoMakesMoreWorkHasItsTurnLessOften) {
+TEST(Sessions, ClientsWithMoreWorkHaveFewerTurns) {
   House house;
   std::vector<LinkClient> clients;
   for (std::uint16_t port = 1; port <= 3; ++port) clients.push_back(house.join(port, {}, kRing[port - 1u]));
@@ -136,7 +136,7 @@ TEST(Sessions, WhoMakesMoreWorkHasItsTurnLessOften) {
   EXPECT_LE(longest, 60ms) << "one large frame at a time";
 }
 
-TEST(Sessions, WhoWasAwayHasNoTurnsInStore) {
+TEST(Sessions, AnIdleClientSavesNoTurns) {
   House house;
   LinkClient one = house.join(1), two = house.join(2, {}, kRing[1]);
   std::uint32_t frame = 0;
@@ -296,7 +296,7 @@ TEST(Sessions, HelloRepeatedBySomebodyElseLeavesOneSessionForAsLongAsItIsUnconfi
   EXPECT_EQ(house.sessions.counters().forgotten, 1u);
 }
 
-TEST(Sessions, FullHouseTellsTheNextAndNobodyElse) {
+TEST(Sessions, AFullServerRefusesTheNextClientOnly) {
   House house({.sessions = 2});
   LinkClient first = house.join(1), second = house.join(2);
   const LinkClient third = house.join(3);

@@ -88,7 +88,7 @@ TEST(VirtualLink, ThisRunIsTheSameOnEveryMachine) {
   EXPECT_EQ(numbers, (std::vector<int>{0, 3, 11, 4}));
 }
 
-TEST(VirtualLink, LosesTheShareItWasTold) {
+TEST(VirtualLink, LosesTheGivenShare) {
   const auto received = run({.to_server = {.loss = 0.25}, .to_client = {}, .seed = 7}, 4000);
   const double deviation = std::sqrt(0.25 * 0.75 / 4000);
   EXPECT_NEAR(static_cast<double>(received.size()) / 4000, 0.75, 4 * deviation);
@@ -146,7 +146,7 @@ TEST(VirtualLink, FarEndAnswersWithinTheWait) {
   EXPECT_EQ(receive_number(link.client(), 1ms), 102);
 }
 
-TEST(VirtualLink, FarEndThatDoesNotReadHangsNobody) {
+TEST(VirtualLink, AnEndThatDoesNotReadBlocksNobody) {
   ManualClock clock;
   VirtualLink link(clock, {});
   link.while_waiting([] {});
@@ -281,7 +281,7 @@ TEST(VirtualLink, MovedClientIsReachedOnlyAtItsNewAddress) {
   EXPECT_EQ(receive_number(link.client(1), 1s), std::nullopt);
 }
 
-TEST(VirtualLinkWait, RunsTheOthersWhenTheyAreDueThoughNothingArrives) {
+TEST(VirtualLinkWait, RunsTheOthersWhenTheyAreDueAlthoughNothingArrives) {
   ManualClock clock;
   VirtualLink link(clock, {.to_server = {.delay = 5ms}, .to_client = {.delay = 5ms}});
   std::vector<Time> ran;

@@ -123,7 +123,7 @@ TEST(TracerCulling, NothingIsTracedInAnEmptyHall) {
   EXPECT_LE(stats.shadow_rays, 8u) << "only the edges are within rounding of two walls";
 }
 
-TEST(TracerCulling, RaysGoOnlyWhereABoxMayStandInTheWay) {
+TEST(TracerCulling, RaysGoOnlyWhereABoxMayOcclude) {
   SceneBuilder build = hall();
   build.add(box({0.3f, -1, -0.2f}, {0.25f, 0.25f, 0.25f}));
   const Scene scene = build.build();
@@ -139,7 +139,7 @@ TEST(TracerCulling, RaysGoOnlyWhereABoxMayStandInTheWay) {
   EXPECT_GT(stats.proven * 10, stats.full_shadow_rays * 8);
 }
 
-TEST(TracerCulling, AThingThatMovesIntoTheWayIsSeen) {
+TEST(TracerCulling, AMoverBetweenLightAndSurfaceCasts) {
   SceneBuilder build = hall();
   build.move(build.add(box({-2.5f, -1, -0.2f}, {0.25f, 0.25f, 0.25f})), {5, 0, 0});
   const Scene scene = build.build();

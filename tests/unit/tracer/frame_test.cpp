@@ -175,7 +175,7 @@ TEST(TracerFrame, EmptySceneIsDark) {
   EXPECT_EQ(frame.masks[0], EyeMask(kLeft.size, 1));
 }
 
-TEST(TracerFrame, MovingThingsAreWhereTheTimeSays) {
+TEST(TracerFrame, MovingMeshesAreWhereTheTimeSays) {
   SceneBuilder build = lit_floor(2);
   const auto mover = build.add(box({-1, 0.6f, 0.5f}, {0.3f, 0.2f, 0.3f}), 0, scaled({1, 2, -0.5}));
   build.move(mover, {1.5, 0.3, 0.2});
@@ -214,7 +214,7 @@ TEST(TracerFrame, MovingLightMovesItsBitOnly) {
   EXPECT_GT(same, 1000);
 }
 
-TEST(TracerFrame, OnlyMovingThingsStillTrace) {
+TEST(TracerFrame, OnlyMovingMeshesAreTraced) {
   SceneBuilder build;
   build.move(build.add(quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4})), {0.2, 0, 0});
   build.point_light({0.5, 2, 0.2});
@@ -223,7 +223,7 @@ TEST(TracerFrame, OnlyMovingThingsStillTrace) {
   EXPECT_GT(sum.lit, sum.pixel_lights / 2);
 }
 
-TEST(TracerFrame, FlattenedMovingThingStillCasts) {
+TEST(TracerFrame, FlattenedMovingMeshStillCasts) {
   SceneBuilder build = lit_floor(1);
   NodeTransform flat = scaled({1, 0, 1});
   flat.translation = {0, 2, 0};

@@ -27,12 +27,12 @@ void expect_estimated(const std::filesystem::path& path) {
   }
 }
 
-TEST(TracerMemory, IsForeseenForEveryBundledScene) {
+TEST(TracerMemory, IsEstimatedForEveryBundledScene) {
   for (const char* name : {"room.glb", "box_over_plane.gltf"})
     expect_estimated(std::string(FARSHADE_ASSETS "/") + name);
 }
 
-TEST(TracerMemory, IsForeseenForLargerScenes) {
+TEST(TracerMemory, IsEstimatedForLargerScenes) {
   const std::filesystem::path shared = FARSHADE_SOURCE "/../shared/scenes";
   if (!std::filesystem::exists(shared / "modern_living_room.glb"))
     GTEST_SKIP() << "there are no scenes beside the repository";

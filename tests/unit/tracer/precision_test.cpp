@@ -42,7 +42,7 @@ TEST(TracerPrecision, HoldsAThousandKilometresFromTheOrigin) {
   expect_agrees(box_scene(1, far), eyes(1, far), Time{}, kMostInBand);
 }
 
-TEST(TracerPrecision, MovingThingHoldsAThousandKilometresFromTheOrigin) {
+TEST(TracerPrecision, MovingMeshHoldsAThousandKilometresFromTheOrigin) {
   const glm::dvec3 far(1 << 20, 1 << 20, -(1 << 20));
   SceneBuilder build(far);
   build.add(quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4}));

@@ -58,7 +58,7 @@ Fault fault_of(const Expected<const Image<Rgb8>*>& decoded) {
   return decoded ? throw std::runtime_error("it was decoded") : decoded.error().fault;
 }
 
-TEST(Video, SaysWhatItIsMadeOf) {
+TEST(Video, NamesItsLibraries) {
   EXPECT_TRUE(has_video());
   EXPECT_NE(video_version().find("libavcodec"), std::string::npos);
   EXPECT_NE(video_version().find("with libx264"), std::string::npos);
@@ -116,7 +116,7 @@ TEST(Video, KeepsToTheBitRate) {
   }
 }
 
-TEST(Video, KeyFrameIsDecodedByOneWhoSawNothingBefore) {
+TEST(Video, KeyFrameIsDecodedWithoutEarlierPictures) {
   VideoEncoder coder = encoder({kSize, 20'000'000, 72});
   const std::vector<Unit> units = units_of(coder, 3);
   const Image<Rgb8> picture = drawn(kSize, 3);

@@ -64,7 +64,7 @@ TEST(Handshake, SessionsOpenWhatTheOtherSideSealsAndNotWhatTheySealThemselves) {
   EXPECT_TRUE(at_server.open(sealed, datagram, opened));
 }
 
-TEST(Handshake, CarriesARefusalToWhoHasTheKey) {
+TEST(Handshake, CarriesARefusalToAClientWithTheKey) {
   const ClientHandshake client(shared_key(), counting_hash());
   const auto met = take(client, accepted(hello_of(client), shared_key(), refusal()).datagram);
   ASSERT_TRUE(met);
@@ -166,7 +166,7 @@ TEST(Handshake, AnAnswerToAnotherHelloIsRefused) {
   EXPECT_FALSE(take(mine.client, echoed));
 }
 
-TEST(Handshake, SaysACookieOnceItHasOne) {
+TEST(Handshake, SendsACookieOnceItHasOne) {
   ClientHandshake client(shared_key(), counting_hash());
   EXPECT_EQ(read_hello(hello_of(client)).cookie, Cookie{});
   EXPECT_FALSE(client.take(Retry{.echo = counting<16>(0), .cookie = counting<16>(1)}));
@@ -188,7 +188,7 @@ TEST(Handshake, AnAcceptOfAnEarlierCookieStillOpens) {
   EXPECT_TRUE(take(client, first.datagram));
 }
 
-TEST(Handshake, NoTwoShareAKey) {
+TEST(Handshake, NoTwoHandshakesShareAKey) {
   std::set<std::array<std::uint8_t, 32>> keys;
   std::set<SessionId> sessions;
   const auto bytes_of_secret = [](const Secret& secret) {
@@ -207,7 +207,7 @@ TEST(Handshake, NoTwoShareAKey) {
 }
 
 /// Forward secrecy: the shared key, the hello and all datagrams together do not determine the session keys.
-TEST(Handshake, KeysDependOnWhatIsNeverSaid) {
+TEST(Handshake, KeysDependOnSecretsThatAreNeverSent) {
   const Answered h;
   const Accepted again = accepted(h.hello, shared_key(), welcome());
   EXPECT_NE(h.server.keys.to_server, again.keys.to_server);

@@ -133,7 +133,7 @@ TEST(KeyRing, GrowsByAppending) {
   for (std::uint8_t i = 0; i < 40; ++i) EXPECT_EQ(keys[i], key_of("client-" + std::to_string(i), i));
 }
 
-TEST(KeyRing, KeepsWhatItSaidBefore) {
+TEST(KeyRing, KeepsItsEarlierLines) {
   const ScratchFolder folder;
   const fs::path path = folder.path() / "ring";
   write_0600(path, "# mine, no end of line");
@@ -141,7 +141,7 @@ TEST(KeyRing, KeepsWhatItSaidBefore) {
   EXPECT_EQ(text_of(path), "# mine, no end of line\n" + key_line(key_of("a", 1)));
 }
 
-TEST(KeyRing, RefusesANameOrASecretThatItHas) {
+TEST(KeyRing, RefusesADuplicateNameOrSecret) {
   const ScratchFolder folder;
   const fs::path path = folder.path() / "ring";
   ASSERT_TRUE(append_to_ring(path, key_of("a", 1)));
@@ -180,7 +180,7 @@ class KeyRingRefusal : public testing::TestWithParam<BadLine> {};
 
 const std::string kDigits(64, '7');
 
-TEST_P(KeyRingRefusal, SaysTheLineAndNothingSecret) {
+TEST_P(KeyRingRefusal, NamesTheLineAndNoSecret) {
   const auto keys = parse_keys("# first\n" + key_line(key_of("a", 1)) + GetParam().line + "\n", "my.keys");
   ASSERT_FALSE(keys);
   EXPECT_EQ(keys.error().fault, GetParam().fault);

@@ -206,7 +206,7 @@ TEST(WireRefusals, EachFaultHasItsOwnCounter) {
     EXPECT_GT(counts.of[i], 0u) << "no case for '" << name_of(static_cast<WireRefusal>(i)) << "'";
 }
 
-TEST(WireRefusals, TheGoodBytesTheseWereMadeFromAreTaken) {
+TEST(WireRefusals, TheUnchangedBytesAreAccepted) {
   EXPECT_TRUE(open_client_envelope(enveloped(hello())));
   EXPECT_TRUE(open_client_envelope(enveloped(Sealed{SessionId{7}, 0, Bytes(20)})));
   EXPECT_TRUE(open_server_envelope(enveloped(retry())));

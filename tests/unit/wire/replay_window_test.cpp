@@ -57,7 +57,7 @@ TEST(ReplayWindow, RemembersItsOldestUntilItLeaves) {
   EXPECT_TRUE(window.is_new(101));
 }
 
-TEST(ReplayWindow, AskingChangesNothing) {
+TEST(ReplayWindow, QueriesChangeNothing) {
   ReplayWindow window;
   window.take(7);
   EXPECT_TRUE(window.is_new(1'000'000));

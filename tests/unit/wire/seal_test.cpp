@@ -101,7 +101,7 @@ TEST_P(SealModes, WhatHasLeftTheWindowIsRefused) {
   EXPECT_EQ(open(opener, sent[0]).error(), WireRefusal::Replayed);
 }
 
-TEST(Seal, NothingOfAMessageIsToBeSeen) {
+TEST(Seal, NoByteOfAMessageIsVisible) {
   Sealer sealer(kSession, kKey, Sealing::On);
   const Bytes message(300, std::byte{'a'});
   const Bytes once = seal(sealer, message), again = seal(sealer, message);
@@ -192,7 +192,7 @@ TEST(Seal, OffLeavesTheMessageAndATagOfZeros) {
   }
 }
 
-TEST(SealAlone, IsBoundToWhatIsAroundIt) {
+TEST(SealAlone, IsBoundToItsHeader) {
   const Bytes message = bytes_of({1, 2, 3}), around = bytes_of({4, 5}), other = bytes_of({4, 6});
   const Bytes sealed = seal_alone(kKey, Sealing::On, around, message);
   EXPECT_EQ(sealed.size(), message.size() + kTag_bytes);
