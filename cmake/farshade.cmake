@@ -40,11 +40,13 @@ function(farshade_library name)
   set_target_properties(${name} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
 endfunction()
 
-# farshade_test(NAME SOURCES a_test.cpp ... DEPENDS lib ... [LABEL unit] [TIMEOUT seconds] [ENVIRONMENT NAME=value])
-# Makes one gtest program; each of its cases is one CTest test. Its sources may use the macro FARSHADE_ASSETS, the folder
+# farshade_test(NAME SOURCES a_test.cpp ... DEPENDS lib ... [LABEL unit] [TIMEOUT seconds] [ENVIRONMENT NAME=value]
+#   [TOGETHER])
+# Makes one gtest program; each of its cases is one CTest test. TOGETHER: the whole program is one CTest test, because
+# its cases share what takes long to make. Its sources may use the macro FARSHADE_ASSETS, the folder
 # of the bundled assets. The target tests_LABEL builds all programs of that label.
 function(farshade_test name)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT;ENVIRONMENT" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "TOGETHER" "LABEL;TIMEOUT;ENVIRONMENT" "SOURCES;DEPENDS" ${ARGN})
   if(NOT ARG_LABEL)
     set(ARG_LABEL unit)
   endif()
@@ -54,7 +56,8 @@ function(farshade_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE farshade_options ${ARG_DEPENDS} GTest::gtest_main)
   if(FARSHADE_UNITY)  # a whole build: less time for sources whose speed matters to nobody
-    target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+    target_compile_options(${name} PRIVATE $<IF:$<CONFIG:Release>,-O1,-O0>)
+    target_precompile_headers(${name} REUSE_FROM test_headers)
   endif()
   target_compile_definitions(${name} PRIVATE
     FARSHADE_ASSETS="${PROJECT_SOURCE_DIR}/assets"
@@ -66,6 +69,11 @@ function(farshade_test name)
   add_dependencies(tests_${ARG_LABEL} ${name})
   if(ARG_ENVIRONMENT)
     set(environment ENVIRONMENT ${ARG_ENVIRONMENT})
+  endif()
+  if(ARG_TOGETHER)
+    add_test(NAME ${name} COMMAND ${name})
+    set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} ${environment})
+    return()
   endif()
   include(GoogleTest)
   gtest_discover_tests(${name} NO_PRETTY_VALUES DISCOVERY_TIMEOUT 60

@@ -18,7 +18,8 @@ TracedMask mask_of(const RequestRecord& record) {
 
 void MaskSources::take(std::span<const RequestRecord* const> usable, const RequestRecord* settled) {
   records_.assign(usable.begin(), usable.end());
-  std::ranges::stable_partition(records_, [&](const RequestRecord* record) { return record == settled; });
+  std::stable_partition(records_.begin(), records_.end(),
+                        [&](const RequestRecord* record) { return record == settled; });
   masks_.clear();
   for (const RequestRecord* record : records_) masks_.push_back(mask_of(*record));
 }

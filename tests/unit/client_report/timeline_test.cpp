@@ -198,7 +198,7 @@ TEST(Timeline, PlacesTheWorkOfTheServerBetweenRequestAndFirstSlice) {
   told.show(1, 0ms);
   told.first_slice_comes(1, 17500us);  // 17 ms after it was sent; 10 ms of this are network delay
   told.report_comes(report_of(1), 21ms);
-  for (const std::uint32_t frame : {2, 3, 4}) told.show(frame, frame * 10ms);
+  for (const std::uint32_t frame : {2u, 3u, 4u}) told.show(frame, frame * 10ms);
   const auto waiting = events_on("rt_server waiting", told);
   ASSERT_EQ(waiting.size(), 1u) << "the exchange of a frame appears once";
   EXPECT_EQ(waiting[0].begin_us, 5500);
@@ -273,7 +273,7 @@ TEST(Timeline, PutsOverlappingSpansOnSeparateThreads) {
   told.show(2, 8ms);
   told.first_slice_comes(1, 17500us);
   told.first_slice_comes(2, 18000us);  // its work begins at 9.75 ms, that of frame 1 ends at 12.5 ms
-  for (const std::uint32_t frame : {1, 2}) told.report_comes(report_of(frame), 20ms);
+  for (const std::uint32_t frame : {1u, 2u}) told.report_comes(report_of(frame), 20ms);
   told.show(3, 20ms);
   const auto work = events_on("rt_server worker", told);
   ASSERT_EQ(work.size(), 8u);

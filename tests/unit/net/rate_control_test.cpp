@@ -437,13 +437,12 @@ TEST(RateControlHostile, RandomReportsLeaveTheRateWithinItsLimits) {
 
 TEST(RateControlReports, RepeatedOrReorderedHaveTheSameEffect) {
   Thousand once, often;
-  for (std::uint64_t first = 500; first < 1500; first += 100)
-    once.hear(first, time_from_ns(first * 1'000'000), 100, 7);
+  const auto at = [](std::uint64_t ms) { return time_from_ns(static_cast<std::int64_t>(ms) * 1'000'000); };
+  for (std::uint64_t first = 500; first < 1500; first += 100) once.hear(first, at(first), 100, 7);
   for (std::uint64_t first = 500; first < 1500; first += 100)
     for (int again = 0; again < 5; ++again) {
-      often.hear(first, time_from_ns(first * 1'000'000), 100, 7);
-      if (first > 600)
-        often.hear(first - 200, time_from_ns(first * 3'000'000), 100, ArrivalReport::kNotArrived);
+      often.hear(first, at(first), 100, 7);
+      if (first > 600) often.hear(first - 200, at(3 * first), 100, ArrivalReport::kNotArrived);
     }
   EXPECT_EQ(once.control.bytes_per_second(), often.control.bytes_per_second());
   EXPECT_EQ(often.control.loss(), 0);

@@ -158,7 +158,8 @@ TEST(ServerMemory, ASessionIsUnderTwoMebibytesBeyondItsFrame) {
   for (std::uint32_t frame = 1; now < Time(60s); now += 100ms, ++frame) {
     for (std::size_t i = 0; i < kClients; ++i) {
       RequestMessage message{.request = request_of(frame, {64, 64}), .probe_echo = clients[i].probe};
-      message.request.lights = {frame + 1, {{frame % kMaxLights, frame + 1, true, LightPose{}}}};
+      message.request.lights.revision = {frame};
+      change(message.request.lights, frame % kMaxLights, true, LightPose{});
       message.arrivals = clients[i].arrivals.report();
       say(i, frame / 50, clients[i].seal(message));
     }

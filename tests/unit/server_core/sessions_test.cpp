@@ -90,7 +90,7 @@ TEST(Sessions, NewestRequestWinsAndTheOthersAreCounted) {
 TEST(Sessions, RequestsThatWereOvertakenAreDropped) {
   House house;
   LinkClient client = house.join(1);
-  for (const std::uint32_t frame : {7, 6, 7}) house.ask(client, 1, frame);
+  for (const std::uint32_t frame : {7u, 6u, 7u}) house.ask(client, 1, frame);
   EXPECT_EQ(house.sessions.next_job({})->request.frame, FrameId{7});
   house.ask(client, 1, 7);  // the request that was answered
   EXPECT_FALSE(house.sessions.job_at().has_value());

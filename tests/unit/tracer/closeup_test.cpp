@@ -55,7 +55,7 @@ std::vector<double> along(const std::vector<std::array<Corner, 3>>& parts, const
       if (glm::length(from + ray * t - corner.position.v) < 1e-9) places.push_back(t);
     }
   std::ranges::sort(places);
-  places.erase(std::ranges::unique(places).begin(), places.end());
+  places.erase(std::unique(places.begin(), places.end()), places.end());
   return places;
 }
 

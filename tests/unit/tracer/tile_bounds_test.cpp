@@ -92,7 +92,7 @@ TEST(TileVerdict, HoldsForEveryPointOfTheTile) {
   const SurfaceModel empty(Scene{}, SceneState{}, TracePlan{});
   const FacetPlanes planes = planes_of(empty);
   std::array<int, 5> verdicts{};
-  for (int i = 0; i < 4000; ++i) {
+  for (std::size_t i = 0; i < 4000; ++i) {
     ShadowLight light{.kind = std::array{LightKind::Point, LightKind::Spot, LightKind::Directional}[i % 3]};
     light.position = {vector()}, light.direction = {glm::normalize(vector())};
     TileBounds tile;
