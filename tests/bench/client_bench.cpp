@@ -111,15 +111,15 @@ void add_frame(Times& times, const DrawTimes& bare, const DrawTimes& drawn, doub
 Expected<void> run(const Options& options) {
   const Expected<Scene> scene = load_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
-  const Expected<HeadRecording> trace = load_head_recording(options.trace);
-  if (!trace) return tl::unexpected(trace.error());
+  const Expected<HeadRecording> recording = load_head_recording(options.trace);
+  if (!recording) return tl::unexpected(recording.error());
   const Expected<gpu::Device> device = gpu::open_device({options.gpu, gpu::Validation::Off});
   if (!device) return tl::unexpected(device.error());
   Expected<Tracer> tracer = Tracer::create(*scene);
   if (!tracer) return tl::unexpected(tracer.error());
 
   const Rigid<Stage, Recorded> placed =
-      scene->camera ? place(*trace, *scene->camera) : Rigid<Stage, Recorded>{};
+      scene->camera ? place(*recording, *scene->camera) : Rigid<Stage, Recorded>{};
   const auto lights = static_cast<std::uint32_t>(scene->lights.size());
   const Extent size{options.side_px, options.side_px};
   const RendererLimits limits{size, largest_traced(size), kRing_frames};
@@ -133,7 +133,7 @@ Expected<void> run(const Options& options) {
   Times times;
   constexpr std::uint32_t warm_up = 8;
   for (std::uint32_t number = 1; number <= warm_up + options.frames; ++number) {
-    const FrameRequest shown = shown_at(*trace, placed, number, options.side_px);
+    const FrameRequest shown = shown_at(*recording, placed, number, options.side_px);
     const FrameRequest request = plan.ask(shown, kPeriod).value();
     assembler.expect(request, {lights}, state.light_set.revision);
     const DrawTimes bare =

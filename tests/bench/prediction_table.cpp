@@ -33,7 +33,7 @@ constexpr double kSpeeds_deg_s[] = {0, 10, 30, 60, 100, 1e9};
 
 struct Recording {
   std::string name;
-  HeadRecording trace;
+  HeadRecording head;
 };
 
 struct Errors {
@@ -41,19 +41,19 @@ struct Errors {
   std::vector<double> speed_deg_s;  ///< estimated by the predictor at the time of the prediction
 };
 
-HeadPose shown_at(const HeadRecording& trace, Time time) {
+HeadPose shown_at(const HeadRecording& head, Time time) {
   return Rigid<Stage, Recorded>{} *
-         head_at(trace, time);  // the placement of the recording does not change errors
+         head_at(head, time);  // the placement of the recording does not change errors
 }
 
 /// Adds the errors at every display time for which the recording has a pose `lead` later.
-void add_errors(const HeadRecording& trace, PredictorKind kind, Duration lead, Errors& errors) {
+void add_errors(const HeadRecording& head, PredictorKind kind, Duration lead, Errors& errors) {
   Predictor predictor(kind);
   for (std::int64_t frame = 0;; ++frame) {
-    const Time shown = trace.start() + Duration(std::llround(static_cast<double>(frame) * 1e9 / kRefresh_hz));
-    if (shown + lead > trace.end()) return;
-    predictor.observe(shown, shown_at(trace, shown));
-    const HeadPose said = predictor.predict(shown + lead), was = shown_at(trace, shown + lead);
+    const Time shown = head.start() + Duration(std::llround(static_cast<double>(frame) * 1e9 / kRefresh_hz));
+    if (shown + lead > head.end()) return;
+    predictor.observe(shown, shown_at(head, shown));
+    const HeadPose said = predictor.predict(shown + lead), was = shown_at(head, shown + lead);
     errors.turn_deg.push_back(angle_between_rad(said.rotation, was.rotation) * kDegrees);
     errors.speed_deg_s.push_back(glm::length(predictor.velocity().angular) * kDegrees);
     errors.distance_mm.push_back(1e3 * glm::length(said.translation - was.translation));
@@ -63,7 +63,7 @@ void add_errors(const HeadRecording& trace, PredictorKind kind, Duration lead, E
 Errors errors_of(const std::vector<Recording>& recordings, PredictorKind kind, int lead_ms) {
   Errors errors;
   for (const Recording& recording : recordings)
-    add_errors(recording.trace, kind, std::chrono::milliseconds(lead_ms), errors);
+    add_errors(recording.head, kind, std::chrono::milliseconds(lead_ms), errors);
   return errors;
 }
 
@@ -143,12 +143,12 @@ int run(int argc, char** argv) {
   if (*stiff) return print_stiff();
   std::vector<Recording> recordings;
   for (const std::string& path : paths) {
-    Expected<HeadRecording> trace = load_head_recording(path);
-    if (!trace) {
-      std::fprintf(stderr, "%s\n", trace.error().what.c_str());
+    Expected<HeadRecording> head = load_head_recording(path);
+    if (!head) {
+      std::fprintf(stderr, "%s\n", head.error().what.c_str());
       return 1;
     }
-    recordings.push_back({std::filesystem::path(path).stem().string(), std::move(*trace)});
+    recordings.push_back({std::filesystem::path(path).stem().string(), std::move(*head)});
   }
   print_table(recordings);
   print_by_speed(recordings);

@@ -118,14 +118,14 @@ void print(std::uint32_t map_side_px, std::uint64_t bytes, const Figures& figure
 Expected<void> run(const Options& options) {
   const Expected<Scene> scene = load_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
-  const Expected<HeadRecording> trace = load_head_recording(options.trace);
-  if (!trace) return tl::unexpected(trace.error());
+  const Expected<HeadRecording> recording = load_head_recording(options.trace);
+  if (!recording) return tl::unexpected(recording.error());
   const Expected<gpu::Device> device = gpu::open_device({options.gpu, gpu::Validation::Off});
   if (!device) return tl::unexpected(device.error());
   Expected<Tracer> tracer = Tracer::create_reference(*scene);
   if (!tracer) return tl::unexpected(tracer.error());
   const Rigid<Stage, Recorded> placed =
-      scene->camera ? place(*trace, *scene->camera) : Rigid<Stage, Recorded>{};
+      scene->camera ? place(*recording, *scene->camera) : Rigid<Stage, Recorded>{};
   Comparison comparison(*device, *scene, *tracer, options);
   std::printf("%s on %s, %u x %u an eye, %zu lights, pcf radius %u, %u frames of %s\n", scene->name.c_str(),
               device->name.c_str(), options.side_px, options.side_px, scene->lights.size(),
@@ -137,7 +137,7 @@ Expected<void> run(const Options& options) {
     if (!bytes) return tl::unexpected(bytes.error());
     Figures figures;
     for (std::uint32_t frame = 1; frame <= options.frames; ++frame)
-      comparison.compare(shown_at(*trace, placed, frame * options.every, options.side_px), map_side_px,
+      comparison.compare(shown_at(*recording, placed, frame * options.every, options.side_px), map_side_px,
                          figures);
     print(map_side_px, *bytes, figures);
   }

@@ -36,18 +36,18 @@ class NeverWorse : public OnLavapipe, public testing::WithParamInterface<Walk> {
  protected:
   StereoView views_at(Time since_start) const {
     const Rigid<Stage, Head> head =
-        stage_from_recorded_ * head_at(trace_, trace_.start() + since_start.time_since_epoch());
+        stage_from_recorded_ * head_at(recording_, recording_.start() + since_start.time_since_epoch());
     StereoView views;
     for (const Side side : kSides)
-      views[index_of(side)] = {head * head_from_eye(side, trace_.eye_distance_m),
-                               trace_.fov[index_of(side)],
+      views[index_of(side)] = {head * head_from_eye(side, recording_.eye_distance_m),
+                               recording_.fov[index_of(side)],
                                {kSide_px, kSide_px}};
     return views;
   }
 
   TestRig rig_{device_, value_of(load_scene(GetParam().scene)), kSide_px};
-  HeadRecording trace_ = value_of(load_head_recording(GetParam().trace));
-  Rigid<Stage, Recorded> stage_from_recorded_ = place(trace_, *rig_.scene().camera);
+  HeadRecording recording_ = value_of(load_head_recording(GetParam().trace));
+  Rigid<Stage, Recorded> stage_from_recorded_ = place(recording_, *rig_.scene().camera);
 };
 
 Time time_of(int frame) {
@@ -57,7 +57,8 @@ Time time_of(int frame) {
 TEST_P(NeverWorse, ThanTheStaleMaskWithoutReprojection) {
   double sum = 0, sum_unmoved = 0;
   int frames = 0;
-  for (int frame = GetParam().first; trace_.start() + time_of(frame).time_since_epoch() <= trace_.end();
+  for (int frame = GetParam().first;
+       recording_.start() + time_of(frame).time_since_epoch() <= recording_.end();
        frame += GetParam().every, ++frames) {
     const StereoView now = views_at(time_of(frame));
     rig_.set_time(time_of(frame - kLag));

@@ -106,16 +106,16 @@ TEST_F(ClientDump, StatesFramesAndTimesOfBothViews) {
 }
 
 TEST_F(ClientDump, StatesTheViewsOfTheHeadRecording) {
-  const HeadRecording trace = load_head_recording(kWalk, {}).value();
+  const HeadRecording recording = load_head_recording(kWalk, {}).value();
   for (const StereoView& views : {shown_, traced_}) {
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
-      EXPECT_EQ(views[eye].fov, trace.fov[eye]);
+      EXPECT_EQ(views[eye].fov, recording.fov[eye]);
       EXPECT_EQ(views[eye].size, kClientSize);
       EXPECT_TRUE(is_valid(views[eye]));
     }
     const Point<Eye> right =
         inverse(views[0].stage_from_eye)(Point<Stage>{views[1].stage_from_eye.translation});
-    EXPECT_LT(glm::length(right.v - glm::dvec3(trace.eye_distance_m, 0, 0)), 1e-9);
+    EXPECT_LT(glm::length(right.v - glm::dvec3(recording.eye_distance_m, 0, 0)), 1e-9);
   }
   EXPECT_NE(shown_, traced_);
 }

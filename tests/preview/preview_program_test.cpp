@@ -97,13 +97,13 @@ struct Walk {
   int steps = 0, goes = 0;
 };
 
-Walk check_walk(const HeadRecording& trace) {
+Walk check_walk(const HeadRecording& recording) {
   constexpr double as_written = 1e-6;
   Walk walk;
   bool walked = false;
-  for (std::size_t i = 1; i < trace.samples.size(); ++i) {
-    const auto& [before, from] = trace.samples[i - 1];
-    const auto& [now, to] = trace.samples[i];
+  for (std::size_t i = 1; i < recording.samples.size(); ++i) {
+    const auto& [before, from] = recording.samples[i - 1];
+    const auto& [now, to] = recording.samples[i];
     const glm::dvec3 step = to.translation - from.translation;
     const double heading = heading_rad(from.rotation);
     const double turn = std::remainder(heading_rad(to.rotation) - heading, 2 * std::numbers::pi);
@@ -145,13 +145,13 @@ TEST_F(PreviewProgram, KeysAndMouseMoveTheHead) {
   screen_.tap("Escape");
   ASSERT_EQ(end(), 0) << errors_;
 
-  const auto trace = load_head_recording(out_ / "head_0001.csv");
-  ASSERT_TRUE(trace) << trace.error().what;
-  const Walk walk = check_walk(*trace);
+  const auto recording = load_head_recording(out_ / "head_0001.csv");
+  ASSERT_TRUE(recording) << recording.error().what;
+  const Walk walk = check_walk(*recording);
   EXPECT_EQ(walk.goes, 1);
   EXPECT_GE(walk.steps, 3);
-  const glm::dquat first = trace->samples.front().recorded_from_head.rotation,
-                   last = trace->samples.back().recorded_from_head.rotation;
+  const glm::dquat first = recording->samples.front().recorded_from_head.rotation,
+                   last = recording->samples.back().recorded_from_head.rotation;
   EXPECT_NEAR(std::remainder(heading_rad(last) - heading_rad(first), 2 * std::numbers::pi),
               -dragged_right * kTurn_rad_per_px, 1e-6);
   EXPECT_NEAR(pitch_rad(last) - pitch_rad(first), dragged_up * kTurn_rad_per_px, 1e-6);
@@ -234,11 +234,11 @@ TEST_F(PreviewProgram, PausesWhileMinimisedAndRunsUntilClosed) {
   screen_.close(window_);
   ASSERT_EQ(end(), 0) << errors_;
 
-  const auto trace = load_head_recording(out_ / "head_0001.csv");
-  ASSERT_TRUE(trace) << trace.error().what;
+  const auto recording = load_head_recording(out_ / "head_0001.csv");
+  ASSERT_TRUE(recording) << recording.error().what;
   Duration longest{};
-  for (std::size_t i = 1; i < trace->samples.size(); ++i)
-    longest = std::max(longest, trace->samples[i].time - trace->samples[i - 1].time);
+  for (std::size_t i = 1; i < recording->samples.size(); ++i)
+    longest = std::max(longest, recording->samples[i].time - recording->samples[i - 1].time);
   EXPECT_GT(longest, rest * 2 / 3) << "no frames while it was minimised";
 }
 
@@ -251,9 +251,9 @@ TEST_F(PreviewProgram, FinishesItsRecordingsWhenInterrupted) {
   ASSERT_TRUE(changes(3));
   program_->send(SIGINT);
   ASSERT_EQ(end(), 0) << errors_;
-  const auto trace = load_head_recording(out_ / "head_0001.csv");
-  ASSERT_TRUE(trace) << trace.error().what;
-  EXPECT_GE(trace->samples.size(), 3);
+  const auto recording = load_head_recording(out_ / "head_0001.csv");
+  ASSERT_TRUE(recording) << recording.error().what;
+  EXPECT_GE(recording->samples.size(), 3);
   EXPECT_GE(replay(out_ / "capture_0001.farshade", out_ / "replay").left.size(), 3);
 }
 

@@ -98,10 +98,10 @@ struct Ended {
   std::string errors;
 };
 
-/// One run of the client, with its results in `out`.
-class Sessions {
+/// Runs the client on one setting. Each run writes its results to `out`.
+class ClientRuns {
  public:
-  Sessions(const Room& room, const Setting& setting, const Files& files, std::string server)
+  ClientRuns(const Room& room, const Setting& setting, const Files& files, std::string server)
       : room_(room), setting_(setting), files_(files), server_(std::move(server)) {}
 
   Ended run(const std::filesystem::path& out, const std::vector<std::string>& more) const {
@@ -180,10 +180,10 @@ Pace pace_of(const Columns& frames) {
 
 /// The errors, per frame, of views held since the request and of the requested views.
 void judge_head(const Case& tested, const Files& files, const Columns& frames, Verdict& verdict) {
-  const Expected<HeadRecording> trace = load_head_recording(files.head);
+  const Expected<HeadRecording> recording = load_head_recording(files.head);
   const std::array names{"display_time_ns", "head turned since traced view [deg]",
                          "head moved since traced view [mm]", "wire age [ms]"};
-  if (!trace || !std::ranges::all_of(names, [&](const char* name) { return frames.contains(name); })) {
+  if (!recording || !std::ranges::all_of(names, [&](const char* name) { return frames.contains(name); })) {
     verdict.broken = "frames.csv does not say how the head moved";
     return;
   }
@@ -194,8 +194,8 @@ void judge_head(const Case& tested, const Files& files, const Columns& frames, V
     if (field(1).empty() || field(3).empty() || ++seen <= kUnsettled) continue;
     const Time now = time_from_ns(std::strtoll(field(0).c_str(), nullptr, 10));
     const double age_ms = std::strtod(field(3).c_str(), nullptr);
-    const Rigid<Recorded, Head> shown = head_at(*trace, now),
-                                requested = head_at(*trace, now - duration_from_ms(age_ms));
+    const Rigid<Recorded, Head> shown = head_at(*recording, now),
+                                requested = head_at(*recording, now - duration_from_ms(age_ms));
     held_deg = std::max(held_deg, angle_between_rad(shown.rotation, requested.rotation) * kDegrees);
     most_deg = std::max(most_deg, std::strtod(field(1).c_str(), nullptr));
     most_mm = std::max(most_mm, std::strtod(field(2).c_str(), nullptr));
@@ -260,11 +260,11 @@ Ran run(const Case& tested, const Room& room) {
     verdict.broken = scene ? "rt_server: " + last_line(server.errors()) : scene.error().what;
     return ran;
   }
-  const Sessions sessions(room, setting, files, *address);
+  const ClientRuns client(room, setting, files, *address);
   const auto still = room.folder / "still", moving = room.folder / "moving";
-  if (!ended(sessions.run(still, {"--delay", "0", "--predictor", "hold", "--guard-band", "off"}), "still",
+  if (!ended(client.run(still, {"--delay", "0", "--predictor", "hold", "--guard-band", "off"}), "still",
              verdict) ||
-      !ended(sessions.run(moving, {"--delay", fmt::format("{}", setting.delay_ms)}), "moving", verdict))
+      !ended(client.run(moving, {"--delay", fmt::format("{}", setting.delay_ms)}), "moving", verdict))
     return ran;
 
   const Expected<Dump> of_still = read_dump(dumped(still, setting)),

@@ -98,17 +98,17 @@ void SceneFile::move(std::uint32_t node, const glm::dvec3& from, const glm::dvec
 
 HeadRecording recorded(const Motion& motion, double length_s) {
   constexpr double kRate_hz = 200;
-  HeadRecording trace;
-  trace.fov = kDefaultFov;
-  trace.eye_distance_m = kDefaultEyeDistance_m;
+  HeadRecording recording;
+  recording.fov = kDefaultFov;
+  recording.eye_distance_m = kDefaultEyeDistance_m;
   const glm::dquat first = toward(motion.target - motion.from);
   for (int i = 0; i <= static_cast<int>(length_s * kRate_hz); ++i) {
     const double t = i / kRate_hz;
     const glm::dquat turn = rotation_exp({0, motion.turn_degrees_s * kDegree * (t - motion.faces_at_s), 0});
-    trace.samples.push_back({time_from_ns(std::llround(1e9 + t * 1e9)),
-                             {glm::normalize(turn * first), motion.from + motion.drift_m_s * t}});
+    recording.samples.push_back({time_from_ns(std::llround(1e9 + t * 1e9)),
+                                 {glm::normalize(turn * first), motion.from + motion.drift_m_s * t}});
   }
-  return trace;
+  return recording;
 }
 
 double last_shown_s(std::uint32_t frames) {

@@ -151,23 +151,23 @@ TEST(FramePacerDeathTest, RefusesAnInvalidRefreshRate) {
 
 /// The head moves 1 m to the right in one second, and turns left by 1 rad.
 HeadRecording walk() {
-  HeadRecording trace;
-  trace.samples.push_back({kNow, {glm::dquat(1, 0, 0, 0), {0, 1.6, 0}}});
-  trace.samples.push_back({kNow + 1s, {rotation_exp({0, 1, 0}), {1, 1.6, 0}}});
-  return trace;
+  HeadRecording recording;
+  recording.samples.push_back({kNow, {glm::dquat(1, 0, 0, 0), {0, 1.6, 0}}});
+  recording.samples.push_back({kNow + 1s, {rotation_exp({0, 1, 0}), {1, 1.6, 0}}});
+  return recording;
 }
 
 constexpr Rigid<Stage, Head> kStart{glm::dquat(1, 0, 0, 0), {0, 1.7, 5}};
 
 /// A runtime at 100 Hz with its own clock. `controls` is the result of its callback.
 struct Desk {
-  HeadRecording trace = walk();
+  HeadRecording recording = walk();
   ManualClock clock;
   std::vector<Duration> slept;
   std::optional<HeadControls> controls = HeadControls{};
   Duration taking_in{};
   PreviewSetup setup{.start = kStart,
-                     .recording = PlacedHeadRecording{trace, {glm::dquat(1, 0, 0, 0), {0, 0, 50}}},
+                     .recording = PlacedHeadRecording{recording, {glm::dquat(1, 0, 0, 0), {0, 0, 50}}},
                      .refresh_hz = 100,
                      .frames = {}};
   std::optional<PreviewRuntime> runtime;

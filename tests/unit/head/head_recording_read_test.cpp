@@ -145,13 +145,13 @@ TEST(EyeNavGsRead, RefusesWhatIsNoPair) {
   expect_refused(mirrored, Fault::Malformed, "right eye lies left", metres);
 }
 
-TEST(HeadTraceRead, RefusesWhatIsNoFiniteNumber) {
+TEST(HeadRecordingRead, RefusesWhatIsNoFiniteNumber) {
   for (const char* bad : {"nan", "inf", "-inf", "1e999", "", "1,5x", "0x10", "+", "--1"})
     expect_refused(replaced(kEuroc, "1.5,", std::string(bad) + ","), Fault::Malformed, "t.csv:3: ");
   expect_refused(replaced(kEuroc, "1403636579768555520", "nan"), Fault::Malformed, "t.csv:3");
 }
 
-TEST(HeadTraceRead, RefusesQuaternionsThatAreFarOffUnit) {
+TEST(HeadRecordingRead, RefusesQuaternionsThatAreFarOffUnit) {
   EXPECT_NEAR(
       glm::length(good(replaced(kEuroc, "0.8,0.6", "0.8,0.601")).samples[1].recorded_from_head.rotation), 1.0,
       1e-15);
@@ -159,7 +159,7 @@ TEST(HeadTraceRead, RefusesQuaternionsThatAreFarOffUnit) {
   expect_refused(replaced(kEuroc, "0.8,0.6", "0,0"), Fault::Malformed, "t.csv:3: quaternion");
 }
 
-TEST(HeadTraceRead, LeavesOutRepeatedAndBackwardStampsAndCountsThem) {
+TEST(HeadRecordingRead, LeavesOutRepeatedAndBackwardStampsAndCountsThem) {
   for (const char* stamp : {"1403636579768555520", "1403636579768555519", "1403636579000000000", "-5"}) {
     SCOPED_TRACE(stamp);
     const HeadRecording recording =
@@ -171,7 +171,7 @@ TEST(HeadTraceRead, LeavesOutRepeatedAndBackwardStampsAndCountsThem) {
   EXPECT_EQ(repeated.samples[1].recorded_from_head.translation.x, 1.5);  // the first of the two rows is kept
 }
 
-TEST(HeadTraceRead, LosesOneRowToOneStampThatRanAhead) {
+TEST(HeadRecordingRead, LosesOneRowToOneStampThatRanAhead) {
   std::string text;
   for (int i = 0; i < 20; ++i) text += std::to_string(i == 4 ? 3'600'000 : i) + ",0,0,0,1,0,0,0\n";
   const HeadRecording recording = good(text);
@@ -180,12 +180,12 @@ TEST(HeadTraceRead, LosesOneRowToOneStampThatRanAhead) {
   EXPECT_EQ(ns_of(recording.end()), 19);
 }
 
-TEST(HeadTraceRead, RefusesStampsThatRunBackwardAllTheWay) {
+TEST(HeadRecordingRead, RefusesStampsThatRunBackwardAllTheWay) {
   expect_refused("9,0,0,0,1,0,0,0\n8,0,0,0,1,0,0,0\n7,0,0,0,1,0,0,0\n6,0,0,0,1,0,0,0\n", Fault::Malformed,
                  "holds 1 head samples in time order");
 }
 
-TEST(HeadTraceRead, RefusesTooFewSamplesAndShortRows) {
+TEST(HeadRecordingRead, RefusesTooFewSamplesAndShortRows) {
   expect_refused("", Fault::Malformed, "holds 0 head samples");
   expect_refused("# just words\n", Fault::Malformed, "holds 0 head samples");
   expect_refused(kEuroc.substr(0, kEuroc.find("\n\n")), Fault::Malformed, "holds 2 head samples");
@@ -194,7 +194,7 @@ TEST(HeadTraceRead, RefusesTooFewSamplesAndShortRows) {
   expect_refused(replaced(kEuroc, "1.5,", "1e10,"), Fault::OutOfRange, "t.csv:3: head");
 }
 
-TEST(HeadTraceRead, SurvivesEveryTruncation) {
+TEST(HeadRecordingRead, SurvivesEveryTruncation) {
   for (const std::string& text : {kEuroc, kEyeNavGs})
     for (std::size_t length = 0; length < text.size(); ++length) {
       const std::unique_ptr<char[]> cut(
@@ -205,7 +205,7 @@ TEST(HeadTraceRead, SurvivesEveryTruncation) {
     }
 }
 
-TEST(HeadTraceRead, NamesAMissingFile) {
+TEST(HeadRecordingRead, NamesAMissingFile) {
   const auto recording = load_head_recording("no/such/trace.csv");
   ASSERT_FALSE(recording);
   EXPECT_EQ(recording.error().fault, Fault::Missing);

@@ -10,7 +10,7 @@
 namespace farshade {
 namespace {
 
-HeadRecording random_trace(std::uint64_t seed) {
+HeadRecording random_recording(std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   HeadRecording recording;
@@ -34,10 +34,10 @@ void expect_same(const HeadRecording& a, const HeadRecording& b) {
   }
 }
 
-TEST(HeadTraceRoundTrip, KeepsEveryBitInBothFormats) {
+TEST(HeadRecordingRoundTrip, KeepsEveryBitInBothFormats) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
-    const HeadRecording recording = random_trace(seed);
+    const HeadRecording recording = random_recording(seed);
     const auto euroc = parse_head_recording(euroc_text(recording), "t.csv");
     const auto tum = parse_head_recording(tum_text(recording), "t.txt");
     ASSERT_TRUE(euroc) << euroc.error().what;
@@ -70,10 +70,10 @@ TEST(TumText, PutsTheScalarLast) {
   EXPECT_EQ(text.substr(text.find("qw\n") + 3), "-1.500000000 1 2 3 0.6 0 0 0.8\n");
 }
 
-TEST(HeadTraceWrite, WritesFilesAndLeavesNothingWhereItMayNot) {
+TEST(HeadRecordingWrite, WritesFilesAndLeavesNothingWhereItMayNot) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "farshade_trace_write";
   std::filesystem::create_directories(folder);
-  const HeadRecording recording = random_trace(9);
+  const HeadRecording recording = random_recording(9);
   ASSERT_TRUE(write_euroc(folder / "a.csv", recording));
   ASSERT_TRUE(write_tum(folder / "a.txt", recording));
   expect_same(load_head_recording(folder / "a.csv").value(), recording);
