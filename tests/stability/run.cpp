@@ -236,7 +236,7 @@ Verdict refusal(const Case& tested, const Room& room, const Setting& setting, co
       return verdict;
     }
   }
-  const Ended run = Sessions(room, setting, files, "127.0.0.1:9").run(room.folder / "out", {});
+  const Ended run = ClientRuns(room, setting, files, "127.0.0.1:9").run(room.folder / "out", {});
   if (!is_refusal(run, "vr_client"))
     verdict.broken = run.status == 0 ? "vr_client takes it" : "vr_client ends with: " + last_line(run.errors);
   verdict.figures.push_back({"refused in one sentence", "", 0, 0});
