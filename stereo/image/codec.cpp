@@ -1,8 +1,8 @@
 #include "stereo/image/codec.h"
 
-#include <algorithm>
+#include <bit>
+#include <cstring>
 #include <string>
-#include <utility>
 
 #include "stereo/base/files.h"
 #include "stereo/image/formats.h"
@@ -12,22 +12,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Largest file: more than 16 bytes a pixel, which is more than any format here needs.
-constexpr std::uint64_t kMaxFileBytes = 16 * kMaxImagePixels + 65536;
-
-/// Decodes the file with `decode`. Errors begin with the path.
-template <class Decode>
-auto read_with(const fs::path& path, Decode decode) -> decltype(decode(std::span<const std::byte>{}, 0)) {
-  const auto file = read_file(path, kMaxFileBytes);
-  if (!file) return tl::unexpected(file.error());
-  auto image = decode(*file, kMaxImagePixels);
-  if (!image) return fail(image.error().fault, "'" + path.string() + "': " + image.error().what);
-  return image;
-}
-
 Expected<void> write_encoded(const fs::path& path, const Expected<std::vector<std::byte>>& bytes) {
   if (!bytes) return fail(bytes.error().fault, "cannot write '" + path.string() + "': " + bytes.error().what);
   return write_file_atomically(path, std::span<const std::byte>(*bytes));
+}
+
+static_assert(std::endian::native == std::endian::little, "floats are written as they lie in memory");
+
+/// PFM: "Pf", width and height, -1.0 for little-endian, then floats, bottom row first
+/// (P. Debevec, "Portable float map", netpbm's pfm(5)).
+std::vector<std::byte> encode_pfm(const Image<float>& image) {
+  const std::string header =
+      "Pf\n" + std::to_string(image.size.width) + " " + std::to_string(image.size.height) + "\n-1.0\n";
+  const std::size_t row_bytes = image.size.width * sizeof(float);
+  std::vector<std::byte> bytes(header.size() + image.size.height * row_bytes);
+  std::memcpy(bytes.data(), header.data(), header.size());
+  std::byte* row = bytes.data() + header.size();
+  for (std::uint32_t y = image.size.height; y-- > 0; row += row_bytes)
+    std::memcpy(row, &image.at(0, y), row_bytes);
+  return bytes;
 }
 
 }  // namespace
@@ -45,21 +48,6 @@ Expected<Image<Rgba8>> decode_image(std::span<const std::byte> file, std::uint64
   if (is_png(file)) return decode_png(file, max_pixels);
   if (is_jpeg(file)) return decode_jpeg(file, max_pixels);
   return fail(Fault::Unsupported, "picture is neither PNG nor JPEG by its first bytes");
-}
-
-Expected<Image<Rgb8>> read_png(const fs::path& path) {
-  return read_with(path, decode_image).map([](const Image<Rgba8>& with_alpha) {
-    Image<Rgb8> image(with_alpha.size);
-    std::ranges::transform(with_alpha.pixels, image.pixels.begin(), [](Rgba8 p) { return Rgb8(p); });
-    return image;
-  });
-}
-
-Expected<Image<std::uint16_t>> read_png16(const fs::path& path) {
-  return read_with(path, decode_png16);
-}
-Expected<Image<float>> read_pfm(const fs::path& path) {
-  return read_with(path, decode_pfm);
 }
 
 Expected<void> write_png(const fs::path& path, const Image<Rgb8>& image) {

@@ -17,14 +17,8 @@ namespace farshade {
 [[nodiscard]] Expected<Image<Rgba8>> decode_png(std::span<const std::byte> file, std::uint64_t max_pixels);
 [[nodiscard]] Expected<Image<Rgba8>> decode_jpeg(std::span<const std::byte> file, std::uint64_t max_pixels);
 
-/// Accepts 16-bit grey only.
-[[nodiscard]] Expected<Image<std::uint16_t>> decode_png16(std::span<const std::byte> file,
-                                                          std::uint64_t max_pixels);
 [[nodiscard]] Expected<std::vector<std::byte>> encode_png(const Image<Rgb8>& image);
 [[nodiscard]] Expected<std::vector<std::byte>> encode_png16(const Image<std::uint16_t>& image);
-
-[[nodiscard]] std::vector<std::byte> encode_pfm(const Image<float>& image);
-[[nodiscard]] Expected<Image<float>> decode_pfm(std::span<const std::byte> file, std::uint64_t max_pixels);
 
 /// Refuses an empty picture, and a picture of more than `max_pixels`.
 [[nodiscard]] Expected<void> check_size(std::uint32_t width, std::uint32_t height, std::uint64_t max_pixels);

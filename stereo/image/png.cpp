@@ -48,14 +48,9 @@ struct Reader {
   }
 };
 
-struct Header {
-  std::uint32_t width = 0, height = 0;
-  int bits = 0, color = 0;
-};
-
 /// Reads the header and checks that there are not too many pixels, nor more than the file can contain.
-Expected<Header> read_header(Reader& reader, std::size_t file_bytes, std::uint64_t max_pixels) {
-  Header header;
+Expected<Extent> read_header(Reader& reader, std::size_t file_bytes, std::uint64_t max_pixels) {
+  Extent size;
   if (!reader.info) return fail(Fault::Unavailable, "libpng cannot start");
   const bool read = runs_through(reader.escape, [&] {
     png_set_read_fn(reader.png, &reader.rest, take_bytes);
@@ -63,36 +58,16 @@ Expected<Header> read_header(Reader& reader, std::size_t file_bytes, std::uint64
     // Keeps only chunks with pixels: no profiles, gamma or texts, which may decompress to any size.
     png_set_keep_unknown_chunks(reader.png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
     png_read_info(reader.png, reader.info);
-    png_get_IHDR(reader.png, reader.info, &header.width, &header.height, &header.bits, &header.color, nullptr,
-                 nullptr, nullptr);
+    size = {png_get_image_width(reader.png, reader.info), png_get_image_height(reader.png, reader.info)};
   });
   if (!read) return reader.refused();
-  if (const auto fits = check_size(header.width, header.height, max_pixels); !fits)
+  if (const auto fits = check_size(size.width, size.height, max_pixels); !fits)
     return tl::unexpected(fits.error());
   // Deflate compresses at most 1032 : 1 (zlib's technical notes), so a small file cannot need much memory.
-  if (std::uint64_t{header.height} * png_get_rowbytes(reader.png, reader.info) >
+  if (std::uint64_t{size.height} * png_get_rowbytes(reader.png, reader.info) >
       1032 * std::uint64_t{file_bytes})
     return fail(Fault::Malformed, "faulty PNG: file is too short for its size in pixels");
-  return header;
-}
-
-/// Calls `transform`, which sets libpng's output format, and then reads all rows and the end of the file.
-template <class Pixel, class Transform>
-Expected<Image<Pixel>> read_rows(Reader& reader, Extent size, const Transform& transform) {
-  Image<Pixel> image(size);
-  std::vector<png_bytep> rows(size.height);
-  for (std::uint32_t y = 0; y < size.height; ++y) rows[y] = reinterpret_cast<png_bytep>(&image.at(0, y));
-  const std::size_t row_bytes = size.width * sizeof(Pixel);
-  const bool read = runs_through(reader.escape, [&] {
-    transform(reader.png);
-    png_set_interlace_handling(reader.png);
-    png_read_update_info(reader.png, reader.info);
-    check_eq(png_get_rowbytes(reader.png, reader.info), row_bytes, "libpng's rows are as wide as ours");
-    png_read_image(reader.png, rows.data());
-    png_read_end(reader.png, nullptr);
-  });
-  if (!read) return reader.refused();
-  return image;
+  return size;
 }
 
 void grow(png_structp png, png_bytep from, std::size_t count) {
@@ -132,26 +107,25 @@ bool is_png(std::span<const std::byte> file) {
 
 Expected<Image<Rgba8>> decode_png(std::span<const std::byte> file, std::uint64_t max_pixels) {
   Reader reader(file);
-  const auto header = read_header(reader, file.size(), max_pixels);
-  if (!header) return tl::unexpected(header.error());
-  return read_rows<Rgba8>(reader, {header->width, header->height}, [](png_structp png) {
-    png_set_expand(png);
-    png_set_scale_16(png);
-    png_set_gray_to_rgb(png);
-    png_set_add_alpha(png, 0xff, PNG_FILLER_AFTER);
+  const auto size = read_header(reader, file.size(), max_pixels);
+  if (!size) return tl::unexpected(size.error());
+  Image<Rgba8> image(*size);
+  std::vector<png_bytep> rows(size->height);
+  for (std::uint32_t y = 0; y < size->height; ++y) rows[y] = reinterpret_cast<png_bytep>(&image.at(0, y));
+  const std::size_t row_bytes = size->width * sizeof(Rgba8);
+  const bool read = runs_through(reader.escape, [&] {
+    png_set_expand(reader.png);
+    png_set_scale_16(reader.png);
+    png_set_gray_to_rgb(reader.png);
+    png_set_add_alpha(reader.png, 0xff, PNG_FILLER_AFTER);
+    png_set_interlace_handling(reader.png);
+    png_read_update_info(reader.png, reader.info);
+    check_eq(png_get_rowbytes(reader.png, reader.info), row_bytes, "libpng's rows are as wide as ours");
+    png_read_image(reader.png, rows.data());
+    png_read_end(reader.png, nullptr);
   });
-}
-
-Expected<Image<std::uint16_t>> decode_png16(std::span<const std::byte> file, std::uint64_t max_pixels) {
-  if (!is_png(file)) return fail(Fault::Unsupported, "not a PNG by its first bytes");
-  Reader reader(file);
-  const auto header = read_header(reader, file.size(), max_pixels);
-  if (!header) return tl::unexpected(header.error());
-  if (header->bits != 16 || header->color != PNG_COLOR_TYPE_GRAY)
-    return fail(Fault::Unsupported, "PNG is not 16-bit grey");
-  return read_rows<std::uint16_t>(reader, {header->width, header->height}, [](png_structp png) {
-    if (std::endian::native == std::endian::little) png_set_swap(png);
-  });
+  if (!read) return reader.refused();
+  return image;
 }
 
 Expected<std::vector<std::byte>> encode_png(const Image<Rgb8>& image) {

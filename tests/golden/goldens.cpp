@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "stereo/image/codec.h"
+#include "tests/support/image_reader.h"
 
 namespace farshade {
 namespace {

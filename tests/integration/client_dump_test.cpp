@@ -7,11 +7,11 @@
 
 #include "stereo/frame/view.h"
 #include "stereo/head/reader.h"
-#include "stereo/image/codec.h"
 #include "stereo/image/difference.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/scene/scene_state.h"
 #include "tests/integration/client_program.h"
+#include "tests/support/image_reader.h"
 #include "tests/unit/scratch_folder.h"
 
 namespace farshade {

@@ -7,8 +7,8 @@
 
 #include "stereo/base/files.h"
 #include "stereo/head/reader.h"
-#include "stereo/image/codec.h"
 #include "stereo/net/udp.h"
+#include "tests/support/image_reader.h"
 #include "tests/unit/scratch_folder.h"
 
 namespace farshade {

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "stereo/image/codec.h"
 #include "tests/integration/test_keys.h"
+#include "tests/support/image_reader.h"
 
 namespace farshade {
 namespace {

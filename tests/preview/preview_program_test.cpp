@@ -6,9 +6,9 @@
 #include <sstream>
 
 #include "stereo/head/reader.h"
-#include "stereo/image/codec.h"
 #include "stereo/math/rotation.h"
 #include "tests/preview/preview_desk.h"
+#include "tests/support/image_reader.h"
 #include "vr_client/preview/head.h"
 
 namespace farshade {

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "stereo/image/codec.h"
+#include "tests/support/image_reader.h"
 
 namespace farshade::stability {
 namespace {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "stereo/head/reader.h"
-#include "stereo/image/codec.h"
+#include "tests/support/image_reader.h"
 
 namespace farshade {
 namespace {

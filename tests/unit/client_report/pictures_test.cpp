@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "stereo/image/codec.h"
+#include "tests/support/image_reader.h"
 #include "tests/unit/scratch_folder.h"
 
 namespace farshade {

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "stereo/base/files.h"
+#include "tests/support/image_reader.h"
 #include "tests/unit/image/image_files.h"
 #include "tests/unit/scratch_folder.h"
 
