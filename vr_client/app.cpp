@@ -161,8 +161,8 @@ Expected<void> export_head_recording(const Options& options) {
   const Expected<HeadRecording> head = load_head_recording(options.trace, {options.trace_scale});
   if (!head) return tl::unexpected(head.error());
   const std::filesystem::path kind = options.export_trace.extension();
-  if (kind == ".csv") return write_euroc(options.export_trace, *head);
-  if (kind == ".tum" || kind == ".txt") return write_tum(options.export_trace, *head);
+  if (kind == ".csv") return write_file_atomically(options.export_trace, euroc_text(*head));
+  if (kind == ".tum" || kind == ".txt") return write_file_atomically(options.export_trace, tum_text(*head));
   return fail(Fault::Unsupported,
               fmt::format("unknown format of {}: name the file .csv (EuRoC/ASL) or .tum (TUM)",
                           options.export_trace.string()));

@@ -28,9 +28,9 @@ struct KnownScale {
 };
 constexpr KnownScale kKnownScales[] = {{"eyenavgs_truck", 0.76}, {"eyenavgs_room", 2.0}};
 
-Expected<double> scale_of(Format format, std::string_view name, const HeadRecordingOptions& options) {
-  if (options.scene_scale) {
-    if (std::isfinite(*options.scene_scale) && *options.scene_scale > 0) return *options.scene_scale;
+Expected<double> scale_of(Format format, std::string_view name, std::optional<double> units_a_metre) {
+  if (units_a_metre) {
+    if (std::isfinite(*units_a_metre) && *units_a_metre > 0) return *units_a_metre;
     return fail(Fault::OutOfRange, "the scene scale of a recording must be a positive number");
   }
   if (format != Format::EyeNavGs) return 1.0;
@@ -43,9 +43,9 @@ Expected<double> scale_of(Format format, std::string_view name, const HeadRecord
 }  // namespace
 
 Expected<HeadRecording> parse_head_recording(std::string_view text, std::string_view name,
-                                             const HeadRecordingOptions& options) {
+                                             std::optional<double> units_a_metre) {
   const Format format = format_of(text);
-  const Expected<double> scale = scale_of(format, name, options);
+  const Expected<double> scale = scale_of(format, name, units_a_metre);
   if (!scale) return tl::unexpected(scale.error());
   switch (format) {
     case Format::Tum:
@@ -59,11 +59,11 @@ Expected<HeadRecording> parse_head_recording(std::string_view text, std::string_
 }
 
 Expected<HeadRecording> load_head_recording(const std::filesystem::path& path,
-                                            const HeadRecordingOptions& options) {
+                                            std::optional<double> units_a_metre) {
   const Expected<std::vector<std::byte>> bytes = read_file(path, kMaxRecordingBytes);
   if (!bytes) return tl::unexpected(bytes.error());
   const std::string_view text(reinterpret_cast<const char*>(bytes->data()), bytes->size());
-  return parse_head_recording(text, path.filename().string(), options);
+  return parse_head_recording(text, path.filename().string(), units_a_metre);
 }
 
 }  // namespace farshade

@@ -17,12 +17,6 @@
 
 namespace farshade {
 
-struct HeadRecordingOptions {
-  /// World units per metre; positions are divided by it. If unset: 1, except for EyeNavGS, where the file
-  /// name defines it (`eyenavgs_truck` 0.76, `eyenavgs_room` 2); a file with another name is refused.
-  std::optional<double> scene_scale;
-};
-
 inline constexpr std::uint64_t kMaxRecordingBytes = 64u << 20;
 /// A recording needs more samples than one line segment.
 inline constexpr std::size_t kFewestSamples = 3;
@@ -39,11 +33,13 @@ inline constexpr PerEye<EyeFov> kDefaultFov{EyeFov{-0.942, 0.698, 0.733, -0.942}
 /// repeated or backward stamps and counts them. Refuses, with file and line: text that is not a finite
 /// number, quaternions that are not unit, fewer than kFewestSamples samples, axes or units other than those
 /// of the stage.
+/// Positions are divided by `units_a_metre`. If it is unset, it is 1, or for EyeNavGS what the file name says
+/// (`eyenavgs_truck` 0.76, `eyenavgs_room` 2); an EyeNavGS file with another name is refused.
 [[nodiscard]] Expected<HeadRecording> load_head_recording(const std::filesystem::path& path,
-                                                          const HeadRecordingOptions& options = {});
+                                                          std::optional<double> units_a_metre = {});
 
 /// The same from text in memory. `name` is the file name, for errors and for the scale.
 [[nodiscard]] Expected<HeadRecording> parse_head_recording(std::string_view text, std::string_view name,
-                                                           const HeadRecordingOptions& options = {});
+                                                           std::optional<double> units_a_metre = {});
 
 }  // namespace farshade

@@ -3,7 +3,6 @@
 #include <charconv>
 #include <initializer_list>
 
-#include "stereo/base/files.h"
 #include "stereo/head/formats.h"
 
 namespace farshade {
@@ -63,14 +62,6 @@ std::string tum_text(const HeadRecording& recording) {
     text += row_of(seconds_text(ns_of(time)), {p.x, p.y, p.z, q.x, q.y, q.z, q.w}, ' ');
   }
   return text;
-}
-
-Expected<void> write_euroc(const std::filesystem::path& path, const HeadRecording& recording) {
-  return write_file_atomically(path, euroc_text(recording));
-}
-
-Expected<void> write_tum(const std::filesystem::path& path, const HeadRecording& recording) {
-  return write_file_atomically(path, tum_text(recording));
 }
 
 }  // namespace farshade

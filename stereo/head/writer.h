@@ -1,10 +1,8 @@
-/// Writes head recordings. In both formats, a written recording reads back bit for bit.
+/// Head recordings as text. In both formats, the text reads back bit for bit.
 #pragma once
 
-#include <filesystem>
 #include <string>
 
-#include "stereo/base/expected.h"
 #include "stereo/head/head_recording.h"
 
 namespace farshade {
@@ -14,9 +12,5 @@ namespace farshade {
 [[nodiscard]] std::string euroc_text(const HeadRecording& recording);
 /// TUM, `seconds x y z qx qy qz qw`, after the same lines as comments.
 [[nodiscard]] std::string tum_text(const HeadRecording& recording);
-
-/// Atomic: on failure `path` stays unchanged.
-[[nodiscard]] Expected<void> write_euroc(const std::filesystem::path& path, const HeadRecording& recording);
-[[nodiscard]] Expected<void> write_tum(const std::filesystem::path& path, const HeadRecording& recording);
 
 }  // namespace farshade

@@ -87,7 +87,7 @@ Files write(const Setting& setting, const std::filesystem::path& folder) {
   std::ofstream(files.scene, std::ios::binary)
       .write(reinterpret_cast<const char*>(glb.data()), static_cast<std::streamsize>(glb.size()));
   const SharedKey key = new_key("stability").value();
-  if (!write_euroc(files.head, setting.head) || !write_key(files.key, key) ||
+  if (!write_file_atomically(files.head, euroc_text(setting.head)) || !write_key(files.key, key) ||
       !append_to_ring(files.ring, key))
     throw std::runtime_error("cannot write to " + folder.string());
   return files;

@@ -5,7 +5,9 @@
 
 #include <glm/geometric.hpp>
 
+#include "stereo/base/files.h"
 #include "stereo/head/reader.h"
+#include "stereo/head/writer.h"
 #include "stereo/image/codec.h"
 #include "vr_client/ask/request_plan.h"
 
@@ -37,7 +39,7 @@ Expected<void> HeadRecordingWriter::write(const std::filesystem::path& path) con
   if (recording_.samples.size() < kFewestSamples)
     return fail(Fault::OutOfRange, "a head recording needs at least " + std::to_string(kFewestSamples) +
                                        " frames; " + path.string() + " was not written");
-  return write_euroc(path, recording_);
+  return write_file_atomically(path, euroc_text(recording_));
 }
 
 std::filesystem::path Recordings::unused(const char* what, const char* extension) const {

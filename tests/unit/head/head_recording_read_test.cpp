@@ -32,17 +32,17 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text.replace(at, what.size(), by);
 }
 
-HeadRecording good(const std::string& text, const HeadRecordingOptions& options = {},
+HeadRecording good(const std::string& text, std::optional<double> units_a_metre = {},
                    const std::string& name = "t.csv") {
-  const auto recording = parse_head_recording(text, name, options);
+  const auto recording = parse_head_recording(text, name, units_a_metre);
   EXPECT_TRUE(recording) << (recording ? "" : recording.error().what);
   return recording.value_or(HeadRecording{});
 }
 
 /// Returns the sentence of the refusal. Expects that it contains `named`.
 void expect_refused(const std::string& text, Fault fault, const std::string& named,
-                    const HeadRecordingOptions& options = {}) {
-  const auto recording = parse_head_recording(text, "t.csv", options);
+                    std::optional<double> units_a_metre = {}) {
+  const auto recording = parse_head_recording(text, "t.csv", units_a_metre);
   ASSERT_FALSE(recording) << named;
   EXPECT_EQ(recording.error().fault, fault) << recording.error().what;
   EXPECT_NE(recording.error().what.find(named), std::string::npos) << recording.error().what;
@@ -100,7 +100,7 @@ TEST(TumRead, HandlesTimeBeforeZeroAndItsLimits) {
 }
 
 TEST(EyeNavGsRead, PutsTheHeadBetweenItsEyes) {
-  const HeadRecording recording = good(kEyeNavGs, {.scene_scale = 0.5});
+  const HeadRecording recording = good(kEyeNavGs, 0.5);
   ASSERT_EQ(recording.samples.size(), 3u);
   EXPECT_NEAR(recording.eye_distance_m, 0.12, 1e-12);
   EXPECT_LT(glm::length(recording.samples[0].recorded_from_head.translation - glm::dvec3(0, 2, 4)), 1e-12);
@@ -120,16 +120,16 @@ TEST(EyeNavGsRead, KnowsScalesByNameOnly) {
   EXPECT_NEAR(good(kEyeNavGs, {}, "eyenavgs_truck_x.csv").eye_distance_m, 0.06 / 0.76, 1e-12);
   EXPECT_NEAR(good(kEyeNavGs, {}, "eyenavgs_room_x.csv").eye_distance_m, 0.03, 1e-12);
   expect_refused(kEyeNavGs, Fault::Unsupported, "scene scale");
-  expect_refused(kEyeNavGs, Fault::OutOfRange, "positive", {.scene_scale = -1.0});
+  expect_refused(kEyeNavGs, Fault::OutOfRange, "positive", -1.0);
 }
 
 TEST(EyeNavGsRead, LeavesOutALastRowWithoutItsPair) {
   const std::string more = kEyeNavGs + "0,-0.942,0.698,-0.942,0.733,0,1,2,0,0,0,1,0,0,0,0,0,0,1,40\n";
-  EXPECT_EQ(good(more, {.scene_scale = 1.0}).samples.size(), 3u);
+  EXPECT_EQ(good(more, 1.0).samples.size(), 3u);
 }
 
 TEST(EyeNavGsRead, RefusesWhatIsNoPair) {
-  const HeadRecordingOptions metres{.scene_scale = 1.0};
+  constexpr double metres = 1.0;
   expect_refused(replaced(kEyeNavGs, "\n1,", "\n0,"), Fault::Malformed, "t.csv:3: left and right", metres);
   expect_refused(replaced(kEyeNavGs, "0,0.707,0,0.707", "0,0.7,0,0.714"), Fault::Malformed,
                  "t.csv:5: the pair", metres);

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <random>
 
+#include "stereo/base/files.h"
 #include "stereo/head/reader.h"
 #include "stereo/head/writer.h"
 #include "stereo/math/rotation.h"
@@ -74,11 +75,11 @@ TEST(HeadRecordingWrite, WritesFilesAndLeavesNothingWhereItMayNot) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "farshade_trace_write";
   std::filesystem::create_directories(folder);
   const HeadRecording recording = random_recording(9);
-  ASSERT_TRUE(write_euroc(folder / "a.csv", recording));
-  ASSERT_TRUE(write_tum(folder / "a.txt", recording));
+  ASSERT_TRUE(write_file_atomically(folder / "a.csv", euroc_text(recording)));
+  ASSERT_TRUE(write_file_atomically(folder / "a.txt", tum_text(recording)));
   expect_same(load_head_recording(folder / "a.csv").value(), recording);
   expect_same(load_head_recording(folder / "a.txt").value(), recording);
-  EXPECT_FALSE(write_euroc(folder / "missing" / "a.csv", recording));
+  EXPECT_FALSE(write_file_atomically(folder / "missing" / "a.csv", euroc_text(recording)));
   EXPECT_FALSE(std::filesystem::exists(folder / "missing"));
   std::filesystem::remove_all(folder);
 }
