@@ -75,16 +75,6 @@ Verdict verdict(const Sealed& sealed) {
 
 namespace {
 
-template <class Envelope>
-void encode_one(const Envelope& envelope, std::uint16_t version, std::vector<std::byte>& datagram) {
-  datagram.clear();
-  ByteWriter io(datagram);
-  const codec::Header header{.version = version, .type = codec::kTypeOf<Envelope>};
-  fields(io, header);
-  fields(io, envelope);
-  check(datagram.size() <= kMaxDatagram_bytes, "an envelope fits into a datagram");
-}
-
 Decoded<codec::Header> read_header(ByteReader& io) {
   codec::Header header;
   if (io.remaining() > kMaxDatagram_bytes) return refuse(WireRefusal::TooLong);
@@ -112,24 +102,19 @@ Decoded<ClientEnvelope> read_hello(ByteReader io, std::uint16_t version) {
 
 }  // namespace
 
-void encode(const Hello& hello, std::vector<std::byte>& datagram) {
-  encode_one(hello, kProtocolVersion, datagram);
-  datagram.resize(kMaxDatagram_bytes);
-}
-void encode(const Retry& retry, std::vector<std::byte>& datagram) {
-  encode_one(retry, kProtocolVersion, datagram);
-}
-void encode(const OpenRefusal& refusal, std::vector<std::byte>& datagram) {
-  encode_one(refusal, refusal.version, datagram);
-}
-void encode(const Accept& accept, std::vector<std::byte>& datagram) {
-  encode_one(accept, kProtocolVersion, datagram);
-}
-void encode(const NoSession& no_session, std::vector<std::byte>& datagram) {
-  encode_one(no_session, kProtocolVersion, datagram);
-}
-void encode(const Sealed& sealed, std::vector<std::byte>& datagram) {
-  encode_one(sealed, kProtocolVersion, datagram);
+void encode(const Envelope& any, std::vector<std::byte>& datagram) {
+  datagram.clear();
+  ByteWriter io(datagram);
+  std::visit(
+      [&]<class Kind>(const Kind& envelope) {
+        codec::Header header{.version = kProtocolVersion, .type = codec::kTypeOf<Kind>};
+        if constexpr (std::is_same_v<Kind, OpenRefusal>) header.version = envelope.version;
+        fields(io, std::as_const(header));
+        fields(io, envelope);
+      },
+      any);
+  check(datagram.size() <= kMaxDatagram_bytes, "an envelope fits into a datagram");
+  if (std::holds_alternative<Hello>(any)) datagram.resize(kMaxDatagram_bytes);
 }
 
 Decoded<ClientEnvelope> open_client_envelope(std::span<const std::byte> datagram) {

@@ -99,14 +99,11 @@ static_assert(kSealing_bytes == kSealedHeader_bytes + kTag_bytes);
 using ClientEnvelope = std::variant<Hello, ForeignHello, Sealed>;
 using ServerEnvelope = std::variant<Retry, OpenRefusal, Accept, NoSession, Sealed>;
 
+using Envelope = std::variant<Hello, Retry, OpenRefusal, Accept, NoSession, Sealed>;
+
 /// Replaces `datagram` by the envelope's bytes. The proof of a Hello covers its first kHelloProved_bytes
 /// bytes, so the caller encodes it once without the proof and once with it.
-void encode(const Hello& hello, std::vector<std::byte>& datagram);
-void encode(const Retry& retry, std::vector<std::byte>& datagram);
-void encode(const OpenRefusal& refusal, std::vector<std::byte>& datagram);
-void encode(const Accept& accept, std::vector<std::byte>& datagram);
-void encode(const NoSession& no_session, std::vector<std::byte>& datagram);
-void encode(const Sealed& sealed, std::vector<std::byte>& datagram);
+void encode(const Envelope& envelope, std::vector<std::byte>& datagram);
 
 [[nodiscard]] Decoded<ClientEnvelope> open_client_envelope(std::span<const std::byte> datagram);
 [[nodiscard]] Decoded<ServerEnvelope> open_server_envelope(std::span<const std::byte> datagram);

@@ -129,7 +129,7 @@ std::optional<ClientHandshake::Met> ClientHandshake::take(const Accept& accept,
     return std::nullopt;
   const SessionKeys keys = schedule.session(accept.session);
   std::vector<std::byte> message;
-  if (!open_alone(schedule.accept_key(), keys.sealing, {}, accept.sealed, message)) return std::nullopt;
+  if (!open_alone(schedule.accept_key(), keys.sealing, accept.sealed, message)) return std::nullopt;
   const Decoded<ServerMessage> answer = decode_server(message);
   if (!answer || !(std::holds_alternative<Welcome>(*answer) || std::holds_alternative<Refusal>(*answer)))
     return std::nullopt;
@@ -157,7 +157,7 @@ std::optional<Accepted> accept(const Hello& hello, std::span<const std::byte> he
   accepted.keys = schedule.session(accept.session);
   std::vector<std::byte> message;
   encode(answer, message);
-  const std::vector<std::byte> sealed = seal_alone(schedule.accept_key(), accepted.keys.sealing, {}, message);
+  const std::vector<std::byte> sealed = seal_alone(schedule.accept_key(), accepted.keys.sealing, message);
   accepted.datagram.insert(accepted.datagram.end(), sealed.begin(), sealed.end());
   return accepted;
 }

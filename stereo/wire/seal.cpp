@@ -81,16 +81,15 @@ Decoded<std::span<const std::byte>> Opener::open(const Sealed& sealed, std::span
   return std::span<const std::byte>(opened);
 }
 
-std::vector<std::byte> seal_alone(const Secret& key, Sealing sealing, std::span<const std::byte> around,
-                                  std::span<const std::byte> message) {
+std::vector<std::byte> seal_alone(const Secret& key, Sealing sealing, std::span<const std::byte> message) {
   std::vector<std::byte> sealed;
-  append_sealed(key, sealing, 0, around, message, sealed);
+  append_sealed(key, sealing, 0, {}, message, sealed);
   return sealed;
 }
 
-bool open_alone(const Secret& key, Sealing sealing, std::span<const std::byte> around,
-                std::span<const std::byte> sealed, std::vector<std::byte>& message) {
-  return open_sealed(key, sealing, 0, around, sealed, message);
+bool open_alone(const Secret& key, Sealing sealing, std::span<const std::byte> sealed,
+                std::vector<std::byte>& message) {
+  return open_sealed(key, sealing, 0, {}, sealed, message);
 }
 
 }  // namespace farshade

@@ -69,12 +69,10 @@ class Opener {
   ReplayWindow window_;
 };
 
-/// Seals or opens a single message with its own key: the sealed part of an Accept. The tag also authenticates
-/// the bytes of `around`.
+/// Seals or opens a single message with its own key: the sealed part of an Accept.
 [[nodiscard]] std::vector<std::byte> seal_alone(const Secret& key, Sealing sealing,
-                                                std::span<const std::byte> around,
                                                 std::span<const std::byte> message);
-[[nodiscard]] bool open_alone(const Secret& key, Sealing sealing, std::span<const std::byte> around,
-                              std::span<const std::byte> sealed, std::vector<std::byte>& message);
+[[nodiscard]] bool open_alone(const Secret& key, Sealing sealing, std::span<const std::byte> sealed,
+                              std::vector<std::byte>& message);
 
 }  // namespace farshade

@@ -309,7 +309,7 @@ TEST(Handshake, KeysAreDerivedAsThePageSays) {
   EXPECT_EQ(server.keys.to_server, derived("farshade-2 to server"));
   EXPECT_EQ(server.keys.to_client, derived("farshade-2 to client"));
   Bytes message;
-  ASSERT_TRUE(open_alone(derived("farshade-2 accept"), Sealing::On, {}, answer.sealed, message));
+  ASSERT_TRUE(open_alone(derived("farshade-2 accept"), Sealing::On, answer.sealed, message));
   EXPECT_EQ(message, encoded(ServerMessage(welcome())));
 }
 
