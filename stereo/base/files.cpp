@@ -74,13 +74,7 @@ int create_with(const fs::path& path, std::span<const std::byte> bytes, Opening 
   return file.close_now();
 }
 
-/// Returns the file's status, or the reason to refuse it.
-using Gate = Expected<void> (*)(const fs::path& path, const struct stat& status);
-
-Expected<void> no_gate(const fs::path&, const struct stat&) {
-  return {};
-}
-
+/// Refuses a file that others than its owner may read or write.
 Expected<void> only_its_owners(const fs::path& path, const struct stat& status) {
   if (status.st_uid != ::geteuid() && status.st_uid != 0)
     return fail(Fault::Unreadable, "'" + path.string() +
@@ -94,14 +88,17 @@ Expected<void> only_its_owners(const fs::path& path, const struct stat& status) 
   return {};
 }
 
-Expected<std::vector<std::byte>> read_through(Gate gate, const fs::path& path, std::uint64_t max_bytes) {
+enum class Content { Public, Secret };
+
+Expected<std::vector<std::byte>> read(const fs::path& path, std::uint64_t max_bytes, Content content) {
   // Non-blocking, so that opening a pipe without a writer returns and the pipe can be refused.
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   struct stat status {};
   if (file.number < 0 || ::fstat(file.number, &status) != 0) return fail_errno("read", path, errno);
   if (!S_ISREG(status.st_mode))
     return fail(Fault::Unreadable, "'" + path.string() + "' is not a regular file");
-  if (const Expected<void> passed = gate(path, status); !passed) return tl::unexpected(passed.error());
+  if (content == Content::Secret)
+    if (const auto passed = only_its_owners(path, status); !passed) return tl::unexpected(passed.error());
   const auto size = static_cast<std::uint64_t>(status.st_size);
   if (size > max_bytes)
     return fail(Fault::OutOfRange, "'" + path.string() + "' has " + std::to_string(size) +
@@ -137,11 +134,11 @@ Expected<void> write(const fs::path& path, std::span<const std::byte> bytes, Ope
 }  // namespace
 
 Expected<std::vector<std::byte>> read_file(const fs::path& path, std::uint64_t max_bytes) {
-  return read_through(no_gate, path, max_bytes);
+  return read(path, max_bytes, Content::Public);
 }
 
 Expected<std::vector<std::byte>> read_private_file(const fs::path& path, std::uint64_t max_bytes) {
-  return read_through(only_its_owners, path, max_bytes);
+  return read(path, max_bytes, Content::Secret);
 }
 
 Expected<void> write_file_atomically(const fs::path& path, std::span<const std::byte> bytes) {

@@ -19,7 +19,7 @@ DepthRing::DepthRing(const gpu::Device& device, Extent size, std::uint32_t slots
           "depth ring")),
       slots_(slots + 1) {
   for (std::uint32_t i = 0; i < slots_.size(); ++i)
-    slots_[i].view = gpu::view_layers(device, image_, i * kEyes, kEyes);
+    slots_[i].view = gpu::view_layers(device, image_, {static_cast<std::uint32_t>(i * kEyes), kEyes});
   gpu::run_now(device, [&](const vk::raii::CommandBuffer& commands) {
     gpu::transition(commands, image_, vk::ImageLayout::eUndefined, vk::ImageLayout::eShaderReadOnlyOptimal);
   });

@@ -90,13 +90,10 @@ gpu::LightData light_data(const StereoView& shown, const Light& light) {
   return data;
 }
 
-bool may_be_seen(const gpu::InstanceData& instance, std::size_t eye, const glm::vec3& low,
-                 const glm::vec3& high) {
+bool may_be_seen(const gpu::InstanceData& instance, std::size_t eye, const Bounds& box) {
   std::array<int, 5> outside{};  // corners beyond left, right, top, bottom, behind
   for (int corner = 0; corner < 8; ++corner) {
-    const glm::vec4 p =
-        instance.clip_from_object[eye] * glm::vec4(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
-                                                   corner & 4 ? high.z : low.z, 1.0f);
+    const glm::vec4 p = instance.clip_from_object[eye] * glm::vec4(glm::vec3(box.corner(corner)), 1.0f);
     outside[0] += p.x < -p.w;
     outside[1] += p.x > p.w;
     outside[2] += p.y < -p.w;

@@ -32,7 +32,6 @@ namespace farshade {
 [[nodiscard]] gpu::LightData light_data(const StereoView& shown, const Light& light);
 
 /// A conservative frustum test: false only if `eye` can see no part of the object-space box.
-[[nodiscard]] bool may_be_seen(const gpu::InstanceData& instance, std::size_t eye, const glm::vec3& low,
-                               const glm::vec3& high);
+[[nodiscard]] bool may_be_seen(const gpu::InstanceData& instance, std::size_t eye, const Bounds& box);
 
 }  // namespace farshade

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
-#include <limits>
 
 #include "stereo/base/check.h"
 
@@ -14,14 +13,11 @@ bool changes_bits(const Light& then, const Light& now) {
          then.range_m != now.range_m || then.outer_cone_rad != now.outer_cone_rad;
 }
 
-Sphere sphere_about(const Affine<Stage, Object>& stage_from_object, const glm::dvec3& low,
-                    const glm::dvec3& high) {
-  Sphere sphere{stage_from_object(Point<Object>{(low + high) * 0.5}), 0};
-  for (int corner = 0; corner < 8; ++corner) {
-    const Point<Object> p{
-        {corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y, corner & 4 ? high.z : low.z}};
-    sphere.radius = std::max(sphere.radius, length(stage_from_object(p) - sphere.centre));
-  }
+Sphere sphere_about(const Affine<Stage, Object>& stage_from_object, const Bounds& box) {
+  Sphere sphere{stage_from_object(Point<Object>{(box.low + box.high) * 0.5}), 0};
+  for (int corner = 0; corner < 8; ++corner)
+    sphere.radius =
+        std::max(sphere.radius, length(stage_from_object(Point<Object>{box.corner(corner)}) - sphere.centre));
   return sphere;
 }
 
@@ -52,12 +48,7 @@ MotionModel::MotionModel(const Scene& scene, const std::vector<bool>& moves)
   check_eq(moves.size(), scene.instances.size(), "the plan is the scene's");
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     if (!moves[i]) continue;
-    glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
-    for (const glm::vec3& p : scene.meshes[scene.instances[i].mesh].positions) {
-      low = glm::min(low, glm::dvec3(p));
-      high = glm::max(high, glm::dvec3(p));
-    }
-    moving_.push_back({i, low, high});
+    moving_.push_back({i, bounds_of(scene.meshes[scene.instances[i].mesh].positions)});
     slots_[i] = static_cast<std::uint32_t>(moving_.size());
   }
 }
@@ -81,8 +72,8 @@ Motion MotionModel::between(const SceneState& then, const SceneState& now) const
                         &after = now.stage_from_object[mover.instance];
     if (before == after) continue;
     motion.then_from_now[slot] = before.matrix * glm::inverse(after.matrix);
-    add_sphere(sphere_about(before, mover.low, mover.high), motion.moved);
-    add_sphere(sphere_about(after, mover.low, mover.high), motion.moved);
+    add_sphere(sphere_about(before, mover.box), motion.moved);
+    add_sphere(sphere_about(after, mover.box), motion.moved);
   }
   return motion;
 }

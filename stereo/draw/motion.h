@@ -52,7 +52,7 @@ class MotionModel {
  private:
   struct Moving {
     std::uint32_t instance;
-    glm::dvec3 low, high;  ///< object-space box
+    Bounds box;  ///< object space
   };
   std::vector<Moving> moving_;
   std::vector<std::uint32_t> slots_;

@@ -20,9 +20,7 @@ std::vector<T> filled(const std::vector<T>& values, std::size_t count, T neutral
 /// chapter 5.)
 glm::dvec3 center_of(const std::vector<glm::vec3>& positions) {
   constexpr double kFar = 16;  // distance from the origin in half sizes of the mesh
-  glm::dvec3 low(positions.front()), high(low);
-  for (const glm::vec3& p : positions)
-    low = glm::min(low, glm::dvec3(p)), high = glm::max(high, glm::dvec3(p));
+  const auto [low, high] = bounds_of(positions);
   const glm::dvec3 center = (low + high) * 0.5;
   return glm::length(center) > kFar * 0.5 * glm::length(high - low) ? center : glm::dvec3(0.0);
 }
@@ -65,11 +63,7 @@ void upload(const Mesh& source, const SurfaceNeeds& needs, const SceneBuffers& b
   if (needs.vertex_color)
     write(buffers.vertices, mesh.offsets.colors, filled(source.colors, count, glm::u8vec4(255)));
   write(buffers.indices, mesh.offsets.indices, source.triangles);
-  mesh.low = mesh.high = positions.front();
-  for (const glm::vec3& p : positions) {
-    mesh.low = glm::min(mesh.low, p);
-    mesh.high = glm::max(mesh.high, p);
-  }
+  mesh.box = bounds_of(positions);
 }
 
 void make_meshes(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, SceneBuffers& buffers) {

@@ -39,8 +39,8 @@ struct DeviceMesh {
   StreamBytes offsets;                 ///< of indices: in SceneBuffers::indices; of others: in its vertices
   std::optional<std::size_t> texture;  ///< index into SceneBuffers::texture_sets
   std::uint32_t index_count = 0;
-  glm::dvec3 center{0.0};           ///< object space; positions and box are relative to it
-  glm::vec3 low{0.0f}, high{0.0f};  ///< bounding box
+  glm::dvec3 center{0.0};  ///< object space; positions and box are relative to it
+  Bounds box{};
 };
 
 struct SceneBuffers {

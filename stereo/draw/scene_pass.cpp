@@ -101,10 +101,10 @@ void ScenePass::add_draws(std::size_t pair, const SceneState& state, const SeenA
     Affine<Stage, Object> stage_from_mesh = state.stage_from_object[i];
     stage_from_mesh.matrix[3] = glm::dvec4(stage_from_mesh(Point<Object>{mesh.center}).v, 1.0);
     data[i] = seen_as(stage_from_mesh);
-    const bool left = may_be_seen(data[i], 0, mesh.low, mesh.high),
-               right = may_be_seen(data[i], 1, mesh.low, mesh.high);
+    const bool left = may_be_seen(data[i], 0, mesh.box), right = may_be_seen(data[i], 1, mesh.box);
     if (!left && !right) continue;
-    const glm::vec4 centre = data[i].clip_from_object[0] * glm::vec4((mesh.low + mesh.high) * 0.5f, 1.0f);
+    const glm::vec3 middle = (glm::vec3(mesh.box.low) + glm::vec3(mesh.box.high)) * 0.5f;
+    const glm::vec4 centre = data[i].clip_from_object[0] * glm::vec4(middle, 1.0f);
     draws.push_back({i, first + i, left ? 0u : 1u, left && right ? 2u : 1u, centre.w,
                      glm::determinant(glm::dmat3(state.stage_from_object[i].matrix)) < 0});
     need_pipeline(variant_of(scene_.instances[i].mesh));

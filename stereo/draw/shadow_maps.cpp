@@ -46,7 +46,7 @@ ShadowMaps::ShadowMaps(const gpu::Device& device, const Scene& scene, const Draw
       bindings_(gpu::make_bindings(device, kMapSet, "shadow maps")),
       pass_(device, scene, plan, buffers, frame, Outputs::Casters, maps_.spec.layers / 2) {
   for (std::uint32_t first = 0; first < maps_.spec.layers; first += 2)
-    pairs_.push_back(gpu::view_layers(device, maps_, first, 2));
+    pairs_.push_back(gpu::view_layers(device, maps_, {first, 2}));
   gpu::bind_image(device, bindings_, 0, {*maps_.view, Layout::eShaderReadOnlyOptimal, *nearest_});
   gpu::bind_buffer(device, bindings_, 1, map_data_);
 }
@@ -55,11 +55,8 @@ std::vector<Point<Stage>> ShadowMaps::corners(const SceneState& state) const {
   std::vector<Point<Stage>> result;
   for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
     const DeviceMesh& mesh = buffers_.meshes[scene_.instances[i].mesh];
-    for (int corner = 0; corner < 8; ++corner) {
-      const glm::dvec3 p(corner & 1 ? mesh.high.x : mesh.low.x, corner & 2 ? mesh.high.y : mesh.low.y,
-                         corner & 4 ? mesh.high.z : mesh.low.z);
-      result.push_back(state.stage_from_object[i](Point<Object>{mesh.center + p}));
-    }
+    for (int corner = 0; corner < 8; ++corner)
+      result.push_back(state.stage_from_object[i](Point<Object>{mesh.center + mesh.box.corner(corner)}));
   }
   return result;
 }

@@ -73,16 +73,6 @@ Image bare_image(const Device& device, const ImageSpec& spec, const std::string&
   return result;
 }
 
-vk::raii::ImageView make_view(const Device& device, const Image& image, LayerRange layers) {
-  return device.logical.createImageView({.image = *image.image,
-                                         .viewType = vk::ImageViewType::e2DArray,
-                                         .format = image.spec.format,
-                                         .subresourceRange = {.aspectMask = image.aspect,
-                                                              .levelCount = image.spec.mip_levels,
-                                                              .baseArrayLayer = layers.first,
-                                                              .layerCount = layers.count}});
-}
-
 void barrier(const vk::raii::CommandBuffer& commands, vk::Image image, vk::ImageLayout from,
              vk::ImageLayout to, vk::ImageSubresourceRange range) {
   const vk::ImageMemoryBarrier2 all{
@@ -117,6 +107,16 @@ Allocation bind_together(const Device& device, std::span<Image> images, const st
 
 }  // namespace
 
+vk::raii::ImageView view_layers(const Device& device, const Image& image, LayerRange layers) {
+  return device.logical.createImageView({.image = *image.image,
+                                         .viewType = vk::ImageViewType::e2DArray,
+                                         .format = image.spec.format,
+                                         .subresourceRange = {.aspectMask = image.aspect,
+                                                              .levelCount = image.spec.mip_levels,
+                                                              .baseArrayLayer = layers.first,
+                                                              .layerCount = layers.count}});
+}
+
 Buffer make_mapped_buffer(const Device& device, std::size_t bytes, vk::BufferUsageFlags usage,
                           const std::string& name, Use use) {
   return make_buffer(device, bytes, usage, {kHost | Property::eDeviceLocal, kHost}, name, use);
@@ -142,7 +142,7 @@ Image make_image(const Device& device, const ImageSpec& spec, const std::string&
   Allocation allocation = bind_together(device, {&result, 1}, name);
   result.memory = std::move(allocation.memory);
   result.charge = std::move(allocation.charge);
-  result.view = make_view(device, result, {0, spec.layers});
+  result.view = view_layers(device, result, {0, spec.layers});
   return result;
 }
 
@@ -164,13 +164,8 @@ ImageGroup make_image_group(const Device& device, std::span<const ImageSpec> spe
   for (std::size_t i = 0; i + 1 < first.size() && !specs.empty(); ++i)
     group.memory.push_back(
         bind_together(device, images.subspan(first[i], first[i + 1] - first[i]), name + " memory"));
-  for (Image& image : group.images) image.view = make_view(device, image, {0, image.spec.layers});
+  for (Image& image : group.images) image.view = view_layers(device, image, {0, image.spec.layers});
   return group;
-}
-
-vk::raii::ImageView view_layers(const Device& device, const Image& image, std::uint32_t first,
-                                std::uint32_t layers) {
-  return make_view(device, image, {first, layers});
 }
 
 void transition(const vk::raii::CommandBuffer& commands, const Image& image, vk::ImageLayout from,

@@ -62,14 +62,12 @@ struct Image {
 
 [[nodiscard]] Image make_image(const Device& device, const ImageSpec& spec, const std::string& name);
 
-/// A view of `layers` layers of an image, from layer `first`.
-[[nodiscard]] vk::raii::ImageView view_layers(const Device& device, const Image& image, std::uint32_t first,
-                                              std::uint32_t layers);
-
-/// Changes the layout of layers. Its barrier makes earlier writes visible to later commands.
 struct LayerRange {
   std::uint32_t first = 0, count = VK_REMAINING_ARRAY_LAYERS;
 };
+[[nodiscard]] vk::raii::ImageView view_layers(const Device& device, const Image& image, LayerRange layers);
+
+/// Changes the layout of layers. Its barrier makes earlier writes visible to later commands.
 void transition(const vk::raii::CommandBuffer& commands, const Image& image, vk::ImageLayout from,
                 vk::ImageLayout to, LayerRange layers = {});
 

@@ -50,16 +50,21 @@ void with_type(Component component, Read read) {
   check(false, "validated component type");
 }
 
-/// Calls `store(index, address)` for each dense element, then for each sparse element.
+/// Calls `store(index, address, zero)` for each dense element, then for each sparse element. `zero` has the
+/// C++ type of a component.
 template <class Store>
 void for_each_element(const Document& document, const Accessor& accessor, Store store) {
   const ElementRun run = elements_of(document, accessor);
-  if (run.first)
-    for (std::uint64_t i = 0; i < accessor.count; ++i) store(i, run.first + i * run.stride);
-  if (!accessor.sparse) return;
-  const auto numbers = sparse_indices(document, *accessor.sparse);
-  const auto* values = bytes_at(document, accessor.sparse->value_view, accessor.sparse->value_offset);
-  for (std::size_t i = 0; i < numbers.size(); ++i) store(numbers[i], values + i * accessor.element_bytes());
+  const auto numbers =
+      accessor.sparse ? sparse_indices(document, *accessor.sparse) : std::vector<std::uint32_t>{};
+  with_type(accessor.component, [&](auto zero) {
+    if (run.first)
+      for (std::uint64_t i = 0; i < accessor.count; ++i) store(i, run.first + i * run.stride, zero);
+    if (!accessor.sparse) return;
+    const auto* values = bytes_at(document, accessor.sparse->value_view, accessor.sparse->value_offset);
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+      store(numbers[i], values + i * accessor.element_bytes(), zero);
+  });
 }
 
 }  // namespace
@@ -77,12 +82,10 @@ std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::uint
   glm::vec<N, float> rest(0.0f);
   for (std::size_t i = width; i < N; ++i) rest[static_cast<int>(i)] = 1.0f;
   std::vector<glm::vec<N, float>> result(accessor.count, rest);
-  with_type(accessor.component, [&](auto type) {
-    using T = decltype(type);
-    for_each_element(document, accessor, [&](std::uint64_t i, const std::uint8_t* bytes) {
-      for (std::size_t c = 0; c < width; ++c)
-        result[i][static_cast<int>(c)] = load_number<T>(bytes + c * sizeof(T), accessor.normalized);
-    });
+  for_each_element(document, accessor, [&](std::uint64_t i, const std::uint8_t* bytes, auto zero) {
+    for (std::size_t c = 0; c < width; ++c)
+      result[i][static_cast<int>(c)] =
+          load_number<decltype(zero)>(bytes + c * sizeof zero, accessor.normalized);
   });
   return result;
 }
@@ -93,10 +96,8 @@ template std::vector<glm::vec4> read_vectors<4>(const Document&, std::uint32_t);
 std::vector<float> read_scalars(const Document& document, std::uint32_t index) {
   const Accessor& accessor = document.accessors[index];
   std::vector<float> result(accessor.count);
-  with_type(accessor.component, [&](auto type) {
-    for_each_element(document, accessor, [&](std::uint64_t i, const std::uint8_t* bytes) {
-      result[i] = load_number<decltype(type)>(bytes, accessor.normalized);
-    });
+  for_each_element(document, accessor, [&](std::uint64_t i, const std::uint8_t* bytes, auto zero) {
+    result[i] = load_number<decltype(zero)>(bytes, accessor.normalized);
   });
   return result;
 }
@@ -104,10 +105,8 @@ std::vector<float> read_scalars(const Document& document, std::uint32_t index) {
 std::vector<std::uint32_t> read_indices(const Document& document, std::uint32_t index) {
   const Accessor& accessor = document.accessors[index];
   std::vector<std::uint32_t> result(accessor.count);
-  with_type(accessor.component, [&](auto type) {
-    for_each_element(document, accessor, [&](std::uint64_t i, const std::uint8_t* bytes) {
-      result[i] = static_cast<std::uint32_t>(load<decltype(type)>(bytes));
-    });
+  for_each_element(document, accessor, [&](std::uint64_t i, const std::uint8_t* bytes, auto zero) {
+    result[i] = static_cast<std::uint32_t>(load<decltype(zero)>(bytes));
   });
   return result;
 }

@@ -3,6 +3,7 @@
 #include <set>
 
 #include "stereo/scene/gltf_accessor.h"
+#include "stereo/scene/scene_state.h"
 
 namespace farshade::gltf {
 namespace {
@@ -41,20 +42,6 @@ bool is_constant(const Channel& channel) {
   return true;
 }
 
-void rest_at(const glm::dvec4& value, Path path, NodeTransform& rest) {
-  switch (path) {
-    case Path::Translation:
-      rest.translation = glm::dvec3(value);
-      break;
-    case Path::Scale:
-      rest.scale = glm::dvec3(value);
-      break;
-    case Path::Rotation:
-      rest.rotation = glm::normalize(glm::dquat(value.w, value.x, value.y, value.z));
-      break;
-  }
-}
-
 }  // namespace
 
 void add_animations(const Document& document, const std::vector<Index>& scene_node, Scene& scene) {
@@ -68,7 +55,7 @@ void add_animations(const Document& document, const std::vector<Index>& scene_no
       Channel channel = channel_from(document, animation.samplers[from.sampler], *node, path);
       length_s = std::max(length_s, double{channel.keys_s.back()});
       if (is_constant(channel)) {
-        rest_at(first_value(channel), path, scene.nodes[*node].rest);
+        set(path, first_value(channel), scene.nodes[*node].rest);
       } else {
         scene.nodes[*node].moving = true;
         scene.channels.push_back(std::move(channel));

@@ -137,15 +137,9 @@ Index camera_node(const Document& document, const NodeOrder& order) {
 /// An axis-aligned stage-space box around the object-space box of a mesh. It may be larger than the mesh
 /// needs.
 void add_bounds(const farshade::Mesh& mesh, const Affine<Stage, Object>& pose, Bounds& bounds) {
-  glm::vec3 low = mesh.positions.front(), high = low;
-  for (const glm::vec3& p : mesh.positions) {
-    low = glm::min(low, p);
-    high = glm::max(high, p);
-  }
+  const Bounds object = bounds_of(mesh.positions);
   for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 at(corner & 1 ? high.x : low.x, corner & 2 ? high.y : low.y,
-                        corner & 4 ? high.z : low.z);
-    const glm::dvec3 p = pose(Point<Object>{at}).v;
+    const glm::dvec3 p = pose(Point<Object>{object.corner(corner)}).v;
     bounds.low = glm::min(bounds.low, p);
     bounds.high = glm::max(bounds.high, p);
   }

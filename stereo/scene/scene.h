@@ -93,7 +93,20 @@ struct Channel {
 
 struct Bounds {
   glm::dvec3 low{0.0}, high{0.0};
+
+  /// Corner `index`, 0 to 7.
+  [[nodiscard]] glm::dvec3 corner(int index) const {
+    return {index & 1 ? high.x : low.x, index & 2 ? high.y : low.y, index & 4 ? high.z : low.z};
+  }
 };
+
+/// The box around some points; the origin if there are none.
+[[nodiscard]] inline Bounds bounds_of(const std::vector<glm::vec3>& points) {
+  if (points.empty()) return {};
+  glm::vec3 low = points.front(), high = low;
+  for (const glm::vec3& p : points) low = glm::min(low, p), high = glm::max(high, p);
+  return {glm::dvec3(low), glm::dvec3(high)};
+}
 
 /// BLAKE2b-256 of everything that the picture depends on (scene_hash.h). Client and server compare it.
 using SceneHash = std::array<std::uint8_t, 32>;

@@ -56,23 +56,6 @@ glm::dvec4 sample(const Channel& channel, double time_s) {
   return a + (b - a) * t;
 }
 
-void apply(const Channel& channel, double time_s, NodeTransform& transform) {
-  const glm::dvec4 value = sample(channel, time_s);
-  switch (channel.path) {
-    case Path::Translation:
-      transform.translation = glm::dvec3(value);
-      break;
-    case Path::Scale:
-      transform.scale = glm::dvec3(value);
-      break;
-    case Path::Rotation:
-      // A spline may pass through 0, which is no rotation. The node then keeps the rotation of its rest
-      // transform.
-      if (glm::length(value) > 1e-6) transform.rotation = quat_of(value);
-      break;
-  }
-}
-
 glm::dmat4 local_matrix(const NodeTransform& transform) {
   if (transform.matrix) return *transform.matrix;
   glm::dmat4 m = glm::mat4_cast(transform.rotation);
@@ -98,11 +81,26 @@ Light light_at(const LightSource& source, const Affine<Stage, Object>& stage_fro
 
 }  // namespace
 
+void set(Path path, const glm::dvec4& value, NodeTransform& transform) {
+  switch (path) {
+    case Path::Translation:
+      transform.translation = glm::dvec3(value);
+      break;
+    case Path::Scale:
+      transform.scale = glm::dvec3(value);
+      break;
+    case Path::Rotation:
+      if (glm::length(value) > 1e-6) transform.rotation = quat_of(value);
+      break;
+  }
+}
+
 std::vector<Affine<Stage, Object>> stage_from_nodes(const Scene& scene, Time scene_time) {
   std::vector<NodeTransform> locals(scene.nodes.size());
   for (std::size_t i = 0; i < locals.size(); ++i) locals[i] = scene.nodes[i].rest;
   const double time_s = animation_time_s(scene, scene_time);
-  for (const Channel& channel : scene.channels) apply(channel, time_s, locals[channel.node]);
+  for (const Channel& channel : scene.channels)
+    set(channel.path, sample(channel, time_s), locals[channel.node]);
   std::vector<Affine<Stage, Object>> result(scene.nodes.size());
   for (std::size_t i = 0; i < result.size(); ++i) {
     const auto parent = scene.nodes[i].parent;

@@ -43,6 +43,10 @@ void advance(const Scene& scene, Time scene_time, const LightChanges& changes, S
 /// Applies `changes` to a light set that has the lights of the scene, as state_at does.
 void apply(const LightChanges& changes, LightSet& light_set);
 
+/// Sets one property to a channel's value: xyz0 or a quaternion xyzw of any length. A spline may pass through
+/// 0, which is no rotation; the node then keeps its rotation.
+void set(Path path, const glm::dvec4& value, NodeTransform& transform);
+
 /// The transform of each node to the stage. If an animation scales by less than 1e-9, the scale is 1e-9, so
 /// that every transform can be inverted.
 [[nodiscard]] std::vector<Affine<Stage, Object>> stage_from_nodes(const Scene& scene, Time scene_time);

@@ -62,13 +62,6 @@ glm::dvec3 facet_normal(const std::array<glm::dvec3, 3>& p) {
   return unit_or_zero(glm::cross(edge[(longest + 1) % 3], edge[(longest + 2) % 3]));
 }
 
-Bounds bounds_of(const Mesh& mesh) {
-  if (mesh.positions.empty()) return {};
-  glm::vec3 low = mesh.positions.front(), high = low;
-  for (const glm::vec3& p : mesh.positions) low = glm::min(low, p), high = glm::max(high, p);
-  return {glm::dvec3(low), glm::dvec3(high)};
-}
-
 }  // namespace
 
 SurfaceModel::SurfaceModel(const Scene& scene, const SceneState& state, const TracePlan& plan) {
@@ -105,7 +98,7 @@ void SurfaceModel::add(const Scene& scene, const SceneState& state, std::uint32_
               .moving = moving};
   if (needs.alpha_test) patch.holes.emplace(scene, mesh);
   if (moving) {
-    const Bounds bounds = bounds_of(mesh);
+    const Bounds bounds = bounds_of(mesh.positions);
     patch.object_center = {(bounds.low + bounds.high) * 0.5};
     patch.object_half = (bounds.high - bounds.low) * 0.5;
   }

@@ -197,7 +197,7 @@ TEST(MayBeSeen, IsNeverFalseForABoxWithAVisiblePoint) {
       const glm::vec4 p = instance.clip_from_object[0] * glm::vec4(glm::mix(low, high, t), 1.0f);
       visible = p.w > 0 && std::abs(p.x) <= p.w && std::abs(p.y) <= p.w;
     }
-    const bool may = may_be_seen(instance, 0, low, high);
+    const bool may = may_be_seen(instance, 0, {low, high});
     if (visible) {
       ASSERT_TRUE(may) << "case " << i;
     }
@@ -213,8 +213,8 @@ TEST(MayBeSeen, AsksTheEyeThatItIsTold) {
   for (View& view : views) view = {{}, {-0.5, 0.5, 0.5, -0.5}, kSize};
   views[1].stage_from_eye.rotation = rotation_exp({0, 3.14, 0});  // looks back
   const gpu::InstanceData instance = instance_data(views, {});
-  EXPECT_TRUE(may_be_seen(instance, 0, glm::vec3(-1, -1, -6), glm::vec3(1, 1, -5)));
-  EXPECT_FALSE(may_be_seen(instance, 1, glm::vec3(-1, -1, -6), glm::vec3(1, 1, -5)));
+  EXPECT_TRUE(may_be_seen(instance, 0, {{-1, -1, -6}, {1, 1, -5}}));
+  EXPECT_FALSE(may_be_seen(instance, 1, {{-1, -1, -6}, {1, 1, -5}}));
 }
 
 }  // namespace
