@@ -49,18 +49,6 @@ class SteadyClock final : public Clock {
   }
 };
 
-/// A clock that its owner advances. It never goes back.
-class ManualClock final : public Clock {
- public:
-  [[nodiscard]] Time now() const override { return now_; }
-  void advance_to(Time time) {
-    if (time > now_) now_ = time;
-  }
-
- private:
-  Time now_{};
-};
-
 /// Wall time since construction, for the run-time table.
 class Stopwatch {
  public:

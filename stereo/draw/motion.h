@@ -26,8 +26,6 @@ struct Motion {
   std::bitset<kMaxLights> changed_lights;                ///< the stale lights that the viewer has changed
   std::vector<std::optional<glm::dmat4>> then_from_now;  ///< [slot], stage to stage; empty: has not moved
   std::vector<Sphere> moved;                             ///< bounding spheres; at most kMostSpheres
-
-  [[nodiscard]] bool is_still() const { return stale_lights.none() && moved.empty(); }
 };
 
 /// Whether two times are so close that nothing moves visibly between them. Predictions of display times have

@@ -105,16 +105,6 @@ DrawTimes Renderer::draw(const ShownFrame& frame) {
   return times;
 }
 
-DrawTimes Renderer::draw_gbuffer(const ShownFrame& frame) {
-  const Stopwatch watch;
-  place_depth(frame);
-  gbuffer_.prepare(frame.views, frame.state);
-  shading_.prepare(shown_depth_.layer, frame.views, frame.state.light_set, {}, frame.carry_over);
-  DrawTimes times = submit(frame, Stage::GBuffer);
-  times.total = watch.elapsed();
-  return times;
-}
-
 DrawTimes Renderer::shade_again(const ShownFrame& frame) {
   const Stopwatch watch;
   prepare_shading(frame);
@@ -166,10 +156,10 @@ DrawTimes Renderer::submit(const ShownFrame& frame, Stage stage) {
   stamps_.write(commands_, 1);
   if (stage != Stage::Shade && asked_depth_) depth_pass_->record(commands_, ring_, *asked_depth_);
   stamps_.write(commands_, 2);
-  const bool with_maps = stage != Stage::GBuffer && frame.shadow_maps != nullptr;
+  const bool with_maps = frame.shadow_maps != nullptr;
   if (with_maps) shadow_maps_->record(commands_);
   stamps_.write(commands_, 3);
-  if (stage != Stage::GBuffer) shading_.record(commands_, frame.report);
+  shading_.record(commands_, frame.report);
   stamps_.write(commands_, 4);
   commands_.end();
   gpu::submit_and_wait(device_, commands_, fence_);

@@ -51,9 +51,6 @@ class Renderer {
   /// Shades the last drawn frame again. Views and state are the same; masks and CarryOver may differ.
   DrawTimes shade_again(const ShownFrame& frame);
 
-  /// Draws only the G-buffer, which is the cost of a client without shadows. Keeps the depth for `request`.
-  DrawTimes draw_gbuffer(const ShownFrame& frame);
-
   /// Draws the depth of the views of `request`, keeps it for the request's masks, and reads it back: metres
   /// along -z, 0 for uncovered pixels. Reuses the memory of `into`. `slot` is that of the request's record.
   DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into);
@@ -92,7 +89,7 @@ class Renderer {
   [[nodiscard]] DrawCounters counters() const;
 
  private:
-  enum class Stage : std::uint8_t { GBuffer, Shade, Both, Received };
+  enum class Stage : std::uint8_t { Shade, Both, Received };
   void place_depth(const ShownFrame& frame);
   void make_depth_pass();
   void prepare_shading(const ShownFrame& frame);

@@ -19,9 +19,4 @@ constexpr FrameId next(FrameId id) {
   return {id.value + 1};
 }
 
-/// Number of requests from `b` to `a`; negative if `b` is newer.
-constexpr std::int32_t frames_between(FrameId a, FrameId b) {
-  return static_cast<std::int32_t>(a.value - b.value);
-}
-
 }  // namespace farshade

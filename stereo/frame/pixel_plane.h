@@ -15,15 +15,10 @@ enum class PlaneKind : std::uint8_t { BaseColor, Normal, Depth, PositionX, Posit
 
 inline constexpr std::uint32_t kMaxPlaneWord_bytes = 4;
 
-/// The largest word of `word_bytes` bytes (1 to kMaxPlaneWord_bytes).
-constexpr std::uint32_t largest_word(std::uint32_t word_bytes) {
-  return 0xffffffffu >> 8 * (kMaxPlaneWord_bytes - word_bytes);
-}
-
 struct PixelPlane {
   Extent size;
   std::uint32_t word_bytes = kMaxPlaneWord_bytes;  ///< 1 to kMaxPlaneWord_bytes
-  std::vector<std::uint32_t> words;                ///< row by row, none above largest_word(word_bytes)
+  std::vector<std::uint32_t> words;                ///< row by row, none longer than word_bytes
 
   PixelPlane() = default;
   /// All words 0.

@@ -12,9 +12,6 @@ struct PoseDelta {
   double angle_rad = 0;               ///< in [0, pi]
   double distance_m = 0;              ///< between the two eyes
   Duration age{};  ///< shown minus traced time; negative if the traced view is for a later time
-
-  /// True if both poses are equal, bit for bit.
-  [[nodiscard]] bool is_zero() const { return angle_rad == 0 && distance_m == 0; }
 };
 
 /// Compares `shown` at time `shown_at` with `traced`, which was traced for time `traced_for`.

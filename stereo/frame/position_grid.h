@@ -19,8 +19,6 @@ struct PositionGrid {
   friend bool operator==(const PositionGrid&, const PositionGrid&) = default;
 
   [[nodiscard]] std::uint32_t word_bytes() const { return (bits + 7) / 8; }
-  /// `word` is not 0.
-  [[nodiscard]] double offset_m(std::uint32_t word) const { return (word - 1.0) * step_m; }
 };
 
 /// Margin on each side of the scene, as a fraction of its longest side: for rounding, and for geometry that

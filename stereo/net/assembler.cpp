@@ -193,9 +193,4 @@ const RequestRecord* Assembler::accept(const FrameReport& report, Time arrived) 
   return frame;
 }
 
-void Assembler::clear() {
-  used_ = 0;
-  newest_.reset();
-}
-
 }  // namespace farshade

@@ -111,9 +111,6 @@ class Assembler {
   /// The newest record with any piece, or null.
   [[nodiscard]] const RequestRecord* newest_known() const;
 
-  /// Removes all records, but keeps the counters: for another server or scene.
-  void clear();
-
   [[nodiscard]] const AssemblerCounters& counters() const { return counters_; }
 
  private:

@@ -32,13 +32,6 @@ class FramePacker {
   /// `payload_bytes`, and adds the time that packing took to its `pack`. Valid until the next begin().
   std::span<const std::vector<std::byte>> finish(FrameReport report);
 
-  /// The messages of `frame` and `report`.
-  std::span<const std::vector<std::byte>> pack(const ShadowFrame& frame, const FrameReport& report) {
-    begin();
-    add(frame);
-    return finish(report);
-  }
-
  private:
   void add(const ServerMessage& message);
   std::vector<std::byte>& next_datagram();

@@ -71,13 +71,6 @@ void Impairment::pop() {
   queue_.pop_back();
 }
 
-std::size_t Impairment::clear() {
-  const std::size_t dropped = queue_.size();
-  free_.insert(free_.end(), queue_.begin(), queue_.end());
-  queue_.clear();
-  return dropped;
-}
-
 /// Uniform in [0, 1). The distributions of std differ between standard libraries; the engine does not.
 double Impairment::uniform() {
   return static_cast<double>(random_() >> 11) * 0x1p-53;

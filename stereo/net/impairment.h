@@ -119,9 +119,6 @@ class Impairment {
   /// Removes front(). The datagram stays valid until the next push.
   void pop();
 
-  /// Drops all datagrams in transit and returns their number.
-  std::size_t clear();
-
   [[nodiscard]] const ImpairmentCounters& counters() const { return counters_; }
 
  private:

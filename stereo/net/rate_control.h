@@ -140,8 +140,6 @@ class RateControl {
   [[nodiscard]] double loss() const { return losses_.loss(); }
   /// The path's base loss, which does not depend on the rate.
   [[nodiscard]] double base_loss() const { return losses_.base(); }
-  /// Whether a queue is growing now.
-  [[nodiscard]] bool is_congested() const { return trend_.verdict() == DelayTrend::Verdict::Overuse; }
 
  private:
   enum class Fate : std::uint8_t { Unreported, Absent, Arrived };

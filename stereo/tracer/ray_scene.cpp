@@ -304,8 +304,4 @@ template void RayScene::occluded<4>(const Lanes<4>&, RayPacket<4>&) const;
 template void RayScene::occluded<8>(const Lanes<8>&, RayPacket<8>&) const;
 template void RayScene::occluded<16>(const Lanes<16>&, RayPacket<16>&) const;
 
-std::string embree_version() {
-  return RTC_VERSION_STRING;
-}
-
 }  // namespace farshade

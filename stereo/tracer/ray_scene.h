@@ -7,7 +7,6 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include "stereo/base/expected.h"
 #include "stereo/tracer/ray_packet.h"
@@ -50,8 +49,5 @@ class RayScene {
   explicit RayScene(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
-
-/// Embree's version as text.
-[[nodiscard]] std::string embree_version();
 
 }  // namespace farshade

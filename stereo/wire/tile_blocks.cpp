@@ -60,8 +60,4 @@ std::optional<std::span<const std::byte>> open_block(std::span<const std::byte> 
   return std::span(opened).first(static_cast<std::size_t>(size));
 }
 
-std::string lz4_version() {
-  return LZ4_versionString();
-}
-
 }  // namespace farshade

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace farshade {
@@ -59,8 +58,5 @@ using OpenedBlock = std::array<std::byte, kMaxOpened_bytes>;
 /// Decompresses `block` into `opened`. Returns nothing if it is not an LZ4 block or has more content.
 [[nodiscard]] std::optional<std::span<const std::byte>> open_block(std::span<const std::byte> block,
                                                                    OpenedBlock& opened);
-
-/// Version of the LZ4 library, for reports.
-[[nodiscard]] std::string lz4_version();
 
 }  // namespace farshade

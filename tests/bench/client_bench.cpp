@@ -8,9 +8,9 @@
 
 #include "stereo/base/quantile.h"
 #include "stereo/head/reader.h"
-#include "stereo/net/frame_packer.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/tracer/tracer.h"
+#include "tests/support/packed.h"
 #include "tests/bench/late_masks.h"
 #include "vr_client/ask/request_plan.h"
 
@@ -34,7 +34,7 @@ struct CarryOverMode {
 };
 
 struct Times {
-  std::vector<double> bare, bare_device, frame, collect, draw, gbuffer, depth;
+  std::vector<double> frame, collect, draw, gbuffer, depth;
   std::vector<CarryOverMode> modes{
       {"shading alone (mask at the pixel)", {.lookup = Lookup::Direct}, {}},
       {"nearest pixel, this eye", {.eyes = Eyes::This, .gaps = Gaps::Unknown, .edges = Edges::Nearest}, {}},
@@ -70,8 +70,6 @@ void print_memory(const Scene& scene, const RendererLimits& limits, const gpu::D
 }
 
 void print_times(const Times& times) {
-  print("bare G-buffer pass", times.bare);
-  print("  of it on the device", times.bare_device);
   print("client frame", times.frame);
   print("  collect masks", times.collect);
   print("  draw", times.draw);
@@ -82,8 +80,8 @@ void print_times(const Times& times) {
 
 void print_ratios(const Times& times) {
   const auto median = [](const std::vector<double>& values) { return quantile(values, 0.5); };
-  std::printf("client frame without depth of requested views / bare G-buffer pass = %.3f (figure: <= %.1f)\n",
-              (median(times.frame) - median(times.depth)) / median(times.bare), kFrameFigure);
+  std::printf("client frame without depth of requested views / G-buffer pass = %.3f (figure: <= %.1f)\n",
+              (median(times.frame) - median(times.depth)) / median(times.gbuffer), kFrameFigure);
   std::printf("reproject and shade / shading alone = %.3f (figure: <= %.1f)\n",
               median(times.modes.back().ms) / median(times.modes.front().ms), kReprojectFigure);
 }
@@ -98,9 +96,7 @@ void print_report(const Options& options, const Scene& scene, const RendererLimi
   print_ratios(times);
 }
 
-void add_frame(Times& times, const DrawTimes& bare, const DrawTimes& drawn, double decode_ms) {
-  times.bare.push_back(ms_of(bare.total));
-  times.bare_device.push_back(ms_of(bare.gbuffer));
+void add_frame(Times& times, const DrawTimes& drawn, double decode_ms) {
   times.collect.push_back(decode_ms);
   times.draw.push_back(ms_of(drawn.total));
   times.frame.push_back(decode_ms + ms_of(drawn.total));
@@ -136,13 +132,10 @@ Expected<void> run(const Options& options) {
     const FrameRequest shown = shown_at(*recording, placed, number, options.side_px);
     const FrameRequest request = plan.ask(shown, kPeriod).value();
     assembler.expect(request, {lights}, state.light_set.revision);
-    const DrawTimes bare =
-        renderer.draw_gbuffer({.views = shown.views, .state = state, .masks = {}, .carry_over = {}});
-
     tracer->trace(request, traced);
     FrameReport report;
     report.frame = request.frame;
-    const double collect = collect_ms(assembler, packer.pack(traced, report));
+    const double collect = collect_ms(assembler, pack(packer, traced, report));
     const std::vector<TracedMask> masks = usable_masks(assembler, shown.frame);
     const DrawTimes drawn = renderer.draw({.views = shown.views,
                                            .state = state,
@@ -158,7 +151,7 @@ Expected<void> run(const Options& options) {
       if (counts) mode.ms.push_back(ms_of(again.shade));
     }
     if (!counts) continue;
-    add_frame(times, bare, drawn, collect);
+    add_frame(times, drawn, collect);
   }
   print_report(options, *scene, limits, *device, times);
   return {};
@@ -167,7 +160,7 @@ Expected<void> run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-  CLI::App app("Times the client's frame against its bare G-buffer pass.");
+  CLI::App app("Times the client's frame against its G-buffer pass.");
   Options options;
   app.add_option("--scene", options.scene, "glTF 2.0 file")->required();
   app.add_option("--trace", options.trace, "recorded head")->capture_default_str();

@@ -5,9 +5,9 @@
 
 #include "stereo/base/quantile.h"
 #include "stereo/head/reader.h"
-#include "stereo/net/frame_packer.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/tracer/tracer.h"
+#include "tests/support/packed.h"
 #include "tests/bench/late_masks.h"
 #include "vr_client/ask/request_plan.h"
 
@@ -68,7 +68,7 @@ class PlanPair {
     const TraceStats stats = tracer_.trace(request, traced_);
     const double trace_ms = ms_of(tracing.elapsed());
     const Stopwatch packing;
-    const auto datagrams = packer_.pack(traced_, {.frame = request.frame});
+    const auto datagrams = pack(packer_, traced_, {.frame = request.frame});
     const double pack_ms = ms_of(packing.elapsed());
     double bytes = 0;
     for (const std::vector<std::byte>& datagram : datagrams) bytes += static_cast<double>(datagram.size());

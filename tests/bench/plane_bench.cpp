@@ -86,8 +86,8 @@ std::vector<std::uint32_t> facing_of(const PixelPlane& normal, const PixelPlane&
     n.z = 1 - std::abs(n.x) - std::abs(n.y);
     const double fold = std::max(-n.z, 0.0);
     n.x -= n.x < 0 ? -fold : fold, n.y -= n.y < 0 ? -fold : fold;
-    const glm::dvec3 p = grid.low.v + glm::dvec3(grid.offset_m(x.words[i]), grid.offset_m(y.words[i]),
-                                                 grid.offset_m(z.words[i]));
+    const glm::dvec3 steps(x.words[i] - 1.0, y.words[i] - 1.0, z.words[i] - 1.0);
+    const glm::dvec3 p = grid.low.v + steps * grid.step_m;
     for (std::size_t light = 0; light < std::min<std::size_t>(lights.lights.size(), 32); ++light) {
       const Light& of = lights.lights[light];
       const glm::dvec3 to_light = of.kind == LightKind::Directional ? -of.direction.v : of.position.v - p;
@@ -122,7 +122,7 @@ class Bench {
   void look(double yaw_rad) {
     const FrameRequest request = request_of(scene_, yaw_rad, options_.side_px);
     const ShownFrame frame{.views = request.views, .state = state_, .masks = {}, .carry_over = {}};
-    draw_ms_.push_back(ms_of(renderer_.draw_gbuffer(frame).total));
+    draw_ms_.push_back(ms_of(renderer_.draw(frame).total));
     const Stopwatch reading;
     renderer_.read_gbuffer(gbuffer_);
     read_ms_.push_back(ms_of(reading.elapsed()));

@@ -9,6 +9,7 @@
 #include "stereo/wire/plane_codec.h"
 #include "stereo/wire/plane_tile.h"
 #include "stereo/wire/tile_codec.h"
+#include "tests/support/largest_word.h"
 #include "tests/unit/client_record/capture_samples.h"
 #include "tests/unit/scene/gltf_builder.h"
 #include "tests/unit/wire/samples.h"

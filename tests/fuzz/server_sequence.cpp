@@ -7,6 +7,7 @@
 
 #include <deque>
 
+#include "tests/support/manual_clock.h"
 #include "tests/fuzz/attacked_link.h"
 #include "tests/fuzz/fixed_random.h"
 

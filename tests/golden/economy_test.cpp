@@ -77,11 +77,12 @@ class Economy : public OnLavapipe {
   DrawCounters drawn(const Scene& scene, const SessionNeeds& needs = {}) {
     const DrawPlan plan = plan_for(scene, needs).draw;
     Renderer renderer(device_, scene, plan, kLimits);
-    const SceneState then = state_at(scene, Time{}), now = state_at(scene, Time(500ms));
+    const SceneState now = state_at(scene, Time(500ms));
     const StereoView shown = eyes_at(0.06), requested = eyes_at(0.08);
     const FrameRequest first{FrameId{1}, Time{}, Time{}, shown},
         second{FrameId{2}, Time{}, Time(500ms), requested};
-    renderer.draw_gbuffer({.views = shown, .state = then, .request = &first, .masks = {}, .carry_over = {}});
+    PerEye<Image<float>> distance;
+    if (plan.depth_pass) renderer.keep_depth(first, 0, distance);
     const Mask mask = all_lit(plan.mask, first.frame, shown);
     const std::vector<TracedMask> masks{mask.traced_mask()};
     renderer.draw({.views = shown,
@@ -131,8 +132,9 @@ TEST_F(Economy, OneTriangleAndOneLightCostTheLeast) {
   EXPECT_EQ(counters.bindings, 2u + 1u + 9u);
   EXPECT_EQ(counters.vertex_bytes, kCorners * 24 + 12);
   EXPECT_EQ(counters.vertex_bytes_read, kBothEyes * (kCorners * 24 + 12 + kCorners * 12 + 12));
-  for (const Use use : {Use::Textures, Use::Motion, Use::Report, Use::ReadBack, Use::Other})
+  for (const Use use : {Use::Textures, Use::Motion, Use::Report, Use::Other})
     EXPECT_EQ(counters.memory.peak[use], 0u) << to_string(use);
+  EXPECT_EQ(counters.memory.peak[Use::ReadBack], kEyes * kSize.pixels() * 4) << "the depth that was kept";
 }
 
 TEST_F(Economy, EachFeatureCostsWhatItTakesAndNothingElse) {
@@ -257,11 +259,12 @@ class WholeScene : public OnLavapipe, public testing::WithParamInterface<const c
   Drawn drawn(PlanKind kind) {
     const DrawPlan plan = plan_for(scene_, {.kind = kind, .all_lights = true}).draw;
     Renderer renderer(device_, scene_, plan, limits_);
-    const SceneState then = state_at(scene_, kThen), now = state_at(scene_, kNow);
+    const SceneState now = state_at(scene_, kNow);
     const StereoView requested = eyes_of(head_, kSide_px),
                      shown = eyes_of(moved(head_, 0.05, {0.02, 0, 0}), kSide_px);
     const FrameRequest first{FrameId{1}, kThen, kThen, requested}, second{FrameId{2}, kNow, kNow, requested};
-    renderer.draw_gbuffer({.views = shown, .state = then, .request = &first, .masks = {}, .carry_over = {}});
+    PerEye<Image<float>> distance;
+    if (plan.depth_pass) renderer.keep_depth(first, 0, distance);
     const Mask mask = in_words_of(plan.mask, traced(first));
     const std::vector<TracedMask> masks{mask.traced_mask()};
     renderer.draw({.views = shown,

@@ -53,7 +53,7 @@ void compare_pixel(const EyeDepth& shown, const EyeDepth& traced, const ShownRep
 
 void compare(TestRig& rig, const PoseViews& views, Against& against) {
   const Mask mask = rig.ask(kTraced, views.traced);
-  const PerEye<Image<float>> traced = rig.renderer().read_distance();
+  const PerEye<Image<float>> traced = rig.asked_distance();
   const Shown now = rig.show(views.shown, {mask.traced_mask()}, kOneView);
   const PerEye<Image<float>> shown = rig.renderer().read_distance();
   for (std::size_t eye = 0; eye < kEyes; ++eye) {

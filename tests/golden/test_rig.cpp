@@ -146,12 +146,7 @@ Mask TestRig::trace(FrameId frame, const StereoView& views) {
 Mask TestRig::ask(FrameId frame, const StereoView& views) {
   const Time now = state_.scene_time;
   const FrameRequest request{.frame = frame, .display_time = now, .scene_time = now, .views = views};
-  StereoView shown = views;  // the same heads; `views` may have another size
-  for (View& view : shown) view.size = {side_px_, side_px_};
-  ShownFrame drawn = shown_frame(shown, {}, {});
-  drawn.request = &request;
-  drawn.request_slot = frame.value % depth_frames_;
-  renderer_->draw_gbuffer(drawn);
+  renderer_->keep_depth(request, frame.value % depth_frames_, asked_distance_);
   return trace(frame, views);
 }
 

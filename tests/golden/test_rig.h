@@ -87,6 +87,8 @@ class TestRig {
   [[nodiscard]] Mask trace(FrameId frame, const StereoView& views);
   /// The same, and the depth ring keeps the views' depth.
   [[nodiscard]] Mask ask(FrameId frame, const StereoView& views);
+  /// Metres along -z of the views of the last `ask`; 0 for uncovered pixels.
+  [[nodiscard]] const PerEye<Image<float>>& asked_distance() const { return asked_distance_; }
 
   /// Draws `views` with `masks`, newest first, without a request.
   [[nodiscard]] Shown show(const StereoView& views, const std::vector<TracedMask>& masks,
@@ -108,6 +110,7 @@ class TestRig {
   std::uint32_t side_px_, depth_frames_;
   std::unique_ptr<Tracer> tracer_;
   std::unique_ptr<Renderer> renderer_;
+  PerEye<Image<float>> asked_distance_;
 };
 
 }  // namespace farshade

@@ -7,6 +7,7 @@
 #include "rt_server/core/server_core.h"
 #include "stereo/head/reader.h"
 #include "stereo/scene/gltf.h"
+#include "tests/support/manual_clock.h"
 #include "tests/support/virtual_link.h"
 #include "tests/unit/scratch_folder.h"
 #include "vr_client/modes/make_pipeline.h"

@@ -1,3 +1,4 @@
+#include "tests/support/manual_clock.h"
 #include "tests/network/rehearsal.h"
 
 #include <malloc.h>

@@ -1,3 +1,4 @@
+#include "tests/support/manual_clock.h"
 #include "tests/study/clients.h"
 
 #include <memory>

@@ -1,4 +1,5 @@
 // study_point: measures one point of a study and prints it as JSON. scripts/study runs it for each point.
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <sys/prctl.h>
 

@@ -1,4 +1,5 @@
 #include "tests/support/virtual_link.h"
+#include "tests/support/manual_clock.h"
 
 #include <algorithm>
 #include <deque>
@@ -190,7 +191,7 @@ void VirtualLink::Impl::move(std::size_t i) {
   Client& client = clients.at(i);
   client.address = virtual_peer(kFirstClientHost + i, ++client.moves);
   client_at.emplace(client.address, &client);
-  lost_to_old_addresses += client.to_client.path.clear();
+  for (Impairment& path = client.to_client.path; path.front() != nullptr; path.pop()) ++lost_to_old_addresses;
 }
 
 VirtualLink::VirtualLink(ManualClock& clock, const LinkModels& models, std::size_t clients)

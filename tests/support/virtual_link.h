@@ -9,6 +9,7 @@
 
 #include "stereo/net/datagram.h"
 #include "stereo/net/impairment.h"
+#include "tests/support/manual_clock.h"
 
 namespace farshade {
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "rt_server/core/answer_makers.h"
+#include "tests/support/manual_clock.h"
 
 namespace farshade {
 

@@ -2,7 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "stereo/net/frame_packer.h"
+#include "tests/support/packed.h"
+
 
 namespace farshade {
 namespace {
@@ -26,7 +27,7 @@ Slice slice_of(std::uint32_t frame, Side eye = Side::Left) {
   ShadowFrame made{{frame}, kFirstLightSet, request_of(frame).views, {}};
   for (EyeMask& mask : made.masks) mask = EyeMask({16, 16}, 1);
   static FramePacker packer;
-  for (const std::vector<std::byte>& datagram : packer.pack(made, {.frame = {frame}})) {
+  for (const std::vector<std::byte>& datagram : pack(packer, made, {.frame = {frame}})) {
     const Decoded<ServerMessage> message = decode_server(datagram);
     const auto* const slice = std::get_if<Slice>(&*message);
     if (slice == nullptr || slice->eye != eye) continue;

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "tests/support/manual_clock.h"
 #include "tests/support/virtual_link.h"
 #include "tests/unit/link_client.h"
 #include "vr_client/link/network_link.h"

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "stereo/frame/tiles.h"
+#include "tests/support/packed.h"
 #include "tests/unit/client_link/link_bench.h"
 
 namespace farshade {
@@ -222,7 +223,7 @@ TEST(NetworkLink, HostileBytesChangeNothingButCounters) {
   paint(request(1), frame);
   FramePacker packer;
   Bytes copy;
-  for (const Bytes& message : packer.pack(frame, {.frame = {1}})) {
+  for (const Bytes& message : pack(packer, frame, {.frame = {1}})) {
     bench.sealer->seal(message, copy);
     bench.send(copy);
   }

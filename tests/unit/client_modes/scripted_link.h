@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "stereo/net/frame_packer.h"
 #include "vr_client/link/answer_link.h"
+#include "tests/support/packed.h"
 
 namespace farshade::modes_test {
 
@@ -41,7 +41,7 @@ class ScriptedLink final : public AnswerLink {
     for (std::size_t eye = 0; eye < kEyes; ++eye)
       made.masks[eye] = EyeMask(record->request.views[eye].size, kLayout);
     FramePacker packer;
-    for (const std::vector<std::byte>& datagram : packer.pack(made, {.frame = frame})) {
+    for (const std::vector<std::byte>& datagram : pack(packer, made, {.frame = frame})) {
       const Decoded<ServerMessage> message = decode_server(datagram);
       if (const auto* slice = std::get_if<Slice>(&*message)) {
         if (part != Part::Report) inbox_.take(*slice, {});

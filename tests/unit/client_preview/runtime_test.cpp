@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "stereo/math/rotation.h"
+#include "tests/support/manual_clock.h"
 
 namespace farshade {
 namespace {

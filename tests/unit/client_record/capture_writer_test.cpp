@@ -3,6 +3,7 @@
 
 #include <csignal>
 
+#include "tests/support/manual_clock.h"
 #include "tests/unit/client_record/capture_samples.h"
 #include "tests/unit/scratch_folder.h"
 #include "vr_client/record/capture_writer.h"

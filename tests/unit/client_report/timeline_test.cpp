@@ -7,7 +7,7 @@
 #include <random>
 
 #include "stereo/base/files.h"
-#include "stereo/net/frame_packer.h"
+#include "tests/support/packed.h"
 #include "tests/unit/scratch_folder.h"
 
 namespace farshade {
@@ -42,7 +42,7 @@ class Told {
   void first_slice_comes(std::uint32_t number, Duration at) {
     const PerEye<EyeMask> masks{EyeMask(kSize, 1), EyeMask(kSize, 1)};
     const auto messages =
-        packer_.pack({{number}, kFirstLightSet, inbox_.find({number})->request.views, masks}, {});
+        pack(packer_, {{number}, kFirstLightSet, inbox_.find({number})->request.views, masks}, {});
     inbox_.take(std::get<Slice>(*decode_server(messages.front())), kBegin + at);
   }
 

@@ -43,7 +43,7 @@ TEST(PositionGrid, StoresPositionsWithinHalfAStep) {
           ASSERT_LT(plane.words[i], 1u << bits);
           ASSERT_EQ(plane.words[i] == 0, i % 7 == 0);
           if (i % 7 == 0) continue;
-          const double told = grid(bits).low.v[axis] + grid(bits).offset_m(plane.words[i]);
+          const double told = grid(bits).low.v[axis] + (plane.words[i] - 1.0) * grid(bits).step_m;
           ASSERT_NEAR(told, p[axis], grid(bits).step_m * 0.5000001) << bits;
         }
       }
@@ -53,7 +53,7 @@ TEST(PositionGrid, StoresPositionsWithinHalfAStep) {
 TEST(PositionGrid, HoldsTheSceneAndALittleMore) {
   const PositionGrid g = grid(10);
   EXPECT_LT(g.low.v.x, -4.5);
-  EXPECT_GT(g.low.v.y + g.offset_m((1u << 10) - 1), 7.5);
+  EXPECT_GT(g.low.v.y + ((1u << 10) - 2.0) * g.step_m, 7.5);
   EXPECT_DOUBLE_EQ(grid_of({{1, 1, 1}}, {{1, 1, 1}}, 10).step_m, 1.125 / 1022);  // a scene without extent
 }
 

@@ -7,6 +7,7 @@
 
 #include "stereo/net/impaired_port.h"
 #include "stereo/net/udp.h"
+#include "tests/support/manual_clock.h"
 #include "tests/support/virtual_link.h"
 
 namespace farshade {

@@ -7,6 +7,7 @@
 
 #include "stereo/net/assembler.h"
 #include "stereo/net/frame_packer.h"
+#include "tests/support/largest_word.h"
 
 namespace farshade {
 namespace {

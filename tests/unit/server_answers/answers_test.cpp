@@ -107,7 +107,7 @@ class ServerAnswers : public testing::Test {
   const RequestRecord& received() {
     packer_.begin();
     answers_.answer(job_, packer_, {});
-    assembler_.clear();
+    assembler_ = Assembler();
     assembler_.expect(job_.request, {narrow<std::uint32_t>(scene_.lights.size())}, kFirstLightSet);
     for (const std::vector<std::byte>& message : packer_.finish({.frame = job_.request.frame})) {
       const Decoded<ServerMessage> decoded = decode_server(message);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "stereo/wire/plane_codec.h"
+#include "tests/support/manual_clock.h"
 #include "tests/support/virtual_link.h"
 #include "tests/unit/link_client.h"
 

@@ -5,6 +5,7 @@
 #include <latch>
 
 #include "stereo/net/udp.h"
+#include "tests/support/manual_clock.h"
 #include "tests/support/virtual_link.h"
 #include "tests/unit/link_client.h"
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "stereo/wire/messages.h"
+#include "tests/support/manual_clock.h"
 #include "tests/support/virtual_link.h"
 
 namespace farshade {

@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "stereo/wire/plane_tile.h"
+#include "tests/support/largest_word.h"
 #include "tests/unit/wire/samples.h"
 
 namespace farshade {

@@ -1,0 +1,16 @@
+/// Packs whole answers, for tests.
+#pragma once
+
+#include "stereo/net/frame_packer.h"
+
+namespace farshade {
+
+/// The messages of `frame` and `report`. Valid until the packer begins another answer.
+inline std::span<const std::vector<std::byte>> pack(FramePacker& packer, const ShadowFrame& frame,
+                                                    const FrameReport& report) {
+  packer.begin();
+  packer.add(frame);
+  return packer.finish(report);
+}
+
+}  // namespace farshade
