@@ -40,6 +40,14 @@ function(farshade_library name)
   set_target_properties(${name} PROPERTIES VERIFY_INTERFACE_HEADER_SETS ON)
 endfunction()
 
+set(farshade_test_options)
+if(FARSHADE_UNITY)  # a whole build: less time for sources whose speed matters to nobody
+  list(APPEND farshade_test_options $<IF:$<CONFIG:Release>,-O1,-O0>)
+endif()
+if(FARSHADE_FUZZ)  # only fuzz targets need to know which code runs
+  list(APPEND farshade_test_options -fno-sanitize=fuzzer-no-link)
+endif()
+
 # farshade_test(NAME SOURCES a_test.cpp ... DEPENDS lib ... [LABEL unit] [TIMEOUT seconds] [ENVIRONMENT NAME=value]
 #   [TOGETHER])
 # Makes one gtest program; each of its cases is one CTest test. TOGETHER: the whole program is one CTest test, because
@@ -55,8 +63,8 @@ function(farshade_test name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE farshade_options ${ARG_DEPENDS} GTest::gtest_main)
-  if(FARSHADE_UNITY)  # a whole build: less time for sources whose speed matters to nobody
-    target_compile_options(${name} PRIVATE $<IF:$<CONFIG:Release>,-O1,-O0>)
+  target_compile_options(${name} PRIVATE ${farshade_test_options})
+  if(FARSHADE_UNITY)
     target_precompile_headers(${name} REUSE_FROM test_headers)
   endif()
   target_compile_definitions(${name} PRIVATE

@@ -16,18 +16,12 @@
 #include "tests/integration/attack_tools.h"
 #include "tests/integration/client_program.h"
 #include "tests/integration/test_keys.h"
+#include "tests/support/sanitized.h"
 #include "vr_client/link/network_link.h"
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define FARSHADE_SANITIZED 1
-#else
-#define FARSHADE_SANITIZED 0
-#endif
 
 namespace farshade {
 namespace {
 
-constexpr bool kSanitized = FARSHADE_SANITIZED != 0;  // slow, and they keep freed memory
 constexpr std::uint64_t kAttacks = kSanitized ? 10'000 : 1'000'000;
 /// Datagrams per batch. Together with the good client's they fit the kernel's usual socket buffer of 208 KiB.
 constexpr int kBatch = 32;

@@ -17,13 +17,6 @@ namespace farshade::link_test {
 
 using Bytes = std::vector<std::byte>;
 
-/// With a sanitizer, heap sizes have no meaning and everything takes ten times as long.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;
-#else
-constexpr bool kSanitized = false;
-#endif
-
 inline SharedKey key_named(std::string name) {
   SharedKey key{.name = std::move(name)};
   for (std::size_t i = 0; i < key.name.size(); ++i) key.secret[i] = static_cast<std::uint8_t>(key.name[i]);

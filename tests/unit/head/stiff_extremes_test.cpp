@@ -6,6 +6,7 @@
 #include <random>
 
 #include "stereo/head/prediction.h"
+#include "tests/support/sanitized.h"
 
 namespace farshade {
 namespace {
@@ -13,12 +14,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::numbers::pi;
 
-// Sanitizers and unoptimised builds take ten times as long per step.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__OPTIMIZE__)
-constexpr int kManySteps = 1'000'000;
-#else
-constexpr int kManySteps = 10'000'000;
-#endif
+constexpr int kManySteps = kSanitized ? 1'000'000 : 10'000'000;
 
 constexpr double kRounding = std::numeric_limits<double>::epsilon();
 constexpr double kTiniest = std::numeric_limits<double>::denorm_min();
