@@ -7,8 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "rt_server/app.h"
-#include "rt_server/doctor/doctor.h"
-#include "rt_server/keys/keygen.h"
+#include "rt_server/commands/commands.h"
 
 namespace {
 

@@ -86,10 +86,6 @@ std::string heading(const Options& options, const Client& client, const Recorded
   return text;
 }
 
-bool measures(const Options& options) {
-  return options.reference_every > 0 || !options.dump.empty();
-}
-
 ShadingPass::Report report_for(const RunReport& report) {
   return report.measures_any() ? ShadingPass::Report::On : ShadingPass::Report::Off;
 }
@@ -194,24 +190,20 @@ Expected<void> run_replay(const Options& options) {
   if (!opened) return tl::unexpected(opened.error());
   Client& client = **opened;
   if (auto fits = check_capture(header, options, client); !fits) return fits;
-  if (header.origin == MaskOrigin::OwnTracer)
-    if (auto done = open_own_tracer(client); !done) return done;
-  if (measures(options))
-    if (auto done = open_reference(client); !done) return done;
+  const Mode mode = header.origin == MaskOrigin::OwnTracer ? Mode::Full : Mode::Hybrid;
+  if (auto done = open_tracers(options, mode, client); !done) return done;
 
-  Reference* const reference = client.reference ? &*client.reference : nullptr;
   RunReport report({options.out, *frames, options.reference_every, options.pictures, options.dump},
-                   *client.renderer, reference);
+                   *client.renderer, client.reference.get());
   Replay replay(std::move(*reader), report_for(report));
-  const RunContext context{
-      .scene = client.scene,
-      .runtime = replay,
-      .renderer = *client.renderer,
-      .mode = {.mode = header.origin == MaskOrigin::OwnTracer ? Mode::Full : Mode::Hybrid},
-      .link = replay.link(),
-      .own_tracer = client.own_tracer ? &*client.own_tracer : nullptr,
-      .settings = replay.settings(),
-      .policy = header.policy};
+  const RunContext context{.scene = client.scene,
+                           .runtime = replay,
+                           .renderer = *client.renderer,
+                           .mode = {.mode = mode},
+                           .link = replay.link(),
+                           .own_tracer = client.own_tracer.get(),
+                           .settings = replay.settings(),
+                           .policy = header.policy};
   const auto compare = [&](const FrameView& view) { replay.watch(view, client.renderer->read_shown()); };
   if (auto done = show(options, context, *frames, report, stop_signal, compare); !done) return done;
   const Expected<ReplayVerdict> verdict = replay.verdict();
@@ -234,10 +226,7 @@ Expected<void> run_client(const Options& options) {
   Expected<std::unique_ptr<Client>> opened = open_client(options, head->eye_distance_m);
   if (!opened) return tl::unexpected(opened.error());
   Client& client = **opened;
-  if (options.mode.mode == Mode::Full)
-    if (auto done = open_own_tracer(client); !done) return done;
-  if (measures(options))
-    if (auto done = open_reference(client); !done) return done;
+  if (auto done = open_tracers(options, options.mode.mode, client); !done) return done;
   const bool captures = !options.record.empty();
   CaptureWriter capture(client.clock);
   if (auto done = open_link(options, client, captures ? capture.listener() : LinkListener{}); !done)
@@ -250,18 +239,17 @@ Expected<void> run_client(const Options& options) {
     if (auto done = capture.open(options.record, header_of(options, client, policy)); !done) return done;
 
   RecordedHeadRuntime runtime(*head, playback_of(options, client.scene, *head));
-  Reference* const reference = client.reference ? &*client.reference : nullptr;
   const std::uint32_t frames = runtime.frame_count();
   RunReport report({options.out, frames, options.reference_every, options.pictures, options.dump},
-                   *client.renderer, reference);
+                   *client.renderer, client.reference.get());
   const FrameSettings settings{
       .request = options.request, .carry_over = options.carry_over, .report = report_for(report)};
   const RunContext context{.scene = client.scene,
                            .runtime = runtime,
                            .renderer = *client.renderer,
                            .mode = options.mode,
-                           .link = client.link ? &*client.link : nullptr,
-                           .own_tracer = client.own_tracer ? &*client.own_tracer : nullptr,
+                           .link = client.link.get(),
+                           .own_tracer = client.own_tracer.get(),
                            .settings = settings,
                            .policy = policy};
   const auto append_frame = [&](const FrameView& view) {

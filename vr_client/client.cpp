@@ -112,27 +112,29 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options, const Sess
 
 Expected<void> open_reference(Client& client) {
   if (client.reference) return {};
-  Expected<Tracer> tracer = Tracer::create_reference(client.scene, client.plan.trace);
-  if (!tracer) return tl::unexpected(tracer.error());
-  client.reference.emplace(std::move(*tracer));
-  return {};
+  return Tracer::create_reference(client.scene, client.plan.trace).map([&](Tracer&& tracer) {
+    client.reference = std::make_unique<Reference>(std::move(tracer));
+  });
 }
 
-Expected<void> open_own_tracer(Client& client) {
-  if (client.own_tracer) return {};
-  Expected<Tracer> tracer = Tracer::create(client.scene, client.plan.trace);
-  if (!tracer) return tl::unexpected(tracer.error());
-  client.own_tracer.emplace(std::move(*tracer));
-  return {};
+Expected<void> open_tracers(const Options& options, Mode mode, Client& client) {
+  if (mode == Mode::Full) {
+    Expected<Tracer> tracer = Tracer::create(client.scene, client.plan.trace);
+    if (!tracer) return tl::unexpected(tracer.error());
+    client.own_tracer = std::make_unique<Reference>(std::move(*tracer));
+  }
+  const bool measures = !options.preview && (options.reference_every > 0 || !options.dump.empty());
+  return measures ? open_reference(client) : Expected<void>{};
 }
 
 Expected<void> meet(const Options& options, Client& client, LinkListener listener) {
   const Expected<SharedKey> key = key_for(options, client.server);
   if (!key) return tl::unexpected(key.error());
-  client.link.emplace(*client.network, client.clock,
-                      LinkTarget{client.server, *key, client.scene.hash, client.plan.draw.mask,
-                                 answers_for(options.mode.mode)},
-                      frames_in_flight(options));
+  client.link =
+      std::make_unique<NetworkLink>(*client.network, client.clock,
+                                    LinkTarget{client.server, *key, client.scene.hash, client.plan.draw.mask,
+                                               answers_for(options.mode.mode)},
+                                    frames_in_flight(options));
   client.link->tell(std::move(listener));
   const Stopwatch meeting;
   const Expected<void> met = client.link->meet(kMeetTimeout);

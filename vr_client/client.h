@@ -19,13 +19,14 @@ struct Client {
   ScenePlan plan;
   gpu::Device device;
   std::unique_ptr<Renderer> renderer;
-  std::optional<Reference> reference;   ///< for measuring; empty until open_reference
-  std::optional<Reference> own_tracer;  ///< mode full: traces the shown shadows; empty until open_own_tracer
+  std::unique_ptr<Reference> reference;  ///< for measuring; empty until open_reference
+  std::unique_ptr<Reference>
+      own_tracer;  ///< mode full: traces the shown shadows; empty until open_own_tracer
   SteadyClock clock;
   std::unique_ptr<ImpairedPort> network;  ///< to the server; impaired only if --net says so
   Peer server;
-  std::optional<NetworkLink> link;  ///< in modes with a server, if a light casts shadows
-  Duration round_trip{};            ///< measured during the handshake
+  std::unique_ptr<NetworkLink> link;  ///< in modes with a server, if a light casts shadows
+  Duration round_trip{};              ///< measured during the handshake
 };
 
 /// The viewer of a preview can delay messages by at most this much.
@@ -55,9 +56,9 @@ inline constexpr double kWorstPreviewPath_ms = 400;
 /// cannot be traced.
 [[nodiscard]] Expected<void> open_reference(Client& client);
 
-/// Creates the tracer of mode full unless it exists. It skips the same rays as the server. Fails if the scene
-/// cannot be traced.
-[[nodiscard]] Expected<void> open_own_tracer(Client& client);
+/// Creates the tracers that a run needs before its first frame: its own for mode full, which skips the same
+/// rays as the server, and the reference if the options measure frames.
+[[nodiscard]] Expected<void> open_tracers(const Options& options, Mode mode, Client& client);
 
 /// Opens the socket and a session with the server, if mode and scene need one. A server that does not answer
 /// causes a warning, and the link keeps trying. A refusal by the server is an error. `listener` gets all

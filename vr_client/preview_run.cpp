@@ -139,8 +139,8 @@ class Preview {
             .runtime = runtime_,
             .renderer = *client_.renderer,
             .mode = options_.mode,
-            .link = client_.link ? &*client_.link : nullptr,
-            .own_tracer = client_.own_tracer ? &*client_.own_tracer : nullptr,
+            .link = client_.link.get(),
+            .own_tracer = client_.own_tracer.get(),
             .settings = controls_.settings,
             .policy = policy()};
   }
@@ -197,15 +197,15 @@ class Preview {
     const ControlContext now = context();
     const PanelFacts facts = facts_of(now);
     presenter_.show(composition, [&] { draw_panel(controls_, facts); });
-    history_.add(view, inspection_.errors(), client_.link ? &*client_.link : nullptr, client_.clock.now());
+    history_.add(view, inspection_.errors(), client_.link.get(), client_.clock.now());
     update_title();
   }
 
   /// Null if the controls need no reference. If it cannot be created, the controls that need it are reset.
   Reference* reference() {
     if (!needs_reference(controls_)) return nullptr;
-    if (const Expected<void> opened = open_reference(client_); opened) return &*client_.reference;
-    controls_.reference = Switch::Off;
+    if (const Expected<void> opened = open_reference(client_); opened) return client_.reference.get();
+    controls_.reference = false;
     if (controls_.display == DisplayMode::Difference) controls_.display = DisplayMode::SideBySide;
     if (controls_.overlay == Overlay::Error) controls_.overlay = Overlay::None;
     return nullptr;
@@ -242,9 +242,9 @@ class Preview {
             .device = client_.device.name,
             .server = server_state(),
             .note = recordings_.note(),
-            .recording_head = switch_of(recordings_.records_head()),
-            .writing_capture = switch_of(recordings_.writes_capture()),
-            .recording_frames = switch_of(recordings_.records_frames()),
+            .recording_head = recordings_.records_head(),
+            .writing_capture = recordings_.writes_capture(),
+            .recording_frames = recordings_.records_frames(),
             .window = window_.framebuffer_size(),
             .scale = window_.content_scale()};
   }
@@ -319,8 +319,7 @@ Expected<void> run_preview(const Options& given) {
   Expected<std::unique_ptr<Client>> client =
       open_client(options, kWidestEyes_m);  // the viewer may change the eye distance at any time
   if (!client) return tl::unexpected(client.error());
-  if (options.mode.mode == Mode::Full)
-    if (auto done = open_own_tracer(**client); !done) return done;
+  if (auto done = open_tracers(options, options.mode.mode, **client); !done) return done;
 
   Expected<void> done, finished;
   {

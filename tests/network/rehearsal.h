@@ -12,7 +12,7 @@
 #include "vr_client/frame/frame_loop.h"
 #include "vr_client/link/network_link.h"
 #include "vr_client/report/frame_log.h"
-#include "vr_client/report/pictures.h"
+#include "vr_client/report/measure.h"
 
 namespace farshade {
 

@@ -112,7 +112,7 @@ void add_times(const Played& played, std::uint32_t first, Figures& figures) {
     add("client_frame", client.frame);
     add("client_request", client.request);
     add("client_collect", client.collect);
-    add("client_draw", client.draw);
+    add("client_draw", client.total);
     add("client_gbuffer", client.gbuffer);
     add("client_depth", client.depth);
     add("client_maps", client.maps);

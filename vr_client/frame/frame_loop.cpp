@@ -28,7 +28,6 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
     const std::optional<FrameTiming> timing = context.runtime.wait_frame();
     if (!timing) break;
     const FrameSettings settings = context.settings;
-    StageTimes times;
     StageStarts starts;
 
     starts.request = clock.now();
@@ -49,16 +48,11 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
     context.runtime.end_frame(timing->display_time);
     starts.end = clock.now();
 
+    StageTimes times{drawn_frame.drawn};
     times.request = starts.collect - starts.request;
     times.collect =
         context.link ? context.link->busy() - busy + drawn_frame.decoding : starts.draw - starts.collect;
-    times.gbuffer = drawn_frame.drawn.gbuffer;
-    times.depth = drawn_frame.drawn.depth;
-    times.maps = drawn_frame.drawn.maps;
-    times.shade = drawn_frame.drawn.shade;
-    times.turn = drawn_frame.drawn.turn;
-    times.draw = drawn_frame.drawn.total;
-    times.frame = times.request + times.collect + times.draw;
+    times.frame = times.request + times.collect + times.total;
     watch({.shown = shown,
            .request = request,
            .state = state,

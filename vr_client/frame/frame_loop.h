@@ -8,7 +8,7 @@
 #include "vr_client/ask/request_plan.h"
 #include "vr_client/frame/mode.h"
 #include "vr_client/frame/reference.h"
-#include "vr_client/link/answer_link.h"
+#include "vr_client/link/answer_inbox.h"
 #include "vr_client/runtime/runtime.h"
 
 namespace farshade {
@@ -31,12 +31,10 @@ struct FrameSettings {
 };
 
 /// The time that the client's stages worked, without waits for the display or the server.
-struct StageTimes {
-  Duration request{};                                    ///< locate views, animate the scene, predict, send
-  Duration collect{};                                    ///< decode answers; in mode full: trace
-  Duration gbuffer{}, depth{}, maps{}, shade{}, turn{};  ///< on the device
-  Duration draw{};   ///< the device's stages with recording, uploads, submission and the wait for them
-  Duration frame{};  ///< request + collect + draw
+struct StageTimes : DrawTimes {
+  Duration request{};  ///< locate views, animate the scene, predict, send
+  Duration collect{};  ///< decode answers; in mode full: trace
+  Duration frame{};    ///< request + collect + draw (total)
 };
 
 /// When the stages of a frame began, on the machine's clock.

@@ -22,29 +22,23 @@ enum class Mode : std::uint8_t {
 struct ModeName {
   Mode mode;
   std::string_view name;
+  AnswerSet answers;  ///< that a server must offer; empty if the mode needs no server
 };
-inline constexpr std::array<ModeName, 7> kModes{{{Mode::Hybrid, "hybrid"},
-                                                 {Mode::ClientPositions, "client-positions"},
-                                                 {Mode::ServerGBuffer, "server-gbuffer"},
-                                                 {Mode::Remote, "remote"},
-                                                 {Mode::Delta, "delta"},
-                                                 {Mode::Local, "local"},
-                                                 {Mode::Full, "full"}}};
+inline constexpr std::array<ModeName, 7> kModes{
+    {{Mode::Hybrid, "hybrid", set_of(Answer::Masks)},
+     {Mode::ClientPositions, "client-positions", set_of(Answer::MasksOfPositions)},
+     {Mode::ServerGBuffer, "server-gbuffer", set_of(Answer::GBuffer)},
+     {Mode::Remote, "remote", set_of(Answer::Video)},
+     {Mode::Delta, "delta", set_of(Answer::Difference)},
+     {Mode::Local, "local", 0},
+     {Mode::Full, "full", 0}}};
 
 [[nodiscard]] constexpr std::string_view name_of(Mode mode) {
   return kModes[static_cast<std::size_t>(mode)].name;
 }
 
-/// The kinds of answers that a server must offer for this mode; empty if the mode needs no server.
 [[nodiscard]] constexpr AnswerSet answers_for(Mode mode) {
-  constexpr std::array<AnswerSet, 7> answers{set_of(Answer::Masks),
-                                             set_of(Answer::MasksOfPositions),
-                                             set_of(Answer::GBuffer),
-                                             set_of(Answer::Video),
-                                             set_of(Answer::Difference),
-                                             0,
-                                             0};
-  return answers[static_cast<std::size_t>(mode)];
+  return kModes[static_cast<std::size_t>(mode)].answers;
 }
 
 /// The mode reprojects masks from the views they were traced for.

@@ -11,7 +11,7 @@
 #include "stereo/net/arrivals.h"
 #include "stereo/net/datagram.h"
 #include "stereo/wire/handshake.h"
-#include "vr_client/link/answer_link.h"
+#include "vr_client/link/answer_inbox.h"
 
 namespace farshade {
 

@@ -14,8 +14,6 @@ namespace farshade {
 [[nodiscard]] std::unique_ptr<ModePipeline> make_server_gbuffer(const RunContext& context);
 [[nodiscard]] std::unique_ptr<ModePipeline> make_remote(const RunContext& context);
 [[nodiscard]] std::unique_ptr<ModePipeline> make_delta(const RunContext& context);
-[[nodiscard]] std::unique_ptr<ModePipeline> make_local(const RunContext& context);
-[[nodiscard]] std::unique_ptr<ModePipeline> make_full(const RunContext& context);
 
 /// The pipeline of context.mode.
 [[nodiscard]] std::unique_ptr<ModePipeline> make_pipeline(const RunContext& context);

@@ -5,7 +5,7 @@
 #include "stereo/draw/turn_pass.h"
 #include "stereo/frame/tiles.h"
 #include "vr_client/modes/make_pipeline.h"
-#include "vr_client/modes/mask_sources.h"
+#include "vr_client/modes/masks.h"
 
 namespace farshade {
 namespace {

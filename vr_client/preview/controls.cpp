@@ -101,9 +101,9 @@ void change_view(Command command, Controls& controls) {
   if (command == Command::NextDisplayMode) controls.display = next(controls.display, kDisplayModes.size());
   if (command == Command::NextOverlay) controls.overlay = next(controls.overlay, kOverlays.size());
   if (command == Command::NoOverlay) controls.overlay = Overlay::None;
-  if (command == Command::Reference) flip(controls.reference);
-  if (command == Command::Panel) flip(controls.panel);
-  if (command == Command::Help) flip(controls.help);
+  if (command == Command::Reference) controls.reference = !controls.reference;
+  if (command == Command::Panel) controls.panel = !controls.panel;
+  if (command == Command::Help) controls.help = !controls.help;
 }
 
 void change_carry_over(Command command, Controls& controls) {
@@ -245,8 +245,8 @@ Headset headset_of(const Controls& controls, Extent size) {
 }
 
 ShadingPass::Report report_for(const Controls& controls) {
-  const bool needed = controls.overlay != Overlay::None || is_on(controls.reference) ||
-                      controls.display == DisplayMode::Difference;
+  const bool needed =
+      controls.overlay != Overlay::None || controls.reference || controls.display == DisplayMode::Difference;
   return needed ? ShadingPass::Report::On : ShadingPass::Report::Off;
 }
 

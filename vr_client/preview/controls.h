@@ -21,17 +21,6 @@ inline constexpr std::array kDisplayModes{DisplayMode::SideBySide, DisplayMode::
                                           DisplayMode::Anaglyph, DisplayMode::Difference};
 [[nodiscard]] const char* name_of(DisplayMode display);
 
-enum class Switch : std::uint8_t { Off, On };
-constexpr bool is_on(Switch s) {
-  return s == Switch::On;
-}
-constexpr Switch switch_of(bool on) {
-  return on ? Switch::On : Switch::Off;
-}
-constexpr void flip(Switch& s) {
-  s = switch_of(!is_on(s));
-}
-
 /// Impairment of the network path from the server to the client, set by sliders.
 struct NetworkSettings {
   double latency_ms = 0, jitter_ms = 0, loss_percent = 0;
@@ -104,8 +93,8 @@ struct KeyBinding {
 struct Controls {
   DisplayMode display = DisplayMode::SideBySide;
   Overlay overlay = Overlay::None;
-  std::uint32_t light = 0;  ///< selected
-  Switch reference = Switch::Off, panel = Switch::On, help = Switch::Off;
+  std::uint32_t light = 0;                             ///< selected
+  bool reference = false, panel = true, help = false;  ///< whether they are shown, or measured
   HeadSource head = HeadSource::Simulated;
   double eye_distance_m = 0.063;
   double fov_rad = 1.5;  ///< full vertical angle

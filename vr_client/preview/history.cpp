@@ -41,7 +41,7 @@ void History::add(const FrameView& view, const std::optional<PerEye<EyeErrors>>&
                    .gbuffer = times.gbuffer,
                    .depth = times.depth,
                    .shade = times.maps + times.shade + times.turn,
-                   .other = not_below_zero(times.draw - times.gbuffer - times.depth - times.maps -
+                   .other = not_below_zero(times.total - times.gbuffer - times.depth - times.maps -
                                            times.shade - times.turn),
                    .watch = watch});
   if (bars_.size() > kGraphFrames) bars_.pop_front();
@@ -56,9 +56,7 @@ void History::add(const FrameView& view, const std::optional<PerEye<EyeErrors>>&
   if (view.age) newest_.age_ms = ms_of(*view.age);
   if (view.request) {
     newest_.requested = view.request->views[0].size;
-    newest_.guard_band_percent = 100 * (static_cast<double>(newest_.requested.pixels()) /
-                                            static_cast<double>(view.shown.views[0].size.pixels()) -
-                                        1);
+    newest_.guard_band_percent = 100 * *guard_band_of(view);
   }
   Instant instant{.at = now, .frame_ms = ms_of(times.frame), .watch_ms = ms_of(watch)};
   if (link) read_link(view, *link, instant);

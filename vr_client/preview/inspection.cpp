@@ -6,7 +6,7 @@
 namespace farshade {
 
 bool needs_reference(const Controls& controls) {
-  return is_on(controls.reference) || controls.display == DisplayMode::Difference ||
+  return controls.reference || controls.display == DisplayMode::Difference ||
          controls.overlay == Overlay::Error;
 }
 

@@ -56,8 +56,7 @@ void draw_view(Controls& controls, const PanelFacts& facts) {
   choose("eyes", kDisplayModes, controls.display, [](DisplayMode display) { return name_of(display); });
   choose("overlay", kOverlays, controls.overlay, [](Overlay overlay) { return name_of(overlay); });
   draw_legend(controls, static_cast<std::uint32_t>(facts.scene.lights.size()));
-  box("reference: full trace, measure", is_on(controls.reference), Command::Reference, controls,
-      facts.context);
+  box("reference: full trace, measure", controls.reference, Command::Reference, controls, facts.context);
 }
 
 void draw_masks(Controls& controls, const PanelFacts& facts) {
@@ -146,11 +145,11 @@ void draw_head(Controls& controls, const PanelFacts& facts) {
 void draw_recording(Controls& controls, const PanelFacts& facts) {
   button("screenshot", Command::Screenshot, controls, facts.context);
   ImGui::SameLine();
-  box("head", is_on(facts.recording_head), Command::RecordHead, controls, facts.context);
+  box("head", facts.recording_head, Command::RecordHead, controls, facts.context);
   ImGui::SameLine();
-  box("capture", is_on(facts.writing_capture), Command::RecordCapture, controls, facts.context);
+  box("capture", facts.writing_capture, Command::RecordCapture, controls, facts.context);
   ImGui::SameLine();
-  box("frames", is_on(facts.recording_frames), Command::RecordFrames, controls, facts.context);
+  box("frames", facts.recording_frames, Command::RecordFrames, controls, facts.context);
 }
 
 void draw_help(Controls& controls, const PanelFacts& facts) {
@@ -174,7 +173,7 @@ void draw_help(Controls& controls, const PanelFacts& facts) {
     ImGui::EndTable();
   }
   ImGui::End();
-  if (ImGui::IsMouseClicked(0)) controls.help = Switch::Off;
+  if (ImGui::IsMouseClicked(0)) controls.help = false;
 }
 
 /// A collapsible section.
@@ -185,12 +184,12 @@ void section(const char* name, const auto& draw) {
 }  // namespace
 
 std::uint32_t panel_width_px(const Controls& controls, Extent window, double scale) {
-  if (!is_on(controls.panel)) return 0;
+  if (!controls.panel) return 0;
   return std::min(static_cast<std::uint32_t>(kPanelWidth_px * scale), window.width / 2);
 }
 
 void draw_panel(Controls& controls, const PanelFacts& facts) {
-  if (is_on(controls.help)) draw_help(controls, facts);
+  if (controls.help) draw_help(controls, facts);
   const auto width = static_cast<float>(panel_width_px(controls, facts.window, facts.scale));
   if (width == 0) return;
   ImGui::SetNextWindowPos({static_cast<float>(facts.window.width) - width, 0});

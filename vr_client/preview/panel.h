@@ -15,7 +15,7 @@ struct PanelFacts {
   std::string device;  ///< name of the GPU
   std::string server;  ///< state of the server
   std::string note;    ///< the last message of Recordings
-  Switch recording_head = Switch::Off, writing_capture = Switch::Off, recording_frames = Switch::Off;
+  bool recording_head = false, writing_capture = false, recording_frames = false;
   Extent window;     ///< pixels
   double scale = 1;  ///< scale of the text
 };

@@ -74,7 +74,7 @@ void figure_rows(const Figures& figures, const Controls& controls) {
                        text_of(figures.guard_band_percent, ", {:+.0f} % pixels"));
   if (figures.errors)
     error_rows(*figures.errors);
-  else if (is_on(controls.reference))
+  else if (controls.reference)
     row("mask error", "not measured yet");
 }
 

@@ -1,5 +1,6 @@
 #include "vr_client/record/capture_reader.h"
 
+#include <array>
 #include <fstream>
 
 #include "stereo/wire/bytes.h"
@@ -7,20 +8,10 @@
 namespace farshade {
 namespace {
 
+/// `kind` is one of RecordKind.
 const char* name_of(RecordKind kind) {
-  switch (kind) {
-    case RecordKind::Header:
-      return "header";
-    case RecordKind::Frame:
-      return "frame";
-    case RecordKind::Received:
-      return "received message";
-    case RecordKind::Request:
-      return "request";
-    case RecordKind::Pictures:
-      return "pictures";
-  }
-  return "unknown";
+  constexpr std::array names{"header", "frame", "received message", "request", "pictures"};
+  return names.at(static_cast<std::size_t>(kind) - static_cast<std::size_t>(RecordKind::Header));
 }
 
 }  // namespace

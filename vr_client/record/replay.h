@@ -4,7 +4,7 @@
 /// wall-clock time.
 #pragma once
 
-#include "vr_client/link/answer_link.h"
+#include "vr_client/link/answer_inbox.h"
 #include "vr_client/record/capture_reader.h"
 
 namespace farshade {

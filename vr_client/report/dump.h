@@ -4,17 +4,18 @@
 ///   EYE_mask_traced.png  16-bit grey: low 16 bits of the newest mask; no file without a mask
 ///   EYE_mask_shown.png   16-bit grey: low 16 bits of the shown visibility
 ///   EYE_source.png       16-bit grey: source of each pixel, a value of ShownReport::sources
-///   EYE_lookup_x.pfm, EYE_lookup_y.pfm   position of the pixel's surface point in the view of its
-///                        source, pixels; 0: no source
+///   EYE_lookup_x.pfm, EYE_lookup_y.pfm   position of the pixel's surface point in the view of its source,
+///                        pixels; 0: no source
 ///   EYE_distance.pfm     metres along -z in the shown view, 0 without geometry
 ///   EYE_shown.png, EYE_reference.png   8-bit sRGB
-///   views.json           poses, fov, sizes, frame ids and times of the shown and the traced views; lights
-///                        in bit order
+///   views.json           poses, fov, sizes, frame ids and times of both views; lights in bit order
 #pragma once
+
+#include <filesystem>
 
 #include "stereo/scene/scene_state.h"
 #include "vr_client/frame/frame_loop.h"
-#include "vr_client/report/pictures.h"
+#include "vr_client/report/measure.h"
 
 namespace farshade {
 

@@ -21,12 +21,6 @@ struct Figure {
   Worse worse = Worse::High;
 };
 
-/// `get` of the value, or nothing if there is none.
-template <class T, class Get>
-Value value_of(const std::optional<T>& value, const Get& get) {
-  return value ? Value(static_cast<double>(get(*value))) : std::nullopt;
-}
-
 std::vector<Figure> client_figures() {
   const auto stage = [](const char* metric, Duration StageTimes::*time) {
     return Figure{"client", metric, "ms",
@@ -35,7 +29,7 @@ std::vector<Figure> client_figures() {
   return {stage("frame", &StageTimes::frame),
           stage("request", &StageTimes::request),
           stage("collect masks", &StageTimes::collect),
-          stage("draw", &StageTimes::draw),
+          stage("draw", &StageTimes::total),
           stage("G-buffer", &StageTimes::gbuffer),
           stage("depth of requested views", &StageTimes::depth),
           stage("shadow maps", &StageTimes::maps),
@@ -52,45 +46,40 @@ double percent_of_full_trace(const FrameReport& report) {
   return 100.0 * static_cast<double>(report.shadow_rays) / static_cast<double>(report.full_shadow_rays);
 }
 
-std::vector<Figure> server_figures() {
-  const auto server = [](const char* metric, const char* unit, auto get) {
-    return Figure{"server", metric, unit, [get](const FrameRecord& r) { return value_of(r.server, get); }};
+std::vector<Figure> server_wire_and_head_figures() {
+  /// The figure that `get` reads from `from`, an optional member of the record.
+  const auto figure = [](const char* group, const char* metric, const char* unit, auto from, auto get) {
+    return Figure{group, metric, unit, [=](const FrameRecord& r) -> Value {
+                    return r.*from ? Value(static_cast<double>(get(*(r.*from)))) : std::nullopt;
+                  }};
   };
-  return {server("frame", "ms", [](const FrameReport& r) { return ms_of(total_work(r)); }),
-          server("primary visibility", "ms", [](const FrameReport& r) { return ms_of(r.primary); }),
-          server("shadow rays", "ms", [](const FrameReport& r) { return ms_of(r.shadow); }),
-          server("draw", "ms", [](const FrameReport& r) { return ms_of(r.draw); }),
-          server("code and pack", "ms", [](const FrameReport& r) { return ms_of(r.pack); }),
-          server("request waited", "ms", [](const FrameReport& r) { return ms_of(r.waited); }),
-          server("primary rays", "rays", [](const FrameReport& r) { return r.primary_rays; }),
-          server("shadow rays", "rays", [](const FrameReport& r) { return r.shadow_rays; }),
-          server("share of a full trace", "%", percent_of_full_trace)};
-}
-
-std::vector<Figure> wire_and_head_figures() {
-  // A frame's datagrams are its slices and one report.
+  const auto server = [&](const char* metric, const char* unit, auto get) {
+    return figure("server", metric, unit, &FrameRecord::server, get);
+  };
+  using Report = FrameReport;
   return {
-      {"wire", "datagrams a frame", "",
-       [](const FrameRecord& r) { return value_of(r.server, [](const auto& s) { return s.slices + 1.0; }); }},
-      {"wire", "bytes a frame", "B",
-       [](const FrameRecord& r) {
-         return value_of(r.server, [](const auto& s) { return s.payload_bytes; });
-       }},
-      {"wire", "staleness", "ms",
-       [](const FrameRecord& r) { return value_of(r.delta, [](const auto& d) { return ms_of(d.age); }); }},
-      {"wire", "age", "ms",
-       [](const FrameRecord& r) { return value_of(r.age, [](Duration age) { return ms_of(age); }); }},
-      {"head", "turned since traced view", "deg",
-       [](const FrameRecord& r) {
-         return value_of(r.delta, [](const auto& d) { return d.angle_rad * kDegrees; });
-       }},
-      {"head", "moved since traced view", "mm",
-       [](const FrameRecord& r) {
-         return value_of(r.delta, [](const auto& d) { return d.distance_m * 1e3; });
-       }},
-      {"head", "guard band", "% of pixels", [](const FrameRecord& r) {
-         return value_of(r.guard_band, [](double share) { return share * 100; });
-       }}};
+      server("frame", "ms", [](const Report& r) { return ms_of(total_work(r)); }),
+      server("primary visibility", "ms", [](const Report& r) { return ms_of(r.primary); }),
+      server("shadow rays", "ms", [](const Report& r) { return ms_of(r.shadow); }),
+      server("draw", "ms", [](const Report& r) { return ms_of(r.draw); }),
+      server("code and pack", "ms", [](const Report& r) { return ms_of(r.pack); }),
+      server("request waited", "ms", [](const Report& r) { return ms_of(r.waited); }),
+      server("primary rays", "rays", [](const Report& r) { return r.primary_rays; }),
+      server("shadow rays", "rays", [](const Report& r) { return r.shadow_rays; }),
+      server("share of a full trace", "%", percent_of_full_trace),
+      // A frame's datagrams are its slices and one report.
+      figure("wire", "datagrams a frame", "", &FrameRecord::server,
+             [](const Report& r) { return r.slices + 1.0; }),
+      figure("wire", "bytes a frame", "B", &FrameRecord::server,
+             [](const Report& r) { return r.payload_bytes; }),
+      figure("wire", "staleness", "ms", &FrameRecord::delta, [](const PoseDelta& d) { return ms_of(d.age); }),
+      figure("wire", "age", "ms", &FrameRecord::age, [](Duration age) { return ms_of(age); }),
+      figure("head", "turned since traced view", "deg", &FrameRecord::delta,
+             [](const PoseDelta& d) { return d.angle_rad * kDegrees; }),
+      figure("head", "moved since traced view", "mm", &FrameRecord::delta,
+             [](const PoseDelta& d) { return d.distance_m * 1e3; }),
+      figure("head", "guard band", "% of pixels", &FrameRecord::guard_band,
+             [](double share) { return share * 100; })};
 }
 
 std::vector<Figure> eye_figures(Side side) {
@@ -127,8 +116,8 @@ std::vector<Figure> eye_figures(Side side) {
 /// All figures, in the order of the summary's rows and of the columns of frames.csv.
 std::vector<Figure> figures() {
   std::vector<Figure> all;
-  for (const auto& part : {client_figures(), server_figures(), wire_and_head_figures(),
-                           eye_figures(Side::Left), eye_figures(Side::Right)})
+  for (const auto& part :
+       {client_figures(), server_wire_and_head_figures(), eye_figures(Side::Left), eye_figures(Side::Right)})
     all.insert(all.end(), part.begin(), part.end());
   return all;
 }

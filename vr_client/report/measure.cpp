@@ -84,6 +84,13 @@ double unmoved_error(const EyeMask& stale, glm::ivec2 offset_px, const ShownRepo
   return total == 0 ? 0 : wrong / total;
 }
 
+std::optional<double> guard_band_of(const FrameView& view) {
+  if (view.request == nullptr) return std::nullopt;
+  return static_cast<double>(view.request->views[0].size.pixels()) /
+             static_cast<double>(view.shown.views[0].size.pixels()) -
+         1;
+}
+
 MaskAges ages_of(const FrameView& view) {
   MaskAges ages;
   for (const TracedMask& mask : view.masks) {
@@ -117,7 +124,8 @@ PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& 
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const double psnr = std::min(psnr_db(into.shown[eye], into.reference[eye]), kEqualPictures_dB);
     if (!shaded) {
-      errors[eye] = picture_errors(psnr);
+      errors[eye] = {kNotMeasured, kNotMeasured, psnr,         kNotMeasured, kNotMeasured,
+                     kNotMeasured, kNotMeasured, kNotMeasured, kNotMeasured, std::nullopt};
       continue;
     }
     errors[eye] = compare_masks(into.report[eye], truth.masks[eye]);

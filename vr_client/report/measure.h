@@ -28,20 +28,6 @@ struct EyeErrors {
 
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
-/// Errors of a picture of which only the PSNR can be measured.
-[[nodiscard]] inline EyeErrors picture_errors(double psnr_db) {
-  return {.mask_error = kNotMeasured,
-          .known_error = kNotMeasured,
-          .psnr_db = psnr_db,
-          .newest = kNotMeasured,
-          .other_eye = kNotMeasured,
-          .older = kNotMeasured,
-          .neighbours = kNotMeasured,
-          .unknown = kNotMeasured,
-          .stale = kNotMeasured,
-          .unmoved_error = std::nullopt};
-}
-
 /// Compares `shown`, the report of the shading pass, with `reference`, which was traced for the same view.
 /// The caller sets psnr_db and unmoved_error.
 [[nodiscard]] EyeErrors compare_masks(const ShownReport& shown, const EyeMask& reference);
@@ -61,6 +47,10 @@ struct MeasuredFrame {
 
 /// Upper limit of the PSNR. Equal pictures have an infinite one, which has no percentiles.
 inline constexpr double kEqualPictures_dB = 99;
+
+/// The cost of the guard band: requested pixels beyond the shown ones, as a share of the shown ones. Empty if
+/// the frame had no request.
+[[nodiscard]] std::optional<double> guard_band_of(const FrameView& view);
 
 /// The time since the request of each mask that `view` was drawn with, newest mask first.
 [[nodiscard]] MaskAges ages_of(const FrameView& view);

@@ -6,9 +6,17 @@
 
 #include "vr_client/frame/frame_loop.h"
 #include "vr_client/report/frame_log.h"
-#include "vr_client/report/pictures.h"
+#include "vr_client/report/measure.h"
 
 namespace farshade {
+
+/// `frame_NNNN_left.png` and `_right.png`.
+[[nodiscard]] Expected<void> write_shown(const std::filesystem::path& folder, FrameId frame,
+                                         const PerEye<Image<Rgb8>>& shown);
+
+/// `worst_NNNN_EYE_{shown,reference,difference_x8,source}.png`, and `worst.png` with all of them in one row
+/// per eye. The source picture needs a report.
+[[nodiscard]] Expected<void> write_measured(const std::filesystem::path& folder, const MeasuredFrame& frame);
 
 struct RunReportOptions {
   std::filesystem::path out;
@@ -40,8 +48,6 @@ class RunReport {
  private:
   [[nodiscard]] bool is_pictured(FrameId frame) const;
   [[nodiscard]] bool is_dumped(FrameId frame) const;
-  [[nodiscard]] static std::optional<double> guard_band_of(const FrameView& view);
-  [[nodiscard]] static double badness(const EyeErrors& errors);
   void keep(Expected<void> done);
 
   RunReportOptions options_;

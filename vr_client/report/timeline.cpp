@@ -160,7 +160,7 @@ double TraceEvents::microseconds(Time time) const {
 void write_frame(const auto& shown, TraceEvents& events) {
   const StageStarts& starts = shown.starts;
   const TimeSpan whole{starts.request, starts.end};
-  const TimeSpan draw{starts.draw, std::min(starts.draw + shown.draw, starts.end)};
+  const TimeSpan draw{starts.draw, std::min(starts.draw + shown.drawn.total, starts.end)};
   const auto frame = events.thread(TraceRow::Frame, whole);
   events.add("frame", whole, frame, shown.frame);
   events.add("request", {starts.request, starts.collect}, frame, shown.frame);
@@ -168,7 +168,7 @@ void write_frame(const auto& shown, TraceEvents& events) {
   events.add("draw", draw, frame, shown.frame);
 
   const std::array<TraceStage, 3> passes{
-      {{"G-buffer", shown.gbuffer}, {"depth", shown.depth}, {"shade", shown.shade}}};
+      {{"G-buffer", shown.drawn.gbuffer}, {"depth", shown.drawn.depth}, {"shade", shown.drawn.shade}}};
   const TimeSpan device{std::max(draw.begin, draw.end - total_of(passes)), draw.end};
   events.add_stages(passes, device, events.thread(TraceRow::Device, device), shown.frame);
 }
@@ -208,12 +208,7 @@ TimeSpan place_work(Time sent, Time first, Duration work) {
 }
 
 void Timeline::add(const FrameView& view, const AnswerInbox* inbox) {
-  frames_.push_back({.frame = view.shown.frame,
-                     .starts = view.starts,
-                     .gbuffer = view.times.gbuffer,
-                     .depth = view.times.depth,
-                     .shade = view.times.shade,
-                     .draw = view.times.draw});
+  frames_.push_back({.frame = view.shown.frame, .starts = view.starts, .drawn = view.times});
   if (inbox == nullptr) return;
   // Frame ids restart with each session: earlier requests are complete when a new session begins.
   if (frames_.size() > 1 && !is_newer(view.shown.frame, frames_[frames_.size() - 2].frame))

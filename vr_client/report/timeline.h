@@ -48,7 +48,7 @@ class Timeline {
   struct ShownFrame {
     FrameId frame;
     StageStarts starts;
-    Duration gbuffer{}, depth{}, shade{}, draw{};
+    DrawTimes drawn;
   };
   /// When a request was sent, and when the first slice and the report of its answer arrived.
   struct Exchange {

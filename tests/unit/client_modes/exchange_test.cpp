@@ -4,7 +4,7 @@
 
 #include "stereo/math/rotation.h"
 #include "tests/unit/client_modes/scripted_link.h"
-#include "vr_client/modes/mask_sources.h"
+#include "vr_client/modes/masks.h"
 
 namespace farshade {
 namespace {

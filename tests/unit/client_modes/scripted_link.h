@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "vr_client/link/answer_link.h"
 #include "tests/support/packed.h"
+#include "vr_client/link/answer_inbox.h"
 
 namespace farshade::modes_test {
 

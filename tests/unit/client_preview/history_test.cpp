@@ -35,7 +35,7 @@ struct Shown {
 
 TEST(History, TheStagesOfAFrameAddUpToItsTime) {
   Shown shown;
-  shown.times = {.request = 1ms, .collect = 2ms, .gbuffer = 10ms, .depth = 3ms, .shade = 5ms, .draw = 20ms};
+  shown.times = {{.gbuffer = 10ms, .depth = 3ms, .shade = 5ms, .total = 20ms}, 1ms, 2ms, {}};
   shown.starts.end = Time(100ms);
   History history;
   history.add(shown.view(), {}, nullptr, Time(107ms));

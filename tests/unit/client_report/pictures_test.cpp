@@ -1,4 +1,4 @@
-#include "vr_client/report/pictures.h"
+#include "vr_client/report/run_report.h"
 
 #include <gtest/gtest.h>
 

@@ -27,7 +27,7 @@ class Told {
   /// Frame `number` begins at `at`. Its stages are 1 ms request (sent after 0.5 ms), 2 ms collect and 5 ms
   /// draw.
   void show(std::uint32_t number, Duration at, std::optional<std::uint32_t> newest_mask = std::nullopt,
-            const StageTimes& times = {.gbuffer = 1ms, .shade = 3ms, .draw = 5ms}) {
+            const StageTimes& times = {{.gbuffer = 1ms, .shade = 3ms, .total = 5ms}}) {
     const Time begin = kBegin + at;
     FrameRequest request{.frame = {number}, .display_time = {}, .scene_time = {}, .views = {}};
     for (View& view : request.views) view = {{}, {-0.7, 0.8, 0.6, -0.5}, kSize};
@@ -173,7 +173,7 @@ TEST(Timeline, PlacesTheStagesOfTheClient) {
 
 TEST(Timeline, EndsThePassesOfTheDeviceWithDraw) {
   Told told;
-  told.show(1, 0ms, {}, {.gbuffer = 500us, .depth = 250us, .shade = 2ms, .draw = 4ms});
+  told.show(1, 0ms, {}, {{.gbuffer = 500us, .depth = 250us, .shade = 2ms, .total = 4ms}});
   const auto passes = events_on("vr_client device", told);
   ASSERT_EQ(passes.size(), 3u);
   EXPECT_EQ(passes[0].name, "G-buffer");
@@ -185,7 +185,7 @@ TEST(Timeline, EndsThePassesOfTheDeviceWithDraw) {
 
 TEST(Timeline, ScalesDownDevicePassesThatAreLongerThanDraw) {
   Told told;
-  told.show(1, 0ms, {}, {.gbuffer = 6ms, .shade = 2ms, .draw = 4ms});
+  told.show(1, 0ms, {}, {{.gbuffer = 6ms, .shade = 2ms, .total = 4ms}});
   const auto passes = events_on("vr_client device", told);
   ASSERT_EQ(passes.size(), 2u) << "no depth was drawn";
   EXPECT_EQ(passes[0].begin_us, 3000);
@@ -294,10 +294,10 @@ TEST(Timeline, IsConsistentForAnyNetwork) {
   for (std::uint32_t frame = 1; frame <= 60; ++frame) {
     const Duration begin = frame * 10ms;
     told.show(frame, begin, newest,
-              {.gbuffer = up_to_ns(4'000'000),
-               .depth = up_to_ns(2'000'000),
-               .shade = up_to_ns(2'000'000),
-               .draw = up_to_ns(6'000'000)});
+              {{.gbuffer = up_to_ns(4'000'000),
+                .depth = up_to_ns(2'000'000),
+                .shade = up_to_ns(2'000'000),
+                .total = up_to_ns(6'000'000)}});
     if (random() % 4 == 0) continue;
     const Duration first = begin + 500us + up_to_ns(9'000'000);
     told.first_slice_comes(frame, first);
@@ -319,7 +319,7 @@ TEST(Timeline, HasOnlyTheStagesOfTheClientWithoutAServer) {
   const FrameRequest shown{};
   const SceneState state;
   const FrameSettings settings;
-  const StageTimes times{.gbuffer = 1ms, .draw = 5ms};
+  const StageTimes times{{.gbuffer = 1ms, .total = 5ms}};
   timeline.add({shown,
                 nullptr,
                 state,

@@ -1,4 +1,4 @@
-#include "rt_server/doctor/doctor.h"
+#include "rt_server/commands/commands.h"
 
 #include <spdlog/fmt/fmt.h>
 

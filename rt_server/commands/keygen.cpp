@@ -1,4 +1,4 @@
-#include "rt_server/keys/keygen.h"
+#include "rt_server/commands/commands.h"
 
 #include <CLI/CLI.hpp>
 

@@ -1,0 +1,40 @@
+/// The subcommands of rt_server. Options must outlive the parsing.
+///
+/// `doctor` checks what a server needs on this machine, and names a cure for each problem. It serves no
+/// client and changes nothing. `keygen` makes a key for one client, writes it to a file for the client and
+/// adds it to the server's key ring.
+#pragma once
+
+#include "stereo/doctor/checks.h"
+
+namespace CLI {
+class App;
+}
+
+namespace farshade {
+
+struct ServerDoctorOptions {
+  std::string ring;  ///< empty: default_ring_path()
+  std::string listen = "127.0.0.1:7447";
+  std::string scene;  ///< empty: no scene is loaded
+};
+
+/// Adds the subcommand `doctor` and its options to the program.
+void add_doctor(CLI::App& program, ServerDoctorOptions& options);
+
+[[nodiscard]] Findings examine(const ServerDoctorOptions& options);
+
+struct KeygenOptions {
+  std::string name;
+  std::string key;   ///< the client's key file; empty for default_key_path()
+  std::string ring;  ///< the server's key ring; empty for default_ring_path()
+};
+
+/// Adds the subcommand `keygen` and its options to `program`.
+void add_keygen(CLI::App& program, KeygenOptions& options);
+
+/// Writes both files, and returns a text for the user that names the next step. If one file cannot be
+/// written, the other does not change.
+[[nodiscard]] Expected<std::string> keygen(const KeygenOptions& options);
+
+}  // namespace farshade

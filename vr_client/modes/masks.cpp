@@ -1,0 +1,188 @@
+// Hybrid: the client requests masks for predicted views, draws its own G-buffer and reprojects the masks.
+//
+// Client-positions: the client draws the depth of the views it asks for and sends the positions of their
+// pixels. The server traces shadow rays from these positions and draws nothing. The client reprojects the
+// masks as in mode hybrid.
+#include "vr_client/modes/masks.h"
+
+#include <algorithm>
+
+#include "stereo/base/check.h"
+#include "stereo/frame/position_grid.h"
+#include "stereo/wire/plane_codec.h"
+#include "vr_client/modes/make_pipeline.h"
+
+namespace farshade {
+namespace {
+
+class Hybrid final : public ModePipeline {
+ public:
+  explicit Hybrid(const RunContext& context)
+      : renderer_(context.renderer),
+        exchange_(context.link, context.policy, context.settings.request),
+        masks_(context.scene.animation_length_s > 0) {}
+
+  const FrameRequest* request(const FrameInputs& inputs) override {
+    request_ = exchange_.plan(inputs, {.kind = Answer::Masks});
+    exchange_.send(inputs);
+    return request_;
+  }
+
+  void collect(const FrameInputs& inputs) override {
+    const auto usable = exchange_.receive(inputs);
+    masks_.take(usable, exchange_.settled());
+  }
+
+  DrawnFrame draw(const FrameInputs& inputs) override {
+    return masks_.draw(renderer_, inputs, exchange_.record(request_), exchange_);
+  }
+
+ private:
+  Renderer& renderer_;
+  Exchange exchange_;
+  MaskSources masks_;
+  const FrameRequest* request_ = nullptr;
+};
+
+/// The number of slices that a request can announce. Tiles in further slices stay unknown.
+constexpr std::size_t kMostSlices = 65535;
+
+constexpr std::array kPositionKinds{PlaneKind::PositionX, PlaneKind::PositionY, PlaneKind::PositionZ};
+
+class ClientPositions final : public ModePipeline {
+ public:
+  explicit ClientPositions(const RunContext& context)
+      : context_(context),
+        exchange_(context.link, context.policy, context.settings.request),
+        masks_(context.scene.animation_length_s > 0),
+        grid_(grid_of({context.scene.bounds.low}, {context.scene.bounds.high}, context.mode.position_bits)) {}
+
+  const FrameRequest* request(const FrameInputs& inputs) override {
+    drawn_ = {};
+    const FrameRequest* const request = exchange_.plan(inputs, answer());
+    if (request == nullptr) return nullptr;
+    pack(*request);
+    const FrameRequest* const complete = exchange_.complete(narrow<std::uint32_t>(messages_used_));
+    exchange_.send(inputs, std::span(messages_).first(messages_used_));
+    return complete;
+  }
+
+  void collect(const FrameInputs& inputs) override {
+    const auto usable = exchange_.receive(inputs);
+    masks_.take(usable, exchange_.settled());
+  }
+
+  DrawnFrame draw(const FrameInputs& inputs) override {
+    // pack() has kept the depth of the requested views.
+    DrawnFrame drawn = masks_.draw(context_.renderer, inputs, nullptr, exchange_);
+    drawn.drawn.depth += drawn_.depth;
+    return drawn;
+  }
+
+ private:
+  [[nodiscard]] AnswerSpec answer() const {
+    return {.kind = Answer::MasksOfPositions, .position_bits = context_.mode.position_bits};
+  }
+
+  /// Writes the positions of the pixels of the requested views into messages.
+  void pack(const FrameRequest& request) {
+    drawn_ = context_.renderer.keep_depth(request, exchange_.next_slot(), distances_);
+    messages_used_ = 0;
+    for (const Side side : kSides) {
+      const std::size_t eye = index_of(side);
+      positions_of(request.views[eye], distances_[eye].pixels, grid_, planes_);
+      for (std::size_t axis = 0; axis < planes_.size(); ++axis) {
+        packer_.start(request.frame, side, kPositionKinds[axis], planes_[axis]);
+        while (const std::optional<PlaneSlice> slice = packer_.next()) {
+          if (messages_used_ == kMostSlices) return;
+          if (messages_used_ == messages_.size()) messages_.emplace_back();
+          encode(ClientMessage(*slice), messages_[messages_used_++]);
+        }
+      }
+    }
+  }
+
+  const RunContext& context_;
+  Exchange exchange_;
+  MaskSources masks_;
+  PositionGrid grid_;
+  DrawTimes drawn_;
+  PerEye<Image<float>> distances_;
+  PositionPlanes planes_;
+  PlanePacker packer_;
+  std::vector<std::vector<std::byte>> messages_;
+  std::size_t messages_used_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<ModePipeline> make_hybrid(const RunContext& context) {
+  return std::make_unique<Hybrid>(context);
+}
+
+std::unique_ptr<ModePipeline> make_client_positions(const RunContext& context) {
+  return std::make_unique<ClientPositions>(context);
+}
+
+TracedMask mask_of(const RequestRecord& record) {
+  const FrameRequest& request = record.request;
+  return {request.frame,
+          request.display_time,
+          request.scene_time,
+          request.views,
+          record.masks,
+          record.known_tiles,
+          std::uint64_t{record.tiles_known[0]} << 32 | record.tiles_known[1],
+          record.light_set_revision};
+}
+
+void MaskSources::take(std::span<const RequestRecord* const> usable, const RequestRecord* settled) {
+  records_.assign(usable.begin(), usable.end());
+  std::stable_partition(records_.begin(), records_.end(),
+                        [&](const RequestRecord* record) { return record == settled; });
+  masks_.clear();
+  for (const RequestRecord* record : records_) masks_.push_back(mask_of(*record));
+}
+
+Lookup MaskSources::lookup(const FrameRequest& shown, Lookup requested) const {
+  if (masks_.empty()) return requested;
+  const TracedMask& first = masks_[0];
+  const auto is_same = [&](std::size_t eye) {
+    return shares_pixels(shown.views[eye], first.views[eye]) &&
+           is_whole(first.known_tiles[eye], first.masks[eye].layout());
+  };
+  const bool is_exact = is_same(0) && is_same(1) && first.light_set_revision == shown.lights.revision &&
+                        (!is_animated_ || same_instant(first.scene_time, shown.scene_time));
+  return is_exact ? Lookup::Direct : requested;
+}
+
+DrawnFrame MaskSources::draw(Renderer& renderer, const FrameInputs& inputs, const RequestRecord* record,
+                             Exchange& exchange) {
+  CarryOver carry_over = inputs.settings.carry_over;
+  carry_over.lookup = lookup(inputs.shown, carry_over.lookup);
+  DrawnFrame drawn{.drawn = renderer.draw({.views = inputs.shown.views,
+                                           .state = inputs.state,
+                                           .request = record ? &record->request : nullptr,
+                                           .masks = masks_,
+                                           .carry_over = carry_over,
+                                           .report = inputs.settings.report,
+                                           .request_slot = record ? record->slot : 0})};
+  // The renderer passes over masks without depth.
+  const RequestRecord* first = nullptr;
+  drawn_with_.clear();
+  for (std::size_t i = 0; i < masks_.size(); ++i) {
+    if (carry_over.lookup != Lookup::Direct && !renderer.has_depth(masks_[i].frame)) continue;
+    if (first == nullptr) first = records_[i];
+    drawn_with_.push_back(masks_[i]);
+  }
+  if (first != nullptr) exchange.drawn_with(inputs, *first);
+  drawn.start_up = drawn_with_.empty();
+  drawn.masks = drawn_with_;
+  if (!records_.empty()) {
+    drawn.newest = records_[0];
+    drawn.age = age_of(*records_[0], inputs);
+  }
+  return drawn;
+}
+
+}  // namespace farshade
