@@ -88,15 +88,6 @@ glm::dvec3 correct_all(std::array<FactoredCovariance, 3>& factored, glm::dvec3& 
   return correction;
 }
 
-std::array<KalmanFilter::Covariance, 3> covariances(const std::array<FactoredCovariance, 3>& factored) {
-  std::array<KalmanFilter::Covariance, 3> all;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const auto& [p, v_by_p, v_alone] = factored[i];
-    all[i] = {.pp = p, .pv = v_by_p * p, .vv = v_alone + v_by_p * v_by_p * p};
-  }
-  return all;
-}
-
 }  // namespace
 
 void KalmanFilter::start(const HeadPose& pose) {
@@ -123,14 +114,6 @@ void KalmanFilter::step(double step_s, const HeadPose& pose) {
 HeadPose KalmanFilter::ahead(double lead_s) const {
   return pose_ * motion_exp<Head>({travel(velocity_.angular, tuning_.angular_fade_s, lead_s),
                                    travel(velocity_.linear, tuning_.linear_fade_s, lead_s)});
-}
-
-std::array<KalmanFilter::Covariance, 3> KalmanFilter::angular_covariance() const {
-  return covariances(angular_);
-}
-
-std::array<KalmanFilter::Covariance, 3> KalmanFilter::linear_covariance() const {
-  return covariances(linear_);
 }
 
 }  // namespace farshade

@@ -40,23 +40,18 @@ class KalmanFilter {
   [[nodiscard]] HeadPose ahead(double lead_s) const;
   [[nodiscard]] Twist velocity() const { return velocity_; }
 
-  /// Covariance of the error (p, v) of one component; pp * vv >= pv^2 up to rounding.
-  struct Covariance {
-    double pp = 0, pv = 0, vv = 0;
-  };
-  [[nodiscard]] std::array<Covariance, 3> angular_covariance() const;
-  [[nodiscard]] std::array<Covariance, 3> linear_covariance() const;
-
-  /// The covariance in factored form: the error of v is v_by_p times the error of p, plus an independent
-  /// error. Every step only adds positive terms, so that no covariance becomes indefinite or loses digits to
-  /// cancellation. Sources: G. J. Bierman, "Factorization methods for discrete sequential estimation", 1977
-  /// (U D U^T); C. L. Thornton, "Triangular covariance factorizations for Kalman filtering", 1976, for the
-  /// step between measurements.
+  /// The covariance of the error (p, v) of one component, in factored form: the error of v is v_by_p times
+  /// that of p, plus an independent error. Every step only adds positive terms, so that no covariance becomes
+  /// indefinite or loses digits to cancellation. Sources: G. J. Bierman, "Factorization methods for discrete
+  /// sequential estimation", 1977 (U D U^T); C. L. Thornton, "Triangular covariance factorizations for Kalman
+  /// filtering", 1976, for the step between measurements.
   struct FactoredCovariance {
     double p = 0;        ///< variance of p
     double v_by_p = 0;   ///< 1/s
     double v_alone = 0;  ///< variance of v if p is known
   };
+  [[nodiscard]] const std::array<FactoredCovariance, 3>& angular_covariance() const { return angular_; }
+  [[nodiscard]] const std::array<FactoredCovariance, 3>& linear_covariance() const { return linear_; }
 
  private:
   KalmanTuning tuning_;

@@ -8,6 +8,7 @@
 
 #include "stereo/head/damped_motion.h"
 #include "stereo/head/prediction.h"
+#include "tests/unit/head/covariance.h"
 
 namespace farshade {
 namespace {
@@ -92,7 +93,8 @@ TEST_P(Stiffness, LeavesKalmanCovariancePositiveAndItsEstimateAtThePoses) {
     const HeadPose pose{rotation_exp({jitter(random), 1 + jitter(random), 0}), {jitter(random), 0, 0}};
     filter.step(this_step_s, pose);
     for (const auto& covariances : {filter.angular_covariance(), filter.linear_covariance()})
-      for (const auto& c : covariances) {
+      for (const auto& factored : covariances) {
+        const Covariance c = expanded(factored);
         ASSERT_GT(c.pp, 0);
         ASSERT_LE(c.pp,
                   3e-4 * 3e-4 * (1 + 1e-12));  // the filter never states a smaller variance than the bound
@@ -148,7 +150,7 @@ TEST(Kalman, ErrorsMatchTheStatedVariances) {
       v = step.keep * v +
           drive * (step.pv / step.pp * a + std::sqrt(step.vv - step.pv * step.pv / step.pp) * normal(random));
       filter.step(step_s, {{1, 0, 0, 0}, {p + tuning.linear_noise * normal(random), 0, 0}});
-      const KalmanFilter::Covariance said = filter.linear_covariance()[0];
+      const Covariance said = expanded(filter.linear_covariance()[0]);
       p_over += std::pow(filter.ahead(0).translation.x - p, 2) / said.pp / kCount;
       v_over += std::pow(filter.velocity().linear.x - v, 2) / said.vv / kCount;
     }

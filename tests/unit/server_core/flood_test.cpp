@@ -8,6 +8,7 @@
 #include <fstream>
 #include <random>
 
+#include "tests/support/manual_clock.h"
 #include "tests/support/sanitized.h"
 #include "tests/unit/link_client.h"
 

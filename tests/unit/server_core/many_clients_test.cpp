@@ -7,6 +7,7 @@
 #include <deque>
 #include <random>
 
+#include "tests/support/manual_clock.h"
 #include "tests/support/sanitized.h"
 #include "tests/support/virtual_link.h"
 #include "tests/unit/link_client.h"
