@@ -86,8 +86,8 @@ std::string heading(const Options& options, const Client& client, const Recorded
   return text;
 }
 
-ShadingPass::Report report_for(const RunReport& report) {
-  return report.measures_any() ? ShadingPass::Report::On : ShadingPass::Report::Off;
+PixelReport report_for(const RunReport& report) {
+  return report.measures_any() ? PixelReport::On : PixelReport::Off;
 }
 
 /// Prints to standard error how many frames of a run are done. On a terminal one line is overwritten with

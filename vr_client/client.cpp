@@ -73,7 +73,7 @@ std::uint32_t frames_in_flight(const Options& options) {
   double late_ms = options.pace == Pace::Real ? kLongestRoundTrip_ms : options.delay_ms;
   if (options.preview) late_ms += kWorstPreviewPath_ms;
   return static_cast<std::uint32_t>(std::ceil(late_ms * 1e-3 * options.refresh_hz)) +
-         static_cast<std::uint32_t>(ShadingPass::kMaxMasks) * options.request.every + 4;
+         static_cast<std::uint32_t>(kMaxMasks) * options.request.every + 4;
 }
 
 SessionNeeds needs_of(const Options& options, double eye_distance_m) {

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "stereo/draw/renderer.h"
+#include "stereo/gpu/device.h"
 #include "stereo/net/impaired_port.h"
 #include "vr_client/frame/reference.h"
 #include "vr_client/link/network_link.h"

@@ -8,8 +8,8 @@
 
 #include "stereo/base/expected.h"
 #include "stereo/base/extent.h"
-#include "stereo/draw/shading.h"
-#include "stereo/gpu/device.h"
+#include "stereo/draw/carry_over.h"
+#include "stereo/gpu/device_options.h"
 #include "stereo/plan/scene_plan.h"
 #include "vr_client/ask/request_plan.h"
 #include "vr_client/doctor/doctor.h"

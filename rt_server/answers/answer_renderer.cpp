@@ -5,6 +5,7 @@
 
 #include <stdexcept>
 
+#include "stereo/draw/gbuffer.h"
 #include "stereo/frame/tiles.h"
 
 namespace farshade {

@@ -7,6 +7,7 @@
 #include "rt_server/answers/answers.h"
 #include "rt_server/answers/recent.h"
 #include "stereo/draw/renderer.h"
+#include "stereo/gpu/device.h"
 
 namespace farshade {
 

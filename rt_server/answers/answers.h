@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "rt_server/core/answer_makers.h"
-#include "stereo/gpu/device.h"
+#include "stereo/gpu/device_options.h"
 #include "stereo/tracer/tracer.h"
 
 namespace farshade {

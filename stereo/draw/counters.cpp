@@ -4,6 +4,8 @@
 #include <bit>
 
 #include "stereo/draw/renderer.h"
+#include "stereo/draw/scene_buffers.h"
+#include "stereo/draw/shading_layout.h"
 
 namespace farshade {
 namespace {

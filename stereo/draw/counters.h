@@ -2,8 +2,8 @@
 /// does not use.
 #pragma once
 
-#include "stereo/draw/scene_buffers.h"
 #include "stereo/gpu/ledger.h"
+#include "stereo/plan/scene_plan.h"
 
 namespace farshade {
 

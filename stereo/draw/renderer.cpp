@@ -1,5 +1,9 @@
 #include "stereo/draw/renderer.h"
 
+#include "stereo/draw/gbuffer_transfer.h"
+#include "stereo/draw/shading.h"
+#include "stereo/draw/turn_pass.h"
+
 namespace farshade {
 namespace {
 
@@ -8,10 +12,64 @@ constexpr std::uint32_t kStamps = 5;
 
 }  // namespace
 
-Renderer::Renderer(const gpu::Device& device, const Scene& scene, const RendererLimits& limits)
-    : Renderer(device, scene, plan_for(scene, {.all_lights = true}).draw, limits) {}
+class Renderer::Parts {
+ public:
+  Parts(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits);
 
-Renderer::Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits)
+  DrawTimes draw(const ShownFrame& frame);
+  DrawTimes shade_again(const ShownFrame& frame);
+  DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into);
+  DrawTimes draw_received(const GBufferPlanes& planes, const ShownFrame& frame);
+  DrawTimes show_turned(const PerEye<Image<Rgb8>>& picture, const StereoView& from, const StereoView& shown);
+  DrawTimes turn_shown(const StereoView& from, const StereoView& shown);
+  DrawTimes draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
+                                 const StereoView& from);
+  void forget();
+  [[nodiscard]] bool has_depth(FrameId frame) const { return ring_.has(frame); }
+  [[nodiscard]] const gpu::Image& shown() const { return shading_.shown(); }
+  [[nodiscard]] PerEye<Image<Rgb8>> read_shown();
+  [[nodiscard]] ShownReport report(Side side) const { return shading_.report(side); }
+  [[nodiscard]] PerEye<Image<float>> read_distance();
+  void read_gbuffer(GBufferPlanes& into) { transfer_.read(shown_depth_, into); }
+  [[nodiscard]] DrawCounters counters() const;
+
+ private:
+  enum class Stage : std::uint8_t { Shade, Both, Received };
+  void place_depth(const ShownFrame& frame);
+  void make_depth_pass();
+  void prepare_shading(const ShownFrame& frame);
+  ShadowMaps& need_maps(const ShadowMapSettings& settings);
+  DrawTimes submit(const ShownFrame& frame, Stage stage);
+  TurnPass& need_turn();
+  Duration submit_turn(const StereoView& from, const StereoView& shown, TurnPass::Source source,
+                       TurnPass::Effect effect);
+  void read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers, Extent size);
+  void read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into);
+
+  const gpu::Device& device_;
+  const Scene& scene_;
+  const DrawPlan plan_;
+  Extent size_;
+  SceneBuffers buffers_;
+  MotionModel motion_;
+  gpu::Buffer frame_buffer_;  ///< one FrameData for all passes
+  DepthRing ring_;
+  GBufferPass gbuffer_;
+  GBufferTransfer transfer_;
+  std::optional<DepthPass> depth_pass_;    ///< created at first use
+  std::optional<ShadowMaps> shadow_maps_;  ///< created at first use
+  ShadingPass shading_;
+  std::optional<TurnPass> turn_;                 ///< created at first use
+  DepthRing::Place shown_depth_;                 ///< of the last drawn frame
+  std::optional<DepthRing::Place> asked_depth_;  ///< set if the depth pass must draw
+  vk::raii::CommandBuffer commands_{nullptr};
+  vk::raii::Fence fence_{nullptr};
+  gpu::Timestamps stamps_;
+  gpu::Buffer readback_;  ///< created at first use
+};
+
+Renderer::Parts::Parts(const gpu::Device& device, const Scene& scene, DrawPlan plan,
+                       const RendererLimits& limits)
     : device_(device),
       scene_(scene),
       plan_(settled(std::move(plan))),
@@ -35,12 +93,12 @@ Renderer::Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan,
   if (plan_.depth_pass && !plan_.builds_late) make_depth_pass();
 }
 
-void Renderer::make_depth_pass() {
+void Renderer::Parts::make_depth_pass() {
   depth_pass_.emplace(device_, scene_, plan_, buffers_, frame_buffer_);
 }
 
 /// Chooses where the depth of the shown views goes, and that of the requested views if they differ.
-void Renderer::place_depth(const ShownFrame& frame) {
+void Renderer::Parts::place_depth(const ShownFrame& frame) {
   asked_depth_.reset();
   shown_depth_ = ring_.shown();
   if (frame.request == nullptr) return;
@@ -58,7 +116,7 @@ void Renderer::place_depth(const ShownFrame& frame) {
 }
 
 /// Selects the usable masks and prepares the shading pass with them.
-void Renderer::prepare_shading(const ShownFrame& frame) {
+void Renderer::Parts::prepare_shading(const ShownFrame& frame) {
   if (frame.shadow_maps != nullptr) {
     ShadowMaps& maps = need_maps(*frame.shadow_maps);
     maps.prepare(frame.views, frame.state);
@@ -82,7 +140,7 @@ void Renderer::prepare_shading(const ShownFrame& frame) {
 }
 
 /// The existing shadow maps if their settings match, otherwise new ones.
-ShadowMaps& Renderer::need_maps(const ShadowMapSettings& settings) {
+ShadowMaps& Renderer::Parts::need_maps(const ShadowMapSettings& settings) {
   if (!shadow_maps_ || shadow_maps_->settings() != settings) {
     shadow_maps_.reset();
     shadow_maps_.emplace(device_, scene_, plan_, buffers_, frame_buffer_, settings);
@@ -90,12 +148,12 @@ ShadowMaps& Renderer::need_maps(const ShadowMapSettings& settings) {
   return *shadow_maps_;
 }
 
-void Renderer::forget() {
+void Renderer::Parts::forget() {
   ring_.forget();
   shading_.forget();
 }
 
-DrawTimes Renderer::draw(const ShownFrame& frame) {
+DrawTimes Renderer::Parts::draw(const ShownFrame& frame) {
   const Stopwatch watch;
   place_depth(frame);
   gbuffer_.prepare(frame.views, frame.state);
@@ -105,7 +163,7 @@ DrawTimes Renderer::draw(const ShownFrame& frame) {
   return times;
 }
 
-DrawTimes Renderer::shade_again(const ShownFrame& frame) {
+DrawTimes Renderer::Parts::shade_again(const ShownFrame& frame) {
   const Stopwatch watch;
   prepare_shading(frame);
   DrawTimes times = submit(frame, Stage::Shade);
@@ -113,7 +171,8 @@ DrawTimes Renderer::shade_again(const ShownFrame& frame) {
   return times;
 }
 
-DrawTimes Renderer::keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into) {
+DrawTimes Renderer::Parts::keep_depth(const FrameRequest& request, std::size_t slot,
+                                      PerEye<Image<float>>& into) {
   const Stopwatch watch;
   const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
   check(place.has_value(), "the depth ring has the slot of the request's record");
@@ -131,7 +190,7 @@ DrawTimes Renderer::keep_depth(const FrameRequest& request, std::size_t slot, Pe
   return {.depth = stamps_.between(0, 1), .total = watch.elapsed()};
 }
 
-DrawTimes Renderer::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {
+DrawTimes Renderer::Parts::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {
   const Stopwatch watch;
   ShownFrame direct = frame;
   direct.request = nullptr;
@@ -144,7 +203,7 @@ DrawTimes Renderer::draw_received(const GBufferPlanes& planes, const ShownFrame&
   return times;
 }
 
-DrawTimes Renderer::submit(const ShownFrame& frame, Stage stage) {
+DrawTimes Renderer::Parts::submit(const ShownFrame& frame, Stage stage) {
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
   stamps_.reset(commands_);
@@ -169,27 +228,28 @@ DrawTimes Renderer::submit(const ShownFrame& frame, Stage stage) {
           .maps = with_maps && shadow_maps_->due() ? stamps_.between(2, 3) : Duration{}};
 }
 
-TurnPass& Renderer::need_turn() {
+TurnPass& Renderer::Parts::need_turn() {
   if (!turn_) turn_.emplace(device_, shading_.shown());
   return *turn_;
 }
 
-DrawTimes Renderer::show_turned(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
-                                const StereoView& shown) {
+DrawTimes Renderer::Parts::show_turned(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
+                                       const StereoView& shown) {
   const Stopwatch watch;
   need_turn().load(picture);
   const Duration turn = submit_turn(from, shown, TurnPass::Source::Loaded, TurnPass::Effect::Show);
   return {.turn = turn, .total = watch.elapsed()};
 }
 
-DrawTimes Renderer::turn_shown(const StereoView& from, const StereoView& shown) {
+DrawTimes Renderer::Parts::turn_shown(const StereoView& from, const StereoView& shown) {
   const Stopwatch watch;
   const Duration turn = submit_turn(from, shown, TurnPass::Source::Shown, TurnPass::Effect::Show);
   return {.turn = turn, .total = watch.elapsed()};
 }
 
-DrawTimes Renderer::draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
-                                         const StereoView& from) {
+DrawTimes Renderer::Parts::draw_with_difference(const ShownFrame& frame,
+                                                const PerEye<Image<Rgb8>>& difference,
+                                                const StereoView& from) {
   const Stopwatch watch;
   ShownFrame unshadowed = frame;
   unshadowed.masks = {};
@@ -201,8 +261,8 @@ DrawTimes Renderer::draw_with_difference(const ShownFrame& frame, const PerEye<I
   return times;
 }
 
-Duration Renderer::submit_turn(const StereoView& from, const StereoView& shown, TurnPass::Source source,
-                               TurnPass::Effect effect) {
+Duration Renderer::Parts::submit_turn(const StereoView& from, const StereoView& shown,
+                                      TurnPass::Source source, TurnPass::Effect effect) {
   TurnPass& turn = need_turn();
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
@@ -212,7 +272,7 @@ Duration Renderer::submit_turn(const StereoView& from, const StereoView& shown, 
   return turn.time();
 }
 
-PerEye<Image<Rgb8>> Renderer::read_shown() const {
+PerEye<Image<Rgb8>> Renderer::Parts::read_shown() {
   read_back(shading_.shown(), vk::ImageLayout::eGeneral, {0, kEyes}, size_);
   const auto pixels = readback_.as<const Rgba8>();
   PerEye<Image<Rgb8>> result{Image<Rgb8>(size_), Image<Rgb8>(size_)};
@@ -222,13 +282,13 @@ PerEye<Image<Rgb8>> Renderer::read_shown() const {
   return result;
 }
 
-PerEye<Image<float>> Renderer::read_distance() const {
+PerEye<Image<float>> Renderer::Parts::read_distance() {
   PerEye<Image<float>> result;
   read_distance(shown_depth_, size_, result);
   return result;
 }
 
-void Renderer::read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into) const {
+void Renderer::Parts::read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into) {
   read_back(ring_.image(), vk::ImageLayout::eShaderReadOnlyOptimal, {place.layer, kEyes}, size);
   const auto depths = readback_.as<const float>();
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
@@ -241,7 +301,7 @@ void Renderer::read_distance(DepthRing::Place place, Extent size, PerEye<Image<f
   }
 }
 
-DrawCounters Renderer::counters() const {
+DrawCounters Renderer::Parts::counters() const {
   DrawCounters counters{.pipelines = shading_.pipelines(),
                         .bindings = shading_.bindings(),
                         .lookups = shading_.lookups(),
@@ -268,8 +328,8 @@ DrawCounters Renderer::counters() const {
 }
 
 /// Copies the top left `size` pixels of layers of an image in `layout` to `readback_`, four bytes per pixel.
-void Renderer::read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers,
-                         Extent size) const {
+void Renderer::Parts::read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers,
+                                Extent size) {
   constexpr auto source = vk::ImageLayout::eTransferSrcOptimal;
   const std::size_t bytes = size.pixels() * kEyes * 4;
   if (readback_.bytes < bytes) readback_ = gpu::make_readback_buffer(device_, bytes, "read-back");
@@ -281,6 +341,76 @@ void Renderer::read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::L
                             .imageExtent = {size.width, size.height, 1}});
     gpu::transition(commands, image, source, layout, layers);
   });
+}
+
+Renderer::Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits)
+    : parts_(std::make_unique<Parts>(device, scene, std::move(plan), limits)) {}
+
+Renderer::Renderer(const gpu::Device& device, const Scene& scene, const RendererLimits& limits)
+    : Renderer(device, scene, plan_for(scene, {.all_lights = true}).draw, limits) {}
+
+Renderer::~Renderer() = default;
+
+DrawTimes Renderer::draw(const ShownFrame& frame) {
+  return parts_->draw(frame);
+}
+
+DrawTimes Renderer::shade_again(const ShownFrame& frame) {
+  return parts_->shade_again(frame);
+}
+
+DrawTimes Renderer::keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into) {
+  return parts_->keep_depth(request, slot, into);
+}
+
+DrawTimes Renderer::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {
+  return parts_->draw_received(planes, frame);
+}
+
+DrawTimes Renderer::show_turned(const PerEye<Image<Rgb8>>& picture, const StereoView& from,
+                                const StereoView& shown) {
+  return parts_->show_turned(picture, from, shown);
+}
+
+DrawTimes Renderer::turn_shown(const StereoView& from, const StereoView& shown) {
+  return parts_->turn_shown(from, shown);
+}
+
+DrawTimes Renderer::draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
+                                         const StereoView& from) {
+  return parts_->draw_with_difference(frame, difference, from);
+}
+
+void Renderer::forget() {
+  parts_->forget();
+}
+
+bool Renderer::has_depth(FrameId frame) const {
+  return parts_->has_depth(frame);
+}
+
+const gpu::Image& Renderer::shown() const {
+  return parts_->shown();
+}
+
+PerEye<Image<Rgb8>> Renderer::read_shown() const {
+  return parts_->read_shown();
+}
+
+ShownReport Renderer::report(Side side) const {
+  return parts_->report(side);
+}
+
+PerEye<Image<float>> Renderer::read_distance() const {
+  return parts_->read_distance();
+}
+
+void Renderer::read_gbuffer(GBufferPlanes& into) const {
+  parts_->read_gbuffer(into);
+}
+
+DrawCounters Renderer::counters() const {
+  return parts_->counters();
 }
 
 }  // namespace farshade

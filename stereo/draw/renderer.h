@@ -2,13 +2,22 @@
 /// carried over. It draws one frame at a time; `draw` returns when the device has finished.
 #pragma once
 
+#include <memory>
+#include <span>
+
+#include "stereo/base/clock.h"
+#include "stereo/draw/carry_over.h"
 #include "stereo/draw/counters.h"
-#include "stereo/draw/gbuffer_transfer.h"
-#include "stereo/draw/shading.h"
 #include "stereo/draw/shadow_map_settings.h"
-#include "stereo/draw/turn_pass.h"
+#include "stereo/frame/pixel_plane.h"
 #include "stereo/image/image.h"
 #include "stereo/plan/scene_plan.h"
+#include "stereo/scene/scene_state.h"
+
+namespace farshade::gpu {
+struct Device;
+struct Image;
+}  // namespace farshade::gpu
 
 namespace farshade {
 
@@ -25,7 +34,7 @@ struct ShownFrame {
   const FrameRequest* request = nullptr;  ///< this frame's request, if any; the depth of its views is kept
   std::span<const TracedMask> masks;      ///< newest first; masks whose depth is not in the ring are skipped
   CarryOver carry_over;
-  ShadingPass::Report report = ShadingPass::Report::Off;
+  PixelReport report = PixelReport::Off;
   /// Set: shadows come from shadow maps instead of `masks`. shadow_map_bytes must succeed for these settings.
   const ShadowMapSettings* shadow_maps = nullptr;
   std::size_t request_slot = 0;  ///< where the depth is kept: the slot of the request's record
@@ -45,6 +54,7 @@ class Renderer {
   Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits);
   /// With a plan that keeps all lights of the scene and suits any client.
   Renderer(const gpu::Device& device, const Scene& scene, const RendererLimits& limits);
+  ~Renderer();
 
   DrawTimes draw(const ShownFrame& frame);
 
@@ -74,53 +84,23 @@ class Renderer {
   /// Forgets the depth of all requests and all masks. Call this when frame ids start again.
   void forget();
 
-  [[nodiscard]] bool has_depth(FrameId frame) const { return ring_.has(frame); }
+  [[nodiscard]] bool has_depth(FrameId frame) const;
 
   // Results of the last draw.
   /// The shaded picture: one layer per eye, rgba8 UNORM, usage sampled, layout General.
-  [[nodiscard]] const gpu::Image& shown() const { return shading_.shown(); }
+  [[nodiscard]] const gpu::Image& shown() const;
   [[nodiscard]] PerEye<Image<Rgb8>> read_shown() const;
-  [[nodiscard]] ShownReport report(Side side) const { return shading_.report(side); }
+  [[nodiscard]] ShownReport report(Side side) const;
   /// Metres along -z, 0 for uncovered pixels.
   [[nodiscard]] PerEye<Image<float>> read_distance() const;
   /// Reuses the memory of the planes.
-  void read_gbuffer(GBufferPlanes& into) const { transfer_.read(shown_depth_, into); }
+  void read_gbuffer(GBufferPlanes& into) const;
 
   [[nodiscard]] DrawCounters counters() const;
 
  private:
-  enum class Stage : std::uint8_t { Shade, Both, Received };
-  void place_depth(const ShownFrame& frame);
-  void make_depth_pass();
-  void prepare_shading(const ShownFrame& frame);
-  ShadowMaps& need_maps(const ShadowMapSettings& settings);
-  DrawTimes submit(const ShownFrame& frame, Stage stage);
-  TurnPass& need_turn();
-  Duration submit_turn(const StereoView& from, const StereoView& shown, TurnPass::Source source,
-                       TurnPass::Effect effect);
-  void read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers, Extent size) const;
-  void read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into) const;
-
-  const gpu::Device& device_;
-  const Scene& scene_;
-  const DrawPlan plan_;
-  Extent size_;
-  SceneBuffers buffers_;
-  MotionModel motion_;
-  gpu::Buffer frame_buffer_;  ///< one FrameData for all passes
-  DepthRing ring_;
-  GBufferPass gbuffer_;
-  mutable GBufferTransfer transfer_;
-  std::optional<DepthPass> depth_pass_;    ///< created at first use
-  std::optional<ShadowMaps> shadow_maps_;  ///< created at first use
-  ShadingPass shading_;
-  std::optional<TurnPass> turn_;                 ///< created at first use
-  DepthRing::Place shown_depth_;                 ///< of the last drawn frame
-  std::optional<DepthRing::Place> asked_depth_;  ///< set if the depth pass must draw
-  vk::raii::CommandBuffer commands_{nullptr};
-  vk::raii::Fence fence_{nullptr};
-  gpu::Timestamps stamps_;
-  mutable gpu::Buffer readback_;  ///< created at first use
+  class Parts;
+  std::unique_ptr<Parts> parts_;  ///< what knows Vulkan
 };
 
 }  // namespace farshade

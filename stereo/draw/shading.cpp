@@ -11,7 +11,7 @@ namespace {
 using Layout = vk::ImageLayout;
 
 static_assert(kTileSide_px == FARSHADE_TILE_PX);
-static_assert(ShadingPass::kMaxMasks * kEyes == FARSHADE_MAX_SOURCES && kMostSpheres == FARSHADE_MAX_MOVED);
+static_assert(kMaxMasks * kEyes == FARSHADE_MAX_SOURCES && kMostSpheres == FARSHADE_MAX_MOVED);
 
 /// Views that differ by a larger turn have almost nothing in common, so the newest mask is no guess.
 constexpr double kMeaninglessTurn_rad = 0.25;
@@ -229,19 +229,20 @@ void ShadingPass::make_all_pipelines() {
   other_eye_ = plan_.other_eye;
   const std::uint32_t last = carries_masks(plan_) ? FARSHADE_PASS_MOVING : FARSHADE_PASS_DIRECT;
   for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass)
-    for (std::uint32_t eye = 0; eye < kEyes; ++eye) need_pipeline(pass, Report::Off, eye);
+    for (std::uint32_t eye = 0; eye < kEyes; ++eye) need_pipeline(pass, PixelReport::Off, eye);
 }
 
-const vk::raii::Pipeline& ShadingPass::need_pipeline(std::uint32_t pass, Report report, std::uint32_t eye) {
+const vk::raii::Pipeline& ShadingPass::need_pipeline(std::uint32_t pass, PixelReport report,
+                                                     std::uint32_t eye) {
   return pipelines_.need(key_of(pass, report, eye), need_layout(report));
 }
 
 /// State that a pass does not read has one value in all of its keys, so that no pipeline is compiled twice.
-ShadingKey ShadingPass::key_of(std::uint32_t pass, Report report, std::uint32_t eye) const {
+ShadingKey ShadingPass::key_of(std::uint32_t pass, PixelReport report, std::uint32_t eye) const {
   const bool second_look = pass >= FARSHADE_PASS_HARD, direct = pass == FARSHADE_PASS_DIRECT;
   return {.pass = pass,
           .eye = eye,
-          .reports = report == Report::On,
+          .reports = report == PixelReport::On,
           .other_eye = second_look && other_eye_,
           .neighbours = !second_look || carry_over_.gaps == Gaps::Neighbours,
           .filters_edges = direct || carry_over_.edges == Edges::Filtered,
@@ -260,14 +261,15 @@ void ShadingPass::make_report_buffer() {
   gpu::bind_buffer(device_, report_bindings_, 0, report_buffer_);
 }
 
-void ShadingPass::shade_all(const vk::raii::CommandBuffer& commands, std::uint32_t pass, Report report) {
+void ShadingPass::shade_all(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report) {
   for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
     commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(pass, report, eye));
     commands.dispatch((size_.width + FARSHADE_SHADE_GROUP - 1) / FARSHADE_SHADE_GROUP, size_.height, 1);
   }
 }
 
-void ShadingPass::shade_listed(const vk::raii::CommandBuffer& commands, std::uint32_t pass, Report report) {
+void ShadingPass::shade_listed(const vk::raii::CommandBuffer& commands, std::uint32_t pass,
+                               PixelReport report) {
   for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
     commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(pass, report, eye));
     const std::size_t list = eye * 2 + (pass == FARSHADE_PASS_MOVING ? 1 : 0);
@@ -275,7 +277,7 @@ void ShadingPass::shade_listed(const vk::raii::CommandBuffer& commands, std::uin
   }
 }
 
-void ShadingPass::shade_carried_over(const vk::raii::CommandBuffer& commands, Report report) {
+void ShadingPass::shade_carried_over(const vk::raii::CommandBuffer& commands, PixelReport report) {
   std::array<glm::uvec4, 2 * kEyes> empty_lists;
   empty_lists.fill({0, 1, 1, 0});
   commands.updateBuffer<glm::uvec4>(*hard_buffer_.buffer, 0, empty_lists);
@@ -288,8 +290,8 @@ void ShadingPass::shade_carried_over(const vk::raii::CommandBuffer& commands, Re
   if (moved_ && motion_count_ > 0) shade_listed(commands, FARSHADE_PASS_MOVING, report);
 }
 
-void ShadingPass::record(const vk::raii::CommandBuffer& commands, Report report) {
-  if (report == Report::On) make_report_buffer();
+void ShadingPass::record(const vk::raii::CommandBuffer& commands, PixelReport report) {
+  if (report == PixelReport::On) make_report_buffer();
   bind_sets(commands, report);
   gpu::transition(commands, shown_, Layout::eUndefined, Layout::eGeneral);
   if (carry_over_.lookup == Lookup::Direct || masks_ == 0) {

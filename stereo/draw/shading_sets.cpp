@@ -5,15 +5,15 @@
 namespace farshade {
 
 /// Set 0, then the set of the shadow maps if they are used, then the set of the report if one is requested.
-std::vector<const gpu::Bindings*> ShadingPass::sets(Report report) const {
+std::vector<const gpu::Bindings*> ShadingPass::sets(PixelReport report) const {
   std::vector<const gpu::Bindings*> result{&bindings_};
   if (maps_ != nullptr) result.push_back(&maps_->bindings());
-  if (report == Report::On) result.push_back(&report_bindings_);
+  if (report == PixelReport::On) result.push_back(&report_bindings_);
   return result;
 }
 
-const vk::raii::PipelineLayout& ShadingPass::need_layout(Report report) {
-  const std::size_t kind = (maps_ != nullptr ? 2u : 0u) + (report == Report::On ? 1u : 0u);
+const vk::raii::PipelineLayout& ShadingPass::need_layout(PixelReport report) {
+  const std::size_t kind = (maps_ != nullptr ? 2u : 0u) + (report == PixelReport::On ? 1u : 0u);
   auto found = layouts_.find(kind);
   if (found == layouts_.end()) {
     std::vector<vk::DescriptorSetLayout> layouts;
@@ -27,7 +27,7 @@ const vk::raii::PipelineLayout& ShadingPass::need_layout(Report report) {
   return found->second;
 }
 
-void ShadingPass::bind_sets(const vk::raii::CommandBuffer& commands, Report report) {
+void ShadingPass::bind_sets(const vk::raii::CommandBuffer& commands, PixelReport report) {
   std::vector<vk::DescriptorSet> bound;
   for (const gpu::Bindings* set : sets(report)) bound.push_back(*set->set);
   commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *need_layout(report), 0, bound, {});

@@ -3,15 +3,14 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 #include <vulkan/vulkan_raii.hpp>
 
 #include "stereo/base/expected.h"
+#include "stereo/gpu/device_options.h"
 #include "stereo/gpu/ledger.h"
 
 namespace farshade::gpu {
@@ -25,21 +24,6 @@ class ValidationLog {
  private:
   mutable std::mutex mutex_;
   std::vector<std::string> messages_;
-};
-
-enum class Validation : std::uint8_t { Off, On };
-
-/// What a window system needs of a device to show pictures.
-struct Presentation {
-  std::vector<std::string> instance_extensions;
-  std::function<bool(vk::Instance, vk::PhysicalDevice, std::uint32_t queue_family)> can_present;
-};
-
-struct DeviceOptions {
-  std::string name_contains;  ///< only devices whose name contains this; empty = any
-  Validation validation = Validation::Off;
-  /// Set: only devices that can present, with VK_KHR_swapchain enabled.
-  std::optional<Presentation> presentation = std::nullopt;
 };
 
 struct Device {

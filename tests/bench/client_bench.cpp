@@ -7,11 +7,12 @@
 #include <cstdio>
 
 #include "stereo/base/quantile.h"
+#include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/tracer/tracer.h"
-#include "tests/support/packed.h"
 #include "tests/bench/late_masks.h"
+#include "tests/support/packed.h"
 #include "vr_client/ask/request_plan.h"
 
 namespace {

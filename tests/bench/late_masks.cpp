@@ -22,7 +22,7 @@ double collect_ms(Assembler& assembler, std::span<const std::vector<std::byte>> 
 
 std::vector<TracedMask> usable_masks(const Assembler& assembler, FrameId shown) {
   std::vector<TracedMask> masks;
-  for (std::uint32_t age = kLate_frames; age < kLate_frames + ShadingPass::kMaxMasks; ++age)
+  for (std::uint32_t age = kLate_frames; age < kLate_frames + kMaxMasks; ++age)
     if (const RequestRecord* frame = assembler.find({shown.value - age}); frame && frame->complete())
       masks.push_back({frame->request.frame, frame->request.display_time, frame->request.scene_time,
                        frame->request.views, frame->masks, frame->known_tiles, 1});

@@ -11,7 +11,7 @@
 namespace farshade::bench {
 
 inline constexpr std::uint32_t kLate_frames = 4;
-inline constexpr std::uint32_t kRing_frames = kLate_frames + ShadingPass::kMaxMasks + 1;
+inline constexpr std::uint32_t kRing_frames = kLate_frames + kMaxMasks + 1;
 inline constexpr Duration kPeriod = Duration(1'000'000'000 / 72);
 
 /// The request for a full trace of what frame `number` shows. The scene stays at its start time.

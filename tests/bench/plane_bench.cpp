@@ -14,6 +14,7 @@
 #include "stereo/draw/renderer.h"
 #include "stereo/frame/position_grid.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/gpu/device.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/tracer/tracer.h"
 #include "stereo/wire/plane_codec.h"

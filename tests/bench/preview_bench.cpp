@@ -8,6 +8,7 @@
 
 #include "stereo/base/quantile.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
 #include "stereo/scene/gltf.h"
 #include "tests/preview/x_screen.h"
@@ -44,7 +45,7 @@ Traced trace(Tracer& tracer, const FrameRequest& request) {
 
 std::vector<TracedMask> usable_masks(const std::deque<Traced>& all, FrameId shown) {
   std::vector<TracedMask> masks;
-  for (auto traced = all.rbegin(); traced != all.rend() && masks.size() < ShadingPass::kMaxMasks; ++traced)
+  for (auto traced = all.rbegin(); traced != all.rend() && masks.size() < kMaxMasks; ++traced)
     if (traced->request.frame.value + kLate_frames <= shown.value)
       masks.push_back({traced->request.frame, traced->request.display_time, traced->request.scene_time,
                        traced->request.views, traced->frame.masks, traced->known, 1});

@@ -5,6 +5,7 @@
 
 #include "stereo/base/quantile.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
 #include "stereo/image/codec.h"
 #include "stereo/image/difference.h"
@@ -53,7 +54,7 @@ class Comparison {
     figures.kept_ms.push_back(ms(kept.maps));
     figures.shade_ms.push_back(ms(kept.shade));
     figures.gbuffer_ms.push_back(ms(kept.gbuffer));
-    draw_maps(request, settings, ShadingPass::Report::On);
+    draw_maps(request, settings, PixelReport::On);
     const PerEye<Image<Rgb8>> pictures = renderer_.read_shown();
     for (const Side side : kSides) {
       const std::size_t eye = index_of(side);
@@ -89,7 +90,7 @@ class Comparison {
   }
 
   DrawTimes draw_maps(const FrameRequest& request, const ShadowMapSettings& settings,
-                      ShadingPass::Report report = ShadingPass::Report::Off) {
+                      PixelReport report = PixelReport::Off) {
     return renderer_.draw({.views = request.views,
                            .state = state_,
                            .masks = {},

@@ -272,7 +272,7 @@ class WholeScene : public OnLavapipe, public testing::WithParamInterface<const c
                    .request = &second,
                    .masks = masks,
                    .carry_over = {},
-                   .report = ShadingPass::Report::On});
+                   .report = PixelReport::On});
     Shown result{renderer.read_shown(), {renderer.report(Side::Left), renderer.report(Side::Right)}};
     return {std::move(result), renderer.counters()};
   }

@@ -37,7 +37,7 @@ class ShadowMapRig {
                            .state = state_,
                            .masks = {},
                            .carry_over = {},
-                           .report = ShadingPass::Report::On,
+                           .report = PixelReport::On,
                            .shadow_maps = &settings});
   }
 
@@ -52,11 +52,8 @@ class ShadowMapRig {
                                          .views = views,
                                          .masks = bits,
                                          .known_tiles = known}};
-    renderer_.draw({.views = views,
-                    .state = state_,
-                    .masks = masks,
-                    .carry_over = {},
-                    .report = ShadingPass::Report::On});
+    renderer_.draw(
+        {.views = views, .state = state_, .masks = masks, .carry_over = {}, .report = PixelReport::On});
   }
 
   /// The errors of the picture that was shown last, from `head`.

@@ -163,11 +163,8 @@ PerEye<Image<Rgb8>> TestRig::show_reference(const StereoView& views) {
 
 ShownFrame TestRig::shown_frame(const StereoView& views, std::span<const TracedMask> masks,
                                 const CarryOver& carry_over) const {
-  return {.views = views,
-          .state = state_,
-          .masks = masks,
-          .carry_over = carry_over,
-          .report = ShadingPass::Report::On};
+  return {
+      .views = views, .state = state_, .masks = masks, .carry_over = carry_over, .report = PixelReport::On};
 }
 
 }  // namespace farshade

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "stereo/draw/renderer.h"
+#include "stereo/gpu/device.h"
 #include "stereo/tracer/tracer.h"
 
 namespace farshade {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/video/video.h"

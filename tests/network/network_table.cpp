@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "stereo/base/quantile.h"
+#include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
 #include "stereo/scene/gltf.h"
 #include "tests/network/rehearsal.h"

@@ -3,6 +3,7 @@
 
 #include <numeric>
 
+#include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
 #include "stereo/scene/gltf.h"
 #include "tests/network/rehearsal.h"

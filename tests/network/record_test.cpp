@@ -5,6 +5,7 @@
 
 #include "rt_server/answers/answers.h"
 #include "rt_server/core/server_core.h"
+#include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
 #include "stereo/scene/gltf.h"
 #include "tests/support/manual_clock.h"
@@ -162,7 +163,7 @@ void record(const std::filesystem::path& file, MaskPolicy policy) {
 /// Replays with reports, which the captured run did not have.
 Expected<ReplayVerdict> replayed(CaptureReader reader) {
   const CaptureHeader header = reader.header();
-  Replay replay(std::move(reader), ShadingPass::Report::On);
+  Replay replay(std::move(reader), PixelReport::On);
   std::optional<Reference> tracer;
   if (header.origin == MaskOrigin::OwnTracer) tracer.emplace(Tracer::create(setup().scene).value());
   Renderer renderer(setup().device, setup().scene, header.limits);

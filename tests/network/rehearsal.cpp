@@ -1,5 +1,5 @@
-#include "tests/support/manual_clock.h"
 #include "tests/network/rehearsal.h"
+#include "tests/support/manual_clock.h"
 
 #include <malloc.h>
 
@@ -183,8 +183,7 @@ Played play(const Play& play, const Network& network) {
   std::optional<Reference> reference, own_tracer;
   if (play.reference_every > 0) reference.emplace(value_of(Tracer::create_reference(play.scene)));
   if (play.mode.mode == Mode::Full) own_tracer.emplace(value_of(Tracer::create(play.scene)));
-  const std::uint32_t in_flight =
-      kLongestRoundTrip_frames + narrow<std::uint32_t>(ShadingPass::kMaxMasks) + 4;
+  const std::uint32_t in_flight = kLongestRoundTrip_frames + narrow<std::uint32_t>(kMaxMasks) + 4;
   Renderer renderer(play.device, play.scene,
                     {.size = play.size, .traced_size = largest_traced(play.size), .depth_frames = in_flight});
   NetworkLink link(
@@ -209,10 +208,9 @@ Played play(const Play& play, const Network& network) {
                     .pictures = 0,
                     .dump = {}},
                    renderer, reference ? &*reference : nullptr);
-  const FrameSettings settings{
-      .request = play.request,
-      .carry_over = play.carry_over,
-      .report = report.measures_any() ? ShadingPass::Report::On : ShadingPass::Report::Off};
+  const FrameSettings settings{.request = play.request,
+                               .carry_over = play.carry_over,
+                               .report = report.measures_any() ? PixelReport::On : PixelReport::Off};
   const RunContext context{
       .scene = play.scene,
       .runtime = runtime,

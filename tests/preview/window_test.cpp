@@ -1,4 +1,5 @@
 #include "vr_client/preview/window.h"
+#include "stereo/gpu/device.h"
 
 #include <gtest/gtest.h>
 #include <imgui.h>

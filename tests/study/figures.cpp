@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "stereo/base/check.h"
-#include "stereo/draw/shading.h"
+#include "stereo/draw/carry_over.h"
 
 namespace farshade::study {
 namespace {
@@ -94,7 +94,7 @@ std::uint32_t round_trip_frames(const LinkModel& each_way, double refresh_hz) {
 }
 
 std::uint32_t warm_up_frames(const LinkModel& each_way, double refresh_hz) {
-  return round_trip_frames(each_way, refresh_hz) + narrow<std::uint32_t>(ShadingPass::kMaxMasks);
+  return round_trip_frames(each_way, refresh_hz) + narrow<std::uint32_t>(kMaxMasks);
 }
 
 std::uint32_t first_timed_frame(const Played& played, std::uint32_t warm_up) {

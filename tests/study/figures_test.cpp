@@ -97,7 +97,7 @@ TEST(Figures, AddUpAllStagesOfTheServerAfterTheWarmUp) {
 
 TEST(WarmUp, FollowsDelayAndRefreshRate) {
   using std::chrono::milliseconds;
-  constexpr auto masks = static_cast<std::uint32_t>(ShadingPass::kMaxMasks);
+  constexpr auto masks = static_cast<std::uint32_t>(kMaxMasks);
   EXPECT_EQ(warm_up_frames({}, 72), masks);
   EXPECT_EQ(warm_up_frames({.delay = milliseconds(50)}, 72), 8 + masks) << "7.2 frames";
   EXPECT_EQ(warm_up_frames({.delay = milliseconds(100)}, 72), 15 + masks) << "14.4 frames";

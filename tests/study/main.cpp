@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
 #include "stereo/scene/gltf.h"
 #include "tests/study/clients.h"

@@ -1,3 +1,4 @@
+#include "stereo/gpu/device.h"
 #include "tests/study/mode_words.h"
 
 #include <gtest/gtest.h>

@@ -27,7 +27,7 @@ struct FrameSettings {
   CarryOver carry_over;
   LightChanges lights{};  ///< all changes that the viewer has made so far
   SceneClock scene = SceneClock::Running;
-  ShadingPass::Report report = ShadingPass::Report::Off;
+  PixelReport report = PixelReport::Off;
 };
 
 /// The time that the client's stages worked, without waits for the display or the server.

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "stereo/draw/shading.h"
+#include "stereo/draw/carry_over.h"
 #include "stereo/tracer/tracer.h"
 
 namespace farshade {

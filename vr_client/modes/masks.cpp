@@ -8,6 +8,8 @@
 #include <algorithm>
 
 #include "stereo/base/check.h"
+#include "stereo/draw/frame_data.h"
+#include "stereo/draw/motion.h"
 #include "stereo/frame/position_grid.h"
 #include "stereo/wire/plane_codec.h"
 #include "vr_client/modes/make_pipeline.h"

@@ -244,10 +244,10 @@ Headset headset_of(const Controls& controls, Extent size) {
           .eye_size = size};
 }
 
-ShadingPass::Report report_for(const Controls& controls) {
+PixelReport report_for(const Controls& controls) {
   const bool needed =
       controls.overlay != Overlay::None || controls.reference || controls.display == DisplayMode::Difference;
-  return needed ? ShadingPass::Report::On : ShadingPass::Report::Off;
+  return needed ? PixelReport::On : PixelReport::Off;
 }
 
 }  // namespace farshade

@@ -135,6 +135,6 @@ void carry_light(Controls& controls, const ControlContext& context, double notch
 [[nodiscard]] Headset headset_of(const Controls& controls, Extent size);
 
 /// Whether the shading pass must report, for overlays or measuring.
-[[nodiscard]] ShadingPass::Report report_for(const Controls& controls);
+[[nodiscard]] PixelReport report_for(const Controls& controls);
 
 }  // namespace farshade

@@ -35,7 +35,7 @@ void Inspection::inspect(const FrameView& view, const Controls& controls, Refere
   read_ = Shown::NotRead;
   measured_ = Measured::No;
   // The controls may have changed since the frame was drawn. A frame without a report cannot be inspected.
-  if (view.settings.report == ShadingPass::Report::Off || view.as == ShownAs::Picture) return;
+  if (view.settings.report == PixelReport::Off || view.as == ShownAs::Picture) return;
   if (needs_reference(controls)) {
     check(reference != nullptr, "a reference exists when the controls need one");
     errors_ = measure(view, renderer_, *reference, frame_);

@@ -87,8 +87,7 @@ std::string to_string(const ReplayVerdict& verdict) {
          verdict.first->what;
 }
 
-Replay::Replay(CaptureReader reader, ShadingPass::Report report)
-    : reader_(std::move(reader)), report_(report) {
+Replay::Replay(CaptureReader reader, PixelReport report) : reader_(std::move(reader)), report_(report) {
   if (reader_.header().origin == MaskOrigin::Server) link_.emplace(reader_.header());
 }
 

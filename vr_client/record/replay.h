@@ -71,7 +71,7 @@ class Replay final : public Runtime {
  public:
   /// `report` replaces the captured setting; it changes no picture. The run must be configured as the
   /// reader's header states. The object must not move.
-  Replay(CaptureReader reader, ShadingPass::Report report);
+  Replay(CaptureReader reader, PixelReport report);
 
   /// Returns nothing at the end of the file.
   [[nodiscard]] std::optional<FrameTiming> wait_frame() override;
@@ -90,7 +90,7 @@ class Replay final : public Runtime {
 
  private:
   CaptureReader reader_;
-  ShadingPass::Report report_;
+  PixelReport report_;
   std::optional<CaptureLink> link_;
   CapturedFrame frame_;
   FrameSettings settings_;

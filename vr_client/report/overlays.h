@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "stereo/draw/shading.h"
+#include "stereo/draw/carry_over.h"
 #include "stereo/image/image.h"
 
 namespace farshade {

@@ -228,14 +228,14 @@ TEST_F(ControlsTest, PendingCommandIsExecutedOnce) {
 }
 
 TEST_F(ControlsTest, ReportsAreOnIfOverlaysOrMeasuringNeedThem) {
-  EXPECT_EQ(report_for(controls_), ShadingPass::Report::Off);
+  EXPECT_EQ(report_for(controls_), PixelReport::Off);
   apply_input({.pressed = {Key::O}, .held = {}}, controls_, context());
   EXPECT_EQ(controls_.overlay, Overlay::Source);
-  EXPECT_EQ(controls_.settings.report, ShadingPass::Report::On);
+  EXPECT_EQ(controls_.settings.report, PixelReport::On);
   apply_input({.pressed = {Key::Digit0}, .held = {}}, controls_, context());
-  EXPECT_EQ(controls_.settings.report, ShadingPass::Report::Off);
+  EXPECT_EQ(controls_.settings.report, PixelReport::Off);
   execute(Command::Reference);
-  EXPECT_EQ(report_for(controls_), ShadingPass::Report::On);
+  EXPECT_EQ(report_for(controls_), PixelReport::On);
 }
 
 TEST(HeadInputOf, ReadsHeldKeysAndTheMouse) {

@@ -87,7 +87,7 @@ TEST(Replay, GivesTimesViewsAndSettingsOfEachFrame) {
   std::vector<CapturedFrame> frames{frame(1), frame(2)};
   frames[1].input.settings.scene = SceneClock::Paused;
   frames[1].input.views[0].stage_from_eye.translation.y = 3;
-  Replay replay(std::move(*reader_of(file_of(header(), frames))), ShadingPass::Report::On);
+  Replay replay(std::move(*reader_of(file_of(header(), frames))), PixelReport::On);
   EXPECT_NE(replay.link(), nullptr);
   for (const CapturedFrame& each : frames) {
     const std::optional<FrameTiming> timing = replay.wait_frame();
@@ -96,7 +96,7 @@ TEST(Replay, GivesTimesViewsAndSettingsOfEachFrame) {
     EXPECT_EQ(timing->period, each.input.timing.period);
     EXPECT_EQ(replay.locate_views(timing->display_time), each.input.views);
     EXPECT_EQ(replay.settings().scene, each.input.settings.scene);
-    EXPECT_EQ(replay.settings().report, ShadingPass::Report::On);
+    EXPECT_EQ(replay.settings().report, PixelReport::On);
   }
   EXPECT_FALSE(replay.wait_frame().has_value());
   EXPECT_TRUE(replay.verdict().has_value());
@@ -119,7 +119,7 @@ TEST(Replay, NamesTheEyeWhosePictureDiffers) {
                                  .request = {},
                                  .after = {},
                                  .pictures = {hash_of(black), hash_of(black)}};
-    Replay replay(std::move(*reader_of(file_of(alone, std::vector{captured}))), ShadingPass::Report::Off);
+    Replay replay(std::move(*reader_of(file_of(alone, std::vector{captured}))), PixelReport::Off);
     ASSERT_TRUE(replay.wait_frame().has_value());
     const FrameRequest shown = sent_request(1).request;
     const SceneState state;
@@ -149,7 +149,7 @@ TEST(Replay, EndsAtAFaultOfTheFile) {
   Bytes file = file_of(header(), std::vector{frame(1)});
   file.push_back(std::byte{77});
   file.resize(file.size() + 4);
-  Replay replay(std::move(*reader_of(file)), ShadingPass::Report::Off);
+  Replay replay(std::move(*reader_of(file)), PixelReport::Off);
   EXPECT_TRUE(replay.wait_frame().has_value());
   EXPECT_FALSE(replay.wait_frame().has_value());
   ASSERT_FALSE(replay.verdict().has_value());

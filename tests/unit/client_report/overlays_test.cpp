@@ -41,7 +41,7 @@ ShownReport report_of(const std::vector<std::uint8_t>& sources, std::uint32_t li
 /// One pixel per source; all masks have this age.
 Image<Rgb8> sources_drawn(const std::vector<std::uint8_t>& sources, Duration age) {
   const Extent size{static_cast<std::uint32_t>(sources.size()), 1};
-  return source_picture(report_of(sources), MaskAges(ShadingPass::kMaxMasks, age), size);
+  return source_picture(report_of(sources), MaskAges(kMaxMasks, age), size);
 }
 
 /// Owns the inputs of an overlay. The shown picture has one colour.
@@ -69,7 +69,7 @@ struct Frame {
   View view;
   Image<Rgb8> shown;
   std::optional<Image<Rgb8>> reference;
-  MaskAges ages = MaskAges(ShadingPass::kMaxMasks, Duration{});
+  MaskAges ages = MaskAges(kMaxMasks, Duration{});
   std::optional<TracedMask> newest;
   std::uint32_t light = 0;
 };
@@ -99,7 +99,7 @@ TEST(SourcePicture, DrawsRedLinesOverWhatIsStaleInAnyPlane) {
 
 TEST(SourcePicture, EveryUsedMaskHasItsOwnColor) {
   std::vector<std::uint8_t> all;
-  for (std::size_t i = 0; i < ShadingPass::kMaxMasks; ++i) all.push_back(static_cast<std::uint8_t>(i));
+  for (std::size_t i = 0; i < kMaxMasks; ++i) all.push_back(static_cast<std::uint8_t>(i));
   const Image<Rgb8> picture = sources_drawn(all, 0ms);
   std::set<std::array<int, 3>> colors;
   for (const Rgb8 color : picture.pixels) colors.insert({color.r, color.g, color.b});

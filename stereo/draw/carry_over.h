@@ -1,0 +1,81 @@
+/// The terms of carrying masks over to shown views: what goes in (TracedMask, CarryOver) and what each pixel
+/// was shaded with (ShownReport). Programs include this header; it does not know Vulkan.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "shaders/shade_data.h"
+#include "shaders/shared.h"
+#include "stereo/frame/eye_mask.h"
+#include "stereo/frame/known_tiles.h"
+#include "stereo/frame/light_changes.h"
+#include "stereo/frame/shadow_frame.h"
+
+namespace farshade {
+
+/// The number of masks that one draw can use.
+inline constexpr std::size_t kMaxMasks = FARSHADE_MAX_MASKS;
+
+/// A mask as the shading pass takes it. The references must be valid until the draw returns.
+struct TracedMask {
+  FrameId frame;
+  Time display_time;        ///< of the request
+  Time scene_time;          ///< of the traced scene
+  const StereoView& views;  ///< traced views, both of one size
+  const PerEye<EyeMask>& masks;
+  const PerEye<KnownTiles>& known_tiles;
+  std::uint64_t content = 0;  ///< changes whenever the bits or known tiles do
+  /// The light set that was traced. Bits of lights that the viewer has changed since are stale.
+  LightSetRevision light_set_revision = kFirstLightSet;
+};
+
+enum class Lookup : std::uint8_t {
+  Reproject,  ///< projects surface points into the traced views
+  Direct,     ///< reads the newest mask at the shown pixel, without regard to poses
+};
+enum class Eyes : std::uint8_t { This, Both };
+enum class Gaps : std::uint8_t { Unknown, Neighbours };
+enum class Edges : std::uint8_t { Nearest, Filtered };
+
+/// How masks are carried over. The defaults were chosen by measurement (docs/reprojection.md).
+struct CarryOver {
+  Lookup lookup = Lookup::Reproject;
+  Eyes eyes = Eyes::Both;         ///< the eyes whose masks a pixel may use
+  Gaps gaps = Gaps::Neighbours;   ///< bits of a point that no view saw
+  Edges edges = Edges::Filtered;  ///< visibility near a shadow edge
+  friend auto operator<=>(const CarryOver&, const CarryOver&) = default;
+};
+
+/// What a pixel was shaded with: the index of a mask in use (0 = newest), plus kOtherEye if that mask was
+/// traced for the other eye, plus kNeighbour if its view saw only the surface beside the point; or one of the
+/// two last values.
+inline constexpr std::uint8_t kOtherEye = FARSHADE_MAX_MASKS, kNeighbour = FARSHADE_NEIGHBOUR,
+                              kSourceUnknown = FARSHADE_SOURCE_UNKNOWN,
+                              kSourceUncovered = FARSHADE_SOURCE_UNCOVERED;
+
+/// What each pixel of one eye was shaded with; pixels in row order. A light that is off has visibility 0 and
+/// is neither unknown nor stale.
+struct ShownReport {
+  EyeMask mask;  ///< the lights with a visibility of at least one half
+  std::vector<std::uint8_t> sources;
+  std::vector<std::array<float, 2>> positions;  ///< of the point in the source's view, pixels
+  std::vector<std::uint8_t> visibility;         ///< [pixel][light], 255 = 1; for unknown bits the guess
+  /// [pixel][plane], bits as in the mask's planes: guessed; stale; taken from a neighbour, because the mask
+  /// that saw the point is too old for this light.
+  std::vector<std::uint32_t> unknown, stale, beside;
+  /// [pixel]: how many lights would shine there without shadows. A tracer of the same view needs about as
+  /// many shadow rays. It differs from a tracer's count in three ways: the tracer skips lights behind the
+  /// geometric normal, traces lights of intensity 0, and rounds differently at grazing angles.
+  std::vector<std::uint16_t> rays{};
+};
+
+/// A light that no mask in use knows at a pixel is shown as the newest mask has it in the direction of that
+/// pixel, or with this visibility if there is no mask or the head has turned too far.
+inline constexpr float kUnknownVisibility = 1.0f;
+
+/// Whether a draw writes a ShownReport.
+enum class PixelReport : std::uint8_t { Off, On };
+
+}  // namespace farshade

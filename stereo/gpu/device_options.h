@@ -1,0 +1,33 @@
+/// DeviceOptions: which device open_device may choose. Headers of programs include this file; it does not
+/// include Vulkan's headers, which take 4 s to compile.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vk {
+class Instance;
+class PhysicalDevice;
+}  // namespace vk
+
+namespace farshade::gpu {
+
+enum class Validation : std::uint8_t { Off, On };
+
+/// What a window system needs of a device to show pictures.
+struct Presentation {
+  std::vector<std::string> instance_extensions;
+  std::function<bool(vk::Instance, vk::PhysicalDevice, std::uint32_t queue_family)> can_present;
+};
+
+struct DeviceOptions {
+  std::string name_contains;  ///< only devices whose name contains this; empty = any
+  Validation validation = Validation::Off;
+  /// Set: only devices that can present, with VK_KHR_swapchain enabled.
+  std::optional<Presentation> presentation = std::nullopt;
+};
+
+}  // namespace farshade::gpu
