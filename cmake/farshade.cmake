@@ -42,13 +42,13 @@ endfunction()
 
 set(farshade_test_options)
 if(FARSHADE_UNITY)  # a whole build: less time for sources whose speed matters to nobody
-  list(APPEND farshade_test_options $<IF:$<CONFIG:Release>,-O1,-O0>)
+  list(APPEND farshade_test_options $<$<CONFIG:Release>:-O1>)
   if(CMAKE_CXX_COMPILER_ID STREQUAL GNU AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     list(APPEND farshade_test_options -Wno-array-bounds -Wno-stringop-overflow)  # PR 105651 again, with the precompiled header
   endif()
 endif()
-if(FARSHADE_FUZZ)  # only fuzz targets need to know which code runs
-  list(APPEND farshade_test_options -fno-sanitize=fuzzer-no-link)
+if(FARSHADE_FUZZ)  # only fuzz targets need to know which code runs; -O0 compiles in two thirds of the time
+  list(APPEND farshade_test_options -fno-sanitize=fuzzer-no-link -O0)
 endif()
 
 # farshade_test(NAME SOURCES a_test.cpp ... DEPENDS lib ... [LABEL unit] [TIMEOUT seconds] [ENVIRONMENT NAME=value]
