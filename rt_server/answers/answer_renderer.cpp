@@ -5,7 +5,6 @@
 
 #include <stdexcept>
 
-#include "stereo/draw/gbuffer.h"
 #include "stereo/frame/tiles.h"
 
 namespace farshade {

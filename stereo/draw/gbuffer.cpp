@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "stereo/draw/renderer.h"
+
 namespace farshade {
 namespace {
 

@@ -7,9 +7,6 @@
 
 namespace farshade {
 
-/// The G-buffer stores an instance in 16 bits.
-inline constexpr std::size_t kMaxInstances = 1 << 16;
-
 class GBufferPass {
  public:
   /// The scene has at most kMaxInstances instances. `size` is in pixels per eye. Keeps the references.

@@ -21,6 +21,9 @@ struct Image;
 
 namespace farshade {
 
+/// A renderer draws scenes of at most this many instances: the G-buffer stores an instance in 16 bits.
+inline constexpr std::size_t kMaxInstances = 1 << 16;
+
 struct DrawTimes {
   Duration gbuffer{}, depth{}, shade{};  ///< on the device; depth: requested views that are not shown
   Duration maps{};                       ///< shadow maps, on the device; 0 if they were not redrawn

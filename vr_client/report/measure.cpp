@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "stereo/draw/frame_data.h"
 #include "stereo/image/difference.h"
 
 namespace farshade {
