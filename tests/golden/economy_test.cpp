@@ -4,6 +4,7 @@
 #include <deque>
 #include <set>
 
+#include "stereo/draw/shading_layout.h"
 #include "stereo/frame/tiles.h"
 #include "stereo/image/difference.h"
 #include "stereo/scene/gltf.h"

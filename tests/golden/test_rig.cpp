@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "stereo/base/check.h"
 #include "stereo/frame/tiles.h"
 #include "stereo/head/head_recording.h"
 #include "stereo/math/rotation.h"
