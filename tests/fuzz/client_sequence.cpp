@@ -4,9 +4,9 @@
 // withheld, or if it received a NoSession. It must accept no slice twice.
 #include <spdlog/spdlog.h>
 
-#include "tests/support/manual_clock.h"
 #include "tests/fuzz/attacked_link.h"
 #include "tests/fuzz/fixed_random.h"
+#include "tests/support/manual_clock.h"
 
 using namespace farshade;
 using namespace std::chrono_literals;

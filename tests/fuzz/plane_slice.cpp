@@ -8,8 +8,8 @@
 #include "stereo/frame/tiles.h"
 #include "stereo/wire/plane_codec.h"
 #include "stereo/wire/plane_tile.h"
-#include "tests/support/largest_word.h"
 #include "tests/fuzz/target.h"
+#include "tests/support/largest_word.h"
 
 using namespace farshade;
 

@@ -7,9 +7,9 @@
 
 #include <deque>
 
-#include "tests/support/manual_clock.h"
 #include "tests/fuzz/attacked_link.h"
 #include "tests/fuzz/fixed_random.h"
+#include "tests/support/manual_clock.h"
 
 using namespace farshade;
 using namespace std::chrono_literals;

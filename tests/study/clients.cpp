@@ -1,5 +1,5 @@
-#include "tests/support/manual_clock.h"
 #include "tests/study/clients.h"
+#include "tests/support/manual_clock.h"
 
 #include <memory>
 

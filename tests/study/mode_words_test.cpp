@@ -1,5 +1,5 @@
-#include "stereo/gpu/device.h"
 #include "tests/study/mode_words.h"
+#include "stereo/gpu/device.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,6 @@
 
 #include "tests/support/packed.h"
 
-
 namespace farshade {
 namespace {
 
