@@ -54,7 +54,8 @@ endif()
 # farshade_test(NAME SOURCES a_test.cpp ... DEPENDS lib ... [LABEL unit] [TIMEOUT seconds] [ENVIRONMENT NAME=value]
 #   [TOGETHER])
 # Makes one gtest program; each of its cases is one CTest test. TOGETHER: the whole program is one CTest test, because
-# its cases share what takes long to make. Its sources may use the macro FARSHADE_ASSETS, the folder
+# its cases share what takes long to make. With FARSHADE_UNITY the sources are compiled in units of up to 4 files, so
+# names in the anonymous namespaces of one program must differ. Its sources may use the macro FARSHADE_ASSETS, the folder
 # of the bundled assets. The target tests_LABEL builds all programs of that label.
 function(farshade_test name)
   cmake_parse_arguments(ARG "TOGETHER" "LABEL;TIMEOUT;ENVIRONMENT" "SOURCES;DEPENDS" ${ARGN})
@@ -69,6 +70,7 @@ function(farshade_test name)
   target_compile_options(${name} PRIVATE ${farshade_test_options})
   if(FARSHADE_UNITY)
     target_precompile_headers(${name} REUSE_FROM test_headers)
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)
   endif()
   target_compile_definitions(${name} PRIVATE
     FARSHADE_ASSETS="${PROJECT_SOURCE_DIR}/assets"

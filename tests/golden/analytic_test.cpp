@@ -12,7 +12,6 @@
 namespace farshade {
 namespace {
 
-constexpr FrameId kTraced{1}, kNow{2};
 constexpr double kMargin_m = 2e-3;  ///< pixels nearer than this to an outline are left out
 
 struct Rectangle {

@@ -13,7 +13,6 @@ namespace farshade {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr FrameId kOlder{1}, kTraced{2}, kNow{3};
 
 CarryOver plain_and(Eyes eyes, Gaps gaps = Gaps::Unknown, Edges edges = Edges::Nearest) {
   return {.lookup = Lookup::Reproject, .eyes = eyes, .gaps = gaps, .edges = edges};

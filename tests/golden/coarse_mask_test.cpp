@@ -14,8 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr FrameId kTraced{1};
-constexpr std::uint32_t kSide_px = 256;
+constexpr std::uint32_t kCoarseSide_px = 256;
 
 /// The views that a request plan asks for at that size.
 StereoView requested_views(ViewScale scale, const StereoView& shown, GuardBandUse guard_band) {
@@ -29,7 +28,7 @@ StereoView requested_views(ViewScale scale, const StereoView& shown, GuardBandUs
 
 class CoarseMask : public OnLavapipe {
  protected:
-  TestRig rig_{device_, bundled("room.glb"), kSide_px};
+  TestRig rig_{device_, bundled("room.glb"), kCoarseSide_px};
   StereoView shown_ = rig_.eyes(moved(rig_.head(), 0.02, {0.02, 0.01, 0.01}));
   PerEye<Image<Rgb8>> reference_ = rig_.show_reference(shown_);
 

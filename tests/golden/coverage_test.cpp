@@ -10,8 +10,6 @@
 namespace farshade {
 namespace {
 
-constexpr FrameId kNow{1};
-
 /// Numbers of pixels of both eyes: covered by the client or the rays alone, and covered by both.
 struct Coverage {
   std::size_t apart = 0, common = 0, pixels = 0;

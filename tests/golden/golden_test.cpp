@@ -9,8 +9,6 @@
 namespace farshade {
 namespace {
 
-constexpr FrameId kTraced{1}, kNow{2};
-
 struct GoldenScene {
   const char* name;
   const char* file;

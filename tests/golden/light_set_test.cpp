@@ -7,7 +7,6 @@
 namespace farshade {
 namespace {
 
-constexpr FrameId kOlder{1}, kTraced{2};
 constexpr std::uint32_t kChanged = 1;  // of the room's three lights
 const LightPose kElsewhere{Point<Stage>{{0.2, 2.3, 0.4}}, Vector<Stage>{{0, -1, 0}}};
 

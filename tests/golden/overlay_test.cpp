@@ -15,8 +15,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr FrameId kOlder{1}, kTraced{2}, kNow{3};
-constexpr std::uint32_t kSide_px = 160, kTracedSide_px = 192;
+constexpr std::uint32_t kOverlaySide_px = 160, kTracedSide_px = 192;
 constexpr auto kDrawn = std::span(kOverlays).subspan<1>();  // None draws nothing
 constexpr double kDegree_rad = std::numbers::pi / 180;
 
@@ -75,7 +74,7 @@ class OverlayGolden : public OnLavapipe {
     return pictures;
   }
 
-  TestRig rig_{device_, bundled("room.glb"), kSide_px};
+  TestRig rig_{device_, bundled("room.glb"), kOverlaySide_px};
   Rigid<Stage, Head> head_ = rig_.head();
   StereoView now_ = rig_.eyes(head_);
   Mask older_, traced_;
@@ -101,7 +100,7 @@ TEST_F(OverlayGolden, TheFrameHasEverySource) {
   std::size_t stale = 0;
   for_covered(shown_, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
     ++sources[source];
-    stale += shown_.reports[index_of(side)].stale[std::size_t{y} * kSide_px + x] != 0;
+    stale += shown_.reports[index_of(side)].stale[std::size_t{y} * kOverlaySide_px + x] != 0;
   });
   for (const std::uint8_t source : {std::uint8_t{0}, std::uint8_t{1}, kOtherEye, kNeighbour, kSourceUnknown})
     EXPECT_GT(sources[source], 50u) << "from " << int{source};
@@ -121,7 +120,7 @@ std::ostream& operator<<(std::ostream& out, const RayCase& tested) {
 class RaysNeeded : public OnLavapipe, public testing::WithParamInterface<RayCase> {};
 
 TEST_P(RaysNeeded, AreAboutThoseThatATracerSpends) {
-  TestRig rig(device_, bundled(GetParam().file), kSide_px);
+  TestRig rig(device_, bundled(GetParam().file), kOverlaySide_px);
   rig.set_lights(GetParam().lights);
   const StereoView views = rig.eyes(rig.head());
   auto tracer = Tracer::create(rig.scene());

@@ -24,7 +24,7 @@
 namespace farshade {
 namespace {
 
-constexpr std::uint32_t kSide_px = 192;
+constexpr std::uint32_t kDeltaSide_px = 192;
 constexpr Time kNow{std::chrono::seconds(1)};  ///< time of the scene's animation
 
 /// Allows for another compiler's rounding at edges; smaller than the effect of any fault below.
@@ -59,13 +59,13 @@ testing::AssertionResult is_as_good(const Judged& now, const Judged& measured) {
 /// A row for each eye: the shown picture, the reference, and the differences that a viewer would see.
 void write_artefact(const std::string& name, const PerEye<Image<Rgb8>>& shown,
                     const PerEye<Image<Rgb8>>& reference, const StereoView& views) {
-  Image<Rgb8> sheet({3 * kSide_px, kEyes * kSide_px});
+  Image<Rgb8> sheet({3 * kDeltaSide_px, kEyes * kDeltaSide_px});
   for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
     const Image<Rgb8> map = heat_map(flip(reference[eye], shown[eye], pixels_per_degree(views[eye])));
     const Image<Rgb8>* const columns[]{&shown[eye], &reference[eye], &map};
     for (std::uint32_t x = 0; x < sheet.size.width; ++x)
-      for (std::uint32_t y = 0; y < kSide_px; ++y)
-        sheet.at(x, eye * kSide_px + y) = columns[x / kSide_px]->at(x % kSide_px, y);
+      for (std::uint32_t y = 0; y < kDeltaSide_px; ++y)
+        sheet.at(x, eye * kDeltaSide_px + y) = columns[x / kDeltaSide_px]->at(x % kDeltaSide_px, y);
   }
   const std::filesystem::path folder = FARSHADE_BINARY "/pose_delta";
   std::filesystem::create_directories(folder);
@@ -77,8 +77,8 @@ class PoseDelta : public OnLavapipe, public testing::WithParamInterface<Row> {};
 
 TEST_P(PoseDelta, ShowsWhatAFullTraceWould) {
   const auto& [scene, pose, ages] = GetParam();
-  TestRig rig(device_, scene_named(scene), kSide_px);
-  const PoseViews views = views_of(pose_case(pose), rig.head(), kSide_px);
+  TestRig rig(device_, scene_named(scene), kDeltaSide_px);
+  const PoseViews views = views_of(pose_case(pose), rig.head(), kDeltaSide_px);
   rig.set_time(kNow);
   const PerEye<Image<Rgb8>> reference = rig.show_reference(views.shown);
   std::string measured;
@@ -117,7 +117,7 @@ class PoseDeltaFault : public OnLavapipe, public testing::WithParamInterface<con
   /// The mask for `pose`, and the views in which it is shown.
   Mask ask(const char* pose) {
     pose_ = pose;
-    views_ = views_of(pose_case(pose), rig_.head(), kSide_px);
+    views_ = views_of(pose_case(pose), rig_.head(), kDeltaSide_px);
     reference_ = rig_.show_reference(views_.shown);
     return rig_.ask(FrameId{1}, views_.traced);
   }
@@ -141,7 +141,7 @@ class PoseDeltaFault : public OnLavapipe, public testing::WithParamInterface<con
     return rig_.show(views_.shown, {mask.traced_mask()}, {.lookup = Lookup::Direct}).pictures;
   }
 
-  TestRig rig_{device_, scene_named(GetParam()), kSide_px};
+  TestRig rig_{device_, scene_named(GetParam()), kDeltaSide_px};
   PoseViews views_;
 
  private:
@@ -178,8 +178,8 @@ TEST_P(PoseDeltaFault, RefusesAnInvertedDelta) {
 }
 
 void copy_pixel(const EyeMask& from, EyeMask& to, std::size_t pixel) {
-  const auto x = static_cast<std::uint32_t>(pixel % kSide_px),
-             y = static_cast<std::uint32_t>(pixel / kSide_px);
+  const auto x = static_cast<std::uint32_t>(pixel % kDeltaSide_px),
+             y = static_cast<std::uint32_t>(pixel / kDeltaSide_px);
   for (std::uint32_t plane = 0; plane < from.layout().planes(); ++plane)
     to.set_word(x, y, plane, from.word(x, y, plane));
 }

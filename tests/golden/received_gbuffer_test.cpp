@@ -9,9 +9,10 @@
 namespace farshade {
 namespace {
 
-constexpr std::uint32_t kSide_px = 160;
-constexpr RendererLimits kLimits{
-    .size = {kSide_px, kSide_px}, .traced_size = {kSide_px + 32, kSide_px + 32}, .depth_frames = 2};
+constexpr std::uint32_t kReceivedSide_px = 160;
+constexpr RendererLimits kLimits{.size = {kReceivedSide_px, kReceivedSide_px},
+                                 .traced_size = {kReceivedSide_px + 32, kReceivedSide_px + 32},
+                                 .depth_frames = 2};
 
 class ReceivedGBuffer : public OnLavapipe {
  protected:
@@ -33,7 +34,7 @@ class ReceivedGBuffer : public OnLavapipe {
   void expect_same_picture(const Scene& scene, const DrawPlan& sender_plan, const DrawPlan& receiver_plan) {
     Renderer sender(device_, scene, sender_plan, kLimits), receiver(device_, scene, receiver_plan, kLimits);
     const SceneState state = state_at(scene, Time{});
-    const StereoView views = eyes_of(head_at_camera(scene), kSide_px);
+    const StereoView views = eyes_of(head_at_camera(scene), kReceivedSide_px);
     const Mask mask = traced(scene, views);
     const std::vector<TracedMask> masks{mask.traced_mask()};
     sender.draw(shown(views, state, masks));
@@ -74,7 +75,7 @@ TEST_F(ReceivedGBuffer, MissingTilesAreBackground) {
   const Scene scene = bundled("box_over_plane.gltf");
   Renderer renderer(device_, scene, kLimits);
   const SceneState state = state_at(scene, Time{});
-  const StereoView views = eyes_of(head_at_camera(scene), kSide_px);
+  const StereoView views = eyes_of(head_at_camera(scene), kReceivedSide_px);
   const Mask mask = traced(scene, views);
   const std::vector<TracedMask> masks{mask.traced_mask()};
   renderer.draw(shown(views, state, masks));
@@ -83,13 +84,13 @@ TEST_F(ReceivedGBuffer, MissingTilesAreBackground) {
   renderer.read_gbuffer(planes);
   const float strange[] = {0.0f, -0.5f, 1.5f, std::numeric_limits<float>::quiet_NaN(),
                            std::numeric_limits<float>::infinity()};
-  for (std::uint32_t x = 0; x < kSide_px; ++x)
-    planes.depth[0].words[100 * kSide_px + x] = std::bit_cast<std::uint32_t>(strange[x % 5]);
+  for (std::uint32_t x = 0; x < kReceivedSide_px; ++x)
+    planes.depth[0].words[100 * kReceivedSide_px + x] = std::bit_cast<std::uint32_t>(strange[x % 5]);
   renderer.draw_received(planes, shown(views, state, masks));
   const auto received = renderer.read_shown();
   EXPECT_EQ(received[1], drawn[1]);
-  for (std::uint32_t y = 0; y < kSide_px; ++y)
-    for (std::uint32_t x = 0; x < kSide_px; ++x)
+  for (std::uint32_t y = 0; y < kReceivedSide_px; ++y)
+    for (std::uint32_t x = 0; x < kReceivedSide_px; ++x)
       ASSERT_EQ(received[0].at(x, y), y == 100 ? Rgb8(0) : drawn[0].at(x, y)) << x << ", " << y;
 }
 
@@ -98,7 +99,7 @@ TEST_F(ReceivedGBuffer, TakesNoMemoryBeforeItIsUsed) {
   const Scene scene = bundled("box_over_plane.gltf");
   Renderer renderer(device_, scene, kLimits);
   const SceneState state = state_at(scene, Time{});
-  const StereoView views = eyes_of(head_at_camera(scene), kSide_px);
+  const StereoView views = eyes_of(head_at_camera(scene), kReceivedSide_px);
   renderer.draw(shown(views, state, {}));
   const auto held = [&](gpu::Use use) { return renderer.counters().memory.now[use]; };
   EXPECT_EQ(held(gpu::Use::ReadBack), 0u);

@@ -15,8 +15,7 @@
 namespace farshade {
 namespace {
 
-constexpr std::uint32_t kSide_px = 192;
-constexpr FrameId kTraced{1};
+constexpr std::uint32_t kReferenceSide_px = 192;
 
 /// Uses only the newest mask that was traced for this eye. Other points are unknown.
 constexpr CarryOver kOneView{.eyes = Eyes::This, .gaps = Gaps::Unknown, .edges = Edges::Nearest};
@@ -100,12 +99,13 @@ class ReprojectReference : public OnLavapipe, public testing::WithParamInterface
     EXPECT_EQ(against.accepted, 0u) << "of " << against.other;
   }
 
-  TestRig rig_{device_, GetParam().scene(), kSide_px};
+  TestRig rig_{device_, GetParam().scene(), kReferenceSide_px};
 };
 
 TEST_P(ReprojectReference, AgreesWithFloatForAllPoses) {
   Against against;
-  for (const PoseCase& pose : pose_cases()) compare(rig_, views_of(pose, rig_.head(), kSide_px), against);
+  for (const PoseCase& pose : pose_cases())
+    compare(rig_, views_of(pose, rig_.head(), kReferenceSide_px), against);
   expect_agreement(against);
   EXPECT_GT(against.hidden, 100u);
 }
@@ -122,7 +122,7 @@ TEST_P(ReprojectReference, AgreesWithFloatForFovsOf1And170Degrees) {
                         .yaw_degrees = std::min(20.0, fov_degrees) * share,
                         .step_m = 0.1 * share,
                         .left_fov = {-half_rad, half_rad, half_rad, -half_rad}},
-                       rig_.head(), kSide_px),
+                       rig_.head(), kReferenceSide_px),
               against);
     expect_agreement(against);
   }

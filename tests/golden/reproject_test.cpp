@@ -12,7 +12,6 @@ namespace farshade {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr FrameId kOlder{1}, kTraced{2}, kNow{3};
 
 /// Shares over both eyes: `unknown` of covered pixels, `wrong` of the pixel-lights of known pixels.
 struct Outcome {

@@ -14,8 +14,8 @@
 namespace farshade {
 namespace {
 
-constexpr Extent kSize{256, 256};
-constexpr RendererLimits kLimits{.size = kSize, .traced_size = kSize, .depth_frames = 1};
+constexpr Extent kDrawnSize{256, 256};
+constexpr RendererLimits kOneFrame{.size = kDrawnSize, .traced_size = kDrawnSize, .depth_frames = 1};
 
 struct SceneDrawn {
   PerEye<Image<Rgb8>> pictures;
@@ -26,8 +26,8 @@ class SceneMemory : public OnLavapipe {
  protected:
   SceneDrawn drawn(const Scene& scene) {
     const std::uint64_t before = device_.ledger->read().allocations;
-    Renderer renderer(device_, scene, kLimits);
-    const View view = look({0, 0, 0}, {0, 0, -1}, kSize.width);
+    Renderer renderer(device_, scene, kOneFrame);
+    const View view = look({0, 0, 0}, {0, 0, -1}, kDrawnSize.width);
     const SceneState state = state_at(scene, Time{});
     renderer.draw({.views = {view, view}, .state = state, .masks = {}, .carry_over = {}});
     const DrawCounters counters = renderer.counters();
@@ -97,9 +97,9 @@ TEST_F(SceneMemory, TwentyThousandMeshesTakeAsManyAllocationsAsTwoAndLookTheSame
   EXPECT_EQ(each.vertex_bytes, one.vertex_bytes);
   // A small mesh far from its origin is drawn relative to its centre, so rounding moves a few edges.
   for (std::size_t eye = 0; eye < kEyes; ++eye)
-    EXPECT_LT(differing(each.pictures[eye], one.pictures[eye], 0), kSize.pixels() / 200) << eye;
+    EXPECT_LT(differing(each.pictures[eye], one.pictures[eye], 0), kDrawnSize.pixels() / 200) << eye;
   const auto lit = std::ranges::count_if(one.pictures[0].pixels, [](Rgb8 p) { return p != Rgb8(0); });
-  EXPECT_GT(lit, kSize.pixels() / 4) << "the wall is in view";
+  EXPECT_GT(lit, kDrawnSize.pixels() / 4) << "the wall is in view";
 }
 
 float linear_of(std::uint8_t level) {
@@ -139,14 +139,14 @@ TEST_F(SceneMemory, TexturesShareAllocationsAndKeepTheirColors) {
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     EXPECT_LT(differing(many.pictures[eye], plain.pictures[eye], 2), 200u)
         << "except at borders of quads; " << eye;
-  EXPECT_GT(differing(many.pictures[0], one.pictures[0], 2), kSize.pixels() / 4) << "the colours differ";
+  EXPECT_GT(differing(many.pictures[0], one.pictures[0], 2), kDrawnSize.pixels() / 4) << "the colours differ";
 }
 
 TEST_F(SceneMemory, ASceneThatNeedsTooManyAllocationsIsRefusedWithTheLimit) {
   const Scene scene = wall_of(4, Meshes::One);
   device_.max_allocations = device_.ledger->read().allocations + 3;
   try {
-    Renderer renderer(device_, scene, kLimits);
+    Renderer renderer(device_, scene, kOneFrame);
     FAIL() << "a fourth allocation was made";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("allows 3 allocations"), std::string::npos) << error.what();

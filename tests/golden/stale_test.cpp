@@ -10,8 +10,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr FrameId kOlder{1}, kTraced{2}, kNow{3};
-
 bool bit(const std::vector<std::uint32_t>& words, std::size_t pixel, std::uint32_t light) {
   return (words[pixel] >> light & 1u) != 0;  // of up to 32 lights
 }

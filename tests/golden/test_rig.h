@@ -56,6 +56,9 @@ struct Mask {
   [[nodiscard]] TracedMask traced_mask() const;
 };
 
+/// Frames of most tests: two masks and the frame that shows them.
+inline constexpr FrameId kOlder{1}, kTraced{2}, kNow{3};
+
 /// `mask` with random bits.
 [[nodiscard]] Mask with_noise(Mask mask, std::uint64_t seed);
 

@@ -15,11 +15,11 @@ namespace {
 
 using Pictures = PerEye<Image<Rgb8>>;
 
-constexpr Extent kSize{96, 80};
+constexpr Extent kTurnedSize{96, 80};
 constexpr double kQuarterTurn_rad = std::numbers::pi / 2;
 
 /// Both eyes at the origin, turned by `turn_rad` about each axis (+y: to the left), with one fov.
-StereoView views_of(const glm::dvec3& turn_rad, const EyeFov& fov, Extent size = kSize) {
+StereoView views_of(const glm::dvec3& turn_rad, const EyeFov& fov, Extent size = kTurnedSize) {
   const View view{{rotation_exp(turn_rad), {}}, fov, size};
   return {view, view};
 }
@@ -95,11 +95,11 @@ class Turn : public OnLavapipe {
   }
 
   Scene scene_ = bundled("box_over_plane.gltf");
-  Renderer renderer_{device_, scene_, {.size = kSize, .traced_size = kSize, .depth_frames = 1}};
+  Renderer renderer_{device_, scene_, {.size = kTurnedSize, .traced_size = kTurnedSize, .depth_frames = 1}};
 };
 
 TEST_F(Turn, WithoutATurnThePictureIsTheSameBitForBit) {
-  const Pictures picture = noise(kSize, 1);
+  const Pictures picture = noise(kTurnedSize, 1);
   const StereoView views = views_of({0.3, -2.0, 0.1}, {-0.7, 0.5, 0.6, -0.8});
   EXPECT_TRUE(turned(picture, views, views) == picture);
   EXPECT_EQ(outside_share(views, views), (PerEye<double>{0, 0}));
@@ -110,7 +110,7 @@ TEST_F(Turn, EveryPixelIsWhatDoublePrecisionSays) {
     const char* name;
     glm::dvec3 from_rad, shown_rad;
   };
-  const Pictures picture = noise(kSize, 2);
+  const Pictures picture = noise(kTurnedSize, 2);
   for (const Case& turn : {Case{"left", {0, 0, 0}, {0, 0.2, 0}}, Case{"up", {0, 1, 0}, {0.15, 1, 0}},
                            Case{"roll", {0, 0, 0}, {0, 0, 0.4}}, Case{"all", {0.2, 3, -0.1}, {0.1, 2.8, 0.3}},
                            Case{"far", {0, 0, 0}, {0, 1.0, 0}}, Case{"behind", {0, 0, 0}, {0, 3, 0}}}) {
@@ -124,7 +124,7 @@ TEST_F(Turn, EveryPixelIsWhatDoublePrecisionSays) {
     const PerEye<double> outside = outside_share(from, shown);
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
       EXPECT_LE(wrong_pixels(result[eye], picture[eye], from[eye], shown[eye]), 4) << eye;
-      EXPECT_NEAR(static_cast<double>(std::ranges::count(result[eye].pixels, Rgb8(0))) / kSize.pixels(),
+      EXPECT_NEAR(static_cast<double>(std::ranges::count(result[eye].pixels, Rgb8(0))) / kTurnedSize.pixels(),
                   outside[eye], 0.001);
     }
   }
@@ -134,19 +134,19 @@ TEST_F(Turn, EveryPixelIsWhatDoublePrecisionSays) {
 /// eye has a bar of its own colour there.
 TEST_F(Turn, AQuarterTurnTakesAMarkerWherePaperSays) {
   const EyeFov fov = square_fov(1.2);
-  const double middle = kSize.width / 2.0, aside = middle / std::tan(1.2);
-  const auto before = static_cast<std::uint32_t>(middle - aside), after = kSize.width - 1 - before;
+  const double middle = kTurnedSize.width / 2.0, aside = middle / std::tan(1.2);
+  const auto before = static_cast<std::uint32_t>(middle - aside), after = kTurnedSize.width - 1 - before;
   const std::array colors{Rgb8(255, 0, 0), Rgb8(0, 255, 0)};
-  Pictures picture{Image<Rgb8>(kSize), Image<Rgb8>(kSize)};
+  Pictures picture{Image<Rgb8>(kTurnedSize), Image<Rgb8>(kTurnedSize)};
   for (std::size_t eye = 0; eye < kEyes; ++eye)
-    for (std::uint32_t y = 0; y < kSize.height; ++y)
+    for (std::uint32_t y = 0; y < kTurnedSize.height; ++y)
       for (std::uint32_t x = before - 1; x <= before + 1; ++x) picture[eye].at(x, y) = colors[eye];
   const Pictures result = turned(picture, views_of({}, fov), views_of({0, kQuarterTurn_rad, 0}, fov));
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    EXPECT_EQ(result[eye].at(after, kSize.height / 2), colors[eye]);
-    EXPECT_EQ(result[eye].at(after - 6, kSize.height / 2), Rgb8(0));
-    EXPECT_EQ(result[eye].at(after + 6, kSize.height / 2), Rgb8(0));
-    EXPECT_EQ(result[eye].at(before, kSize.height / 2), Rgb8(0));
+    EXPECT_EQ(result[eye].at(after, kTurnedSize.height / 2), colors[eye]);
+    EXPECT_EQ(result[eye].at(after - 6, kTurnedSize.height / 2), Rgb8(0));
+    EXPECT_EQ(result[eye].at(after + 6, kTurnedSize.height / 2), Rgb8(0));
+    EXPECT_EQ(result[eye].at(before, kTurnedSize.height / 2), Rgb8(0));
   }
 }
 
@@ -159,18 +159,18 @@ TEST_F(Turn, BordersThatRemainAreAsWideAsPaperSays) {
   StereoView only_left = views_of({}, wide);
   only_left[0].stage_from_eye.rotation = rotation_exp({0, 2 * kQuarterTurn_rad, 0});
   EXPECT_EQ(outside_share(views_of({}, wide), only_left), (PerEye<double>{1, 0}));
-  const Pictures white{Image<Rgb8>(kSize, Rgb8(255)), Image<Rgb8>(kSize, Rgb8(255))};
+  const Pictures white{Image<Rgb8>(kTurnedSize, Rgb8(255)), Image<Rgb8>(kTurnedSize, Rgb8(255))};
   const Pictures result = turned(white, views_of({}, narrow), views_of({}, wide));
-  EXPECT_EQ(std::ranges::count(result[1].pixels, Rgb8(0)), kSize.pixels() * 3 / 4);
-  EXPECT_EQ(result[1].at(kSize.width / 4 - 1, kSize.height / 2), Rgb8(0));
-  EXPECT_EQ(result[1].at(kSize.width / 4, kSize.height / 2), Rgb8(255));
+  EXPECT_EQ(std::ranges::count(result[1].pixels, Rgb8(0)), kTurnedSize.pixels() * 3 / 4);
+  EXPECT_EQ(result[1].at(kTurnedSize.width / 4 - 1, kTurnedSize.height / 2), Rgb8(0));
+  EXPECT_EQ(result[1].at(kTurnedSize.width / 4, kTurnedSize.height / 2), Rgb8(255));
 }
 
 TEST_F(Turn, WhatIsShownIsTurnedAsIfItHadBeenReadAndLoaded) {
-  const StereoView from = eyes_of(head_at_camera(scene_), kSize.width),
-                   shown = eyes_of(moved(head_at_camera(scene_), 0.1, {}), kSize.width);
+  const StereoView from = eyes_of(head_at_camera(scene_), kTurnedSize.width),
+                   shown = eyes_of(moved(head_at_camera(scene_), 0.1, {}), kTurnedSize.width);
   StereoView from_sized = from, shown_sized = shown;
-  for (std::size_t eye = 0; eye < kEyes; ++eye) from_sized[eye].size = shown_sized[eye].size = kSize;
+  for (std::size_t eye = 0; eye < kEyes; ++eye) from_sized[eye].size = shown_sized[eye].size = kTurnedSize;
   const SceneState state = state_at(scene_, Time{});
   const auto drawn = [&] {
     renderer_.draw({.views = from_sized, .state = state, .masks = {}, .carry_over = {}});
@@ -194,7 +194,7 @@ TEST_F(Turn, CostsNothingUntilAPictureIsTurned) {
   EXPECT_EQ(after.pipelines, before.pipelines + 1);
   EXPECT_EQ(after.bindings, before.bindings + 3);
   EXPECT_GE(after.memory.now[gpu::Use::Shown],
-            before.memory.now[gpu::Use::Shown] + kEyes * kSize.pixels() * 4);
+            before.memory.now[gpu::Use::Shown] + kEyes * kTurnedSize.pixels() * 4);
 }
 
 TEST(DifferencePicture, HoldsWhatShadowsTakeAwayWithinALevel) {

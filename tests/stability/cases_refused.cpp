@@ -24,7 +24,7 @@ Setting far_origin() {
   return ordinary({.origin = {2e9, 0, 0}});
 }
 
-Setting far_light() {
+Setting unrepresentable_light() {
   Setting setting = unlit();
   setting.scene.point_light({0, 2e9, 0}, 1);
   return setting;
@@ -107,7 +107,7 @@ std::vector<Case> refused_cases() {
                return with_option({"--size", "8193x4"});
              }),
       both("refused-origin-2e9m", "a scene 2e9 m out", far_origin),
-      both("refused-light-2e9m", "a light 2e9 m out", far_light),
+      both("refused-light-2e9m", "a light 2e9 m out", unrepresentable_light),
       both("refused-lights-257", "257 lights", [] { return lights(257); }),
       both("refused-vertex-nan", "a vertex at NaN", nan_vertex),
       both("refused-scale-0", "an instance scaled to nothing", flat_scale),

@@ -24,6 +24,9 @@ inline SharedKey key_named(std::string name) {
   return key;
 }
 
+inline const Welcome kServed{{1, 2, 3}, 3};  ///< a scene with three lights
+inline const SharedKey kKey = key_named("ada");
+
 inline FrameRequest request_of(std::uint32_t frame, Extent size) {
   FrameRequest request;
   request.frame = {frame};

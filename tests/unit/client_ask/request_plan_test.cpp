@@ -15,7 +15,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kPeriod = 10ms;
-constexpr Extent kSize{320, 256};
+constexpr Extent kShownSize{320, 256};
 const Rigid<Stage, Head> kStart{rotation_exp({0.1, 0.4, -0.05}), {1, 1.6, -2}};
 const Twist kScrew{{0.1, 1.5, -0.05}, {0.3, 0, -0.4}};
 
@@ -28,7 +28,7 @@ Rigid<Head, Eye> head_from(Side side) {
 StereoView views_of(const Rigid<Stage, Head>& head) {
   StereoView views;
   for (const Side side : kSides)
-    views[index_of(side)] = {head * head_from(side), {-0.8, 0.7, 0.6, -0.65}, kSize};
+    views[index_of(side)] = {head * head_from(side), {-0.8, 0.7, 0.6, -0.65}, kShownSize};
   return views;
 }
 
@@ -201,14 +201,15 @@ StereoView asked_within(std::uint32_t pixels) {
 }
 
 TEST(RequestPlan, ShrinksTheGuardBandToWhatTheServerTraces) {
-  const auto shown_pixels = static_cast<std::uint32_t>(kSize.pixels());
+  const auto shown_pixels = static_cast<std::uint32_t>(kShownSize.pixels());
   const Extent unlimited = asked_within(~0u)[0].size;
-  ASSERT_GE(unlimited.width, kSize.width + 3 * GuardBand::kStep_px);
+  ASSERT_GE(unlimited.width, kShownSize.width + 3 * GuardBand::kStep_px);
   EXPECT_EQ(asked_within(static_cast<std::uint32_t>(unlimited.pixels()))[0].size, unlimited);
-  EXPECT_EQ(asked_within(shown_pixels)[0].size, kSize) << "no room for a guard band";
-  const auto one_step = shown_pixels + GuardBand::kStep_px * kSize.height;
+  EXPECT_EQ(asked_within(shown_pixels)[0].size, kShownSize) << "no room for a guard band";
+  const auto one_step = shown_pixels + GuardBand::kStep_px * kShownSize.height;
   const Extent narrow = asked_within(one_step)[0].size;
-  EXPECT_EQ(narrow, (Extent{kSize.width + GuardBand::kStep_px, kSize.height})) << "room for one step";
+  EXPECT_EQ(narrow, (Extent{kShownSize.width + GuardBand::kStep_px, kShownSize.height}))
+      << "room for one step";
   const Extent less = asked_within(static_cast<std::uint32_t>(unlimited.pixels()) - 1)[0].size;
   EXPECT_LT(less.pixels(), unlimited.pixels());
   EXPECT_GE(less.pixels() + GuardBand::kStep_px * unlimited.width, unlimited.pixels());
@@ -239,7 +240,7 @@ TEST(RequestPlan, LearnsNothingOfMasksFromBeforeAPause) {
     plan.drawn_with(shown(i + 300, Twist{{0, 0.3, 0}, {}}).views, shown(0).views, 3s);
     request = plan.ask(shown(i, Twist{}), kPeriod);
   }
-  EXPECT_EQ(request->views[0].size, kSize);
+  EXPECT_EQ(request->views[0].size, kShownSize);
 }
 
 TEST(RequestPlan, TracesWiderAfterUnpredictedTurns) {
@@ -257,12 +258,12 @@ TEST(RequestPlan, TracesWiderAfterUnpredictedTurns) {
       plan.drawn_with(now.views, in_flight.front(), 40ms);
       in_flight.pop_front();
     }
-    const Extent most = largest_traced(kSize);
+    const Extent most = largest_traced(kShownSize);
     EXPECT_LE(request->views[0].size.width, most.width);
     EXPECT_LE(request->views[0].size.height, most.height);
     EXPECT_EQ(request->views[0].size, request->views[1].size);
   }
-  EXPECT_GE(request->views[0].size.width, kSize.width + 2 * GuardBand::kStep_px);
+  EXPECT_GE(request->views[0].size.width, kShownSize.width + 2 * GuardBand::kStep_px);
 }
 
 TEST(RequestPlanShrink, AsksForTheSameWindowsWithFewerPixels) {
@@ -309,7 +310,7 @@ TEST(RequestPlanShrink, KeepsTheGuardBandWhateverTheSize) {
       }
     }
   }
-  EXPECT_GT(full.ask(shown(60), kPeriod)->views[0].size.width, kSize.width);
+  EXPECT_GT(full.ask(shown(60), kPeriod)->views[0].size.width, kShownSize.width);
 }
 
 TEST(RequestPlanShrink, RoundsMarginsUpToWholeTiles) {
@@ -322,7 +323,7 @@ TEST(RequestPlanShrink, RoundsMarginsUpToWholeTiles) {
     }
     const auto wide = full.ask(shown(i), kPeriod)->views[0], scaled = less.ask(shown(i), kPeriod)->views[0];
     const FovTangents a = tangents_of(wide.fov), b = tangents_of(scaled.fov);
-    EXPECT_EQ((scaled.size.width - kSize.width * 7 / 8) % GuardBand::kStep_px, 0u);
+    EXPECT_EQ((scaled.size.width - kShownSize.width * 7 / 8) % GuardBand::kStep_px, 0u);
     ASSERT_LE(b.left_tan, a.left_tan + 1e-9) << "no narrower, frame " << i;
     ASSERT_GE(b.right_tan, a.right_tan - 1e-9) << "no narrower, frame " << i;
   }

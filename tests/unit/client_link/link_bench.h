@@ -21,8 +21,6 @@ constexpr std::size_t kFrames = 6;
 constexpr Duration kWay = 5ms;
 constexpr Duration kInterval = 14ms;  ///< of the display
 constexpr LinkModels kSlow{.to_server = {.delay = kWay}, .to_client = {.delay = kWay}};
-inline const Welcome kServed{{1, 2, 3}, kLights};
-inline const SharedKey kKey = key_named("ada");
 
 inline LinkModels each_way(Duration delay) {
   return {.to_server = {.delay = delay}, .to_client = {.delay = delay}};

@@ -11,7 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 
 /// One pixel per source, one light, nothing stale.
-ShownReport report_of(const std::vector<std::uint8_t>& sources) {
+ShownReport report_of_one_light(const std::vector<std::uint8_t>& sources) {
   const Extent size{static_cast<std::uint32_t>(sources.size()), 1};
   return {.mask = EyeMask(size, 1),
           .sources = sources,
@@ -25,7 +25,7 @@ ShownReport report_of(const std::vector<std::uint8_t>& sources) {
 TEST(WriteMeasured, WritesEveryPictureItPromises) {
   const ScratchFolder folder;
   const Extent size{5, 4};
-  const ShownReport report = report_of(std::vector<std::uint8_t>(size.pixels(), 0));
+  const ShownReport report = report_of_one_light(std::vector<std::uint8_t>(size.pixels(), 0));
   const MeasuredFrame frame{.frame = {12},
                             .shown = {Image<Rgb8>(size, Rgb8(10)), Image<Rgb8>(size, Rgb8(20))},
                             .reference = {Image<Rgb8>(size, Rgb8(11)), Image<Rgb8>(size, Rgb8(20))},

@@ -9,16 +9,12 @@
 #include "stereo/head/damped_motion.h"
 #include "stereo/head/prediction.h"
 #include "tests/unit/head/covariance.h"
+#include "tests/unit/head/screw.h"
 
 namespace farshade {
 namespace {
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
-const Twist kScrew{{0.4, -2.0, 0.3}, {0.5, 0.1, -1.2}};  // a fast turn while walking
-
-double error_of(const HeadPose& a, const HeadPose& b) {
-  return angle_between_rad(a.rotation, b.rotation) + glm::length(a.translation - b.translation);
-}
 
 KalmanTuning tuning_with_fade(double fade_s) {
   return {.angular_fade_s = glm::dvec3(fade_s),

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <random>
 
+#include "tests/unit/head/screw.h"
+
 namespace farshade {
 namespace {
 
@@ -16,7 +18,6 @@ using std::numbers::pi;
 static_assert(std::is_trivially_copyable_v<Predictor>, "a predictor is a value and owns no memory");
 
 constexpr Duration kFrame = std::chrono::nanoseconds(13'888'889);
-const Twist kScrew{{0.4, -2.0, 0.3}, {0.5, 0.1, -1.2}};
 
 Time at_ms(std::int64_t ms) {
   return Time(milliseconds(ms));
@@ -24,10 +25,6 @@ Time at_ms(std::int64_t ms) {
 
 HeadPose moved(const HeadPose& start, const Twist& twist, Duration after) {
   return start * motion_exp<Head>(twist * seconds_of(after));
-}
-
-double error_of(const HeadPose& a, const HeadPose& b) {
-  return angle_between_rad(a.rotation, b.rotation) + glm::length(a.translation - b.translation);
 }
 
 bool is_finite(const HeadPose& pose) {

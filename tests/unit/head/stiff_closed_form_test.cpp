@@ -38,12 +38,12 @@ TEST(StiffReference, IsTheKnownSolutionOfADampedStep) {
   }
 }
 
-struct Steps {
+struct GridPoint {
   double step_s, constant_s;
 };
 
-std::vector<Steps> grid() {
-  std::vector<Steps> all;
+std::vector<GridPoint> grid() {
+  std::vector<GridPoint> all;
   const stiff::Grid whole = stiff::whole_grid(1);
   for (const double step_s : whole.steps_s)
     for (const double constant_s : whole.constants_s) all.push_back({step_s, constant_s});

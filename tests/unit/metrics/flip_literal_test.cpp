@@ -23,12 +23,12 @@ using std::numbers::pi;
 dvec3 xyz_of_chromaticity(double x, double y) {
   return {x / y, 1, (1 - x - y) / y};
 }
-const dvec3 kWhite = xyz_of_chromaticity(0.3127, 0.3290);
+const dvec3 kWhitePoint = xyz_of_chromaticity(0.3127, 0.3290);
 
 glm::dmat3 xyz_from_rgb() {
   glm::dmat3 primaries(xyz_of_chromaticity(0.64, 0.33), xyz_of_chromaticity(0.30, 0.60),
                        xyz_of_chromaticity(0.15, 0.06));
-  const dvec3 strength = glm::inverse(primaries) * kWhite;
+  const dvec3 strength = glm::inverse(primaries) * kWhitePoint;
   for (int i = 0; i < 3; ++i) primaries[i] *= strength[i];
   return primaries;
 }
@@ -39,19 +39,19 @@ double linear(std::uint8_t value) {
 }
 
 dvec3 ycxcz(dvec3 xyz) {
-  const dvec3 r = xyz / kWhite;
+  const dvec3 r = xyz / kWhitePoint;
   return {116 * r.y - 16, 500 * (r.x - r.y), 200 * (r.y - r.z)};
 }
 dvec3 xyz_from_ycxcz(dvec3 c) {
   const double y = (c.x + 16) / 116;
-  return kWhite * dvec3(y + c.y / 500, y, y - c.z / 200);
+  return kWhitePoint * dvec3(y + c.y / 500, y, y - c.z / 200);
 }
 
 dvec3 hunt_lab(dvec3 xyz) {
   const auto f = [](double t) {
     return t > std::pow(6.0 / 29, 3) ? std::cbrt(t) : t / (3 * std::pow(6.0 / 29, 2)) + 4.0 / 29;
   };
-  const dvec3 r = xyz / kWhite;
+  const dvec3 r = xyz / kWhitePoint;
   const double lightness = 116 * f(r.y) - 16, a = 500 * (f(r.x) - f(r.y)), b = 200 * (f(r.y) - f(r.z));
   return {lightness, 0.01 * lightness * a, 0.01 * lightness * b};
 }

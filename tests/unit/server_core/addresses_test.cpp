@@ -10,8 +10,6 @@ namespace {
 using namespace std::chrono_literals;
 using namespace link_test;
 
-const Welcome kServed{{1, 2, 3}, 3};
-const SharedKey kKey = key_named("ada");
 const Peer kHome{{0, 1}, 0, 1}, kAway{{0, 2}, 0, 1}, kThief{{0, 3}, 0, 1};
 
 /// A client with a session and the address kHome.

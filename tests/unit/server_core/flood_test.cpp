@@ -21,9 +21,6 @@ using namespace link_test;
 constexpr std::uint64_t kFlood = kSanitized ? 30'000 : 1'000'000;
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 
-const Welcome kServed{{1, 2, 3}, 3};
-const SharedKey kKey = key_named("ada");
-
 std::uint64_t resident_bytes() {
   std::uint64_t all = 0, resident = 0;
   std::ifstream("/proc/self/statm") >> all >> resident;

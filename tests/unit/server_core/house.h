@@ -8,7 +8,6 @@ namespace farshade::house_test {
 
 using namespace link_test;
 
-inline const Welcome kServed{{1, 2, 3}, 3};
 inline const std::vector<SharedKey> kRing{key_named("ada"), key_named("bob"), key_named("eve")};
 
 inline constexpr Extent kSize{64, 64};

@@ -21,8 +21,6 @@ using namespace link_test;
 constexpr std::size_t kClients = 64;
 constexpr Duration kTrace = 5ms, kRound = kClients * kTrace;
 constexpr Duration kTime = kSanitized ? 2s : 6s;
-const Welcome kServed{{1, 2, 3}, 3};
-const SharedKey kKey = key_named("ada");
 
 /// Masks that depend on all fields of a request.
 void paint(const FrameRequest& requested, ShadowFrame& frame) {

@@ -12,8 +12,8 @@ namespace {
 using namespace std::chrono_literals;
 using namespace link_test;
 
-const Welcome kServed{{1, 2, 3}, 3, Welcome{}.most_pixels, kTracedAnswers};
-const std::vector<SharedKey> kRing{key_named("ada")};
+const Welcome kServedPositions{{1, 2, 3}, 3, Welcome{}.most_pixels, kTracedAnswers};
+const std::vector<SharedKey> kAda{key_named("ada")};
 
 FrameRequest with_positions(std::uint32_t frame, std::uint32_t slices) {
   FrameRequest request = request_of(frame, {32, 32});
@@ -28,7 +28,7 @@ struct Bench {
       brought.push_back(job.positions.size());
       return AnswerCost{};
     };
-    core.emplace(kServed, kRing, answers_from(answers, count), link.server(), clock);
+    core.emplace(kServedPositions, kAda, answers_from(answers, count), link.server(), clock);
     link.while_waiting(
         [this] {
           while (core->receive(0s)) {
@@ -64,7 +64,7 @@ struct Bench {
   VirtualLink link{clock, {}};
   std::optional<ServerCore> core;
   std::vector<std::size_t> brought;
-  PortClient client{link.client(), link.server().local(), kRing[0], kServed};
+  PortClient client{link.client(), link.server().local(), kAda[0], kServedPositions};
 };
 
 TEST(ServerPositions, ARequestIsAnsweredOnceAllHaveCome) {

@@ -15,8 +15,6 @@ namespace {
 using namespace std::chrono_literals;
 using namespace link_test;
 
-constexpr std::uint32_t kLights = 3;
-const Welcome kServed{{1, 2, 3}, kLights};
 const std::vector<SharedKey> kRing{key_named("ada"), key_named("bob")};
 constexpr Extent kSize{100, 60};
 
@@ -31,7 +29,7 @@ TraceStats paint(const FrameRequest& requested, ShadowFrame& frame) {
   frame.views = requested.views;
   for (const Side side : kSides) {
     EyeMask& mask = frame.masks[index_of(side)];
-    mask = EyeMask(requested.views[index_of(side)].size, kLights);
+    mask = EyeMask(requested.views[index_of(side)].size, kServed.light_count);
     for (std::uint32_t y = 0; y < kSize.height; ++y)
       for (std::uint32_t x = 0; x < kSize.width; ++x)
         mask.set_word(x, y, 0, (x * x / 9 + y * requested.frame.value + index_of(side)) % 8);

@@ -11,11 +11,11 @@
 namespace farshade {
 namespace {
 
-constexpr std::uint32_t kSide = 64;
+constexpr std::uint32_t kSide_px = 64;
 
 /// A floor of 8 x 8 m at height 0, seen from above.
 const Mesh kFloor = quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4});
-const View kFromAbove = look({0.13, 3.0, 2.9}, {0.03, 0.0, -0.1}, kSide);
+const View kFromAbove = look({0.13, 3.0, 2.9}, {0.03, 0.0, -0.1}, kSide_px);
 
 Material sided(bool both) {
   Material material;
@@ -40,7 +40,7 @@ TEST(MaskBit, IsZeroWhereNothingIsCovered) {
   SceneBuilder build;
   build.add(kFloor);
   build.point_light({0, 2, 0});
-  const View up = look({0, 1, 0}, {0.1, 9, 0}, kSide);
+  const View up = look({0, 1, 0}, {0.1, 9, 0}, kSide_px);
   const ShadowFrame frame = traced(build.build(), up);
   EXPECT_EQ(frame.masks[0], EyeMask(up.size, 1));
 }
@@ -50,7 +50,7 @@ TEST(MaskBit, IsZeroInShadow) {
   build.add(kFloor);
   build.add(quad({0, 1, 0}, {4, 0, 0}, {0, 0, 4}));  // hides the whole floor from the light
   build.point_light({0.2, 1.5, 0.1});
-  EXPECT_EQ(lit_share(build.build(), look({0, 0.6, 3.5}, {0, 0, 0}, kSide, 1.0)), 0.0);
+  EXPECT_EQ(lit_share(build.build(), look({0, 0.6, 3.5}, {0, 0, 0}, kSide_px, 1.0)), 0.0);
 }
 
 TEST(MaskBit, NeedsTheViewersSideOfADoubleSidedSurface) {
@@ -59,7 +59,7 @@ TEST(MaskBit, NeedsTheViewersSideOfADoubleSidedSurface) {
   build.point_light({0.1, -2.0, 0.2});
   const Scene scene = build.build();
   EXPECT_EQ(lit_share(scene, kFromAbove), 0.0);
-  EXPECT_GT(lit_share(scene, look({0.13, -3.0, 2.9}, {0.03, 0.0, -0.1}, kSide)), 0.7);
+  EXPECT_GT(lit_share(scene, look({0.13, -3.0, 2.9}, {0.03, 0.0, -0.1}, kSide_px)), 0.7);
 }
 
 TEST(MaskBit, NeedsTheShadingNormalToFaceTheLightToo) {
@@ -72,7 +72,7 @@ TEST(MaskBit, NeedsTheShadingNormalToFaceTheLightToo) {
 }
 
 TEST(MaskBit, SingleSidedSurfaceIsSeenThroughFromBehind) {
-  const View below = look({0.13, -3.0, 2.9}, {0.03, 0.0, -0.1}, kSide);
+  const View below = look({0.13, -3.0, 2.9}, {0.03, 0.0, -0.1}, kSide_px);
   SceneBuilder build;
   build.add(kFloor, build.material(sided(false)));
   build.point_light({0.1, -2.0, 0.2});
@@ -87,7 +87,7 @@ TEST(MaskBit, SingleSidedSurfaceCastsFromBothSides) {
     build.add(kFloor);
     build.add(quad({0, 1, 0}, {4, 0, 0}, {0, 0, 4 * turn}), build.material(sided(false)));
     build.point_light({0.2, 1.5, 0.1});
-    EXPECT_EQ(lit_share(build.build(), look({0, 0.6, 3.5}, {0, 0, 0}, kSide, 1.0)), 0.0) << turn;
+    EXPECT_EQ(lit_share(build.build(), look({0, 0.6, 3.5}, {0, 0, 0}, kSide_px, 1.0)), 0.0) << turn;
   }
 }
 
@@ -101,7 +101,7 @@ TEST(MaskBit, NegativeScaleTurnsTheSeenSideOver) {
     const Scene scene = build.build();
     // Mirroring in x keeps the floor's normal up, so that it is still seen from above.
     EXPECT_GT(lit_share(scene, kFromAbove), 0.7) << moving;
-    EXPECT_EQ(lit_share(scene, look({0.13, -3.0, 2.9}, {0.03, 0.0, -0.1}, kSide)), 0.0) << moving;
+    EXPECT_EQ(lit_share(scene, look({0.13, -3.0, 2.9}, {0.03, 0.0, -0.1}, kSide_px)), 0.0) << moving;
   }
 }
 
@@ -181,7 +181,7 @@ TEST(MaskBit, LightInsideAClosedBoxStaysInside) {
   build.point_light({0.1, 1.2, 0.1});
   const Scene scene = build.build();
   EXPECT_EQ(lit_share(scene, kFromAbove), 0.0);
-  EXPECT_GT(lit_share(scene, look({0.2, 0.8, 0.3}, {-0.4, 1.1, -0.4}, kSide)), 0.99);
+  EXPECT_GT(lit_share(scene, look({0.2, 0.8, 0.3}, {-0.4, 1.1, -0.4}, kSide_px)), 0.99);
 }
 
 TEST(MaskBit, SurfaceAtTheLightDoesNotCast) {
@@ -189,7 +189,7 @@ TEST(MaskBit, SurfaceAtTheLightDoesNotCast) {
   build.add(kFloor);
   build.add(quad({0, 2, 0}, {1, 0, 0}, {0, 0, 1}));
   build.point_light({0.25, 2.0, 0.5});  // in the plane of the lamp's shade
-  EXPECT_GT(lit_share(build.build(), look({0, 1.2, 2}, {0, 0, 0}, kSide, 0.8)), 0.9);
+  EXPECT_GT(lit_share(build.build(), look({0, 1.2, 2}, {0, 0, 0}, kSide_px, 0.8)), 0.9);
 }
 
 /// A far light lies in the plane of a shade: rounding of its coordinates must not make the shade cast a

@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr double kMostInBand = 0.25;  // pixels are coarse here, and the room is full of edges
+constexpr double kMostInCoarseBand = 0.25;  // pixels are coarse here, and the room is full of edges
 
 class BundledScene : public testing::TestWithParam<const char*> {
  protected:
@@ -38,7 +38,7 @@ class BundledScene : public testing::TestWithParam<const char*> {
           oracle::compare(frame.masks[index_of(side)], oracle::trace(scene_, state, views_[index_of(side)]));
       EXPECT_EQ(a.wrong, 0u) << name_of(side) << " eye at pixel " << a.wrong_x << ", " << a.wrong_y
                              << ", light " << a.wrong_light;
-      EXPECT_LE(a.band_share(), kMostInBand);
+      EXPECT_LE(a.band_share(), kMostInCoarseBand);
       EXPECT_LE(a.wrong_in_band * 10, a.in_band);
     }
   }

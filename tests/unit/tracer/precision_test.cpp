@@ -9,7 +9,7 @@
 namespace farshade {
 namespace {
 
-constexpr double kMostInBand = 0.03;
+constexpr double kMostInFarBand = 0.03;
 
 /// A box over a floor with a near, a grazing and a spot light. `scale` is the size in metres, `shift` the
 /// distance from the origin.
@@ -33,13 +33,13 @@ StereoView eyes(double scale, const glm::dvec3& shift = glm::dvec3(0.0), std::ui
 TEST(TracerPrecision, HoldsFromAMillimetreToTenKilometres) {
   for (const double scale : {0.000125, 0.01, 1.0, 100.0, 1250.0}) {
     SCOPED_TRACE(scale);
-    expect_agrees(box_scene(scale), eyes(scale), Time{}, kMostInBand);
+    expect_agrees(box_scene(scale), eyes(scale), Time{}, kMostInFarBand);
   }
 }
 
 TEST(TracerPrecision, HoldsAThousandKilometresFromTheOrigin) {
   const glm::dvec3 far(1e6, 1e6, -1e6);
-  expect_agrees(box_scene(1, far), eyes(1, far), Time{}, kMostInBand);
+  expect_agrees(box_scene(1, far), eyes(1, far), Time{}, kMostInFarBand);
 }
 
 TEST(TracerPrecision, MovingMeshHoldsAThousandKilometresFromTheOrigin) {
@@ -48,7 +48,7 @@ TEST(TracerPrecision, MovingMeshHoldsAThousandKilometresFromTheOrigin) {
   build.add(quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4}));
   build.move(build.add(box({0, 1, 0}, {0.5f, 0.5f, 0.5f})), {0.5, 0, 0});
   build.point_light({1.3, 3.1, 0.4});
-  expect_agrees(build.build(), eyes(1, far), time_from_ns(500'000'000), kMostInBand);
+  expect_agrees(build.build(), eyes(1, far), time_from_ns(500'000'000), kMostInFarBand);
 }
 
 TEST(TracerPrecision, FarLightActsLikeADirectionalOne) {
@@ -60,7 +60,7 @@ TEST(TracerPrecision, FarLightActsLikeADirectionalOne) {
     build.point_light(-direction * distance);
     build.directional_light(direction);
     SCOPED_TRACE(distance);
-    expect_agrees(build.build(), eyes(1), Time{}, kMostInBand);
+    expect_agrees(build.build(), eyes(1), Time{}, kMostInFarBand);
   }
 }
 
@@ -68,7 +68,7 @@ TEST(TracerPrecision, LightATenthOfAMillimetreFromItsSurface) {
   SceneBuilder build;
   build.add(quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4}));
   build.point_light({0.01, 0.0001, 0.02});
-  const oracle::Agreement sum = expect_agrees(build.build(), eyes(1), Time{}, kMostInBand);
+  const oracle::Agreement sum = expect_agrees(build.build(), eyes(1), Time{}, kMostInFarBand);
   EXPECT_GT(sum.lit, sum.pixel_lights / 2);
 }
 
@@ -89,7 +89,7 @@ TEST(TracerPrecision, NeedlesDuplicatesAndPointsDoNoHarm) {
   build.add(triangle_soup(corners));
   build.add(box({0, 1, 0}, {0.5f, 0.5f, 0.5f}));
   build.point_light({1.3, 3.1, 0.4});
-  const oracle::Agreement sum = expect_agrees(build.build(), eyes(1), Time{}, kMostInBand);
+  const oracle::Agreement sum = expect_agrees(build.build(), eyes(1), Time{}, kMostInFarBand);
   EXPECT_GT(sum.lit, sum.pixel_lights / 5);
 }
 
@@ -104,7 +104,7 @@ TEST(TracerPrecision, WideAndLopsidedFov) {
     views[0].fov = fov;
     views[1].size = {37, 21};
     SCOPED_TRACE(fov.left_rad);
-    expect_agrees(scene, views, Time{}, kMostInBand);
+    expect_agrees(scene, views, Time{}, kMostInFarBand);
   }
 }
 
@@ -126,7 +126,7 @@ TEST(TracerPrecision, SphereHasNoAcne) {
   build.add(sphere);
   build.point_light({3.0, 1.0, 2.0});
   build.point_light({-0.2, 1.0005, 0.1});
-  expect_agrees(build.build(), eyes(1), Time{}, kMostInBand);
+  expect_agrees(build.build(), eyes(1), Time{}, kMostInFarBand);
 }
 
 }  // namespace

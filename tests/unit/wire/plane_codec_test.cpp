@@ -42,7 +42,7 @@ PixelPlane one_value(Extent size, std::uint32_t word_bytes, std::uint32_t value)
 }
 
 /// The messages of one plane.
-std::vector<Bytes> packed(const PixelPlane& plane, PlaneKind kind) {
+std::vector<Bytes> packed_plane(const PixelPlane& plane, PlaneKind kind) {
   PlanePacker packer;
   packer.start(FrameId{41}, Side::Right, kind, plane);
   std::vector<Bytes> messages;
@@ -77,7 +77,7 @@ struct Received {
 void expect_round_trip(const PixelPlane& plane, PlaneKind kind) {
   Received received(plane);
   std::ranges::fill(received.plane.words, largest_word(plane.word_bytes));
-  for (const Bytes& bytes : packed(plane, kind)) {
+  for (const Bytes& bytes : packed_plane(plane, kind)) {
     ASSERT_LE(bytes.size(), kMaxMessage_bytes);
     ASSERT_TRUE(received.take(bytes));
   }
@@ -111,11 +111,11 @@ TEST(PlanePacker, TakesTheLongestSides) {
 }
 
 TEST(PlanePacker, MakesNoSliceOfNothing) {
-  EXPECT_TRUE(packed(PixelPlane{}, PlaneKind::Depth).empty());
+  EXPECT_TRUE(packed_plane(PixelPlane{}, PlaneKind::Depth).empty());
 }
 
 TEST(PlanePacker, SpendsHardlyAnythingOnOneValue) {
-  EXPECT_LT(bytes_in(packed(one_value({512, 512}, 4, 0x3f800001), PlaneKind::Depth)), 200u);
+  EXPECT_LT(bytes_in(packed_plane(one_value({512, 512}, 4, 0x3f800001), PlaneKind::Depth)), 200u);
 }
 
 /// Values that are linear on the screen, such as the depth of a plane, are predicted up to rounding.
@@ -125,7 +125,7 @@ TEST(PlanePacker, SpendsLittleOnWhatIsLinearOnTheScreen) {
     for (std::uint32_t x = 0; x < 256; ++x)
       plane.words[y * 256 + x] = std::bit_cast<std::uint32_t>(1.0f + 1.37e-4f * static_cast<float>(x) +
                                                               2.11e-4f * static_cast<float>(y));
-  EXPECT_LT(bytes_in(packed(plane, PlaneKind::Depth)), 256u * 256 * 4 / 8);
+  EXPECT_LT(bytes_in(packed_plane(plane, PlaneKind::Depth)), 256u * 256 * 4 / 8);
 }
 
 /// Each channel and each of the two numbers of a normal has its own gradient.
@@ -133,16 +133,16 @@ TEST(PlanePacker, LanesDoNotDisturbEachOther) {
   PixelPlane plane({128, 128}, 4);
   for (std::uint32_t i = 0; i < plane.words.size(); ++i)
     plane.words[i] = (i * 2654435761u & 0xffff0000u) | 0x1234;
-  const std::size_t as_normal = bytes_in(packed(plane, PlaneKind::Normal));
+  const std::size_t as_normal = bytes_in(packed_plane(plane, PlaneKind::Normal));
   for (std::uint32_t& word : plane.words) word &= 0xffff0000u;
-  EXPECT_NEAR(static_cast<double>(as_normal), static_cast<double>(bytes_in(packed(plane, PlaneKind::Normal))),
-              500);
+  EXPECT_NEAR(static_cast<double>(as_normal),
+              static_cast<double>(bytes_in(packed_plane(plane, PlaneKind::Normal))), 500);
 }
 
 TEST(PlaneSlices, DecodeInAnyOrderAndTwice) {
   std::mt19937 random(6);
   const PixelPlane plane = noise_plane({96, 96}, 3, random);
-  auto messages = packed(plane, PlaneKind::PositionY);
+  auto messages = packed_plane(plane, PlaneKind::PositionY);
   ASSERT_GT(messages.size(), 4u);
   std::shuffle(messages.begin(), messages.end(), random);
   Received received(plane);
@@ -156,7 +156,7 @@ TEST(PlaneSlices, DecodeInAnyOrderAndTwice) {
 TEST(PlaneSlices, ALostOneLeavesItsTilesUnknownAndNothingElse) {
   std::mt19937 random(8);
   const PixelPlane plane = noise_plane({96, 96}, 4, random);
-  const auto messages = packed(plane, PlaneKind::Depth);
+  const auto messages = packed_plane(plane, PlaneKind::Depth);
   const TileGrid grid{plane.size};
   for (std::size_t lost = 0; lost < messages.size(); ++lost) {
     Received received(plane);
@@ -177,7 +177,7 @@ TEST(PlaneSlices, ALostOneLeavesItsTilesUnknownAndNothingElse) {
 
 TEST(PlaneSlices, OfAnotherSizeOrWordAreRefused) {
   std::mt19937 random(9);
-  const Bytes message = packed(noise_plane({32, 32}, 3, random), PlaneKind::BaseColor).front();
+  const Bytes message = packed_plane(noise_plane({32, 32}, 3, random), PlaneKind::BaseColor).front();
   for (const PixelPlane& other : {PixelPlane({32, 31}, 3), PixelPlane({32, 32}, 4)}) {
     Received received(other);
     EXPECT_EQ(received.take(message), refuse(WireRefusal::OtherMask));
@@ -224,7 +224,7 @@ void expect_harmless(const Bytes& bytes, const PixelPlane& like) {
 TEST(PlaneSlices, EveryTruncationIsRefusedAndChangesNothing) {
   std::mt19937 random(10);
   const PixelPlane plane = smooth_plane({64, 64}, 3, random);
-  for (const Bytes& whole : packed(plane, PlaneKind::BaseColor))
+  for (const Bytes& whole : packed_plane(plane, PlaneKind::BaseColor))
     for (std::size_t size = 0; size < whole.size(); ++size) {
       const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
       Received received(plane);
@@ -237,7 +237,7 @@ TEST(PlaneSlices, EveryTruncationIsRefusedAndChangesNothing) {
 TEST(PlaneSlices, EveryFlippedBitIsHarmless) {
   std::mt19937 random(12);
   const PixelPlane plane = smooth_plane({48, 48}, 4, random);
-  for (const Bytes& whole : packed(plane, PlaneKind::Normal))
+  for (const Bytes& whole : packed_plane(plane, PlaneKind::Normal))
     for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
       Bytes flipped = whole;
       flipped[bit / 8] ^= std::byte{1} << bit % 8;
