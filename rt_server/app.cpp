@@ -1,7 +1,6 @@
 #include "rt_server/app.h"
 
 #include <spdlog/fmt/fmt.h>
-#include <spdlog/spdlog.h>
 
 #include <filesystem>
 
@@ -97,7 +96,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   Expected<Scene> loaded = load_scene(options.scene);
   if (!loaded) return tl::unexpected(loaded.error());
   const auto [scene, plan] = plan_scene(std::move(*loaded), {.kind = options.plan.kind});
-  if (options.plan.only_told) {
+  if (options.plan.prints_only) {
     fmt::print("{}  {:<12} the tracer holds {}\n", in_words(plan, scene), "memory",
                in_words(estimated_memory(scene, plan.trace)));
     return {};

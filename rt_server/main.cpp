@@ -55,8 +55,7 @@ void add_serving(CLI::App& app, ServeOptions& options) {
 int main(int argc, char** argv) try {
   CLI::App app(
       "Traces which lights are visible from each pixel of a stereo client, and sends the result as masks "
-      "over "
-      "UDP.");
+      "over UDP.");
   ServeOptions serving;
   KeygenOptions key;
   ServerDoctorOptions doctor;

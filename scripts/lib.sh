@@ -23,8 +23,7 @@ configure() {
   local preset=$1 options=() log=$root/build/$1.configure.log
   shift
   if command -v ccache >/dev/null; then options+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache); fi
-  # Scripts build everything at once, so they compile the sources of a library together. clang-tidy needs single files.
-  if [[ $preset != clang ]]; then options+=(-DFARSHADE_UNITY=ON); fi
+  options+=(-DFARSHADE_UNITY=ON)  # scripts build everything at once, so they compile the sources of a library together
   # Without this option CMake would keep what it found when it first configured the folder.
   if pkg-config --exists libavcodec libavutil libswscale; then options+=(-DFARSHADE_VIDEO=ON); fi
   mkdir -p "$root/build"
@@ -56,9 +55,12 @@ minutes() { printf '%d:%02d min' $(($1 / 60)) $(($1 % 60)); }
 # start_server SCENE: starts rt_server on a free loopback port with new keys. Sets `address`, where the server listens,
 # and `key`, the key file that lets a client in. If no light of the scene casts shadows, the server has nothing to serve:
 # it ends, and `address` is one where nobody listens, because the client needs no server either.
-# Call stop_server in an EXIT trap.
+# The server ends with the script, also at Ctrl-C and SIGTERM: this function sets the traps.
 start_server() {
   local program=$programs/rt_server/rt_server patience_s=60 give_up ready
+  trap stop_server EXIT
+  trap 'exit 130' INT
+  trap 'exit 143' TERM
   server_files=$(mktemp -d)
   server_log=$server_files/log
   key=$server_files/client.key
@@ -95,9 +97,6 @@ run_client() {
   local scene=$1 status=0
   shift
   start_server "$scene"
-  trap stop_server EXIT
-  trap 'exit 130' INT
-  trap 'exit 143' TERM
   "$programs/vr_client/vr_client" --scene "$scene" --server "$address" --key "$key" "$@" || status=$?
   if ((status)); then
     sed 's/^/  /' "$server_log" >&2

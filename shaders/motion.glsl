@@ -1,7 +1,7 @@
 // Motion: where a surface point was when a mask was traced, and which bits of that mask are stale.
-// The bits of a light that has moved are stale. For any other light, a pixel's bit is stale if the line to the light
-// passes the bounding sphere of an instance that has moved, at its old or its new place, and if the pixel shows such an
-// instance.
+// The bits of a light that has moved are stale. For any other light, a pixel's bit is stale in two cases: the line to
+// the light passes the bounding sphere of an instance that has moved, at its old or its new place; or the pixel itself
+// shows such an instance.
 
 // Compiled without MOTION, for scenes whose instances cannot move, only bits of lights that have moved are stale.
 

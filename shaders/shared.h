@@ -66,7 +66,7 @@ struct ShadowMapData {
 };
 
 #define FARSHADE_MAX_MASKS 4
-#define FARSHADE_MAX_SOURCES 8  // the masks traced for this eye, newest first, then those for the other eye
+#define FARSHADE_MAX_SOURCES 8  // the masks traced for this eye, in order, then those for the other eye
 #define FARSHADE_MAX_MOVED 4    // bounding spheres of moved instances
 #define FARSHADE_TILE_PX 16
 

@@ -96,18 +96,23 @@ class Progress {
  public:
   explicit Progress(std::uint32_t frames) : frames_(frames) {}
 
-  void show(std::uint32_t done) const {
-    const bool terminal = isatty(STDERR_FILENO) != 0;
-    const std::uint32_t step = terminal ? 1 : std::max(frames_ / 10, 1u);
+  void show(std::uint32_t done) {
+    const std::uint32_t step = on_terminal_ ? 1 : std::max(frames_ / 10, 1u);
     if (done % step != 0 && done != frames_) return;
     const double left_s = seconds_of(watch_.elapsed()) / done * (frames_ - done);
-    fmt::print(stderr, "{}frame {} of {}, about {:.0f} s left{}", terminal ? "\r" : "", done, frames_, left_s,
-               terminal && done != frames_ ? "   " : "   \n");
+    fmt::print(stderr, "{}frame {} of {}, about {:.0f} s left   {}", on_terminal_ ? "\r" : "", done, frames_,
+               left_s, on_terminal_ ? "" : "\n");
+    line_is_open_ = on_terminal_;
     std::fflush(stderr);
+  }
+  /// Ends the line. A run that skipped its last display times shows no last frame.
+  void end() const {
+    if (line_is_open_) fmt::print(stderr, "\n");
   }
 
  private:
   std::uint32_t frames_;
+  bool on_terminal_ = isatty(STDERR_FILENO) != 0, line_is_open_ = false;
   Stopwatch watch_;
 };
 
@@ -129,7 +134,8 @@ Expected<void> show(const Options& options, const RunContext& context, std::uint
   };
   const auto stop = [&] { return stop_signal.has_come() || report.failed().has_value(); };
   if (auto done = run(context, *make_pipeline(context), watch, stop); !done) return done;
-  if (stop_signal.has_come()) fmt::print(stderr, "\nstopped; writing the reports of the frames so far\n");
+  progress.end();
+  if (stop_signal.has_come()) fmt::print(stderr, "stopped; writing the reports of the frames so far\n");
 
   for (const std::uint32_t dump : options.dump)
     if (dump == 0 || dump > report.log().records().size())

@@ -72,8 +72,10 @@ Expected<void> check_mode(const ModeSettings& settings, const Scene& scene) {
 std::uint32_t frames_in_flight(const Options& options) {
   double late_ms = options.pace == Pace::Real ? kLongestRoundTrip_ms : options.delay_ms;
   if (options.preview) late_ms += kWorstPreviewPath_ms;
-  return static_cast<std::uint32_t>(std::ceil(late_ms * 1e-3 * options.refresh_hz)) +
-         static_cast<std::uint32_t>(kMaxMasks) * options.request.every + 4;
+  const double late_frames = std::ceil(late_ms * 1e-3 * options.refresh_hz);
+  const std::uint32_t every = options.preview ? 1 : options.request.every;  // the viewer may change it
+  return static_cast<std::uint32_t>(std::ceil(late_frames / every)) + static_cast<std::uint32_t>(kMaxMasks) +
+         4;
 }
 
 SessionNeeds needs_of(const Options& options, double eye_distance_m) {
@@ -138,7 +140,7 @@ Expected<void> meet(const Options& options, Client& client, LinkListener listene
   client.link->tell(std::move(listener));
   const Stopwatch meeting;
   const Expected<void> met = client.link->meet(kMeetTimeout);
-  client.round_trip = meeting.elapsed() / 2;  // a handshake takes two round trips
+  if (met) client.round_trip = meeting.elapsed() / 2;  // a handshake takes two round trips
   if (met && options.size.pixels() > client.link->inbox().most_pixels())
     return fail(
         Fault::OutOfRange,

@@ -20,9 +20,8 @@ struct Client {
   ScenePlan plan;
   gpu::Device device;
   std::unique_ptr<Renderer> renderer;
-  std::unique_ptr<Reference> reference;  ///< for measuring; empty until open_reference
-  std::unique_ptr<Reference>
-      own_tracer;  ///< mode full: traces the shown shadows; empty until open_own_tracer
+  std::unique_ptr<Reference> reference;   ///< for measuring; empty until open_reference
+  std::unique_ptr<Reference> own_tracer;  ///< mode full: traces the shown shadows; empty until open_tracers
   SteadyClock clock;
   std::unique_ptr<ImpairedPort> network;  ///< to the server; impaired only if --net says so
   Peer server;

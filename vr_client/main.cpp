@@ -12,7 +12,7 @@ int main(int argc, char** argv) try {
   const tl::expected<Options, EarlyExit> options = read_options(argc, argv);
   if (!options) return options.error().status;
   if (options->doctor) return report(examine(*options->doctor));
-  const auto task = options->plan.only_told          ? print_plan
+  const auto task = options->plan.prints_only        ? print_plan
                     : !options->export_trace.empty() ? export_head_recording
                     : !options->replay.empty()       ? run_replay
                     : options->preview               ? run_preview

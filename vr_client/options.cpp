@@ -195,7 +195,7 @@ void add_other_options(CLI::App& app, CommandLine& line) {
 /// Throws a CLI::ParseError if options are missing or contradict each other.
 Options checked(CommandLine line) {
   Options& options = line.options;
-  if (options.trace.empty() && !options.preview && options.replay.empty() && !options.plan.only_told)
+  if (options.trace.empty() && !options.preview && options.replay.empty() && !options.plan.prints_only)
     throw CLI::RequiredError("--trace");
   if (options.scene.empty() && options.export_trace.empty()) throw CLI::RequiredError("--scene");
   const Expected<Extent> size = parse_size(line.size);
@@ -208,8 +208,7 @@ Options checked(CommandLine line) {
   if (!options.dump.empty() && (answers_for(options.mode.mode) & kDrawnAnswers) != 0)
     throw CLI::ValidationError("--dump",
                                "mode " + mode + " shows pictures of the server; there is no mask to dump");
-  const bool has_masks = options.mode.mode == Mode::Hybrid || options.mode.mode == Mode::Full;
-  if (!options.record.empty() && !has_masks)
+  if (!options.record.empty() && !can_be_captured(options.mode.mode))
     throw CLI::ValidationError("--record", "only modes hybrid and full can be captured, not mode " + mode);
   return std::move(options);
 }

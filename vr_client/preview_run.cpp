@@ -1,6 +1,3 @@
-#include "vr_client/app.h"
-#include "vr_client/modes/make_pipeline.h"
-
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -9,7 +6,9 @@
 #include "stereo/base/files.h"
 #include "stereo/base/stop_signal.h"
 #include "stereo/head/reader.h"
+#include "vr_client/app.h"
 #include "vr_client/client.h"
+#include "vr_client/modes/make_pipeline.h"
 #include "vr_client/preview/inspection.h"
 #include "vr_client/preview/panel.h"
 #include "vr_client/preview/presenter.h"
@@ -183,14 +182,16 @@ class Preview {
     if (!controls_.take(Command::RecordCapture)) return;
     if (recordings_.writes_capture())
       recordings_.end_capture();
-    else
+    else if (can_be_captured(options_.mode.mode))
       restart_ = Restart::Wanted;
+    else
+      recordings_.refuse_capture(name_of(options_.mode.mode));
   }
 
   /// Inspects, records and shows a frame that was drawn.
   void watch(const FrameView& view) {
     lights_ = view.state.light_set;
-    inspection_.inspect(view, controls_, reference());
+    inspection_.inspect(view, controls_, view.as == ShownAs::Picture ? nullptr : reference());
     const Composition composition = compose(view);
     record(view, composition);
     if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->inbox() : nullptr);
@@ -251,7 +252,7 @@ class Preview {
 
   [[nodiscard]] std::string server_state() const {
     if (!client_.link)
-      return client_.scene.lights.empty()        ? "the scene has no lights: no server"
+      return !client_.plan.server                ? "no light casts shadows: no server"
              : options_.mode.mode == Mode::Local ? "shadow maps: no server"
                                                  : "this client traces: no server";
     const std::string server =

@@ -30,7 +30,8 @@ Expected<void> AnswerRenderer::reopen() {
 
 Renderer& AnswerRenderer::renderer_for(Extent size) {
   if (!device_)
-    if (const Expected<void> opened = reopen(); !opened) throw std::runtime_error(opened.error().what);
+    if (const Expected<void> opened = reopen(); !opened)
+      throw AnswersLost(kDrawnAnswers, opened.error().what);
   if (std::unique_ptr<Renderer>* const found = renderers_.find(size)) return **found;
   auto renderer =
       std::make_unique<Renderer>(*device_, context_.scene, context_.plan.draw,

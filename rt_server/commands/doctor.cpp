@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "stereo/net/udp.h"
+#include "stereo/plan/scene_plan.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/wire/key_file.h"
 
@@ -12,10 +13,11 @@ namespace farshade {
 namespace {
 
 Finding check_served_scene(const std::string& path) {
-  const Expected<Scene> scene = load_scene(path);
+  Expected<Scene> scene = load_scene(path);
   Finding finding = check_scene(scene);
-  if (scene && scene->lights.empty()) {
+  if (scene && !plan_scene(std::move(*scene)).plan.server) {
     finding.severity = Severity::Fail;
+    finding.found += ": no light casts shadows";
     finding.cure = "add lights (KHR_lights_punctual), or run clients without a server";
   }
   return finding;

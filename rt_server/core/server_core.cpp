@@ -46,8 +46,7 @@ std::string counters_line(const ServerCounters& counters) {
       "received, {} oversized, {} refused{}; hellos: {} without a cookie, {} repeated; not admitted: {} of "
       "another version, {} without a known key, {} of another scene, {} because the server was full, {} over "
       "the handshake limit; sessions: {} open, {} timed out, {} replaced, {} ended because their answer is "
-      "no "
-      "longer offered, {} moved; {} frames slowed by --bytes-per-second",
+      "no longer offered, {} moved; {} frames slowed by --bytes-per-second",
       sessions.welcomed, sessions.requests, sessions.superseded, sessions.outdated, sessions.too_large,
       sessions.unanswered, sessions.stray, counters.frames, counters.port.sent, counters.port.sent_bytes,
       counters.port.unsent, counters.port.received, counters.port.oversized, counters.refused.total(),
@@ -59,8 +58,7 @@ std::string counters_line(const ServerCounters& counters) {
 std::string rays_line(const TraceStats& traced) {
   return fmt::format(
       "rt_server: rays: {} from eyes, {} to lights, of {} covered pixels times lights; the others needed "
-      "none: "
-      "{} turned away, {} out of range, {} out of cone, {} proved in sight",
+      "none: {} turned away, {} out of range, {} out of cone, {} proved in sight",
       traced.primary_rays, traced.shadow_rays, traced.full_shadow_rays, traced.turned_away,
       traced.out_of_range, traced.out_of_cone, traced.proven);
 }

@@ -40,9 +40,9 @@ enum class ReceivedMessage : std::uint8_t {
   Stray,       ///< positions of another request, or more than it announced
 };
 
-/// Sends the datagrams of one frame evenly over the frame interval, and never faster than the path takes
-/// them. The session's next frame is traced when its outbox is empty and the path has drained. So a slow path
-/// lowers the mask rate and does not build a queue. Memory is reused.
+/// Sends the datagrams of one frame evenly over a part of the frame interval, and never faster than the path
+/// takes them. The session's next frame is traced when its outbox is empty and the path has drained. So a
+/// slow path lowers the mask rate and does not build a queue. Memory is reused.
 class Outbox {
  public:
   /// Copies the messages of one frame. The outbox must be empty. The first message is due at `now`, or at

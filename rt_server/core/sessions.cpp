@@ -103,7 +103,7 @@ void Sessions::end_replaced(SessionId kept) {
 void Sessions::offer(AnswerSet answers) {
   served_.answers = answers;
   counters_.withdrawn += std::erase_if(sessions_, [&](const ClientSession& session) {
-    return session.requested_answer() && (set_of(*session.requested_answer()) & answers) == 0;
+    return !session.requested_answer() || (set_of(*session.requested_answer()) & answers) == 0;
   });
   for (ClientSession& session : sessions_) session.offer(answers);
 }

@@ -48,7 +48,7 @@ struct CarryOver {
   friend auto operator<=>(const CarryOver&, const CarryOver&) = default;
 };
 
-/// What a pixel was shaded with: the index of a mask in use (0 = newest), plus kOtherEye if that mask was
+/// What a pixel was shaded with: the index of a mask in use (0 = first), plus kOtherEye if that mask was
 /// traced for the other eye, plus kNeighbour if its view saw only the surface beside the point; or one of the
 /// two last values.
 inline constexpr std::uint8_t kOtherEye = FARSHADE_MAX_MASKS, kNeighbour = FARSHADE_NEIGHBOUR,

@@ -1,8 +1,6 @@
 /// The data of a frame for the shaders, computed in double and rounded to float once. Pure; no device needed.
 #pragma once
 
-#include <span>
-
 #include "shaders/shared.h"
 #include "stereo/frame/pose_delta.h"
 #include "stereo/scene/scene_state.h"

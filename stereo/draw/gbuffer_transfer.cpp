@@ -66,6 +66,7 @@ void GBufferTransfer::read(const DepthRing::Place& place, GBufferPlanes& planes)
       commands.copyImageToBuffer(*part.image.image, source, *readback_.buffer, copy_of(part, size_));
       gpu::transition(commands, part.image, source, rest, part.layers);
     }
+    gpu::show_copies_to_host(commands);
   });
   const std::size_t pixels = size_.pixels();
   const auto words = readback_.as<const std::uint32_t>();

@@ -1,7 +1,6 @@
 #include "stereo/draw/motion.h"
 
 #include <algorithm>
-#include <glm/geometric.hpp>
 
 #include "stereo/base/check.h"
 

@@ -59,9 +59,9 @@ class Renderer::Parts {
   std::optional<DepthPass> depth_pass_;    ///< created at first use
   std::optional<ShadowMaps> shadow_maps_;  ///< created at first use
   ShadingPass shading_;
-  std::optional<TurnPass> turn_;                 ///< created at first use
-  DepthRing::Place shown_depth_;                 ///< of the last drawn frame
-  std::optional<DepthRing::Place> asked_depth_;  ///< set if the depth pass must draw
+  std::optional<TurnPass> turn_;                     ///< created at first use
+  DepthRing::Place shown_depth_;                     ///< of the last drawn frame
+  std::optional<DepthRing::Place> requested_depth_;  ///< set if the depth pass must draw
   vk::raii::CommandBuffer commands_{nullptr};
   vk::raii::Fence fence_{nullptr};
   gpu::Timestamps stamps_;
@@ -99,17 +99,19 @@ void Renderer::Parts::make_depth_pass() {
 
 /// Chooses where the depth of the shown views goes, and that of the requested views if they differ.
 void Renderer::Parts::place_depth(const ShownFrame& frame) {
-  asked_depth_.reset();
+  requested_depth_.reset();
   shown_depth_ = ring_.shown();
   if (frame.request == nullptr) return;
+  const bool same =
+      frame.request->views == frame.views && frame.request->scene_time == frame.state.scene_time;
+  if (!same && !plan_.depth_pass) return;
   const std::optional<DepthRing::Place> place = ring_.claim(frame.request->frame, frame.request_slot);
   if (!place) return;
-  if (frame.request->views == frame.views && frame.request->scene_time == frame.state.scene_time) {
+  if (same) {
     shown_depth_ = *place;
     return;
   }
-  if (!plan_.depth_pass) return;
-  asked_depth_ = place;
+  requested_depth_ = place;
   if (!depth_pass_) make_depth_pass();
   depth_pass_->prepare(frame.request->views,
                        plan_.anything_moves() ? state_at(scene_, frame.request->scene_time) : frame.state);
@@ -213,7 +215,7 @@ DrawTimes Renderer::Parts::submit(const ShownFrame& frame, Stage stage) {
   else if (stage != Stage::Shade)
     gbuffer_.record(commands_, ring_, shown_depth_);
   stamps_.write(commands_, 1);
-  if (stage != Stage::Shade && asked_depth_) depth_pass_->record(commands_, ring_, *asked_depth_);
+  if (stage != Stage::Shade && requested_depth_) depth_pass_->record(commands_, ring_, *requested_depth_);
   stamps_.write(commands_, 2);
   const bool with_maps = frame.shadow_maps != nullptr;
   if (with_maps) shadow_maps_->record(commands_);
@@ -313,7 +315,7 @@ DrawCounters Renderer::Parts::counters() const {
     if (drawn) counters.vertex_bytes_read += pass.vertex_bytes_read();
   };
   add(gbuffer_.scene_pass(), true);
-  if (depth_pass_) add(depth_pass_->scene_pass(), asked_depth_.has_value());
+  if (depth_pass_) add(depth_pass_->scene_pass(), requested_depth_.has_value());
   if (shadow_maps_) {
     add(shadow_maps_->scene_pass(), shadow_maps_->due());
     counters.bindings += shadow_maps_->bindings().kinds.size();
@@ -340,6 +342,7 @@ void Renderer::Parts::read_back(const gpu::Image& image, vk::ImageLayout layout,
         vk::BufferImageCopy{.imageSubresource = {image.aspect, 0, layers.first, layers.count},
                             .imageExtent = {size.width, size.height, 1}});
     gpu::transition(commands, image, source, layout, layers);
+    gpu::show_copies_to_host(commands);
   });
 }
 

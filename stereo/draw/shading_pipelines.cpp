@@ -1,6 +1,5 @@
 #include "stereo/draw/shading_pipelines.h"
 
-#include <array>
 #include <bit>
 
 #include "shaders/shade.comp.spv.h"

@@ -1,4 +1,3 @@
-#include <algorithm>
 
 #include "stereo/draw/shading.h"
 

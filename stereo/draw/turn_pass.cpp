@@ -92,12 +92,12 @@ TurnPass::TurnPass(const gpu::Device& device, const gpu::Image& shown)
   gpu::bind_image(device, bindings_, 1, {*shown.view, vk::ImageLayout::eGeneral, nullptr});
   gpu::bind_buffer(device, bindings_, 2, light_of_);
   std::ranges::copy(light_of_levels(), light_of_.as<float>().begin());
-  const vk::PushConstantRange told{.stageFlags = vk::ShaderStageFlagBits::eCompute,
+  const vk::PushConstantRange push{.stageFlags = vk::ShaderStageFlagBits::eCompute,
                                    .size = sizeof(gpu::TurnData)};
   layout_ = device.logical.createPipelineLayout({.setLayoutCount = 1,
                                                  .pSetLayouts = &*bindings_.layout,
                                                  .pushConstantRangeCount = 1,
-                                                 .pPushConstantRanges = &told});
+                                                 .pPushConstantRanges = &push});
 }
 
 void TurnPass::load(const PerEye<Image<Rgb8>>& picture) {

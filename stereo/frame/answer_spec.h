@@ -36,8 +36,6 @@ inline constexpr AnswerSet kDrawnAnswers =
 [[nodiscard]] constexpr bool is_drawn(Answer answer) {
   return (set_of(answer) & kDrawnAnswers) != 0;
 }
-/// Answers that a build without a video encoder can give.
-inline constexpr AnswerSet kUncodedAnswers = kTracedAnswers | set_of(Answer::GBuffer);
 inline constexpr AnswerSet kEveryAnswer = (1u << kAnswers) - 1;
 
 /// Whether the encoder may predict a picture from the one before it.

@@ -1,10 +1,8 @@
 #include "stereo/gpu/device.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
 #include <optional>
-#include <stdexcept>
 
 namespace farshade::gpu {
 namespace {

@@ -2,7 +2,6 @@
 /// on, it keeps every message of the validation layers; tests expect none.
 #pragma once
 
-#include <atomic>
 #include <memory>
 #include <mutex>
 #include <string>

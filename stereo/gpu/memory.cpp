@@ -179,6 +179,14 @@ void transition(const vk::raii::CommandBuffer& commands, vk::Image image, vk::Im
   barrier(commands, image, from, to, {vk::ImageAspectFlagBits::eColor, 0, 1, 0, 1});
 }
 
+void show_copies_to_host(const vk::raii::CommandBuffer& commands) {
+  const vk::MemoryBarrier2 visible{.srcStageMask = vk::PipelineStageFlagBits2::eTransfer,
+                                   .srcAccessMask = vk::AccessFlagBits2::eTransferWrite,
+                                   .dstStageMask = vk::PipelineStageFlagBits2::eHost,
+                                   .dstAccessMask = vk::AccessFlagBits2::eHostRead};
+  commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &visible});
+}
+
 void transition_mips(const vk::raii::CommandBuffer& commands, const Image& image, vk::ImageLayout from,
                      vk::ImageLayout to, MipRange mips) {
   barrier(commands, *image.image, from, to, {vk::ImageAspectFlagBits::eColor, mips.first, mips.count, 0, 1});

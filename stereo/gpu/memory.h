@@ -53,7 +53,7 @@ struct ImageSpec {
 
 struct Image {
   Charge charge;
-  vk::raii::DeviceMemory memory{nullptr};  ///< null for a texture: Textures::memory
+  vk::raii::DeviceMemory memory{nullptr};  ///< null for an image of an ImageGroup
   vk::raii::Image image{nullptr};
   vk::raii::ImageView view{nullptr};  ///< all layers as an array, all mip levels
   ImageSpec spec;
@@ -74,6 +74,9 @@ void transition(const vk::raii::CommandBuffer& commands, const Image& image, vk:
 /// The same for the one colour layer of an image that is not an Image, such as a swapchain's.
 void transition(const vk::raii::CommandBuffer& commands, vk::Image image, vk::ImageLayout from,
                 vk::ImageLayout to);
+
+/// The host sees the copies recorded before, once their fence is signalled. A fence alone does not ensure it.
+void show_copies_to_host(const vk::raii::CommandBuffer& commands);
 
 /// The same for mip levels of the first layer of a colour image.
 struct MipRange {

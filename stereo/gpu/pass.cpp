@@ -1,7 +1,5 @@
 #include "stereo/gpu/pass.h"
 
-#include <algorithm>
-
 namespace farshade::gpu {
 
 vk::raii::ShaderModule make_shader(const Device& device, std::span<const std::uint32_t> spirv,

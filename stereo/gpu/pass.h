@@ -2,7 +2,6 @@
 /// timestamps.
 #pragma once
 
-#include <array>
 #include <span>
 #include <vector>
 

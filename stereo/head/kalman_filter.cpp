@@ -1,7 +1,6 @@
 #include "stereo/head/kalman_filter.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "stereo/head/damped_motion.h"
 

@@ -18,7 +18,7 @@
 namespace farshade {
 
 inline constexpr std::uint64_t kMaxRecordingBytes = 64u << 20;
-/// A recording needs more samples than one line segment.
+/// A file needs at least this many samples: two would be a single straight motion.
 inline constexpr std::size_t kFewestSamples = 3;
 /// The length of a recorded quaternion may differ from 1 by this. It is normalised.
 inline constexpr double kUnitTolerance = 1e-2;

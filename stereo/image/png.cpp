@@ -1,7 +1,6 @@
 /// PNG with libpng's row interface. The simplified interface would be shorter, but it applies gamma chunks.
 #include <png.h>
 
-#include <algorithm>
 #include <bit>
 #include <cstdio>
 #include <cstring>

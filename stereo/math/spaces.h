@@ -4,7 +4,6 @@
 #pragma once
 
 #include <glm/gtc/quaternion.hpp>
-#include <glm/mat3x4.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 

@@ -135,63 +135,64 @@ constexpr std::array kRates_bytes_per_s{Unit{"kbit", 1e3 / 8}, Unit{"Mbit", 1e6 
 constexpr double kMostTime_ns = 60e9;
 
 /// The result of parsing a value.
-enum class Word { Sound, Malformed, OutOfRange };
+enum class ParseResult { Sound, Malformed, OutOfRange };
 
-Word number(std::string_view text, std::span<const Unit> units, double least, double most, double& into) {
+ParseResult number(std::string_view text, std::span<const Unit> units, double least, double most,
+                   double& into) {
   double value = 0;
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{}) return Word::Malformed;
+  if (error != std::errc{}) return ParseResult::Malformed;
   const auto unit = std::ranges::find(units, std::string_view(stop, end), &Unit::name);
-  if (unit == units.end()) return Word::Malformed;
+  if (unit == units.end()) return ParseResult::Malformed;
   value *= unit->factor;
-  if (!(value >= least && value <= most)) return Word::OutOfRange;
+  if (!(value >= least && value <= most)) return ParseResult::OutOfRange;
   into = value;
-  return Word::Sound;
+  return ParseResult::Sound;
 }
 
-Word time(std::string_view text, Duration& into) {
+ParseResult time(std::string_view text, Duration& into) {
   double ns = 0;
-  const Word read = number(text, kTimes_ns, 0, kMostTime_ns, ns);
-  if (read == Word::Sound) into = Duration(static_cast<Duration::rep>(ns + 0.5));
+  const ParseResult read = number(text, kTimes_ns, 0, kMostTime_ns, ns);
+  if (read == ParseResult::Sound) into = Duration(static_cast<Duration::rep>(ns + 0.5));
   return read;
 }
 
-Word silence(std::string_view text, LinkModel& model) {
+ParseResult silence(std::string_view text, LinkModel& model) {
   const std::size_t slash = text.find('/');
-  if (slash == text.npos) return Word::Malformed;
-  const Word part = time(text.substr(0, slash), model.silence);
-  if (part != Word::Sound) return part;
-  const Word whole = time(text.substr(slash + 1), model.silence_every);
-  if (whole != Word::Sound) return whole;
+  if (slash == text.npos) return ParseResult::Malformed;
+  const ParseResult part = time(text.substr(0, slash), model.silence);
+  if (part != ParseResult::Sound) return part;
+  const ParseResult whole = time(text.substr(slash + 1), model.silence_every);
+  if (whole != ParseResult::Sound) return whole;
   const bool fits = model.silence <= model.silence_every && model.silence_every > Duration::zero();
-  return fits ? Word::Sound : Word::OutOfRange;
+  return fits ? ParseResult::Sound : ParseResult::OutOfRange;
 }
 
-Word rate(std::string_view text, LinkModel& model) {
+ParseResult rate(std::string_view text, LinkModel& model) {
   constexpr double kLeast_bytes_per_s = 125, kMost_bytes_per_s = 125e9;
   return number(text, kRates_bytes_per_s, kLeast_bytes_per_s, kMost_bytes_per_s, model.rate_bytes_per_s);
 }
 
-Word seed(std::string_view text, LinkModel& model) {
+ParseResult seed(std::string_view text, LinkModel& model) {
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, model.seed);
-  return error == std::errc{} && stop == end ? Word::Sound : Word::Malformed;
+  return error == std::errc{} && stop == end ? ParseResult::Sound : ParseResult::Malformed;
 }
 
 template <double LinkModel::*share>
-Word share_of(std::string_view text, LinkModel& model) {
+ParseResult share_of(std::string_view text, LinkModel& model) {
   return number(text, kShares, 0, 1, model.*share);
 }
 
 template <Duration LinkModel::*span>
-Word time_of(std::string_view text, LinkModel& model) {
+ParseResult time_of(std::string_view text, LinkModel& model) {
   return time(text, model.*span);
 }
 
 struct Setting {
   std::string_view name, example;
-  Word (*read)(std::string_view value, LinkModel& model);
+  ParseResult (*read)(std::string_view value, LinkModel& model);
 };
 constexpr std::array<Setting, 12> kSettings{{
     {"loss", "2%", share_of<&LinkModel::loss>},
@@ -227,12 +228,12 @@ Expected<void> apply(std::string_view word, LinkModel& model) {
   if (equals == word.npos || setting == kSettings.end())
     return fail(Fault::Malformed, quoted + " says nothing of a network: " + what_there_is());
   switch (setting->read(word.substr(equals + 1), model)) {
-    case Word::Sound:
+    case ParseResult::Sound:
       return {};
-    case Word::Malformed:
+    case ParseResult::Malformed:
       return fail(Fault::Malformed, quoted + " cannot be read: write it like " + std::string(setting->name) +
                                         "=" + std::string(setting->example) + "; " + what_there_is());
-    case Word::OutOfRange:
+    case ParseResult::OutOfRange:
       break;
   }
   return fail(Fault::OutOfRange,

@@ -94,7 +94,7 @@ struct PlannedScene {
 /// A program's option --plan.
 struct PlanOptions {
   PlanKind kind = PlanKind::Needed;
-  bool only_told = false;  ///< print the plan and exit
+  bool prints_only = false;  ///< print the plan and exit
 };
 
 /// The value of --plan: "" prints the plan; "needed" and "everything" choose one.

@@ -1,6 +1,5 @@
 #include "stereo/scene/gltf_accessor.h"
 
-#include <array>
 #include <cstring>
 #include <limits>
 

@@ -52,7 +52,7 @@ class JsonObject {
     return result;
   }
 
-  /// No member of an object that is missing is required.
+  /// False if the object is missing. Then none of its members is required.
   [[nodiscard]] explicit operator bool() const { return object_ != nullptr; }
   [[nodiscard]] JsonObject object(std::string_view name, Need need = Need::Optional) const;
   [[nodiscard]] std::vector<JsonObject> objects(std::string_view name, Need need = Need::Optional) const;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <map>
-#include <span>
 #include <tuple>
 
 #include "stereo/scene/gltf.h"

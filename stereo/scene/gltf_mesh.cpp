@@ -1,6 +1,7 @@
 #include "stereo/scene/gltf_mesh.h"
 
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "stereo/scene/gltf_accessor.h"
@@ -90,10 +91,13 @@ std::vector<glm::vec2> texture_coordinates(const Document& document, const Primi
   if (!accessor) return std::vector<glm::vec2>(vertices, glm::vec2(0.0f));
   auto uvs = read_vectors<2>(document, *accessor);
   if (use.offset == glm::dvec2(0.0) && use.scale == glm::dvec2(1.0) && use.rotation_rad == 0.0) return uvs;
+  constexpr double kLargest = std::numeric_limits<float>::max();  // a scale may be as large as a float
   const double cosine = std::cos(use.rotation_rad), sine = std::sin(use.rotation_rad);
   for (glm::vec2& uv : uvs) {
     const glm::dvec2 s = glm::dvec2(uv) * use.scale;
-    uv = glm::vec2(use.offset + glm::dvec2(cosine * s.x + sine * s.y, cosine * s.y - sine * s.x));
+    const glm::dvec2 transformed =
+        use.offset + glm::dvec2(cosine * s.x + sine * s.y, cosine * s.y - sine * s.x);
+    uv = glm::vec2(glm::clamp(transformed, -kLargest, kLargest));
   }
   return uvs;
 }

@@ -12,7 +12,7 @@ namespace {
 constexpr float kMaxCoordinate = 1e9f;
 
 /// Component types that an attribute may have. `integers` says which integers KHR_mesh_quantization allows.
-enum class Integers { None, NormalizedUnsigned, NormalizedSigned, Any };
+enum class Integers { NormalizedUnsigned, NormalizedSigned, Any };
 
 struct Attribute {
   std::string semantic;
@@ -23,7 +23,7 @@ struct Attribute {
 bool is_allowed(const Accessor& accessor, Integers integers) {
   const Component c = accessor.component;
   if (c == Component::Float) return true;
-  if (c == Component::UInt32 || integers == Integers::None) return false;
+  if (c == Component::UInt32) return false;
   if (integers == Integers::Any) return true;
   const bool is_signed = c == Component::Int8 || c == Component::Int16;
   return accessor.normalized && is_signed == (integers == Integers::NormalizedSigned);

@@ -3,8 +3,6 @@
 /// surface is neither seen nor casts.
 #pragma once
 
-#include <span>
-
 #include "stereo/scene/scene.h"
 
 namespace farshade {

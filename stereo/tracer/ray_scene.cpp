@@ -10,6 +10,7 @@
 
 #include <atomic>
 #include <cstddef>
+#include <stdexcept>
 #include <string>
 #include <type_traits>
 
@@ -267,6 +268,8 @@ RayScene::~RayScene() = default;
 
 void RayScene::update() {
   impl_->update();
+  if (const RTCError error = rtcGetDeviceError(impl_->device.get()); error != RTC_ERROR_NONE)
+    throw std::runtime_error("Embree could not move the scene (error " + std::to_string(error) + ")");
 }
 std::size_t RayScene::bytes() const {
   return static_cast<std::size_t>(impl_->memory.bytes.load());

@@ -22,7 +22,6 @@
 /// three scenes, but then the light's coordinates would count into M.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 

@@ -88,7 +88,6 @@ struct Tracer::Impl {
 void Tracer::Impl::advance_to(Time scene_time, const LightChanges& changes) {
   if (scene.animation_length_s > 0 && scene_time != state.scene_time) {
     state = state_at(scene, scene_time);
-    state.scene_time = scene_time;
     if (model.fixed_count() < model.patches().size()) {
       model.place(state);
       rays->update();

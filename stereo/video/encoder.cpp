@@ -2,6 +2,7 @@
 #include <limits>
 
 #include "stereo/base/check.h"
+#include "stereo/frame/answer_spec.h"
 #include "stereo/video/colours.h"
 #include "stereo/video/libav.h"
 #include "stereo/video/video.h"
@@ -23,7 +24,7 @@ std::string refusal(const VideoFormat& format) {
     return "video of " + std::to_string(width) + " x " + std::to_string(height) +
            ": sides must be even, 32 to " + std::to_string(2 * kMaxViewSide_px) + " x " +
            std::to_string(kMaxViewSide_px);
-  if (format.bits_per_second < 100'000 || format.bits_per_second > 1'000'000'000)
+  if (format.bits_per_second < kLeastVideo_bits || format.bits_per_second > kMostVideo_bits)
     return "video of " + std::to_string(format.bits_per_second) + " bit/s: must be 10^5 to 10^9";
   if (!(format.frames_per_second >= 1 && format.frames_per_second <= 1000))
     return "video of " + std::to_string(format.frames_per_second) + " frames/s: must be 1 to 1000";

@@ -5,7 +5,6 @@
 
 #include <concepts>
 #include <optional>
-#include <span>
 #include <type_traits>
 #include <variant>
 

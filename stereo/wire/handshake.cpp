@@ -118,8 +118,8 @@ bool ClientHandshake::take(const Retry& retry) {
   return true;
 }
 
-std::optional<ClientHandshake::Met> ClientHandshake::take(const Accept& accept,
-                                                          std::span<const std::byte> datagram) const {
+std::optional<ClientHandshake::Completed> ClientHandshake::take(const Accept& accept,
+                                                                std::span<const std::byte> datagram) const {
   if (accept.echo != echo()) return std::nullopt;
   std::vector<std::byte> hello;
   write_hello(hello);
@@ -133,7 +133,7 @@ std::optional<ClientHandshake::Met> ClientHandshake::take(const Accept& accept,
   const Decoded<ServerMessage> answer = decode_server(message);
   if (!answer || !(std::holds_alternative<Welcome>(*answer) || std::holds_alternative<Refusal>(*answer)))
     return std::nullopt;
-  return Met{keys, *answer};
+  return Completed{keys, *answer};
 }
 
 bool is_proved(const Hello& hello, std::span<const std::byte> datagram, const SharedKey& key) {

@@ -34,13 +34,14 @@ class ClientHandshake {
   /// Keeps the Retry's cookie; the caller sends another Hello at once. False: it does not answer this Hello.
   [[nodiscard]] bool take(const Retry& retry);
 
-  struct Met {
+  struct Completed {
     SessionKeys keys;
     ServerMessage answer;  ///< Welcome or Refusal
   };
   /// `accept` was read from `datagram`. Returns nothing if it does not answer this Hello, or if its sender
   /// does not have the key.
-  [[nodiscard]] std::optional<Met> take(const Accept& accept, std::span<const std::byte> datagram) const;
+  [[nodiscard]] std::optional<Completed> take(const Accept& accept,
+                                              std::span<const std::byte> datagram) const;
 
   [[nodiscard]] HelloEcho echo() const;
 

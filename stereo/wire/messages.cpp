@@ -3,8 +3,6 @@
 #include "stereo/wire/messages.h"
 
 #include <algorithm>
-#include <cmath>
-#include <glm/geometric.hpp>
 #include <limits>
 
 #include "stereo/frame/tiles.h"

@@ -25,7 +25,7 @@ namespace farshade {
 
 inline constexpr std::uint16_t kProtocolVersion = 3;
 inline constexpr std::size_t kMaxDatagram_bytes = 1200;  ///< UDP payload, sealing included
-inline constexpr std::size_t kSealing_bytes = 39;        ///< of which sealing adds (envelope.h)
+inline constexpr std::size_t kSealing_bytes = 39;  ///< the part of a datagram that sealing needs (envelope.h)
 inline constexpr std::size_t kMaxMessage_bytes = kMaxDatagram_bytes - kSealing_bytes;
 
 /// The same as Scene::hash, without a dependency on scenes.
@@ -128,6 +128,11 @@ struct FrameReport {
   ViewScale view_scale{};                        ///< the size of views that the client should request
   friend bool operator==(const FrameReport&, const FrameReport&) = default;
 };
+
+/// The server's work on the frame, without waiting.
+[[nodiscard]] inline Duration total_work(const FrameReport& report) {
+  return report.primary + report.shadow + report.draw + report.pack;
+}
 
 /// The server sends it to a new address of a client. The client puts the token into its next requests, and
 /// the server then sends slices to that address. It is also a keepalive (kKeepaliveInterval) from a busy

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "stereo/net/explain.h"
@@ -126,6 +128,17 @@ TEST(ServerDoctor, WarnsOfAFirewallBeforeAnAddressOfTheNetwork) {
 TEST(ServerDoctor, FailsOnAMissingScene) {
   expect_fail(ask_server({"--keys", test_keys().ring, "--listen", "127.0.0.1:0", "--scene", "no/such.glb"}),
               "scene", "no/such.glb", "--scene");
+}
+
+TEST(ServerDoctor, FailsOnASceneWhoseLightsAreAllDark) {
+  const ScratchFolder folder;
+  const fs::path dark = folder.path() / "dark.gltf";
+  std::ifstream original(FARSHADE_ASSETS "/box_over_plane.gltf");
+  nlohmann::json scene = nlohmann::json::parse(original);
+  for (nlohmann::json& light : scene["extensions"]["KHR_lights_punctual"]["lights"]) light["intensity"] = 0;
+  std::ofstream(dark) << scene;
+  expect_fail(ask_server({"--keys", test_keys().ring, "--listen", "127.0.0.1:0", "--scene", dark.string()}),
+              "scene", "no light casts shadows", "KHR_lights_punctual");
 }
 
 class ClientDoctor : public testing::Test {

@@ -120,7 +120,7 @@ void add_times(const Played& played, std::uint32_t first, Figures& figures) {
     add("client_turn", client.turn);
   }
   for (const FrameReport& server : reports_after(played, first)) {
-    add("server_frame", server.primary + server.shadow + server.draw + server.pack);
+    add("server_frame", total_work(server));
     add("server_primary", server.primary);
     add("server_shadow", server.shadow);
     add("server_draw", server.draw);

@@ -232,9 +232,9 @@ TEST(ReadOptions, PlanAndPreviewAndExportNeedLess) {
 }
 
 TEST(ReadOptions, ReadsThePlan) {
-  EXPECT_FALSE(read_more({}).options->plan.only_told);
+  EXPECT_FALSE(read_more({}).options->plan.prints_only);
   const Outcome told = read_more({"--plan"});
-  EXPECT_TRUE(told.options->plan.only_told);
+  EXPECT_TRUE(told.options->plan.prints_only);
   EXPECT_EQ(told.options->plan.kind, PlanKind::Needed);
   EXPECT_EQ(read_more({"--plan=everything"}).options->plan.kind, PlanKind::Everything);
 }

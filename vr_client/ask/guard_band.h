@@ -4,7 +4,6 @@
 /// for, over the last two seconds, plus a term for the head's present speed.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "stereo/base/clock.h"
@@ -47,8 +46,8 @@ class GuardBand {
   void observe(const StereoView& shown, const StereoView& traced);
 
   /// The margins for views that are predicted `lead` ahead, and whose masks are used from `spread` before to
-  /// `spread` after that time, while the head moves with `velocity`. `share` scales the measured width. The
-  /// widened views are no larger than largest_traced(size).
+  /// `spread` after that time, while the head moves with `velocity`. `share` scales the margins before they
+  /// are rounded. The widened views are no larger than largest_traced(size).
   [[nodiscard]] Sides<std::uint32_t> margins_px(const StereoView& views, const Twist& velocity, Duration lead,
                                                 Duration spread, double share = 1) const;
 

@@ -46,6 +46,11 @@ inline constexpr std::array<ModeName, 7> kModes{
   return mode == Mode::Hybrid || mode == Mode::ClientPositions;
 }
 
+/// A capture holds masks, not pictures or G-buffers.
+[[nodiscard]] constexpr bool can_be_captured(Mode mode) {
+  return mode == Mode::Hybrid || mode == Mode::Full;
+}
+
 struct ModeSettings {
   Mode mode = Mode::Hybrid;
   std::uint32_t bits_per_second = 20'000'000;  ///< Remote, Delta

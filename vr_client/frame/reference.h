@@ -2,8 +2,6 @@
 /// measured against it.
 #pragma once
 
-#include <vector>
-
 #include "stereo/draw/carry_over.h"
 #include "stereo/tracer/tracer.h"
 

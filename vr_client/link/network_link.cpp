@@ -136,7 +136,7 @@ void NetworkLink::take_refusal(const OpenRefusal& refusal) {
 }
 
 void NetworkLink::take_accept(const Accept& accept, std::span<const std::byte> datagram) {
-  const std::optional<ClientHandshake::Met> met = handshake_->take(accept, datagram);
+  const std::optional<ClientHandshake::Completed> met = handshake_->take(accept, datagram);
   if (!met) return;
   handshake_.reset();
   unproved_refusal_at_.reset();

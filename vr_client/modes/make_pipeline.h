@@ -7,8 +7,8 @@
 
 namespace farshade {
 
-// The context has the link or the tracer that the mode needs, unless no
-// light casts shadows. References are kept.
+// The pipelines keep references to `context`. It must have the link or the tracer that the mode needs, unless
+// no light casts shadows.
 [[nodiscard]] std::unique_ptr<ModePipeline> make_hybrid(const RunContext& context);
 [[nodiscard]] std::unique_ptr<ModePipeline> make_client_positions(const RunContext& context);
 [[nodiscard]] std::unique_ptr<ModePipeline> make_server_gbuffer(const RunContext& context);

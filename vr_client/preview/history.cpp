@@ -1,5 +1,7 @@
 #include "vr_client/preview/history.h"
 
+#include <algorithm>
+
 #include "stereo/base/quantile.h"
 
 namespace farshade {
@@ -27,7 +29,7 @@ void History::read_link(const FrameView& view, const NetworkLink& link, Instant&
   if (view.newest == nullptr || !view.newest->report) return;
   const FrameReport& report = *view.newest->report;
   newest_.rays = report.primary_rays + report.shadow_rays;
-  newest_.server_ms = ms_of(report.waited + report.primary + report.shadow + report.draw + report.pack);
+  newest_.server_ms = ms_of(total_work(report));
   if (const RequestRecord& record = *view.newest; record.report_arrived)
     newest_.round_trip_ms = ms_of(*record.report_arrived - record.origin.sent);
 }

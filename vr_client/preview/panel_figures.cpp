@@ -75,7 +75,7 @@ void figure_rows(const Figures& figures, const Controls& controls) {
   if (figures.errors)
     error_rows(*figures.errors);
   else if (controls.reference)
-    row("mask error", "not measured yet");
+    row("mask error", "not measured");
 }
 
 /// One bar of stacked stages per frame, the newest on the right. A horizontal line marks each 10 ms, or each

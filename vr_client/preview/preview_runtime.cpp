@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "stereo/base/check.h"
 #include "stereo/base/quantile.h"

@@ -121,6 +121,10 @@ void Recordings::begin_capture(const std::filesystem::path& path, const CaptureH
   if (!opened) capture_.reset();
 }
 
+void Recordings::refuse_capture(std::string_view mode) {
+  note_ = fmt::format("only modes hybrid and full can be captured, not mode {}", mode);
+}
+
 void Recordings::end_capture() {
   if (capture_path_.empty()) {
     capture_.reset();  // begin_capture was never called

@@ -1,6 +1,6 @@
 /// Recordings: the files that the viewer of a preview writes: screenshots, head recordings, pictures of every
-/// frame and captures. Each goes to a new file or folder in the output folder; no file is overwritten. A
-/// failure to write ends that recording and is reported; the preview continues.
+/// frame and captures. Each goes to a new file or folder in the output folder; only --record and --timeline
+/// replace their files. A failure to write ends that recording and is reported; the preview continues.
 #pragma once
 
 #include <filesystem>
@@ -54,6 +54,8 @@ class Recordings {
   /// An empty `path` selects a new file in the output folder. An existing file at another path is replaced.
   void begin_capture(const std::filesystem::path& path, const CaptureHeader& header);
   void end_capture();
+  /// Says in note() that this mode cannot be captured.
+  void refuse_capture(std::string_view mode);
   [[nodiscard]] bool writes_capture() const { return capture_ != nullptr; }
 
   /// Adds a shown frame. `shown` are its pictures as drawn, needed for a capture; `displayed` are the

@@ -37,10 +37,6 @@ std::vector<Figure> client_figures() {
           stage("turn", &StageTimes::turn)};
 }
 
-Duration total_work(const FrameReport& report) {
-  return report.primary + report.shadow + report.draw + report.pack;
-}
-
 double percent_of_full_trace(const FrameReport& report) {
   if (report.full_shadow_rays == 0) return 0;
   return 100.0 * static_cast<double>(report.shadow_rays) / static_cast<double>(report.full_shadow_rays);

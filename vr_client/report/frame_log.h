@@ -1,7 +1,6 @@
 /// FrameLog: the measurements of every frame, and their summary as median, p95 and p99.
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 

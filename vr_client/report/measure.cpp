@@ -95,10 +95,10 @@ std::optional<double> guard_band_of(const FrameView& view) {
 MaskAges ages_of(const FrameView& view) {
   MaskAges ages;
   for (const TracedMask& mask : view.masks) {
-    // `age` is that of the newest mask. An older mask was requested earlier by the difference of their
-    // display times.
-    const Duration since_newest = view.masks[0].display_time - mask.display_time;
-    ages.push_back(view.age.value_or(Duration::zero()) + since_newest);
+    // `age` is that of the first mask. Another mask was requested earlier, or later, by the difference of
+    // their display times.
+    const Duration before_first = view.masks[0].display_time - mask.display_time;
+    ages.push_back(view.age.value_or(Duration::zero()) + before_first);
   }
   return ages;
 }

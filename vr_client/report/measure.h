@@ -16,7 +16,7 @@ namespace farshade {
 struct EyeErrors {
   double mask_error = 0;   ///< mean of |shown visibility - reference visibility|
   double known_error = 0;  ///< the same over pixel-lights that are not unknown
-  double psnr_db = 0;      ///< of the shown sRGB picture; infinite if it equals the reference
+  double psnr_db = 0;      ///< of the shown sRGB picture; 99 if it equals the reference
   double newest = 0;       ///< share taken from this eye's newest mask
   double other_eye = 0;    ///< from the other eye's newest mask
   double older = 0;        ///< from older masks of either eye
@@ -52,12 +52,12 @@ inline constexpr double kEqualPictures_dB = 99;
 /// the frame had no request.
 [[nodiscard]] std::optional<double> guard_band_of(const FrameView& view);
 
-/// The time since the request of each mask that `view` was drawn with, newest mask first.
+/// The time since the request of each mask that `view` was drawn with, in the order of its masks.
 [[nodiscard]] MaskAges ages_of(const FrameView& view);
 
 /// Stores the shown frame and its reference in `into` and returns the errors. Call it before the next frame
-/// is drawn. The frame must have been drawn with Report::On. A frame that was not shaded by this client has
-/// no report. Afterwards the renderer holds the reference's picture.
+/// is drawn. The frame must have been drawn with PixelReport::On. A frame that was not shaded by this client
+/// has no report. Afterwards the renderer holds the reference's picture.
 [[nodiscard]] PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& reference,
                                         MeasuredFrame& into);
 

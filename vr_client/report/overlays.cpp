@@ -59,7 +59,8 @@ Image<Rgb8> age_picture(const OverlayInput& input) {
       lookup_table(input.ages.size(), [&](std::size_t mask) { return age_color(input.ages[mask]); });
   return painted(input.report, input.shown.size, [&](std::size_t i) {
     const std::uint8_t source = input.report.sources[i];
-    return source == kSourceUnknown ? kUnknownColor : colors.at(source % kOtherEye);
+    const std::size_t mask = source % kOtherEye;
+    return source == kSourceUnknown || mask >= colors.size() ? kUnknownColor : colors[mask];
   });
 }
 

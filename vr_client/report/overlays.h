@@ -29,7 +29,7 @@ inline constexpr std::array kOverlays{Overlay::None,  Overlay::Source, Overlay::
   return names[static_cast<std::size_t>(overlay)];
 }
 
-/// The time since the request of each mask of a frame, newest mask first.
+/// The time since the request of each mask of a frame, in the order of its masks.
 using MaskAges = std::vector<Duration>;
 
 /// One eye of one shown frame.

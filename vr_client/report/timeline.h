@@ -34,11 +34,11 @@ class Timeline {
   /// with its wait, draw), `device` (G-buffer, depth, shade: their lengths are measured, and they are placed
   /// one after the other up to the end of draw) and `network` (datagrams, from the first slice of an answer
   /// to its report). Process 2 is rt_server, with the threads `waiting` (a request that waits for the tracer)
-  /// and `worker` (work: primary, shadow, pack, one after the other). A span that was measured by another
-  /// clock is scaled down to fit into the span that contains it. Every event names its frame; events of the
-  /// server name the frame of the request. Arrows lead from a request to its work, and from its packing to
-  /// the first frame that was drawn with its masks as the newest. Spans that would overlap on a thread go to
-  /// another thread of the same name.
+  /// and `worker` (work: primary, shadow, draw, pack, one after the other). A span that was measured by
+  /// another clock is scaled down to fit into the span that contains it. Every event names its frame; events
+  /// of the server name the frame of the request. Arrows lead from a request to its work, and from its
+  /// packing to the first frame that was drawn with its masks as the newest. Spans that would overlap on a
+  /// thread go to another thread of the same name.
   [[nodiscard]] std::string text() const;
 
   /// Writes text() to a file, whose folder must exist. Does nothing if `path` is empty.

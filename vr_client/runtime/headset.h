@@ -19,8 +19,9 @@ struct Headset {
 inline constexpr double kNarrowestView_rad = 0.017453292519943295;  // 1 degree
 inline constexpr double kWidestView_rad = 2.9670597283903604;       // 170 degrees
 
-/// The symmetric field of view with this full vertical angle and square pixels. `aspect` is width / height, >
-/// 0. The angle is clamped so that it is at least 1 degree and neither height nor width exceeds 170 degrees.
+/// The symmetric field of view with this full vertical angle and square pixels. `aspect` is width / height,
+/// above 0. The angle is clamped so that it is at least 1 degree and neither height nor width exceeds 170
+/// degrees.
 [[nodiscard]] EyeFov field_of_view(double vertical_rad, double aspect);
 
 }  // namespace farshade

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <thread>
 
 #include "vr_client/runtime/headset.h"
@@ -11,8 +12,9 @@ namespace farshade {
 RecordedHeadRuntime::RecordedHeadRuntime(const HeadRecording& recording, const HeadPlayback& playback)
     : recording_(recording), playback_(playback) {
   const double length_s = std::max(0.0, seconds_of(recording.end() - recording.start() - playback.skip));
-  const auto all = static_cast<std::uint32_t>(std::floor(length_s * playback.refresh_hz)) + 1;
-  frame_count_ = std::min(playback.frames.value_or(all), all);
+  constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
+  const double all = std::floor(length_s * playback.refresh_hz) + 1;
+  frame_count_ = static_cast<std::uint32_t>(std::min(all, static_cast<double>(playback.frames.value_or(kMost))));
 }
 
 Time RecordedHeadRuntime::display_time(std::uint32_t index) const {

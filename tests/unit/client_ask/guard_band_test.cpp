@@ -201,6 +201,17 @@ TEST(GuardBand, ForgetsOutliersAndThePast) {
   EXPECT_EQ(margins_of(band), (Sides<std::uint32_t>{})) << "three seconds later";
 }
 
+TEST(GuardBand, HoldsNineteenFramesOutOfTwenty) {
+  const auto right_after = [](int wrong) {
+    GuardBand band;
+    for (int i = 0; i < 100; ++i)
+      band.observe(both(i < wrong ? moved(kView, {}, {0.1, 0, 0}) : kView), both(kView));
+    return margins_of(band).right;
+  };
+  EXPECT_EQ(right_after(4), 0u);
+  EXPECT_GT(right_after(7), 0u);
+}
+
 TEST(GuardBand, WidensTheAxisOfATurn) {
   const Twist yaw{{0, 2, 0}, {}}, pitch{{-2, 0, 0}, {}};
   const Sides<std::uint32_t> turning = margins_of({}, yaw), nodding = margins_of({}, pitch);

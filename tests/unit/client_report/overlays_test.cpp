@@ -150,6 +150,15 @@ TEST(Overlay, LegendsTellTheirColorsApart) {
     }
 }
 
+TEST(Overlay, NeedsNoMasks) {
+  Frame frame(report_of({0, 0}));  // as shadow maps report it
+  frame.ages.clear();
+  for (const Overlay overlay : kOverlays)
+    if (overlay != Overlay::None && overlay != Overlay::Error) {
+      EXPECT_EQ(frame.drawn(overlay).size, frame.view.size) << name_of(overlay);
+    }
+}
+
 TEST(Overlay, IsBlackWhereNothingIsCovered) {
   Frame frame(report_of({kSourceUncovered, 0}));
   frame.report.visibility = {255, 255};

@@ -49,6 +49,15 @@ TEST(RecordedHeadRuntime, GivesEveryDisplayTimeOfTheRecording) {
   EXPECT_EQ(runtime.skipped(), 0u);
 }
 
+TEST(RecordedHeadRuntime, CountsNoMoreFramesThanANumberHolds) {
+  HeadRecording recording = walk();
+  recording.samples.front().time = Time{};
+  recording.samples.back().time = time_from_ns(std::int64_t{1} << 62);  // 146 years
+  EXPECT_EQ(RecordedHeadRuntime(recording, playback(72)).frame_count(),
+            std::numeric_limits<std::uint32_t>::max());
+  EXPECT_EQ(RecordedHeadRuntime(recording, playback(72, {}, 5)).frame_count(), 5u);
+}
+
 TEST(RecordedHeadRuntime, StatesThePeriod) {
   const HeadRecording recording = walk();
   RecordedHeadRuntime runtime(recording, playback(90));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <random>
 
 #include "stereo/frame/tiles.h"
@@ -274,8 +275,14 @@ TEST(Assembler, SurvivesEveryFlippedBitOfASlice) {
     Assembler assembler;
     assembler.expect(request(1), {3}, kRevision);
     if (const auto* slice = std::get_if<Slice>(&*message)) assembler.accept(*slice);
-    for (const EyeMask& mask : assembler.find({1})->masks)
-      ASSERT_LT(std::to_integer<int>(*std::ranges::max_element(mask.bytes())), 8) << "bit " << bit;
+    for (const EyeMask& mask : assembler.find({1})->masks) {
+      std::vector<std::uint64_t> words(mask.bytes().size() /
+                                       8);  // whole words: without optimisation bytes take a minute
+      std::memcpy(words.data(), mask.bytes().data(), words.size() * 8);
+      std::uint64_t any = 0;
+      for (const std::uint64_t word : words) any |= word;
+      ASSERT_EQ(any & ~0x0707070707070707u, 0u) << "bit " << bit;
+    }
   }
 }
 

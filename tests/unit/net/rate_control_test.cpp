@@ -401,6 +401,22 @@ TEST(RateControlHostile, CountersNeverSentChangeNothing) {
   EXPECT_EQ(told.control.loss(), 0);
 }
 
+TEST(RateControlHostile, CountersNeverSentAreNotTakenForForgottenOnes) {
+  RateControl control;
+  constexpr std::uint64_t kSent = 20'000;  // more than it remembers
+  const auto at = [](std::uint64_t i) { return time_from_ns(0) + i * milliseconds(5); };
+  for (std::uint64_t i = 0; i < kSent; ++i) control.sent(i, kBytes, at(i));
+  ArrivalReport report;
+  report.first = kSent;
+  report.base = at(kSent);
+  report.count = ArrivalReport::kMost;
+  for (std::size_t i = 0; i < report.ticks.size(); ++i)
+    report.ticks[i] = i % 2 ? 5 : ArrivalReport::kNotArrived;
+  control.take(report, at(kSent));
+  EXPECT_EQ(control.loss(), 0);
+  EXPECT_EQ(control.bytes_per_second(), RateControl::kStart);
+}
+
 TEST(RateControlHostile, TimesOfNoClockChangeNothing) {
   Thousand told;
   for (const std::int64_t base :

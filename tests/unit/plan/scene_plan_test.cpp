@@ -163,8 +163,8 @@ TEST(ScenePlan, SaysInWordsWhatIsOnAndWhatIsLeftOutAndWhy) {
 }
 
 TEST(PlanOptions, IsToTellThePlanOrToChooseOne) {
-  EXPECT_TRUE(parse_plan_options("").only_told);
-  EXPECT_FALSE(parse_plan_options("everything").only_told);
+  EXPECT_TRUE(parse_plan_options("").prints_only);
+  EXPECT_FALSE(parse_plan_options("everything").prints_only);
   EXPECT_EQ(parse_plan_options("everything").kind, PlanKind::Everything);
   EXPECT_EQ(parse_plan_options("needed").kind, PlanKind::Needed);
 }

@@ -56,6 +56,20 @@ TEST(SceneState, AppliesScaleThenRotationThenTranslation) {
   EXPECT_LT(glm::determinant(glm::dmat3(place.matrix)), 0.0) << "a mirror stays a mirror";
 }
 
+TEST(SceneState, AFlattenedMirrorStaysInvertibleAndAMirror) {
+  for (const double scale : {0.0, 1e-12, -0.0, -1e-12, -1.0}) {
+    Scene scene;
+    Node node{.name = "node", .parent = {}, .rest = {}, .moving = false};
+    node.rest.scale = {1, scale, 1};
+    scene.nodes = {node};
+    scene.instances = {{0, 0}};
+    const double determinant =
+        glm::determinant(glm::dmat3(state_at(scene, Time{}).stage_from_object.at(0).matrix));
+    EXPECT_NE(determinant, 0.0) << scale;
+    EXPECT_EQ(std::signbit(determinant), std::signbit(scale)) << scale;
+  }
+}
+
 TEST(SceneState, UsesMatricesAsTheyAre) {
   GltfBuilder file = triangle_file();
   file.json["nodes"][0]["matrix"] = {2, 0, 0, 0, 0.5, 1, 0, 0, 0, 0, 1, 0, 7, 8, 9, 1};
@@ -150,6 +164,21 @@ TEST(SceneState, ConstantChannelsAreNoMotion) {
   EXPECT_EQ(scene->animation_length_s, 0.0);
   EXPECT_FALSE(scene->nodes[0].moving);
   EXPECT_EQ(origin_at(*scene, 0.7), glm::dvec3(4, 5, 6));
+}
+
+TEST(SceneState, OfTwoAnimationsOfOnePropertyTheFirstCounts) {
+  GltfBuilder file = rich_file();
+  const auto once = load(file);
+  ASSERT_TRUE(once.has_value()) << once.error().what;
+  json again = file.json["animations"][0];
+  again["samplers"][0]["output"] =
+      file.accessor(file.view(std::vector<glm::vec3>{{7, 7, 7}, {8, 8, 8}, {9, 9, 9}}), 5126, "VEC3", 3);
+  again["channels"].erase(1);
+  file.json["animations"].push_back(again);
+  const auto both = load(file);
+  ASSERT_TRUE(both.has_value()) << both.error().what;
+  EXPECT_EQ(both->channels.size(), once->channels.size());
+  for (const double s : {0.0, 0.7, 1.9}) EXPECT_EQ(origin_at(*both, s), origin_at(*once, s)) << s;
 }
 
 TEST(SceneState, AdvanceEqualsStateAt) {

@@ -15,11 +15,11 @@ namespace {
 using namespace std::chrono_literals;
 using namespace link_test;
 
-const std::vector<SharedKey> kRing{key_named("ada"), key_named("bob")};
-constexpr Extent kSize{100, 60};
+const std::vector<SharedKey> kTwoKeys{key_named("ada"), key_named("bob")};
+constexpr Extent kAskedSize{100, 60};
 
 FrameRequest request(std::uint32_t frame) {
-  return request_of(frame, kSize);
+  return request_of(frame, kAskedSize);
 }
 
 /// Masks that differ in each frame, eye and pixel.
@@ -30,8 +30,8 @@ TraceStats paint(const FrameRequest& requested, ShadowFrame& frame) {
   for (const Side side : kSides) {
     EyeMask& mask = frame.masks[index_of(side)];
     mask = EyeMask(requested.views[index_of(side)].size, kServed.light_count);
-    for (std::uint32_t y = 0; y < kSize.height; ++y)
-      for (std::uint32_t x = 0; x < kSize.width; ++x)
+    for (std::uint32_t y = 0; y < kAskedSize.height; ++y)
+      for (std::uint32_t x = 0; x < kAskedSize.width; ++x)
         mask.set_word(x, y, 0, (x * x / 9 + y * requested.frame.value + index_of(side)) % 8);
   }
   return {.primary = 3ms, .shadow = 4ms, .primary_rays = 10, .shadow_rays = 20, .full_shadow_rays = 30};
@@ -47,14 +47,14 @@ PerEye<EyeMask> painted(std::uint32_t frame) {
 struct Bench {
   explicit Bench(const LinkModels& models = {}, AnswerMakers answers = masks_from(paint))
       : link(clock, models) {
-    core.emplace(kServed, kRing, std::move(answers), link.server(), clock);
+    core.emplace(kServed, kTwoKeys, std::move(answers), link.server(), clock);
     link.while_waiting([this] { serve(*core); }, [this] { return core->next_due(); });
   }
 
   ManualClock clock;
   VirtualLink link;
   std::optional<ServerCore> core;
-  PortClient client{link.client(), link.server().local(), kRing[0], kServed};
+  PortClient client{link.client(), link.server().local(), kTwoKeys[0], kServed};
 };
 
 TEST(ServerCore, AnswersARequestWithBothMasksBitForBit) {
@@ -119,7 +119,7 @@ TEST(ServerCore, TracesNothingForStrangers) {
   EXPECT_TRUE(stranger.open_refusal.has_value());
   Welcome other = kServed;
   other.scene_hash = {9};
-  PortClient astray(bench.link.client(), bench.link.server().local(), kRing[0], other);
+  PortClient astray(bench.link.client(), bench.link.server().local(), kTwoKeys[0], other);
   EXPECT_FALSE(astray.meet(100ms));
   EXPECT_TRUE(astray.refusal.has_value());
   EXPECT_EQ(bench.core->counters().frames, 0u);
@@ -146,7 +146,7 @@ TEST(ServerCore, WithdrawsAnAnswerThatCanNoLongerBeMade) {
   while (bench.client.hear(10ms)) {
   }
   EXPECT_EQ(bench.client.no_session, 1u);
-  PortClient again(bench.link.client(), bench.link.server().local(), kRing[0], kServed);
+  PortClient again(bench.link.client(), bench.link.server().local(), kTwoKeys[0], kServed);
   ASSERT_TRUE(again.meet(1s));
   EXPECT_EQ(again.welcome->answers, set_of(Answer::Masks));
 }
@@ -204,7 +204,7 @@ TEST(Serving, NewestWinsWhileTheTracerIsBusyOverRealUdp) {
   std::latch tracing(1), all_asked(1);
   std::atomic<int> traced = 0;
   const SteadyClock clock;
-  ServerCore core(kServed, kRing, masks_from([&](const FrameRequest& requested, ShadowFrame& frame) {
+  ServerCore core(kServed, kTwoKeys, masks_from([&](const FrameRequest& requested, ShadowFrame& frame) {
                     if (traced++ == 0) {
                       tracing.count_down();
                       all_asked.wait();
@@ -214,7 +214,7 @@ TEST(Serving, NewestWinsWhileTheTracerIsBusyOverRealUdp) {
                   **port, clock);
   const Serving serving(core);
 
-  PortClient client(*connected->port, connected->server, kRing[0], kServed);
+  PortClient client(*connected->port, connected->server, kTwoKeys[0], kServed);
   ASSERT_TRUE(client.meet(10s));
   client.say(client.ask(request(1)));
   tracing.wait();
@@ -236,7 +236,7 @@ TEST(Serving, ServesTwoClientsAtOnceOverRealUdp) {
   auto port = listen_udp("127.0.0.1:0");
   ASSERT_TRUE(port.has_value());
   const SteadyClock clock;
-  ServerCore core(kServed, kRing, masks_from(paint), **port, clock);
+  ServerCore core(kServed, kTwoKeys, masks_from(paint), **port, clock);
   std::array<std::uint32_t, 2> whole{};
   {
     const Serving serving(core);
@@ -245,7 +245,7 @@ TEST(Serving, ServesTwoClientsAtOnceOverRealUdp) {
       threads.emplace_back([&core, &whole, i, to = to_string((*port)->local())] {
         auto connected = connect_udp(to);
         if (!connected) return;
-        PortClient client(*connected->port, connected->server, kRing[i], kServed);
+        PortClient client(*connected->port, connected->server, kTwoKeys[i], kServed);
         if (!client.meet(10s)) return;
         for (std::uint32_t frame = 1; frame <= 50; ++frame) {
           client.say(client.ask(request(frame)));
@@ -266,7 +266,7 @@ TEST(Serving, EndsWhileNothingHappens) {
   auto port = listen_udp("127.0.0.1:0");
   ASSERT_TRUE(port.has_value());
   const SteadyClock clock;
-  ServerCore core(kServed, kRing, masks_from(paint), **port, clock);
+  ServerCore core(kServed, kTwoKeys, masks_from(paint), **port, clock);
   const Stopwatch watch;
   { const Serving serving(core); }
   EXPECT_LT(watch.elapsed(), 10s);

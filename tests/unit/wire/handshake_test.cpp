@@ -26,7 +26,7 @@ Hello read_hello(const Bytes& datagram) {
 Accepted accepted(const Bytes& hello_datagram, const SharedKey& key, const ServerMessage& answer) {
   return *accept(read_hello(hello_datagram), hello_datagram, key, answer);
 }
-std::optional<ClientHandshake::Met> take(const ClientHandshake& client, const Bytes& datagram) {
+std::optional<ClientHandshake::Completed> take(const ClientHandshake& client, const Bytes& datagram) {
   const auto envelope = open_server_envelope(datagram);
   if (!envelope || !std::holds_alternative<Accept>(*envelope)) return std::nullopt;
   return client.take(std::get<Accept>(*envelope), datagram);
