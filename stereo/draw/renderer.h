@@ -58,6 +58,8 @@ class Renderer {
   Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits);
   /// With a plan that keeps all lights of the scene and suits any client.
   Renderer(const gpu::Device& device, const Scene& scene, const RendererLimits& limits);
+  Renderer(const Renderer&) = delete;
+  Renderer& operator=(const Renderer&) = delete;
   ~Renderer();
 
   DrawTimes draw(const ShownFrame& frame);

@@ -57,7 +57,8 @@ ShownReport ShadingPass::report(Side side) const {
       result.visibility[at * lights + i] = off_[i] ? std::uint8_t{0} : record.visibility(i);
     for (std::uint32_t plane = 0; plane < planes; ++plane) {
       std::uint32_t bits = 0, on = 0;
-      for (std::size_t i = plane * 32; i < std::min<std::size_t>(lights, plane * 32 + 32); ++i) {
+      for (std::size_t i = std::size_t{plane} * 32, end = std::min<std::size_t>(lights, i + 32); i < end;
+           ++i) {
         on |= std::uint32_t{!off_[i]} << i % 32;
         bits |= std::uint32_t{result.visibility[at * lights + i] >= 128} << i % 32;
       }

@@ -200,6 +200,8 @@ Expected<Device> open_device(const DeviceOptions& options) try {
   if (!passed_over.empty()) device.why += " (passed over: " + passed_over + ")";
   device.timestamp_period_ns = properties.limits.timestampPeriod;
   device.max_allocations = properties.limits.maxMemoryAllocationCount;
+  device.max_image_side_px = properties.limits.maxImageDimension2D;
+  device.max_image_layers = properties.limits.maxImageArrayLayers;
   device.max_allocation_bytes =
       device.physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceVulkan11Properties>()
           .get<vk::PhysicalDeviceVulkan11Properties>()

@@ -38,6 +38,8 @@ struct Device {
   vk::PhysicalDeviceMemoryProperties memory;
   std::uint64_t max_allocations = 0;       ///< that may exist at one time (maxMemoryAllocationCount)
   std::uint64_t max_allocation_bytes = 0;  ///< of one allocation (maxMemoryAllocationSize)
+  std::uint32_t max_image_side_px = 0;     ///< maxImageDimension2D
+  std::uint32_t max_image_layers = 0;      ///< maxImageArrayLayers
   std::shared_ptr<Ledger> ledger = std::make_shared<Ledger>();  ///< of all memory allocated on the device
   float timestamp_period_ns = 1;                                ///< of one timestamp tick
   std::string name;

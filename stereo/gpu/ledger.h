@@ -68,6 +68,8 @@ class Charge {
  public:
   Charge() = default;
   Charge(std::shared_ptr<Ledger> ledger, Use use, std::uint64_t bytes);
+  Charge(const Charge&) = delete;
+  Charge& operator=(const Charge&) = delete;
   Charge(Charge&& other) noexcept = default;
   Charge& operator=(Charge&& other) noexcept;
   ~Charge() { end(); }

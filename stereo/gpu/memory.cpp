@@ -57,8 +57,17 @@ vk::ImageAspectFlags aspect_of(vk::Format format) {
   return format == vk::Format::eD32Sfloat ? vk::ImageAspectFlagBits::eDepth : vk::ImageAspectFlagBits::eColor;
 }
 
-/// An image without memory and view.
+/// An image without memory and view. Throws if it is larger than the device allows.
 Image bare_image(const Device& device, const ImageSpec& spec, const std::string& name) {
+  const auto refuse = [&](const std::string& what) {
+    throw std::runtime_error("vkCreateImage for '" + name + "': " + device.name + " allows " + what);
+  };
+  if (const std::uint32_t side = std::max(spec.size.width, spec.size.height); side > device.max_image_side_px)
+    refuse(std::to_string(device.max_image_side_px) + " pixels a side, and " + std::to_string(side) +
+           " are needed");
+  if (spec.layers > device.max_image_layers)
+    refuse(std::to_string(device.max_image_layers) + " layers, and " + std::to_string(spec.layers) +
+           " are needed");
   Image result;
   result.spec = spec;
   result.aspect = aspect_of(spec.format);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <string>
 
 #include "stereo/base/check.h"
@@ -154,7 +155,7 @@ ParseResult number(std::string_view text, std::span<const Unit> units, double le
 ParseResult time(std::string_view text, Duration& into) {
   double ns = 0;
   const ParseResult read = number(text, kTimes_ns, 0, kMostTime_ns, ns);
-  if (read == ParseResult::Sound) into = Duration(static_cast<Duration::rep>(ns + 0.5));
+  if (read == ParseResult::Sound) into = Duration(std::llround(ns));
   return read;
 }
 

@@ -105,6 +105,7 @@ std::vector<std::uint32_t> read_indices(const Document& document, std::uint32_t 
   const Accessor& accessor = document.accessors[index];
   std::vector<std::uint32_t> result(accessor.count);
   for_each_element(document, accessor, [&](std::uint64_t i, const std::uint8_t* bytes, auto zero) {
+    // Indices are unsigned. NOLINTNEXTLINE(bugprone-signed-char-misuse)
     result[i] = static_cast<std::uint32_t>(load<decltype(zero)>(bytes));
   });
   return result;
@@ -116,6 +117,7 @@ std::vector<std::uint32_t> sparse_indices(const Document& document, const Sparse
   with_type(sparse.index_component, [&](auto type) {
     using T = decltype(type);
     for (std::size_t i = 0; i < result.size(); ++i)
+      // NOLINTNEXTLINE(bugprone-signed-char-misuse)
       result[i] = static_cast<std::uint32_t>(load<T>(bytes + i * sizeof(T)));
   });
   return result;

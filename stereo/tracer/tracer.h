@@ -77,6 +77,8 @@ class Tracer {
 
   Tracer(Tracer&&) noexcept;
   Tracer& operator=(Tracer&&) noexcept;
+  Tracer(const Tracer&) = delete;
+  Tracer& operator=(const Tracer&) = delete;
   ~Tracer();
 
   /// Traces `request` (valid views) into `frame`, whose buffers are reused, against the scene at the

@@ -25,6 +25,8 @@ class ColourConverter {
   [[nodiscard]] static Expected<ColourConverter> create(Extent size, To to);
   ColourConverter(ColourConverter&&) noexcept;
   ColourConverter& operator=(ColourConverter&&) noexcept;
+  ColourConverter(const ColourConverter&) = delete;
+  ColourConverter& operator=(const ColourConverter&) = delete;
   ~ColourConverter();
 
   [[nodiscard]] Extent size() const { return size_; }

@@ -40,6 +40,8 @@ class VideoEncoder {
   [[nodiscard]] static Expected<VideoEncoder> create(const VideoFormat& format);
   VideoEncoder(VideoEncoder&&) noexcept;
   VideoEncoder& operator=(VideoEncoder&&) noexcept;
+  VideoEncoder(const VideoEncoder&) = delete;
+  VideoEncoder& operator=(const VideoEncoder&) = delete;
   ~VideoEncoder();
 
   [[nodiscard]] const VideoFormat& format() const;
@@ -63,6 +65,8 @@ class VideoDecoder {
   [[nodiscard]] static Expected<VideoDecoder> create();
   VideoDecoder(VideoDecoder&&) noexcept;
   VideoDecoder& operator=(VideoDecoder&&) noexcept;
+  VideoDecoder(const VideoDecoder&) = delete;
+  VideoDecoder& operator=(const VideoDecoder&) = delete;
   ~VideoDecoder();
 
   /// Returns the picture of one whole access unit, valid until the next call. Missing: the unit is not a key

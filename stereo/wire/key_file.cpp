@@ -108,7 +108,7 @@ Expected<void> make_folders(const fs::path& path) {
   const fs::path folder = path.parent_path();
   std::error_code error;
   if (folder.empty() || fs::exists(folder, error)) return {};
-  if (const Expected<void> above = make_folders(folder); !above) return above;
+  if (Expected<void> above = make_folders(folder); !above) return above;
   if (fs::create_directory(folder, error))
     fs::permissions(folder, fs::perms::owner_all, fs::perm_options::replace, error);
   if (!error) return {};

@@ -23,7 +23,7 @@ std::uint32_t unzigzag(std::uint32_t residual) {
 
 std::uint32_t gradient(const std::uint32_t* lane, std::uint32_t x, std::uint32_t y) {
   if (x > 0 && y > 0) return lane[-1] + lane[-int{kSide}] - lane[-int{kSide} - 1];
-  const int step = y == 0 ? -1 : -int{kSide};
+  const std::ptrdiff_t step = y == 0 ? -1 : -int{kSide};
   return x + y == 1 ? lane[step] : 2 * lane[step] - lane[2 * step];
 }
 
@@ -181,7 +181,7 @@ void load_tile(const PixelPlane& plane, TileRect rect, TileWords& words) {
 
 void store_tile(const TileWords& words, TileRect rect, PixelPlane& plane) {
   for (std::uint32_t y = rect.y0; y < rect.y1; ++y)
-    std::copy_n(&words[(y - rect.y0) * kSide], rect.x1 - rect.x0,
+    std::copy_n(&words[std::size_t{y - rect.y0} * kSide], rect.x1 - rect.x0,
                 &plane.words[std::size_t{y} * plane.size.width + rect.x0]);
 }
 

@@ -44,7 +44,7 @@ enum class Prediction : std::uint8_t {
 
 /// The longest tile: four lanes of 8 bits. A lane has coding, first value, and a row mask and rows for each
 /// bit.
-inline constexpr std::size_t kMaxPlaneTile_bytes = 4 * (1 + 1 + 8 * (2 + 2 * kTileSide_px));
+inline constexpr std::size_t kMaxPlaneTile_bytes = 4 * (1 + 1 + 8 * (2 + 2 * std::size_t{kTileSide_px}));
 static_assert(kMaxPlaneTile_bytes >= 1 + 4 + 32 * (2 + 2 * kTileSide_px));
 
 /// Copies words from or to a plane. `rect` is a tile of the plane's TileGrid.

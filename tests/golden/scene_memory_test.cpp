@@ -48,8 +48,8 @@ std::size_t differing(const Image<Rgb8>& a, const Image<Rgb8>& b, int levels) {
 /// Triangle `i` of a wall of `columns` x `columns` at z = -2: corners, and a colour unlike its neighbours'.
 std::array<glm::vec3, 3> corners_of(std::uint32_t i, std::uint32_t columns) {
   const float step = 3.0f / static_cast<float>(columns);
-  const glm::vec3 at(step * static_cast<float>(i % columns) - 1.5f,
-                     step * static_cast<float>(i / columns) - 1.5f, -2.0f);
+  const auto column = i % columns, row = i / columns;
+  const glm::vec3 at(step * static_cast<float>(column) - 1.5f, step * static_cast<float>(row) - 1.5f, -2.0f);
   return {at, at + glm::vec3(step, 0, 0), at + glm::vec3(0, step, 0)};
 }
 glm::u8vec4 color_of(std::uint32_t i) {
@@ -164,6 +164,28 @@ TEST_F(SceneMemory, AnAllocationThatIsTooLargeIsRefusedWithTheLimit) {
     EXPECT_NE(std::string(error.what()).find("allows 1 MiB in one allocation"), std::string::npos)
         << error.what();
   }
+}
+
+TEST_F(SceneMemory, AnImageThatIsTooLargeIsRefusedWithTheLimit) {
+  const auto refusal = [&](const Extent& size, std::uint32_t layers) -> std::string {
+    try {
+      (void)gpu::make_image(
+          device_,
+          {.size = size,
+           .layers = layers,
+           .format = vk::Format::eR8G8B8A8Unorm,
+           .usage = vk::ImageUsageFlagBits::eTransferDst | vk::ImageUsageFlagBits::eSampled},
+          "large");
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  device_.max_image_side_px = 64;
+  device_.max_image_layers = 8;
+  EXPECT_EQ(refusal({64, 64}, 8), "");
+  EXPECT_NE(refusal({65, 64}, 8).find("allows 64 pixels a side, and 65 are needed"), std::string::npos);
+  EXPECT_NE(refusal({64, 64}, 9).find("allows 8 layers, and 9 are needed"), std::string::npos);
 }
 
 TEST_F(SceneMemory, UploadsArriveWhateverTheirSizeAgainstTheStagingBuffer) {

@@ -134,7 +134,7 @@ class Attack : public testing::Test {
     Random random(kSeed + 3);
     for (std::uint64_t sent = 0; sent < kAttacks && !failed_; sent += kBatch) {
       for (int i = 0; i < kBatch; ++i) strangers_->send_one();
-      if (sent % (32 * kBatch) == 0) {
+      if (sent / kBatch % 32 == 0) {
         (*ghost)->send(udp_.server, ghost_said_.any_hello(random));
         (*ghost)->send(udp_.server, ghost_said_.any_sealed(random));
         ++from_ghost_.hellos;

@@ -25,7 +25,7 @@ std::string complaint_of(const std::vector<std::string>& arguments) {
   ChildProgram program(arguments);
   const int status = program.wait();
   EXPECT_GT(status, 0);
-  const std::string errors = program.errors();
+  std::string errors = program.errors();
   EXPECT_EQ(std::ranges::count(errors, '\n'), 1) << errors;
   EXPECT_TRUE(errors.starts_with("rt_server: ")) << errors;
   return errors;

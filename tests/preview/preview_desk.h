@@ -19,10 +19,13 @@ struct EyePictures {
 };
 
 class PreviewDesk : public testing::Test {
- protected:
+ public:
   PreviewDesk();
+  PreviewDesk(const PreviewDesk&) = delete;
+  PreviewDesk& operator=(const PreviewDesk&) = delete;
   ~PreviewDesk() override;
 
+ protected:
   /// Starts the preview with additional `options`, waits for its first frames, hides the panel and stops the
   /// animation of the room.
   void open(const std::vector<std::string>& options = {});

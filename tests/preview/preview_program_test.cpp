@@ -259,8 +259,9 @@ TEST_F(PreviewProgram, FinishesItsRecordingsWhenInterrupted) {
 
 TEST_F(PreviewProgram, CapturesAndTimesItsFirstMessages) {
   const std::filesystem::path capture = out_ / "whole.farshade", timeline = out_ / "timeline.json";
-  start({"--trace", FARSHADE_ASSETS "/walk.csv", "--skip", "1", "--net", "wifi", "--frames", "12", "--record",
-         capture.string(), "--timeline", timeline.string()});
+  const std::string walk = FARSHADE_ASSETS "/walk.csv";
+  start({"--trace", walk, "--skip", "1", "--net", "wifi", "--frames", "12", "--record", capture.string(),
+         "--timeline", timeline.string()});
   ASSERT_EQ(end(), 0) << errors_;
   EXPECT_EQ(replay(capture, out_ / "replay").left.size(), 12u);
   std::stringstream events;

@@ -161,8 +161,9 @@ Setting one_triangle() {
 Setting many_instances() {
   Setting setting = ordinary();
   const std::uint32_t mesh = setting.scene.mesh(box({0, 0, 0}, glm::vec3(0.01f)));
-  for (int i = 0; i < 2'000; ++i)
-    setting.scene.show(mesh, at({-1.5 + 0.06 * (i % 50), 0.02, -1.2 + 0.06 * (i / 50)}));
+  for (int row = 0; row < 40; ++row)
+    for (int column = 0; column < 50; ++column)
+      setting.scene.show(mesh, at({-1.5 + 0.06 * column, 0.02, -1.2 + 0.06 * row}));
   return setting;
 }
 

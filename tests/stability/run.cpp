@@ -82,7 +82,7 @@ struct Files {
 Files write(const Setting& setting, const std::filesystem::path& folder) {
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
-  const Files files{folder / "scene.glb", folder / "head.csv", folder / "client.key", folder / "ring.keys"};
+  Files files{folder / "scene.glb", folder / "head.csv", folder / "client.key", folder / "ring.keys"};
   const std::vector<std::byte> glb = setting.scene.glb();
   std::ofstream(files.scene, std::ios::binary)
       .write(reinterpret_cast<const char*>(glb.data()), static_cast<std::streamsize>(glb.size()));

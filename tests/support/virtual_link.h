@@ -26,6 +26,8 @@ class VirtualLink {
  public:
   /// `clock` must outlive the link.
   VirtualLink(ManualClock& clock, const LinkModels& models, std::size_t clients = 1);
+  VirtualLink(const VirtualLink&) = delete;
+  VirtualLink& operator=(const VirtualLink&) = delete;
   ~VirtualLink();
 
   [[nodiscard]] DatagramPort& client(std::size_t i = 0);

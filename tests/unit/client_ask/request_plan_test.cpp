@@ -212,7 +212,7 @@ TEST(RequestPlan, ShrinksTheGuardBandToWhatTheServerTraces) {
       << "room for one step";
   const Extent less = asked_within(static_cast<std::uint32_t>(unlimited.pixels()) - 1)[0].size;
   EXPECT_LT(less.pixels(), unlimited.pixels());
-  EXPECT_GE(less.pixels() + GuardBand::kStep_px * unlimited.width, unlimited.pixels());
+  EXPECT_GE(less.pixels() + std::uint64_t{GuardBand::kStep_px} * unlimited.width, unlimited.pixels());
 }
 
 /// The width of the views of the 100th frame, if each frame is drawn with masks that were made for the views

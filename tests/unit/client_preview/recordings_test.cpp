@@ -12,8 +12,8 @@ using namespace std::chrono_literals;
 
 class RecordingsTest : public testing::Test {
  protected:
-  RecordingsTest() { std::filesystem::create_directories(folder_); }
-  ~RecordingsTest() override { std::filesystem::remove_all(folder_); }
+  void SetUp() override { std::filesystem::create_directories(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
 
   void show(Recordings& recordings, int frames = 1) {
     for (int i = 0; i < frames; ++i) {

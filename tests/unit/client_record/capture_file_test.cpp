@@ -227,7 +227,7 @@ TEST(CaptureFileFault, IsNamedWithFileAndByte) {
          for (unsigned i = 16; i < 24; ++i) f[frame_at + 5 + i] = std::byte{0xff};
        },
        "frame: view range"},
-      {"code", [=](Bytes& f) { f[frame_at + 5 + 16 + 2 * 88] = std::byte{4}; }, "frame: code"},
+      {"code", [=](Bytes& f) { f[frame_at + 5 + 16 + 176] = std::byte{4}; }, "frame: code"},
   };
   for (const Wrong& wrong : all) {
     Bytes file = file_of(header(), std::vector{frame(1)});

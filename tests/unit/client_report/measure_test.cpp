@@ -18,10 +18,10 @@ ShownReport shown(std::uint32_t lights, const std::array<std::uint8_t, 4>& sourc
   ShownReport report{.mask = EyeMask({4, 1}, lights),
                      .sources = {sources.begin(), sources.end()},
                      .positions = {},
-                     .visibility = std::vector<std::uint8_t>(4 * lights),
-                     .unknown = std::vector<std::uint32_t>(4 * planes),
-                     .stale = std::vector<std::uint32_t>(4 * planes),
-                     .beside = std::vector<std::uint32_t>(4 * planes)};
+                     .visibility = std::vector<std::uint8_t>(std::size_t{4} * lights),
+                     .unknown = std::vector<std::uint32_t>(std::size_t{4} * planes),
+                     .stale = std::vector<std::uint32_t>(std::size_t{4} * planes),
+                     .beside = std::vector<std::uint32_t>(std::size_t{4} * planes)};
   for (std::size_t pixel = 0; pixel < 4; ++pixel)
     for (std::uint32_t i = 0; i < lights && sources[pixel] == kSourceUnknown; ++i) {
       report.visibility[pixel * lights + i] =

@@ -283,7 +283,7 @@ TEST(Overlay, RaysAreCountedOnTheLegendsScale) {
 class GuardBandOverlay : public testing::Test {
  protected:
   Image<Rgb8> drawn(double grown, double yaw_rad, glm::uvec2 traced_px = {120, 120}) {
-    Frame frame(report_of(std::vector<std::uint8_t>(100 * 100)));
+    Frame frame(report_of(std::vector<std::uint8_t>(10'000)));
     const double quarter = std::numbers::pi / 4, wide = std::atan(grown);
     frame.view = {{}, {-quarter, quarter, quarter, -quarter}, {100, 100}};
     frame.shown = Image<Rgb8>(frame.view.size);

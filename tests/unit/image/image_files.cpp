@@ -80,8 +80,7 @@ std::vector<std::byte> make_png_with_extra_row() {
   // The header chunk: its name at 12, width at 16, height at 20, end at 29, and then its checksum.
   file[23] = std::byte{1};
   const auto sum = crc32(0, reinterpret_cast<const Bytef*>(file.data() + 12), 17);
-  for (int i = 0; i < 4; ++i)
-    file[static_cast<std::size_t>(29 + i)] = static_cast<std::byte>(sum >> (24 - 8 * i));
+  for (std::size_t i = 0; i < 4; ++i) file[29 + i] = static_cast<std::byte>(sum >> (24 - 8 * i));
   return file;
 }
 
