@@ -22,6 +22,8 @@ class RayScene {
 
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;
+  RayScene(const RayScene&) = delete;
+  RayScene& operator=(const RayScene&) = delete;
   ~RayScene();
 
   /// Moves the instances to the model's current placements.

@@ -227,6 +227,17 @@ void expect_agreement(LinkBench& bench) {
 
 constexpr LinkModel kRough{.delay = 15ms, .jitter = 20ms, .loss = 0.3, .reorder = 0.1};
 
+TEST(LinkSessions, APauseWithoutRequestsIsNoSilenceOfTheServer) {
+  LinkBench bench;
+  bench.start_server();
+  ASSERT_TRUE(bench.link.meet(1s));
+  bench.run(1s);
+  const std::uint64_t hellos = bench.server->counters().gate.retries;
+  bench.pass(3s);
+  bench.run(1s);
+  EXPECT_EQ(bench.server->counters().gate.retries, hellos);
+}
+
 TEST(LinkLights, ChangesAreSentUntilAcknowledgedAndBothSidesAgree) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     SCOPED_TRACE(seed);

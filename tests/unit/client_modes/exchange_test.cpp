@@ -205,6 +205,17 @@ TEST(ExchangeVirtual, WaitsForAServerThatDoesNotAnswerOnceOnly) {
   EXPECT_GE(client.link.waited, 5s);
 }
 
+TEST(ExchangeVirtual, WaitsForTheRestOfAnAnswerThatGoesOn) {
+  Client client({.pace = Pace::Virtual, .delay = kPeriod});
+  int waits = 0;
+  client.link.on_wait = [&](FrameId frame) {
+    client.link.deliver(frame, ++waits == 1 ? Part::FirstSlice : Part::All);
+  };
+  client.ask(1);
+  client.receive();
+  EXPECT_TRUE(client.link.inbox().find({1})->complete());
+}
+
 TEST(ExchangeVirtual, DoesNotWaitForTheRestOfAnAnswerThatHasStopped) {
   Client client({.pace = Pace::Virtual, .delay = kPeriod});
   client.link.on_wait = [&](FrameId frame) { client.link.deliver(frame, Part::FirstSlice); };

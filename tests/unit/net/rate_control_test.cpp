@@ -465,8 +465,8 @@ TEST(RateControlReports, RepeatedOrReorderedHaveTheSameEffect) {
 }
 
 TEST(RateControlMemory, IsFixed) {
-  static_assert(sizeof(RateControl) <= 192 * 1024);
-  static_assert(sizeof(Arrivals) <= 8 * 1024);
+  static_assert(sizeof(RateControl) / 1024 <= 192);
+  static_assert(sizeof(Arrivals) / 1024 <= 8);
   static_assert(std::is_trivially_copyable_v<RateControl> && std::is_trivially_copyable_v<Arrivals>);
 }
 

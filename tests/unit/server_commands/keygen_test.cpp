@@ -24,8 +24,8 @@ Expected<std::string> keygen_with(const std::string& arguments) {
 /// Both default files are in a scratch folder.
 class Keygen : public testing::Test {
  protected:
-  Keygen() { ::setenv("XDG_CONFIG_HOME", folder_.path().c_str(), 1); }
-  ~Keygen() override { ::unsetenv("XDG_CONFIG_HOME"); }
+  void SetUp() override { ::setenv("XDG_CONFIG_HOME", folder_.path().c_str(), 1); }
+  void TearDown() override { ::unsetenv("XDG_CONFIG_HOME"); }
   ScratchFolder folder_;
 };
 

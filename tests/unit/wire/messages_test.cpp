@@ -198,8 +198,8 @@ TEST(RequestDecode, RefusesPlacesOfLightsOutOfRange) {
       EXPECT_EQ(decode_client(with_f64(good, pose + 8 * number, bad)).error(), WireRefusal::ViewRange)
           << "number " << number << " = " << bad;
   EXPECT_TRUE(decode_client(with_f64(good, pose, 1e9)));
-  EXPECT_TRUE(decode_client(with_f64(good, pose + 8 * 4, -1.0009)));
-  EXPECT_EQ(decode_client(with_f64(good, pose + 8 * 4, -1.0011)).error(), WireRefusal::ViewRange);
+  EXPECT_TRUE(decode_client(with_f64(good, pose + 32, -1.0009)));
+  EXPECT_EQ(decode_client(with_f64(good, pose + 32, -1.0011)).error(), WireRefusal::ViewRange);
 }
 
 TEST(RequestDecode, TakesAsManyLightChangesAsStatedAndNoMore) {
@@ -208,7 +208,7 @@ TEST(RequestDecode, TakesAsManyLightChangesAsStatedAndNoMore) {
   EXPECT_EQ(travelled(message).request.lights, message.request.lights);
 
   const Bytes full = encoded(ClientMessage(message));
-  const auto seventh = full.begin() + static_cast<std::ptrdiff_t>(kChanges + 6 * 7);
+  const auto seventh = full.begin() + static_cast<std::ptrdiff_t>(kChanges) + std::ptrdiff_t{6} * 7;
   Bytes more(full.begin(), seventh);
   const Bytes change = bytes_of({6, 0, 8, 0, 0, 0, 0});
   more.insert(more.end(), change.begin(), change.end());

@@ -141,7 +141,8 @@ TEST(ProtocolNumbers, ValueBesideANameIsThatConstants) {
     const std::string name = (*at)[3], unit = (*at)[2];
     if (!of_code.contains(name)) continue;
     // A number has no unit of its own if the column or the noun after it has the unit.
-    const std::string value = of_code.at(name), number = value.substr(0, value.find(' '));
+    const std::string& value = of_code.at(name);
+    const std::string number = value.substr(0, value.find(' '));
     EXPECT_EQ((*at)[1], number) << name;
     EXPECT_TRUE(unit.empty() || number + " " + unit == value) << at->str();
     ++mentions;

@@ -67,7 +67,7 @@ TEST(SlicePacker, FillsItsMessages) {
   const ShadowFrame frame = frame_of(EyeMask{}, noise_mask({256, 256}, 3, random));
   const auto messages = packed(frame, Side::Right);
   for (std::size_t i = 0; i + 1 < messages.size(); ++i)
-    EXPECT_GT(messages[i].size() + 3 * 32 + 5, kMaxMessage_bytes) << "slice " << i;
+    EXPECT_GT(messages[i].size() + std::size_t{3} * 32 + 5, kMaxMessage_bytes) << "slice " << i;
 }
 
 TEST(SlicePacker, MakesWiderWordsNoLonger) {
