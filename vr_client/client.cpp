@@ -139,7 +139,7 @@ Expected<void> meet(const Options& options, Client& client, LinkListener listene
                                     frames_in_flight(options));
   client.link->tell(std::move(listener));
   const Stopwatch meeting;
-  const Expected<void> met = client.link->meet(kMeetTimeout);
+  Expected<void> met = client.link->meet(kMeetTimeout);
   if (met) client.round_trip = meeting.elapsed() / 2;  // a handshake takes two round trips
   if (met && options.size.pixels() > client.link->inbox().most_pixels())
     return fail(

@@ -255,8 +255,7 @@ class Preview {
       return !client_.plan.server                ? "no light casts shadows: no server"
              : options_.mode.mode == Mode::Local ? "shadow maps: no server"
                                                  : "this client traces: no server";
-    const std::string server =
-        std::string(name_of(options_.mode.mode)) + ", server " + to_string(client_.server);
+    std::string server = std::string(name_of(options_.mode.mode)) + ", server " + to_string(client_.server);
     const std::optional<Time> last_received = client_.link->last_received();
     if (!last_received) return server + " does not answer";
     const Duration silence = client_.clock.now() - *last_received;

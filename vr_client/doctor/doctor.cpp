@@ -79,7 +79,7 @@ HelloAnswer say_hello(DatagramPort& port, const Peer& server, const Contact& con
       answer.open_refusal = *refusal;
       until = std::min(until, clock.now() + 500ms);  // for the true server to contradict a forged refusal
     } else if (const auto* const accept = std::get_if<Accept>(&*envelope)) {
-      if (auto met = handshake.take(*accept, received->bytes)) answer.message = std::move(met->answer);
+      if (const auto met = handshake.take(*accept, received->bytes)) answer.message = met->answer;
     }
   }
   return answer;

@@ -63,7 +63,7 @@ class ServerGBuffer final : public ModePipeline {
         if (received.known_tiles[0][eye][tile] != 0 && received.known_tiles[1][eye][tile] != 0) continue;
         const TileRect rect = grid.rect(tile);
         for (std::uint32_t y = rect.y0; y < rect.y1; ++y)
-          std::fill_n(depth.words.begin() + y * depth.size.width + rect.x0, rect.x1 - rect.x0, 0u);
+          std::fill_n(&depth.words[std::size_t{y} * depth.size.width + rect.x0], rect.x1 - rect.x0, 0u);
       }
     }
     return partly_;

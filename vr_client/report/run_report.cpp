@@ -70,7 +70,8 @@ RunReport::RunReport(RunReportOptions options, Renderer& renderer, Reference* re
 bool RunReport::is_pictured(FrameId frame) const {
   // The run is divided into `pictures` equal parts; the frame in the middle of each is written.
   for (std::uint64_t i = 0; i < options_.pictures; ++i)
-    if (frame.value == 1 + (2 * i + 1) * options_.frame_count / (2 * options_.pictures)) return true;
+    if (frame.value == 1 + (2 * i + 1) * options_.frame_count / (std::uint64_t{2} * options_.pictures))
+      return true;
   return false;
 }
 

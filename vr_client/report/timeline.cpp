@@ -154,7 +154,8 @@ void TraceEvents::append(const std::string& fields) {
 /// Doubles represent eighths exactly, also in nanoseconds. So a span that contains another one does so in
 /// every reader.
 double TraceEvents::microseconds(Time time) const {
-  return static_cast<double>((time - zero_).count() / 125) / 8;
+  const auto eighths = (time - zero_).count() / 125;
+  return static_cast<double>(eighths) / 8;
 }
 
 void write_frame(const auto& shown, TraceEvents& events) {
