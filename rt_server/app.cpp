@@ -92,7 +92,7 @@ void print_counters(const ServerCore& core) {
 }  // namespace
 
 Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
-  if (const Expected<void> removed = remove_old_ready_file(options); !removed) return removed;
+  if (Expected<void> removed = remove_old_ready_file(options); !removed) return removed;
   Expected<Scene> loaded = load_scene(options.scene);
   if (!loaded) return tl::unexpected(loaded.error());
   const auto [scene, plan] = plan_scene(std::move(*loaded), {.kind = options.plan.kind});
@@ -122,7 +122,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   std::fflush(stdout);
   {
     const Serving serving(core);
-    const Expected<void> written = write_ready_file(options, fmt::format("{} {}", kReadyListening, address));
+    Expected<void> written = write_ready_file(options, fmt::format("{} {}", kReadyListening, address));
     if (!written) return written;
     stop.wait([&] { print_counters(core); });
   }

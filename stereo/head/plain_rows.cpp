@@ -51,7 +51,7 @@ Expected<void> check_columns(std::string_view names, const Layout& layout, rows:
 Expected<void> read_comment(std::string_view line, const Layout& layout, rows::Place place,
                             Headset& headset) {
   line = rows::trimmed(line.substr(1));
-  if (line.starts_with("timestamp") && line.find("q") != line.npos) return check_columns(line, layout, place);
+  if (line.starts_with("timestamp") && line.find('q') != line.npos) return check_columns(line, layout, place);
   const std::size_t colon = line.find(':');
   if (colon == line.npos) return {};
   const std::string_view key = rows::trimmed(line.substr(0, colon)),

@@ -247,7 +247,7 @@ void RayScene::Impl::update() {
 
 Expected<RayScene> RayScene::create(const SurfaceModel& model) {
   auto impl = std::make_unique<Impl>(model);
-  const RTCDevice device = impl->device.get();
+  RTCDevice device = impl->device.get();
   if (device == nullptr)
     return fail(Fault::Unavailable, "Embree has no device on this machine (error " +
                                         std::to_string(rtcGetDeviceError(nullptr)) + ").");

@@ -126,7 +126,7 @@ void SurfaceModel::add(const Scene& scene, const SceneState& state, std::uint32_
       add_triangle(wound + patch.first_vertex, p);
   }
   patch.triangle_count = narrow<std::uint32_t>(triangles_.size()) - patch.first_triangle;
-  patches_.push_back(std::move(patch));
+  patches_.push_back(patch);
 }
 
 void SurfaceModel::add_triangle(const glm::uvec3& vertices, const std::array<glm::dvec3, 3>& p) {

@@ -125,7 +125,7 @@ bool read_flips(ByteReader& in, std::uint32_t& flips) {
   }
 }
 
-constexpr std::size_t kRawRows_bytes = 2 * kSide;
+constexpr std::size_t kRawRows_bytes = 2 * std::size_t{kSide};
 
 /// Writes row changes to `out` and returns their size, or 0 if they need more than kRawRows_bytes.
 std::size_t write_changes(const PlaneRows& rows, std::array<std::byte, kRawRows_bytes + 8>& out) {

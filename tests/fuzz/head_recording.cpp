@@ -1,7 +1,7 @@
 // Head recordings: a text in one of the three formats is refused, or it decodes to a recording that keeps the
 // promises of HeadRecording and that reads back bit for bit after it is written in either format.
+#include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "stereo/head/reader.h"
 #include "stereo/head/writer.h"
@@ -13,7 +13,7 @@ namespace {
 
 /// Compares bits, so that a NaN equals itself. -0 equals 0.
 bool is_same(double a, double b) {
-  return a == b || std::memcmp(&a, &b, sizeof a) == 0;
+  return a == b || std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
 bool is_same(const Rigid<Recorded, Head>& a, const Rigid<Recorded, Head>& b) {
