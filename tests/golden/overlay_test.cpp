@@ -145,12 +145,12 @@ TEST_P(RaysNeeded, AreAboutThoseThatATracerSpends) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(, RaysNeeded,
-                         testing::Values(RayCase{"room", "room.glb", {}},
-                                         RayCase{
-                                             "room_without_a_light", "room.glb", {2, {{{1, 2, false, {}}}}}},
-                                         RayCase{"box_over_plane", "box_over_plane.gltf", {}}),
-                         [](const auto& tested) { return std::string(tested.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    , RaysNeeded,
+    testing::Values(RayCase{"room", "room.glb", {}},
+                    RayCase{"room_without_a_light", "room.glb", {{2}, {{1, {2}, false, {}}}}},
+                    RayCase{"box_over_plane", "box_over_plane.gltf", {}}),
+    [](const auto& tested) { return std::string(tested.param.name); });
 
 }  // namespace
 }  // namespace farshade
