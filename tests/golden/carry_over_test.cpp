@@ -62,7 +62,7 @@ TEST_F(CarryOverOf, OtherEyeComesAfterThisEyesNewestAndBeforeOlderMasks) {
     EXPECT_EQ(wrong_source, 0u) << name_of(side);
     EXPECT_EQ(wrong_bits, 0u) << name_of(side);
     EXPECT_GT(used[0], 10'000u) << name_of(side);
-    for (const std::size_t source : {1, 2, 3})
+    for (const std::size_t source : {1u, 2u, 3u})
       EXPECT_GT(used[source], 30u) << source << ", " << name_of(side);
   }
 }

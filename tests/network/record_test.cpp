@@ -136,7 +136,7 @@ void record(const std::filesystem::path& file, MaskPolicy policy) {
   FarServer server(clock);
   CaptureWriter recorder(clock);
   NetworkLink link(server.wire.client(), clock,
-                   {server.wire.server().local(), server.key, setup().scene.hash, FarServer::lights()},
+                   {server.wire.server().local(), server.key, setup().scene.hash, {FarServer::lights()}},
                    kInFlight);
   link.tell(recorder.listener());
   ASSERT_TRUE(link.meet(3s).has_value());

@@ -191,7 +191,9 @@ TEST_F(PreviewProgram, FollowsTheSizeOfItsWindowAndKeepsTheAspectRatio) {
     Extent window;
     std::uint32_t eye;
   };
-  for (const auto& [size, eye] : {Sized{{400, 300}, 200}, {{900, 250}, 250}, {{120, 200}, 60}}) {
+  for (const Sized& sized : {Sized{{400, 300}, 200}, {{900, 250}, 250}, {{120, 200}, 60}}) {
+    const Extent size = sized.window;
+    const std::uint32_t eye = sized.eye;
     resize(size);
     EyePictures taken, seen;
     ASSERT_TRUE(patiently([&] {

@@ -75,8 +75,8 @@ nlohmann::json measure_clients(const Play& play, std::uint32_t clients, std::uin
 
   std::vector<std::unique_ptr<Head>> heads;
   for (std::size_t i = 0; i < clients; ++i) {
-    heads.push_back(std::make_unique<Head>(play, i * kApart, wire, i, clock,
-                                           LinkTarget{wire.server().local(), key, play.scene.hash, lights}));
+    heads.push_back(std::make_unique<Head>(
+        play, i * kApart, wire, i, clock, LinkTarget{wire.server().local(), key, play.scene.hash, {lights}}));
     if (const Expected<void> met = heads.back()->link.meet(kPatience); !met)
       throw std::runtime_error(met.error().what);
   }
