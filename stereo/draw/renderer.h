@@ -35,8 +35,7 @@ struct ShownFrame {
   StereoView views;  ///< both of the renderer's size
   const SceneState& state;
   const FrameRequest* request = nullptr;  ///< this frame's request, if any; the depth of its views is kept
-  std::span<const TracedMask>
-      masks;  ///< the first source first; masks whose depth is not in the ring are skipped
+  std::span<const TracedMask> masks;      ///< first source first; skipped if its depth is not in the ring
   CarryOver carry_over;
   PixelReport report = PixelReport::Off;
   /// Set: shadows come from shadow maps instead of `masks`. shadow_map_bytes must succeed for these settings.

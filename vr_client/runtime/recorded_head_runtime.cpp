@@ -14,7 +14,8 @@ RecordedHeadRuntime::RecordedHeadRuntime(const HeadRecording& recording, const H
   const double length_s = std::max(0.0, seconds_of(recording.end() - recording.start() - playback.skip));
   constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
   const double all = std::floor(length_s * playback.refresh_hz) + 1;
-  frame_count_ = static_cast<std::uint32_t>(std::min(all, static_cast<double>(playback.frames.value_or(kMost))));
+  frame_count_ =
+      static_cast<std::uint32_t>(std::min(all, static_cast<double>(playback.frames.value_or(kMost))));
 }
 
 Time RecordedHeadRuntime::display_time(std::uint32_t index) const {
