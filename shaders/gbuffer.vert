@@ -12,7 +12,7 @@ layout(push_constant) uniform Draw { DrawData draw; };
 
 layout(location = 0) in vec3 position;
 #ifndef DEPTH_ONLY
-layout(location = 1) in vec3 normal;
+layout(location = 1) in vec2 octahedral_normal;
 layout(location = 0) out vec3 stage_normal;
 layout(location = 3) flat out uint eye;
 #endif
@@ -27,12 +27,22 @@ layout(location = 2) out vec4 vertex_color;
 
 invariant gl_Position;
 
+#ifndef DEPTH_ONLY
+// The direction of an octahedral normal. Its length is not 1.
+vec3 unfolded(vec2 p) {
+  vec3 n = vec3(p, 1.0 - abs(p.x) - abs(p.y));
+  float fold = max(-n.z, 0.0);
+  n.xy -= vec2(n.x < 0.0 ? -fold : fold, n.y < 0.0 ? -fold : fold);
+  return n;
+}
+#endif
+
 void main() {
   gl_Layer = gl_InstanceIndex;
   gl_Position = instances[draw.instance].clip_from_object[gl_InstanceIndex] * vec4(position, 1.0);
 #ifndef DEPTH_ONLY
   eye = gl_InstanceIndex;
-  stage_normal = mat3(instances[draw.instance].stage_from_object_normal) * normal;
+  stage_normal = mat3(instances[draw.instance].stage_from_object_normal) * normalize(unfolded(octahedral_normal));
 #endif
 #ifdef TEXTURED
   texture_uv = uv;

@@ -21,7 +21,8 @@ struct Projection {
 };
 
 // The depth stored at a traced pixel may differ from the plane's depth there by half of the plane's change between the
-// point and the pixel's centre (surfaces bend, normals are rounded), by a pixel's footprint, and by float rounding.
+// point and the pixel's centre (surfaces bend, normals are rounded), by a pixel's footprint, by the geometric error of the
+// levels of detail in both views, and by float rounding.
 const float kBend = 0.5, kFootprint = 1.0, kRounding = 16.0 / 16777216.0;
 
 const uint kNewest = kEye * FARSHADE_MAX_SOURCES;  // the source: this eye's newest mask
@@ -42,7 +43,7 @@ Projection project(uint source, Surface surface) {
   vec2 slope = n.xy * window.zw;
   projection.plane = kNear / facing * vec3(slope, dot(n.xy, window.xy) + 0.5 * (slope.x + slope.y) - n.z);
   projection.depth = kNear * inverse_z;
-  projection.tolerance = (kFootprint * max(abs(window.z), abs(window.w)) + kRounding) * projection.depth;
+  projection.tolerance = ((kFootprint + 2.0 * kDetail_px) * max(abs(window.z), abs(window.w)) + kRounding) * projection.depth;
   return projection;
 }
 

@@ -37,6 +37,7 @@ layout(constant_id = FARSHADE_CONSTANT_MOVED_SINCE_NEWEST) const bool kMovedSinc
 layout(constant_id = FARSHADE_CONSTANT_EDGE_BIT) const uint kEdgeBit = 1;
 layout(constant_id = FARSHADE_CONSTANT_MAP_SIDE) const uint kMapSide = 1;
 layout(constant_id = FARSHADE_CONSTANT_PCF_RADIUS) const uint kPcfRadius = 0;
+layout(constant_id = FARSHADE_CONSTANT_DETAIL) const float kDetail_px = 0.0;
 
 layout(binding = 0) uniform Frame { FrameData frame; };
 layout(binding = 1) uniform Lights { LightData lights[kLights + 1]; };

@@ -63,9 +63,10 @@ std::string in_words(const gpu::BytesByUse& memory) {
 
 /// The peak of the memory on the device, and the plan's estimate of it.
 std::string memory_line(const Client& client, const RendererLimits& limits) {
-  return fmt::format("memory on the device: {} at peak, {} estimated by the plan\n",
-                     megabytes(client.renderer->counters().memory.peak_total),
-                     megabytes(most_at_once(client_memory(client.scene, client.plan.draw, limits))));
+  return fmt::format(
+      "memory on the device: {} at peak, {} estimated by the plan\n",
+      megabytes(client.renderer->counters().memory.peak_total),
+      megabytes(most_at_once(client_memory(client.scene, client.plan.draw, limits, client.levels))));
 }
 
 std::string heading(const Options& options, const Client& client, const RecordedHeadRuntime& runtime,
@@ -179,8 +180,9 @@ Expected<void> print_plan(const Options& options) {
   }
   const Expected<PlannedScene> planned = load_planned(options, needs_of(options, eye_distance_m));
   if (!planned) return tl::unexpected(planned.error());
+  const SceneLevels levels = levels_for(planned->scene, planned->plan);
   fmt::print("{}  {:<12} {}\n", in_words(planned->plan, planned->scene), "memory",
-             in_words(client_memory(planned->scene, planned->plan.draw, renderer_limits(options))));
+             in_words(client_memory(planned->scene, planned->plan.draw, renderer_limits(options), levels)));
   return {};
 }
 
@@ -192,7 +194,8 @@ Expected<void> run_replay(const Options& options) {
   Expected<CaptureReader> reader = CaptureReader::open(options.replay);
   if (!reader) return tl::unexpected(reader.error());
   const CaptureHeader header = reader->header();
-  Expected<std::unique_ptr<Client>> opened = open_client(options, {.kind = options.plan.kind}, header.limits);
+  Expected<std::unique_ptr<Client>> opened = open_client(
+      options, {.kind = options.plan.kind, .detail_px = static_cast<float>(header.detail_px)}, header.limits);
   if (!opened) return tl::unexpected(opened.error());
   Client& client = **opened;
   if (auto fits = check_capture(header, options, client); !fits) return fits;

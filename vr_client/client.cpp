@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "stereo/base/user_folders.h"
+#include "stereo/detail/level_cache.h"
 #include "stereo/net/udp.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/video/video.h"
@@ -81,11 +83,22 @@ std::uint32_t frames_in_flight(const Options& options) {
 SessionNeeds needs_of(const Options& options, double eye_distance_m) {
   return {.kind = options.plan.kind,
           .two_views = eye_distance_m != 0,
-          .carries_over = carries_over(options.mode.mode)};
+          .carries_over = carries_over(options.mode.mode),
+          .detail_px = options.detail_px};
 }
 
 Expected<PlannedScene> load_planned(const Options& options, const SessionNeeds& needs) {
   return load_scene(options.scene).map([&](Scene&& scene) { return plan_scene(std::move(scene), needs); });
+}
+
+SceneLevels levels_for(const Scene& scene, const ScenePlan& plan) {
+  if (plan.draw.detail_px <= 0) return {};
+  const Stopwatch watch;
+  CachedLevels cached = cached_levels(scene, cache_folder());
+  if (!cached.trouble.empty()) spdlog::warn("levels of detail: {}", cached.trouble);
+  spdlog::info("levels of detail {} in {:.0f} ms", cached.from_file ? "read from the cache" : "made",
+               ms_of(watch.elapsed()));
+  return std::move(cached.levels);
 }
 
 Expected<std::unique_ptr<Client>> open_client(const Options& options, double eye_distance_m) {
@@ -108,7 +121,9 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options, const Sess
   if (!device) return tl::unexpected(device.error());
   client->device = std::move(*device);
   spdlog::info("drawing on {}: {}", client->device.name, client->device.why);
-  client->renderer = std::make_unique<Renderer>(client->device, client->scene, client->plan.draw, limits);
+  client->levels = levels_for(client->scene, client->plan);
+  client->renderer =
+      std::make_unique<Renderer>(client->device, client->scene, client->plan.draw, limits, client->levels);
   return client;
 }
 
@@ -177,6 +192,7 @@ CaptureHeader header_of(const Options& options, const Client& client, const Mask
                     : traces    ? MaskOrigin::OwnTracer
                                 : MaskOrigin::Nobody,
           .limits = renderer_limits(options),
+          .detail_px = double{client.plan.draw.detail_px},
           .requests = frames_in_flight(options),
           .refresh_hz = options.refresh_hz,
           .policy = policy,

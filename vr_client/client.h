@@ -18,6 +18,7 @@ namespace farshade {
 struct Client {
   Scene scene;  ///< with the lights that the plan keeps
   ScenePlan plan;
+  SceneLevels levels;  ///< empty: everything is drawn in full detail
   gpu::Device device;
   std::unique_ptr<Renderer> renderer;
   std::unique_ptr<Reference> reference;   ///< for measuring; empty until open_reference
@@ -41,6 +42,9 @@ inline constexpr double kWorstPreviewPath_ms = 400;
 
 /// Sizes and counts for which the renderer of such a run allocates memory.
 [[nodiscard]] RendererLimits renderer_limits(const Options& options);
+
+/// The levels of detail of a scene, from the user's cache or newly made; none if the plan uses none.
+[[nodiscard]] SceneLevels levels_for(const Scene& scene, const ScenePlan& plan);
 
 /// Loads the scene and makes its plan.
 [[nodiscard]] Expected<PlannedScene> load_planned(const Options& options, const SessionNeeds& needs);

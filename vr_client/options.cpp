@@ -75,6 +75,11 @@ void add_scene_options(CLI::App& app, CommandLine& line) {
                  "where the head starts: at the scene's reference camera, or where it was recorded")
       ->transform(one_of<Place>({{"camera", Place::Camera}, {"recorded", Place::Recorded}}));
   app.add_option("--size", line.size, "pixels of each eye")->capture_default_str();
+  app.add_option(
+         "--detail-px", options.detail_px,
+         "draw each mesh with the fewest triangles whose error is at most this many pixels; 0: draw all")
+      ->check(within(0, double{kMostDetail_px}))
+      ->capture_default_str();
   app.add_option("--frames", options.frames, "number of frames to show (default: the whole recording)")
       ->check(CLI::PositiveNumber);
   app.add_option("--skip", options.skip_s, "seconds to skip at the beginning of the recording")

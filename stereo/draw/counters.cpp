@@ -17,8 +17,8 @@ std::size_t mip_chain_bytes(Extent size) {
   return bytes;
 }
 
-void add_scene(const Scene& scene, const DrawPlan& plan, gpu::BytesByUse& memory) {
-  const std::size_t streams = stream_bytes(scene, plan).total();
+void add_scene(const Scene& scene, const DrawPlan& plan, const SceneLevels& levels, gpu::BytesByUse& memory) {
+  const std::size_t streams = stream_bytes(scene, plan, levels).total();
   memory[gpu::Use::Vertices] += streams;
   std::size_t staging = std::min(streams, kStagingBytes);
   const std::vector<bool> read = textures_read(scene, plan);
@@ -33,14 +33,15 @@ void add_scene(const Scene& scene, const DrawPlan& plan, gpu::BytesByUse& memory
 
 }  // namespace
 
-gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, const RendererLimits& limits) {
+gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, const RendererLimits& limits,
+                              const SceneLevels& levels) {
   const DrawPlan plan = settled(requested);
   const ShadingBytes shading = shading_bytes(plan, limits.size, limits.traced_size);
   const std::size_t pixels = kEyes * limits.size.pixels(), places = most_masks(plan) * kEyes;
   const std::size_t passes = plan.depth_pass ? 2 : 1;
   using gpu::Use;
   gpu::BytesByUse memory;
-  add_scene(scene, plan, memory);
+  add_scene(scene, plan, levels, memory);
   memory[Use::Frame] =
       sizeof(gpu::FrameData) + shading.lights + passes * scene.instances.size() * sizeof(gpu::InstanceData);
   memory[Use::GBuffer] = pixels * (4 + (carries_masks(plan) ? 8 : 4));
@@ -56,7 +57,10 @@ gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, con
 
 std::uint64_t most_at_once(const gpu::BytesByUse& memory) {
   using gpu::Use;
-  const std::uint64_t loading = memory[Use::Vertices] + memory[Use::Textures] + memory[Use::Staging];
+  // Vertices are uploaded first. Each upload frees its staging buffer.
+  const std::uint64_t vertices = memory[Use::Vertices], textures = memory[Use::Textures];
+  const std::uint64_t loading = vertices + std::max(std::min<std::uint64_t>(vertices, kStagingBytes),
+                                                    textures + std::min(textures, memory[Use::Staging]));
   return std::max(loading, memory.total() - memory[Use::Staging]);
 }
 

@@ -2,6 +2,7 @@
 /// does not use.
 #pragma once
 
+#include "stereo/detail/levels.h"
 #include "stereo/gpu/ledger.h"
 #include "stereo/plan/scene_plan.h"
 
@@ -14,6 +15,9 @@ struct DrawCounters {
   std::uint64_t bindings = 0;           ///< descriptors in all sets
   std::uint64_t vertex_bytes = 0;       ///< of vertex streams and indices on the device
   std::uint64_t vertex_bytes_read = 0;  ///< that the last frame's draws read, for both eyes
+  std::uint64_t gbuffer_triangles = 0;  ///< that the last frame submitted for the shown views, both eyes
+  std::uint64_t depth_triangles = 0;    ///< for the requested views, if they differ from the shown ones
+  std::uint64_t map_triangles = 0;      ///< for shadow maps
   std::uint64_t lookups = 0;            ///< traced views in which the last frame looked up a point, at most
   std::uint64_t mask_uploads = 0;       ///< copies of a mask, both eyes, to the device so far
   gpu::MemoryUse memory;                ///< of the whole device, by use
@@ -22,7 +26,7 @@ struct DrawCounters {
 /// The bytes that a renderer allocates, by use. It allocates Report and ReadBack when they are first
 /// requested, and frees Staging once the scene is on the device.
 [[nodiscard]] gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& plan,
-                                            const RendererLimits& limits);
+                                            const RendererLimits& limits, const SceneLevels& levels = {});
 
 /// The peak of the sum of all uses.
 [[nodiscard]] std::uint64_t most_at_once(const gpu::BytesByUse& memory);

@@ -51,10 +51,10 @@ void GBufferPass::record(const vk::raii::CommandBuffer& commands, const DepthRin
                   layers);
 }
 
-void DepthPass::prepare(const StereoView& views, const SceneState& state) {
+void DepthPass::prepare(const StereoView& views, const SceneState& state, Detail detail) {
   check(views[0].size == views[1].size, "both eyes of a request have one size");
   size_ = views[0].size;
-  pass_.prepare(views, state);
+  pass_.prepare(views, state, detail);
 }
 
 void DepthPass::record(const vk::raii::CommandBuffer& commands, const DepthRing& ring,

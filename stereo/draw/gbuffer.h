@@ -13,7 +13,9 @@ class GBufferPass {
   GBufferPass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
               const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size);
 
-  void prepare(const StereoView& views, const SceneState& state) { pass_.prepare(views, state); }
+  void prepare(const StereoView& views, const SceneState& state, Detail detail) {
+    pass_.prepare(views, state, detail);
+  }
 
   /// Draws, with depth into `place` of `ring`. Afterwards shaders can read both images and the place.
   void record(const vk::raii::CommandBuffer& commands, const DepthRing& ring,
@@ -36,7 +38,7 @@ class DepthPass {
       : pass_(device, scene, plan, buffers, frame, Outputs::Depth) {}
 
   /// Both views have one size, which is at most the ring's.
-  void prepare(const StereoView& views, const SceneState& state);
+  void prepare(const StereoView& views, const SceneState& state, Detail detail);
 
   /// Draws into `place` of `ring`. Afterwards shaders can read it.
   void record(const vk::raii::CommandBuffer& commands, const DepthRing& ring,

@@ -14,7 +14,8 @@ constexpr std::uint32_t kStamps = 5;
 
 class Renderer::Parts {
  public:
-  Parts(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits);
+  Parts(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits,
+        const SceneLevels& levels);
 
   DrawTimes draw(const ShownFrame& frame);
   DrawTimes shade_again(const ShownFrame& frame);
@@ -69,12 +70,12 @@ class Renderer::Parts {
 };
 
 Renderer::Parts::Parts(const gpu::Device& device, const Scene& scene, DrawPlan plan,
-                       const RendererLimits& limits)
+                       const RendererLimits& limits, const SceneLevels& levels)
     : device_(device),
       scene_(scene),
       plan_(settled(std::move(plan))),
       size_(limits.size),
-      buffers_(make_scene_buffers(device, scene, plan_)),
+      buffers_(make_scene_buffers(device, scene, plan_, levels)),
       motion_(scene, plan_.moves),
       frame_buffer_(gpu::make_mapped_buffer(
           device, sizeof(gpu::FrameData), vk::BufferUsageFlagBits::eUniformBuffer, "frame", gpu::Use::Frame)),
@@ -114,7 +115,8 @@ void Renderer::Parts::place_depth(const ShownFrame& frame) {
   requested_depth_ = place;
   if (!depth_pass_) make_depth_pass();
   depth_pass_->prepare(frame.request->views,
-                       plan_.anything_moves() ? state_at(scene_, frame.request->scene_time) : frame.state);
+                       plan_.anything_moves() ? state_at(scene_, frame.request->scene_time) : frame.state,
+                       frame.detail);
 }
 
 /// Selects the usable masks and prepares the shading pass with them.
@@ -158,7 +160,7 @@ void Renderer::Parts::forget() {
 DrawTimes Renderer::Parts::draw(const ShownFrame& frame) {
   const Stopwatch watch;
   place_depth(frame);
-  gbuffer_.prepare(frame.views, frame.state);
+  gbuffer_.prepare(frame.views, frame.state, frame.detail);
   prepare_shading(frame);
   DrawTimes times = submit(frame, Stage::Both);
   times.total = watch.elapsed();
@@ -179,7 +181,7 @@ DrawTimes Renderer::Parts::keep_depth(const FrameRequest& request, std::size_t s
   const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
   check(place.has_value(), "the depth ring has the slot of the request's record");
   if (!depth_pass_) make_depth_pass();
-  depth_pass_->prepare(request.views, state_at(scene_, request.scene_time, request.lights));
+  depth_pass_->prepare(request.views, state_at(scene_, request.scene_time, request.lights), Detail::Full);
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
   stamps_.reset(commands_);
@@ -309,15 +311,17 @@ DrawCounters Renderer::Parts::counters() const {
                         .lookups = shading_.lookups(),
                         .mask_uploads = shading_.mask_uploads(),
                         .memory = device_.ledger->read()};
-  const auto add = [&](const ScenePass& pass, bool drawn) {
+  const auto add = [&](const ScenePass& pass, bool drawn, std::uint64_t& triangles) {
     counters.pipelines += pass.pipelines();
     counters.bindings += pass.bindings();
-    if (drawn) counters.vertex_bytes_read += pass.vertex_bytes_read();
+    if (!drawn) return;
+    counters.vertex_bytes_read += pass.vertex_bytes_read();
+    triangles += pass.triangles();
   };
-  add(gbuffer_.scene_pass(), true);
-  if (depth_pass_) add(depth_pass_->scene_pass(), requested_depth_.has_value());
+  add(gbuffer_.scene_pass(), true, counters.gbuffer_triangles);
+  if (depth_pass_) add(depth_pass_->scene_pass(), requested_depth_.has_value(), counters.depth_triangles);
   if (shadow_maps_) {
-    add(shadow_maps_->scene_pass(), shadow_maps_->due());
+    add(shadow_maps_->scene_pass(), shadow_maps_->due(), counters.map_triangles);
     counters.bindings += shadow_maps_->bindings().kinds.size();
   }
   if (turn_) {
@@ -346,8 +350,9 @@ void Renderer::Parts::read_back(const gpu::Image& image, vk::ImageLayout layout,
   });
 }
 
-Renderer::Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits)
-    : parts_(std::make_unique<Parts>(device, scene, std::move(plan), limits)) {}
+Renderer::Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits,
+                   const SceneLevels& levels)
+    : parts_(std::make_unique<Parts>(device, scene, std::move(plan), limits, levels)) {}
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, const RendererLimits& limits)
     : Renderer(device, scene, plan_for(scene, {.all_lights = true}).draw, limits) {}

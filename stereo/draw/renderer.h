@@ -6,8 +6,10 @@
 #include <span>
 
 #include "stereo/base/clock.h"
+#include "stereo/detail/levels.h"
 #include "stereo/draw/carry_over.h"
 #include "stereo/draw/counters.h"
+#include "stereo/draw/detail.h"
 #include "stereo/draw/shadow_map_settings.h"
 #include "stereo/frame/pixel_plane.h"
 #include "stereo/image/image.h"
@@ -41,6 +43,7 @@ struct ShownFrame {
   /// Set: shadows come from shadow maps instead of `masks`. shadow_map_bytes must succeed for these settings.
   const ShadowMapSettings* shadow_maps = nullptr;
   std::size_t request_slot = 0;  ///< where the depth is kept: the slot of the request's record
+  Detail detail = Detail::Levels;
 };
 
 /// Sizes of pictures and masks, and the number of requests whose depth is kept.
@@ -52,9 +55,10 @@ struct RendererLimits {
 
 class Renderer {
  public:
-  /// Keeps the references. `plan` is a plan for `scene`; the scene has only the lights that the plan keeps.
-  /// Throws when the device runs out of memory.
-  Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits);
+  /// Keeps the references except `levels`, which are those of the scene or empty. `plan` is a plan for
+  /// `scene`; the scene has only the lights that the plan keeps. Throws when the device runs out of memory.
+  Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits,
+           const SceneLevels& levels = {});
   /// With a plan that keeps all lights of the scene and suits any client.
   Renderer(const gpu::Device& device, const Scene& scene, const RendererLimits& limits);
   Renderer(const Renderer&) = delete;
@@ -67,7 +71,8 @@ class Renderer {
   DrawTimes shade_again(const ShownFrame& frame);
 
   /// Draws the depth of the views of `request`, keeps it for the request's masks, and reads it back: metres
-  /// along -z, 0 for uncovered pixels. Reuses the memory of `into`. `slot` is that of the request's record.
+  /// along -z, 0 for uncovered pixels, in full detail. Reuses the memory of `into`. `slot` is that of the
+  /// request's record.
   DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into);
 
   /// Shades a G-buffer that another renderer drew for `frame.views`. Masks are read with Lookup::Direct, and

@@ -8,28 +8,6 @@ namespace {
 
 using Usage = vk::BufferUsageFlagBits;
 
-/// The values of a stream, or `count` neutral values if the plan needs a stream that the mesh lacks.
-template <class T>
-std::vector<T> filled(const std::vector<T>& values, std::size_t count, T neutral) {
-  return values.empty() ? std::vector<T>(count, neutral) : values;
-}
-
-/// The point that a mesh's vertices are sent relative to. A mesh far from its own origin, as in map
-/// coordinates, would lose digits where the device adds up float products. All other meshes keep their
-/// origin. (The relative-to-centre method: P. Cozzi, K. Ring, "3D Engine Design for Virtual Globes", 2011,
-/// chapter 5.)
-glm::dvec3 center_of(const std::vector<glm::vec3>& positions) {
-  constexpr double kFar = 16;  // distance from the origin in half sizes of the mesh
-  const auto [low, high] = bounds_of(positions);
-  const glm::dvec3 center = (low + high) * 0.5;
-  return glm::length(center) > kFar * 0.5 * glm::length(high - low) ? center : glm::dvec3(0.0);
-}
-
-std::vector<glm::vec3> relative_to(const glm::dvec3& center, std::vector<glm::vec3> positions) {
-  for (glm::vec3& p : positions) p = glm::vec3(glm::dvec3(p) - center);
-  return positions;
-}
-
 /// Places each mesh's streams one after the other.
 class VertexLayout {
  public:
@@ -49,25 +27,22 @@ class VertexLayout {
   std::size_t vertex_bytes_ = 0, index_bytes_ = 0;
 };
 
-/// Copies a mesh's streams to where `mesh` places them and sets the bounding box.
-void upload(const Mesh& source, const SurfaceNeeds& needs, const SceneBuffers& buffers,
-            gpu::BufferUpload& uploads, DeviceMesh& mesh) {
+/// Copies a mesh's streams to where `mesh` places them.
+void upload(const MeshStreams& streams, const SceneBuffers& buffers, gpu::BufferUpload& uploads,
+            const DeviceMesh& mesh) {
   const auto write = [&](const gpu::Buffer& target, std::size_t offset, const auto& values) {
-    uploads.write(target, offset, std::as_bytes(std::span(values)));
+    if (!values.empty()) uploads.write(target, offset, std::as_bytes(std::span(values)));
   };
-  const std::size_t count = source.positions.size();
-  const std::vector<glm::vec3> positions = relative_to(mesh.center, source.positions);
-  write(buffers.vertices, mesh.offsets.positions, positions);
-  write(buffers.vertices, mesh.offsets.normals, source.normals);
-  if (needs.texture) write(buffers.vertices, mesh.offsets.uvs, filled(source.uvs, count, glm::vec2(0)));
-  if (needs.vertex_color)
-    write(buffers.vertices, mesh.offsets.colors, filled(source.colors, count, glm::u8vec4(255)));
-  write(buffers.indices, mesh.offsets.indices, source.triangles);
-  mesh.box = bounds_of(positions);
+  write(buffers.vertices, mesh.offsets.positions, streams.positions);
+  write(buffers.vertices, mesh.offsets.normals, streams.normals);
+  write(buffers.vertices, mesh.offsets.uvs, streams.uvs);
+  write(buffers.vertices, mesh.offsets.colors, streams.colors);
+  write(buffers.indices, mesh.offsets.indices, streams.indices);
 }
 
-void make_meshes(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, SceneBuffers& buffers) {
-  const StreamBytes all = stream_bytes(scene, plan);
+void make_meshes(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+                 const SceneLevels& levels, SceneBuffers& buffers) {
+  const StreamBytes all = stream_bytes(scene, plan, levels);
   buffers.vertices = gpu::make_device_buffer(
       device, all.vertices(), Usage::eVertexBuffer | Usage::eTransferDst, "vertices", gpu::Use::Vertices);
   buffers.indices = gpu::make_device_buffer(device, all.indices, Usage::eIndexBuffer | Usage::eTransferDst,
@@ -76,14 +51,20 @@ void make_meshes(const gpu::Device& device, const Scene& scene, const DrawPlan& 
   VertexLayout layout;
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     const Mesh& source = scene.meshes[i];
-    DeviceMesh mesh{.bytes = stream_bytes(source, plan.surfaces[i]),
+    const MeshLevels& own = levels_of(levels, i);
+    const MeshStreams streams = make_streams(source, plan.surfaces[i], own);
+    DeviceMesh mesh{.bytes = stream_bytes(source, plan.surfaces[i], own),
                     .offsets = {},
                     .texture = texture_of(scene, source, plan.surfaces[i]),
-                    .index_count = narrow<std::uint32_t>(source.triangles.size() * 3),
-                    .center = center_of(source.positions)};
+                    .index_type = index_bytes(source.positions.size()) == 2 ? vk::IndexType::eUint16
+                                                                            : vk::IndexType::eUint32,
+                    .ranges = streams.ranges,
+                    .levels = own.levels,
+                    .center = streams.center,
+                    .box = bounds_of(streams.positions)};
     mesh.offsets = layout.add(mesh.bytes);
-    upload(source, plan.surfaces[i], buffers, uploads, mesh);
-    buffers.meshes.push_back(mesh);
+    upload(streams, buffers, uploads, mesh);
+    buffers.meshes.push_back(std::move(mesh));
   }
   uploads.flush();
 }
@@ -154,20 +135,12 @@ void make_textures(const gpu::Device& device, const Scene& scene, const DrawPlan
 
 }  // namespace
 
-StreamBytes stream_bytes(const Mesh& mesh, const SurfaceNeeds& needs) {
-  const std::size_t count = mesh.positions.size();
-  return {.positions = count * sizeof(glm::vec3),
-          .normals = count * sizeof(glm::vec3),
-          .uvs = needs.texture ? count * sizeof(glm::vec2) : 0,
-          .colors = needs.vertex_color ? count * sizeof(glm::u8vec4) : 0,
-          .indices = mesh.triangles.size() * sizeof(glm::uvec3)};
-}
-
-StreamBytes stream_bytes(const Scene& scene, const DrawPlan& plan) {
+StreamBytes stream_bytes(const Scene& scene, const DrawPlan& plan, const SceneLevels& levels) {
   check_eq(plan.surfaces.size(), scene.meshes.size(), "the plan is the scene's");
+  check(levels.empty() || levels.size() == scene.meshes.size(), "the levels are the scene's");
   StreamBytes sum;
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
-    const StreamBytes bytes = stream_bytes(scene.meshes[i], plan.surfaces[i]);
+    const StreamBytes bytes = stream_bytes(scene.meshes[i], plan.surfaces[i], levels_of(levels, i));
     sum.positions += bytes.positions;
     sum.normals += bytes.normals;
     sum.uvs += bytes.uvs;
@@ -191,9 +164,10 @@ std::vector<bool> textures_read(const Scene& scene, const DrawPlan& plan) {
   return read;
 }
 
-SceneBuffers make_scene_buffers(const gpu::Device& device, const Scene& scene, const DrawPlan& plan) {
+SceneBuffers make_scene_buffers(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+                                const SceneLevels& levels) {
   SceneBuffers buffers;
-  make_meshes(device, scene, plan, buffers);
+  make_meshes(device, scene, plan, levels, buffers);
   make_textures(device, scene, plan, buffers);
   return buffers;
 }

@@ -6,22 +6,15 @@
 #include <optional>
 #include <vector>
 
+#include "stereo/draw/mesh_streams.h"
 #include "stereo/gpu/pass.h"
 #include "stereo/gpu/upload.h"
 #include "stereo/plan/scene_plan.h"
 
 namespace farshade {
 
-/// One size or offset in bytes for each stream of a mesh.
-struct StreamBytes {
-  std::size_t positions = 0, normals = 0, uvs = 0, colors = 0, indices = 0;
-  [[nodiscard]] std::size_t vertices() const { return positions + normals + uvs + colors; }
-  [[nodiscard]] std::size_t total() const { return vertices() + indices; }
-};
-/// The sizes of a mesh's streams. A stream that is not needed has size 0.
-[[nodiscard]] StreamBytes stream_bytes(const Mesh& mesh, const SurfaceNeeds& needs);
 /// The sum over all meshes.
-[[nodiscard]] StreamBytes stream_bytes(const Scene& scene, const DrawPlan& plan);
+[[nodiscard]] StreamBytes stream_bytes(const Scene& scene, const DrawPlan& plan, const SceneLevels& levels);
 
 /// The staging buffer for vertex streams and indices is at most this large.
 inline constexpr std::size_t kStagingBytes = 16 << 20;
@@ -38,8 +31,10 @@ struct DeviceMesh {
   StreamBytes bytes;
   StreamBytes offsets;                 ///< of indices: in SceneBuffers::indices; of others: in its vertices
   std::optional<std::size_t> texture;  ///< index into SceneBuffers::texture_sets
-  std::uint32_t index_count = 0;
-  glm::dvec3 center{0.0};  ///< object space; positions and box are relative to it
+  vk::IndexType index_type = vk::IndexType::eUint32;
+  std::vector<IndexRange> ranges{};   ///< of the mesh itself and of its levels
+  std::vector<DetailLevel> levels{};  ///< their errors
+  glm::dvec3 center{0.0};             ///< object space; positions and box are relative to it
   Bounds box{};
 };
 
@@ -52,8 +47,8 @@ struct SceneBuffers {
   vk::raii::DescriptorSetLayout texture_layout{nullptr};  ///< null if no mesh reads a texture
 };
 
-/// Throws if the device has too little memory.
+/// `levels` are those of the scene, or empty. Throws if the device has too little memory.
 [[nodiscard]] SceneBuffers make_scene_buffers(const gpu::Device& device, const Scene& scene,
-                                              const DrawPlan& plan);
+                                              const DrawPlan& plan, const SceneLevels& levels);
 
 }  // namespace farshade

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "stereo/detail/level_choice.h"
+
 namespace farshade {
 namespace {
 
@@ -36,7 +38,8 @@ ScenePass::ScenePass(const gpu::Device& device, const Scene& scene, const DrawPl
                                          vk::BufferUsageFlagBits::eStorageBuffer, "instances",
                                          gpu::Use::Frame)),
       bindings_(gpu::make_bindings(device, scene_set(outputs), to_string(outputs))),
-      draws_(pairs) {
+      draws_(pairs),
+      last_levels_(pairs * scene.instances.size(), 0) {
   gpu::bind_buffer(device, bindings_, 0, instances_);
   if (outputs == Outputs::GBuffer) gpu::bind_buffer(device, bindings_, 1, frame);
   std::vector<vk::DescriptorSetLayout> sets{*bindings_.layout};
@@ -62,27 +65,36 @@ void ScenePass::need_pipeline(SceneVariant variant) {
     pipelines_.emplace(variant, make_scene_pipeline(device_, layout_, plan_, outputs_, variant));
 }
 
-/// Bytes that drawing a mesh for one eye reads.
-std::uint64_t ScenePass::bytes_read(std::size_t mesh) const {
+/// Bytes that drawing a level of a mesh for one eye reads.
+std::uint64_t ScenePass::bytes_read(std::size_t mesh, std::uint32_t level) const {
   const StreamBytes& bytes = buffers_.meshes[mesh].bytes;
   const SceneVariant variant = variant_of(mesh);
-  return bytes.positions + bytes.indices + (outputs_ == Outputs::GBuffer ? bytes.normals : 0) +
-         (variant.textured ? bytes.uvs : 0) + (variant.colored ? bytes.colors : 0);
+  const std::uint64_t streams = bytes.positions + (outputs_ == Outputs::GBuffer ? bytes.normals : 0) +
+                                (variant.textured ? bytes.uvs : 0) + (variant.colored ? bytes.colors : 0);
+  const IndexRange& range = buffers_.meshes[mesh].ranges[level];
+  const std::size_t vertices = scene_.meshes[mesh].positions.size();
+  return streams / std::max(vertices, std::size_t{1}) * range.vertices + range.count * index_bytes(vertices);
 }
 
-void ScenePass::prepare(const StereoView& views, const SceneState& state) {
-  vertex_bytes_read_ = 0;
-  add_draws(0, state, [&](const Affine<Stage, Object>& stage_from_object) {
-    return instance_data(views, stage_from_object);
-  });
+void ScenePass::clear_counts() {
+  vertex_bytes_read_ = triangles_ = 0;
 }
 
-void ScenePass::prepare(std::span<const PerEye<glm::dmat4>> clip_from_stage, const SceneState& state) {
+void ScenePass::prepare(const StereoView& views, const SceneState& state, Detail detail) {
+  clear_counts();
+  add_draws(0, state, {views[0].size, views[1].size}, detail,
+            [&](const Affine<Stage, Object>& stage_from_object) {
+              return instance_data(views, stage_from_object);
+            });
+}
+
+void ScenePass::prepare(std::span<const PerEye<glm::dmat4>> clip_from_stage, Extent size,
+                        const SceneState& state) {
   check(outputs_ != Outputs::GBuffer, "normals are seen by eyes");
   check_eq(clip_from_stage.size(), draws_.size(), "views for each pair of layers");
-  vertex_bytes_read_ = 0;
+  clear_counts();
   for (std::size_t pair = 0; pair < draws_.size(); ++pair)
-    add_draws(pair, state, [&](const Affine<Stage, Object>& stage_from_object) {
+    add_draws(pair, state, {size, size}, Detail::Levels, [&](const Affine<Stage, Object>& stage_from_object) {
       gpu::InstanceData data{};
       for (std::size_t layer = 0; layer < kEyes; ++layer)
         data.clip_from_object[layer] = glm::mat4(clip_from_stage[pair][layer] * stage_from_object.matrix);
@@ -90,14 +102,29 @@ void ScenePass::prepare(std::span<const PerEye<glm::dmat4>> clip_from_stage, con
     });
 }
 
+/// The level for the view that shows the instance's error largest. `last` is the choice of the last frame.
+std::uint32_t ScenePass::level_for(const DeviceMesh& mesh, const gpu::InstanceData& data,
+                                   const PerEye<Extent>& sizes, std::uint32_t& last) const {
+  if (mesh.levels.empty() || plan_.detail_px <= 0) return 0;
+  double px_per_unit = 0;
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    if (may_be_seen(data, eye, mesh.box))
+      px_per_unit = std::max(px_per_unit,
+                             pixels_per_unit(glm::dmat4(data.clip_from_object[eye]), mesh.box, sizes[eye]));
+  last = choose_level(mesh.levels, px_per_unit, plan_.detail_px, last);
+  return last;
+}
+
 template <class SeenAs>
-void ScenePass::add_draws(std::size_t pair, const SceneState& state, const SeenAs& seen_as) {
+void ScenePass::add_draws(std::size_t pair, const SceneState& state, const PerEye<Extent>& sizes,
+                          Detail detail, const SeenAs& seen_as) {
   const auto first = narrow<std::uint32_t>(pair * scene_.instances.size());
   const auto data = instances_.as<gpu::InstanceData>().subspan(first);
   std::vector<Draw>& draws = draws_[pair];
   draws.clear();
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
-    const DeviceMesh& mesh = buffers_.meshes[scene_.instances[i].mesh];
+    const std::uint32_t mesh_index = scene_.instances[i].mesh;
+    const DeviceMesh& mesh = buffers_.meshes[mesh_index];
     Affine<Stage, Object> stage_from_mesh = state.stage_from_object[i];
     stage_from_mesh.matrix[3] = glm::dvec4(stage_from_mesh(Point<Object>{mesh.center}).v, 1.0);
     data[i] = seen_as(stage_from_mesh);
@@ -105,10 +132,14 @@ void ScenePass::add_draws(std::size_t pair, const SceneState& state, const SeenA
     if (!left && !right) continue;
     const glm::vec3 middle = (glm::vec3(mesh.box.low) + glm::vec3(mesh.box.high)) * 0.5f;
     const glm::vec4 centre = data[i].clip_from_object[0] * glm::vec4(middle, 1.0f);
-    draws.push_back({i, first + i, left ? 0u : 1u, left && right ? 2u : 1u, centre.w,
-                     glm::determinant(glm::dmat3(state.stage_from_object[i].matrix)) < 0});
-    need_pipeline(variant_of(scene_.instances[i].mesh));
-    vertex_bytes_read_ += bytes_read(scene_.instances[i].mesh) * draws.back().eyes;
+    const std::uint32_t eyes = left && right ? 2 : 1;
+    const std::uint32_t level =
+        detail == Detail::Full ? 0 : level_for(mesh, data[i], sizes, last_levels_[first + i]);
+    draws.push_back({i, first + i, left ? 0u : 1u, eyes, centre.w,
+                     glm::determinant(glm::dmat3(state.stage_from_object[i].matrix)) < 0, level});
+    need_pipeline(variant_of(mesh_index));
+    vertex_bytes_read_ += bytes_read(mesh_index, level) * eyes;
+    triangles_ += std::uint64_t{mesh.ranges[level].count / 3} * eyes;
   }
   // Nearest first, so that the depth test rejects most hidden pixels before shading.
   std::sort(draws.begin(), draws.end(), [](const Draw& a, const Draw& b) { return a.distance < b.distance; });
@@ -128,7 +159,6 @@ void ScenePass::record(const vk::raii::CommandBuffer& commands, Extent size,
                                        .maxDepth = 1});
   commands.setScissor(0, area);
   commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *layout_, 0, *bindings_.set, {});
-  commands.bindIndexBuffer(*buffers_.indices.buffer, 0, vk::IndexType::eUint32);
   for (const Draw& draw : draws_[pair]) {
     const Material& material = scene_.materials[scene_.meshes[scene_.instances[draw.instance].mesh].material];
     const bool both_sides = material.double_sided || outputs_ == Outputs::Casters;
@@ -159,9 +189,9 @@ void ScenePass::draw_instance(const vk::raii::CommandBuffer& commands, const Dra
   const gpu::DrawData data{material.base_color, draw.data, material.alpha_cutoff.value_or(0.0f)};
   commands.pushConstants<gpu::DrawData>(
       *layout_, vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment, 0, data);
-  commands.drawIndexed(mesh.index_count, draw.eyes,
-                       narrow<std::uint32_t>(mesh.offsets.indices / sizeof(std::uint32_t)), 0,
-                       draw.first_eye);
+  const IndexRange& range = mesh.ranges[draw.level];
+  commands.bindIndexBuffer(*buffers_.indices.buffer, mesh.offsets.indices, mesh.index_type);
+  commands.drawIndexed(range.count, draw.eyes, range.first, 0, draw.first_eye);
 }
 
 }  // namespace farshade

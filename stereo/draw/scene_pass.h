@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "stereo/draw/detail.h"
 #include "stereo/draw/frame_data.h"
 #include "stereo/draw/scene_buffers.h"
 #include "stereo/draw/scene_pipeline.h"
@@ -19,9 +20,10 @@ class ScenePass {
             const gpu::Buffer& frame, Outputs outputs, std::size_t pairs = 1);
 
   /// Prepares the draws for `views` and creates the pipelines that they need. Call before `record`.
-  void prepare(const StereoView& views, const SceneState& state);
-  /// The same for shadow maps: the clip matrices of each pair's two layers. Not for the G-buffer.
-  void prepare(std::span<const PerEye<glm::dmat4>> clip_from_stage, const SceneState& state);
+  void prepare(const StereoView& views, const SceneState& state, Detail detail);
+  /// The same for shadow maps: the clip matrices of each pair's two layers of `size` texels. Not for the
+  /// G-buffer.
+  void prepare(std::span<const PerEye<glm::dmat4>> clip_from_stage, Extent size, const SceneState& state);
 
   /// Draws one pair of layers: `size` pixels from the top left corner of the attachments, which are cleared.
   void record(const vk::raii::CommandBuffer& commands, Extent size,
@@ -32,6 +34,8 @@ class ScenePass {
   [[nodiscard]] std::size_t bindings() const { return bindings_.kinds.size(); }
   /// Bytes of vertex streams and indices that the draws of the last `prepare` read.
   [[nodiscard]] std::uint64_t vertex_bytes_read() const { return vertex_bytes_read_; }
+  /// Triangles that the draws of the last `prepare` submit, both layers of all pairs together.
+  [[nodiscard]] std::uint64_t triangles() const { return triangles_; }
 
  private:
   struct Draw {
@@ -40,13 +44,18 @@ class ScenePass {
     std::uint32_t first_eye = 0, eyes = 0;  ///< whose views its bounding box may intersect
     float distance = 0;
     bool mirrored = false;
+    std::uint32_t level = 0;  ///< 0: the mesh itself
   };
   [[nodiscard]] SceneVariant variant_of(std::size_t mesh) const;
   void need_pipeline(SceneVariant variant);
-  [[nodiscard]] std::uint64_t bytes_read(std::size_t mesh) const;
+  [[nodiscard]] std::uint64_t bytes_read(std::size_t mesh, std::uint32_t level) const;
+  [[nodiscard]] std::uint32_t level_for(const DeviceMesh& mesh, const gpu::InstanceData& data,
+                                        const PerEye<Extent>& sizes, std::uint32_t& last) const;
+  void clear_counts();
   /// `seen_as` makes an instance's InstanceData from its transform to the stage.
   template <class SeenAs>
-  void add_draws(std::size_t pair, const SceneState& state, const SeenAs& seen_as);
+  void add_draws(std::size_t pair, const SceneState& state, const PerEye<Extent>& sizes, Detail detail,
+                 const SeenAs& seen_as);
   void draw_instance(const vk::raii::CommandBuffer& commands, const Draw& draw) const;
 
   const gpu::Device& device_;
@@ -58,8 +67,9 @@ class ScenePass {
   gpu::Bindings bindings_;
   vk::raii::PipelineLayout layout_{nullptr};
   std::map<SceneVariant, vk::raii::Pipeline> pipelines_;
-  std::vector<std::vector<Draw>> draws_;  ///< for each pair
-  std::uint64_t vertex_bytes_read_ = 0;
+  std::vector<std::vector<Draw>> draws_;    ///< for each pair
+  std::vector<std::uint32_t> last_levels_;  ///< of each pair's instances
+  std::uint64_t vertex_bytes_read_ = 0, triangles_ = 0;
 };
 
 /// An attachment that is cleared to zero and stored.

@@ -46,7 +46,7 @@ class VertexStreams {
  public:
   VertexStreams(Outputs outputs, SceneVariant variant) {
     add(0, vk::Format::eR32G32B32Sfloat, sizeof(glm::vec3));
-    if (outputs == Outputs::GBuffer) add(1, vk::Format::eR32G32B32Sfloat, sizeof(glm::vec3));
+    if (outputs == Outputs::GBuffer) add(1, vk::Format::eR16G16Snorm, 2 * sizeof(std::int16_t));
     if (variant.textured) add(2, vk::Format::eR32G32Sfloat, sizeof(glm::vec2));
     if (variant.colored) add(3, vk::Format::eR8G8B8A8Unorm, sizeof(glm::u8vec4));
   }

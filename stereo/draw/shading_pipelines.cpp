@@ -48,6 +48,7 @@ gpu::Specialization constants_of(const ShadingKey& key, const DrawPlan& plan) {
   constants[FARSHADE_CONSTANT_EDGE_BIT] = first_edge_bit(plan.mask.lights);
   constants[FARSHADE_CONSTANT_MAP_SIDE] = key.map_side_px;
   constants[FARSHADE_CONSTANT_PCF_RADIUS] = key.pcf_radius;
+  constants[FARSHADE_CONSTANT_DETAIL] = word_of(plan.detail_px);
   return gpu::Specialization(std::move(constants));
 }
 

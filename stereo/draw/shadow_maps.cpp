@@ -75,7 +75,7 @@ void ShadowMaps::prepare(const StereoView& shown, const SceneState& state) {
   std::vector<PerEye<glm::dmat4>> pairs;
   for (std::size_t layer = 0; layer < drawn_.layer_clip.size(); layer += 2)
     pairs.push_back({drawn_.layer_clip[layer], drawn_.layer_clip[layer + 1]});
-  pass_.prepare(pairs, state);
+  pass_.prepare(pairs, maps_.spec.size, state);
 }
 
 void ShadowMaps::record(const vk::raii::CommandBuffer& commands) {

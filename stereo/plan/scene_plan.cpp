@@ -50,6 +50,7 @@ void turn_everything_on(ScenePlan& plan) {
   plan.draw.moves = plan.trace.moves;
   plan.trace.mask.least_word_bytes = plan.draw.mask.least_word_bytes = 4;
   plan.trace.skips_rays = plan.trace.shares_views = plan.one_value_tiles = plan.draw.builds_late = false;
+  plan.draw.detail_px = 0;
   plan.draw.lights_move = plan.draw.ranges_and_cones = plan.draw.other_eye = plan.draw.depth_pass = true;
 }
 
@@ -77,6 +78,7 @@ ScenePlan plan_for(const Scene& scene, const SessionNeeds& needs) {
   }
   plan.draw.other_eye = needs.two_views && needs.carries_over;
   plan.draw.depth_pass = needs.carries_over;
+  plan.draw.detail_px = needs.detail_px;
   if (needs.kind == PlanKind::Everything) turn_everything_on(plan);
   return plan;
 }

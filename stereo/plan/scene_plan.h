@@ -14,6 +14,9 @@
 
 namespace farshade {
 
+/// The limit of the geometric error of what a client draws, chosen by measurement (docs/detail.md).
+inline constexpr float kDefaultDetail_px = 0.125f, kMostDetail_px = 16;
+
 enum class PlanKind : std::uint8_t {
   Needed,      ///< the features that the scene needs
   Everything,  ///< every feature, whether or not the scene needs it
@@ -25,6 +28,7 @@ struct SessionNeeds {
   bool two_views = true;     ///< the eyes look from different places
   bool carries_over = true;  ///< masks are reprojected; false: they are traced for the shown views
   bool all_lights = false;   ///< lights that reach nothing keep their bits too
+  float detail_px = 0;       ///< limit of the geometric error of what is drawn, pixels; 0: full detail
   friend bool operator==(const SessionNeeds&, const SessionNeeds&) = default;
 };
 
@@ -62,6 +66,7 @@ struct DrawPlan {
   bool other_eye = true;         ///< the other eye's masks are looked up
   bool depth_pass = true;        ///< requested views may differ from the shown ones
   bool builds_late = true;       ///< pipelines are created when first needed
+  float detail_px = 0;           ///< limit of the geometric error of a level of detail; 0: full detail
   MaskLayout mask;
 
   [[nodiscard]] bool anything_moves() const;

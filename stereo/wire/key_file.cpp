@@ -1,8 +1,6 @@
 #include "stereo/wire/key_file.h"
 
-#include <pwd.h>
 #include <sodium.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -10,6 +8,7 @@
 
 #include "stereo/base/check.h"
 #include "stereo/base/files.h"
+#include "stereo/base/user_folders.h"
 
 namespace farshade {
 namespace {
@@ -113,19 +112,6 @@ Expected<void> make_folders(const fs::path& path) {
     fs::permissions(folder, fs::perms::owner_all, fs::perm_options::replace, error);
   if (!error) return {};
   return fail(Fault::Unreadable, "cannot make the folder '" + folder.string() + "': " + error.message());
-}
-
-fs::path config_folder() {
-  // A relative XDG_CONFIG_HOME must be ignored: XDG Base Directory Specification 0.8.
-  if (const char* config = std::getenv("XDG_CONFIG_HOME");
-      config != nullptr && fs::path(config).is_absolute())
-    return fs::path(config) / "farshade";
-  const char* home = std::getenv("HOME");
-  if (home == nullptr || *home == '\0') {
-    const passwd* user = ::getpwuid(::geteuid());
-    home = user != nullptr ? user->pw_dir : "/";
-  }
-  return fs::path(home) / ".config" / "farshade";
 }
 
 }  // namespace

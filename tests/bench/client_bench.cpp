@@ -25,6 +25,7 @@ constexpr double kFrameFigure = 2.0, kReprojectFigure = 1.5;
 struct Options {
   std::string scene, trace = FARSHADE_ASSETS "/walk.csv", gpu;
   std::uint32_t side_px = 1024, frames = 24;
+  float detail_px = kDefaultDetail_px;
 };
 
 /// A setting for the reprojection of masks, with the measured times.
@@ -36,6 +37,8 @@ struct CarryOverMode {
 
 struct Times {
   std::vector<double> frame, collect, draw, gbuffer, depth;
+  std::vector<double> full_gbuffer, full_depth;  ///< the same frames in full detail
+  DrawCounters counters, full_counters;          ///< of the last frame
   std::vector<CarryOverMode> modes{
       {"shading alone (mask at the pixel)", {.lookup = Lookup::Direct}, {}},
       {"nearest pixel, this eye", {.eyes = Eyes::This, .gaps = Gaps::Unknown, .edges = Edges::Nearest}, {}},
@@ -76,11 +79,21 @@ void print_times(const Times& times) {
   print("  draw", times.draw);
   print("    G-buffer", times.gbuffer);
   print("    depth of requested views", times.depth);
+  print("    G-buffer in full detail", times.full_gbuffer);
+  print("    depth in full detail", times.full_depth);
   for (const CarryOverMode& mode : times.modes) print(mode.name, mode.ms);
 }
 
 void print_ratios(const Times& times) {
   const auto median = [](const std::vector<double>& values) { return quantile(values, 0.5); };
+  const auto triangles = [](const DrawCounters& counters) {
+    return static_cast<unsigned long long>(counters.gbuffer_triangles + counters.depth_triangles);
+  };
+  std::printf("triangles of the last frame: %llu, %llu in full detail\n", triangles(times.counters),
+              triangles(times.full_counters));
+  std::printf("G-buffer and depth in full detail / with levels = %.2f\n",
+              (median(times.full_gbuffer) + median(times.full_depth)) /
+                  (median(times.gbuffer) + median(times.depth)));
   std::printf("client frame without depth of requested views / G-buffer pass = %.3f (figure: <= %.1f)\n",
               (median(times.frame) - median(times.depth)) / median(times.gbuffer), kFrameFigure);
   std::printf("reproject and shade / shading alone = %.3f (figure: <= %.1f)\n",
@@ -120,7 +133,12 @@ Expected<void> run(const Options& options) {
   const auto lights = static_cast<std::uint32_t>(scene->lights.size());
   const Extent size{options.side_px, options.side_px};
   const RendererLimits limits{size, largest_traced(size), kRing_frames};
-  Renderer renderer(*device, *scene, limits);
+  DrawPlan draw_plan = plan_for(*scene, {.all_lights = true}).draw;
+  draw_plan.detail_px = options.detail_px;
+  const Stopwatch building;
+  const SceneLevels levels = options.detail_px > 0 ? make_levels(*scene) : SceneLevels{};
+  std::printf("levels of detail made in %.0f ms\n", ms_of(building.elapsed()));
+  Renderer renderer(*device, *scene, draw_plan, limits, levels);
   RequestPlan plan(RequestSettings{});
   plan.learn(kPeriod * kLate_frames);
   Assembler assembler(kRing_frames);
@@ -138,12 +156,18 @@ Expected<void> run(const Options& options) {
     report.frame = request.frame;
     const double collect = collect_ms(assembler, pack(packer, traced, report));
     const std::vector<TracedMask> masks = usable_masks(assembler, shown.frame);
-    const DrawTimes drawn = renderer.draw({.views = shown.views,
-                                           .state = state,
-                                           .request = &request,
-                                           .masks = masks,
-                                           .carry_over = {},
-                                           .request_slot = assembler.find(request.frame)->slot});
+    ShownFrame frame{.views = shown.views,
+                     .state = state,
+                     .request = &request,
+                     .masks = masks,
+                     .carry_over = {},
+                     .request_slot = assembler.find(request.frame)->slot,
+                     .detail = Detail::Full};
+    const DrawTimes full = renderer.draw(frame);
+    times.full_counters = renderer.counters();
+    frame.detail = Detail::Levels;
+    const DrawTimes drawn = renderer.draw(frame);
+    times.counters = renderer.counters();
     if (masks.empty()) continue;
     const bool counts = number > warm_up;
     for (CarryOverMode& mode : times.modes) {
@@ -153,6 +177,8 @@ Expected<void> run(const Options& options) {
     }
     if (!counts) continue;
     add_frame(times, drawn, collect);
+    times.full_gbuffer.push_back(ms_of(full.gbuffer));
+    times.full_depth.push_back(ms_of(full.depth));
   }
   print_report(options, *scene, limits, *device, times);
   return {};
@@ -167,6 +193,8 @@ int main(int argc, char** argv) try {
   app.add_option("--trace", options.trace, "recorded head")->capture_default_str();
   app.add_option("--size", options.side_px, "pixels of each side of an eye")->capture_default_str();
   app.add_option("--frames", options.frames, "frames measured")->capture_default_str();
+  app.add_option("--detail-px", options.detail_px, "limit of the geometric error, pixels; 0: full detail")
+      ->capture_default_str();
   app.add_option("--gpu", options.gpu, "use only a device whose name contains this");
   CLI11_PARSE(app, argc, argv);
   if (const Expected<void> done = run(options); !done) {

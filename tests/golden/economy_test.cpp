@@ -131,8 +131,11 @@ TEST_F(Economy, OneTriangleAndOneLightCostTheLeast) {
   EXPECT_EQ(counters.pipelines, 1u + 1u + 2u * 2u)
       << "G-buffer, depth, and for each eye the easy and the hard pass";
   EXPECT_EQ(counters.bindings, 2u + 1u + 9u);
-  EXPECT_EQ(counters.vertex_bytes, kCorners * 24 + 12);
-  EXPECT_EQ(counters.vertex_bytes_read, kBothEyes * (kCorners * 24 + 12 + kCorners * 12 + 12));
+  EXPECT_EQ(counters.vertex_bytes, kCorners * 16 + 8) << "indices of two bytes, padded";
+  EXPECT_EQ(counters.gbuffer_triangles, kBothEyes);
+  EXPECT_EQ(counters.depth_triangles, kBothEyes);
+  EXPECT_EQ(counters.map_triangles, 0u);
+  EXPECT_EQ(counters.vertex_bytes_read, kBothEyes * (kCorners * 16 + 6 + kCorners * 12 + 6));
   for (const Use use : {Use::Textures, Use::Motion, Use::Report, Use::Other})
     EXPECT_EQ(counters.memory.peak[use], 0u) << to_string(use);
   EXPECT_EQ(counters.memory.peak[Use::ReadBack], kEyes * kSize.pixels() * 4) << "the depth that was kept";

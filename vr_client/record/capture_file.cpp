@@ -120,8 +120,8 @@ bool fields(auto& io, Either<CaptureHeader> auto& header) {
   auto& policy = header.policy;
   return text_field(io, header.scene) && io.array(header.scene_hash) && io.u16(header.lights) &&
          io.code(header.origin) && fields(io, size) && fields(io, traced_size) && io.u32(depth_frames) &&
-         io.u32(header.requests) && io.f64(header.refresh_hz) && io.code(policy.pace) &&
-         io.ns(policy.delay) && io.ns(policy.round_trip) && io.ns(policy.mask_wait) &&
+         io.f64(header.detail_px) && io.u32(header.requests) && io.f64(header.refresh_hz) &&
+         io.code(policy.pace) && io.ns(policy.delay) && io.ns(policy.round_trip) && io.ns(policy.mask_wait) &&
          text_field(io, header.device);
 }
 
@@ -154,6 +154,7 @@ Verdict verdict(const CaptureHeader& header) {
   const bool sized = in_range(limits.size) &&
                      (limits.traced_size == limits.size || limits.traced_size == largest_traced(limits.size));
   if (!sized) return WireRefusal::MaskSize;
+  if (!(header.detail_px >= 0 && header.detail_px <= double{kMostDetail_px})) return WireRefusal::ViewRange;
   const bool counted = limits.depth_frames >= 1 && limits.depth_frames <= kMaxFramesInFlight &&
                        header.requests > Assembler::kKept && header.requests <= kMaxFramesInFlight;
   if (!counted) return WireRefusal::FrameOrder;

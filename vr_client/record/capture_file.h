@@ -12,7 +12,7 @@
 namespace farshade {
 
 inline constexpr std::uint32_t kCaptureMagic = 0x53534446;  // "FDSS" in byte order
-inline constexpr std::uint16_t kCaptureVersion = 1;
+inline constexpr std::uint16_t kCaptureVersion = 2;
 inline constexpr std::size_t kCapturePreamble_bytes =
     8;  ///< magic, format version, protocol version of the messages
 inline constexpr std::size_t kRecordHead_bytes = 5;     ///< kind and length
@@ -31,6 +31,7 @@ struct CaptureHeader {
   std::uint32_t lights = 0;
   MaskOrigin origin = MaskOrigin::Nobody;
   RendererLimits limits;       ///< traced_size is size or largest_traced(size)
+  double detail_px = 0;        ///< limit of the geometric error of the drawn levels of detail
   std::uint32_t requests = 0;  ///< number of requests that the AnswerInbox remembers
   double refresh_hz = 0;
   MaskPolicy policy;

@@ -114,11 +114,9 @@ PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& 
   const ShownFrame right{.views = view.shown.views,
                          .state = view.state,
                          .masks = {&truth, 1},
-                         .carry_over = {.lookup = Lookup::Direct}};
-  if (shaded)
-    renderer.shade_again(right);
-  else
-    renderer.draw(right);
+                         .carry_over = {.lookup = Lookup::Direct},
+                         .detail = Detail::Full};
+  renderer.draw(right);
   into.reference = renderer.read_shown();
 
   PerEye<EyeErrors> errors;
