@@ -33,7 +33,6 @@ layout(constant_id = FARSHADE_CONSTANT_MOVED) const bool kMoved = false;
 layout(constant_id = FARSHADE_CONSTANT_NEIGHBOURS) const bool kNeighbours = true;
 layout(constant_id = FARSHADE_CONSTANT_EDGES) const bool kEdges = true;
 layout(constant_id = FARSHADE_CONSTANT_SHARPNESS) const float kSharpness = 1.0;
-layout(constant_id = FARSHADE_CONSTANT_MOVED_SINCE_NEWEST) const bool kMovedSinceNewest = false;
 layout(constant_id = FARSHADE_CONSTANT_EDGE_BIT) const uint kEdgeBit = 1;
 layout(constant_id = FARSHADE_CONSTANT_MAP_SIDE) const uint kMapSide = 1;
 layout(constant_id = FARSHADE_CONSTANT_PCF_RADIUS) const uint kPcfRadius = 0;
@@ -237,7 +236,7 @@ void shade(ivec2 pixel) {
   Surface surface = surface_at(pixel, depth, stored.y);
   Lookup found = look_up(pixel, surface);
   if (kPass == FARSHADE_PASS_EASY)
-    if (!found.known || found.on_edge || (kMovedSinceNewest && has_moved(0, surface.slot)))
+    if (!found.known || found.on_edge || (kMoved && has_moved(0, surface.slot)))
       list_as_hard(pixel, surface.slot != 0u);
 
   mat3 turn = mat3(frame.eye[kEye].stage_from_eye);
@@ -251,7 +250,7 @@ void shade(ivec2 pixel) {
     if (group % 4 == 0) {
       bits = plane_bits(found, surface.slot, p_stage, group / 4);
       uint newest_stale = 0u;
-      if (kReport && kMovedSinceNewest && mask_of(found.source) == 0 && found.known)
+      if (kReport && kMoved && mask_of(found.source) == 0 && found.known)
         newest_stale = stale_bits(0, surface.slot, p_stage, group / 4);
       report_plane(record, group / 4, bits.unknown, newest_stale, bits.from_neighbour);
     }

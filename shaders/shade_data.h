@@ -27,12 +27,11 @@
 #define FARSHADE_CONSTANT_NEIGHBOURS 10          // points that no view saw take bits from a neighbour
 #define FARSHADE_CONSTANT_EDGES 11               // shadow edges are filtered
 #define FARSHADE_CONSTANT_SHARPNESS 12           // contrast of a filtered shadow edge
-#define FARSHADE_CONSTANT_MOVED_SINCE_NEWEST 13  // something has moved since the newest mask was traced
-#define FARSHADE_CONSTANT_EDGE_BIT 14            // the first of a mask's four edge bits: mask_edges.h
-#define FARSHADE_CONSTANT_MAP_SIDE 15            // texels of a shadow map
-#define FARSHADE_CONSTANT_PCF_RADIUS 16          // texels
-#define FARSHADE_CONSTANT_DETAIL 17              // limit of the geometric error of what is drawn, pixels
-#define FARSHADE_CONSTANTS 18
+#define FARSHADE_CONSTANT_EDGE_BIT 13            // the first of a mask's four edge bits: mask_edges.h
+#define FARSHADE_CONSTANT_MAP_SIDE 14            // texels of a shadow map
+#define FARSHADE_CONSTANT_PCF_RADIUS 15          // texels
+#define FARSHADE_CONSTANT_DETAIL 16              // limit of the geometric error of what is drawn, pixels
+#define FARSHADE_CONSTANTS 17
 
 // The report: one record of 32-bit words per pixel, the left eye's pixels first. A record begins with these
 // words; the others' places depend on the number of lights.

@@ -253,6 +253,9 @@ Expected<void> run_client(const Options& options) {
                    *client.renderer, client.reference.get());
   const FrameSettings settings{
       .request = options.request, .carry_over = options.carry_over, .report = report_for(report)};
+  // A run of less than a second ends sooner if each pipeline is compiled when a frame first needs it.
+  if (frames > options.refresh_hz)
+    compile_ahead(client, settings.carry_over, settings.report, Changes::Never);
   const RunContext context{.scene = client.scene,
                            .runtime = runtime,
                            .renderer = *client.renderer,

@@ -7,6 +7,7 @@
 
 #include "stereo/base/user_folders.h"
 #include "stereo/detail/level_cache.h"
+#include "stereo/gpu/pipeline_cache.h"
 #include "stereo/net/udp.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/video/video.h"
@@ -91,6 +92,14 @@ Expected<PlannedScene> load_planned(const Options& options, const SessionNeeds& 
   return load_scene(options.scene).map([&](Scene&& scene) { return plan_scene(std::move(scene), needs); });
 }
 
+void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport report, Changes changes) {
+  const Stopwatch watch;
+  client.renderer->compile_ahead(carry_over, report, changes);
+  spdlog::info("pipelines compiled in {:.0f} ms", ms_of(watch.elapsed()));
+  if (const Expected<void> saved = gpu::save_pipelines(client.device, cache_folder()); !saved)
+    spdlog::warn("the compiled pipelines are not kept: {}", saved.error().what);
+}
+
 SceneLevels levels_for(const Scene& scene, const ScenePlan& plan) {
   if (plan.draw.detail_px <= 0) return {};
   const Stopwatch watch;
@@ -120,6 +129,7 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options, const Sess
   Expected<gpu::Device> device = gpu::open_device(options.device);
   if (!device) return tl::unexpected(device.error());
   client->device = std::move(*device);
+  gpu::load_pipelines(client->device, cache_folder());
   spdlog::info("drawing on {}: {}", client->device.name, client->device.why);
   client->levels = levels_for(client->scene, client->plan);
   client->renderer =

@@ -43,6 +43,9 @@ inline constexpr double kWorstPreviewPath_ms = 400;
 /// Sizes and counts for which the renderer of such a run allocates memory.
 [[nodiscard]] RendererLimits renderer_limits(const Options& options);
 
+/// Creates every pipeline that a run with these settings can need, and keeps them in the user's cache.
+void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport report, Changes changes);
+
 /// The levels of detail of a scene, from the user's cache or newly made; none if the plan uses none.
 [[nodiscard]] SceneLevels levels_for(const Scene& scene, const ScenePlan& plan);
 

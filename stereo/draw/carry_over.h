@@ -75,6 +75,9 @@ struct ShownReport {
 /// pixel, or with this visibility if there is no mask or the head has turned too far.
 inline constexpr float kUnknownVisibility = 1.0f;
 
+/// Whether lights or instances can move while a session lasts.
+enum class Changes : std::uint8_t { Never, Possible };
+
 /// Whether a draw writes a ShownReport.
 enum class PixelReport : std::uint8_t { Off, On };
 

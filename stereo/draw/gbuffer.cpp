@@ -51,6 +51,11 @@ void GBufferPass::record(const vk::raii::CommandBuffer& commands, const DepthRin
                   layers);
 }
 
+void DepthPass::prepare_warm_up() {
+  size_ = {1, 1};
+  pass_.prepare_warm_up();
+}
+
 void DepthPass::prepare(const StereoView& views, const SceneState& state, Detail detail) {
   check(views[0].size == views[1].size, "both eyes of a request have one size");
   size_ = views[0].size;

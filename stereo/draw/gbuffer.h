@@ -21,6 +21,8 @@ class GBufferPass {
   void record(const vk::raii::CommandBuffer& commands, const DepthRing& ring,
               const DepthRing::Place& place) const;
 
+  void prepare_warm_up() { pass_.prepare_warm_up(); }
+
   [[nodiscard]] const gpu::Image& base_colors() const { return base_colors_; }
   [[nodiscard]] const gpu::Image& surfaces() const { return surfaces_; }
   [[nodiscard]] const ScenePass& scene_pass() const { return pass_; }
@@ -36,6 +38,8 @@ class DepthPass {
   DepthPass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
             const gpu::Buffer& frame)
       : pass_(device, scene, plan, buffers, frame, Outputs::Depth) {}
+
+  void prepare_warm_up();
 
   /// Both views have one size, which is at most the ring's.
   void prepare(const StereoView& views, const SceneState& state, Detail detail);

@@ -18,6 +18,7 @@ class Renderer::Parts {
         const SceneLevels& levels);
 
   DrawTimes draw(const ShownFrame& frame);
+  void compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes);
   DrawTimes shade_again(const ShownFrame& frame);
   DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into);
   DrawTimes draw_received(const GBufferPlanes& planes, const ShownFrame& frame);
@@ -165,6 +166,19 @@ DrawTimes Renderer::Parts::draw(const ShownFrame& frame) {
   DrawTimes times = submit(frame, Stage::Both);
   times.total = watch.elapsed();
   return times;
+}
+
+void Renderer::Parts::compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes) {
+  if (plan_.anything_moves()) changes = Changes::Possible;
+  gbuffer_.prepare_warm_up();
+  if (plan_.depth_pass && !depth_pass_) make_depth_pass();
+  if (depth_pass_) depth_pass_->prepare_warm_up();
+  frame_buffer_.as<gpu::FrameData>()[0] = {};  // pictures of no pixels
+  gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
+    gbuffer_.record(commands, ring_, ring_.shown());
+    if (depth_pass_) depth_pass_->record(commands, ring_, ring_.shown());
+    shading_.record_warm_up(commands, carry_over, report, changes);
+  });
 }
 
 DrawTimes Renderer::Parts::shade_again(const ShownFrame& frame) {
@@ -361,6 +375,10 @@ Renderer::~Renderer() = default;
 
 DrawTimes Renderer::draw(const ShownFrame& frame) {
   return parts_->draw(frame);
+}
+
+void Renderer::compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes) {
+  parts_->compile_ahead(carry_over, report, changes);
 }
 
 DrawTimes Renderer::shade_again(const ShownFrame& frame) {

@@ -67,6 +67,11 @@ class Renderer {
 
   DrawTimes draw(const ShownFrame& frame);
 
+  /// Creates and runs every pipeline that frames with these settings can need, whatever masks they have. So
+  /// no later frame waits for a compiler. Takes seconds where the driver has no cache. Call it before the
+  /// first frame. `changes`: a viewer can move lights.
+  void compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes);
+
   /// Shades the last drawn frame again. Views and state are the same; masks and CarryOver may differ.
   DrawTimes shade_again(const ShownFrame& frame);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 
 #include "stereo/detail/level_choice.h"
 
@@ -52,8 +53,21 @@ ScenePass::ScenePass(const gpu::Device& device, const Scene& scene, const DrawPl
                                                  .pSetLayouts = sets.data(),
                                                  .pushConstantRangeCount = 1,
                                                  .pPushConstantRanges = &push});
-  for (std::size_t mesh = 0; mesh < scene.meshes.size() && !plan.builds_late; ++mesh)
-    need_pipeline(variant_of(mesh));
+  if (!plan.builds_late) make_all_pipelines();
+}
+
+void ScenePass::make_all_pipelines() {
+  for (std::size_t mesh = 0; mesh < scene_.meshes.size(); ++mesh) need_pipeline(variant_of(mesh));
+}
+
+void ScenePass::prepare_warm_up() {
+  make_all_pipelines();
+  std::ranges::fill(instances_.as<gpu::InstanceData>(), gpu::InstanceData{});  // every corner at w = 0
+  draws_[0].clear();
+  std::set<SceneVariant> drawn;
+  for (std::uint32_t i = 0; i < scene_.instances.size(); ++i)
+    if (drawn.insert(variant_of(scene_.instances[i].mesh)).second)
+      draws_[0].push_back({.instance = i, .data = i, .first_eye = 0, .eyes = 2});
 }
 
 SceneVariant ScenePass::variant_of(std::size_t mesh) const {

@@ -19,6 +19,11 @@ class ScenePass {
   ScenePass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
             const gpu::Buffer& frame, Outputs outputs, std::size_t pairs = 1);
 
+  /// Creates the pipelines of all meshes.
+  void make_all_pipelines();
+  /// Prepares a draw with each pipeline that covers no pixel: some drivers compile at the first draw.
+  void prepare_warm_up();
+
   /// Prepares the draws for `views` and creates the pipelines that they need. Call before `record`.
   void prepare(const StereoView& views, const SceneState& state, Detail detail);
   /// The same for shadow maps: the clip matrices of each pair's two layers of `size` texels. Not for the

@@ -150,18 +150,19 @@ vk::raii::Pipeline make_scene_pipeline(const gpu::Device& device, const vk::raii
   const vk::PipelineRenderingCreateInfo rendering = attachments.rendering();
   const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = kDynamicStates.size(),
                                                    .pDynamicStates = kDynamicStates.data()};
-  auto pipeline = device.logical.createGraphicsPipeline(nullptr, {.pNext = &rendering,
-                                                                  .stageCount = stage_count,
-                                                                  .pStages = stages.data(),
-                                                                  .pVertexInputState = &vertices,
-                                                                  .pInputAssemblyState = &kTriangles,
-                                                                  .pViewportState = &kOneViewport,
-                                                                  .pRasterizationState = &kFilled,
-                                                                  .pMultisampleState = &kOneSample,
-                                                                  .pDepthStencilState = &kNearestWins,
-                                                                  .pColorBlendState = &blend,
-                                                                  .pDynamicState = &dynamic,
-                                                                  .layout = *layout});
+  auto pipeline =
+      device.logical.createGraphicsPipeline(device.pipelines, {.pNext = &rendering,
+                                                               .stageCount = stage_count,
+                                                               .pStages = stages.data(),
+                                                               .pVertexInputState = &vertices,
+                                                               .pInputAssemblyState = &kTriangles,
+                                                               .pViewportState = &kOneViewport,
+                                                               .pRasterizationState = &kFilled,
+                                                               .pMultisampleState = &kOneSample,
+                                                               .pDepthStencilState = &kNearestWins,
+                                                               .pColorBlendState = &blend,
+                                                               .pDynamicState = &dynamic,
+                                                               .layout = *layout});
   gpu::set_name(device, pipeline, to_string(outputs));
   return pipeline;
 }

@@ -177,9 +177,7 @@ void ShadingPass::write_motion(const StereoView& views, std::span<const DatedMas
                                gpu::FrameData& frame) {
   std::vector<const Motion*> since;
   for (const DatedMask& dated : masks) since.push_back(&dated.motion);
-  const AnyMotion any = write_stale(views, since, frame);
-  moved_since_newest_ = any.since_newest;
-  moved_ = any.since_any;
+  moved_ = write_stale(views, since, frame);
   if (!plan_.builds_late) assume_nothing();
   if (!moved_) return;
   for (std::size_t slot = 0; slot < motion_count_; ++slot)
@@ -220,7 +218,7 @@ void ShadingPass::write_frame(const StereoView& views, const LightSet& lights, c
 /// Pipelines that are created before the first frame must be right for any frame.
 void ShadingPass::assume_nothing() {
   whole_ = false;
-  moved_ = moved_since_newest_ = true;
+  moved_ = true;
 }
 
 /// Creates the pipelines of the default CarryOver.
@@ -232,12 +230,37 @@ void ShadingPass::make_all_pipelines() {
     for (std::uint32_t eye = 0; eye < kEyes; ++eye) need_pipeline(pass, PixelReport::Off, eye);
 }
 
+void ShadingPass::record_warm_up(const vk::raii::CommandBuffer& commands, const CarryOver& carry_over,
+                                 PixelReport report, Changes changes) {
+  if (report == PixelReport::On) make_report_buffer();
+  bind_sets(commands, report);
+  if (bytes_.lists > 0) empty_lists(commands);
+  carry_over_ = carry_over;
+  other_eye_ = plan_.other_eye && carry_over.eyes == Eyes::Both;
+  const std::uint32_t last = !carries_masks(plan_)                               ? FARSHADE_PASS_DIRECT
+                             : motion_count_ > 0 && changes == Changes::Possible ? FARSHADE_PASS_MOVING
+                                                                                 : FARSHADE_PASS_HARD;
+  const auto run_all = [&](bool whole, bool moved) {
+    whole_ = whole;
+    moved_ = moved;
+    for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass)
+      for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
+        commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(pass, report, eye));
+        commands.dispatch(1, 1, 1);
+      }
+  };
+  run_all(true, false);
+  run_all(false, false);
+  if (changes == Changes::Possible) run_all(false, true);
+}
+
 const vk::raii::Pipeline& ShadingPass::need_pipeline(std::uint32_t pass, PixelReport report,
                                                      std::uint32_t eye) {
   return pipelines_.need(key_of(pass, report, eye), need_layout(report));
 }
 
 /// State that a pass does not read has one value in all of its keys, so that no pipeline is compiled twice.
+/// Where something has moved, one pipeline serves whole masks and others, because compiling takes long.
 ShadingKey ShadingPass::key_of(std::uint32_t pass, PixelReport report, std::uint32_t eye) const {
   const bool second_look = pass >= FARSHADE_PASS_HARD, direct = pass == FARSHADE_PASS_DIRECT;
   return {.pass = pass,
@@ -246,9 +269,8 @@ ShadingKey ShadingPass::key_of(std::uint32_t pass, PixelReport report, std::uint
           .other_eye = second_look && other_eye_,
           .neighbours = !second_look || carry_over_.gaps == Gaps::Neighbours,
           .filters_edges = direct || carry_over_.edges == Edges::Filtered,
-          .whole = whole_ && !second_look,
+          .whole = whole_ && !second_look && !direct && !moved_,
           .moved = moved_ && !direct,
-          .moved_since_newest = moved_since_newest_ && !direct,
           .map_side_px = maps_ != nullptr ? maps_->settings().side_px : 0,
           .pcf_radius = maps_ != nullptr ? maps_->settings().pcf_radius : 0};
 }
@@ -277,12 +299,16 @@ void ShadingPass::shade_listed(const vk::raii::CommandBuffer& commands, std::uin
   }
 }
 
-void ShadingPass::shade_carried_over(const vk::raii::CommandBuffer& commands, PixelReport report) {
-  std::array<glm::uvec4, 2 * kEyes> empty_lists;
-  empty_lists.fill({0, 1, 1, 0});
-  commands.updateBuffer<glm::uvec4>(*hard_buffer_.buffer, 0, empty_lists);
+void ShadingPass::empty_lists(const vk::raii::CommandBuffer& commands) const {
+  std::array<glm::uvec4, 2 * kEyes> empty;
+  empty.fill({0, 1, 1, 0});
+  commands.updateBuffer<glm::uvec4>(*hard_buffer_.buffer, 0, empty);
   barrier(commands, At::eTransfer, Access::eTransferWrite, At::eComputeShader,
           Access::eShaderRead | Access::eShaderWrite);
+}
+
+void ShadingPass::shade_carried_over(const vk::raii::CommandBuffer& commands, PixelReport report) {
+  empty_lists(commands);
   shade_all(commands, FARSHADE_PASS_EASY, report);
   barrier(commands, At::eComputeShader, Access::eShaderWrite, At::eComputeShader | At::eDrawIndirect,
           Access::eShaderRead | Access::eShaderWrite | Access::eIndirectCommandRead);

@@ -38,6 +38,11 @@ class ShadingPass {
   void prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
                const ShadowMaps& maps);
 
+  /// Creates the pipelines of every state that `record` can find with these settings, and runs each once:
+  /// some drivers compile at the first dispatch. The FrameData has pictures of no pixels.
+  void record_warm_up(const vk::raii::CommandBuffer& commands, const CarryOver& carry_over,
+                      PixelReport report, Changes changes);
+
   void record(const vk::raii::CommandBuffer& commands, PixelReport report);
 
   /// Forgets the masks on the device, because frame ids begin anew.
@@ -69,6 +74,7 @@ class ShadingPass {
   const vk::raii::PipelineLayout& need_layout(PixelReport report);
   [[nodiscard]] std::vector<const gpu::Bindings*> sets(PixelReport report) const;
   void bind_sets(const vk::raii::CommandBuffer& commands, PixelReport report);
+  void empty_lists(const vk::raii::CommandBuffer& commands) const;
   void shade_carried_over(const vk::raii::CommandBuffer& commands, PixelReport report);
   void shade_all(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
   void shade_listed(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
@@ -96,9 +102,9 @@ class ShadingPass {
   CarryOver carry_over_;
   bool other_eye_ = false;  ///< masks traced for the other eye are sources
   std::size_t masks_ = 0;
-  std::bitset<kMaxLights> off_;                      ///< lights that are off
-  bool whole_ = false;                               ///< every tile of every mask is known
-  bool moved_ = false, moved_since_newest_ = false;  ///< AnyMotion
+  std::bitset<kMaxLights> off_;  ///< lights that are off
+  bool whole_ = false;           ///< every tile of every mask is known
+  bool moved_ = false;           ///< something has moved since a mask in use was traced
 };
 
 }  // namespace farshade

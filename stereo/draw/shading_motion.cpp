@@ -54,11 +54,11 @@ void write_motions(const StereoView& views, MaskMotions since, std::size_t slot,
   }
 }
 
-AnyMotion write_stale(const StereoView& views, MaskMotions since, gpu::FrameData& frame) {
+bool write_stale(const StereoView& views, MaskMotions since, gpu::FrameData& frame) {
   const std::size_t newest = std::min<std::size_t>(since.size(), 1);
   const bool since_newest = write_group(views, since.first(newest), 0, frame);
   const bool since_older = write_group(views, since.subspan(newest), 1, frame);
-  return {since_newest, since_newest || since_older};
+  return since_newest || since_older;
 }
 
 }  // namespace farshade

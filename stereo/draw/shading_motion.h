@@ -24,12 +24,8 @@ using MaskMotions = std::span<const Motion* const>;
 void write_motions(const StereoView& views, MaskMotions since, std::size_t slot,
                    std::span<glm::mat4> matrices);
 
-/// Whether lights or instances have moved.
-struct AnyMotion {
-  bool since_newest = false;  ///< since the newest mask was traced
-  bool since_any = false;     ///< since any mask in use was traced
-};
-/// Writes the lights that are stale and the bounding spheres of moved instances to `frame`.
-AnyMotion write_stale(const StereoView& views, MaskMotions since, gpu::FrameData& frame);
+/// Writes the lights that are stale and the bounding spheres of moved instances to `frame`. Returns whether
+/// anything has moved since a mask in use was traced.
+bool write_stale(const StereoView& views, MaskMotions since, gpu::FrameData& frame);
 
 }  // namespace farshade

@@ -44,7 +44,6 @@ gpu::Specialization constants_of(const ShadingKey& key, const DrawPlan& plan) {
   constants[FARSHADE_CONSTANT_NEIGHBOURS] = key.neighbours;
   constants[FARSHADE_CONSTANT_EDGES] = key.filters_edges;
   constants[FARSHADE_CONSTANT_SHARPNESS] = word_of(kSharpness);
-  constants[FARSHADE_CONSTANT_MOVED_SINCE_NEWEST] = key.moved_since_newest;
   constants[FARSHADE_CONSTANT_EDGE_BIT] = first_edge_bit(plan.mask.lights);
   constants[FARSHADE_CONSTANT_MAP_SIDE] = key.map_side_px;
   constants[FARSHADE_CONSTANT_PCF_RADIUS] = key.pcf_radius;

@@ -17,8 +17,8 @@ struct ShadingKey {
   bool other_eye = false;  ///< masks traced for the other eye are sources, too
   bool neighbours = true;  ///< points that no view saw take bits from a neighbour
   bool filters_edges = true;
-  bool whole = false;  ///< every tile of every mask in use is known
-  bool moved = false, moved_since_newest = false;
+  bool whole = false;                             ///< every tile of every mask in use is known
+  bool moved = false;                             ///< something has moved since a mask in use was traced
   std::uint32_t map_side_px = 0, pcf_radius = 0;  ///< 0: visibilities come from masks
   friend auto operator<=>(const ShadingKey&, const ShadingKey&) = default;
 

@@ -42,7 +42,7 @@ void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, co
   maps_ = &maps;
   masks_ = 0;
   carry_over_ = {.lookup = Lookup::Direct};
-  other_eye_ = moved_ = moved_since_newest_ = false;
+  other_eye_ = moved_ = false;
   whole_ = true;
   gpu::FrameData frame{};
   for (std::size_t eye = 0; eye < kEyes; ++eye) frame.eye[eye] = eye_data(views[eye]);

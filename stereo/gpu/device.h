@@ -35,6 +35,7 @@ struct Device {
   vk::raii::Queue queue{nullptr};
   std::uint32_t queue_family = 0;
   vk::raii::CommandPool commands{nullptr};
+  vk::raii::PipelineCache pipelines{nullptr};  ///< pipeline_cache.h fills and keeps it
   vk::PhysicalDeviceMemoryProperties memory;
   std::uint64_t max_allocations = 0;       ///< that may exist at one time (maxMemoryAllocationCount)
   std::uint64_t max_allocation_bytes = 0;  ///< of one allocation (maxMemoryAllocationSize)

@@ -78,12 +78,12 @@ vk::raii::Pipeline make_compute_pipeline(const Device& device, const vk::raii::P
                                          const vk::raii::ShaderModule& shader,
                                          const Specialization& specialization, const std::string& name) {
   const vk::SpecializationInfo info = specialization.info();
-  auto pipeline =
-      device.logical.createComputePipeline(nullptr, {.stage = {.stage = vk::ShaderStageFlagBits::eCompute,
-                                                               .module = *shader,
-                                                               .pName = "main",
-                                                               .pSpecializationInfo = &info},
-                                                     .layout = *layout});
+  auto pipeline = device.logical.createComputePipeline(device.pipelines,
+                                                       {.stage = {.stage = vk::ShaderStageFlagBits::eCompute,
+                                                                  .module = *shader,
+                                                                  .pName = "main",
+                                                                  .pSpecializationInfo = &info},
+                                                        .layout = *layout});
   set_name(device, pipeline, name);
   return pipeline;
 }

@@ -70,17 +70,17 @@ vk::raii::Pipeline ComposePass::make_pipeline(Filter filter, vk::Format format) 
                                                    .pDynamicStates = dynamics.data()};
   const vk::PipelineRenderingCreateInfo rendering{.colorAttachmentCount = 1,
                                                   .pColorAttachmentFormats = &format};
-  auto pipeline = device_.logical.createGraphicsPipeline(nullptr, {.pNext = &rendering,
-                                                                   .stageCount = stages.size(),
-                                                                   .pStages = stages.data(),
-                                                                   .pVertexInputState = &vertices,
-                                                                   .pInputAssemblyState = &assembly,
-                                                                   .pViewportState = &viewports,
-                                                                   .pRasterizationState = &raster,
-                                                                   .pMultisampleState = &samples,
-                                                                   .pColorBlendState = &over,
-                                                                   .pDynamicState = &dynamic,
-                                                                   .layout = *layout_});
+  auto pipeline = device_.logical.createGraphicsPipeline(device_.pipelines, {.pNext = &rendering,
+                                                                             .stageCount = stages.size(),
+                                                                             .pStages = stages.data(),
+                                                                             .pVertexInputState = &vertices,
+                                                                             .pInputAssemblyState = &assembly,
+                                                                             .pViewportState = &viewports,
+                                                                             .pRasterizationState = &raster,
+                                                                             .pMultisampleState = &samples,
+                                                                             .pColorBlendState = &over,
+                                                                             .pDynamicState = &dynamic,
+                                                                             .layout = *layout_});
   gpu::set_name(device_, pipeline, "anaglyph");
   return pipeline;
 }

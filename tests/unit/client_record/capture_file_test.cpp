@@ -271,14 +271,17 @@ TEST(CaptureFileFault, RefusesAnotherMessageAsRequest) {
 }
 
 TEST(CaptureFileFault, RefusesHeadersOutOfRange) {
-  // Byte offsets of the origin, the traced size and the frame counts.
+  // Byte offsets of the origin, the traced size, the frame counts, the limit of
+  // detail and the pace.
   const std::size_t origin = 8 + 5 + 1 + header().scene.size() + 32 + 2;
   for (const auto& [at, value] : {std::pair<std::size_t, unsigned>{origin, 3},
                                   {origin + 1, 0},
                                   {origin + 5, 1},
                                   {origin + 12, 1},
-                                  {origin + 13, 1},
-                                  {origin + 25, 2}}) {
+                                  {origin + 20, 0x7f},
+                                  {origin + 20, 0xff},
+                                  {origin + 21, 1},
+                                  {origin + 33, 2}}) {
     Bytes file = file_of(header(), {});
     file[at] = static_cast<std::byte>(value);
     EXPECT_FALSE(reader_of(file).has_value()) << "byte " << at - origin << " after the origin";
@@ -291,7 +294,7 @@ TEST(CaptureFileFault, RefusesTooFewRememberedRequests) {
   const Bytes good = file_of(fewest, {});
   EXPECT_TRUE(reader_of(good).has_value());
   Bytes bad = good;
-  const std::size_t requests_at = 8 + 5 + 1 + fewest.scene.size() + 32 + 2 + 1 + 4 + 4 + 4;
+  const std::size_t requests_at = 8 + 5 + 1 + fewest.scene.size() + 32 + 2 + 1 + 4 + 4 + 4 + 8;
   ASSERT_EQ(bad.at(requests_at), static_cast<std::byte>(fewest.requests));
   bad[requests_at] = static_cast<std::byte>(Assembler::kKept);
   EXPECT_FALSE(reader_of(bad).has_value());

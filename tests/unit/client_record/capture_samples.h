@@ -19,6 +19,7 @@ inline CaptureHeader header() {
           .lights = 3,
           .origin = MaskOrigin::Server,
           .limits = {.size = kEye, .traced_size = largest_traced(kEye), .depth_frames = 12},
+          .detail_px = 0.25,
           .requests = 12,
           .refresh_hz = 72,
           .policy = {.pace = Pace::Real, .round_trip = std::chrono::milliseconds(30)},

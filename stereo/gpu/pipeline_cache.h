@@ -1,0 +1,20 @@
+/// Pipeline cache: keeps the driver's compiled pipelines in a file between runs of a program.
+#pragma once
+
+#include <filesystem>
+
+#include "stereo/gpu/device.h"
+
+namespace farshade::gpu {
+
+/// The file of this device and driver in `folder`.
+[[nodiscard]] std::filesystem::path pipeline_file(const Device& device, const std::filesystem::path& folder);
+
+/// Lets `device` start with the pipelines of the file in `folder`. A file that is missing, broken or of
+/// another driver is ignored.
+void load_pipelines(Device& device, const std::filesystem::path& folder);
+
+/// Writes the pipelines of `device` to its file in `folder`, which is made if necessary.
+[[nodiscard]] Expected<void> save_pipelines(const Device& device, const std::filesystem::path& folder);
+
+}  // namespace farshade::gpu
