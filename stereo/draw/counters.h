@@ -20,7 +20,9 @@ struct DrawCounters {
   std::uint64_t map_triangles = 0;      ///< for shadow maps
   std::uint64_t lookups = 0;            ///< traced views in which the last frame looked up a point, at most
   std::uint64_t mask_uploads = 0;       ///< copies of a mask, both eyes, to the device so far
-  gpu::MemoryUse memory;                ///< of the whole device, by use
+  std::uint64_t map_layers_drawn = 0;  ///< of shadow maps, with instances that cannot move, in the last frame
+  std::uint64_t map_layers_restored = 0;  ///< from kept depth; only moving instances were drawn
+  gpu::MemoryUse memory;                  ///< of the whole device, by use
 };
 
 /// The bytes that a renderer allocates, by use. It allocates Report and ReadBack when they are first

@@ -337,6 +337,8 @@ DrawCounters Renderer::Parts::counters() const {
   if (shadow_maps_) {
     add(shadow_maps_->scene_pass(), shadow_maps_->due(), counters.map_triangles);
     counters.bindings += shadow_maps_->bindings().kinds.size();
+    counters.map_layers_drawn = shadow_maps_->layers_drawn().drawn;
+    counters.map_layers_restored = shadow_maps_->layers_drawn().restored;
   }
   if (turn_) {
     counters.pipelines += turn_->pipelines();

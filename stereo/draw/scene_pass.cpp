@@ -40,7 +40,7 @@ ScenePass::ScenePass(const gpu::Device& device, const Scene& scene, const DrawPl
                                          gpu::Use::Frame)),
       bindings_(gpu::make_bindings(device, scene_set(outputs), to_string(outputs))),
       draws_(pairs),
-      last_levels_(pairs * scene.instances.size(), 0) {
+      last_levels_(scene.instances.size(), 0) {
   gpu::bind_buffer(device, bindings_, 0, instances_);
   if (outputs == Outputs::GBuffer) gpu::bind_buffer(device, bindings_, 1, frame);
   std::vector<vk::DescriptorSetLayout> sets{*bindings_.layout};
@@ -96,64 +96,96 @@ void ScenePass::clear_counts() {
 
 void ScenePass::prepare(const StereoView& views, const SceneState& state, Detail detail) {
   clear_counts();
-  add_draws(0, state, {views[0].size, views[1].size}, detail,
+  add_draws(0, {0, {}, {Casters::All, Casters::All}}, state, {views[0].size, views[1].size}, detail,
             [&](const Affine<Stage, Object>& stage_from_object) {
               return instance_data(views, stage_from_object);
             });
 }
 
-void ScenePass::prepare(std::span<const PerEye<glm::dmat4>> clip_from_stage, Extent size,
-                        const SceneState& state) {
+void ScenePass::prepare(std::span<const CasterDraws> passes, Extent size, const SceneState& state) {
   check(outputs_ != Outputs::GBuffer, "normals are seen by eyes");
-  check_eq(clip_from_stage.size(), draws_.size(), "views for each pair of layers");
   clear_counts();
-  for (std::size_t pair = 0; pair < draws_.size(); ++pair)
-    add_draws(pair, state, {size, size}, Detail::Levels, [&](const Affine<Stage, Object>& stage_from_object) {
-      gpu::InstanceData data{};
-      for (std::size_t layer = 0; layer < kEyes; ++layer)
-        data.clip_from_object[layer] = glm::mat4(clip_from_stage[pair][layer] * stage_from_object.matrix);
-      return data;
-    });
+  if (draws_.size() < passes.size()) draws_.resize(passes.size());
+  for (std::size_t pass = 0; pass < passes.size(); ++pass)
+    add_draws(pass, passes[pass], state, {size, size}, Detail::Levels,
+              [&](const Affine<Stage, Object>& stage_from_object) {
+                gpu::InstanceData data{};
+                for (std::size_t layer = 0; layer < kEyes; ++layer)
+                  data.clip_from_object[layer] =
+                      glm::mat4(passes[pass].clip_from_stage[layer] * stage_from_object.matrix);
+                return data;
+              });
 }
 
-/// The level for the view that shows the instance's error largest. `last` is the choice of the last frame.
-std::uint32_t ScenePass::level_for(const DeviceMesh& mesh, const gpu::InstanceData& data,
-                                   const PerEye<Extent>& sizes, std::uint32_t& last) const {
-  if (mesh.levels.empty() || plan_.detail_px <= 0) return 0;
-  double px_per_unit = 0;
+/// The level of an instance in each layer. Eyes share the level that the nearer one needs, and keep it within
+/// the hysteresis. A layer of a shadow map has the level that its view alone asks for, so that a map that is
+/// drawn again in part equals one that is drawn as a whole.
+PerEye<std::uint32_t> ScenePass::levels_for(std::uint32_t instance, const gpu::InstanceData& data,
+                                            const PerEye<Extent>& sizes) {
+  const DeviceMesh& mesh = buffers_.meshes[scene_.instances[instance].mesh];
+  if (mesh.levels.empty() || plan_.detail_px <= 0) return {0, 0};
+  PerEye<double> px_per_unit{0, 0};
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     if (may_be_seen(data, eye, mesh.box))
-      px_per_unit = std::max(px_per_unit,
-                             pixels_per_unit(glm::dmat4(data.clip_from_object[eye]), mesh.box, sizes[eye]));
-  last = choose_level(mesh.levels, px_per_unit, plan_.detail_px, last);
-  return last;
+      px_per_unit[eye] = pixels_per_unit(glm::dmat4(data.clip_from_object[eye]), mesh.box, sizes[eye]);
+  const auto choose = [&](double px, std::uint32_t last) {
+    return choose_level(mesh.levels, px, plan_.detail_px, last);
+  };
+  if (outputs_ == Outputs::Casters) {
+    const auto coarsest = narrow<std::uint32_t>(mesh.levels.size());
+    return {choose(px_per_unit[0], coarsest), choose(px_per_unit[1], coarsest)};
+  }
+  std::uint32_t& last = last_levels_[instance];
+  last = choose(std::max(px_per_unit[0], px_per_unit[1]), last);
+  return {last, last};
+}
+
+bool ScenePass::wants(Casters casters, std::size_t instance) const {
+  if (casters == Casters::None || casters == Casters::All) return casters == Casters::All;
+  return can_move(scene_, scene_.instances[instance]) == (casters == Casters::Moving);
+}
+
+void ScenePass::add_draw(const Draw& draw, std::vector<Draw>& draws) {
+  const std::uint32_t mesh = scene_.instances[draw.instance].mesh;
+  draws.push_back(draw);
+  need_pipeline(variant_of(mesh));
+  vertex_bytes_read_ += bytes_read(mesh, draw.level) * draw.eyes;
+  triangles_ += std::uint64_t{buffers_.meshes[mesh].ranges[draw.level].count / 3} * draw.eyes;
 }
 
 template <class SeenAs>
-void ScenePass::add_draws(std::size_t pair, const SceneState& state, const PerEye<Extent>& sizes,
-                          Detail detail, const SeenAs& seen_as) {
-  const auto first = narrow<std::uint32_t>(pair * scene_.instances.size());
+void ScenePass::add_draws(std::size_t pass, const CasterDraws& wanted, const SceneState& state,
+                          const PerEye<Extent>& sizes, Detail detail, const SeenAs& seen_as) {
+  const auto first = narrow<std::uint32_t>(wanted.pair * scene_.instances.size());
   const auto data = instances_.as<gpu::InstanceData>().subspan(first);
-  std::vector<Draw>& draws = draws_[pair];
+  std::vector<Draw>& draws = draws_[pass];
   draws.clear();
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
-    const std::uint32_t mesh_index = scene_.instances[i].mesh;
-    const DeviceMesh& mesh = buffers_.meshes[mesh_index];
+    const bool in_left = wants(wanted.casters[0], i), in_right = wants(wanted.casters[1], i);
+    if (!in_left && !in_right) continue;
+    const DeviceMesh& mesh = buffers_.meshes[scene_.instances[i].mesh];
     Affine<Stage, Object> stage_from_mesh = state.stage_from_object[i];
     stage_from_mesh.matrix[3] = glm::dvec4(stage_from_mesh(Point<Object>{mesh.center}).v, 1.0);
     data[i] = seen_as(stage_from_mesh);
-    const bool left = may_be_seen(data[i], 0, mesh.box), right = may_be_seen(data[i], 1, mesh.box);
+    const bool left = in_left && may_be_seen(data[i], 0, mesh.box),
+               right = in_right && may_be_seen(data[i], 1, mesh.box);
     if (!left && !right) continue;
     const glm::vec3 middle = (glm::vec3(mesh.box.low) + glm::vec3(mesh.box.high)) * 0.5f;
     const glm::vec4 centre = data[i].clip_from_object[0] * glm::vec4(middle, 1.0f);
-    const std::uint32_t eyes = left && right ? 2 : 1;
-    const std::uint32_t level =
-        detail == Detail::Full ? 0 : level_for(mesh, data[i], sizes, last_levels_[first + i]);
-    draws.push_back({i, first + i, left ? 0u : 1u, eyes, centre.w,
-                     glm::determinant(glm::dmat3(state.stage_from_object[i].matrix)) < 0, level});
-    need_pipeline(variant_of(mesh_index));
-    vertex_bytes_read_ += bytes_read(mesh_index, level) * eyes;
-    triangles_ += std::uint64_t{mesh.ranges[level].count / 3} * eyes;
+    Draw draw{.instance = i,
+              .data = first + i,
+              .distance = centre.w,
+              .mirrored = glm::determinant(glm::dmat3(state.stage_from_object[i].matrix)) < 0};
+    const PerEye<std::uint32_t> levels =
+        detail == Detail::Full ? PerEye<std::uint32_t>{0, 0} : levels_for(i, data[i], sizes);
+    draw.level = levels[left ? 0 : 1];
+    draw.first_eye = left ? 0 : 1;
+    draw.eyes = left && right && levels[0] == levels[1] ? 2 : 1;
+    add_draw(draw, draws);
+    if (!left || !right || draw.eyes == 2) continue;
+    draw.level = levels[1];
+    draw.first_eye = 1;
+    add_draw(draw, draws);
   }
   // Nearest first, so that the depth test rejects most hidden pixels before shading.
   std::sort(draws.begin(), draws.end(), [](const Draw& a, const Draw& b) { return a.distance < b.distance; });
@@ -161,19 +193,23 @@ void ScenePass::add_draws(std::size_t pair, const SceneState& state, const PerEy
 
 void ScenePass::record(const vk::raii::CommandBuffer& commands, Extent size,
                        std::span<const vk::RenderingAttachmentInfo> colors,
-                       const vk::RenderingAttachmentInfo& depth, std::size_t pair) const {
+                       const vk::RenderingAttachmentInfo& depth, std::size_t pass,
+                       std::span<const vk::ClearRect> clears) const {
   const vk::Rect2D area{.extent = {size.width, size.height}};
   commands.beginRendering({.renderArea = area,
                            .layerCount = kEyes,
                            .colorAttachmentCount = narrow<std::uint32_t>(colors.size()),
                            .pColorAttachments = colors.data(),
                            .pDepthAttachment = &depth});
+  if (!clears.empty())
+    commands.clearAttachments(vk::ClearAttachment{.aspectMask = vk::ImageAspectFlagBits::eDepth},
+                              vk::ArrayProxy(narrow<std::uint32_t>(clears.size()), clears.data()));
   commands.setViewport(0, vk::Viewport{.width = static_cast<float>(size.width),
                                        .height = static_cast<float>(size.height),
                                        .maxDepth = 1});
   commands.setScissor(0, area);
   commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *layout_, 0, *bindings_.set, {});
-  for (const Draw& draw : draws_[pair]) {
+  for (const Draw& draw : draws_[pass]) {
     const Material& material = scene_.materials[scene_.meshes[scene_.instances[draw.instance].mesh].material];
     const bool both_sides = material.double_sided || outputs_ == Outputs::Casters;
     commands.setCullMode(both_sides ? vk::CullModeFlagBits::eNone : vk::CullModeFlagBits::eBack);
@@ -186,7 +222,7 @@ void ScenePass::record(const vk::raii::CommandBuffer& commands, Extent size,
 void ScenePass::draw_instance(const vk::raii::CommandBuffer& commands, const Draw& draw) const {
   const std::uint32_t mesh_index = scene_.instances[draw.instance].mesh;
   const Material& material = scene_.materials[scene_.meshes[mesh_index].material];
-  const DeviceMesh& mesh = buffers_.meshes[mesh_index];
+  const DeviceMesh& mesh = buffers_.meshes[scene_.instances[i].mesh];
   const SceneVariant variant = variant_of(mesh_index);
   commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipelines_.at(variant));
   if (variant.textured)

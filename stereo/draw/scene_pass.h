@@ -12,10 +12,29 @@
 
 namespace farshade {
 
+/// Which instances are drawn into a layer.
+enum class Casters : std::uint8_t {
+  None,
+  All,
+  Fixed,   ///< those that cannot move
+  Moving,  ///< the others
+};
+
+/// An animation moves the instance.
+[[nodiscard]] inline bool can_move(const Scene& scene, const Instance& instance) {
+  return scene.nodes[instance.node].moving;
+}
+
+/// One pass of shadow maps, into two layers of an image.
+struct CasterDraws {
+  std::size_t pair = 0;                ///< layers 2 * pair and 2 * pair + 1 of the maps
+  PerEye<glm::dmat4> clip_from_stage;  ///< of both layers; the same in all passes of a pair
+  PerEye<Casters> casters{Casters::None, Casters::None};
+};
+
 class ScenePass {
  public:
-  /// Keeps the references. `frame` holds a FrameData. A frame draws the scene `pairs` times, each time into
-  /// two layers.
+  /// Keeps the references. `frame` holds a FrameData. A frame draws into at most `pairs` pairs of layers.
   ScenePass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
             const gpu::Buffer& frame, Outputs outputs, std::size_t pairs = 1);
 
@@ -26,14 +45,14 @@ class ScenePass {
 
   /// Prepares the draws for `views` and creates the pipelines that they need. Call before `record`.
   void prepare(const StereoView& views, const SceneState& state, Detail detail);
-  /// The same for shadow maps: the clip matrices of each pair's two layers of `size` texels. Not for the
-  /// G-buffer.
-  void prepare(std::span<const PerEye<glm::dmat4>> clip_from_stage, Extent size, const SceneState& state);
+  /// The same for passes of shadow maps with layers of `size` texels. Not for the G-buffer.
+  void prepare(std::span<const CasterDraws> passes, Extent size, const SceneState& state);
 
-  /// Draws one pair of layers: `size` pixels from the top left corner of the attachments, which are cleared.
+  /// Draws one pass into two layers: `size` pixels from the top left corner of the attachments. Before that
+  /// it clears `clears` of the depth to zero.
   void record(const vk::raii::CommandBuffer& commands, Extent size,
               std::span<const vk::RenderingAttachmentInfo> colors, const vk::RenderingAttachmentInfo& depth,
-              std::size_t pair = 0) const;
+              std::size_t pass = 0, std::span<const vk::ClearRect> clears = {}) const;
 
   [[nodiscard]] std::size_t pipelines() const { return pipelines_.size(); }
   [[nodiscard]] std::size_t bindings() const { return bindings_.kinds.size(); }
@@ -54,13 +73,15 @@ class ScenePass {
   [[nodiscard]] SceneVariant variant_of(std::size_t mesh) const;
   void need_pipeline(SceneVariant variant);
   [[nodiscard]] std::uint64_t bytes_read(std::size_t mesh, std::uint32_t level) const;
-  [[nodiscard]] std::uint32_t level_for(const DeviceMesh& mesh, const gpu::InstanceData& data,
-                                        const PerEye<Extent>& sizes, std::uint32_t& last) const;
+  [[nodiscard]] PerEye<std::uint32_t> levels_for(std::uint32_t instance, const gpu::InstanceData& data,
+                                                 const PerEye<Extent>& sizes);
+  void add_draw(const Draw& draw, std::vector<Draw>& draws);
   void clear_counts();
   /// `seen_as` makes an instance's InstanceData from its transform to the stage.
   template <class SeenAs>
-  void add_draws(std::size_t pair, const SceneState& state, const PerEye<Extent>& sizes, Detail detail,
-                 const SeenAs& seen_as);
+  void add_draws(std::size_t pass, const CasterDraws& wanted, const SceneState& state,
+                 const PerEye<Extent>& sizes, Detail detail, const SeenAs& seen_as);
+  [[nodiscard]] bool wants(Casters casters, std::size_t instance) const;
   void draw_instance(const vk::raii::CommandBuffer& commands, const Draw& draw) const;
 
   const gpu::Device& device_;
@@ -72,8 +93,8 @@ class ScenePass {
   gpu::Bindings bindings_;
   vk::raii::PipelineLayout layout_{nullptr};
   std::map<SceneVariant, vk::raii::Pipeline> pipelines_;
-  std::vector<std::vector<Draw>> draws_;    ///< for each pair
-  std::vector<std::uint32_t> last_levels_;  ///< of each pair's instances
+  std::vector<std::vector<Draw>> draws_;    ///< for each pass
+  std::vector<std::uint32_t> last_levels_;  ///< of the instances; not for shadow maps
   std::uint64_t vertex_bytes_read_ = 0, triangles_ = 0;
 };
 

@@ -10,8 +10,9 @@ namespace farshade {
 
 /// When shadow maps are redrawn.
 enum class Redraw : std::uint8_t {
-  WhenMoved,  ///< if a light or an instance has moved, or a light was switched on
-  Always,     ///< every frame
+  WhenMoved,  ///< where a light or an instance has moved, or a light was switched on; needs memory
+              ///< (MapLayers)
+  Always,     ///< every frame, all of them
 };
 
 struct ShadowMapSettings {
@@ -24,12 +25,13 @@ struct ShadowMapSettings {
 
 inline constexpr std::uint32_t kLeastMapSide_px = 32, kMostMapSide_px = 8192, kMostPcfRadius = 8;
 
-/// The limit for all maps of a scene together.
+/// The limit for all maps of a scene and their kept depth together.
 inline constexpr std::uint64_t kMostShadowMapBytes = std::uint64_t{1} << 30;
 
-/// The bytes of the maps of all lights of `scene`. Fault::OutOfRange if the side or the radius is outside of
-/// the limits above; Fault::Unavailable if the maps exceed kMostShadowMapBytes, with a side that would fit. A
-/// renderer takes only settings for which this succeeds.
+/// The bytes of the maps of all lights of `scene`, and of depth that is kept with Redraw::WhenMoved.
+/// Fault::OutOfRange if the side or the radius is outside of the limits above; Fault::Unavailable if the maps
+/// exceed kMostShadowMapBytes, with a side that would fit. A renderer takes only settings for which this
+/// succeeds.
 [[nodiscard]] Expected<std::uint64_t> shadow_map_bytes(const Scene& scene, const ShadowMapSettings& settings);
 
 }  // namespace farshade

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "stereo/base/check.h"
+
 namespace farshade {
 namespace {
 
@@ -61,11 +63,39 @@ MapView view_of(const Light& light, std::span<const Point<Stage>> corners,
   return view;
 }
 
+bool some_move(const Scene& scene, bool move) {
+  return std::ranges::any_of(scene.instances,
+                             [&](const Instance& i) { return scene.nodes[i.node].moving == move; });
+}
+
 }  // namespace
 
 std::uint32_t map_layers(LightKind kind, float outer_cone_rad) {
   const bool window = kind == LightKind::Spot && outer_cone_rad <= kWidestWindow_rad;
   return window || kind == LightKind::Directional ? 1 : 6;
+}
+
+std::uint64_t MapLayers::bytes(std::uint32_t side_px) const {
+  return std::uint64_t{count + kept} * side_px * side_px * 4;
+}
+
+MapLayers map_layers(const Scene& scene, const ShadowMapSettings& settings) {
+  std::vector<bool> fixed;  // for each layer
+  for (const LightSource& light : scene.lights)
+    fixed.resize(fixed.size() + map_layers(light.kind, light.outer_cone_rad),
+                 !scene.nodes[light.node].moving);
+  fixed.resize(std::max<std::size_t>(fixed.size() + fixed.size() % 2, 2));
+  MapLayers layers;
+  layers.count = narrow<std::uint32_t>(fixed.size());
+  layers.kept_pair.resize(layers.count / 2);
+  if (settings.redraw == Redraw::Always || !some_move(scene, true) || !some_move(scene, false)) return layers;
+  MapLayers with_kept = layers;
+  for (std::size_t pair = 0; pair < layers.kept_pair.size(); ++pair) {
+    if (!fixed[2 * pair] && !fixed[2 * pair + 1]) continue;
+    with_kept.kept_pair[pair] = with_kept.kept / 2;
+    with_kept.kept += 2;
+  }
+  return with_kept.bytes(settings.side_px) <= kMostShadowMapBytes ? with_kept : layers;
 }
 
 MapView face_view(const MapView& cube, std::uint32_t face) {
@@ -128,12 +158,13 @@ Expected<std::uint64_t> shadow_map_bytes(const Scene& scene, const ShadowMapSett
   if (settings.pcf_radius > kMostPcfRadius)
     return fail(Fault::OutOfRange, "the PCF radius must be 0 to " + number(kMostPcfRadius) + " texels, not " +
                                        number(settings.pcf_radius));
-  std::uint64_t layers = 0;
-  for (const LightSource& light : scene.lights) layers += map_layers(light.kind, light.outer_cone_rad);
-  layers += layers % 2;  // layers are drawn in pairs
-  const auto bytes_at = [&](std::uint64_t side) { return layers * side * side * 4; };
+  const auto bytes_at = [&](std::uint32_t side) {
+    ShadowMapSettings at = settings;
+    at.side_px = side;
+    return map_layers(scene, at).bytes(side);
+  };
   if (bytes_at(settings.side_px) <= kMostShadowMapBytes) return bytes_at(settings.side_px);
-  std::uint64_t side = settings.side_px;
+  std::uint32_t side = settings.side_px;
   while (bytes_at(side) > kMostShadowMapBytes) side /= 2;
   return fail(Fault::Unavailable,
               "shadow maps of " + number(scene.lights.size()) + " lights with " + number(settings.side_px) +

@@ -4,7 +4,9 @@
 /// scene. Pure; no device needed. (L. Williams, "Casting curved shadows on curved surfaces", SIGGRAPH 1978.)
 #pragma once
 
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "shaders/shared.h"
 #include "stereo/draw/shadow_map_settings.h"
@@ -19,6 +21,20 @@ inline constexpr float kWidestWindow_rad = 1.05f;
 
 /// The number of layers of a light's map: 6 or 1.
 [[nodiscard]] std::uint32_t map_layers(LightKind kind, float outer_cone_rad);
+
+/// The layers of the maps of a scene's lights, and where depth of instances that cannot move is kept.
+struct MapLayers {
+  std::uint32_t count = 0;  ///< even, because layers are drawn in pairs
+  /// For each pair of layers, its pair in the image of kept depth. Empty if neither of the two lights can
+  /// stand still while something moves.
+  std::vector<std::optional<std::uint32_t>> kept_pair;
+  std::uint32_t kept = 0;  ///< layers of the image of kept depth; even
+
+  [[nodiscard]] std::uint64_t bytes(std::uint32_t side_px) const;
+};
+
+/// If kept depth does not fit into kMostShadowMapBytes with the maps, none is kept.
+[[nodiscard]] MapLayers map_layers(const Scene& scene, const ShadowMapSettings& settings);
 
 /// The projection of one layer: gpu::ShadowMapData in double and relative to the stage.
 struct MapView {

@@ -141,6 +141,7 @@ TEST(ShadowMapViews, LightsFollowEachOtherAndThoseThatAreOffSeeNothing) {
 
 Scene with_point_lights(std::size_t count) {
   Scene scene;
+  scene.nodes.resize(1);
   scene.lights.assign(count, LightSource{});
   return scene;
 }
