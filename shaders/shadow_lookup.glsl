@@ -6,7 +6,7 @@
 // tips and techniques", GDC 2006). So a plane of any slope does not shadow itself, and no constant offset detaches shadows
 // from their casters. The remaining tolerance is half of the plane's change of depth from the point to the texel, because
 // surfaces bend; one texel's width, because they have corners; and float rounding. (shadow_map_bench --size 192
-// --frames 3, room at 1024 texels: mask error 0.0138; with a quarter of both terms 0.0170.)
+// --frames 3 --sharpness 1, room at 1024 texels: mask error 0.0138; with a quarter of both terms 0.0170.)
 
 #ifdef SHADOW_MAPS
 layout(set = 1, binding = 0) uniform sampler2DArray shadow_maps;
@@ -93,6 +93,7 @@ float covers(int d, float f) {
   return r == 0 ? 1.0 : (1.0 - (d == -r ? f : 0.0) - (d == r ? 1.0 - f : 0.0)) / float(2 * r);
 }
 
+// The filtered edge gets the contrast of the filtered edges of masks (reproject.glsl). docs/modes.md has the measurement.
 float unblocked(Receiver receiver) {
   int r = int(kPcfRadius);
   ivec2 own = clamp(ivec2(floor(receiver.at)), ivec2(r), ivec2(int(kMapSide) - 1 - r));
@@ -105,7 +106,7 @@ float unblocked(Receiver receiver) {
       bool blocked = blocker > receiver.depth + change + kMapBend * abs(change) + receiver.tolerance;
       lit += blocked ? 0.0 : covers(x, f.x) * covers(y, f.y);
     }
-  return lit;
+  return clamp((lit - 0.5) * kSharpness + 0.5, 0.0, 1.0);
 }
 
 // Defined as a mask's bit is (tracer.h): 0 if the light is off, behind one of the normals, or out of reach.

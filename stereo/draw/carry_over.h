@@ -39,6 +39,10 @@ enum class Eyes : std::uint8_t { This, Both };
 enum class Gaps : std::uint8_t { Unknown, Neighbours };
 enum class Edges : std::uint8_t { Nearest, Filtered };
 
+/// Contrast of a filtered shadow edge: factor of the visibility's distance from one half.
+/// docs/reprojection.md and docs/modes.md have the measurements.
+inline constexpr float kEdgeSharpness = 4.0f;
+
 /// How masks are carried over. The defaults were chosen by measurement (docs/reprojection.md).
 struct CarryOver {
   Lookup lookup = Lookup::Reproject;

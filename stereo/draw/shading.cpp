@@ -272,7 +272,8 @@ ShadingKey ShadingPass::key_of(std::uint32_t pass, PixelReport report, std::uint
           .whole = whole_ && !second_look && !direct && !moved_,
           .moved = moved_ && !direct,
           .map_side_px = maps_ != nullptr ? maps_->settings().side_px : 0,
-          .pcf_radius = maps_ != nullptr ? maps_->settings().pcf_radius : 0};
+          .pcf_radius = maps_ != nullptr ? maps_->settings().pcf_radius : 0,
+          .sharpness = maps_ != nullptr ? maps_->settings().sharpness : kEdgeSharpness};
 }
 
 /// Created when a report is first requested, because the report is large.

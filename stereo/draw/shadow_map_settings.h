@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "stereo/draw/carry_over.h"
 #include "stereo/scene/scene.h"
 
 namespace farshade {
@@ -20,6 +21,7 @@ struct ShadowMapSettings {
   std::uint32_t pcf_radius =
       1;  ///< texels: (2r+1)^2 comparisons, box filter 2r texels wide; 0: one comparison
   Redraw redraw = Redraw::WhenMoved;
+  float sharpness = kEdgeSharpness;  ///< contrast of a filtered shadow edge, as in masks
   friend bool operator==(const ShadowMapSettings&, const ShadowMapSettings&) = default;
 };
 

@@ -1,5 +1,5 @@
 // Compares shadow maps with the full trace along a recorded head: their error, and the time on the device to
-// draw and read them, if they are drawn in every frame and if they are kept while nothing moves.
+// read them and to draw them: all of them, and only what changes while the scene's animation runs.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
@@ -12,6 +12,8 @@
 #include "stereo/scene/gltf.h"
 #include "stereo/tracer/tracer.h"
 #include "tests/bench/late_masks.h"
+#include "tests/metrics/flip.h"
+#include "tests/metrics/pixels_per_degree.h"
 #include "vr_client/report/measure.h"
 
 namespace {
@@ -23,10 +25,11 @@ struct Options {
   std::string scene, trace = FARSHADE_ASSETS "/walk.csv", gpu, out;
   std::uint32_t side_px = 512, frames = 8, every = 24, pcf_radius = 1;
   std::vector<std::uint32_t> map_sides_px{512, 1024, 2048};
+  std::vector<float> sharpness{kEdgeSharpness};
 };
 
 struct Figures {
-  std::vector<double> mask_error, psnr_db, maps_ms, shade_ms, kept_ms, masks_ms, gbuffer_ms;
+  std::vector<double> mask_error, psnr_db, flip, maps_ms, moved_ms, shade_ms, masks_ms, gbuffer_ms;
 };
 
 double ms(Duration duration) {
@@ -36,42 +39,55 @@ double ms(Duration duration) {
 /// One frame with masks of the full trace, and with maps.
 class Comparison {
  public:
-  Comparison(const gpu::Device& device, const Scene& scene, Tracer& tracer, const Options& options)
+  Comparison(const gpu::Device& device, const Scene& scene, Tracer& tracer, const Options& options,
+             const ShadowMapSettings& settings)
       : scene_(scene),
         tracer_(tracer),
         options_(options),
-        renderer_(device, scene, plan_for(scene, {.carries_over = false, .all_lights = true}).draw,
-                  {size(), size(), 1}) {}
+        settings_(settings),
+        always_settings_(settings),
+        renderer_(device, scene, plan(), {size(), size(), 1}),
+        always_(device, scene, plan(), {size(), size(), 1}) {
+    always_settings_.redraw = Redraw::Always;
+  }
 
-  void compare(const FrameRequest& request, std::uint32_t map_side_px, Figures& figures) {
+  void compare(const FrameRequest& request, Figures& figures) {
     tracer_.trace(request, truth_);
     const PerEye<Image<Rgb8>> reference = draw_masks(request, figures);
-    ShadowMapSettings settings{map_side_px, options_.pcf_radius, Redraw::Always};
-    figures.maps_ms.push_back(ms(draw_maps(request, settings).maps));
-    settings.redraw = Redraw::WhenMoved;
-    draw_maps(request, settings);
-    const DrawTimes kept = draw_maps(request, settings);
-    figures.kept_ms.push_back(ms(kept.maps));
-    figures.shade_ms.push_back(ms(kept.shade));
-    figures.gbuffer_ms.push_back(ms(kept.gbuffer));
-    draw_maps(request, settings, PixelReport::On);
+    figures.maps_ms.push_back(ms(always_.draw(with_maps(request, start_, always_settings_)).maps));
+    renderer_.draw(with_maps(request, state_at(scene_, animated_), settings_));
+    animated_ = animated_ + kPeriod;
+    const DrawTimes moved = renderer_.draw(with_maps(request, state_at(scene_, animated_), settings_));
+    figures.moved_ms.push_back(ms(moved.maps));
+    figures.shade_ms.push_back(ms(moved.shade));
+    figures.gbuffer_ms.push_back(ms(moved.gbuffer));
+    ShownFrame reported = with_maps(request, start_, settings_);
+    reported.report = PixelReport::On;
+    renderer_.draw(reported);
     const PerEye<Image<Rgb8>> pictures = renderer_.read_shown();
     for (const Side side : kSides) {
       const std::size_t eye = index_of(side);
       figures.mask_error.push_back(compare_masks(renderer_.report(side), truth_.masks[eye]).mask_error);
       figures.psnr_db.push_back(psnr_db(pictures[eye], reference[eye]));
+      const double per_degree = pixels_per_degree(request.views[eye]);
+      figures.flip.push_back(mean(flip(reference[eye], pictures[eye], per_degree)));
     }
-    if (!options_.out.empty()) {
-      const std::string name =
-          options_.out + "/" + std::to_string(request.frame.value) + "_" + std::to_string(map_side_px);
-      (void)write_png(name + "_maps.png", pictures[0]);
-      (void)write_png(name + "_truth.png", reference[0]);
-      (void)write_png(name + "_difference.png", difference_x8(pictures[0], reference[0]));
-    }
+    if (!options_.out.empty()) write(request.frame, pictures[0], reference[0]);
   }
 
  private:
   [[nodiscard]] Extent size() const { return {options_.side_px, options_.side_px}; }
+  [[nodiscard]] DrawPlan plan() const {
+    return plan_for(scene_, {.carries_over = false, .all_lights = true}).draw;
+  }
+
+  void write(FrameId frame, const Image<Rgb8>& picture, const Image<Rgb8>& reference) const {
+    const std::string name =
+        options_.out + "/" + std::to_string(frame.value) + "_" + std::to_string(settings_.side_px);
+    (void)write_png(name + "_maps.png", picture);
+    (void)write_png(name + "_truth.png", reference);
+    (void)write_png(name + "_difference.png", difference_x8(picture, reference));
+  }
 
   PerEye<Image<Rgb8>> draw_masks(const FrameRequest& request, Figures& figures) {
     const KnownTiles all(TileGrid{size()}.count(), all_planes_known(truth_.masks[0].layout()));
@@ -84,36 +100,33 @@ class Comparison {
                                          .known_tiles = known,
                                          .content = request.frame.value}};
     const DrawTimes times =
-        renderer_.draw({.views = request.views, .state = state_, .masks = masks, .carry_over = {}});
+        renderer_.draw({.views = request.views, .state = start_, .masks = masks, .carry_over = {}});
     figures.masks_ms.push_back(ms(times.shade));
     return renderer_.read_shown();
   }
 
-  DrawTimes draw_maps(const FrameRequest& request, const ShadowMapSettings& settings,
-                      PixelReport report = PixelReport::Off) {
-    return renderer_.draw({.views = request.views,
-                           .state = state_,
-                           .masks = {},
-                           .carry_over = {},
-                           .report = report,
-                           .shadow_maps = &settings});
+  [[nodiscard]] static ShownFrame with_maps(const FrameRequest& request, const SceneState& state,
+                                            const ShadowMapSettings& settings) {
+    return {.views = request.views, .state = state, .masks = {}, .carry_over = {}, .shadow_maps = &settings};
   }
 
   const Scene& scene_;
   Tracer& tracer_;
   const Options& options_;
-  Renderer renderer_;
-  SceneState state_ = state_at(scene_, Time{});
+  ShadowMapSettings settings_, always_settings_;
+  Renderer renderer_, always_;
+  SceneState start_ = state_at(scene_, Time{});
+  Time animated_{};
   ShadowFrame truth_;
 };
 
-void print(std::uint32_t map_side_px, std::uint64_t bytes, const Figures& figures) {
+void print(const ShadowMapSettings& settings, std::uint64_t bytes, const Figures& figures) {
   const auto median = [](const std::vector<double>& values) { return quantile(values, 0.5); };
-  std::printf("  %5u %8.1f %10.5f %10.5f %8.2f %9.2f %9.2f %9.2f %9.2f %9.2f\n", map_side_px,
-              static_cast<double>(bytes) / (1 << 20), median(figures.mask_error),
-              quantile(figures.mask_error, 0.95), median(figures.psnr_db), median(figures.maps_ms),
-              median(figures.kept_ms), median(figures.shade_ms), median(figures.masks_ms),
-              median(figures.gbuffer_ms));
+  std::printf("  %5u %5.1f %8.1f %10.5f %10.5f %8.2f %8.4f %9.2f %9.2f %9.2f %9.2f %9.2f\n", settings.side_px,
+              static_cast<double>(settings.sharpness), static_cast<double>(bytes) / (1 << 20),
+              median(figures.mask_error), quantile(figures.mask_error, 0.95), median(figures.psnr_db),
+              median(figures.flip), median(figures.maps_ms), median(figures.moved_ms),
+              median(figures.shade_ms), median(figures.masks_ms), median(figures.gbuffer_ms));
 }
 
 Expected<void> run(const Options& options) {
@@ -127,21 +140,22 @@ Expected<void> run(const Options& options) {
   if (!tracer) return tl::unexpected(tracer.error());
   const Rigid<Stage, Recorded> placed =
       scene->camera ? place(*recording, *scene->camera) : Rigid<Stage, Recorded>{};
-  Comparison comparison(*device, *scene, *tracer, options);
   std::printf("%s on %s, %u x %u an eye, %zu lights, pcf radius %u, %u frames of %s\n", scene->name.c_str(),
               device->name.c_str(), options.side_px, options.side_px, scene->lights.size(),
               options.pcf_radius, options.frames, options.trace.c_str());
-  std::printf("  %5s %8s %10s %10s %8s %9s %9s %9s %9s %9s\n", "side", "MiB", "mask error", "p95", "PSNR dB",
-              "draw ms", "kept ms", "shade ms", "by masks", "G-buffer");
-  for (const std::uint32_t map_side_px : options.map_sides_px) {
-    const Expected<std::uint64_t> bytes = shadow_map_bytes(*scene, {map_side_px, options.pcf_radius});
-    if (!bytes) return tl::unexpected(bytes.error());
-    Figures figures;
-    for (std::uint32_t frame = 1; frame <= options.frames; ++frame)
-      comparison.compare(shown_at(*recording, placed, frame * options.every, options.side_px), map_side_px,
-                         figures);
-    print(map_side_px, *bytes, figures);
-  }
+  std::printf("  %5s %5s %8s %10s %10s %8s %8s %9s %9s %9s %9s %9s\n", "side", "sharp", "MiB", "mask error",
+              "p95", "PSNR dB", "FLIP", "draw ms", "moved ms", "shade ms", "by masks", "G-buffer");
+  for (const std::uint32_t side_px : options.map_sides_px)
+    for (const float sharpness : options.sharpness) {
+      const ShadowMapSettings settings{side_px, options.pcf_radius, Redraw::WhenMoved, sharpness};
+      const Expected<std::uint64_t> bytes = shadow_map_bytes(*scene, settings);
+      if (!bytes) return tl::unexpected(bytes.error());
+      Comparison comparison(*device, *scene, *tracer, options, settings);
+      Figures figures;
+      for (std::uint32_t frame = 1; frame <= options.frames; ++frame)
+        comparison.compare(shown_at(*recording, placed, frame * options.every, options.side_px), figures);
+      print(settings, *bytes, figures);
+    }
   return {};
 }
 
@@ -158,6 +172,8 @@ int main(int argc, char** argv) try {
       ->capture_default_str();
   app.add_option("--side", options.map_sides_px, "texels of each side of a map")->capture_default_str();
   app.add_option("--radius", options.pcf_radius, "radius of the shadow filter, texels")
+      ->capture_default_str();
+  app.add_option("--sharpness", options.sharpness, "contrast of filtered shadow edges")
       ->capture_default_str();
   app.add_option("--out", options.out, "folder for the left eye's pictures");
   app.add_option("--gpu", options.gpu, "use only a device whose name contains this");

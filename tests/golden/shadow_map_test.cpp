@@ -140,6 +140,7 @@ TEST_P(ShadowMapError, IsBoundedAndFallsAsTheResolutionDoubles) {
     before = error;
   }
   EXPECT_LT(before, GetParam().most_at_1024);
+  EXPECT_LT(before, 0.75 * rig.show_and_judge(head, {.sharpness = 1}).mask_error) << "sharpened edges";
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, ShadowMapError,

@@ -166,5 +166,40 @@ TEST(ShadowMapBytes, RefuseSidesAndRadiiOutsideOfTheirLimits) {
   }
 }
 
+/// A node that moves and one that does not, and an instance at each.
+Scene half_moving(std::size_t fixed_lights, std::size_t moving_lights) {
+  Scene scene;
+  scene.nodes.resize(2);
+  scene.nodes[1].moving = true;
+  scene.instances = {{.node = 0}, {.node = 1}};
+  LightSource moving;
+  moving.node = 1;
+  scene.lights.resize(fixed_lights);
+  scene.lights.resize(fixed_lights + moving_lights, moving);
+  return scene;
+}
+
+TEST(MapLayers, KeepDepthForLightsThatCanStandStillWhileSomethingMoves) {
+  const MapLayers layers = map_layers(half_moving(1, 2), {});
+  EXPECT_EQ(layers.count, 18u);
+  EXPECT_EQ(layers.kept, 6u);
+  EXPECT_EQ(layers.kept_pair[2], 2u);
+  EXPECT_FALSE(layers.kept_pair[3]);
+  EXPECT_EQ(map_layers(half_moving(1, 2), {.redraw = Redraw::Always}).kept, 0u);
+  EXPECT_EQ(map_layers(half_moving(0, 2), {}).kept, 0u);
+  for (const bool all_move : {false, true}) {
+    Scene scene = half_moving(1, 2);
+    for (Instance& instance : scene.instances) instance.node = all_move;
+    EXPECT_EQ(map_layers(scene, {}).kept, 0u) << all_move;
+  }
+}
+
+TEST(MapLayers, KeepNothingIfItDoesNotFitIntoTheBudgetWithTheMaps) {
+  EXPECT_EQ(map_layers(half_moving(21, 0), {.side_px = 1024}).kept, 21u * 6);
+  EXPECT_EQ(map_layers(half_moving(22, 0), {.side_px = 1024}).kept, 0u);
+  EXPECT_EQ(shadow_map_bytes(half_moving(21, 0), {.side_px = 1024}).value(), 2 * 21 * 6ull << 22);
+  EXPECT_EQ(shadow_map_bytes(half_moving(22, 0), {.side_px = 1024}).value(), 22 * 6ull << 22);
+}
+
 }  // namespace
 }  // namespace farshade
