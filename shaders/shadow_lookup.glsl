@@ -50,7 +50,8 @@ struct Receiver {
   uint layer;
 };
 
-Receiver receiver_of(uint i, vec3 from_light, vec3 plane) {
+// `error_m`: how far the shown surface may lie from the true one.
+Receiver receiver_of(uint i, vec3 from_light, vec3 plane, float error_m) {
   uint kind = maps[i].place.x;
   uint layer = maps[i].place.y;
   vec3 p, n;  // along the map's axes
@@ -75,12 +76,12 @@ Receiver receiver_of(uint i, vec3 from_light, vec3 plane) {
     receiver.at = p.xy * texels;
     receiver.depth = -p.z * per_m;
     receiver.gradient = per_m * n.xy / (n.z * texels);
-    receiver.tolerance = kMapFootprint * per_m / texels.x + kMapRounding;
+    receiver.tolerance = ((kMapFootprint + kDetail_px) / texels.x + error_m) * per_m + kMapRounding;
   } else {
     receiver.at = p.xy / p.z * texels;
     receiver.depth = kNear / p.z;
     receiver.gradient = kNear * n.xy / (dot(n, p) * texels);
-    receiver.tolerance = (kMapFootprint / texels.x + kMapRounding) * receiver.depth;
+    receiver.tolerance = ((kMapFootprint + kDetail_px) / texels.x + error_m / p.z + kMapRounding) * receiver.depth;
   }
   receiver.at += 0.5 * float(kMapSide);
   return receiver;
@@ -120,7 +121,9 @@ float visibility_from_map(uint i, vec3 p, vec3 plane, vec3 n) {
     float falloff = -dot(lights[i].spot_direction.xyz, to_light) * inversesqrt(distance2) * cone.x + cone.y;
     reaches = reaches && distance2 * lights[i].intensity.w < 1.0 && falloff > 0.0;
   }
-  return reaches ? unblocked(receiver_of(i, p - maps[i].origin[kEye].xyz, plane)) : 0.0;
+  vec2 window_step = abs(frame.eye[kEye].window.origin_step.zw);
+  float error_m = kDetail_px * max(window_step.x, window_step.y) * length(p);
+  return reaches ? unblocked(receiver_of(i, p - maps[i].origin[kEye].xyz, plane, error_m)) : 0.0;
 }
 
 Visibility8 visibility_from_maps(uint group, vec3 p, vec3 plane, vec3 n) {

@@ -39,12 +39,7 @@ gpu::Specialization constants_of(const ShadingKey& key, const DrawPlan& plan) {
   constants[FARSHADE_CONSTANT_MOVED] = key.moved;
   constants[FARSHADE_CONSTANT_NEIGHBOURS] = key.neighbours;
   constants[FARSHADE_CONSTANT_EDGES] = key.filters_edges;
-<<<<<<< HEAD
-  constants[FARSHADE_CONSTANT_SHARPNESS] = word_of(kSharpness);
-=======
   constants[FARSHADE_CONSTANT_SHARPNESS] = word_of(key.sharpness);
-  constants[FARSHADE_CONSTANT_MOVED_SINCE_NEWEST] = key.moved_since_newest;
->>>>>>> 3361eb2 (shadow maps: filtered edges get the contrast of hybrid's edges)
   constants[FARSHADE_CONSTANT_EDGE_BIT] = first_edge_bit(plan.mask.lights);
   constants[FARSHADE_CONSTANT_MAP_SIDE] = key.map_side_px;
   constants[FARSHADE_CONSTANT_PCF_RADIUS] = key.pcf_radius;
