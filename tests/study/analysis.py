@@ -65,14 +65,22 @@ def cost_at(curve, error):
 
 def better_in_both(rows, own, cost, error):
     """The rows that are at least as good as `own` in `cost` and in `error`, and better in one of them; by error."""
-    def value(row, figure):
-        return row.get(figure)
-    if value(own, cost) is None or value(own, error) is None:
+    found = [r for r in comparable(rows, own, cost, error) if r[cost] <= own[cost] and r[error] <= own[error]
+             and (r[cost], r[error]) != (own[cost], own[error])]
+    return sorted(found, key=lambda r: r[error])
+
+
+def less_in_both(rows, own, cost, error):
+    """The rows that have both less `cost` and less `error` than `own`; by error."""
+    found = [r for r in comparable(rows, own, cost, error) if r[cost] < own[cost] and r[error] < own[error]]
+    return sorted(found, key=lambda r: r[error])
+
+
+def comparable(rows, own, *figures):
+    """The rows besides `own` that have all these figures. Empty if `own` lacks one."""
+    if any(own.get(f) is None for f in figures):
         return []
-    found = [r for r in rows if r is not own and value(r, cost) is not None and value(r, error) is not None
-             and value(r, cost) <= value(own, cost) and value(r, error) <= value(own, error)
-             and (value(r, cost), value(r, error)) != (value(own, cost), value(own, error))]
-    return sorted(found, key=lambda r: value(r, error))
+    return [r for r in rows if r is not own and all(r.get(f) is not None for f in figures)]
 
 
 def grouped(rows, *keys):

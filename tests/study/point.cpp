@@ -91,8 +91,6 @@ Expected<nlohmann::json> measure_rounds(const Play& shared, const Network& netwo
   for (const std::string& mode : rounds.modes) entries.push_back({mode, false});
   entries.push_back({rounds.modes.at(0), true});
 
-  const std::uint32_t warm_up = warm_up_frames(network.model, shared.refresh_hz);
-  const std::uint32_t start_up = round_trip_frames(network.model, shared.refresh_hz);
   std::mt19937_64 random(rounds.seed);
   std::vector<Entry*> order;
   for (Entry& entry : entries) order.push_back(&entry);
@@ -101,8 +99,11 @@ Expected<nlohmann::json> measure_rounds(const Play& shared, const Network& netwo
     for (Entry* entry : order) {
       Play own = shared;
       own.reference_every = 0;
-      own.frames += start_up + warm_up;
       if (const Expected<void> set = set_mode(entry->mode, own); !set) return tl::unexpected(set.error());
+      // A mode that requests nothing waits for no answer, on no network.
+      const LinkModel awaited = answers_for(own.mode.mode) == 0 ? LinkModel{} : network.model;
+      const std::uint32_t warm_up = warm_up_frames(awaited, own.refresh_hz);
+      own.frames += round_trip_frames(awaited, own.refresh_hz) + warm_up;
       const Played played = play(own, network);
       Figures figures;
       const std::uint32_t first = first_timed_frame(played, warm_up);

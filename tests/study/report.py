@@ -3,11 +3,13 @@ import base64
 import html
 import io
 import json
+from typing import NamedTuple
 
 from PIL import Image
 
 import plots
 import tables
+from rows import METRICS, on_every_network
 
 PICTURE_PX = 192  # width and height, so that the page stays small
 
@@ -36,7 +38,8 @@ def worst_pictures(rows):
                         for eye in ("left", "right") for what in ("shown", "reference", "heat"))
         parts.append(f'<h3 style="color:{plots.COLOURS.get(mode, plots.OTHER)}">{html.escape(scene)}: '
                      f"{html.escape(row['words'])}</h3><p>{html.escape(row['trace'])}, {html.escape(row['network'])}; "
-                     f"FLIP {row['error.flip.p99']:.4f} (99 %), {row['flip']:.4f} (median)</p>"
+                     f"{row['size']} px; FLIP {row['error.flip.p99']:.4f} (99 %), {row['flip']:.4f} (median); PSNR "
+                     f"{row['psnr']:.1f} dB, SSIM {row['ssim']:.4f} (medians)</p>"
                      f'<div class="pictures">{shown}</div>')
     return "\n".join(parts)
 
@@ -52,22 +55,47 @@ PLOTS = [
 SCALES = [("pixels", "pixels, both eyes"), ("lights", "lights"), ("triangles", "triangles"), ("clients", "clients")]
 
 
+class Plot(NamedTuple):
+    title: str
+    svg: str
+    size: str = ""  # width and height of an eye, and the metric, if the reader chooses them
+    metric: str = ""
+
+
 def draw(rows):
-    """Returns name -> (title, SVG), the fits, and the description of each point."""
+    """Returns name -> Plot, the fits, and the description of each point."""
     points, drawn, fits = plots.Points(), {}, []
-    modes = [r for r in rows if r["part"] == "mode"]
-    everywhere = tables.on_every_network(modes)
+    everywhere = on_every_network(rows)
     for name, title, x, label, columns in PLOTS:
-        shown = everywhere if columns else modes
-        svg = plots.error_against(name, shown, x, label, columns, points)
-        if svg:
-            drawn[name] = (title, svg)
+        shown = everywhere if columns else [r for r in rows if r["part"] == "mode"]
+        for (size,), own in plots.grouped(shown, "size").items():
+            for metric in METRICS:
+                own_name = f"{name}-{metric.shown}-{size}"
+                svg = plots.error_against(own_name, own, x, label, columns, points, metric)
+                if svg:
+                    drawn[own_name] = Plot(title, svg, str(size), metric.label)
     for axis, label in SCALES:
         svg, fitted = plots.scaling(axis, rows, axis, label, points)
         fits += fitted
         if svg:
-            drawn[axis] = (f"Run time against {axis}", svg)
+            drawn[axis] = Plot(f"Run time against {axis}", svg)
     return drawn, fits, points.told
+
+
+def choice(name, label, values):
+    """Buttons of which one is pressed: the page shows the plots with its value."""
+    return f"<span>{label}: " + "".join(
+        f'<label><input type="radio" name="{name}" value="{html.escape(value)}"{"" if i else " checked"}>'
+        f"{html.escape(value)}</label> " for i, value in enumerate(values)) + "</span>"
+
+
+def plot_sections(drawn):
+    """A section for each title."""
+    sections = []
+    for title, own in plots.grouped([p._asdict() for p in drawn.values()], "title").items():
+        inside = "".join(f'<div class="plot" data-size="{p["size"]}" data-metric="{p["metric"]}">{p["svg"]}</div>' for p in own)
+        sections.append(f"<section><h2>{html.escape(title[0])}</h2>{inside}</section>\n")
+    return "".join(sections)
 
 
 def make(header, rows):
@@ -76,12 +104,12 @@ def make(header, rows):
     networks = {r["network"]: r["network_words"] for r in rows}
     header = header | {"networks": "; ".join(f"{name}: {words}" for name, words in networks.items()) + " (in each direction)"}
     said = "".join(f"<dt>{html.escape(k)}<dd>{html.escape(str(v))}" for k, v in header.items())
-    sections = "".join(f'<section><h2>{html.escape(title)}</h2><div class="plot">{svg}</div></section>\n'
-                       for title, svg in drawn.values())
-    page = PAGE.format(style=STYLE, header=said, plots=sections, tables=tables.all_of(rows, fits),
-                       pictures=worst_pictures(rows), script=SCRIPT,
+    sizes = list(dict.fromkeys(p.size for p in drawn.values() if p.size))
+    choices = choice("metric", "Metric", [m.label for m in METRICS]) + choice("size", "Pixels per side of an eye", sizes)
+    page = PAGE.format(style=STYLE, header=said, choices=choices, plots=plot_sections(drawn),
+                       tables=tables.all_of(rows, fits), pictures=worst_pictures(rows), script=SCRIPT,
                        told=json.dumps(told).replace("</", "<\\/"))
-    return {name: svg for name, (_, svg) in drawn.items()}, page
+    return {name: plot.svg for name, plot in drawn.items()}, page
 
 
 STYLE = """
@@ -92,6 +120,8 @@ dt { color: #666; } dd { margin: 0; overflow-wrap: anywhere; }
 table { border-collapse: collapse; font-size: 12px; } caption { text-align: left; padding: 4px 0; color: #555; }
 th, td { padding: 2px 12px 2px 0; text-align: left; border-bottom: 1px solid #eee; vertical-align: top; }
 td.n, th.n { text-align: right; font-variant-numeric: tabular-nums; }
+.choices { position: sticky; top: 0; z-index: 5; background: #fff; padding: 6px 0; border-bottom: 1px solid #ddd; }
+.choices span { margin-right: 2em; } summary { font-size: 12px; color: #555; cursor: pointer; }
 .plot svg { max-width: 100%; height: auto; } .point { cursor: pointer; } .point:hover { stroke-width: 3px; }
 .pictures { display: flex; flex-wrap: wrap; gap: 6px; } figure { margin: 0; }
 img { width: 180px; image-rendering: auto; } figcaption { font-size: 11px; color: #666; }
@@ -115,6 +145,13 @@ for (const point of document.querySelectorAll('.point')) {
   });
   point.addEventListener('mouseout', () => { tip.style.display = 'none'; });
 }
+const chosen = name => document.querySelector(`input[name=${name}]:checked`)?.value;
+function showChosen() {
+  for (const plot of document.querySelectorAll('.plot'))
+    plot.hidden = ['size', 'metric'].some(name => plot.dataset[name] && plot.dataset[name] !== chosen(name));
+}
+for (const button of document.querySelectorAll('.choices input')) button.addEventListener('change', showChosen);
+showChosen();
 document.body.dataset.points = String(told.length);
 """
 
@@ -123,6 +160,7 @@ PAGE = """<!doctype html>
 <body>
 <h1>Error and run time</h1>
 <dl>{header}</dl>
+<div class="choices">{choices}</div>
 {plots}
 {tables}
 <h2>The worst frame of each mode</h2>

@@ -5,17 +5,7 @@ import json
 import os
 
 import report
-from sweep import mode_name
-
-# Columns that state what was measured. The columns of figures follow.
-SAID = ["kind", "part", "axis", "x", "scene", "trace", "network", "network_words", "size", "mode", "words", "again",
-        "frames", "every", "start_up_frames"]
-# Short names for the medians that plots and tables use: name -> (group, figure).
-SHORT = {"flip": ("error", "flip"), "ssim": ("error", "ssim"), "psnr": ("error", "psnr"),
-         "mask_error": ("error", "mask_error"), "staleness": ("wire", "staleness"), "latency": ("wire", "latency"),
-         "black": ("error", "black"), "unknown": ("error", "unknown"),
-         "bytes": ("wire", "down_bytes"), "bytes_up": ("wire", "up_bytes"), "answers": ("wire", "answers"),
-         "client_ms": ("time", "client_frame"), "answer_ms": ("time", "server_frame")}
+from rows import SAID, mode_name, with_short_names, with_times
 
 
 def figures_row(settings, words, result, figures):
@@ -25,9 +15,7 @@ def figures_row(settings, words, result, figures):
         for name, spread in named.items():
             for of, value in spread.items():
                 row[f"{group}.{name}.{of}"] = value
-    for short, (group, name) in SHORT.items():
-        row[short] = figures.get(group, {}).get(name, {}).get("median")
-    return row
+    return with_short_names(row)
 
 
 def rows_of(points):
@@ -51,21 +39,6 @@ def rows_of(points):
     return with_times(rows)
 
 
-def with_times(rows):
-    """Adds server_ms and both_ms per shown frame. Takes run times from the timing rounds, if there are any."""
-    rounds = {(r["scene"], r["size"], r["network"], r["words"]): r for r in rows
-              if r["part"] == "timing" and not r["again"]}
-    for row in rows:
-        measured = rounds.get((row["scene"], row["size"], row["network"], row["words"]), row)
-        row["client_ms"] = measured["client_ms"]
-        answer_ms = measured["answer_ms"] or row["answer_ms"] or 0.0  # rounds may be too short for an answer to arrive
-        answers = row["answers"] if row["answers"] is not None and row["kind"] == "error" else 1
-        row["server_ms"] = answer_ms * answers
-        if row["client_ms"] is not None:
-            row["both_ms"] = row["client_ms"] + row["server_ms"]
-    return rows
-
-
 def as_csv(rows):
     figures = sorted({k for row in rows for k in row if "." in k})
     text = io.StringIO()
@@ -83,6 +56,7 @@ def write_whole(path, text):
 
 
 def write(out, header, points):
+    """Writes all files. Returns the rows."""
     rows = rows_of(points)
     write_whole(out / "results.csv", as_csv(rows))
     kept = [{"settings": s, **json.loads(p.read_text(encoding="utf-8"))} for s, p in points]
@@ -92,3 +66,4 @@ def write(out, header, points):
     for name, svg in plots.items():
         write_whole(out / "plots" / f"{name}.svg", svg)
     write_whole(out / "report.html", page)
+    return rows

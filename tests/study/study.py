@@ -18,7 +18,9 @@ from pathlib import Path
 sys.dont_write_bytecode = True
 
 import results  # noqa: E402
+import rivals  # noqa: E402
 import scenes  # noqa: E402
+from rows import on_every_network  # noqa: E402
 from sweep import Sweep, arguments, name_of, work_in  # noqa: E402
 
 
@@ -182,11 +184,13 @@ def main():
     study = Study(sweep, given.root, given.program.resolve(), given.out)
     try:
         there, failed = study.run_all(points)
-        results.write(given.out, header(study, given.command), there)
+        rows = results.write(given.out, header(study, given.command), there)
     except KeyboardInterrupt:
         kept = sum(study.place_of(p).exists() for p in points)
         say(f"stopped; {kept} of {len(points)} points are kept; repeat the command to continue")
         return 130
+    for sentence in rivals.dominance_sentences(rivals.dominance(on_every_network(rows))):
+        say(sentence)
     say(f"{given.out}/report.html, results.csv, results.json, plots/")
     return 1 if failed else 0
 

@@ -69,11 +69,11 @@ class Study(unittest.TestCase):
     def test_writes_a_row_with_figures_for_each_mode(self):
         rows = error_columns(self.whole)
         full = [r for r in rows if r["mode"] == "full" and r["kind"] == "error"]
-        self.assertEqual(len(full), 1, "a mode without a server is measured on one network")
+        self.assertEqual([r["size"] for r in full], ["32", "48"], "a mode without a server is measured on one network")
         self.assertEqual(float(full[0]["error.flip.median"]), 0, "the reference has no error")
         self.assertEqual(float(full[0]["error.mask_error.median"]), 0)
         self.assertEqual(float(full[0]["error.psnr.median"]), 99)
-        late = {r["words"]: r for r in rows if r["network"] == "25 ms" and r["kind"] == "error"}
+        late = {r["words"]: r for r in rows if (r["network"], r["size"], r["kind"]) == ("25 ms", "32", "error")}
         self.assertGreater(float(late["hybrid,reprojection=off"]["error.mask_error.median"]),
                            float(late["hybrid"]["error.mask_error.median"]))
         self.assertGreater(float(late["hybrid"]["wire.latency.median"]), 50, "two directions of 25 ms")
@@ -86,12 +86,37 @@ class Study(unittest.TestCase):
                 self.assertEqual(names, [f"{eye}_{what}.png" for eye in ("left", "right")
                                          for what in ("heat", "reference", "shown")])
 
-    def test_times_the_first_mode_twice(self):
+    def test_reports_all_metrics_at_every_size(self):
+        measured = [r for r in error_columns(self.whole) if r["kind"] == "error"]
+        self.assertEqual({r["size"] for r in measured}, {"32", "48"})
+        for row in measured:
+            for metric in ("flip", "psnr", "ssim"):
+                self.assertNotEqual(row[f"error.{metric}.median"], "", row["words"])
+
+    def test_times_the_first_mode_twice_and_modes_without_a_server_on_every_network(self):
         with open(self.whole / "results.csv", newline="", encoding="utf-8") as file:
-            timed = [r for r in csv.DictReader(file) if r["part"] == "timing" and r["network"] == "none"]
-        self.assertEqual([(r["words"], r["again"]) for r in timed], [("hybrid", "0"), ("full", "0"), ("hybrid", "1")])
+            timed = [r for r in csv.DictReader(file) if r["part"] == "timing"]
+        self.assertEqual([(r["size"], r["network"], r["words"], r["again"]) for r in timed],
+                         [(size, network, words, again) for size in ("32", "48") for network in ("none", "25 ms")
+                          for words, again in (("hybrid", "0"), ("full", "0"), ("hybrid", "1"))])
         for row in timed:
             self.assertGreater(float(row["time.client_frame.median"]), 0)
+            if row["words"] == "full":  # it waits for no answer: 4 frames in each of 2 rounds, or in 1 round
+                self.assertEqual(row["time.client_frame.count"], {"32": "8", "48": "4"}[row["size"]])
+
+    def test_prints_its_tables_and_compares_its_results(self):
+        path = self.whole / "results.csv"
+        script = ROOT / "scripts" / "study"
+        told = subprocess.run([script, "--tables", path], capture_output=True, text=True, timeout=PATIENCE_S, check=True)
+        for size in (32, 48):
+            self.assertRegex(told.stdout, rf"{size} px, FLIP \(this one counts\): in [0-2] of 2 cells")
+        same = subprocess.run([script, "--compare", path, path, "--psnr-loss", "0", "--flip", "1", "--mask-error", "1"],
+                              capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+        self.assertEqual(same.returncode, 0, same.stdout + same.stderr)
+        worse = subprocess.run([script, "--compare", path, path, "--words", "hybrid", "hybrid,reprojection=off",
+                                "--mask-error", "1.05"], capture_output=True, text=True, timeout=PATIENCE_S, check=False)
+        self.assertEqual(worse.returncode, 1, worse.stdout + worse.stderr)
+        self.assertIn("DOES NOT HOLD in 1", worse.stdout)
 
     def test_a_killed_study_continues_to_the_same_results(self):
         out, only = OUT / "killed", ("--only", "^(mode|ablation)")
@@ -148,19 +173,28 @@ class Study(unittest.TestCase):
         self.assertTrue((OUT / "wrong" / "report.html").exists(), "the other points are reported")
 
 
-# Scripts added to the page: FIRST records errors; LAST hovers over all points and records what is drawn.
+# Scripts added to the page: FIRST records errors; LAST chooses every metric and size, hovers over all points that are
+# drawn, and records them.
 FIRST = """<script>window.seen = [];
 addEventListener('error', e => seen.push(String(e.message)));
 console.error = (...words) => seen.push(words.join(' '));</script>"""
 LAST = """<script>{
-const drawn = [...document.querySelectorAll('.point')].filter(p => p.getBoundingClientRect().width > 0);
-const tips = drawn.map(p => { p.dispatchEvent(new MouseEvent('mouseover', {clientX: 9, clientY: 9}));
+const visible = what => [...document.querySelectorAll(what)].filter(p => p.getBoundingClientRect().width > 0);
+const hover = p => { p.dispatchEvent(new MouseEvent('mouseover', {clientX: 9, clientY: 9}));
   const tip = document.getElementById('told');
   const text = tip.style.display === 'block' ? tip.textContent : '';
   p.dispatchEvent(new MouseEvent('mouseout'));
-  return tip.style.display === 'none' ? text : 'the tip stays'; });
-document.body.dataset.verdict = JSON.stringify({errors: seen, points: drawn.length, tips,
-  plots: [...document.querySelectorAll('svg')].filter(s => s.getBoundingClientRect().height > 100).length,
+  return tip.style.display === 'none' ? text : 'the tip stays'; };
+const tips = {}, plots = [];
+const press = button => { button.checked = true; button.dispatchEvent(new Event('change')); };
+for (const metric of document.querySelectorAll('input[name=metric]'))
+  for (const size of document.querySelectorAll('input[name=size]')) {
+    press(metric);
+    press(size);
+    for (const point of visible('.point')) tips[point.id] = hover(point);
+    plots.push(visible('svg').filter(s => s.getBoundingClientRect().height > 100).length);
+  }
+document.body.dataset.verdict = JSON.stringify({errors: seen, tips, plots,
   pictures: [...document.images].map(i => i.complete && i.naturalWidth)});
 }</script>"""
 
@@ -196,16 +230,16 @@ class Page(unittest.TestCase):
     def test_opens_and_draws_without_an_error(self):
         verdict = verdict_on(self.page, self.folder)
         self.assertEqual(verdict["errors"], [])
-        self.assertEqual(verdict["plots"], 9)
+        self.assertEqual(verdict["plots"], [9] * 6, "three metrics at two sizes")
         told = json.loads(re.search(r'id="points">(.*?)</script>', self.page, re.S)[1])
-        self.assertEqual(verdict["points"], len(told), "each point is drawn")
-        self.assertEqual(verdict["tips"], told, "and its tip has its description")
+        self.assertEqual(verdict["tips"], {f"point-{i}": text for i, text in enumerate(told)},
+                         "each point is drawn, and its tip has its description")
         self.assertTrue(verdict["pictures"] and all(verdict["pictures"]))
 
     def test_has_a_header_and_every_table(self):
         for word in ("machine", "compiler", "device", "driver", "libraries", "commit", "command"):
             self.assertTrue(f"<dt>{word}<dd>" in self.page, word)
-        for title in ("Where hybrid loses", "End-to-end latency", "Scaling", "Ablations", "Noise", "Run times",
+        for title in ("Modes that are faster and better than hybrid", "Where hybrid loses", "End-to-end latency", "Scaling", "Ablations", "Noise", "Run times",
                       "All figures", "The worst frame of each mode"):
             self.assertTrue(f"<h2>{title}</h2>" in self.page, title)
 
@@ -215,8 +249,10 @@ class Page(unittest.TestCase):
             return verdict_on(self.page.replace(*change), self.folder)
         self.assertNotEqual(verdict("JSON.parse(", "JSON.parze(")["errors"], [], "a script that throws")
         self.assertNotEqual(verdict("const tip =", "console.error('so'); const tip =")["errors"], [])
-        self.assertEqual(verdict("<svg", "<gsv")["plots"], 0, "no plots")
-        self.assertEqual(set(verdict("'mouseover'", "'mouseoven'")["tips"]), {""}, "no hover")
+        self.assertEqual(verdict("<svg", "<gsv")["plots"], [0] * 6, "no plots")
+        self.assertEqual(set(verdict("'mouseover'", "'mouseoven'")["tips"].values()), {""}, "no hover")
+        unchosen = verdict("addEventListener('change'", "addEventListener('chance'")["tips"]
+        self.assertLess(len(unchosen), self.page.count('class="point"'), "the buttons do nothing")
         broken = verdict("data:image/png;base64,", "data:image/png;base64," + base64.b64encode(b"no").decode() + ",")
         self.assertFalse(any(broken["pictures"]), "no pictures")
 

@@ -5,26 +5,26 @@ Paths in it are relative to the root of the source tree. Missing recordings and 
   scenes     name: file, or {"file", "stand", "skip_s", "frames", "every"}. "stand" is where the head begins, if not
              at the file's camera: [x, y, z, heading in degrees]. The others replace the values of the sweep
   traces     head recordings: name: {"file", "skip_s"}
-  networks   name: link model of each direction     sizes    width and height of an eye in pixels
+  networks   name: link model of each direction
+  sizes      width and height of an eye in pixels; or {"px", "frames", "every", "modes", "timing"}, whose values after
+             "px" replace those of the sweep and of the scenes, "timing" entry by entry
   frames, every    display frames of a point; every Nth of them is compared with its reference
   modes      mode words (mode_words.h); entries with the same mode form one curve
-  ablations  {"modes", "scenes", "networks", "traces"}: hybrid without one of its parts
-  timing     {"modes", "rounds", "seed", "frames"}: run times of the modes, in a random order in each round
+  ablations  [{"modes", "sizes", "scenes", "networks", "traces"}, ..]: hybrid with other settings, such as without one of
+             its parts, in every case, or in those listed
+  timing     {"modes", "rounds", "seed", "frames"}: run times of the modes for each size, scene, head and network, in a
+             random order in each round. Entries of modes and ablations that are not listed have the run times of their
+             error runs
   scaling    {"modes", "size", "pixels", "lights", "triangles", "clients", "rounds", "seed", "frames", "warm_up"}
 """
 import json
 import re
 
 import scenes
+from rows import ALONE, mode_name
 
-# Modes without a server: they are measured on one network only.
-ALONE = ("local", "full")
 # The head for scaling scenes. It is part of the source tree.
 SCALING_TRACE = {"name": "walk", "file": "assets/walk.csv", "skip_s": 0}
-
-
-def mode_name(words):
-    return words.split(",")[0]
 
 
 class Sweep:
@@ -37,6 +37,7 @@ class Sweep:
         self.scenes = self._those_there("scenes", say)
         self.traces = self._those_there("traces", say)
         self.networks = self.told["networks"]
+        self.sizes = [size if isinstance(size, dict) else {"px": size} for size in self.told["sizes"]]
         self.points = list(self._errors()) + list(self._timings()) + list(self._scaling())
 
     def _those_there(self, kind, say):
@@ -57,34 +58,30 @@ class Sweep:
                 yield {"scene": scene, "scene_file": of_scene["file"], **stand, "trace": trace,
                        "trace_file": of_trace["file"], "skip_s": of_scene.get("skip_s", of_trace.get("skip_s", 0))}
 
-    def _errors(self):
-        ablations = self.told.get("ablations", {"modes": []})
-        first = next(iter(self.networks))
+    def _cases(self):
+        """Settings for each place, size and network, and the size's own values."""
         for place in self._places():
-            for size in self.told["sizes"]:
+            for size in self.sizes:
                 for network, words in self.networks.items():
-                    modes = [("mode", m) for m in self.told["modes"] if mode_name(m) not in ALONE or network == first]
-                    here = place | {"network": network}
-                    if all(here[k] in ablations.get(f"{k}s", [here[k]]) for k in ("scene", "trace", "network")):
-                        modes += [("ablation", m) for m in ablations["modes"] if m not in self.told["modes"]]
-                    for part, mode in modes:
-                        yield {"kind": "error", "part": part, **place, "size": size, "network": network,
-                               "network_words": words, "modes": [mode],
-                               **{k: self.scenes[place["scene"]].get(k, self.told[k]) for k in ("frames", "every")}}
+                    yield {**place, "size": size["px"], "network": network, "network_words": words}, size
+
+    def _errors(self):
+        first = next(iter(self.networks))
+        for case, of_size in self._cases():
+            listed = of_size.get("modes", self.told["modes"])
+            modes = [("mode", m) for m in listed if mode_name(m) not in ALONE or case["network"] == first]
+            for more in self.told.get("ablations", []):
+                if all(case[k] in more.get(f"{k}s", [case[k]]) for k in ("size", "scene", "trace", "network")):
+                    modes += [("ablation", m) for m in more["modes"] if m not in listed]
+            of_scene = self.scenes[case["scene"]]
+            for part, mode in modes:
+                yield {"kind": "error", "part": part, **case, "modes": [mode],
+                       **{k: of_size.get(k, of_scene.get(k, self.told[k])) for k in ("frames", "every")}}
 
     def _timings(self):
-        if "timing" not in self.told:
-            return
-        first, seen = next(iter(self.networks)), set()
-        for place in self._places():
-            if place["scene"] in seen:  # the head does not change run times much
-                continue
-            seen.add(place["scene"])
-            for size in self.told["sizes"]:
-                for network, words in self.networks.items():
-                    modes = [m for m in self.told["timing"]["modes"] if mode_name(m) not in ALONE or network == first]
-                    yield {"kind": "timing", "part": "timing", **place, "size": size, "network": network,
-                           "network_words": words, **self.told["timing"], "modes": modes}
+        if "timing" in self.told:
+            for case, of_size in self._cases():
+                yield {"kind": "timing", "part": "timing", **case, **self.told["timing"], **of_size.get("timing", {})}
 
     def _scaling(self):
         scaling = self.told.get("scaling", {})

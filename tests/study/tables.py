@@ -2,22 +2,15 @@
 import html
 from statistics import median
 
+import rivals
 from analysis import better_in_both, cost_at, grouped
-from sweep import ALONE
+from rivals import SERVER, case_words
+from rows import CASE, METRICS, on_every_network
 
-CASE = ("scene", "trace", "network", "size")
-SERVER = "hybrid"
 COSTS = (("client_ms", "client, ms"), ("server_ms", "server, ms"), ("both_ms", "both, ms"),
          ("bytes", "bytes to the client per frame"))
-ERRORS = (("flip", "FLIP"), ("mask_error", "mask error, %"))
-
-
-def on_every_network(rows):
-    """Repeats the rows of modes without a server, which are measured on one network, for every network."""
-    networks = {r["network"]: r["network_words"] for r in rows}
-    return [row | {"network": network, "network_words": words} if row["mode"] in ALONE else row
-            for row in rows for network, words in networks.items()
-            if row["mode"] in ALONE or row["network"] == network]
+ERRORS = (*((m.error, m.shown, m.head) for m in METRICS), ("mask_error", "mask_error", "mask error, %"))
+LONG = 24  # longer tables are closed at first
 
 
 def number(value, digits=3):
@@ -38,39 +31,62 @@ def table(caption, heads, rows):
             return f"<td>{html.escape(value)}"
         return f'<td class="n">{number(value)}'
     body = "".join("<tr>" + "".join(map(cell, row)) for row in rows)
-    return (f"<table><caption>{html.escape(caption)}</caption><tr>"
-            + "".join(f"<th>{html.escape(h)}" for h in heads) + f"{body}</table>")
+    told = f"<table><caption>{html.escape(caption)}</caption><tr>" + "".join(f"<th>{html.escape(h)}" for h in heads) + body
+    if len(rows) <= LONG:
+        return told + "</table>"
+    return f"<details><summary>{len(rows)} lines: {html.escape(caption)}</summary>{told}</table></details>"
 
 
-def case_words(row):
-    return [row["scene"], row["trace"], row["network"]]
+def sized(row):
+    """The words of a case with its size in front."""
+    return [str(row["size"]), *case_words(row)]
 
 
-def equal_error(modes, other, cost, unit):
+def equal_error(modes, other, cost, unit, metric):
     """The cost at which `other` has the same error as hybrid, interpolated over the settings of `other`."""
     lines, ratios = [], []
-    for _, own in grouped(modes, *CASE).items():
-        curve = [(r[cost], r["flip"]) for r in own
-                 if r["mode"] == other and r.get(cost) is not None and r["flip"] is not None]
+    for own in grouped(modes, *CASE).values():
+        curve = [r for r in own if r["mode"] == other and r.get(cost) is not None and r[metric.error] is not None]
         for row in own:
-            if row["words"] != SERVER or row["flip"] is None or row.get(cost) is None or not curve:
+            if row["words"] != SERVER or row[metric.error] is None or row.get(cost) is None or not curve:
                 continue
-            there, how = cost_at(curve, row["flip"])
-            said = {"never": f"never: at best FLIP {number(min(e for _, e in curve))}",
+            there, how = cost_at([(r[cost], r[metric.error]) for r in curve], row[metric.error])
+            best = min(curve, key=lambda r: r[metric.error])[metric.shown]
+            said = {"never": f"never: at best {metric.head} {number(best)}",
                     "at most": f"at most {number(there)}", "between": number(there)}[how]
             ratio = row[cost] / there if there else None
             if ratio is not None and how == "between":
                 ratios.append(ratio)
-            lines.append([*case_words(row), row["flip"], row[cost], said,
+            lines.append([*sized(row), row[metric.shown], row[cost], said,
                           f"at least {number(ratio)}" if ratio is not None and how == "at most" else ratio])
-    told = table(f"Costs at the FLIP of hybrid, with {other} interpolated over its settings; {unit}.",
-                 ["scene", "head", "network", "FLIP", "hybrid", other, f"hybrid / {other}"], lines)
+    told = table(f"Costs at the {metric.label} of hybrid, with {other} interpolated over its settings; {unit}.",
+                 ["px", "scene", "head", "network", metric.head, "hybrid", other, f"hybrid / {other}"], lines)
     if ratios:
-        told += (f"<p>At equal error, the cost of hybrid is {number(min(ratios))} to {number(max(ratios))} times that of "
-                 f"{other} (median {number(median(ratios))}, {len(ratios)} of {len(lines)} cases).</p>")
+        told += (f"<p>At equal {metric.label}, the cost of hybrid is {number(min(ratios))} to {number(max(ratios))} times "
+                 f"that of {other} (median {number(median(ratios))}, {len(ratios)} of {len(lines)} cases).</p>")
     elif lines:
-        told += f"<p>In none of {len(lines)} cases does the measured curve of {other} reach the error of hybrid.</p>"
+        told += (f"<p>In none of {len(lines)} cases does the measured curve of {other} reach the {metric.label} of "
+                 "hybrid.</p>")
     return told
+
+
+def dominance(modes):
+    """For each cell, the modes that have both less client time and less error than hybrid."""
+    cells = rivals.dominance(modes)
+    said = "".join(f"<p>{html.escape(sentence)}</p>" for sentence in rivals.dominance_sentences(cells))
+    return said + table("Modes with both less client time and less error than hybrid, by each metric, with the settings of "
+                        "the smallest error. full has no error by any metric; its column states its time where that is less.",
+                        rivals.DOMINANCE_HEADS, rivals.dominance_lines(cells))
+
+
+def ranks(modes):
+    """Where the metrics order two modes differently."""
+    differences = rivals.rank_differences(modes)
+    if not differences:
+        return ""
+    return table("Pairs of modes that FLIP, PSNR and SSIM order differently. A mode stands for its best settings by each "
+                 "metric. The numbers are the cells in which the first mode has less error.", rivals.RANK_HEADS,
+                 rivals.rank_lines(differences))
 
 
 def latencies(modes):
@@ -81,13 +97,13 @@ def latencies(modes):
     def middle(rows, figure):
         values = [r[figure] for r in rows if r.get(figure) is not None]
         return median(values) if values else None
-    lines = [[scene, words, *(middle([r for r in own if r["network"] == network], "latency") for network in networks),
+    lines = [[str(size), scene, words, *(middle([r for r in own if r["network"] == network], "latency") for network in networks),
               middle(own, "answer_ms") or 0.0, middle(own, "client_ms")]
-             for (scene, words), own in grouped(modes, "scene", "words").items()]
+             for (size, scene, words), own in grouped(modes, "size", "scene", "words").items()]
     return table("Milliseconds from the request of the masks or the picture to their display, medians for each network. They "
                  "contain only the network and whole frames, because servers take no virtual time. The last columns "
                  "state the time of an answer and of a client's frame; without pipelining, these are added.",
-                 ["scene", "mode", *networks, "answer", "frame"], lines)
+                 ["px", "scene", "mode", *networks, "answer", "frame"], lines)
 
 
 def exponents(fits):
@@ -105,11 +121,12 @@ def ablations(rows):
     for case, own in grouped(parts, *CASE).items():
         whole = [r for r in rows if r["part"] == "mode" and r["words"] == SERVER and tuple(r[k] for k in CASE) == case]
         for row in whole + own:
-            lines.append([*case_words(row), row["words"], row["flip"], row["mask_error"], row["psnr"], row["unknown"],
-                          row["bytes"]])
+            lines.append([*sized(row), row["words"], row["flip"], row["psnr"], row["ssim"], row["mask_error"],
+                          row["unknown"], row["bytes"]])
     return table("Medians of the worse eye. `wait` shows a frame when its own masks have arrived, so every frame is shown a "
                  "round trip later; no column contains this delay.",
-                 ["scene", "head", "network", "settings", "FLIP", "mask error, %", "PSNR, dB", "unknown, %", "bytes"], lines)
+                 ["px", "scene", "head", "network", "settings", "FLIP", "PSNR, dB", "SSIM", "mask error, %", "unknown, %",
+                  "bytes"], lines)
 
 
 def where_hybrid_loses(modes):
@@ -120,7 +137,7 @@ def where_hybrid_loses(modes):
             if row["words"] != SERVER:
                 continue
             for cost, cost_words in COSTS:
-                for error, error_words in ERRORS:
+                for error, shown, error_words in ERRORS:
                     others = [r for r in own if r["mode"] != SERVER]
                     comparable = [r for r in (row, *others) if r.get(error) is not None and r.get(cost) is not None]
                     if len(comparable) < 2 or comparable[0] is not row:
@@ -130,21 +147,21 @@ def where_hybrid_loses(modes):
                     lost += bool(better)
                     for (mode,), candidates in grouped(better, "mode").items():
                         best = candidates[0]
-                        lines.append([*case_words(row), best["words"], error_words, row[error], best[error],
+                        lines.append([*sized(row), best["words"], error_words, row[shown], best[shown],
                                       cost_words, row[cost], best[cost]])
     if not cases:
         return ""
-    return (f"<p>In {lost} of {cases} comparisons (scene, head, network, error, cost) another mode than full is at "
+    return (f"<p>In {lost} of {cases} comparisons (size, scene, head, network, error, cost) another mode than full is at "
             "least as good in both error and cost, and better in one.</p>"
             + table("For each of these modes, the settings with the smallest error.",
-                    ["scene", "head", "network", "better mode", "error", "hybrid", "other", "cost", "hybrid", "other"], lines))
+                    ["px", "scene", "head", "network", "better mode", "error", "hybrid", "other", "cost", "hybrid", "other"], lines))
 
 
 def noise(rows):
     """Run times of the same settings, measured twice in every round: the difference is the noise of the machine."""
     lines = []
     timed = [r for r in rows if r["part"] == "timing"]
-    for case, own in grouped(timed, *CASE).items():
+    for own in grouped(timed, *CASE).values():
         again = [r for r in own if r["again"]]
         first = [r for r in own if not r["again"] and again and r["words"] == again[0]["words"]]
         if not again or not first:
@@ -154,36 +171,40 @@ def noise(rows):
                      if figure in a and figure in b]
             if pairs:
                 both = [v for pair in pairs for v in pair]
-                lines.append([case[0], case[2], again[0]["words"], label, median(a for a, _ in pairs),
+                lines.append([*sized(own[0]), again[0]["words"], label, median(a for a, _ in pairs),
                               median(b for _, b in pairs), f"{max(abs(a / b - 1) for a, b in pairs if b):.1%}",
                               f"{max(both) / min(both) - 1:.1%}" if min(both) > 0 else "-"])
     return table("The first settings, measured twice in every round. Smaller differences between other settings are "
-                 "noise.", ["scene", "network", "settings", "side", "once, ms", "again, ms", "largest within a round",
+                 "noise.", ["px", "scene", "head", "network", "settings", "side", "once, ms", "again, ms", "largest within a round",
                             "largest of all rounds"], lines)
 
 
 def timings(rows):
-    lines = [[r["scene"], r["network"], r["words"] + (" (again)" if r["again"] else ""),
+    lines = [[*sized(r), r["words"] + (" (again)" if r["again"] else ""),
               *(r.get(f"time.{f}.{q}") for f in ("client_frame", "server_frame") for q in ("median", "p95", "p99"))]
              for r in rows if r["part"] == "timing"]
     return table("Milliseconds per frame, over all rounds.",
-                 ["scene", "network", "settings", "client median", "p95", "p99", "server median", "p95", "p99"], lines)
+                 ["px", "scene", "head", "network", "settings", "client median", "p95", "p99", "server median", "p95", "p99"], lines)
 
 
 def figures(modes):
-    lines = [[*case_words(r), r["words"], r["flip"], r.get("error.flip.p95"), r["psnr"], r["ssim"], r["mask_error"],
-              r["black"], r["staleness"] and round(r["staleness"], 3) + 0.0, r["bytes"], r["bytes_up"], r["client_ms"], r["server_ms"]]
-             for r in modes]
+    lines = [[*sized(r), r["words"], r["flip"], r.get("error.flip.p95"), r["psnr"], r["ssim"], r["mask_error"],
+              r["black"], r["staleness"] and round(r["staleness"], 3) + 0.0, r["bytes"], r["bytes_up"], r["client_ms"],
+              r["server_ms"]] for r in modes]
     return table("Medians, except columns named p95. Errors of the worse eye, bytes per shown frame.",
-                 ["scene", "head", "network", "settings", "FLIP", "FLIP p95", "PSNR, dB", "SSIM", "mask error, %",
+                 ["px", "scene", "head", "network", "settings", "FLIP", "FLIP p95", "PSNR, dB", "SSIM", "mask error, %",
                   "black, %", "staleness, ms", "bytes down", "bytes up", "client, ms", "server, ms"], lines)
 
 
 def all_of(rows, fits):
-    modes = on_every_network([r for r in rows if r["part"] == "mode"])
-    parts = [("Where hybrid loses", where_hybrid_loses(modes)),
-             ("Bytes of hybrid and remote at equal FLIP", equal_error(modes, "remote", "bytes", "bytes to the client per frame")),
-             ("Client time of hybrid and local at equal FLIP", equal_error(modes, "local", "client_ms", "ms per frame")),
+    modes = on_every_network(rows)
+
+    def at_equal_error(*which):
+        return "".join(equal_error(modes, *which, metric) for metric in METRICS)
+    parts = [("Modes that are faster and better than hybrid", dominance(modes)), ("Where the metrics disagree", ranks(modes)),
+             ("Where hybrid loses", where_hybrid_loses(modes)),
+             ("Bytes of hybrid and remote at equal error", at_equal_error("remote", "bytes", "bytes to the client per frame")),
+             ("Client time of hybrid and local at equal error", at_equal_error("local", "client_ms", "ms per frame")),
              ("End-to-end latency", latencies(modes)), ("Scaling", exponents(fits)), ("Ablations", ablations(rows)),
              ("Noise", noise(rows)), ("Run times", timings(rows)), ("All figures", figures(modes))]
     return "\n".join(f"<section><h2>{html.escape(title)}</h2>{body}</section>" for title, body in parts if body)
