@@ -11,7 +11,7 @@ BASH_SCRIPTS = ["bench", "demo", "networks", "prediction", "preview", "reproject
 # These three pass the options that they do not know to a program.
 PASSING_ON = {"demo", "networks", "preview"}
 PYTHON_PROGRAMS = ["assets/make.py", "scripts/mutate", "tests/scripts/function_length.py", "tests/stability/report.py",
-                   "tests/study/study.py"]
+                   "tests/study/compare.py", "tests/study/rivals.py", "tests/study/study.py"]
 
 
 def run(*command):

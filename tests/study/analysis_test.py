@@ -7,6 +7,7 @@ import random
 import struct
 import tempfile
 import unittest
+import warnings
 from pathlib import Path
 
 import compare
@@ -150,7 +151,8 @@ class Grouped(unittest.TestCase):
 
 def row(words, flip, more=None, network="near"):
     """A row of a mode. Without other figures in `more`, PSNR and SSIM follow from FLIP, so that all metrics agree."""
-    figures = dict.fromkeys(("mask_error", "client_ms", "server_ms", "both_ms", "bytes", "latency", "answers", "answer_ms"))
+    figures = dict.fromkeys(("mask_error", "client_ms", "server_ms", "both_ms", "bytes", "latency", "answers",
+                             "answer_ms"))
     losses = dict.fromkeys(("psnr_loss", "ssim_loss", "psnr", "ssim")) if flip is None else {
         "psnr_loss": 100 * flip, "ssim_loss": flip, "psnr": 99 - 100 * flip, "ssim": 1 - flip}
     return {"part": "mode", "kind": "error", "again": 0, "scene": "room", "trace": "walk", "network": network,
@@ -167,7 +169,8 @@ class Rows(unittest.TestCase):
 
     def test_have_the_run_times_of_the_rounds_of_their_own_head_size_and_network(self):
         def timing(ms, **where):
-            return row("hybrid", None, {"part": "timing", "kind": "timing", "client_ms": ms, "answer_ms": 2 * ms} | where)
+            return row("hybrid", None,
+                       {"part": "timing", "kind": "timing", "client_ms": ms, "answer_ms": 2 * ms} | where)
         own = row("hybrid", 0.1, {"client_ms": 7, "answer_ms": 8, "answers": 0.5})
         others = [timing(1, trace="run"), timing(2, size=32), timing(3, network="far"), timing(4, scene="hall"),
                   timing(5, again=1)]
@@ -180,7 +183,8 @@ class Rows(unittest.TestCase):
         def timing(ms, network):
             return row("local", None, {"part": "timing", "kind": "timing", "client_ms": ms}, network)
         told = rows.on_every_network(rows.with_times([
-            row("local", 0.1), row("hybrid", 0.2), row("hybrid", 0.3, network="far"), timing(5, "near"), timing(6, "far")]))
+            row("local", 0.1), row("hybrid", 0.2), row("hybrid", 0.3, network="far"), timing(5, "near"),
+            timing(6, "far")]))
         self.assertEqual([(r["words"], r["network"], r["client_ms"]) for r in told],
                          [("local", "near", 5), ("local", "far", 6), ("hybrid", "near", None), ("hybrid", "far", None)])
 
@@ -248,7 +252,8 @@ class Rivals(unittest.TestCase):
         self.assertEqual(rivals.dominance([row("hybrid", 0.1)]), [], "no time")
 
     def test_rank_differently_where_two_metrics_order_two_modes_differently(self):
-        agreeing = [disagreeing(words, e, e, e, network="far") for words, e in (("remote", 1), ("hybrid", 2), ("delta", 3))]
+        agreeing = [disagreeing(words, e, e, e, network="far")
+                    for words, e in (("remote", 1), ("hybrid", 2), ("delta", 3))]
         told = rivals.rank_differences([r for r in self.ROWS if r["mode"] in ("hybrid", "remote", "full")] + agreeing)
         self.assertEqual([(t["pair"], t["cells"], [t["first"][m] for m in rows.METRICS]) for t in told],
                          [(("hybrid", "remote"), 2, [0, 1, 1])], "the best hybrid equals remote by FLIP")
@@ -305,8 +310,8 @@ class Compare(unittest.TestCase):
             "  0.5  64 px, room, walk, near, hybrid: 100 -> 50"])
 
     def test_ends_with_status_1_if_a_limit_does_not_hold(self):
-        for option, holds, fails in (("--psnr-loss", "1.11", "1"), ("--mask-error", "1.11", "1.05"), ("--flip", "2", "1.9"),
-                                     ("--client-time", "1.5", "1.4")):
+        for option, holds, fails in (("--psnr-loss", "1.11", "1"), ("--mask-error", "1.11", "1.05"),
+                                     ("--flip", "2", "1.9"), ("--client-time", "1.5", "1.4")):
             status, said = compared(self.BEFORE, self.AFTER, option, holds)
             self.assertEqual((status, said.count(": holds")), (0, 1), said)
             status, said = compared(self.BEFORE, self.AFTER, option, fails)
@@ -370,11 +375,12 @@ class Sweeps(unittest.TestCase):
 
     def test_measure_other_settings_of_hybrid_in_every_case_or_in_those_listed(self):
         points = sweep_of(sizes=[32, 64], ablations=[
-            {"modes": ["hybrid,every=2"]}, {"modes": ["hybrid,every=4"], "sizes": [64], "networks": ["far"], "traces": ["w"]},
-            {"modes": ["hybrid"]}]).points
+            {"modes": ["hybrid,every=2"]}, {"modes": ["hybrid"]},
+            {"modes": ["hybrid,every=4"], "sizes": [64], "networks": ["far"], "traces": ["w"]}]).points
         own = [p for p in points if p["part"] == "ablation"]
         self.assertEqual(sum(p["modes"] == ["hybrid,every=2"] for p in own), 16)
-        self.assertEqual([(p["size"], p["scene"], p["trace"], p["network"]) for p in own if p["modes"] == ["hybrid,every=4"]],
+        listed = [p for p in own if p["modes"] == ["hybrid,every=4"]]
+        self.assertEqual([(p["size"], p["scene"], p["trace"], p["network"]) for p in listed],
                          [(64, "a", "w", "far"), (64, "b", "w", "far")])
         self.assertEqual(len(own), 18, "what is listed as a mode is no ablation")
 
@@ -398,7 +404,12 @@ class Plots(unittest.TestCase):
         self.assertLess(plots.exact_at(told, "flip"), 0.02)
         self.assertGreater(plots.exact_at(told, "flip"), 0)
         self.assertEqual(plots.exact_at(told, "psnr_loss"), -2)
-        self.assertIsNotNone(self.drawn([row("full", 0, {"client_ms": 1})], rows.FLIP)[0], "nothing but exact pictures")
+
+    def test_of_full_alone_have_a_layout(self):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", UserWarning)
+            told = [row("full", 0, {"client_ms": 1}), row("full", 0, {"client_ms": 1}, "far")]
+            self.assertIsNotNone(self.drawn(told, rows.FLIP)[0])
 
     def test_are_left_out_without_figures(self):
         self.assertIsNone(self.drawn([row("hybrid", 0.1)], rows.FLIP)[0])

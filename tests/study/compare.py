@@ -57,16 +57,17 @@ def words_of(point):
 
 
 def judge(difference, found, limit):
-    """Prints the worst points. Returns False if there is a limit and it does not hold for every point, or if no point has
-    the figure."""
+    """Prints the worst points. Returns False if there is a limit that does not hold for every point, or that no point
+    can be compared with."""
     holds = limit is None or bool(found and found[0][0] <= limit)
     verdict = "" if limit is None else f"; limit {limit:g}: {'holds' if holds else 'DOES NOT HOLD'}"
     if not found:
         print(f"{difference.label}: not measured in both{verdict}")
         return holds
     beyond = sum(f[0] > limit for f in found) if limit is not None else 0
-    print(f"{difference.label}: median {median(f[0] for f in found):.4g}, worst {found[0][0]:.4g} of {len(found)} points"
-          + verdict + (f" in {beyond}" if beyond else ""))
+    middle = median(f[0] for f in found)
+    print(f"{difference.label}: median {middle:.4g}, worst {found[0][0]:.4g} of {len(found)} points" + verdict
+          + (f" in {beyond}" if beyond else ""))
     for value, point, old, new in found[:SHOWN]:
         print(f"  {value:.4g}  {words_of(point)}: {old:.4g} -> {new:.4g}")
     return holds
@@ -92,7 +93,8 @@ def main(words):
         print(f"study: {wrong}", file=sys.stderr)
         return 2
     common = before.keys() & after.keys()
-    print(f"{len(common)} points are in both, {len(before) - len(common)} only before, {len(after) - len(common)} only after")
+    print(f"{len(common)} points are in both, {len(before) - len(common)} only before, "
+          f"{len(after) - len(common)} only after")
     if not common:
         return 2
     limits = [getattr(given, d.option[2:].replace("-", "_")) for d in DIFFERENCES]

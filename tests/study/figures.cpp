@@ -89,6 +89,10 @@ nlohmann::json Figures::json() const {
   return all;
 }
 
+LinkModel awaited(Mode mode, const LinkModel& each_way) {
+  return answers_for(mode) == 0 ? LinkModel{} : each_way;
+}
+
 std::uint32_t round_trip_frames(const LinkModel& each_way, double refresh_hz) {
   return static_cast<std::uint32_t>(std::ceil(2 * seconds_of(each_way.delay + each_way.jitter) * refresh_hz));
 }

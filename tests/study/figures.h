@@ -29,6 +29,9 @@ class Figures {
   std::map<Group, std::map<std::string, Values>> groups_;
 };
 
+/// The network whose round trip a mode waits for: an ideal one if it requests nothing.
+[[nodiscard]] LinkModel awaited(Mode mode, const LinkModel& each_way);
+
 /// Round trip of the network in display frames, rounded up: the first answer cannot be shown earlier.
 [[nodiscard]] std::uint32_t round_trip_frames(const LinkModel& each_way, double refresh_hz);
 

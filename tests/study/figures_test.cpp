@@ -105,6 +105,15 @@ TEST(WarmUp, FollowsDelayAndRefreshRate) {
   EXPECT_EQ(warm_up_frames({.delay = milliseconds(40), .jitter = milliseconds(10)}, 72), 8 + masks);
 }
 
+TEST(WarmUp, OfModesThatRequestNothingIsTheSameOnEveryNetwork) {
+  const LinkModel slow{.delay = std::chrono::milliseconds(50)};
+  for (const Mode mode : {Mode::Local, Mode::Full})
+    EXPECT_EQ(warm_up_frames(awaited(mode, slow), 72), warm_up_frames({}, 72));
+  for (const Mode mode :
+       {Mode::Hybrid, Mode::ClientPositions, Mode::ServerGBuffer, Mode::Remote, Mode::Delta})
+    EXPECT_EQ(awaited(mode, slow).delay, slow.delay);
+}
+
 /// A run of `frames` frames whose first answer is shown in frame `answered` (from 0). Frame i takes i + 1 ms.
 Played run_of(std::uint32_t frames, std::uint32_t answered) {
   Played played;

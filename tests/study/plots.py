@@ -24,8 +24,9 @@ MARKS = {"hybrid": "o", "client-positions": "s", "server-gbuffer": "D", "remote"
          "full": "X"}
 
 FULL_PRESUMES = (
-    "full presumes a client that can trace all rays of both eyes itself, with the scene's acceleration structure in its "
-    "memory. In this study it traces with Embree on the CPU cores that all modes use. A headset does not have such a CPU.")
+    "full presumes a client that can trace all rays of both eyes itself, with the scene's acceleration structure in "
+    "its memory. In this study it traces with Embree on the CPU cores that all modes use. A headset does not have such "
+    "a CPU.")
 FULL_HAS_NO_SERVER = "full is not drawn: it needs no server."
 # How plots draw the errors of METRICS: the label of the axis, and whether it is logarithmic. Lower is better for all.
 AXES = {"flip": ("FLIP", True), "psnr_loss": ("PSNR, dB (downwards)", False), "ssim_loss": ("1 - SSIM", True)}
@@ -122,7 +123,7 @@ def error_axis(axes, rows, error, exact):
     else:  # the errors are EQUAL_PICTURES_DB - PSNR
         axes.set_ylim(exact, max(worst + 4, exact + 16))  # with a tick
         axes.yaxis.set_major_locator(matplotlib.ticker.FixedLocator(
-            [EQUAL_PICTURES_DB - psnr for psnr in range(0, EQUAL_PICTURES_DB, 10) if EQUAL_PICTURES_DB - psnr > exact + 2]))
+            [loss for loss in range(EQUAL_PICTURES_DB, 0, -10) if loss > exact + 2]))
         axes.yaxis.set_major_formatter(lambda loss, _: f"{EQUAL_PICTURES_DB - loss:.0f}")
 
 
@@ -135,7 +136,7 @@ def error_against(name, rows, x, x_label, columns, points, metric):
         return None
     downs, acrosses = list(grouped(rows, "scene", "trace")), list(grouped(rows, columns)) if columns else [()]
     figure, grid = plt.subplots(len(downs), len(acrosses), squeeze=False, sharex=True, sharey="row",
-                                figsize=(max(4.5, 2.6 * len(acrosses)), 2.0 * len(downs) + 0.3), layout="constrained")
+                                figsize=(max(5.5, 2.6 * len(acrosses)), 2.0 * len(downs) + 0.8), layout="constrained")
     for i, down in enumerate(downs):
         of_row = [r for r in rows if (r["scene"], r["trace"]) == down]
         exact = exact_at(of_row, error)
@@ -147,7 +148,8 @@ def error_against(name, rows, x, x_label, columns, points, metric):
                 axes.set_title(across[0])
             if j == 0:
                 axes.set_ylabel(f"{down[0]}, {down[1]}\n{AXES[error][0]}")
-                axes.text(-0.02, exact, "exact", transform=axes.get_yaxis_transform(), ha="right", va="center", fontsize=7)
+                axes.text(-0.02, exact, "exact", transform=axes.get_yaxis_transform(), ha="right", va="center",
+                          fontsize=7)
             if i == len(downs) - 1:
                 axes.set_xlabel(x_label)
         error_axis(grid[i][0], of_row, error, exact)
@@ -167,7 +169,9 @@ def draw_cell(axes, rows, cost, columns, points, height_of):
             mark(axes, row, row[x], height_of(row), points, words_of(row, cost, *FIGURES), clip_on=False)
             if row["mode"] == REFERENCE:
                 axes.axvline(row[x], color=COLOURS[REFERENCE], linestyle="--", linewidth=0.8, alpha=0.5, zorder=0)
-    front(axes, [(r[x], height_of(r)) for r in rows if r["mode"] != REFERENCE])
+    others = [(r[x], height_of(r)) for r in rows if r["mode"] != REFERENCE]
+    if others:  # matplotlib gives an empty line a place, which breaks the layout
+        front(axes, others)
 
 
 def scaling(name, rows, axis, label, points):

@@ -93,7 +93,8 @@ def plot_sections(drawn):
     """A section for each title."""
     sections = []
     for title, own in plots.grouped([p._asdict() for p in drawn.values()], "title").items():
-        inside = "".join(f'<div class="plot" data-size="{p["size"]}" data-metric="{p["metric"]}">{p["svg"]}</div>' for p in own)
+        inside = "".join(f'<div class="plot" data-size="{p["size"]}" data-metric="{p["metric"]}">{p["svg"]}</div>'
+                         for p in own)
         sections.append(f"<section><h2>{html.escape(title[0])}</h2>{inside}</section>\n")
     return "".join(sections)
 
@@ -105,7 +106,8 @@ def make(header, rows):
     header = header | {"networks": "; ".join(f"{name}: {words}" for name, words in networks.items()) + " (in each direction)"}
     said = "".join(f"<dt>{html.escape(k)}<dd>{html.escape(str(v))}" for k, v in header.items())
     sizes = list(dict.fromkeys(p.size for p in drawn.values() if p.size))
-    choices = choice("metric", "Metric", [m.label for m in METRICS]) + choice("size", "Pixels per side of an eye", sizes)
+    choices = (choice("metric", "Metric", [m.label for m in METRICS])
+               + choice("size", "Pixels per side of an eye", sizes))
     page = PAGE.format(style=STYLE, header=said, choices=choices, plots=plot_sections(drawn),
                        tables=tables.all_of(rows, fits), pictures=worst_pictures(rows), script=SCRIPT,
                        told=json.dumps(told).replace("</", "<\\/"))

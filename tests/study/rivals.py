@@ -1,5 +1,6 @@
 """Compares hybrid with the other modes in each cell: one size, scene, head and network. As a program it prints the
 tables of a results.csv."""
+import argparse
 import sys
 from pathlib import Path
 
@@ -9,7 +10,8 @@ from rows import CASE, FLIP, METRICS, on_every_network, read_csv
 SERVER = "hybrid"
 REFERENCE = "full"  # has no error by definition
 COST = "client_ms"
-DOMINANCE_HEADS = ["px", "scene", "head", "network", "hybrid, ms", *(f"by {m.label}" for m in METRICS), f"{REFERENCE}, ms"]
+DOMINANCE_HEADS = ["px", "scene", "head", "network", "hybrid, ms", *(f"by {m.label}" for m in METRICS),
+                   f"{REFERENCE}, ms"]
 RANK_HEADS = ["px", "modes", "cells", *(f"first is better by {m.label}" for m in METRICS), "the metrics disagree in"]
 
 
@@ -45,9 +47,9 @@ def dominance_sentences(cells):
         for metric in METRICS:
             alone = sum(not c["by"][metric] for c in own)
             both = sum(not c["by"][metric] and c["full"] is None for c in own)
-            said.append(f"{size} px, {metric.label}{' (this one counts)' if metric is FLIP else ''}: in {share(alone, own)} "
-                        f"no other mode has both less client time and less error than hybrid; with {REFERENCE} in "
-                        f"{share(both, own)}.")
+            counts = " (this one counts)" if metric is FLIP else ""
+            said.append(f"{size} px, {metric.label}{counts}: in {share(alone, own)} no other mode has both less client "
+                        f"time and less error than hybrid; with {REFERENCE} in {share(both, own)}.")
     return said
 
 
@@ -81,8 +83,8 @@ def rank_lines(differences):
     def places(rows):
         return "; ".join(f"{scene}, {trace}: " + ", ".join(r["network"] for r in own)
                          for (scene, trace), own in grouped(rows, "scene", "trace").items())
-    return [[str(d["size"]), " / ".join(d["pair"]), str(d["cells"]), *(str(d["first"][m]) for m in METRICS), places(d["where"])]
-            for d in differences]
+    return [[str(d["size"]), " / ".join(d["pair"]), str(d["cells"]), *(str(d["first"][m]) for m in METRICS),
+             places(d["where"])] for d in differences]
 
 
 def case_words(row):
@@ -96,11 +98,11 @@ def as_text(heads, lines):
     return "\n".join("  ".join(c.ljust(w) for c, w in zip(row, widths)).rstrip() for row in cells)
 
 
-def main(paths):
-    if len(paths) != 1:
-        sys.exit("usage: scripts/study --tables RESULTS.csv")
+def main():
+    parser = argparse.ArgumentParser(prog="scripts/study --tables", description=__doc__)
+    parser.add_argument("results", type=Path, help="results.csv")
     try:
-        modes = on_every_network(read_csv(Path(paths[0])))
+        modes = on_every_network(read_csv(parser.parse_args().results))
     except (OSError, ValueError) as wrong:
         sys.exit(f"study: {wrong}")
     cells, differences = dominance(modes), rank_differences(modes)
@@ -112,4 +114,4 @@ def main(paths):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

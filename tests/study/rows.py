@@ -1,5 +1,5 @@
-"""Rows: one dictionary for each measured mode, as in results.csv, with short names for the medians. Every table and plot
-is made of rows."""
+"""Rows: one dictionary for each measured mode, as in results.csv, with short names for the medians. Every table and
+plot is made of rows."""
 import csv
 from typing import NamedTuple
 
@@ -82,7 +82,7 @@ def number_in(text):
 
 
 def read_csv(path):
-    """The rows of a results.csv, without pictures and without single rounds. Raises ValueError if it is another file."""
+    """The rows of a results.csv, without pictures and single rounds. Raises ValueError if it is another file."""
     with open(path, newline="", encoding="utf-8") as file:
         reader = csv.DictReader(file)
         missing = [c for c in SAID if c not in (reader.fieldnames or [])]

@@ -10,8 +10,8 @@ Paths in it are relative to the root of the source tree. Missing recordings and 
              "px" replace those of the sweep and of the scenes, "timing" entry by entry
   frames, every    display frames of a point; every Nth of them is compared with its reference
   modes      mode words (mode_words.h); entries with the same mode form one curve
-  ablations  [{"modes", "sizes", "scenes", "networks", "traces"}, ..]: hybrid with other settings, such as without one of
-             its parts, in every case, or in those listed
+  ablations  [{"modes", "sizes", "scenes", "networks", "traces"}, ..]: hybrid with other settings, such as without one
+             of its parts, in every case, or in those listed
   timing     {"modes", "rounds", "seed", "frames"}: run times of the modes for each size, scene, head and network, in a
              random order in each round. Entries of modes and ablations that are not listed have the run times of their
              error runs

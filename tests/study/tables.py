@@ -74,9 +74,9 @@ def dominance(modes):
     """For each cell, the modes that have both less client time and less error than hybrid."""
     cells = rivals.dominance(modes)
     said = "".join(f"<p>{html.escape(sentence)}</p>" for sentence in rivals.dominance_sentences(cells))
-    return said + table("Modes with both less client time and less error than hybrid, by each metric, with the settings of "
-                        "the smallest error. full has no error by any metric; its column states its time where that is less.",
-                        rivals.DOMINANCE_HEADS, rivals.dominance_lines(cells))
+    return said + table("Modes with both less client time and less error than hybrid, by each metric, with the settings "
+                        "of the smallest error. full has no error by any metric; its column states its time if that is "
+                        "less.", rivals.DOMINANCE_HEADS, rivals.dominance_lines(cells))
 
 
 def ranks(modes):
@@ -97,7 +97,8 @@ def latencies(modes):
     def middle(rows, figure):
         values = [r[figure] for r in rows if r.get(figure) is not None]
         return median(values) if values else None
-    lines = [[str(size), scene, words, *(middle([r for r in own if r["network"] == network], "latency") for network in networks),
+    lines = [[str(size), scene, words,
+              *(middle([r for r in own if r["network"] == network], "latency") for network in networks),
               middle(own, "answer_ms") or 0.0, middle(own, "client_ms")]
              for (size, scene, words), own in grouped(modes, "size", "scene", "words").items()]
     return table("Milliseconds from the request of the masks or the picture to their display, medians for each network. They "
@@ -154,7 +155,8 @@ def where_hybrid_loses(modes):
     return (f"<p>In {lost} of {cases} comparisons (size, scene, head, network, error, cost) another mode than full is at "
             "least as good in both error and cost, and better in one.</p>"
             + table("For each of these modes, the settings with the smallest error.",
-                    ["px", "scene", "head", "network", "better mode", "error", "hybrid", "other", "cost", "hybrid", "other"], lines))
+                    ["px", "scene", "head", "network", "better mode", "error", "hybrid", "other", "cost", "hybrid",
+                     "other"], lines))
 
 
 def noise(rows):
@@ -184,7 +186,8 @@ def timings(rows):
               *(r.get(f"time.{f}.{q}") for f in ("client_frame", "server_frame") for q in ("median", "p95", "p99"))]
              for r in rows if r["part"] == "timing"]
     return table("Milliseconds per frame, over all rounds.",
-                 ["px", "scene", "head", "network", "settings", "client median", "p95", "p99", "server median", "p95", "p99"], lines)
+                 ["px", "scene", "head", "network", "settings", "client median", "p95", "p99", "server median", "p95",
+                  "p99"], lines)
 
 
 def figures(modes):
@@ -201,9 +204,11 @@ def all_of(rows, fits):
 
     def at_equal_error(*which):
         return "".join(equal_error(modes, *which, metric) for metric in METRICS)
-    parts = [("Modes that are faster and better than hybrid", dominance(modes)), ("Where the metrics disagree", ranks(modes)),
+    parts = [("Modes that are faster and better than hybrid", dominance(modes)),
+             ("Where the metrics disagree", ranks(modes)),
              ("Where hybrid loses", where_hybrid_loses(modes)),
-             ("Bytes of hybrid and remote at equal error", at_equal_error("remote", "bytes", "bytes to the client per frame")),
+             ("Bytes of hybrid and remote at equal error",
+              at_equal_error("remote", "bytes", "bytes to the client per frame")),
              ("Client time of hybrid and local at equal error", at_equal_error("local", "client_ms", "ms per frame")),
              ("End-to-end latency", latencies(modes)), ("Scaling", exponents(fits)), ("Ablations", ablations(rows)),
              ("Noise", noise(rows)), ("Run times", timings(rows)), ("All figures", figures(modes))]

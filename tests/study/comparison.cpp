@@ -1,0 +1,39 @@
+#include "tests/study/comparison.h"
+
+#include <algorithm>
+
+#include "stereo/image/codec.h"
+#include "tests/metrics/flip.h"
+#include "tests/metrics/heat_map.h"
+#include "tests/metrics/pixels_per_degree.h"
+#include "tests/metrics/ssim.h"
+
+namespace farshade::study {
+
+void Comparison::add(const PerEye<View>& views, const MeasuredFrame& frame) {
+  ComparedFrame compared{.shown = frame.shown, .reference = frame.reference, .error = {}};
+  double worse_ssim = 1;
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    compared.error[eye] = flip(frame.reference[eye], frame.shown[eye], pixels_per_degree(views[eye]));
+    compared.flip = std::max(compared.flip, mean(compared.error[eye]));
+    worse_ssim = std::min(worse_ssim, ssim(frame.reference[eye], frame.shown[eye]));
+  }
+  figures_.add(Group::Error, "flip", compared.flip);
+  figures_.add(Group::Error, "ssim", worse_ssim, Worse::Low);
+  if (compared.flip > worst_.flip) worst_ = std::move(compared);
+}
+
+Expected<void> Comparison::write(const std::filesystem::path& folder) const {
+  if (worst_.flip < 0) return {};
+  for (const Side side : kSides) {
+    const std::size_t eye = index_of(side);
+    const auto path = [&](const char* what) { return folder / (std::string(name_of(side)) + what); };
+    for (const Expected<void>& done : {write_png(path("_shown.png"), worst_.shown[eye]),
+                                       write_png(path("_reference.png"), worst_.reference[eye]),
+                                       write_png(path("_heat.png"), heat_map(worst_.error[eye]))})
+      if (!done) return done;
+  }
+  return {};
+}
+
+}  // namespace farshade::study
