@@ -4,6 +4,7 @@ import io
 import json
 import math
 import random
+import re
 import struct
 import tempfile
 import unittest
@@ -397,7 +398,8 @@ class Plots(unittest.TestCase):
             self.assertEqual([p.split("\n")[0] for p in points], ["hybrid", "full"])
             for text in ("full presumes a client", "full: exact, at this cost", ">exact<"):
                 self.assertIn(text, svg)
-            self.assertRegex(svg, "stroke-dasharray[^>]*stroke: #000000")
+            lines = re.findall("stroke-dasharray[^>]*stroke: #000000; stroke-opacity: 0.5", svg)
+            self.assertEqual(len(lines), 1, "at its cost")
 
     def test_draw_exact_pictures_below_all_others(self):
         told = [row("a", 0.02), row("b", 0.5), row("c", 0)]
