@@ -184,8 +184,11 @@ Played play(const Play& play, const Network& network) {
   if (play.reference_every > 0) reference.emplace(value_of(Tracer::create_reference(play.scene)));
   if (play.mode.mode == Mode::Full) own_tracer.emplace(value_of(Tracer::create(play.scene)));
   const std::uint32_t in_flight = kLongestRoundTrip_frames + narrow<std::uint32_t>(kMaxMasks) + 4;
+  const float detail_px = play.levels == nullptr ? 0 : play.detail_px;
   Renderer renderer(play.device, play.scene,
-                    {.size = play.size, .traced_size = largest_traced(play.size), .depth_frames = in_flight});
+                    plan_for(play.scene, {.all_lights = true, .detail_px = detail_px}).draw,
+                    {.size = play.size, .traced_size = largest_traced(play.size), .depth_frames = in_flight},
+                    detail_px > 0 ? *play.levels : SceneLevels{});
   NetworkLink link(
       wire.client(), clock,
       {wire.server().local(), server.key, play.scene.hash, {server.lights}, answers_for(play.mode.mode)},

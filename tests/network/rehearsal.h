@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "rt_server/core/server_core.h"
+#include "stereo/detail/levels.h"
 #include "stereo/head/head_recording.h"
+#include "stereo/plan/scene_plan.h"
 #include "tests/support/virtual_link.h"
 #include "vr_client/frame/frame_loop.h"
 #include "vr_client/link/network_link.h"
@@ -45,6 +47,8 @@ struct Play {
   std::function<void(const FrameView&, const FrameRecord&, const MeasuredFrame*)> watch{};
   Duration skip{};  ///< skipped at the start of the recording
   SessionLimits limits{};
+  const SceneLevels* levels = nullptr;  ///< the scene's levels of detail; null: full detail
+  float detail_px = kDefaultDetail_px;  ///< limit of the geometric error of levels; 0: full detail
 };
 
 struct PlayedFrame {

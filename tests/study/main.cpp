@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "stereo/detail/levels.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
 #include "stereo/scene/gltf.h"
@@ -59,13 +60,15 @@ Expected<nlohmann::json> measured(const Options& options) {
   if (!network) return tl::unexpected(network.error());
   const Expected<gpu::Device> device = gpu::open_device({.name_contains = options.gpu});
   if (!device) return tl::unexpected(device.error());
+  const SceneLevels levels = make_levels(*scene);
   Play play{.device = *device,
             .scene = *scene,
             .head = *head,
             .size = {options.side_px, options.side_px},
             .frames = options.frames,
             .reference_every = options.every,
-            .skip = duration_from_ms(options.skip_s * 1e3)};
+            .skip = duration_from_ms(options.skip_s * 1e3),
+            .levels = &levels};
   if (options.clients > 0) return measure_clients(play, options.clients, options.warm_up);
   if (options.timing) return measure_rounds(play, *network, options.rounds);
   return set_mode(options.rounds.modes.at(0), play).and_then([&] {

@@ -40,6 +40,15 @@ Setter number(std::uint32_t least, std::uint32_t most, const Set& set) {
   };
 }
 
+bool set_detail(std::string_view value, Play& play) {
+  float limit_px = 0;
+  const auto read = std::from_chars(value.data(), value.data() + value.size(), limit_px);
+  if (read.ec != std::errc{} || read.ptr != value.data() + value.size()) return false;
+  if (!(limit_px >= 0 && limit_px <= kMostDetail_px)) return false;
+  play.detail_px = limit_px;
+  return true;
+}
+
 bool set_predictor(std::string_view value, Play& play) {
   const std::optional<PredictorKind> kind = parse_predictor(value);
   play.request.predictor = kind.value_or(play.request.predictor);
@@ -58,8 +67,10 @@ const std::vector<Word>& all_words() {
   const auto sends_positions = [](Mode mode) { return mode == Mode::ClientPositions; };
   const auto streams = [](Mode mode) { return mode == Mode::Remote || mode == Mode::Delta; };
   const auto maps = [](Mode mode) { return mode == Mode::Local; };
+  const auto draws = [](Mode mode) { return mode != Mode::ServerGBuffer && mode != Mode::Remote; };
   using Value = std::uint32_t;
   static const std::vector<Word> words{
+      {"detail", draws, &set_detail},
       {"predictor", asks, &set_predictor},
       {"every", asks, number(1, 64, [](Play& play, Value n) { play.request.every = n; })},
       {"wait", asks, only("", [](Play& play) { play.mask_wait = kLongestWait; })},

@@ -27,6 +27,7 @@ TEST(ModeWords, ANameAloneIsTheModeWithItsDefaults) {
     EXPECT_EQ(settings.play.mode, by_default);
     EXPECT_EQ(settings.play.carry_over, CarryOver{});
     EXPECT_EQ(settings.play.mask_wait, Duration::zero());
+    EXPECT_EQ(settings.play.detail_px, kDefaultDetail_px);
   }
 }
 
@@ -52,12 +53,44 @@ TEST(ModeWords, SetTheNamedSetting) {
   EXPECT_EQ(local.play.mode.shadow_maps, (ShadowMapSettings{2048, 0, Redraw::Always}));
 }
 
+TEST(ModeWords, SetTheDetailOfModesThatDrawTheScene) {
+  for (const char* name : {"hybrid", "client-positions", "delta", "local", "full"}) {
+    Settings quarter, full;
+    ASSERT_TRUE(set((std::string(name) + ",detail=0.25").c_str(), quarter)) << name;
+    EXPECT_EQ(quarter.play.detail_px, 0.25f);
+    ASSERT_TRUE(set((std::string(name) + ",detail=0").c_str(), full)) << name;
+    EXPECT_EQ(full.play.detail_px, 0.0f);
+  }
+}
+
 TEST(ModeWords, RefuseSettingsThatTheModeLacks) {
-  for (const char* words :
-       {"", "hybird", "hybrid,eyes", "hybrid,eyes=", "hybrid,eyes=both", "hybrid,every=0", "hybrid,every=2x",
-        "hybrid,bitrate=20M", "hybrid,wait=1", "remote,bitrate=20G", "remote,bitrate=1",
-        "remote,bitrate=99999999999M", "remote,eyes=this", "client-positions,bits=25", "local,maps=16",
-        "local,every=2", "full,wait", "full,=", "hybrid,predictor=oracle"}) {
+  for (const char* words : {"",
+                            "hybird",
+                            "hybrid,eyes",
+                            "hybrid,eyes=",
+                            "hybrid,eyes=both",
+                            "hybrid,every=0",
+                            "hybrid,every=2x",
+                            "hybrid,bitrate=20M",
+                            "hybrid,wait=1",
+                            "remote,bitrate=20G",
+                            "remote,bitrate=1",
+                            "remote,bitrate=99999999999M",
+                            "remote,eyes=this",
+                            "client-positions,bits=25",
+                            "local,maps=16",
+                            "local,every=2",
+                            "full,wait",
+                            "full,=",
+                            "hybrid,predictor=oracle",
+                            "hybrid,detail",
+                            "hybrid,detail=",
+                            "hybrid,detail=-1",
+                            "hybrid,detail=nan",
+                            "hybrid,detail=16.5",
+                            "hybrid,detail=1px",
+                            "remote,detail=0",
+                            "server-gbuffer,detail=0"}) {
     Settings settings;
     const Expected<void> done = set(words, settings);
     ASSERT_FALSE(done) << words;

@@ -80,7 +80,7 @@ def mark(axes, row, x, y, points, told, **more):
 def legend(figure, modes):
     handles = [plt.Line2D([], [], color=COLOURS.get(m, OTHER), marker=MARKS.get(m, "o"), markersize=4.5,
                           linestyle="--" if m == REFERENCE else "-",
-                          label=f"{m}: exact, at this cost" if m == REFERENCE else m) for m in modes]
+                          label=f"{m}: dashed line at its cost" if m == REFERENCE else m) for m in modes]
     handles.append(plt.Line2D([], [], color="#999999", linestyle=":", marker="o", markersize=8,
                               markerfacecolor="none", label=f"Pareto front without {REFERENCE}"))
     figure.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncol=len(handles))

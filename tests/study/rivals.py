@@ -8,7 +8,7 @@ from analysis import grouped, less_in_both
 from rows import CASE, FLIP, METRICS, on_every_network, read_csv
 
 SERVER = "hybrid"
-REFERENCE = "full"  # has no error by definition
+REFERENCE = "full"  # needs no server; its only errors come from levels of detail
 COST = "client_ms"
 DOMINANCE_HEADS = ["px", "scene", "head", "network", "hybrid, ms", *(f"by {m.label}" for m in METRICS),
                    f"{REFERENCE}, ms"]
@@ -16,28 +16,28 @@ RANK_HEADS = ["px", "modes", "cells", *(f"first is better by {m.label}" for m in
 
 
 def dominance(modes):
-    """[{"row", "by": {metric: [rows of other modes]}, "full": row or None}] for each cell in which hybrid was measured.
-
-    The rows have both less client time and less error than hybrid. `full` is listed apart: its error is 0 by every
-    metric. Variants of hybrid with other settings are not other modes."""
+    """[{"row", "by": {metric: rows of other modes}, "full": {metric: rows of full}}] for each cell in which hybrid was
+    measured. The rows have both less client time and less error than hybrid. Variants of hybrid with other settings
+    are not other modes."""
     cells = []
     for own in grouped(modes, *CASE).values():
         for row in own:
             if row["words"] != SERVER or any(row[f] is None for f in (COST, *(m.error for m in METRICS))):
                 continue
             rivals = [r for r in own if r["mode"] not in (SERVER, REFERENCE)]
-            full = less_in_both([r for r in own if r["mode"] == REFERENCE], row, COST, FLIP.error)
-            cells.append({"row": row, "full": full[0] if full else None,
+            full = [r for r in own if r["mode"] == REFERENCE]
+            cells.append({"row": row, "full": {m: less_in_both(full, row, COST, m.error) for m in METRICS},
                           "by": {m: less_in_both(rivals, row, COST, m.error) for m in METRICS}})
     return cells
 
 
 def dominance_lines(cells):
-    """A table row for each cell. It names the settings with the smallest error, or "-" if hybrid is not beaten."""
+    """A table row for each cell. It names the settings with the smallest error, or "-" if hybrid is not beaten. The last
+    column is about full, by FLIP."""
     def named(rows):
         return f"{rows[0]['words']}: {rows[0][COST]:.3g} ms" if rows else "-"
     return [[str(c["row"]["size"]), *case_words(c["row"]), c["row"][COST], *(named(c["by"][m]) for m in METRICS),
-             c["full"][COST] if c["full"] else "-"] for c in cells]
+             c["full"][FLIP][0][COST] if c["full"][FLIP] else "-"] for c in cells]
 
 
 def dominance_sentences(cells):
@@ -46,7 +46,7 @@ def dominance_sentences(cells):
     for (size,), own in grouped([c | {"size": c["row"]["size"]} for c in cells], "size").items():
         for metric in METRICS:
             alone = sum(not c["by"][metric] for c in own)
-            both = sum(not c["by"][metric] and c["full"] is None for c in own)
+            both = sum(not c["by"][metric] and not c["full"][metric] for c in own)
             counts = " (this one counts)" if metric is FLIP else ""
             said.append(f"{size} px, {metric.label}{counts}: in {share(alone, own)} no other mode has both less client "
                         f"time and less error than hybrid; with {REFERENCE} in {share(both, own)}.")

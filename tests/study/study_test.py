@@ -79,6 +79,18 @@ class Study(unittest.TestCase):
         self.assertGreater(float(late["hybrid"]["wire.latency.median"]), 50, "two directions of 25 ms")
         self.assertGreater(float(late["hybrid"]["wire.down_bytes.median"]), 100)
 
+    def test_draws_with_levels_of_detail_unless_the_words_say_otherwise(self):
+        def errors(words):
+            told = subprocess.run(
+                [PROGRAM, "--scene", ROOT / "assets/room.glb", "--trace", ROOT / "assets/walk.csv", "--size", "64",
+                 "--frames", "6", "--every", "2", "--modes", words],
+                capture_output=True, text=True, timeout=PATIENCE_S, check=True)
+            return json.loads(told.stdout)["error"]
+        by_default, full, coarse = errors("hybrid"), errors("hybrid,detail=0"), errors("hybrid,detail=16")
+        self.assertEqual(by_default, errors("hybrid,detail=0.125"))
+        self.assertNotEqual(by_default, full)
+        self.assertGreater(coarse["flip"]["median"], 1.2 * full["flip"]["median"])
+
     def test_keeps_pictures_of_worst_frames(self):
         for point in (self.whole / "points").glob("*.json"):
             if json.loads(point.read_text())["settings"]["kind"] == "error":

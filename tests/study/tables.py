@@ -75,8 +75,8 @@ def dominance(modes):
     cells = rivals.dominance(modes)
     said = "".join(f"<p>{html.escape(sentence)}</p>" for sentence in rivals.dominance_sentences(cells))
     return said + table("Modes with both less client time and less error than hybrid, by each metric, with the settings "
-                        "of the smallest error. full has no error by any metric; its column states its time if that is "
-                        "less.", rivals.DOMINANCE_HEADS, rivals.dominance_lines(cells))
+                        "of the smallest error. The last column states the time of full if full has less time and less "
+                        "FLIP.", rivals.DOMINANCE_HEADS, rivals.dominance_lines(cells))
 
 
 def ranks(modes):
