@@ -248,7 +248,10 @@ class Rivals(unittest.TestCase):
             *(f"128 px, {m}: in 1 of 1 cells (100%) {end} 0 of 1 cells (0%)."
               for m in ("FLIP (this one counts)", "PSNR", "SSIM"))])
 
-    def test_do_not_count_cells_in_which_hybrid_was_not_measured(self):
+    def test_do_not_count_cells_without_hybrid_or_without_another_mode(self):
+        alone = [row("hybrid", 0.1, {"client_ms": 1}), row("hybrid,every=2", 0.1, {"client_ms": 1})]
+        self.assertEqual(rivals.dominance([*alone, row("remote", 0.3), row("delta", None)]), [])
+        self.assertEqual(len(rivals.dominance([*alone, row("remote", 0.3, {"client_ms": 2})])), 1)
         self.assertEqual(rivals.dominance([row("hybrid", None), row("local", 0.1, {"client_ms": 1})]), [])
         self.assertEqual(rivals.dominance([row("hybrid", 0.1)]), [], "no time")
 

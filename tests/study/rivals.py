@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from analysis import grouped, less_in_both
+from analysis import comparable, grouped, less_in_both
 from rows import CASE, FLIP, METRICS, on_every_network, read_csv
 
 SERVER = "hybrid"
@@ -16,16 +16,19 @@ RANK_HEADS = ["px", "modes", "cells", *(f"first is better by {m.label}" for m in
 
 
 def dominance(modes):
-    """[{"row", "by": {metric: rows of other modes}, "full": {metric: rows of full}}] for each cell in which hybrid was
-    measured. The rows have both less client time and less error than hybrid. Variants of hybrid with other settings
+    """[{"row", "by": {metric: rows of other modes}, "full": {metric: rows of full}}] for each cell in which hybrid and
+    another mode were measured. The rows have both less client time and less error than hybrid. Variants of hybrid with other settings
     are not other modes."""
     cells = []
     for own in grouped(modes, *CASE).values():
         for row in own:
             if row["words"] != SERVER or any(row[f] is None for f in (COST, *(m.error for m in METRICS))):
                 continue
-            rivals = [r for r in own if r["mode"] not in (SERVER, REFERENCE)]
-            full = [r for r in own if r["mode"] == REFERENCE]
+            others = [r for r in comparable(own, row, COST, FLIP.error) if r["mode"] != SERVER]
+            if not others:
+                continue
+            rivals = [r for r in others if r["mode"] != REFERENCE]
+            full = [r for r in others if r["mode"] == REFERENCE]
             cells.append({"row": row, "full": {m: less_in_both(full, row, COST, m.error) for m in METRICS},
                           "by": {m: less_in_both(rivals, row, COST, m.error) for m in METRICS}})
     return cells
