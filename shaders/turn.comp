@@ -23,8 +23,8 @@ vec3 srgb(vec3 c) {
 
 // The colour of a pixel, or of the nearest border pixel: linear light, or the level of a difference.
 vec3 texel(ivec2 at, uint eye) {
-  uvec2 inside = uvec2(clamp(at, ivec2(0), ivec2(turn.size.xy) - 1));
-  uint value = picture[(eye * turn.size.y + inside.y) * turn.size.x + inside.x];
+  uvec2 inside = uvec2(clamp(at, ivec2(0), ivec2(turn.size.zw) - 1));
+  uint value = picture[(eye * turn.size.w + inside.y) * turn.size.z + inside.x];
   if (kAdds) return unpackUnorm4x8(value).rgb;
   return vec3(light_of[value & 255u], light_of[value >> 8 & 255u], light_of[value >> 16 & 255u]);
 }
@@ -37,7 +37,7 @@ void main() {
   vec3 place = (column[0] * (pixel.x + 0.5) + column[1] * (pixel.y + 0.5) + column[2]).xyz;
   vec2 at = place.xy / place.z;
   // Also false if `at` is NaN.
-  bool covered = place.z > 0.0 && all(greaterThanEqual(at, vec2(0.0))) && all(lessThanEqual(at, vec2(turn.size.xy)));
+  bool covered = place.z > 0.0 && all(greaterThanEqual(at, vec2(0.0))) && all(lessThanEqual(at, vec2(turn.size.zw)));
   // A scalar constant, because Mesa 22.3 folds a choice between constant vectors to the first component of each.
   vec3 result = vec3(kAdds ? kNoDifference : 0.0);
   if (covered) {

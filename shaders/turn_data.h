@@ -15,7 +15,7 @@ using glm::vec4;
 
 struct TurnData {
   vec4 from_shown[2 * 3];  // for each eye the columns of a matrix: shown pixel to position in the picture
-  uvec4 size;              // xy = pixels of an eye
+  uvec4 size;              // xy = pixels of a shown eye, zw = of the picture's
 };
 
 #ifdef __cplusplus

@@ -25,13 +25,13 @@ constexpr double kLongestRoundTrip_ms = 250;
 }  // namespace
 
 RendererLimits renderer_limits(const Options& options) {
-  if (!carries_over(options.mode.mode))
-    return {.size = options.size, .traced_size = options.size, .depth_frames = 1};
+  const Mode mode = options.mode.mode;
   // The viewer of a preview may switch the guard band on at any time.
-  const bool wider = options.preview || options.request.guard_band == GuardBandUse::Measured;
+  const bool wider =
+      has_guard_band(mode) && (options.preview || options.request.guard_band == GuardBandUse::Measured);
   return {.size = options.size,
           .traced_size = wider ? largest_traced(options.size) : options.size,
-          .depth_frames = frames_in_flight(options)};
+          .depth_frames = carries_over(mode) ? frames_in_flight(options) : 1};
 }
 
 namespace {

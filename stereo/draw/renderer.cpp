@@ -51,7 +51,7 @@ class Renderer::Parts {
   const gpu::Device& device_;
   const Scene& scene_;
   const DrawPlan plan_;
-  Extent size_;
+  Extent size_, traced_size_;
   SceneBuffers buffers_;
   MotionModel motion_;
   gpu::Buffer frame_buffer_;  ///< one FrameData for all passes
@@ -76,6 +76,7 @@ Renderer::Parts::Parts(const gpu::Device& device, const Scene& scene, DrawPlan p
       scene_(scene),
       plan_(settled(std::move(plan))),
       size_(limits.size),
+      traced_size_(limits.traced_size),
       buffers_(make_scene_buffers(device, scene, plan_, levels)),
       motion_(scene, plan_.moves),
       frame_buffer_(gpu::make_mapped_buffer(
@@ -247,7 +248,7 @@ DrawTimes Renderer::Parts::submit(const ShownFrame& frame, Stage stage) {
 }
 
 TurnPass& Renderer::Parts::need_turn() {
-  if (!turn_) turn_.emplace(device_, shading_.shown());
+  if (!turn_) turn_.emplace(device_, shading_.shown(), traced_size_);
   return *turn_;
 }
 

@@ -49,7 +49,7 @@ struct ShownFrame {
 /// Sizes of pictures and masks, and the number of requests whose depth is kept.
 struct RendererLimits {
   Extent size;                     ///< of a shown eye, pixels
-  Extent traced_size;              ///< of a traced eye, at most
+  Extent traced_size;              ///< of a traced eye or of a picture to turn, at most
   std::uint32_t depth_frames = 8;  ///< slots for the depth of requests
 };
 
@@ -84,15 +84,15 @@ class Renderer {
   /// no depth is kept. The same planes, masks and lights give the same picture.
   DrawTimes draw_received(const GBufferPlanes& planes, const ShownFrame& frame);
 
-  /// Shows an sRGB picture that was made for `from`, turned to `shown`; all have the renderer's size. Pixels
-  /// outside of the picture (outside_share) are black.
+  /// Shows an sRGB picture that was made for `from`, turned to `shown`. The picture and `from` have one size,
+  /// with no side larger than that of a traced view. Pixels outside of the picture (outside_share) are black.
   DrawTimes show_turned(const PerEye<Image<Rgb8>>& picture, const StereoView& from, const StereoView& shown);
 
   /// Turns the shown picture, which was made for `from`.
   DrawTimes turn_shown(const StereoView& from, const StereoView& shown);
 
   /// Draws `frame` without shadows and without its masks, and adds `difference`, a difference_of for `from`,
-  /// turned to the frame's views. Pixels outside of the difference have no shadows.
+  /// turned to the frame's views. Its size is free as in show_turned. Pixels outside of it have no shadows.
   DrawTimes draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
                                  const StereoView& from);
 

@@ -72,12 +72,13 @@ PerEye<double> outside_share(const StereoView& from, const StereoView& shown) {
   return shares;
 }
 
-TurnPass::TurnPass(const gpu::Device& device, const gpu::Image& shown)
+TurnPass::TurnPass(const gpu::Device& device, const gpu::Image& shown, Extent largest)
     : device_(device),
       shown_(shown),
       size_(shown.spec.size),
+      largest_(largest),
       picture_(gpu::make_mapped_buffer(
-          device, kEyes * size_.pixels() * 4,
+          device, kEyes * largest.pixels() * 4,
           vk::BufferUsageFlagBits::eStorageBuffer | vk::BufferUsageFlagBits::eTransferDst, "picture to turn",
           gpu::Use::Shown)),
       light_of_(gpu::make_mapped_buffer(device, 256 * sizeof(float), vk::BufferUsageFlagBits::eStorageBuffer,
@@ -101,11 +102,13 @@ TurnPass::TurnPass(const gpu::Device& device, const gpu::Image& shown)
 }
 
 void TurnPass::load(const PerEye<Image<Rgb8>>& picture) {
+  loaded_ = picture[0].size;
+  check(picture[1].size == loaded_ && loaded_.width <= largest_.width && loaded_.height <= largest_.height,
+        "a picture to turn has room");
   const std::span<Rgba8> pixels = picture_.as<Rgba8>();
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    check(picture[eye].size == size_, "a picture to turn has the size of what is shown");
-    for (std::size_t i = 0; i < size_.pixels(); ++i)
-      pixels[eye * size_.pixels() + i] = Rgba8(picture[eye].pixels[i], 255);
+    for (std::size_t i = 0; i < loaded_.pixels(); ++i)
+      pixels[eye * loaded_.pixels() + i] = Rgba8(picture[eye].pixels[i], 255);
   }
 }
 
@@ -133,9 +136,10 @@ void TurnPass::copy_shown(const vk::raii::CommandBuffer& commands) const {
 
 void TurnPass::record(const vk::raii::CommandBuffer& commands, const StereoView& from,
                       const StereoView& shown, Source source, Effect effect) {
-  gpu::TurnData data{.from_shown = {}, .size = {size_.width, size_.height, 0, 0}};
+  const Extent picture = source == Source::Shown ? size_ : loaded_;
+  gpu::TurnData data{.from_shown = {}, .size = {size_.width, size_.height, picture.width, picture.height}};
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    check(from[eye].size == size_ && shown[eye].size == size_, "views have the size of what is shown");
+    check(from[eye].size == picture && shown[eye].size == size_, "views have the size of their pictures");
     const glm::dmat3 from_shown = turned_pixel(from[eye], shown[eye]);
     for (int column = 0; column < 3; ++column)
       data.from_shown[eye * 3 + static_cast<std::size_t>(column)] = glm::vec4(from_shown[column], 0.0);

@@ -25,13 +25,15 @@ class TurnPass {
   enum class Effect : std::uint8_t { Show, Add };
 
   /// `shown` has one layer per eye, format rgba8 UNORM, usage storage and transfer source, and layout
-  /// General. Keeps the reference.
-  TurnPass(const gpu::Device& device, const gpu::Image& shown);
+  /// General. Keeps the reference. No side of a loaded picture is larger than that of `largest`, which is at
+  /// least the size of `shown`.
+  TurnPass(const gpu::Device& device, const gpu::Image& shown, Extent largest);
 
-  /// Loads an sRGB picture. Both eyes have the size of `shown`.
+  /// Loads an sRGB picture. Both eyes have one size, which need not be that of `shown`.
   void load(const PerEye<Image<Rgb8>>& picture);
 
-  /// Turns a picture made for `from` to the views `shown`. All views have the size of the image.
+  /// Turns a picture made for `from` to the views `shown`. The views `from` have the size of the picture, the
+  /// views `shown` that of the image.
   void record(const vk::raii::CommandBuffer& commands, const StereoView& from, const StereoView& shown,
               Source source, Effect effect);
   /// The time on the device of the last `record`. Call after the device has finished.
@@ -46,7 +48,8 @@ class TurnPass {
 
   const gpu::Device& device_;
   const gpu::Image& shown_;
-  Extent size_;
+  Extent size_, largest_;
+  Extent loaded_;         ///< size of the loaded picture
   gpu::Buffer picture_;   ///< both eyes, four bytes per pixel
   gpu::Buffer light_of_;  ///< linear light of each sRGB level
   gpu::Bindings bindings_;

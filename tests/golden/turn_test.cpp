@@ -95,7 +95,8 @@ class Turn : public OnLavapipe {
   }
 
   Scene scene_ = bundled("box_over_plane.gltf");
-  Renderer renderer_{device_, scene_, {.size = kTurnedSize, .traced_size = kTurnedSize, .depth_frames = 1}};
+  static constexpr Extent kLargest{kTurnedSize.width + 32, kTurnedSize.height + 16};
+  Renderer renderer_{device_, scene_, {.size = kTurnedSize, .traced_size = kLargest, .depth_frames = 1}};
 };
 
 TEST_F(Turn, WithoutATurnThePictureIsTheSameBitForBit) {
@@ -128,6 +129,38 @@ TEST_F(Turn, EveryPixelIsWhatDoublePrecisionSays) {
                   outside[eye], 0.001);
     }
   }
+}
+
+/// Pictures of several sizes in turn, as a guard band asks for them: larger, smaller, and as large as may be.
+TEST_F(Turn, APictureMayHaveAnotherSizeThanWhatIsShown) {
+  const EyeFov wide{-0.9, 0.7, 0.75, -0.9};
+  const StereoView shown = views_of({0.05, 0.1, 0.1}, {-0.7, 0.5, 0.6, -0.8});
+  for (const Extent size :
+       {Extent{kTurnedSize.width + 16, kTurnedSize.height + 8}, Extent{40, 90}, kLargest}) {
+    SCOPED_TRACE(size.width);
+    const Pictures picture = noise(size, size.width);
+    const StereoView from = views_of({}, wide, size);
+    const Pictures result = turned(picture, from, shown);
+    for (std::size_t eye = 0; eye < kEyes; ++eye)
+      EXPECT_LE(wrong_pixels(result[eye], picture[eye], from[eye], shown[eye]), 4) << eye;
+  }
+}
+
+/// A guard band on the same pixel grid moves the picture by whole pixels.
+TEST_F(Turn, AWiderPictureOfTheSamePoseIsCutBitForBit) {
+  constexpr Extent wide{kTurnedSize.width + 24, kTurnedSize.height + 16};
+  const FovTangents w = tangents_of({-0.7, 0.5, 0.6, -0.8});
+  const double x = (w.right_tan - w.left_tan) / kTurnedSize.width,
+               y = (w.up_tan - w.down_tan) / kTurnedSize.height;
+  const EyeFov fov{std::atan(w.left_tan - 8 * x), std::atan(w.right_tan + 16 * x),
+                   std::atan(w.up_tan + 12 * y), std::atan(w.down_tan - 4 * y)};
+  const Pictures picture = noise(wide, 4);
+  const Pictures result =
+      turned(picture, views_of({0.3, 1, 0}, fov, wide), views_of({0.3, 1, 0}, {-0.7, 0.5, 0.6, -0.8}));
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    for (std::uint32_t row = 0; row < kTurnedSize.height; ++row)
+      for (std::uint32_t column = 0; column < kTurnedSize.width; ++column)
+        ASSERT_EQ(result[eye].at(column, row), picture[eye].at(column + 8, row + 12)) << column << " " << row;
 }
 
 /// Something seen 45 degrees to the left is 45 degrees to the right after a quarter turn to the left. Each
@@ -194,7 +227,7 @@ TEST_F(Turn, CostsNothingUntilAPictureIsTurned) {
   EXPECT_EQ(after.pipelines, before.pipelines + 1);
   EXPECT_EQ(after.bindings, before.bindings + 3);
   EXPECT_GE(after.memory.now[gpu::Use::Shown],
-            before.memory.now[gpu::Use::Shown] + kEyes * kTurnedSize.pixels() * 4);
+            before.memory.now[gpu::Use::Shown] + kEyes * kLargest.pixels() * 4);
 }
 
 TEST(DifferencePicture, HoldsWhatShadowsTakeAwayWithinALevel) {

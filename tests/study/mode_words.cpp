@@ -64,6 +64,7 @@ struct Word {
 const std::vector<Word>& all_words() {
   const auto asks = [](Mode mode) { return answers_for(mode) != 0; };
   const auto carries = [](Mode mode) { return carries_over(mode); };
+  const auto widens = [](Mode mode) { return has_guard_band(mode); };
   const auto sends_positions = [](Mode mode) { return mode == Mode::ClientPositions; };
   const auto streams = [](Mode mode) { return mode == Mode::Remote || mode == Mode::Delta; };
   const auto maps = [](Mode mode) { return mode == Mode::Local; };
@@ -75,7 +76,7 @@ const std::vector<Word>& all_words() {
       {"every", asks, number(1, 64, [](Play& play, Value n) { play.request.every = n; })},
       {"wait", asks, only("", [](Play& play) { play.mask_wait = kLongestWait; })},
       {"reprojection", carries, only("off", [](Play& play) { play.carry_over.lookup = Lookup::Direct; })},
-      {"band", carries, only("off", [](Play& play) { play.request.guard_band = GuardBandUse::Off; })},
+      {"band", widens, only("off", [](Play& play) { play.request.guard_band = GuardBandUse::Off; })},
       {"eyes", carries, only("this", [](Play& play) { play.carry_over.eyes = Eyes::This; })},
       {"gaps", carries, only("unknown", [](Play& play) { play.carry_over.gaps = Gaps::Unknown; })},
       {"edges", carries, only("nearest", [](Play& play) { play.carry_over.edges = Edges::Nearest; })},

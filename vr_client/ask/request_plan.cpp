@@ -62,7 +62,11 @@ void RequestPlan::drawn_with(const StereoView& shown, const StereoView& traced, 
   if (age > kLongestLatency) return;
   // The traced views at full size and without their guard band: the shown window at the traced pose.
   StereoView unwidened = shown;
-  for (std::size_t eye = 0; eye < kEyes; ++eye) unwidened[eye].stage_from_eye = traced[eye].stage_from_eye;
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    unwidened[eye].stage_from_eye.rotation = traced[eye].stage_from_eye.rotation;
+    if (use_ == AnswerUse::Reprojected)
+      unwidened[eye].stage_from_eye.translation = traced[eye].stage_from_eye.translation;
+  }
   guard_band_.observe(shown, unwidened);
 }
 
@@ -98,10 +102,11 @@ std::optional<FrameRequest> RequestPlan::ask(const FrameRequest& shown, Duration
   // Held views are not predicted, but used after the whole latency.
   const bool is_held = settings_.predictor == PredictorKind::Hold;
   const Duration used_after = !is_held ? ahead : latencies_.empty() ? period : latencies_.back();
-  const Sides<std::uint32_t> needed =
+  Sides<std::uint32_t> needed =
       shrunk(guard_band_.margins_px(full, predictor_.velocity(), used_after,
                                     period * (settings_.every - 1) / 2, settings_.guard_band_percent / 100.0),
              full[0].size, request.views[0].size);
+  if (use_ == AnswerUse::Turned) needed = steady_band_.margins_px(needed, request.views[0].size);
   const Sides<std::uint32_t> margins = reduced_to_fit(request.views, needed, most_pixels_);
   const StereoView wide{widened(request.views[0], margins), widened(request.views[1], margins)};
   if (is_valid(wide[0]) && is_valid(wide[1])) request.views = wide;  // rounding may exceed a limit

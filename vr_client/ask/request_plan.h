@@ -11,6 +11,7 @@
 #include "stereo/frame/view_scale.h"
 #include "stereo/head/prediction.h"
 #include "vr_client/ask/guard_band.h"
+#include "vr_client/ask/steady_band.h"
 
 namespace farshade {
 
@@ -23,6 +24,12 @@ struct RequestSettings {
   GuardBandUse guard_band = GuardBandUse::Measured;
   std::uint32_t every = 1;                 ///< one request in so many frames
   std::uint32_t guard_band_percent = 100;  ///< of the measured width, at most kWidestBand_percent
+};
+
+/// How the client shows what it gets for other views than the shown ones.
+enum class AnswerUse : std::uint8_t {
+  Reprojected,  ///< each surface point looks up its place in the requested view
+  Turned,       ///< the picture is turned; the movement of the eye is ignored (stereo/draw/turn_pass.h)
 };
 
 /// Whether the scene's animations play.
@@ -49,11 +56,14 @@ class RequestPlan {
   /// Sets the largest number of pixels that an eye's view may have with its guard band.
   void limit(std::uint32_t pixels) { most_pixels_ = pixels; }
 
+  /// Sets how the following answers are used. Views of pictures that are turned get margins of steady size.
+  void use(AnswerUse use) { use_ = use; }
+
   /// Records the latency of an answer: the display time of the first frame that could use all of it, minus
   /// the display time of the frame that asked for it. Latencies over kLongestLatency are ignored.
   void learn(Duration latency);
 
-  /// A frame with the views `shown` was drawn with masks that were traced for `traced` and asked for `age`
+  /// A frame with the views `shown` was drawn with an answer that was made for `traced` and asked for `age`
   /// ago. The guard band learns from it. Ages over kLongestLatency are ignored.
   void drawn_with(const StereoView& shown, const StereoView& traced, Duration age);
 
@@ -68,6 +78,8 @@ class RequestPlan {
   RequestSettings settings_;
   Predictor predictor_;
   GuardBand guard_band_;
+  SteadyBand steady_band_;
+  AnswerUse use_ = AnswerUse::Reprojected;
   std::deque<Duration> latencies_;
   std::uint32_t frames_ = 0;
   std::uint32_t most_pixels_ = std::numeric_limits<std::uint32_t>::max();

@@ -46,6 +46,11 @@ inline constexpr std::array<ModeName, 7> kModes{
   return mode == Mode::Hybrid || mode == Mode::ClientPositions;
 }
 
+/// Requested views may be wider than the shown ones.
+[[nodiscard]] constexpr bool has_guard_band(Mode mode) {
+  return carries_over(mode) || mode == Mode::Remote || mode == Mode::Delta;
+}
+
 /// A capture holds masks, not pictures or G-buffers.
 [[nodiscard]] constexpr bool can_be_captured(Mode mode) {
   return mode == Mode::Hybrid || mode == Mode::Full;

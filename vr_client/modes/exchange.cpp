@@ -31,8 +31,9 @@ const FrameRequest* Exchange::plan(const FrameInputs& inputs, const AnswerSpec& 
   if (link_ == nullptr) return nullptr;
   RequestSettings settings = inputs.settings.request;
   const bool is_picture = is_drawn(answer.kind);
-  if (is_picture) settings.guard_band = GuardBandUse::Off;
+  if (answer.kind == Answer::GBuffer) settings.guard_band = GuardBandUse::Off;
   plan_.follow(settings);
+  plan_.use(is_picture ? AnswerUse::Turned : AnswerUse::Reprojected);
   plan_.shrink(is_picture ? kFullViewScale : link_->inbox().view_scale());
   plan_.limit(link_->inbox().most_pixels());
   request_ = plan_.ask(inputs.shown, inputs.period, inputs.settings.scene);

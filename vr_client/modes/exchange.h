@@ -20,7 +20,8 @@ class Exchange {
   Exchange(AnswerLink* link, const MaskPolicy& policy, const RequestSettings& settings);
 
   /// Plans this frame's request for an answer of the kind `answer`. Null on frames without a request.
-  /// Requests for pictures have the shown size and no guard band, because pictures are turned, not looked up.
+  /// Requests for pictures have the full size. A G-buffer has no guard band, because the renderer shades
+  /// views of the shown size only.
   const FrameRequest* plan(const FrameInputs& inputs, const AnswerSpec& answer);
 
   /// Sets the number of position messages that follow the planned request.
@@ -37,7 +38,8 @@ class Exchange {
   /// newest. It is never older than that of an earlier frame. Null if there is no answer.
   [[nodiscard]] const RequestRecord* settled() const { return settled_; }
 
-  /// The frame is drawn with the masks of `record` as its first source. The guard band learns from that.
+  /// The frame is drawn with the masks of `record` as its first source, or with its picture. The guard band
+  /// learns from that.
   void drawn_with(const FrameInputs& inputs, const RequestRecord& record);
 
   /// The slot of the record that the planned request will get when it is sent.

@@ -102,6 +102,7 @@ void VideoStream::collect(const FrameInputs& inputs) {
     if (is_newer_picture && frame->video.complete()) decode(*frame);
   }
   decoding_ = watch.elapsed();
+  if (const RequestRecord* const shown = this->received()) exchange_.drawn_with(inputs, *shown);
 }
 
 void VideoStream::decode(const RequestRecord& frame) {

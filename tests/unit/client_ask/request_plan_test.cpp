@@ -92,6 +92,24 @@ TEST(RequestPlan, HeldViewsAreWidenedByWhatTheHeadTurnsInTheDelay) {
   EXPECT_GT(grid_offset_px(now.views[0], request->views[0]).x, 15) << "the head turns left";
 }
 
+/// Turning ignores the movement of the eye, so no margin helps against it.
+TEST(RequestPlan, TurnedPicturesAreWidenedForTurnsOnly) {
+  const Twist steps{{}, {2, 0, 0}}, turn{{0, 1.5, 0}, {}};
+  const auto width = [](AnswerUse use, const Twist& twist) {
+    RequestPlan plan({.predictor = PredictorKind::Hold});
+    plan.use(use);
+    std::optional<FrameRequest> request;
+    for (std::uint32_t i = 0; i < 60; ++i) {
+      request = plan.ask(shown(i, twist), kPeriod);
+      if (i >= 5) plan.drawn_with(shown(i, twist).views, shown(i - 5, twist).views, 50ms);
+    }
+    return request->views[0].size.width;
+  };
+  EXPECT_GT(width(AnswerUse::Reprojected, steps), kShownSize.width);
+  EXPECT_EQ(width(AnswerUse::Turned, steps), kShownSize.width);
+  EXPECT_GT(width(AnswerUse::Turned, turn), kShownSize.width);
+}
+
 TEST(RequestPlan, AsksForThePoseAtTheTimeOfUse) {
   RequestPlan plan({.predictor = PredictorKind::Kalman, .guard_band = GuardBandUse::Off});
   for (std::uint32_t i = 0; i < 200; ++i) {

@@ -80,25 +80,44 @@ TEST(Exchange, WithoutALinkAsksAndReceivesNothing) {
   EXPECT_EQ(exchange.record(&shown), nullptr);
 }
 
-TEST(Exchange, AsksForPicturesWithoutAGuardBandInTheShownSize) {
-  for (const Answer answer : {Answer::Masks, Answer::Video}) {
-    Client client({.pace = Pace::Real, .round_trip = 20ms}, {.predictor = PredictorKind::Hold});
-    for (std::uint32_t i = 1; i <= 40; ++i) {
-      client.ask(i, {.kind = answer});
-      if (i > 5) client.exchange.drawn_with(client.inputs(), *client.link.inbox().find({i - 5}));
-    }
-    EXPECT_EQ(client.link.sent.back().views[0].size == kEye, answer == Answer::Video);
+/// The views that an answer of this kind is requested for, by a client whose head turns while answers are
+/// five frames late.
+std::vector<FrameRequest> requested_while_turning(Answer answer, std::uint32_t most_pixels = 1 << 20) {
+  Client client({.pace = Pace::Real, .round_trip = 20ms}, {.predictor = PredictorKind::Hold});
+  client.link.welcome({.most_pixels = most_pixels});
+  for (std::uint32_t i = 1; i <= 40; ++i) {
+    client.ask(i, {.kind = answer});
+    if (i > 5) client.exchange.drawn_with(client.inputs(), *client.link.inbox().find({i - 5}));
+  }
+  return client.link.sent;
+}
+
+TEST(Exchange, AsksForAGuardBandUnlessAGBufferIsShaded) {
+  EXPECT_EQ(requested_while_turning(Answer::GBuffer).back().views[0].size, kEye);
+  for (const Answer answer : {Answer::Masks, Answer::MasksOfPositions, Answer::Video, Answer::Difference}) {
+    const Extent asked = requested_while_turning(answer).back().views[0].size;
+    EXPECT_GT(asked.width, kEye.width) << static_cast<int>(answer);
+    EXPECT_LE(asked.width, largest_traced(kEye).width) << static_cast<int>(answer);
+    EXPECT_LE(asked.height, largest_traced(kEye).height) << static_cast<int>(answer);
   }
 }
 
+/// Each new size costs a key frame.
+TEST(Exchange, PicturesChangeTheirSizeSeldom) {
+  const std::vector<FrameRequest> sent = requested_while_turning(Answer::Video);
+  std::size_t changes = 0;
+  for (std::size_t i = 1; i < sent.size(); ++i) changes += sent[i].views[0].size != sent[i - 1].views[0].size;
+  EXPECT_LE(changes, 2u);
+}
+
 TEST(Exchange, KeepsTheGuardBandWithinWhatTheServerTraces) {
-  Client client({.pace = Pace::Real, .round_trip = 20ms}, {.predictor = PredictorKind::Hold});
-  client.link.welcome({.most_pixels = static_cast<std::uint32_t>(kEye.pixels())});
-  for (std::uint32_t i = 1; i <= 20; ++i) {
-    client.ask(i);
-    if (i > 5) client.exchange.drawn_with(client.inputs(), *client.link.inbox().find({i - 5}));
+  constexpr auto none = static_cast<std::uint32_t>(kEye.pixels()), some = none + 16 * kEye.height;
+  for (const Answer answer : {Answer::Masks, Answer::Video}) {
+    EXPECT_EQ(requested_while_turning(answer, none).back().views[0].size, kEye);
+    const Extent asked = requested_while_turning(answer, some).back().views[0].size;
+    EXPECT_LE(asked.pixels(), some);
+    EXPECT_GT(asked.width, kEye.width) << "as much as fits";
   }
-  EXPECT_EQ(client.link.sent.back().views[0].size, kEye);
 }
 
 TEST(ExchangeSettled, IsTheNewestAnswerThatIsAsCompleteAsItWillBe) {
