@@ -10,6 +10,12 @@
 #include "stereo/draw/difference_picture.h"
 
 namespace farshade {
+namespace {
+
+/// A slice and the NAL units before it (parameter sets, refresh information) fit into one datagram.
+constexpr std::uint32_t kSlice_bytes = kVideoPart_bytes - 64;
+
+}  // namespace
 
 Streams::Stream& Streams::stream_for(const Job& job, const VideoFormat& format) {
   Stream* const found = streams_.find(job.session.value);
@@ -25,17 +31,19 @@ Duration Streams::code(const Job& job, const PerEye<Image<Rgb8>>& eyes, FramePac
   const FrameRequest& request = job.request;
   const Image<Rgb8> picture = side_by_side(eyes);
   const double rate = std::clamp(1.0 / seconds_of(request.answer.interval), 1.0, 1000.0);
-  Stream& stream = stream_for(
-      job,
-      {.size = picture.size, .bits_per_second = request.answer.bits_per_second, .frames_per_second = rate});
+  Stream& stream = stream_for(job, {.size = picture.size,
+                                    .bits_per_second = request.answer.bits_per_second,
+                                    .frames_per_second = rate,
+                                    .slice_bytes = kSlice_bytes});
   const bool alone = request.answer.coding == Coding::Alone;
   const auto unit = stream.encoder.encode(picture, alone ? KeyFrame::Now : KeyFrame::IfNeeded);
+  const VideoUnitParts parts = video_parts(unit);
   // The next picture depends on this one even if this one is too large to send.
   const FrameId last = std::exchange(stream.last, request.frame);
-  if (unit.size() > kMostVideoParts * kVideoPart_bytes)
+  if (parts.size() > kMostVideoParts)
     throw std::runtime_error("an encoded picture of " + std::to_string(unit.size()) +
                              " bytes is too large to send");
-  packer.add(request.frame, alone ? request.frame : last, unit);
+  packer.add(request.frame, alone ? request.frame : last, parts);
   return coding.elapsed();
 }
 

@@ -172,7 +172,7 @@ const RequestRecord* Assembler::accept(const VideoPart& part, Time arrived) {
     if (video.known.empty()) {
       video.after = part.after;
       video.known.assign(part.parts, false);
-      video.unit.resize(part.parts * kVideoPart_bytes);
+      video.unit.assign(part.parts * kVideoPart_bytes, std::byte{0});
     }
     if (video.known.size() != part.parts || video.after != part.after) return refuse(WireRefusal::Part);
     if (video.known[part.part]) return 0u;

@@ -24,10 +24,11 @@ struct ReceivedGBuffer {
   std::uint32_t tiles_known = 0, tiles = 0;  ///< counted over all planes of both eyes
 };
 
-/// The parts of a coded picture.
+/// The parts of a coded picture. Zeros replace parts that have not come. Between NAL units they mean nothing,
+/// so a decoder reads the other parts (stereo/net/video_parts.h).
 struct ReceivedVideo {
   FrameId after;                ///< from the parts
-  std::vector<std::byte> unit;  ///< the parts in order
+  std::vector<std::byte> unit;  ///< the parts in order; empty until the first has come
   std::vector<bool> known;
   std::uint32_t parts_known = 0;
 

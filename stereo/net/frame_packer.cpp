@@ -1,6 +1,7 @@
 #include "stereo/net/frame_packer.h"
 
 #include <algorithm>
+#include <array>
 
 #include "stereo/base/check.h"
 
@@ -41,18 +42,20 @@ void FramePacker::add(FrameId frame, const GBufferPlanes& gbuffer) {
   packing_ += packing.elapsed();
 }
 
-void FramePacker::add(FrameId frame, FrameId after, std::span<const std::byte> video_unit) {
+void FramePacker::add(FrameId frame, FrameId after, const VideoUnitParts& parts) {
   const Stopwatch packing;
-  const auto parts = narrow<std::uint32_t>((video_unit.size() + kVideoPart_bytes - 1) / kVideoPart_bytes);
-  check(parts >= 1 && parts <= kMostVideoParts, "a coded picture has so many parts");
-  for (std::uint32_t part = 0; part < parts; ++part) {
-    const std::size_t at = part * kVideoPart_bytes;
-    const std::size_t bytes = std::min(kVideoPart_bytes, video_unit.size() - at);
+  const auto count = narrow<std::uint32_t>(parts.size());
+  check(count >= 1 && count <= kMostVideoParts, "a coded picture has so many parts");
+  for (std::uint32_t part = 0; part < count; ++part) {
+    // Zeros may follow a NAL unit (H.264, B.1: trailing_zero_8bits).
+    std::array<std::byte, kVideoPart_bytes> padded{};
+    std::ranges::copy(parts[part], padded.begin());
+    const bool is_last = part + 1 == count;
     add(ServerMessage(VideoPart{.frame = frame,
                                 .after = after,
                                 .part = part,
-                                .parts = parts,
-                                .bytes = video_unit.subspan(at, bytes)}));
+                                .parts = count,
+                                .bytes = is_last ? parts[part] : std::span<const std::byte>(padded)}));
   }
   packing_ += packing.elapsed();
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "stereo/frame/shadow_frame.h"
+#include "stereo/net/video_parts.h"
 #include "stereo/wire/messages.h"
 #include "stereo/wire/plane_codec.h"
 #include "stereo/wire/slice.h"
@@ -24,9 +25,9 @@ class FramePacker {
   /// entry for each tile, 0: the tile is not sent. If it is empty, all tiles are sent.
   void add(const ShadowFrame& frame, const PerEye<std::span<const std::uint8_t>>& sent = {});
   void add(FrameId frame, const GBufferPlanes& gbuffer);
-  /// Adds the parts of a coded picture of 1 to kMostVideoParts * kVideoPart_bytes bytes. It depends on the
-  /// picture of `after`; if that is `frame`, it depends on none.
-  void add(FrameId frame, FrameId after, std::span<const std::byte> video_unit);
+  /// Adds a coded picture of 1 to kMostVideoParts parts. It depends on the picture of `after`; if that is
+  /// `frame`, it depends on none.
+  void add(FrameId frame, FrameId after, const VideoUnitParts& parts);
 
   /// Returns the messages in the order in which to send them, `report` last. Sets the report's `slices` and
   /// `payload_bytes`, and adds the time that packing took to its `pack`. Valid until the next begin().

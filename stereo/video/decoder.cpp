@@ -38,7 +38,8 @@ struct VideoDecoder::Codec {
   Libav<AVFrame> frame;
   Libav<AVPacket> packet;
   std::optional<ColourConverter> colours;  ///< for the size of the last picture
-  bool has_reference = false;              ///< a key frame and all units after it were decoded
+  bool has_reference = false;              ///< a key frame was decoded
+  bool is_concealed = false;
   Image<Rgb8> picture;
 
   Expected<void> open();
@@ -66,9 +67,8 @@ Expected<void> VideoDecoder::Codec::open() {
   context.reset(avcodec_alloc_context3(codec));
   if (!context) return fail(Fault::Unavailable, "no memory for a video decoder");
   context->thread_count = 1;  // frame threads would delay pictures
-  context->flags |= AV_CODEC_FLAG_LOW_DELAY;
-  context->err_recognition = AV_EF_EXPLODE | AV_EF_BITSTREAM | AV_EF_BUFFER | AV_EF_CAREFUL;
-  context->error_concealment = 0;
+  context->flags |= AV_CODEC_FLAG_LOW_DELAY | AV_CODEC_FLAG_OUTPUT_CORRUPT;
+  context->error_concealment = FF_EC_GUESS_MVS | FF_EC_DEBLOCK;
   context->max_pixels = std::int64_t{2} * kMaxViewSide_px * kMaxViewSide_px;
   if (avcodec_open2(context.get(), codec, nullptr) < 0)
     return fail(Fault::Unavailable, "libavcodec's H.264 decoder does not start");
@@ -84,8 +84,7 @@ Expected<void> VideoDecoder::Codec::decode_frame(std::span<const std::byte> unit
     return fail(Fault::Malformed, "a video unit is damaged");
   if (avcodec_receive_frame(context.get(), frame.get()) < 0)
     return fail(Fault::Malformed, "a video unit holds no whole picture");
-  if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0)
-    return fail(Fault::Malformed, "a video unit is damaged within its picture");
+  is_concealed = frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0;
   return {};
 }
 
@@ -121,6 +120,10 @@ Expected<const Image<Rgb8>*> VideoDecoder::decode(std::span<const std::byte> uni
   }
   codec_->has_reference = true;
   return &codec_->picture;
+}
+
+bool VideoDecoder::concealed() const {
+  return codec_->is_concealed;
 }
 
 /// Drops the whole decoder: the contents of a damaged parameter set would survive a flush.

@@ -15,6 +15,9 @@ namespace {
 /// unused.
 constexpr double kBuffer_frames = 4;
 
+/// libx264 does not end slices that may not have a block.
+constexpr std::uint32_t kLeastSlice_bytes = 200;
+
 std::string refusal(const VideoFormat& format) {
   const auto side_ok = [](std::uint32_t side, std::uint32_t most) {
     return side >= 32 && side <= most && side % 2 == 0;
@@ -26,6 +29,8 @@ std::string refusal(const VideoFormat& format) {
            std::to_string(kMaxViewSide_px);
   if (format.bits_per_second < kLeastVideo_bits || format.bits_per_second > kMostVideo_bits)
     return "video of " + std::to_string(format.bits_per_second) + " bit/s: must be 10^5 to 10^9";
+  if (format.slice_bytes < kLeastSlice_bytes)
+    return "video in slices of " + std::to_string(format.slice_bytes) + " bytes: must be 200 or more";
   if (!(format.frames_per_second >= 1 && format.frames_per_second <= 1000))
     return "video of " + std::to_string(format.frames_per_second) + " frames/s: must be 1 to 1000";
   return "";
@@ -52,13 +57,15 @@ void describe(const VideoFormat& format, AVCodecContext& context) {
                                 double{std::numeric_limits<int>::max()}));
 }
 
-bool open(AVCodecContext& context, const AVCodec& codec) {
+bool open(const VideoFormat& format, AVCodecContext& context, const AVCodec& codec) {
   AVDictionary* options = nullptr;
   av_dict_set(&options, "preset", "superfast", 0);
   av_dict_set(&options, "tune", "zerolatency", 0);
   av_dict_set(&options, "profile", "high", 0);
   av_dict_set(&options, "forced-idr", "1", 0);
-  av_dict_set(&options, "x264-params", "keyint=infinite:scenecut=0", 0);
+  const std::string params = "intra-refresh=1:keyint=" + std::to_string(kRefresh_pictures) +
+                             ":scenecut=0:slice-max-size=" + std::to_string(format.slice_bytes);
+  av_dict_set(&options, "x264-params", params.c_str(), 0);
   const bool opened = avcodec_open2(&context, &codec, &options) >= 0;
   const bool understood = av_dict_count(options) == 0;
   av_dict_free(&options);
@@ -105,7 +112,8 @@ Expected<VideoEncoder> VideoEncoder::create(const VideoFormat& format) {
   if (!colours) return tl::unexpected(colours.error());
   if (!context || !frame || !packet) return fail(Fault::Unavailable, "no memory for a video encoder");
   describe(format, *context);
-  if (!open(*context, *codec)) return fail(Fault::Unavailable, "libx264 does not start with this format");
+  if (!open(format, *context, *codec))
+    return fail(Fault::Unavailable, "libx264 does not start with this format");
   frame->width = context->width;
   frame->height = context->height;
   frame->format = context->pix_fmt;

@@ -44,6 +44,9 @@ Expected<VideoDecoder> VideoDecoder::create() {
 Expected<const Image<Rgb8>*> VideoDecoder::decode(std::span<const std::byte>) {
   check_failed("no decoder is made without video", "", CallPlace::current());
 }
+bool VideoDecoder::concealed() const {
+  check_failed("no decoder is made without video", "", CallPlace::current());
+}
 void VideoDecoder::reset() {}
 
 }  // namespace farshade

@@ -2,6 +2,11 @@
 /// libraries (FARSHADE_VIDEO=OFF) has the same interface, which returns Unavailable.
 /// The settings give low latency: no B frames and no lookahead, so each picture becomes one access unit at
 /// once. No unit is larger than four pictures' share of the bit rate.
+///
+/// Losses heal without a key frame. Each picture codes a few columns of blocks alone; after kRefresh_pictures
+/// the columns have passed over the whole picture, and begin again (periodic intra refresh). Blocks behind
+/// the columns depend only on blocks behind them. So a picture is whole again at the end of the first pass
+/// that began after the loss.
 #pragma once
 
 #include <cstddef>
@@ -21,10 +26,16 @@ namespace farshade {
 /// The libraries and their versions, or how to get them.
 [[nodiscard]] std::string video_version();
 
+/// The pictures of one pass of the intra refresh.
+inline constexpr std::uint32_t kRefresh_pictures = 24;
+
 struct VideoFormat {
   Extent size;  ///< pixels of the whole picture; width and height are even and at least 32
   std::uint32_t bits_per_second = 20'000'000;
   double frames_per_second = 72;
+  /// No slice is larger, except one that is a single block of 16 x 16 pixels. A slice decodes without the
+  /// others.
+  std::uint32_t slice_bytes = 1'100;
   friend bool operator==(const VideoFormat&, const VideoFormat&) = default;
 };
 
@@ -35,8 +46,8 @@ enum class KeyFrame : std::uint8_t { IfNeeded, Now };
 class VideoEncoder {
  public:
   /// OutOfRange: width or height is odd, below 32 or larger than two views side by side; the bit rate is
-  /// outside of 10^5..10^9; frames a second are outside of 1..1000. Unavailable: this build has no video, or
-  /// libx264 fails.
+  /// outside of 10^5..10^9; frames a second are outside of 1..1000; slices have less than 200 bytes.
+  /// Unavailable: this build has no video, or libx264 fails.
   [[nodiscard]] static Expected<VideoEncoder> create(const VideoFormat& format);
   VideoEncoder(VideoEncoder&&) noexcept;
   VideoEncoder& operator=(VideoEncoder&&) noexcept;
@@ -56,10 +67,9 @@ class VideoEncoder {
   std::unique_ptr<Codec> codec_;
 };
 
-/// Decodes the encoder's units. Units are foreign bytes. The decoder refuses a unit if it detects damage. It
-/// cannot detect all damage: a unit whose last bytes are missing, or whose reference picture was never
-/// decoded, may give a wrong picture. So the caller decodes complete units only, and calls reset() after a
-/// gap.
+/// Decodes the encoder's units. Units are foreign bytes. A unit may lack slices, and units may be missing:
+/// the decoder then takes the missing blocks from the picture before, and the intra refresh heals the
+/// picture.
 class VideoDecoder {
  public:
   [[nodiscard]] static Expected<VideoDecoder> create();
@@ -69,13 +79,17 @@ class VideoDecoder {
   VideoDecoder& operator=(const VideoDecoder&) = delete;
   ~VideoDecoder();
 
-  /// Returns the picture of one whole access unit, valid until the next call. Missing: the unit is not a key
-  /// frame, and no key frame has been decoded since the start, a reset or an error. Malformed: the unit gives
-  /// no picture. Unsupported: the format is not VideoEncoder's. OutOfRange: the picture is larger than two
+  /// Returns the picture of one access unit, valid until the next call. Missing: the unit is not a key frame,
+  /// and no key frame has been decoded since the start, a reset or an error. Malformed: the unit gives no
+  /// picture. Unsupported: the format is not VideoEncoder's. OutOfRange: the picture is larger than two
   /// views of kMaxViewSide_px side by side.
   [[nodiscard]] Expected<const Image<Rgb8>*> decode(std::span<const std::byte> access_unit);
 
-  /// Call it after a gap. Only a key frame decodes then.
+  /// The decoder knows that blocks of the last picture were missing or wrong. False does not mean that the
+  /// picture is whole: its reference picture may have been damaged.
+  [[nodiscard]] bool concealed() const;
+
+  /// Only a key frame decodes then.
   void reset();
 
  private:

@@ -103,7 +103,8 @@ struct Slice {
   std::span<const std::byte> block{};  ///< LZ4; points into the received message or the packer
 };
 
-/// A part of a coded picture of both eyes. All parts but the last have kVideoPart_bytes.
+/// A part of a coded picture of both eyes. All parts but the last have kVideoPart_bytes; zeros at their end
+/// fill them up.
 struct VideoPart {
   FrameId frame{};
   FrameId after{};                     ///< the frame whose picture it depends on; `frame` itself: none

@@ -11,6 +11,7 @@
 #include "stereo/video/video.h"
 #include "tests/network/rehearsal.h"
 #include "tests/oracle/oracle.h"
+#include "vr_client/ask/guard_band.h"
 
 namespace farshade {
 namespace {
@@ -178,7 +179,7 @@ INSTANTIATE_TEST_SUITE_P(Modes, EveryPictureMode,
 TEST(RemoteMode, CountsWhatItsPictureDoesNotReach) {
   if (!has_video()) GTEST_SKIP() << video_version();
   Play play = play_of({.mode = Mode::Remote}, 30);
-  play.request.predictor = PredictorKind::Hold;
+  play.request = {.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off};
   double most = 0;
   play.watch = [&](const FrameView& view, const FrameRecord& record, const MeasuredFrame*) {
     EXPECT_EQ(view.as, ShownAs::Picture);
@@ -188,6 +189,76 @@ TEST(RemoteMode, CountsWhatItsPictureDoesNotReach) {
   EXPECT_GT(most, 0.001);
   EXPECT_LT(most, 0.5);
 }
+
+/// What the shown frames of a run with pictures have in common.
+struct PictureRun {
+  double black = 0;                  ///< sum of the shares of both eyes that the pictures do not reach
+  std::size_t renewed = 0;           ///< frames with a newer picture than the frame before
+  std::size_t key_frames_asked = 0;  ///< requests for a picture that depends on no other
+  std::size_t sizes = 0;             ///< changes of the requested size
+  std::vector<double> psnr_dB;
+
+  friend bool operator==(const PictureRun&, const PictureRun&) = default;
+};
+
+PictureRun run_of(Play play, const char* network) {
+  PictureRun run;
+  std::optional<FrameId> newest;
+  std::optional<Extent> size;
+  play.watch = [&](const FrameView& view, const FrameRecord& record, const MeasuredFrame*) {
+    if (view.request != nullptr) {
+      run.key_frames_asked += view.request->answer.coding == Coding::Alone ? 1 : 0;
+      const Extent asked = view.request->views[0].size, most = largest_traced(view.shown.views[0].size);
+      EXPECT_LE(asked.width, most.width);
+      EXPECT_LE(asked.height, most.height);
+      run.sizes += size && size != asked ? 1 : 0;
+      size = asked;
+    }
+    if (view.start_up || view.newest == nullptr) return;
+    run.black += record.black[0] + record.black[1];
+    run.renewed += newest != view.newest->request.frame ? 1 : 0;
+    newest = view.newest->request.frame;
+  };
+  run.psnr_dB = psnr_of(farshade::play(play, network_from(network).value()));
+  return run;
+}
+
+class EveryVideoMode : public testing::TestWithParam<Mode> {
+ protected:
+  void SetUp() override {
+    if (!has_video()) GTEST_SKIP() << video_version();
+  }
+};
+
+TEST_P(EveryVideoMode, AGuardBandLeavesLessUncovered) {
+  Play play = play_of({.mode = GetParam()}, 60);
+  play.reference_every = 0;
+  const PictureRun with = run_of(play, "delay=25ms");
+  play.request.guard_band = GuardBandUse::Off;
+  const PictureRun without = run_of(play, "delay=25ms");
+  EXPECT_GT(without.black, 0.01);
+  EXPECT_LT(with.black, 0.3 * without.black);
+  EXPECT_EQ(without.sizes, 0u);
+  EXPECT_GT(with.sizes, 0u);
+  EXPECT_LE(with.sizes, 4u) << "each costs a key frame";
+}
+
+/// Without the intra refresh, each lost datagram stopped the pictures until a key frame had come.
+TEST_P(EveryVideoMode, FreshPicturesGoOnWithoutKeyFramesAfterLosses) {
+  Play play = play_of({.mode = GetParam()}, 72);
+  play.reference_every = 8;
+  const PictureRun lossy = run_of(play, "delay=25ms,loss=2%");
+  const PictureRun whole = run_of(play, "delay=25ms");
+  EXPECT_EQ(whole.key_frames_asked, 1u) << "the first picture";
+  EXPECT_LE(lossy.key_frames_asked, 3u);
+  EXPECT_GT(lossy.renewed, 72u / 2);
+  ASSERT_EQ(lossy.psnr_dB.size(), whole.psnr_dB.size());
+  for (std::size_t i = 0; i < whole.psnr_dB.size(); ++i)
+    EXPECT_GT(lossy.psnr_dB[i], whole.psnr_dB[i] - 6) << "measured frame " << i;
+  EXPECT_EQ(run_of(play, "delay=25ms,loss=2%"), lossy) << "runs in virtual time are repeatable";
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, EveryVideoMode, testing::Values(Mode::Remote, Mode::Delta), mode_name);
 
 /// The reference's rays and the client's rasteriser disagree about pixels through which the edge of an object
 /// or a shadow runs: the oracle's band. Elsewhere masks of positions are exact.

@@ -6,6 +6,7 @@
 // Gaming Using GPU Offload", MobiSys 2015). Pixels that the server's picture does not cover have no shadows.
 #include "vr_client/modes/video.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -28,21 +29,21 @@ VideoChain::VideoChain() : decoder_(make_decoder()) {}
 
 const Image<Rgb8>* VideoChain::take(FrameId frame, FrameId after, std::span<const std::byte> unit,
                                     Extent size) {
-  const std::optional<FrameId> last = std::exchange(last_, std::nullopt);
+  const std::optional<Extent> last = std::exchange(size_, std::nullopt);
   if (after == frame)
     decoder_.reset();  // a key frame depends on no other
-  else if (after != last)
-    return nullptr;
+  else if (last != size)
+    return nullptr;  // the key frame of this size is lost
   const Expected<const Image<Rgb8>*> picture = decoder_.decode(unit);
   if (!picture || (*picture)->size != size) return nullptr;
-  last_ = frame;
+  size_ = size;
   return *picture;
 }
 
 namespace {
 
-/// The part that both modes share. It requests coded pictures, decodes them in order and requests a key frame
-/// after a loss.
+/// The part that both modes share. It requests coded pictures and decodes them in order. It requests a key
+/// frame only if the decoder cannot go on without one.
 class VideoStream {
  public:
   /// `answer` is Video or Difference. Throws if the build has no decoder, which open_client refuses before.
@@ -69,6 +70,8 @@ class VideoStream {
   [[nodiscard]] Duration decoding() const { return decoding_; }
 
  private:
+  [[nodiscard]] Coding needed_coding() const;
+  [[nodiscard]] bool is_due(const RequestRecord& frame, std::span<const RequestRecord* const> newer);
   void decode(const RequestRecord& frame);
 
   const RunContext& context_;
@@ -76,6 +79,10 @@ class VideoStream {
   Exchange exchange_;
   VideoChain chain_;
   std::optional<Picture> picture_;
+  std::optional<FrameId>
+      key_asked_;  ///< the frame that requested a key frame, until its unit has been decoded
+  std::optional<FrameId> reported_;  ///< the newest frame whose report has come before all of its parts
+  std::optional<FrameId> tried_;     ///< the newest frame that was given to the decoder
   Duration decoding_{};
 };
 
@@ -88,25 +95,42 @@ const FrameRequest* VideoStream::request(const FrameInputs& inputs) {
       exchange_.plan(inputs, {.kind = answer_,
                               .bits_per_second = context_.mode.bits_per_second,
                               .interval = interval,
-                              .coding = chain_.next()});
+                              .coding = needed_coding()});
+  if (request != nullptr && request->answer.coding == Coding::Alone) key_asked_ = request->frame;
   exchange_.send(inputs);
   return request;
+}
+
+/// While a requested key frame may still come, the pictures after it need no other.
+Coding VideoStream::needed_coding() const {
+  return key_asked_ ? Coding::AfterLast : chain_.next();
 }
 
 void VideoStream::collect(const FrameInputs& inputs) {
   const auto received = exchange_.receive(inputs);
   const Stopwatch watch;
-  for (auto oldest_first = received.rbegin(); oldest_first != received.rend(); ++oldest_first) {
-    const RequestRecord* const frame = *oldest_first;
-    const bool is_newer_picture = !picture_ || is_newer(frame->request.frame, picture_->request.frame);
-    if (is_newer_picture && frame->video.complete()) decode(*frame);
+  for (std::size_t newer = received.size(); newer-- > 0;) {
+    const RequestRecord& frame = *received[newer];
+    if (tried_ && !is_newer(frame.request.frame, *tried_)) continue;
+    if (is_due(frame, received.first(newer))) decode(frame);
   }
   decoding_ = watch.elapsed();
   if (const RequestRecord* const shown = this->received()) exchange_.drawn_with(inputs, *shown);
 }
 
+/// A unit that lacks parts is decoded when a newer one is complete or reported, or one display frame after
+/// its report. The report was sent last, but jitter may deliver it before the parts.
+bool VideoStream::is_due(const RequestRecord& frame, std::span<const RequestRecord* const> newer) {
+  const auto is_over = [](const RequestRecord* record) { return record->video.complete() || record->report; };
+  if (frame.video.complete() || std::ranges::any_of(newer, is_over)) return true;
+  if (!frame.report) return false;
+  return std::exchange(reported_, frame.request.frame) == frame.request.frame;
+}
+
 void VideoStream::decode(const RequestRecord& frame) {
   const FrameId id = frame.request.frame;
+  tried_ = id;
+  if (key_asked_ && !is_newer(*key_asked_, id)) key_asked_.reset();
   const Extent eye = frame.request.views[0].size;
   const Image<Rgb8>* const picture =
       chain_.take(id, frame.video.after, frame.video.unit, side_by_side_size(eye));

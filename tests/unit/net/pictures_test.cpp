@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 
 #include "stereo/net/assembler.h"
@@ -49,7 +50,7 @@ Datagrams finished(FramePacker& packer, std::uint32_t frame) {
 Datagrams video_datagrams(std::uint32_t frame, std::uint32_t after, std::span<const std::byte> unit) {
   FramePacker packer;
   packer.begin();
-  packer.add(FrameId{frame}, FrameId{after}, unit);
+  packer.add(FrameId{frame}, FrameId{after}, video_parts(unit));
   return finished(packer, frame);
 }
 
@@ -122,14 +123,73 @@ TEST(PictureAssembly, GivesBackACodedPictureOfAnySizeInAnyOrder) {
   }
 }
 
-TEST(PictureAssembly, APictureThatLacksAPartIsNotComplete) {
-  const Datagrams datagrams = video_datagrams(8, 8, noise(3 * kVideoPart_bytes));
-  Assembler assembler;
-  assembler.expect(request(8, Answer::Difference), {3}, kFirstLightSet);
-  for (std::size_t i = 0; i < datagrams.size(); ++i)
-    if (i != 1) accept(assembler, datagrams[i]);
-  EXPECT_TRUE(assembler.find({8})->anything_known());
-  EXPECT_FALSE(assembler.find({8})->complete());
+/// A unit of NAL units with these lengths, each a start code and its number.
+std::vector<std::byte> nal_units(std::initializer_list<std::size_t> lengths) {
+  std::vector<std::byte> unit;
+  std::uint8_t number = 1;
+  for (const std::size_t length : lengths) {
+    unit.insert(unit.end(), {std::byte{0}, std::byte{0}, std::byte{1}});
+    unit.insert(unit.end(), length - 3, static_cast<std::byte>(++number));
+  }
+  return unit;
+}
+
+std::vector<std::size_t> part_sizes(std::span<const std::byte> unit) {
+  std::vector<std::size_t> sizes;
+  for (const auto& part : video_parts(unit)) sizes.push_back(part.size());
+  return sizes;
+}
+
+TEST(VideoParts, HoldWholeNalUnits) {
+  using Sizes = std::vector<std::size_t>;
+  EXPECT_EQ(part_sizes({}), Sizes{});
+  EXPECT_EQ(part_sizes(nal_units({10, 20})), Sizes{30}) << "as many as fit";
+  EXPECT_EQ(part_sizes(nal_units({1000, 140, 10, 900})), (Sizes{1140, 910}));
+  EXPECT_EQ(part_sizes(nal_units({kVideoPart_bytes, 10})), (Sizes{kVideoPart_bytes, 10})) << "exactly full";
+  EXPECT_EQ(part_sizes(nal_units({kVideoPart_bytes - 1, 10})), (Sizes{kVideoPart_bytes - 1, 10}));
+  EXPECT_EQ(part_sizes(nal_units({kVideoPart_bytes + 1, 10})), (Sizes{kVideoPart_bytes, 11}))
+      << "one that fits into no part is cut";
+  EXPECT_EQ(part_sizes(nal_units({10, 3000, 20})),
+            (Sizes{10, kVideoPart_bytes, kVideoPart_bytes, 3020 - 2 * kVideoPart_bytes}));
+}
+
+TEST(PictureAssembly, ZerosFillUpAPartAndReplaceALostOne) {
+  const std::vector<std::byte> unit = nal_units({700, 800, 900, 50});
+  const Datagrams datagrams = video_datagrams(8, 8, unit);
+  ASSERT_EQ(datagrams.size(), 4u) << "three parts and the report";
+  Assembler assembler(Assembler::kKept + 1);
+  const auto received = [&](std::uint32_t lost) {
+    static std::uint32_t frame = 8;
+    ++frame;
+    assembler.expect(request(frame, Answer::Difference), {3}, kFirstLightSet);
+    const Datagrams sent = video_datagrams(frame, frame, unit);
+    for (std::size_t i = 0; i < sent.size(); ++i)
+      if (i != lost) accept(assembler, sent[i]);
+    return *assembler.find({frame});
+  };
+  const auto with = [&](std::initializer_list<std::size_t> nals) {
+    std::vector<std::byte> expected(2 * kVideoPart_bytes + 950);
+    std::size_t at = 0;
+    for (const std::size_t part : {0u, 1u, 2u}) {
+      const std::size_t bytes = std::array{700u, 800u, 950u}.at(part);
+      if (std::ranges::count(nals, part) > 0)
+        std::copy_n(unit.begin() + static_cast<std::ptrdiff_t>(at), bytes,
+                    expected.begin() + static_cast<std::ptrdiff_t>(part * kVideoPart_bytes));
+      at += bytes;
+    }
+    return expected;
+  };
+  EXPECT_TRUE(received(99).complete());
+  EXPECT_EQ(received(99).video.unit, with({0, 1, 2}));
+  for (int round = 0; round < 8; ++round) {  // slots are used again
+    const RequestRecord lacking = received(1);
+    EXPECT_TRUE(lacking.anything_known());
+    EXPECT_FALSE(lacking.complete());
+    EXPECT_EQ(lacking.video.unit, with({0, 2}));
+  }
+  const RequestRecord without_end = received(2);
+  EXPECT_EQ(without_end.video.unit.size(), 3 * kVideoPart_bytes)
+      << "the length of the last part is not known";
 }
 
 TEST(PictureAssembly, RefusesUnrequestedPieces) {

@@ -23,6 +23,7 @@ PerEye<Image<Rgb8>> grey(Extent eye, std::uint8_t level) {
 struct Coded {
   FrameId after;
   std::vector<std::byte> unit;
+  std::vector<std::vector<std::byte>> parts;
 };
 
 /// No value if the unit could not be sent.
@@ -49,6 +50,7 @@ std::optional<Coded> code(Streams& streams, FrameId frame, const PerEye<Image<Rg
     if (part == nullptr) continue;
     coded.after = part->after;
     coded.unit.insert(coded.unit.end(), part->bytes.begin(), part->bytes.end());
+    coded.parts.emplace_back(part->bytes.begin(), part->bytes.end());
   }
   return coded;
 }
@@ -82,6 +84,24 @@ TEST_F(StreamsCode, EachSessionHasItsOwn) {
 TEST_F(StreamsCode, AnotherSizeBeginsAnew) {
   EXPECT_EQ(code(streams_, {1}, grey(kEye, 40))->after, FrameId{1});
   EXPECT_EQ(code(streams_, {2}, grey({96, 48}, 40))->after, FrameId{2});
+}
+
+/// So what has come can be decoded although other parts are lost.
+TEST_F(StreamsCode, EachPartBeginsWithASlice) {
+  PerEye<Image<Rgb8>> noise = grey({256, 256}, 0);
+  std::mt19937 random(7);
+  for (std::uint32_t frame = 1; frame <= 30; ++frame) {
+    for (Image<Rgb8>& image : noise)
+      for (Rgb8& pixel : image.pixels) pixel = Rgb8(100 + random() % 60);
+    const Coded coded = *code(streams_, {frame}, noise);
+    ASSERT_GT(coded.parts.size(), 10u);
+    for (const std::vector<std::byte>& part : coded.parts) {
+      const bool is_long = part[2] == std::byte{0};
+      EXPECT_EQ(part[0], std::byte{0});
+      EXPECT_EQ(part[1], std::byte{0});
+      EXPECT_EQ(part[is_long ? 3 : 2], std::byte{1}) << "frame " << frame;
+    }
+  }
 }
 
 /// The encoder continues after a picture that had too many bytes to send; the client must be told.

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <functional>
+#include <optional>
 #include <random>
 
 #include "stereo/image/difference.h"
@@ -129,7 +132,7 @@ TEST(Video, KeyFrameIsDecodedWithoutEarlierPictures) {
   EXPECT_GT(psnr_db(picture, **decoded), 30.0);
 }
 
-TEST(Video, RecoversFromALostUnitByAKeyFrame) {
+TEST(Video, AfterAResetOnlyAKeyFrameIsDecoded) {
   VideoEncoder coder = encoder({kSize, 20'000'000, 72});
   const std::vector<Unit> units = units_of(coder, 5);
   VideoDecoder back = decoder();
@@ -142,6 +145,107 @@ TEST(Video, RecoversFromALostUnitByAKeyFrame) {
   const auto decoded = back.decode(unit_of(coder, next));
   ASSERT_TRUE(decoded.has_value()) << decoded.error().what;
   EXPECT_GT(psnr_db(next, **decoded), 30.0);
+}
+
+// Losses: the intra refresh heals them without a key frame.
+
+/// The places at which NAL units begin.
+std::vector<std::size_t> nal_units(const Unit& unit) {
+  constexpr std::array start{std::byte{0}, std::byte{0}, std::byte{1}};
+  std::vector<std::size_t> places;
+  for (auto at = unit.begin(); (at = std::search(at, unit.end(), start.begin(), start.end())) != unit.end();
+       at += start.size())
+    places.push_back(static_cast<std::size_t>(at - unit.begin()));
+  return places;
+}
+
+/// The unit with zeros in place of one of its NAL units.
+Unit without(Unit unit, std::size_t nal_unit) {
+  const std::vector<std::size_t> places = nal_units(unit);
+  const std::size_t end = nal_unit + 1 < places.size() ? places[nal_unit + 1] : unit.size();
+  std::fill(unit.begin() + static_cast<std::ptrdiff_t>(places.at(nal_unit)),
+            unit.begin() + static_cast<std::ptrdiff_t>(end), std::byte{0});
+  return unit;
+}
+
+/// Codes the drawn scene. One decoder gets all units, another one what `received` makes of unit kLost.
+/// Returns the PSNR between both decoders' pictures, for each unit from the lost one on.
+constexpr int kLost = 30;
+std::vector<double> damage_dB(const std::function<std::optional<Unit>(const Unit&)>& received) {
+  VideoEncoder coder = encoder({kSize, 8'000'000, 72, 400});
+  VideoDecoder whole = decoder(), lossy = decoder();
+  std::vector<double> psnr;
+  for (int frame = 0; frame < kLost + 3 * static_cast<int>(kRefresh_pictures); ++frame) {
+    const Unit sent = unit_of(coder, drawn(kSize, frame));
+    const Image<Rgb8> truth = **whole.decode(sent);
+    const std::optional<Unit> unit = frame == kLost ? received(sent) : sent;
+    if (!unit) continue;
+    const auto decoded = lossy.decode(*unit);
+    if (!decoded) throw std::runtime_error(decoded.error().what);
+    if (frame >= kLost) psnr.push_back(psnr_db(truth, **decoded));
+  }
+  return psnr;
+}
+
+/// The number of pictures after which all are whole.
+std::size_t healed_after(const std::vector<double>& psnr) {
+  const auto last = std::find_if(psnr.rbegin(), psnr.rend(), [](double dB) { return dB < 60; });
+  return static_cast<std::size_t>(psnr.rend() - last);
+}
+
+TEST(VideoRefresh, HealsALostUnitWithinTwoPasses) {
+  const std::vector<double> psnr = damage_dB([](const Unit&) { return std::nullopt; });
+  EXPECT_LT(psnr[0], 40) << "it is damaged first";
+  EXPECT_GT(*std::ranges::min_element(psnr), 15) << "but shows the scene";
+  EXPECT_LE(healed_after(psnr), 2 * kRefresh_pictures);
+}
+
+TEST(VideoRefresh, HealsALostSliceWithinTwoPasses) {
+  for (const std::size_t slice : {1u, 4u}) {
+    const std::vector<double> psnr = damage_dB([&](const Unit& unit) {
+      EXPECT_GT(nal_units(unit).size(), 6u);
+      return without(unit, slice);
+    });
+    EXPECT_LT(psnr[0], 60) << "it is damaged first";
+    EXPECT_GT(*std::ranges::min_element(psnr), 20) << "a small part of the picture";
+    EXPECT_LE(healed_after(psnr), 2 * kRefresh_pictures);
+  }
+}
+
+TEST(VideoRefresh, NeedsNoKeyFrames) {
+  VideoEncoder coder = encoder({kSize, 5'000'000, 72});
+  VideoDecoder late = decoder();
+  const std::vector<Unit> units = units_of(coder, 3 * kRefresh_pictures);
+  for (std::size_t i = 1; i < units.size(); ++i)
+    ASSERT_EQ(fault_of(late.decode(units[i])), Fault::Missing) << i << " is a key frame";
+}
+
+TEST(VideoRefresh, SaysWhatWasConcealed) {
+  VideoEncoder coder = encoder({kSize, 8'000'000, 72, 400});
+  VideoDecoder back = decoder();
+  const std::vector<Unit> units = units_of(coder, 3);
+  ASSERT_TRUE(back.decode(units[0]).has_value());
+  EXPECT_FALSE(back.concealed());
+  ASSERT_TRUE(back.decode(without(units[1], 2)).has_value());
+  EXPECT_TRUE(back.concealed());
+  ASSERT_TRUE(back.decode(units[2]).has_value());
+  EXPECT_FALSE(back.concealed());
+}
+
+TEST(Video, SlicesAreNoLargerThanAsked) {
+  for (const std::uint32_t most : {300u, 1'084u}) {
+    VideoEncoder coder = encoder({kSize, 20'000'000, 72, most});
+    for (const Unit& unit : units_of(coder, 8)) {
+      std::vector<std::size_t> places = nal_units(unit);
+      EXPECT_GT(places.size(), 3u);
+      places.push_back(unit.size());
+      // The first key frame begins with parameter sets and the encoder's settings.
+      for (std::size_t i = 0; i + 1 < places.size(); ++i) {
+        const bool is_settings = (unit[places[i] + 3] & std::byte{0x1f}) == std::byte{6};
+        EXPECT_TRUE(is_settings || places[i + 1] - places[i] <= most) << i;
+      }
+    }
+  }
 }
 
 TEST(Video, SamePicturesGiveTheSameBytes) {
@@ -186,6 +290,7 @@ TEST(Video, RefusesFormatsItCannotMake) {
   EXPECT_EQ(fault({kSize, 0, 72}), Fault::OutOfRange);
   EXPECT_EQ(fault({kSize, 1'000'000, 0}), Fault::OutOfRange);
   EXPECT_EQ(fault({kSize, 1'000'000, std::nan("")}), Fault::OutOfRange);
+  EXPECT_EQ(fault({kSize, 1'000'000, 72, 199}), Fault::OutOfRange);
 }
 
 // Damaged units: units come from the network.
@@ -193,30 +298,31 @@ TEST(Video, RefusesFormatsItCannotMake) {
 /// A key frame and the frame after it, small enough to keep the tests below short.
 struct TwoUnits {
   TwoUnits() {
-    VideoEncoder coder = encoder({{64, 48}, 20'000'000, 72});
+    VideoEncoder coder = encoder({{64, 48}, 20'000'000, 72, 300});
     key = unit_of(coder, drawn({64, 48}, 0));
     next = unit_of(coder, drawn({64, 48}, 1));
   }
   Unit key, next;
 };
 
-/// Arithmetic decoding reads on into the zeros after the end of a unit. So its last block may decode without
-/// its bytes.
-constexpr std::size_t kLastBlock_bytes = 32;
-
-TEST(VideoDecoder, RefusesTruncations) {
+/// What comes of a unit whose end is lost. Arithmetic decoding reads on into the zeros after the end, so it
+/// may not notice that a slice is cut. It notices that slices are missing.
+TEST(VideoDecoder, RefusesOrConcealsTruncations) {
   const TwoUnits units;
   VideoDecoder back = decoder();
-  for (std::size_t length = 0; length < units.key.size(); ++length) {
-    const auto decoded = back.decode(std::span(units.key).first(length));
-    EXPECT_TRUE(!decoded || length + kLastBlock_bytes > units.key.size())
-        << length << " of " << units.key.size();
-  }
+  const auto is_fine = [&](const Unit& unit, std::size_t length) {
+    const auto decoded = back.decode(std::span(unit).first(length));
+    if (!decoded) return true;
+    return (*decoded)->size == Extent{64, 48} &&
+           (back.concealed() || std::ranges::count(nal_units(unit), length) == 0);
+  };
+  ASSERT_GT(nal_units(units.next).size(), 3u);
+  for (std::size_t length = 0; length < units.key.size(); ++length)
+    EXPECT_TRUE(is_fine(units.key, length)) << length << " of " << units.key.size();
   for (std::size_t length = 0; length < units.next.size(); ++length) {
     ASSERT_TRUE(back.decode(units.key).has_value()) << "the decoder recovers";
-    const auto decoded = back.decode(std::span(units.next).first(length));
-    EXPECT_TRUE(!decoded || length + kLastBlock_bytes > units.next.size())
-        << length << " of " << units.next.size();
+    EXPECT_FALSE(back.concealed());
+    EXPECT_TRUE(is_fine(units.next, length)) << length << " of " << units.next.size();
   }
 }
 

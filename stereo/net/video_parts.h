@@ -1,0 +1,17 @@
+/// Cuts a coded picture into the parts that VideoParts carry. A part begins where a NAL unit begins, so what
+/// has come can be decoded although other parts are lost.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace farshade {
+
+using VideoUnitParts = std::vector<std::span<const std::byte>>;
+
+/// The parts of an access unit in Annex B, in order; they point into it. Each has as many whole NAL units as
+/// fit into kVideoPart_bytes. A NAL unit that fits into no part is cut.
+[[nodiscard]] VideoUnitParts video_parts(std::span<const std::byte> unit);
+
+}  // namespace farshade
