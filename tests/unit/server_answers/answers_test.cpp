@@ -92,7 +92,7 @@ TEST_F(StreamsCode, EachPartBeginsWithASlice) {
   std::mt19937 random(7);
   for (std::uint32_t frame = 1; frame <= 30; ++frame) {
     for (Image<Rgb8>& image : noise)
-      for (Rgb8& pixel : image.pixels) pixel = Rgb8(100 + random() % 60);
+      for (Rgb8& pixel : image.pixels) pixel = Rgb8(static_cast<std::uint8_t>(100 + random() % 60));
     const Coded coded = *code(streams_, {frame}, noise);
     ASSERT_GT(coded.parts.size(), 10u);
     for (const std::vector<std::byte>& part : coded.parts) {
