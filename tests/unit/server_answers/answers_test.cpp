@@ -192,6 +192,21 @@ TEST_F(ServerAnswers, AReopenedDeviceDrawsTheSamePicture) {
   for (std::size_t eye = 0; eye < kEyes; ++eye) EXPECT_EQ(before[eye].pixels, after[eye].pixels) << eye;
 }
 
+/// A guard band changes the size of pictures, and a hostile client may change it with each request. Few
+/// renderers are kept; a size that comes back gives the same picture.
+TEST_F(ServerAnswers, SizesThatComeBackGiveTheSamePicture) {
+  AnswerRenderer renderer({.scene = scene_, .plan = plan_, .tracer = tracer_});
+  if (const Expected<void> can = renderer.can_draw(); !can) GTEST_SKIP() << can.error().what;
+  const auto drawn = [&](std::uint32_t width) {
+    for (View& view : job_.request.views) view.size = {width, 48};
+    return renderer.draw(job_.request).renderer.read_shown();
+  };
+  std::vector<PerEye<Image<Rgb8>>> first;
+  constexpr std::uint32_t sizes = 6;  // more than are kept
+  for (std::uint32_t i = 0; i < sizes; ++i) first.push_back(drawn(48 + 16 * i));
+  for (std::uint32_t i = 0; i < sizes; ++i) EXPECT_EQ(drawn(48 + 16 * i), first[i]) << i;
+}
+
 /// An answer that no codec and no device can make does not end the server.
 TEST_F(ServerAnswers, AnswersThatCannotBeMadeAreLeftOut) {
   if (!has_video()) GTEST_SKIP() << video_version();

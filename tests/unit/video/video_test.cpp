@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
@@ -351,6 +352,31 @@ TEST(VideoDecoder, OutlivesDamageAndNoise) {
   back.reset();
   EXPECT_TRUE(back.decode(units.key).has_value());
   EXPECT_TRUE(back.decode(units.next).has_value());
+}
+
+/// Losses as a network makes them, among them slices of the first key frame and whole key frames of new
+/// sizes.
+TEST(VideoDecoder, OutlivesLossesOfSlicesAndSizes) {
+  constexpr std::uint64_t seed = 7'201;
+  SCOPED_TRACE(seed);
+  std::mt19937_64 random(seed);
+  VideoDecoder back = decoder();
+  int pictures = 0;
+  for (const Extent size : {Extent{128, 64}, Extent{160, 96}, Extent{96, 96}, Extent{128, 64}}) {
+    VideoEncoder coder = encoder({size, 20'000'000, 72, 300});
+    for (int frame = 0; frame < 40; ++frame) {
+      Unit unit = unit_of(coder, drawn(size, frame), frame % 16 == 15 ? KeyFrame::Now : KeyFrame::IfNeeded);
+      if (random() % 8 == 0) continue;
+      const std::uint64_t most = random() % 3 == 0 ? nal_units(unit).size() - 1 : 2;
+      for (std::uint64_t lost = random() % (most + 1); lost > 0; --lost)
+        unit = without(unit, random() % nal_units(unit).size());
+      const auto decoded = back.decode(unit);
+      if (!decoded) continue;
+      ++pictures;
+      ASSERT_EQ((*decoded)->pixels.size(), (*decoded)->size.pixels());
+    }
+  }
+  EXPECT_GT(pictures, 80);
 }
 
 // Both eyes are in one picture.
