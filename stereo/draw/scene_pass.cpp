@@ -222,7 +222,7 @@ void ScenePass::record(const vk::raii::CommandBuffer& commands, Extent size,
 void ScenePass::draw_instance(const vk::raii::CommandBuffer& commands, const Draw& draw) const {
   const std::uint32_t mesh_index = scene_.instances[draw.instance].mesh;
   const Material& material = scene_.materials[scene_.meshes[mesh_index].material];
-  const DeviceMesh& mesh = buffers_.meshes[scene_.instances[i].mesh];
+  const DeviceMesh& mesh = buffers_.meshes[mesh_index];
   const SceneVariant variant = variant_of(mesh_index);
   commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipelines_.at(variant));
   if (variant.textured)

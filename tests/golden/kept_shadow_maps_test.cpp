@@ -136,7 +136,7 @@ TEST_F(KeptShadowMaps, AreRestoredWithoutTheVerticesOfFixedInstances) {
   };
   const std::uint64_t first = bytes_read(0), none = bytes_read(0), restored = bytes_read(100);
   const auto bytes_of = [](const Mesh& mesh) {
-    return mesh.positions.size() * sizeof(glm::vec3) + mesh.triangles.size() * sizeof(glm::uvec3);
+    return mesh.positions.size() * sizeof(glm::vec3) + mesh.triangles.size() * 3 * sizeof(std::uint16_t);
   };
   const std::uint64_t ground = bytes_of(scene.meshes[0]), moving = bytes_of(scene.meshes[1]);
   EXPECT_EQ(first - none, ground + moving);

@@ -52,16 +52,20 @@ TEST(SurfaceDistance, AgreesWithASearchOverAllTriangles) {
   }
 }
 
-TEST(Weld, JoinsFacetsAndKeepsSeams) {
-  const Mesh smooth = bumpy_sphere(6);
-  const Mesh facets = faceted(smooth);
+TEST(Weld, JoinsTheFacetsOfASmoothSurface) {
+  const Mesh smooth = grid_mesh(
+      24, 24, [](float u, float v) { return glm::vec3(u, 0.1f * std::sin(6 * u) * std::cos(5 * v), v); });
+  Mesh facets = faceted(smooth);
   const WeldedMesh welded = weld(facets);
-  EXPECT_LT(welded.vertices.size(), smooth.positions.size() * 5 / 4) << "facets of small angles are joined";
-  for (std::size_t i = 0; i < welded.triangles.size(); ++i)
-    for (const std::uint32_t corner : {welded.triangles[i].x, welded.triangles[i].y, welded.triangles[i].z})
-      ASSERT_LT(corner, welded.vertices.size());
-  EXPECT_LT(std::ranges::count(welded.on_seam, true),
-            static_cast<std::ptrdiff_t>(welded.on_seam.size() / 10));
+  EXPECT_EQ(welded.vertices.size(), smooth.positions.size());
+  EXPECT_TRUE(std::ranges::none_of(welded.on_seam, [](bool seam) { return seam; }));
+  for (const glm::uvec3& t : welded.triangles) ASSERT_LT(std::max({t.x, t.y, t.z}), welded.vertices.size());
+  // Other texture coordinates at the same place are a seam.
+  for (std::size_t i = 0; i < facets.positions.size(); ++i) facets.uvs.emplace_back(i < 900 ? 0 : 1, 0);
+  const WeldedMesh cut = weld(facets);
+  EXPECT_GT(cut.vertices.size(), welded.vertices.size());
+  EXPECT_EQ(static_cast<std::size_t>(std::ranges::count(cut.on_seam, true)),
+            2 * (cut.vertices.size() - welded.vertices.size()));
 }
 
 TEST(Weld, KeepsHardEdgesApart) {
