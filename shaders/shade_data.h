@@ -15,22 +15,22 @@
 
 // Ids of the specialisation constants.
 #define FARSHADE_CONSTANT_LIGHTS 0
-#define FARSHADE_CONSTANT_WORD_BYTES 1           // of a mask: 1, 2 or 4
-#define FARSHADE_CONSTANT_PASS 2                 // FARSHADE_PASS_*
-#define FARSHADE_CONSTANT_OTHER_EYE 3            // masks traced for the other eye are sources, too
-#define FARSHADE_CONSTANT_RANGES_AND_CONES 4     // some light has a range or a cone
-#define FARSHADE_CONSTANT_NEAR 5                 // distance of the near plane, metres
-#define FARSHADE_CONSTANT_UNKNOWN_VISIBILITY 6   // factor of the guess for unknown visibility
-#define FARSHADE_CONSTANT_EYE 7                  // 0 left, 1 right
-#define FARSHADE_CONSTANT_WHOLE 8                // every tile of every mask is known
-#define FARSHADE_CONSTANT_MOVED 9                // something has moved since a mask in use was traced
-#define FARSHADE_CONSTANT_NEIGHBOURS 10          // points that no view saw take bits from a neighbour
-#define FARSHADE_CONSTANT_EDGES 11               // shadow edges are filtered
-#define FARSHADE_CONSTANT_SHARPNESS 12           // contrast of a filtered shadow edge
-#define FARSHADE_CONSTANT_EDGE_BIT 13            // the first of a mask's four edge bits: mask_edges.h
-#define FARSHADE_CONSTANT_MAP_SIDE 14            // texels of a shadow map
-#define FARSHADE_CONSTANT_PCF_RADIUS 15          // texels
-#define FARSHADE_CONSTANT_DETAIL 16              // limit of the geometric error of what is drawn, pixels
+#define FARSHADE_CONSTANT_WORD_BYTES 1          // of a mask: 1, 2 or 4
+#define FARSHADE_CONSTANT_PASS 2                // FARSHADE_PASS_*
+#define FARSHADE_CONSTANT_OTHER_EYE 3           // masks traced for the other eye are sources, too
+#define FARSHADE_CONSTANT_RANGES_AND_CONES 4    // some light has a range or a cone
+#define FARSHADE_CONSTANT_NEAR 5                // distance of the near plane, metres
+#define FARSHADE_CONSTANT_UNKNOWN_VISIBILITY 6  // factor of the guess for unknown visibility
+#define FARSHADE_CONSTANT_EYE 7                 // 0 left, 1 right
+#define FARSHADE_CONSTANT_WHOLE 8               // every tile of every mask is known
+#define FARSHADE_CONSTANT_MOVED 9               // something has moved since a mask in use was traced
+#define FARSHADE_CONSTANT_NEIGHBOURS 10         // points that no view saw take bits from a neighbour
+#define FARSHADE_CONSTANT_EDGES 11              // shadow edges are filtered
+#define FARSHADE_CONSTANT_SHARPNESS 12          // contrast of a filtered shadow edge
+#define FARSHADE_CONSTANT_EDGE_BIT 13           // the first of a mask's four edge bits: mask_edges.h
+#define FARSHADE_CONSTANT_MAP_SIDE 14           // texels of a shadow map
+#define FARSHADE_CONSTANT_PCF_RADIUS 15         // texels
+#define FARSHADE_CONSTANT_DETAIL 16             // limit of the geometric error of what is drawn, pixels
 #define FARSHADE_CONSTANTS 17
 
 // The report: one record of 32-bit words per pixel, the left eye's pixels first. A record begins with these

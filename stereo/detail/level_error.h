@@ -49,7 +49,7 @@ class LevelError {
   std::span<const glm::vec3> positions_;
   SurfaceDistance full_;
   float spacing_ = 0;                          ///< of the points on large triangles
-  std::vector<Sample> on_large_;            ///< points on the large triangles of the full mesh
+  std::vector<Sample> on_large_;               ///< points on the large triangles of the full mesh
   std::vector<bool> used_;                     ///< by the level before
   std::vector<std::uint32_t> removed_before_;  ///< vertices that the level before was the first to lack
   std::vector<float> errors_;                  ///< of the levels before

@@ -118,6 +118,14 @@ void add_frame(Times& times, const DrawTimes& drawn, double decode_ms) {
   times.depth.push_back(ms_of(drawn.depth));
 }
 
+SceneLevels levels_for(const Scene& scene, const Options& options) {
+  if (options.detail_px <= 0) return {};
+  const Stopwatch watch;
+  SceneLevels levels = make_levels(scene);
+  std::printf("levels of detail made in %.0f ms\n", ms_of(watch.elapsed()));
+  return levels;
+}
+
 Expected<void> run(const Options& options) {
   const Expected<Scene> scene = load_scene(options.scene);
   if (!scene) return tl::unexpected(scene.error());
@@ -133,11 +141,8 @@ Expected<void> run(const Options& options) {
   const auto lights = static_cast<std::uint32_t>(scene->lights.size());
   const Extent size{options.side_px, options.side_px};
   const RendererLimits limits{size, largest_traced(size), kRing_frames};
-  DrawPlan draw_plan = plan_for(*scene, {.all_lights = true}).draw;
-  draw_plan.detail_px = options.detail_px;
-  const Stopwatch building;
-  const SceneLevels levels = options.detail_px > 0 ? make_levels(*scene) : SceneLevels{};
-  std::printf("levels of detail made in %.0f ms\n", ms_of(building.elapsed()));
+  DrawPlan draw_plan = plan_for(*scene, {.all_lights = true, .detail_px = options.detail_px}).draw;
+  const SceneLevels levels = levels_for(*scene, options);
   Renderer renderer(*device, *scene, draw_plan, limits, levels);
   RequestPlan plan(RequestSettings{});
   plan.learn(kPeriod * kLate_frames);
@@ -169,13 +174,12 @@ Expected<void> run(const Options& options) {
     const DrawTimes drawn = renderer.draw(frame);
     times.counters = renderer.counters();
     if (masks.empty()) continue;
-    const bool counts = number > warm_up;
     for (CarryOverMode& mode : times.modes) {
-      const DrawTimes again = renderer.shade_again(
-          {.views = shown.views, .state = state, .masks = masks, .carry_over = mode.carry_over});
-      if (counts) mode.ms.push_back(ms_of(again.shade));
+      frame.carry_over = mode.carry_over;
+      const DrawTimes again = renderer.shade_again(frame);
+      if (number > warm_up) mode.ms.push_back(ms_of(again.shade));
     }
-    if (!counts) continue;
+    if (number <= warm_up) continue;
     add_frame(times, drawn, collect);
     times.full_gbuffer.push_back(ms_of(full.gbuffer));
     times.full_depth.push_back(ms_of(full.depth));

@@ -176,6 +176,18 @@ double Played::mean_of(double PlayedFrame::*share) const {
   return shown == 0 ? 0 : sum / static_cast<double>(shown);
 }
 
+namespace {
+
+std::unique_ptr<Renderer> renderer_for(const Play& play, std::uint32_t in_flight) {
+  const float detail_px = play.levels == nullptr ? 0 : play.detail_px;
+  return std::make_unique<Renderer>(
+      play.device, play.scene, plan_for(play.scene, {.all_lights = true, .detail_px = detail_px}).draw,
+      RendererLimits{.size = play.size, .traced_size = largest_traced(play.size), .depth_frames = in_flight},
+      detail_px > 0 ? *play.levels : SceneLevels{});
+}
+
+}  // namespace
+
 Played play(const Play& play, const Network& network) {
   ManualClock clock;
   VirtualLink wire(clock, {.to_server = network.model, .to_client = network.model});
@@ -184,11 +196,8 @@ Played play(const Play& play, const Network& network) {
   if (play.reference_every > 0) reference.emplace(value_of(Tracer::create_reference(play.scene)));
   if (play.mode.mode == Mode::Full) own_tracer.emplace(value_of(Tracer::create(play.scene)));
   const std::uint32_t in_flight = kLongestRoundTrip_frames + narrow<std::uint32_t>(kMaxMasks) + 4;
-  const float detail_px = play.levels == nullptr ? 0 : play.detail_px;
-  Renderer renderer(play.device, play.scene,
-                    plan_for(play.scene, {.all_lights = true, .detail_px = detail_px}).draw,
-                    {.size = play.size, .traced_size = largest_traced(play.size), .depth_frames = in_flight},
-                    detail_px > 0 ? *play.levels : SceneLevels{});
+  const std::unique_ptr<Renderer> drawn_by = renderer_for(play, in_flight);
+  Renderer& renderer = *drawn_by;
   NetworkLink link(
       wire.client(), clock,
       {wire.server().local(), server.key, play.scene.hash, {server.lights}, answers_for(play.mode.mode)},
