@@ -138,7 +138,6 @@ Expected<void> run(const Options& options) {
 
   const Rigid<Stage, Recorded> placed =
       scene->camera ? place(*recording, *scene->camera) : Rigid<Stage, Recorded>{};
-  const auto lights = static_cast<std::uint32_t>(scene->lights.size());
   const Extent size{options.side_px, options.side_px};
   const RendererLimits limits{size, largest_traced(size), kRing_frames};
   DrawPlan draw_plan = plan_for(*scene, {.all_lights = true, .detail_px = options.detail_px}).draw;
@@ -155,7 +154,7 @@ Expected<void> run(const Options& options) {
   for (std::uint32_t number = 1; number <= warm_up + options.frames; ++number) {
     const FrameRequest shown = shown_at(*recording, placed, number, options.side_px);
     const FrameRequest request = plan.ask(shown, kPeriod).value();
-    assembler.expect(request, {lights}, state.light_set.revision);
+    assembler.expect(request, {draw_plan.mask.lights}, state.light_set.revision);
     tracer->trace(request, traced);
     FrameReport report;
     report.frame = request.frame;
