@@ -172,17 +172,29 @@ Expected<void> export_head_recording(const Options& options) {
 }
 
 Expected<void> print_plan(const Options& options) {
-  double eye_distance_m = Headset{}.eye_distance_m;
+  Headset headset;
+  headset.eye_size = options.size;
+  headset.fov.fill(field_of_view(1.5, static_cast<double>(options.size.width) / options.size.height));
   if (!options.trace.empty()) {
     const Expected<HeadRecording> head = load_head_recording(options.trace, {options.trace_scale});
     if (!head) return tl::unexpected(head.error());
-    eye_distance_m = head->eye_distance_m;
+    headset.eye_distance_m = head->eye_distance_m;
+    headset.fov = head->fov;
   }
-  const Expected<PlannedScene> planned = load_planned(options, needs_of(options, eye_distance_m));
+  const Expected<PlannedScene> planned = load_planned(options, needs_of(options, headset.eye_distance_m));
   if (!planned) return tl::unexpected(planned.error());
-  const SceneLevels levels = levels_for(planned->scene, planned->plan);
-  fmt::print("{}  {:<12} {}\n", in_words(planned->plan, planned->scene), "memory",
-             in_words(client_memory(planned->scene, planned->plan.draw, renderer_limits(options), levels)));
+  const Scene& scene = planned->scene;
+  const SceneLevels levels = levels_for(scene, planned->plan);
+  const Rigid<Stage, Eye> camera = scene.camera.value_or(Rigid<Stage, Eye>{});
+  const StereoView views = views_of({camera.rotation, camera.translation}, headset);
+  const auto line = [](const char* what, const std::string& words) {
+    fmt::print("  {:<12} {}\n", what, words);
+  };
+  fmt::print("{}", in_words(planned->plan, scene));
+  line("triangles", fmt::format("{} of {} at the reference camera, both eyes",
+                                gbuffer_triangles(scene, planned->plan.draw, levels, views),
+                                gbuffer_triangles(scene, planned->plan.draw, {}, views)));
+  line("memory", in_words(client_memory(scene, planned->plan.draw, renderer_limits(options), levels)));
   return {};
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "stereo/detail/level_choice.h"
+#include "stereo/draw/frame_data.h"
 #include "stereo/draw/renderer.h"
 #include "stereo/draw/scene_buffers.h"
 #include "stereo/draw/shading_layout.h"
@@ -53,6 +55,29 @@ gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, con
   memory[Use::Report] = shading.report;
   memory[Use::ReadBack] = pixels * 4;
   return memory;
+}
+
+std::uint64_t gbuffer_triangles(const Scene& scene, const DrawPlan& plan, const SceneLevels& levels,
+                                const StereoView& views) {
+  const SceneState state = state_at(scene, Time{});
+  std::uint64_t triangles = 0;
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const std::uint32_t mesh = scene.instances[i].mesh;
+    const Bounds box = bounds_of(scene.meshes[mesh].positions);
+    const gpu::InstanceData data = instance_data(views, state.stage_from_object[i]);
+    const MeshLevels& own = levels_of(levels, mesh);
+    double px_per_unit = 0;
+    std::uint64_t eyes = 0;
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      if (!may_be_seen(data, eye, box)) continue;
+      ++eyes;
+      const double px = pixels_per_unit(glm::dmat4(data.clip_from_object[eye]), box, views[eye].size);
+      px_per_unit = std::max(px_per_unit, px);
+    }
+    const std::uint32_t level = choose_level(own.levels, px_per_unit, plan.detail_px, 0);
+    triangles += eyes * (level == 0 ? scene.meshes[mesh].triangles.size() : own.levels[level - 1].count);
+  }
+  return triangles;
 }
 
 std::uint64_t most_at_once(const gpu::BytesByUse& memory) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "stereo/detail/levels.h"
+#include "stereo/frame/view.h"
 #include "stereo/gpu/ledger.h"
 #include "stereo/plan/scene_plan.h"
 
@@ -29,6 +30,11 @@ struct DrawCounters {
 /// requested, and frees Staging once the scene is on the device.
 [[nodiscard]] gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& plan,
                                             const RendererLimits& limits, const SceneLevels& levels = {});
+
+/// The triangles that a first G-buffer of `views` at scene time 0 submits, for both eyes. `levels` are those
+/// of the scene, or empty.
+[[nodiscard]] std::uint64_t gbuffer_triangles(const Scene& scene, const DrawPlan& plan,
+                                              const SceneLevels& levels, const StereoView& views);
 
 /// The peak of the sum of all uses.
 [[nodiscard]] std::uint64_t most_at_once(const gpu::BytesByUse& memory);

@@ -206,7 +206,9 @@ DrawTimes Renderer::Parts::keep_depth(const FrameRequest& request, std::size_t s
   commands_.end();
   gpu::submit_and_wait(device_, commands_, fence_);
   read_distance(*place, request.views[0].size, into);
-  return {.depth = stamps_.between(0, 1), .total = watch.elapsed()};
+  return {.depth = stamps_.between(0, 1),
+          .total = watch.elapsed(),
+          .triangles = {.depth = depth_pass_->scene_pass().triangles()}};
 }
 
 DrawTimes Renderer::Parts::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {
@@ -232,10 +234,11 @@ DrawTimes Renderer::Parts::submit(const ShownFrame& frame, Stage stage) {
   else if (stage != Stage::Shade)
     gbuffer_.record(commands_, ring_, shown_depth_);
   stamps_.write(commands_, 1);
-  if (stage != Stage::Shade && requested_depth_) depth_pass_->record(commands_, ring_, *requested_depth_);
+  const bool draws_depth = stage != Stage::Shade && requested_depth_.has_value();
+  if (draws_depth) depth_pass_->record(commands_, ring_, *requested_depth_);
   stamps_.write(commands_, 2);
-  const bool with_maps = frame.shadow_maps != nullptr;
-  if (with_maps) shadow_maps_->record(commands_);
+  if (frame.shadow_maps != nullptr) shadow_maps_->record(commands_);
+  const bool draws_maps = frame.shadow_maps != nullptr && shadow_maps_->due();
   stamps_.write(commands_, 3);
   shading_.record(commands_, frame.report);
   stamps_.write(commands_, 4);
@@ -244,7 +247,10 @@ DrawTimes Renderer::Parts::submit(const ShownFrame& frame, Stage stage) {
   return {.gbuffer = stamps_.between(0, 1),
           .depth = stamps_.between(1, 2),
           .shade = stamps_.between(3, 4),
-          .maps = with_maps && shadow_maps_->due() ? stamps_.between(2, 3) : Duration{}};
+          .maps = draws_maps ? stamps_.between(2, 3) : Duration{},
+          .triangles = {.gbuffer = stage == Stage::Both ? gbuffer_.scene_pass().triangles() : 0,
+                        .depth = draws_depth ? depth_pass_->scene_pass().triangles() : 0,
+                        .maps = draws_maps ? shadow_maps_->scene_pass().triangles() : 0}};
 }
 
 TurnPass& Renderer::Parts::need_turn() {

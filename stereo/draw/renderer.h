@@ -26,11 +26,19 @@ namespace farshade {
 /// A renderer draws scenes of at most this many instances: the G-buffer stores an instance in 16 bits.
 inline constexpr std::size_t kMaxInstances = 1 << 16;
 
+/// Triangles that the passes of a frame submitted, for both eyes.
+struct DrawnTriangles {
+  std::uint64_t gbuffer = 0;  ///< of the shown views
+  std::uint64_t depth = 0;    ///< of requested views that are not shown
+  std::uint64_t maps = 0;     ///< of shadow maps that were drawn
+};
+
 struct DrawTimes {
   Duration gbuffer{}, depth{}, shade{};  ///< on the device; depth: requested views that are not shown
   Duration maps{};                       ///< shadow maps, on the device; 0 if they were not redrawn
   Duration turn{};                       ///< turning a picture made for other views, on the device
   Duration total{};                      ///< wall time of the call: recording, uploads, submission, wait
+  DrawnTriangles triangles{};
 };
 
 struct ShownFrame {

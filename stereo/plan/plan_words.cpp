@@ -92,6 +92,13 @@ std::string light_use_words(const ScenePlan& plan) {
                                             : "one for each covered pixel and light");
 }
 
+std::string detail_words(const ScenePlan& plan) {
+  return line("detail", plan.draw.detail_px > 0
+                            ? fmt::format("levels of each mesh with an error of at most {:g} pixels",
+                                          plan.draw.detail_px)
+                            : "off: every triangle is drawn");
+}
+
 std::string session_words(const ScenePlan& plan) {
   return line("other eye", plan.draw.other_eye ? "on: its masks are looked up"
                                                : "off: there is one view, or masks fit the shown views") +
@@ -106,7 +113,7 @@ std::string in_words(const ScenePlan& plan, const Scene& scene) {
   return fmt::format("plan for {}: {}\n", scene.name,
                      plan.kind == PlanKind::Everything ? "everything is on" : "what it needs") +
          light_words(plan) + surface_words(plan, scene) + motion_words(plan) + light_use_words(plan) +
-         session_words(plan);
+         detail_words(plan) + session_words(plan);
 }
 
 }  // namespace farshade

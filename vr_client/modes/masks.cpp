@@ -78,6 +78,7 @@ class ClientPositions final : public ModePipeline {
     // pack() has kept the depth of the requested views.
     DrawnFrame drawn = masks_.draw(context_.renderer, inputs, nullptr, exchange_);
     drawn.drawn.depth += drawn_.depth;
+    drawn.drawn.triangles.depth += drawn_.triangles.depth;
     return drawn;
   }
 

@@ -49,6 +49,7 @@ void History::add(const FrameView& view, const std::optional<PerEye<EyeErrors>>&
   if (bars_.size() > kGraphFrames) bars_.pop_front();
 
   newest_.errors = errors;
+  newest_.triangles = view.times.triangles;
   newest_.staleness_ms.reset();
   newest_.age_ms.reset();
   if (!view.masks.empty())

@@ -31,6 +31,7 @@ struct Figures {
   std::optional<double> server_ms{};      ///< working time of the server for that frame
   std::optional<double> loss_percent{};   ///< lost datagrams of this session
   double megabit_per_s = 0;               ///< received
+  DrawnTriangles triangles{};             ///< of the newest frame
   std::optional<std::uint64_t> rays{};    ///< primary and shadow rays of the newest frame
   std::optional<double> guard_band_percent{};
   std::optional<PerEye<EyeErrors>> errors{};  ///< of the newest frame; empty if it was not measured

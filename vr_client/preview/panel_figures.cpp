@@ -67,6 +67,8 @@ void figure_rows(const Figures& figures, const Controls& controls) {
       text_of(figures.round_trip_ms, "{:.1f} ms") + text_of(figures.server_ms, ", server {:.1f}"));
   row("path",
       fmt::format("{:.2f} Mbit/s", figures.megabit_per_s) + text_of(figures.loss_percent, ", {:.1f} % lost"));
+  row("triangles", fmt::format("{} + {} requested", figures.triangles.gbuffer, figures.triangles.depth) +
+                       (figures.triangles.maps > 0 ? fmt::format(" + {} maps", figures.triangles.maps) : ""));
   std::string rays = "-";
   if (figures.rays) rays = fmt::format("{:.2f} M per frame", static_cast<double>(*figures.rays) * 1e-6);
   row("rays", rays);

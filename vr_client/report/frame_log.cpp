@@ -26,6 +26,11 @@ std::vector<Figure> client_figures() {
     return Figure{"client", metric, "ms",
                   [time](const FrameRecord& r) -> Value { return ms_of(r.times.*time); }};
   };
+  const auto triangles = [](const char* metric, std::uint64_t DrawnTriangles::*of_pass) {
+    return Figure{"client", metric, "", [of_pass](const FrameRecord& r) -> Value {
+                    return static_cast<double>(r.times.triangles.*of_pass);
+                  }};
+  };
   return {stage("frame", &StageTimes::frame),
           stage("request", &StageTimes::request),
           stage("collect masks", &StageTimes::collect),
@@ -34,7 +39,10 @@ std::vector<Figure> client_figures() {
           stage("depth of requested views", &StageTimes::depth),
           stage("shadow maps", &StageTimes::maps),
           stage("reproject and shade", &StageTimes::shade),
-          stage("turn", &StageTimes::turn)};
+          stage("turn", &StageTimes::turn),
+          triangles("triangles of the G-buffer", &DrawnTriangles::gbuffer),
+          triangles("triangles of requested views", &DrawnTriangles::depth),
+          triangles("triangles of shadow maps", &DrawnTriangles::maps)};
 }
 
 double percent_of_full_trace(const FrameReport& report) {

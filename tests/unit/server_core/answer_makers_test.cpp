@@ -25,7 +25,8 @@ TEST(AnswerMakers, OffersTheKindsThatHaveAMaker) {
 TEST(AnswerMakers, AFailedAnswerLeavesNothingBehindAndTheNextIsMade) {
   bool fails = true;
   AnswerMakers makers = answers_from(kEveryAnswer, [&](const Job& job, FramePacker& packer) {
-    packer.add(job.request.frame, job.request.frame, std::array{std::byte{1}});
+    constexpr std::array kUnit{std::byte{1}};
+    packer.add(job.request.frame, job.request.frame, VideoUnitParts{std::span(kUnit)});
     if (fails) throw std::runtime_error("too large");
     return AnswerCost{.draw = 3ms};
   });
