@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <iostream>
 #include <optional>
 #include <random>
 
@@ -194,8 +195,15 @@ std::size_t healed_after(const std::vector<double>& psnr) {
   return static_cast<std::size_t>(psnr.rend() - last);
 }
 
+void print(const char* lost, const std::vector<double>& psnr) {
+  std::cout << "a lost " << lost << " is healed after " << healed_after(psnr) << " pictures; PSNR in dB:";
+  for (std::size_t i = 0; i < healed_after(psnr); i += 4) std::cout << ' ' << std::lround(psnr[i]);
+  std::cout << '\n';
+}
+
 TEST(VideoRefresh, HealsALostUnitWithinTwoPasses) {
   const std::vector<double> psnr = damage_dB([](const Unit&) { return std::nullopt; });
+  print("picture", psnr);
   EXPECT_LT(psnr[0], 40) << "it is damaged first";
   EXPECT_GT(*std::ranges::min_element(psnr), 15) << "but shows the scene";
   EXPECT_LE(healed_after(psnr), 2 * kRefresh_pictures);
@@ -207,6 +215,7 @@ TEST(VideoRefresh, HealsALostSliceWithinTwoPasses) {
       EXPECT_GT(nal_units(unit).size(), 6u);
       return without(unit, slice);
     });
+    print("slice", psnr);
     EXPECT_LT(psnr[0], 60) << "it is damaged first";
     EXPECT_GT(*std::ranges::min_element(psnr), 20) << "a small part of the picture";
     EXPECT_LE(healed_after(psnr), 2 * kRefresh_pictures);
