@@ -85,7 +85,7 @@ SessionNeeds needs_of(const Options& options, double eye_distance_m) {
   return {.kind = options.plan.kind,
           .two_views = eye_distance_m != 0,
           .carries_over = carries_over(options.mode.mode),
-          .detail_px = options.detail_px};
+          .detail_px = options.detail_px.value_or(default_detail_px(options.mode.mode))};
 }
 
 Expected<PlannedScene> load_planned(const Options& options, const SessionNeeds& needs) {

@@ -77,9 +77,9 @@ void add_scene_options(CLI::App& app, CommandLine& line) {
   app.add_option("--size", line.size, "pixels of each eye")->capture_default_str();
   app.add_option(
          "--detail-px", options.detail_px,
-         "draw each mesh with the fewest triangles whose error is at most this many pixels; 0: draw all")
-      ->check(within(0, double{kMostDetail_px}))
-      ->capture_default_str();
+         "draw each mesh with the fewest triangles whose error is at most this many pixels; 0: draw all "
+         "(default: 0.125; mode full: 0)")
+      ->check(within(0, double{kMostDetail_px}));
   app.add_option("--frames", options.frames, "number of frames to show (default: the whole recording)")
       ->check(CLI::PositiveNumber);
   app.add_option("--skip", options.skip_s, "seconds to skip at the beginning of the recording")

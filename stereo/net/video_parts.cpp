@@ -16,8 +16,8 @@ std::size_t first_part_bytes(std::span<const std::byte> unit) {
   if (unit.size() <= kVideoPart_bytes) return unit.size();
   // The next part may begin anywhere from the second byte up to the first byte that does not fit.
   const auto window = unit.first(std::min(unit.size(), kVideoPart_bytes + kStartCode.size())).subspan(1);
-  const auto last = std::ranges::find_end(window, kStartCode);
-  return last.empty() ? kVideoPart_bytes : static_cast<std::size_t>(last.begin() - window.begin()) + 1;
+  const auto last = std::find_end(window.begin(), window.end(), kStartCode.begin(), kStartCode.end());
+  return last == window.end() ? kVideoPart_bytes : static_cast<std::size_t>(last - window.begin()) + 1;
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ TEST(ModeWords, ANameAloneIsTheModeWithItsDefaults) {
     EXPECT_EQ(settings.play.mode, by_default);
     EXPECT_EQ(settings.play.carry_over, CarryOver{});
     EXPECT_EQ(settings.play.mask_wait, Duration::zero());
-    EXPECT_EQ(settings.play.detail_px, kDefaultDetail_px);
+    EXPECT_FALSE(settings.play.detail_px.has_value());
   }
 }
 

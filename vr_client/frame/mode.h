@@ -6,6 +6,7 @@
 
 #include "stereo/draw/shadow_map_settings.h"
 #include "stereo/frame/answer_spec.h"
+#include "stereo/plan/scene_plan.h"
 
 namespace farshade {
 
@@ -54,6 +55,12 @@ inline constexpr std::array<ModeName, 7> kModes{
 /// A capture holds masks, not pictures or G-buffers.
 [[nodiscard]] constexpr bool can_be_captured(Mode mode) {
   return mode == Mode::Hybrid || mode == Mode::Full;
+}
+
+/// The limit of the geometric error of what a mode draws, unless the user sets it. Mode full shows the
+/// reference, which is drawn in full detail.
+[[nodiscard]] constexpr float default_detail_px(Mode mode) {
+  return mode == Mode::Full ? 0 : kDefaultDetail_px;
 }
 
 struct ModeSettings {
