@@ -61,7 +61,7 @@ TEST_F(VideoChainTest, TakesAUnitThatLacksParts) {
   taken({1}, {1}, unit(40));
   Image<Rgb8> noise(kSize);
   std::mt19937 random(5);
-  for (Rgb8& pixel : noise.pixels) pixel = Rgb8(random() % 256);
+  for (Rgb8& pixel : noise.pixels) pixel = Rgb8(static_cast<std::uint8_t>(random()));
   const std::span<const std::byte> whole = encoder_->encode(noise, KeyFrame::IfNeeded);
   const VideoUnitParts parts = video_parts(whole);
   ASSERT_GT(parts.size(), 3u);
