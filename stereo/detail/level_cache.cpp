@@ -15,7 +15,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
 
 /// To be raised whenever make_levels gives other levels.
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 constexpr std::array<char, 8> kMagic{'F', 'A', 'R', 'L', 'E', 'V', 'E', 'L'};
 using Digest = std::array<unsigned char, 32>;
 

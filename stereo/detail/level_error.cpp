@@ -11,8 +11,8 @@ namespace {
 /// Points on large triangles are at most this part of the mesh's diagonal apart, unless they are too many.
 constexpr float kSpacing = 1.0f / 32;
 constexpr std::size_t kMostPoints = 4096;
-/// Between the samples, a surface may be further away.
-constexpr float kMargin = 1.3f;
+/// Between the samples, a surface may be further away: of 236 levels of 120 random meshes, two by 1.33 times.
+constexpr float kMargin = 1.4f;
 /// Differences that are hard to see: of the normals of a large triangle, and of colours as a part of full
 /// brightness.
 constexpr float kNormalSlack_rad = 0.2f, kColorSlack = 2.0f / 255;
@@ -197,6 +197,9 @@ MeasuredError LevelError::measure(std::span<const glm::uvec3> level, float estim
   for (const glm::uvec3& t : level) {
     const glm::vec3 &a = positions_[t.x], &b = positions_[t.y], &c = positions_[t.z];
     add(full_, (a + b + c) * (1.0f / 3));
+    if (t.x < t.y) add(full_, (a + b) * 0.5f);
+    if (t.y < t.z) add(full_, (b + c) * 0.5f);
+    if (t.z < t.x) add(full_, (c + a) * 0.5f);
     for (const glm::vec3& weights : grid_points(a, b, c, spacing_))
       add(full_, a * weights.x + b * weights.y + c * weights.z);
   }
