@@ -30,7 +30,7 @@ struct Options {
   std::optional<double>
       trace_scale;  ///< units per metre of the head recording, if its format does not define them
   Place place = Place::Camera;
-  Extent size{512, 512};                ///< of each eye
+  Extent size{512, 512};           ///< of each eye
   std::optional<float> detail_px;  ///< limit of the geometric error of what is drawn; 0: full detail
   std::optional<std::uint32_t> frames;
   double skip_s = 0;

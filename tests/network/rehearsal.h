@@ -48,7 +48,7 @@ struct Play {
   Duration skip{};  ///< skipped at the start of the recording
   SessionLimits limits{};
   const SceneLevels* levels = nullptr;  ///< the scene's levels of detail; null: full detail
-  std::optional<float> detail_px{};  ///< limit of the geometric error of levels; 0: full detail
+  std::optional<float> detail_px{};     ///< limit of the geometric error of levels; 0: full detail
 };
 
 struct PlayedFrame {
