@@ -266,7 +266,7 @@ Expected<void> run_client(const Options& options) {
   const FrameSettings settings{
       .request = options.request, .carry_over = options.carry_over, .report = report_for(report)};
   // A run of less than a second ends sooner if each pipeline is compiled when a frame first needs it.
-  if (frames > options.refresh_hz)
+  if (frames > options.refresh_hz && draws_scene(options.mode.mode))
     compile_ahead(client, settings.carry_over, settings.report, Changes::Never);
   const RunContext context{.scene = client.scene,
                            .runtime = runtime,

@@ -78,7 +78,7 @@ void add_scene_options(CLI::App& app, CommandLine& line) {
   app.add_option(
          "--detail-px", options.detail_px,
          "draw each mesh with the fewest triangles whose error is at most this many pixels; 0: draw all "
-         "(default: 0.125; mode full: 0)")
+         "(default: 0.125; 0 in modes full, remote and server-gbuffer)")
       ->check(within(0, double{kMostDetail_px}));
   app.add_option("--frames", options.frames, "number of frames to show (default: the whole recording)")
       ->check(CLI::PositiveNumber);

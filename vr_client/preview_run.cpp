@@ -320,7 +320,8 @@ Expected<void> run_preview(const Options& given) {
       open_client(options, kWidestEyes_m);  // the viewer may change the eye distance at any time
   if (!client) return tl::unexpected(client.error());
   if (auto done = open_tracers(options, options.mode.mode, **client); !done) return done;
-  compile_ahead(**client, options.carry_over, PixelReport::Off, Changes::Possible);
+  if (draws_scene(options.mode.mode))
+    compile_ahead(**client, options.carry_over, PixelReport::Off, Changes::Possible);
 
   Expected<void> done, finished;
   {

@@ -11,7 +11,8 @@ namespace {
 /// Points on large triangles are at most this part of the mesh's diagonal apart, unless they are too many.
 constexpr float kSpacing = 1.0f / 32;
 constexpr std::size_t kMostPoints = 4096;
-/// Between the samples, a surface may be further away: of 236 levels of 120 random meshes, two by 1.33 times.
+/// Between the samples, a surface may be further away. tests/unit/detail/levels_test.cpp checks the bound at
+/// other points.
 constexpr float kMargin = 1.4f;
 /// Differences that are hard to see: of the normals of a large triangle, and of colours as a part of full
 /// brightness.

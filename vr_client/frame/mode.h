@@ -57,10 +57,15 @@ inline constexpr std::array<ModeName, 7> kModes{
   return mode == Mode::Hybrid || mode == Mode::Full;
 }
 
-/// The limit of the geometric error of what a mode draws, unless the user sets it. Mode full shows the
-/// reference, which is drawn in full detail.
+/// The client draws the scene itself. In the other modes it draws nothing but references.
+[[nodiscard]] constexpr bool draws_scene(Mode mode) {
+  return mode != Mode::Remote && mode != Mode::ServerGBuffer;
+}
+
+/// The limit of the geometric error of what a mode draws, unless the user sets it; 0: full detail. Mode full
+/// shows the reference, which is drawn in full detail.
 [[nodiscard]] constexpr float default_detail_px(Mode mode) {
-  return mode == Mode::Full ? 0 : kDefaultDetail_px;
+  return draws_scene(mode) && mode != Mode::Full ? kDefaultDetail_px : 0;
 }
 
 struct ModeSettings {

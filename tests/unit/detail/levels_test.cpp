@@ -49,7 +49,7 @@ void expect_bounds_hold(const Mesh& mesh, const std::string& name) {
 }
 
 TEST(DetailLevels, StayWithinTheirErrorOnRandomMeshes) {
-  for (std::uint32_t seed = 1; seed <= 4; ++seed) {
+  for (std::uint32_t seed = 1; seed <= 10; ++seed) {
     expect_bounds_hold(bumpy_sphere(seed), "sphere " + std::to_string(seed));
     expect_bounds_hold(terrain(seed), "terrain " + std::to_string(seed));
     expect_bounds_hold(faceted(bumpy_sphere(seed)), "faceted sphere " + std::to_string(seed));
