@@ -1,13 +1,11 @@
 #include "stereo/detail/level_cache.h"
 
-#include <sodium.h>
-
 #include <algorithm>
 #include <bit>
 #include <cstring>
 
+#include "stereo/base/cache_file.h"
 #include "stereo/base/check.h"
-#include "stereo/base/files.h"
 
 namespace farshade {
 namespace {
@@ -17,10 +15,8 @@ static_assert(std::endian::native == std::endian::little, "numbers are written a
 /// To be raised whenever make_levels gives other levels.
 constexpr std::uint32_t kVersion = 3;
 constexpr std::array<char, 8> kMagic{'F', 'A', 'R', 'L', 'E', 'V', 'E', 'L'};
-using Digest = std::array<unsigned char, 32>;
 
-/// The beginning of a file. After it, for each mesh, its levels and triangles; at the end a digest of all
-/// bytes before it.
+/// The beginning of a file. After it, for each mesh, its levels and triangles.
 struct Header {
   std::array<char, 8> magic = kMagic;
   std::uint32_t version = kVersion, meshes = 0;
@@ -32,14 +28,6 @@ static_assert(sizeof(DetailLevel) == 12);
 
 Header header_of(const Scene& scene) {
   return {.meshes = narrow<std::uint32_t>(scene.meshes.size()), .scene = scene.hash};
-}
-
-Digest digest_of(std::span<const std::byte> bytes) {
-  check(sodium_init() >= 0, "libsodium starts");
-  Digest digest;
-  crypto_generichash(digest.data(), digest.size(), reinterpret_cast<const unsigned char*>(bytes.data()),
-                     bytes.size(), nullptr, 0);
-  return digest;
 }
 
 void append_bytes(std::vector<std::byte>& bytes, const void* from, std::size_t count) {
@@ -114,13 +102,8 @@ bool fit(const Mesh& mesh, const MeshLevels& levels) {
 }  // namespace
 
 std::filesystem::path level_file(const std::filesystem::path& folder, const SceneHash& scene) {
-  std::string name;
   constexpr std::size_t kNameBytes = 16;
-  for (std::size_t i = 0; i < kNameBytes; ++i) {
-    constexpr std::string_view kDigits = "0123456789abcdef";
-    name += {kDigits[scene[i] >> 4], kDigits[scene[i] & 15]};
-  }
-  return folder / (name + ".levels");
+  return folder / (cache_name(std::span(scene).first(kNameBytes)) + ".levels");
 }
 
 std::vector<std::byte> encode_levels(const Scene& scene, const SceneLevels& levels) {
@@ -131,17 +114,11 @@ std::vector<std::byte> encode_levels(const Scene& scene, const SceneLevels& leve
     append(bytes, mesh.levels);
     append(bytes, mesh.triangles);
   }
-  append(bytes, digest_of(bytes));
   return bytes;
 }
 
 Expected<SceneLevels> decode_levels(const Scene& scene, std::span<const std::byte> bytes) {
-  if (bytes.size() < sizeof(Header) + sizeof(Digest)) return fail(Fault::Malformed, "it is too short");
-  Digest digest;
-  std::memcpy(digest.data(), bytes.last(digest.size()).data(), digest.size());
-  const auto content = bytes.first(bytes.size() - digest.size());
-  if (digest != digest_of(content)) return fail(Fault::Malformed, "its digest is wrong");
-  Reader reader(content);
+  Reader reader(bytes);
   if (reader.value<Header>() != header_of(scene))
     return fail(Fault::Malformed, "it is of another version or scene");
   SceneLevels levels(scene.meshes.size());
@@ -159,20 +136,14 @@ CachedLevels cached_levels(const Scene& scene, const std::filesystem::path& fold
   // Each level has at most 0.85 times the triangles of the one before.
   const std::uint64_t most_bytes = (1 << 20) + scene.triangle_count * 8 * sizeof(glm::uvec3);
   CachedLevels result;
-  const Expected<std::vector<std::byte>> file = read_file(path, most_bytes);
-  if (file) {
-    if (Expected<SceneLevels> levels = decode_levels(scene, *file))
-      return {std::move(*levels), true};
-    else
-      result.trouble = path.string() + " is replaced: " + levels.error().what;
-  } else if (file.error().fault != Fault::Missing) {
-    result.trouble = file.error().what;
-  }
+  const Expected<SceneLevels> kept = read_cache_file(path, most_bytes).and_then([&](const auto& content) {
+    return decode_levels(scene, content);
+  });
+  if (kept) return {*kept, true};
+  if (kept.error().fault != Fault::Missing)
+    result.trouble = path.string() + " is replaced: " + kept.error().what;
   result.levels = make_levels(scene);
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (const Expected<void> written = write_file_atomically(path, encode_levels(scene, result.levels));
-      !written)
+  if (const auto written = write_cache_file(path, encode_levels(scene, result.levels)); !written)
     result.trouble = written.error().what;
   return result;
 }

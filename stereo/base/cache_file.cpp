@@ -1,0 +1,54 @@
+#include "stereo/base/cache_file.h"
+
+#include <sodium.h>
+
+#include <array>
+#include <cstring>
+
+#include "stereo/base/check.h"
+
+namespace farshade {
+namespace {
+
+using Digest = std::array<unsigned char, 32>;
+
+Digest digest_of(std::span<const std::byte> bytes) {
+  check(sodium_init() >= 0, "libsodium starts");
+  Digest digest;
+  crypto_generichash(digest.data(), digest.size(), reinterpret_cast<const unsigned char*>(bytes.data()),
+                     bytes.size(), nullptr, 0);
+  return digest;
+}
+
+}  // namespace
+
+std::string cache_name(std::span<const std::uint8_t> key) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string name;
+  for (const std::uint8_t byte : key) name += {kDigits[byte >> 4], kDigits[byte & 15]};
+  return name;
+}
+
+Expected<std::vector<std::byte>> read_cache_file(const std::filesystem::path& path, std::uint64_t max_bytes) {
+  Expected<std::vector<std::byte>> file = read_file(path, max_bytes);
+  if (!file) return file;
+  if (file->size() < sizeof(Digest)) return fail(Fault::Malformed, path.string() + " is too short");
+  const std::size_t size = file->size() - sizeof(Digest);
+  const Digest digest = digest_of(std::span(*file).first(size));
+  if (std::memcmp(&(*file)[size], digest.data(), digest.size()) != 0)
+    return fail(Fault::Malformed, path.string() + " is broken: its digest is wrong");
+  file->resize(size);
+  return file;
+}
+
+Expected<void> write_cache_file(const std::filesystem::path& path, std::span<const std::byte> content) {
+  std::vector<std::byte> file(content.begin(), content.end());
+  const Digest digest = digest_of(content);
+  file.resize(content.size() + digest.size());
+  std::memcpy(&file[content.size()], digest.data(), digest.size());
+  std::error_code error;  // if the folder cannot be made, the file cannot be written
+  std::filesystem::create_directories(path.parent_path(), error);
+  return write_file_atomically(path, file);
+}
+
+}  // namespace farshade
