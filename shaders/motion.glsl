@@ -41,7 +41,7 @@ uint crossed_bits(uint since, uint slot, vec3 p, uint plane) {
     if (place.w == 0.0) distance = 1e30;
     bool passed = false;
     [[unroll]] for (uint sphere = 0; sphere < FARSHADE_MAX_MOVED; ++sphere)
-      passed = passed || passes(frame.moved[(since * 2 + kEye) * FARSHADE_MAX_MOVED + sphere], p, to_light, distance);
+      passed = bool(uint(passed) | uint(passes(frame.moved[(since * 2 + kEye) * FARSHADE_MAX_MOVED + sphere], p, to_light, distance)));
     crossed |= uint(passed) << (i % 32);
   }
   return kPass == FARSHADE_PASS_MOVING && has_moved(since, slot) ? ~0u : crossed;

@@ -5,19 +5,23 @@
 layout(std430, set = REPORT_SET, binding = 0) writeonly buffer Report { uint report[]; };
 const bool kReport = true;
 
+const uint kNoRecord = ~0u;  // nothing is written to it
+
 // The first word of a pixel's record.
-uint report_record(ivec2 pixel) {
+uint report_record(ivec2 pixel, bool wanted) {
   vec4 size = frame.eye[kEye].size_px;
-  return ((kEye * uint(size.y) + uint(pixel.y)) * uint(size.x) + uint(pixel.x)) * FARSHADE_REPORT_WORDS(kLights);
+  return !wanted ? kNoRecord : ((kEye * uint(size.y) + uint(pixel.y)) * uint(size.x) + uint(pixel.x)) * FARSHADE_REPORT_WORDS(kLights);
 }
 
 void report_uncovered(uint record) {
+  if (record == kNoRecord) return;
   report[record + FARSHADE_REPORT_SOURCE] = FARSHADE_SOURCE_UNCOVERED;
   for (uint word = FARSHADE_REPORT_SOURCE + 1; word < FARSHADE_REPORT_WORDS(kLights); ++word)
     report[record + word] = 0u;
 }
 
 void report_plane(uint record, uint plane, uint unknown, uint stale, uint beside) {
+  if (record == kNoRecord) return;
   uint used = kLights >= plane * 32 + 32 ? ~0u : (1u << (kLights % 32)) - 1u;
   report[record + FARSHADE_REPORT_UNKNOWN(kLights) + plane] = unknown & used;
   report[record + FARSHADE_REPORT_STALE(kLights) + plane] = stale & used;
@@ -25,11 +29,13 @@ void report_plane(uint record, uint plane, uint unknown, uint stale, uint beside
 }
 
 void report_visibility(uint record, uint group, Visibility8 k) {
+  if (record == kNoRecord) return;
   report[record + FARSHADE_REPORT_VISIBILITY + group * 2] = packUnorm4x8(k.low);
   if (group * 2 + 1 < kQuads) report[record + FARSHADE_REPORT_VISIBILITY + group * 2 + 1] = packUnorm4x8(k.high);
 }
 
 void report_source(uint record, bool known, uint source, Sample taken, uint shining) {
+  if (record == kNoRecord) return;
   uint shown_with = FARSHADE_SOURCE_UNKNOWN;
   if (known) shown_with = source % FARSHADE_MAX_SOURCES + (taken.beside ? FARSHADE_NEIGHBOUR : 0u);
   report[record + FARSHADE_REPORT_SOURCE] = shown_with | shining << 16;
@@ -38,7 +44,8 @@ void report_source(uint record, bool known, uint source, Sample taken, uint shin
 }
 #else
 const bool kReport = false;
-uint report_record(ivec2 pixel) { return 0u; }
+const uint kNoRecord = ~0u;
+uint report_record(ivec2 pixel, bool wanted) { return kNoRecord; }
 void report_uncovered(uint record) {}
 void report_plane(uint record, uint plane, uint unknown, uint stale, uint beside) {}
 void report_visibility(uint record, uint group, Visibility8 k) {}

@@ -29,17 +29,16 @@ const uint kNewest = kEye * FARSHADE_MAX_SOURCES;  // the source: this eye's new
 
 uint mask_of(uint source) { return source % FARSHADE_MAX_MASKS; }
 
-Projection project(uint source, Surface surface) {
-  mat4 traced_from_shown = frame.sources[source].traced_from_shown;
-  vec4 window = frame.sources[source].origin_step;
+Projection project(uint mask, SourceData source, Surface surface) {
+  vec4 window = source.origin_step;
   vec3 p = surface.position, n = surface.normal;
-  if (kPass == FARSHADE_PASS_MOVING) carry_back(mask_of(source), surface.slot, p, n);
-  p = (traced_from_shown * vec4(p, 1.0)).xyz;
-  n = mat3(traced_from_shown) * n;
+  if (kPass == FARSHADE_PASS_MOVING) carry_back(mask, surface.slot, p, n);
+  p = (source.traced_from_shown * vec4(p, 1.0)).xyz;
+  n = mat3(source.traced_from_shown) * n;
   float facing = dot(n, p), inverse_z = -1.0 / p.z;
   Projection projection;
   projection.visible = p.z < 0.0 && facing > 0.0;
-  projection.at = (p.xy * inverse_z - window.xy) * frame.sources[source].per_step.xy;
+  projection.at = (p.xy * inverse_z - window.xy) * source.per_step.xy;
   vec2 slope = n.xy * window.zw;
   projection.plane = kNear / facing * vec3(slope, dot(n.xy, window.xy) + 0.5 * (slope.x + slope.y) - n.z);
   projection.depth = kNear * inverse_z;
@@ -47,11 +46,12 @@ Projection project(uint source, Surface surface) {
   return projection;
 }
 
-bool tile_known(uint source, ivec2 pixel) {
+// `pixel` is in the picture.
+bool tile_known(SourceData source, ivec2 pixel) {
   if (kWhole) return true;
-  uint columns = (uint(frame.sources[source].per_step.z) + FARSHADE_TILE_PX - 1) / FARSHADE_TILE_PX;
+  uint columns = (uint(source.per_step.z) + FARSHADE_TILE_PX - 1) / FARSHADE_TILE_PX;
   uint tile = uint(pixel.y) / FARSHADE_TILE_PX * columns + uint(pixel.x) / FARSHADE_TILE_PX;
-  return (known_words[frame.sources[source].place.z + tile / 32] >> (tile % 32) & 1u) != 0u;
+  return (known_words[source.place.z + tile / 32] >> (tile % 32) & 1u) != 0u;
 }
 
 bool on_plane(Projection projection, ivec2 pixel, float traced, float bend) {
@@ -59,25 +59,28 @@ bool on_plane(Projection projection, ivec2 pixel, float traced, float bend) {
   return abs(traced - expected) <= bend * abs(expected - projection.depth) + projection.tolerance;
 }
 
-bool same_surface(uint source, Projection projection, ivec2 pixel, float bend) {
-  if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, ivec2(frame.sources[source].per_step.zw))) ||
-      !tile_known(source, pixel))
-    return false;
-  float traced = texelFetch(depth_ring, ivec3(pixel, frame.sources[source].place.x), 0).r;
-  return on_plane(projection, pixel, traced, bend);
+// The nearest pixel of the source's picture. A source that is not in use has no pixels; then pixel 0.
+ivec2 inside(SourceData source, ivec2 pixel) {
+  return clamp(pixel, ivec2(0), max(ivec2(source.per_step.zw) - 1, ivec2(0)));
 }
 
-uint mask_bits(uint source, ivec2 pixel, uint plane) {
-  uvec2 size = uvec2(frame.sources[source].per_step.zw);
-  uint element = (plane * size.y + uint(pixel.y)) * size.x + uint(pixel.x);
-  uint first = frame.sources[source].place.y;
-  if (kWordBytes == 1) return mask_words[first + element / 4] >> (element % 4 * 8) & 0xFFu;
-  if (kWordBytes == 2) return mask_words[first + element / 2] >> (element % 2 * 16) & 0xFFFFu;
-  return mask_words[first + element];
+bool same_surface(SourceData source, Projection projection, ivec2 pixel, float bend) {
+  ivec2 there = inside(source, pixel);
+  bool known = tile_known(source, there);
+  bool near = on_plane(projection, there, texelFetch(depth_ring, ivec3(there, source.place.x), 0).r, bend);
+  return pixel == there && known && near;
+}
+
+// `pixel` is in the picture.
+uint mask_bits(SourceData source, ivec2 pixel, uint plane) {
+  uvec2 size = uvec2(source.per_step.zw);
+  uint element = (plane * size.y + uint(pixel.y)) * size.x + uint(pixel.x), per_word = 4 / kWordBytes;
+  uint word = mask_words[source.place.y + element / per_word];
+  return bitfieldExtract(word, int(element % per_word * kWordBytes * 8), int(kWordBytes * 8));
 }
 
 // Whether the mask says that the four pixels around the position `at` differ in some light.
-bool near_shadow_edge(uint source, ivec2 pixel, vec2 at) {
+bool near_shadow_edge(SourceData source, ivec2 pixel, vec2 at) {
   bvec2 second = greaterThanEqual(at - vec2(pixel), vec2(0.5));
   uint quarter = uint(second.x) + 2 * uint(second.y);
   return (mask_bits(source, pixel, kEdgeBit / 32) >> (kEdgeBit % 32 + quarter) & 1u) != 0u;
@@ -99,36 +102,37 @@ const uint kRings = 5;
 const float kFarthest_px = 32.0, kNeighbourBend = 0.05;
 
 Sample nearest_on_plane(Surface surface, bool needed) {
-  const uint source = kNewest;
-  Sample found = Sample(FARSHADE_SOURCE_UNKNOWN, true, ivec2(0), vec2(0.0));
-  Projection projection = project(source, surface);
-  found.at = projection.at;
-  vec2 inside = clamp(projection.at, vec2(0.0), frame.sources[source].per_step.zw - 1.0);
-  needed = needed && projection.visible && all(lessThanEqual(abs(inside - projection.at), vec2(kFarthest_px)));
-  ivec2 start = ivec2(inside);
+  SourceData source = frame.sources[kNewest];
+  Projection projection = project(0, source, surface);
+  Sample found = Sample(FARSHADE_SOURCE_UNKNOWN, true, ivec2(0), projection.at);
+  vec2 start = clamp(projection.at, vec2(0.0), source.per_step.zw - 1.0);
+  needed = needed && projection.visible && all(lessThanEqual(abs(start - projection.at), vec2(kFarthest_px)));
   [[dont_unroll]] for (uint tap = 0; needed && tap <= 8 * kRings && found.source == FARSHADE_SOURCE_UNKNOWN; ++tap) {
-    ivec2 pixel = tap == 0 ? start : start + (kAround[(tap - 1) % 8] << ((tap - 1) / 8));
+    ivec2 pixel = ivec2(start) + (tap == 0 ? ivec2(0) : kAround[(tap - 1) % 8] << ((tap - 1) / 8));
     if (same_surface(source, projection, pixel, kNeighbourBend)) {
-      found.source = source;
+      found.source = kNewest;
       found.pixel = pixel;
     }
   }
   return found;
 }
 
-Sample sample_source(uint source, Surface surface) {
-  Projection projection = project(source, surface);
+Sample sample_source(uint index, SourceData source, Surface surface) {
+  Projection projection = project(mask_of(index), source, surface);
   Sample found = Sample(FARSHADE_SOURCE_UNKNOWN, false, ivec2(floor(projection.at)), projection.at);
-  if (projection.visible && same_surface(source, projection, found.pixel, kBend)) found.source = source;
+  bool same = same_surface(source, projection, found.pixel, kBend);
+  if (projection.visible && same) found.source = index;
   return found;
 }
 
 // The first source that knows the point: each mask, newest first, as traced for this eye and then for the other.
 Sample first_sample(Surface surface) {
-  Sample found = sample_source(kNewest, surface);
-  const uint eyes = kOtherEye ? 2 : 1;
-  for (uint i = 1; i < frame.counts.x * eyes && found.source == FARSHADE_SOURCE_UNKNOWN; ++i)
-    found = sample_source(kNewest + i / eyes + i % eyes * FARSHADE_MAX_MASKS, surface);
+  Sample found = sample_source(kNewest, frame.sources[kNewest], surface);
+  const uint eyes = kOtherEye ? 2 : 1, sources = frame.counts.x * eyes;
+  for (uint i = 1; i < sources && found.source == FARSHADE_SOURCE_UNKNOWN; ++i) {
+    uint index = kNewest + i / eyes + i % eyes * FARSHADE_MAX_MASKS;
+    found = sample_source(index, frame.sources[index], surface);
+  }
   return found;
 }
 
@@ -153,20 +157,19 @@ struct WeightedVisibility8 {
 // Adds the four pixels around the point in one of this eye's masks. In older masks, lights that are not `fresh` have
 // weight 0.
 void add_pixels_around(uint mask, Surface surface, uint group, Visibility8 fresh, inout WeightedVisibility8 sum) {
-  Projection projection = project(kNewest + mask, surface);
+  SourceData source = frame.sources[kNewest + mask];
+  Projection projection = project(mask, source, surface);
   ivec2 corner = ivec2(floor(projection.at - 0.5));
   float trust = projection.visible && mask < frame.counts.x ? 1.0 : 0.0;
-  ivec2 size = ivec2(frame.sources[kNewest + mask].per_step.zw);
-  vec3 gathered = vec3((vec2(corner) + 1.0) / vec2(textureSize(depth_ring, 0).xy), frame.sources[kNewest + mask].place.x);
+  vec3 gathered = vec3((vec2(corner) + 1.0) / vec2(textureSize(depth_ring, 0).xy), source.place.x);
   vec4 depths = textureGather(depth_ring, gathered);
-  [[dont_unroll]] for (uint tap = 0; tap < 4; ++tap) {
-    ivec2 pixel = corner + ivec2(tap & 1, tap >> 1);
+  [[unroll]] for (uint tap = 0; tap < 4; ++tap) {
+    ivec2 pixel = corner + ivec2(tap & 1, tap >> 1), there = inside(source, pixel);
     float traced = tap == 0 ? depths.w : tap == 1 ? depths.z : tap == 2 ? depths.x : depths.y;
-    bool inside = all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, size));
-    bool same = inside && tile_known(kNewest + mask, pixel) && on_plane(projection, pixel, traced, kBend);
+    bool known = tile_known(source, there), near = on_plane(projection, pixel, traced, kBend);
     vec2 off = vec2(pixel) + 0.5 - projection.at;
-    float weight = same ? trust * exp2(kExponent * dot(off, off)) : 0.0;
-    Visibility8 lit = eight_of(mask_bits(kNewest + mask, inside ? pixel : ivec2(0), group / 4) >> (group % 4 * 8));
+    float weight = pixel == there && known && near ? trust * exp2(kExponent * dot(off, off)) : 0.0;
+    Visibility8 lit = eight_of(mask_bits(source, there, group / 4) >> (group % 4 * 8));
     vec4 low_now = mask > 0 ? weight * fresh.low : vec4(weight), high_now = mask > 0 ? weight * fresh.high : vec4(weight);
     sum.low += low_now * lit.low;
     sum.low_weight += low_now;
@@ -181,7 +184,10 @@ void add_pixels_around(uint mask, Surface surface, uint group, Visibility8 fresh
 Visibility8 edge_visibility(Surface surface, uint stale, uint group, Visibility8 nearest) {
   WeightedVisibility8 sum = WeightedVisibility8(1e-4 * nearest.low, 1e-4 * nearest.high, vec4(1e-4), vec4(1e-4));
   Visibility8 fresh = eight_of(~stale >> (group % 4 * 8));
-  [[unroll]] for (uint mask = 0; mask < FARSHADE_MAX_MASKS; ++mask) add_pixels_around(mask, surface, group, fresh, sum);
+  add_pixels_around(0, surface, group, fresh, sum);
+  add_pixels_around(1, surface, group, fresh, sum);
+  add_pixels_around(2, surface, group, fresh, sum);
+  add_pixels_around(3, surface, group, fresh, sum);
   return Visibility8(clamp((sum.low / sum.low_weight - 0.5) * kSharpness + 0.5, 0.0, 1.0),
                      clamp((sum.high / sum.high_weight - 0.5) * kSharpness + 0.5, 0.0, 1.0));
 }

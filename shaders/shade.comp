@@ -7,7 +7,9 @@
 // Variants: DIRECT reads the newest mask at the shown pixel, in one pass. With SHADOW_MAPS (and DIRECT) visibilities
 // come from shadow maps (shadow_lookup.glsl). REPORT writes what each pixel was shaded with. MOTION: some instances
 // can move.
-// (lavapipe executes both sides of every branch, so work is saved by separate passes, not by branches.)
+// Lavapipe executes both sides of every branch, so work is saved by separate passes, not by branches. It reads a uniform
+// once outside of branches and loops that remain after unrolling, but inside of them once for each lane, with thirty
+// instructions. So branches contain little more than stores, and && and || have no function call on their right.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -105,22 +107,20 @@ vec3 srgb(vec3 c) {
 ivec2 direct_pixel(ivec2 pixel) { return ivec2(floor((vec2(pixel) + 0.5) * frame.direct.xy + frame.direct.zw)); }
 
 Sample direct_sample(ivec2 pixel) {
-  const uint source = kNewest;
-  Sample result = Sample(FARSHADE_SOURCE_UNKNOWN, false, direct_pixel(pixel), vec2(0.0));
-  result.at = vec2(result.pixel) + 0.5;
-  if (frame.counts.x > 0 && all(greaterThanEqual(result.pixel, ivec2(0))) &&
-      all(lessThan(result.pixel, ivec2(frame.sources[source].per_step.zw))) && tile_known(source, result.pixel))
-    result.source = source;
-  return result;
+  SourceData source = frame.sources[kNewest];
+  ivec2 there = direct_pixel(pixel), near = inside(source, there);
+  bool known = tile_known(source, near) && frame.counts.x > 0;
+  return Sample(near == there && known ? kNewest : FARSHADE_SOURCE_UNKNOWN, false, there, vec2(there) + 0.5);
 }
 
 // The rule for unknown visibility: what the newest mask has in the direction of the shown pixel; `otherwise` if the head
 // has turned too far or the mask's tile is missing.
 Visibility8 guess(ivec2 pixel, uint group, uint otherwise) {
-  ivec2 last = ivec2(frame.sources[kNewest].per_step.zw) - 1;
-  ivec2 there = clamp(direct_pixel(pixel), ivec2(0), last);
-  bool usable = frame.counts.z != 0u && tile_known(kNewest, there);
-  return eight_of(usable ? mask_bits(kNewest, there, group / 4) >> (group % 4 * 8) : otherwise);
+  SourceData source = frame.sources[kNewest];
+  ivec2 there = inside(source, direct_pixel(pixel));
+  bool known = tile_known(source, there) && frame.counts.z != 0u;
+  uint bits = mask_bits(source, there, group / 4);
+  return eight_of(known ? bits >> (group % 4 * 8) : otherwise);
 }
 
 #ifndef DIRECT
@@ -153,6 +153,7 @@ struct Lookup {
   Sample neighbour;   // on the same plane, for points that no view saw and for stale bits of older masks
   bool known;         // `taken` has a source
   uint source;        // of `taken`; the newest if it has none
+  SourceData traced;  // of `source`
   ivec2 pixel;        // of `taken`; 0 if it has no source
   bool on_edge;       // a shadow edge is near
 };
@@ -164,7 +165,7 @@ Lookup look_up(ivec2 pixel, Surface surface) {
   else if (kPass == FARSHADE_PASS_DIRECT)
     result.taken = direct_sample(pixel);
   else if (kPass == FARSHADE_PASS_EASY)
-    result.taken = sample_source(kNewest, surface);
+    result.taken = sample_source(kNewest, frame.sources[kNewest], surface);
   else
     result.taken = first_sample(surface);
   result.neighbour = Sample(FARSHADE_SOURCE_UNKNOWN, true, ivec2(0), vec2(0.0));
@@ -177,8 +178,9 @@ Lookup look_up(ivec2 pixel, Surface surface) {
   result.known = result.taken.source != FARSHADE_SOURCE_UNKNOWN;
   result.source = kSecondLook && result.known ? result.taken.source : kNewest;
   result.pixel = result.known ? result.taken.pixel : ivec2(0);
-  result.on_edge = kEdges && kPass != FARSHADE_PASS_DIRECT && result.known &&
-                   near_shadow_edge(result.source, result.pixel, result.taken.at);
+  result.traced = frame.sources[result.source];
+  bool near_edge = near_shadow_edge(result.traced, result.pixel, result.taken.at);
+  result.on_edge = kEdges && kPass != FARSHADE_PASS_DIRECT && result.known && near_edge;
   return result;
 }
 
@@ -193,13 +195,14 @@ struct PlaneBits {
 PlaneBits plane_bits(Lookup found, uint slot, vec3 p_stage, uint plane) {
   PlaneBits bits = PlaneBits(0u, 0u, 0u, 0u);
   const uint mask = mask_of(found.source);
-  if (found.known && !kShadowMaps) bits.visible = mask_bits(found.source, found.pixel, plane);
+  if (!kShadowMaps) bits.visible = mask_bits(found.traced, found.pixel, plane);
+  bits.visible = found.known ? bits.visible : 0u;
   if (kSecondLook && kMoved) bits.stale = stale_bits(1, slot, p_stage, plane);
   // The stale bits of an older mask are not used, since a newer mask exists.
   if (kSecondLook && kMoved && mask > 0 && found.known && found.neighbour.source != FARSHADE_SOURCE_UNKNOWN) {
     bits.from_neighbour = bits.stale;
-    bits.visible =
-        (bits.visible & ~bits.stale) | (mask_bits(kNewest, found.neighbour.pixel, plane) & bits.stale);
+    uint nearby = mask_bits(frame.sources[kNewest], found.neighbour.pixel, plane);
+    bits.visible = (bits.visible & ~bits.stale) | (nearby & bits.stale);
   }
   bits.unknown = !found.known ? ~0u : mask > 0 ? bits.stale & ~bits.from_neighbour : 0u;
   return bits;
@@ -210,76 +213,103 @@ Visibility8 visibility_of(uint group, ivec2 pixel, Surface surface, Lookup found
   uint plane = group / 4;
   Visibility8 k = eight_of(bits.visible >> (group % 4 * 8));
   if (kShadowMaps) k = from_maps;
-  if (kSecondLook && found.on_edge) k = edge_visibility(surface, bits.stale, group, k);
+  if (kSecondLook) {
+    Visibility8 filtered = edge_visibility(surface, bits.stale, group, k);
+    k.low = mix(k.low, filtered.low, bvec4(found.on_edge));
+    k.high = mix(k.high, filtered.high, bvec4(found.on_edge));
+  }
   Visibility8 unknown = eight_of(bits.unknown >> (group % 4 * 8)), guessed = Visibility8(vec4(1.0), vec4(1.0));
   // A stale bit is a better guess than none, unless the viewer has changed the light. Otherwise the guess is lit.
-  uint otherwise = found.known ? bits.visible | frame.changed_lights[plane / 4][plane % 4] : ~0u;
+  uint stale_or_changed = bits.visible | frame.changed_lights[plane / 4][plane % 4];
+  uint otherwise = found.known ? stale_or_changed : ~0u;
   if (kSecondLook) guessed = guess(pixel, group, otherwise >> (group % 4 * 8));
   k.low = mix(k.low, kUnknownVisibility * guessed.low, unknown.low);
   k.high = mix(k.high, kUnknownVisibility * guessed.high, unknown.high);
   return k;
 }
 
-void shade_uncovered(ivec2 pixel, uint record) {
-  imageStore(shown, ivec3(pixel, kEye), vec4(srgb(frame.background.rgb), 1.0));
-  report_uncovered(record);
+// A covered pixel and what is known of it.
+struct ShadedPixel {
+  ivec2 pixel;
+  uint record;  // of the report
+  Surface surface;
+  Lookup found;
+  vec3 p, n, plane;  // eye-relative, stage axes; the plane's normal has any length
+};
+
+PlaneBits reported_bits(ShadedPixel at, uint plane) {
+  PlaneBits bits = plane_bits(at.found, at.surface.slot, at.p, plane);
+  uint newest_stale = 0u;
+  if (kReport && kMoved && mask_of(at.found.source) == 0 && at.found.known)
+    newest_stale = stale_bits(0, at.surface.slot, at.p, plane);
+  report_plane(at.record, plane, bits.unknown, newest_stale, bits.from_neighbour);
+  return bits;
 }
 
-void shade(ivec2 pixel) {
-  const uint record = report_record(pixel);
-  float depth = texelFetch(depth_ring, ivec3(pixel, frame.counts.y + kEye), 0).r;
-  if (depth == 0.0) {
-    shade_uncovered(pixel, record);
-    return;
-  }
-  uvec2 stored = texelFetch(surfaces, ivec3(pixel, kEye), 0).xy;
-  Surface surface = surface_at(pixel, depth, stored.y);
-  Lookup found = look_up(pixel, surface);
-  if (kPass == FARSHADE_PASS_EASY)
-    if (!found.known || found.on_edge || (kMoved && has_moved(0, surface.slot)))
-      list_as_hard(pixel, surface.slot != 0u);
-
-  mat3 turn = mat3(frame.eye[kEye].stage_from_eye);
-  vec3 p_stage = turn * surface.position;
-  vec3 n_stage = normalize(unfolded(unpackSnorm2x16(stored.x)));
-  vec3 plane_stage = turn * plane_normal(pixel, depth, n_stage * turn);
+// The irradiance from the eight lights of a group. Adds to `shining` how many would shine here without shadows.
+vec3 irradiance_from(uint group, ShadedPixel at, PlaneBits bits, inout uint shining) {
+  Visibility8 from_maps = visibility_from_maps(group, at.p, at.plane, at.n);
+  Visibility8 k = visibility_of(group, at.pixel, at.surface, at.found, bits, from_maps);
   vec3 irradiance = vec3(0.0);
-  PlaneBits bits;
-  uint shining = 0u;  // lights that would shine here without shadows
-  for (uint group = 0; group < kGroups; ++group) {
-    if (group % 4 == 0) {
-      bits = plane_bits(found, surface.slot, p_stage, group / 4);
-      uint newest_stale = 0u;
-      if (kReport && kMoved && mask_of(found.source) == 0 && found.known)
-        newest_stale = stale_bits(0, surface.slot, p_stage, group / 4);
-      report_plane(record, group / 4, bits.unknown, newest_stale, bits.from_neighbour);
-    }
-    Visibility8 from_maps = visibility_from_maps(group, p_stage, plane_stage, n_stage);
-    Visibility8 k = visibility_of(group, pixel, surface, found, bits, from_maps);
-    for (uint i = 0; i < 8 && group * 8 + i < kLights; ++i) {
-      vec3 unshadowed = radiance(group * 8 + i, p_stage, n_stage);
-      irradiance += (i < 4 ? k.low[i] : k.high[i - 4]) * unshadowed;
-      if (kReport) shining += uint(any(greaterThan(unshadowed, vec3(0.0))));
-    }
-    report_visibility(record, group, k);
+  [[unroll]] for (uint i = 0; i < min(8, kLights - group * 8); ++i) {
+    vec3 unshadowed = radiance(group * 8 + i, at.p, at.n);
+    irradiance += (i < 4 ? k.low[i] : k.high[i - 4]) * unshadowed;
+    if (kReport) shining += uint(any(greaterThan(unshadowed, vec3(0.0))));
   }
-  report_source(record, found.known, found.source, found.taken, shining);
+  report_visibility(at.record, group, k);
+  return irradiance;
+}
+
+// `wanted`: the pixel exists and is listed. All else has no effect.
+void shade(ivec2 pixel, bool wanted) {
+  float depth = texelFetch(depth_ring, ivec3(pixel, frame.counts.y + kEye), 0).r;
+  bool covered = depth != 0.0;
+  uint record = report_record(pixel, wanted);
+  if (!covered) report_uncovered(record);
+  ShadedPixel at;
+  at.pixel = pixel;
+  at.record = covered ? record : kNoRecord;
+  uvec2 stored = texelFetch(surfaces, ivec3(pixel, kEye), 0).xy;
+  at.surface = surface_at(pixel, covered ? depth : 1.0, stored.y);
+  at.found = look_up(pixel, at.surface);
+  if (kPass == FARSHADE_PASS_EASY) {
+    bool moved = kMoved && has_moved(0, at.surface.slot);
+    if (wanted && covered && (!at.found.known || at.found.on_edge || moved))
+      list_as_hard(pixel, at.surface.slot != 0u);
+  }
+  mat3 turn = mat3(frame.eye[kEye].stage_from_eye);
+  at.p = turn * at.surface.position;
+  at.n = normalize(unfolded(unpackSnorm2x16(stored.x)));
+  at.plane = turn * plane_normal(pixel, depth, at.n * turn);
+
+  // The first group is apart, because in a loop every uniform would be read by each lane.
+  uint shining = 0u;
+  PlaneBits bits = reported_bits(at, 0);
+  vec3 irradiance = irradiance_from(0, at, bits, shining);
+  if (kGroups > 1)
+    for (uint group = 1; group < kGroups; ++group) {
+      if (group % 4 == 0) bits = reported_bits(at, group / 4);
+      irradiance += irradiance_from(group, at, bits, shining);
+    }
+  report_source(at.record, at.found.known, at.found.source, at.found.taken, shining);
 
   const float kInversePi = 0.31830988618;
   vec3 color = texelFetch(base_colors, ivec3(pixel, kEye), 0).rgb * (irradiance * kInversePi + frame.ambient.rgb);
-  imageStore(shown, ivec3(pixel, kEye), vec4(srgb(color), 1.0));
+  color = srgb(mix(frame.background.rgb, color, bvec3(covered)));
+  if (wanted) imageStore(shown, ivec3(pixel, kEye), vec4(color, 1.0));
 }
 
 void main() {
-  if (!kSecondLook) {
-    if (gl_GlobalInvocationID.x < uint(frame.eye[kEye].size_px.x)) shade(ivec2(gl_GlobalInvocationID.xy));
+#ifndef DIRECT
+  if (kSecondLook) {
+    const bool can_move = kPass == FARSHADE_PASS_MOVING;
+    uint i = gl_GlobalInvocationID.x, place = list_place(i, can_move), pixel = 0u;
+    bool listed = i < hard_lists[kEye * 2 + uint(can_move)].w;
+    if (listed) pixel = hard_pixels[place];
+    shade(ivec2(pixel & 0xFFFFu, pixel >> 16), listed);
     return;
   }
-#ifndef DIRECT
-  const bool can_move = kPass == FARSHADE_PASS_MOVING;
-  if (gl_GlobalInvocationID.x < hard_lists[kEye * 2 + uint(can_move)].w) {
-    uint pixel = hard_pixels[list_place(gl_GlobalInvocationID.x, can_move)];
-    shade(ivec2(pixel & 0xFFFFu, pixel >> 16));
-  }
 #endif
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy), size = ivec2(frame.eye[kEye].size_px.xy);
+  shade(min(pixel, max(size - 1, ivec2(0))), all(lessThan(pixel, size)));
 }

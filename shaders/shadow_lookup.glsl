@@ -51,9 +51,9 @@ struct Receiver {
 };
 
 // `error_m`: how far the shown surface may lie from the true one.
-Receiver receiver_of(uint i, vec3 from_light, vec3 plane, float error_m) {
-  uint kind = maps[i].place.x;
-  uint layer = maps[i].place.y;
+Receiver receiver_of(ShadowMapData map, vec3 from_light, vec3 plane, float error_m) {
+  uint kind = map.place.x;
+  uint layer = map.place.y;
   vec3 p, n;  // along the map's axes
   if (kind == FARSHADE_MAP_CUBE) {
     vec3 size = abs(from_light);
@@ -64,15 +64,15 @@ Receiver receiver_of(uint i, vec3 from_light, vec3 plane, float error_m) {
     n.z = p.z < 0.0 ? -n.z : n.z;
     p.z = abs(p.z);
   } else {
-    mat3 axes = mat3(maps[i].right.xyz, maps[i].up.xyz, maps[i].ahead.xyz);
+    mat3 axes = mat3(map.right.xyz, map.up.xyz, map.ahead.xyz);
     p = from_light * axes;
     n = plane * axes;
   }
-  vec2 texels = vec2(maps[i].right.w, -maps[i].up.w);
+  vec2 texels = vec2(map.right.w, -map.up.w);
   Receiver receiver;
   receiver.layer = layer;
   if (kind == FARSHADE_MAP_PARALLEL) {
-    float per_m = maps[i].ahead.w;
+    float per_m = map.ahead.w;
     receiver.at = p.xy * texels;
     receiver.depth = -p.z * per_m;
     receiver.gradient = per_m * n.xy / (n.z * texels);
@@ -112,9 +112,10 @@ float unblocked(Receiver receiver) {
 
 // Defined as a mask's bit is (tracer.h): 0 if the light is off, behind one of the normals, or out of reach.
 float visibility_from_map(uint i, vec3 p, vec3 plane, vec3 n) {
+  ShadowMapData map = maps[i];
   vec4 place = lights[i].position[kEye];
   vec3 to_light = place.xyz - p * place.w;
-  bool reaches = maps[i].place.x != FARSHADE_MAP_NONE && dot(n, to_light) > 0.0 && dot(plane, to_light) > 0.0;
+  bool reaches = map.place.x != FARSHADE_MAP_NONE && dot(n, to_light) > 0.0 && dot(plane, to_light) > 0.0;
   if (kRangesAndCones) {
     float distance2 = dot(to_light, to_light);
     vec4 cone = lights[i].spot_cone;
@@ -123,12 +124,13 @@ float visibility_from_map(uint i, vec3 p, vec3 plane, vec3 n) {
   }
   vec2 window_step = abs(frame.eye[kEye].window.origin_step.zw);
   float error_m = kDetail_px * max(window_step.x, window_step.y) * length(p);
-  return reaches ? unblocked(receiver_of(i, p - maps[i].origin[kEye].xyz, plane, error_m)) : 0.0;
+  float lit = unblocked(receiver_of(map, p - map.origin[kEye].xyz, plane, error_m));
+  return reaches ? lit : 0.0;
 }
 
 Visibility8 visibility_from_maps(uint group, vec3 p, vec3 plane, vec3 n) {
   Visibility8 k = Visibility8(vec4(0.0), vec4(0.0));
-  for (uint i = 0; i < 8 && group * 8 + i < kLights; ++i) {
+  [[unroll]] for (uint i = 0; i < min(8, kLights - group * 8); ++i) {
     float visibility = visibility_from_map(group * 8 + i, p, plane, n);
     if (i < 4) k.low[i] = visibility;
     else k.high[i - 4] = visibility;

@@ -269,7 +269,7 @@ ShadingKey ShadingPass::key_of(std::uint32_t pass, PixelReport report, std::uint
           .other_eye = second_look && other_eye_,
           .neighbours = !second_look || carry_over_.gaps == Gaps::Neighbours,
           .filters_edges = direct || carry_over_.edges == Edges::Filtered,
-          .whole = whole_ && !second_look && !direct && !moved_,
+          .whole = whole_ && !direct && !moved_,
           .moved = moved_ && !direct,
           .map_side_px = maps_ != nullptr ? maps_->settings().side_px : 0,
           .pcf_radius = maps_ != nullptr ? maps_->settings().pcf_radius : 0,
