@@ -16,7 +16,7 @@ layout(location = 1) in vec2 texture_uv;
 #ifdef COLORED
 layout(location = 2) in vec4 vertex_color;
 #endif
-layout(push_constant) uniform Draw { DrawData draw; };
+layout(set = 0, binding = 0) uniform Instance { InstanceData instance; };
 
 #ifndef DEPTH_ONLY
 layout(set = 0, binding = 1) uniform Frame { FrameData frame; };
@@ -38,7 +38,7 @@ vec2 octahedral(vec3 n) {
 // Depth is near / distance, which is linear on the screen for a plane: 1/z = A tx + B ty + C with eye-space normal
 // (A, B, -C). Its screen derivatives are exact within a triangle.
 vec3 geometric_normal() {
-  vec4 window = frame.eye[eye].window.origin_step;
+  vec4 window = mix(frame.eye[0].window.origin_step, frame.eye[1].window.origin_step, bvec4(eye == 1));
   vec2 t = window.xy + gl_FragCoord.xy * window.zw;
   vec2 gradient = vec2(dFdx(gl_FragCoord.z), dFdy(gl_FragCoord.z)) / window.zw;
   return normalize(vec3(gradient, -(gl_FragCoord.z - dot(gradient, t))));
@@ -46,7 +46,7 @@ vec3 geometric_normal() {
 #endif
 
 void main() {
-  vec4 color = draw.base_color;
+  vec4 color = instance.base_color;
 #ifdef COLORED
   color *= vertex_color;
 #endif
@@ -55,7 +55,7 @@ void main() {
 #ifdef TEXTURED
     alpha *= textureLod(base_color_texture, vec3(texture_uv, 0.0), 0.0).a;
 #endif
-    if (alpha < draw.alpha_cutoff) discard;
+    if (alpha < instance.alpha_cutoff) discard;
   }
 #ifndef DEPTH_ONLY
 #ifdef TEXTURED
@@ -65,7 +65,7 @@ void main() {
 
   vec3 n = normalize(stage_normal);
   if (!gl_FrontFacing) n = -n;
-  surface = uvec2(packSnorm2x16(octahedral(n)), kInstances ? draw.instance << 16 : 0u);
+  surface = uvec2(packSnorm2x16(octahedral(n)), kInstances ? instance.index << 16 : 0u);
   if (kGeometricNormals) surface.y |= packSnorm4x8(vec4(octahedral(geometric_normal()), 0.0, 0.0)) & 0xFFFFu;
 #endif
 }

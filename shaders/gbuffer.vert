@@ -7,8 +7,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "shaders/shared.h"
 
-layout(std430, set = 0, binding = 0) readonly buffer Instances { InstanceData instances[]; };
-layout(push_constant) uniform Draw { DrawData draw; };
+layout(set = 0, binding = 0) uniform Instance { InstanceData instance; };
 
 layout(location = 0) in vec3 position;
 #ifndef DEPTH_ONLY
@@ -39,10 +38,13 @@ vec3 unfolded(vec2 p) {
 
 void main() {
   gl_Layer = gl_InstanceIndex;
-  gl_Position = instances[draw.instance].clip_from_object[gl_InstanceIndex] * vec4(position, 1.0);
+  // Both products, because an index would make lavapipe read each matrix once for every vertex.
+  vec4 left = instance.clip_from_object[0] * vec4(position, 1.0);
+  vec4 right = instance.clip_from_object[1] * vec4(position, 1.0);
+  gl_Position = mix(left, right, bvec4(gl_InstanceIndex == 1));
 #ifndef DEPTH_ONLY
   eye = gl_InstanceIndex;
-  stage_normal = mat3(instances[draw.instance].stage_from_object_normal) * normalize(unfolded(octahedral_normal));
+  stage_normal = mat3(instance.stage_from_object_normal) * normalize(unfolded(octahedral_normal));
 #endif
 #ifdef TEXTURED
   texture_uv = uv;

@@ -15,17 +15,16 @@ using glm::vec4;
 using uint = std::uint32_t;
 #endif
 
-/// The transforms of one instance: to the clip space of each eye, and of its normals to the stage.
+/// One instance. A draw binds it as a uniform block, so its size is a multiple of the largest alignment that
+/// a device may ask for.
 struct InstanceData {
-  mat4 clip_from_object[2];
+  mat4 clip_from_object[2];       // of each eye
   mat4 stage_from_object_normal;  // inverse transpose of the upper 3x3
-};
-
-/// The push constants of a draw.
-struct DrawData {
-  vec4 base_color;  // linear RGBA factor
-  uint instance;
+  vec4 base_color;                // linear RGBA factor
+  uint index;
   float alpha_cutoff;
+  uint unused_x, unused_y;
+  vec4 unused[2];
 };
 
 /// An eye's window on the plane z = -1. The ray through pixel position p has direction (origin + p * step,

@@ -76,7 +76,8 @@ std::uint32_t frames_in_flight(const Options& options) {
   double late_ms = options.pace == Pace::Real ? kLongestRoundTrip_ms : options.delay_ms;
   if (options.preview) late_ms += kWorstPreviewPath_ms;
   const double late_frames = std::ceil(late_ms * 1e-3 * options.refresh_hz);
-  const std::uint32_t every = options.preview ? 1 : options.request.every;  // the viewer may change it
+  // The viewer of a preview may change the rate.
+  const std::uint32_t every = options.preview ? 1 : std::max(options.request.every, 1u);
   return static_cast<std::uint32_t>(std::ceil(late_frames / every)) + static_cast<std::uint32_t>(kMaxMasks) +
          4;
 }

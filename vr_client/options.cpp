@@ -138,9 +138,12 @@ void add_request_options(CLI::App& app, CommandLine& line) {
   app.add_option("--guard-band", options.request.guard_band,
                  "measured: request views wider than shown, by the measured prediction error")
       ->transform(one_of<GuardBandUse>({{"measured", GuardBandUse::Measured}, {"off", GuardBandUse::Off}}));
-  app.add_option("--mask-every", options.request.every, "request masks in every Nth frame")
+  app.add_option(
+         "--mask-every", options.request.every,
+         "request masks in every Nth frame (default: every frame; every 28 ms if nothing in the scene "
+         "moves and masks come later than that)")
       ->check(CLI::Range(1, 64))
-      ->capture_default_str();
+      ->default_str("");
 }
 
 void add_carry_over_options(CLI::App& app, CarryOver& carry_over) {

@@ -9,9 +9,14 @@
 namespace farshade {
 namespace {
 
+// Uniform blocks begin at multiples of minUniformBufferOffsetAlignment, which is at most 256.
+static_assert(sizeof(gpu::InstanceData) % 256 == 0);
+
 /// Set 0 of gbuffer.vert and gbuffer.frag.
 std::vector<gpu::BindingKind> scene_set(Outputs outputs) {
-  std::vector<gpu::BindingKind> kinds{{vk::DescriptorType::eStorageBuffer, vk::ShaderStageFlagBits::eVertex}};
+  using Stage = vk::ShaderStageFlagBits;
+  std::vector<gpu::BindingKind> kinds{
+      {vk::DescriptorType::eUniformBufferDynamic, Stage::eVertex | Stage::eFragment}};
   if (outputs == Outputs::GBuffer)
     kinds.push_back({vk::DescriptorType::eUniformBuffer, vk::ShaderStageFlagBits::eFragment});
   return kinds;
@@ -36,23 +41,19 @@ ScenePass::ScenePass(const gpu::Device& device, const Scene& scene, const DrawPl
       buffers_(buffers),
       outputs_(outputs),
       instances_(gpu::make_mapped_buffer(device, pairs * scene.instances.size() * sizeof(gpu::InstanceData),
-                                         vk::BufferUsageFlagBits::eStorageBuffer, "instances",
+                                         vk::BufferUsageFlagBits::eUniformBuffer, "instances",
                                          gpu::Use::Frame)),
       bindings_(gpu::make_bindings(device, scene_set(outputs), to_string(outputs))),
       draws_(pairs),
       last_levels_(scene.instances.size(), 0) {
-  gpu::bind_buffer(device, bindings_, 0, instances_);
+  gpu::bind_buffer(device, bindings_, 0, instances_, sizeof(gpu::InstanceData));
   if (outputs == Outputs::GBuffer) gpu::bind_buffer(device, bindings_, 1, frame);
   std::vector<vk::DescriptorSetLayout> sets{*bindings_.layout};
   bool textured = false;
   for (std::size_t mesh = 0; mesh < scene.meshes.size(); ++mesh) textured |= variant_of(mesh).textured;
   if (textured) sets.push_back(*buffers_.texture_layout);
-  const vk::PushConstantRange push{vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment, 0,
-                                   sizeof(gpu::DrawData)};
-  layout_ = device.logical.createPipelineLayout({.setLayoutCount = narrow<std::uint32_t>(sets.size()),
-                                                 .pSetLayouts = sets.data(),
-                                                 .pushConstantRangeCount = 1,
-                                                 .pPushConstantRanges = &push});
+  layout_ = device.logical.createPipelineLayout(
+      {.setLayoutCount = narrow<std::uint32_t>(sets.size()), .pSetLayouts = sets.data()});
   if (!plan.builds_late) make_all_pipelines();
 }
 
@@ -166,18 +167,23 @@ void ScenePass::add_draws(std::size_t pass, const CasterDraws& wanted, const Sce
     const DeviceMesh& mesh = buffers_.meshes[scene_.instances[i].mesh];
     Affine<Stage, Object> stage_from_mesh = state.stage_from_object[i];
     stage_from_mesh.matrix[3] = glm::dvec4(stage_from_mesh(Point<Object>{mesh.center}).v, 1.0);
-    data[i] = seen_as(stage_from_mesh);
-    const bool left = in_left && may_be_seen(data[i], 0, mesh.box),
-               right = in_right && may_be_seen(data[i], 1, mesh.box);
+    gpu::InstanceData seen = seen_as(stage_from_mesh);
+    const bool left = in_left && may_be_seen(seen, 0, mesh.box),
+               right = in_right && may_be_seen(seen, 1, mesh.box);
     if (!left && !right) continue;
+    const Material& material = scene_.materials[scene_.meshes[scene_.instances[i].mesh].material];
+    seen.base_color = material.base_color;
+    seen.index = i;
+    seen.alpha_cutoff = material.alpha_cutoff.value_or(0.0f);
+    data[i] = seen;
     const glm::vec3 middle = (glm::vec3(mesh.box.low) + glm::vec3(mesh.box.high)) * 0.5f;
-    const glm::vec4 centre = data[i].clip_from_object[0] * glm::vec4(middle, 1.0f);
+    const glm::vec4 centre = seen.clip_from_object[0] * glm::vec4(middle, 1.0f);
     Draw draw{.instance = i,
               .data = first + i,
               .distance = centre.w,
               .mirrored = glm::determinant(glm::dmat3(state.stage_from_object[i].matrix)) < 0};
     const PerEye<std::uint32_t> levels =
-        detail == Detail::Full ? PerEye<std::uint32_t>{0, 0} : levels_for(i, data[i], sizes);
+        detail == Detail::Full ? PerEye<std::uint32_t>{0, 0} : levels_for(i, seen, sizes);
     draw.level = levels[left ? 0 : 1];
     draw.first_eye = left ? 0 : 1;
     draw.eyes = left && right && levels[0] == levels[1] ? 2 : 1;
@@ -208,7 +214,6 @@ void ScenePass::record(const vk::raii::CommandBuffer& commands, Extent size,
                                        .height = static_cast<float>(size.height),
                                        .maxDepth = 1});
   commands.setScissor(0, area);
-  commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *layout_, 0, *bindings_.set, {});
   for (const Draw& draw : draws_[pass]) {
     const Material& material = scene_.materials[scene_.meshes[scene_.instances[draw.instance].mesh].material];
     const bool both_sides = material.double_sided || outputs_ == Outputs::Casters;
@@ -221,7 +226,6 @@ void ScenePass::record(const vk::raii::CommandBuffer& commands, Extent size,
 
 void ScenePass::draw_instance(const vk::raii::CommandBuffer& commands, const Draw& draw) const {
   const std::uint32_t mesh_index = scene_.instances[draw.instance].mesh;
-  const Material& material = scene_.materials[scene_.meshes[mesh_index].material];
   const DeviceMesh& mesh = buffers_.meshes[mesh_index];
   const SceneVariant variant = variant_of(mesh_index);
   commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipelines_.at(variant));
@@ -236,9 +240,8 @@ void ScenePass::draw_instance(const vk::raii::CommandBuffer& commands, const Dra
   if (variant.textured) offsets[count++] = mesh.offsets.uvs;
   if (variant.colored) offsets[count++] = mesh.offsets.colors;
   commands.bindVertexBuffers(0, vk::ArrayProxy(count, streams.data()), vk::ArrayProxy(count, offsets.data()));
-  const gpu::DrawData data{material.base_color, draw.data, material.alpha_cutoff.value_or(0.0f)};
-  commands.pushConstants<gpu::DrawData>(
-      *layout_, vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment, 0, data);
+  commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *layout_, 0, *bindings_.set,
+                              narrow<std::uint32_t>(draw.data * sizeof(gpu::InstanceData)));
   const IndexRange& range = mesh.ranges[draw.level];
   commands.bindIndexBuffer(*buffers_.indices.buffer, mesh.offsets.indices, mesh.index_type);
   commands.drawIndexed(range.count, draw.eyes, range.first, 0, draw.first_eye);

@@ -38,9 +38,9 @@ Bindings make_bindings(const Device& device, std::vector<BindingKind> kinds, con
   return result;
 }
 
-void bind_buffer(const Device& device, const Bindings& bindings, std::uint32_t binding,
-                 const Buffer& buffer) {
-  const vk::DescriptorBufferInfo info{.buffer = *buffer.buffer, .range = VK_WHOLE_SIZE};
+void bind_buffer(const Device& device, const Bindings& bindings, std::uint32_t binding, const Buffer& buffer,
+                 std::uint64_t range) {
+  const vk::DescriptorBufferInfo info{.buffer = *buffer.buffer, .range = range};
   device.logical.updateDescriptorSets(vk::WriteDescriptorSet{.dstSet = *bindings.set,
                                                              .dstBinding = binding,
                                                              .descriptorCount = 1,

@@ -33,7 +33,9 @@ struct Bindings {
 [[nodiscard]] Bindings make_bindings(const Device& device, std::vector<BindingKind> kinds,
                                      const std::string& name);
 
-void bind_buffer(const Device& device, const Bindings& bindings, std::uint32_t binding, const Buffer& buffer);
+/// `range`: bytes that the binding shows, from an offset that may be dynamic.
+void bind_buffer(const Device& device, const Bindings& bindings, std::uint32_t binding, const Buffer& buffer,
+                 std::uint64_t range = VK_WHOLE_SIZE);
 
 /// `layout` is the layout of the image when the set is used. `sampler` may be null for storage images.
 struct ImageBinding {

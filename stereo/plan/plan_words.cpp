@@ -104,6 +104,10 @@ std::string session_words(const ScenePlan& plan) {
                                                : "off: there is one view, or masks fit the shown views") +
          line("depth pass", plan.draw.depth_pass ? "on where the requested views differ from the shown ones"
                                                  : "off: masks fit the shown views") +
+         line("requests",
+              plan.draw.anything_moves()
+                  ? "in each frame: something moves"
+                  : "every 28 ms if masks come later than that: nothing moves, so they age slowly") +
          line("server", plan.server ? "on: some light casts shadows" : "off: no light casts shadows");
 }
 

@@ -131,7 +131,7 @@ TEST(ReadOptions, HasTheDefaultsOfTheHeader) {
   EXPECT_EQ(read.options->device.validation, gpu::Validation::Off);
   EXPECT_EQ(read.options->request.predictor, kDefaultPredictor);
   EXPECT_EQ(read.options->request.guard_band, GuardBandUse::Measured);
-  EXPECT_EQ(read.options->request.every, 1u);
+  EXPECT_EQ(read.options->request.every, 0u);
   EXPECT_EQ(read.options->carry_over, CarryOver{});
 }
 

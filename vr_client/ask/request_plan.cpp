@@ -70,23 +70,42 @@ void RequestPlan::drawn_with(const StereoView& shown, const StereoView& traced, 
   guard_band_.observe(shown, unwidened);
 }
 
+std::optional<Duration> RequestPlan::median_latency() const {
+  if (latencies_.empty()) return std::nullopt;
+  std::vector<double> latencies_ms;
+  for (const Duration latency : latencies_) latencies_ms.push_back(ms_of(latency));
+  return duration_from_ms(quantile(latencies_ms, 0.5));
+}
+
+std::uint32_t RequestPlan::periods_apart(Duration period) const {
+  if (settings_.every > 0) return settings_.every;
+  if (motion_ == SceneMotion::Moving || median_latency().value_or(Duration::zero()) < kStillInterval)
+    return 1;
+  return static_cast<std::uint32_t>(std::max((kStillInterval + period / 2) / period, Duration::rep{1}));
+}
+
 Duration RequestPlan::lead(Duration period) const {
   if (settings_.predictor == PredictorKind::Hold) return {};
-  std::vector<double> latencies_s;
-  for (const Duration latency : latencies_) latencies_s.push_back(seconds_of(latency));
   // The first frame that begins after the masks have come is the first to use them. The tolerance keeps a
   // latency of whole frames from being rounded up to one more.
-  const double frames =
-      latencies_s.empty() ? 1 : std::ceil(quantile(latencies_s, 0.5) / seconds_of(period) - 1e-3);
+  const double frames = std::ceil(seconds_of(median_latency().value_or(period)) / seconds_of(period) - 1e-3);
   const double used_s = std::max(frames, 0.0) * seconds_of(period);
-  // With one request in n frames, masks are used for n frames: aim at the middle of them.
-  return duration_from_ms(used_s * 1e3) + period * (settings_.every - 1) / 2;
+  // With one request in n periods, masks are used for n periods: aim at the middle of them.
+  return duration_from_ms(used_s * 1e3) + period * (periods_apart(period) - 1) / 2;
+}
+
+bool RequestPlan::is_due(const FrameRequest& shown, Duration period) const {
+  const std::uint32_t apart = periods_apart(period);
+  if (apart == 1 || !asked_for_ || shown.lights != asked_for_->lights) return true;
+  const Duration since = shown.display_time - asked_for_->display_time;
+  return since < Duration::zero() || since >= period * apart - period / 2;
 }
 
 std::optional<FrameRequest> RequestPlan::ask(const FrameRequest& shown, Duration period, SceneClock scene) {
   const Rigid<Stage, Head> head = head_of(shown.views);
   predictor_.observe(shown.display_time, head);
-  if (frames_++ % settings_.every != 0) return std::nullopt;
+  if (!is_due(shown, period)) return std::nullopt;
+  asked_for_ = shown;
 
   const Duration ahead = lead(period);
   FrameRequest request = shown;
@@ -102,10 +121,10 @@ std::optional<FrameRequest> RequestPlan::ask(const FrameRequest& shown, Duration
   // Held views are not predicted, but used after the whole latency.
   const bool is_held = settings_.predictor == PredictorKind::Hold;
   const Duration used_after = !is_held ? ahead : latencies_.empty() ? period : latencies_.back();
-  Sides<std::uint32_t> needed =
-      shrunk(guard_band_.margins_px(full, predictor_.velocity(), used_after,
-                                    period * (settings_.every - 1) / 2, settings_.guard_band_percent / 100.0),
-             full[0].size, request.views[0].size);
+  Sides<std::uint32_t> needed = shrunk(
+      guard_band_.margins_px(full, predictor_.velocity(), used_after,
+                             period * (periods_apart(period) - 1) / 2, settings_.guard_band_percent / 100.0),
+      full[0].size, request.views[0].size);
   if (use_ == AnswerUse::Turned) needed = steady_band_.margins_px(needed, request.views[0].size);
   const Sides<std::uint32_t> margins = reduced_to_fit(request.views, needed, most_pixels_);
   const StereoView wide{widened(request.views[0], margins), widened(request.views[1], margins)};

@@ -22,7 +22,7 @@ inline constexpr std::uint32_t kWidestBand_percent = 300;
 struct RequestSettings {
   PredictorKind predictor = kDefaultPredictor;  ///< Hold asks for the shown views at their own time
   GuardBandUse guard_band = GuardBandUse::Measured;
-  std::uint32_t every = 1;                 ///< one request in so many frames
+  std::uint32_t every = 0;                 ///< one request in so many frames; 0: as often as needed
   std::uint32_t guard_band_percent = 100;  ///< of the measured width, at most kWidestBand_percent
 };
 
@@ -31,6 +31,13 @@ enum class AnswerUse : std::uint8_t {
   Reprojected,  ///< each surface point looks up its place in the requested view
   Turned,       ///< the picture is turned; the movement of the eye is ignored (stereo/draw/turn_pass.h)
 };
+
+/// In a scene where nothing moves, masks age slowly. If they come later than this, requests so far apart give
+/// about the same error as one in each frame (docs/reprojection.md).
+inline constexpr Duration kStillInterval = std::chrono::milliseconds(28);
+
+/// Whether animations move something in the scene.
+enum class SceneMotion : std::uint8_t { Still, Moving };
 
 /// Whether the scene's animations play.
 enum class SceneClock : std::uint8_t { Running, Paused };
@@ -46,7 +53,7 @@ class RequestPlan {
       : settings_(settings), predictor_(settings.predictor) {}
 
   /// The request of the frame that shows `shown`, on a display of the given period. No value on frames
-  /// without a request. Call once a frame.
+  /// without a request. Changes of the lights are requested at once. Call once a frame.
   [[nodiscard]] std::optional<FrameRequest> ask(const FrameRequest& shown, Duration period,
                                                 SceneClock scene = SceneClock::Running);
 
@@ -58,6 +65,9 @@ class RequestPlan {
 
   /// Sets how the following answers are used. Views of pictures that are turned get margins of steady size.
   void use(AnswerUse use) { use_ = use; }
+
+  /// Sets whether requests without a fixed rate may be further apart. By default the scene moves.
+  void expect(SceneMotion motion) { motion_ = motion; }
 
   /// Records the latency of an answer: the display time of the first frame that could use all of it, minus
   /// the display time of the frame that asked for it. Latencies over kLongestLatency are ignored.
@@ -71,17 +81,24 @@ class RequestPlan {
   /// the shown view if that has fewer. The guard band is added afterwards.
   void shrink(ViewScale scale);
 
+  /// One request is made in so many display periods.
+  [[nodiscard]] std::uint32_t periods_apart(Duration period) const;
+
   /// The time between the frame that asks and the frame that the request is made for.
   [[nodiscard]] Duration lead(Duration period) const;
 
  private:
+  [[nodiscard]] std::optional<Duration> median_latency() const;
+  [[nodiscard]] bool is_due(const FrameRequest& shown, Duration period) const;
+
   RequestSettings settings_;
   Predictor predictor_;
   GuardBand guard_band_;
   SteadyBand steady_band_;
   AnswerUse use_ = AnswerUse::Reprojected;
+  SceneMotion motion_ = SceneMotion::Moving;
   std::deque<Duration> latencies_;
-  std::uint32_t frames_ = 0;
+  std::optional<FrameRequest> asked_for_;  ///< what was shown at the last request
   std::uint32_t most_pixels_ = std::numeric_limits<std::uint32_t>::max();
   ViewScale scale_{};
 };

@@ -21,8 +21,10 @@ DrawnFrame draw_black(Renderer& renderer, const StereoView& shown) {
           .black = {1.0, 1.0}};
 }
 
-Exchange::Exchange(AnswerLink* link, const MaskPolicy& policy, const RequestSettings& settings)
+Exchange::Exchange(AnswerLink* link, const MaskPolicy& policy, const RequestSettings& settings,
+                   SceneMotion motion)
     : link_(link), policy_(policy), plan_(settings) {
+  plan_.expect(motion);
   plan_.learn(policy.pace == Pace::Real ? policy.round_trip : policy.delay - policy.mask_wait);
 }
 

@@ -17,7 +17,8 @@ namespace farshade {
 class Exchange {
  public:
   /// `link` may be null: then there are no requests and no answers.
-  Exchange(AnswerLink* link, const MaskPolicy& policy, const RequestSettings& settings);
+  Exchange(AnswerLink* link, const MaskPolicy& policy, const RequestSettings& settings,
+           SceneMotion motion = SceneMotion::Moving);
 
   /// Plans this frame's request for an answer of the kind `answer`. Null on frames without a request.
   /// Requests for pictures have the full size. A G-buffer has no guard band, because the renderer shades

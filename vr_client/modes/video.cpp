@@ -90,7 +90,7 @@ VideoStream::VideoStream(const RunContext& context, Answer answer)
     : context_(context), answer_(answer), exchange_(context.link, context.policy, context.settings.request) {}
 
 const FrameRequest* VideoStream::request(const FrameInputs& inputs) {
-  const Duration interval = inputs.period * inputs.settings.request.every;
+  const Duration interval = inputs.period * std::max(inputs.settings.request.every, 1u);
   const FrameRequest* const request =
       exchange_.plan(inputs, {.kind = answer_,
                               .bits_per_second = context_.mode.bits_per_second,

@@ -117,8 +117,9 @@ void change_carry_over(Command command, Controls& controls) {
   }
   if (command == Command::GuardBand)
     request.guard_band = request.guard_band == GuardBandUse::Off ? GuardBandUse::Measured : GuardBandUse::Off;
-  if (command == Command::SlowerMasks) request.every = std::min(request.every * 2, kRarestMasks);
-  if (command == Command::FasterMasks) request.every = std::max(request.every / 2, 1u);
+  if (command == Command::SlowerMasks)
+    request.every = std::min(std::max(request.every, 1u) * 2, kRarestMasks);
+  if (command == Command::FasterMasks) request.every /= 2;
   double& latency_ms = controls.path.latency_ms;
   if (command == Command::WorsePath) latency_ms = std::min(latency_ms + kPathStep_ms, kWorstPath.latency_ms);
   if (command == Command::BetterPath) latency_ms = std::max(latency_ms - kPathStep_ms, 0.0);

@@ -64,10 +64,10 @@ void draw_masks(Controls& controls, const PanelFacts& facts) {
   slide("jitter", controls.path.jitter_ms, 0, kWorstPath.jitter_ms, "%.0f ms");
   slide("loss", controls.path.loss_percent, 0, kWorstPath.loss_percent, "%.1f %%");
   auto every = static_cast<int>(controls.settings.request.every);
-  if (ImGui::SliderInt("masks", &every, 1, static_cast<int>(kRarestMasks), "in 1 of %d frames",
-                       ImGuiSliderFlags_AlwaysClamp))
+  if (ImGui::SliderInt("masks", &every, 0, static_cast<int>(kRarestMasks),
+                       every == 0 ? "as often as needed" : "in 1 of %d frames", ImGuiSliderFlags_AlwaysClamp))
     controls.settings.request.every =
-        static_cast<std::uint32_t>(std::clamp(every, 1, static_cast<int>(kRarestMasks)));
+        static_cast<std::uint32_t>(std::clamp(every, 0, static_cast<int>(kRarestMasks)));
   auto band = static_cast<int>(controls.settings.request.guard_band_percent);
   if (ImGui::SliderInt("guard band", &band, 0, static_cast<int>(kWidestBand_percent), "%d %% of the measured",
                        ImGuiSliderFlags_AlwaysClamp))

@@ -91,8 +91,8 @@ Verdict verdict_on_lights(const LightChanges& changes) {
 Verdict verdict_on(const FrameSettings& settings) {
   const bool codes =
       std::ranges::find(kPredictorKinds, settings.request.predictor) != std::end(kPredictorKinds) &&
-      is_one_of(settings.request.guard_band, GuardBandUse::Measured) && settings.request.every >= 1 &&
-      settings.request.every <= kMaxEvery && settings.request.guard_band_percent <= kWidestBand_percent &&
+      is_one_of(settings.request.guard_band, GuardBandUse::Measured) && settings.request.every <= kMaxEvery &&
+      settings.request.guard_band_percent <= kWidestBand_percent &&
       is_one_of(settings.carry_over.lookup, Lookup::Direct) &&
       is_one_of(settings.carry_over.eyes, Eyes::Both) &&
       is_one_of(settings.carry_over.gaps, Gaps::Neighbours) &&

@@ -159,6 +159,45 @@ TEST(RequestPlan, AsksOnEveryNthFrame) {
   }
 }
 
+/// The numbers of the frames that ask, of the first `count`.
+std::vector<std::uint32_t> asking(RequestPlan& plan, std::uint32_t count) {
+  std::vector<std::uint32_t> frames;
+  for (std::uint32_t i = 0; i < count; ++i)
+    if (plan.ask(shown(i), kPeriod)) frames.push_back(i);
+  return frames;
+}
+
+TEST(RequestPlanRate, IsOneInEachFrameUnlessNothingMovesAndMasksComeLate) {
+  RequestPlan moving({}), prompt({}), late({});
+  moving.learn(60ms);
+  prompt.expect(SceneMotion::Still);
+  prompt.learn(20ms);
+  late.expect(SceneMotion::Still);
+  late.learn(60ms);
+  EXPECT_EQ(asking(moving, 7).size(), 7u);
+  EXPECT_EQ(asking(prompt, 7).size(), 7u);
+  EXPECT_EQ(asking(late, 7), (std::vector<std::uint32_t>{0, 3, 6})) << "28 ms are three periods of 10 ms";
+  EXPECT_EQ(late.lead(kPeriod), 70ms) << "60 ms, and half of the time that a mask is used for";
+}
+
+TEST(RequestPlanRate, CountsDisplayPeriodsAndNotFrames) {
+  RequestPlan plan({});
+  plan.expect(SceneMotion::Still);
+  plan.learn(60ms);
+  for (const std::uint32_t i : {0u, 4u, 8u, 12u})
+    EXPECT_TRUE(plan.ask(shown(i), kPeriod)) << "each frame comes 40 ms after the one before";
+}
+
+TEST(RequestPlanRate, ChangedLightsAreRequestedAtOnce) {
+  RequestPlan plan({});
+  plan.expect(SceneMotion::Still);
+  plan.learn(60ms);
+  EXPECT_TRUE(plan.ask(shown(0), kPeriod));
+  FrameRequest changed = shown(1);
+  ++changed.lights.revision.value;
+  EXPECT_TRUE(plan.ask(changed, kPeriod));
+}
+
 TEST(RequestPlanLead, IsTheMedianOfTheLatencies) {
   RequestPlan plan({});
   EXPECT_EQ(plan.lead(kPeriod), kPeriod) << "before anything is known";
