@@ -8,6 +8,7 @@
 
 #include "rt_server/app.h"
 #include "rt_server/commands/commands.h"
+#include "stereo/base/heap.h"
 
 namespace {
 
@@ -53,6 +54,7 @@ void add_serving(CLI::App& app, ServeOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) try {
+  keep_freed_memory();
   CLI::App app(
       "Traces which lights are visible from each pixel of a stereo client, and sends the result as masks "
       "over UDP.");

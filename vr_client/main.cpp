@@ -2,11 +2,13 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "stereo/base/heap.h"
 #include "vr_client/app.h"
 #include "vr_client/doctor/doctor.h"
 
 int main(int argc, char** argv) try {
   using namespace farshade;
+  keep_freed_memory();
   spdlog::set_default_logger(spdlog::stderr_color_mt("vr_client"));
   spdlog::set_pattern("vr_client: %v");
   const tl::expected<Options, EarlyExit> options = read_options(argc, argv);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "stereo/base/heap.h"
 #include "stereo/base/quantile.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
@@ -190,6 +191,7 @@ Expected<void> run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) try {
+  keep_freed_memory();
   CLI::App app("Times the client's frame against its G-buffer pass.");
   Options options;
   app.add_option("--scene", options.scene, "glTF 2.0 file")->required();

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <deque>
 
+#include "stereo/base/heap.h"
 #include "stereo/base/quantile.h"
 #include "stereo/frame/tiles.h"
 #include "stereo/gpu/device.h"
@@ -144,6 +145,7 @@ void compare(const BenchOptions& options) {
 }  // namespace farshade
 
 int main(int argc, char** argv) try {
+  farshade::keep_freed_memory();
   farshade::BenchOptions options;
   CLI::App app("Measures the time that the preview adds to a frame.");
   app.add_option("--scene", options.scene);

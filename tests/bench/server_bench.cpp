@@ -10,6 +10,7 @@
 #include "rt_server/answers/answers.h"
 #include "rt_server/core/server_core.h"
 #include "stereo/base/check.h"
+#include "stereo/base/heap.h"
 #include "stereo/base/quantile.h"
 #include "stereo/net/udp.h"
 #include "stereo/scene/gltf.h"
@@ -141,6 +142,7 @@ Expected<void> run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  keep_freed_memory();
   CLI::App app("Compares the whole server frame with its tracing.");
   Options options;
   app.add_option("--scene", options.scene, "glTF 2.0 file")->required();

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "stereo/base/heap.h"
 #include "stereo/base/quantile.h"
 #include "stereo/frame/tiles.h"
 #include "stereo/gpu/device.h"
@@ -162,6 +163,7 @@ Expected<void> run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) try {
+  keep_freed_memory();
   CLI::App app("Compares shadow maps with the full trace.");
   Options options;
   app.add_option("--scene", options.scene, "glTF 2.0 file")->required();

@@ -7,6 +7,7 @@
 #include <csignal>
 #include <cstdio>
 
+#include "stereo/base/heap.h"
 #include "stereo/detail/levels.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
@@ -104,6 +105,7 @@ void add_options(CLI::App& app, Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) try {
+  keep_freed_memory();
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // if the study is killed, its points end, too
   CLI::App app("One point of a study, as JSON.");
   Options options;
