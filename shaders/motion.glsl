@@ -17,8 +17,9 @@ bool has_moved(uint since, uint slot) {
 }
 
 // Moves a point on an instance that can move to where it was for `mask`. Both points are in the shown eye's space.
+// Slot 0, of invocations without a listed pixel, is read as slot 1.
 void carry_back(uint mask, uint slot, inout vec3 p, inout vec3 n) {
-  mat4 carry = motions[((slot - 1) * FARSHADE_MAX_MASKS + mask) * 2 + kEye];
+  mat4 carry = motions[((max(slot, 1u) - 1) * FARSHADE_MAX_MASKS + mask) * 2 + kEye];
   p = (carry * vec4(p, 1.0)).xyz;
   n = mat3(carry) * n;  // exact for rigid motions; others find fewer known pixels
 }
@@ -39,10 +40,10 @@ uint crossed_bits(uint since, uint slot, vec3 p, uint plane) {
     float distance = length(to_light);
     to_light /= distance;
     if (place.w == 0.0) distance = 1e30;
-    bool passed = false;
+    uint passed = 0u;
     [[unroll]] for (uint sphere = 0; sphere < FARSHADE_MAX_MOVED; ++sphere)
-      passed = bool(uint(passed) | uint(passes(frame.moved[(since * 2 + kEye) * FARSHADE_MAX_MOVED + sphere], p, to_light, distance)));
-    crossed |= uint(passed) << (i % 32);
+      passed |= uint(passes(frame.moved[(since * 2 + kEye) * FARSHADE_MAX_MOVED + sphere], p, to_light, distance));
+    crossed |= passed << (i % 32);
   }
   return kPass == FARSHADE_PASS_MOVING && has_moved(since, slot) ? ~0u : crossed;
 }

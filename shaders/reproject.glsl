@@ -160,7 +160,7 @@ void add_pixels_around(uint mask, Surface surface, uint group, Visibility8 fresh
   SourceData source = frame.sources[kNewest + mask];
   Projection projection = project(mask, source, surface);
   ivec2 corner = ivec2(floor(projection.at - 0.5));
-  float trust = projection.visible && mask < frame.counts.x ? 1.0 : 0.0;
+  bool in_use = mask < frame.counts.x, trusted = projection.visible && in_use;
   vec3 gathered = vec3((vec2(corner) + 1.0) / vec2(textureSize(depth_ring, 0).xy), source.place.x);
   vec4 depths = textureGather(depth_ring, gathered);
   [[unroll]] for (uint tap = 0; tap < 4; ++tap) {
@@ -168,7 +168,7 @@ void add_pixels_around(uint mask, Surface surface, uint group, Visibility8 fresh
     float traced = tap == 0 ? depths.w : tap == 1 ? depths.z : tap == 2 ? depths.x : depths.y;
     bool known = tile_known(source, there), near = on_plane(projection, pixel, traced, kBend);
     vec2 off = vec2(pixel) + 0.5 - projection.at;
-    float weight = pixel == there && known && near ? trust * exp2(kExponent * dot(off, off)) : 0.0;
+    float weight = trusted && pixel == there && known && near ? exp2(kExponent * dot(off, off)) : 0.0;
     Visibility8 lit = eight_of(mask_bits(source, there, group / 4) >> (group % 4 * 8));
     vec4 low_now = mask > 0 ? weight * fresh.low : vec4(weight), high_now = mask > 0 ? weight * fresh.high : vec4(weight);
     sum.low += low_now * lit.low;

@@ -65,7 +65,7 @@ const bool kShadowMaps = false;
 #endif
 
 const bool kSecondLook = kPass >= FARSHADE_PASS_HARD;  // a pass over listed pixels
-const uint kPlanes = FARSHADE_PLANES(kLights), kGroups = (kLights + 7) / 8, kQuads = FARSHADE_QUADS(kLights);
+const uint kGroups = (kLights + 7) / 8, kQuads = FARSHADE_QUADS(kLights);
 
 #include "shaders/motion.glsl"
 #include "shaders/reproject.glsl"
@@ -284,8 +284,12 @@ void shade(ivec2 pixel, bool wanted) {
 
   // The first group is apart, because in a loop every uniform would be read by each lane.
   uint shining = 0u;
-  PlaneBits bits = reported_bits(at, 0);
-  vec3 irradiance = irradiance_from(0, at, bits, shining);
+  PlaneBits bits;
+  vec3 irradiance = vec3(0.0);
+  if (kGroups > 0) {
+    bits = reported_bits(at, 0);
+    irradiance = irradiance_from(0, at, bits, shining);
+  }
   if (kGroups > 1)
     for (uint group = 1; group < kGroups; ++group) {
       if (group % 4 == 0) bits = reported_bits(at, group / 4);

@@ -1,10 +1,11 @@
 /// Quality: the size of views that the server advises to a client, from the bandwidth of the path to it.
 ///
 /// On a slow path the outbox (session.h) first lowers the mask rate. Smaller views are advised only when a
-/// frame takes more than four display intervals to send. The size of a frame in bytes is assumed to grow with
-/// scale^1.5: bytes for shadow edges grow with the scale, bytes for areas with its square. A larger size is
-/// advised only when its frames fit in 2.4 intervals. This hysteresis keeps the size stable although the rate
-/// control varies between 0.85 and 1.1 of the path's capacity and the true exponent is between 1 and 2.
+/// frame takes more than four intervals between requests to send. The size of a frame in bytes is assumed to
+/// grow with scale^1.5: bytes for shadow edges grow with the scale, bytes for areas with its square. A larger
+/// size is advised only when its frames fit in 2.4 intervals. This hysteresis keeps the size stable although
+/// the rate control varies between 0.85 and 1.1 of the path's capacity and the true exponent is between 1
+/// and 2.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +25,7 @@ class Quality {
   static constexpr Duration kDwell = std::chrono::milliseconds(500);
 
   /// Call for each packed frame. `bytes`: size of all its datagrams. `scale` (kLeast to full): size of its
-  /// views. `bytes_per_second` (> 0): capacity of the path. `interval`: display interval of the client.
+  /// views. `bytes_per_second` (> 0): capacity of the path. `interval`: mean time between requests.
   void packed(std::size_t bytes, ViewScale scale, double bytes_per_second, Duration interval, Time now);
 
   /// The size to advise to the client.

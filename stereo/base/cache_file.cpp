@@ -32,11 +32,11 @@ std::string cache_name(std::span<const std::uint8_t> key) {
 Expected<std::vector<std::byte>> read_cache_file(const std::filesystem::path& path, std::uint64_t max_bytes) {
   Expected<std::vector<std::byte>> file = read_file(path, max_bytes);
   if (!file) return file;
-  if (file->size() < sizeof(Digest)) return fail(Fault::Malformed, path.string() + " is too short");
+  if (file->size() < sizeof(Digest)) return fail(Fault::Malformed, "it is too short");
   const std::size_t size = file->size() - sizeof(Digest);
   const Digest digest = digest_of(std::span(*file).first(size));
   if (std::memcmp(&(*file)[size], digest.data(), digest.size()) != 0)
-    return fail(Fault::Malformed, path.string() + " is broken: its digest is wrong");
+    return fail(Fault::Malformed, "its digest is wrong");
   file->resize(size);
   return file;
 }

@@ -136,12 +136,14 @@ CachedLevels cached_levels(const Scene& scene, const std::filesystem::path& fold
   // Each level has at most 0.85 times the triangles of the one before.
   const std::uint64_t most_bytes = (1 << 20) + scene.triangle_count * 8 * sizeof(glm::uvec3);
   CachedLevels result;
-  const Expected<SceneLevels> kept = read_cache_file(path, most_bytes).and_then([&](const auto& content) {
+  Expected<SceneLevels> kept = read_cache_file(path, most_bytes).and_then([&](const auto& content) {
     return decode_levels(scene, content);
   });
-  if (kept) return {*kept, true};
-  if (kept.error().fault != Fault::Missing)
+  if (kept) return {std::move(*kept), true};
+  if (kept.error().fault == Fault::Malformed)
     result.trouble = path.string() + " is replaced: " + kept.error().what;
+  else if (kept.error().fault != Fault::Missing)
+    result.trouble = kept.error().what;
   result.levels = make_levels(scene);
   if (const auto written = write_cache_file(path, encode_levels(scene, result.levels)); !written)
     result.trouble = written.error().what;

@@ -34,6 +34,7 @@ class Renderer::Parts {
   [[nodiscard]] PerEye<Image<float>> read_distance();
   void read_gbuffer(GBufferPlanes& into) { transfer_.read(shown_depth_, into); }
   [[nodiscard]] DrawCounters counters() const;
+  [[nodiscard]] bool anything_moves() const { return plan_.anything_moves(); }
 
  private:
   enum class Stage : std::uint8_t { Shade, Both, Received };
@@ -446,6 +447,10 @@ void Renderer::read_gbuffer(GBufferPlanes& into) const {
 
 DrawCounters Renderer::counters() const {
   return parts_->counters();
+}
+
+bool Renderer::anything_moves() const {
+  return parts_->anything_moves();
 }
 
 }  // namespace farshade

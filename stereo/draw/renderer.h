@@ -120,6 +120,8 @@ class Renderer {
   void read_gbuffer(GBufferPlanes& into) const;
 
   [[nodiscard]] DrawCounters counters() const;
+  /// Something in the scene can move, according to the plan.
+  [[nodiscard]] bool anything_moves() const;
 
  private:
   class Parts;

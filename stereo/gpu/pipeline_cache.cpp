@@ -9,7 +9,7 @@ std::filesystem::path pipeline_file(const Device& device, const std::filesystem:
   return folder / (cache_name(uuid) + ".pipelines");
 }
 
-void load_pipelines(Device& device, const std::filesystem::path& folder) {
+bool load_pipelines(Device& device, const std::filesystem::path& folder) {
   // A driver must ignore data of another driver, but need not survive broken data.
   constexpr std::uint64_t kMostBytes = 256 << 20;
   const auto file = read_cache_file(pipeline_file(device, folder), kMostBytes);
@@ -17,6 +17,7 @@ void load_pipelines(Device& device, const std::filesystem::path& folder) {
       file ? std::span<const std::byte>(*file) : std::span<const std::byte>();
   device.pipelines =
       device.logical.createPipelineCache({.initialDataSize = data.size(), .pInitialData = data.data()});
+  return file.has_value();
 }
 
 Expected<void> save_pipelines(const Device& device, const std::filesystem::path& folder) {

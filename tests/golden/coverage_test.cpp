@@ -45,6 +45,16 @@ TEST_F(CoverageOf, RoomAgreesWithRays) {
   EXPECT_GT(coverage.common, coverage.pixels / 2);
 }
 
+/// A record of the report is then as small as can be, and must not reach into the next one.
+TEST_F(CoverageOf, ASceneWithoutLightsAgreesWithRays) {
+  SceneBuilder builder;
+  for (int i = 0; i < 9; ++i) builder.add(quad({0.2 * i - 0.8, 0, -2}, {0.05, 0, 0}, {0, 0.7, 0}));
+  TestRig rig(device_, builder.build(), 96);
+  const Coverage coverage = coverage_of(rig, rig.eyes({{1, 0, 0, 0}, {0, 0, 0}}));
+  EXPECT_EQ(coverage.apart, 0u);
+  EXPECT_GT(coverage.common, coverage.pixels / 8);
+}
+
 /// The signs of a quad's scale, and whether the quad then faces a viewer at +z.
 struct Facing {
   glm::dvec3 scale;

@@ -98,7 +98,9 @@ std::uint32_t round_trip_frames(const LinkModel& each_way, double refresh_hz) {
 }
 
 std::uint32_t warm_up_frames(const LinkModel& each_way, double refresh_hz) {
-  return round_trip_frames(each_way, refresh_hz) + narrow<std::uint32_t>(kMaxMasks);
+  const double apart = std::max(std::round(seconds_of(kStillInterval) * refresh_hz), 1.0);
+  return round_trip_frames(each_way, refresh_hz) +
+         narrow<std::uint32_t>(kMaxMasks) * static_cast<std::uint32_t>(apart);
 }
 
 std::uint32_t first_timed_frame(const Played& played, std::uint32_t warm_up) {

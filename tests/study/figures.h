@@ -36,8 +36,8 @@ class Figures {
 [[nodiscard]] std::uint32_t round_trip_frames(const LinkModel& each_way, double refresh_hz);
 
 /// Number of frames between the first frame with an answer and the first frame that is timed: one more round
-/// trip, until answers arrive that were requested with a known latency, and kMaxMasks frames, until the
-/// client shades with as many masks as it can use.
+/// trip, until answers arrive that were requested with a known latency, and the frames of kMaxMasks requests,
+/// until the client shades with as many masks as it can use.
 [[nodiscard]] std::uint32_t warm_up_frames(const LinkModel& each_way, double refresh_hz);
 
 /// Index of the first frame to time: `warm_up` frames after the first frame that was shown with an answer.

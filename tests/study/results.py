@@ -27,7 +27,8 @@ def rows_of(points):
             for entry in result:
                 row = figures_row(settings, entry["mode"], {}, entry["figures"])
                 row["again"] = int(entry["again"])
-                row["rounds"] = [r["time"] for r in entry["rounds"]]
+                # A round has no times if no answer came, as with too many positions for a network with losses.
+                row["rounds"] = [r["time"] for r in entry["rounds"] if "time" in r]
                 rows.append(row)
         elif settings["kind"] == "clients":
             rows.append(figures_row(settings, "hybrid", result, result))

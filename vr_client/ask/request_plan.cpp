@@ -77,7 +77,7 @@ std::optional<Duration> RequestPlan::median_latency() const {
   return duration_from_ms(quantile(latencies_ms, 0.5));
 }
 
-std::uint32_t RequestPlan::periods_apart(Duration period) const {
+std::uint32_t RequestPlan::frames_apart(Duration period) const {
   if (settings_.every > 0) return settings_.every;
   if (motion_ == SceneMotion::Moving || median_latency().value_or(Duration::zero()) < kStillInterval)
     return 1;
@@ -91,11 +91,13 @@ Duration RequestPlan::lead(Duration period) const {
   const double frames = std::ceil(seconds_of(median_latency().value_or(period)) / seconds_of(period) - 1e-3);
   const double used_s = std::max(frames, 0.0) * seconds_of(period);
   // With one request in n periods, masks are used for n periods: aim at the middle of them.
-  return duration_from_ms(used_s * 1e3) + period * (periods_apart(period) - 1) / 2;
+  return duration_from_ms(used_s * 1e3) + period * (frames_apart(period) - 1) / 2;
 }
 
-bool RequestPlan::is_due(const FrameRequest& shown, Duration period) const {
-  const std::uint32_t apart = periods_apart(period);
+bool RequestPlan::is_due(const FrameRequest& shown, Duration period) {
+  const std::uint32_t frame = frames_++;
+  if (settings_.every > 0) return frame % settings_.every == 0;
+  const std::uint32_t apart = frames_apart(period);
   if (apart == 1 || !asked_for_ || shown.lights != asked_for_->lights) return true;
   const Duration since = shown.display_time - asked_for_->display_time;
   return since < Duration::zero() || since >= period * apart - period / 2;
@@ -122,8 +124,8 @@ std::optional<FrameRequest> RequestPlan::ask(const FrameRequest& shown, Duration
   const bool is_held = settings_.predictor == PredictorKind::Hold;
   const Duration used_after = !is_held ? ahead : latencies_.empty() ? period : latencies_.back();
   Sides<std::uint32_t> needed = shrunk(
-      guard_band_.margins_px(full, predictor_.velocity(), used_after,
-                             period * (periods_apart(period) - 1) / 2, settings_.guard_band_percent / 100.0),
+      guard_band_.margins_px(full, predictor_.velocity(), used_after, period * (frames_apart(period) - 1) / 2,
+                             settings_.guard_band_percent / 100.0),
       full[0].size, request.views[0].size);
   if (use_ == AnswerUse::Turned) needed = steady_band_.margins_px(needed, request.views[0].size);
   const Sides<std::uint32_t> margins = reduced_to_fit(request.views, needed, most_pixels_);

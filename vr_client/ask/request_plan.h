@@ -53,7 +53,8 @@ class RequestPlan {
       : settings_(settings), predictor_(settings.predictor) {}
 
   /// The request of the frame that shows `shown`, on a display of the given period. No value on frames
-  /// without a request. Changes of the lights are requested at once. Call once a frame.
+  /// without a request. Unless the rate is fixed, changes of the lights are requested at once. Call once a
+  /// frame.
   [[nodiscard]] std::optional<FrameRequest> ask(const FrameRequest& shown, Duration period,
                                                 SceneClock scene = SceneClock::Running);
 
@@ -81,15 +82,16 @@ class RequestPlan {
   /// the shown view if that has fewer. The guard band is added afterwards.
   void shrink(ViewScale scale);
 
-  /// One request is made in so many display periods.
-  [[nodiscard]] std::uint32_t periods_apart(Duration period) const;
+  /// One request is made in so many frames. If the rate is not fixed, these are frames of the display,
+  /// whether or not the client shows each of them.
+  [[nodiscard]] std::uint32_t frames_apart(Duration period) const;
 
   /// The time between the frame that asks and the frame that the request is made for.
   [[nodiscard]] Duration lead(Duration period) const;
 
  private:
   [[nodiscard]] std::optional<Duration> median_latency() const;
-  [[nodiscard]] bool is_due(const FrameRequest& shown, Duration period) const;
+  [[nodiscard]] bool is_due(const FrameRequest& shown, Duration period);
 
   RequestSettings settings_;
   Predictor predictor_;
@@ -98,6 +100,7 @@ class RequestPlan {
   AnswerUse use_ = AnswerUse::Reprojected;
   SceneMotion motion_ = SceneMotion::Moving;
   std::deque<Duration> latencies_;
+  std::uint32_t frames_ = 0;
   std::optional<FrameRequest> asked_for_;  ///< what was shown at the last request
   std::uint32_t most_pixels_ = std::numeric_limits<std::uint32_t>::max();
   ViewScale scale_{};

@@ -17,15 +17,15 @@
 namespace farshade {
 namespace {
 
-SceneMotion motion_of(const Scene& scene) {
-  return scene.animation_length_s > 0 ? SceneMotion::Moving : SceneMotion::Still;
+SceneMotion motion_of(const Renderer& renderer) {
+  return renderer.anything_moves() ? SceneMotion::Moving : SceneMotion::Still;
 }
 
 class Hybrid final : public ModePipeline {
  public:
   explicit Hybrid(const RunContext& context)
       : renderer_(context.renderer),
-        exchange_(context.link, context.policy, context.settings.request, motion_of(context.scene)),
+        exchange_(context.link, context.policy, context.settings.request, motion_of(context.renderer)),
         masks_(context.scene.animation_length_s > 0) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
@@ -59,7 +59,7 @@ class ClientPositions final : public ModePipeline {
  public:
   explicit ClientPositions(const RunContext& context)
       : context_(context),
-        exchange_(context.link, context.policy, context.settings.request, motion_of(context.scene)),
+        exchange_(context.link, context.policy, context.settings.request, motion_of(context.renderer)),
         masks_(context.scene.animation_length_s > 0),
         grid_(grid_of({context.scene.bounds.low}, {context.scene.bounds.high}, context.mode.position_bits)) {}
 

@@ -25,7 +25,7 @@ constexpr KeyBinding kKeyTable[] = {
     {Key::P, Command::NextPredictor, "next predictor"},
     {Key::B, Command::GuardBand, "guard band on or off"},
     {Key::Plus, Command::SlowerMasks, "request masks half as often"},
-    {Key::Minus, Command::FasterMasks, "request masks twice as often"},
+    {Key::Minus, Command::FasterMasks, "request masks twice as often, at last as often as needed"},
     {Key::RightBracket, Command::WorsePath, "25 ms more latency"},
     {Key::LeftBracket, Command::BetterPath, "25 ms less latency"},
     {Key::L, Command::NextLight, "select the next light"},

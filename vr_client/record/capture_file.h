@@ -12,7 +12,7 @@
 namespace farshade {
 
 inline constexpr std::uint32_t kCaptureMagic = 0x53534446;  // "FDSS" in byte order
-inline constexpr std::uint16_t kCaptureVersion = 2;
+inline constexpr std::uint16_t kCaptureVersion = 3;
 inline constexpr std::size_t kCapturePreamble_bytes =
     8;  ///< magic, format version, protocol version of the messages
 inline constexpr std::size_t kRecordHead_bytes = 5;     ///< kind and length

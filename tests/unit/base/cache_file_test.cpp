@@ -43,9 +43,7 @@ TEST(CacheFile, RefusesEveryFlippedByteAndEveryShorterFile) {
     ASSERT_TRUE(write_file_atomically(path, broken));
     EXPECT_EQ(read_cache_file(path, kMostBytes).error().fault, Fault::Malformed) << i;
     ASSERT_TRUE(write_file_atomically(path, std::span(whole).first(i)));
-    const auto shorter = read_cache_file(path, kMostBytes);
-    ASSERT_FALSE(shorter) << i;
-    EXPECT_NE(shorter.error().what.find(path.string()), std::string::npos) << shorter.error().what;
+    EXPECT_EQ(read_cache_file(path, kMostBytes).error().fault, Fault::Malformed) << i;
   }
 }
 
