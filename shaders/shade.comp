@@ -8,8 +8,8 @@
 // come from shadow maps (shadow_lookup.glsl). REPORT writes what each pixel was shaded with. MOTION: some instances
 // can move.
 // Lavapipe executes both sides of every branch, so work is saved by separate passes, not by branches. It reads a uniform
-// once outside of branches and loops that remain after unrolling, but inside of them once for each lane, with thirty
-// instructions. So branches contain little more than stores, and && and || have no function call on their right.
+// once for all lanes; but inside of a branch, and of a loop that it cannot unroll, once for each lane. So branches contain
+// little more than stores. && and || are branches, too.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -228,7 +228,7 @@ Visibility8 visibility_of(uint group, ivec2 pixel, Surface surface, Lookup found
   return k;
 }
 
-// A covered pixel and what is known of it.
+// A pixel and what is known of it.
 struct ShadedPixel {
   ivec2 pixel;
   uint record;  // of the report
@@ -260,7 +260,7 @@ vec3 irradiance_from(uint group, ShadedPixel at, PlaneBits bits, inout uint shin
   return irradiance;
 }
 
-// `wanted`: the pixel exists and is listed. All else has no effect.
+// Writes nothing if the pixel is not `wanted`: because it lies outside of the picture, or is not listed.
 void shade(ivec2 pixel, bool wanted) {
   float depth = texelFetch(depth_ring, ivec3(pixel, frame.counts.y + kEye), 0).r;
   bool covered = depth != 0.0;
