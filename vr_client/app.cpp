@@ -191,7 +191,7 @@ Expected<void> print_plan(const Options& options) {
     fmt::print("  {:<12} {}\n", what, words);
   };
   fmt::print("{}", in_words(planned->plan, scene));
-  line("triangles", fmt::format("{} of {} at the reference camera, both eyes",
+  line("triangles", fmt::format("at most {} of {} at the reference camera, both eyes",
                                 gbuffer_triangles(scene, planned->plan.draw, levels, views),
                                 gbuffer_triangles(scene, planned->plan.draw, {}, views)));
   line("memory", in_words(client_memory(scene, planned->plan.draw, renderer_limits(options), levels)));

@@ -31,8 +31,8 @@ struct DrawCounters {
 [[nodiscard]] gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& plan,
                                             const RendererLimits& limits, const SceneLevels& levels = {});
 
-/// The triangles that a first G-buffer of `views` at scene time 0 submits, for both eyes. `levels` are those
-/// of the scene, or empty.
+/// At most how many triangles a first G-buffer of `views` at scene time 0 submits, for both eyes: clusters
+/// outside of the views are counted. `levels` are those of the scene, or empty.
 [[nodiscard]] std::uint64_t gbuffer_triangles(const Scene& scene, const DrawPlan& plan,
                                               const SceneLevels& levels, const StereoView& views);
 

@@ -1,7 +1,8 @@
 /// Mesh streams: a mesh as the device stores it. Positions relative to a centre, octahedral normals, and the
-/// triangles of all levels with indices of 16 bits where the mesh has few enough vertices. Vertices are in
-/// the order in which the coarsest level reads them first, so that no level fetches more memory than it
-/// needs. Pure; no device needed.
+/// triangles of all levels with indices of 16 bits where the mesh has few enough vertices. The triangles of a
+/// level are sorted along a space-filling curve, so that successive ones form clusters that a frame can leave
+/// out. Vertices are in the order in which the coarsest level reads them first, so that no level fetches more
+/// memory than it needs. Pure; no device needed.
 #pragma once
 
 #include <cstddef>
@@ -19,10 +20,14 @@ struct StreamBytes {
   [[nodiscard]] std::size_t total() const { return vertices() + indices; }
 };
 
+/// Successive triangles of a level that form a cluster. The last cluster of a level may have fewer.
+inline constexpr std::uint32_t kClusterTriangles = 256;
+
 /// The triangles of one level in the index stream of a mesh.
 struct IndexRange {
   std::uint32_t first = 0, count = 0;  ///< indices
   std::uint32_t vertices = 0;          ///< the level reads only the first so many vertices
+  std::vector<Bounds> clusters;        ///< bounding boxes, relative to the centre
 };
 
 struct MeshStreams {

@@ -68,7 +68,11 @@ void ScenePass::prepare_warm_up() {
   std::set<SceneVariant> drawn;
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i)
     if (drawn.insert(variant_of(scene_.instances[i].mesh)).second)
-      draws_[0].push_back({.instance = i, .data = i, .first_eye = 0, .eyes = 2});
+      draws_[0].push_back({.instance = i,
+                           .data = i,
+                           .first_eye = 0,
+                           .eyes = 2,
+                           .count = buffers_.meshes[scene_.instances[i].mesh].ranges[0].count});
 }
 
 SceneVariant ScenePass::variant_of(std::size_t mesh) const {
@@ -80,15 +84,16 @@ void ScenePass::need_pipeline(SceneVariant variant) {
     pipelines_.emplace(variant, make_scene_pipeline(device_, layout_, plan_, outputs_, variant));
 }
 
-/// Bytes that drawing a level of a mesh for one eye reads.
-std::uint64_t ScenePass::bytes_read(std::size_t mesh, std::uint32_t level) const {
+/// Bytes that a draw reads for one eye, if all parts of its level read equally many vertices.
+std::uint64_t ScenePass::bytes_read(std::size_t mesh, const Draw& draw) const {
   const StreamBytes& bytes = buffers_.meshes[mesh].bytes;
   const SceneVariant variant = variant_of(mesh);
   const std::uint64_t streams = bytes.positions + (outputs_ == Outputs::GBuffer ? bytes.normals : 0) +
                                 (variant.textured ? bytes.uvs : 0) + (variant.colored ? bytes.colors : 0);
-  const IndexRange& range = buffers_.meshes[mesh].ranges[level];
+  const IndexRange& range = buffers_.meshes[mesh].ranges[draw.level];
   const std::size_t vertices = scene_.meshes[mesh].positions.size();
-  return streams / std::max(vertices, std::size_t{1}) * range.vertices + range.count * index_bytes(vertices);
+  const std::uint64_t read = std::uint64_t{range.vertices} * draw.count / std::max(range.count, 1u);
+  return streams / std::max(vertices, std::size_t{1}) * read + draw.count * index_bytes(vertices);
 }
 
 void ScenePass::clear_counts() {
@@ -146,12 +151,38 @@ bool ScenePass::wants(Casters casters, std::size_t instance) const {
   return can_move(scene_, scene_.instances[instance]) == (casters == Casters::Moving);
 }
 
+/// Adds draws of those clusters of a level that may be seen; successive ones become one draw.
+void ScenePass::add_visible(Draw draw, const gpu::InstanceData& data, std::vector<Draw>& draws) {
+  const IndexRange& range = buffers_.meshes[scene_.instances[draw.instance].mesh].ranges[draw.level];
+  constexpr std::uint32_t kIndices = 3 * kClusterTriangles;
+  draw.first = range.first;
+  draw.count = 0;
+  const auto is_seen = [&](const Bounds& cluster) {
+    for (std::uint32_t eye = draw.first_eye; eye < draw.first_eye + draw.eyes; ++eye)
+      if (may_be_seen(data, eye, cluster)) return true;
+    return false;
+  };
+  std::uint32_t left = range.count;
+  for (const Bounds& cluster : range.clusters) {
+    const std::uint32_t indices = std::min(left, kIndices);
+    left -= indices;
+    if (range.clusters.size() == 1 || is_seen(cluster)) {
+      draw.count += indices;
+      continue;
+    }
+    if (draw.count > 0) add_draw(draw, draws);
+    draw.first += draw.count + indices;
+    draw.count = 0;
+  }
+  if (draw.count > 0) add_draw(draw, draws);
+}
+
 void ScenePass::add_draw(const Draw& draw, std::vector<Draw>& draws) {
   const std::uint32_t mesh = scene_.instances[draw.instance].mesh;
   draws.push_back(draw);
   need_pipeline(variant_of(mesh));
-  vertex_bytes_read_ += bytes_read(mesh, draw.level) * draw.eyes;
-  triangles_ += std::uint64_t{buffers_.meshes[mesh].ranges[draw.level].count / 3} * draw.eyes;
+  vertex_bytes_read_ += bytes_read(mesh, draw) * draw.eyes;
+  triangles_ += std::uint64_t{draw.count / 3} * draw.eyes;
 }
 
 template <class SeenAs>
@@ -187,14 +218,15 @@ void ScenePass::add_draws(std::size_t pass, const CasterDraws& wanted, const Sce
     draw.level = levels[left ? 0 : 1];
     draw.first_eye = left ? 0 : 1;
     draw.eyes = left && right && levels[0] == levels[1] ? 2 : 1;
-    add_draw(draw, draws);
+    add_visible(draw, seen, draws);
     if (!left || !right || draw.eyes == 2) continue;
     draw.level = levels[1];
     draw.first_eye = 1;
-    add_draw(draw, draws);
+    add_visible(draw, seen, draws);
   }
   // Nearest first, so that the depth test rejects most hidden pixels before shading.
-  std::sort(draws.begin(), draws.end(), [](const Draw& a, const Draw& b) { return a.distance < b.distance; });
+  std::stable_sort(draws.begin(), draws.end(),
+                   [](const Draw& a, const Draw& b) { return a.distance < b.distance; });
 }
 
 void ScenePass::record(const vk::raii::CommandBuffer& commands, Extent size,
@@ -242,9 +274,8 @@ void ScenePass::draw_instance(const vk::raii::CommandBuffer& commands, const Dra
   commands.bindVertexBuffers(0, vk::ArrayProxy(count, streams.data()), vk::ArrayProxy(count, offsets.data()));
   commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *layout_, 0, *bindings_.set,
                               narrow<std::uint32_t>(draw.data * sizeof(gpu::InstanceData)));
-  const IndexRange& range = mesh.ranges[draw.level];
   commands.bindIndexBuffer(*buffers_.indices.buffer, mesh.offsets.indices, mesh.index_type);
-  commands.drawIndexed(range.count, draw.eyes, range.first, 0, draw.first_eye);
+  commands.drawIndexed(draw.count, draw.eyes, draw.first, 0, draw.first_eye);
 }
 
 }  // namespace farshade

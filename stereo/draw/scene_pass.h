@@ -68,13 +68,15 @@ class ScenePass {
     std::uint32_t first_eye = 0, eyes = 0;  ///< whose views its bounding box may intersect
     float distance = 0;
     bool mirrored = false;
-    std::uint32_t level = 0;  ///< 0: the mesh itself
+    std::uint32_t level = 0;             ///< 0: the mesh itself
+    std::uint32_t first = 0, count = 0;  ///< indices of the level
   };
   [[nodiscard]] SceneVariant variant_of(std::size_t mesh) const;
   void need_pipeline(SceneVariant variant);
-  [[nodiscard]] std::uint64_t bytes_read(std::size_t mesh, std::uint32_t level) const;
+  [[nodiscard]] std::uint64_t bytes_read(std::size_t mesh, const Draw& draw) const;
   [[nodiscard]] PerEye<std::uint32_t> levels_for(std::uint32_t instance, const gpu::InstanceData& data,
                                                  const PerEye<Extent>& sizes);
+  void add_visible(Draw draw, const gpu::InstanceData& data, std::vector<Draw>& draws);
   void add_draw(const Draw& draw, std::vector<Draw>& draws);
   void clear_counts();
   /// `seen_as` makes an instance's InstanceData from its transform to the stage.

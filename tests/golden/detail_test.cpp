@@ -7,6 +7,8 @@
 #include "stereo/image/difference.h"
 #include "stereo/scene/gltf.h"
 #include "tests/golden/test_rig.h"
+#include "tests/oracle/scene_builder.h"
+#include "tests/unit/detail/shapes.h"
 
 namespace farshade {
 namespace {
@@ -121,6 +123,33 @@ TEST_F(LevelsInPictures, DoNotFlicker) {
     triangles = with->counters().gbuffer_triangles;
   }
   EXPECT_EQ(switches, 0);
+}
+
+/// The head is inside of one large mesh, so a cluster that is wrongly left out would be a hole.
+TEST_F(OnLavapipe, ClustersOutsideOfTheViewsAreLeftOut) {
+  SceneBuilder builder;
+  Material material;
+  material.double_sided = true;
+  Mesh sphere = grid_mesh(128, 96, [](float u, float v) {
+    const float longitude = 6.2831853f * u, latitude = 3.1415927f * v;
+    return glm::vec3(std::sin(latitude) * std::cos(longitude), std::cos(latitude),
+                     std::sin(latitude) * std::sin(longitude));
+  });
+  const std::size_t triangles = sphere.triangles.size();
+  builder.add(std::move(sphere), builder.material(material));
+  builder.point_light({0, 0, 0});
+  const Scene scene = builder.build();
+  Renderer renderer(device_, scene, kDetailLimits);
+  for (int direction = 0; direction < 7; ++direction) {
+    const auto head = moved({}, 0.9 * direction, {0.3, 0.1 * direction, 0});
+    renderer.draw({.views = eyes_of(head, kDetailSide_px),
+                   .state = state_at(scene, Time{}),
+                   .masks = {},
+                   .carry_over = {}});
+    for (const Image<float>& eye : renderer.read_distance())
+      EXPECT_GT(*std::ranges::min_element(eye.pixels), 0) << direction;
+    EXPECT_LT(renderer.counters().gbuffer_triangles, triangles) << "half of both eyes' triangles";
+  }
 }
 
 }  // namespace

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cstring>
+#include <tuple>
 
 #include "tests/unit/detail/shapes.h"
 
@@ -24,7 +27,33 @@ std::uint32_t index_at(const MeshStreams& streams, std::size_t bytes, std::size_
   return index;
 }
 
-/// Every corner of every level has the position, the normal and the texture coordinates of the mesh's vertex.
+/// A triangle's corners: position and texture coordinates, then the normal. The least corner is the first.
+struct Corners {
+  std::array<std::array<float, 5>, 3> exact{};
+  std::array<glm::vec3, 3> normals{};
+  bool operator<(const Corners& other) const { return exact < other.exact; }
+};
+
+Corners from_least(const Corners& corners) {
+  const auto least = std::min_element(corners.exact.begin(), corners.exact.end()) - corners.exact.begin();
+  Corners result = corners;
+  std::rotate(result.exact.begin(), result.exact.begin() + least, result.exact.end());
+  std::rotate(result.normals.begin(), result.normals.begin() + least, result.normals.end());
+  return result;
+}
+
+/// The sorted triangles of a range. `vertex(i)` is that of index i; `at` returns its exact part and normal.
+template <class Vertex, class At>
+std::vector<Corners> sorted_corners(std::size_t indices, const Vertex& vertex, const At& at) {
+  std::vector<Corners> result(indices / 3);
+  for (std::size_t i = 0; i < indices; ++i)
+    std::tie(result[i / 3].exact[i % 3], result[i / 3].normals[i % 3]) = at(vertex(i));
+  for (Corners& corners : result) corners = from_least(corners);
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+/// Every level has the triangles of the mesh's level, with their positions, normals and texture coordinates.
 void expect_the_same_corners(const Mesh& mesh, const MeshLevels& levels) {
   const MeshStreams streams = make_streams(mesh, {.texture = true}, levels);
   const std::size_t bytes = index_bytes(mesh.positions.size());
@@ -34,13 +63,25 @@ void expect_the_same_corners(const Mesh& mesh, const MeshLevels& levels) {
     const glm::uvec3* triangles =
         level == 0 ? mesh.triangles.data() : &levels.triangles[levels.levels[level - 1].first];
     ASSERT_EQ(range.count, 3 * (level == 0 ? mesh.triangles.size() : levels.levels[level - 1].count));
-    for (std::size_t i = 0; i < range.count; ++i) {
-      const std::uint32_t vertex = triangles[i / 3][static_cast<glm::length_t>(i % 3)],
-                          there = index_at(streams, bytes, range.first + i);
-      ASSERT_LT(there, range.vertices) << "a level reads only its first vertices";
-      ASSERT_EQ(streams.positions[there], mesh.positions[vertex]);
-      ASSERT_LT(glm::length(unfolded(streams.normals[there]) - mesh.normals[vertex]), 1e-4f);
-      ASSERT_EQ(streams.uvs[there], mesh.uvs.empty() ? glm::vec2(0) : mesh.uvs[vertex]);
+    const auto exact = [](const glm::vec3& p, const glm::vec2& uv) {
+      return std::array{p.x, p.y, p.z, uv.x, uv.y};
+    };
+    const auto expected = sorted_corners(
+        range.count, [&](std::size_t i) { return triangles[i / 3][static_cast<glm::length_t>(i % 3)]; },
+        [&](std::uint32_t v) {
+          return std::pair(exact(mesh.positions[v], mesh.uvs.empty() ? glm::vec2(0) : mesh.uvs[v]),
+                           mesh.normals[v]);
+        });
+    const auto streamed = sorted_corners(
+        range.count, [&](std::size_t i) { return index_at(streams, bytes, range.first + i); },
+        [&](std::uint32_t v) {
+          EXPECT_LT(v, range.vertices) << "a level reads only its first vertices";
+          return std::pair(exact(streams.positions[v], streams.uvs[v]), unfolded(streams.normals[v]));
+        });
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      ASSERT_EQ(streamed[i].exact, expected[i].exact);
+      for (std::size_t corner = 0; corner < 3; ++corner)
+        ASSERT_LT(glm::length(streamed[i].normals[corner] - expected[i].normals[corner]), 1e-4f);
     }
   }
 }
@@ -83,6 +124,21 @@ TEST(MeshStreams, PutTheVerticesOfTheCoarsestLevelFirst) {
   for (std::size_t level = 2; level < streams.ranges.size(); ++level)
     EXPECT_LT(streams.ranges[level].vertices, streams.ranges[level - 1].vertices);
   EXPECT_LT(streams.ranges.back().vertices, mesh.positions.size() / 8);
+}
+
+TEST(MeshStreams, HaveClustersThatAreSmallAndHoldTheirTriangles) {
+  const Mesh flat = grid_mesh(200, 200, [](float u, float v) { return glm::vec3(u, 0, v); });
+  const MeshStreams streams = make_streams(flat, {}, {});
+  const IndexRange& range = streams.ranges.at(0);
+  ASSERT_EQ(range.clusters.size(), (flat.triangles.size() + kClusterTriangles - 1) / kClusterTriangles);
+  double area = 0;
+  for (const Bounds& box : range.clusters) area += (box.high.x - box.low.x) * (box.high.z - box.low.z);
+  EXPECT_LT(area, 4) << "the mesh covers 1 x 1; with triangles in random order this is 300";
+  for (std::uint32_t i = 0; i < range.count; ++i) {
+    const glm::dvec3 p(streams.positions[index_at(streams, 2, range.first + i)]);
+    const Bounds& box = range.clusters[i / 3 / kClusterTriangles];
+    EXPECT_TRUE(glm::all(glm::lessThanEqual(box.low, p)) && glm::all(glm::lessThanEqual(p, box.high)));
+  }
 }
 
 TEST(MeshStreams, AreRelativeToTheCentreOfAFarMesh) {
