@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "stereo/detail/weld.h"
 #include "tests/unit/detail/shapes.h"
 
