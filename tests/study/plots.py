@@ -99,6 +99,8 @@ def cost_axis(axes, values):
     least, most = min((v for v in values if v > 0), default=1), max(values)
     if min(values) > 0 and most > 3 * least:
         axes.set_xscale("log", subs=())
+        axes.xaxis.set_major_locator(matplotlib.ticker.LogLocator(subs=(1, 2, 5)))
+        axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}")
     elif min(values) == 0 and most > 30 * least:
         threshold = 10 ** math.floor(math.log10(least))
         axes.set_xscale("symlog", linthresh=threshold, linscale=0.6)
