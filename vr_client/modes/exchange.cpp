@@ -8,9 +8,9 @@ namespace {
 /// In virtual time the client waits in real time for a frame's answer before it draws the frame, so that the
 /// picture depends on the configured delay alone. An answer that takes longer than this counts as lost.
 constexpr Duration kVirtualPatience = std::chrono::seconds(5);
-/// If a part of an answer has come, and then nothing more for so long, the rest counts as lost. Long enough for
-/// a server under sanitizers on a busy machine.
-constexpr Duration kIdle = std::chrono::milliseconds(500);
+/// If a part of an answer has come, and then nothing more for so long, the rest counts as lost. Long enough
+/// for a server under sanitizers on a busy machine.
+constexpr Duration kIdle = std::chrono::seconds(1), kPoll = std::chrono::milliseconds(100);
 
 }  // namespace
 
@@ -103,9 +103,11 @@ bool Exchange::wait_until_idle(Duration patience) {
     return received == nullptr ? 0 : received->pieces_known();
   };
   std::uint32_t before = 0;
-  for (Duration waited{}; waited <= patience; waited += kIdle) {
-    if (link_->wait_for(requested_, std::min(kIdle, patience - waited))) return true;
-    if (known() > 0 && known() == before) return true;
+  Duration idle{};
+  for (Duration waited{}; waited <= patience && idle < kIdle; waited += kPoll) {
+    if (link_->wait_for(requested_, std::min(kPoll, patience - waited))) return true;
+    const bool is_waiting_for_more = before > 0 && known() == before;
+    idle = is_waiting_for_more ? idle + kPoll : Duration::zero();
     before = known();
   }
   return before > 0;

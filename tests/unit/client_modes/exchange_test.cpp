@@ -224,11 +224,12 @@ TEST(ExchangeVirtual, WaitsForAServerThatDoesNotAnswerOnceOnly) {
   EXPECT_GE(client.link.waited, 5s);
 }
 
+/// As of a server under sanitizers on a busy machine, which pauses for half a second.
 TEST(ExchangeVirtual, WaitsForTheRestOfAnAnswerThatGoesOn) {
   Client client({.pace = Pace::Virtual, .delay = kPeriod});
   int waits = 0;
   client.link.on_wait = [&](FrameId frame) {
-    client.link.deliver(frame, ++waits == 1 ? Part::FirstSlice : Part::All);
+    client.link.deliver(frame, ++waits < 6 ? Part::FirstSlice : Part::All);
   };
   client.ask(1);
   client.receive();
@@ -240,7 +241,7 @@ TEST(ExchangeVirtual, DoesNotWaitForTheRestOfAnAnswerThatHasStopped) {
   client.link.on_wait = [&](FrameId frame) { client.link.deliver(frame, Part::FirstSlice); };
   client.ask(1);
   client.receive();
-  EXPECT_LE(client.link.waited, 500ms) << "a quarter of a second without a new slice";
+  EXPECT_LE(client.link.waited, 1200ms) << "a second without a new slice";
 }
 
 TEST(ExchangeReal, WaitsNoLongerThanTheMaskWait) {
