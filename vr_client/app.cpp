@@ -250,6 +250,16 @@ Expected<void> run_client(const Options& options) {
   if (auto done = open_tracers(options, options.mode.mode, client); !done) return done;
   const bool captures = !options.record.empty();
   CaptureWriter capture(client.clock);
+  RecordedHeadRuntime runtime(*head, playback_of(options, client.scene, *head));
+  const std::uint32_t frames = runtime.frame_count();
+  RunReport report({options.out, frames, options.reference_every, options.pictures, options.dump},
+                   *client.renderer, client.reference.get());
+  const FrameSettings settings{
+      .request = options.request, .carry_over = options.carry_over, .report = report_for(report)};
+  // A run of less than a second ends sooner if each pipeline is compiled when a frame first needs it. If
+  // requests are rare, the server could end the session while a frame compiles.
+  if ((frames > options.refresh_hz || options.request.every > 1) && draws_scene(options.mode.mode))
+    compile_ahead(client, settings.carry_over, settings.report, Changes::Never);
   if (auto done = open_link(options, client, captures ? capture.listener() : LinkListener{}); !done)
     return done;
   const MaskPolicy policy{.pace = options.pace,
@@ -259,15 +269,6 @@ Expected<void> run_client(const Options& options) {
   if (captures)
     if (auto done = capture.open(options.record, header_of(options, client, policy)); !done) return done;
 
-  RecordedHeadRuntime runtime(*head, playback_of(options, client.scene, *head));
-  const std::uint32_t frames = runtime.frame_count();
-  RunReport report({options.out, frames, options.reference_every, options.pictures, options.dump},
-                   *client.renderer, client.reference.get());
-  const FrameSettings settings{
-      .request = options.request, .carry_over = options.carry_over, .report = report_for(report)};
-  // A run of less than a second ends sooner if each pipeline is compiled when a frame first needs it.
-  if (frames > options.refresh_hz && draws_scene(options.mode.mode))
-    compile_ahead(client, settings.carry_over, settings.report, Changes::Never);
   const RunContext context{.scene = client.scene,
                            .runtime = runtime,
                            .renderer = *client.renderer,
