@@ -8,7 +8,7 @@ from analysis import comparable, grouped, less_in_both
 from rows import CASE, FLIP, METRICS, on_every_network, read_csv
 
 SERVER = "hybrid"
-REFERENCE = "full"  # needs no server; its only errors come from levels of detail
+REFERENCE = "full"  # needs no server and has no error
 COST = "client_ms"
 DOMINANCE_HEADS = ["px", "scene", "head", "network", "hybrid, ms", *(f"by {m.label}" for m in METRICS),
                    f"{REFERENCE}, ms"]

@@ -224,7 +224,7 @@ TEST(ExchangeVirtual, WaitsForAServerThatDoesNotAnswerOnceOnly) {
   EXPECT_GE(client.link.waited, 5s);
 }
 
-/// As of a server under sanitizers on a busy machine, which pauses for half a second.
+/// A pause of half a second within an answer does not end it.
 TEST(ExchangeVirtual, WaitsForTheRestOfAnAnswerThatGoesOn) {
   Client client({.pace = Pace::Virtual, .delay = kPeriod});
   int waits = 0;
