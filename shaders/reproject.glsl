@@ -46,44 +46,16 @@ Projection project(uint mask, SourceData source, Surface surface) {
   return projection;
 }
 
-// `pixel` is in the picture.
-bool tile_known(SourceData source, ivec2 pixel) {
-  if (kWhole) return true;
-  uint columns = (uint(source.per_step.z) + FARSHADE_TILE_PX - 1) / FARSHADE_TILE_PX;
-  uint tile = uint(pixel.y) / FARSHADE_TILE_PX * columns + uint(pixel.x) / FARSHADE_TILE_PX;
-  return (known_words[source.place.z + tile / 32] >> (tile % 32) & 1u) != 0u;
-}
-
 bool on_plane(Projection projection, ivec2 pixel, float traced, float bend) {
   float expected = dot(projection.plane, vec3(pixel, 1.0));
   return abs(traced - expected) <= bend * abs(expected - projection.depth) + projection.tolerance;
 }
 
-// The nearest pixel of the source's picture. A source that is not in use has no pixels; then pixel 0.
-ivec2 inside(SourceData source, ivec2 pixel) {
-  return clamp(pixel, ivec2(0), max(ivec2(source.per_step.zw) - 1, ivec2(0)));
-}
-
 bool same_surface(SourceData source, Projection projection, ivec2 pixel, float bend) {
   ivec2 there = inside(source, pixel);
-  bool known = tile_known(source, there);
+  bool known = block_known(source, there);
   bool near = on_plane(projection, there, texelFetch(depth_ring, ivec3(there, source.place.x), 0).r, bend);
   return pixel == there && known && near;
-}
-
-// `pixel` is in the picture.
-uint mask_bits(SourceData source, ivec2 pixel, uint plane) {
-  uvec2 size = uvec2(source.per_step.zw);
-  uint element = (plane * size.y + uint(pixel.y)) * size.x + uint(pixel.x), per_word = 4 / kWordBytes;
-  uint word = mask_words[source.place.y + element / per_word];
-  return bitfieldExtract(word, int(element % per_word * kWordBytes * 8), int(kWordBytes * 8));
-}
-
-// Whether the mask says that the four pixels around the position `at` differ in some light.
-bool near_shadow_edge(SourceData source, ivec2 pixel, vec2 at) {
-  bvec2 second = greaterThanEqual(at - vec2(pixel), vec2(0.5));
-  uint quarter = uint(second.x) + 2 * uint(second.y);
-  return (mask_bits(source, pixel, kEdgeBit / 32) >> (kEdgeBit % 32 + quarter) & 1u) != 0u;
 }
 
 // The pixel of a traced view that a surface point takes its bits from.
@@ -166,7 +138,7 @@ void add_pixels_around(uint mask, Surface surface, uint group, Visibility8 fresh
   [[unroll]] for (uint tap = 0; tap < 4; ++tap) {
     ivec2 pixel = corner + ivec2(tap & 1, tap >> 1), there = inside(source, pixel);
     float traced = tap == 0 ? depths.w : tap == 1 ? depths.z : tap == 2 ? depths.x : depths.y;
-    bool known = tile_known(source, there), near = on_plane(projection, pixel, traced, kBend);
+    bool known = block_known(source, there), near = on_plane(projection, pixel, traced, kBend);
     vec2 off = vec2(pixel) + 0.5 - projection.at;
     float weight = trusted && pixel == there && known && near ? exp2(kExponent * dot(off, off)) : 0.0;
     Visibility8 lit = eight_of(mask_bits(source, there, group / 4) >> (group % 4 * 8));

@@ -43,7 +43,7 @@ layout(constant_id = FARSHADE_CONSTANT_DETAIL) const float kDetail_px = 0.0;
 layout(binding = 0) uniform Frame { FrameData frame; };
 layout(binding = 1) uniform Lights { LightData lights[kLights + 1]; };
 layout(std430, binding = 2) readonly buffer Masks { uint mask_words[]; };
-layout(std430, binding = 3) readonly buffer KnownTiles { uint known_words[]; };
+layout(std430, binding = 3) readonly buffer KnownBlocks { uint known_words[]; };
 layout(binding = 4) uniform sampler2DArray depth_ring;
 layout(binding = 5) uniform sampler2DArray base_colors;
 layout(binding = 6) uniform usampler2DArray surfaces;
@@ -68,6 +68,7 @@ const bool kSecondLook = kPass >= FARSHADE_PASS_HARD;  // a pass over listed pix
 const uint kGroups = (kLights + 7) / 8, kQuads = FARSHADE_QUADS(kLights);
 
 #include "shaders/motion.glsl"
+#include "shaders/masks.glsl"
 #include "shaders/reproject.glsl"
 #include "shaders/report.glsl"
 
@@ -109,7 +110,7 @@ ivec2 direct_pixel(ivec2 pixel) { return ivec2(floor((vec2(pixel) + 0.5) * frame
 Sample direct_sample(ivec2 pixel) {
   SourceData source = frame.sources[kNewest];
   ivec2 there = direct_pixel(pixel), near = inside(source, there);
-  bool known = tile_known(source, near) && frame.counts.x > 0;
+  bool known = block_known(source, near) && frame.counts.x > 0;
   return Sample(near == there && known ? kNewest : FARSHADE_SOURCE_UNKNOWN, false, there, vec2(there) + 0.5);
 }
 
@@ -118,7 +119,7 @@ Sample direct_sample(ivec2 pixel) {
 Visibility8 guess(ivec2 pixel, uint group, uint otherwise) {
   SourceData source = frame.sources[kNewest];
   ivec2 there = inside(source, direct_pixel(pixel));
-  bool known = tile_known(source, there) && frame.counts.z != 0u;
+  bool known = block_known(source, there) && frame.counts.z != 0u;
   uint bits = mask_bits(source, there, group / 4);
   return eight_of(known ? bits >> (group % 4 * 8) : otherwise);
 }

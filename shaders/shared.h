@@ -68,13 +68,14 @@ struct ShadowMapData {
 #define FARSHADE_MAX_SOURCES 8  // the masks traced for this eye, in order, then those for the other eye
 #define FARSHADE_MAX_MOVED 4    // bounding spheres of moved instances
 #define FARSHADE_TILE_PX 16
+#define FARSHADE_BLOCK_PX 4
 
 /// One traced view, for lookups of one shown eye's points.
 struct SourceData {
   mat4 traced_from_shown;
   vec4 origin_step;  // of the traced window: origin.xy, step.xy
   vec4 per_step;     // 1 / step.xy, size in pixels
-  uvec4 place;       // x = layer of its depth; first word: y = of its mask, z = of its known tiles; w unused
+  uvec4 place;       // x = layer of its depth; first word: y = of its mask, z = of its known blocks; w unused
 };
 
 struct FrameData {

@@ -8,6 +8,7 @@
 
 #include "shaders/shade_data.h"
 #include "shaders/shared.h"
+#include "stereo/frame/asked_blocks.h"
 #include "stereo/frame/eye_mask.h"
 #include "stereo/frame/known_tiles.h"
 #include "stereo/frame/light_changes.h"
@@ -29,6 +30,8 @@ struct TracedMask {
   std::uint64_t content = 0;  ///< changes whenever the bits or known tiles do
   /// The light set that was traced. Bits of lights that the viewer has changed since are stale.
   LightSetRevision light_set_revision = kFirstLightSet;
+  /// The blocks that were asked for; the others were carried over and are known. Null: all.
+  const AskedBlocks* asked = nullptr;
 };
 
 enum class Lookup : std::uint8_t {

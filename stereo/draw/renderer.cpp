@@ -61,6 +61,8 @@ class Renderer::Parts {
   GBufferTransfer transfer_;
   std::optional<DepthPass> depth_pass_;    ///< created at first use
   std::optional<ShadowMaps> shadow_maps_;  ///< created at first use
+  const ShadingBytes bytes_;
+  DeviceMasks masks_;
   ShadingPass shading_;
   std::optional<TurnPass> turn_;                     ///< created at first use
   DepthRing::Place shown_depth_;                     ///< of the last drawn frame
@@ -85,7 +87,9 @@ Renderer::Parts::Parts(const gpu::Device& device, const Scene& scene, DrawPlan p
       ring_(device, limits.traced_size, limits.depth_frames),
       gbuffer_(device, scene, plan_, buffers_, frame_buffer_, limits.size),
       transfer_(device, gbuffer_, ring_, limits.size),
-      shading_(device, plan_, gbuffer_, ring_, frame_buffer_, motion_, limits.size, limits.traced_size),
+      bytes_(shading_bytes(plan_, limits.size, limits.traced_size)),
+      masks_(device, plan_, bytes_),
+      shading_(device, plan_, gbuffer_, ring_, masks_, frame_buffer_, motion_, bytes_, limits.size),
       shown_depth_(ring_.shown()),
       commands_(std::move(device.logical.allocateCommandBuffers({.commandPool = *device.commands,
                                                                  .level = vk::CommandBufferLevel::ePrimary,
@@ -157,7 +161,7 @@ ShadowMaps& Renderer::Parts::need_maps(const ShadowMapSettings& settings) {
 
 void Renderer::Parts::forget() {
   ring_.forget();
-  shading_.forget();
+  masks_.forget();
 }
 
 DrawTimes Renderer::Parts::draw(const ShownFrame& frame) {
@@ -331,7 +335,7 @@ DrawCounters Renderer::Parts::counters() const {
   DrawCounters counters{.pipelines = shading_.pipelines(),
                         .bindings = shading_.bindings(),
                         .lookups = shading_.lookups(),
-                        .mask_uploads = shading_.mask_uploads(),
+                        .mask_uploads = masks_.uploads(),
                         .memory = device_.ledger->read()};
   const auto add = [&](const ScenePass& pass, bool drawn, std::uint64_t& triangles) {
     counters.pipelines += pass.pipelines();

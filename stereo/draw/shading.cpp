@@ -1,16 +1,15 @@
 #include "stereo/draw/shading.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "stereo/draw/shading_motion.h"
-#include "stereo/frame/tiles.h"
 
 namespace farshade {
 namespace {
 
 using Layout = vk::ImageLayout;
 
-static_assert(kTileSide_px == FARSHADE_TILE_PX);
 static_assert(kMaxMasks * kEyes == FARSHADE_MAX_SOURCES && kMostSpheres == FARSHADE_MAX_MOVED);
 
 /// Views that differ by a larger turn have almost nothing in common, so the newest mask is no guess.
@@ -44,17 +43,17 @@ void barrier(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags2 fr
 }  // namespace
 
 ShadingPass::ShadingPass(const gpu::Device& device, const DrawPlan& plan, const GBufferPass& gbuffer,
-                         const DepthRing& ring, const gpu::Buffer& frame, const MotionModel& motion,
-                         Extent size, Extent traced_size)
+                         const DepthRing& ring, DeviceMasks& device_masks, const gpu::Buffer& frame,
+                         const MotionModel& motion, const ShadingBytes& bytes, Extent size)
     : device_(device),
       plan_(plan),
       ring_(ring),
+      device_masks_(device_masks),
       frame_buffer_(frame),
       size_(size),
-      bytes_(shading_bytes(plan, size, traced_size)),
+      bytes_(bytes),
       motion_count_(motion.slot_count()),
-      pipelines_(device, plan, motion.slot_count() > 0),
-      slots_(most_masks(plan)) {
+      pipelines_(device, plan, motion.slot_count() > 0) {
   make_buffers(motion);
   make_sets(gbuffer);
   if (!plan.builds_late) make_all_pipelines();
@@ -67,9 +66,6 @@ void ShadingPass::make_buffers(const MotionModel& motion) {
   };
   light_buffer_ = gpu::make_mapped_buffer(device_, bytes_.lights, vk::BufferUsageFlagBits::eUniformBuffer,
                                           "lights", gpu::Use::Frame);
-  const std::size_t places = most_masks(plan_) * kEyes;
-  mask_buffer_ = mapped(places * bytes_.mask, "masks", gpu::Use::Masks);
-  known_buffer_ = mapped(places * bytes_.known, "known tiles", gpu::Use::Masks);
   if (bytes_.motions > 0) {
     motion_slots_ = mapped(bytes_.slots, "motion slots", gpu::Use::Motion);
     std::ranges::copy(motion.slots(), motion_slots_.as<std::uint32_t>().begin());
@@ -98,7 +94,8 @@ void ShadingPass::make_sets(const GBufferPass& gbuffer) {
   bindings_ = gpu::make_bindings(device_, shading_set(bytes_), "shading");
   std::uint32_t binding = 0;
   gpu::bind_buffer(device_, bindings_, binding++, frame_buffer_);
-  for (const gpu::Buffer* buffer : {&light_buffer_, &mask_buffer_, &known_buffer_})
+  for (const gpu::Buffer* buffer :
+       {&std::as_const(light_buffer_), &device_masks_.words(), &device_masks_.known_blocks()})
     gpu::bind_buffer(device_, bindings_, binding++, *buffer);
   for (const gpu::Image* image : {&ring_.image(), &gbuffer.base_colors(), &gbuffer.surfaces()})
     gpu::bind_image(device_, bindings_, binding++, {*image->view, Layout::eShaderReadOnlyOptimal, *nearest_});
@@ -108,58 +105,17 @@ void ShadingPass::make_sets(const GBufferPass& gbuffer) {
   check_eq(std::size_t{binding}, bindings_.kinds.size(), "bindings of the shading pass");
 }
 
-/// Copies to the device what it does not hold yet. Returns the slot of each mask.
-std::vector<std::size_t> ShadingPass::make_resident(std::span<const DatedMask> masks) {
-  std::vector<MaskVersion> versions;
-  for (const DatedMask& dated : masks) versions.push_back({dated.mask.frame, dated.mask.content});
-  std::vector<std::size_t> slots;
-  for (const MaskSlots::Assignment& assigned : slots_.assign(versions)) {
-    if (assigned.must_upload) {
-      slot_is_whole_[assigned.slot] = upload(assigned.slot, masks[slots.size()].mask);
-      ++mask_uploads_;
-    }
-    slots.push_back(assigned.slot);
-  }
-  return slots;
-}
-
-/// Copies a mask to a slot. Returns whether every tile is known; a tile is known once all its planes are.
-bool ShadingPass::upload(std::size_t slot, const TracedMask& mask) const {
-  bool whole = true;
-  for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    const std::size_t place = slot * kEyes + eye;
-    const EyeMask& bits = mask.masks[eye];
-    check(bits.layout() == plan_.mask, "a mask has the layout of the plan");
-    const std::size_t bytes = mask_bytes(bits.size(), device_mask(plan_));
-    check(bytes <= bytes_.mask, "a mask fits its slot");
-    const auto there = mask_buffer_.as<std::byte>().subspan(place * bytes_.mask, bytes);
-    if (carries_masks(plan_)) {
-      copy_with_edges(bits, there);
-    } else {
-      std::ranges::copy(bits.bytes(), there.begin());
-    }
-    const std::size_t known_words = bytes_.known / 4;
-    const auto known = known_buffer_.as<std::uint32_t>().subspan(place * known_words, known_words);
-    std::fill(known.begin(), known.end(), 0u);
-    for (std::size_t tile = 0; tile < mask.known_tiles[eye].size(); ++tile) {
-      const bool is_known = mask.known_tiles[eye][tile] == all_planes_known(plan_.mask);
-      known[tile / 32] |= static_cast<std::uint32_t>(is_known) << tile % 32;
-      whole &= is_known;
-    }
-  }
-  return whole;
-}
-
 /// Writes the sources of each shown eye: the masks traced for it and, if used, those for the other eye.
 void ShadingPass::write_sources(const StereoView& views, std::span<const DatedMask> masks,
                                 gpu::FrameData& frame) {
   frame.counts.x = narrow<std::uint32_t>(masks.size());
   whole_ = true;
-  const std::vector<std::size_t> slots = make_resident(masks);
+  std::vector<const TracedMask*> in_use;
+  for (const DatedMask& dated : masks) in_use.push_back(&dated.mask);
+  const std::vector<DeviceMasks::Held> held = device_masks_.hold(in_use);
   for (std::size_t m = 0; m < masks.size(); ++m) {
     const TracedMask& mask = masks[m].mask;
-    const std::size_t slot = slots[m];
-    whole_ &= slot_is_whole_[slot];
+    whole_ &= held[m].whole;
     const std::size_t layer = ring_.has(mask.frame) ? ring_.layer_of(mask.frame) : 0;
     for (std::size_t eye = 0; eye < kEyes; ++eye)
       for (std::size_t traced = 0; traced < kEyes; ++traced) {
@@ -167,8 +123,7 @@ void ShadingPass::write_sources(const StereoView& views, std::span<const DatedMa
         const std::size_t i = m + (traced == eye ? 0 : kMaxMasks);
         gpu::SourceData& source = frame.sources[eye * FARSHADE_MAX_SOURCES + i];
         source = source_data(pose_delta(views[eye], {}, mask.views[traced], {}), mask.views[traced]);
-        source.place = {layer + traced, (slot * kEyes + traced) * bytes_.mask / 4,
-                        (slot * kEyes + traced) * bytes_.known / 4, 0};
+        source.place = device_masks_.place(held[m], traced, layer);
       }
   }
 }

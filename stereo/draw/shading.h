@@ -1,13 +1,13 @@
-/// ShadingPass: carries masks over to the shown views and shades the picture (shade.comp). It owns the masks
-/// on the device and, if requested, the report of what each pixel was shaded with.
+/// ShadingPass: carries masks over to the shown views and shades the picture (shade.comp). If requested, it
+/// writes the report of what each pixel was shaded with.
 #pragma once
 
 #include <map>
 #include <span>
 
 #include "stereo/draw/carry_over.h"
+#include "stereo/draw/device_masks.h"
 #include "stereo/draw/gbuffer.h"
-#include "stereo/draw/mask_slots.h"
 #include "stereo/draw/motion.h"
 #include "stereo/draw/shading_pipelines.h"
 #include "stereo/draw/shadow_maps.h"
@@ -22,11 +22,11 @@ struct DatedMask {
 
 class ShadingPass {
  public:
-  /// Shown views have `size` pixels an eye; masks have the layout of the plan and at most `traced_size`
-  /// pixels. `frame` holds the FrameData that `prepare` fills. Keeps the references except `motion`.
+  /// Shown views have `size` pixels an eye; masks have the layout of the plan. `frame` holds the FrameData
+  /// that `prepare` fills. Keeps the references except `motion`.
   ShadingPass(const gpu::Device& device, const DrawPlan& plan, const GBufferPass& gbuffer,
-              const DepthRing& ring, const gpu::Buffer& frame, const MotionModel& motion, Extent size,
-              Extent traced_size);
+              const DepthRing& ring, DeviceMasks& device_masks, const gpu::Buffer& frame,
+              const MotionModel& motion, const ShadingBytes& bytes, Extent size);
 
   /// Prepares `record` with at most most_masks(plan) masks, newest first. Each mask needs its depth in the
   /// ring, unless the lookup is Direct. The left eye's shown depth is in layer `shown_layer`. If the plan
@@ -45,9 +45,6 @@ class ShadingPass {
 
   void record(const vk::raii::CommandBuffer& commands, PixelReport report);
 
-  /// Forgets the masks on the device, because frame ids begin anew.
-  void forget() { slots_.clear(); }
-
   /// The shaded picture: both eyes, sRGB with alpha 255; in layout General after `record`.
   [[nodiscard]] const gpu::Image& shown() const { return shown_; }
   /// The report of the last `record` with PixelReport::On. Call after the device has finished.
@@ -56,7 +53,6 @@ class ShadingPass {
   [[nodiscard]] std::size_t pipelines() const { return pipelines_.count(); }
   [[nodiscard]] std::size_t bindings() const;
   [[nodiscard]] std::size_t lookups() const { return masks_ * (other_eye_ ? 2 : 1); }
-  [[nodiscard]] std::uint64_t mask_uploads() const { return mask_uploads_; }
 
  private:
   [[nodiscard]] ShadingKey key_of(std::uint32_t pass, PixelReport report, std::uint32_t eye) const;
@@ -65,8 +61,6 @@ class ShadingPass {
   void assume_nothing();
   void make_buffers(const MotionModel& motion);
   void make_sets(const GBufferPass& gbuffer);
-  std::vector<std::size_t> make_resident(std::span<const DatedMask> masks);
-  [[nodiscard]] bool upload(std::size_t slot, const TracedMask& mask) const;
   void write_sources(const StereoView& views, std::span<const DatedMask> masks, gpu::FrameData& frame);
   void write_motion(const StereoView& views, std::span<const DatedMask> masks, gpu::FrameData& frame);
   void write_frame(const StereoView& views, const LightSet& lights, const gpu::FrameData& frame);
@@ -82,10 +76,11 @@ class ShadingPass {
   const gpu::Device& device_;
   const DrawPlan& plan_;
   const DepthRing& ring_;
+  DeviceMasks& device_masks_;
   const gpu::Buffer& frame_buffer_;
   Extent size_;
   ShadingBytes bytes_;
-  gpu::Buffer light_buffer_, mask_buffer_, known_buffer_, report_buffer_;
+  gpu::Buffer light_buffer_, report_buffer_;
   gpu::Buffer motion_slots_, motion_buffer_, hard_buffer_;
   std::size_t motion_count_;  ///< of instances that can move
   gpu::Image shown_;
@@ -94,16 +89,13 @@ class ShadingPass {
   gpu::Bindings report_bindings_;  ///< the last set; empty until a report is requested
   std::map<std::size_t, vk::raii::PipelineLayout> layouts_;  ///< by the sets that they contain
   ShadingPipelines pipelines_;
-  MaskSlots slots_;
-  std::array<bool, kMaxMasks> slot_is_whole_{};  ///< every tile of the slot's mask is known
-  std::uint64_t mask_uploads_ = 0;
   // State of the frame that was prepared last.
   const ShadowMaps* maps_ = nullptr;  ///< null: visibilities come from masks
   CarryOver carry_over_;
   bool other_eye_ = false;  ///< masks traced for the other eye are sources
   std::size_t masks_ = 0;
   std::bitset<kMaxLights> off_;  ///< lights that are off
-  bool whole_ = false;           ///< every tile of every mask is known
+  bool whole_ = false;           ///< every block of every mask is known
   bool moved_ = false;           ///< something has moved since a mask in use was traced
 };
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "stereo/frame/tiles.h"
+#include "stereo/frame/asked_blocks.h"
 #include "stereo/frame/view.h"
 
 namespace farshade {
@@ -27,7 +27,7 @@ ShadingBytes shading_bytes(const DrawPlan& plan, Extent size, Extent traced_size
   bytes.report = kEyes * size.pixels() * std::size_t{FARSHADE_REPORT_WORDS(plan.mask.lights)} * 4;
   if (most_masks(plan) > 0) {
     bytes.mask = whole_words(mask_bytes(traced_size, device_mask(plan)));
-    bytes.known = std::size_t{(TileGrid{traced_size}.count() + 31) / 32} * 4;
+    bytes.known = whole_words(TileGrid{traced_size}.count() * sizeof(BlockBits));
   }
   if (moving > 0) {
     bytes.slots = plan.moves.size() * 4;

@@ -31,7 +31,7 @@ namespace farshade {
 /// Bytes of the pass's buffers.
 struct ShadingBytes {
   std::size_t lights = 0;
-  std::size_t mask = 0, known = 0;     ///< one eye's mask and bitmap of known tiles; multiples of 4
+  std::size_t mask = 0, known = 0;     ///< one eye's mask and bitmap of known blocks; multiples of 4
   std::size_t slots = 0, motions = 0;  ///< 0 if nothing moves
   std::size_t lists = 0;               ///< 0 if masks are not carried over
   std::size_t report = 0;              ///< allocated when a report is first requested
