@@ -6,6 +6,8 @@
 // Compiled without MOTION, for scenes whose instances cannot move, only bits of lights that have moved are stale.
 
 #ifdef MOTION
+#include "shaders/swept.glsl"
+
 layout(std430, binding = 9) readonly buffer MotionSlots { uint motion_slots[]; };  // [instance]; 0 = cannot move
 layout(std430, binding = 10) readonly buffer Motions { mat4 motions[]; };          // [slot - 1][mask][eye]
 
@@ -24,28 +26,10 @@ void carry_back(uint mask, uint slot, inout vec3 p, inout vec3 n) {
   n = mat3(carry) * n;  // exact for rigid motions; others find fewer known pixels
 }
 
-bool passes(vec4 sphere, vec3 p, vec3 to_light, float distance) {
-  vec3 c = sphere.xyz - p;
-  c -= clamp(dot(c, to_light), 0.0, distance) * to_light;
-  return dot(c, c) <= sphere.w;
-}
-
-// Bit i: an instance that has moved may be, or may have been, between the point `p` and light 32 * plane + i. The loops
-// are unrolled, because lavapipe reads a uniform once if its index is constant, and once per lane otherwise.
+// The same as swept_bits. All bits of a point on an instance that has moved may have changed.
 uint crossed_bits(uint since, uint slot, vec3 p, uint plane) {
-  uint crossed = 0u;
-  [[unroll]] for (uint i = plane * 32; i < min(kLights, plane * 32 + 32); ++i) {
-    vec4 place = lights[i].position[kEye];
-    vec3 to_light = place.xyz - p * place.w;
-    float distance = length(to_light);
-    to_light /= distance;
-    if (place.w == 0.0) distance = 1e30;
-    uint passed = 0u;
-    [[unroll]] for (uint sphere = 0; sphere < FARSHADE_MAX_MOVED; ++sphere)
-      passed |= uint(passes(frame.moved[(since * 2 + kEye) * FARSHADE_MAX_MOVED + sphere], p, to_light, distance));
-    crossed |= passed << (i % 32);
-  }
-  return kPass == FARSHADE_PASS_MOVING && has_moved(since, slot) ? ~0u : crossed;
+  uint swept = swept_bits(since, p, plane);
+  return kPass == FARSHADE_PASS_MOVING && has_moved(since, slot) ? ~0u : swept;
 }
 #else
 uint slot_of(uint instance) { return 0u; }

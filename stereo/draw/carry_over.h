@@ -82,6 +82,12 @@ struct ShownReport {
 /// pixel, or with this visibility if there is no mask or the head has turned too far.
 inline constexpr float kUnknownVisibility = 1.0f;
 
+/// A mask carried over to the views of a request.
+struct CarriedOver {
+  PerEye<EyeMask> masks;  ///< bits of asked blocks mean nothing
+  AskedBlocks asked;      ///< the blocks that are not known; entries for every tile
+};
+
 /// Whether lights or instances can move while a session lasts.
 enum class Changes : std::uint8_t { Never, Possible };
 

@@ -40,6 +40,7 @@ gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, con
   const DrawPlan plan = settled(requested);
   const ShadingBytes shading = shading_bytes(plan, limits.size, limits.traced_size);
   const std::size_t pixels = kEyes * limits.size.pixels(), places = most_masks(plan) * kEyes;
+  const CarryBytes carry = carry_bytes(plan, limits.traced_size);
   const std::size_t passes = plan.depth_pass ? 2 : 1;
   using gpu::Use;
   gpu::BytesByUse memory;
@@ -48,7 +49,8 @@ gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, con
       sizeof(gpu::FrameData) + shading.lights + passes * scene.instances.size() * sizeof(gpu::InstanceData);
   memory[Use::GBuffer] = pixels * (4 + (carries_masks(plan) ? 8 : 4));
   memory[Use::Depth] = kEyes * limits.traced_size.pixels() * (limits.depth_frames + 1) * 4;
-  memory[Use::Masks] = places * (shading.mask + shading.known);
+  if (carry.carried > 0) memory[Use::Frame] += sizeof(gpu::FrameData) + shading.lights;
+  memory[Use::Masks] = places * (shading.mask + shading.known) + carry.carried + carry.unknown;
   memory[Use::Motion] = shading.slots + shading.motions;
   memory[Use::Lists] = shading.lists;
   memory[Use::Shown] = pixels * 4;

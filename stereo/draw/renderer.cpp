@@ -1,5 +1,6 @@
 #include "stereo/draw/renderer.h"
 
+#include "stereo/draw/carry_pass.h"
 #include "stereo/draw/gbuffer_transfer.h"
 #include "stereo/draw/shading.h"
 #include "stereo/draw/turn_pass.h"
@@ -21,6 +22,8 @@ class Renderer::Parts {
   void compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes);
   DrawTimes shade_again(const ShownFrame& frame);
   DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into);
+  std::optional<DrawTimes> carry(const FrameRequest& request, std::size_t slot, const TracedMask& base,
+                                 CarriedOver& into);
   DrawTimes draw_received(const GBufferPlanes& planes, const ShownFrame& frame);
   DrawTimes show_turned(const PerEye<Image<Rgb8>>& picture, const StereoView& from, const StereoView& shown);
   DrawTimes turn_shown(const StereoView& from, const StereoView& shown);
@@ -43,6 +46,8 @@ class Renderer::Parts {
   void prepare_shading(const ShownFrame& frame);
   ShadowMaps& need_maps(const ShadowMapSettings& settings);
   DrawTimes submit(const ShownFrame& frame, Stage stage);
+  [[nodiscard]] Motion motion_since(const TracedMask& mask, const SceneState& now);
+  CarryPass& need_carry();
   TurnPass& need_turn();
   Duration submit_turn(const StereoView& from, const StereoView& shown, TurnPass::Source source,
                        TurnPass::Effect effect);
@@ -64,6 +69,7 @@ class Renderer::Parts {
   const ShadingBytes bytes_;
   DeviceMasks masks_;
   ShadingPass shading_;
+  std::optional<CarryPass> carry_;                   ///< created at first use
   std::optional<TurnPass> turn_;                     ///< created at first use
   DepthRing::Place shown_depth_;                     ///< of the last drawn frame
   std::optional<DepthRing::Place> requested_depth_;  ///< set if the depth pass must draw
@@ -126,6 +132,14 @@ void Renderer::Parts::place_depth(const ShownFrame& frame) {
                        frame.detail);
 }
 
+/// What has moved since a mask was traced.
+Motion Renderer::Parts::motion_since(const TracedMask& mask, const SceneState& now) {
+  const bool moves = plan_.anything_moves() && !same_instant(mask.scene_time, now.scene_time);
+  if (!moves && mask.light_set_revision == now.light_set.revision) return {};
+  return motion_.between(state_at(scene_, mask.scene_time, up_to(now.light_changes, mask.light_set_revision)),
+                         now);
+}
+
 /// Selects the usable masks and prepares the shading pass with them.
 void Renderer::Parts::prepare_shading(const ShownFrame& frame) {
   if (frame.shadow_maps != nullptr) {
@@ -139,13 +153,7 @@ void Renderer::Parts::prepare_shading(const ShownFrame& frame) {
     const bool has_what_it_needs =
         ring_.has(mask.frame) || frame.carry_over.lookup == Lookup::Direct || !carries_masks(plan_);
     if (masks.size() == most_masks(plan_) || !has_what_it_needs) continue;
-    Motion motion;
-    const bool moves = plan_.anything_moves() && !same_instant(mask.scene_time, frame.state.scene_time);
-    if (moves || mask.light_set_revision != frame.state.light_set.revision) {
-      const LightChanges known = up_to(frame.state.light_changes, mask.light_set_revision);
-      motion = motion_.between(state_at(scene_, mask.scene_time, known), frame.state);
-    }
-    masks.push_back({mask, std::move(motion)});
+    masks.push_back({mask, motion_since(mask, frame.state)});
   }
   shading_.prepare(shown_depth_.layer, frame.views, frame.state.light_set, masks, frame.carry_over);
 }
@@ -214,6 +222,40 @@ DrawTimes Renderer::Parts::keep_depth(const FrameRequest& request, std::size_t s
   return {.depth = stamps_.between(0, 1),
           .total = watch.elapsed(),
           .triangles = {.depth = depth_pass_->scene_pass().triangles()}};
+}
+
+CarryPass& Renderer::Parts::need_carry() {
+  if (!carry_) carry_.emplace(device_, plan_, ring_, masks_, traced_size_);
+  return *carry_;
+}
+
+std::optional<DrawTimes> Renderer::Parts::carry(const FrameRequest& request, std::size_t slot,
+                                                const TracedMask& base, CarriedOver& into) {
+  const Stopwatch watch;
+  if (!carries_masks(plan_) || !ring_.has(base.frame)) return std::nullopt;
+  const SceneState state = state_at(scene_, request.scene_time, request.lights);
+  const Motion since = motion_since(base, state);
+  if (since.stale_lights.any()) return std::nullopt;
+  const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
+  if (!place || !ring_.has(base.frame)) return std::nullopt;
+  if (!depth_pass_) make_depth_pass();
+  depth_pass_->prepare(request.views, state, Detail::Levels);
+  need_carry().prepare(request, *place, base, state.light_set, since);
+  commands_.reset();
+  commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
+  stamps_.reset(commands_);
+  stamps_.write(commands_, 0);
+  depth_pass_->record(commands_, ring_, *place);
+  stamps_.write(commands_, 1);
+  carry_->record(commands_);
+  for (std::uint32_t stage = 2; stage < kStamps; ++stage) stamps_.write(commands_, stage);
+  commands_.end();
+  gpu::submit_and_wait(device_, commands_, fence_);
+  carry_->read(into);
+  return DrawTimes{.depth = stamps_.between(0, 1),
+                   .carry = stamps_.between(1, 2),
+                   .total = watch.elapsed(),
+                   .triangles = {.depth = depth_pass_->scene_pass().triangles()}};
 }
 
 DrawTimes Renderer::Parts::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {
@@ -352,6 +394,10 @@ DrawCounters Renderer::Parts::counters() const {
     counters.map_layers_drawn = shadow_maps_->layers_drawn().drawn;
     counters.map_layers_restored = shadow_maps_->layers_drawn().restored;
   }
+  if (carry_) {
+    counters.pipelines += carry_->pipelines();
+    counters.bindings += carry_->bindings();
+  }
   if (turn_) {
     counters.pipelines += turn_->pipelines();
     counters.bindings += turn_->bindings();
@@ -401,6 +447,11 @@ DrawTimes Renderer::shade_again(const ShownFrame& frame) {
 
 DrawTimes Renderer::keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into) {
   return parts_->keep_depth(request, slot, into);
+}
+
+std::optional<DrawTimes> Renderer::carry(const FrameRequest& request, std::size_t slot,
+                                         const TracedMask& base, CarriedOver& into) {
+  return parts_->carry(request, slot, base, into);
 }
 
 DrawTimes Renderer::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {

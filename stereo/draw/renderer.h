@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "stereo/base/clock.h"
@@ -36,6 +37,7 @@ struct DrawnTriangles {
 struct DrawTimes {
   Duration gbuffer{}, depth{}, shade{};  ///< on the device; depth: requested views that are not shown
   Duration maps{};                       ///< shadow maps, on the device; 0 if they were not redrawn
+  Duration carry{};                      ///< carrying a mask over to the requested views, on the device
   Duration turn{};                       ///< turning a picture made for other views, on the device
   Duration total{};                      ///< wall time of the call: recording, uploads, submission, wait
   DrawnTriangles triangles{};
@@ -87,6 +89,13 @@ class Renderer {
   /// along -z, 0 for uncovered pixels, in full detail. Reuses the memory of `into`. `slot` is that of the
   /// request's record.
   DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into);
+
+  /// Draws the depth of the views of `request`, keeps it for the request's masks, and carries `base` over to
+  /// these views. No value, and nothing drawn, if a request must ask for whole views: the depth of the base
+  /// is gone, a light has moved since the base was traced, or the plan does not carry masks over. `slot` is
+  /// that of the request's record.
+  std::optional<DrawTimes> carry(const FrameRequest& request, std::size_t slot, const TracedMask& base,
+                                 CarriedOver& into);
 
   /// Shades a G-buffer that another renderer drew for `frame.views`. Masks are read with Lookup::Direct, and
   /// no depth is kept. The same planes, masks and lights give the same picture.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "stereo/frame/asked_blocks.h"
 #include "stereo/frame/view.h"
 
 namespace farshade {
@@ -19,6 +18,13 @@ DrawPlan settled(DrawPlan plan) {
   plan.moves.assign(plan.moves.size(), false);
   plan.lights_move = plan.other_eye = plan.depth_pass = false;
   return plan;
+}
+
+CarryBytes carry_bytes(const DrawPlan& plan, Extent traced_size) {
+  if (!carries_masks(plan)) return {};
+  const std::size_t blocks = kEyes * blocks_of(traced_size).pixels();
+  return {blocks * kBlockSide_px * kBlockSide_px * plan.mask.planes() * plan.mask.word_bytes(),
+          blocks * sizeof(std::uint32_t)};
 }
 
 ShadingBytes shading_bytes(const DrawPlan& plan, Extent size, Extent traced_size) {

@@ -5,6 +5,7 @@
 #include "shaders/shade_data.h"
 #include "shaders/shared.h"
 #include "stereo/draw/mask_edges.h"
+#include "stereo/frame/asked_blocks.h"
 #include "stereo/plan/scene_plan.h"
 
 namespace farshade {
@@ -36,6 +37,19 @@ struct ShadingBytes {
   std::size_t lists = 0;               ///< 0 if masks are not carried over
   std::size_t report = 0;              ///< allocated when a report is first requested
 };
+/// Bytes of the buffers of CarryPass: 0 if masks are not carried over.
+struct CarryBytes {
+  std::size_t carried = 0;  ///< of both eyes: planes of rows of whole blocks
+  std::size_t unknown = 0;  ///< a word for each block of both eyes
+};
+[[nodiscard]] CarryBytes carry_bytes(const DrawPlan& plan, Extent traced_size);
+
+/// The number of blocks of a picture along its sides.
+[[nodiscard]] constexpr Extent blocks_of(Extent size) {
+  return {(size.width + kBlockSide_px - 1) / kBlockSide_px,
+          (size.height + kBlockSide_px - 1) / kBlockSide_px};
+}
+
 /// For shown eyes of `size` and masks of at most `traced_size` pixels.
 [[nodiscard]] ShadingBytes shading_bytes(const DrawPlan& plan, Extent size, Extent traced_size);
 

@@ -3,6 +3,7 @@
 // prediction takes at most 2.0 times the median G-buffer pass; reprojecting and shading takes at most 1.5
 // times shading.
 #include <CLI/CLI.hpp>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 
@@ -21,6 +22,7 @@ namespace {
 using namespace farshade;
 using namespace farshade::bench;
 
+constexpr std::uint32_t kWarmUp_frames = 8;
 constexpr double kFrameFigure = 2.0, kReprojectFigure = 1.5;
 
 struct Options {
@@ -38,6 +40,8 @@ struct CarryOverMode {
 
 struct Times {
   std::vector<double> frame, collect, draw, gbuffer, depth;
+  std::vector<double> carry, ask,
+      asked_percent;  ///< before a request: the pass, the whole call, and what it found
   std::vector<double> full_gbuffer, full_depth;  ///< the same frames in full detail
   DrawCounters counters, full_counters;          ///< of the last frame
   std::vector<CarryOverMode> modes{
@@ -80,6 +84,9 @@ void print_times(const Times& times) {
   print("  draw", times.draw);
   print("    G-buffer", times.gbuffer);
   print("    depth of requested views", times.depth);
+  print("carrying a mask to requested views", times.carry);
+  print("  with their depth, and read back", times.ask);
+  print("  asked blocks, percent", times.asked_percent);
   print("    G-buffer in full detail", times.full_gbuffer);
   print("    depth in full detail", times.full_depth);
   for (const CarryOverMode& mode : times.modes) print(mode.name, mode.ms);
@@ -111,12 +118,31 @@ void print_report(const Options& options, const Scene& scene, const RendererLimi
   print_ratios(times);
 }
 
+double percent_of(const AskedBlocks& asked) {
+  std::size_t blocks = 0, tiles = 0;
+  for (const std::vector<BlockBits>& eye : asked.tiles) {
+    tiles += eye.size();
+    for (const BlockBits bits : eye) blocks += static_cast<std::size_t>(std::popcount(bits));
+  }
+  return 100.0 * static_cast<double>(blocks) / static_cast<double>(16 * tiles);
+}
+
 void add_frame(Times& times, const DrawTimes& drawn, double decode_ms) {
   times.collect.push_back(decode_ms);
   times.draw.push_back(ms_of(drawn.total));
   times.frame.push_back(decode_ms + ms_of(drawn.total));
   times.gbuffer.push_back(ms_of(drawn.gbuffer));
   times.depth.push_back(ms_of(drawn.depth));
+}
+
+void time_carry(Renderer& renderer, const FrameRequest& request, std::size_t slot, const TracedMask& base,
+                Times& times) {
+  CarriedOver carried_over;
+  const std::optional<DrawTimes> carried = renderer.carry(request, slot, base, carried_over);
+  if (!carried) return;
+  times.carry.push_back(ms_of(carried->carry));
+  times.ask.push_back(ms_of(carried->total));
+  times.asked_percent.push_back(percent_of(carried_over.asked));
 }
 
 SceneLevels levels_for(const Scene& scene, const Options& options) {
@@ -151,8 +177,7 @@ Expected<void> run(const Options& options) {
   ShadowFrame traced;
   const SceneState state = state_at(*scene, Time{});
   Times times;
-  constexpr std::uint32_t warm_up = 8;
-  for (std::uint32_t number = 1; number <= warm_up + options.frames; ++number) {
+  for (std::uint32_t number = 1; number <= kWarmUp_frames + options.frames; ++number) {
     const FrameRequest shown = shown_at(*recording, placed, number, options.side_px);
     const FrameRequest request = plan.ask(shown, kPeriod).value();
     assembler.expect(request, {draw_plan.mask.lights}, state.light_set.revision);
@@ -177,9 +202,10 @@ Expected<void> run(const Options& options) {
     for (CarryOverMode& mode : times.modes) {
       frame.carry_over = mode.carry_over;
       const DrawTimes again = renderer.shade_again(frame);
-      if (number > warm_up) mode.ms.push_back(ms_of(again.shade));
+      if (number > kWarmUp_frames) mode.ms.push_back(ms_of(again.shade));
     }
-    if (number <= warm_up) continue;
+    if (number <= kWarmUp_frames) continue;
+    time_carry(renderer, request, frame.request_slot, masks[0], times);
     add_frame(times, drawn, collect);
     times.full_gbuffer.push_back(ms_of(full.gbuffer));
     times.full_depth.push_back(ms_of(full.depth));

@@ -89,7 +89,7 @@ TracedMask Mask::traced_mask() const {
     add(bits[eye].bytes().data(), bits[eye].bytes().size());
     add(known_tiles[eye].data(), known_tiles[eye].size());
   }
-  return {frame, scene_time, scene_time, views, bits, known_tiles, content, light_set_revision};
+  return {frame, scene_time, scene_time, views, bits, known_tiles, content, light_set_revision, &asked};
 }
 
 Mask with_noise(Mask mask, std::uint64_t seed) {
@@ -106,6 +106,16 @@ bool same_bits(const EyeMask& a, glm::uvec2 at, const EyeMask& b, glm::uvec2 the
   for (std::uint32_t plane = 0; plane < a.layout().planes(); ++plane)
     if (a.word(at.x, at.y, plane) != b.word(there.x, there.y, plane)) return false;
   return true;
+}
+
+void for_pixels(Extent size, const std::function<void(std::uint32_t, std::uint32_t)>& visit) {
+  for (std::uint32_t y = 0; y < size.height; ++y)
+    for (std::uint32_t x = 0; x < size.width; ++x) visit(x, y);
+}
+
+bool is_asked(const AskedBlocks& asked, std::size_t eye, Extent size, glm::uvec2 pixel) {
+  const std::size_t tile = pixel.y / kTileSide_px * TileGrid{size}.columns() + pixel.x / kTileSide_px;
+  return (asked.at(eye, tile) & block_bit(pixel.x % kTileSide_px, pixel.y % kTileSide_px)) != 0;
 }
 
 void for_covered(const Shown& shown, const Visit& visit) {
@@ -141,7 +151,7 @@ Mask TestRig::trace(FrameId frame, const StereoView& views) {
                   .lights = state_.light_changes},
                  traced);
   const KnownTiles all(TileGrid{views[0].size}.count(), all_planes_known(traced.masks[0].layout()));
-  return {frame, now, views, std::move(traced.masks), {all, all}, traced.light_set_revision};
+  return {frame, now, views, std::move(traced.masks), {all, all}, traced.light_set_revision, {}};
 }
 
 Mask TestRig::ask(FrameId frame, const StereoView& views) {
@@ -149,6 +159,29 @@ Mask TestRig::ask(FrameId frame, const StereoView& views) {
   const FrameRequest request{.frame = frame, .display_time = now, .scene_time = now, .views = views};
   renderer_->keep_depth(request, frame.value % depth_frames_, asked_distance_);
   return trace(frame, views);
+}
+
+std::optional<CarriedOver> TestRig::carry(FrameId frame, const StereoView& views, const Mask& base) {
+  const Time now = state_.scene_time;
+  const FrameRequest request{
+      .frame = frame, .display_time = now, .scene_time = now, .views = views, .lights = state_.light_changes};
+  CarriedOver carried;
+  if (!renderer_->carry(request, frame.value % depth_frames_, base.traced_mask(), carried))
+    return std::nullopt;
+  return carried;
+}
+
+Mask TestRig::ask_for_unknown(FrameId frame, const StereoView& views, const Mask& base) {
+  CarriedOver carried = carry(frame, views, base).value();
+  Mask mask = trace(frame, views);
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    for_pixels(views[eye].size, [&](std::uint32_t x, std::uint32_t y) {
+      if (is_asked(carried.asked, eye, views[eye].size, {x, y})) return;
+      for (std::uint32_t plane = 0; plane < mask.bits[eye].layout().planes(); ++plane)
+        mask.bits[eye].set_word(x, y, plane, carried.masks[eye].word(x, y, plane));
+    });
+  mask.asked = std::move(carried.asked);
+  return mask;
 }
 
 Shown TestRig::show(const StereoView& views, const std::vector<TracedMask>& masks,

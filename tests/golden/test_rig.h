@@ -7,6 +7,7 @@
 #include <functional>
 #include <glm/vec2.hpp>
 #include <memory>
+#include <optional>
 
 #include "stereo/draw/renderer.h"
 #include "stereo/gpu/device.h"
@@ -51,6 +52,7 @@ struct Mask {
   PerEye<EyeMask> bits;
   PerEye<KnownTiles> known_tiles;
   LightSetRevision light_set_revision = kFirstLightSet;
+  AskedBlocks asked{};  ///< the others were carried over
 
   /// The result refers to this mask.
   [[nodiscard]] TracedMask traced_mask() const;
@@ -73,6 +75,11 @@ struct Shown {
 
 [[nodiscard]] bool same_bits(const EyeMask& a, glm::uvec2 at, const EyeMask& b, glm::uvec2 there);
 
+void for_pixels(Extent size, const std::function<void(std::uint32_t x, std::uint32_t y)>& visit);
+
+/// Whether the block of `pixel`, in views of `size`, is asked for.
+[[nodiscard]] bool is_asked(const AskedBlocks& asked, std::size_t eye, Extent size, glm::uvec2 pixel);
+
 /// Calls `visit` for every covered pixel of both eyes.
 using Visit = std::function<void(Side, std::uint32_t x, std::uint32_t y, std::uint8_t source)>;
 void for_covered(const Shown& shown, const Visit& visit);
@@ -91,6 +98,11 @@ class TestRig {
   [[nodiscard]] Mask trace(FrameId frame, const StereoView& views);
   /// The same, and the depth ring keeps the views' depth.
   [[nodiscard]] Mask ask(FrameId frame, const StereoView& views);
+  /// `base` carried over to `views`, at the time and with the lights of the rig. No value: whole views must
+  /// be traced.
+  [[nodiscard]] std::optional<CarriedOver> carry(FrameId frame, const StereoView& views, const Mask& base);
+  /// The same as `ask`, but only the blocks that `base` leaves unknown are traced.
+  [[nodiscard]] Mask ask_for_unknown(FrameId frame, const StereoView& views, const Mask& base);
   /// Metres along -z of the views of the last `ask`; 0 for uncovered pixels.
   [[nodiscard]] const PerEye<Image<float>>& asked_distance() const { return asked_distance_; }
 

@@ -1,0 +1,141 @@
+#include "stereo/draw/carry_pass.h"
+
+#include <bit>
+#include <cstring>
+
+#include "shaders/carry.comp.spv.h"
+#include "shaders/carry_data.h"
+#include "stereo/draw/frame_data.h"
+#include "stereo/draw/shading_motion.h"
+#include "stereo/frame/tiles.h"
+
+namespace farshade {
+namespace {
+
+std::vector<gpu::BindingKind> carry_set() {
+  using Type = vk::DescriptorType;
+  const auto compute = vk::ShaderStageFlagBits::eCompute;
+  const gpu::BindingKind uniform{Type::eUniformBuffer, compute}, storage{Type::eStorageBuffer, compute};
+  return {uniform, uniform, storage, storage, {Type::eCombinedImageSampler, compute}, storage, storage};
+}
+
+}  // namespace
+
+CarryPass::CarryPass(const gpu::Device& device, const DrawPlan& plan, const DepthRing& ring,
+                     DeviceMasks& device_masks, Extent traced_size)
+    : device_(device),
+      plan_(plan),
+      ring_(ring),
+      device_masks_(device_masks),
+      frame_buffer_(gpu::make_mapped_buffer(device, sizeof(gpu::FrameData),
+                                            vk::BufferUsageFlagBits::eUniformBuffer, "requested frame",
+                                            gpu::Use::Frame)),
+      light_buffer_(gpu::make_mapped_buffer(device, (plan.mask.lights + 1) * sizeof(gpu::LightData),
+                                            vk::BufferUsageFlagBits::eUniformBuffer, "requested lights",
+                                            gpu::Use::Frame)),
+      carried_(gpu::make_readback_buffer(device, carry_bytes(plan, traced_size).carried, "carried masks",
+                                         gpu::Use::Masks)),
+      unknown_(gpu::make_readback_buffer(device, carry_bytes(plan, traced_size).unknown, "unknown blocks",
+                                         gpu::Use::Masks)),
+      nearest_(device.logical.createSampler({})),
+      bindings_(gpu::make_bindings(device, carry_set(), "carry")) {
+  gpu::bind_buffer(device_, bindings_, 0, frame_buffer_);
+  gpu::bind_buffer(device_, bindings_, 1, light_buffer_);
+  gpu::bind_buffer(device_, bindings_, 2, device_masks_.words());
+  gpu::bind_buffer(device_, bindings_, 3, device_masks_.known_blocks());
+  gpu::bind_image(device_, bindings_, 4,
+                  {*ring_.image().view, vk::ImageLayout::eShaderReadOnlyOptimal, *nearest_});
+  gpu::bind_buffer(device_, bindings_, 5, carried_);
+  gpu::bind_buffer(device_, bindings_, 6, unknown_);
+  layout_ = device.logical.createPipelineLayout({.setLayoutCount = 1, .pSetLayouts = &*bindings_.layout});
+}
+
+void CarryPass::prepare(const FrameRequest& request, const DepthRing::Place& place, const TracedMask& base,
+                        const LightSet& lights, const Motion& since) {
+  check(request.views[0].size == request.views[1].size, "both eyes of a request have one size");
+  const std::array<const TracedMask*, 1> bases{&base};
+  const DeviceMasks::Held held = device_masks_.hold(bases)[0];
+  gpu::FrameData frame{};
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    frame.eye[eye] = eye_data(request.views[eye]);
+    gpu::SourceData& source = frame.sources[eye * FARSHADE_MAX_SOURCES];
+    source = source_data(pose_delta(request.views[eye], {}, base.views[eye], {}), base.views[eye]);
+    source.place = device_masks_.place(held, eye, ring_.layer_of(base.frame));
+  }
+  frame.counts.y = place.layer;
+  const std::array<const Motion*, 1> motions{&since};
+  moved_ = write_stale(request.views, motions, frame);
+  whole_ = held.whole;
+  size_ = request.views[0].size;
+  frame_buffer_.as<gpu::FrameData>()[0] = frame;
+  for (std::size_t i = 0; i < lights.lights.size(); ++i)
+    light_buffer_.as<gpu::LightData>()[i] = light_data(request.views, lights.lights[i]);
+}
+
+void CarryPass::prepare_warm_up() {
+  frame_buffer_.as<gpu::FrameData>()[0] = {};
+  size_ = {1, 1};
+  for (std::uint32_t eye = 0; eye < kEyes; ++eye)
+    for (const bool whole : {false, true}) need_pipeline({eye, whole, plan_.anything_moves()});
+}
+
+const vk::raii::Pipeline& CarryPass::need_pipeline(const Key& key) {
+  const auto found = pipelines_.find(key);
+  if (found != pipelines_.end()) return found->second;
+  std::vector<std::uint32_t> constants(FARSHADE_CARRY_CONSTANTS);
+  constants[FARSHADE_CARRY_LIGHTS] = plan_.mask.lights;
+  constants[FARSHADE_CARRY_WORD_BYTES] = device_mask(plan_).word_bytes();
+  constants[FARSHADE_CARRY_BITS_BYTES] = plan_.mask.word_bytes();
+  constants[FARSHADE_CARRY_EDGE_BIT] = first_edge_bit(plan_.mask.lights);
+  constants[FARSHADE_CARRY_NEAR] = std::bit_cast<std::uint32_t>(static_cast<float>(kNearPlane_m));
+  constants[FARSHADE_CARRY_DETAIL] = std::bit_cast<std::uint32_t>(plan_.detail_px);
+  constants[FARSHADE_CARRY_EYE] = key.eye;
+  constants[FARSHADE_CARRY_WHOLE] = key.whole;
+  constants[FARSHADE_CARRY_MOVED] = key.moved;
+  const vk::raii::ShaderModule shader = gpu::make_shader(device_, carry_comp_spv, "carry.comp");
+  return pipelines_
+      .emplace(key, gpu::make_compute_pipeline(device_, layout_, shader,
+                                               gpu::Specialization(std::move(constants)), "carry"))
+      .first->second;
+}
+
+void CarryPass::record(const vk::raii::CommandBuffer& commands) {
+  commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *bindings_.set, {});
+  const Extent blocks = blocks_of(size_);
+  for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
+    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline({eye, whole_, moved_}));
+    commands.dispatch((blocks.width + FARSHADE_CARRY_GROUP - 1) / FARSHADE_CARRY_GROUP, blocks.height, 1);
+  }
+  const vk::MemoryBarrier2 memory{.srcStageMask = vk::PipelineStageFlagBits2::eComputeShader,
+                                  .srcAccessMask = vk::AccessFlagBits2::eShaderWrite,
+                                  .dstStageMask = vk::PipelineStageFlagBits2::eHost,
+                                  .dstAccessMask = vk::AccessFlagBits2::eHostRead};
+  commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &memory});
+}
+
+void CarryPass::read(CarriedOver& into) const {
+  const Extent blocks = blocks_of(size_);
+  const TileGrid grid{size_};
+  const std::size_t word_bytes = plan_.mask.word_bytes(), row_bytes = size_.width * word_bytes;
+  const std::size_t padded_bytes = std::size_t{blocks.width} * kBlockSide_px * word_bytes;
+  const std::byte* carried = carried_.as<const std::byte>().data();
+  const std::uint32_t* unknown = unknown_.as<const std::uint32_t>().data();
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    EyeMask& mask = into.masks[eye];
+    if (mask.size() != size_ || mask.layout() != plan_.mask) mask = EyeMask(size_, plan_.mask);
+    for (std::uint32_t plane = 0; plane < plan_.mask.planes(); ++plane) {
+      std::byte* row = mask.bytes().data() + plane * size_.pixels() * word_bytes;
+      for (std::uint32_t y = 0; y < size_.height; ++y, row += row_bytes)
+        std::memcpy(row, carried + y * padded_bytes, row_bytes);
+      carried += std::size_t{blocks.height} * kBlockSide_px * padded_bytes;
+    }
+    std::vector<BlockBits>& asked = into.asked.tiles[eye];
+    asked.assign(grid.count(), kNoBlocks);
+    for (std::uint32_t y = 0; y < blocks.height; ++y)
+      for (std::uint32_t x = 0; x < blocks.width; ++x, ++unknown)
+        asked[y / kTileBlocks * grid.columns() + x / kTileBlocks] |=
+            static_cast<BlockBits>(*unknown << (y % kTileBlocks * kTileBlocks + x % kTileBlocks));
+  }
+}
+
+}  // namespace farshade

@@ -1,0 +1,62 @@
+/// CarryPass: carries a mask over to the views of a request before it is sent, and finds the blocks that the
+/// request must ask for (carry.comp, docs/asking.md).
+#pragma once
+
+#include <compare>
+#include <map>
+
+#include "stereo/draw/depth_ring.h"
+#include "stereo/draw/device_masks.h"
+#include "stereo/draw/motion.h"
+#include "stereo/frame/shadow_frame.h"
+#include "stereo/gpu/pass.h"
+
+namespace farshade {
+
+class CarryPass {
+ public:
+  /// Requested views have at most `traced_size` pixels. Keeps the references.
+  CarryPass(const gpu::Device& device, const DrawPlan& plan, const DepthRing& ring, DeviceMasks& device_masks,
+            Extent traced_size);
+
+  /// Prepares to carry `base` over to the views of `request`, whose depth will lie at `place`. The ring has
+  /// the depth of the base. `lights` are those of the request, `since` is what has moved since the base was
+  /// traced.
+  void prepare(const FrameRequest& request, const DepthRing::Place& place, const TracedMask& base,
+               const LightSet& lights, const Motion& since);
+
+  /// Prepares a pass over no pixels.
+  void prepare_warm_up();
+
+  void record(const vk::raii::CommandBuffer& commands);
+
+  /// Reads the result of the last `record`. Call after the device has finished. Reuses the memory of `into`.
+  void read(CarriedOver& into) const;
+
+  [[nodiscard]] std::size_t pipelines() const { return pipelines_.size(); }
+  [[nodiscard]] std::size_t bindings() const { return bindings_.kinds.size(); }
+
+ private:
+  struct Key {
+    std::uint32_t eye = 0;
+    bool whole = false, moved = false;
+    friend auto operator<=>(const Key&, const Key&) = default;
+  };
+  const vk::raii::Pipeline& need_pipeline(const Key& key);
+
+  const gpu::Device& device_;
+  const DrawPlan& plan_;
+  const DepthRing& ring_;
+  DeviceMasks& device_masks_;
+  gpu::Buffer frame_buffer_, light_buffer_;
+  gpu::Buffer carried_, unknown_;  ///< what carry.comp writes
+  vk::raii::Sampler nearest_{nullptr};
+  gpu::Bindings bindings_;
+  vk::raii::PipelineLayout layout_{nullptr};
+  std::map<Key, vk::raii::Pipeline> pipelines_;
+  // Of the pass that was prepared last.
+  Extent size_;
+  bool whole_ = false, moved_ = false;
+};
+
+}  // namespace farshade

@@ -1,0 +1,184 @@
+/// Carrying a mask over to requested views, and what a request must ask for (docs/asking.md): every bit of
+/// the composed mask is either traced at these views or equal to what a trace gives, except a stated share.
+#include <cmath>
+#include <numbers>
+
+#include "tests/golden/test_rig.h"
+#include "tests/oracle/scene_builder.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr double kOneDegree = std::numbers::pi / 180;
+constexpr std::uint32_t kSide_px = 256;
+
+/// Shares over both eyes, percent: pixels that are asked for, and bits of the others that differ from a
+/// trace.
+struct Shares {
+  double asked = 0, wrong = 0;
+};
+
+/// Of a mask that was composed: `truth` has the traced bits.
+Shares shares_of(const Mask& composed, const Mask& truth) {
+  std::size_t pixels = 0, asked = 0, wrong = 0;
+  const std::uint32_t lights = truth.bits[0].lights();
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    for_pixels(truth.views[eye].size, [&](std::uint32_t x, std::uint32_t y) {
+      ++pixels;
+      if (is_asked(composed.asked, eye, truth.views[eye].size, {x, y})) return void(++asked);
+      for (std::uint32_t i = 0; i < lights; ++i)
+        wrong += composed.bits[eye].lit(x, y, i) != truth.bits[eye].lit(x, y, i);
+    });
+  const auto percent = [](std::size_t part, std::size_t all) {
+    return 100 * static_cast<double>(part) / static_cast<double>(all);
+  };
+  return {percent(asked, pixels), percent(wrong, pixels * lights)};
+}
+
+class Carry : public OnLavapipe {};
+
+/// A floor and a box that do not move, a box that moves, and lights that do not.
+Scene moving_box() {
+  SceneBuilder builder;
+  builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
+  builder.add(box({0, 0.6, 0}, {0.3, 0.3, 0.3}));
+  builder.point_light({0.8, 2, 0.5});
+  builder.directional_light({-1, -1, -0.3});
+  builder.move(builder.add(box({-1, 0.6, 0.5}, {0.15, 0.15, 0.15})), {0.5, 0, 0});
+  return builder.build();
+}
+
+const Rigid<Stage, Head> kAbove = head_looking({0.5, 1.6, 2.5}, {0, 0.4, 0});
+
+struct CarryMove {
+  const char* name;
+  double yaw_rad;
+  glm::dvec3 step_m;
+  double most_wrong;  ///< percent
+};
+
+class CarryAfter : public OnLavapipe, public testing::WithParamInterface<CarryMove> {};
+
+TEST_P(CarryAfter, LeavesOnlyBitsThatATraceGives) {
+  // More lights have more shadow edges. Lights of 1, 2 and 4 bytes, and of two planes.
+  for (const auto& [lights, most_asked] : {std::pair{3u, 60.0}, {9u, 70.0}, {17u, 85.0}, {40u, 95.0}}) {
+    TestRig rig(device_, with_lights(bundled("room.glb"), lights), 2 * kSide_px);
+    const Mask base = rig.ask(kTraced, rig.eyes(rig.head()));
+    const StereoView views = rig.eyes(moved(rig.head(), GetParam().yaw_rad, GetParam().step_m));
+    const Mask composed = rig.ask_for_unknown(kNow, views, base);
+    const Shares shares = shares_of(composed, rig.trace(kNow, views));
+    RecordProperty("asked_percent", std::to_string(shares.asked));
+    RecordProperty("wrong_percent", std::to_string(shares.wrong));
+    EXPECT_GT(shares.asked, 1) << lights << " lights";
+    EXPECT_LT(shares.asked, most_asked) << lights << " lights";
+    EXPECT_LT(shares.wrong, GetParam().most_wrong) << lights << " lights";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, CarryAfter,
+                         testing::Values(CarryMove{"nothing", 0, {0, 0, 0}, 0.01},
+                                         CarryMove{"a_turn", 3 * kOneDegree, {0, 0, 0}, 0.03},
+                                         CarryMove{"a_step", 0, {0.03, 0.01, -0.02}, 0.03},
+                                         CarryMove{"both", -2 * kOneDegree, {-0.02, 0, 0.03}, 0.03}),
+                         [](const auto& tested) { return std::string(tested.param.name); });
+
+TEST_F(Carry, AsksForWhatTheBaseDidNotSee) {
+  TestRig rig(device_, bundled("room.glb"), kSide_px);
+  const Mask base = rig.ask(kTraced, rig.eyes(rig.head()));
+  const StereoView views = rig.eyes(moved(rig.head(), 20 * kOneDegree, {0, 0, 0}));
+  const Mask composed = rig.ask_for_unknown(kNow, views, base);
+  // A turn to the left uncovers the left border: 20 of about 63 degrees.
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    for_pixels({kSide_px / 5, kSide_px}, [&](std::uint32_t x, std::uint32_t y) {
+      ASSERT_TRUE(is_asked(composed.asked, eye, views[eye].size, {x, y})) << x << ", " << y;
+    });
+  const StereoView behind = rig.eyes(moved(rig.head(), 180 * kOneDegree, {0, 0, 0}));
+  EXPECT_EQ(shares_of(rig.ask_for_unknown({4}, behind, base), rig.trace({4}, behind)).asked, 100);
+}
+
+TEST_F(Carry, AsksForTilesThatHaveNotCome) {
+  TestRig rig(device_, bundled("room.glb"), kSide_px);
+  const StereoView views = rig.eyes(rig.head());
+  Mask base = rig.ask(kTraced, views);
+  const std::uint32_t columns = TileGrid{views[0].size}.columns();
+  const auto is_lost = [](std::uint32_t tile) { return tile % 7 == 3; };
+  for (KnownTiles& tiles : base.known_tiles)
+    for (std::uint32_t tile = 0; tile < tiles.size(); ++tile) tiles[tile] = !is_lost(tile);
+  const CarriedOver carried = rig.carry(kNow, views, base).value();
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    for_pixels(views[eye].size, [&](std::uint32_t x, std::uint32_t y) {
+      const bool is_covered = rig.asked_distance()[eye].pixels[std::size_t{y} * kSide_px + x] > 0;
+      if (!is_covered || !is_lost(y / kTileSide_px * columns + x / kTileSide_px)) return;
+      ASSERT_TRUE(is_asked(carried.asked, eye, views[eye].size, {x, y})) << x << ", " << y;
+    });
+}
+
+TEST_F(Carry, AsksForBlocksOfTheBaseThatHaveNotCome) {
+  TestRig rig(device_, bundled("room.glb"), kSide_px);
+  const StereoView views = rig.eyes(rig.head());
+  const Mask first = rig.ask(kOlder, views);
+  Mask base = rig.ask_for_unknown(kTraced, views, first);
+  const Mask whole = base;
+  for (KnownTiles& tiles : base.known_tiles) std::ranges::fill(tiles, std::uint8_t{0});
+  const CarriedOver carried = rig.carry(kNow, views, base).value();
+  std::size_t again = 0;
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    for_pixels(views[eye].size, [&](std::uint32_t x, std::uint32_t y) {
+      const bool is_covered = rig.asked_distance()[eye].pixels[std::size_t{y} * kSide_px + x] > 0;
+      if (!is_covered || !is_asked(base.asked, eye, views[eye].size, {x, y})) return;
+      ++again;
+      ASSERT_TRUE(is_asked(carried.asked, eye, views[eye].size, {x, y})) << x << ", " << y;
+    });
+  EXPECT_GT(again, 1000u);
+  const Shares shares = shares_of(rig.ask_for_unknown(kNow, views, whole), rig.trace(kNow, views));
+  EXPECT_LT(shares.asked, 70);
+}
+
+TEST_F(Carry, AsksForWhereAMovingBoxCastsItsShadow) {
+  TestRig rig(device_, moving_box(), kSide_px);
+  const StereoView views = rig.eyes(kAbove);
+  const Mask base = rig.ask(kTraced, views);
+  rig.set_time(Time(100ms));
+  const Mask composed = rig.ask_for_unknown(kNow, views, base);
+  const Mask truth = rig.trace(kNow, views);
+  std::size_t changed = 0;
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    for_pixels(views[eye].size, [&](std::uint32_t x, std::uint32_t y) {
+      if (same_bits(base.bits[eye], {x, y}, truth.bits[eye], {x, y})) return;
+      ++changed;
+      EXPECT_TRUE(same_bits(composed.bits[eye], {x, y}, truth.bits[eye], {x, y})) << x << ", " << y;
+    });
+  EXPECT_GT(changed, 100u);
+  EXPECT_LT(shares_of(composed, truth).asked, 50);
+}
+
+TEST_F(Carry, NeedsWholeViewsWhereALightHasMoved) {
+  TestRig rig(device_, bundled("room.glb"), kSide_px);
+  const StereoView views = rig.eyes(rig.head());
+  const Mask base = rig.ask(kTraced, views);
+  rig.set_time(Time(300ms));  // the pendant swings
+  EXPECT_FALSE(rig.carry(kNow, views, base).has_value());
+}
+
+TEST_F(Carry, StaysRightWhenItIsDoneAgainAndAgain) {
+  TestRig rig(device_, bundled("room.glb"), kSide_px);
+  Mask base = rig.ask({1}, rig.eyes(rig.head()));
+  double first = 0, last = 0;
+  for (std::uint32_t hop = 1; hop <= 24; ++hop) {
+    const double t = hop / 24.0;
+    const auto head =
+        moved(rig.head(), 25 * kOneDegree * std::sin(6 * t), {0.2 * t, 0.05 * std::sin(9 * t), -0.1 * t});
+    const StereoView views = rig.eyes(head);
+    base = rig.ask_for_unknown({hop + 1}, views, base);
+    const double wrong = shares_of(base, rig.trace({hop + 1}, views)).wrong;
+    if (hop <= 4) first = std::max(first, wrong);
+    if (hop > 20) last = std::max(last, wrong);
+  }
+  EXPECT_LT(first, 0.03);
+  EXPECT_LT(last, 0.03);
+}
+
+}  // namespace
+}  // namespace farshade
