@@ -1,5 +1,6 @@
 /// What one light does to a whole tile, if it can be told from the tile's bounds without its single pixels.
-/// The verdicts are certain, so masks have the same bits with and without them.
+/// The verdicts are certain, so masks have the same bits with and without them. A group of blocks from
+/// several tiles is judged in the same way, by the bounds of its covered pixels.
 #pragma once
 
 #include <algorithm>
@@ -29,14 +30,13 @@ struct TileBounds {
 };
 
 /// Least and largest of `values` in covered pixels, those with a reach above 0.
-inline void span_of(const float (&values)[kTilePixels], const float (&reach)[kTilePixels], float& low,
-                    float& high) {
+inline void span_of(const float (&values)[kTilePixels], const TileSurface& s, float& low, float& high) {
   constexpr int kWide = 8;
   const Floats<kWide> far = kFar - Floats<kWide>{};
   Floats<kWide> least = far, most = -far;
-  for (int first = 0; first < kTilePixels; first += kWide) {
+  for (int first = 0; first < s.pixels; first += kWide) {
     Floats<kWide> value, size;
-    load(value, values + first), load(size, reach + first);
+    load(value, values + first), load(size, s.reach + first);
     const Floats<kWide> for_least = size > 0 ? value : far, for_most = size > 0 ? value : -far;
     least = for_least < least ? for_least : least;
     most = for_most > most ? for_most : most;
@@ -46,27 +46,27 @@ inline void span_of(const float (&values)[kTilePixels], const float (&reach)[kTi
 }
 
 inline Box box_of(const float (&x)[kTilePixels], const float (&y)[kTilePixels], const float (&z)[kTilePixels],
-                  const float (&reach)[kTilePixels]) {
+                  const TileSurface& s) {
   Box box;
-  span_of(x, reach, box.low.x, box.high.x);
-  span_of(y, reach, box.low.y, box.high.y);
-  span_of(z, reach, box.low.z, box.high.z);
+  span_of(x, s, box.low.x, box.high.x);
+  span_of(y, s, box.low.y, box.high.y);
+  span_of(z, s, box.low.z, box.high.z);
   return box;
 }
 
 /// `s` has covered pixels.
 inline TileBounds bounds_of(const TileSurface& s) {
-  TileBounds b{.points = box_of(s.px, s.py, s.pz, s.reach),
-               .starts = box_of(s.ox, s.oy, s.oz, s.reach),
-               .shading = box_of(s.nx, s.ny, s.nz, s.reach),
-               .facet = box_of(s.gx, s.gy, s.gz, s.reach)};
+  TileBounds b{.points = box_of(s.px, s.py, s.pz, s),
+               .starts = box_of(s.ox, s.oy, s.oz, s),
+               .shading = box_of(s.nx, s.ny, s.nz, s),
+               .facet = box_of(s.gx, s.gy, s.gz, s)};
   float least;
-  span_of(s.reach, s.reach, least, b.reach);
+  span_of(s.reach, s, least, b.reach);
   if (b.facet.low != b.facet.high) return b;
   float along[kTilePixels];
   const glm::vec3 g = b.facet.low;
-  for (int i = 0; i < kTilePixels; ++i) along[i] = g.x * s.ox[i] + g.y * s.oy[i] + g.z * s.oz[i];
-  span_of(along, s.reach, b.along, least);
+  for (int i = 0; i < s.pixels; ++i) along[i] = g.x * s.ox[i] + g.y * s.oy[i] + g.z * s.oz[i];
+  span_of(along, s, b.along, least);
   return b;
 }
 

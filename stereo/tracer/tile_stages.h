@@ -1,6 +1,7 @@
-/// The two stages of a 16x16 tile. Their buffers stay in the first-level cache in between.
+/// The two stages of a group of blocks (block_groups.h). Their buffers stay in the first-level cache in
+/// between.
 ///
-/// see_tile finds the nearest surface of each pixel. shadow_tile finds which of these surfaces one light
+/// see_group finds the nearest surface of each pixel. shadow_group finds which of these surfaces one light
 /// reaches.
 ///
 /// The offset of a shadow ray from its surface is a multiple of the unit in the last place, as in C. Waechter
@@ -26,6 +27,7 @@
 #include <glm/geometric.hpp>
 
 #include "stereo/frame/view.h"
+#include "stereo/tracer/block_groups.h"
 #include "stereo/tracer/light_proof.h"
 #include "stereo/tracer/ray_scene.h"
 
@@ -34,6 +36,7 @@ namespace farshade {
 /// Primary rays of a view: the ray through pixel position (x, y) has the direction corner + x across + y
 /// down. Directions are the same in the stage and in anchor space.
 struct ViewRays {
+  Extent size;  ///< of the view, pixels
   FloatPoint<Anchor> origin;
   glm::dvec3 corner, across, down;
 };
@@ -45,7 +48,8 @@ inline ViewRays rays_of(const View& view, const Rigid<Anchor, Stage>& anchor_fro
   };
   const glm::dvec3 corner = stage_ray(0, 0);
   const Point<Stage> eye{view.stage_from_eye.translation};
-  return {in_float(anchor_from_stage(eye)), corner, stage_ray(1, 0) - corner, stage_ray(0, 1) - corner};
+  return {view.size, in_float(anchor_from_stage(eye)), corner, stage_ray(1, 0) - corner,
+          stage_ray(0, 1) - corner};
 }
 
 /// Writes the surface that one ray has hit into pixel `at` of `out`.
@@ -85,30 +89,42 @@ inline void resolve_miss(TileSurface& out, int at) {
   out.gx[at] = out.gy[at] = out.gz[at] = 0;
 }
 
-/// Casts primary rays through the pixel centres of `rect`.
+/// Makes the primary rays of the packet that begins at pixel `first` of a block. Lanes outside of the view
+/// are not valid. A direction is computed from the corner of the block's tile, so it does not depend on the
+/// group.
 template <int K>
-void see_tile(const RayScene& scene, const SurfaceModel& model, const ViewRays& view, const TileRect& rect,
-              TileSurface& out) {
-  const glm::vec3 corner(view.corner + view.across * (rect.x0 + 0.5) + view.down * (rect.y0 + 0.5));
+void aim_at_block(const ViewRays& view, BlockPlace block, int first, Lanes<K>& lanes, RayPacket<K>& ray) {
+  const std::uint32_t in_tile_x = block.x % kTileSide_px, in_tile_y = block.y % kTileSide_px;
+  const glm::vec3 corner(view.corner + view.across * (block.x - in_tile_x + 0.5) +
+                         view.down * (block.y - in_tile_y + 0.5));
   const glm::vec3 across(view.across), down(view.down);
-  const std::uint32_t width = rect.x1 - rect.x0, height = rect.y1 - rect.y0;
+  for (int i = 0; i < K; ++i) {
+    const TilePixel pixel = kTileOrder[static_cast<std::size_t>(first + i)];
+    const auto x = static_cast<float>(in_tile_x + pixel.x), y = static_cast<float>(in_tile_y + pixel.y);
+    lanes.valid[i] =
+        ((block.x + pixel.x < view.size.width) & (block.y + pixel.y < view.size.height)) ? -1 : 0;
+    ray.org_x[i] = view.origin.v.x, ray.org_y[i] = view.origin.v.y, ray.org_z[i] = view.origin.v.z;
+    ray.dir_x[i] = corner.x + across.x * x + down.x * y;
+    ray.dir_y[i] = corner.y + across.y * x + down.y * y;
+    ray.dir_z[i] = corner.z + across.z * x + down.z * y;
+    ray.tnear[i] = 0;
+    ray.tfar[i] = kFar;
+  }
+}
+
+/// Casts primary rays through the pixel centres of the blocks of `group`.
+template <int K>
+void see_group(const RayScene& scene, const SurfaceModel& model, const ViewRays& view,
+               const BlockGroup& group, TileSurface& out) {
   RayHitPacket<K> packet;
   set_constants(packet.ray);
+  out.pixels = group.count * kBlockPixels;
   out.covered = 0;
-  for (int first = 0; first < kTilePixels; first += K) {
+  for (int first = 0; first < out.pixels; first += K) {
     Lanes<K> lanes;
-    RayPacket<K>& ray = packet.ray;
-    for (int i = 0; i < K; ++i) {
-      const TilePixel pixel = kTileOrder[static_cast<std::size_t>(first + i)];
-      const float x = pixel.x, y = pixel.y;
-      lanes.valid[i] = ((pixel.x < width) & (pixel.y < height)) ? -1 : 0;
-      ray.org_x[i] = view.origin.v.x, ray.org_y[i] = view.origin.v.y, ray.org_z[i] = view.origin.v.z;
-      ray.dir_x[i] = corner.x + across.x * x + down.x * y;
-      ray.dir_y[i] = corner.y + across.y * x + down.y * y;
-      ray.dir_z[i] = corner.z + across.z * x + down.z * y;
-      ray.tnear[i] = 0;
-      ray.tfar[i] = kFar;
-    }
+    const RayPacket<K>& ray = packet.ray;
+    const BlockPlace block = group.blocks[static_cast<std::size_t>(first / kBlockPixels)];
+    aim_at_block(view, block, first % kBlockPixels, lanes, packet.ray);
     scene.intersect(lanes, packet);
     for (int i = 0; i < K; ++i) {
       const HitPacket<K>& hit = packet.hit;
@@ -123,14 +139,14 @@ void see_tile(const RayScene& scene, const SurfaceModel& model, const ViewRays& 
   }
 }
 
-/// Counts of a tile's covered pixels under one light.
-struct TileRays {
+/// Counts of a group's covered pixels under one light.
+struct GroupRays {
   std::uint64_t traced = 0;
   std::uint64_t proven = 0;  ///< lit, without a ray
   /// Dark, without a ray; counted by the first condition that holds.
   std::uint64_t out_of_range = 0, out_of_cone = 0, away = 0;
 
-  TileRays& operator+=(const TileRays& b) {
+  GroupRays& operator+=(const GroupRays& b) {
     traced += b.traced, proven += b.proven;
     out_of_range += b.out_of_range, out_of_cone += b.out_of_cone, away += b.away;
     return *this;
@@ -207,15 +223,50 @@ void set_bit(const Ints<K>& lanes, std::uint32_t bit, std::uint32_t* words) {
   store(word, words);
 }
 
+/// Gathers single shadow rays of one light into full packets.
+template <int K>
+struct GatheredRays {
+  RayPacket<K> ray;
+  int pixel[K];  ///< whose rays they are
+  int count = 0;
+
+  /// Appends lane `i` of the packet that begins at pixel `first`.
+  void add(const RayPacket<K>& from, int first, int i) {
+    ray.org_x[count] = from.org_x[i], ray.org_y[count] = from.org_y[i], ray.org_z[count] = from.org_z[i];
+    ray.dir_x[count] = from.dir_x[i], ray.dir_y[count] = from.dir_y[i], ray.dir_z[count] = from.dir_z[i];
+    ray.tfar[count] = from.tfar[i];
+    pixel[count++] = first + i;
+  }
+};
+
+/// Traces the gathered rays, and sets `bit` in the words of their pixels that the light reaches.
+template <int K, class Occluded>
+void trace_gathered(GatheredRays<K>& rays, std::uint32_t bit, std::uint32_t (&words)[kTilePixels],
+                    Occluded&& occluded) {
+  Lanes<K> lanes;
+  for (int i = 0; i < K; ++i) lanes.valid[i] = i < rays.count ? -1 : 0;
+  store(Floats<K>{}, rays.ray.tnear);
+  occluded(lanes, rays.ray);
+  for (int i = 0; i < rays.count; ++i) words[rays.pixel[i]] |= rays.ray.tfar[i] >= 0 ? bit : 0u;
+  rays.count = 0;
+}
+
 /// Sets `bit` in the words of the pixels that `light` reaches. Traces only rays whose result is not known in
 /// advance. `map` is the light's map, or null. `occluded(lanes, packet)` traces.
+///
+/// A packet whose lanes all need a ray is traced as it is. The rays of the other packets are gathered. This
+/// makes 5 % fewer packets for whole views of the living room, and 12 % fewer for edge blocks of room.glb.
+/// The core time of the latter falls by 1 to 2 %, and that of whole views does not change. If full packets
+/// were gathered too, the shadow stage would take 8 % longer.
 template <int K, class Surface, class Occluded>
-TileRays shadow_tile(const Surface& surface, const ShadowLight& light, const LightVisibilityMap* map,
-                     std::uint32_t bit, std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {
+GroupRays shadow_group(const Surface& surface, const ShadowLight& light, const LightVisibilityMap* map,
+                       std::uint32_t bit, std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {
   RayPacket<K> ray;
+  GatheredRays<K> gathered;
   set_constants(ray);
+  set_constants(gathered.ray);
   Ints<K> traced{}, known{}, too_far{}, beside{}, away{};
-  for (int first = 0; first < kTilePixels; first += K) {
+  for (int first = 0; first < surface.pixels; first += K) {
     LightGeometry<K> to_light;
     face_light(surface, first, light, to_light);
     const Ints<K> near = to_light.covered & to_light.in_range, lit = near & to_light.in_cone;
@@ -236,28 +287,37 @@ TileRays shadow_tile(const Surface& surface, const ShadowLight& light, const Lig
     aim(surface, first, light, to_light, ray);
     Lanes<K> lanes;
     store(needed, lanes.valid);
+    if (first_of(~needed) >= 0) {
+      for (int i = 0; i < K; ++i) {
+        if (lanes.valid[i] == 0) continue;
+        gathered.add(ray, first, i);
+        if (gathered.count == K) trace_gathered<K>(gathered, bit, words, occluded);
+      }
+      continue;
+    }
     occluded(lanes, ray);
     Floats<K> met;
     load(met, ray.tfar);
     set_bit<K>(needed & (met >= 0), bit, words + first);
   }
+  if (gathered.count > 0) trace_gathered<K>(gathered, bit, words, occluded);
   return {counted(traced), counted(known), counted(too_far), counted(beside), counted(away)};
 }
 
 /// Sets `bit` in the words of all covered pixels.
-inline TileRays light_tile(const TileSurface& surface, std::uint32_t bit,
-                           std::uint32_t (&words)[kTilePixels]) {
-  for (int i = 0; i < kTilePixels; ++i) words[i] |= surface.reach[i] > 0 ? bit : 0u;
+inline GroupRays light_group(const TileSurface& surface, std::uint32_t bit,
+                             std::uint32_t (&words)[kTilePixels]) {
+  for (int i = 0; i < surface.pixels; ++i) words[i] |= surface.reach[i] > 0 ? bit : 0u;
   return {.proven = surface.covered};
 }
 
-/// The same as shadow_tile, but traces a ray for every covered pixel.
+/// The same as shadow_group, but traces a ray for every covered pixel.
 template <int K, class Occluded>
-TileRays shadow_whole_tile(const TileSurface& surface, const ShadowLight& light, std::uint32_t bit,
-                           std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {
+GroupRays shadow_whole_group(const TileSurface& surface, const ShadowLight& light, std::uint32_t bit,
+                             std::uint32_t (&words)[kTilePixels], Occluded&& occluded) {
   RayPacket<K> ray;
   set_constants(ray);
-  for (int first = 0; first < kTilePixels; first += K) {
+  for (int first = 0; first < surface.pixels; first += K) {
     LightGeometry<K> to_light;
     face_light(surface, first, light, to_light);
     aim(surface, first, light, to_light, ray);

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "stereo/base/check.h"
+#include "stereo/tracer/block_groups.h"
 #include "stereo/tracer/placed_surface.h"
 #include "stereo/tracer/tile_bounds.h"
 #include "stereo/tracer/tile_stages.h"
@@ -15,13 +16,13 @@
 namespace farshade {
 namespace {
 
-/// Sums over tiles. Times are core times.
-struct TileSums {
+/// Sums over groups. Times are core times.
+struct GroupSums {
   Duration primary{}, shadow{};
   std::uint64_t primary_rays = 0, covered = 0;
-  TileRays rays;
+  GroupRays rays;
 
-  TileSums& operator+=(const TileSums& b) {
+  GroupSums& operator+=(const GroupSums& b) {
     primary += b.primary, shadow += b.shadow;
     primary_rays += b.primary_rays, covered += b.covered;
     rays += b.rays;
@@ -29,24 +30,39 @@ struct TileSums {
   }
 };
 
+/// Writes the words of the group's pixels that lie inside the picture.
 template <class Word>
-void write_words(const std::uint32_t (&words)[kTilePixels], const TileRect& rect, Extent size,
+void write_words(const std::uint32_t (&words)[kTilePixels], const BlockGroup& group, Extent size,
                  std::byte* plane) {
-  for (std::size_t i = 0; i < kTilePixels; ++i) {
-    const std::size_t x = rect.x0 + kTileOrder[i].x, y = rect.y0 + kTileOrder[i].y;
-    if (x >= rect.x1 || y >= rect.y1) continue;
-    const auto word = static_cast<Word>(words[i]);
-    std::memcpy(plane + (y * size.width + x) * sizeof(Word), &word, sizeof word);
+  for (int block = 0; block < group.count; ++block) {
+    const BlockPlace place = group.blocks[static_cast<std::size_t>(block)];
+    for (int lane = 0; lane < kBlockPixels; ++lane) {
+      const TilePixel pixel = kTileOrder[static_cast<std::size_t>(lane)];
+      const std::size_t x = place.x + pixel.x, y = place.y + pixel.y;
+      if (x >= size.width || y >= size.height) continue;
+      const auto word = static_cast<Word>(words[block * kBlockPixels + lane]);
+      std::memcpy(plane + (y * size.width + x) * sizeof(Word), &word, sizeof word);
+    }
   }
 }
 
-void write_plane(const std::uint32_t (&words)[kTilePixels], const TileRect& rect, std::uint32_t plane,
+void write_plane(const std::uint32_t (&words)[kTilePixels], const BlockGroup& group, std::uint32_t plane,
                  EyeMask& mask) {
   const std::size_t word_bytes = mask.layout().word_bytes();
   std::byte* const start = mask.bytes().data() + plane * mask.size().pixels() * word_bytes;
-  if (word_bytes == 1) write_words<std::uint8_t>(words, rect, mask.size(), start);
-  if (word_bytes == 2) write_words<std::uint16_t>(words, rect, mask.size(), start);
-  if (word_bytes == 4) write_words<std::uint32_t>(words, rect, mask.size(), start);
+  if (word_bytes == 1) write_words<std::uint8_t>(words, group, mask.size(), start);
+  if (word_bytes == 2) write_words<std::uint16_t>(words, group, mask.size(), start);
+  if (word_bytes == 4) write_words<std::uint32_t>(words, group, mask.size(), start);
+}
+
+/// The pixels of a group inside the picture.
+std::uint64_t pixels_of(const BlockGroup& group, Extent size) {
+  std::uint64_t pixels = 0;
+  for (const BlockPlace block : std::span(group.blocks).first(static_cast<std::size_t>(group.count)))
+    if (block.x < size.width && block.y < size.height)
+      pixels += std::uint64_t{std::min(kBlockSide_px, size.width - block.x)} *
+                std::min(kBlockSide_px, size.height - block.y);
+  return pixels;
 }
 
 }  // namespace
@@ -62,7 +78,8 @@ struct Tracer::Impl {
   std::vector<std::optional<LightVisibilityMap>>
       maps;  ///< one per light; empty for lights that an animation moves
   std::vector<const LightVisibilityMap*>
-      maps_in_use;  ///< null for a light that is not where its map was made
+      maps_in_use;                         ///< null for a light that is not where its map was made
+  PerEye<std::vector<BlockGroup>> groups;  ///< the work list of the current request
 
   Impl(const Scene& traced, const TracePlan& requested)
       : scene(traced), plan(requested), state(state_at(scene, Time{})), model(scene, state, plan) {}
@@ -73,14 +90,14 @@ struct Tracer::Impl {
   [[nodiscard]] std::uint64_t lights_on() const;
   [[nodiscard]] float reach() const;
   template <int K>
-  TileRays shadow(const TileSurface& surface, const TileBounds& bounds, std::size_t light, std::uint32_t bit,
-                  std::uint32_t (&words)[kTilePixels]) const;
+  GroupRays shadow(const TileSurface& surface, const TileBounds& bounds, std::size_t light, std::uint32_t bit,
+                   std::uint32_t (&words)[kTilePixels]) const;
   template <int K>
-  TileSums trace_tile(const ViewRays& view, const TileRect& rect, EyeMask& mask) const;
+  GroupSums trace_group(const ViewRays& view, const BlockGroup& group, EyeMask& mask) const;
   template <int K>
-  TileSums trace_tile(const PlacedEye& eye, const TileRect& rect, EyeMask& mask) const;
+  GroupSums trace_group(const PlacedEye& eye, const BlockGroup& group, EyeMask& mask) const;
   template <int K, class Source>
-  TileSums trace_eyes(const PerEye<Source>& sources, std::size_t eyes, PerEye<EyeMask>& masks) const;
+  GroupSums trace_eyes(const PerEye<Source>& sources, std::size_t eyes, PerEye<EyeMask>& masks) const;
   template <class Source>
   TraceStats trace_frame(const PerEye<Source>& sources, bool same, ShadowFrame& frame) const;
 };
@@ -114,12 +131,12 @@ void Tracer::Impl::make_maps() {
 }
 
 template <int K>
-TileRays Tracer::Impl::shadow(const TileSurface& surface, const TileBounds& bounds, std::size_t light,
-                              std::uint32_t bit, std::uint32_t (&words)[kTilePixels]) const {
+GroupRays Tracer::Impl::shadow(const TileSurface& surface, const TileBounds& bounds, std::size_t light,
+                               std::uint32_t bit, std::uint32_t (&words)[kTilePixels]) const {
   const auto occluded = [this](const Lanes<K>& lanes, RayPacket<K>& packet) {
     rays->occluded(lanes, packet);
   };
-  if (!plan.skips_rays) return shadow_whole_tile<K>(surface, lights[light], bit, words, occluded);
+  if (!plan.skips_rays) return shadow_whole_group<K>(surface, lights[light], bit, words, occluded);
   switch (verdict_on(bounds, lights[light], maps_in_use[light])) {
     case TileVerdict::OutOfRange:
       return {.out_of_range = surface.covered};
@@ -128,78 +145,83 @@ TileRays Tracer::Impl::shadow(const TileSurface& surface, const TileBounds& boun
     case TileVerdict::TurnedAway:
       return {.away = surface.covered};
     case TileVerdict::Lit:
-      return light_tile(surface, bit, words);
+      return light_group(surface, bit, words);
     case TileVerdict::Open:
       break;
   }
-  return shadow_tile<K>(surface, lights[light], maps_in_use[light], bit, words, occluded);
+  return shadow_group<K>(surface, lights[light], maps_in_use[light], bit, words, occluded);
+}
+
+/// The tile of a group that is a whole tile.
+TileRect tile_of(const BlockGroup& group, Extent size) {
+  const std::uint32_t x = group.blocks[0].x, y = group.blocks[0].y;
+  return {x, y, std::min(x + kTileSide_px, size.width), std::min(y + kTileSide_px, size.height)};
 }
 
 /// Calls act(light, bit, words) for the lights that are on, plane by plane, and writes the words to the mask.
 template <class Act>
-void for_each_light(std::span<const ShadowLight> lights, const TileRect& rect, EyeMask& mask, Act act) {
+void for_each_light(std::span<const ShadowLight> lights, const BlockGroup& group, EyeMask& mask, Act act) {
   const MaskLayout layout = mask.layout();
   for (std::uint32_t plane = 0; plane < layout.planes(); ++plane) {
     std::uint32_t words[kTilePixels]{};
     for (std::uint32_t bit = 0; bit < layout.lights_in(plane); ++bit)
       if (const std::size_t light = plane * 32 + bit; lights[light].on) act(light, 1u << bit, words);
-    write_plane(words, rect, plane, mask);
+    write_plane(words, group, plane, mask);
   }
 }
 
 template <int K>
-TileSums Tracer::Impl::trace_tile(const ViewRays& view, const TileRect& rect, EyeMask& mask) const {
-  TileSums sums;
+GroupSums Tracer::Impl::trace_group(const ViewRays& view, const BlockGroup& group, EyeMask& mask) const {
+  GroupSums sums;
   TileSurface surface;
   const Stopwatch watch;
-  see_tile<K>(*rays, model, view, rect, surface);
+  see_group<K>(*rays, model, view, group, surface);
   sums.primary = watch.elapsed();
   const TileBounds bounds = plan.skips_rays ? bounds_of(surface) : TileBounds{};
-  for_each_light(lights, rect, mask, [&](std::size_t light, std::uint32_t bit, auto& words) {
+  for_each_light(lights, group, mask, [&](std::size_t light, std::uint32_t bit, auto& words) {
     if (surface.covered > 0) sums.rays += shadow<K>(surface, bounds, light, bit, words);
   });
   sums.shadow = watch.elapsed() - sums.primary;
-  sums.primary_rays = std::uint64_t{rect.x1 - rect.x0} * (rect.y1 - rect.y0);
+  sums.primary_rays = pixels_of(group, view.size);
   sums.covered = surface.covered;
   return sums;
 }
 
 template <int K>
-TileSums Tracer::Impl::trace_tile(const PlacedEye& eye, const TileRect& rect, EyeMask& mask) const {
-  TileSums sums;
+GroupSums Tracer::Impl::trace_group(const PlacedEye& eye, const BlockGroup& group, EyeMask& mask) const {
+  GroupSums sums;
   PlacedSurface surface;
   const Stopwatch watch;
-  place_tile(eye, rect, surface);
+  place_tile(eye, tile_of(group, eye.rays.size), surface);
   sums.primary = watch.elapsed();
   const auto occluded = [this](const Lanes<K>& lanes, RayPacket<K>& packet) {
     rays->occluded(lanes, packet);
   };
-  for_each_light(lights, rect, mask, [&](std::size_t light, std::uint32_t bit, auto& words) {
+  for_each_light(lights, group, mask, [&](std::size_t light, std::uint32_t bit, auto& words) {
     if (surface.covered > 0)
-      sums.rays += shadow_tile<K>(surface, lights[light], maps_in_use[light], bit, words, occluded);
+      sums.rays += shadow_group<K>(surface, lights[light], maps_in_use[light], bit, words, occluded);
   });
   sums.shadow = watch.elapsed() - sums.primary;
   sums.covered = surface.covered;
   return sums;
 }
 
-/// The tiles of all eyes are one parallel range, so that no core waits between eyes.
+/// The groups of all eyes are one parallel range, so that no core waits between eyes.
 template <int K, class Source>
-TileSums Tracer::Impl::trace_eyes(const PerEye<Source>& sources, std::size_t eyes,
-                                  PerEye<EyeMask>& masks) const {
-  const PerEye<TileGrid> grids{TileGrid{masks[0].size()}, TileGrid{masks[1].size()}};
-  const std::uint32_t left = grids[0].count(), all = eyes == 1 ? left : left + grids[1].count();
-  constexpr std::uint32_t kGrain = 8;
+GroupSums Tracer::Impl::trace_eyes(const PerEye<Source>& sources, std::size_t eyes,
+                                   PerEye<EyeMask>& masks) const {
+  const std::size_t left = groups[0].size(), all = eyes == 1 ? left : left + groups[1].size();
+  constexpr std::size_t kGrain = 8;
   return tbb::parallel_reduce(
-      tbb::blocked_range<std::uint32_t>(0, all, kGrain), TileSums{},
-      [&](const tbb::blocked_range<std::uint32_t>& range, TileSums sums) {
-        for (std::uint32_t tile = range.begin(); tile < range.end(); ++tile) {
-          const std::size_t eye = tile < left ? 0 : 1;
-          sums += trace_tile<K>(sources[eye], grids[eye].rect(eye == 0 ? tile : tile - left), masks[eye]);
+      tbb::blocked_range<std::size_t>(0, all, kGrain), GroupSums{},
+      [&](const tbb::blocked_range<std::size_t>& range, GroupSums sums) {
+        for (std::size_t group = range.begin(); group < range.end(); ++group) {
+          const std::size_t eye = group < left ? 0 : 1;
+          sums += trace_group<K>(sources[eye], groups[eye][eye == 0 ? group : group - left], masks[eye]);
         }
         return sums;
       },
-      [](TileSums a, const TileSums& b) { return a += b; });
+      [](GroupSums a, const GroupSums& b) { return a += b; });
 }
 
 std::uint64_t Tracer::Impl::lights_on() const {
@@ -220,7 +242,8 @@ float Tracer::Impl::reach() const {
   return most;
 }
 
-/// Sets scene and lights to those of the request, and everything of `frame` except its bits.
+/// Sets scene, lights and work list to those of the request, and everything of `frame` except the bits of
+/// asked blocks.
 void Tracer::Impl::prepare(const FrameRequest& request, ShadowFrame& frame) {
   for (const View& view : request.views) check(is_valid(view), "a traced view is valid");
   advance_to(request.scene_time, request.lights);
@@ -231,6 +254,9 @@ void Tracer::Impl::prepare(const FrameRequest& request, ShadowFrame& frame) {
     EyeMask& mask = frame.masks[eye];
     if (mask.size() != request.views[eye].size || mask.layout() != plan.mask)
       mask = EyeMask(request.views[eye].size, plan.mask);
+    const std::vector<BlockBits>& asked = request.asked.tiles[eye];
+    groups[eye] = groups_of(mask.size(), asked);
+    if (!asked.empty()) std::ranges::fill(mask.bytes(), std::byte{});  // whole views overwrite every word
   }
 }
 
@@ -245,9 +271,9 @@ TraceStats Tracer::Impl::trace_frame(const PerEye<Source>& sources, bool same, S
   const Stopwatch watch;
   const std::size_t eyes = same ? 1 : kEyes;
   const int width = rays->width();
-  const TileSums sums = width == 16  ? trace_eyes<16>(sources, eyes, frame.masks)
-                        : width == 8 ? trace_eyes<8>(sources, eyes, frame.masks)
-                                     : trace_eyes<4>(sources, eyes, frame.masks);
+  const GroupSums sums = width == 16  ? trace_eyes<16>(sources, eyes, frame.masks)
+                         : width == 8 ? trace_eyes<8>(sources, eyes, frame.masks)
+                                      : trace_eyes<4>(sources, eyes, frame.masks);
   if (same) frame.masks[1] = frame.masks[0];
 
   const Duration wall = watch.elapsed();
@@ -285,11 +311,14 @@ TraceStats Tracer::trace(const FrameRequest& request, ShadowFrame& frame) {
   const Rigid<Anchor, Stage>& anchor_from_stage = impl_->model.anchor_from_stage();
   const PerEye<ViewRays> views{rays_of(request.views[0], anchor_from_stage),
                                rays_of(request.views[1], anchor_from_stage)};
-  return impl_->trace_frame(views, impl_->plan.shares_views && request.views[0] == request.views[1], frame);
+  const bool same = impl_->plan.shares_views && request.views[0] == request.views[1] &&
+                    request.asked.tiles[0] == request.asked.tiles[1];
+  return impl_->trace_frame(views, same, frame);
 }
 
 TraceStats Tracer::trace(const FrameRequest& request, const PerEye<PositionPlanes>& positions,
                          const PositionGrid& grid, ShadowFrame& frame) {
+  check(request.asked.whole(), "positions are those of whole views");
   impl_->prepare(request, frame);
   const Rigid<Anchor, Stage>& anchor_from_stage = impl_->model.anchor_from_stage();
   const float reach = impl_->reach();

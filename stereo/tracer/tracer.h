@@ -36,8 +36,9 @@ struct TraceStats {
   /// Wall time of both eyes. The two stages of a tile run directly after one another, so the wall time is
   /// divided in proportion to the core time of each stage.
   Duration primary{}, shadow{};
-  std::uint64_t primary_rays = 0, shadow_rays = 0;
-  /// Shadow rays of a trace that skips nothing: covered pixels x lights that are on, both eyes.
+  std::uint64_t primary_rays = 0, shadow_rays = 0;  ///< primary rays: pixels of asked blocks
+  /// Shadow rays of a trace that skips nothing: covered pixels of asked blocks x lights that are on, both
+  /// eyes.
   std::uint64_t full_shadow_rays = 0;
   /// Shadow rays that were skipped. The first three count dark pixel-lights, each by the first reason that
   /// holds: beyond the light's range, outside of its cone, turned away from it. `proven` counts lit
@@ -83,14 +84,18 @@ class Tracer {
 
   /// Traces `request` (valid views) into `frame`, whose buffers are reused, against the scene at the
   /// request's scene_time and with the request's lights. No light change is kept for the next request. If
-  /// both views coincide, one is traced and copied. One call at a time. Uses all cores.
+  /// both views and their asked blocks coincide, one is traced and copied. One call at a time. Uses all
+  /// cores.
+  ///
+  /// Traces only the request's asked blocks, and sets the words of all other pixels to 0. An asked block has
+  /// the same words as in a trace of the whole view. An eye has one set of blocks per tile, or none.
   TraceStats trace(const FrameRequest& request, ShadowFrame& frame);
 
-  /// The same without primary rays: the pixels' surfaces lie at `positions` on `grid`, in planes of the
-  /// views' sizes. A pixel with word 0 is not covered. The bit of a light behind a surface may have either
-  /// value: a shader that knows the normal multiplies it by 0. The other bits equal those of the other
-  /// `trace`, except where the grid's rounding moves a shadow: rays start up to 2 E before the surface, E =
-  /// sqrt(3) / 2 steps (placed_surface.h).
+  /// The same for whole views and without primary rays: the pixels' surfaces lie at `positions` on `grid`, in
+  /// planes of the views' sizes. A pixel with word 0 is not covered. The bit of a light behind a surface may
+  /// have either value: a shader that knows the normal multiplies it by 0. The other bits equal those of the
+  /// other `trace`, except where the grid's rounding moves a shadow: rays start up to 2 E before the surface,
+  /// E = sqrt(3) / 2 steps (placed_surface.h).
   TraceStats trace(const FrameRequest& request, const PerEye<PositionPlanes>& positions,
                    const PositionGrid& grid, ShadowFrame& frame);
 

@@ -1,12 +1,17 @@
 // Compares the tracing stage with a bare loop over the same Embree packets, and the tracer with and without
 // skipped rays (docs/tracing.md). The measurements are interleaved in one run.
 //
-//   tracer_bench [--scene S] [--size N] [--rounds R]
+//   tracer_bench [--scene S] [--size N] [--rounds R] [--asked]
 //
 // Prints medians and the spread (p10 to p90) of three times: the primary and the shadow stage of a frame
 // (both eyes), and the bare loop over all shadow packets of surfaces that face the light. In CPU time, which
 // other programs disturb less, it prints primary rays alone, frames with every shadow ray, and frames with
 // skipped rays.
+//
+// With --asked it compares traces of whole views with traces of edge blocks instead: the blocks with a pixel
+// whose word differs from the word of the pixel to the right or below. It prints time, core time and rays of
+// both, and the rays a second of the shadow stage and of the bare loop over its own packets (with its
+// proofs).
 #include <tbb/parallel_for.h>
 
 #include <CLI/CLI.hpp>
@@ -40,22 +45,24 @@ StereoView eyes_of(const Scene& scene, std::uint32_t side) {
   return {eye(-0.032, 0.94, 0.70), eye(0.032, 0.70, 0.94)};
 }
 
+/// `maps` has one map per light, or is empty for a stage without proofs.
 template <int K>
-Packets<K> record(const SurfaceModel& model, const RayScene& rays, const StereoView& views,
-                  const std::vector<Light>& lights) {
+Packets<K> record(const SurfaceModel& model, const RayScene& rays, const FrameRequest& request,
+                  const std::vector<Light>& lights, const std::vector<LightVisibilityMap>& maps) {
   Packets<K> packets;
   const auto keep = [&](const Lanes<K>& lanes, const RayPacket<K>& ray) {
     packets.lanes.push_back(lanes);
     packets.rays.push_back(ray);
   };
   TileSurface surface;
-  for (const View& view : views) {
-    const TileGrid grid{view.size};
-    for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
-      see_tile<K>(rays, model, rays_of(view, model.anchor_from_stage()), grid.rect(tile), surface);
-      for (const Light& light : lights) {
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    const View& view = request.views[eye];
+    for (const BlockGroup& group : groups_of(view.size, request.asked.tiles[eye])) {
+      see_group<K>(rays, model, rays_of(view, model.anchor_from_stage()), group, surface);
+      for (std::size_t i = 0; i < lights.size(); ++i) {
         std::uint32_t words[kTilePixels]{};
-        packets.count += shadow_tile<K>(surface, shadow_light(light, model), nullptr, 1, words, keep).traced;
+        const LightVisibilityMap* const map = maps.empty() ? nullptr : &maps[i];
+        packets.count += shadow_group<K>(surface, shadow_light(lights[i], model), map, 1, words, keep).traced;
       }
     }
   }
@@ -79,6 +86,12 @@ void print(const char* what, const std::vector<double>& ms, std::uint64_t rays) 
   const double median = quantile(ms, 0.5);
   std::printf("%-28s %8.2f ms  [%.2f, %.2f]  %6.1f Mray/s\n", what, median, quantile(ms, 0.1),
               quantile(ms, 0.9), static_cast<double>(rays) / median / 1e3);
+}
+
+double cpu_ms(auto&& work) {
+  const std::clock_t start = std::clock();
+  work();
+  return static_cast<double>(std::clock() - start) * 1e3 / CLOCKS_PER_SEC;
 }
 
 /// Times of all rounds, ms.
@@ -120,19 +133,14 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
   const SceneState state = state_at(scene, Time{});
   const SurfaceModel model(scene, state, plan_for(scene).trace);
   const RayScene rays = RayScene::create(model).value();
-  const Packets<K> same = record<K>(model, rays, views, state.light_set.lights);
-
-  Tracer tracer = Tracer::create(scene).value();
   FrameRequest request;
   request.views = views;
+  const Packets<K> same = record<K>(model, rays, request, state.light_set.lights, {});
+
+  Tracer tracer = Tracer::create(scene).value();
   ShadowFrame frame;
   TracePlan plain_plan = plan_for(scene, {.all_lights = true}).trace;
   plain_plan.skips_rays = false;
-  const auto cpu_ms = [](auto&& work) {
-    const std::clock_t start = std::clock();
-    work();
-    return static_cast<double>(std::clock() - start) * 1e3 / CLOCKS_PER_SEC;
-  };
   std::optional<Tracer> making, plain_made;
   const double plain_ms = cpu_ms([&] { plain_made.emplace(Tracer::create(scene, plain_plan).value()); });
   const double made_ms = cpu_ms([&] { making.emplace(Tracer::create(scene).value()); });
@@ -148,7 +156,8 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
     for (const View& view : views) {
       const TileGrid grid{view.size};
       for (std::uint32_t tile = 0; tile < grid.count(); ++tile)
-        see_tile<K>(rays, model, rays_of(view, model.anchor_from_stage()), grid.rect(tile), surface);
+        see_group<K>(rays, model, rays_of(view, model.anchor_from_stage()), group_of(grid.rect(tile)),
+                     surface);
     }
   };
   for (int round = 0; round < rounds; ++round) {
@@ -165,14 +174,120 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
   print_times<K>(views, stats, times, same.count);
 }
 
+/// The edge blocks of a mask.
+std::vector<BlockBits> edge_blocks(const EyeMask& mask) {
+  const TileGrid grid{mask.size()};
+  std::vector<BlockBits> blocks(grid.count());
+  const auto word_at = [&](std::uint32_t x, std::uint32_t y) {
+    std::vector<std::uint32_t> words;
+    for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane)
+      words.push_back(mask.word(x, y, plane));
+    return words;
+  };
+  for (std::uint32_t y = 0; y < mask.size().height; ++y)
+    for (std::uint32_t x = 0; x < mask.size().width; ++x) {
+      const auto right = word_at(std::min(x + 1, mask.size().width - 1), y);
+      const auto below = word_at(x, std::min(y + 1, mask.size().height - 1)), here = word_at(x, y);
+      if (right == here && below == here) continue;
+      blocks[y / kTileSide_px * grid.columns() + x / kTileSide_px] |=
+          block_bit(x % kTileSide_px, y % kTileSide_px);
+    }
+  return blocks;
+}
+
+/// A trace of one request, its times in all rounds, and its shadow packets.
+template <int K>
+struct Traced {
+  const char* what = "";
+  FrameRequest request{};
+  Packets<K> packets{};
+  TraceStats stats{};
+  std::vector<double> wall{}, cpu{}, primary{}, shadow{}, bare{};
+};
+
+template <int K>
+void print(const Traced<K>& of) {
+  std::printf("%s: primary rays %.3f M, shadow rays %.3f M of %.3f M, in %.3f M packets\n", of.what,
+              static_cast<double>(of.stats.primary_rays) / 1e6,
+              static_cast<double>(of.stats.shadow_rays) / 1e6,
+              static_cast<double>(of.stats.full_shadow_rays) / 1e6,
+              static_cast<double>(of.packets.rays.size()) / 1e6);
+  print("  time", of.wall, of.stats.primary_rays + of.stats.shadow_rays);
+  print("  core time", of.cpu, of.stats.primary_rays + of.stats.shadow_rays);
+  print("  primary stage", of.primary, of.stats.primary_rays);
+  print("  shadow stage", of.shadow, of.stats.shadow_rays);
+  print("  bare loop, same packets", of.bare, of.packets.count);
+}
+
+/// The same bits in the asked blocks, and none elsewhere.
+bool is_part_of(const EyeMask& part, const EyeMask& whole, const std::vector<BlockBits>& asked) {
+  const TileGrid grid{whole.size()};
+  for (std::uint32_t y = 0; y < whole.size().height; ++y)
+    for (std::uint32_t x = 0; x < whole.size().width; ++x) {
+      const BlockBits bits = asked[y / kTileSide_px * grid.columns() + x / kTileSide_px];
+      const bool is_asked = (bits & block_bit(x % kTileSide_px, y % kTileSide_px)) != 0;
+      for (std::uint32_t plane = 0; plane < whole.layout().planes(); ++plane)
+        if (part.word(x, y, plane) != (is_asked ? whole.word(x, y, plane) : 0)) return false;
+    }
+  return true;
+}
+
+template <int K>
+void compare_asked(const Scene& scene, const StereoView& views, int rounds) {
+  const SceneState state = state_at(scene, Time{});
+  const SurfaceModel model(scene, state, plan_for(scene, {.all_lights = true}).trace);
+  const RayScene rays = RayScene::create(model).value();
+  const FacetPlanes planes = planes_of(model);
+  std::vector<LightVisibilityMap> maps;
+  for (const Light& light : state.light_set.lights)
+    maps.emplace_back(shadow_light(light, model), planes, model);
+
+  Tracer tracer = Tracer::create(scene).value();
+  Traced<K> whole{.what = "whole views"}, part{.what = "edge blocks"};
+  whole.request.views = part.request.views = views;
+  ShadowFrame whole_frame, frame;
+  tracer.trace(whole.request, whole_frame);
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    part.request.asked.tiles[eye] = edge_blocks(whole_frame.masks[eye]);
+  tracer.trace(part.request, frame);
+  bool same = true;
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    same = same && is_part_of(frame.masks[eye], whole_frame.masks[eye], part.request.asked.tiles[eye]);
+  for (Traced<K>* const each : {&whole, &part})
+    each->packets = record<K>(model, rays, each->request, state.light_set.lights, maps);
+
+  std::vector<double> share;
+  for (int round = 0; round < rounds; ++round) {
+    for (Traced<K>* const each : {&whole, &part}) {
+      const Stopwatch watch;
+      each->cpu.push_back(cpu_ms([&] { each->stats = tracer.trace(each->request, frame); }));
+      each->wall.push_back(ms_of(watch.elapsed()));
+      each->primary.push_back(ms_of(each->stats.primary));
+      each->shadow.push_back(ms_of(each->stats.shadow));
+      each->bare.push_back(bare_loop_ms(rays, each->packets));
+    }
+    share.push_back(part.cpu.back() / whole.cpu.back());
+  }
+  std::printf("%d wide, %u x %u an eye; bits of the asked blocks %s\n", K, views[0].size.width,
+              views[0].size.height, same ? "same" : "DIFFER");
+  print(whole);
+  print(part);
+  const double pixels =
+      static_cast<double>(part.stats.primary_rays) / static_cast<double>(whole.stats.primary_rays);
+  std::printf("edge blocks / whole views: pixels %.3f, core time %.3f [%.3f, %.3f]\n", pixels,
+              quantile(share, 0.5), quantile(share, 0.1), quantile(share, 0.9));
+}
+
 int run(int argc, char** argv) {
   std::string path = FARSHADE_ASSETS "/room.glb";
   std::uint32_t side = 1024;
   int rounds = 21;
+  bool asked = false;
   CLI::App app("Compares the tracing stage with a bare loop over Embree packets.");
   app.add_option("--scene", path);
   app.add_option("--size", side);
   app.add_option("--rounds", rounds);
+  app.add_flag("--asked", asked);
   CLI11_PARSE(app, argc, argv);
   const auto scene = load_scene(path);
   if (!scene) {
@@ -182,9 +297,9 @@ int run(int argc, char** argv) {
   const SurfaceModel empty(Scene{}, SceneState{}, TracePlan{});
   const int width = RayScene::create(empty).value().width();
   const StereoView views = eyes_of(*scene, side);
-  if (width == 16) compare<16>(*scene, views, rounds);
-  if (width == 8) compare<8>(*scene, views, rounds);
-  if (width == 4) compare<4>(*scene, views, rounds);
+  if (width == 16) asked ? compare_asked<16>(*scene, views, rounds) : compare<16>(*scene, views, rounds);
+  if (width == 8) asked ? compare_asked<8>(*scene, views, rounds) : compare<8>(*scene, views, rounds);
+  if (width == 4) asked ? compare_asked<4>(*scene, views, rounds) : compare<4>(*scene, views, rounds);
   return 0;
 }
 
