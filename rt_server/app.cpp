@@ -112,7 +112,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
 
   ServerCore core({scene.hash, plan.trace.mask.lights, options.most_pixels}, *ring,
                   make_answers({.scene = scene, .plan = plan, .tracer = *tracer}), **port, clock,
-                  options.limits, plan.one_value_tiles ? SameAllOver::OneValue : SameAllOver::EachPixel);
+                  options.limits);
   const std::string address = to_string((*port)->local());
   fmt::print("rt_server: serving {}, {} triangles, {} lights, scene {}\n", scene.name, scene.triangle_count,
              plan.trace.mask.lights, short_form(scene.hash));

@@ -16,7 +16,7 @@ class Masks final : public AnswerMaker {
 
   AnswerCost answer(const Job& job, FramePacker& packer) override {
     const TraceStats traced = tracer_.trace(job.request, frame_);
-    packer.add(frame_);
+    packer.add(frame_, job.request.asked);
     return {.traced = traced};
   }
 

@@ -17,7 +17,7 @@ class PositionMasks final : public AnswerMaker {
     clear(job.request.views, grid);
     for (const std::vector<std::byte>& message : job.positions) unpack(message);
     const AnswerCost cost{.traced = tracer_.trace(job.request, positions_, grid, frame_)};
-    packer.add(frame_, sent_tiles());
+    packer.add(frame_, {}, sent_tiles());
     return cost;
   }
 

@@ -64,11 +64,10 @@ std::string rays_line(const TraceStats& traced) {
 }
 
 ServerCore::ServerCore(Welcome served, const std::vector<SharedKey>& ring, AnswerMakers answers,
-                       DatagramPort& port, const Clock& clock, const SessionLimits& limits, SameAllOver same)
+                       DatagramPort& port, const Clock& clock, const SessionLimits& limits)
     : port_(port),
       clock_(clock),
       answers_(std::move(answers)),
-      packer_(same),
       sessions_(with_answers(served, answers_.offered()), ring, limits) {}
 
 bool ServerCore::receive(Duration wait) {

@@ -38,7 +38,7 @@ class ServerCore {
   /// `served` describes the scene to clients; its `answers` are replaced by what `answers` offers. Clients
   /// need a key of `ring`. `port` and `clock` must outlive the core.
   ServerCore(Welcome served, const std::vector<SharedKey>& ring, AnswerMakers answers, DatagramPort& port,
-             const Clock& clock, const SessionLimits& limits = {}, SameAllOver same = SameAllOver::OneValue);
+             const Clock& clock, const SessionLimits& limits = {});
 
   /// Waits at most `wait` for the next datagram, processes it, and sends the reply if it has one (handshake,
   /// probe). Requests wait for work(). Returns false if no datagram came.

@@ -56,7 +56,10 @@ struct AnswerSpec {
   Coding coding = Coding::AfterLast;
   // For MasksOfPositions; otherwise 0.
   std::uint32_t position_bits = 0;  ///< bits of an axis of the positions' grid
-  std::uint32_t slices = 0;         ///< PlaneSlices that contain the positions
+  // For MasksOfPositions and Masks; otherwise 0.
+  /// Messages that follow the request: PlaneSlices that contain the positions, or AskSlices that contain the
+  /// asked blocks. Masks without AskSlices are of whole views.
+  std::uint32_t slices = 0;
   friend bool operator==(const AnswerSpec&, const AnswerSpec&) = default;
 };
 

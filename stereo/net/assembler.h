@@ -54,13 +54,14 @@ struct RequestRecord {
   PerEye<EyeMask> masks;
   PerEye<KnownTiles> known_tiles;
   PerEye<std::uint32_t> tiles_known{};  ///< each plane of a tile counts
+  PerEye<std::uint32_t> tiles_asked{};  ///< tiles with an asked block; others are never known
   ReceivedGBuffer gbuffer;
   ReceivedVideo video;
   std::optional<FrameReport> report;
 
   [[nodiscard]] bool complete(Side side) const {
-    const EyeMask& mask = masks[index_of(side)];
-    return tiles_known[index_of(side)] == known_tiles[index_of(side)].size() * mask.layout().planes();
+    const std::size_t eye = index_of(side);
+    return tiles_known[eye] == tiles_asked[eye] * masks[eye].layout().planes();
   }
   [[nodiscard]] bool complete() const;
   [[nodiscard]] bool anything_known() const { return pieces_known() > 0; }

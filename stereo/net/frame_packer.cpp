@@ -18,9 +18,13 @@ void FramePacker::add(const ServerMessage& message) {
   payload_bytes_ += datagram.size();
 }
 
-void FramePacker::add(const ShadowFrame& frame, const PerEye<std::span<const std::uint8_t>>& sent) {
+void FramePacker::add(const ShadowFrame& frame, const AskedBlocks& asked,
+                      const PerEye<std::span<const std::uint8_t>>& sent) {
   const Stopwatch packing;
-  for (const Side side : kSides) packers_[index_of(side)].start(frame, side, sent[index_of(side)]);
+  for (const Side side : kSides) {
+    const std::size_t eye = index_of(side);
+    packers_[eye].start(frame, side, asked.tiles[eye], sent[eye]);
+  }
   for (bool more = true; more;) {
     more = false;
     for (SlicePacker& packer : packers_)

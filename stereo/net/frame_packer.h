@@ -15,15 +15,14 @@ namespace farshade {
 
 class FramePacker {
  public:
-  explicit FramePacker(SameAllOver same = SameAllOver::OneValue)
-      : packers_{SlicePacker(same), SlicePacker(same)} {}
-
   /// Begins another answer.
   void begin();
 
-  /// Adds slices of the left and the right eye in turn, so that a burst of loss affects both. `sent` has one
-  /// entry for each tile, 0: the tile is not sent. If it is empty, all tiles are sent.
-  void add(const ShadowFrame& frame, const PerEye<std::span<const std::uint8_t>>& sent = {});
+  /// Adds slices of the left and the right eye in turn, so that a burst of loss affects both. They contain
+  /// the blocks `asked`. `sent` has one entry for each tile, 0: the tile is not sent. If it is empty, all
+  /// tiles are sent.
+  void add(const ShadowFrame& frame, const AskedBlocks& asked = {},
+           const PerEye<std::span<const std::uint8_t>>& sent = {});
   void add(FrameId frame, const GBufferPlanes& gbuffer);
   /// Adds a coded picture of 1 to kMostVideoParts parts. It depends on the picture of `after`; if that is
   /// `frame`, it depends on none.

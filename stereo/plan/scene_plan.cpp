@@ -49,7 +49,7 @@ void turn_everything_on(ScenePlan& plan) {
   plan.trace.moves.assign(plan.trace.moves.size(), true);
   plan.draw.moves = plan.trace.moves;
   plan.trace.mask.least_word_bytes = plan.draw.mask.least_word_bytes = 4;
-  plan.trace.skips_rays = plan.trace.shares_views = plan.one_value_tiles = plan.draw.builds_late = false;
+  plan.trace.skips_rays = plan.trace.shares_views = plan.draw.builds_late = false;
   plan.draw.detail_px = 0;
   plan.draw.lights_move = plan.draw.ranges_and_cones = plan.draw.other_eye = plan.draw.depth_pass = true;
 }

@@ -76,7 +76,6 @@ struct ScenePlan {
   PlanKind kind = PlanKind::Needed;
   std::vector<LightFate> lights;  ///< one per light of the file
   bool server = true;             ///< some light casts shadows, so masks are requested
-  bool one_value_tiles = true;  ///< a tile whose pixels all have the same bit of a light is sent as one value
   TracePlan trace;
   DrawPlan draw;
 };

@@ -15,6 +15,8 @@ namespace codec {
 template <>
 inline constexpr std::uint8_t kTypeOf<RequestMessage> = 1;
 template <>
+inline constexpr std::uint8_t kTypeOf<AskSlice> = 2;
+template <>
 inline constexpr std::uint8_t kTypeOf<Welcome> = 16;
 template <>
 inline constexpr std::uint8_t kTypeOf<Refusal> = 17;
@@ -87,6 +89,11 @@ bool fields(auto& io, Either<RequestMessage> auto& message) {
          io.u64(message.probe_echo) && fields(io, request.lights) && fields(io, message.arrivals);
 }
 
+bool fields(auto& io, Either<AskSlice> auto& slice) {
+  return io.u32(slice.frame.value) && io.code(slice.eye) && fields(io, slice.size) &&
+         io.u32(slice.first_tile) && io.u16(slice.tile_count) && io.rest(slice.block);
+}
+
 bool fields(auto& io, Either<Welcome> auto& welcome) {
   return io.array(welcome.scene_hash) && io.u16(welcome.light_count) && io.u32(welcome.most_pixels) &&
          io.u8(welcome.answers);
@@ -155,8 +162,9 @@ Verdict verdict(const AnswerSpec& spec) {
                               : spec.interval == Duration::zero();
   const bool grid =
       positions ? spec.position_bits >= kLeastPosition_bits && spec.position_bits <= kMostPosition_bits
-                : spec.position_bits == 0 && spec.slices == 0;
-  return rate && interval && grid ? kFine : WireRefusal::AnswerSpec;
+                : spec.position_bits == 0;
+  const bool slices = positions || spec.kind == Answer::Masks || spec.slices == 0;
+  return rate && interval && grid && slices ? kFine : WireRefusal::AnswerSpec;
 }
 
 Verdict verdict(const RequestMessage& message) {
@@ -191,6 +199,10 @@ Verdict verdict_on_tiles(const auto& slice) {
   if (slice.tile_count == 0 || slice.first_tile >= tiles || slice.tile_count > tiles - slice.first_tile)
     return WireRefusal::TileRange;
   return kFine;
+}
+
+Verdict verdict(const AskSlice& slice) {
+  return verdict_on_tiles(slice);
 }
 
 Verdict verdict(const Slice& slice) {

@@ -1,61 +1,155 @@
 #include "stereo/wire/slice.h"
 
+#include <algorithm>
+
 #include "stereo/base/check.h"
-#include "stereo/frame/tiles.h"
-#include "stereo/wire/tile_codec.h"
 
 namespace farshade {
+namespace {
 
-static_assert(most_packed_bytes(kMaxTile_bytes) <= kMaxBlock_bytes,
-              "any tile fits, even if LZ4 gains nothing");
+constexpr std::uint32_t kMostSliceTiles = 0xffff;  // what the field of the message can hold
 
-void SlicePacker::start(const ShadowFrame& frame, Side eye, std::span<const std::uint8_t> sent) {
+/// The first decision of a slice: it has one tile, in plain bits. It costs one bit. With the tile's lights,
+/// whether it is sent (at most 9 bits), and the last byte, any tile fits.
+constexpr std::size_t kPlainTile_bytes = 32 * 256 / 8;
+static_assert(kPlainTile_bytes + 4 <= kMaxBlock_bytes, "any tile fits, even if nothing in it can be guessed");
+
+}  // namespace
+
+AskedTiles::AskedTiles(Extent size, std::span<const BlockBits> asked) : grid_{size}, asked_(asked) {
+  check(asked.empty() || asked.size() == grid_.count(), "each tile has asked blocks, or all are asked for");
+}
+
+BlockBits AskedTiles::at(std::uint32_t tile) const {
+  const BlockBits asked = asked_.empty() ? kAllBlocks : asked_[tile];
+  return asked == kNoBlocks ? asked : static_cast<BlockBits>(asked & blocks_in(grid_.rect(tile)));
+}
+
+std::uint32_t AskedTiles::count() const {
+  std::uint32_t tiles = 0;
+  for (std::uint32_t tile = 0; tile < grid_.count(); ++tile) tiles += at(tile) != kNoBlocks;
+  return tiles;
+}
+
+void SlicePacker::start(const ShadowFrame& frame, Side eye, std::span<const BlockBits> asked,
+                        std::span<const std::uint8_t> sent) {
   mask_ = &frame.masks[index_of(eye)];
+  asked_ = asked;
   sent_ = sent;
   slice_ = {.frame = frame.frame,
             .light_set_revision = frame.light_set_revision,
             .eye = eye,
             .size = mask_->size(),
             .lights = mask_->lights()};
-  ready_.clear();
   check(sent.empty() || sent.size() == TileGrid{slice_.size}.count(), "each tile is sent or not");
 }
 
 std::optional<Slice> SlicePacker::next() {
   check(mask_ != nullptr, "packing was started");
   const std::uint32_t tiles = TileGrid{slice_.size}.count();
+  find_asked_tile();
   if (slice_.first_tile == tiles) {
     if (slice_.plane + 1 >= mask_->layout().planes()) return std::nullopt;
     ++slice_.plane;
     slice_.first_tile = 0;
+    find_asked_tile();
+    if (slice_.first_tile == tiles) return std::nullopt;
   }
-  write_ahead();
-  const TileBlocks::Packed packed = ready_.pack(block_);
+  pack_tiles();
+  if (slice_.tile_count == 0) pack_plain();
   Slice made = slice_;
-  made.tile_count = packed.tiles;
-  made.block = std::span(block_).first(packed.block_bytes);
-  slice_.first_tile += packed.tiles;
+  made.block = block_;
+  slice_.first_tile += slice_.tile_count;
   return made;
 }
 
-/// Codes tiles until there are enough for a slice, or the plane ends.
-void SlicePacker::write_ahead() {
+/// Goes to the first tile of the next slice.
+void SlicePacker::find_asked_tile() {
+  const AskedTiles asked(slice_.size, asked_);
+  const std::uint32_t tiles = TileGrid{slice_.size}.count();
+  while (slice_.first_tile < tiles && asked.at(slice_.first_tile) == kNoBlocks) ++slice_.first_tile;
+}
+
+/// Reads a tile from the mask. Returns false if it is not sent.
+bool SlicePacker::read(std::uint32_t tile, BlockBits asked) {
+  if (!sent_.empty() && sent_[tile] == 0) return false;
+  split_tile(*mask_, TileGrid{slice_.size}.rect(tile), slice_.plane, asked, bits_);
+  return true;
+}
+
+/// Codes as many tiles as fit, which may be none.
+void SlicePacker::pack_tiles() {
   const TileGrid grid{slice_.size};
-  const std::uint32_t lights = mask_->layout().lights_in(slice_.plane);
-  for (std::uint32_t tile = slice_.first_tile + ready_.ready();
-       tile < grid.count() && ready_.has_room_for(kMaxTile_bytes); ++tile)
-    ready_.add([&](std::vector<std::byte>& bytes) { write(tile, grid, lights, bytes); });
+  const AskedTiles asked(slice_.size, asked_);
+  MaskModels models(kInitialMaskModels);
+  coded_.start(grid.columns(), slice_.first_tile);
+  RangeEncoder encoder(block_);
+  MaskCoder coder(encoder, models, coded_, mask_->layout().lights_in(slice_.plane));
+  coder.form(false);
+  slice_.tile_count = 0;
+  RangeEncoder::Mark fits = encoder.mark();
+  const std::uint32_t end = std::min(grid.count(), slice_.first_tile + kMostSliceTiles);
+  for (std::uint32_t tile = slice_.first_tile; tile < end; ++tile) {
+    const BlockBits blocks = asked.at(tile);
+    if (blocks == kNoBlocks) {
+      coded_.add_nothing();
+      continue;
+    }
+    bool sent = read(tile, blocks);
+    coder.tile(blocks, sent, bits_);
+    if (encoder.size_bytes() > kMaxBlock_bytes) break;
+    fits = encoder.mark();
+    slice_.tile_count = tile - slice_.first_tile + 1;
+  }
+  encoder.rewind(fits);
+  encoder.finish();
 }
 
-void SlicePacker::write(std::uint32_t tile, const TileGrid& grid, std::uint32_t lights,
-                        std::vector<std::byte>& bytes) const {
-  if (!sent_.empty() && sent_[tile] == 0) return write_not_sent(bytes);
-  TileBits bits = split_tile(*mask_, grid.rect(tile), slice_.plane);
-  if (same_ == SameAllOver::EachPixel) spell_out(lights, bits);
-  write_tile(bits, lights, bytes);
+/// Codes one tile in plain bits.
+void SlicePacker::pack_plain() {
+  const BlockBits blocks = AskedTiles(slice_.size, asked_).at(slice_.first_tile);
+  MaskModels models(kInitialMaskModels);
+  coded_.start(TileGrid{slice_.size}.columns(), slice_.first_tile);
+  RangeEncoder encoder(block_);
+  MaskCoder coder(encoder, models, coded_, mask_->layout().lights_in(slice_.plane));
+  coder.form(true);
+  check(read(slice_.first_tile, blocks), "a tile that is not sent fits");
+  for (std::uint32_t light = 0; light < 32; ++light)
+    if ((bits_.varies >> light & 1) == 0) bits_.cells[light].fill(cell_of((bits_.value >> light & 1) != 0));
+  coder.plain_tile(blocks, bits_);
+  encoder.finish();
+  slice_.tile_count = 1;
 }
 
-Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, EyeMask& mask, KnownTiles& known) {
+namespace {
+
+/// Decodes the tiles of a slice into `coded`. Returns false if the block does not end with them.
+bool decode(const Slice& slice, const AskedTiles& asked, std::uint32_t lights, TileBits& bits,
+            CodedTiles& coded) {
+  RangeDecoder decoder(slice.block);
+  MaskModels models(kInitialMaskModels);
+  coded.start(TileGrid{slice.size}.columns(), slice.first_tile);
+  MaskCoder coder(decoder, models, coded, lights);
+  const bool plain = coder.form(false);
+  if (plain && slice.tile_count != 1) return false;
+  for (std::uint32_t tile = slice.first_tile; tile < slice.first_tile + slice.tile_count; ++tile) {
+    const BlockBits blocks = asked.at(tile);
+    bool sent = true;
+    if (blocks == kNoBlocks)
+      coded.add_nothing();
+    else if (plain)
+      coder.plain_tile(blocks, bits);
+    else
+      coder.tile(blocks, sent, bits);
+    if (decoder.has_failed()) return false;
+  }
+  return decoder.is_at_end();
+}
+
+}  // namespace
+
+Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, std::span<const BlockBits> asked, EyeMask& mask,
+                                          KnownTiles& known) {
   if (slice.size != mask.size() || slice.lights != mask.lights()) return refuse(WireRefusal::OtherMask);
   const TileGrid grid{slice.size};
   const MaskLayout layout = mask.layout();
@@ -63,27 +157,22 @@ Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, EyeMask& mask, Kno
         "a slice is within its mask");
   check(known.size() == grid.count(), "known tiles are those of the mask");
 
-  OpenedBlock opened;
-  const std::optional<std::span<const std::byte>> tiles = open_block(slice.block, opened);
-  if (!tiles) return refuse(WireRefusal::Block);
-
-  // Checks all tiles first, so that nothing is written from a damaged slice.
-  const std::uint32_t lights = layout.lights_in(slice.plane);
   TileBits bits;
-  ByteReader checked(*tiles);
-  for (std::uint32_t i = 0; i < slice.tile_count; ++i)
-    if (const Decoded<TileCoding> coding = read_tile(checked, lights, bits); !coding)
-      return refuse(coding.error());
-  if (checked.remaining() > 0) return refuse(WireRefusal::TileLength);
+  CodedTiles coded;
+  if (!decode(slice, AskedTiles(slice.size, asked), layout.lights_in(slice.plane), bits, coded))
+    return refuse(WireRefusal::Block);
 
-  ByteReader in(*tiles);
-  std::uint32_t learned = 0;
-  for (std::uint32_t tile = slice.first_tile; tile < slice.first_tile + slice.tile_count; ++tile) {
-    if (*read_tile(in, lights, bits) == TileCoding::NotSent) continue;
-    merge_tile(bits, grid.rect(tile), slice.plane, mask);
-    const auto plane_bit = static_cast<std::uint8_t>(1u << slice.plane);
-    learned += (known[tile] & plane_bit) == 0;
-    known[tile] |= plane_bit;
+  std::uint32_t learned = 0, tile = slice.first_tile;
+  for (const CodedTile& one : coded.tiles()) {
+    if (one.known != kNoBlocks) {
+      const TileRect rect = grid.rect(tile);
+      coded.read(one, bits);
+      merge_tile(bits, rect, slice.plane, one.known == blocks_in(rect) ? kAllBlocks : one.known, mask);
+      const auto plane_bit = static_cast<std::uint8_t>(1u << slice.plane);
+      learned += (known[tile] & plane_bit) == 0;
+      known[tile] |= plane_bit;
+    }
+    ++tile;
   }
   return learned;
 }

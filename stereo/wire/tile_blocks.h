@@ -1,4 +1,4 @@
-/// TileBlocks: packs the coded tiles of masks and planes into LZ4 blocks that decompress independently. A
+/// TileBlocks: packs the coded tiles of planes into LZ4 blocks that decompress independently. A
 /// block takes as many whole tiles as fit into its datagram (LZ4_compress_destSize).
 #pragma once
 

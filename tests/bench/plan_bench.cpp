@@ -58,7 +58,6 @@ class PlanPair {
       : planned_(plan_scene(scene, {.kind = kind})),
         device_(value_of(gpu::open_device({options.gpu, gpu::Validation::Off}))),
         tracer_(value_of(Tracer::create(planned_.scene, planned_.plan.trace))),
-        packer_(planned_.plan.one_value_tiles ? SameAllOver::OneValue : SameAllOver::EachPixel),
         renderer_(device_, planned_.scene, planned_.plan.draw, {size, largest_traced(size), kRing_frames}),
         state_(state_at(planned_.scene, Time{})) {}
 

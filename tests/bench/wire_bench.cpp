@@ -1,10 +1,14 @@
-// The tile codec on traced masks: the bytes of an eye, and the times to pack and open both eyes. It is
-// compared with LZ4 over the whole mask as it is in memory, and over plain bit planes. With those two, one
-// lost datagram would lose the whole mask.
+// The coders of masks and of asked blocks on traced masks: bytes and times of both eyes, for whole views and
+// for the blocks that contain edges. Whole masks are compared with LZ4 over the whole mask as it is in
+// memory, and over plain bit planes. With those two, one lost datagram would lose the whole mask.
 #include <lz4.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <bit>
 #include <cstdio>
+#include <memory>
+#include <numeric>
 
 #include "stereo/base/check.h"
 #include "stereo/base/clock.h"
@@ -12,6 +16,8 @@
 #include "stereo/frame/tiles.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/tracer/tracer.h"
+#include "stereo/wire/ask_coder.h"
+#include "stereo/wire/decision_counts.h"
 #include "stereo/wire/seal.h"
 #include "stereo/wire/slice.h"
 
@@ -22,7 +28,8 @@ using namespace farshade;
 using Bytes = std::vector<std::byte>;
 
 struct Options {
-  std::string scene;
+  std::vector<std::string> scenes;
+  bool train = false;
   std::uint32_t side_px = 1024;
   std::uint32_t poses = 12;
 };
@@ -64,21 +71,85 @@ Bytes plain_bit_planes(const EyeMask& mask) {
   return planes;
 }
 
-std::vector<Bytes> pack(const ShadowFrame& frame, SlicePacker& packer) {
+/// The blocks in which a pixel differs from one of its neighbours: those that a client cannot carry over from
+/// its newest mask if the view has hardly moved.
+std::vector<BlockBits> edge_blocks(const EyeMask& mask) {
+  const TileGrid grid{mask.size()};
+  std::vector<BlockBits> blocks(grid.count(), kNoBlocks);
+  const auto add = [&](std::uint32_t x, std::uint32_t y) {
+    blocks[y / kTileSide_px * grid.columns() + x / kTileSide_px] |=
+        block_bit(x % kTileSide_px, y % kTileSide_px);
+  };
+  const auto compare = [&](std::uint32_t x, std::uint32_t y, std::uint32_t other_x, std::uint32_t other_y) {
+    for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane)
+      if (mask.word(x, y, plane) != mask.word(other_x, other_y, plane)) {
+        add(x, y);
+        add(other_x, other_y);
+      }
+  };
+  for (std::uint32_t y = 0; y < mask.size().height; ++y)
+    for (std::uint32_t x = 0; x < mask.size().width; ++x) {
+      if (x > 0) compare(x, y, x - 1, y);
+      if (y > 0) compare(x, y, x, y - 1);
+    }
+  return blocks;
+}
+
+double blocks_in(const AskedBlocks& asked) {
+  double blocks = 0;
+  for (const std::vector<BlockBits>& eye : asked.tiles)
+    for (const BlockBits tile : eye) blocks += std::popcount(tile);
+  return blocks;
+}
+
+double size_of(const std::vector<Bytes>& messages) {
+  double bytes = 0;
+  for (const Bytes& message : messages) bytes += static_cast<double>(message.size());
+  return bytes;
+}
+
+std::vector<Bytes> pack(const ShadowFrame& frame, const AskedBlocks& asked, SlicePacker& packer) {
   std::vector<Bytes> datagrams;
   for (const Side side : kSides) {
-    packer.start(frame, side);
+    packer.start(frame, side, asked.tiles[index_of(side)]);
     while (const auto slice = packer.next()) encode(ServerMessage(*slice), datagrams.emplace_back());
   }
   return datagrams;
 }
 
-void open(const std::vector<Bytes>& datagrams, PerEye<EyeMask>& masks, PerEye<KnownTiles>& known) {
+void open(const std::vector<Bytes>& datagrams, const AskedBlocks& asked, PerEye<EyeMask>& masks,
+          PerEye<KnownTiles>& known) {
   for (const Bytes& datagram : datagrams) {
     const auto slice = std::get<Slice>(decode_server(datagram).value());
     const std::size_t eye = index_of(slice.eye);
-    check(decode_slice_tiles(slice, masks[eye], known[eye]).has_value(), "our own slices open");
+    check(decode_slice_tiles(slice, asked.tiles[eye], masks[eye], known[eye]).has_value(),
+          "our own slices open");
   }
+}
+
+std::vector<Bytes> pack(const StereoView& views, const AskedBlocks& asked, AskPacker& packer) {
+  std::vector<Bytes> datagrams;
+  for (const Side side : kSides) {
+    const std::size_t eye = index_of(side);
+    packer.start(FrameId{1}, side, views[eye].size, asked.tiles[eye]);
+    while (const auto slice = packer.next()) encode(ClientMessage(*slice), datagrams.emplace_back());
+  }
+  return datagrams;
+}
+
+AskedBlocks open(const std::vector<Bytes>& datagrams, const StereoView& views) {
+  AskedBlocks asked;
+  PerEye<KnownTiles> known;
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    asked.tiles[eye].assign(TileGrid{views[eye].size}.count(), kNoBlocks);
+    known[eye].assign(asked.tiles[eye].size(), 0);
+  }
+  for (const Bytes& datagram : datagrams) {
+    const auto slice = std::get<AskSlice>(decode_client(datagram).value());
+    const std::size_t eye = index_of(slice.eye);
+    check(decode_ask_slice(slice, asked.tiles[eye], known[eye]).has_value(), "our own slices open");
+  }
+  return asked;
 }
 
 std::vector<Bytes> seal(const std::vector<Bytes>& messages, Sealer& sealer) {
@@ -97,67 +168,202 @@ void unseal(const std::vector<Bytes>& datagrams, Opener& opener, Bytes& opened) 
 void print_columns(std::initializer_list<Column> columns) {
   for (const Column& column : columns) {
     const Spread spread = spread_of(column.values);
-    std::printf("%-32s %8.3f %8.3f %8.3f\n", column.name, spread.median, spread.p95, spread.p99);
+    const double sum = std::accumulate(column.values.begin(), column.values.end(), 0.0);
+    std::printf("%-40s %8.3f %8.3f %8.3f %8.3f\n", column.name,
+                sum / static_cast<double>(column.values.size()), spread.median, spread.p95, spread.p99);
   }
 }
 
-Expected<void> run(const Options& options) {
-  const Expected<Scene> scene = load_scene(options.scene);
+/// Figures of packing some blocks of both eyes.
+struct Packing {
+  Column kilobytes, datagrams, pack_ms, open_ms;
+
+  void measure(const ShadowFrame& frame, const AskedBlocks& asked, SlicePacker& packer) {
+    PerEye<EyeMask> masks;
+    PerEye<KnownTiles> known;
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      masks[eye] = EyeMask(frame.masks[eye].size(), frame.masks[eye].lights());
+      known[eye].assign(TileGrid{masks[eye].size()}.count(), 0);
+    }
+    for (int repeat = 0; repeat < 20; ++repeat) {
+      const Stopwatch packing;
+      const std::vector<Bytes> packed = pack(frame, asked, packer);
+      pack_ms.values.push_back(ms_of(packing.elapsed()));
+      const Stopwatch opening;
+      open(packed, asked, masks, known);
+      open_ms.values.push_back(ms_of(opening.elapsed()));
+      if (repeat > 0) continue;
+      kilobytes.values.push_back(size_of(packed) / 1e3);
+      datagrams.values.push_back(static_cast<double>(packed.size()));
+    }
+    if (asked.whole()) check(masks == frame.masks, "masks are unchanged");
+  }
+};
+
+Expected<void> run(const Options& options, const std::string& file) {
+  const Expected<Scene> scene = load_scene(file);
   if (!scene) return tl::unexpected(scene.error());
   Expected<Tracer> tracer = Tracer::create(*scene);
   if (!tracer) return tl::unexpected(tracer.error());
 
-  Column as_bytes{"LZ4 of the mask, KB an eye", {}}, as_planes{"LZ4 of bit planes, KB an eye", {}};
-  Column as_slices{"slices, KB an eye", {}}, datagrams{"slices, datagrams an eye", {}};
-  Column pack_ms{"pack both eyes, ms", {}}, open_ms{"decode both eyes, ms", {}};
+  Column as_bytes{"LZ4 of both masks, KB", {}}, as_planes{"LZ4 of bit planes, KB", {}};
   Column trace_ms{"trace both eyes, ms", {}}, seal_ms{"seal both eyes, ms", {}},
       unseal_ms{"unseal both eyes, ms", {}};
+  Packing whole{{"whole views: slices, KB", {}},
+                {"  datagrams", {}},
+                {"  pack both eyes, ms", {}},
+                {"  decode both eyes, ms", {}}};
+  Packing edges{{"blocks with edges: slices, KB", {}},
+                {"  datagrams", {}},
+                {"  pack both eyes, ms", {}},
+                {"  decode both eyes, ms", {}}};
+  Column share{"  blocks asked for, %", {}}, ask_bytes{"their AskSlices, bytes", {}},
+      ask_pack_ms{"  pack both eyes, ms", {}}, ask_open_ms{"  decode both eyes, ms", {}};
   const Secret key({1, 2, 3});
   Sealer sealer({}, key, Sealing::On);
   Opener opener(key, Sealing::On);
   Bytes opened;
   ShadowFrame frame;
   SlicePacker packer;
+  AskPacker ask_packer;
   for (std::uint32_t pose = 0; pose < options.poses; ++pose) {
     const Stopwatch tracing;
-    tracer->trace(request_of(*scene, 6.2831853 * pose / options.poses, options.side_px), frame);
+    const FrameRequest request = request_of(*scene, 6.2831853 * pose / options.poses, options.side_px);
+    tracer->trace(request, frame);
     trace_ms.values.push_back(ms_of(tracing.elapsed()));
-    PerEye<EyeMask> masks;
-    PerEye<KnownTiles> known;
+    double lz4 = 0, lz4_planes = 0;
+    AskedBlocks asked;
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
       const EyeMask& mask = frame.masks[eye];
-      as_bytes.values.push_back(lz4_bytes(Bytes(mask.bytes().begin(), mask.bytes().end())) / 1e3);
-      as_planes.values.push_back(lz4_bytes(plain_bit_planes(mask)) / 1e3);
-      masks[eye] = EyeMask(mask.size(), mask.lights());
-      known[eye].assign(TileGrid{mask.size()}.count(), 0);
+      lz4 += lz4_bytes(Bytes(mask.bytes().begin(), mask.bytes().end())) / 1e3;
+      lz4_planes += lz4_bytes(plain_bit_planes(mask)) / 1e3;
+      asked.tiles[eye] = edge_blocks(mask);
     }
+    as_bytes.values.push_back(lz4);
+    as_planes.values.push_back(lz4_planes);
+    whole.measure(frame, {}, packer);
+    edges.measure(frame, asked, packer);
+    const double all = static_cast<double>(asked.tiles[0].size() + asked.tiles[1].size()) * 16;
+    share.values.push_back(100 * blocks_in(asked) / all);
     for (int repeat = 0; repeat < 20; ++repeat) {
       const Stopwatch packing;
-      const std::vector<Bytes> packed = pack(frame, packer);
-      pack_ms.values.push_back(ms_of(packing.elapsed()));
-      const Stopwatch sealing;
-      const std::vector<Bytes> sealed = seal(packed, sealer);
-      seal_ms.values.push_back(ms_of(sealing.elapsed()));
-      const Stopwatch unsealing;
-      unseal(sealed, opener, opened);
-      unseal_ms.values.push_back(ms_of(unsealing.elapsed()));
+      const std::vector<Bytes> packed = pack(request.views, asked, ask_packer);
+      ask_pack_ms.values.push_back(ms_of(packing.elapsed()));
       const Stopwatch opening;
-      open(packed, masks, known);
-      open_ms.values.push_back(ms_of(opening.elapsed()));
-      if (repeat > 0) continue;
-      double bytes = 0;
-      for (const Bytes& datagram : packed) bytes += static_cast<double>(datagram.size());
-      as_slices.values.push_back(bytes / 2e3);
-      datagrams.values.push_back(static_cast<double>(packed.size()) / 2);
+      check(open(packed, request.views) == asked, "asked blocks are unchanged");
+      ask_open_ms.values.push_back(ms_of(opening.elapsed()));
+      if (repeat == 0) ask_bytes.values.push_back(size_of(packed));
     }
-    check(masks == frame.masks, "masks are unchanged");
+    const std::vector<Bytes> packed = pack(frame, {}, packer);
+    const Stopwatch sealing;
+    const std::vector<Bytes> sealed = seal(packed, sealer);
+    seal_ms.values.push_back(ms_of(sealing.elapsed()));
+    const Stopwatch unsealing;
+    unseal(sealed, opener, opened);
+    unseal_ms.values.push_back(ms_of(unsealing.elapsed()));
   }
-  std::printf("%u x %u an eye, %u lights, %u poses\n%-32s %8s %8s %8s\n", options.side_px, options.side_px,
-              frame.masks[0].lights(), options.poses, "", "median", "p95", "p99");
-  print_columns({as_bytes, as_planes, as_slices, datagrams, trace_ms, pack_ms, seal_ms, unseal_ms, open_ms});
+  std::printf("%s\n%u x %u an eye, %u lights, %u poses\n%-40s %8s %8s %8s %8s\n", file.c_str(),
+              options.side_px, options.side_px, frame.masks[0].lights(), options.poses, "", "mean", "median",
+              "p95", "p99");
+  print_columns({trace_ms, as_bytes, as_planes});
+  for (const Packing& packing : {whole, edges})
+    print_columns({packing.kilobytes, packing.datagrams, packing.pack_ms, packing.open_ms});
+  print_columns({share, ask_bytes, ask_pack_ms, ask_open_ms, seal_ms, unseal_ms});
   const auto median = [](const Column& column) { return spread_of(column.values).median; };
   std::printf("seal / (trace + pack + seal): %.4f, figure <= 0.05\n",
-              median(seal_ms) / (median(trace_ms) + median(pack_ms) + median(seal_ms)));
+              median(seal_ms) / (median(trace_ms) + median(whole.pack_ms) + median(seal_ms)));
+  return {};
+}
+
+// ---- initial probabilities
+
+/// Counts the decisions of coding masks and asked blocks. A slice ends after so many tiles.
+struct Training {
+  static constexpr std::uint32_t kSlice_tiles = 1024;
+
+  MaskModels mask_models{kInitialMaskModels};
+  AskModels ask_models{kInitialAskModels};
+  DecisionCounts::Counts counts;
+  DecisionCounts counter{counts};
+
+  void mask(const EyeMask& mask, std::span<const BlockBits> asked) {
+    const TileGrid grid{mask.size()};
+    const AskedTiles tiles(mask.size(), asked);
+    for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane) {
+      CodedTiles coded;
+      MaskCoder coder(counter, mask_models, coded, mask.layout().lights_in(plane));
+      for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
+        if (tile % kSlice_tiles == 0) {
+          coded.start(grid.columns(), tile);
+          coder.form(false);
+        }
+        const BlockBits blocks = tiles.at(tile);
+        if (blocks == kNoBlocks) {
+          coded.add_nothing();
+          continue;
+        }
+        bool sent = true;
+        TileBits bits;
+        split_tile(mask, grid.rect(tile), plane, blocks, bits);
+        coder.tile(blocks, sent, bits);
+      }
+    }
+  }
+
+  void asked(Extent size, std::span<const BlockBits> asked) {
+    const TileGrid grid{size};
+    AskCoder coder(counter, ask_models, grid.columns());
+    for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
+      BlockBits blocks = asked[tile];
+      coder.tile(tile, blocks);
+    }
+  }
+
+  template <std::size_t kCount>
+  void print(const char* name, ModelSet<kCount>& models) const {
+    std::printf("const std::array<std::uint8_t, %zu> %s{", kCount, name);
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const auto found = counts.find(&models.at(i));
+      const auto [zeros, ones] = found == counts.end() ? std::array<std::uint64_t, 2>{} : found->second;
+      const double zero = (static_cast<double>(zeros) + 0.4) / (static_cast<double>(zeros + ones) + 0.8);
+      std::printf("%s0x%02x",
+                  i == 0        ? ""
+                  : i % 16 == 0 ? ",\n    "
+                                : ", ",
+                  static_cast<unsigned>(std::clamp(256 * zero, 0.0, 255.0)));
+    }
+    std::printf("};\n");
+  }
+};
+
+/// Prints the probabilities of mask_models.cpp, from all scenes together.
+Expected<void> train(const Options& options) {
+  const auto training = std::make_unique<Training>();
+  for (const std::string& file : options.scenes) {
+    const Expected<Scene> scene = load_scene(file);
+    if (!scene) return tl::unexpected(scene.error());
+    Expected<Tracer> tracer = Tracer::create(*scene);
+    if (!tracer) return tl::unexpected(tracer.error());
+    ShadowFrame frame;
+    for (std::uint32_t pose = 0; pose < options.poses; ++pose) {
+      tracer->trace(request_of(*scene, 6.2831853 * (pose + 0.5) / options.poses, options.side_px), frame);
+      for (const EyeMask& mask : frame.masks) {
+        const std::vector<BlockBits> edges = edge_blocks(mask);
+        training->mask(mask, {});
+        training->mask(mask, edges);
+        training->asked(mask.size(), edges);
+      }
+    }
+  }
+  training->print("kInitialMaskModels", training->mask_models);
+  training->print("kInitialAskModels", training->ask_models);
+  return {};
+}
+
+Expected<void> run_all(const Options& options) {
+  if (options.train) return train(options);
+  for (const std::string& file : options.scenes)
+    if (Expected<void> done = run(options, file); !done) return done;
   return {};
 }
 
@@ -166,12 +372,13 @@ Expected<void> run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Measures bytes and times of packing traced masks."};
-  app.add_option("--scene", options.scene, "glTF file")->required();
+  app.add_option("--scene", options.scenes, "glTF files")->required();
+  app.add_flag("--train", options.train, "print initial probabilities of the coders instead");
   app.add_option("--size", options.side_px, "pixels a side of each eye")->check(CLI::Range(1, 8192));
   app.add_option("--poses", options.poses, "number of directions, evenly around the camera")
       ->check(CLI::Range(1, 1000));
   CLI11_PARSE(app, argc, argv);
-  const Expected<void> done = run(options);
+  const Expected<void> done = run_all(options);
   if (!done) std::fprintf(stderr, "wire_bench: %s\n", done.error().what.c_str());
   return done ? 0 : 1;
 }

@@ -56,6 +56,12 @@ void check_ranges(const RequestMessage& message) {
   check(message.arrivals.count <= ArrivalReport::kMost, "an arrival report within its limit");
 }
 
+void check_ranges(const AskSlice& slice) {
+  check(slice.size.width <= kMaxViewSide_px && slice.size.height <= kMaxViewSide_px,
+        "a view is within the size limit");
+  check(slice.tile_count >= 1 && slice.first_tile + slice.tile_count <= TileGrid{slice.size}.count(),
+        "tiles of the grid");
+}
 void check_ranges(const PlaneSlice& slice) {
   check(slice.kind <= PlaneKind::PositionZ && slice.word_bytes >= 1 && slice.word_bytes <= 4,
         "a plane within the mask");

@@ -6,9 +6,9 @@
 
 #include "stereo/base/check.h"
 #include "stereo/base/files.h"
+#include "stereo/wire/ask_coder.h"
 #include "stereo/wire/plane_codec.h"
 #include "stereo/wire/plane_tile.h"
-#include "stereo/wire/tile_codec.h"
 #include "tests/support/largest_word.h"
 #include "tests/unit/client_record/capture_samples.h"
 #include "tests/unit/scene/gltf_builder.h"
@@ -33,30 +33,39 @@ Bytes parts(GltfBuilder file) {
   return bytes;
 }
 
-/// The numbers of slice_and_tiles.cpp for this slice, then `bytes`.
-Bytes slice_input(unsigned form, const Slice& slice, std::span<const std::byte> bytes) {
+/// The numbers of slice_and_tiles.cpp for this slice, the asked blocks, then the slice's block.
+Bytes slice_input(unsigned kind, const auto& slice, std::uint32_t lights, std::uint32_t plane,
+                  std::span<const BlockBits> asked) {
   Bytes input =
-      wire_samples::bytes_of({form, slice.lights >> 8, slice.lights & 255, slice.size.width - 1,
-                              slice.size.height - 1, slice.plane, slice.first_tile, slice.tile_count - 1});
-  input.insert(input.end(), bytes.begin(), bytes.end());
+      wire_samples::bytes_of({kind, lights >> 8, lights & 255, slice.size.width - 1, slice.size.height - 1,
+                              plane, slice.first_tile, slice.tile_count - 1});
+  for (const BlockBits tile : asked) {
+    input.push_back(static_cast<std::byte>(tile >> 8));
+    input.push_back(static_cast<std::byte>(tile & 255));
+  }
+  input.insert(input.end(), slice.block.begin(), slice.block.end());
   return input;
 }
 
+/// The slices of a mask, of some of its blocks, and those that ask for these blocks.
 void save_slices(const fs::path& folder, const std::string& name, const EyeMask& mask) {
   const ShadowFrame frame = wire_samples::frame_of(mask, mask);
-  const TileGrid grid{mask.size()};
+  std::vector<BlockBits> some(TileGrid{mask.size()}.count(), 0x0f36);
+  some[0] = kAllBlocks;
   SlicePacker packer;
-  packer.start(frame, Side::Left);
-  while (const std::optional<Slice> slice = packer.next()) {
-    const std::string place =
-        name + "_" + std::to_string(slice->plane) + "_" + std::to_string(slice->first_tile);
-    save(folder / (place + "_block"), slice_input(0, *slice, slice->block));
-    Bytes tiles;
-    for (std::uint32_t i = 0; i < slice->tile_count; ++i)
-      write_tile(split_tile(mask, grid.rect(slice->first_tile + i), slice->plane),
-                 mask.layout().lights_in(slice->plane), tiles);
-    save(folder / (place + "_tiles"), slice_input(1, *slice, tiles));
-  }
+  const auto save_all = [&](unsigned kind, const std::string& suffix, std::span<const BlockBits> asked) {
+    packer.start(frame, Side::Left, asked);
+    while (const std::optional<Slice> slice = packer.next())
+      save(folder /
+               (name + "_" + std::to_string(slice->plane) + "_" + std::to_string(slice->first_tile) + suffix),
+           slice_input(kind, *slice, slice->lights, slice->plane, asked));
+  };
+  save_all(0, "_whole", {});
+  save_all(1, "_some", some);
+  AskPacker asking;
+  asking.start(FrameId{1}, Side::Left, mask.size(), some);
+  while (const std::optional<AskSlice> slice = asking.next())
+    save(folder / (name + "_ask"), slice_input(2, *slice, mask.lights(), 0, {}));
 }
 
 /// The form and the other numbers of plane_slice.cpp, then a block or the tiles that it decompresses to.
@@ -124,6 +133,7 @@ void save_messages(const fs::path& folder) {
   save(folder / "report", after(1, encoded(ServerMessage(report()))));
   save(folder / "probe", after(1, encoded(ServerMessage(probe()))));
   save(folder / "slice", after(1, packed(small_frame(), Side::Left).front()));
+  save(folder / "ask_slice", after(0, ask_sample()));
   save(folder / "plane_slice", after(0, encoded(ClientMessage(plane_slice()))));
   save(folder / "video_part", after(1, encoded(ServerMessage(video_part()))));
 }

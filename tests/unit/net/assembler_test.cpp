@@ -246,14 +246,13 @@ TEST(Assembler, FrameOrderSurvivesWraparound) {
 TEST(Assembler, RefusesSlicesThatDoNotFit) {
   Prepared made;
   const Slice good = slice_in(made.datagrams[0]);
-  Slice revision = good, lights = good, size = good, block = good, more_tiles = good, no_block = good;
+  Slice revision = good, lights = good, size = good, block = good, no_block = good;
   revision.light_set_revision.value += 1;
   lights.lights += 1;
   size.size.width -= 1;
   block.block = block.block.first(block.block.size() / 2);
-  more_tiles.tile_count += 1;
   no_block.block = {};
-  for (const Slice& bad : {revision, lights, size, block, more_tiles, no_block})
+  for (const Slice& bad : {revision, lights, size, block, no_block})
     EXPECT_EQ(made.assembler.accept(bad), nullptr);
   EXPECT_FALSE(made.assembler.find({1})->anything_known());
   EXPECT_TRUE(std::ranges::all_of(made.assembler.find({1})->masks[0].bytes(),
@@ -261,7 +260,30 @@ TEST(Assembler, RefusesSlicesThatDoNotFit) {
   const AssemblerCounters& counters = made.assembler.counters();
   EXPECT_EQ(counters.other_light_set, 1u);
   EXPECT_EQ(counters.refused[WireRefusal::OtherMask], 2u);
-  EXPECT_EQ(counters.refused.total(), 5u);
+  EXPECT_EQ(counters.refused.total(), 4u);
+}
+
+TEST(Assembler, IsCompleteWithTheAskedTiles) {
+  FrameRequest requested = request(1);
+  const std::size_t tiles = TileGrid{requested.views[0].size}.count();
+  for (std::vector<BlockBits>& eye : requested.asked.tiles) eye.assign(tiles, kNoBlocks);
+  requested.asked.tiles[0][3] = requested.asked.tiles[0][40] = 0x0660;
+  const ShadowFrame frame = noisy_frame(requested, 40);
+  FramePacker packer;
+  packer.begin();
+  packer.add(frame, requested.asked);
+  Assembler assembler;
+  assembler.expect(requested, {40}, kRevision);
+  EXPECT_TRUE(assembler.find({1})->complete(Side::Right));
+  EXPECT_FALSE(assembler.find({1})->complete(Side::Left));
+  for (const auto& datagram : packer.finish({.frame = {1}})) accept(assembler, datagram);
+  const RequestRecord& record = *assembler.find({1});
+  EXPECT_TRUE(record.complete());
+  EXPECT_EQ(record.tiles_known[0], 4u);
+  EXPECT_EQ(record.known_tiles[0][3], 3);
+  EXPECT_EQ(record.known_tiles[0][4], 0);
+  EXPECT_EQ(record.masks[0].word(48 + 4, 4), frame.masks[0].word(48 + 4, 4));
+  EXPECT_EQ(record.masks[0].word(48, 0), 0u);
 }
 
 TEST(Assembler, SurvivesEveryFlippedBitOfASlice) {

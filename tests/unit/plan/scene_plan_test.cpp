@@ -28,7 +28,6 @@ TEST(ScenePlan, OfOneStaticTriangleAndOneLightLeavesAllElseOut) {
   const ScenePlan plan = plan_for(simplest().build(), {.two_views = false, .carries_over = false});
   EXPECT_EQ(plan.lights, std::vector{LightFate::Casts});
   EXPECT_TRUE(plan.server);
-  EXPECT_TRUE(plan.one_value_tiles);
   EXPECT_EQ(plan.trace.mask, MaskLayout{1});
   EXPECT_EQ(plan.draw.mask, MaskLayout{1});
   EXPECT_EQ(plan.trace.surfaces, std::vector{SurfaceNeeds{}});
@@ -141,8 +140,7 @@ TEST(ScenePlan, OfEverythingLeavesNothingOut) {
   EXPECT_EQ(plan.trace.surfaces, plan.draw.surfaces);
   EXPECT_EQ(plan.trace.moves, std::vector{true});
   EXPECT_EQ(plan.draw.moves, std::vector{true});
-  EXPECT_FALSE(plan.trace.skips_rays || plan.trace.shares_views || plan.draw.builds_late ||
-               plan.one_value_tiles);
+  EXPECT_FALSE(plan.trace.skips_rays || plan.trace.shares_views || plan.draw.builds_late);
   EXPECT_TRUE(plan.draw.lights_move && plan.draw.ranges_and_cones && plan.draw.other_eye &&
               plan.draw.depth_pass);
 }

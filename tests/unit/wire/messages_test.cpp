@@ -283,6 +283,7 @@ TEST(RequestDecode, TakesOnlyWhatGoesWithTheAnswer) {
            {.kind = GBuffer},
            {.kind = Video, .bits_per_second = 100'000, .interval = frame},
            {.kind = Difference, .bits_per_second = 1'000'000'000, .interval = std::chrono::seconds(10)},
+           {.slices = 65535},
            {.kind = MasksOfPositions, .position_bits = 8, .slices = 65535},
            {.kind = MasksOfPositions, .position_bits = 24}})
     EXPECT_EQ(refusal_of(fine), std::nullopt);
@@ -291,7 +292,7 @@ TEST(RequestDecode, TakesOnlyWhatGoesWithTheAnswer) {
            {.interval = frame},
            {.coding = Coding::Alone},
            {.position_bits = 8},
-           {.slices = 1},
+           {.kind = GBuffer, .slices = 1},
            {.kind = GBuffer, .position_bits = 16},
            {.kind = Video, .bits_per_second = 99'999, .interval = frame},
            {.kind = Video, .bits_per_second = 1'000'000'001, .interval = frame},

@@ -96,6 +96,26 @@ TEST(Protocol, RequestIsAsThePageSays) {
   EXPECT_EQ(read.arrivals.ticks, request().arrivals.ticks);
 }
 
+TEST(Protocol, AskSliceIsAsThePageSays) {
+  EXPECT_EQ(ask_sample(), example("ask-slice"));
+  const Bytes bytes = example("ask-slice");
+  std::vector<BlockBits> asked(4);
+  KnownTiles known(4);
+  EXPECT_EQ(decode_ask_slice(std::get<AskSlice>(*decode_client(bytes)), asked, known).value(), 4u);
+  EXPECT_EQ(asked, (std::vector<BlockBits>{0x0360, kNoBlocks, kAllBlocks, 0x0001}));
+}
+
+/// The document lists the probabilities with which the coders start.
+TEST(Protocol, InitialProbabilitiesAreAsThePageSays) {
+  const auto as_bytes = [](const auto& numbers) {
+    const auto bytes = std::as_bytes(std::span(numbers));
+    return Bytes(bytes.begin(), bytes.end());
+  };
+  EXPECT_EQ(as_bytes(kInitialMaskModels), example("mask-models"));
+  EXPECT_EQ(as_bytes(kInitialAskModels), example("ask-models"));
+  EXPECT_EQ(as_bytes(kLikelyBits), example("likely-bits"));
+}
+
 TEST(Protocol, WelcomeIsAsThePageSays) {
   EXPECT_EQ(encoded(ServerMessage(welcome())), example("welcome"));
   EXPECT_EQ(std::get<Welcome>(*decode_server(example("welcome"))), welcome());
@@ -151,7 +171,7 @@ TEST(Protocol, SliceIsAsThePageSays) {
   const Bytes bytes = example("slice");
   EyeMask mask({20, 18}, 2);
   KnownTiles known(4);
-  EXPECT_EQ(decode_slice_tiles(std::get<Slice>(*decode_server(bytes)), mask, known).value(), 4u);
+  EXPECT_EQ(decode_slice_tiles(std::get<Slice>(*decode_server(bytes)), {}, mask, known).value(), 4u);
   EXPECT_EQ(mask, frame.masks[1]);
   EXPECT_EQ(known, KnownTiles(4, 1));
 }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "stereo/wire/plane_codec.h"
 #include "stereo/wire/seal.h"
 #include "tests/unit/wire/samples.h"
 
@@ -27,8 +28,18 @@ Bytes and_more(Bytes bytes, std::size_t count) {
   return bytes;
 }
 
+/// A slice of the first tile: light 0 and light 2 reach all of it.
+Bytes slice_of_one_tile() {
+  EyeMask mask({48, 48}, 3);
+  for (std::uint32_t i = 0; i < 256; ++i) mask.set_word(i % 16, i / 16, 0, 5);
+  std::vector<BlockBits> asked(9);
+  asked[0] = kAllBlocks;
+  return packed(frame_of(mask, {}), Side::Left, asked).at(0);
+}
+
 Bytes with_block(const Bytes& block) {
-  return encoded(ServerMessage(Slice{.size = {48, 48}, .lights = 3, .tile_count = 1, .block = block}));
+  return encoded(ServerMessage(PlaneSlice{
+      .kind = PlaneKind::Depth, .size = {48, 48}, .word_bytes = 4, .tile_count = 1, .block = block}));
 }
 Bytes with_tile(std::initializer_list<unsigned> tile) {
   return with_block(literal_block(bytes_of(tile)));
@@ -80,7 +91,10 @@ std::vector<Case> messages_to_server() {
   return {
       {"longer than a message", and_more(requested, kMaxMessage_bytes), WireRefusal::TooLong},
       {"nothing", {}, WireRefusal::Truncated},
-      {"a type that is not", patched(requested, 0, {2}), WireRefusal::Type},
+      {"a type that is not", patched(requested, 0, {3}), WireRefusal::Type},
+      {"asks for a third eye's blocks", patched(ask_sample(), 5, {2}), WireRefusal::Code},
+      {"asks for blocks of 0 columns", patched(ask_sample(), 6, {0, 0}), WireRefusal::MaskSize},
+      {"asks for tiles beyond the grid", patched(ask_sample(), 14, {5}), WireRefusal::TileRange},
       {"a server's type", patched(requested, 0, {16}), WireRefusal::Type},
       {"holding a newer frame than asked for", patched(requested, 5, {0xff, 0xff, 0xff, 0xff}),
        WireRefusal::FrameOrder},
@@ -100,7 +114,7 @@ std::vector<Case> messages_to_server() {
 
 /// Sends to a client that waits for a 48 x 48 mask of three lights.
 std::vector<Case> messages_to_client() {
-  const Bytes slice = with_tile({1, 5}), greeting = encoded(ServerMessage(welcome()));
+  const Bytes slice = slice_of_one_tile(), greeting = encoded(ServerMessage(welcome()));
   const Bytes account = encoded(ServerMessage(report())), no = encoded(ServerMessage(refusal()));
   const Bytes where = encoded(ServerMessage(probe()));
   return {
@@ -123,16 +137,15 @@ std::vector<Case> messages_to_client() {
       {"first tile far beyond", patched(slice, 17, {0xff, 0xff, 0xff, 0xff}), WireRefusal::TileRange},
       {"no tiles", patched(slice, 21, {0, 0}), WireRefusal::TileRange},
       {"more tiles than there are", patched(slice, 21, {10}), WireRefusal::TileRange},
-      {"no block", with_block({}), WireRefusal::Block},
-      {"a block cut short", with_block(bytes_of({0x20, 1})), WireRefusal::Block},
-      {"a block that opens to more than may be", with_block(bomb()), WireRefusal::Block},
-      {"a coding that is not yet", with_tile({3, 5}), WireRefusal::TileCoding},
-      {"a tile too few", patched(slice, 21, {2}), WireRefusal::TileLength},
-      {"a tile too many", with_tile({1, 5, 1, 5}), WireRefusal::TileLength},
-      {"half a plane", with_tile({2, 1, 0, 1}), WireRefusal::TileLength},
-      {"a run that promises another", with_tile({2, 1, 0, 1, 0, 0x12}), WireRefusal::TileLength},
-      {"a fourth light's value", with_tile({1, 8}), WireRefusal::TileBits},
-      {"a fourth light that varies", with_tile({2, 8, 0, 1, 0, 0}), WireRefusal::TileBits},
+      {"no block", Bytes(slice.begin(), slice.begin() + kSliceHeader_bytes), WireRefusal::Block},
+      {"a block cut short", Bytes(slice.begin(), slice.end() - 1), WireRefusal::Block},
+      {"a byte after the last tile", and_more(slice, 1), WireRefusal::Block},
+      {"a plane's block that is not LZ4", with_block(bytes_of({0x20, 1})), WireRefusal::Block},
+      {"a plane's block that opens to more than may be", with_block(bomb()), WireRefusal::Block},
+      {"a coding that is not yet", with_tile({0xff, 1, 2, 3, 4}), WireRefusal::TileCoding},
+      {"a tile too many", with_tile({0, 1, 2, 3, 4, 0, 1, 2, 3, 4}), WireRefusal::TileLength},
+      {"half a tile", with_tile({0, 1, 2}), WireRefusal::TileLength},
+      {"residuals of more bits than a word", with_tile({33, 1, 2, 3, 4}), WireRefusal::TileBits},
       {"another mask's size", patched(slice, 10, {49}), WireRefusal::OtherMask},
       {"another mask's lights", patched(slice, 14, {2}), WireRefusal::OtherMask},
   };
@@ -175,13 +188,22 @@ WireRefusal answer_of(const Decoded<Any>& decoded) {
   return decoded ? WireRefusal{} : decoded.error();
 }
 
+WireRefusal answer_to_plane(const PlaneSlice& slice) {
+  PixelPlane plane({48, 48}, 4);
+  KnownTiles known(9);
+  const auto tiles = decode_plane_tiles(slice, plane, known);
+  EXPECT_EQ(known, KnownTiles(9));
+  return tiles.error();
+}
+
 /// Also expects that nothing has changed.
 WireRefusal answer_of_client(const Bytes& bytes) {
   const Decoded<ServerMessage> message = decode_server(bytes);
   if (!message) return message.error();
+  if (const auto* plane = std::get_if<PlaneSlice>(&*message)) return answer_to_plane(*plane);
   EyeMask mask({48, 48}, 3);
   KnownTiles known(9);
-  const auto tiles = decode_slice_tiles(std::get<Slice>(*message), mask, known);
+  const auto tiles = decode_slice_tiles(std::get<Slice>(*message), {}, mask, known);
   EXPECT_EQ(mask, EyeMask({48, 48}, 3));
   EXPECT_EQ(known, KnownTiles(9));
   return tiles.error();
@@ -218,10 +240,13 @@ TEST(WireRefusals, TheUnchangedBytesAreAccepted) {
   EXPECT_TRUE(decode_server(encoded(ServerMessage(refusal()))));
   EXPECT_TRUE(decode_server(encoded(ServerMessage(report()))));
   EXPECT_TRUE(decode_server(encoded(ServerMessage(probe()))));
-  const Bytes bytes = with_tile({1, 5});
+  EXPECT_TRUE(decode_client(ask_sample()));
+  const Bytes bytes = slice_of_one_tile();
   EyeMask mask({48, 48}, 3);
   KnownTiles known(9);
-  EXPECT_EQ(decode_slice_tiles(std::get<Slice>(*decode_server(bytes)), mask, known).value(), 1u);
+  std::vector<BlockBits> asked(9);
+  asked[0] = kAllBlocks;
+  EXPECT_EQ(decode_slice_tiles(std::get<Slice>(*decode_server(bytes)), asked, mask, known).value(), 1u);
   EXPECT_EQ(mask.word(15, 15), 5u);
   EXPECT_EQ(mask.word(16, 15), 0u);
 }

@@ -12,6 +12,7 @@
 
 #include "stereo/frame/shadow_frame.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/wire/ask_coder.h"
 #include "stereo/wire/envelope.h"
 #include "stereo/wire/messages.h"
 #include "stereo/wire/slice.h"
@@ -142,9 +143,9 @@ inline Hello hello() {
           .key = {0xd8, 0xd8, 0xc6, 0xac, 0x12, 0xd1, 0xb2, 0x8b},
           .scene_hash = counting_hash(),
           .cookie = counting<16>(0xc0),
-          .proof = {0x39, 0x93, 0xd1, 0x7d, 0xaf, 0xc1, 0xa6, 0x77, 0xeb, 0x79, 0xb3,
-                    0x53, 0x44, 0x29, 0xde, 0xee, 0xe9, 0xbe, 0x7a, 0x5b, 0x9d, 0xb4,
-                    0x3e, 0x27, 0xe7, 0xf7, 0x63, 0xd2, 0x03, 0xe6, 0x93, 0x56}};
+          .proof = {0xba, 0x2b, 0x4b, 0x7d, 0x0e, 0x7f, 0x92, 0x61, 0x9d, 0xc8, 0xb5,
+                    0x0c, 0xf4, 0x78, 0xba, 0xaf, 0x1d, 0xec, 0x64, 0x09, 0x28, 0xf1,
+                    0xed, 0xa8, 0x7e, 0xae, 0xaa, 0x1c, 0x1a, 0x11, 0x5a, 0xa9}};
 }
 inline Retry retry() {
   return {counting<16>(0x20), counting<16>(0xc0)};
@@ -212,13 +213,29 @@ inline ShadowFrame frame_of(const EyeMask& left, const EyeMask& right) {
 }
 
 /// The messages of one eye.
-inline std::vector<Bytes> packed(const ShadowFrame& frame, Side eye, std::span<const std::uint8_t> sent = {},
-                                 SameAllOver same = SameAllOver::OneValue) {
-  SlicePacker packer(same);
-  packer.start(frame, eye, sent);
+inline std::vector<Bytes> packed(const ShadowFrame& frame, Side eye, std::span<const BlockBits> asked = {},
+                                 std::span<const std::uint8_t> sent = {}) {
+  SlicePacker packer;
+  packer.start(frame, eye, asked, sent);
   std::vector<Bytes> messages;
   while (const std::optional<Slice> slice = packer.next()) messages.push_back(encoded(ServerMessage(*slice)));
   return messages;
+}
+
+/// The messages that ask for blocks of one eye.
+inline std::vector<Bytes> asked_messages(Extent size, Side eye, std::span<const BlockBits> asked) {
+  AskPacker packer;
+  packer.start(FrameId{258}, eye, size, asked);
+  std::vector<Bytes> messages;
+  while (const std::optional<AskSlice> slice = packer.next())
+    messages.push_back(encoded(ClientMessage(*slice)));
+  return messages;
+}
+
+/// The blocks of a view of 20 x 18 pixels: a few of tile 0, none of tile 1, all of tile 2, one of tile 3.
+inline Bytes ask_sample() {
+  static constexpr std::array<BlockBits, 4> kAsked{0x0360, kNoBlocks, kAllBlocks, 0x0001};
+  return asked_messages({20, 18}, Side::Right, kAsked).at(0);
 }
 
 /// An LZ4 block that contains `bytes` uncompressed.

@@ -14,13 +14,15 @@ struct Received {
   KnownTiles known;
   std::uint32_t learned = 0;
 
+  std::vector<BlockBits> asked;  ///< empty: all
+
   explicit Received(const EyeMask& like)
       : mask(like.size(), like.layout()), known(TileGrid{like.size()}.count()) {}
 
   Decoded<std::uint32_t> take(const Bytes& bytes) {
     const Decoded<ServerMessage> message = decode_server(bytes);
     if (!message) return refuse(message.error());
-    const Decoded<std::uint32_t> news = decode_slice_tiles(std::get<Slice>(*message), mask, known);
+    const Decoded<std::uint32_t> news = decode_slice_tiles(std::get<Slice>(*message), asked, mask, known);
     if (news) learned += *news;
     return news;
   }
@@ -28,10 +30,10 @@ struct Received {
 
 class SliceRoundTrip : public testing::TestWithParam<std::uint32_t> {};
 
-void expect_round_trip(const EyeMask& mask, SameAllOver same = SameAllOver::OneValue) {
+void expect_round_trip(const EyeMask& mask) {
   Received received(mask);
   const ShadowFrame frame = frame_of(mask, EyeMask{});
-  for (const Bytes& bytes : packed(frame, Side::Left, {}, same)) {
+  for (const Bytes& bytes : packed(frame, Side::Left)) {
     ASSERT_LE(bytes.size(), kMaxMessage_bytes);
     ASSERT_TRUE(received.take(bytes));
   }
@@ -48,7 +50,6 @@ TEST_P(SliceRoundTrip, GivesTheMaskBack) {
     expect_round_trip(EyeMask(size, GetParam()));
     expect_round_trip(edge_mask(size, GetParam(), random));
     expect_round_trip(noise_mask(size, GetParam(), random));
-    expect_round_trip(edge_mask(size, GetParam(), random), SameAllOver::EachPixel);
   }
 }
 
@@ -67,7 +68,7 @@ TEST(SlicePacker, FillsItsMessages) {
   const ShadowFrame frame = frame_of(EyeMask{}, noise_mask({256, 256}, 3, random));
   const auto messages = packed(frame, Side::Right);
   for (std::size_t i = 0; i + 1 < messages.size(); ++i)
-    EXPECT_GT(messages[i].size() + std::size_t{3} * 32 + 5, kMaxMessage_bytes) << "slice " << i;
+    EXPECT_GT(messages[i].size() + std::size_t{3} * 32 + 40, kMaxMessage_bytes) << "slice " << i;
 }
 
 TEST(SlicePacker, MakesWiderWordsNoLonger) {
@@ -81,16 +82,58 @@ TEST(SlicePacker, MakesWiderWordsNoLonger) {
   expect_round_trip(wide);
 }
 
-TEST(SlicePacker, SpendsMoreBytesOnLightsThatAreTheSameAllOverIfTheyAreSpelledOut) {
-  const auto bytes_of = [](const std::vector<Bytes>& messages) {
-    std::size_t sum = 0;
-    for (const Bytes& message : messages) sum += message.size();
-    return sum;
-  };
-  std::mt19937 random(6);
-  const ShadowFrame frame = frame_of(edge_mask({512, 512}, 3, random), {});
-  EXPECT_LT(bytes_of(packed(frame, Side::Left)),
-            bytes_of(packed(frame, Side::Left, {}, SameAllOver::EachPixel)));
+/// Random blocks of about a third of the tiles.
+std::vector<BlockBits> some_blocks(Extent size, std::mt19937& random) {
+  std::vector<BlockBits> asked(TileGrid{size}.count());
+  for (BlockBits& tile : asked)
+    if (random() % 3 == 0) tile = static_cast<BlockBits>(random() % 4 == 0 ? kAllBlocks : random());
+  return asked;
+}
+
+TEST_P(SliceRoundTrip, GivesTheAskedBlocksBackAndNoOthers) {
+  std::mt19937 random(7);
+  for (const Extent size : {Extent{1, 1}, Extent{17, 15}, Extent{7, 90}, Extent{83, 50}, Extent{200, 160}}) {
+    const EyeMask mask = edge_mask(size, GetParam(), random), old = noise_mask(size, GetParam(), random);
+    Received received(mask);
+    received.mask = old;
+    received.asked = some_blocks(size, random);
+    for (const Bytes& bytes : packed(frame_of(mask, {}), Side::Left, received.asked))
+      ASSERT_TRUE(received.take(bytes));
+    const TileGrid grid{size};
+    EXPECT_EQ(received.learned, mask.layout().planes() * AskedTiles(size, received.asked).count());
+    for (std::uint32_t y = 0; y < size.height; ++y)
+      for (std::uint32_t x = 0; x < size.width; ++x) {
+        const BlockBits asked = received.asked[y / 16 * grid.columns() + x / 16];
+        for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane)
+          ASSERT_EQ(received.mask.word(x, y, plane),
+                    ((asked & block_bit(x % 16, y % 16)) != 0 ? mask : old).word(x, y, plane));
+      }
+  }
+}
+
+TEST(SlicePacker, TilesWithoutAskedBlocksCostNothing) {
+  std::mt19937 random(8);
+  const EyeMask mask = noise_mask({8192, 512}, 3, random);
+  std::vector<BlockBits> asked(TileGrid{mask.size()}.count());
+  EXPECT_TRUE(packed(frame_of(mask, {}), Side::Left, asked).empty());
+  asked[100] = asked[9'000] = 0x0001;
+  const auto messages = packed(frame_of(mask, {}), Side::Left, asked);
+  ASSERT_EQ(messages.size(), 1u);
+  EXPECT_LT(messages[0].size(), kSliceHeader_bytes + 25);
+  const auto slice = std::get<Slice>(*decode_server(messages[0]));
+  EXPECT_EQ(slice.first_tile, 100u);
+  EXPECT_EQ(slice.tile_count, 8'901u);
+}
+
+TEST(SlicePacker, AnyTileFits) {
+  std::mt19937 random(9);
+  for (int round = 0; round < 50; ++round) expect_round_trip(noise_mask({16, 16}, 32, random));
+  // A checkerboard that changes its phase from light to light: each guess of the coder is wrong.
+  EyeMask mask({64, 64}, 32);
+  for (std::uint32_t y = 0; y < 64; ++y)
+    for (std::uint32_t x = 0; x < 64; ++x)
+      mask.set_word(x, y, 0, static_cast<std::uint32_t>(random()) ^ ((x ^ y) % 2 == 0 ? ~0u : 0u));
+  expect_round_trip(mask);
 }
 
 TEST(SlicePacker, MakesNoSliceOfNothing) {
@@ -152,7 +195,8 @@ TEST(Slices, TilesNotSentStayAsTheyWere) {
   sent[0] = sent[4] = 0;
   Received received(mask);
   received.mask = old;
-  for (const Bytes& bytes : packed(frame_of(mask, {}), Side::Left, sent)) ASSERT_TRUE(received.take(bytes));
+  for (const Bytes& bytes : packed(frame_of(mask, {}), Side::Left, {}, sent))
+    ASSERT_TRUE(received.take(bytes));
   EXPECT_EQ(received.known, sent);
   EXPECT_EQ(received.learned, 7u);
   for (std::uint32_t y = 0; y < 40; ++y)
@@ -171,17 +215,18 @@ void expect_harmless(const Bytes& bytes, const EyeMask& like) {
   EXPECT_EQ(received.known, before.known);
 }
 
-TEST(Slices, EveryTruncationIsRefusedAndChangesNothing) {
+/// A cut message may be that of other tiles. Its tag tells that it is damaged (seal.h).
+TEST(Slices, NearlyEveryTruncationIsRefused) {
   std::mt19937 random(10);
   const EyeMask mask = edge_mask({64, 64}, 9, random);
+  std::size_t accepted = 0, cuts = 0;
   for (const Bytes& whole : packed(frame_of(mask, {}), Side::Left))
-    for (std::size_t size = 0; size < whole.size(); ++size) {
+    for (std::size_t size = 0; size < whole.size(); ++size, ++cuts) {
       const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
-      Received received(mask);
-      EXPECT_FALSE(received.take(cut)) << size << " of " << whole.size();
-      EXPECT_EQ(received.mask, EyeMask(mask.size(), 9));
-      EXPECT_EQ(received.known, KnownTiles(16));
+      expect_harmless(cut, mask);
+      accepted += Received(mask).take(cut) ? 1 : 0;
     }
+  EXPECT_LE(accepted, cuts / 50);
 }
 
 TEST(Slices, EveryFlippedBitIsHarmless) {
@@ -201,9 +246,8 @@ TEST(Slices, BlocksOfNoiseAreHarmless) {
   std::mt19937 random(seed);
   const EyeMask mask({48, 48}, 3);
   for (int i = 0; i < 20'000; ++i) {
-    Bytes tiles(random() % 60);
-    for (std::byte& byte : tiles) byte = static_cast<std::byte>(random() % 4 == 0 ? random() : random() % 4);
-    const Bytes block = literal_block(tiles);
+    Bytes block(random() % 60);
+    for (std::byte& byte : block) byte = static_cast<std::byte>(random() % 4 == 0 ? random() : random() % 4);
     expect_harmless(
         encoded(ServerMessage(Slice{.size = {48, 48}, .lights = 3, .tile_count = 4, .block = block})), mask);
   }
