@@ -53,7 +53,7 @@ struct RequestRecord {
   LightSetRevision light_set_revision{};
   PerEye<EyeMask> masks;
   PerEye<KnownTiles> known_tiles;
-  PerEye<std::uint32_t> tiles_known{};  ///< each plane of a tile counts
+  PerEye<std::uint32_t> tiles_known{};  ///< each plane of a tile counts; known: its asked blocks are
   PerEye<std::uint32_t> tiles_asked{};  ///< tiles with an asked block; others are never known
   ReceivedGBuffer gbuffer;
   ReceivedVideo video;

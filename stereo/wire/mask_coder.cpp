@@ -81,6 +81,7 @@ Cell CellCoder<Io>::mixed(const Neighbours& around, Cell beside, Cell over, Cell
   const std::uint32_t west_unknown = around.west == kUnknownCell ? 1 : 0;
   const std::uint32_t north_unknown = around.north == kUnknownCell ? 2 : 0;
   std::uint32_t coded = 0;
+#pragma GCC unroll 4
   for (std::uint32_t y = 0; y < 4; ++y) {
     const std::uint32_t left = border.left_of(y);
     const std::uint32_t beside_row = beside >> 4 * y & 15u, over_row = over >> 4 * y & 15u;
@@ -110,6 +111,7 @@ std::uint32_t CellCoder<Io>::row(std::uint32_t guess, std::uint32_t left, const 
                                  std::uint32_t beside, std::uint32_t over, std::uint32_t value) {
   std::uint32_t row = left;
   std::uint32_t differs = 0;
+#pragma GCC unroll 4
   for (std::uint32_t x = 0; x < 4; ++x) {
     std::uint32_t bit = ~guess >> x & 1;  // the last bit must differ if no other does
     if (x < 3 || differs != 0) {

@@ -25,7 +25,7 @@ enum class WireRefusal : std::uint8_t {
   MaskSize,        ///< a side of 0 or more than kMaxViewSide_px
   TileRange,       ///< no tiles, or tiles outside the grid
   TrailingBytes,   ///< bytes after the last field
-  Block,           ///< not an LZ4 block, or too much content; a range-coded block that does not end with its tiles
+  Block,           ///< not an LZ4 block, too much content, or a range-coded block with another end
   TileCoding,      ///< a tile coding that this version does not know
   TileLength,      ///< more or fewer bytes than the tiles need
   TileBits,        ///< a bit of a light that does not exist is set

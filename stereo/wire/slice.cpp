@@ -16,13 +16,19 @@ static_assert(kPlainTile_bytes + 4 <= kMaxBlock_bytes, "any tile fits, even if n
 
 }  // namespace
 
-AskedTiles::AskedTiles(Extent size, std::span<const BlockBits> asked) : grid_{size}, asked_(asked) {
+AskedTiles::AskedTiles(Extent size, std::span<const BlockBits> asked)
+    : grid_{size},
+      asked_(asked),
+      columns_(grid_.columns()),
+      last_row_(grid_.count() - std::min(grid_.count(), columns_)) {
   check(asked.empty() || asked.size() == grid_.count(), "each tile has asked blocks, or all are asked for");
 }
 
 BlockBits AskedTiles::at(std::uint32_t tile) const {
   const BlockBits asked = asked_.empty() ? kAllBlocks : asked_[tile];
-  return asked == kNoBlocks ? asked : static_cast<BlockBits>(asked & blocks_in(grid_.rect(tile)));
+  const bool is_inside = tile % columns_ + 1 < columns_ && tile < last_row_;
+  return is_inside || asked == kNoBlocks ? asked
+                                         : static_cast<BlockBits>(asked & blocks_in(grid_.rect(tile)));
 }
 
 std::uint32_t AskedTiles::count() const {

@@ -32,6 +32,7 @@ class AskedTiles {
  private:
   TileGrid grid_;
   std::span<const BlockBits> asked_;
+  std::uint32_t columns_, last_row_;  ///< tiles before them are wholly inside the picture
 };
 
 /// Packs one eye after another. It reuses its buffers, so that it allocates only for the first masks.
@@ -68,7 +69,8 @@ class SlicePacker {
 /// for each tile of the mask). `asked` has the blocks of the request, one entry for each tile, or none if all
 /// are asked for. Returns how many of these tiles were unknown in the slice's plane before: 0 for a
 /// duplicate. Refuses a slice of a mask with another size or light count, and a block that does not end with
-/// the slice's tiles. After a refusal, and for tiles that were not sent, mask and known are unchanged.
+/// the slice's tiles; damage that turns it into the block of other tiles is not noticed here. After a
+/// refusal, and for tiles that were not sent, mask and known are unchanged.
 [[nodiscard]] Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, std::span<const BlockBits> asked,
                                                         EyeMask& mask, KnownTiles& known);
 

@@ -200,61 +200,35 @@ struct Packing {
   }
 };
 
-Expected<void> run(const Options& options, const std::string& file) {
-  const Expected<Scene> scene = load_scene(file);
-  if (!scene) return tl::unexpected(scene.error());
-  Expected<Tracer> tracer = Tracer::create(*scene);
-  if (!tracer) return tl::unexpected(tracer.error());
+/// Figures of packing the set of asked blocks of both eyes.
+struct Asking {
+  Column share{"  blocks asked for, %", {}}, bytes{"their AskSlices, bytes", {}},
+      pack_ms{"  pack both eyes, ms", {}}, open_ms{"  decode both eyes, ms", {}};
 
-  Column as_bytes{"LZ4 of both masks, KB", {}}, as_planes{"LZ4 of bit planes, KB", {}};
-  Column trace_ms{"trace both eyes, ms", {}}, seal_ms{"seal both eyes, ms", {}},
-      unseal_ms{"unseal both eyes, ms", {}};
-  Packing whole{{"whole views: slices, KB", {}},
-                {"  datagrams", {}},
-                {"  pack both eyes, ms", {}},
-                {"  decode both eyes, ms", {}}};
-  Packing edges{{"blocks with edges: slices, KB", {}},
-                {"  datagrams", {}},
-                {"  pack both eyes, ms", {}},
-                {"  decode both eyes, ms", {}}};
-  Column share{"  blocks asked for, %", {}}, ask_bytes{"their AskSlices, bytes", {}},
-      ask_pack_ms{"  pack both eyes, ms", {}}, ask_open_ms{"  decode both eyes, ms", {}};
-  const Secret key({1, 2, 3});
-  Sealer sealer({}, key, Sealing::On);
-  Opener opener(key, Sealing::On);
-  Bytes opened;
-  ShadowFrame frame;
-  SlicePacker packer;
-  AskPacker ask_packer;
-  for (std::uint32_t pose = 0; pose < options.poses; ++pose) {
-    const Stopwatch tracing;
-    const FrameRequest request = request_of(*scene, 6.2831853 * pose / options.poses, options.side_px);
-    tracer->trace(request, frame);
-    trace_ms.values.push_back(ms_of(tracing.elapsed()));
-    double lz4 = 0, lz4_planes = 0;
-    AskedBlocks asked;
-    for (std::size_t eye = 0; eye < kEyes; ++eye) {
-      const EyeMask& mask = frame.masks[eye];
-      lz4 += lz4_bytes(Bytes(mask.bytes().begin(), mask.bytes().end())) / 1e3;
-      lz4_planes += lz4_bytes(plain_bit_planes(mask)) / 1e3;
-      asked.tiles[eye] = edge_blocks(mask);
-    }
-    as_bytes.values.push_back(lz4);
-    as_planes.values.push_back(lz4_planes);
-    whole.measure(frame, {}, packer);
-    edges.measure(frame, asked, packer);
+  void measure(const StereoView& views, const AskedBlocks& asked, AskPacker& packer) {
     const double all = static_cast<double>(asked.tiles[0].size() + asked.tiles[1].size()) * 16;
     share.values.push_back(100 * blocks_in(asked) / all);
     for (int repeat = 0; repeat < 20; ++repeat) {
       const Stopwatch packing;
-      const std::vector<Bytes> packed = pack(request.views, asked, ask_packer);
-      ask_pack_ms.values.push_back(ms_of(packing.elapsed()));
+      const std::vector<Bytes> packed = pack(views, asked, packer);
+      pack_ms.values.push_back(ms_of(packing.elapsed()));
       const Stopwatch opening;
-      check(open(packed, request.views) == asked, "asked blocks are unchanged");
-      ask_open_ms.values.push_back(ms_of(opening.elapsed()));
-      if (repeat == 0) ask_bytes.values.push_back(size_of(packed));
+      check(open(packed, views) == asked, "asked blocks are unchanged");
+      open_ms.values.push_back(ms_of(opening.elapsed()));
+      if (repeat == 0) bytes.values.push_back(size_of(packed));
     }
-    const std::vector<Bytes> packed = pack(frame, {}, packer);
+  }
+};
+
+/// Times of sealing the slices of both eyes.
+struct SealTimes {
+  Column seal_ms{"seal both eyes, ms", {}}, unseal_ms{"unseal both eyes, ms", {}};
+  Secret key{{1, 2, 3}};
+  Sealer sealer{{}, key, Sealing::On};
+  Opener opener{key, Sealing::On};
+  Bytes opened;
+
+  void measure(const std::vector<Bytes>& packed) {
     const Stopwatch sealing;
     const std::vector<Bytes> sealed = seal(packed, sealer);
     seal_ms.values.push_back(ms_of(sealing.elapsed()));
@@ -262,16 +236,69 @@ Expected<void> run(const Options& options, const std::string& file) {
     unseal(sealed, opener, opened);
     unseal_ms.values.push_back(ms_of(unsealing.elapsed()));
   }
+};
+
+/// What LZ4 would make of both masks.
+struct Lz4Sizes {
+  Column masks{"LZ4 of both masks, KB", {}}, planes{"LZ4 of bit planes, KB", {}};
+
+  void measure(const ShadowFrame& frame) {
+    double of_masks = 0, of_planes = 0;
+    for (const EyeMask& mask : frame.masks) {
+      of_masks += lz4_bytes(Bytes(mask.bytes().begin(), mask.bytes().end())) / 1e3;
+      of_planes += lz4_bytes(plain_bit_planes(mask)) / 1e3;
+    }
+    masks.values.push_back(of_masks);
+    planes.values.push_back(of_planes);
+  }
+};
+
+Packing packing_of(const char* what) {
+  return {{what, {}}, {"  datagrams", {}}, {"  pack both eyes, ms", {}}, {"  decode both eyes, ms", {}}};
+}
+
+FrameRequest request_of(const Scene& scene, const Options& options, double pose) {
+  return request_of(scene, 6.2831853 * pose / options.poses, options.side_px);
+}
+
+Expected<void> run(const Options& options, const std::string& file) {
+  const Expected<Scene> scene = load_scene(file);
+  if (!scene) return tl::unexpected(scene.error());
+  Expected<Tracer> tracer = Tracer::create(*scene);
+  if (!tracer) return tl::unexpected(tracer.error());
+
+  Column trace_ms{"trace both eyes, ms", {}};
+  Packing whole = packing_of("whole views: slices, KB"), edges = packing_of("blocks with edges: slices, KB");
+  Lz4Sizes lz4;
+  Asking asking;
+  SealTimes sealing;
+  ShadowFrame frame;
+  SlicePacker packer;
+  AskPacker ask_packer;
+  for (std::uint32_t pose = 0; pose < options.poses; ++pose) {
+    const FrameRequest request = request_of(*scene, options, pose);
+    const Stopwatch tracing;
+    tracer->trace(request, frame);
+    trace_ms.values.push_back(ms_of(tracing.elapsed()));
+    const AskedBlocks asked{{edge_blocks(frame.masks[0]), edge_blocks(frame.masks[1])}};
+    lz4.measure(frame);
+    whole.measure(frame, {}, packer);
+    edges.measure(frame, asked, packer);
+    asking.measure(request.views, asked, ask_packer);
+    sealing.measure(pack(frame, {}, packer));
+  }
   std::printf("%s\n%u x %u an eye, %u lights, %u poses\n%-40s %8s %8s %8s %8s\n", file.c_str(),
               options.side_px, options.side_px, frame.masks[0].lights(), options.poses, "", "mean", "median",
               "p95", "p99");
-  print_columns({trace_ms, as_bytes, as_planes});
+  print_columns({trace_ms, lz4.masks, lz4.planes});
   for (const Packing& packing : {whole, edges})
     print_columns({packing.kilobytes, packing.datagrams, packing.pack_ms, packing.open_ms});
-  print_columns({share, ask_bytes, ask_pack_ms, ask_open_ms, seal_ms, unseal_ms});
+  print_columns({asking.share, asking.bytes, asking.pack_ms, asking.open_ms});
+  print_columns({sealing.seal_ms, sealing.unseal_ms});
   const auto median = [](const Column& column) { return spread_of(column.values).median; };
+  const double sealed_ms = median(sealing.seal_ms);
   std::printf("seal / (trace + pack + seal): %.4f, figure <= 0.05\n",
-              median(seal_ms) / (median(trace_ms) + median(whole.pack_ms) + median(seal_ms)));
+              sealed_ms / (median(trace_ms) + median(whole.pack_ms) + sealed_ms));
   return {};
 }
 
@@ -346,7 +373,7 @@ Expected<void> train(const Options& options) {
     if (!tracer) return tl::unexpected(tracer.error());
     ShadowFrame frame;
     for (std::uint32_t pose = 0; pose < options.poses; ++pose) {
-      tracer->trace(request_of(*scene, 6.2831853 * (pose + 0.5) / options.poses, options.side_px), frame);
+      tracer->trace(request_of(*scene, options, pose + 0.5), frame);
       for (const EyeMask& mask : frame.masks) {
         const std::vector<BlockBits> edges = edge_blocks(mask);
         training->mask(mask, {});
