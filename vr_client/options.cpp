@@ -138,6 +138,9 @@ void add_request_options(CLI::App& app, CommandLine& line) {
   app.add_option("--guard-band", options.request.guard_band,
                  "measured: request views wider than shown, by the measured prediction error")
       ->transform(one_of<GuardBandUse>({{"measured", GuardBandUse::Measured}, {"off", GuardBandUse::Off}}));
+  app.add_option("--ask", options.request.asks,
+                 "the part of a mask to request: unknown: what earlier masks leave unknown; whole: all of it")
+      ->transform(one_of<Asks>({{"unknown", Asks::Unknown}, {"whole", Asks::Whole}}));
   app.add_option(
          "--mask-every", options.request.every,
          "request masks in every Nth frame (default: every frame; every 28 ms if nothing in the scene "

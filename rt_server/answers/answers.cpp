@@ -4,24 +4,51 @@
 
 #include "rt_server/answers/answer_renderer.h"
 #include "rt_server/answers/device_recovery.h"
+#include "stereo/frame/tiles.h"
 #include "stereo/video/video.h"
+#include "stereo/wire/ask_coder.h"
 
 namespace farshade {
 namespace {
 
-/// Which lights each pixel of the requested views sees.
+/// Which lights each pixel of the requested views sees, or each pixel of the blocks that the request asks
+/// for. Blocks whose AskSlice has not come are neither traced nor sent.
 class Masks final : public AnswerMaker {
  public:
   explicit Masks(Tracer& tracer) : tracer_(tracer) {}
 
   AnswerCost answer(const Job& job, FramePacker& packer) override {
-    const TraceStats traced = tracer_.trace(job.request, frame_);
-    packer.add(frame_, job.request.asked);
+    request_ = job.request;
+    const bool is_whole = job.request.answer.slices == 0;
+    if (!is_whole) unpack(job.parts);
+    const TraceStats traced = tracer_.trace(request_, frame_);
+    if (is_whole)
+      packer.add(frame_);
+    else
+      packer.add(frame_, request_.asked, {come_[0], come_[1]});
     return {.traced = traced};
   }
 
  private:
+  void unpack(std::span<const std::vector<std::byte>> messages) {
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      const std::uint32_t tiles = TileGrid{request_.views[eye].size}.count();
+      request_.asked.tiles[eye].assign(tiles, kNoBlocks);
+      come_[eye].assign(tiles, 0);
+    }
+    for (const std::vector<std::byte>& message : messages) {
+      const Decoded<ClientMessage> decoded = decode_client(message);
+      const auto* const slice = decoded ? std::get_if<AskSlice>(&*decoded) : nullptr;
+      if (slice == nullptr || slice->size != request_.views[index_of(slice->eye)].size) continue;
+      const std::size_t eye = index_of(slice->eye);
+      // Of a slice that is damaged no tile has come.
+      static_cast<void>(decode_ask_slice(*slice, request_.asked.tiles[eye], come_[eye]));
+    }
+  }
+
   Tracer& tracer_;
+  FrameRequest request_;
+  PerEye<KnownTiles> come_;  ///< the tiles whose AskSlice has come
   ShadowFrame frame_;
 };
 

@@ -15,7 +15,7 @@ class PositionMasks final : public AnswerMaker {
     const PositionGrid grid =
         grid_of({scene_.bounds.low}, {scene_.bounds.high}, job.request.answer.position_bits);
     clear(job.request.views, grid);
-    for (const std::vector<std::byte>& message : job.positions) unpack(message);
+    for (const std::vector<std::byte>& message : job.parts) unpack(message);
     const AnswerCost cost{.traced = tracer_.trace(job.request, positions_, grid, frame_)};
     packer.add(frame_, {}, sent_tiles());
     return cost;

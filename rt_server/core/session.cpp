@@ -80,7 +80,10 @@ Decoded<ReceivedMessage> ClientSession::receive(const Peer& from, const Sealed& 
   confirmed_ = true;
   const Decoded<ClientMessage> message = decode_client(*opened);
   if (!message) return refuse(message.error());
-  if (const auto* slice = std::get_if<PlaneSlice>(&*message)) return receive_positions(*slice, *opened, now);
+  if (const auto* slice = std::get_if<PlaneSlice>(&*message))
+    return receive_part(Answer::MasksOfPositions, slice->frame, *opened, now);
+  if (const auto* slice = std::get_if<AskSlice>(&*message))
+    return receive_part(Answer::Masks, slice->frame, *opened, now);
   const auto& request = std::get<RequestMessage>(*message);
   update_address(from, newest, request.probe_echo, reply);
   if (from == client_ && now - last_sent_ > kKeepaliveInterval) {
@@ -136,23 +139,23 @@ ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) 
   waiting_ = Job{.session = id_, .request = message.request, .arrived = now};
   waiting_->request.lights = lights_;
   requested_answer_ = answer;
-  positions_bytes_ = 0;
-  position_arrived_ = now;
+  parts_bytes_ = 0;
+  part_arrived_ = now;
   return superseded ? ReceivedMessage::Superseded : ReceivedMessage::NewRequest;
 }
 
-/// Stores the compressed message. It is unpacked when the request is answered, so that waiting positions take
+/// Stores the compressed message. It is unpacked when the request is answered, so that waiting messages take
 /// no more memory than they took on the wire.
-ReceivedMessage ClientSession::receive_positions(const PlaneSlice& slice, std::span<const std::byte> message,
-                                                 Time now) {
-  const bool fits = waiting_ && waiting_->request.frame == slice.frame &&
-                    waiting_->positions.size() < waiting_->request.answer.slices &&
-                    positions_bytes_ + message.size() <= kMostPositions_bytes;
+ReceivedMessage ClientSession::receive_part(Answer of, FrameId frame, std::span<const std::byte> message,
+                                            Time now) {
+  const bool fits = waiting_ && waiting_->request.frame == frame && waiting_->request.answer.kind == of &&
+                    waiting_->parts.size() < waiting_->request.answer.slices &&
+                    parts_bytes_ + message.size() <= kMostParts_bytes;
   if (!fits) return ReceivedMessage::Stray;
-  waiting_->positions.emplace_back(message.begin(), message.end());
-  positions_bytes_ += message.size();
-  position_arrived_ = now;
-  return ReceivedMessage::Positions;
+  waiting_->parts.emplace_back(message.begin(), message.end());
+  parts_bytes_ += message.size();
+  part_arrived_ = now;
+  return ReceivedMessage::Part;
 }
 
 /// Uses the shorter of two measures. In virtual time a client sends requests less often than its display
@@ -168,9 +171,8 @@ void ClientSession::update_interval(const FrameRequest& request, Time now) {
 
 std::optional<Time> ClientSession::ready_at() const {
   if (!waiting_ || !outbox_.empty()) return std::nullopt;
-  const bool complete = waiting_->positions.size() >= waiting_->request.answer.slices;
-  return complete ? outbox_.drained_at()
-                  : std::max(outbox_.drained_at(), position_arrived_ + kPositionsTimeout);
+  const bool complete = waiting_->parts.size() >= waiting_->request.answer.slices;
+  return complete ? outbox_.drained_at() : std::max(outbox_.drained_at(), part_arrived_ + kPartsTimeout);
 }
 
 Job ClientSession::take_job() {

@@ -21,13 +21,13 @@ struct Job {
   std::uint32_t superseded = 0;        ///< requests of this client so far that a newer one replaced
   std::uint32_t bytes_per_second = 0;  ///< estimated capacity of the path to the client
   ViewScale view_scale{};              ///< the size of views that the client should request next
-  /// The PlaneSlice messages with the request's positions that have arrived. Each has been decoded once, so
-  /// it is well-formed.
-  std::vector<std::vector<std::byte>> positions{};
+  /// The messages that the request announced and that have arrived: AskSlices with the blocks that it asks
+  /// for, or PlaneSlices with its positions. Each has been decoded once, so it is well-formed.
+  std::vector<std::vector<std::byte>> parts{};
 };
 
-/// Maximum total size of the position messages of one request. The server drops messages beyond it.
-inline constexpr std::size_t kMostPositions_bytes = std::size_t{16} << 20;
+/// Maximum total size of the messages that follow one request. The server drops messages beyond it.
+inline constexpr std::size_t kMostParts_bytes = std::size_t{16} << 20;
 
 /// What an opened datagram of the client contained.
 enum class ReceivedMessage : std::uint8_t {
@@ -36,8 +36,8 @@ enum class ReceivedMessage : std::uint8_t {
   Outdated,    ///< a request that is not newer than all before
   TooLarge,    ///< a request for more pixels than the server allows
   Unanswered,  ///< a request for an answer that the server does not offer
-  Positions,   ///< positions of the waiting request
-  Stray,       ///< positions of another request, or more than it announced
+  Part,        ///< a message that the waiting request announced
+  Stray,       ///< one of another request, or more than it announced
 };
 
 /// Sends the datagrams of one frame evenly over a part of the frame interval, and never faster than the path
@@ -132,7 +132,7 @@ class ClientSession {
 
  private:
   ReceivedMessage receive(const RequestMessage& message, Time now);
-  ReceivedMessage receive_positions(const PlaneSlice& slice, std::span<const std::byte> message, Time now);
+  ReceivedMessage receive_part(Answer of, FrameId frame, std::span<const std::byte> message, Time now);
   void update_address(const Peer& from, bool newest, std::uint64_t probe_echo, std::vector<std::byte>& probe);
   void seal_probe(std::uint64_t token, std::vector<std::byte>& probe);
   void update_interval(const FrameRequest& request, Time now);
@@ -158,8 +158,8 @@ class ClientSession {
   Time newest_display_{}, newest_arrived_{};  ///< display time and arrival of the newest request
   Duration interval_{};                       ///< mean time between two requests
   std::optional<Job> waiting_{};
-  std::size_t positions_bytes_ = 0;  ///< total size of waiting_->positions
-  Time position_arrived_{};          ///< arrival of the newest position message, or of its request
+  std::size_t parts_bytes_ = 0;  ///< total size of waiting_->parts
+  Time part_arrived_{};          ///< arrival of the newest of them, or of their request
   std::uint32_t superseded_ = 0;
   LightChanges lights_;
 

@@ -82,7 +82,7 @@ Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
 
 void Sessions::count(ReceivedMessage received) {
   if (received == ReceivedMessage::Stray) ++counters_.stray;
-  if (received == ReceivedMessage::Stray || received == ReceivedMessage::Positions) return;
+  if (received == ReceivedMessage::Stray || received == ReceivedMessage::Part) return;
   ++counters_.requests;
   if (received == ReceivedMessage::Unanswered) ++counters_.unanswered;
   if (received == ReceivedMessage::Superseded) ++counters_.superseded;

@@ -35,7 +35,7 @@ struct SessionCounters {
   std::uint64_t outdated = 0;    ///< not newer than an earlier request
   std::uint64_t too_large = 0;   ///< for more pixels than allowed
   std::uint64_t unanswered = 0;  ///< for an answer that the server does not offer
-  std::uint64_t stray = 0;       ///< position messages that belong to no waiting request
+  std::uint64_t stray = 0;       ///< parts of requests that belong to no waiting one
   std::uint64_t scene_mismatch = 0, busy = 0;  ///< hellos with a valid key that were refused
   std::uint64_t held_back = 0;                 ///< frames slowed by the limit of bytes per second
   friend bool operator==(const SessionCounters&, const SessionCounters&) = default;

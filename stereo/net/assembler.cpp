@@ -80,12 +80,20 @@ Assembler::Assembler(std::size_t frames) : slots_(frames) {
 }
 
 void Assembler::expect(const FrameRequest& request, MaskLayout layout, LightSetRevision revision,
-                       const RequestOrigin& origin) {
+                       const RequestOrigin& origin, const PerEye<EyeMask>* carried) {
   check(!newest_ || is_newer(request.frame, *newest_), "requests are expected in order");
   newest_ = request.frame;
   RequestRecord& record = slots_[next_slot()];
   used_ = std::max(used_, record.slot + 1);
   reset(record, request, layout, revision);
+  if (carried != nullptr) {
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      const EyeMask& bits = (*carried)[eye];
+      check(bits.size() == request.views[eye].size && bits.layout() == layout,
+            "carried masks fit their request");
+      std::ranges::copy(bits.bytes(), record.masks[eye].bytes().begin());
+    }
+  }
   record.origin = origin;
 }
 

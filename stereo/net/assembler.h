@@ -90,10 +90,10 @@ class Assembler {
   explicit Assembler(std::size_t frames = 8);
 
   /// Makes the record of `request`, whose answer has masks of this layout and light set. `request.frame` is
-  /// newer than every frame expected before. Pointers to the record that is evicted then refer to the new
-  /// one.
+  /// newer than every frame expected before. `carried` are the bits of the blocks that the request does not
+  /// ask for; null: it asks for all. Pointers to the record that is evicted then refer to the new one.
   void expect(const FrameRequest& request, MaskLayout layout, LightSetRevision revision,
-              const RequestOrigin& origin = {});
+              const RequestOrigin& origin = {}, const PerEye<EyeMask>* carried = nullptr);
 
   /// Takes a piece that came at `arrived`. Returns the record that has changed; null if nothing has.
   const RequestRecord* accept(const Slice& slice, Time arrived = {});

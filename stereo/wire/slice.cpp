@@ -73,7 +73,13 @@ std::optional<Slice> SlicePacker::next() {
 void SlicePacker::find_asked_tile() {
   const AskedTiles asked(slice_.size, asked_);
   const std::uint32_t tiles = TileGrid{slice_.size}.count();
-  while (slice_.first_tile < tiles && asked.at(slice_.first_tile) == kNoBlocks) ++slice_.first_tile;
+  while (slice_.first_tile < tiles &&
+         (asked.at(slice_.first_tile) == kNoBlocks || !is_sent(slice_.first_tile)))
+    ++slice_.first_tile;
+}
+
+bool SlicePacker::is_sent(std::uint32_t tile) const {
+  return sent_.empty() || sent_[tile] != 0;
 }
 
 /// Reads a tile from the mask. Returns false if it is not sent.
@@ -96,6 +102,7 @@ void SlicePacker::pack_tiles() {
   RangeEncoder::Mark fits = encoder.mark();
   const std::uint32_t end = std::min(grid.count(), slice_.first_tile + kMostSliceTiles);
   for (std::uint32_t tile = slice_.first_tile; tile < end; ++tile) {
+    if (!is_sent(tile)) break;
     const BlockBits blocks = asked.at(tile);
     if (blocks == kNoBlocks) {
       coded_.add_nothing();

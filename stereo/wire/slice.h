@@ -54,6 +54,7 @@ class SlicePacker {
   void find_asked_tile();
   void pack_tiles();
   void pack_plain();
+  [[nodiscard]] bool is_sent(std::uint32_t tile) const;
   bool read(std::uint32_t tile, BlockBits asked);
 
   const EyeMask* mask_ = nullptr;

@@ -55,6 +55,16 @@ std::vector<Figure> figures_of(const Wrong& wrong, const std::string& masks) {
           {"band " + masks, "%", share(wrong.in_band)}};
 }
 
+/// Whether some of the 3x3 pixels around (x, y) has this bit in the oracle, or lies in its band.
+bool is_beside(bool lit, const oracle::Masks& truth, std::uint32_t x, std::uint32_t y, std::uint32_t light) {
+  for (std::uint32_t v = std::max(y, 1u) - 1; v <= std::min(y + 1, truth.size.height - 1); ++v)
+    for (std::uint32_t u = std::max(x, 1u) - 1; u <= std::min(x + 1, truth.size.width - 1); ++u) {
+      const std::size_t at = truth.at(u, v, light);
+      if (truth.in_band[at] || (truth.lit[at] != 0) == lit) return true;
+    }
+  return false;
+}
+
 /// The surface of a pixel in the oracle.
 struct SurfacePoint {
   glm::dvec3 point, normal, base_color;
@@ -170,6 +180,21 @@ std::vector<Figure> judge_shown(const Scene& scene, const Dump& dump) {
   figures.push_back({"distance off", "%", 100 * distance_off});
   figures.push_back({"picture off", "levels", levels, kMostOffPicture_levels});
   return figures;
+}
+
+std::vector<Figure> judge_carried(const Scene& scene, const Dump& dump) {
+  const SceneState state = state_at(scene, dump.scene_time);
+  std::uint64_t pixel_lights = 0, wrong = 0;
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    const oracle::Masks truth = oracle::trace(scene, state, dump.shown[eye]);
+    for (std::uint32_t y = 0; y < truth.size.height; ++y)
+      for (std::uint32_t x = 0; x < truth.size.width; ++x)
+        for (std::uint32_t i = 0; i < std::min(truth.lights, kJudgedLights); ++i, ++pixel_lights)
+          wrong += !is_beside((dump.eyes[eye].mask_shown.at(x, y) >> i & 1) != 0, truth, x, y, i);
+  }
+  const double share =
+      static_cast<double>(wrong) / static_cast<double>(std::max<std::uint64_t>(pixel_lights, 1));
+  return {{"wrong, carried", "%", 100 * share, 0}};
 }
 
 std::vector<Figure> judge_lookup(const Scene& scene, const Dump& dump) {

@@ -261,19 +261,26 @@ Ran run(const Case& tested, const Room& room) {
     return ran;
   }
   const ClientRuns client(room, setting, files, *address);
-  const auto still = room.folder / "still", moving = room.folder / "moving";
-  if (!ended(client.run(still, {"--delay", "0", "--predictor", "hold", "--guard-band", "off"}), "still",
-             verdict) ||
-      !ended(client.run(moving, {"--delay", fmt::format("{}", setting.delay_ms)}), "moving", verdict))
+  const auto still = room.folder / "still", moving = room.folder / "moving",
+             carried = room.folder / "carried";
+  const std::vector<std::string> at_once{"--delay", "0", "--predictor", "hold", "--guard-band", "off"};
+  std::vector<std::string> at_once_whole = at_once;
+  at_once_whole.insert(at_once_whole.end(), {"--ask", "whole"});
+  const std::vector<std::string> late{"--delay", fmt::format("{}", setting.delay_ms), "--ask", "whole"};
+  if (!ended(client.run(still, at_once_whole), "still", verdict) ||
+      !ended(client.run(moving, late), "moving", verdict) ||
+      !ended(client.run(carried, at_once), "carried", verdict))
     return ran;
 
   const Expected<Dump> of_still = read_dump(dumped(still, setting)),
-                       of_moving = read_dump(dumped(moving, setting));
-  if (!of_still || !of_moving) {
-    verdict.broken = (of_still ? of_moving : of_still).error().what;
+                       of_moving = read_dump(dumped(moving, setting)),
+                       of_carried = read_dump(dumped(carried, setting));
+  if (!of_still || !of_moving || !of_carried) {
+    verdict.broken = (!of_still ? of_still : !of_moving ? of_moving : of_carried).error().what;
     return ran;
   }
   append(verdict.figures, judge_shown(*scene, *of_still));
+  append(verdict.figures, judge_carried(*scene, *of_carried));
   append(verdict.figures, judge_traced(*scene, *of_moving));
   append(verdict.figures, judge_lookup(*scene, *of_moving));
   const Columns frames = read_columns(moving / "frames.csv");

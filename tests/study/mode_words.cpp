@@ -67,6 +67,7 @@ const std::vector<Word>& all_words() {
   const auto widens = [](Mode mode) { return has_guard_band(mode); };
   const auto sends_positions = [](Mode mode) { return mode == Mode::ClientPositions; };
   const auto streams = [](Mode mode) { return mode == Mode::Remote || mode == Mode::Delta; };
+  const auto only_hybrid = [](Mode mode) { return mode == Mode::Hybrid; };
   const auto maps = [](Mode mode) { return mode == Mode::Local; };
   const auto draws = [](Mode mode) { return mode != Mode::ServerGBuffer && mode != Mode::Remote; };
   using Value = std::uint32_t;
@@ -74,6 +75,7 @@ const std::vector<Word>& all_words() {
       {"detail", draws, &set_detail},
       {"predictor", asks, &set_predictor},
       {"every", asks, number(1, 64, [](Play& play, Value n) { play.request.every = n; })},
+      {"ask", only_hybrid, only("whole", [](Play& play) { play.request.asks = Asks::Whole; })},
       {"wait", asks, only("", [](Play& play) { play.mask_wait = kLongestWait; })},
       {"reprojection", carries, only("off", [](Play& play) { play.carry_over.lookup = Lookup::Direct; })},
       {"band", widens, only("off", [](Play& play) { play.request.guard_band = GuardBandUse::Off; })},

@@ -19,11 +19,18 @@ enum class GuardBandUse : std::uint8_t { Off, Measured };
 
 inline constexpr std::uint32_t kWidestBand_percent = 300;
 
+/// The part of its views that a request asks for.
+enum class Asks : std::uint8_t {
+  Unknown,  ///< what earlier masks leave unknown
+  Whole,
+};
+
 struct RequestSettings {
   PredictorKind predictor = kDefaultPredictor;  ///< Hold asks for the shown views at their own time
   GuardBandUse guard_band = GuardBandUse::Measured;
   std::uint32_t every = 0;                 ///< one request in so many frames; 0: as often as needed
   std::uint32_t guard_band_percent = 100;  ///< of the measured width, at most kWidestBand_percent
+  Asks asks = Asks::Unknown;               ///< mode hybrid
 };
 
 /// How the client shows what it gets for other views than the shown ones.

@@ -11,14 +11,15 @@ void AnswerInbox::begin(const Welcome& welcome) {
   ++session_;
 }
 
-FrameRequest AnswerInbox::ask(const FrameRequest& request, Time requested_at, Time now) {
+FrameRequest AnswerInbox::ask(const FrameRequest& request, Time requested_at, Time now,
+                              const PerEye<EyeMask>* carried) {
   FrameRequest sent = request;
   sent.lights = since(request.lights, acknowledged_, RequestMessage::kMostLightChanges);
   // The masks of the answer are of this light set.
   FrameRequest expected = request;
   expected.lights = up_to(request.lights, sent.lights.revision);
   assembler_.expect(expected, layout_, expected.lights.revision,
-                    {.requested_at = requested_at, .sent = now, .session = session_});
+                    {.requested_at = requested_at, .sent = now, .session = session_}, carried);
   return sent;
 }
 

@@ -20,7 +20,9 @@ class AnswerInbox {
 
   /// Makes the record of a request that the frame of display time `requested_at` makes and that is sent at
   /// `now`. Returns the request to send: with the light changes that the server may not have yet.
-  [[nodiscard]] FrameRequest ask(const FrameRequest& request, Time requested_at, Time now);
+  /// `carried`: see RequestParts.
+  [[nodiscard]] FrameRequest ask(const FrameRequest& request, Time requested_at, Time now,
+                                 const PerEye<EyeMask>* carried = nullptr);
 
   /// Takes a message of the server that came at `arrived`.
   void take(const FrameReport& report, Time arrived);
@@ -62,20 +64,31 @@ class AnswerInbox {
   ViewScale view_scale_{};
 };
 
+/// What goes with a request.
+struct RequestParts {
+  /// The messages that follow it: the PlaneSlices or AskSlices that it announces.
+  std::span<const std::vector<std::byte>> messages{};
+  /// The masks that were carried over to its views; only their blocks that are not asked for are known. Null:
+  /// all is asked for.
+  const PerEye<EyeMask>* carried = nullptr;
+};
+
 /// What a run of the client needs of the source of its answers. There are two: the network (network_link.h)
 /// and a capture file (record/replay.h).
 class AnswerLink {
  public:
   virtual ~AnswerLink() = default;
 
-  /// Sends a request. `requested_at` is the display time of the frame that makes it. `positions` are the
-  /// messages that follow it: the PlaneSlices that it announces. Without a session nothing is sent or
-  /// recorded.
-  virtual void request(const FrameRequest& request, Time requested_at,
-                       std::span<const std::vector<std::byte>> positions = {}) = 0;
+  /// Sends a request. `requested_at` is the display time of the frame that makes it. Without a session
+  /// nothing is sent or recorded.
+  virtual void request(const FrameRequest& request, Time requested_at, const RequestParts& parts = {}) = 0;
 
   /// Receives until all of the answer to `frame` has come or `patience` is over. True if all has come.
   virtual bool wait_for(FrameId frame, Duration patience) = 0;
+
+  /// Whether a request may ask for a part of its views. Not while a capture is written or replayed: a capture
+  /// holds the server's messages, not what was carried over.
+  [[nodiscard]] virtual bool takes_parts() const = 0;
 
   [[nodiscard]] virtual const AnswerInbox& inbox() const = 0;
 

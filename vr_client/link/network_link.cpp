@@ -69,16 +69,15 @@ Expected<void> NetworkLink::meet(Duration patience) {
   return fail(Fault::Missing, "no server answers at " + to_string(target_.server));
 }
 
-void NetworkLink::request(const FrameRequest& request, Time requested_at,
-                          std::span<const std::vector<std::byte>> positions) {
+void NetworkLink::request(const FrameRequest& request, Time requested_at, const RequestParts& parts) {
   keep_session();
   if (!channel_) return;
-  send_request(inbox_.ask(request, requested_at, clock_.now()));
-  send_positions(positions);
+  send_request(inbox_.ask(request, requested_at, clock_.now(), parts.carried));
+  send_following(parts.messages);
 }
 
 /// Sends in bursts that fit the buffer of a socket, with pauses in which its reader can empty it.
-void NetworkLink::send_positions(std::span<const std::vector<std::byte>> messages) {
+void NetworkLink::send_following(std::span<const std::vector<std::byte>> messages) {
   for (std::size_t i = 0; i < messages.size() && channel_; ++i) {
     if (i > 0 && i % kBurst == 0) listen(kBurstPause);
     channel_->sealer.seal(messages[i], outgoing_);

@@ -46,8 +46,7 @@ class NetworkLink final : public AnswerLink {
   [[nodiscard]] Expected<void> meet(Duration patience);
 
   /// Sends only those light changes that the server may not have yet.
-  void request(const FrameRequest& request, Time requested_at,
-               std::span<const std::vector<std::byte>> positions = {}) override;
+  void request(const FrameRequest& request, Time requested_at, const RequestParts& parts = {}) override;
 
   /// Receives all datagrams that have arrived.
   void poll();
@@ -57,6 +56,7 @@ class NetworkLink final : public AnswerLink {
 
   bool wait_for(FrameId frame, Duration patience) override;
 
+  [[nodiscard]] bool takes_parts() const override { return !listener_.sent; }
   [[nodiscard]] const AnswerInbox& inbox() const override { return inbox_; }
 
   /// Set once an authenticated server has refused this client for good.
@@ -94,7 +94,7 @@ class NetworkLink final : public AnswerLink {
   void keep_session();
   void say_hello();
   void send_request(const FrameRequest& request);
-  void send_positions(std::span<const std::vector<std::byte>> messages);
+  void send_following(std::span<const std::vector<std::byte>> messages);
   Decoded<void> take_datagram(const Datagram& datagram);
   void take_refusal(const OpenRefusal& refusal);
   void take_accept(const Accept& accept, std::span<const std::byte> datagram);

@@ -29,7 +29,7 @@ Exchange::Exchange(AnswerLink* link, const MaskPolicy& policy, const RequestSett
   plan_.learn(policy.pace == Pace::Real ? policy.round_trip : policy.delay - policy.mask_wait);
 }
 
-const FrameRequest* Exchange::plan(const FrameInputs& inputs, const AnswerSpec& answer) {
+FrameRequest* Exchange::plan(const FrameInputs& inputs, const AnswerSpec& answer) {
   request_.reset();
   if (link_ == nullptr) return nullptr;
   RequestSettings settings = inputs.settings.request;
@@ -45,15 +45,17 @@ const FrameRequest* Exchange::plan(const FrameInputs& inputs, const AnswerSpec& 
   return &*request_;
 }
 
-const FrameRequest* Exchange::complete(std::uint32_t slices) {
-  request_->answer.slices = slices;
-  return &*request_;
-}
-
-void Exchange::send(const FrameInputs& inputs, std::span<const std::vector<std::byte>> positions) {
+void Exchange::send(const FrameInputs& inputs, const RequestParts& parts) {
   if (!request_) return;
   requested_ = request_->frame;
-  link_->request(*request_, inputs.shown.display_time, positions);
+  link_->request(*request_, inputs.shown.display_time, parts);
+}
+
+const RequestRecord* Exchange::newest_settled(const FrameInputs& inputs) {
+  if (policy_.pace == Pace::Real) link_->wait_for(requested_, Duration::zero());
+  for (const RequestRecord* record : link_->inbox().received(usable_until(inputs.shown.display_time)))
+    if (link_->inbox().is_settled(*record)) return record;
+  return nullptr;
 }
 
 std::span<const RequestRecord* const> Exchange::receive(const FrameInputs& inputs) {

@@ -23,13 +23,18 @@ class Exchange {
   /// Plans this frame's request for an answer of the kind `answer`. Null on frames without a request.
   /// Requests for pictures have the full size. A G-buffer has no guard band, because the renderer shades
   /// views of the shown size only.
-  const FrameRequest* plan(const FrameInputs& inputs, const AnswerSpec& answer);
+  FrameRequest* plan(const FrameInputs& inputs, const AnswerSpec& answer);
 
-  /// Sets the number of position messages that follow the planned request.
-  const FrameRequest* complete(std::uint32_t slices);
+  /// Sends the planned request, which the caller may have completed: what it asks for, and the number of
+  /// messages that follow it.
+  void send(const FrameInputs& inputs, const RequestParts& parts = {});
 
-  /// Sends the planned request, followed by the messages `positions`.
-  void send(const FrameInputs& inputs, std::span<const std::vector<std::byte>> positions = {});
+  /// Whether a request may ask for a part of its views.
+  [[nodiscard]] bool takes_parts() const { return link_->takes_parts(); }
+
+  /// The newest record that a frame may use now and that is as complete as it will be; null if there is none.
+  /// Does not wait.
+  [[nodiscard]] const RequestRecord* newest_settled(const FrameInputs& inputs);
 
   /// Waits for answers where the policy says so, then returns the answers that this frame may use, newest
   /// first. The pointers stay valid until the next request.

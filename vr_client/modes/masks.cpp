@@ -1,4 +1,5 @@
-// Hybrid: the client requests masks for predicted views, draws its own G-buffer and reprojects the masks.
+// Hybrid: the client requests masks for predicted views, draws its own G-buffer and reprojects the masks. It
+// carries its newest mask over to the predicted views first, and asks only for what that leaves unknown.
 //
 // Client-positions: the client draws the depth of the views it asks for and sends the positions of their
 // pixels. The server traces shadow rays from these positions and draws nothing. The client reprojects the
@@ -12,6 +13,7 @@
 #include "stereo/draw/motion.h"
 #include "stereo/frame/position_grid.h"
 #include "stereo/wire/plane_codec.h"
+#include "vr_client/modes/asking.h"
 #include "vr_client/modes/make_pipeline.h"
 
 namespace farshade {
@@ -21,17 +23,29 @@ SceneMotion motion_of(const Renderer& renderer) {
   return renderer.anything_moves() ? SceneMotion::Moving : SceneMotion::Still;
 }
 
+/// Adds what was drawn before the request to what was drawn after it.
+void add_depth(const DrawTimes& before, DrawTimes& drawn) {
+  drawn.depth += before.depth;
+  drawn.carry += before.carry;
+  drawn.triangles.depth += before.triangles.depth;
+}
+
 class Hybrid final : public ModePipeline {
  public:
   explicit Hybrid(const RunContext& context)
       : renderer_(context.renderer),
         exchange_(context.link, context.policy, context.settings.request, motion_of(context.renderer)),
+        asking_(context.renderer),
         masks_(context.scene.animation_length_s > 0) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
-    request_ = exchange_.plan(inputs, {.kind = Answer::Masks});
-    exchange_.send(inputs);
-    return request_;
+    FrameRequest* const request = exchange_.plan(inputs, {.kind = Answer::Masks});
+    if (request != nullptr && inputs.settings.request.asks == Asks::Unknown && exchange_.takes_parts())
+      asking_.prepare(*request, exchange_.next_slot(), exchange_.newest_settled(inputs));
+    else
+      asking_.skip();
+    exchange_.send(inputs, asking_.parts());
+    return request_ = request;
   }
 
   void collect(const FrameInputs& inputs) override {
@@ -40,12 +54,16 @@ class Hybrid final : public ModePipeline {
   }
 
   DrawnFrame draw(const FrameInputs& inputs) override {
-    return masks_.draw(renderer_, inputs, exchange_.record(request_), exchange_);
+    const RequestRecord* const undrawn = asking_.drawn() ? nullptr : exchange_.record(request_);
+    DrawnFrame drawn = masks_.draw(renderer_, inputs, undrawn, exchange_);
+    if (asking_.drawn()) add_depth(*asking_.drawn(), drawn.drawn);
+    return drawn;
   }
 
  private:
   Renderer& renderer_;
   Exchange exchange_;
+  Asking asking_;
   MaskSources masks_;
   const FrameRequest* request_ = nullptr;
 };
@@ -65,12 +83,12 @@ class ClientPositions final : public ModePipeline {
 
   const FrameRequest* request(const FrameInputs& inputs) override {
     drawn_ = {};
-    const FrameRequest* const request = exchange_.plan(inputs, answer());
+    FrameRequest* const request = exchange_.plan(inputs, answer());
     if (request == nullptr) return nullptr;
     pack(*request);
-    const FrameRequest* const complete = exchange_.complete(narrow<std::uint32_t>(messages_used_));
-    exchange_.send(inputs, std::span(messages_).first(messages_used_));
-    return complete;
+    request->answer.slices = narrow<std::uint32_t>(messages_used_);
+    exchange_.send(inputs, {.messages = std::span(messages_).first(messages_used_)});
+    return request;
   }
 
   void collect(const FrameInputs& inputs) override {
@@ -81,8 +99,7 @@ class ClientPositions final : public ModePipeline {
   DrawnFrame draw(const FrameInputs& inputs) override {
     // pack() has kept the depth of the requested views.
     DrawnFrame drawn = masks_.draw(context_.renderer, inputs, nullptr, exchange_);
-    drawn.drawn.depth += drawn_.depth;
-    drawn.drawn.triangles.depth += drawn_.triangles.depth;
+    add_depth(drawn_, drawn.drawn);
     return drawn;
   }
 
@@ -140,7 +157,8 @@ TracedMask mask_of(const RequestRecord& record) {
           record.masks,
           record.known_tiles,
           std::uint64_t{record.tiles_known[0]} << 32 | record.tiles_known[1],
-          record.light_set_revision};
+          record.light_set_revision,
+          &request.asked};
 }
 
 void MaskSources::take(std::span<const RequestRecord* const> usable, const RequestRecord* settled) {

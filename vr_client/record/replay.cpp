@@ -59,12 +59,11 @@ void CaptureLink::take(std::span<const CapturedMessage> messages) {
   busy_ += watch.elapsed();
 }
 
-void CaptureLink::request(const FrameRequest& request, Time requested_at,
-                          std::span<const std::vector<std::byte>>) {
+void CaptureLink::request(const FrameRequest& request, Time requested_at, const RequestParts& parts) {
   if (!frame_->request && !was_welcomed_) return;
   requested_ = true;
   const Time now = frame_->request ? frame_->request->sent : Time{};
-  const FrameRequest sent = inbox_.ask(request, requested_at, now);
+  const FrameRequest sent = inbox_.ask(request, requested_at, now, parts.carried);
   difference_ = frame_->request ? difference_of(sent, frame_->request->request)
                                 : "sends a request that was not captured";
 }

@@ -25,12 +25,12 @@ class CaptureLink final : public AnswerLink {
 
   /// As with a NetworkLink, no request is sent before the first Welcome. The frame that received the Welcome
   /// may or may not have sent one.
-  void request(const FrameRequest& request, Time requested_at,
-               std::span<const std::vector<std::byte>> positions = {}) override;
+  void request(const FrameRequest& request, Time requested_at, const RequestParts& parts = {}) override;
 
   /// Takes all messages of the current frame, whatever the timeout.
   bool wait_for(FrameId frame, Duration timeout) override;
 
+  [[nodiscard]] bool takes_parts() const override { return false; }
   [[nodiscard]] const AnswerInbox& inbox() const override { return inbox_; }
   [[nodiscard]] const std::optional<Error>& refused() const override { return refused_; }
   [[nodiscard]] Duration busy() const override { return busy_; }

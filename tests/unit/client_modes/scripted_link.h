@@ -15,10 +15,9 @@ class ScriptedLink final : public AnswerLink {
  public:
   explicit ScriptedLink(std::size_t frames = 16) : inbox_(frames, kLayout) { inbox_.begin({}); }
 
-  void request(const FrameRequest& request, Time requested_at,
-               std::span<const std::vector<std::byte>> positions = {}) override {
-    sent.push_back(inbox_.ask(request, requested_at, {}));
-    positions_sent += positions.size();
+  void request(const FrameRequest& request, Time requested_at, const RequestParts& parts = {}) override {
+    sent.push_back(inbox_.ask(request, requested_at, {}, parts.carried));
+    positions_sent += parts.messages.size();
   }
   bool wait_for(FrameId frame, Duration patience) override {
     waited += patience;
@@ -26,6 +25,7 @@ class ScriptedLink final : public AnswerLink {
     if (on_wait) on_wait(frame);
     return inbox_.is_whole(frame);
   }
+  [[nodiscard]] bool takes_parts() const override { return true; }
   [[nodiscard]] const AnswerInbox& inbox() const override { return inbox_; }
   [[nodiscard]] const std::optional<Error>& refused() const override { return refused_; }
   [[nodiscard]] Duration busy() const override { return {}; }

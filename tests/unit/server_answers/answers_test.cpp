@@ -167,7 +167,7 @@ TEST_F(ServerAnswers, MasksOfPositionsCoverOnlyReceivedPositions) {
         encode(ClientMessage(*slice), message);
         const bool losable = side == Side::Left && axis == 1 && of_left_y.empty();
         if (losable) of_left_y = message, lost_from = slice->first_tile, lost = slice->tile_count;
-        if (!losable) job_.positions.push_back(message);
+        if (!losable) job_.parts.push_back(message);
       }
     }
   }
@@ -176,9 +176,9 @@ TEST_F(ServerAnswers, MasksOfPositionsCoverOnlyReceivedPositions) {
   ASSERT_LT(lost, part.known_tiles[0].size()) << "a slice holds only a part of the eye";
   for (std::uint32_t tile = 0; tile < part.known_tiles[0].size(); ++tile)
     EXPECT_EQ(part.known_tiles[0][tile] != 0, tile < lost_from || tile >= lost_from + lost) << tile;
-  job_.positions.push_back(of_left_y);
+  job_.parts.push_back(of_left_y);
   EXPECT_TRUE(received().complete(Side::Left));
-  job_.positions.clear();
+  job_.parts.clear();
   EXPECT_FALSE(received().anything_known()) << "nothing of the earlier request is left";
 }
 

@@ -73,7 +73,7 @@ TEST(SessionPacing, ARequestWithoutItsPositionsWaitsForThePathToo) {
   EXPECT_EQ(path.sessions.job_at(), Time(200ms));
   request.frame = {3};
   path.talk(path.client, 1, path.client.seal({.request = request}), Time(195ms));
-  EXPECT_EQ(path.sessions.job_at(), Time(195ms) + kPositionsTimeout);
+  EXPECT_EQ(path.sessions.job_at(), Time(195ms) + kPartsTimeout);
 }
 
 TEST(SessionKeepAlive, IsSentToAClientThatAsksAndGetsNothing) {

@@ -25,7 +25,7 @@ FrameRequest with_positions(std::uint32_t frame, std::uint32_t slices) {
 struct Bench {
   explicit Bench(AnswerSet answers = kTracedAnswers) {
     const auto count = [this](const Job& job, FramePacker&) {
-      brought.push_back(job.positions.size());
+      brought.push_back(job.parts.size());
       return AnswerCost{};
     };
     core.emplace(kServedPositions, kAda, answers_from(answers, count), link.server(), clock);
@@ -82,7 +82,7 @@ TEST(ServerPositions, AreAwaitedUntilATimeoutAfterTheLastOne) {
   Bench bench;
   bench.client.say(bench.client.ask(with_positions(1, 3)));
   bench.say_positions(1);
-  bench.pass(kPositionsTimeout - 1ms);
+  bench.pass(kPartsTimeout - 1ms);
   EXPECT_TRUE(bench.brought.empty());
   bench.pass(2ms);
   EXPECT_EQ(bench.brought, std::vector<std::size_t>{1});
@@ -117,10 +117,10 @@ TEST(ServerPositions, ANewerRequestTakesThePlaceOfOneThatWaitsForThem) {
 TEST(ServerPositions, MoreBytesThanMayWaitAreDropped) {
   Bench bench;
   bench.client.say(bench.client.ask(with_positions(1, 65535)));
-  const std::size_t most = kMostPositions_bytes / (kPlaneSliceHeader_bytes + 1);
+  const std::size_t most = kMostParts_bytes / (kPlaneSliceHeader_bytes + 1);
   const Bytes full(kMaxPlaneBlock_bytes, std::byte{1});
   Bytes message, datagram;
-  for (std::size_t i = 0; i * kMaxMessage_bytes < kMostPositions_bytes + 100 * kMaxMessage_bytes; ++i) {
+  for (std::size_t i = 0; i * kMaxMessage_bytes < kMostParts_bytes + 100 * kMaxMessage_bytes; ++i) {
     encode(ClientMessage(PlaneSlice{
                .frame = {1}, .kind = PlaneKind::PositionX, .size = {32, 32}, .tile_count = 1, .block = full}),
            message);

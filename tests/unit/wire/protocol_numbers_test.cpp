@@ -94,7 +94,7 @@ std::map<std::string, std::string> constants_of_code() {
       {"kCookiePeriod", time(kCookiePeriod)},
       {"kUnconfirmedTimeout", time(kUnconfirmedTimeout)},
       {"kSessionTimeout", time(kSessionTimeout)},
-      {"kPositionsTimeout", time(kPositionsTimeout)},
+      {"kPartsTimeout", time(kPartsTimeout)},
       {"ReplayWindow::kSize", count(ReplayWindow::kSize)},
       {"kMaxTime_ns", power_of_two(kMaxTime_ns)},
       {"kMaxCoordinate_m", power_of_ten(kMaxCoordinate_m)},

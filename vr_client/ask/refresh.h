@@ -1,0 +1,19 @@
+/// Refresh: the tiles that a request asks for although they are known, so that nothing wrong lives longer
+/// than a second (docs/asking.md).
+#pragma once
+
+#include <span>
+
+#include "stereo/base/clock.h"
+#include "stereo/frame/asked_blocks.h"
+
+namespace farshade {
+
+/// Every tile is asked for once in this time.
+inline constexpr Duration kRefreshPeriod = std::chrono::seconds(1);
+
+/// Asks for the tiles (one entry each) whose turn comes after display time `since` and until `now`. Their
+/// turns are spread evenly over the period and over the picture.
+void add_refresh(Time since, Time now, std::span<BlockBits> tiles);
+
+}  // namespace farshade

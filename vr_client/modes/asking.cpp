@@ -1,0 +1,61 @@
+#include "vr_client/modes/asking.h"
+
+#include <bit>
+#include <utility>
+
+#include "stereo/base/check.h"
+#include "stereo/frame/tiles.h"
+#include "vr_client/ask/refresh.h"
+#include "vr_client/modes/masks.h"
+
+namespace farshade {
+namespace {
+
+/// The share of a view's blocks that is asked for.
+double share_of(const AskedBlocks& asked) {
+  std::size_t blocks = 0, tiles = 0;
+  for (const std::vector<BlockBits>& eye : asked.tiles) {
+    tiles += eye.size();
+    for (const BlockBits bits : eye) blocks += static_cast<std::size_t>(std::popcount(bits));
+  }
+  return static_cast<double>(blocks) / static_cast<double>(tiles * kTileBlocks * kTileBlocks);
+}
+
+}  // namespace
+
+void Asking::skip() {
+  drawn_.reset();
+  messages_used_ = 0;
+}
+
+void Asking::prepare(FrameRequest& request, std::size_t slot, const RequestRecord* base) {
+  skip();
+  const std::optional<Time> since = std::exchange(refreshed_until_, request.display_time);
+  if (base == nullptr || !since) return;
+  drawn_ = renderer_.carry(request, slot, mask_of(*base), carried_);
+  if (!drawn_) return;
+  for (std::vector<BlockBits>& eye : carried_.asked.tiles) add_refresh(*since, request.display_time, eye);
+  if (share_of(carried_.asked) <= kMostAsked) pack(request);
+  if (messages_used_ == 0) return;
+  request.asked = carried_.asked;
+  request.answer.slices = narrow<std::uint32_t>(messages_used_);
+}
+
+/// Writes what is asked for into messages.
+void Asking::pack(const FrameRequest& request) {
+  for (const Side side : kSides) {
+    packer_.start(request.frame, side, request.views[index_of(side)].size,
+                  carried_.asked.tiles[index_of(side)]);
+    while (const std::optional<AskSlice> slice = packer_.next()) {
+      if (messages_used_ == messages_.size()) messages_.emplace_back();
+      encode(ClientMessage(*slice), messages_[messages_used_++]);
+    }
+  }
+}
+
+RequestParts Asking::parts() const {
+  if (messages_used_ == 0) return {};
+  return {.messages = std::span(messages_).first(messages_used_), .carried = &carried_.masks};
+}
+
+}  // namespace farshade

@@ -1,0 +1,47 @@
+/// Asking: lets a request ask only for the blocks that the newest mask leaves unknown (docs/asking.md).
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "stereo/draw/renderer.h"
+#include "stereo/net/assembler.h"
+#include "stereo/wire/ask_coder.h"
+#include "vr_client/link/answer_inbox.h"
+
+namespace farshade {
+
+class Asking {
+ public:
+  /// Of a request for more than this share of its blocks the whole views are asked for: the set would cost
+  /// more than it saves (docs/asking.md).
+  static constexpr double kMostAsked = 0.5;
+
+  explicit Asking(Renderer& renderer) : renderer_(renderer) {}
+
+  /// Carries the mask of `base` over to the views of `request`, whose record will get `slot`, and sets what
+  /// the request asks for. It asks for whole views if `base` is null or nothing can be carried over.
+  void prepare(FrameRequest& request, std::size_t slot, const RequestRecord* base);
+  /// This frame makes no request, or one for whole views that does not look at earlier masks.
+  void skip();
+
+  /// What goes with the request. Valid until the next call.
+  [[nodiscard]] RequestParts parts() const;
+
+  /// The times of carrying over. No value if the depth of the requested views has not been drawn.
+  [[nodiscard]] const std::optional<DrawTimes>& drawn() const { return drawn_; }
+
+ private:
+  void pack(const FrameRequest& request);
+
+  Renderer& renderer_;
+  CarriedOver carried_;
+  std::optional<DrawTimes> drawn_;
+  std::optional<Time> refreshed_until_;  ///< display time of the last request
+  AskPacker packer_;
+  std::vector<std::vector<std::byte>> messages_;
+  std::size_t messages_used_ = 0;  ///< 0: whole views are asked for
+};
+
+}  // namespace farshade
