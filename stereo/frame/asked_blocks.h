@@ -2,6 +2,7 @@
 /// over from earlier masks (docs/asking.md). The unit is a block of 4x4 pixels: as many as a packet has rays.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -37,5 +38,17 @@ struct AskedBlocks {
   [[nodiscard]] bool whole() const { return tiles[0].empty() && tiles[1].empty(); }
   friend bool operator==(const AskedBlocks&, const AskedBlocks&) = default;
 };
+
+/// The share of the blocks of both eyes that is asked for: 1 if these are whole views. Blocks outside of the
+/// pictures count, too.
+[[nodiscard]] inline double share_of(const AskedBlocks& asked) {
+  std::size_t blocks = 0, tiles = 0;
+  for (const std::vector<BlockBits>& eye : asked.tiles) {
+    tiles += eye.size();
+    for (const BlockBits bits : eye) blocks += static_cast<std::size_t>(std::popcount(bits));
+  }
+  return asked.whole() ? 1
+                       : static_cast<double>(blocks) / static_cast<double>(tiles * kTileBlocks * kTileBlocks);
+}
 
 }  // namespace farshade

@@ -3,7 +3,6 @@
 // prediction takes at most 2.0 times the median G-buffer pass; reprojecting and shading takes at most 1.5
 // times shading.
 #include <CLI/CLI.hpp>
-#include <bit>
 #include <cmath>
 #include <cstdio>
 
@@ -118,15 +117,6 @@ void print_report(const Options& options, const Scene& scene, const RendererLimi
   print_ratios(times);
 }
 
-double percent_of(const AskedBlocks& asked) {
-  std::size_t blocks = 0, tiles = 0;
-  for (const std::vector<BlockBits>& eye : asked.tiles) {
-    tiles += eye.size();
-    for (const BlockBits bits : eye) blocks += static_cast<std::size_t>(std::popcount(bits));
-  }
-  return 100.0 * static_cast<double>(blocks) / static_cast<double>(16 * tiles);
-}
-
 void add_frame(Times& times, const DrawTimes& drawn, double decode_ms) {
   times.collect.push_back(decode_ms);
   times.draw.push_back(ms_of(drawn.total));
@@ -142,7 +132,7 @@ void time_carry(Renderer& renderer, const FrameRequest& request, std::size_t slo
   if (!carried) return;
   times.carry.push_back(ms_of(carried->carry));
   times.ask.push_back(ms_of(carried->total));
-  times.asked_percent.push_back(percent_of(carried_over.asked));
+  times.asked_percent.push_back(100 * share_of(carried_over.asked));
 }
 
 SceneLevels levels_for(const Scene& scene, const Options& options) {

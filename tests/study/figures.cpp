@@ -123,6 +123,7 @@ void add_times(const Played& played, std::uint32_t first, Figures& figures) {
     add("client_depth", client.depth);
     add("client_maps", client.maps);
     add("client_shade", client.shade);
+    add("client_carry", client.carry);
     add("client_turn", client.turn);
   }
   for (const FrameReport& server : reports_after(played, first)) {

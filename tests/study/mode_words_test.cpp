@@ -34,10 +34,12 @@ TEST(ModeWords, ANameAloneIsTheModeWithItsDefaults) {
 TEST(ModeWords, SetTheNamedSetting) {
   Settings hybrid;
   ASSERT_TRUE(
-      set("hybrid,reprojection=off,band=off,eyes=this,gaps=unknown,edges=nearest,predictor=hold,every=4,wait",
+      set("hybrid,ask=whole,reprojection=off,band=off,eyes=this,gaps=unknown,edges=nearest,predictor=hold,"
+          "every=4,wait",
           hybrid));
   EXPECT_EQ(hybrid.play.carry_over, (CarryOver{Lookup::Direct, Eyes::This, Gaps::Unknown, Edges::Nearest}));
   EXPECT_EQ(hybrid.play.request.guard_band, GuardBandUse::Off);
+  EXPECT_EQ(hybrid.play.request.asks, Asks::Whole);
   EXPECT_EQ(hybrid.play.request.predictor, PredictorKind::Hold);
   EXPECT_EQ(hybrid.play.request.every, 4u);
   EXPECT_GT(hybrid.play.mask_wait, Duration::zero());

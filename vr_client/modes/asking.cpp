@@ -1,28 +1,12 @@
 #include "vr_client/modes/asking.h"
 
-#include <bit>
 #include <utility>
 
 #include "stereo/base/check.h"
-#include "stereo/frame/tiles.h"
 #include "vr_client/ask/refresh.h"
 #include "vr_client/modes/masks.h"
 
 namespace farshade {
-namespace {
-
-/// The share of a view's blocks that is asked for.
-double share_of(const AskedBlocks& asked) {
-  std::size_t blocks = 0, tiles = 0;
-  for (const std::vector<BlockBits>& eye : asked.tiles) {
-    tiles += eye.size();
-    for (const BlockBits bits : eye) blocks += static_cast<std::size_t>(std::popcount(bits));
-  }
-  return static_cast<double>(blocks) / static_cast<double>(tiles * kTileBlocks * kTileBlocks);
-}
-
-}  // namespace
-
 void Asking::skip() {
   drawn_.reset();
   messages_used_ = 0;

@@ -22,6 +22,7 @@ struct FrameRecord {
   std::optional<double> guard_band;  ///< requested pixels beyond the shown ones, as a share of the shown ones
   std::optional<FrameReport> server;        ///< of the answer that this frame was the first to show
   std::optional<PerEye<EyeErrors>> errors;  ///< empty if no reference was traced
+  std::optional<double> asked{};            ///< the share of the requested views that the request asks for
 };
 
 /// Which values of a figure are worse. Where low values are worse, p95 and p99 are the 5 % and 1 % quantiles.

@@ -94,7 +94,8 @@ void RunReport::watch(const FrameView& view) {
                      .black = view.black,
                      .guard_band = guard_band_of(view),
                      .server = {},
-                     .errors = {}};
+                     .errors = {},
+                     .asked = view.request ? std::optional(share_of(view.request->asked)) : std::nullopt};
   if (!view.masks.empty())
     record.delta = pose_delta(view.shown.views[0], view.shown.display_time, view.masks[0].views[0],
                               view.masks[0].display_time);

@@ -168,8 +168,16 @@ void write_frame(const auto& shown, TraceEvents& events) {
   events.add("collect", {starts.collect, starts.draw}, frame, shown.frame);
   events.add("draw", draw, frame, shown.frame);
 
-  const std::array<TraceStage, 3> passes{
-      {{"G-buffer", shown.drawn.gbuffer}, {"depth", shown.drawn.depth}, {"shade", shown.drawn.shade}}};
+  // Before a request that asks for a part of its views their depth is drawn and a mask carried over.
+  const bool carries = shown.drawn.carry > Duration::zero();
+  if (carries) {
+    const std::array<TraceStage, 2> before{{{"depth", shown.drawn.depth}, {"carry", shown.drawn.carry}}};
+    const TimeSpan asked{std::max(starts.request, starts.collect - total_of(before)), starts.collect};
+    events.add_stages(before, asked, events.thread(TraceRow::Device, asked), shown.frame);
+  }
+  const std::array<TraceStage, 3> passes{{{"G-buffer", shown.drawn.gbuffer},
+                                          {"depth", carries ? Duration::zero() : shown.drawn.depth},
+                                          {"shade", shown.drawn.shade}}};
   const TimeSpan device{std::max(draw.begin, draw.end - total_of(passes)), draw.end};
   events.add_stages(passes, device, events.thread(TraceRow::Device, device), shown.frame);
 }

@@ -177,7 +177,10 @@ TEST(FrameLog, HasARowForEveryStage) {
   FrameLog log;
   FrameRecord made = record(1);
   made.times = {
-      {.gbuffer = 3ms, .depth = 4ms, .shade = 6ms, .maps = 5ms, .turn = 7ms, .total = 8ms}, 1ms, 2ms, 9ms};
+      {.gbuffer = 3ms, .depth = 4ms, .shade = 6ms, .maps = 5ms, .carry = 15ms, .turn = 7ms, .total = 8ms},
+      1ms,
+      2ms,
+      9ms};
   made.server = FrameReport{.primary = 10ms, .shadow = 11ms, .draw = 12ms, .pack = 13ms, .waited = 14ms};
   log.add(made);
   const auto rows = log.summary();
@@ -186,6 +189,7 @@ TEST(FrameLog, HasARowForEveryStage) {
       {"client", "collect masks", 2},
       {"client", "G-buffer", 3},
       {"client", "depth of requested views", 4},
+      {"client", "carry over to requested views", 15},
       {"client", "shadow maps", 5},
       {"client", "reproject and shade", 6},
       {"client", "turn", 7},
@@ -202,6 +206,14 @@ TEST(FrameLog, HasARowForEveryStage) {
     EXPECT_DOUBLE_EQ(found->spread.median, ms) << group << " " << metric;
     EXPECT_EQ(found->unit, "ms");
   }
+}
+
+TEST(FrameLog, SaysWhichShareWasAskedFor) {
+  FrameLog log;
+  FrameRecord made = record(1);
+  made.asked = 0.125;
+  log.add(made);
+  EXPECT_DOUBLE_EQ(row(log.summary(), "wire", "asked for")->spread.median, 12.5);
 }
 
 TEST(FrameLog, AHighShareOfTheNewestMaskIsBetter) {

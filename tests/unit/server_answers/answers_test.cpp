@@ -6,8 +6,10 @@
 #include "rt_server/answers/answer_renderer.h"
 #include "rt_server/answers/video.h"
 #include "stereo/base/check.h"
+#include "stereo/frame/tiles.h"
 #include "stereo/net/assembler.h"
 #include "stereo/scene/gltf.h"
+#include "stereo/wire/ask_coder.h"
 
 namespace farshade {
 namespace {
@@ -180,6 +182,59 @@ TEST_F(ServerAnswers, MasksOfPositionsCoverOnlyReceivedPositions) {
   EXPECT_TRUE(received().complete(Side::Left));
   job_.parts.clear();
   EXPECT_FALSE(received().anything_known()) << "nothing of the earlier request is left";
+}
+
+/// Only the blocks are traced and sent whose AskSlice has come.
+TEST_F(ServerAnswers, MasksOfAskedBlocksCoverOnlyReceivedAskSlices) {
+  std::mt19937 random(5);  // noise packs badly and needs several slices
+  for (View& view : job_.request.views) view.size = {1024, 1024};
+  const PerEye<EyeMask> truth = received().masks;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> lost;
+  AskPacker packer;
+  AskedBlocks asked;
+  for (const Side side : kSides) {
+    std::vector<BlockBits>& tiles = asked.tiles[index_of(side)];
+    tiles.resize(TileGrid{job_.request.views[0].size}.count());
+    for (BlockBits& blocks : tiles) blocks = static_cast<BlockBits>(random() & random());
+    packer.start(job_.request.frame, side, job_.request.views[0].size, tiles);
+    while (const std::optional<AskSlice> slice = packer.next()) {
+      ++job_.request.answer.slices;
+      const bool is_lost = side == Side::Left && slice->first_tile > 0 && lost.empty();
+      if (is_lost)
+        lost.emplace_back(slice->first_tile, slice->first_tile + slice->tile_count);
+      else
+        encode(ClientMessage(*slice), job_.parts.emplace_back());
+    }
+  }
+  ASSERT_EQ(lost.size(), 1u) << "an eye needs several slices";
+  // The client knows what it has asked for; the server must find out.
+  FrameRequest expected = job_.request;
+  expected.asked = asked;
+  packer_.begin();
+  answers_.answer(job_, packer_, {});
+  Assembler assembler;
+  assembler.expect(expected, {narrow<std::uint32_t>(scene_.lights.size())}, kFirstLightSet);
+  for (const std::vector<std::byte>& message : packer_.finish({.frame = job_.request.frame})) {
+    const Decoded<ServerMessage> decoded = decode_server(message);
+    if (const auto* slice = decoded ? std::get_if<Slice>(&*decoded) : nullptr) assembler.accept(*slice);
+  }
+  const RequestRecord& part = *assembler.find(job_.request.frame);
+  EXPECT_TRUE(part.complete(Side::Right));
+  const TileGrid grid{truth[0].size()};
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
+      const bool is_lost = eye == 0 && tile >= lost[0].first && tile < lost[0].second;
+      if (asked.at(eye, tile) == kNoBlocks) continue;
+      ASSERT_EQ(part.known_tiles[eye][tile] != 0, !is_lost) << tile;
+      const TileRect rect = grid.rect(tile);
+      std::size_t wrong = 0;
+      for (std::uint32_t y = rect.y0; y < rect.y1; ++y)
+        for (std::uint32_t x = rect.x0; x < rect.x1; ++x) {
+          const bool has_come = !is_lost && (asked.at(eye, tile) & block_bit(x - rect.x0, y - rect.y0)) != 0;
+          wrong += part.masks[eye].word(x, y) != (has_come ? truth[eye].word(x, y) : 0);
+        }
+      ASSERT_EQ(wrong, 0u) << tile;
+    }
 }
 
 /// Pictures after a device loss equal those before it.

@@ -103,6 +103,34 @@ TEST(ServerPositions, OfAnotherRequestOrTooManyAreStray) {
   EXPECT_EQ(bench.core->counters().sessions.requests, 1u) << "positions are no requests";
 }
 
+TEST(ServerPositions, BlocksAreAskedForWithMasksAndPositionsSentWithTheirOwnKind) {
+  Bench bench;
+  FrameRequest request = request_of(1, {32, 32});
+  request.answer = {.kind = Answer::Masks, .slices = 2};
+  const auto say_blocks = [&](std::uint32_t frame, std::uint32_t tile) {
+    const std::array block{std::byte{1}};
+    Bytes message, datagram;
+    encode(ClientMessage(AskSlice{
+               .frame = {frame}, .size = {32, 32}, .first_tile = tile, .tile_count = 1, .block = block}),
+           message);
+    bench.client.sealer->seal(message, datagram);
+    bench.client.say(datagram);
+  };
+  bench.client.say(bench.client.ask(request));
+  bench.say_positions(1);
+  say_blocks(1, 0);
+  bench.pass(1ms);
+  EXPECT_TRUE(bench.brought.empty());
+  EXPECT_EQ(bench.core->counters().sessions.stray, 1u) << "positions of a request for masks";
+  say_blocks(1, 1);
+  bench.pass(1ms);
+  EXPECT_EQ(bench.brought, std::vector<std::size_t>{2});
+  bench.client.say(bench.client.ask(with_positions(2, 1)));
+  say_blocks(2, 0);
+  bench.pass(1ms);
+  EXPECT_EQ(bench.core->counters().sessions.stray, 2u) << "blocks of a request with positions";
+}
+
 TEST(ServerPositions, ANewerRequestTakesThePlaceOfOneThatWaitsForThem) {
   Bench bench;
   bench.client.say(bench.client.ask(with_positions(1, 2)));

@@ -1,0 +1,97 @@
+/// Asking, with a renderer and a tracer but without a network: each mask is composed of what was carried over
+/// and what was asked for, and is the base of the next one.
+#include "vr_client/modes/asking.h"
+
+#include "stereo/base/check.h"
+#include "stereo/net/frame_packer.h"
+#include "tests/golden/test_rig.h"
+
+namespace farshade {
+namespace {
+
+constexpr Duration kApart = std::chrono::milliseconds(28);
+
+class AskingAgain : public OnLavapipe {
+ protected:
+  /// Makes the request number `number` for `views` and takes its whole answer. `spoil` changes the traced
+  /// masks.
+  void ask(std::uint32_t number, const StereoView& views,
+           const std::function<void(ShadowFrame&)>& spoil = {}) {
+    FrameRequest request{
+        .frame = {number}, .display_time = Time(kApart * number), .scene_time = {}, .views = views};
+    asking_.prepare(request, assembler_.next_slot(), base_);
+    asked_ = request.asked;
+    assembler_.expect(request, layout_, kFirstLightSet, {}, asking_.parts().carried);
+    if (!asking_.drawn()) renderer_.keep_depth(request, assembler_.find(request.frame)->slot, distances_);
+    tracer_.trace(request, traced_);
+    if (spoil) spoil(traced_);
+    packer_.begin();
+    packer_.add(traced_, request.asked);
+    for (const std::vector<std::byte>& message : packer_.finish({.frame = request.frame}))
+      if (const auto decoded = decode_server(message);
+          const auto* const slice = std::get_if<Slice>(&*decoded))
+        assembler_.accept(*slice);
+    base_ = assembler_.find(request.frame);
+    ASSERT_TRUE(base_->complete());
+  }
+
+  /// The share of wrong bits in the newest mask, percent.
+  double wrong_percent() {
+    ShadowFrame truth;
+    FrameRequest whole = base_->request;
+    whole.asked = {};
+    tracer_.trace(whole, truth);
+    std::size_t wrong = 0, all = 0;
+    for (std::size_t eye = 0; eye < kEyes; ++eye)
+      for_pixels(truth.masks[eye].size(), [&](std::uint32_t x, std::uint32_t y) {
+        wrong += truth.masks[eye].word(x, y) != base_->masks[eye].word(x, y);
+        ++all;
+      });
+    return 100 * static_cast<double>(wrong) / static_cast<double>(all);
+  }
+
+  Scene scene_ = bundled("box_over_plane.gltf");
+  MaskLayout layout_{narrow<std::uint32_t>(scene_.lights.size())};
+  Tracer tracer_ = Tracer::create(scene_).value();
+  Renderer renderer_{device_, scene_, RendererLimits{{256, 256}, {256, 256}, 8}};
+  Asking asking_{renderer_};
+  Assembler assembler_;
+  FramePacker packer_;
+  ShadowFrame traced_;
+  PerEye<Image<float>> distances_;
+  const RequestRecord* base_ = nullptr;
+  AskedBlocks asked_;
+};
+
+TEST_F(AskingAgain, AsksForWholeViewsFirstAndForAPartThen) {
+  const Rigid<Stage, Head> head = head_at_camera(scene_);
+  ask(1, eyes_of(head, 256));
+  EXPECT_TRUE(asked_.whole());
+  EXPECT_TRUE(asking_.parts().messages.empty());
+  for (std::uint32_t number = 2; number < 20; ++number) {
+    ask(number, eyes_of(moved(head, 0.01 * number, {0.002 * number, 0, 0}), 256));
+    EXPECT_GT(share_of(asked_), 0.01) << number;
+    EXPECT_LT(share_of(asked_), 0.4) << number;
+    EXPECT_FALSE(asking_.parts().messages.empty());
+    EXPECT_LT(wrong_percent(), 0.05) << number;
+  }
+  // After a jump to another place.
+  ask(20, eyes_of(head_looking({0.2, 2.5, -0.2}, {0, 0, 0}), 256));
+  EXPECT_GT(share_of(asked_), 0.05);
+  EXPECT_LT(wrong_percent(), 0.05);
+}
+
+TEST_F(AskingAgain, WrongBitsLiveForASecondAtMost) {
+  const StereoView views = eyes_of(head_at_camera(scene_), 256);
+  ask(1, views, [](ShadowFrame& frame) {
+    for (EyeMask& mask : frame.masks)
+      std::ranges::fill(mask.bytes(), std::byte{1});  // all lit: no edge to ask for
+  });
+  EXPECT_GT(wrong_percent(), 5);
+  const auto until = static_cast<std::uint32_t>(std::chrono::seconds(1) / kApart) + 2;
+  for (std::uint32_t number = 2; number <= until; ++number) ask(number, views);
+  EXPECT_LT(wrong_percent(), 0.05);
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,80 @@
+// Requests for what is unknown, over networks in virtual time: the same masks as from requests for whole
+// views, for fewer rays; and losses that are asked for again.
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "stereo/gpu/device.h"
+#include "stereo/head/reader.h"
+#include "stereo/scene/gltf.h"
+#include "tests/network/rehearsal.h"
+
+namespace farshade {
+namespace {
+
+/// The bundled room at its first instant: nothing moves.
+Scene still_room() {
+  Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
+  scene.animation_length_s = 0;
+  for (Node& node : scene.nodes) node.moving = false;
+  return scene;
+}
+
+struct Asked {
+  double mask_error_percent = 0, psnr_db = 0;  ///< means of the compared frames, worse eye
+  double worst_unknown_percent = 0;            ///< of the second half of the run
+  std::uint64_t rays = 0;                      ///< of all answers
+  double asked_percent = 0;                    ///< median of the requests
+};
+
+class Asking : public testing::Test {
+ protected:
+  Asked asked(const char* network, Asks asks) {
+    Play play{.device = device_,
+              .scene = scene_,
+              .head = head_,
+              .size = {512, 512},
+              .frames = 64,
+              .reference_every = 4};
+    play.request.asks = asks;
+    const Played played = farshade::play(play, network_from(network).value());
+    const auto mean = [](const std::vector<double>& values) {
+      return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+    };
+    Asked result{.mask_error_percent = 100 * mean(played.worse_eye(&EyeErrors::mask_error)),
+                 .psnr_db = mean(played.worse_eye(&EyeErrors::psnr_db))};
+    const std::vector<double> unknown = played.worse_eye(&EyeErrors::unknown);
+    for (std::size_t i = unknown.size() / 2; i < unknown.size(); ++i)
+      result.worst_unknown_percent = std::max(result.worst_unknown_percent, 100 * unknown[i]);
+    for (const FrameReport& report : played.reports) result.rays += report.primary_rays + report.shadow_rays;
+    std::vector<double> shares;
+    for (const FrameRecord& record : played.log.records())
+      if (record.asked) shares.push_back(100 * *record.asked);
+    result.asked_percent = quantile(shares, 0.5);
+    return result;
+  }
+
+  gpu::Device device_ = gpu::open_device({.name_contains = "llvmpipe"}).value();
+  Scene scene_ = still_room();
+  HeadRecording head_ = load_head_recording(FARSHADE_ASSETS "/walk.csv", {}).value();
+};
+
+TEST_F(Asking, ForWhatIsUnknownGivesTheSameMasksForFewerRays) {
+  const Asked whole = asked("delay=25ms", Asks::Whole), unknown = asked("delay=25ms", Asks::Unknown);
+  EXPECT_EQ(whole.asked_percent, 100);
+  EXPECT_LT(unknown.asked_percent, 50);
+  EXPECT_LT(unknown.rays * 10, whole.rays * 7);
+  EXPECT_NEAR(unknown.mask_error_percent, whole.mask_error_percent, 0.01);
+  EXPECT_NEAR(unknown.psnr_db, whole.psnr_db, 0.1);
+}
+
+TEST_F(Asking, AsksAgainForWhatWasLost) {
+  const Asked perfect = asked("delay=25ms", Asks::Unknown),
+              lossy = asked("delay=25ms,loss=5%", Asks::Unknown);
+  EXPECT_GT(lossy.psnr_db, perfect.psnr_db - 0.5);
+  EXPECT_LT(lossy.worst_unknown_percent, 1);
+  EXPECT_NE(lossy.rays, perfect.rays) << "nothing was lost";
+}
+
+}  // namespace
+}  // namespace farshade
