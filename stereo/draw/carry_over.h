@@ -34,6 +34,13 @@ struct TracedMask {
   const AskedBlocks* asked = nullptr;
 };
 
+/// The blocks of a tile that are known: those that were carried over, and once all planes of the tile have
+/// come, all.
+[[nodiscard]] inline BlockBits known_blocks(const TracedMask& mask, std::size_t eye, std::size_t tile) {
+  if (mask.known_tiles[eye][tile] == all_planes_known(mask.masks[eye].layout())) return kAllBlocks;
+  return mask.asked == nullptr ? kNoBlocks : static_cast<BlockBits>(~mask.asked->at(eye, tile));
+}
+
 enum class Lookup : std::uint8_t {
   Reproject,  ///< projects surface points into the traced views
   Direct,     ///< reads the newest mask at the shown pixel, without regard to poses

@@ -12,6 +12,16 @@ gpu::Buffer mapped(const gpu::Device& device, std::size_t bytes, const char* nam
                                  gpu::Use::Masks);
 }
 
+/// Writes which blocks of each tile of an eye are known. Returns whether all are.
+bool write_known(const TracedMask& mask, std::size_t eye, std::span<std::uint16_t> blocks) {
+  bool whole = true;
+  for (std::size_t tile = 0; tile < mask.known_tiles[eye].size(); ++tile) {
+    blocks[tile] = known_blocks(mask, eye, tile);
+    whole &= blocks[tile] == kAllBlocks;
+  }
+  return whole;
+}
+
 }  // namespace
 
 static_assert(kTileSide_px == FARSHADE_TILE_PX && kBlockSide_px == FARSHADE_BLOCK_PX);
@@ -60,20 +70,6 @@ bool DeviceMasks::upload(std::size_t slot, const TracedMask& mask) const {
     }
     const std::size_t tiles = known_bytes_ / sizeof(std::uint16_t);
     whole &= write_known(mask, eye, known_.as<std::uint16_t>().subspan(at * tiles, tiles));
-  }
-  return whole;
-}
-
-/// Writes which blocks of each tile are known: those that were not asked for, and in tiles of which all
-/// planes have come all of them. Returns whether all are.
-bool DeviceMasks::write_known(const TracedMask& mask, std::size_t eye,
-                              std::span<std::uint16_t> blocks) const {
-  bool whole = true;
-  for (std::size_t tile = 0; tile < mask.known_tiles[eye].size(); ++tile) {
-    const bool has_come = mask.known_tiles[eye][tile] == all_planes_known(plan_.mask);
-    const BlockBits asked = mask.asked == nullptr ? kAllBlocks : mask.asked->at(eye, tile);
-    blocks[tile] = has_come ? kAllBlocks : static_cast<BlockBits>(~asked);
-    whole &= blocks[tile] == kAllBlocks;
   }
   return whole;
 }

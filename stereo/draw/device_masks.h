@@ -39,8 +39,6 @@ class DeviceMasks {
 
  private:
   [[nodiscard]] bool upload(std::size_t slot, const TracedMask& mask) const;
-  [[nodiscard]] bool write_known(const TracedMask& mask, std::size_t eye,
-                                 std::span<std::uint16_t> blocks) const;
 
   const DrawPlan& plan_;
   std::size_t mask_bytes_, known_bytes_;  ///< of one eye

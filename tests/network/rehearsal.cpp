@@ -56,20 +56,21 @@ double known_share(const RequestRecord& frame) {
   std::size_t known = 0, all = 0;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     known += frame.tiles_known[eye];
-    all += frame.known_tiles[eye].size() * frame.masks[eye].layout().planes();
+    all += frame.tiles_asked[eye] * frame.masks[eye].layout().planes();
   }
   return static_cast<double>(known) / static_cast<double>(all);
 }
 
-/// The share of the newest mask's tiles that arrived in it or in the next older mask.
+/// The share of the newest mask's tiles that are known in it or in the next older mask.
 double recent_share(std::span<const TracedMask> masks) {
   std::size_t known = 0, all = 0;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    const KnownTiles& newest = masks[0].known_tiles[eye];
     const bool comparable = masks.size() > 1 && masks[1].views[eye].size == masks[0].views[eye].size;
-    const KnownTiles& before = comparable ? masks[1].known_tiles[eye] : newest;
-    for (std::size_t tile = 0; tile < newest.size(); ++tile) known += newest[tile] != 0 || before[tile] != 0;
-    all += newest.size();
+    const TracedMask& before = comparable ? masks[1] : masks[0];
+    const std::size_t tiles = masks[0].known_tiles[eye].size();
+    for (std::size_t tile = 0; tile < tiles; ++tile)
+      known += (known_blocks(masks[0], eye, tile) | known_blocks(before, eye, tile)) == kAllBlocks;
+    all += tiles;
   }
   return static_cast<double>(known) / static_cast<double>(all);
 }

@@ -173,8 +173,7 @@ Lookup MaskSources::lookup(const FrameRequest& shown, Lookup requested) const {
   if (masks_.empty()) return requested;
   const TracedMask& first = masks_[0];
   const auto is_same = [&](std::size_t eye) {
-    return shares_pixels(shown.views[eye], first.views[eye]) &&
-           is_whole(first.known_tiles[eye], first.masks[eye].layout());
+    return shares_pixels(shown.views[eye], first.views[eye]) && records_[0]->complete(kSides[eye]);
   };
   const bool is_exact = is_same(0) && is_same(1) && first.light_set_revision == shown.lights.revision &&
                         (!is_animated_ || same_instant(first.scene_time, shown.scene_time));

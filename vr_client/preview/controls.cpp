@@ -24,6 +24,7 @@ constexpr KeyBinding kKeyTable[] = {
     {Key::R, Command::Reprojection, "reprojection on or off"},
     {Key::P, Command::NextPredictor, "next predictor"},
     {Key::B, Command::GuardBand, "guard band on or off"},
+    {Key::U, Command::AskWhole, "ask for what is unknown, or for whole views"},
     {Key::Plus, Command::SlowerMasks, "request masks half as often"},
     {Key::Minus, Command::FasterMasks, "request masks twice as often, at last as often as needed"},
     {Key::RightBracket, Command::WorsePath, "25 ms more latency"},
@@ -117,6 +118,7 @@ void change_carry_over(Command command, Controls& controls) {
   }
   if (command == Command::GuardBand)
     request.guard_band = request.guard_band == GuardBandUse::Off ? GuardBandUse::Measured : GuardBandUse::Off;
+  if (command == Command::AskWhole) request.asks = request.asks == Asks::Whole ? Asks::Unknown : Asks::Whole;
   if (command == Command::SlowerMasks)
     request.every = std::min(std::max(request.every, 1u) * 2, kRarestMasks);
   if (command == Command::FasterMasks) request.every /= 2;

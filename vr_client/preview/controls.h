@@ -47,6 +47,7 @@ enum class Command : std::uint8_t {
   Reprojection,
   NextPredictor,
   GuardBand,
+  AskWhole,
   SlowerMasks,
   FasterMasks,
   WorsePath,

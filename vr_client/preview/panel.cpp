@@ -78,6 +78,8 @@ void draw_masks(Controls& controls, const PanelFacts& facts) {
   ImGui::SameLine();
   box("band on", controls.settings.request.guard_band == GuardBandUse::Measured, Command::GuardBand, controls,
       facts.context);
+  ImGui::SameLine();
+  box("ask whole", controls.settings.request.asks == Asks::Whole, Command::AskWhole, controls, facts.context);
   choose("predictor", kPredictorKinds, controls.settings.request.predictor,
          [](PredictorKind kind) { return to_string(kind); });
 }

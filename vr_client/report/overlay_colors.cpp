@@ -61,6 +61,10 @@ Rgb8 stale_tint(Rgb8 color) {
   return mixed(color, kStaleColor, 0.5f);
 }
 
+Rgb8 carried_tint(Rgb8 color) {
+  return Rgb8((glm::uvec3(color) + 255u) / 2u);
+}
+
 Rgb8 guard_band_tint(Rgb8 color) {
   return mixed(color, kGuardBandColor, 0.5f);
 }

@@ -41,6 +41,8 @@ inline constexpr Rgb8 kUnknownColor(255, 140, 0), kStaleColor(255, 40, 40), kThi
 
 /// Colour of a traced pixel that is not shown.
 [[nodiscard]] Rgb8 guard_band_tint(Rgb8 color);
+/// Of a source whose bits were carried over, not asked for: paler.
+[[nodiscard]] Rgb8 carried_tint(Rgb8 color);
 
 /// The results of `get` for 0, 1, .. count - 1. A picture computes its colours once, not for each pixel.
 template <class Get>

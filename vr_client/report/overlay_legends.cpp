@@ -13,6 +13,7 @@ namespace {
 
 std::vector<LegendEntry> source_legend() {
   return {{kThisEyeColor, "newest mask of this eye, darker with age"},
+          {carried_tint(kThisEyeColor), "the same, carried over, not asked for"},
           {kOtherEyeColor, "newest mask of the other eye"},
           {older_color(1), "one mask older"},
           {older_color(2), "two older"},

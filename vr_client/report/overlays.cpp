@@ -147,10 +147,12 @@ bool on_outline(const Image<std::uint8_t>& seen, std::uint32_t x, std::uint32_t 
 }
 
 /// Number of lights that are visible from the traced pixel. Nothing if its tile has not arrived.
-std::optional<std::size_t> lights_lit(const EyeMask& bits, const KnownTiles& known, std::uint32_t x,
+std::optional<std::size_t> lights_lit(const TracedMask& mask, std::size_t eye, std::uint32_t x,
                                       std::uint32_t y) {
+  const EyeMask& bits = mask.masks[eye];
   const std::uint32_t tile = y / kTileSide_px * TileGrid{bits.size()}.columns() + x / kTileSide_px;
-  if (known[tile] != all_planes_known(bits.layout())) return std::nullopt;
+  if ((known_blocks(mask, eye, tile) & block_bit(x % kTileSide_px, y % kTileSide_px)) == 0)
+    return std::nullopt;
   int lit = 0;
   for (std::uint32_t plane = 0; plane < bits.layout().planes(); ++plane)
     lit += std::popcount(bits.word(x, y, plane));
@@ -184,7 +186,7 @@ Image<Rgb8> guard_band_picture(const OverlayInput& input) {
       if (on_outline(seen, x, y)) {
         color = kOutlineColor;
       } else if (is_traced) {
-        const auto lit = lights_lit(mask, input.newest->known_tiles[eye], static_cast<std::uint32_t>(at.x),
+        const auto lit = lights_lit(*input.newest, eye, static_cast<std::uint32_t>(at.x),
                                     static_cast<std::uint32_t>(at.y));
         color = !lit ? kUnknownColor : is_seen ? greys[*lit] : tinted[*lit];
       } else if (is_seen) {
@@ -192,6 +194,22 @@ Image<Rgb8> guard_band_picture(const OverlayInput& input) {
       }
     }
   return picture;
+}
+
+/// Makes the pixels paler whose bits in this eye's newest mask were carried over, not asked for.
+void mark_carried(const OverlayInput& input, Image<Rgb8>& picture) {
+  if (input.newest == nullptr || input.newest->asked == nullptr || input.report.sources.empty()) return;
+  const std::size_t eye = index_of(input.side);
+  const TileGrid grid{input.newest->views[eye].size};
+  for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
+    if (input.report.sources[i] != 0) continue;
+    const auto x = static_cast<std::uint32_t>(input.report.positions[i][0]),
+               y = static_cast<std::uint32_t>(input.report.positions[i][1]);
+    const BlockBits asked =
+        input.newest->asked->at(eye, y / kTileSide_px * grid.columns() + x / kTileSide_px);
+    if ((asked & block_bit(x % kTileSide_px, y % kTileSide_px)) == 0)
+      picture.pixels[i] = carried_tint(picture.pixels[i]);
+  }
 }
 
 }  // namespace
@@ -222,8 +240,11 @@ Image<Rgb8> overlay_picture(Overlay overlay, const OverlayInput& input) {
   switch (overlay) {
     case Overlay::None:
       return input.shown;
-    case Overlay::Source:
-      return source_picture(input.report, input.ages, input.shown.size);
+    case Overlay::Source: {
+      Image<Rgb8> picture = source_picture(input.report, input.ages, input.shown.size);
+      mark_carried(input, picture);
+      return picture;
+    }
     case Overlay::Age:
       return age_picture(input);
     case Overlay::Unknown:

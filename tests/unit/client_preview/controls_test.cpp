@@ -76,6 +76,8 @@ TEST_F(ControlsTest, ReprojectionGuardBandAndPredictorsChangeTheFrameSettings) {
   EXPECT_EQ(controls_.settings.carry_over.lookup, Lookup::Direct);
   execute(Command::Reprojection);
   EXPECT_EQ(controls_.settings.carry_over.lookup, Lookup::Reproject);
+  execute(Command::AskWhole);
+  EXPECT_EQ(controls_.settings.request.asks, Asks::Whole);
   execute(Command::GuardBand);
   EXPECT_EQ(controls_.settings.request.guard_band, GuardBandUse::Off);
   std::set<PredictorKind> predictors;
