@@ -63,9 +63,9 @@ Pixel carry(SourceData source, vec4 window, vec2 center, float depth) {
                block_known(source, inside(source, corner + ivec2(0, 1))) && block_known(source, inside(source, corner + 1));
   bool within = all(greaterThanEqual(corner, ivec2(0))) && all(lessThan(corner + 1, ivec2(source.per_step.zw)));
   bool covered = all(greaterThan(depths, vec4(0.0)));
-  bool same = abs(between - there) <= tolerance;
+  bool same = abs(between - there) <= tolerance;  // false behind the mask's eye, where both are negative
   bool agree = !near_shadow_edge(source, pixel, at);
-  return Pixel(p.z < 0.0 && within && known && covered && same && agree, pixel);
+  return Pixel(within && known && covered && same && agree, pixel);
 }
 
 // Whether an instance that has moved may have changed a bit at `position` (eye-relative, stage axes).
