@@ -86,6 +86,23 @@ TEST(SourcePicture, TellsEverySourceApart) {
   EXPECT_EQ(picture.at(6, 0), kBlack);
 }
 
+TEST(SourceOverlay, MakesWhatWasCarriedOverPaler) {
+  const Extent traced{32, 16};
+  const View view{{}, {-0.5, 0.5, 0.5, -0.5}, traced};
+  const StereoView views{view, view};
+  const PerEye<EyeMask> bits{EyeMask(traced, 1), EyeMask(traced, 1)};
+  const PerEye<KnownTiles> known{KnownTiles{1, 0}, KnownTiles{1, 0}};
+  const AskedBlocks asked{{std::vector<BlockBits>{1, 0}, std::vector<BlockBits>{0, 0}}};
+  Frame frame(report_of({0, 0, 0}));
+  frame.report.positions = {{3.5f, 3.5f}, {4.5f, 3.5f}, {20.5f, 3.5f}};
+  frame.newest.emplace(TracedMask{{1}, {}, {}, views, bits, known, 0, kFirstLightSet, &asked});
+  const Image<Rgb8> picture = frame.drawn(Overlay::Source);
+  EXPECT_EQ(picture.at(0, 0), Rgb8(60, 220, 90)) << "asked for";
+  EXPECT_EQ(picture.at(1, 0), frame.explained(Overlay::Source)[1].color) << "the next block was carried over";
+  EXPECT_EQ(picture.at(2, 0), picture.at(1, 0)) << "and so was the whole next tile";
+  EXPECT_NE(picture.at(1, 0), picture.at(0, 0));
+}
+
 TEST(SourcePicture, DrawsRedLinesOverWhatIsStaleInAnyPlane) {
   ShownReport report = report_of(std::vector<std::uint8_t>(12, 0), 40);
   for (std::size_t pixel = 4; pixel < 8; ++pixel) report.stale[pixel * 2] = 1;
