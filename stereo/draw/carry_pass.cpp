@@ -72,11 +72,11 @@ void CarryPass::prepare(const FrameRequest& request, const DepthRing::Place& pla
     light_buffer_.as<gpu::LightData>()[i] = light_data(request.views, lights.lights[i]);
 }
 
-void CarryPass::prepare_warm_up() {
-  frame_buffer_.as<gpu::FrameData>()[0] = {};
-  size_ = {1, 1};
+void CarryPass::make_all_pipelines() {
   for (std::uint32_t eye = 0; eye < kEyes; ++eye)
-    for (const bool whole : {false, true}) need_pipeline({eye, whole, plan_.anything_moves()});
+    for (const bool whole : {false, true})
+      for (const bool moved : {false, true})
+        if (!moved || plan_.anything_moves()) need_pipeline({eye, whole, moved});
 }
 
 const vk::raii::Pipeline& CarryPass::need_pipeline(const Key& key) {

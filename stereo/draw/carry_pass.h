@@ -25,8 +25,8 @@ class CarryPass {
   void prepare(const FrameRequest& request, const DepthRing::Place& place, const TracedMask& base,
                const LightSet& lights, const Motion& since);
 
-  /// Prepares a pass over no pixels.
-  void prepare_warm_up();
+  /// Creates every pipeline that `record` can need.
+  void make_all_pipelines();
 
   void record(const vk::raii::CommandBuffer& commands);
 

@@ -187,6 +187,7 @@ void Renderer::Parts::compile_ahead(const CarryOver& carry_over, PixelReport rep
   gbuffer_.prepare_warm_up();
   if (plan_.depth_pass && !depth_pass_) make_depth_pass();
   if (depth_pass_) depth_pass_->prepare_warm_up();
+  if (carries_masks(plan_)) need_carry().make_all_pipelines();
   frame_buffer_.as<gpu::FrameData>()[0] = {};  // pictures of no pixels
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
     gbuffer_.record(commands, ring_, ring_.shown());
@@ -235,7 +236,7 @@ std::optional<DrawTimes> Renderer::Parts::carry(const FrameRequest& request, std
   if (!carries_masks(plan_) || !ring_.has(base.frame)) return std::nullopt;
   const SceneState state = state_at(scene_, request.scene_time, request.lights);
   const Motion since = motion_since(base, state);
-  if (since.stale_lights.any()) return std::nullopt;
+  if (since.stale_lights.any() || since.changed_lights.any()) return std::nullopt;
   const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
   if (!place || !ring_.has(base.frame)) return std::nullopt;
   if (!depth_pass_) make_depth_pass();

@@ -162,6 +162,16 @@ TEST_F(Carry, NeedsWholeViewsWhereALightHasMoved) {
   EXPECT_FALSE(rig.carry(kNow, views, base).has_value());
 }
 
+TEST_F(Carry, NeedsWholeViewsWhereALightWasSwitched) {
+  TestRig rig(device_, bundled("room.glb"), kSide_px);
+  const StereoView views = rig.eyes(rig.head());
+  const Mask base = rig.ask(kTraced, views);
+  LightChanges changes;
+  change(changes, 0, false, std::nullopt);
+  rig.set_lights(changes);
+  EXPECT_FALSE(rig.carry(kNow, views, base).has_value());
+}
+
 TEST_F(Carry, StaysRightWhenItIsDoneAgainAndAgain) {
   TestRig rig(device_, bundled("room.glb"), kSide_px);
   Mask base = rig.ask({1}, rig.eyes(rig.head()));

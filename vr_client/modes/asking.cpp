@@ -1,7 +1,5 @@
 #include "vr_client/modes/asking.h"
 
-#include <utility>
-
 #include "stereo/base/check.h"
 #include "vr_client/ask/refresh.h"
 #include "vr_client/modes/masks.h"
@@ -14,11 +12,11 @@ void Asking::skip() {
 
 void Asking::prepare(FrameRequest& request, std::size_t slot, const RequestRecord* base) {
   skip();
-  const std::optional<Time> since = std::exchange(refreshed_until_, request.display_time);
-  if (base == nullptr || !since) return;
+  if (base == nullptr) return;
   drawn_ = renderer_.carry(request, slot, mask_of(*base), carried_);
   if (!drawn_) return;
-  for (std::vector<BlockBits>& eye : carried_.asked.tiles) add_refresh(*since, request.display_time, eye);
+  for (std::vector<BlockBits>& eye : carried_.asked.tiles)
+    add_refresh(base->request.display_time, request.display_time, eye);
   if (share_of(carried_.asked) <= kMostAsked) pack(request);
   if (messages_used_ == 0) return;
   request.asked = carried_.asked;

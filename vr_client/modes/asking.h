@@ -38,7 +38,6 @@ class Asking {
   Renderer& renderer_;
   CarriedOver carried_;
   std::optional<DrawTimes> drawn_;
-  std::optional<Time> refreshed_until_;  ///< display time of the last request
   AskPacker packer_;
   std::vector<std::vector<std::byte>> messages_;
   std::size_t messages_used_ = 0;  ///< 0: whole views are asked for

@@ -102,7 +102,8 @@ void Exchange::wait_for_answer() {
 bool Exchange::wait_until_idle(Duration patience) {
   const auto known = [&] {
     const RequestRecord* const received = link_->inbox().find(requested_);
-    return received == nullptr ? 0 : received->pieces_known();
+    // A report alone is news, too: nothing that was asked for has reached the server.
+    return received == nullptr ? 0 : received->pieces_known() + (received->report ? 1 : 0);
   };
   std::uint32_t before = 0;
   Duration idle{};

@@ -40,10 +40,13 @@ class Hybrid final : public ModePipeline {
 
   const FrameRequest* request(const FrameInputs& inputs) override {
     FrameRequest* const request = exchange_.plan(inputs, {.kind = Answer::Masks});
-    if (request != nullptr && inputs.settings.request.asks == Asks::Unknown && exchange_.takes_parts())
-      asking_.prepare(*request, exchange_.next_slot(), exchange_.newest_settled(inputs));
-    else
+    if (request != nullptr && inputs.settings.request.asks == Asks::Unknown && exchange_.takes_parts()) {
+      // Receives first: what has come decides which slot is next.
+      const RequestRecord* const base = exchange_.newest_settled(inputs);
+      asking_.prepare(*request, exchange_.next_slot(), base);
+    } else {
       asking_.skip();
+    }
     exchange_.send(inputs, asking_.parts());
     return request_ = request;
   }
