@@ -42,7 +42,8 @@ std::string counters_line(const ServerCounters& counters) {
   const GateCounters& gate = counters.gate;
   return fmt::format(
       "rt_server: {} clients, {} requests, {} superseded, {} outdated, {} too large, {} for answers "
-      "not offered, {} stray parts of requests, {} frames, {} datagrams and {} bytes sent, {} unsent, {} datagrams "
+      "not offered, {} stray parts of requests, {} frames, {} datagrams and {} bytes sent, {} unsent, {} "
+      "datagrams "
       "received, {} oversized, {} refused{}; hellos: {} without a cookie, {} repeated; not admitted: {} of "
       "another version, {} without a known key, {} of another scene, {} because the server was full, {} over "
       "the handshake limit; sessions: {} open, {} timed out, {} replaced, {} ended because their answer is "

@@ -1,8 +1,7 @@
-/// KnownTiles: the tiles of a mask that have arrived. A pixel of a tile that has not arrived is unknown; its
-/// visibility is never guessed.
+/// KnownTiles: the tiles of a mask that have arrived. An asked block of a tile that has not arrived is
+/// unknown; its visibility is never guessed.
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -17,12 +16,6 @@ static_assert(MaskLayout{kMaxLights}.planes() <= 8);
 
 [[nodiscard]] constexpr std::uint8_t all_planes_known(MaskLayout layout) {
   return static_cast<std::uint8_t>((1u << layout.planes()) - 1);
-}
-
-/// True if all planes of all tiles are known.
-[[nodiscard]] inline bool is_whole(const KnownTiles& tiles, MaskLayout layout) {
-  return std::all_of(tiles.begin(), tiles.end(),
-                     [all = all_planes_known(layout)](std::uint8_t tile) { return tile == all; });
 }
 
 }  // namespace farshade

@@ -2,7 +2,7 @@
 ///
 /// Shadows have few edges, and edges go on from row to row and from light to light. So most tiles are what
 /// their neighbours are, most blocks of the others too, and most rows of the blocks that an edge crosses are
-/// what the rows above let expect (guess.h). Each of these guesses costs one decision of the range coder.
+/// what the rows above let expect (row_guess.h). Each of these guesses costs one decision of the range coder.
 /// Only where a row's guess fails, its four pixels are coded one by one.
 #pragma once
 

@@ -34,8 +34,8 @@ inline constexpr Duration kSessionTimeout = std::chrono::seconds(10);
 inline constexpr Duration kUnconfirmedTimeout = std::chrono::seconds(5);  ///< before the first such datagram
 static_assert(kUnconfirmedTimeout > kCookieLife && kSessionTimeout > kCookieLife);
 static_assert(kKeepaliveInterval < kServerSilenceAfterNoSession);
-/// The server traces a request this long after the last of its parts that came (positions, or blocks asked for), if some
-/// are missing.
+/// The server traces a request this long after the last of its parts that came (positions, or blocks asked
+/// for), if some are missing.
 inline constexpr Duration kPartsTimeout = std::chrono::milliseconds(10);
 
 }  // namespace farshade

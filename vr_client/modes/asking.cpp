@@ -5,6 +5,7 @@
 #include "vr_client/modes/masks.h"
 
 namespace farshade {
+
 void Asking::skip() {
   drawn_.reset();
   messages_used_ = 0;

@@ -55,6 +55,18 @@ struct Client {
   Exchange exchange;
 };
 
+/// If everything that a request asked for was lost on the way to the server, its answer is a report alone.
+TEST(Exchange, AReportAloneEndsTheWaitOfVirtualTime) {
+  Client client({.pace = Pace::Virtual, .delay = 20ms});
+  client.link.on_wait = [&](FrameId frame) { client.link.deliver(frame, Part::Report); };
+  client.ask(1);
+  client.receive();
+  EXPECT_LE(client.link.waited, 1500ms);
+  client.ask(2);
+  client.receive();
+  EXPECT_GT(client.link.waited, 1500ms) << "the client goes on to wait for a server that answers";
+}
+
 TEST(Exchange, SendsWhatItHasPlanned) {
   Client client;
   const FrameRequest* const request = client.ask(1);
