@@ -1,7 +1,10 @@
 /// AskedBlocks: the part of both views that a request asks for. A client asks only for what it cannot carry
-/// over from earlier masks (docs/asking.md). The unit is a block of 4x4 pixels: as many as a packet has rays.
+/// over from earlier masks (docs/asking.md). The unit is one share of the lights in a block of 4x4 pixels: as
+/// many as a packet has rays.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <span>
@@ -26,26 +29,64 @@ static_assert(kTileBlocks * kTileBlocks == 16);
   return static_cast<BlockBits>(1u << (kTileBlocks * (y / kBlockSide_px) + x / kBlockSide_px));
 }
 
+/// Lights are asked for in up to eight shares: share s has the lights s, s + 8, s + 16, and so on. So it is
+/// bit s of each byte of a mask word, and up to eight lights have a share each.
+inline constexpr std::uint32_t kMostShares = 8;
+
+/// Number of shares of so many lights. Masks without a light have one share, too.
+[[nodiscard]] constexpr std::uint32_t shares_of(std::uint32_t lights) {
+  return std::clamp(lights, 1u, kMostShares);
+}
+
+/// The asked blocks of one tile, share by share. Shares that the mask does not have are empty.
+struct AskedTile {
+  std::array<BlockBits, kMostShares> shares{};
+
+  /// The blocks that are asked for in light `light` of the mask.
+  [[nodiscard]] constexpr BlockBits of(std::uint32_t light) const { return shares[light % kMostShares]; }
+  /// The blocks that are asked for in any light.
+  [[nodiscard]] constexpr BlockBits any() const {
+    BlockBits blocks = kNoBlocks;
+    for (const BlockBits share : shares) blocks |= share;
+    return blocks;
+  }
+  /// The shares of a block as bits.
+  [[nodiscard]] constexpr std::uint8_t at(std::uint32_t block) const {
+    std::uint32_t bits = 0;
+    for (std::uint32_t share = 0; share < kMostShares; ++share)
+      bits |= (shares[share] >> block & 1u) << share;
+    return static_cast<std::uint8_t>(bits);
+  }
+  friend bool operator==(const AskedTile&, const AskedTile&) = default;
+};
+
+/// Asks for all lights in these blocks.
+[[nodiscard]] constexpr AskedTile all_lights_in(BlockBits blocks, std::uint32_t lights) {
+  AskedTile tile;
+  for (std::uint32_t share = 0; share < shares_of(lights); ++share) tile.shares[share] = blocks;
+  return tile;
+}
+
 /// For each eye one entry per tile (TileGrid order). An eye without entries is asked for as a whole.
 struct AskedBlocks {
-  PerEye<std::vector<BlockBits>> tiles;
+  PerEye<std::vector<AskedTile>> tiles;
 
-  /// The blocks of a tile.
+  /// The blocks of a tile that are asked for in any light.
   [[nodiscard]] BlockBits at(std::size_t eye, std::size_t tile) const {
-    return tiles[eye].empty() ? kAllBlocks : tiles[eye][tile];
+    return tiles[eye].empty() ? kAllBlocks : tiles[eye][tile].any();
   }
   /// Both eyes are asked for as a whole.
   [[nodiscard]] bool whole() const { return tiles[0].empty() && tiles[1].empty(); }
   friend bool operator==(const AskedBlocks&, const AskedBlocks&) = default;
 };
 
-/// The share of the blocks of both eyes that is asked for: 1 if these are whole views. Blocks outside of the
-/// pictures count, too.
+/// The share of the blocks of both eyes that is asked for in any light: 1 if these are whole views. Blocks
+/// outside of the pictures count, too.
 [[nodiscard]] inline double share_of(const AskedBlocks& asked) {
   std::size_t blocks = 0, tiles = 0;
-  for (const std::vector<BlockBits>& eye : asked.tiles) {
+  for (const std::vector<AskedTile>& eye : asked.tiles) {
     tiles += eye.size();
-    for (const BlockBits bits : eye) blocks += static_cast<std::size_t>(std::popcount(bits));
+    for (const AskedTile& tile : eye) blocks += static_cast<std::size_t>(std::popcount(tile.any()));
   }
   return asked.whole() ? 1
                        : static_cast<double>(blocks) / static_cast<double>(tiles * kTileBlocks * kTileBlocks);
