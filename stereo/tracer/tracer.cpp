@@ -338,6 +338,10 @@ TraceStats Tracer::trace(const FrameRequest& request, const PerEye<PositionPlane
   return impl_->trace_frame(PerEye<PlacedEye>{placed(0), placed(1)}, false, frame);
 }
 
+MaskLayout Tracer::layout() const {
+  return impl_->plan.mask;
+}
+
 TracerMemory Tracer::memory() const {
   const SurfaceModel& model = impl_->model;
   TracerMemory memory{.vertices = model.positions().size_bytes() + model.normals().size_bytes(),

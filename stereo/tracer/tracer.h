@@ -100,6 +100,7 @@ class Tracer {
                    const PositionGrid& grid, ShadowFrame& frame);
 
   [[nodiscard]] TracerMemory memory() const;
+  [[nodiscard]] MaskLayout layout() const;
 
  private:
   struct Impl;
