@@ -1,6 +1,7 @@
-/// Ask coder: packs the blocks that a request asks for into AskSlices that decode independently.
+/// Ask coder: packs what a request asks for into AskSlices that decode independently.
 ///
-/// A tile's blocks are one cell (cells.h). Asked blocks follow shadow edges, so they are thin curves.
+/// The blocks of a share of the lights in a tile are one cell (cells.h). Asked blocks follow shadow edges, so
+/// they are thin curves.
 #pragma once
 
 #include <array>
@@ -22,7 +23,8 @@ namespace farshade {
 inline constexpr std::size_t kAnyModels = 0;                   ///< 4 x 4 x 3 x 3
 inline constexpr std::size_t kEveryModels = kAnyModels + 144;  ///< 4 x 4
 inline constexpr std::size_t kBlockModels = kEveryModels + 16;
-inline constexpr std::size_t kAskModels = kBlockModels + 4 * kBitContexts;
+inline constexpr std::size_t kShareModels = kBlockModels + 4 * kBitContexts;  ///< 4 x 4 x 2
+inline constexpr std::size_t kAskModels = kShareModels + 32;
 
 /// Probabilities of a 0 in 1/256: wire_bench --train.
 extern const std::array<std::uint8_t, kAskModels> kInitialAskModels;
@@ -32,13 +34,16 @@ using AskModels = ModelSet<kAskModels>;
 template <class Io>
 class AskCoder {
  public:
-  AskCoder(Io& io, AskModels& models, std::uint32_t columns) : io_(io), models_(models), columns_(columns) {}
+  /// For tiles in so many columns, and masks of so many lights.
+  AskCoder(Io& io, AskModels& models, std::uint32_t columns, std::uint32_t lights)
+      : io_(io), models_(models), columns_(columns), shares_(shares_of(lights)) {}
 
-  /// Codes the next tile. An encoder takes `blocks`, a decoder sets it.
-  void tile(std::uint32_t tile, BlockBits& blocks);
+  /// Codes the next tile. An encoder takes `asked`, a decoder sets it.
+  void tile(std::uint32_t tile, AskedTile& asked);
 
  private:
-  [[nodiscard]] Neighbour near(std::uint32_t tile, int dx, int dy) const;
+  [[nodiscard]] const AskedTile* near(std::uint32_t tile, int dx, int dy) const;
+  void cell(const Neighbours& around, Cell& cell);
   Cell mixed(const Neighbours& around, Cell cell);
   bool code(std::size_t model, bool value) {
     io_.bit(models_.at(model), value);
@@ -47,24 +52,24 @@ class AskCoder {
 
   Io& io_;
   AskModels& models_;
-  std::uint32_t columns_;
-  std::vector<Cell> coded_;
+  std::uint32_t columns_, shares_;
+  std::vector<AskedTile> coded_;
 };
 
 /// Packs one eye after another.
 ///
-///     packer.start(frame, eye, size, asked);
+///     packer.start(frame, eye, size, lights, asked);
 ///     while (const std::optional<AskSlice> slice = packer.next()) send(*slice);
 class AskPacker {
  public:
   /// `asked` has one entry for each tile of a view of `size`. It must stay unchanged until the last slice.
-  void start(FrameId frame, Side eye, Extent size, std::span<const BlockBits> asked);
+  void start(FrameId frame, Side eye, Extent size, std::uint32_t lights, std::span<const AskedTile> asked);
 
   /// Returns the next slice, or nothing after the last. Its block is valid until the next call.
   [[nodiscard]] std::optional<AskSlice> next();
 
  private:
-  std::span<const BlockBits> asked_;
+  std::span<const AskedTile> asked_;
   AskSlice slice_;  ///< fields that all slices of this eye share, and the next slice's first tile
   std::vector<std::byte> block_;
 };
@@ -72,8 +77,9 @@ class AskPacker {
 /// Writes the tiles of a decoded slice into `asked` and sets their entries in `known` to 1. Both have one
 /// entry for each tile. Returns how many of the entries in `known` were 0 before: 0 for a duplicate. Refuses
 /// a slice whose grid has another number of tiles, and a block that does not end with the slice's tiles.
-/// After a refusal asked and known are unchanged.
-[[nodiscard]] Decoded<std::uint32_t> decode_ask_slice(const AskSlice& slice, std::vector<BlockBits>& asked,
+/// After a refusal asked and known are unchanged. The caller checks that slice.lights is the number of lights
+/// that it has.
+[[nodiscard]] Decoded<std::uint32_t> decode_ask_slice(const AskSlice& slice, std::vector<AskedTile>& asked,
                                                       KnownTiles& known);
 
 }  // namespace farshade

@@ -42,7 +42,7 @@ enum Touch : std::uint32_t { kClear, kSet, kBoth, kUnknown };
 }
 
 inline constexpr std::uint32_t kLastColumn = 0x8888, kLastRow = 0xf000;
-inline constexpr std::uint32_t kLowerLeft = 0x1000, kLowerRight = 0x8000;
+inline constexpr std::uint32_t kUpperRight = 0x0008, kLowerLeft = 0x1000, kLowerRight = 0x8000;
 
 /// The cells around a cell.
 struct Neighbours {

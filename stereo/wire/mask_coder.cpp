@@ -1,18 +1,28 @@
 #include "stereo/wire/mask_coder.h"
 
+#include <algorithm>
+#include <span>
+
 #include "stereo/wire/decision_counts.h"
 
 namespace farshade {
 namespace {
 
-/// What is known of a tile, as one of three contexts: it has one value for each light, or not, or is unknown.
-std::uint32_t kind_of(const CodedTile* tile) {
-  return tile == nullptr ? 2 : tile->varies != 0 ? 1 : 0;
+/// What is known of `lights` in a tile, as one of three contexts: those that it has have one value each, or
+/// not, or it has none of them.
+std::uint32_t kind_of(const CodedTile* tile, std::uint32_t lights) {
+  if (tile == nullptr || (tile->lights & lights) == 0) return 2;
+  return (tile->varies & lights) != 0 ? 1 : 0;
+}
+
+/// The lights that have one value in a tile.
+std::uint32_t even_lights(const CodedTile* tile) {
+  return tile == nullptr ? 0 : tile->lights & ~tile->varies;
 }
 
 /// What is known of a light in a tile.
 Touch state_of(const CodedTile* tile, std::uint32_t light) {
-  if (tile == nullptr) return kUnknown;
+  if (tile == nullptr || (tile->lights >> light & 1) == 0) return kUnknown;
   if ((tile->varies >> light & 1) != 0) return kBoth;
   return (tile->value >> light & 1) != 0 ? kSet : kClear;
 }
@@ -136,8 +146,9 @@ void add_edges(const Neighbours& around, std::uint32_t cell, Cell& beside, Cell&
 
 }  // namespace
 
-void CodedTiles::add(BlockBits known, const TileBits& bits) {
-  tiles_.push_back({.known = known,
+void CodedTiles::add(const AskedTile& asked, std::uint32_t lights, const TileBits& bits) {
+  tiles_.push_back({.asked = asked,
+                    .lights = lights,
                     .varies = bits.varies,
                     .value = bits.value,
                     .first = static_cast<std::uint32_t>(cells_.size())});
@@ -151,7 +162,7 @@ const CodedTile* CodedTiles::near(int dx, int dy) const {
   const std::int64_t at = static_cast<std::int64_t>(tiles_.size()) + dy * std::int64_t{columns_} + dx;
   if (at < 0) return nullptr;
   const CodedTile& tile = tiles_[static_cast<std::size_t>(at)];
-  return tile.known != kNoBlocks ? &tile : nullptr;
+  return tile.lights != 0 ? &tile : nullptr;
 }
 
 void CodedTiles::read(const CodedTile& tile, TileBits& bits) const {
@@ -162,37 +173,65 @@ void CodedTiles::read(const CodedTile& tile, TileBits& bits) const {
     bits.cells[static_cast<std::size_t>(std::countr_zero(rest))] = cells_[at++];
 }
 
-/// The lights of one pixel of a neighbour; those of an unknown block are 0.
 template <class Io>
-std::uint32_t MaskCoder<Io>::touching_word(const CodedTile& tile, std::uint32_t block,
-                                           std::uint32_t bit) const {
-  std::uint32_t word = 0;
-  for (std::uint32_t light = 0; light < lights_; ++light)
-    word |= (coded_.cell(&tile, light, block) >> bit & 1) << light;
-  return word;
+void MaskCoder<Io>::tile(const AskedTile& asked, TileBits& bits) {
+  asked_ = asked;
+  asked_lights_ = lights_asked(asked, lights_);
+  bits.varies = asked_lights_ & bits.varies;
+  bits.value = asked_lights_ & bits.value;
+  if (asked_lights_ != 0) {
+    whole_ = std::ranges::all_of(std::span(asked.shares).first(shares_of(lights_)),
+                                 [](BlockBits blocks) { return blocks == kAllBlocks; });
+    west_ = coded_.near(-1, 0);
+    north_ = coded_.near(0, -1);
+    north_west_ = coded_.near(-1, -1);
+    north_east_ = coded_.near(1, -1);
+    if (!as_guessed(bits)) {
+      varied_ = 0;
+      for (std::uint32_t rest = asked_lights_; rest != 0; rest &= rest - 1)
+        light(static_cast<std::uint32_t>(std::countr_zero(rest)), bits);
+    }
+  }
+  coded_.add(asked, asked_lights_, bits);
 }
 
-/// Codes whether all lights have in all pixels the value that they have beside the tile's first pixel. Then
-/// the tile is complete.
+template <class Io>
+void MaskCoder<Io>::plain_tile(const AskedTile& asked, TileBits& bits) {
+  bits.varies = lights_asked(asked, lights_);
+  bits.value = 0;
+  for (std::uint32_t light = 0; light < lights_; ++light)
+    for (std::uint32_t block = 0; block < 16; ++block)
+      if ((asked.of(light) >> block & 1) != 0) io_.plain(bits.cells[light][block]);
+  coded_.add(asked, bits.varies, bits);
+}
+
+/// For each light its value in the tile left, if it has one there, else in the tile above, else in the pixel
+/// left of the tile's first, else in the pixel above that, else 0.
+template <class Io>
+std::uint32_t MaskCoder<Io>::guess() const {
+  const std::uint32_t left = even_lights(west_), above = even_lights(north_) & ~left;
+  std::uint32_t word = (left != 0 ? west_->value & left : 0) | (above != 0 ? north_->value & above : 0);
+  for (std::uint32_t rest = asked_lights_ & ~(left | above); rest != 0; rest &= rest - 1) {
+    const auto light = static_cast<std::uint32_t>(std::countr_zero(rest));
+    Touch beside = touch(coded_.cell(west_, light, 3), kUpperRight);
+    if (beside == kUnknown) beside = touch(coded_.cell(north_, light, 12), kLowerLeft);
+    if (beside == kSet) word |= 1u << light;
+  }
+  return word & asked_lights_;
+}
+
+/// Codes whether all lights have their guess in all pixels. Then the tile is complete.
 template <class Io>
 bool MaskCoder<Io>::as_guessed(TileBits& bits) {
-  const std::uint32_t west = kind_of(west_), north = kind_of(north_);
-  std::uint32_t guess = 0;
-  if (west == 0)
-    guess = west_->value;
-  else if (north == 0)
-    guess = north_->value;
-  else if (west == 1)
-    guess = touching_word(*west_, 3, 3);
-  else if (north == 1)
-    guess = touching_word(*north_, 12, 12);
-  const bool agree = west == 0 && north == 0 && west_->value == north_->value;
-  const bool whole = asked_ == kAllBlocks;
+  const std::uint32_t west = kind_of(west_, asked_lights_), north = kind_of(north_, asked_lights_);
+  const std::uint32_t north_east = kind_of(north_east_, asked_lights_), guessed = guess();
+  const bool agree = west == 0 && north == 0 &&
+                     ((west_->value ^ north_->value) & west_->lights & north_->lights & asked_lights_) == 0;
   const std::size_t context =
-      (((west * 3 + north) * 3 + kind_of(north_east_)) * 2 + (agree ? 1 : 0)) * 2 + (whole ? 1 : 0);
-  if (code(kTileModels + context, bits.varies != 0 || bits.value != guess)) return false;
+      (((west * 3 + north) * 3 + north_east) * 2 + (agree ? 1 : 0)) * 2 + (whole_ ? 1 : 0);
+  if (code(kTileModels + context, bits.varies != 0 || bits.value != guessed)) return false;
   bits.varies = 0;
-  bits.value = guess;
+  bits.value = guessed;
   return true;
 }
 
@@ -200,8 +239,9 @@ template <class Io>
 void MaskCoder<Io>::light(std::uint32_t light, TileBits& bits) {
   const std::uint32_t mask = 1u << light;
   const Touch west = state_of(west_, light), north = state_of(north_, light);
-  const std::uint32_t before = light == 0 ? 0 : varied_ == 0 ? 1 : 2;
-  const std::uint32_t whole = asked_ == kAllBlocks ? 0 : 1;
+  const bool is_first = (asked_lights_ & (mask - 1)) == 0;
+  const std::uint32_t before = is_first ? 0 : varied_ == 0 ? 1 : 2;
+  const std::uint32_t whole = asked_.of(light) == kAllBlocks ? 0 : 1;
   if (code(kLightModels + ((whole * 3 + before) * 4 + west) * 4 + north, (bits.varies & mask) != 0)) {
     bits.varies |= mask;
     bits.value &= ~mask;
@@ -214,13 +254,13 @@ void MaskCoder<Io>::light(std::uint32_t light, TileBits& bits) {
     return;
   }
   bits.varies &= ~mask;
-  const std::uint32_t left = three_of(touch(coded_.cell(west_, light, 3), 0x0008));
+  const std::uint32_t left = three_of(touch(coded_.cell(west_, light, 3), kUpperRight));
   const std::uint32_t above = three_of(touch(coded_.cell(north_, light, 12), kLowerLeft));
   const bool set = code(kValueModels + left * 3 + above, (bits.value & mask) != 0);
   bits.value = set ? bits.value | mask : bits.value & ~mask;
 }
 
-/// Codes the asked cells of a light that varies.
+/// Codes the cells of a light that varies in the blocks that are asked for in it.
 template <class Io>
 void MaskCoder<Io>::cells(std::uint32_t light, TileCells& cells) {
   // Rows and columns 1 to 4 are the tile's cells, row 0 and column 0 the cells before them.
@@ -233,10 +273,11 @@ void MaskCoder<Io>::cells(std::uint32_t light, TileCells& cells) {
     grid[i + 1] = coded_.cell(north_, light, 12 + i);
     grid[(i + 1) * kColumns] = coded_.cell(west_, light, kTileBlocks * i + 3);
   }
-  const bool more_follow = light + 1 < lights_;
+  const bool more_follow = asked_lights_ >> light >> 1 != 0;
+  const std::uint32_t asked = asked_.of(light);
   CellCoder<Io> coder(io_, models_, varied_ != 0);
   for (std::uint32_t block = 0; block < 16; ++block) {
-    if ((asked_ >> block & 1) == 0) continue;
+    if ((asked >> block & 1) == 0) continue;
     const std::uint32_t at = (block / kTileBlocks + 1) * kColumns + block % kTileBlocks + 1;
     const Neighbours around{.west = grid[at - 1],
                             .north = grid[at - kColumns],

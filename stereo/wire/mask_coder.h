@@ -1,4 +1,5 @@
-/// Mask coder: codes the asked blocks of one plane (up to 32 lights) of a mask's tiles.
+/// Mask coder: codes one plane (up to 32 lights) of a mask's tiles: of each light the blocks that are asked
+/// for in it.
 ///
 /// Shadows have few edges, and edges go on from row to row and from light to light. So most tiles are what
 /// their neighbours are, most blocks of the others too, and most rows of the blocks that an edge crosses are
@@ -21,7 +22,8 @@ namespace farshade {
 
 /// A tile of a slice after it was coded.
 struct CodedTile {
-  BlockBits known = kNoBlocks;  ///< its blocks that are in the slice
+  AskedTile asked{};         ///< its blocks that are in the slice
+  std::uint32_t lights = 0;  ///< those of the plane that some block is asked for in
   std::uint32_t varies = 0, value = 0;
   std::uint32_t first = 0;  ///< index of the cells of the first light that varies; the others follow
 };
@@ -36,14 +38,14 @@ class CodedTiles {
     tiles_.clear();
     cells_.clear();
   }
-  void add(BlockBits known, const TileBits& bits);
+  void add(const AskedTile& asked, std::uint32_t lights, const TileBits& bits);
   void add_nothing() { tiles_.emplace_back(); }
 
   [[nodiscard]] std::uint32_t next() const { return first_ + static_cast<std::uint32_t>(tiles_.size()); }
-  /// The tile (dx, dy) away from the next one; null if it has no block in this slice.
+  /// The tile (dx, dy) away from the next one; null if it has no light in this slice.
   [[nodiscard]] const CodedTile* near(int dx, int dy) const;
   [[nodiscard]] Neighbour cell(const CodedTile* tile, std::uint32_t light, std::uint32_t block) const {
-    if (tile == nullptr || (tile->known >> block & 1) == 0) return kUnknownCell;
+    if (tile == nullptr || (tile->asked.of(light) >> block & 1) == 0) return kUnknownCell;
     if ((tile->varies >> light & 1) == 0) return cell_of((tile->value >> light & 1) != 0);
     return cells_[tile->first + rank(tile->varies, light)][block];
   }
@@ -77,39 +79,18 @@ class MaskCoder {
     return is_plain;
   }
 
-  /// Codes the blocks `asked`, at least one, of the next tile and adds it to the coded tiles. If `sent` is
-  /// false, nothing but that is coded. An encoder takes `sent` and `bits`, a decoder sets them.
-  void tile(BlockBits asked, bool& sent, TileBits& bits) {
-    io_.bit(models_.at(kSentModel), sent);
-    if (!sent) return coded_.add_nothing();
-    asked_ = asked;
-    west_ = coded_.near(-1, 0);
-    north_ = coded_.near(0, -1);
-    north_west_ = coded_.near(-1, -1);
-    north_east_ = coded_.near(1, -1);
-    if (!as_guessed(bits)) {
-      varied_ = 0;
-      for (std::uint32_t light = 0; light < lights_; ++light) this->light(light, bits);
-    }
-    coded_.add(asked, bits);
-  }
+  /// Codes what is asked for of the next tile and adds it to the coded tiles. Lights that are not asked for
+  /// cost no decision. An encoder takes `bits` as split_tile() makes them, a decoder sets them.
+  void tile(const AskedTile& asked, TileBits& bits);
 
   /// The same for a tile whose cells are coded as plain bits.
-  void plain_tile(BlockBits asked, TileBits& bits) {
-    bits.varies = MaskLayout{lights_}.used_bits(0);
-    bits.value = 0;
-    for (std::uint32_t light = 0; light < lights_; ++light)
-      for (std::uint32_t block = 0; block < 16; ++block)
-        if ((asked >> block & 1) != 0) io_.plain(bits.cells[light][block]);
-    coded_.add(asked, bits);
-  }
+  void plain_tile(const AskedTile& asked, TileBits& bits);
 
  private:
+  [[nodiscard]] std::uint32_t guess() const;
   bool as_guessed(TileBits& bits);
   void light(std::uint32_t light, TileBits& bits);
   void cells(std::uint32_t light, TileCells& cells);
-  [[nodiscard]] std::uint32_t touching_word(const CodedTile& tile, std::uint32_t block,
-                                            std::uint32_t bit) const;
 
   /// Codes one decision and returns it.
   bool code(std::size_t model, bool value) {
@@ -122,7 +103,9 @@ class MaskCoder {
   CodedTiles& coded_;
   std::uint32_t lights_;
   // The tile being coded.
-  BlockBits asked_ = kNoBlocks;
+  AskedTile asked_{};
+  std::uint32_t asked_lights_ = 0;  ///< those of the plane that some block is asked for in
+  bool whole_ = false;              ///< all blocks are asked for in all lights of the plane
   const CodedTile *west_ = nullptr, *north_ = nullptr, *north_west_ = nullptr, *north_east_ = nullptr;
   std::uint32_t varied_ = 0;  ///< lights so far that vary
   /// Pixels that differ from the one left of them, or above them, in a light so far.

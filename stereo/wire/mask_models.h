@@ -12,9 +12,8 @@
 namespace farshade {
 
 // The first model of each kind of decision. PROTOCOL.md describes the decisions and their contexts.
-inline constexpr std::size_t kSentModel = 0;
-inline constexpr std::size_t kPlainModel = 1;
-inline constexpr std::size_t kTileModels = 2;                   ///< 3 x 3 x 3 x 2 x 2
+inline constexpr std::size_t kPlainModel = 0;
+inline constexpr std::size_t kTileModels = 1;                   ///< 3 x 3 x 3 x 2 x 2
 inline constexpr std::size_t kLightModels = kTileModels + 108;  ///< 2 x 3 x 4 x 4
 inline constexpr std::size_t kValueModels = kLightModels + 96;  ///< 3 x 3
 inline constexpr std::size_t kCellModels = kValueModels + 9;    ///< 4 x 4 x 3 x 3

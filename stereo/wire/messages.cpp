@@ -90,7 +90,7 @@ bool fields(auto& io, Either<RequestMessage> auto& message) {
 }
 
 bool fields(auto& io, Either<AskSlice> auto& slice) {
-  return io.u32(slice.frame.value) && io.code(slice.eye) && fields(io, slice.size) &&
+  return io.u32(slice.frame.value) && io.code(slice.eye) && fields(io, slice.size) && io.u16(slice.lights) &&
          io.u32(slice.first_tile) && io.u16(slice.tile_count) && io.rest(slice.block);
 }
 
@@ -202,7 +202,8 @@ Verdict verdict_on_tiles(const auto& slice) {
 }
 
 Verdict verdict(const AskSlice& slice) {
-  return verdict_on_tiles(slice);
+  if (const Verdict why = verdict_on_tiles(slice)) return why;
+  return slice.lights <= kMaxLights ? kFine : WireRefusal::Lights;
 }
 
 Verdict verdict(const Slice& slice) {

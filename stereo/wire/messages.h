@@ -23,7 +23,7 @@
 
 namespace farshade {
 
-inline constexpr std::uint16_t kProtocolVersion = 4;
+inline constexpr std::uint16_t kProtocolVersion = 5;
 inline constexpr std::size_t kMaxDatagram_bytes = 1200;  ///< UDP payload, sealing included
 inline constexpr std::size_t kSealing_bytes = 39;  ///< the part of a datagram that sealing needs (envelope.h)
 inline constexpr std::size_t kMaxMessage_bytes = kMaxDatagram_bytes - kSealing_bytes;
@@ -67,12 +67,13 @@ struct AskSlice {
   FrameId frame{};
   Side eye = Side::Left;
   Extent size{};                       ///< of the requested view
+  std::uint32_t lights = 0;            ///< in the requested mask
   std::uint32_t first_tile = 0;        ///< in TileGrid{size}
   std::uint32_t tile_count = 0;        ///< 1 or more, first_tile + tile_count within the grid
   std::span<const std::byte> block{};  ///< points into the received message or the packer
 };
 /// Bytes of an AskSlice message before its block.
-inline constexpr std::size_t kAskSliceHeader_bytes = 16;
+inline constexpr std::size_t kAskSliceHeader_bytes = 18;
 inline constexpr std::size_t kMaxAskBlock_bytes = kMaxMessage_bytes - kAskSliceHeader_bytes;
 
 using ClientMessage = std::variant<RequestMessage, AskSlice, PlaneSlice>;

@@ -9,35 +9,38 @@ namespace {
 
 constexpr std::uint32_t kMostSliceTiles = 0xffff;  // what the field of the message can hold
 
-/// The first decision of a slice: it has one tile, in plain bits. It costs one bit. With the tile's lights,
-/// whether it is sent (at most 9 bits), and the last byte, any tile fits.
+/// The first decision of a slice: it has one tile, in plain bits. It costs at most 9 bits. With the tile's
+/// lights and the last byte, any tile fits.
 constexpr std::size_t kPlainTile_bytes = 32 * 256 / 8;
 static_assert(kPlainTile_bytes + 4 <= kMaxBlock_bytes, "any tile fits, even if nothing in it can be guessed");
 
 }  // namespace
 
-AskedTiles::AskedTiles(Extent size, std::span<const BlockBits> asked)
+AskedTiles::AskedTiles(Extent size, std::uint32_t lights, std::span<const AskedTile> asked)
     : grid_{size},
+      every_(all_lights_in(kAllBlocks, lights)),
       asked_(asked),
       columns_(grid_.columns()),
       last_row_(grid_.count() - std::min(grid_.count(), columns_)) {
   check(asked.empty() || asked.size() == grid_.count(), "each tile has asked blocks, or all are asked for");
 }
 
-BlockBits AskedTiles::at(std::uint32_t tile) const {
-  const BlockBits asked = asked_.empty() ? kAllBlocks : asked_[tile];
+AskedTile AskedTiles::at(std::uint32_t tile) const {
+  AskedTile asked = asked_.empty() ? every_ : asked_[tile];
   const bool is_inside = tile % columns_ + 1 < columns_ && tile < last_row_;
-  return is_inside || asked == kNoBlocks ? asked
-                                         : static_cast<BlockBits>(asked & blocks_in(grid_.rect(tile)));
+  const BlockBits inside = is_inside ? kAllBlocks : blocks_in(grid_.rect(tile));
+  for (std::uint32_t share = 0; share < kMostShares; ++share)
+    asked.shares[share] &= static_cast<BlockBits>(every_.shares[share] & inside);
+  return asked;
 }
 
 std::uint32_t AskedTiles::count() const {
   std::uint32_t tiles = 0;
-  for (std::uint32_t tile = 0; tile < grid_.count(); ++tile) tiles += at(tile) != kNoBlocks;
+  for (std::uint32_t tile = 0; tile < grid_.count(); ++tile) tiles += at(tile).any() != kNoBlocks;
   return tiles;
 }
 
-void SlicePacker::start(const ShadowFrame& frame, Side eye, std::span<const BlockBits> asked,
+void SlicePacker::start(const ShadowFrame& frame, Side eye, std::span<const AskedTile> asked,
                         std::span<const std::uint8_t> sent) {
   mask_ = &frame.masks[index_of(eye)];
   asked_ = asked;
@@ -71,10 +74,10 @@ std::optional<Slice> SlicePacker::next() {
 
 /// Goes to the first tile of the next slice.
 void SlicePacker::find_asked_tile() {
-  const AskedTiles asked(slice_.size, asked_);
+  const AskedTiles asked(slice_.size, slice_.lights, asked_);
   const std::uint32_t tiles = TileGrid{slice_.size}.count();
   while (slice_.first_tile < tiles &&
-         (asked.at(slice_.first_tile) == kNoBlocks || !is_sent(slice_.first_tile)))
+         (asked.at(slice_.first_tile).any() == kNoBlocks || !is_sent(slice_.first_tile)))
     ++slice_.first_tile;
 }
 
@@ -82,17 +85,15 @@ bool SlicePacker::is_sent(std::uint32_t tile) const {
   return sent_.empty() || sent_[tile] != 0;
 }
 
-/// Reads a tile from the mask. Returns false if it is not sent.
-bool SlicePacker::read(std::uint32_t tile, BlockBits asked) {
-  if (!sent_.empty() && sent_[tile] == 0) return false;
+/// Reads a tile from the mask.
+void SlicePacker::read(std::uint32_t tile, const AskedTile& asked) {
   split_tile(*mask_, TileGrid{slice_.size}.rect(tile), slice_.plane, asked, bits_);
-  return true;
 }
 
 /// Codes as many tiles as fit, which may be none.
 void SlicePacker::pack_tiles() {
   const TileGrid grid{slice_.size};
-  const AskedTiles asked(slice_.size, asked_);
+  const AskedTiles asked(slice_.size, slice_.lights, asked_);
   MaskModels models(kInitialMaskModels);
   coded_.start(grid.columns(), slice_.first_tile);
   RangeEncoder encoder(block_);
@@ -103,13 +104,13 @@ void SlicePacker::pack_tiles() {
   const std::uint32_t end = std::min(grid.count(), slice_.first_tile + kMostSliceTiles);
   for (std::uint32_t tile = slice_.first_tile; tile < end; ++tile) {
     if (!is_sent(tile)) break;
-    const BlockBits blocks = asked.at(tile);
-    if (blocks == kNoBlocks) {
+    const AskedTile in_tile = asked.at(tile);
+    if (in_tile.any() == kNoBlocks) {
       coded_.add_nothing();
       continue;
     }
-    bool sent = read(tile, blocks);
-    coder.tile(blocks, sent, bits_);
+    read(tile, in_tile);
+    coder.tile(in_tile, bits_);
     if (encoder.size_bytes() > kMaxBlock_bytes) break;
     fits = encoder.mark();
     slice_.tile_count = tile - slice_.first_tile + 1;
@@ -120,16 +121,16 @@ void SlicePacker::pack_tiles() {
 
 /// Codes one tile in plain bits.
 void SlicePacker::pack_plain() {
-  const BlockBits blocks = AskedTiles(slice_.size, asked_).at(slice_.first_tile);
+  const AskedTile asked = AskedTiles(slice_.size, slice_.lights, asked_).at(slice_.first_tile);
   MaskModels models(kInitialMaskModels);
   coded_.start(TileGrid{slice_.size}.columns(), slice_.first_tile);
   RangeEncoder encoder(block_);
   MaskCoder coder(encoder, models, coded_, mask_->layout().lights_in(slice_.plane));
   coder.form(true);
-  check(read(slice_.first_tile, blocks), "a tile that is not sent fits");
+  read(slice_.first_tile, asked);
   for (std::uint32_t light = 0; light < 32; ++light)
     if ((bits_.varies >> light & 1) == 0) bits_.cells[light].fill(cell_of((bits_.value >> light & 1) != 0));
-  coder.plain_tile(blocks, bits_);
+  coder.plain_tile(asked, bits_);
   encoder.finish();
   slice_.tile_count = 1;
 }
@@ -146,14 +147,13 @@ bool decode(const Slice& slice, const AskedTiles& asked, std::uint32_t lights, T
   const bool plain = coder.form(false);
   if (plain && slice.tile_count != 1) return false;
   for (std::uint32_t tile = slice.first_tile; tile < slice.first_tile + slice.tile_count; ++tile) {
-    const BlockBits blocks = asked.at(tile);
-    bool sent = true;
-    if (blocks == kNoBlocks)
+    const AskedTile in_tile = asked.at(tile);
+    if (in_tile.any() == kNoBlocks)
       coded.add_nothing();
     else if (plain)
-      coder.plain_tile(blocks, bits);
+      coder.plain_tile(in_tile, bits);
     else
-      coder.tile(blocks, sent, bits);
+      coder.tile(in_tile, bits);
     if (decoder.has_failed()) return false;
   }
   return decoder.is_at_end();
@@ -161,7 +161,7 @@ bool decode(const Slice& slice, const AskedTiles& asked, std::uint32_t lights, T
 
 }  // namespace
 
-Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, std::span<const BlockBits> asked, EyeMask& mask,
+Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, std::span<const AskedTile> asked, EyeMask& mask,
                                           KnownTiles& known) {
   if (slice.size != mask.size() || slice.lights != mask.lights()) return refuse(WireRefusal::OtherMask);
   const TileGrid grid{slice.size};
@@ -172,15 +172,14 @@ Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, std::span<const Bl
 
   TileBits bits;
   CodedTiles coded;
-  if (!decode(slice, AskedTiles(slice.size, asked), layout.lights_in(slice.plane), bits, coded))
+  if (!decode(slice, AskedTiles(slice.size, slice.lights, asked), layout.lights_in(slice.plane), bits, coded))
     return refuse(WireRefusal::Block);
 
   std::uint32_t learned = 0, tile = slice.first_tile;
   for (const CodedTile& one : coded.tiles()) {
-    if (one.known != kNoBlocks) {
-      const TileRect rect = grid.rect(tile);
+    if (one.asked.any() != kNoBlocks) {
       coded.read(one, bits);
-      merge_tile(bits, rect, slice.plane, one.known == blocks_in(rect) ? kAllBlocks : one.known, mask);
+      merge_tile(bits, grid.rect(tile), slice.plane, one.asked, mask);
       const auto plane_bit = static_cast<std::uint8_t>(1u << slice.plane);
       learned += (known[tile] & plane_bit) == 0;
       known[tile] |= plane_bit;

@@ -1,7 +1,11 @@
 /// Slices: packs the tiles of a mask into messages that decode independently.
 ///
-/// The asked blocks of the tiles are coded one tile after the other (mask_coder.h). Each slice takes as many
+/// What is asked for of the tiles is coded one tile after the other (mask_coder.h). Each slice takes as many
 /// whole tiles as fit into its datagram. If a datagram is lost, only its tiles stay unknown.
+///
+/// In each plane, the slices have every tile that something is asked for of. If that is no light of the
+/// plane, the tile costs no decision there. So a tile is known when all of its planes are, whatever lights
+/// were asked for.
 #pragma once
 
 #include <cstdint>
@@ -21,17 +25,18 @@ namespace farshade {
 /// The tiles of one eye that a slice can contain: both sides know which blocks were asked for.
 class AskedTiles {
  public:
-  /// `asked` has one entry for each tile. If it is empty, all blocks are asked for.
-  AskedTiles(Extent size, std::span<const BlockBits> asked);
+  /// `asked` has one entry for each tile. If it is empty, all blocks are asked for in all lights.
+  AskedTiles(Extent size, std::uint32_t lights, std::span<const AskedTile> asked);
 
-  /// The asked blocks of a tile that are inside the picture.
-  [[nodiscard]] BlockBits at(std::uint32_t tile) const;
+  /// What is asked for of a tile and lies inside the picture.
+  [[nodiscard]] AskedTile at(std::uint32_t tile) const;
   /// Number of tiles with an asked block.
   [[nodiscard]] std::uint32_t count() const;
 
  private:
   TileGrid grid_;
-  std::span<const BlockBits> asked_;
+  AskedTile every_;  ///< all blocks in all lights
+  std::span<const AskedTile> asked_;
   std::uint32_t columns_, last_row_;  ///< tiles before them are wholly inside the picture
 };
 
@@ -42,9 +47,10 @@ class AskedTiles {
 class SlicePacker {
  public:
   /// Starts to pack `eye` of `frame`, which must stay unchanged until the last slice, and so must `asked` and
-  /// `sent`. They have one entry for each tile. `asked`: blocks; all if it is empty. `sent`: 0: the tile is
-  /// asked for but not known here; if it is empty, all tiles are sent.
-  void start(const ShadowFrame& frame, Side eye, std::span<const BlockBits> asked = {},
+  /// `sent`. They have one entry for each tile. `asked`: what is asked for; everything if it is empty.
+  /// `sent`: 0: the tile is in no slice, since it is not known here what is asked for of it; if it is empty,
+  /// all tiles are sent.
+  void start(const ShadowFrame& frame, Side eye, std::span<const AskedTile> asked = {},
              std::span<const std::uint8_t> sent = {});
 
   /// Returns the next slice, or nothing after the last. Its block is valid until the next call.
@@ -55,10 +61,10 @@ class SlicePacker {
   void pack_tiles();
   void pack_plain();
   [[nodiscard]] bool is_sent(std::uint32_t tile) const;
-  bool read(std::uint32_t tile, BlockBits asked);
+  void read(std::uint32_t tile, const AskedTile& asked);
 
   const EyeMask* mask_ = nullptr;
-  std::span<const BlockBits> asked_;
+  std::span<const AskedTile> asked_;
   std::span<const std::uint8_t> sent_;
   Slice slice_;  ///< fields that all slices of this eye share, and the next slice's first tile
   std::vector<std::byte> block_;
@@ -66,13 +72,13 @@ class SlicePacker {
   TileBits bits_;
 };
 
-/// Writes the asked blocks of a decoded slice's tiles into `mask` and marks the tiles in `known` (one entry
-/// for each tile of the mask). `asked` has the blocks of the request, one entry for each tile, or none if all
-/// are asked for. Returns how many of these tiles were unknown in the slice's plane before: 0 for a
+/// Writes what was asked for of a decoded slice's tiles into `mask` and marks the tiles in `known` (one entry
+/// for each tile of the mask). `asked` is that of the request, one entry for each tile, or none if everything
+/// is asked for. Returns how many of these tiles were unknown in the slice's plane before: 0 for a
 /// duplicate. Refuses a slice of a mask with another size or light count, and a block that does not end with
 /// the slice's tiles; damage that turns it into the block of other tiles is not noticed here. After a
-/// refusal, and for tiles that were not sent, mask and known are unchanged.
-[[nodiscard]] Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, std::span<const BlockBits> asked,
+/// refusal, mask and known are unchanged.
+[[nodiscard]] Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, std::span<const AskedTile> asked,
                                                         EyeMask& mask, KnownTiles& known);
 
 }  // namespace farshade

@@ -137,17 +137,23 @@ void narrow_light(std::uint32_t light, BlockBits asked, TileBits& bits) {
   if (any != 0) bits.value |= 1u << light;
 }
 
-/// Replaces the blocks `asked` of `before` by those of `block`.
-void replace_blocks(const ByteBlock& block, BlockBits asked, ByteBlock& before) {
-  for (std::uint32_t y = 0; y < kSide; ++y) {
-    const std::uint32_t row = asked >> (kTileBlocks * (y / kBlockSide_px)) & 15u;
+/// Replaces the bits of `before` that are asked for by those of `block`.
+void replace_asked(const ByteBlock& block, const AskedTile& asked, ByteBlock& before) {
+  for (std::uint32_t row = 0; row < kTileBlocks; ++row)
     for (std::uint32_t half = 0; half < 2; ++half) {
-      const std::uint64_t four = (row >> (2 * half) & 1) * 0xffffffffull;
-      const std::uint64_t next_four = (row >> (2 * half + 1) & 1) * 0xffffffffull;
-      const std::uint64_t pixels = four | next_four << 32;
-      before[y][half] = (before[y][half] & ~pixels) | (block[y][half] & pixels);
+      const std::uint32_t at = kTileBlocks * row + 2 * half;
+      const std::uint64_t bits = asked.at(at) * 0x01010101ull | (asked.at(at + 1) * 0x01010101ull) << 32;
+      for (std::uint32_t y = kBlockSide_px * row; y < kBlockSide_px * (row + 1); ++y)
+        before[y][half] = (before[y][half] & ~bits) | (block[y][half] & bits);
     }
-  }
+}
+
+/// Everything in the picture is asked for, in all lights of the mask.
+bool asks_for_all(const AskedTile& asked, TileRect rect, std::uint32_t lights) {
+  const BlockBits inside = blocks_in(rect);
+  for (std::uint32_t share = 0; share < shares_of(lights); ++share)
+    if ((asked.shares[share] & inside) != inside) return false;
+  return true;
 }
 
 }  // namespace
@@ -159,26 +165,32 @@ BlockBits blocks_in(TileRect rect) {
   return static_cast<BlockBits>(row * 0x1111 & rows);
 }
 
-void split_tile(const EyeMask& mask, TileRect rect, std::uint32_t plane, BlockBits asked, TileBits& bits) {
+void split_tile(const EyeMask& mask, TileRect rect, std::uint32_t plane, const AskedTile& asked,
+                TileBits& bits) {
   bits.varies = bits.value = 0;
+  const std::uint32_t lights = lights_asked(asked, mask.layout().lights_in(plane));
   for (std::uint32_t group = 0; 8 * group < mask.layout().lights_in(plane); ++group) {
+    const std::uint32_t here = lights >> 8 * group & 0xff;
+    if (here == 0) continue;
     const ByteBlock block = load_block(mask.bytes(), BlockPlace(mask, rect, plane, group));
     std::uint64_t all_set = ~std::uint64_t{0}, all_clear = ~std::uint64_t{0};
     for (const auto& [left, right] : block) {
       all_set &= left & right;
       all_clear &= ~left & ~right;
     }
-    const std::uint32_t set = and_of_bytes(all_set), varies = ~(set | and_of_bytes(all_clear)) & 0xff;
+    const std::uint32_t set = and_of_bytes(all_set), varies = ~(set | and_of_bytes(all_clear)) & here;
     for_each_bit(varies,
                  [&](std::uint32_t light) { bits.cells[8 * group + light] = cells_of(block, light); });
-    bits.value |= set << 8 * group;
+    bits.value |= (set & here) << 8 * group;
     bits.varies |= varies << 8 * group;
   }
-  if (asked != kAllBlocks)
-    for_each_bit(bits.varies, [&](std::uint32_t light) { narrow_light(light, asked, bits); });
+  if (!asks_for_all(asked, rect, mask.lights()))
+    for_each_bit(bits.varies, [&](std::uint32_t light) { narrow_light(light, asked.of(light), bits); });
 }
 
-void merge_tile(const TileBits& bits, TileRect rect, std::uint32_t plane, BlockBits asked, EyeMask& mask) {
+void merge_tile(const TileBits& bits, TileRect rect, std::uint32_t plane, const AskedTile& asked,
+                EyeMask& mask) {
+  const bool all = asks_for_all(asked, rect, mask.lights());
   for (std::uint32_t group = 0; group < mask.layout().word_bytes(); ++group) {
     const BlockPlace place(mask, rect, plane, group);
     const std::uint64_t everywhere = (bits.value >> 8 * group & 0xff) * kEachByte;
@@ -186,12 +198,12 @@ void merge_tile(const TileBits& bits, TileRect rect, std::uint32_t plane, BlockB
     block.fill({everywhere, everywhere});
     for_each_bit(bits.varies >> 8 * group & 0xff,
                  [&](std::uint32_t light) { add_cells(bits.cells[8 * group + light], light, block); });
-    if (asked == kAllBlocks) {
+    if (all) {
       store_block(block, place, mask.bytes());
       continue;
     }
     ByteBlock before = load_block(mask.bytes(), place);
-    replace_blocks(block, asked, before);
+    replace_asked(block, asked, before);
     store_block(before, place, mask.bytes());
   }
 }

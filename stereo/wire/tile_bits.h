@@ -25,9 +25,20 @@ struct TileBits {
 /// The blocks of a tile that are at least partly inside the picture.
 [[nodiscard]] BlockBits blocks_in(TileRect rect);
 
-/// Reads the blocks `asked` of a tile from a mask, or writes them to it; other pixels do not count, and do
-/// not change. `rect` is a tile of the mask's TileGrid.
-void split_tile(const EyeMask& mask, TileRect rect, std::uint32_t plane, BlockBits asked, TileBits& bits);
-void merge_tile(const TileBits& bits, TileRect rect, std::uint32_t plane, BlockBits asked, EyeMask& mask);
+/// The lights of a plane of `lights` lights that some block of a tile is asked for in.
+[[nodiscard]] constexpr std::uint32_t lights_asked(const AskedTile& asked, std::uint32_t lights) {
+  std::uint32_t shares = 0;
+  for (std::uint32_t share = 0; share < kMostShares; ++share)
+    shares |= (asked.shares[share] != kNoBlocks ? 0x01010101u : 0u) << share;
+  return lights < 32 ? shares & ((1u << lights) - 1) : shares;
+}
+
+/// Reads a tile from a mask, or writes it to it: of each light the blocks that are asked for in it. The rest
+/// does not count, and does not change. A light that no block is asked for in does not vary and has the value
+/// 0. `rect` is a tile of the mask's TileGrid.
+void split_tile(const EyeMask& mask, TileRect rect, std::uint32_t plane, const AskedTile& asked,
+                TileBits& bits);
+void merge_tile(const TileBits& bits, TileRect rect, std::uint32_t plane, const AskedTile& asked,
+                EyeMask& mask);
 
 }  // namespace farshade

@@ -99,10 +99,10 @@ TEST(Protocol, RequestIsAsThePageSays) {
 TEST(Protocol, AskSliceIsAsThePageSays) {
   EXPECT_EQ(ask_sample(), example("ask-slice"));
   const Bytes bytes = example("ask-slice");
-  std::vector<BlockBits> asked(4);
+  std::vector<AskedTile> asked(4);
   KnownTiles known(4);
   EXPECT_EQ(decode_ask_slice(std::get<AskSlice>(*decode_client(bytes)), asked, known).value(), 4u);
-  EXPECT_EQ(asked, (std::vector<BlockBits>{0x0360, kNoBlocks, kAllBlocks, 0x0001}));
+  EXPECT_EQ(asked, kSampleAsked);
 }
 
 /// The document lists the probabilities with which the coders start.

@@ -32,8 +32,8 @@ Bytes and_more(Bytes bytes, std::size_t count) {
 Bytes slice_of_one_tile() {
   EyeMask mask({48, 48}, 3);
   for (std::uint32_t i = 0; i < 256; ++i) mask.set_word(i % 16, i / 16, 0, 5);
-  std::vector<BlockBits> asked(9);
-  asked[0] = kAllBlocks;
+  std::vector<AskedTile> asked(9);
+  asked[0] = all_lights_in(kAllBlocks, 3);
   return packed(frame_of(mask, {}), Side::Left, asked).at(0);
 }
 
@@ -94,7 +94,8 @@ std::vector<Case> messages_to_server() {
       {"a type that is not", patched(requested, 0, {3}), WireRefusal::Type},
       {"asks for a third eye's blocks", patched(ask_sample(), 5, {2}), WireRefusal::Code},
       {"asks for blocks of 0 columns", patched(ask_sample(), 6, {0, 0}), WireRefusal::MaskSize},
-      {"asks for tiles beyond the grid", patched(ask_sample(), 14, {5}), WireRefusal::TileRange},
+      {"asks for blocks in 257 lights", patched(ask_sample(), 10, {1, 1}), WireRefusal::Lights},
+      {"asks for tiles beyond the grid", patched(ask_sample(), 16, {5}), WireRefusal::TileRange},
       {"a server's type", patched(requested, 0, {16}), WireRefusal::Type},
       {"holding a newer frame than asked for", patched(requested, 5, {0xff, 0xff, 0xff, 0xff}),
        WireRefusal::FrameOrder},
@@ -244,8 +245,8 @@ TEST(WireRefusals, TheUnchangedBytesAreAccepted) {
   const Bytes bytes = slice_of_one_tile();
   EyeMask mask({48, 48}, 3);
   KnownTiles known(9);
-  std::vector<BlockBits> asked(9);
-  asked[0] = kAllBlocks;
+  std::vector<AskedTile> asked(9);
+  asked[0] = all_lights_in(kAllBlocks, 3);
   EXPECT_EQ(decode_slice_tiles(std::get<Slice>(*decode_server(bytes)), asked, mask, known).value(), 1u);
   EXPECT_EQ(mask.word(15, 15), 5u);
   EXPECT_EQ(mask.word(16, 15), 0u);

@@ -213,7 +213,7 @@ inline ShadowFrame frame_of(const EyeMask& left, const EyeMask& right) {
 }
 
 /// The messages of one eye.
-inline std::vector<Bytes> packed(const ShadowFrame& frame, Side eye, std::span<const BlockBits> asked = {},
+inline std::vector<Bytes> packed(const ShadowFrame& frame, Side eye, std::span<const AskedTile> asked = {},
                                  std::span<const std::uint8_t> sent = {}) {
   SlicePacker packer;
   packer.start(frame, eye, asked, sent);
@@ -223,19 +223,34 @@ inline std::vector<Bytes> packed(const ShadowFrame& frame, Side eye, std::span<c
 }
 
 /// The messages that ask for blocks of one eye.
-inline std::vector<Bytes> asked_messages(Extent size, Side eye, std::span<const BlockBits> asked) {
+inline std::vector<Bytes> asked_messages(Extent size, Side eye, std::uint32_t lights,
+                                         std::span<const AskedTile> asked) {
   AskPacker packer;
-  packer.start(FrameId{258}, eye, size, asked);
+  packer.start(FrameId{258}, eye, size, lights, asked);
   std::vector<Bytes> messages;
   while (const std::optional<AskSlice> slice = packer.next())
     messages.push_back(encoded(ClientMessage(*slice)));
   return messages;
 }
 
-/// The blocks of a view of 20 x 18 pixels: a few of tile 0, none of tile 1, all of tile 2, one of tile 3.
+/// Of a view of 20 x 18 pixels and two lights: a few blocks of tile 0 in light 1, one of them in light 0,
+/// too; nothing of tile 1; all of tile 2; block 0 of tile 3 in light 0.
+inline const std::vector<AskedTile> kSampleAsked{
+    {.shares = {0x0040, 0x0360}}, {}, all_lights_in(kAllBlocks, 2), {.shares = {0x0001}}};
 inline Bytes ask_sample() {
-  static constexpr std::array<BlockBits, 4> kAsked{0x0360, kNoBlocks, kAllBlocks, 0x0001};
-  return asked_messages({20, 18}, Side::Right, kAsked).at(0);
+  return asked_messages({20, 18}, Side::Right, 2, kSampleAsked).at(0);
+}
+
+/// Each share of about half of the tiles has random blocks, or all, or none.
+inline std::vector<AskedTile> noise_asked(Extent size, std::uint32_t lights, std::mt19937& random) {
+  std::vector<AskedTile> asked(TileGrid{size}.count());
+  for (AskedTile& tile : asked)
+    if (random() % 2 == 0)
+      for (std::uint32_t share = 0; share < shares_of(lights); ++share) {
+        const std::uint32_t kind = random() % 4;
+        tile.shares[share] = static_cast<BlockBits>(kind == 0 ? 0 : kind == 1 ? 0xffff : random());
+      }
+  return asked;
 }
 
 /// An LZ4 block that contains `bytes` uncompressed.

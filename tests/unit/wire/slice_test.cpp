@@ -14,7 +14,7 @@ struct Received {
   KnownTiles known;
   std::uint32_t learned = 0;
 
-  std::vector<BlockBits> asked;  ///< empty: all
+  std::vector<AskedTile> asked;  ///< empty: everything
 
   explicit Received(const EyeMask& like)
       : mask(like.size(), like.layout()), known(TileGrid{like.size()}.count()) {}
@@ -82,41 +82,81 @@ TEST(SlicePacker, MakesWiderWordsNoLonger) {
   expect_round_trip(wide);
 }
 
-/// Random blocks of about a third of the tiles.
-std::vector<BlockBits> some_blocks(Extent size, std::mt19937& random) {
-  std::vector<BlockBits> asked(TileGrid{size}.count());
-  for (BlockBits& tile : asked)
-    if (random() % 3 == 0) tile = static_cast<BlockBits>(random() % 4 == 0 ? kAllBlocks : random());
-  return asked;
+/// Whatever the sender has where nothing is asked for, its slices are the same.
+EyeMask with_noise_elsewhere(EyeMask mask, std::span<const AskedTile> asked, std::mt19937& random) {
+  const TileGrid grid{mask.size()};
+  for (std::uint32_t y = 0; y < mask.size().height; ++y)
+    for (std::uint32_t x = 0; x < mask.size().width; ++x)
+      for (std::uint32_t light = 0; light < mask.lights(); ++light)
+        if ((asked[y / 16 * grid.columns() + x / 16].of(light) & block_bit(x % 16, y % 16)) == 0)
+          mask.set_word(x, y, light / 32, mask.word(x, y, light / 32) ^ random() % 2 << light % 32);
+  return mask;
 }
 
-TEST_P(SliceRoundTrip, GivesTheAskedBlocksBackAndNoOthers) {
+void expect_asked_bits_of(const EyeMask& mask, const EyeMask& old, const Received& received) {
+  const TileGrid grid{mask.size()};
+  for (std::uint32_t y = 0; y < mask.size().height; ++y)
+    for (std::uint32_t x = 0; x < mask.size().width; ++x)
+      for (std::uint32_t light = 0; light < mask.lights(); ++light) {
+        const AskedTile& asked = received.asked[y / 16 * grid.columns() + x / 16];
+        const EyeMask& from = (asked.of(light) & block_bit(x % 16, y % 16)) != 0 ? mask : old;
+        ASSERT_EQ(received.mask.lit(x, y, light), from.lit(x, y, light)) << x << ", " << y << ", " << light;
+      }
+}
+
+TEST_P(SliceRoundTrip, GivesTheAskedBitsBackAndNoOthers) {
   std::mt19937 random(7);
   for (const Extent size : {Extent{1, 1}, Extent{17, 15}, Extent{7, 90}, Extent{83, 50}, Extent{200, 160}}) {
     const EyeMask mask = edge_mask(size, GetParam(), random), old = noise_mask(size, GetParam(), random);
     Received received(mask);
     received.mask = old;
-    received.asked = some_blocks(size, random);
-    for (const Bytes& bytes : packed(frame_of(mask, {}), Side::Left, received.asked))
-      ASSERT_TRUE(received.take(bytes));
-    const TileGrid grid{size};
-    EXPECT_EQ(received.learned, mask.layout().planes() * AskedTiles(size, received.asked).count());
-    for (std::uint32_t y = 0; y < size.height; ++y)
-      for (std::uint32_t x = 0; x < size.width; ++x) {
-        const BlockBits asked = received.asked[y / 16 * grid.columns() + x / 16];
-        for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane)
-          ASSERT_EQ(received.mask.word(x, y, plane),
-                    ((asked & block_bit(x % 16, y % 16)) != 0 ? mask : old).word(x, y, plane));
-      }
+    received.asked = noise_asked(size, GetParam(), random);
+    const auto messages = packed(frame_of(mask, {}), Side::Left, received.asked);
+    for (const Bytes& bytes : messages) ASSERT_TRUE(received.take(bytes));
+    const AskedTiles tiles(size, GetParam(), received.asked);
+    EXPECT_EQ(received.learned, mask.layout().planes() * tiles.count());
+    for (std::uint32_t tile = 0; tile < received.known.size(); ++tile)
+      EXPECT_EQ(received.known[tile],
+                tiles.at(tile).any() != kNoBlocks ? all_planes_known(mask.layout()) : 0);
+    expect_asked_bits_of(mask, old, received);
+    const EyeMask other = with_noise_elsewhere(mask, received.asked, random);
+    EXPECT_EQ(packed(frame_of(other, {}), Side::Left, received.asked), messages);
   }
+}
+
+TEST(SlicePacker, ATileWithoutAnAskedLightOfAPlaneIsKnownThereToo) {
+  std::mt19937 random(11);
+  const EyeMask mask = noise_mask({48, 16}, 33, random);  // light 32 alone is plane 1, and in share 0
+  Received received(mask);
+  received.asked = {{.shares = {0, 0x00ff}}, {}, {.shares = {0, 0x0001}}};
+  const auto messages = packed(frame_of(mask, {}), Side::Left, received.asked);
+  ASSERT_EQ(messages.size(), 2u);
+  EXPECT_EQ(messages[1].size(), kSliceHeader_bytes + 1);
+  for (const Bytes& bytes : messages) EXPECT_EQ(received.take(bytes).value(), 2u);
+  EXPECT_EQ(received.known, (KnownTiles{3, 0, 3}));
+}
+
+TEST(AskedTiles, AreThoseInThePictureAndInSharesOfTheMask) {
+  std::vector<AskedTile> all(4);
+  for (AskedTile& tile : all) tile.shares.fill(kAllBlocks);
+  const AskedTiles tiles({20, 18}, 2, all), every({20, 18}, 2, {});
+  EXPECT_EQ(tiles.at(0), all_lights_in(kAllBlocks, 2));
+  EXPECT_EQ(tiles.at(1), all_lights_in(0x1111, 2));
+  EXPECT_EQ(tiles.at(2), all_lights_in(0x000f, 2));
+  EXPECT_EQ(tiles.at(3), all_lights_in(0x0001, 2));
+  for (std::uint32_t tile = 0; tile < 4; ++tile) EXPECT_EQ(every.at(tile), tiles.at(tile));
+  all[0] = {.shares = {0, 0, 1}};    // a light that the mask does not have
+  all[3] = {.shares = {0x8000, 0}};  // a block that the picture does not have
+  EXPECT_EQ(AskedTiles({20, 18}, 2, all).count(), 2u);
+  EXPECT_EQ(every.count(), 4u);
 }
 
 TEST(SlicePacker, TilesWithoutAskedBlocksCostNothing) {
   std::mt19937 random(8);
   const EyeMask mask = noise_mask({8192, 512}, 3, random);
-  std::vector<BlockBits> asked(TileGrid{mask.size()}.count());
+  std::vector<AskedTile> asked(TileGrid{mask.size()}.count());
   EXPECT_TRUE(packed(frame_of(mask, {}), Side::Left, asked).empty());
-  asked[100] = asked[9'000] = 0x0001;
+  asked[100] = asked[9'000] = all_lights_in(0x0001, 3);
   const auto messages = packed(frame_of(mask, {}), Side::Left, asked);
   ASSERT_EQ(messages.size(), 1u);
   EXPECT_LT(messages[0].size(), kSliceHeader_bytes + 25);
@@ -205,14 +245,18 @@ TEST(Slices, TilesNotSentStayAsTheyWere) {
 }
 
 /// A property of all inputs: they are refused and nothing changes, or they are accepted.
-void expect_harmless(const Bytes& bytes, const EyeMask& like) {
+/// Returns 1 if they are accepted.
+std::size_t expect_harmless(const Bytes& bytes, const EyeMask& like,
+                            const std::vector<AskedTile>& asked = {}) {
   const Decoded<ServerMessage> message = decode_server(bytes);
-  if (!message || !std::holds_alternative<Slice>(*message)) return;
+  if (!message || !std::holds_alternative<Slice>(*message)) return 0;
   Received received(like);
+  received.asked = asked;
   const Received before = received;
-  if (received.take(bytes)) return;
+  if (received.take(bytes)) return 1;
   EXPECT_EQ(received.mask, before.mask);
   EXPECT_EQ(received.known, before.known);
+  return 0;
 }
 
 /// A cut message may be that of other tiles. Its tag tells that it is damaged (seal.h).
@@ -220,24 +264,24 @@ TEST(Slices, NearlyEveryTruncationIsRefused) {
   std::mt19937 random(10);
   const EyeMask mask = edge_mask({64, 64}, 9, random);
   std::size_t accepted = 0, cuts = 0;
-  for (const Bytes& whole : packed(frame_of(mask, {}), Side::Left))
-    for (std::size_t size = 0; size < whole.size(); ++size, ++cuts) {
-      const Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
-      expect_harmless(cut, mask);
-      accepted += Received(mask).take(cut) ? 1 : 0;
-    }
+  for (const auto& asked : {std::vector<AskedTile>(), noise_asked(mask.size(), 9, random)})
+    for (const Bytes& whole : packed(frame_of(mask, {}), Side::Left, asked))
+      for (std::size_t size = 0; size < whole.size(); ++size, ++cuts)
+        accepted += expect_harmless(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)),
+                                    mask, asked);
   EXPECT_LE(accepted, cuts / 50);
 }
 
 TEST(Slices, EveryFlippedBitIsHarmless) {
   std::mt19937 random(12);
   const EyeMask mask = edge_mask({48, 48}, 17, random);
-  for (const Bytes& whole : packed(frame_of(mask, {}), Side::Left))
-    for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
-      Bytes flipped = whole;
-      flipped[bit / 8] ^= std::byte{1} << bit % 8;
-      expect_harmless(flipped, mask);
-    }
+  for (const auto& asked : {std::vector<AskedTile>(), noise_asked(mask.size(), 17, random)})
+    for (const Bytes& whole : packed(frame_of(mask, {}), Side::Left, asked))
+      for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
+        Bytes flipped = whole;
+        flipped[bit / 8] ^= std::byte{1} << bit % 8;
+        expect_harmless(flipped, mask, asked);
+      }
 }
 
 TEST(Slices, BlocksOfNoiseAreHarmless) {
@@ -248,8 +292,10 @@ TEST(Slices, BlocksOfNoiseAreHarmless) {
   for (int i = 0; i < 20'000; ++i) {
     Bytes block(random() % 60);
     for (std::byte& byte : block) byte = static_cast<std::byte>(random() % 4 == 0 ? random() : random() % 4);
-    expect_harmless(
-        encoded(ServerMessage(Slice{.size = {48, 48}, .lights = 3, .tile_count = 4, .block = block})), mask);
+    const Bytes bytes =
+        encoded(ServerMessage(Slice{.size = {48, 48}, .lights = 3, .tile_count = 4, .block = block}));
+    expect_harmless(bytes, mask);
+    expect_harmless(bytes, mask, noise_asked(mask.size(), 3, random));
   }
 }
 

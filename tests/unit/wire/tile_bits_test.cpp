@@ -10,12 +10,13 @@ namespace {
 using namespace wire_samples;
 
 constexpr TileRect kTile{0, 0, 16, 16};
+const AskedTile kEverything{.shares = {0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff, 0xffff}};
 
 TEST(TileBits, CellsAreBlocksRowByRow) {
   EyeMask mask({16, 16}, 2);
   mask.set_word(5, 10, 0, 2);  // block 9, column 1 of row 2
   TileBits bits;
-  split_tile(mask, kTile, 0, kAllBlocks, bits);
+  split_tile(mask, kTile, 0, kEverything, bits);
   EXPECT_EQ(bits.varies, 2u);
   EXPECT_EQ(bits.value, 0u);
   TileCells expected{};
@@ -30,26 +31,43 @@ TEST(TileBits, MergingGivesTheTileBack) {
     for (const Extent size : {Extent{16, 16}, Extent{3, 2}, Extent{16, 5}}) {
       const EyeMask mask = noise_mask(size, lights, random);
       TileBits bits;
-      split_tile(mask, TileGrid{size}.rect(0), 0, kAllBlocks, bits);
+      split_tile(mask, TileGrid{size}.rect(0), 0, kEverything, bits);
       EyeMask back(size, lights);
-      merge_tile(bits, TileGrid{size}.rect(0), 0, kAllBlocks, back);
+      merge_tile(bits, TileGrid{size}.rect(0), 0, kEverything, back);
       EXPECT_EQ(back, mask) << lights << " lights";
     }
 }
 
-TEST(TileBits, OnlyAskedBlocksAreWritten) {
+TEST(TileBits, EachLightIsWrittenOnlyInItsAskedBlocks) {
   std::mt19937 random(3);
-  for (int round = 0; round < 200; ++round) {
-    const EyeMask mask = noise_mask({16, 16}, 11, random), old = noise_mask({16, 16}, 11, random);
-    const auto asked = static_cast<BlockBits>(random());
+  for (int round = 0; round < 500; ++round) {
+    const std::uint32_t lights = 1 + static_cast<std::uint32_t>(random() % 32);
+    const EyeMask mask = noise_mask({16, 16}, lights, random), old = noise_mask({16, 16}, lights, random);
+    const AskedTile asked = noise_asked({16, 16}, lights, random)[0];
     TileBits bits;
     split_tile(mask, kTile, 0, asked, bits);
     EyeMask merged = old;
     merge_tile(bits, kTile, 0, asked, merged);
-    for (std::uint32_t y = 0; y < 16; ++y)
-      for (std::uint32_t x = 0; x < 16; ++x)
-        ASSERT_EQ(merged.word(x, y), ((asked & block_bit(x, y)) != 0 ? mask : old).word(x, y));
+    for (std::uint32_t light = 0; light < lights; ++light)
+      for (std::uint32_t y = 0; y < 16; ++y)
+        for (std::uint32_t x = 0; x < 16; ++x) {
+          const EyeMask& from = (asked.of(light) & block_bit(x, y)) != 0 ? mask : old;
+          ASSERT_EQ(merged.lit(x, y, light), from.lit(x, y, light)) << lights << " lights";
+        }
   }
+}
+
+TEST(TileBits, LightThatIsNotAskedForHasNoValue) {
+  EyeMask mask({16, 16}, 3);
+  for (std::uint32_t y = 0; y < 16; ++y)
+    for (std::uint32_t x = 0; x < 16; ++x) mask.set_word(x, y, 0, x < 4 ? 7 : 4);
+  TileBits bits;
+  split_tile(mask, kTile, 0, {.shares = {0, 0x0003, 0}}, bits);
+  EXPECT_EQ(bits.varies, 2u);
+  EXPECT_EQ(bits.value, 0u);
+  split_tile(mask, kTile, 0, {.shares = {0x1111, 0x2222, 0}}, bits);
+  EXPECT_EQ(bits.varies, 0u);
+  EXPECT_EQ(bits.value, 1u);
 }
 
 TEST(TileBits, LightThatDiffersOnlyInOtherBlocksDoesNotVary) {
@@ -57,10 +75,10 @@ TEST(TileBits, LightThatDiffersOnlyInOtherBlocksDoesNotVary) {
   for (std::uint32_t y = 0; y < 16; ++y)
     for (std::uint32_t x = 0; x < 16; ++x) mask.set_word(x, y, 0, x < 4 ? 1 : 2);
   TileBits bits;
-  split_tile(mask, kTile, 0, 0x1111, bits);
+  split_tile(mask, kTile, 0, all_lights_in(0x1111, 2), bits);
   EXPECT_EQ(bits.varies, 0u);
   EXPECT_EQ(bits.value, 1u);
-  split_tile(mask, kTile, 0, 0x0003, bits);
+  split_tile(mask, kTile, 0, all_lights_in(0x0003, 2), bits);
   EXPECT_EQ(bits.varies, 3u);
 }
 
@@ -75,7 +93,7 @@ TEST(TileBits, PixelsOutsideRepeatTheLastOnes) {
   EyeMask mask({3, 2}, 1);
   mask.set_word(2, 1, 0, 1);
   TileBits bits;
-  split_tile(mask, TileGrid{mask.size()}.rect(0), 0, kAllBlocks, bits);
+  split_tile(mask, TileGrid{mask.size()}.rect(0), 0, kEverything, bits);
   EXPECT_EQ(bits.cells[0][0], 0xccc0);
 }
 
