@@ -8,12 +8,11 @@
 #define FARSHADE_CARRY_LIGHTS 0
 #define FARSHADE_CARRY_WORD_BYTES 1  // of a mask on the device
 #define FARSHADE_CARRY_BITS_BYTES 2  // of a carried word, which has no edge bits
-#define FARSHADE_CARRY_EDGE_BIT 3    // the first of a mask's four edge bits: mask_edges.h
-#define FARSHADE_CARRY_NEAR 4        // distance of the near plane, metres
-#define FARSHADE_CARRY_DETAIL 5      // limit of the geometric error of what is drawn, pixels
-#define FARSHADE_CARRY_EYE 6         // 0 left, 1 right
-#define FARSHADE_CARRY_WHOLE 7       // every block of the mask is known
-#define FARSHADE_CARRY_MOVED 8       // something has moved since the mask was traced
-#define FARSHADE_CARRY_CONSTANTS 9
+#define FARSHADE_CARRY_NEAR 3        // distance of the near plane, metres
+#define FARSHADE_CARRY_DETAIL 4      // limit of the geometric error of what is drawn, pixels
+#define FARSHADE_CARRY_EYE 5         // 0 left, 1 right
+#define FARSHADE_CARRY_WHOLE 6       // every block of the mask is known
+#define FARSHADE_CARRY_MOVED 7       // something has moved since the mask was traced
+#define FARSHADE_CARRY_CONSTANTS 8
 
 #endif

@@ -13,8 +13,8 @@
 namespace farshade {
 namespace {
 
-/// Which lights each pixel of the requested views sees, or each pixel of the blocks that the request asks
-/// for. Blocks whose AskSlice has not come are neither traced nor sent.
+/// Which lights each pixel of the requested views sees, or those lights and blocks that the request asks for.
+/// Blocks whose AskSlice has not come are neither traced nor sent.
 class Masks final : public AnswerMaker {
  public:
   explicit Masks(Tracer& tracer) : tracer_(tracer) {}
@@ -35,13 +35,15 @@ class Masks final : public AnswerMaker {
   void unpack(std::span<const std::vector<std::byte>> messages) {
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
       const std::uint32_t tiles = TileGrid{request_.views[eye].size}.count();
-      request_.asked.tiles[eye].assign(tiles, kNoBlocks);
+      request_.asked.tiles[eye].assign(tiles, {});
       come_[eye].assign(tiles, 0);
     }
     for (const std::vector<std::byte>& message : messages) {
       const Decoded<ClientMessage> decoded = decode_client(message);
       const auto* const slice = decoded ? std::get_if<AskSlice>(&*decoded) : nullptr;
-      if (slice == nullptr || slice->size != request_.views[index_of(slice->eye)].size) continue;
+      if (slice == nullptr || slice->lights != tracer_.layout().lights ||
+          slice->size != request_.views[index_of(slice->eye)].size)
+        continue;
       const std::size_t eye = index_of(slice->eye);
       // Slices of a client do not overlap. Others would cost the same work again and again.
       const auto come = std::span(come_[eye]).subspan(slice->first_tile, slice->tile_count);

@@ -91,8 +91,8 @@ inline constexpr float kUnknownVisibility = 1.0f;
 
 /// A mask carried over to the views of a request.
 struct CarriedOver {
-  PerEye<EyeMask> masks;  ///< bits of asked blocks mean nothing
-  AskedBlocks asked;      ///< the blocks that are not known; entries for every tile
+  PerEye<EyeMask> masks;  ///< bits that are asked for mean nothing
+  AskedBlocks asked;      ///< what is not known; entries for every tile
 };
 
 /// Whether lights or instances can move while a session lasts.

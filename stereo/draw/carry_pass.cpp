@@ -86,7 +86,6 @@ const vk::raii::Pipeline& CarryPass::need_pipeline(const Key& key) {
   constants[FARSHADE_CARRY_LIGHTS] = plan_.mask.lights;
   constants[FARSHADE_CARRY_WORD_BYTES] = device_mask(plan_).word_bytes();
   constants[FARSHADE_CARRY_BITS_BYTES] = plan_.mask.word_bytes();
-  constants[FARSHADE_CARRY_EDGE_BIT] = first_edge_bit(plan_.mask.lights);
   constants[FARSHADE_CARRY_NEAR] = std::bit_cast<std::uint32_t>(static_cast<float>(kNearPlane_m));
   constants[FARSHADE_CARRY_DETAIL] = std::bit_cast<std::uint32_t>(plan_.detail_px);
   constants[FARSHADE_CARRY_EYE] = key.eye;
@@ -129,12 +128,12 @@ void CarryPass::read(CarriedOver& into) const {
         std::memcpy(row, carried + y * padded_bytes, row_bytes);
       carried += std::size_t{blocks.height} * kBlockSide_px * padded_bytes;
     }
-    std::vector<BlockBits>& asked = into.asked.tiles[eye];
-    asked.assign(grid.count(), kNoBlocks);
+    std::vector<AskedTile>& asked = into.asked.tiles[eye];
+    asked.assign(grid.count(), {});
     for (std::uint32_t y = 0; y < blocks.height; ++y)
       for (std::uint32_t x = 0; x < blocks.width; ++x, ++unknown)
-        asked[y / kTileBlocks * grid.columns() + x / kTileBlocks] |=
-            static_cast<BlockBits>(*unknown << (y % kTileBlocks * kTileBlocks + x % kTileBlocks));
+        asked[y / kTileBlocks * grid.columns() + x / kTileBlocks].add(
+            y % kTileBlocks * kTileBlocks + x % kTileBlocks, *unknown);
   }
 }
 

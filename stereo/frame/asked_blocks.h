@@ -57,6 +57,11 @@ struct AskedTile {
       bits |= (shares[share] >> block & 1u) << share;
     return static_cast<std::uint8_t>(bits);
   }
+  /// Asks for these shares of a block.
+  constexpr void add(std::uint32_t block, std::uint32_t bits) {
+    for (std::uint32_t share = 0; bits >> share != 0; ++share)
+      shares[share] |= static_cast<BlockBits>((bits >> share & 1u) << block);
+  }
   friend bool operator==(const AskedTile&, const AskedTile&) = default;
 };
 

@@ -39,8 +39,8 @@ void begin(ReceivedGBuffer& gbuffer, const StereoView& views) {
     }
 }
 
-/// The blocks of an eye's masks that a request asks for; empty: all.
-std::span<const BlockBits> blocks_asked(const FrameRequest& request, std::size_t eye) {
+/// What a request asks for of an eye's masks; empty: all.
+std::span<const AskedTile> asked_of(const FrameRequest& request, std::size_t eye) {
   if (request.answer.kind != Answer::Masks) return {};
   return request.asked.tiles[eye];
 }
@@ -60,7 +60,7 @@ void reset(RequestRecord& frame, const FrameRequest& request, MaskLayout layout,
     clear(frame.masks[eye], size, layout);
     frame.known_tiles[eye].assign(TileGrid{size}.count(), 0);
     frame.tiles_known[eye] = 0;
-    frame.tiles_asked[eye] = AskedTiles(size, blocks_asked(frame.request, eye)).count();
+    frame.tiles_asked[eye] = AskedTiles(size, layout.lights, asked_of(frame.request, eye)).count();
   }
 }
 
@@ -160,7 +160,7 @@ const RequestRecord* Assembler::accept(const Slice& slice, Time arrived) {
     return nullptr;
   }
   const std::size_t eye = index_of(slice.eye);
-  const std::span<const BlockBits> asked = blocks_asked(frame->request, eye);
+  const std::span<const AskedTile> asked = asked_of(frame->request, eye);
   return count(*frame, decode_slice_tiles(slice, asked, frame->masks[eye], frame->known_tiles[eye]),
                frame->tiles_known[eye], arrived);
 }

@@ -21,9 +21,12 @@ BlockBits blocks_inside(const TileRect& rect) {
   return inside;
 }
 
-void append(BlockBits bits, const TileRect& rect, BlockGroup& group) {
+/// Appends the blocks `bits` of a tile, with the shares that are asked for there.
+void append(BlockBits bits, const AskedTile& asked, const TileRect& rect, BlockGroup& group) {
   for (std::uint32_t block = 0; block < kGroupBlocks; ++block) {
     if ((bits >> block & 1u) == 0) continue;
+    for (std::uint32_t share = 0; share < kMostShares; ++share)
+      group.asked.shares[share] |= static_cast<BlockBits>((asked.shares[share] >> block & 1u) << group.count);
     group.blocks[static_cast<std::size_t>(group.count++)] = {
         static_cast<std::uint16_t>(rect.x0 + block % kTileBlocks * kBlockSide_px),
         static_cast<std::uint16_t>(rect.y0 + block / kTileBlocks * kBlockSide_px)};
@@ -33,7 +36,7 @@ void append(BlockBits bits, const TileRect& rect, BlockGroup& group) {
 /// Fills groups with the blocks of one square after the other.
 class Grouping {
  public:
-  Grouping(Extent size, std::span<const BlockBits> asked) : grid_{size}, asked_(asked) {}
+  Grouping(Extent size, std::span<const AskedTile> asked) : grid_{size}, asked_(asked) {}
 
   /// Adds the asked blocks of the square of tiles that begins at (left, top).
   void add_square(std::uint32_t left, std::uint32_t top) {
@@ -47,35 +50,36 @@ class Grouping {
  private:
   void add_tile(std::uint32_t tile) {
     const TileRect rect = grid_.rect(tile);
-    const auto bits = static_cast<BlockBits>(asked_[tile] & blocks_inside(rect));
+    const auto bits = static_cast<BlockBits>(asked_[tile].any() & blocks_inside(rect));
     if (open_.count + std::popcount(bits) > kGroupBlocks) close();
-    append(bits, rect, open_);
+    append(bits, asked_[tile], rect, open_);
   }
   void close() {
     if (open_.count > 0) groups_.push_back(open_);
-    open_.count = 0;
+    open_ = {};
   }
 
   TileGrid grid_;
-  std::span<const BlockBits> asked_;
+  std::span<const AskedTile> asked_;
   BlockGroup open_;
   std::vector<BlockGroup> groups_;
 };
 
 }  // namespace
 
-BlockGroup group_of(const TileRect& rect) {
+BlockGroup group_of(const TileRect& rect, std::uint32_t lights) {
   BlockGroup group;
-  append(kAllBlocks, rect, group);
+  append(kAllBlocks, all_lights_in(kAllBlocks, lights), rect, group);
   return group;
 }
 
-std::vector<BlockGroup> groups_of(Extent size, std::span<const BlockBits> asked) {
+std::vector<BlockGroup> groups_of(Extent size, std::uint32_t lights, std::span<const AskedTile> asked) {
   const TileGrid grid{size};
   if (asked.empty()) {
     std::vector<BlockGroup> groups;
     groups.reserve(grid.count());
-    for (std::uint32_t tile = 0; tile < grid.count(); ++tile) groups.push_back(group_of(grid.rect(tile)));
+    for (std::uint32_t tile = 0; tile < grid.count(); ++tile)
+      groups.push_back(group_of(grid.rect(tile), lights));
     return groups;
   }
   check_eq(asked.size(), std::size_t{grid.count()}, "a set of blocks for each tile");

@@ -24,12 +24,15 @@ struct BlockPlace {
 struct BlockGroup {
   std::array<BlockPlace, kGroupBlocks> blocks{};
   int count = 0;
+  AskedTile asked{};  ///< bit i of a share: it is asked for in block i of the group
 };
 
-/// The groups of a view of `size` pixels. `asked` has one entry per tile, or none for the whole view.
-[[nodiscard]] std::vector<BlockGroup> groups_of(Extent size, std::span<const BlockBits> asked);
+/// The groups of a view of `size` pixels, for masks of `lights` lights. `asked` has one entry per tile, or
+/// none for the whole view.
+[[nodiscard]] std::vector<BlockGroup> groups_of(Extent size, std::uint32_t lights,
+                                                std::span<const AskedTile> asked);
 
 /// The group of one whole tile.
-[[nodiscard]] BlockGroup group_of(const TileRect& rect);
+[[nodiscard]] BlockGroup group_of(const TileRect& rect, std::uint32_t lights);
 
 }  // namespace farshade

@@ -19,12 +19,12 @@ namespace {
 /// Sums over groups. Times are core times.
 struct GroupSums {
   Duration primary{}, shadow{};
-  std::uint64_t primary_rays = 0, covered = 0;
+  std::uint64_t primary_rays = 0;
   GroupRays rays;
 
   GroupSums& operator+=(const GroupSums& b) {
     primary += b.primary, shadow += b.shadow;
-    primary_rays += b.primary_rays, covered += b.covered;
+    primary_rays += b.primary_rays;
     rays += b.rays;
     return *this;
   }
@@ -90,8 +90,8 @@ struct Tracer::Impl {
   [[nodiscard]] std::uint64_t lights_on() const;
   [[nodiscard]] float reach() const;
   template <int K>
-  GroupRays shadow(const TileSurface& surface, const TileBounds& bounds, std::size_t light, std::uint32_t bit,
-                   std::uint32_t (&words)[kTilePixels]) const;
+  GroupRays shadow(const TileSurface& surface, const TileBounds& bounds, BlockBits blocks, std::size_t light,
+                   std::uint32_t bit, std::uint32_t (&words)[kTilePixels]) const;
   template <int K>
   GroupSums trace_group(const ViewRays& view, const BlockGroup& group, EyeMask& mask) const;
   template <int K>
@@ -131,25 +131,26 @@ void Tracer::Impl::make_maps() {
 }
 
 template <int K>
-GroupRays Tracer::Impl::shadow(const TileSurface& surface, const TileBounds& bounds, std::size_t light,
-                               std::uint32_t bit, std::uint32_t (&words)[kTilePixels]) const {
+GroupRays Tracer::Impl::shadow(const TileSurface& surface, const TileBounds& bounds, BlockBits blocks,
+                               std::size_t light, std::uint32_t bit,
+                               std::uint32_t (&words)[kTilePixels]) const {
   const auto occluded = [this](const Lanes<K>& lanes, RayPacket<K>& packet) {
     rays->occluded(lanes, packet);
   };
-  if (!plan.skips_rays) return shadow_whole_group<K>(surface, lights[light], bit, words, occluded);
+  if (!plan.skips_rays) return shadow_whole_group<K>(surface, blocks, lights[light], bit, words, occluded);
   switch (verdict_on(bounds, lights[light], maps_in_use[light])) {
     case TileVerdict::OutOfRange:
-      return {.out_of_range = surface.covered};
+      return {.out_of_range = covered_in(blocks, surface)};
     case TileVerdict::OutOfCone:
-      return {.out_of_cone = surface.covered};
+      return {.out_of_cone = covered_in(blocks, surface)};
     case TileVerdict::TurnedAway:
-      return {.away = surface.covered};
+      return {.away = covered_in(blocks, surface)};
     case TileVerdict::Lit:
-      return light_group(surface, bit, words);
+      return light_group(surface, blocks, bit, words);
     case TileVerdict::Open:
       break;
   }
-  return shadow_group<K>(surface, lights[light], maps_in_use[light], bit, words, occluded);
+  return shadow_group<K>(surface, blocks, lights[light], maps_in_use[light], bit, words, occluded);
 }
 
 /// The tile of a group that is a whole tile.
@@ -158,14 +159,18 @@ TileRect tile_of(const BlockGroup& group, Extent size) {
   return {x, y, std::min(x + kTileSide_px, size.width), std::min(y + kTileSide_px, size.height)};
 }
 
-/// Calls act(light, bit, words) for the lights that are on, plane by plane, and writes the words to the mask.
+/// Calls act(light, blocks, bit, words) for the lights that are on and asked for in some `blocks`, plane by
+/// plane, and writes the words to the mask.
 template <class Act>
 void for_each_light(std::span<const ShadowLight> lights, const BlockGroup& group, EyeMask& mask, Act act) {
   const MaskLayout layout = mask.layout();
   for (std::uint32_t plane = 0; plane < layout.planes(); ++plane) {
     std::uint32_t words[kTilePixels]{};
-    for (std::uint32_t bit = 0; bit < layout.lights_in(plane); ++bit)
-      if (const std::size_t light = plane * 32 + bit; lights[light].on) act(light, 1u << bit, words);
+    for (std::uint32_t bit = 0; bit < layout.lights_in(plane); ++bit) {
+      const std::uint32_t light = plane * 32 + bit;
+      const BlockBits blocks = group.asked.of(light);
+      if (lights[light].on && blocks != kNoBlocks) act(light, blocks, 1u << bit, words);
+    }
     write_plane(words, group, plane, mask);
   }
 }
@@ -178,12 +183,13 @@ GroupSums Tracer::Impl::trace_group(const ViewRays& view, const BlockGroup& grou
   see_group<K>(*rays, model, view, group, surface);
   sums.primary = watch.elapsed();
   const TileBounds bounds = plan.skips_rays ? bounds_of(surface) : TileBounds{};
-  for_each_light(lights, group, mask, [&](std::size_t light, std::uint32_t bit, auto& words) {
-    if (surface.covered > 0) sums.rays += shadow<K>(surface, bounds, light, bit, words);
-  });
+  for_each_light(lights, group, mask,
+                 [&](std::size_t light, BlockBits blocks, std::uint32_t bit, auto& words) {
+                   if (surface.covered > 0)
+                     sums.rays += shadow<K>(surface, bounds, blocks, light, bit, words);
+                 });
   sums.shadow = watch.elapsed() - sums.primary;
   sums.primary_rays = pixels_of(group, view.size);
-  sums.covered = surface.covered;
   return sums;
 }
 
@@ -197,12 +203,13 @@ GroupSums Tracer::Impl::trace_group(const PlacedEye& eye, const BlockGroup& grou
   const auto occluded = [this](const Lanes<K>& lanes, RayPacket<K>& packet) {
     rays->occluded(lanes, packet);
   };
-  for_each_light(lights, group, mask, [&](std::size_t light, std::uint32_t bit, auto& words) {
-    if (surface.covered > 0)
-      sums.rays += shadow_group<K>(surface, lights[light], maps_in_use[light], bit, words, occluded);
-  });
+  for_each_light(
+      lights, group, mask, [&](std::size_t light, BlockBits blocks, std::uint32_t bit, auto& words) {
+        if (surface.covered > 0)
+          sums.rays +=
+              shadow_group<K>(surface, blocks, lights[light], maps_in_use[light], bit, words, occluded);
+      });
   sums.shadow = watch.elapsed() - sums.primary;
-  sums.covered = surface.covered;
   return sums;
 }
 
@@ -254,8 +261,8 @@ void Tracer::Impl::prepare(const FrameRequest& request, ShadowFrame& frame) {
     EyeMask& mask = frame.masks[eye];
     if (mask.size() != request.views[eye].size || mask.layout() != plan.mask)
       mask = EyeMask(request.views[eye].size, plan.mask);
-    const std::vector<BlockBits>& asked = request.asked.tiles[eye];
-    groups[eye] = groups_of(mask.size(), asked);
+    const std::vector<AskedTile>& asked = request.asked.tiles[eye];
+    groups[eye] = groups_of(mask.size(), plan.mask.lights, asked);
     if (!asked.empty()) std::ranges::fill(mask.bytes(), std::byte{});  // whole views overwrite every word
   }
 }
@@ -284,7 +291,7 @@ TraceStats Tracer::Impl::trace_frame(const PerEye<Source>& sources, bool same, S
           .shadow = wall - primary,
           .primary_rays = sums.primary_rays,
           .shadow_rays = sums.rays.traced,
-          .full_shadow_rays = sums.covered * on * (same ? 2 : 1),
+          .full_shadow_rays = sums.rays.all() * (same ? 2 : 1),
           .out_of_range = sums.rays.out_of_range,
           .out_of_cone = sums.rays.out_of_cone,
           .turned_away = sums.rays.away,
@@ -329,6 +336,10 @@ TraceStats Tracer::trace(const FrameRequest& request, const PerEye<PositionPlane
                      rays_of(request.views[eye], anchor_from_stage), reach};
   };
   return impl_->trace_frame(PerEye<PlacedEye>{placed(0), placed(1)}, false, frame);
+}
+
+MaskLayout Tracer::layout() const {
+  return impl_->plan.mask;
 }
 
 TracerMemory Tracer::memory() const {

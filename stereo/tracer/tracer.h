@@ -37,8 +37,8 @@ struct TraceStats {
   /// divided in proportion to the core time of each stage.
   Duration primary{}, shadow{};
   std::uint64_t primary_rays = 0, shadow_rays = 0;  ///< primary rays: pixels of asked blocks
-  /// Shadow rays of a trace that skips nothing: covered pixels of asked blocks x lights that are on, both
-  /// eyes.
+  /// Shadow rays of a trace that skips nothing: for each light that is on, the covered pixels of the blocks
+  /// that are asked for in this light, both eyes.
   std::uint64_t full_shadow_rays = 0;
   /// Shadow rays that were skipped. The first three count dark pixel-lights, each by the first reason that
   /// holds: beyond the light's range, outside of its cone, turned away from it. `proven` counts lit
@@ -87,8 +87,8 @@ class Tracer {
   /// both views and their asked blocks coincide, one is traced and copied. One call at a time. Uses all
   /// cores.
   ///
-  /// Traces only the request's asked blocks, and sets the words of all other pixels to 0. An asked block has
-  /// the same words as in a trace of the whole view. An eye has one set of blocks per tile, or none.
+  /// Traces only what the request asks for, and sets all other bits to 0. Bits that are asked for are the
+  /// same as in a trace of the whole view. An eye has one entry per tile, or none.
   TraceStats trace(const FrameRequest& request, ShadowFrame& frame);
 
   /// The same for whole views and without primary rays: the pixels' surfaces lie at `positions` on `grid`, in
@@ -100,6 +100,7 @@ class Tracer {
                    const PositionGrid& grid, ShadowFrame& frame);
 
   [[nodiscard]] TracerMemory memory() const;
+  [[nodiscard]] MaskLayout layout() const;
 
  private:
   struct Impl;

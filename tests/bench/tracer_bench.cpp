@@ -9,9 +9,9 @@
 // skipped rays.
 //
 // With --asked it compares traces of whole views with traces of edge blocks instead: the blocks with a pixel
-// whose word differs from the word of the pixel to the right or below. It prints time, core time and rays of
-// both, and the rays a second of the shadow stage and of the bare loop over its own packets (with its
-// proofs).
+// whose bit differs from the bit of the pixel to the right or below. It traces them in all lights, and each
+// light's alone. It prints time, core time and rays of all three, and the rays a second of the shadow stage
+// and of the bare loop over its own packets (with its proofs).
 #include <tbb/parallel_for.h>
 
 #include <CLI/CLI.hpp>
@@ -20,6 +20,7 @@
 #include <optional>
 #include <vector>
 
+#include "stereo/base/check.h"
 #include "stereo/base/quantile.h"
 #include "stereo/scene/gltf.h"
 #include "stereo/tracer/tile_stages.h"
@@ -55,14 +56,17 @@ Packets<K> record(const SurfaceModel& model, const RayScene& rays, const FrameRe
     packets.rays.push_back(ray);
   };
   TileSurface surface;
+  const auto model_lights = narrow<std::uint32_t>(lights.size());
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const View& view = request.views[eye];
-    for (const BlockGroup& group : groups_of(view.size, request.asked.tiles[eye])) {
+    for (const BlockGroup& group : groups_of(view.size, model_lights, request.asked.tiles[eye])) {
       see_group<K>(rays, model, rays_of(view, model.anchor_from_stage()), group, surface);
-      for (std::size_t i = 0; i < lights.size(); ++i) {
+      for (std::uint32_t i = 0; i < model_lights; ++i) {
         std::uint32_t words[kTilePixels]{};
         const LightVisibilityMap* const map = maps.empty() ? nullptr : &maps[i];
-        packets.count += shadow_group<K>(surface, shadow_light(lights[i], model), map, 1, words, keep).traced;
+        packets.count +=
+            shadow_group<K>(surface, group.asked.of(i), shadow_light(lights[i], model), map, 1, words, keep)
+                .traced;
       }
     }
   }
@@ -156,7 +160,7 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
     for (const View& view : views) {
       const TileGrid grid{view.size};
       for (std::uint32_t tile = 0; tile < grid.count(); ++tile)
-        see_group<K>(rays, model, rays_of(view, model.anchor_from_stage()), group_of(grid.rect(tile)),
+        see_group<K>(rays, model, rays_of(view, model.anchor_from_stage()), group_of(grid.rect(tile), 1),
                      surface);
     }
   };
@@ -174,25 +178,28 @@ void compare(const Scene& scene, const StereoView& views, int rounds) {
   print_times<K>(views, stats, times, same.count);
 }
 
-/// The edge blocks of a mask.
-std::vector<BlockBits> edge_blocks(const EyeMask& mask) {
+/// The edge blocks of each light of a mask.
+std::vector<AskedTile> edge_blocks(const EyeMask& mask) {
   const TileGrid grid{mask.size()};
-  std::vector<BlockBits> blocks(grid.count());
-  const auto word_at = [&](std::uint32_t x, std::uint32_t y) {
-    std::vector<std::uint32_t> words;
-    for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane)
-      words.push_back(mask.word(x, y, plane));
-    return words;
-  };
-  for (std::uint32_t y = 0; y < mask.size().height; ++y)
-    for (std::uint32_t x = 0; x < mask.size().width; ++x) {
-      const auto right = word_at(std::min(x + 1, mask.size().width - 1), y);
-      const auto below = word_at(x, std::min(y + 1, mask.size().height - 1)), here = word_at(x, y);
-      if (right == here && below == here) continue;
-      blocks[y / kTileSide_px * grid.columns() + x / kTileSide_px] |=
-          block_bit(x % kTileSide_px, y % kTileSide_px);
-    }
-  return blocks;
+  std::vector<AskedTile> tiles(grid.count());
+  for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane)
+    for (std::uint32_t y = 0; y < mask.size().height; ++y)
+      for (std::uint32_t x = 0; x < mask.size().width; ++x) {
+        const std::uint32_t right = mask.word(std::min(x + 1, mask.size().width - 1), y, plane);
+        const std::uint32_t below = mask.word(x, std::min(y + 1, mask.size().height - 1), plane);
+        const std::uint32_t here = mask.word(x, y, plane), differ = (right ^ here) | (below ^ here);
+        AskedTile& tile = tiles[y / kTileSide_px * grid.columns() + x / kTileSide_px];
+        for (std::uint32_t light = 0; light < 32; ++light)
+          if ((differ >> light & 1) != 0)
+            tile.shares[light % kMostShares] |= block_bit(x % kTileSide_px, y % kTileSide_px);
+      }
+  return tiles;
+}
+
+/// Asks for all lights in the asked blocks.
+std::vector<AskedTile> in_all_lights(std::vector<AskedTile> tiles, std::uint32_t lights) {
+  for (AskedTile& tile : tiles) tile = all_lights_in(tile.any(), lights);
+  return tiles;
 }
 
 /// A trace of one request, its times in all rounds, and its shadow packets.
@@ -219,15 +226,16 @@ void print(const Traced<K>& of) {
   print("  bare loop, same packets", of.bare, of.packets.count);
 }
 
-/// The same bits in the asked blocks, and none elsewhere.
-bool is_part_of(const EyeMask& part, const EyeMask& whole, const std::vector<BlockBits>& asked) {
+/// The same bits where they are asked for, and none elsewhere.
+bool is_part_of(const EyeMask& part, const EyeMask& whole, const std::vector<AskedTile>& asked) {
   const TileGrid grid{whole.size()};
   for (std::uint32_t y = 0; y < whole.size().height; ++y)
     for (std::uint32_t x = 0; x < whole.size().width; ++x) {
-      const BlockBits bits = asked[y / kTileSide_px * grid.columns() + x / kTileSide_px];
-      const bool is_asked = (bits & block_bit(x % kTileSide_px, y % kTileSide_px)) != 0;
+      const AskedTile& tile = asked[y / kTileSide_px * grid.columns() + x / kTileSide_px];
+      const auto block = std::countr_zero(block_bit(x % kTileSide_px, y % kTileSide_px));
+      const std::uint32_t bits = tile.at(static_cast<std::uint32_t>(block)) * 0x01010101u;
       for (std::uint32_t plane = 0; plane < whole.layout().planes(); ++plane)
-        if (part.word(x, y, plane) != (is_asked ? whole.word(x, y, plane) : 0)) return false;
+        if (part.word(x, y, plane) != (whole.word(x, y, plane) & bits)) return false;
     }
   return true;
 }
@@ -243,22 +251,26 @@ void compare_asked(const Scene& scene, const StereoView& views, int rounds) {
     maps.emplace_back(shadow_light(light, model), planes, model);
 
   Tracer tracer = Tracer::create(scene).value();
-  Traced<K> whole{.what = "whole views"}, part{.what = "edge blocks"};
-  whole.request.views = part.request.views = views;
+  Traced<K> whole{.what = "whole views"}, part{.what = "edge blocks in all lights"};
+  Traced<K> lights{.what = "edge blocks of each light"};
+  whole.request.views = part.request.views = lights.request.views = views;
   ShadowFrame whole_frame, frame;
   tracer.trace(whole.request, whole_frame);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
-    part.request.asked.tiles[eye] = edge_blocks(whole_frame.masks[eye]);
-  tracer.trace(part.request, frame);
+    lights.request.asked.tiles[eye] = edge_blocks(whole_frame.masks[eye]);
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    part.request.asked.tiles[eye] =
+        in_all_lights(lights.request.asked.tiles[eye], whole_frame.masks[eye].lights());
+  tracer.trace(lights.request, frame);
   bool same = true;
   for (std::size_t eye = 0; eye < kEyes; ++eye)
-    same = same && is_part_of(frame.masks[eye], whole_frame.masks[eye], part.request.asked.tiles[eye]);
-  for (Traced<K>* const each : {&whole, &part})
+    same = same && is_part_of(frame.masks[eye], whole_frame.masks[eye], lights.request.asked.tiles[eye]);
+  for (Traced<K>* const each : {&whole, &part, &lights})
     each->packets = record<K>(model, rays, each->request, state.light_set.lights, maps);
 
   std::vector<double> share;
   for (int round = 0; round < rounds; ++round) {
-    for (Traced<K>* const each : {&whole, &part}) {
+    for (Traced<K>* const each : {&whole, &part, &lights}) {
       const Stopwatch watch;
       each->cpu.push_back(cpu_ms([&] { each->stats = tracer.trace(each->request, frame); }));
       each->wall.push_back(ms_of(watch.elapsed()));
@@ -272,6 +284,7 @@ void compare_asked(const Scene& scene, const StereoView& views, int rounds) {
               views[0].size.height, same ? "same" : "DIFFER");
   print(whole);
   print(part);
+  print(lights);
   const double pixels =
       static_cast<double>(part.stats.primary_rays) / static_cast<double>(whole.stats.primary_rays);
   std::printf("edge blocks / whole views: pixels %.3f, core time %.3f [%.3f, %.3f]\n", pixels,

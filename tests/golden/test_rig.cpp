@@ -113,9 +113,11 @@ void for_pixels(Extent size, const std::function<void(std::uint32_t, std::uint32
     for (std::uint32_t x = 0; x < size.width; ++x) visit(x, y);
 }
 
-bool is_asked(const AskedBlocks& asked, std::size_t eye, Extent size, glm::uvec2 pixel) {
+std::uint32_t asked_bits(const AskedBlocks& asked, std::size_t eye, Extent size, glm::uvec2 pixel) {
+  if (asked.tiles[eye].empty()) return ~0u;
   const std::size_t tile = pixel.y / kTileSide_px * TileGrid{size}.columns() + pixel.x / kTileSide_px;
-  return (asked.at(eye, tile) & block_bit(pixel.x % kTileSide_px, pixel.y % kTileSide_px)) != 0;
+  const auto block = std::countr_zero(block_bit(pixel.x % kTileSide_px, pixel.y % kTileSide_px));
+  return asked.tiles[eye][tile].at(static_cast<std::uint32_t>(block)) * 0x01010101u;
 }
 
 void for_covered(const Shown& shown, const Visit& visit) {
@@ -176,9 +178,11 @@ Mask TestRig::ask_for_unknown(FrameId frame, const StereoView& views, const Mask
   Mask mask = trace(frame, views);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     for_pixels(views[eye].size, [&](std::uint32_t x, std::uint32_t y) {
-      if (is_asked(carried.asked, eye, views[eye].size, {x, y})) return;
+      const std::uint32_t asked = asked_bits(carried.asked, eye, views[eye].size, {x, y});
       for (std::uint32_t plane = 0; plane < mask.bits[eye].layout().planes(); ++plane)
-        mask.bits[eye].set_word(x, y, plane, carried.masks[eye].word(x, y, plane));
+        mask.bits[eye].set_word(
+            x, y, plane,
+            (mask.bits[eye].word(x, y, plane) & asked) | (carried.masks[eye].word(x, y, plane) & ~asked));
     });
   mask.asked = std::move(carried.asked);
   return mask;

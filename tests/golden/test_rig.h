@@ -77,8 +77,9 @@ struct Shown {
 
 void for_pixels(Extent size, const std::function<void(std::uint32_t x, std::uint32_t y)>& visit);
 
-/// Whether the block of `pixel`, in views of `size`, is asked for.
-[[nodiscard]] bool is_asked(const AskedBlocks& asked, std::size_t eye, Extent size, glm::uvec2 pixel);
+/// The bits of a mask word that are asked for at `pixel` of views of `size`.
+[[nodiscard]] std::uint32_t asked_bits(const AskedBlocks& asked, std::size_t eye, Extent size,
+                                       glm::uvec2 pixel);
 
 /// Calls `visit` for every covered pixel of both eyes.
 using Visit = std::function<void(Side, std::uint32_t x, std::uint32_t y, std::uint8_t source)>;

@@ -16,8 +16,9 @@ void Asking::prepare(FrameRequest& request, std::size_t slot, const RequestRecor
   if (base == nullptr) return;
   drawn_ = renderer_.carry(request, slot, mask_of(*base), carried_);
   if (!drawn_) return;
-  for (std::vector<BlockBits>& eye : carried_.asked.tiles)
-    add_refresh(base->request.display_time, request.display_time, eye);
+  const std::uint32_t lights = carried_.masks[0].lights();
+  for (std::vector<AskedTile>& eye : carried_.asked.tiles)
+    add_refresh(base->request.display_time, request.display_time, lights, eye);
   if (share_of(carried_.asked) <= kMostAsked) pack(request);
   if (messages_used_ == 0) return;
   request.asked = carried_.asked;
@@ -27,7 +28,7 @@ void Asking::prepare(FrameRequest& request, std::size_t slot, const RequestRecor
 /// Writes what is asked for into messages.
 void Asking::pack(const FrameRequest& request) {
   for (const Side side : kSides) {
-    packer_.start(request.frame, side, request.views[index_of(side)].size,
+    packer_.start(request.frame, side, request.views[index_of(side)].size, carried_.masks[0].lights(),
                   carried_.asked.tiles[index_of(side)]);
     while (const std::optional<AskSlice> slice = packer_.next()) {
       if (messages_used_ == messages_.size()) messages_.emplace_back();

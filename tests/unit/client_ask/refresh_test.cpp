@@ -10,15 +10,16 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr std::size_t kTiles = 5184;  // of 1152 x 1152 pixels
+constexpr AskedTile kAll = all_lights_in(kAllBlocks, 2);
 
 TEST(Refresh, AsksForEveryTileOnceASecondWhateverTheRate) {
   for (const Duration step : {Duration(13'888'889), Duration(28ms), Duration(130ms), Duration(333ms)}) {
     std::vector<int> turns(kTiles, 0);
     const Time first(-700ms);
     for (Time at = first; at < first + 1s; at += step) {
-      std::vector<BlockBits> tiles(kTiles, kNoBlocks);
-      add_refresh(at, std::min(at + step, first + 1s), tiles);
-      for (std::size_t tile = 0; tile < kTiles; ++tile) turns[tile] += tiles[tile] == kAllBlocks;
+      std::vector<AskedTile> tiles(kTiles);
+      add_refresh(at, std::min(at + step, first + 1s), 2, tiles);
+      for (std::size_t tile = 0; tile < kTiles; ++tile) turns[tile] += tiles[tile] == kAll;
     }
     EXPECT_EQ(std::ranges::count(turns, 1), static_cast<std::ptrdiff_t>(kTiles)) << step.count();
   }
@@ -26,10 +27,10 @@ TEST(Refresh, AsksForEveryTileOnceASecondWhateverTheRate) {
 
 TEST(Refresh, SpreadsTheTilesOverTimeAndPicture) {
   for (Time at{}; at < Time(1s); at += 28ms) {
-    std::vector<BlockBits> tiles(kTiles, kNoBlocks);
-    add_refresh(at, at + 28ms, tiles);
+    std::vector<AskedTile> tiles(kTiles);
+    add_refresh(at, at + 28ms, 2, tiles);
     const auto share = [](auto part) {
-      return static_cast<double>(std::ranges::count(part, kAllBlocks)) / static_cast<double>(part.size());
+      return static_cast<double>(std::ranges::count(part, kAll)) / static_cast<double>(part.size());
     };
     EXPECT_NEAR(share(std::span(tiles)), 0.028, 0.004);
     EXPECT_NEAR(share(std::span(tiles).first(kTiles / 4)), 0.028, 0.004);
@@ -37,15 +38,16 @@ TEST(Refresh, SpreadsTheTilesOverTimeAndPicture) {
 }
 
 TEST(Refresh, AsksForAllAfterASecondAndForNothingAtOnce) {
-  std::vector<BlockBits> tiles(kTiles, kNoBlocks);
-  add_refresh(Time(3s), Time(3s), tiles);
-  add_refresh(Time(3s), Time(2s), tiles);
-  EXPECT_EQ(std::ranges::count(tiles, kNoBlocks), static_cast<std::ptrdiff_t>(kTiles));
-  tiles[7] = 0x0420;
-  add_refresh(Time(3s), Time(3100ms), tiles);
-  EXPECT_TRUE(tiles[7] == 0x0420 || tiles[7] == kAllBlocks);
-  add_refresh(Time(3s), Time(4s), tiles);
-  EXPECT_EQ(std::ranges::count(tiles, kAllBlocks), static_cast<std::ptrdiff_t>(kTiles));
+  std::vector<AskedTile> tiles(kTiles);
+  add_refresh(Time(3s), Time(3s), 2, tiles);
+  add_refresh(Time(3s), Time(2s), 2, tiles);
+  EXPECT_EQ(std::ranges::count(tiles, AskedTile{}), static_cast<std::ptrdiff_t>(kTiles));
+  const AskedTile some{{0x0420, 0x0001}};
+  tiles[7] = some;
+  add_refresh(Time(3s), Time(3100ms), 2, tiles);
+  EXPECT_TRUE(tiles[7] == some || tiles[7] == kAll);
+  add_refresh(Time(3s), Time(4s), 2, tiles);
+  EXPECT_EQ(std::ranges::count(tiles, kAll), static_cast<std::ptrdiff_t>(kTiles));
 }
 
 }  // namespace

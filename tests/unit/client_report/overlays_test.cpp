@@ -92,7 +92,7 @@ TEST(SourceOverlay, MakesWhatWasCarriedOverPaler) {
   const StereoView views{view, view};
   const PerEye<EyeMask> bits{EyeMask(traced, 1), EyeMask(traced, 1)};
   const PerEye<KnownTiles> known{KnownTiles{1, 0}, KnownTiles{1, 0}};
-  const AskedBlocks asked{{std::vector<BlockBits>{1, 0}, std::vector<BlockBits>{0, 0}}};
+  const AskedBlocks asked{{std::vector<AskedTile>{{{1}}, {}}, std::vector<AskedTile>(2)}};
   Frame frame(report_of({0, 0, 0}));
   frame.report.positions = {{3.5f, 3.5f}, {4.5f, 3.5f}, {20.5f, 3.5f}};
   frame.newest.emplace(TracedMask{{1}, {}, {}, views, bits, known, 0, kFirstLightSet, &asked});

@@ -266,8 +266,8 @@ TEST(Assembler, RefusesSlicesThatDoNotFit) {
 TEST(Assembler, IsCompleteWithTheAskedTiles) {
   FrameRequest requested = request(1);
   const std::size_t tiles = TileGrid{requested.views[0].size}.count();
-  for (std::vector<BlockBits>& eye : requested.asked.tiles) eye.assign(tiles, kNoBlocks);
-  requested.asked.tiles[0][3] = requested.asked.tiles[0][40] = 0x0660;
+  for (std::vector<AskedTile>& eye : requested.asked.tiles) eye.assign(tiles, {});
+  requested.asked.tiles[0][3] = requested.asked.tiles[0][40] = {{0x0660, 0x0060}};
   const ShadowFrame frame = noisy_frame(requested, 40);
   FramePacker packer;
   packer.begin();

@@ -149,10 +149,12 @@ std::vector<std::uint32_t> words_by(const Scene& scene) {
   const TileGrid grid{kLeft.size};
   for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
     TileSurface surface;
-    see_group<K>(rays, model, rays_of(kLeft, model.anchor_from_stage()), group_of(grid.rect(tile)), surface);
+    see_group<K>(rays, model, rays_of(kLeft, model.anchor_from_stage()), group_of(grid.rect(tile), 1),
+                 surface);
     std::uint32_t words[kTilePixels]{};
     for (std::uint32_t i = 0; i < state.light_set.lights.size(); ++i)
-      shadow_group<K>(surface, shadow_light(state.light_set.lights[i], model), nullptr, 1u << i, words,
+      shadow_group<K>(surface, kAllBlocks, shadow_light(state.light_set.lights[i], model), nullptr, 1u << i,
+                      words,
                       [&](const Lanes<K>& lanes, RayPacket<K>& packet) { rays.occluded(lanes, packet); });
     all.insert(all.end(), std::begin(words), std::end(words));
   }
