@@ -1,6 +1,7 @@
 #include "stereo/wire/ask_coder.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "stereo/base/check.h"
 #include "stereo/wire/decision_counts.h"
@@ -13,7 +14,7 @@ constexpr std::uint32_t kMostAskTiles = 0xffff;  // what the field of the messag
 }  // namespace
 
 template <class Io>
-const AskedTile* AskCoder<Io>::near(std::uint32_t tile, int dx, int dy) const {
+const typename AskCoder<Io>::Tile* AskCoder<Io>::near(std::uint32_t tile, int dx, int dy) const {
   const auto columns = static_cast<std::int64_t>(columns_);
   const std::int64_t column = tile % columns_ + std::int64_t{dx};
   const std::int64_t at = static_cast<std::int64_t>(coded_.size()) + dy * columns + dx;
@@ -23,16 +24,28 @@ const AskedTile* AskCoder<Io>::near(std::uint32_t tile, int dx, int dy) const {
 
 template <class Io>
 void AskCoder<Io>::tile(std::uint32_t tile, AskedTile& asked) {
-  const AskedTile *west = near(tile, -1, 0), *north = near(tile, 0, -1);
-  const AskedTile *north_west = near(tile, -1, -1), *north_east = near(tile, 1, -1);
-  for (std::uint32_t share = 0; share < shares_; ++share) {
-    const auto of = [share](const AskedTile* near_tile) {
-      return near_tile == nullptr ? kUnknownCell : Neighbour{near_tile->shares[share]};
-    };
-    cell({.west = of(west), .north = of(north), .north_west = of(north_west), .north_east = of(north_east)},
-         asked.shares[share]);
+  const Tile *west = near(tile, -1, 0), *north = near(tile, 0, -1);
+  const Tile *north_west = near(tile, -1, -1), *north_east = near(tile, 1, -1);
+  const auto any_of = [](const Tile* other) {
+    return other == nullptr ? kUnknownCell : Neighbour{other->any};
+  };
+  Tile coded{.any = asked.any()};
+  cell({.west = any_of(west),
+        .north = any_of(north),
+        .north_west = any_of(north_west),
+        .north_east = any_of(north_east)},
+       coded.any);
+  if (coded.any != kNoBlocks) {
+    for (std::uint32_t share = 0; share < shares_; ++share)
+      for (std::uint32_t block = 0; block < 16; ++block)
+        coded.blocks[block] |= static_cast<Shares>((asked.shares[share] >> block & 1u) << share);
+    lights(west, north, north_west, north_east, coded);
+    asked = {};
+    for (std::uint32_t share = 0; share < shares_; ++share)
+      for (std::uint32_t block = 0; block < 16; ++block)
+        asked.shares[share] |= static_cast<BlockBits>((coded.blocks[block] >> share & 1u) << block);
   }
-  coded_.push_back(asked);
+  coded_.push_back(coded);
 }
 
 template <class Io>
@@ -71,6 +84,68 @@ Cell AskCoder<Io>::mixed(const Neighbours& around, Cell cell) {
   return static_cast<Cell>(coded);
 }
 
+/// Codes the shares of the blocks of a tile that are asked for.
+template <class Io>
+void AskCoder<Io>::lights(const Tile* west, const Tile* north, const Tile* north_west, const Tile* north_east,
+                          Tile& tile) {
+  const auto every = static_cast<Shares>((1u << shares_) - 1);
+  // Rows and columns 1 to 4 are the tile's blocks, row 0 and column 0 the blocks before them.
+  constexpr std::uint32_t kColumns = 6;
+  std::array<Shares, 5 * kColumns> grid{};
+  if (north_west != nullptr) grid[0] = north_west->blocks[15];
+  if (north_east != nullptr) grid[kColumns - 1] = north_east->blocks[12];
+  for (std::uint32_t i = 0; i < kTileBlocks; ++i) {
+    if (north != nullptr) grid[i + 1] = north->blocks[12 + i];
+    if (west != nullptr) grid[(i + 1) * kColumns] = west->blocks[kTileBlocks * i + 3];
+  }
+  const auto kind = [every](Shares shares) { return shares == 0 ? 0u : shares == every ? 2u : 1u; };
+  for (std::uint32_t rest = tile.any; rest != 0; rest &= rest - 1) {
+    const auto block = static_cast<std::uint32_t>(std::countr_zero(rest));
+    const std::uint32_t at = (block / kTileBlocks + 1) * kColumns + block % kTileBlocks + 1;
+    const Around around{.west = grid[at - 1],
+                        .north = grid[at - kColumns],
+                        .north_west = grid[at - kColumns - 1],
+                        .north_east = grid[at - kColumns + 1]};
+    const std::size_t context =
+        (((kind(around.west) * 3 + kind(around.north)) * 3 + kind(around.north_west)) * 3 +
+         kind(around.north_east)) *
+            2 +
+        (tile.any == kFullCell ? 1 : 0);
+    Shares& shares = tile.blocks[block];
+    if (shares_ == 1 || code(kAllLightsModels + context, shares == every))
+      shares = every;
+    else
+      shares = some_lights(around, shares);
+    grid[at] = shares;
+  }
+}
+
+/// Codes the shares of a block that are not all, but some.
+template <class Io>
+typename AskCoder<Io>::Shares AskCoder<Io>::some_lights(const Around& around, Shares shares) {
+  const std::uint32_t every = (1u << shares_) - 1;
+  const auto others = [every](Shares of) { return of == every ? 0u : of; };
+  const std::uint32_t apart =
+      others(around.west) | others(around.north) | others(around.north_west) | others(around.north_east);
+  std::uint32_t coded = 0;
+  for (std::uint32_t share = 0; share < shares_; ++share) {
+    const std::uint32_t later = shares_ - 1 - share, before = (1u << share) - 1;
+    // The last share is implied if those before it are all set, or all clear.
+    bool bit = coded == 0;
+    if (later > 0 || (coded != 0 && coded != before)) {
+      const auto has = [share](Shares of) { return std::uint32_t{of} >> share & 1; };
+      const auto kind = [&](Shares of) { return of == 0 ? 0u : has(of) == 0 ? 1u : of == every ? 2u : 3u; };
+      const std::uint32_t next = apart >> share >> 1 != 0 ? 1 : 0;
+      std::uint32_t context = kind(around.west) * 4 + kind(around.north);
+      context = (context * 2 + has(around.north_west)) * 2 + has(around.north_east);
+      context = ((context * 2 + (coded != 0 ? 1 : 0)) * 2 + next) * 3 + std::min(later, 2u);
+      bit = code(kShareModels + context, (shares >> share & 1) != 0);
+    }
+    coded |= (bit ? 1u : 0u) << share;
+  }
+  return static_cast<Shares>(coded);
+}
+
 template class AskCoder<RangeEncoder>;
 template class AskCoder<RangeDecoder>;
 template class AskCoder<DecisionCounts>;
@@ -97,8 +172,8 @@ std::optional<AskSlice> AskPacker::next() {
     if (encoder.size_bytes() > kMaxAskBlock_bytes) break;
     fits = encoder.mark();
   }
-  // A share of a tile has at most 18 decisions of at most 9 bits.
-  static_assert(kMostShares * 18 * 9 / 8 + 2 <= kMaxAskBlock_bytes, "any tile fits");
+  // A tile has at most 18 decisions of its blocks and 9 of the shares of each, of at most 9 bits.
+  static_assert((18 + 16 * (kMostShares + 1)) * 9 / 8 + 2 <= kMaxAskBlock_bytes, "any tile fits");
   encoder.rewind(fits);
   AskSlice made = slice_;
   made.tile_count = tile - slice_.first_tile;

@@ -1,7 +1,9 @@
 /// Ask coder: packs what a request asks for into AskSlices that decode independently.
 ///
-/// The blocks of a share of the lights in a tile are one cell (cells.h). Asked blocks follow shadow edges, so
-/// they are thin curves.
+/// The blocks of a tile that are asked for in any light are one cell (cells.h). Asked blocks follow shadow
+/// edges, so they are thin curves. Then each of these blocks has its shares of the lights: an edge is mostly
+/// that of one light, and it goes on from block to block; at borders and for a refresh, all lights are asked
+/// for.
 #pragma once
 
 #include <array>
@@ -23,8 +25,9 @@ namespace farshade {
 inline constexpr std::size_t kAnyModels = 0;                   ///< 4 x 4 x 3 x 3
 inline constexpr std::size_t kEveryModels = kAnyModels + 144;  ///< 4 x 4
 inline constexpr std::size_t kBlockModels = kEveryModels + 16;
-inline constexpr std::size_t kShareModels = kBlockModels + 4 * kBitContexts;  ///< 4 x 4 x 2
-inline constexpr std::size_t kAskModels = kShareModels + 32;
+inline constexpr std::size_t kAllLightsModels = kBlockModels + 4 * kBitContexts;  ///< 3 x 3 x 3 x 3 x 2
+inline constexpr std::size_t kShareModels = kAllLightsModels + 162;  ///< 4 x 4 x 2 x 2 x 2 x 2 x 3
+inline constexpr std::size_t kAskModels = kShareModels + 768;
 
 /// Probabilities of a 0 in 1/256: wire_bench --train.
 extern const std::array<std::uint8_t, kAskModels> kInitialAskModels;
@@ -42,9 +45,23 @@ class AskCoder {
   void tile(std::uint32_t tile, AskedTile& asked);
 
  private:
-  [[nodiscard]] const AskedTile* near(std::uint32_t tile, int dx, int dy) const;
+  /// The shares of a block, or of each block of a tile, as bits; none if the block is not asked for.
+  using Shares = std::uint8_t;
+  struct Tile {
+    Cell any = kEmptyCell;
+    std::array<Shares, 16> blocks{};
+  };
+  /// Those of the blocks around a block.
+  struct Around {
+    Shares west, north, north_west, north_east;
+  };
+
+  [[nodiscard]] const Tile* near(std::uint32_t tile, int dx, int dy) const;
   void cell(const Neighbours& around, Cell& cell);
   Cell mixed(const Neighbours& around, Cell cell);
+  void lights(const Tile* west, const Tile* north, const Tile* north_west, const Tile* north_east,
+              Tile& tile);
+  Shares some_lights(const Around& around, Shares shares);
   bool code(std::size_t model, bool value) {
     io_.bit(models_.at(model), value);
     return value;
@@ -53,7 +70,7 @@ class AskCoder {
   Io& io_;
   AskModels& models_;
   std::uint32_t columns_, shares_;
-  std::vector<AskedTile> coded_;
+  std::vector<Tile> coded_;
 };
 
 /// Packs one eye after another.
