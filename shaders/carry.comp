@@ -1,7 +1,6 @@
 // Carries a mask over to requested views, and finds what must be asked for (docs/asking.md).
 // A light of a pixel is carried over if the four pixels around its point in the mask are known and agree in this light,
-// and if they see the point's surface: one of them, or the depth between them is the point's. A light of a block with any
-// other pixel is unknown.
+// and the depth between them is the point's. A light of a block is unknown if it is unknown in any pixel.
 // One invocation handles one block: lavapipe then reads and writes without atomics. Branches would cost more than they
 // save (shade.comp).
 #version 460
@@ -65,10 +64,9 @@ Place find(SourceData source, vec4 window, vec2 center, float depth) {
   bool known = block_known(source, taps[0]) && block_known(source, taps[1]) && block_known(source, taps[2]) &&
                block_known(source, taps[3]);
   bool within = all(greaterThanEqual(corner, ivec2(0))) && all(lessThan(corner + 1, ivec2(source.per_step.zw)));
-  // Both are false behind the mask's eye, where `tolerance` is negative.
-  bool on_plane = all(greaterThan(depths, vec4(0.0))) && abs(between - there) <= tolerance;
-  bool on_one = any(lessThanEqual(abs(depths - there), vec4(tolerance)));
-  return Place(within && known && (on_plane || on_one), taps, uint(part.x >= 0.5) + 2u * uint(part.y >= 0.5));
+  bool covered = all(greaterThan(depths, vec4(0.0)));
+  bool same = abs(between - there) <= tolerance;  // false behind the mask's eye, where both are negative
+  return Place(within && known && covered && same, taps, uint(part.x >= 0.5) + 2u * uint(part.y >= 0.5));
 }
 
 // The lights of a plane that an instance that has moved may have changed at `position` (eye-relative, stage axes).

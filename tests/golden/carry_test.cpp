@@ -137,23 +137,6 @@ TEST_F(Carry, AsksOnlyForTheLightsThatHaveAnEdgeThere) {
   EXPECT_LT(pixels[3], pixels[1] / 4) << "edges of different lights seldom lie in one block";
 }
 
-/// A pixel beside a silhouette, where the pixels around its point see two surfaces, is known if they all have
-/// the same bits and one sees the pixel's surface.
-TEST_F(Carry, KnowsWhatLiesBesideASilhouetteWithoutAnEdge) {
-  SceneBuilder builder;
-  builder.add(quad({0, 0, 0}, {0, 0, 9}, {9, 0, 0}));
-  builder.add(quad({0, 0.6, 0}, {0, 0, 0.3}, {0.3, 0, 0}));  // lit as the floor below it, seen from above
-  builder.directional_light({0, 1, 0.1});                    // from below: no surface faces it
-  TestRig rig(device_, builder.build(), kSide_px);
-  const Rigid<Stage, Head> above = head_looking({0.2, 2.0, 0.3}, {0, 0, 0});
-  const Mask base = rig.ask(kTraced, rig.eyes(above));
-  const StereoView views = rig.eyes(moved(above, 0, {0.0005, 0, 0}));
-  const Mask composed = rig.ask_for_unknown(kNow, views, base);
-  const Shares shares = shares_of(composed, rig.trace(kNow, views));
-  EXPECT_LT(shares.asked, 2) << "only what the picture's border and the quad's edges uncover";
-  EXPECT_EQ(shares.wrong, 0);
-}
-
 TEST_F(Carry, AsksForTilesThatHaveNotCome) {
   TestRig rig(device_, bundled("room.glb"), kSide_px);
   const StereoView views = rig.eyes(rig.head());

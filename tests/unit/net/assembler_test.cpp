@@ -282,8 +282,12 @@ TEST(Assembler, IsCompleteWithTheAskedTiles) {
   EXPECT_EQ(record.tiles_known[0], 4u);
   EXPECT_EQ(record.known_tiles[0][3], 3);
   EXPECT_EQ(record.known_tiles[0][4], 0);
-  EXPECT_EQ(record.masks[0].word(48 + 4, 4), frame.masks[0].word(48 + 4, 4));
+  for (std::uint32_t plane = 0; plane < 2; ++plane) {
+    const std::uint32_t first_two_shares = frame.masks[0].word(48 + 4, 4, plane) & 0x03030303;
+    EXPECT_EQ(record.masks[0].word(48 + 4, 4, plane), first_two_shares);
+  }
   EXPECT_EQ(record.masks[0].word(48, 0), 0u);
+  EXPECT_EQ(record.masks[0].word(48 + 4, 8), frame.masks[0].word(48 + 4, 8) & 0x01010101);
 }
 
 TEST(Assembler, SurvivesEveryFlippedBitOfASlice) {

@@ -130,7 +130,7 @@ class ServerAnswers : public testing::Test {
     packer_.begin();
     answers_.answer(job_, packer_, {});
     assembler_ = Assembler();
-    assembler_.expect(job_.request, {narrow<std::uint32_t>(scene_.lights.size())}, kFirstLightSet);
+    assembler_.expect(job_.request, {lights_}, kFirstLightSet);
     for (const std::vector<std::byte>& message : packer_.finish({.frame = job_.request.frame})) {
       const Decoded<ServerMessage> decoded = decode_server(message);
       if (const auto* slice = decoded ? std::get_if<Slice>(&*decoded) : nullptr) assembler_.accept(*slice);
@@ -139,6 +139,7 @@ class ServerAnswers : public testing::Test {
   }
 
   Scene scene_ = load_scene(FARSHADE_ASSETS "/room.glb").value();
+  std::uint32_t lights_ = narrow<std::uint32_t>(scene_.lights.size());
   ScenePlan plan_ = plan_for(scene_, {.all_lights = true});
   Tracer tracer_ = Tracer::create(scene_, plan_.trace).value();
   AnswerMakers answers_ = make_answers({.scene = scene_, .plan = plan_, .tracer = tracer_});
@@ -184,7 +185,7 @@ TEST_F(ServerAnswers, MasksOfPositionsCoverOnlyReceivedPositions) {
   EXPECT_FALSE(received().anything_known()) << "nothing of the earlier request is left";
 }
 
-/// Only the blocks are traced and sent whose AskSlice has come.
+/// Only what has come in AskSlices is traced and sent.
 TEST_F(ServerAnswers, MasksOfAskedBlocksCoverOnlyReceivedAskSlices) {
   std::mt19937 random(5);  // noise packs badly and needs several slices
   for (View& view : job_.request.views) view.size = {1024, 1024};
@@ -193,10 +194,12 @@ TEST_F(ServerAnswers, MasksOfAskedBlocksCoverOnlyReceivedAskSlices) {
   AskPacker packer;
   AskedBlocks asked;
   for (const Side side : kSides) {
-    std::vector<BlockBits>& tiles = asked.tiles[index_of(side)];
+    std::vector<AskedTile>& tiles = asked.tiles[index_of(side)];
     tiles.resize(TileGrid{job_.request.views[0].size}.count());
-    for (BlockBits& blocks : tiles) blocks = static_cast<BlockBits>(random() & random());
-    packer.start(job_.request.frame, side, job_.request.views[0].size, tiles);
+    for (AskedTile& tile : tiles)
+      for (std::uint32_t share = 0; share < shares_of(lights_); ++share)
+        tile.shares[share] = static_cast<BlockBits>(random() & random());
+    packer.start(job_.request.frame, side, job_.request.views[0].size, lights_, tiles);
     while (const std::optional<AskSlice> slice = packer.next()) {
       ++job_.request.answer.slices;
       const bool is_lost = side == Side::Left && slice->first_tile > 0 && lost.empty();
@@ -213,7 +216,7 @@ TEST_F(ServerAnswers, MasksOfAskedBlocksCoverOnlyReceivedAskSlices) {
   packer_.begin();
   answers_.answer(job_, packer_, {});
   Assembler assembler;
-  assembler.expect(expected, {narrow<std::uint32_t>(scene_.lights.size())}, kFirstLightSet);
+  assembler.expect(expected, {lights_}, kFirstLightSet);
   for (const std::vector<std::byte>& message : packer_.finish({.frame = job_.request.frame})) {
     const Decoded<ServerMessage> decoded = decode_server(message);
     if (const auto* slice = decoded ? std::get_if<Slice>(&*decoded) : nullptr) assembler.accept(*slice);
@@ -230,8 +233,10 @@ TEST_F(ServerAnswers, MasksOfAskedBlocksCoverOnlyReceivedAskSlices) {
       std::size_t wrong = 0;
       for (std::uint32_t y = rect.y0; y < rect.y1; ++y)
         for (std::uint32_t x = rect.x0; x < rect.x1; ++x) {
-          const bool has_come = !is_lost && (asked.at(eye, tile) & block_bit(x - rect.x0, y - rect.y0)) != 0;
-          wrong += part.masks[eye].word(x, y) != (has_come ? truth[eye].word(x, y) : 0);
+          const auto block = std::countr_zero(block_bit(x - rect.x0, y - rect.y0));
+          const std::uint32_t come =
+              is_lost ? 0 : asked.tiles[eye][tile].at(static_cast<std::uint32_t>(block));
+          wrong += part.masks[eye].word(x, y) != (truth[eye].word(x, y) & come);
         }
       ASSERT_EQ(wrong, 0u) << tile;
     }
