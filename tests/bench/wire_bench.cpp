@@ -1,6 +1,6 @@
 // The coders of masks and of asked blocks on traced masks: bytes and times of both eyes, for whole views and
-// for the blocks that contain edges. Whole masks are compared with LZ4 over the whole mask as it is in
-// memory, and over plain bit planes. With those two, one lost datagram would lose the whole mask.
+// for what a client asks for of the next view. Whole masks are compared with LZ4 over the whole mask as it is
+// in memory, and over plain bit planes. With those two, one lost datagram would lose the whole mask.
 #include <lz4.h>
 
 #include <CLI/CLI.hpp>
@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <memory>
 #include <numeric>
+#include <random>
 
 #include "stereo/base/check.h"
 #include "stereo/base/clock.h"
@@ -71,20 +72,55 @@ Bytes plain_bit_planes(const EyeMask& mask) {
   return planes;
 }
 
-/// The blocks in which a pixel differs from one of its neighbours: those that a client cannot carry over from
-/// its newest mask if the view has hardly moved.
-std::vector<BlockBits> edge_blocks(const EyeMask& mask) {
-  const TileGrid grid{mask.size()};
-  std::vector<BlockBits> blocks(grid.count(), kNoBlocks);
-  const auto add = [&](std::uint32_t x, std::uint32_t y) {
-    blocks[y / kTileSide_px * grid.columns() + x / kTileSide_px] |=
-        block_bit(x % kTileSide_px, y % kTileSide_px);
-  };
+/// The blocks of a view in which something is asked for.
+class Asked {
+ public:
+  Asked(Extent size, std::uint32_t lights)
+      : grid_{size},
+        lights_(lights),
+        columns_(size.width / kBlockSide_px),
+        rows_(size.height / kBlockSide_px),
+        tiles_(grid_.count()) {}
+
+  /// Asks for the block of a pixel in the lights that are set in a word of a mask.
+  void add_pixel(std::uint32_t x, std::uint32_t y, std::uint32_t lights) {
+    AskedTile& tile = tile_of(x, y);
+    for (; lights != 0; lights &= lights - 1)
+      tile.shares[static_cast<std::size_t>(std::countr_zero(lights)) % kMostShares] |=
+          block_bit(x % kTileSide_px, y % kTileSide_px);
+  }
+  /// Asks for all lights of a block; columns and rows of blocks.
+  void add_block(std::uint32_t column, std::uint32_t row) {
+    const std::uint32_t x = kBlockSide_px * column, y = kBlockSide_px * row;
+    if (column >= columns_ || row >= rows_) return;
+    for (std::uint32_t share = 0; share < shares_of(lights_); ++share)
+      tile_of(x, y).shares[share] |= block_bit(x % kTileSide_px, y % kTileSide_px);
+  }
+  void add_tile(std::uint32_t tile) { tiles_[tile] = all_lights_in(kAllBlocks, lights_); }
+
+  [[nodiscard]] std::uint32_t columns() const { return columns_; }
+  [[nodiscard]] std::uint32_t rows() const { return rows_; }
+  [[nodiscard]] std::vector<AskedTile> take() { return std::move(tiles_); }
+  [[nodiscard]] std::uint32_t tiles() const { return grid_.count(); }
+
+ private:
+  AskedTile& tile_of(std::uint32_t x, std::uint32_t y) {
+    return tiles_[y / kTileSide_px * grid_.columns() + x / kTileSide_px];
+  }
+
+  TileGrid grid_;
+  std::uint32_t lights_, columns_, rows_;
+  std::vector<AskedTile> tiles_;
+};
+
+/// The blocks of each light in which a pixel differs from one of its neighbours: those that a client cannot
+/// carry over from its newest mask if the view has hardly moved.
+void add_edges(const EyeMask& mask, Asked& asked) {
   const auto compare = [&](std::uint32_t x, std::uint32_t y, std::uint32_t other_x, std::uint32_t other_y) {
     for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane)
-      if (mask.word(x, y, plane) != mask.word(other_x, other_y, plane)) {
-        add(x, y);
-        add(other_x, other_y);
+      if (const std::uint32_t differ = mask.word(x, y, plane) ^ mask.word(other_x, other_y, plane)) {
+        asked.add_pixel(x, y, differ);
+        asked.add_pixel(other_x, other_y, differ);
       }
   };
   for (std::uint32_t y = 0; y < mask.size().height; ++y)
@@ -92,15 +128,52 @@ std::vector<BlockBits> edge_blocks(const EyeMask& mask) {
       if (x > 0) compare(x, y, x - 1, y);
       if (y > 0) compare(x, y, x, y - 1);
     }
-  return blocks;
 }
 
-double blocks_in(const AskedBlocks& asked) {
-  double blocks = 0;
-  for (const std::vector<BlockBits>& eye : asked.tiles)
-    for (const BlockBits tile : eye) blocks += std::popcount(tile);
-  return blocks;
+/// What a client asks for: edges light by light, and all lights in a strip along one or two sides of the
+/// picture, in some disocclusions, and in the tiles whose turn it is to be refreshed.
+std::vector<AskedTile> asked_of(const EyeMask& mask, std::mt19937& random) {
+  constexpr std::uint32_t kDisocclusions = 13, kDisoccluded = 5, kRefreshed_permille = 14;
+  Asked asked(mask.size(), mask.lights());
+  add_edges(mask, asked);
+  const auto up_to = [&random](std::uint32_t most) {
+    return static_cast<std::uint32_t>(random()) % (most + 1);
+  };
+  const std::uint32_t columns = asked.columns(), rows = asked.rows();
+  const std::uint32_t wide = 1 + up_to(2), high = up_to(1);
+  const bool is_right = up_to(1) != 0, is_low = up_to(1) != 0;
+  for (std::uint32_t i = 0; i < wide; ++i)
+    for (std::uint32_t row = 0; row < rows; ++row) asked.add_block(is_right ? columns - 1 - i : i, row);
+  for (std::uint32_t i = 0; i < high; ++i)
+    for (std::uint32_t column = 0; column < columns; ++column)
+      asked.add_block(column, is_low ? rows - 1 - i : i);
+  for (std::uint32_t i = 0; i < kDisocclusions; ++i) {
+    const std::uint32_t column = up_to(columns - 1), row = up_to(rows - 1);
+    for (std::uint32_t down = 0; down < kDisoccluded; ++down) asked.add_block(column, row + down);
+  }
+  for (std::uint32_t tile = 0; tile < asked.tiles(); ++tile)
+    if (up_to(999) < kRefreshed_permille) asked.add_tile(tile);
+  return asked.take();
 }
+
+std::vector<AskedTile> edges_of(const EyeMask& mask) {
+  Asked asked(mask.size(), mask.lights());
+  add_edges(mask, asked);
+  return asked.take();
+}
+
+/// The blocks that are asked for, and of how many lights each.
+struct AskedCount {
+  double blocks = 0, lights = 0;
+
+  explicit AskedCount(const AskedBlocks& asked) {
+    for (const std::vector<AskedTile>& eye : asked.tiles)
+      for (const AskedTile& tile : eye) {
+        blocks += std::popcount(tile.any());
+        for (const BlockBits share : tile.shares) lights += std::popcount(share);
+      }
+  }
+};
 
 double size_of(const std::vector<Bytes>& messages) {
   double bytes = 0;
@@ -127,21 +200,21 @@ void open(const std::vector<Bytes>& datagrams, const AskedBlocks& asked, PerEye<
   }
 }
 
-std::vector<Bytes> pack(const StereoView& views, const AskedBlocks& asked, AskPacker& packer) {
+std::vector<Bytes> pack(const ShadowFrame& frame, const AskedBlocks& asked, AskPacker& packer) {
   std::vector<Bytes> datagrams;
   for (const Side side : kSides) {
     const std::size_t eye = index_of(side);
-    packer.start(FrameId{1}, side, views[eye].size, asked.tiles[eye]);
+    packer.start(FrameId{1}, side, frame.masks[eye].size(), frame.masks[eye].lights(), asked.tiles[eye]);
     while (const auto slice = packer.next()) encode(ClientMessage(*slice), datagrams.emplace_back());
   }
   return datagrams;
 }
 
-AskedBlocks open(const std::vector<Bytes>& datagrams, const StereoView& views) {
+AskedBlocks open(const std::vector<Bytes>& datagrams, const ShadowFrame& frame) {
   AskedBlocks asked;
   PerEye<KnownTiles> known;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    asked.tiles[eye].assign(TileGrid{views[eye].size}.count(), kNoBlocks);
+    asked.tiles[eye].assign(TileGrid{frame.masks[eye].size()}.count(), {});
     known[eye].assign(asked.tiles[eye].size(), 0);
   }
   for (const Bytes& datagram : datagrams) {
@@ -200,20 +273,23 @@ struct Packing {
   }
 };
 
-/// Figures of packing the set of asked blocks of both eyes.
+/// Figures of packing what is asked for of both eyes.
 struct Asking {
-  Column share{"  blocks asked for, %", {}}, bytes{"their AskSlices, bytes", {}},
-      pack_ms{"  pack both eyes, ms", {}}, open_ms{"  decode both eyes, ms", {}};
+  Column share{"  blocks asked for, %", {}}, lights{"  shares of the lights in each", {}},
+      bytes{"  its AskSlices, bytes", {}}, pack_ms{"    pack both eyes, ms", {}},
+      open_ms{"    decode both eyes, ms", {}};
 
-  void measure(const StereoView& views, const AskedBlocks& asked, AskPacker& packer) {
+  void measure(const ShadowFrame& frame, const AskedBlocks& asked, AskPacker& packer) {
     const double all = static_cast<double>(asked.tiles[0].size() + asked.tiles[1].size()) * 16;
-    share.values.push_back(100 * blocks_in(asked) / all);
+    const AskedCount count(asked);
+    share.values.push_back(100 * count.blocks / all);
+    lights.values.push_back(count.lights / count.blocks);
     for (int repeat = 0; repeat < 20; ++repeat) {
       const Stopwatch packing;
-      const std::vector<Bytes> packed = pack(views, asked, packer);
+      const std::vector<Bytes> packed = pack(frame, asked, packer);
       pack_ms.values.push_back(ms_of(packing.elapsed()));
       const Stopwatch opening;
-      check(open(packed, views) == asked, "asked blocks are unchanged");
+      check(open(packed, frame) == asked, "asked blocks are unchanged");
       open_ms.values.push_back(ms_of(opening.elapsed()));
       if (repeat == 0) bytes.values.push_back(size_of(packed));
     }
@@ -268,9 +344,11 @@ Expected<void> run(const Options& options, const std::string& file) {
   if (!tracer) return tl::unexpected(tracer.error());
 
   Column trace_ms{"trace both eyes, ms", {}};
-  Packing whole = packing_of("whole views: slices, KB"), edges = packing_of("blocks with edges: slices, KB");
+  Packing whole = packing_of("whole views: slices, KB"), edges = packing_of("edges: slices, KB"),
+          next = packing_of("next view: slices, KB");
   Lz4Sizes lz4;
-  Asking asking;
+  Asking asking_edges, asking_next;
+  std::mt19937 random(1);
   SealTimes sealing;
   ShadowFrame frame;
   SlicePacker packer;
@@ -280,20 +358,31 @@ Expected<void> run(const Options& options, const std::string& file) {
     const Stopwatch tracing;
     tracer->trace(request, frame);
     trace_ms.values.push_back(ms_of(tracing.elapsed()));
-    const AskedBlocks asked{{edge_blocks(frame.masks[0]), edge_blocks(frame.masks[1])}};
+    const AskedBlocks with_edges{{edges_of(frame.masks[0]), edges_of(frame.masks[1])}};
+    const AskedBlocks of_next{{asked_of(frame.masks[0], random), asked_of(frame.masks[1], random)}};
     lz4.measure(frame);
     whole.measure(frame, {}, packer);
-    edges.measure(frame, asked, packer);
-    asking.measure(request.views, asked, ask_packer);
+    edges.measure(frame, with_edges, packer);
+    asking_edges.measure(frame, with_edges, ask_packer);
+    next.measure(frame, of_next, packer);
+    asking_next.measure(frame, of_next, ask_packer);
     sealing.measure(pack(frame, {}, packer));
   }
   std::printf("%s\n%u x %u an eye, %u lights, %u poses\n%-40s %8s %8s %8s %8s\n", file.c_str(),
               options.side_px, options.side_px, frame.masks[0].lights(), options.poses, "", "mean", "median",
               "p95", "p99");
   print_columns({trace_ms, lz4.masks, lz4.planes});
-  for (const Packing& packing : {whole, edges})
+  const auto print_packing = [](const Packing& packing) {
     print_columns({packing.kilobytes, packing.datagrams, packing.pack_ms, packing.open_ms});
-  print_columns({asking.share, asking.bytes, asking.pack_ms, asking.open_ms});
+  };
+  const auto print_asking = [](const Asking& asking) {
+    print_columns({asking.share, asking.lights, asking.bytes, asking.pack_ms, asking.open_ms});
+  };
+  print_packing(whole);
+  print_packing(edges);
+  print_asking(asking_edges);
+  print_packing(next);
+  print_asking(asking_next);
   print_columns({sealing.seal_ms, sealing.unseal_ms});
   const auto median = [](const Column& column) { return spread_of(column.values).median; };
   const double sealed_ms = median(sealing.seal_ms);
@@ -313,9 +402,9 @@ struct Training {
   DecisionCounts::Counts counts;
   DecisionCounts counter{counts};
 
-  void mask(const EyeMask& mask, std::span<const BlockBits> asked) {
+  void mask(const EyeMask& mask, std::span<const AskedTile> asked) {
     const TileGrid grid{mask.size()};
-    const AskedTiles tiles(mask.size(), asked);
+    const AskedTiles tiles(mask.size(), mask.lights(), asked);
     for (std::uint32_t plane = 0; plane < mask.layout().planes(); ++plane) {
       CodedTiles coded;
       MaskCoder coder(counter, mask_models, coded, mask.layout().lights_in(plane));
@@ -324,25 +413,24 @@ struct Training {
           coded.start(grid.columns(), tile);
           coder.form(false);
         }
-        const BlockBits blocks = tiles.at(tile);
-        if (blocks == kNoBlocks) {
+        const AskedTile in_tile = tiles.at(tile);
+        if (in_tile.any() == kNoBlocks) {
           coded.add_nothing();
           continue;
         }
-        bool sent = true;
         TileBits bits;
-        split_tile(mask, grid.rect(tile), plane, blocks, bits);
-        coder.tile(blocks, sent, bits);
+        split_tile(mask, grid.rect(tile), plane, in_tile, bits);
+        coder.tile(in_tile, bits);
       }
     }
   }
 
-  void asked(Extent size, std::span<const BlockBits> asked) {
-    const TileGrid grid{size};
-    AskCoder coder(counter, ask_models, grid.columns());
+  void asked(const EyeMask& mask, std::span<const AskedTile> asked) {
+    const TileGrid grid{mask.size()};
+    AskCoder coder(counter, ask_models, grid.columns(), mask.lights());
     for (std::uint32_t tile = 0; tile < grid.count(); ++tile) {
-      BlockBits blocks = asked[tile];
-      coder.tile(tile, blocks);
+      AskedTile in_tile = asked[tile];
+      coder.tile(tile, in_tile);
     }
   }
 
@@ -366,6 +454,7 @@ struct Training {
 /// Prints the probabilities of mask_models.cpp, from all scenes together.
 Expected<void> train(const Options& options) {
   const auto training = std::make_unique<Training>();
+  std::mt19937 random(2);
   for (const std::string& file : options.scenes) {
     const Expected<Scene> scene = load_scene(file);
     if (!scene) return tl::unexpected(scene.error());
@@ -375,10 +464,10 @@ Expected<void> train(const Options& options) {
     for (std::uint32_t pose = 0; pose < options.poses; ++pose) {
       tracer->trace(request_of(*scene, options, pose + 0.5), frame);
       for (const EyeMask& mask : frame.masks) {
-        const std::vector<BlockBits> edges = edge_blocks(mask);
+        const std::vector<AskedTile> asked = asked_of(mask, random);
         training->mask(mask, {});
-        training->mask(mask, edges);
-        training->asked(mask.size(), edges);
+        training->mask(mask, asked);
+        training->asked(mask, asked);
       }
     }
   }
