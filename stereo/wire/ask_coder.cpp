@@ -11,6 +11,69 @@ namespace {
 
 constexpr std::uint32_t kMostAskTiles = 0xffff;  // what the field of the message can hold
 
+/// The shares of the blocks around a block.
+struct SharesAround {
+  BlockShares west, north, north_west, north_east;
+};
+
+/// Codes the shares of blocks that are asked for. It has a copy of the coder.
+template <class Io>
+class ShareCoder {
+ public:
+  ShareCoder(const Io& io, AskModels& models, std::uint32_t shares)
+      : io_(io), models_(models), shares_(shares), every_((1u << shares) - 1) {}
+
+  /// `whole`: the tile is asked for as a whole.
+  BlockShares block(const SharesAround& around, bool whole, BlockShares shares);
+  [[nodiscard]] const Io& io() const { return io_; }
+
+ private:
+  BlockShares some(const SharesAround& around, BlockShares shares);
+  bool code(std::size_t model, bool value) {
+    io_.bit(models_.at(model), value);
+    return value;
+  }
+
+  Io io_;
+  AskModels& models_;
+  std::uint32_t shares_, every_;
+};
+
+template <class Io>
+BlockShares ShareCoder<Io>::block(const SharesAround& around, bool whole, BlockShares shares) {
+  const auto kind = [this](BlockShares of) { return of == 0 ? 0u : of == every_ ? 2u : 1u; };
+  std::size_t context = kind(around.west) * 3 + kind(around.north);
+  context = (context * 3 + kind(around.north_west)) * 3 + kind(around.north_east);
+  if (shares_ == 1 || code(kAllLightsModels + context * 2 + (whole ? 1 : 0), shares == every_))
+    return static_cast<BlockShares>(every_);
+  return some(around, shares);
+}
+
+/// Codes shares that are not all, but some.
+template <class Io>
+BlockShares ShareCoder<Io>::some(const SharesAround& around, BlockShares shares) {
+  const auto unless_all = [this](BlockShares of) { return of == every_ ? 0u : of; };
+  const std::uint32_t apart = unless_all(around.west) | unless_all(around.north) |
+                              unless_all(around.north_west) | unless_all(around.north_east);
+  std::uint32_t coded = 0;
+  for (std::uint32_t share = 0; share < shares_; ++share) {
+    bool bit = coded == 0;
+    // The last bit makes the bits differ if no other does.
+    if (share + 1 < shares_ || (coded != 0 && coded != every_ >> 1)) {
+      const auto has = [share](BlockShares of) { return std::uint32_t{of} >> share & 1; };
+      const auto kind = [&](BlockShares of) {
+        return of == 0 ? 0u : has(of) == 0 ? 1u : of == every_ ? 2u : 3u;
+      };
+      std::uint32_t context = kind(around.west) * 4 + kind(around.north);
+      context = (context * 2 + has(around.north_west)) * 2 + has(around.north_east);
+      context = (context * 2 + (coded != 0 ? 1 : 0)) * 2 + (apart >> share >> 1 != 0 ? 1 : 0);
+      bit = code(kShareModels + context, (shares >> share & 1) != 0);
+    }
+    coded |= (bit ? 1u : 0u) << share;
+  }
+  return static_cast<BlockShares>(coded);
+}
+
 }  // namespace
 
 template <class Io>
@@ -38,8 +101,8 @@ void AskCoder<Io>::tile(std::uint32_t tile, AskedTile& asked) {
   if (coded.any != kNoBlocks) {
     for (std::uint32_t share = 0; share < shares_; ++share)
       for (std::uint32_t block = 0; block < 16; ++block)
-        coded.blocks[block] |= static_cast<Shares>((asked.shares[share] >> block & 1u) << share);
-    lights(west, north, north_west, north_east, coded);
+        coded.blocks[block] |= static_cast<BlockShares>((asked.shares[share] >> block & 1u) << share);
+    shares(west, north, north_west, north_east, coded);
     asked = {};
     for (std::uint32_t share = 0; share < shares_; ++share)
       for (std::uint32_t block = 0; block < 16; ++block)
@@ -86,64 +149,28 @@ Cell AskCoder<Io>::mixed(const Neighbours& around, Cell cell) {
 
 /// Codes the shares of the blocks of a tile that are asked for.
 template <class Io>
-void AskCoder<Io>::lights(const Tile* west, const Tile* north, const Tile* north_west, const Tile* north_east,
+void AskCoder<Io>::shares(const Tile* west, const Tile* north, const Tile* north_west, const Tile* north_east,
                           Tile& tile) {
-  const auto every = static_cast<Shares>((1u << shares_) - 1);
   // Rows and columns 1 to 4 are the tile's blocks, row 0 and column 0 the blocks before them.
   constexpr std::uint32_t kColumns = 6;
-  std::array<Shares, 5 * kColumns> grid{};
+  std::array<BlockShares, 5 * kColumns> grid{};
   if (north_west != nullptr) grid[0] = north_west->blocks[15];
   if (north_east != nullptr) grid[kColumns - 1] = north_east->blocks[12];
   for (std::uint32_t i = 0; i < kTileBlocks; ++i) {
     if (north != nullptr) grid[i + 1] = north->blocks[12 + i];
     if (west != nullptr) grid[(i + 1) * kColumns] = west->blocks[kTileBlocks * i + 3];
   }
-  const auto kind = [every](Shares shares) { return shares == 0 ? 0u : shares == every ? 2u : 1u; };
+  ShareCoder<Io> coder(io_, models_, shares_);
   for (std::uint32_t rest = tile.any; rest != 0; rest &= rest - 1) {
     const auto block = static_cast<std::uint32_t>(std::countr_zero(rest));
     const std::uint32_t at = (block / kTileBlocks + 1) * kColumns + block % kTileBlocks + 1;
-    const Around around{.west = grid[at - 1],
-                        .north = grid[at - kColumns],
-                        .north_west = grid[at - kColumns - 1],
-                        .north_east = grid[at - kColumns + 1]};
-    const std::size_t context =
-        (((kind(around.west) * 3 + kind(around.north)) * 3 + kind(around.north_west)) * 3 +
-         kind(around.north_east)) *
-            2 +
-        (tile.any == kFullCell ? 1 : 0);
-    Shares& shares = tile.blocks[block];
-    if (shares_ == 1 || code(kAllLightsModels + context, shares == every))
-      shares = every;
-    else
-      shares = some_lights(around, shares);
-    grid[at] = shares;
+    const SharesAround around{.west = grid[at - 1],
+                              .north = grid[at - kColumns],
+                              .north_west = grid[at - kColumns - 1],
+                              .north_east = grid[at - kColumns + 1]};
+    tile.blocks[block] = grid[at] = coder.block(around, tile.any == kFullCell, tile.blocks[block]);
   }
-}
-
-/// Codes the shares of a block that are not all, but some.
-template <class Io>
-typename AskCoder<Io>::Shares AskCoder<Io>::some_lights(const Around& around, Shares shares) {
-  const std::uint32_t every = (1u << shares_) - 1;
-  const auto others = [every](Shares of) { return of == every ? 0u : of; };
-  const std::uint32_t apart =
-      others(around.west) | others(around.north) | others(around.north_west) | others(around.north_east);
-  std::uint32_t coded = 0;
-  for (std::uint32_t share = 0; share < shares_; ++share) {
-    const std::uint32_t later = shares_ - 1 - share, before = (1u << share) - 1;
-    // The last share is implied if those before it are all set, or all clear.
-    bool bit = coded == 0;
-    if (later > 0 || (coded != 0 && coded != before)) {
-      const auto has = [share](Shares of) { return std::uint32_t{of} >> share & 1; };
-      const auto kind = [&](Shares of) { return of == 0 ? 0u : has(of) == 0 ? 1u : of == every ? 2u : 3u; };
-      const std::uint32_t next = apart >> share >> 1 != 0 ? 1 : 0;
-      std::uint32_t context = kind(around.west) * 4 + kind(around.north);
-      context = (context * 2 + has(around.north_west)) * 2 + has(around.north_east);
-      context = ((context * 2 + (coded != 0 ? 1 : 0)) * 2 + next) * 3 + std::min(later, 2u);
-      bit = code(kShareModels + context, (shares >> share & 1) != 0);
-    }
-    coded |= (bit ? 1u : 0u) << share;
-  }
-  return static_cast<Shares>(coded);
+  io_ = coder.io();
 }
 
 template class AskCoder<RangeEncoder>;

@@ -26,12 +26,15 @@ inline constexpr std::size_t kAnyModels = 0;                   ///< 4 x 4 x 3 x 
 inline constexpr std::size_t kEveryModels = kAnyModels + 144;  ///< 4 x 4
 inline constexpr std::size_t kBlockModels = kEveryModels + 16;
 inline constexpr std::size_t kAllLightsModels = kBlockModels + 4 * kBitContexts;  ///< 3 x 3 x 3 x 3 x 2
-inline constexpr std::size_t kShareModels = kAllLightsModels + 162;  ///< 4 x 4 x 2 x 2 x 2 x 2 x 3
-inline constexpr std::size_t kAskModels = kShareModels + 768;
+inline constexpr std::size_t kShareModels = kAllLightsModels + 162;               ///< 4 x 4 x 2 x 2 x 2 x 2
+inline constexpr std::size_t kAskModels = kShareModels + 256;
 
 /// Probabilities of a 0 in 1/256: wire_bench --train.
 extern const std::array<std::uint8_t, kAskModels> kInitialAskModels;
 using AskModels = ModelSet<kAskModels>;
+
+/// The shares of the lights that a block is asked for in, as bits; none if it is not asked for.
+using BlockShares = std::uint8_t;
 
 /// Codes one tile after another. `Io` as for MaskCoder.
 template <class Io>
@@ -45,23 +48,16 @@ class AskCoder {
   void tile(std::uint32_t tile, AskedTile& asked);
 
  private:
-  /// The shares of a block, or of each block of a tile, as bits; none if the block is not asked for.
-  using Shares = std::uint8_t;
   struct Tile {
     Cell any = kEmptyCell;
-    std::array<Shares, 16> blocks{};
-  };
-  /// Those of the blocks around a block.
-  struct Around {
-    Shares west, north, north_west, north_east;
+    std::array<BlockShares, 16> blocks{};
   };
 
   [[nodiscard]] const Tile* near(std::uint32_t tile, int dx, int dy) const;
   void cell(const Neighbours& around, Cell& cell);
   Cell mixed(const Neighbours& around, Cell cell);
-  void lights(const Tile* west, const Tile* north, const Tile* north_west, const Tile* north_east,
+  void shares(const Tile* west, const Tile* north, const Tile* north_west, const Tile* north_east,
               Tile& tile);
-  Shares some_lights(const Around& around, Shares shares);
   bool code(std::size_t model, bool value) {
     io_.bit(models_.at(model), value);
     return value;

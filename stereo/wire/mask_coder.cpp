@@ -174,14 +174,19 @@ void CodedTiles::read(const CodedTile& tile, TileBits& bits) const {
 }
 
 template <class Io>
-void MaskCoder<Io>::tile(const AskedTile& asked, TileBits& bits) {
+void MaskCoder<Io>::ask(const AskedTile& asked) {
   asked_ = asked;
   asked_lights_ = lights_asked(asked, lights_);
-  bits.varies = asked_lights_ & bits.varies;
-  bits.value = asked_lights_ & bits.value;
+  whole_ = std::ranges::all_of(std::span(asked.shares).first(shares_of(lights_)),
+                               [](BlockBits blocks) { return blocks == kAllBlocks; });
+}
+
+template <class Io>
+void MaskCoder<Io>::tile(const AskedTile& asked, TileBits& bits) {
+  if (asked != asked_) ask(asked);
+  bits.varies &= asked_lights_;
+  bits.value &= asked_lights_;
   if (asked_lights_ != 0) {
-    whole_ = std::ranges::all_of(std::span(asked.shares).first(shares_of(lights_)),
-                                 [](BlockBits blocks) { return blocks == kAllBlocks; });
     west_ = coded_.near(-1, 0);
     north_ = coded_.near(0, -1);
     north_west_ = coded_.near(-1, -1);

@@ -87,6 +87,7 @@ class MaskCoder {
   void plain_tile(const AskedTile& asked, TileBits& bits);
 
  private:
+  void ask(const AskedTile& asked);
   [[nodiscard]] std::uint32_t guess() const;
   bool as_guessed(TileBits& bits);
   void light(std::uint32_t light, TileBits& bits);

@@ -283,7 +283,7 @@ struct Asking {
     const double all = static_cast<double>(asked.tiles[0].size() + asked.tiles[1].size()) * 16;
     const AskedCount count(asked);
     share.values.push_back(100 * count.blocks / all);
-    lights.values.push_back(count.lights / count.blocks);
+    if (count.blocks > 0) lights.values.push_back(count.lights / count.blocks);
     for (int repeat = 0; repeat < 20; ++repeat) {
       const Stopwatch packing;
       const std::vector<Bytes> packed = pack(frame, asked, packer);
