@@ -19,7 +19,7 @@ void Asking::prepare(FrameRequest& request, std::size_t slot, const RequestRecor
   const std::uint32_t lights = carried_.masks[0].lights();
   for (std::vector<AskedTile>& eye : carried_.asked.tiles)
     add_refresh(base->request.display_time, request.display_time, lights, eye);
-  if (share_of(carried_.asked) <= kMostAsked) pack(request);
+  if (part_of(carried_.asked) <= kMostAsked) pack(request);
   if (messages_used_ == 0) return;
   request.asked = carried_.asked;
   request.answer.slices = narrow<std::uint32_t>(messages_used_);
