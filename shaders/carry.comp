@@ -69,9 +69,10 @@ Place find(SourceData source, vec4 window, vec2 center, float depth) {
   return Place(within && known && covered && same, taps, uint(part.x >= 0.5) + 2u * uint(part.y >= 0.5));
 }
 
-// The lights of a plane that an instance that has moved may have changed at `position` (eye-relative, stage axes).
+// The lights of a plane that have moved, or that an instance that has moved may have changed at `position`
+// (eye-relative, stage axes).
 uint stale_bits(vec3 position, uint plane) {
-  return kMoved ? swept_bits(0, position, plane) : 0u;
+  return frame.stale_lights[plane / 4][plane % 4] | (kMoved ? swept_bits(0, position, plane) : 0u);
 }
 
 // The shares of the lights `bits`: bit s of each byte is share s.
@@ -107,7 +108,8 @@ uint carry_row(uvec2 block, uvec2 blocks, uvec2 size, uint y) {
     [[unroll]] for (uint x = 0; x < kSide; ++x) {
       uint taps[4];
       [[unroll]] for (uint tap = 0; tap < 4; ++tap) taps[tap] = mask_bits(source, row[x].taps[tap], plane) & used;
-      uint differ = (taps[0] ^ taps[1]) | (taps[0] ^ taps[2]) | (taps[0] ^ taps[3]) | stale_bits(position[x], plane);
+      uint differ = (taps[0] ^ taps[1]) | (taps[0] ^ taps[2]) | (taps[0] ^ taps[3])
+                    | (stale_bits(position[x], plane) & used);
       missing |= covered[x] ? shares_of(differ) : 0u;
       uint upper = row[x].nearest % 2 == 0 ? taps[0] : taps[1], lower = row[x].nearest % 2 == 0 ? taps[2] : taps[3];
       uint bits = covered[x] ? (row[x].nearest < 2 ? upper : lower) : 0u;

@@ -12,7 +12,7 @@
 #define FARSHADE_CARRY_DETAIL 4      // limit of the geometric error of what is drawn, pixels
 #define FARSHADE_CARRY_EYE 5         // 0 left, 1 right
 #define FARSHADE_CARRY_WHOLE 6       // every block of the mask is known
-#define FARSHADE_CARRY_MOVED 7       // something has moved since the mask was traced
+#define FARSHADE_CARRY_MOVED 7       // an instance has moved since the mask was traced
 #define FARSHADE_CARRY_CONSTANTS 8
 
 #endif

@@ -33,6 +33,7 @@ class Masks final : public AnswerMaker {
 
  private:
   void unpack(std::span<const std::vector<std::byte>> messages) {
+    request_.asked.lights = tracer_.layout().lights;
     for (std::size_t eye = 0; eye < kEyes; ++eye) {
       const std::uint32_t tiles = TileGrid{request_.views[eye].size}.count();
       request_.asked.tiles[eye].assign(tiles, {});
@@ -41,7 +42,7 @@ class Masks final : public AnswerMaker {
     for (const std::vector<std::byte>& message : messages) {
       const Decoded<ClientMessage> decoded = decode_client(message);
       const auto* const slice = decoded ? std::get_if<AskSlice>(&*decoded) : nullptr;
-      if (slice == nullptr || slice->lights != tracer_.layout().lights ||
+      if (slice == nullptr || slice->lights != request_.asked.lights ||
           slice->size != request_.views[index_of(slice->eye)].size)
         continue;
       const std::size_t eye = index_of(slice->eye);

@@ -64,7 +64,8 @@ void CarryPass::prepare(const FrameRequest& request, const DepthRing::Place& pla
   }
   frame.counts.y = place.layer;
   const std::array<const Motion*, 1> motions{&since};
-  moved_ = write_stale(request.views, motions, frame);
+  write_stale(request.views, motions, frame);
+  moved_ = !since.moved.empty();
   whole_ = held.whole;
   size_ = request.views[0].size;
   frame_buffer_.as<gpu::FrameData>()[0] = frame;
@@ -119,6 +120,7 @@ void CarryPass::read(CarriedOver& into) const {
   const std::size_t padded_bytes = std::size_t{blocks.width} * kBlockSide_px * word_bytes;
   const std::byte* carried = carried_.as<const std::byte>().data();
   const std::uint32_t* unknown = unknown_.as<const std::uint32_t>().data();
+  into.asked.lights = plan_.mask.lights;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     EyeMask& mask = into.masks[eye];
     if (mask.size() != size_ || mask.layout() != plan_.mask) mask = EyeMask(size_, plan_.mask);

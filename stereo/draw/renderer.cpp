@@ -235,8 +235,8 @@ std::optional<DrawTimes> Renderer::Parts::carry(const FrameRequest& request, std
   const Stopwatch watch;
   if (!carries_masks(plan_) || !ring_.has(base.frame)) return std::nullopt;
   const SceneState state = state_at(scene_, request.scene_time, request.lights);
-  const Motion since = motion_since(base, state);
-  if (since.stale_lights.any() || since.changed_lights.any()) return std::nullopt;
+  Motion since = motion_since(base, state);
+  since.stale_lights |= since.changed_lights;  // those that are off now, too: their bits are 0
   const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
   if (!place || !ring_.has(base.frame)) return std::nullopt;
   if (!depth_pass_) make_depth_pass();

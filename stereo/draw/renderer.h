@@ -91,9 +91,9 @@ class Renderer {
   DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into);
 
   /// Draws the depth of the views of `request`, keeps it for the request's masks, and carries `base` over to
-  /// these views. No value, and nothing drawn, if a request must ask for whole views: the depth of the base
-  /// is gone, a light has moved or was switched since the base was traced, or the plan does not carry masks
-  /// over. `slot` is that of the request's record.
+  /// these views. A light that has moved or was switched since the base was traced is unknown everywhere. No
+  /// value, and nothing drawn, if a request must ask for whole views: the depth of the base is gone, or the
+  /// plan does not carry masks over. `slot` is that of the request's record.
   std::optional<DrawTimes> carry(const FrameRequest& request, std::size_t slot, const TracedMask& base,
                                  CarriedOver& into);
 

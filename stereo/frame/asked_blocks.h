@@ -75,6 +75,7 @@ struct AskedTile {
 /// For each eye one entry per tile (TileGrid order). An eye without entries is asked for as a whole.
 struct AskedBlocks {
   PerEye<std::vector<AskedTile>> tiles;
+  std::uint32_t lights = 0;  ///< of the masks; means nothing for whole views
 
   /// The blocks of a tile that are asked for in any light.
   [[nodiscard]] BlockBits at(std::size_t eye, std::size_t tile) const {
@@ -85,16 +86,17 @@ struct AskedBlocks {
   friend bool operator==(const AskedBlocks&, const AskedBlocks&) = default;
 };
 
-/// The share of the blocks of both eyes that is asked for in any light: 1 if these are whole views. Blocks
-/// outside of the pictures count, too.
-[[nodiscard]] inline double share_of(const AskedBlocks& asked) {
-  std::size_t blocks = 0, tiles = 0;
+/// The part of both eyes' masks that is asked for: 1 if these are whole views. Blocks outside of the pictures
+/// count, too.
+[[nodiscard]] inline double part_of(const AskedBlocks& asked) {
+  std::size_t cells = 0, tiles = 0;
   for (const std::vector<AskedTile>& eye : asked.tiles) {
     tiles += eye.size();
-    for (const AskedTile& tile : eye) blocks += static_cast<std::size_t>(std::popcount(tile.any()));
+    for (const AskedTile& tile : eye)
+      for (const BlockBits share : tile.shares) cells += static_cast<std::size_t>(std::popcount(share));
   }
-  return asked.whole() ? 1
-                       : static_cast<double>(blocks) / static_cast<double>(tiles * kTileBlocks * kTileBlocks);
+  const std::size_t all = tiles * kTileBlocks * kTileBlocks * shares_of(asked.lights);
+  return asked.whole() ? 1 : static_cast<double>(cells) / static_cast<double>(all);
 }
 
 }  // namespace farshade

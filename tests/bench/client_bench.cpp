@@ -132,7 +132,7 @@ void time_carry(Renderer& renderer, const FrameRequest& request, std::size_t slo
   if (!carried) return;
   times.carry.push_back(ms_of(carried->carry));
   times.ask.push_back(ms_of(carried->total));
-  times.asked_percent.push_back(100 * share_of(carried_over.asked));
+  times.asked_percent.push_back(100 * part_of(carried_over.asked));
 }
 
 SceneLevels levels_for(const Scene& scene, const Options& options) {

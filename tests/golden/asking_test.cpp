@@ -72,14 +72,14 @@ TEST_F(AskingAgain, AsksForWholeViewsFirstAndForAPartThen) {
   EXPECT_TRUE(asking_.parts().messages.empty());
   for (std::uint32_t number = 2; number < 20; ++number) {
     ask(number, eyes_of(moved(head, 0.01 * number, {0.002 * number, 0, 0}), 256));
-    EXPECT_GT(share_of(asked_), 0.01) << number;
-    EXPECT_LT(share_of(asked_), 0.4) << number;
+    EXPECT_GT(part_of(asked_), 0.01) << number;
+    EXPECT_LT(part_of(asked_), 0.4) << number;
     EXPECT_FALSE(asking_.parts().messages.empty());
     EXPECT_LT(wrong_percent(), 0.05) << number;
   }
   // After a jump to another place.
   ask(20, eyes_of(head_looking({0.2, 2.5, -0.2}, {0, 0, 0}), 256));
-  EXPECT_GT(share_of(asked_), 0.05);
+  EXPECT_GT(part_of(asked_), 0.05);
   EXPECT_LT(wrong_percent(), 0.05);
 }
 

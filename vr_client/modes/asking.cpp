@@ -28,7 +28,7 @@ void Asking::prepare(FrameRequest& request, std::size_t slot, const RequestRecor
 /// Writes what is asked for into messages.
 void Asking::pack(const FrameRequest& request) {
   for (const Side side : kSides) {
-    packer_.start(request.frame, side, request.views[index_of(side)].size, carried_.masks[0].lights(),
+    packer_.start(request.frame, side, request.views[index_of(side)].size, carried_.asked.lights,
                   carried_.asked.tiles[index_of(side)]);
     while (const std::optional<AskSlice> slice = packer_.next()) {
       if (messages_used_ == messages_.size()) messages_.emplace_back();

@@ -14,7 +14,7 @@ namespace farshade {
 
 class Asking {
  public:
-  /// Of a request for more than this share of its blocks the whole views are asked for: the set would cost
+  /// A request that would ask for more than this part of the masks asks for whole views: the set would cost
   /// more than it saves (docs/asking.md).
   static constexpr double kMostAsked = 0.5;
 

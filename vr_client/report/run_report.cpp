@@ -95,7 +95,7 @@ void RunReport::watch(const FrameView& view) {
                      .guard_band = guard_band_of(view),
                      .server = {},
                      .errors = {},
-                     .asked = view.request ? std::optional(share_of(view.request->asked)) : std::nullopt};
+                     .asked = view.request ? std::optional(part_of(view.request->asked)) : std::nullopt};
   if (!view.masks.empty())
     record.delta = pose_delta(view.shown.views[0], view.shown.display_time, view.masks[0].views[0],
                               view.masks[0].display_time);
