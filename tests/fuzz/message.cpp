@@ -59,6 +59,7 @@ void check_ranges(const RequestMessage& message) {
 void check_ranges(const AskSlice& slice) {
   check(slice.size.width <= kMaxViewSide_px && slice.size.height <= kMaxViewSide_px,
         "a view is within the size limit");
+  check(slice.lights <= kMaxLights, "lights within the limit of a mask");
   check(slice.tile_count >= 1 && slice.first_tile + slice.tile_count <= TileGrid{slice.size}.count(),
         "tiles of the grid");
 }

@@ -35,14 +35,15 @@ Bytes parts(GltfBuilder file) {
 
 /// The numbers of slice_and_tiles.cpp for this slice, the asked blocks, then the slice's block.
 Bytes slice_input(unsigned kind, const auto& slice, std::uint32_t lights, std::uint32_t plane,
-                  std::span<const BlockBits> asked) {
+                  std::span<const AskedTile> asked) {
   Bytes input =
       wire_samples::bytes_of({kind, lights >> 8, lights & 255, slice.size.width - 1, slice.size.height - 1,
                               plane, slice.first_tile, slice.tile_count - 1});
-  for (const BlockBits tile : asked) {
-    input.push_back(static_cast<std::byte>(tile >> 8));
-    input.push_back(static_cast<std::byte>(tile & 255));
-  }
+  for (const AskedTile& tile : asked)
+    for (std::uint32_t share = 0; share < shares_of(lights); ++share) {
+      input.push_back(static_cast<std::byte>(tile.shares[share] >> 8));
+      input.push_back(static_cast<std::byte>(tile.shares[share] & 255));
+    }
   input.insert(input.end(), slice.block.begin(), slice.block.end());
   return input;
 }
@@ -50,10 +51,15 @@ Bytes slice_input(unsigned kind, const auto& slice, std::uint32_t lights, std::u
 /// The slices of a mask, of some of its blocks, and those that ask for these blocks.
 void save_slices(const fs::path& folder, const std::string& name, const EyeMask& mask) {
   const ShadowFrame frame = wire_samples::frame_of(mask, mask);
-  std::vector<BlockBits> some(TileGrid{mask.size()}.count(), 0x0f36);
-  some[0] = kAllBlocks;
+  const std::uint32_t lights = mask.lights();
+  std::vector<AskedTile> some(TileGrid{mask.size()}.count(), all_lights_in(0x0f36, lights));
+  some[0] = all_lights_in(kAllBlocks, lights);
+  std::vector<AskedTile> apart = some;
+  for (std::uint32_t i = 0; i < apart.size(); ++i)
+    for (std::uint32_t share = 0; share < shares_of(lights); ++share)
+      apart[i].shares[share] = static_cast<BlockBits>(i == 0 ? 0xffff : 0x2310u << (share + i) % 3);
   SlicePacker packer;
-  const auto save_all = [&](unsigned kind, const std::string& suffix, std::span<const BlockBits> asked) {
+  const auto save_all = [&](unsigned kind, const std::string& suffix, std::span<const AskedTile> asked) {
     packer.start(frame, Side::Left, asked);
     while (const std::optional<Slice> slice = packer.next())
       save(folder /
@@ -62,10 +68,15 @@ void save_slices(const fs::path& folder, const std::string& name, const EyeMask&
   };
   save_all(0, "_whole", {});
   save_all(1, "_some", some);
-  AskPacker asking;
-  asking.start(FrameId{1}, Side::Left, mask.size(), some);
-  while (const std::optional<AskSlice> slice = asking.next())
-    save(folder / (name + "_ask"), slice_input(2, *slice, mask.lights(), 0, {}));
+  save_all(1, "_apart", apart);
+  const auto save_asked = [&](const std::string& suffix, std::span<const AskedTile> asked) {
+    AskPacker asking;
+    asking.start(FrameId{1}, Side::Left, mask.size(), lights, asked);
+    while (const std::optional<AskSlice> slice = asking.next())
+      save(folder / (name + suffix), slice_input(2, *slice, lights, 0, {}));
+  };
+  save_asked("_ask", some);
+  save_asked("_ask_apart", apart);
 }
 
 /// The form and the other numbers of plane_slice.cpp, then a block or the tiles that it decompresses to.

@@ -1,6 +1,6 @@
 // Slices of masks and of asked blocks: a block is refused and changes nothing, or it fills tiles; packing and
 // decoding them gives the same. The input is seven numbers (kind, mask, position in it), 16-bit words with
-// the asked blocks of the tiles, and then the slice's block.
+// the asked blocks of each share of the tiles, and then the slice's block.
 #include <algorithm>
 #include <vector>
 
@@ -17,7 +17,7 @@ enum class Kind { Whole, SomeBlocks, AskSlice };
 struct Input {
   Slice slice;
   Kind kind = Kind::Whole;
-  std::vector<BlockBits> asked;  ///< of SomeBlocks
+  std::vector<AskedTile> asked;  ///< of SomeBlocks
 };
 
 /// Any slice that decode_server accepts, of a mask of up to 72 x 40 pixels.
@@ -32,14 +32,17 @@ Input input_from(fuzz::Choices choices) {
   slice.first_tile = choices.up_to(tiles - 1);
   slice.tile_count = choices.up_to(tiles - slice.first_tile - 1) + 1;
   if (input.kind == Kind::SomeBlocks)
-    for (std::uint32_t tile = 0; tile < tiles; ++tile)
-      input.asked.push_back(static_cast<BlockBits>(choices.up_to(0xffff)));
+    for (std::uint32_t tile = 0; tile < tiles; ++tile) {
+      AskedTile& asked = input.asked.emplace_back();
+      for (std::uint32_t share = 0; share < shares_of(slice.lights); ++share)
+        asked.shares[share] = static_cast<BlockBits>(choices.up_to(0xffff));
+    }
   slice.block = choices.rest();
   return input;
 }
 
 /// The mask after packing and decoding the asked blocks into a mask with other content.
-EyeMask travelled(const EyeMask& mask, std::span<const BlockBits> asked) {
+EyeMask travelled(const EyeMask& mask, std::span<const AskedTile> asked) {
   ShadowFrame frame;
   frame.masks[index_of(Side::Left)] = mask;
   SlicePacker packer;
@@ -53,7 +56,7 @@ EyeMask travelled(const EyeMask& mask, std::span<const BlockBits> asked) {
     check(news.has_value(), "a slice of our packer is accepted");
     learned += *news;
   }
-  check_eq(learned, AskedTiles(mask.size(), asked).count() * mask.layout().planes(),
+  check_eq(learned, AskedTiles(mask.size(), mask.lights(), asked).count() * mask.layout().planes(),
            "all asked tiles are known");
   return back;
 }
@@ -66,7 +69,7 @@ void check_no_bits_without_light(const EyeMask& mask) {
               "no bit is set without a light");
 }
 
-void decode(const Slice& slice, std::span<const BlockBits> asked) {
+void decode(const Slice& slice, std::span<const AskedTile> asked) {
   EyeMask mask(slice.size, slice.lights);
   KnownTiles known(TileGrid{slice.size}.count(), 0);
   const EyeMask blank = mask;
@@ -82,20 +85,23 @@ void decode(const Slice& slice, std::span<const BlockBits> asked) {
 }
 
 void decode(const AskSlice& slice) {
-  std::vector<BlockBits> asked(TileGrid{slice.size}.count(), kNoBlocks);
+  std::vector<AskedTile> asked(TileGrid{slice.size}.count());
   KnownTiles known(asked.size(), 0);
   const KnownTiles unknown = known;
   const auto learned = decode_ask_slice(slice, asked, known);
   if (!learned) {
     check(known == unknown, "a refused slice changes nothing");
-    check(std::ranges::count(asked, kNoBlocks) == static_cast<std::ptrdiff_t>(asked.size()),
+    check(std::ranges::count(asked, AskedTile{}) == static_cast<std::ptrdiff_t>(asked.size()),
           "a refused slice changes nothing");
     return;
   }
+  for (const AskedTile& tile : asked)
+    for (std::uint32_t share = shares_of(slice.lights); share < kMostShares; ++share)
+      check(tile.shares[share] == kNoBlocks, "only shares that the mask has");
   check_eq(*learned, slice.tile_count, "as many tiles as claimed");
   AskPacker packer;
-  packer.start(slice.frame, slice.eye, slice.size, asked);
-  std::vector<BlockBits> back(asked.size());
+  packer.start(slice.frame, slice.eye, slice.size, slice.lights, asked);
+  std::vector<AskedTile> back(asked.size());
   while (const std::optional<AskSlice> again = packer.next())
     check(decode_ask_slice(*again, back, known).has_value(), "a slice of our packer is accepted");
   check(back == asked, "packing and decoding gives the same blocks");
@@ -108,6 +114,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const Slice& slice = input.slice;
   if (input.kind == Kind::AskSlice)
     decode(AskSlice{.size = slice.size,
+                    .lights = slice.lights,
                     .first_tile = slice.first_tile,
                     .tile_count = slice.tile_count,
                     .block = slice.block});

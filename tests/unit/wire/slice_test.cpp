@@ -89,7 +89,8 @@ EyeMask with_noise_elsewhere(EyeMask mask, std::span<const AskedTile> asked, std
     for (std::uint32_t x = 0; x < mask.size().width; ++x)
       for (std::uint32_t light = 0; light < mask.lights(); ++light)
         if ((asked[y / 16 * grid.columns() + x / 16].of(light) & block_bit(x % 16, y % 16)) == 0)
-          mask.set_word(x, y, light / 32, mask.word(x, y, light / 32) ^ random() % 2 << light % 32);
+          mask.set_word(x, y, light / 32,
+                        mask.word(x, y, light / 32) ^ (random() % 2 == 0 ? 0u : 1u << light % 32));
   return mask;
 }
 
