@@ -17,12 +17,15 @@ class AskingAgain : public OnLavapipe {
   /// masks.
   void ask(std::uint32_t number, const StereoView& views,
            const std::function<void(ShadowFrame&)>& spoil = {}) {
-    FrameRequest request{
-        .frame = {number}, .display_time = Time(kApart * number), .scene_time = {}, .views = views};
+    FrameRequest request{.frame = {number},
+                         .display_time = Time(kApart * number),
+                         .scene_time = {},
+                         .views = views,
+                         .lights = lights_};
     asking_.prepare(request, assembler_.next_slot(),
                     number > apart_ ? assembler_.find({number - apart_}) : nullptr);
     asked_ = request.asked;
-    assembler_.expect(request, layout_, kFirstLightSet, {}, asking_.parts().carried);
+    assembler_.expect(request, layout_, lights_.revision, {}, asking_.parts().carried);
     if (!asking_.drawn()) renderer_.keep_depth(request, assembler_.find(request.frame)->slot, distances_);
     tracer_.trace(request, traced_);
     if (spoil) spoil(traced_);
@@ -61,7 +64,8 @@ class AskingAgain : public OnLavapipe {
   ShadowFrame traced_;
   PerEye<Image<float>> distances_;
   const RequestRecord* base_ = nullptr;  ///< the newest
-  std::uint32_t apart_ = 1;              ///< requests from a base to the one that is carried from it
+  LightChanges lights_;
+  std::uint32_t apart_ = 1;  ///< requests from a base to the one that is carried from it
   AskedBlocks asked_;
 };
 
@@ -101,6 +105,26 @@ TEST_F(AskingAgain, WrongBitsLiveForASecondAtMostHoweverLateTheAnswers) {
       ask(number, views);
       EXPECT_LT(wrong_percent(), 0.05) << apart << " apart, request " << number;
     }
+  }
+}
+
+/// A light that changes all the time leaves nothing to carry over. Then few requests try to.
+TEST_F(AskingAgain, TriesSeldomIfEveryRequestWouldAskForTooMuch) {
+  const StereoView views = eyes_of(head_at_camera(scene_), 256);
+  std::uint32_t tried = 0, number = 1;
+  for (; number <= 100; ++number) {
+    for (std::uint32_t light = 0; light < scene_.lights.size(); ++light)
+      change(lights_, light, number % 2 == 0, std::nullopt);
+    ask(number, views);
+    tried += asking_.drawn().has_value();
+    EXPECT_TRUE(asked_.whole()) << number;
+  }
+  EXPECT_EQ(tried, 6u);  // after 0, 1, 3, 7, 15 and 31 that do not
+  for (; asked_.whole() && number < 200; ++number) ask(number, views);
+  EXPECT_LE(number, 100 + Asking::kMostSkipped + 2);
+  for (std::uint32_t i = 0; i < 4; ++i, ++number) {
+    ask(number, views);
+    EXPECT_FALSE(asked_.whole()) << "an exception is followed by a single try";
   }
 }
 

@@ -1,5 +1,7 @@
 #include "vr_client/modes/asking.h"
 
+#include <algorithm>
+
 #include "stereo/base/check.h"
 #include "vr_client/ask/refresh.h"
 #include "vr_client/modes/masks.h"
@@ -14,12 +16,21 @@ void Asking::skip() {
 void Asking::prepare(FrameRequest& request, std::size_t slot, const RequestRecord* base) {
   skip();
   if (base == nullptr) return;
+  if (to_skip_ > 0) {
+    --to_skip_;
+    return;
+  }
   drawn_ = renderer_.carry(request, slot, mask_of(*base), carried_);
   if (!drawn_) return;
   const std::uint32_t lights = carried_.masks[0].lights();
   for (std::vector<AskedTile>& eye : carried_.asked.tiles)
     add_refresh(base->request.display_time, request.display_time, lights, eye);
-  if (part_of(carried_.asked) <= kMostAsked) pack(request);
+  if (part_of(carried_.asked) > kMostAsked) {
+    to_skip_ = last_skipped_ = std::min(2 * last_skipped_ + 1, kMostSkipped);
+    return;
+  }
+  last_skipped_ = 0;
+  pack(request);
   if (messages_used_ == 0) return;
   request.asked = carried_.asked;
   request.answer.slices = narrow<std::uint32_t>(messages_used_);

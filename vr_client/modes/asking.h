@@ -18,6 +18,9 @@ class Asking {
   /// more than it saves (docs/asking.md).
   static constexpr double kMostAsked = 0.5;
 
+  /// If requests would ask for more again and again, at most so many in a row do not carry anything over.
+  static constexpr std::uint32_t kMostSkipped = 63;
+
   explicit Asking(Renderer& renderer) : renderer_(renderer) {}
 
   /// Carries the mask of `base` over to the views of `request`, whose record will get `slot`, and sets what
@@ -40,7 +43,9 @@ class Asking {
   std::optional<DrawTimes> drawn_;
   AskPacker packer_;
   std::vector<std::vector<std::byte>> messages_;
-  std::size_t messages_used_ = 0;  ///< 0: whole views are asked for
+  std::size_t messages_used_ = 0;   ///< 0: whole views are asked for
+  std::uint32_t to_skip_ = 0;       ///< requests that still do not carry anything over
+  std::uint32_t last_skipped_ = 0;  ///< requests in a row, after the last that would have asked for too much
 };
 
 }  // namespace farshade
