@@ -26,8 +26,9 @@ AskedTiles::AskedTiles(Extent size, std::uint32_t lights, std::span<const AskedT
 }
 
 AskedTile AskedTiles::at(std::uint32_t tile) const {
-  AskedTile asked = asked_.empty() ? every_ : asked_[tile];
   const bool is_inside = tile % columns_ + 1 < columns_ && tile < last_row_;
+  if (is_inside && asked_.empty()) return every_;
+  AskedTile asked = asked_.empty() ? every_ : asked_[tile];
   const BlockBits inside = is_inside ? kAllBlocks : blocks_in(grid_.rect(tile));
   for (std::uint32_t share = 0; share < kMostShares; ++share)
     asked.shares[share] &= static_cast<BlockBits>(every_.shares[share] & inside);

@@ -151,9 +151,9 @@ void replace_asked(const ByteBlock& block, const AskedTile& asked, ByteBlock& be
 /// Everything in the picture is asked for, in all lights of the mask.
 bool asks_for_all(const AskedTile& asked, TileRect rect, std::uint32_t lights) {
   const BlockBits inside = blocks_in(rect);
-  for (std::uint32_t share = 0; share < shares_of(lights); ++share)
-    if ((asked.shares[share] & inside) != inside) return false;
-  return true;
+  BlockBits everywhere = kAllBlocks;
+  for (std::uint32_t share = 0; share < shares_of(lights); ++share) everywhere &= asked.shares[share];
+  return (everywhere & inside) == inside;
 }
 
 }  // namespace

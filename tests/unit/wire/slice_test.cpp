@@ -137,6 +137,22 @@ TEST(SlicePacker, ATileWithoutAnAskedLightOfAPlaneIsKnownThereToo) {
   EXPECT_EQ(received.known, (KnownTiles{3, 0, 3}));
 }
 
+TEST(SlicePacker, LightsThatAreNotAskedForCostNothing) {
+  std::mt19937 random(13);
+  const EyeMask alone = edge_mask({96, 96}, 1, random);
+  EyeMask mask = noise_mask(alone.size(), 3, random);
+  for (std::uint32_t y = 0; y < 96; ++y)
+    for (std::uint32_t x = 0; x < 96; ++x)
+      mask.set_word(x, y, 0, (mask.word(x, y) & 5u) | alone.word(x, y) << 1);
+  std::vector<AskedTile> asked(36, {.shares = {0, 0x7fff}}), asked_alone(36, {.shares = {0x7fff}});
+  const auto all = packed(frame_of(mask, {}), Side::Left, asked);
+  const auto one = packed(frame_of(alone, {}), Side::Left, asked_alone);
+  ASSERT_EQ(all.size(), 1u);
+  ASSERT_EQ(one.size(), 1u);
+  EXPECT_TRUE(std::ranges::equal(std::span(all[0]).subspan(kSliceHeader_bytes),
+                                 std::span(one[0]).subspan(kSliceHeader_bytes)));
+}
+
 TEST(AskedTiles, AreThoseInThePictureAndInSharesOfTheMask) {
   std::vector<AskedTile> all(4);
   for (AskedTile& tile : all) tile.shares.fill(kAllBlocks);
