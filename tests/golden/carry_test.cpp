@@ -195,8 +195,8 @@ TEST_F(Carry, AsksForWhereAMovingBoxCastsItsShadow) {
   EXPECT_LT(shares_of(composed, truth).asked, 50);
 }
 
-/// Light `light` is asked for in all covered pixels, the others in less than half of them.
-void expect_all_of(std::uint32_t light, const CarriedOver& carried, TestRig& rig) {
+/// Light `light` is asked for in all covered pixels, and less than `most_others` of the two others.
+void expect_all_of(std::uint32_t light, const CarriedOver& carried, TestRig& rig, double most_others) {
   std::size_t covered = 0, others = 0;
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     for_pixels({kSide_px, kSide_px}, [&](std::uint32_t x, std::uint32_t y) {
@@ -208,7 +208,7 @@ void expect_all_of(std::uint32_t light, const CarriedOver& carried, TestRig& rig
     });
   EXPECT_GT(covered, std::size_t{kSide_px} * kSide_px);
   EXPECT_GT(others, 0u);
-  EXPECT_LT(others, covered);
+  EXPECT_LT(static_cast<double>(others), most_others * 2 * static_cast<double>(covered));
 }
 
 constexpr std::uint32_t kPendant = 1;  // a light of room.glb
@@ -217,10 +217,10 @@ TEST_F(Carry, AsksForAllOfALightThatHasMoved) {
   TestRig rig(device_, bundled("room.glb"), kSide_px);
   const StereoView views = rig.eyes(rig.head());
   const Mask base = rig.ask(kTraced, views);
-  rig.set_time(Time(300ms));  // the pendant swings
+  rig.set_time(Time(300ms));  // the pendant swings, and so does its shade
   const Mask composed = rig.ask_for_unknown(kNow, views, base);
   EXPECT_LT(shares_of(composed, rig.trace(kNow, views)).wrong, 0.03);
-  expect_all_of(kPendant, rig.carry({5}, views, base).value(), rig);
+  expect_all_of(kPendant, rig.carry({5}, views, base).value(), rig, 0.8);
 }
 
 TEST_F(Carry, AsksForAllOfALightThatWasSwitched) {
@@ -233,7 +233,7 @@ TEST_F(Carry, AsksForAllOfALightThatWasSwitched) {
     rig.set_lights(changes);
     const Mask composed = rig.ask_for_unknown(kNow, views, base);
     EXPECT_LT(shares_of(composed, rig.trace(kNow, views)).wrong, 0.01);
-    expect_all_of(kPendant, rig.carry({5}, views, base).value(), rig);
+    expect_all_of(kPendant, rig.carry({5}, views, base).value(), rig, 0.5);
   }
 }
 

@@ -22,9 +22,8 @@ void Asking::prepare(FrameRequest& request, std::size_t slot, const RequestRecor
   }
   drawn_ = renderer_.carry(request, slot, mask_of(*base), carried_);
   if (!drawn_) return;
-  const std::uint32_t lights = carried_.masks[0].lights();
   for (std::vector<AskedTile>& eye : carried_.asked.tiles)
-    add_refresh(base->request.display_time, request.display_time, lights, eye);
+    add_refresh(base->request.display_time, request.display_time, carried_.asked.lights, eye);
   if (part_of(carried_.asked) > kMostAsked) {
     to_skip_ = last_skipped_ = std::min(2 * last_skipped_ + 1, kMostSkipped);
     return;
