@@ -14,27 +14,24 @@ layout(local_size_x = FARSHADE_CARRY_GROUP) in;
 
 layout(constant_id = FARSHADE_CARRY_LIGHTS) const uint kLights = 1;
 layout(constant_id = FARSHADE_CARRY_WORD_BYTES) const uint kWordBytes = 1;
-layout(constant_id = FARSHADE_CARRY_BITS_BYTES) const uint kBitsBytes = 1;
 layout(constant_id = FARSHADE_CARRY_NEAR) const float kNear = 1e-4;
 layout(constant_id = FARSHADE_CARRY_DETAIL) const float kDetail_px = 0.0;
 layout(constant_id = FARSHADE_CARRY_EYE) const uint kEye = 0;
-layout(constant_id = FARSHADE_CARRY_WHOLE) const bool kWhole = false;
 layout(constant_id = FARSHADE_CARRY_MOVED) const bool kMoved = false;
 
 // Views are the requested ones; the first source of each eye is the mask. counts.y = layer of their depth.
 layout(binding = 0) uniform Frame { FrameData frame; };
 layout(binding = 1) uniform Lights { LightData lights[kLights + 1]; };
-layout(std430, binding = 2) readonly buffer Masks { uint mask_words[]; };
-layout(std430, binding = 3) readonly buffer KnownBlocks { uint known_words[]; };
-layout(binding = 4) uniform sampler2DArray depth_ring;
-// For each eye: planes of rows of whole blocks, words of kBitsBytes each.
-layout(std430, binding = 5) writeonly buffer Carried { uint carried[]; };
+// For each eye the quads of the mask (stereo/draw/mask_quads.h), from word source.place.y on.
+layout(std430, binding = 2) readonly buffer Quads { uint quad_words[]; };
+layout(binding = 3) uniform sampler2DArray depth_ring;
+// For each eye: planes of rows of whole blocks, words of kWordBytes each.
+layout(std430, binding = 4) writeonly buffer Carried { uint carried[]; };
 // For each eye and block the shares of the lights (stereo/frame/asked_blocks.h) that are unknown.
-layout(std430, binding = 6) writeonly buffer Unknown { uint unknown[]; };
+layout(std430, binding = 5) writeonly buffer Unknown { uint unknown[]; };
 
 const uint kPlanes = FARSHADE_PLANES(kLights), kSide = FARSHADE_BLOCK_PX;
 
-#include "shaders/masks.glsl"
 #include "shaders/swept.glsl"
 
 // As in reproject.glsl. The depth between four pixels is exact on a plane, so surfaces that bend need no allowance.
@@ -42,9 +39,8 @@ const float kFootprint = 1.0, kRounding = 16.0 / 16777216.0;
 
 // Where a pixel of a requested view lies in the mask.
 struct Place {
-  bool seen;      // the mask sees its surface
-  ivec2 taps[4];  // the pixels around it: upper left and right, lower left and right
-  uint nearest;   // of the taps
+  bool seen;   // the mask sees its surface
+  ivec2 quad;  // the upper left of the four pixels around it
 };
 
 Place find(SourceData source, vec4 window, vec2 center, float depth) {
@@ -53,20 +49,26 @@ Place find(SourceData source, vec4 window, vec2 center, float depth) {
   vec3 p = mat3(source.traced_from_shown) * ray + source.traced_from_shown[3].xyz * (depth / kNear);
   float inverse_z = -1.0 / p.z, there = depth * inverse_z;
   vec2 at = (p.xy * inverse_z - source.origin_step.xy) * source.per_step.xy;
-  ivec2 corner = ivec2(floor(at - 0.5));
-  vec2 part = at - 0.5 - vec2(corner);
-  vec4 depths = textureGather(depth_ring, vec3((vec2(corner) + 1.0) / vec2(textureSize(depth_ring, 0).xy), source.place.x));
+  ivec2 quad = ivec2(floor(at - 0.5)), last = ivec2(source.per_step.zw) - 2;
+  vec2 part = at - 0.5 - vec2(quad);
+  vec4 depths = textureGather(depth_ring, vec3((vec2(quad) + 1.0) / vec2(textureSize(depth_ring, 0).xy), source.place.x));
   float between = mix(mix(depths.w, depths.z, part.x), mix(depths.x, depths.y, part.x), part.y);
   float step_px = max(abs(source.origin_step.z), abs(source.origin_step.w));
   float tolerance = ((kFootprint + 2.0 * kDetail_px) * step_px + kRounding) * there;
-  ivec2 taps[4] = ivec2[](inside(source, corner), inside(source, corner + ivec2(1, 0)),
-                          inside(source, corner + ivec2(0, 1)), inside(source, corner + 1));
-  bool known = block_known(source, taps[0]) && block_known(source, taps[1]) && block_known(source, taps[2]) &&
-               block_known(source, taps[3]);
-  bool within = all(greaterThanEqual(corner, ivec2(0))) && all(lessThan(corner + 1, ivec2(source.per_step.zw)));
+  bool within = all(greaterThanEqual(quad, ivec2(0))) && all(lessThanEqual(quad, last));
   bool covered = all(greaterThan(depths, vec4(0.0)));
   bool same = abs(between - there) <= tolerance;  // false behind the mask's eye, where both are negative
-  return Place(within && known && covered && same, taps, uint(part.x >= 0.5) + 2u * uint(part.y >= 0.5));
+  return Place(within && covered && same, clamp(quad, ivec2(0), max(last, ivec2(0))));
+}
+
+// The bits of a quad's upper left pixel, and the lights that differ in the quad.
+uvec2 quad_bits(SourceData source, ivec2 quad, uint plane) {
+  uvec2 size = uvec2(source.per_step.zw);
+  uint element = (plane * size.y + uint(quad.y)) * size.x + uint(quad.x), first = source.place.y;
+  if (kWordBytes == 4) return uvec2(quad_words[first + 2 * element], quad_words[first + 2 * element + 1]);
+  const uint per_word = 2 / kWordBytes, bits = kWordBytes * 8;
+  uint word = quad_words[first + element / per_word] >> (element % per_word * bits * 2u);
+  return uvec2(bitfieldExtract(word, 0, int(bits)), bitfieldExtract(word, int(bits), int(bits)));
 }
 
 // The lights of a plane that have moved, or that an instance that has moved may have changed at `position`
@@ -85,7 +87,7 @@ uint shares_of(uint bits) {
 uint carry_row(uvec2 block, uvec2 blocks, uvec2 size, uint y) {
   SourceData source = frame.sources[kEye * FARSHADE_MAX_SOURCES];
   vec4 window = frame.eye[kEye].window.origin_step;
-  const uint per_word = 4 / kBitsBytes;  // pixels of a carried word
+  const uint per_word = 4 / kWordBytes;  // pixels of a carried word
   const uint all_shares = (1u << min(kLights, 8u)) - 1u;
   uint missing = 0u;
   Place row[kSide];
@@ -103,19 +105,15 @@ uint carry_row(uvec2 block, uvec2 blocks, uvec2 size, uint y) {
   }
   [[unroll]] for (uint plane = 0; plane < kPlanes; ++plane) {
     uint used = kLights >= plane * 32 + 32 ? ~0u : (1u << (kLights % 32)) - 1u;
-    uint first = (((kEye * kPlanes + plane) * blocks.y * kSide + block.y * kSide + y) * blocks.x + block.x) * kBitsBytes;
+    uint first = (((kEye * kPlanes + plane) * blocks.y * kSide + block.y * kSide + y) * blocks.x + block.x) * kWordBytes;
     uint words[4] = uint[](0u, 0u, 0u, 0u);
     [[unroll]] for (uint x = 0; x < kSide; ++x) {
-      uint taps[4];
-      [[unroll]] for (uint tap = 0; tap < 4; ++tap) taps[tap] = mask_bits(source, row[x].taps[tap], plane) & used;
-      uint differ = (taps[0] ^ taps[1]) | (taps[0] ^ taps[2]) | (taps[0] ^ taps[3])
-                    | (stale_bits(position[x], plane) & used);
-      missing |= covered[x] ? shares_of(differ) : 0u;
-      uint upper = row[x].nearest % 2 == 0 ? taps[0] : taps[1], lower = row[x].nearest % 2 == 0 ? taps[2] : taps[3];
-      uint bits = covered[x] ? (row[x].nearest < 2 ? upper : lower) : 0u;
-      words[x / per_word] |= bits << (x % per_word * kBitsBytes * 8u);
+      uvec2 quad = quad_bits(source, row[x].quad, plane);
+      missing |= covered[x] ? shares_of((quad.y | stale_bits(position[x], plane)) & used) : 0u;
+      uint bits = covered[x] ? quad.x & used : 0u;
+      words[x / per_word] |= bits << (x % per_word * kWordBytes * 8u);
     }
-    [[unroll]] for (uint i = 0; i < kBitsBytes; ++i) carried[first + i] = words[i];
+    [[unroll]] for (uint i = 0; i < kWordBytes; ++i) carried[first + i] = words[i];
   }
   return missing;
 }

@@ -6,13 +6,11 @@
 
 // Ids of the specialisation constants.
 #define FARSHADE_CARRY_LIGHTS 0
-#define FARSHADE_CARRY_WORD_BYTES 1  // of a mask on the device
-#define FARSHADE_CARRY_BITS_BYTES 2  // of a carried word, which has no edge bits
-#define FARSHADE_CARRY_NEAR 3        // distance of the near plane, metres
-#define FARSHADE_CARRY_DETAIL 4      // limit of the geometric error of what is drawn, pixels
-#define FARSHADE_CARRY_EYE 5         // 0 left, 1 right
-#define FARSHADE_CARRY_WHOLE 6       // every block of the mask is known
-#define FARSHADE_CARRY_MOVED 7       // an instance has moved since the mask was traced
-#define FARSHADE_CARRY_CONSTANTS 8
+#define FARSHADE_CARRY_WORD_BYTES 1  // of a mask
+#define FARSHADE_CARRY_NEAR 2        // distance of the near plane, metres
+#define FARSHADE_CARRY_DETAIL 3      // limit of the geometric error of what is drawn, pixels
+#define FARSHADE_CARRY_EYE 4         // 0 left, 1 right
+#define FARSHADE_CARRY_MOVED 5       // an instance has moved since the mask was traced
+#define FARSHADE_CARRY_CONSTANTS 6
 
 #endif

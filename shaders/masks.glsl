@@ -23,3 +23,10 @@ uint mask_bits(SourceData source, ivec2 pixel, uint plane) {
   uint word = mask_words[source.place.y + element / per_word];
   return bitfieldExtract(word, int(element % per_word * kWordBytes * 8), int(kWordBytes * 8));
 }
+
+// Whether the mask says that the four pixels around the position `at` differ in some light.
+bool near_shadow_edge(SourceData source, ivec2 pixel, vec2 at) {
+  bvec2 second = greaterThanEqual(at - vec2(pixel), vec2(0.5));
+  uint quarter = uint(second.x) + 2 * uint(second.y);
+  return (mask_bits(source, pixel, kEdgeBit / 32) >> (kEdgeBit % 32 + quarter) & 1u) != 0u;
+}

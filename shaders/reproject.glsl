@@ -163,10 +163,3 @@ Visibility8 edge_visibility(Surface surface, uint stale, uint group, Visibility8
   return Visibility8(clamp((sum.low / sum.low_weight - 0.5) * kSharpness + 0.5, 0.0, 1.0),
                      clamp((sum.high / sum.high_weight - 0.5) * kSharpness + 0.5, 0.0, 1.0));
 }
-
-// Whether the mask says that the four pixels around the position `at` differ in some light.
-bool near_shadow_edge(SourceData source, ivec2 pixel, vec2 at) {
-  bvec2 second = greaterThanEqual(at - vec2(pixel), vec2(0.5));
-  uint quarter = uint(second.x) + 2 * uint(second.y);
-  return (mask_bits(source, pixel, kEdgeBit / 32) >> (kEdgeBit % 32 + quarter) & 1u) != 0u;
-}

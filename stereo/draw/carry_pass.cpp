@@ -6,6 +6,8 @@
 #include "shaders/carry.comp.spv.h"
 #include "shaders/carry_data.h"
 #include "stereo/draw/frame_data.h"
+#include "stereo/draw/mask_quads.h"
+#include "stereo/draw/shading_layout.h"
 #include "stereo/draw/shading_motion.h"
 #include "stereo/frame/tiles.h"
 
@@ -16,23 +18,25 @@ std::vector<gpu::BindingKind> carry_set() {
   using Type = vk::DescriptorType;
   const auto compute = vk::ShaderStageFlagBits::eCompute;
   const gpu::BindingKind uniform{Type::eUniformBuffer, compute}, storage{Type::eStorageBuffer, compute};
-  return {uniform, uniform, storage, storage, {Type::eCombinedImageSampler, compute}, storage, storage};
+  return {uniform, uniform, storage, {Type::eCombinedImageSampler, compute}, storage, storage};
 }
 
 }  // namespace
 
 CarryPass::CarryPass(const gpu::Device& device, const DrawPlan& plan, const DepthRing& ring,
-                     DeviceMasks& device_masks, Extent traced_size)
+                     Extent traced_size)
     : device_(device),
       plan_(plan),
       ring_(ring),
-      device_masks_(device_masks),
       frame_buffer_(gpu::make_mapped_buffer(device, sizeof(gpu::FrameData),
                                             vk::BufferUsageFlagBits::eUniformBuffer, "requested frame",
                                             gpu::Use::Frame)),
       light_buffer_(gpu::make_mapped_buffer(device, (plan.mask.lights + 1) * sizeof(gpu::LightData),
                                             vk::BufferUsageFlagBits::eUniformBuffer, "requested lights",
                                             gpu::Use::Frame)),
+      quad_bytes_(carry_bytes(plan, traced_size).quads),
+      quads_(gpu::make_mapped_buffer(device, kEyes * quad_bytes_, vk::BufferUsageFlagBits::eStorageBuffer,
+                                     "quads of a mask", gpu::Use::Masks)),
       carried_(gpu::make_readback_buffer(device, carry_bytes(plan, traced_size).carried, "carried masks",
                                          gpu::Use::Masks)),
       unknown_(gpu::make_readback_buffer(device, carry_bytes(plan, traced_size).unknown, "unknown blocks",
@@ -41,32 +45,33 @@ CarryPass::CarryPass(const gpu::Device& device, const DrawPlan& plan, const Dept
       bindings_(gpu::make_bindings(device, carry_set(), "carry")) {
   gpu::bind_buffer(device_, bindings_, 0, frame_buffer_);
   gpu::bind_buffer(device_, bindings_, 1, light_buffer_);
-  gpu::bind_buffer(device_, bindings_, 2, device_masks_.words());
-  gpu::bind_buffer(device_, bindings_, 3, device_masks_.known_blocks());
-  gpu::bind_image(device_, bindings_, 4,
+  gpu::bind_buffer(device_, bindings_, 2, quads_);
+  gpu::bind_image(device_, bindings_, 3,
                   {*ring_.image().view, vk::ImageLayout::eShaderReadOnlyOptimal, *nearest_});
-  gpu::bind_buffer(device_, bindings_, 5, carried_);
-  gpu::bind_buffer(device_, bindings_, 6, unknown_);
+  gpu::bind_buffer(device_, bindings_, 4, carried_);
+  gpu::bind_buffer(device_, bindings_, 5, unknown_);
   layout_ = device.logical.createPipelineLayout({.setLayoutCount = 1, .pSetLayouts = &*bindings_.layout});
 }
 
 void CarryPass::prepare(const FrameRequest& request, const DepthRing::Place& place, const TracedMask& base,
                         const LightSet& lights, const Motion& since) {
   check(request.views[0].size == request.views[1].size, "both eyes of a request have one size");
-  const std::array<const TracedMask*, 1> bases{&base};
-  const DeviceMasks::Held held = device_masks_.hold(bases)[0];
   gpu::FrameData frame{};
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     frame.eye[eye] = eye_data(request.views[eye]);
     gpu::SourceData& source = frame.sources[eye * FARSHADE_MAX_SOURCES];
     source = source_data(pose_delta(request.views[eye], {}, base.views[eye], {}), base.views[eye]);
-    source.place = device_masks_.place(held, eye, ring_.layer_of(base.frame));
+    source.place = {ring_.layer_of(base.frame) + eye, eye * quad_bytes_ / 4, 0, 0};
+    const EyeMask& bits = base.masks[eye];
+    check(bits.layout() == plan_.mask, "a mask has the layout of the plan");
+    const std::size_t bytes = quad_bytes(bits.size(), bits.layout());
+    check(bytes <= quad_bytes_, "a mask has at most the traced size");
+    write_quads(base, eye, quads_.as<std::byte>().subspan(eye * quad_bytes_, bytes));
   }
   frame.counts.y = place.layer;
   const std::array<const Motion*, 1> motions{&since};
   write_stale(request.views, motions, frame);
   moved_ = !since.moved.empty();
-  whole_ = held.whole;
   size_ = request.views[0].size;
   frame_buffer_.as<gpu::FrameData>()[0] = frame;
   for (std::size_t i = 0; i < lights.lights.size(); ++i)
@@ -75,9 +80,8 @@ void CarryPass::prepare(const FrameRequest& request, const DepthRing::Place& pla
 
 void CarryPass::make_all_pipelines() {
   for (std::uint32_t eye = 0; eye < kEyes; ++eye)
-    for (const bool whole : {false, true})
-      for (const bool moved : {false, true})
-        if (!moved || plan_.anything_moves()) need_pipeline({eye, whole, moved});
+    for (const bool moved : {false, true})
+      if (!moved || plan_.anything_moves()) need_pipeline({eye, moved});
 }
 
 const vk::raii::Pipeline& CarryPass::need_pipeline(const Key& key) {
@@ -85,12 +89,10 @@ const vk::raii::Pipeline& CarryPass::need_pipeline(const Key& key) {
   if (found != pipelines_.end()) return found->second;
   std::vector<std::uint32_t> constants(FARSHADE_CARRY_CONSTANTS);
   constants[FARSHADE_CARRY_LIGHTS] = plan_.mask.lights;
-  constants[FARSHADE_CARRY_WORD_BYTES] = device_mask(plan_).word_bytes();
-  constants[FARSHADE_CARRY_BITS_BYTES] = plan_.mask.word_bytes();
+  constants[FARSHADE_CARRY_WORD_BYTES] = plan_.mask.word_bytes();
   constants[FARSHADE_CARRY_NEAR] = std::bit_cast<std::uint32_t>(static_cast<float>(kNearPlane_m));
   constants[FARSHADE_CARRY_DETAIL] = std::bit_cast<std::uint32_t>(plan_.detail_px);
   constants[FARSHADE_CARRY_EYE] = key.eye;
-  constants[FARSHADE_CARRY_WHOLE] = key.whole;
   constants[FARSHADE_CARRY_MOVED] = key.moved;
   const vk::raii::ShaderModule shader = gpu::make_shader(device_, carry_comp_spv, "carry.comp");
   return pipelines_
@@ -103,7 +105,7 @@ void CarryPass::record(const vk::raii::CommandBuffer& commands) {
   commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *bindings_.set, {});
   const Extent blocks = blocks_of(size_);
   for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
-    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline({eye, whole_, moved_}));
+    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline({eye, moved_}));
     commands.dispatch((blocks.width + FARSHADE_CARRY_GROUP - 1) / FARSHADE_CARRY_GROUP, blocks.height, 1);
   }
   const vk::MemoryBarrier2 memory{.srcStageMask = vk::PipelineStageFlagBits2::eComputeShader,

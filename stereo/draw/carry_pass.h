@@ -5,19 +5,20 @@
 #include <compare>
 #include <map>
 
+#include "stereo/draw/carry_over.h"
 #include "stereo/draw/depth_ring.h"
-#include "stereo/draw/device_masks.h"
 #include "stereo/draw/motion.h"
 #include "stereo/frame/shadow_frame.h"
+#include "stereo/gpu/memory.h"
 #include "stereo/gpu/pass.h"
+#include "stereo/plan/scene_plan.h"
 
 namespace farshade {
 
 class CarryPass {
  public:
   /// Requested views have at most `traced_size` pixels. Keeps the references.
-  CarryPass(const gpu::Device& device, const DrawPlan& plan, const DepthRing& ring, DeviceMasks& device_masks,
-            Extent traced_size);
+  CarryPass(const gpu::Device& device, const DrawPlan& plan, const DepthRing& ring, Extent traced_size);
 
   /// Prepares to carry `base` over to the views of `request`, whose depth will lie at `place`. The ring has
   /// the depth of the base. `lights` are those of the request, `since` is what has moved since the base was
@@ -39,7 +40,7 @@ class CarryPass {
  private:
   struct Key {
     std::uint32_t eye = 0;
-    bool whole = false, moved = false;
+    bool moved = false;
     friend auto operator<=>(const Key&, const Key&) = default;
   };
   const vk::raii::Pipeline& need_pipeline(const Key& key);
@@ -47,8 +48,9 @@ class CarryPass {
   const gpu::Device& device_;
   const DrawPlan& plan_;
   const DepthRing& ring_;
-  DeviceMasks& device_masks_;
   gpu::Buffer frame_buffer_, light_buffer_;
+  std::size_t quad_bytes_;         ///< of one eye
+  gpu::Buffer quads_;              ///< of the base
   gpu::Buffer carried_, unknown_;  ///< what carry.comp writes
   vk::raii::Sampler nearest_{nullptr};
   gpu::Bindings bindings_;
@@ -56,7 +58,7 @@ class CarryPass {
   std::map<Key, vk::raii::Pipeline> pipelines_;
   // Of the pass that was prepared last.
   Extent size_;
-  bool whole_ = false, moved_ = false;
+  bool moved_ = false;
 };
 
 }  // namespace farshade

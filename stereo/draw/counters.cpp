@@ -50,7 +50,8 @@ gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, con
   memory[Use::GBuffer] = pixels * (4 + (carries_masks(plan) ? 8 : 4));
   memory[Use::Depth] = kEyes * limits.traced_size.pixels() * (limits.depth_frames + 1) * 4;
   if (carry.carried > 0) memory[Use::Frame] += sizeof(gpu::FrameData) + shading.lights;
-  memory[Use::Masks] = places * (shading.mask + shading.known) + carry.carried + carry.unknown;
+  memory[Use::Masks] =
+      places * (shading.mask + shading.known) + kEyes * carry.quads + carry.carried + carry.unknown;
   memory[Use::Motion] = shading.slots + shading.motions;
   memory[Use::Lists] = shading.lists;
   memory[Use::Shown] = pixels * 4;

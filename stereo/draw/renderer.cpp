@@ -226,7 +226,7 @@ DrawTimes Renderer::Parts::keep_depth(const FrameRequest& request, std::size_t s
 }
 
 CarryPass& Renderer::Parts::need_carry() {
-  if (!carry_) carry_.emplace(device_, plan_, ring_, masks_, traced_size_);
+  if (!carry_) carry_.emplace(device_, plan_, ring_, traced_size_);
   return *carry_;
 }
 

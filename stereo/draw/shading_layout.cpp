@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "stereo/draw/mask_quads.h"
 #include "stereo/frame/view.h"
 
 namespace farshade {
@@ -23,7 +24,8 @@ DrawPlan settled(DrawPlan plan) {
 CarryBytes carry_bytes(const DrawPlan& plan, Extent traced_size) {
   if (!carries_masks(plan)) return {};
   const std::size_t blocks = kEyes * blocks_of(traced_size).pixels();
-  return {blocks * kBlockSide_px * kBlockSide_px * plan.mask.planes() * plan.mask.word_bytes(),
+  return {whole_words(quad_bytes(traced_size, plan.mask)),
+          blocks * kBlockSide_px * kBlockSide_px * plan.mask.planes() * plan.mask.word_bytes(),
           blocks * sizeof(std::uint32_t)};
 }
 

@@ -39,6 +39,7 @@ struct ShadingBytes {
 };
 /// Bytes of the buffers of CarryPass: 0 if masks are not carried over.
 struct CarryBytes {
+  std::size_t quads = 0;    ///< of one eye (mask_quads.h); a multiple of 4
   std::size_t carried = 0;  ///< of both eyes: planes of rows of whole blocks
   std::size_t unknown = 0;  ///< a word for each block of both eyes
 };
