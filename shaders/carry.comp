@@ -83,8 +83,18 @@ uint shares_of(uint bits) {
   return (bits | bits >> 8) & 0xffu;
 }
 
+// Depth / near of the pixels of rows `y` and `y` + 1 of a block, from the left.
+void read_depth(uvec2 block, uint y, out vec4 upper, out vec4 lower) {
+  vec2 step = 1.0 / vec2(textureSize(depth_ring, 0).xy), at = (vec2(block * kSide + uvec2(0, y)) + 1.0) * step;
+  float layer = float(frame.counts.y + kEye);
+  vec4 left = textureGather(depth_ring, vec3(at, layer));
+  vec4 right = textureGather(depth_ring, vec3(at.x + 2.0 * step.x, at.y, layer));
+  upper = vec4(left.wz, right.wz);
+  lower = vec4(left.xy, right.xy);
+}
+
 // Carries row `y` of a block. Returns the shares that are unknown.
-uint carry_row(uvec2 block, uvec2 blocks, uvec2 size, uint y) {
+uint carry_row(uvec2 block, uvec2 blocks, uvec2 size, uint y, vec4 depths) {
   SourceData source = frame.sources[kEye * FARSHADE_MAX_SOURCES];
   vec4 window = frame.eye[kEye].window.origin_step;
   const uint per_word = 4 / kWordBytes;  // pixels of a carried word
@@ -96,7 +106,7 @@ uint carry_row(uvec2 block, uvec2 blocks, uvec2 size, uint y) {
   [[unroll]] for (uint x = 0; x < kSide; ++x) {
     ivec2 pixel = ivec2(block * kSide + uvec2(x, y));
     vec2 center = vec2(pixel) + 0.5;
-    float depth = texelFetch(depth_ring, ivec3(min(pixel, ivec2(size) - 1), frame.counts.y + kEye), 0).r;
+    float depth = depths[x];
     covered[x] = depth > 0.0 && all(lessThan(uvec2(pixel), size));
     row[x] = find(source, window, center, depth);
     position[x] = mat3(frame.eye[kEye].stage_from_eye) *
@@ -121,9 +131,12 @@ uint carry_row(uvec2 block, uvec2 blocks, uvec2 size, uint y) {
 void main() {
   uvec2 size = uvec2(frame.eye[kEye].size_px.xy), blocks = (size + kSide - 1) / kSide;
   uvec2 block = min(gl_GlobalInvocationID.xy, blocks - 1);  // those beyond the last one do its work again
-  uint missing = carry_row(block, blocks, size, 0);
-  missing |= carry_row(block, blocks, size, 1);
-  missing |= carry_row(block, blocks, size, 2);
-  missing |= carry_row(block, blocks, size, 3);
+  vec4 upper, lower;
+  read_depth(block, 0, upper, lower);
+  uint missing = carry_row(block, blocks, size, 0, upper);
+  missing |= carry_row(block, blocks, size, 1, lower);
+  read_depth(block, 2, upper, lower);
+  missing |= carry_row(block, blocks, size, 2, upper);
+  missing |= carry_row(block, blocks, size, 3, lower);
   unknown[(kEye * blocks.y + block.y) * blocks.x + block.x] = missing;
 }
