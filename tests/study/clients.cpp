@@ -7,7 +7,9 @@
 #include "stereo/base/check.h"
 #include "stereo/tracer/tracer.h"
 #include "tests/study/figures.h"
+#include "vr_client/ask/guard_band.h"
 #include "vr_client/ask/request_plan.h"
+#include "vr_client/modes/asking.h"
 #include "vr_client/runtime/recorded_head_runtime.h"
 
 namespace farshade::study {
@@ -16,6 +18,29 @@ namespace {
 constexpr Duration kApart = std::chrono::milliseconds(100);
 constexpr Duration kPatience = std::chrono::seconds(3);
 constexpr std::size_t kRemembered = 32;
+
+/// Draws the depth of requested views and finds what to ask for.
+struct Drawing {
+  explicit Drawing(const Play& play)
+      : renderer(play.device, play.scene, plan_for(play.scene, {.all_lights = true}).draw,
+                 RendererLimits{.size = play.size,
+                                .traced_size = largest_traced(play.size),
+                                .depth_frames = narrow<std::uint32_t>(kRemembered)}) {}
+
+  /// Sets what `request` asks for.
+  void prepare(FrameRequest& request, const AnswerInbox& inbox, Time now) {
+    const RequestRecord* base = nullptr;
+    for (const RequestRecord* record : inbox.received(now))
+      if (base == nullptr && inbox.is_settled(*record)) base = record;
+    const std::size_t slot = inbox.next_slot();
+    asking.prepare(request, slot, base);
+    if (!asking.drawn()) renderer.keep_depth(request, slot, distances);
+  }
+
+  Renderer renderer;
+  Asking asking{renderer};
+  PerEye<Image<float>> distances;
+};
 
 /// A client that sends requests and receives the answers.
 struct Head {
@@ -27,10 +52,13 @@ struct Head {
                             .refresh_hz = play.refresh_hz,
                             .skip = play.skip + ahead,
                             .frames = play.frames}),
-        link(wire.client(number), clock, target, kRemembered) {}
+        link(wire.client(number), clock, target, kRemembered) {
+    if (play.request.asks == Asks::Unknown) drawing = std::make_unique<Drawing>(play);
+  }
 
   RecordedHeadRuntime runtime;
   NetworkLink link;
+  std::unique_ptr<Drawing> drawing;  ///< null: asks for whole views
   RequestPlan plan{RequestSettings{}};
   FrameId frame;
 
@@ -40,9 +68,10 @@ struct Head {
     if (!timing) return false;
     frame = next(frame);
     const Time at = timing->display_time;
-    const std::optional<FrameRequest> request =
-        plan.ask({frame, at, at, runtime.locate_views(at), LightChanges{}}, timing->period);
-    link.request(request.value(), at);
+    FrameRequest request =
+        plan.ask({frame, at, at, runtime.locate_views(at), LightChanges{}}, timing->period).value();
+    if (drawing) drawing->prepare(request, link.inbox(), at);
+    link.request(request, at, drawing ? drawing->asking.parts() : RequestParts{});
     return true;
   }
 };

@@ -70,9 +70,9 @@ Expected<nlohmann::json> measured(const Options& options) {
             .reference_every = options.every,
             .skip = duration_from_ms(options.skip_s * 1e3),
             .levels = &levels};
-  if (options.clients > 0) return measure_clients(play, options.clients, options.warm_up);
   if (options.timing) return measure_rounds(play, *network, options.rounds);
-  return set_mode(options.rounds.modes.at(0), play).and_then([&] {
+  return set_mode(options.rounds.modes.at(0), play).and_then([&]() -> Expected<nlohmann::json> {
+    if (options.clients > 0) return measure_clients(play, options.clients, options.warm_up);
     return measure_point(play, *network, options.pictures);
   });
 }

@@ -116,7 +116,7 @@ def arguments(point, scene_file, trace_file, pictures):
     if point["kind"] == "error":
         given += ["--modes", *point["modes"], "--every", point["every"], "--pictures", pictures]
     elif point["kind"] == "clients":
-        given += ["--clients", point["x"], "--warm-up", point["warm_up"]]
+        given += ["--modes", "hybrid,ask=whole", "--clients", point["x"], "--warm-up", point["warm_up"]]
     else:
         given += ["--timing", "--modes", *point["modes"], "--rounds", point["rounds"], "--seed", point["seed"]]
     return [str(a) for a in given]

@@ -252,7 +252,8 @@ TEST(TracerAsked, CoveredPixelsOfAskedBlocksAreCounted) {
     const auto truth = oracle::trace(scene, state_at(scene, Time{}), request.views[eye]);
     for (std::uint32_t y = 0; y < 64; ++y)
       for (std::uint32_t x = 0; x < 64; ++x)
-        covered += truth.covered[y * 64 + x] ? std::popcount(asked_bits(request, eye, x, y) & 7u) : 0u;
+        if (truth.covered[y * 64 + x])
+          covered += static_cast<std::uint64_t>(std::popcount(asked_bits(request, eye, x, y) & 7u));
   }
   EXPECT_EQ(expect_part(tracer, request).full_shadow_rays, covered);
 }
