@@ -8,20 +8,23 @@
 #ifdef MOTION
 #include "shaders/swept.glsl"
 
-layout(std430, binding = 9) readonly buffer MotionSlots { uint motion_slots[]; };  // [instance]; 0 = cannot move
-layout(std430, binding = 10) readonly buffer Motions { mat4 motions[]; };          // [slot - 1][mask][eye]
+layout(std430, binding = 10) readonly buffer MotionSlots { uint motion_slots[]; };  // [instance]; 0 = cannot move
+layout(std430, binding = 11) readonly buffer Motions { mat4 motions[]; };          // [slot - 1][mask][eye]
+
+mat4 motion_of(uint slot, uint mask) { return motions[((slot - 1) * FARSHADE_MAX_TRACED + mask) * 2 + kEye]; }
 
 uint slot_of(uint instance) { return motion_slots[instance]; }
 
-// Whether an instance has moved since the newest mask (`since` = 0) or since any older mask (1).
+// Whether an instance has moved since any mask of the group `since` was traced.
 bool has_moved(uint since, uint slot) {
-  return slot != 0u && motions[((slot - 1) * FARSHADE_MAX_MASKS + since) * 2 + kEye][0][3] != 0.0;
+  uint first = since == FARSHADE_SINCE_SURROUND ? FARSHADE_MAX_MASKS : since;
+  return slot != 0u && motion_of(slot, first)[0][3] != 0.0;
 }
 
 // Moves a point on an instance that can move to where it was for `mask`. Both points are in the shown eye's space.
 // Slot 0, of invocations without a listed pixel, is read as slot 1.
 void carry_back(uint mask, uint slot, inout vec3 p, inout vec3 n) {
-  mat4 carry = motions[((max(slot, 1u) - 1) * FARSHADE_MAX_MASKS + mask) * 2 + kEye];
+  mat4 carry = motion_of(max(slot, 1u), mask);
   p = (carry * vec4(p, 1.0)).xyz;
   n = mat3(carry) * n;  // exact for rigid motions; others find fewer known pixels
 }
@@ -38,7 +41,11 @@ void carry_back(uint mask, uint slot, inout vec3 p, inout vec3 n) {}
 uint crossed_bits(uint since, uint slot, vec3 p, uint plane) { return 0u; }
 #endif
 
-// Bit i: the visibility of light 32 * plane + i at the point `p` (eye-relative, stage axes) may have changed.
+// Bit i: the visibility of light 32 * plane + i at the point `p` (eye-relative, stage axes) may have changed since any
+// mask of the group `since` was traced.
 uint stale_bits(uint since, uint slot, vec3 p, uint plane) {
-  return frame.stale_lights[since * 2 + plane / 4][plane % 4] | crossed_bits(since, slot, p, plane);
+  uint moved = frame.stale_lights[FARSHADE_SINCE_NEWEST * 2 + plane / 4][plane % 4];
+  if (since == FARSHADE_SINCE_OLDER) moved = frame.stale_lights[FARSHADE_SINCE_OLDER * 2 + plane / 4][plane % 4];
+  if (since == FARSHADE_SINCE_SURROUND) moved = frame.stale_lights[FARSHADE_SINCE_SURROUND * 2 + plane / 4][plane % 4];
+  return moved | crossed_bits(since, slot, p, plane);
 }

@@ -20,12 +20,11 @@ void report_uncovered(uint record) {
     report[record + word] = 0u;
 }
 
-void report_plane(uint record, uint plane, uint unknown, uint stale, uint beside) {
+void report_plane(uint record, uint plane, uint unknown, uint stale) {
   if (record == kNoRecord) return;
   uint used = kLights >= plane * 32 + 32 ? ~0u : (1u << (kLights % 32)) - 1u;
   report[record + FARSHADE_REPORT_UNKNOWN(kLights) + plane] = unknown & used;
   report[record + FARSHADE_REPORT_STALE(kLights) + plane] = stale & used;
-  report[record + FARSHADE_REPORT_BESIDE(kLights) + plane] = beside & used;
 }
 
 void report_visibility(uint record, uint group, Visibility8 k) {
@@ -47,7 +46,7 @@ const bool kReport = false;
 const uint kNoRecord = ~0u;
 uint report_record(ivec2 pixel, bool wanted) { return kNoRecord; }
 void report_uncovered(uint record) {}
-void report_plane(uint record, uint plane, uint unknown, uint stale, uint beside) {}
+void report_plane(uint record, uint plane, uint unknown, uint stale) {}
 void report_visibility(uint record, uint group, Visibility8 k) {}
 void report_source(uint record, bool known, uint source, Sample taken, uint shining) {}
 #endif

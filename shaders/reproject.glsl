@@ -1,7 +1,7 @@
 // Reprojection: what the masks in use know of a shown surface point.
 // The point is projected into each traced view, in order of trust. The first view that saw the same surface there, in a
-// tile that arrived, gives its bits. If there is none, the nearest pixel of the newest view on the point's own plane
-// gives them.
+// tile that arrived, gives its bits. If there is none, a face of the surround gives them (masks of all directions, with
+// fewer pixels), else the nearest pixel of the newest view on the point's own plane.
 // Near shadow edges (a mask's edge bits mark them), the visibility is the weighted mean over the pixels around the point
 // in all of this eye's views. Views of different times sample the edge at different places.
 // Bits are stale if a light, a caster or the surface itself has moved since the mask was traced (motion.glsl).
@@ -27,7 +27,13 @@ const float kBend = 0.5, kFootprint = 1.0, kRounding = 16.0 / 16777216.0;
 
 const uint kNewest = kEye * FARSHADE_MAX_SOURCES;  // the source: this eye's newest mask
 
-uint mask_of(uint source) { return source % FARSHADE_MAX_MASKS; }
+bool is_face(uint source) { return source % FARSHADE_MAX_SOURCES >= FARSHADE_FIRST_FACE; }
+
+// The index of a source's mask: its place in the motions.
+uint mask_of(uint source) {
+  uint own = source % FARSHADE_MAX_SOURCES;
+  return is_face(source) ? FARSHADE_MAX_MASKS + (own - FARSHADE_FIRST_FACE) / 2 : own % FARSHADE_MAX_MASKS;
+}
 
 Projection project(uint mask, SourceData source, Surface surface) {
   vec4 window = source.origin_step;
@@ -108,6 +114,48 @@ Sample first_sample(Surface surface) {
   return found;
 }
 
+// The four pixels around a position, from left to right and from top to bottom.
+ivec2 corner_at(vec2 at) { return ivec2(floor(at - 0.5)); }
+ivec2 tap_at(ivec2 corner, uint tap) { return corner + ivec2(tap & 1, tap >> 1); }
+float of_tap(vec4 gathered, uint tap) {
+  return tap == 0 ? gathered.w : tap == 1 ? gathered.z : tap == 2 ? gathered.x : gathered.y;
+}
+vec4 gather_views(ivec2 corner, uint layer) {
+  return textureGather(depth_ring, vec3((vec2(corner) + 1.0) / vec2(textureSize(depth_ring, 0).xy), layer));
+}
+vec4 gather_faces(ivec2 corner, uint layer) {
+  return textureGather(surround_depth, vec3((vec2(corner) + 1.0) / vec2(textureSize(surround_depth, 0).xy), layer));
+}
+
+// The nearest of the four pixels around the point in a face of the surround that saw the same surface.
+Sample sample_face(uint index, SourceData source, Surface surface) {
+  Projection projection = project(mask_of(index), source, surface);
+  Sample found = Sample(FARSHADE_SOURCE_UNKNOWN, false, ivec2(0), projection.at);
+  ivec2 corner = corner_at(projection.at);
+  vec4 depths = gather_faces(corner, source.place.x);
+  float nearest = 1e30;
+  [[unroll]] for (uint tap = 0; tap < 4; ++tap) {
+    ivec2 pixel = tap_at(corner, tap), there = inside(source, pixel);
+    bool known = block_known(source, there), near = on_plane(projection, pixel, of_tap(depths, tap), kBend);
+    vec2 off = vec2(pixel) + 0.5 - projection.at;
+    float distance = projection.visible && pixel == there && known && near ? dot(off, off) : 1e30;
+    bool nearer = distance < nearest;
+    found.source = nearer ? index : found.source;
+    found.pixel = nearer ? pixel : found.pixel;
+    nearest = min(nearest, distance);
+  }
+  return found;
+}
+
+// The first face of the surround that knows the point.
+Sample surround_sample(Surface surface, bool needed) {
+  Sample found = Sample(FARSHADE_SOURCE_UNKNOWN, false, ivec2(0), vec2(0.0));
+  const uint first = kNewest + FARSHADE_FIRST_FACE, faces = frame.counts.w;
+  for (uint i = 0; needed && i < faces && found.source == FARSHADE_SOURCE_UNKNOWN; ++i)
+    found = sample_face(first + i, frame.sources[first + i], surface);
+  return found;
+}
+
 // The visibility of eight lights.
 struct Visibility8 {
   vec4 low, high;
@@ -126,23 +174,19 @@ struct WeightedVisibility8 {
   vec4 low, high, low_weight, high_weight;
 };
 
-// Adds the four pixels around the point in one of this eye's masks. In older masks, lights that are not `fresh` have
-// weight 0.
-void add_pixels_around(uint mask, Surface surface, uint group, Visibility8 fresh, inout WeightedVisibility8 sum) {
-  SourceData source = frame.sources[kNewest + mask];
-  Projection projection = project(mask, source, surface);
-  ivec2 corner = ivec2(floor(projection.at - 0.5));
-  bool in_use = mask < frame.counts.x, trusted = projection.visible && in_use;
-  vec3 gathered = vec3((vec2(corner) + 1.0) / vec2(textureSize(depth_ring, 0).xy), source.place.x);
-  vec4 depths = textureGather(depth_ring, gathered);
+// Adds the four pixels around the point in a mask. Lights that are not `fresh` have weight 0. `depths` are those of the
+// pixels.
+void add_pixels_around(SourceData source, Projection projection, vec4 depths, bool in_use, uint group, Visibility8 fresh,
+                       inout WeightedVisibility8 sum) {
+  ivec2 corner = corner_at(projection.at);
   [[unroll]] for (uint tap = 0; tap < 4; ++tap) {
-    ivec2 pixel = corner + ivec2(tap & 1, tap >> 1), there = inside(source, pixel);
-    float traced = tap == 0 ? depths.w : tap == 1 ? depths.z : tap == 2 ? depths.x : depths.y;
-    bool known = block_known(source, there), near = on_plane(projection, pixel, traced, kBend);
+    ivec2 pixel = tap_at(corner, tap), there = inside(source, pixel);
+    bool known = block_known(source, there), near = on_plane(projection, pixel, of_tap(depths, tap), kBend);
     vec2 off = vec2(pixel) + 0.5 - projection.at;
-    float weight = trusted && pixel == there && known && near ? exp2(kExponent * dot(off, off)) : 0.0;
+    bool trusted = projection.visible && in_use && pixel == there && known && near;
+    float weight = trusted ? exp2(kExponent * dot(off, off)) : 0.0;
     Visibility8 lit = eight_of(mask_bits(source, there, group / 4) >> (group % 4 * 8));
-    vec4 low_now = mask > 0 ? weight * fresh.low : vec4(weight), high_now = mask > 0 ? weight * fresh.high : vec4(weight);
+    vec4 low_now = weight * fresh.low, high_now = weight * fresh.high;
     sum.low += low_now * lit.low;
     sum.low_weight += low_now;
     if (kLights > 4) {
@@ -152,14 +196,38 @@ void add_pixels_around(uint mask, Surface surface, uint group, Visibility8 fresh
   }
 }
 
-// The visibility of eight lights at a point near a shadow edge. `nearest` is used if no pixel around the point has weight.
-Visibility8 edge_visibility(Surface surface, uint stale, uint group, Visibility8 nearest) {
+// Adds one of this eye's masks.
+void add_mask(uint mask, Surface surface, uint group, Visibility8 fresh, inout WeightedVisibility8 sum) {
+  SourceData source = frame.sources[kNewest + mask];
+  Projection projection = project(mask, source, surface);
+  vec4 depths = gather_views(corner_at(projection.at), source.place.x);
+  add_pixels_around(source, projection, depths, mask < frame.counts.x, group, fresh, sum);
+}
+
+// Adds this eye's oldest mask; if the point takes its bits from a face, that face instead, with all lights.
+void add_oldest_or_face(uint taken, Surface surface, uint group, Visibility8 fresh, inout WeightedVisibility8 sum) {
+  const uint oldest = FARSHADE_MAX_MASKS - 1;
+  bool face = is_face(taken);
+  SourceData source = frame.sources[kNewest + oldest];
+  if (face) source = frame.sources[taken];
+  Projection projection = project(face ? mask_of(taken) : oldest, source, surface);
+  ivec2 corner = corner_at(projection.at);
+  vec4 of_view = gather_views(corner, source.place.x), of_face = gather_faces(corner, source.place.x);
+  vec4 depths = mix(of_view, of_face, bvec4(face));
+  fresh.low = max(fresh.low, vec4(face));
+  fresh.high = max(fresh.high, vec4(face));
+  add_pixels_around(source, projection, depths, face || oldest < frame.counts.x, group, fresh, sum);
+}
+
+// The visibility of eight lights at a point near a shadow edge, whose bits are those of the source `taken`. Lights that
+// are stale in masks other than the first have no weight there. `nearest` is used if no pixel around the point has weight.
+Visibility8 edge_visibility(uint taken, Surface surface, uint stale, uint group, Visibility8 nearest) {
   WeightedVisibility8 sum = WeightedVisibility8(1e-4 * nearest.low, 1e-4 * nearest.high, vec4(1e-4), vec4(1e-4));
-  Visibility8 fresh = eight_of(~stale >> (group % 4 * 8));
-  add_pixels_around(0, surface, group, fresh, sum);
-  add_pixels_around(1, surface, group, fresh, sum);
-  add_pixels_around(2, surface, group, fresh, sum);
-  add_pixels_around(3, surface, group, fresh, sum);
+  Visibility8 all = Visibility8(vec4(1.0), vec4(1.0)), fresh = eight_of(~stale >> (group % 4 * 8));
+  add_mask(0, surface, group, all, sum);
+  add_mask(1, surface, group, fresh, sum);
+  add_mask(2, surface, group, fresh, sum);
+  add_oldest_or_face(taken, surface, group, fresh, sum);
   return Visibility8(clamp((sum.low / sum.low_weight - 0.5) * kSharpness + 0.5, 0.0, 1.0),
                      clamp((sum.high / sum.high_weight - 0.5) * kSharpness + 0.5, 0.0, 1.0));
 }

@@ -55,6 +55,9 @@ layout(std430, binding = 8) buffer Hard {
   // For each eye: x and y in 16 bits each. The second list is stored backwards from the end.
   uint hard_pixels[];
 };
+layout(binding = 9) uniform sampler2DArray surround_depth;
+#else
+#define surround_depth depth_ring  // not read
 #endif
 #ifdef SHADOW_MAPS
 const bool kShadowMaps = true;
@@ -114,14 +117,14 @@ Sample direct_sample(ivec2 pixel) {
   return Sample(near == there && known ? kNewest : FARSHADE_SOURCE_UNKNOWN, false, there, vec2(there) + 0.5);
 }
 
-// The rule for unknown visibility: what the newest mask has in the direction of the shown pixel; `otherwise` if the head
-// has turned too far or the mask's tile is missing.
-Visibility8 guess(ivec2 pixel, uint group, uint otherwise) {
+// The rule for unknown visibility: what the newest mask has in the direction of the shown pixel; lit if the head has
+// turned too far or the mask's tile is missing.
+Visibility8 guess(ivec2 pixel, uint group) {
   SourceData source = frame.sources[kNewest];
   ivec2 there = inside(source, direct_pixel(pixel));
   bool known = block_known(source, there) && frame.counts.z != 0u;
   uint bits = mask_bits(source, there, group / 4);
-  return eight_of(known ? bits >> (group % 4 * 8) : otherwise);
+  return eight_of(known ? bits >> (group % 4 * 8) : ~0u);
 }
 
 #ifndef DIRECT
@@ -151,7 +154,6 @@ Surface surface_at(ivec2 pixel, float depth, uint stored) {
 // What the masks know of a surface point.
 struct Lookup {
   Sample taken;       // whose bits the point takes
-  Sample neighbour;   // on the same plane, for points that no view saw and for stale bits of older masks
   bool known;         // `taken` has a source
   uint source;        // of `taken`; the newest if it has none
   SourceData traced;  // of `source`
@@ -169,12 +171,15 @@ Lookup look_up(ivec2 pixel, Surface surface) {
     result.taken = sample_source(kNewest, frame.sources[kNewest], surface);
   else
     result.taken = first_sample(surface);
-  result.neighbour = Sample(FARSHADE_SOURCE_UNKNOWN, true, ivec2(0), vec2(0.0));
+  if (kSecondLook) {
+    bool unseen = result.taken.source == FARSHADE_SOURCE_UNKNOWN;
+    Sample around = surround_sample(surface, unseen);
+    if (unseen) result.taken = around;
+  }
   if (kSecondLook && kNeighbours) {
     bool unseen = result.taken.source == FARSHADE_SOURCE_UNKNOWN;
-    bool old = kMoved && mask_of(result.taken.source) > 0;
-    result.neighbour = nearest_on_plane(surface, frame.counts.x > 0 && (unseen || old));
-    if (unseen) result.taken = result.neighbour;
+    Sample neighbour = nearest_on_plane(surface, frame.counts.x > 0 && unseen);
+    if (unseen) result.taken = neighbour;
   }
   result.known = result.taken.source != FARSHADE_SOURCE_UNKNOWN;
   result.source = kSecondLook && result.known ? result.taken.source : kNewest;
@@ -188,24 +193,20 @@ Lookup look_up(ivec2 pixel, Surface surface) {
 // The bits of one plane of 32 lights at a surface point.
 struct PlaneBits {
   uint visible;
-  uint stale;           // of older masks: something has moved since
-  uint from_neighbour;  // stale bits that the neighbour replaces
+  uint stale;  // of masks other than the first: something has moved since
   uint unknown;
 };
 
 PlaneBits plane_bits(Lookup found, uint slot, vec3 p_stage, uint plane) {
-  PlaneBits bits = PlaneBits(0u, 0u, 0u, 0u);
-  const uint mask = mask_of(found.source);
+  PlaneBits bits = PlaneBits(0u, 0u, 0u);
+  const bool first = mask_of(found.source) == 0;
+  const uint since = is_face(found.source) ? FARSHADE_SINCE_SURROUND : FARSHADE_SINCE_OLDER;
   if (!kShadowMaps) bits.visible = mask_bits(found.traced, found.pixel, plane);
   bits.visible = found.known ? bits.visible : 0u;
-  if (kSecondLook && kMoved) bits.stale = stale_bits(1, slot, p_stage, plane);
-  // The stale bits of an older mask are not used, since a newer mask exists.
-  if (kSecondLook && kMoved && mask > 0 && found.known && found.neighbour.source != FARSHADE_SOURCE_UNKNOWN) {
-    bits.from_neighbour = bits.stale;
-    uint nearby = mask_bits(frame.sources[kNewest], found.neighbour.pixel, plane);
-    bits.visible = (bits.visible & ~bits.stale) | (nearby & bits.stale);
-  }
-  bits.unknown = !found.known ? ~0u : mask > 0 ? bits.stale & ~bits.from_neighbour : 0u;
+  if (kSecondLook && kMoved) bits.stale = stale_bits(since, slot, p_stage, plane);
+  // A stale bit of the point itself is the best that there is, unless the viewer has changed the light.
+  uint changed = first ? 0u : bits.stale & frame.changed_lights[plane / 4][plane % 4];
+  bits.unknown = found.known ? changed : ~0u;
   return bits;
 }
 
@@ -215,15 +216,12 @@ Visibility8 visibility_of(uint group, ivec2 pixel, Surface surface, Lookup found
   Visibility8 k = eight_of(bits.visible >> (group % 4 * 8));
   if (kShadowMaps) k = from_maps;
   if (kSecondLook) {
-    Visibility8 filtered = edge_visibility(surface, bits.stale, group, k);
+    Visibility8 filtered = edge_visibility(found.source, surface, bits.stale, group, k);
     k.low = mix(k.low, filtered.low, bvec4(found.on_edge));
     k.high = mix(k.high, filtered.high, bvec4(found.on_edge));
   }
   Visibility8 unknown = eight_of(bits.unknown >> (group % 4 * 8)), guessed = Visibility8(vec4(1.0), vec4(1.0));
-  // A stale bit is a better guess than none, unless the viewer has changed the light. Otherwise the guess is lit.
-  uint stale_or_changed = bits.visible | frame.changed_lights[plane / 4][plane % 4];
-  uint otherwise = found.known ? stale_or_changed : ~0u;
-  if (kSecondLook) guessed = guess(pixel, group, otherwise >> (group % 4 * 8));
+  if (kSecondLook) guessed = guess(pixel, group);
   k.low = mix(k.low, kUnknownVisibility * guessed.low, unknown.low);
   k.high = mix(k.high, kUnknownVisibility * guessed.high, unknown.high);
   return k;
@@ -240,10 +238,10 @@ struct ShadedPixel {
 
 PlaneBits reported_bits(ShadedPixel at, uint plane) {
   PlaneBits bits = plane_bits(at.found, at.surface.slot, at.p, plane);
-  uint newest_stale = 0u;
-  if (kReport && kMoved && mask_of(at.found.source) == 0 && at.found.known)
-    newest_stale = stale_bits(0, at.surface.slot, at.p, plane);
-  report_plane(at.record, plane, bits.unknown, newest_stale, bits.from_neighbour);
+  const bool first = mask_of(at.found.source) == 0;
+  uint stale = bits.stale & ~bits.unknown;
+  if (kReport && kMoved && first) stale = stale_bits(FARSHADE_SINCE_NEWEST, at.surface.slot, at.p, plane);
+  report_plane(at.record, plane, bits.unknown, at.found.known ? stale : 0u);
   return bits;
 }
 

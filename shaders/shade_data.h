@@ -43,12 +43,10 @@
 #define FARSHADE_QUADS(lights) (((lights) + 3) / 4)     // words of visibilities
 #define FARSHADE_PLANES(lights) (((lights) + 31) / 32)  // words with one bit a light
 
-// Words with one bit a light: shown by the rule for unknown visibility; something has moved since; taken from
-// a neighbour because the mask that saw the point is too old for this light.
+// Words with one bit a light: shown by the rule for unknown visibility; something has moved since.
 #define FARSHADE_REPORT_UNKNOWN(lights) (FARSHADE_REPORT_VISIBILITY + FARSHADE_QUADS(lights))
 #define FARSHADE_REPORT_STALE(lights) (FARSHADE_REPORT_UNKNOWN(lights) + FARSHADE_PLANES(lights))
-#define FARSHADE_REPORT_BESIDE(lights) (FARSHADE_REPORT_STALE(lights) + FARSHADE_PLANES(lights))
-#define FARSHADE_REPORT_WORDS(lights) (FARSHADE_REPORT_BESIDE(lights) + FARSHADE_PLANES(lights))
+#define FARSHADE_REPORT_WORDS(lights) (FARSHADE_REPORT_STALE(lights) + FARSHADE_PLANES(lights))
 
 // What a pixel was shaded with: the source that gave its bits, plus FARSHADE_NEIGHBOUR if the source's view
 // saw only the surface beside the point. FARSHADE_SOURCE_UNCOVERED: the pixel shows no surface.

@@ -64,9 +64,18 @@ struct ShadowMapData {
   uvec4 place;     // x = FARSHADE_MAP_*, y = its first layer; z, w unused
 };
 
-#define FARSHADE_MAX_MASKS 4
-#define FARSHADE_MAX_SOURCES 8  // the masks traced for this eye, in order, then those for the other eye
-#define FARSHADE_MAX_MOVED 4    // bounding spheres of moved instances
+#define FARSHADE_MAX_MASKS 4      // of views
+#define FARSHADE_MAX_SURROUND 3   // masks of the surround, of two opposite faces each
+#define FARSHADE_MAX_TRACED 7     // masks of both kinds
+// The masks traced for this eye, in order, those for the other eye, and the faces of the surround.
+#define FARSHADE_FIRST_FACE 8
+#define FARSHADE_MAX_SOURCES 14
+#define FARSHADE_MAX_MOVED 4  // bounding spheres of moved instances
+// Groups of masks: the newest, older ones, and those of the surround.
+#define FARSHADE_SINCE_NEWEST 0
+#define FARSHADE_SINCE_OLDER 1
+#define FARSHADE_SINCE_SURROUND 2
+#define FARSHADE_SINCE_GROUPS 3
 #define FARSHADE_TILE_PX 16
 #define FARSHADE_BLOCK_PX 4
 
@@ -81,16 +90,16 @@ struct SourceData {
 struct FrameData {
   EyeData eye[2];
   SourceData sources[2 * FARSHADE_MAX_SOURCES];  // the left eye's, then the right eye's
-  // What has changed since the newest mask was traced, then since any older mask was: lights that have moved
+  // What has changed since the masks of each group (FARSHADE_SINCE_*) were traced: lights that have moved
   // (256 bits), and bounding spheres of instances that have, at their old and new places (relative to each
   // eye, stage axes; w = radius^2, negative if unused).
-  uvec4 stale_lights[2 * 2];
+  uvec4 stale_lights[FARSHADE_SINCE_GROUPS * 2];
   uvec4 changed_lights[2];  // lights that the viewer has changed since a mask in use was traced
-  vec4 moved[2 * 2 * FARSHADE_MAX_MOVED];  // [newest or older][eye][sphere]
+  vec4 moved[FARSHADE_SINCE_GROUPS * 2 * FARSHADE_MAX_MOVED];  // [group][eye][sphere]
   vec4 background;                         // linear
   vec4 ambient;                            // linear factor of the base colour; 0 unless the user sets it
   uvec4 counts;  // x = masks in use, y = layer of the left eye's shown depth, z = 1 if the newest mask's view
-                 // is close enough to the shown view to guess from; w unused
+                 // is close enough to the shown view to guess from; w = faces of the surround in use
   vec4 direct;   // position in the newest mask of a shown position in the same direction: * xy + zw
 };
 

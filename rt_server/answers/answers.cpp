@@ -65,6 +65,7 @@ class Masks final : public AnswerMaker {
 AnswerMakers make_answers(const AnswerContext& context) {
   AnswerMakers makers;
   makers.add(Answer::Masks, make_masks(context.tracer));
+  makers.add(Answer::Surround, make_masks(context.tracer));
   makers.add(Answer::MasksOfPositions, make_position_masks(context));
 
   const auto renderer = std::make_shared<AnswerRenderer>(context);

@@ -22,7 +22,7 @@ struct AnswerContext {
 /// not offered and why. Opens a device to find out and closes it; it is opened again for the first picture.
 [[nodiscard]] AnswerMakers make_answers(const AnswerContext& context);
 
-/// Answer::Masks alone. Keeps the reference.
+/// For Answer::Masks or Answer::Surround. Keeps the reference.
 [[nodiscard]] std::unique_ptr<AnswerMaker> make_masks(Tracer& tracer);
 [[nodiscard]] std::unique_ptr<AnswerMaker> make_position_masks(const AnswerContext& context);
 

@@ -120,27 +120,41 @@ void ClientSession::seal_probe(std::uint64_t token, std::vector<std::byte>& prob
   rate_.sent(sealer_.seal(message_, probe), probe.size(), last_received_);
 }
 
+std::optional<ReceivedMessage> ClientSession::refuse_request(const FrameRequest& request) const {
+  for (const View& view : request.views)
+    if (view.size.pixels() > most_pixels_) return ReceivedMessage::TooLarge;
+  const Answer answer = request.answer.kind;
+  if ((answers_ & set_of(answer)) == 0) return ReceivedMessage::Unanswered;
+  // A renderer draws two eyes of one size.
+  if (is_drawn(answer) && request.views[0].size != request.views[1].size) return ReceivedMessage::Unanswered;
+  return std::nullopt;
+}
+
+std::optional<Job>& ClientSession::waiting_for(const FrameRequest& request) {
+  return request.answer.kind == Answer::Surround ? waiting_surround_[pair_of(request.frame)] : waiting_;
+}
+
 ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) {
   rate_.take(message.arrivals, now);
   merge(lights_, message.request.lights);
   const FrameId frame = message.request.frame;
-  if (newest_ && !is_newer(frame, *newest_)) return ReceivedMessage::Outdated;
-  update_interval(message.request, now);
-  newest_ = frame;
-  for (const View& view : message.request.views)
-    if (view.size.pixels() > most_pixels_) return ReceivedMessage::TooLarge;
   const Answer answer = message.request.answer.kind;
-  if ((answers_ & set_of(answer)) == 0) return ReceivedMessage::Unanswered;
-  // A renderer draws two eyes of one size.
-  const StereoView& views = message.request.views;
-  if (is_drawn(answer) && views[0].size != views[1].size) return ReceivedMessage::Unanswered;
-  const bool superseded = waiting_.has_value();
+  const bool is_surround = answer == Answer::Surround;
+  std::optional<FrameId>& newest = is_surround ? newest_surround_ : newest_;
+  if (newest && !is_newer(frame, *newest)) return ReceivedMessage::Outdated;
+  if (!is_surround) update_interval(message.request, now);
+  newest = frame;
+  if (const std::optional<ReceivedMessage> why = refuse_request(message.request)) return *why;
+  std::optional<Job>& waiting = waiting_for(message.request);
+  const bool superseded = waiting.has_value();
   if (superseded) ++superseded_;
-  waiting_ = Job{.session = id_, .request = message.request, .arrived = now};
-  waiting_->request.lights = lights_;
-  requested_answer_ = answer;
-  parts_bytes_ = 0;
-  part_arrived_ = now;
+  waiting = Job{.session = id_, .request = message.request, .arrived = now};
+  waiting->request.lights = lights_;
+  if (!is_surround) {
+    requested_answer_ = answer;
+    parts_bytes_ = 0;
+    part_arrived_ = now;
+  }
   return superseded ? ReceivedMessage::Superseded : ReceivedMessage::NewRequest;
 }
 
@@ -169,14 +183,36 @@ void ClientSession::update_interval(const FrameRequest& request, Time now) {
   newest_arrived_ = now;
 }
 
-std::optional<Time> ClientSession::ready_at() const {
-  if (!waiting_ || !outbox_.empty()) return std::nullopt;
-  const bool complete = waiting_->parts.size() >= waiting_->request.answer.slices;
-  return complete ? outbox_.drained_at() : std::max(outbox_.drained_at(), part_arrived_ + kPartsTimeout);
+/// All parts of the waiting request have come.
+bool ClientSession::is_complete() const {
+  return waiting_ && waiting_->parts.size() >= waiting_->request.answer.slices;
 }
 
+/// The pair whose request has waited longest.
+std::optional<std::size_t> ClientSession::oldest_surround() const {
+  std::optional<std::size_t> oldest;
+  for (std::size_t pair = 0; pair < kSurroundPairs; ++pair)
+    if (waiting_surround_[pair] && (!oldest || is_newer(waiting_surround_[*oldest]->request.frame,
+                                                        waiting_surround_[pair]->request.frame)))
+      oldest = pair;
+  return oldest;
+}
+
+std::optional<Time> ClientSession::ready_at() const {
+  const bool any_surround = oldest_surround().has_value();
+  if (!outbox_.empty() || (!waiting_ && !any_surround)) return std::nullopt;
+  return any_surround || is_complete() ? outbox_.drained_at()
+                                       : std::max(outbox_.drained_at(), part_arrived_ + kPartsTimeout);
+}
+
+/// A request for the surround is taken before another one only if that is not complete yet, or if enough others
+/// have overtaken it.
 Job ClientSession::take_job() {
-  Job job = std::move(*std::exchange(waiting_, std::nullopt));
+  const std::optional<std::size_t> pair = oldest_surround();
+  job_is_surround_ = pair && (!is_complete() || overtaken_ >= kMostOvertaking);
+  std::optional<Job>& waiting = job_is_surround_ ? waiting_surround_[*pair] : waiting_;
+  Job job = std::move(*std::exchange(waiting, std::nullopt));
+  overtaken_ = pair && !job_is_surround_ ? overtaken_ + 1 : 0;
   job.superseded = superseded_;
   job.bytes_per_second = static_cast<std::uint32_t>(rate_.bytes_per_second());
   job.view_scale = quality_.view_scale();
@@ -185,13 +221,14 @@ Job ClientSession::take_job() {
 }
 
 void ClientSession::put(std::span<const std::vector<std::byte>> messages, Time now) {
-  const auto spread = std::chrono::duration_cast<Duration>(interval_ * kPacedShare);
+  const auto spread =
+      job_is_surround_ ? Duration::zero() : std::chrono::duration_cast<Duration>(interval_ * kPacedShare);
   const double rate = rate_.bytes_per_second();
   std::size_t bytes = 0;
   for (const std::vector<std::byte>& message : messages) bytes += message.size() + kSealing_bytes;
   if (rate >= limits_.most && static_cast<double>(bytes) > rate * seconds_of(interval_)) ++held_back_;
   outbox_.put(messages, now, spread, rate);
-  quality_.packed(bytes, job_scale_, rate, interval_, now);
+  if (!job_is_surround_) quality_.packed(bytes, job_scale_, rate, interval_, now);
 }
 
 void ClientSession::seal_due(Time now, std::vector<std::byte>& datagram) {

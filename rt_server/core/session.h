@@ -2,10 +2,12 @@
 /// A value of bounded size, without sockets, threads or clocks. Sessions share no data.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
 #include "rt_server/core/quality.h"
+#include "stereo/frame/surround.h"
 #include "stereo/net/datagram.h"
 #include "stereo/net/rate_control.h"
 #include "stereo/wire/handshake.h"
@@ -101,6 +103,9 @@ class ClientSession {
   /// From now on accepts only requests for `answers`.
   void offer(AnswerSet answers) { answers_ = answers; }
 
+  /// A request for the surround is taken before another one only if so many others have overtaken it.
+  static constexpr std::uint32_t kMostOvertaking = 3;
+
   /// A request is complete and the path has taken the whole previous frame.
   [[nodiscard]] bool is_ready(Time now) const {
     const std::optional<Time> at = ready_at();
@@ -119,7 +124,8 @@ class ClientSession {
   };
   Turn turn;
 
-  /// Queues the messages of an answer. They leave evenly over a share of the frame interval.
+  /// Queues the messages of an answer. They leave evenly over a share of the frame interval; those of the
+  /// surround, which delay the next answer, as fast as the path takes them.
   void put(std::span<const std::vector<std::byte>> messages, Time now);
 
   /// When seal_due() has a message to send.
@@ -132,6 +138,10 @@ class ClientSession {
 
  private:
   ReceivedMessage receive(const RequestMessage& message, Time now);
+  [[nodiscard]] std::optional<ReceivedMessage> refuse_request(const FrameRequest& request) const;
+  [[nodiscard]] std::optional<Job>& waiting_for(const FrameRequest& request);
+  [[nodiscard]] std::optional<std::size_t> oldest_surround() const;
+  [[nodiscard]] bool is_complete() const;
   ReceivedMessage receive_part(Answer of, FrameId frame, std::span<const std::byte> message, Time now);
   void update_address(const Peer& from, bool newest, std::uint64_t probe_echo, std::vector<std::byte>& probe);
   void seal_probe(std::uint64_t token, std::vector<std::byte>& probe);
@@ -158,6 +168,10 @@ class ClientSession {
   Time newest_display_{}, newest_arrived_{};  ///< display time and arrival of the newest request
   Duration interval_{};                       ///< mean time between two requests
   std::optional<Job> waiting_{};
+  /// Requests for the surround wait apart, so that they and the others do not replace each other; one of each pair.
+  std::array<std::optional<Job>, kSurroundPairs> waiting_surround_{};
+  std::optional<FrameId> newest_surround_{};
+  std::uint32_t overtaken_ = 0;  ///< other requests that were taken while the surround's waited
   std::size_t parts_bytes_ = 0;  ///< total size of waiting_->parts
   Time part_arrived_{};          ///< arrival of the newest of them, or of their request
   std::uint32_t superseded_ = 0;
@@ -167,6 +181,7 @@ class ClientSession {
   RateControl rate_;
   Quality quality_;
   ViewScale job_scale_{};  ///< as advised when the job in work was taken
+  bool job_is_surround_ = false;
   std::uint64_t held_back_ = 0;
   std::vector<std::byte> message_;
 };

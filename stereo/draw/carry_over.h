@@ -16,8 +16,8 @@
 
 namespace farshade {
 
-/// The number of masks that one draw can use.
-inline constexpr std::size_t kMaxMasks = FARSHADE_MAX_MASKS;
+/// The number of masks of views that one draw can use, and that of all masks with those of the surround.
+inline constexpr std::size_t kMaxMasks = FARSHADE_MAX_MASKS, kMaxTraced = FARSHADE_MAX_TRACED;
 
 /// A mask as the shading pass takes it. The references must be valid until the draw returns.
 struct TracedMask {
@@ -32,6 +32,7 @@ struct TracedMask {
   LightSetRevision light_set_revision = kFirstLightSet;
   /// The blocks that were asked for; the others were carried over and are known. Null: all.
   const AskedBlocks* asked = nullptr;
+  Time requested_at{};  ///< the display time of the frame that made the request
 };
 
 /// The blocks of a tile that are known: those that were carried over, and once all planes of the tile have
@@ -63,11 +64,19 @@ struct CarryOver {
 };
 
 /// What a pixel was shaded with: the index of a mask in use (0 = first), plus kOtherEye if that mask was
-/// traced for the other eye, plus kNeighbour if its view saw only the surface beside the point; or one of the
-/// two last values.
-inline constexpr std::uint8_t kOtherEye = FARSHADE_MAX_MASKS, kNeighbour = FARSHADE_NEIGHBOUR,
-                              kSourceUnknown = FARSHADE_SOURCE_UNKNOWN,
+/// traced for the other eye, plus kNeighbour if its view saw only the surface beside the point; or kFirstFace
+/// plus the index of a face of the surround; or one of the two last values.
+inline constexpr std::uint8_t kOtherEye = FARSHADE_MAX_MASKS, kFirstFace = FARSHADE_FIRST_FACE,
+                              kNeighbour = FARSHADE_NEIGHBOUR, kSourceUnknown = FARSHADE_SOURCE_UNKNOWN,
                               kSourceUncovered = FARSHADE_SOURCE_UNCOVERED;
+[[nodiscard]] constexpr bool is_face(std::uint8_t source) {
+  return source >= kFirstFace && source < FARSHADE_MAX_SOURCES;
+}
+/// The index of the mask that a known source belongs to: those of the views, then those of the surround from
+/// kMaxMasks on.
+[[nodiscard]] constexpr std::size_t mask_of(std::uint8_t source) {
+  return is_face(source) ? kMaxMasks + (source - kFirstFace) / kEyes : source % kOtherEye;
+}
 
 /// What each pixel of one eye was shaded with; pixels in row order. A light that is off has visibility 0 and
 /// is neither unknown nor stale.
@@ -76,9 +85,8 @@ struct ShownReport {
   std::vector<std::uint8_t> sources;
   std::vector<std::array<float, 2>> positions;  ///< of the point in the source's view, pixels
   std::vector<std::uint8_t> visibility;         ///< [pixel][light], 255 = 1; for unknown bits the guess
-  /// [pixel][plane], bits as in the mask's planes: guessed; stale; taken from a neighbour, because the mask
-  /// that saw the point is too old for this light.
-  std::vector<std::uint32_t> unknown, stale, beside;
+  /// [pixel][plane], bits as in the mask's planes: guessed; stale.
+  std::vector<std::uint32_t> unknown, stale;
   /// [pixel]: how many lights would shine there without shadows. A tracer of the same view needs about as
   /// many shadow rays. It differs from a tracer's count in three ways: the tracer skips lights behind the
   /// geometric normal, traces lights of intensity 0, and rounds differently at grazing angles.

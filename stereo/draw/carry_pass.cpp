@@ -70,7 +70,7 @@ void CarryPass::prepare(const FrameRequest& request, const DepthRing::Place& pla
   }
   frame.counts.y = place.layer;
   const std::array<const Motion*, 1> motions{&since};
-  write_stale(request.views, motions, frame);
+  write_stale(request.views, {.masks = motions}, frame);
   moved_ = !since.moved.empty();
   size_ = request.views[0].size;
   frame_buffer_.as<gpu::FrameData>()[0] = frame;

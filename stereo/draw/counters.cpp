@@ -39,9 +39,9 @@ gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, con
                               const SceneLevels& levels) {
   const DrawPlan plan = settled(requested);
   const ShadingBytes shading = shading_bytes(plan, limits.size, limits.traced_size);
-  const std::size_t pixels = kEyes * limits.size.pixels(), places = most_masks(plan) * kEyes;
+  const std::size_t pixels = kEyes * limits.size.pixels();
   const CarryBytes carry = carry_bytes(plan, limits.traced_size);
-  const std::size_t passes = plan.depth_pass ? 2 : 1;
+  const std::size_t passes = plan.depth_pass ? (2 + most_surround(plan)) : 1;
   using gpu::Use;
   gpu::BytesByUse memory;
   add_scene(scene, plan, levels, memory);
@@ -50,8 +50,10 @@ gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, con
   memory[Use::GBuffer] = pixels * (4 + (carries_masks(plan) ? 8 : 4));
   memory[Use::Depth] = kEyes * limits.traced_size.pixels() * (limits.depth_frames + 1) * 4;
   if (carry.carried > 0) memory[Use::Frame] += sizeof(gpu::FrameData) + shading.lights;
-  memory[Use::Masks] =
-      places * (shading.mask + shading.known) + kEyes * carry.quads + carry.carried + carry.unknown;
+  if (most_surround(plan) > 0)
+    memory[Use::Depth] += kEyes * face_size(limits.size).pixels() * (kSurroundSlots + 1) * 4;
+  memory[Use::Masks] = shading.all_words(plan) + shading.all_known(plan) + kEyes * carry.quads +
+                       carry.carried + carry.unknown;
   memory[Use::Motion] = shading.slots + shading.motions;
   memory[Use::Lists] = shading.lists;
   memory[Use::Shown] = pixels * 4;

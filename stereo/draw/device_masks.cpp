@@ -28,48 +28,56 @@ static_assert(kTileSide_px == FARSHADE_TILE_PX && kBlockSide_px == FARSHADE_BLOC
 
 DeviceMasks::DeviceMasks(const gpu::Device& device, const DrawPlan& plan, const ShadingBytes& bytes)
     : plan_(plan),
-      mask_bytes_(bytes.mask),
-      known_bytes_(bytes.known),
-      words_(mapped(device, most_masks(plan) * kEyes * bytes.mask, "masks")),
-      known_(mapped(device, most_masks(plan) * kEyes * bytes.known, "known blocks")),
-      slots_(most_masks(plan)) {}
+      words_(mapped(device, bytes.all_words(plan), "masks")),
+      known_(mapped(device, bytes.all_known(plan), "known blocks")),
+      shelves_{Shelf{bytes.mask, 0, 0, MaskSlots(most_masks(plan)), std::vector<bool>(most_masks(plan))},
+               Shelf{bytes.face, most_masks(plan) * kEyes * bytes.mask.words,
+                     most_masks(plan) * kEyes * bytes.mask.known, MaskSlots(most_surround(plan)),
+                     std::vector<bool>(most_surround(plan))}} {}
 
-std::vector<DeviceMasks::Held> DeviceMasks::hold(std::span<const TracedMask* const> masks) {
+std::vector<DeviceMasks::Held> DeviceMasks::hold(Kind kind, std::span<const TracedMask* const> masks) {
+  Shelf& shelf = shelves_[static_cast<std::size_t>(kind)];
   std::vector<MaskVersion> versions;
   for (const TracedMask* mask : masks) versions.push_back({mask->frame, mask->content});
   std::vector<Held> held;
-  for (const MaskSlots::Assignment& assigned : slots_.assign(versions)) {
+  for (const MaskSlots::Assignment& assigned : shelf.slots.assign(versions)) {
     if (assigned.must_upload) {
-      is_whole_[assigned.slot] = upload(assigned.slot, *masks[held.size()]);
+      shelf.is_whole[assigned.slot] = upload(shelf, assigned.slot, *masks[held.size()]);
       ++uploads_;
     }
-    held.push_back({assigned.slot, is_whole_[assigned.slot]});
+    held.push_back({kind, assigned.slot, shelf.is_whole[assigned.slot]});
   }
   return held;
 }
 
 glm::uvec4 DeviceMasks::place(const Held& held, std::size_t eye, std::size_t layer) const {
+  const Shelf& from = shelf(held.kind);
   const std::size_t at = held.slot * kEyes + eye;
-  return {layer + eye, at * mask_bytes_ / 4, at * known_bytes_ / 4, 0};
+  return {layer + eye, (from.words + at * from.bytes.words) / 4, (from.known + at * from.bytes.known) / 4, 0};
+}
+
+void DeviceMasks::forget() {
+  for (Shelf& shelf : shelves_) shelf.slots.clear();
 }
 
 /// Copies a mask to a slot. Returns whether every block is known.
-bool DeviceMasks::upload(std::size_t slot, const TracedMask& mask) const {
+bool DeviceMasks::upload(const Shelf& shelf, std::size_t slot, const TracedMask& mask) const {
   bool whole = true;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const std::size_t at = slot * kEyes + eye;
     const EyeMask& bits = mask.masks[eye];
     check(bits.layout() == plan_.mask, "a mask has the layout of the plan");
     const std::size_t bytes = mask_bytes(bits.size(), device_mask(plan_));
-    check(bytes <= mask_bytes_, "a mask fits its slot");
-    const auto there = words_.as<std::byte>().subspan(at * mask_bytes_, bytes);
+    check(bytes <= shelf.bytes.words, "a mask fits its slot");
+    const auto there = words_.as<std::byte>().subspan(shelf.words + at * shelf.bytes.words, bytes);
     if (carries_masks(plan_)) {
       copy_with_edges(bits, there);
     } else {
       std::ranges::copy(bits.bytes(), there.begin());
     }
-    const std::size_t tiles = known_bytes_ / sizeof(std::uint16_t);
-    whole &= write_known(mask, eye, known_.as<std::uint16_t>().subspan(at * tiles, tiles));
+    const std::size_t known = (shelf.known + at * shelf.bytes.known) / sizeof(std::uint16_t);
+    whole &= write_known(mask, eye,
+                         known_.as<std::uint16_t>().subspan(known, shelf.bytes.known / sizeof(std::uint16_t)));
   }
   return whole;
 }

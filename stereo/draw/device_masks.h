@@ -15,36 +15,46 @@ namespace farshade {
 
 class DeviceMasks {
  public:
-  /// Room for most_masks(plan) masks of `bytes`. Keeps the reference.
+  /// Room for most_masks(plan) masks of views and most_surround(plan) masks of the surround. Keeps the
+  /// reference.
   DeviceMasks(const gpu::Device& device, const DrawPlan& plan, const ShadingBytes& bytes);
+
+  enum class Kind : std::uint8_t { Views, Surround };
 
   /// Where a mask lies.
   struct Held {
+    Kind kind = Kind::Views;
     std::size_t slot = 0;
     bool whole = false;  ///< every block is known
   };
   /// Copies to the device what it does not hold yet. Their frames are distinct. The result is valid until the
-  /// next call.
-  std::vector<Held> hold(std::span<const TracedMask* const> masks);
+  /// next call with the same kind.
+  std::vector<Held> hold(Kind kind, std::span<const TracedMask* const> masks);
 
   /// SourceData::place of an eye's mask. `layer` has the depth of the left eye's view.
   [[nodiscard]] glm::uvec4 place(const Held& held, std::size_t eye, std::size_t layer) const;
 
   /// Forgets all masks, because frame ids begin anew.
-  void forget() { slots_.clear(); }
+  void forget();
 
   [[nodiscard]] const gpu::Buffer& words() const { return words_; }
   [[nodiscard]] const gpu::Buffer& known_blocks() const { return known_; }
   [[nodiscard]] std::uint64_t uploads() const { return uploads_; }
 
  private:
-  [[nodiscard]] bool upload(std::size_t slot, const TracedMask& mask) const;
+  /// The masks of one kind.
+  struct Shelf {
+    MaskBytes bytes;              ///< of one eye
+    std::size_t words, known;     ///< where the shelf begins in the buffers, bytes
+    MaskSlots slots;
+    std::vector<bool> is_whole;  ///< by slot
+  };
+  [[nodiscard]] bool upload(const Shelf& shelf, std::size_t slot, const TracedMask& mask) const;
+  [[nodiscard]] const Shelf& shelf(Kind kind) const { return shelves_[static_cast<std::size_t>(kind)]; }
 
   const DrawPlan& plan_;
-  std::size_t mask_bytes_, known_bytes_;  ///< of one eye
   gpu::Buffer words_, known_;
-  MaskSlots slots_;
-  std::array<bool, kMaxMasks> is_whole_{};  ///< by slot
+  std::array<Shelf, 2> shelves_;
   std::uint64_t uploads_ = 0;
 };
 

@@ -11,6 +11,11 @@ namespace {
 /// One timestamp before each stage of a frame, and one after the last.
 constexpr std::uint32_t kStamps = 5;
 
+std::optional<DepthRing> face_ring(const gpu::Device& device, const DrawPlan& plan, Extent size) {
+  if (!carries_masks(plan)) return std::nullopt;
+  return std::optional<DepthRing>(std::in_place, device, face_size(size), kSurroundSlots);
+}
+
 }  // namespace
 
 class Renderer::Parts {
@@ -30,7 +35,9 @@ class Renderer::Parts {
   DrawTimes draw_with_difference(const ShownFrame& frame, const PerEye<Image<Rgb8>>& difference,
                                  const StereoView& from);
   void forget();
-  [[nodiscard]] bool has_depth(FrameId frame) const { return ring_.has(frame); }
+  [[nodiscard]] bool has_depth(FrameId frame) const {
+    return ring_.has(frame) || (faces_ && faces_->has(frame));
+  }
   [[nodiscard]] const gpu::Image& shown() const { return shading_.shown(); }
   [[nodiscard]] PerEye<Image<Rgb8>> read_shown();
   [[nodiscard]] ShownReport report(Side side) const { return shading_.report(side); }
@@ -42,7 +49,10 @@ class Renderer::Parts {
  private:
   enum class Stage : std::uint8_t { Shade, Both, Received };
   void place_depth(const ShownFrame& frame);
+  void place_faces(const ShownFrame& frame);
   void make_depth_pass();
+  void make_face_passes();
+  [[nodiscard]] std::uint64_t face_triangles(std::size_t pairs) const;
   void prepare_shading(const ShownFrame& frame);
   ShadowMaps& need_maps(const ShadowMapSettings& settings);
   DrawTimes submit(const ShownFrame& frame, Stage stage);
@@ -62,9 +72,11 @@ class Renderer::Parts {
   MotionModel motion_;
   gpu::Buffer frame_buffer_;  ///< one FrameData for all passes
   DepthRing ring_;
+  std::optional<DepthRing> faces_;  ///< of the surround; set if masks are carried over
   GBufferPass gbuffer_;
   GBufferTransfer transfer_;
   std::optional<DepthPass> depth_pass_;    ///< created at first use
+  std::vector<DepthPass> face_passes_;     ///< one for each pair; created at first use
   std::optional<ShadowMaps> shadow_maps_;  ///< created at first use
   const ShadingBytes bytes_;
   DeviceMasks masks_;
@@ -73,6 +85,7 @@ class Renderer::Parts {
   std::optional<TurnPass> turn_;                     ///< created at first use
   DepthRing::Place shown_depth_;                     ///< of the last drawn frame
   std::optional<DepthRing::Place> requested_depth_;  ///< set if the depth pass must draw
+  std::vector<DepthRing::Place> requested_faces_;    ///< one for each of the first face passes, which must draw
   vk::raii::CommandBuffer commands_{nullptr};
   vk::raii::Fence fence_{nullptr};
   gpu::Timestamps stamps_;
@@ -91,11 +104,12 @@ Renderer::Parts::Parts(const gpu::Device& device, const Scene& scene, DrawPlan p
       frame_buffer_(gpu::make_mapped_buffer(
           device, sizeof(gpu::FrameData), vk::BufferUsageFlagBits::eUniformBuffer, "frame", gpu::Use::Frame)),
       ring_(device, limits.traced_size, limits.depth_frames),
+      faces_(face_ring(device, plan_, limits.size)),
       gbuffer_(device, scene, plan_, buffers_, frame_buffer_, limits.size),
       transfer_(device, gbuffer_, ring_, limits.size),
       bytes_(shading_bytes(plan_, limits.size, limits.traced_size)),
       masks_(device, plan_, bytes_),
-      shading_(device, plan_, gbuffer_, ring_, masks_, frame_buffer_, motion_, bytes_, limits.size),
+      shading_(device, plan_, gbuffer_, {ring_, faces_}, masks_, frame_buffer_, motion_, bytes_, limits.size),
       shown_depth_(ring_.shown()),
       commands_(std::move(device.logical.allocateCommandBuffers({.commandPool = *device.commands,
                                                                  .level = vk::CommandBufferLevel::ePrimary,
@@ -105,10 +119,17 @@ Renderer::Parts::Parts(const gpu::Device& device, const Scene& scene, DrawPlan p
   check(limits.traced_size.width >= size_.width && limits.traced_size.height >= size_.height,
         "traced views may be as large as shown views");
   if (plan_.depth_pass && !plan_.builds_late) make_depth_pass();
+  if (faces_ && !plan_.builds_late) make_face_passes();
 }
 
 void Renderer::Parts::make_depth_pass() {
   depth_pass_.emplace(device_, scene_, plan_, buffers_, frame_buffer_);
+}
+
+void Renderer::Parts::make_face_passes() {
+  face_passes_.reserve(kSurroundPairs);
+  for (std::size_t pair = 0; pair < kSurroundPairs; ++pair)
+    face_passes_.emplace_back(device_, scene_, plan_, buffers_, frame_buffer_);
 }
 
 /// Chooses where the depth of the shown views goes, and that of the requested views if they differ.
@@ -132,6 +153,21 @@ void Renderer::Parts::place_depth(const ShownFrame& frame) {
                        frame.detail);
 }
 
+/// Chooses where the depth of requested faces of the surround goes.
+void Renderer::Parts::place_faces(const ShownFrame& frame) {
+  requested_faces_.clear();
+  if (!faces_) return;
+  for (const FaceRequest& pair : frame.faces) {
+    const std::optional<DepthRing::Place> place = faces_->claim(pair.request.frame, pair.slot);
+    if (!place || requested_faces_.size() == kSurroundPairs) continue;
+    if (face_passes_.empty()) make_face_passes();
+    face_passes_[requested_faces_.size()].prepare(
+        pair.request.views,
+        plan_.anything_moves() ? state_at(scene_, pair.request.scene_time) : frame.state, frame.detail);
+    requested_faces_.push_back(*place);
+  }
+}
+
 /// What has moved since a mask was traced.
 Motion Renderer::Parts::motion_since(const TracedMask& mask, const SceneState& now) {
   const bool moves = plan_.anything_moves() && !same_instant(mask.scene_time, now.scene_time);
@@ -148,13 +184,14 @@ void Renderer::Parts::prepare_shading(const ShownFrame& frame) {
     shading_.prepare(shown_depth_.layer, frame.views, frame.state.light_set, maps);
     return;
   }
-  std::vector<DatedMask> masks;
-  for (const TracedMask& mask : frame.masks) {
-    const bool has_what_it_needs =
-        ring_.has(mask.frame) || frame.carry_over.lookup == Lookup::Direct || !carries_masks(plan_);
-    if (masks.size() == most_masks(plan_) || !has_what_it_needs) continue;
-    masks.push_back({mask, motion_since(mask, frame.state)});
-  }
+  MasksInUse masks;
+  const bool is_direct = frame.carry_over.lookup == Lookup::Direct || !carries_masks(plan_);
+  for (const TracedMask& mask : frame.masks)
+    if (masks.views.size() < most_masks(plan_) && (is_direct || ring_.has(mask.frame)))
+      masks.views.push_back({mask, motion_since(mask, frame.state)});
+  for (const TracedMask& mask : frame.surround)
+    if (masks.surround.size() < most_surround(plan_) && !is_direct && faces_->has(mask.frame))
+      masks.surround.push_back({mask, motion_since(mask, frame.state)});
   shading_.prepare(shown_depth_.layer, frame.views, frame.state.light_set, masks, frame.carry_over);
 }
 
@@ -169,12 +206,14 @@ ShadowMaps& Renderer::Parts::need_maps(const ShadowMapSettings& settings) {
 
 void Renderer::Parts::forget() {
   ring_.forget();
+  if (faces_) faces_->forget();
   masks_.forget();
 }
 
 DrawTimes Renderer::Parts::draw(const ShownFrame& frame) {
   const Stopwatch watch;
   place_depth(frame);
+  place_faces(frame);
   gbuffer_.prepare(frame.views, frame.state, frame.detail);
   prepare_shading(frame);
   DrawTimes times = submit(frame, Stage::Both);
@@ -187,11 +226,14 @@ void Renderer::Parts::compile_ahead(const CarryOver& carry_over, PixelReport rep
   gbuffer_.prepare_warm_up();
   if (plan_.depth_pass && !depth_pass_) make_depth_pass();
   if (depth_pass_) depth_pass_->prepare_warm_up();
+  if (faces_ && face_passes_.empty()) make_face_passes();
+  for (DepthPass& pass : face_passes_) pass.prepare_warm_up();
   if (carries_masks(plan_)) need_carry().make_all_pipelines();
   frame_buffer_.as<gpu::FrameData>()[0] = {};  // pictures of no pixels
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
     gbuffer_.record(commands, ring_, ring_.shown());
     if (depth_pass_) depth_pass_->record(commands, ring_, ring_.shown());
+    for (DepthPass& pass : face_passes_) pass.record(commands, *faces_, faces_->shown());
     shading_.record_warm_up(commands, carry_over, report, changes);
   });
 }
@@ -272,6 +314,13 @@ DrawTimes Renderer::Parts::draw_received(const GBufferPlanes& planes, const Show
   return times;
 }
 
+/// Of the first so many face passes.
+std::uint64_t Renderer::Parts::face_triangles(std::size_t pairs) const {
+  std::uint64_t triangles = 0;
+  for (std::size_t pair = 0; pair < pairs; ++pair) triangles += face_passes_[pair].scene_pass().triangles();
+  return triangles;
+}
+
 DrawTimes Renderer::Parts::submit(const ShownFrame& frame, Stage stage) {
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
@@ -284,6 +333,9 @@ DrawTimes Renderer::Parts::submit(const ShownFrame& frame, Stage stage) {
   stamps_.write(commands_, 1);
   const bool draws_depth = stage != Stage::Shade && requested_depth_.has_value();
   if (draws_depth) depth_pass_->record(commands_, ring_, *requested_depth_);
+  const std::size_t pairs = stage != Stage::Shade ? requested_faces_.size() : 0;
+  for (std::size_t pair = 0; pair < pairs; ++pair)
+    face_passes_[pair].record(commands_, *faces_, requested_faces_[pair]);
   stamps_.write(commands_, 2);
   if (frame.shadow_maps != nullptr) shadow_maps_->record(commands_);
   const bool draws_maps = frame.shadow_maps != nullptr && shadow_maps_->due();
@@ -297,7 +349,7 @@ DrawTimes Renderer::Parts::submit(const ShownFrame& frame, Stage stage) {
           .shade = stamps_.between(3, 4),
           .maps = draws_maps ? stamps_.between(2, 3) : Duration{},
           .triangles = {.gbuffer = stage == Stage::Both ? gbuffer_.scene_pass().triangles() : 0,
-                        .depth = draws_depth ? depth_pass_->scene_pass().triangles() : 0,
+                        .depth = (draws_depth ? depth_pass_->scene_pass().triangles() : 0) + face_triangles(pairs),
                         .maps = draws_maps ? shadow_maps_->scene_pass().triangles() : 0}};
 }
 
@@ -389,6 +441,8 @@ DrawCounters Renderer::Parts::counters() const {
   };
   add(gbuffer_.scene_pass(), true, counters.gbuffer_triangles);
   if (depth_pass_) add(depth_pass_->scene_pass(), requested_depth_.has_value(), counters.depth_triangles);
+  for (std::size_t pair = 0; pair < face_passes_.size(); ++pair)
+    add(face_passes_[pair].scene_pass(), pair < requested_faces_.size(), counters.depth_triangles);
   if (shadow_maps_) {
     add(shadow_maps_->scene_pass(), shadow_maps_->due(), counters.map_triangles);
     counters.bindings += shadow_maps_->bindings().kinds.size();

@@ -13,6 +13,7 @@
 #include "stereo/draw/detail.h"
 #include "stereo/draw/shadow_map_settings.h"
 #include "stereo/frame/pixel_plane.h"
+#include "stereo/frame/surround.h"
 #include "stereo/image/image.h"
 #include "stereo/plan/scene_plan.h"
 #include "stereo/scene/scene_state.h"
@@ -43,16 +44,25 @@ struct DrawTimes {
   DrawnTriangles triangles{};
 };
 
+/// A request for a pair of faces of the surround.
+struct FaceRequest {
+  const FrameRequest& request;
+  std::size_t slot = 0;  ///< of its record, less than kSurroundSlots
+};
+
 struct ShownFrame {
   StereoView views;  ///< both of the renderer's size
   const SceneState& state;
   const FrameRequest* request = nullptr;  ///< this frame's request, if any; the depth of its views is kept
   std::span<const TracedMask> masks;      ///< first source first; skipped if its depth is not in the ring
+  /// Masks of the surround, one of each pair at most; skipped if its depth is not kept.
+  std::span<const TracedMask> surround{};
   CarryOver carry_over;
   PixelReport report = PixelReport::Off;
   /// Set: shadows come from shadow maps instead of `masks`. shadow_map_bytes must succeed for these settings.
   const ShadowMapSettings* shadow_maps = nullptr;
   std::size_t request_slot = 0;  ///< where the depth is kept: the slot of the request's record
+  std::span<const FaceRequest> faces{};  ///< this frame's requests for pairs of the surround; their depth is kept, too
   Detail detail = Detail::Levels;
 };
 
@@ -116,6 +126,7 @@ class Renderer {
   /// Forgets the depth of all requests and all masks. Call this when frame ids start again.
   void forget();
 
+  /// The depth of the views, or faces, of this request is kept.
   [[nodiscard]] bool has_depth(FrameId frame) const;
 
   // Results of the last draw.

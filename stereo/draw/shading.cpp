@@ -10,7 +10,9 @@ namespace {
 
 using Layout = vk::ImageLayout;
 
-static_assert(kMaxMasks * kEyes == FARSHADE_MAX_SOURCES && kMostSpheres == FARSHADE_MAX_MOVED);
+static_assert(kMaxMasks * kEyes == FARSHADE_FIRST_FACE && kSurroundPairs == FARSHADE_MAX_SURROUND &&
+              kFirstFace + kSurroundPairs * kEyes == FARSHADE_MAX_SOURCES &&
+              kMaxMasks + kSurroundPairs == FARSHADE_MAX_TRACED && kMostSpheres == FARSHADE_MAX_MOVED);
 
 /// Views that differ by a larger turn have almost nothing in common, so the newest mask is no guess.
 constexpr double kMeaninglessTurn_rad = 0.25;
@@ -25,9 +27,21 @@ std::vector<gpu::BindingKind> shading_set(const ShadingBytes& bytes) {
       texture{Type::eCombinedImageSampler, compute};
   std::vector<gpu::BindingKind> kinds{uniform, uniform, kStorage, kStorage,
                                       texture, texture, texture,  {Type::eStorageImage, compute}};
-  if (bytes.lists > 0) kinds.push_back(kStorage);
+  if (bytes.lists > 0) kinds.insert(kinds.end(), {kStorage, texture});
   if (bytes.motions > 0) kinds.insert(kinds.end(), 2, kStorage);
   return kinds;
+}
+
+std::vector<const TracedMask*> taken(std::span<const DatedMask> masks) {
+  std::vector<const TracedMask*> result;
+  for (const DatedMask& dated : masks) result.push_back(&dated.mask);
+  return result;
+}
+
+std::vector<const Motion*> motions(std::span<const DatedMask> masks) {
+  std::vector<const Motion*> result;
+  for (const DatedMask& dated : masks) result.push_back(&dated.motion);
+  return result;
 }
 
 using At = vk::PipelineStageFlagBits2;
@@ -43,11 +57,11 @@ void barrier(const vk::raii::CommandBuffer& commands, vk::PipelineStageFlags2 fr
 }  // namespace
 
 ShadingPass::ShadingPass(const gpu::Device& device, const DrawPlan& plan, const GBufferPass& gbuffer,
-                         const DepthRing& ring, DeviceMasks& device_masks, const gpu::Buffer& frame,
+                         const MaskDepths& depths, DeviceMasks& device_masks, const gpu::Buffer& frame,
                          const MotionModel& motion, const ShadingBytes& bytes, Extent size)
     : device_(device),
       plan_(plan),
-      ring_(ring),
+      depths_(depths),
       device_masks_(device_masks),
       frame_buffer_(frame),
       size_(size),
@@ -97,10 +111,15 @@ void ShadingPass::make_sets(const GBufferPass& gbuffer) {
   for (const gpu::Buffer* buffer :
        {&std::as_const(light_buffer_), &device_masks_.words(), &device_masks_.known_blocks()})
     gpu::bind_buffer(device_, bindings_, binding++, *buffer);
-  for (const gpu::Image* image : {&ring_.image(), &gbuffer.base_colors(), &gbuffer.surfaces()})
+  for (const gpu::Image* image : {&depths_.views.image(), &gbuffer.base_colors(), &gbuffer.surfaces()})
     gpu::bind_image(device_, bindings_, binding++, {*image->view, Layout::eShaderReadOnlyOptimal, *nearest_});
   gpu::bind_image(device_, bindings_, binding++, {*shown_.view, Layout::eGeneral, nullptr});
-  for (const gpu::Buffer* buffer : {&hard_buffer_, &motion_slots_, &motion_buffer_})
+  if (hard_buffer_.bytes > 0) {
+    gpu::bind_buffer(device_, bindings_, binding++, hard_buffer_);
+    gpu::bind_image(device_, bindings_, binding++,
+                    {*depths_.faces->image().view, Layout::eShaderReadOnlyOptimal, *nearest_});
+  }
+  for (const gpu::Buffer* buffer : {&motion_slots_, &motion_buffer_})
     if (buffer->bytes > 0) gpu::bind_buffer(device_, bindings_, binding++, *buffer);
   check_eq(std::size_t{binding}, bindings_.kinds.size(), "bindings of the shading pass");
 }
@@ -109,14 +128,11 @@ void ShadingPass::make_sets(const GBufferPass& gbuffer) {
 void ShadingPass::write_sources(const StereoView& views, std::span<const DatedMask> masks,
                                 gpu::FrameData& frame) {
   frame.counts.x = narrow<std::uint32_t>(masks.size());
-  whole_ = true;
-  std::vector<const TracedMask*> in_use;
-  for (const DatedMask& dated : masks) in_use.push_back(&dated.mask);
-  const std::vector<DeviceMasks::Held> held = device_masks_.hold(in_use);
+  const std::vector<DeviceMasks::Held> held = device_masks_.hold(DeviceMasks::Kind::Views, taken(masks));
   for (std::size_t m = 0; m < masks.size(); ++m) {
     const TracedMask& mask = masks[m].mask;
     whole_ &= held[m].whole;
-    const std::size_t layer = ring_.has(mask.frame) ? ring_.layer_of(mask.frame) : 0;
+    const std::size_t layer = depths_.views.has(mask.frame) ? depths_.views.layer_of(mask.frame) : 0;
     for (std::size_t eye = 0; eye < kEyes; ++eye)
       for (std::size_t traced = 0; traced < kEyes; ++traced) {
         if (traced != eye && !other_eye_) continue;
@@ -128,10 +144,26 @@ void ShadingPass::write_sources(const StereoView& views, std::span<const DatedMa
   }
 }
 
-void ShadingPass::write_motion(const StereoView& views, std::span<const DatedMask> masks,
-                               gpu::FrameData& frame) {
-  std::vector<const Motion*> since;
-  for (const DatedMask& dated : masks) since.push_back(&dated.motion);
+/// Writes the faces of the surround, which are sources of both eyes.
+void ShadingPass::write_faces(const StereoView& views, std::span<const DatedMask> surround,
+                              gpu::FrameData& frame) {
+  frame.counts.w = narrow<std::uint32_t>(surround.size() * kEyes);
+  const std::vector<DeviceMasks::Held> held = device_masks_.hold(DeviceMasks::Kind::Surround, taken(surround));
+  for (std::size_t m = 0; m < surround.size(); ++m) {
+    const TracedMask& mask = surround[m].mask;
+    whole_ &= held[m].whole;
+    for (std::size_t eye = 0; eye < kEyes; ++eye)
+      for (std::size_t face = 0; face < kEyes; ++face) {
+        gpu::SourceData& source = frame.sources[eye * FARSHADE_MAX_SOURCES + kFirstFace + m * kEyes + face];
+        source = source_data(pose_delta(views[eye], {}, mask.views[face], {}), mask.views[face]);
+        source.place = device_masks_.place(held[m], face, depths_.faces->layer_of(mask.frame));
+      }
+  }
+}
+
+void ShadingPass::write_motion(const StereoView& views, const MasksInUse& masks, gpu::FrameData& frame) {
+  const std::vector<const Motion*> of_views = motions(masks.views), of_faces = motions(masks.surround);
+  const MaskMotions since{of_views, of_faces};
   moved_ = write_stale(views, since, frame);
   if (!plan_.builds_late) assume_nothing();
   if (!moved_) return;
@@ -140,8 +172,10 @@ void ShadingPass::write_motion(const StereoView& views, std::span<const DatedMas
 }
 
 void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
-                          std::span<const DatedMask> masks, const CarryOver& carry_over) {
-  check(masks.size() <= most_masks(plan_), "no more masks than the device holds");
+                          const MasksInUse& in_use, const CarryOver& carry_over) {
+  const std::span<const DatedMask> masks = in_use.views;
+  check(masks.size() <= most_masks(plan_) && in_use.surround.size() <= most_surround(plan_),
+        "no more masks than the device holds");
   check_eq(lights.lights.size(), std::size_t{plan_.mask.lights}, "lights of the scene and of the plan");
   carry_over_ = carry_over;
   if (!carries_masks(plan_)) carry_over_.lookup = Lookup::Direct;
@@ -149,9 +183,12 @@ void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, co
                (!plan_.builds_late || (!masks.empty() && masks[0].mask.views[0] != masks[0].mask.views[1]));
   gpu::FrameData frame{};
   for (std::size_t eye = 0; eye < kEyes; ++eye) frame.eye[eye] = eye_data(views[eye]);
+  whole_ = true;
   write_sources(views, masks, frame);
+  write_faces(views, in_use.surround, frame);
   masks_ = masks.size();
-  write_motion(views, masks, frame);
+  faces_ = in_use.surround.size() * kEyes;
+  write_motion(views, in_use, frame);
   frame.counts.y = shown_layer;
   if (!masks.empty()) {
     const PoseDelta delta = pose_delta(views[0], {}, masks[0].mask.views[0], {});
@@ -276,7 +313,7 @@ void ShadingPass::record(const vk::raii::CommandBuffer& commands, PixelReport re
   if (report == PixelReport::On) make_report_buffer();
   bind_sets(commands, report);
   gpu::transition(commands, shown_, Layout::eUndefined, Layout::eGeneral);
-  if (carry_over_.lookup == Lookup::Direct || masks_ == 0) {
+  if (carry_over_.lookup == Lookup::Direct || masks_ + faces_ == 0) {
     shade_all(commands, FARSHADE_PASS_DIRECT, report);
   } else {
     shade_carried_over(commands, report);

@@ -20,19 +20,30 @@ struct DatedMask {
   Motion motion;
 };
 
+/// The masks that a picture is shaded with.
+struct MasksInUse {
+  std::vector<DatedMask> views;     ///< newest first, at most most_masks(plan)
+  std::vector<DatedMask> surround;  ///< at most most_surround(plan)
+};
+
+/// The depth of the views that masks were requested for.
+struct MaskDepths {
+  const DepthRing& views;
+  const std::optional<DepthRing>& faces;  ///< of the surround; set if masks are carried over
+};
+
 class ShadingPass {
  public:
   /// Shown views have `size` pixels an eye; masks have the layout of the plan. `frame` holds the FrameData
   /// that `prepare` fills. Keeps the references except `motion`.
   ShadingPass(const gpu::Device& device, const DrawPlan& plan, const GBufferPass& gbuffer,
-              const DepthRing& ring, DeviceMasks& device_masks, const gpu::Buffer& frame,
+              const MaskDepths& depths, DeviceMasks& device_masks, const gpu::Buffer& frame,
               const MotionModel& motion, const ShadingBytes& bytes, Extent size);
 
-  /// Prepares `record` with at most most_masks(plan) masks, newest first. Each mask needs its depth in the
-  /// ring, unless the lookup is Direct. The left eye's shown depth is in layer `shown_layer`. If the plan
+  /// Prepares `record`. Each mask needs its depth in its ring, unless the lookup is Direct. The left eye's shown depth is in layer `shown_layer`. If the plan
   /// does not carry masks over, the lookup is Direct.
   void prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
-               std::span<const DatedMask> masks, const CarryOver& carry_over);
+               const MasksInUse& masks, const CarryOver& carry_over);
 
   /// The same with shadows from `maps`, which must exist until `record` and be readable by shaders there.
   void prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
@@ -52,7 +63,7 @@ class ShadingPass {
 
   [[nodiscard]] std::size_t pipelines() const { return pipelines_.count(); }
   [[nodiscard]] std::size_t bindings() const;
-  [[nodiscard]] std::size_t lookups() const { return masks_ * (other_eye_ ? 2 : 1); }
+  [[nodiscard]] std::size_t lookups() const { return masks_ * (other_eye_ ? 2 : 1) + faces_; }
 
  private:
   [[nodiscard]] ShadingKey key_of(std::uint32_t pass, PixelReport report, std::uint32_t eye) const;
@@ -62,7 +73,8 @@ class ShadingPass {
   void make_buffers(const MotionModel& motion);
   void make_sets(const GBufferPass& gbuffer);
   void write_sources(const StereoView& views, std::span<const DatedMask> masks, gpu::FrameData& frame);
-  void write_motion(const StereoView& views, std::span<const DatedMask> masks, gpu::FrameData& frame);
+  void write_faces(const StereoView& views, std::span<const DatedMask> surround, gpu::FrameData& frame);
+  void write_motion(const StereoView& views, const MasksInUse& masks, gpu::FrameData& frame);
   void write_frame(const StereoView& views, const LightSet& lights, const gpu::FrameData& frame);
   void make_report_buffer();
   const vk::raii::PipelineLayout& need_layout(PixelReport report);
@@ -75,7 +87,7 @@ class ShadingPass {
 
   const gpu::Device& device_;
   const DrawPlan& plan_;
-  const DepthRing& ring_;
+  const MaskDepths depths_;
   DeviceMasks& device_masks_;
   const gpu::Buffer& frame_buffer_;
   Extent size_;
@@ -93,7 +105,7 @@ class ShadingPass {
   const ShadowMaps* maps_ = nullptr;  ///< null: visibilities come from masks
   CarryOver carry_over_;
   bool other_eye_ = false;  ///< masks traced for the other eye are sources
-  std::size_t masks_ = 0;
+  std::size_t masks_ = 0, faces_ = 0;
   std::bitset<kMaxLights> off_;  ///< lights that are off
   bool whole_ = false;           ///< every block of every mask is known
   bool moved_ = false;           ///< something has moved since a mask in use was traced

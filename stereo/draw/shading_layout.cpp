@@ -12,6 +12,11 @@ constexpr std::size_t whole_words(std::size_t bytes) {
   return (bytes + 3) / 4 * 4;
 }
 
+MaskBytes mask_bytes_on_device(const DrawPlan& plan, Extent size) {
+  return {whole_words(mask_bytes(size, device_mask(plan))),
+          whole_words(TileGrid{size}.count() * sizeof(BlockBits))};
+}
+
 }  // namespace
 
 DrawPlan settled(DrawPlan plan) {
@@ -34,12 +39,12 @@ ShadingBytes shading_bytes(const DrawPlan& plan, Extent size, Extent traced_size
   ShadingBytes bytes{.lights = (plan.mask.lights + 1) * sizeof(gpu::LightData)};
   bytes.report = kEyes * size.pixels() * std::size_t{FARSHADE_REPORT_WORDS(plan.mask.lights)} * 4;
   if (most_masks(plan) > 0) {
-    bytes.mask = whole_words(mask_bytes(traced_size, device_mask(plan)));
-    bytes.known = whole_words(TileGrid{traced_size}.count() * sizeof(BlockBits));
+    bytes.mask = mask_bytes_on_device(plan, traced_size);
+    if (carries_masks(plan)) bytes.face = mask_bytes_on_device(plan, face_size(size));
   }
   if (moving > 0) {
     bytes.slots = plan.moves.size() * 4;
-    bytes.motions = moving * most_masks(plan) * kEyes * sizeof(glm::mat4);
+    bytes.motions = moving * (most_masks(plan) + most_surround(plan)) * kEyes * sizeof(glm::mat4);
   }
   if (carries_masks(plan)) bytes.lists = 2 * kEyes * sizeof(glm::uvec4) + kEyes * size.pixels() * 4;
   return bytes;

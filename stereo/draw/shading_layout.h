@@ -6,6 +6,7 @@
 #include "shaders/shared.h"
 #include "stereo/draw/mask_edges.h"
 #include "stereo/frame/asked_blocks.h"
+#include "stereo/frame/surround.h"
 #include "stereo/plan/scene_plan.h"
 
 namespace farshade {
@@ -29,14 +30,33 @@ namespace farshade {
   return plan.mask.lights == 0 ? 0 : carries_masks(plan) ? FARSHADE_MAX_MASKS : 1;
 }
 
+/// The number of masks of the surround that the device holds.
+[[nodiscard]] constexpr std::size_t most_surround(const DrawPlan& plan) {
+  return carries_masks(plan) ? kSurroundPairs : 0;
+}
+
+/// Bytes of one eye's mask and of its bitmap of known blocks; multiples of 4.
+struct MaskBytes {
+  std::size_t words = 0, known = 0;
+};
+
 /// Bytes of the pass's buffers.
 struct ShadingBytes {
   std::size_t lights = 0;
-  std::size_t mask = 0, known = 0;     ///< one eye's mask and bitmap of known blocks; multiples of 4
+  MaskBytes mask{}, face{};            ///< of a traced view, and of a face of the surround
   std::size_t slots = 0, motions = 0;  ///< 0 if nothing moves
   std::size_t lists = 0;               ///< 0 if masks are not carried over
   std::size_t report = 0;              ///< allocated when a report is first requested
+
+  /// The words of all masks that the device holds, and their known blocks.
+  [[nodiscard]] std::size_t all_words(const DrawPlan& plan) const {
+    return kEyes * (most_masks(plan) * mask.words + most_surround(plan) * face.words);
+  }
+  [[nodiscard]] std::size_t all_known(const DrawPlan& plan) const {
+    return kEyes * (most_masks(plan) * mask.known + most_surround(plan) * face.known);
+  }
 };
+
 /// Bytes of the buffers of CarryPass: 0 if masks are not carried over.
 struct CarryBytes {
   std::size_t quads = 0;    ///< of one eye (mask_quads.h); a multiple of 4

@@ -9,11 +9,21 @@ bool has_moved(const Motion& motion, std::size_t slot) {
   return slot < motion.then_from_now.size() && motion.then_from_now[slot].has_value();
 }
 
-/// Writes the stale lights and moved spheres of one group of masks: the newest (0) or all older ones (1).
-bool write_group(const StereoView& views, MaskMotions since, std::size_t group, gpu::FrameData& frame) {
+using Motions = std::span<const Motion* const>;
+
+/// The masks of a group.
+Motions group_of(const MaskMotions& since, std::size_t group) {
+  if (group == FARSHADE_SINCE_SURROUND) return since.surround;
+  const std::size_t newest = std::min<std::size_t>(since.masks.size(), 1);
+  return group == FARSHADE_SINCE_NEWEST ? since.masks.first(newest) : since.masks.subspan(newest);
+}
+
+/// Writes the stale lights and moved spheres of one group.
+bool write_group(const StereoView& views, const MaskMotions& since, std::size_t group,
+                 gpu::FrameData& frame) {
   std::bitset<kMaxLights> stale, changed;
   std::vector<Sphere> moved;
-  for (const Motion* motion : since) {
+  for (const Motion* motion : group_of(since, group)) {
     stale |= motion->stale_lights;
     changed |= motion->changed_lights;
     for (const Sphere& sphere : motion->moved) add_sphere(sphere, moved);
@@ -36,29 +46,31 @@ bool write_group(const StereoView& views, MaskMotions since, std::size_t group, 
 
 }  // namespace
 
-void write_motions(const StereoView& views, MaskMotions since, std::size_t slot,
+void write_motions(const StereoView& views, const MaskMotions& since, std::size_t slot,
                    std::span<glm::mat4> matrices) {
-  for (std::size_t mask = 0; mask < since.size(); ++mask) {
-    const MaskMotions group = mask == 0 ? since.first(1) : since.subspan(1);
+  for (std::size_t group = 0; group < FARSHADE_SINCE_GROUPS; ++group) {
+    const Motions motions = group_of(since, group);
     const bool flag =
-        std::ranges::any_of(group, [&](const Motion* motion) { return has_moved(*motion, slot); });
-    for (std::size_t eye = 0; eye < kEyes; ++eye) {
-      const Rigid<Stage, Eye>& stage_from_eye = views[eye].stage_from_eye;
-      glm::mat4& then_from_now = matrices[motion_index(slot, mask, eye)];
-      then_from_now = glm::mat4(1.0f);
-      if (has_moved(*since[mask], slot))
-        then_from_now = glm::mat4(matrix(inverse(stage_from_eye)) * *since[mask]->then_from_now[slot] *
-                                  matrix(stage_from_eye));
-      then_from_now[0][3] = flag ? 1.0f : 0.0f;
-    }
+        std::ranges::any_of(motions, [&](const Motion* motion) { return has_moved(*motion, slot); });
+    const std::size_t first = group == FARSHADE_SINCE_SURROUND ? FARSHADE_MAX_MASKS : group;
+    for (std::size_t i = 0; i < motions.size(); ++i)
+      for (std::size_t eye = 0; eye < kEyes; ++eye) {
+        const Rigid<Stage, Eye>& stage_from_eye = views[eye].stage_from_eye;
+        glm::mat4& then_from_now = matrices[motion_index(slot, first + i, eye)];
+        then_from_now = glm::mat4(1.0f);
+        if (has_moved(*motions[i], slot))
+          then_from_now = glm::mat4(matrix(inverse(stage_from_eye)) * *motions[i]->then_from_now[slot] *
+                                    matrix(stage_from_eye));
+        then_from_now[0][3] = flag ? 1.0f : 0.0f;
+      }
   }
 }
 
-bool write_stale(const StereoView& views, MaskMotions since, gpu::FrameData& frame) {
-  const std::size_t newest = std::min<std::size_t>(since.size(), 1);
-  const bool since_newest = write_group(views, since.first(newest), 0, frame);
-  const bool since_older = write_group(views, since.subspan(newest), 1, frame);
-  return since_newest || since_older;
+bool write_stale(const StereoView& views, const MaskMotions& since, gpu::FrameData& frame) {
+  bool any = false;
+  for (std::size_t group = 0; group < FARSHADE_SINCE_GROUPS; ++group)
+    any |= write_group(views, since, group, frame);
+  return any;
 }
 
 }  // namespace farshade

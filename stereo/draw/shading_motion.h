@@ -10,22 +10,26 @@
 
 namespace farshade {
 
-/// The motion since each mask in use was traced, newest mask first; at most FARSHADE_MAX_MASKS.
-using MaskMotions = std::span<const Motion* const>;
+/// The motion since each mask in use was traced.
+struct MaskMotions {
+  std::span<const Motion* const> masks{};     ///< newest mask first; at most FARSHADE_MAX_MASKS
+  std::span<const Motion* const> surround{};  ///< at most FARSHADE_MAX_SURROUND
+};
 
-/// Index of a matrix in the buffer `motions` of motion.glsl. `slot` counts from 0.
+/// Index of a matrix in the buffer `motions` of motion.glsl. `slot` counts from 0. The masks of the surround
+/// follow from index FARSHADE_MAX_MASKS on.
 [[nodiscard]] constexpr std::size_t motion_index(std::size_t slot, std::size_t mask, std::size_t eye) {
-  return (slot * FARSHADE_MAX_MASKS + mask) * kEyes + eye;
+  return (slot * FARSHADE_MAX_TRACED + mask) * kEyes + eye;
 }
 
 /// Writes, for each mask, the matrix that moves a point on the instance of `slot` to where it was then, in
-/// each shown eye's space. Element [0][3] is a flag: 1 if the instance has moved since the newest mask (in
-/// matrices of mask 0) or since any older mask (in matrices of the others).
-void write_motions(const StereoView& views, MaskMotions since, std::size_t slot,
+/// each shown eye's space. Element [0][3] is a flag: 1 if the instance has moved since any mask of the same
+/// group (FARSHADE_SINCE_*) was traced.
+void write_motions(const StereoView& views, const MaskMotions& since, std::size_t slot,
                    std::span<glm::mat4> matrices);
 
 /// Writes the lights that are stale and the bounding spheres of moved instances to `frame`. Returns whether
 /// anything has moved since a mask in use was traced.
-bool write_stale(const StereoView& views, MaskMotions since, gpu::FrameData& frame);
+bool write_stale(const StereoView& views, const MaskMotions& since, gpu::FrameData& frame);
 
 }  // namespace farshade

@@ -29,9 +29,6 @@ struct Record {
   [[nodiscard]] std::uint32_t stale(std::size_t plane) const {
     return words[FARSHADE_REPORT_STALE(lights) + plane];
   }
-  [[nodiscard]] std::uint32_t beside(std::size_t plane) const {
-    return words[FARSHADE_REPORT_BESIDE(lights) + plane];
-  }
 };
 
 }  // namespace
@@ -45,7 +42,6 @@ ShownReport ShadingPass::report(Side side) const {
                      .visibility = std::vector<std::uint8_t>(pixels * lights),
                      .unknown = std::vector<std::uint32_t>(pixels * planes),
                      .stale = std::vector<std::uint32_t>(pixels * planes),
-                     .beside = std::vector<std::uint32_t>(pixels * planes),
                      .rays = std::vector<std::uint16_t>(pixels)};
   const auto all = report_buffer_.as<const std::uint32_t>().subspan(index_of(side) * pixels * words);
   for (std::size_t at = 0; at < pixels; ++at) {
@@ -66,7 +62,6 @@ ShownReport ShadingPass::report(Side side) const {
                            static_cast<std::uint32_t>(at / size_.width), plane, bits);
       result.unknown[at * planes + plane] = record.unknown(plane) & on;
       result.stale[at * planes + plane] = record.stale(plane) & on;
-      result.beside[at * planes + plane] = record.beside(plane) & on;
     }
   }
   return result;

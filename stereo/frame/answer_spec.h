@@ -14,11 +14,13 @@ enum class Answer : std::uint8_t {
   GBuffer,           ///< base colour, normal, depth and masks
   Video,             ///< the shaded pictures of both eyes, side by side
   Difference,        ///< pictures with shadows minus pictures without, side by side
+  Surround,          ///< masks of two faces of the surround (surround.h), beside the answers of other kinds
 };
-inline constexpr std::uint8_t kAnswers = 5;
+inline constexpr std::uint8_t kAnswers = 6;
 
 [[nodiscard]] constexpr bool has_masks(Answer answer) {
-  return answer == Answer::Masks || answer == Answer::MasksOfPositions || answer == Answer::GBuffer;
+  return answer == Answer::Masks || answer == Answer::MasksOfPositions || answer == Answer::GBuffer ||
+         answer == Answer::Surround;
 }
 [[nodiscard]] constexpr bool is_video(Answer answer) {
   return answer == Answer::Video || answer == Answer::Difference;
@@ -29,7 +31,8 @@ using AnswerSet = std::uint8_t;
 [[nodiscard]] constexpr AnswerSet set_of(Answer answer) {
   return static_cast<AnswerSet>(1u << static_cast<unsigned>(answer));
 }
-inline constexpr AnswerSet kTracedAnswers = set_of(Answer::Masks) | set_of(Answer::MasksOfPositions);
+inline constexpr AnswerSet kTracedAnswers =
+    set_of(Answer::Masks) | set_of(Answer::MasksOfPositions) | set_of(Answer::Surround);
 /// Answers that need a renderer on the server. The client rotates them to the shown views.
 inline constexpr AnswerSet kDrawnAnswers =
     set_of(Answer::GBuffer) | set_of(Answer::Video) | set_of(Answer::Difference);

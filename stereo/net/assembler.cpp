@@ -66,6 +66,15 @@ void reset(RequestRecord& frame, const FrameRequest& request, MaskLayout layout,
 
 }  // namespace
 
+AssemblerCounters& AssemblerCounters::operator+=(const AssemblerCounters& other) {
+  slices += other.slices;
+  duplicates += other.duplicates;
+  unexpected += other.unexpected;
+  other_light_set += other.other_light_set;
+  for (std::size_t i = 0; i < refused.of.size(); ++i) refused.of[i] += other.refused.of[i];
+  return *this;
+}
+
 bool RequestRecord::complete() const {
   const Answer answer = request.answer.kind;
   if (is_video(answer)) return video.complete();

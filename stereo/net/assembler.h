@@ -77,6 +77,7 @@ struct AssemblerCounters {
   std::uint64_t unexpected = 0;  ///< of a frame without a record
   std::uint64_t other_light_set = 0;
   RefusalCounts refused{};  ///< slices that do not fit the request, or are damaged
+  AssemblerCounters& operator+=(const AssemblerCounters& other);
   friend bool operator==(const AssemblerCounters&, const AssemblerCounters&) = default;
 };
 

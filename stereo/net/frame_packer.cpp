@@ -4,8 +4,31 @@
 #include <array>
 
 #include "stereo/base/check.h"
+#include "stereo/frame/tiles.h"
 
 namespace farshade {
+
+namespace {
+
+/// The distance of a slice's tiles from the middle row of its view, in rows of tiles.
+std::uint32_t rows_from_middle(const Slice& slice) {
+  const TileGrid grid{slice.size};
+  const std::uint32_t first = slice.first_tile / grid.columns(),
+                      last = (slice.first_tile + slice.tile_count - 1) / grid.columns(),
+                      middle = grid.rows() / 2;
+  return middle < first ? first - middle : middle > last ? middle - last : 0;
+}
+
+}  // namespace
+
+/// Sorts the slices from `first` on; stable, so that both eyes' slices stay in turn.
+void FramePacker::sort_from(std::size_t first) {
+  for (std::size_t i = 1; i < from_middle_.size(); ++i)
+    for (std::size_t j = i; j > 0 && from_middle_[j] < from_middle_[j - 1]; --j) {
+      std::swap(from_middle_[j], from_middle_[j - 1]);
+      std::swap(datagrams_[first + j], datagrams_[first + j - 1]);
+    }
+}
 
 void FramePacker::begin() {
   used_ = payload_bytes_ = 0;
@@ -21,6 +44,8 @@ void FramePacker::add(const ServerMessage& message) {
 void FramePacker::add(const ShadowFrame& frame, const AskedBlocks& asked,
                       const PerEye<std::span<const std::uint8_t>>& sent) {
   const Stopwatch packing;
+  const std::size_t first = used_;
+  from_middle_.clear();
   for (const Side side : kSides) {
     const std::size_t eye = index_of(side);
     packers_[eye].start(frame, side, asked.tiles[eye], sent[eye]);
@@ -30,9 +55,11 @@ void FramePacker::add(const ShadowFrame& frame, const AskedBlocks& asked,
     for (SlicePacker& packer : packers_)
       if (const std::optional<Slice> slice = packer.next()) {
         add(ServerMessage(*slice));
+        from_middle_.push_back(rows_from_middle(*slice));
         more = true;
       }
   }
+  sort_from(first);
   packing_ += packing.elapsed();
 }
 

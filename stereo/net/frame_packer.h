@@ -18,9 +18,9 @@ class FramePacker {
   /// Begins another answer.
   void begin();
 
-  /// Adds slices of the left and the right eye in turn, so that a burst of loss affects both. They contain
-  /// the blocks `asked`. `sent` has one entry for each tile, 0: the tile is not sent. If it is empty, all
-  /// tiles are sent.
+  /// Adds slices from the middle row of the views outwards, so that what matters most comes first, and those
+  /// of both eyes in turn, so that a burst of loss affects both. They contain the blocks `asked`. `sent` has one
+  /// entry for each tile, 0: the tile is not sent. If it is empty, all tiles are sent.
   void add(const ShadowFrame& frame, const AskedBlocks& asked = {},
            const PerEye<std::span<const std::uint8_t>>& sent = {});
   void add(FrameId frame, const GBufferPlanes& gbuffer);
@@ -35,10 +35,12 @@ class FramePacker {
  private:
   void add(const ServerMessage& message);
   std::vector<std::byte>& next_datagram();
+  void sort_from(std::size_t first);
 
   PerEye<SlicePacker> packers_;
   PlanePacker plane_packer_;
   std::vector<std::vector<std::byte>> datagrams_;  ///< those beyond used_ keep their memory for later answers
+  std::vector<std::uint32_t> from_middle_;         ///< of slices being added: tiles to the view's middle row
   std::size_t used_ = 0, payload_bytes_ = 0;
   Duration packing_{};
 };

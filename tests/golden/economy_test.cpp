@@ -130,7 +130,7 @@ TEST_F(Economy, OneTriangleAndOneLightCostTheLeast) {
   const DrawCounters counters = drawn(scene_with({}));
   EXPECT_EQ(counters.pipelines, 1u + 1u + 2u * 2u)
       << "G-buffer, depth, and for each eye the easy and the hard pass";
-  EXPECT_EQ(counters.bindings, 2u + 1u + 9u);
+  EXPECT_EQ(counters.bindings, 2u + 1u + 10u);
   EXPECT_EQ(counters.vertex_bytes, kCorners * 16 + 8) << "indices of two bytes, padded";
   EXPECT_EQ(counters.gbuffer_triangles, kBothEyes);
   EXPECT_EQ(counters.depth_triangles, kBothEyes);
@@ -159,7 +159,7 @@ TEST_F(Economy, EachFeatureCostsWhatItTakesAndNothingElse) {
 
 TEST_F(Economy, MasksTakeTheNarrowestWords) {
   const auto bytes_a_pixel = [](const std::set<Feature>& features) {
-    return shading_bytes(plan_for(scene_with(features)).draw, kSize, kSize).mask / kSize.pixels();
+    return shading_bytes(plan_for(scene_with(features)).draw, kSize, kSize).mask.words / kSize.pixels();
   };
   EXPECT_EQ(bytes_a_pixel({}), 1u);
   EXPECT_EQ(bytes_a_pixel({Feature::NineLights}), 2u);
@@ -170,7 +170,7 @@ TEST_F(Economy, MasksThatFitTheShownViewsNeedNothingToCarryThemOver) {
   const DrawCounters carried = drawn(scene_with({})),
                      fitting = drawn(scene_with({}), {.carries_over = false});
   EXPECT_EQ(fitting.pipelines, 1u + 2u) << "G-buffer, and one pass per eye";
-  EXPECT_EQ(fitting.bindings, carried.bindings - 2) << "the depth pass, and the list of hard pixels";
+  EXPECT_EQ(fitting.bindings, carried.bindings - 3) << "the depth pass, the list of hard pixels, and the surround";
   EXPECT_EQ(fitting.memory.now[Use::Lists], 0u);
   EXPECT_EQ(fitting.memory.now[Use::GBuffer] * 3, carried.memory.now[Use::GBuffer] * 2);
   EXPECT_LE(fitting.memory.now[Use::Masks] * 4, carried.memory.now[Use::Masks] + 1024);

@@ -188,9 +188,34 @@ Mask TestRig::ask_for_unknown(FrameId frame, const StereoView& views, const Mask
   return mask;
 }
 
+std::vector<Mask> TestRig::ask_surround(Point<Stage> centre) {
+  std::vector<Mask> masks;
+  std::vector<FrameRequest> requests;
+  for (std::size_t pair = 0; pair < kSurroundPairs; ++pair) {
+    const FrameId frame{kFirstSurroundFrame.value + narrow<std::uint32_t>(pair)};
+    const StereoView faces = faces_about(centre, pair, face_size({side_px_, side_px_}));
+    requests.push_back({.frame = frame,
+                        .display_time = state_.scene_time,
+                        .scene_time = state_.scene_time,
+                        .views = faces});
+    masks.push_back(trace(frame, faces));
+  }
+  std::vector<FaceRequest> asked;
+  for (const FrameRequest& request : requests) asked.push_back({request, pair_of(request.frame)});
+  const StereoView views = eyes(head());
+  ShownFrame frame = shown_frame(views, {}, {});
+  frame.faces = asked;
+  renderer_->draw(frame);
+  return masks;
+}
+
 Shown TestRig::show(const StereoView& views, const std::vector<TracedMask>& masks,
-                    const CarryOver& carry_over) {
-  renderer_->draw(shown_frame(views, masks, carry_over));
+                    const CarryOver& carry_over, const std::vector<Mask>& surround) {
+  std::vector<TracedMask> faces;
+  for (const Mask& pair : surround) faces.push_back(pair.traced_mask());
+  ShownFrame frame = shown_frame(views, masks, carry_over);
+  frame.surround = faces;
+  renderer_->draw(frame);
   return {renderer_->read_shown(), {renderer_->report(Side::Left), renderer_->report(Side::Right)}};
 }
 

@@ -107,9 +107,12 @@ class TestRig {
   /// Metres along -z of the views of the last `ask`; 0 for uncovered pixels.
   [[nodiscard]] const PerEye<Image<float>>& asked_distance() const { return asked_distance_; }
 
-  /// Draws `views` with `masks`, newest first, without a request.
+  /// The masks of the surround about `centre`, traced at the time of the rig. The renderer keeps their depth.
+  [[nodiscard]] std::vector<Mask> ask_surround(Point<Stage> centre);
+
+  /// Draws `views` with `masks`, newest first, and those of the surround, without a request.
   [[nodiscard]] Shown show(const StereoView& views, const std::vector<TracedMask>& masks,
-                           const CarryOver& carry_over = {});
+                           const CarryOver& carry_over = {}, const std::vector<Mask>& surround = {});
   /// Draws `views` with shadows traced at these views.
   [[nodiscard]] PerEye<Image<Rgb8>> show_reference(const StereoView& views);
 

@@ -51,6 +51,7 @@ void add_eye_errors(const PerEye<EyeErrors>& eyes, Figures& figures) {
   add("from_newest", &EyeErrors::newest, 100, Worse::Low);
   add("from_other_eye", &EyeErrors::other_eye);
   add("from_older", &EyeErrors::older);
+  add("from_surround", &EyeErrors::surround);
   add("from_neighbours", &EyeErrors::neighbours);
   add("unknown", &EyeErrors::unknown);
   add("stale", &EyeErrors::stale);

@@ -65,7 +65,9 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
            .timing = *timing,
            .as = drawn_frame.as,
            .start_up = drawn_frame.start_up,
-           .black = drawn_frame.black});
+           .black = drawn_frame.black,
+           .surround = drawn_frame.surround,
+           .surround_cost = drawn_frame.surround_cost});
   }
   return {};
 }

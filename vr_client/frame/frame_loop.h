@@ -42,6 +42,13 @@ struct StageStarts {
   Time request{}, collect{}, draw{}, end{};
 };
 
+/// What the answers of the surround took that came during a frame.
+struct SurroundCost {
+  std::uint64_t rays = 0;   ///< primary and shadow
+  std::uint64_t bytes = 0;  ///< of their slices, before sealing
+  Duration server{};
+};
+
 /// How a shown picture was made.
 enum class ShownAs : std::uint8_t {
   Shaded,   ///< the client shaded it; the renderer's report has the visibility of each light
@@ -63,6 +70,8 @@ struct FrameView {
   ShownAs as = ShownAs::Shaded;
   bool start_up = false;   ///< no answer that the mode needs had come yet
   PerEye<double> black{};  ///< the share of each eye that the server's picture does not cover
+  std::span<const TracedMask> surround{};  ///< the masks of the surround it was drawn with
+  SurroundCost surround_cost{};
 };
 using FrameWatcher = std::function<void(const FrameView&)>;
 
@@ -92,6 +101,8 @@ struct DrawnFrame {
   ShownAs as = ShownAs::Shaded;
   bool start_up = false;                ///< no answer that the mode needs has come yet
   std::span<const TracedMask> masks{};  ///< the masks it was drawn with, the most trusted first
+  std::span<const TracedMask> surround{};
+  SurroundCost surround_cost{};
   const RequestRecord* newest = nullptr;
   std::optional<Duration> age{};
   PerEye<double> black{};

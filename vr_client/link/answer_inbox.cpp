@@ -6,6 +6,7 @@ namespace farshade {
 
 void AnswerInbox::begin(const Welcome& welcome) {
   most_pixels_ = welcome.most_pixels;
+  answers_ = welcome.answers;
   acknowledged_ = kFirstLightSet;
   newest_report_.reset();
   ++session_;
@@ -18,9 +19,36 @@ FrameRequest AnswerInbox::ask(const FrameRequest& request, Time requested_at, Ti
   // The masks of the answer are of this light set.
   FrameRequest expected = request;
   expected.lights = up_to(request.lights, sent.lights.revision);
-  assembler_.expect(expected, layout_, expected.lights.revision,
-                    {.requested_at = requested_at, .sent = now, .session = session_}, carried);
+  Assembler& assembler = request.answer.kind == Answer::Surround ? surround_ : assembler_;
+  assembler.expect(expected, layout_, expected.lights.revision,
+                   {.requested_at = requested_at, .sent = now, .session = session_}, carried);
   return sent;
+}
+
+Assembler& AnswerInbox::assembler_of(FrameId frame) {
+  return surround_.find(frame) != nullptr ? surround_ : assembler_;
+}
+
+const RequestRecord* AnswerInbox::find(FrameId frame) const {
+  const RequestRecord* const found = assembler_.find(frame);
+  return found != nullptr ? found : surround_.find(frame);
+}
+
+std::vector<const RequestRecord*> AnswerInbox::surround(Time until) const {
+  std::array<const RequestRecord*, kSurroundPairs> newest{};
+  for (const RequestRecord& record : surround_.records()) {
+    const RequestRecord*& best = newest[pair_of(record.request.frame)];
+    const bool is_usable = record.anything_known() && record.origin.requested_at <= until && is_settled(record);
+    if (is_usable && (best == nullptr || is_newer(record.request.frame, best->request.frame))) best = &record;
+  }
+  std::vector<const RequestRecord*> found;
+  std::ranges::copy_if(newest, std::back_inserter(found), [](const RequestRecord* record) { return record; });
+  return found;
+}
+
+AssemblerCounters AnswerInbox::counters() const {
+  AssemblerCounters all = assembler_.counters();
+  return all += surround_.counters();
 }
 
 /// A piece of an answer shows which light set the server has.
@@ -30,7 +58,8 @@ void AnswerInbox::acknowledge(const RequestRecord* changed) {
 }
 
 void AnswerInbox::take(const FrameReport& report, Time arrived) {
-  assembler_.accept(report, arrived);
+  assembler_of(report.frame).accept(report, arrived);
+  if (surround_.find(report.frame) != nullptr) return;
   if (newest_report_ && !is_newer(report.frame, *newest_report_)) return;
   newest_report_ = report.frame;
   view_scale_ = report.view_scale;
@@ -53,7 +82,8 @@ bool AnswerInbox::is_whole(FrameId frame) const {
 
 bool AnswerInbox::is_settled(const RequestRecord& record) const {
   if (record.complete() || record.report) return true;
-  const RequestRecord* const newest = newest_known();
+  const RequestRecord* const newest =
+      (record.request.answer.kind == Answer::Surround ? surround_ : assembler_).newest_known();
   return newest != nullptr && is_newer(newest->request.frame, record.request.frame);
 }
 

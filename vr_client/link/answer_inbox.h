@@ -6,14 +6,16 @@
 #include <vector>
 
 #include "stereo/base/expected.h"
+#include "stereo/frame/surround.h"
 #include "stereo/net/assembler.h"
 
 namespace farshade {
 
 class AnswerInbox {
  public:
-  /// Keeps `frames` records. The masks of all answers have this layout.
-  AnswerInbox(std::size_t frames, MaskLayout layout) : assembler_(frames), layout_(layout) {}
+  /// Keeps `frames` records, and kSurroundSlots of the surround. The masks of all answers have this layout.
+  AnswerInbox(std::size_t frames, MaskLayout layout)
+      : assembler_(frames), surround_(kSurroundSlots), layout_(layout) {}
 
   /// A session begins: its server knows no light changes and answers no earlier request.
   void begin(const Welcome& welcome);
@@ -27,14 +29,21 @@ class AnswerInbox {
   /// Takes a message of the server that came at `arrived`.
   void take(const FrameReport& report, Time arrived);
   /// Slice, PlaneSlice or VideoPart.
-  void take(const auto& piece, Time arrived) { acknowledge(assembler_.accept(piece, arrived)); }
+  void take(const auto& piece, Time arrived) {
+    acknowledge(assembler_of(piece.frame).accept(piece, arrived));
+  }
 
   /// The record of a request; null if there is none. It stays valid until its slot is used again.
-  [[nodiscard]] const RequestRecord* find(FrameId frame) const { return assembler_.find(frame); }
+  [[nodiscard]] const RequestRecord* find(FrameId frame) const;
   /// The newest record with any piece; null if there is none.
   [[nodiscard]] const RequestRecord* newest_known() const { return assembler_.newest_known(); }
   /// The records with any piece that were asked for up to the display time `until`, newest first.
   [[nodiscard]] std::vector<const RequestRecord*> received(Time until) const;
+  /// The newest settled record of each pair of the surround that was asked for up to the display time `until`.
+  [[nodiscard]] std::vector<const RequestRecord*> surround(Time until) const;
+  /// All records of the surround, in no particular order.
+  [[nodiscard]] std::span<const RequestRecord> surround_records() const { return surround_.records(); }
+
   /// The slot of the next request's record.
   [[nodiscard]] std::size_t next_slot() const { return assembler_.next_slot(); }
 
@@ -50,17 +59,21 @@ class AnswerInbox {
   [[nodiscard]] std::uint32_t most_pixels() const { return most_pixels_; }
   /// The size of views that the server asks for, because of what the path carries.
   [[nodiscard]] ViewScale view_scale() const { return view_scale_; }
-  [[nodiscard]] const AssemblerCounters& counters() const { return assembler_.counters(); }
+  /// The server gives answers of this kind.
+  [[nodiscard]] bool offers(Answer answer) const { return (answers_ & set_of(answer)) != 0; }
+  [[nodiscard]] AssemblerCounters counters() const;
 
  private:
   void acknowledge(const RequestRecord* changed);
+  [[nodiscard]] Assembler& assembler_of(FrameId frame);
 
-  Assembler assembler_;
+  Assembler assembler_, surround_;
   MaskLayout layout_;
   std::uint64_t session_ = 0;                       ///< counts sessions
   LightSetRevision acknowledged_ = kFirstLightSet;  ///< the newest light set that the server surely has
   std::optional<FrameId> newest_report_;
   std::uint32_t most_pixels_ = Welcome{}.most_pixels;
+  AnswerSet answers_ = 0;
   ViewScale view_scale_{};
 };
 
@@ -86,8 +99,8 @@ class AnswerLink {
   /// Receives until all of the answer to `frame` has come or `patience` is over. True if all has come.
   virtual bool wait_for(FrameId frame, Duration patience) = 0;
 
-  /// Whether a request may ask for a part of its views. Not while a capture is written or replayed: a capture
-  /// holds the server's messages, not what was carried over.
+  /// Whether a request may ask for a part of its views, and whether pairs of the surround may be requested.
+  /// Not while a capture is written or replayed: a capture holds the server's messages about whole views.
   [[nodiscard]] virtual bool takes_parts() const = 0;
 
   [[nodiscard]] virtual const AnswerInbox& inbox() const = 0;

@@ -18,7 +18,7 @@ constexpr Duration kContradictionTime = std::chrono::milliseconds(500);
 /// "video, difference".
 std::string names_of(AnswerSet answers) {
   constexpr std::array<std::string_view, kAnswers> names{"masks", "masks of positions", "G-buffers", "video",
-                                                         "difference"};
+                                                         "difference", "surrounds"};
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i)
     if ((answers >> i & 1u) != 0) text.append(text.empty() ? "" : ", ").append(names[i]);
@@ -88,7 +88,9 @@ void NetworkLink::send_following(std::span<const std::vector<std::byte>> message
 void NetworkLink::send_request(const FrameRequest& request) {
   RequestMessage message{
       .request = request, .probe_echo = channel_->probe_echo, .arrivals = channel_->arrivals.report()};
-  if (const RequestRecord* frame = inbox_.newest_known()) message.newest_received = frame->request.frame;
+  const RequestRecord* const newest = inbox_.newest_known();
+  if (newest != nullptr && request.answer.kind != Answer::Surround)
+    message.newest_received = newest->request.frame;
   if (listener_.sent) listener_.sent(request);
   encode(message, message_);
   channel_->sealer.seal(message_, outgoing_);

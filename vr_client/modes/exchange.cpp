@@ -5,9 +5,6 @@
 namespace farshade {
 namespace {
 
-/// In virtual time the client waits in real time for a frame's answer before it draws the frame, so that the
-/// picture depends on the configured delay alone. An answer that takes longer than this counts as lost.
-constexpr Duration kVirtualPatience = std::chrono::seconds(5);
 /// If a part of an answer has come, and then nothing more for so long, the rest counts as lost. Longer than
 /// a busy machine holds up a server.
 constexpr Duration kIdle = std::chrono::seconds(1), kPoll = std::chrono::milliseconds(100);

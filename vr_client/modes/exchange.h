@@ -6,6 +6,10 @@
 
 namespace farshade {
 
+/// In virtual time the client waits in real time for a frame's answer before it draws the frame, so that the
+/// picture depends on the configured delay alone. An answer that takes longer than this counts as lost.
+inline constexpr Duration kVirtualPatience = std::chrono::seconds(5);
+
 /// The time since a request was made.
 [[nodiscard]] inline Duration age_of(const RequestRecord& record, const FrameInputs& inputs) {
   return inputs.shown.display_time - record.origin.requested_at;
@@ -24,6 +28,9 @@ class Exchange {
   /// Requests for pictures have the full size. A G-buffer has no guard band, because the renderer shades
   /// views of the shown size only.
   FrameRequest* plan(const FrameInputs& inputs, const AnswerSpec& answer);
+
+  /// The time between the frame that asks and the frame that the request is made for.
+  [[nodiscard]] Duration lead(Duration period) const { return plan_.lead(period); }
 
   /// Sends the planned request, which the caller may have completed: what it asks for, and the number of
   /// messages that follow it.

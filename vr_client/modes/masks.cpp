@@ -35,11 +35,13 @@ class Hybrid final : public ModePipeline {
   explicit Hybrid(const RunContext& context)
       : renderer_(context.renderer),
         exchange_(context.link, context.policy, context.settings.request, motion_of(context.renderer)),
+        surround_(context.link, context.policy, motion_of(context.renderer)),
         asking_(context.renderer),
         masks_(context.scene.animation_length_s > 0) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
     FrameRequest* const request = exchange_.plan(inputs, {.kind = Answer::Masks});
+    if (surround_.plan(inputs, exchange_.lead(inputs.period))) surround_.send(inputs);
     if (request != nullptr && inputs.settings.request.asks == Asks::Unknown && exchange_.takes_parts()) {
       // Receives first: what has come decides which slot is next.
       const RequestRecord* const base = exchange_.newest_settled(inputs);
@@ -48,17 +50,19 @@ class Hybrid final : public ModePipeline {
       asking_.skip();
     }
     exchange_.send(inputs, asking_.parts());
+    surround_.send(inputs);
     return request_ = request;
   }
 
   void collect(const FrameInputs& inputs) override {
     const auto usable = exchange_.receive(inputs);
     masks_.take(usable, exchange_.settled());
+    surround_.receive(inputs);
   }
 
   DrawnFrame draw(const FrameInputs& inputs) override {
     const RequestRecord* const undrawn = asking_.drawn() ? nullptr : exchange_.record(request_);
-    DrawnFrame drawn = masks_.draw(renderer_, inputs, undrawn, exchange_);
+    DrawnFrame drawn = masks_.draw(renderer_, inputs, undrawn, exchange_, &surround_);
     if (asking_.drawn()) add_depth(*asking_.drawn(), drawn.drawn);
     return drawn;
   }
@@ -66,6 +70,7 @@ class Hybrid final : public ModePipeline {
  private:
   Renderer& renderer_;
   Exchange exchange_;
+  Surround surround_;
   Asking asking_;
   MaskSources masks_;
   const FrameRequest* request_ = nullptr;
@@ -161,7 +166,8 @@ TracedMask mask_of(const RequestRecord& record) {
           record.known_tiles,
           std::uint64_t{record.tiles_known[0]} << 32 | record.tiles_known[1],
           record.light_set_revision,
-          &request.asked};
+          &request.asked,
+          record.origin.requested_at};
 }
 
 void MaskSources::take(std::span<const RequestRecord* const> usable, const RequestRecord* settled) {
@@ -184,16 +190,22 @@ Lookup MaskSources::lookup(const FrameRequest& shown, Lookup requested) const {
 }
 
 DrawnFrame MaskSources::draw(Renderer& renderer, const FrameInputs& inputs, const RequestRecord* record,
-                             Exchange& exchange) {
+                             Exchange& exchange, const Surround* surround) {
   CarryOver carry_over = inputs.settings.carry_over;
   carry_over.lookup = lookup(inputs.shown, carry_over.lookup);
+  const std::vector<FaceRequest> faces = surround ? surround->asked() : std::vector<FaceRequest>{};
+  const auto around = surround ? surround->masks() : std::span<const TracedMask>{};
   DrawnFrame drawn{.drawn = renderer.draw({.views = inputs.shown.views,
                                            .state = inputs.state,
                                            .request = record ? &record->request : nullptr,
                                            .masks = masks_,
+                                           .surround = around,
                                            .carry_over = carry_over,
                                            .report = inputs.settings.report,
-                                           .request_slot = record ? record->slot : 0})};
+                                           .request_slot = record ? record->slot : 0,
+                                           .faces = faces}),
+                   .surround = around,
+                   .surround_cost = surround ? surround->cost() : SurroundCost{}};
   // The renderer passes over masks without depth.
   const RequestRecord* first = nullptr;
   drawn_with_.clear();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "vr_client/modes/exchange.h"
+#include "vr_client/modes/surround.h"
 
 namespace farshade {
 
@@ -25,10 +26,10 @@ class MaskSources {
   /// complete; otherwise `requested`.
   [[nodiscard]] Lookup lookup(const FrameRequest& shown, Lookup requested) const;
 
-  /// Draws the G-buffer and shades it with the masks. Keeps the depth of the views of `record`, the record of
-  /// this frame's request, unless it is null.
+  /// Draws the G-buffer and shades it with the masks and those of the surround, which may be null. Keeps the
+  /// depth of the views of `record`, the record of this frame's request, unless it is null.
   DrawnFrame draw(Renderer& renderer, const FrameInputs& inputs, const RequestRecord* record,
-                  Exchange& exchange);
+                  Exchange& exchange, const Surround* surround = nullptr);
 
  private:
   bool is_animated_;

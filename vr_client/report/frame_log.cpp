@@ -112,6 +112,7 @@ std::vector<Figure> eye_figures(Side side) {
               "from newest mask", [](const EyeErrors& e) { return 100 * e.newest; }, Worse::Low),
           percent("from other eye's newest", [](const EyeErrors& e) { return 100 * e.other_eye; }),
           percent("from older masks", [](const EyeErrors& e) { return 100 * e.older; }),
+          percent("from the surround", [](const EyeErrors& e) { return 100 * e.surround; }),
           percent("neighbours", [](const EyeErrors& e) { return 100 * e.neighbours; }),
           percent("unknown", [](const EyeErrors& e) { return 100 * e.unknown; }),
           percent("stale", [](const EyeErrors& e) { return 100 * e.stale; }),

@@ -21,8 +21,15 @@ void for_covered(const ShownReport& shown, Extent size, const Visit& visit) {
 
 double& share_from(EyeErrors& errors, std::uint8_t source) {
   if (source >= kNeighbour) return errors.neighbours;
-  if (source % kOtherEye > 0) return errors.older;
+  if (is_face(source)) return errors.surround;
+  if (mask_of(source) > 0) return errors.older;
   return source == 0 ? errors.newest : errors.other_eye;
+}
+
+/// Of a picture in which single lights cannot be distinguished.
+EyeErrors not_shaded(double psnr) {
+  constexpr double kNone = kNotMeasured;
+  return {kNone, kNone, psnr, kNone, kNone, kNone, kNone, kNone, kNone, kNone, std::nullopt};
 }
 
 }  // namespace
@@ -35,7 +42,7 @@ EyeErrors compare_masks(const ShownReport& shown, const EyeMask& reference) {
   double total = 0, wrong = 0, wrong_unknown = 0;
   for_covered(shown, reference.size(), [&](std::uint32_t x, std::uint32_t y, std::size_t pixel) {
     total += static_cast<double>(lights);
-    std::size_t unknown = 0, beside = 0;
+    std::size_t unknown = 0;
     for (std::size_t i = 0; i < lights; ++i) {
       const double k = shown.visibility[pixel * lights + i] / 255.0;
       const double error = std::abs(k - reference.lit(x, y, static_cast<std::uint32_t>(i)));
@@ -44,20 +51,17 @@ EyeErrors compare_masks(const ShownReport& shown, const EyeMask& reference) {
       wrong_unknown += is_unknown ? error : 0;
       unknown += is_unknown;
     }
-    for (std::size_t plane = 0; plane < planes; ++plane) {
+    for (std::size_t plane = 0; plane < planes; ++plane)
       errors.stale += std::popcount(shown.stale[pixel * planes + plane]);
-      beside += static_cast<std::size_t>(std::popcount(shown.beside[pixel * planes + plane]));
-    }
     errors.unknown += static_cast<double>(unknown);
     if (shown.sources[pixel] != kSourceUnknown)
-      share_from(errors, shown.sources[pixel]) += static_cast<double>(lights - unknown - beside);
-    errors.neighbours += static_cast<double>(beside);
+      share_from(errors, shown.sources[pixel]) += static_cast<double>(lights - unknown);
   });
   if (total == 0) return errors;
   errors.mask_error = wrong / total;
   errors.known_error = total > errors.unknown ? (wrong - wrong_unknown) / (total - errors.unknown) : 0;
-  for (double* share :
-       {&errors.newest, &errors.other_eye, &errors.older, &errors.neighbours, &errors.unknown, &errors.stale})
+  for (double* share : {&errors.newest, &errors.other_eye, &errors.older, &errors.surround, &errors.neighbours,
+                        &errors.unknown, &errors.stale})
     *share /= total;
   return errors;
 }
@@ -100,6 +104,8 @@ MaskAges ages_of(const FrameView& view) {
     const Duration before_first = view.masks[0].display_time - mask.display_time;
     ages.push_back(view.age.value_or(Duration::zero()) + before_first);
   }
+  ages.resize(kMaxMasks);
+  for (const TracedMask& mask : view.surround) ages.push_back(view.shown.display_time - mask.requested_at);
   return ages;
 }
 
@@ -123,8 +129,7 @@ PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& 
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const double psnr = std::min(psnr_db(into.shown[eye], into.reference[eye]), kEqualPictures_dB);
     if (!shaded) {
-      errors[eye] = {kNotMeasured, kNotMeasured, psnr,         kNotMeasured, kNotMeasured,
-                     kNotMeasured, kNotMeasured, kNotMeasured, kNotMeasured, std::nullopt};
+      errors[eye] = not_shaded(psnr);
       continue;
     }
     errors[eye] = compare_masks(into.report[eye], truth.masks[eye]);

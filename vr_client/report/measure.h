@@ -11,7 +11,7 @@
 namespace farshade {
 
 /// Errors of one eye of one frame. Shares and errors are means over covered pixels x lights. The shares
-/// newest, other_eye, older, neighbours and unknown add up to 1. If the mode shows a picture from the server,
+/// newest, other_eye, older, surround, neighbours and unknown add up to 1. If the mode shows a picture from the server,
 /// single lights cannot be distinguished, and all values but the PSNR are kNotMeasured.
 struct EyeErrors {
   double mask_error = 0;   ///< mean of |shown visibility - reference visibility|
@@ -20,6 +20,7 @@ struct EyeErrors {
   double newest = 0;       ///< share taken from this eye's newest mask
   double other_eye = 0;    ///< from the other eye's newest mask
   double older = 0;        ///< from older masks of either eye
+  double surround = 0;     ///< from the surround
   double neighbours = 0;   ///< from the nearest pixel on the same surface
   double unknown = 0;      ///< share without a known visibility
   double stale = 0;        ///< share of all that is known but outdated, because something has moved since
@@ -52,7 +53,7 @@ inline constexpr double kEqualPictures_dB = 99;
 /// the frame had no request.
 [[nodiscard]] std::optional<double> guard_band_of(const FrameView& view);
 
-/// The time since the request of each mask that `view` was drawn with, in the order of its masks.
+/// The time since the request of each mask that `view` was drawn with, by mask_of(source).
 [[nodiscard]] MaskAges ages_of(const FrameView& view);
 
 /// Stores the shown frame and its reference in `into` and returns the errors. Call it before the next frame

@@ -16,8 +16,8 @@ std::vector<LegendEntry> source_legend() {
           {carried_tint(kThisEyeColor), "the same, carried over, not asked for"},
           {kOtherEyeColor, "newest mask of the other eye"},
           {older_color(1), "one mask older"},
-          {older_color(2), "two older"},
-          {older_color(3), "three older"},
+          {older_color(3), "three masks older"},
+          {kSurroundColor, "the surround: coarse masks of all directions"},
           {kNeighbourColor, "the nearest pixel on the same surface"},
           {kUnknownColor, "unknown"},
           {kStaleColor, "red lines: outdated, something has moved"}};

@@ -59,7 +59,7 @@ Image<Rgb8> age_picture(const OverlayInput& input) {
       lookup_table(input.ages.size(), [&](std::size_t mask) { return age_color(input.ages[mask]); });
   return painted(input.report, input.shown.size, [&](std::size_t i) {
     const std::uint8_t source = input.report.sources[i];
-    const std::size_t mask = source % kOtherEye;
+    const std::size_t mask = mask_of(source);
     return source == kSourceUnknown || mask >= colors.size() ? kUnknownColor : colors[mask];
   });
 }
@@ -217,9 +217,10 @@ void mark_carried(const OverlayInput& input, Image<Rgb8>& picture) {
 Image<Rgb8> source_picture(const ShownReport& report, const MaskAges& ages, Extent size) {
   const std::size_t planes = planes_of(report);
   const auto colors = lookup_table(kSourceUncovered, [&](std::size_t source) {
-    const std::size_t mask = source % kOtherEye;
+    const auto mask = mask_of(static_cast<std::uint8_t>(source));
     if (source == kSourceUnknown || mask >= ages.size()) return kUnknownColor;
     const Rgb8 fresh = source >= kNeighbour ? kNeighbourColor
+                       : mask >= kMaxMasks  ? kSurroundColor
                        : mask > 0           ? older_color(mask)
                        : source == 0        ? kThisEyeColor
                                             : kOtherEyeColor;

@@ -105,6 +105,43 @@ TEST(AnswerInboxSettled, MeansCompleteOrReportedOrOvertaken) {
   EXPECT_FALSE(settled(4));
 }
 
+FrameRequest surround_of(std::uint32_t number) {
+  FrameRequest request = request_of(kFirstSurroundFrame.value + number);
+  request.answer = {.kind = Answer::Surround};
+  return request;
+}
+
+TEST(AnswerInboxSurround, HasTheNewestSettledMaskOfEachPairApartFromTheOthers) {
+  AnswerInbox inbox(8, {1});
+  inbox.begin({});
+  const std::uint32_t first = kFirstSurroundFrame.value;
+  for (std::uint32_t number = 0; number < 6; ++number)
+    (void)inbox.ask(surround_of(number), Time(number * 10ms), {});
+  (void)inbox.ask(request_of(1), Time(0ms), {});
+  EXPECT_TRUE(inbox.surround(Time(1s)).empty());
+  const auto frames_until = [&](Time until) {
+    std::vector<std::uint32_t> numbers;
+    for (const RequestRecord* record : inbox.surround(until)) numbers.push_back(record->request.frame.value - first);
+    return numbers;
+  };
+  for (const std::uint32_t number : {0u, 1u}) {
+    inbox.take(slice_of(first + number), {});
+    inbox.take(slice_of(first + number, Side::Right), {});
+  }
+  EXPECT_EQ(frames_until(Time(1s)), (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_EQ(frames_until(Time(5ms)), (std::vector<std::uint32_t>{0})) << "requested until then";
+  inbox.take(slice_of(first + 3), {});
+  EXPECT_EQ(frames_until(Time(1s)), (std::vector<std::uint32_t>{0, 1})) << "only a part of the newer one has come";
+  inbox.take(report_of(first + 3), {});
+  EXPECT_EQ(frames_until(Time(1s)), (std::vector<std::uint32_t>{3, 1})) << "the rest is lost";
+  EXPECT_EQ(inbox.newest_known(), nullptr) << "the surround is not the newest mask of the views";
+  EXPECT_FALSE(inbox.is_settled(*inbox.find({1})));
+  EXPECT_TRUE(inbox.received(Time(1s)).empty());
+  EXPECT_EQ(inbox.counters().slices, 5u);
+  inbox.take(report_of(first + 4, ViewScale{3}), {});
+  EXPECT_EQ(inbox.view_scale(), kFullViewScale) << "the scale is that of the views";
+}
+
 TEST(AnswerInbox, ExpectsNothingOfAnEarlierSession) {
   AnswerInbox inbox(8, {1});
   inbox.begin({});

@@ -30,7 +30,6 @@ ShownReport report_of(const std::vector<std::uint8_t>& sources, std::uint32_t li
                      .visibility = std::vector<std::uint8_t>(sources.size() * lights),
                      .unknown = std::vector<std::uint32_t>(sources.size() * layout.planes()),
                      .stale = std::vector<std::uint32_t>(sources.size() * layout.planes()),
-                     .beside = std::vector<std::uint32_t>(sources.size() * layout.planes()),
                      .rays = std::vector<std::uint16_t>(sources.size())};
   for (std::size_t i = 0; i < sources.size(); ++i)
     for (std::uint32_t plane = 0; plane < layout.planes(); ++plane)

@@ -18,8 +18,7 @@ ShownReport report_of_one_light(const std::vector<std::uint8_t>& sources) {
           .positions = {},
           .visibility = std::vector<std::uint8_t>(sources.size()),
           .unknown = std::vector<std::uint32_t>(sources.size()),
-          .stale = std::vector<std::uint32_t>(sources.size()),
-          .beside = std::vector<std::uint32_t>(sources.size())};
+          .stale = std::vector<std::uint32_t>(sources.size())};
 }
 
 TEST(WriteMeasured, WritesEveryPictureItPromises) {

@@ -31,19 +31,36 @@ Motion moved_slots(const std::vector<std::size_t>& slots) {
 }
 
 struct Written {
-  std::vector<glm::mat4> matrices = std::vector<glm::mat4>(kSlots * FARSHADE_MAX_MASKS * kEyes);
+  std::vector<glm::mat4> matrices = std::vector<glm::mat4>(kSlots * FARSHADE_MAX_TRACED * kEyes);
   [[nodiscard]] float flag(std::size_t slot, std::size_t mask) const {
     EXPECT_EQ(matrices[motion_index(slot, mask, 0)][0][3], matrices[motion_index(slot, mask, 1)][0][3]);
     return matrices[motion_index(slot, mask, 0)][0][3];
   }
 };
 
-Written written(const std::vector<Motion>& motions) {
-  std::vector<const Motion*> since;
-  for (const Motion& motion : motions) since.push_back(&motion);
-  Written result;
-  for (std::size_t slot = 0; slot < kSlots; ++slot) write_motions(some_views(), since, slot, result.matrices);
+std::vector<const Motion*> pointers(const std::vector<Motion>& motions) {
+  std::vector<const Motion*> result;
+  for (const Motion& motion : motions) result.push_back(&motion);
   return result;
+}
+
+Written written(const std::vector<Motion>& motions, const std::vector<Motion>& surround = {}) {
+  const auto since = pointers(motions), since_faces = pointers(surround);
+  Written result;
+  for (std::size_t slot = 0; slot < kSlots; ++slot)
+    write_motions(some_views(), {since, since_faces}, slot, result.matrices);
+  return result;
+}
+
+TEST(ShadingMotion, TheSurroundIsAGroupOfItsOwn) {
+  const Written result = written({moved_slots({}), moved_slots({})}, {moved_slots({}), moved_slots({0})});
+  EXPECT_EQ(result.flag(0, 0), 0);
+  EXPECT_EQ(result.flag(0, 1), 0);
+  EXPECT_EQ(result.flag(0, FARSHADE_MAX_MASKS), 1) << "the flag of a group is in its first matrices";
+  EXPECT_EQ(result.flag(0, FARSHADE_MAX_MASKS + 1), 1);
+  EXPECT_EQ(result.flag(1, FARSHADE_MAX_MASKS), 0) << "another instance";
+  EXPECT_EQ(result.matrices[motion_index(0, FARSHADE_MAX_MASKS, 0)][3], glm::vec4(0, 0, 0, 1)) << "has not moved since";
+  EXPECT_NE(result.matrices[motion_index(0, FARSHADE_MAX_MASKS + 1, 0)][3], glm::vec4(0, 0, 0, 1));
 }
 
 TEST(ShadingMotion, TheFlagOfOlderMasksIsSetIfTheInstanceHasMovedSinceAnyOfThem) {
@@ -79,10 +96,9 @@ TEST(ShadingMotion, MatricesMoveAPointOfTheShownEyeToWhereItWas) {
 }
 
 gpu::FrameData frame_of(const std::vector<Motion>& motions, bool& any) {
-  std::vector<const Motion*> since;
-  for (const Motion& motion : motions) since.push_back(&motion);
+  const auto since = pointers(motions);
   gpu::FrameData frame{};
-  any = write_stale(some_views(), since, frame);
+  any = write_stale(some_views(), {.masks = since}, frame);
   return frame;
 }
 

@@ -87,6 +87,58 @@ TEST(Sessions, NewestRequestWinsAndTheOthersAreCounted) {
   EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 4, .superseded = 3}));
 }
 
+/// A request for a pair of the surround.
+FrameRequest surround_request(std::uint32_t number) {
+  FrameRequest request = request_of(kFirstSurroundFrame.value + number, kSize);
+  request.answer = {.kind = Answer::Surround};
+  return request;
+}
+
+/// The frames of the jobs that are taken one after the other, each answered with nothing.
+std::vector<std::uint32_t> taken_frames(House& house) {
+  std::vector<std::uint32_t> frames;
+  while (const std::optional<Job> job = house.sessions.next_job({})) frames.push_back(job->request.frame.value);
+  return frames;
+}
+
+TEST(SessionsSurround, NeitherReplacesOtherRequestsNorIsReplacedByThem) {
+  House house;
+  house.sessions.offer(kTracedAnswers);
+  LinkClient client = house.join(1);
+  const std::uint32_t first = kFirstSurroundFrame.value;
+  house.ask(client, 1, 7);
+  for (const std::uint32_t number : {0u, 1u, 2u})
+    house.talk(client, 1, client.seal({.request = surround_request(number)}));
+  house.ask(client, 1, 8);
+  EXPECT_EQ(taken_frames(house), (std::vector<std::uint32_t>{8, first, first + 1, first + 2}));
+  EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 5, .superseded = 1}));
+}
+
+TEST(SessionsSurround, ANewerRequestForAPairReplacesTheOlderOne) {
+  House house;
+  house.sessions.offer(kTracedAnswers);
+  LinkClient client = house.join(1);
+  for (const std::uint32_t number : {0u, 1u, 3u, 1u})
+    house.talk(client, 1, client.seal({.request = surround_request(number)}));
+  const std::uint32_t first = kFirstSurroundFrame.value;
+  EXPECT_EQ(taken_frames(house), (std::vector<std::uint32_t>{first + 1, first + 3}));
+  EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 4, .superseded = 1, .outdated = 1}));
+}
+
+TEST(SessionsSurround, IsAnsweredAtLastAlthoughOtherRequestsAlwaysWait) {
+  House house;
+  house.sessions.offer(kTracedAnswers);
+  LinkClient client = house.join(1);
+  house.talk(client, 1, client.seal({.request = surround_request(0)}));
+  std::uint32_t overtaking = 0;
+  for (std::uint32_t frame = 1; frame < 20; ++frame) {
+    house.ask(client, 1, frame);
+    if (house.sessions.next_job({})->request.answer.kind == Answer::Surround) break;
+    ++overtaking;
+  }
+  EXPECT_EQ(overtaking, ClientSession::kMostOvertaking);
+}
+
 TEST(Sessions, RequestsThatWereOvertakenAreDropped) {
   House house;
   LinkClient client = house.join(1);

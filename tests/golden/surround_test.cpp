@@ -1,0 +1,134 @@
+// Pictures that are shaded with the surround alone, and with a view's mask and the surround.
+#include <gtest/gtest.h>
+
+#include "stereo/frame/surround.h"
+#include "tests/golden/test_rig.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint32_t kSide = 256;
+
+class SurroundLookup : public OnLavapipe {
+ protected:
+  /// The share of wrong bits and of bits from faces, over covered pixels of both eyes.
+  struct Counts {
+    std::size_t pixels = 0, from_faces = 0, unknown = 0, wrong = 0, lights = 0;
+    [[nodiscard]] double wrong_share() const {
+      return static_cast<double>(wrong) / static_cast<double>(pixels * lights);
+    }
+  };
+  static Counts counted(const Shown& shown, const Mask& truth) {
+    Counts counts{.lights = truth.bits[0].layout().lights};
+    for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+      ++counts.pixels;
+      counts.from_faces += is_face(source);
+      counts.unknown += source == kSourceUnknown;
+      const ShownReport& report = shown.reports[index_of(side)];
+      for (std::uint32_t light = 0; light < counts.lights; ++light)
+        counts.wrong += report.mask.lit(x, y, light) != truth.bits[index_of(side)].lit(x, y, light);
+    });
+    return counts;
+  }
+};
+
+TEST_F(SurroundLookup, ServesEveryDirectionAlsoBehindTheHead) {
+  TestRig rig(device_, bundled("room.glb"), kSide);
+  const std::vector<Mask> faces = rig.ask_surround({rig.head().translation});
+  for (const double yaw : {0.0, 0.8, 1.6, 2.4, 3.1, -2.2, -0.8})
+    for (const double pitch : {-0.9, 0.0, 0.9}) {
+      const Rigid<Stage, Head> head =
+          moved(rig.head(), yaw, {}) * Rigid<Head, Head>{glm::angleAxis(pitch, glm::dvec3(1, 0, 0)), {}};
+      const StereoView views = rig.eyes(head);
+      const Mask truth = rig.trace(kNow, views);
+      const Counts counts = counted(rig.show(views, {}, {}, faces), truth);
+      const Counts guessed = counted(rig.show(views, {}, {}), truth);
+      if (counts.pixels < 5000) continue;
+      const auto what = testing::Message() << yaw << ' ' << pitch;
+      EXPECT_GT(counts.from_faces, counts.pixels * 96 / 100) << what;
+      EXPECT_LT(counts.unknown, counts.pixels / 25) << what;
+      EXPECT_LT(counts.wrong_share(), guessed.wrong_share() / 5) << what;
+    }
+}
+
+TEST_F(SurroundLookup, OnlyFillsWhatTheViewsMasksDoNotKnow) {
+  TestRig rig(device_, bundled("room.glb"), kSide);
+  const StereoView before = rig.eyes(rig.head()), now = rig.eyes(moved(rig.head(), 0.5, {}));
+  const Mask mask = rig.ask(kTraced, before);
+  const std::vector<Mask> faces = rig.ask_surround({rig.head().translation});
+  const Shown without = rig.show(now, {mask.traced_mask()}, {.gaps = Gaps::Unknown}),
+              with = rig.show(now, {mask.traced_mask()}, {.gaps = Gaps::Unknown}, faces);
+  std::size_t filled = 0, changed = 0, left = 0;
+  for_covered(with, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+    const std::uint8_t then = without.reports[index_of(side)].sources[y * kSide + x];
+    if (then == kSourceUnknown) {
+      filled += is_face(source);
+      left += source == kSourceUnknown;
+    } else {
+      changed += source != then;
+    }
+  });
+  EXPECT_EQ(changed, 0u);
+  EXPECT_GT(filled, 10'000u);
+  EXPECT_LT(left, filled / 50);
+  const Mask truth = rig.trace(kNow, now);
+  EXPECT_LT(counted(with, truth).wrong, counted(without, truth).wrong / 4);
+}
+
+TEST_F(SurroundLookup, ASurfaceThatNoFaceSawIsUnknown) {
+  TestRig rig(device_, bundled("room.glb"), kSide);
+  // From far to the side: what the room's things hid from there is unknown.
+  const std::vector<Mask> faces = rig.ask_surround({rig.head().translation + glm::dvec3(1.5, 0, -1)});
+  const StereoView views = rig.eyes(rig.head());
+  const Counts counts = counted(rig.show(views, {}, {.gaps = Gaps::Unknown}, faces), rig.trace(kNow, views));
+  EXPECT_GT(counts.unknown, counts.pixels / 50);
+  EXPECT_GT(counts.from_faces, counts.pixels / 2);
+}
+
+TEST_F(SurroundLookup, MarksWhatMovedSinceItWasTracedAndFollowsMovingThings) {
+  TestRig rig(device_, bundled("room.glb"), kSide);
+  rig.set_time(Time(700ms));
+  const std::vector<Mask> faces = rig.ask_surround({rig.head().translation});
+  for (const Duration later : {Duration(100ms), Duration(400ms)}) {
+    rig.set_time(Time(700ms + later));
+    // The head looks back at what moves from each side.
+    std::size_t changed = 0, missed = 0, stale = 0, all = 0;
+    for (const double yaw : {0.0, 1.6, 3.1, -1.6}) {
+      const StereoView views = rig.eyes(moved(rig.head(), yaw, {}));
+      const Shown shown = rig.show(views, {}, kPlainCarryOver, faces);
+      const Mask truth = rig.trace(kNow, views);
+      rig.set_time(Time(700ms));
+      const Mask then = rig.trace(kOlder, views);
+      rig.set_time(Time(700ms + later));
+      for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+        if (!is_face(source)) return;
+        const std::size_t eye = index_of(side), pixel = std::size_t{y} * kSide + x;
+        for (std::uint32_t light = 0; light < truth.bits[eye].layout().lights; ++light) {
+          const bool marked = (shown.reports[eye].stale[pixel] >> light & 1u) != 0;
+          const bool differs = then.bits[eye].lit(x, y, light) != truth.bits[eye].lit(x, y, light);
+          ++all;
+          stale += marked;
+          changed += differs;
+          missed += differs && !marked;
+        }
+      });
+    }
+    EXPECT_GT(changed, 500u);
+    EXPECT_LT(missed, changed / 20) << "pixels whose surface moved away between the two pictures";
+    EXPECT_LT(stale, all * 3 / 4) << "not everything is marked";
+  }
+}
+
+TEST_F(SurroundLookup, SwappedFacesOrAnotherPlaceGiveNothing) {
+  TestRig rig(device_, bundled("room.glb"), kSide);
+  std::vector<Mask> faces = rig.ask_surround({rig.head().translation});
+  for (Mask& pair : faces) std::swap(pair.views[0], pair.views[1]);
+  const StereoView views = rig.eyes(rig.head());
+  const Counts counts = counted(rig.show(views, {}, {.gaps = Gaps::Unknown}, faces), rig.trace(kNow, views));
+  EXPECT_LT(counts.from_faces, counts.pixels / 5) << "the depth of the opposite face is another";
+}
+
+}  // namespace
+}  // namespace farshade

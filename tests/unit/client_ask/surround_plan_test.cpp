@@ -1,0 +1,107 @@
+#include "vr_client/ask/surround_plan.h"
+
+#include <gtest/gtest.h>
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kFrame(13'888'889);
+
+FrameRequest shown_at(Duration at, double x_m = 0) {
+  FrameRequest shown;
+  shown.frame = {1};
+  shown.display_time = Time(at);
+  shown.scene_time = Time(at + 5s);
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    shown.views[eye] = {{{}, {x_m + (eye == 0 ? -0.03 : 0.03), 1.5, 0}}, {-0.7, 0.7, 0.7, -0.7}, {256, 256}};
+  return shown;
+}
+
+struct Bench {
+  SurroundPlan plan;
+  SceneMotion motion = SceneMotion::Still;
+  bool is_under_way = false;
+  std::vector<FrameRequest> ask(const FrameRequest& shown) {
+    return plan.ask(shown, 100ms, SceneClock::Running, motion, is_under_way);
+  }
+  /// Asks in each frame of a time. The times at which a surround began.
+  std::vector<Duration> begun(Duration from, Duration until, double speed_m_s = 0) {
+    std::vector<Duration> result;
+    for (Duration at = from; at < until; at += kFrame) {
+      const auto requests = ask(shown_at(at, speed_m_s * seconds_of(at)));
+      if (!requests.empty() && pair_of(requests[0].frame) == 0) result.push_back(at);
+    }
+    return result;
+  }
+};
+
+TEST(SurroundPlan, AsksForAllPairsAtOnceBeforeThereIsAny) {
+  Bench bench;
+  const std::vector<FrameRequest> requests = bench.ask(shown_at(0s, 0.5));
+  ASSERT_EQ(requests.size(), kSurroundPairs);
+  EXPECT_TRUE(bench.plan.is_urgent());
+  for (std::size_t pair = 0; pair < kSurroundPairs; ++pair) {
+    EXPECT_EQ(pair_of(requests[pair].frame), pair);
+    EXPECT_EQ(requests[pair].views, faces_about({{0.5, 1.5, 0}}, pair, face_size({256, 256})));
+    EXPECT_EQ(requests[pair].display_time, Time(100ms));
+    EXPECT_EQ(requests[pair].scene_time, Time(5s + 100ms));
+    EXPECT_EQ(requests[pair].answer, (AnswerSpec{.kind = Answer::Surround}));
+  }
+  EXPECT_TRUE(bench.ask(shown_at(kFrame)).empty());
+}
+
+TEST(SurroundPlan, AsksForOnePairAFrameLaterAllOfOnePlace) {
+  Bench bench;
+  EXPECT_EQ(bench.ask(shown_at(0s)).size(), kSurroundPairs);
+  for (std::size_t pair = 0; pair < kSurroundPairs; ++pair) {
+    const double x_m = 0.01 * static_cast<double>(pair);
+    const std::vector<FrameRequest> requests = bench.ask(shown_at(1s + kFrame * static_cast<int>(pair), x_m));
+    ASSERT_EQ(requests.size(), 1u);
+    EXPECT_FALSE(bench.plan.is_urgent());
+    EXPECT_EQ(requests[0].views, faces_about({{0, 1.5, 0}}, pair, face_size({256, 256})));
+  }
+  EXPECT_TRUE(bench.ask(shown_at(1s + 3 * kFrame)).empty());
+}
+
+TEST(SurroundPlan, AsksMoreOftenWhereSomethingMoves) {
+  Bench still, moving;
+  moving.motion = SceneMotion::Moving;
+  EXPECT_EQ(still.begun(0s, 4s).size(), 4u);
+  EXPECT_FALSE(still.plan.is_urgent());
+  EXPECT_NEAR(static_cast<double>(moving.begun(0s, 4s).size()), 16, 1);
+}
+
+TEST(SurroundPlan, AsksSoonerWhenTheHeadHasMovedAway) {
+  Bench walking;
+  EXPECT_NEAR(static_cast<double>(walking.begun(0s, 4s, 1.0).size()), 4 / 0.24, 2) << "each 4 eye distances";
+  Bench running;
+  EXPECT_LE(running.begun(0s, 4s, 10.0).size(), 41u) << "not more than 10 a second";
+}
+
+TEST(SurroundPlan, AsksForAllPairsAtOnceAfterAJump) {
+  Bench bench;
+  bench.begun(0s, 500ms);
+  EXPECT_EQ(bench.ask(shown_at(500ms, 2.5)).size(), kSurroundPairs);
+  EXPECT_TRUE(bench.plan.is_urgent());
+}
+
+TEST(SurroundPlan, WaitsForTheLastOneButNotForever) {
+  Bench bench;
+  bench.motion = SceneMotion::Moving;
+  bench.is_under_way = true;
+  EXPECT_EQ(bench.begun(0s, 4s).size(), 4u) << "what has not come after a second is lost";
+}
+
+TEST(SurroundPlan, AsksAgainAtOnceWhenTheLightsChange) {
+  Bench bench;
+  bench.begun(0s, 500ms);
+  FrameRequest changed = shown_at(500ms);
+  changed.lights.revision = {7};
+  EXPECT_EQ(bench.ask(changed).size(), kSurroundPairs);
+  EXPECT_TRUE(bench.plan.is_urgent());
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,43 @@
+#include "vr_client/ask/surround_plan.h"
+
+namespace farshade {
+
+/// Whether a new surround is due.
+bool SurroundPlan::is_due(const FrameRequest& shown, SceneMotion motion, bool is_under_way) {
+  is_urgent_ = true;
+  if (!set_ || shown.lights.revision != set_->lights || shown.display_time < set_->begun) return true;
+  const auto place = [](const View& view) { return Point<Stage>{view.stage_from_eye.translation}; };
+  const double eyes_m = length(place(shown.views[0]) - place(shown.views[1])),
+               moved_m = length(Point<Stage>{head_of(shown.views).translation} - set_->centre);
+  if (eyes_m > 0 && moved_m > kJump_eyes * eyes_m) return true;
+  is_urgent_ = false;
+  const Duration age = shown.display_time - set_->begun;
+  if (age < kLeastPeriod || (is_under_way && age < kStillPeriod)) return false;
+  if (eyes_m > 0 && moved_m > kFar_eyes * eyes_m) return true;
+  return age >= (motion == SceneMotion::Moving ? kMovingPeriod : kStillPeriod);
+}
+
+FrameRequest SurroundPlan::next_pair(const FrameRequest& shown, Duration lead, SceneClock clock) {
+  FrameRequest request = shown;
+  request.frame = {kFirstSurroundFrame.value + requests_++};
+  request.display_time += lead;
+  if (clock == SceneClock::Running) request.scene_time += lead;
+  request.views = faces_about(set_->centre, set_->pairs++, face_size(shown.views[0].size));
+  request.answer = {.kind = Answer::Surround};
+  return request;
+}
+
+std::vector<FrameRequest> SurroundPlan::ask(const FrameRequest& shown, Duration lead, SceneClock clock,
+                                            SceneMotion motion, bool is_under_way) {
+  if (!set_ || set_->pairs == kSurroundPairs) {
+    if (!is_due(shown, motion, is_under_way)) return {};
+    set_ = {{head_of(shown.views).translation}, shown.display_time, shown.lights.revision};
+  }
+  std::vector<FrameRequest> requests;
+  do {
+    requests.push_back(next_pair(shown, lead, clock));
+  } while (is_urgent_ && set_->pairs < kSurroundPairs);
+  return requests;
+}
+
+}  // namespace farshade
