@@ -127,33 +127,46 @@ vec4 gather_faces(ivec2 corner, uint layer) {
   return textureGather(surround_depth, vec3((vec2(corner) + 1.0) / vec2(textureSize(surround_depth, 0).xy), layer));
 }
 
-// The nearest of the four pixels around the point in a face of the surround that saw the same surface.
-Sample sample_face(uint index, SourceData source, Surface surface) {
+// What the surround knows of a point.
+struct FaceSamples {
+  Sample same;       // the nearest of the four pixels around the point that saw the same surface
+  Sample closest;    // of all four, the one whose depth is closest to that of the point's plane
+  float difference;  // of `closest`, relative to the depth
+};
+
+void add_face(uint index, SourceData source, Surface surface, inout FaceSamples samples) {
   Projection projection = project(mask_of(index), source, surface);
-  Sample found = Sample(FARSHADE_SOURCE_UNKNOWN, false, ivec2(0), projection.at);
   ivec2 corner = corner_at(projection.at);
   vec4 depths = gather_faces(corner, source.place.x);
   float nearest = 1e30;
   [[unroll]] for (uint tap = 0; tap < 4; ++tap) {
     ivec2 pixel = tap_at(corner, tap), there = inside(source, pixel);
-    bool known = block_known(source, there), near = on_plane(projection, pixel, of_tap(depths, tap), kBend);
+    float traced = of_tap(depths, tap);
+    bool known = block_known(source, there) && pixel == there && projection.at == projection.at;
+    bool same = projection.visible && known && on_plane(projection, pixel, traced, kBend);
     vec2 off = vec2(pixel) + 0.5 - projection.at;
-    float distance = projection.visible && pixel == there && known && near ? dot(off, off) : 1e30;
+    float distance = same ? dot(off, off) : 1e30;
     bool nearer = distance < nearest;
-    found.source = nearer ? index : found.source;
-    found.pixel = nearer ? pixel : found.pixel;
+    samples.same.source = nearer ? index : samples.same.source;
+    samples.same.pixel = nearer ? pixel : samples.same.pixel;
+    samples.same.at = nearer ? projection.at : samples.same.at;
     nearest = min(nearest, distance);
+    float difference = abs(traced - projection.depth) / projection.depth;
+    bool closer = known && projection.depth > 0.0 && difference < samples.difference;
+    samples.closest.source = closer ? index : samples.closest.source;
+    samples.closest.pixel = closer ? pixel : samples.closest.pixel;
+    samples.difference = closer ? difference : samples.difference;
   }
-  return found;
 }
 
 // The first face of the surround that knows the point.
-Sample surround_sample(Surface surface, bool needed) {
-  Sample found = Sample(FARSHADE_SOURCE_UNKNOWN, false, ivec2(0), vec2(0.0));
+FaceSamples surround_samples(Surface surface, bool needed) {
+  Sample none = Sample(FARSHADE_SOURCE_UNKNOWN, false, ivec2(0), vec2(0.0));
+  FaceSamples samples = FaceSamples(none, none, 1e30);
   const uint first = kNewest + FARSHADE_FIRST_FACE, faces = frame.counts.w;
-  for (uint i = 0; needed && i < faces && found.source == FARSHADE_SOURCE_UNKNOWN; ++i)
-    found = sample_face(first + i, frame.sources[first + i], surface);
-  return found;
+  for (uint i = 0; needed && i < faces && samples.same.source == FARSHADE_SOURCE_UNKNOWN; ++i)
+    add_face(first + i, frame.sources[first + i], surface, samples);
+  return samples;
 }
 
 // The visibility of eight lights.

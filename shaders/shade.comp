@@ -117,13 +117,15 @@ Sample direct_sample(ivec2 pixel) {
   return Sample(near == there && known ? kNewest : FARSHADE_SOURCE_UNKNOWN, false, there, vec2(there) + 0.5);
 }
 
-// The rule for unknown visibility: what the newest mask has in the direction of the shown pixel; lit if the head has
-// turned too far or the mask's tile is missing.
-Visibility8 guess(ivec2 pixel, uint group) {
+// The rule for unknown visibility: what the surround has in the direction of the point; without it, what the newest mask
+// has in the direction of the shown pixel; lit if the head has turned too far or the mask's tile is missing.
+Visibility8 guess(ivec2 pixel, Sample closest, uint group) {
   SourceData source = frame.sources[kNewest];
   ivec2 there = inside(source, direct_pixel(pixel));
-  bool known = block_known(source, there) && frame.counts.z != 0u;
-  uint bits = mask_bits(source, there, group / 4);
+  bool around = closest.source != FARSHADE_SOURCE_UNKNOWN;
+  bool known = around || (block_known(source, there) && frame.counts.z != 0u);
+  if (around) source = frame.sources[closest.source];
+  uint bits = mask_bits(source, around ? closest.pixel : there, group / 4);
   return eight_of(known ? bits >> (group % 4 * 8) : ~0u);
 }
 
@@ -154,6 +156,7 @@ Surface surface_at(ivec2 pixel, float depth, uint stored) {
 // What the masks know of a surface point.
 struct Lookup {
   Sample taken;       // whose bits the point takes
+  Sample closest;     // of the surround, for points that no view saw: a guess
   bool known;         // `taken` has a source
   uint source;        // of `taken`; the newest if it has none
   SourceData traced;  // of `source`
@@ -171,10 +174,12 @@ Lookup look_up(ivec2 pixel, Surface surface) {
     result.taken = sample_source(kNewest, frame.sources[kNewest], surface);
   else
     result.taken = first_sample(surface);
+  result.closest = Sample(FARSHADE_SOURCE_UNKNOWN, false, ivec2(0), vec2(0.0));
   if (kSecondLook) {
     bool unseen = result.taken.source == FARSHADE_SOURCE_UNKNOWN;
-    Sample around = surround_sample(surface, unseen);
-    if (unseen) result.taken = around;
+    FaceSamples around = surround_samples(surface, unseen);
+    if (unseen) result.taken = around.same;
+    result.closest = around.closest;
   }
   if (kSecondLook && kNeighbours) {
     bool unseen = result.taken.source == FARSHADE_SOURCE_UNKNOWN;
@@ -221,7 +226,7 @@ Visibility8 visibility_of(uint group, ivec2 pixel, Surface surface, Lookup found
     k.high = mix(k.high, filtered.high, bvec4(found.on_edge));
   }
   Visibility8 unknown = eight_of(bits.unknown >> (group % 4 * 8)), guessed = Visibility8(vec4(1.0), vec4(1.0));
-  if (kSecondLook) guessed = guess(pixel, group);
+  if (kSecondLook) guessed = guess(pixel, found.closest, group);
   k.low = mix(k.low, kUnknownVisibility * guessed.low, unknown.low);
   k.high = mix(k.high, kUnknownVisibility * guessed.high, unknown.high);
   return k;

@@ -9,7 +9,7 @@
 namespace farshade {
 
 Extent face_size(Extent size) {
-  constexpr double kPart = 0.25;  // of the pixels of both shown views
+  constexpr double kPart = 0.5;  // of the pixels of both shown views
   const double side = std::sqrt(kPart * kEyes * static_cast<double>(size.pixels()) / (kEyes * kSurroundPairs));
   const std::uint32_t tiles = static_cast<std::uint32_t>(side) / kTileSide_px;
   const std::uint32_t px = std::clamp(tiles * kTileSide_px, kLeastFace_px, kMostFace_px);

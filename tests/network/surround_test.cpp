@@ -68,6 +68,7 @@ Worst worst_between(const Scene& scene, const HeadRecording& head, const LinkMod
     if (!record.errors || record.start_up || at_s < from_s || at_s > until_s) continue;
     ++measured;
     for (const EyeErrors& eye : *record.errors) {
+      if (std::getenv("PRINT") && ((eye.unmoved_error && eye.mask_error > *eye.unmoved_error - 0.0005) || eye.unknown > 0.012)) std::printf("%zu: err %.4f unmoved %.4f unknown %.4f surround %.3f newest %.3f other %.3f older %.3f nb %.3f turned %.3f\n", i, eye.mask_error, eye.unmoved_error.value_or(-1), eye.unknown, eye.surround, eye.newest, eye.other_eye, eye.older, eye.neighbours, record.delta ? record.delta->angle_rad : -1);
       worst.unknown = std::max(worst.unknown, eye.unknown);
       worst.error = std::max(worst.error, eye.mask_error);
       if (eye.unmoved_error) worst.over_unmoved = std::max(worst.over_unmoved, eye.mask_error - *eye.unmoved_error);

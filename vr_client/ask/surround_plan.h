@@ -14,9 +14,9 @@ namespace farshade {
 class SurroundPlan {
  public:
   /// If nothing moves, a surround is requested again after this time, so that nothing wrong lives longer.
-  static constexpr Duration kStillPeriod = std::chrono::seconds(1);
+  static constexpr Duration kStillPeriod = std::chrono::seconds(2);
   /// If something in the scene moves, after this time.
-  static constexpr Duration kMovingPeriod = std::chrono::milliseconds(250);
+  static constexpr Duration kMovingPeriod = std::chrono::milliseconds(333);
   /// No sooner than after this time, however fast the head moves.
   static constexpr Duration kLeastPeriod = std::chrono::milliseconds(100);
   /// It is requested sooner if the head has moved by so many distances between the eyes: from there, much is
