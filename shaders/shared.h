@@ -64,9 +64,9 @@ struct ShadowMapData {
   uvec4 place;     // x = FARSHADE_MAP_*, y = its first layer; z, w unused
 };
 
-#define FARSHADE_MAX_MASKS 4      // of views
-#define FARSHADE_MAX_SURROUND 3   // masks of the surround, of two opposite faces each
-#define FARSHADE_MAX_TRACED 7     // masks of both kinds
+#define FARSHADE_MAX_MASKS 4     // of views
+#define FARSHADE_MAX_SURROUND 3  // masks of the surround, of two opposite faces each
+#define FARSHADE_MAX_TRACED 7    // masks of both kinds
 // The masks traced for this eye, in order, those for the other eye, and the faces of the surround.
 #define FARSHADE_FIRST_FACE 8
 #define FARSHADE_MAX_SOURCES 14
@@ -96,8 +96,8 @@ struct FrameData {
   uvec4 stale_lights[FARSHADE_SINCE_GROUPS * 2];
   uvec4 changed_lights[2];  // lights that the viewer has changed since a mask in use was traced
   vec4 moved[FARSHADE_SINCE_GROUPS * 2 * FARSHADE_MAX_MOVED];  // [group][eye][sphere]
-  vec4 background;                         // linear
-  vec4 ambient;                            // linear factor of the base colour; 0 unless the user sets it
+  vec4 background;                                             // linear
+  vec4 ambient;  // linear factor of the base colour; 0 unless the user sets it
   uvec4 counts;  // x = masks in use, y = layer of the left eye's shown depth, z = 1 if the newest mask's view
                  // is close enough to the shown view to guess from; w = faces of the surround in use
   vec4 direct;   // position in the newest mask of a shown position in the same direction: * xy + zw

@@ -205,8 +205,8 @@ std::optional<Time> ClientSession::ready_at() const {
                                        : std::max(outbox_.drained_at(), part_arrived_ + kPartsTimeout);
 }
 
-/// A request for the surround is taken before another one only if that is not complete yet, or if enough others
-/// have overtaken it.
+/// A request for the surround is taken before another one only if that is not complete yet, or if enough
+/// others have overtaken it.
 Job ClientSession::take_job() {
   const std::optional<std::size_t> pair = oldest_surround();
   job_is_surround_ = pair && (!is_complete() || overtaken_ >= kMostOvertaking);

@@ -168,7 +168,8 @@ class ClientSession {
   Time newest_display_{}, newest_arrived_{};  ///< display time and arrival of the newest request
   Duration interval_{};                       ///< mean time between two requests
   std::optional<Job> waiting_{};
-  /// Requests for the surround wait apart, so that they and the others do not replace each other; one of each pair.
+  /// Requests for the surround wait apart, so that they and the others do not replace each other; one of each
+  /// pair.
   std::array<std::optional<Job>, kSurroundPairs> waiting_surround_{};
   std::optional<FrameId> newest_surround_{};
   std::uint32_t overtaken_ = 0;  ///< other requests that were taken while the surround's waited

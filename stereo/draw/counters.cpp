@@ -52,8 +52,8 @@ gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, con
   if (carry.carried > 0) memory[Use::Frame] += sizeof(gpu::FrameData) + shading.lights;
   if (most_surround(plan) > 0)
     memory[Use::Depth] += kEyes * face_size(limits.size).pixels() * (kSurroundSlots + 1) * 4;
-  memory[Use::Masks] = shading.all_words(plan) + shading.all_known(plan) + kEyes * carry.quads +
-                       carry.carried + carry.unknown;
+  memory[Use::Masks] =
+      shading.all_words(plan) + shading.all_known(plan) + kEyes * carry.quads + carry.carried + carry.unknown;
   memory[Use::Motion] = shading.slots + shading.motions;
   memory[Use::Lists] = shading.lists;
   memory[Use::Shown] = pixels * 4;

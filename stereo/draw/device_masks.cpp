@@ -76,8 +76,8 @@ bool DeviceMasks::upload(const Shelf& shelf, std::size_t slot, const TracedMask&
       std::ranges::copy(bits.bytes(), there.begin());
     }
     const std::size_t known = (shelf.known + at * shelf.bytes.known) / sizeof(std::uint16_t);
-    whole &= write_known(mask, eye,
-                         known_.as<std::uint16_t>().subspan(known, shelf.bytes.known / sizeof(std::uint16_t)));
+    whole &= write_known(
+        mask, eye, known_.as<std::uint16_t>().subspan(known, shelf.bytes.known / sizeof(std::uint16_t)));
   }
   return whole;
 }

@@ -44,8 +44,8 @@ class DeviceMasks {
  private:
   /// The masks of one kind.
   struct Shelf {
-    MaskBytes bytes;              ///< of one eye
-    std::size_t words, known;     ///< where the shelf begins in the buffers, bytes
+    MaskBytes bytes;           ///< of one eye
+    std::size_t words, known;  ///< where the shelf begins in the buffers, bytes
     MaskSlots slots;
     std::vector<bool> is_whole;  ///< by slot
   };

@@ -85,7 +85,7 @@ class Renderer::Parts {
   std::optional<TurnPass> turn_;                     ///< created at first use
   DepthRing::Place shown_depth_;                     ///< of the last drawn frame
   std::optional<DepthRing::Place> requested_depth_;  ///< set if the depth pass must draw
-  std::vector<DepthRing::Place> requested_faces_;    ///< one for each of the first face passes, which must draw
+  std::vector<DepthRing::Place> requested_faces_;  ///< one for each of the first face passes, which must draw
   vk::raii::CommandBuffer commands_{nullptr};
   vk::raii::Fence fence_{nullptr};
   gpu::Timestamps stamps_;
@@ -162,8 +162,8 @@ void Renderer::Parts::place_faces(const ShownFrame& frame) {
     if (!place || requested_faces_.size() == kSurroundPairs) continue;
     if (face_passes_.empty()) make_face_passes();
     face_passes_[requested_faces_.size()].prepare(
-        pair.request.views,
-        plan_.anything_moves() ? state_at(scene_, pair.request.scene_time) : frame.state, frame.detail);
+        pair.request.views, plan_.anything_moves() ? state_at(scene_, pair.request.scene_time) : frame.state,
+        frame.detail);
     requested_faces_.push_back(*place);
   }
 }
@@ -348,9 +348,10 @@ DrawTimes Renderer::Parts::submit(const ShownFrame& frame, Stage stage) {
           .depth = stamps_.between(1, 2),
           .shade = stamps_.between(3, 4),
           .maps = draws_maps ? stamps_.between(2, 3) : Duration{},
-          .triangles = {.gbuffer = stage == Stage::Both ? gbuffer_.scene_pass().triangles() : 0,
-                        .depth = (draws_depth ? depth_pass_->scene_pass().triangles() : 0) + face_triangles(pairs),
-                        .maps = draws_maps ? shadow_maps_->scene_pass().triangles() : 0}};
+          .triangles = {
+              .gbuffer = stage == Stage::Both ? gbuffer_.scene_pass().triangles() : 0,
+              .depth = (draws_depth ? depth_pass_->scene_pass().triangles() : 0) + face_triangles(pairs),
+              .maps = draws_maps ? shadow_maps_->scene_pass().triangles() : 0}};
 }
 
 TurnPass& Renderer::Parts::need_turn() {

@@ -62,7 +62,8 @@ struct ShownFrame {
   /// Set: shadows come from shadow maps instead of `masks`. shadow_map_bytes must succeed for these settings.
   const ShadowMapSettings* shadow_maps = nullptr;
   std::size_t request_slot = 0;  ///< where the depth is kept: the slot of the request's record
-  std::span<const FaceRequest> faces{};  ///< this frame's requests for pairs of the surround; their depth is kept, too
+  std::span<const FaceRequest>
+      faces{};  ///< this frame's requests for pairs of the surround; their depth is kept, too
   Detail detail = Detail::Levels;
 };
 

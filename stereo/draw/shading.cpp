@@ -148,7 +148,8 @@ void ShadingPass::write_sources(const StereoView& views, std::span<const DatedMa
 void ShadingPass::write_faces(const StereoView& views, std::span<const DatedMask> surround,
                               gpu::FrameData& frame) {
   frame.counts.w = narrow<std::uint32_t>(surround.size() * kEyes);
-  const std::vector<DeviceMasks::Held> held = device_masks_.hold(DeviceMasks::Kind::Surround, taken(surround));
+  const std::vector<DeviceMasks::Held> held =
+      device_masks_.hold(DeviceMasks::Kind::Surround, taken(surround));
   for (std::size_t m = 0; m < surround.size(); ++m) {
     const TracedMask& mask = surround[m].mask;
     whole_ &= held[m].whole;

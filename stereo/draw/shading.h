@@ -40,8 +40,8 @@ class ShadingPass {
               const MaskDepths& depths, DeviceMasks& device_masks, const gpu::Buffer& frame,
               const MotionModel& motion, const ShadingBytes& bytes, Extent size);
 
-  /// Prepares `record`. Each mask needs its depth in its ring, unless the lookup is Direct. The left eye's shown depth is in layer `shown_layer`. If the plan
-  /// does not carry masks over, the lookup is Direct.
+  /// Prepares `record`. Each mask needs its depth in its ring, unless the lookup is Direct. The left eye's
+  /// shown depth is in layer `shown_layer`. If the plan does not carry masks over, the lookup is Direct.
   void prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
                const MasksInUse& masks, const CarryOver& carry_over);
 

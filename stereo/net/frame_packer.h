@@ -19,8 +19,8 @@ class FramePacker {
   void begin();
 
   /// Adds slices from the middle row of the views outwards, so that what matters most comes first, and those
-  /// of both eyes in turn, so that a burst of loss affects both. They contain the blocks `asked`. `sent` has one
-  /// entry for each tile, 0: the tile is not sent. If it is empty, all tiles are sent.
+  /// of both eyes in turn, so that a burst of loss affects both. They contain the blocks `asked`. `sent` has
+  /// one entry for each tile, 0: the tile is not sent. If it is empty, all tiles are sent.
   void add(const ShadowFrame& frame, const AskedBlocks& asked = {},
            const PerEye<std::span<const std::uint8_t>>& sent = {});
   void add(FrameId frame, const GBufferPlanes& gbuffer);

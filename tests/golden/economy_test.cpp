@@ -170,7 +170,8 @@ TEST_F(Economy, MasksThatFitTheShownViewsNeedNothingToCarryThemOver) {
   const DrawCounters carried = drawn(scene_with({})),
                      fitting = drawn(scene_with({}), {.carries_over = false});
   EXPECT_EQ(fitting.pipelines, 1u + 2u) << "G-buffer, and one pass per eye";
-  EXPECT_EQ(fitting.bindings, carried.bindings - 3) << "the depth pass, the list of hard pixels, and the surround";
+  EXPECT_EQ(fitting.bindings, carried.bindings - 3)
+      << "the depth pass, the list of hard pixels, and the surround";
   EXPECT_EQ(fitting.memory.now[Use::Lists], 0u);
   EXPECT_EQ(fitting.memory.now[Use::GBuffer] * 3, carried.memory.now[Use::GBuffer] * 2);
   EXPECT_LE(fitting.memory.now[Use::Masks] * 4, carried.memory.now[Use::Masks] + 1024);

@@ -194,10 +194,8 @@ std::vector<Mask> TestRig::ask_surround(Point<Stage> centre) {
   for (std::size_t pair = 0; pair < kSurroundPairs; ++pair) {
     const FrameId frame{kFirstSurroundFrame.value + narrow<std::uint32_t>(pair)};
     const StereoView faces = faces_about(centre, pair, face_size({side_px_, side_px_}));
-    requests.push_back({.frame = frame,
-                        .display_time = state_.scene_time,
-                        .scene_time = state_.scene_time,
-                        .views = faces});
+    requests.push_back(
+        {.frame = frame, .display_time = state_.scene_time, .scene_time = state_.scene_time, .views = faces});
     masks.push_back(trace(frame, faces));
   }
   std::vector<FaceRequest> asked;

@@ -25,9 +25,9 @@ class SurroundPlan {
   /// After a move by so many distances between the eyes within kStillPeriod, the old one hardly serves.
   static constexpr double kJump_eyes = 32;
 
-  /// The requests for pairs that are due in the frame that shows `shown`: one pair in a frame, but all at once
-  /// if nothing that was requested before serves. They are made for the time `lead` later. `is_under_way`: an
-  /// answer of the surround may still come.
+  /// The requests for pairs that are due in the frame that shows `shown`: one pair in a frame, but all at
+  /// once if nothing that was requested before serves. They are made for the time `lead` later.
+  /// `is_under_way`: an answer of the surround may still come.
   [[nodiscard]] std::vector<FrameRequest> ask(const FrameRequest& shown, Duration lead, SceneClock clock,
                                               SceneMotion motion, bool is_under_way);
 

@@ -68,8 +68,8 @@ struct FrameView {
   const FrameSettings& settings;  ///< the settings it was shown with
   FrameTiming timing;
   ShownAs as = ShownAs::Shaded;
-  bool start_up = false;   ///< no answer that the mode needs had come yet
-  PerEye<double> black{};  ///< the share of each eye that the server's picture does not cover
+  bool start_up = false;                   ///< no answer that the mode needs had come yet
+  PerEye<double> black{};                  ///< the share of each eye that the server's picture does not cover
   std::span<const TracedMask> surround{};  ///< the masks of the surround it was drawn with
   SurroundCost surround_cost{};
 };

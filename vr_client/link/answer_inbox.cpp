@@ -38,7 +38,8 @@ std::vector<const RequestRecord*> AnswerInbox::surround(Time until) const {
   std::array<const RequestRecord*, kSurroundPairs> newest{};
   for (const RequestRecord& record : surround_.records()) {
     const RequestRecord*& best = newest[pair_of(record.request.frame)];
-    const bool is_usable = record.anything_known() && record.origin.requested_at <= until && is_settled(record);
+    const bool is_usable =
+        record.anything_known() && record.origin.requested_at <= until && is_settled(record);
     if (is_usable && (best == nullptr || is_newer(record.request.frame, best->request.frame))) best = &record;
   }
   std::vector<const RequestRecord*> found;

@@ -17,8 +17,8 @@ constexpr Duration kContradictionTime = std::chrono::milliseconds(500);
 
 /// "video, difference".
 std::string names_of(AnswerSet answers) {
-  constexpr std::array<std::string_view, kAnswers> names{"masks", "masks of positions", "G-buffers", "video",
-                                                         "difference", "surrounds"};
+  constexpr std::array<std::string_view, kAnswers> names{"masks", "masks of positions", "G-buffers",
+                                                         "video", "difference",         "surrounds"};
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i)
     if ((answers >> i & 1u) != 0) text.append(text.empty() ? "" : ", ").append(names[i]);

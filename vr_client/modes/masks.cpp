@@ -184,7 +184,8 @@ bool nearly_shares_pixels(const View& shown, const View& traced) {
   unwidened.stage_from_eye = traced.stage_from_eye;
   if (!shares_pixels(shown, at_shown)) return false;
   const auto farthest = [](const Sides<double>& px) { return std::max({px.left, px.right, px.up, px.down}); };
-  return std::max(farthest(outside_px(shown, unwidened)), farthest(outside_px(unwidened, shown))) <= kNearly_px;
+  return std::max(farthest(outside_px(shown, unwidened)), farthest(outside_px(unwidened, shown))) <=
+         kNearly_px;
 }
 
 Lookup MaskSources::lookup(const FrameRequest& shown, Lookup requested) const {

@@ -27,8 +27,8 @@ class MaskSources {
 
   [[nodiscard]] std::span<const TracedMask> masks() const { return masks_; }
 
-  /// Direct if the first mask was traced for the pixels of `shown` (nearly_shares_pixels) and exactly its scene
-  /// time and lights, and is complete; otherwise `requested`.
+  /// Direct if the first mask was traced for the pixels of `shown` (nearly_shares_pixels) and exactly its
+  /// scene time and lights, and is complete; otherwise `requested`.
   [[nodiscard]] Lookup lookup(const FrameRequest& shown, Lookup requested) const;
 
   /// Draws the G-buffer and shades it with the masks and those of the surround, which may be null. Keeps the

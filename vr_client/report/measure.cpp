@@ -60,8 +60,8 @@ EyeErrors compare_masks(const ShownReport& shown, const EyeMask& reference) {
   if (total == 0) return errors;
   errors.mask_error = wrong / total;
   errors.known_error = total > errors.unknown ? (wrong - wrong_unknown) / (total - errors.unknown) : 0;
-  for (double* share : {&errors.newest, &errors.other_eye, &errors.older, &errors.surround, &errors.neighbours,
-                        &errors.unknown, &errors.stale})
+  for (double* share : {&errors.newest, &errors.other_eye, &errors.older, &errors.surround,
+                        &errors.neighbours, &errors.unknown, &errors.stale})
     *share /= total;
   return errors;
 }

@@ -11,8 +11,8 @@
 namespace farshade {
 
 /// Errors of one eye of one frame. Shares and errors are means over covered pixels x lights. The shares
-/// newest, other_eye, older, surround, neighbours and unknown add up to 1. If the mode shows a picture from the server,
-/// single lights cannot be distinguished, and all values but the PSNR are kNotMeasured.
+/// newest, other_eye, older, surround, neighbours and unknown add up to 1. If the mode shows a picture from
+/// the server, single lights cannot be distinguished, and all values but the PSNR are kNotMeasured.
 struct EyeErrors {
   double mask_error = 0;   ///< mean of |shown visibility - reference visibility|
   double known_error = 0;  ///< the same over pixel-lights that are not unknown

@@ -63,10 +63,10 @@ struct LegendEntry {
 [[nodiscard]] std::vector<LegendEntry> legend(Overlay overlay, std::uint32_t lights, std::uint32_t light);
 
 /// The picture of Overlay::Source, except that overlay_picture makes pixels paler that were carried over, not
-/// asked for. This eye's newest mask is green, the other eye's is cyan, older masks are blue to violet, the surround is pink,
-/// neighbouring pixels yellow and unknown pixels orange. Older masks are darker, down to the age
-/// kOldestDrawn. Red lines, one pixel in four, mark outdated pixels. Pixels without geometry are black.
-/// `ages` has one entry per mask.
+/// asked for. This eye's newest mask is green, the other eye's is cyan, older masks are blue to violet, the
+/// surround is pink, neighbouring pixels yellow and unknown pixels orange. Older masks are darker, down to
+/// the age kOldestDrawn. Red lines, one pixel in four, mark outdated pixels. Pixels without geometry are
+/// black. `ages` has one entry per mask.
 [[nodiscard]] Image<Rgb8> source_picture(const ShownReport& report, const MaskAges& ages, Extent size);
 
 /// The end of the colour scales of age.

@@ -121,7 +121,8 @@ TEST(AnswerInboxSurround, HasTheNewestSettledMaskOfEachPairApartFromTheOthers) {
   EXPECT_TRUE(inbox.surround(Time(1s)).empty());
   const auto frames_until = [&](Time until) {
     std::vector<std::uint32_t> numbers;
-    for (const RequestRecord* record : inbox.surround(until)) numbers.push_back(record->request.frame.value - first);
+    for (const RequestRecord* record : inbox.surround(until))
+      numbers.push_back(record->request.frame.value - first);
     return numbers;
   };
   for (const std::uint32_t number : {0u, 1u}) {
@@ -131,7 +132,8 @@ TEST(AnswerInboxSurround, HasTheNewestSettledMaskOfEachPairApartFromTheOthers) {
   EXPECT_EQ(frames_until(Time(1s)), (std::vector<std::uint32_t>{0, 1}));
   EXPECT_EQ(frames_until(Time(5ms)), (std::vector<std::uint32_t>{0})) << "requested until then";
   inbox.take(slice_of(first + 3), {});
-  EXPECT_EQ(frames_until(Time(1s)), (std::vector<std::uint32_t>{0, 1})) << "only a part of the newer one has come";
+  EXPECT_EQ(frames_until(Time(1s)), (std::vector<std::uint32_t>{0, 1}))
+      << "only a part of the newer one has come";
   inbox.take(report_of(first + 3), {});
   EXPECT_EQ(frames_until(Time(1s)), (std::vector<std::uint32_t>{3, 1})) << "the rest is lost";
   EXPECT_EQ(inbox.newest_known(), nullptr) << "the surround is not the newest mask of the views";

@@ -115,8 +115,16 @@ TEST(CompareMasks, EverySourceHasItsShareAndTheyAddUpToOne) {
   EXPECT_EQ(four.unknown, 0);
 
   std::mt19937 random(31);  // the seed
-  const std::array<std::uint8_t, 10> sources{
-      0, 1, 3, kOtherEye, kOtherEye + 3, kFirstFace, kFirstFace + 3, kNeighbour, kSourceUnknown, kSourceUncovered};
+  const std::array<std::uint8_t, 10> sources{0,
+                                             1,
+                                             3,
+                                             kOtherEye,
+                                             kOtherEye + 3,
+                                             kFirstFace,
+                                             kFirstFace + 3,
+                                             kNeighbour,
+                                             kSourceUnknown,
+                                             kSourceUncovered};
   for (int i = 0; i < 200; ++i) {
     const std::uint32_t lights = 1 + static_cast<std::uint32_t>(random()) % 40;
     const auto any = [&] { return sources[random() % sources.size()]; };

@@ -59,7 +59,8 @@ TEST(ShadingMotion, TheSurroundIsAGroupOfItsOwn) {
   EXPECT_EQ(result.flag(0, FARSHADE_MAX_MASKS), 1) << "the flag of a group is in its first matrices";
   EXPECT_EQ(result.flag(0, FARSHADE_MAX_MASKS + 1), 1);
   EXPECT_EQ(result.flag(1, FARSHADE_MAX_MASKS), 0) << "another instance";
-  EXPECT_EQ(result.matrices[motion_index(0, FARSHADE_MAX_MASKS, 0)][3], glm::vec4(0, 0, 0, 1)) << "has not moved since";
+  EXPECT_EQ(result.matrices[motion_index(0, FARSHADE_MAX_MASKS, 0)][3], glm::vec4(0, 0, 0, 1))
+      << "has not moved since";
   EXPECT_NE(result.matrices[motion_index(0, FARSHADE_MAX_MASKS + 1, 0)][3], glm::vec4(0, 0, 0, 1));
 }
 

@@ -61,7 +61,8 @@ TEST(Surround, AWholeOneHasAtMostAQuarterOfThePixelsOfBothViews) {
 }
 
 TEST(Surround, EachRequestOfThreeHasItsPair) {
-  for (std::uint32_t i = 0; i < 7; ++i) EXPECT_EQ(pair_of({kFirstSurroundFrame.value + i}), i % kSurroundPairs);
+  for (std::uint32_t i = 0; i < 7; ++i)
+    EXPECT_EQ(pair_of({kFirstSurroundFrame.value + i}), i % kSurroundPairs);
 }
 
 }  // namespace

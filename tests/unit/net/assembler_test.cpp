@@ -64,6 +64,31 @@ struct Prepared {
   Assembler assembler;
 };
 
+TEST(FramePacker, SendsTheMiddleOfTheViewsFirstAndBothEyesInTurn) {
+  ShadowFrame frame{{1}, kFirstLightSet, {}, {}};
+  std::mt19937 random(3);
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    frame.views[eye].size = {256, 256};
+    frame.masks[eye] = EyeMask({256, 256}, 3);
+    for (std::byte& byte : frame.masks[eye].bytes()) byte = static_cast<std::byte>(random() & 7u);
+  }
+  FramePacker packer;
+  std::vector<std::uint32_t> from_middle;
+  std::vector<Side> sides;
+  for (const std::vector<std::byte>& message : pack(packer, frame, {.frame = {1}})) {
+    const Decoded<ServerMessage> decoded = decode_server(message);
+    const auto* const slice = std::get_if<Slice>(&*decoded);
+    if (slice == nullptr) continue;
+    const std::uint32_t first = slice->first_tile / 16,
+                        last = (slice->first_tile + slice->tile_count - 1) / 16;
+    from_middle.push_back(8 < first ? first - 8 : 8 > last ? 8 - last : 0);
+    sides.push_back(slice->eye);
+  }
+  ASSERT_GT(from_middle.size(), 8u);
+  EXPECT_TRUE(std::ranges::is_sorted(from_middle));
+  EXPECT_NE(sides[0], sides[1]);
+}
+
 TEST(FramePacker, KeepsDatagramsSmallAndCountsThem) {
   const ShadowFrame frame = noisy_frame(request(1), 3);
   const auto datagrams = datagrams_of(frame);

@@ -97,7 +97,8 @@ FrameRequest surround_request(std::uint32_t number) {
 /// The frames of the jobs that are taken one after the other, each answered with nothing.
 std::vector<std::uint32_t> taken_frames(House& house) {
   std::vector<std::uint32_t> frames;
-  while (const std::optional<Job> job = house.sessions.next_job({})) frames.push_back(job->request.frame.value);
+  while (const std::optional<Job> job = house.sessions.next_job({}))
+    frames.push_back(job->request.frame.value);
   return frames;
 }
 
@@ -122,7 +123,8 @@ TEST(SessionsSurround, ANewerRequestForAPairReplacesTheOlderOne) {
     house.talk(client, 1, client.seal({.request = surround_request(number)}));
   const std::uint32_t first = kFirstSurroundFrame.value;
   EXPECT_EQ(taken_frames(house), (std::vector<std::uint32_t>{first + 1, first + 3}));
-  EXPECT_EQ(house.sessions.counters(), counted({.welcomed = 1, .requests = 4, .superseded = 1, .outdated = 1}));
+  EXPECT_EQ(house.sessions.counters(),
+            counted({.welcomed = 1, .requests = 4, .superseded = 1, .outdated = 1}));
 }
 
 TEST(SessionsSurround, IsAnsweredAtLastAlthoughOtherRequestsAlwaysWait) {
