@@ -85,17 +85,19 @@ void RunReport::keep(Expected<void> done) {
 
 void RunReport::watch(const FrameView& view) {
   const FrameId frame = view.shown.frame;
-  FrameRecord record{.frame = frame,
-                     .display_time = view.shown.display_time,
-                     .age = view.age,
-                     .delta = {},
-                     .start_up = view.start_up,
-                     .times = view.times,
-                     .black = view.black,
-                     .guard_band = guard_band_of(view),
-                     .server = {},
-                     .errors = {},
-                     .asked = view.request ? std::optional(part_of(view.request->asked)) : std::nullopt};
+  FrameRecord record{
+      .frame = frame,
+      .display_time = view.shown.display_time,
+      .age = view.age,
+      .delta = {},
+      .start_up = view.start_up,
+      .times = view.times,
+      .black = view.black,
+      .guard_band = guard_band_of(view),
+      .server = {},
+      .errors = {},
+      .asked = view.request ? std::optional(part_of(view.request->asked)) : std::nullopt,
+      .surround = view.surround_cost.bytes > 0 ? std::optional(view.surround_cost) : std::nullopt};
   if (!view.masks.empty())
     record.delta = pose_delta(view.shown.views[0], view.shown.display_time, view.masks[0].views[0],
                               view.masks[0].display_time);

@@ -94,6 +94,7 @@ TEST(FrameLog, HasARowForEveryShareOfAnEye) {
                        .newest = 0.5,
                        .other_eye = 0.25,
                        .older = 0.125,
+                       .surround = 0.015625,
                        .neighbours = 0.0625,
                        .unknown = 0.03125,
                        .stale = 0.4,
@@ -106,6 +107,7 @@ TEST(FrameLog, HasARowForEveryShareOfAnEye) {
                                                              {"from newest mask", 50},
                                                              {"from other eye's newest", 25},
                                                              {"from older masks", 12.5},
+                                                             {"from the surround", 1.5625},
                                                              {"neighbours", 6.25},
                                                              {"unknown", 3.125},
                                                              {"stale", 40}};
@@ -115,6 +117,19 @@ TEST(FrameLog, HasARowForEveryShareOfAnEye) {
     EXPECT_DOUBLE_EQ(found->spread.median, percent) << metric;
     EXPECT_EQ(found->unit, "%");
   }
+}
+
+TEST(FrameLog, StatesTheCostOfTheSurroundOverTheFramesInWhichItsAnswersCame) {
+  FrameLog log;
+  log.add(record(1));
+  FrameRecord made = record(2);
+  made.surround = {.rays = 9000, .bytes = 700, .server = Duration(2'000'000)};
+  log.add(made);
+  const auto rows = log.summary();
+  EXPECT_DOUBLE_EQ(row(rows, "server", "rays of the surround")->spread.median, 9000);
+  EXPECT_DOUBLE_EQ(row(rows, "server", "frame of the surround")->spread.median, 2);
+  EXPECT_DOUBLE_EQ(row(rows, "wire", "bytes of the surround")->spread.median, 700);
+  EXPECT_EQ(row(rows, "wire", "bytes of the surround")->spread.count, 1u);
 }
 
 TEST(FrameLog, CountsStartUpFramesAndExcludesTheirErrors) {
