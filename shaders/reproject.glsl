@@ -152,7 +152,7 @@ void add_face(uint index, SourceData source, Surface surface, inout FaceSamples 
     samples.same.at = nearer ? projection.at : samples.same.at;
     nearest = min(nearest, distance);
     float difference = abs(traced - projection.depth) / projection.depth;
-    bool closer = known && projection.depth > 0.0 && difference < samples.difference;
+    bool closer = known && traced > 0.0 && projection.depth > 0.0 && difference < samples.difference;
     samples.closest.source = closer ? index : samples.closest.source;
     samples.closest.pixel = closer ? pixel : samples.closest.pixel;
     samples.difference = closer ? difference : samples.difference;
@@ -236,7 +236,7 @@ void add_oldest_or_face(uint taken, Surface surface, uint group, Visibility8 fre
 // are stale in masks other than the first have no weight there. `nearest` is used if no pixel around the point has weight.
 Visibility8 edge_visibility(uint taken, Surface surface, uint stale, uint group, Visibility8 nearest) {
   WeightedVisibility8 sum = WeightedVisibility8(1e-4 * nearest.low, 1e-4 * nearest.high, vec4(1e-4), vec4(1e-4));
-  Visibility8 all = Visibility8(vec4(1.0), vec4(1.0)), fresh = eight_of(~stale >> (group % 4 * 8));
+  Visibility8 all = Visibility8(vec4(1.0), vec4(1.0)), fresh = eight_of((is_face(taken) ? 0u : ~stale) >> (group % 4 * 8));
   add_mask(0, surface, group, all, sum);
   add_mask(1, surface, group, fresh, sum);
   add_mask(2, surface, group, fresh, sum);

@@ -120,13 +120,17 @@ Sample direct_sample(ivec2 pixel) {
 // The rule for unknown visibility: what the surround has in the direction of the point; without it, what the newest mask
 // has in the direction of the shown pixel; lit if the head has turned too far or the mask's tile is missing.
 Visibility8 guess(ivec2 pixel, Sample closest, uint group) {
-  SourceData source = frame.sources[kNewest];
-  ivec2 there = inside(source, direct_pixel(pixel));
-  bool around = closest.source != FARSHADE_SOURCE_UNKNOWN;
-  bool known = around || (block_known(source, there) && frame.counts.z != 0u);
-  if (around) source = frame.sources[closest.source];
-  uint bits = mask_bits(source, around ? closest.pixel : there, group / 4);
-  return eight_of(known ? bits >> (group % 4 * 8) : ~0u);
+  const uint plane = group / 4;
+  SourceData newest = frame.sources[kNewest], face = newest;
+  ivec2 there = inside(newest, direct_pixel(pixel)), nearby = there;
+  bool known = block_known(newest, there) && frame.counts.z != 0u, around = closest.source != FARSHADE_SOURCE_UNKNOWN;
+  if (around) face = frame.sources[closest.source];
+  if (around) nearby = closest.pixel;
+  uint bits = known ? mask_bits(newest, there, plane) : ~0u, of_face = mask_bits(face, nearby, plane);
+  // Of lights that the viewer has changed since then, the surround knows nothing.
+  uint old = frame.changed_lights[plane / 4][plane % 4] & frame.stale_lights[FARSHADE_SINCE_SURROUND * 2 + plane / 4][plane % 4];
+  if (around) bits = (of_face & ~old) | (bits & old);
+  return eight_of(bits >> (group % 4 * 8));
 }
 
 #ifndef DIRECT

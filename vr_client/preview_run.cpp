@@ -180,9 +180,10 @@ class Preview {
     if (controls_.take(Command::RecordHead)) recordings_.toggle_head();
     if (controls_.take(Command::RecordFrames)) recordings_.toggle_frames();
     if (!controls_.take(Command::RecordCapture)) return;
-    if (recordings_.writes_capture())
+    if (recordings_.writes_capture()) {
       recordings_.end_capture();
-    else if (can_be_captured(options_.mode.mode))
+      if (client_.link) client_.link->tell({});  // requests may be for parts again
+    } else if (can_be_captured(options_.mode.mode))
       restart_ = Restart::Wanted;
     else
       recordings_.refuse_capture(name_of(options_.mode.mode));

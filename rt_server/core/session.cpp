@@ -140,7 +140,7 @@ ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) 
   const FrameId frame = message.request.frame;
   const Answer answer = message.request.answer.kind;
   const bool is_surround = answer == Answer::Surround;
-  std::optional<FrameId>& newest = is_surround ? newest_surround_ : newest_;
+  std::optional<FrameId>& newest = is_surround ? newest_surround_[pair_of(frame)] : newest_;
   if (newest && !is_newer(frame, *newest)) return ReceivedMessage::Outdated;
   if (!is_surround) update_interval(message.request, now);
   newest = frame;

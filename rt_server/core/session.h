@@ -171,7 +171,7 @@ class ClientSession {
   /// Requests for the surround wait apart, so that they and the others do not replace each other; one of each
   /// pair.
   std::array<std::optional<Job>, kSurroundPairs> waiting_surround_{};
-  std::optional<FrameId> newest_surround_{};
+  std::array<std::optional<FrameId>, kSurroundPairs> newest_surround_{};
   std::uint32_t overtaken_ = 0;  ///< other requests that were taken while the surround's waited
   std::size_t parts_bytes_ = 0;  ///< total size of waiting_->parts
   Time part_arrived_{};          ///< arrival of the newest of them, or of their request

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 #include "stereo/base/check.h"
 #include "stereo/frame/tiles.h"
@@ -23,11 +24,12 @@ std::uint32_t rows_from_middle(const Slice& slice) {
 
 /// Sorts the slices from `first` on; stable, so that both eyes' slices stay in turn.
 void FramePacker::sort_from(std::size_t first) {
-  for (std::size_t i = 1; i < from_middle_.size(); ++i)
-    for (std::size_t j = i; j > 0 && from_middle_[j] < from_middle_[j - 1]; --j) {
-      std::swap(from_middle_[j], from_middle_[j - 1]);
-      std::swap(datagrams_[first + j], datagrams_[first + j - 1]);
-    }
+  std::vector<std::size_t> order(from_middle_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return from_middle_[i]; });
+  std::vector<std::vector<std::byte>> sorted;
+  for (const std::size_t i : order) sorted.push_back(std::move(datagrams_[first + i]));
+  std::ranges::move(sorted, datagrams_.begin() + static_cast<std::ptrdiff_t>(first));
 }
 
 void FramePacker::begin() {

@@ -5,16 +5,16 @@ namespace farshade {
 /// Whether a new surround is due.
 bool SurroundPlan::is_due(const FrameRequest& shown, SceneMotion motion, bool is_under_way) {
   is_urgent_ = true;
-  if (!set_ || shown.lights.revision != set_->lights || shown.display_time < set_->begun) return true;
+  if (!set_ || shown.display_time < set_->begun) return true;
+  const Duration age = shown.display_time - set_->begun;
+  if (age < kLeastPeriod || (is_under_way && age < kStillPeriod)) return false;
   const auto place = [](const View& view) { return Point<Stage>{view.stage_from_eye.translation}; };
   const double eyes_m = length(place(shown.views[0]) - place(shown.views[1])),
                moved_m = length(Point<Stage>{head_of(shown.views).translation} - set_->centre);
-  if (eyes_m > 0 && moved_m > kJump_eyes * eyes_m) return true;
+  if (shown.lights.revision != set_->lights || (eyes_m > 0 && moved_m > kJump_eyes * eyes_m)) return true;
   is_urgent_ = false;
-  const Duration age = shown.display_time - set_->begun;
-  if (age < kLeastPeriod || (is_under_way && age < kStillPeriod)) return false;
-  if (eyes_m > 0 && moved_m > kFar_eyes * eyes_m) return true;
-  return age >= (motion == SceneMotion::Moving ? kMovingPeriod : kStillPeriod);
+  return (eyes_m > 0 && moved_m > kFar_eyes * eyes_m) ||
+         age >= (motion == SceneMotion::Moving ? kMovingPeriod : kStillPeriod);
 }
 
 FrameRequest SurroundPlan::next_pair(const FrameRequest& shown, Duration lead, SceneClock clock) {

@@ -34,16 +34,33 @@ const RequestRecord* AnswerInbox::find(FrameId frame) const {
   return found != nullptr ? found : surround_.find(frame);
 }
 
+namespace {
+
+/// Of two usable records of one pair: a whole one is better than one with holes, if both have one light set.
+/// Otherwise the newer one is.
+bool is_better(const RequestRecord& a, const RequestRecord& b) {
+  if (a.light_set_revision == b.light_set_revision && a.complete() != b.complete()) return a.complete();
+  return is_newer(a.request.frame, b.request.frame);
+}
+
+}  // namespace
+
 std::vector<const RequestRecord*> AnswerInbox::surround(Time until) const {
-  std::array<const RequestRecord*, kSurroundPairs> newest{};
+  const auto is_final = [&](const RequestRecord& record) {
+    return record.complete() || record.report ||
+           std::ranges::any_of(surround_.records(), [&](const RequestRecord& other) {
+             return other.anything_known() && is_newer(other.request.frame, record.request.frame) &&
+                    pair_of(other.request.frame) == pair_of(record.request.frame);
+           });
+  };
+  std::array<const RequestRecord*, kSurroundPairs> best{};
   for (const RequestRecord& record : surround_.records()) {
-    const RequestRecord*& best = newest[pair_of(record.request.frame)];
-    const bool is_usable =
-        record.anything_known() && record.origin.requested_at <= until && is_settled(record);
-    if (is_usable && (best == nullptr || is_newer(record.request.frame, best->request.frame))) best = &record;
+    const RequestRecord*& of_pair = best[pair_of(record.request.frame)];
+    if (!record.anything_known() || record.origin.requested_at > until || !is_final(record)) continue;
+    if (of_pair == nullptr || is_better(record, *of_pair)) of_pair = &record;
   }
   std::vector<const RequestRecord*> found;
-  std::ranges::copy_if(newest, std::back_inserter(found), [](const RequestRecord* record) { return record; });
+  std::ranges::copy_if(best, std::back_inserter(found), [](const RequestRecord* record) { return record; });
   return found;
 }
 

@@ -39,8 +39,8 @@ class AnswerInbox {
   [[nodiscard]] const RequestRecord* newest_known() const { return assembler_.newest_known(); }
   /// The records with any piece that were asked for up to the display time `until`, newest first.
   [[nodiscard]] std::vector<const RequestRecord*> received(Time until) const;
-  /// The newest settled record of each pair of the surround that was asked for up to the display time
-  /// `until`.
+  /// The best record of each pair of the surround that was asked for up to the display time `until`: the
+  /// newest whole one, else the newest that is as complete as it will be.
   [[nodiscard]] std::vector<const RequestRecord*> surround(Time until) const;
   /// All records of the surround, in no particular order.
   [[nodiscard]] std::span<const RequestRecord> surround_records() const { return surround_.records(); }

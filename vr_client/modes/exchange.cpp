@@ -11,6 +11,23 @@ constexpr Duration kIdle = std::chrono::seconds(1), kPoll = std::chrono::millise
 
 }  // namespace
 
+bool wait_until_idle(AnswerLink& link, FrameId frame, Duration patience) {
+  const auto known = [&] {
+    const RequestRecord* const received = link.inbox().find(frame);
+    // A report alone is news, too: nothing that was asked for has reached the server.
+    return received == nullptr ? 0 : received->pieces_known() + (received->report ? 1 : 0);
+  };
+  std::uint32_t before = 0;
+  Duration idle{};
+  for (Duration waited{}; waited <= patience && idle < kIdle; waited += kPoll) {
+    if (link.wait_for(frame, std::min(kPoll, patience - waited))) return true;
+    const bool is_waiting_for_more = before > 0 && known() == before;
+    idle = is_waiting_for_more ? idle + kPoll : Duration::zero();
+    before = known();
+  }
+  return before > 0;
+}
+
 DrawnFrame draw_black(Renderer& renderer, const StereoView& shown) {
   const PerEye<Image<Rgb8>> black{Image<Rgb8>(shown[0].size), Image<Rgb8>(shown[1].size)};
   return {.drawn = renderer.show_turned(black, shown, shown),
@@ -90,27 +107,10 @@ void Exchange::wait_for_answer() {
   } else if (requested_ != waited_for_) {
     const Duration patience = is_answering_ ? kVirtualPatience : Duration::zero();
     const RequestRecord* const before = link_->inbox().find(waited_for_);
-    is_answering_ = wait_until_idle(patience) || (before != nullptr && before->complete());
+    is_answering_ =
+        wait_until_idle(*link_, requested_, patience) || (before != nullptr && before->complete());
     waited_for_ = requested_;
   }
-}
-
-/// True if at least a part of the answer has come.
-bool Exchange::wait_until_idle(Duration patience) {
-  const auto known = [&] {
-    const RequestRecord* const received = link_->inbox().find(requested_);
-    // A report alone is news, too: nothing that was asked for has reached the server.
-    return received == nullptr ? 0 : received->pieces_known() + (received->report ? 1 : 0);
-  };
-  std::uint32_t before = 0;
-  Duration idle{};
-  for (Duration waited{}; waited <= patience && idle < kIdle; waited += kPoll) {
-    if (link_->wait_for(requested_, std::min(kPoll, patience - waited))) return true;
-    const bool is_waiting_for_more = before > 0 && known() == before;
-    idle = is_waiting_for_more ? idle + kPoll : Duration::zero();
-    before = known();
-  }
-  return before > 0;
 }
 
 Time Exchange::usable_until(Time display_time) const {

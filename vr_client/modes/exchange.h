@@ -10,6 +10,10 @@ namespace farshade {
 /// picture depends on the configured delay alone. An answer that takes longer than this counts as lost.
 inline constexpr Duration kVirtualPatience = std::chrono::seconds(5);
 
+/// In virtual time: waits in real time until the whole answer to `frame` has come, or nothing more of it for
+/// a second, or `patience` is over. True if at least a part has come.
+bool wait_until_idle(AnswerLink& link, FrameId frame, Duration patience);
+
 /// The time since a request was made.
 [[nodiscard]] inline Duration age_of(const RequestRecord& record, const FrameInputs& inputs) {
   return inputs.shown.display_time - record.origin.requested_at;
@@ -62,7 +66,6 @@ class Exchange {
 
  private:
   void wait_for_answer();
-  bool wait_until_idle(Duration patience);
   void settle(const FrameInputs& inputs);
   [[nodiscard]] Time usable_until(Time display_time) const;
 

@@ -178,21 +178,11 @@ void MaskSources::take(std::span<const RequestRecord* const> usable, const Reque
   for (const RequestRecord* record : records_) masks_.push_back(mask_of(*record));
 }
 
-bool nearly_shares_pixels(const View& shown, const View& traced) {
-  View at_shown = traced, unwidened = shown;
-  at_shown.stage_from_eye = shown.stage_from_eye;
-  unwidened.stage_from_eye = traced.stage_from_eye;
-  if (!shares_pixels(shown, at_shown)) return false;
-  const auto farthest = [](const Sides<double>& px) { return std::max({px.left, px.right, px.up, px.down}); };
-  return std::max(farthest(outside_px(shown, unwidened)), farthest(outside_px(unwidened, shown))) <=
-         kNearly_px;
-}
-
 Lookup MaskSources::lookup(const FrameRequest& shown, Lookup requested) const {
   if (masks_.empty()) return requested;
   const TracedMask& first = masks_[0];
   const auto is_same = [&](std::size_t eye) {
-    return nearly_shares_pixels(shown.views[eye], first.views[eye]) && records_[0]->complete(kSides[eye]);
+    return shares_pixels(shown.views[eye], first.views[eye]) && records_[0]->complete(kSides[eye]);
   };
   const bool is_exact = is_same(0) && is_same(1) && first.light_set_revision == shown.lights.revision &&
                         (!is_animated_ || same_instant(first.scene_time, shown.scene_time));

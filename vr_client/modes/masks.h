@@ -10,11 +10,6 @@ namespace farshade {
 /// The masks of an answer. References to the record are kept.
 [[nodiscard]] TracedMask mask_of(const RequestRecord& record);
 
-/// Whether the pixels of both views are the same but for kNearly_px, for surfaces kNearest_m away or further.
-/// Then a traced pixel is a better sample of a shadow edge than a mean of pixels around it.
-inline constexpr double kNearly_px = 0.1;
-[[nodiscard]] bool nearly_shares_pixels(const View& shown, const View& traced);
-
 class MaskSources {
  public:
   /// `is_animated`: the scene has animations, so a mask is exact at one scene time only.
@@ -27,8 +22,8 @@ class MaskSources {
 
   [[nodiscard]] std::span<const TracedMask> masks() const { return masks_; }
 
-  /// Direct if the first mask was traced for the pixels of `shown` (nearly_shares_pixels) and exactly its
-  /// scene time and lights, and is complete; otherwise `requested`.
+  /// Direct if the first mask was traced for exactly the pixels, scene time and lights of `shown` and is
+  /// complete; otherwise `requested`.
   [[nodiscard]] Lookup lookup(const FrameRequest& shown, Lookup requested) const;
 
   /// Draws the G-buffer and shades it with the masks and those of the surround, which may be null. Keeps the

@@ -35,8 +35,10 @@ void Surround::receive(const FrameInputs& inputs) {
   cost_ = {};
   if (link_ == nullptr) return;
   const bool is_virtual = policy_.pace == Pace::Virtual;
+  // After a server has let the patience run out, the client does not wait until it has answered again.
   if (is_virtual)
-    for (const FrameId sent : sent_) link_->wait_for(sent, kVirtualPatience);
+    for (const FrameId sent : sent_)
+      is_answering_ = wait_until_idle(*link_, sent, is_answering_ ? kVirtualPatience : Duration::zero());
   const Time until = is_virtual ? inputs.shown.display_time - policy_.delay + policy_.mask_wait : Time::max();
   for (const RequestRecord* record : link_->inbox().surround(until)) masks_.push_back(mask_of(*record));
   add_costs();
@@ -51,15 +53,14 @@ std::vector<FaceRequest> Surround::asked() const {
 }
 
 void Surround::add_costs() {
-  std::optional<FrameId> newest = newest_counted_;
+  const std::optional<Time> counted = counted_until_;
   for (const RequestRecord& record : link_->inbox().surround_records()) {
-    if (!record.report || (newest_counted_ && !is_newer(record.request.frame, *newest_counted_))) continue;
+    if (!record.report || (counted && *record.report_arrived <= *counted)) continue;
     cost_.rays += record.report->primary_rays + record.report->shadow_rays;
     cost_.bytes += record.report->payload_bytes;
     cost_.server += total_work(*record.report);
-    if (!newest || is_newer(record.request.frame, *newest)) newest = record.request.frame;
+    counted_until_ = std::max(counted_until_.value_or(*record.report_arrived), *record.report_arrived);
   }
-  newest_counted_ = newest;
 }
 
 }  // namespace farshade

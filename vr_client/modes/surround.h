@@ -38,7 +38,8 @@ class Surround {
   SurroundPlan plan_;
   std::vector<FrameRequest> requests_;  ///< planned, not sent
   std::vector<FrameId> sent_;           ///< in this frame
-  std::optional<FrameId> newest_counted_;
+  std::optional<Time> counted_until_;   ///< arrival of the newest report in `cost_` so far
+  bool is_answering_ = true;
   std::vector<TracedMask> masks_;
   SurroundCost cost_;
 };

@@ -101,6 +101,15 @@ TEST(SurroundPlan, AsksAgainAtOnceWhenTheLightsChange) {
   FrameRequest changed = shown_at(500ms);
   changed.lights.revision = {7};
   EXPECT_EQ(bench.ask(changed).size(), kSurroundPairs);
+  // A light that is dragged changes in every frame.
+  changed.lights.revision = {8};
+  changed.display_time += kFrame;
+  EXPECT_TRUE(bench.ask(changed).empty());
+  changed.display_time += SurroundPlan::kLeastPeriod;
+  bench.is_under_way = true;
+  EXPECT_TRUE(bench.ask(changed).empty()) << "its answer would never find its record";
+  bench.is_under_way = false;
+  EXPECT_EQ(bench.ask(changed).size(), kSurroundPairs);
   EXPECT_TRUE(bench.plan.is_urgent());
 }
 

@@ -135,11 +135,17 @@ TEST(AnswerInboxSurround, HasTheNewestSettledMaskOfEachPairApartFromTheOthers) {
   EXPECT_EQ(frames_until(Time(1s)), (std::vector<std::uint32_t>{0, 1}))
       << "only a part of the newer one has come";
   inbox.take(report_of(first + 3), {});
-  EXPECT_EQ(frames_until(Time(1s)), (std::vector<std::uint32_t>{3, 1})) << "the rest is lost";
+  EXPECT_EQ(frames_until(Time(1s)), (std::vector<std::uint32_t>{0, 1})) << "the rest is lost";
+  inbox.take(slice_of(first + 3, Side::Right), {});
+  EXPECT_EQ(frames_until(Time(1s)), (std::vector<std::uint32_t>{3, 1}));
+  inbox.take(slice_of(first + 2), {});
+  EXPECT_EQ(frames_until(Time(1s)), (std::vector<std::uint32_t>{3, 1})) << "more of pair 2 may come";
+  inbox.take(report_of(first + 2), {});
+  EXPECT_EQ(frames_until(Time(1s)), (std::vector<std::uint32_t>{3, 1, 2})) << "better than nothing";
   EXPECT_EQ(inbox.newest_known(), nullptr) << "the surround is not the newest mask of the views";
   EXPECT_FALSE(inbox.is_settled(*inbox.find({1})));
   EXPECT_TRUE(inbox.received(Time(1s)).empty());
-  EXPECT_EQ(inbox.counters().slices, 5u);
+  EXPECT_EQ(inbox.counters().slices, 7u);
   inbox.take(report_of(first + 4, ViewScale{3}), {});
   EXPECT_EQ(inbox.view_scale(), kFullViewScale) << "the scale is that of the views";
 }

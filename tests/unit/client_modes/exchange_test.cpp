@@ -336,17 +336,6 @@ TEST(MaskSources, AreReadDirectlyWhereTheFirstIsExact) {
   other = client.shown;
   other.views[1].stage_from_eye.translation.x += 0.1;
   EXPECT_EQ(lookup(other), Lookup::Reproject) << "the right eye has moved";
-  for (const double sign : {-1.0, 1.0})
-    for (int axis = 0; axis < 3; ++axis) {
-      const View& view = client.shown.views[1];
-      const FovTangents window = tangents_of(view.fov);
-      const double px = (window.right_tan - window.left_tan) / view.size.width;  // 1 m away, metres
-      other = client.shown;
-      other.views[1].stage_from_eye.translation[axis] += sign * 0.05 * px;
-      EXPECT_EQ(lookup(other), Lookup::Direct) << "a twentieth of a pixel on axis " << axis;
-      other.views[1].stage_from_eye.translation[axis] += sign * 0.45 * px;
-      EXPECT_EQ(lookup(other), Lookup::Reproject) << "half a pixel on axis " << axis;
-    }
   other = client.shown;
   change(other.lights, 0, false, std::nullopt);
   EXPECT_EQ(lookup(other), Lookup::Reproject) << "another light set";

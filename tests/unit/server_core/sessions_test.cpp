@@ -127,6 +127,15 @@ TEST(SessionsSurround, ANewerRequestForAPairReplacesTheOlderOne) {
             counted({.welcomed = 1, .requests = 4, .superseded = 1, .outdated = 1}));
 }
 
+TEST(SessionsSurround, PairsThatOvertookEachOtherAreAllAnswered) {
+  House house;
+  house.sessions.offer(kTracedAnswers);
+  LinkClient client = house.join(1);
+  for (const std::uint32_t number : {1u, 2u, 0u})
+    house.talk(client, 1, client.seal({.request = surround_request(number)}));
+  EXPECT_EQ(taken_frames(house).size(), 3u);
+}
+
 TEST(SessionsSurround, IsAnsweredAtLastAlthoughOtherRequestsAlwaysWait) {
   House house;
   house.sessions.offer(kTracedAnswers);
