@@ -233,7 +233,8 @@ void add_oldest_or_face(uint taken, Surface surface, uint group, Visibility8 fre
 }
 
 // The visibility of eight lights at a point near a shadow edge, whose bits are those of the source `taken`. Lights that
-// are stale in masks other than the first have no weight there. `nearest` is used if no pixel around the point has weight.
+// are stale in masks other than the first have no weight there; if `taken` is a face, older masks have none at all.
+// `nearest` is used if no pixel around the point has weight.
 Visibility8 edge_visibility(uint taken, Surface surface, uint stale, uint group, Visibility8 nearest) {
   WeightedVisibility8 sum = WeightedVisibility8(1e-4 * nearest.low, 1e-4 * nearest.high, vec4(1e-4), vec4(1e-4));
   Visibility8 all = Visibility8(vec4(1.0), vec4(1.0)), fresh = eight_of((is_face(taken) ? 0u : ~stale) >> (group % 4 * 8));
