@@ -120,10 +120,11 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   print_keys(options, ring->size());
   fmt::print("rt_server: listening on {}\n", address);
   std::fflush(stdout);
+  // The port is open: what clients send from here on waits in its socket.
+  Expected<void> written = write_ready_file(options, fmt::format("{} {}", kReadyListening, address));
+  if (!written) return written;
   {
     const Serving serving(core);
-    Expected<void> written = write_ready_file(options, fmt::format("{} {}", kReadyListening, address));
-    if (!written) return written;
     stop.wait([&] { print_counters(core); });
   }
   print_counters(core);
