@@ -95,7 +95,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   if (Expected<void> removed = remove_old_ready_file(options); !removed) return removed;
   Expected<Scene> loaded = load_scene(options.scene);
   if (!loaded) return tl::unexpected(loaded.error());
-  const auto [scene, plan] = plan_scene(std::move(*loaded), {.kind = options.plan.kind});
+  const auto [scene, plan] = plan_scene(std::move(*loaded), {.kind = options.plan.kind, .surround = false});
   if (options.plan.prints_only) {
     fmt::print("{}  {:<12} the tracer holds {}\n", in_words(plan, scene), "memory",
                in_words(estimated_memory(scene, plan.trace)));

@@ -225,8 +225,8 @@ void add_oldest_or_face(uint taken, Surface surface, uint group, Visibility8 fre
   if (face) source = frame.sources[taken];
   Projection projection = project(face ? mask_of(taken) : oldest, source, surface);
   ivec2 corner = corner_at(projection.at);
-  vec4 of_view = gather_views(corner, source.place.x), of_face = gather_faces(corner, source.place.x);
-  vec4 depths = mix(of_view, of_face, bvec4(face));
+  vec4 depths = gather_views(corner, source.place.x);
+  if (kSurround) depths = mix(depths, gather_faces(corner, source.place.x), bvec4(face));
   fresh.low = max(fresh.low, vec4(face));
   fresh.high = max(fresh.high, vec4(face));
   add_pixels_around(source, projection, depths, face || oldest < frame.counts.x, group, fresh, sum);

@@ -39,6 +39,7 @@ layout(constant_id = FARSHADE_CONSTANT_EDGE_BIT) const uint kEdgeBit = 1;
 layout(constant_id = FARSHADE_CONSTANT_MAP_SIDE) const uint kMapSide = 1;
 layout(constant_id = FARSHADE_CONSTANT_PCF_RADIUS) const uint kPcfRadius = 0;
 layout(constant_id = FARSHADE_CONSTANT_DETAIL) const float kDetail_px = 0.0;
+layout(constant_id = FARSHADE_CONSTANT_SURROUND) const bool kSurround = true;
 
 layout(binding = 0) uniform Frame { FrameData frame; };
 layout(binding = 1) uniform Lights { LightData lights[kLights + 1]; };
@@ -179,7 +180,7 @@ Lookup look_up(ivec2 pixel, Surface surface) {
   else
     result.taken = first_sample(surface);
   result.closest = Sample(FARSHADE_SOURCE_UNKNOWN, false, ivec2(0), vec2(0.0));
-  if (kSecondLook) {
+  if (kSecondLook && kSurround) {
     bool unseen = result.taken.source == FARSHADE_SOURCE_UNKNOWN;
     FaceSamples around = surround_samples(surface, unseen);
     if (unseen) result.taken = around.same;

@@ -82,10 +82,18 @@ std::uint32_t frames_in_flight(const Options& options) {
          4;
 }
 
+/// Only mode hybrid requests a surround, and only a reprojection can look it up. The viewer of a preview may
+/// switch the reprojection on.
+bool needs_surround(const Options& options) {
+  return options.mode.mode == Mode::Hybrid &&
+         (options.preview || options.carry_over.lookup == Lookup::Reproject);
+}
+
 SessionNeeds needs_of(const Options& options, double eye_distance_m) {
   return {.kind = options.plan.kind,
           .two_views = eye_distance_m != 0,
           .carries_over = carries_over(options.mode.mode),
+          .surround = needs_surround(options),
           .detail_px = options.detail_px.value_or(default_detail_px(options.mode.mode))};
 }
 

@@ -2,7 +2,9 @@
 
 #include "stereo/draw/carry_pass.h"
 #include "stereo/draw/gbuffer_transfer.h"
+#include "stereo/draw/read_back.h"
 #include "stereo/draw/shading.h"
+#include "stereo/draw/surround_faces.h"
 #include "stereo/draw/turn_pass.h"
 
 namespace farshade {
@@ -11,9 +13,10 @@ namespace {
 /// One timestamp before each stage of a frame, and one after the last.
 constexpr std::uint32_t kStamps = 5;
 
-std::optional<DepthRing> face_ring(const gpu::Device& device, const DrawPlan& plan, Extent size) {
-  if (!carries_masks(plan)) return std::nullopt;
-  return std::optional<DepthRing>(std::in_place, device, face_size(size), kSurroundSlots);
+std::optional<SurroundFaces> faces_of(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+                                      const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size) {
+  if (most_surround(plan) == 0) return std::nullopt;
+  return std::optional<SurroundFaces>(std::in_place, device, scene, plan, buffers, frame, size);
 }
 
 }  // namespace
@@ -36,7 +39,7 @@ class Renderer::Parts {
                                  const StereoView& from);
   void forget();
   [[nodiscard]] bool has_depth(FrameId frame) const {
-    return ring_.has(frame) || (faces_ && faces_->has(frame));
+    return ring_.has(frame) || (faces_ && faces_->ring().has(frame));
   }
   [[nodiscard]] const gpu::Image& shown() const { return shading_.shown(); }
   [[nodiscard]] PerEye<Image<Rgb8>> read_shown();
@@ -49,10 +52,7 @@ class Renderer::Parts {
  private:
   enum class Stage : std::uint8_t { Shade, Both, Received };
   void place_depth(const ShownFrame& frame);
-  void place_faces(const ShownFrame& frame);
   void make_depth_pass();
-  void make_face_passes();
-  [[nodiscard]] std::uint64_t face_triangles(std::size_t pairs) const;
   void prepare_shading(const ShownFrame& frame);
   ShadowMaps& need_maps(const ShadowMapSettings& settings);
   DrawTimes submit(const ShownFrame& frame, Stage stage);
@@ -61,7 +61,6 @@ class Renderer::Parts {
   TurnPass& need_turn();
   Duration submit_turn(const StereoView& from, const StereoView& shown, TurnPass::Source source,
                        TurnPass::Effect effect);
-  void read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers, Extent size);
   void read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into);
 
   const gpu::Device& device_;
@@ -72,11 +71,10 @@ class Renderer::Parts {
   MotionModel motion_;
   gpu::Buffer frame_buffer_;  ///< one FrameData for all passes
   DepthRing ring_;
-  std::optional<DepthRing> faces_;  ///< of the surround; set if masks are carried over
+  std::optional<SurroundFaces> faces_;  ///< set if the plan has a surround
   GBufferPass gbuffer_;
   GBufferTransfer transfer_;
   std::optional<DepthPass> depth_pass_;    ///< created at first use
-  std::vector<DepthPass> face_passes_;     ///< one for each pair; created at first use
   std::optional<ShadowMaps> shadow_maps_;  ///< created at first use
   const ShadingBytes bytes_;
   DeviceMasks masks_;
@@ -85,11 +83,10 @@ class Renderer::Parts {
   std::optional<TurnPass> turn_;                     ///< created at first use
   DepthRing::Place shown_depth_;                     ///< of the last drawn frame
   std::optional<DepthRing::Place> requested_depth_;  ///< set if the depth pass must draw
-  std::vector<DepthRing::Place> requested_faces_;  ///< one for each of the first face passes, which must draw
   vk::raii::CommandBuffer commands_{nullptr};
   vk::raii::Fence fence_{nullptr};
   gpu::Timestamps stamps_;
-  gpu::Buffer readback_;  ///< created at first use
+  ReadBack read_back_;
 };
 
 Renderer::Parts::Parts(const gpu::Device& device, const Scene& scene, DrawPlan plan,
@@ -104,32 +101,27 @@ Renderer::Parts::Parts(const gpu::Device& device, const Scene& scene, DrawPlan p
       frame_buffer_(gpu::make_mapped_buffer(
           device, sizeof(gpu::FrameData), vk::BufferUsageFlagBits::eUniformBuffer, "frame", gpu::Use::Frame)),
       ring_(device, limits.traced_size, limits.depth_frames),
-      faces_(face_ring(device, plan_, limits.size)),
+      faces_(faces_of(device, scene, plan_, buffers_, frame_buffer_, limits.size)),
       gbuffer_(device, scene, plan_, buffers_, frame_buffer_, limits.size),
       transfer_(device, gbuffer_, ring_, limits.size),
       bytes_(shading_bytes(plan_, limits.size, limits.traced_size)),
       masks_(device, plan_, bytes_),
-      shading_(device, plan_, gbuffer_, {ring_, faces_}, masks_, frame_buffer_, motion_, bytes_, limits.size),
+      shading_(device, plan_, gbuffer_, {ring_, faces_ ? &faces_->ring() : nullptr}, masks_, frame_buffer_,
+               motion_, bytes_, limits.size),
       shown_depth_(ring_.shown()),
       commands_(std::move(device.logical.allocateCommandBuffers({.commandPool = *device.commands,
                                                                  .level = vk::CommandBufferLevel::ePrimary,
                                                                  .commandBufferCount = 1})[0])),
       fence_(device.logical.createFence({})),
-      stamps_(device, kStamps) {
+      stamps_(device, kStamps),
+      read_back_(device) {
   check(limits.traced_size.width >= size_.width && limits.traced_size.height >= size_.height,
         "traced views may be as large as shown views");
   if (plan_.depth_pass && !plan_.builds_late) make_depth_pass();
-  if (faces_ && !plan_.builds_late) make_face_passes();
 }
 
 void Renderer::Parts::make_depth_pass() {
   depth_pass_.emplace(device_, scene_, plan_, buffers_, frame_buffer_);
-}
-
-void Renderer::Parts::make_face_passes() {
-  face_passes_.reserve(kSurroundPairs);
-  for (std::size_t pair = 0; pair < kSurroundPairs; ++pair)
-    face_passes_.emplace_back(device_, scene_, plan_, buffers_, frame_buffer_);
 }
 
 /// Chooses where the depth of the shown views goes, and that of the requested views if they differ.
@@ -151,21 +143,6 @@ void Renderer::Parts::place_depth(const ShownFrame& frame) {
   depth_pass_->prepare(frame.request->views,
                        plan_.anything_moves() ? state_at(scene_, frame.request->scene_time) : frame.state,
                        frame.detail);
-}
-
-/// Chooses where the depth of requested faces of the surround goes.
-void Renderer::Parts::place_faces(const ShownFrame& frame) {
-  requested_faces_.clear();
-  if (!faces_) return;
-  for (const FaceRequest& pair : frame.faces) {
-    const std::optional<DepthRing::Place> place = faces_->claim(pair.request.frame, pair.slot);
-    if (!place || requested_faces_.size() == kSurroundPairs) continue;
-    if (face_passes_.empty()) make_face_passes();
-    face_passes_[requested_faces_.size()].prepare(
-        pair.request.views, plan_.anything_moves() ? state_at(scene_, pair.request.scene_time) : frame.state,
-        frame.detail);
-    requested_faces_.push_back(*place);
-  }
 }
 
 /// What has moved since a mask was traced.
@@ -190,7 +167,7 @@ void Renderer::Parts::prepare_shading(const ShownFrame& frame) {
     if (masks.views.size() < most_masks(plan_) && (is_direct || ring_.has(mask.frame)))
       masks.views.push_back({mask, motion_since(mask, frame.state)});
   for (const TracedMask& mask : frame.surround)
-    if (masks.surround.size() < most_surround(plan_) && !is_direct && faces_->has(mask.frame))
+    if (masks.surround.size() < most_surround(plan_) && !is_direct && faces_->ring().has(mask.frame))
       masks.surround.push_back({mask, motion_since(mask, frame.state)});
   shading_.prepare(shown_depth_.layer, frame.views, frame.state.light_set, masks, frame.carry_over);
 }
@@ -213,7 +190,7 @@ void Renderer::Parts::forget() {
 DrawTimes Renderer::Parts::draw(const ShownFrame& frame) {
   const Stopwatch watch;
   place_depth(frame);
-  place_faces(frame);
+  if (faces_) faces_->prepare(frame);
   gbuffer_.prepare(frame.views, frame.state, frame.detail);
   prepare_shading(frame);
   DrawTimes times = submit(frame, Stage::Both);
@@ -226,14 +203,13 @@ void Renderer::Parts::compile_ahead(const CarryOver& carry_over, PixelReport rep
   gbuffer_.prepare_warm_up();
   if (plan_.depth_pass && !depth_pass_) make_depth_pass();
   if (depth_pass_) depth_pass_->prepare_warm_up();
-  if (faces_ && face_passes_.empty()) make_face_passes();
-  for (DepthPass& pass : face_passes_) pass.prepare_warm_up();
+  if (faces_) faces_->prepare_warm_up();
   if (carries_masks(plan_)) need_carry().make_all_pipelines();
   frame_buffer_.as<gpu::FrameData>()[0] = {};  // pictures of no pixels
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
     gbuffer_.record(commands, ring_, ring_.shown());
     if (depth_pass_) depth_pass_->record(commands, ring_, ring_.shown());
-    for (DepthPass& pass : face_passes_) pass.record(commands, *faces_, faces_->shown());
+    if (faces_) faces_->record_warm_up(commands);
     shading_.record_warm_up(commands, carry_over, report, changes);
   });
 }
@@ -314,13 +290,6 @@ DrawTimes Renderer::Parts::draw_received(const GBufferPlanes& planes, const Show
   return times;
 }
 
-/// Of the first so many face passes.
-std::uint64_t Renderer::Parts::face_triangles(std::size_t pairs) const {
-  std::uint64_t triangles = 0;
-  for (std::size_t pair = 0; pair < pairs; ++pair) triangles += face_passes_[pair].scene_pass().triangles();
-  return triangles;
-}
-
 DrawTimes Renderer::Parts::submit(const ShownFrame& frame, Stage stage) {
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
@@ -333,9 +302,8 @@ DrawTimes Renderer::Parts::submit(const ShownFrame& frame, Stage stage) {
   stamps_.write(commands_, 1);
   const bool draws_depth = stage != Stage::Shade && requested_depth_.has_value();
   if (draws_depth) depth_pass_->record(commands_, ring_, *requested_depth_);
-  const std::size_t pairs = stage != Stage::Shade ? requested_faces_.size() : 0;
-  for (std::size_t pair = 0; pair < pairs; ++pair)
-    face_passes_[pair].record(commands_, *faces_, requested_faces_[pair]);
+  const bool draws_faces = stage != Stage::Shade && faces_.has_value();
+  if (draws_faces) faces_->record(commands_);
   stamps_.write(commands_, 2);
   if (frame.shadow_maps != nullptr) shadow_maps_->record(commands_);
   const bool draws_maps = frame.shadow_maps != nullptr && shadow_maps_->due();
@@ -348,10 +316,10 @@ DrawTimes Renderer::Parts::submit(const ShownFrame& frame, Stage stage) {
           .depth = stamps_.between(1, 2),
           .shade = stamps_.between(3, 4),
           .maps = draws_maps ? stamps_.between(2, 3) : Duration{},
-          .triangles = {
-              .gbuffer = stage == Stage::Both ? gbuffer_.scene_pass().triangles() : 0,
-              .depth = (draws_depth ? depth_pass_->scene_pass().triangles() : 0) + face_triangles(pairs),
-              .maps = draws_maps ? shadow_maps_->scene_pass().triangles() : 0}};
+          .triangles = {.gbuffer = stage == Stage::Both ? gbuffer_.scene_pass().triangles() : 0,
+                        .depth = (draws_depth ? depth_pass_->scene_pass().triangles() : 0) +
+                                 (draws_faces ? faces_->triangles() : 0),
+                        .maps = draws_maps ? shadow_maps_->scene_pass().triangles() : 0}};
 }
 
 TurnPass& Renderer::Parts::need_turn() {
@@ -399,8 +367,7 @@ Duration Renderer::Parts::submit_turn(const StereoView& from, const StereoView& 
 }
 
 PerEye<Image<Rgb8>> Renderer::Parts::read_shown() {
-  read_back(shading_.shown(), vk::ImageLayout::eGeneral, {0, kEyes}, size_);
-  const auto pixels = readback_.as<const Rgba8>();
+  const auto pixels = read_back_.read<Rgba8>(shading_.shown(), vk::ImageLayout::eGeneral, 0, size_);
   PerEye<Image<Rgb8>> result{Image<Rgb8>(size_), Image<Rgb8>(size_)};
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     for (std::size_t i = 0; i < size_.pixels(); ++i)
@@ -415,8 +382,8 @@ PerEye<Image<float>> Renderer::Parts::read_distance() {
 }
 
 void Renderer::Parts::read_distance(DepthRing::Place place, Extent size, PerEye<Image<float>>& into) {
-  read_back(ring_.image(), vk::ImageLayout::eShaderReadOnlyOptimal, {place.layer, kEyes}, size);
-  const auto depths = readback_.as<const float>();
+  const auto depths =
+      read_back_.read<float>(ring_.image(), vk::ImageLayout::eShaderReadOnlyOptimal, place.layer, size);
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     into[eye].size = size;
     into[eye].pixels.resize(size.pixels());
@@ -442,8 +409,8 @@ DrawCounters Renderer::Parts::counters() const {
   };
   add(gbuffer_.scene_pass(), true, counters.gbuffer_triangles);
   if (depth_pass_) add(depth_pass_->scene_pass(), requested_depth_.has_value(), counters.depth_triangles);
-  for (std::size_t pair = 0; pair < face_passes_.size(); ++pair)
-    add(face_passes_[pair].scene_pass(), pair < requested_faces_.size(), counters.depth_triangles);
+  for (std::size_t pair = 0; faces_ && pair < faces_->passes().size(); ++pair)
+    add(faces_->passes()[pair].scene_pass(), pair < faces_->pairs(), counters.depth_triangles);
   if (shadow_maps_) {
     add(shadow_maps_->scene_pass(), shadow_maps_->due(), counters.map_triangles);
     counters.bindings += shadow_maps_->bindings().kinds.size();
@@ -461,23 +428,6 @@ DrawCounters Renderer::Parts::counters() const {
   for (const gpu::Bindings& set : buffers_.texture_sets) counters.bindings += set.kinds.size();
   for (const DeviceMesh& mesh : buffers_.meshes) counters.vertex_bytes += mesh.bytes.total();
   return counters;
-}
-
-/// Copies the top left `size` pixels of layers of an image in `layout` to `readback_`, four bytes per pixel.
-void Renderer::Parts::read_back(const gpu::Image& image, vk::ImageLayout layout, gpu::LayerRange layers,
-                                Extent size) {
-  constexpr auto source = vk::ImageLayout::eTransferSrcOptimal;
-  const std::size_t bytes = size.pixels() * kEyes * 4;
-  if (readback_.bytes < bytes) readback_ = gpu::make_readback_buffer(device_, bytes, "read-back");
-  gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
-    gpu::transition(commands, image, layout, source, layers);
-    commands.copyImageToBuffer(
-        *image.image, source, *readback_.buffer,
-        vk::BufferImageCopy{.imageSubresource = {image.aspect, 0, layers.first, layers.count},
-                            .imageExtent = {size.width, size.height, 1}});
-    gpu::transition(commands, image, source, layout, layers);
-    gpu::show_copies_to_host(commands);
-  });
 }
 
 Renderer::Renderer(const gpu::Device& device, const Scene& scene, DrawPlan plan, const RendererLimits& limits,

@@ -116,8 +116,10 @@ void ShadingPass::make_sets(const GBufferPass& gbuffer) {
   gpu::bind_image(device_, bindings_, binding++, {*shown_.view, Layout::eGeneral, nullptr});
   if (hard_buffer_.bytes > 0) {
     gpu::bind_buffer(device_, bindings_, binding++, hard_buffer_);
+    const DepthRing& faces =
+        depths_.faces ? *depths_.faces : depths_.views;  // without a surround it is not read
     gpu::bind_image(device_, bindings_, binding++,
-                    {*depths_.faces->image().view, Layout::eShaderReadOnlyOptimal, *nearest_});
+                    {*faces.image().view, Layout::eShaderReadOnlyOptimal, *nearest_});
   }
   for (const gpu::Buffer* buffer : {&motion_slots_, &motion_buffer_})
     if (buffer->bytes > 0) gpu::bind_buffer(device_, bindings_, binding++, *buffer);

@@ -29,7 +29,7 @@ struct MasksInUse {
 /// The depth of the views that masks were requested for.
 struct MaskDepths {
   const DepthRing& views;
-  const std::optional<DepthRing>& faces;  ///< of the surround; set if masks are carried over
+  const DepthRing* faces = nullptr;  ///< of the surround; null if the plan has none
 };
 
 class ShadingPass {

@@ -40,7 +40,7 @@ ShadingBytes shading_bytes(const DrawPlan& plan, Extent size, Extent traced_size
   bytes.report = kEyes * size.pixels() * std::size_t{FARSHADE_REPORT_WORDS(plan.mask.lights)} * 4;
   if (most_masks(plan) > 0) {
     bytes.mask = mask_bytes_on_device(plan, traced_size);
-    if (carries_masks(plan)) bytes.face = mask_bytes_on_device(plan, face_size(size));
+    if (most_surround(plan) > 0) bytes.face = mask_bytes_on_device(plan, face_size(size));
   }
   if (moving > 0) {
     bytes.slots = plan.moves.size() * 4;

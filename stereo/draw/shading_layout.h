@@ -32,7 +32,7 @@ namespace farshade {
 
 /// The number of masks of the surround that the device holds.
 [[nodiscard]] constexpr std::size_t most_surround(const DrawPlan& plan) {
-  return carries_masks(plan) ? kSurroundPairs : 0;
+  return carries_masks(plan) && plan.surround ? kSurroundPairs : 0;
 }
 
 /// Bytes of one eye's mask and of its bitmap of known blocks; multiples of 4.

@@ -44,6 +44,7 @@ gpu::Specialization constants_of(const ShadingKey& key, const DrawPlan& plan) {
   constants[FARSHADE_CONSTANT_MAP_SIDE] = key.map_side_px;
   constants[FARSHADE_CONSTANT_PCF_RADIUS] = key.pcf_radius;
   constants[FARSHADE_CONSTANT_DETAIL] = word_of(plan.detail_px);
+  constants[FARSHADE_CONSTANT_SURROUND] = plan.surround;
   return gpu::Specialization(std::move(constants));
 }
 

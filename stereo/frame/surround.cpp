@@ -9,7 +9,7 @@
 namespace farshade {
 
 Extent face_size(Extent size) {
-  constexpr double kPart = 0.5;  // of the pixels of both shown views
+  constexpr double kPart = 2;  // all faces together, of the pixels of both shown views: docs/surround.md
   const double side =
       std::sqrt(kPart * kEyes * static_cast<double>(size.pixels()) / (kEyes * kSurroundPairs));
   const std::uint32_t tiles = static_cast<std::uint32_t>(side) / kTileSide_px;

@@ -21,8 +21,8 @@ inline constexpr FrameId kFirstSurroundFrame{std::uint32_t{3} << 30};
   return (frame.value - kFirstSurroundFrame.value) % kSurroundPairs;
 }
 
-/// Pixels of a face's side, for shown views of `size`. A whole surround has at most half of the pixels
-/// of both shown views, or faces of kLeastFace_px.
+/// Pixels of a face's side, for shown views of `size`. A whole surround has at most twice the pixels of
+/// both shown views, or faces of kLeastFace_px.
 [[nodiscard]] Extent face_size(Extent size);
 inline constexpr std::uint32_t kLeastFace_px = 16, kMostFace_px = 512;
 

@@ -104,6 +104,8 @@ std::string session_words(const ScenePlan& plan) {
                                                : "off: there is one view, or masks fit the shown views") +
          line("depth pass", plan.draw.depth_pass ? "on where the requested views differ from the shown ones"
                                                  : "off: masks fit the shown views") +
+         line("surround", plan.draw.surround ? "on: coarse masks of all directions about the head"
+                                             : "off: this mode requests none") +
          line("requests",
               plan.draw.anything_moves()
                   ? "in each frame: something moves"

@@ -51,7 +51,8 @@ void turn_everything_on(ScenePlan& plan) {
   plan.trace.mask.least_word_bytes = plan.draw.mask.least_word_bytes = 4;
   plan.trace.skips_rays = plan.trace.shares_views = plan.draw.builds_late = false;
   plan.draw.detail_px = 0;
-  plan.draw.lights_move = plan.draw.ranges_and_cones = plan.draw.other_eye = plan.draw.depth_pass = true;
+  plan.draw.lights_move = plan.draw.ranges_and_cones = plan.draw.other_eye = plan.draw.depth_pass =
+      plan.draw.surround = true;
 }
 
 }  // namespace
@@ -78,6 +79,7 @@ ScenePlan plan_for(const Scene& scene, const SessionNeeds& needs) {
   }
   plan.draw.other_eye = needs.two_views && needs.carries_over;
   plan.draw.depth_pass = needs.carries_over;
+  plan.draw.surround = needs.surround && needs.carries_over;
   plan.draw.detail_px = needs.detail_px;
   if (needs.kind == PlanKind::Everything) turn_everything_on(plan);
   return plan;

@@ -27,6 +27,7 @@ struct SessionNeeds {
   PlanKind kind = PlanKind::Needed;
   bool two_views = true;     ///< the eyes look from different places
   bool carries_over = true;  ///< masks are reprojected; false: they are traced for the shown views
+  bool surround = true;      ///< masks of all directions may be requested; only looked up if carried over
   bool all_lights = false;   ///< lights that reach nothing keep their bits too
   float detail_px = 0;       ///< limit of the geometric error of what is drawn, pixels; 0: full detail
   friend bool operator==(const SessionNeeds&, const SessionNeeds&) = default;
@@ -65,6 +66,7 @@ struct DrawPlan {
   bool ranges_and_cones = true;  ///< some light has a range or a cone
   bool other_eye = true;         ///< the other eye's masks are looked up
   bool depth_pass = true;        ///< requested views may differ from the shown ones
+  bool surround = true;          ///< masks of all directions about the head are kept and looked up
   bool builds_late = true;       ///< pipelines are created when first needed
   float detail_px = 0;           ///< limit of the geometric error of a level of detail; 0: full detail
   MaskLayout mask;

@@ -16,6 +16,7 @@ bool Surround::plan(const FrameInputs& inputs, Duration lead) {
   requests_.clear();
   sent_.clear();
   if (link_ == nullptr || !link_->takes_parts() || !link_->inbox().offers(Answer::Surround)) return false;
+  if (inputs.settings.carry_over.lookup == Lookup::Direct) return false;  // nothing would look it up
   const SceneMotion motion = inputs.settings.scene == SceneClock::Paused ? SceneMotion::Still : motion_;
   if (face_size(inputs.shown.views[0].size).pixels() > link_->inbox().most_pixels()) return false;
   requests_ = plan_.ask(inputs.shown, lead, inputs.settings.scene, motion, is_under_way());

@@ -101,7 +101,8 @@ std::vector<Figure> eye_figures(Side side) {
     return Figure{group, metric, unit,
                   [get, side](const FrameRecord& r) -> Value {
                     if (!r.errors || r.start_up) return std::nullopt;
-                    const double value = get((*r.errors)[index_of(side)]);
+                    const EyeErrors& eye = (*r.errors)[index_of(side)];
+                    const double value = eye.covered == 0 ? kNotMeasured : get(eye);
                     return std::isnan(value) ? std::nullopt : Value(value);
                   },
                   worse};
@@ -122,6 +123,12 @@ std::vector<Figure> eye_figures(Side side) {
           percent("neighbours", [](const EyeErrors& e) { return 100 * e.neighbours; }),
           percent("unknown", [](const EyeErrors& e) { return 100 * e.unknown; }),
           percent("stale", [](const EyeErrors& e) { return 100 * e.stale; }),
+          {group, "shows a surface", "% of pixels",
+           [side](const FrameRecord& r) -> Value {
+             if (!r.errors || std::isnan((*r.errors)[index_of(side)].covered)) return std::nullopt;
+             return 100 * (*r.errors)[index_of(side)].covered;
+           },
+           Worse::Low},
           {group, "not reached by the picture", "%", [side](const FrameRecord& r) -> Value {
              return r.start_up ? std::nullopt : Value(100 * r.black[index_of(side)]);
            }}};

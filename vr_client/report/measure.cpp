@@ -57,7 +57,9 @@ EyeErrors compare_masks(const ShownReport& shown, const EyeMask& reference) {
     if (shown.sources[pixel] != kSourceUnknown)
       share_from(errors, shown.sources[pixel]) += static_cast<double>(lights - unknown);
   });
+  errors.covered = 0;
   if (total == 0) return errors;
+  errors.covered = total / static_cast<double>(lights * reference.size().pixels());
   errors.mask_error = wrong / total;
   errors.known_error = total > errors.unknown ? (wrong - wrong_unknown) / (total - errors.unknown) : 0;
   for (double* share : {&errors.newest, &errors.other_eye, &errors.older, &errors.surround,

@@ -10,9 +10,12 @@
 
 namespace farshade {
 
+inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+
 /// Errors of one eye of one frame. Shares and errors are means over covered pixels x lights. The shares
 /// newest, other_eye, older, surround, neighbours and unknown add up to 1. If the mode shows a picture from
-/// the server, single lights cannot be distinguished, and all values but the PSNR are kNotMeasured.
+/// the server, single lights cannot be distinguished, and all values but the PSNR are kNotMeasured. If an
+/// eye shows no surface, they are 0, and the log leaves them out.
 struct EyeErrors {
   double mask_error = 0;   ///< mean of |shown visibility - reference visibility|
   double known_error = 0;  ///< the same over pixel-lights that are not unknown
@@ -25,9 +28,9 @@ struct EyeErrors {
   double unknown = 0;      ///< share without a known visibility
   double stale = 0;        ///< share of all that is known but outdated, because something has moved since
   std::optional<double> unmoved_error;  ///< mask error of the newest mask if it is not reprojected
+  /// Share of the eye's pixels that show a surface: of these, all others are shares.
+  double covered = kNotMeasured;
 };
-
-inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
 /// Compares `shown`, the report of the shading pass, with `reference`, which was traced for the same view.
 /// The caller sets psnr_db and unmoved_error.

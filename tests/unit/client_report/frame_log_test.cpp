@@ -119,6 +119,19 @@ TEST(FrameLog, HasARowForEveryShareOfAnEye) {
   }
 }
 
+TEST(FrameLog, LeavesOutTheErrorsOfAnEyeThatShowsNoSurfaceAndSaysSo) {
+  FrameLog log;
+  FrameRecord half = record(1), none = record(2);
+  (*half.errors)[0] = {.mask_error = 0.01, .unmoved_error = {}, .covered = 0.5};
+  (*none.errors)[0] = {.mask_error = 0, .unmoved_error = {}, .covered = 0};
+  log.add(half);
+  log.add(none);
+  const auto rows = log.summary();
+  EXPECT_DOUBLE_EQ(row(rows, "left eye", "mask error")->spread.median, 1);
+  EXPECT_DOUBLE_EQ(row(rows, "left eye", "shows a surface")->spread.median, 25);
+  EXPECT_EQ(row(rows, "left eye", "shows a surface")->spread.count, 2u);
+}
+
 TEST(FrameLog, StatesTheCostOfTheSurroundOverTheFramesInWhichItsAnswersCame) {
   FrameLog log;
   log.add(record(1));

@@ -148,6 +148,12 @@ TEST(CompareMasks, FortyLightsLieInTwoPlanes) {
   EXPECT_DOUBLE_EQ(errors.stale, 2.0 / 80);
 }
 
+TEST(CompareMasks, TellsHowMuchOfTheEyeShowsASurface) {
+  const auto u = kSourceUncovered;
+  EXPECT_DOUBLE_EQ(compare_masks(shown(3, {0, u, kSourceUnknown, 0}), EyeMask({4, 1}, 3)).covered, 0.75);
+  EXPECT_EQ(compare_masks(shown(3, {u, u, u, u}), EyeMask({4, 1}, 3)).covered, 0);
+}
+
 TEST(CompareMasks, HasNoErrorWithoutCoveredPixelsOrLights) {
   const auto u = kSourceUncovered;
   EXPECT_EQ(compare_masks(shown(3, {u, u, u, u}), EyeMask({4, 1}, 3)).mask_error, 0);

@@ -1,0 +1,57 @@
+#include "stereo/draw/surround_faces.h"
+
+namespace farshade {
+
+SurroundFaces::SurroundFaces(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
+                             const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size)
+    : device_(device),
+      scene_(scene),
+      plan_(plan),
+      buffers_(buffers),
+      frame_buffer_(frame),
+      ring_(device, face_size(size), kSurroundSlots) {
+  if (!plan.builds_late) need_passes();
+}
+
+void SurroundFaces::need_passes() {
+  if (!passes_.empty()) return;
+  passes_.reserve(kSurroundPairs);
+  for (std::size_t pair = 0; pair < kSurroundPairs; ++pair)
+    passes_.emplace_back(device_, scene_, plan_, buffers_, frame_buffer_);
+}
+
+void SurroundFaces::prepare(const ShownFrame& frame) {
+  places_.clear();
+  for (const FaceRequest& pair : frame.faces) {
+    const std::optional<DepthRing::Place> place = ring_.claim(pair.request.frame, pair.slot);
+    if (!place || places_.size() == kSurroundPairs) continue;
+    need_passes();
+    passes_[places_.size()].prepare(
+        pair.request.views, plan_.anything_moves() ? state_at(scene_, pair.request.scene_time) : frame.state,
+        frame.detail);
+    places_.push_back(*place);
+  }
+}
+
+void SurroundFaces::record(const vk::raii::CommandBuffer& commands) const {
+  for (std::size_t pair = 0; pair < places_.size(); ++pair)
+    passes_[pair].record(commands, ring_, places_[pair]);
+}
+
+void SurroundFaces::prepare_warm_up() {
+  need_passes();
+  for (DepthPass& pass : passes_) pass.prepare_warm_up();
+}
+
+void SurroundFaces::record_warm_up(const vk::raii::CommandBuffer& commands) const {
+  for (const DepthPass& pass : passes_) pass.record(commands, ring_, ring_.shown());
+}
+
+std::uint64_t SurroundFaces::triangles() const {
+  std::uint64_t triangles = 0;
+  for (std::size_t pair = 0; pair < places_.size(); ++pair)
+    triangles += passes_[pair].scene_pass().triangles();
+  return triangles;
+}
+
+}  // namespace farshade
