@@ -285,7 +285,7 @@ TEST_P(FilteredEdges, AreNearerToTheTruthAndChangeNothingElse) {
     touched += !same;
     away_from_edges += !same && !differs_about(masks[0].bits[index_of(side)], b.positions[pixel]);
   });
-  EXPECT_GT(touched, 50u);
+  EXPECT_GT(touched, 20u) << "the filter does something";
   EXPECT_EQ(away_from_edges, 0u) << "of " << touched;
 }
 

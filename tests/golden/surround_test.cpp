@@ -1,7 +1,11 @@
 // Pictures that are shaded with the surround alone, and with a view's mask and the surround.
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <numbers>
+
 #include "stereo/frame/surround.h"
+#include "stereo/image/difference.h"
 #include "tests/golden/test_rig.h"
 
 namespace farshade {
@@ -120,6 +124,47 @@ TEST_F(SurroundLookup, MarksWhatMovedSinceItWasTracedAndFollowsMovingThings) {
     EXPECT_LT(stale, all * 3 / 4) << "not everything is marked";
   }
 }
+
+/// The room, in which nothing moves but the node of this name and what hangs on it.
+Scene room_in_which_moves(std::string_view name) {
+  Scene room = bundled("room.glb");
+  const auto is_other = [&](const Channel& channel) { return room.nodes[channel.node].name != name; };
+  EXPECT_EQ(std::erase_if(room.channels, is_other), 1u) << name;
+  for (Node& node : room.nodes)
+    node.moving = node.name == name || (node.parent && room.nodes[*node.parent].moving);
+  return room;
+}
+
+class MovesBehindTheHead : public SurroundLookup, public testing::WithParamInterface<const char*> {};
+
+// The head looks away from what moves, and turns to it within 200 ms: its view's mask shows another part of
+// the room. Of the pictures with and without a surround, only the former is like that of a full trace, in
+// both eyes.
+TEST_P(MovesBehindTheHead, AndIsRightWhenTheHeadHasTurnedToIt) {
+  TestRig rig(device_, room_in_which_moves(GetParam()), kSide);
+  rig.set_time(Time(700ms));
+  const Mask mask = rig.ask(kTraced, rig.eyes(moved(rig.head(), std::numbers::pi, {})));
+  const std::vector<Mask> faces = rig.ask_surround({rig.head().translation});
+  rig.set_time(Time(900ms));
+  const StereoView views = rig.eyes(moved(rig.head(), 0.3, {0.02, 0, 0}));
+  const Shown with = rig.show(views, {mask.traced_mask()}, {}, faces),
+              without = rig.show(views, {mask.traced_mask()}, {});
+  const PerEye<Image<Rgb8>> right = rig.show_reference(views);
+  std::size_t stale = 0;
+  for (const Side side : kSides) {
+    const std::size_t eye = index_of(side);
+    const double db = psnr_db(with.pictures[eye], right[eye]);
+    std::printf("%s, %s eye: %.1f dB, without a surround %.1f\n", GetParam(), name_of(side), db,
+                psnr_db(without.pictures[eye], right[eye]));
+    EXPECT_GT(db, 20) << name_of(side);
+    EXPECT_GT(db, psnr_db(without.pictures[eye], right[eye]) + 7) << name_of(side);
+    for (const std::uint32_t bits : with.reports[eye].stale) stale += bits != 0;
+  }
+  EXPECT_GT(stale, 100u) << "something moved that can be seen";
+}
+
+INSTANTIATE_TEST_SUITE_P(Room, MovesBehindTheHead, testing::Values("pendant pivot", "orrery pivot"),
+                         [](const auto& tested) { return std::string(tested.param).substr(0, 6); });
 
 TEST_F(SurroundLookup, SwappedFacesOrAnotherPlaceGiveNothing) {
   TestRig rig(device_, bundled("room.glb"), kSide);
