@@ -182,10 +182,10 @@ Visibility8 eight_of(uint bits) {
 // The weight of a sample near a shadow edge, by its distance from the point in pixels: a Gaussian, and much more for samples
 // within a quarter of a pixel, which are right almost always. docs/reprojection.md has the measurement.
 const float kSigma_px = 0.5, kExponent = -0.72134752 / (kSigma_px * kSigma_px);  // -log2(e) / (2 sigma^2)
-const float kAtPoint = 0.002, kLeast4 = 1e-9;  // pixels to the power of 4
+const float kAtPoint = 7e-5, kLeast6 = 1e-12;  // pixels to the power of 6
 float edge_weight(vec2 off) {
   float d2 = dot(off, off);
-  return exp2(kExponent * d2) * (1.0 + kAtPoint / (d2 * d2 + kLeast4));
+  return exp2(kExponent * d2) * (1.0 + kAtPoint / (d2 * d2 * d2 + kLeast6));
 }
 
 // The sums of a weighted mean.
