@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "stereo/draw/mask_quads.h"
+#include "stereo/draw/shading_motion.h"
 #include "stereo/frame/view.h"
 
 namespace farshade {
@@ -44,7 +45,7 @@ ShadingBytes shading_bytes(const DrawPlan& plan, Extent size, Extent traced_size
   }
   if (moving > 0) {
     bytes.slots = plan.moves.size() * 4;
-    bytes.motions = moving * (most_masks(plan) + most_surround(plan)) * kEyes * sizeof(glm::mat4);
+    bytes.motions = motion_index(moving, 0, 0) * sizeof(glm::mat4);
   }
   if (carries_masks(plan)) bytes.lists = 2 * kEyes * sizeof(glm::uvec4) + kEyes * size.pixels() * 4;
   return bytes;

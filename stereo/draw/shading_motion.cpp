@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "stereo/base/check.h"
+
 namespace farshade {
 namespace {
 
@@ -48,6 +50,7 @@ bool write_group(const StereoView& views, const MaskMotions& since, std::size_t 
 
 void write_motions(const StereoView& views, const MaskMotions& since, std::size_t slot,
                    std::span<glm::mat4> matrices) {
+  check(motion_index(slot + 1, 0, 0) <= matrices.size(), "the buffer has the matrices of every slot");
   for (std::size_t group = 0; group < FARSHADE_SINCE_GROUPS; ++group) {
     const Motions motions = group_of(since, group);
     const bool flag =

@@ -6,6 +6,7 @@
 
 #include <glm/ext/matrix_transform.hpp>
 
+#include "stereo/draw/shading_layout.h"
 #include "stereo/math/rotation.h"
 
 namespace farshade {
@@ -50,6 +51,17 @@ Written written(const std::vector<Motion>& motions, const std::vector<Motion>& s
   for (std::size_t slot = 0; slot < kSlots; ++slot)
     write_motions(some_views(), {since, since_faces}, slot, result.matrices);
   return result;
+}
+
+TEST(ShadingMotion, TheBufferHasTheMatricesOfEveryMaskWithAndWithoutASurround) {
+  for (const bool surround : {false, true}) {
+    DrawPlan plan;
+    plan.mask = {.lights = 2};
+    plan.moves = {true, false, true};
+    plan.surround = surround;
+    const std::size_t last = motion_index(1, FARSHADE_MAX_TRACED - 1, kEyes - 1);
+    EXPECT_GE(shading_bytes(plan, {8, 8}, {8, 8}).motions, (last + 1) * sizeof(glm::mat4)) << surround;
+  }
 }
 
 TEST(ShadingMotion, TheSurroundIsAGroupOfItsOwn) {
