@@ -179,52 +179,38 @@ Visibility8 eight_of(uint bits) {
   return Visibility8(vec4(uvec4(bits) >> uvec4(0, 1, 2, 3) & 1u), vec4(uvec4(bits) >> uvec4(4, 5, 6, 7) & 1u));
 }
 
-// The weight of a sample near a shadow edge, by its distance from the point in pixels: a Gaussian, and much more for samples
-// within a quarter of a pixel, which are right almost always. docs/reprojection.md has the measurement.
-const float kSigma_px = 0.5, kExponent = -0.72134752 / (kSigma_px * kSigma_px);  // -log2(e) / (2 sigma^2)
-const float kAtPoint = 7e-5, kLeast6 = 1e-12;  // pixels to the power of 6
-float edge_weight(vec2 off) {
-  float d2 = dot(off, off);
-  return exp2(kExponent * d2) * (1.0 + kAtPoint / (d2 * d2 * d2 + kLeast6));
-}
-
-// The sums of a weighted mean.
-struct WeightedVisibility8 {
-  vec4 low, high, low_weight, high_weight;
+// The samples around a point near a shadow edge: in each of this eye's masks the four pixels around the point, if they saw
+// its surface. Masks of different times sample the edge at different places.
+const uint kSamples = 4 * FARSHADE_MAX_MASKS;
+struct EdgeSamples {
+  vec2 off[kSamples];    // from the point, in pixels of the mask
+  uint lit[kSamples];    // bits of a group of eight lights
+  uint used[kSamples];   // the lights for which the sample counts
 };
 
-// Adds the four pixels around the point in a mask. Lights that are not `fresh` have weight 0. `depths` are those of the
-// pixels.
-void add_pixels_around(SourceData source, Projection projection, vec4 depths, bool in_use, uint group, Visibility8 fresh,
-                       inout WeightedVisibility8 sum) {
+// The lowest eight bits of `fresh` are the lights for which a trusted sample counts. `depths` are those of the pixels.
+void add_samples(uint mask, SourceData source, Projection projection, vec4 depths, bool in_use, uint group, uint fresh,
+                 inout EdgeSamples samples) {
   ivec2 corner = corner_at(projection.at);
   [[unroll]] for (uint tap = 0; tap < 4; ++tap) {
     ivec2 pixel = tap_at(corner, tap), there = inside(source, pixel);
     bool known = block_known(source, there), near = on_plane(projection, pixel, of_tap(depths, tap), kBend);
-    vec2 off = vec2(pixel) + 0.5 - projection.at;
     bool trusted = projection.visible && in_use && pixel == there && known && near;
-    float weight = trusted ? edge_weight(off) : 0.0;
-    Visibility8 lit = eight_of(mask_bits(source, there, group / 4) >> (group % 4 * 8));
-    vec4 low_now = weight * fresh.low, high_now = weight * fresh.high;
-    sum.low += low_now * lit.low;
-    sum.low_weight += low_now;
-    if (kLights > 4) {
-      sum.high += high_now * lit.high;
-      sum.high_weight += high_now;
-    }
+    samples.off[4 * mask + tap] = trusted ? vec2(pixel) + 0.5 - projection.at : vec2(0.0);
+    samples.lit[4 * mask + tap] = mask_bits(source, there, group / 4) >> (group % 4 * 8);
+    samples.used[4 * mask + tap] = trusted ? fresh : 0u;
   }
 }
 
-// Adds one of this eye's masks.
-void add_mask(uint mask, Surface surface, uint group, Visibility8 fresh, inout WeightedVisibility8 sum) {
+void add_mask(uint mask, Surface surface, uint group, uint fresh, inout EdgeSamples samples) {
   SourceData source = frame.sources[kNewest + mask];
   Projection projection = project(mask, source, surface);
   vec4 depths = gather_views(corner_at(projection.at), source.place.x);
-  add_pixels_around(source, projection, depths, mask < frame.counts.x, group, fresh, sum);
+  add_samples(mask, source, projection, depths, mask < frame.counts.x, group, fresh, samples);
 }
 
-// Adds this eye's oldest mask; if the point takes its bits from a face, that face instead, with all lights.
-void add_oldest_or_face(uint taken, Surface surface, uint group, Visibility8 fresh, inout WeightedVisibility8 sum) {
+// This eye's oldest mask; if the point takes its bits from a face, that face instead, with all lights.
+void add_oldest_or_face(uint taken, Surface surface, uint group, uint fresh, inout EdgeSamples samples) {
   const uint oldest = FARSHADE_MAX_MASKS - 1;
   bool face = is_face(taken);
   SourceData source = frame.sources[kNewest + oldest];
@@ -233,21 +219,107 @@ void add_oldest_or_face(uint taken, Surface surface, uint group, Visibility8 fre
   ivec2 corner = corner_at(projection.at);
   vec4 depths = gather_views(corner, source.place.x);
   if (kSurround) depths = mix(depths, gather_faces(corner, source.place.x), bvec4(face));
-  fresh.low = max(fresh.low, vec4(face));
-  fresh.high = max(fresh.high, vec4(face));
-  add_pixels_around(source, projection, depths, face || oldest < frame.counts.x, group, fresh, sum);
+  add_samples(oldest, source, projection, depths, face || oldest < frame.counts.x, group, face ? 0xFFu : fresh, samples);
 }
 
-// The visibility of eight lights at a point near a shadow edge, whose bits are those of the source `taken`. Lights that
-// are stale in masks other than the first have no weight there; if `taken` is a face, older masks have none at all.
-// `nearest` is used if no pixel around the point has weight.
+// The nearest point to `other` on the line from `from` to `to`.
+vec2 nearest_between(vec2 from, vec2 to, vec2 other) {
+  vec2 along = to - from;
+  return from + along * clamp(dot(other - from, along) / max(dot(along, along), 1e-12), 0.0, 1.0);
+}
+
+// The weight of a sample in a mean, by its distance from the point in pixels: a Gaussian, and much more for samples within a
+// quarter of a pixel, which are right almost always.
+const float kSigma_px = 0.5, kExponent = -0.72134752 / (kSigma_px * kSigma_px);  // -log2(e) / (2 sigma^2)
+const float kAtPoint = 7e-5, kLeast6 = 1e-12;  // pixels to the power of 6
+float edge_weight(vec2 off) {
+  float d2 = dot(off, off);
+  return exp2(kExponent * d2) * (1.0 + kAtPoint / (d2 * d2 * d2 + kLeast6));
+}
+
+// The samples of one light. What is added to a sample's position along a line, so that it is beyond all others if it does not
+// count as lit, or as dark.
+const float kBeyond = 1e30;
+struct SidesOfEdge {
+  float not_lit[kSamples], not_dark[kSamples];  // 0 or kBeyond
+};
+
+// The outermost samples of both sides along a direction: all lit ones lie beyond `lit`, all dark ones before `dark`. The
+// point is at 0.
+struct Gap {
+  float lit, dark;
+  vec2 lit_at, dark_at;
+};
+
+Gap gap_along(vec2 across, EdgeSamples samples, SidesOfEdge sides) {
+  Gap gap = Gap(kBeyond, -kBeyond, vec2(0.0), vec2(0.0));
+  [[unroll]] for (uint i = 0; i < kSamples; ++i) {
+    float at = dot(across, samples.off[i]), lit = at + sides.not_lit[i], dark = at - sides.not_dark[i];
+    gap.lit_at = lit < gap.lit ? samples.off[i] : gap.lit_at;
+    gap.dark_at = dark > gap.dark ? samples.off[i] : gap.dark_at;
+    gap.lit = min(gap.lit, lit);
+    gap.dark = max(gap.dark, dark);
+  }
+  return gap;
+}
+
+// The visibility of a light at the point. A shadow's edge is straight within a pixel or two, so a line separates the lit from
+// the dark samples. The widest gap between both is between the closest points of their convex hulls; Kozinec's algorithm
+// (M. I. Schlesinger, V. Hlavac, "Ten lectures on statistical and structural pattern recognition", 2002, chapter 5) moves from
+// the two means towards these points. The point is lit if it lies beyond the middle of the gap.
+// If no line separates the samples, their weighted mean decides. `nearest` is used if no sample counts.
+const int kSteps = 2;
+
+float between_samples(EdgeSamples samples, float weight[kSamples], uint light, float nearest) {
+  SidesOfEdge sides;
+  vec2 lit = vec2(0.0), dark = vec2(0.0);
+  float lits = 0.0, darks = 0.0, mean = 1e-4 * nearest, weights = 1e-4;
+  [[unroll]] for (uint i = 0; i < kSamples; ++i) {
+    uint used = samples.used[i] >> light & 1u, is_lit = used & samples.lit[i] >> light;
+    sides.not_lit[i] = is_lit != 0u ? 0.0 : kBeyond;
+    sides.not_dark[i] = used > is_lit ? 0.0 : kBeyond;
+    lit += float(is_lit) * samples.off[i];
+    dark += float(used - is_lit) * samples.off[i];
+    lits += float(is_lit);
+    darks += float(used - is_lit);
+    mean += float(is_lit) * weight[i];
+    weights += float(used) * weight[i];
+  }
+  lit /= max(lits, 1.0);
+  dark /= max(darks, 1.0);
+  float part = mean / weights, widest = 0.0;
+  bool both = lits > 0.0 && darks > 0.0;
+  [[unroll]] for (int i = 0; i <= kSteps; ++i) {
+    vec2 across = lit - dark;
+    Gap gap = gap_along(across, samples, sides);
+    float width = (gap.lit - gap.dark) * inversesqrt(max(dot(across, across), 1e-12));
+    bool wider = both && width > widest;
+    part = wider ? -gap.dark / (gap.lit - gap.dark) : part;
+    widest = wider ? width : widest;
+    if (i == kSteps) break;
+    vec2 lit_next = nearest_between(lit, gap.lit_at, dark), dark_next = nearest_between(dark, gap.dark_at, lit);
+    bool of_lit = dot(lit_next - dark, lit_next - dark) < dot(lit - dark_next, lit - dark_next);
+    lit = of_lit ? lit_next : lit;
+    dark = of_lit ? dark : dark_next;
+  }
+  return clamp((part - 0.5) * kSharpness + 0.5, 0.0, 1.0);
+}
+
+// The visibility of eight lights at a point near a shadow edge, whose bits are those of the source `taken`. Samples of lights
+// that are stale in masks other than the first do not count there; if `taken` is a face, older masks do not count at all.
 Visibility8 edge_visibility(uint taken, Surface surface, uint stale, uint group, Visibility8 nearest) {
-  WeightedVisibility8 sum = WeightedVisibility8(1e-4 * nearest.low, 1e-4 * nearest.high, vec4(1e-4), vec4(1e-4));
-  Visibility8 all = Visibility8(vec4(1.0), vec4(1.0)), fresh = eight_of((is_face(taken) ? 0u : ~stale) >> (group % 4 * 8));
-  add_mask(0, surface, group, all, sum);
-  add_mask(1, surface, group, fresh, sum);
-  add_mask(2, surface, group, fresh, sum);
-  add_oldest_or_face(taken, surface, group, fresh, sum);
-  return Visibility8(clamp((sum.low / sum.low_weight - 0.5) * kSharpness + 0.5, 0.0, 1.0),
-                     clamp((sum.high / sum.high_weight - 0.5) * kSharpness + 0.5, 0.0, 1.0));
+  EdgeSamples samples;
+  uint fresh = (is_face(taken) ? 0u : ~stale) >> (group % 4 * 8);
+  add_mask(0, surface, group, 0xFFu, samples);
+  add_mask(1, surface, group, fresh, samples);
+  add_mask(2, surface, group, fresh, samples);
+  add_oldest_or_face(taken, surface, group, fresh, samples);
+  float weight[kSamples];
+  [[unroll]] for (uint i = 0; i < kSamples; ++i) weight[i] = edge_weight(samples.off[i]);
+  Visibility8 k = nearest;
+  [[unroll]] for (uint i = 0; i < min(kLights, 8u); ++i) {
+    if (i < 4) k.low[i] = between_samples(samples, weight, i, nearest.low[i]);
+    if (i >= 4) k.high[i - 4] = between_samples(samples, weight, i, nearest.high[i - 4]);
+  }
+  return k;
 }

@@ -262,8 +262,12 @@ vec3 irradiance_from(uint group, ShadedPixel at, PlaneBits bits, inout uint shin
   vec3 irradiance = vec3(0.0);
   [[unroll]] for (uint i = 0; i < min(8, kLights - group * 8); ++i) {
     vec3 unshadowed = radiance(group * 8 + i, at.p, at.n);
+    bool shines = any(greaterThan(unshadowed, vec3(0.0)));
+    // Samples beside the point may face a light that the point does not face.
+    if (kSecondLook && i < 4) k.low[i] = shines || !at.found.on_edge ? k.low[i] : 0.0;
+    if (kSecondLook && i >= 4) k.high[i - 4] = shines || !at.found.on_edge ? k.high[i - 4] : 0.0;
     irradiance += (i < 4 ? k.low[i] : k.high[i - 4]) * unshadowed;
-    if (kReport) shining += uint(any(greaterThan(unshadowed, vec3(0.0))));
+    if (kReport) shining += uint(shines);
   }
   report_visibility(at.record, group, k);
   return irradiance;

@@ -214,7 +214,8 @@ Expected<void> run_replay(const Options& options) {
   const Mode mode = header.origin == MaskOrigin::OwnTracer ? Mode::Full : Mode::Hybrid;
   if (auto done = open_tracers(options, mode, client); !done) return done;
 
-  RunReport report({options.out, *frames, options.reference_every, options.pictures, options.dump},
+  RunReport report({options.out, *frames, options.reference_every, options.pictures, options.dump,
+                    options.reference_samples},
                    *client.renderer, client.reference.get());
   Replay replay(std::move(*reader), report_for(report));
   const RunContext context{.scene = client.scene,
@@ -252,7 +253,8 @@ Expected<void> run_client(const Options& options) {
   CaptureWriter capture(client.clock);
   RecordedHeadRuntime runtime(*head, playback_of(options, client.scene, *head));
   const std::uint32_t frames = runtime.frame_count();
-  RunReport report({options.out, frames, options.reference_every, options.pictures, options.dump},
+  RunReport report({options.out, frames, options.reference_every, options.pictures, options.dump,
+                    options.reference_samples},
                    *client.renderer, client.reference.get());
   const FrameSettings settings{
       .request = options.request, .carry_over = options.carry_over, .report = report_for(report)};

@@ -166,6 +166,10 @@ void add_output_options(CLI::App& app, Options& options) {
   app.add_option("--reference-every", options.reference_every,
                  "compare every Nth frame with a full trace; 0: never, measure run times only")
       ->capture_default_str();
+  app.add_option("--reference-samples", options.reference_samples,
+                 "compare with a full trace of N x N samples a pixel, too, which has smooth edges")
+      ->check(CLI::Range(1, 16))
+      ->capture_default_str();
   app.add_option("--pictures", options.pictures, "number of frames whose pictures are written")
       ->capture_default_str();
   app.add_option("--dump", options.dump,
@@ -185,7 +189,7 @@ void add_output_options(CLI::App& app, Options& options) {
                    "show the eyes in a window; mouse and keys, or --trace, move the head; F1 lists the keys");
   // A window runs on the machine's clock, and its viewer chooses what is measured and written.
   for (const char* without_window :
-       {"--clock", "--delay", "--pictures", "--dump", "--reference-every", "--replay"})
+       {"--clock", "--delay", "--pictures", "--dump", "--reference-every", "--reference-samples", "--replay"})
     app.get_option(without_window)->excludes(preview);
 }
 

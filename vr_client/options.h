@@ -44,7 +44,8 @@ struct Options {
   double delay_ms = 20, mask_wait_ms = 0;
   RequestSettings request;
   CarryOver carry_over;
-  std::uint32_t reference_every = 1;  ///< 0 = never
+  std::uint32_t reference_every = 1;    ///< 0 = never
+  std::uint32_t reference_samples = 1;  ///< per side of a pixel; more than 1: the smooth reference, too
   std::uint32_t pictures = 4;
   std::vector<std::uint32_t> dump;
   std::filesystem::path timeline;  ///< not empty: write the timeline to this file

@@ -152,7 +152,7 @@ class SlowHead : public OnLavapipe {
 };
 
 // A filter over masks that sample an edge at almost the same places is worse than the nearest sample. The
-// default must serve both: it is compared with no reprojection, and and with the nearest sample.
+// default must serve both: it is compared with no reprojection, and with the nearest sample.
 TEST_F(SlowHead, IsNeverWorseThanTheStaleMaskWithoutReprojection) {
   for (const int masks : {1, 4})
     for (const double step_deg : {0.002, 0.01, 0.02, 0.03, 0.05, 0.2, 2.0}) {
@@ -162,7 +162,7 @@ TEST_F(SlowHead, IsNeverWorseThanTheStaleMaskWithoutReprojection) {
                   step_deg, step_deg * kSlowSide_px / 63, mean.shown, mean.nearest, mean.unmoved);
       EXPECT_LE(mean.above, 0.015) << "a few pixels at silhouettes";
       EXPECT_LT(mean.shown, 0.9 * mean.unmoved);
-      EXPECT_LT(mean.shown, 1.08 * mean.nearest);
+      EXPECT_LE(mean.shown, mean.nearest);
       EXPECT_TRUE(masks < 4 || step_deg < 0.1 || mean.shown < 0.75 * mean.nearest);
     }
 }

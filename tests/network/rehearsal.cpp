@@ -220,7 +220,8 @@ Played play(const Play& play, const Network& network) {
                     .frame_count = play.frames,
                     .reference_every = play.reference_every,
                     .pictures = 0,
-                    .dump = {}},
+                    .dump = {},
+                    .reference_samples = play.reference_samples},
                    renderer, reference ? &*reference : nullptr);
   const FrameSettings settings{.request = play.request,
                                .carry_over = play.carry_over,

@@ -38,7 +38,8 @@ struct Play {
   Extent size{128, 128};
   double refresh_hz = 72;
   std::uint32_t frames = 72;
-  std::uint32_t reference_every = 8;  ///< every Nth frame is compared with its reference; 0 = none
+  std::uint32_t reference_every = 8;    ///< every Nth frame is compared with its reference; 0 = none
+  std::uint32_t reference_samples = 1;  ///< per side of a pixel
   ModeSettings mode{};
   RequestSettings request{};
   CarryOver carry_over{};

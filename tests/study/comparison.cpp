@@ -18,9 +18,21 @@ void Comparison::add(const PerEye<View>& views, const MeasuredFrame& frame) {
     compared.flip = std::max(compared.flip, mean(compared.error[eye]));
     worse_ssim = std::min(worse_ssim, ssim(frame.reference[eye], frame.shown[eye]));
   }
+  if (!frame.smooth[0].pixels.empty()) add_smooth(views, frame);
   figures_.add(Group::Error, "flip", compared.flip);
   figures_.add(Group::Error, "ssim", worse_ssim, Worse::Low);
   if (compared.flip > worst_.flip) worst_ = std::move(compared);
+}
+
+void Comparison::add_smooth(const PerEye<View>& views, const MeasuredFrame& frame) {
+  double worse_flip = 0, worse_ssim = 1;
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    const Image<Rgb8>&shown = frame.shown[eye], &smooth = frame.smooth[eye];
+    worse_flip = std::max(worse_flip, mean(flip(smooth, shown, pixels_per_degree(views[eye]))));
+    worse_ssim = std::min(worse_ssim, ssim(smooth, shown));
+  }
+  figures_.add(Group::Error, "smooth_flip", worse_flip);
+  figures_.add(Group::Error, "smooth_ssim", worse_ssim, Worse::Low);
 }
 
 Expected<void> Comparison::write(const std::filesystem::path& folder) const {

@@ -14,7 +14,8 @@ class Comparison {
   /// `figures` must outlive this.
   explicit Comparison(Figures& figures) : figures_(figures) {}
 
-  /// Adds the figures `flip` and `ssim` of the frame's worse eye; they may be of different eyes.
+  /// Adds the figures `flip` and `ssim` of the frame's worse eye; they may be of different eyes. If the frame
+  /// has a smooth reference, `smooth_flip` and `smooth_ssim` are those against it.
   void add(const PerEye<View>& views, const MeasuredFrame& frame);
 
   /// Writes `{left,right}_{shown,reference,heat}.png` of the frame with the largest FLIP into an existing
@@ -22,6 +23,7 @@ class Comparison {
   [[nodiscard]] Expected<void> write(const std::filesystem::path& folder) const;
 
  private:
+  void add_smooth(const PerEye<View>& views, const MeasuredFrame& frame);
   struct ComparedFrame {
     PerEye<Image<Rgb8>> shown, reference;
     PerEye<Image<float>> error;

@@ -25,7 +25,7 @@ struct Options {
   std::string scene, trace, network = "none", gpu;
   std::filesystem::path pictures;
   Rounds rounds;
-  std::uint32_t side_px = 256, frames = 72, every = 8, clients = 0, warm_up = 10;
+  std::uint32_t side_px = 256, frames = 72, every = 8, samples = 1, clients = 0, warm_up = 10;
   double skip_s = 0;
   bool timing = false, versions = false;
 };
@@ -68,6 +68,7 @@ Expected<nlohmann::json> measured(const Options& options) {
             .size = {options.side_px, options.side_px},
             .frames = options.frames,
             .reference_every = options.every,
+            .reference_samples = options.samples,
             .skip = duration_from_ms(options.skip_s * 1e3),
             .levels = &levels};
   if (options.timing) return measure_rounds(play, *network, options.rounds);
@@ -86,6 +87,9 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--size", options.side_px, "pixels a side of an eye")->check(CLI::Range(16, 4096));
   app.add_option("--frames", options.frames, "display frames; with --timing, the number of timed frames")
       ->check(CLI::Range(1, 100000));
+  app.add_option("--samples", options.samples,
+                 "compare with a full trace of N x N samples a pixel, too, which has smooth edges")
+      ->check(CLI::Range(1, 16));
   app.add_option("--every", options.every, "compare every Nth frame with its reference")
       ->check(CLI::Range(1, 100000));
   app.add_option("--skip", options.skip_s, "seconds to skip at the start of the recording")

@@ -9,6 +9,7 @@ Paths in it are relative to the root of the source tree. Missing recordings and 
   sizes      width and height of an eye in pixels; or {"px", "frames", "every", "modes", "timing"}, whose values after
              "px" replace those of the sweep and of the scenes, "timing" entry by entry
   frames, every    display frames of a point; every Nth of them is compared with its reference
+  samples    optional: it is also compared with a reference of so many samples per side of a pixel, which has smooth edges
   modes      mode words (mode_words.h); entries with the same mode form one curve
   ablations  [{"modes", "sizes", "scenes", "networks", "traces"}, ..]: hybrid with other settings, such as without one
              of its parts, in every case, or in those listed
@@ -76,7 +77,8 @@ class Sweep:
             of_scene = self.scenes[case["scene"]]
             for part, mode in modes:
                 yield {"kind": "error", "part": part, **case, "modes": [mode],
-                       **{k: of_size.get(k, of_scene.get(k, self.told[k])) for k in ("frames", "every")}}
+                       **{k: of_size.get(k, of_scene.get(k, self.told[k])) for k in ("frames", "every")},
+                       **{k: self.told[k] for k in ("samples",) if k in self.told}}
 
     def _timings(self):
         if "timing" in self.told:
@@ -115,6 +117,7 @@ def arguments(point, scene_file, trace_file, pictures):
              "--skip", point["skip_s"], "--network", point["network_words"]]
     if point["kind"] == "error":
         given += ["--modes", *point["modes"], "--every", point["every"], "--pictures", pictures]
+        given += ["--samples", point["samples"]] if "samples" in point else []
     elif point["kind"] == "clients":
         given += ["--modes", "hybrid,ask=whole", "--clients", point["x"], "--warm-up", point["warm_up"]]
     else:
@@ -125,6 +128,6 @@ def arguments(point, scene_file, trace_file, pictures):
 def work_in(point):
     """The work of a point in an arbitrary unit, to predict the remaining time."""
     runs = point.get("rounds", 1) * (len(point["modes"]) + 1) if point["kind"] == "timing" else 1
-    reference = 4 / point["every"] if point["kind"] == "error" else 0
+    reference = (3 + point.get("samples", 1) ** 2) / point["every"] if point["kind"] == "error" else 0
     clients = point["x"] if point["kind"] == "clients" else 1
     return runs * point["frames"] * clients * (1 + reference) * (point["size"] ** 2 + 128 ** 2)

@@ -110,28 +110,30 @@ std::vector<Figure> eye_figures(Side side) {
   const auto percent = [&](const char* metric, double (*get)(const EyeErrors&), Worse worse = Worse::High) {
     return error(metric, "%", worse, get);
   };
-  return {percent("mask error", [](const EyeErrors& e) { return 100 * e.mask_error; }),
-          percent("mask error among known", [](const EyeErrors& e) { return 100 * e.known_error; }),
-          percent("mask error unreprojected",
-                  [](const EyeErrors& e) { return 100 * e.unmoved_error.value_or(kNotMeasured); }),
-          error("PSNR", "dB", Worse::Low, [](const EyeErrors& e) { return e.psnr_db; }),
-          percent(
-              "from newest mask", [](const EyeErrors& e) { return 100 * e.newest; }, Worse::Low),
-          percent("from other eye's newest", [](const EyeErrors& e) { return 100 * e.other_eye; }),
-          percent("from older masks", [](const EyeErrors& e) { return 100 * e.older; }),
-          percent("from the surround", [](const EyeErrors& e) { return 100 * e.surround; }),
-          percent("neighbours", [](const EyeErrors& e) { return 100 * e.neighbours; }),
-          percent("unknown", [](const EyeErrors& e) { return 100 * e.unknown; }),
-          percent("stale", [](const EyeErrors& e) { return 100 * e.stale; }),
-          {group, "shows a surface", "% of pixels",
-           [side](const FrameRecord& r) -> Value {
-             if (!r.errors || std::isnan((*r.errors)[index_of(side)].covered)) return std::nullopt;
-             return 100 * (*r.errors)[index_of(side)].covered;
-           },
-           Worse::Low},
-          {group, "not reached by the picture", "%", [side](const FrameRecord& r) -> Value {
-             return r.start_up ? std::nullopt : Value(100 * r.black[index_of(side)]);
-           }}};
+  return {
+      percent("mask error", [](const EyeErrors& e) { return 100 * e.mask_error; }),
+      percent("mask error among known", [](const EyeErrors& e) { return 100 * e.known_error; }),
+      percent("mask error unreprojected",
+              [](const EyeErrors& e) { return 100 * e.unmoved_error.value_or(kNotMeasured); }),
+      error("PSNR", "dB", Worse::Low, [](const EyeErrors& e) { return e.psnr_db; }),
+      error("PSNR to smooth edges", "dB", Worse::Low, [](const EyeErrors& e) { return e.smooth_psnr_db; }),
+      percent(
+          "from newest mask", [](const EyeErrors& e) { return 100 * e.newest; }, Worse::Low),
+      percent("from other eye's newest", [](const EyeErrors& e) { return 100 * e.other_eye; }),
+      percent("from older masks", [](const EyeErrors& e) { return 100 * e.older; }),
+      percent("from the surround", [](const EyeErrors& e) { return 100 * e.surround; }),
+      percent("neighbours", [](const EyeErrors& e) { return 100 * e.neighbours; }),
+      percent("unknown", [](const EyeErrors& e) { return 100 * e.unknown; }),
+      percent("stale", [](const EyeErrors& e) { return 100 * e.stale; }),
+      {group, "shows a surface", "% of pixels",
+       [side](const FrameRecord& r) -> Value {
+         if (!r.errors || std::isnan((*r.errors)[index_of(side)].covered)) return std::nullopt;
+         return 100 * (*r.errors)[index_of(side)].covered;
+       },
+       Worse::Low},
+      {group, "not reached by the picture", "%", [side](const FrameRecord& r) -> Value {
+         return r.start_up ? std::nullopt : Value(100 * r.black[index_of(side)]);
+       }}};
 }
 
 /// All figures, in the order of the summary's rows and of the columns of frames.csv.

@@ -6,6 +6,7 @@
 
 #include "stereo/draw/frame_data.h"
 #include "stereo/image/difference.h"
+#include "vr_client/report/reference_pictures.h"
 
 namespace farshade {
 namespace {
@@ -112,31 +113,25 @@ MaskAges ages_of(const FrameView& view) {
 }
 
 PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& reference,
-                          MeasuredFrame& into) {
+                          MeasuredFrame& into, std::uint32_t samples) {
   into.frame = view.shown.frame;
   into.ages = ages_of(view);
   const bool shaded = view.as == ShownAs::Shaded;
   for (const Side side : kSides) into.report[index_of(side)] = shaded ? renderer.report(side) : ShownReport{};
   into.shown = renderer.read_shown();
+  into.smooth = samples > 1 ? smooth_reference(view.shown, view.state, samples, renderer, reference)
+                            : PerEye<Image<Rgb8>>{};
   const TracedMask truth = reference.trace(view.shown);
-  const ShownFrame right{.views = view.shown.views,
-                         .state = view.state,
-                         .masks = {&truth, 1},
-                         .carry_over = {.lookup = Lookup::Direct},
-                         .detail = Detail::Full};
-  renderer.draw(right);
-  into.reference = renderer.read_shown();
+  into.reference = draw_traced(view.shown, view.state, truth, renderer);
 
   PerEye<EyeErrors> errors;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const double psnr = std::min(psnr_db(into.shown[eye], into.reference[eye]), kEqualPictures_dB);
-    if (!shaded) {
-      errors[eye] = not_shaded(psnr);
-      continue;
-    }
-    errors[eye] = compare_masks(into.report[eye], truth.masks[eye]);
+    errors[eye] = shaded ? compare_masks(into.report[eye], truth.masks[eye]) : not_shaded(psnr);
     errors[eye].psnr_db = psnr;
-    if (view.masks.empty()) continue;
+    if (samples > 1)
+      errors[eye].smooth_psnr_db = std::min(psnr_db(into.shown[eye], into.smooth[eye]), kEqualPictures_dB);
+    if (!shaded || view.masks.empty()) continue;
     const View& traced = view.masks[0].views[eye];
     errors[eye].unmoved_error =
         unmoved_error(view.masks[0].masks[eye], grid_offset_px(view.shown.views[eye], traced),

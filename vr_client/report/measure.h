@@ -30,6 +30,7 @@ struct EyeErrors {
   std::optional<double> unmoved_error;  ///< mask error of the newest mask if it is not reprojected
   /// Share of the eye's pixels that show a surface: of these, all others are shares.
   double covered = kNotMeasured;
+  double smooth_psnr_db = kNotMeasured;  ///< of the shown picture, against the smooth reference
 };
 
 /// Compares `shown`, the report of the shading pass, with `reference`, which was traced for the same view.
@@ -45,6 +46,7 @@ struct EyeErrors {
 struct MeasuredFrame {
   FrameId frame;
   PerEye<Image<Rgb8>> shown, reference;
+  PerEye<Image<Rgb8>> smooth{};  ///< the smooth reference; empty if there was none
   PerEye<ShownReport> report;  ///< empty if the client did not shade the frame
   MaskAges ages;
 };
@@ -61,8 +63,9 @@ inline constexpr double kEqualPictures_dB = 99;
 
 /// Stores the shown frame and its reference in `into` and returns the errors. Call it before the next frame
 /// is drawn. The frame must have been drawn with PixelReport::On. A frame that was not shaded by this client
-/// has no report. Afterwards the renderer holds the reference's picture.
+/// has no report. With `samples` > 1, the smooth reference has so many samples per side of a pixel.
+/// Afterwards the renderer holds the reference's picture.
 [[nodiscard]] PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& reference,
-                                        MeasuredFrame& into);
+                                        MeasuredFrame& into, std::uint32_t samples = 1);
 
 }  // namespace farshade

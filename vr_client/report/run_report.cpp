@@ -54,7 +54,12 @@ Expected<void> write_measured(const std::filesystem::path& folder, const Measure
         {frame.shown[eye], frame.reference[eye], difference_x8(frame.shown[eye], frame.reference[eye])});
     if (!frame.report[eye].sources.empty())
       rows.back().push_back(source_picture(frame.report[eye], frame.ages, size));
-    constexpr std::array names{"shown", "reference", "difference_x8", "source"};
+    std::vector<const char*> names{"shown", "reference", "difference_x8", "source"};
+    names.resize(rows.back().size());
+    if (!frame.smooth[eye].pixels.empty()) {
+      rows.back().push_back(frame.smooth[eye]);
+      names.push_back("smooth");
+    }
     for (std::size_t i = 0; i < rows.back().size(); ++i) {
       const std::string name =
           fmt::format("worst_{:04}_{}_{}.png", frame.frame.value, name_of(side), names[i]);
@@ -113,7 +118,7 @@ void RunReport::watch(const FrameView& view) {
   const bool dumped = is_dumped(frame), pictured = is_pictured(frame);
   const bool measured =
       dumped || (options_.reference_every > 0 && (frame.value - 1) % options_.reference_every == 0);
-  if (measured) record.errors = measure(view, renderer_, *reference_, current_);
+  if (measured) record.errors = measure(view, renderer_, *reference_, current_, options_.reference_samples);
   log_.add(record);
   if (failed_) return;
 

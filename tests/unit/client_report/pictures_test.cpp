@@ -42,6 +42,19 @@ TEST(WriteMeasured, WritesEveryPictureItPromises) {
   EXPECT_EQ(sheet.at(0, 6), Rgb8(20)) << "the right eye is below";
 }
 
+TEST(WriteMeasured, WritesTheSmoothReferenceIfThereIsOne) {
+  const ScratchFolder folder;
+  const Extent size{5, 4};
+  const PerEye<Image<Rgb8>> shown{Image<Rgb8>(size, Rgb8(10)), Image<Rgb8>(size, Rgb8(20))};
+  const PerEye<Image<Rgb8>> smooth{Image<Rgb8>(size, Rgb8(30)), Image<Rgb8>(size, Rgb8(40))};
+  const MeasuredFrame frame{
+      .frame = {12}, .shown = shown, .reference = shown, .smooth = smooth, .report = {}, .ages = {}};
+  ASSERT_TRUE(write_measured(folder.path(), frame).has_value());
+  EXPECT_EQ(*read_png(folder.path() / "worst_0012_left_smooth.png"), smooth[0]);
+  EXPECT_EQ(*read_png(folder.path() / "worst_0012_right_smooth.png"), smooth[1]);
+  EXPECT_EQ(read_png(folder.path() / "worst.png")->at(3 * 7, 6), Rgb8(40)) << "the last column, without a source";
+}
+
 TEST(WriteShown, RefusesAFolderThatIsNotThere) {
   const ScratchFolder folder;
   const PerEye<Image<Rgb8>> shown{Image<Rgb8>({2, 2}), Image<Rgb8>({2, 2})};

@@ -1,0 +1,25 @@
+/// Reference pictures: a full trace with one sample a pixel, or with several, whose edges are not steps. A
+/// picture with one sample a pixel differs from the latter at every edge, because it is jagged there.
+#pragma once
+
+#include "stereo/draw/renderer.h"
+#include "stereo/image/image.h"
+#include "vr_client/frame/reference.h"
+
+namespace farshade {
+
+/// The picture of `traced`, which was traced for the views of `shown`, in full detail.
+[[nodiscard]] PerEye<Image<Rgb8>> draw_traced(const FrameRequest& shown, const SceneState& state,
+                                              const TracedMask& traced, Renderer& renderer);
+
+/// The mean, in linear light, of `side` x `side` pictures of the views of `shown` in full detail, each shifted
+/// by a part of a pixel: sample (i, j) of a pixel lies at ((i + 0.5) / side, (j + 0.5) / side). Textures are
+/// read as in a picture with one sample. Afterwards the renderer holds the last of these pictures.
+[[nodiscard]] PerEye<Image<Rgb8>> smooth_reference(const FrameRequest& shown, const SceneState& state,
+                                                   std::uint32_t side, Renderer& renderer,
+                                                   Reference& reference);
+
+/// `view`, seen through the same window moved by `offset_px` pixels, to the right and downwards.
+[[nodiscard]] View shifted(const View& view, glm::dvec2 offset_px);
+
+}  // namespace farshade
