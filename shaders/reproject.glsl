@@ -2,8 +2,8 @@
 // The point is projected into each traced view, in order of trust. The first view that saw the same surface there, in a
 // tile that arrived, gives its bits. If there is none, a face of the surround gives them (masks of all directions, with
 // fewer pixels), else the nearest pixel of the newest view on the point's own plane.
-// Near shadow edges (a mask's edge bits mark them), the visibility is the weighted mean over the pixels around the point
-// in all of this eye's views. Views of different times sample the edge at different places.
+// Near shadow edges (a mask's edge bits mark them), a line between the lit and the dark pixels around the point, in all of
+// this eye's views, places the edge. Views of different times sample the edge at different places.
 // Bits are stale if a light, a caster or the surface itself has moved since the mask was traced (motion.glsl).
 
 struct Surface {
@@ -183,22 +183,27 @@ Visibility8 eight_of(uint bits) {
 // its surface. Masks of different times sample the edge at different places.
 const uint kSamples = 4 * FARSHADE_MAX_MASKS;
 struct EdgeSamples {
-  vec2 off[kSamples];    // from the point, in pixels of the mask
-  uint lit[kSamples];    // bits of a group of eight lights
-  uint used[kSamples];   // the lights for which the sample counts
+  vec2 off[kSamples];              // from the point, in pixels of the mask
+  float weight[kSamples];          // by distance (D. Shepard, "A two-dimensional interpolation function", 1968)
+  uint lit[kSamples];              // bits of a group of eight lights
+  uint on_surface[kSamples];       // all bits or none
+  uint fresh[FARSHADE_MAX_MASKS];  // the lights for which a mask's samples count; if nothing has moved, all bits or none
 };
 
-// The lowest eight bits of `fresh` are the lights for which a trusted sample counts. `depths` are those of the pixels.
-void add_samples(uint mask, SourceData source, Projection projection, vec4 depths, bool in_use, uint group, uint fresh,
+// `depths` are those of the pixels.
+void add_samples(uint mask, SourceData source, Projection projection, vec4 depths, bool in_use, uint group,
                  inout EdgeSamples samples) {
   ivec2 corner = corner_at(projection.at);
   [[unroll]] for (uint tap = 0; tap < 4; ++tap) {
     ivec2 pixel = tap_at(corner, tap), there = inside(source, pixel);
     bool known = block_known(source, there), near = on_plane(projection, pixel, of_tap(depths, tap), kBend);
-    bool trusted = projection.visible && in_use && pixel == there && known && near;
-    samples.off[4 * mask + tap] = trusted ? vec2(pixel) + 0.5 - projection.at : vec2(0.0);
-    samples.lit[4 * mask + tap] = mask_bits(source, there, group / 4) >> (group % 4 * 8);
-    samples.used[4 * mask + tap] = trusted ? fresh : 0u;
+    bool on_surface = projection.visible && in_use && pixel == there && known && near;
+    const uint i = 4 * mask + tap;
+    samples.off[i] = on_surface ? vec2(pixel) + 0.5 - projection.at : vec2(0.0);
+    float distance2 = dot(samples.off[i], samples.off[i]);
+    samples.weight[i] = 1.0 / (distance2 * distance2 + 1e-6);
+    samples.on_surface[i] = on_surface ? ~0u : 0u;
+    samples.lit[i] = mask_bits(source, there, group / 4) >> (group % 4 * 8);
   }
 }
 
@@ -206,7 +211,8 @@ void add_mask(uint mask, Surface surface, uint group, uint fresh, inout EdgeSamp
   SourceData source = frame.sources[kNewest + mask];
   Projection projection = project(mask, source, surface);
   vec4 depths = gather_views(corner_at(projection.at), source.place.x);
-  add_samples(mask, source, projection, depths, mask < frame.counts.x, group, fresh, samples);
+  samples.fresh[mask] = fresh;
+  add_samples(mask, source, projection, depths, mask < frame.counts.x, group, samples);
 }
 
 // This eye's oldest mask; if the point takes its bits from a face, that face instead, with all lights.
@@ -219,7 +225,8 @@ void add_oldest_or_face(uint taken, Surface surface, uint group, uint fresh, ino
   ivec2 corner = corner_at(projection.at);
   vec4 depths = gather_views(corner, source.place.x);
   if (kSurround) depths = mix(depths, gather_faces(corner, source.place.x), bvec4(face));
-  add_samples(oldest, source, projection, depths, face || oldest < frame.counts.x, group, face ? 0xFFu : fresh, samples);
+  samples.fresh[oldest] = face ? ~0u : fresh;
+  add_samples(oldest, source, projection, depths, face || oldest < frame.counts.x, group, samples);
 }
 
 // The nearest point to `other` on the line from `from` to `to`.
@@ -228,24 +235,43 @@ vec2 nearest_between(vec2 from, vec2 to, vec2 other) {
   return from + along * clamp(dot(other - from, along) / max(dot(along, along), 1e-12), 0.0, 1.0);
 }
 
-// The weight of a sample in a mean, by its distance from the point in pixels: a Gaussian, and much more for samples within a
-// quarter of a pixel, which are right almost always.
-const float kSigma_px = 0.5, kExponent = -0.72134752 / (kSigma_px * kSigma_px);  // -log2(e) / (2 sigma^2)
-const float kAtPoint = 7e-5, kLeast6 = 1e-12;  // pixels to the power of 6
-float edge_weight(vec2 off) {
-  float d2 = dot(off, off);
-  return exp2(kExponent * d2) * (1.0 + kAtPoint / (d2 * d2 * d2 + kLeast6));
-}
+// `v` where `mask` has all bits, 0 where it has none.
+float only(uint mask, float v) { return uintBitsToFloat(mask & floatBitsToUint(v)); }
+vec2 only(uint mask, vec2 v) { return uintBitsToFloat(uvec2(mask) & floatBitsToUint(v)); }
+uint all_if(uint bits, uint light) { return uint(int(bits << (31 - light)) >> 31); }
 
-// The samples of one light. What is added to a sample's position along a line, so that it is beyond all others if it does not
-// count as lit, or as dark.
-const float kBeyond = 1e30;
+// The samples that count for one light: masks of all bits or none.
 struct SidesOfEdge {
-  float not_lit[kSamples], not_dark[kSamples];  // 0 or kBeyond
+  uint lit[kSamples], dark[kSamples];
+  vec2 lit_middle, dark_middle;  // their means
+  float lit_weight, all_weight;  // sums, by distance
 };
+
+SidesOfEdge sides_of(EdgeSamples samples, uint light) {
+  SidesOfEdge sides;
+  vec2 lit = vec2(0.0), all = vec2(0.0);
+  uint lits = 0, count = 0;
+  sides.lit_weight = sides.all_weight = 0.0;
+  [[unroll]] for (uint i = 0; i < kSamples; ++i) {
+    uint used = samples.fresh[i / 4] & samples.on_surface[i];
+    if (kMoved) used = all_if(used, light);
+    sides.lit[i] = all_if(samples.lit[i], light) & used;
+    sides.dark[i] = used ^ sides.lit[i];
+    lit += only(sides.lit[i], samples.off[i]);
+    all += only(used, samples.off[i]);
+    lits -= sides.lit[i];
+    count -= used;
+    sides.lit_weight += only(sides.lit[i], samples.weight[i]);
+    sides.all_weight += only(used, samples.weight[i]);
+  }
+  sides.lit_middle = lit / max(float(lits), 1.0);
+  sides.dark_middle = (all - lit) / max(float(count - lits), 1.0);
+  return sides;
+}
 
 // The outermost samples of both sides along a direction: all lit ones lie beyond `lit`, all dark ones before `dark`. The
 // point is at 0.
+const float kBeyond = 1e30;
 struct Gap {
   float lit, dark;
   vec2 lit_at, dark_at;
@@ -254,11 +280,12 @@ struct Gap {
 Gap gap_along(vec2 across, EdgeSamples samples, SidesOfEdge sides) {
   Gap gap = Gap(kBeyond, -kBeyond, vec2(0.0), vec2(0.0));
   [[unroll]] for (uint i = 0; i < kSamples; ++i) {
-    float at = dot(across, samples.off[i]), lit = at + sides.not_lit[i], dark = at - sides.not_dark[i];
+    float at = dot(across, samples.off[i]);
+    float lit = at + only(~sides.lit[i], kBeyond), dark = at - only(~sides.dark[i], kBeyond);
     gap.lit_at = lit < gap.lit ? samples.off[i] : gap.lit_at;
     gap.dark_at = dark > gap.dark ? samples.off[i] : gap.dark_at;
-    gap.lit = min(gap.lit, lit);
-    gap.dark = max(gap.dark, dark);
+    gap.lit = min(lit, gap.lit);
+    gap.dark = max(dark, gap.dark);
   }
   return gap;
 }
@@ -266,43 +293,31 @@ Gap gap_along(vec2 across, EdgeSamples samples, SidesOfEdge sides) {
 // The visibility of a light at the point. A shadow's edge is straight within a pixel or two, so a line separates the lit from
 // the dark samples. The widest gap between both is between the closest points of their convex hulls; Kozinec's algorithm
 // (M. I. Schlesinger, V. Hlavac, "Ten lectures on statistical and structural pattern recognition", 2002, chapter 5) moves from
-// the two means towards these points. The point is lit if it lies beyond the middle of the gap.
-// If no line separates the samples, their weighted mean decides. `nearest` is used if no sample counts.
+// the two means towards these points. The point is lit if it lies beyond the middle of the gap. If no line separates the
+// samples, their mean decides, weighted by distance. `nearest` is used if no sample counts.
 const int kSteps = 2;
 
-float between_samples(EdgeSamples samples, float weight[kSamples], uint light, float nearest) {
-  SidesOfEdge sides;
-  vec2 lit = vec2(0.0), dark = vec2(0.0);
-  float lits = 0.0, darks = 0.0, mean = 1e-4 * nearest, weights = 1e-4;
-  [[unroll]] for (uint i = 0; i < kSamples; ++i) {
-    uint used = samples.used[i] >> light & 1u, is_lit = used & samples.lit[i] >> light;
-    sides.not_lit[i] = is_lit != 0u ? 0.0 : kBeyond;
-    sides.not_dark[i] = used > is_lit ? 0.0 : kBeyond;
-    lit += float(is_lit) * samples.off[i];
-    dark += float(used - is_lit) * samples.off[i];
-    lits += float(is_lit);
-    darks += float(used - is_lit);
-    mean += float(is_lit) * weight[i];
-    weights += float(used) * weight[i];
-  }
-  lit /= max(lits, 1.0);
-  dark /= max(darks, 1.0);
-  float part = mean / weights, widest = 0.0;
-  bool both = lits > 0.0 && darks > 0.0;
+float between_samples(EdgeSamples samples, uint light, float nearest) {
+  SidesOfEdge sides = sides_of(samples, light);
+  bool any = sides.all_weight > 0.0;
+  float part = any ? sides.lit_weight / sides.all_weight : nearest, widest = 0.0;
+  vec2 lit = sides.lit_middle, dark = sides.dark_middle;
+  // Unrolled: lavapipe takes longer for a loop that it can leave early.
   [[unroll]] for (int i = 0; i <= kSteps; ++i) {
     vec2 across = lit - dark;
     Gap gap = gap_along(across, samples, sides);
     float width = (gap.lit - gap.dark) * inversesqrt(max(dot(across, across), 1e-12));
-    bool wider = both && width > widest;
+    bool wider = width > widest && max(gap.lit, -gap.dark) < kBeyond;
     part = wider ? -gap.dark / (gap.lit - gap.dark) : part;
     widest = wider ? width : widest;
-    if (i == kSteps) break;
     vec2 lit_next = nearest_between(lit, gap.lit_at, dark), dark_next = nearest_between(dark, gap.dark_at, lit);
     bool of_lit = dot(lit_next - dark, lit_next - dark) < dot(lit - dark_next, lit - dark_next);
     lit = of_lit ? lit_next : lit;
     dark = of_lit ? dark : dark_next;
   }
-  return clamp((part - 0.5) * kSharpness + 0.5, 0.0, 1.0);
+  // In pixels, the part of a gap is the distance from the edge, and so the coverage of a pixel.
+  float slope = kSharpness > 0.0 ? kSharpness : max(widest, 1.0);
+  return clamp((part - 0.5) * slope + 0.5, 0.0, 1.0);
 }
 
 // The visibility of eight lights at a point near a shadow edge, whose bits are those of the source `taken`. Samples of lights
@@ -310,16 +325,23 @@ float between_samples(EdgeSamples samples, float weight[kSamples], uint light, f
 Visibility8 edge_visibility(uint taken, Surface surface, uint stale, uint group, Visibility8 nearest) {
   EdgeSamples samples;
   uint fresh = (is_face(taken) ? 0u : ~stale) >> (group % 4 * 8);
-  add_mask(0, surface, group, 0xFFu, samples);
+  add_mask(0, surface, group, ~0u, samples);
   add_mask(1, surface, group, fresh, samples);
   add_mask(2, surface, group, fresh, samples);
   add_oldest_or_face(taken, surface, group, fresh, samples);
-  float weight[kSamples];
-  [[unroll]] for (uint i = 0; i < kSamples; ++i) weight[i] = edge_weight(samples.off[i]);
   Visibility8 k = nearest;
-  [[unroll]] for (uint i = 0; i < min(kLights, 8u); ++i) {
-    if (i < 4) k.low[i] = between_samples(samples, weight, i, nearest.low[i]);
-    if (i >= 4) k.high[i - 4] = between_samples(samples, weight, i, nearest.high[i - 4]);
+  if (kLights <= 4) {
+    [[unroll]] for (uint i = 0; i < kLights; ++i) k.low[i] = between_samples(samples, i, nearest.low[i]);
+    return k;
+  }
+  // Compilers take long for eight copies.
+  [[dont_unroll]] for (uint i = 0; i < 8; ++i) {
+    vec4 here = mix(nearest.low, nearest.high, bvec4(i >= 4));
+    bvec4 is_light = equal(uvec4(0, 1, 2, 3), uvec4(i % 4));
+    float visibility = between_samples(samples, i, dot(here, vec4(is_light)));
+    here = mix(here, vec4(visibility), is_light);
+    k.low = mix(k.low, here, bvec4(i < 4) );
+    k.high = mix(k.high, here, bvec4(i >= 4));
   }
   return k;
 }

@@ -158,8 +158,12 @@ void add_carry_over_options(CLI::App& app, CarryOver& carry_over) {
   app.add_option("--gaps", carry_over.gaps,
                  "visibility of a pixel that no mask covers: from neighbouring pixels, or unknown")
       ->transform(one_of<Gaps>({{"neighbours", Gaps::Neighbours}, {"unknown", Gaps::Unknown}}));
-  app.add_option("--edges", carry_over.edges, "how masks are sampled at shadow edges")
-      ->transform(one_of<Edges>({{"filtered", Edges::Filtered}, {"nearest", Edges::Nearest}}));
+  app.add_option(
+         "--edges", carry_over.edges,
+         "the visibility at shadow edges: filtered is that of the pixel's centre; coverage is the lit "
+         "part of the pixel, for smooth edges; nearest is the bit of one mask pixel")
+      ->transform(one_of<Edges>(
+          {{"filtered", Edges::Filtered}, {"nearest", Edges::Nearest}, {"coverage", Edges::Coverage}}));
 }
 
 void add_output_options(CLI::App& app, Options& options) {

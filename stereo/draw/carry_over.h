@@ -48,7 +48,13 @@ enum class Lookup : std::uint8_t {
 };
 enum class Eyes : std::uint8_t { This, Both };
 enum class Gaps : std::uint8_t { Unknown, Neighbours };
-enum class Edges : std::uint8_t { Nearest, Filtered };
+/// The visibility near a shadow edge.
+enum class Edges : std::uint8_t {
+  Nearest,   ///< the bit of one pixel
+  Filtered,  ///< 0 or 1, by the side of the edge on which the pixel's centre lies; a fraction if that is not
+             ///< sure
+  Coverage,  ///< the part of the pixel that lies on the lit side
+};
 
 /// Contrast of a filtered shadow edge: factor of the visibility's distance from one half.
 /// docs/reprojection.md and docs/modes.md have the measurements.

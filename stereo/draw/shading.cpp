@@ -263,12 +263,14 @@ ShadingKey ShadingPass::key_of(std::uint32_t pass, PixelReport report, std::uint
           .reports = report == PixelReport::On,
           .other_eye = second_look && other_eye_,
           .neighbours = !second_look || carry_over_.gaps == Gaps::Neighbours,
-          .filters_edges = direct || carry_over_.edges == Edges::Filtered,
+          .filters_edges = direct || carry_over_.edges != Edges::Nearest,
           .whole = whole_ && !direct && !moved_,
           .moved = moved_ && !direct,
           .map_side_px = maps_ != nullptr ? maps_->settings().side_px : 0,
           .pcf_radius = maps_ != nullptr ? maps_->settings().pcf_radius : 0,
-          .sharpness = maps_ != nullptr ? maps_->settings().sharpness : kEdgeSharpness};
+          .sharpness = maps_ != nullptr                       ? maps_->settings().sharpness
+                       : carry_over_.edges == Edges::Coverage ? 0.0f
+                                                              : kEdgeSharpness};
 }
 
 /// Created when a report is first requested, because the report is large.

@@ -30,7 +30,8 @@ TEST_F(SmoothReference, IsALargerPictureOfTheSameViewsAveraged) {
   const SceneState state = state_at(scene, Time{});
   Reference reference(Tracer::create_reference(scene).value());
   const auto renderer_of = [&](std::uint32_t side_px) {
-    return std::make_unique<Renderer>(device_, scene, RendererLimits{{side_px, side_px}, {side_px, side_px}, 1});
+    return std::make_unique<Renderer>(device_, scene,
+                                      RendererLimits{{side_px, side_px}, {side_px, side_px}, 1});
   };
   const auto request_of = [&](std::uint32_t side_px) {
     FrameRequest request;
@@ -47,7 +48,8 @@ TEST_F(SmoothReference, IsALargerPictureOfTheSameViewsAveraged) {
     for_pixels(request.views[eye].size, [&](std::uint32_t x, std::uint32_t y) {
       const double expected = mean_green(many[eye], x, y);
       // 2 levels of 255: a level of rounding in each of both pictures.
-      other += std::abs(std::pow(linear(smooth[eye].at(x, y).g), 1 / 2.2) - std::pow(expected, 1 / 2.2)) > 2 / 255.0;
+      other += std::abs(std::pow(linear(smooth[eye].at(x, y).g), 1 / 2.2) - std::pow(expected, 1 / 2.2)) >
+               2 / 255.0;
       unlike_steps += std::abs(smooth[eye].at(x, y).g - steps[eye].at(x, y).g) > 8;
     });
     EXPECT_LE(other, 4) << "samples on a silhouette, eye " << eye;

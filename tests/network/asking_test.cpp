@@ -76,5 +76,37 @@ TEST_F(Asking, AsksAgainForWhatWasLost) {
   EXPECT_NE(lossy.rays, perfect.rays) << "nothing was lost";
 }
 
+// All that is sent within 200 ms is lost. The first mask that was asked for afterwards is used one round trip
+// and at most two frames later, with all of its tiles, and the picture then is as right as before.
+TEST_F(Asking, ABurstOfLossesIsOverOneRoundTripAndTwoFramesAfterIt) {
+  constexpr Duration kWay = std::chrono::milliseconds(25), kPeriod = duration_from_ms(1e3 / 72);
+  const Network network = network_from("delay=25ms,silence=200ms/1s").value();
+  Play play{.device = device_,
+            .scene = scene_,
+            .head = head_,
+            .size = {256, 256},
+            .frames = 84,
+            .reference_every = 1};
+  std::vector<double> unknown, error;
+  play.watch = [&](const FrameView&, const FrameRecord& record, const MeasuredFrame*) {
+    const auto& errors = record.errors.value();
+    unknown.push_back(std::max(errors[0].unknown, errors[1].unknown));
+    error.push_back(std::max(errors[0].mask_error, errors[1].mask_error));
+  };
+  const Played run = farshade::play(play, network);
+  const Time ended(std::chrono::seconds(1));
+  const auto after = std::ranges::find_if(run.frames, [&](const PlayedFrame& frame) {
+    return frame.newest_asked >= ended && frame.tiles_current == 1;
+  });
+  ASSERT_NE(after, run.frames.end());
+  EXPECT_LE(after->at - ended, 2 * kWay + 2 * kPeriod);
+  const auto first = static_cast<std::size_t>(after - run.frames.begin());
+  const double before = *std::max_element(error.begin() + 20, error.begin() + 55);
+  for (std::size_t i = first; i < error.size(); ++i) {
+    EXPECT_LE(unknown[i], 0.001) << "frame " << i;
+    EXPECT_LE(error[i], 1.2 * before) << "frame " << i;
+  }
+}
+
 }  // namespace
 }  // namespace farshade

@@ -55,6 +55,12 @@ bool set_predictor(std::string_view value, Play& play) {
   return kind.has_value();
 }
 
+bool set_edges(std::string_view value, Play& play) {
+  if (value != "nearest" && value != "coverage") return false;
+  play.carry_over.edges = value == "nearest" ? Edges::Nearest : Edges::Coverage;
+  return true;
+}
+
 struct Word {
   std::string_view name;
   bool (*fits)(Mode mode);
@@ -81,7 +87,7 @@ const std::vector<Word>& all_words() {
       {"band", widens, only("off", [](Play& play) { play.request.guard_band = GuardBandUse::Off; })},
       {"eyes", carries, only("this", [](Play& play) { play.carry_over.eyes = Eyes::This; })},
       {"gaps", carries, only("unknown", [](Play& play) { play.carry_over.gaps = Gaps::Unknown; })},
-      {"edges", carries, only("nearest", [](Play& play) { play.carry_over.edges = Edges::Nearest; })},
+      {"edges", carries, &set_edges},
       {"bits", sends_positions,
        number(kLeastPosition_bits, kMostPosition_bits,
               [](Play& play, Value n) { play.mode.position_bits = n; })},

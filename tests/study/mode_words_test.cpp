@@ -44,6 +44,10 @@ TEST(ModeWords, SetTheNamedSetting) {
   EXPECT_EQ(hybrid.play.request.every, 4u);
   EXPECT_GT(hybrid.play.mask_wait, Duration::zero());
 
+  Settings covered;
+  ASSERT_TRUE(set("hybrid,edges=coverage", covered));
+  EXPECT_EQ(covered.play.carry_over.edges, Edges::Coverage);
+
   Settings remote, delta, positions, local;
   ASSERT_TRUE(set("remote,bitrate=20M", remote));
   EXPECT_EQ(remote.play.mode.bits_per_second, 20'000'000u);

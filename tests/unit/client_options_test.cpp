@@ -104,6 +104,11 @@ TEST(ReadOptions, AcceptsEveryOption) {
   EXPECT_EQ(options.device.validation, gpu::Validation::On);
 }
 
+TEST(ReadOptions, EdgesCanBeCoverage) {
+  EXPECT_EQ(read_more({"--edges", "coverage"}).options.value().carry_over.edges, Edges::Coverage);
+  EXPECT_EQ(read_more({}).options.value().carry_over.edges, Edges::Filtered);
+}
+
 TEST(ReadOptions, PreviewExcludesTheOptionsOfReplays) {
   EXPECT_TRUE(read_more({"--preview"}).options.has_value());
   for (const std::vector<std::string>& other : {std::vector<std::string>{"--clock", "real"},

@@ -96,7 +96,7 @@ Verdict verdict_on(const FrameSettings& settings) {
       is_one_of(settings.carry_over.lookup, Lookup::Direct) &&
       is_one_of(settings.carry_over.eyes, Eyes::Both) &&
       is_one_of(settings.carry_over.gaps, Gaps::Neighbours) &&
-      is_one_of(settings.carry_over.edges, Edges::Filtered) && is_one_of(settings.scene, SceneClock::Paused);
+      is_one_of(settings.carry_over.edges, Edges::Coverage) && is_one_of(settings.scene, SceneClock::Paused);
   return codes ? verdict_on_lights(settings.lights) : WireRefusal::Code;
 }
 

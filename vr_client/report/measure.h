@@ -47,7 +47,7 @@ struct MeasuredFrame {
   FrameId frame;
   PerEye<Image<Rgb8>> shown, reference;
   PerEye<Image<Rgb8>> smooth{};  ///< the smooth reference; empty if there was none
-  PerEye<ShownReport> report;  ///< empty if the client did not shade the frame
+  PerEye<ShownReport> report;    ///< empty if the client did not shade the frame
   MaskAges ages;
 };
 

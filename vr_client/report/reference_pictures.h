@@ -12,9 +12,10 @@ namespace farshade {
 [[nodiscard]] PerEye<Image<Rgb8>> draw_traced(const FrameRequest& shown, const SceneState& state,
                                               const TracedMask& traced, Renderer& renderer);
 
-/// The mean, in linear light, of `side` x `side` pictures of the views of `shown` in full detail, each shifted
-/// by a part of a pixel: sample (i, j) of a pixel lies at ((i + 0.5) / side, (j + 0.5) / side). Textures are
-/// read as in a picture with one sample. Afterwards the renderer holds the last of these pictures.
+/// The mean, in linear light, of `side` x `side` pictures of the views of `shown` in full detail, each
+/// shifted by a part of a pixel: sample (i, j) of a pixel lies at ((i + 0.5) / side, (j + 0.5) / side).
+/// Textures are read as in a picture with one sample. Afterwards the renderer holds the last of these
+/// pictures.
 [[nodiscard]] PerEye<Image<Rgb8>> smooth_reference(const FrameRequest& shown, const SceneState& state,
                                                    std::uint32_t side, Renderer& renderer,
                                                    Reference& reference);

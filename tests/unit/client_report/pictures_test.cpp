@@ -52,7 +52,8 @@ TEST(WriteMeasured, WritesTheSmoothReferenceIfThereIsOne) {
   ASSERT_TRUE(write_measured(folder.path(), frame).has_value());
   EXPECT_EQ(*read_png(folder.path() / "worst_0012_left_smooth.png"), smooth[0]);
   EXPECT_EQ(*read_png(folder.path() / "worst_0012_right_smooth.png"), smooth[1]);
-  EXPECT_EQ(read_png(folder.path() / "worst.png")->at(3 * 7, 6), Rgb8(40)) << "the last column, without a source";
+  EXPECT_EQ(read_png(folder.path() / "worst.png")->at(3 * 7, 6), Rgb8(40))
+      << "the last column, without a source";
 }
 
 TEST(WriteShown, RefusesAFolderThatIsNotThere) {
