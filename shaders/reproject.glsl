@@ -295,7 +295,7 @@ Gap gap_along(vec2 across, EdgeSamples samples, SidesOfEdge sides) {
 // (M. I. Schlesinger, V. Hlavac, "Ten lectures on statistical and structural pattern recognition", 2002, chapter 5) moves from
 // the two means towards these points. The point is lit if it lies beyond the middle of the gap. If no line separates the
 // samples, their mean decides, weighted by distance. `nearest` is used if no sample counts.
-const int kSteps = 2;
+const int kSteps = 1;
 
 float between_samples(EdgeSamples samples, uint light, float nearest) {
   SidesOfEdge sides = sides_of(samples, light);
