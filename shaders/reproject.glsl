@@ -324,7 +324,8 @@ float between_samples(EdgeSamples samples, uint light, float nearest) {
 // that are stale in masks other than the first do not count there; if `taken` is a face, older masks do not count at all.
 Visibility8 edge_visibility(uint taken, Surface surface, uint stale, uint group, Visibility8 nearest) {
   EdgeSamples samples;
-  uint fresh = (is_face(taken) ? 0u : ~stale) >> (group % 4 * 8);
+  uint fresh = is_face(taken) ? 0u : ~0u;
+  if (kMoved) fresh &= ~stale >> (group % 4 * 8);
   add_mask(0, surface, group, ~0u, samples);
   add_mask(1, surface, group, fresh, samples);
   add_mask(2, surface, group, fresh, samples);
@@ -336,12 +337,10 @@ Visibility8 edge_visibility(uint taken, Surface surface, uint stale, uint group,
   }
   // Compilers take long for eight copies.
   [[dont_unroll]] for (uint i = 0; i < 8; ++i) {
-    vec4 here = mix(nearest.low, nearest.high, bvec4(i >= 4));
-    bvec4 is_light = equal(uvec4(0, 1, 2, 3), uvec4(i % 4));
-    float visibility = between_samples(samples, i, dot(here, vec4(is_light)));
-    here = mix(here, vec4(visibility), is_light);
-    k.low = mix(k.low, here, bvec4(i < 4) );
-    k.high = mix(k.high, here, bvec4(i >= 4));
+    bvec4 low = equal(uvec4(0, 1, 2, 3), uvec4(i)), high = equal(uvec4(4, 5, 6, 7), uvec4(i));
+    float visibility = between_samples(samples, i, dot(nearest.low, vec4(low)) + dot(nearest.high, vec4(high)));
+    k.low = mix(k.low, vec4(visibility), low);
+    k.high = mix(k.high, vec4(visibility), high);
   }
   return k;
 }

@@ -117,5 +117,42 @@ TEST_F(EdgePlace, IsWithinATenthOfAPixelOnTheMean) {
   EXPECT_LT(one_mask.distance_px(), nearest.distance_px());
 }
 
+/// Errors of the visibilities of the first eight lights, and of all others.
+using ErrorSums = std::array<double, 2>;
+
+ErrorSums errors_of(const Shown& shown, const Mask& truth) {
+  ErrorSums sums{};
+  const std::uint32_t lights = truth.bits[0].lights();
+  for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t) {
+    const std::size_t eye = index_of(side), pixel = std::size_t{y} * truth.bits[eye].size().width + x;
+    for (std::uint32_t light = 0; light < lights; ++light) {
+      const bool lit = (truth.bits[eye].word(x, y, light / 32) >> light % 32 & 1u) != 0;
+      sums[light < 8 ? 0 : 1] +=
+          std::abs(shown.reports[eye].visibility[pixel * lights + light] / 255.0 - (lit ? 1 : 0));
+    }
+  });
+  return sums;
+}
+
+// Eight lights are looked up together: the second group is no worse than the first.
+TEST_F(EdgePlace, IsAsGoodForLightsBeyondTheFirstEight) {
+  TestRig rig(device_, with_lights(bundled("room.glb"), 12), 192, 8);
+  const auto turned_by = [&](double degrees) {
+    return rig.eyes(moved(rig.head(), degrees / 57.3, {0.002 * degrees, 0, 0}));
+  };
+  std::vector<Mask> masks;
+  for (std::uint32_t i = 0; i < 4; ++i) masks.push_back(rig.ask({10 - i}, turned_by(0.37 * (i + 1))));
+  std::vector<TracedMask> traced;
+  for (const Mask& mask : masks) traced.push_back(mask.traced_mask());
+  const StereoView now = turned_by(0);
+  const Mask truth = rig.trace(kNow, now);
+  const ErrorSums line = errors_of(rig.show(now, traced), truth),
+                  nearest = errors_of(rig.show(now, traced, {.edges = Edges::Nearest}), truth);
+  for (std::size_t group = 0; group < 2; ++group) {
+    EXPECT_GT(nearest[group], 100) << "there are edges";
+    EXPECT_LT(line[group], 0.85 * nearest[group]) << "group " << group;
+  }
+}
+
 }  // namespace
 }  // namespace farshade

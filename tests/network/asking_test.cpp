@@ -84,9 +84,10 @@ TEST_F(Asking, ABurstOfLossesIsOverOneRoundTripAndTwoFramesAfterIt) {
   Play play{.device = device_,
             .scene = scene_,
             .head = head_,
-            .size = {256, 256},
+            .size = {160, 160},
             .frames = 84,
             .reference_every = 1};
+  play.request.every = 1;  // a still scene needs only every second request
   std::vector<double> unknown, error;
   play.watch = [&](const FrameView&, const FrameRecord& record, const MeasuredFrame*) {
     const auto& errors = record.errors.value();
