@@ -31,7 +31,7 @@
 #define FARSHADE_CONSTANT_MAP_SIDE 14           // texels of a shadow map
 #define FARSHADE_CONSTANT_PCF_RADIUS 15         // texels
 #define FARSHADE_CONSTANT_DETAIL 16             // limit of the geometric error of what is drawn, pixels
-#define FARSHADE_CONSTANT_SURROUND 17           // points that no view's mask knows are looked up in the surround
+#define FARSHADE_CONSTANT_SURROUND 17  // points that no view's mask knows are looked up in the surround
 #define FARSHADE_CONSTANTS 18
 
 // The report: one record of 32-bit words per pixel, the left eye's pixels first. A record begins with these

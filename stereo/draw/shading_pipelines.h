@@ -21,7 +21,7 @@ struct ShadingKey {
   bool whole = false;                             ///< every tile of every mask in use is known
   bool moved = false;                             ///< something has moved since a mask in use was traced
   std::uint32_t map_side_px = 0, pcf_radius = 0;  ///< 0: visibilities come from masks
-  float sharpness = kEdgeSharpness;  ///< 0: the visibility is the coverage of the pixel
+  float sharpness = kEdgeSharpness;               ///< 0: the visibility is the coverage of the pixel
   friend auto operator<=>(const ShadingKey&, const ShadingKey&) = default;
 
   [[nodiscard]] bool uses_maps() const { return map_side_px > 0; }
