@@ -10,7 +10,6 @@
 #include "stereo/net/explain.h"
 #include "stereo/net/impaired_port.h"
 #include "stereo/net/udp.h"
-#include "stereo/scene/gltf.h"
 
 namespace farshade {
 namespace {
@@ -93,9 +92,11 @@ void print_counters(const ServerCore& core) {
 
 Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   if (Expected<void> removed = remove_old_ready_file(options); !removed) return removed;
-  Expected<Scene> loaded = load_scene(options.scene);
+  Expected<LitScene> loaded = load_lit_scene(options.scene, options.lighting);
   if (!loaded) return tl::unexpected(loaded.error());
-  const auto [scene, plan] = plan_scene(std::move(*loaded), {.kind = options.plan.kind, .surround = false});
+  for (const std::string& note : loaded->notes) fmt::print("rt_server: {}\n", note);
+  const auto [scene, plan] =
+      plan_scene(std::move(loaded->scene), {.kind = options.plan.kind, .surround = false});
   if (options.plan.prints_only) {
     fmt::print("{}  {:<12} the tracer holds {}\n", in_words(plan, scene), "memory",
                in_words(estimated_memory(scene, plan.trace)));

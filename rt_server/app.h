@@ -8,11 +8,13 @@
 #include "stereo/base/expected.h"
 #include "stereo/base/stop_signal.h"
 #include "stereo/plan/scene_plan.h"
+#include "stereo/scene/lighting.h"
 
 namespace farshade {
 
 struct ServeOptions {
   std::string scene;
+  Lighting lighting;
   std::string listen = "127.0.0.1:7447";
   std::string ring;       ///< key ring file; empty for default_ring_path()
   bool insecure = false;  ///< accept any client on this machine, without encryption

@@ -9,6 +9,7 @@
 #include "rt_server/app.h"
 #include "rt_server/commands/commands.h"
 #include "stereo/base/heap.h"
+#include "stereo/scene/lighting_options.h"
 
 namespace {
 
@@ -22,6 +23,7 @@ void add_serving(CLI::App& app, ServeOptions& options) {
       ->expected(0, 1)
       ->check(CLI::IsMember({"", "needed", "everything"}));
   app.add_option("--scene", options.scene, "glTF 2.0 file (.gltf or .glb)");
+  add_lighting_options(app, options.lighting);
   app.add_option("--listen", options.listen, "address and UDP port; port 0 selects a free port")
       ->capture_default_str();
   app.add_option("--keys", options.ring, "key ring file; default " + default_ring_path().string());

@@ -52,12 +52,13 @@ build() {
 
 minutes() { printf '%d:%02d min' $(($1 / 60)) $(($1 % 60)); }
 
-# start_server SCENE: starts rt_server on a free loopback port with new keys. Sets `address`, where the server listens,
+# start_server SCENE [OPTION...]: starts rt_server on a free loopback port with new keys. Sets `address`, where the server listens,
 # and `key`, the key file that lets a client in. If no light of the scene casts shadows, the server has nothing to serve:
 # it ends, and `address` is one where nobody listens, because the client needs no server either.
 # The server ends with the script, also at Ctrl-C and SIGTERM: this function sets the traps.
 start_server() {
-  local program=$programs/rt_server/rt_server patience_s=60 give_up ready
+  local program=$programs/rt_server/rt_server scene=$1 patience_s=60 give_up ready
+  shift
   trap stop_server EXIT
   trap 'exit 130' INT
   trap 'exit 143' TERM
@@ -65,8 +66,8 @@ start_server() {
   server_log=$server_files/log
   key=$server_files/client.key
   "$program" keygen client --key "$key" --ring "$server_files/ring.keys" >/dev/null || die "no key could be made"
-  "$program" --scene "$1" --listen 127.0.0.1:0 --keys "$server_files/ring.keys" --ready-file "$server_files/ready" \
-    >"$server_log" 2>&1 &
+  "$program" --scene "$scene" --listen 127.0.0.1:0 --keys "$server_files/ring.keys" \
+    --ready-file "$server_files/ready" "$@" >"$server_log" 2>&1 &
   server=$!
   give_up=$((SECONDS + patience_s))
   until ready=$(whole_line "$server_files/ready"); do
@@ -91,12 +92,18 @@ whole_line() {
   [[ -f $1 ]] && IFS= read -r line <"$1" && printf '%s\n' "$line"
 }
 
-# run_client SCENE OPTION...: starts rt_server and runs vr_client with it. If the client fails, prints the server's log
-# and exits with the client's status.
+# run_client SCENE OPTION...: starts rt_server and runs vr_client with it. Both get the options that light the scene. If the
+# client fails, prints the server's log and exits with the client's status.
 run_client() {
-  local scene=$1 status=0
+  local scene=$1 status=0 lighting=() i
   shift
-  start_server "$scene"
+  for ((i = 1; i <= $#; ++i)); do
+    case ${!i} in
+      --light | --sun | --ambient | --exposure) lighting+=("${@:i:2}"); i=$((i + 1)) ;;
+      --light=* | --sun=* | --ambient=* | --exposure=*) lighting+=("${!i}") ;;
+    esac
+  done
+  start_server "$scene" "${lighting[@]}"
   "$programs/vr_client/vr_client" --scene "$scene" --server "$address" --key "$key" "$@" || status=$?
   if ((status)); then
     sed 's/^/  /' "$server_log" >&2

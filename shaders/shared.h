@@ -97,7 +97,7 @@ struct FrameData {
   uvec4 changed_lights[2];  // lights that the viewer has changed since a mask in use was traced
   vec4 moved[FARSHADE_SINCE_GROUPS * 2 * FARSHADE_MAX_MOVED];  // [group][eye][sphere]
   vec4 background;                                             // linear
-  vec4 ambient;  // linear factor of the base colour; 0 unless the user sets it
+  vec4 ambient;  // linear factor of the base colour; 0 if the scene has lights of its own
   uvec4 counts;  // x = masks in use, y = layer of the left eye's shown depth, z = 1 if the newest mask's view
                  // is close enough to the shown view to guess from; w = faces of the surround in use
   vec4 direct;   // position in the newest mask of a shown position in the same direction: * xy + zw

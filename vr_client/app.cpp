@@ -11,6 +11,7 @@
 #include "stereo/base/stop_signal.h"
 #include "stereo/head/reader.h"
 #include "stereo/head/writer.h"
+#include "stereo/scene/viewpoint.h"
 #include "vr_client/client.h"
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/record/capture_writer.h"
@@ -30,8 +31,7 @@ HeadPlayback playback_of(const Options& options, const Scene& scene, const HeadR
                         .skip = duration_from_ms(options.skip_s * 1e3),
                         .frames = options.frames,
                         .pace = options.pace};
-  if (options.place == Place::Camera && scene.camera)
-    playback.stage_from_recorded = place(head, *scene.camera);
+  if (options.place == Place::Camera) playback.stage_from_recorded = place(head, viewpoint_of(scene));
   return playback;
 }
 
@@ -185,7 +185,7 @@ Expected<void> print_plan(const Options& options) {
   if (!planned) return tl::unexpected(planned.error());
   const Scene& scene = planned->scene;
   const SceneLevels levels = levels_for(scene, planned->plan);
-  const Rigid<Stage, Eye> camera = scene.camera.value_or(Rigid<Stage, Eye>{});
+  const Rigid<Stage, Eye> camera = viewpoint_of(scene);
   const StereoView views = views_of({camera.rotation, camera.translation}, headset);
   const auto line = [](const char* what, const std::string& words) {
     fmt::print("  {:<12} {}\n", what, words);

@@ -9,7 +9,7 @@
 #include "stereo/detail/level_cache.h"
 #include "stereo/gpu/pipeline_cache.h"
 #include "stereo/net/udp.h"
-#include "stereo/scene/gltf.h"
+#include "stereo/scene/lighting.h"
 #include "stereo/video/video.h"
 
 namespace farshade {
@@ -98,7 +98,10 @@ SessionNeeds needs_of(const Options& options, double eye_distance_m) {
 }
 
 Expected<PlannedScene> load_planned(const Options& options, const SessionNeeds& needs) {
-  return load_scene(options.scene).map([&](Scene&& scene) { return plan_scene(std::move(scene), needs); });
+  return load_lit_scene(options.scene, options.lighting).map([&](LitScene&& lit) {
+    for (const std::string& note : lit.notes) spdlog::info(note);
+    return plan_scene(std::move(lit.scene), needs);
+  });
 }
 
 void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport report, Changes changes) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "stereo/frame/view.h"
+#include "stereo/scene/lighting_options.h"
 #include "stereo/wire/key_file.h"
 
 namespace farshade {
@@ -72,8 +73,11 @@ void add_scene_options(CLI::App& app, CommandLine& line) {
                  "units per metre of the head recording, if its format does not define them")
       ->check(within(1e-6, 1e6));
   app.add_option("--place", options.place,
-                 "where the head starts: at the scene's reference camera, or where it was recorded")
+                 "where the head starts: at the scene's reference camera (without one, in the middle of a "
+                 "room, or in "
+                 "front of an object), or where it was recorded")
       ->transform(one_of<Place>({{"camera", Place::Camera}, {"recorded", Place::Recorded}}));
+  add_lighting_options(app, options.lighting);
   app.add_option("--size", line.size, "pixels of each eye")->capture_default_str();
   app.add_option(
          "--detail-px", options.detail_px,

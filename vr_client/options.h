@@ -11,6 +11,7 @@
 #include "stereo/draw/carry_over.h"
 #include "stereo/gpu/device_options.h"
 #include "stereo/plan/scene_plan.h"
+#include "stereo/scene/lighting.h"
 #include "vr_client/ask/request_plan.h"
 #include "vr_client/doctor/doctor.h"
 #include "vr_client/frame/mode.h"
@@ -20,7 +21,7 @@ namespace farshade {
 
 /// Where the head recording starts.
 enum class Place : std::uint8_t {
-  Camera,    ///< at the scene's reference camera, in its direction; as recorded if the scene has no camera
+  Camera,    ///< at the scene's viewpoint (viewpoint.h), in its direction
   Recorded,  ///< as recorded
 };
 
@@ -30,6 +31,7 @@ struct Options {
   std::optional<double>
       trace_scale;  ///< units per metre of the head recording, if its format does not define them
   Place place = Place::Camera;
+  Lighting lighting;
   Extent size{512, 512};           ///< of each eye
   std::optional<float> detail_px;  ///< limit of the geometric error of what is drawn; 0: full detail
   std::optional<std::uint32_t> frames;

@@ -6,6 +6,7 @@
 #include "stereo/base/files.h"
 #include "stereo/base/stop_signal.h"
 #include "stereo/head/reader.h"
+#include "stereo/scene/viewpoint.h"
 #include "vr_client/app.h"
 #include "vr_client/client.h"
 #include "vr_client/modes/make_pipeline.h"
@@ -29,13 +30,10 @@ constexpr Duration kMinimisedWait = std::chrono::milliseconds(100);
 constexpr Duration kTitleInterval = std::chrono::seconds(1);
 /// The panel reports a server as silent after this time without a message.
 constexpr Duration kSilentAfter = std::chrono::seconds(1);
-constexpr double kEyeHeight_m = 1.6;
 
 Rigid<Stage, Head> start_of(const Scene& scene) {
-  if (scene.camera) return {scene.camera->rotation, scene.camera->translation};
-  const glm::dvec3 low = scene.bounds.low, high = scene.bounds.high;
-  return {.translation = {(low.x + high.x) / 2, std::min(low.y + kEyeHeight_m, (low.y + high.y) / 2),
-                          (low.z + high.z) / 2}};
+  const Rigid<Stage, Eye> viewpoint = viewpoint_of(scene);
+  return {viewpoint.rotation, viewpoint.translation};
 }
 
 double aspect_of(const View& view) {
@@ -47,10 +45,10 @@ PreviewSetup setup_of(const Options& options, const Scene& scene,
                       const std::optional<HeadRecording>& recording) {
   PreviewSetup setup{
       .start = start_of(scene), .recording = {}, .refresh_hz = options.refresh_hz, .frames = options.frames};
-  const bool placed = options.place == Place::Camera && scene.camera.has_value();
   if (recording)
-    setup.recording.emplace(PlacedHeadRecording{
-        *recording, placed ? place(*recording, *scene.camera) : Rigid<Stage, Recorded>{}});
+    setup.recording.emplace(PlacedHeadRecording{*recording, options.place == Place::Camera
+                                                                ? place(*recording, viewpoint_of(scene))
+                                                                : Rigid<Stage, Recorded>{}});
   return setup;
 }
 

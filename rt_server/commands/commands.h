@@ -6,6 +6,7 @@
 #pragma once
 
 #include "stereo/doctor/checks.h"
+#include "stereo/scene/lighting.h"
 
 namespace CLI {
 class App;
@@ -17,6 +18,7 @@ struct ServerDoctorOptions {
   std::string ring;  ///< empty: default_ring_path()
   std::string listen = "127.0.0.1:7447";
   std::string scene;  ///< empty: no scene is loaded
+  Lighting lighting;  ///< of the scene
 };
 
 /// Adds the subcommand `doctor` and its options to the program.

@@ -6,19 +6,19 @@
 
 #include "stereo/net/udp.h"
 #include "stereo/plan/scene_plan.h"
-#include "stereo/scene/gltf.h"
+#include "stereo/scene/lighting_options.h"
 #include "stereo/wire/key_file.h"
 
 namespace farshade {
 namespace {
 
-Finding check_served_scene(const std::string& path) {
-  Expected<Scene> scene = load_scene(path);
-  Finding finding = check_scene(scene);
-  if (scene && !plan_scene(std::move(*scene)).plan.server) {
+Finding check_served_scene(const ServerDoctorOptions& options) {
+  Expected<LitScene> lit = load_lit_scene(options.scene, options.lighting);
+  Finding finding = check_scene(lit);
+  if (lit && !plan_scene(std::move(lit->scene)).plan.server) {
     finding.severity = Severity::Fail;
     finding.found += ": no light casts shadows";
-    finding.cure = "add lights (KHR_lights_punctual), or run clients without a server";
+    finding.cure = "add a light with --light or --sun, or run clients without a server";
   }
   return finding;
 }
@@ -55,11 +55,12 @@ void add_doctor(CLI::App& program, ServerDoctorOptions& options) {
                       "key ring to check (default: " + default_ring_path().string() + ")");
   command->add_option("--listen", options.listen, "address and UDP port to check")->capture_default_str();
   command->add_option("--scene", options.scene, "scene to load");
+  add_lighting_options(*command, options.lighting);
 }
 
 Findings examine(const ServerDoctorOptions& options) {
   Findings findings{check_build()};
-  if (!options.scene.empty()) findings.push_back(check_served_scene(options.scene));
+  if (!options.scene.empty()) findings.push_back(check_served_scene(options));
   const std::filesystem::path ring =
       options.ring.empty() ? default_ring_path() : std::filesystem::path(options.ring);
   findings.push_back(check_key_file(ring, KeyFile::Ring));

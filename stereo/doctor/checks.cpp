@@ -68,12 +68,14 @@ Finding check_key_file(const std::filesystem::path& path, KeyFile kind) {
                     "key file with --key"};
 }
 
-Finding check_scene(const Expected<Scene>& scene) {
-  if (!scene)
-    return failed("scene", scene.error(), "name a readable glTF 2.0 file (.gltf or .glb) with --scene");
-  return {Severity::Ok, "scene",
-          fmt::format("{}: {} triangles, {} lights, scene {}", scene->name, scene->triangle_count,
-                      scene->lights.size(), short_form(scene->hash))};
+Finding check_scene(const Expected<LitScene>& lit) {
+  if (!lit) return failed("scene", lit.error(), "name a readable glTF 2.0 file (.gltf or .glb) with --scene");
+  const Scene& scene = lit->scene;
+  Finding finding{Severity::Ok, "scene",
+                  fmt::format("{}: {} triangles, {} lights, scene {}", scene.name, scene.triangle_count,
+                              scene.lights.size(), short_form(scene.hash))};
+  for (const std::string& note : lit->notes) finding.found += "; " + note;
+  return finding;
 }
 
 Finding check_socket_buffers() {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "stereo/base/expected.h"
-#include "stereo/scene/scene.h"
+#include "stereo/scene/lighting.h"
 
 namespace farshade {
 
@@ -39,8 +39,8 @@ enum class KeyFile : std::uint8_t { OfClient, Ring };
 /// Does the file exist, may only its owner read it, and is it valid?
 [[nodiscard]] Finding check_key_file(const std::filesystem::path& path, KeyFile kind);
 
-/// `scene` is the result of load_scene.
-[[nodiscard]] Finding check_scene(const Expected<Scene>& scene);
+/// `lit` is the result of load_lit_scene. What was chosen for the scene is part of the finding.
+[[nodiscard]] Finding check_scene(const Expected<LitScene>& lit);
 
 /// Does the kernel grant UDP sockets the buffer sizes that the programs ask for?
 [[nodiscard]] Finding check_socket_buffers();

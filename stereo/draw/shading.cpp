@@ -203,7 +203,9 @@ void ShadingPass::prepare(std::uint32_t shown_layer, const StereoView& views, co
 }
 
 void ShadingPass::write_frame(const StereoView& views, const LightSet& lights, const gpu::FrameData& frame) {
-  frame_buffer_.as<gpu::FrameData>()[0] = frame;
+  gpu::FrameData& written = frame_buffer_.as<gpu::FrameData>()[0];
+  written = frame;
+  written.ambient = glm::vec4(glm::vec3(plan_.ambient), 0);
   for (std::size_t i = 0; i < lights.lights.size(); ++i) {
     light_buffer_.as<gpu::LightData>()[i] = light_data(views, lights.lights[i]);
     off_[i] = !lights.lights[i].on;

@@ -81,6 +81,7 @@ ScenePlan plan_for(const Scene& scene, const SessionNeeds& needs) {
   plan.draw.depth_pass = needs.carries_over;
   plan.draw.surround = needs.surround && needs.carries_over;
   plan.draw.detail_px = needs.detail_px;
+  plan.draw.ambient = scene.ambient;
   if (needs.kind == PlanKind::Everything) turn_everything_on(plan);
   return plan;
 }

@@ -69,6 +69,7 @@ struct DrawPlan {
   bool surround = true;          ///< masks of all directions about the head are kept and looked up
   bool builds_late = true;       ///< pipelines are created when first needed
   float detail_px = 0;           ///< limit of the geometric error of a level of detail; 0: full detail
+  float ambient = 0;             ///< of the scene
   MaskLayout mask;
 
   [[nodiscard]] bool anything_moves() const;

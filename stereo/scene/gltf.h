@@ -3,8 +3,9 @@
 ///
 /// Supported: .gltf and .glb; external, embedded and GLB buffers; PNG and JPEG; indexed and non-indexed
 /// triangles, strips and fans; sparse accessors; KHR_mesh_quantization, KHR_texture_transform,
-/// KHR_lights_punctual; animation of translation, rotation and scale. Refused: every other required
-/// extension, skins, and morph targets with weights.
+/// KHR_lights_punctual; animation of translation, rotation and scale. Skins and morph targets stand
+/// still: in the pose at time 0, with the weights of the file. Extensions that only change the look are left
+/// out with a warning (Scene::warnings). Refused: every other required extension.
 #pragma once
 
 #include <cstddef>

@@ -92,6 +92,17 @@ template std::vector<glm::vec2> read_vectors<2>(const Document&, std::uint32_t);
 template std::vector<glm::vec3> read_vectors<3>(const Document&, std::uint32_t);
 template std::vector<glm::vec4> read_vectors<4>(const Document&, std::uint32_t);
 
+std::vector<glm::mat4> read_matrices(const Document& document, std::uint32_t index) {
+  const Accessor& accessor = document.accessors[index];
+  std::vector<glm::mat4> result(accessor.count, glm::mat4(0.0f));
+  for_each_element(document, accessor, [&](std::uint64_t i, const std::uint8_t* bytes, auto zero) {
+    for (std::size_t c = 0; c < 16; ++c)
+      result[i][static_cast<int>(c / 4)][static_cast<int>(c % 4)] =
+          load_number<decltype(zero)>(bytes + c * sizeof zero, false);
+  });
+  return result;
+}
+
 std::vector<float> read_scalars(const Document& document, std::uint32_t index) {
   const Accessor& accessor = document.accessors[index];
   std::vector<float> result(accessor.count);

@@ -2,6 +2,7 @@
 /// integers.
 #pragma once
 
+#include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -22,6 +23,9 @@ struct ElementRun {
 /// Elements with N components, as floats. Missing components (alpha of an RGB colour) are 1.
 template <int N>
 [[nodiscard]] std::vector<glm::vec<N, float>> read_vectors(const Document& document, std::uint32_t accessor);
+
+/// Matrices of 4x4 floats.
+[[nodiscard]] std::vector<glm::mat4> read_matrices(const Document& document, std::uint32_t accessor);
 
 /// Scalars as floats (animation keys).
 [[nodiscard]] std::vector<float> read_scalars(const Document& document, std::uint32_t accessor);

@@ -47,9 +47,14 @@ bool is_constant(const Channel& channel) {
 void add_animations(const Document& document, const std::vector<Index>& scene_node, Scene& scene) {
   std::set<std::pair<std::uint32_t, Path>> taken;
   double length_s = 0;
+  bool morphs = false;
   for (const Animation& animation : document.animations)
     for (const AnimationChannel& from : animation.channels) {
       const Index node = scene_node[from.node];
+      if (from.path == "weights") {
+        morphs = true;
+        continue;
+      }
       const Path path = path_from(from.path);
       if (!node || !taken.emplace(*node, path).second) continue;
       Channel channel = channel_from(document, animation.samplers[from.sampler], *node, path);
@@ -61,6 +66,7 @@ void add_animations(const Document& document, const std::vector<Index>& scene_no
         scene.channels.push_back(std::move(channel));
       }
     }
+  if (morphs) scene.warnings.emplace_back("morph targets stand still, with the weights of the file");
   if (!scene.channels.empty()) scene.animation_length_s = length_s;
   for (farshade::Node& node : scene.nodes)
     if (node.parent && scene.nodes[*node.parent].moving) node.moving = true;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "stereo/scene/gltf_animation.h"
+#include "stereo/scene/gltf_deform.h"
 #include "stereo/scene/gltf_materials.h"
 #include "stereo/scene/gltf_mesh.h"
 #include "stereo/scene/gltf_validate.h"
@@ -45,14 +46,24 @@ void add_nodes(const Document& document, const NodeOrder& order, Scene& scene) {
       scene.nodes[*order.to_scene[child]].parent = i;
 }
 
+/// False for NaN.
+bool is_near(const glm::dvec3& p) {
+  return std::abs(p.x) <= kMaxDistance_m && std::abs(p.y) <= kMaxDistance_m &&
+         std::abs(p.z) <= kMaxDistance_m;
+}
+
 /// Converts the primitives that have triangles. Returns their indices in Scene::meshes.
 Expected<std::vector<std::uint32_t>> add_mesh(const Mesh& from, const Document& document,
-                                              MaterialConverter& materials, Scene& scene) {
+                                              const Deformation& deformation, MaterialConverter& materials,
+                                              Scene& scene) {
   std::vector<std::uint32_t> numbers;
   for (const Primitive& primitive : from.primitives) {
     if (!primitive.attribute("POSITION") || !primitive.draws_triangles()) continue;
-    farshade::Mesh mesh = mesh_from(document, primitive);
+    farshade::Mesh mesh = mesh_from(document, primitive, deformation);
     if (mesh.triangles.empty()) continue;
+    if (!deformation.is_none() &&
+        !std::ranges::all_of(mesh.positions, [](const glm::vec3& p) { return is_near(glm::dvec3(p)); }))
+      return fail(Fault::OutOfRange, "mesh '" + printable(from.name) + "' is deformed beyond 1e9 m");
     const auto material = materials.material(primitive.material);
     if (!material) return tl::unexpected(material.error());
     mesh.name = from.name;
@@ -63,23 +74,46 @@ Expected<std::vector<std::uint32_t>> add_mesh(const Mesh& from, const Document& 
   return numbers;
 }
 
+/// The poses of the document's nodes at time 0; none for nodes outside of the default scene.
+std::vector<std::optional<Affine<Stage, Object>>> poses_of(const Document& document, const NodeOrder& order,
+                                                           const Scene& scene) {
+  std::vector<std::optional<Affine<Stage, Object>>> poses(document.nodes.size());
+  const auto of_scene = stage_from_nodes(scene, Time{});
+  for (std::size_t i = 0; i < order.from_document.size(); ++i) poses[order.from_document[i]] = of_scene[i];
+  return poses;
+}
+
+/// Meshes that a node deforms are converted for this node alone. Skinned ones lie in the stage: their node is
+/// the last of the scene, and has no transform.
 Checked add_instances(const Document& document, const NodeOrder& order, const SceneLimits& limits,
                       Scene& scene) {
   MaterialConverter materials(document, limits, scene);
   std::vector<std::optional<std::vector<std::uint32_t>>> converted(document.meshes.size());
+  const auto poses = poses_of(document, order, scene);
+  bool has_skins = false;
   for (std::uint32_t node = 0; node < order.from_document.size(); ++node) {
-    const Index mesh = document.nodes[order.from_document[node]].mesh;
-    if (!mesh) continue;
-    if (!converted[*mesh]) {
-      auto numbers = add_mesh(document.meshes[*mesh], document, materials, scene);
+    const Node& from = document.nodes[order.from_document[node]];
+    if (!from.mesh) continue;
+    const Deformation deformation = deformation_of(document, from, poses);
+    const bool skinned = !deformation.stage_from_bound.empty();
+    has_skins |= skinned;
+    std::vector<std::uint32_t> own;
+    if (!deformation.is_none() || !converted[*from.mesh]) {
+      auto numbers = add_mesh(document.meshes[*from.mesh], document, deformation, materials, scene);
       if (!numbers) return tl::unexpected(numbers.error());
-      converted[*mesh] = std::move(*numbers);
+      if (deformation.is_none()) converted[*from.mesh] = *numbers;
+      own = std::move(*numbers);
+    } else {
+      own = *converted[*from.mesh];
     }
-    for (const std::uint32_t number : *converted[*mesh]) {
-      scene.instances.push_back({number, node});
+    const auto in_stage = static_cast<std::uint32_t>(order.from_document.size());
+    for (const std::uint32_t number : own) {
+      scene.instances.push_back({number, skinned ? in_stage : node});
       scene.triangle_count += scene.meshes[number].triangles.size();
     }
   }
+  if (has_skins) scene.nodes.emplace_back().name = "skinned meshes";
+  if (has_skins) scene.warnings.emplace_back("skinned meshes stand still, in their pose at time 0");
   if (scene.instances.empty()) return malformed("nothing to draw: the default scene has no triangles");
   return {};
 }
@@ -145,10 +179,6 @@ void add_bounds(const farshade::Mesh& mesh, const Affine<Stage, Object>& pose, B
   }
 }
 
-bool is_near(const glm::dvec3& p) {
-  return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) <= kMaxDistance_m;
-}
-
 Checked add_places(const Document& document, const NodeOrder& order, Scene& scene) {
   const auto poses = stage_from_nodes(scene, Time{});
   if (const Index camera = camera_node(document, order)) scene.camera = rigid_part(poses[*camera]);
@@ -170,6 +200,7 @@ Expected<Scene> convert(const Document& document, const SceneLimits& limits) {
   if (document.scenes.empty()) return malformed("nothing to draw: the file has no scene");
   const NodeOrder order = order_nodes(document);
   Scene scene;
+  scene.warnings = document.warnings;
   add_nodes(document, order, scene);
   add_animations(document, order.to_scene, scene);
   const Checked checked = add_instances(document, order, limits, scene)

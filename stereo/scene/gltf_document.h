@@ -104,8 +104,14 @@ struct Material {
   std::optional<TextureUse> texture;
 };
 
+/// Accessors of differences to a primitive's attributes.
+struct MorphTarget {
+  Index position, normal;
+};
+
 struct Primitive {
   std::map<std::string, std::uint32_t> attributes;  ///< semantic -> accessor
+  std::vector<MorphTarget> targets;
   Index indices, material;
   Mode mode = Mode::Triangles;
 
@@ -119,7 +125,13 @@ struct Primitive {
 struct Mesh {
   std::string name;
   std::vector<Primitive> primitives;
-  bool morphed = false;  ///< a morph target has a weight other than 0
+  std::vector<double> weights;  ///< of the morph targets; empty: 0
+};
+
+struct Skin {
+  std::string name;
+  std::vector<std::uint32_t> joints;  ///< nodes
+  Index inverse_bind;                 ///< accessor of one matrix per joint; none: identity
 };
 
 struct Node {
@@ -129,7 +141,7 @@ struct Node {
   std::optional<glm::dvec3> translation, scale;
   std::optional<glm::dquat> rotation;
   std::optional<glm::dmat4> matrix;
-  bool morphed = false;
+  std::vector<double> weights;  ///< of the mesh's morph targets; empty: those of the mesh
 };
 
 struct Light {
@@ -156,7 +168,6 @@ struct Animation {
 };
 
 struct Document {
-  std::vector<std::string> required_extensions;
   std::vector<std::vector<std::uint8_t>> buffers;
   std::vector<BufferView> views;
   std::vector<Accessor> accessors;
@@ -166,11 +177,13 @@ struct Document {
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
   std::vector<Node> nodes;
+  std::vector<Skin> skins;
   std::vector<Light> lights;
   std::vector<Animation> animations;
   std::vector<std::vector<std::uint32_t>> scenes;  ///< the root nodes of each scene
   Index default_scene;
   std::uint64_t cameras = 0;
+  std::vector<std::string> warnings;  ///< what is not drawn as the file says, one sentence each
 };
 
 /// Text from the file for an error message: at most 80 characters, with ? for everything but printable ASCII.

@@ -45,7 +45,9 @@ Expected<std::uint32_t> MaterialConverter::material(Index index) {
     result.base_color = glm::vec4(from.base_color);
     result.alpha_cutoff = cutoff_from(from);
     result.double_sided = from.double_sided;
-    if (from.texture) {
+    const bool has_image = from.texture && document_.textures[from.texture->texture].image;
+    if (from.texture && !has_image) leave_out_texture();
+    if (has_image) {
       const auto number = texture(from.texture->texture);
       if (!number) return tl::unexpected(number.error());
       result.texture = *number;
@@ -55,10 +57,15 @@ Expected<std::uint32_t> MaterialConverter::material(Index index) {
   return materials_[index] = static_cast<std::uint32_t>(scene_.materials.size() - 1);
 }
 
+/// The image of such a texture has a format of an extension.
+void MaterialConverter::leave_out_texture() {
+  const std::string warning = "textures without a PNG or JPEG image are left out";
+  if (std::ranges::find(scene_.warnings, warning) == scene_.warnings.end())
+    scene_.warnings.push_back(warning);
+}
+
 Expected<std::uint32_t> MaterialConverter::texture(std::uint32_t index) {
   const Texture& from = document_.textures[index];
-  if (!from.image)
-    return fail(Fault::Unsupported, label("texture", index, from.name) + " has no PNG or JPEG image");
   const TextureSampler sampler = from.sampler ? document_.texture_samplers[*from.sampler] : TextureSampler{};
   const TextureKey key{*from.image, wrap_from(sampler.wrap_s), wrap_from(sampler.wrap_t)};
   if (const auto known = textures_.find(key); known != textures_.end()) return known->second;

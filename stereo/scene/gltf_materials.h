@@ -21,6 +21,7 @@ class MaterialConverter {
  private:
   using TextureKey = std::tuple<std::uint32_t, Wrap, Wrap>;  ///< image, wrap modes
   Expected<std::uint32_t> texture(std::uint32_t index);
+  void leave_out_texture();
   Expected<farshade::Image<Rgba8>> decode(std::uint32_t index);
 
   const Document& document_;

@@ -111,9 +111,11 @@ std::vector<glm::u8vec4> colors_from(const std::vector<glm::vec4>& colors) {
 
 }  // namespace
 
-farshade::Mesh mesh_from(const Document& document, const Primitive& primitive) {
+farshade::Mesh mesh_from(const Document& document, const Primitive& primitive,
+                         const Deformation& deformation) {
   farshade::Mesh mesh;
-  mesh.positions = read_vectors<3>(document, *primitive.attribute("POSITION"));
+  Vertices vertices = vertices_of(document, primitive, deformation);
+  mesh.positions = std::move(vertices.positions);
   mesh.triangles =
       triangles_of(primitive.mode, corners_of(document, primitive, mesh.positions.size()), mesh.positions);
   const auto* material = primitive.material ? &document.materials[*primitive.material] : nullptr;
@@ -121,8 +123,8 @@ farshade::Mesh mesh_from(const Document& document, const Primitive& primitive) {
     mesh.uvs = texture_coordinates(document, primitive, *material->texture, mesh.positions.size());
   if (const Index color = primitive.attribute("COLOR_0"))
     mesh.colors = colors_from(read_vectors<4>(document, *color));
-  if (const Index normal = primitive.attribute("NORMAL")) {
-    mesh.normals = read_vectors<3>(document, *normal);
+  if (primitive.attribute("NORMAL")) {
+    mesh.normals = std::move(vertices.normals);
     make_unit(mesh);
   } else {
     make_flat(mesh);

@@ -1,7 +1,7 @@
 /// Converts a validated primitive to triangles.
 #pragma once
 
-#include "stereo/scene/gltf_document.h"
+#include "stereo/scene/gltf_deform.h"
 #include "stereo/scene/scene.h"
 
 namespace farshade::gltf {
@@ -9,6 +9,7 @@ namespace farshade::gltf {
 /// Converts strips and fans to triangles, removes triangles without area, and applies KHR_texture_transform.
 /// If the primitive has no normals, each triangle gets its own vertices with the normal of its plane
 /// (glTF 2.0 section 3.7.2.1). The caller sets material and name.
-[[nodiscard]] farshade::Mesh mesh_from(const Document& document, const Primitive& primitive);
+[[nodiscard]] farshade::Mesh mesh_from(const Document& document, const Primitive& primitive,
+                                       const Deformation& deformation = {});
 
 }  // namespace farshade::gltf

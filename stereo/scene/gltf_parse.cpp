@@ -19,11 +19,6 @@ std::vector<To> each(const JsonObject& parent, std::string_view name, Convert co
   return result;
 }
 
-bool has_weights(const JsonObject& from) {
-  const std::vector<double> weights = from.numbers("weights");
-  return std::any_of(weights.begin(), weights.end(), [](double w) { return w != 0.0; });
-}
-
 /// Only the first buffer of a GLB may be its binary chunk; every other buffer needs a URI.
 Expected<Bytes> buffer_from(const JsonObject& from, std::size_t index, std::span<const std::byte> bin,
                             SceneFolder& folder) {
@@ -128,6 +123,10 @@ Material material_from(const JsonObject& from, std::size_t) {
 
 Primitive primitive_from(const JsonObject& from, std::size_t) {
   return {.attributes = from.required_index_map("attributes"),
+          .targets = each<MorphTarget>(from, "targets",
+                                       [](const JsonObject& target, std::size_t) -> MorphTarget {
+                                         return {target.index("POSITION"), target.index("NORMAL")};
+                                       }),
           .indices = from.index("indices"),
           .material = from.index("material"),
           .mode = static_cast<Mode>(from.index("mode").value_or(4))};
@@ -140,7 +139,7 @@ Node node_from(const JsonObject& from, std::size_t index) {
   to.mesh = from.index("mesh");
   to.camera = from.index("camera");
   to.skin = from.index("skin");
-  to.morphed = has_weights(from);
+  to.weights = from.numbers("weights");
   if (const JsonObject light = from.extension("KHR_lights_punctual"))
     to.light = light.required_index("light");
   to.translation = from.vector<glm::dvec3>("translation");
@@ -195,11 +194,62 @@ void check_version(const JsonObject& asset) {
                Fault::Unsupported);
 }
 
+constexpr std::string_view kKnownExtensions[] = {"KHR_lights_punctual", "KHR_mesh_quantization",
+                                                 "KHR_texture_transform"};
+
+/// Extensions without which the scene is drawn, and what is different then.
+struct LookExtension {
+  std::string_view name, without;
+};
+constexpr LookExtension kLookExtensions[] = {
+    {"KHR_materials_unlit", "materials without light are lit"},
+    {"KHR_materials_", "materials have base colours only"},
+    {"KHR_texture_basisu", ""},  // gltf_materials.cpp warns
+    {"EXT_texture_webp", ""},    // gltf_materials.cpp warns
+    {"EXT_texture_avif", ""},    // gltf_materials.cpp warns
+    {"KHR_animation_pointer", "what it animates stands still"},
+};
+
+const LookExtension* look_of(std::string_view name) {
+  const auto* found = std::ranges::find_if(
+      kLookExtensions, [&](const LookExtension& look) { return name.starts_with(look.name); });
+  return found == std::end(kLookExtensions) ? nullptr : found;
+}
+
+void check_extensions(const JsonObject& root) {
+  for (const std::string& name : root.texts("extensionsRequired"))
+    if (std::ranges::find(kKnownExtensions, name) == std::end(kKnownExtensions) && !look_of(name))
+      return root.refuse(
+          "the required extension '" + printable(name) + "' is not supported: export the file without it",
+          Fault::Unsupported);
+}
+
+/// A warning for each used extension that changes the look, and for instances that are not drawn.
+std::vector<std::string> warnings_of(const JsonObject& root) {
+  std::vector<std::string> warnings;
+  for (const std::string& name : root.texts("extensionsUsed")) {
+    const LookExtension* const look = look_of(name);
+    if (look && !look->without.empty())
+      warnings.push_back(printable(name) + " is not drawn: " + std::string(look->without));
+    if (name == "EXT_mesh_gpu_instancing")
+      warnings.push_back(printable(name) + " is not drawn: one instance is shown instead of all");
+  }
+  return warnings;
+}
+
+/// glTF 1.0 has numbers as versions, or none, and objects instead of lists.
+bool is_version_1(const nlohmann::json& root) {
+  const auto asset = root.find("asset"), meshes = root.find("meshes");
+  if (asset != root.end() && asset->is_object() && asset->contains("version") &&
+      (*asset)["version"].is_number())
+    return true;
+  return meshes != root.end() && meshes->is_object();
+}
+
 /// Everything that needs no further file.
 Document description_from(const JsonObject& root) {
   Document document;
-  check_version(root.object("asset", Need::Required));
-  document.required_extensions = root.texts("extensionsRequired");
+  document.warnings = warnings_of(root);
   document.views = each<BufferView>(root, "bufferViews", view_from);
   document.accessors = each<Accessor>(root, "accessors", accessor_from);
   document.texture_samplers =
@@ -212,9 +262,12 @@ Document description_from(const JsonObject& root) {
   document.materials = each<Material>(root, "materials", material_from);
   document.meshes = each<Mesh>(root, "meshes", [](const JsonObject& mesh, std::size_t) -> Mesh {
     return {mesh.text("name"), each<Primitive>(mesh, "primitives", primitive_from, Need::Required),
-            has_weights(mesh)};
+            mesh.numbers("weights")};
   });
   document.nodes = each<Node>(root, "nodes", node_from);
+  document.skins = each<Skin>(root, "skins", [](const JsonObject& skin, std::size_t) -> Skin {
+    return {skin.text("name"), skin.indices("joints"), skin.index("inverseBindMatrices")};
+  });
   if (const JsonObject lights = root.extension("KHR_lights_punctual"))
     document.lights = each<Light>(lights, "lights", light_from, Need::Required);
   document.animations = each<Animation>(root, "animations", animation_from);
@@ -255,6 +308,11 @@ Expected<Document> parse_document(std::string_view text, std::span<const std::by
   if (!json) return tl::unexpected(json.error());
   Checked verdict;
   const JsonObject root(*json, "", verdict);
+  if (is_version_1(*json)) return fail(Fault::Unsupported, "glTF version 1.0, only 2.0 is read");
+  // What the file needs comes first: other faults often follow from it.
+  check_version(root.object("asset", Need::Required));
+  check_extensions(root);
+  if (!verdict) return tl::unexpected(verdict.error());
   Document document = description_from(root);
   load_files(root, "buffers", verdict, document.buffers,
              [&](const JsonObject& from, std::size_t i) { return buffer_from(from, i, bin, folder); });

@@ -8,18 +8,6 @@
 namespace farshade::gltf {
 namespace {
 
-constexpr std::string_view kKnownExtensions[] = {"KHR_lights_punctual", "KHR_mesh_quantization",
-                                                 "KHR_texture_transform"};
-
-Checked check_extensions(const Document& document) {
-  return check_each(document.required_extensions, [](std::size_t, const std::string& name) -> Checked {
-    if (std::find(std::begin(kKnownExtensions), std::end(kKnownExtensions), name) !=
-        std::end(kKnownExtensions))
-      return {};
-    return fail(Fault::Unsupported, "the required extension '" + printable(name) + "' is not supported");
-  });
-}
-
 Checked check_view(const Document& document, std::size_t index, const BufferView& view) {
   const std::string name = label("buffer view", index);
   if (view.buffer >= document.buffers.size())
@@ -137,11 +125,11 @@ Checked validate_accessors(const Document& document) {
 }
 
 Checked validate(const Document& document, const SceneLimits& limits) {
-  return check_extensions(document)
-      .and_then([&] { return validate_accessors(document); })
+  return validate_accessors(document)
       .and_then([&] { return validate_materials(document); })
       .and_then([&] { return validate_meshes(document); })
       .and_then([&] { return validate_nodes(document, limits); })
+      .and_then([&] { return validate_deformations(document); })
       .and_then([&] { return validate_animations(document); })
       .and_then([&] { return validate_reach(document); });
 }

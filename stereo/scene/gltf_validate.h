@@ -23,6 +23,8 @@ namespace farshade::gltf {
 [[nodiscard]] Checked validate_materials(const Document& document);
 /// Checks nodes, scenes and animations.
 [[nodiscard]] Checked validate_nodes(const Document& document, const SceneLimits& limits);
+/// Checks skins, and the meshes that nodes deform.
+[[nodiscard]] Checked validate_deformations(const Document& document);
 [[nodiscard]] Checked validate_animations(const Document& document);
 /// Refuses node hierarchies whose transforms, animated or not, reach further than double can represent well.
 [[nodiscard]] Checked validate_reach(const Document& document);

@@ -54,7 +54,6 @@ Checked check_channel(const Document& document, const std::string& name, const A
     return malformed(name + ": there is no " + label("node", channel.node));
   if (channel.sampler >= animation.samplers.size())
     return malformed(name + ": there is no " + label("sampler", channel.sampler));
-  if (channel.path == "weights") return fail(Fault::Unsupported, name + ": morph weights are not supported");
   if (channel.path != "translation" && channel.path != "rotation" && channel.path != "scale")
     return malformed(name + ": unknown path '" + printable(channel.path) + "'");
   const Node& node = document.nodes[channel.node];
@@ -77,6 +76,7 @@ Checked validate_animations(const Document& document) {
   return check_each(document.animations, [&](std::size_t a, const Animation& animation) {
     std::set<std::pair<std::uint32_t, std::string>> targets;
     return check_each(animation.channels, [&](std::size_t c, const AnimationChannel& channel) -> Checked {
+      if (channel.path == "weights") return {};  // not read
       const std::string name = label("animation", a, animation.name) + ", " + label("channel", c);
       if (auto checked = check_channel(document, name, animation, channel); !checked) return checked;
       if (!targets.emplace(channel.node, channel.path).second)

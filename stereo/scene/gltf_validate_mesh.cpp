@@ -1,4 +1,5 @@
-/// Validation of meshes with their attributes and indices, of materials, textures, images and lights.
+/// Validation of meshes with their attributes and indices, of skins and morph targets, of materials,
+/// textures, images and lights.
 #include <cmath>
 #include <numbers>
 
@@ -116,6 +117,77 @@ Checked check_primitive(const Document& document, const std::string& name, const
       .and_then([&] { return check_index_count(name, primitive.mode, indices); });
 }
 
+/// Morph targets, and the joints and weights of a skin.
+Checked check_deforming(const Document& document, const std::string& name, const Primitive& primitive) {
+  const Index position = primitive.attribute("POSITION");
+  if (!position || !primitive.draws_triangles()) return {};
+  const std::uint64_t vertices = document.accessors[*position].count;
+  for (const MorphTarget& target : primitive.targets) {
+    Primitive differences;
+    if (target.position) differences.attributes["POSITION"] = *target.position;
+    if (target.normal) differences.attributes["NORMAL"] = *target.normal;
+    for (const char* semantic : {"POSITION", "NORMAL"})
+      if (auto checked = check_attribute(document, name + ", morph target", differences,
+                                         {semantic, 3, 3, Integers::Any}, vertices);
+          !checked)
+        return checked;
+  }
+  return check_attribute(document, name, primitive, {"WEIGHTS_0", 4, 4, Integers::NormalizedUnsigned},
+                         vertices)
+      .and_then([&]() -> Checked {
+        const Index joints = primitive.attribute("JOINTS_0");
+        if (!joints) return {};
+        const std::string subject = name + ": JOINTS_0 " + label("accessor", *joints);
+        if (*joints >= document.accessors.size()) return malformed(subject + " is not there");
+        const Accessor& accessor = document.accessors[*joints];
+        const bool whole = accessor.component == Component::UInt8 || accessor.component == Component::UInt16;
+        if (!whole || accessor.normalized || accessor.rows != 4 || accessor.columns != 1 ||
+            accessor.count != vertices)
+          return malformed(subject + " should have four unsigned integers for each vertex");
+        return {};
+      });
+}
+
+Checked check_skin(const Document& document, std::size_t index, const Skin& skin) {
+  const std::string name = label("skin", index, skin.name);
+  if (skin.joints.empty()) return malformed(name + " has no joints");
+  for (const std::uint32_t joint : skin.joints)
+    if (joint >= document.nodes.size()) return malformed(name + ": there is no " + label("node", joint));
+  if (!skin.inverse_bind) return {};
+  const std::string subject = name + ": inverse bind matrices, " + label("accessor", *skin.inverse_bind);
+  if (*skin.inverse_bind >= document.accessors.size()) return malformed(subject + " is not there");
+  const Accessor& accessor = document.accessors[*skin.inverse_bind];
+  if (accessor.component != Component::Float || accessor.rows != 4 || accessor.columns != 4 ||
+      accessor.count < skin.joints.size())
+    return malformed(subject + " should have a matrix of floats for each joint");
+  return {};
+}
+
+/// The joints that a skinned mesh names, and the vertices of meshes that are converted once for each node.
+Checked check_deformed_nodes(const Document& document) {
+  std::uint64_t left = element_budget(document);
+  return check_each(document.nodes, [&](std::size_t index, const Node& node) -> Checked {
+    if (!node.mesh || (!node.skin && node.weights.empty() && document.meshes[*node.mesh].weights.empty()))
+      return {};
+    const std::string name = label("node", index, node.name);
+    for (const Primitive& primitive : document.meshes[*node.mesh].primitives) {
+      const Index position = primitive.attribute("POSITION"), joints = primitive.attribute("JOINTS_0");
+      if (!position || !primitive.draws_triangles()) continue;
+      const std::uint64_t vertices = document.accessors[*position].count * (1 + primitive.targets.size());
+      if (vertices > left)
+        return fail(Fault::OutOfRange,
+                    name + ": more deformed vertices than a file of this size should have");
+      left -= vertices;
+      if (!node.skin || !joints) continue;
+      for (const glm::vec4& of_vertex : read_vectors<4>(document, *joints))
+        for (int i = 0; i < 4; ++i)
+          if (of_vertex[i] >= static_cast<float>(document.skins[*node.skin].joints.size()))
+            return malformed(name + ": a vertex names a joint that its skin does not have");
+    }
+    return {};
+  });
+}
+
 Checked check_image(const Document& document, std::size_t index, const Image& image) {
   if (points_into(document.views, image.view)) return {};
   return malformed(label("image", index, image.name) + ": there is no " + label("buffer view", *image.view));
@@ -168,10 +240,18 @@ Checked validate_meshes(const Document& document) {
   std::uint64_t left = element_budget(document);
   return check_each(document.meshes, [&](std::size_t m, const Mesh& mesh) {
     return check_each(mesh.primitives, [&](std::size_t p, const Primitive& primitive) {
-      return check_primitive(document, label("mesh", m, mesh.name) + ", " + label("primitive", p), primitive,
-                             left);
+      const std::string name = label("mesh", m, mesh.name) + ", " + label("primitive", p);
+      return check_primitive(document, name, primitive, left).and_then([&] {
+        return check_deforming(document, name, primitive);
+      });
     });
   });
+}
+
+Checked validate_deformations(const Document& document) {
+  return check_each(document.skins,
+                    [&](std::size_t i, const Skin& skin) { return check_skin(document, i, skin); })
+      .and_then([&] { return check_deformed_nodes(document); });
 }
 
 Checked validate_materials(const Document& document) {

@@ -53,9 +53,8 @@ Checked check_references(const Document& document, std::size_t index, const Node
     return malformed(name + ": there is no " + label("light", *node.light));
   if (node.camera && *node.camera >= document.cameras)
     return malformed(name + ": there is no " + label("camera", *node.camera));
-  if (node.mesh && node.skin) return fail(Fault::Unsupported, name + ": skinned meshes are not supported");
-  if (node.mesh && (node.morphed || document.meshes[*node.mesh].morphed))
-    return fail(Fault::Unsupported, name + ": morph targets with weights are not supported");
+  if (!points_into(document.skins, node.skin))
+    return malformed(name + ": there is no " + label("skin", *node.skin));
   return {};
 }
 
@@ -162,7 +161,7 @@ Checked validate_reach(const Document& document) {
   for (std::size_t i = 0; i < stretch.size(); ++i) stretch[i] = rest_stretch(document.nodes[i]);
   for (const Animation& animation : document.animations)
     for (const AnimationChannel& channel : animation.channels) {
-      if (channel.path == "rotation") continue;
+      if (channel.path == "rotation" || channel.path == "weights") continue;
       const double largest = largest_output(document, animation.samplers[channel.sampler]);
       double& bound = channel.path == "scale" ? stretch[channel.node].scale : stretch[channel.node].offset;
       bound = std::max(bound, largest);

@@ -112,13 +112,15 @@ struct Bounds {
 using SceneHash = std::array<std::uint8_t, 32>;
 
 struct Scene {
-  std::string name;  ///< file name, for messages only
+  std::string name;                   ///< file name, for messages only
+  std::vector<std::string> warnings;  ///< what is not drawn as the file says, one sentence each
   std::vector<Texture> textures;
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
   std::vector<Node> nodes;
   std::vector<Instance> instances;
   std::vector<LightSource> lights;  ///< light i has bit i of every mask; by light of the file, then node
+  float ambient = 0;                ///< linear factor of the base colour everywhere (lighting.h)
   std::vector<Channel> channels;
   double animation_length_s = 0;            ///< the animation repeats after this time; 0 = no animation
   std::optional<Rigid<Stage, Eye>> camera;  ///< reference camera at time 0, if the file has one

@@ -90,6 +90,7 @@ void put_places(Hasher& hasher, const Scene& scene) {
   for (const Channel& c : scene.channels) hasher.fields(c.node, c.path, c.interpolation, c.keys_s, c.values);
   hasher.fields(scene.animation_length_s, scene.camera.has_value());
   if (scene.camera) hasher.fields(scene.camera->rotation, scene.camera->translation);
+  if (scene.ambient != 0) hasher.fields(scene.ambient);
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 namespace farshade {
 
 /// BLAKE2b-256 over everything that the picture depends on: geometry, materials, decoded textures, nodes,
-/// lights, animation and camera. It leaves out names and derived values. Fields are hashed one by one,
-/// little-endian; each list starts with its length.
+/// lights, ambient light, animation and camera. It leaves out names and derived values. Fields are hashed one
+/// by one, little-endian; each list starts with its length.
 [[nodiscard]] SceneHash hash_of(const Scene& scene);
 
 }  // namespace farshade

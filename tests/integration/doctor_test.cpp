@@ -138,7 +138,7 @@ TEST(ServerDoctor, FailsOnASceneWhoseLightsAreAllDark) {
   for (nlohmann::json& light : scene["extensions"]["KHR_lights_punctual"]["lights"]) light["intensity"] = 0;
   std::ofstream(dark) << scene;
   expect_fail(ask_server({"--keys", test_keys().ring, "--listen", "127.0.0.1:0", "--scene", dark.string()}),
-              "scene", "no light casts shadows", "KHR_lights_punctual");
+              "scene", "no light casts shadows", "--light");
 }
 
 class ClientDoctor : public testing::Test {

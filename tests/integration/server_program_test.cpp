@@ -136,11 +136,18 @@ TEST(ServerKeygen, MakesAKeyThatLetsAClientIn) {
   EXPECT_NE(program.errors().find("welcomed bob at 127.0.0.1:"), std::string::npos);
 }
 
-/// One triangle: (0 0 0), (1 0 0), (0 1 0), and no light.
-std::string scene_without_lights(const ScratchFolder& folder) {
-  const std::filesystem::path path = folder.path() / "dark.gltf";
-  std::ofstream(path)
-      << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+/// One triangle: (0 0 0), (1 0 0), (0 1 0). `lights` is the end of its extensions.
+std::string one_triangle(const ScratchFolder& folder, const char* name, const std::string& light) {
+  const std::filesystem::path path = folder.path() / name;
+  const std::string extension = light.empty() ? ""
+                                              : R"(,"extensionsUsed":["KHR_lights_punctual"],
+    "extensions":{"KHR_lights_punctual":{"lights":[)" +
+                                                    light + "]}}";
+  const std::string lamp =
+      light.empty() ? "" : R"(,{"translation":[0,0,2],"extensions":{"KHR_lights_punctual":{"light":0}}})";
+  std::ofstream(path) << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0)"
+                      << (light.empty() ? "" : ",1") << R"(]}],"nodes":[{"mesh":0})" << lamp << "]"
+                      << extension << R"(,
     "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
     "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
     "bufferViews":[{"buffer":0,"byteLength":36}],
@@ -149,9 +156,33 @@ std::string scene_without_lights(const ScratchFolder& folder) {
   return path.string();
 }
 
-TEST(ServerProgramRefuses, SceneWithoutLights) {
+std::string scene_with_a_dark_light(const ScratchFolder& folder) {
+  return one_triangle(folder, "dark.gltf", R"({"type":"point","intensity":0})");
+}
+
+TEST(ServerProgramRefuses, SceneWhoseLightsAreDark) {
   const ScratchFolder folder;
-  EXPECT_NE(complaint_of(server(scene_without_lights(folder))).find("nothing to serve"), std::string::npos);
+  EXPECT_NE(complaint_of(server(scene_with_a_dark_light(folder))).find("nothing to serve"),
+            std::string::npos);
+}
+
+TEST(ServerProgram, GivesASceneWithoutLightsASunAndALamp) {
+  const ScratchFolder folder;
+  ChildProgram program(server(one_triangle(folder, "unlit.gltf", "")));
+  const auto note = program.line_after("rt_server: unlit.gltf has no lights: ");
+  ASSERT_TRUE(note) << program.errors();
+  EXPECT_NE(note->find("--sun"), std::string::npos);
+  const auto served = program.line_after("rt_server: serving unlit.gltf, ");
+  ASSERT_TRUE(served);
+  EXPECT_NE(served->find("2 lights"), std::string::npos) << *served;
+}
+
+TEST(ServerProgramRefuses, LightsThatMakeNoSense) {
+  std::vector<std::string> arguments = server(kScene);
+  arguments.insert(arguments.end(), {"--light", "point,at=0:1"});
+  ChildProgram program(arguments);
+  EXPECT_GT(program.wait(), 0);
+  EXPECT_NE(program.errors().find("'at=0:1' cannot be read"), std::string::npos) << program.errors();
 }
 
 std::string text_of(const std::filesystem::path& path) {
@@ -184,7 +215,7 @@ TEST(ServerReadyFile, HoldsTheAddressOnceClientsCanConnect) {
 TEST(ServerReadyFile, SaysThatNoLightCastsShadowsAndTheServerSucceeds) {
   const ScratchFolder folder;
   const std::filesystem::path ready = folder.path() / "ready";
-  ChildProgram program(with_ready_file(server(scene_without_lights(folder)), ready));
+  ChildProgram program(with_ready_file(server(scene_with_a_dark_light(folder)), ready));
   EXPECT_EQ(program.wait(), 0) << program.errors();
   EXPECT_EQ(text_of(ready), "no-shadows\n");
 }

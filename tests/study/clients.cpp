@@ -5,6 +5,7 @@
 
 #include "rt_server/answers/answers.h"
 #include "stereo/base/check.h"
+#include "stereo/scene/viewpoint.h"
 #include "stereo/tracer/tracer.h"
 #include "tests/study/figures.h"
 #include "vr_client/ask/guard_band.h"
@@ -46,8 +47,7 @@ struct Drawing {
 struct Head {
   Head(const Play& play, Duration ahead, VirtualLink& wire, std::size_t number, const Clock& clock,
        const LinkTarget& target)
-      : runtime(play.head, {.stage_from_recorded = play.scene.camera ? place(play.head, *play.scene.camera)
-                                                                     : Rigid<Stage, Recorded>{},
+      : runtime(play.head, {.stage_from_recorded = place(play.head, viewpoint_of(play.scene)),
                             .eye_size = play.size,
                             .refresh_hz = play.refresh_hz,
                             .skip = play.skip + ahead,

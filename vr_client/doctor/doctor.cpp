@@ -11,7 +11,7 @@
 #include "stereo/gpu/device.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/udp.h"
-#include "stereo/scene/gltf.h"
+#include "stereo/scene/lighting_options.h"
 #include "stereo/wire/handshake.h"
 #include "stereo/wire/key_file.h"
 
@@ -126,15 +126,16 @@ void add_doctor(CLI::App& program, ClientDoctorOptions& options) {
   command->add_option("--server", options.server, "address of an rt_server to contact");
   command->add_flag("--insecure", options.insecure, "contact a server that was started with --insecure");
   command->add_option("--scene", options.scene, "scene to load, and to compare with the server's scene");
+  add_lighting_options(*command, options.lighting);
 }
 
 Findings examine(const ClientDoctorOptions& options) {
   Findings findings{check_build(), check_drawing(), check_window_system(), check_socket_buffers()};
   std::optional<ContentHash> scene;
   if (!options.scene.empty()) {
-    const Expected<Scene> loaded = load_scene(options.scene);
+    const Expected<LitScene> loaded = load_lit_scene(options.scene, options.lighting);
     findings.push_back(check_scene(loaded));
-    if (loaded) scene = loaded->hash;
+    if (loaded) scene = loaded->scene.hash;
   }
   const std::filesystem::path path =
       options.key.empty() ? default_key_path() : std::filesystem::path(options.key);

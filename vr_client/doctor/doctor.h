@@ -5,6 +5,7 @@
 #include <string>
 
 #include "stereo/doctor/checks.h"
+#include "stereo/scene/lighting.h"
 
 namespace CLI {
 class App;
@@ -17,6 +18,7 @@ struct ClientDoctorOptions {
   std::string server;  ///< empty: no server is contacted
   bool insecure = false;
   std::string scene;  ///< empty: the server may serve any scene
+  Lighting lighting;  ///< of the scene
 };
 
 /// Adds the subcommand `doctor` and its options to the program. `options` must outlive the parsing.

@@ -1,0 +1,54 @@
+/// Lighting: what makes a scene visible that its file leaves dark, and what a user adds. The command lines of
+/// both programs name the same lighting. It becomes part of the scene and of its hash, so a client whose
+/// lighting differs from the server's is refused like one with another scene (docs/scenes.md).
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "stereo/scene/scene.h"
+
+namespace farshade {
+
+/// A light of the command line. Its source's node is not used.
+struct AddedLight {
+  LightSource source;
+  Point<Stage> position;                ///< point and spot
+  Vector<Stage> direction{{0, -1, 0}};  ///< unit, in which the light travels; spot and directional
+};
+
+struct Lighting {
+  std::vector<AddedLight> lights{};  ///< in addition to those of the file
+  std::optional<float> ambient{};    ///< linear factor of the base colour everywhere; none: chosen
+  std::optional<float> exposure{};   ///< factor of all light; none: chosen
+};
+
+/// Parses the value of --light: a kind (point, spot or directional), then words NAME=VALUE in any order.
+/// Vectors are written X:Y:Z. For example "point,at=0:2:1,candela=40,range=10,color=1:0.9:0.8" or
+/// "spot,at=0:3:0,to=0:0:0,cone=30,candela=100" or "directional,along=0.3:-1:0,lux=3". Malformed or
+/// OutOfRange otherwise.
+[[nodiscard]] Expected<AddedLight> parse_light(std::string_view text);
+
+/// Parses the value of --sun: AZIMUTH,ELEVATION[,LUX]. Degrees; azimuth 0 is -z and 90 is +x; elevation is
+/// above the horizon.
+[[nodiscard]] Expected<AddedLight> parse_sun(std::string_view text);
+
+struct LitScene {
+  Scene scene;
+  std::vector<std::string>
+      notes;  ///< one sentence for each thing that was chosen, and for each warning of the file
+};
+
+/// Adds the lights, ambient light and exposure to a scene as loaded from its file, and hashes it again if
+/// anything changed.
+///
+/// A scene without any light gets a sun, a lamp beside its viewpoint (viewpoint.h) and a little ambient
+/// light. The exposure is chosen only if the median surface of the scene, without shadows, would be darker
+/// than 1/50 or brighter than 8 times white. OutOfRange if there are more lights than a mask has bits.
+[[nodiscard]] Expected<LitScene> light_scene(Scene scene, const Lighting& lighting);
+
+/// Loads a glTF file (gltf.h) and lights it.
+[[nodiscard]] Expected<LitScene> load_lit_scene(const std::filesystem::path& path, const Lighting& lighting);
+
+}  // namespace farshade

@@ -1,0 +1,171 @@
+/// Skins and morph targets, which stand still, and what a file asks for that is not drawn.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "stereo/scene/scene_state.h"
+#include "tests/unit/scene/gltf_builder.h"
+
+namespace farshade {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kByte = 5121, kFloat = 5126;
+
+Scene scene_of(const GltfBuilder& file) {
+  Expected<Scene> scene = load_scene_from_memory(file.glb());
+  if (!scene) throw std::runtime_error(scene.error().what);
+  return std::move(*scene);
+}
+
+/// The triangle (0,0,0) (1,0,0) (0,1,0). Its first two vertices belong to joint 0, the third to both joints
+/// by half. Joint 0 is node 1, which stands at (0,0,5). Joint 1 is node 2, 2 m above its parent, joint 0,
+/// turned by 90 degrees about z. The mesh's own node is moved by (100,0,0), which does not count.
+GltfBuilder skinned_file() {
+  GltfBuilder file = triangle_file();
+  const std::vector<std::uint8_t> joints{0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0};
+  const std::vector<float> weights{1, 0, 0, 0, 3, 0, 0, 0, 0.25f, 0.25f, 0, 0};
+  // Joint 1 was bound 2 m above the origin.
+  const std::vector<float> inverse_bind{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0,  0, 1,
+                                        1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -2, 0, 1};
+  json& primitive = file.json["meshes"][0]["primitives"][0];
+  primitive["attributes"]["JOINTS_0"] = file.accessor(file.view(joints), kByte, "VEC4", 3);
+  primitive["attributes"]["WEIGHTS_0"] = file.accessor(file.view(weights), kFloat, "VEC4", 3);
+  const auto matrices = file.accessor(file.view(inverse_bind), kFloat, "MAT4", 2);
+  file.json["nodes"][0]["skin"] = 0;
+  file.json["nodes"][0]["translation"] = {100, 0, 0};
+  file.node({{"name", "hip"}, {"translation", {0, 0, 5}}, {"children", {2}}});
+  const double half = std::sqrt(0.5);
+  file.json["nodes"].push_back(
+      {{"name", "knee"}, {"translation", {0, 2, 0}}, {"rotation", {0, 0, half, half}}});
+  file.json["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", matrices}}};
+  return file;
+}
+
+/// The corners of the only triangle in the stage.
+std::vector<glm::dvec3> corners_of(const Scene& scene) {
+  const SceneState state = state_at(scene, Time{});
+  std::vector<glm::dvec3> corners;
+  const Mesh& mesh = scene.meshes.at(0);
+  for (int i = 0; i < 3; ++i)
+    corners.push_back(
+        state.stage_from_object.at(0)(Point<Object>{glm::dvec3(mesh.positions[mesh.triangles[0][i]])}).v);
+  return corners;
+}
+
+void expect_near(const std::vector<glm::dvec3>& found, const std::vector<glm::dvec3>& expected) {
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i)
+    EXPECT_LT(glm::length(found[i] - expected[i]), 1e-5)
+        << i << ": " << found[i].x << ' ' << found[i].y << ' ' << found[i].z;
+}
+
+TEST(Skin, StandsInThePoseOfItsJoints) {
+  const Scene scene = scene_of(skinned_file());
+  // (0,1,0) by joint 0 is (0,1,5). By joint 1: bound at (0,-1,0), turned to (1,0,0), and placed at (1,2,5).
+  expect_near(corners_of(scene), {{0, 0, 5}, {1, 0, 5}, {0.5, 1.5, 5}});
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("skinned meshes stand still"), std::string::npos);
+  EXPECT_LT(glm::length(scene.bounds.low - glm::dvec3(0, 0, 5)), 1e-5);
+}
+
+TEST(Skin, TurnsItsNormals) {
+  GltfBuilder file = skinned_file();
+  const std::vector<glm::vec3> normals(3, glm::vec3(0, 1, 0));
+  file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] =
+      file.accessor(file.view(normals), kFloat, "VEC3", 3);
+  const Scene scene = scene_of(file);
+  EXPECT_LT(glm::length(scene.meshes[0].normals[0] - glm::vec3(0, 1, 0)), 1e-5f);
+  // Half of the third vertex turns by 90 degrees.
+  EXPECT_LT(glm::length(scene.meshes[0].normals[2] - glm::normalize(glm::vec3(-1, 1, 0))), 1e-5f);
+}
+
+TEST(Skin, FollowsAnAnimationToTimeZeroOnly) {
+  GltfBuilder file = skinned_file();
+  const auto keys =
+      file.accessor(file.view(std::vector<float>{0, 1}), kFloat, "SCALAR", 2, {{"min", {0}}, {"max", {1}}});
+  const auto places =
+      file.accessor(file.view(std::vector<glm::vec3>{{0, 0, 7}, {0, 9, 0}}), kFloat, "VEC3", 2);
+  file.json["animations"] = {
+      {{"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "translation"}}}}}},
+       {"samplers", {{{"input", keys}, {"output", places}}}}}};
+  const Scene scene = scene_of(file);
+  expect_near(corners_of(scene), {{0, 0, 7}, {1, 0, 7}, {0.5, 1.5, 7}});
+}
+
+TEST(Skin, RefusesAVertexOfAJointThatIsNotThere) {
+  GltfBuilder file = skinned_file();
+  file.json["skins"][0]["joints"] = {1};
+  const Expected<Scene> scene = load_scene_from_memory(file.glb());
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().what.find("a joint that its skin does not have"), std::string::npos)
+      << scene.error().what;
+}
+
+TEST(Skin, RefusesVerticesBeyondTheLimit) {
+  GltfBuilder file = skinned_file();
+  file.json["nodes"][1]["scale"] = {1e10, 1, 1};
+  const Expected<Scene> scene = load_scene_from_memory(file.glb());
+  ASSERT_FALSE(scene);
+  EXPECT_EQ(scene.error().fault, Fault::OutOfRange) << scene.error().what;
+}
+
+TEST(Skin, RefusesThatASmallFileDeformsAMeshVeryOften) {
+  GltfBuilder file = skinned_file();
+  std::vector<glm::vec3> many(1 << 16);
+  json& primitive = file.json["meshes"][0]["primitives"][0];
+  primitive["attributes"] = {{"POSITION", file.positions(many)}};
+  primitive.erase("indices");
+  file.json["accessors"].back()["count"] = (1 << 16) / 3 * 3;
+  for (int i = 0; i < 200; ++i) file.node({{"mesh", 0}, {"skin", 0}});
+  const Expected<Scene> scene = load_scene_from_memory(file.glb());
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().what.find("more deformed vertices"), std::string::npos) << scene.error().what;
+}
+
+TEST(MorphTargets, AreAddedWithTheWeightsOfTheNodeOrElseOfTheMesh) {
+  GltfBuilder file = triangle_file();
+  const auto up =
+      file.accessor(file.view(std::vector<glm::vec3>{{0, 0, 0}, {0, 4, 0}, {0, 0, 8}}), kFloat, "VEC3", 3);
+  file.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", up}}};
+  expect_near(corners_of(scene_of(file)), {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+  file.json["meshes"][0]["weights"] = {0.5};
+  expect_near(corners_of(scene_of(file)), {{0, 0, 0}, {1, 2, 0}, {0, 1, 4}});
+  file.json["nodes"][0]["weights"] = {0.25};
+  expect_near(corners_of(scene_of(file)), {{0, 0, 0}, {1, 1, 0}, {0, 1, 2}});
+}
+
+TEST(MorphTargets, StandStillWithAWarningIfTheFileAnimatesThem) {
+  GltfBuilder file = triangle_file();
+  const auto keys = file.accessor(file.view(std::vector<float>{0, 1}), kFloat, "SCALAR", 2);
+  file.json["animations"] = {
+      {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}},
+       {"samplers", {{{"input", keys}, {"output", keys}}}}}};
+  const Scene scene = scene_of(file);
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("morph targets stand still"), std::string::npos);
+  EXPECT_EQ(scene.animation_length_s, 0);
+}
+
+TEST(LookExtensions, AreLeftOutWithOneWarningEach) {
+  GltfBuilder file = triangle_file();
+  file.json["extensionsRequired"] = {"KHR_materials_unlit", "KHR_texture_basisu"};
+  file.json["extensionsUsed"] = {"KHR_materials_unlit", "KHR_materials_clearcoat", "KHR_texture_basisu"};
+  file.json["textures"] = {{{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}}, json::object()};
+  file.json["materials"] = json::array();
+  for (int i = 0; i < 2; ++i)
+    file.json["materials"].push_back({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", i}}}}}});
+  json& primitives = file.json["meshes"][0]["primitives"];
+  primitives.push_back(primitives[0]);
+  primitives[0]["material"] = 0;
+  primitives[1]["material"] = 1;
+  const Scene scene = scene_of(file);
+  EXPECT_EQ(scene.warnings.size(), 3u);
+  EXPECT_TRUE(scene.textures.empty());
+  EXPECT_NE(scene.warnings[0].find("KHR_materials_unlit"), std::string::npos);
+  EXPECT_NE(scene.warnings[2].find("textures without a PNG or JPEG"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,206 @@
+/// Lights of the command line, and what a scene gets whose file has none.
+#include "stereo/scene/lighting.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "stereo/scene/scene_hash.h"
+#include "stereo/scene/scene_state.h"
+#include "stereo/scene/viewpoint.h"
+
+namespace farshade {
+namespace {
+
+/// A closed box of `half` around the origin of its mesh, counter-clockwise as seen from outside or from
+/// inside.
+enum class Seen { FromOutside, FromInside };
+
+Scene box_scene(const glm::dvec3& half, Seen seen, const glm::dvec3& at = {}) {
+  Scene scene;
+  scene.name = "box.glb";
+  Mesh mesh;
+  for (int i = 0; i < 8; ++i)
+    mesh.positions.push_back(glm::vec3(half * glm::dvec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1)));
+  mesh.normals.assign(8, glm::vec3(0, 1, 0));
+  for (const glm::uvec4 side : {glm::uvec4(0, 4, 6, 2), glm::uvec4(1, 3, 7, 5), glm::uvec4(0, 1, 5, 4),
+                                glm::uvec4(2, 6, 7, 3), glm::uvec4(0, 2, 3, 1), glm::uvec4(4, 5, 7, 6)}) {
+    mesh.triangles.emplace_back(side.x, side.y, side.z);
+    mesh.triangles.emplace_back(side.x, side.z, side.w);
+  }
+  if (seen == Seen::FromInside)
+    for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
+  scene.triangle_count = mesh.triangles.size();
+  scene.materials.emplace_back();
+  scene.meshes.push_back(std::move(mesh));
+  Node node;
+  node.rest.translation = at;
+  scene.nodes.push_back(node);
+  scene.instances.push_back({0, 0});
+  scene.bounds = {at - half, at + half};
+  scene.hash = hash_of(scene);
+  return scene;
+}
+
+std::string refusal(std::string_view text) {
+  const Expected<AddedLight> light = parse_light(text);
+  return light ? "" : light.error().what;
+}
+
+TEST(Lighting, ReadsEveryKindOfLight) {
+  const AddedLight point = parse_light("point,at=1:-2:3.5,candela=40,range=10,color=1:0.5:0").value();
+  EXPECT_EQ(point.source.kind, LightKind::Point);
+  EXPECT_EQ(point.position.v, glm::dvec3(1, -2, 3.5));
+  EXPECT_EQ(point.source.intensity, glm::vec3(40, 20, 0));
+  EXPECT_EQ(point.source.range_m, 10.0f);
+  const AddedLight spot = parse_light("spot,to=0:0:0,at=0:3:0,cone=30,candela=100").value();
+  EXPECT_EQ(spot.source.kind, LightKind::Spot);
+  EXPECT_EQ(spot.direction.v, glm::dvec3(0, -1, 0));
+  EXPECT_NEAR(spot.source.outer_cone_rad, std::numbers::pi / 6, 1e-6);
+  EXPECT_LT(spot.source.inner_cone_rad, spot.source.outer_cone_rad);
+  const AddedLight directional = parse_light("directional,along=0:-2:0,lux=3").value();
+  EXPECT_EQ(directional.source.kind, LightKind::Directional);
+  EXPECT_EQ(directional.direction.v, glm::dvec3(0, -1, 0));
+  EXPECT_EQ(directional.source.intensity, glm::vec3(3));
+}
+
+TEST(Lighting, RefusesWhatMakesNoSenseAndQuotesIt) {
+  for (const auto& [text, word] :
+       std::vector<std::pair<const char*, const char*>>{{"", "begins with point"},
+                                                        {"lamp,at=0:0:0", "begins with point"},
+                                                        {"point", "needs a place"},
+                                                        {"point,at=0:1", "'at=0:1'"},
+                                                        {"point,at=0:1:x", "'at=0:1:x'"},
+                                                        {"point,at=0:1:inf", "'at=0:1:inf'"},
+                                                        {"point,at=0:1:2,colour=1:1:1", "'colour=1:1:1'"},
+                                                        {"point,at=0:1:2,lux=1", "candela"},
+                                                        {"point,at=0:1:2,candela=0", "above 0"},
+                                                        {"point,at=0:1:2,candela=nan", "'candela=nan'"},
+                                                        {"point,at=0:1:2,range=-1", "range"},
+                                                        {"point,at=0:1:2,cone=30", "cone"},
+                                                        {"point,at=0:1:2,to=0:0:0", "no direction"},
+                                                        {"spot,at=0:0:0,to=0:0:0", "no length"},
+                                                        {"spot,at=0:0:0,cone=91", "90 degrees"},
+                                                        {"spot,at=0:0:0,cone=30,inner=30", "inner"},
+                                                        {"directional,candela=3", "lux"},
+                                                        {"directional,range=3", "no range"},
+                                                        {"point,at=0:1:2,color=-1:1:1", "colour"}})
+    EXPECT_NE(refusal(text).find(word), std::string::npos) << text << ": " << refusal(text);
+}
+
+TEST(Lighting, TheSunStandsWhereItsAnglesSay) {
+  const AddedLight north = parse_sun("0,0").value(), east = parse_sun("90,0,5").value(),
+                   zenith = parse_sun("0,90").value();
+  EXPECT_LT(glm::length(north.direction.v - glm::dvec3(0, 0, 1)), 1e-12) << "it shines from -z";
+  EXPECT_LT(glm::length(east.direction.v - glm::dvec3(-1, 0, 0)), 1e-12) << "it shines from +x";
+  EXPECT_LT(glm::length(zenith.direction.v - glm::dvec3(0, -1, 0)), 1e-12);
+  EXPECT_EQ(east.source.intensity, glm::vec3(5));
+  for (const char* text : {"", "1", "1,2,3,4", "a,2", "0,91", "0,10,0", "0,10,nan"})
+    EXPECT_FALSE(parse_sun(text)) << text;
+}
+
+TEST(Lighting, ASceneWithLightsOfItsOwnDoesNotChange) {
+  Scene scene = box_scene({1, 1, 1}, Seen::FromOutside);
+  LightSource light;
+  light.intensity = glm::vec3(30);
+  scene.nodes.emplace_back().rest.translation = {0, 3, 0};
+  light.node = 1;
+  scene.lights.push_back(light);
+  scene.hash = hash_of(scene);
+  const LitScene lit = light_scene(scene, {}).value();
+  EXPECT_TRUE(lit.notes.empty());
+  EXPECT_EQ(lit.scene.hash, scene.hash);
+  EXPECT_EQ(lit.scene.lights.size(), 1u);
+  EXPECT_EQ(lit.scene.ambient, 0);
+}
+
+TEST(Lighting, AnAddedLightIsPartOfTheSceneAndOfItsHash) {
+  const Scene dark = box_scene({1, 1, 1}, Seen::FromOutside);
+  const AddedLight light = parse_light("spot,at=0:3:1,to=0:0:1,candela=50").value();
+  const LitScene lit = light_scene(dark, {.lights = {light}}).value();
+  EXPECT_TRUE(lit.notes.empty());
+  EXPECT_NE(lit.scene.hash, dark.hash);
+  EXPECT_EQ(lit.scene.hash, light_scene(dark, {.lights = {light}})->scene.hash);
+  EXPECT_NE(lit.scene.hash, light_scene(dark, {.lights = {light}, .ambient = 0.1f})->scene.hash);
+  EXPECT_NE(lit.scene.hash, light_scene(dark, {.lights = {light}, .exposure = 2.0f})->scene.hash);
+  const LightSet lights = state_at(lit.scene, Time{}).light_set;
+  ASSERT_EQ(lights.lights.size(), 1u);
+  EXPECT_LT(glm::length(lights.lights[0].position.v - glm::dvec3(0, 3, 1)), 1e-12);
+  EXPECT_LT(glm::length(lights.lights[0].direction.v - glm::dvec3(0, -1, 0)), 1e-12);
+}
+
+TEST(Lighting, ADarkSceneGetsASunAndALampBesideItsViewpoint) {
+  for (const double size : {0.01, 1.0, 1000.0}) {
+    const LitScene lit = light_scene(box_scene(glm::dvec3(size), Seen::FromOutside), {}).value();
+    ASSERT_EQ(lit.notes.size(), 1u) << size;
+    EXPECT_NE(lit.notes[0].find("no lights"), std::string::npos);
+    ASSERT_EQ(lit.scene.lights.size(), 2u);
+    EXPECT_EQ(lit.scene.lights[0].kind, LightKind::Directional);
+    const LightSet lights = state_at(lit.scene, Time{}).light_set;
+    EXPECT_LT(lights.lights[0].direction.v.y, -0.5) << "the sun is high";
+    const glm::dvec3 eye = viewpoint_of(lit.scene).translation;
+    EXPECT_LT(glm::length(lights.lights[1].position.v - eye), size);
+    // The lamp is as bright at the scene whatever its size.
+    const double distance = glm::length(lights.lights[1].position.v);
+    EXPECT_NEAR(lit.scene.lights[1].intensity.x / (distance * distance), 1.1, 0.3);
+    EXPECT_GT(lit.scene.ambient, 0);
+  }
+}
+
+TEST(Lighting, ChoosesAnExposureOnlyForScenesThatAreMuchTooDarkOrTooBright) {
+  const Scene box = box_scene({1, 1, 1}, Seen::FromOutside);
+  const auto lit_by = [&](double lux) {
+    AddedLight light = parse_light("directional,along=-1:-1:-1").value();
+    light.source.intensity = glm::vec3(static_cast<float>(lux));
+    return light_scene(box, {.lights = {light}}).value();
+  };
+  for (const double lux : {0.2, 3.0, 40.0}) EXPECT_TRUE(lit_by(lux).notes.empty()) << lux;
+  for (const double lux : {1e-6, 0.05, 100.0, 100'000.0}) {
+    const LitScene lit = lit_by(lux);
+    ASSERT_EQ(lit.notes.size(), 1u) << lux;
+    EXPECT_NE(lit.notes[0].find(lux < 1 ? "too dark" : "too bright"), std::string::npos);
+    // Each side faces the light at 54.7 degrees: 0.4 = intensity * 0.577 / pi.
+    EXPECT_NEAR(lit.scene.lights[0].intensity.x, 0.4 * std::numbers::pi * std::sqrt(3.0), 0.01) << lux;
+  }
+  const AddedLight bright = parse_light("directional,lux=100000").value();
+  const LitScene chosen = light_scene(box, {.lights = {bright}, .exposure = 1.0f}).value();
+  EXPECT_TRUE(chosen.notes.empty());
+  EXPECT_EQ(chosen.scene.lights[0].intensity.x, 100'000);
+}
+
+TEST(Lighting, RefusesMoreLightsThanAMaskHasBits) {
+  const Lighting many{.lights = std::vector(257, parse_light("point,at=0:1:2").value())};
+  const Expected<LitScene> lit = light_scene(box_scene({1, 1, 1}, Seen::FromOutside), many);
+  ASSERT_FALSE(lit);
+  EXPECT_NE(lit.error().what.find("257 lights"), std::string::npos);
+}
+
+TEST(Viewpoint, IsInTheMiddleOfARoom) {
+  const Rigid<Stage, Eye> eye = viewpoint_of(box_scene({3, 1.5, 2}, Seen::FromInside, {5, 1.5, -7}));
+  EXPECT_LT(glm::length(eye.translation - glm::dvec3(5, 1.5, -7)), 1e-9);
+}
+
+TEST(Viewpoint, IsInFrontOfAnObjectOfAnySizeWithAllOfItInView) {
+  for (const double size : {0.01, 1.0, 500.0}) {
+    const glm::dvec3 at(3 * size, size, -2 * size);
+    const Rigid<Stage, Eye> eye = viewpoint_of(box_scene({size, 2 * size, size}, Seen::FromOutside, at));
+    EXPECT_GT(eye.translation.z, at.z + size);
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::dvec3 p =
+          at + size * glm::dvec3(corner & 1 ? 1 : -1, corner & 2 ? 2 : -2, corner & 4 ? 1 : -1);
+      const glm::dvec3 seen = inverse(eye)(Point<Stage>{p}).v;
+      EXPECT_LT(seen.z, 0);
+      EXPECT_LT(std::hypot(seen.x, seen.y), -seen.z) << "within 45 degrees";
+    }
+  }
+}
+
+TEST(Viewpoint, IsTheCameraOfTheFileIfThereIsOne) {
+  Scene scene = box_scene({1, 1, 1}, Seen::FromOutside);
+  scene.camera = Rigid<Stage, Eye>{.translation = {1, 2, 3}};
+  EXPECT_EQ(viewpoint_of(scene).translation, glm::dvec3(1, 2, 3));
+}
+
+}  // namespace
+}  // namespace farshade
