@@ -23,7 +23,8 @@ constexpr double kRadians = std::numbers::pi / 180;
 // The chosen lighting of a scene without lights: white surfaces that face the sun are almost white.
 constexpr double kSunAzimuth_deg = 145, kSunElevation_deg = 50;
 constexpr float kSun_lux = 2.2f, kDefaultAmbient = 0.06f;
-constexpr double kLamp = 1.2;  ///< irradiance of the lamp at the middle of the scene, times pi
+constexpr double kLamp = 1.2,
+                 kLampDistance = 0.65;  ///< its irradiance at this distance, in radii of the scene
 
 // The exposure is chosen outside of these limits of the median irradiance / pi.
 constexpr double kDarkest = 0.02, kBrightest = 8, kChosen = 0.4;
@@ -141,13 +142,11 @@ AddedLight sun(double azimuth_deg, double elevation_deg, float lux) {
 
 /// A lamp up and to the left of where the head starts.
 AddedLight lamp(const Scene& scene) {
-  const glm::dvec3 middle = (scene.bounds.low + scene.bounds.high) * 0.5;
-  const double radius = std::max(glm::length(scene.bounds.high - scene.bounds.low) * 0.5, 1e-6);
-  const Rigid<Stage, Eye> eye = viewpoint_of(scene);
-  const double distance = std::max(glm::length(middle - eye.translation), 0.3 * radius);
+  const double distance =
+      kLampDistance * std::max(glm::length(scene.bounds.high - scene.bounds.low) * 0.5, 1e-6);
   AddedLight light;
   light.source.name = "lamp";
-  light.position = eye(Point<Eye>{glm::dvec3(-0.1, 0.1, 0) * distance});
+  light.position = viewpoint_of(scene)(Point<Eye>{glm::dvec3(-0.1, 0.1, 0) * distance});
   light.source.intensity = glm::vec3(static_cast<float>(kLamp * distance * distance));
   return light;
 }

@@ -3,77 +3,139 @@
 #include <algorithm>
 #include <array>
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <limits>
-#include <optional>
+#include <set>
 
 #include "stereo/scene/scene_state.h"
 
 namespace farshade {
 namespace {
 
-constexpr double kEyeHeight_m = 1.6;
-/// A place is inside of a room if the nearest surface faces it in so many of 14 directions.
-constexpr std::size_t kFacing = 10;
+constexpr double kEyeHeight_m = 1.6, kLeastRoom_m = 2, kClearance_m = 0.3;
+constexpr std::size_t kAround = 12, kSeen = 10;  ///< of the directions
+constexpr std::size_t kInstances = 3;
+/// The distance from the middle of a scene that is seen from outside, and how far above it, in radii.
+constexpr double kDistance = 1.3, kAbove = 0.25;
 
-/// The six axes and the eight diagonals.
-std::array<glm::dvec3, 14> directions() {
-  std::array<glm::dvec3, 14> all{};
-  for (int i = 0; i < 6; ++i) all[static_cast<std::size_t>(i)][i / 2] = i % 2 == 0 ? 1 : -1;
+/// Level directions come first.
+using Directions = std::array<glm::dvec3, 14>;
+constexpr std::size_t kLevel = 4;
+
+Directions directions() {
+  Directions all{glm::dvec3(0, 0, -1), glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1),
+                 glm::dvec3(-1, 0, 0), glm::dvec3(0, 1, 0), glm::dvec3(0, -1, 0)};
   for (int i = 0; i < 8; ++i)
     all[static_cast<std::size_t>(6 + i)] =
         glm::normalize(glm::dvec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
   return all;
 }
 
+struct Triangle {
+  glm::dvec3 a, b, c;
+  std::uint32_t instance;
+};
+
+std::vector<Triangle> triangles_of(const Scene& scene) {
+  std::vector<Triangle> all;
+  all.reserve(scene.triangle_count);
+  const SceneState state = state_at(scene, Time{});
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
+    const auto corner = [&](std::uint32_t v) {
+      return state.stage_from_object[i](Point<Object>{glm::dvec3(mesh.positions[v])}).v;
+    };
+    for (const glm::uvec3& t : mesh.triangles) all.push_back({corner(t.x), corner(t.y), corner(t.z), i});
+  }
+  return all;
+}
+
 struct Hit {
   double distance = std::numeric_limits<double>::infinity();
   bool faces = false;  ///< its counter-clockwise side is seen
+  std::uint32_t instance = 0;
 };
 
 /// T. Moeller and B. Trumbore, "Fast, minimum storage ray/triangle intersection", 1997.
-void meet(const glm::dvec3& eye, const glm::dvec3& ray, const glm::dvec3& a, const glm::dvec3& b,
-          const glm::dvec3& c, Hit& hit) {
-  const glm::dvec3 e1 = b - a, e2 = c - a, p = glm::cross(ray, e2);
+void meet(const glm::dvec3& eye, const glm::dvec3& ray, const Triangle& t, Hit& hit) {
+  const glm::dvec3 e1 = t.b - t.a, e2 = t.c - t.a, p = glm::cross(ray, e2);
   const double determinant = glm::dot(e1, p);
   if (determinant == 0) return;
-  const glm::dvec3 s = eye - a, q = glm::cross(s, e1);
+  const glm::dvec3 s = eye - t.a, q = glm::cross(s, e1);
   const double u = glm::dot(s, p) / determinant, v = glm::dot(ray, q) / determinant;
   const double distance = glm::dot(e2, q) / determinant;
   if (u < 0 || v < 0 || u + v > 1 || distance <= 0 || distance >= hit.distance) return;
-  hit = {distance, determinant > 0};
+  hit = {distance, determinant > 0, t.instance};
 }
 
-/// In how many directions the nearest surface faces `eye`. Every triangle is tested: this is done once.
-std::size_t facing(const Scene& scene, const glm::dvec3& eye) {
-  const std::array<glm::dvec3, 14> rays = directions();
-  std::array<Hit, 14> hits{};
-  const SceneState state = state_at(scene, Time{});
-  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
-    std::vector<glm::dvec3> corners;
-    corners.reserve(mesh.positions.size());
-    for (const glm::vec3& p : mesh.positions)
-      corners.push_back(state.stage_from_object[i](Point<Object>{glm::dvec3(p)}).v);
-    for (const glm::uvec3& t : mesh.triangles)
-      for (std::size_t ray = 0; ray < rays.size(); ++ray)
-        meet(eye, rays[ray], corners[t.x], corners[t.y], corners[t.z], hits[ray]);
+using Hits = std::array<Hit, Directions{}.size()>;
+
+Hits look_around(const std::vector<Triangle>& triangles, const glm::dvec3& eye) {
+  const Directions rays = directions();
+  Hits hits{};
+  for (const Triangle& t : triangles)
+    for (std::size_t ray = 0; ray < rays.size(); ++ray) meet(eye, rays[ray], t, hits[ray]);
+  return hits;
+}
+
+double clearance(const Hits& hits) {
+  return std::ranges::min_element(hits, {}, &Hit::distance)->distance;
+}
+
+bool is_in_room(const Scene& scene, const Hits& hits) {
+  std::size_t around = 0, seen = 0, facing = 0;
+  std::set<std::uint32_t> instances;
+  for (const Hit& hit : hits) {
+    if (hit.distance == Hit{}.distance) continue;
+    const Material& material = scene.materials[scene.meshes[scene.instances[hit.instance].mesh].material];
+    ++around;
+    facing += hit.faces;
+    seen += hit.faces || material.double_sided;
+    instances.insert(hit.instance);
   }
-  return static_cast<std::size_t>(std::ranges::count(hits, true, &Hit::faces));
+  return around >= kAround && seen >= kSeen && (facing >= kSeen || instances.size() >= kInstances) &&
+         clearance(hits) >= kClearance_m;
+}
+
+/// Looks to the middle of the scene; from there, to the farthest wall.
+Rigid<Stage, Eye> inside(const Bounds& bounds, const glm::dvec3& eye, const Hits& hits) {
+  const auto reach = [](const Hit& hit) { return hit.distance < Hit{}.distance ? hit.distance : 0.0; };
+  const auto* const farthest = std::max_element(
+      hits.begin(), hits.begin() + kLevel, [&](const Hit& a, const Hit& b) { return reach(a) < reach(b); });
+  glm::dvec3 ahead = (bounds.low + bounds.high) * 0.5 - eye;
+  ahead.y = 0;
+  if (glm::length(ahead) < kClearance_m)
+    ahead = directions()[static_cast<std::size_t>(farthest - hits.begin())];
+  return {.rotation = glm::quatLookAt(glm::normalize(ahead), glm::dvec3(0, 1, 0)), .translation = eye};
+}
+
+std::optional<Rigid<Stage, Eye>> place_in_room(const Scene& scene) {
+  const glm::dvec3 low = scene.bounds.low, size = scene.bounds.high - low;
+  if (std::min({size.x, size.y, size.z}) < kLeastRoom_m) return std::nullopt;
+  const std::vector<Triangle> triangles = triangles_of(scene);
+  std::optional<Rigid<Stage, Eye>> best;
+  double most = 0;
+  for (const double x : {0.5, 0.3, 0.7})
+    for (const double z : {0.5, 0.3, 0.7}) {
+      const glm::dvec3 eye = low + glm::dvec3(size.x * x, std::min(kEyeHeight_m, size.y * 0.5), size.z * z);
+      const Hits hits = look_around(triangles, eye);
+      if (clearance(hits) <= most || !is_in_room(scene, hits)) continue;
+      most = clearance(hits);
+      best = inside(scene.bounds, eye, hits);
+    }
+  return best;
 }
 
 }  // namespace
 
 Rigid<Stage, Eye> viewpoint_of(const Scene& scene) {
   if (scene.camera) return *scene.camera;
-  const glm::dvec3 low = scene.bounds.low, high = scene.bounds.high, middle = (low + high) * 0.5;
-  const glm::dvec3 inside(middle.x, std::min(low.y + kEyeHeight_m, middle.y), middle.z);
-  if (facing(scene, inside) >= kFacing) return {.translation = inside};
-  // The scene's sphere fills three quarters of a view that is 80 degrees wide.
-  const double radius = std::max(glm::length(high - low) * 0.5, 1e-6);
-  const glm::dvec3 back = glm::normalize(glm::dvec3(0.25, 0.35, 1));
-  const glm::dvec3 right = glm::normalize(glm::cross(glm::dvec3(0, 1, 0), back));
-  return {.rotation = glm::normalize(glm::quat_cast(glm::dmat3(right, glm::cross(back, right), back))),
-          .translation = middle + back * (2.0 * radius)};
+  if (const auto place = place_in_room(scene)) return *place;
+  const glm::dvec3 middle = (scene.bounds.low + scene.bounds.high) * 0.5;
+  const double radius = std::max(glm::length(scene.bounds.high - scene.bounds.low) * 0.5, 1e-6);
+  const glm::dvec3 back = glm::normalize(glm::dvec3(0.25, 0, 1));
+  return {.rotation = glm::quatLookAt(-back, glm::dvec3(0, 1, 0)),
+          .translation = middle + radius * (kDistance * back + glm::dvec3(0, kAbove, 0))};
 }
 
 }  // namespace farshade
