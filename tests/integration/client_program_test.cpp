@@ -8,6 +8,7 @@
 #include "stereo/base/files.h"
 #include "stereo/head/reader.h"
 #include "stereo/net/udp.h"
+#include "tests/integration/one_triangle.h"
 #include "tests/support/image_reader.h"
 #include "tests/unit/scratch_folder.h"
 
@@ -312,25 +313,37 @@ TEST(ClientProgram, RefusesAServerWhosePlanGivesOtherMasks) {
       << run.errors;
 }
 
-TEST(ClientProgram, SceneWithoutLightsNeedsNoServer) {
+TEST(ClientProgram, SceneWhoseLightsAreDarkNeedsNoServer) {
   const ScratchFolder folder;
-  const std::filesystem::path scene = folder.path() / "dark.gltf";
-  // One triangle: (0 0 0), (1 0 0), (0 1 0).
-  std::ofstream(scene)
-      << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
-    "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
-    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
-    "bufferViews":[{"buffer":0,"byteLength":36}],
-    "buffers":[{"byteLength":36,
-      "uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+  const std::string scene = scene_with_a_dark_light(folder.path());
   for (const std::string mode : {"hybrid", "full"}) {
     const std::filesystem::path out = folder.path() / mode;
-    const Ended run = run_client(
-        {{"--scene", scene.string()}, {"--mode", mode}, {"--frames", "3"}, {"--out", out.string()}});
+    const Ended run =
+        run_client({{"--scene", scene}, {"--mode", mode}, {"--frames", "3"}, {"--out", out.string()}});
     EXPECT_EQ(run.status, 0) << run.errors;
     EXPECT_GT(summary_row(out, "client", "frame")[0], 0);
     EXPECT_EQ(run.errors.find("no server answers"), std::string::npos) << run.errors;
   }
+}
+
+// A file without lights and camera: both are chosen, so that the triangle is in view and neither black nor
+// white.
+TEST(ClientProgram, LightsASceneWithoutLightsAndLooksAtIt) {
+  const ScratchFolder folder;
+  const Ended run = run_client({{"--scene", one_triangle(folder.path(), "unlit.gltf", "")},
+                                {"--mode", "full"},
+                                {"--frames", "3"},
+                                {"--pictures", "3"},
+                                {"--out", folder.path().string()}});
+  EXPECT_EQ(run.status, 0) << run.errors;
+  EXPECT_NE(run.errors.find("unlit.gltf has no lights"), std::string::npos) << run.errors;
+  const auto left = read_png(folder.path() / "frame_0001_left.png");
+  ASSERT_TRUE(left);
+  const auto shown = std::ranges::count_if(left->pixels, [](const auto& pixel) { return pixel.r > 0; });
+  const auto lit =
+      std::ranges::count_if(left->pixels, [](const auto& pixel) { return pixel.r > 60 && pixel.r < 250; });
+  EXPECT_GT(shown, static_cast<std::ptrdiff_t>(left->pixels.size() / 50));
+  EXPECT_GT(lit, shown * 9 / 10);
 }
 
 TEST(ClientProgram, RunsWithoutAServer) {

@@ -8,6 +8,7 @@
 #include "stereo/scene/gltf.h"
 #include "stereo/wire/handshake.h"
 #include "tests/integration/child_program.h"
+#include "tests/integration/one_triangle.h"
 #include "tests/integration/test_keys.h"
 #include "tests/unit/scratch_folder.h"
 
@@ -136,39 +137,15 @@ TEST(ServerKeygen, MakesAKeyThatLetsAClientIn) {
   EXPECT_NE(program.errors().find("welcomed bob at 127.0.0.1:"), std::string::npos);
 }
 
-/// One triangle: (0 0 0), (1 0 0), (0 1 0). `lights` is the end of its extensions.
-std::string one_triangle(const ScratchFolder& folder, const char* name, const std::string& light) {
-  const std::filesystem::path path = folder.path() / name;
-  const std::string extension = light.empty() ? ""
-                                              : R"(,"extensionsUsed":["KHR_lights_punctual"],
-    "extensions":{"KHR_lights_punctual":{"lights":[)" +
-                                                    light + "]}}";
-  const std::string lamp =
-      light.empty() ? "" : R"(,{"translation":[0,0,2],"extensions":{"KHR_lights_punctual":{"light":0}}})";
-  std::ofstream(path) << R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0)"
-                      << (light.empty() ? "" : ",1") << R"(]}],"nodes":[{"mesh":0})" << lamp << "]"
-                      << extension << R"(,
-    "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
-    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]}],
-    "bufferViews":[{"buffer":0,"byteLength":36}],
-    "buffers":[{"byteLength":36,
-      "uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
-  return path.string();
-}
-
-std::string scene_with_a_dark_light(const ScratchFolder& folder) {
-  return one_triangle(folder, "dark.gltf", R"({"type":"point","intensity":0})");
-}
-
 TEST(ServerProgramRefuses, SceneWhoseLightsAreDark) {
   const ScratchFolder folder;
-  EXPECT_NE(complaint_of(server(scene_with_a_dark_light(folder))).find("nothing to serve"),
+  EXPECT_NE(complaint_of(server(scene_with_a_dark_light(folder.path()))).find("nothing to serve"),
             std::string::npos);
 }
 
 TEST(ServerProgram, GivesASceneWithoutLightsASunAndALamp) {
   const ScratchFolder folder;
-  ChildProgram program(server(one_triangle(folder, "unlit.gltf", "")));
+  ChildProgram program(server(one_triangle(folder.path(), "unlit.gltf", "")));
   const auto note = program.line_after("rt_server: unlit.gltf has no lights: ");
   ASSERT_TRUE(note) << program.errors();
   EXPECT_NE(note->find("--sun"), std::string::npos);
@@ -215,7 +192,7 @@ TEST(ServerReadyFile, HoldsTheAddressOnceClientsCanConnect) {
 TEST(ServerReadyFile, SaysThatNoLightCastsShadowsAndTheServerSucceeds) {
   const ScratchFolder folder;
   const std::filesystem::path ready = folder.path() / "ready";
-  ChildProgram program(with_ready_file(server(scene_with_a_dark_light(folder)), ready));
+  ChildProgram program(with_ready_file(server(scene_with_a_dark_light(folder.path())), ready));
   EXPECT_EQ(program.wait(), 0) << program.errors();
   EXPECT_EQ(text_of(ready), "no-shadows\n");
 }

@@ -26,13 +26,13 @@ def scene(lights, intensity=30):
 
 
 class Demo(unittest.TestCase):
-    def demo(self, content, name="scene.glb"):
+    def demo(self, content, name="scene.glb", more=()):
         """Runs scripts/demo on a scene. Returns the finished process and the names of the files that it wrote."""
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / name
             path.write_bytes(content)
             done = subprocess.run([ROOT / "scripts/demo", "--no-build", "--scene", path, "--size", "64x64", "--frames", "3",
-                                   "--out", Path(folder) / "out"], capture_output=True, text=True, timeout=100, check=False)
+                                   "--out", Path(folder) / "out", *more], capture_output=True, text=True, timeout=100, check=False)
             return done, {p.name for p in (Path(folder) / "out").glob("*")}
 
     def assert_shown(self, *content):
@@ -42,7 +42,14 @@ class Demo(unittest.TestCase):
         return done
 
     def test_shows_a_scene_without_lights(self):
-        self.assert_shown(scene([]))
+        self.assertIn("has no lights: it gets a sun and a lamp", self.assert_shown(scene([])).stderr)
+
+    def test_gives_its_lighting_to_both_programs(self):
+        """If the programs lit the scene differently, the server would refuse the client."""
+        more = ["--light", "point,at=0:1:0,candela=20", "--sun=90,30", "--ambient", "0.1", "--exposure=2"]
+        done = self.assert_shown(scene([]), "scene.glb", more)
+        self.assertNotIn("has no lights", done.stderr)
+        self.assertNotIn("no server answers", done.stderr)
 
     def test_shows_a_scene_whose_only_light_is_dark(self):
         self.assert_shown(scene([(0, 1, 0)], intensity=0))
