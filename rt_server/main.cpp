@@ -63,17 +63,22 @@ int main(int argc, char** argv) try {
   ServeOptions serving;
   KeygenOptions key;
   ServerDoctorOptions doctor;
+  InspectOptions inspected;
   add_serving(app, serving);
   add_keygen(app, key);
   add_doctor(app, doctor);
+  add_inspect(app, inspected);
   app.require_subcommand(0, 1);
   CLI11_PARSE(app, argc, argv);
   if (app.got_subcommand("doctor")) return report(examine(doctor));
   StopSignal stop;
   spdlog::set_default_logger(spdlog::stderr_logger_mt("rt_server"));
   Expected<void> done;
+  const auto print = [](const std::string& text) { fmt::print("{}", text); };
   if (app.got_subcommand("keygen")) {
-    done = keygen(key).map([](const std::string& text) { fmt::print("{}", text); });
+    done = keygen(key).map(print);
+  } else if (app.got_subcommand("inspect")) {
+    done = inspect(inspected).map(print);
   } else if (serving.scene.empty()) {
     return app.exit(CLI::RequiredError("--scene"));
   } else {

@@ -3,6 +3,7 @@
 /// `doctor` checks what a server needs on this machine, and names a cure for each problem. It serves no
 /// client and changes nothing. `keygen` makes a key for one client, writes it to a file for the client and
 /// adds it to the server's key ring.
+/// `inspect` says what a scene file has.
 #pragma once
 
 #include "stereo/doctor/checks.h"
@@ -25,6 +26,19 @@ struct ServerDoctorOptions {
 void add_doctor(CLI::App& program, ServerDoctorOptions& options);
 
 [[nodiscard]] Findings examine(const ServerDoctorOptions& options);
+
+struct InspectOptions {
+  std::string file;
+  Lighting lighting;  ///< as if it were served
+  bool json = false;
+};
+
+/// Adds the subcommand `inspect` and its options to the program.
+void add_inspect(CLI::App& program, InspectOptions& options);
+
+/// Triangles, size, lights, memory, and what was chosen or left out: as text or as JSON. Fails if the file is
+/// refused.
+[[nodiscard]] Expected<std::string> inspect(const InspectOptions& options);
 
 struct KeygenOptions {
   std::string name;

@@ -37,6 +37,8 @@ class ChildProgram {
 
   /// Waits until the program ends. Returns everything it wrote to standard error.
   [[nodiscard]] std::string errors() { return errors_.all(); }
+  /// The same for standard output.
+  [[nodiscard]] std::string output() { return output_.all(); }
 
  private:
   /// The read end of a pipe, and the text read from it.

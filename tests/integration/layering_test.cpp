@@ -32,7 +32,7 @@ const House& house() {
                 {"shaders", {}},
                 {"rt_server/core", {"stereo/net", "stereo/tracer"}},
                 {"rt_server/answers", {"rt_server/core", "stereo/draw", "stereo/video"}},
-                {"rt_server/commands", {"stereo/doctor", "stereo/plan"}},
+                {"rt_server/commands", {"stereo/doctor", "stereo/tracer"}},
                 {"rt_server", {"rt_server/answers", "rt_server/commands"}},
                 {"vr_client/ask", {"stereo/head"}},
                 {"vr_client/link", {"stereo/net"}},

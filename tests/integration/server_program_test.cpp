@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "stereo/net/udp.h"
@@ -16,6 +17,7 @@ namespace farshade {
 namespace {
 
 const std::string kScene = FARSHADE_ASSETS "/box_over_plane.gltf";
+const std::string kRoomFile = FARSHADE_ASSETS "/room.glb";
 
 std::vector<std::string> server(const std::string& scene, const std::string& listen = "127.0.0.1:0") {
   return {RT_SERVER, "--scene", scene, "--listen", listen, "--keys", test_keys().ring};
@@ -152,6 +154,42 @@ TEST(ServerProgram, GivesASceneWithoutLightsASunAndALamp) {
   const auto served = program.line_after("rt_server: serving unlit.gltf, ");
   ASSERT_TRUE(served);
   EXPECT_NE(served->find("2 lights"), std::string::npos) << *served;
+}
+
+/// The output of rt_server inspect.
+std::string inspected(const std::vector<std::string>& arguments) {
+  std::vector<std::string> all{RT_SERVER, "inspect"};
+  all.insert(all.end(), arguments.begin(), arguments.end());
+  ChildProgram program(all);
+  EXPECT_EQ(program.wait(), 0) << program.errors();
+  return program.output();
+}
+
+TEST(ServerInspect, TellsInWordsWhatAFileHasAndWhatIsChosen) {
+  const std::string room = inspected({kRoomFile});
+  for (const char* part : {"room.glb: ", " triangles in ", " x 2.7 x ", "camera     of the file",
+                           "light      point", "animation  ", "memory     about "})
+    EXPECT_NE(room.find(part), std::string::npos) << part << "\n" << room;
+  EXPECT_EQ(room.find("note"), std::string::npos) << room;
+  const ScratchFolder folder;
+  const std::string unlit = inspected({one_triangle(folder.path(), "unlit.gltf", "")});
+  for (const char* part : {"unlit.gltf: 1 triangles", "camera     chosen", "light      directional 'sun'",
+                           "note       unlit.gltf has no lights"})
+    EXPECT_NE(unlit.find(part), std::string::npos) << part << "\n" << unlit;
+}
+
+TEST(ServerInspect, PrintsTheSameAsJson) {
+  const auto facts = nlohmann::json::parse(inspected({kRoomFile, "--json", "--sun", "90,45"}));
+  EXPECT_EQ(facts["lights"].size(), 4u);
+  EXPECT_EQ(facts["lights"][3]["name"], "sun");
+  EXPECT_TRUE(facts["lights"][3]["casts"]);
+  EXPECT_GT(facts["triangles"], 1000);
+  EXPECT_NEAR(facts["size_m"][1].get<double>(), 2.7, 0.01);
+  EXPECT_GT(facts["tracer_bytes"], 100'000);
+}
+
+TEST(ServerInspect, SaysWhyAFileIsRefused) {
+  EXPECT_NE(complaint_of({RT_SERVER, "inspect", "no/such.glb"}).find("no/such.glb"), std::string::npos);
 }
 
 TEST(ServerProgramRefuses, LightsThatMakeNoSense) {

@@ -8,7 +8,7 @@
 #include "stereo/base/quantile.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
-#include "stereo/scene/gltf.h"
+#include "stereo/scene/lighting.h"
 #include "tests/network/rehearsal.h"
 
 namespace {
@@ -70,7 +70,8 @@ void print_row(const Network& network, const Played& run, std::FILE* csv, double
 }
 
 Expected<void> print_table(const Options& options) {
-  const Expected<Scene> scene = load_scene(options.scene);
+  const Expected<Scene> scene =
+      load_lit_scene(options.scene, {}).map([](LitScene&& lit) { return std::move(lit.scene); });
   if (!scene) return tl::unexpected(scene.error());
   const Expected<HeadRecording> head = load_head_recording(options.head, {});
   if (!head) return tl::unexpected(head.error());

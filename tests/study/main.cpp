@@ -11,7 +11,7 @@
 #include "stereo/detail/levels.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
-#include "stereo/scene/gltf.h"
+#include "stereo/scene/lighting.h"
 #include "tests/study/clients.h"
 #include "tests/study/mode_words.h"
 #include "tests/study/point.h"
@@ -53,7 +53,8 @@ Expected<nlohmann::json> versions(const Options& options) {
 
 Expected<nlohmann::json> measured(const Options& options) {
   if (options.versions) return versions(options);
-  const Expected<Scene> scene = load_scene(options.scene);
+  const Expected<Scene> scene =
+      load_lit_scene(options.scene, {}).map([](LitScene&& lit) { return std::move(lit.scene); });
   if (!scene) return tl::unexpected(scene.error());
   const Expected<HeadRecording> head = load_head_recording(options.trace, {});
   if (!head) return tl::unexpected(head.error());
