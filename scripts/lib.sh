@@ -92,17 +92,24 @@ whole_line() {
   [[ -f $1 ]] && IFS= read -r line <"$1" && printf '%s\n' "$line"
 }
 
-# run_client SCENE OPTION...: starts rt_server and runs vr_client with it. Both get the options that light the scene. If the
-# client fails, prints the server's log and exits with the client's status.
-run_client() {
-  local scene=$1 status=0 lighting=() i
-  shift
+# lighting_of OPTION...: sets `lighting` to those options that light the scene. Server and client need the same.
+lighting_of() {
+  local i
+  lighting=()
   for ((i = 1; i <= $#; ++i)); do
     case ${!i} in
       --light | --sun | --ambient | --exposure) lighting+=("${@:i:2}"); i=$((i + 1)) ;;
       --light=* | --sun=* | --ambient=* | --exposure=*) lighting+=("${!i}") ;;
     esac
   done
+}
+
+# run_client SCENE OPTION...: starts rt_server and runs vr_client with it. If the client fails, prints the server's log
+# and exits with the client's status.
+run_client() {
+  local scene=$1 status=0 lighting
+  shift
+  lighting_of "$@"
   start_server "$scene" "${lighting[@]}"
   "$programs/vr_client/vr_client" --scene "$scene" --server "$address" --key "$key" "$@" || status=$?
   if ((status)); then

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "stereo/base/within.h"
 #include "stereo/frame/view.h"
 #include "stereo/scene/lighting_options.h"
 #include "stereo/wire/key_file.h"
@@ -31,17 +32,6 @@ struct CommandLine {
   double video_megabits = Options{}.mode.bits_per_second * 1e-6;
   bool validate = false;
 };
-
-/// Like CLI::Range, but refuses NaN.
-CLI::Validator within(double low, double high) {
-  const std::string range = fmt::format("{:g} to {:g}", low, high);
-  return {[=](std::string& text) {
-            double value = 0;
-            const bool inside = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
-            return inside ? std::string() : fmt::format("'{}' is not within {}", text, range);
-          },
-          range};
-}
 
 std::vector<std::string> predictors() {
   std::vector<std::string> names;

@@ -42,7 +42,7 @@ std::string_view name_of(LightKind kind) {
 }
 
 /// Everything that is told, in the order of the text.
-ordered_json facts_of(const LitScene& lit, bool lit_by_file) {
+ordered_json facts_of(const Scene& file, const LitScene& lit) {
   const Scene& scene = lit.scene;
   const auto [planned, plan] = plan_scene(scene, {.surround = false});
   const glm::dvec3 size = scene.bounds.high - scene.bounds.low;
@@ -73,10 +73,10 @@ ordered_json facts_of(const LitScene& lit, bool lit_by_file) {
           {"low_m", list(scene.bounds.low)},
           {"high_m", list(scene.bounds.high)},
           {"size_m", list(size)},
-          {"camera", scene.camera ? "of the file" : "chosen"},
+          {"camera", file.camera ? "of the file" : "chosen"},
           {"camera_m", list(viewpoint.translation)},
           {"lights", lights},
-          {"lights_of_the_file", lit_by_file},
+          {"lights_of_the_file", file.lights.size()},
           {"ambient", scene.ambient},
           {"animation_s", scene.animation_length_s},
           {"tracer_bytes", estimated_memory(planned, plan.trace).total()},
@@ -133,7 +133,7 @@ Expected<std::string> inspect(const InspectOptions& options) {
   if (!scene) return tl::unexpected(scene.error());
   const Expected<LitScene> lit = light_scene(*scene, options.lighting);
   if (!lit) return tl::unexpected(lit.error());
-  const ordered_json facts = facts_of(*lit, !scene->lights.empty());
+  const ordered_json facts = facts_of(*scene, *lit);
   return options.json ? facts.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n"
                       : in_words(facts);
 }

@@ -50,11 +50,11 @@ void add_animations(const Document& document, const std::vector<Index>& scene_no
   bool morphs = false;
   for (const Animation& animation : document.animations)
     for (const AnimationChannel& from : animation.channels) {
-      const Index node = scene_node[from.node];
       if (from.path == "weights") {
         morphs = true;
         continue;
       }
+      const Index node = scene_node[from.node];
       const Path path = path_from(from.path);
       if (!node || !taken.emplace(*node, path).second) continue;
       Channel channel = channel_from(document, animation.samplers[from.sampler], *node, path);

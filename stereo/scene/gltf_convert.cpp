@@ -75,9 +75,8 @@ Expected<std::vector<std::uint32_t>> add_mesh(const Mesh& from, const Document& 
 }
 
 /// The poses of the document's nodes at time 0; none for nodes outside of the default scene.
-std::vector<std::optional<Affine<Stage, Object>>> poses_of(const Document& document, const NodeOrder& order,
-                                                           const Scene& scene) {
-  std::vector<std::optional<Affine<Stage, Object>>> poses(document.nodes.size());
+Poses poses_of(const Document& document, const NodeOrder& order, const Scene& scene) {
+  Poses poses(document.nodes.size());
   const auto of_scene = stage_from_nodes(scene, Time{});
   for (std::size_t i = 0; i < order.from_document.size(); ++i) poses[order.from_document[i]] = of_scene[i];
   return poses;
@@ -89,13 +88,19 @@ Checked add_instances(const Document& document, const NodeOrder& order, const Sc
                       Scene& scene) {
   MaterialConverter materials(document, limits, scene);
   std::vector<std::optional<std::vector<std::uint32_t>>> converted(document.meshes.size());
-  const auto poses = poses_of(document, order, scene);
+  const Poses poses = poses_of(document, order, scene);
+  std::vector<std::vector<Affine<Stage, Object>>> joints(document.skins.size());  // of skins that are used
   bool has_skins = false;
   for (std::uint32_t node = 0; node < order.from_document.size(); ++node) {
     const Node& from = document.nodes[order.from_document[node]];
     if (!from.mesh) continue;
-    const Deformation deformation = deformation_of(document, from, poses);
-    const bool skinned = !deformation.stage_from_bound.empty();
+    Deformation deformation{.weights = weights_of(document, from)};
+    if (from.skin) {
+      if (joints[*from.skin].empty())
+        joints[*from.skin] = joints_of(document, document.skins[*from.skin], poses);
+      deformation.joints = joints[*from.skin];
+    }
+    const bool skinned = !deformation.joints.empty();
     has_skins |= skinned;
     std::vector<std::uint32_t> own;
     if (!deformation.is_none() || !converted[*from.mesh]) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "stereo/math/spaces.h"
@@ -10,23 +12,29 @@
 
 namespace farshade::gltf {
 
+using Poses = std::vector<std::optional<Affine<Stage, Object>>>;  ///< of the document's nodes
+
+/// For each joint of a skin, what it does to a vertex. A joint without a pose, outside of the drawn scene,
+/// does nothing.
+[[nodiscard]] std::vector<Affine<Stage, Object>> joints_of(const Document& document, const Skin& skin,
+                                                           const Poses& poses);
+
 /// What a node does to the vertices of its mesh. Empty: nothing.
 struct Deformation {
-  std::vector<double> weights;                          ///< of the morph targets
-  std::vector<Affine<Stage, Object>> stage_from_bound;  ///< one per joint of the skin
+  std::span<const double> weights;                  ///< of the morph targets
+  std::span<const Affine<Stage, Object>> joints{};  ///< joints_of its skin
 
-  [[nodiscard]] bool is_none() const { return weights.empty() && stage_from_bound.empty(); }
+  [[nodiscard]] bool is_none() const { return weights.empty() && joints.empty(); }
 };
 
-/// `poses` are those of the document's nodes; a joint outside of the drawn scene has none, and does not move
-/// vertices.
-[[nodiscard]] Deformation deformation_of(const Document& document, const Node& node,
-                                         const std::vector<std::optional<Affine<Stage, Object>>>& poses);
+/// The weights of the node, else of its mesh; none if all are 0 or the mesh has no targets.
+[[nodiscard]] std::span<const double> weights_of(const Document& document, const Node& node);
 
 /// The vertices of a primitive, deformed. With a skin, they are in the stage. Without NORMAL, `normals` is
 /// empty.
 struct Vertices {
   std::vector<glm::vec3> positions, normals;
+  std::vector<bool> mirrored;  ///< their joints turn triangles over; empty without a skin
 };
 [[nodiscard]] Vertices vertices_of(const Document& document, const Primitive& primitive,
                                    const Deformation& deformation);

@@ -59,9 +59,9 @@ Expected<std::uint32_t> MaterialConverter::material(Index index) {
 
 /// The image of such a texture has a format of an extension.
 void MaterialConverter::leave_out_texture() {
-  const std::string warning = "textures without a PNG or JPEG image are left out";
-  if (std::ranges::find(scene_.warnings, warning) == scene_.warnings.end())
-    scene_.warnings.push_back(warning);
+  if (leaves_out_texture_) return;
+  leaves_out_texture_ = true;
+  scene_.warnings.emplace_back("textures without a PNG or JPEG image are left out");
 }
 
 Expected<std::uint32_t> MaterialConverter::texture(std::uint32_t index) {

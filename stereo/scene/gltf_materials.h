@@ -28,6 +28,7 @@ class MaterialConverter {
   const SceneLimits& limits_;
   Scene& scene_;
   std::uint64_t pixels_left_;  ///< for all images together, against small files that hold many large images
+  bool leaves_out_texture_ = false;
   std::map<Index, std::uint32_t> materials_;
   std::map<TextureKey, std::uint32_t> textures_;
 };

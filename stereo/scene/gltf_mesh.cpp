@@ -68,7 +68,10 @@ void make_flat(farshade::Mesh& mesh) {
 /// Normalises the normals. A normal of length zero is replaced by the mean of the adjacent triangles'
 /// normals, weighted by area.
 void make_unit(farshade::Mesh& mesh) {
-  const auto has_direction = [](glm::vec3 n) { return glm::length(glm::dvec3(n)) > 1e-6; };
+  const auto has_direction = [](glm::vec3 n) {
+    const double length = glm::length(glm::dvec3(n));
+    return length > 1e-6 && length < 1e30;  // false for NaN
+  };
   std::vector<glm::dvec3> around;
   if (!std::all_of(mesh.normals.begin(), mesh.normals.end(), has_direction)) {
     around.resize(mesh.normals.size());
@@ -118,6 +121,9 @@ farshade::Mesh mesh_from(const Document& document, const Primitive& primitive,
   mesh.positions = std::move(vertices.positions);
   mesh.triangles =
       triangles_of(primitive.mode, corners_of(document, primitive, mesh.positions.size()), mesh.positions);
+  if (!vertices.mirrored.empty())
+    for (glm::uvec3& t : mesh.triangles)
+      if (vertices.mirrored[t.x]) std::swap(t.y, t.z);
   const auto* material = primitive.material ? &document.materials[*primitive.material] : nullptr;
   if (material && material->texture)
     mesh.uvs = texture_coordinates(document, primitive, *material->texture, mesh.positions.size());

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <set>
 
 #include "stereo/scene/gltf_json.h"
 
@@ -227,7 +228,8 @@ void check_extensions(const JsonObject& root) {
 /// A warning for each used extension that changes the look, and for instances that are not drawn.
 std::vector<std::string> warnings_of(const JsonObject& root) {
   std::vector<std::string> warnings;
-  for (const std::string& name : root.texts("extensionsUsed")) {
+  const std::vector<std::string> listed = root.texts("extensionsUsed");
+  for (const std::string& name : std::set<std::string>(listed.begin(), listed.end())) {
     const LookExtension* const look = look_of(name);
     if (look && !look->without.empty())
       warnings.push_back(printable(name) + " is not drawn: " + std::string(look->without));

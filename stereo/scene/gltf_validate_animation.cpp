@@ -76,7 +76,7 @@ Checked validate_animations(const Document& document) {
   return check_each(document.animations, [&](std::size_t a, const Animation& animation) {
     std::set<std::pair<std::uint32_t, std::string>> targets;
     return check_each(animation.channels, [&](std::size_t c, const AnimationChannel& channel) -> Checked {
-      if (channel.path == "weights") return {};  // not read
+      if (channel.path == "weights") return {};  // nothing of it is read
       const std::string name = label("animation", a, animation.name) + ", " + label("channel", c);
       if (auto checked = check_channel(document, name, animation, channel); !checked) return checked;
       if (!targets.emplace(channel.node, channel.path).second)

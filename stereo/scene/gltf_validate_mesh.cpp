@@ -148,43 +148,68 @@ Checked check_deforming(const Document& document, const std::string& name, const
       });
 }
 
-Checked check_skin(const Document& document, std::size_t index, const Skin& skin) {
+/// `left`: the numbers that all skins together may still have.
+Checked check_skin(const Document& document, std::size_t index, const Skin& skin, std::uint64_t& left) {
   const std::string name = label("skin", index, skin.name);
   if (skin.joints.empty()) return malformed(name + " has no joints");
   for (const std::uint32_t joint : skin.joints)
     if (joint >= document.nodes.size()) return malformed(name + ": there is no " + label("node", joint));
-  if (!skin.inverse_bind) return {};
-  const std::string subject = name + ": inverse bind matrices, " + label("accessor", *skin.inverse_bind);
-  if (*skin.inverse_bind >= document.accessors.size()) return malformed(subject + " is not there");
-  const Accessor& accessor = document.accessors[*skin.inverse_bind];
-  if (accessor.component != Component::Float || accessor.rows != 4 || accessor.columns != 4 ||
-      accessor.count < skin.joints.size())
-    return malformed(subject + " should have a matrix of floats for each joint");
+  std::uint64_t matrices = skin.joints.size();
+  if (skin.inverse_bind) {
+    const std::string subject = name + ": inverse bind matrices, " + label("accessor", *skin.inverse_bind);
+    if (*skin.inverse_bind >= document.accessors.size()) return malformed(subject + " is not there");
+    const Accessor& accessor = document.accessors[*skin.inverse_bind];
+    if (accessor.component != Component::Float || accessor.rows != 4 || accessor.columns != 4 ||
+        accessor.count < skin.joints.size())
+      return malformed(subject + " should have a matrix of floats for each joint");
+    matrices += accessor.count;
+  }
+  if (16 * matrices > left)
+    return fail(Fault::OutOfRange, name + ": more joints than a file of this size should have");
+  left -= 16 * matrices;
   return {};
 }
 
-/// The joints that a skinned mesh names, and the vertices of meshes that are converted once for each node.
-Checked check_deformed_nodes(const Document& document) {
+/// What a node reads and makes: instances, and if it deforms its mesh, vertices and indices of its own.
+std::uint64_t cost_of(const Document& document, const Node& node) {
+  const Mesh& mesh = document.meshes[*node.mesh];
+  const bool deforms = node.skin || !node.weights.empty() || !mesh.weights.empty();
+  std::uint64_t cost = 1 + mesh.primitives.size() + node.weights.size() + mesh.weights.size();
+  for (const Primitive& primitive : mesh.primitives) {
+    const Index position = primitive.attribute("POSITION");
+    if (!deforms || !position || !primitive.draws_triangles()) continue;
+    const std::uint64_t vertices = document.accessors[*position].count;
+    cost += vertices * (1 + primitive.targets.size());
+    cost += primitive.indices ? document.accessors[*primitive.indices].count : vertices;
+  }
+  return cost;
+}
+
+Checked check_joints(const Document& document, const std::string& name, const Node& node) {
+  if (!node.skin) return {};
+  const auto joints = static_cast<float>(document.skins[*node.skin].joints.size());
+  for (const Primitive& primitive : document.meshes[*node.mesh].primitives) {
+    const Index named = primitive.attribute("JOINTS_0");
+    if (!primitive.attribute("POSITION") || !primitive.draws_triangles() || !named) continue;
+    for (const glm::vec4& of_vertex : read_vectors<4>(document, *named))
+      if (std::max({of_vertex.x, of_vertex.y, of_vertex.z, of_vertex.w}) >= joints)
+        return malformed(name + ": a vertex names a joint that its skin does not have");
+  }
+  return {};
+}
+
+/// Bounds what nodes make of meshes that they share, and checks the joints that skinned meshes name.
+Checked check_mesh_nodes(const Document& document) {
   std::uint64_t left = element_budget(document);
   return check_each(document.nodes, [&](std::size_t index, const Node& node) -> Checked {
-    if (!node.mesh || (!node.skin && node.weights.empty() && document.meshes[*node.mesh].weights.empty()))
-      return {};
+    if (!node.mesh) return {};
     const std::string name = label("node", index, node.name);
-    for (const Primitive& primitive : document.meshes[*node.mesh].primitives) {
-      const Index position = primitive.attribute("POSITION"), joints = primitive.attribute("JOINTS_0");
-      if (!position || !primitive.draws_triangles()) continue;
-      const std::uint64_t vertices = document.accessors[*position].count * (1 + primitive.targets.size());
-      if (vertices > left)
-        return fail(Fault::OutOfRange,
-                    name + ": more deformed vertices than a file of this size should have");
-      left -= vertices;
-      if (!node.skin || !joints) continue;
-      for (const glm::vec4& of_vertex : read_vectors<4>(document, *joints))
-        for (int i = 0; i < 4; ++i)
-          if (of_vertex[i] >= static_cast<float>(document.skins[*node.skin].joints.size()))
-            return malformed(name + ": a vertex names a joint that its skin does not have");
-    }
-    return {};
+    const std::uint64_t cost = cost_of(document, node);
+    if (cost > left)
+      return fail(Fault::OutOfRange,
+                  name + ": its mesh is shown or deformed more often than in a file of this size should be");
+    left -= cost;
+    return check_joints(document, name, node);
   });
 }
 
@@ -249,9 +274,10 @@ Checked validate_meshes(const Document& document) {
 }
 
 Checked validate_deformations(const Document& document) {
+  std::uint64_t left = element_budget(document);
   return check_each(document.skins,
-                    [&](std::size_t i, const Skin& skin) { return check_skin(document, i, skin); })
-      .and_then([&] { return check_deformed_nodes(document); });
+                    [&](std::size_t i, const Skin& skin) { return check_skin(document, i, skin, left); })
+      .and_then([&] { return check_mesh_nodes(document); });
 }
 
 Checked validate_materials(const Document& document) {

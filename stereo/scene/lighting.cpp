@@ -27,6 +27,7 @@ constexpr double kLamp = 1.2,
                  kLampDistance = 0.65;  ///< its irradiance at this distance, in radii of the scene
 
 // The exposure is chosen outside of these limits of the median irradiance / pi.
+constexpr double kLeastExposure = 1e-12, kMostExposure = 1e12;
 constexpr double kDarkest = 0.02, kBrightest = 8, kChosen = 0.4;
 constexpr std::size_t kSamples = 4096;
 
@@ -260,6 +261,8 @@ Expected<AddedLight> parse_sun(std::string_view text) {
 Expected<LitScene> light_scene(Scene scene, const Lighting& lighting) {
   LitScene lit{std::move(scene), {}};
   Scene& made = lit.scene;
+  const bool has_camera = made.camera.has_value();
+  if (!has_camera) made.camera = viewpoint_of(made);
   for (const std::string& warning : made.warnings) lit.notes.push_back(made.name + ": " + warning);
   const bool was_dark = made.lights.empty() && lighting.lights.empty();
   for (const AddedLight& light : lighting.lights) add(light, made);
@@ -278,7 +281,7 @@ Expected<LitScene> light_scene(Scene scene, const Lighting& lighting) {
   if (!lighting.exposure) {
     const double usual = median_brightness(made);
     if (usual > 0 && (usual < kDarkest || usual > kBrightest)) {
-      exposure = static_cast<float>(kChosen / usual);
+      exposure = static_cast<float>(std::clamp(kChosen / usual, kLeastExposure, kMostExposure));
       lit.notes.push_back(fmt::format(
           "{} would be too {}: all light is multiplied by {:.3g} (--exposure sets another factor)", made.name,
           usual < kDarkest ? "dark" : "bright", exposure));
@@ -287,15 +290,18 @@ Expected<LitScene> light_scene(Scene scene, const Lighting& lighting) {
   if (exposure != 1.0f) {
     for (LightSource& light : made.lights)
       light.intensity = glm::min(light.intensity * exposure, glm::vec3(1e30f));
-    made.ambient *= exposure;
+    // Ambient light that the user gave is as bright as it looks, unless the exposure is the user's, too.
+    if (lighting.exposure || !lighting.ambient) made.ambient *= exposure;
   }
-  if (!lighting.lights.empty() || was_dark || made.ambient != 0 || exposure != 1.0f)
+  if (!has_camera || !lighting.lights.empty() || was_dark || made.ambient != 0 || exposure != 1.0f)
     made.hash = hash_of(made);
   return lit;
 }
 
-Expected<LitScene> load_lit_scene(const std::filesystem::path& path, const Lighting& lighting) {
+Expected<LitScene> load_lit_scene(const std::filesystem::path& path, const Lighting& lighting) try {
   return load_scene(path).and_then([&](Scene scene) { return light_scene(std::move(scene), lighting); });
+} catch (const std::bad_alloc&) {
+  return fail(Fault::Unavailable, path.string() + ": there is not enough memory for this scene");
 }
 
 }  // namespace farshade

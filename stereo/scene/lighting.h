@@ -40,8 +40,8 @@ struct LitScene {
       notes;  ///< one sentence for each thing that was chosen, and for each warning of the file
 };
 
-/// Adds the lights, ambient light and exposure to a scene as loaded from its file, and hashes it again if
-/// anything changed.
+/// Adds the lights, ambient light, exposure and, without a camera, the viewpoint (viewpoint.h) to a scene as
+/// loaded from its file, and hashes it again if anything changed.
 ///
 /// A scene without any light gets a sun, a lamp beside its viewpoint (viewpoint.h) and a little ambient
 /// light. The exposure is chosen only if the median surface of the scene, without shadows, would be darker

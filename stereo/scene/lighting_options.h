@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "stereo/base/within.h"
 #include "stereo/scene/lighting.h"
 
 namespace farshade {
@@ -22,17 +23,22 @@ inline void add_lighting_options(CLI::App& app, Lighting& lighting) {
          "directional,along=0.3:-1:0,lux=3; may be given several times. Client and server need the same "
          "lights")
       ->allow_extra_args(false);
-  app.add_option_function<std::string>(
-      "--sun", [add](const std::string& text) { add("--sun", parse_sun(text)); },
-      "add a sun: AZIMUTH,ELEVATION in degrees and perhaps LUX, such as 145,50,3; azimuth 0 is -z, 90 is +x");
+  app.add_option_function<std::vector<std::string>>(
+         "--sun",
+         [add](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) add("--sun", parse_sun(text));
+         },
+         "add a sun: AZIMUTH,ELEVATION in degrees and perhaps LUX, such as 145,50,3; azimuth 0 is -z, 90 is "
+         "+x")
+      ->allow_extra_args(false);
   app.add_option(
          "--ambient", lighting.ambient,
          "light that reaches everything, as a part of the base colour (default: 0 if the scene has lights)")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(within(0, 1e6));
   app.add_option(
          "--exposure", lighting.exposure,
          "multiply all light by this factor (default: 1, unless the scene would be too dark or too bright)")
-      ->check(CLI::Range(1e-12, 1e12));
+      ->check(within(1e-12, 1e12));
 }
 
 }  // namespace farshade

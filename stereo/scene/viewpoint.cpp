@@ -15,6 +15,8 @@ namespace {
 constexpr double kEyeHeight_m = 1.6, kLeastRoom_m = 2, kClearance_m = 0.3;
 constexpr std::size_t kAround = 12, kSeen = 10;  ///< of the directions
 constexpr std::size_t kInstances = 3;
+/// The search takes about 3 s for so many triangles; larger scenes are seen from outside.
+constexpr std::uint64_t kMostTriangles = 4'000'000;
 /// The distance from the middle of a scene that is seen from outside, and how far above it, in radii.
 constexpr double kDistance = 1.3, kAbove = 0.25;
 
@@ -31,25 +33,6 @@ Directions directions() {
   return all;
 }
 
-struct Triangle {
-  glm::dvec3 a, b, c;
-  std::uint32_t instance;
-};
-
-std::vector<Triangle> triangles_of(const Scene& scene) {
-  std::vector<Triangle> all;
-  all.reserve(scene.triangle_count);
-  const SceneState state = state_at(scene, Time{});
-  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-    const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
-    const auto corner = [&](std::uint32_t v) {
-      return state.stage_from_object[i](Point<Object>{glm::dvec3(mesh.positions[v])}).v;
-    };
-    for (const glm::uvec3& t : mesh.triangles) all.push_back({corner(t.x), corner(t.y), corner(t.z), i});
-  }
-  return all;
-}
-
 struct Hit {
   double distance = std::numeric_limits<double>::infinity();
   bool faces = false;  ///< its counter-clockwise side is seen
@@ -57,24 +40,39 @@ struct Hit {
 };
 
 /// T. Moeller and B. Trumbore, "Fast, minimum storage ray/triangle intersection", 1997.
-void meet(const glm::dvec3& eye, const glm::dvec3& ray, const Triangle& t, Hit& hit) {
-  const glm::dvec3 e1 = t.b - t.a, e2 = t.c - t.a, p = glm::cross(ray, e2);
+void meet(const glm::dvec3& eye, const glm::dvec3& ray, const std::array<glm::dvec3, 3>& corners,
+          std::uint32_t instance, Hit& hit) {
+  const auto& [a, b, c] = corners;
+  const glm::dvec3 e1 = b - a, e2 = c - a, p = glm::cross(ray, e2);
   const double determinant = glm::dot(e1, p);
   if (determinant == 0) return;
-  const glm::dvec3 s = eye - t.a, q = glm::cross(s, e1);
+  const glm::dvec3 s = eye - a, q = glm::cross(s, e1);
   const double u = glm::dot(s, p) / determinant, v = glm::dot(ray, q) / determinant;
   const double distance = glm::dot(e2, q) / determinant;
   if (u < 0 || v < 0 || u + v > 1 || distance <= 0 || distance >= hit.distance) return;
-  hit = {distance, determinant > 0, t.instance};
+  hit = {distance, determinant > 0, instance};
 }
 
 using Hits = std::array<Hit, Directions{}.size()>;
 
-Hits look_around(const std::vector<Triangle>& triangles, const glm::dvec3& eye) {
+/// What is seen from each of `eyes`. Every triangle is tested: this is done once.
+template <std::size_t N>
+std::array<Hits, N> look_around(const Scene& scene, const std::array<glm::dvec3, N>& eyes) {
   const Directions rays = directions();
-  Hits hits{};
-  for (const Triangle& t : triangles)
-    for (std::size_t ray = 0; ray < rays.size(); ++ray) meet(eye, rays[ray], t, hits[ray]);
+  std::array<Hits, N> hits{};
+  const SceneState state = state_at(scene, Time{});
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
+    const Affine<Stage, Object>& pose = state.stage_from_object[i];
+    const bool mirrored = glm::determinant(glm::dmat3(pose.matrix)) < 0;
+    const auto corner = [&](std::uint32_t v) { return pose(Point<Object>{glm::dvec3(mesh.positions[v])}).v; };
+    for (const glm::uvec3& t : mesh.triangles) {
+      const std::array corners{corner(t.x), corner(mirrored ? t.z : t.y), corner(mirrored ? t.y : t.z)};
+      for (std::size_t eye = 0; eye < N; ++eye)
+        for (std::size_t ray = 0; ray < rays.size(); ++ray)
+          meet(eyes[eye], rays[ray], corners, i, hits[eye][ray]);
+    }
+  }
   return hits;
 }
 
@@ -111,19 +109,19 @@ Rigid<Stage, Eye> inside(const Bounds& bounds, const glm::dvec3& eye, const Hits
 
 std::optional<Rigid<Stage, Eye>> place_in_room(const Scene& scene) {
   const glm::dvec3 low = scene.bounds.low, size = scene.bounds.high - low;
-  if (std::min({size.x, size.y, size.z}) < kLeastRoom_m) return std::nullopt;
-  const std::vector<Triangle> triangles = triangles_of(scene);
-  std::optional<Rigid<Stage, Eye>> best;
-  double most = 0;
+  if (std::min({size.x, size.y, size.z}) < kLeastRoom_m || scene.triangle_count > kMostTriangles)
+    return std::nullopt;
+  std::array<glm::dvec3, 9> eyes{};
+  std::size_t count = 0;
   for (const double x : {0.5, 0.3, 0.7})
-    for (const double z : {0.5, 0.3, 0.7}) {
-      const glm::dvec3 eye = low + glm::dvec3(size.x * x, std::min(kEyeHeight_m, size.y * 0.5), size.z * z);
-      const Hits hits = look_around(triangles, eye);
-      if (clearance(hits) <= most || !is_in_room(scene, hits)) continue;
-      most = clearance(hits);
-      best = inside(scene.bounds, eye, hits);
-    }
-  return best;
+    for (const double z : {0.5, 0.3, 0.7})
+      eyes[count++] = low + glm::dvec3(size.x * x, std::min(kEyeHeight_m, size.y * 0.5), size.z * z);
+  const std::array<Hits, 9> hits = look_around(scene, eyes);
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < eyes.size(); ++i)
+    if (is_in_room(scene, hits[i]) && (!best || clearance(hits[i]) > clearance(hits[*best]))) best = i;
+  if (!best) return std::nullopt;
+  return inside(scene.bounds, eyes[*best], hits[*best]);
 }
 
 }  // namespace

@@ -100,8 +100,9 @@ TEST(Lighting, TheSunStandsWhereItsAnglesSay) {
     EXPECT_FALSE(parse_sun(text)) << text;
 }
 
-TEST(Lighting, ASceneWithLightsOfItsOwnDoesNotChange) {
+TEST(Lighting, ASceneWithLightsAndACameraOfItsOwnDoesNotChange) {
   Scene scene = box_scene({1, 1, 1}, Seen::FromOutside);
+  scene.camera = Rigid<Stage, Eye>{.translation = {0, 0, 3}};
   LightSource light;
   light.intensity = glm::vec3(30);
   scene.nodes.emplace_back().rest.translation = {0, 3, 0};
@@ -168,6 +169,16 @@ TEST(Lighting, ChoosesAnExposureOnlyForScenesThatAreMuchTooDarkOrTooBright) {
   EXPECT_EQ(chosen.scene.lights[0].intensity.x, 100'000);
 }
 
+TEST(Lighting, AChosenExposureIsFiniteAndLeavesAmbientLightOfTheUserAlone) {
+  const Scene box = box_scene({1, 1, 1}, Seen::FromOutside);
+  AddedLight faint = parse_light("directional,along=-1:-1:-1,color=1:0:0").value();
+  faint.source.intensity = {1e-40f, 0, 0};
+  const LitScene lit = light_scene(box, {.lights = {faint}, .ambient = 0.3f}).value();
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(std::isfinite(lit.scene.lights[0].intensity[i])) << i;
+  EXPECT_EQ(lit.scene.ambient, 0.3f);
+  EXPECT_EQ(light_scene(box, {.lights = {faint}, .ambient = 0.25f, .exposure = 2.0f})->scene.ambient, 0.5f);
+}
+
 TEST(Lighting, RefusesMoreLightsThanAMaskHasBits) {
   const Lighting many{.lights = std::vector(257, parse_light("point,at=0:1:2").value())};
   const Expected<LitScene> lit = light_scene(box_scene({1, 1, 1}, Seen::FromOutside), many);
@@ -211,6 +222,13 @@ TEST(Viewpoint, IsInFrontOfAnObjectOfAnySizeWithAllOfItInView) {
       EXPECT_LT(std::hypot(seen.x, seen.y), -1.6 * seen.z) << "within 58 degrees";
     }
   }
+}
+
+// glTF 2.0, 3.7.4: a mirrored surface is seen from the same side as before.
+TEST(Viewpoint, IsInAMirroredRoomToo) {
+  Scene room = box_scene({4, 1.5, 2}, Seen::FromInside);
+  room.nodes[0].rest.scale = {-1, 1, 1};
+  EXPECT_LT(glm::length(viewpoint_of(room).translation), 0.1);
 }
 
 TEST(Viewpoint, IsTheCameraOfTheFileIfThereIsOne) {
