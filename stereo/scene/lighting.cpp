@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <functional>
@@ -29,7 +30,9 @@ constexpr double kLamp = 1.2,
 // The exposure is chosen outside of these limits of the median irradiance / pi.
 constexpr double kLeastExposure = 1e-12, kMostExposure = 1e12;
 constexpr double kDarkest = 0.02, kBrightest = 8, kChosen = 0.4;
-constexpr std::size_t kSamples = 4096;
+constexpr std::size_t kSamples = 4096;  ///< triangles
+constexpr std::array kPoints{glm::dvec3(1, 1, 1) / 3.0, glm::dvec3(0.6, 0.2, 0.2), glm::dvec3(0.2, 0.6, 0.2),
+                             glm::dvec3(0.2, 0.2, 0.6)};
 
 std::optional<double> number(std::string_view text) {
   double value = 0;
@@ -206,7 +209,10 @@ double median_brightness(const Scene& scene) {
       const glm::dvec3 a = corner(t.x), b = corner(t.y), c = corner(t.z), across = glm::cross(b - a, c - a);
       const double area = glm::length(across);
       if (!(area > 0)) continue;
-      samples.emplace_back(brightness(state.light_set.lights, (a + b + c) / 3.0, across / area), area);
+      // Four points, so that a light close to one of them does not stand for all of a large triangle.
+      for (const glm::dvec3& w : kPoints)
+        samples.emplace_back(brightness(state.light_set.lights, a * w.x + b * w.y + c * w.z, across / area),
+                             area / 4);
       area_sum += area;
     }
     number -= mesh.triangles.size();

@@ -15,7 +15,7 @@
 #include "stereo/head/reader.h"
 #include "stereo/head/writer.h"
 #include "stereo/math/rotation.h"
-#include "stereo/scene/gltf.h"
+#include "stereo/scene/lighting.h"
 #include "stereo/wire/key_file.h"
 #include "tests/integration/child_program.h"
 #include "tests/stability/judge.h"
@@ -116,6 +116,8 @@ class ClientRuns {
                                        files_.key.string(),
                                        "--place",
                                        "recorded",
+                                       "--exposure",
+                                       "1",
                                        "--pictures",
                                        "0",
                                        "--reference-every",
@@ -229,7 +231,7 @@ Verdict refusal(const Case& tested, const Room& room, const Setting& setting, co
   Verdict verdict;
   if (tested.outcome == Outcome::BothRefuse) {
     ChildProgram server({room.server.string(), "--scene", files.scene.string(), "--listen", "127.0.0.1:0",
-                         "--keys", files.ring.string()});
+                         "--keys", files.ring.string(), "--exposure", "1"});
     const bool listens = server.line_after("rt_server: listening on ").has_value();
     if (listens || !is_refusal({server.wait(), server.errors()}, "rt_server")) {
       verdict.broken = listens ? "rt_server serves it" : "rt_server ends without a sentence";
@@ -252,9 +254,12 @@ Ran run(const Case& tested, const Room& room) {
 
   Ran ran;
   Verdict& verdict = ran.verdict;
-  const Expected<Scene> scene = load_scene(files.scene);
+  // Extreme lights are judged as they are: no exposure is chosen.
+  const Expected<Scene> scene = load_lit_scene(files.scene, {.exposure = 1.0f}).map([](LitScene&& lit) {
+    return std::move(lit.scene);
+  });
   ChildProgram server({room.server.string(), "--scene", files.scene.string(), "--listen", "127.0.0.1:0",
-                       "--keys", files.ring.string()});
+                       "--keys", files.ring.string(), "--exposure", "1"});
   const auto address = server.line_after("rt_server: listening on ");
   if (!scene || !address) {
     verdict.broken = scene ? "rt_server: " + last_line(server.errors()) : scene.error().what;
