@@ -17,7 +17,8 @@ std::string_view name_of(RefusalReason reason) {
     case RefusalReason::UnknownKey:
       return "unknown key";
     case RefusalReason::SceneMismatch:
-      return "it shows another scene: give both the same scene file, --light, --sun, --ambient and --exposure";
+      return "it shows another scene: give both the same scene file, --light, --sun, --ambient and "
+             "--exposure";
     case RefusalReason::Busy:
       return "no room for another client (--sessions)";
   }

@@ -15,7 +15,7 @@ namespace {
 constexpr double kEyeHeight_m = 1.6, kLeastRoom_m = 2, kClearance_m = 0.3;
 constexpr std::size_t kAround = 12, kSeen = 10;  ///< of the directions
 constexpr std::size_t kInstances = 3;
-/// The search takes about 3 s for so many triangles; larger scenes are seen from outside.
+/// The search tests every triangle, so it is left out for larger scenes.
 constexpr std::uint64_t kMostTriangles = 4'000'000;
 /// The distance from the middle of a scene that is seen from outside, and how far above it, in radii.
 constexpr double kDistance = 1.3, kAbove = 0.25;

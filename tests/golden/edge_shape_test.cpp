@@ -15,9 +15,9 @@ namespace {
 
 constexpr std::uint32_t kShapeSide_px = 112;
 
-/// A caster above a floor. `most` limits the error of four masks, as a share of the nearest pixel's error, and
-/// `most_away` the error of pixels without an edge within a pixel, in percent: shadows that are thinner than a pixel
-/// can fall between samples.
+/// A caster above a floor. `most` limits the error of four masks, as a share of the nearest pixel's error,
+/// and `most_away` the error of pixels without an edge within a pixel, in percent: shadows that are thinner
+/// than a pixel can fall between samples.
 struct EdgeShape {
   const char* name;
   void (*add)(SceneBuilder& builder);
