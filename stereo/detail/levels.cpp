@@ -20,7 +20,7 @@ constexpr std::size_t kFewTriangles = 16;
 
 MeshLevels make_levels(const Mesh& mesh) {
   MeshLevels result;
-  if (mesh.triangles.size() <= kFewTriangles) return result;
+  if (mesh.triangles.size() <= kFewTriangles || mesh.deformable) return result;
   const WeldedMesh welded = weld(mesh);
   if (welded.triangles.size() <= kFewTriangles) return result;
   std::vector<glm::vec3> positions;

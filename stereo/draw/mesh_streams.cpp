@@ -8,6 +8,7 @@
 #include <cstring>
 #include <glm/gtc/type_precision.hpp>
 #include <limits>
+#include <numeric>
 
 #include "stereo/base/check.h"
 
@@ -29,14 +30,6 @@ glm::dvec3 center_of(const std::vector<glm::vec3>& positions) {
   const auto [low, high] = bounds_of(positions);
   const glm::dvec3 center = (low + high) * 0.5;
   return glm::length(center) > kFar * 0.5 * glm::length(high - low) ? center : glm::dvec3(0.0);
-}
-
-/// As packSnorm2x16 of the octahedral map (gbuffer.frag).
-glm::i16vec2 octahedral(const glm::vec3& n) {
-  glm::vec2 p = glm::vec2(n) / (std::abs(n.x) + std::abs(n.y) + std::abs(n.z));
-  if (n.z < 0)
-    p = {(1 - std::abs(p.y)) * (p.x < 0 ? -1.0f : 1.0f), (1 - std::abs(p.x)) * (p.y < 0 ? -1.0f : 1.0f)};
-  return {std::lround(p.x * 32767), std::lround(p.y * 32767)};
 }
 
 /// Sorts the triangles of a cluster so that successive ones share vertices. `number` has an entry for each
@@ -134,6 +127,13 @@ IndexRange append(std::span<const glm::uvec3> triangles, const std::vector<std::
 
 }  // namespace
 
+glm::i16vec2 octahedral(const glm::vec3& n) {
+  glm::vec2 p = glm::vec2(n) / (std::abs(n.x) + std::abs(n.y) + std::abs(n.z));
+  if (n.z < 0)
+    p = {(1 - std::abs(p.y)) * (p.x < 0 ? -1.0f : 1.0f), (1 - std::abs(p.x)) * (p.y < 0 ? -1.0f : 1.0f)};
+  return {std::lround(p.x * 32767), std::lround(p.y * 32767)};
+}
+
 StreamBytes stream_bytes(const Mesh& mesh, const SurfaceNeeds& needs, const MeshLevels& levels) {
   const std::size_t count = mesh.positions.size(),
                     indices = (mesh.triangles.size() + levels.triangles.size()) * 3 * index_bytes(count);
@@ -146,9 +146,12 @@ StreamBytes stream_bytes(const Mesh& mesh, const SurfaceNeeds& needs, const Mesh
 
 MeshStreams make_streams(const Mesh& mesh, const SurfaceNeeds& needs, const MeshLevels& levels) {
   const std::vector<std::vector<glm::uvec3>> ranges = clustered_ranges(mesh, levels);
-  const std::vector<std::uint32_t> place = fetch_order(ranges, mesh.positions.size());
+  std::vector<std::uint32_t> place = fetch_order(ranges, mesh.positions.size());
   MeshStreams streams;
-  streams.center = center_of(mesh.positions);
+  if (mesh.deformable)
+    std::iota(place.begin(), place.end(), 0u);  // DeformedVertices writes them in the mesh's order
+  else
+    streams.center = center_of(mesh.positions);
   streams.positions.resize(place.size());
   streams.normals.resize(place.size());
   for (std::size_t i = 0; i < place.size(); ++i) {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstddef>
+#include <glm/gtc/type_precision.hpp>
 #include <vector>
 
 #include "stereo/detail/levels.h"
@@ -49,6 +50,9 @@ struct MeshStreams {
 [[nodiscard]] StreamBytes stream_bytes(const Mesh& mesh, const SurfaceNeeds& needs, const MeshLevels& levels);
 
 [[nodiscard]] MeshStreams make_streams(const Mesh& mesh, const SurfaceNeeds& needs, const MeshLevels& levels);
+
+/// A unit normal as the device stores it: packSnorm2x16 of the octahedral map (gbuffer.frag).
+[[nodiscard]] glm::i16vec2 octahedral(const glm::vec3& n);
 
 /// The levels of one mesh of a scene; none if `levels` is empty.
 [[nodiscard]] const MeshLevels& levels_of(const SceneLevels& levels, std::size_t mesh);

@@ -47,9 +47,20 @@ MotionModel::MotionModel(const Scene& scene, const std::vector<bool>& moves)
   check_eq(moves.size(), scene.instances.size(), "the plan is the scene's");
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
     if (!moves[i]) continue;
-    moving_.push_back({i, bounds_of(scene.meshes[scene.instances[i].mesh].positions)});
+    Moving mover{i, bounds_of(scene.meshes[scene.instances[i].mesh].positions), {}};
+    if (scene.instances[i].rig) mover.part.emplace(scene, i);
+    moving_.push_back(std::move(mover));
     slots_[i] = static_cast<std::uint32_t>(moving_.size());
   }
+}
+
+std::optional<glm::dmat4> MotionModel::then_from_now(const Moving& mover, const SceneState& then,
+                                                     const SceneState& now) {
+  if (mover.part) return mover.part->then_from_now(then, now);
+  const Affine<Stage, Object>&before = then.stage_from_object[mover.instance],
+                      &after = now.stage_from_object[mover.instance];
+  if (before == after) return {};
+  return before.matrix * glm::inverse(after.matrix);
 }
 
 Motion MotionModel::between(const SceneState& then, const SceneState& now) const {
@@ -67,12 +78,12 @@ Motion MotionModel::between(const SceneState& then, const SceneState& now) const
   if (!moves) return motion;
   for (std::size_t slot = 0; slot < moving_.size(); ++slot) {
     const Moving& mover = moving_[slot];
-    const Affine<Stage, Object>&before = then.stage_from_object[mover.instance],
-                        &after = now.stage_from_object[mover.instance];
-    if (before == after) continue;
-    motion.then_from_now[slot] = before.matrix * glm::inverse(after.matrix);
-    add_sphere(sphere_about(before, mover.box), motion.moved);
-    add_sphere(sphere_about(after, mover.box), motion.moved);
+    motion.then_from_now[slot] = then_from_now(mover, then, now);
+    if (!motion.then_from_now[slot]) continue;
+    for (const SceneState* state : {&then, &now})
+      add_sphere(sphere_about(state->stage_from_object[mover.instance],
+                              mover.part ? mover.part->bounds(*state) : mover.box),
+                 motion.moved);
   }
   return motion;
 }

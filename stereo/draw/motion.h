@@ -1,13 +1,14 @@
 /// Motion: what has moved between two states of a scene, and so which bits of a mask are stale. For lights it
-/// is a set. For instances it is the transform back to the earlier state, and the bounding spheres at both
-/// places: the visibility of a light can only have changed if the line to the light passes one of these
-/// spheres.
+/// is a set. For instances it is the transform back to the earlier state (part_motion.h if a rig deforms
+/// them), and the bounding spheres at both places: the visibility of a light can only have changed if the
+/// line to the light passes one of these spheres.
 #pragma once
 
 #include <bitset>
 #include <optional>
 #include <vector>
 
+#include "stereo/draw/part_motion.h"
 #include "stereo/frame/eye_mask.h"
 #include "stereo/scene/scene_state.h"
 
@@ -37,7 +38,7 @@ struct Motion {
 /// The instances of a scene that can move. Each has a slot, counted from 0.
 class MotionModel {
  public:
-  /// `moves`: the plan's flag for each instance.
+  /// `moves`: the plan's flag for each instance. Keeps a reference to `scene` if it has rigs.
   MotionModel(const Scene& scene, const std::vector<bool>& moves);
 
   /// For each instance its slot + 1, or 0 if it cannot move.
@@ -50,8 +51,11 @@ class MotionModel {
  private:
   struct Moving {
     std::uint32_t instance;
-    Bounds box;  ///< object space
+    Bounds box;                      ///< object space; of an instance without a rig
+    std::optional<PartMotion> part;  ///< with a rig
   };
+  [[nodiscard]] static std::optional<glm::dmat4> then_from_now(const Moving& mover, const SceneState& then,
+                                                               const SceneState& now);
   std::vector<Moving> moving_;
   std::vector<std::uint32_t> slots_;
 };

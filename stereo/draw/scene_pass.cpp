@@ -43,6 +43,7 @@ ScenePass::ScenePass(const gpu::Device& device, const Scene& scene, const DrawPl
       instances_(gpu::make_mapped_buffer(device, pairs * scene.instances.size() * sizeof(gpu::InstanceData),
                                          vk::BufferUsageFlagBits::eUniformBuffer, "instances",
                                          gpu::Use::Frame)),
+      deformed_(device, scene, outputs == Outputs::GBuffer),
       bindings_(gpu::make_bindings(device, scene_set(outputs), to_string(outputs))),
       draws_(pairs),
       last_levels_(scene.instances.size(), 0) {
@@ -102,6 +103,7 @@ void ScenePass::clear_counts() {
 
 void ScenePass::prepare(const StereoView& views, const SceneState& state, Detail detail) {
   clear_counts();
+  deform(state);
   add_draws(0, {0, {}, {Casters::All, Casters::All}}, state, {views[0].size, views[1].size}, detail,
             [&](const Affine<Stage, Object>& stage_from_object) {
               return instance_data(views, stage_from_object);
@@ -111,6 +113,7 @@ void ScenePass::prepare(const StereoView& views, const SceneState& state, Detail
 void ScenePass::prepare(std::span<const CasterDraws> passes, Extent size, const SceneState& state) {
   check(outputs_ != Outputs::GBuffer, "normals are seen by eyes");
   clear_counts();
+  deform(state);
   if (draws_.size() < passes.size()) draws_.resize(passes.size());
   for (std::size_t pass = 0; pass < passes.size(); ++pass)
     add_draws(pass, passes[pass], state, {size, size}, Detail::Levels,
@@ -144,6 +147,11 @@ PerEye<std::uint32_t> ScenePass::levels_for(std::uint32_t instance, const gpu::I
   std::uint32_t& last = last_levels_[instance];
   last = choose(std::max(px_per_unit[0], px_per_unit[1]), last);
   return {last, last};
+}
+
+const Bounds& ScenePass::box_of(std::size_t instance) const {
+  const DeformedVertices::Place* deformed = deformed_.of(instance);
+  return deformed != nullptr ? deformed->box : buffers_.meshes[scene_.instances[instance].mesh].box;
 }
 
 bool ScenePass::wants(Casters casters, std::size_t instance) const {
@@ -199,15 +207,15 @@ void ScenePass::add_draws(std::size_t pass, const CasterDraws& wanted, const Sce
     Affine<Stage, Object> stage_from_mesh = state.stage_from_object[i];
     stage_from_mesh.matrix[3] = glm::dvec4(stage_from_mesh(Point<Object>{mesh.center}).v, 1.0);
     gpu::InstanceData seen = seen_as(stage_from_mesh);
-    const bool left = in_left && may_be_seen(seen, 0, mesh.box),
-               right = in_right && may_be_seen(seen, 1, mesh.box);
+    const Bounds& box = box_of(i);
+    const bool left = in_left && may_be_seen(seen, 0, box), right = in_right && may_be_seen(seen, 1, box);
     if (!left && !right) continue;
     const Material& material = scene_.materials[scene_.meshes[scene_.instances[i].mesh].material];
     seen.base_color = material.base_color;
     seen.index = i;
     seen.alpha_cutoff = material.alpha_cutoff.value_or(0.0f);
     data[i] = seen;
-    const glm::vec3 middle = (glm::vec3(mesh.box.low) + glm::vec3(mesh.box.high)) * 0.5f;
+    const glm::vec3 middle = (glm::vec3(box.low) + glm::vec3(box.high)) * 0.5f;
     const glm::vec4 centre = seen.clip_from_object[0] * glm::vec4(middle, 1.0f);
     Draw draw{.instance = i,
               .data = first + i,
@@ -269,6 +277,10 @@ void ScenePass::draw_instance(const vk::raii::CommandBuffer& commands, const Dra
   std::array<vk::DeviceSize, 4> offsets{mesh.offsets.positions};
   std::uint32_t count = 1;
   if (outputs_ == Outputs::GBuffer) offsets[count++] = mesh.offsets.normals;
+  if (const DeformedVertices::Place* deformed = deformed_.of(draw.instance)) {
+    streams[0] = deformed_.buffer(), offsets[0] = deformed->positions;
+    if (outputs_ == Outputs::GBuffer) streams[1] = deformed_.buffer(), offsets[1] = deformed->normals;
+  }
   if (variant.textured) offsets[count++] = mesh.offsets.uvs;
   if (variant.colored) offsets[count++] = mesh.offsets.colors;
   commands.bindVertexBuffers(0, vk::ArrayProxy(count, streams.data()), vk::ArrayProxy(count, offsets.data()));

@@ -5,6 +5,7 @@
 
 #include <map>
 
+#include "stereo/draw/deformed_vertices.h"
 #include "stereo/draw/detail.h"
 #include "stereo/draw/frame_data.h"
 #include "stereo/draw/scene_buffers.h"
@@ -19,11 +20,6 @@ enum class Casters : std::uint8_t {
   Fixed,   ///< those that cannot move
   Moving,  ///< the others
 };
-
-/// An animation moves the instance.
-[[nodiscard]] inline bool can_move(const Scene& scene, const Instance& instance) {
-  return scene.nodes[instance.node].moving;
-}
 
 /// One pass of shadow maps, into two layers of an image.
 struct CasterDraws {
@@ -47,6 +43,12 @@ class ScenePass {
   void prepare(const StereoView& views, const SceneState& state, Detail detail);
   /// The same for passes of shadow maps with layers of `size` texels. Not for the G-buffer.
   void prepare(std::span<const CasterDraws> passes, Extent size, const SceneState& state);
+
+  /// Deforms the meshes that rigs move; `prepare` does it, too.
+  void deform(const SceneState& state) { deformed_.update(state); }
+  /// The box of an instance's mesh at the time of the last `deform`, relative to its center.
+  [[nodiscard]] const Bounds& box_of(std::size_t instance) const;
+  [[nodiscard]] const DeformedVertices& deformed() const { return deformed_; }
 
   /// Draws one pass into two layers: `size` pixels from the top left corner of the attachments. Before that
   /// it clears `clears` of the depth to zero.
@@ -92,6 +94,7 @@ class ScenePass {
   const SceneBuffers& buffers_;
   Outputs outputs_;
   gpu::Buffer instances_;
+  DeformedVertices deformed_;
   gpu::Bindings bindings_;
   vk::raii::PipelineLayout layout_{nullptr};
   std::map<SceneVariant, vk::raii::Pipeline> pipelines_;

@@ -11,8 +11,8 @@ namespace farshade {
 namespace {
 
 /// As ScenePass places a mesh, so that both find the same meshes in a view.
-glm::mat4 clip_from_box(const glm::dmat4& clip_from_stage, const Caster& caster,
-                        Affine<Stage, Object> stage_from_object) {
+glm::mat4 clip_from_box(const glm::dmat4& clip_from_stage, const Caster& caster, const CasterPlace& place) {
+  Affine<Stage, Object> stage_from_object = place.stage_from_object;
   stage_from_object.matrix[3] = glm::dvec4(stage_from_object(Point<Object>{caster.center}).v, 1.0);
   return glm::mat4(clip_from_stage * stage_from_object.matrix);
 }
@@ -55,37 +55,38 @@ ShadowMapUpdates::ShadowMapUpdates(std::vector<Caster> casters, std::vector<bool
 }
 
 std::vector<LayerUpdate> ShadowMapUpdates::next(std::span<const glm::dmat4> layer_clip,
-                                                std::span<const Affine<Stage, Object>> stage_from_object) {
+                                                std::span<const CasterPlace> places) {
   check_eq(layer_clip.size(), layers_.size(), "views for each layer");
-  check_eq(stage_from_object.size(), casters_.size(), "a transform for each caster");
-  follow(stage_from_object);
+  check_eq(places.size(), casters_.size(), "a place for each caster");
+  follow(places);
   std::vector<LayerUpdate> updates;
   for (std::size_t i = 0; i < layers_.size(); ++i) updates.push_back(update(layers_[i], layer_clip[i]));
   return updates;
 }
 
 /// Notes what has moved since the last frame.
-void ShadowMapUpdates::follow(std::span<const Affine<Stage, Object>> stage_from_object) {
-  for (std::size_t i = 0; i < placed_.size(); ++i)
-    if (casters_[i].moves && placed_[i] != stage_from_object[i])
-      note_move(casters_[i], placed_[i], stage_from_object[i]);
-  placed_.assign(stage_from_object.begin(), stage_from_object.end());
+void ShadowMapUpdates::follow(std::span<const CasterPlace> places) {
+  for (std::size_t i = 0; i < placed_.size(); ++i) {
+    const bool stands =
+        placed_[i].stage_from_object == places[i].stage_from_object && placed_[i].shape == places[i].shape;
+    if (casters_[i].moves && !stands) note_move(casters_[i], placed_[i], places[i]);
+  }
+  placed_.assign(places.begin(), places.end());
 }
 
-void ShadowMapUpdates::note_move(const Caster& caster, const Affine<Stage, Object>& before,
-                                 const Affine<Stage, Object>& now) {
+void ShadowMapUpdates::note_move(const Caster& caster, const CasterPlace& before, const CasterPlace& now) {
   for (Layer& layer : layers_) {
     if (!layer.drawn) continue;
     const glm::mat4 clip_before = clip_from_box(*layer.drawn, caster, before);
-    const bool was_seen = in_view(clip_before, caster.box);
-    if (was_seen) layer.lost = joined(layer.lost, covered_texels(clip_before, caster.box, settings_.side_px));
-    layer.changed |= was_seen || in_view(clip_from_box(*layer.drawn, caster, now), caster.box);
+    const bool was_seen = in_view(clip_before, before.box);
+    if (was_seen) layer.lost = joined(layer.lost, covered_texels(clip_before, before.box, settings_.side_px));
+    layer.changed |= was_seen || in_view(clip_from_box(*layer.drawn, caster, now), now.box);
   }
 }
 
 bool ShadowMapUpdates::sees_moving(const glm::dmat4& clip) const {
   for (std::size_t i = 0; i < casters_.size(); ++i)
-    if (casters_[i].moves && in_view(clip_from_box(clip, casters_[i], placed_[i]), casters_[i].box))
+    if (casters_[i].moves && in_view(clip_from_box(clip, casters_[i], placed_[i]), placed_[i].box))
       return true;
   return false;
 }

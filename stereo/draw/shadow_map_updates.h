@@ -33,8 +33,14 @@ struct TexelRect {
 /// An instance that casts shadows.
 struct Caster {
   glm::dvec3 center{0.0};  ///< object space
-  Bounds box;              ///< of its mesh, relative to `center`
-  bool moves = false;      ///< false: its transform is always the same
+  bool moves = false;      ///< false: its place is always the same
+};
+
+/// Where a caster is in a frame.
+struct CasterPlace {
+  Affine<Stage, Object> stage_from_object;
+  Bounds box;               ///< of its mesh, relative to the caster's center
+  std::uint64_t shape = 0;  ///< changes whenever the mesh is deformed
 };
 
 struct LayerUpdate {
@@ -57,9 +63,9 @@ class ShadowMapUpdates {
 
   /// The updates of the next frame, one for each layer; the caller must carry them out. `layer_clip` is
   /// clip_from_stage of each layer, and clip_from_stage({}) for a layer that no shader reads in this frame.
-  /// `stage_from_object` has one transform for each caster.
+  /// `places` has one for each caster.
   [[nodiscard]] std::vector<LayerUpdate> next(std::span<const glm::dmat4> layer_clip,
-                                              std::span<const Affine<Stage, Object>> stage_from_object);
+                                              std::span<const CasterPlace> places);
 
  private:
   struct Layer {
@@ -68,15 +74,15 @@ class ShadowMapUpdates {
     bool changed = false;                   ///< since drawn: an instance has moved in its view
     TexelRect lost;                         ///< since drawn: where moving instances were
   };
-  void follow(std::span<const Affine<Stage, Object>> stage_from_object);
-  void note_move(const Caster& caster, const Affine<Stage, Object>& before, const Affine<Stage, Object>& now);
+  void follow(std::span<const CasterPlace> places);
+  void note_move(const Caster& caster, const CasterPlace& before, const CasterPlace& now);
   [[nodiscard]] bool sees_moving(const glm::dmat4& clip) const;
   [[nodiscard]] LayerUpdate update(Layer& layer, const glm::dmat4& clip) const;
 
   std::vector<Caster> casters_;
   std::vector<Layer> layers_;
   ShadowMapSettings settings_;
-  std::vector<Affine<Stage, Object>> placed_;  ///< the transforms of the last frame; empty before the first
+  std::vector<CasterPlace> placed_;  ///< in the last frame; empty before the first
 };
 
 }  // namespace farshade

@@ -64,8 +64,7 @@ MapView view_of(const Light& light, std::span<const Point<Stage>> corners,
 }
 
 bool some_move(const Scene& scene, bool move) {
-  return std::ranges::any_of(scene.instances,
-                             [&](const Instance& i) { return scene.nodes[i.node].moving == move; });
+  return std::ranges::any_of(scene.instances, [&](const Instance& i) { return can_move(scene, i) == move; });
 }
 
 }  // namespace

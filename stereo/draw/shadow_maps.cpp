@@ -21,10 +21,8 @@ vk::ImageUsageFlags map_usage(const MapLayers& layers) {
 
 std::vector<Caster> casters_of(const Scene& scene, const SceneBuffers& buffers) {
   std::vector<Caster> casters;
-  for (const Instance& instance : scene.instances) {
-    const DeviceMesh& mesh = buffers.meshes[instance.mesh];
-    casters.push_back({mesh.center, mesh.box, can_move(scene, instance)});
-  }
+  for (const Instance& instance : scene.instances)
+    casters.push_back({buffers.meshes[instance.mesh].center, can_move(scene, instance)});
   return casters;
 }
 
@@ -88,9 +86,10 @@ void ShadowMaps::find_corners(const SceneState& state) {
   const auto add = [&](bool moves) {
     for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
       if (can_move(scene_, scene_.instances[i]) != moves) continue;
-      const DeviceMesh& mesh = buffers_.meshes[scene_.instances[i].mesh];
+      const glm::dvec3& center = buffers_.meshes[scene_.instances[i].mesh].center;
       for (int corner = 0; corner < 8; ++corner)
-        corners_.push_back(state.stage_from_object[i](Point<Object>{mesh.center + mesh.box.corner(corner)}));
+        corners_.push_back(
+            state.stage_from_object[i](Point<Object>{center + pass_.box_of(i).corner(corner)}));
     }
   };
   if (corners_.empty()) {
@@ -101,15 +100,26 @@ void ShadowMaps::find_corners(const SceneState& state) {
   add(true);
 }
 
+std::vector<CasterPlace> ShadowMaps::places(const SceneState& state) const {
+  std::vector<CasterPlace> result;
+  for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
+    const DeformedVertices::Place* deformed = pass_.deformed().of(i);
+    result.push_back({state.stage_from_object[i], pass_.box_of(i),
+                      deformed != nullptr ? deformed->shape : std::uint64_t{0}});
+  }
+  return result;
+}
+
 void ShadowMaps::prepare(const StereoView& shown, const SceneState& state) {
   const std::vector<Light>& lights = state.light_set.lights;
   check_eq(lights.size(), scene_.lights.size(), "lights of the scene and of its state");
+  pass_.deform(state);
   find_corners(state);
   ShadowMapViews views = shadow_map_views(lights, corners_, settings_);
   for (std::size_t i = 0; i < lights.size(); ++i)
     map_data_.as<gpu::ShadowMapData>()[i] = shadow_map_data(shown, views.lights[i]);
   views.layer_clip.resize(layers_.count, clip_from_stage({}));
-  add_passes(updates_.next(views.layer_clip, state.stage_from_object), views.layer_clip);
+  add_passes(updates_.next(views.layer_clip, places(state)), views.layer_clip);
   if (due()) pass_.prepare(passes_, {settings_.side_px, settings_.side_px}, state);
 }
 

@@ -46,6 +46,7 @@ class ShadowMaps {
                                                std::uint32_t side_px, vk::ImageUsageFlags usage,
                                                const std::string& name);
   void find_corners(const SceneState& state);
+  [[nodiscard]] std::vector<CasterPlace> places(const SceneState& state) const;
   void add_passes(const std::vector<LayerUpdate>& updates, std::span<const glm::dmat4> layer_clip);
   void add_copy(std::uint32_t layer, const TexelRect& lost);
   void record_kept(const vk::raii::CommandBuffer& commands) const;

@@ -25,7 +25,7 @@ bool moves(const Scene& scene, std::uint32_t node) {
 }
 
 bool anything_seen_moves(const Scene& scene) {
-  return std::ranges::any_of(scene.instances, [&](const Instance& i) { return moves(scene, i.node); });
+  return std::ranges::any_of(scene.instances, [&](const Instance& i) { return can_move(scene, i); });
 }
 
 LightFate fate_of(const Scene& scene, const LightSource& source, const Light& light) {
@@ -67,7 +67,7 @@ ScenePlan plan_for(const Scene& scene, const SessionNeeds& needs) {
   plan.server = casting > 0;
   plan.trace.mask = plan.draw.mask = {.lights = casting};
   for (const Mesh& mesh : scene.meshes) plan.trace.surfaces.push_back(needs_of(scene, mesh));
-  for (const Instance& instance : scene.instances) plan.trace.moves.push_back(moves(scene, instance.node));
+  for (const Instance& instance : scene.instances) plan.trace.moves.push_back(can_move(scene, instance));
   plan.draw.surfaces = plan.trace.surfaces;
   plan.draw.moves = plan.trace.moves;
   plan.draw.lights_move = plan.draw.ranges_and_cones = false;

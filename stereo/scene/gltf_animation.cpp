@@ -1,5 +1,7 @@
 #include "stereo/scene/gltf_animation.h"
 
+#include <algorithm>
+#include <glm/common.hpp>
 #include <set>
 
 #include "stereo/scene/gltf_accessor.h"
@@ -42,34 +44,52 @@ bool is_constant(const Channel& channel) {
   return true;
 }
 
+WeightTrack weight_track_from(const Document& document, const AnimationSampler& sampler) {
+  WeightTrack track{interpolation_from(sampler.interpolation), read_scalars(document, sampler.input),
+                    read_scalars(document, sampler.output)};
+  for (float& weight : track.values)
+    weight = glm::clamp(weight, static_cast<float>(-kMostWeight), static_cast<float>(kMostWeight));
+  return track;
+}
+
+/// Adds the channel to the scene. Returns its length.
+double add_channel(const Document& document, const AnimationSampler& sampler, std::uint32_t node, Path path,
+                   Scene& scene) {
+  Channel channel = channel_from(document, sampler, node, path);
+  const double length_s = channel.keys_s.back();
+  if (is_constant(channel)) {
+    set(path, first_value(channel), scene.nodes[node].rest);
+  } else {
+    scene.nodes[node].moving = true;
+    scene.channels.push_back(std::move(channel));
+  }
+  return length_s;
+}
+
 }  // namespace
 
-void add_animations(const Document& document, const std::vector<Index>& scene_node, Scene& scene) {
+WeightTracks add_animations(const Document& document, const std::vector<Index>& scene_node, Scene& scene) {
+  WeightTracks tracks;
   std::set<std::pair<std::uint32_t, Path>> taken;
   double length_s = 0;
-  bool morphs = false;
   for (const Animation& animation : document.animations)
     for (const AnimationChannel& from : animation.channels) {
+      const Index node = scene_node[from.node];
+      if (!node) continue;
+      const AnimationSampler& sampler = animation.samplers[from.sampler];
       if (from.path == "weights") {
-        morphs = true;
+        const auto [track, is_new] = tracks.try_emplace(from.node, weight_track_from(document, sampler));
+        if (is_new) length_s = std::max(length_s, double{track->second.keys_s.back()});
         continue;
       }
-      const Index node = scene_node[from.node];
       const Path path = path_from(from.path);
-      if (!node || !taken.emplace(*node, path).second) continue;
-      Channel channel = channel_from(document, animation.samplers[from.sampler], *node, path);
-      length_s = std::max(length_s, double{channel.keys_s.back()});
-      if (is_constant(channel)) {
-        set(path, first_value(channel), scene.nodes[*node].rest);
-      } else {
-        scene.nodes[*node].moving = true;
-        scene.channels.push_back(std::move(channel));
-      }
+      if (taken.emplace(*node, path).second)
+        length_s = std::max(length_s, add_channel(document, sampler, *node, path, scene));
     }
-  if (morphs) scene.warnings.emplace_back("morph targets stand still, with the weights of the file");
-  if (!scene.channels.empty()) scene.animation_length_s = length_s;
+  if (!scene.channels.empty() || !tracks.empty()) scene.animation_length_s = length_s;
   for (farshade::Node& node : scene.nodes)
     if (node.parent && scene.nodes[*node.parent].moving) node.moving = true;
+  return tracks;
 }
 
 }  // namespace farshade::gltf

@@ -1,5 +1,6 @@
 #include "stereo/scene/gltf_convert.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "stereo/scene/gltf_animation.h"
@@ -7,6 +8,7 @@
 #include "stereo/scene/gltf_materials.h"
 #include "stereo/scene/gltf_mesh.h"
 #include "stereo/scene/gltf_validate.h"
+#include "stereo/scene/mesh_parts.h"
 #include "stereo/scene/scene_state.h"
 
 namespace farshade::gltf {
@@ -54,16 +56,12 @@ bool is_near(const glm::dvec3& p) {
 
 /// Converts the primitives that have triangles. Returns their indices in Scene::meshes.
 Expected<std::vector<std::uint32_t>> add_mesh(const Mesh& from, const Document& document,
-                                              const Deformation& deformation, MaterialConverter& materials,
-                                              Scene& scene) {
+                                              MaterialConverter& materials, Scene& scene) {
   std::vector<std::uint32_t> numbers;
   for (const Primitive& primitive : from.primitives) {
     if (!primitive.attribute("POSITION") || !primitive.draws_triangles()) continue;
-    farshade::Mesh mesh = mesh_from(document, primitive, deformation);
+    farshade::Mesh mesh = mesh_from(document, primitive);
     if (mesh.triangles.empty()) continue;
-    if (!deformation.is_none() &&
-        !std::ranges::all_of(mesh.positions, [](const glm::vec3& p) { return is_near(glm::dvec3(p)); }))
-      return fail(Fault::OutOfRange, "mesh '" + printable(from.name) + "' is deformed beyond 1e9 m");
     const auto material = materials.material(primitive.material);
     if (!material) return tl::unexpected(material.error());
     mesh.name = from.name;
@@ -74,51 +72,100 @@ Expected<std::vector<std::uint32_t>> add_mesh(const Mesh& from, const Document& 
   return numbers;
 }
 
-/// The poses of the document's nodes at time 0; none for nodes outside of the default scene.
-Poses poses_of(const Document& document, const NodeOrder& order, const Scene& scene) {
-  Poses poses(document.nodes.size());
-  const auto of_scene = stage_from_nodes(scene, Time{});
-  for (std::size_t i = 0; i < order.from_document.size(); ++i) poses[order.from_document[i]] = of_scene[i];
-  return poses;
+/// Adds a mesh that one instance shows; nothing if it has no triangles.
+void add_instance(farshade::Mesh mesh, std::uint32_t node, std::optional<std::uint32_t> rig, Scene& scene) {
+  if (mesh.triangles.empty()) return;
+  scene.instances.push_back({static_cast<std::uint32_t>(scene.meshes.size()), node, rig});
+  scene.triangle_count += mesh.triangles.size();
+  scene.meshes.push_back(std::move(mesh));
 }
 
-/// Meshes that a node deforms are converted for this node alone. Skinned ones lie in the stage: their node is
-/// the last of the scene, and has no transform.
-Checked add_instances(const Document& document, const NodeOrder& order, const SceneLimits& limits,
-                      Scene& scene) {
-  MaterialConverter materials(document, limits, scene);
-  std::vector<std::optional<std::vector<std::uint32_t>>> converted(document.meshes.size());
-  const Poses poses = poses_of(document, order, scene);
-  std::vector<std::vector<Affine<Stage, Object>>> joints(document.skins.size());  // of skins that are used
-  bool has_skins = false;
-  for (std::uint32_t node = 0; node < order.from_document.size(); ++node) {
-    const Node& from = document.nodes[order.from_document[node]];
-    if (!from.mesh) continue;
-    Deformation deformation{.weights = weights_of(document, from)};
-    if (from.skin) {
-      if (joints[*from.skin].empty())
-        joints[*from.skin] = joints_of(document, document.skins[*from.skin], poses);
-      deformation.joints = joints[*from.skin];
-    }
-    const bool skinned = !deformation.joints.empty();
-    has_skins |= skinned;
-    std::vector<std::uint32_t> own;
-    if (!deformation.is_none() || !converted[*from.mesh]) {
-      auto numbers = add_mesh(document.meshes[*from.mesh], document, deformation, materials, scene);
-      if (!numbers) return tl::unexpected(numbers.error());
-      if (deformation.is_none()) converted[*from.mesh] = *numbers;
-      own = std::move(*numbers);
+/// A primitive as a rig deforms it at time 0.
+Expected<farshade::Mesh> deformed_mesh(const Document& document, const Primitive& primitive,
+                                       const RigPose& pose, const std::string& name,
+                                       MaterialConverter& materials) {
+  farshade::Mesh mesh = deformable_mesh_from(document, primitive, !pose.object_from_bind.empty());
+  const auto material = materials.material(primitive.material);
+  if (!material) return tl::unexpected(material.error());
+  mesh.name = name;
+  mesh.material = *material;
+  pose_at_start(pose, mesh);
+  if (!std::ranges::all_of(mesh.positions, [](const glm::vec3& p) { return is_near(glm::dvec3(p)); }))
+    return fail(Fault::OutOfRange, "mesh '" + printable(name) + "' is deformed beyond 1e9 m");
+  return mesh;
+}
+
+/// Where a rig's meshes are placed in the scene, and the number of the rig unless it never moves.
+struct RigPlace {
+  std::uint32_t node = 0;
+  std::optional<std::uint32_t> rig;
+};
+
+RigPlace add_rig(const Rig& rig, std::uint32_t node, std::span<const Affine<Stage, Object>> poses,
+                 Scene& scene) {
+  const bool moves = rig.track || std::ranges::any_of(rig.joints, [&](const Joint& joint) {
+                       return scene.nodes[joint.node].moving;
+                     });
+  if (moves) {
+    scene.rigs.push_back(rig);
+    return {rig.joints.empty() ? node : rig.joints[0].node,
+            static_cast<std::uint32_t>(scene.rigs.size() - 1)};
+  }
+  if (rig.joints.empty()) return {node, {}};
+  scene.nodes.push_back({"skinned mesh", {}, {.matrix = stage_from_skin(rig, poses).matrix}});
+  return {static_cast<std::uint32_t>(scene.nodes.size() - 1), {}};
+}
+
+/// Adds the meshes that one rig deforms. If nothing of the rig ever moves, they are like any other mesh.
+Checked add_deformed(const Document& document, const Node& from, std::uint32_t node, const Rig& rig,
+                     std::span<const Affine<Stage, Object>> poses, MaterialConverter& materials,
+                     Scene& scene) {
+  const RigPose pose = pose_of(scene, rig, poses, Time{});
+  const RigPlace place = add_rig(rig, node, poses, scene);
+  const Mesh& mesh = document.meshes[*from.mesh];
+  for (const Primitive& primitive : mesh.primitives) {
+    if (!primitive.attribute("POSITION") || !primitive.draws_triangles()) continue;
+    auto deformed = deformed_mesh(document, primitive, pose, mesh.name, materials);
+    if (!deformed) return tl::unexpected(deformed.error());
+    if (place.rig) {
+      for (farshade::Mesh& part : parts_of(std::move(*deformed)))
+        add_instance(std::move(part), place.node, place.rig, scene);
     } else {
-      own = *converted[*from.mesh];
-    }
-    const auto in_stage = static_cast<std::uint32_t>(order.from_document.size());
-    for (const std::uint32_t number : own) {
-      scene.instances.push_back({number, skinned ? in_stage : node});
-      scene.triangle_count += scene.meshes[number].triangles.size();
+      deformed->deformable.reset();
+      add_instance(std::move(*deformed), place.node, {}, scene);
     }
   }
-  if (has_skins) scene.nodes.emplace_back().name = "skinned meshes";
-  if (has_skins) scene.warnings.emplace_back("skinned meshes stand still, in their pose at time 0");
+  return {};
+}
+
+/// Meshes that a rig deforms are converted for each node alone.
+Checked add_instances(const Document& document, const NodeOrder& order, const SceneLimits& limits,
+                      const WeightTracks& tracks, Scene& scene) {
+  MaterialConverter materials(document, limits, scene);
+  std::vector<std::optional<std::vector<std::uint32_t>>> converted(document.meshes.size());
+  const auto still = static_cast<std::uint32_t>(scene.nodes.size());
+  if (!document.skins.empty()) scene.nodes.emplace_back().name = "joints that are not in the scene";
+  const auto poses = stage_from_nodes(scene, Time{});
+  for (std::uint32_t node = 0; node < order.from_document.size(); ++node) {
+    const std::uint32_t number = order.from_document[node];
+    const Node& from = document.nodes[number];
+    if (!from.mesh) continue;
+    if (deforms(document, from, number, tracks)) {
+      const Rig rig = rig_of(document, number, order.to_scene, still, tracks);
+      if (auto added = add_deformed(document, from, node, rig, poses, materials, scene); !added) return added;
+      continue;
+    }
+    auto& shared = converted[*from.mesh];
+    if (!shared) {
+      auto numbers = add_mesh(document.meshes[*from.mesh], document, materials, scene);
+      if (!numbers) return tl::unexpected(numbers.error());
+      shared = std::move(*numbers);
+    }
+    for (const std::uint32_t mesh : *shared) {
+      scene.instances.push_back({mesh, node});
+      scene.triangle_count += scene.meshes[mesh].triangles.size();
+    }
+  }
   if (scene.instances.empty()) return malformed("nothing to draw: the default scene has no triangles");
   return {};
 }
@@ -185,12 +232,13 @@ void add_bounds(const farshade::Mesh& mesh, const Affine<Stage, Object>& pose, B
 }
 
 Checked add_places(const Document& document, const NodeOrder& order, Scene& scene) {
+  const SceneState state = state_at(scene, Time{});
   const auto poses = stage_from_nodes(scene, Time{});
   if (const Index camera = camera_node(document, order)) scene.camera = rigid_part(poses[*camera]);
   constexpr double infinity = std::numeric_limits<double>::infinity();
   scene.bounds = {glm::dvec3(infinity), glm::dvec3(-infinity)};
-  for (const Instance& instance : scene.instances)
-    add_bounds(scene.meshes[instance.mesh], poses[instance.node], scene.bounds);
+  for (std::size_t i = 0; i < scene.instances.size(); ++i)
+    add_bounds(scene.meshes[scene.instances[i].mesh], state.stage_from_object[i], scene.bounds);
   const bool lights_near =
       std::all_of(scene.lights.begin(), scene.lights.end(),
                   [&](const LightSource& light) { return is_near(glm::dvec3(poses[light.node].matrix[3])); });
@@ -207,8 +255,8 @@ Expected<Scene> convert(const Document& document, const SceneLimits& limits) {
   Scene scene;
   scene.warnings = document.warnings;
   add_nodes(document, order, scene);
-  add_animations(document, order.to_scene, scene);
-  const Checked checked = add_instances(document, order, limits, scene)
+  const WeightTracks tracks = add_animations(document, order.to_scene, scene);
+  const Checked checked = add_instances(document, order, limits, tracks, scene)
                               .and_then([&] { return add_lights(document, order, limits, scene); })
                               .and_then([&] { return add_places(document, order, scene); });
   if (!checked) return tl::unexpected(checked.error());

@@ -1,42 +1,31 @@
-/// Deformed meshes: morph targets with the file's weights, and skins with the joints' poses at time 0. The
-/// result stands still: it is a mesh like any other.
+/// What deforms the meshes of a glTF file: morph targets with their weights, and skins.
 #pragma once
 
-#include <glm/vec3.hpp>
-#include <optional>
-#include <span>
-#include <vector>
+#include <map>
 
-#include "stereo/math/spaces.h"
 #include "stereo/scene/gltf_document.h"
+#include "stereo/scene/scene.h"
 
 namespace farshade::gltf {
 
-using Poses = std::vector<std::optional<Affine<Stage, Object>>>;  ///< of the document's nodes
+/// The animated weights of morph targets, by the document's nodes.
+using WeightTracks = std::map<std::uint32_t, WeightTrack>;
 
-/// For each joint of a skin, what it does to a vertex. A joint without a pose, outside of the drawn scene,
-/// does nothing.
-[[nodiscard]] std::vector<Affine<Stage, Object>> joints_of(const Document& document, const Skin& skin,
-                                                           const Poses& poses);
+/// Weights beyond this are cut off.
+inline constexpr double kMostWeight = 1e6;
 
-/// What a node does to the vertices of its mesh. Empty: nothing.
-struct Deformation {
-  std::span<const double> weights;                  ///< of the morph targets
-  std::span<const Affine<Stage, Object>> joints{};  ///< joints_of its skin
+/// Whether the mesh of node `number` is deformed: by a skin, by weights other than 0, or by an animation of
+/// weights.
+[[nodiscard]] bool deforms(const Document& document, const Node& node, std::uint32_t number,
+                           const WeightTracks& tracks);
 
-  [[nodiscard]] bool is_none() const { return weights.empty() && joints.empty(); }
-};
+/// The rig of node `number`, which deforms its mesh. A joint outside of the drawn scene follows node `still`,
+/// which should have no transform.
+[[nodiscard]] Rig rig_of(const Document& document, std::uint32_t number, const std::vector<Index>& scene_node,
+                         std::uint32_t still, const WeightTracks& tracks);
 
-/// The weights of the node, else of its mesh; none if all are 0 or the mesh has no targets.
-[[nodiscard]] std::span<const double> weights_of(const Document& document, const Node& node);
-
-/// The vertices of a primitive, deformed. With a skin, they are in the stage. Without NORMAL, `normals` is
-/// empty.
-struct Vertices {
-  std::vector<glm::vec3> positions, normals;
-  std::vector<bool> mirrored;  ///< their joints turn triangles over; empty without a skin
-};
-[[nodiscard]] Vertices vertices_of(const Document& document, const Primitive& primitive,
-                                   const Deformation& deformation);
+/// The vertices of a primitive and what they follow. Influences only if `skinned`. Normals may
+/// have any length.
+[[nodiscard]] Deformable deformable_of(const Document& document, const Primitive& primitive, bool skinned);
 
 }  // namespace farshade::gltf

@@ -25,8 +25,7 @@ glm::dvec3 area_vector(const std::vector<glm::vec3>& positions, glm::uvec3 trian
 
 /// Triangles by glTF 2.0 section 3.7.2.1: every second triangle of a strip swaps two corners to keep the
 /// winding.
-std::vector<glm::uvec3> triangles_of(Mode mode, const std::vector<std::uint32_t>& corners,
-                                     const std::vector<glm::vec3>& positions) {
+std::vector<glm::uvec3> triangles_of(Mode mode, const std::vector<std::uint32_t>& corners) {
   const std::size_t count = mode == Mode::Triangles ? corners.size() / 3 : corners.size() - 2;
   std::vector<glm::uvec3> triangles;
   triangles.reserve(count);
@@ -36,9 +35,15 @@ std::vector<glm::uvec3> triangles_of(Mode mode, const std::vector<std::uint32_t>
         mode == Mode::Triangles       ? glm::uvec3(corners[3 * i], corners[3 * i + 1], corners[3 * i + 2])
         : mode == Mode::TriangleStrip ? glm::uvec3(corners[i], corners[i + 1 + odd], corners[i + 2 - odd])
                                       : glm::uvec3(corners[i + 1], corners[i + 2], corners[0]);
-    if (area_vector(positions, triangle) != glm::dvec3(0.0)) triangles.push_back(triangle);
+    triangles.push_back(triangle);
   }
   return triangles;
+}
+
+void remove_without_area(farshade::Mesh& mesh) {
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& triangle) {
+    return area_vector(mesh.positions, triangle) == glm::dvec3(0.0);
+  });
 }
 
 template <class T>
@@ -50,11 +55,22 @@ std::vector<T> by_corner(const std::vector<T>& stream, const std::vector<glm::uv
   return result;
 }
 
+void by_corner(Deformable& deformable, const std::vector<glm::uvec3>& triangles) {
+  deformable.positions = by_corner(deformable.positions, triangles);
+  deformable.influences = by_corner(deformable.influences, triangles);
+  for (Deformable::Target& target : deformable.targets) target = {by_corner(target.positions, triangles), {}};
+}
+
 /// Gives every triangle its own three vertices, with the normal of its plane.
 void make_flat(farshade::Mesh& mesh) {
   mesh.normals.reserve(3 * mesh.triangles.size());
-  for (const glm::uvec3 t : mesh.triangles)
-    mesh.normals.insert(mesh.normals.end(), 3, glm::vec3(glm::normalize(area_vector(mesh.positions, t))));
+  for (const glm::uvec3 t : mesh.triangles) {
+    const glm::dvec3 normal = area_vector(mesh.positions, t);
+    const bool has_area = normal != glm::dvec3(0.0);
+    mesh.normals.insert(mesh.normals.end(), 3,
+                        has_area ? glm::vec3(glm::normalize(normal)) : glm::vec3(0, 1, 0));
+  }
+  if (mesh.deformable) by_corner(*mesh.deformable, mesh.triangles);
   mesh.positions = by_corner(mesh.positions, mesh.triangles);
   mesh.uvs = by_corner(mesh.uvs, mesh.triangles);
   mesh.colors = by_corner(mesh.colors, mesh.triangles);
@@ -112,29 +128,36 @@ std::vector<glm::u8vec4> colors_from(const std::vector<glm::vec4>& colors) {
   return result;
 }
 
-}  // namespace
-
-farshade::Mesh mesh_from(const Document& document, const Primitive& primitive,
-                         const Deformation& deformation) {
-  farshade::Mesh mesh;
-  Vertices vertices = vertices_of(document, primitive, deformation);
-  mesh.positions = std::move(vertices.positions);
-  mesh.triangles =
-      triangles_of(primitive.mode, corners_of(document, primitive, mesh.positions.size()), mesh.positions);
-  if (!vertices.mirrored.empty())
-    for (glm::uvec3& t : mesh.triangles)
-      if (vertices.mirrored[t.x]) std::swap(t.y, t.z);
+/// All but the vertices and normals that are read already.
+void complete(const Document& document, const Primitive& primitive, farshade::Mesh& mesh) {
   const auto* material = primitive.material ? &document.materials[*primitive.material] : nullptr;
   if (material && material->texture)
     mesh.uvs = texture_coordinates(document, primitive, *material->texture, mesh.positions.size());
   if (const Index color = primitive.attribute("COLOR_0"))
     mesh.colors = colors_from(read_vectors<4>(document, *color));
-  if (primitive.attribute("NORMAL")) {
-    mesh.normals = std::move(vertices.normals);
-    make_unit(mesh);
-  } else {
-    make_flat(mesh);
-  }
+  mesh.normals.empty() ? make_flat(mesh) : make_unit(mesh);
+}
+
+}  // namespace
+
+farshade::Mesh mesh_from(const Document& document, const Primitive& primitive) {
+  farshade::Mesh mesh;
+  mesh.positions = read_vectors<3>(document, *primitive.attribute("POSITION"));
+  mesh.triangles = triangles_of(primitive.mode, corners_of(document, primitive, mesh.positions.size()));
+  remove_without_area(mesh);
+  if (const Index normal = primitive.attribute("NORMAL")) mesh.normals = read_vectors<3>(document, *normal);
+  complete(document, primitive, mesh);
+  return mesh;
+}
+
+farshade::Mesh deformable_mesh_from(const Document& document, const Primitive& primitive, bool skinned) {
+  farshade::Mesh mesh;
+  mesh.deformable = deformable_of(document, primitive, skinned);
+  mesh.positions = mesh.deformable->positions;
+  mesh.normals = mesh.deformable->normals;
+  mesh.triangles = triangles_of(primitive.mode, corners_of(document, primitive, mesh.positions.size()));
+  complete(document, primitive, mesh);
+  if (!mesh.deformable->normals.empty()) mesh.deformable->normals = mesh.normals;
   return mesh;
 }
 

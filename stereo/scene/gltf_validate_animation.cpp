@@ -1,4 +1,5 @@
 /// Validation of animations: the keys of a sampler increase and its values fit the animated property.
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <utility>
@@ -48,16 +49,38 @@ Checked check_values(const Document& document, const std::string& name, const An
   return {};
 }
 
+/// The weights of morph targets: numbers, as many a key as the node's mesh has targets.
+Checked check_weights(const Document& document, const std::string& name, const AnimationSampler& sampler,
+                      const Node& node) {
+  const std::string subject = name + ": value " + label("accessor", sampler.output);
+  if (sampler.output >= document.accessors.size()) return malformed(subject + " is not there");
+  if (!node.mesh) return malformed(name + ": its node has no mesh whose morph targets could have weights");
+  const Accessor& accessor = document.accessors[sampler.output];
+  const bool fits = accessor.component == Component::Float ||
+                    (accessor.normalized && accessor.component != Component::UInt32);
+  if (!fits || accessor.columns != 1 || accessor.rows != 1)
+    return malformed(subject + " has a type that weights cannot have");
+  std::uint64_t targets = 0;
+  for (const Primitive& primitive : document.meshes[*node.mesh].primitives)
+    targets = std::max<std::uint64_t>(targets, primitive.targets.size());
+  const std::uint64_t parts = sampler.interpolation == "CUBICSPLINE" ? 3 : 1;
+  const std::uint64_t wanted = document.accessors[sampler.input].count * parts * targets;
+  if (accessor.count == wanted) return {};
+  return malformed(subject + " has " + std::to_string(accessor.count) + " elements, should have " +
+                   std::to_string(wanted));
+}
+
 Checked check_channel(const Document& document, const std::string& name, const Animation& animation,
                       const AnimationChannel& channel) {
   if (channel.node >= document.nodes.size())
     return malformed(name + ": there is no " + label("node", channel.node));
   if (channel.sampler >= animation.samplers.size())
     return malformed(name + ": there is no " + label("sampler", channel.sampler));
-  if (channel.path != "translation" && channel.path != "rotation" && channel.path != "scale")
+  if (channel.path != "translation" && channel.path != "rotation" && channel.path != "scale" &&
+      channel.path != "weights")
     return malformed(name + ": unknown path '" + printable(channel.path) + "'");
   const Node& node = document.nodes[channel.node];
-  if (node.matrix)
+  if (node.matrix && channel.path != "weights")
     return malformed(name + ": " + label("node", channel.node, node.name) +
                      " has a matrix and cannot be animated");
   const AnimationSampler& sampler = animation.samplers[channel.sampler];
@@ -65,7 +88,8 @@ Checked check_channel(const Document& document, const std::string& name, const A
       sampler.interpolation != "CUBICSPLINE")
     return malformed(name + ": unknown interpolation '" + printable(sampler.interpolation) + "'");
   return check_keys(document, name, sampler.input).and_then([&] {
-    return check_values(document, name, sampler, channel.path == "rotation");
+    return channel.path == "weights" ? check_weights(document, name, sampler, node)
+                                     : check_values(document, name, sampler, channel.path == "rotation");
   });
 }
 
@@ -76,7 +100,6 @@ Checked validate_animations(const Document& document) {
   return check_each(document.animations, [&](std::size_t a, const Animation& animation) {
     std::set<std::pair<std::uint32_t, std::string>> targets;
     return check_each(animation.channels, [&](std::size_t c, const AnimationChannel& channel) -> Checked {
-      if (channel.path == "weights") return {};  // nothing of it is read
       const std::string name = label("animation", a, animation.name) + ", " + label("channel", c);
       if (auto checked = check_channel(document, name, animation, channel); !checked) return checked;
       if (!targets.emplace(channel.node, channel.path).second)

@@ -167,6 +167,13 @@ Checked check_skin(const Document& document, std::size_t index, const Skin& skin
   if (16 * matrices > left)
     return fail(Fault::OutOfRange, name + ": more joints than a file of this size should have");
   left -= 16 * matrices;
+  if (!skin.inverse_bind) return {};
+  const auto is_near = [](const glm::vec4& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z), std::abs(v.w)}) <= kMaxCoordinate;
+  };
+  for (const glm::mat4& m : read_matrices(document, *skin.inverse_bind))
+    if (!is_near(m[0]) || !is_near(m[1]) || !is_near(m[2]) || !is_near(m[3]))
+      return fail(Fault::OutOfRange, name + ": an inverse bind matrix has numbers beyond 1e9");
   return {};
 }
 

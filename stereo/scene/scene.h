@@ -17,6 +17,7 @@
 #include "stereo/base/expected.h"
 #include "stereo/image/image.h"
 #include "stereo/math/spaces.h"
+#include "stereo/scene/deformable.h"
 
 namespace farshade {
 
@@ -45,6 +46,8 @@ struct Mesh {
   std::vector<glm::vec2> uvs;         ///< KHR_texture_transform applied; empty without a texture
   std::vector<glm::u8vec4> colors;    ///< linear RGBA, 255 = 1; empty if the file has none
   std::vector<glm::uvec3> triangles;  ///< vertex indices, counter-clockwise from outside
+  /// If set, a rig moves the vertices; `positions` and `normals` are those at time 0.
+  std::optional<Deformable> deformable = std::nullopt;
 };
 
 /// Translation, rotation and scale, or a matrix if the file has one.
@@ -62,8 +65,31 @@ struct Node {
   bool moving = false;  ///< it or an ancestor is animated
 };
 
+enum class Path : std::uint8_t { Translation, Rotation, Scale };
+enum class Interpolation : std::uint8_t { Step, Linear, CubicSpline };
+
+/// A joint of a skin: its node, and where the node was when the skin was bound to it.
+struct Joint {
+  std::uint32_t node = 0;  ///< into Scene::nodes
+  glm::dmat4 joint_from_bind{1.0};
+};
+
+/// Weights of morph targets over time: `rest.size()` values a key, three times as many for cubic splines.
+struct WeightTrack {
+  Interpolation interpolation = Interpolation::Linear;
+  std::vector<float> keys_s, values;
+};
+
+/// What deforms the meshes of one node of the file. At least one joint moves, or the weights do.
+struct Rig {
+  std::vector<Joint> joints;   ///< empty: no skin
+  std::vector<float> weights;  ///< of the morph targets at rest; empty: none
+  std::optional<WeightTrack> track = std::nullopt;
+};
+
 struct Instance {
   std::uint32_t mesh = 0, node = 0;
+  std::optional<std::uint32_t> rig = std::nullopt;  ///< into Scene::rigs, if the mesh is deformable
 };
 
 enum class LightKind : std::uint8_t { Point, Spot, Directional };
@@ -77,9 +103,6 @@ struct LightSource {
   std::optional<float> range_m;  ///< no light beyond this distance
   float inner_cone_rad = 0, outer_cone_rad = 0;  ///< spot only
 };
-
-enum class Path : std::uint8_t { Translation, Rotation, Scale };
-enum class Interpolation : std::uint8_t { Step, Linear, CubicSpline };
 
 /// One animated property of one node. The keys increase strictly. Values are xyz0 or quaternions xyzw. Cubic
 /// splines have three values per key: in-tangent, value, out-tangent.
@@ -98,6 +121,7 @@ struct Bounds {
   [[nodiscard]] glm::dvec3 corner(int index) const {
     return {index & 1 ? high.x : low.x, index & 2 ? high.y : low.y, index & 4 ? high.z : low.z};
   }
+  friend bool operator==(const Bounds&, const Bounds&) = default;
 };
 
 /// The box around some points; the origin if there are none.
@@ -119,6 +143,7 @@ struct Scene {
   std::vector<Mesh> meshes;
   std::vector<Node> nodes;
   std::vector<Instance> instances;
+  std::vector<Rig> rigs;
   std::vector<LightSource> lights;  ///< light i has bit i of every mask; by light of the file, then node
   float ambient = 0;                ///< linear factor of the base colour everywhere (lighting.h)
   std::vector<Channel> channels;
@@ -128,5 +153,10 @@ struct Scene {
   std::uint64_t triangle_count = 0;         ///< of all instances together
   SceneHash hash{};
 };
+
+/// Whether an animation places or deforms the instance.
+[[nodiscard]] inline bool can_move(const Scene& scene, const Instance& instance) {
+  return instance.rig.has_value() || scene.nodes[instance.node].moving;
+}
 
 }  // namespace farshade

@@ -79,6 +79,27 @@ void put_shapes(Hasher& hasher, const Scene& scene) {
   for (const Instance& i : scene.instances) hasher.fields(i.mesh, i.node);
 }
 
+/// What deforms. Scenes without rigs keep the hash that they had before there were rigs.
+void put_rigs(Hasher& hasher, const Scene& scene) {
+  if (scene.rigs.empty()) return;
+  hasher.count(scene.rigs.size());
+  for (const Rig& rig : scene.rigs) {
+    hasher.count(rig.joints.size());
+    for (const Joint& joint : rig.joints) hasher.fields(joint.node, joint.joint_from_bind);
+    hasher.fields(rig.weights, rig.track.has_value());
+    if (rig.track) hasher.fields(rig.track->interpolation, rig.track->keys_s, rig.track->values);
+  }
+  for (const Instance& i : scene.instances) hasher.fields(i.rig);
+  for (const Mesh& m : scene.meshes) {
+    hasher.fields(m.deformable.has_value());
+    if (!m.deformable) continue;
+    hasher.fields(m.deformable->positions, m.deformable->normals, m.deformable->influences);
+    hasher.count(m.deformable->targets.size());
+    for (const Deformable::Target& target : m.deformable->targets)
+      hasher.fields(target.positions, target.normals);
+  }
+}
+
 void put_places(Hasher& hasher, const Scene& scene) {
   hasher.count(scene.nodes.size());
   for (const Node& n : scene.nodes)
@@ -99,6 +120,7 @@ SceneHash hash_of(const Scene& scene) {
   Hasher hasher;
   put_materials(hasher, scene);
   put_shapes(hasher, scene);
+  put_rigs(hasher, scene);
   put_places(hasher, scene);
   return hasher.finish();
 }

@@ -26,34 +26,57 @@ glm::dvec4 vec_of(const glm::dquat& q) {
   return {q.x, q.y, q.z, q.w};
 }
 
-/// Cubic Hermite spline of glTF 2.0 appendix C.5. Tangents are scaled by the time between keys.
-glm::dvec4 cubic(const Channel& channel, std::size_t key, double t, double step_s) {
-  const auto value = [&](std::size_t k, std::size_t part) {
-    return glm::dvec4(channel.values[3 * k + part]);
-  };
-  const double t2 = t * t, t3 = t2 * t;
-  return (2 * t3 - 3 * t2 + 1) * value(key, 1) + step_s * (t3 - 2 * t2 + t) * value(key, 2) +
-         (3 * t2 - 2 * t3) * value(key + 1, 1) + step_s * (t3 - t2) * value(key + 1, 0);
+/// The place of a time between keys. Before the first key and after the last one it is at that key.
+struct KeyPlace {
+  std::size_t key = 0;  ///< the last one that is not later
+  double t = 0;         ///< part of the way to the next key; 0: at `key`
+  double step_s = 0;    ///< between both keys
+};
+
+KeyPlace place_of(const std::vector<float>& keys_s, Interpolation interpolation, double time_s) {
+  const auto later =
+      std::ranges::upper_bound(keys_s, time_s, std::less<>(), [](float key) { return double{key}; });
+  const auto next = static_cast<std::size_t>(later - keys_s.begin());
+  if (next == 0) return {};
+  if (next == keys_s.size() || interpolation == Interpolation::Step) return {.key = next - 1};
+  const double step_s = double{keys_s[next]} - double{keys_s[next - 1]};
+  return {next - 1, (time_s - double{keys_s[next - 1]}) / step_s, step_s};
+}
+
+/// Cubic Hermite spline of glTF 2.0 appendix C.5. `value(key, part)`: in-tangent, value, out-tangent.
+/// Tangents are scaled by the time between keys.
+template <class Value>
+auto cubic(const KeyPlace& at, const Value& value) {
+  const double t = at.t, t2 = t * t, t3 = t2 * t;
+  return (2 * t3 - 3 * t2 + 1) * value(at.key, 1) + at.step_s * (t3 - 2 * t2 + t) * value(at.key, 2) +
+         (3 * t2 - 2 * t3) * value(at.key + 1, 1) + at.step_s * (t3 - t2) * value(at.key + 1, 0);
 }
 
 /// The value of the channel: xyz0, or a quaternion xyzw that may not be unit. It is constant before the first
 /// key and after the last key.
 glm::dvec4 sample(const Channel& channel, double time_s) {
   const bool is_cubic = channel.interpolation == Interpolation::CubicSpline;
-  const auto value = [&](std::size_t k) { return glm::dvec4(channel.values[is_cubic ? 3 * k + 1 : k]); };
-  const auto& keys = channel.keys_s;
-  const auto next =
-      static_cast<std::size_t>(std::upper_bound(keys.begin(), keys.end(), time_s,
-                                                [](double t, float key) { return t < double{key}; }) -
-                               keys.begin());
-  if (next == 0) return value(0);
-  if (next == keys.size() || channel.interpolation == Interpolation::Step) return value(next - 1);
-  const double step_s = double{keys[next]} - double{keys[next - 1]};
-  const double t = (time_s - double{keys[next - 1]}) / step_s;
-  if (is_cubic) return cubic(channel, next - 1, t, step_s);
-  const glm::dvec4 a = value(next - 1), b = value(next);
-  if (channel.path == Path::Rotation) return vec_of(slerp(quat_of(a), quat_of(b), t));
-  return a + (b - a) * t;
+  const KeyPlace at = place_of(channel.keys_s, channel.interpolation, time_s);
+  const auto value = [&](std::size_t k, std::size_t part) {
+    return glm::dvec4(channel.values[is_cubic ? 3 * k + part : k]);
+  };
+  if (at.t == 0) return value(at.key, 1);
+  if (is_cubic) return cubic(at, value);
+  const glm::dvec4 a = value(at.key, 1), b = value(at.key + 1, 1);
+  if (channel.path == Path::Rotation) return vec_of(slerp(quat_of(a), quat_of(b), at.t));
+  return a + (b - a) * at.t;
+}
+
+/// One of `count` weights.
+double sample(const WeightTrack& track, std::size_t count, std::size_t index, double time_s) {
+  const bool is_cubic = track.interpolation == Interpolation::CubicSpline;
+  const KeyPlace at = place_of(track.keys_s, track.interpolation, time_s);
+  const auto value = [&](std::size_t k, std::size_t part) {
+    return double{track.values[(is_cubic ? 3 * k + part : k) * count + index]};
+  };
+  if (at.t == 0) return value(at.key, 1);
+  if (is_cubic) return cubic(at, value);
+  return value(at.key, 1) + (value(at.key + 1, 1) - value(at.key, 1)) * at.t;
 }
 
 glm::dmat4 local_matrix(const NodeTransform& transform) {
@@ -123,14 +146,46 @@ void apply(const LightChanges& changes, LightSet& light_set) {
   }
 }
 
+Affine<Stage, Object> stage_from_skin(const Rig& rig,
+                                      std::span<const Affine<Stage, Object>> stage_from_node) {
+  Affine<Stage, Object> result;
+  result.matrix[3] = stage_from_node[rig.joints.at(0).node].matrix[3];
+  return result;
+}
+
+RigPose pose_of(const Scene& scene, const Rig& rig, std::span<const Affine<Stage, Object>> stage_from_node,
+                Time scene_time) {
+  RigPose pose;
+  if (!rig.joints.empty()) {
+    const glm::dvec3 origin(stage_from_skin(rig, stage_from_node).matrix[3]);
+    for (const Joint& joint : rig.joints) {
+      glm::dmat4 object_from_joint = stage_from_node[joint.node].matrix;
+      object_from_joint[3] -= glm::dvec4(origin, 0.0);
+      pose.object_from_bind.emplace_back(object_from_joint * joint.joint_from_bind);
+    }
+  }
+  pose.weights = rig.weights;
+  const double time_s = animation_time_s(scene, scene_time);
+  for (std::size_t i = 0; rig.track && i < pose.weights.size(); ++i)
+    pose.weights[i] = static_cast<float>(sample(*rig.track, pose.weights.size(), i, time_s));
+  return pose;
+}
+
 void advance(const Scene& scene, Time scene_time, const LightChanges& changes, SceneState& state) {
   state.scene_time = scene_time;
   const bool is_made = state.stage_from_object.size() == scene.instances.size() &&
                        state.light_set.lights.size() == scene.lights.size();
-  if (is_made && scene.channels.empty() && changes == state.light_changes) return;
+  const bool stands = scene.channels.empty() && scene.rigs.empty();
+  if (is_made && stands && changes == state.light_changes) return;
   const auto poses = stage_from_nodes(scene, scene_time);
+  state.rigs.clear();
+  for (const Rig& rig : scene.rigs) state.rigs.push_back(pose_of(scene, rig, poses, scene_time));
   state.stage_from_object.clear();
-  for (const Instance& instance : scene.instances) state.stage_from_object.push_back(poses[instance.node]);
+  for (const Instance& instance : scene.instances) {
+    const bool skinned = instance.rig && !scene.rigs[*instance.rig].joints.empty();
+    state.stage_from_object.push_back(skinned ? stage_from_skin(scene.rigs[*instance.rig], poses)
+                                              : poses[instance.node]);
+  }
   state.light_set.lights.clear();
   for (const LightSource& source : scene.lights)
     state.light_set.lights.push_back(light_at(source, poses[source.node]));

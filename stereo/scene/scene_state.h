@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stereo/frame/light_changes.h"
+#include "stereo/scene/deform.h"
 #include "stereo/scene/scene.h"
 
 namespace farshade {
@@ -28,6 +29,7 @@ struct LightSet {
 struct SceneState {
   Time scene_time{};
   std::vector<Affine<Stage, Object>> stage_from_object;  ///< one per instance
+  std::vector<RigPose> rigs;                             ///< one per rig of the scene
   LightSet light_set;
   LightChanges light_changes;  ///< the changes that were applied to light_set
 };
@@ -50,5 +52,14 @@ void set(Path path, const glm::dvec4& value, NodeTransform& transform);
 /// The transform of each node to the stage. If an animation scales by less than 1e-9, the scale is 1e-9, so
 /// that every transform can be inverted.
 [[nodiscard]] std::vector<Affine<Stage, Object>> stage_from_nodes(const Scene& scene, Time scene_time);
+
+/// Where the vertices of a skin are relative to: the stage's axes about the first joint.
+[[nodiscard]] Affine<Stage, Object> stage_from_skin(const Rig& rig,
+                                                    std::span<const Affine<Stage, Object>> stage_from_node);
+
+/// The pose of a rig; `stage_from_node` has a transform for each node of the scene, as stage_from_nodes makes
+/// them.
+[[nodiscard]] RigPose pose_of(const Scene& scene, const Rig& rig,
+                              std::span<const Affine<Stage, Object>> stage_from_node, Time scene_time);
 
 }  // namespace farshade

@@ -107,11 +107,16 @@ constexpr std::array<std::array<std::size_t, 3>, 12> kBoxTriangles{{{0, 1, 3},
                                                                     {1, 5, 7},
                                                                     {1, 7, 3}}};
 
+/// The centre of a mover's box.
+glm::dvec3 center_of(const Patch& patch) {
+  return glm::dmat3(patch.placement.linear) * patch.box_center + glm::dvec3(patch.placement.translation.v);
+}
+
 /// Whether `point` lies in the box of a mover, or within `margin` metres of it. The box is a parallelepiped,
 /// which lies between three pairs of parallel planes.
 bool may_contain(const Patch& patch, Point<Anchor> point, double margin) {
   const glm::dmat3 linear(patch.placement.linear);
-  const glm::dvec3 from_center = point.v - glm::dvec3(patch.placement.translation.v);
+  const glm::dvec3 from_center = point.v - center_of(patch);
   for (int axis = 0; axis < 3; ++axis) {
     const glm::dvec3 normal = glm::normalize(glm::cross(linear[(axis + 1) % 3], linear[(axis + 2) % 3]));
     const double half = std::abs(glm::dot(normal, linear[axis])) * patch.object_half[axis];
@@ -126,7 +131,7 @@ void cover_box(const CellFrame& frame, const Patch& patch, std::vector<CellTouch
   std::array<Point<Anchor>, 8> corner;
   for (std::size_t i = 0; i < corner.size(); ++i) {
     const glm::dvec3 sign((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1);
-    corner[i] = {linear * (sign * patch.object_half) + glm::dvec3(patch.placement.translation.v)};
+    corner[i] = {linear * (sign * patch.object_half) + center_of(patch)};
   }
   for (const auto& t : kBoxTriangles) cover(frame, {corner[t[0]], corner[t[1]], corner[t[2]]}, touched);
 }

@@ -166,27 +166,38 @@ struct MemoryCounter {
 
 }  // namespace
 
+/// Patches that move together: one, or all of a rig.
+struct Mover {
+  std::uint32_t first_patch = 0;
+  SceneHandle scene;
+  Geometry instance;               ///< of `scene`
+  std::vector<Geometry> deformed;  ///< the patches of a rig; empty without one
+};
+
 struct RayScene::Impl {
   const SurfaceModel& model;
   MemoryCounter memory;  ///< before the device, which calls it until the device is destroyed
   Device device{rtcNewDevice(nullptr)};
   std::vector<FilterData> filter_data;  ///< one per patch; Embree keeps their addresses
   SceneHandle fixed;
-  SceneHandle moving;  ///< instances of moving_scenes; null if nothing moves
-  std::vector<SceneHandle> moving_scenes;
-  std::vector<Geometry> moving_instances;
+  SceneHandle moving;  ///< the instances of `movers`; null if nothing moves
+  std::vector<Mover> movers;
   int width = 4;
 
   explicit Impl(const SurfaceModel& surfaces) : model(surfaces) {}
 
   void build();
-  void attach_patch(RTCScene scene, std::size_t patch, unsigned id);
+  Geometry attach_patch(RTCScene scene, std::size_t patch, unsigned id, RTCBuildQuality quality);
   Geometry attach_instance(RTCScene of, unsigned id);
+  void add_mover(std::size_t first, std::size_t count);
+  void place(const Mover& mover);
   void update();
 };
 
-void RayScene::Impl::attach_patch(RTCScene scene, std::size_t patch, unsigned id) {
-  const Geometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+Geometry RayScene::Impl::attach_patch(RTCScene scene, std::size_t patch, unsigned id,
+                                      RTCBuildQuality quality) {
+  Geometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+  rtcSetGeometryBuildQuality(geometry.get(), quality);
   const FilterData& data = filter_data[patch];
   const auto positions = model.positions();
   rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(),
@@ -196,6 +207,7 @@ void RayScene::Impl::attach_patch(RTCScene scene, std::size_t patch, unsigned id
   set_filters(geometry.get(), filter_data[patch]);
   rtcCommitGeometry(geometry.get());
   rtcAttachGeometryByID(scene, geometry.get(), id);
+  return geometry;
 }
 
 Geometry RayScene::Impl::attach_instance(RTCScene of, unsigned id) {
@@ -213,35 +225,59 @@ void RayScene::Impl::build() {
     filter_data.push_back({&patch, model.triangles().subspan(patch.first_triangle, patch.triangle_count)});
 
   fixed = new_scene(device.get(), RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_HIGH);
-  for (unsigned i = 0; i < model.fixed_count(); ++i) attach_patch(fixed.get(), i, i);
+  for (unsigned i = 0; i < model.fixed_count(); ++i) attach_patch(fixed.get(), i, i, RTC_BUILD_QUALITY_HIGH);
   rtcCommitScene(fixed.get());
   if (model.fixed_count() == patches.size()) return;
 
   moving = new_scene(device.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC, RTC_BUILD_QUALITY_MEDIUM);
-  for (std::size_t i = model.fixed_count(); i < patches.size(); ++i) {
-    moving_scenes.push_back(new_scene(device.get(), RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_HIGH));
-    attach_patch(moving_scenes.back().get(), i, 0);
-    rtcCommitScene(moving_scenes.back().get());
-    const auto id = narrow<unsigned>(i - model.fixed_count());
-    moving_instances.push_back(attach_instance(moving_scenes.back().get(), id));
+  for (std::size_t first = model.fixed_count(), next = first; first < patches.size(); first = next) {
+    for (++next; next < patches.size() && patches[first].rig && patches[next].rig == patches[first].rig;)
+      ++next;
+    add_mover(first, next - first);
   }
   update();
 }
 
-void RayScene::Impl::update() {
-  for (std::size_t i = 0; i < moving_instances.size(); ++i) {
-    const Placement& placement = model.patches()[model.fixed_count() + i].placement;
-    RTCGeometry instance = moving_instances[i].get();
-    if (placement.singular) {
-      rtcDisableGeometry(instance);
-      continue;
-    }
-    const glm::mat3& m = placement.linear;
-    const std::array<glm::vec3, 4> columns{m[0], m[1], m[2], placement.translation.v};
-    rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
-    rtcEnableGeometry(instance);
-    rtcCommitGeometry(instance);
+/// A rig's hierarchy has two levels, of which Embree refits the lower one.
+void RayScene::Impl::add_mover(std::size_t first, std::size_t count) {
+  const bool deforms = model.patches()[first].rig.has_value();
+  const auto flags = deforms ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_ROBUST;
+  Mover mover{
+      .first_patch = narrow<std::uint32_t>(first),
+      .scene = new_scene(device.get(), flags, deforms ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_HIGH),
+      .instance = nullptr,
+      .deformed = {}};
+  for (unsigned i = 0; i < count; ++i) {
+    Geometry patch = attach_patch(mover.scene.get(), first + i, i,
+                                  deforms ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_HIGH);
+    if (deforms) mover.deformed.push_back(std::move(patch));
   }
+  rtcCommitScene(mover.scene.get());
+  mover.instance = attach_instance(mover.scene.get(), narrow<unsigned>(movers.size()));
+  movers.push_back(std::move(mover));
+}
+
+void RayScene::Impl::place(const Mover& mover) {
+  const Placement& placement = model.patches()[mover.first_patch].placement;
+  RTCGeometry instance = mover.instance.get();
+  if (placement.singular) {
+    rtcDisableGeometry(instance);
+    return;
+  }
+  for (const Geometry& patch : mover.deformed) {
+    rtcUpdateGeometryBuffer(patch.get(), RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(patch.get());
+  }
+  if (!mover.deformed.empty()) rtcCommitScene(mover.scene.get());
+  const glm::mat3& m = placement.linear;
+  const std::array<glm::vec3, 4> columns{m[0], m[1], m[2], placement.translation.v};
+  rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.data());
+  rtcEnableGeometry(instance);
+  rtcCommitGeometry(instance);
+}
+
+void RayScene::Impl::update() {
+  for (const Mover& mover : movers) place(mover);
   if (moving) rtcCommitScene(moving.get());
 }
 
@@ -288,9 +324,8 @@ void RayScene::intersect(const Lanes<K>& lanes, RayHitPacket<K>& packet) const {
   intersect_in<K>(impl_->fixed.get(), Coherence::Coherent, lanes, packet);
   if (!impl_->moving) return;
   intersect_in<K>(impl_->moving.get(), Coherence::Undeclared, lanes, packet);
-  const auto fixed_count = static_cast<std::uint32_t>(impl_->model.fixed_count());
   for (int i = 0; i < K; ++i)
-    if (hit.instance[i] != kNothing) hit.geometry[i] = fixed_count + hit.instance[i];
+    if (hit.instance[i] != kNothing) hit.geometry[i] += impl_->movers[hit.instance[i]].first_patch;
 }
 
 template <int K>

@@ -3,7 +3,8 @@
 ///
 /// The fixed patches lie in one Embree scene of high build quality. If patches move, they are instances in a
 /// second, small scene. Only that one is rebuilt when they are placed, and each packet traverses it after the
-/// first. Traversal is robust (watertight). Only geometries whose material needs it have filter functions.
+/// first. The patches of a rig share one instance, whose hierarchy is refitted to their new vertices.
+/// Traversal is robust (watertight). Only geometries whose material needs it have filter functions.
 #pragma once
 
 #include <memory>

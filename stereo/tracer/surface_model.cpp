@@ -1,9 +1,12 @@
 #include "stereo/tracer/surface_model.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <limits>
 
 #include "stereo/base/check.h"
 
@@ -64,7 +67,8 @@ glm::dvec3 facet_normal(const std::array<glm::dvec3, 3>& p) {
 
 }  // namespace
 
-SurfaceModel::SurfaceModel(const Scene& scene, const SceneState& state, const TracePlan& plan) {
+SurfaceModel::SurfaceModel(const Scene& scene, const SceneState& state, const TracePlan& plan)
+    : scene_(scene) {
   check_eq(state.stage_from_object.size(), scene.instances.size(), "a state places every instance");
   check_eq(plan.moves.size(), scene.instances.size(), "a plan knows every instance");
   check_eq(plan.surfaces.size(), scene.meshes.size(), "a plan knows every mesh");
@@ -95,9 +99,11 @@ void SurfaceModel::add(const Scene& scene, const SceneState& state, std::uint32_
               .first_vertex = narrow<std::uint32_t>(positions_.size()),
               .double_sided = material.double_sided,
               .back_test = needs.back_test,
-              .moving = moving};
+              .moving = moving,
+              .rig = scene.instances[instance].rig,
+              .vertex_count = narrow<std::uint32_t>(mesh.positions.size())};
   if (needs.alpha_test) patch.holes.emplace(scene, mesh);
-  if (moving) {
+  if (moving && !patch.rig) {
     const Bounds bounds = bounds_of(mesh.positions);
     patch.object_center = {(bounds.low + bounds.high) * 0.5};
     patch.object_half = (bounds.high - bounds.low) * 0.5;
@@ -153,8 +159,32 @@ void SurfaceModel::add_split(const glm::uvec3& vertices, const std::array<Point<
   });
 }
 
+/// Computes the patch's vertices and facets.
+void SurfaceModel::deform(const SceneState& state, Patch& patch) {
+  const Mesh& mesh = scene_.meshes[scene_.instances[patch.instance].mesh];
+  const auto positions = std::span(positions_).subspan(patch.first_vertex, patch.vertex_count);
+  Deformation(*mesh.deformable, state.rigs[*patch.rig])
+      .write(positions, std::span(normals_).subspan(patch.first_vertex, patch.vertex_count));
+  glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
+  for (const glm::vec3& p : positions) low = glm::min(low, p), high = glm::max(high, p);
+  patch.box_center = (glm::dvec3(low) + glm::dvec3(high)) * 0.5;
+  patch.object_half = (glm::dvec3(high) - glm::dvec3(low)) * 0.5;
+  patch.object_reach = 0;
+  for (std::size_t t = patch.first_triangle; t < patch.first_triangle + patch.triangle_count; ++t) {
+    const glm::uvec3& v = triangles_[t];
+    const std::array<glm::dvec3, 3> p{positions_[v.x], positions_[v.y], positions_[v.z]};
+    const double reach = reach_of(p[0], p[1], p[2]);
+    facets_[t] = {glm::vec3(facet_normal(p)), static_cast<float>(reach)};
+    patch.object_reach = std::max(patch.object_reach, reach);
+  }
+}
+
 void SurfaceModel::place(const SceneState& state) {
-  for (Patch& patch : std::span(patches_).subspan(fixed_count_)) {
+  const auto moving = std::span(patches_).subspan(fixed_count_);
+  tbb::parallel_for(std::size_t{0}, moving.size(), [&](std::size_t i) {
+    if (moving[i].rig) deform(state, moving[i]);
+  });
+  for (Patch& patch : moving) {
     const glm::dmat4& m = state.stage_from_object[patch.instance].matrix;
     const glm::dmat3 linear(m);
     const Point<Anchor> translation =

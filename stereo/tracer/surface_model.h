@@ -2,8 +2,9 @@
 ///
 /// Instances that never move are transformed once, in double, to anchor space (anchor_space.h), and stored in
 /// float. Instances that move keep their object space, with the origin at the mesh's centre, and are placed
-/// by a transform per frame. Triangles are wound so that the counter-clockwise side is the seen one, whatever
-/// the sign of the transform's determinant.
+/// by a transform per frame. The vertices of instances that a rig deforms are
+/// computed anew in each frame, too. Triangles are wound so that the counter-clockwise side is the seen one,
+/// whatever the sign of the transform's determinant.
 #pragma once
 
 #include <glm/mat3x3.hpp>
@@ -42,9 +43,13 @@ struct Patch {
   bool double_sided = false;
   bool back_test = false;  ///< primary rays pass its back faces, unless it is double-sided
   bool moving = false;
-  Point<Object> object_center{};  ///< moving only: the origin of its vertices, centre of their box
-  glm::dvec3 object_half{0.0};    ///< moving only: half the size of that box
-  double object_reach = 0;        ///< moving only: largest absolute coordinate of its vertices
+  std::optional<std::uint32_t> rig = std::nullopt;  ///< deforms the patch; patches of a rig share a placement
+  std::uint32_t vertex_count = 0;
+  Point<Object>
+      object_center{};  ///< moving only: the origin of its vertices; the centre of their box, or 0 with a rig
+  glm::dvec3 box_center{0.0};   ///< moving only: centre of the box around its vertices; 0 without a rig
+  glm::dvec3 object_half{0.0};  ///< moving only: half the size of that box
+  double object_reach = 0;      ///< moving only: largest absolute coordinate of its vertices
   std::optional<HoleTest> holes = std::nullopt;  ///< only if the material has holes
   Placement placement = {};                      ///< moving only
 };
@@ -54,7 +59,7 @@ class SurfaceModel {
   /// Keeps references to `scene`. Leaves out instances that never move and whose transform is singular.
   SurfaceModel(const Scene& scene, const SceneState& state, const TracePlan& plan);
 
-  /// Places the moving patches. Patches keep their addresses.
+  /// Places and deforms the moving patches. Patches and vertices keep their addresses.
   void place(const SceneState& state);
 
   [[nodiscard]] const Rigid<Anchor, Stage>& anchor_from_stage() const { return anchor_from_stage_; }
@@ -72,6 +77,7 @@ class SurfaceModel {
   [[nodiscard]] std::span<const Facet> facets() const { return facets_; }
 
  private:
+  void deform(const SceneState& state, Patch& patch);
   void add(const Scene& scene, const SceneState& state, std::uint32_t instance, const TracePlan& plan);
 
   /// `p` are the positions of `vertices` in double.
@@ -79,6 +85,7 @@ class SurfaceModel {
   /// The same for a fixed patch: adds the triangle in parts if an edge is too long (closeup.h).
   void add_split(const glm::uvec3& vertices, const std::array<Point<Anchor>, 3>& p);
 
+  const Scene& scene_;
   Closeup closeup_;
   Rigid<Anchor, Stage> anchor_from_stage_;
   std::vector<Patch> patches_;

@@ -6,6 +6,62 @@
 
 namespace farshade {
 
+namespace {
+
+/// An upright tube from y = 0 to 2, `radius` thick. Its vertices follow joint 0 at the bottom, 1 in the
+/// middle, 2 at the top, and two of them in between. The only morph target makes it thicker.
+Mesh bending_tube(std::uint32_t triangles, float radius) {
+  constexpr std::uint32_t kAround = 20;
+  const std::uint32_t rings = std::max(triangles / (2 * kAround), 2u) + 1;
+  Mesh mesh;
+  Deformable& to = mesh.deformable.emplace();
+  to.targets.resize(1);
+  for (std::uint32_t ring = 0; ring < rings; ++ring)
+    for (std::uint32_t i = 0; i < kAround; ++i) {
+      const float angle = 6.2831853f * static_cast<float>(i) / kAround;
+      const float y = 2.0f * static_cast<float>(ring) / static_cast<float>(rings - 1);
+      const glm::vec3 out(std::cos(angle), 0, std::sin(angle));
+      to.positions.push_back(radius * out + glm::vec3(0, y, 0));
+      to.normals.push_back(out);
+      to.targets[0].positions.push_back(0.5f * radius * out);
+      to.targets[0].normals.emplace_back(0.0f);
+      const bool upper = y > 1;
+      const float weight = upper ? y - 1 : y;
+      to.influences.push_back(
+          {upper ? glm::u16vec4(1, 2, 0, 0) : glm::u16vec4(0, 1, 0, 0), glm::vec4(1 - weight, weight, 0, 0)});
+      if (ring + 1 == rings) continue;
+      const std::uint32_t a = ring * kAround + i, b = ring * kAround + (i + 1) % kAround;
+      mesh.triangles.emplace_back(a, a + kAround, b);
+      mesh.triangles.emplace_back(b, a + kAround, b + kAround);
+    }
+  mesh.positions = to.positions, mesh.normals = to.normals;
+  return mesh;
+}
+
+/// A box whose flat sides follow two joints, the lower and the upper end; the morph target makes it wider.
+Mesh bending_box(const glm::vec3& center, const glm::vec3& half) {
+  Mesh mesh = box(center, half);
+  Mesh flat;
+  Deformable& to = flat.deformable.emplace();
+  to.targets.resize(1);
+  for (const glm::uvec3& t : mesh.triangles) {
+    const auto first = static_cast<std::uint32_t>(to.positions.size());
+    for (const std::uint32_t vertex : {t.x, t.y, t.z}) {
+      const glm::vec3 p = mesh.positions[vertex];
+      to.positions.push_back(p);
+      to.targets[0].positions.emplace_back(0.7f * (p.x - center.x), 0, 0);
+      const bool upper = p.y > center.y;
+      to.influences.push_back(
+          {glm::u16vec4(0, 1, 0, 0), upper ? glm::vec4(0.2f, 0.8f, 0, 0) : glm::vec4(1, 0, 0, 0)});
+    }
+    flat.triangles.emplace_back(first, first + 1, first + 2);
+  }
+  flat.positions = to.positions, flat.normals.resize(to.positions.size());
+  return flat;
+}
+
+}  // namespace
+
 Scene random_soup(std::mt19937& random) {
   std::uniform_real_distribution<float> place(-2, 2), unit(0, 1);
   SceneBuilder build;
@@ -39,6 +95,39 @@ Scene random_soup(std::mt19937& random) {
     build.directional_light(toward);
   }
   build.point_light({place(random), 50, place(random)});
+  return build.build();
+}
+
+Scene bending_figures(std::mt19937& random, std::uint32_t triangles, const glm::dvec3& shift) {
+  std::uniform_real_distribution<float> place(-1, 1), unit(0, 1);
+  SceneBuilder build(shift);
+  build.add(quad({0, 0, 0}, {3, 0, 0}, {0, 0, -3}));
+  build.add(quad({0, 1.5f, -3}, {3, 0, 0}, {0, 1.5f, 0}));
+  const auto weights = [&](float most) { return WeightTrack{Interpolation::Linear, {0, 1}, {0, most}}; };
+  const auto hip = build.joint(std::nullopt, {place(random), 0, place(random)});
+  const auto knee = build.joint(hip, {0, 1, 0}), ankle = build.joint(knee, {0, 1, 0});
+  const auto bound_at = [](double y) {
+    glm::dmat4 inverse(1.0);
+    inverse[3].y = -y;
+    return inverse;
+  };
+  build.turn(hip, 1 + unit(random));
+  build.swing(knee, 0.5 + unit(random));
+  build.swing(ankle, 0.5 + unit(random));
+  build.add_deformed(
+      bending_tube(triangles, 0.15f),
+      {.joints = {{hip}, {knee, bound_at(1)}, {ankle, bound_at(2)}}, .weights = {0}, .track = weights(1)});
+  const auto low = build.joint(std::nullopt, {place(random), 0.5, place(random)});
+  const auto high = build.joint(low, {0, 0.4, 0});
+  build.swing(high, 1 + 0.3 * unit(random));
+  Material grey;
+  grey.double_sided = false;
+  build.add_deformed(bending_box({0, 0.2f, 0}, {0.2f, 0.3f, 0.1f}),
+                     {.joints = {{low}, {high, bound_at(0.4)}}, .weights = {0}, .track = weights(1)},
+                     build.material(grey));
+  build.point_light({2 * place(random), 2.8, 2 * place(random)});
+  build.directional_light({place(random), -1.5, place(random)});
+  build.move(build.point_light({2 * place(random), 2.5, 2}, 6.0f), {0.5, 0.2, -0.3});
   return build.build();
 }
 

@@ -11,4 +11,10 @@ namespace farshade {
 /// box in the hall, a hollow lampshade around one point light, and a closed box around another.
 [[nodiscard]] Scene random_soup(std::mt19937& random);
 
+/// A hall with three lights and two deformed figures between them: a tube of `triangles` triangles whose skin
+/// bends at two joints, one of which also stretches it, and a flat-shaded box that morphs and bends. The
+/// tube's first joint turns, too. One light moves, the others stand still. Everything lies about `shift`.
+[[nodiscard]] Scene bending_figures(std::mt19937& random, std::uint32_t triangles = 2000,
+                                    const glm::dvec3& shift = glm::dvec3(0.0));
+
 }  // namespace farshade

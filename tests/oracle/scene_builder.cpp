@@ -5,6 +5,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
+#include "stereo/scene/mesh_parts.h"
+
 namespace farshade {
 
 Mesh triangle_soup(const std::vector<glm::vec3>& corners) {
@@ -97,6 +99,27 @@ std::uint32_t SceneBuilder::add(Mesh mesh, std::uint32_t material, NodeTransform
   return place;
 }
 
+std::uint32_t SceneBuilder::joint(std::optional<std::uint32_t> parent, const glm::dvec3& position) {
+  NodeTransform transform;
+  transform.translation = parent ? position : position + shift_;
+  scene_.nodes.push_back({"", parent, transform, false});
+  return static_cast<std::uint32_t>(scene_.nodes.size() - 1);
+}
+
+std::uint32_t SceneBuilder::add_deformed(Mesh mesh, Rig rig, std::uint32_t material) {
+  mesh.material = material;
+  pose_at_start(pose_of(scene_, rig, stage_from_nodes(scene_, Time{}), Time{}), mesh);
+  const auto place = rig.joints.empty() ? node({}) : rig.joints[0].node;
+  scene_.rigs.push_back(std::move(rig));
+  const auto number = static_cast<std::uint32_t>(scene_.rigs.size() - 1);
+  for (Mesh& part : parts_of(std::move(mesh))) {
+    scene_.instances.push_back({static_cast<std::uint32_t>(scene_.meshes.size()), place, number});
+    scene_.triangle_count += part.triangles.size();
+    scene_.meshes.push_back(std::move(part));
+  }
+  return number;
+}
+
 std::uint32_t SceneBuilder::light(LightSource source, const glm::dvec3& position,
                                   const glm::dvec3& direction) {
   NodeTransform transform;
@@ -142,6 +165,17 @@ void SceneBuilder::turn(std::uint32_t turned, double angle_rad) {
                              .path = Path::Rotation,
                              .keys_s = {0.0f, 1.0f},
                              .values = {{0, 0, 0, 1}, {0, std::sin(half), 0, std::cos(half)}}});
+  scene_.animation_length_s = 1;
+}
+
+void SceneBuilder::swing(std::uint32_t swung, double angle_rad) {
+  const auto half = static_cast<float>(angle_rad / 2);
+  scene_.nodes[swung].moving = true;
+  scene_.channels.push_back(
+      {.node = swung,
+       .path = Path::Rotation,
+       .keys_s = {0.0f, 1.0f},
+       .values = {{-std::sin(half), 0, 0, std::cos(half)}, {std::sin(half), 0, 0, std::cos(half)}}});
   scene_.animation_length_s = 1;
 }
 

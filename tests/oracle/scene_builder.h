@@ -38,6 +38,10 @@ class SceneBuilder {
   std::uint32_t texture(Texture texture);
   /// Returns the instance's node.
   std::uint32_t add(Mesh mesh, std::uint32_t material = 0, NodeTransform transform = {});
+  /// Adds a mesh with a deformable, in parts. Returns the rig.
+  std::uint32_t add_deformed(Mesh mesh, Rig rig, std::uint32_t material = 0);
+  /// A node below `parent`, at `position` from it.
+  std::uint32_t joint(std::optional<std::uint32_t> parent, const glm::dvec3& position);
   std::uint32_t point_light(const glm::dvec3& position, std::optional<float> range_m = std::nullopt);
   std::uint32_t spot_light(const glm::dvec3& position, const glm::dvec3& direction, float outer_cone_rad);
   std::uint32_t directional_light(const glm::dvec3& direction);
@@ -45,6 +49,8 @@ class SceneBuilder {
   void move(std::uint32_t node, const glm::dvec3& travel);
   /// Turns `node` about the y axis by `angle_rad` (less than pi) over one second. The animation repeats.
   void turn(std::uint32_t node, double angle_rad);
+  /// Turns `node` about the x axis from `-angle_rad` to `angle_rad` over one second. The animation repeats.
+  void swing(std::uint32_t node, double angle_rad);
 
   /// Material 0 is double-sided white.
   [[nodiscard]] Scene build() const;

@@ -59,6 +59,22 @@ TEST(ShadowTrace, AgreesWithTheOracleOnRandomSoups) {
   }
 }
 
+/// Skins and morph targets at random times, near the origin and 10 km from it.
+TEST(ShadowTrace, AgreesWithTheOracleOnDeformedFigures) {
+  const unsigned seed = 20261125;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  for (int i = 0; i < 6; ++i) {
+    SCOPED_TRACE(i);
+    const glm::dvec3 shift(i < 3 ? 0.0 : 1e4, 0, 0);
+    const Scene scene = bending_figures(random, 2000, shift);
+    const View view = look(shift + glm::dvec3(std::sin(1.1 * i), 1.6, 3), shift + glm::dvec3(0, 0.8, 0), 128);
+    const Time time(std::chrono::milliseconds(std::uniform_int_distribution(0, 999)(random)));
+    const oracle::Agreement sum = expect_agrees(scene, {view, view}, time, 0.1);
+    EXPECT_GT(sum.lit, sum.pixel_lights / 10);
+  }
+}
+
 /// Edges of a shadow on the plane y = 0, as assets/ORIGIN.md derives them.
 struct Rectangle {
   double x0, x1, z0, z1;

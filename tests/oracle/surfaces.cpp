@@ -67,23 +67,75 @@ bool is_seen(const Hit& hit, const Ray& ray) {
   return (triangle.material->double_sided || glm::dot(ray.direction, triangle.facing) < 0) && !is_hole(hit);
 }
 
-Triangle place(const Scene& scene, const Mesh& mesh, const glm::uvec3& vertices,
-               const glm::dmat4& stage_from_object) {
+/// A mesh as `place` takes it. `stage_from_object` of a vertex, and its position before that.
+struct Vertices {
+  std::vector<glm::dmat4> stage_from_object;  ///< one for all vertices, or one each
+  std::vector<glm::dvec3> positions, normals;
+  [[nodiscard]] const glm::dmat4& transform(std::uint32_t vertex) const {
+    return stage_from_object[stage_from_object.size() == 1 ? 0 : vertex];
+  }
+};
+
+Vertices vertices_of(const Mesh& mesh, const glm::dmat4& stage_from_object) {
+  return {{stage_from_object},
+          {mesh.positions.begin(), mesh.positions.end()},
+          {mesh.normals.begin(), mesh.normals.end()}};
+}
+
+/// Blends the transforms of joints in double and in the stage.
+void skin(const Scene& scene, const Rig& rig, const Deformable& from, Time time, Vertices& vertices) {
+  const auto stage_from_node = stage_from_nodes(scene, time);
+  vertices.stage_from_object.clear();
+  for (const Deformable::Influence& influence : from.influences) {
+    glm::dmat4 blended(0.0);
+    for (int i = 0; i < 4; ++i) {
+      const Joint& joint = rig.joints[influence.joints[i]];
+      blended += stage_from_node[joint.node].matrix * joint.joint_from_bind * double{influence.weights[i]};
+    }
+    vertices.stage_from_object.push_back(blended);
+  }
+}
+
+Vertices deformed_vertices(const Scene& scene, const Instance& instance, const SceneState& state,
+                           const glm::dmat4& stage_from_object) {
+  const Mesh& mesh = scene.meshes[instance.mesh];
+  if (!instance.rig) return vertices_of(mesh, stage_from_object);
+  const Deformable& from = *mesh.deformable;
+  Vertices vertices = vertices_of(mesh, stage_from_object);
+  vertices.positions.assign(from.positions.begin(), from.positions.end());
+  if (!from.normals.empty()) vertices.normals.assign(from.normals.begin(), from.normals.end());
+  for (std::size_t target = 0; target < from.targets.size(); ++target) {
+    const double weight = state.rigs[*instance.rig].weights[target];
+    for (std::size_t v = 0; v < vertices.positions.size(); ++v) {
+      vertices.positions[v] += weight * glm::dvec3(from.targets[target].positions[v]);
+      if (!from.normals.empty()) vertices.normals[v] += weight * glm::dvec3(from.targets[target].normals[v]);
+    }
+  }
+  const Rig& rig = scene.rigs[*instance.rig];
+  if (!rig.joints.empty()) skin(scene, rig, from, state.scene_time, vertices);
+  return vertices;
+}
+
+Triangle place(const Scene& scene, const Mesh& mesh, const glm::uvec3& vertices, const Vertices& at) {
   const Material& material = scene.materials[mesh.material];
-  const glm::dmat3 linear(stage_from_object), normal_from_object = glm::inverse(glm::transpose(linear));
   Triangle result{};
   result.material = &material;
   if (material.texture && !mesh.uvs.empty()) result.texture = &scene.textures[*material.texture];
   for (int i = 0; i < 3; ++i) {
     const auto corner = static_cast<std::size_t>(i);
     const std::uint32_t vertex = vertices[i];
-    result.position[corner] = glm::dvec3(stage_from_object * glm::dvec4(mesh.positions[vertex], 1.0));
-    result.normal[corner] = glm::normalize(normal_from_object * glm::dvec3(mesh.normals[vertex]));
+    const glm::dmat4& stage_from_object = at.transform(vertex);
+    const glm::dmat3 normal_from_object = glm::inverse(glm::transpose(glm::dmat3(stage_from_object)));
+    result.position[corner] = glm::dvec3(stage_from_object * glm::dvec4(at.positions[vertex], 1.0));
+    result.normal[corner] = glm::normalize(normal_from_object * at.normals[vertex]);
     if (!mesh.uvs.empty()) result.uv[corner] = mesh.uvs[vertex];
     if (!mesh.colors.empty()) result.alpha[corner] = mesh.colors[vertex].a / 255.0;
   }
   const auto& [a, b, c] = result.position;
-  result.facing = glm::cross(b - a, c - a) * (glm::determinant(linear) < 0 ? -1.0 : 1.0);
+  // A skin has turned mirrored triangles over already.
+  const bool mirrored = !mesh.deformable && glm::determinant(glm::dmat3(at.transform(vertices.x))) < 0;
+  result.facing = glm::cross(b - a, c - a) * (mirrored ? -1.0 : 1.0);
+  if (mesh.deformable && mesh.deformable->normals.empty()) result.normal.fill(glm::normalize(result.facing));
   return result;
 }
 
@@ -109,8 +161,9 @@ Surfaces::Surfaces(const Scene& scene, const SceneState& state, Search search) {
     const glm::dmat4& stage_from_object = state.stage_from_object[i].matrix;
     if (glm::determinant(glm::dmat3(stage_from_object)) == 0) continue;
     const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
+    const Vertices at = deformed_vertices(scene, scene.instances[i], state, stage_from_object);
     for (const glm::uvec3& vertices : mesh.triangles) {
-      triangles_.push_back(place(scene, mesh, vertices, stage_from_object));
+      triangles_.push_back(place(scene, mesh, vertices, at));
       triangles_.back().instance = i;
     }
   }

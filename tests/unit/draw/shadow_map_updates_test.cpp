@@ -12,7 +12,6 @@ namespace farshade {
 namespace {
 
 using Kind = LayerUpdate::Kind;
-using Transforms = std::vector<Affine<Stage, Object>>;
 
 constexpr std::uint32_t kSide = 64;
 const glm::dmat4 kOff = clip_from_stage({});
@@ -29,14 +28,14 @@ glm::dmat4 above(double x) {
                           .side_px = kSide});
 }
 
-Affine<Stage, Object> at(const glm::dvec3& position) {
-  return {glm::translate(glm::dmat4(1.0), position)};
+CasterPlace at(const glm::dvec3& position) {
+  return {{glm::translate(glm::dmat4(1.0), position)}, {glm::dvec3(-0.1), glm::dvec3(0.1)}};
 }
 
 /// Two layers, 10 m apart, that look down; a caster that cannot move, and two that can, all 20 cm wide.
 class ShadowMapUpdate : public testing::Test {
  protected:
-  static Caster caster(bool moves) { return {glm::dvec3(0.0), {glm::dvec3(-0.1), glm::dvec3(0.1)}, moves}; }
+  static Caster caster(bool moves) { return {glm::dvec3(0.0), moves}; }
   static ShadowMapUpdates make(bool can_keep, Redraw redraw = Redraw::WhenMoved) {
     return {{caster(false), caster(true), caster(true)},
             {can_keep, can_keep},
@@ -46,7 +45,7 @@ class ShadowMapUpdate : public testing::Test {
 
   /// The first mover is in the first layer's view, the second in none.
   std::vector<glm::dmat4> clips_{above(0), above(10)};
-  Transforms placed_{at({0, 0, 0}), at({0.5, 0, 0}), at({5, 0, 0})};
+  std::vector<CasterPlace> placed_{at({0, 0, 0}), at({0.5, 0, 0}), at({5, 0, 0})};
 };
 
 constexpr LayerUpdate kNothing{};

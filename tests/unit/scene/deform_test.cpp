@@ -1,14 +1,17 @@
-/// Skins and morph targets, which stand still, and what a file asks for that is not drawn.
+/// Skins and morph targets, still and animated, and what a file asks for that is not drawn.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
+#include "stereo/scene/mesh_parts.h"
 #include "stereo/scene/scene_state.h"
 #include "tests/unit/scene/gltf_builder.h"
 
 namespace farshade {
 namespace {
 
+using namespace std::chrono_literals;
 using nlohmann::json;
 
 constexpr int kByte = 5121, kFloat = 5126;
@@ -54,6 +57,19 @@ std::vector<glm::dvec3> corners_of(const Scene& scene) {
   return corners;
 }
 
+/// The same at a time of the animation, for a scene with a rig.
+std::vector<glm::dvec3> deformed_corners(const Scene& scene, Duration time) {
+  const SceneState state = state_at(scene, Time(time));
+  const Mesh& mesh = scene.meshes.at(0);
+  const Deformation deformation(mesh.deformable.value(), state.rigs.at(0));
+  std::vector<glm::dvec3> corners;
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 position(deformation.vertex(mesh.triangles[0][i]).position);
+    corners.push_back(state.stage_from_object.at(0)(Point<Object>{position}).v);
+  }
+  return corners;
+}
+
 void expect_near(const std::vector<glm::dvec3>& found, const std::vector<glm::dvec3>& expected) {
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t i = 0; i < found.size(); ++i)
@@ -65,8 +81,9 @@ TEST(Skin, StandsInThePoseOfItsJoints) {
   const Scene scene = scene_of(skinned_file());
   // (0,1,0) by joint 0 is (0,1,5). By joint 1: bound at (0,-1,0), turned to (1,0,0), and placed at (1,2,5).
   expect_near(corners_of(scene), {{0, 0, 5}, {1, 0, 5}, {0.5, 1.5, 5}});
-  ASSERT_EQ(scene.warnings.size(), 1u);
-  EXPECT_NE(scene.warnings[0].find("skinned meshes stand still"), std::string::npos);
+  EXPECT_TRUE(scene.warnings.empty());
+  EXPECT_TRUE(scene.rigs.empty()) << "nothing moves";
+  EXPECT_FALSE(scene.meshes[0].deformable);
   EXPECT_LT(glm::length(scene.bounds.low - glm::dvec3(0, 0, 5)), 1e-5);
 }
 
@@ -81,7 +98,8 @@ TEST(Skin, TurnsItsNormals) {
   EXPECT_LT(glm::length(scene.meshes[0].normals[2] - glm::normalize(glm::vec3(-1, 1, 0))), 1e-5f);
 }
 
-TEST(Skin, FollowsAnAnimationToTimeZeroOnly) {
+/// Joint 0 goes from (0,0,7) to (0,9,0) within a second.
+GltfBuilder moving_file() {
   GltfBuilder file = skinned_file();
   const auto keys =
       file.accessor(file.view(std::vector<float>{0, 1}), kFloat, "SCALAR", 2, {{"min", {0}}, {"max", {1}}});
@@ -90,8 +108,41 @@ TEST(Skin, FollowsAnAnimationToTimeZeroOnly) {
   file.json["animations"] = {
       {{"channels", {{{"sampler", 0}, {"target", {{"node", 1}, {"path", "translation"}}}}}},
        {"samplers", {{{"input", keys}, {"output", places}}}}}};
-  const Scene scene = scene_of(file);
+  return file;
+}
+
+TEST(Skin, FollowsItsJointsThroughTheAnimation) {
+  const Scene scene = scene_of(moving_file());
   expect_near(corners_of(scene), {{0, 0, 7}, {1, 0, 7}, {0.5, 1.5, 7}});
+  ASSERT_EQ(scene.rigs.size(), 1u);
+  expect_near(deformed_corners(scene, 0ms), {{0, 0, 7}, {1, 0, 7}, {0.5, 1.5, 7}});
+  expect_near(deformed_corners(scene, 500ms), {{0, 4.5, 3.5}, {1, 4.5, 3.5}, {0.5, 6, 3.5}});
+  EXPECT_TRUE(can_move(scene, scene.instances.at(0)));
+}
+
+// Float has steps of 1 m there.
+TEST(Skin, KeepsItsShapeFarFromTheOrigin) {
+  GltfBuilder file = moving_file();
+  file.json["nodes"].push_back({{"name", "far"}, {"translation", {1e7, 0, 0}}, {"children", {1}}});
+  auto& roots = file.json["scenes"][0]["nodes"];
+  for (json& root : roots)
+    if (root == 1) root = 3;
+  expect_near(deformed_corners(scene_of(file), 500ms),
+              {{1e7, 4.5, 3.5}, {1e7 + 1, 4.5, 3.5}, {1e7 + 0.5, 6, 3.5}});
+}
+
+TEST(Skin, BoundsHoldItsVertices) {
+  const Scene scene = scene_of(moving_file());
+  const DeformBounds bounds(*scene.meshes[0].deformable);
+  for (int ms = 0; ms < 1000; ms += 50) {
+    const SceneState state = state_at(scene, Time(std::chrono::milliseconds(ms)));
+    const Bounds box = bounds.at(state.rigs[0]);
+    for (const glm::dvec3& corner : deformed_corners(scene, std::chrono::milliseconds(ms))) {
+      const glm::dvec3 p = corner - glm::dvec3(state.stage_from_object[0].matrix[3]);
+      EXPECT_EQ(p, glm::clamp(p, box.low - 1e-5, box.high + 1e-5));
+    }
+    EXPECT_LT(glm::length(box.high - box.low), 4);
+  }
 }
 
 TEST(Skin, RefusesAVertexOfAJointThatIsNotThere) {
@@ -168,24 +219,97 @@ TEST(MorphTargets, OfHugeNormalsLeaveNormalsUnit) {
   for (const glm::vec3& normal : scene.meshes[0].normals) EXPECT_NEAR(glm::length(normal), 1, 1e-5);
 }
 
-TEST(MorphTargets, AnimatedInANodeThatIsNotThereDoNothing) {
+TEST(MorphTargets, AreRefusedInANodeThatIsNotThere) {
   GltfBuilder file = triangle_file();
   file.json["animations"] = {
       {{"channels", {{{"sampler", 0}, {"target", {{"node", 2'000'000'000}, {"path", "weights"}}}}}},
        {"samplers", json::array()}}};
-  EXPECT_EQ(scene_of(file).warnings.size(), 1u);
+  const Expected<Scene> scene = load_scene_from_memory(file.glb());
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().what.find("there is no node 2000000000"), std::string::npos) << scene.error().what;
 }
 
-TEST(MorphTargets, StandStillWithAWarningIfTheFileAnimatesThem) {
+/// The triangle of triangle_file, whose first two targets move its second vertex by 4 m along y and z. Their
+/// weights go from 0 to (1, 0.5) within a second.
+GltfBuilder morphing_file() {
   GltfBuilder file = triangle_file();
+  const auto along = [&](const glm::vec3& to) {
+    return file.accessor(file.view(std::vector<glm::vec3>{{0, 0, 0}, to, {0, 0, 0}}), kFloat, "VEC3", 3);
+  };
+  file.json["meshes"][0]["primitives"][0]["targets"] = {{{"POSITION", along({0, 4, 0})}},
+                                                        {{"POSITION", along({0, 0, 4})}}};
   const auto keys = file.accessor(file.view(std::vector<float>{0, 1}), kFloat, "SCALAR", 2);
+  const auto weights = file.accessor(file.view(std::vector<float>{0, 0, 1, 0.5f}), kFloat, "SCALAR", 4);
   file.json["animations"] = {
       {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}},
-       {"samplers", {{{"input", keys}, {"output", keys}}}}}};
+       {"samplers", {{{"input", keys}, {"output", weights}}}}}};
+  return file;
+}
+
+TEST(MorphTargets, FollowTheirWeightsThroughTheAnimation) {
+  const Scene scene = scene_of(morphing_file());
+  EXPECT_TRUE(scene.warnings.empty());
+  EXPECT_EQ(scene.animation_length_s, 1);
+  expect_near(deformed_corners(scene, 0ms), {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+  expect_near(deformed_corners(scene, 500ms), {{0, 0, 0}, {1, 2, 1}, {0, 1, 0}});
+}
+
+TEST(MorphTargets, FollowSplinesAndSteps) {
+  GltfBuilder file = morphing_file();
+  json& sampler = file.json["animations"][0]["samplers"][0];
+  sampler["interpolation"] = "STEP";
+  expect_near(deformed_corners(scene_of(file), 500ms), {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+  sampler["interpolation"] = "CUBICSPLINE";
+  // In-tangents, values and out-tangents of both keys. The first target leaves with 2 and arrives with 0.
+  sampler["output"] =
+      file.accessor(file.view(std::vector<float>{0, 0, 0, 0, 2, 0, 0, 0, 1, 0, 0, 0}), kFloat, "SCALAR", 12);
+  // Hermite at one half: (0 + 1) / 2 + 2 / 8.
+  expect_near(deformed_corners(scene_of(file), 500ms), {{0, 0, 0}, {1, 3, 0}, {0, 1, 0}});
+}
+
+TEST(MorphTargets, AreRefusedWithAnotherNumberOfWeights) {
+  GltfBuilder file = morphing_file();
+  file.json["animations"][0]["samplers"][0]["output"] =
+      file.accessor(file.view(std::vector<float>{0, 0, 1}), kFloat, "SCALAR", 3);
+  const Expected<Scene> scene = load_scene_from_memory(file.glb());
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().what.find("has 3 elements, should have 4"), std::string::npos)
+      << scene.error().what;
+}
+
+TEST(Deformation, KeepsVerticesWithinWhatFloatCanCompute) {
+  GltfBuilder file = morphing_file();
+  file.json["animations"][0]["samplers"][0]["output"] =
+      file.accessor(file.view(std::vector<float>{0, 0, 3e38f, 3e38f}), kFloat, "SCALAR", 4);
   const Scene scene = scene_of(file);
-  ASSERT_EQ(scene.warnings.size(), 1u);
-  EXPECT_NE(scene.warnings[0].find("morph targets stand still"), std::string::npos);
-  EXPECT_EQ(scene.animation_length_s, 0);
+  const SceneState state = state_at(scene, Time(999ms));
+  const glm::vec3 p = Deformation(*scene.meshes[0].deformable, state.rigs[0]).vertex(1).position;
+  EXPECT_LE(glm::length(p), 1e7f);
+}
+
+/// A strip of triangles in the xy plane, one triangle every 1 m.
+TEST(MeshParts, HaveEveryTriangleOnceAndFollowTheSameRig) {
+  Mesh mesh;
+  mesh.name = "strip";
+  constexpr std::uint32_t kTriangles = 1000;
+  Deformable deformable;
+  for (std::uint32_t i = 0; i < kTriangles + 2; ++i) {
+    deformable.positions.emplace_back(i, i % 2, 0);
+    deformable.normals.emplace_back(0, 0, 1);
+    deformable.influences.push_back({glm::u16vec4(0), glm::vec4(1, 0, 0, 0)});
+    if (i < kTriangles) mesh.triangles.emplace_back(i, i + 1 + i % 2, i + 2 - i % 2);
+  }
+  mesh.positions = deformable.positions, mesh.normals = deformable.normals;
+  mesh.deformable = deformable;
+  std::set<float> places;
+  for (const Mesh& part : parts_of(mesh)) {
+    EXPECT_LE(part.triangles.size(), kPartTriangles);
+    EXPECT_EQ(part.deformable->positions, part.positions);
+    EXPECT_EQ(part.deformable->influences.size(), part.positions.size());
+    for (const glm::uvec3& t : part.triangles)
+      places.insert(std::min({part.positions[t.x].x, part.positions[t.y].x, part.positions[t.z].x}));
+  }
+  EXPECT_EQ(places.size(), kTriangles);
 }
 
 TEST(LookExtensions, AreLeftOutWithOneWarningEach) {
