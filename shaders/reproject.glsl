@@ -103,14 +103,17 @@ Sample sample_source(uint index, SourceData source, Surface surface) {
   return found;
 }
 
-// The first source that knows the point: each mask, newest first, as traced for this eye and then for the other.
+// The first source that knows the point: each mask, newest first, as traced for this eye and then for the other. The
+// first pass looks only at the newest for this eye.
 Sample first_sample(Surface surface) {
   Sample found = sample_source(kNewest, frame.sources[kNewest], surface);
+#ifdef SECOND_LOOK
   const uint eyes = kOtherEye ? 2 : 1, sources = frame.counts.x * eyes;
   for (uint i = 1; i < sources && found.source == FARSHADE_SOURCE_UNKNOWN; ++i) {
     uint index = kNewest + i / eyes + i % eyes * FARSHADE_MAX_MASKS;
     found = sample_source(index, frame.sources[index], surface);
   }
+#endif
   return found;
 }
 
@@ -331,10 +334,9 @@ Visibility8 edge_visibility(uint taken, Surface surface, uint stale, uint group,
   add_mask(2, surface, group, fresh, samples);
   add_oldest_or_face(taken, surface, group, fresh, samples);
   Visibility8 k = nearest;
-  if (kLights <= 4) {
-    [[unroll]] for (uint i = 0; i < kLights; ++i) k.low[i] = between_samples(samples, i, nearest.low[i]);
-    return k;
-  }
+#ifdef FEW_LIGHTS
+  [[unroll]] for (uint i = 0; i < kLights; ++i) k.low[i] = between_samples(samples, i, nearest.low[i]);
+#else
   // Compilers take long for eight copies.
   [[dont_unroll]] for (uint i = 0; i < 8; ++i) {
     bvec4 low = equal(uvec4(0, 1, 2, 3), uvec4(i)), high = equal(uvec4(4, 5, 6, 7), uvec4(i));
@@ -342,5 +344,6 @@ Visibility8 edge_visibility(uint taken, Surface surface, uint stale, uint group,
     k.low = mix(k.low, vec4(visibility), low);
     k.high = mix(k.high, vec4(visibility), high);
   }
+#endif
   return k;
 }

@@ -13,10 +13,13 @@
 #define FARSHADE_PASS_HARD 2
 #define FARSHADE_PASS_MOVING 3
 
+// For at most so many lights, a variant of HARD and MOVING filters the edges of each light on its own.
+#define FARSHADE_FEW_LIGHTS 4
+
 // Ids of the specialisation constants.
 #define FARSHADE_CONSTANT_LIGHTS 0
 #define FARSHADE_CONSTANT_WORD_BYTES 1          // of a mask: 1, 2 or 4
-#define FARSHADE_CONSTANT_PASS 2                // FARSHADE_PASS_*
+#define FARSHADE_CONSTANT_PASS 2                // HARD or MOVING; the others are variants of the shader
 #define FARSHADE_CONSTANT_OTHER_EYE 3           // masks traced for the other eye are sources, too
 #define FARSHADE_CONSTANT_RANGES_AND_CONES 4    // some light has a range or a cone
 #define FARSHADE_CONSTANT_NEAR 5                // distance of the near plane, metres

@@ -2,26 +2,58 @@
 
 #include <bit>
 
-#include "shaders/shade.comp.spv.h"
 #include "shaders/shade_direct.comp.spv.h"
 #include "shaders/shade_direct_report.comp.spv.h"
+#include "shaders/shade_easy.comp.spv.h"
+#include "shaders/shade_easy_motion.comp.spv.h"
+#include "shaders/shade_easy_motion_report.comp.spv.h"
+#include "shaders/shade_easy_report.comp.spv.h"
+#include "shaders/shade_few.comp.spv.h"
+#include "shaders/shade_few_motion.comp.spv.h"
+#include "shaders/shade_few_motion_report.comp.spv.h"
+#include "shaders/shade_few_report.comp.spv.h"
+#include "shaders/shade_hard.comp.spv.h"
+#include "shaders/shade_hard_motion.comp.spv.h"
+#include "shaders/shade_hard_motion_report.comp.spv.h"
+#include "shaders/shade_hard_report.comp.spv.h"
 #include "shaders/shade_maps.comp.spv.h"
 #include "shaders/shade_maps_report.comp.spv.h"
-#include "shaders/shade_motion.comp.spv.h"
-#include "shaders/shade_motion_report.comp.spv.h"
-#include "shaders/shade_report.comp.spv.h"
 #include "stereo/draw/shading.h"
 
 namespace farshade {
 namespace {
 
-std::span<const std::uint32_t> shader_of(const ShadingKey& key, bool motion) {
-  using SpirvWords = std::span<const std::uint32_t>;
-  if (key.uses_maps()) return key.reports ? SpirvWords(shade_maps_report_comp_spv) : shade_maps_comp_spv;
-  if (key.pass == FARSHADE_PASS_DIRECT)
-    return key.reports ? SpirvWords(shade_direct_report_comp_spv) : shade_direct_comp_spv;
-  if (motion) return key.reports ? SpirvWords(shade_motion_report_comp_spv) : shade_motion_comp_spv;
-  return key.reports ? SpirvWords(shade_report_comp_spv) : shade_comp_spv;
+using SpirvWords = std::span<const std::uint32_t>;
+
+/// A shader, and the same with a report.
+struct Variants {
+  SpirvWords plain, reports;
+};
+
+/// A shader that carries masks over, for scenes where nothing moves and for others.
+struct MotionVariants {
+  Variants still, moving;
+};
+
+const MotionVariants kEasy{{shade_easy_comp_spv, shade_easy_report_comp_spv},
+                           {shade_easy_motion_comp_spv, shade_easy_motion_report_comp_spv}},
+    kHard{{shade_hard_comp_spv, shade_hard_report_comp_spv},
+          {shade_hard_motion_comp_spv, shade_hard_motion_report_comp_spv}},
+    kFewLights{{shade_few_comp_spv, shade_few_report_comp_spv},
+               {shade_few_motion_comp_spv, shade_few_motion_report_comp_spv}};
+
+Variants variants_of(const ShadingKey& key, std::uint32_t lights, bool motion) {
+  if (key.uses_maps()) return {shade_maps_comp_spv, shade_maps_report_comp_spv};
+  if (key.pass == FARSHADE_PASS_DIRECT) return {shade_direct_comp_spv, shade_direct_report_comp_spv};
+  const MotionVariants& pass = key.pass == FARSHADE_PASS_EASY  ? kEasy
+                               : lights <= FARSHADE_FEW_LIGHTS ? kFewLights
+                                                               : kHard;
+  return motion ? pass.moving : pass.still;
+}
+
+SpirvWords shader_of(const ShadingKey& key, std::uint32_t lights, bool motion) {
+  const Variants variants = variants_of(key, lights, motion);
+  return key.reports ? variants.reports : variants.plain;
 }
 
 gpu::Specialization constants_of(const ShadingKey& key, const DrawPlan& plan) {
@@ -54,7 +86,8 @@ const vk::raii::Pipeline& ShadingPipelines::need(const ShadingKey& key,
                                                  const vk::raii::PipelineLayout& layout) {
   const auto found = pipelines_.find(key);
   if (found != pipelines_.end()) return found->second;
-  const vk::raii::ShaderModule shader = gpu::make_shader(device_, shader_of(key, motion_), "shade.comp");
+  const vk::raii::ShaderModule shader =
+      gpu::make_shader(device_, shader_of(key, plan_.mask.lights, motion_), "shade.comp");
   return pipelines_
       .emplace(key, gpu::make_compute_pipeline(device_, layout, shader, constants_of(key, plan_), "shade"))
       .first->second;

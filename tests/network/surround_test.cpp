@@ -49,17 +49,19 @@ struct Worst {
   double unknown = 0, error = 0, over_unmoved = -1;
 };
 
-/// The worst eye of the frames that begin within these times.
-Worst worst_between(const Scene& scene, const HeadRecording& head, const LinkModel& model, double from_s,
-                    double until_s) {
+Played played(const Scene& scene, const HeadRecording& head, const LinkModel& model) {
   static const gpu::Device device = gpu::open_device({.name_contains = "llvmpipe"}).value();
-  const Played run = play({.device = device,
-                           .scene = scene,
-                           .head = head,
-                           .size = {192, 192},
-                           .frames = 200,
-                           .reference_every = 2},
-                          {"", model});
+  return play({.device = device,
+               .scene = scene,
+               .head = head,
+               .size = {192, 192},
+               .frames = 200,
+               .reference_every = 2},
+              {"", model});
+}
+
+/// The worst eye of the frames that begin within these times.
+Worst worst_between(const Played& run, double from_s, double until_s) {
   Worst worst;
   std::size_t measured = 0;
   for (std::size_t i = 0; i < run.log.records().size(); ++i) {
@@ -87,7 +89,7 @@ const LinkModel kFar{.delay = 100ms};
 TEST(SurroundOverNetwork, AFullTurnInOneSecondLeavesNothingUnknown) {
   const HeadRecording head = head_that([](double s) { return Pose{turn(s, 0.8, 1.8, 2 * pi)}; });
   for (const bool is_still : {true, false}) {
-    const Worst worst = worst_between(room(is_still), head, kFar, 0.5, 2.7);
+    const Worst worst = worst_between(played(room(is_still), head, kFar), 0.5, 2.7);
     EXPECT_LT(worst.unknown, 0.025);
     EXPECT_LT(worst.error, 0.07);
     EXPECT_LE(worst.over_unmoved, 0.005) << "where a head comes to rest, less than a pixel off";
@@ -99,20 +101,22 @@ TEST(SurroundOverNetwork, ATurnDuringASilenceOfASecondLeavesNothingUnknown) {
   LinkModel silent = kFar;
   silent.silence_every = 2s;  // from 1 s to 2 s
   silent.silence = 1s;
-  const Worst worst = worst_between(room(true), head, silent, 0.5, 2.7);
+  const Played run = played(room(true), head, silent);
+  const Worst worst = worst_between(run, 0.5, 2.7);
   EXPECT_LT(worst.unknown, 0.01);
   EXPECT_LT(worst.error, 0.04);
   EXPECT_LE(worst.over_unmoved, 0.005) << "where a head comes to rest, less than a pixel off";
-  const Worst after = worst_between(room(true), head, silent, 2.0 + 0.2 + 4.0 / 72, 2.7);
+  const Worst after = worst_between(run, 2.0 + 0.2 + 4.0 / 72, 2.7);
   EXPECT_LT(after.unknown, 0.001) << "one round trip after the silence";
 }
 
 TEST(SurroundOverNetwork, AJumpShowsWhatIsNearTheOldPlaceAndIsOverOneRoundTripLater) {
   const HeadRecording head = head_that([](double s) { return s < 1 ? Pose{} : Pose{2.5, {0.4, 0, 0.3}}; });
-  const Worst during = worst_between(room(true), head, kFar, 1.02, 1.19);
+  const Played run = played(room(true), head, kFar);
+  const Worst during = worst_between(run, 1.02, 1.19);
   EXPECT_LT(during.unknown, 0.25);
   EXPECT_LE(during.over_unmoved, 0);
-  const Worst after = worst_between(room(true), head, kFar, 1.0 + 0.2 + 4.0 / 72, 2.7);
+  const Worst after = worst_between(run, 1.0 + 0.2 + 4.0 / 72, 2.7);
   EXPECT_LT(after.unknown, 0.01);
   EXPECT_LT(after.error, 0.04);
 }
