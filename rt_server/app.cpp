@@ -1,11 +1,13 @@
 #include "rt_server/app.h"
 
 #include <spdlog/fmt/fmt.h>
+#include <spdlog/spdlog.h>
 
 #include <filesystem>
 
 #include "rt_server/answers/answers.h"
 #include "rt_server/core/server_core.h"
+#include "rt_server/fetch/scene_sender.h"
 #include "stereo/base/files.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/impaired_port.h"
@@ -82,9 +84,27 @@ void print_keys(const ServeOptions& options, std::size_t keys) {
     fmt::print("rt_server: the key ring contains {} {}\n", keys, keys == 1 ? "key" : "keys");
 }
 
-void print_counters(const ServerCore& core) {
+/// Masks are sent if a request was answered in this time.
+constexpr Duration kMasksAreRecent = std::chrono::seconds(1);
+
+/// Starts to send the scene's files on the TCP port of the same number; empty if that is not possible.
+std::unique_ptr<SceneSender> offer_scene(const ServeOptions& options, const Peer& address, SceneToSend what,
+                                         const ServerCore& core) {
+  if (!options.scene_fetch) return nullptr;
+  Expected<TcpListener> listener = TcpListener::listen(address);
+  if (!listener) {
+    spdlog::warn("clients cannot fetch the scene: {}", listener.error().what);
+    return nullptr;
+  }
+  return std::make_unique<SceneSender>(
+      *std::move(listener), std::move(what), [&core] { return core.answered_within(kMasksAreRecent); },
+      SenderLimits{.bytes_per_second = options.limits.bytes_per_second});
+}
+
+void print_counters(const ServerCore& core, const SceneSender* sender) {
   const ServerCounters counters = core.counters();
   fmt::print("{}\n{}\n", counters_line(counters), rays_line(counters.traced));
+  if (sender != nullptr) fmt::print("{}\n", counters_line(sender->counters()));
   std::fflush(stdout);
 }
 
@@ -111,9 +131,9 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   Expected<Tracer> tracer = Tracer::create(scene, plan.trace);
   if (!tracer) return tl::unexpected(tracer.error());
 
-  ServerCore core({scene.hash, plan.trace.mask.lights, options.most_pixels}, *ring,
-                  make_answers({.scene = scene, .plan = plan, .tracer = *tracer}), **port, clock,
-                  options.limits);
+  const Welcome served{scene.hash, plan.trace.mask.lights, options.most_pixels};
+  ServerCore core(served, *ring, make_answers({.scene = scene, .plan = plan, .tracer = *tracer}), **port,
+                  clock, options.limits);
   const std::string address = to_string((*port)->local());
   fmt::print("rt_server: serving {}, {} triangles, {} lights, scene {}\n", scene.name, scene.triangle_count,
              plan.trace.mask.lights, short_form(scene.hash));
@@ -124,11 +144,13 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   // The port is open: what clients send from here on waits in its socket.
   Expected<void> written = write_ready_file(options, fmt::format("{} {}", kReadyListening, address));
   if (!written) return written;
+  const auto sender = offer_scene(options, (*port)->local(),
+                                  {options.scene, scene.files, options.lighting, served, *ring}, core);
   {
     const Serving serving(core);
-    stop.wait([&] { print_counters(core); });
+    stop.wait([&] { print_counters(core, sender.get()); });
   }
-  print_counters(core);
+  print_counters(core, sender.get());
   return {};
 }
 

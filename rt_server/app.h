@@ -16,9 +16,10 @@ struct ServeOptions {
   std::string scene;
   Lighting lighting;
   std::string listen = "127.0.0.1:7447";
-  std::string ring;       ///< key ring file; empty for default_ring_path()
-  bool insecure = false;  ///< accept any client on this machine, without encryption
-  std::string net;        ///< simulated impairment of arriving datagrams (parse_link_model); empty for none
+  std::string ring;         ///< key ring file; empty for default_ring_path()
+  bool scene_fetch = true;  ///< clients without the scene may fetch its files
+  bool insecure = false;    ///< accept any client on this machine, without encryption
+  std::string net;          ///< simulated impairment of arriving datagrams (parse_link_model); empty for none
   SessionLimits limits;
   std::uint32_t most_pixels = Welcome{}.most_pixels;  ///< maximum of an eye's view in a request
   PlanOptions plan;

@@ -29,6 +29,8 @@ void add_serving(CLI::App& app, ServeOptions& options) {
   app.add_option("--keys", options.ring, "key ring file; default " + default_ring_path().string());
   app.add_flag("--insecure", options.insecure,
                "accept every client on this machine, without keys and without encryption");
+  app.add_flag("!--no-scene-fetch", options.scene_fetch,
+               "do not send the scene's files to clients that have a key but no --scene");
   app.add_option("--ready-file", options.ready_file,
                  "for scripts: the server writes the line 'listening ADDRESS' to this file when clients can "
                  "connect; if no light of the scene casts shadows, it writes 'no-shadows' and exits with "

@@ -8,6 +8,7 @@
 #include "stereo/base/user_folders.h"
 #include "stereo/detail/level_cache.h"
 #include "stereo/gpu/pipeline_cache.h"
+#include "stereo/net/explain.h"
 #include "stereo/net/udp.h"
 #include "stereo/scene/lighting.h"
 #include "stereo/video/video.h"
@@ -34,8 +35,6 @@ RendererLimits renderer_limits(const Options& options) {
           .depth_frames = carries_over(mode) ? frames_in_flight(options) : 1};
 }
 
-namespace {
-
 Expected<SharedKey> key_for(const Options& options, const Peer& server) {
   if (options.insecure) {
     if (is_loopback(server)) return insecure_key();
@@ -54,6 +53,8 @@ Expected<SharedKey> key_for(const Options& options, const Peer& server) {
             path.string()));
   return key;
 }
+
+namespace {
 
 Expected<LinkModel> network_of(const Options& options) {
   if (options.net.empty()) return LinkModel{};
@@ -98,10 +99,16 @@ SessionNeeds needs_of(const Options& options, double eye_distance_m) {
 }
 
 Expected<PlannedScene> load_planned(const Options& options, const SessionNeeds& needs) {
-  return load_lit_scene(options.scene, options.lighting).map([&](LitScene&& lit) {
-    for (const std::string& note : lit.notes) spdlog::info(note);
-    return plan_scene(std::move(lit.scene), needs);
-  });
+  Expected<LitScene> lit = load_lit_scene(options.scene, options.lighting);
+  if (!lit) return tl::unexpected(lit.error());
+  for (const std::string& note : lit->notes) spdlog::info(note);
+  if (options.served && lit->scene.hash != *options.served)
+    return fail(
+        Fault::Mismatch,
+        fmt::format("the scene from {} has the hash {} here and {} there: build client and server from "
+                    "the same source",
+                    options.server, short_form(lit->scene.hash), short_form(*options.served)));
+  return plan_scene(std::move(lit->scene), needs);
 }
 
 void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport report, Changes changes) {

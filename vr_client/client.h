@@ -49,7 +49,10 @@ void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport repo
 /// The levels of detail of a scene, from the user's cache or newly made; none if the plan uses none.
 [[nodiscard]] SceneLevels levels_for(const Scene& scene, const ScenePlan& plan);
 
-/// Loads the scene and makes its plan.
+/// The key for `server`. Missing if there is no key file, Unsupported if --insecure is for another machine.
+[[nodiscard]] Expected<SharedKey> key_for(const Options& options, const Peer& server);
+
+/// Loads the scene and makes its plan. Mismatch if a fetched scene is not the one that the server has.
 [[nodiscard]] Expected<PlannedScene> load_planned(const Options& options, const SessionNeeds& needs);
 
 /// Opens scene, device and renderer. Fails if the scene cannot be drawn.

@@ -5,15 +5,20 @@
 #include "stereo/base/heap.h"
 #include "vr_client/app.h"
 #include "vr_client/doctor/doctor.h"
+#include "vr_client/fetched_scene.h"
 
 int main(int argc, char** argv) try {
   using namespace farshade;
   keep_freed_memory();
   spdlog::set_default_logger(spdlog::stderr_color_mt("vr_client"));
   spdlog::set_pattern("vr_client: %v");
-  const tl::expected<Options, EarlyExit> options = read_options(argc, argv);
+  tl::expected<Options, EarlyExit> options = read_options(argc, argv);
   if (!options) return options.error().status;
   if (options->doctor) return report(examine(*options->doctor));
+  if (const Expected<void> scene = fetch_if_missing(*options); !scene) {
+    spdlog::error(scene.error().what);
+    return EXIT_FAILURE;
+  }
   const auto task = options->plan.prints_only        ? print_plan
                     : !options->export_trace.empty() ? export_head_recording
                     : !options->replay.empty()       ? run_replay

@@ -57,7 +57,8 @@ CLI::CheckedTransformer one_of(std::map<std::string, Enum> values) {
 
 void add_scene_options(CLI::App& app, CommandLine& line) {
   Options& options = line.options;
-  app.add_option("--scene", options.scene, "glTF scene (.gltf or .glb)");
+  app.add_option("--scene", options.scene,
+                 "glTF scene (.gltf or .glb); without it, the client fetches the server's scene");
   app.add_option("--trace", options.trace, "head recording: EuRoC/ASL CSV, TUM or EyeNavGS CSV");
   app.add_option("--trace-scale", options.trace_scale,
                  "units per metre of the head recording, if its format does not define them")
@@ -205,12 +206,22 @@ void add_other_options(CLI::App& app, CommandLine& line) {
   app.add_flag("--validate", line.validate, "use the Vulkan validation layers; any message is an error");
 }
 
+/// Throws a CLI::ParseError if these options need --scene.
+void check_fetch(const Options& options) {
+  if (!options.replay.empty()) throw CLI::RequiredError("--scene");
+  const Lighting& lighting = options.lighting;
+  if (!lighting.lights.empty() || lighting.ambient || lighting.exposure)
+    throw CLI::ValidationError("--scene",
+                               "a scene from the server is lit as the server says; --light, --sun, --ambient "
+                               "and --exposure are for a scene that --scene names");
+}
+
 /// Throws a CLI::ParseError if options are missing or contradict each other.
 Options checked(CommandLine line) {
   Options& options = line.options;
   if (options.trace.empty() && !options.preview && options.replay.empty() && !options.plan.prints_only)
     throw CLI::RequiredError("--trace");
-  if (options.scene.empty() && options.export_trace.empty()) throw CLI::RequiredError("--scene");
+  if (options.scene.empty()) check_fetch(options);
   const Expected<Extent> size = parse_size(line.size);
   if (!size) throw CLI::ValidationError("--size", size.error().what);
   options.size = *size;

@@ -26,7 +26,9 @@ enum class Place : std::uint8_t {
 };
 
 struct Options {
-  std::filesystem::path scene, trace, out = "out";
+  std::filesystem::path scene;      ///< empty: fetch it from the server (fetched_scene.h)
+  std::optional<SceneHash> served;  ///< the scene was fetched: its hash with its lighting, by the server
+  std::filesystem::path trace, out = "out";
   std::filesystem::path export_trace;  ///< not empty: only write the head recording to this file
   std::optional<double>
       trace_scale;  ///< units per metre of the head recording, if its format does not define them

@@ -158,6 +158,7 @@ bool ServerCore::work() {
     if (answers_.offered() != offered_before) sessions_.offer(answers_.offered());
     traced_ += traced;
   }
+  answered_at_ = clock_.now();
   ++frames_;
   wake();
   return true;
@@ -167,6 +168,10 @@ ServerCounters ServerCore::counters() const {
   const std::lock_guard lock(mutex_);
   return {sessions_.counters(), sessions_.gate(), refused_, port_.counters(), frames_,
           sessions_.size(),     traced_};
+}
+
+bool ServerCore::answered_within(Duration span) const {
+  return frames_ > 0 && clock_.now() - answered_at_.load() <= span;
 }
 
 Serving::Serving(ServerCore& core)

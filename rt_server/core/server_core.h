@@ -63,6 +63,8 @@ class ServerCore {
   void wake() { port_.wake(); }
 
   [[nodiscard]] ServerCounters counters() const;
+  /// Whether a request was answered in the last `span`. Any thread may call it.
+  [[nodiscard]] bool answered_within(Duration span) const;
   [[nodiscard]] const Clock& clock() const { return clock_; }
 
  private:
@@ -73,6 +75,7 @@ class ServerCore {
   AnswerMakers answers_;
   FramePacker packer_;
   std::atomic<std::uint64_t> frames_ = 0;
+  std::atomic<Time> answered_at_{};  ///< the last request, if frames_ is not 0
 
   mutable std::mutex mutex_;  ///< guards sessions_, refused_ and traced_
   std::condition_variable_any request_arrived_;

@@ -1,26 +1,10 @@
 #include "stereo/base/cache_file.h"
 
-#include <sodium.h>
-
-#include <array>
 #include <cstring>
 
-#include "stereo/base/check.h"
+#include "stereo/base/digest.h"
 
 namespace farshade {
-namespace {
-
-using Digest = std::array<unsigned char, 32>;
-
-Digest digest_of(std::span<const std::byte> bytes) {
-  check(sodium_init() >= 0, "libsodium starts");
-  Digest digest;
-  crypto_generichash(digest.data(), digest.size(), reinterpret_cast<const unsigned char*>(bytes.data()),
-                     bytes.size(), nullptr, 0);
-  return digest;
-}
-
-}  // namespace
 
 std::string cache_name(std::span<const std::uint8_t> key) {
   constexpr std::string_view kDigits = "0123456789abcdef";

@@ -7,25 +7,12 @@
 #include <cerrno>
 #include <system_error>
 
+#include "stereo/base/descriptor.h"
+
 namespace farshade {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// An open file. The destructor closes it.
-struct Descriptor {
-  int number = -1;
-  explicit Descriptor(int opened) : number(opened) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() { close_now(); }
-  /// Returns 0, or the errno of a late write error that only close() reports.
-  int close_now() {
-    const int closed = number;
-    number = -1;
-    return closed < 0 || ::close(closed) == 0 ? 0 : errno;
-  }
-};
 
 tl::unexpected<Error> fail_errno(const char* verb, const fs::path& path, int error) {
   const bool missing = error == ENOENT || error == ENOTDIR;
@@ -69,8 +56,8 @@ constexpr Opening kPublic{O_TRUNC, 0666}, kPrivate{O_EXCL, 0600};
 /// Returns 0, or the errno of the failed call.
 int create_with(const fs::path& path, std::span<const std::byte> bytes, Opening how) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC | how.flags, how.mode));
-  if (file.number < 0) return errno;
-  if (const int error = write_fully(file.number, bytes)) return error;
+  if (!file.is_open()) return errno;
+  if (const int error = write_fully(file.number(), bytes)) return error;
   return file.close_now();
 }
 
@@ -94,7 +81,7 @@ Expected<std::vector<std::byte>> read(const fs::path& path, std::uint64_t max_by
   // Non-blocking, so that opening a pipe without a writer returns and the pipe can be refused.
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
   struct stat status {};
-  if (file.number < 0 || ::fstat(file.number, &status) != 0) return fail_errno("read", path, errno);
+  if (!file.is_open() || ::fstat(file.number(), &status) != 0) return fail_errno("read", path, errno);
   if (!S_ISREG(status.st_mode))
     return fail(Fault::Unreadable, "'" + path.string() + "' is not a regular file");
   if (content == Content::Secret)
@@ -104,7 +91,7 @@ Expected<std::vector<std::byte>> read(const fs::path& path, std::uint64_t max_by
     return fail(Fault::OutOfRange, "'" + path.string() + "' has " + std::to_string(size) +
                                        " bytes, more than the limit of " + std::to_string(max_bytes));
   std::vector<std::byte> bytes(size);
-  const ssize_t got = read_fully(file.number, bytes);
+  const ssize_t got = read_fully(file.number(), bytes);
   if (got < 0) return fail_errno("read", path, errno);
   bytes.resize(static_cast<std::size_t>(got));
   return bytes;

@@ -28,9 +28,10 @@ std::string_view name_of(RefusalReason reason) {
 Explanation explain(const Refusal& refusal, const ContentHash& scene_hash) {
   if (refusal.reason == RefusalReason::Busy)
     return {"the server has no room for another client", "try again later, or start it with more --sessions"};
-  return {"the server serves scene " + short_form(refusal.scene_hash) + ", the client shows scene " +
-              short_form(scene_hash),
-          "give both the same scene file"};
+  return {
+      "the server serves scene " + short_form(refusal.scene_hash) + ", the client shows scene " +
+          short_form(scene_hash),
+      "give both the same scene file, or start the client without --scene, so that it fetches the server's"};
 }
 
 Explanation explain(const OpenRefusal& refusal, const std::string& key, const Peer& server) {

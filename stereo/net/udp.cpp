@@ -9,11 +9,11 @@
 #include <asio/ip/udp.hpp>
 #include <asio/ip/v6_only.hpp>
 #include <atomic>
-#include <charconv>
 #include <cstring>
 #include <ctime>
 
 #include "stereo/base/check.h"
+#include "stereo/net/endpoints.h"
 #include "stereo/wire/messages.h"
 
 namespace farshade {
@@ -21,21 +21,6 @@ namespace {
 
 using asio::ip::udp;
 using Endpoint = udp::endpoint;
-
-Peer peer_of(const Endpoint& endpoint) {
-  const asio::ip::address address = endpoint.address();
-  const asio::ip::address_v6 wide =
-      address.is_v4() ? asio::ip::make_address_v6(asio::ip::v4_mapped, address.to_v4()) : address.to_v6();
-  return {wide.to_bytes(), narrow<std::uint32_t>(wide.scope_id()), endpoint.port()};
-}
-
-/// `peer` as an endpoint of family `family`; the unspecified address if that family cannot reach it.
-Endpoint endpoint_of(const Peer& peer, const udp& family) {
-  const asio::ip::address_v6 wide(peer.address, peer.scope);
-  if (family == udp::v6()) return {wide, peer.port};
-  return {wide.is_v4_mapped() ? asio::ip::make_address_v4(asio::ip::v4_mapped, wide) : asio::ip::address_v4(),
-          peer.port};
-}
 
 /// Most datagrams from strangers to drop in one call, so that a flood does not delay the caller for long.
 constexpr int kMostDropsACall = 1024;
@@ -189,37 +174,6 @@ class UdpPort final : public DatagramPort {
   std::atomic<std::uint64_t> unsent_ = 0, oversized_ = 0, strangers_ = 0;
 };
 
-struct HostPort {
-  std::string host, port;
-};
-
-Expected<HostPort> split(std::string_view address) {
-  const std::size_t colon = address.rfind(':');
-  std::string_view host = address.substr(0, colon);
-  const std::string_view port = colon == address.npos ? "" : address.substr(colon + 1);
-  std::uint16_t number = 0;
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
-  const bool bracketed = host.size() >= 2 && host.front() == '[' && host.back() == ']';
-  if (bracketed) host = host.substr(1, host.size() - 2);
-  const bool sound = !host.empty() && (bracketed || host.find(':') == host.npos);
-  if (!sound || error != std::errc{} || end != port.data() + port.size())
-    return fail(Fault::Malformed,
-                "'" + std::string(address) +
-                    "' is no address: write HOST:PORT with a port up to 65535, IPv6 as [::1]:7447");
-  return HostPort{std::string(host), std::string(port)};
-}
-
-Expected<Endpoint> resolve(asio::io_context& context, std::string_view address) {
-  const Expected<HostPort> parts = split(address);
-  if (!parts) return tl::unexpected(parts.error());
-  asio::error_code error;
-  udp::resolver resolver(context);
-  const auto found = resolver.resolve(parts->host, parts->port, error);
-  if (error || found.empty())
-    return fail(Fault::Missing, "no host '" + parts->host + "' is known (" + error.message() + ")");
-  return found.begin()->endpoint();
-}
-
 Expected<std::unique_ptr<UdpPort>> bound_port(std::unique_ptr<asio::io_context> context,
                                               const Endpoint& endpoint) {
   udp::socket socket(*context);
@@ -248,14 +202,14 @@ Expected<std::unique_ptr<UdpPort>> bound_port(std::unique_ptr<asio::io_context> 
 
 Expected<std::unique_ptr<DatagramPort>> listen_udp(std::string_view address) {
   auto context = std::make_unique<asio::io_context>();
-  const Expected<Endpoint> endpoint = resolve(*context, address);
+  const Expected<Endpoint> endpoint = resolve_address<udp>(*context, address);
   if (!endpoint) return tl::unexpected(endpoint.error());
   return bound_port(std::move(context), *endpoint);
 }
 
 Expected<UdpClient> connect_udp(std::string_view address) {
   auto context = std::make_unique<asio::io_context>();
-  const Expected<Endpoint> server = resolve(*context, address);
+  const Expected<Endpoint> server = resolve_address<udp>(*context, address);
   if (!server) return tl::unexpected(server.error());
   if (server->port() == 0 || server->address().is_unspecified())
     return fail(Fault::Malformed,

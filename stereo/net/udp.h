@@ -1,4 +1,4 @@
-/// DatagramPort over UDP, IPv4 and IPv6. Only udp.cpp includes asio.
+/// DatagramPort over UDP, IPv4 and IPv6.
 /// The sockets are unconnected. So an ICMP error cannot end a session, and a session survives a change of the
 /// client's own address.
 #pragma once

@@ -25,7 +25,8 @@ Expected<Scene> load(std::span<const std::byte> file, const std::filesystem::pat
           if (auto valid = gltf::validate(document, limits); !valid) return tl::unexpected(valid.error());
           return gltf::convert(document, limits);
         })
-        .map([](Scene scene) {
+        .map([&](Scene scene) {
+          scene.files = files.names();
           scene.hash = hash_of(scene);
           return scene;
         });

@@ -126,6 +126,7 @@ Expected<std::vector<std::byte>> SceneFolder::read(const std::string& path) {
   auto bytes = read_file(file, left_bytes_);
   if (!bytes) return fail(bytes.error().fault, name + ": " + bytes.error().what);
   left_bytes_ -= bytes->size();
+  names_.insert(relative.lexically_normal().generic_string());
   return bytes;
 }
 

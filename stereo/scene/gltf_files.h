@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -31,11 +32,15 @@ class SceneFolder {
   /// names. Refuses absolute paths, other schemes, `..`, links that lead out of the folder, and empty files.
   [[nodiscard]] Expected<std::vector<std::uint8_t>> load(const std::string& uri);
 
+  /// The files that were read, relative to the folder, in normal form, sorted, each once.
+  [[nodiscard]] std::vector<std::string> names() const { return {names_.begin(), names_.end()}; }
+
  private:
   [[nodiscard]] Expected<std::vector<std::byte>> read(const std::string& path);
 
   std::filesystem::path folder_;
   std::uint64_t left_bytes_;
+  std::set<std::string> names_;
 };
 
 /// The parts of a glTF file, as views into its bytes.

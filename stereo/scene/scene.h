@@ -137,6 +137,7 @@ using SceneHash = std::array<std::uint8_t, 32>;
 
 struct Scene {
   std::string name;                   ///< file name, for messages only
+  std::vector<std::string> files;     ///< external files that it names, relative to its folder, each once
   std::vector<std::string> warnings;  ///< what is not drawn as the file says, one sentence each
   std::vector<Texture> textures;
   std::vector<Material> materials;

@@ -232,8 +232,19 @@ TEST(ReadOptions, PlanAndPreviewAndExportNeedLess) {
   EXPECT_TRUE(read({"--scene", "a.glb", "--preview"}).options.has_value());
   EXPECT_TRUE(read({"--scene", "a.glb", "--replay", "a.farshade"}).options.has_value());
   EXPECT_TRUE(read({"--trace", "b.csv", "--export-trace", "c.tum"}).options.has_value());
-  EXPECT_FALSE(read({"--trace", "b.csv", "--preview"}).options.has_value()) << "a preview needs a scene";
   EXPECT_FALSE(read({"--scene", "a.glb", "--export-trace", "c.tum"}).options.has_value());
+}
+
+TEST(ReadOptions, WithoutASceneItComesFromTheServer) {
+  EXPECT_TRUE(read({"--trace", "b.csv"}).options.has_value());
+  EXPECT_TRUE(read({"--trace", "b.csv", "--preview"}).options.has_value());
+  EXPECT_FALSE(read({"--replay", "a.farshade"}).options.has_value()) << "a replay contacts no server";
+  for (const auto& [option, value] :
+       {std::pair{"--sun", "145,50,3"}, {"--ambient", "0.1"}, {"--exposure", "2"}}) {
+    const Outcome outcome = read({"--trace", "b.csv", option, value});
+    ASSERT_FALSE(outcome.options.has_value()) << option;
+    EXPECT_NE(outcome.errors.find("as the server says"), std::string::npos) << outcome.errors;
+  }
 }
 
 TEST(ReadOptions, ReadsThePlan) {

@@ -14,6 +14,7 @@
 #include "stereo/scene/lighting_options.h"
 #include "stereo/wire/handshake.h"
 #include "stereo/wire/key_file.h"
+#include "vr_client/fetch/fetch_scene.h"
 
 namespace farshade {
 namespace {
@@ -114,6 +115,22 @@ Finding check_server(const Contact& contact) {
   return judge(contact, client->server, say_hello(*client->port, client->server, contact));
 }
 
+/// Whether the server sends its scene to a client that has none.
+Finding check_offer(const std::string& server, const SharedKey& key) {
+  const auto offer = resolve_tcp(server).and_then([&](const Peer& peer) {
+    return ask_offer({.server = peer, .key = key, .cache = {}, .patience = std::chrono::seconds(3)});
+  });
+  if (!offer)
+    return {
+        Severity::Warn, "scene", "the server does not send it: " + offer.error().what,
+        "start clients with --scene; or start rt_server without --no-scene-fetch, and open its port for TCP, "
+        "too"};
+  const std::vector<OfferedFile>& files = offer->offer.files;
+  return {Severity::Ok, "scene",
+          fmt::format("the server sends it to clients without --scene: {} {}, {:.1f} MB", files.size(),
+                      files.size() == 1 ? "file" : "files", static_cast<double>(total_bytes(files)) * 1e-6)};
+}
+
 }  // namespace
 
 void add_doctor(CLI::App& program, ClientDoctorOptions& options) {
@@ -142,12 +159,15 @@ Findings examine(const ClientDoctorOptions& options) {
   if (!options.insecure) findings.push_back(check_key_file(path, KeyFile::OfClient));
   if (options.server.empty()) return findings;
   const Expected<SharedKey> key = options.insecure ? insecure_key() : load_key(path);
-  if (key)
+  if (key) {
     findings.push_back(check_server({options.server, *key, scene}));
-  else
+    if (findings.back().severity == Severity::Ok && options.scene.empty())
+      findings.push_back(check_offer(options.server, *key));
+  } else {
     findings.push_back({Severity::Fail, "server",
                         options.server + " was not contacted, because there is no key",
                         "see the line about the key file"});
+  }
   return findings;
 }
 

@@ -1,0 +1,197 @@
+#include "rt_server/fetch/scene_sender.h"
+
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+
+#include "stereo/fetch/fetch_messages.h"
+
+namespace farshade {
+namespace {
+
+constexpr int kNiceness = 10;
+constexpr std::size_t kPiece_bytes = 14 * kMaxContent_bytes;  ///< read, sealed and sent at once
+constexpr Duration kLongestSleep = std::chrono::milliseconds(20);
+
+void add(SealedStream& stream, const FetchAnswer& answer) {
+  std::vector<std::byte> message;
+  encode(answer, message);
+  stream.add(message);
+}
+
+Expected<void> send_offer(SealedStream& stream, std::span<const std::byte> offer, const Waiting& waiting) {
+  while (!offer.empty()) {
+    const std::size_t size = std::min(offer.size(), kMaxOfferPart_bytes);
+    const auto more = offer.size() > size ? OfferPart::More::Yes : OfferPart::More::No;
+    add(stream, OfferPart{more, offer.first(size)});
+    offer = offer.subspan(size);
+  }
+  return stream.flush(waiting);
+}
+
+Expected<void> refuse_fetch(SealedStream& stream, FetchRefusal why, const Waiting& waiting) {
+  add(stream, why);
+  if (auto sent = stream.flush(waiting); !sent) return sent;
+  return fail(Fault::Unavailable, "refused");
+}
+
+}  // namespace
+
+std::string counters_line(const SenderCounters& counters) {
+  return fmt::format(
+      "rt_server: scene fetch: {} connections, {} bytes sent; {} dropped, {} without a proved key, {} "
+      "because "
+      "too many fetch it",
+      counters.accepted, counters.sent_bytes, counters.dropped, counters.unproved, counters.busy);
+}
+
+SceneSender::SceneSender(TcpListener listener, SceneToSend what, std::function<bool()> masks_are_sent,
+                         const SenderLimits& limits)
+    : listener_(std::move(listener)),
+      what_(std::move(what)),
+      masks_are_sent_(std::move(masks_are_sent)),
+      limits_(limits),
+      rate_(limits.bytes_per_second),
+      acceptor_([this](const std::stop_token& stop) { accept_all(stop); }) {}
+
+SceneSender::~SceneSender() {
+  acceptor_.request_stop();
+  acceptor_.join();
+  for (Connection& connection : connections_) connection.ended = true;
+  connections_.clear();  // waits for their threads
+}
+
+SenderCounters SceneSender::counters() const {
+  const std::lock_guard lock(mutex_);
+  return counters_;
+}
+
+Waiting SceneSender::within(const Connection& connection, Duration span) {
+  return {SteadyClock().now() + span, [&connection] { return connection.ended.load(); }};
+}
+
+void SceneSender::accept_all(const std::stop_token& stop) {
+  setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread and those that it starts
+  const auto stopped = [&stop] { return stop.stop_requested(); };
+  for (const SharedKey& key : what_.ring) ring_.emplace(id_of(key), key);
+  Expected<ServedFiles> files = ServedFiles::open(what_.scene, what_.files, stopped);
+  if (files) {
+    offer_ = encode(SceneOffer{what_.lighting, files->files()});
+    files_ = std::move(*files);
+  } else if (!stop.stop_requested()) {
+    spdlog::warn("clients cannot fetch the scene: {}", files.error().what);
+  }
+  while (!stop.stop_requested()) {
+    std::optional<TcpStream> stream =
+        listener_.accept({SteadyClock().now() + std::chrono::seconds(1), stopped});
+    {
+      const std::lock_guard lock(mutex_);
+      connections_.remove_if([](const Connection& connection) { return connection.done.load(); });
+      if (stream) start(*std::move(stream));
+    }
+    std::this_thread::sleep_for(limits_.between_accepts);
+  }
+}
+
+/// The caller holds the mutex.
+void SceneSender::start(TcpStream stream) {
+  ++counters_.accepted;
+  const Peer peer = stream.peer();
+  std::size_t strangers = 0, of_address = 0;
+  Connection* oldest = nullptr;
+  for (Connection& connection : connections_) {
+    if (connection.key || connection.ended) continue;
+    ++strangers;
+    if (connection.peer.address == peer.address) ++of_address;
+    if (oldest == nullptr) oldest = &connection;
+  }
+  const bool drops = of_address >= limits_.strangers_of_address;
+  if (drops || strangers >= limits_.strangers) ++counters_.dropped;
+  if (drops) return;
+  if (strangers >= limits_.strangers) oldest->ended = true;
+  Connection& connection = connections_.emplace_back();
+  connection.peer = peer;
+  connection.thread =
+      std::jthread([this, &connection, moved = std::make_shared<TcpStream>(std::move(stream))] {
+        serve(connection, std::move(*moved));
+        connection.done = true;
+      });
+}
+
+bool SceneSender::promote(Connection& connection, const KeyId& key) {
+  const std::lock_guard lock(mutex_);
+  std::size_t all = 0, of_key = 0;
+  for (const Connection& other : connections_) {
+    if (!other.key || other.done) continue;
+    ++all;
+    if (*other.key == key) ++of_key;
+  }
+  if (all >= limits_.connections || of_key >= limits_.of_one_key) {
+    ++counters_.busy;
+    return false;
+  }
+  connection.key = key;
+  spdlog::info("{} at {} asks for the scene", ring_.at(key).name, to_string(connection.peer));
+  return true;
+}
+
+void SceneSender::serve(Connection& connection, TcpStream stream) {
+  stream.let_others_pass();
+  const Waiting first = within(connection, limits_.first_message);
+  Expected<SealedStream> met = SealedStream::admit(std::move(stream), ring_, what_.served, first);
+  bool is_proved = false;
+  while (met) {
+    const auto message = met->receive(is_proved ? within(connection, limits_.silence) : first);
+    const auto request = message ? decode_fetch_request(*message) : refuse(WireRefusal::Truncated);
+    if (!request) break;
+    if (!is_proved && !promote(connection, met->key())) {
+      static_cast<void>(refuse_fetch(*met, FetchRefusal::Busy, first));
+      return;
+    }
+    is_proved = true;
+    if (!answer(*met, *request, connection)) break;
+  }
+  const std::lock_guard lock(mutex_);
+  if (!is_proved) ++counters_.unproved;
+}
+
+Expected<void> SceneSender::answer(SealedStream& stream, const FetchRequest& request,
+                                   const Connection& connection) {
+  const Waiting soon = within(connection, limits_.silence);
+  if (!files_) return refuse_fetch(stream, FetchRefusal::Unreadable, soon);
+  const auto* range = std::get_if<ContentRequest>(&request);
+  if (range == nullptr) return send_offer(stream, offer_, soon);
+  if (range->end > total_bytes(files_->files())) return fail(Fault::OutOfRange, "a range beyond the content");
+  std::vector<std::byte> piece;
+  for (std::uint64_t at = range->begin; at < range->end; at += piece.size()) {
+    piece.resize(std::min<std::uint64_t>(kPiece_bytes, range->end - at));
+    if (const Expected<void> read = files_->read(at, piece); !read) {
+      spdlog::warn("the scene is not sent: {}", read.error().what);
+      return refuse_fetch(stream, FetchRefusal::Changed, soon);
+    }
+    if (!wait_for_turn(connection, piece.size())) return fail(Fault::Unavailable, "stopped");
+    for (std::size_t done = 0; done < piece.size(); done += kMaxContent_bytes)
+      add(stream, Content{at + done,
+                          std::span(piece).subspan(done, std::min(kMaxContent_bytes, piece.size() - done))});
+    if (auto sent = stream.flush(within(connection, limits_.silence)); !sent) return sent;
+  }
+  return {};
+}
+
+bool SceneSender::wait_for_turn(const Connection& connection, std::size_t bytes) {
+  while (!connection.ended) {
+    const auto masks = masks_are_sent_() ? SendRate::Masks::Sent : SendRate::Masks::Idle;
+    Duration wait;
+    {
+      const std::lock_guard lock(mutex_);
+      wait = rate_.take(bytes, masks, SteadyClock().now());
+      if (wait == Duration::zero()) counters_.sent_bytes += bytes;
+    }
+    if (wait == Duration::zero()) return true;
+    std::this_thread::sleep_for(std::min(wait, kLongestSleep));
+  }
+  return false;
+}
+
+}  // namespace farshade

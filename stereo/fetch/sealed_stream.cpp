@@ -1,0 +1,134 @@
+#include "stereo/fetch/sealed_stream.h"
+
+#include <algorithm>
+
+#include "stereo/base/check.h"
+#include "stereo/net/explain.h"
+
+namespace farshade {
+namespace {
+
+constexpr std::size_t kLength_bytes = 2, kRead_bytes = 65536;
+
+tl::unexpected<Error> strange() {
+  return fail(Fault::Malformed, "the other side does not follow the protocol");
+}
+
+}  // namespace
+
+ContentHash fetch_hello() {
+  constexpr std::string_view kText = "farshade scene fetch";
+  ContentHash hash{};
+  std::ranges::copy(kText, hash.begin());
+  return hash;
+}
+
+Expected<SealedStream> SealedStream::meet(TcpStream stream, const SharedKey& key, const Waiting& waiting) {
+  const Peer server = stream.peer();
+  SealedStream met(std::move(stream));
+  const ClientHandshake handshake(key, fetch_hello());
+  handshake.write_hello(met.envelope_);
+  met.add_frame(met.envelope_);
+  if (auto sent = met.flush(waiting); !sent) return tl::unexpected(sent.error());
+  const auto frame = met.receive_frame(waiting);
+  if (!frame) return tl::unexpected(frame.error());
+  const Decoded<ServerEnvelope> envelope = open_server_envelope(*frame);
+  if (!envelope) return strange();
+  if (const auto* refusal = std::get_if<OpenRefusal>(&*envelope))
+    return fail(Fault::Mismatch, explain(*refusal, key.name, server).sentence());
+  const auto* accept = std::get_if<Accept>(&*envelope);
+  const auto completed = accept != nullptr ? handshake.take(*accept, *frame) : std::nullopt;
+  if (!completed || !std::holds_alternative<Welcome>(completed->answer)) return strange();
+  met.served_ = std::get<Welcome>(completed->answer);
+  met.key_ = id_of(key);
+  const SessionKeys& keys = completed->keys;
+  met.sealer_.emplace(keys.session, keys.to_server, keys.sealing);
+  met.opener_.emplace(keys.to_client, keys.sealing);
+  return met;
+}
+
+Expected<SealedStream> SealedStream::admit(TcpStream stream, const KeyRing& ring, const Welcome& served,
+                                           const Waiting& waiting) {
+  SealedStream met(std::move(stream));
+  const auto frame = met.receive_frame(waiting);
+  if (!frame) return tl::unexpected(frame.error());
+  const Decoded<ClientEnvelope> envelope = open_client_envelope(*frame);
+  if (!envelope) return strange();
+  const auto refuse_openly = [&](RefusalReason reason, const HelloEcho& echo) {
+    encode(OpenRefusal{.reason = reason, .echo = echo}, met.envelope_);
+    met.add_frame(met.envelope_);
+    static_cast<void>(met.flush(waiting));
+    return fail(Fault::Mismatch, std::string(name_of(reason)));
+  };
+  if (const auto* foreign = std::get_if<ForeignHello>(&*envelope))
+    return refuse_openly(RefusalReason::VersionMismatch, foreign->echo);
+  const auto* hello = std::get_if<Hello>(&*envelope);
+  if (hello == nullptr || hello->scene_hash != fetch_hello()) return strange();
+  const auto key = ring.find(hello->key);
+  if (key == ring.end() || !is_proved(*hello, *frame, key->second))
+    return refuse_openly(RefusalReason::UnknownKey, echo_of(hello->client));
+  const std::optional<Accepted> accepted = accept(*hello, *frame, key->second, served);
+  if (!accepted) return strange();
+  met.add_frame(accepted->datagram);
+  if (auto sent = met.flush(waiting); !sent) return tl::unexpected(sent.error());
+  met.served_ = served;
+  met.key_ = key->first;
+  met.sealer_.emplace(accepted->keys.session, accepted->keys.to_client, accepted->keys.sealing);
+  met.opener_.emplace(accepted->keys.to_server, accepted->keys.sealing);
+  return met;
+}
+
+void SealedStream::add(std::span<const std::byte> message) {
+  sealer_->seal(message, envelope_);
+  add_frame(envelope_);
+}
+
+void SealedStream::add_frame(std::span<const std::byte> envelope) {
+  const auto size = narrow<std::uint16_t>(envelope.size());
+  outgoing_.push_back(static_cast<std::byte>(size & 0xff));
+  outgoing_.push_back(static_cast<std::byte>(size >> 8));
+  outgoing_.insert(outgoing_.end(), envelope.begin(), envelope.end());
+}
+
+Expected<void> SealedStream::flush(const Waiting& waiting) {
+  Expected<void> written = stream_.write(outgoing_, waiting);
+  outgoing_.clear();
+  return written;
+}
+
+Expected<std::span<const std::byte>> SealedStream::receive_frame(const Waiting& waiting) {
+  for (;;) {
+    const std::span<const std::byte> rest = std::span(incoming_).subspan(begin_);
+    if (rest.size() >= kLength_bytes) {
+      const std::size_t size = std::to_integer<std::size_t>(rest[0]) | std::to_integer<std::size_t>(rest[1])
+                                                                           << 8;
+      if (size > kMaxDatagram_bytes) return strange();
+      if (rest.size() >= kLength_bytes + size) {
+        begin_ += kLength_bytes + size;
+        return rest.subspan(kLength_bytes, size);
+      }
+    }
+    incoming_.erase(incoming_.begin(), incoming_.begin() + static_cast<std::ptrdiff_t>(begin_));
+    begin_ = 0;
+    const std::size_t kept = incoming_.size();
+    incoming_.resize(kept + kRead_bytes);
+    const Expected<std::size_t> got = stream_.read_some(std::span(incoming_).subspan(kept), waiting);
+    incoming_.resize(kept + got.value_or(0));
+    if (!got) return tl::unexpected(got.error());
+  }
+}
+
+Expected<std::span<const std::byte>> SealedStream::receive(const Waiting& waiting) {
+  const auto frame = receive_frame(waiting);
+  if (!frame) return tl::unexpected(frame.error());
+  // A Sealed has the same layout in both directions.
+  const Decoded<ServerEnvelope> envelope = open_server_envelope(*frame);
+  const auto* sealed = envelope ? std::get_if<Sealed>(&*envelope) : nullptr;
+  if (sealed == nullptr || sealed->counter != received_) return strange();
+  const auto opened = opener_->open(*sealed, *frame, message_);
+  if (!opened) return strange();
+  ++received_;
+  return *opened;
+}
+
+}  // namespace farshade

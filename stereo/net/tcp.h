@@ -1,0 +1,69 @@
+/// TCP streams for one thread each, whose calls always end: at a deadline, or soon after the caller wants to
+/// stop. After a call that failed, a stream is of no further use, except that a read may be repeated that met
+/// its deadline.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "stereo/base/expected.h"
+#include "stereo/net/datagram.h"
+
+namespace farshade {
+
+/// Until when a call may wait, on the steady clock. `stopped` is polled every kStopPoll; empty: never.
+struct Waiting {
+  Time until;
+  std::function<bool()> stopped{};
+};
+inline constexpr Duration kStopPoll = std::chrono::milliseconds(50);
+
+class TcpStream {
+ public:
+  struct State;
+  explicit TcpStream(std::unique_ptr<State> state);
+  TcpStream(TcpStream&&) noexcept;
+  TcpStream& operator=(TcpStream&&) noexcept;
+  ~TcpStream();
+
+  [[nodiscard]] Peer peer() const;
+
+  /// Waits for at least one byte. Errors: Missing if the other side closed or nothing came until the
+  /// deadline.
+  [[nodiscard]] Expected<std::size_t> read_some(std::span<std::byte> into, const Waiting& waiting);
+  [[nodiscard]] Expected<void> write(std::span<const std::byte> bytes, const Waiting& waiting);
+
+  /// Asks the system and the network to prefer other packets: traffic class CS1 (RFC 8325: background in
+  /// Wi-Fi) and the queue for bulk traffic.
+  void let_others_pass();
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
+/// The address that a name stands for, with its port. It may wait for a name server.
+[[nodiscard]] Expected<Peer> resolve_tcp(std::string_view address);
+
+[[nodiscard]] Expected<TcpStream> connect_tcp(const Peer& server, const Waiting& waiting);
+
+class TcpListener {
+ public:
+  /// With port 0 the system chooses a port. Unavailable if the port is in use.
+  [[nodiscard]] static Expected<TcpListener> listen(const Peer& address);
+  TcpListener(TcpListener&&) noexcept;
+  TcpListener& operator=(TcpListener&&) noexcept;
+  ~TcpListener();
+
+  [[nodiscard]] Peer local() const;
+  /// Nothing if nobody connected until the deadline.
+  [[nodiscard]] std::optional<TcpStream> accept(const Waiting& waiting);
+
+ private:
+  struct State;
+  explicit TcpListener(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace farshade

@@ -1,0 +1,138 @@
+// rt_server and vr_client as processes: the client has no --scene.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <thread>
+
+#include "stereo/base/files.h"
+#include "tests/integration/client_program.h"
+#include "tests/integration/one_triangle.h"
+#include "tests/integration/test_keys.h"
+#include "tests/support/tcp_proxy.h"
+#include "tests/unit/scratch_folder.h"
+
+namespace farshade {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Runs vr_client without --scene, with a cache of its own.
+class SceneFetch : public testing::Test {
+ protected:
+  [[nodiscard]] std::vector<std::string> arguments(const std::string& server,
+                                                   const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> all{"/usr/bin/env",
+                                 "LSAN_OPTIONS=detect_leaks=0",
+                                 "XDG_CACHE_HOME=" + (folder_.path() / "cache").string(),
+                                 VR_CLIENT,
+                                 "--server",
+                                 server,
+                                 "--key",
+                                 test_keys().client,
+                                 "--trace",
+                                 kWalk,
+                                 "--size",
+                                 "48x32",
+                                 "--frames",
+                                 "3",
+                                 "--pictures",
+                                 "0",
+                                 "--out",
+                                 (folder_.path() / "out").string()};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  [[nodiscard]] Ended run(const std::vector<std::string>& command) const {
+    ChildProgram program(command);
+    const std::string errors = program.errors();
+    return {program.wait(), errors};
+  }
+  /// A scene whose buffer is a file of `bytes` bytes, of which the triangle needs 36.
+  [[nodiscard]] std::string large_scene(std::size_t bytes) const {
+    std::vector<std::byte> content(bytes);
+    const std::array<float, 9> triangle{0, 0, 0, 1, 0, 0, 0, 1, 0};
+    std::ranges::copy(std::as_bytes(std::span(triangle)), content.begin());
+    for (std::size_t i = 36; i < bytes; ++i) content[i] = static_cast<std::byte>(i * i >> 3);
+    fs::create_directories(folder_.path() / "scene/data");
+    EXPECT_TRUE(write_file_atomically(folder_.path() / "scene/data/the points.bin", content));
+    std::string text;
+    const std::string inline_scene =
+        one_triangle(folder_.path(), "inline.gltf", R"({"type":"point","intensity":30})");
+    const auto bytes_of_text = read_file(inline_scene, 1 << 20).value();
+    text.assign(reinterpret_cast<const char*>(bytes_of_text.data()), bytes_of_text.size());
+    const std::size_t buffers = text.find(R"("buffers")");
+    text = text.substr(0, buffers) + R"("buffers":[{"byteLength":)" + std::to_string(bytes) +
+           R"(,"uri":"./data/the%20points.bin"}]})";
+    const fs::path path = folder_.path() / "scene/large.gltf";
+    EXPECT_TRUE(write_file_atomically(path, text));
+    return path.string();
+  }
+
+  ScratchFolder folder_;
+};
+
+TEST_F(SceneFetch, ShowsTheServersSceneWithItsLighting) {
+  RunningServer server(kRoom, "127.0.0.1:0", {"--sun", "145,50,3", "--ambient", "0.1"});
+  const Ended first = run(arguments(server.address()));
+  EXPECT_EQ(first.status, 0) << first.errors;
+  EXPECT_NE(first.errors.find("fetched "), std::string::npos) << first.errors;
+  const Ended second = run(arguments(server.address()));
+  EXPECT_EQ(second.status, 0) << second.errors;
+  EXPECT_EQ(second.errors.find("fetched "), std::string::npos) << "it is in the cache";
+  // One that has the file, and names other lighting, is told what to do.
+  const Ended other = run(arguments(server.address(), {"--scene", kRoom}));
+  EXPECT_EQ(other.status, 1);
+  EXPECT_NE(other.errors.find("start the client without --scene"), std::string::npos) << other.errors;
+}
+
+TEST_F(SceneFetch, GoesOnAfterCtrlCAndACutWithFilesOfAFolder) {
+  constexpr std::size_t kBytes = 4'000'000;
+  RunningServer server(large_scene(kBytes));
+  const Peer address = resolve_tcp(server.address()).value();
+  {
+    TcpProxy slow(address, {.bytes_per_second = 1e6, .delay = std::chrono::milliseconds(20)});
+    ChildProgram program(arguments(to_string(slow.address())));
+    ASSERT_TRUE(program.error_line_after("fetching the scene: ")) << "progress is shown";
+    const Stopwatch watch;
+    program.send(SIGINT);
+    const std::string errors = program.errors();
+    EXPECT_EQ(program.wait(), 1);
+    EXPECT_LT(seconds_of(watch.elapsed()), 1);
+    EXPECT_NE(errors.find("the next start goes on from there"), std::string::npos) << errors;
+  }
+  TcpProxy cutting(address, {.bytes_per_second = 20e6, .cuts = {600'000, 40'000}});
+  const Ended rest = run(arguments(to_string(cutting.address()), {"--plan"}));
+  EXPECT_EQ(rest.status, 0) << rest.errors;
+  EXPECT_EQ(cutting.connections(), 3u);
+  EXPECT_LT(cutting.passed_bytes(), kBytes) << "what came before Ctrl-C was not sent again";
+  const Ended whole = run(arguments(server.address(), {"--plan"}));
+  EXPECT_EQ(whole.status, 0) << whole.errors;
+  EXPECT_EQ(whole.errors.find("fetched "), std::string::npos) << whole.errors;
+}
+
+TEST_F(SceneFetch, SaysWhatToDoIfTheServerSendsNoScene) {
+  RunningServer server(kRoom, "127.0.0.1:0", {"--no-scene-fetch"});
+  const Ended refused = run(arguments(server.address()));
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_NE(refused.errors.find("--no-scene-fetch"), std::string::npos) << refused.errors;
+  EXPECT_NE(refused.errors.find("give --scene"), std::string::npos) << refused.errors;
+}
+
+TEST_F(SceneFetch, WorksWithoutKeys) {
+  ChildProgram server({RT_SERVER, "--scene", kRoom, "--listen", "127.0.0.1:0", "--insecure"});
+  const auto address = server.line_after("rt_server: listening on ");
+  ASSERT_TRUE(address);
+  const Ended run_insecure = run(arguments(*address, {"--insecure", "--plan"}));
+  EXPECT_EQ(run_insecure.status, 0) << run_insecure.errors;
+}
+
+TEST_F(SceneFetch, TheDoctorSaysWhatTheServerSends) {
+  RunningServer server;
+  ChildProgram doctor({VR_CLIENT, "doctor", "--server", server.address(), "--key", test_keys().client});
+  const auto line =
+      doctor.line_after("ok    scene: the server sends it to clients without --scene: 1 file, ");
+  EXPECT_TRUE(line) << doctor.output();
+}
+
+}  // namespace
+}  // namespace farshade

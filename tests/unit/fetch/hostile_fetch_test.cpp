@@ -1,0 +1,192 @@
+// A hostile server against the client's fetch, and hostile clients against the sender.
+#include <gtest/gtest.h>
+
+#include <future>
+
+#include "stereo/fetch/fetch_messages.h"
+#include "tests/unit/fetch/fetch_bench.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+
+Waiting for_time(Duration span) {
+  return {SteadyClock().now() + span, {}};
+}
+
+/// A server that has the key and says what a test wants.
+class HostileServer {
+ public:
+  using Say = std::function<void(SealedStream&, const FetchRequest&)>;
+  HostileServer(const SharedKey& key, Say say)
+      : thread_([this, key, say = std::move(say)](const std::stop_token& stop) {
+          while (!stop.stop_requested()) {
+            auto tcp = listener_.accept(for_time(50ms));
+            if (!tcp) continue;
+            auto met = SealedStream::admit(*std::move(tcp), {{id_of(key), key}}, Welcome{.light_count = 1},
+                                           for_time(2s));
+            while (met && !stop.stop_requested()) {
+              const auto message = met->receive(for_time(2s));
+              const auto request = message ? decode_fetch_request(*message) : refuse(WireRefusal::Truncated);
+              if (!request) break;
+              say(*met, *request);
+              if (!met->flush(for_time(2s))) break;
+            }
+          }
+        }) {}
+
+  [[nodiscard]] Peer address() const { return listener_.local(); }
+
+ private:
+  TcpListener listener_ = TcpListener::listen(loopback()).value();
+  std::jthread thread_;
+};
+
+void say(SealedStream& stream, const FetchAnswer& answer) {
+  std::vector<std::byte> message;
+  encode(answer, message);
+  stream.add(message);
+}
+
+const std::string kHonest = "honest bytes";
+SceneOffer honest_offer() {
+  SceneOffer offer;
+  offer.files = {{"a.glb", kHonest.size(), digest_of(std::as_bytes(std::span(kHonest)))}};
+  return offer;
+}
+
+void say_offer(SealedStream& stream) {
+  say(stream, OfferPart{OfferPart::More::No, encode(honest_offer())});
+}
+
+class HostileFetchTest : public FetchTest {
+ protected:
+  /// The error of a fetch from a server that offers a sound scene, and then sends what `content` says.
+  Error error_after(std::function<void(SealedStream&, std::uint64_t begin)> content) {
+    const HostileServer server(key_, [&](SealedStream& stream, const FetchRequest& request) {
+      if (const auto* range = std::get_if<ContentRequest>(&request))
+        content(stream, range->begin);
+      else
+        say_offer(stream);
+    });
+    return error_from(server);
+  }
+  Error error_from(const HostileServer& server) {
+    FetchPlan wanted = plan();
+    wanted.server = server.address();
+    wanted.patience = 1s;
+    const Stopwatch watch;
+    const Expected<FetchedScene> fetched = fetch_scene(wanted);
+    EXPECT_LT(seconds_of(watch.elapsed()), 4);
+    return fetched ? Error{} : fetched.error();
+  }
+};
+
+TEST_F(HostileFetchTest, OtherBytesThanAskedForAreRefused) {
+  const std::vector<std::byte> bytes(8);
+  EXPECT_EQ(error_after([&](auto& stream, std::uint64_t at) {
+              say(stream, Content{at + 1, bytes});
+            }).fault,
+            Fault::Malformed);
+  EXPECT_EQ(error_after([&](auto& stream, std::uint64_t at) {
+              say(stream, Content{at, bytes});
+              say(stream, Content{at + 8, bytes});  // 16 of 12 bytes
+            }).fault,
+            Fault::Malformed);
+  EXPECT_EQ(error_after([&](auto& stream, std::uint64_t) { say_offer(stream); }).fault, Fault::Malformed);
+}
+
+TEST_F(HostileFetchTest, AWrongHashIsRefused) {
+  const Error error = error_after([&](auto& stream, std::uint64_t at) {
+    say(stream, Content{at, std::vector<std::byte>(kHonest.size())});
+  });
+  EXPECT_EQ(error.fault, Fault::Mismatch);
+  EXPECT_NE(error.what.find("'a.glb' does not have the hash"), std::string::npos) << error.what;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path() / "cache"))
+    EXPECT_TRUE(entry.is_directory() || entry.path().extension() == ".lock") << entry.path();
+}
+
+TEST_F(HostileFetchTest, AServerThatDripsOrFallsSilentEndsTheFetch) {
+  const Error drip = error_after([&](auto& stream, std::uint64_t at) {
+    for (std::uint64_t i = 0; i < 11; ++i) {
+      say(stream, Content{at + i, std::as_bytes(std::span(kHonest)).subspan(i, 1)});
+      if (!stream.flush(for_time(1s))) return;
+      std::this_thread::sleep_for(200ms);
+    }
+  });
+  EXPECT_EQ(drip.fault, Fault::Missing);
+  EXPECT_NE(drip.what.find("less than 20000 bytes"), std::string::npos) << drip.what;
+  EXPECT_EQ(error_after([](auto&, std::uint64_t) {}).fault, Fault::Missing);
+}
+
+TEST_F(HostileFetchTest, AnEndlessOfferIsRefused) {
+  const HostileServer server(key_, [&](SealedStream& stream, const FetchRequest&) {
+    const std::vector<std::byte> part(kMaxOfferPart_bytes);
+    for (std::size_t i = 0; i < 2 * kMostOffer_bytes / part.size(); ++i)
+      say(stream, OfferPart{OfferPart::More::Yes, part});
+  });
+  EXPECT_EQ(error_from(server).fault, Fault::Malformed);
+}
+
+TEST_F(HostileFetchTest, OnlyAClientWithItsKeyGetsBytesAndNoHelloOfUdpHelps) {
+  write({{"a.glb", 1000}});
+  serve({.first_message = 300ms});
+  const auto answer_to = [&](const ContentHash& scene) {
+    auto tcp = connect_tcp(server_, for_time(2s)).value();
+    std::vector<std::byte> hello, framed{std::byte{0xb0}, std::byte{0x04}};  // 1200
+    ClientHandshake(key_, scene).write_hello(hello);
+    framed.insert(framed.end(), hello.begin(), hello.end());
+    EXPECT_TRUE(tcp.write(framed, for_time(2s)));
+    std::array<std::byte, 4096> buffer;
+    std::size_t got = 0;
+    while (const auto more = tcp.read_some(buffer, for_time(2s))) got += *more;
+    return got;
+  };
+  EXPECT_EQ(answer_to({1, 2, 3}), 0u) << "a hello that was recorded from UDP";
+  // A recorded hello of this transport gets an Accept, but its sender cannot seal a request.
+  EXPECT_LT(answer_to(fetch_hello()), 200u);
+  EXPECT_EQ(sender_->counters().unproved, 2u);
+  EXPECT_EQ(sender_->counters().sent_bytes, 0u);
+}
+
+TEST_F(HostileFetchTest, ManyStrangersDoNotKeepAClientOut) {
+  write({{"a.glb", 50'000}});
+  serve({.between_accepts = 1ms});
+  std::vector<TcpStream> strangers;
+  for (int i = 0; i < 12; ++i) strangers.push_back(connect_tcp(server_, for_time(2s)).value());
+  // Four wait from this address for their first message; the others were closed. Those of another address
+  // would push the oldest out.
+  std::this_thread::sleep_for(100ms);
+  EXPECT_EQ(sender_->counters().dropped, 8u);
+  strangers.clear();
+  const Expected<FetchedScene> fetched = fetch_scene(plan());
+  ASSERT_TRUE(fetched.has_value()) << fetched.error().what;
+  expect_equal_files(*fetched);
+}
+
+TEST_F(HostileFetchTest, ManyConnectionsOfOneKeyAreBusyAndSlowReadersEnd) {
+  write({{"a.glb", 30'000'000}});
+  serve({.of_one_key = 2, .silence = 500ms, .bytes_per_second = 1e9});
+  std::vector<SealedStream> greedy;
+  std::vector<std::byte> request;
+  encode(FetchRequest(ContentRequest{0, 30'000'000}), request);
+  for (int i = 0; i < 3; ++i) {
+    auto met = SealedStream::meet(connect_tcp(server_, for_time(2s)).value(), key_, for_time(2s));
+    ASSERT_TRUE(met.has_value()) << met.error().what;
+    met->add(request);
+    ASSERT_TRUE(met->flush(for_time(2s)));
+    greedy.push_back(*std::move(met));
+    std::this_thread::sleep_for(50ms);
+  }
+  const auto answer = greedy[2].receive(for_time(2s));
+  ASSERT_TRUE(answer.has_value());
+  EXPECT_EQ(std::get<FetchRefusal>(*decode_fetch_answer(*answer)), FetchRefusal::Busy);
+  // Nobody reads the first two. They are ended, so another client of the key gets its turn.
+  const Expected<FetchedScene> fetched = fetch_scene(plan());
+  ASSERT_TRUE(fetched.has_value()) << fetched.error().what;
+  EXPECT_GE(sender_->counters().busy, 1u);
+}
+
+}  // namespace
+}  // namespace farshade

@@ -1,0 +1,13 @@
+/// The scene of a client that was started without --scene.
+#pragma once
+
+#include "stereo/base/expected.h"
+#include "vr_client/options.h"
+
+namespace farshade {
+
+/// If the options need a scene and name none: fetches it from the server (fetch/fetch_scene.h), shows the
+/// progress, and puts file, lighting and hash into the options. Ends soon after SIGINT or SIGTERM.
+[[nodiscard]] Expected<void> fetch_if_missing(Options& options);
+
+}  // namespace farshade
