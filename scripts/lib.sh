@@ -92,14 +92,14 @@ whole_line() {
   [[ -f $1 ]] && IFS= read -r line <"$1" && printf '%s\n' "$line"
 }
 
-# lighting_of OPTION...: sets `lighting` to those options that light the scene. Server and client need the same.
+# lighting_of OPTION...: sets `lighting` to those options that choose and light the scene. Server and client need the same.
 lighting_of() {
   local i
   lighting=()
   for ((i = 1; i <= $#; ++i)); do
     case ${!i} in
-      --light | --sun | --ambient | --exposure) lighting+=("${@:i:2}"); i=$((i + 1)) ;;
-      --light=* | --sun=* | --ambient=* | --exposure=*) lighting+=("${!i}") ;;
+      --light | --sun | --ambient | --exposure | --scene-index | --camera | --variant) lighting+=("${@:i:2}"); i=$((i + 1)) ;;
+      --light=* | --sun=* | --ambient=* | --exposure=* | --scene-index=* | --camera=* | --variant=*) lighting+=("${!i}") ;;
     esac
   done
 }
