@@ -50,6 +50,15 @@ build() {
   (cd "$root" && cmake --build --preset "$preset" -j "$(build_jobs)" --target "$@") || die "building $preset failed"
 }
 
+# find_python: sets `python` to one with matplotlib and Pillow. Another Python may come first in PATH; the packages were
+# installed for Debian's.
+find_python() {
+  for python in python3 /usr/bin/python3 ''; do
+    if [[ -z $python ]] || "$python" -c 'import matplotlib, PIL' 2>/dev/null; then break; fi
+  done
+  [[ $python ]] || die "no python3 here has matplotlib: apt-get install python3-matplotlib"
+}
+
 minutes() { printf '%d:%02d min' $(($1 / 60)) $(($1 % 60)); }
 
 # start_server SCENE [OPTION...]: starts rt_server on a free loopback port with new keys. Sets `address`, where the server listens,
