@@ -50,6 +50,15 @@ build() {
   (cd "$root" && cmake --build --preset "$preset" -j "$(build_jobs)" --target "$@") || die "building $preset failed"
 }
 
+# find_python: sets `python` to one with matplotlib and Pillow. Another Python may come first in PATH; the packages were
+# installed for Debian's.
+find_python() {
+  for python in python3 /usr/bin/python3 ''; do
+    if [[ -z $python ]] || "$python" -c 'import matplotlib, PIL' 2>/dev/null; then break; fi
+  done
+  [[ $python ]] || die "no python3 here has matplotlib: apt-get install python3-matplotlib"
+}
+
 minutes() { printf '%d:%02d min' $(($1 / 60)) $(($1 % 60)); }
 
 # start_server SCENE [OPTION...]: starts rt_server on a free loopback port with new keys. Sets `address`, where the server listens,
@@ -92,14 +101,14 @@ whole_line() {
   [[ -f $1 ]] && IFS= read -r line <"$1" && printf '%s\n' "$line"
 }
 
-# lighting_of OPTION...: sets `lighting` to those options that light the scene. Server and client need the same.
+# lighting_of OPTION...: sets `lighting` to those options that choose and light the scene. Server and client need the same.
 lighting_of() {
   local i
   lighting=()
   for ((i = 1; i <= $#; ++i)); do
     case ${!i} in
-      --light | --sun | --ambient | --exposure) lighting+=("${@:i:2}"); i=$((i + 1)) ;;
-      --light=* | --sun=* | --ambient=* | --exposure=*) lighting+=("${!i}") ;;
+      --light | --sun | --ambient | --exposure | --scene-index | --camera | --variant) lighting+=("${@:i:2}"); i=$((i + 1)) ;;
+      --light=* | --sun=* | --ambient=* | --exposure=* | --scene-index=* | --camera=* | --variant=*) lighting+=("${!i}") ;;
     esac
   done
 }

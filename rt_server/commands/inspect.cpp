@@ -75,6 +75,10 @@ ordered_json facts_of(const Scene& file, const LitScene& lit) {
           {"size_m", list(size)},
           {"camera", file.camera ? "of the file" : "chosen"},
           {"camera_m", list(viewpoint.translation)},
+          {"scenes", scene.contents.scenes},
+          {"scene", scene.contents.scene},
+          {"cameras", scene.contents.cameras},
+          {"variants", scene.contents.variants},
           {"lights", lights},
           {"lights_of_the_file", file.lights.size()},
           {"ambient", scene.ambient},
@@ -86,6 +90,23 @@ ordered_json facts_of(const Scene& file, const LitScene& lit) {
 
 std::string point_words(const ordered_json& v) {
   return fmt::format("({:.4g} {:.4g} {:.4g})", v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
+}
+
+/// "  scenes     0 'day', 1 'night' (shown: 0)" and the like, for a file that offers a choice.
+std::string offers_in_words(const ordered_json& facts) {
+  std::string text;
+  for (const char* kind : {"scenes", "cameras", "variants"}) {
+    const ordered_json& names = facts[kind];
+    if (names.size() < (kind == std::string_view("variants") ? 1u : 2u)) continue;
+    text += fmt::format("  {:<10}", kind);
+    for (std::size_t i = 0; i < names.size(); ++i)
+      text += fmt::format("{} {} '{}'", i ? "," : "", i, gltf::printable(names[i].get<std::string>()));
+    text +=
+        kind == std::string_view("scenes")
+            ? fmt::format("; scene {} is shown (--scene-index)\n", facts["scene"].get<int>())
+            : fmt::format(" (--{})\n", std::string_view(kind).substr(0, std::string_view(kind).size() - 1));
+  }
+  return text;
 }
 
 std::string in_words(const ordered_json& facts) {
@@ -101,6 +122,7 @@ std::string in_words(const ordered_json& facts) {
       point_words(facts["high_m"]), number("materials"), number("textures"),
       static_cast<double>(number("texture_pixels")) * 1e-6, facts["camera"].get<std::string>(),
       point_words(facts["camera_m"]));
+  text += offers_in_words(facts);
   for (const ordered_json& light : facts["lights"])
     text += fmt::format("  light      {} '{}', intensity {}{}{}\n", light["kind"].get<std::string>(),
                         gltf::printable(light["name"].get<std::string>()), point_words(light["intensity"]),
@@ -129,7 +151,7 @@ void add_inspect(CLI::App& program, InspectOptions& options) {
 }
 
 Expected<std::string> inspect(const InspectOptions& options) {
-  const Expected<Scene> scene = load_scene(options.file);
+  const Expected<Scene> scene = load_scene(options.file, {}, options.lighting.choice);
   if (!scene) return tl::unexpected(scene.error());
   const Expected<LitScene> lit = light_scene(*scene, options.lighting);
   if (!lit) return tl::unexpected(lit.error());

@@ -51,12 +51,6 @@ bool each_field(auto& io, auto& list, std::size_t most, auto one) {
   return std::ranges::all_of(list, [&](auto& element) { return one(element); });
 }
 
-bool lighting_fields(auto& io, Lighting& lighting) {
-  return each_field(io, lighting.lights, kMaxLights,
-                    [&](AddedLight& light) { return light_fields(io, light); }) &&
-         real(io, lighting.ambient) && real(io, lighting.exposure);
-}
-
 bool character(auto& io, char& c) {
   auto byte = static_cast<std::uint8_t>(c);
   if (!io.u8(byte)) return false;
@@ -64,9 +58,27 @@ bool character(auto& io, char& c) {
   return true;
 }
 
+bool text(auto& io, std::string& value) {
+  return each_field(io, value, kMostName_bytes, [&](char& c) { return character(io, c); });
+}
+
+bool choice_fields(auto& io, SceneChoice& choice) {
+  std::uint8_t is_there = choice.scene.has_value();
+  std::uint32_t scene = choice.scene.value_or(0);
+  if (!io.u8(is_there) || is_there > 1 || !io.u32(scene)) return false;
+  choice.scene = is_there == 1 ? std::optional(scene) : std::nullopt;
+  return text(io, choice.camera) && text(io, choice.variant);
+}
+
+bool lighting_fields(auto& io, Lighting& lighting) {
+  return choice_fields(io, lighting.choice) &&
+         each_field(io, lighting.lights, kMaxLights,
+                    [&](AddedLight& light) { return light_fields(io, light); }) &&
+         real(io, lighting.ambient) && real(io, lighting.exposure);
+}
+
 bool file_fields(auto& io, OfferedFile& file) {
-  return each_field(io, file.name, kMostName_bytes, [&](char& c) { return character(io, c); }) &&
-         io.u64(file.bytes) && io.array(file.hash);
+  return text(io, file.name) && io.u64(file.bytes) && io.array(file.hash);
 }
 
 bool files_fields(auto& io, std::vector<OfferedFile>& files) {

@@ -47,7 +47,8 @@ Expected<void> check_size(std::uint32_t width, std::uint32_t height, std::uint64
 Expected<Image<Rgba8>> decode_image(std::span<const std::byte> file, std::uint64_t max_pixels) {
   if (is_png(file)) return decode_png(file, max_pixels);
   if (is_jpeg(file)) return decode_jpeg(file, max_pixels);
-  return fail(Fault::Unsupported, "picture is neither PNG nor JPEG by its first bytes");
+  if (is_webp(file)) return decode_webp(file, max_pixels);
+  return fail(Fault::Unsupported, "picture is neither PNG nor JPEG nor WebP by its first bytes");
 }
 
 Expected<void> write_png(const fs::path& path, const Image<Rgb8>& image) {

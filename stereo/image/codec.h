@@ -12,8 +12,9 @@
 
 namespace farshade {
 
-/// Decodes PNG or JPEG, depending on the signature. Converts 16 bits to 8, and palettes and grey to colour.
-/// Missing alpha is 255. Errors: Unsupported for CMYK, OutOfRange for more than `max_pixels`.
+/// Decodes PNG, JPEG or WebP, depending on the signature. Converts 16 bits to 8, and palettes and grey to
+/// colour. Missing alpha is 255. Errors: Unsupported for CMYK and animations, OutOfRange for more than
+/// `max_pixels`.
 [[nodiscard]] Expected<Image<Rgba8>> decode_image(std::span<const std::byte> file, std::uint64_t max_pixels);
 
 /// 8-bit sRGB colour.

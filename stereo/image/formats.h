@@ -13,9 +13,11 @@ namespace farshade {
 
 [[nodiscard]] bool is_png(std::span<const std::byte> file);
 [[nodiscard]] bool is_jpeg(std::span<const std::byte> file);
+[[nodiscard]] bool is_webp(std::span<const std::byte> file);
 
 [[nodiscard]] Expected<Image<Rgba8>> decode_png(std::span<const std::byte> file, std::uint64_t max_pixels);
 [[nodiscard]] Expected<Image<Rgba8>> decode_jpeg(std::span<const std::byte> file, std::uint64_t max_pixels);
+[[nodiscard]] Expected<Image<Rgba8>> decode_webp(std::span<const std::byte> file, std::uint64_t max_pixels);
 
 [[nodiscard]] Expected<std::vector<std::byte>> encode_png(const Image<Rgb8>& image);
 [[nodiscard]] Expected<std::vector<std::byte>> encode_png16(const Image<std::uint16_t>& image);

@@ -3,8 +3,11 @@
 #include <exception>
 
 #include "stereo/base/files.h"
+#include "stereo/scene/gltf_choice.h"
+#include "stereo/scene/gltf_compressed.h"
 #include "stereo/scene/gltf_convert.h"
 #include "stereo/scene/gltf_files.h"
+#include "stereo/scene/gltf_instances.h"
 #include "stereo/scene/gltf_parse.h"
 #include "stereo/scene/gltf_validate.h"
 #include "stereo/scene/scene_hash.h"
@@ -12,8 +15,18 @@
 namespace farshade {
 namespace {
 
+/// Makes everything that a file may describe in other ways plain, and checks it.
+gltf::Checked prepare(gltf::Document& document, const SceneLimits& limits, const SceneChoice& choice) {
+  return gltf::decompress(document)
+      .and_then([&] { return gltf::validate_accessors(document); })
+      .and_then([&] { return gltf::expand_instances(document); })
+      .and_then([&] { return gltf::choose_scene(document, choice); })
+      .and_then([&] { return gltf::validate(document, limits); })
+      .and_then([&] { return gltf::choose_camera(document, choice); });
+}
+
 Expected<Scene> load(std::span<const std::byte> file, const std::filesystem::path& folder,
-                     const SceneLimits& limits) {
+                     const SceneLimits& limits, const SceneChoice& choice) {
   if (file.size() > limits.file_bytes || file.size() > std::uint64_t{1} << 31)
     return fail(Fault::OutOfRange,
                 std::to_string(file.size()) + " bytes are more than a scene file may have");
@@ -21,8 +34,8 @@ Expected<Scene> load(std::span<const std::byte> file, const std::filesystem::pat
   return gltf::open_container(file).and_then([&](const gltf::Container& container) {
     return gltf::check_json_depth(container.json, limits.json_depth)
         .and_then([&] { return gltf::parse_document(container.json, container.bin, files); })
-        .and_then([&](const gltf::Document& document) -> Expected<Scene> {
-          if (auto valid = gltf::validate(document, limits); !valid) return tl::unexpected(valid.error());
+        .and_then([&](gltf::Document&& document) -> Expected<Scene> {
+          if (auto ready = prepare(document, limits, choice); !ready) return tl::unexpected(ready.error());
           return gltf::convert(document, limits);
         })
         .map([&](Scene scene) {
@@ -36,20 +49,21 @@ Expected<Scene> load(std::span<const std::byte> file, const std::filesystem::pat
 }  // namespace
 
 Expected<Scene> load_scene_from_memory(std::span<const std::byte> file, const std::filesystem::path& folder,
-                                       const SceneLimits& limits) {
+                                       const SceneLimits& limits, const SceneChoice& choice) {
   // The libraries and the allocator report errors by exceptions. No exception leaves this function.
   try {
-    return load(file, folder, limits);
+    return load(file, folder, limits, choice);
   } catch (const std::exception& refusal) {
     return fail(Fault::Malformed, "cannot be loaded: " + gltf::printable(refusal.what()));
   }
 }
 
-Expected<Scene> load_scene(const std::filesystem::path& path, const SceneLimits& limits) {
+Expected<Scene> load_scene(const std::filesystem::path& path, const SceneLimits& limits,
+                           const SceneChoice& choice) {
   const auto bytes = read_file(path, limits.file_bytes);
   if (!bytes) return tl::unexpected(bytes.error());
   const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-  auto scene = load_scene_from_memory(*bytes, folder, limits);
+  auto scene = load_scene_from_memory(*bytes, folder, limits, choice);
   if (!scene) return fail(scene.error().fault, path.string() + ": " + scene.error().what);
   scene->name = path.filename().string();
   return scene;

@@ -1,17 +1,19 @@
 /// The glTF 2.0 loader. It turns an untrusted file into a checked Scene, or into one sentence about its first
 /// fault.
 ///
-/// Supported: .gltf and .glb; external, embedded and GLB buffers; PNG and JPEG; indexed and non-indexed
-/// triangles, strips and fans; sparse accessors; KHR_mesh_quantization, KHR_texture_transform,
-/// KHR_lights_punctual; animation of translation, rotation and scale. Skins and morph targets stand
-/// still: in the pose at time 0, with the weights of the file. Extensions that only change the look are left
-/// out with a warning (Scene::warnings). Refused: every other required extension.
+/// Supported: .gltf and .glb; external, embedded and GLB buffers; PNG, JPEG and EXT_texture_webp; indexed and
+/// non-indexed triangles, strips and fans; sparse accessors; KHR_mesh_quantization, EXT_meshopt_compression,
+/// KHR_draco_mesh_compression; EXT_mesh_gpu_instancing; KHR_texture_transform, KHR_materials_variants,
+/// KHR_lights_punctual; KHR_animation_pointer to nodes; animation of translation, rotation and scale. Skins
+/// and morph targets stand still: in the pose at time 0, with the weights of the file. Extensions that only
+/// change the look are left out with a warning (Scene::warnings). Refused: every other required extension.
 #pragma once
 
 #include <cstddef>
 #include <span>
 
 #include "stereo/scene/scene.h"
+#include "stereo/scene/scene_choice.h"
 
 namespace farshade {
 
@@ -26,11 +28,13 @@ struct SceneLimits {
 };
 
 /// Loads a .gltf or .glb file. It may name external files only inside its own folder.
-[[nodiscard]] Expected<Scene> load_scene(const std::filesystem::path& path, const SceneLimits& limits = {});
+[[nodiscard]] Expected<Scene> load_scene(const std::filesystem::path& path, const SceneLimits& limits = {},
+                                         const SceneChoice& choice = {});
 
 /// As load_scene, for a file in memory. With an empty `folder`, external files cannot be read.
 [[nodiscard]] Expected<Scene> load_scene_from_memory(std::span<const std::byte> file,
                                                      const std::filesystem::path& folder = {},
-                                                     const SceneLimits& limits = {});
+                                                     const SceneLimits& limits = {},
+                                                     const SceneChoice& choice = {});
 
 }  // namespace farshade

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "stereo/scene/gltf_animation.h"
+#include "stereo/scene/gltf_choice.h"
 #include "stereo/scene/gltf_deform.h"
 #include "stereo/scene/gltf_materials.h"
 #include "stereo/scene/gltf_mesh.h"
@@ -209,8 +210,10 @@ Rigid<Stage, Eye> rigid_part(const Affine<Stage, Object>& pose) {
   return {glm::normalize(glm::quat_cast(axes)), glm::dvec3(pose.matrix[3])};
 }
 
-/// The first node whose name starts with `camera:`, otherwise the first node with a camera.
+/// The chosen camera, otherwise the first node whose name starts with `camera:`, otherwise the first with a
+/// camera.
 Index camera_node(const Document& document, const NodeOrder& order) {
+  if (document.chosen_camera) return order.to_scene[*document.chosen_camera];
   Index found;
   for (std::uint32_t i = 0; i < order.from_document.size(); ++i) {
     const Node& node = document.nodes[order.from_document[i]];
@@ -254,6 +257,7 @@ Expected<Scene> convert(const Document& document, const SceneLimits& limits) {
   const NodeOrder order = order_nodes(document);
   Scene scene;
   scene.warnings = document.warnings;
+  scene.contents = contents_of(document);
   add_nodes(document, order, scene);
   const WeightTracks tracks = add_animations(document, order.to_scene, scene);
   const Checked checked = add_instances(document, order, limits, tracks, scene)

@@ -7,7 +7,9 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat4x4.hpp>
 #include <map>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -45,10 +47,20 @@ constexpr std::uint64_t bytes_of(Component c) {
   return 0;
 }
 
+struct MeshoptView;
+
 struct BufferView {
   std::uint32_t buffer = 0;
   std::uint64_t offset = 0, bytes = 0;
-  std::uint64_t stride = 0;  ///< 0 = elements are packed without gaps
+  std::uint64_t stride = 0;                      ///< 0 = elements are packed without gaps
+  std::shared_ptr<const MeshoptView> meshopt{};  ///< if set, the bytes are still compressed (decompress)
+};
+
+/// EXT_meshopt_compression of a view. Mode and filter are as the extension spells them.
+struct MeshoptView {
+  BufferView source;  ///< the compressed bytes
+  std::uint64_t stride = 0, count = 0;
+  std::string mode, filter;
 };
 
 struct Sparse {
@@ -109,11 +121,19 @@ struct MorphTarget {
   Index position, normal;
 };
 
+/// KHR_draco_mesh_compression of a primitive.
+struct DracoMesh {
+  std::uint32_t view = 0;
+  std::map<std::string, std::uint32_t> ids;  ///< semantic -> the attribute's id in the Draco mesh
+};
+
 struct Primitive {
   std::map<std::string, std::uint32_t> attributes;  ///< semantic -> accessor
   std::vector<MorphTarget> targets;
   Index indices, material;
   Mode mode = Mode::Triangles;
+  std::map<std::uint32_t, std::uint32_t> variants{};  ///< variant -> material
+  std::shared_ptr<const DracoMesh> draco{};  ///< if set, the accessors have no bytes yet (decompress)
 
   [[nodiscard]] bool draws_triangles() const { return mode >= Mode::Triangles && mode <= Mode::TriangleFan; }
   [[nodiscard]] Index attribute(const std::string& semantic) const {
@@ -134,6 +154,11 @@ struct Skin {
   Index inverse_bind;                 ///< accessor of one matrix per joint; none: identity
 };
 
+/// EXT_mesh_gpu_instancing of a node: accessors with one value per instance.
+struct Instancing {
+  Index translation, rotation, scale;
+};
+
 struct Node {
   std::string name;
   std::vector<std::uint32_t> children;
@@ -141,7 +166,8 @@ struct Node {
   std::optional<glm::dvec3> translation, scale;
   std::optional<glm::dquat> rotation;
   std::optional<glm::dmat4> matrix;
-  std::vector<double> weights;  ///< of the mesh's morph targets; empty: those of the mesh
+  std::vector<double> weights;                     ///< of the mesh's morph targets; empty: those of the mesh
+  std::shared_ptr<const Instancing> instancing{};  ///< until expand_instances
 };
 
 struct Light {
@@ -165,6 +191,7 @@ struct Animation {
   std::string name;
   std::vector<AnimationChannel> channels;
   std::vector<AnimationSampler> samplers;
+  std::vector<std::string> still;  ///< what KHR_animation_pointer points to and stands still here
 };
 
 struct Document {
@@ -182,7 +209,10 @@ struct Document {
   std::vector<Animation> animations;
   std::vector<std::vector<std::uint32_t>> scenes;  ///< the root nodes of each scene
   Index default_scene;
-  std::uint64_t cameras = 0;
+  std::vector<std::string> scene_names;
+  std::vector<std::string> cameras;   ///< their names
+  std::vector<std::string> variants;  ///< names of KHR_materials_variants
+  Index chosen_camera;                ///< node (choose_camera); none: the reference camera
   std::vector<std::string> warnings;  ///< what is not drawn as the file says, one sentence each
 };
 

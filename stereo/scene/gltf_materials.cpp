@@ -45,7 +45,7 @@ Expected<std::uint32_t> MaterialConverter::material(Index index) {
     result.base_color = glm::vec4(from.base_color);
     result.alpha_cutoff = cutoff_from(from);
     result.double_sided = from.double_sided;
-    const bool has_image = from.texture && document_.textures[from.texture->texture].image;
+    const bool has_image = from.texture && is_readable(document_.textures[from.texture->texture].image);
     if (from.texture && !has_image) leave_out_texture();
     if (has_image) {
       const auto number = texture(from.texture->texture);
@@ -57,11 +57,19 @@ Expected<std::uint32_t> MaterialConverter::material(Index index) {
   return materials_[index] = static_cast<std::uint32_t>(scene_.materials.size() - 1);
 }
 
-/// The image of such a texture has a format of an extension.
+/// False for no image, and for a format that no library of Debian decodes: the base colour factor is drawn.
+bool MaterialConverter::is_readable(Index image) const {
+  using namespace std::string_view_literals;
+  if (!image) return false;
+  const auto file = file_of(document_, document_.images[*image]);
+  const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
+  return !text.starts_with("\xabKTX 20\xbb"sv) && !(text.size() > 12 && text.substr(4, 8) == "ftypavif"sv);
+}
+
 void MaterialConverter::leave_out_texture() {
   if (leaves_out_texture_) return;
   leaves_out_texture_ = true;
-  scene_.warnings.emplace_back("textures without a PNG or JPEG image are left out");
+  scene_.warnings.emplace_back("textures without a PNG, JPEG or WebP image are left out");
 }
 
 Expected<std::uint32_t> MaterialConverter::texture(std::uint32_t index) {

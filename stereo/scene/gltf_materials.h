@@ -21,6 +21,7 @@ class MaterialConverter {
  private:
   using TextureKey = std::tuple<std::uint32_t, Wrap, Wrap>;  ///< image, wrap modes
   Expected<std::uint32_t> texture(std::uint32_t index);
+  [[nodiscard]] bool is_readable(Index image) const;
   void leave_out_texture();
   Expected<farshade::Image<Rgba8>> decode(std::uint32_t index);
 

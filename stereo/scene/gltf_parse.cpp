@@ -1,5 +1,6 @@
 #include "stereo/scene/gltf_parse.h"
 
+#include <charconv>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <set>
@@ -20,11 +21,23 @@ std::vector<To> each(const JsonObject& parent, std::string_view name, Convert co
   return result;
 }
 
+/// The extension that compresses buffer views, and its newer name. The object is missing without either.
+JsonObject meshopt_of(const JsonObject& from) {
+  const JsonObject newer = from.extension("KHR_meshopt_compression");
+  return newer ? newer : from.extension("EXT_meshopt_compression");
+}
+
+/// True for a buffer for programs that cannot decompress. It may have no bytes, and is not read.
+bool is_fallback(const JsonObject& buffer) {
+  return meshopt_of(buffer).flag("fallback");
+}
+
 /// Only the first buffer of a GLB may be its binary chunk; every other buffer needs a URI.
 Expected<Bytes> buffer_from(const JsonObject& from, std::size_t index, std::span<const std::byte> bin,
                             SceneFolder& folder) {
   const std::uint64_t bytes = from.length("byteLength");
   const std::string name = label("buffer", index), uri = from.text("uri");
+  if (is_fallback(from)) return Bytes{};
   if (!from.has("uri")) {
     if (index > 0 || bin.empty()) return malformed(name + " has neither a URI nor a GLB's binary chunk");
     if (bytes > bin.size())
@@ -57,9 +70,19 @@ Expected<Image> image_from(const JsonObject& from, std::size_t index, SceneFolde
   return to;
 }
 
+std::shared_ptr<const MeshoptView> meshopt_view_from(const JsonObject& from) {
+  return std::make_shared<MeshoptView>(MeshoptView{
+      .source = {from.required_index("buffer"), from.size("byteOffset"), from.length("byteLength")},
+      .stride = from.length("byteStride"),
+      .count = from.length("count"),
+      .mode = from.text("mode", Need::Required),
+      .filter = from.text("filter", Need::Optional, "NONE")});
+}
+
 BufferView view_from(const JsonObject& from, std::size_t index) {
-  const BufferView to{from.required_index("buffer"), from.size("byteOffset"), from.length("byteLength"),
-                      from.size("byteStride")};
+  BufferView to{from.required_index("buffer"), from.size("byteOffset"), from.length("byteLength"),
+                from.size("byteStride")};
+  if (const JsonObject meshopt = meshopt_of(from)) to.meshopt = meshopt_view_from(meshopt);
   if (from.has("byteStride") && (to.stride < 4 || to.stride > 252 || to.stride % 4 != 0))
     from.refuse(label("buffer view", index) + ": its stride should be a multiple of 4 from 4 to 252");
   return to;
@@ -100,6 +123,12 @@ Accessor accessor_from(const JsonObject& from, std::size_t index) {
   return to;
 }
 
+/// The image of EXT_texture_webp, or else the one that every program can read.
+Texture texture_from(const JsonObject& from, std::size_t) {
+  const Index webp = from.extension("EXT_texture_webp").index("source");
+  return {from.text("name"), webp ? webp : from.index("source"), from.index("sampler")};
+}
+
 TextureUse texture_use_from(const JsonObject& from) {
   TextureUse to{.texture = from.required_index("index"), .texcoord = from.index("texCoord").value_or(0)};
   const JsonObject transform = from.extension("KHR_texture_transform");
@@ -122,6 +151,21 @@ Material material_from(const JsonObject& from, std::size_t) {
   return to;
 }
 
+std::map<std::uint32_t, std::uint32_t> variants_from(const JsonObject& primitive) {
+  std::map<std::uint32_t, std::uint32_t> materials;
+  for (const JsonObject& mapping : primitive.extension("KHR_materials_variants").objects("mappings"))
+    for (const std::uint32_t variant : mapping.indices("variants"))
+      materials[variant] = mapping.required_index("material");
+  return materials;
+}
+
+std::shared_ptr<const DracoMesh> draco_from(const JsonObject& primitive) {
+  const JsonObject from = primitive.extension("KHR_draco_mesh_compression");
+  if (!from) return {};
+  return std::make_shared<DracoMesh>(
+      DracoMesh{from.required_index("bufferView"), from.required_index_map("attributes")});
+}
+
 Primitive primitive_from(const JsonObject& from, std::size_t) {
   return {.attributes = from.required_index_map("attributes"),
           .targets = each<MorphTarget>(from, "targets",
@@ -130,7 +174,14 @@ Primitive primitive_from(const JsonObject& from, std::size_t) {
                                        }),
           .indices = from.index("indices"),
           .material = from.index("material"),
-          .mode = static_cast<Mode>(from.index("mode").value_or(4))};
+          .mode = static_cast<Mode>(from.index("mode").value_or(4)),
+          .variants = variants_from(from),
+          .draco = draco_from(from)};
+}
+
+std::shared_ptr<const Instancing> instancing_from(const JsonObject& attributes) {
+  return std::make_shared<Instancing>(
+      Instancing{attributes.index("TRANSLATION"), attributes.index("ROTATION"), attributes.index("SCALE")});
 }
 
 Node node_from(const JsonObject& from, std::size_t index) {
@@ -141,6 +192,8 @@ Node node_from(const JsonObject& from, std::size_t index) {
   to.camera = from.index("camera");
   to.skin = from.index("skin");
   to.weights = from.numbers("weights");
+  if (const JsonObject instancing = from.extension("EXT_mesh_gpu_instancing"))
+    to.instancing = instancing_from(instancing.object("attributes", Need::Required));
   if (const JsonObject light = from.extension("KHR_lights_punctual"))
     to.light = light.required_index("light");
   to.translation = from.vector<glm::dvec3>("translation");
@@ -168,14 +221,38 @@ Light light_from(const JsonObject& from, std::size_t index) {
   return to;
 }
 
+/// The channel that a pointer of KHR_animation_pointer means, such as "/nodes/3/translation"; none if what it
+/// points to stands still here.
+std::optional<AnimationChannel> pointed(std::uint32_t sampler, std::string_view pointer) {
+  constexpr std::string_view kNodes = "/nodes/";
+  const auto slash = pointer.rfind('/');
+  if (!pointer.starts_with(kNodes) || slash < kNodes.size()) return std::nullopt;
+  AnimationChannel channel{sampler, 0, std::string(pointer.substr(slash + 1))};
+  constexpr std::string_view kPaths[] = {"translation", "rotation", "scale", "weights"};
+  const char* const end = pointer.data() + slash;
+  const auto read = std::from_chars(pointer.data() + kNodes.size(), end, channel.node);
+  if (read.ec != std::errc{} || read.ptr != end ||
+      std::ranges::find(kPaths, channel.path) == std::end(kPaths))
+    return std::nullopt;
+  return channel;
+}
+
 /// Leaves out channels without a target node, as the specification asks.
 Animation animation_from(const JsonObject& from, std::size_t) {
-  Animation to{from.text("name"), {}, {}};
+  Animation to{from.text("name"), {}, {}, {}};
   for (const JsonObject& channel : from.objects("channels", Need::Required)) {
     const JsonObject target = channel.object("target", Need::Required);
-    const AnimationChannel read{channel.required_index("sampler"), target.index("node").value_or(0),
-                                target.text("path", Need::Required)};
-    if (target.has("node")) to.channels.push_back(read);
+    const std::uint32_t sampler = channel.required_index("sampler");
+    const std::string path = target.text("path", Need::Required);
+    if (path == "pointer") {
+      const std::string pointer = target.extension("KHR_animation_pointer").text("pointer");
+      if (const auto read = pointed(sampler, pointer))
+        to.channels.push_back(*read);
+      else
+        to.still.push_back(pointer);
+    } else if (const Index node = target.index("node")) {
+      to.channels.push_back({sampler, *node, path});
+    }
   }
   to.samplers = each<AnimationSampler>(
       from, "samplers",
@@ -195,20 +272,26 @@ void check_version(const JsonObject& asset) {
                Fault::Unsupported);
 }
 
-constexpr std::string_view kKnownExtensions[] = {"KHR_lights_punctual", "KHR_mesh_quantization",
-                                                 "KHR_texture_transform"};
+constexpr std::string_view kKnownExtensions[] = {
+    "EXT_mesh_gpu_instancing",    "EXT_meshopt_compression", "EXT_texture_webp",
+    "KHR_draco_mesh_compression", "KHR_lights_punctual",     "KHR_materials_variants",
+    "KHR_mesh_quantization",      "KHR_meshopt_compression", "KHR_texture_transform"};
+
+bool is_known(std::string_view name) {
+  return std::ranges::find(kKnownExtensions, name) != std::end(kKnownExtensions);
+}
 
 /// Extensions without which the scene is drawn, and what is different then.
 struct LookExtension {
   std::string_view name, without;
 };
 constexpr LookExtension kLookExtensions[] = {
+    {"KHR_materials_emissive_strength", "surfaces do not glow"},
     {"KHR_materials_unlit", "materials without light are lit"},
     {"KHR_materials_", "materials have base colours only"},
-    {"KHR_texture_basisu", ""},  // gltf_materials.cpp warns
-    {"EXT_texture_webp", ""},    // gltf_materials.cpp warns
-    {"EXT_texture_avif", ""},    // gltf_materials.cpp warns
-    {"KHR_animation_pointer", "what it animates stands still"},
+    {"KHR_texture_basisu", ""},     // gltf_materials.cpp warns
+    {"EXT_texture_avif", ""},       // gltf_materials.cpp warns
+    {"KHR_animation_pointer", ""},  // warn_of_still
 };
 
 const LookExtension* look_of(std::string_view name) {
@@ -219,22 +302,20 @@ const LookExtension* look_of(std::string_view name) {
 
 void check_extensions(const JsonObject& root) {
   for (const std::string& name : root.texts("extensionsRequired"))
-    if (std::ranges::find(kKnownExtensions, name) == std::end(kKnownExtensions) && !look_of(name))
+    if (!is_known(name) && !look_of(name))
       return root.refuse(
           "the required extension '" + printable(name) + "' is not supported: export the file without it",
           Fault::Unsupported);
 }
 
-/// A warning for each used extension that changes the look, and for instances that are not drawn.
+/// A warning for each used extension that changes the look.
 std::vector<std::string> warnings_of(const JsonObject& root) {
   std::vector<std::string> warnings;
   const std::vector<std::string> listed = root.texts("extensionsUsed");
   for (const std::string& name : std::set<std::string>(listed.begin(), listed.end())) {
-    const LookExtension* const look = look_of(name);
+    const LookExtension* const look = is_known(name) ? nullptr : look_of(name);
     if (look && !look->without.empty())
       warnings.push_back(printable(name) + " is not drawn: " + std::string(look->without));
-    if (name == "EXT_mesh_gpu_instancing")
-      warnings.push_back(printable(name) + " is not drawn: one instance is shown instead of all");
   }
   return warnings;
 }
@@ -248,6 +329,17 @@ bool is_version_1(const nlohmann::json& root) {
   return meshes != root.end() && meshes->is_object();
 }
 
+std::string name_from(const JsonObject& from, std::size_t) {
+  return from.text("name");
+}
+
+void warn_of_still(Document& document) {
+  for (const Animation& animation : document.animations)
+    if (!animation.still.empty())
+      return document.warnings.push_back("KHR_animation_pointer: only nodes are animated, so '" +
+                                         printable(animation.still.front()) + "' and the like stand still");
+}
+
 /// Everything that needs no further file.
 Document description_from(const JsonObject& root) {
   Document document;
@@ -258,9 +350,7 @@ Document description_from(const JsonObject& root) {
       each<TextureSampler>(root, "samplers", [](const JsonObject& sampler, std::size_t) -> TextureSampler {
         return {sampler.index("wrapS").value_or(10497), sampler.index("wrapT").value_or(10497)};
       });
-  document.textures = each<Texture>(root, "textures", [](const JsonObject& texture, std::size_t) -> Texture {
-    return {texture.text("name"), texture.index("source"), texture.index("sampler")};
-  });
+  document.textures = each<Texture>(root, "textures", texture_from);
   document.materials = each<Material>(root, "materials", material_from);
   document.meshes = each<Mesh>(root, "meshes", [](const JsonObject& mesh, std::size_t) -> Mesh {
     return {mesh.text("name"), each<Primitive>(mesh, "primitives", primitive_from, Need::Required),
@@ -273,10 +363,14 @@ Document description_from(const JsonObject& root) {
   if (const JsonObject lights = root.extension("KHR_lights_punctual"))
     document.lights = each<Light>(lights, "lights", light_from, Need::Required);
   document.animations = each<Animation>(root, "animations", animation_from);
+  warn_of_still(document);
   document.scenes = each<std::vector<std::uint32_t>>(
       root, "scenes", [](const JsonObject& scene, std::size_t) { return scene.indices("nodes"); });
   document.default_scene = root.index("scene");
-  document.cameras = root.objects("cameras").size();
+  document.scene_names = each<std::string>(root, "scenes", name_from);
+  document.cameras = each<std::string>(root, "cameras", name_from);
+  if (const JsonObject variants = root.extension("KHR_materials_variants"))
+    document.variants = each<std::string>(variants, "variants", name_from);
   return document;
 }
 

@@ -125,8 +125,7 @@ Checked validate_accessors(const Document& document) {
 }
 
 Checked validate(const Document& document, const SceneLimits& limits) {
-  return validate_accessors(document)
-      .and_then([&] { return validate_materials(document); })
+  return validate_materials(document)
       .and_then([&] { return validate_meshes(document); })
       .and_then([&] { return validate_nodes(document, limits); })
       .and_then([&] { return validate_deformations(document); })

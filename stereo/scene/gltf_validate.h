@@ -9,14 +9,15 @@
 namespace farshade::gltf {
 
 /// Returns the first fault, with the name of the object: "mesh 3 'chair', primitive 0: POSITION accessor 17
-/// ...".
+/// ...". validate_accessors must have found no fault.
 [[nodiscard]] Checked validate(const Document& document, const SceneLimits& limits);
-
-// The parts of validate(), in order: each part relies on the parts before it.
 
 /// Checks buffer views and accessors: ranges, sparse elements, finite floats, and a limit on the number of
 /// elements (element_budget).
 [[nodiscard]] Checked validate_accessors(const Document& document);
+
+// The parts of validate(), in order: each part relies on the parts before it.
+
 /// Checks meshes with their attributes and vertex indices.
 [[nodiscard]] Checked validate_meshes(const Document& document);
 /// Checks images, textures, materials and lights.

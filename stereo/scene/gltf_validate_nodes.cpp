@@ -51,7 +51,7 @@ Checked check_references(const Document& document, std::size_t index, const Node
     return malformed(name + ": there is no " + label("mesh", *node.mesh));
   if (!points_into(document.lights, node.light))
     return malformed(name + ": there is no " + label("light", *node.light));
-  if (node.camera && *node.camera >= document.cameras)
+  if (node.camera && *node.camera >= document.cameras.size())
     return malformed(name + ": there is no " + label("camera", *node.camera));
   if (!points_into(document.skins, node.skin))
     return malformed(name + ": there is no " + label("skin", *node.skin));

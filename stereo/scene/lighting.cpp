@@ -304,7 +304,9 @@ Expected<LitScene> light_scene(Scene scene, const Lighting& lighting) {
 }
 
 Expected<LitScene> load_lit_scene(const std::filesystem::path& path, const Lighting& lighting) try {
-  return load_scene(path).and_then([&](Scene scene) { return light_scene(std::move(scene), lighting); });
+  return load_scene(path, {}, lighting.choice).and_then([&](Scene scene) {
+    return light_scene(std::move(scene), lighting);
+  });
 } catch (const std::bad_alloc&) {
   return fail(Fault::Unavailable, path.string() + ": there is not enough memory for this scene");
 }

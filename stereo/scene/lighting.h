@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "stereo/scene/scene.h"
+#include "stereo/scene/scene_choice.h"
 
 namespace farshade {
 
@@ -19,6 +20,7 @@ struct AddedLight {
 };
 
 struct Lighting {
+  SceneChoice choice{};              ///< which of the file's scenes is lit
   std::vector<AddedLight> lights{};  ///< in addition to those of the file
   std::optional<float> ambient{};    ///< linear factor of the base colour everywhere; none: chosen
   std::optional<float> exposure{};   ///< factor of all light; none: chosen

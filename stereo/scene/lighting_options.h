@@ -1,4 +1,4 @@
-/// The options --light, --sun, --ambient and --exposure of both programs and their doctors.
+/// The options of both programs and their doctors that choose a scene of the file and light it.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -8,8 +8,17 @@
 
 namespace farshade {
 
+inline void add_choice_options(CLI::App& app, SceneChoice& choice) {
+  app.add_option("--scene-index", choice.scene,
+                 "which scene of a file with several, from 0 on (default: the file's default scene)");
+  app.add_option("--camera", choice.camera,
+                 "the camera of the file that is the reference camera, by its name or that of its node");
+  app.add_option("--variant", choice.variant, "the variant of the file's materials (KHR_materials_variants)");
+}
+
 /// `lighting` must outlive the parsing.
 inline void add_lighting_options(CLI::App& app, Lighting& lighting) {
+  add_choice_options(app, lighting.choice);
   const auto add = [&lighting](const char* option, Expected<AddedLight> light) {
     if (!light) throw CLI::ValidationError(option, light.error().what);
     lighting.lights.push_back(std::move(*light));

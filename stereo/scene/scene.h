@@ -132,6 +132,12 @@ struct Bounds {
   return {glm::dvec3(low), glm::dvec3(high)};
 }
 
+/// What a file offers to choose from (scene_choice.h), by name.
+struct FileContents {
+  std::vector<std::string> scenes, cameras, variants;
+  std::uint32_t scene = 0;  ///< the one that is shown
+};
+
 /// BLAKE2b-256 of everything that the picture depends on (scene_hash.h). Client and server compare it.
 using SceneHash = std::array<std::uint8_t, 32>;
 
@@ -139,6 +145,7 @@ struct Scene {
   std::string name;                   ///< file name, for messages only
   std::vector<std::string> files;     ///< external files that it names, relative to its folder, each once
   std::vector<std::string> warnings;  ///< what is not drawn as the file says, one sentence each
+  FileContents contents;                   ///< for messages only
   std::vector<Texture> textures;
   std::vector<Material> materials;
   std::vector<Mesh> meshes;

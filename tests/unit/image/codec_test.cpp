@@ -10,6 +10,7 @@
 #include "stereo/base/files.h"
 #include "tests/support/image_reader.h"
 #include "tests/unit/image/image_files.h"
+#include "tests/unit/image/webp_files.h"
 #include "tests/unit/scratch_folder.h"
 
 namespace farshade {
@@ -146,6 +147,43 @@ TEST(JpegCodec, RefusesManyScans) {
   EXPECT_NE(image.error().what.find("scans"), std::string::npos) << image.error().what;
 }
 
+TEST(WebpCodec, ReturnsWhatWasWritten) {
+  Image<Rgba8> image({37, 11});
+  std::mt19937 random(4);
+  for (Rgba8& p : image.pixels)
+    p = Rgba8(random() & 255, random() & 255, random() & 255, 1 + (random() & 127));
+  const auto back = decode_image(make_webp(image), kLimit);
+  ASSERT_TRUE(back) << back.error().what;
+  EXPECT_EQ(*back, image);
+}
+
+TEST(WebpCodec, ReadsLossyPictures) {
+  Image<Rgba8> image({40, 24});
+  image.pixels.assign(image.pixels.size(), Rgba8(200, 100, 50, 255));
+  const Rgba8 p = decode_image(make_webp(image, WebpKind::Lossy), kLimit).value().at(20, 12);
+  EXPECT_NEAR(p.r, 200, 4);
+  EXPECT_NEAR(p.g, 100, 4);
+  EXPECT_NEAR(p.b, 50, 4);
+  EXPECT_EQ(p.a, 255);
+}
+
+TEST(WebpCodec, ChecksTheSizeInTheHeaderFirst) {
+  auto file = make_noise_webp({8, 8});
+  ASSERT_EQ(std::memcmp(file.data() + 12, "VP8L", 4), 0);
+  file[21] = file[22] = file[23] = std::byte{0xff};  // 16384 x 16384
+  file[24] = std::byte{0x0f};
+  const auto image = decode_image(file, kLimit);
+  EXPECT_EQ(image.error().fault, Fault::OutOfRange) << image.error().what;
+}
+
+TEST(WebpCodec, RefusesAnimations) {
+  const std::string head("RIFF\x16\x01\0\0WEBPVP8X\x0a\0\0\0\x02\0\0\0\x07\0\0\x07\0\0", 30);
+  std::vector<std::byte> file(300);
+  std::memcpy(file.data(), head.data(), head.size());
+  const auto image = decode_image(file, kLimit);
+  EXPECT_EQ(image.error().fault, Fault::Unsupported) << image.error().what;
+}
+
 TEST(DecodeImage, RefusesOtherFiles) {
   EXPECT_EQ(decode_image({}, kLimit).error().fault, Fault::Unsupported);
   const std::vector<std::byte> gif(100, std::byte{'G'});
@@ -153,7 +191,8 @@ TEST(DecodeImage, RefusesOtherFiles) {
 }
 
 TEST(DecodeImage, RefusesMorePixelsThanAllowed) {
-  for (const auto& file : {make_noise_png({32, 32}), make_jpeg({32, 32}, JpegKind::Colour)}) {
+  for (const auto& file :
+       {make_noise_png({32, 32}), make_jpeg({32, 32}, JpegKind::Colour), make_noise_webp({32, 32})}) {
     EXPECT_TRUE(decode_image(file, 1024));
     EXPECT_EQ(decode_image(file, 1023).error().fault, Fault::OutOfRange);
   }
@@ -170,7 +209,7 @@ TEST(DecodeImage, RefusesSizeThatItsFileCannotFill) {
 /// One file of each kind; the tests damage them.
 std::vector<std::vector<std::byte>> sample_files() {
   return {make_noise_png({9, 7}), make_png({2, 2}, 8, 3, {0, 1, 2, 3}), make_jpeg({40, 24}, JpegKind::Colour),
-          make_jpeg({40, 24}, JpegKind::Progressive)};
+          make_jpeg({40, 24}, JpegKind::Progressive), make_noise_webp({9, 7})};
 }
 
 TEST(DecodeImage, RefusesEveryTruncation) {

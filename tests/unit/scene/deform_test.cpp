@@ -328,7 +328,7 @@ TEST(LookExtensions, AreLeftOutWithOneWarningEach) {
   EXPECT_EQ(scene.warnings.size(), 3u);
   EXPECT_TRUE(scene.textures.empty());
   EXPECT_NE(scene.warnings[1].find("KHR_materials_unlit"), std::string::npos);
-  EXPECT_NE(scene.warnings[2].find("textures without a PNG or JPEG"), std::string::npos);
+  EXPECT_NE(scene.warnings[2].find("textures without a PNG, JPEG or WebP"), std::string::npos);
 }
 
 }  // namespace

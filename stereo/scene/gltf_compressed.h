@@ -1,0 +1,36 @@
+/// Compressed buffer views and meshes become plain ones: EXT_meshopt_compression (meshoptimizer) and
+/// KHR_draco_mesh_compression (gltf_draco.cpp). Everything after it reads accessors of plain bytes.
+///
+/// A small hostile file must not make large ones. Sizes come from the JSON and from the header of the
+/// compressed bytes; they are compared with the compressed size and with one budget for the file before
+/// anything is allocated.
+#pragma once
+
+#include "stereo/scene/gltf_document.h"
+
+namespace farshade::gltf {
+
+/// The bytes that everything that a file compresses may have together: 2^24 + 64 * bytes of its buffers.
+class DecodedBudget {
+ public:
+  explicit DecodedBudget(const Document& document);
+
+  /// OutOfRange, naming `name`, if fewer than `bytes` are left.
+  [[nodiscard]] Checked take(const std::string& name, std::uint64_t bytes);
+
+ private:
+  std::uint64_t left_;
+};
+
+/// Decodes all compressed views and primitives into buffers of their own. Refuses damaged ones.
+[[nodiscard]] Checked decompress(Document& document);
+
+/// Decodes the primitives with Draco meshes: their attributes and indices become accessors of their own.
+[[nodiscard]] Checked decompress_draco(Document& document, DecodedBudget& budget);
+
+/// Where a view lies in its buffer; Malformed if it does not.
+[[nodiscard]] Expected<std::span<const std::uint8_t>> bytes_of_view(const Document& document,
+                                                                    const std::string& name,
+                                                                    const BufferView& view);
+
+}  // namespace farshade::gltf

@@ -1,0 +1,98 @@
+#include "stereo/scene/gltf_instances.h"
+
+#include "stereo/scene/gltf_accessor.h"
+
+namespace farshade::gltf {
+namespace {
+
+/// Instances of all nodes together: 2^16, and one for each four bytes of the buffers.
+std::uint64_t instance_budget(const Document& document) {
+  std::uint64_t bytes = 0;
+  for (const auto& buffer : document.buffers) bytes += buffer.size();
+  return (std::uint64_t{1} << 16) + bytes / 4;
+}
+
+Checked check_attribute(const Document& document, const std::string& name, Index index, std::uint32_t rows,
+                        std::optional<std::uint64_t>& count) {
+  if (!index) return {};
+  const std::string subject = name + ": instance " + label("accessor", *index);
+  if (*index >= document.accessors.size()) return malformed(subject + " is not there");
+  const Accessor& accessor = document.accessors[*index];
+  const bool whole = accessor.normalized &&
+                     (accessor.component == Component::Int8 || accessor.component == Component::Int16);
+  if (accessor.columns != 1 || accessor.rows != rows ||
+      !(accessor.component == Component::Float || (rows == 4 && whole)))
+    return malformed(subject + " has a type that this attribute cannot have");
+  if (count.value_or(accessor.count) != accessor.count)
+    return malformed(subject + " has " + std::to_string(accessor.count) + " elements for " +
+                     std::to_string(*count) + " instances");
+  count = accessor.count;
+  return {};
+}
+
+/// The number of instances.
+Expected<std::uint64_t> check_instances(const Document& document, const std::string& name,
+                                        const Instancing& from) {
+  std::optional<std::uint64_t> count;
+  const Checked checked =
+      check_attribute(document, name, from.translation, 3, count)
+          .and_then([&] { return check_attribute(document, name, from.rotation, 4, count); })
+          .and_then([&] { return check_attribute(document, name, from.scale, 3, count); });
+  if (!checked) return tl::unexpected(checked.error());
+  return count.value_or(1);
+}
+
+glm::dquat rotation_from(const glm::vec4& v) {
+  const glm::dquat q(v.w, v.x, v.y, v.z);
+  return glm::length(q) > 1e-6 ? glm::normalize(q) : glm::dquat(1, 0, 0, 0);
+}
+
+/// One child of `parent` for each instance.
+std::vector<Node> instances_of(const Document& document, const Node& parent, std::uint64_t count) {
+  const Instancing& from = *parent.instancing;
+  std::vector<glm::vec3> places, sizes;
+  std::vector<glm::vec4> turns;
+  if (from.translation) places = read_vectors<3>(document, *from.translation);
+  if (from.rotation) turns = read_vectors<4>(document, *from.rotation);
+  if (from.scale) sizes = read_vectors<3>(document, *from.scale);
+  std::vector<Node> made;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!sizes.empty() && sizes[i].x * sizes[i].y * sizes[i].z == 0.0f) continue;
+    Node& node = made.emplace_back();
+    node.name = parent.name;
+    node.mesh = parent.mesh;
+    node.weights = parent.weights;
+    if (!places.empty()) node.translation = glm::dvec3(places[i]);
+    if (!turns.empty()) node.rotation = rotation_from(turns[i]);
+    if (!sizes.empty()) node.scale = glm::dvec3(sizes[i]);
+  }
+  return made;
+}
+
+}  // namespace
+
+Checked expand_instances(Document& document) {
+  std::uint64_t left = instance_budget(document);
+  const std::size_t nodes = document.nodes.size();  // of the file
+  for (std::size_t i = 0; i < nodes; ++i) {
+    const Node& node = document.nodes[i];
+    if (!node.instancing || !node.mesh || node.skin) continue;  // a skin has the place of its joints
+    const std::string name = label("node", i, node.name);
+    const auto count = check_instances(document, name, *node.instancing);
+    if (!count) return tl::unexpected(count.error());
+    if (*count > left)
+      return fail(Fault::OutOfRange, name + ": " + std::to_string(*count) +
+                                         " instances are more than a file of this size should have");
+    left -= *count;
+    std::vector<Node> made = instances_of(document, node, *count);
+    for (Node& instance : made) {
+      document.nodes[i].children.push_back(static_cast<std::uint32_t>(document.nodes.size()));
+      document.nodes.push_back(std::move(instance));
+    }
+    document.nodes[i].mesh.reset();
+    document.nodes[i].weights.clear();
+  }
+  return {};
+}
+
+}  // namespace farshade::gltf
