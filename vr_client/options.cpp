@@ -21,6 +21,7 @@ constexpr const char* kAbout =
 constexpr const char* kExamples =
     "Examples:\n"
     "  vr_client --scene assets/room.glb --trace assets/walk.csv --server 127.0.0.1:7447\n"
+    "  vr_client --trace assets/walk.csv --server HOST:7447    (the scene comes from the server)\n"
     "  vr_client --scene assets/room.glb --trace assets/walk.csv --mode full --frames 10";
 
 /// Values as they are on the command line, before they are checked and converted.

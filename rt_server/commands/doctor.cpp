@@ -40,7 +40,8 @@ Findings check_port(const std::string& address) {
   return {free,
           {Severity::Warn, "firewall", "not checked: a firewall may drop the clients' datagrams",
            fmt::format("open the port, for example sudo ufw allow {0}/udp or sudo firewall-cmd "
-                       "--add-port={0}/udp, and test with vr_client doctor --server HOST:{0} on a client's "
+                       "--add-port={0}/udp (and the same for tcp, if clients fetch the scene), and test with "
+                       "vr_client doctor --server HOST:{0} on a client's "
                        "machine",
                        local.port)}};
 }

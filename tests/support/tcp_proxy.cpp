@@ -7,7 +7,7 @@ namespace farshade {
 namespace {
 
 constexpr Duration kTick = std::chrono::milliseconds(1);
-constexpr std::size_t kQueue_bytes = 256 * 1024;  ///< of the bottleneck
+constexpr std::size_t kQueue_bytes = 1 << 20;  ///< of the bottleneck
 
 Peer any_port() {
   return {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 127, 0, 0, 1}, 0, 0};

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <thread>
 
 #include "stereo/base/user_folders.h"
@@ -12,7 +13,6 @@
 namespace farshade {
 namespace {
 
-constexpr Duration kRetryPause = std::chrono::milliseconds(500);
 constexpr int kMostOffers = 3;  ///< of different files, in one fetch
 
 Time now() {
@@ -21,8 +21,8 @@ Time now() {
 
 /// Waits before another try, unless the caller wants to stop.
 void pause(const FetchPlan& plan) {
-  const Time until = now() + kRetryPause;
-  while (now() < until && !plan.stopped()) std::this_thread::sleep_for(kStopPoll);
+  const Time until = now() + plan.retry_pause;
+  while (now() < until && !plan.stopped()) std::this_thread::sleep_for(std::min(kStopPoll, plan.retry_pause));
 }
 
 /// Whether another connection may help.
@@ -188,7 +188,7 @@ Expected<OpenedFetch> open_first(const FetchPlan& plan) {
   for (;;) {
     Expected<OpenedFetch> opened = open_fetch(plan, waiting);
     const bool busy = !opened && opened.error().what == explained(FetchRefusal::Busy).what;
-    if (!busy || plan.stopped() || now() + kRetryPause >= waiting.until) return opened;
+    if (!busy || plan.stopped() || now() + plan.retry_pause >= waiting.until) return opened;
     pause(plan);
   }
 }

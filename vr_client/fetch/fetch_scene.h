@@ -25,6 +25,7 @@ struct FetchPlan {
   /// The fetch fails if fewer than `least_bytes` come in this time.
   Duration patience = std::chrono::seconds(20);
   std::uint64_t least_bytes = 20'000;
+  Duration retry_pause = std::chrono::milliseconds(500);  ///< before another connection
 };
 
 struct FetchedScene {

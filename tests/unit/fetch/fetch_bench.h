@@ -48,7 +48,8 @@ class FetchTest : public testing::Test {
     return {.server = server_,
             .key = key_,
             .cache = folder_.path() / "cache",
-            .patience = std::chrono::seconds(5)};
+            .patience = std::chrono::seconds(5),
+            .retry_pause = std::chrono::milliseconds(10)};
   }
 
   void expect_equal_files(const FetchedScene& fetched) const {
