@@ -179,7 +179,7 @@ struct RayScene::Impl {
 
   explicit Impl(const SurfaceModel& surfaces) : model(surfaces) {}
 
-  void build();
+  void build(RTCBuildQuality quality);
   void attach_patch(RTCScene scene, std::size_t patch, unsigned id);
   Geometry attach_instance(RTCScene of, unsigned id);
   void update();
@@ -206,20 +206,20 @@ Geometry RayScene::Impl::attach_instance(RTCScene of, unsigned id) {
   return instance;
 }
 
-void RayScene::Impl::build() {
+void RayScene::Impl::build(RTCBuildQuality quality) {
   const auto patches = model.patches();
   filter_data.reserve(patches.size());
   for (const Patch& patch : patches)
     filter_data.push_back({&patch, model.triangles().subspan(patch.first_triangle, patch.triangle_count)});
 
-  fixed = new_scene(device.get(), RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_HIGH);
+  fixed = new_scene(device.get(), RTC_SCENE_FLAG_ROBUST, quality);
   for (unsigned i = 0; i < model.fixed_count(); ++i) attach_patch(fixed.get(), i, i);
   rtcCommitScene(fixed.get());
   if (model.fixed_count() == patches.size()) return;
 
   moving = new_scene(device.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC, RTC_BUILD_QUALITY_MEDIUM);
   for (std::size_t i = model.fixed_count(); i < patches.size(); ++i) {
-    moving_scenes.push_back(new_scene(device.get(), RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_HIGH));
+    moving_scenes.push_back(new_scene(device.get(), RTC_SCENE_FLAG_ROBUST, quality));
     attach_patch(moving_scenes.back().get(), i, 0);
     rtcCommitScene(moving_scenes.back().get());
     const auto id = narrow<unsigned>(i - model.fixed_count());
@@ -245,7 +245,7 @@ void RayScene::Impl::update() {
   if (moving) rtcCommitScene(moving.get());
 }
 
-Expected<RayScene> RayScene::create(const SurfaceModel& model) {
+Expected<RayScene> RayScene::create(const SurfaceModel& model, Built built) {
   auto impl = std::make_unique<Impl>(model);
   RTCDevice device = impl->device.get();
   if (device == nullptr)
@@ -254,7 +254,7 @@ Expected<RayScene> RayScene::create(const SurfaceModel& model) {
   if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) impl->width = 8;
   if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) impl->width = 16;
   rtcSetDeviceMemoryMonitorFunction(device, MemoryCounter::note, &impl->memory);
-  impl->build();
+  impl->build(built == Built::Well ? RTC_BUILD_QUALITY_HIGH : RTC_BUILD_QUALITY_LOW);
   if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
     return fail(Fault::Unavailable,
                 "Embree could not build the scene (error " + std::to_string(error) + ").");
