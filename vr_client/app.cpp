@@ -11,9 +11,9 @@
 #include "stereo/base/stop_signal.h"
 #include "stereo/head/reader.h"
 #include "stereo/head/writer.h"
-#include "stereo/scene/viewpoint.h"
 #include "vr_client/client.h"
 #include "vr_client/modes/make_pipeline.h"
+#include "vr_client/placed_head.h"
 #include "vr_client/record/capture_writer.h"
 #include "vr_client/record/replay.h"
 #include "vr_client/report/run_report.h"
@@ -24,15 +24,13 @@
 namespace farshade {
 namespace {
 
-HeadPlayback playback_of(const Options& options, const Scene& scene, const HeadRecording& head) {
-  HeadPlayback playback{.stage_from_recorded = {},
-                        .eye_size = options.size,
-                        .refresh_hz = options.refresh_hz,
-                        .skip = duration_from_ms(options.skip_s * 1e3),
-                        .frames = options.frames,
-                        .pace = options.pace};
-  if (options.place == Place::Camera) playback.stage_from_recorded = place(head, viewpoint_of(scene));
-  return playback;
+HeadPlayback playback_of(const Options& options, const PlacedHead& head) {
+  return {.stage_from_recorded = head.stage_from_recorded,
+          .eye_size = options.size,
+          .refresh_hz = options.refresh_hz,
+          .skip = duration_from_ms(options.skip_s * 1e3),
+          .frames = options.frames,
+          .pace = options.pace};
 }
 
 Expected<HeadRecording> load_head(const Options& options) {
@@ -175,17 +173,19 @@ Expected<void> print_plan(const Options& options) {
   Headset headset;
   headset.eye_size = options.size;
   headset.fov.fill(field_of_view(1.5, static_cast<double>(options.size.width) / options.size.height));
+  std::optional<HeadRecording> recording;
   if (!options.trace.empty()) {
-    const Expected<HeadRecording> head = load_head_recording(options.trace, {options.trace_scale});
-    if (!head) return tl::unexpected(head.error());
-    headset.eye_distance_m = head->eye_distance_m;
-    headset.fov = head->fov;
+    Expected<HeadRecording> loaded = load_head(options);
+    if (!loaded) return tl::unexpected(loaded.error());
+    recording = std::move(*loaded);
+    headset.eye_distance_m = recording->eye_distance_m;
+    headset.fov = recording->fov;
   }
   const Expected<PlannedScene> planned = load_planned(options, needs_of(options, headset.eye_distance_m));
   if (!planned) return tl::unexpected(planned.error());
   const Scene& scene = planned->scene;
   const SceneLevels levels = levels_for(scene, planned->plan);
-  const Rigid<Stage, Eye> camera = viewpoint_of(scene);
+  const Rigid<Stage, Eye> camera = viewpoint_of(scene, options.stand);
   const StereoView views = views_of({camera.rotation, camera.translation}, headset);
   const auto line = [](const char* what, const std::string& words) {
     fmt::print("  {:<12} {}\n", what, words);
@@ -195,7 +195,8 @@ Expected<void> print_plan(const Options& options) {
                                 gbuffer_triangles(scene, planned->plan.draw, levels, views),
                                 gbuffer_triangles(scene, planned->plan.draw, {}, views)));
   line("memory", in_words(client_memory(scene, planned->plan.draw, renderer_limits(options), levels)));
-  return {};
+  if (!recording) return {};
+  return place_head(options, scene, std::move(*recording)).map([](const PlacedHead&) {});
 }
 
 Expected<void> run_replay(const Options& options) {
@@ -243,15 +244,18 @@ Expected<void> run_replay(const Options& options) {
 Expected<void> run_client(const Options& options) {
   StopSignal stop_signal;
   if (auto done = make_folder(options.out); !done) return done;
-  const Expected<HeadRecording> head = load_head(options);
-  if (!head) return tl::unexpected(head.error());
-  Expected<std::unique_ptr<Client>> opened = open_client(options, head->eye_distance_m);
+  Expected<HeadRecording> recording = load_head(options);
+  if (!recording) return tl::unexpected(recording.error());
+  Expected<std::unique_ptr<Client>> opened = open_client(options, recording->eye_distance_m);
   if (!opened) return tl::unexpected(opened.error());
   Client& client = **opened;
+  auto placing = place_meanwhile(options, client.scene, std::move(*recording));
   if (auto done = open_tracers(options, options.mode.mode, client); !done) return done;
+  const Expected<PlacedHead> head = placing.get();
+  if (!head) return tl::unexpected(head.error());
   const bool captures = !options.record.empty();
   CaptureWriter capture(client.clock);
-  RecordedHeadRuntime runtime(*head, playback_of(options, client.scene, *head));
+  RecordedHeadRuntime runtime(head->recording, playback_of(options, *head));
   const std::uint32_t frames = runtime.frame_count();
   RunReport report({options.out, frames, options.reference_every, options.pictures, options.dump,
                     options.reference_samples},

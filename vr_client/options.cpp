@@ -9,6 +9,7 @@
 #include "stereo/base/within.h"
 #include "stereo/frame/view.h"
 #include "stereo/scene/lighting_options.h"
+#include "stereo/scene/stand_option.h"
 #include "stereo/wire/key_file.h"
 
 namespace farshade {
@@ -65,10 +66,12 @@ void add_scene_options(CLI::App& app, CommandLine& line) {
                  "units per metre of the head recording, if its format does not define them")
       ->check(within(1e-6, 1e6));
   app.add_option("--place", options.place,
-                 "where the head starts: at the scene's reference camera (without one, in the middle of a "
-                 "room, or in "
-                 "front of an object), or where it was recorded")
-      ->transform(one_of<Place>({{"camera", Place::Camera}, {"recorded", Place::Recorded}}));
+                 "where the head starts: camera: at the scene's reference camera (without one, in the middle "
+                 "of a room, or in front of an object); fit: near it, where the recorded walk fits, which is "
+                 "scaled down if it must be; recorded: where it was recorded")
+      ->transform(
+          one_of<Place>({{"camera", Place::Camera}, {"recorded", Place::Recorded}, {"fit", Place::Fit}}));
+  add_stand_option(app, options.stand);
   add_lighting_options(app, options.lighting);
   app.add_option("--size", line.size, "pixels of each eye")->capture_default_str();
   app.add_option(
@@ -223,6 +226,8 @@ Options checked(CommandLine line) {
   if (options.trace.empty() && !options.preview && options.replay.empty() && !options.plan.prints_only)
     throw CLI::RequiredError("--trace");
   if (options.scene.empty()) check_fetch(options);
+  if (options.stand && options.place == Place::Recorded)
+    throw CLI::ValidationError("--stand", "--place recorded keeps the recorded place: omit one of them");
   const Expected<Extent> size = parse_size(line.size);
   if (!size) throw CLI::ValidationError("--size", size.error().what);
   options.size = *size;

@@ -12,6 +12,7 @@
 #include "stereo/gpu/device_options.h"
 #include "stereo/plan/scene_plan.h"
 #include "stereo/scene/lighting.h"
+#include "stereo/scene/stand.h"
 #include "vr_client/ask/request_plan.h"
 #include "vr_client/doctor/doctor.h"
 #include "vr_client/frame/mode.h"
@@ -23,6 +24,7 @@ namespace farshade {
 enum class Place : std::uint8_t {
   Camera,    ///< at the scene's viewpoint (viewpoint.h), in its direction
   Recorded,  ///< as recorded
+  Fit,       ///< in the free space around the viewpoint (fit.h)
 };
 
 struct Options {
@@ -33,6 +35,7 @@ struct Options {
   std::optional<double>
       trace_scale;  ///< units per metre of the head recording, if its format does not define them
   Place place = Place::Camera;
+  std::optional<Stand> stand;  ///< instead of the scene's viewpoint
   Lighting lighting;
   Extent size{512, 512};           ///< of each eye
   std::optional<float> detail_px;  ///< limit of the geometric error of what is drawn; 0: full detail

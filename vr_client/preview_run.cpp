@@ -6,10 +6,10 @@
 #include "stereo/base/files.h"
 #include "stereo/base/stop_signal.h"
 #include "stereo/head/reader.h"
-#include "stereo/scene/viewpoint.h"
 #include "vr_client/app.h"
 #include "vr_client/client.h"
 #include "vr_client/modes/make_pipeline.h"
+#include "vr_client/placed_head.h"
 #include "vr_client/preview/inspection.h"
 #include "vr_client/preview/panel.h"
 #include "vr_client/preview/presenter.h"
@@ -31,8 +31,8 @@ constexpr Duration kTitleInterval = std::chrono::seconds(1);
 /// The panel reports a server as silent after this time without a message.
 constexpr Duration kSilentAfter = std::chrono::seconds(1);
 
-Rigid<Stage, Head> start_of(const Scene& scene) {
-  const Rigid<Stage, Eye> viewpoint = viewpoint_of(scene);
+Rigid<Stage, Head> start_of(const Options& options, const Scene& scene) {
+  const Rigid<Stage, Eye> viewpoint = viewpoint_of(scene, options.stand);
   return {viewpoint.rotation, viewpoint.translation};
 }
 
@@ -41,25 +41,23 @@ double aspect_of(const View& view) {
   return (window.right_tan - window.left_tan) / (window.up_tan - window.down_tan);
 }
 
-PreviewSetup setup_of(const Options& options, const Scene& scene,
-                      const std::optional<HeadRecording>& recording) {
-  PreviewSetup setup{
-      .start = start_of(scene), .recording = {}, .refresh_hz = options.refresh_hz, .frames = options.frames};
-  if (recording)
-    setup.recording.emplace(PlacedHeadRecording{*recording, options.place == Place::Camera
-                                                                ? place(*recording, viewpoint_of(scene))
-                                                                : Rigid<Stage, Recorded>{}});
+PreviewSetup setup_of(const Options& options, const Scene& scene, const std::optional<PlacedHead>& head) {
+  PreviewSetup setup{.start = start_of(options, scene),
+                     .recording = {},
+                     .refresh_hz = options.refresh_hz,
+                     .frames = options.frames};
+  if (head) setup.recording.emplace(PlacedHeadRecording{head->recording, head->stage_from_recorded});
   return setup;
 }
 
-Controls first_controls(const Options& options, const std::optional<HeadRecording>& recording) {
+Controls first_controls(const Options& options, const std::optional<PlacedHead>& head) {
   Controls controls;
   controls.settings.request = options.request;
   controls.settings.carry_over = options.carry_over;
-  if (recording) {
+  if (head) {
     controls.head = HeadSource::Recording;
-    controls.eye_distance_m = recording->eye_distance_m;
-    controls.recorded_fov = recording->fov;
+    controls.eye_distance_m = head->recording.eye_distance_m;
+    controls.recorded_fov = head->recording.fov;
   }
   return controls;
 }
@@ -69,17 +67,17 @@ class Preview {
  public:
   /// The reference tracer is created when it is first needed.
   Preview(const Options& options, Client& client, Window& window, StopSignal& stop_signal,
-          const std::optional<HeadRecording>& recording, const LinkModel& path)
+          const std::optional<PlacedHead>& head, const LinkModel& path)
       : options_(options),
         client_(client),
         window_(window),
         stop_signal_(stop_signal),
         presenter_(client.device, window, client.renderer->shown()),
-        controls_(first_controls(options, recording)),
+        controls_(first_controls(options, head)),
         path_(path),
         lights_(state_at(client.scene, {}).light_set),
         runtime_(
-            setup_of(options, client.scene, recording), client.clock,
+            setup_of(options, client.scene, head), client.clock,
             [](Duration span) { std::this_thread::sleep_for(span); }, [this] { return read_controls(); }),
         inspection_(*client.renderer),
         recordings_(options.out, client.clock) {
@@ -318,13 +316,22 @@ Expected<void> run_preview(const Options& given) {
   Expected<std::unique_ptr<Client>> client =
       open_client(options, kWidestEyes_m);  // the viewer may change the eye distance at any time
   if (!client) return tl::unexpected(client.error());
+  std::future<Expected<PlacedHead>> placing;
+  if (recording) placing = place_meanwhile(options, (*client)->scene, std::move(*recording));
   if (auto done = open_tracers(options, options.mode.mode, **client); !done) return done;
   if (draws_scene(options.mode.mode))
     compile_ahead(**client, options.carry_over, PixelReport::Off, Changes::Possible);
 
+  std::optional<PlacedHead> head;
+  if (placing.valid()) {
+    Expected<PlacedHead> placed = placing.get();
+    if (!placed) return tl::unexpected(placed.error());
+    head = std::move(*placed);
+  }
+
   Expected<void> done, finished;
   {
-    Preview preview(options, **client, **window, stop_signal, recording, *path);
+    Preview preview(options, **client, **window, stop_signal, head, *path);
     try {
       done = preview.run_all();
     } catch (const std::exception& error) {

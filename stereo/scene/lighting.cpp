@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
 #include "stereo/scene/gltf.h"
+#include "stereo/scene/option_words.h"
 #include "stereo/scene/scene_hash.h"
 #include "stereo/scene/scene_state.h"
 #include "stereo/scene/viewpoint.h"
@@ -33,29 +33,12 @@ constexpr std::size_t kSamples = 4096;  ///< triangles
 constexpr std::array kPoints{glm::dvec3(1, 1, 1) / 3.0, glm::dvec3(0.6, 0.2, 0.2), glm::dvec3(0.2, 0.6, 0.2),
                              glm::dvec3(0.2, 0.2, 0.6)};
 
-std::optional<double> number(std::string_view text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value;
-}
-
-std::vector<std::string_view> split(std::string_view text, char at) {
-  std::vector<std::string_view> parts;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(at, begin), text.size());
-    parts.push_back(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  return parts;
-}
-
 std::optional<glm::dvec3> vector(std::string_view text) {
   const std::vector<std::string_view> parts = split(text, ':');
   if (parts.size() != 3) return std::nullopt;
   glm::dvec3 v;
   for (int i = 0; i < 3; ++i) {
-    const std::optional<double> value = number(parts[static_cast<std::size_t>(i)]);
+    const std::optional<double> value = number_in(parts[static_cast<std::size_t>(i)]);
     if (!value || std::abs(*value) > 1e9) return std::nullopt;
     v[i] = *value;
   }
@@ -81,11 +64,11 @@ bool read(std::string_view name, std::string_view value, LightWords& words) {
   if (name == "to") return set(words.to, vector(value));
   if (name == "along") return set(words.along, vector(value));
   if (name == "color") return set(words.color, vector(value));
-  if (name == "candela") return set(words.candela, number(value));
-  if (name == "lux") return set(words.lux, number(value));
-  if (name == "range") return set(words.range, number(value));
-  if (name == "cone") return set(words.cone, number(value));
-  if (name == "inner") return set(words.inner, number(value));
+  if (name == "candela") return set(words.candela, number_in(value));
+  if (name == "lux") return set(words.lux, number_in(value));
+  if (name == "range") return set(words.range, number_in(value));
+  if (name == "cone") return set(words.cone, number_in(value));
+  if (name == "inner") return set(words.inner, number_in(value));
   return false;
 }
 
@@ -248,7 +231,7 @@ Expected<AddedLight> parse_sun(std::string_view text) {
   const std::vector<std::string_view> parts = split(text, ',');
   std::vector<double> values;
   for (const std::string_view part : parts)
-    if (const std::optional<double> value = number(part)) values.push_back(*value);
+    if (const std::optional<double> value = number_in(part)) values.push_back(*value);
   if (values.size() != parts.size() || values.size() < 2 || values.size() > 3)
     return fail(Fault::Malformed,
                 fmt::format("--sun {}: write AZIMUTH,ELEVATION in degrees and perhaps LUX, for example "

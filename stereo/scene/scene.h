@@ -145,7 +145,7 @@ struct Scene {
   std::string name;                   ///< file name, for messages only
   std::vector<std::string> files;     ///< external files that it names, relative to its folder, each once
   std::vector<std::string> warnings;  ///< what is not drawn as the file says, one sentence each
-  FileContents contents;                   ///< for messages only
+  FileContents contents;              ///< for messages only
   std::vector<Texture> textures;
   std::vector<Material> materials;
   std::vector<Mesh> meshes;

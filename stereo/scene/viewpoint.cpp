@@ -127,7 +127,10 @@ std::optional<Rigid<Stage, Eye>> place_in_room(const Scene& scene) {
 }  // namespace
 
 Rigid<Stage, Eye> viewpoint_of(const Scene& scene) {
-  if (scene.camera) return *scene.camera;
+  return scene.camera ? *scene.camera : chosen_viewpoint(scene);
+}
+
+Rigid<Stage, Eye> chosen_viewpoint(const Scene& scene) {
   if (const auto place = place_in_room(scene)) return *place;
   const glm::dvec3 middle = (scene.bounds.low + scene.bounds.high) * 0.5;
   const double radius = std::max(glm::length(scene.bounds.high - scene.bounds.low) * 0.5, 1e-6);

@@ -14,4 +14,7 @@ namespace farshade {
 /// it is not inside of a solid: front faces are seen, or surfaces of at least three instances.
 [[nodiscard]] Rigid<Stage, Eye> viewpoint_of(const Scene& scene);
 
+/// The same without regard to the scene's camera.
+[[nodiscard]] Rigid<Stage, Eye> chosen_viewpoint(const Scene& scene);
+
 }  // namespace farshade

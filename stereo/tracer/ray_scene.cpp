@@ -183,6 +183,7 @@ struct RayScene::Impl {
   SceneHandle moving;  ///< the instances of `movers`; null if nothing moves
   std::vector<Mover> movers;
   int width = 4;
+  RTCBuildQuality quality = RTC_BUILD_QUALITY_HIGH;  ///< of what does not deform
 
   explicit Impl(const SurfaceModel& surfaces) : model(surfaces) {}
 
@@ -224,8 +225,8 @@ void RayScene::Impl::build() {
   for (const Patch& patch : patches)
     filter_data.push_back({&patch, model.triangles().subspan(patch.first_triangle, patch.triangle_count)});
 
-  fixed = new_scene(device.get(), RTC_SCENE_FLAG_ROBUST, RTC_BUILD_QUALITY_HIGH);
-  for (unsigned i = 0; i < model.fixed_count(); ++i) attach_patch(fixed.get(), i, i, RTC_BUILD_QUALITY_HIGH);
+  fixed = new_scene(device.get(), RTC_SCENE_FLAG_ROBUST, quality);
+  for (unsigned i = 0; i < model.fixed_count(); ++i) attach_patch(fixed.get(), i, i, quality);
   rtcCommitScene(fixed.get());
   if (model.fixed_count() == patches.size()) return;
 
@@ -242,14 +243,13 @@ void RayScene::Impl::build() {
 void RayScene::Impl::add_mover(std::size_t first, std::size_t count) {
   const bool deforms = model.patches()[first].rig.has_value();
   const auto flags = deforms ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_ROBUST;
-  Mover mover{
-      .first_patch = narrow<std::uint32_t>(first),
-      .scene = new_scene(device.get(), flags, deforms ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_HIGH),
-      .instance = nullptr,
-      .deformed = {}};
+  Mover mover{.first_patch = narrow<std::uint32_t>(first),
+              .scene = new_scene(device.get(), flags, deforms ? RTC_BUILD_QUALITY_LOW : quality),
+              .instance = nullptr,
+              .deformed = {}};
   for (unsigned i = 0; i < count; ++i) {
-    Geometry patch = attach_patch(mover.scene.get(), first + i, i,
-                                  deforms ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_HIGH);
+    Geometry patch =
+        attach_patch(mover.scene.get(), first + i, i, deforms ? RTC_BUILD_QUALITY_REFIT : quality);
     if (deforms) mover.deformed.push_back(std::move(patch));
   }
   rtcCommitScene(mover.scene.get());
@@ -281,7 +281,7 @@ void RayScene::Impl::update() {
   if (moving) rtcCommitScene(moving.get());
 }
 
-Expected<RayScene> RayScene::create(const SurfaceModel& model) {
+Expected<RayScene> RayScene::create(const SurfaceModel& model, Built built) {
   auto impl = std::make_unique<Impl>(model);
   RTCDevice device = impl->device.get();
   if (device == nullptr)
@@ -290,6 +290,7 @@ Expected<RayScene> RayScene::create(const SurfaceModel& model) {
   if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) impl->width = 8;
   if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) impl->width = 16;
   rtcSetDeviceMemoryMonitorFunction(device, MemoryCounter::note, &impl->memory);
+  impl->quality = built == Built::Well ? RTC_BUILD_QUALITY_HIGH : RTC_BUILD_QUALITY_LOW;
   impl->build();
   if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
     return fail(Fault::Unavailable,

@@ -17,9 +17,14 @@ namespace farshade {
 
 class RayScene {
  public:
+  enum class Built : std::uint8_t {
+    Well,     ///< for many rays
+    Quickly,  ///< for a few thousand rays, which cost more
+  };
+
   /// Keeps a reference to `model`, whose address must not change.
   /// Refuses (Fault::Unavailable) when the device or its memory is not available.
-  [[nodiscard]] static Expected<RayScene> create(const SurfaceModel& model);
+  [[nodiscard]] static Expected<RayScene> create(const SurfaceModel& model, Built built = Built::Well);
 
   RayScene(RayScene&&) noexcept;
   RayScene& operator=(RayScene&&) noexcept;

@@ -59,6 +59,23 @@ TEST(ClientProgram, UsesAnInsecureServerOnItsOwnMachineOnly) {
   EXPECT_NE(far.errors.find("works on this machine only"), std::string::npos) << far.errors;
 }
 
+TEST(ClientProgram, WarnsOfAHeadInTheFloorAndFitsIt) {
+  const ScratchFolder folder;
+  std::map<std::string, std::string> options{{"--mode", "full"},         {"--frames", "2"},
+                                             {"--reference-every", "0"}, {"--pictures", "0"},
+                                             {"--stand", "0,0.005,0"},   {"--out", folder.path().string()}};
+  const Ended below = run_client(options);
+  EXPECT_EQ(below.status, 0) << below.errors;
+  EXPECT_NE(below.errors.find("the cure is --place fit"), std::string::npos) << below.errors;
+  options.erase("--stand");
+  options["--place"] = "fit";
+  const Ended fitted = run_client(options);
+  EXPECT_EQ(fitted.status, 0) << fitted.errors;
+  EXPECT_NE(fitted.errors.find("0 % are inside geometry and 0 % see nothing"), std::string::npos)
+      << fitted.errors;
+  EXPECT_EQ(fitted.errors.find("the cure is"), std::string::npos) << fitted.errors;
+}
+
 TEST(ClientProgram, ShowsTheRoomWithMasksFromTheServer) {
   const ScratchFolder folder;
   const RunningServer server;

@@ -5,7 +5,6 @@ import json
 import math
 import random
 import re
-import struct
 import tempfile
 import unittest
 import warnings
@@ -19,7 +18,7 @@ import rows
 import scenes
 import tables
 from analysis import better_in_both, cost_at, exponent, grouped, less_in_both, pareto
-from sweep import Sweep
+from sweep import Sweep, arguments
 
 
 class Pareto(unittest.TestCase):
@@ -119,29 +118,13 @@ class BetterInBoth(unittest.TestCase):
         self.assertEqual(less_in_both([self.OWN, *others], self.OWN, "cost", "error"), [others[4], others[0]])
 
 
-class Standing(unittest.TestCase):
-    def test_moves_only_the_camera(self):
-        def parts(glb):
-            magic, version, length, text, kind = struct.unpack_from("<4sIIII", glb)
-            self.assertEqual((magic, version, length, kind), (b"glTF", 2, len(glb), 0x4E4F534A))
-            self.assertEqual(text % 4, 0)
-            return json.loads(glb[20:20 + text]), glb[20 + text:]
-        before, bytes_before = parts(scenes.make("lights", 2))
-        after, bytes_after = parts(scenes.standing(scenes.make("lights", 2), 1, 1.5, -2, 90))
-        self.assertEqual(bytes_after, bytes_before)
-        (camera,) = [n for n in after["nodes"] if "camera" in n]
-        self.assertEqual(camera["translation"], [1, 1.5, -2])
-        half = math.sqrt(0.5)  # to the left: -z becomes -x
-        for actual, expected in zip(camera["rotation"], (0, half, 0, half)):
-            self.assertAlmostEqual(actual, expected)
-        others = [[n for n in d["nodes"] if "camera" not in n] for d in (before, after)]
-        self.assertEqual(*others)
-
-    def test_refuses_files_without_a_root_camera_and_files_that_are_no_glb(self):
-        glb = scenes.make("lights", 1)
-        for broken in (glb[:10], b"{}" + glb, glb.replace(b'"camera":', b'"camerb":')):
-            with self.assertRaises(ValueError):
-                scenes.standing(broken, 0, 0, 0, 0)
+class Arguments(unittest.TestCase):
+    def test_name_the_place_of_the_head_if_the_sweep_does(self):
+        point = {"kind": "error", "size": 64, "frames": 8, "skip_s": 0, "network_words": "none", "modes": ["full"],
+                 "every": 2}
+        self.assertNotIn("--stand", arguments(point, "a.glb", "b.csv", "out"))
+        given = arguments(point | {"stand": [-3.4, 1.4, -4, 180]}, "a.glb", "b.csv", "out")
+        self.assertEqual(given[given.index("--stand") + 1], "-3.4,1.4,-4,180")
 
 
 class Grouped(unittest.TestCase):

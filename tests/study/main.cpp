@@ -12,6 +12,7 @@
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
 #include "stereo/scene/lighting.h"
+#include "stereo/scene/stand_option.h"
 #include "tests/study/clients.h"
 #include "tests/study/mode_words.h"
 #include "tests/study/point.h"
@@ -27,6 +28,7 @@ struct Options {
   Rounds rounds;
   std::uint32_t side_px = 256, frames = 72, every = 8, samples = 1, clients = 0, warm_up = 10;
   double skip_s = 0;
+  std::optional<Stand> stand;
   bool timing = false, versions = false;
 };
 
@@ -53,9 +55,10 @@ Expected<nlohmann::json> versions(const Options& options) {
 
 Expected<nlohmann::json> measured(const Options& options) {
   if (options.versions) return versions(options);
-  const Expected<Scene> scene =
+  Expected<Scene> scene =
       load_lit_scene(options.scene, {}).map([](LitScene&& lit) { return std::move(lit.scene); });
   if (!scene) return tl::unexpected(scene.error());
+  scene->camera = viewpoint_of(*scene, options.stand);
   const Expected<HeadRecording> head = load_head_recording(options.trace, {});
   if (!head) return tl::unexpected(head.error());
   const Expected<Network> network = network_from(options.network);
@@ -95,6 +98,7 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::Range(1, 100000));
   app.add_option("--skip", options.skip_s, "seconds to skip at the start of the recording")
       ->check(CLI::Range(0.0, 1e6));
+  add_stand_option(app, options.stand);
   app.add_option("--pictures", options.pictures, "folder for pictures of the worst frame");
   app.add_option("--clients", options.clients, "measure the time of a server with this many clients")
       ->check(CLI::Range(1, 64));

@@ -1,11 +1,8 @@
-"""Scenes that differ in one number only: lights or triangles. They are made like the scenes of assets/. Also moves the
-camera of other scenes.
+"""Scenes that differ in one number only: lights or triangles. They are made like the scenes of assets/.
 
 A scene is a floor of 6 m with 16 spheres on it, seen from 4 m away. So the same pixels are covered for every number.
 """
-import json
 import math
-import struct
 import sys
 from pathlib import Path
 
@@ -50,26 +47,3 @@ def make(axis, count):
     doc.node("camera:reference", at=eye, turned=pose.looking(eye, (0, 0.3, 0)),
              camera={"type": "perspective", "perspective": {"yfov": 1.0, "aspectRatio": 1, "znear": 0.01}})
     return doc.as_glb()
-
-
-def standing(glb, x, y, z, heading_deg):
-    """The same .glb with its camera at (x, y, z), upright, looking along -z turned to the left by heading_deg.
-
-    Raises ValueError if it is no .glb, or if none of its root nodes has a camera.
-    """
-    if len(glb) < 20 or glb[:4] != b"glTF":
-        raise ValueError("only the camera of a .glb can be moved")
-    length, = struct.unpack_from("<I", glb, 12)
-    document, rest = json.loads(glb[20:20 + length]), glb[20 + length:]
-    half = math.radians(heading_deg) / 2
-    nodes = document.get("nodes", [])
-    within = {child for node in nodes for child in node.get("children", [])}
-    cameras = [node for i, node in enumerate(nodes) if "camera" in node and i not in within]
-    if not cameras:
-        raise ValueError("no root node has a camera")
-    for node in cameras:
-        node.pop("matrix", None)
-        node |= {"translation": [x, y, z], "rotation": [0, math.sin(half), 0, math.cos(half)]}
-    text = json.dumps(document, separators=(",", ":")).encode()
-    text += b" " * (-len(text) % 4)
-    return struct.pack("<4sIIII", b"glTF", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest

@@ -54,24 +54,17 @@ class Study:
         self.program_hash = hash_of_file(program)
 
     def scene_file(self, point):
-        """The path of the point's scene. Makes scenes for scaling and scenes with a moved camera at first use."""
+        """The path of the point's scene. Makes scenes for scaling at first use."""
         if point["scene_file"].startswith("made:"):
             axis, count = point["scene_file"].removeprefix("made:").split("-")
             return self.made_scene(f"{axis}-{count}", lambda: scenes.make(axis, int(count)))
-        path = self.root / point["scene_file"]
-        if "stand" not in point:
-            return path
-        name = f"{path.stem}-{hash_of_file(path)[:8]}-" + "_".join(map(str, point["stand"]))
-        return self.made_scene(name, lambda: scenes.standing(path.read_bytes(), *point["stand"]))
+        return self.root / point["scene_file"]
 
     def made_scene(self, name, make):
         path = self.made / f"{name}.glb"
         if not path.exists():
             beside = path.with_suffix(".tmp")
-            try:
-                beside.write_bytes(make())
-            except ValueError as wrong:
-                sys.exit(f"study: scene {name}: {wrong}")
+            beside.write_bytes(make())
             os.replace(beside, path)
         return path
 

@@ -115,6 +115,7 @@ def arguments(point, scene_file, trace_file, pictures):
     """The command line of study_point."""
     given = ["--scene", scene_file, "--trace", trace_file, "--size", point["size"], "--frames", point["frames"],
              "--skip", point["skip_s"], "--network", point["network_words"]]
+    given += ["--stand", ",".join(map(str, point["stand"]))] if "stand" in point else []
     if point["kind"] == "error":
         given += ["--modes", *point["modes"], "--every", point["every"], "--pictures", pictures]
         given += ["--samples", point["samples"]] if "samples" in point else []

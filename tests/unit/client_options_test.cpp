@@ -109,6 +109,17 @@ TEST(ReadOptions, EdgesCanBeCoverage) {
   EXPECT_EQ(read_more({}).options.value().carry_over.edges, Edges::Filtered);
 }
 
+TEST(ReadOptions, AHeadStandsWhereTheUserSays) {
+  EXPECT_FALSE(read_more({}).options->stand.has_value());
+  const Outcome stands = read_more({"--stand", "-3.4,1.4,-4,180", "--place", "fit"});
+  ASSERT_TRUE(stands.options.has_value()) << stands.errors;
+  EXPECT_EQ(stands.options->stand, parse_stand("-3.4,1.4,-4,180").value());
+  EXPECT_EQ(stands.options->place, Place::Fit);
+  const Outcome recorded = read_more({"--stand", "1,2,3", "--place", "recorded"});
+  ASSERT_FALSE(recorded.options.has_value());
+  EXPECT_NE(recorded.errors.find("omit one"), std::string::npos) << recorded.errors;
+}
+
 TEST(ReadOptions, PreviewExcludesTheOptionsOfReplays) {
   EXPECT_TRUE(read_more({"--preview"}).options.has_value());
   for (const std::vector<std::string>& other : {std::vector<std::string>{"--clock", "real"},
@@ -186,6 +197,8 @@ TEST(ReadOptions, NamesTheFaultInOneLineAndExitsWith2) {
       {{"--mode", "server-gbuffer", "--dump", "3"}, "--dump"},
       {{"--clock", "wall"}, "--clock"},
       {{"--place", "here"}, "--place"},
+      {{"--stand", "1,2"}, "--stand"},
+      {{"--stand", "1,2,nan"}, "--stand"},
       {{"--trace-scale", "0"}, "--trace-scale"},
       {{"--trace-scale", "nan"}, "--trace-scale"},
       {{"--pictures", "-1"}, "--pictures"},

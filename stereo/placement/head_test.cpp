@@ -1,0 +1,110 @@
+#include "stereo/placement/head_test.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+namespace farshade {
+namespace {
+
+constexpr std::size_t kMostPoses = 64;
+constexpr int kRaysAround = 32;  ///< rays around an eye
+constexpr int kAcross = 12;  ///< rays across and down a picture
+constexpr double kTouch_m = 0.01, kSolid_m = 0.5, kLeastSeen = 0.01;
+
+using Eyes = PerEye<Rigid<Stage, Eye>>;
+
+Eyes eyes_of(const HeadRecording& recording, const Rigid<Stage, Head>& stage_from_head) {
+  return {stage_from_head * head_from_eye(Side::Left, recording.eye_distance_m),
+          stage_from_head * head_from_eye(Side::Right, recording.eye_distance_m)};
+}
+
+bool is_inside_of_solid(const Met& met) {
+  return met.side == Met::Side::UnseenBack || (met.side == Met::Side::Back && met.distance_m < kSolid_m);
+}
+
+bool is_inside_geometry(const Surroundings& surroundings, const Eyes& eyes) {
+  static const std::vector<Vector<Stage>> around = directions_around(kRaysAround);
+  const Point<Stage> left{eyes[0].translation}, right{eyes[1].translation};
+  std::vector<Ray> rays;
+  for (const Point<Stage> eye : {left, right})
+    for (const Vector<Stage>& direction : around) rays.push_back({eye, direction});
+  const double apart_m = length(right - left);
+  if (apart_m > 0) rays.push_back({left, (right - left) * (1 / apart_m)});
+  const std::vector<Met> met = surroundings.first_met(rays);
+  if (apart_m > 0 && met.back().distance_m < apart_m) return true;
+  return std::ranges::any_of(met, [](const Met& m) { return m.distance_m < kTouch_m; }) ||
+         std::ranges::count_if(met, is_inside_of_solid) > kRaysAround;
+}
+
+/// Rays through the middles of a grid of cells over the eye's picture.
+void add_picture_rays(const Rigid<Stage, Eye>& stage_from_eye, const EyeFov& fov, std::vector<Ray>& rays) {
+  const FovTangents window = tangents_of(fov);
+  for (int y = 0; y < kAcross; ++y)
+    for (int x = 0; x < kAcross; ++x) {
+      const double right = std::lerp(window.left_tan, window.right_tan, (x + 0.5) / kAcross),
+                   up = std::lerp(window.down_tan, window.up_tan, (y + 0.5) / kAcross);
+      const Vector<Eye> direction{glm::normalize(glm::dvec3(right, up, -1))};
+      rays.push_back({{stage_from_eye.translation}, stage_from_eye(direction)});
+    }
+}
+
+bool sees_nothing(const Surroundings& surroundings, const HeadRecording& recording, const Eyes& eyes) {
+  std::vector<Ray> rays;
+  for (const Side side : kSides) {
+    const std::size_t eye = index_of(side);
+    add_picture_rays(eyes[eye], recording.fov[eye], rays);
+  }
+  const std::vector<Met> met = surroundings.first_seen(rays);
+  const auto seen = std::ranges::count_if(met, [](const Met& m) { return m.distance_m != kNoSurface_m; });
+  return static_cast<double>(seen) < kLeastSeen * static_cast<double>(met.size());
+}
+
+std::string percent(std::size_t part, std::size_t of) {
+  return fmt::format("{:.0f} %", 100.0 * static_cast<double>(part) / static_cast<double>(of));
+}
+
+}  // namespace
+
+std::vector<Vector<Stage>> directions_around(int count) {
+  const double golden_rad = std::numbers::pi * (3 - std::sqrt(5.0));
+  std::vector<Vector<Stage>> directions;
+  for (int i = 0; i < count; ++i) {
+    const double y = 1 - (2 * i + 1.0) / count, r = std::sqrt(1 - y * y);
+    directions.push_back({{r * std::cos(golden_rad * i), y, r * std::sin(golden_rad * i)}});
+  }
+  return directions;
+}
+
+PoseVerdict judge(const Surroundings& surroundings, const HeadRecording& recording,
+                  const Rigid<Stage, Head>& stage_from_head) {
+  const Eyes eyes = eyes_of(recording, stage_from_head);
+  if (is_inside_geometry(surroundings, eyes)) return PoseVerdict::InsideGeometry;
+  return sees_nothing(surroundings, recording, eyes) ? PoseVerdict::SeesNothing : PoseVerdict::Sees;
+}
+
+HeadTest test_head(const Surroundings& surroundings, const HeadRecording& recording,
+                   const Rigid<Stage, Recorded>& stage_from_recorded, const Shown& shown) {
+  HeadTest test;
+  const Duration span = std::max(shown.until - shown.from, Duration{});
+  const std::size_t poses = span > Duration{} ? kMostPoses : 1;
+  for (; test.tested < poses; ++test.tested) {
+    const double part = poses > 1 ? static_cast<double>(test.tested) / (kMostPoses - 1) : 0;
+    const Time time = recording.start() + shown.from + duration_from_ms(part * ms_of(span));
+    const PoseVerdict verdict =
+        judge(surroundings, recording, stage_from_recorded * head_at(recording, time));
+    test.inside += verdict == PoseVerdict::InsideGeometry;
+    test.see_nothing += verdict == PoseVerdict::SeesNothing;
+  }
+  return test;
+}
+
+std::string in_words(const HeadTest& test) {
+  return fmt::format("of {} poses of the head, {} are inside geometry and {} see nothing", test.tested,
+                     percent(test.inside, test.tested), percent(test.see_nothing, test.tested));
+}
+
+}  // namespace farshade

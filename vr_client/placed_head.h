@@ -1,0 +1,25 @@
+/// PlacedHead: a head recording where the options place it in the scene. Says what the head sees there.
+#pragma once
+
+#include <future>
+
+#include "stereo/head/head_recording.h"
+#include "vr_client/options.h"
+
+namespace farshade {
+
+struct PlacedHead {
+  HeadRecording recording;  ///< its walk is scaled down by --place fit
+  Rigid<Stage, Recorded> stage_from_recorded;
+};
+
+/// Places the recording and logs how, with the share of the shown poses that are inside geometry or see
+/// nothing (stereo/placement/head_test.h). Warns above 5 %. Fails if --place fit finds no free space.
+[[nodiscard]] Expected<PlacedHead> place_head(const Options& options, const Scene& scene,
+                                              HeadRecording recording);
+
+/// The same on a thread of its own. Keeps references; the future's destructor waits.
+[[nodiscard]] std::future<Expected<PlacedHead>> place_meanwhile(const Options& options, const Scene& scene,
+                                                                HeadRecording recording);
+
+}  // namespace farshade
