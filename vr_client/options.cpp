@@ -214,10 +214,15 @@ void add_other_options(CLI::App& app, CommandLine& line) {
 void check_fetch(const Options& options) {
   if (!options.replay.empty()) throw CLI::RequiredError("--scene");
   const Lighting& lighting = options.lighting;
+  const SceneChoice& choice = lighting.choice;
   if (!lighting.lights.empty() || lighting.ambient || lighting.exposure)
     throw CLI::ValidationError("--scene",
                                "a scene from the server is lit as the server says; --light, --sun, --ambient "
                                "and --exposure are for a scene that --scene names");
+  if (choice.scene || !choice.camera.empty() || !choice.variant.empty())
+    throw CLI::ValidationError("--scene",
+                               "the server has chosen among its file's scenes, cameras and variants; "
+                               "--scene-index, --camera and --variant are for a file that --scene names");
 }
 
 /// Throws a CLI::ParseError if options are missing or contradict each other.

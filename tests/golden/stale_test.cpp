@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "tests/golden/test_rig.h"
+#include "tests/oracle/random_scenes.h"
 #include "tests/oracle/scene_builder.h"
 
 namespace farshade {
@@ -46,6 +47,34 @@ Scene moving_light() {
 const Rigid<Stage, Head> kBefore = head_looking({0.5, 1.6, 2.5}, {0, 0.4, 0});
 
 class Stale : public OnLavapipe {};
+
+/// The share of the pixel-lights that no mask knew.
+double unknown_share(const Shown& shown) {
+  double unknown = 0, all = 0;
+  for (const std::uint32_t light : {0u, 1u, 2u}) {
+    const PixelLights count = count_of(shown, light);
+    unknown += static_cast<double>(count.unknown), all += static_cast<double>(count.all);
+  }
+  return unknown / all;
+}
+
+// If the G-buffer drew other vertices than the tracer met, or points were not carried back with the figures,
+// the surfaces would not be those of the mask.
+TEST_F(Stale, DeformedFiguresAreWhereTheMaskSawThemAndAreCarriedBack) {
+  std::mt19937 random{11};  // the seed
+  TestRig rig(device_, bending_figures(random), 128);
+  const StereoView views = rig.eyes(head_looking({0.3, 1.5, 2.6}, {0, 0.8, 0}));
+  rig.set_time(Time(620ms));
+  const Mask traced = rig.ask(kTraced, views);
+  const Shown at_once = rig.show(views, {traced.traced_mask()}, kPlainCarryOver);
+  EXPECT_LT(unknown_share(at_once), 0.001);
+  rig.set_time(Time(650ms));
+  const Shown later = rig.show(views, {traced.traced_mask()}, kPlainCarryOver);
+  std::size_t stale = 0;
+  for (const std::uint32_t light : {0u, 1u}) stale += count_of(later, light).stale;
+  EXPECT_GT(stale, 1000u) << "the figures are in view and move";
+  EXPECT_LT(unknown_share(later), 0.012);
+}
 
 TEST_F(Stale, IsTheLightThatMovedAndNoOther) {
   TestRig rig(device_, moving_light(), 128);

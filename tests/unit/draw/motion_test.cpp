@@ -8,6 +8,7 @@
 
 #include "stereo/math/rotation.h"
 #include "stereo/plan/scene_plan.h"
+#include "tests/oracle/random_scenes.h"
 #include "tests/oracle/scene_builder.h"
 
 namespace farshade {
@@ -150,6 +151,56 @@ TEST(MotionModel, SpheresHoldTheCasterWhereItWasAndWhereItIs) {
   for (const Sphere& sphere : motion.moved)
     EXPECT_NEAR(sphere.radius, std::sqrt(0.3 * 0.3 + 0.4 * 0.4 + 0.5 * 0.5), 1e-6)
         << "and the spheres are no larger";
+}
+
+/// The vertices of an instance that a rig deforms, in the stage.
+std::vector<glm::dvec3> deformed(const Scene& scene, const SceneState& state, const Instance& instance) {
+  const Mesh& mesh = scene.meshes[instance.mesh];
+  const Deformation deformation(*mesh.deformable, state.rigs[*instance.rig]);
+  const auto number = static_cast<std::size_t>(&instance - scene.instances.data());
+  std::vector<glm::dvec3> result;
+  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
+    result.push_back(
+        state.stage_from_object[number](Point<Object>{glm::dvec3(deformation.vertex(i).position)}).v);
+  return result;
+}
+
+/// Over 40 ms the figures move by up to 12 cm.
+TEST(MotionModel, CarriesDeformedPartsBackAndHoldsThemInSpheres) {
+  std::mt19937 random{8};  // the seed
+  const Scene scene = bending_figures(random);
+  const SceneState then = state_at(scene, Time(300ms)), now = state_at(scene, Time(340ms));
+  const MotionModel model = model_of(scene);
+  const Motion motion = model.between(then, now);
+  double most_moved = 0, moved_sum = 0, missed_sum = 0;
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    if (!scene.instances[i].rig) continue;
+    const auto before = deformed(scene, then, scene.instances[i]),
+               after = deformed(scene, now, scene.instances[i]);
+    const glm::dmat4& carry = motion.then_from_now.at(model.slots()[i] - 1).value();
+    for (std::size_t v = 0; v < before.size(); ++v) {
+      const double moved = glm::length(after[v] - before[v]);
+      most_moved = std::max(most_moved, moved), moved_sum += moved;
+      missed_sum += glm::length(glm::dvec3(carry * glm::dvec4(after[v], 1)) - before[v]);
+      for (const glm::dvec3& at : {before[v], after[v]})
+        EXPECT_TRUE(std::ranges::any_of(motion.moved, [&](const Sphere& s) {
+          return beyond(s, {Point<Stage>{at}, 0}) < 1e-6;
+        }));
+    }
+  }
+  EXPECT_GT(most_moved, 0.03);
+  EXPECT_LT(missed_sum, 0.05 * moved_sum) << "the affine transforms tell nearly all of the motion";
+}
+
+TEST(MotionModel, PartsWhoseJointsStandStillHaveNotMoved) {
+  std::mt19937 random{9};  // the seed
+  Scene scene = bending_figures(random);
+  scene.channels.clear();
+  scene.rigs[0].track.reset();
+  const Motion motion = model_of(scene).between(state_at(scene, Time(100ms)), state_at(scene, Time(200ms)));
+  for (std::size_t i = 0; i < scene.instances.size(); ++i)
+    if (scene.instances[i].rig == 0u)
+      EXPECT_FALSE(motion.then_from_now.at(model_of(scene).slots()[i] - 1).has_value());
 }
 
 TEST(MotionModel, ManyCastersShareTheSpheresThereAre) {
