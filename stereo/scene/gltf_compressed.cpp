@@ -81,8 +81,8 @@ Checked decompress_view(Document& document, std::size_t index, DecodedBudget& bu
 
 }  // namespace
 
-DecodedBudget::DecodedBudget(const Document& document) : left_(std::uint64_t{1} << 24) {
-  for (const auto& buffer : document.buffers) left_ += kMostRatio * buffer.size();
+DecodedBudget::DecodedBudget(const Document& document) : left_(std::uint64_t{1} << 26) {
+  for (const auto& buffer : document.buffers) left_ += 256 * buffer.size();
 }
 
 Checked DecodedBudget::take(const std::string& name, std::uint64_t bytes) {

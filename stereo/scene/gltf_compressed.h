@@ -10,7 +10,9 @@
 
 namespace farshade::gltf {
 
-/// The bytes that everything that a file compresses may have together: 2^24 + 64 * bytes of its buffers.
+/// The bytes that decoding may allocate for everything that a file compresses: 2^26 + 256 * bytes of its
+/// buffers. Draco needs the most: about 180 bytes for a triangle, which it can compress to little more than
+/// one byte.
 class DecodedBudget {
  public:
   explicit DecodedBudget(const Document& document);

@@ -148,6 +148,10 @@ Material material_from(const JsonObject& from, std::size_t) {
   const JsonObject surface = from.object("pbrMetallicRoughness");
   to.base_color = surface.vector<glm::dvec4>("baseColorFactor").value_or(to.base_color);
   if (const JsonObject texture = surface.object("baseColorTexture")) to.texture = texture_use_from(texture);
+  // The older description of surfaces: its diffuse colour takes the place of the base colour.
+  const JsonObject diffuse = from.extension("KHR_materials_pbrSpecularGlossiness");
+  to.base_color = diffuse.vector<glm::dvec4>("diffuseFactor").value_or(to.base_color);
+  if (const JsonObject texture = diffuse.object("diffuseTexture")) to.texture = texture_use_from(texture);
   return to;
 }
 

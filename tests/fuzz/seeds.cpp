@@ -9,8 +9,10 @@
 #include "stereo/wire/ask_coder.h"
 #include "stereo/wire/plane_codec.h"
 #include "stereo/wire/plane_tile.h"
+#include "tests/support/gltf_compressor.h"
 #include "tests/support/largest_word.h"
 #include "tests/unit/client_record/capture_samples.h"
+#include "tests/unit/image/webp_files.h"
 #include "tests/unit/scene/gltf_builder.h"
 #include "tests/unit/wire/samples.h"
 
@@ -31,6 +33,36 @@ Bytes parts(GltfBuilder file) {
   bytes.push_back(std::byte{0});
   bytes.insert(bytes.end(), file.bytes().begin(), file.bytes().end());
   return bytes;
+}
+
+/// A GLB in the form of gltf.cpp.
+Bytes parts(const Bytes& glb) {
+  std::size_t text_bytes = 0;
+  for (std::size_t i = 0; i < 4; ++i) text_bytes |= std::to_integer<std::size_t>(glb[12 + i]) << 8 * i;
+  Bytes bytes(glb.begin() + 20, glb.begin() + 20 + static_cast<std::ptrdiff_t>(text_bytes));
+  bytes.push_back(std::byte{0});
+  bytes.insert(bytes.end(), glb.begin() + 28 + static_cast<std::ptrdiff_t>(text_bytes), glb.end());
+  return bytes;
+}
+
+/// A file for each decoder of what a glTF file compresses, and one with instances and variants.
+void save_compressed(const fs::path& folder) {
+  const Bytes plain = rich_file().glb();
+  save(folder / "meshopt.parts", parts(compress_with_meshopt(plain)));
+  save(folder / "meshopt_triangles.parts", parts(compress_with_meshopt(plain, IndexCodec::Triangles)));
+  save(folder / "draco.parts", parts(compress_with_draco(triangle_file().glb())));
+  save(folder / "draco_edgebreaker.parts",
+       parts(compress_with_draco(triangle_file().glb(), DracoMethod::Edgebreaker)));
+  GltfBuilder file = rich_file();
+  file.json["images"][0]["bufferView"] = file.view(make_noise_webp({4, 4}));
+  const auto places = file.positions({{0, 0, 0}, {5, 0, 0}});
+  file.json["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] = {{"TRANSLATION", places}};
+  auto& primitive = file.json["meshes"][0]["primitives"][0];
+  primitive["extensions"]["KHR_materials_variants"]["mappings"] = {{{"material", 0}, {"variants", {0}}}};
+  file.json["animations"][0]["channels"][0]["target"] = {
+      {"path", "pointer"},
+      {"extensions", {{"KHR_animation_pointer", {{"pointer", "/nodes/0/translation"}}}}}};
+  save(folder / "wild.parts", parts(file));
 }
 
 /// The numbers of slice_and_tiles.cpp for this slice, the asked blocks, then the slice's block.
@@ -231,6 +263,7 @@ int main(int argc, char** argv) {
   save(corpus / "gltf" / "rich.gltf", rich_file().gltf());
   save(corpus / "gltf" / "triangle.parts", parts(triangle_file()));
   save(corpus / "gltf" / "rich.parts", parts(rich_file()));
+  save_compressed(corpus / "gltf");
   save_envelopes(corpus / "envelope");
   save_messages(corpus / "message");
   save_handshakes(corpus / "handshake");

@@ -180,6 +180,17 @@ TEST(WildMaterials, WithoutLightAndThatGlowAreDrawnLitWithAWarning) {
   expect_says(scene.warnings[1], "materials without light are lit");
 }
 
+TEST(WildMaterials, OfSpecularAndGlossinessHaveTheirDiffuseColour) {
+  GltfBuilder file = textured_file({{"source", 0}}, make_noise_png({4, 4}));
+  json& material = file.json["materials"][0];
+  material = {{"extensions",
+               {{"KHR_materials_pbrSpecularGlossiness",
+                 {{"diffuseFactor", {0.5, 0.25, 0, 1}}, {"diffuseTexture", {{"index", 0}}}}}}}};
+  const Scene scene = loaded(file);
+  EXPECT_EQ(scene.textures.size(), 1u);
+  EXPECT_EQ(scene.materials[0].base_color, glm::vec4(0.5f, 0.25f, 0, 1));
+}
+
 /// Two scenes, each with a camera, and a triangle with two variants of its material.
 GltfBuilder choice_file() {
   GltfBuilder file = triangle_file();
