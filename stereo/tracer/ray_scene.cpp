@@ -188,17 +188,16 @@ struct RayScene::Impl {
   explicit Impl(const SurfaceModel& surfaces) : model(surfaces) {}
 
   void build();
-  Geometry attach_patch(RTCScene scene, std::size_t patch, unsigned id, RTCBuildQuality quality);
+  Geometry attach_patch(RTCScene scene, std::size_t patch, unsigned id, RTCBuildQuality built);
   Geometry attach_instance(RTCScene of, unsigned id);
   void add_mover(std::size_t first, std::size_t count);
   void place(const Mover& mover);
   void update();
 };
 
-Geometry RayScene::Impl::attach_patch(RTCScene scene, std::size_t patch, unsigned id,
-                                      RTCBuildQuality quality) {
+Geometry RayScene::Impl::attach_patch(RTCScene scene, std::size_t patch, unsigned id, RTCBuildQuality built) {
   Geometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
-  rtcSetGeometryBuildQuality(geometry.get(), quality);
+  rtcSetGeometryBuildQuality(geometry.get(), built);
   const FilterData& data = filter_data[patch];
   const auto positions = model.positions();
   rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(),
