@@ -78,6 +78,7 @@ WeightTracks add_animations(const Document& document, const std::vector<Index>& 
       if (!node) continue;
       const AnimationSampler& sampler = animation.samplers[from.sampler];
       if (from.path == "weights") {
+        if (!document.nodes[from.node].mesh) continue;
         const auto [track, is_new] = tracks.try_emplace(from.node, weight_track_from(document, sampler));
         if (is_new) length_s = std::max(length_s, double{track->second.keys_s.back()});
         continue;

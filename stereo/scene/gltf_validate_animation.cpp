@@ -54,7 +54,7 @@ Checked check_weights(const Document& document, const std::string& name, const A
                       const Node& node) {
   const std::string subject = name + ": value " + label("accessor", sampler.output);
   if (sampler.output >= document.accessors.size()) return malformed(subject + " is not there");
-  if (!node.mesh) return malformed(name + ": its node has no mesh whose morph targets could have weights");
+  if (!node.mesh) return {};  // nothing of it is read
   const Accessor& accessor = document.accessors[sampler.output];
   const bool fits = accessor.component == Component::Float ||
                     (accessor.normalized && accessor.component != Component::UInt32);

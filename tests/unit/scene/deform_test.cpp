@@ -277,6 +277,15 @@ TEST(MorphTargets, AreRefusedWithAnotherNumberOfWeights) {
       << scene.error().what;
 }
 
+TEST(MorphTargets, OfANodeWithoutAMeshDoNothing) {
+  GltfBuilder file = morphing_file();
+  file.node({{"name", "empty"}});
+  file.json["animations"][0]["channels"][0]["target"]["node"] = 1;
+  const Scene scene = scene_of(file);
+  EXPECT_TRUE(scene.rigs.empty());
+  EXPECT_EQ(scene.animation_length_s, 0);
+}
+
 TEST(Deformation, KeepsVerticesWithinWhatFloatCanCompute) {
   GltfBuilder file = morphing_file();
   file.json["animations"][0]["samplers"][0]["output"] =
