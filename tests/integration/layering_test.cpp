@@ -52,7 +52,7 @@ const House& house() {
       .libraries = {{"asio", "stereo/net", 3},
                     {"lz4", "stereo/wire", 1},
                     {"embree", "stereo", 2},
-                    {"meshoptimizer", "stereo", 4},
+                    {"meshoptimizer", "stereo", 5},
                     {"draco", "stereo/scene", 1},
                     {"png.h", "stereo/image", 1},
                     {"webp", "stereo/image", 1},

@@ -200,8 +200,8 @@ TEST(MotionModel, PartsWhoseJointsStandStillHaveNotMoved) {
   const MotionModel model = model_of(scene);
   const Motion motion = model.between(state_at(scene, Time(100ms)), state_at(scene, Time(200ms)));
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    const bool stands = scene.instances[i].rig == 0u;
-    if (stands) EXPECT_FALSE(motion.then_from_now.at(model.slots()[i] - 1).has_value()) << i;
+    if (scene.instances[i].rig != 0u) continue;
+    EXPECT_FALSE(motion.then_from_now.at(model.slots()[i] - 1).has_value()) << i;
   }
 }
 
