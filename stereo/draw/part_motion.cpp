@@ -10,20 +10,27 @@ namespace {
 constexpr std::size_t kSamples = 12;
 constexpr double kLift = 0.25;  // of the part's half diagonal
 
-glm::dvec3 mean(const std::vector<glm::dvec3>& points) {
-  glm::dvec3 sum(0.0);
-  for (const glm::dvec3& p : points) sum += p;
-  return sum / static_cast<double>(points.size());
+/// Every second point is a lifted one. They only decide what the others leave open.
+double weight_of(std::size_t point) {
+  return point % 2 == 0 ? 1.0 : 0.02;
 }
 
-/// The affine transform that maps `from` to `to` with the least sum of squared errors. The identity's linear
-/// part if the points determine none.
+glm::dvec3 mean(const std::vector<glm::dvec3>& points) {
+  glm::dvec3 sum(0.0);
+  double weights = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) sum += points[i] * weight_of(i), weights += weight_of(i);
+  return sum / weights;
+}
+
+/// The affine transform that maps `from` to `to` with the least weighted sum of squared errors. The identity's
+/// linear part if the points determine none.
 glm::dmat4 fitted(const std::vector<glm::dvec3>& from, const std::vector<glm::dvec3>& to) {
   const glm::dvec3 from_mean = mean(from), to_mean = mean(to);
   glm::dmat3 across(0.0), within(0.0);
   for (std::size_t i = 0; i < from.size(); ++i) {
-    across += glm::outerProduct(to[i] - to_mean, from[i] - from_mean);
-    within += glm::outerProduct(from[i] - from_mean, from[i] - from_mean);
+    const glm::dvec3 offset = (from[i] - from_mean) * weight_of(i);
+    across += glm::outerProduct(to[i] - to_mean, offset);
+    within += glm::outerProduct(from[i] - from_mean, offset);
   }
   const double size = within[0][0] + within[1][1] + within[2][2];
   const bool is_spread = glm::determinant(within) > 1e-9 * size * size * size;

@@ -168,7 +168,7 @@ std::vector<glm::dvec3> deformed(const Scene& scene, const SceneState& state, co
 /// Over 40 ms the figures move by up to 12 cm.
 TEST(MotionModel, CarriesDeformedPartsBackAndHoldsThemInSpheres) {
   std::mt19937 random{8};  // the seed
-  const Scene scene = bending_figures(random);
+  const Scene scene = bending_figures(random, 10'000);
   const SceneState then = state_at(scene, Time(300ms)), now = state_at(scene, Time(340ms));
   const MotionModel model = model_of(scene);
   const Motion motion = model.between(then, now);
