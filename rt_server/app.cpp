@@ -139,13 +139,13 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
              plan.trace.mask.lights, short_form(scene.hash));
   fmt::print("rt_server: the tracer holds {}\n", in_words(tracer->memory()));
   print_keys(options, ring->size());
+  const auto sender = offer_scene(options, (*port)->local(),
+                                  {options.scene, scene.files, options.lighting, served, *ring}, core);
   fmt::print("rt_server: listening on {}\n", address);
   std::fflush(stdout);
   // The port is open: what clients send from here on waits in its socket.
   Expected<void> written = write_ready_file(options, fmt::format("{} {}", kReadyListening, address));
   if (!written) return written;
-  const auto sender = offer_scene(options, (*port)->local(),
-                                  {options.scene, scene.files, options.lighting, served, *ring}, core);
   {
     const Serving serving(core);
     stop.wait([&] { print_counters(core, sender.get()); });

@@ -106,7 +106,7 @@ Expected<PlannedScene> load_planned(const Options& options, const SessionNeeds& 
     return fail(
         Fault::Mismatch,
         fmt::format("the scene from {} has the hash {} here and {} there: build client and server from "
-                    "the same source",
+                    "the same source, or restart the server if a file of its scene has changed",
                     options.server, short_form(lit->scene.hash), short_form(*options.served)));
   return plan_scene(std::move(lit->scene), needs);
 }

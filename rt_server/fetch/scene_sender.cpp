@@ -20,16 +20,6 @@ void add(SealedStream& stream, const FetchAnswer& answer) {
   stream.add(message);
 }
 
-Expected<void> send_offer(SealedStream& stream, std::span<const std::byte> offer, const Waiting& waiting) {
-  while (!offer.empty()) {
-    const std::size_t size = std::min(offer.size(), kMaxOfferPart_bytes);
-    const auto more = offer.size() > size ? OfferPart::More::Yes : OfferPart::More::No;
-    add(stream, OfferPart{more, offer.first(size)});
-    offer = offer.subspan(size);
-  }
-  return stream.flush(waiting);
-}
-
 Expected<void> refuse_fetch(SealedStream& stream, FetchRefusal why, const Waiting& waiting) {
   add(stream, why);
   if (auto sent = stream.flush(waiting); !sent) return sent;
@@ -59,7 +49,8 @@ SceneSender::~SceneSender() {
   acceptor_.request_stop();
   acceptor_.join();
   for (Connection& connection : connections_) connection.ended = true;
-  connections_.clear();  // waits for their threads
+  // Their threads still walk through the list: it must stay whole until the last one has ended.
+  for (Connection& connection : connections_) connection.thread.join();
 }
 
 SenderCounters SceneSender::counters() const {
@@ -78,24 +69,28 @@ void SceneSender::accept_all(const std::stop_token& stop) {
   Expected<ServedFiles> files = ServedFiles::open(what_.scene, what_.files, stopped);
   if (files) {
     offer_ = encode(SceneOffer{what_.lighting, files->files()});
-    files_ = std::move(*files);
+    if (offer_.size() <= kMostOffer_bytes && decode_offer(offer_))
+      files_ = std::move(*files);
+    else
+      spdlog::warn("clients cannot fetch the scene: its list of files or its lighting cannot be sent");
   } else if (!stop.stop_requested()) {
     spdlog::warn("clients cannot fetch the scene: {}", files.error().what);
   }
   while (!stop.stop_requested()) {
     std::optional<TcpStream> stream =
         listener_.accept({SteadyClock().now() + std::chrono::seconds(1), stopped});
+    bool started = false;
     {
       const std::lock_guard lock(mutex_);
       connections_.remove_if([](const Connection& connection) { return connection.done.load(); });
-      if (stream) start(*std::move(stream));
+      if (stream) started = start(*std::move(stream));
     }
-    std::this_thread::sleep_for(limits_.between_accepts);
+    if (started) std::this_thread::sleep_for(limits_.between_accepts);
   }
 }
 
 /// The caller holds the mutex.
-void SceneSender::start(TcpStream stream) {
+bool SceneSender::start(TcpStream stream) {
   ++counters_.accepted;
   const Peer peer = stream.peer();
   std::size_t strangers = 0, of_address = 0;
@@ -108,15 +103,26 @@ void SceneSender::start(TcpStream stream) {
   }
   const bool drops = of_address >= limits_.strangers_of_address;
   if (drops || strangers >= limits_.strangers) ++counters_.dropped;
-  if (drops) return;
+  if (drops) return false;
   if (strangers >= limits_.strangers) oldest->ended = true;
   Connection& connection = connections_.emplace_back();
   connection.peer = peer;
-  connection.thread =
-      std::jthread([this, &connection, moved = std::make_shared<TcpStream>(std::move(stream))] {
-        serve(connection, std::move(*moved));
-        connection.done = true;
-      });
+  try {
+    connection.thread =
+        std::jthread([this, &connection, moved = std::make_shared<TcpStream>(std::move(stream))] {
+          try {
+            serve(connection, std::move(*moved));
+          } catch (const std::exception& error) {
+            spdlog::warn("a connection of the scene fetch ended: {}", error.what());
+          }
+          connection.done = true;
+        });
+  } catch (const std::system_error& error) {
+    spdlog::warn("a connection of the scene fetch got no thread: {}", error.what());
+    connections_.pop_back();
+    return false;
+  }
+  return true;
 }
 
 bool SceneSender::promote(Connection& connection, const KeyId& key) {
@@ -156,12 +162,24 @@ void SceneSender::serve(Connection& connection, TcpStream stream) {
   if (!is_proved) ++counters_.unproved;
 }
 
+Expected<void> SceneSender::send_offer(SealedStream& stream, const Connection& connection) {
+  for (std::span<const std::byte> left = offer_; !left.empty();) {
+    const std::size_t size = std::min(left.size(), kMaxOfferPart_bytes);
+    if (!wait_for_turn(connection, size)) return fail(Fault::Unavailable, "stopped");
+    add(stream, OfferPart{left.size() > size ? OfferPart::More::Yes : OfferPart::More::No, left.first(size)});
+    left = left.subspan(size);
+    if (stream.queued_bytes() < kPiece_bytes && !left.empty()) continue;
+    if (auto sent = stream.flush(within(connection, limits_.silence)); !sent) return sent;
+  }
+  return {};
+}
+
 Expected<void> SceneSender::answer(SealedStream& stream, const FetchRequest& request,
                                    const Connection& connection) {
   const Waiting soon = within(connection, limits_.silence);
   if (!files_) return refuse_fetch(stream, FetchRefusal::Unreadable, soon);
   const auto* range = std::get_if<ContentRequest>(&request);
-  if (range == nullptr) return send_offer(stream, offer_, soon);
+  if (range == nullptr) return send_offer(stream, connection);
   if (range->end > total_bytes(files_->files())) return fail(Fault::OutOfRange, "a range beyond the content");
   std::vector<std::byte> piece;
   for (std::uint64_t at = range->begin; at < range->end; at += piece.size()) {

@@ -67,9 +67,11 @@ class SceneSender {
   };
 
   void accept_all(const std::stop_token& stop);
-  void start(TcpStream stream);
+  /// False if the stream is closed at once.
+  bool start(TcpStream stream);
   void serve(Connection& connection, TcpStream stream);
   [[nodiscard]] bool promote(Connection& connection, const KeyId& key);
+  [[nodiscard]] Expected<void> send_offer(SealedStream& stream, const Connection& connection);
   [[nodiscard]] Expected<void> answer(SealedStream& stream, const FetchRequest& request,
                                       const Connection& connection);
   /// Sleeps until `bytes` may be sent. False if the connection was ended.

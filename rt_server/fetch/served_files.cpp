@@ -1,6 +1,7 @@
 #include "rt_server/fetch/served_files.h"
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kHashed_bytes = std::size_t{1} << 20;
+constexpr std::size_t kFewFiles = 500;  ///< fit in the 1,024 descriptors that most systems allow at first
 
 /// Reads all of `into` at `begin`; false if the file ends before or cannot be read.
 bool read_at(int file, std::uint64_t begin, std::span<std::byte> into) {
@@ -23,6 +25,14 @@ bool read_at(int file, std::uint64_t begin, std::span<std::byte> into) {
     into = into.subspan(static_cast<std::size_t>(got));
   }
   return true;
+}
+
+/// Each served file stays open: allows as many as the system lets this process have.
+void allow_open_files() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 Expected<Digest> hash_file(const Descriptor& file, const OfferedFile& offered,
@@ -44,6 +54,7 @@ Expected<Digest> hash_file(const Descriptor& file, const OfferedFile& offered,
 Expected<ServedFiles> ServedFiles::open(const fs::path& scene, const std::vector<std::string>& names,
                                         const std::function<bool()>& stopped) {
   ServedFiles served;
+  if (names.size() > kFewFiles) allow_open_files();
   std::vector<std::string> all{scene.filename().string()};
   std::ranges::copy_if(names, std::back_inserter(all), [&](const auto& name) { return name != all.front(); });
   for (const std::string& name : all) {

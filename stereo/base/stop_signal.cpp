@@ -19,7 +19,15 @@ StopSignal::StopSignal() {
   sigaddset(&signals_, SIGINT);
   sigaddset(&signals_, SIGTERM);
   const sigset_t all = with_question(signals_);
-  check_eq(pthread_sigmask(SIG_BLOCK, &all, nullptr), 0, "signals can be blocked");
+  check_eq(pthread_sigmask(SIG_BLOCK, &all, &before_), 0, "signals can be blocked");
+}
+
+StopSignal::~StopSignal() {
+  sigset_t opened;
+  sigemptyset(&opened);
+  for (const int signal : {SIGINT, SIGTERM})
+    if (sigismember(&before_, signal) == 0) sigaddset(&opened, signal);
+  pthread_sigmask(SIG_UNBLOCK, &opened, nullptr);
 }
 
 void StopSignal::wait(const std::function<void()>& report) {

@@ -13,6 +13,10 @@ class StopSignal {
   /// Blocks all three signals in this thread and in every thread that it starts from now on. So construct it
   /// before other threads, and call it from this thread only.
   StopSignal();
+  StopSignal(const StopSignal&) = delete;
+  StopSignal& operator=(const StopSignal&) = delete;
+  /// From here on, SIGINT and SIGTERM do in this thread what they did before.
+  ~StopSignal();
 
   /// Returns when SIGINT or SIGTERM has arrived. Calls `report` for each SIGUSR1.
   void wait(const std::function<void()>& report = [] {});
@@ -24,6 +28,7 @@ class StopSignal {
   void let_the_next_one_through();
 
   sigset_t signals_;  ///< SIGINT and SIGTERM
+  sigset_t before_;   ///< the signals that were blocked before
   bool came_ = false;
 };
 

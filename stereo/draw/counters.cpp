@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "stereo/detail/level_choice.h"
+#include "stereo/draw/deformed_vertices.h"
 #include "stereo/draw/frame_data.h"
 #include "stereo/draw/renderer.h"
 #include "stereo/draw/scene_buffers.h"
@@ -47,6 +48,7 @@ gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, con
   add_scene(scene, plan, levels, memory);
   memory[Use::Frame] =
       sizeof(gpu::FrameData) + shading.lights + passes * scene.instances.size() * sizeof(gpu::InstanceData);
+  memory[Use::Frame] += deformed_bytes(scene, true) + (passes - 1) * deformed_bytes(scene, false);
   memory[Use::GBuffer] = pixels * (4 + (carries_masks(plan) ? 8 : 4));
   memory[Use::Depth] = kEyes * limits.traced_size.pixels() * (limits.depth_frames + 1) * 4;
   if (carry.carried > 0) memory[Use::Frame] += sizeof(gpu::FrameData) + shading.lights;

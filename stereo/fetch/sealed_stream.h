@@ -1,5 +1,5 @@
 /// SealedStream: sealed messages over TCP, for the scene fetch. It uses the handshake and the sealing of
-/// datagrams; each envelope follows its length. The Hello names kFetchHello in place of a scene, so that a
+/// datagrams; each envelope follows its length. The Hello names fetch_hello() in place of a scene, so that a
 /// Hello, an Accept and their keys are of no use over UDP, and those of UDP are of no use here.
 #pragma once
 

@@ -36,8 +36,11 @@ asio::error_code finish(asio::io_context& context, auto& socket,
     const bool late = now >= waiting.until;
     if (late || (waiting.stopped && waiting.stopped())) {
       asio::error_code ignored;
-      socket.cancel(ignored);
-      context.run();
+      // A write that has done a part starts another one, which must be cancelled, too.
+      while (!result) {
+        socket.cancel(ignored);
+        context.run_one_for(kStopPoll);
+      }
       // It may have ended before it was cancelled.
       if (*result != asio::error::operation_aborted) return *result;
       return late ? asio::error::timed_out : asio::error::interrupted;
@@ -132,7 +135,7 @@ Expected<TcpListener> TcpListener::listen(const Peer& address) {
   if (endpoint.protocol() == tcp::v6()) acceptor.set_option(asio::ip::v6_only(false), ignored);
   if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
   if (!error) acceptor.bind(endpoint, error);
-  if (!error) acceptor.listen(16, error);
+  if (!error) acceptor.listen(tcp::acceptor::max_listen_connections, error);
   if (error)
     return fail(Fault::Unavailable, "cannot listen on " + to_string(address) + " (TCP): " + error.message());
   return TcpListener(std::move(state));

@@ -29,12 +29,16 @@ Bounds joined(const Bounds& a, const Bounds& b) {
 constexpr Bounds kNoPoint{glm::dvec3(std::numeric_limits<double>::max()),
                           glm::dvec3(std::numeric_limits<double>::lowest())};
 
-/// The box around the transformed corners of a box.
+/// The box around the transformed corners of a box, and the rounding of float sums that lead there.
 Bounds moved(const glm::dmat4& transform, const Bounds& box) {
+  constexpr double kRounding = 1e-6;
   Bounds result = kNoPoint;
+  const glm::dvec3 far = glm::max(glm::abs(box.low), glm::abs(box.high));
+  glm::dvec3 terms = glm::abs(glm::dvec3(transform[3]));
+  for (int column = 0; column < 3; ++column) terms += far[column] * glm::abs(glm::dvec3(transform[column]));
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec3 p(transform * glm::dvec4(box.corner(corner), 1.0));
-    result = joined(result, {p, p});
+    result = joined(result, {p - kRounding * terms, p + kRounding * terms});
   }
   return result;
 }
@@ -132,13 +136,15 @@ Bounds DeformBounds::at(const RigPose& pose) const {
     grown.low += glm::min(a, b), grown.high += glm::max(a, b);
   }
   const auto with = [&](const Bounds& box) { return Bounds{box.low + grown.low, box.high + grown.high}; };
-  Bounds result = joints_.empty() ? with(all_) : kNoPoint;
+  Bounds result = joints_.empty() ? moved(glm::dmat4(1.0), with(all_)) : kNoPoint;
   for (const auto& [joint, box] : joints_)
     result = joined(result, moved(glm::dmat4(pose.object_from_bind[joint]), with(box)));
-  constexpr double kRounding = 1e-6;  // of the float sums in Deformation
-  const glm::dvec3 margin = kRounding * glm::max(glm::abs(result.low), glm::abs(result.high));
-  const glm::dvec3 farthest(1e12);  // as Deformation
-  return {glm::max(result.low - margin, -farthest), glm::min(result.high + margin, farthest)};
+  // Vertices beyond that are at the origin.
+  const glm::dvec3 farthest(1e12);
+  const glm::dvec3 low = glm::clamp(result.low, -farthest, farthest),
+                   high = glm::clamp(result.high, -farthest, farthest);
+  if (result == Bounds{low, high}) return result;
+  return joined({low, high}, {glm::dvec3(0.0), glm::dvec3(0.0)});
 }
 
 bool DeformBounds::same(const RigPose& a, const RigPose& b) const {

@@ -78,7 +78,8 @@ WeightTracks add_animations(const Document& document, const std::vector<Index>& 
       if (!node) continue;
       const AnimationSampler& sampler = animation.samplers[from.sampler];
       if (from.path == "weights") {
-        if (!document.nodes[from.node].mesh) continue;
+        const Index mesh = document.nodes[from.node].mesh;
+        if (!mesh || document.meshes[*mesh].targets() == 0) continue;
         const auto [track, is_new] = tracks.try_emplace(from.node, weight_track_from(document, sampler));
         if (is_new) length_s = std::max(length_s, double{track->second.keys_s.back()});
         continue;

@@ -126,6 +126,9 @@ Checked add_deformed(const Document& document, const Node& from, std::uint32_t n
   const Mesh& mesh = document.meshes[*from.mesh];
   for (const Primitive& primitive : mesh.primitives) {
     if (!primitive.attribute("POSITION") || !primitive.draws_triangles()) continue;
+    if (primitive.attribute("JOINTS_1"))
+      scene.warnings.push_back("mesh '" + printable(mesh.name) +
+                               "': vertices follow their first four joints only");
     auto deformed = deformed_mesh(document, primitive, pose, mesh.name, materials);
     if (!deformed) return tl::unexpected(deformed.error());
     if (place.rig) {
@@ -133,6 +136,7 @@ Checked add_deformed(const Document& document, const Node& from, std::uint32_t n
         add_instance(std::move(part), place.node, place.rig, scene);
     } else {
       deformed->deformable.reset();
+      remove_without_area(*deformed);
       add_instance(std::move(*deformed), place.node, {}, scene);
     }
   }

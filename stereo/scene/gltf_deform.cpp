@@ -8,17 +8,11 @@
 namespace farshade::gltf {
 namespace {
 
-std::size_t targets_of(const Mesh& mesh) {
-  std::size_t most = 0;
-  for (const Primitive& primitive : mesh.primitives) most = std::max(most, primitive.targets.size());
-  return most;
-}
-
 /// The weights of the node, else of its mesh; as many as there are targets.
 std::vector<float> weights_of(const Document& document, const Node& node) {
   const Mesh& mesh = document.meshes[*node.mesh];
   const std::vector<double>& given = node.weights.empty() ? mesh.weights : node.weights;
-  std::vector<float> weights(targets_of(mesh), 0.0f);
+  std::vector<float> weights(mesh.targets(), 0.0f);
   for (std::size_t i = 0; i < std::min(weights.size(), given.size()); ++i)
     weights[i] = static_cast<float>(glm::clamp(given[i], -kMostWeight, kMostWeight));
   return weights;
@@ -51,6 +45,16 @@ std::vector<Deformable::Influence> influences_of(const Document& document, const
   return result;
 }
 
+/// Whether each key has the weights of the first one, and no tangents.
+bool is_constant(const WeightTrack& track, std::size_t targets) {
+  const bool is_cubic = track.interpolation == Interpolation::CubicSpline;
+  const auto is_value = [&](std::size_t i) { return !is_cubic || i / targets % 3 == 1; };
+  const std::size_t first = is_cubic ? targets : 0;
+  for (std::size_t i = 0; i < track.values.size(); ++i)
+    if (track.values[i] != (is_value(i) ? track.values[first + i % targets] : 0.0f)) return false;
+  return true;
+}
+
 std::vector<glm::vec3> differences(const Document& document, Index accessor) {
   return accessor ? read_vectors<3>(document, *accessor) : std::vector<glm::vec3>();
 }
@@ -69,8 +73,15 @@ Rig rig_of(const Document& document, std::uint32_t number, const std::vector<Ind
   const Node& node = document.nodes[number];
   Rig rig{.joints = {}, .weights = weights_of(document, node)};
   if (node.skin) rig.joints = joints_of(document, document.skins[*node.skin], scene_node, still);
-  if (const auto track = tracks.find(number); track != tracks.end() && !rig.weights.empty())
-    rig.track = track->second;
+  const auto found = tracks.find(number);
+  if (found == tracks.end() || rig.weights.empty()) return rig;
+  const WeightTrack& track = found->second;
+  if (!is_constant(track, rig.weights.size())) {
+    rig.track = track;
+    return rig;
+  }
+  const std::size_t first = track.interpolation == Interpolation::CubicSpline ? rig.weights.size() : 0;
+  for (std::size_t i = 0; i < rig.weights.size(); ++i) rig.weights[i] = track.values[first + i];
   return rig;
 }
 

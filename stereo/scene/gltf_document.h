@@ -146,6 +146,13 @@ struct Mesh {
   std::string name;
   std::vector<Primitive> primitives;
   std::vector<double> weights;  ///< of the morph targets; empty: 0
+
+  /// The morph targets of the primitive that has most.
+  [[nodiscard]] std::size_t targets() const {
+    std::size_t most = 0;
+    for (const Primitive& primitive : primitives) most = std::max(most, primitive.targets.size());
+    return most;
+  }
 };
 
 struct Skin {

@@ -69,6 +69,13 @@ std::vector<Node> instances_of(const Document& document, const Node& parent, std
   return made;
 }
 
+bool has_animated_weights(const Document& document, std::size_t node) {
+  for (const Animation& animation : document.animations)
+    for (const AnimationChannel& channel : animation.channels)
+      if (channel.node == node && channel.path == "weights") return true;
+  return false;
+}
+
 }  // namespace
 
 Checked expand_instances(Document& document) {
@@ -89,6 +96,8 @@ Checked expand_instances(Document& document) {
       document.nodes[i].children.push_back(static_cast<std::uint32_t>(document.nodes.size()));
       document.nodes.push_back(std::move(instance));
     }
+    if (has_animated_weights(document, i))
+      document.warnings.push_back(name + ": animated weights of instances stand still");
     document.nodes[i].mesh.reset();
     document.nodes[i].weights.clear();
   }

@@ -40,12 +40,6 @@ std::vector<glm::uvec3> triangles_of(Mode mode, const std::vector<std::uint32_t>
   return triangles;
 }
 
-void remove_without_area(farshade::Mesh& mesh) {
-  std::erase_if(mesh.triangles, [&](const glm::uvec3& triangle) {
-    return area_vector(mesh.positions, triangle) == glm::dvec3(0.0);
-  });
-}
-
 template <class T>
 std::vector<T> by_corner(const std::vector<T>& stream, const std::vector<glm::uvec3>& triangles) {
   std::vector<T> result;
@@ -139,6 +133,12 @@ void complete(const Document& document, const Primitive& primitive, farshade::Me
 }
 
 }  // namespace
+
+void remove_without_area(farshade::Mesh& mesh) {
+  std::erase_if(mesh.triangles, [&](const glm::uvec3& triangle) {
+    return area_vector(mesh.positions, triangle) == glm::dvec3(0.0);
+  });
+}
 
 farshade::Mesh mesh_from(const Document& document, const Primitive& primitive) {
   farshade::Mesh mesh;

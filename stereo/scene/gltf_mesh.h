@@ -16,4 +16,6 @@ namespace farshade::gltf {
 [[nodiscard]] farshade::Mesh deformable_mesh_from(const Document& document, const Primitive& primitive,
                                                   bool skinned);
 
+void remove_without_area(farshade::Mesh& mesh);
+
 }  // namespace farshade::gltf

@@ -52,17 +52,15 @@ Checked check_values(const Document& document, const std::string& name, const An
 /// The weights of morph targets: numbers, as many a key as the node's mesh has targets.
 Checked check_weights(const Document& document, const std::string& name, const AnimationSampler& sampler,
                       const Node& node) {
+  const std::uint64_t targets = node.mesh ? document.meshes[*node.mesh].targets() : 0;
+  if (targets == 0) return {};  // nothing of it is read
   const std::string subject = name + ": value " + label("accessor", sampler.output);
   if (sampler.output >= document.accessors.size()) return malformed(subject + " is not there");
-  if (!node.mesh) return {};  // nothing of it is read
   const Accessor& accessor = document.accessors[sampler.output];
   const bool fits = accessor.component == Component::Float ||
                     (accessor.normalized && accessor.component != Component::UInt32);
   if (!fits || accessor.columns != 1 || accessor.rows != 1)
     return malformed(subject + " has a type that weights cannot have");
-  std::uint64_t targets = 0;
-  for (const Primitive& primitive : document.meshes[*node.mesh].primitives)
-    targets = std::max<std::uint64_t>(targets, primitive.targets.size());
   const std::uint64_t parts = sampler.interpolation == "CUBICSPLINE" ? 3 : 1;
   const std::uint64_t wanted = document.accessors[sampler.input].count * parts * targets;
   if (accessor.count == wanted) return {};

@@ -2,6 +2,7 @@
 /// textures, images and lights.
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "stereo/scene/gltf_accessor.h"
 #include "stereo/scene/gltf_validate.h"
@@ -177,18 +178,30 @@ Checked check_skin(const Document& document, std::size_t index, const Skin& skin
   return {};
 }
 
-/// What a node reads and makes: instances, and if it deforms its mesh, vertices and indices of its own.
-std::uint64_t cost_of(const Document& document, const Node& node) {
+/// The nodes whose weights an animation moves.
+std::set<std::uint32_t> nodes_with_tracks(const Document& document) {
+  std::set<std::uint32_t> nodes;
+  for (const Animation& animation : document.animations)
+    for (const AnimationChannel& channel : animation.channels)
+      if (channel.path == "weights") nodes.insert(channel.node);
+  return nodes;
+}
+
+/// What a node reads and makes: instances, and if it deforms its mesh, joints, vertices and indices of its
+/// own. Flat triangles and parts (mesh_parts.h) may have three vertices for each triangle.
+std::uint64_t cost_of(const Document& document, const Node& node, bool has_track) {
   const Mesh& mesh = document.meshes[*node.mesh];
-  const bool deforms = node.skin || !node.weights.empty() || !mesh.weights.empty();
+  const bool deforms = node.skin || has_track || !node.weights.empty() || !mesh.weights.empty();
   std::uint64_t cost = 1 + mesh.primitives.size() + node.weights.size() + mesh.weights.size();
   for (const Primitive& primitive : mesh.primitives) {
     const Index position = primitive.attribute("POSITION");
     if (!deforms || !position || !primitive.draws_triangles()) continue;
     const std::uint64_t vertices = document.accessors[*position].count;
-    cost += vertices * (1 + primitive.targets.size());
-    cost += primitive.indices ? document.accessors[*primitive.indices].count : vertices;
+    const std::uint64_t indices = primitive.indices ? document.accessors[*primitive.indices].count : vertices;
+    const std::uint64_t corners = primitive.mode == Mode::Triangles ? indices : 3 * indices;
+    cost += (vertices + corners) * (1 + primitive.targets.size());
   }
+  if (node.skin) cost += 16 * document.skins[*node.skin].joints.size();
   return cost;
 }
 
@@ -208,10 +221,11 @@ Checked check_joints(const Document& document, const std::string& name, const No
 /// Bounds what nodes make of meshes that they share, and checks the joints that skinned meshes name.
 Checked check_mesh_nodes(const Document& document) {
   std::uint64_t left = element_budget(document);
+  const std::set<std::uint32_t> tracks = nodes_with_tracks(document);
   return check_each(document.nodes, [&](std::size_t index, const Node& node) -> Checked {
     if (!node.mesh) return {};
     const std::string name = label("node", index, node.name);
-    const std::uint64_t cost = cost_of(document, node);
+    const std::uint64_t cost = cost_of(document, node, tracks.contains(static_cast<std::uint32_t>(index)));
     if (cost > left)
       return fail(Fault::OutOfRange,
                   name + ": its mesh is shown or deformed more often than in a file of this size should be");

@@ -133,7 +133,8 @@ Triangle place(const Scene& scene, const Mesh& mesh, const glm::uvec3& vertices,
   }
   const auto& [a, b, c] = result.position;
   // A skin has turned mirrored triangles over already.
-  const bool mirrored = !mesh.deformable && glm::determinant(glm::dmat3(at.transform(vertices.x))) < 0;
+  const bool is_skinned = mesh.deformable && !mesh.deformable->influences.empty();
+  const bool mirrored = !is_skinned && glm::determinant(glm::dmat3(at.transform(vertices.x))) < 0;
   result.facing = glm::cross(b - a, c - a) * (mirrored ? -1.0 : 1.0);
   if (mesh.deformable && mesh.deformable->normals.empty()) result.normal.fill(glm::normalize(result.facing));
   return result;

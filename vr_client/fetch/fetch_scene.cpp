@@ -98,6 +98,10 @@ class Pace {
     if ((bytes_ += bytes) >= plan_.least_bytes) begin();
   }
   [[nodiscard]] Waiting waiting() const { return {until_, plan_.stopped}; }
+  /// For one answer: a connection that has fallen silent is given up while there is time for another one.
+  [[nodiscard]] Waiting for_answer() const {
+    return {std::min(until_, now() + plan_.patience / 2), plan_.stopped};
+  }
   [[nodiscard]] bool is_over() const { return now() >= until_ || plan_.stopped(); }
 
  private:
@@ -117,7 +121,7 @@ Expected<void> fetch_range(const FetchPlan& plan, SealedStream& stream, SceneCac
   if (auto sent = send_request(stream, ContentRequest{range.begin, range.end}, pace.waiting()); !sent)
     return sent;
   for (std::uint64_t at = range.begin; at < range.end;) {
-    const Expected<FetchAnswer> answer = receive_answer(stream, pace.waiting());
+    const Expected<FetchAnswer> answer = receive_answer(stream, pace.for_answer());
     if (!answer) return tl::unexpected(answer.error());
     const auto* content = std::get_if<Content>(&*answer);
     if (content == nullptr || content->begin != at || content->bytes.size() > range.end - at)
@@ -207,8 +211,11 @@ Expected<FetchedScene> fetch_scene(const FetchPlan& plan) {
     Expected<SceneCache> cache = open_cache(plan, received.offer);
     if (!cache) return tl::unexpected(cache.error());
     const std::uint64_t missing = cache->missing_bytes();
+    const std::uint64_t all = total_bytes(received.offer.files);
+    if (plan.stopped()) return tl::unexpected(stopped_error(plan, *cache, all));
     const Expected<bool> filled = fill(plan, *std::move(opened), *cache);
     if (!filled) return tl::unexpected(filled.error());
+    if (plan.stopped()) return tl::unexpected(stopped_error(plan, *cache, all));
     if (*filled) return FetchedScene{cache->scene(), received.offer.lighting, received.hash, missing};
     plan.note("the server has another scene now: fetching that");
   }

@@ -51,7 +51,9 @@ TEST_F(FetchTest, BringsAllFilesAndTheLightingOnce) {
   ASSERT_TRUE(second.has_value());
   EXPECT_EQ(second->fetched_bytes, 0u);
   EXPECT_EQ(second->scene, first->scene);
-  EXPECT_EQ(sender_->counters().sent_bytes, 305'001u);
+  // The files once, and two offers of a few hundred bytes.
+  EXPECT_GT(sender_->counters().sent_bytes, 305'001u);
+  EXPECT_LT(sender_->counters().sent_bytes, 306'000u);
 }
 
 TEST_F(FetchTest, GoesOnAfterCutsAtRandomPlaces) {

@@ -286,6 +286,37 @@ TEST(MorphTargets, OfANodeWithoutAMeshDoNothing) {
   EXPECT_EQ(scene.animation_length_s, 0);
 }
 
+TEST(MorphTargets, WhoseAnimatedWeightsAreConstantStandStill) {
+  GltfBuilder file = morphing_file();
+  file.json["animations"][0]["samplers"][0]["output"] =
+      file.accessor(file.view(std::vector<float>{1, 0.5f, 1, 0.5f}), kFloat, "SCALAR", 4);
+  const Scene scene = scene_of(file);
+  EXPECT_TRUE(scene.rigs.empty());
+  expect_near(corners_of(scene), {{0, 0, 0}, {1, 4, 2}, {0, 1, 0}});
+}
+
+TEST(MorphTargets, AnimatedInAMeshThatHasNoneDoNothing) {
+  GltfBuilder file = morphing_file();
+  file.json["meshes"][0]["primitives"][0].erase("targets");
+  EXPECT_TRUE(scene_of(file).rigs.empty());
+}
+
+// Each would have its own copy of every target.
+TEST(MorphTargets, RefusesThatASmallFileMakesMuchOfThem) {
+  GltfBuilder many = morphing_file();
+  json& targets = many.json["meshes"][0]["primitives"][0]["targets"];
+  const json first = targets[0];
+  while (targets.size() < 1000) targets.push_back(first);
+  many.json["animations"][0]["samplers"][0]["output"] =
+      many.accessor(many.view(std::vector<float>(2000, 0.5f)), kFloat, "SCALAR", 2000);
+  std::vector<std::uint8_t> indices(30'000, 0);
+  many.json["meshes"][0]["primitives"][0]["indices"] =
+      many.accessor(many.view(indices), kByte, "SCALAR", indices.size());
+  const Expected<Scene> scene = load_scene_from_memory(many.glb());
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().what.find("more often"), std::string::npos) << scene.error().what;
+}
+
 TEST(Deformation, KeepsVerticesWithinWhatFloatCanCompute) {
   GltfBuilder file = morphing_file();
   file.json["animations"][0]["samplers"][0]["output"] =
