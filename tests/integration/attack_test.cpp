@@ -123,7 +123,8 @@ class Attack : public testing::Test {
     EXPECT_TRUE(strangers_->catch_up());
     server_.program().send(SIGUSR1);
     auto line = server_.program().line_after("rt_server: ");
-    while (line && line->starts_with("rays: ")) line = server_.program().line_after("rt_server: ");
+    while (line && (line->starts_with("rays: ") || line->starts_with("scene fetch: ")))
+      line = server_.program().line_after("rt_server: ");
     EXPECT_TRUE(line.has_value());
     return {line.value_or("")};
   }
