@@ -249,7 +249,7 @@ TEST(Draco, RefusesCountsBeforeItDecodes) {
   // Both the JSON and the Draco header say 2^28 triangles (a varint of five bytes, over what follows it).
   const Error huge = refused_draco(DracoMethod::Sequential, [](GltfBuilder& file) {
     const std::size_t at = draco_start(file) + 11;
-    for (const std::size_t i : {0, 1, 2, 3}) file.bytes()[at + i] = std::byte{0x80};
+    for (const std::size_t i : {0u, 1u, 2u, 3u}) file.bytes()[at + i] = std::byte{0x80};
     file.bytes()[at + 4] = std::byte{0x01};
     file.json["accessors"][2]["count"] = 3u << 28;
   });
