@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "stereo/fetch/fetch_messages.h"
 
 namespace farshade {
@@ -81,7 +83,8 @@ TEST(SceneOffer, RefusesBadNamesAndLightsFromTheWire) {
   SceneOffer offer = sample_offer();
   std::vector<std::byte> bytes = encode(offer);
   const std::string name = "textures/wood.png", evil = "../..////wood.png";
-  const auto at = std::ranges::search(bytes, std::as_bytes(std::span(name))).begin();
+  const auto searched = std::as_bytes(std::span(name));
+  const auto at = std::search(bytes.begin(), bytes.end(), searched.begin(), searched.end());
   std::ranges::copy(std::as_bytes(std::span(evil)), at);
   EXPECT_FALSE(decode_offer(bytes));
 
