@@ -33,7 +33,7 @@ void expect_says(const std::string& what, const std::string& part) {
 GltfBuilder textured_file(const json& texture, const std::vector<std::byte>& image) {
   GltfBuilder file = triangle_file();
   file.json["images"] = {{{"bufferView", file.view(image)}}};
-  file.json["textures"] = {texture};
+  file.json["textures"] = json::array({texture});  // clang takes {texture} for a copy
   file.json["materials"] = {
       {{"pbrMetallicRoughness",
         {{"baseColorFactor", {1, 0.5, 0.25, 1}}, {"baseColorTexture", {{"index", 0}}}}}}};
@@ -62,8 +62,8 @@ TEST(WildTextures, WebpIsDrawn) {
 
 TEST(WildTextures, OfBasisUniversalHaveTheirFallbackOrElseTheBaseColour) {
   for (const bool direct : {false, true}) {
-    GltfBuilder file =
-        textured_file(direct ? json{{"source", 0}} : source_of("KHR_texture_basisu", 0), ktx2_bytes());
+    GltfBuilder file = textured_file(
+        direct ? json::object({{"source", 0}}) : source_of("KHR_texture_basisu", 0), ktx2_bytes());
     file.json["extensionsRequired"] = {"KHR_texture_basisu"};
     const Scene scene = loaded(file);
     EXPECT_TRUE(scene.textures.empty());
