@@ -262,8 +262,9 @@ Expected<void> run_client(const Options& options) {
                    *client.renderer, client.reference.get());
   const FrameSettings settings{
       .request = options.request, .carry_over = options.carry_over, .report = report_for(report)};
-  // Otherwise the server could end the session while a frame compiles its pipelines.
-  if (draws_scene(options.mode.mode))
+  // A run of less than a second ends sooner if each pipeline is compiled when a frame first needs it. If
+  // requests are rare, the server could end the session while a frame compiles.
+  if ((frames > options.refresh_hz || options.request.every > 1) && draws_scene(options.mode.mode))
     compile_ahead(client, settings.carry_over, settings.report, Changes::Never);
   if (auto done = open_link(options, client, captures ? capture.listener() : LinkListener{}); !done)
     return done;

@@ -294,9 +294,13 @@ TEST(ClientProgram, ShowsTheSameWithEveryPlan) {
   for (const std::string plan : {"needed", "everything"}) {
     const std::filesystem::path out = folder.path() / plan;
     const RunningServer server(kRoom, "127.0.0.1:0", {"--plan=" + plan});
-    const Ended run =
-        run_client({{"--server", server.address()}, {"--plan=" + plan, ""}, {"--out", out.string()}});
-    ASSERT_EQ(run.status, 0) << run.errors;
+    // The first run compiles pipelines in its frames. If one takes longer than a session lasts, an answer is
+    // lost.
+    for (int round = 0; round < 2; ++round) {
+      const Ended run =
+          run_client({{"--server", server.address()}, {"--plan=" + plan, ""}, {"--out", out.string()}});
+      ASSERT_EQ(run.status, 0) << run.errors;
+    }
     error.push_back(summary_row(out, "left eye", "mask error")[0]);
   }
   EXPECT_GT(error[0], 0);
