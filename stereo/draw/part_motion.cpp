@@ -22,8 +22,8 @@ glm::dvec3 mean(const std::vector<glm::dvec3>& points) {
   return sum / weights;
 }
 
-/// The affine transform that maps `from` to `to` with the least weighted sum of squared errors. The identity's
-/// linear part if the points determine none.
+/// The affine transform that maps `from` to `to` with the least weighted sum of squared errors. The
+/// identity's linear part if the points determine none.
 glm::dmat4 fitted(const std::vector<glm::dvec3>& from, const std::vector<glm::dvec3>& to) {
   const glm::dvec3 from_mean = mean(from), to_mean = mean(to);
   glm::dmat3 across(0.0), within(0.0);

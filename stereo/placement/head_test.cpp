@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostPoses = 64;
 constexpr int kRaysAround = 32;  ///< rays around an eye
-constexpr int kAcross = 12;  ///< rays across and down a picture
+constexpr int kAcross = 12;      ///< rays across and down a picture
 constexpr double kTouch_m = 0.01, kSolid_m = 0.5, kLeastSeen = 0.01;
 
 using Eyes = PerEye<Rigid<Stage, Eye>>;
