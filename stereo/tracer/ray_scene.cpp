@@ -8,6 +8,7 @@
 
 #include <sys/types.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <stdexcept>
@@ -166,13 +167,28 @@ struct MemoryCounter {
 
 }  // namespace
 
+/// Consecutive patches.
+struct PatchRange {
+  std::uint32_t first = 0, count = 0;
+};
+
 /// Patches that move together: one, or all of a rig.
 struct Mover {
-  std::uint32_t first_patch = 0;
+  std::vector<PatchRange> geometries;  ///< of `scene`, by number
   SceneHandle scene;
   Geometry instance;               ///< of `scene`
-  std::vector<Geometry> deformed;  ///< the patches of a rig; empty without one
+  std::vector<Geometry> deformed;  ///< the geometries of a rig; empty without one
 };
+
+/// Calls act(run) for each longest run of patches that are `alike` their neighbours.
+template <class Alike, class Act>
+void for_each_run(PatchRange patches, Alike alike, Act act) {
+  const std::uint32_t end = patches.first + patches.count;
+  for (std::uint32_t first = patches.first, next = first; first < end; first = next) {
+    for (++next; next < end && alike(next - 1, next);) ++next;
+    act(PatchRange{first, next - first});
+  }
+}
 
 struct RayScene::Impl {
   const SurfaceModel& model;
@@ -188,23 +204,29 @@ struct RayScene::Impl {
   explicit Impl(const SurfaceModel& surfaces) : model(surfaces) {}
 
   void build();
-  Geometry attach_patch(RTCScene scene, std::size_t patch, unsigned id, RTCBuildQuality built);
+  Geometry attach_patches(RTCScene scene, PatchRange patches, unsigned id, RTCBuildQuality built);
   Geometry attach_instance(RTCScene of, unsigned id);
-  void add_mover(std::size_t first, std::size_t count);
+  void add_mover(PatchRange patches);
+  void name_patch(unsigned instance, unsigned& geometry, unsigned& primitive) const;
   void place(const Mover& mover);
   void update();
 };
 
-Geometry RayScene::Impl::attach_patch(RTCScene scene, std::size_t patch, unsigned id, RTCBuildQuality built) {
+/// One geometry of all `patches`, whose triangles follow one another.
+Geometry RayScene::Impl::attach_patches(RTCScene scene, PatchRange patches, unsigned id,
+                                        RTCBuildQuality built) {
   Geometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
   rtcSetGeometryBuildQuality(geometry.get(), built);
-  const FilterData& data = filter_data[patch];
+  const Patch &first = model.patches()[patches.first],
+              &last = model.patches()[patches.first + patches.count - 1];
+  const std::size_t triangles = last.first_triangle + last.triangle_count - first.first_triangle;
   const auto positions = model.positions();
   rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, positions.data(),
                              0, sizeof(glm::vec3), positions.size() - 1);
   rtcSetSharedGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                             data.triangles.data(), 0, sizeof(glm::uvec3), data.triangles.size());
-  set_filters(geometry.get(), filter_data[patch]);
+                             model.triangles().data() + first.first_triangle, 0, sizeof(glm::uvec3),
+                             triangles);
+  set_filters(geometry.get(), filter_data[patches.first]);
   rtcCommitGeometry(geometry.get());
   rtcAttachGeometryByID(scene, geometry.get(), id);
   return geometry;
@@ -225,47 +247,53 @@ void RayScene::Impl::build() {
     filter_data.push_back({&patch, model.triangles().subspan(patch.first_triangle, patch.triangle_count)});
 
   fixed = new_scene(device.get(), RTC_SCENE_FLAG_ROBUST, quality);
-  for (unsigned i = 0; i < model.fixed_count(); ++i) attach_patch(fixed.get(), i, i, quality);
+  for (unsigned i = 0; i < model.fixed_count(); ++i) attach_patches(fixed.get(), {i, 1}, i, quality);
   rtcCommitScene(fixed.get());
   if (model.fixed_count() == patches.size()) return;
 
   moving = new_scene(device.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC, RTC_BUILD_QUALITY_MEDIUM);
-  for (std::size_t first = model.fixed_count(), next = first; first < patches.size(); first = next) {
-    for (++next; next < patches.size() && patches[first].rig && patches[next].rig == patches[first].rig;)
-      ++next;
-    add_mover(first, next - first);
-  }
+  for_each_run(
+      PatchRange{narrow<std::uint32_t>(model.fixed_count()),
+                 narrow<std::uint32_t>(patches.size() - model.fixed_count())},
+      [&](std::uint32_t a, std::uint32_t b) { return patches[a].rig && patches[a].rig == patches[b].rig; },
+      [&](PatchRange of_rig) { add_mover(of_rig); });
   update();
 }
 
-/// A rig's hierarchy has two levels, of which Embree refits the lower one.
-void RayScene::Impl::add_mover(std::size_t first, std::size_t count) {
-  const bool deforms = model.patches()[first].rig.has_value();
+/// Patches of a rig whose rays need the same filter are one geometry, so that one hierarchy without overlaps
+/// holds them. Embree refits it.
+void RayScene::Impl::add_mover(PatchRange patches) {
+  const auto all = model.patches();
+  const bool deforms = all[patches.first].rig.has_value();
   const auto flags = deforms ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_ROBUST;
-  Mover mover{.first_patch = narrow<std::uint32_t>(first),
+  Mover mover{.geometries = {},
               .scene = new_scene(device.get(), flags, deforms ? RTC_BUILD_QUALITY_LOW : quality),
               .instance = nullptr,
               .deformed = {}};
-  for (unsigned i = 0; i < count; ++i) {
-    Geometry patch =
-        attach_patch(mover.scene.get(), first + i, i, deforms ? RTC_BUILD_QUALITY_REFIT : quality);
-    if (deforms) mover.deformed.push_back(std::move(patch));
-  }
+  const auto same_filter = [&](std::uint32_t a, std::uint32_t b) {
+    return !all[a].holes && !all[b].holes && all[a].back_test == all[b].back_test;
+  };
+  for_each_run(patches, same_filter, [&](PatchRange run) {
+    Geometry geometry = attach_patches(mover.scene.get(), run, narrow<unsigned>(mover.geometries.size()),
+                                       deforms ? RTC_BUILD_QUALITY_REFIT : quality);
+    mover.geometries.push_back(run);
+    if (deforms) mover.deformed.push_back(std::move(geometry));
+  });
   rtcCommitScene(mover.scene.get());
   mover.instance = attach_instance(mover.scene.get(), narrow<unsigned>(movers.size()));
   movers.push_back(std::move(mover));
 }
 
 void RayScene::Impl::place(const Mover& mover) {
-  const Placement& placement = model.patches()[mover.first_patch].placement;
+  const Placement& placement = model.patches()[mover.geometries.front().first].placement;
   RTCGeometry instance = mover.instance.get();
   if (placement.singular) {
     rtcDisableGeometry(instance);
     return;
   }
-  for (const Geometry& patch : mover.deformed) {
-    rtcUpdateGeometryBuffer(patch.get(), RTC_BUFFER_TYPE_VERTEX, 0);
-    rtcCommitGeometry(patch.get());
+  for (const Geometry& geometry : mover.deformed) {
+    rtcUpdateGeometryBuffer(geometry.get(), RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(geometry.get());
   }
   if (!mover.deformed.empty()) rtcCommitScene(mover.scene.get());
   const glm::mat3& m = placement.linear;
@@ -278,6 +306,16 @@ void RayScene::Impl::place(const Mover& mover) {
 void RayScene::Impl::update() {
   for (const Mover& mover : movers) place(mover);
   if (moving) rtcCommitScene(moving.get());
+}
+
+/// Turns Embree's numbers of a hit into the number of the patch and of the triangle in it.
+void RayScene::Impl::name_patch(unsigned instance, unsigned& geometry, unsigned& primitive) const {
+  const PatchRange range = movers[instance].geometries[geometry];
+  const auto patches = model.patches().subspan(range.first, range.count);
+  const std::uint32_t triangle = patches.front().first_triangle + primitive;
+  const auto next = std::ranges::upper_bound(patches, triangle, {}, &Patch::first_triangle);
+  geometry = range.first + narrow<unsigned>(next - patches.begin()) - 1;
+  primitive = triangle - std::prev(next)->first_triangle;
 }
 
 Expected<RayScene> RayScene::create(const SurfaceModel& model, Built built) {
@@ -325,7 +363,7 @@ void RayScene::intersect(const Lanes<K>& lanes, RayHitPacket<K>& packet) const {
   if (!impl_->moving) return;
   intersect_in<K>(impl_->moving.get(), Coherence::Undeclared, lanes, packet);
   for (int i = 0; i < K; ++i)
-    if (hit.instance[i] != kNothing) hit.geometry[i] += impl_->movers[hit.instance[i]].first_patch;
+    if (hit.instance[i] != kNothing) impl_->name_patch(hit.instance[i], hit.geometry[i], hit.primitive[i]);
 }
 
 template <int K>

@@ -52,6 +52,8 @@ bool is_singular(const glm::dmat3& m) {
 }
 
 glm::dvec3 unit_or_zero(const glm::dvec3& v) {
+  const double square = glm::dot(v, v);
+  if (square > 1e-200 && square < 1e200) return v * (1.0 / std::sqrt(square));  // nearly always, and quicker
   const double size = largest(v);
   return size > 0 ? glm::normalize(v / size) : glm::dvec3(0.0);
 }

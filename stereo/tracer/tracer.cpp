@@ -2,6 +2,7 @@
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -107,9 +108,11 @@ void Tracer::Impl::advance_to(Time scene_time, const LightChanges& changes) {
     state = state_at(scene, scene_time);
     if (model.fixed_count() < model.patches().size()) {
       model.place(state);
-      rays->update();
-      for (std::optional<LightVisibilityMap>& map : maps)
-        if (map) map->place(model);
+      const auto place_in_map = [&](std::size_t i) {
+        if (maps[i]) maps[i]->place(model);
+      };
+      tbb::parallel_invoke([&] { rays->update(); },
+                           [&] { tbb::parallel_for(std::size_t{0}, maps.size(), place_in_map); });
     }
   }
   light_set = state.light_set;

@@ -1,7 +1,7 @@
 // Compares the tracing stage with a bare loop over the same Embree packets, and the tracer with and without
 // skipped rays (docs/tracing.md). The measurements are interleaved in one run.
 //
-//   tracer_bench [--scene S] [--size N] [--rounds R] [--asked]
+//   tracer_bench [--scene S] [--size N] [--rounds R] [--asked | --beside OTHER]
 //
 // Prints medians and the spread (p10 to p90) of three times: the primary and the shadow stage of a frame
 // (both eyes), and the bare loop over all shadow packets of surfaces that face the light. In CPU time, which
@@ -12,6 +12,9 @@
 // whose bit differs from the bit of the pixel to the right or below. It traces them in all lights, and each
 // light's alone. It prints time, core time and rays of all three, and the rays a second of the shadow stage
 // and of the bare loop over its own packets (with its proofs).
+//
+// With --beside it traces both scenes at the times of R frames, 72 a second, in turns, and prints for each
+// what a frame takes: all of it, moving and deforming, primary and shadow stage.
 #include <tbb/parallel_for.h>
 
 #include <CLI/CLI.hpp>
@@ -291,8 +294,51 @@ void compare_asked(const Scene& scene, const StereoView& views, int rounds) {
               quantile(share, 0.5), quantile(share, 0.1), quantile(share, 0.9));
 }
 
+/// Times of the frames of one scene that moves, ms.
+struct MovingTimes {
+  std::vector<double> all, moving, primary, shadow;
+  std::uint64_t primary_rays = 0, shadow_rays = 0;
+
+  void add(double wall, const TraceStats& stats) {
+    all.push_back(wall);
+    primary.push_back(ms_of(stats.primary)), shadow.push_back(ms_of(stats.shadow));
+    moving.push_back(wall - primary.back() - shadow.back());
+    primary_rays += stats.primary_rays, shadow_rays += stats.shadow_rays;
+  }
+};
+
+void print(const MovingTimes& times) {
+  const std::uint64_t frames = times.all.size();
+  print("  frame", times.all, (times.primary_rays + times.shadow_rays) / frames);
+  print("  moving and deforming", times.moving, 0);
+  print("  primary stage", times.primary, times.primary_rays / frames);
+  print("  shadow stage", times.shadow, times.shadow_rays / frames);
+}
+
+/// Traces both scenes at the same times and from the camera of the first.
+void compare_moving(const PerEye<const Scene*>& scenes, const StereoView& views, int frames) {
+  std::array<Tracer, 2> tracers{Tracer::create(*scenes[0]).value(), Tracer::create(*scenes[1]).value()};
+  std::array<MovingTimes, 2> times;
+  FrameRequest request;
+  request.views = views;
+  ShadowFrame frame;
+  for (int number = 0; number < frames; ++number) {
+    request.scene_time = Time{} + std::chrono::nanoseconds(1'000'000'000LL * (number + 1) / 72);
+    for (const std::size_t turn : {0u, 1u}) {
+      const std::size_t scene = (turn + static_cast<std::size_t>(number)) % 2;
+      const Stopwatch watch;
+      const TraceStats stats = tracers[scene].trace(request, frame);
+      times[scene].add(ms_of(watch.elapsed()), stats);
+    }
+  }
+  for (const MovingTimes& of : times) {
+    std::printf("%s scene\n", &of == times.data() ? "first" : "other");
+    print(of);
+  }
+}
+
 int run(int argc, char** argv) {
-  std::string path = FARSHADE_ASSETS "/room.glb";
+  std::string path = FARSHADE_ASSETS "/room.glb", beside;
   std::uint32_t side = 1024;
   int rounds = 21;
   bool asked = false;
@@ -301,6 +347,7 @@ int run(int argc, char** argv) {
   app.add_option("--size", side);
   app.add_option("--rounds", rounds);
   app.add_flag("--asked", asked);
+  app.add_option("--beside", beside);
   CLI11_PARSE(app, argc, argv);
   const auto scene = load_scene(path);
   if (!scene) {
@@ -310,6 +357,15 @@ int run(int argc, char** argv) {
   const SurfaceModel empty(Scene{}, SceneState{}, TracePlan{});
   const int width = RayScene::create(empty).value().width();
   const StereoView views = eyes_of(*scene, side);
+  if (!beside.empty()) {
+    const auto other = load_scene(beside);
+    if (!other) {
+      std::fprintf(stderr, "%s\n", other.error().what.c_str());
+      return 1;
+    }
+    compare_moving({&*scene, &*other}, views, rounds);
+    return 0;
+  }
   if (width == 16) asked ? compare_asked<16>(*scene, views, rounds) : compare<16>(*scene, views, rounds);
   if (width == 8) asked ? compare_asked<8>(*scene, views, rounds) : compare<8>(*scene, views, rounds);
   if (width == 4) asked ? compare_asked<4>(*scene, views, rounds) : compare<4>(*scene, views, rounds);

@@ -115,16 +115,25 @@ Scene bending_figures(std::mt19937& random, std::uint32_t triangles, const glm::
   build.swing(knee, 0.5 + unit(random));
   build.swing(ankle, 0.5 + unit(random));
   build.add_deformed(
-      bending_tube(triangles, 0.15f),
+      {bending_tube(triangles, 0.15f)},
       {.joints = {{hip}, {knee, bound_at(1)}, {ankle, bound_at(2)}}, .weights = {0}, .track = weights(1)});
   const auto low = build.joint(std::nullopt, {place(random), 0.5, place(random)});
   const auto high = build.joint(low, {0, 0.4, 0});
   build.swing(high, 1 + 0.3 * unit(random));
   Material grey;
   grey.double_sided = false;
-  build.add_deformed(bending_box({0, 0.2f, 0}, {0.2f, 0.3f, 0.1f}),
-                     {.joints = {{low}, {high, bound_at(0.4)}}, .weights = {0}, .track = weights(1)},
-                     build.material(grey));
+  Mesh single = bending_box({0, 0.2f, 0}, {0.2f, 0.3f, 0.1f});
+  single.material = build.material(grey);
+  Mesh torn = bending_box({0.6f, 0.3f, 0}, {0.2f, 0.3f, 0.2f}),
+       cloth = bending_box({0, 0.9f, 0}, {0.3f, 0.2f, 0.3f});
+  Material holed;
+  holed.alpha_cutoff = 0.5f, holed.double_sided = true;
+  torn.material = build.material(holed);
+  for (std::size_t i = 0; i < torn.positions.size(); ++i)
+    torn.colors.emplace_back(255, 255, 255, i % 3 == 0 ? 0 : 255);
+  for (Mesh* const open : {&single, &cloth}) open->triangles.resize(6);  // their inner sides are seen, too
+  build.add_deformed({torn, cloth, single},
+                     {.joints = {{low}, {high, bound_at(0.4)}}, .weights = {0}, .track = weights(1)});
   build.point_light({2 * place(random), 2.8, 2 * place(random)});
   build.directional_light({place(random), -1.5, place(random)});
   build.move(build.point_light({2 * place(random), 2.5, 2}, 6.0f), {0.5, 0.2, -0.3});

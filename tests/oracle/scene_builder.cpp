@@ -106,16 +106,18 @@ std::uint32_t SceneBuilder::joint(std::optional<std::uint32_t> parent, const glm
   return static_cast<std::uint32_t>(scene_.nodes.size() - 1);
 }
 
-std::uint32_t SceneBuilder::add_deformed(Mesh mesh, Rig rig, std::uint32_t material) {
-  mesh.material = material;
-  pose_at_start(pose_of(scene_, rig, stage_from_nodes(scene_, Time{}), Time{}), mesh);
+std::uint32_t SceneBuilder::add_deformed(std::vector<Mesh> meshes, Rig rig) {
+  const RigPose pose = pose_of(scene_, rig, stage_from_nodes(scene_, Time{}), Time{});
   const auto place = rig.joints.empty() ? node({}) : rig.joints[0].node;
   scene_.rigs.push_back(std::move(rig));
   const auto number = static_cast<std::uint32_t>(scene_.rigs.size() - 1);
-  for (Mesh& part : parts_of(std::move(mesh))) {
-    scene_.instances.push_back({static_cast<std::uint32_t>(scene_.meshes.size()), place, number});
-    scene_.triangle_count += part.triangles.size();
-    scene_.meshes.push_back(std::move(part));
+  for (Mesh& mesh : meshes) {
+    pose_at_start(pose, mesh);
+    for (Mesh& part : parts_of(std::move(mesh))) {
+      scene_.instances.push_back({static_cast<std::uint32_t>(scene_.meshes.size()), place, number});
+      scene_.triangle_count += part.triangles.size();
+      scene_.meshes.push_back(std::move(part));
+    }
   }
   return number;
 }

@@ -38,8 +38,8 @@ class SceneBuilder {
   std::uint32_t texture(Texture texture);
   /// Returns the instance's node.
   std::uint32_t add(Mesh mesh, std::uint32_t material = 0, NodeTransform transform = {});
-  /// Adds a mesh with a deformable, in parts. Returns the rig.
-  std::uint32_t add_deformed(Mesh mesh, Rig rig, std::uint32_t material = 0);
+  /// Adds meshes with deformables, in parts, with their own materials. Returns the rig.
+  std::uint32_t add_deformed(std::vector<Mesh> meshes, Rig rig);
   /// A node below `parent`, at `position` from it.
   std::uint32_t joint(std::optional<std::uint32_t> parent, const glm::dvec3& position);
   std::uint32_t point_light(const glm::dvec3& position, std::optional<float> range_m = std::nullopt);
