@@ -235,6 +235,7 @@ Expected<void> run_replay(const Options& options) {
              to_string(*verdict), table(report.log().summary()));
   fmt::print("wrote {}\n", options.out.string());
   if (auto done = no_validation_messages(client.device); !done) return done;
+  if (!verdict->first && verdict->cut_off) return fail(Fault::Malformed, *verdict->cut_off);
   if (!verdict->first) return {};
   const bool elsewhere = client.device.name != header.device;
   return fail(Fault::Mismatch,
@@ -243,6 +244,7 @@ Expected<void> run_replay(const Options& options) {
 
 Expected<void> run_client(const Options& options) {
   StopSignal stop_signal;
+  if (auto done = CaptureWriter::may_create(options.record); !done) return done;
   if (auto done = make_folder(options.out); !done) return done;
   Expected<HeadRecording> recording = load_head(options);
   if (!recording) return tl::unexpected(recording.error());
@@ -290,7 +292,7 @@ Expected<void> run_client(const Options& options) {
   fmt::print("{}{}{}", heading(options, client, runtime, report.log()),
              memory_line(client, renderer_limits(options)), table(report.log().summary()));
   fmt::print("wrote {}\n", options.out.string());
-  if (capture.failed()) return tl::unexpected(*capture.failed());
+  if (auto ended = capture.finish(); !ended) return ended;
   if (captures)
     fmt::print("captured {} frames, {}, to {}\n", capture.frames(), megabytes(capture.bytes()),
                options.record.string());

@@ -166,7 +166,7 @@ void add_output_options(CLI::App& app, Options& options) {
   app.add_option("--dump", options.dump,
                  "frames to dump for other programs to check, such as 10,20; the first frame is 1")
       ->delimiter(',');
-  app.add_option("--record", options.record, "write a capture of the run to this file, for --replay");
+  app.add_option("--record", options.record, "write a capture of the run to this new file, for --replay");
   app.add_option("--replay", options.replay,
                  "replay this capture without head recording, server or key, and compare every request and "
                  "picture")
@@ -214,9 +214,22 @@ void check_fetch(const Options& options) {
                                "--scene-index, --camera and --variant are for a file that --scene names");
 }
 
+/// Throws a CLI::ParseError if an option is given that a replay takes from its capture or does not need.
+void check_replay(const CLI::App& app) {
+  for (const char* option :
+       {"--trace-scale",  "--place",     "--stand",         "--size",        "--detail-px", "--frames",
+        "--skip",         "--refresh",   "--server",        "--key",         "--insecure",  "--net",
+        "--mode",         "--bitrate",   "--position-bits", "--shadow-maps", "--pcf",       "--clock",
+        "--delay",        "--mask-wait", "--predictor",     "--guard-band",  "--ask",       "--mask-every",
+        "--reprojection", "--eyes",      "--gaps",          "--edges"})
+    if (app.count(option) > 0)
+      throw CLI::ValidationError(option, "a replay repeats the captured run as it was: omit this option");
+}
+
 /// Throws a CLI::ParseError if options are missing or contradict each other.
-Options checked(CommandLine line) {
+Options checked(CommandLine line, const CLI::App& app) {
   Options& options = line.options;
+  if (!options.replay.empty()) check_replay(app);
   if (options.trace.empty() && !options.preview && options.replay.empty() && !options.plan.prints_only)
     throw CLI::RequiredError("--trace");
   if (options.scene.empty()) check_fetch(options);
@@ -271,7 +284,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     if (app.got_subcommand("doctor")) line.options.doctor = line.doctor;
-    return line.options.doctor ? std::move(line.options) : checked(std::move(line));
+    return line.options.doctor ? std::move(line.options) : checked(std::move(line), app);
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(EarlyExit{app.exit(error) == 0 ? 0 : 2});
   }

@@ -303,6 +303,29 @@ TEST(ReadOptions, CapturesModesWithMasksOnly) {
   EXPECT_FALSE(read_more({"--record", "a", "--replay", "b"}).options.has_value());
 }
 
+TEST(ReadOptions, AReplayRefusesWhatItTakesFromTheCapture) {
+  const std::vector<std::string> replay{"--scene", "a.glb", "--replay", "b"};
+  std::vector<std::string> fine = replay;
+  for (const char* word : {"--out", "c", "--dump", "1", "--reference-every", "0", "--pictures", "0", "--gpu",
+                           "x", "--timeline", "d", "--plan=everything", "--sun", "145,50,3"})
+    fine.emplace_back(word);
+  EXPECT_TRUE(read(fine).options.has_value()) << read(fine).errors;
+  for (const auto& [option, value] : {std::pair{"--mode", "full"},
+                                      {"--size", "512x512"},
+                                      {"--predictor", "hold"},
+                                      {"--frames", "2"},
+                                      {"--server", "a:1"},
+                                      {"--edges", "coverage"}}) {
+    std::vector<std::string> more = replay;
+    more.insert(more.end(), {option, value});
+    const Outcome outcome = read(more);
+    ASSERT_FALSE(outcome.options.has_value()) << option;
+    EXPECT_EQ(outcome.errors,
+              std::string("vr_client: ") + option +
+                  ": a replay repeats the captured run as it was: omit this option (see --help)\n");
+  }
+}
+
 TEST(ReadOptions, RunsTheDoctorWithoutOtherOptions) {
   const Outcome read = farshade::read({"doctor", "--server", "there:1", "--insecure"});
   ASSERT_TRUE(read.options.has_value()) << read.errors;
