@@ -17,6 +17,7 @@
 #include "vr_client/record/capture_writer.h"
 #include "vr_client/record/replay.h"
 #include "vr_client/report/run_report.h"
+#include "vr_client/report/silence.h"
 #include "vr_client/report/timeline.h"
 #include "vr_client/runtime/headset.h"
 #include "vr_client/runtime/recorded_head_runtime.h"
@@ -68,7 +69,7 @@ std::string memory_line(const Client& client, const RendererLimits& limits) {
 }
 
 std::string heading(const Options& options, const Client& client, const RecordedHeadRuntime& runtime,
-                    const FrameLog& log) {
+                    const FrameLog& log, const Silence& silence) {
   std::string text =
       fmt::format("{} along {}: {} frames of {}x{} an eye at {:g} Hz, on {}\n",
                   options.scene.filename().string(), options.trace.filename().string(), log.records().size(),
@@ -81,6 +82,9 @@ std::string heading(const Options& options, const Client& client, const Recorded
   if (client.link && log.start_up_frames() > 0)
     text += fmt::format("{} frames were shown before the first answer; the errors below exclude them\n",
                         log.start_up_frames());
+  if (silence.frames() > 0)
+    text += fmt::format("the server was silent for {:.1f} s: {} frames, which no run time below includes\n",
+                        seconds_of(silence.time()), silence.frames());
   if (runtime.skipped() > 0) text += fmt::format("{} display times were missed\n", runtime.skipped());
   return text;
 }
@@ -95,18 +99,21 @@ class Progress {
  public:
   explicit Progress(std::uint32_t frames) : frames_(frames) {}
 
-  void show(std::uint32_t done) {
+  /// The silence of the server says nothing about the frames to come.
+  void show(std::uint32_t done, const Silence& silence) {
     const std::uint32_t step = on_terminal_ ? 1 : std::max(frames_ / 10, 1u);
     if (done % step != 0 && done != frames_) return;
-    const double left_s = seconds_of(watch_.elapsed()) / done * (frames_ - done);
+    const bool counts = silence.frames() < done;
+    const double spent_s = seconds_of(watch_.elapsed() - (counts ? silence.time() : Duration::zero()));
+    const double left_s = spent_s / (counts ? done - silence.frames() : done) * (frames_ - done);
     fmt::print(stderr, "{}frame {} of {}, about {:.0f} s left   {}", on_terminal_ ? "\r" : "", done, frames_,
                left_s, on_terminal_ ? "" : "\n");
     line_is_open_ = on_terminal_;
     std::fflush(stderr);
   }
   /// Ends the line. A run that skipped its last display times shows no last frame.
-  void end() const {
-    if (line_is_open_) fmt::print(stderr, "\n");
+  void end() {
+    if (std::exchange(line_is_open_, false)) fmt::print(stderr, "\n");
   }
 
  private:
@@ -118,18 +125,23 @@ class Progress {
 /// Runs the frame loop and writes the reports that the options ask for. `first` gets each frame before
 /// anything else is drawn.
 Expected<void> show(const Options& options, const RunContext& context, std::uint32_t frames,
-                    RunReport& report, StopSignal& stop_signal, const FrameWatcher& first) {
+                    RunReport& report, Silence& silence, StopSignal& stop_signal, const FrameWatcher& first) {
   // An empty timeline is written first, so that a path that cannot be written fails early.
   Timeline timeline;
   if (auto done = timeline.write(options.timeline); !done) return done;
   // In a replay, messages carry the arrival times of the captured run's clock, which do not fit the timeline.
   const AnswerInbox* const inbox = context.link && options.replay.empty() ? &context.link->inbox() : nullptr;
   Progress progress(frames);
+  const SteadyClock clock;
   const auto watch = [&](const FrameView& view) {
     first(view);
     report.watch(view);
     if (!options.timeline.empty()) timeline.add(view, inbox);
-    progress.show(view.shown.frame.value);
+    if (const auto news = silence.add(view.shown.frame, view.silent_since, clock.now())) {
+      progress.end();
+      spdlog::warn(*news);
+    }
+    progress.show(view.shown.frame.value, silence);
   };
   const auto stop = [&] { return stop_signal.has_come() || report.failed().has_value(); };
   if (auto done = run(context, *make_pipeline(context), watch, stop); !done) return done;
@@ -141,6 +153,18 @@ Expected<void> show(const Options& options, const RunContext& context, std::uint
       spdlog::warn("frame {} was not dumped, because it was not shown", dump);
   if (auto done = report.finish(); !done) return done;
   return timeline.write(options.timeline);
+}
+
+/// Missing if the mode needs a server and no answer of it ever came.
+Expected<void> check_answered(const Options& options, const Client& client, const FrameLog& log) {
+  if (!client.link || client.link->inbox().newest_known() != nullptr ||
+      log.start_up_frames() < log.records().size())
+    return {};
+  return fail(
+      Fault::Missing,
+      fmt::format("no answer came from {} during the whole run, so no frame shows what the server adds. "
+                  "Is rt_server running there, and does UDP reach it? vr_client doctor --server {} tells",
+                  options.server, options.server));
 }
 
 /// Mismatch if the capture was made with another scene or plan.
@@ -227,8 +251,10 @@ Expected<void> run_replay(const Options& options) {
                            .own_tracer = client.own_tracer.get(),
                            .settings = replay.settings(),
                            .policy = header.policy};
+  Silence no_server({});
   const auto compare = [&](const FrameView& view) { replay.watch(view, client.renderer->read_shown()); };
-  if (auto done = show(options, context, *frames, report, stop_signal, compare); !done) return done;
+  if (auto done = show(options, context, *frames, report, no_server, stop_signal, compare); !done)
+    return done;
   const Expected<ReplayVerdict> verdict = replay.verdict();
   if (!verdict) return tl::unexpected(verdict.error());
   fmt::print("{} from {} on {}: {}\n{}", header.scene, options.replay.string(), client.device.name,
@@ -285,18 +311,21 @@ Expected<void> run_client(const Options& options) {
                            .own_tracer = client.own_tracer.get(),
                            .settings = settings,
                            .policy = policy};
+  Silence silence(options.server, client.link && client.link->counters().sessions == 0);
   const auto append_frame = [&](const FrameView& view) {
     if (captures && !capture.failed()) capture.watch(view, client.renderer->read_shown());
   };
-  if (auto done = show(options, context, frames, report, stop_signal, append_frame); !done) return done;
-  fmt::print("{}{}{}", heading(options, client, runtime, report.log()),
+  if (auto done = show(options, context, frames, report, silence, stop_signal, append_frame); !done)
+    return done;
+  fmt::print("{}{}{}", heading(options, client, runtime, report.log(), silence),
              memory_line(client, renderer_limits(options)), table(report.log().summary()));
   fmt::print("wrote {}\n", options.out.string());
   if (auto ended = capture.finish(); !ended) return ended;
   if (captures)
     fmt::print("captured {} frames, {}, to {}\n", capture.frames(), megabytes(capture.bytes()),
                options.record.string());
-  return no_validation_messages(client.device);
+  if (auto fine = no_validation_messages(client.device); !fine) return fine;
+  return check_answered(options, client, report.log());
 }
 
 }  // namespace farshade

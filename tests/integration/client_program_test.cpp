@@ -367,14 +367,16 @@ TEST(ClientProgram, LightsASceneWithoutLightsAndLooksAtIt) {
   EXPECT_GT(lit, shown * 9 / 10);
 }
 
-TEST(ClientProgram, RunsWithoutAServer) {
+TEST(ClientProgram, RunsWithoutAServerAndFails) {
   const ScratchFolder folder;
   const auto nobody = silent_port();
   const Ended run = run_client(
       {{"--server", to_string(nobody->local())}, {"--frames", "4"}, {"--out", folder.path().string()}});
-  EXPECT_EQ(run.status, 0) << run.errors;
+  EXPECT_EQ(run.status, 1) << "nothing of the server was ever shown";
   EXPECT_NE(run.errors.find("no server answers at " + to_string(nobody->local())), std::string::npos);
-  EXPECT_GT(summary_row(folder.path(), "client", "frame")[0], 0);
+  EXPECT_NE(run.errors.find("no answer came from " + to_string(nobody->local()) + " during the whole run"),
+            std::string::npos)
+      << run.errors;
   EXPECT_EQ(read_csv(folder.path() / "frames.csv").at("frame").size(), 4u);
 }
 
@@ -392,6 +394,13 @@ TEST(ClientProgram, ReconnectsToARestartedServer) {
   const Csv frames = read_csv(folder.path() / "frames.csv");
   const std::vector<std::string>& served = frames.at("server frame [ms]");
   EXPECT_LT(std::ranges::count(served, ""), 100) << "the server answers again";
+  EXPECT_GE(std::ranges::count(frames.at("server_silent"), "1"), 1);
+  EXPECT_EQ(frames.at("server_silent").back(), "0");
+  for (const char* once : {" has sent nothing for ", " answers after "}) {
+    const std::size_t first = errors.find(once);
+    ASSERT_NE(first, std::string::npos) << once << errors;
+    EXPECT_EQ(errors.find(once, first + 1), std::string::npos) << errors;
+  }
   EXPECT_GE(std::ranges::count(served, ""), 1);
   EXPECT_EQ(std::count(served.end() - 20, served.end(), ""), 0) << "the client waits for it again";
   EXPECT_EQ(frames.at("wire age [ms]").back(), "27.7778");

@@ -67,7 +67,8 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
            .start_up = drawn_frame.start_up,
            .black = drawn_frame.black,
            .surround = drawn_frame.surround,
-           .surround_cost = drawn_frame.surround_cost});
+           .surround_cost = drawn_frame.surround_cost,
+           .silent_since = context.link ? context.link->silent_since() : std::nullopt});
   }
   return {};
 }

@@ -72,6 +72,7 @@ struct FrameView {
   PerEye<double> black{};                  ///< the share of each eye that the server's picture does not cover
   std::span<const TracedMask> surround{};  ///< the masks of the surround it was drawn with
   SurroundCost surround_cost{};
+  std::optional<Time> silent_since{};  ///< AnswerLink::silent_since
 };
 using FrameWatcher = std::function<void(const FrameView&)>;
 

@@ -109,6 +109,9 @@ class AnswerLink {
   /// Why the server refuses this client for good; no value while it does not.
   [[nodiscard]] virtual const std::optional<Error>& refused() const = 0;
 
+  /// Since when the server has answered nothing though it was asked, or greeted; no value while it answers.
+  [[nodiscard]] virtual std::optional<Time> silent_since() const { return std::nullopt; }
+
   /// The time spent so far on opening, decoding and assembling messages, without waits.
   [[nodiscard]] virtual Duration busy() const = 0;
 };

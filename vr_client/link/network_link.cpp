@@ -39,6 +39,7 @@ NetworkLink::NetworkLink(DatagramPort& port, const Clock& clock, const LinkTarge
 void NetworkLink::say_hello() {
   if (last_hello_ && clock_.now() - *last_hello_ < kHelloInterval) return;
   last_hello_ = clock_.now();
+  if (!first_hello_) first_hello_ = last_hello_;
   if (!handshake_) handshake_.emplace(target_.key, target_.scene_hash);
   handshake_->write_hello(outgoing_);
   port_.send(target_.server, outgoing_);
@@ -95,7 +96,7 @@ void NetworkLink::send_request(const FrameRequest& request) {
   encode(message, message_);
   channel_->sealer.seal(message_, outgoing_);
   port_.send(target_.server, outgoing_);
-  ++channel_->unanswered;
+  if (channel_->unanswered++ == 0) channel_->asked = clock_.now();
 }
 
 bool NetworkLink::receive_one(Duration wait) {
@@ -212,6 +213,13 @@ bool NetworkLink::wait_for(FrameId frame, Duration patience) {
     receive_one(std::min(left, kHelloInterval));
   }
   return true;
+}
+
+std::optional<Time> NetworkLink::silent_since() const {
+  const std::optional<Time> since = !channel_                  ? first_hello_
+                                    : channel_->unanswered > 0 ? std::optional(channel_->asked)
+                                                               : std::nullopt;
+  return since && clock_.now() - *since > kSilentAfter ? since : std::nullopt;
 }
 
 NetworkLink::Counters NetworkLink::counters() const {

@@ -19,6 +19,7 @@ struct Figure {
   std::string group, metric, unit;
   std::function<Value(const FrameRecord&)> of;
   Worse worse = Worse::High;
+  bool of_eye = false;
 };
 
 std::vector<Figure> client_figures() {
@@ -139,9 +140,13 @@ std::vector<Figure> eye_figures(Side side) {
 /// All figures, in the order of the summary's rows and of the columns of frames.csv.
 std::vector<Figure> figures() {
   std::vector<Figure> all;
-  for (const auto& part :
-       {client_figures(), server_wire_and_head_figures(), eye_figures(Side::Left), eye_figures(Side::Right)})
+  for (const auto& part : {client_figures(), server_wire_and_head_figures()})
     all.insert(all.end(), part.begin(), part.end());
+  for (const Side side : kSides)
+    for (Figure& figure : eye_figures(side)) {
+      figure.of_eye = true;
+      all.push_back(std::move(figure));
+    }
   return all;
 }
 
@@ -161,8 +166,10 @@ std::vector<SummaryRow> FrameLog::summary() const {
   std::vector<SummaryRow> rows;
   for (const Figure& figure : figures()) {
     std::vector<double> values;
-    for (const FrameRecord& record : records_)
+    for (const FrameRecord& record : records_) {
+      if (record.silent && !figure.of_eye) continue;
       if (const std::optional<double> value = figure.of(record)) values.push_back(*value);
+    }
     if (!values.empty())
       rows.push_back(
           {figure.group, figure.metric, figure.unit, spread_toward(figure.worse, std::move(values))});
@@ -194,13 +201,13 @@ std::string summary_csv(const std::vector<SummaryRow>& rows) {
 
 std::string frames_csv(const std::vector<FrameRecord>& records) {
   const std::vector<Figure> list = figures();
-  std::string text = "frame,display_time_ns";
+  std::string text = "frame,display_time_ns,server_silent";
   for (const Figure& figure : list)
     text += fmt::format(",{} {}{}", figure.group, figure.metric,
                         figure.unit.empty() ? "" : " [" + figure.unit + "]");
   text += '\n';
   for (const FrameRecord& record : records) {
-    text += fmt::format("{},{}", record.frame.value, ns_of(record.display_time));
+    text += fmt::format("{},{},{:d}", record.frame.value, ns_of(record.display_time), record.silent);
     for (const Figure& figure : list) {
       const std::optional<double> value = figure.of(record);
       text += value ? fmt::format(",{:.6g}", *value) : ",";

@@ -24,6 +24,7 @@ struct FrameRecord {
   std::optional<PerEye<EyeErrors>> errors;  ///< empty if no reference was traced
   std::optional<double> asked{};            ///< the share of the requested views that the request asks for
   std::optional<SurroundCost> surround{};   ///< set if answers of the surround came
+  bool silent = false;  ///< the server answered nothing; the summary leaves out all but the errors
 };
 
 /// Which values of a figure are worse. Where low values are worse, p95 and p99 are the 5 % and 1 % quantiles.

@@ -102,7 +102,8 @@ void RunReport::watch(const FrameView& view) {
       .server = {},
       .errors = {},
       .asked = view.request ? std::optional(part_of(view.request->asked)) : std::nullopt,
-      .surround = view.surround_cost.bytes > 0 ? std::optional(view.surround_cost) : std::nullopt};
+      .surround = view.surround_cost.bytes > 0 ? std::optional(view.surround_cost) : std::nullopt,
+      .silent = view.silent_since.has_value()};
   if (!view.masks.empty())
     record.delta = pose_delta(view.shown.views[0], view.shown.display_time, view.masks[0].views[0],
                               view.masks[0].display_time);

@@ -167,6 +167,21 @@ TEST(FrameLog, CountsStartUpFramesAndExcludesTheirErrors) {
   EXPECT_EQ(row(rows, "client", "frame")->spread.count, 5u) << "their times count";
 }
 
+TEST(FrameLog, LeavesOutTheRunTimesOfFramesWithoutTheServerButKeepsTheirErrors) {
+  FrameLog log;
+  for (std::uint32_t frame = 1; frame <= 3; ++frame) {
+    FrameRecord made = record(frame);
+    made.silent = frame == 3;
+    if (made.silent) made.times.frame = 5s;
+    log.add(made);
+  }
+  const auto rows = log.summary();
+  EXPECT_EQ(row(rows, "client", "frame")->spread.count, 2u);
+  EXPECT_LT(row(rows, "client", "frame")->spread.p99, 3);
+  EXPECT_EQ(row(rows, "wire", "age")->spread.count, 2u);
+  EXPECT_EQ(row(rows, "left eye", "mask error")->spread.count, 3u);
+}
+
 TEST(FrameLog, HasNoRowWithoutMeasurements) {
   FrameLog log;
   FrameRecord bare = record(1);
@@ -278,6 +293,7 @@ TEST(FramesCsv, HasOneRowPerFrameAndEmptyFieldsWithoutMeasurements) {
   };
   EXPECT_EQ(table[1][0], "7");
   EXPECT_EQ(table[1][1], "70000000");
+  EXPECT_EQ(table[1][column("server_silent")], "0");
   EXPECT_EQ(table[1][column("left eye mask error [%]")], "0.7");
   EXPECT_EQ(table[2][column("left eye mask error [%]")], "");
   EXPECT_EQ(table[2][column("client frame [ms]")], "8");
