@@ -60,12 +60,18 @@ std::string in_words(const gpu::BytesByUse& memory) {
   return text;
 }
 
+/// Null if the mode draws no shadow maps.
+const ShadowMapSettings* maps_of(const Options& options) {
+  return options.mode.mode == Mode::Local ? &options.mode.shadow_maps : nullptr;
+}
+
 /// The peak of the memory on the device, and the plan's estimate of it.
-std::string memory_line(const Client& client, const RendererLimits& limits) {
-  return fmt::format(
-      "memory on the device: {} at peak, {} estimated by the plan\n",
-      megabytes(client.renderer->counters().memory.peak_total),
-      megabytes(most_at_once(client_memory(client.scene, client.plan.draw, limits, client.levels))));
+std::string memory_line(const Options& options, const Client& client) {
+  const RendererLimits limits = renderer_limits(options);
+  return fmt::format("memory on the device: {} at peak, {} estimated by the plan\n",
+                     megabytes(client.renderer->counters().memory.peak_total),
+                     megabytes(most_at_once(client_memory(client.scene, client.plan.draw, limits,
+                                                          client.levels, maps_of(options)))));
 }
 
 std::string heading(const Options& options, const Client& client, const RecordedHeadRuntime& runtime,
@@ -218,7 +224,8 @@ Expected<void> print_plan(const Options& options) {
   line("triangles", fmt::format("at most {} of {} at the reference camera, both eyes",
                                 gbuffer_triangles(scene, planned->plan.draw, levels, views),
                                 gbuffer_triangles(scene, planned->plan.draw, {}, views)));
-  line("memory", in_words(client_memory(scene, planned->plan.draw, renderer_limits(options), levels)));
+  line("memory", in_words(client_memory(scene, planned->plan.draw, renderer_limits(options), levels,
+                                        maps_of(options))));
   if (!recording) return {};
   return place_head(options, scene, std::move(*recording)).map([](const PlacedHead&) {});
 }
@@ -317,8 +324,8 @@ Expected<void> run_client(const Options& options) {
   };
   if (auto done = show(options, context, frames, report, silence, stop_signal, append_frame); !done)
     return done;
-  fmt::print("{}{}{}", heading(options, client, runtime, report.log(), silence),
-             memory_line(client, renderer_limits(options)), table(report.log().summary()));
+  fmt::print("{}{}{}", heading(options, client, runtime, report.log(), silence), memory_line(options, client),
+             table(report.log().summary()));
   fmt::print("wrote {}\n", options.out.string());
   if (auto ended = capture.finish(); !ended) return ended;
   if (captures)

@@ -20,6 +20,8 @@ namespace {
 constexpr double kMaskError_percent = 5;
 
 bool is_error_or_wire(const std::string& column) {
+  // The traffic of a frame depends on when its datagrams arrive.
+  if (column.starts_with("wire bytes up") || column.starts_with("wire bytes down")) return false;
   return column.starts_with("left eye") || column.starts_with("right eye") || column.starts_with("wire");
 }
 
@@ -50,7 +52,7 @@ TEST(ClientProgram, UsesAnInsecureServerOnItsOwnMachineOnly) {
   const Ended run =
       run_client({{"--server", *address}, {"--insecure", ""}, {"--out", folder.path().string()}});
   EXPECT_EQ(run.status, 0) << run.errors;
-  EXPECT_GT(summary_row(folder.path(), "wire", "datagrams a frame")[0], 0);
+  EXPECT_GT(summary_row(folder.path(), "wire", "datagrams of an answer")[0], 0);
   const Ended keyed = run_client({{"--server", *address}, {"--out", folder.path().string()}});
   EXPECT_NE(keyed.errors.find("does not know the key 'tester'"), std::string::npos) << keyed.errors;
   EXPECT_NE(keyed.status, 0);
@@ -112,7 +114,7 @@ TEST(ClientProgram, ShowsTheRoomWithMasksFromTheServer) {
   // ahead.
   EXPECT_NEAR(summary_row(folder.path(), "wire", "age")[0], 2 * 1000 / 72.0, 1e-3);
   EXPECT_NEAR(summary_row(folder.path(), "wire", "staleness")[0], 0, 1e-3);
-  EXPECT_GT(summary_row(folder.path(), "wire", "bytes a frame")[0], 100);
+  EXPECT_GT(summary_row(folder.path(), "wire", "bytes of an answer")[0], 100);
   for (const std::string metric : {"frame", "draw", "G-buffer", "reproject and shade", "collect masks"})
     EXPECT_GT(summary_row(folder.path(), "client", metric)[0], 0) << metric;
 }

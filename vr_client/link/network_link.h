@@ -72,6 +72,8 @@ class NetworkLink final : public AnswerLink {
   /// On the clock of this link. An answer that takes less than kSilentAfter is not silence.
   [[nodiscard]] std::optional<Time> silent_since() const override;
 
+  [[nodiscard]] std::optional<LinkTraffic> traffic() const override { return traffic_; }
+
   struct Counters {
     AssemblerCounters assembler;
     RefusalCounts undecodable;
@@ -97,6 +99,7 @@ class NetworkLink final : public AnswerLink {
     Time asked{};                  ///< when the first of them was sent
   };
 
+  void send_outgoing();
   bool receive_one(Duration wait);
   void keep_session();
   void say_hello();
@@ -127,6 +130,7 @@ class NetworkLink final : public AnswerLink {
   std::uint64_t sessions_ = 0;
   RefusalCounts undecodable_{};
   Duration busy_{};
+  LinkTraffic traffic_;
   std::vector<std::byte> message_, outgoing_;
   std::array<std::byte, kMaxDatagram_bytes> incoming_{};
 };

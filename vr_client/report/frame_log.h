@@ -24,6 +24,7 @@ struct FrameRecord {
   std::optional<PerEye<EyeErrors>> errors;  ///< empty if no reference was traced
   std::optional<double> asked{};            ///< the share of the requested views that the request asks for
   std::optional<SurroundCost> surround{};   ///< set if answers of the surround came
+  std::optional<LinkTraffic> traffic{};     ///< since the frame before
   bool silent = false;  ///< the server answered nothing; the summary leaves out all but the errors
 };
 

@@ -103,6 +103,7 @@ void RunReport::watch(const FrameView& view) {
       .errors = {},
       .asked = view.request ? std::optional(part_of(view.request->asked)) : std::nullopt,
       .surround = view.surround_cost.bytes > 0 ? std::optional(view.surround_cost) : std::nullopt,
+      .traffic = view.traffic,
       .silent = view.silent_since.has_value()};
   if (!view.masks.empty())
     record.delta = pose_delta(view.shown.views[0], view.shown.display_time, view.masks[0].views[0],

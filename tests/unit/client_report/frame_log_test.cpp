@@ -211,9 +211,9 @@ TEST(FrameLog, TakesServerFiguresFromReports) {
   const auto rows = log.summary();
   EXPECT_DOUBLE_EQ(row(rows, "server", "frame")->spread.median, 9);
   EXPECT_DOUBLE_EQ(row(rows, "server", "share of a full trace")->spread.median, 25);
-  EXPECT_DOUBLE_EQ(row(rows, "wire", "datagrams a frame")->spread.median, 10)
+  EXPECT_DOUBLE_EQ(row(rows, "wire", "datagrams of an answer")->spread.median, 10)
       << "the report is a datagram, too";
-  EXPECT_DOUBLE_EQ(row(rows, "wire", "bytes a frame")->spread.median, 4000);
+  EXPECT_DOUBLE_EQ(row(rows, "wire", "bytes of an answer")->spread.median, 4000);
 }
 
 TEST(FrameLog, HasARowForEveryStage) {
@@ -249,6 +249,15 @@ TEST(FrameLog, HasARowForEveryStage) {
     EXPECT_DOUBLE_EQ(found->spread.median, ms) << group << " " << metric;
     EXPECT_EQ(found->unit, "ms");
   }
+}
+
+TEST(FrameLog, HasTheTrafficOfBothDirections) {
+  FrameLog log;
+  FrameRecord made = record(1);
+  made.traffic = LinkTraffic{.up = 93000, .down = 6900};
+  log.add(made);
+  EXPECT_DOUBLE_EQ(row(log.summary(), "wire", "bytes up a frame")->spread.median, 93000);
+  EXPECT_DOUBLE_EQ(row(log.summary(), "wire", "bytes down a frame")->spread.median, 6900);
 }
 
 TEST(FrameLog, SaysWhichShareWasAskedFor) {
@@ -297,7 +306,7 @@ TEST(FramesCsv, HasOneRowPerFrameAndEmptyFieldsWithoutMeasurements) {
   EXPECT_EQ(table[1][column("left eye mask error [%]")], "0.7");
   EXPECT_EQ(table[2][column("left eye mask error [%]")], "");
   EXPECT_EQ(table[2][column("client frame [ms]")], "8");
-  EXPECT_EQ(table[1][column("wire datagrams a frame")], "");
+  EXPECT_EQ(table[1][column("wire datagrams of an answer")], "");
 }
 
 TEST(SummaryTable, NamesEachGroupOnce) {
