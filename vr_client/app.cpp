@@ -95,6 +95,30 @@ std::string heading(const Options& options, const Client& client, const Recorded
   return text;
 }
 
+RunReportOptions report_options(const Options& options, std::uint32_t frames, Compare compare) {
+  return {.out = options.out,
+          .frame_count = frames,
+          .reference_every = options.reference_every,
+          .pictures = options.pictures,
+          .dump = options.dump,
+          .reference_samples = options.reference_samples,
+          .compare = compare};
+}
+
+MaskPolicy policy_of(const Options& options, const Client& client) {
+  return {.pace = options.pace,
+          .delay = duration_from_ms(options.delay_ms),
+          .round_trip = client.round_trip,
+          .mask_wait = duration_from_ms(options.mask_wait_ms)};
+}
+
+/// A run of less than a second ends sooner if each pipeline is compiled when a frame first needs it. If
+/// requests are rare, the server could end the session while a frame compiles. A display does not wait.
+bool compiles_ahead(const Options& options, std::uint32_t frames) {
+  const bool waits = frames > options.refresh_hz || options.request.every > 1 || options.pace == Pace::Real;
+  return waits && draws_scene(options.mode.mode);
+}
+
 PixelReport report_for(const RunReport& report) {
   return report.measures_any() ? PixelReport::On : PixelReport::Off;
 }
@@ -246,9 +270,8 @@ Expected<void> run_replay(const Options& options) {
   const Mode mode = header.origin == MaskOrigin::OwnTracer ? Mode::Full : Mode::Hybrid;
   if (auto done = open_tracers(options, mode, client); !done) return done;
 
-  RunReport report({options.out, *frames, options.reference_every, options.pictures, options.dump,
-                    options.reference_samples},
-                   *client.renderer, client.reference.get());
+  RunReport report(report_options(options, *frames, Compare::AtOnce), *client.renderer,
+                   client.reference.get());
   Replay replay(std::move(*reader), report_for(report));
   const RunContext context{.scene = client.scene,
                            .runtime = replay,
@@ -292,21 +315,16 @@ Expected<void> run_client(const Options& options) {
   CaptureWriter capture(client.clock);
   RecordedHeadRuntime runtime(head->recording, playback_of(options, *head));
   const std::uint32_t frames = runtime.frame_count();
-  RunReport report({options.out, frames, options.reference_every, options.pictures, options.dump,
-                    options.reference_samples},
-                   *client.renderer, client.reference.get());
+  RunReport report(
+      report_options(options, frames, options.pace == Pace::Real ? Compare::AfterTheRun : Compare::AtOnce),
+      *client.renderer, client.reference.get());
   const FrameSettings settings{
       .request = options.request, .carry_over = options.carry_over, .report = report_for(report)};
-  // A run of less than a second ends sooner if each pipeline is compiled when a frame first needs it. If
-  // requests are rare, the server could end the session while a frame compiles.
-  if ((frames > options.refresh_hz || options.request.every > 1) && draws_scene(options.mode.mode))
+  if (compiles_ahead(options, frames))
     compile_ahead(client, settings.carry_over, settings.report, Changes::Never);
   if (auto done = open_link(options, client, captures ? capture.listener() : LinkListener{}); !done)
     return done;
-  const MaskPolicy policy{.pace = options.pace,
-                          .delay = duration_from_ms(options.delay_ms),
-                          .round_trip = client.round_trip,
-                          .mask_wait = duration_from_ms(options.mask_wait_ms)};
+  const MaskPolicy policy = policy_of(options, client);
   if (captures)
     if (auto done = capture.open(options.record, header_of(options, client, policy)); !done) return done;
 

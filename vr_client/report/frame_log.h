@@ -39,6 +39,10 @@ struct SummaryRow {
 class FrameLog {
  public:
   void add(const FrameRecord& record) { records_.push_back(record); }
+  /// Adds the errors of a frame that was measured later.
+  void set_errors(std::size_t record, const PerEye<EyeErrors>& errors) {
+    records_.at(record).errors = errors;
+  }
   [[nodiscard]] const std::vector<FrameRecord>& records() const { return records_; }
 
   /// Number of frames that were shown before any answer had arrived. The summary excludes their errors.

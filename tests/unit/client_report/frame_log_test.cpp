@@ -86,6 +86,16 @@ TEST(FrameLog, HasThePoseDifferenceToTheTracedView) {
   EXPECT_DOUBLE_EQ(row(rows, "head", "guard band")->spread.median, 25);
 }
 
+TEST(FrameLog, AViewThatWasPredictedTooFarAheadIsAsStaleAsOneThatIsTooOld) {
+  FrameLog log;
+  for (const Duration age : {-3ms, -2ms, 2ms}) {
+    FrameRecord made = record(1);
+    made.delta->age = age;
+    log.add(made);
+  }
+  EXPECT_DOUBLE_EQ(row(log.summary(), "wire", "staleness")->spread.median, 2);
+}
+
 TEST(FrameLog, HasARowForEveryShareOfAnEye) {
   FrameLog log;
   FrameRecord made = record(1);
