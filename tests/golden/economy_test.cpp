@@ -335,7 +335,7 @@ TEST_P(WholeScene, LooksTheSameWithEverythingOnAndTakesTheMemoryThatIsPredicted)
 
 TEST_P(WholeScene, TakesTheMemoryThatIsPredictedWithShadowMaps) {
   device_.ledger = std::make_shared<gpu::Ledger>();
-  const DrawPlan plan = plan_for(scene_, {.all_lights = true, .carries_over = false}).draw;
+  const DrawPlan plan = plan_for(scene_, {.carries_over = false, .all_lights = true}).draw;
   const ShadowMapSettings settings{.side_px = 256};
   Renderer renderer(device_, scene_, plan, limits_);
   const SceneState now = state_at(scene_, kNow);
