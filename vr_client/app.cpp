@@ -16,6 +16,7 @@
 #include "vr_client/placed_head.h"
 #include "vr_client/record/capture_writer.h"
 #include "vr_client/record/replay.h"
+#include "vr_client/report/own_files.h"
 #include "vr_client/report/run_report.h"
 #include "vr_client/report/silence.h"
 #include "vr_client/report/timeline.h"
@@ -176,7 +177,10 @@ Expected<void> show(const Options& options, const RunContext& context, std::uint
   const auto stop = [&] { return stop_signal.has_come() || report.failed().has_value(); };
   if (auto done = run(context, *make_pipeline(context), watch, stop); !done) return done;
   progress.end();
-  if (stop_signal.has_come()) fmt::print(stderr, "stopped; writing the reports of the frames so far\n");
+  if (stop_signal.has_come()) {
+    fmt::print(stderr, "stopped; writing the reports of the frames so far\n");
+    report.mark_interrupted();
+  }
 
   for (const std::uint32_t dump : options.dump)
     if (dump == 0 || dump > report.log().records().size())
@@ -256,7 +260,8 @@ Expected<void> print_plan(const Options& options) {
 
 Expected<void> run_replay(const Options& options) {
   StopSignal stop_signal;
-  if (auto done = make_folder(options.out); !done) return done;
+  if (auto done = make_folder(options.out).and_then([&] { return remove_own_files(options.out); }); !done)
+    return done;
   const Expected<std::uint32_t> frames = count_frames(options.replay);
   if (!frames) return tl::unexpected(frames.error());
   Expected<CaptureReader> reader = CaptureReader::open(options.replay);
@@ -301,7 +306,8 @@ Expected<void> run_replay(const Options& options) {
 Expected<void> run_client(const Options& options) {
   StopSignal stop_signal;
   if (auto done = CaptureWriter::may_create(options.record); !done) return done;
-  if (auto done = make_folder(options.out); !done) return done;
+  if (auto done = make_folder(options.out).and_then([&] { return remove_own_files(options.out); }); !done)
+    return done;
   Expected<HeadRecording> recording = load_head(options);
   if (!recording) return tl::unexpected(recording.error());
   Expected<std::unique_ptr<Client>> opened = open_client(options, recording->eye_distance_m);
@@ -350,6 +356,10 @@ Expected<void> run_client(const Options& options) {
     fmt::print("captured {} frames, {}, to {}\n", capture.frames(), megabytes(capture.bytes()),
                options.record.string());
   if (auto fine = no_validation_messages(client.device); !fine) return fine;
+  if (stop_signal.has_come())
+    return fail(Fault::Interrupted,
+                fmt::format("interrupted after {} of {} frames; {} has the reports of these",
+                            report.log().records().size(), frames, options.out.string()));
   return check_answered(options, client, report.log());
 }
 

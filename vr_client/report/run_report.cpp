@@ -182,8 +182,9 @@ Expected<void> RunReport::finish() {
   if (failed_) return tl::unexpected(*failed_);
   if (worst_)
     if (auto done = write_measured(options_.out, *worst_); !done) return done;
-  if (auto done = write_file_atomically(options_.out / "summary.csv", summary_csv(log_.summary())); !done)
-    return done;
+  std::string summary = summary_csv(log_.summary());
+  if (interrupted_) summary += fmt::format("run,interrupted,,1,1,1,{}\n", log_.records().size());
+  if (auto done = write_file_atomically(options_.out / "summary.csv", summary); !done) return done;
   return write_file_atomically(options_.out / "frames.csv", frames_csv(log_.records()));
 }
 

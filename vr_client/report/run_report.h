@@ -45,6 +45,9 @@ class RunReport {
 
   void watch(const FrameView& view);
 
+  /// The run ended before its last frame: summary.csv says so in a row of its own.
+  void mark_interrupted() { interrupted_ = true; }
+
   /// The first failure to write. Nothing is written after it.
   [[nodiscard]] const std::optional<Error>& failed() const { return failed_; }
   [[nodiscard]] const FrameLog& log() const { return log_; }
@@ -71,6 +74,7 @@ class RunReport {
   MeasuredFrame current_;
   std::optional<MeasuredFrame> worst_;
   double worst_error_ = -1;
+  bool interrupted_ = false;
   std::uint32_t every_;  ///< every so manyth frame is measured; 0: none
   struct Kept {
     std::size_t record;  ///< in the log
