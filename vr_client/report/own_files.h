@@ -7,8 +7,8 @@
 
 namespace farshade {
 
-/// Removes what an earlier run has written to `folder`, so that no file of it is taken for one of the next run.
-/// Everything else stays, files of the preview included.
+/// Removes what an earlier run has written to `folder`, so that no file of it is taken for one of the next
+/// run. Everything else stays, files of the preview included.
 [[nodiscard]] Expected<void> remove_own_files(const std::filesystem::path& folder);
 
 }  // namespace farshade
