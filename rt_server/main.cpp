@@ -8,6 +8,7 @@
 
 #include "rt_server/app.h"
 #include "rt_server/commands/commands.h"
+#include "stereo/base/command_line.h"
 #include "stereo/base/heap.h"
 #include "stereo/scene/lighting_options.h"
 
@@ -21,7 +22,8 @@ void add_serving(CLI::App& app, ServeOptions& options) {
          "print what the scene needs and what is left out, then exit; --plan=everything serves with "
          "nothing left out, for comparison (start the clients with the same option)")
       ->expected(0, 1)
-      ->check(CLI::IsMember({"", "needed", "everything"}));
+      ->type_name("needed|everything")
+      ->check(one_of({"", "needed", "everything"}));
   app.add_option("--scene", options.scene, "glTF 2.0 file (.gltf or .glb)");
   add_lighting_options(app, options.lighting);
   app.add_option("--listen", options.listen, "address and UDP port; port 0 selects a free port")
@@ -36,19 +38,19 @@ void add_serving(CLI::App& app, ServeOptions& options) {
                  "connect; if no light of the scene casts shadows, it writes 'no-shadows' and exits with "
                  "status 0");
   app.add_option("--sessions", options.limits.sessions, "maximum number of connected clients")
-      ->check(CLI::Range(1, 4096))
+      ->check(within(1, 4096))
       ->capture_default_str();
   app.add_option("--handshakes-per-second", options.limits.handshakes_per_second,
                  "maximum number of handshakes per second, over all clients that have a key")
-      ->check(CLI::Range(1.0, 1e6))
+      ->check(within(1.0, 1e6))
       ->capture_default_str();
   app.add_option("--bytes-per-second", options.limits.bytes_per_second,
                  "maximum number of bytes per second that the server sends to one client")
-      ->check(CLI::Range(25e3, 1e10))
+      ->check(within(25e3, 1e10))
       ->capture_default_str();
   app.add_option("--pixels", options.most_pixels,
                  "maximum number of pixels per eye that a client may request")
-      ->check(CLI::Range(1u, kMaxViewSide_px * kMaxViewSide_px))
+      ->check(within(1u, kMaxViewSide_px * kMaxViewSide_px))
       ->capture_default_str();
   app.add_option(
       "--net", options.net,
@@ -62,6 +64,7 @@ int main(int argc, char** argv) try {
   CLI::App app(
       "Traces which lights are visible from each pixel of a stereo client, and sends the result as masks "
       "over UDP.");
+  make_readable(app);
   ServeOptions serving;
   KeygenOptions key;
   ServerDoctorOptions doctor;

@@ -16,7 +16,9 @@
 #include "vr_client/placed_head.h"
 #include "vr_client/record/capture_writer.h"
 #include "vr_client/record/replay.h"
+#include "vr_client/report/own_files.h"
 #include "vr_client/report/run_report.h"
+#include "vr_client/report/silence.h"
 #include "vr_client/report/timeline.h"
 #include "vr_client/runtime/headset.h"
 #include "vr_client/runtime/recorded_head_runtime.h"
@@ -59,16 +61,22 @@ std::string in_words(const gpu::BytesByUse& memory) {
   return text;
 }
 
+/// Null if the mode draws no shadow maps.
+const ShadowMapSettings* maps_of(const Options& options) {
+  return options.mode.mode == Mode::Local ? &options.mode.shadow_maps : nullptr;
+}
+
 /// The peak of the memory on the device, and the plan's estimate of it.
-std::string memory_line(const Client& client, const RendererLimits& limits) {
-  return fmt::format(
-      "memory on the device: {} at peak, {} estimated by the plan\n",
-      megabytes(client.renderer->counters().memory.peak_total),
-      megabytes(most_at_once(client_memory(client.scene, client.plan.draw, limits, client.levels))));
+std::string memory_line(const Options& options, const Client& client) {
+  const RendererLimits limits = renderer_limits(options);
+  return fmt::format("memory on the device: {} at peak, {} estimated by the plan\n",
+                     megabytes(client.renderer->counters().memory.peak_total),
+                     megabytes(most_at_once(client_memory(client.scene, client.plan.draw, limits,
+                                                          client.levels, maps_of(options)))));
 }
 
 std::string heading(const Options& options, const Client& client, const RecordedHeadRuntime& runtime,
-                    const FrameLog& log) {
+                    const FrameLog& log, const Silence& silence) {
   std::string text =
       fmt::format("{} along {}: {} frames of {}x{} an eye at {:g} Hz, on {}\n",
                   options.scene.filename().string(), options.trace.filename().string(), log.records().size(),
@@ -81,8 +89,35 @@ std::string heading(const Options& options, const Client& client, const Recorded
   if (client.link && log.start_up_frames() > 0)
     text += fmt::format("{} frames were shown before the first answer; the errors below exclude them\n",
                         log.start_up_frames());
+  if (silence.frames() > 0)
+    text += fmt::format("the server was silent for {:.1f} s: {} frames, which no run time below includes\n",
+                        seconds_of(silence.time()), silence.frames());
   if (runtime.skipped() > 0) text += fmt::format("{} display times were missed\n", runtime.skipped());
   return text;
+}
+
+RunReportOptions report_options(const Options& options, std::uint32_t frames, Compare compare) {
+  return {.out = options.out,
+          .frame_count = frames,
+          .reference_every = options.reference_every,
+          .pictures = options.pictures,
+          .dump = options.dump,
+          .reference_samples = options.reference_samples,
+          .compare = compare};
+}
+
+MaskPolicy policy_of(const Options& options, const Client& client) {
+  return {.pace = options.pace,
+          .delay = duration_from_ms(options.delay_ms),
+          .round_trip = client.round_trip,
+          .mask_wait = duration_from_ms(options.mask_wait_ms)};
+}
+
+/// A run of less than a second ends sooner if each pipeline is compiled when a frame first needs it. If
+/// requests are rare, the server could end the session while a frame compiles. A display does not wait.
+bool compiles_ahead(const Options& options, std::uint32_t frames) {
+  const bool waits = frames > options.refresh_hz || options.request.every > 1 || options.pace == Pace::Real;
+  return waits && draws_scene(options.mode.mode);
 }
 
 PixelReport report_for(const RunReport& report) {
@@ -95,18 +130,21 @@ class Progress {
  public:
   explicit Progress(std::uint32_t frames) : frames_(frames) {}
 
-  void show(std::uint32_t done) {
+  /// The silence of the server says nothing about the frames to come.
+  void show(std::uint32_t done, const Silence& silence) {
     const std::uint32_t step = on_terminal_ ? 1 : std::max(frames_ / 10, 1u);
     if (done % step != 0 && done != frames_) return;
-    const double left_s = seconds_of(watch_.elapsed()) / done * (frames_ - done);
+    const bool counts = silence.frames() < done;
+    const double spent_s = seconds_of(watch_.elapsed() - (counts ? silence.time() : Duration::zero()));
+    const double left_s = spent_s / (counts ? done - silence.frames() : done) * (frames_ - done);
     fmt::print(stderr, "{}frame {} of {}, about {:.0f} s left   {}", on_terminal_ ? "\r" : "", done, frames_,
                left_s, on_terminal_ ? "" : "\n");
     line_is_open_ = on_terminal_;
     std::fflush(stderr);
   }
   /// Ends the line. A run that skipped its last display times shows no last frame.
-  void end() const {
-    if (line_is_open_) fmt::print(stderr, "\n");
+  void end() {
+    if (std::exchange(line_is_open_, false)) fmt::print(stderr, "\n");
   }
 
  private:
@@ -118,29 +156,49 @@ class Progress {
 /// Runs the frame loop and writes the reports that the options ask for. `first` gets each frame before
 /// anything else is drawn.
 Expected<void> show(const Options& options, const RunContext& context, std::uint32_t frames,
-                    RunReport& report, StopSignal& stop_signal, const FrameWatcher& first) {
+                    RunReport& report, Silence& silence, StopSignal& stop_signal, const FrameWatcher& first) {
   // An empty timeline is written first, so that a path that cannot be written fails early.
   Timeline timeline;
   if (auto done = timeline.write(options.timeline); !done) return done;
   // In a replay, messages carry the arrival times of the captured run's clock, which do not fit the timeline.
   const AnswerInbox* const inbox = context.link && options.replay.empty() ? &context.link->inbox() : nullptr;
   Progress progress(frames);
+  const SteadyClock clock;
   const auto watch = [&](const FrameView& view) {
     first(view);
     report.watch(view);
     if (!options.timeline.empty()) timeline.add(view, inbox);
-    progress.show(view.shown.frame.value);
+    if (const auto news = silence.add(view.shown.frame, view.silent_since, clock.now())) {
+      progress.end();
+      spdlog::warn(*news);
+    }
+    progress.show(view.shown.frame.value, silence);
   };
   const auto stop = [&] { return stop_signal.has_come() || report.failed().has_value(); };
   if (auto done = run(context, *make_pipeline(context), watch, stop); !done) return done;
   progress.end();
-  if (stop_signal.has_come()) fmt::print(stderr, "stopped; writing the reports of the frames so far\n");
+  if (stop_signal.has_come()) {
+    fmt::print(stderr, "stopped; writing the reports of the frames so far\n");
+    report.mark_interrupted();
+  }
 
   for (const std::uint32_t dump : options.dump)
     if (dump == 0 || dump > report.log().records().size())
       spdlog::warn("frame {} was not dumped, because it was not shown", dump);
   if (auto done = report.finish(); !done) return done;
   return timeline.write(options.timeline);
+}
+
+/// Missing if the mode needs a server and no answer of it ever came.
+Expected<void> check_answered(const Options& options, const Client& client, const FrameLog& log) {
+  if (!client.link || client.link->inbox().newest_known() != nullptr ||
+      log.start_up_frames() < log.records().size())
+    return {};
+  return fail(
+      Fault::Missing,
+      fmt::format("no answer came from {} during the whole run, so no frame shows what the server adds. "
+                  "Is rt_server running there, and does UDP reach it? vr_client doctor --server {} tells",
+                  options.server, options.server));
 }
 
 /// Mismatch if the capture was made with another scene or plan.
@@ -194,14 +252,16 @@ Expected<void> print_plan(const Options& options) {
   line("triangles", fmt::format("at most {} of {} at the reference camera, both eyes",
                                 gbuffer_triangles(scene, planned->plan.draw, levels, views),
                                 gbuffer_triangles(scene, planned->plan.draw, {}, views)));
-  line("memory", in_words(client_memory(scene, planned->plan.draw, renderer_limits(options), levels)));
+  line("memory", in_words(client_memory(scene, planned->plan.draw, renderer_limits(options), levels,
+                                        maps_of(options))));
   if (!recording) return {};
   return place_head(options, scene, std::move(*recording)).map([](const PlacedHead&) {});
 }
 
 Expected<void> run_replay(const Options& options) {
   StopSignal stop_signal;
-  if (auto done = make_folder(options.out); !done) return done;
+  if (auto done = make_folder(options.out).and_then([&] { return remove_own_files(options.out); }); !done)
+    return done;
   const Expected<std::uint32_t> frames = count_frames(options.replay);
   if (!frames) return tl::unexpected(frames.error());
   Expected<CaptureReader> reader = CaptureReader::open(options.replay);
@@ -215,9 +275,8 @@ Expected<void> run_replay(const Options& options) {
   const Mode mode = header.origin == MaskOrigin::OwnTracer ? Mode::Full : Mode::Hybrid;
   if (auto done = open_tracers(options, mode, client); !done) return done;
 
-  RunReport report({options.out, *frames, options.reference_every, options.pictures, options.dump,
-                    options.reference_samples},
-                   *client.renderer, client.reference.get());
+  RunReport report(report_options(options, *frames, Compare::AtOnce), *client.renderer,
+                   client.reference.get());
   Replay replay(std::move(*reader), report_for(report));
   const RunContext context{.scene = client.scene,
                            .runtime = replay,
@@ -227,14 +286,17 @@ Expected<void> run_replay(const Options& options) {
                            .own_tracer = client.own_tracer.get(),
                            .settings = replay.settings(),
                            .policy = header.policy};
+  Silence no_server({});
   const auto compare = [&](const FrameView& view) { replay.watch(view, client.renderer->read_shown()); };
-  if (auto done = show(options, context, *frames, report, stop_signal, compare); !done) return done;
+  if (auto done = show(options, context, *frames, report, no_server, stop_signal, compare); !done)
+    return done;
   const Expected<ReplayVerdict> verdict = replay.verdict();
   if (!verdict) return tl::unexpected(verdict.error());
   fmt::print("{} from {} on {}: {}\n{}", header.scene, options.replay.string(), client.device.name,
              to_string(*verdict), table(report.log().summary()));
   fmt::print("wrote {}\n", options.out.string());
   if (auto done = no_validation_messages(client.device); !done) return done;
+  if (!verdict->first && verdict->cut_off) return fail(Fault::Malformed, *verdict->cut_off);
   if (!verdict->first) return {};
   const bool elsewhere = client.device.name != header.device;
   return fail(Fault::Mismatch,
@@ -243,7 +305,9 @@ Expected<void> run_replay(const Options& options) {
 
 Expected<void> run_client(const Options& options) {
   StopSignal stop_signal;
-  if (auto done = make_folder(options.out); !done) return done;
+  if (auto done = CaptureWriter::may_create(options.record); !done) return done;
+  if (auto done = make_folder(options.out).and_then([&] { return remove_own_files(options.out); }); !done)
+    return done;
   Expected<HeadRecording> recording = load_head(options);
   if (!recording) return tl::unexpected(recording.error());
   Expected<std::unique_ptr<Client>> opened = open_client(options, recording->eye_distance_m);
@@ -257,21 +321,16 @@ Expected<void> run_client(const Options& options) {
   CaptureWriter capture(client.clock);
   RecordedHeadRuntime runtime(head->recording, playback_of(options, *head));
   const std::uint32_t frames = runtime.frame_count();
-  RunReport report({options.out, frames, options.reference_every, options.pictures, options.dump,
-                    options.reference_samples},
-                   *client.renderer, client.reference.get());
+  RunReport report(
+      report_options(options, frames, options.pace == Pace::Real ? Compare::AfterTheRun : Compare::AtOnce),
+      *client.renderer, client.reference.get());
   const FrameSettings settings{
       .request = options.request, .carry_over = options.carry_over, .report = report_for(report)};
-  // A run of less than a second ends sooner if each pipeline is compiled when a frame first needs it. If
-  // requests are rare, the server could end the session while a frame compiles.
-  if ((frames > options.refresh_hz || options.request.every > 1) && draws_scene(options.mode.mode))
+  if (compiles_ahead(options, frames))
     compile_ahead(client, settings.carry_over, settings.report, Changes::Never);
   if (auto done = open_link(options, client, captures ? capture.listener() : LinkListener{}); !done)
     return done;
-  const MaskPolicy policy{.pace = options.pace,
-                          .delay = duration_from_ms(options.delay_ms),
-                          .round_trip = client.round_trip,
-                          .mask_wait = duration_from_ms(options.mask_wait_ms)};
+  const MaskPolicy policy = policy_of(options, client);
   if (captures)
     if (auto done = capture.open(options.record, header_of(options, client, policy)); !done) return done;
 
@@ -283,18 +342,25 @@ Expected<void> run_client(const Options& options) {
                            .own_tracer = client.own_tracer.get(),
                            .settings = settings,
                            .policy = policy};
+  Silence silence(options.server, client.link && client.link->counters().sessions == 0);
   const auto append_frame = [&](const FrameView& view) {
     if (captures && !capture.failed()) capture.watch(view, client.renderer->read_shown());
   };
-  if (auto done = show(options, context, frames, report, stop_signal, append_frame); !done) return done;
-  fmt::print("{}{}{}", heading(options, client, runtime, report.log()),
-             memory_line(client, renderer_limits(options)), table(report.log().summary()));
+  if (auto done = show(options, context, frames, report, silence, stop_signal, append_frame); !done)
+    return done;
+  fmt::print("{}{}{}", heading(options, client, runtime, report.log(), silence), memory_line(options, client),
+             table(report.log().summary()));
   fmt::print("wrote {}\n", options.out.string());
-  if (capture.failed()) return tl::unexpected(*capture.failed());
+  if (auto ended = capture.finish(); !ended) return ended;
   if (captures)
     fmt::print("captured {} frames, {}, to {}\n", capture.frames(), megabytes(capture.bytes()),
                options.record.string());
-  return no_validation_messages(client.device);
+  if (auto fine = no_validation_messages(client.device); !fine) return fine;
+  if (stop_signal.has_come())
+    return fail(Fault::Interrupted,
+                fmt::format("interrupted after {} of {} frames; {} has the reports of these",
+                            report.log().records().size(), frames, options.out.string()));
+  return check_answered(options, client, report.log());
 }
 
 }  // namespace farshade

@@ -7,6 +7,9 @@
 #include "vr_client/doctor/doctor.h"
 #include "vr_client/fetched_scene.h"
 
+/// What a shell gives for a program that SIGINT has ended.
+constexpr int kInterrupted = 130;
+
 int main(int argc, char** argv) try {
   using namespace farshade;
   keep_freed_memory();
@@ -26,7 +29,7 @@ int main(int argc, char** argv) try {
                                                      : run_client;
   if (const Expected<void> done = task(*options); !done) {
     spdlog::error(done.error().what);
-    return EXIT_FAILURE;
+    return done.error().fault == Fault::Interrupted ? kInterrupted : EXIT_FAILURE;
   }
   return EXIT_SUCCESS;
 } catch (const std::exception& error) {

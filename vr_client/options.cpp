@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "stereo/base/command_line.h"
 #include "stereo/base/within.h"
 #include "stereo/frame/view.h"
 #include "stereo/scene/lighting_options.h"
@@ -25,36 +26,28 @@ constexpr const char* kExamples =
     "  vr_client --trace assets/walk.csv --server HOST:7447    (the scene comes from the server)\n"
     "  vr_client --scene assets/room.glb --trace assets/walk.csv --mode full --frames 10";
 
+/// Frames have 32-bit numbers.
+constexpr double kMostFrames = 4294967295.0;
+
 /// Values as they are on the command line, before they are checked and converted.
 struct CommandLine {
   Options options;
   ClientDoctorOptions doctor;
   std::string size = "512x512";
-  std::string predictor{to_string(kDefaultPredictor)};
   double video_megabits = Options{}.mode.bits_per_second * 1e-6;
   bool validate = false;
 };
 
-std::vector<std::string> predictors() {
-  std::vector<std::string> names;
-  for (const PredictorKind kind : kPredictorKinds) names.emplace_back(to_string(kind));
-  return names;
-}
-
-std::map<std::string, Mode> modes() {
-  std::map<std::string, Mode> named;
-  for (const ModeName& mode : kModes) named.emplace(mode.name, mode.mode);
+Words<PredictorKind> predictors() {
+  Words<PredictorKind> named;
+  for (const PredictorKind kind : kPredictorKinds) named.emplace_back(to_string(kind), kind);
   return named;
 }
 
-std::string one_line(const CLI::App*, const CLI::Error& error) {
-  return fmt::format("vr_client: {} (see --help)\n", error.what());
-}
-
-/// Accepts the names of `values`.
-template <class Enum>
-CLI::CheckedTransformer one_of(std::map<std::string, Enum> values) {
-  return CLI::CheckedTransformer(std::move(values));
+Words<Mode> modes() {
+  Words<Mode> named;
+  for (const ModeName& mode : kModes) named.emplace_back(mode.name, mode.mode);
+  return named;
 }
 
 void add_scene_options(CLI::App& app, CommandLine& line) {
@@ -65,12 +58,12 @@ void add_scene_options(CLI::App& app, CommandLine& line) {
   app.add_option("--trace-scale", options.trace_scale,
                  "units per metre of the head recording, if its format does not define them")
       ->check(within(1e-6, 1e6));
-  app.add_option("--place", options.place,
-                 "where the head starts: camera: at the scene's reference camera (without one, in the middle "
-                 "of a room, or in front of an object); fit: near it, where the recorded walk fits, which is "
-                 "scaled down if it must be; recorded: where it was recorded")
-      ->transform(
-          one_of<Place>({{"camera", Place::Camera}, {"recorded", Place::Recorded}, {"fit", Place::Fit}}));
+  add_words<Place>(
+      app, "--place", options.place,
+      {{"camera", Place::Camera}, {"recorded", Place::Recorded}, {"fit", Place::Fit}},
+      "where the head starts: camera: at the scene's reference camera (without one, in the middle "
+      "of a room, or in front of an object); fit: near it, where the recorded walk fits, which is "
+      "scaled down if it must be; recorded: where it was recorded");
   add_stand_option(app, options.stand);
   add_lighting_options(app, options.lighting);
   app.add_option("--size", line.size, "pixels of each eye")->capture_default_str();
@@ -80,7 +73,7 @@ void add_scene_options(CLI::App& app, CommandLine& line) {
          "(default: 0.125; 0 in modes full, remote and server-gbuffer)")
       ->check(within(0, double{kMostDetail_px}));
   app.add_option("--frames", options.frames, "number of frames to show (default: the whole recording)")
-      ->check(CLI::PositiveNumber);
+      ->check(within(1, kMostFrames));
   app.add_option("--skip", options.skip_s, "seconds to skip at the beginning of the recording")
       ->check(within(0, 1e6));
   app.add_option("--refresh", options.refresh_hz, "refresh rate of the display, Hz")
@@ -100,69 +93,64 @@ void add_link_options(CLI::App& app, Options& options) {
 
 void add_mode_options(CLI::App& app, CommandLine& line) {
   ModeSettings& mode = line.options.mode;
-  app.add_option("--mode", mode.mode,
-                 "how client and server share the work (docs/modes.md): hybrid shades with masks from the "
-                 "server, full traces everything in the client")
-      ->transform(one_of(modes()));
+  add_words(app, "--mode", mode.mode, modes(),
+            "how client and server share the work (docs/modes.md): hybrid shades with masks from the "
+            "server, full traces everything in the client");
   app.add_option("--bitrate", line.video_megabits, "remote, delta: bit rate of the server's video, Mbit/s")
       ->check(within(kLeastVideo_bits * 1e-6, kMostVideo_bits * 1e-6))
       ->capture_default_str();
   app.add_option("--position-bits", mode.position_bits,
                  "client-positions: bits per coordinate, which span the longest side of the scene")
-      ->check(CLI::Range(kLeastPosition_bits, kMostPosition_bits))
+      ->check(within(kLeastPosition_bits, kMostPosition_bits))
       ->capture_default_str();
   app.add_option("--shadow-maps", mode.shadow_maps.side_px, "local: width and height of a shadow map, pixels")
-      ->check(CLI::Range(kLeastMapSide_px, kMostMapSide_px))
+      ->check(within(kLeastMapSide_px, kMostMapSide_px))
       ->capture_default_str();
   app.add_option("--pcf", mode.shadow_maps.pcf_radius, "local: radius of percentage-closer filtering, texels")
-      ->check(CLI::Range(0u, kMostPcfRadius))
+      ->check(within(0u, kMostPcfRadius))
       ->capture_default_str();
 }
 
 void add_request_options(CLI::App& app, CommandLine& line) {
   Options& options = line.options;
-  app.add_option("--clock", options.pace,
-                 "virtual: show every frame and repeat exactly; real: skip frames that are too late")
-      ->transform(one_of<Pace>({{"virtual", Pace::Virtual}, {"real", Pace::Real}}));
+  add_words<Pace>(app, "--clock", options.pace, {{"virtual", Pace::Virtual}, {"real", Pace::Real}},
+                  "virtual: show every frame and repeat exactly; real: skip frames that are too late");
   app.add_option("--delay", options.delay_ms, "virtual clock: ms from a request until its masks are used")
       ->check(within(0, 500))
       ->capture_default_str();
   app.add_option("--mask-wait", options.mask_wait_ms, "ms that each frame waits for its own masks")
       ->check(within(0, 1000))
       ->capture_default_str();
-  app.add_option("--predictor", line.predictor,
-                 "how the client predicts the head pose at which masks will be used; hold: no prediction")
-      ->check(CLI::IsMember(predictors()))
-      ->capture_default_str();
-  app.add_option("--guard-band", options.request.guard_band,
-                 "measured: request views wider than shown, by the measured prediction error")
-      ->transform(one_of<GuardBandUse>({{"measured", GuardBandUse::Measured}, {"off", GuardBandUse::Off}}));
-  app.add_option("--ask", options.request.asks,
-                 "the part of a mask to request: unknown: what earlier masks leave unknown; whole: all of it")
-      ->transform(one_of<Asks>({{"unknown", Asks::Unknown}, {"whole", Asks::Whole}}));
+  add_words(app, "--predictor", options.request.predictor, predictors(),
+            "how the client predicts the head pose at which masks will be used; hold: no prediction");
+  add_words<GuardBandUse>(app, "--guard-band", options.request.guard_band,
+                          {{"measured", GuardBandUse::Measured}, {"off", GuardBandUse::Off}},
+                          "measured: request views wider than shown, by the measured prediction error");
+  add_words<Asks>(
+      app, "--ask", options.request.asks, {{"unknown", Asks::Unknown}, {"whole", Asks::Whole}},
+      "the part of a mask to request: unknown: what earlier masks leave unknown; whole: all of it");
   app.add_option(
          "--mask-every", options.request.every,
          "request masks in every Nth frame (default: every frame; every 28 ms if nothing in the scene "
          "moves and masks come later than that)")
-      ->check(CLI::Range(1, 64))
+      ->check(within(1, 64))
       ->default_str("");
 }
 
 void add_carry_over_options(CLI::App& app, CarryOver& carry_over) {
-  app.add_option("--reprojection", carry_over.lookup,
-                 "off: show old masks without reprojection, as a baseline to compare with")
-      ->transform(one_of<Lookup>({{"on", Lookup::Reproject}, {"off", Lookup::Direct}}));
-  app.add_option("--eyes", carry_over.eyes, "whose masks an eye may use: those of both eyes, or only its own")
-      ->transform(one_of<Eyes>({{"both", Eyes::Both}, {"this", Eyes::This}}));
-  app.add_option("--gaps", carry_over.gaps,
-                 "visibility of a pixel that no mask covers: from neighbouring pixels, or unknown")
-      ->transform(one_of<Gaps>({{"neighbours", Gaps::Neighbours}, {"unknown", Gaps::Unknown}}));
-  app.add_option(
-         "--edges", carry_over.edges,
-         "the visibility at shadow edges: filtered is that of the pixel's centre; coverage is the lit "
-         "part of the pixel, for smooth edges; nearest is the bit of one mask pixel")
-      ->transform(one_of<Edges>(
-          {{"filtered", Edges::Filtered}, {"nearest", Edges::Nearest}, {"coverage", Edges::Coverage}}));
+  add_words<Lookup>(app, "--reprojection", carry_over.lookup,
+                    {{"on", Lookup::Reproject}, {"off", Lookup::Direct}},
+                    "off: show old masks without reprojection, as a baseline to compare with");
+  add_words<Eyes>(app, "--eyes", carry_over.eyes, {{"both", Eyes::Both}, {"this", Eyes::This}},
+                  "whose masks an eye may use: those of both eyes, or only its own");
+  add_words<Gaps>(app, "--gaps", carry_over.gaps,
+                  {{"neighbours", Gaps::Neighbours}, {"unknown", Gaps::Unknown}},
+                  "visibility of a pixel that no mask covers: from neighbouring pixels, or unknown");
+  add_words<Edges>(
+      app, "--edges", carry_over.edges,
+      {{"filtered", Edges::Filtered}, {"nearest", Edges::Nearest}, {"coverage", Edges::Coverage}},
+      "the visibility at shadow edges: filtered is that of the pixel's centre; coverage is the lit "
+      "part of the pixel, for smooth edges; nearest is the bit of one mask pixel");
 }
 
 void add_output_options(CLI::App& app, Options& options) {
@@ -171,14 +159,14 @@ void add_output_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   app.add_option("--reference-samples", options.reference_samples,
                  "compare with a full trace of N x N samples a pixel, too, which has smooth edges")
-      ->check(CLI::Range(1, 16))
+      ->check(within(1, 16))
       ->capture_default_str();
   app.add_option("--pictures", options.pictures, "number of frames whose pictures are written")
       ->capture_default_str();
   app.add_option("--dump", options.dump,
                  "frames to dump for other programs to check, such as 10,20; the first frame is 1")
       ->delimiter(',');
-  app.add_option("--record", options.record, "write a capture of the run to this file, for --replay");
+  app.add_option("--record", options.record, "write a capture of the run to this new file, for --replay");
   app.add_option("--replay", options.replay,
                  "replay this capture without head recording, server or key, and compare every request and "
                  "picture")
@@ -206,7 +194,8 @@ void add_other_options(CLI::App& app, CommandLine& line) {
          "print what the scene needs and what the programs leave out, and exit; --plan=everything leaves "
          "nothing out, for comparison (give the server the same option)")
       ->expected(0, 1)
-      ->check(CLI::IsMember({"", "needed", "everything"}));
+      ->type_name("needed|everything")
+      ->check(one_of({"", "needed", "everything"}));
   app.add_flag("--validate", line.validate, "use the Vulkan validation layers; any message is an error");
 }
 
@@ -225,9 +214,22 @@ void check_fetch(const Options& options) {
                                "--scene-index, --camera and --variant are for a file that --scene names");
 }
 
+/// Throws a CLI::ParseError if an option is given that a replay takes from its capture or does not need.
+void check_replay(const CLI::App& app) {
+  for (const char* option :
+       {"--trace-scale",  "--place",     "--stand",         "--size",        "--detail-px", "--frames",
+        "--skip",         "--refresh",   "--server",        "--key",         "--insecure",  "--net",
+        "--mode",         "--bitrate",   "--position-bits", "--shadow-maps", "--pcf",       "--clock",
+        "--delay",        "--mask-wait", "--predictor",     "--guard-band",  "--ask",       "--mask-every",
+        "--reprojection", "--eyes",      "--gaps",          "--edges"})
+    if (app.count(option) > 0)
+      throw CLI::ValidationError(option, "a replay repeats the captured run as it was: omit this option");
+}
+
 /// Throws a CLI::ParseError if options are missing or contradict each other.
-Options checked(CommandLine line) {
+Options checked(CommandLine line, const CLI::App& app) {
   Options& options = line.options;
+  if (!options.replay.empty()) check_replay(app);
   if (options.trace.empty() && !options.preview && options.replay.empty() && !options.plan.prints_only)
     throw CLI::RequiredError("--trace");
   if (options.scene.empty()) check_fetch(options);
@@ -236,7 +238,6 @@ Options checked(CommandLine line) {
   const Expected<Extent> size = parse_size(line.size);
   if (!size) throw CLI::ValidationError("--size", size.error().what);
   options.size = *size;
-  options.request.predictor = parse_predictor(line.predictor).value();
   options.mode.bits_per_second = static_cast<std::uint32_t>(std::lround(line.video_megabits * 1e6));
   if (line.validate) options.device.validation = gpu::Validation::On;
   const std::string mode(name_of(options.mode.mode));
@@ -270,7 +271,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   CommandLine line;
   CLI::App app{kAbout, "vr_client"};
   app.footer(kExamples);
-  app.failure_message(&one_line);
+  make_readable(app);
   app.require_subcommand(0, 1);
   add_doctor(app, line.doctor);
   add_scene_options(app, line);
@@ -283,7 +284,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   try {
     app.parse(argc, argv);
     if (app.got_subcommand("doctor")) line.options.doctor = line.doctor;
-    return line.options.doctor ? std::move(line.options) : checked(std::move(line));
+    return line.options.doctor ? std::move(line.options) : checked(std::move(line), app);
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(EarlyExit{app.exit(error) == 0 ? 0 : 2});
   }

@@ -28,8 +28,6 @@ constexpr Extent kLargestFirstWindow{1860, 1000};
 /// Interval between polls of a minimised window.
 constexpr Duration kMinimisedWait = std::chrono::milliseconds(100);
 constexpr Duration kTitleInterval = std::chrono::seconds(1);
-/// The panel reports a server as silent after this time without a message.
-constexpr Duration kSilentAfter = std::chrono::seconds(1);
 
 Rigid<Stage, Head> start_of(const Options& options, const Scene& scene) {
   const Rigid<Stage, Eye> viewpoint = viewpoint_of(scene, options.stand);

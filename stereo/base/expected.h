@@ -17,6 +17,7 @@ enum class Fault {
   Unsupported,  ///< valid, but this program does not implement it
   Mismatch,     ///< two sides that should agree do not agree
   Unavailable,  ///< a resource is in use or exhausted
+  Interrupted,  ///< the user has ended the program by a signal
 };
 
 /// `what` is one sentence for the user: where it happened, what is wrong and, if known, how to fix it.

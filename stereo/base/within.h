@@ -10,7 +10,7 @@ namespace farshade {
 
 /// Like CLI::Range, but refuses NaN.
 inline CLI::Validator within(double low, double high) {
-  const std::string range = fmt::format("{:g} to {:g}", low, high);
+  const std::string range = fmt::format("{:.12g} to {:.12g}", low, high);
   return {[=](std::string& text) {
             double value = 0;
             const bool inside = CLI::detail::lexical_cast(text, value) && value >= low && value <= high;

@@ -9,6 +9,7 @@
 #include "stereo/draw/renderer.h"
 #include "stereo/draw/scene_buffers.h"
 #include "stereo/draw/shading_layout.h"
+#include "stereo/draw/shadow_map_views.h"
 
 namespace farshade {
 namespace {
@@ -36,8 +37,21 @@ void add_scene(const Scene& scene, const DrawPlan& plan, const SceneLevels& leve
 
 }  // namespace
 
+namespace {
+
+/// The maps, and the pass that draws them, two layers at a time.
+void add_shadow_maps(const Scene& scene, const ShadowMapSettings& maps, gpu::BytesByUse& memory) {
+  const MapLayers layers = map_layers(scene, maps);
+  memory[gpu::Use::ShadowMaps] =
+      layers.bytes(maps.side_px) + (scene.lights.size() + 1) * sizeof(gpu::ShadowMapData);
+  memory[gpu::Use::Frame] +=
+      layers.count / 2 * scene.instances.size() * sizeof(gpu::InstanceData) + deformed_bytes(scene, false);
+}
+
+}  // namespace
+
 gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, const RendererLimits& limits,
-                              const SceneLevels& levels) {
+                              const SceneLevels& levels, const ShadowMapSettings* maps) {
   const DrawPlan plan = settled(requested);
   const ShadingBytes shading = shading_bytes(plan, limits.size, limits.traced_size);
   const std::size_t pixels = kEyes * limits.size.pixels();
@@ -61,6 +75,7 @@ gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, con
   memory[Use::Shown] = pixels * 4;
   memory[Use::Report] = shading.report;
   memory[Use::ReadBack] = pixels * 4;
+  if (maps != nullptr) add_shadow_maps(scene, *maps, memory);
   return memory;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "stereo/detail/levels.h"
+#include "stereo/draw/shadow_map_settings.h"
 #include "stereo/frame/view.h"
 #include "stereo/gpu/ledger.h"
 #include "stereo/plan/scene_plan.h"
@@ -27,9 +28,11 @@ struct DrawCounters {
 };
 
 /// The bytes that a renderer allocates, by use. It allocates Report and ReadBack when they are first
-/// requested, and frees Staging once the scene is on the device.
+/// requested, and frees Staging once the scene is on the device. With `maps` it draws shadow maps, too; then
+/// shadow_map_bytes must succeed for them.
 [[nodiscard]] gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& plan,
-                                            const RendererLimits& limits, const SceneLevels& levels = {});
+                                            const RendererLimits& limits, const SceneLevels& levels = {},
+                                            const ShadowMapSettings* maps = nullptr);
 
 /// At most how many triangles a first G-buffer of `views` at scene time 0 submits, for both eyes: clusters
 /// outside of the views are counted. `levels` are those of the scene, or empty.

@@ -1,22 +1,24 @@
-// Capture files: any bytes. The reader either reads frames to the end or returns one sentence that names the
-// file. Frames that were read are written again as the same bytes, and their views can be drawn.
+// Capture files: any bytes, as they are and with right checksums. The reader either reads frames to the end
+// or returns one sentence that names the file. Frames that were read are written again as the same bytes, and
+// their views can be drawn.
 #include "vr_client/record/capture_reader.h"
 
 #include <sstream>
 
 #include "tests/fuzz/target.h"
+#include "tests/unit/client_record/capture_samples.h"
 
 using namespace farshade;
 
-int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string_view text = fuzz::text_of(data, size);
-  Expected<CaptureReader> reader =
-      CaptureReader::over(std::make_unique<std::istringstream>(std::string(text)), "fuzzed");
+namespace {
+
+void read_any(const std::string& text) {
+  Expected<CaptureReader> reader = CaptureReader::over(std::make_unique<std::istringstream>(text), "fuzzed");
   const auto refused = [](const Error& error) {
     check(error.what.starts_with("fuzzed"), "a refusal names the file");
     for (const char c : error.what) check(c >= ' ' && c <= '~', "a refusal is one plain line");
   };
-  if (!reader) return refused(reader.error()), 0;
+  if (!reader) return refused(reader.error());
   std::vector<std::byte> again;
   append(reader->header(), again);
   for (;;) {
@@ -46,5 +48,16 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     append(**frame, third);
   }
   check(third == again, "reading and writing gives the same bytes");
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto bytes = std::as_bytes(std::span(data, size));
+  const auto text_of = [](std::span<const std::byte> any) {
+    return std::string(reinterpret_cast<const char*>(any.data()), any.size());
+  };
+  read_any(text_of(bytes));
+  read_any(text_of(record_samples::with_right_checksums({bytes.begin(), bytes.end()})));
   return 0;
 }

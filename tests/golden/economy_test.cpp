@@ -333,6 +333,25 @@ TEST_P(WholeScene, LooksTheSameWithEverythingOnAndTakesTheMemoryThatIsPredicted)
   }
 }
 
+TEST_P(WholeScene, TakesTheMemoryThatIsPredictedWithShadowMaps) {
+  device_.ledger = std::make_shared<gpu::Ledger>();
+  const DrawPlan plan = plan_for(scene_, {.carries_over = false, .all_lights = true}).draw;
+  const ShadowMapSettings settings{.side_px = 256};
+  Renderer renderer(device_, scene_, plan, limits_);
+  const SceneState now = state_at(scene_, kNow);
+  renderer.draw({.views = eyes_of(head_, kSide_px),
+                 .state = now,
+                 .masks = {},
+                 .carry_over = {},
+                 .report = PixelReport::On,
+                 .shadow_maps = &settings});
+  static_cast<void>(renderer.read_shown());
+  static_cast<void>(renderer.report(Side::Left));
+  const gpu::BytesByUse predicted = client_memory(scene_, plan, limits_, {}, &settings);
+  EXPECT_GT(predicted[Use::ShadowMaps], std::uint64_t{256} * 256 * 4);
+  expect_predicted(predicted, renderer.counters().memory);
+}
+
 INSTANTIATE_TEST_SUITE_P(Bundled, WholeScene,
                          testing::Values(FARSHADE_ASSETS "/box_over_plane.gltf",
                                          FARSHADE_ASSETS "/room.glb"));

@@ -34,7 +34,15 @@ TEST_P(ClientMode, ShowsTheRoom) {
   ASSERT_EQ(run.status, 0) << run.errors;
   EXPECT_GE(summary_row(folder.path(), "left eye", "PSNR")[0], least_dB);
   if (mode == "local" || mode == "full") return;
-  EXPECT_GT(summary_row(folder.path(), "wire", "bytes a frame")[0], 0);
+  const double answer = summary_row(folder.path(), "wire", "bytes of an answer")[0];
+  const double down = summary_row(folder.path(), "wire", "bytes down a frame")[0];
+  const double up = summary_row(folder.path(), "wire", "bytes up a frame")[0];
+  EXPECT_GT(answer, 0);
+  EXPECT_GT(down, answer) << "with seals and reports";
+  if (mode == "client-positions")
+    EXPECT_GT(up, down) << "positions are larger than masks";
+  else
+    EXPECT_GT(up, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, ClientMode,

@@ -56,6 +56,7 @@ const House& house() {
                     {"meshoptimizer", "stereo", 5},
                     {"draco", "stereo/scene", 1},
                     {"png.h", "stereo/image", 1},
+                    {"zlib.h", "vr_client/record", 1},
                     {"webp", "stereo/image", 1},
                     {"jpeglib.h", "stereo/image", 1},
                     {"vulkan", "stereo/gpu", any},

@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <numeric>
 
+#include "stereo/base/command_line.h"
 #include "stereo/base/quantile.h"
+#include "stereo/base/within.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
 #include "stereo/scene/lighting.h"
@@ -118,19 +120,20 @@ Expected<void> print_table(const Options& options) {
 
 int main(int argc, char** argv) try {
   CLI::App app("Error and run time of the whole system over bad networks, in virtual time.");
+  make_readable(app);
   Options options;
   app.add_option("--scene", options.scene, "glTF scene")->capture_default_str();
   app.add_option("--trace", options.head, "recorded head")->capture_default_str();
   app.add_option("--network", options.networks,
                  "a named network or words such as loss=5%,delay=25ms; each gives a row");
   app.add_option("--size", options.side_px, "pixels a side of an eye")
-      ->check(CLI::Range(16, 4096))
+      ->check(within(16, 4096))
       ->capture_default_str();
   app.add_option("--frames", options.frames, "display frames")
-      ->check(CLI::Range(1, 100000))
+      ->check(within(1, 100000))
       ->capture_default_str();
   app.add_option("--every", options.every, "measure every Nth frame")
-      ->check(CLI::Range(1, 100000))
+      ->check(within(1, 100000))
       ->capture_default_str();
   app.add_option("--skip", options.skip_s, "seconds of the head's beginning to leave out")
       ->capture_default_str();

@@ -8,6 +8,7 @@
 #include <regex>
 
 #include "stereo/base/clock.h"
+#include "stereo/base/command_line.h"
 #include "tests/stability/cases.h"
 
 namespace {
@@ -136,6 +137,7 @@ int run_all(const Options& options) {
 int main(int argc, char** argv) try {
   CLI::App app(
       "Runs extreme cases through rt_server and vr_client and judges them against double precision.");
+  make_readable(app);
   Options options;
   app.add_option("--only", options.only, "cases whose name this regular expression finds")
       ->capture_default_str();

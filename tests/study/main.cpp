@@ -7,7 +7,9 @@
 #include <csignal>
 #include <cstdio>
 
+#include "stereo/base/command_line.h"
 #include "stereo/base/heap.h"
+#include "stereo/base/within.h"
 #include "stereo/detail/levels.h"
 #include "stereo/gpu/device.h"
 #include "stereo/head/reader.h"
@@ -88,23 +90,22 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--network", options.network,
                  "a named network or words such as loss=5%,delay=25ms, each way");
   app.add_option("--modes", options.rounds.modes, "mode words; one, or all that --timing compares");
-  app.add_option("--size", options.side_px, "pixels a side of an eye")->check(CLI::Range(16, 4096));
+  app.add_option("--size", options.side_px, "pixels a side of an eye")->check(within(16, 4096));
   app.add_option("--frames", options.frames, "display frames; with --timing, the number of timed frames")
-      ->check(CLI::Range(1, 100000));
+      ->check(within(1, 100000));
   app.add_option("--samples", options.samples,
                  "compare with a full trace of N x N samples a pixel, too, which has smooth edges")
-      ->check(CLI::Range(1, 16));
+      ->check(within(1, 16));
   app.add_option("--every", options.every, "compare every Nth frame with its reference")
-      ->check(CLI::Range(1, 100000));
+      ->check(within(1, 100000));
   app.add_option("--skip", options.skip_s, "seconds to skip at the start of the recording")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(within(0.0, 1e6));
   add_stand_option(app, options.stand);
   app.add_option("--pictures", options.pictures, "folder for pictures of the worst frame");
   app.add_option("--clients", options.clients, "measure the time of a server with this many clients")
-      ->check(CLI::Range(1, 64));
+      ->check(within(1, 64));
   app.add_flag("--timing", options.timing, "run times of --modes, without a reference");
-  app.add_option("--rounds", options.rounds.rounds, "number of rounds of --timing")
-      ->check(CLI::Range(1, 1000));
+  app.add_option("--rounds", options.rounds.rounds, "number of rounds of --timing")->check(within(1, 1000));
   app.add_option("--warm-up", options.warm_up, "frames before --clients starts to time");
   app.add_option("--seed", options.rounds.seed, "seed for the order of modes");
   app.add_option("--gpu", options.gpu, "use only a device whose name contains this");
@@ -117,6 +118,7 @@ int main(int argc, char** argv) try {
   keep_freed_memory();
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // if the study is killed, its points end, too
   CLI::App app("One point of a study, as JSON.");
+  make_readable(app);
   Options options;
   add_options(app, options);
   CLI11_PARSE(app, argc, argv);

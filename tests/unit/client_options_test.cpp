@@ -168,6 +168,33 @@ TEST(ReadOptions, ExitsWith0AfterHelp) {
   EXPECT_EQ(help.errors, "");
 }
 
+TEST(ReadOptions, HelpNamesWordsRangesAndDefaultsOnly) {
+  const std::string out = read({"--help"}).out;
+  for (const char* said : {"hybrid|client-positions|server-gbuffer|remote|delta|local|full (default: hybrid)",
+                           "virtual|real (default: virtual)", "filtered|nearest|coverage (default: filtered)",
+                           "needed|everything", "NUMBER (1 to 4294967295)", "NUMBER (0 to 500, default: 20)"})
+    EXPECT_NE(out.find(said), std::string::npos) << said << "\n" << out;
+  for (const char c : out) EXPECT_TRUE(c == '\n' || (c >= ' ' && c <= '~')) << int{c};
+  for (const char* unreadable : {":{", "->", "VALUE", "UINT"})
+    EXPECT_EQ(out.find(unreadable), std::string::npos) << unreadable;
+}
+
+TEST(ReadOptions, SuggestsWhatWasMeant) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> misspelt{
+      {{"--mode", "hybird"},
+       "vr_client: --mode: 'hybird' is not one of hybrid, client-positions, server-gbuffer, remote, delta, "
+       "local, full; did you mean hybrid? (see --help)\n"},
+      {{"--moed", "hybrid"}, "vr_client: unknown option --moed; did you mean --mode? (see --help)\n"},
+      {{"--mask-evry=2"}, "vr_client: unknown option --mask-evry; did you mean --mask-every? (see --help)\n"},
+      {{"docter"}, "vr_client: unexpected argument docter; did you mean doctor? (see --help)\n"},
+      {{"--xyzzy"}, "vr_client: unknown option --xyzzy (see --help)\n"},
+      {{"--plan=evrything"},
+       "vr_client: --plan: 'evrything' is not one of needed, everything; did you mean everything? (see "
+       "--help)\n"},
+      {{"--frames", "0"}, "vr_client: --frames: '0' is not within 1 to 4294967295 (see --help)\n"}};
+  for (const auto& [arguments, complaint] : misspelt) EXPECT_EQ(read_more(arguments).errors, complaint);
+}
+
 TEST(ReadOptions, NamesTheFaultInOneLineAndExitsWith2) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> wrong{
       {{"--size", "0x0"}, "--size"},
@@ -274,6 +301,29 @@ TEST(ReadOptions, CapturesModesWithMasksOnly) {
     EXPECT_EQ(read.options.has_value(), mode.mode == Mode::Hybrid || mode.mode == Mode::Full) << mode.name;
   }
   EXPECT_FALSE(read_more({"--record", "a", "--replay", "b"}).options.has_value());
+}
+
+TEST(ReadOptions, AReplayRefusesWhatItTakesFromTheCapture) {
+  const std::vector<std::string> replay{"--scene", "a.glb", "--replay", "b"};
+  std::vector<std::string> fine = replay;
+  for (const char* word : {"--out", "c", "--dump", "1", "--reference-every", "0", "--pictures", "0", "--gpu",
+                           "x", "--timeline", "d", "--plan=everything", "--sun", "145,50,3"})
+    fine.emplace_back(word);
+  EXPECT_TRUE(read(fine).options.has_value()) << read(fine).errors;
+  for (const auto& [option, value] : {std::pair{"--mode", "full"},
+                                      {"--size", "512x512"},
+                                      {"--predictor", "hold"},
+                                      {"--frames", "2"},
+                                      {"--server", "a:1"},
+                                      {"--edges", "coverage"}}) {
+    std::vector<std::string> more = replay;
+    more.insert(more.end(), {option, value});
+    const Outcome outcome = read(more);
+    ASSERT_FALSE(outcome.options.has_value()) << option;
+    EXPECT_EQ(outcome.errors,
+              std::string("vr_client: ") + option +
+                  ": a replay repeats the captured run as it was: omit this option (see --help)\n");
+  }
 }
 
 TEST(ReadOptions, RunsTheDoctorWithoutOtherOptions) {

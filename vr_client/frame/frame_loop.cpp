@@ -17,6 +17,23 @@ class SceneTime {
   std::optional<Time> last_;
 };
 
+/// The traffic of a link between two calls.
+class TrafficMeter {
+ public:
+  explicit TrafficMeter(const AnswerLink* link) : link_(link) { static_cast<void>(since_last()); }
+
+  std::optional<LinkTraffic> since_last() {
+    const std::optional<LinkTraffic> now = link_ ? link_->traffic() : std::nullopt;
+    if (!now) return std::nullopt;
+    const LinkTraffic before = std::exchange(last_, *now);
+    return LinkTraffic{now->up - before.up, now->down - before.down};
+  }
+
+ private:
+  const AnswerLink* link_;
+  LinkTraffic last_;
+};
+
 }  // namespace
 
 Expected<void> run(const RunContext& context, ModePipeline& pipeline, const FrameWatcher& watch,
@@ -24,6 +41,7 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
   const SteadyClock clock;
   FrameId frame;
   SceneTime scene_time;
+  TrafficMeter traffic(context.link);
   while (!stop()) {
     const std::optional<FrameTiming> timing = context.runtime.wait_frame();
     if (!timing) break;
@@ -67,7 +85,9 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
            .start_up = drawn_frame.start_up,
            .black = drawn_frame.black,
            .surround = drawn_frame.surround,
-           .surround_cost = drawn_frame.surround_cost});
+           .surround_cost = drawn_frame.surround_cost,
+           .silent_since = context.link ? context.link->silent_since() : std::nullopt,
+           .traffic = traffic.since_last()});
   }
   return {};
 }

@@ -72,6 +72,8 @@ struct FrameView {
   PerEye<double> black{};                  ///< the share of each eye that the server's picture does not cover
   std::span<const TracedMask> surround{};  ///< the masks of the surround it was drawn with
   SurroundCost surround_cost{};
+  std::optional<Time> silent_since{};    ///< AnswerLink::silent_since
+  std::optional<LinkTraffic> traffic{};  ///< since the frame before was shown, or since the run began
 };
 using FrameWatcher = std::function<void(const FrameView&)>;
 

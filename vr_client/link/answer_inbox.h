@@ -87,6 +87,12 @@ struct RequestParts {
   const PerEye<EyeMask>* carried = nullptr;
 };
 
+/// Bytes of datagrams since the link was made, with everything that is sent over UDP.
+struct LinkTraffic {
+  std::uint64_t up = 0;    ///< sent to the server
+  std::uint64_t down = 0;  ///< received from it
+};
+
 /// What a run of the client needs of the source of its answers. There are two: the network (network_link.h)
 /// and a capture file (record/replay.h).
 class AnswerLink {
@@ -108,6 +114,12 @@ class AnswerLink {
 
   /// Why the server refuses this client for good; no value while it does not.
   [[nodiscard]] virtual const std::optional<Error>& refused() const = 0;
+
+  /// Since when the server has answered nothing though it was asked, or greeted; no value while it answers.
+  [[nodiscard]] virtual std::optional<Time> silent_since() const { return std::nullopt; }
+
+  /// No value if no network carries the messages.
+  [[nodiscard]] virtual std::optional<LinkTraffic> traffic() const { return std::nullopt; }
 
   /// The time spent so far on opening, decoding and assembling messages, without waits.
   [[nodiscard]] virtual Duration busy() const = 0;

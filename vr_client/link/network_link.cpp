@@ -36,12 +36,18 @@ NetworkLink::Channel::Channel(const SessionKeys& keys, Time now)
 NetworkLink::NetworkLink(DatagramPort& port, const Clock& clock, const LinkTarget& target, std::size_t frames)
     : port_(port), clock_(clock), target_(target), inbox_(frames, target.mask) {}
 
+void NetworkLink::send_outgoing() {
+  traffic_.up += outgoing_.size();
+  port_.send(target_.server, outgoing_);
+}
+
 void NetworkLink::say_hello() {
   if (last_hello_ && clock_.now() - *last_hello_ < kHelloInterval) return;
   last_hello_ = clock_.now();
+  if (!first_hello_) first_hello_ = last_hello_;
   if (!handshake_) handshake_.emplace(target_.key, target_.scene_hash);
   handshake_->write_hello(outgoing_);
-  port_.send(target_.server, outgoing_);
+  send_outgoing();
 }
 
 /// Says hello if there is no session, or if the server is silent.
@@ -81,7 +87,7 @@ void NetworkLink::send_following(std::span<const std::vector<std::byte>> message
   for (std::size_t i = 0; i < messages.size() && channel_; ++i) {
     if (i > 0 && i % kBurst == 0) listen(kBurstPause);
     channel_->sealer.seal(messages[i], outgoing_);
-    port_.send(target_.server, outgoing_);
+    send_outgoing();
   }
 }
 
@@ -94,13 +100,14 @@ void NetworkLink::send_request(const FrameRequest& request) {
   if (listener_.sent) listener_.sent(request);
   encode(message, message_);
   channel_->sealer.seal(message_, outgoing_);
-  port_.send(target_.server, outgoing_);
-  ++channel_->unanswered;
+  send_outgoing();
+  if (channel_->unanswered++ == 0) channel_->asked = clock_.now();
 }
 
 bool NetworkLink::receive_one(Duration wait) {
   const std::optional<Datagram> datagram = port_.receive(incoming_, wait);
   if (!datagram) return false;
+  traffic_.down += datagram->bytes.size();
   const Stopwatch watch;
   if (const Decoded<void> taken = take_datagram(*datagram); !taken) undecodable_.count(taken.error());
   busy_ += watch.elapsed();
@@ -212,6 +219,13 @@ bool NetworkLink::wait_for(FrameId frame, Duration patience) {
     receive_one(std::min(left, kHelloInterval));
   }
   return true;
+}
+
+std::optional<Time> NetworkLink::silent_since() const {
+  const std::optional<Time> since = !channel_                  ? first_hello_
+                                    : channel_->unanswered > 0 ? std::optional(channel_->asked)
+                                                               : std::nullopt;
+  return since && clock_.now() - *since > kSilentAfter ? since : std::nullopt;
 }
 
 NetworkLink::Counters NetworkLink::counters() const {

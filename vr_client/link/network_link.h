@@ -32,6 +32,9 @@ struct LinkListener {
   std::function<void(const FrameRequest& request)> sent;  ///< as it is sent
 };
 
+/// A server that answers nothing for this long is reported as silent.
+inline constexpr Duration kSilentAfter = std::chrono::seconds(1);
+
 class NetworkLink final : public AnswerLink {
  public:
   /// Keeps the records of `frames` requests. Keeps references to `port`, and to `clock`, which times waits.
@@ -66,6 +69,11 @@ class NetworkLink final : public AnswerLink {
     return channel_ ? std::optional(channel_->last_received) : std::nullopt;
   }
 
+  /// On the clock of this link. An answer that takes less than kSilentAfter is not silence.
+  [[nodiscard]] std::optional<Time> silent_since() const override;
+
+  [[nodiscard]] std::optional<LinkTraffic> traffic() const override { return traffic_; }
+
   struct Counters {
     AssemblerCounters assembler;
     RefusalCounts undecodable;
@@ -88,8 +96,10 @@ class NetworkLink final : public AnswerLink {
     std::uint64_t probe_echo = 0;
     Time last_received;
     std::uint32_t unanswered = 0;  ///< requests sent since then
+    Time asked{};                  ///< when the first of them was sent
   };
 
+  void send_outgoing();
   bool receive_one(Duration wait);
   void keep_session();
   void say_hello();
@@ -111,7 +121,7 @@ class NetworkLink final : public AnswerLink {
   std::optional<Channel> channel_;
   AnswerInbox inbox_;
   LinkListener listener_;
-  std::optional<Time> last_hello_;
+  std::optional<Time> last_hello_, first_hello_;
   std::optional<Error> refused_;
   std::optional<std::string> busy_server_;  ///< why a full server has refused
   /// Why there may be no session: a refusal without authentication, which came at the given time.
@@ -120,6 +130,7 @@ class NetworkLink final : public AnswerLink {
   std::uint64_t sessions_ = 0;
   RefusalCounts undecodable_{};
   Duration busy_{};
+  LinkTraffic traffic_;
   std::vector<std::byte> message_, outgoing_;
   std::array<std::byte, kMaxDatagram_bytes> incoming_{};
 };

@@ -51,7 +51,7 @@ class Recordings {
   /// `capture_NNNN.farshade`. Call listen() before the link meets the server, and begin_capture() before the
   /// first frame. The returned listener is valid as long as this object lives.
   [[nodiscard]] LinkListener listen();
-  /// An empty `path` selects a new file in the output folder. An existing file at another path is replaced.
+  /// An empty `path` selects a new file in the output folder. An existing file at another path is refused.
   void begin_capture(const std::filesystem::path& path, const CaptureHeader& header);
   void end_capture();
   /// Says in note() that this mode cannot be captured.

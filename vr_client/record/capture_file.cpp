@@ -3,6 +3,7 @@
 #include "vr_client/record/capture_file.h"
 
 #include <sodium.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <bitset>
@@ -130,6 +131,10 @@ bool fields(auto& io, Either<CapturedFrameInput> auto& input) {
          look_fields(io, input.views[1]) && settings_fields(io, input.settings);
 }
 
+bool fields(auto& io, Either<CaptureEnd> auto& end) {
+  return io.u32(end.frames);
+}
+
 namespace {
 bool fields(auto& io, Either<TimedMessage> auto& timed) {
   return io.ns(timed.time) && io.rest(timed.bytes);
@@ -164,6 +169,10 @@ Verdict verdict(const CaptureHeader& header) {
   return timed ? kFine : Verdict(WireRefusal::TimeRange);
 }
 
+Verdict verdict(const CaptureEnd&) {
+  return kFine;
+}
+
 Verdict verdict(const CapturedFrameInput& input) {
   const FrameTiming& timing = input.timing;
   if (!in_range(timing.display_time) || timing.period <= Duration::zero() || timing.period > kLongestPeriod)
@@ -175,7 +184,7 @@ Verdict verdict(const CapturedFrameInput& input) {
 
 namespace {
 
-/// Kind and length, then the fields.
+/// Kind and length, then the fields and the checksum.
 template <class Record>
 void append_record(RecordKind kind, const Record& record, std::vector<std::byte>& file) {
   check(!verdict(record), "a record that is written is within its ranges");
@@ -183,10 +192,12 @@ void append_record(RecordKind kind, const Record& record, std::vector<std::byte>
   ByteWriter fields_of(body);
   fields(fields_of, record);
   check(body.size() <= kMaxRecord_bytes, "a record that is written has at most kMaxRecord_bytes");
+  const std::size_t begin = file.size();
   ByteWriter io(file);
   io.code(kind);
   io.u32(body.size());
   io.rest(body);
+  io.u32(checksum_of(std::span(file).subspan(begin)));
 }
 
 std::string plain(std::string text) {
@@ -226,6 +237,15 @@ void append(const CapturedFrame& frame, std::vector<std::byte>& file) {
   append_record(RecordKind::Pictures, PicturesRecord{frame.pictures}, file);
 }
 
+void append(const CaptureEnd& end, std::vector<std::byte>& file) {
+  append_record(RecordKind::End, end, file);
+}
+
+std::uint32_t checksum_of(std::span<const std::byte> record) {
+  return static_cast<std::uint32_t>(
+      crc32_z(0, reinterpret_cast<const unsigned char*>(record.data()), record.size()));
+}
+
 Decoded<CaptureHeader> decode_header(std::span<const std::byte> bytes) {
   return codec::read<CaptureHeader>(ByteReader(bytes));
 }
@@ -262,6 +282,10 @@ Decoded<PerEye<PictureHash>> decode_pictures(std::span<const std::byte> bytes) {
   return codec::read<PicturesRecord>(ByteReader(bytes)).map([](const PicturesRecord& record) {
     return record.pictures;
   });
+}
+
+Decoded<CaptureEnd> decode_end(std::span<const std::byte> bytes) {
+  return codec::read<CaptureEnd>(ByteReader(bytes));
 }
 
 PictureHash hash_of(const Image<Rgb8>& picture) {

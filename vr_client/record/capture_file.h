@@ -1,6 +1,6 @@
 /// Capture file: all inputs of a run, frame by frame, and hashes of the pictures that the run showed, so that
 /// replay.h can repeat the run bit for bit. docs/capture-file.md specifies the bytes. A record is a kind, a
-/// length and fields. Each kind has one field list for both writing and reading.
+/// length, fields and a checksum. Each kind has one field list for both writing and reading.
 #pragma once
 
 #include <string>
@@ -12,14 +12,22 @@
 namespace farshade {
 
 inline constexpr std::uint32_t kCaptureMagic = 0x53534446;  // "FDSS" in byte order
-inline constexpr std::uint16_t kCaptureVersion = 3;
+inline constexpr std::uint16_t kCaptureVersion = 4;
 inline constexpr std::size_t kCapturePreamble_bytes =
     8;  ///< magic, format version, protocol version of the messages
-inline constexpr std::size_t kRecordHead_bytes = 5;     ///< kind and length
-inline constexpr std::size_t kMaxRecord_bytes = 16384;  ///< without kind and length
+inline constexpr std::size_t kRecordHead_bytes = 5;      ///< kind and length
+inline constexpr std::size_t kRecordChecksum_bytes = 4;  ///< after the fields
+inline constexpr std::size_t kMaxRecord_bytes = 16384;   ///< without kind and length
 inline constexpr std::size_t kMaxCaptureText_bytes = 255;
 
-enum class RecordKind : std::uint8_t { Header = 1, Frame = 2, Received = 3, Request = 4, Pictures = 5 };
+enum class RecordKind : std::uint8_t {
+  Header = 1,
+  Frame = 2,
+  Received = 3,
+  Request = 4,
+  Pictures = 5,
+  End = 6
+};
 
 /// Who traced the masks.
 enum class MaskOrigin : std::uint8_t { Nobody, Server, OwnTracer };
@@ -73,7 +81,17 @@ struct CapturedFrame {
 void append(const CaptureHeader& header, std::vector<std::byte>& file);
 void append(const CapturedFrame& frame, std::vector<std::byte>& file);
 
-// Decoders of the record bodies: `bytes` excludes kind and length. They refuse bytes as message decoders do.
+/// Ends a file. A file without this record lacks its end.
+struct CaptureEnd {
+  std::uint32_t frames = 0;  ///< in the file
+};
+void append(const CaptureEnd& end, std::vector<std::byte>& file);
+
+/// CRC-32 of a record's kind, length and fields.
+[[nodiscard]] std::uint32_t checksum_of(std::span<const std::byte> record);
+
+// Decoders of the record bodies: `bytes` excludes kind, length and checksum. They refuse bytes as message
+// decoders do.
 
 [[nodiscard]] Decoded<CaptureHeader> decode_header(std::span<const std::byte> bytes);
 /// `eye_size` is the size of both views; the file holds it once, in its header.
@@ -83,5 +101,6 @@ void append(const CapturedFrame& frame, std::vector<std::byte>& file);
 /// Refuses client messages that are not a request (Type).
 [[nodiscard]] Decoded<CapturedRequest> decode_request(std::span<const std::byte> bytes);
 [[nodiscard]] Decoded<PerEye<PictureHash>> decode_pictures(std::span<const std::byte> bytes);
+[[nodiscard]] Decoded<CaptureEnd> decode_end(std::span<const std::byte> bytes);
 
 }  // namespace farshade

@@ -10,7 +10,7 @@ namespace {
 
 /// `kind` is one of RecordKind.
 const char* name_of(RecordKind kind) {
-  constexpr std::array names{"header", "frame", "received message", "request", "pictures"};
+  constexpr std::array names{"header", "frame", "received message", "request", "pictures", "end"};
   return names.at(static_cast<std::size_t>(kind) - static_cast<std::size_t>(RecordKind::Header));
 }
 
@@ -43,8 +43,9 @@ Expected<CaptureReader> CaptureReader::over(std::unique_ptr<std::istream> bytes,
 Expected<void> CaptureReader::begin() {
   std::uint32_t magic = 0;
   std::uint16_t version = 0, protocol = 0;
-  const bool whole = read(kCapturePreamble_bytes);
-  ByteReader io(body_);
+  record_.clear();
+  const bool whole = read(kCapturePreamble_bytes, record_);
+  ByteReader io(record_);
   if (!whole || !io.u32(magic) || !io.u16(version) || !io.u16(protocol) || magic != kCaptureMagic)
     return fail(Fault::Unsupported, name_ + " is not a capture file");
   if (version != kCaptureVersion || protocol != kProtocolVersion)
@@ -63,10 +64,11 @@ Expected<void> CaptureReader::begin() {
   return {};
 }
 
-/// Fills `body_`. False if the file ends first.
-bool CaptureReader::read(std::size_t size) {
-  body_.resize(size);
-  bytes_->read(reinterpret_cast<char*>(body_.data()), static_cast<std::streamsize>(size));
+/// Appends to `into`. False if the file ends first.
+bool CaptureReader::read(std::size_t size, std::vector<std::byte>& into) {
+  const std::size_t before = into.size();
+  into.resize(before + size);
+  bytes_->read(reinterpret_cast<char*>(into.data() + before), static_cast<std::streamsize>(size));
   const auto got = static_cast<std::size_t>(bytes_->gcount());
   at_ += got;
   return got == size;
@@ -80,15 +82,22 @@ Expected<std::optional<CaptureReader::Record>> CaptureReader::next_record() {
       return fail(Fault::Unreadable, name_ + " cannot be read from byte " + std::to_string(at_));
     return std::nullopt;
   };
-  if (!read(kRecordHead_bytes)) return at_end();
-  ByteReader io(body_);
+  record_.clear();
+  if (!read(kRecordHead_bytes, record_)) return at_end();
+  ByteReader io(record_);
   std::uint32_t size = 0;
   io.code(record.kind);
   io.u32(size);
-  if (record.kind < RecordKind::Header || record.kind > RecordKind::Pictures)
-    return fail_at(record.at, "unknown kind of record");
   if (size > kMaxRecord_bytes) return fail_at(record.at, "a record of " + std::to_string(size) + " bytes");
-  if (!read(size)) return at_end();
+  if (!read(size + kRecordChecksum_bytes, record_)) return at_end();
+  const auto checked = std::span<const std::byte>(record_).first(kRecordHead_bytes + size);
+  std::uint32_t checksum = 0;
+  ByteReader(std::span<const std::byte>(record_).last(kRecordChecksum_bytes)).u32(checksum);
+  if (checksum != checksum_of(checked))
+    return fail_at(record.at, "the record is damaged: its checksum is wrong");
+  if (record.kind < RecordKind::Header || record.kind > RecordKind::End)
+    return fail_at(record.at, "unknown kind of record");
+  body_ = checked.subspan(kRecordHead_bytes);
   return record;
 }
 
@@ -138,10 +147,28 @@ Expected<void> CaptureReader::take(const Record& record, CapturedFrame& frame) c
   return {};
 }
 
+std::optional<CapturedFrame> CaptureReader::end_early() {
+  cut_off_ = name_ + " is cut off after " + std::to_string(frames_) + " frames, at byte " +
+             std::to_string(at_) + ": it has no end record, so later frames may be missing";
+  return std::nullopt;
+}
+
+Expected<void> CaptureReader::end(const Record& record) {
+  const Decoded<CaptureEnd> ended = decode_end(body_);
+  if (!ended) return refused(record, ended.error());
+  if (ended->frames != frames_)
+    return fail_at(record.at, "the file has " + std::to_string(frames_) + " frames instead of " +
+                                  std::to_string(ended->frames));
+  if (bytes_->peek() != std::istream::traits_type::eof()) return fail_at(at_, "bytes after the end record");
+  return {};
+}
+
 Expected<std::optional<CapturedFrame>> CaptureReader::next() {
   Expected<std::optional<Record>> record = next_record();
   if (!record) return tl::unexpected(record.error());
-  if (!*record) return std::nullopt;
+  if (!*record) return end_early();
+  if ((*record)->kind == RecordKind::End)
+    return end(**record).map([] { return std::optional<CapturedFrame>(); });
   if ((*record)->kind != RecordKind::Frame)
     return fail_at((*record)->at, std::string(name_of((*record)->kind)) + " outside of a frame");
   CapturedFrame frame;
@@ -149,10 +176,11 @@ Expected<std::optional<CapturedFrame>> CaptureReader::next() {
   while ((*record)->kind != RecordKind::Pictures) {
     record = next_record();
     if (!record) return tl::unexpected(record.error());
-    if (!*record) return std::nullopt;
+    if (!*record) return end_early();
     if (auto taken = take(**record, frame); !taken) return tl::unexpected(taken.error());
   }
   last_display_time_ = frame.input.timing.display_time;
+  ++frames_;
   return frame;
 }
 

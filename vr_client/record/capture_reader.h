@@ -21,10 +21,13 @@ class CaptureReader {
 
   [[nodiscard]] const CaptureHeader& header() const { return header_; }
 
-  /// Returns the next frame, or nothing at the end of the file. An incomplete last frame also ends the file:
-  /// its writer was killed. Any other fault is an error that names file and byte; no frame can be read after
-  /// it.
+  /// Returns the next frame, or nothing at the end of the file, which may be cut off (cut_off). Any other
+  /// fault is an error that names file and byte; no frame can be read after it.
   [[nodiscard]] Expected<std::optional<CapturedFrame>> next();
+
+  /// Set once next() has met the end of a file that has no end record: its writer was killed, or a part of
+  /// the file is missing. Says where.
+  [[nodiscard]] const std::optional<std::string>& cut_off() const { return cut_off_; }
 
  private:
   struct Record {
@@ -36,8 +39,10 @@ class CaptureReader {
       : bytes_(std::move(bytes)), name_(std::move(name)) {}
 
   [[nodiscard]] Expected<void> begin();
-  [[nodiscard]] bool read(std::size_t size);
+  [[nodiscard]] bool read(std::size_t size, std::vector<std::byte>& into);
   [[nodiscard]] Expected<std::optional<Record>> next_record();
+  [[nodiscard]] Expected<void> end(const Record& record);
+  [[nodiscard]] std::optional<CapturedFrame> end_early();
   [[nodiscard]] Expected<void> take(const Record& record, CapturedFrame& frame) const;
   [[nodiscard]] Expected<void> take_frame(const Record& record, CapturedFrame& frame) const;
   [[nodiscard]] Expected<void> take_received(const Record& record, CapturedFrame& frame) const;
@@ -47,8 +52,11 @@ class CaptureReader {
   std::unique_ptr<std::istream> bytes_;
   std::string name_;
   CaptureHeader header_;
-  std::vector<std::byte> body_;  ///< of the current record
-  std::uint64_t at_ = 0;         ///< bytes read
+  std::vector<std::byte> record_;    ///< kind, length, fields and checksum of the current record
+  std::span<const std::byte> body_;  ///< the fields in it
+  std::uint64_t at_ = 0;             ///< bytes read
+  std::uint32_t frames_ = 0;         ///< read
+  std::optional<std::string> cut_off_;
   std::optional<Time> last_display_time_;
 };
 

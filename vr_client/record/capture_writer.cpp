@@ -7,6 +7,9 @@ namespace farshade {
 namespace {
 
 Error why_not(const std::filesystem::path& path, int error) {
+  if (error == EEXIST)
+    return {Fault::Unavailable,
+            path.string() + " exists: name another file for the capture, or remove that one"};
   return {error == ENOENT ? Fault::Missing : Fault::Unreadable,
           "cannot write " + path.string() + ": " + std::generic_category().message(error)};
 }
@@ -26,9 +29,15 @@ LinkListener CaptureWriter::listener() {
               }};
 }
 
+Expected<void> CaptureWriter::may_create(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::exists(path, error)) return tl::unexpected(why_not(path, EEXIST));
+  return {};
+}
+
 Expected<void> CaptureWriter::open(const std::filesystem::path& path, const CaptureHeader& header) {
   path_ = path;
-  file_.reset(std::fopen(path.c_str(), "wb"));
+  file_.reset(std::fopen(path.c_str(), "wbx"));
   if (!file_) return tl::unexpected(why_not(path, errno));
   append(header, pending_);
   if (!write()) return tl::unexpected(why_not(path, errno));
@@ -56,6 +65,16 @@ void CaptureWriter::watch(const FrameView& view, const PerEye<Image<Rgb8>>& show
   failed_ = why_not(path_, errno);
   failed_->what += "; the capture ends before frame " + std::to_string(view.shown.frame.value);
   file_.reset();
+}
+
+Expected<void> CaptureWriter::finish() {
+  if (file_ && !failed_) {
+    append(CaptureEnd{frames_}, pending_);
+    if (!write()) failed_ = why_not(path_, errno);
+  }
+  file_.reset();
+  if (failed_) return tl::unexpected(*failed_);
+  return {};
 }
 
 }  // namespace farshade

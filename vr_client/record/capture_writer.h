@@ -1,6 +1,6 @@
 /// CaptureWriter: writes a capture file during a run. Its listener must be given to the link before the link
 /// meets the server. The writer appends each frame as soon as the frame was shown: a program that is killed
-/// leaves all complete frames.
+/// leaves all complete frames, and no end record.
 #pragma once
 
 #include <cstdio>
@@ -21,11 +21,21 @@ class CaptureWriter {
   /// not move.
   [[nodiscard]] LinkListener listener();
 
-  /// Creates the file. Call it before the first frame.
+  ~CaptureWriter() { static_cast<void>(finish()); }
+  CaptureWriter(const CaptureWriter&) = delete;
+  CaptureWriter& operator=(const CaptureWriter&) = delete;
+
+  /// Unavailable if a file exists at `path`. An empty path is no file.
+  [[nodiscard]] static Expected<void> may_create(const std::filesystem::path& path);
+
+  /// Creates the file. Call it before the first frame. Unavailable if the file exists.
   [[nodiscard]] Expected<void> open(const std::filesystem::path& path, const CaptureHeader& header);
 
   /// Appends a frame that was shown as these pictures. A failure to write ends the capture, not the run.
   void watch(const FrameView& view, const PerEye<Image<Rgb8>>& shown);
+
+  /// Writes the end record and closes the file. Returns failed(). The destructor does the same.
+  Expected<void> finish();
 
   /// Why the capture ended early; the sentence names file and frame.
   [[nodiscard]] const std::optional<Error>& failed() const { return failed_; }

@@ -81,9 +81,10 @@ std::optional<std::string> CaptureLink::end() {
 
 std::string to_string(const ReplayVerdict& verdict) {
   const std::string frames = std::to_string(verdict.frames) + (verdict.frames == 1 ? " frame" : " frames");
-  if (!verdict.first) return frames + ", all requests and pictures as captured";
+  const std::string lacks = verdict.cut_off ? "; " + *verdict.cut_off : std::string();
+  if (!verdict.first) return frames + ", all requests and pictures as captured" + lacks;
   return "frame " + std::to_string(verdict.first->frame.value) + " of " + frames + " differs: it " +
-         verdict.first->what;
+         verdict.first->what + lacks;
 }
 
 Replay::Replay(CaptureReader reader, PixelReport report) : reader_(std::move(reader)), report_(report) {
@@ -115,7 +116,9 @@ void Replay::watch(const FrameView& view, const PerEye<Image<Rgb8>>& shown) {
 
 Expected<ReplayVerdict> Replay::verdict() const {
   if (error_) return tl::unexpected(*error_);
-  return verdict_;
+  ReplayVerdict verdict = verdict_;
+  verdict.cut_off = reader_.cut_off();
+  return verdict;
 }
 
 }  // namespace farshade

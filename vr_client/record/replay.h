@@ -62,9 +62,11 @@ struct ReplayDifference {
 struct ReplayVerdict {
   std::uint32_t frames = 0;  ///< replayed
   std::optional<ReplayDifference> first;
+  std::optional<std::string> cut_off{};  ///< the capture lacks its end: see CaptureReader::cut_off
 };
 
-/// "312 frames, all requests and pictures as captured", or the first difference and its frame.
+/// "312 frames, all requests and pictures as captured", or the first difference and its frame; then what the
+/// capture lacks.
 [[nodiscard]] std::string to_string(const ReplayVerdict& verdict);
 
 class Replay final : public Runtime {

@@ -19,6 +19,7 @@ struct Figure {
   std::string group, metric, unit;
   std::function<Value(const FrameRecord&)> of;
   Worse worse = Worse::High;
+  bool of_eye = false;
 };
 
 std::vector<Figure> client_figures() {
@@ -62,37 +63,40 @@ std::vector<Figure> server_wire_and_head_figures() {
     return figure("server", metric, unit, &FrameRecord::server, get);
   };
   using Report = FrameReport;
-  return {
-      server("frame", "ms", [](const Report& r) { return ms_of(total_work(r)); }),
-      server("primary visibility", "ms", [](const Report& r) { return ms_of(r.primary); }),
-      server("shadow rays", "ms", [](const Report& r) { return ms_of(r.shadow); }),
-      server("draw", "ms", [](const Report& r) { return ms_of(r.draw); }),
-      server("code and pack", "ms", [](const Report& r) { return ms_of(r.pack); }),
-      server("request waited", "ms", [](const Report& r) { return ms_of(r.waited); }),
-      server("primary rays", "rays", [](const Report& r) { return r.primary_rays; }),
-      server("shadow rays", "rays", [](const Report& r) { return r.shadow_rays; }),
-      server("share of a full trace", "%", percent_of_full_trace),
-      // A frame's datagrams are its slices and one report.
-      figure("wire", "datagrams a frame", "", &FrameRecord::server,
-             [](const Report& r) { return r.slices + 1.0; }),
-      figure("wire", "bytes a frame", "B", &FrameRecord::server,
-             [](const Report& r) { return r.payload_bytes; }),
-      figure("wire", "asked for", "% of the views", &FrameRecord::asked,
-             [](double share) { return share * 100; }),
-      figure("server", "frame of the surround", "ms", &FrameRecord::surround,
-             [](const SurroundCost& cost) { return ms_of(cost.server); }),
-      figure("server", "rays of the surround", "rays", &FrameRecord::surround,
-             [](const SurroundCost& cost) { return cost.rays; }),
-      figure("wire", "bytes of the surround", "B", &FrameRecord::surround,
-             [](const SurroundCost& cost) { return cost.bytes; }),
-      figure("wire", "staleness", "ms", &FrameRecord::delta, [](const PoseDelta& d) { return ms_of(d.age); }),
-      figure("wire", "age", "ms", &FrameRecord::age, [](Duration age) { return ms_of(age); }),
-      figure("head", "turned since traced view", "deg", &FrameRecord::delta,
-             [](const PoseDelta& d) { return d.angle_rad * kDegrees; }),
-      figure("head", "moved since traced view", "mm", &FrameRecord::delta,
-             [](const PoseDelta& d) { return d.distance_m * 1e3; }),
-      figure("head", "guard band", "% of pixels", &FrameRecord::guard_band,
-             [](double share) { return share * 100; })};
+  return {server("frame", "ms", [](const Report& r) { return ms_of(total_work(r)); }),
+          server("primary visibility", "ms", [](const Report& r) { return ms_of(r.primary); }),
+          server("shadow rays", "ms", [](const Report& r) { return ms_of(r.shadow); }),
+          server("draw", "ms", [](const Report& r) { return ms_of(r.draw); }),
+          server("code and pack", "ms", [](const Report& r) { return ms_of(r.pack); }),
+          server("request waited", "ms", [](const Report& r) { return ms_of(r.waited); }),
+          server("primary rays", "rays", [](const Report& r) { return r.primary_rays; }),
+          server("shadow rays", "rays", [](const Report& r) { return r.shadow_rays; }),
+          server("share of a full trace", "%", percent_of_full_trace),
+          figure("wire", "bytes down a frame", "B", &FrameRecord::traffic,
+                 [](const LinkTraffic& traffic) { return traffic.down; }),
+          figure("wire", "bytes up a frame", "B", &FrameRecord::traffic,
+                 [](const LinkTraffic& traffic) { return traffic.up; }),
+          figure("wire", "datagrams of an answer", "", &FrameRecord::server,
+                 [](const Report& r) { return r.slices + 1.0; }),
+          figure("wire", "bytes of an answer", "B", &FrameRecord::server,
+                 [](const Report& r) { return r.payload_bytes; }),
+          figure("wire", "asked for", "% of the views", &FrameRecord::asked,
+                 [](double share) { return share * 100; }),
+          figure("server", "frame of the surround", "ms", &FrameRecord::surround,
+                 [](const SurroundCost& cost) { return ms_of(cost.server); }),
+          figure("server", "rays of the surround", "rays", &FrameRecord::surround,
+                 [](const SurroundCost& cost) { return cost.rays; }),
+          figure("wire", "bytes of the surround", "B", &FrameRecord::surround,
+                 [](const SurroundCost& cost) { return cost.bytes; }),
+          figure("wire", "staleness", "ms", &FrameRecord::delta,
+                 [](const PoseDelta& d) { return std::abs(ms_of(d.age)); }),
+          figure("wire", "age", "ms", &FrameRecord::age, [](Duration age) { return ms_of(age); }),
+          figure("head", "turned since traced view", "deg", &FrameRecord::delta,
+                 [](const PoseDelta& d) { return d.angle_rad * kDegrees; }),
+          figure("head", "moved since traced view", "mm", &FrameRecord::delta,
+                 [](const PoseDelta& d) { return d.distance_m * 1e3; }),
+          figure("head", "guard band", "% of pixels", &FrameRecord::guard_band,
+                 [](double share) { return share * 100; })};
 }
 
 std::vector<Figure> eye_figures(Side side) {
@@ -139,9 +143,13 @@ std::vector<Figure> eye_figures(Side side) {
 /// All figures, in the order of the summary's rows and of the columns of frames.csv.
 std::vector<Figure> figures() {
   std::vector<Figure> all;
-  for (const auto& part :
-       {client_figures(), server_wire_and_head_figures(), eye_figures(Side::Left), eye_figures(Side::Right)})
+  for (const auto& part : {client_figures(), server_wire_and_head_figures()})
     all.insert(all.end(), part.begin(), part.end());
+  for (const Side side : kSides)
+    for (Figure& figure : eye_figures(side)) {
+      figure.of_eye = true;
+      all.push_back(std::move(figure));
+    }
   return all;
 }
 
@@ -161,8 +169,10 @@ std::vector<SummaryRow> FrameLog::summary() const {
   std::vector<SummaryRow> rows;
   for (const Figure& figure : figures()) {
     std::vector<double> values;
-    for (const FrameRecord& record : records_)
+    for (const FrameRecord& record : records_) {
+      if (record.silent && !figure.of_eye) continue;
       if (const std::optional<double> value = figure.of(record)) values.push_back(*value);
+    }
     if (!values.empty())
       rows.push_back(
           {figure.group, figure.metric, figure.unit, spread_toward(figure.worse, std::move(values))});
@@ -194,13 +204,13 @@ std::string summary_csv(const std::vector<SummaryRow>& rows) {
 
 std::string frames_csv(const std::vector<FrameRecord>& records) {
   const std::vector<Figure> list = figures();
-  std::string text = "frame,display_time_ns";
+  std::string text = "frame,display_time_ns,server_silent";
   for (const Figure& figure : list)
     text += fmt::format(",{} {}{}", figure.group, figure.metric,
                         figure.unit.empty() ? "" : " [" + figure.unit + "]");
   text += '\n';
   for (const FrameRecord& record : records) {
-    text += fmt::format("{},{}", record.frame.value, ns_of(record.display_time));
+    text += fmt::format("{},{},{:d}", record.frame.value, ns_of(record.display_time), record.silent);
     for (const Figure& figure : list) {
       const std::optional<double> value = figure.of(record);
       text += value ? fmt::format(",{:.6g}", *value) : ",";

@@ -24,6 +24,8 @@ struct FrameRecord {
   std::optional<PerEye<EyeErrors>> errors;  ///< empty if no reference was traced
   std::optional<double> asked{};            ///< the share of the requested views that the request asks for
   std::optional<SurroundCost> surround{};   ///< set if answers of the surround came
+  std::optional<LinkTraffic> traffic{};     ///< since the frame before
+  bool silent = false;  ///< the server answered nothing; the summary leaves out all but the errors
 };
 
 /// Which values of a figure are worse. Where low values are worse, p95 and p99 are the 5 % and 1 % quantiles.
@@ -37,6 +39,10 @@ struct SummaryRow {
 class FrameLog {
  public:
   void add(const FrameRecord& record) { records_.push_back(record); }
+  /// Adds the errors of a frame that was measured later.
+  void set_errors(std::size_t record, const PerEye<EyeErrors>& errors) {
+    records_.at(record).errors = errors;
+  }
   [[nodiscard]] const std::vector<FrameRecord>& records() const { return records_; }
 
   /// Number of frames that were shown before any answer had arrived. The summary excludes their errors.

@@ -112,18 +112,43 @@ MaskAges ages_of(const FrameView& view) {
   return ages;
 }
 
-PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& reference,
-                          MeasuredFrame& into, std::uint32_t samples) {
-  into.frame = view.shown.frame;
-  into.ages = ages_of(view);
-  const bool shaded = view.as == ShownAs::Shaded;
-  for (const Side side : kSides) into.report[index_of(side)] = shaded ? renderer.report(side) : ShownReport{};
-  into.shown = renderer.read_shown();
-  into.smooth = samples > 1 ? smooth_reference(view.shown, view.state, samples, renderer, reference)
-                            : PerEye<Image<Rgb8>>{};
-  const TracedMask truth = reference.trace(view.shown);
-  into.reference = draw_traced(view.shown, view.state, truth, renderer);
+std::uint64_t FrameToMeasure::bytes() const {
+  std::uint64_t sum = 0;
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    const ShownReport& of = report[eye];
+    sum += std::as_bytes(std::span(pictures[eye].pixels)).size() + newest[eye].bytes().size() +
+           of.mask.bytes().size() + of.sources.size() + of.visibility.size() +
+           std::as_bytes(std::span(of.positions)).size() + std::as_bytes(std::span(of.unknown)).size() +
+           std::as_bytes(std::span(of.stale)).size() + std::as_bytes(std::span(of.rays)).size();
+  }
+  return sum;
+}
 
+FrameToMeasure read_back(const FrameView& view, Renderer& renderer) {
+  FrameToMeasure frame{.shown = view.shown, .state = view.state, .as = view.as, .ages = ages_of(view)};
+  if (view.as == ShownAs::Shaded) {
+    for (const Side side : kSides) frame.report[index_of(side)] = renderer.report(side);
+    if (!view.masks.empty()) {
+      frame.traced = view.masks[0].views;
+      frame.newest = view.masks[0].masks;
+    }
+  }
+  frame.pictures = renderer.read_shown();
+  return frame;
+}
+
+PerEye<EyeErrors> measure(FrameToMeasure frame, Renderer& renderer, Reference& reference, MeasuredFrame& into,
+                          std::uint32_t samples) {
+  into.frame = frame.shown.frame;
+  into.ages = std::move(frame.ages);
+  into.report = std::move(frame.report);
+  into.shown = std::move(frame.pictures);
+  into.smooth = samples > 1 ? smooth_reference(frame.shown, frame.state, samples, renderer, reference)
+                            : PerEye<Image<Rgb8>>{};
+  const TracedMask truth = reference.trace(frame.shown);
+  into.reference = draw_traced(frame.shown, frame.state, truth, renderer);
+
+  const bool shaded = frame.as == ShownAs::Shaded;
   PerEye<EyeErrors> errors;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     const double psnr = std::min(psnr_db(into.shown[eye], into.reference[eye]), kEqualPictures_dB);
@@ -131,13 +156,17 @@ PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& 
     errors[eye].psnr_db = psnr;
     if (samples > 1)
       errors[eye].smooth_psnr_db = std::min(psnr_db(into.shown[eye], into.smooth[eye]), kEqualPictures_dB);
-    if (!shaded || view.masks.empty()) continue;
-    const View& traced = view.masks[0].views[eye];
+    if (frame.newest[eye].size().pixels() == 0) continue;
     errors[eye].unmoved_error =
-        unmoved_error(view.masks[0].masks[eye], grid_offset_px(view.shown.views[eye], traced),
+        unmoved_error(frame.newest[eye], grid_offset_px(frame.shown.views[eye], frame.traced[eye]),
                       into.report[eye], truth.masks[eye]);
   }
   return errors;
+}
+
+PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& reference,
+                          MeasuredFrame& into, std::uint32_t samples) {
+  return measure(read_back(view, renderer), renderer, reference, into, samples);
 }
 
 }  // namespace farshade

@@ -61,10 +61,29 @@ inline constexpr double kEqualPictures_dB = 99;
 /// The time since the request of each mask that `view` was drawn with, by mask_of(source).
 [[nodiscard]] MaskAges ages_of(const FrameView& view);
 
-/// Stores the shown frame and its reference in `into` and returns the errors. Call it before the next frame
-/// is drawn. The frame must have been drawn with PixelReport::On. A frame that was not shaded by this client
-/// has no report. With `samples` > 1, the smooth reference has so many samples per side of a pixel.
-/// Afterwards the renderer holds the reference's picture.
+/// A shown frame, with all that a comparison needs, so that it can be compared later.
+struct FrameToMeasure {
+  FrameRequest shown;
+  SceneState state;
+  ShownAs as = ShownAs::Shaded;
+  MaskAges ages{};
+  PerEye<Image<Rgb8>> pictures{};
+  PerEye<ShownReport> report{};  ///< empty if the client did not shade the frame
+  StereoView traced{};           ///< the views of the newest mask
+  PerEye<EyeMask> newest{};      ///< the newest mask; empty without one
+
+  [[nodiscard]] std::uint64_t bytes() const;  ///< of pictures, report and mask
+};
+
+/// Call it before the next frame is drawn. The frame must have been drawn with PixelReport::On.
+[[nodiscard]] FrameToMeasure read_back(const FrameView& view, Renderer& renderer);
+
+/// Stores the shown frame and its reference in `into` and returns the errors. With `samples` > 1, the smooth
+/// reference has so many samples per side of a pixel. Afterwards the renderer holds the reference's picture.
+[[nodiscard]] PerEye<EyeErrors> measure(FrameToMeasure frame, Renderer& renderer, Reference& reference,
+                                        MeasuredFrame& into, std::uint32_t samples = 1);
+
+/// The same for a frame that was just drawn.
 [[nodiscard]] PerEye<EyeErrors> measure(const FrameView& view, Renderer& renderer, Reference& reference,
                                         MeasuredFrame& into, std::uint32_t samples = 1);
 

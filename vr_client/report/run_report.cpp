@@ -1,6 +1,7 @@
 #include "vr_client/report/run_report.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
@@ -70,7 +71,10 @@ Expected<void> write_measured(const std::filesystem::path& folder, const Measure
 }
 
 RunReport::RunReport(RunReportOptions options, Renderer& renderer, Reference* reference)
-    : options_(std::move(options)), renderer_(renderer), reference_(reference) {}
+    : options_(std::move(options)),
+      renderer_(renderer),
+      reference_(reference),
+      every_(options_.reference_every) {}
 
 bool RunReport::is_pictured(FrameId frame) const {
   // The run is divided into `pictures` equal parts; the frame in the middle of each is written.
@@ -88,10 +92,11 @@ void RunReport::keep(Expected<void> done) {
   if (!done && !failed_) failed_ = done.error();
 }
 
-void RunReport::watch(const FrameView& view) {
-  const FrameId frame = view.shown.frame;
+namespace {
+
+FrameRecord record_of(const FrameView& view) {
   FrameRecord record{
-      .frame = frame,
+      .frame = view.shown.frame,
       .display_time = view.shown.display_time,
       .age = view.age,
       .delta = {},
@@ -102,43 +107,84 @@ void RunReport::watch(const FrameView& view) {
       .server = {},
       .errors = {},
       .asked = view.request ? std::optional(part_of(view.request->asked)) : std::nullopt,
-      .surround = view.surround_cost.bytes > 0 ? std::optional(view.surround_cost) : std::nullopt};
+      .surround = view.surround_cost.bytes > 0 ? std::optional(view.surround_cost) : std::nullopt,
+      .traffic = view.traffic,
+      .silent = view.silent_since.has_value()};
   if (!view.masks.empty())
     record.delta = pose_delta(view.shown.views[0], view.shown.display_time, view.masks[0].views[0],
                               view.masks[0].display_time);
   else if (view.newest)
     record.delta = pose_delta(view.shown.views[0], view.shown.display_time, view.newest->request.views[0],
                               view.newest->request.display_time);
+  return record;
+}
+
+}  // namespace
+
+bool RunReport::is_measured(FrameId frame) const {
+  return every_ > 0 && (frame.value - 1) % every_ == 0;
+}
+
+void RunReport::watch(const FrameView& view) {
+  const FrameId frame = view.shown.frame;
+  FrameRecord record = record_of(view);
   // The report of a server frame is logged once, with the first frame that shows its answer.
   if (view.newest && view.newest->request.frame != counted_) {
     record.server = view.newest->report;
     if (record.server) counted_ = view.newest->request.frame;
   }
-
-  const bool dumped = is_dumped(frame), pictured = is_pictured(frame);
-  const bool measured =
-      dumped || (options_.reference_every > 0 && (frame.value - 1) % options_.reference_every == 0);
-  if (measured) record.errors = measure(view, renderer_, *reference_, current_, options_.reference_samples);
   log_.add(record);
   if (failed_) return;
 
-  if (pictured) keep(write_shown(options_.out, frame, measured ? current_.shown : renderer_.read_shown()));
-  if (dumped) keep(write_dump(options_.out / "dump", view, current_, renderer_.read_distance()));
-  if (measured && !view.start_up) {
-    const double error = badness((*record.errors)[0]) + badness((*record.errors)[1]);
-    if (error > worst_error_) {
-      worst_error_ = error;
-      worst_ = current_;
-    }
+  const bool dumped = is_dumped(frame), measured = dumped || is_measured(frame);
+  const bool at_once = dumped || options_.compare == Compare::AtOnce;
+  std::optional<FrameToMeasure> taken;
+  if (measured) taken = read_back(view, renderer_);
+  if (is_pictured(frame)) {
+    const PerEye<Image<Rgb8>> shown = taken ? taken->pictures : renderer_.read_shown();
+    if (at_once)
+      keep(write_shown(options_.out, frame, shown));
+    else
+      kept_pictures_.push_back({frame, shown});
   }
+  if (!taken) return;
+  if (!at_once) return keep(std::move(*taken));
+  measure_record(log_.records().size() - 1, std::move(*taken));
+  if (dumped) keep(write_dump(options_.out / "dump", view, current_, renderer_.read_distance()));
 }
 
-Expected<void> RunReport::finish() const {
+/// Measures fewer frames if those of the whole run would not fit.
+void RunReport::keep(FrameToMeasure frame) {
+  if (kept_.empty()) {
+    const std::uint64_t fit =
+        std::max<std::uint64_t>(kMostKept_bytes / std::max<std::uint64_t>(frame.bytes(), 1), 1);
+    every_ = std::max(every_, static_cast<std::uint32_t>((options_.frame_count + fit - 1) / fit));
+  }
+  kept_.push_back({log_.records().size() - 1, std::move(frame)});
+}
+
+void RunReport::measure_record(std::size_t record, FrameToMeasure frame) {
+  const PerEye<EyeErrors> errors =
+      measure(std::move(frame), renderer_, *reference_, current_, options_.reference_samples);
+  log_.set_errors(record, errors);
+  const double error = badness(errors[0]) + badness(errors[1]);
+  if (log_.records()[record].start_up || error <= worst_error_) return;
+  worst_error_ = error;
+  worst_ = current_;
+}
+
+Expected<void> RunReport::finish() {
+  if (!kept_.empty())
+    spdlog::info("comparing {} of the {} shown frames", kept_.size(), log_.records().size());
+  for (Kept& kept : kept_) measure_record(kept.record, std::move(kept.frame));
+  kept_.clear();
+  for (const KeptPicture& kept : kept_pictures_) keep(write_shown(options_.out, kept.frame, kept.shown));
   if (failed_) return tl::unexpected(*failed_);
   if (worst_)
     if (auto done = write_measured(options_.out, *worst_); !done) return done;
-  if (auto done = write_file_atomically(options_.out / "summary.csv", summary_csv(log_.summary())); !done)
-    return done;
+  std::string summary = summary_csv(log_.summary());
+  if (interrupted_) summary += fmt::format("run,interrupted,,1,1,1,{}\n", log_.records().size());
+  if (auto done = write_file_atomically(options_.out / "summary.csv", summary); !done) return done;
   return write_file_atomically(options_.out / "frames.csv", frames_csv(log_.records()));
 }
 

@@ -18,6 +18,13 @@ namespace farshade {
 /// one row per eye. The source picture needs a report, the smooth one a smooth reference.
 [[nodiscard]] Expected<void> write_measured(const std::filesystem::path& folder, const MeasuredFrame& frame);
 
+/// When frames are compared with their references.
+enum class Compare : std::uint8_t {
+  AtOnce,       ///< before the next frame begins
+  AfterTheRun,  ///< so that no display time is missed meanwhile; as many frames as kMostKept_bytes can hold
+};
+inline constexpr std::uint64_t kMostKept_bytes = std::uint64_t{1} << 29;
+
 struct RunReportOptions {
   std::filesystem::path out;
   std::uint32_t frame_count = 0;      ///< frames that the run will show; pictures are spread evenly over them
@@ -25,6 +32,7 @@ struct RunReportOptions {
   std::uint32_t pictures = 4;
   std::vector<std::uint32_t> dump;
   std::uint32_t reference_samples = 1;  ///< per side of a pixel; more than 1: the smooth reference, too
+  Compare compare = Compare::AtOnce;    ///< a dumped frame is always compared at once
 };
 
 class RunReport {
@@ -37,18 +45,25 @@ class RunReport {
 
   void watch(const FrameView& view);
 
+  /// The run ended before its last frame: summary.csv says so in a row of its own.
+  void mark_interrupted() { interrupted_ = true; }
+
   /// The first failure to write. Nothing is written after it.
   [[nodiscard]] const std::optional<Error>& failed() const { return failed_; }
   [[nodiscard]] const FrameLog& log() const { return log_; }
   /// The last frame that was measured.
   [[nodiscard]] const MeasuredFrame& measured() const { return current_; }
 
-  /// Writes the pictures of the worst frame, summary.csv and frames.csv.
-  [[nodiscard]] Expected<void> finish() const;
+  /// Compares the frames that have waited for it. Writes their pictures and those of the worst frame,
+  /// summary.csv and frames.csv.
+  [[nodiscard]] Expected<void> finish();
 
  private:
   [[nodiscard]] bool is_pictured(FrameId frame) const;
   [[nodiscard]] bool is_dumped(FrameId frame) const;
+  [[nodiscard]] bool is_measured(FrameId frame) const;
+  void keep(FrameToMeasure frame);
+  void measure_record(std::size_t record, FrameToMeasure frame);
   void keep(Expected<void> done);
 
   RunReportOptions options_;
@@ -59,6 +74,18 @@ class RunReport {
   MeasuredFrame current_;
   std::optional<MeasuredFrame> worst_;
   double worst_error_ = -1;
+  bool interrupted_ = false;
+  std::uint32_t every_;  ///< every so manyth frame is measured; 0: none
+  struct Kept {
+    std::size_t record;  ///< in the log
+    FrameToMeasure frame;
+  };
+  std::vector<Kept> kept_;  ///< to be measured after the run
+  struct KeptPicture {
+    FrameId frame;
+    PerEye<Image<Rgb8>> shown;
+  };
+  std::vector<KeptPicture> kept_pictures_;  ///< to be written after the run
   std::optional<Error> failed_;
 };
 

@@ -96,6 +96,31 @@ TEST(LinkSession, OutlivesABusyServer) {
   EXPECT_GE(bench.server->counters().frames, 13u);
 }
 
+TEST(LinkSession, KnowsSinceWhenTheServerIsSilent) {
+  MetBench bench;
+  bench.run(2s);
+  EXPECT_FALSE(bench.link.silent_since().has_value());
+  bench.pass(5s);
+  EXPECT_FALSE(bench.link.silent_since().has_value()) << "nothing is asked";
+  bench.server.reset();
+  const Time killed = bench.clock.now();
+  bench.run(900ms);
+  EXPECT_FALSE(bench.link.silent_since().has_value()) << "an answer may take long";
+  bench.run(2s);
+  ASSERT_TRUE(bench.link.silent_since().has_value());
+  EXPECT_LE(*bench.link.silent_since() - killed, kInterval);
+  bench.start_server();
+  bench.run(2s);
+  EXPECT_FALSE(bench.link.silent_since().has_value());
+}
+
+TEST(LinkSession, IsSilentFromTheFirstHelloOn) {
+  LinkBench bench;
+  EXPECT_FALSE(bench.link.silent_since().has_value()) << "nobody was greeted";
+  EXPECT_FALSE(bench.link.meet(3s).has_value());
+  EXPECT_EQ(bench.link.silent_since(), Time{});
+}
+
 TEST(LinkSession, IsNotEndedBySomebodyElse) {
   for (const Duration delay : {0ms, 25ms, 100ms}) {
     WatchedBench bench(each_way(delay));

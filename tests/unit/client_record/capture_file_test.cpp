@@ -130,7 +130,7 @@ TEST(CaptureFile, RefusesPredictorsThatWereRemoved) {
   for (const int removed : {1, 2, 4}) {
     *predictor = std::byte(removed);
     std::vector<CapturedFrame> read;
-    const auto error = read_all(file, read);
+    const auto error = read_all(with_right_checksums(file), read);
     ASSERT_TRUE(error.has_value()) << removed;
     EXPECT_TRUE(read.empty());
   }
@@ -154,36 +154,85 @@ TEST(CaptureFile, MessagesOfAFrameWithoutRequestComeBefore) {
   EXPECT_TRUE(read.at(0).after.empty());
 }
 
-TEST(CaptureFileTruncated, AnywhereEndsWithTheLastWholeFrame) {
+/// What a reader says about a file, and how many frames it reads.
+struct Examined {
+  std::uint32_t frames = 0;
+  std::string error, cut_off;
+};
+
+Examined examine(std::span<const std::byte> bytes) {
+  Expected<CaptureReader> reader = reader_of(bytes);
+  if (!reader) return {0, reader.error().what, ""};
+  for (Examined found;; ++found.frames) {
+    const Expected<std::optional<CapturedFrame>> next = reader->next();
+    if (next && *next) continue;
+    if (!next) found.error = next.error().what;
+    found.cut_off = reader->cut_off().value_or("");
+    return found;
+  }
+}
+
+TEST(CaptureFileTruncated, AnywhereIsNoticedAndGivesTheWholeFramesBefore) {
   Bytes file;
   append(header(), file);
   const std::size_t header_end = file.size();
   append(frame(1), file);
   const std::size_t first_end = file.size();
   append(frame(2), file);
-  for (std::size_t size = 0; size <= file.size(); ++size) {
+  const std::size_t second_end = file.size();
+  append(CaptureEnd{2}, file);
+  for (std::size_t size = 0; size < file.size(); ++size) {
     const Bytes cut(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(size));
-    std::vector<CapturedFrame> read;
-    const std::optional<Error> wrong = read_all(cut, read);
-    EXPECT_EQ(wrong.has_value(), size < header_end) << size;
-    EXPECT_EQ(read.size(), size < first_end ? 0u : size < file.size() ? 1u : 2u) << size;
+    const Examined found = examine(cut);
+    EXPECT_EQ(!found.error.empty(), size < header_end) << size;
+    EXPECT_EQ(!found.cut_off.empty(), size >= header_end) << size;
+    EXPECT_EQ(found.frames, size < first_end ? 0u : size < second_end ? 1u : 2u) << size;
+  }
+  EXPECT_EQ(examine(std::span(file).first(first_end)).cut_off,
+            "a.capture is cut off after 1 frames, at byte " + std::to_string(first_end) +
+                ": it has no end record, so later frames may be missing");
+  const Examined whole = examine(file);
+  EXPECT_EQ(whole.error + whole.cut_off, "");
+  EXPECT_EQ(whole.frames, 2u);
+}
+
+TEST(CaptureFileFlipped, EverySingleBitIsNoticed) {
+  const Bytes good = file_of(header(), std::vector{frame(1), frame(2)});
+  for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {
+    Bytes bad = good;
+    bad[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
+    const Examined found = examine(bad);
+    EXPECT_NE(found.error + found.cut_off, "") << "bit " << bit % 8 << " of byte " << bit / 8;
+    EXPECT_TRUE((found.error + found.cut_off).starts_with("a.capture")) << found.error;
   }
 }
 
-TEST(CaptureFileFlipped, BytesAreRefusedOrReadAndNothingElse) {
+/// Behind right checksums, too, the reader reads or refuses, and does nothing else.
+TEST(CaptureFileFlipped, BytesBehindRightChecksumsAreRefusedOrRead) {
   const Bytes good = file_of(header(), std::vector{frame(1), frame(2)});
   std::size_t refused = 0;
   for (std::size_t at = 0; at < good.size(); ++at)
     for (const unsigned mask : {1u, 0x80u, 0xffu}) {
       Bytes bad = good;
       bad[at] ^= static_cast<std::byte>(mask);
-      std::vector<CapturedFrame> read;
-      const std::optional<Error> wrong = read_all(bad, read);
-      if (!wrong) continue;
+      const Examined found = examine(with_right_checksums(bad));
+      if (found.error.empty()) continue;
       ++refused;
-      EXPECT_TRUE(wrong->what.starts_with("a.capture")) << wrong->what;
+      EXPECT_TRUE(found.error.starts_with("a.capture")) << found.error;
     }
   EXPECT_GT(refused, 100u);
+}
+
+TEST(CaptureFileFault, AnEndThatContradictsTheFileIsRefused) {
+  Bytes file = file_of(header(), std::vector{frame(1), frame(2)});
+  Bytes longer = file;
+  longer.push_back({});
+  EXPECT_NE(examine(longer).error.find("bytes after the end record"), std::string::npos);
+  Bytes other;
+  append(header(), other);
+  append(frame(1), other);
+  append(CaptureEnd{2}, other);
+  EXPECT_NE(examine(other).error.find("the file has 1 frames instead of 2"), std::string::npos);
 }
 
 struct Wrong {
@@ -233,7 +282,7 @@ TEST(CaptureFileFault, IsNamedWithFileAndByte) {
     Bytes file = file_of(header(), std::vector{frame(1)});
     wrong.spoil(file);
     std::vector<CapturedFrame> read;
-    const std::optional<Error> error = read_all(file, read);
+    const std::optional<Error> error = read_all(with_right_checksums(file), read);
     ASSERT_TRUE(error.has_value()) << wrong.name;
     const std::string expected =
         std::string(wrong.what).starts_with("a.capture") ? wrong.what : at + wrong.what;
@@ -284,7 +333,8 @@ TEST(CaptureFileFault, RefusesHeadersOutOfRange) {
                                   {origin + 33, 2}}) {
     Bytes file = file_of(header(), {});
     file[at] = static_cast<std::byte>(value);
-    EXPECT_FALSE(reader_of(file).has_value()) << "byte " << at - origin << " after the origin";
+    EXPECT_FALSE(reader_of(with_right_checksums(file)).has_value())
+        << "byte " << at - origin << " after the origin";
   }
 }
 
@@ -297,7 +347,7 @@ TEST(CaptureFileFault, RefusesTooFewRememberedRequests) {
   const std::size_t requests_at = 8 + 5 + 1 + fewest.scene.size() + 32 + 2 + 1 + 4 + 4 + 4 + 8;
   ASSERT_EQ(bad.at(requests_at), static_cast<std::byte>(fewest.requests));
   bad[requests_at] = static_cast<std::byte>(Assembler::kKept);
-  EXPECT_FALSE(reader_of(bad).has_value());
+  EXPECT_FALSE(reader_of(with_right_checksums(bad)).has_value());
 }
 
 TEST(CaptureFileOpen, NamesTheFault) {

@@ -153,10 +153,12 @@ TEST(Replay, EndsAtAFaultOfTheFile) {
   EXPECT_TRUE(replay.wait_frame().has_value());
   EXPECT_FALSE(replay.wait_frame().has_value());
   ASSERT_FALSE(replay.verdict().has_value());
-  EXPECT_NE(replay.verdict().error().what.find("unknown kind of record"), std::string::npos);
+  EXPECT_NE(replay.verdict().error().what.find("bytes after the end record"), std::string::npos);
 }
 
 TEST(ReplayVerdict, IsOneSentence) {
+  EXPECT_EQ(to_string(ReplayVerdict{.frames = 2, .first = {}, .cut_off = "a is cut off"}),
+            "2 frames, all requests and pictures as captured; a is cut off");
   EXPECT_EQ(to_string(ReplayVerdict{.frames = 312, .first = {}}),
             "312 frames, all requests and pictures as captured");
   EXPECT_EQ(to_string(ReplayVerdict{.frames = 9, .first = ReplayDifference{{4}, "shows snow"}}),

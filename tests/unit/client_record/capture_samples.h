@@ -1,6 +1,7 @@
 /// Captures that the tests of vr_client/record share.
 #pragma once
 
+#include <algorithm>
 #include <sstream>
 
 #include "stereo/wire/bytes.h"
@@ -64,16 +65,35 @@ inline Bytes file_of(const CaptureHeader& header, std::span<const CapturedFrame>
   Bytes bytes;
   append(header, bytes);
   for (const CapturedFrame& each : frames) append(each, bytes);
+  append(CaptureEnd{static_cast<std::uint32_t>(frames.size())}, bytes);
   return bytes;
+}
+
+/// The file with the right checksums of its records, as far as their lengths lead: then a reader looks
+/// further than the first changed byte.
+inline Bytes with_right_checksums(Bytes file) {
+  std::size_t at = kCapturePreamble_bytes;
+  while (file.size() >= at + kRecordHead_bytes + kRecordChecksum_bytes) {
+    std::uint32_t size = 0;
+    ByteReader(std::span<const std::byte>(file).subspan(at + 1)).u32(size);
+    if (file.size() - at - kRecordHead_bytes - kRecordChecksum_bytes < size) break;
+    const std::size_t checked = kRecordHead_bytes + size;
+    Bytes checksum;
+    ByteWriter(checksum).u32(checksum_of(std::span<const std::byte>(file).subspan(at, checked)));
+    std::ranges::copy(checksum, file.begin() + static_cast<std::ptrdiff_t>(at + checked));
+    at += checked + kRecordChecksum_bytes;
+  }
+  return file;
 }
 
 /// A capture whose only frame has `message` as its request. A CaptureWriter writes only requests there.
 inline Bytes file_with_request(const ClientMessage& message) {
   CapturedFrame quiet{.input = input(1), .before = {}, .request = {}, .after = {}, .pictures = pictures(1)};
   Bytes file = file_of(header(), std::vector{quiet});
-  // The last record holds the hashes of both pictures.
-  const auto pictures_at =
-      file.end() - static_cast<std::ptrdiff_t>(kRecordHead_bytes + 2 * sizeof(PictureHash));
+  // The last records hold the hashes of both pictures and the number of frames.
+  constexpr std::size_t kAround = kRecordHead_bytes + kRecordChecksum_bytes;
+  const auto pictures_at = file.end() - static_cast<std::ptrdiff_t>(kAround + 2 * sizeof(PictureHash) +
+                                                                    kAround + sizeof(std::uint32_t));
   const Bytes message_bytes = wire_samples::encoded(message);
   Bytes record;
   ByteWriter io(record);
@@ -81,8 +101,9 @@ inline Bytes file_with_request(const ClientMessage& message) {
   io.u32(sizeof(std::int64_t) + message_bytes.size());
   io.ns(Time{});
   io.rest(message_bytes);
+  io.u32(0);
   file.insert(pictures_at, record.begin(), record.end());
-  return file;
+  return with_right_checksums(file);
 }
 
 inline Expected<CaptureReader> reader_of(std::span<const std::byte> bytes) {

@@ -74,17 +74,6 @@ TEST(CaptureWriter, ReportsAFileThatCannotBeCreated) {
   EXPECT_NE(opened.error().what.find("a.capture"), std::string::npos);
 }
 
-TEST(CaptureWriter, ReportsAFullDisk) {
-  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
-  const ScratchFolder folder;
-  std::filesystem::create_symlink("/dev/full", folder.path() / "a.capture");
-  ManualClock clock;
-  CaptureWriter writer(clock);
-  const Expected<void> opened = writer.open(folder.path() / "a.capture", header());
-  ASSERT_FALSE(opened.has_value());
-  EXPECT_NE(opened.error().what.find("No space left"), std::string::npos) << opened.error().what;
-}
-
 /// Limits every file of this process to `bytes`.
 class FileSizeLimit {
  public:
@@ -104,6 +93,55 @@ class FileSizeLimit {
   void (*signal_)(int);
   rlimit before_{};
 };
+
+TEST(CaptureWriter, ReportsAFullDisk) {
+  const ScratchFolder folder;
+  ManualClock clock;
+  CaptureWriter writer(clock);
+  const FileSizeLimit none(1);
+  const Expected<void> opened = writer.open(folder.path() / "a.capture", header());
+  ASSERT_FALSE(opened.has_value());
+  EXPECT_NE(opened.error().what.find("File too large"), std::string::npos) << opened.error().what;
+}
+
+TEST(CaptureWriter, KeepsAFileThatExists) {
+  const ScratchFolder folder;
+  const std::filesystem::path path = folder.path() / "a.capture";
+  ManualClock clock;
+  {
+    CaptureWriter writer(clock);
+    ASSERT_TRUE(writer.open(path, header()).has_value());
+    watch(writer, 1);
+  }
+  EXPECT_EQ(count_frames(path).value(), 1u);
+  const auto size = std::filesystem::file_size(path);
+  CaptureWriter second(clock);
+  for (const Expected<void>& refused : {CaptureWriter::may_create(path), second.open(path, header())}) {
+    ASSERT_FALSE(refused.has_value());
+    EXPECT_EQ(refused.error().fault, Fault::Unavailable);
+    EXPECT_NE(refused.error().what.find(path.string() + " exists: name another file"), std::string::npos);
+  }
+  EXPECT_EQ(std::filesystem::file_size(path), size);
+  EXPECT_TRUE(CaptureWriter::may_create({}).has_value());
+}
+
+TEST(CaptureWriter, EndsTheFileWhenItFinishesAndNotBefore) {
+  const ScratchFolder folder;
+  ManualClock clock;
+  const auto lacks = [](const std::filesystem::path& path) {
+    CaptureReader reader = std::move(*CaptureReader::open(path));
+    while (reader.next().value()) {
+    }
+    return reader.cut_off().has_value();
+  };
+  CaptureWriter writer(clock);
+  ASSERT_TRUE(writer.open(folder.path() / "a", header()).has_value());
+  watch(writer, 1);
+  EXPECT_TRUE(lacks(folder.path() / "a"));
+  EXPECT_TRUE(writer.finish().has_value());
+  EXPECT_FALSE(lacks(folder.path() / "a"));
+  EXPECT_EQ(writer.bytes(), std::filesystem::file_size(folder.path() / "a"));
+}
 
 TEST(CaptureWriter, EndsTheCaptureWhenTheDiskFills) {
   const ScratchFolder folder;

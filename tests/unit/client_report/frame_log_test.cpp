@@ -86,6 +86,16 @@ TEST(FrameLog, HasThePoseDifferenceToTheTracedView) {
   EXPECT_DOUBLE_EQ(row(rows, "head", "guard band")->spread.median, 25);
 }
 
+TEST(FrameLog, AViewThatWasPredictedTooFarAheadIsAsStaleAsOneThatIsTooOld) {
+  FrameLog log;
+  for (const Duration age : {-3ms, -2ms, 2ms}) {
+    FrameRecord made = record(1);
+    made.delta->age = age;
+    log.add(made);
+  }
+  EXPECT_DOUBLE_EQ(row(log.summary(), "wire", "staleness")->spread.median, 2);
+}
+
 TEST(FrameLog, HasARowForEveryShareOfAnEye) {
   FrameLog log;
   FrameRecord made = record(1);
@@ -167,6 +177,21 @@ TEST(FrameLog, CountsStartUpFramesAndExcludesTheirErrors) {
   EXPECT_EQ(row(rows, "client", "frame")->spread.count, 5u) << "their times count";
 }
 
+TEST(FrameLog, LeavesOutTheRunTimesOfFramesWithoutTheServerButKeepsTheirErrors) {
+  FrameLog log;
+  for (std::uint32_t frame = 1; frame <= 3; ++frame) {
+    FrameRecord made = record(frame);
+    made.silent = frame == 3;
+    if (made.silent) made.times.frame = 5s;
+    log.add(made);
+  }
+  const auto rows = log.summary();
+  EXPECT_EQ(row(rows, "client", "frame")->spread.count, 2u);
+  EXPECT_LT(row(rows, "client", "frame")->spread.p99, 3);
+  EXPECT_EQ(row(rows, "wire", "age")->spread.count, 2u);
+  EXPECT_EQ(row(rows, "left eye", "mask error")->spread.count, 3u);
+}
+
 TEST(FrameLog, HasNoRowWithoutMeasurements) {
   FrameLog log;
   FrameRecord bare = record(1);
@@ -196,9 +221,9 @@ TEST(FrameLog, TakesServerFiguresFromReports) {
   const auto rows = log.summary();
   EXPECT_DOUBLE_EQ(row(rows, "server", "frame")->spread.median, 9);
   EXPECT_DOUBLE_EQ(row(rows, "server", "share of a full trace")->spread.median, 25);
-  EXPECT_DOUBLE_EQ(row(rows, "wire", "datagrams a frame")->spread.median, 10)
+  EXPECT_DOUBLE_EQ(row(rows, "wire", "datagrams of an answer")->spread.median, 10)
       << "the report is a datagram, too";
-  EXPECT_DOUBLE_EQ(row(rows, "wire", "bytes a frame")->spread.median, 4000);
+  EXPECT_DOUBLE_EQ(row(rows, "wire", "bytes of an answer")->spread.median, 4000);
 }
 
 TEST(FrameLog, HasARowForEveryStage) {
@@ -234,6 +259,15 @@ TEST(FrameLog, HasARowForEveryStage) {
     EXPECT_DOUBLE_EQ(found->spread.median, ms) << group << " " << metric;
     EXPECT_EQ(found->unit, "ms");
   }
+}
+
+TEST(FrameLog, HasTheTrafficOfBothDirections) {
+  FrameLog log;
+  FrameRecord made = record(1);
+  made.traffic = LinkTraffic{.up = 93000, .down = 6900};
+  log.add(made);
+  EXPECT_DOUBLE_EQ(row(log.summary(), "wire", "bytes up a frame")->spread.median, 93000);
+  EXPECT_DOUBLE_EQ(row(log.summary(), "wire", "bytes down a frame")->spread.median, 6900);
 }
 
 TEST(FrameLog, SaysWhichShareWasAskedFor) {
@@ -278,10 +312,11 @@ TEST(FramesCsv, HasOneRowPerFrameAndEmptyFieldsWithoutMeasurements) {
   };
   EXPECT_EQ(table[1][0], "7");
   EXPECT_EQ(table[1][1], "70000000");
+  EXPECT_EQ(table[1][column("server_silent")], "0");
   EXPECT_EQ(table[1][column("left eye mask error [%]")], "0.7");
   EXPECT_EQ(table[2][column("left eye mask error [%]")], "");
   EXPECT_EQ(table[2][column("client frame [ms]")], "8");
-  EXPECT_EQ(table[1][column("wire datagrams a frame")], "");
+  EXPECT_EQ(table[1][column("wire datagrams of an answer")], "");
 }
 
 TEST(SummaryTable, NamesEachGroupOnce) {
