@@ -61,22 +61,30 @@ find_python() {
 
 minutes() { printf '%d:%02d min' $(($1 / 60)) $(($1 % 60)); }
 
-# start_server SCENE [OPTION...]: starts rt_server on a free loopback port with new keys. Sets `address`, where the server listens,
-# and `key`, the key file that lets a client in. If no light of the scene casts shadows, the server has nothing to serve:
-# it ends, and `address` is one where nobody listens, because the client needs no server either.
-# The server ends with the script, also at Ctrl-C and SIGTERM: this function sets the traps.
+# Ctrl-C and SIGTERM end a script at once, with the statuses that shells give to them. The server ends with the script.
+server='' server_files=''
+trap stop_server EXIT
+trap 'exit 130' INT
+trap 'exit 143' TERM
+
+# start_server SCENE [OPTION...]: starts rt_server on a free loopback port. Sets `address`, where the server listens,
+# and `key`, the key file that lets a client in: a new one, if `key` is not set before. If no light of the scene casts
+# shadows, the server has nothing to serve: it ends, and `address` is one where nobody listens, because the client
+# needs no server either.
 start_server() {
-  local program=$programs/rt_server/rt_server scene=$1 patience_s=60 give_up ready
+  local program=$programs/rt_server/rt_server scene=$1 patience_s=60 give_up ready ring
   shift
-  trap stop_server EXIT
-  trap 'exit 130' INT
-  trap 'exit 143' TERM
   server_files=$(mktemp -d)
   server_log=$server_files/log
-  key=$server_files/client.key
-  "$program" keygen client --key "$key" --ring "$server_files/ring.keys" >/dev/null || die "no key could be made"
-  "$program" --scene "$scene" --listen 127.0.0.1:0 --keys "$server_files/ring.keys" \
-    --ready-file "$server_files/ready" "$@" >"$server_log" 2>&1 &
+  : >"$server_log"  # the server opens it later than this script may read it
+  if [[ ${key:-} ]]; then
+    ring=$key  # a client's key file is a ring of one key
+  else
+    key=$server_files/client.key ring=$server_files/ring.keys
+    "$program" keygen client --key "$key" --ring "$ring" >/dev/null || die "no key could be made"
+  fi
+  "$program" --scene "$scene" --listen 127.0.0.1:0 --keys "$ring" --ready-file "$server_files/ready" "$@" \
+    >"$server_log" 2>&1 &
   server=$!
   give_up=$((SECONDS + patience_s))
   until ready=$(whole_line "$server_files/ready"); do
@@ -101,31 +109,85 @@ whole_line() {
   [[ -f $1 ]] && IFS= read -r line <"$1" && printf '%s\n' "$line"
 }
 
-# lighting_of OPTION...: sets `lighting` to those options that choose and light the scene. Server and client need the same.
-lighting_of() {
-  local i
-  lighting=()
-  for ((i = 1; i <= $#; ++i)); do
-    case ${!i} in
-      --light | --sun | --ambient | --exposure | --scene-index | --camera | --variant) lighting+=("${@:i:2}"); i=$((i + 1)) ;;
-      --light=* | --sun=* | --ambient=* | --exposure=* | --scene-index=* | --camera=* | --variant=*) lighting+=("${!i}") ;;
+# has_option NAME OPTION...: whether --NAME is among the options.
+has_option() {
+  local name=$1 option
+  shift
+  for option; do
+    [[ $option != "--$name" && $option != "--$name="* ]] || return 0
+  done
+  return 1
+}
+
+# value_of NAME OPTION...: prints the value of --NAME among the options; nothing if it is not there.
+value_of() {
+  local name=$1
+  shift
+  while (($#)); do
+    case $1 in
+      "--$name") printf '%s\n' "${2:-}"; return ;;
+      "--$name="*) printf '%s\n' "${1#*=}"; return ;;
     esac
+    shift
   done
 }
 
-# run_client SCENE OPTION...: starts rt_server and runs vr_client with it. If the client fails, prints the server's log
-# and exits with the client's status.
+# default_options NAME VALUE...: adds those pairs to the array `options` whose name is not in it.
+default_options() {
+  local name
+  while (($#)); do
+    name=${1#--}
+    has_option "$name" "${options[@]}" || options+=("$1" "$2")
+    shift 2
+  done
+}
+
+# shared_options OPTION...: sets `shared` to those options that server and client both need: they choose and light the
+# scene, keep all of it, or leave the link without encryption.
+shared_options() {
+  local i
+  shared=()
+  for ((i = 1; i <= $#; ++i)); do
+    case ${!i} in
+      --light | --sun | --ambient | --exposure | --scene-index | --camera | --variant) shared+=("${@:i:2}"); i=$((i + 1)) ;;
+      --light=* | --sun=* | --ambient=* | --exposure=* | --scene-index=* | --camera=* | --variant=*) shared+=("${!i}") ;;
+      --insecure) shared+=(--insecure) ;;
+    esac
+  done
+  [[ $(value_of plan "$@") != everything ]] || shared+=(--plan=everything)
+}
+
+# needs_no_server OPTION...: whether vr_client needs no server of this script.
+needs_no_server() {
+  has_option server "$@" || has_option replay "$@" || has_option export-trace "$@" ||
+    { has_option plan "$@" && [[ $(value_of plan "$@") != everything ]]; }
+}
+
+# run_client [OPTION...] [-- OPTION_OF_RT_SERVER...]: starts rt_server and runs vr_client with it, by default on the
+# bundled room. If vr_client needs no server of this script, only runs vr_client. If the client fails, prints the server's
+# log and exits with the client's status.
 run_client() {
-  local scene=$1 status=0 lighting
-  shift
-  lighting_of "$@"
-  start_server "$scene" "${lighting[@]}"
-  "$programs/vr_client/vr_client" --scene "$scene" --server "$address" --key "$key" "$@" || status=$?
-  if ((status)); then
+  local status=0 shared options=()
+  while (($#)) && [[ $1 != -- ]]; do options+=("$1"); shift; done
+  shift $(($# > 0))
+  has_option server "${options[@]}" || default_options --scene "$root/assets/room.glb"
+  if needs_no_server "${options[@]}"; then
+    (($# == 0)) || die "no rt_server is started, so '$*' has no effect: omit it"
+  else
+    shared_options "${options[@]}"
+    key=$(value_of key "${options[@]}")
+    start_server "$(value_of scene "${options[@]}")" "${shared[@]}" "$@"
+    options+=(--server "$address")
+    has_option insecure "${options[@]}" || default_options --key "$key"
+  fi
+  "$programs/vr_client/vr_client" "${options[@]}" || status=$?
+  ((status)) || return 0
+  # 130 and 143: somebody stopped the client. 2: its command line is wrong.
+  if [[ $server && ! $status =~ ^(2|130|143)$ ]]; then
     sed 's/^/  /' "$server_log" >&2
     say "vr_client ended with status $status; the log of rt_server is above"
-    exit "$status"
   fi
+  exit "$status"
 }
 
 server_failed() {
@@ -137,9 +199,11 @@ server_failed() {
 # shellcheck disable=SC2317  # called by traps
 stop_server() {
   local tries
-  if [[ ${server:-} ]]; then
+  if [[ $server ]]; then
     kill "$server" 2>/dev/null || true
+    # A server that does not listen yet has nothing to finish, and looks at signals late.
     for ((tries = 50; tries > 0; --tries)); do
+      [[ -s $server_files/ready ]] || break
       kill -0 "$server" 2>/dev/null || break
       sleep 0.1
     done
@@ -147,5 +211,5 @@ stop_server() {
     wait "$server" 2>/dev/null || true
     server=''
   fi
-  rm -rf "${server_files:-}"
+  [[ ! $server_files ]] || rm -rf "$server_files"
 }
