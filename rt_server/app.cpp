@@ -101,10 +101,26 @@ std::unique_ptr<SceneSender> offer_scene(const ServeOptions& options, const Peer
       SenderLimits{.bytes_per_second = options.limits.bytes_per_second});
 }
 
+/// Reads the key ring again. If it cannot be read, the old keys stay.
+void reload_keys(const ServeOptions& options, ServerCore& core, SceneSender* sender) {
+  const Expected<std::vector<SharedKey>> ring = load_keys(options);
+  if (!ring) {
+    spdlog::error("the old keys stay: {}", ring.error().what);
+    return;
+  }
+  core.set_ring(*ring);
+  if (sender != nullptr) sender->set_ring(*ring);
+  spdlog::info("the key ring was read again: {} {}", ring->size(), ring->size() == 1 ? "key" : "keys");
+}
+
+/// Does not fail if nobody reads the output any more, for example because the terminal was closed.
 void print_counters(const ServerCore& core, const SceneSender* sender) {
   const ServerCounters counters = core.counters();
-  fmt::print("{}\n{}\n", counters_line(counters), rays_line(counters.traced));
-  if (sender != nullptr) fmt::print("{}\n", counters_line(sender->counters()));
+  std::string text = counters_line(counters) + "\n";
+  if (counters.traced.primary_rays > 0) text += rays_line(counters.traced) + "\n";
+  if (sender != nullptr && sender->counters() != SenderCounters{})
+    text += counters_line(sender->counters()) + "\n";
+  std::fputs(text.c_str(), stdout);
   std::fflush(stdout);
 }
 
@@ -148,7 +164,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   if (!written) return written;
   {
     const Serving serving(core);
-    stop.wait([&] { print_counters(core, sender.get()); });
+    stop.wait([&] { print_counters(core, sender.get()); }, [&] { reload_keys(options, core, sender.get()); });
   }
   print_counters(core, sender.get());
   return {};

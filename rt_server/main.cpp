@@ -16,6 +16,8 @@ namespace {
 
 using namespace farshade;
 
+constexpr int kBadCommandLine = 2;
+
 void add_serving(CLI::App& app, ServeOptions& options) {
   app.add_option_function<std::string>(
          "--plan", [&options](const std::string& text) { options.plan = parse_plan_options(text); },
@@ -74,9 +76,17 @@ int main(int argc, char** argv) try {
   add_doctor(app, doctor);
   add_inspect(app, inspected);
   app.require_subcommand(0, 1);
-  CLI11_PARSE(app, argc, argv);
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return fmt::format("rt_server: {} (see --help)\n", error.what());
+  });
+  try {
+    app.parse(argc, argv);
+    if (app.get_subcommands().empty() && serving.scene.empty()) throw CLI::RequiredError("--scene");
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? EXIT_SUCCESS : kBadCommandLine;
+  }
   if (app.got_subcommand("doctor")) return report(examine(doctor));
-  StopSignal stop;
+  StopSignal stop(StopSignal::Hangup::IsARequest);
   spdlog::set_default_logger(spdlog::stderr_logger_mt("rt_server"));
   Expected<void> done;
   const auto print = [](const std::string& text) { fmt::print("{}", text); };
@@ -84,8 +94,6 @@ int main(int argc, char** argv) try {
     done = keygen(key).map(print);
   } else if (app.got_subcommand("inspect")) {
     done = inspect(inspected).map(print);
-  } else if (serving.scene.empty()) {
-    return app.exit(CLI::RequiredError("--scene"));
   } else {
     done = serve(serving, stop);
   }

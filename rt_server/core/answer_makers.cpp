@@ -15,16 +15,6 @@ constexpr std::size_t index_of(Answer answer) {
 
 }  // namespace
 
-std::optional<std::string> FailureLog::failed(const std::string& what, Time now) {
-  if (logged_at_ && now - *logged_at_ < kInterval) {
-    ++not_logged_;
-    return std::nullopt;
-  }
-  logged_at_ = now;
-  const std::uint64_t others = std::exchange(not_logged_, 0);
-  return others == 0 ? what : fmt::format("{} ({} more failures since the last line)", what, others);
-}
-
 void AnswerMakers::add(Answer answer, std::unique_ptr<AnswerMaker> maker) {
   check(maker != nullptr, "an answer that is offered has a maker");
   makers_[index_of(answer)] = std::move(maker);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "rt_server/core/session.h"
+#include "stereo/base/failure_log.h"
 #include "stereo/net/frame_packer.h"
 #include "stereo/tracer/tracer.h"
 
@@ -32,20 +33,6 @@ class AnswerMaker {
 struct AnswersLost : std::runtime_error {
   AnswersLost(AnswerSet lost, const std::string& why) : std::runtime_error(why), answers(lost) {}
   AnswerSet answers;
-};
-
-/// Limits the log of failures that may repeat with every frame: at most one line per interval.
-class FailureLog {
- public:
-  static constexpr Duration kInterval = std::chrono::seconds(10);
-
-  /// Counts a failure. Returns the line to log: for the first failure, and for the first one that comes at
-  /// least kInterval after the last line; then with the number of failures in between.
-  [[nodiscard]] std::optional<std::string> failed(const std::string& what, Time now);
-
- private:
-  std::optional<Time> logged_at_;
-  std::uint64_t not_logged_ = 0;
 };
 
 class AnswerMakers {

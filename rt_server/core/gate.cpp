@@ -12,8 +12,12 @@ namespace farshade {
 Gate::Gate(const std::vector<SharedKey>& ring, double handshakes_per_second)
     : handshakes_per_second_(handshakes_per_second), handshakes_left_(handshakes_per_second) {
   check(sodium_init() >= 0, "libsodium can be initialised");
-  for (const SharedKey& key : ring) ring_.emplace(id_of(key), key);
+  set_ring(ring);
   randombytes_buf(cookie_key_.data(), cookie_key_.size());
+}
+
+void Gate::set_ring(const std::vector<SharedKey>& ring) {
+  ring_ = by_id(ring);
 }
 
 Cookie Gate::cookie_for(const Peer& from, const PublicKey& client, std::int64_t period) const {

@@ -28,10 +28,15 @@ class Gate {
   /// holds the tokens of one second.
   Gate(const std::vector<SharedKey>& ring, double handshakes_per_second);
 
+  /// From now on admits only clients with these keys.
+  void set_ring(const std::vector<SharedKey>& ring);
+
   /// Returns the key that `hello`, read from `datagram`, proves; the gate owns it. Otherwise returns null,
   /// and `answer` becomes the datagram to send back.
   const SharedKey* admit(const Peer& from, const Hello& hello, std::span<const std::byte> datagram, Time now,
                          std::vector<std::byte>& answer);
+  [[nodiscard]] const KeyRing& ring() const { return ring_; }
+
   /// `answer` becomes a refusal that names our protocol version.
   void refuse_version(const ForeignHello& hello, std::vector<std::byte>& answer);
 
@@ -43,7 +48,7 @@ class Gate {
  private:
   [[nodiscard]] Cookie cookie_for(const Peer& from, const PublicKey& client, std::int64_t period) const;
 
-  std::map<KeyId, SharedKey> ring_;
+  KeyRing ring_;
   std::array<std::uint8_t, 16> cookie_key_{};  ///< new in each process: cookies of an earlier one are invalid
   double handshakes_per_second_, handshakes_left_;
   Time refilled_{};  ///< when handshakes_left_ was last brought up to date

@@ -6,28 +6,41 @@
 #include <utility>
 
 #include "stereo/base/check.h"
-#include "stereo/net/explain.h"
 
 namespace farshade {
 namespace {
 
 constexpr Duration kLongWait = std::chrono::seconds(60);  // wake() ends it earlier
 
-void log(const Sessions::Event& event) {
-  if (event.refused)
-    spdlog::warn("refused {} at {}: {}", event.name, to_string(event.client), name_of(*event.refused));
-  else
-    spdlog::info("welcomed {} at {}", event.name, to_string(event.client));
+std::optional<Time> earlier(std::optional<Time> a, std::optional<Time> b) {
+  return a && b ? std::min(*a, *b) : a ? a : b;
 }
 
-/// For example " (3 forged, 1 replayed)".
-std::string reasons(const RefusalCounts& refused) {
+struct Count {
+  std::uint64_t number;
+  std::string_view of;
+};
+
+/// For example "3 forged, 1 replayed": those that are not 0.
+std::string list(std::span<const Count> counts) {
   std::string text;
+  for (const Count& count : counts)
+    if (count.number > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count.number, count.of);
+  return text;
+}
+
+/// "; hellos: " and the like before a list, if it is not empty.
+std::string group(std::string_view name, std::initializer_list<Count> counts) {
+  const std::string text = list(counts);
+  return text.empty() ? text : fmt::format("; {}: {}", name, text);
+}
+
+std::string refusals(const RefusalCounts& refused) {
+  std::vector<Count> counts;
   for (std::size_t i = 0; i < kWireRefusals; ++i)
-    if (refused.of[i] > 0)
-      text += fmt::format("{}{} {}", text.empty() ? " (" : ", ", refused.of[i],
-                          name_of(static_cast<WireRefusal>(i)));
-  return text.empty() ? text : text + ")";
+    counts.push_back({refused.of[i], name_of(static_cast<WireRefusal>(i))});
+  const std::string text = list(counts);
+  return text.empty() ? text : fmt::format("; {} refused ({})", refused.total(), text);
 }
 
 Welcome with_answers(Welcome served, AnswerSet answers) {
@@ -41,19 +54,30 @@ std::string counters_line(const ServerCounters& counters) {
   const SessionCounters& sessions = counters.sessions;
   const GateCounters& gate = counters.gate;
   return fmt::format(
-      "rt_server: {} clients, {} requests, {} superseded, {} outdated, {} too large, {} for answers "
-      "not offered, {} stray parts of requests, {} frames, {} datagrams and {} bytes sent, {} unsent, {} "
-      "datagrams "
-      "received, {} oversized, {} refused{}; hellos: {} without a cookie, {} repeated; not admitted: {} of "
-      "another version, {} without a known key, {} of another scene, {} because the server was full, {} over "
-      "the handshake limit; sessions: {} open, {} timed out, {} replaced, {} ended because their answer is "
-      "no longer offered, {} moved; {} frames slowed by --bytes-per-second",
-      sessions.welcomed, sessions.requests, sessions.superseded, sessions.outdated, sessions.too_large,
-      sessions.unanswered, sessions.stray, counters.frames, counters.port.sent, counters.port.sent_bytes,
-      counters.port.unsent, counters.port.received, counters.port.oversized, counters.refused.total(),
-      reasons(counters.refused), gate.retries, sessions.repeated, gate.version_mismatch, gate.unknown_key,
-      sessions.scene_mismatch, sessions.busy, gate.too_many, counters.sessions_open, sessions.forgotten,
-      sessions.replaced, sessions.withdrawn, sessions.moved, sessions.held_back);
+             "rt_server: {} clients, {} requests, {} frames, {} datagrams and {} bytes sent, {} datagrams "
+             "received",
+             sessions.welcomed, sessions.requests, counters.frames, counters.port.sent,
+             counters.port.sent_bytes, counters.port.received) +
+         group("of the requests", {{sessions.superseded, "superseded"},
+                                   {sessions.outdated, "outdated"},
+                                   {sessions.too_large, "too large"},
+                                   {sessions.unanswered, "for answers not offered"},
+                                   {sessions.stray, "stray parts of requests"}}) +
+         refusals(counters.refused) +
+         group("not delivered", {{counters.port.unsent, "unsent"}, {counters.port.oversized, "oversized"}}) +
+         group("hellos", {{gate.retries, "without a cookie"}, {sessions.repeated, "repeated"}}) +
+         group("not admitted", {{gate.version_mismatch, "of another version"},
+                                {gate.unknown_key, "without a known key"},
+                                {sessions.scene_mismatch, "of another scene"},
+                                {sessions.busy, "because the server was full"},
+                                {gate.too_many, "over the handshake limit"}}) +
+         group("sessions", {{counters.sessions_open, "open"},
+                            {sessions.forgotten, "timed out"},
+                            {sessions.replaced, "replaced"},
+                            {sessions.withdrawn, "ended because their answer is no longer offered"},
+                            {sessions.revoked, "ended because their key was taken out of the ring"},
+                            {sessions.moved, "moved"}}) +
+         group("limits", {{sessions.held_back, "frames slowed by --bytes-per-second"}});
 }
 
 std::string rays_line(const TraceStats& traced) {
@@ -74,20 +98,42 @@ ServerCore::ServerCore(Welcome served, const std::vector<SharedKey>& ring, Answe
 bool ServerCore::receive(Duration wait) {
   std::array<std::byte, kMaxDatagram_bytes> buffer;
   const std::optional<Datagram> datagram = port_.receive(buffer, wait);
-  if (!datagram) return false;
   bool is_request_waiting = false;
-  std::optional<Sessions::Event> event;
+  std::vector<ClientEvent> events;
   {
     const std::lock_guard lock(mutex_);
-    const Decoded<void> taken = sessions_.handle(datagram->from, datagram->bytes, clock_.now(), datagram_);
-    if (!taken) refused_.count(taken.error());
+    const Time now = clock_.now();
+    if (datagram) {
+      const Decoded<void> taken = sessions_.handle(datagram->from, datagram->bytes, now, datagram_);
+      if (!taken) refused_.count(taken.error());
+    } else {
+      sessions_.end_silent(now);
+    }
     is_request_waiting = sessions_.job_at().has_value();
-    event = sessions_.take_event();
+    events = sessions_.take_events();
   }
-  if (is_request_waiting) request_arrived_.notify_one();
-  if (!datagram_.empty()) port_.send(datagram->from, datagram_);
-  if (event) log(*event);
-  return true;
+  if (datagram && is_request_waiting) request_arrived_.notify_one();
+  if (datagram && !datagram_.empty()) port_.send(datagram->from, datagram_);
+  for (const ClientEvent& event : events) log(event);
+  return datagram.has_value();
+}
+
+void ServerCore::log(const ClientEvent& event) {
+  std::string words = in_words(event);
+  if (event.kind == ClientEvent::Kind::NotAdmitted) {
+    const std::optional<std::string> line = not_admitted_.failed(words, clock_.now());
+    if (!line) return;
+    words = *line;
+  }
+  spdlog::log(is_fault(event.kind) ? spdlog::level::warn : spdlog::level::info, "{}", words);
+}
+
+void ServerCore::set_ring(const std::vector<SharedKey>& ring) {
+  {
+    const std::lock_guard lock(mutex_);
+    sessions_.set_ring(ring);
+  }
+  wake();
 }
 
 void ServerCore::send_due() {
@@ -108,8 +154,12 @@ std::optional<Time> ServerCore::next_send() const {
 
 std::optional<Time> ServerCore::next_due() const {
   const std::lock_guard lock(mutex_);
-  const std::optional<Time> send = sessions_.due_at(), work = sessions_.job_at();
-  return send && work ? std::min(*send, *work) : send ? send : work;
+  return earlier(sessions_.due_at(), sessions_.job_at());
+}
+
+std::optional<Time> ServerCore::next_end() const {
+  const std::lock_guard lock(mutex_);
+  return sessions_.silent_at();
 }
 
 bool ServerCore::wait_for_work(const std::stop_token& stop) {
@@ -178,7 +228,7 @@ Serving::Serving(ServerCore& core)
     : core_(core),
       network_([&core](const std::stop_token& stop) {
         while (!stop.stop_requested()) {
-          const std::optional<Time> due = core.next_send();
+          const std::optional<Time> due = earlier(core.next_send(), core.next_end());
           core.receive(due ? std::clamp(*due - core.clock().now(), Duration::zero(), kLongWait) : kLongWait);
           core.send_due();
         }

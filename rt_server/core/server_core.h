@@ -25,7 +25,8 @@ struct ServerCounters {
   TraceStats traced;              ///< sum over all frames
 };
 
-/// One line for a person at a terminal. Names only those reasons for refused datagrams that occurred.
+/// One line for a person at a terminal. It names only what has happened, beyond the numbers of clients,
+/// requests, frames and datagrams.
 [[nodiscard]] std::string counters_line(const ServerCounters& counters);
 
 /// The rays traced, and the reasons why pixel-lights needed none, in one line.
@@ -44,6 +45,9 @@ class ServerCore {
   /// probe). Requests wait for work(). Returns false if no datagram came.
   bool receive(Duration wait);
 
+  /// From now on serves only clients with these keys; any thread may call it.
+  void set_ring(const std::vector<SharedKey>& ring);
+
   /// Sends all datagrams that are due.
   void send_due();
 
@@ -51,6 +55,9 @@ class ServerCore {
   [[nodiscard]] std::optional<Time> next_due() const;
   /// When send_due() next has something to do.
   [[nodiscard]] std::optional<Time> next_send() const;
+
+  /// When receive() has something to do although no datagram arrives: a session of a silent client ends.
+  [[nodiscard]] std::optional<Time> next_end() const;
 
   /// Answers the newest request of the client whose turn it is, and puts the datagrams into its outbox.
   /// Returns false if no request is ready.
@@ -84,6 +91,8 @@ class ServerCore {
   TraceStats traced_;
 
   // Used by the thread that calls receive() and send_due().
+  void log(const ClientEvent& event);
+  FailureLog not_admitted_;
   std::vector<std::byte> datagram_;
 };
 

@@ -53,10 +53,11 @@ std::span<const std::byte> Outbox::take() {
   return messages_[taken_++].bytes;
 }
 
-ClientSession::ClientSession(std::string name, const Peer& client, const PublicKey& hello,
+ClientSession::ClientSession(const SharedKey& key, const Peer& client, const PublicKey& hello,
                              const Accepted& accepted, Time now, const RateLimits& limits,
                              const Welcome& served)
-    : name_(std::move(name)),
+    : name_(key.name),
+      key_(id_of(key)),
       id_(accepted.keys.session),
       hello_(hello),
       accept_(accepted.datagram),
@@ -66,6 +67,7 @@ ClientSession::ClientSession(std::string name, const Peer& client, const PublicK
       most_pixels_(served.most_pixels),
       answers_(served.answers),
       client_(client),
+      began_(now),
       last_received_(now),
       last_sent_(now),
       rate_(limits) {}

@@ -78,16 +78,18 @@ class Outbox {
 
 class ClientSession {
  public:
-  ClientSession(std::string name, const Peer& client, const PublicKey& hello, const Accepted& accepted,
+  ClientSession(const SharedKey& key, const Peer& client, const PublicKey& hello, const Accepted& accepted,
                 Time now, const RateLimits& limits, const Welcome& served);
 
   [[nodiscard]] SessionId id() const { return id_; }
   [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const KeyId& key() const { return key_; }
   [[nodiscard]] const Peer& client() const { return client_; }
   /// The public key of the hello that began the session.
   [[nodiscard]] const PublicKey& hello() const { return hello_; }
   /// The answer to that hello. The server sends it again if the hello arrives again.
   [[nodiscard]] std::span<const std::byte> accept_datagram() const { return accept_; }
+  [[nodiscard]] Time began() const { return began_; }
   [[nodiscard]] Time last_received() const { return last_received_; }
   /// A sealed datagram of the client has been opened, so the client has the session keys.
   [[nodiscard]] bool is_confirmed() const { return confirmed_; }
@@ -148,6 +150,7 @@ class ClientSession {
   void update_interval(const FrameRequest& request, Time now);
 
   std::string name_;
+  KeyId key_;
   SessionId id_;
   PublicKey hello_;
   std::vector<std::byte> accept_;
@@ -161,7 +164,7 @@ class ClientSession {
   std::optional<Peer> candidate_;  ///< another address, from which the newest datagrams came
   std::uint64_t probe_token_ = 0;  ///< sent to the candidate, which must send it back
 
-  Time last_received_, last_sent_;
+  Time began_, last_received_, last_sent_;
   bool confirmed_ = false;
   std::optional<FrameId> newest_{};
   std::optional<Answer> requested_answer_{};

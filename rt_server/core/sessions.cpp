@@ -3,8 +3,19 @@
 #include <algorithm>
 
 #include "stereo/base/check.h"
+#include "stereo/net/explain.h"
 
 namespace farshade {
+namespace {
+
+ClientEvent::Kind kind_of(std::optional<RefusalReason> refused, const ContentHash& scene) {
+  using enum ClientEvent::Kind;
+  if (!refused) return Welcomed;
+  if (*refused == RefusalReason::Busy) return Busy;
+  return scene == kNoScene ? AskedForScene : OtherScene;
+}
+
+}  // namespace
 
 Sessions::Sessions(const Welcome& served, const std::vector<SharedKey>& ring, const SessionLimits& limits)
     : served_(served), limits_(limits), gate_(ring, limits.handshakes_per_second) {
@@ -31,7 +42,10 @@ Decoded<void> Sessions::handle(const Peer& from, std::span<const std::byte> data
 
 void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<const std::byte> datagram,
                             Time now, std::vector<std::byte>& answer) {
+  const std::uint64_t unknown_before = gate_.counters().unknown_key;
   const SharedKey* const key = gate_.admit(from, hello, datagram, now, answer);
+  if (gate_.counters().unknown_key != unknown_before)
+    events_.push_back({ClientEvent::Kind::NotAdmitted, explain(hello.key, gate_.ring(), from), from});
   if (key == nullptr) return;
   const auto known = std::ranges::find(sessions_, hello.client, &ClientSession::hello);
   if (known != sessions_.end()) {
@@ -53,10 +67,10 @@ void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<cons
   const std::optional<Accepted> accepted = accept(hello, datagram, *key, message);
   if (!accepted) return;
   answer = accepted->datagram;
-  event_ = Event{key->name, from, refused};
+  events_.push_back({kind_of(refused, hello.scene_hash), key->name, from});
   if (refused) return;
   ++counters_.welcomed;
-  sessions_.emplace_back(key->name, from, hello.client, *accepted, now,
+  sessions_.emplace_back(*key, from, hello.client, *accepted, now,
                          RateLimits{.most = limits_.bytes_per_second}, served_);
   sessions_.back().turn = {work_, jobs_};
 }
@@ -95,17 +109,35 @@ void Sessions::end_replaced(SessionId kept) {
   const ClientSession& newer = *find(kept);
   const std::string name = newer.name();
   const Peer client = newer.client();
-  counters_.replaced += std::erase_if(sessions_, [&](const ClientSession& session) {
+  counters_.replaced += end_sessions(ClientEvent::Kind::Replaced, [&](const ClientSession& session) {
     return session.id() != kept && session.name() == name && session.client() == client;
+  });
+}
+
+template <class IsOver>
+std::uint64_t Sessions::end_sessions(ClientEvent::Kind why, const IsOver& is_over) {
+  return std::erase_if(sessions_, [&](const ClientSession& session) {
+    if (!is_over(session)) return false;
+    const bool said_nothing = why == ClientEvent::Kind::Left && !session.is_confirmed();
+    events_.push_back({said_nothing ? ClientEvent::Kind::SaidNothing : why, session.name(), session.client(),
+                       session.last_received() - session.began()});
+    return true;
   });
 }
 
 void Sessions::offer(AnswerSet answers) {
   served_.answers = answers;
-  counters_.withdrawn += std::erase_if(sessions_, [&](const ClientSession& session) {
+  counters_.withdrawn += end_sessions(ClientEvent::Kind::Withdrawn, [&](const ClientSession& session) {
     return !session.requested_answer() || (set_of(*session.requested_answer()) & answers) == 0;
   });
   for (ClientSession& session : sessions_) session.offer(answers);
+}
+
+void Sessions::set_ring(const std::vector<SharedKey>& ring) {
+  gate_.set_ring(ring);
+  counters_.revoked += end_sessions(ClientEvent::Kind::Revoked, [&](const ClientSession& session) {
+    return !gate_.ring().contains(session.key());
+  });
 }
 
 std::optional<Job> Sessions::next_job(Time now) {
@@ -161,10 +193,20 @@ ClientSession* Sessions::find(SessionId id) {
   return found == sessions_.end() ? nullptr : &*found;
 }
 
+Time Sessions::end_of(const ClientSession& session) const {
+  return session.last_received() + (session.is_confirmed() ? limits_.silence : limits_.unconfirmed);
+}
+
 void Sessions::end_silent(Time now) {
-  counters_.forgotten += std::erase_if(sessions_, [&](const ClientSession& session) {
-    return now - session.last_received() > (session.is_confirmed() ? limits_.silence : limits_.unconfirmed);
-  });
+  counters_.forgotten += end_sessions(ClientEvent::Kind::Left,
+                                      [&](const ClientSession& session) { return now > end_of(session); });
+}
+
+std::optional<Time> Sessions::silent_at() const {
+  std::optional<Time> earliest;
+  for (const ClientSession& session : sessions_)
+    if (const Time end = end_of(session) + Duration(1); !earliest || end < *earliest) earliest = end;
+  return earliest;
 }
 
 }  // namespace farshade

@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "rt_server/core/client_event.h"
 #include "rt_server/core/gate.h"
 #include "rt_server/core/session.h"
 
@@ -29,6 +30,7 @@ struct SessionCounters {
   std::uint64_t forgotten = 0;   ///< sessions ended by timeout
   std::uint64_t replaced = 0;    ///< sessions ended by a newer one of the same key from the same address
   std::uint64_t withdrawn = 0;   ///< sessions ended because the answer they use is no longer offered
+  std::uint64_t revoked = 0;     ///< sessions ended because their key was taken out of the ring
   std::uint64_t moved = 0;       ///< changes of a client's address
   std::uint64_t requests = 0;    ///< requests of all sessions; the next four count some of them
   std::uint64_t superseded = 0;  ///< replaced by a newer request before they were answered
@@ -62,6 +64,9 @@ class Sessions {
   /// NoSession, connect again and read in the Welcome what is offered.
   void offer(AnswerSet answers);
 
+  /// From now on serves only clients with these keys. The sessions of other keys end.
+  void set_ring(const std::vector<SharedKey>& ring);
+
   /// Seals the next datagram that is due, for `to`. Returns false if none is.
   bool seal_due(Time now, Peer& to, std::vector<std::byte>& datagram);
 
@@ -74,14 +79,14 @@ class Sessions {
   [[nodiscard]] const SessionCounters& counters() const { return counters_; }
   [[nodiscard]] const GateCounters& gate() const { return gate_.counters(); }
 
-  /// For the log: a client with a valid key was welcomed, or refused for a reason.
-  struct Event {
-    std::string name;
-    Peer client;
-    std::optional<RefusalReason> refused{};
-  };
-  /// The newest event since the last call.
-  std::optional<Event> take_event() { return std::exchange(event_, std::nullopt); }
+  /// Ends the sessions of clients that have been silent for too long. handle() does that, too.
+  void end_silent(Time now);
+  /// When end_silent() next ends a session if no datagram arrives.
+  [[nodiscard]] std::optional<Time> silent_at() const;
+
+  /// Removes and returns what happened since the last call, for the log: at most one event for each session
+  /// and each datagram.
+  std::vector<ClientEvent> take_events() { return std::exchange(events_, {}); }
 
  private:
   void handle_hello(const Peer& from, const Hello& hello, std::span<const std::byte> datagram, Time now,
@@ -90,7 +95,9 @@ class Sessions {
                               Time now, std::vector<std::byte>& answer);
   void count(ReceivedMessage received);
   void end_replaced(SessionId kept);
-  void end_silent(Time now);
+  [[nodiscard]] Time end_of(const ClientSession& session) const;
+  template <class IsOver>
+  std::uint64_t end_sessions(ClientEvent::Kind why, const IsOver& is_over);
   [[nodiscard]] ClientSession* find(SessionId id);
 
   Welcome served_;
@@ -100,7 +107,7 @@ class Sessions {
   std::uint64_t jobs_ = 0;
   Duration work_{};  ///< Turn::work of the client served last: a new or idle client starts at this value
   SessionCounters counters_;
-  std::optional<Event> event_;
+  std::vector<ClientEvent> events_;
 };
 
 }  // namespace farshade

@@ -42,6 +42,7 @@ SceneSender::SceneSender(TcpListener listener, SceneToSend what, std::function<b
       what_(std::move(what)),
       masks_are_sent_(std::move(masks_are_sent)),
       limits_(limits),
+      ring_(by_id(what_.ring)),
       rate_(limits.bytes_per_second),
       acceptor_([this](const std::stop_token& stop) { accept_all(stop); }) {}
 
@@ -58,6 +59,11 @@ SenderCounters SceneSender::counters() const {
   return counters_;
 }
 
+void SceneSender::set_ring(const std::vector<SharedKey>& ring) {
+  const std::lock_guard lock(mutex_);
+  ring_ = by_id(ring);
+}
+
 Waiting SceneSender::within(const Connection& connection, Duration span) {
   return {SteadyClock().now() + span, [&connection] { return connection.ended.load(); }};
 }
@@ -65,7 +71,6 @@ Waiting SceneSender::within(const Connection& connection, Duration span) {
 void SceneSender::accept_all(const std::stop_token& stop) {
   setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread and those that it starts
   const auto stopped = [&stop] { return stop.stop_requested(); };
-  for (const SharedKey& key : what_.ring) ring_.emplace(id_of(key), key);
   Expected<ServedFiles> files = ServedFiles::open(what_.scene, what_.files, stopped);
   if (files) {
     offer_ = encode(SceneOffer{what_.lighting, files->files()});
@@ -125,33 +130,39 @@ bool SceneSender::start(TcpStream stream) {
   return true;
 }
 
-bool SceneSender::promote(Connection& connection, const KeyId& key) {
+bool SceneSender::promote(Connection& connection, const SharedKey& key) {
+  const KeyId id = id_of(key);
   const std::lock_guard lock(mutex_);
   std::size_t all = 0, of_key = 0;
   for (const Connection& other : connections_) {
     if (!other.key || other.done) continue;
     ++all;
-    if (*other.key == key) ++of_key;
+    if (*other.key == id) ++of_key;
   }
   if (all >= limits_.connections || of_key >= limits_.of_one_key) {
     ++counters_.busy;
     return false;
   }
-  connection.key = key;
-  spdlog::info("{} at {} asks for the scene", ring_.at(key).name, to_string(connection.peer));
+  connection.key = id;
+  spdlog::info("{} at {} asks for the scene", key.name, to_string(connection.peer));
   return true;
 }
 
 void SceneSender::serve(Connection& connection, TcpStream stream) {
   stream.let_others_pass();
   const Waiting first = within(connection, limits_.first_message);
-  Expected<SealedStream> met = SealedStream::admit(std::move(stream), ring_, what_.served, first);
+  KeyRing ring;
+  {
+    const std::lock_guard lock(mutex_);
+    ring = ring_;
+  }
+  Expected<SealedStream> met = SealedStream::admit(std::move(stream), ring, what_.served, first);
   bool is_proved = false;
   while (met) {
     const auto message = met->receive(is_proved ? within(connection, limits_.silence) : first);
     const auto request = message ? decode_fetch_request(*message) : refuse(WireRefusal::Truncated);
     if (!request) break;
-    if (!is_proved && !promote(connection, met->key())) {
+    if (!is_proved && !promote(connection, ring.at(met->key()))) {
       static_cast<void>(refuse_fetch(*met, FetchRefusal::Busy, first));
       return;
     }
@@ -159,7 +170,10 @@ void SceneSender::serve(Connection& connection, TcpStream stream) {
     if (!answer(*met, *request, connection)) break;
   }
   const std::lock_guard lock(mutex_);
-  if (!is_proved) ++counters_.unproved;
+  if (is_proved) return;
+  ++counters_.unproved;
+  if (met || met.error().fault != Fault::Mismatch) return;
+  if (const auto line = refused_.failed(met.error().what, SteadyClock().now())) spdlog::warn("{}", *line);
 }
 
 Expected<void> SceneSender::send_offer(SealedStream& stream, const Connection& connection) {

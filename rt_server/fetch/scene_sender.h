@@ -9,6 +9,7 @@
 
 #include "rt_server/fetch/send_rate.h"
 #include "rt_server/fetch/served_files.h"
+#include "stereo/base/failure_log.h"
 #include "stereo/fetch/fetch_messages.h"
 #include "stereo/fetch/sealed_stream.h"
 
@@ -58,6 +59,9 @@ class SceneSender {
 
   [[nodiscard]] SenderCounters counters() const;
 
+  /// From now on sends only to clients with these keys. Connections that other keys have opened stay.
+  void set_ring(const std::vector<SharedKey>& ring);
+
  private:
   struct Connection {
     Peer peer;
@@ -70,7 +74,7 @@ class SceneSender {
   /// False if the stream is closed at once.
   bool start(TcpStream stream);
   void serve(Connection& connection, TcpStream stream);
-  [[nodiscard]] bool promote(Connection& connection, const KeyId& key);
+  [[nodiscard]] bool promote(Connection& connection, const SharedKey& key);
   [[nodiscard]] Expected<void> send_offer(SealedStream& stream, const Connection& connection);
   [[nodiscard]] Expected<void> answer(SealedStream& stream, const FetchRequest& request,
                                       const Connection& connection);
@@ -82,14 +86,15 @@ class SceneSender {
   SceneToSend what_;
   std::function<bool()> masks_are_sent_;
   SenderLimits limits_;
-  SealedStream::KeyRing ring_;
   std::optional<ServedFiles> files_;  ///< empty if they cannot be offered
   std::vector<std::byte> offer_;
 
   mutable std::mutex mutex_;  ///< guards what follows
   std::list<Connection> connections_;
+  KeyRing ring_;
   SenderCounters counters_;
   SendRate rate_;
+  FailureLog refused_;
 
   std::jthread acceptor_;  ///< the last member: it uses all others
 };

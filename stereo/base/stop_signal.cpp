@@ -5,21 +5,15 @@
 #include "stereo/base/check.h"
 
 namespace farshade {
-namespace {
-
-sigset_t with_question(sigset_t signals) {
-  sigaddset(&signals, SIGUSR1);
-  return signals;
-}
-
-}  // namespace
-
-StopSignal::StopSignal() {
+StopSignal::StopSignal(Hangup hangup) {
   sigemptyset(&signals_);
   sigaddset(&signals_, SIGINT);
   sigaddset(&signals_, SIGTERM);
-  const sigset_t all = with_question(signals_);
-  check_eq(pthread_sigmask(SIG_BLOCK, &all, &before_), 0, "signals can be blocked");
+  sigemptyset(&requests_);
+  sigaddset(&requests_, SIGUSR1);
+  if (hangup == Hangup::IsARequest) sigaddset(&requests_, SIGHUP);
+  check_eq(pthread_sigmask(SIG_BLOCK, &signals_, &before_), 0, "signals can be blocked");
+  check_eq(pthread_sigmask(SIG_BLOCK, &requests_, nullptr), 0, "signals can be blocked");
 }
 
 StopSignal::~StopSignal() {
@@ -30,13 +24,16 @@ StopSignal::~StopSignal() {
   pthread_sigmask(SIG_UNBLOCK, &opened, nullptr);
 }
 
-void StopSignal::wait(const std::function<void()>& report) {
-  const sigset_t all = with_question(signals_);
+void StopSignal::wait(const std::function<void()>& report, const std::function<void()>& reload) {
+  sigset_t all;
+  sigorset(&all, &signals_, &requests_);
   while (!came_) {
     int signal = 0;
     check_eq(sigwait(&all, &signal), 0, "a signal can be waited for");
     if (signal == SIGUSR1)
       report();
+    else if (signal == SIGHUP)
+      reload();
     else
       let_the_next_one_through();
   }

@@ -1,25 +1,31 @@
 /// StopSignal: a program waits for SIGINT and SIGTERM, or polls them, instead of being interrupted by them.
 /// After the first of them, the next one ends the program at once, as by default. SIGUSR1 asks a waiting
-/// program to report its state.
+/// program to report its state, and SIGHUP asks one that wants it to read its files again.
 #pragma once
 
 #include <csignal>
+#include <cstdint>
 #include <functional>
 
 namespace farshade {
 
 class StopSignal {
  public:
-  /// Blocks all three signals in this thread and in every thread that it starts from now on. So construct it
+  /// What SIGHUP does, which also comes when the terminal of the program is closed.
+  enum class Hangup : std::uint8_t { EndsTheProgram, IsARequest };
+
+  /// Blocks these signals in this thread and in every thread that it starts from now on. So construct it
   /// before other threads, and call it from this thread only.
-  StopSignal();
+  explicit StopSignal(Hangup hangup = Hangup::EndsTheProgram);
   StopSignal(const StopSignal&) = delete;
   StopSignal& operator=(const StopSignal&) = delete;
   /// From here on, SIGINT and SIGTERM do in this thread what they did before.
   ~StopSignal();
 
-  /// Returns when SIGINT or SIGTERM has arrived. Calls `report` for each SIGUSR1.
-  void wait(const std::function<void()>& report = [] {});
+  /// Returns when SIGINT or SIGTERM has arrived. Calls `report` for each SIGUSR1, and `reload` for each
+  /// SIGHUP that is a request.
+  void wait(
+      const std::function<void()>& report = [] {}, const std::function<void()>& reload = [] {});
 
   /// Whether SIGINT or SIGTERM has arrived by now.
   [[nodiscard]] bool has_come();
@@ -27,8 +33,9 @@ class StopSignal {
  private:
   void let_the_next_one_through();
 
-  sigset_t signals_;  ///< SIGINT and SIGTERM
-  sigset_t before_;   ///< the signals that were blocked before
+  sigset_t signals_;   ///< SIGINT and SIGTERM
+  sigset_t requests_;  ///< SIGUSR1, and SIGHUP if it is one
+  sigset_t before_;    ///< the signals that were blocked before
   bool came_ = false;
 };
 

@@ -35,7 +35,7 @@ Expected<SealedStream> SealedStream::meet(TcpStream stream, const SharedKey& key
   const Decoded<ServerEnvelope> envelope = open_server_envelope(*frame);
   if (!envelope) return strange();
   if (const auto* refusal = std::get_if<OpenRefusal>(&*envelope))
-    return fail(Fault::Mismatch, explain(*refusal, key.name, server).sentence());
+    return fail(Fault::Mismatch, explain(*refusal, key, server).sentence());
   const auto* accept = std::get_if<Accept>(&*envelope);
   const auto completed = accept != nullptr ? handshake.take(*accept, *frame) : std::nullopt;
   if (!completed || !std::holds_alternative<Welcome>(completed->answer)) return strange();
@@ -49,24 +49,28 @@ Expected<SealedStream> SealedStream::meet(TcpStream stream, const SharedKey& key
 
 Expected<SealedStream> SealedStream::admit(TcpStream stream, const KeyRing& ring, const Welcome& served,
                                            const Waiting& waiting) {
+  const Peer client = stream.peer();
   SealedStream met(std::move(stream));
   const auto frame = met.receive_frame(waiting);
   if (!frame) return tl::unexpected(frame.error());
   const Decoded<ClientEnvelope> envelope = open_client_envelope(*frame);
   if (!envelope) return strange();
-  const auto refuse_openly = [&](RefusalReason reason, const HelloEcho& echo) {
+  const auto refuse_openly = [&](RefusalReason reason, const HelloEcho& echo, const std::string& why) {
     encode(OpenRefusal{.reason = reason, .echo = echo}, met.envelope_);
     met.add_frame(met.envelope_);
     static_cast<void>(met.flush(waiting));
-    return fail(Fault::Mismatch, std::string(name_of(reason)));
+    return fail(Fault::Mismatch, why);
   };
   if (const auto* foreign = std::get_if<ForeignHello>(&*envelope))
-    return refuse_openly(RefusalReason::VersionMismatch, foreign->echo);
+    return refuse_openly(RefusalReason::VersionMismatch, foreign->echo,
+                         "refused a client at " + to_string(client) + ": it speaks protocol version " +
+                             std::to_string(foreign->version));
   const auto* hello = std::get_if<Hello>(&*envelope);
   if (hello == nullptr || hello->scene_hash != fetch_hello()) return strange();
   const auto key = ring.find(hello->key);
   if (key == ring.end() || !is_proved(*hello, *frame, key->second))
-    return refuse_openly(RefusalReason::UnknownKey, echo_of(hello->client));
+    return refuse_openly(RefusalReason::UnknownKey, echo_of(hello->client),
+                         explain(hello->key, ring, client));
   const std::optional<Accepted> accepted = accept(*hello, *frame, key->second, served);
   if (!accepted) return strange();
   met.add_frame(accepted->datagram);

@@ -3,7 +3,6 @@
 /// Hello, an Accept and their keys are of no use over UDP, and those of UDP are of no use here.
 #pragma once
 
-#include <map>
 #include <string>
 
 #include "stereo/net/tcp.h"
@@ -22,8 +21,8 @@ class SealedStream {
                                                    const Waiting& waiting);
 
   /// The server's side. `ring` has the keys of clients by id. The client has proved its key when its first
-  /// message opens, because a Hello can be repeated by others.
-  using KeyRing = std::map<KeyId, SharedKey>;
+  /// message opens, because a Hello can be repeated by others. Mismatch, with a sentence for the log, if it
+  /// has none or speaks another version.
   [[nodiscard]] static Expected<SealedStream> admit(TcpStream stream, const KeyRing& ring,
                                                     const Welcome& served, const Waiting& waiting);
 

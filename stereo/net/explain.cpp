@@ -1,28 +1,27 @@
 #include "stereo/net/explain.h"
 
 #include <cstdio>
+#include <span>
+
+#include "stereo/wire/handshake.h"
 
 namespace farshade {
+namespace {
 
-std::string short_form(const ContentHash& hash) {
+std::string first_digits(std::span<const std::uint8_t> bytes) {
   std::array<char, 9> text{};
-  std::snprintf(text.data(), text.size(), "%02x%02x%02x%02x", hash[0], hash[1], hash[2], hash[3]);
+  std::snprintf(text.data(), text.size(), "%02x%02x%02x%02x", bytes[0], bytes[1], bytes[2], bytes[3]);
   return text.data();
 }
 
-std::string_view name_of(RefusalReason reason) {
-  switch (reason) {
-    case RefusalReason::VersionMismatch:
-      return "another protocol version";
-    case RefusalReason::UnknownKey:
-      return "unknown key";
-    case RefusalReason::SceneMismatch:
-      return "it shows another scene: give both the same scene file, --light, --sun, --ambient and "
-             "--exposure";
-    case RefusalReason::Busy:
-      return "no room for another client (--sessions)";
-  }
-  return "unknown reason";
+}  // namespace
+
+std::string short_form(const ContentHash& hash) {
+  return first_digits(hash);
+}
+
+std::string short_form(const KeyId& id) {
+  return first_digits(id);
 }
 
 Explanation explain(const Refusal& refusal, const ContentHash& scene_hash) {
@@ -34,13 +33,32 @@ Explanation explain(const Refusal& refusal, const ContentHash& scene_hash) {
       "give both the same scene file, or start the client without --scene, so that it fetches the server's"};
 }
 
-Explanation explain(const OpenRefusal& refusal, const std::string& key, const Peer& server) {
+Explanation explain(const OpenRefusal& refusal, const SharedKey& key, const Peer& server) {
   if (refusal.reason == RefusalReason::VersionMismatch)
     return {"the server speaks protocol version " + std::to_string(refusal.version) + ", the client " +
                 std::to_string(kProtocolVersion),
             "build both from the same source"};
-  return {"the server at " + to_string(server) + " does not know the key '" + key + "'",
-          "add it to the server's ring (rt_server keygen), or give --key the file that was made there"};
+  const std::string where = "the server at " + to_string(server);
+  if (key == insecure_key())
+    return {where + " does not accept clients with --insecure",
+            "omit --insecure, and use a key that was made there (rt_server keygen)"};
+  return {where + " has no key with the secret of '" + key.name + "' (id " + short_form(id_of(key)) + ")",
+          "if '" + key.name +
+              "' was made anew there, copy the file again; otherwise add it to the server's ring (rt_server "
+              "keygen), or give --key the file that was made there. A server with --insecure knows no keys"};
+}
+
+std::string explain(const KeyId& id, const KeyRing& ring, const Peer& client) {
+  const std::string text = "refused a client at " + to_string(client) + ": ";
+  const KeyId open = id_of(insecure_key());
+  if (ring.contains(id))
+    return text + "it named the key '" + ring.at(id).name + "' and could not prove that it has it";
+  if (id == open)
+    return text + "it was started with --insecure, and this server wants a key: start it without --insecure";
+  if (ring.contains(open))
+    return text + "it uses a key, and this server was started with --insecure: start it with --insecure, too";
+  return text + "no key of the ring has its id " + short_form(id) +
+         ": it uses an old key file or that of another server (rt_server keygen makes a new one)";
 }
 
 }  // namespace farshade

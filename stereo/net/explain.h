@@ -1,4 +1,4 @@
-/// Sentences for users, on either side, when a server refuses a client.
+/// Sentences for people, on either side, when a server refuses a client.
 #pragma once
 
 #include <string>
@@ -10,9 +10,7 @@ namespace farshade {
 
 /// The first eight hexadecimal digits, enough for people to distinguish two scenes.
 [[nodiscard]] std::string short_form(const ContentHash& hash);
-
-/// A few words for a log.
-[[nodiscard]] std::string_view name_of(RefusalReason reason);
+[[nodiscard]] std::string short_form(const KeyId& id);
 
 /// Why a client was refused, and what the user can do.
 struct Explanation {
@@ -23,7 +21,11 @@ struct Explanation {
 /// `scene_hash` is the scene of the client.
 [[nodiscard]] Explanation explain(const Refusal& refusal, const ContentHash& scene_hash);
 
-/// The same for a client that sent a Hello with the key named `key` to `server`.
-[[nodiscard]] Explanation explain(const OpenRefusal& refusal, const std::string& key, const Peer& server);
+/// The same for a client that sent a Hello with `key` to `server`.
+[[nodiscard]] Explanation explain(const OpenRefusal& refusal, const SharedKey& key, const Peer& server);
+
+/// For the server's log: why it does not admit the client at `client`, whose hello names the key `id`. The
+/// client is told less (OpenRefusal).
+[[nodiscard]] std::string explain(const KeyId& id, const KeyRing& ring, const Peer& client);
 
 }  // namespace farshade

@@ -129,6 +129,12 @@ KeyId id_of(const SharedKey& key) {
   return id;
 }
 
+KeyRing by_id(const std::vector<SharedKey>& keys) {
+  KeyRing ring;
+  for (const SharedKey& key : keys) ring.emplace(id_of(key), key);
+  return ring;
+}
+
 Expected<SharedKey> new_key(std::string_view name) {
   if (!is_name(name)) return fail(Fault::OutOfRange, std::string(kNameRule));
   start_sodium();

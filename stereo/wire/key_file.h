@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,6 +33,9 @@ using KeyId = std::array<std::uint8_t, 8>;
 /// The first 8 bytes of keyed BLAKE2b (RFC 7693, libsodium's crypto_generichash) of a fixed label, under the
 /// secret. It does not depend on the name.
 [[nodiscard]] KeyId id_of(const SharedKey& key);
+
+using KeyRing = std::map<KeyId, SharedKey>;
+[[nodiscard]] KeyRing by_id(const std::vector<SharedKey>& keys);
 
 /// Makes a key with a secret from the system's random source. Refuses an invalid name.
 [[nodiscard]] Expected<SharedKey> new_key(std::string_view name);

@@ -30,6 +30,8 @@ inline constexpr std::size_t kMaxMessage_bytes = kMaxDatagram_bytes - kSealing_b
 
 /// The same as Scene::hash, without a dependency on scenes.
 using ContentHash = std::array<std::uint8_t, 32>;
+/// In a Hello: the client has no scene, and asks which one is served.
+inline constexpr ContentHash kNoScene{};
 
 // ---- client -> server
 

@@ -54,7 +54,7 @@ TEST(ClientProgram, UsesAnInsecureServerOnItsOwnMachineOnly) {
   EXPECT_EQ(run.status, 0) << run.errors;
   EXPECT_GT(summary_row(folder.path(), "wire", "datagrams of an answer")[0], 0);
   const Ended keyed = run_client({{"--server", *address}, {"--out", folder.path().string()}});
-  EXPECT_NE(keyed.errors.find("does not know the key 'tester'"), std::string::npos) << keyed.errors;
+  EXPECT_NE(keyed.errors.find("has no key with the secret of 'tester'"), std::string::npos) << keyed.errors;
   EXPECT_NE(keyed.status, 0);
   const Ended far =
       run_client({{"--server", "192.0.2.1:7447"}, {"--insecure", ""}, {"--out", folder.path().string()}});

@@ -139,6 +139,40 @@ TEST(ServerKeygen, MakesAKeyThatLetsAClientIn) {
   EXPECT_NE(program.errors().find("welcomed bob at 127.0.0.1:"), std::string::npos);
 }
 
+TEST(ServerProgram, ReadsItsKeysAgainAtAHangupAndLivesOn) {
+  const ScratchFolder folder;
+  const std::string ring = (folder.path() / "ring.keys").string();
+  ASSERT_TRUE(append_to_ring(ring, new_key("first").value()));
+  ChildProgram program({RT_SERVER, "--scene", kScene, "--listen", "127.0.0.1:0", "--keys", ring});
+  const auto address = program.line_after("rt_server: listening on ");
+  ASSERT_TRUE(address.has_value()) << program.errors();
+  const SharedKey second = new_key("second").value();
+  ASSERT_TRUE(append_to_ring(ring, second));
+  program.send(SIGHUP);
+  ASSERT_TRUE(program.error_line_after("[").has_value());
+  const ContentHash hash = load_scene(kScene)->hash;
+  EXPECT_TRUE(std::holds_alternative<Welcome>(answer_to(second, hash, *address)));
+  std::filesystem::permissions(ring, std::filesystem::perms::others_read, std::filesystem::perm_options::add);
+  program.send(SIGHUP);
+  program.send(SIGTERM);
+  EXPECT_EQ(program.wait(), 0);
+  EXPECT_NE(program.errors().find("the key ring was read again: 2 keys"), std::string::npos)
+      << program.errors();
+  EXPECT_NE(program.errors().find("the old keys stay"), std::string::npos) << program.errors();
+}
+
+TEST(ServerProgramRefuses, ACommandLineWithStatus2) {
+  const std::vector<std::vector<std::string>> wrong{{RT_SERVER},
+                                                    {RT_SERVER, "--no-such-option"},
+                                                    {RT_SERVER, "keygen"},
+                                                    {RT_SERVER, "--scene", kScene, "--plan=all"}};
+  for (const std::vector<std::string>& arguments : wrong) {
+    ChildProgram program(arguments);
+    EXPECT_EQ(program.wait(), 2) << arguments.back();
+    EXPECT_NE(program.errors().find("see --help"), std::string::npos) << program.errors();
+  }
+}
+
 TEST(ServerProgramRefuses, SceneWhoseLightsAreDark) {
   const ScratchFolder folder;
   EXPECT_NE(complaint_of(server(scene_with_a_dark_light(folder.path()))).find("nothing to serve"),

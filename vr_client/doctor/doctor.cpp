@@ -58,7 +58,7 @@ struct HelloAnswer {
 HelloAnswer say_hello(DatagramPort& port, const Peer& server, const Contact& contact) {
   using namespace std::chrono_literals;
   const SteadyClock clock;
-  ClientHandshake handshake(contact.key, contact.scene.value_or(ContentHash{}));
+  ClientHandshake handshake(contact.key, contact.scene.value_or(kNoScene));
   std::vector<std::byte> datagram;
   std::array<std::byte, kMaxDatagram_bytes> buffer{};
   HelloAnswer answer;
@@ -94,10 +94,10 @@ Finding judge(const Contact& contact, const Peer& server, const HelloAnswer& ans
   const auto fails = [](const Explanation& why) {
     return Finding{Severity::Fail, "server", why.reason, why.cure};
   };
-  if (!answer.message) return fails(explain(*answer.open_refusal, contact.key.name, server));
+  if (!answer.message) return fails(explain(*answer.open_refusal, contact.key, server));
   const auto* const refusal = std::get_if<Refusal>(&*answer.message);
   const bool compared = !refusal || contact.scene || refusal->reason == RefusalReason::Busy;
-  if (refusal && compared) return fails(explain(*refusal, contact.scene.value_or(ContentHash{})));
+  if (refusal && compared) return fails(explain(*refusal, contact.scene.value_or(kNoScene)));
   const std::string scene = compared ? "the same scene" : "scene " + short_form(refusal->scene_hash);
   return {Severity::Ok, "server",
           fmt::format("{}: the server answers, knows the key '{}' and serves {}", contact.server,

@@ -139,7 +139,7 @@ Decoded<void> NetworkLink::take_datagram(const Datagram& datagram) {
 void NetworkLink::take_refusal(const OpenRefusal& refusal) {
   if (refusal.echo != handshake_->echo()) return;
   if (unproved_refusal_at_) return;
-  unproved_refusal_ = explain(refusal, target_.key.name, target_.server).sentence();
+  unproved_refusal_ = explain(refusal, target_.key, target_.server).sentence();
   unproved_refusal_at_ = clock_.now();
 }
 

@@ -157,7 +157,7 @@ TEST_F(FetchTest, AnUnknownKeyIsRefusedWithASentence) {
   wanted.key = new_key("stranger").value();
   const auto offer = ask_offer(wanted);
   ASSERT_FALSE(offer);
-  EXPECT_NE(offer.error().what.find("does not know the key 'stranger'"), std::string::npos)
+  EXPECT_NE(offer.error().what.find("has no key with the secret of 'stranger'"), std::string::npos)
       << offer.error().what;
   // A key of the ring whose secret is wrong has another id, so a forged proof needs an id that was seen.
   EXPECT_EQ(sender_->counters().sent_bytes, 0u);

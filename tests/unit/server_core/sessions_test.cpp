@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "rt_server/core/server_core.h"
+#include "stereo/net/explain.h"
 #include "tests/unit/server_core/house.h"
 
 namespace farshade {
@@ -406,6 +408,79 @@ TEST(Sessions, SendsAClientNoMoreThanItsLimitOfBytesASecond) {
   EXPECT_LE(static_cast<double>(sent), 1.05 * kMost * 10);
   EXPECT_GE(static_cast<double>(sent), 0.7 * kMost * 10);
   EXPECT_GT(house.sessions.counters().held_back, 20u);
+}
+
+std::vector<std::string> events_in_words(House& house) {
+  std::vector<std::string> words;
+  for (const ClientEvent& event : house.sessions.take_events()) words.push_back(in_words(event));
+  return words;
+}
+
+TEST(SessionEvents, TellTheLogWhoComesAndGoes) {
+  House house({.silence = 10s, .unconfirmed = 5s});
+  LinkClient client = house.join(1), doctor = house.join(2);
+  Welcome none = kServed;
+  none.scene_hash = kNoScene;
+  LinkClient asks(kRing[1], none);
+  house.talk(asks, 3, asks.hello());
+  house.ask(client, 1, 1, Time(3s));
+  EXPECT_EQ(events_in_words(house),
+            (std::vector<std::string>{
+                "welcomed ada at " + to_string(peer(1)), "welcomed ada at " + to_string(peer(2)),
+                "bob at " + to_string(peer(3)) + " asked which scene is served (vr_client doctor)"}));
+  EXPECT_EQ(house.sessions.silent_at(), Time(5s) + Duration(1));
+  house.sessions.end_silent(Time(5s));
+  EXPECT_TRUE(events_in_words(house).empty());
+  house.sessions.end_silent(Time(20s));
+  EXPECT_EQ(events_in_words(house),
+            (std::vector<std::string>{"ada at " + to_string(peer(1)) + " left; it was connected for 3 s",
+                                      "ada at " + to_string(peer(2)) + " left without a request"}));
+  EXPECT_FALSE(house.sessions.silent_at().has_value());
+}
+
+TEST(SessionEvents, TellTheLogWhyAKeyIsRefused) {
+  House house, open;
+  open.sessions.set_ring({insecure_key()});
+  SharedKey stranger = key_named("mallory"), liar = kRing[0];
+  const auto told = [](House& where, std::uint16_t port, const SharedKey& key) {
+    where.join(port, {}, key);
+    return events_in_words(where).at(0);
+  };
+  EXPECT_NE(told(house, 1, stranger).find("no key of the ring has its id " + short_form(id_of(stranger))),
+            std::string::npos);
+  EXPECT_NE(told(house, 2, insecure_key()).find("start it without --insecure"), std::string::npos);
+  EXPECT_NE(told(open, 3, stranger).find("start it with --insecure"), std::string::npos);
+  LinkClient honest(liar, kServed);
+  Bytes proved = honest.take(house.say(4, honest.hello()), {});
+  proved[kHelloProved_bytes] ^= std::byte{1};
+  house.say(4, proved);
+  EXPECT_NE(events_in_words(house).at(0).find("it named the key 'ada' and could not prove"),
+            std::string::npos);
+}
+
+TEST(Sessions, ANewRingAdmitsNewKeysAndEndsTheSessionsOfOthers) {
+  House house;
+  LinkClient ada = house.join(1), bob = house.join(2, {}, kRing[1]);
+  SharedKey renewed = kRing[1];
+  renewed.secret[0] ^= 1;
+  house.sessions.set_ring({kRing[0], renewed, key_named("new")});
+  house.ask(ada, 1, 1);
+  house.ask(bob, 2, 1);
+  EXPECT_EQ(ada.no_session, 0u);
+  EXPECT_EQ(bob.no_session, 1u) << "the same name with another secret";
+  EXPECT_EQ(house.sessions.counters().revoked, 1u);
+  EXPECT_TRUE(house.join(3, {}, key_named("new")).welcome.has_value());
+  EXPECT_FALSE(house.join(4, {}, kRing[2]).welcome.has_value());
+}
+
+TEST(ServerCounters, NameOnlyWhatHasHappened) {
+  ServerCounters counters;
+  EXPECT_EQ(counters_line(counters),
+            "rt_server: 0 clients, 0 requests, 0 frames, 0 datagrams and 0 bytes sent, 0 datagrams received");
+  counters.sessions.moved = 2;
+  counters.refused.count(WireRefusal::Forged);
+  const std::string line = counters_line(counters);
+  EXPECT_NE(line.find("; 1 refused (1 forged); sessions: 2 moved"), std::string::npos) << line;
 }
 
 TEST(Sessions, SilentClientsAreForgottenAfterTheStatedTime) {

@@ -1,0 +1,46 @@
+#include "rt_server/core/client_event.h"
+
+#include <spdlog/fmt/fmt.h>
+
+namespace farshade {
+
+bool is_fault(ClientEvent::Kind kind) {
+  using enum ClientEvent::Kind;
+  return kind == OtherScene || kind == Busy || kind == NotAdmitted;
+}
+
+std::string in_words(const ClientEvent& event) {
+  using enum ClientEvent::Kind;
+  const std::string& who = event.who;
+  const std::string at = to_string(event.client);
+  switch (event.kind) {
+    case Welcomed:
+      return fmt::format("welcomed {} at {}", who, at);
+    case AskedForScene:
+      return fmt::format("{} at {} asked which scene is served (vr_client doctor)", who, at);
+    case OtherScene:
+      return fmt::format(
+          "refused {} at {}: it shows another scene: give both the same scene file, --light, --sun, "
+          "--ambient and --exposure",
+          who, at);
+    case Busy:
+      return fmt::format("refused {} at {}: no room for another client (--sessions)", who, at);
+    case Left:
+      return fmt::format("{} at {} left; it was connected for {:.0f} s", who, at,
+                         seconds_of(event.connected));
+    case SaidNothing:
+      return fmt::format("{} at {} left without a request", who, at);
+    case Replaced:
+      return fmt::format("{} at {} connected anew; its session of {:.0f} s ended", who, at,
+                         seconds_of(event.connected));
+    case Withdrawn:
+      return fmt::format("the session of {} at {} ended: its answers are no longer offered", who, at);
+    case Revoked:
+      return fmt::format("the session of {} at {} ended: its key is no longer in the ring", who, at);
+    case NotAdmitted:
+      return who;
+  }
+  return {};
+}
+
+}  // namespace farshade

@@ -1,0 +1,37 @@
+/// ClientEvent: what happened to a client, for the server's log.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "stereo/base/clock.h"
+#include "stereo/net/datagram.h"
+
+namespace farshade {
+
+struct ClientEvent {
+  enum class Kind : std::uint8_t {
+    Welcomed,
+    AskedForScene,  ///< the hello named no scene: a doctor asks which one is served
+    OtherScene,
+    Busy,
+    Left,         ///< silent for longer than the timeout
+    SaidNothing,  ///< the same, and it never sent a sealed datagram
+    Replaced,     ///< by a newer session of the same client
+    Withdrawn,    ///< its answer is no longer offered
+    Revoked,      ///< its key was taken out of the ring
+    NotAdmitted,  ///< has no key of the ring; `who` is the sentence. Strangers can cause any number of these
+  };
+  Kind kind = Kind::Welcomed;
+  std::string who;  ///< the name of its key
+  Peer client;
+  Duration connected{};  ///< of a session that has ended: from its beginning to its last datagram
+};
+
+/// Whether somebody should do something about it.
+[[nodiscard]] bool is_fault(ClientEvent::Kind kind);
+
+/// One sentence that names the cure if there is one.
+[[nodiscard]] std::string in_words(const ClientEvent& event);
+
+}  // namespace farshade
