@@ -16,9 +16,9 @@ layout(constant_id = FARSHADE_CARRY_LIGHTS) const uint kLights = 1;
 layout(constant_id = FARSHADE_CARRY_WORD_BYTES) const uint kWordBytes = 1;
 layout(constant_id = FARSHADE_CARRY_NEAR) const float kNear = 1e-4;
 layout(constant_id = FARSHADE_CARRY_DETAIL) const float kDetail_px = 0.0;
-layout(constant_id = FARSHADE_CARRY_EYE) const uint kEye = 0;
 layout(constant_id = FARSHADE_CARRY_MOVED) const bool kMoved = false;
 
+layout(push_constant) uniform Dispatch { uint shown_eye; };  // 0 left, 1 right
 // Views are the requested ones; the first source of each eye is the mask. counts.y = layer of their depth.
 layout(binding = 0) uniform Frame { FrameData frame; };
 layout(binding = 1) uniform Lights { LightData lights[kLights + 1]; };
@@ -86,7 +86,7 @@ uint shares_of(uint bits) {
 // Depth / near of the pixels of rows `y` and `y` + 1 of a block, from the left.
 void read_depth(uvec2 block, uint y, out vec4 upper, out vec4 lower) {
   vec2 step = 1.0 / vec2(textureSize(depth_ring, 0).xy), at = (vec2(block * kSide + uvec2(0, y)) + 1.0) * step;
-  float layer = float(frame.counts.y + kEye);
+  float layer = float(frame.counts.y + shown_eye);
   vec4 left = textureGather(depth_ring, vec3(at, layer));
   vec4 right = textureGather(depth_ring, vec3(at.x + 2.0 * step.x, at.y, layer));
   upper = vec4(left.wz, right.wz);
@@ -95,8 +95,8 @@ void read_depth(uvec2 block, uint y, out vec4 upper, out vec4 lower) {
 
 // Carries row `y` of a block. Returns the shares that are unknown.
 uint carry_row(uvec2 block, uvec2 blocks, uvec2 size, uint y, vec4 depths) {
-  SourceData source = frame.sources[kEye * FARSHADE_MAX_SOURCES];
-  vec4 window = frame.eye[kEye].window.origin_step;
+  SourceData source = frame.sources[shown_eye * FARSHADE_MAX_SOURCES];
+  vec4 window = frame.eye[shown_eye].window.origin_step;
   const uint per_word = 4 / kWordBytes;  // pixels of a carried word
   const uint all_shares = (1u << min(kLights, 8u)) - 1u;
   uint missing = 0u;
@@ -109,13 +109,13 @@ uint carry_row(uvec2 block, uvec2 blocks, uvec2 size, uint y, vec4 depths) {
     float depth = depths[x];
     covered[x] = depth > 0.0 && all(lessThan(uvec2(pixel), size));
     row[x] = find(source, window, center, depth);
-    position[x] = mat3(frame.eye[kEye].stage_from_eye) *
+    position[x] = mat3(frame.eye[shown_eye].stage_from_eye) *
                   (vec3(window.xy + center * window.zw, -1.0) * (kNear / max(depth, 1e-30)));
     missing |= covered[x] && !row[x].seen ? all_shares : 0u;
   }
   [[unroll]] for (uint plane = 0; plane < kPlanes; ++plane) {
     uint used = kLights >= plane * 32 + 32 ? ~0u : (1u << (kLights % 32)) - 1u;
-    uint first = (((kEye * kPlanes + plane) * blocks.y * kSide + block.y * kSide + y) * blocks.x + block.x) * kWordBytes;
+    uint first = (((shown_eye * kPlanes + plane) * blocks.y * kSide + block.y * kSide + y) * blocks.x + block.x) * kWordBytes;
     uint words[4] = uint[](0u, 0u, 0u, 0u);
     [[unroll]] for (uint x = 0; x < kSide; ++x) {
       uvec2 quad = quad_bits(source, row[x].quad, plane);
@@ -129,7 +129,7 @@ uint carry_row(uvec2 block, uvec2 blocks, uvec2 size, uint y, vec4 depths) {
 }
 
 void main() {
-  uvec2 size = uvec2(frame.eye[kEye].size_px.xy), blocks = (size + kSide - 1) / kSide;
+  uvec2 size = uvec2(frame.eye[shown_eye].size_px.xy), blocks = (size + kSide - 1) / kSide;
   uvec2 block = min(gl_GlobalInvocationID.xy, blocks - 1);  // those beyond the last one do its work again
   vec4 upper, lower;
   read_depth(block, 0, upper, lower);
@@ -138,5 +138,5 @@ void main() {
   read_depth(block, 2, upper, lower);
   missing |= carry_row(block, blocks, size, 2, upper);
   missing |= carry_row(block, blocks, size, 3, lower);
-  unknown[(kEye * blocks.y + block.y) * blocks.x + block.x] = missing;
+  unknown[(shown_eye * blocks.y + block.y) * blocks.x + block.x] = missing;
 }

@@ -9,8 +9,7 @@
 #define FARSHADE_CARRY_WORD_BYTES 1  // of a mask
 #define FARSHADE_CARRY_NEAR 2        // distance of the near plane, metres
 #define FARSHADE_CARRY_DETAIL 3      // limit of the geometric error of what is drawn, pixels
-#define FARSHADE_CARRY_EYE 4         // 0 left, 1 right
-#define FARSHADE_CARRY_MOVED 5       // an instance has moved since the mask was traced
-#define FARSHADE_CARRY_CONSTANTS 6
+#define FARSHADE_CARRY_MOVED 4       // an instance has moved since the mask was traced
+#define FARSHADE_CARRY_CONSTANTS 5
 
 #endif

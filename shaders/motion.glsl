@@ -11,7 +11,7 @@
 layout(std430, binding = 10) readonly buffer MotionSlots { uint motion_slots[]; };  // [instance]; 0 = cannot move
 layout(std430, binding = 11) readonly buffer Motions { mat4 motions[]; };          // [slot - 1][mask][eye]
 
-mat4 motion_of(uint slot, uint mask) { return motions[((slot - 1) * FARSHADE_MAX_TRACED + mask) * 2 + kEye]; }
+mat4 motion_of(uint slot, uint mask) { return motions[((slot - 1) * FARSHADE_MAX_TRACED + mask) * 2 + shown_eye]; }
 
 uint slot_of(uint instance) { return motion_slots[instance]; }
 

@@ -9,8 +9,8 @@ const uint kNoRecord = ~0u;  // nothing is written to it
 
 // The first word of a pixel's record.
 uint report_record(ivec2 pixel, bool wanted) {
-  vec4 size = frame.eye[kEye].size_px;
-  return !wanted ? kNoRecord : ((kEye * uint(size.y) + uint(pixel.y)) * uint(size.x) + uint(pixel.x)) * FARSHADE_REPORT_WORDS(kLights);
+  vec4 size = frame.eye[shown_eye].size_px;
+  return !wanted ? kNoRecord : ((shown_eye * uint(size.y) + uint(pixel.y)) * uint(size.x) + uint(pixel.x)) * FARSHADE_REPORT_WORDS(kLights);
 }
 
 void report_uncovered(uint record) {
@@ -36,7 +36,7 @@ void report_visibility(uint record, uint group, Visibility8 k) {
 void report_source(uint record, bool known, uint source, Sample taken, uint shining) {
   if (record == kNoRecord) return;
   uint shown_with = FARSHADE_SOURCE_UNKNOWN;
-  if (known) shown_with = source % FARSHADE_MAX_SOURCES + (taken.beside ? FARSHADE_NEIGHBOUR : 0u);
+  if (known) shown_with = source + (taken.beside ? FARSHADE_NEIGHBOUR : 0u);
   report[record + FARSHADE_REPORT_SOURCE] = shown_with | shining << 16;
   report[record + FARSHADE_REPORT_X] = floatBitsToUint(taken.at.x);
   report[record + FARSHADE_REPORT_Y] = floatBitsToUint(taken.at.y);

@@ -25,14 +25,16 @@ struct Projection {
 // levels of detail in both views, and by float rounding.
 const float kBend = 0.5, kFootprint = 1.0, kRounding = 16.0 / 16777216.0;
 
-const uint kNewest = kEye * FARSHADE_MAX_SOURCES;  // the source: this eye's newest mask
+const uint kNewest = 0;  // the source: this eye's newest mask
 
-bool is_face(uint source) { return source % FARSHADE_MAX_SOURCES >= FARSHADE_FIRST_FACE; }
+// A source of the shown eye.
+SourceData source_of(uint index) { return frame.sources[shown_eye * FARSHADE_MAX_SOURCES + index]; }
+
+bool is_face(uint source) { return source >= FARSHADE_FIRST_FACE; }
 
 // The index of a source's mask: its place in the motions.
 uint mask_of(uint source) {
-  uint own = source % FARSHADE_MAX_SOURCES;
-  return is_face(source) ? FARSHADE_MAX_MASKS + (own - FARSHADE_FIRST_FACE) / 2 : own % FARSHADE_MAX_MASKS;
+  return is_face(source) ? FARSHADE_MAX_MASKS + (source - FARSHADE_FIRST_FACE) / 2 : source % FARSHADE_MAX_MASKS;
 }
 
 Projection project(uint mask, SourceData source, Surface surface) {
@@ -80,7 +82,7 @@ const uint kRings = 5;
 const float kFarthest_px = 32.0, kNeighbourBend = 0.05;
 
 Sample nearest_on_plane(Surface surface, bool needed) {
-  SourceData source = frame.sources[kNewest];
+  SourceData source = source_of(kNewest);
   Projection projection = project(0, source, surface);
   Sample found = Sample(FARSHADE_SOURCE_UNKNOWN, true, ivec2(0), projection.at);
   vec2 start = clamp(projection.at, vec2(0.0), source.per_step.zw - 1.0);
@@ -106,12 +108,12 @@ Sample sample_source(uint index, SourceData source, Surface surface) {
 // The first source that knows the point: each mask, newest first, as traced for this eye and then for the other. The
 // first pass looks only at the newest for this eye.
 Sample first_sample(Surface surface) {
-  Sample found = sample_source(kNewest, frame.sources[kNewest], surface);
+  Sample found = sample_source(kNewest, source_of(kNewest), surface);
 #ifdef SECOND_LOOK
   const uint eyes = kOtherEye ? 2 : 1, sources = frame.counts.x * eyes;
   for (uint i = 1; i < sources && found.source == FARSHADE_SOURCE_UNKNOWN; ++i) {
     uint index = kNewest + i / eyes + i % eyes * FARSHADE_MAX_MASKS;
-    found = sample_source(index, frame.sources[index], surface);
+    found = sample_source(index, source_of(index), surface);
   }
 #endif
   return found;
@@ -168,7 +170,7 @@ FaceSamples surround_samples(Surface surface, bool needed) {
   FaceSamples samples = FaceSamples(none, none, 1e30);
   const uint first = kNewest + FARSHADE_FIRST_FACE, faces = frame.counts.w;
   for (uint i = 0; needed && i < faces && samples.same.source == FARSHADE_SOURCE_UNKNOWN; ++i)
-    add_face(first + i, frame.sources[first + i], surface, samples);
+    add_face(first + i, source_of(first + i), surface, samples);
   return samples;
 }
 
@@ -211,7 +213,7 @@ void add_samples(uint mask, SourceData source, Projection projection, vec4 depth
 }
 
 void add_mask(uint mask, Surface surface, uint group, uint fresh, inout EdgeSamples samples) {
-  SourceData source = frame.sources[kNewest + mask];
+  SourceData source = source_of(kNewest + mask);
   Projection projection = project(mask, source, surface);
   vec4 depths = gather_views(corner_at(projection.at), source.place.x);
   samples.fresh[mask] = fresh;
@@ -222,8 +224,8 @@ void add_mask(uint mask, Surface surface, uint group, uint fresh, inout EdgeSamp
 void add_oldest_or_face(uint taken, Surface surface, uint group, uint fresh, inout EdgeSamples samples) {
   const uint oldest = FARSHADE_MAX_MASKS - 1;
   bool face = is_face(taken);
-  SourceData source = frame.sources[kNewest + oldest];
-  if (face) source = frame.sources[taken];
+  SourceData source = source_of(kNewest + oldest);
+  if (face) source = source_of(taken);
   Projection projection = project(face ? mask_of(taken) : oldest, source, surface);
   ivec2 corner = corner_at(projection.at);
   vec4 depths = gather_views(corner, source.place.x);

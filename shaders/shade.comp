@@ -35,7 +35,6 @@ layout(constant_id = FARSHADE_CONSTANT_OTHER_EYE) const bool kOtherEye = false;
 layout(constant_id = FARSHADE_CONSTANT_RANGES_AND_CONES) const bool kRangesAndCones = false;
 layout(constant_id = FARSHADE_CONSTANT_NEAR) const float kNear = 1e-4;
 layout(constant_id = FARSHADE_CONSTANT_UNKNOWN_VISIBILITY) const float kUnknownVisibility = 1.0;
-layout(constant_id = FARSHADE_CONSTANT_EYE) const uint kEye = 0;
 layout(constant_id = FARSHADE_CONSTANT_WHOLE) const bool kWhole = false;
 layout(constant_id = FARSHADE_CONSTANT_MOVED) const bool kMoved = false;
 layout(constant_id = FARSHADE_CONSTANT_NEIGHBOURS) const bool kNeighbours = true;
@@ -47,6 +46,8 @@ layout(constant_id = FARSHADE_CONSTANT_PCF_RADIUS) const uint kPcfRadius = 0;
 layout(constant_id = FARSHADE_CONSTANT_DETAIL) const float kDetail_px = 0.0;
 layout(constant_id = FARSHADE_CONSTANT_SURROUND) const bool kSurround = true;
 
+// 0 left, 1 right. As a constant, it would double what drivers compile.
+layout(push_constant) uniform Dispatch { uint shown_eye; };
 layout(binding = 0) uniform Frame { FrameData frame; };
 layout(binding = 1) uniform Lights { LightData lights[kLights + 1]; };
 layout(std430, binding = 2) readonly buffer Masks { uint mask_words[]; };
@@ -100,7 +101,7 @@ vec3 unfolded(vec2 p) {
 const float kLeastDistance2 = 1e-30, kMostRadiance = 1e30;
 
 vec3 radiance(uint i, vec3 p, vec3 n) {
-  vec4 place = lights[i].position[kEye];
+  vec4 place = lights[i].position[shown_eye];
   vec3 to_light = place.xyz - p * place.w;
   float distance2 = max(dot(to_light, to_light), kLeastDistance2);
   vec3 l = to_light * inversesqrt(distance2);
@@ -122,7 +123,7 @@ vec3 srgb(vec3 c) {
 ivec2 direct_pixel(ivec2 pixel) { return ivec2(floor((vec2(pixel) + 0.5) * frame.direct.xy + frame.direct.zw)); }
 
 Sample direct_sample(ivec2 pixel) {
-  SourceData source = frame.sources[kNewest];
+  SourceData source = source_of(kNewest);
   ivec2 there = direct_pixel(pixel), near = inside(source, there);
   bool known = block_known(source, near) && frame.counts.x > 0;
   return Sample(near == there && known ? kNewest : FARSHADE_SOURCE_UNKNOWN, false, there, vec2(there) + 0.5);
@@ -132,10 +133,10 @@ Sample direct_sample(ivec2 pixel) {
 // has in the direction of the shown pixel; lit if the head has turned too far or the mask's tile is missing.
 Visibility8 guess(ivec2 pixel, Sample closest, uint group) {
   const uint plane = group / 4;
-  SourceData newest = frame.sources[kNewest], face = newest;
+  SourceData newest = source_of(kNewest), face = newest;
   ivec2 there = inside(newest, direct_pixel(pixel)), nearby = there;
   bool known = block_known(newest, there) && frame.counts.z != 0u, around = closest.source != FARSHADE_SOURCE_UNKNOWN;
-  if (around) face = frame.sources[closest.source];
+  if (around) face = source_of(closest.source);
   if (around) nearby = closest.pixel;
   uint bits = known ? mask_bits(newest, there, plane) : ~0u, of_face = mask_bits(face, nearby, plane);
   // Of lights that the viewer has changed since then, the surround knows nothing.
@@ -146,12 +147,12 @@ Visibility8 guess(ivec2 pixel, Sample closest, uint group) {
 
 #ifndef DIRECT
 uint list_place(uint i, bool can_move) {
-  uvec2 size = uvec2(frame.eye[kEye].size_px.xy);
-  return size.x * size.y * kEye + (can_move ? size.x * size.y - 1 - i : i);
+  uvec2 size = uvec2(frame.eye[shown_eye].size_px.xy);
+  return size.x * size.y * shown_eye + (can_move ? size.x * size.y - 1 - i : i);
 }
 
 void list_as_hard(ivec2 pixel, bool can_move) {
-  uint list = kEye * 2 + uint(can_move), i = atomicAdd(hard_lists[list].w, 1);
+  uint list = shown_eye * 2 + uint(can_move), i = atomicAdd(hard_lists[list].w, 1);
   if (i % gl_WorkGroupSize.x == 0) atomicAdd(hard_lists[list].x, 1);
   hard_pixels[list_place(i, can_move)] = pixel.x | pixel.y << 16;
 }
@@ -160,7 +161,7 @@ void list_as_hard(ivec2 pixel, bool can_move) {}
 #endif
 
 Surface surface_at(ivec2 pixel, float depth, uint stored) {
-  vec4 window = frame.eye[kEye].window.origin_step;
+  vec4 window = frame.eye[shown_eye].window.origin_step;
   Surface surface;
   surface.position = vec3(window.xy + (vec2(pixel) + 0.5) * window.zw, -1.0) * (kNear / depth);
   surface.normal = unfolded(unpackSnorm4x8(stored).xy);
@@ -204,7 +205,7 @@ Lookup look_up(ivec2 pixel, Surface surface) {
   result.known = result.taken.source != FARSHADE_SOURCE_UNKNOWN;
   result.source = kSecondLook && result.known ? result.taken.source : kNewest;
   result.pixel = result.known ? result.taken.pixel : ivec2(0);
-  result.traced = frame.sources[result.source];
+  result.traced = source_of(result.source);
   bool near_edge = near_shadow_edge(result.traced, result.pixel, result.taken.at);
   result.on_edge = kEdges && kPass != FARSHADE_PASS_DIRECT && result.known && near_edge;
   return result;
@@ -285,14 +286,14 @@ vec3 irradiance_from(uint group, ShadedPixel at, PlaneBits bits, inout uint shin
 
 // Writes nothing if the pixel is not `wanted`: because it lies outside of the picture, or is not listed.
 void shade(ivec2 pixel, bool wanted) {
-  float depth = texelFetch(depth_ring, ivec3(pixel, frame.counts.y + kEye), 0).r;
+  float depth = texelFetch(depth_ring, ivec3(pixel, frame.counts.y + shown_eye), 0).r;
   bool covered = depth != 0.0;
   uint record = report_record(pixel, wanted);
   if (!covered) report_uncovered(record);
   ShadedPixel at;
   at.pixel = pixel;
   at.record = covered ? record : kNoRecord;
-  uvec2 stored = texelFetch(surfaces, ivec3(pixel, kEye), 0).xy;
+  uvec2 stored = texelFetch(surfaces, ivec3(pixel, shown_eye), 0).xy;
   at.surface = surface_at(pixel, covered ? depth : 1.0, stored.y);
   at.found = look_up(pixel, at.surface);
   if (kPass == FARSHADE_PASS_EASY) {
@@ -300,7 +301,7 @@ void shade(ivec2 pixel, bool wanted) {
     if (wanted && covered && (!at.found.known || at.found.on_edge || moved))
       list_as_hard(pixel, at.surface.slot != 0u);
   }
-  mat3 turn = mat3(frame.eye[kEye].stage_from_eye);
+  mat3 turn = mat3(frame.eye[shown_eye].stage_from_eye);
   at.p = turn * at.surface.position;
   at.n = normalize(unfolded(unpackSnorm2x16(stored.x)));
   at.plane = turn * plane_normal(pixel, depth, at.n * turn);
@@ -323,20 +324,20 @@ void shade(ivec2 pixel, bool wanted) {
   report_source(at.record, at.found.known, at.found.source, at.found.taken, shining);
 
   const float kInversePi = 0.31830988618;
-  vec3 color = texelFetch(base_colors, ivec3(pixel, kEye), 0).rgb * (irradiance * kInversePi + frame.ambient.rgb);
+  vec3 color = texelFetch(base_colors, ivec3(pixel, shown_eye), 0).rgb * (irradiance * kInversePi + frame.ambient.rgb);
   color = srgb(mix(frame.background.rgb, color, bvec3(covered)));
-  if (wanted) imageStore(shown, ivec3(pixel, kEye), vec4(color, 1.0));
+  if (wanted) imageStore(shown, ivec3(pixel, shown_eye), vec4(color, 1.0));
 }
 
 void main() {
 #ifdef SECOND_LOOK
   const bool can_move = kPass == FARSHADE_PASS_MOVING;
   uint i = gl_GlobalInvocationID.x, place = list_place(i, can_move), pixel = 0u;
-  bool listed = i < hard_lists[kEye * 2 + uint(can_move)].w;
+  bool listed = i < hard_lists[shown_eye * 2 + uint(can_move)].w;
   if (listed) pixel = hard_pixels[place];
   shade(ivec2(pixel & 0xFFFFu, pixel >> 16), listed);
 #else
-  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy), size = ivec2(frame.eye[kEye].size_px.xy);
+  ivec2 pixel = ivec2(gl_GlobalInvocationID.xy), size = ivec2(frame.eye[shown_eye].size_px.xy);
   shade(min(pixel, max(size - 1, ivec2(0))), all(lessThan(pixel, size)));
 #endif
 }

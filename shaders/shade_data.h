@@ -24,18 +24,17 @@
 #define FARSHADE_CONSTANT_RANGES_AND_CONES 4    // some light has a range or a cone
 #define FARSHADE_CONSTANT_NEAR 5                // distance of the near plane, metres
 #define FARSHADE_CONSTANT_UNKNOWN_VISIBILITY 6  // factor of the guess for unknown visibility
-#define FARSHADE_CONSTANT_EYE 7                 // 0 left, 1 right
-#define FARSHADE_CONSTANT_WHOLE 8               // every tile of every mask is known
-#define FARSHADE_CONSTANT_MOVED 9               // something has moved since a mask in use was traced
-#define FARSHADE_CONSTANT_NEIGHBOURS 10         // points that no view saw take bits from a neighbour
-#define FARSHADE_CONSTANT_EDGES 11              // shadow edges are filtered
-#define FARSHADE_CONSTANT_SHARPNESS 12          // contrast of a filtered shadow edge
-#define FARSHADE_CONSTANT_EDGE_BIT 13           // the first of a mask's four edge bits: mask_edges.h
-#define FARSHADE_CONSTANT_MAP_SIDE 14           // texels of a shadow map
-#define FARSHADE_CONSTANT_PCF_RADIUS 15         // texels
-#define FARSHADE_CONSTANT_DETAIL 16             // limit of the geometric error of what is drawn, pixels
-#define FARSHADE_CONSTANT_SURROUND 17  // points that no view's mask knows are looked up in the surround
-#define FARSHADE_CONSTANTS 18
+#define FARSHADE_CONSTANT_WHOLE 7               // every tile of every mask is known
+#define FARSHADE_CONSTANT_MOVED 8               // something has moved since a mask in use was traced
+#define FARSHADE_CONSTANT_NEIGHBOURS 9          // points that no view saw take bits from a neighbour
+#define FARSHADE_CONSTANT_EDGES 10              // shadow edges are filtered
+#define FARSHADE_CONSTANT_SHARPNESS 11          // contrast of a filtered shadow edge
+#define FARSHADE_CONSTANT_EDGE_BIT 12           // the first of a mask's four edge bits: mask_edges.h
+#define FARSHADE_CONSTANT_MAP_SIDE 13           // texels of a shadow map
+#define FARSHADE_CONSTANT_PCF_RADIUS 14         // texels
+#define FARSHADE_CONSTANT_DETAIL 15             // limit of the geometric error of what is drawn, pixels
+#define FARSHADE_CONSTANT_SURROUND 16           // points that no view's mask knows are looked up in the surround
+#define FARSHADE_CONSTANTS 17
 
 // The report: one record of 32-bit words per pixel, the left eye's pixels first. A record begins with these
 // words; the others' places depend on the number of lights.

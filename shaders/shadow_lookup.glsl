@@ -16,8 +16,8 @@ const float kMapBend = 0.5, kMapFootprint = 1.0, kMapRounding = 16.0 / 16777216.
 
 // 0 outside of the picture, as for uncovered pixels.
 float shown_depth(ivec2 pixel) {
-  ivec2 last = ivec2(frame.eye[kEye].size_px.xy) - 1, inside = clamp(pixel, ivec2(0), last);
-  return inside == pixel ? texelFetch(depth_ring, ivec3(inside, frame.counts.y + kEye), 0).r : 0.0;
+  ivec2 last = ivec2(frame.eye[shown_eye].size_px.xy) - 1, inside = clamp(pixel, ivec2(0), last);
+  return inside == pixel ? texelFetch(depth_ring, ivec3(inside, frame.counts.y + shown_eye), 0).r : 0.0;
 }
 
 // The normal of the plane through the pixel and two of its neighbours, one beside it and one above or below. Of the four
@@ -27,7 +27,7 @@ float shown_depth(ivec2 pixel) {
 const float kClose = 0.7;
 
 vec3 plane_normal(ivec2 pixel, float depth, vec3 n) {
-  vec4 window = frame.eye[kEye].window.origin_step;
+  vec4 window = frame.eye[shown_eye].window.origin_step;
   vec2 t = window.xy + (vec2(pixel) + 0.5) * window.zw;
   vec2 before = depth - vec2(shown_depth(pixel - ivec2(1, 0)), shown_depth(pixel - ivec2(0, 1)));
   vec2 after = vec2(shown_depth(pixel + ivec2(1, 0)), shown_depth(pixel + ivec2(0, 1))) - depth;
@@ -113,7 +113,7 @@ float unblocked(Receiver receiver) {
 // Defined as a mask's bit is (tracer.h): 0 if the light is off, behind one of the normals, or out of reach.
 float visibility_from_map(uint i, vec3 p, vec3 plane, vec3 n) {
   ShadowMapData map = maps[i];
-  vec4 place = lights[i].position[kEye];
+  vec4 place = lights[i].position[shown_eye];
   vec3 to_light = place.xyz - p * place.w;
   bool reaches = map.place.x != FARSHADE_MAP_NONE && dot(n, to_light) > 0.0 && dot(plane, to_light) > 0.0;
   if (kRangesAndCones) {
@@ -122,9 +122,9 @@ float visibility_from_map(uint i, vec3 p, vec3 plane, vec3 n) {
     float falloff = -dot(lights[i].spot_direction.xyz, to_light) * inversesqrt(distance2) * cone.x + cone.y;
     reaches = reaches && distance2 * lights[i].intensity.w < 1.0 && falloff > 0.0;
   }
-  vec2 window_step = abs(frame.eye[kEye].window.origin_step.zw);
+  vec2 window_step = abs(frame.eye[shown_eye].window.origin_step.zw);
   float error_m = kDetail_px * max(window_step.x, window_step.y) * length(p);
-  float lit = unblocked(receiver_of(map, p - map.origin[kEye].xyz, plane, error_m));
+  float lit = unblocked(receiver_of(map, p - map.origin[shown_eye].xyz, plane, error_m));
   return reaches ? lit : 0.0;
 }
 

@@ -8,7 +8,7 @@ bool passes(vec4 sphere, vec3 p, vec3 to_light, float distance) {
 
 // The index is constant in each case, because lavapipe reads a uniform once if it is, and once per lane otherwise.
 vec4 moved_sphere(uint since, uint i) {
-  const uint eye = kEye * FARSHADE_MAX_MOVED, group = 2 * FARSHADE_MAX_MOVED;
+  const uint eye = shown_eye * FARSHADE_MAX_MOVED, group = 2 * FARSHADE_MAX_MOVED;
   vec4 sphere = frame.moved[FARSHADE_SINCE_NEWEST * group + eye + i];
   if (since == FARSHADE_SINCE_OLDER) sphere = frame.moved[FARSHADE_SINCE_OLDER * group + eye + i];
   if (since == FARSHADE_SINCE_SURROUND) sphere = frame.moved[FARSHADE_SINCE_SURROUND * group + eye + i];
@@ -22,7 +22,7 @@ uint swept_bits(uint since, vec3 p, uint plane) {
   vec4 spheres[FARSHADE_MAX_MOVED];
   [[unroll]] for (uint i = 0; i < FARSHADE_MAX_MOVED; ++i) spheres[i] = moved_sphere(since, i);
   [[unroll]] for (uint i = plane * 32; i < min(kLights, plane * 32 + 32); ++i) {
-    vec4 place = lights[i].position[kEye];
+    vec4 place = lights[i].position[shown_eye];
     vec3 to_light = place.xyz - p * place.w;
     float distance = length(to_light);
     to_light /= distance;

@@ -9,6 +9,7 @@
 #include "stereo/draw/mask_quads.h"
 #include "stereo/draw/shading_layout.h"
 #include "stereo/draw/shading_motion.h"
+#include "stereo/draw/shown_eye.h"
 #include "stereo/frame/tiles.h"
 
 namespace farshade {
@@ -50,7 +51,10 @@ CarryPass::CarryPass(const gpu::Device& device, const DrawPlan& plan, const Dept
                   {*ring_.image().view, vk::ImageLayout::eShaderReadOnlyOptimal, *nearest_});
   gpu::bind_buffer(device_, bindings_, 4, carried_);
   gpu::bind_buffer(device_, bindings_, 5, unknown_);
-  layout_ = device.logical.createPipelineLayout({.setLayoutCount = 1, .pSetLayouts = &*bindings_.layout});
+  layout_ = device.logical.createPipelineLayout({.setLayoutCount = 1,
+                                                 .pSetLayouts = &*bindings_.layout,
+                                                 .pushConstantRangeCount = 1,
+                                                 .pPushConstantRanges = &kShownEye});
 }
 
 void CarryPass::prepare(const FrameRequest& request, const DepthRing::Place& place, const TracedMask& base,
@@ -79,33 +83,32 @@ void CarryPass::prepare(const FrameRequest& request, const DepthRing::Place& pla
 }
 
 void CarryPass::make_all_pipelines() {
-  for (std::uint32_t eye = 0; eye < kEyes; ++eye)
-    for (const bool moved : {false, true})
-      if (!moved || plan_.anything_moves()) need_pipeline({eye, moved});
+  for (const bool moved : {false, true})
+    if (!moved || plan_.anything_moves()) need_pipeline(moved);
 }
 
-const vk::raii::Pipeline& CarryPass::need_pipeline(const Key& key) {
-  const auto found = pipelines_.find(key);
+const vk::raii::Pipeline& CarryPass::need_pipeline(bool moved) {
+  const auto found = pipelines_.find(moved);
   if (found != pipelines_.end()) return found->second;
   std::vector<std::uint32_t> constants(FARSHADE_CARRY_CONSTANTS);
   constants[FARSHADE_CARRY_LIGHTS] = plan_.mask.lights;
   constants[FARSHADE_CARRY_WORD_BYTES] = plan_.mask.word_bytes();
   constants[FARSHADE_CARRY_NEAR] = std::bit_cast<std::uint32_t>(static_cast<float>(kNearPlane_m));
   constants[FARSHADE_CARRY_DETAIL] = std::bit_cast<std::uint32_t>(plan_.detail_px);
-  constants[FARSHADE_CARRY_EYE] = key.eye;
-  constants[FARSHADE_CARRY_MOVED] = key.moved;
+  constants[FARSHADE_CARRY_MOVED] = moved;
   const vk::raii::ShaderModule shader = gpu::make_shader(device_, carry_comp_spv, "carry.comp");
   return pipelines_
-      .emplace(key, gpu::make_compute_pipeline(device_, layout_, shader,
-                                               gpu::Specialization(std::move(constants)), "carry"))
+      .emplace(moved, gpu::make_compute_pipeline(device_, layout_, shader,
+                                                 gpu::Specialization(std::move(constants)), "carry"))
       .first->second;
 }
 
 void CarryPass::record(const vk::raii::CommandBuffer& commands) {
   commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *bindings_.set, {});
   const Extent blocks = blocks_of(size_);
+  commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(moved_));
   for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
-    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline({eye, moved_}));
+    push_shown_eye(commands, layout_, eye);
     commands.dispatch((blocks.width + FARSHADE_CARRY_GROUP - 1) / FARSHADE_CARRY_GROUP, blocks.height, 1);
   }
   const vk::MemoryBarrier2 memory{.srcStageMask = vk::PipelineStageFlagBits2::eComputeShader,

@@ -38,12 +38,8 @@ class CarryPass {
   [[nodiscard]] std::size_t bindings() const { return bindings_.kinds.size(); }
 
  private:
-  struct Key {
-    std::uint32_t eye = 0;
-    bool moved = false;
-    friend auto operator<=>(const Key&, const Key&) = default;
-  };
-  const vk::raii::Pipeline& need_pipeline(const Key& key);
+  /// `moved`: an instance has moved since the mask was traced.
+  const vk::raii::Pipeline& need_pipeline(bool moved);
 
   const gpu::Device& device_;
   const DrawPlan& plan_;
@@ -55,7 +51,7 @@ class CarryPass {
   vk::raii::Sampler nearest_{nullptr};
   gpu::Bindings bindings_;
   vk::raii::PipelineLayout layout_{nullptr};
-  std::map<Key, vk::raii::Pipeline> pipelines_;
+  std::map<bool, vk::raii::Pipeline> pipelines_;
   // Of the pass that was prepared last.
   Extent size_;
   bool moved_ = false;

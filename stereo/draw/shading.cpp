@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "stereo/draw/shading_motion.h"
+#include "stereo/draw/shown_eye.h"
 
 namespace farshade {
 namespace {
@@ -223,8 +224,7 @@ void ShadingPass::make_all_pipelines() {
   assume_nothing();
   other_eye_ = plan_.other_eye;
   const std::uint32_t last = carries_masks(plan_) ? FARSHADE_PASS_MOVING : FARSHADE_PASS_DIRECT;
-  for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass)
-    for (std::uint32_t eye = 0; eye < kEyes; ++eye) need_pipeline(pass, PixelReport::Off, eye);
+  for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass) need_pipeline(pass, PixelReport::Off);
 }
 
 void ShadingPass::record_warm_up(const vk::raii::CommandBuffer& commands, const CarryOver& carry_over,
@@ -240,28 +240,26 @@ void ShadingPass::record_warm_up(const vk::raii::CommandBuffer& commands, const 
   const auto run_all = [&](bool whole, bool moved) {
     whole_ = whole;
     moved_ = moved;
-    for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass)
-      for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
-        commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(pass, report, eye));
-        commands.dispatch(0, 1, 1);  // compiles, but runs nothing: the buffers have no contents yet
-      }
+    for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass) {
+      bind(commands, pass, report);
+      push_shown_eye(commands, need_layout(report), 0);
+      commands.dispatch(0, 1, 1);  // compiles, but runs nothing: the buffers have no contents yet
+    }
   };
   run_all(true, false);
   run_all(false, false);
   if (changes == Changes::Possible) run_all(false, true);
 }
 
-const vk::raii::Pipeline& ShadingPass::need_pipeline(std::uint32_t pass, PixelReport report,
-                                                     std::uint32_t eye) {
-  return pipelines_.need(key_of(pass, report, eye), need_layout(report));
+const vk::raii::Pipeline& ShadingPass::need_pipeline(std::uint32_t pass, PixelReport report) {
+  return pipelines_.need(key_of(pass, report), need_layout(report));
 }
 
 /// State that a pass does not read has one value in all of its keys, so that no pipeline is compiled twice.
 /// Where something has moved, one pipeline serves whole masks and others, because compiling takes long.
-ShadingKey ShadingPass::key_of(std::uint32_t pass, PixelReport report, std::uint32_t eye) const {
+ShadingKey ShadingPass::key_of(std::uint32_t pass, PixelReport report) const {
   const bool second_look = pass >= FARSHADE_PASS_HARD, direct = pass == FARSHADE_PASS_DIRECT;
   return {.pass = pass,
-          .eye = eye,
           .reports = report == PixelReport::On,
           .other_eye = second_look && other_eye_,
           .neighbours = !second_look || carry_over_.gaps == Gaps::Neighbours,
@@ -283,17 +281,23 @@ void ShadingPass::make_report_buffer() {
   gpu::bind_buffer(device_, report_bindings_, 0, report_buffer_);
 }
 
+void ShadingPass::bind(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report) {
+  commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(pass, report));
+}
+
 void ShadingPass::shade_all(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report) {
+  bind(commands, pass, report);
   for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
-    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(pass, report, eye));
+    push_shown_eye(commands, need_layout(report), eye);
     commands.dispatch((size_.width + FARSHADE_SHADE_GROUP - 1) / FARSHADE_SHADE_GROUP, size_.height, 1);
   }
 }
 
 void ShadingPass::shade_listed(const vk::raii::CommandBuffer& commands, std::uint32_t pass,
                                PixelReport report) {
+  bind(commands, pass, report);
   for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
-    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(pass, report, eye));
+    push_shown_eye(commands, need_layout(report), eye);
     const std::size_t list = eye * 2 + (pass == FARSHADE_PASS_MOVING ? 1 : 0);
     commands.dispatchIndirect(*hard_buffer_.buffer, list * sizeof(glm::uvec4));
   }

@@ -66,8 +66,8 @@ class ShadingPass {
   [[nodiscard]] std::size_t lookups() const { return masks_ * (other_eye_ ? 2 : 1) + faces_; }
 
  private:
-  [[nodiscard]] ShadingKey key_of(std::uint32_t pass, PixelReport report, std::uint32_t eye) const;
-  const vk::raii::Pipeline& need_pipeline(std::uint32_t pass, PixelReport report, std::uint32_t eye);
+  [[nodiscard]] ShadingKey key_of(std::uint32_t pass, PixelReport report) const;
+  const vk::raii::Pipeline& need_pipeline(std::uint32_t pass, PixelReport report);
   void make_all_pipelines();
   void assume_nothing();
   void make_buffers(const MotionModel& motion);
@@ -82,6 +82,7 @@ class ShadingPass {
   void bind_sets(const vk::raii::CommandBuffer& commands, PixelReport report);
   void empty_lists(const vk::raii::CommandBuffer& commands) const;
   void shade_carried_over(const vk::raii::CommandBuffer& commands, PixelReport report);
+  void bind(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
   void shade_all(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
   void shade_listed(const vk::raii::CommandBuffer& commands, std::uint32_t pass, PixelReport report);
 

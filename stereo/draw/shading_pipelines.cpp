@@ -66,7 +66,6 @@ gpu::Specialization constants_of(const ShadingKey& key, const DrawPlan& plan) {
   constants[FARSHADE_CONSTANT_RANGES_AND_CONES] = plan.ranges_and_cones;
   constants[FARSHADE_CONSTANT_NEAR] = word_of(static_cast<float>(kNearPlane_m));
   constants[FARSHADE_CONSTANT_UNKNOWN_VISIBILITY] = word_of(kUnknownVisibility);
-  constants[FARSHADE_CONSTANT_EYE] = key.eye;
   constants[FARSHADE_CONSTANT_WHOLE] = key.whole;
   constants[FARSHADE_CONSTANT_MOVED] = key.moved;
   constants[FARSHADE_CONSTANT_NEIGHBOURS] = key.neighbours;

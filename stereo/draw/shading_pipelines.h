@@ -13,7 +13,6 @@ namespace farshade {
 /// What a pipeline is specialised for. Two dispatches with equal keys use one pipeline.
 struct ShadingKey {
   std::uint32_t pass = 0;  ///< FARSHADE_PASS_*
-  std::uint32_t eye = 0;
   bool reports = false;    ///< writes the report
   bool other_eye = false;  ///< masks traced for the other eye are sources, too
   bool neighbours = true;  ///< points that no view saw take bits from a neighbour

@@ -1,5 +1,6 @@
 
 #include "stereo/draw/shading.h"
+#include "stereo/draw/shown_eye.h"
 
 namespace farshade {
 
@@ -20,7 +21,9 @@ const vk::raii::PipelineLayout& ShadingPass::need_layout(PixelReport report) {
     found = layouts_
                 .emplace(kind, device_.logical.createPipelineLayout(
                                    {.setLayoutCount = narrow<std::uint32_t>(layouts.size()),
-                                    .pSetLayouts = layouts.data()}))
+                                    .pSetLayouts = layouts.data(),
+                                    .pushConstantRangeCount = 1,
+                                    .pPushConstantRanges = &kShownEye}))
                 .first;
   }
   return found->second;
