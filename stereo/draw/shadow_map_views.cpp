@@ -43,6 +43,11 @@ void fit(std::span<const Point<Stage>> corners, double reach, MapView& view) {
   view.depth_per_m = 0.5 / half.z;
 }
 
+/// A light whose cone is animated keeps its map.
+float widest_cone(const Light& light) {
+  return std::max(light.outer_cone_rad, light.widest_cone_rad);
+}
+
 MapView view_of(const Light& light, std::span<const Point<Stage>> corners,
                 const ShadowMapSettings& settings) {
   MapView view{.origin = light.position, .side_px = settings.side_px};
@@ -52,10 +57,10 @@ MapView view_of(const Light& light, std::span<const Point<Stage>> corners,
     view.kind = FARSHADE_MAP_PARALLEL;
     set_axes(light.direction.v, view);
     fit(corners, reach, view);
-  } else if (map_layers(light.kind, light.outer_cone_rad) == 1) {
+  } else if (map_layers(light.kind, widest_cone(light)) == 1) {
     view.kind = FARSHADE_MAP_WINDOW;
     set_axes(light.direction.v, view);
-    view.texels = glm::dvec2(reach / std::tan(std::max(double{light.outer_cone_rad}, 1e-3)));
+    view.texels = glm::dvec2(reach / std::tan(std::max(double{widest_cone(light)}, 1e-3)));
   } else {
     view.kind = FARSHADE_MAP_CUBE;
     view.texels = glm::dvec2(reach);
@@ -128,7 +133,7 @@ ShadowMapViews shadow_map_views(std::span<const Light> lights, std::span<const P
   for (const Light& light : lights) {
     const LightShadowMaps map{view_of(light, corners, settings),
                               static_cast<std::uint32_t>(views.layer_clip.size())};
-    const std::uint32_t layers = map_layers(light.kind, light.outer_cone_rad);
+    const std::uint32_t layers = map_layers(light.kind, widest_cone(light));
     for (std::uint32_t layer = 0; layer < layers; ++layer)
       views.layer_clip.push_back(
           clip_from_stage(map.view.kind == FARSHADE_MAP_CUBE ? face_view(map.view, layer) : map.view));

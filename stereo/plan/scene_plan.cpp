@@ -28,9 +28,11 @@ bool anything_seen_moves(const Scene& scene) {
   return std::ranges::any_of(scene.instances, [&](const Instance& i) { return can_move(scene, i); });
 }
 
-LightFate fate_of(const Scene& scene, const LightSource& source, const Light& light) {
+LightFate fate_of(const Scene& scene, const LightSource& source, Light light) {
   if (source.intensity == glm::vec3(0.0f)) return LightFate::Dark;
   if (moves(scene, source.node) || anything_seen_moves(scene)) return LightFate::Casts;
+  light.range_m = source.range_m.value_or(0.0f);  // the largest, if it is animated
+  light.outer_cone_rad = source.outer_cone_rad;
   return may_reach(light, scene.bounds) ? LightFate::Casts : LightFate::OutOfReach;
 }
 
@@ -74,7 +76,7 @@ ScenePlan plan_for(const Scene& scene, const SessionNeeds& needs) {
   for (std::size_t i = 0; i < plan.lights.size(); ++i) {
     if (plan.lights[i] != LightFate::Casts) continue;
     const LightSource& light = scene.lights[i];
-    plan.draw.lights_move |= moves(scene, light.node);
+    plan.draw.lights_move |= moves(scene, light.node) || changes_reach(light);
     plan.draw.ranges_and_cones |= light.kind == LightKind::Spot || light.range_m.value_or(0) > 0;
   }
   plan.draw.other_eye = needs.two_views && needs.carries_over;

@@ -36,7 +36,7 @@ struct SessionNeeds {
 /// Whether a light of the file is kept.
 enum class LightFate : std::uint8_t {
   Casts,       ///< kept: has a bit in every mask
-  Dark,        ///< removed: its intensity is 0
+  Dark,        ///< removed: its intensity is always 0
   OutOfReach,  ///< removed: its range or its cone ends before the scene begins, and neither ever moves
 };
 
@@ -62,7 +62,8 @@ struct TracePlan {
 struct DrawPlan {
   std::vector<SurfaceNeeds> surfaces;  ///< one per mesh, for pictures
   std::vector<bool> moves;             ///< one per instance: reprojection follows its motion
-  bool lights_move = true;       ///< an animation moves lights. Changes by a viewer are always followed.
+  bool lights_move = true;       ///< an animation moves lights, or changes a range or a cone. Changes by a
+                                 ///< viewer are always followed.
   bool ranges_and_cones = true;  ///< some light has a range or a cone
   bool other_eye = true;         ///< the other eye's masks are looked up
   bool depth_pass = true;        ///< requested views may differ from the shown ones

@@ -14,12 +14,6 @@ Path path_from(const std::string& path) {
   return path == "translation" ? Path::Translation : path == "rotation" ? Path::Rotation : Path::Scale;
 }
 
-Interpolation interpolation_from(const std::string& name) {
-  return name == "STEP"     ? Interpolation::Step
-         : name == "LINEAR" ? Interpolation::Linear
-                            : Interpolation::CubicSpline;
-}
-
 Channel channel_from(const Document& document, const AnimationSampler& sampler, std::uint32_t node,
                      Path path) {
   Channel channel{
@@ -28,20 +22,6 @@ Channel channel_from(const Document& document, const AnimationSampler& sampler, 
   if (path != Path::Rotation)
     for (glm::vec4& value : channel.values) value.w = 0.0f;
   return channel;
-}
-
-/// The value at the first key.
-glm::dvec4 first_value(const Channel& channel) {
-  return glm::dvec4(channel.values[channel.interpolation == Interpolation::CubicSpline ? 1 : 0]);
-}
-
-bool is_constant(const Channel& channel) {
-  if (channel.keys_s.size() == 1) return true;
-  const glm::vec4 first(first_value(channel));
-  const bool is_cubic = channel.interpolation == Interpolation::CubicSpline;
-  for (std::size_t i = 0; i < channel.values.size(); ++i)
-    if (channel.values[i] != (is_cubic && i % 3 != 1 ? glm::vec4(0.0f) : first)) return false;
-  return true;
 }
 
 WeightTrack weight_track_from(const Document& document, const AnimationSampler& sampler) {
@@ -58,7 +38,7 @@ double add_channel(const Document& document, const AnimationSampler& sampler, st
   Channel channel = channel_from(document, sampler, node, path);
   const double length_s = channel.keys_s.back();
   if (is_constant(channel)) {
-    set(path, first_value(channel), scene.nodes[node].rest);
+    set(path, glm::dvec4(first_value(channel)), scene.nodes[node].rest);
   } else {
     scene.nodes[node].moving = true;
     scene.channels.push_back(std::move(channel));
@@ -68,7 +48,14 @@ double add_channel(const Document& document, const AnimationSampler& sampler, st
 
 }  // namespace
 
-WeightTracks add_animations(const Document& document, const std::vector<Index>& scene_node, Scene& scene) {
+Interpolation interpolation_from(const std::string& name) {
+  return name == "STEP"     ? Interpolation::Step
+         : name == "LINEAR" ? Interpolation::Linear
+                            : Interpolation::CubicSpline;
+}
+
+WeightTracks add_animations(const Document& document, const std::vector<Index>& scene_node,
+                            const AnimatedLights& lights, Scene& scene) {
   WeightTracks tracks;
   std::set<std::pair<std::uint32_t, Path>> taken;
   double length_s = 0;
@@ -88,7 +75,12 @@ WeightTracks add_animations(const Document& document, const std::vector<Index>& 
       if (taken.emplace(*node, path).second)
         length_s = std::max(length_s, add_channel(document, sampler, *node, path, scene));
     }
-  if (!scene.channels.empty() || !tracks.empty()) scene.animation_length_s = length_s;
+  bool changes = false;  // some light
+  for (const auto& [number, light] : lights) {
+    length_s = std::max(length_s, light.length_s);
+    changes |= !light.tracks.empty();
+  }
+  if (!scene.channels.empty() || !tracks.empty() || changes) scene.animation_length_s = length_s;
   for (farshade::Node& node : scene.nodes)
     if (node.parent && scene.nodes[*node.parent].moving) node.moving = true;
   return tracks;

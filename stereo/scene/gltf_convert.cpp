@@ -6,6 +6,7 @@
 #include "stereo/scene/gltf_animation.h"
 #include "stereo/scene/gltf_choice.h"
 #include "stereo/scene/gltf_deform.h"
+#include "stereo/scene/gltf_lights.h"
 #include "stereo/scene/gltf_materials.h"
 #include "stereo/scene/gltf_mesh.h"
 #include "stereo/scene/gltf_validate.h"
@@ -175,24 +176,9 @@ Checked add_instances(const Document& document, const NodeOrder& order, const Sc
   return {};
 }
 
-LightSource light_from(const Light& from, std::uint32_t node) {
-  LightSource to;
-  to.name = from.name;
-  to.node = node;
-  to.kind = from.type == "point"  ? LightKind::Point
-            : from.type == "spot" ? LightKind::Spot
-                                  : LightKind::Directional;
-  to.intensity = glm::vec3(glm::min(from.color * from.intensity, 1e30));
-  if (from.range_m && to.kind != LightKind::Directional) to.range_m = static_cast<float>(*from.range_m);
-  if (to.kind != LightKind::Spot) return to;
-  to.inner_cone_rad = static_cast<float>(from.inner_cone_rad);
-  to.outer_cone_rad = static_cast<float>(from.outer_cone_rad);
-  return to;
-}
-
 /// Sorts the lights by their index in the file, then by the node that carries them.
 Checked add_lights(const Document& document, const NodeOrder& order, const SceneLimits& limits,
-                   Scene& scene) {
+                   const AnimatedLights& animated, Scene& scene) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> uses;  // light, document node
   for (const std::uint32_t node : order.from_document)
     if (const Index light = document.nodes[node].light) uses.emplace_back(*light, node);
@@ -200,8 +186,13 @@ Checked add_lights(const Document& document, const NodeOrder& order, const Scene
     return fail(Fault::OutOfRange, std::to_string(uses.size()) + " lights, at most " +
                                        std::to_string(limits.lights) + " can be told apart");
   std::sort(uses.begin(), uses.end());
-  for (const auto& [light, node] : uses)
-    scene.lights.push_back(light_from(document.lights[light], *order.to_scene[node]));
+  for (const auto& [light, node] : uses) {
+    const auto found = animated.find(light);
+    const bool changes = found != animated.end();
+    scene.lights.push_back(light_from(changes ? found->second.rest : document.lights[light],
+                                      changes ? found->second.tracks : std::vector<LightTrack>{},
+                                      *order.to_scene[node]));
+  }
   return {};
 }
 
@@ -263,9 +254,10 @@ Expected<Scene> convert(const Document& document, const SceneLimits& limits) {
   scene.warnings = document.warnings;
   scene.contents = contents_of(document);
   add_nodes(document, order, scene);
-  const WeightTracks tracks = add_animations(document, order.to_scene, scene);
+  const AnimatedLights lights = animated_lights(document, order.to_scene);
+  const WeightTracks tracks = add_animations(document, order.to_scene, lights, scene);
   const Checked checked = add_instances(document, order, limits, tracks, scene)
-                              .and_then([&] { return add_lights(document, order, limits, scene); })
+                              .and_then([&] { return add_lights(document, order, limits, lights, scene); })
                               .and_then([&] { return add_places(document, order, scene); });
   if (!checked) return tl::unexpected(checked.error());
   remove_needless_alpha_tests(scene);

@@ -46,7 +46,7 @@ std::vector<Deformable::Influence> influences_of(const Document& document, const
 }
 
 /// Whether each key has the weights of the first one, and no tangents.
-bool is_constant(const WeightTrack& track, std::size_t targets) {
+bool keeps_weights(const WeightTrack& track, std::size_t targets) {
   const bool is_cubic = track.interpolation == Interpolation::CubicSpline;
   const auto is_value = [&](std::size_t i) { return !is_cubic || i / targets % 3 == 1; };
   const std::size_t first = is_cubic ? targets : 0;
@@ -76,7 +76,7 @@ Rig rig_of(const Document& document, std::uint32_t number, const std::vector<Ind
   const auto found = tracks.find(number);
   if (found == tracks.end() || rig.weights.empty()) return rig;
   const WeightTrack& track = found->second;
-  if (!is_constant(track, rig.weights.size())) {
+  if (!keeps_weights(track, rig.weights.size())) {
     rig.track = track;
     return rig;
   }

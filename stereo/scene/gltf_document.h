@@ -194,11 +194,18 @@ struct AnimationChannel {
   std::string path;
 };
 
+/// What a pointer to a light means, such as "/extensions/KHR_lights_punctual/lights/0/intensity".
+struct LightChannel {
+  std::uint32_t sampler = 0, light = 0;
+  std::string property;  ///< such as "color" or "spot/outerConeAngle"
+};
+
 struct Animation {
   std::string name;
-  std::vector<AnimationChannel> channels;
-  std::vector<AnimationSampler> samplers;
-  std::vector<std::string> still;  ///< what KHR_animation_pointer points to and stands still here
+  std::vector<AnimationChannel> channels{};
+  std::vector<AnimationSampler> samplers{};
+  std::vector<LightChannel> lights{};
+  std::vector<std::string> still{};  ///< what KHR_animation_pointer points to and stands still here
 };
 
 struct Document {

@@ -1,5 +1,7 @@
 #include "stereo/scene/gltf_instances.h"
 
+#include <map>
+
 #include "stereo/scene/gltf_accessor.h"
 
 namespace farshade::gltf {
@@ -69,11 +71,28 @@ std::vector<Node> instances_of(const Document& document, const Node& parent, std
   return made;
 }
 
-bool has_animated_weights(const Document& document, std::size_t node) {
-  for (const Animation& animation : document.animations)
-    for (const AnimationChannel& channel : animation.channels)
-      if (channel.node == node && channel.path == "weights") return true;
-  return false;
+/// A channel that animates the weights of a node.
+struct WeightChannel {
+  std::size_t animation = 0;
+  std::uint32_t sampler = 0;
+};
+using WeightChannels = std::multimap<std::size_t, WeightChannel>;  ///< by node
+
+WeightChannels weight_channels(const Document& document) {
+  WeightChannels result;
+  for (std::size_t a = 0; a < document.animations.size(); ++a)
+    for (const AnimationChannel& channel : document.animations[a].channels)
+      if (channel.path == "weights") result.emplace(channel.node, WeightChannel{a, channel.sampler});
+  return result;
+}
+
+/// Animates the weights of all nodes from `first` on like those of `node`, whose instances they are.
+void share_weights(const WeightChannels& channels, std::size_t node, std::size_t first, Document& document) {
+  const auto [begin, end] = channels.equal_range(node);
+  for (auto channel = begin; channel != end; ++channel)
+    for (std::size_t instance = first; instance < document.nodes.size(); ++instance)
+      document.animations[channel->second.animation].channels.push_back(
+          {channel->second.sampler, static_cast<std::uint32_t>(instance), "weights"});
 }
 
 }  // namespace
@@ -81,6 +100,7 @@ bool has_animated_weights(const Document& document, std::size_t node) {
 Checked expand_instances(Document& document) {
   std::uint64_t left = instance_budget(document);
   const std::size_t nodes = document.nodes.size();  // of the file
+  const WeightChannels channels = weight_channels(document);
   for (std::size_t i = 0; i < nodes; ++i) {
     const Node& node = document.nodes[i];
     if (!node.instancing || !node.mesh || node.skin) continue;  // a skin has the place of its joints
@@ -91,13 +111,13 @@ Checked expand_instances(Document& document) {
       return fail(Fault::OutOfRange, name + ": " + std::to_string(*count) +
                                          " instances are more than a file of this size should have");
     left -= *count;
+    const std::size_t first = document.nodes.size();
     std::vector<Node> made = instances_of(document, node, *count);
     for (Node& instance : made) {
       document.nodes[i].children.push_back(static_cast<std::uint32_t>(document.nodes.size()));
       document.nodes.push_back(std::move(instance));
     }
-    if (has_animated_weights(document, i))
-      document.warnings.push_back(name + ": animated weights of instances stand still");
+    share_weights(channels, i, first, document);
     document.nodes[i].mesh.reset();
     document.nodes[i].weights.clear();
   }

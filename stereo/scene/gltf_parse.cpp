@@ -225,38 +225,50 @@ Light light_from(const JsonObject& from, std::size_t index) {
   return to;
 }
 
-/// The channel that a pointer of KHR_animation_pointer means, such as "/nodes/3/translation"; none if what it
-/// points to stands still here.
-std::optional<AnimationChannel> pointed(std::uint32_t sampler, std::string_view pointer) {
-  constexpr std::string_view kNodes = "/nodes/";
-  const auto slash = pointer.rfind('/');
-  if (!pointer.starts_with(kNodes) || slash < kNodes.size()) return std::nullopt;
-  AnimationChannel channel{sampler, 0, std::string(pointer.substr(slash + 1))};
-  constexpr std::string_view kPaths[] = {"translation", "rotation", "scale", "weights"};
+/// A pointer to one of `properties` of an element of the list `list`, such as "/nodes/3/scale".
+struct Pointed {
+  std::uint32_t index = 0;
+  std::string property;
+};
+std::optional<Pointed> pointed(std::string_view pointer, std::string_view list,
+                               std::span<const std::string_view> properties) {
+  if (!pointer.starts_with(list)) return std::nullopt;
+  pointer.remove_prefix(list.size());
+  const auto slash = pointer.find('/');
+  if (slash == pointer.npos) return std::nullopt;
+  Pointed result{0, std::string(pointer.substr(slash + 1))};
   const char* const end = pointer.data() + slash;
-  const auto read = std::from_chars(pointer.data() + kNodes.size(), end, channel.node);
+  const auto read = std::from_chars(pointer.data(), end, result.index);
   if (read.ec != std::errc{} || read.ptr != end ||
-      std::ranges::find(kPaths, channel.path) == std::end(kPaths))
+      std::ranges::find(properties, result.property) == properties.end())
     return std::nullopt;
-  return channel;
+  return result;
+}
+
+/// Adds what a pointer of KHR_animation_pointer means.
+void add_pointer(std::uint32_t sampler, const std::string& pointer, Animation& to) {
+  constexpr std::string_view kPaths[] = {"translation", "rotation", "scale", "weights"};
+  constexpr std::string_view kProperties[] = {"color", "intensity", "range", "spot/innerConeAngle",
+                                              "spot/outerConeAngle"};
+  if (const auto node = pointed(pointer, "/nodes/", kPaths))
+    to.channels.push_back({sampler, node->index, node->property});
+  else if (const auto light = pointed(pointer, "/extensions/KHR_lights_punctual/lights/", kProperties))
+    to.lights.push_back({sampler, light->index, light->property});
+  else
+    to.still.push_back(pointer);
 }
 
 /// Leaves out channels without a target node, as the specification asks.
 Animation animation_from(const JsonObject& from, std::size_t) {
-  Animation to{from.text("name"), {}, {}, {}};
+  Animation to{.name = from.text("name")};
   for (const JsonObject& channel : from.objects("channels", Need::Required)) {
     const JsonObject target = channel.object("target", Need::Required);
     const std::uint32_t sampler = channel.required_index("sampler");
     const std::string path = target.text("path", Need::Required);
-    if (path == "pointer") {
-      const std::string pointer = target.extension("KHR_animation_pointer").text("pointer");
-      if (const auto read = pointed(sampler, pointer))
-        to.channels.push_back(*read);
-      else
-        to.still.push_back(pointer);
-    } else if (const Index node = target.index("node")) {
+    if (path == "pointer")
+      add_pointer(sampler, target.extension("KHR_animation_pointer").text("pointer"), to);
+    else if (const Index node = target.index("node"))
       to.channels.push_back({sampler, *node, path});
-    }
   }
   to.samplers = each<AnimationSampler>(
       from, "samplers",
@@ -340,7 +352,7 @@ std::string name_from(const JsonObject& from, std::size_t) {
 void warn_of_still(Document& document) {
   for (const Animation& animation : document.animations)
     if (!animation.still.empty())
-      return document.warnings.push_back("KHR_animation_pointer: only nodes are animated, so '" +
+      return document.warnings.push_back("KHR_animation_pointer: only nodes and lights are animated, so '" +
                                          printable(animation.still.front()) + "' and the like stand still");
 }
 

@@ -173,9 +173,11 @@ double brightness(const std::vector<Light>& lights, const glm::dvec3& p, const g
 }
 
 /// The median brightness of the scene's surface, from triangles taken evenly from all instances, weighted by
-/// area.
+/// area. Animated lights are as bright as they ever get.
 double median_brightness(const Scene& scene) {
-  const SceneState state = state_at(scene, Time{});
+  SceneState state = state_at(scene, Time{});
+  for (std::size_t i = 0; i < scene.lights.size(); ++i)
+    state.light_set.lights[i].intensity = scene.lights[i].intensity;
   const std::size_t step = std::max<std::size_t>(scene.triangle_count / kSamples, 1);
   std::vector<std::pair<double, double>> samples;  // brightness, area
   double area_sum = 0;
@@ -204,6 +206,11 @@ double median_brightness(const Scene& scene) {
   for (const auto& [value, of] : samples)
     if ((area += of) * 2 >= area_sum) return value;
   return 0;
+}
+
+void expose(float exposure, LightSource& light) {
+  light.intensity = glm::min(light.intensity * exposure, glm::vec3(1e30f));
+  if (light.animation) light.animation->exposure *= exposure;
 }
 
 }  // namespace
@@ -276,8 +283,7 @@ Expected<LitScene> light_scene(Scene scene, const Lighting& lighting) {
     }
   }
   if (exposure != 1.0f) {
-    for (LightSource& light : made.lights)
-      light.intensity = glm::min(light.intensity * exposure, glm::vec3(1e30f));
+    for (LightSource& light : made.lights) expose(exposure, light);
     // Ambient light that the user gave is as bright as it looks, unless the exposure is the user's, too.
     if (lighting.exposure || !lighting.ambient) made.ambient *= exposure;
   }

@@ -94,7 +94,26 @@ struct Instance {
 
 enum class LightKind : std::uint8_t { Point, Spot, Directional };
 
-/// A light of KHR_lights_punctual. It shines along the -z axis of its node.
+enum class LightProperty : std::uint8_t { Color, Intensity, Range, InnerCone, OuterCone };
+
+/// One property of a light over time: xyz of a colour, otherwise x. Cubic splines as in a Channel.
+struct LightTrack {
+  LightProperty property = LightProperty::Intensity;
+  Interpolation interpolation = Interpolation::Linear;
+  std::vector<float> keys_s;
+  std::vector<glm::vec4> values;
+};
+
+/// What changes in an animated light.
+struct LightAnimation {
+  glm::vec3 color{1.0f};           ///< unless a track changes it
+  float intensity = 1;             ///< unless a track changes it
+  float exposure = 1;              ///< factor of all light (lighting.h)
+  std::vector<LightTrack> tracks;  ///< at least one; at most one a property
+};
+
+/// A light of KHR_lights_punctual. It shines along the -z axis of its node. Of an animated light,
+/// `intensity`, `range_m` and `outer_cone_rad` are the largest that they become.
 struct LightSource {
   std::string name;
   LightKind kind = LightKind::Point;
@@ -102,6 +121,7 @@ struct LightSource {
   glm::vec3 intensity{1.0f};     ///< colour times intensity: candela (point, spot) or lux (directional)
   std::optional<float> range_m;  ///< no light beyond this distance
   float inner_cone_rad = 0, outer_cone_rad = 0;  ///< spot only
+  std::optional<LightAnimation> animation = std::nullopt;
 };
 
 /// One animated property of one node. The keys increase strictly. Values are xyz0 or quaternions xyzw. Cubic
@@ -161,6 +181,9 @@ struct Scene {
   std::uint64_t triangle_count = 0;         ///< of all instances together
   SceneHash hash{};
 };
+
+/// Whether an animation changes what the light reaches, apart from its place: its range or its outer cone.
+[[nodiscard]] bool changes_reach(const LightSource& light);
 
 /// Whether an animation places or deforms the instance.
 [[nodiscard]] inline bool can_move(const Scene& scene, const Instance& instance) {

@@ -100,6 +100,18 @@ void put_rigs(Hasher& hasher, const Scene& scene) {
   }
 }
 
+/// Scenes without animated lights keep the hash that they had before there were any.
+void put_light_animations(Hasher& hasher, const Scene& scene) {
+  for (std::uint32_t i = 0; i < scene.lights.size(); ++i) {
+    const std::optional<LightAnimation>& animation = scene.lights[i].animation;
+    if (!animation) continue;
+    hasher.fields(i, animation->color, animation->intensity, animation->exposure);
+    hasher.count(animation->tracks.size());
+    for (const LightTrack& track : animation->tracks)
+      hasher.fields(track.property, track.interpolation, track.keys_s, track.values);
+  }
+}
+
 void put_places(Hasher& hasher, const Scene& scene) {
   hasher.count(scene.nodes.size());
   for (const Node& n : scene.nodes)
@@ -122,6 +134,7 @@ SceneHash hash_of(const Scene& scene) {
   put_shapes(hasher, scene);
   put_rigs(hasher, scene);
   put_places(hasher, scene);
+  put_light_animations(hasher, scene);
   return hasher.finish();
 }
 

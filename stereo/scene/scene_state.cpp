@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "stereo/base/check.h"
 #include "stereo/math/rotation.h"
@@ -52,19 +53,30 @@ auto cubic(const KeyPlace& at, const Value& value) {
          (3 * t2 - 2 * t3) * value(at.key + 1, 1) + at.step_s * (t3 - t2) * value(at.key + 1, 0);
 }
 
-/// The value of the channel: xyz0, or a quaternion xyzw that may not be unit. It is constant before the first
-/// key and after the last key.
-glm::dvec4 sample(const Channel& channel, double time_s) {
-  const bool is_cubic = channel.interpolation == Interpolation::CubicSpline;
-  const KeyPlace at = place_of(channel.keys_s, channel.interpolation, time_s);
+glm::dvec4 straight(const glm::dvec4& a, const glm::dvec4& b, double t) {
+  return a + (b - a) * t;
+}
+
+/// The value of a Channel or LightTrack. It is constant before the first key and after the last key.
+/// `between(a, b, t)` interpolates where the track is linear.
+template <class Track, class Between>
+glm::dvec4 sample(const Track& track, double time_s, const Between& between) {
+  const bool is_cubic = track.interpolation == Interpolation::CubicSpline;
+  const KeyPlace at = place_of(track.keys_s, track.interpolation, time_s);
   const auto value = [&](std::size_t k, std::size_t part) {
-    return glm::dvec4(channel.values[is_cubic ? 3 * k + part : k]);
+    return glm::dvec4(track.values[is_cubic ? 3 * k + part : k]);
   };
   if (at.t == 0) return value(at.key, 1);
   if (is_cubic) return cubic(at, value);
-  const glm::dvec4 a = value(at.key, 1), b = value(at.key + 1, 1);
-  if (channel.path == Path::Rotation) return vec_of(slerp(quat_of(a), quat_of(b), at.t));
-  return a + (b - a) * at.t;
+  return between(value(at.key, 1), value(at.key + 1, 1), at.t);
+}
+
+/// xyz0, or a quaternion xyzw that may not be unit.
+glm::dvec4 sample(const Channel& channel, double time_s) {
+  if (channel.path != Path::Rotation) return sample(channel, time_s, straight);
+  return sample(channel, time_s, [](const glm::dvec4& a, const glm::dvec4& b, double t) {
+    return vec_of(slerp(quat_of(a), quat_of(b), t));
+  });
 }
 
 /// One of `count` weights.
@@ -90,7 +102,41 @@ glm::dmat4 local_matrix(const NodeTransform& transform) {
   return m;
 }
 
-Light light_at(const LightSource& source, const Affine<Stage, Object>& stage_from_node) {
+/// Sets what an animation changes. A spline may leave the range of the property's values; it is cut off.
+void animate(const LightAnimation& animation, double time_s, Light& light) {
+  constexpr double kLeastRange_m = 1e-6, kLeastCone_rad = 1e-4, kMostIntensity = 1e30;
+  glm::dvec3 color(animation.color);
+  double intensity = double{animation.intensity}, inner = double{light.inner_cone_rad},
+         outer = double{light.outer_cone_rad};
+  for (const LightTrack& track : animation.tracks) {
+    const glm::dvec4 value = sample(track, time_s, straight);
+    switch (track.property) {
+      case LightProperty::Color:
+        color = glm::max(glm::dvec3(value), 0.0);
+        break;
+      case LightProperty::Intensity:
+        intensity = std::max(value.x, 0.0);
+        break;
+      case LightProperty::Range:
+        light.range_m = static_cast<float>(std::max(value.x, kLeastRange_m));
+        break;
+      case LightProperty::InnerCone:
+        inner = value.x;
+        break;
+      case LightProperty::OuterCone:
+        outer = value.x;
+        break;
+    }
+  }
+  light.intensity =
+      glm::vec3(glm::min(color * intensity * double{animation.exposure}, glm::dvec3(kMostIntensity)));
+  if (light.kind != LightKind::Spot) return;
+  outer = std::clamp(outer, kLeastCone_rad, std::numbers::pi / 2);
+  light.outer_cone_rad = static_cast<float>(outer);
+  light.inner_cone_rad = static_cast<float>(std::clamp(inner, 0.0, outer));
+}
+
+Light light_at(const LightSource& source, const Affine<Stage, Object>& stage_from_node, double time_s) {
   Light light;
   light.kind = source.kind;
   light.position = stage_from_node(Point<Object>{});
@@ -98,11 +144,22 @@ Light light_at(const LightSource& source, const Affine<Stage, Object>& stage_fro
   light.intensity = source.intensity;
   light.range_m = source.range_m.value_or(0.0f);
   light.inner_cone_rad = source.inner_cone_rad;
-  light.outer_cone_rad = source.outer_cone_rad;
+  light.outer_cone_rad = light.widest_cone_rad = source.outer_cone_rad;
+  if (source.animation) animate(*source.animation, time_s, light);
   return light;
 }
 
+bool is_animated(const LightSource& light) {
+  return light.animation.has_value();
+}
+
 }  // namespace
+
+bool changes_reach(const LightSource& light) {
+  return light.animation && std::ranges::any_of(light.animation->tracks, [](const LightTrack& track) {
+           return track.property == LightProperty::Range || track.property == LightProperty::OuterCone;
+         });
+}
 
 void set(Path path, const glm::dvec4& value, NodeTransform& transform) {
   switch (path) {
@@ -175,7 +232,8 @@ void advance(const Scene& scene, Time scene_time, const LightChanges& changes, S
   state.scene_time = scene_time;
   const bool is_made = state.stage_from_object.size() == scene.instances.size() &&
                        state.light_set.lights.size() == scene.lights.size();
-  const bool stands = scene.channels.empty() && scene.rigs.empty();
+  const bool stands =
+      scene.channels.empty() && scene.rigs.empty() && std::ranges::none_of(scene.lights, is_animated);
   if (is_made && stands && changes == state.light_changes) return;
   const auto poses = stage_from_nodes(scene, scene_time);
   state.rigs.clear();
@@ -187,8 +245,9 @@ void advance(const Scene& scene, Time scene_time, const LightChanges& changes, S
                                               : poses[instance.node]);
   }
   state.light_set.lights.clear();
+  const double time_s = animation_time_s(scene, scene_time);
   for (const LightSource& source : scene.lights)
-    state.light_set.lights.push_back(light_at(source, poses[source.node]));
+    state.light_set.lights.push_back(light_at(source, poses[source.node], time_s));
   state.light_changes = changes;
   apply(changes, state.light_set);
 }

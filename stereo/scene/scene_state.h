@@ -17,6 +17,7 @@ struct Light {
   glm::vec3 intensity{1.0f};
   float range_m = 0;  ///< 0 = unlimited
   float inner_cone_rad = 0, outer_cone_rad = 0;
+  float widest_cone_rad = 0;  ///< the outer cone at its widest; shadow maps are made for it
   friend bool operator==(const Light&, const Light&) = default;
 };
 

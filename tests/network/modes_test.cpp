@@ -98,6 +98,59 @@ INSTANTIATE_TEST_SUITE_P(Modes, EveryMode,
                                          Case{{.mode = Mode::Local, .shadow_maps = {.side_px = 2048}}, 22}),
                          name);
 
+/// Box over plane with lights that go from a quarter to all of their intensity within a second. Nothing
+/// moves.
+Scene brightening() {
+  Scene scene = load_scene(FARSHADE_ASSETS "/box_over_plane.gltf").value();
+  LightTrack track;
+  track.keys_s = {0, 1};
+  track.values = {glm::vec4(0.25f), glm::vec4(1)};
+  for (LightSource& light : scene.lights) light.animation = {light.intensity, 1, 1, {track}};
+  scene.animation_length_s = 1;
+  return scene;
+}
+
+double brightness(const Image<Rgb8>& picture) {
+  double sum = 0;
+  for (const Rgb8& pixel : picture.pixels) sum += pixel.y;
+  return sum;
+}
+
+class EveryLateMode : public testing::TestWithParam<ModeSettings> {};
+
+/// What the server sends is 80 ms old when it is shown. The head stands still.
+TEST_P(EveryLateMode, IsAsBrightAsTheLightsAreNow) {
+  const ModeSettings mode = GetParam();
+  if (set_of(Answer::Video) & answers_for(mode.mode) && !has_video()) GTEST_SKIP() << video_version();
+  const Scene scene = brightening();
+  HeadRecording head = setup().head;
+  for (auto& sample : head.samples) sample.recorded_from_head = head.samples[0].recorded_from_head;
+  Play play{.device = setup().device, .scene = scene, .head = head, .size = {96, 96}, .frames = 36};
+  play.reference_every = 5;
+  play.mode = mode;
+  std::vector<double> wrong;
+  play.watch = [&](const FrameView&, const FrameRecord& record, const MeasuredFrame* frame) {
+    if (frame != nullptr && !record.start_up)
+      wrong.push_back(std::abs(1 - brightness(frame->shown[0]) / brightness(frame->reference[0])));
+  };
+  static_cast<void>(farshade::play(play, network_from("delay=40ms").value()));
+  ASSERT_GT(wrong.size(), 3u);
+  EXPECT_LT(*std::ranges::max_element(wrong), 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, EveryLateMode,
+                         testing::Values(ModeSettings{.mode = Mode::Hybrid}, ModeSettings{.mode = Mode::Full},
+                                         ModeSettings{.mode = Mode::ClientPositions},
+                                         ModeSettings{.mode = Mode::ServerGBuffer},
+                                         ModeSettings{.mode = Mode::Remote, .bits_per_second = 50'000'000},
+                                         ModeSettings{.mode = Mode::Delta, .bits_per_second = 50'000'000},
+                                         ModeSettings{.mode = Mode::Local}),
+                         [](const testing::TestParamInfo<ModeSettings>& made) {
+                           std::string text(name_of(made.param.mode));
+                           std::erase(text, '-');
+                           return text;
+                         });
+
 std::string mode_name(const testing::TestParamInfo<Mode>& info) {
   std::string text(name_of(info.param));
   std::erase(text, '-');

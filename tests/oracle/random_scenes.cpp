@@ -98,6 +98,22 @@ Scene random_soup(std::mt19937& random) {
   return build.build();
 }
 
+Scene changing_lights(std::mt19937& random) {
+  std::uniform_real_distribution<float> place(-2, 2), unit(0, 1);
+  SceneBuilder build;
+  build.add(quad({0, -2, 0}, {3, 0, 0}, {0, 0, -3}));
+  for (int i = 0; i < 20; ++i)
+    build.add(box({place(random), place(random), place(random)}, 0.3f * glm::vec3(unit(random))));
+  for (int i = 0; i < 3; ++i) {
+    build.point_light({place(random), 1.5, place(random)}, 1.0f);
+    build.change(LightProperty::Range, glm::vec4(1 + 3 * unit(random)), glm::vec4(1 + 5 * unit(random)));
+    build.change(LightProperty::Intensity, glm::vec4(0), glm::vec4(1));
+    build.spot_light({place(random), 2, place(random)}, {0.3 * place(random), -1, 0.3 * place(random)}, 0.5f);
+    build.change(LightProperty::OuterCone, glm::vec4(0.1f + unit(random)), glm::vec4(0.1f + unit(random)));
+  }
+  return build.build();
+}
+
 Scene bending_figures(std::mt19937& random, std::uint32_t triangles, const glm::dvec3& shift) {
   std::uniform_real_distribution<float> place(-1, 1), unit(0, 1);
   SceneBuilder build(shift);

@@ -11,6 +11,10 @@ namespace farshade {
 /// box in the hall, a hollow lampshade around one point light, and a closed box around another.
 [[nodiscard]] Scene random_soup(std::mt19937& random);
 
+/// Boxes over a floor. Three point lights change their range and their intensity, which is 0 at time 0, and
+/// three spot lights change their cone. Nothing moves.
+[[nodiscard]] Scene changing_lights(std::mt19937& random);
+
 /// A hall with three lights and two deformed figures between them: a tube of `triangles` triangles whose skin
 /// bends at two joints, one of which also stretches it, and a flat-shaded box that morphs and bends. The
 /// tube's first joint turns, too. One light moves, the others stand still. Everything lies about `shift`.

@@ -152,6 +152,16 @@ std::uint32_t SceneBuilder::directional_light(const glm::dvec3& direction) {
   return light(source, glm::dvec3(0.0), direction);
 }
 
+void SceneBuilder::change(LightProperty property, const glm::vec4& from, const glm::vec4& to) {
+  LightSource& light = scene_.lights.back();
+  if (!light.animation) light.animation.emplace();
+  light.animation->tracks.push_back({property, Interpolation::Linear, {0, 1}, {from, to}});
+  if (property == LightProperty::Range) light.range_m = std::max(from.x, to.x);
+  if (property == LightProperty::OuterCone) light.outer_cone_rad = std::max(from.x, to.x);
+  if (property == LightProperty::Intensity) light.intensity = glm::vec3(std::max(from.x, to.x));
+  scene_.animation_length_s = 1;
+}
+
 void SceneBuilder::move(std::uint32_t moved, const glm::dvec3& travel) {
   const glm::vec4 start(glm::vec3(scene_.nodes[moved].rest.translation), 0.0f);
   scene_.nodes[moved].moving = true;

@@ -45,6 +45,8 @@ class SceneBuilder {
   std::uint32_t point_light(const glm::dvec3& position, std::optional<float> range_m = std::nullopt);
   std::uint32_t spot_light(const glm::dvec3& position, const glm::dvec3& direction, float outer_cone_rad);
   std::uint32_t directional_light(const glm::dvec3& direction);
+  /// Changes a property of the last light linearly over one second. The animation repeats.
+  void change(LightProperty property, const glm::vec4& from, const glm::vec4& to);
   /// Moves `node` linearly by `travel` over one second. The animation repeats.
   void move(std::uint32_t node, const glm::dvec3& travel);
   /// Turns `node` about the y axis by `angle_rad` (less than pi) over one second. The animation repeats.

@@ -75,6 +75,26 @@ TEST(ShadowTrace, AgreesWithTheOracleOnDeformedFigures) {
   }
 }
 
+/// Ranges and cones at random times, with one tracer for all times and another for each.
+TEST(ShadowTrace, AgreesWithTheOracleOnChangingLights) {
+  const unsigned seed = 20261126;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  for (int i = 0; i < 3; ++i) {
+    const Scene scene = changing_lights(random);
+    const View view = look({0.5 * i, 2.5, 3}, {0, -1, 0}, 128);
+    std::array<std::uint64_t, 2> lit{};
+    for (std::size_t late = 0; late < lit.size(); ++late) {
+      const int first_ms = late == 1 ? 900 : 0;
+      const Time time(
+          std::chrono::milliseconds(std::uniform_int_distribution(first_ms, first_ms + 99)(random)));
+      lit[late] = expect_agrees(scene, {view, view}, time, 0.1).lit;
+    }
+    EXPECT_GT(std::min(lit[0], lit[1]), 1000u);
+    EXPECT_NE(lit[0], lit[1]);
+  }
+}
+
 /// Edges of a shadow on the plane y = 0, as assets/ORIGIN.md derives them.
 struct Rectangle {
   double x0, x1, z0, z1;

@@ -37,7 +37,7 @@ class Hybrid final : public ModePipeline {
         exchange_(context.link, context.policy, context.settings.request, motion_of(context.renderer)),
         surround_(context.link, context.policy, motion_of(context.renderer)),
         asking_(context.renderer),
-        masks_(context.scene.animation_length_s > 0) {}
+        masks_(context.renderer.anything_moves()) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
     FrameRequest* const request = exchange_.plan(inputs, {.kind = Answer::Masks});
@@ -86,7 +86,7 @@ class ClientPositions final : public ModePipeline {
   explicit ClientPositions(const RunContext& context)
       : context_(context),
         exchange_(context.link, context.policy, context.settings.request, motion_of(context.renderer)),
-        masks_(context.scene.animation_length_s > 0),
+        masks_(context.renderer.anything_moves()),
         grid_(grid_of({context.scene.bounds.low}, {context.scene.bounds.high}, context.mode.position_bits)) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
@@ -185,7 +185,7 @@ Lookup MaskSources::lookup(const FrameRequest& shown, Lookup requested) const {
     return shares_pixels(shown.views[eye], first.views[eye]) && records_[0]->complete(kSides[eye]);
   };
   const bool is_exact = is_same(0) && is_same(1) && first.light_set_revision == shown.lights.revision &&
-                        (!is_animated_ || same_instant(first.scene_time, shown.scene_time));
+                        (!anything_moves_ || same_instant(first.scene_time, shown.scene_time));
   return is_exact ? Lookup::Direct : requested;
 }
 

@@ -13,7 +13,7 @@ namespace farshade {
 class MaskSources {
  public:
   /// `is_animated`: the scene has animations, so a mask is exact at one scene time only.
-  explicit MaskSources(bool is_animated) : is_animated_(is_animated) {}
+  explicit MaskSources(bool anything_moves) : anything_moves_(anything_moves) {}
 
   /// Chooses the masks of a frame: first the newest of `usable` that is as complete as it will be
   /// (`settled`, one of `usable` or null), then the others from new to old. So newer masks, of which a part
@@ -32,7 +32,7 @@ class MaskSources {
                   Exchange& exchange, const Surround* surround = nullptr);
 
  private:
-  bool is_animated_;
+  bool anything_moves_;
   std::vector<const RequestRecord*> records_;  ///< in the order of trust
   std::vector<TracedMask> masks_, drawn_with_;
 };

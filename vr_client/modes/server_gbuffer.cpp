@@ -36,7 +36,9 @@ class ServerGBuffer final : public ModePipeline {
   DrawnFrame draw(const FrameInputs& inputs) override {
     if (newest_ == nullptr) return draw_black(context_.renderer, inputs.shown.views);
     const FrameRequest& made_for = newest_->request;
-    const SceneState state = state_at(context_.scene, made_for.scene_time, made_for.lights);
+    SceneState state = state_at(context_.scene, made_for.scene_time, made_for.lights);
+    for (std::size_t i = 0; i < state.light_set.lights.size(); ++i)  // as bright as now
+      state.light_set.lights[i].intensity = inputs.state.light_set.lights[i].intensity;
     const TracedMask mask = mask_of(*newest_);
     DrawTimes drawn = context_.renderer.draw_received(
         covered(newest_->gbuffer),

@@ -122,6 +122,21 @@ TEST(MotionModel, MarksOnlyTheMovedLightStale) {
   EXPECT_EQ(motion.stale_lights.count(), 1u);
 }
 
+TEST(MotionModel, AChangedConeOrRangeIsStaleAndAChangedIntensityIsNot) {
+  SceneBuilder builder;
+  builder.add(quad({0, 0, 0}, {1, 0, 0}, {0, 0, -1}));
+  builder.point_light({0, 1, 0}, 3.0f);
+  builder.change(LightProperty::Intensity, glm::vec4(1), glm::vec4(2));
+  builder.change(LightProperty::Color, glm::vec4(1), glm::vec4(0));
+  builder.point_light({0, 1, 0}, 3.0f);
+  builder.change(LightProperty::Range, glm::vec4(1), glm::vec4(2));
+  builder.spot_light({0, 1, 0}, {0, -1, 0}, 1);
+  builder.change(LightProperty::OuterCone, glm::vec4(1), glm::vec4(0.5));
+  const Scene scene = builder.build();
+  const Motion motion = model_of(scene).between(state_at(scene, Time{}), state_at(scene, Time(500ms)));
+  EXPECT_EQ(motion.stale_lights.to_ullong(), 6u);
+}
+
 TEST(MotionModel, CarriesPointsBackToWhereTheyWere) {
   const Moving moving;
   for (const auto& [then, now] : {std::pair{100ms, 300ms}, std::pair{900ms, 200ms}}) {

@@ -194,6 +194,24 @@ TEST(MapLayers, KeepDepthForLightsThatCanStandStillWhileSomethingMoves) {
   }
 }
 
+TEST(MapLayers, OfAnAnimatedConeAreThoseOfTheWidest) {
+  Scene scene = half_moving(1, 0);
+  scene.lights[0].kind = LightKind::Spot;
+  scene.lights[0].outer_cone_rad = 1.5f;  // the widest
+  Light light;
+  light.kind = LightKind::Spot;
+  light.direction = {{0, -1, 0}};
+  light.outer_cone_rad = 0.5f, light.widest_cone_rad = 1.5f;
+  const std::vector<Point<Stage>> corners(8);
+  const auto layers = [&] { return shadow_map_views({&light, 1}, corners, {}).layer_clip; };
+  EXPECT_EQ(layers().size(), map_layers(scene, {}).count) << "a cube";
+  light.widest_cone_rad = 0.9f;
+  const std::vector<glm::dmat4> before = layers();
+  ASSERT_EQ(before.size(), 1u);
+  light.outer_cone_rad = 0.8f;
+  EXPECT_EQ(layers(), before) << "its map is kept";
+}
+
 TEST(MapLayers, KeepNothingIfItDoesNotFitIntoTheBudgetWithTheMaps) {
   EXPECT_EQ(map_layers(half_moving(21, 0), {.side_px = 1024}).kept, 21u * 6);
   EXPECT_EQ(map_layers(half_moving(22, 0), {.side_px = 1024}).kept, 0u);

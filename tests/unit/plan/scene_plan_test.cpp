@@ -107,6 +107,24 @@ TEST(ScenePlan, KeepsALightThatComesIntoReachOrHasTheSceneComeToIt) {
   EXPECT_EQ(plan_for(guest.build()).lights, std::vector{LightFate::Casts});
 }
 
+TEST(ScenePlan, KnowsWhatAnimatedLightsBecome) {
+  SceneBuilder growing;
+  growing.add(triangle());
+  growing.point_light({0, 0, 9}, 1.0f);
+  growing.change(LightProperty::Range, glm::vec4(1), glm::vec4(10));
+  EXPECT_EQ(plan_for(growing.build()).lights, std::vector{LightFate::Casts});
+  EXPECT_TRUE(plan_for(growing.build()).draw.lights_move) << "masks of other times do not fit";
+  SceneBuilder short_lived;
+  short_lived.add(triangle());
+  short_lived.point_light({0, 0, 9}, 1.0f);
+  short_lived.change(LightProperty::Range, glm::vec4(1), glm::vec4(2));
+  EXPECT_EQ(plan_for(short_lived.build()).lights, std::vector{LightFate::OutOfReach});
+  SceneBuilder flicker = simplest();
+  flicker.change(LightProperty::Intensity, glm::vec4(0), glm::vec4(1));
+  EXPECT_EQ(plan_for(flicker.build()).lights, std::vector{LightFate::Casts});
+  EXPECT_FALSE(plan_for(flicker.build()).draw.anything_moves()) << "masks fit at all times";
+}
+
 TEST(ScenePlan, LeavesOutDarkLightsAndThenTheServer) {
   Scene scene = simplest().build();
   scene.lights[0].intensity = glm::vec3(0);

@@ -119,6 +119,39 @@ TEST(WildInstances, MoveWithTheirNode) {
   EXPECT_LT(glm::length(state.stage_from_object[1](Point<Object>{{0, 0, 0}}).v - glm::dvec3(5, 0, 2)), 1e-6);
 }
 
+TEST(WildInstances, MorphTargetsFollowTheWeightsOfTheirNode) {
+  GltfBuilder file = triangle_file();
+  const auto places = file.positions({{0, 0, 0}, {5, 0, 0}});
+  const auto keys = file.accessor(file.view<float>({0, 1}), 5126, "SCALAR", 2);
+  const auto weights = file.accessor(file.view<float>({0, 1}), 5126, "SCALAR", 2);
+  const auto target = file.positions({{0, 0, 1}, {0, 0, 1}, {0, 0, 1}});
+  file.json["meshes"][0]["primitives"][0]["targets"] = json::array({{{"POSITION", target}}});
+  file = instanced_file(file, {{"TRANSLATION", places}});
+  file.json["animations"] = {
+      {{"samplers", {{{"input", keys}, {"output", weights}}}},
+       {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}}};
+  const Scene scene = loaded(file);
+  EXPECT_TRUE(scene.warnings.empty());
+  ASSERT_EQ(scene.rigs.size(), 2u) << "one for each instance";
+  for (const RigPose& pose : state_at(scene, time_from_ns(500'000'000)).rigs)
+    EXPECT_EQ(pose.weights, std::vector<float>{0.5f});
+}
+
+TEST(WildInstances, RefusesMoreWeightsThanASmallFileShouldHave) {
+  GltfBuilder file = triangle_file();
+  file.json["accessors"].push_back({{"componentType", 5126}, {"type", "VEC3"}, {"count", 60'000}});
+  std::vector<float> times(100);
+  for (std::size_t i = 0; i < times.size(); ++i) times[i] = static_cast<float>(i);
+  const auto keys = file.accessor(file.view(times), 5126, "SCALAR", 100);
+  file = instanced_file(file, {{"TRANSLATION", 2}});
+  file.json["animations"] = {
+      {{"samplers", {{{"input", keys}, {"output", keys}}}},
+       {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "weights"}}}}}}}};
+  const Error error = refused(file);
+  EXPECT_EQ(error.fault, Fault::OutOfRange);
+  expect_says(error.what, "more keys than a file of this size should have");
+}
+
 TEST(WildInstances, RefusesWhatDoesNotFit) {
   GltfBuilder file = triangle_file();
   const auto two = file.positions({{0, 0, 0}, {5, 0, 0}}),
@@ -160,12 +193,12 @@ TEST(WildAnimationPointers, ToNodesMoveThem) {
 }
 
 TEST(WildAnimationPointers, ToOtherThingsStandStillWithAWarning) {
-  for (const char* pointer : {"/extensions/KHR_lights_punctual/lights/0/intensity", "/nodes/0/mesh",
-                              "/nodes/x/scale", "/nodes//scale", "/nodes/99999999999/scale", "", "/nodes/"}) {
+  for (const char* pointer : {"/materials/0/emissiveFactor", "/nodes/0/mesh", "/nodes/x/scale",
+                              "/nodes//scale", "/nodes/99999999999/scale", "", "/nodes/"}) {
     const Scene scene = loaded(pointer_file(pointer));
     EXPECT_EQ(scene.animation_length_s, 0) << pointer;
     ASSERT_EQ(scene.warnings.size(), 1u) << pointer;
-    expect_says(scene.warnings[0], "KHR_animation_pointer: only nodes are animated");
+    expect_says(scene.warnings[0], "KHR_animation_pointer: only nodes and lights are animated");
   }
   expect_says(refused(pointer_file("/nodes/7/translation")).what, "there is no node 7");
 }
