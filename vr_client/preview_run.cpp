@@ -22,9 +22,6 @@ namespace {
 static_assert(kWorstPath.latency_ms + kWorstPath.jitter_ms <= kWorstPreviewPath_ms);
 
 constexpr const char* kTitle = "Farshade";
-constexpr std::uint32_t kFirstPanel_px = 330, kLeastEye_px = 480, kLeastHeight_px = 720;
-/// The first window is at most this large, so that it fits on a desktop.
-constexpr Extent kLargestFirstWindow{1860, 1000};
 /// Interval between polls of a minimised window.
 constexpr Duration kMinimisedWait = std::chrono::milliseconds(100);
 constexpr Duration kTitleInterval = std::chrono::seconds(1);
@@ -48,8 +45,10 @@ PreviewSetup setup_of(const Options& options, const Scene& scene, const std::opt
   return setup;
 }
 
-Controls first_controls(const Options& options, const std::optional<PlacedHead>& head) {
+Controls first_controls(const Options& options, const std::optional<PlacedHead>& head,
+                        const Remembered& remembered) {
   Controls controls;
+  recall(remembered, controls);
   controls.settings.request = options.request;
   controls.settings.carry_over = options.carry_over;
   if (head) {
@@ -65,13 +64,13 @@ class Preview {
  public:
   /// The reference tracer is created when it is first needed.
   Preview(const Options& options, Client& client, Window& window, StopSignal& stop_signal,
-          const std::optional<PlacedHead>& head, const LinkModel& path)
+          const std::optional<PlacedHead>& head, const LinkModel& path, const Remembered& remembered)
       : options_(options),
         client_(client),
         window_(window),
         stop_signal_(stop_signal),
         presenter_(client.device, window, client.renderer->shown()),
-        controls_(first_controls(options, head)),
+        controls_(first_controls(options, head, remembered)),
         path_(path),
         lights_(state_at(client.scene, {}).light_set),
         runtime_(
@@ -113,6 +112,7 @@ class Preview {
   [[nodiscard]] Expected<void> finish() {
     const Expected<void> taken = recordings_.finish();
     const Expected<void> written = timeline_.write(options_.timeline);
+    remember();
     return taken ? written : taken;
   }
 
@@ -138,6 +138,14 @@ class Preview {
             .policy = policy()};
   }
 
+  /// A layout that cannot be kept is no reason to fail.
+  void remember() const {
+    Remembered remembered = remembered_of(controls_);
+    remembered.window = last_size_;
+    if (const Expected<void> saved = save_remembered(remembered_path(), remembered); !saved)
+      spdlog::warn("the layout of the preview is not remembered: {}", saved.error().what);
+  }
+
   Expected<void> restart_with_capture() {
     restart_ = Restart::No;
     history_ = {};
@@ -156,6 +164,7 @@ class Preview {
       if (client_.link) client_.link->poll();
     }
     const Input input = window_.poll();
+    if (const Extent size = window_.framebuffer_size(); size.pixels() > 0) last_size_ = size;
     apply_input(input, controls_, context());
     follow_path();
     toggle_recordings();
@@ -216,7 +225,7 @@ class Preview {
         .aspect = aspect_of(view.shown.views[0]),
         .shared = shared_columns({view.shown.views[0].fov, view.shown.views[1].fov}, controls_.eye_distance_m,
                                  options_.size),
-        .right_px = panel_width_px(controls_, window_.framebuffer_size(), window_.content_scale())};
+        .right_px = panel_width_px(controls_, window_.framebuffer_size(), window_.text_scale())};
     if (const auto& pictures = inspection_.replacement()) {
       for (const Side side : kSides) presenter_.upload(side, (*pictures)[index_of(side)]);
       composition.pictures = {Picture::LeftUpload, Picture::RightUpload};
@@ -242,7 +251,7 @@ class Preview {
             .writing_capture = recordings_.writes_capture(),
             .recording_frames = recordings_.records_frames(),
             .window = window_.framebuffer_size(),
-            .scale = window_.content_scale()};
+            .scale = window_.text_scale()};
   }
 
   [[nodiscard]] std::string server_state() const {
@@ -281,16 +290,17 @@ class Preview {
   Recordings recordings_;
   Timeline timeline_;
   std::optional<Time> titled_;
+  std::optional<Extent> last_size_;  ///< of the window while it was visible
   enum class Restart : std::uint8_t { No, Wanted } restart_ = Restart::No;
   enum class Quit : std::uint8_t { No, Wanted } quit_ = Quit::No;
 };
 
-/// Room for both eyes at scale 1 and the panel; small eyes are enlarged.
-Extent window_size(const Options& options) {
-  const Extent preferred{std::max(options.size.width, kLeastEye_px) * 2 + kFirstPanel_px,
-                         std::max(options.size.height, kLeastHeight_px)};
-  return {std::min(preferred.width, kLargestFirstWindow.width),
-          std::min(preferred.height, kLargestFirstWindow.height)};
+/// What earlier runs have left. A broken file is ignored.
+Remembered recalled() {
+  Expected<Remembered> remembered = load_remembered(remembered_path());
+  if (remembered) return *remembered;
+  spdlog::warn("the remembered layout of the preview is ignored: {}", remembered.error().what);
+  return {};
 }
 
 }  // namespace
@@ -308,7 +318,9 @@ Expected<void> run_preview(const Options& given) {
   }
   const Expected<LinkModel> path = options.net.empty() ? LinkModel{} : parse_link_model(options.net);
   if (!path) return tl::unexpected(path.error());
-  const Expected<std::unique_ptr<Window>> window = open_window(kTitle, window_size(options));
+  const Remembered remembered = recalled();
+  const Expected<std::unique_ptr<Window>> window = open_window(
+      kTitle, [&](const Desktop& desktop) { return first_window(options.size, desktop, remembered.window); });
   if (!window) return tl::unexpected(window.error());
   options.device.presentation = (*window)->presentation();
   Expected<std::unique_ptr<Client>> client =
@@ -329,7 +341,7 @@ Expected<void> run_preview(const Options& given) {
 
   Expected<void> done, finished;
   {
-    Preview preview(options, **client, **window, stop_signal, head, *path);
+    Preview preview(options, **client, **window, stop_signal, head, *path, remembered);
     try {
       done = preview.run_all();
     } catch (const std::exception& error) {

@@ -32,4 +32,8 @@ fs::path cache_folder() {
   return user_folder("XDG_CACHE_HOME", ".cache");
 }
 
+fs::path state_folder() {
+  return user_folder("XDG_STATE_HOME", ".local/state");
+}
+
 }  // namespace farshade

@@ -12,4 +12,7 @@ namespace farshade {
 /// $XDG_CACHE_HOME/farshade, else ~/.cache/farshade. Its files can be deleted at any time.
 [[nodiscard]] std::filesystem::path cache_folder();
 
+/// $XDG_STATE_HOME/farshade, else ~/.local/state/farshade: what a program remembers from run to run.
+[[nodiscard]] std::filesystem::path state_folder();
+
 }  // namespace farshade

@@ -83,7 +83,9 @@ void print_times(const Scene& scene, const BenchOptions& options, const gpu::Dev
 void compare(const BenchOptions& options) {
   const XScreen screen;
   const Extent size{options.side_px, options.side_px};
-  const auto window = value_of(open_window("Farshade", {size.width * 2 + 330, std::max(size.height, 720u)}));
+  const auto window = value_of(open_window("Farshade", [&](const Desktop&) {
+    return Extent{size.width * 2 + 330, std::max(size.height, 720u)};
+  }));
   const Scene scene = value_of(load_scene(options.scene));
   const HeadRecording head = value_of(load_head_recording(options.trace));
   gpu::DeviceOptions device_options;
@@ -105,7 +107,7 @@ void compare(const BenchOptions& options) {
                          .server = "server",
                          .note = {},
                          .window = window->framebuffer_size(),
-                         .scale = window->content_scale()};
+                         .scale = window->text_scale()};
   const Composition composition{.right_px = panel_width_px(controls, facts.window, facts.scale)};
   RequestPlan plan(RequestSettings{});
   plan.learn(kPeriod * kLate_frames);

@@ -21,6 +21,10 @@ namespace {
 constexpr Extent kEye{512, 512}, kWindow{1040, 540};
 constexpr const char* kTitle = "Farshade window test";
 
+Extent of_window(const Desktop&) {
+  return kWindow;
+}
+
 /// All tests of this program share this screen. Each opens and closes its own window.
 class Screen final : public testing::Environment {
  public:
@@ -104,7 +108,7 @@ void no_panel() {}
 class PreviewWindow : public testing::Test {
  protected:
   void open(gpu::Validation validation = gpu::Validation::On) {
-    window_ = value_of(open_window(kTitle, kWindow));
+    window_ = value_of(open_window(kTitle, of_window));
     device_ = value_of(gpu::open_device(
         {.name_contains = "llvmpipe", .validation = validation, .presentation = window_->presentation()}));
     eyes_ = make_eyes(*device_);
@@ -411,7 +415,7 @@ TEST_F(PreviewWindow, ShowingCostsAFewMilliseconds) {
 TEST(OpenWindow, NamesTheCureWithoutADesktop) {
   unsetenv("DISPLAY");
   unsetenv("WAYLAND_DISPLAY");
-  const auto window = open_window(kTitle, kWindow);
+  const auto window = open_window(kTitle, of_window);
   setenv("DISPLAY", Screen::get().display().c_str(), 1);
   ASSERT_FALSE(window);
   EXPECT_EQ(window.error().fault, Fault::Missing);
@@ -421,7 +425,7 @@ TEST(OpenWindow, NamesTheCureWithoutADesktop) {
 
 TEST(OpenWindow, NamesTheReasonIfTheDisplayDoesNotAnswer) {
   setenv("DISPLAY", ":65000", 1);
-  const auto window = open_window(kTitle, kWindow);
+  const auto window = open_window(kTitle, of_window);
   setenv("DISPLAY", Screen::get().display().c_str(), 1);
   ASSERT_FALSE(window);
   EXPECT_EQ(window.error().fault, Fault::Missing);

@@ -8,7 +8,7 @@ namespace farshade {
 namespace {
 
 constexpr double kFovStep_rad = 5 * std::numbers::pi / 180, kEyeStep_m = 0.01;
-constexpr double kPathStep_ms = 25;
+constexpr double kPathStep_ms = 25, kShareStep = 0.25;
 constexpr Duration kScrub = std::chrono::seconds(1);
 /// Factor by which one notch of the wheel changes the distance of a grabbed light.
 constexpr double kDistancePerNotch = 1.1, kNearestGrab_m = 0.05, kFarthestGrab_m = 1000;
@@ -20,6 +20,7 @@ constexpr KeyBinding kKeyTable[] = {
      "next display mode: side by side, cross-eyed, mono, anaglyph, difference"},
     {Key::O, Command::NextOverlay, "next overlay"},
     {Key::Digit0, Command::NoOverlay, "no overlay"},
+    {Key::Z, Command::PictureShare, "overlay: how much of the picture shines through: 0, 25, 50 or 75 %"},
     {Key::F, Command::Reference, "trace the reference in every frame and measure errors"},
     {Key::R, Command::Reprojection, "reprojection on or off"},
     {Key::P, Command::NextPredictor, "next predictor"},
@@ -102,6 +103,10 @@ void change_view(Command command, Controls& controls) {
   if (command == Command::NextDisplayMode) controls.display = next(controls.display, kDisplayModes.size());
   if (command == Command::NextOverlay) controls.overlay = next(controls.overlay, kOverlays.size());
   if (command == Command::NoOverlay) controls.overlay = Overlay::None;
+  if (command == Command::PictureShare)
+    controls.picture_share = controls.picture_share + kShareStep > kMostPictureShare
+                                 ? 0
+                                 : (std::floor(controls.picture_share / kShareStep) + 1) * kShareStep;
   if (command == Command::Reference) controls.reference = !controls.reference;
   if (command == Command::Panel) controls.panel = !controls.panel;
   if (command == Command::Help) controls.help = !controls.help;
@@ -183,6 +188,17 @@ std::span<const KeyBinding> key_bindings() {
   return kKeyTable;
 }
 
+std::span<const KeyHelp> key_help() {
+  static const std::vector<KeyHelp> all = [] {
+    std::vector<KeyHelp> lines{{"mouse", "drag the picture to look around"},
+                               {"W A S D", "walk; with Shift run"},
+                               {"Q E", "down, up"}};
+    for (const KeyBinding& binding : kKeyTable) lines.push_back({name_of(binding.key), binding.description});
+    return lines;
+  }();
+  return all;
+}
+
 LinkModel path_of(const NetworkSettings& settings, LinkModel base) {
   base.delay = duration_from_ms(settings.latency_ms);
   base.jitter = duration_from_ms(settings.jitter_ms);
@@ -228,6 +244,21 @@ void carry_light(Controls& controls, const ControlContext& context, double notch
   LightChanges& changes = controls.settings.lights;
   const LightChange now = change_of(changes, grab.light);
   if (now.pose != pose) change(changes, grab.light, now.on, pose);
+}
+
+Remembered remembered_of(const Controls& controls) {
+  return {.window = std::nullopt,
+          .panel = controls.panel,
+          .inspector = controls.inspector,
+          .overlay = controls.overlay,
+          .picture_share = controls.picture_share};
+}
+
+void recall(const Remembered& remembered, Controls& controls) {
+  controls.panel = remembered.panel;
+  controls.inspector = remembered.inspector;
+  controls.overlay = remembered.overlay;
+  controls.picture_share = remembered.picture_share;
 }
 
 HeadInput head_input(const Input& input) {

@@ -11,6 +11,7 @@
 #include "vr_client/preview/composition.h"
 #include "vr_client/preview/input.h"
 #include "vr_client/preview/preview_runtime.h"
+#include "vr_client/preview/remembered.h"
 #include "vr_client/report/overlays.h"
 
 namespace farshade {
@@ -42,6 +43,7 @@ enum class Command : std::uint8_t {
   NextDisplayMode,
   NextOverlay,
   NoOverlay,
+  PictureShare,
   Reference,
   // Reprojection, requests and network path.
   Reprojection,
@@ -91,11 +93,24 @@ struct KeyBinding {
 /// The label on the keyboard.
 [[nodiscard]] std::string name_of(Key key);
 
+/// A line of the help window.
+struct KeyHelp {
+  std::string keys;
+  const char* description;
+};
+/// All that mouse and keys do: the head's movement and every key binding.
+[[nodiscard]] std::span<const KeyHelp> key_help();
+
+/// The tabs of the panel.
+enum class PanelTab : std::uint8_t { View, Masks, Scene, Record };
+
 struct Controls {
   DisplayMode display = DisplayMode::SideBySide;
   Overlay overlay = Overlay::None;
-  std::uint32_t light = 0;                             ///< selected
-  bool reference = false, panel = true, help = false;  ///< whether they are shown, or measured
+  double picture_share = kDefaultPictureShare;  ///< 0..kMostPictureShare
+  std::uint32_t light = 0;                      ///< selected
+  bool reference = false, panel = true, help = false,
+       inspector = false;  ///< whether they are shown, or measured
   HeadSource head = HeadSource::Simulated;
   double eye_distance_m = 0.063;
   double fov_rad = 1.5;  ///< full vertical angle
@@ -104,7 +119,8 @@ struct Controls {
   NetworkSettings path;
   FrameSettings settings;
   std::optional<GrabbedLight> grab;
-  std::bitset<kCommands> pending;  ///< commands that the preview has not executed yet
+  std::optional<PanelTab> open_tab{};  ///< the tab that the panel opens when it is drawn next
+  std::bitset<kCommands> pending;      ///< commands that the preview has not executed yet
 
   /// True if `command` is pending, which it then no longer is.
   [[nodiscard]] bool take(Command command);
@@ -128,6 +144,11 @@ void apply_input(const Input& input, Controls& controls, const ControlContext& c
 
 /// Moves a grabbed light with the head. Positive `notches` of the wheel move it away from the viewer.
 void carry_light(Controls& controls, const ControlContext& context, double notches);
+
+/// What the preview remembers of these controls, and the controls set to it. The size of the window is not
+/// theirs.
+[[nodiscard]] Remembered remembered_of(const Controls& controls);
+void recall(const Remembered& remembered, Controls& controls);
 
 /// The head movement that the held keys and the mouse ask for.
 [[nodiscard]] HeadInput head_input(const Input& input);

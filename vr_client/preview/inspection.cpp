@@ -1,5 +1,7 @@
 #include "vr_client/preview/inspection.h"
 
+#include <cmath>
+
 #include "stereo/base/check.h"
 #include "stereo/image/difference.h"
 
@@ -10,6 +12,25 @@ bool needs_reference(const Controls& controls) {
          controls.overlay == Overlay::Error;
 }
 
+bool shows_through(Overlay overlay) {
+  return overlay == Overlay::Source || overlay == Overlay::Age || overlay == Overlay::Light ||
+         overlay == Overlay::Rays;
+}
+
+Image<Rgb8> seen_through(Image<Rgb8> overlay, const Image<Rgb8>& picture, double share) {
+  check(overlay.size == picture.size, "an overlay has the size of its picture");
+  const auto through = static_cast<std::uint32_t>(std::lround(share * 256)), rest = 256 - through;
+  for (std::size_t i = 0; i < overlay.pixels.size(); ++i) {
+    const Rgb8 below = picture.pixels[i];
+    // Rec. 709 luma, in 256ths.
+    const std::uint32_t grey = (54u * below.r + 183u * below.g + 19u * below.b) >> 8;
+    for (int channel = 0; channel < 3; ++channel)
+      overlay.pixels[i][channel] =
+          static_cast<std::uint8_t>((overlay.pixels[i][channel] * rest + grey * through + 128) >> 8);
+  }
+  return overlay;
+}
+
 const PerEye<Image<Rgb8>>& Inspection::shown() {
   if (read_ == Shown::NotRead) frame_.shown = renderer_.read_shown();
   read_ = Shown::Read;
@@ -18,15 +39,17 @@ const PerEye<Image<Rgb8>>& Inspection::shown() {
 
 Image<Rgb8> Inspection::overlaid(Side side, const FrameView& view, const Controls& controls) const {
   const std::size_t eye = index_of(side);
-  return overlay_picture(controls.overlay,
-                         {.side = side,
-                          .view = view.shown.views[eye],
-                          .shown = frame_.shown[eye],
-                          .reference = measured_ == Measured::Yes ? &frame_.reference[eye] : nullptr,
-                          .report = frame_.report[eye],
-                          .ages = frame_.ages,
-                          .newest = view.masks.empty() ? nullptr : &view.masks[0],
-                          .light = controls.light});
+  Image<Rgb8> picture = overlay_picture(
+      controls.overlay, {.side = side,
+                         .view = view.shown.views[eye],
+                         .shown = frame_.shown[eye],
+                         .reference = measured_ == Measured::Yes ? &frame_.reference[eye] : nullptr,
+                         .report = frame_.report[eye],
+                         .ages = frame_.ages,
+                         .newest = view.masks.empty() ? nullptr : &view.masks[0],
+                         .light = controls.light});
+  if (!shows_through(controls.overlay)) return picture;
+  return seen_through(std::move(picture), frame_.shown[eye], controls.picture_share);
 }
 
 void Inspection::inspect(const FrameView& view, const Controls& controls, Reference* reference) {

@@ -10,6 +10,14 @@ namespace farshade {
 /// Whether these controls need a full trace of the shown frame.
 [[nodiscard]] bool needs_reference(const Controls& controls);
 
+/// Whether the shaded picture shines through this overlay. Not through those that contain it or show other
+/// places.
+[[nodiscard]] bool shows_through(Overlay overlay);
+
+/// `overlay` where `share` of the brightness of `picture` shines through. Both have one size. Only the
+/// brightness, so that colours remain those of the legend.
+[[nodiscard]] Image<Rgb8> seen_through(Image<Rgb8> overlay, const Image<Rgb8>& picture, double share);
+
 class Inspection {
  public:
   /// Reads pictures from `renderer`.

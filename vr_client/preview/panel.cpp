@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <numbers>
 
+#include "vr_client/preview/inspection.h"
+#include "vr_client/preview/layout.h"
+
 namespace farshade {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kPanelWidth_px = 330;  ///< at scale 1
 
 /// A slider over a double.
 bool slide(const char* name, double& value, double low, double high, const char* format) {
@@ -55,6 +57,11 @@ void draw_legend(const Controls& controls, std::uint32_t lights) {
 void draw_view(Controls& controls, const PanelFacts& facts) {
   choose("eyes", kDisplayModes, controls.display, [](DisplayMode display) { return name_of(display); });
   choose("overlay", kOverlays, controls.overlay, [](Overlay overlay) { return name_of(overlay); });
+  if (shows_through(controls.overlay)) {
+    double percent = controls.picture_share * 100;
+    if (slide("picture", percent, 0, kMostPictureShare * 100, "%.0f %% through"))
+      controls.picture_share = percent / 100;
+  }
   draw_legend(controls, static_cast<std::uint32_t>(facts.scene.lights.size()));
   box("reference: full trace, measure", controls.reference, Command::Reference, controls, facts.context);
 }
@@ -154,33 +161,62 @@ void draw_recording(Controls& controls, const PanelFacts& facts) {
   box("frames", facts.recording_frames, Command::RecordFrames, controls, facts.context);
 }
 
+/// A table with the `size` keys from `first` on.
+void draw_keys(const char* name, std::size_t first, std::size_t size) {
+  if (!ImGui::BeginTable(name, 2, ImGuiTableFlags_SizingFixedFit)) return;
+  for (const KeyHelp& help : key_help().subspan(first, size)) {
+    ImGui::TableNextRow();
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(help.keys.c_str());
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(help.description);
+  }
+  ImGui::EndTable();
+}
+
+/// All keys in two columns, which fit a window of 1280 x 720 pixels. A smaller window scrolls.
 void draw_help(Controls& controls, const PanelFacts& facts) {
-  ImGui::SetNextWindowPos(
-      {static_cast<float>(facts.window.width) / 2, static_cast<float>(facts.window.height) / 2},
-      ImGuiCond_Always, {0.5f, 0.5f});
+  const ImVec2 window(static_cast<float>(facts.window.width), static_cast<float>(facts.window.height));
+  ImGui::SetNextWindowPos({window.x / 2, window.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowSizeConstraints({0, 0}, window);
   ImGui::SetNextWindowFocus();
-  if (ImGui::Begin("keys", nullptr, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse) &&
-      ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit)) {
-    const auto row = [](const std::string& key, const char* description) {
-      ImGui::TableNextRow();
+  if (ImGui::Begin("keys", nullptr,
+                   ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse |
+                       ImGuiWindowFlags_HorizontalScrollbar)) {
+    const std::size_t half = (key_help().size() + 1) / 2;
+    if (ImGui::BeginTable("halves", 2, ImGuiTableFlags_SizingFixedFit)) {
       ImGui::TableNextColumn();
-      ImGui::TextUnformatted(key.c_str());
+      draw_keys("left", 0, half);
       ImGui::TableNextColumn();
-      ImGui::TextUnformatted(description);
-    };
-    row("mouse", "drag the picture to look around");
-    row("W A S D", "walk; with Shift run");
-    row("Q E", "down, up");
-    for (const KeyBinding& binding : key_bindings()) row(name_of(binding.key), binding.description);
-    ImGui::EndTable();
+      draw_keys("right", half, key_help().size() - half);
+      ImGui::EndTable();
+    }
   }
   ImGui::End();
   if (ImGui::IsMouseClicked(0)) controls.help = false;
 }
 
-/// A collapsible section.
-void section(const char* name, const auto& draw) {
-  if (ImGui::CollapsingHeader(name, ImGuiTreeNodeFlags_DefaultOpen)) draw();
+/// A tab of the panel, opened if the controls ask for it.
+void tab(const char* name, PanelTab number, Controls& controls, const auto& draw) {
+  const bool opens = controls.open_tab == number;
+  if (opens) controls.open_tab.reset();
+  if (!ImGui::BeginTabItem(name, nullptr, opens ? ImGuiTabItemFlags_SetSelected : 0)) return;
+  draw();
+  ImGui::EndTabItem();
+}
+
+/// Tabs, so that each part of the panel fits a window of 720 rows.
+void draw_tabs(Controls& controls, const PanelFacts& facts) {
+  if (!ImGui::BeginTabBar("tabs")) return;
+  tab("view", PanelTab::View, controls, [&] { draw_view(controls, facts); });
+  tab("masks", PanelTab::Masks, controls, [&] { draw_masks(controls, facts); });
+  tab("scene", PanelTab::Scene, controls, [&] {
+    draw_lights(controls, facts);
+    ImGui::Separator();
+    draw_head(controls, facts);
+  });
+  tab("record", PanelTab::Record, controls, [&] { draw_recording(controls, facts); });
+  ImGui::EndTabBar();
 }
 
 }  // namespace
@@ -204,11 +240,7 @@ void draw_panel(Controls& controls, const PanelFacts& facts) {
     ImGui::TextDisabled("F1: keys   Tab: hide the panel");
     ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.62f);
     draw_figures(facts.history, controls);
-    section("display", [&] { draw_view(controls, facts); });
-    section("path and masks", [&] { draw_masks(controls, facts); });
-    section("lights", [&] { draw_lights(controls, facts); });
-    section("head", [&] { draw_head(controls, facts); });
-    section("record", [&] { draw_recording(controls, facts); });
+    draw_tabs(controls, facts);
     ImGui::TextDisabled("%s", facts.device.c_str());
     ImGui::PopItemWidth();
   }

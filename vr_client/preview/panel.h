@@ -17,7 +17,7 @@ struct PanelFacts {
   std::string note;    ///< the last message of Recordings
   bool recording_head = false, writing_capture = false, recording_frames = false;
   Extent window;     ///< pixels
-  double scale = 1;  ///< scale of the text
+  double scale = 1;  ///< of the text (layout.h)
 };
 
 /// Width of the panel at the right side of the window, pixels; 0 while it is hidden.

@@ -57,22 +57,30 @@ vk::raii::RenderPass make_render_pass(const gpu::Device& device, vk::Format form
                                           .pDependencies = dependencies.data()});
 }
 
-/// ImGui's dark style at the content scale of the desktop. Windows have square corners, no transparency and
-/// no border, so that each fills exactly its rectangle.
-void set_style(double content_scale) {
-  constexpr double font_px = 13;
-  ImGui::StyleColorsDark();
+/// One font for each scale of text.
+void add_fonts() {
+  constexpr int font_px = 13;
+  for (int half_steps = 2 * kSmallestText; half_steps <= 2 * kLargestText; ++half_steps) {
+    ImFontConfig font;
+    font.SizePixels = static_cast<float>(font_px * half_steps / 2);
+    ImGui::GetIO().Fonts->AddFontDefault(&font);
+  }
+}
+
+/// ImGui's dark style with text of a scale. Windows have square corners, no transparency and no border, so
+/// that each fills exactly its rectangle.
+void set_style(double scale) {
   ImGuiStyle& style = ImGui::GetStyle();
+  style = ImGuiStyle();
+  ImGui::StyleColorsDark();
   style.WindowRounding = style.PopupRounding = style.ChildRounding = 0;
   style.WindowBorderSize = style.PopupBorderSize = 0;
   for (const ImGuiCol color : {ImGuiCol_WindowBg, ImGuiCol_PopupBg, ImGuiCol_TitleBg, ImGuiCol_TitleBgActive,
                                ImGuiCol_TitleBgCollapsed})
     style.Colors[color].w = 1;
-  style.ScaleAllSizes(static_cast<float>(content_scale));
-  ImFontConfig font;
-  font.SizePixels = static_cast<float>(std::floor(font_px * content_scale));
-  ImGui::GetIO().Fonts->AddFontDefault(&font);
-  ImGui::GetIO().IniFilename = nullptr;  // write no settings file
+  style.ScaleAllSizes(static_cast<float>(scale));
+  ImGuiIO& io = ImGui::GetIO();
+  io.FontDefault = io.Fonts->Fonts[static_cast<int>(2 * scale) - 2 * kSmallestText];
 }
 
 void init_back_end(const gpu::Device& device, vk::DescriptorPool pool, vk::RenderPass render_pass) {
@@ -121,7 +129,8 @@ bool contains(const vk::Rect2D& rect, glm::dvec2 point) {
 PanelLayer::PanelLayer(const gpu::Device& device, Window& window, vk::Format format)
     : device_(device), window_(window), format_(format), render_pass_(make_render_pass(device, format)) {
   ImGui::CreateContext();
-  set_style(window.content_scale());
+  ImGui::GetIO().IniFilename = nullptr;  // write no settings file
+  add_fonts();
   window.attach_panel([this](glm::dvec2 place) { return covers(place); });
   const vk::DescriptorPoolSize font{.type = vk::DescriptorType::eCombinedImageSampler, .descriptorCount = 1};
   pool_ = device.logical.createDescriptorPool({.flags = vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet,
@@ -150,6 +159,7 @@ bool PanelLayer::covers(glm::dvec2 place) const {
 void PanelLayer::lay_out(Extent window, Time now, const std::function<void()>& draw) {
   if (image_.spec.size != window) fit(window);
   laid_out_ = now;
+  follow_text_scale();
   ImGui_ImplVulkan_NewFrame();
   window_.begin_panel();
   ImGui::NewFrame();
@@ -159,6 +169,13 @@ void PanelLayer::lay_out(Extent window, Time now, const std::function<void()>& d
   windows_.clear();
   for (int i = 0; i < data.CmdListsCount; ++i)
     if (const auto rect = covered(*data.CmdLists[i], window)) windows_.push_back(*rect);
+}
+
+void PanelLayer::follow_text_scale() {
+  const double scale = window_.text_scale();
+  if (scale == text_scale_) return;
+  text_scale_ = scale;
+  set_style(scale);
 }
 
 void PanelLayer::fit(Extent window) {

@@ -37,6 +37,7 @@ class PanelLayer {
   /// Does one of the panel's windows contain this point of the window, in pixels?
   [[nodiscard]] bool covers(glm::dvec2 place) const;
   void fit(Extent window);
+  void follow_text_scale();
 
   const gpu::Device& device_;
   Window& window_;
@@ -47,6 +48,7 @@ class PanelLayer {
   vk::raii::Framebuffer framebuffer_{nullptr};
   std::vector<vk::Rect2D> windows_;  ///< rectangles of ImGui's windows within the image
   std::optional<Time> laid_out_;
+  double text_scale_ = 0;  ///< of the current style; 0 before the first
 };
 
 }  // namespace farshade

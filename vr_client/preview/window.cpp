@@ -5,6 +5,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <iterator>
 #include <optional>
@@ -75,27 +76,77 @@ std::optional<Key> key_of(int code) {
   return other_key(code);
 }
 
+/// Where a window goes, in the screen coordinates of GLFW, whose unit may be several pixels.
+struct Place {
+  int left = 0, top = 0;
+  double px_per_unit = 1;
+  Desktop desktop;
+};
+
+double content_scale_of(GLFWwindow* window) {
+  float x = 1, y = 1;
+  glfwGetWindowContentScale(window, &x, &y);
+  return static_cast<double>(y);
+}
+
+/// The place for a hidden window on the primary monitor. Its frame is outside of its size.
+Place place_for(GLFWwindow* window) {
+  int left = 0, top = 0, right = 0, bottom = 0, x = 0, y = 0, width = 0, height = 0, wide = 0, high = 0;
+  glfwGetWindowFrameSize(window, &left, &top, &right, &bottom);
+  if (GLFWmonitor* const monitor = glfwGetPrimaryMonitor())
+    glfwGetMonitorWorkarea(monitor, &x, &y, &width, &height);
+  int pixels_wide = 0, pixels_high = 0;
+  glfwGetWindowSize(window, &wide, &high);
+  glfwGetFramebufferSize(window, &pixels_wide, &pixels_high);
+  Place place{.left = x + left, .top = y + top, .desktop = {}};
+  if (wide > 0 && pixels_wide > 0) place.px_per_unit = static_cast<double>(pixels_wide) / wide;
+  const auto room = [&](int outer, int frame, std::uint32_t unknown) {
+    const double inner = (outer - frame) * place.px_per_unit;
+    return inner > 0 ? static_cast<std::uint32_t>(inner) : unknown;
+  };
+  place.desktop = {.room = {room(width, left + right, kUnscaledWindow.width),
+                            room(height, top + bottom, kUnscaledWindow.height)},
+                   .content_scale = content_scale_of(window)};
+  return place;
+}
+
+/// Gives a hidden window its size, in the middle of the work area, and shows it.
+void place_and_show(GLFWwindow* window, const SizeOnDesktop& size) {
+  const Place place = place_for(window);
+  const Extent wanted = size(place.desktop);
+  const auto units = [&](std::uint32_t px) { return static_cast<int>(std::lround(px / place.px_per_unit)); };
+  const auto margin = [&](std::uint32_t room, std::uint32_t used) {
+    return room > used ? units((room - used) / 2) : 0;
+  };
+  glfwSetWindowSize(window, std::max(units(wanted.width), 1), std::max(units(wanted.height), 1));
+  glfwSetWindowPos(window, place.left + margin(place.desktop.room.width, wanted.width),
+                   place.top + margin(place.desktop.room.height, wanted.height));
+  glfwShowWindow(window);
+}
+
 Window& owner_of(GLFWwindow* window) {
   return *static_cast<Window*>(glfwGetWindowUserPointer(window));
 }
 
 }  // namespace
 
-Expected<std::unique_ptr<Window>> open_window(const std::string& title, Extent size) {
+Expected<std::unique_ptr<Window>> open_window(const std::string& title, const SizeOnDesktop& size) {
   if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY"))
     return fail(Fault::Missing, std::string("cannot open a window: there is no desktop (neither DISPLAY nor "
                                             "WAYLAND_DISPLAY is set); ") +
                                     kCure);
   if (!glfwInit()) return fail(Fault::Missing, "cannot open a window: " + last_error() + "; " + kCure);
-  glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
+  glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
   GLFWwindow* const window =
-      glfwCreateWindow(narrow<int>(size.width), narrow<int>(size.height), title.c_str(), nullptr, nullptr);
+      glfwCreateWindow(narrow<int>(kSmallestWindow.width), narrow<int>(kSmallestWindow.height), title.c_str(),
+                       nullptr, nullptr);
   if (!window) {
     const std::string words = last_error();
     glfwTerminate();
     return fail(Fault::Missing, "cannot open a window: " + words + "; " + kCure);
   }
+  place_and_show(window, size);
   return std::unique_ptr<Window>(new Window(window));
 }
 
@@ -143,10 +194,8 @@ Extent Window::framebuffer_size() const {
   return {narrow<std::uint32_t>(width), narrow<std::uint32_t>(height)};
 }
 
-double Window::content_scale() const {
-  float x = 1, y = 1;
-  glfwGetWindowContentScale(window_, &x, &y);
-  return static_cast<double>(y);
+double Window::text_scale() const {
+  return farshade::text_scale(framebuffer_size(), content_scale_of(window_));
 }
 
 /// GLFW reports the position in screen coordinates.

@@ -8,9 +8,9 @@
 
 #include "stereo/base/clock.h"
 #include "stereo/base/expected.h"
-#include "stereo/base/extent.h"
 #include "stereo/gpu/device.h"
 #include "vr_client/preview/input.h"
+#include "vr_client/preview/layout.h"
 
 struct GLFWwindow;
 
@@ -18,10 +18,13 @@ namespace farshade {
 
 class Window;
 
-/// Opens and shows a window of `size` pixels, times the content scale of the desktop. Missing, with a cure,
-/// if there is no desktop; without DISPLAY and WAYLAND_DISPLAY the function does not try. Only one window may
-/// exist.
-[[nodiscard]] Expected<std::unique_ptr<Window>> open_window(const std::string& title, Extent size);
+/// Chooses the size of a new window, pixels.
+using SizeOnDesktop = std::function<Extent(const Desktop&)>;
+
+/// Opens and shows a window in the middle of the primary monitor's work area. Missing, with a cure, if there
+/// is no desktop; without DISPLAY and WAYLAND_DISPLAY the function does not try. Only one window may exist.
+[[nodiscard]] Expected<std::unique_ptr<Window>> open_window(const std::string& title,
+                                                            const SizeOnDesktop& size);
 
 class Window {
  public:
@@ -36,7 +39,7 @@ class Window {
   [[nodiscard]] vk::raii::SurfaceKHR make_surface(const vk::raii::Instance& instance) const;
 
   [[nodiscard]] Extent framebuffer_size() const;  ///< pixels; zero while the window is minimised
-  [[nodiscard]] double content_scale() const;     ///< the scale of text on this desktop
+  [[nodiscard]] double text_scale() const;        ///< of this window on this desktop
   [[nodiscard]] glm::dvec2 cursor_px() const;     ///< position of the mouse in the framebuffer, pixels
   [[nodiscard]] bool should_close() const;
   void set_title(const std::string& title);
@@ -55,7 +58,7 @@ class Window {
   void begin_panel();
 
  private:
-  friend Expected<std::unique_ptr<Window>> open_window(const std::string& title, Extent size);
+  friend Expected<std::unique_ptr<Window>> open_window(const std::string& title, const SizeOnDesktop& size);
   explicit Window(GLFWwindow* window);
   void on_key(int key, int action);
   void on_mouse_button(int button, int action);
