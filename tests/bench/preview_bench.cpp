@@ -80,12 +80,15 @@ void print_times(const Scene& scene, const BenchOptions& options, const gpu::Dev
               quantile(times.previewed, 0.5) / quantile(times.offscreen, 0.5));
 }
 
+/// Room for both eyes and the panel.
+SizeOnDesktop window_for(Extent eye) {
+  return [eye](const Desktop&) { return Extent{eye.width * 2 + 330, std::max(eye.height, 720u)}; };
+}
+
 void compare(const BenchOptions& options) {
   const XScreen screen;
   const Extent size{options.side_px, options.side_px};
-  const auto window = value_of(open_window("Farshade", [&](const Desktop&) {
-    return Extent{size.width * 2 + 330, std::max(size.height, 720u)};
-  }));
+  const auto window = value_of(open_window("Farshade", window_for(size)));
   const Scene scene = value_of(load_scene(options.scene));
   const HeadRecording head = value_of(load_head_recording(options.trace));
   gpu::DeviceOptions device_options;

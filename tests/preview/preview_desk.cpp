@@ -28,12 +28,11 @@ void PreviewDesk::start(const std::vector<std::string>& options) {
   if (!server_) server_ = std::make_unique<RunningServer>();
   // The Vulkan loader unloads drivers at the end. A leak suppression cannot name a module that is unloaded.
   std::vector<std::string> arguments{"/usr/bin/env", "LSAN_OPTIONS=detect_leaks=0",
-                                     VR_CLIENT,      "--preview",
-                                     "--scene",      kRoom,
-                                     "--size",       fmt::format("{}x{}", kDeskEye.width, kDeskEye.height),
-                                     "--key",        test_keys().client,
-                                     "--server",     server_->address(),
-                                     "--out",        out_.string()};
+                                     "XDG_STATE_HOME=" + (out_ / "state").string()};
+  const std::string size = fmt::format("{}x{}", kDeskEye.width, kDeskEye.height);
+  arguments.insert(arguments.end(),
+                   {VR_CLIENT, "--preview", "--scene", kRoom, "--size", size, "--key", test_keys().client,
+                    "--server", server_->address(), "--out", out_.string()});
   arguments.insert(arguments.end(), options.begin(), options.end());
   program_ = std::make_unique<ChildProgram>(arguments);
 }

@@ -38,6 +38,8 @@ class PreviewDesk : public testing::Test {
   [[nodiscard]] bool changes(int times = 1);
   [[nodiscard]] bool appears(const std::filesystem::path& file);
   void resize(Extent size);
+  /// The file in which the preview keeps its layout.
+  [[nodiscard]] std::filesystem::path remembered() const { return out_ / "state/farshade/preview.json"; }
   /// Presses F12 and returns the written pictures: the eyes, and the window without its panel.
   [[nodiscard]] EyePictures take_screenshot();
 

@@ -10,6 +10,7 @@
 #include "tests/preview/preview_desk.h"
 #include "tests/support/image_reader.h"
 #include "vr_client/preview/head.h"
+#include "vr_client/preview/remembered.h"
 
 namespace farshade {
 namespace {
@@ -262,9 +263,12 @@ TEST_F(PreviewProgram, FinishesItsRecordingsWhenInterrupted) {
 TEST_F(PreviewProgram, CapturesAndTimesItsFirstMessages) {
   const std::filesystem::path capture = out_ / "whole.farshade", timeline = out_ / "timeline.json";
   const std::string walk = FARSHADE_ASSETS "/walk.csv";
+  std::filesystem::create_directories(remembered().parent_path());
+  std::ofstream(remembered()) << "broken";
   start({"--trace", walk, "--skip", "1", "--net", "wifi", "--frames", "12", "--record", capture.string(),
          "--timeline", timeline.string()});
   ASSERT_EQ(end(), 0) << errors_;
+  EXPECT_NE(errors_.find("the remembered layout of the preview is ignored"), std::string::npos) << errors_;
   EXPECT_EQ(replay(capture, out_ / "replay").left.size(), 12u);
   std::stringstream events;
   events << std::ifstream(timeline).rdbuf();
@@ -290,8 +294,13 @@ TEST_F(PreviewProgram, ContinuesAfterItsServerEnds) {
   EXPECT_TRUE(changes(10));
   screen_.release("d");
   EXPECT_EQ(take_screenshot().left.size, kDeskEye);
+  resize({900, 500});
+  screen_.press("d");
+  EXPECT_TRUE(changes(3));
+  screen_.release("d");
   screen_.tap("Escape");
   EXPECT_EQ(end(), 0) << errors_;
+  EXPECT_EQ(load_remembered(remembered()).value(), (Remembered{.window = Extent{900, 500}, .panel = false}));
 }
 
 TEST_F(PreviewProgram, EndsWhenTheServerHasAnotherScene) {

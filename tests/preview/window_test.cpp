@@ -412,6 +412,17 @@ TEST_F(PreviewWindow, ShowingCostsAFewMilliseconds) {
   time("anaglyph", StereoLayout::Anaglyph, figures);
 }
 
+TEST(OpenWindow, KnowsTheRoomOnTheDesktop) {
+  Desktop desktop;
+  const auto window = value_of(open_window(kTitle, [&](const Desktop& here) {
+    desktop = here;
+    return first_window({2048, 2048}, here, {});
+  }));
+  EXPECT_EQ(desktop.room, (Extent{1600, 900})) << "the whole screen: there is no window manager";
+  EXPECT_EQ(window->framebuffer_size(), desktop.room);
+  EXPECT_EQ(window->text_scale(), 1);
+}
+
 TEST(OpenWindow, NamesTheCureWithoutADesktop) {
   unsetenv("DISPLAY");
   unsetenv("WAYLAND_DISPLAY");

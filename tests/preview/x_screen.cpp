@@ -190,7 +190,7 @@ void XScreen::release_button(unsigned number) {
 }
 
 void XScreen::resize(WindowId window, Extent size) {
-  XResizeWindow(x_->display, window, size.width, size.height);
+  XMoveResizeWindow(x_->display, window, 0, 0, size.width, size.height);
   XSync(x_->display, False);
 }
 

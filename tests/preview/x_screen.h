@@ -49,8 +49,8 @@ class XScreen {
   void release_button(unsigned button = 1);
 
   // Actions of a window manager.
-  void resize(WindowId window, Extent size);
-  void close(WindowId window);  ///< WM_DELETE_WINDOW: the cross in the frame
+  void resize(WindowId window, Extent size);  ///< and move it to the corner, so that all of it can be read
+  void close(WindowId window);                ///< WM_DELETE_WINDOW: the cross in the frame
   void iconify(WindowId window);
   void restore(WindowId window);
 

@@ -249,14 +249,12 @@ void carry_light(Controls& controls, const ControlContext& context, double notch
 Remembered remembered_of(const Controls& controls) {
   return {.window = std::nullopt,
           .panel = controls.panel,
-          .inspector = controls.inspector,
           .overlay = controls.overlay,
           .picture_share = controls.picture_share};
 }
 
 void recall(const Remembered& remembered, Controls& controls) {
   controls.panel = remembered.panel;
-  controls.inspector = remembered.inspector;
   controls.overlay = remembered.overlay;
   controls.picture_share = remembered.picture_share;
 }

@@ -101,16 +101,12 @@ struct KeyHelp {
 /// All that mouse and keys do: the head's movement and every key binding.
 [[nodiscard]] std::span<const KeyHelp> key_help();
 
-/// The tabs of the panel.
-enum class PanelTab : std::uint8_t { View, Masks, Scene, Record };
-
 struct Controls {
   DisplayMode display = DisplayMode::SideBySide;
   Overlay overlay = Overlay::None;
-  double picture_share = kDefaultPictureShare;  ///< 0..kMostPictureShare
-  std::uint32_t light = 0;                      ///< selected
-  bool reference = false, panel = true, help = false,
-       inspector = false;  ///< whether they are shown, or measured
+  double picture_share = kDefaultPictureShare;         ///< 0..kMostPictureShare
+  std::uint32_t light = 0;                             ///< selected
+  bool reference = false, panel = true, help = false;  ///< whether they are shown, or measured
   HeadSource head = HeadSource::Simulated;
   double eye_distance_m = 0.063;
   double fov_rad = 1.5;  ///< full vertical angle
@@ -119,8 +115,7 @@ struct Controls {
   NetworkSettings path;
   FrameSettings settings;
   std::optional<GrabbedLight> grab;
-  std::optional<PanelTab> open_tab{};  ///< the tab that the panel opens when it is drawn next
-  std::bitset<kCommands> pending;      ///< commands that the preview has not executed yet
+  std::bitset<kCommands> pending;  ///< commands that the preview has not executed yet
 
   /// True if `command` is pending, which it then no longer is.
   [[nodiscard]] bool take(Command command);

@@ -53,9 +53,10 @@ void History::add(const FrameView& view, const std::optional<PerEye<EyeErrors>>&
   newest_.staleness_ms.reset();
   newest_.age_ms.reset();
   if (!view.masks.empty())
-    newest_.staleness_ms = ms_of(view.shown.display_time - view.masks[0].display_time);
+    newest_.staleness_ms = ms_of(std::chrono::abs(view.shown.display_time - view.masks[0].display_time));
   else if (view.newest)
-    newest_.staleness_ms = ms_of(view.shown.display_time - view.newest->request.display_time);
+    newest_.staleness_ms =
+        ms_of(std::chrono::abs(view.shown.display_time - view.newest->request.display_time));
   if (view.age) newest_.age_ms = ms_of(*view.age);
   if (view.request) {
     newest_.requested = view.request->views[0].size;

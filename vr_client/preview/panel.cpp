@@ -50,7 +50,7 @@ void draw_legend(const Controls& controls, std::uint32_t lights) {
                                               IM_COL32(entry.color.r, entry.color.g, entry.color.b, 255));
     ImGui::Dummy({side, side});
     ImGui::SameLine();
-    ImGui::TextUnformatted(entry.text.c_str());
+    ImGui::TextWrapped("%s", entry.text.c_str());
   }
 }
 
@@ -161,20 +161,39 @@ void draw_recording(Controls& controls, const PanelFacts& facts) {
   box("frames", facts.recording_frames, Command::RecordFrames, controls, facts.context);
 }
 
-/// A table with the `size` keys from `first` on.
-void draw_keys(const char* name, std::size_t first, std::size_t size) {
-  if (!ImGui::BeginTable(name, 2, ImGuiTableFlags_SizingFixedFit)) return;
-  for (const KeyHelp& help : key_help().subspan(first, size)) {
-    ImGui::TableNextRow();
-    ImGui::TableNextColumn();
-    ImGui::TextUnformatted(help.keys.c_str());
-    ImGui::TableNextColumn();
-    ImGui::TextUnformatted(help.description);
-  }
-  ImGui::EndTable();
+/// The widths of a table's columns from their texts. ImGui would know them only in its second frame.
+void fix_column(const auto& texts) {
+  float width = 0;
+  for (const std::string& text : texts) width = std::max(width, ImGui::CalcTextSize(text.c_str()).x);
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, width);
 }
 
-/// All keys in two columns, which fit a window of 1280 x 720 pixels. A smaller window scrolls.
+/// Every key in two columns of `rows` lines.
+void draw_keys(std::size_t rows) {
+  const std::span<const KeyHelp> all = key_help();
+  for (std::size_t first = 0; first < all.size(); first += rows) {
+    std::vector<std::string> keys, descriptions;
+    for (const KeyHelp& help : all.subspan(first, std::min(rows, all.size() - first))) {
+      keys.push_back(help.keys);
+      descriptions.emplace_back(help.description);
+    }
+    fix_column(keys);
+    fix_column(descriptions);
+  }
+  const auto cell = [](const char* text) {
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(text);
+  };
+  for (std::size_t row = 0; row < rows; ++row) {
+    ImGui::TableNextRow();
+    for (std::size_t i = row; i < all.size(); i += rows) {
+      cell(all[i].keys.c_str());
+      cell(all[i].description);
+    }
+  }
+}
+
+/// All keys, in a window that fits 1280 x 720 pixels. In a smaller window the list scrolls.
 void draw_help(Controls& controls, const PanelFacts& facts) {
   const ImVec2 window(static_cast<float>(facts.window.width), static_cast<float>(facts.window.height));
   ImGui::SetNextWindowPos({window.x / 2, window.y / 2}, ImGuiCond_Always, {0.5f, 0.5f});
@@ -182,25 +201,17 @@ void draw_help(Controls& controls, const PanelFacts& facts) {
   ImGui::SetNextWindowFocus();
   if (ImGui::Begin("keys", nullptr,
                    ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse |
-                       ImGuiWindowFlags_HorizontalScrollbar)) {
-    const std::size_t half = (key_help().size() + 1) / 2;
-    if (ImGui::BeginTable("halves", 2, ImGuiTableFlags_SizingFixedFit)) {
-      ImGui::TableNextColumn();
-      draw_keys("left", 0, half);
-      ImGui::TableNextColumn();
-      draw_keys("right", half, key_help().size() - half);
-      ImGui::EndTable();
-    }
+                       ImGuiWindowFlags_HorizontalScrollbar) &&
+      ImGui::BeginTable("keys", 4, ImGuiTableFlags_SizingFixedFit)) {
+    draw_keys((key_help().size() + 1) / 2);
+    ImGui::EndTable();
   }
   ImGui::End();
   if (ImGui::IsMouseClicked(0)) controls.help = false;
 }
 
-/// A tab of the panel, opened if the controls ask for it.
-void tab(const char* name, PanelTab number, Controls& controls, const auto& draw) {
-  const bool opens = controls.open_tab == number;
-  if (opens) controls.open_tab.reset();
-  if (!ImGui::BeginTabItem(name, nullptr, opens ? ImGuiTabItemFlags_SetSelected : 0)) return;
+void tab(const char* name, const auto& draw) {
+  if (!ImGui::BeginTabItem(name)) return;
   draw();
   ImGui::EndTabItem();
 }
@@ -208,14 +219,14 @@ void tab(const char* name, PanelTab number, Controls& controls, const auto& draw
 /// Tabs, so that each part of the panel fits a window of 720 rows.
 void draw_tabs(Controls& controls, const PanelFacts& facts) {
   if (!ImGui::BeginTabBar("tabs")) return;
-  tab("view", PanelTab::View, controls, [&] { draw_view(controls, facts); });
-  tab("masks", PanelTab::Masks, controls, [&] { draw_masks(controls, facts); });
-  tab("scene", PanelTab::Scene, controls, [&] {
+  tab("view", [&] { draw_view(controls, facts); });
+  tab("masks", [&] { draw_masks(controls, facts); });
+  tab("scene", [&] {
     draw_lights(controls, facts);
     ImGui::Separator();
     draw_head(controls, facts);
   });
-  tab("record", PanelTab::Record, controls, [&] { draw_recording(controls, facts); });
+  tab("record", [&] { draw_recording(controls, facts); });
   ImGui::EndTabBar();
 }
 

@@ -62,8 +62,8 @@ void figure_rows(const Figures& figures, const Controls& controls) {
   row("frame",
       text_of(figures.frame_ms, "{:.1f} ms") +
           fmt::format(" + {:.1f}, {:.1f} per second", figures.watch_ms.value_or(0), figures.frames_per_s));
-  row("masks", text_of(figures.staleness_ms, "{:.0f} ms stale") +
-                   text_of(figures.age_ms, ", requested {:.0f} ms ago"));
+  row("masks",
+      text_of(figures.staleness_ms, "{:.0f} ms stale") + text_of(figures.age_ms, ", asked {:.0f} ms ago"));
   row("round trip",
       text_of(figures.round_trip_ms, "{:.1f} ms") + text_of(figures.server_ms, ", server {:.1f}"));
   row("path",
@@ -127,6 +127,9 @@ void graph_legend() {
 
 void draw_figures(const History& history, const Controls& controls) {
   if (ImGui::BeginTable("figures", 2, ImGuiTableFlags_SizingFixedFit)) {
+    // ImGui would know the widths of the texts only in its second frame.
+    ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, ImGui::CalcTextSize("from newest").x);
+    ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch);
     figure_rows(history.figures(), controls);
     ImGui::EndTable();
   }

@@ -72,7 +72,6 @@ std::string text_of(const Remembered& remembered) {
     object["window"] = std::move(size);
   }
   object["panel"] = remembered.panel;
-  object["inspector"] = remembered.inspector;
   object["overlay"] = name_of(remembered.overlay);
   object["picture_share"] = remembered.picture_share;
   return object.dump(2) + "\n";
@@ -84,7 +83,6 @@ Expected<Remembered> parse_remembered(std::string_view text) {
   Remembered result;
   Expected<void> done = read(object, "window", result.window);
   if (done) done = read(object, "panel", result.panel);
-  if (done) done = read(object, "inspector", result.inspector);
   if (done) done = read(object, "overlay", result.overlay);
   if (done) done = read(object, "picture_share", result.picture_share);
   if (!done) return tl::unexpected(done.error());

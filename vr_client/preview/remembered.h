@@ -17,7 +17,7 @@ inline constexpr double kDefaultPictureShare = 0.25, kMostPictureShare = 0.75;
 
 struct Remembered {
   std::optional<Extent> window;  ///< its last size, pixels
-  bool panel = true, inspector = false;
+  bool panel = true;
   Overlay overlay = Overlay::None;
   double picture_share = kDefaultPictureShare;
   friend bool operator==(const Remembered&, const Remembered&) = default;

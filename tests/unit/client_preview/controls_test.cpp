@@ -71,6 +71,23 @@ TEST_F(ControlsTest, DisplayModesAndOverlaysCycle) {
   EXPECT_EQ(controls_.overlay, Overlay::None);
 }
 
+TEST(KeyHelp, HasEveryKeyOnce) {
+  std::set<std::string> keys;
+  for (const KeyHelp& help : key_help()) EXPECT_TRUE(keys.insert(help.keys).second) << help.keys;
+  EXPECT_EQ(keys.size(), key_bindings().size() + 3);
+  for (const KeyBinding& binding : key_bindings()) EXPECT_TRUE(keys.contains(name_of(binding.key)));
+}
+
+TEST_F(ControlsTest, ThePictureShinesThroughInSteps) {
+  std::vector<double> shares;
+  controls_.picture_share = 0.1;
+  for (int i = 0; i < 5; ++i) {
+    execute(Command::PictureShare);
+    shares.push_back(controls_.picture_share);
+  }
+  EXPECT_EQ(shares, (std::vector<double>{0.25, 0.5, 0.75, 0, 0.25}));
+}
+
 TEST_F(ControlsTest, ReprojectionGuardBandAndPredictorsChangeTheFrameSettings) {
   execute(Command::Reprojection);
   EXPECT_EQ(controls_.settings.carry_over.lookup, Lookup::Direct);

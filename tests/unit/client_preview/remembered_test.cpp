@@ -10,11 +10,8 @@
 namespace farshade {
 namespace {
 
-constexpr Remembered kOther{.window = Extent{1280, 720},
-                            .panel = false,
-                            .inspector = true,
-                            .overlay = Overlay::GuardBand,
-                            .picture_share = 0.5};
+constexpr Remembered kOther{
+    .window = Extent{1280, 720}, .panel = false, .overlay = Overlay::GuardBand, .picture_share = 0.5};
 
 TEST(Remembered, SurvivesItsText) {
   EXPECT_EQ(parse_remembered(text_of(kOther)).value(), kOther);
@@ -33,7 +30,6 @@ TEST(Remembered, RefusesWrongTypesAndRanges) {
                            "null",
                            "{",
                            R"({"panel": 1})",
-                           R"({"inspector": "yes"})",
                            R"({"overlay": "nonsense"})",
                            R"({"overlay": 2})",
                            R"({"window": 5})",
