@@ -128,7 +128,8 @@ void print_counters(const ServerCore& core, const SceneSender* sender) {
 
 Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   if (Expected<void> removed = remove_old_ready_file(options); !removed) return removed;
-  Expected<LitScene> loaded = load_lit_scene(options.scene, options.lighting);
+  Expected<LitScene> loaded =
+      load_lit_scene(options.scene, options.lighting, options.scene_fetch ? ListFiles::Yes : ListFiles::No);
   if (!loaded) return tl::unexpected(loaded.error());
   for (const std::string& note : loaded->notes) fmt::print("rt_server: {}\n", note);
   const auto [scene, plan] =

@@ -71,14 +71,14 @@ Waiting SceneSender::within(const Connection& connection, Duration span) {
 void SceneSender::accept_all(const std::stop_token& stop) {
   setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread and those that it starts
   const auto stopped = [&stop] { return stop.stop_requested(); };
-  Expected<ServedFiles> files = ServedFiles::open(what_.scene, what_.files, stopped);
+  Expected<ServedFiles> files = ServedFiles::open(what_.scene.parent_path(), what_.files);
   if (files) {
     offer_ = encode(SceneOffer{what_.lighting, files->files()});
     if (offer_.size() <= kMostOffer_bytes && decode_offer(offer_))
       files_ = std::move(*files);
     else
       spdlog::warn("clients cannot fetch the scene: its list of files or its lighting cannot be sent");
-  } else if (!stop.stop_requested()) {
+  } else {
     spdlog::warn("clients cannot fetch the scene: {}", files.error().what);
   }
   while (!stop.stop_requested()) {

@@ -41,7 +41,7 @@ struct SenderCounters {
 /// What is sent to whom.
 struct SceneToSend {
   std::filesystem::path scene;
-  std::vector<std::string> files;  ///< Scene::files
+  std::vector<SceneFile> files;  ///< Scene::files
   Lighting lighting;
   Welcome served;
   std::vector<SharedKey> ring;

@@ -12,7 +12,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kHashed_bytes = std::size_t{1} << 20;
 constexpr std::size_t kFewFiles = 500;  ///< fit in the 1,024 descriptors that most systems allow at first
 
 /// Reads all of `into` at `begin`; false if the file ends before or cannot be read.
@@ -35,45 +34,36 @@ void allow_open_files() {
   ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-Expected<Digest> hash_file(const Descriptor& file, const OfferedFile& offered,
-                           const std::function<bool()>& stopped) {
-  Digester digester;
-  std::vector<std::byte> piece;
-  for (std::uint64_t done = 0; done < offered.bytes; done += piece.size()) {
-    piece.resize(std::min<std::uint64_t>(kHashed_bytes, offered.bytes - done));
-    if (stopped()) return fail(Fault::Unavailable, "stopped");
-    if (!read_at(file.number(), done, piece))
-      return fail(Fault::Unreadable, "'" + offered.name + "' of the scene cannot be read");
-    digester.add(piece);
-  }
-  return digester.finish();
+std::int64_t nanoseconds_of(const timespec& time) {
+  return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
+}
+
+bool is_as_loaded(const struct stat& status, const SceneFile& file) {
+  return S_ISREG(status.st_mode) && static_cast<std::uint64_t>(status.st_size) == file.bytes &&
+         nanoseconds_of(status.st_mtim) == file.changed_ns;
+}
+
+tl::unexpected<Error> has_changed(const std::string& name) {
+  return fail(Fault::Mismatch,
+              "'" + name + "' has changed: restart the server, so that all clients see the same scene");
 }
 
 }  // namespace
 
-Expected<ServedFiles> ServedFiles::open(const fs::path& scene, const std::vector<std::string>& names,
-                                        const std::function<bool()>& stopped) {
+Expected<ServedFiles> ServedFiles::open(const fs::path& folder, const std::vector<SceneFile>& loaded) {
   ServedFiles served;
-  if (names.size() > kFewFiles) allow_open_files();
-  std::vector<std::string> all{scene.filename().string()};
-  std::ranges::copy_if(names, std::back_inserter(all), [&](const auto& name) { return name != all.front(); });
-  for (const std::string& name : all) {
-    Opened opened{
-        Descriptor(::open((scene.parent_path() / name).c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC))};
+  if (loaded.size() > kFewFiles) allow_open_files();
+  for (const SceneFile& file : loaded) {
+    Descriptor opened(::open((folder / file.name).c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
     struct stat status {};
-    if (!opened.file.is_open() || ::fstat(opened.file.number(), &status) != 0)
-      return fail(Fault::Unreadable,
-                  "'" + name + "' of the scene cannot be read: " + std::generic_category().message(errno));
-    opened.changed = status.st_mtim;
-    served.files_.push_back({name, static_cast<std::uint64_t>(status.st_size), {}});
-    served.opened_.push_back(std::move(opened));
+    if (!opened.is_open() || ::fstat(opened.number(), &status) != 0)
+      return fail(Fault::Unreadable, "'" + file.name + "' of the scene cannot be read: " +
+                                         std::generic_category().message(errno));
+    if (!is_as_loaded(status, file)) return has_changed(file.name);
+    served.files_.push_back({file.name, file.bytes, file.digest});
+    served.opened_.push_back({std::move(opened), file.changed_ns});
   }
   if (Expected<void> fine = check_offered(served.files_); !fine) return tl::unexpected(fine.error());
-  for (std::size_t i = 0; i < served.files_.size(); ++i) {
-    const Expected<Digest> hash = hash_file(served.opened_[i].file, served.files_[i], stopped);
-    if (!hash) return tl::unexpected(hash.error());
-    served.files_[i].hash = *hash;
-  }
   return served;
 }
 
@@ -86,12 +76,9 @@ Expected<void> ServedFiles::read(std::uint64_t begin, std::span<std::byte> into)
     const auto here = std::min<std::uint64_t>(into.size(), files_[i].bytes - begin);
     struct stat status {};
     const int file = opened_[i].file.number();
-    const timespec changed = opened_[i].changed;
-    if (::fstat(file, &status) != 0 || status.st_mtim.tv_sec != changed.tv_sec ||
-        status.st_mtim.tv_nsec != changed.tv_nsec || !read_at(file, begin, into.first(here)))
-      return fail(
-          Fault::Mismatch,
-          "'" + files_[i].name + "' has changed: restart the server, so that all clients see the same scene");
+    if (::fstat(file, &status) != 0 || nanoseconds_of(status.st_mtim) != opened_[i].changed_ns ||
+        !read_at(file, begin, into.first(here)))
+      return has_changed(files_[i].name);
     into = into.subspan(here);
     begin = 0;
   }

@@ -2,23 +2,23 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "stereo/base/descriptor.h"
 #include "stereo/fetch/scene_offer.h"
+#include "stereo/scene/scene.h"
 
 namespace farshade {
 
 class ServedFiles {
  public:
-  /// Opens and hashes the scene file and the files that it names (Scene::files). Fails as check_offered, or
-  /// if a file cannot be read. `stopped` is polled.
-  [[nodiscard]] static Expected<ServedFiles> open(const std::filesystem::path& scene,
-                                                  const std::vector<std::string>& names,
-                                                  const std::function<bool()>& stopped);
+  /// Opens the files of a scene (Scene::files) in its folder. Mismatch if one has changed since it was
+  /// loaded, Unreadable if it cannot be read, otherwise fails as check_offered. Reads nothing: the hashes are
+  /// those of the bytes that were loaded.
+  [[nodiscard]] static Expected<ServedFiles> open(const std::filesystem::path& folder,
+                                                  const std::vector<SceneFile>& loaded);
 
   [[nodiscard]] const std::vector<OfferedFile>& files() const { return files_; }
 
@@ -29,7 +29,7 @@ class ServedFiles {
  private:
   struct Opened {
     Descriptor file;
-    timespec changed{};
+    std::int64_t changed_ns = 0;
   };
   std::vector<OfferedFile> files_;
   std::vector<Opened> opened_;

@@ -120,6 +120,12 @@ Expected<void> write(const fs::path& path, std::span<const std::byte> bytes, Ope
 
 }  // namespace
 
+std::int64_t changed_at(const fs::path& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return 0;
+  return std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec;
+}
+
 Expected<std::vector<std::byte>> read_file(const fs::path& path, std::uint64_t max_bytes) {
   return read(path, max_bytes, Content::Public);
 }

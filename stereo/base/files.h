@@ -17,6 +17,9 @@ namespace farshade {
 [[nodiscard]] Expected<std::vector<std::byte>> read_file(const std::filesystem::path& path,
                                                          std::uint64_t max_bytes);
 
+/// When the file was changed last, in nanoseconds since 1970; 0 if that cannot be found out.
+[[nodiscard]] std::int64_t changed_at(const std::filesystem::path& path);
+
 /// Writes a temporary file beside `path` and renames it to `path`. After a failure `path` is unchanged and
 /// the temporary file is gone. The folder must exist.
 [[nodiscard]] Expected<void> write_file_atomically(const std::filesystem::path& path,

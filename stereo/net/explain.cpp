@@ -30,7 +30,8 @@ Explanation explain(const Refusal& refusal, const ContentHash& scene_hash) {
   return {
       "the server serves scene " + short_form(refusal.scene_hash) + ", the client shows scene " +
           short_form(scene_hash),
-      "give both the same scene file, or start the client without --scene, so that it fetches the server's"};
+      "start the client again without --scene, so that it fetches the server's, or give both the same scene "
+      "file"};
 }
 
 Explanation explain(const OpenRefusal& refusal, const SharedKey& key, const Peer& server) {

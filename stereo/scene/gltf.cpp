@@ -26,11 +26,11 @@ gltf::Checked prepare(gltf::Document& document, const SceneLimits& limits, const
 }
 
 Expected<Scene> load(std::span<const std::byte> file, const std::filesystem::path& folder,
-                     const SceneLimits& limits, const SceneChoice& choice) {
+                     const SceneLimits& limits, const SceneChoice& choice, ListFiles list) {
   if (file.size() > limits.file_bytes || file.size() > std::uint64_t{1} << 31)
     return fail(Fault::OutOfRange,
                 std::to_string(file.size()) + " bytes are more than a scene file may have");
-  gltf::SceneFolder files(folder, limits.external_bytes);
+  gltf::SceneFolder files(folder, limits.external_bytes, list);
   return gltf::open_container(file).and_then([&](const gltf::Container& container) {
     return gltf::check_json_depth(container.json, limits.json_depth)
         .and_then([&] { return gltf::parse_document(container.json, container.bin, files); })
@@ -39,7 +39,7 @@ Expected<Scene> load(std::span<const std::byte> file, const std::filesystem::pat
           return gltf::convert(document, limits);
         })
         .map([&](Scene scene) {
-          scene.files = files.names();
+          scene.files = files.files();
           scene.hash = hash_of(scene);
           return scene;
         });
@@ -49,23 +49,27 @@ Expected<Scene> load(std::span<const std::byte> file, const std::filesystem::pat
 }  // namespace
 
 Expected<Scene> load_scene_from_memory(std::span<const std::byte> file, const std::filesystem::path& folder,
-                                       const SceneLimits& limits, const SceneChoice& choice) {
+                                       const SceneLimits& limits, const SceneChoice& choice, ListFiles list) {
   // The libraries and the allocator report errors by exceptions. No exception leaves this function.
   try {
-    return load(file, folder, limits, choice);
+    return load(file, folder, limits, choice, list);
   } catch (const std::exception& refusal) {
     return fail(Fault::Malformed, "cannot be loaded: " + gltf::printable(refusal.what()));
   }
 }
 
 Expected<Scene> load_scene(const std::filesystem::path& path, const SceneLimits& limits,
-                           const SceneChoice& choice) {
+                           const SceneChoice& choice, ListFiles list) {
+  const std::int64_t changed_ns = changed_at(path);
   const auto bytes = read_file(path, limits.file_bytes);
   if (!bytes) return tl::unexpected(bytes.error());
   const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-  auto scene = load_scene_from_memory(*bytes, folder, limits, choice);
+  auto scene = load_scene_from_memory(*bytes, folder, limits, choice, list);
   if (!scene) return fail(scene.error().fault, path.string() + ": " + scene.error().what);
   scene->name = path.filename().string();
+  if (list == ListFiles::No) return scene;
+  std::erase_if(scene->files, [&](const SceneFile& file) { return file.name == scene->name; });
+  scene->files.insert(scene->files.begin(), {scene->name, bytes->size(), digest_of(*bytes), changed_ns});
   return scene;
 }
 

@@ -27,14 +27,19 @@ struct SceneLimits {
   std::uint32_t lights = 256;  ///< the number of bits that a mask can have
 };
 
+/// Whether the loader hashes the files that it reads and lists them (Scene::files), for a server that sends
+/// them.
+enum class ListFiles : std::uint8_t { No, Yes };
+
 /// Loads a .gltf or .glb file. It may name external files only inside its own folder.
 [[nodiscard]] Expected<Scene> load_scene(const std::filesystem::path& path, const SceneLimits& limits = {},
-                                         const SceneChoice& choice = {});
+                                         const SceneChoice& choice = {}, ListFiles list = ListFiles::No);
 
 /// As load_scene, for a file in memory. With an empty `folder`, external files cannot be read.
 [[nodiscard]] Expected<Scene> load_scene_from_memory(std::span<const std::byte> file,
                                                      const std::filesystem::path& folder = {},
                                                      const SceneLimits& limits = {},
-                                                     const SceneChoice& choice = {});
+                                                     const SceneChoice& choice = {},
+                                                     ListFiles list = ListFiles::No);
 
 }  // namespace farshade

@@ -123,11 +123,22 @@ Expected<std::vector<std::byte>> SceneFolder::read(const std::string& path) {
   if (error) return fail(Fault::Unreadable, name + ": " + error.message());
   if (std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first != folder.end())
     return fail(Fault::Unsupported, name + ": a link leads out of the scene's folder");
+  const std::int64_t changed_ns = changed_at(file);
   auto bytes = read_file(file, left_bytes_);
   if (!bytes) return fail(bytes.error().fault, name + ": " + bytes.error().what);
   left_bytes_ -= bytes->size();
-  names_.insert(relative.lexically_normal().generic_string());
+  if (list_ == ListFiles::No) return bytes;
+  const std::string normal = relative.lexically_normal().generic_string();
+  const SceneFile read{normal, bytes->size(), digest_of(*bytes), changed_ns};
+  if (files_.try_emplace(normal, read).first->second.digest != read.digest)
+    return fail(Fault::Mismatch, name + " was changed while the scene was loaded: load it again");
   return bytes;
+}
+
+std::vector<SceneFile> SceneFolder::files() const {
+  std::vector<SceneFile> result;
+  for (const auto& [name, file] : files_) result.push_back(file);
+  return result;
 }
 
 Expected<Container> open_container(std::span<const std::byte> file) {

@@ -5,13 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <set>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "stereo/base/expected.h"
+#include "stereo/scene/gltf.h"
 
 namespace farshade::gltf {
 
@@ -25,22 +26,23 @@ namespace farshade::gltf {
 class SceneFolder {
  public:
   /// With an empty `folder`, no file can be read.
-  SceneFolder(std::filesystem::path folder, std::uint64_t budget_bytes)
-      : folder_(std::move(folder)), left_bytes_(budget_bytes) {}
+  SceneFolder(std::filesystem::path folder, std::uint64_t budget_bytes, ListFiles list = ListFiles::No)
+      : folder_(std::move(folder)), left_bytes_(budget_bytes), list_(list) {}
 
   /// The bytes of a base64 data URI, or of the file that a relative URI (RFC 3986, with percent escapes)
   /// names. Refuses absolute paths, other schemes, `..`, links that lead out of the folder, and empty files.
   [[nodiscard]] Expected<std::vector<std::uint8_t>> load(const std::string& uri);
 
-  /// The files that were read, relative to the folder, in normal form, sorted, each once.
-  [[nodiscard]] std::vector<std::string> names() const { return {names_.begin(), names_.end()}; }
+  /// The files that were read, with names in normal form, sorted, each once. Empty without ListFiles::Yes.
+  [[nodiscard]] std::vector<SceneFile> files() const;
 
  private:
   [[nodiscard]] Expected<std::vector<std::byte>> read(const std::string& path);
 
   std::filesystem::path folder_;
   std::uint64_t left_bytes_;
-  std::set<std::string> names_;
+  ListFiles list_;
+  std::map<std::string, SceneFile> files_;
 };
 
 /// The parts of a glTF file, as views into its bytes.

@@ -9,7 +9,6 @@
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
-#include "stereo/scene/gltf.h"
 #include "stereo/scene/option_words.h"
 #include "stereo/scene/scene_hash.h"
 #include "stereo/scene/scene_state.h"
@@ -292,8 +291,9 @@ Expected<LitScene> light_scene(Scene scene, const Lighting& lighting) {
   return lit;
 }
 
-Expected<LitScene> load_lit_scene(const std::filesystem::path& path, const Lighting& lighting) try {
-  return load_scene(path, {}, lighting.choice).and_then([&](Scene scene) {
+Expected<LitScene> load_lit_scene(const std::filesystem::path& path, const Lighting& lighting,
+                                  ListFiles list) try {
+  return load_scene(path, {}, lighting.choice, list).and_then([&](Scene scene) {
     return light_scene(std::move(scene), lighting);
   });
 } catch (const std::bad_alloc&) {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "stereo/scene/gltf.h"
 #include "stereo/scene/scene.h"
 #include "stereo/scene/scene_choice.h"
 
@@ -51,6 +52,7 @@ struct LitScene {
 [[nodiscard]] Expected<LitScene> light_scene(Scene scene, const Lighting& lighting);
 
 /// Loads a glTF file (gltf.h) and lights it.
-[[nodiscard]] Expected<LitScene> load_lit_scene(const std::filesystem::path& path, const Lighting& lighting);
+[[nodiscard]] Expected<LitScene> load_lit_scene(const std::filesystem::path& path, const Lighting& lighting,
+                                                ListFiles list = ListFiles::No);
 
 }  // namespace farshade

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "stereo/base/clock.h"
+#include "stereo/base/digest.h"
 #include "stereo/base/expected.h"
 #include "stereo/image/image.h"
 #include "stereo/math/spaces.h"
@@ -158,12 +159,20 @@ struct FileContents {
   std::uint32_t scene = 0;  ///< the one that is shown
 };
 
+/// A file that a scene was loaded from.
+struct SceneFile {
+  std::string name;  ///< relative to the folder of the scene
+  std::uint64_t bytes = 0;
+  Digest digest{};              ///< of the bytes that were loaded
+  std::int64_t changed_ns = 0;  ///< when it was changed last, before it was read (changed_at)
+};
+
 /// BLAKE2b-256 of everything that the picture depends on (scene_hash.h). Client and server compare it.
 using SceneHash = std::array<std::uint8_t, 32>;
 
 struct Scene {
-  std::string name;                   ///< file name, for messages only
-  std::vector<std::string> files;     ///< external files that it names, relative to its folder, each once
+  std::string name;              ///< file name, for messages only
+  std::vector<SceneFile> files;  ///< its own file, then those that it names, if they were asked for (gltf.h)
   std::vector<std::string> warnings;  ///< what is not drawn as the file says, one sentence each
   FileContents contents;              ///< for messages only
   std::vector<Texture> textures;

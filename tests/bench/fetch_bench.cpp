@@ -8,6 +8,7 @@
 #include <random>
 
 #include "rt_server/fetch/scene_sender.h"
+#include "stereo/base/files.h"
 #include "tests/support/tcp_proxy.h"
 #include "vr_client/fetch/fetch_scene.h"
 
@@ -35,6 +36,20 @@ void write_random(const fs::path& path, std::size_t bytes) {
   }
 }
 
+/// The file as a server's loader lists it.
+SceneFile listed(const fs::path& path) {
+  const std::vector<std::byte> bytes = read_file(path, kMostScene_bytes).value();
+  return {path.filename().string(), bytes.size(), digest_of(bytes), changed_at(path)};
+}
+
+/// Prints each tenth of the scene to standard error.
+void show_progress(std::uint64_t here, std::uint64_t all, std::uint64_t& tenth) {
+  if (here * 10 / all == tenth) return;
+  tenth = here * 10 / all;
+  fmt::print(stderr, "fetch_bench: {:.0f} of {:.0f} MB\n", static_cast<double>(here) * 1e-6,
+             static_cast<double>(all) * 1e-6);
+}
+
 int bench(const BenchOptions& options, const fs::path& folder) {
   const auto bytes = static_cast<std::size_t>(options.megabytes * 1e6);
   fs::create_directories(folder);
@@ -42,17 +57,23 @@ int bench(const BenchOptions& options, const fs::path& folder) {
   const SharedKey key = new_key("bench").value();
   TcpListener listener = TcpListener::listen(any_port()).value();
   const Peer server = listener.local();
-  SceneSender sender(
-      std::move(listener),
-      {.scene = folder / "scene.glb", .files = {}, .lighting = {}, .served = {}, .ring = {key}},
-      [] { return false; }, {.bytes_per_second = 1e9});
+  SceneSender sender(std::move(listener),
+                     {.scene = folder / "scene.glb",
+                      .files = {listed(folder / "scene.glb")},
+                      .lighting = {},
+                      .served = {},
+                      .ring = {key}},
+                     [] { return false; }, {.bytes_per_second = 1e9});
   BadPath path{.bytes_per_second = options.megabits * 1e6 / 8, .delay = duration_from_ms(options.delay_ms)};
   for (int i = 0; i < options.cuts; ++i)
     path.cuts.push_back(bytes / (static_cast<std::size_t>(options.cuts) + 1));
   TcpProxy proxy(server, path);
   const Stopwatch watch;
-  const Expected<FetchedScene> fetched =
-      fetch_scene({.server = proxy.address(), .key = key, .cache = folder / "cache"});
+  FetchPlan plan{.server = proxy.address(), .key = key, .cache = folder / "cache"};
+  plan.progress = [tenth = std::uint64_t{0}](std::uint64_t here, std::uint64_t all) mutable {
+    show_progress(here, all, tenth);
+  };
+  const Expected<FetchedScene> fetched = fetch_scene(plan);
   if (!fetched) {
     fmt::print(stderr, "fetch_bench: {}\n", fetched.error().what);
     return 1;

@@ -82,7 +82,7 @@ TEST_F(SceneFetch, ShowsTheServersSceneWithItsLighting) {
   // One that has the file, and names other lighting, is told what to do.
   const Ended other = run(arguments(server.address(), {"--scene", kRoom}));
   EXPECT_EQ(other.status, 1);
-  EXPECT_NE(other.errors.find("start the client without --scene"), std::string::npos) << other.errors;
+  EXPECT_NE(other.errors.find("start the client again without --scene"), std::string::npos) << other.errors;
 }
 
 TEST_F(SceneFetch, GoesOnAfterCtrlCAndACutWithFilesOfAFolder) {

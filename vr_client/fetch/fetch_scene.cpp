@@ -66,11 +66,9 @@ struct OpenedFetch {
   ReceivedOffer received;
 };
 
-/// Connects and asks for the offer.
-Expected<OpenedFetch> open_fetch(const FetchPlan& plan, const Waiting& waiting) {
-  Expected<TcpStream> tcp = connect_tcp(plan.server, waiting);
-  if (!tcp) return tl::unexpected(tcp.error());
-  Expected<SealedStream> stream = SealedStream::meet(*std::move(tcp), plan.key, waiting);
+/// Asks for the offer over a new connection.
+Expected<OpenedFetch> ask_over(TcpStream tcp, const FetchPlan& plan, const Waiting& waiting) {
+  Expected<SealedStream> stream = SealedStream::meet(std::move(tcp), plan.key, waiting);
   if (!stream) return tl::unexpected(stream.error());
   if (auto sent = send_request(*stream, OfferRequest{}, waiting); !sent) return tl::unexpected(sent.error());
   std::vector<std::byte> bytes;
@@ -87,6 +85,13 @@ Expected<OpenedFetch> open_fetch(const FetchPlan& plan, const Waiting& waiting) 
   if (!offer) return tl::unexpected(offer.error());
   const ContentHash hash = stream->served().scene_hash;
   return OpenedFetch{*std::move(stream), {*std::move(offer), hash}};
+}
+
+/// Connects and asks for the offer.
+Expected<OpenedFetch> open_fetch(const FetchPlan& plan, const Waiting& waiting) {
+  return connect_tcp(plan.server, waiting).and_then([&](TcpStream&& tcp) {
+    return ask_over(std::move(tcp), plan, waiting);
+  });
 }
 
 /// Fails a fetch that brings almost nothing.
@@ -186,13 +191,19 @@ Expected<SceneCache> open_cache(const FetchPlan& plan, const SceneOffer& offer) 
   });
 }
 
-/// Connects for the first time; tries again while the server is busy.
+/// Connects for the first time. Tries again while the server is busy: it says so, or closes the connection at
+/// once because many of this address wait there. Without a server it fails at once.
 Expected<OpenedFetch> open_first(const FetchPlan& plan) {
   const Waiting waiting{now() + plan.patience, plan.stopped};
-  for (;;) {
-    Expected<OpenedFetch> opened = open_fetch(plan, waiting);
-    const bool busy = !opened && opened.error().what == explained(FetchRefusal::Busy).what;
-    if (!busy || plan.stopped() || now() + plan.retry_pause >= waiting.until) return opened;
+  for (bool told = false;; told = true) {
+    Expected<TcpStream> tcp = connect_tcp(plan.server, waiting);
+    if (!tcp) return tl::unexpected(tcp.error());
+    Expected<OpenedFetch> opened = ask_over(*std::move(tcp), plan, waiting);
+    if (opened || !can_go_on(opened.error())) return opened;
+    if (plan.stopped() || now() + plan.retry_pause >= waiting.until) return opened;
+    if (!told)
+      plan.note(fmt::format("the server does not send its scene yet ({}); trying again for {:g} s",
+                            opened.error().what, seconds_of(plan.patience)));
     pause(plan);
   }
 }

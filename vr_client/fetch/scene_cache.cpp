@@ -25,16 +25,22 @@ tl::unexpected<Error> cannot(const char* verb, const fs::path& path, int error) 
               fmt::format("cannot {} '{}': {}", verb, path.string(), std::generic_category().message(error)));
 }
 
+/// Makes a folder, unless it is there. Refuses a link in its place.
+Expected<void> make_folder_itself(const fs::path& folder) {
+  std::error_code error;
+  const fs::file_status status = fs::symlink_status(folder, error);
+  if (status.type() == fs::file_type::directory) return {};
+  if (status.type() == fs::file_type::symlink || !fs::create_directory(folder, error))
+    return fail(Fault::Unreadable, "'" + folder.string() + "' is no folder: delete it");
+  return {};
+}
+
 /// Makes the folder of the file `name` below `folder`. Refuses links in place of folders.
 Expected<void> make_folders_below(const fs::path& folder, const fs::path& name) {
   fs::path made = folder;
   for (const fs::path& step : name.parent_path()) {
     made /= step;
-    std::error_code error;
-    const fs::file_status status = fs::symlink_status(made, error);
-    if (status.type() == fs::file_type::directory) continue;
-    if (status.type() == fs::file_type::symlink || !fs::create_directory(made, error))
-      return fail(Fault::Unreadable, "'" + made.string() + "' is no folder: delete it");
+    if (Expected<void> there = make_folder_itself(made); !there) return there;
   }
   return {};
 }
@@ -82,11 +88,11 @@ SceneCache::SceneCache(const fs::path& folder, std::vector<OfferedFile> files)
 Expected<SceneCache> SceneCache::open(const fs::path& folder, std::vector<OfferedFile> files,
                                       const std::function<bool()>& waits) {
   SceneCache cache(folder, std::move(files));
-  for (const fs::path& needed : {folder, cache.folder_, cache.parts_}) {
-    std::error_code error;
-    fs::create_directories(needed, error);
-    if (error) return cannot("make the folder", needed, error.value());
-  }
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return cannot("make the folder", folder, error.value());
+  for (const fs::path& own : {cache.folder_, cache.parts_})
+    if (Expected<void> made = make_folder_itself(own); !made) return tl::unexpected(made.error());
   fs::path lock = cache.folder_;
   lock += ".lock";
   Expected<Descriptor> locked = lock_file(lock, waits);

@@ -159,7 +159,9 @@ void NetworkLink::take_accept(const Accept& accept, std::span<const std::byte> d
   const auto& welcome = std::get<Welcome>(met->answer);
   const std::string server = "the server at " + to_string(target_.server);
   if (welcome.scene_hash != target_.scene_hash) {
-    refused_ = Error{Fault::Mismatch, server + " serves another scene"};
+    refused_ = Error{
+        Fault::Mismatch,
+        server + " serves another scene: start the client again without --scene, so that it fetches it"};
     return;
   }
   if (welcome.light_count != target_.mask.lights) {

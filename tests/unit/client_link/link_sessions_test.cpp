@@ -5,6 +5,7 @@
 
 #include <set>
 
+#include "stereo/net/explain.h"
 #include "tests/unit/client_link/link_bench.h"
 
 namespace farshade {
@@ -85,6 +86,20 @@ TEST_P(LinkRestart, MasksAreBackWithinASecond) {
 INSTANTIATE_TEST_SUITE_P(Delays, LinkRestart,
                          testing::Values(Restart{0ms, true}, Restart{25ms, true}, Restart{100ms, true},
                                          Restart{0ms, false}, Restart{25ms, false}, Restart{100ms, false}));
+
+TEST(LinkSession, EndsWithTheCureWhenTheServerComesBackWithAnotherScene) {
+  MetBench bench(kSlow, kLong);
+  bench.run(500ms);
+  Welcome other = kServed;
+  other.scene_hash[0] ^= 1;
+  bench.start_server(other);
+  bench.run(3s);
+  ASSERT_TRUE(bench.link.refused());
+  EXPECT_EQ(bench.link.refused()->fault, Fault::Mismatch);
+  const std::string& what = bench.link.refused()->what;
+  EXPECT_NE(what.find("the server serves scene " + short_form(other.scene_hash)), std::string::npos) << what;
+  EXPECT_NE(what.find("start the client again without --scene"), std::string::npos) << what;
+}
 
 TEST(LinkSession, OutlivesABusyServer) {
   MetBench bench;

@@ -32,9 +32,22 @@ class FetchTest : public testing::Test {
     }
   }
 
-  void serve(const SenderLimits& limits = {}) {
+  /// The files as a loader lists them. Those that are too large to be sent have no digest.
+  [[nodiscard]] std::vector<SceneFile> loaded() const {
+    std::vector<SceneFile> files;
+    for (const std::string& name : names_) {
+      const std::filesystem::path path = folder_.path() / "scene" / name;
+      const auto bytes = read_file(path, std::uint64_t{1} << 28);
+      files.push_back(
+          {name, std::filesystem::file_size(path), bytes ? digest_of(*bytes) : Digest{}, changed_at(path)});
+    }
+    return files;
+  }
+
+  void serve(const SenderLimits& limits = {}) { serve(loaded(), limits); }
+  void serve(std::vector<SceneFile> files, const SenderLimits& limits) {
     SceneToSend what{.scene = folder_.path() / "scene" / names_.front(),
-                     .files = {names_.begin() + 1, names_.end()},
+                     .files = std::move(files),
                      .lighting = {.ambient = 0.25f},
                      .served = {.scene_hash = {1, 2, 3}, .light_count = 2},
                      .ring = {key_}};

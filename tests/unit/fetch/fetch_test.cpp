@@ -134,11 +134,26 @@ TEST_F(FetchTest, FetchesTheNewSceneAfterTheServerChanged) {
 TEST_F(FetchTest, AFileThatChangesUnderTheServerIsRefused) {
   write({{"a.glb", 3000}});
   serve();
-  ASSERT_TRUE(ask_offer(plan()));  // the server has hashed it
+  ASSERT_TRUE(ask_offer(plan()));
   std::ofstream(folder_.path() / "scene/a.glb", std::ios::in) << "in place";
   const Expected<FetchedScene> fetched = fetch_scene(plan());
   ASSERT_FALSE(fetched);
   EXPECT_NE(fetched.error().what.find("restart the server"), std::string::npos) << fetched.error().what;
+}
+
+/// It was loaded with other bytes than those that lie there when the sender starts.
+TEST_F(FetchTest, AFileThatChangesWhileTheServerStartsIsNotOffered) {
+  write({{"a.glb", 3000}});
+  std::vector<SceneFile> before = loaded();
+  std::filesystem::last_write_time(folder_.path() / "scene/a.glb",
+                                   std::filesystem::file_time_type::clock::now() + 1s);
+  serve(before, {});
+  const auto offer = ask_offer(plan());
+  ASSERT_FALSE(offer);
+  EXPECT_NE(offer.error().what.find("its log says why"), std::string::npos) << offer.error().what;
+  const auto opened = ServedFiles::open(folder_.path() / "scene", before);
+  ASSERT_FALSE(opened);
+  EXPECT_NE(opened.error().what.find("'a.glb' has changed: restart the server"), std::string::npos);
 }
 
 TEST_F(FetchTest, ASceneThatIsTooLargeIsNotOffered) {

@@ -38,6 +38,22 @@ SceneCache open_three(const fs::path& folder) {
   return *std::move(cache);
 }
 
+TEST(SceneCache, ALinkInPlaceOfItsFoldersIsRefused) {
+  const ScratchFolder scratch;
+  const fs::path own = open_three(scratch.path() / "first").scene().parent_path().filename();
+  for (const char* suffix : {"", ".part"}) {
+    const fs::path folder = scratch.path() / ("second" + std::string(suffix)),
+                   elsewhere = scratch.path() / "elsewhere";
+    fs::create_directories(folder);
+    fs::create_directories(elsewhere);
+    fs::create_directory_symlink(elsewhere, folder / (own.string() + suffix));
+    const auto cache = SceneCache::open(folder, three_files(), kWaits);
+    ASSERT_FALSE(cache) << suffix;
+    EXPECT_NE(cache.error().what.find("is no folder: delete it"), std::string::npos) << cache.error().what;
+    EXPECT_TRUE(fs::is_empty(elsewhere));
+  }
+}
+
 TEST(SceneCache, GoesOnWhereItWasCut) {
   const ScratchFolder scratch;
   for (std::size_t cut = 0; cut <= kAll.size(); ++cut) {

@@ -50,6 +50,23 @@ TEST_F(SceneFiles, OpensFilesInsideTheFolder) {
   }
 }
 
+TEST_F(SceneFiles, ListsWhatItReadIfItIsAskedTo) {
+  ASSERT_TRUE(load_with("./sub%20dir/triangle.bin"));
+  const fs::path path = folder_ / "scene.gltf";
+  EXPECT_TRUE(load_scene(path)->files.empty()) << "hashing takes time";
+  const Scene scene = load_scene(path, {}, {}, ListFiles::Yes).value();
+  ASSERT_EQ(scene.files.size(), 2u);
+  EXPECT_EQ(scene.files[0].name, "scene.gltf");
+  EXPECT_EQ(scene.files[1].name, "sub dir/triangle.bin");
+  for (const SceneFile& file : scene.files) {
+    const auto bytes = read_file(folder_ / file.name, 1 << 20).value();
+    EXPECT_EQ(file.bytes, bytes.size());
+    EXPECT_EQ(file.digest, digest_of(bytes));
+    EXPECT_EQ(file.changed_ns, changed_at(folder_ / file.name));
+    EXPECT_GT(file.changed_ns, 0);
+  }
+}
+
 TEST_F(SceneFiles, RefusesWhatLeavesTheFolder) {
   fs::create_symlink(scratch_.path() / "outside.bin", folder_ / "link.bin");
   for (const std::string& uri :
