@@ -71,8 +71,8 @@ TEST(AnimatedLights, ColourTimesIntensityFollowsBoth) {
 TEST(AnimatedLights, RangeAndConesFollow) {
   GltfBuilder file = lamp_file();
   animate(file, "range", {1, 3}, "STEP");
-  animate(file, "spot/outerConeAngle", {0.5, 0.9});
-  animate(file, "spot/innerConeAngle", {0.1, 1.5});
+  animate(file, "spot/outerConeAngle", {0.5f, 0.9f});
+  animate(file, "spot/innerConeAngle", {0.1f, 1.5f});
   const Scene scene = loaded(file);
   EXPECT_EQ(at(scene, 1.9).range_m, 1);
   EXPECT_FLOAT_EQ(at(scene, 1).outer_cone_rad, 0.7f);
