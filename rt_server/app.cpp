@@ -9,6 +9,7 @@
 #include "rt_server/core/server_core.h"
 #include "rt_server/fetch/scene_sender.h"
 #include "stereo/base/files.h"
+#include "stereo/base/stages.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/impaired_port.h"
 #include "stereo/net/udp.h"
@@ -127,6 +128,8 @@ void print_counters(const ServerCore& core, const SceneSender* sender) {
 }  // namespace
 
 Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
+  const SteadyClock clock;
+  Stages stages(clock);
   if (Expected<void> removed = remove_old_ready_file(options); !removed) return removed;
   Expected<LitScene> loaded =
       load_lit_scene(options.scene, options.lighting, options.scene_fetch ? ListFiles::Yes : ListFiles::No);
@@ -140,13 +143,14 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
     return {};
   }
   if (!plan.server) return end_without_shadows(options);
-  const SteadyClock clock;
+  stages.end("scene");
   const Expected<std::vector<SharedKey>> ring = load_keys(options);
   if (!ring) return tl::unexpected(ring.error());
   const Expected<std::unique_ptr<DatagramPort>> port = open_port(options, clock);
   if (!port) return tl::unexpected(port.error());
   Expected<Tracer> tracer = Tracer::create(scene, plan.trace);
   if (!tracer) return tl::unexpected(tracer.error());
+  stages.end("tracer");
 
   const Welcome served{scene.hash, plan.trace.mask.lights, options.most_pixels};
   ServerCore core(served, *ring, make_answers({.scene = scene, .plan = plan, .tracer = *tracer}), **port,
@@ -158,6 +162,8 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   print_keys(options, ring->size());
   const auto sender = offer_scene(options, (*port)->local(),
                                   {options.scene, scene.files, options.lighting, served, *ring}, core);
+  stages.end("answers");
+  fmt::print("rt_server: ready after {}\n", stages.in_words());
   fmt::print("rt_server: listening on {}\n", address);
   std::fflush(stdout);
   // The port is open: what clients send from here on waits in its socket.

@@ -8,6 +8,7 @@
 #include <cstdio>
 
 #include "stereo/base/files.h"
+#include "stereo/base/stages.h"
 #include "stereo/base/stop_signal.h"
 #include "stereo/head/reader.h"
 #include "stereo/head/writer.h"
@@ -26,8 +27,8 @@
 namespace farshade {
 namespace {
 
-HeadPlayback playback_of(const Options& options, const PlacedHead& head) {
-  return {.stage_from_recorded = head.stage_from_recorded,
+HeadPlayback playback_of(const Options& options, const Rigid<Stage, Recorded>& stage_from_recorded = {}) {
+  return {.stage_from_recorded = stage_from_recorded,
           .eye_size = options.size,
           .refresh_hz = options.refresh_hz,
           .skip = duration_from_ms(options.skip_s * 1e3),
@@ -120,8 +121,8 @@ bool compiles_ahead(const Options& options, std::uint32_t frames) {
   return waits && draws_scene(options.mode.mode);
 }
 
-PixelReport report_for(const RunReport& report) {
-  return report.measures_any() ? PixelReport::On : PixelReport::Off;
+PixelReport report_for(const RunReportOptions& options) {
+  return options.measures_any() ? PixelReport::On : PixelReport::Off;
 }
 
 /// Prints to standard error how many frames of a run are done. On a terminal one line is overwritten with
@@ -156,7 +157,8 @@ class Progress {
 /// Runs the frame loop and writes the reports that the options ask for. `first` gets each frame before
 /// anything else is drawn.
 Expected<void> show(const Options& options, const RunContext& context, std::uint32_t frames,
-                    RunReport& report, Silence& silence, StopSignal& stop_signal, const FrameWatcher& first) {
+                    RunReport& report, Silence& silence, StopSignal& stop_signal, Stages& stages,
+                    const FrameWatcher& first) {
   // An empty timeline is written first, so that a path that cannot be written fails early.
   Timeline timeline;
   if (auto done = timeline.write(options.timeline); !done) return done;
@@ -165,6 +167,10 @@ Expected<void> show(const Options& options, const RunContext& context, std::uint
   Progress progress(frames);
   const SteadyClock clock;
   const auto watch = [&](const FrameView& view) {
+    if (view.shown.frame.value == 1) {
+      stages.end("first frame");
+      spdlog::info("the first frame was drawn after {}", stages.in_words());
+    }
     first(view);
     report.watch(view);
     if (!options.timeline.empty()) timeline.add(view, inbox);
@@ -259,6 +265,8 @@ Expected<void> print_plan(const Options& options) {
 }
 
 Expected<void> run_replay(const Options& options) {
+  const SteadyClock clock;
+  Stages stages(clock);
   StopSignal stop_signal;
   if (auto done = make_folder(options.out).and_then([&] { return remove_own_files(options.out); }); !done)
     return done;
@@ -267,17 +275,21 @@ Expected<void> run_replay(const Options& options) {
   Expected<CaptureReader> reader = CaptureReader::open(options.replay);
   if (!reader) return tl::unexpected(reader.error());
   const CaptureHeader header = reader->header();
+  stages.end("capture");
   Expected<std::unique_ptr<Client>> opened = open_client(
-      options, {.kind = options.plan.kind, .detail_px = static_cast<float>(header.detail_px)}, header.limits);
+      options, {.kind = options.plan.kind, .detail_px = static_cast<float>(header.detail_px)}, stages);
   if (!opened) return tl::unexpected(opened.error());
   Client& client = **opened;
   if (auto fits = check_capture(header, options, client); !fits) return fits;
   const Mode mode = header.origin == MaskOrigin::OwnTracer ? Mode::Full : Mode::Hybrid;
-  if (auto done = open_tracers(options, mode, client); !done) return done;
+  auto tracing = open_tracers_meanwhile(options, mode, client);
+  open_renderer(client, header.limits, stages);
+  if (auto done = tracing.get(); !done) return done;
+  stages.end("tracers");
 
-  RunReport report(report_options(options, *frames, Compare::AtOnce), *client.renderer,
-                   client.reference.get());
-  Replay replay(std::move(*reader), report_for(report));
+  const RunReportOptions measuring = report_options(options, *frames, Compare::AtOnce);
+  RunReport report(measuring, *client.renderer, client.reference.get());
+  Replay replay(std::move(*reader), report_for(measuring));
   const RunContext context{.scene = client.scene,
                            .runtime = replay,
                            .renderer = *client.renderer,
@@ -288,7 +300,7 @@ Expected<void> run_replay(const Options& options) {
                            .policy = header.policy};
   Silence no_server({});
   const auto compare = [&](const FrameView& view) { replay.watch(view, client.renderer->read_shown()); };
-  if (auto done = show(options, context, *frames, report, no_server, stop_signal, compare); !done)
+  if (auto done = show(options, context, *frames, report, no_server, stop_signal, stages, compare); !done)
     return done;
   const Expected<ReplayVerdict> verdict = replay.verdict();
   if (!verdict) return tl::unexpected(verdict.error());
@@ -304,35 +316,45 @@ Expected<void> run_replay(const Options& options) {
 }
 
 Expected<void> run_client(const Options& options) {
+  const SteadyClock clock;
+  Stages stages(clock);
   StopSignal stop_signal;
   if (auto done = CaptureWriter::may_create(options.record); !done) return done;
   if (auto done = make_folder(options.out).and_then([&] { return remove_own_files(options.out); }); !done)
     return done;
   Expected<HeadRecording> recording = load_head(options);
   if (!recording) return tl::unexpected(recording.error());
-  Expected<std::unique_ptr<Client>> opened = open_client(options, recording->eye_distance_m);
+  stages.end("head");
+  Expected<std::unique_ptr<Client>> opened =
+      open_client(options, needs_of(options, recording->eye_distance_m), stages);
   if (!opened) return tl::unexpected(opened.error());
   Client& client = **opened;
+  const std::uint32_t frames = frame_count(*recording, playback_of(options));
   auto placing = place_meanwhile(options, client.scene, std::move(*recording));
-  if (auto done = open_tracers(options, options.mode.mode, client); !done) return done;
-  const Expected<PlacedHead> head = placing.get();
-  if (!head) return tl::unexpected(head.error());
-  const bool captures = !options.record.empty();
-  CaptureWriter capture(client.clock);
-  RecordedHeadRuntime runtime(head->recording, playback_of(options, *head));
-  const std::uint32_t frames = runtime.frame_count();
-  RunReport report(
-      report_options(options, frames, options.pace == Pace::Real ? Compare::AfterTheRun : Compare::AtOnce),
-      *client.renderer, client.reference.get());
+  auto tracing = open_tracers_meanwhile(options, options.mode.mode, client);
+  open_renderer(client, renderer_limits(options), stages);
+  const RunReportOptions measuring =
+      report_options(options, frames, options.pace == Pace::Real ? Compare::AfterTheRun : Compare::AtOnce);
   const FrameSettings settings{
-      .request = options.request, .carry_over = options.carry_over, .report = report_for(report)};
+      .request = options.request, .carry_over = options.carry_over, .report = report_for(measuring)};
   if (compiles_ahead(options, frames))
     compile_ahead(client, settings.carry_over, settings.report, Changes::Never);
+  stages.end("pipelines");
+  if (auto done = tracing.get(); !done) return done;
+  stages.end("tracers");
+  const Expected<PlacedHead> head = placing.get();
+  if (!head) return tl::unexpected(head.error());
+  stages.end("head");
+  const bool captures = !options.record.empty();
+  CaptureWriter capture(client.clock);
+  RecordedHeadRuntime runtime(head->recording, playback_of(options, head->stage_from_recorded));
+  RunReport report(measuring, *client.renderer, client.reference.get());
   if (auto done = open_link(options, client, captures ? capture.listener() : LinkListener{}); !done)
     return done;
   const MaskPolicy policy = policy_of(options, client);
   if (captures)
     if (auto done = capture.open(options.record, header_of(options, client, policy)); !done) return done;
+  stages.end("server");
 
   const RunContext context{.scene = client.scene,
                            .runtime = runtime,
@@ -346,7 +368,7 @@ Expected<void> run_client(const Options& options) {
   const auto append_frame = [&](const FrameView& view) {
     if (captures && !capture.failed()) capture.watch(view, client.renderer->read_shown());
   };
-  if (auto done = show(options, context, frames, report, silence, stop_signal, append_frame); !done)
+  if (auto done = show(options, context, frames, report, silence, stop_signal, stages, append_frame); !done)
     return done;
   fmt::print("{}{}{}", heading(options, client, runtime, report.log(), silence), memory_line(options, client),
              table(report.log().summary()));

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
+#include <future>
 
 #include "stereo/base/user_folders.h"
 #include "stereo/detail/level_cache.h"
@@ -129,13 +130,10 @@ SceneLevels levels_for(const Scene& scene, const ScenePlan& plan) {
   return std::move(cached.levels);
 }
 
-Expected<std::unique_ptr<Client>> open_client(const Options& options, double eye_distance_m) {
-  return open_client(options, needs_of(options, eye_distance_m), renderer_limits(options));
-}
-
 Expected<std::unique_ptr<Client>> open_client(const Options& options, const SessionNeeds& needs,
-                                              const RendererLimits& limits) {
+                                              Stages& stages) {
   auto client = std::make_unique<Client>();
+  auto opening = std::async(std::launch::async, [&] { return gpu::open_device(options.device); });
   Expected<PlannedScene> planned = load_planned(options, needs);
   if (!planned) return tl::unexpected(planned.error());
   client->scene = std::move(planned->scene);
@@ -145,15 +143,22 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options, const Sess
                 fmt::format("{} has {} instances; at most {} can be drawn", options.scene.string(),
                             client->scene.instances.size(), kMaxInstances));
   if (auto fit = check_mode(options.mode, client->scene); !fit) return tl::unexpected(fit.error());
-  Expected<gpu::Device> device = gpu::open_device(options.device);
+  stages.end("scene");
+  Expected<gpu::Device> device = opening.get();
   if (!device) return tl::unexpected(device.error());
   client->device = std::move(*device);
   gpu::load_pipelines(client->device, cache_folder());
   spdlog::info("drawing on {}: {}", client->device.name, client->device.why);
-  client->levels = levels_for(client->scene, client->plan);
-  client->renderer =
-      std::make_unique<Renderer>(client->device, client->scene, client->plan.draw, limits, client->levels);
+  stages.end("device");
   return client;
+}
+
+void open_renderer(Client& client, const RendererLimits& limits, Stages& stages) {
+  client.levels = levels_for(client.scene, client.plan);
+  stages.end("levels of detail");
+  client.renderer =
+      std::make_unique<Renderer>(client.device, client.scene, client.plan.draw, limits, client.levels);
+  stages.end("upload");
 }
 
 Expected<void> open_reference(Client& client) {
@@ -171,6 +176,11 @@ Expected<void> open_tracers(const Options& options, Mode mode, Client& client) {
   }
   const bool measures = !options.preview && (options.reference_every > 0 || !options.dump.empty());
   return measures ? open_reference(client) : Expected<void>{};
+}
+
+std::future<Expected<void>> open_tracers_meanwhile(const Options& options, Mode mode, Client& client) {
+  return std::async(std::launch::async,
+                    [&options, mode, &client] { return open_tracers(options, mode, client); });
 }
 
 Expected<void> meet(const Options& options, Client& client, LinkListener listener) {

@@ -2,8 +2,10 @@
 /// reference tracer and the link to a server.
 #pragma once
 
+#include <future>
 #include <memory>
 
+#include "stereo/base/stages.h"
 #include "stereo/draw/renderer.h"
 #include "stereo/gpu/device.h"
 #include "stereo/net/impaired_port.h"
@@ -55,12 +57,12 @@ void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport repo
 /// Loads the scene and makes its plan. Mismatch if a fetched scene is not the one that the server has.
 [[nodiscard]] Expected<PlannedScene> load_planned(const Options& options, const SessionNeeds& needs);
 
-/// Opens scene, device and renderer. Fails if the scene cannot be drawn.
-[[nodiscard]] Expected<std::unique_ptr<Client>> open_client(const Options& options, double eye_distance_m);
-
-/// The same for the replay of a capture.
+/// Opens scene and device. Fails if the scene cannot be drawn.
 [[nodiscard]] Expected<std::unique_ptr<Client>> open_client(const Options& options, const SessionNeeds& needs,
-                                                            const RendererLimits& limits);
+                                                            Stages& stages);
+
+/// Creates the renderer, with the scene's levels of detail.
+void open_renderer(Client& client, const RendererLimits& limits, Stages& stages);
 
 /// Creates the reference tracer unless it exists. It traces every ray, without proofs. Fails if the scene
 /// cannot be traced.
@@ -69,6 +71,11 @@ void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport repo
 /// Creates the tracers that a run needs before its first frame: its own for mode full, which skips the same
 /// rays as the server, and the reference if the options measure frames.
 [[nodiscard]] Expected<void> open_tracers(const Options& options, Mode mode, Client& client);
+
+/// The same on a thread of its own, which alone uses the two tracers of `client` until the future is ready.
+/// The future's destructor waits.
+[[nodiscard]] std::future<Expected<void>> open_tracers_meanwhile(const Options& options, Mode mode,
+                                                                 Client& client);
 
 /// Opens the socket and a session with the server, if mode and scene need one. A server that does not answer
 /// causes a warning, and the link keeps trying. A refusal by the server is an error. `listener` gets all

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "stereo/base/files.h"
+#include "stereo/base/stages.h"
 #include "stereo/base/stop_signal.h"
 #include "stereo/head/reader.h"
 #include "vr_client/app.h"
@@ -64,11 +65,13 @@ class Preview {
  public:
   /// The reference tracer is created when it is first needed.
   Preview(const Options& options, Client& client, Window& window, StopSignal& stop_signal,
-          const std::optional<PlacedHead>& head, const LinkModel& path, const Remembered& remembered)
+          const std::optional<PlacedHead>& head, const LinkModel& path, const Remembered& remembered,
+          Stages& stages)
       : options_(options),
         client_(client),
         window_(window),
         stop_signal_(stop_signal),
+        stages_(stages),
         presenter_(client.device, window, client.renderer->shown()),
         controls_(first_controls(options, head, remembered)),
         path_(path),
@@ -203,6 +206,10 @@ class Preview {
     const PanelFacts facts = facts_of(now);
     presenter_.show(composition, [&] { draw_panel(controls_, facts); });
     history_.add(view, inspection_.errors(), client_.link.get(), client_.clock.now());
+    if (!titled_) {
+      stages_.end("first frame");
+      spdlog::info("the first frame was shown after {}", stages_.in_words());
+    }
     update_title();
   }
 
@@ -279,6 +286,7 @@ class Preview {
   Client& client_;
   Window& window_;
   StopSignal& stop_signal_;
+  Stages& stages_;  ///< of the start
   Presenter presenter_;
   Controls controls_;
   LinkModel path_;  ///< from the command line
@@ -308,6 +316,8 @@ Remembered recalled() {
 Expected<void> run_preview(const Options& given) {
   Options options = given;
   options.pace = Pace::Real;
+  const SteadyClock clock;
+  Stages stages(clock);
   StopSignal stop_signal;
   if (auto done = make_folder(options.out); !done) return done;
   std::optional<HeadRecording> recording;
@@ -322,26 +332,32 @@ Expected<void> run_preview(const Options& given) {
   const Expected<std::unique_ptr<Window>> window = open_window(
       kTitle, [&](const Desktop& desktop) { return first_window(options.size, desktop, remembered.window); });
   if (!window) return tl::unexpected(window.error());
+  stages.end("head and window");
   options.device.presentation = (*window)->presentation();
-  Expected<std::unique_ptr<Client>> client =
-      open_client(options, kWidestEyes_m);  // the viewer may change the eye distance at any time
+  // The viewer may change the eye distance at any time.
+  Expected<std::unique_ptr<Client>> client = open_client(options, needs_of(options, kWidestEyes_m), stages);
   if (!client) return tl::unexpected(client.error());
   std::future<Expected<PlacedHead>> placing;
   if (recording) placing = place_meanwhile(options, (*client)->scene, std::move(*recording));
-  if (auto done = open_tracers(options, options.mode.mode, **client); !done) return done;
+  auto tracing = open_tracers_meanwhile(options, options.mode.mode, **client);
+  open_renderer(**client, renderer_limits(options), stages);
   if (draws_scene(options.mode.mode))
     compile_ahead(**client, options.carry_over, PixelReport::Off, Changes::Possible);
+  stages.end("pipelines");
+  if (auto done = tracing.get(); !done) return done;
+  stages.end("tracers");
 
   std::optional<PlacedHead> head;
   if (placing.valid()) {
     Expected<PlacedHead> placed = placing.get();
     if (!placed) return tl::unexpected(placed.error());
     head = std::move(*placed);
+    stages.end("head and window");
   }
 
   Expected<void> done, finished;
   {
-    Preview preview(options, **client, **window, stop_signal, head, *path, remembered);
+    Preview preview(options, **client, **window, stop_signal, head, *path, remembered, stages);
     try {
       done = preview.run_all();
     } catch (const std::exception& error) {

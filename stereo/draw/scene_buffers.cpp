@@ -1,7 +1,11 @@
 #include "stereo/draw/scene_buffers.h"
 
+#include <tbb/parallel_pipeline.h>
+
 #include <algorithm>
 #include <map>
+#include <type_traits>
+#include <utility>
 
 namespace farshade {
 namespace {
@@ -40,6 +44,26 @@ void upload(const MeshStreams& streams, const SceneBuffers& buffers, gpu::Buffer
   write(buffers.indices, mesh.offsets.indices, streams.indices);
 }
 
+/// Calls take(i, make(i)) for i from 0 to count - 1, in this order, while others are made side by side. Only
+/// a few wait to be taken.
+template <class Make, class Take>
+void for_each_in_order(std::size_t count, Make make, Take take) {
+  constexpr std::size_t kMostWaiting = 16;
+  using Made = std::pair<std::size_t, std::invoke_result_t<Make, std::size_t>>;
+  std::size_t next = 0;
+  const auto number = [&](tbb::flow_control& flow) {
+    if (next == count) flow.stop();
+    return next++;
+  };
+  tbb::parallel_pipeline(
+      kMostWaiting,
+      tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, number) &
+          tbb::make_filter<std::size_t, Made>(tbb::filter_mode::parallel,
+                                              [&](std::size_t i) { return Made(i, make(i)); }) &
+          tbb::make_filter<Made, void>(tbb::filter_mode::serial_in_order,
+                                       [&](const Made& made) { take(made.first, made.second); }));
+}
+
 void make_meshes(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
                  const SceneLevels& levels, SceneBuffers& buffers) {
   const StreamBytes all = stream_bytes(scene, plan, levels);
@@ -49,23 +73,25 @@ void make_meshes(const gpu::Device& device, const Scene& scene, const DrawPlan& 
                                             "indices", gpu::Use::Vertices);
   gpu::BufferUpload uploads(device, std::min(all.total(), kStagingBytes));
   VertexLayout layout;
-  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
-    const Mesh& source = scene.meshes[i];
-    const MeshLevels& own = levels_of(levels, i);
-    const MeshStreams streams = make_streams(source, plan.surfaces[i], own);
-    DeviceMesh mesh{.bytes = stream_bytes(source, plan.surfaces[i], own),
-                    .offsets = {},
-                    .texture = texture_of(scene, source, plan.surfaces[i]),
-                    .index_type = index_bytes(source.positions.size()) == 2 ? vk::IndexType::eUint16
-                                                                            : vk::IndexType::eUint32,
-                    .ranges = streams.ranges,
-                    .levels = own.levels,
-                    .center = streams.center,
-                    .box = bounds_of(streams.positions)};
-    mesh.offsets = layout.add(mesh.bytes);
-    upload(streams, buffers, uploads, mesh);
-    buffers.meshes.push_back(std::move(mesh));
-  }
+  for_each_in_order(
+      scene.meshes.size(),
+      [&](std::size_t i) { return make_streams(scene.meshes[i], plan.surfaces[i], levels_of(levels, i)); },
+      [&](std::size_t i, const MeshStreams& streams) {
+        const Mesh& source = scene.meshes[i];
+        const MeshLevels& own = levels_of(levels, i);
+        DeviceMesh mesh{.bytes = stream_bytes(source, plan.surfaces[i], own),
+                        .offsets = {},
+                        .texture = texture_of(scene, source, plan.surfaces[i]),
+                        .index_type = index_bytes(source.positions.size()) == 2 ? vk::IndexType::eUint16
+                                                                                : vk::IndexType::eUint32,
+                        .ranges = streams.ranges,
+                        .levels = own.levels,
+                        .center = streams.center,
+                        .box = bounds_of(streams.positions)};
+        mesh.offsets = layout.add(mesh.bytes);
+        upload(streams, buffers, uploads, mesh);
+        buffers.meshes.push_back(std::move(mesh));
+      });
   uploads.flush();
 }
 

@@ -237,18 +237,22 @@ void ShadingPass::record_warm_up(const vk::raii::CommandBuffer& commands, const 
   const std::uint32_t last = !carries_masks(plan_)                               ? FARSHADE_PASS_DIRECT
                              : motion_count_ > 0 && changes == Changes::Possible ? FARSHADE_PASS_MOVING
                                                                                  : FARSHADE_PASS_HARD;
-  const auto run_all = [&](bool whole, bool moved) {
-    whole_ = whole;
-    moved_ = moved;
-    for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass) {
-      bind(commands, pass, report);
-      push_shown_eye(commands, need_layout(report), 0);
-      commands.dispatch(0, 1, 1);  // compiles, but runs nothing: the buffers have no contents yet
+  const auto for_all = [&](const auto& act) {
+    for (const auto& [whole, moved] : {std::pair(true, false), {false, false}, {false, true}}) {
+      if (moved && changes == Changes::Never) break;
+      whole_ = whole;
+      moved_ = moved;
+      for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass) act(pass);
     }
   };
-  run_all(true, false);
-  run_all(false, false);
-  if (changes == Changes::Possible) run_all(false, true);
+  std::set<ShadingKey> keys;
+  for_all([&](std::uint32_t pass) { keys.insert(key_of(pass, report)); });
+  pipelines_.need_all(keys, need_layout(report));
+  for_all([&](std::uint32_t pass) {
+    bind(commands, pass, report);
+    push_shown_eye(commands, need_layout(report), 0);
+    commands.dispatch(0, 1, 1);  // compiles, but runs nothing: the buffers have no contents yet
+  });
 }
 
 const vk::raii::Pipeline& ShadingPass::need_pipeline(std::uint32_t pass, PixelReport report) {

@@ -1,6 +1,9 @@
 #include "stereo/draw/shading_pipelines.h"
 
+#include <tbb/parallel_for_each.h>
+
 #include <bit>
+#include <iterator>
 
 #include "shaders/shade_direct.comp.spv.h"
 #include "shaders/shade_direct_report.comp.spv.h"
@@ -85,11 +88,22 @@ const vk::raii::Pipeline& ShadingPipelines::need(const ShadingKey& key,
                                                  const vk::raii::PipelineLayout& layout) {
   const auto found = pipelines_.find(key);
   if (found != pipelines_.end()) return found->second;
+  return pipelines_.emplace(key, make(key, layout)).first->second;
+}
+
+void ShadingPipelines::need_all(const std::set<ShadingKey>& keys, const vk::raii::PipelineLayout& layout) {
+  std::vector<std::pair<ShadingKey, vk::raii::Pipeline>> missing;
+  for (const ShadingKey& key : keys)
+    if (!pipelines_.contains(key)) missing.emplace_back(key, nullptr);
+  tbb::parallel_for_each(missing, [&](auto& one) { one.second = make(one.first, layout); });
+  pipelines_.insert(std::make_move_iterator(missing.begin()), std::make_move_iterator(missing.end()));
+}
+
+vk::raii::Pipeline ShadingPipelines::make(const ShadingKey& key,
+                                          const vk::raii::PipelineLayout& layout) const {
   const vk::raii::ShaderModule shader =
       gpu::make_shader(device_, shader_of(key, plan_.mask.lights, motion_), "shade.comp");
-  return pipelines_
-      .emplace(key, gpu::make_compute_pipeline(device_, layout, shader, constants_of(key, plan_), "shade"))
-      .first->second;
+  return gpu::make_compute_pipeline(device_, layout, shader, constants_of(key, plan_), "shade");
 }
 
 }  // namespace farshade

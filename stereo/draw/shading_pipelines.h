@@ -3,6 +3,7 @@
 
 #include <compare>
 #include <map>
+#include <set>
 
 #include "stereo/draw/carry_over.h"
 #include "stereo/draw/shading_layout.h"
@@ -35,9 +36,14 @@ class ShadingPipelines {
   /// Creates the pipeline if there is none for `key` yet.
   const vk::raii::Pipeline& need(const ShadingKey& key, const vk::raii::PipelineLayout& layout);
 
+  /// Creates the pipelines of all `keys` that there are not yet, side by side.
+  void need_all(const std::set<ShadingKey>& keys, const vk::raii::PipelineLayout& layout);
+
   [[nodiscard]] std::size_t count() const { return pipelines_.size(); }
 
  private:
+  [[nodiscard]] vk::raii::Pipeline make(const ShadingKey& key, const vk::raii::PipelineLayout& layout) const;
+
   const gpu::Device& device_;
   const DrawPlan& plan_;
   bool motion_;

@@ -216,16 +216,16 @@ Played play(const Play& play, const Network& network) {
     moved = clock.now();
     wire.move_client(0);
   });
-  RunReport report({.out = {},
-                    .frame_count = play.frames,
-                    .reference_every = play.reference_every,
-                    .pictures = 0,
-                    .dump = {},
-                    .reference_samples = play.reference_samples},
-                   renderer, reference ? &*reference : nullptr);
+  const RunReportOptions measuring{.out = {},
+                                   .frame_count = play.frames,
+                                   .reference_every = play.reference_every,
+                                   .pictures = 0,
+                                   .dump = {},
+                                   .reference_samples = play.reference_samples};
+  RunReport report(measuring, renderer, reference ? &*reference : nullptr);
   const FrameSettings settings{.request = play.request,
                                .carry_over = play.carry_over,
-                               .report = report.measures_any() ? PixelReport::On : PixelReport::Off};
+                               .report = measuring.measures_any() ? PixelReport::On : PixelReport::Off};
   const RunContext context{
       .scene = play.scene,
       .runtime = runtime,

@@ -33,15 +33,15 @@ struct RunReportOptions {
   std::vector<std::uint32_t> dump;
   std::uint32_t reference_samples = 1;  ///< per side of a pixel; more than 1: the smooth reference, too
   Compare compare = Compare::AtOnce;    ///< a dumped frame is always compared at once
+
+  /// True if the shading pass must report, because frames will be measured.
+  [[nodiscard]] bool measures_any() const { return reference_every > 0 || !dump.empty(); }
 };
 
 class RunReport {
  public:
   /// `reference` may be null only if `options` measure no frame.
   RunReport(RunReportOptions options, Renderer& renderer, Reference* reference);
-
-  /// True if the shading pass must report, because frames will be measured.
-  [[nodiscard]] bool measures_any() const { return options_.reference_every > 0 || !options_.dump.empty(); }
 
   void watch(const FrameView& view);
 

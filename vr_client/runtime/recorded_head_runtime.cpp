@@ -9,14 +9,15 @@
 
 namespace farshade {
 
-RecordedHeadRuntime::RecordedHeadRuntime(const HeadRecording& recording, const HeadPlayback& playback)
-    : recording_(recording), playback_(playback) {
+std::uint32_t frame_count(const HeadRecording& recording, const HeadPlayback& playback) {
   const double length_s = std::max(0.0, seconds_of(recording.end() - recording.start() - playback.skip));
   constexpr std::uint32_t kMost = std::numeric_limits<std::uint32_t>::max();
   const double all = std::floor(length_s * playback.refresh_hz) + 1;
-  frame_count_ =
-      static_cast<std::uint32_t>(std::min(all, static_cast<double>(playback.frames.value_or(kMost))));
+  return static_cast<std::uint32_t>(std::min(all, static_cast<double>(playback.frames.value_or(kMost))));
 }
+
+RecordedHeadRuntime::RecordedHeadRuntime(const HeadRecording& recording, const HeadPlayback& playback)
+    : recording_(recording), playback_(playback), frame_count_(frame_count(recording, playback)) {}
 
 Time RecordedHeadRuntime::display_time(std::uint32_t index) const {
   const auto offset_ns = std::llround(index * 1e9 / playback_.refresh_hz);

@@ -18,6 +18,9 @@ struct HeadPlayback {
   Pace pace = Pace::Virtual;
 };
 
+/// Number of display times of a whole playback. They do not depend on where the head is placed.
+[[nodiscard]] std::uint32_t frame_count(const HeadRecording& recording, const HeadPlayback& playback);
+
 class RecordedHeadRuntime final : public Runtime {
  public:
   /// Keeps a reference to `recording`.
@@ -26,8 +29,6 @@ class RecordedHeadRuntime final : public Runtime {
   [[nodiscard]] std::optional<FrameTiming> wait_frame() override;
   [[nodiscard]] StereoView locate_views(Time display_time) const override;
 
-  /// Number of display times of the whole playback.
-  [[nodiscard]] std::uint32_t frame_count() const { return frame_count_; }
   /// Number of display times that passed before their frame could begin (Pace::Real).
   [[nodiscard]] std::uint64_t skipped() const { return skipped_; }
 
