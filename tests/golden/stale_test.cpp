@@ -59,10 +59,11 @@ double unknown_share(const Shown& shown) {
 }
 
 // If the G-buffer drew other vertices than the tracer met, or points were not carried back with the figures,
-// the surfaces would not be those of the mask.
+// the surfaces would not be those of the mask. Boxes of 12 triangles that bend are left out: one affine
+// motion cannot follow them, so they count as unknown (part_motion.h).
 TEST_F(Stale, DeformedFiguresAreWhereTheMaskSawThemAndAreCarriedBack) {
   std::mt19937 random{11};  // the seed
-  TestRig rig(device_, bending_figures(random), 128);
+  TestRig rig(device_, bending_figures(random, 2000, {}, BendingBoxes::None), 128);
   const StereoView views = rig.eyes(head_looking({0.3, 1.5, 2.6}, {0, 0.8, 0}));
   rig.set_time(Time(620ms));
   const Mask traced = rig.ask(kTraced, views);
@@ -73,7 +74,7 @@ TEST_F(Stale, DeformedFiguresAreWhereTheMaskSawThemAndAreCarriedBack) {
   std::size_t stale = 0;
   for (const std::uint32_t light : {0u, 1u}) stale += count_of(later, light).stale;
   EXPECT_GT(stale, 1000u) << "the figures are in view and move";
-  EXPECT_LT(unknown_share(later), 0.012);
+  EXPECT_LT(unknown_share(later), 0.006);
 }
 
 TEST_F(Stale, IsTheLightThatMovedAndNoOther) {

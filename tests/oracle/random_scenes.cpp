@@ -114,7 +114,8 @@ Scene changing_lights(std::mt19937& random) {
   return build.build();
 }
 
-Scene bending_figures(std::mt19937& random, std::uint32_t triangles, const glm::dvec3& shift) {
+Scene bending_figures(std::mt19937& random, std::uint32_t triangles, const glm::dvec3& shift,
+                      BendingBoxes boxes) {
   std::uniform_real_distribution<float> place(-1, 1), unit(0, 1);
   SceneBuilder build(shift);
   build.add(quad({0, 0, 0}, {3, 0, 0}, {0, 0, -3}));
@@ -148,8 +149,9 @@ Scene bending_figures(std::mt19937& random, std::uint32_t triangles, const glm::
   for (std::size_t i = 0; i < torn.positions.size(); ++i)
     torn.colors.emplace_back(255, 255, 255, i % 3 == 0 ? 0 : 255);
   for (Mesh* const open : {&single, &cloth}) open->triangles.resize(6);  // their inner sides are seen, too
-  build.add_deformed({torn, cloth, single},
-                     {.joints = {{low}, {high, bound_at(0.4)}}, .weights = {0}, .track = weights(1)});
+  if (boxes == BendingBoxes::Some)
+    build.add_deformed({torn, cloth, single},
+                       {.joints = {{low}, {high, bound_at(0.4)}}, .weights = {0}, .track = weights(1)});
   build.point_light({2 * place(random), 2.8, 2 * place(random)});
   build.directional_light({place(random), -1.5, place(random)});
   build.move(build.point_light({2 * place(random), 2.5, 2}, 6.0f), {0.5, 0.2, -0.3});
