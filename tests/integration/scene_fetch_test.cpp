@@ -110,6 +110,30 @@ TEST_F(SceneFetch, GoesOnAfterCtrlCAndACutWithFilesOfAFolder) {
   EXPECT_EQ(whole.errors.find("fetched "), std::string::npos) << whole.errors;
 }
 
+// The scene's bytes yield to masks: 100 Mbit/s without masks, a quarter beside them.
+TEST_F(SceneFetch, LeavesTheMasksOfOthersAsYoungAsTheyWere) {
+  const std::string scene = large_scene(6'000'000);
+  RunningServer server(scene);
+  const fs::path out = folder_.path() / "masks";
+  const std::map<std::string, std::string> options{
+      {"--scene", scene},  {"--server", server.address()}, {"--clock", "real"}, {"--frames", "360"},
+      {"--size", "48x32"}, {"--reference-every", "0"},     {"--pictures", "0"}, {"--out", out.string()}};
+  const Ended alone = run_client(options);
+  ASSERT_EQ(alone.status, 0) << alone.errors;
+  const double age_ms = summary_row(out, "wire", "age")[0];
+
+  ChildProgram shows(client_arguments(options));
+  ASSERT_TRUE(shows.error_line_after("frame 36 of 360"));
+  const Stopwatch watch;
+  const Ended fetches = run(arguments(server.address(), {"--plan"}));
+  EXPECT_EQ(fetches.status, 0) << fetches.errors;
+  EXPECT_GT(seconds_of(watch.elapsed()), 1.5) << "6 MB at a quarter of 100 Mbit/s take 1.9 s";
+  const std::string errors = shows.errors();
+  ASSERT_EQ(shows.wait(), 0) << errors;
+  constexpr double kFrame_ms = 1e3 / 72;
+  EXPECT_LE(summary_row(out, "wire", "age")[0], age_ms + 0.5 * kFrame_ms);
+}
+
 TEST_F(SceneFetch, SaysWhatToDoIfTheServerSendsNoScene) {
   RunningServer server(kRoom, "127.0.0.1:0", {"--no-scene-fetch"});
   const Ended refused = run(arguments(server.address()));
