@@ -1,5 +1,10 @@
 #include "stereo/base/instruction_set.h"
 
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
 #include "stereo/scene/gltf.h"
 #include "tests/oracle/agreement.h"
 #include "tests/oracle/random_scenes.h"
