@@ -16,7 +16,7 @@ function(farshade_manual program summary)
     add_dependencies(manual manual_${program})
   endif()
   install(TARGETS ${program})
-  install(FILES ${folder}/${program}.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 OPTIONAL)
+  install(DIRECTORY ${folder}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 OPTIONAL FILES_MATCHING PATTERN ${program}*.1)
   install(FILES ${folder}/${program} DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions OPTIONAL)
 endfunction()
 

@@ -30,7 +30,7 @@ constexpr const char* kFooter =
     "Signals: SIGUSR1 prints the counters, SIGHUP reads the key ring again.\n"
     "\n"
     "Examples:\n"
-    "  rt_server --scene assets/room.glb --listen 0.0.0.0:7447\n"
+    "  rt_server --scene assets/room.glb --listen 0.0.0.0:7447\n\n"
     "  rt_server inspect assets/room.glb";
 
 void add_serving(CLI::App& app, ServeOptions& options) {
@@ -99,7 +99,6 @@ int main(int argc, char** argv) try {
   const ConfigRules config{config_folder() / "rt_server.ini"};
   add_config_option(app, config);
   add_completion_option(app);
-  app.set_help_all_flag("--help-all", "print the help of every subcommand, too, and exit");
   try {
     parse_with_config(app, argc, argv, config);
     if (app.get_subcommands().empty() && serving.scene.empty()) throw CLI::RequiredError("--scene");

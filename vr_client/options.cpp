@@ -33,8 +33,8 @@ constexpr const char* kFooter =
     "  143  SIGTERM ended the run\n"
     "\n"
     "Examples:\n"
-    "  vr_client --scene assets/room.glb --trace assets/walk.csv --server 127.0.0.1:7447\n"
-    "  vr_client --trace assets/walk.csv --server HOST:7447    (the scene comes from the server)\n"
+    "  vr_client --scene assets/room.glb --trace assets/walk.csv --server 127.0.0.1:7447\n\n"
+    "  vr_client --trace assets/walk.csv --server HOST:7447    (the scene comes from the server)\n\n"
     "  vr_client --scene assets/room.glb --trace assets/walk.csv --mode full --frames 10";
 
 /// Frames have 32-bit numbers.
@@ -298,7 +298,6 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   const ConfigRules config{config_folder() / "vr_client.ini", "--replay", kNotInReplay};
   add_config_option(app, config);
   add_completion_option(app);
-  app.set_help_all_flag("--help-all", "print the help of every subcommand, too, and exit");
   try {
     parse_with_config(app, argc, argv, config);
     if (app.got_subcommand("doctor")) line.options.doctor = line.doctor;

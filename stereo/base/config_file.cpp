@@ -151,9 +151,8 @@ void parse_with_config(CLI::App& app, int argc, const char* const* argv, const C
       by_default ? rules.default_file : std::filesystem::path(given.config.value_or(""));
   // These must work whatever the file contains.
   const bool reads =
-      !file.empty() &&
-      std::ranges::none_of(std::array{"-h", "--help", "--help-all", "--version", "--completion"},
-                           [&](const char* option) { return is_given(given, option); });
+      !file.empty() && std::ranges::none_of(std::array{"-h", "--help", "--version", "--completion"},
+                                            [&](const char* option) { return is_given(given, option); });
   const std::vector<Setting> settings =
       reads ? settings_that_count(app, given, rules, file) : std::vector<Setting>();
   std::vector<std::string> arguments(argv + 1, argv + argc);
