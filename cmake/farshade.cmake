@@ -83,6 +83,8 @@ function(farshade_test name)
   if(ARG_ENVIRONMENT)
     set(environment ENVIRONMENT ${ARG_ENVIRONMENT})
   endif()
+  # Tests do not read the user's configuration files.
+  list(APPEND environment ENVIRONMENT_MODIFICATION XDG_CONFIG_HOME=set:${PROJECT_BINARY_DIR}/no-config)
   if(ARG_TOGETHER)
     add_test(NAME ${name} COMMAND ${name})
     set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} ${environment})

@@ -9,7 +9,10 @@
 #include "rt_server/app.h"
 #include "rt_server/commands/commands.h"
 #include "stereo/base/command_line.h"
+#include "stereo/base/completion.h"
+#include "stereo/base/config_file.h"
 #include "stereo/base/heap.h"
+#include "stereo/base/user_folders.h"
 #include "stereo/scene/lighting_options.h"
 
 namespace {
@@ -17,6 +20,18 @@ namespace {
 using namespace farshade;
 
 constexpr int kBadCommandLine = 2;
+
+constexpr const char* kFooter =
+    "Exit status:\n"
+    "  0  SIGINT (Ctrl-C) or SIGTERM ended the server, or the subcommand succeeded\n"
+    "  1  the server could not start, or the subcommand failed; standard error says why\n"
+    "  2  the command line or the configuration file is wrong\n"
+    "\n"
+    "Signals: SIGUSR1 prints the counters, SIGHUP reads the key ring again.\n"
+    "\n"
+    "Examples:\n"
+    "  rt_server --scene assets/room.glb --listen 0.0.0.0:7447\n\n"
+    "  rt_server inspect assets/room.glb";
 
 void add_serving(CLI::App& app, ServeOptions& options) {
   app.add_option_function<std::string>(
@@ -65,7 +80,9 @@ int main(int argc, char** argv) try {
   keep_freed_memory();
   CLI::App app(
       "Traces which lights are visible from each pixel of a stereo client, and sends the result as masks "
-      "over UDP.");
+      "over UDP.",
+      "rt_server");
+  app.footer(kFooter);
   make_readable(app);
   ServeOptions serving;
   KeygenOptions key;
@@ -79,8 +96,11 @@ int main(int argc, char** argv) try {
   app.failure_message([](const CLI::App*, const CLI::Error& error) {
     return fmt::format("rt_server: {} (see --help)\n", error.what());
   });
+  const ConfigRules config{config_folder() / "rt_server.ini"};
+  add_config_option(app, config);
+  add_completion_option(app);
   try {
-    app.parse(argc, argv);
+    parse_with_config(app, argc, argv, config);
     if (app.get_subcommands().empty() && serving.scene.empty()) throw CLI::RequiredError("--scene");
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? EXIT_SUCCESS : kBadCommandLine;

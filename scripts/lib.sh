@@ -81,9 +81,9 @@ start_server() {
     ring=$key  # a client's key file is a ring of one key
   else
     key=$server_files/client.key ring=$server_files/ring.keys
-    "$program" keygen client --key "$key" --ring "$ring" >/dev/null || die "no key could be made"
+    "$program" --config '' keygen client --key "$key" --ring "$ring" >/dev/null || die "no key could be made"
   fi
-  "$program" --scene "$scene" --listen 127.0.0.1:0 --keys "$ring" --ready-file "$server_files/ready" "$@" \
+  "$program" --config '' --scene "$scene" --listen 127.0.0.1:0 --keys "$ring" --ready-file "$server_files/ready" "$@" \
     >"$server_log" 2>&1 &
   server=$!
   give_up=$((SECONDS + patience_s))
@@ -165,12 +165,14 @@ needs_no_server() {
 
 # run_client [OPTION...] [-- OPTION_OF_RT_SERVER...]: starts rt_server and runs vr_client with it, by default on the
 # bundled room. If vr_client needs no server of this script, only runs vr_client. If the client fails, prints the server's
-# log and exits with the client's status.
+# log and exits with the client's status. Neither reads the user's configuration file, because both need the same scene,
+# lights and keys; a --config among the options goes to vr_client.
 run_client() {
   local status=0 shared options=()
   while (($#)) && [[ $1 != -- ]]; do options+=("$1"); shift; done
   shift $(($# > 0))
   has_option server "${options[@]}" || default_options --scene "$root/assets/room.glb"
+  default_options --config ''
   if needs_no_server "${options[@]}"; then
     (($# == 0)) || die "no rt_server is started, so '$*' has no effect: omit it"
   else

@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <charconv>
 #include <cmath>
 
 #include "stereo/base/command_line.h"
+#include "stereo/base/completion.h"
+#include "stereo/base/config_file.h"
+#include "stereo/base/user_folders.h"
 #include "stereo/base/within.h"
 #include "stereo/frame/view.h"
 #include "stereo/scene/lighting_options.h"
@@ -20,10 +24,17 @@ constexpr const char* kAbout =
     "Shows a scene to both eyes along a recorded head, with shadows that an rt_server traces.\n"
     "Writes pictures, summary.csv and frames.csv to the output folder, and prints the summary.";
 
-constexpr const char* kExamples =
+constexpr const char* kFooter =
+    "Exit status:\n"
+    "  0    the run is complete\n"
+    "  1    the run failed, or no answer of the server came; standard error says why\n"
+    "  2    the command line or the configuration file is wrong\n"
+    "  130  Ctrl-C (SIGINT) ended the run\n"
+    "  143  SIGTERM ended the run\n"
+    "\n"
     "Examples:\n"
-    "  vr_client --scene assets/room.glb --trace assets/walk.csv --server 127.0.0.1:7447\n"
-    "  vr_client --trace assets/walk.csv --server HOST:7447    (the scene comes from the server)\n"
+    "  vr_client --scene assets/room.glb --trace assets/walk.csv --server 127.0.0.1:7447\n\n"
+    "  vr_client --trace assets/walk.csv --server HOST:7447    (the scene comes from the server)\n\n"
     "  vr_client --scene assets/room.glb --trace assets/walk.csv --mode full --frames 10";
 
 /// Frames have 32-bit numbers.
@@ -214,14 +225,17 @@ void check_fetch(const Options& options) {
                                "--scene-index, --camera and --variant are for a file that --scene names");
 }
 
-/// Throws a CLI::ParseError if an option is given that a replay takes from its capture or does not need.
+/// A replay takes these options from its capture, or does not need them.
+constexpr std::array kNotInReplay{
+    "--trace-scale",  "--place",     "--stand",         "--size",        "--detail-px", "--frames",
+    "--skip",         "--refresh",   "--server",        "--key",         "--insecure",  "--net",
+    "--mode",         "--bitrate",   "--position-bits", "--shadow-maps", "--pcf",       "--clock",
+    "--delay",        "--mask-wait", "--predictor",     "--guard-band",  "--ask",       "--mask-every",
+    "--reprojection", "--eyes",      "--gaps",          "--edges"};
+
+/// Throws a CLI::ParseError if one of these options is given.
 void check_replay(const CLI::App& app) {
-  for (const char* option :
-       {"--trace-scale",  "--place",     "--stand",         "--size",        "--detail-px", "--frames",
-        "--skip",         "--refresh",   "--server",        "--key",         "--insecure",  "--net",
-        "--mode",         "--bitrate",   "--position-bits", "--shadow-maps", "--pcf",       "--clock",
-        "--delay",        "--mask-wait", "--predictor",     "--guard-band",  "--ask",       "--mask-every",
-        "--reprojection", "--eyes",      "--gaps",          "--edges"})
+  for (const char* option : kNotInReplay)
     if (app.count(option) > 0)
       throw CLI::ValidationError(option, "a replay repeats the captured run as it was: omit this option");
 }
@@ -270,7 +284,7 @@ Expected<Extent> parse_size(const std::string& text) {
 tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   CommandLine line;
   CLI::App app{kAbout, "vr_client"};
-  app.footer(kExamples);
+  app.footer(kFooter);
   make_readable(app);
   app.require_subcommand(0, 1);
   add_doctor(app, line.doctor);
@@ -281,8 +295,11 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   add_carry_over_options(app, line.options.carry_over);
   add_output_options(app, line.options);
   add_other_options(app, line);
+  const ConfigRules config{config_folder() / "vr_client.ini", "--replay", kNotInReplay};
+  add_config_option(app, config);
+  add_completion_option(app);
   try {
-    app.parse(argc, argv);
+    parse_with_config(app, argc, argv, config);
     if (app.got_subcommand("doctor")) line.options.doctor = line.doctor;
     return line.options.doctor ? std::move(line.options) : checked(std::move(line), app);
   } catch (const CLI::ParseError& error) {

@@ -58,9 +58,15 @@ std::string one_line(const CLI::App* app, const CLI::Error& error) {
                      what);
 }
 
-/// "NUMBER (0 to 500, default: 20)".
+/// Shows "NUMBER (0 to 500, default: 20)".
 class Help final : public CLI::Formatter {
  public:
+  /// A flag that is false when given shows as any other flag.
+  [[nodiscard]] std::string make_option_name(const CLI::Option* option, bool is_positional) const override {
+    const std::string name = CLI::Formatter::make_option_name(option, is_positional);
+    return name.substr(0, name.find('{'));
+  }
+
   [[nodiscard]] std::string make_option_opts(const CLI::Option* option) const override {
     if (option->get_type_size() == 0) return {};
     // The type is followed by the descriptions of its checks: "FLOAT:0 to 500".

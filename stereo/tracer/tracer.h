@@ -24,6 +24,7 @@
 
 #include <memory>
 
+#include "stereo/base/instruction_set.h"
 #include "stereo/frame/position_grid.h"
 #include "stereo/frame/shadow_frame.h"
 #include "stereo/plan/scene_plan.h"
@@ -57,9 +58,11 @@ struct TraceStats {
 
 class Tracer {
  public:
-  /// Builds the acceleration structure. Keeps a reference to `scene`.
+  /// Builds the acceleration structure. Keeps a reference to `scene`. The stages use up to `set`, which is at
+  /// most the best one; masks have the same bits with every set.
   /// Refuses (Fault::Unavailable) when the device or its memory is not available.
-  [[nodiscard]] static Expected<Tracer> create(const Scene& scene, const TracePlan& plan);
+  [[nodiscard]] static Expected<Tracer> create(const Scene& scene, const TracePlan& plan,
+                                               InstructionSet set = best_instruction_set());
   /// With the plan of the scene, which keeps all of its lights.
   [[nodiscard]] static Expected<Tracer> create(const Scene& scene) {
     return create(scene, plan_for(scene, {.all_lights = true}).trace);

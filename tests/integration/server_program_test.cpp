@@ -173,6 +173,18 @@ TEST(ServerProgramRefuses, ACommandLineWithStatus2) {
   }
 }
 
+TEST(ServerProgram, ReadsAConfigurationFileAndRefusesAnUnknownKeyInIt) {
+  const ScratchFolder folder;
+  const std::string file = (folder.path() / "rt_server.ini").string();
+  std::ofstream(file) << "scene = " << kScene << "\nplan = needed\n";
+  ChildProgram plan({RT_SERVER, "--config", file});
+  EXPECT_EQ(plan.wait(), 0) << plan.errors();
+  EXPECT_NE(plan.output().find("plan for box_over_plane.gltf"), std::string::npos) << plan.output();
+  std::ofstream(file) << "scnee = " << kScene << "\n";
+  EXPECT_EQ(complaint_of({RT_SERVER, "--config", file}),
+            "rt_server: " + file + ": unknown key 'scnee'; did you mean scene? (see --help)\n");
+}
+
 TEST(ServerProgramRefuses, SceneWhoseLightsAreDark) {
   const ScratchFolder folder;
   EXPECT_NE(complaint_of(server(scene_with_a_dark_light(folder.path()))).find("nothing to serve"),

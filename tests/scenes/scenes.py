@@ -44,8 +44,8 @@ def shade(pictures):
 def drawn(path, options):
     """(result, sentence) of a file that loads."""
     with tempfile.TemporaryDirectory() as folder:
-        done = attempt([options.programs / "vr_client/vr_client", "--scene", path, "--trace", options.trace, "--mode", "full",
-                        "--frames", 1, "--pictures", 1, "--size", options.size, "--out", folder], options.timeout)
+        done = attempt([options.programs / "vr_client/vr_client", "--config", "", "--scene", path, "--trace", options.trace,
+                        "--mode", "full", "--frames", 1, "--pictures", 1, "--size", options.size, "--out", folder], options.timeout)
         wrong = failure(done)
         if wrong:
             return wrong
@@ -54,7 +54,7 @@ def drawn(path, options):
 
 def tried(path, options):
     """(result, sentence) of a file."""
-    done = attempt([options.programs / "rt_server/rt_server", "inspect", "--json", path], options.timeout)
+    done = attempt([options.programs / "rt_server/rt_server", "--config", "", "inspect", "--json", path], options.timeout)
     wrong = failure(done)
     if wrong:
         return wrong

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <iterator>
 #include <sstream>
+
+#include "tests/unit/scratch_folder.h"
 
 namespace farshade {
 namespace {
@@ -324,6 +327,36 @@ TEST(ReadOptions, AReplayRefusesWhatItTakesFromTheCapture) {
               std::string("vr_client: ") + option +
                   ": a replay repeats the captured run as it was: omit this option (see --help)\n");
   }
+}
+
+TEST(ReadOptions, AConfigurationFileSetsOptionsAndHindersNeitherReplayNorPreview) {
+  const ScratchFolder folder;
+  const std::string file = (folder.path() / "vr_client.ini").string();
+  std::ofstream(file)
+      << "trace = b.csv\nmode = full\nsize = 96x64\nserver = there:1\ninsecure = true\nclock = real\n";
+  const Outcome run = read({"--config", file, "--scene", "a.glb", "--mode", "local"});
+  ASSERT_TRUE(run.options.has_value()) << run.errors;
+  EXPECT_EQ(run.options->trace, "b.csv");
+  EXPECT_EQ(run.options->mode.mode, Mode::Local);
+  EXPECT_EQ(run.options->size, (Extent{96, 64}));
+  EXPECT_TRUE(run.options->insecure);
+  const Outcome replay = read({"--config", file, "--scene", "a.glb", "--replay", "b"});
+  ASSERT_TRUE(replay.options.has_value()) << replay.errors;
+  EXPECT_EQ(replay.options->replay, "b");
+  EXPECT_TRUE(read({"--config", file, "--scene", "a.glb", "--preview"}).options.has_value());
+  const Outcome doctor = read({"--config", file, "doctor"});
+  ASSERT_TRUE(doctor.options.has_value()) << doctor.errors;
+  EXPECT_EQ(doctor.options->doctor->server, "there:1");
+}
+
+TEST(ReadOptions, AnUnknownKeyOfAConfigurationFileIsNamed) {
+  const ScratchFolder folder;
+  const std::string file = (folder.path() / "vr_client.ini").string();
+  std::ofstream(file) << "mdoe = full\n";
+  const Outcome outcome = read_more({"--config", file});
+  ASSERT_FALSE(outcome.options.has_value());
+  EXPECT_EQ(outcome.options.error().status, 2);
+  EXPECT_EQ(outcome.errors, "vr_client: " + file + ": unknown key 'mdoe'; did you mean mode? (see --help)\n");
 }
 
 TEST(ReadOptions, RunsTheDoctorWithoutOtherOptions) {

@@ -54,6 +54,16 @@ TEST(Words, SetTheValueAndAreShownInsteadOfNumbers) {
             "paint: --colour: '1' is not one of red, green (see --help)\n");
 }
 
+TEST(Help, ShowsAFlagThatIsFalseWhenGivenAsAnyOther) {
+  CLI::App app("", "paint");
+  make_readable(app);
+  bool drips = true;
+  app.add_flag("!--no-drips", drips, "none");
+  const std::string help = parse(app, "paint --help").out;
+  EXPECT_NE(help.find("--no-drips  "), std::string::npos) << help;
+  EXPECT_EQ(help.find("{false}"), std::string::npos) << help;
+}
+
 TEST(UnknownOptions, AreNamedWithASuggestionAlsoInSubcommands) {
   CLI::App app("", "paint");
   make_readable(app);
