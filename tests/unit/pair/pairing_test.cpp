@@ -138,7 +138,7 @@ TEST_F(Pairing, AConnectionThatWasOpenWhenTheCodeExpiredIsTooLate) {
 }
 
 TEST_F(Pairing, WrongCodesAreRefusedAndTooManyEndThePairing) {
-  Waiter server(ring(), {.guesses = 3});
+  Waiter server(ring(), {.life = 20s, .guesses = 3});
   for (std::size_t guess = 0; guess < 3; ++guess) {
     EXPECT_TRUE(server.still_waits());
     PairingCode wrong = server.code();
@@ -156,7 +156,7 @@ TEST_F(Pairing, WrongCodesAreRefusedAndTooManyEndThePairing) {
 }
 
 TEST_F(Pairing, FewWrongCodesDoNotKeepTheRightOneOut) {
-  Waiter server(ring(), {.guesses = 3});
+  Waiter server(ring(), {.life = 20s, .guesses = 3});
   PairingCode wrong = server.code();
   wrong.symbols[0] ^= 1;
   for (int guess = 0; guess < 2; ++guess) EXPECT_FALSE(pair_as(key_, wrong));
