@@ -17,17 +17,25 @@
 namespace farshade {
 namespace {
 
+std::filesystem::path ring_path(const ServeOptions& options) {
+  return options.ring.empty() ? default_ring_path() : std::filesystem::path(options.ring);
+}
+
 Expected<std::vector<SharedKey>> load_keys(const ServeOptions& options) {
   if (options.insecure) return std::vector{insecure_key()};
-  const std::filesystem::path path =
-      options.ring.empty() ? default_ring_path() : std::filesystem::path(options.ring);
+  const std::filesystem::path path = ring_path(options);
   Expected<std::vector<SharedKey>> ring = load_key_ring(path);
   if (!ring && ring.error().fault == Fault::Missing)
-    return fail(Fault::Missing,
-                "no keys at " + path.string() +
-                    ": make a key with rt_server keygen NAME, or name another ring with --keys");
+    return fail(
+        Fault::Missing,
+        "no keys at " + path.string() +
+            ": bring the key of a client with rt_server pair, make one with rt_server keygen NAME, or name "
+            "another ring with --keys");
   if (ring && ring->empty())
-    return fail(Fault::Missing, path.string() + " contains no key: make one with rt_server keygen NAME");
+    return fail(
+        Fault::Missing,
+        path.string() +
+            " contains no key: bring one with rt_server pair, or make one with rt_server keygen NAME");
   return ring;
 }
 
@@ -114,6 +122,26 @@ void reload_keys(const ServeOptions& options, ServerCore& core, SceneSender* sen
   spdlog::info("the key ring was read again: {} {}", ring->size(), ring->size() == 1 ? "key" : "keys");
 }
 
+/// Tells when a file has changed: once per change, when it has not changed further between two looks. So a
+/// file that an editor is writing is not read by halves.
+class FileWatch {
+ public:
+  explicit FileWatch(std::filesystem::path path) : path_(std::move(path)), seen_(changed_at(path_)) {}
+
+  [[nodiscard]] bool has_changed() {
+    const std::int64_t now = changed_at(path_);
+    const bool settled = now != seen_ && now == last_;
+    last_ = now;
+    if (settled) seen_ = now;
+    return settled;
+  }
+  void mark_as_seen() { seen_ = changed_at(path_); }
+
+ private:
+  std::filesystem::path path_;
+  std::int64_t seen_, last_ = 0;
+};
+
 /// Does not fail if nobody reads the output any more, for example because the terminal was closed.
 void print_counters(const ServerCore& core, const SceneSender* sender) {
   const ServerCounters counters = core.counters();
@@ -144,6 +172,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   }
   if (!plan.server) return end_without_shadows(options);
   stages.end("scene");
+  FileWatch ring_file(ring_path(options));  // before it is read, so that no change is missed
   const Expected<std::vector<SharedKey>> ring = load_keys(options);
   if (!ring) return tl::unexpected(ring.error());
   const Expected<std::unique_ptr<DatagramPort>> port = open_port(options, clock);
@@ -171,7 +200,14 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   if (!written) return written;
   {
     const Serving serving(core);
-    stop.wait([&] { print_counters(core, sender.get()); }, [&] { reload_keys(options, core, sender.get()); });
+    const auto reload = [&] {
+      ring_file.mark_as_seen();
+      reload_keys(options, core, sender.get());
+    };
+    stop.wait([&] { print_counters(core, sender.get()); }, reload,
+              [&] {
+                if (!options.insecure && ring_file.has_changed()) reload();
+              });
   }
   print_counters(core, sender.get());
   return {};

@@ -31,7 +31,8 @@ inline constexpr std::string_view kReadyListening = "listening";
 inline constexpr std::string_view kReadyNoShadows = "no-shadows";
 
 /// Serves until SIGINT or SIGTERM arrives. Writes results to stdout and the log to stderr. Prints its
-/// counters at the end and on every SIGUSR1, and reads the key ring again on every SIGHUP. If `options.plan`
+/// counters at the end and on every SIGUSR1. Reads the key ring again on every SIGHUP, and when its file has
+/// changed. If `options.plan`
 /// only asks for the plan, prints the plan instead.
 ///
 /// Removes an old ready file first. Writes the new one atomically: when the port is open and clients can

@@ -86,10 +86,12 @@ int main(int argc, char** argv) try {
   make_readable(app);
   ServeOptions serving;
   KeygenOptions key;
+  ServerPairOptions paired;
   ServerDoctorOptions doctor;
   InspectOptions inspected;
   add_serving(app, serving);
   add_keygen(app, key);
+  add_pair(app, paired);
   add_doctor(app, doctor);
   add_inspect(app, inspected);
   app.require_subcommand(0, 1);
@@ -112,6 +114,8 @@ int main(int argc, char** argv) try {
   const auto print = [](const std::string& text) { fmt::print("{}", text); };
   if (app.got_subcommand("keygen")) {
     done = keygen(key).map(print);
+  } else if (app.got_subcommand("pair")) {
+    done = pair_client(paired, stop);
   } else if (app.got_subcommand("inspect")) {
     done = inspect(inspected).map(print);
   } else {

@@ -46,12 +46,10 @@ Expected<SharedKey> key_for(const Options& options, const Peer& server) {
   const std::filesystem::path path = options.key.empty() ? default_key_path() : options.key;
   Expected<SharedKey> key = load_key(path);
   if (!key && key.error().fault == Fault::Missing)
-    return fail(
-        Fault::Missing,
-        fmt::format(
-            "no key file at {}: make a key on the server with rt_server keygen NAME and copy it here, "
-            "or name the file with --key",
-            path.string()));
+    return fail(Fault::Missing, fmt::format("no key file at {}: bring one to the server with vr_client pair "
+                                            "(rt_server pair shows the code there), "
+                                            "or name the file with --key",
+                                            path.string()));
   return key;
 }
 

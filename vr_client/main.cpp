@@ -6,6 +6,7 @@
 #include "vr_client/app.h"
 #include "vr_client/doctor/doctor.h"
 #include "vr_client/fetched_scene.h"
+#include "vr_client/pair/pair.h"
 
 /// What a shell gives for a program that SIGINT has ended.
 constexpr int kInterrupted = 130;
@@ -17,6 +18,12 @@ int main(int argc, char** argv) try {
   spdlog::set_pattern("vr_client: %v");
   tl::expected<Options, EarlyExit> options = read_options(argc, argv);
   if (!options) return options.error().status;
+  if (options->pair) {
+    const Expected<std::string> paired = pair_with_server(*options->pair);
+    if (!paired) spdlog::error(paired.error().what);
+    std::fputs(paired.value_or("").c_str(), stdout);
+    return paired ? EXIT_SUCCESS : EXIT_FAILURE;
+  }
   if (options->doctor) return report(examine(*options->doctor));
   if (const Expected<void> scene = fetch_if_missing(*options); !scene) {
     spdlog::error(scene.error().what);

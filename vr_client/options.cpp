@@ -44,6 +44,7 @@ constexpr double kMostFrames = 4294967295.0;
 struct CommandLine {
   Options options;
   ClientDoctorOptions doctor;
+  ClientPairOptions pair;
   std::string size = "512x512";
   double video_megabits = Options{}.mode.bits_per_second * 1e-6;
   bool validate = false;
@@ -95,7 +96,8 @@ void add_scene_options(CLI::App& app, CommandLine& line) {
 void add_link_options(CLI::App& app, Options& options) {
   app.add_option("--server", options.server, "address of the rt_server")->capture_default_str();
   app.add_option("--key", options.key,
-                 "key file that rt_server keygen made (default: " + default_key_path().string() + ")");
+                 "key file, which vr_client pair or rt_server keygen made (default: " +
+                     default_key_path().string() + ")");
   app.add_flag("--insecure", options.insecure,
                "use no key and no encryption; only for a server on this machine");
   app.add_option("--net", options.net,
@@ -288,6 +290,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   make_readable(app);
   app.require_subcommand(0, 1);
   add_doctor(app, line.doctor);
+  add_pair(app, line.pair);
   add_scene_options(app, line);
   add_link_options(app, line.options);
   add_mode_options(app, line);
@@ -301,7 +304,8 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   try {
     parse_with_config(app, argc, argv, config);
     if (app.got_subcommand("doctor")) line.options.doctor = line.doctor;
-    return line.options.doctor ? std::move(line.options) : checked(std::move(line), app);
+    if (app.got_subcommand("pair")) line.options.pair = line.pair;
+    return line.options.doctor || line.options.pair ? std::move(line.options) : checked(std::move(line), app);
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(EarlyExit{app.exit(error) == 0 ? 0 : 2});
   }

@@ -16,6 +16,7 @@
 #include "vr_client/ask/request_plan.h"
 #include "vr_client/doctor/doctor.h"
 #include "vr_client/frame/mode.h"
+#include "vr_client/pair/pair.h"
 #include "vr_client/runtime/runtime.h"
 
 namespace farshade {
@@ -62,6 +63,7 @@ struct Options {
   PlanOptions plan;
   bool preview = false;                       ///< show a window until the user closes it
   std::optional<ClientDoctorOptions> doctor;  ///< set: only run the doctor
+  std::optional<ClientPairOptions> pair;      ///< set: only pair with a server
 };
 
 /// The program should exit with this status: 0 after it printed the help, 2 after an error in the command

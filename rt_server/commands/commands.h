@@ -2,10 +2,11 @@
 ///
 /// `doctor` checks what a server needs on this machine, and names a cure for each problem. It serves no
 /// client and changes nothing. `keygen` makes a key for one client, writes it to a file for the client and
-/// adds it to the server's key ring.
+/// adds it to the server's key ring. `pair` lets a new client bring its own key.
 /// `inspect` says what a scene file has.
 #pragma once
 
+#include "stereo/base/stop_signal.h"
 #include "stereo/doctor/checks.h"
 #include "stereo/scene/lighting.h"
 
@@ -39,6 +40,20 @@ void add_inspect(CLI::App& program, InspectOptions& options);
 /// Triangles, size, lights, memory, and what was chosen or left out: as text or as JSON. Fails if the file is
 /// refused.
 [[nodiscard]] Expected<std::string> inspect(const InspectOptions& options);
+
+struct ServerPairOptions {
+  std::string ring;  ///< the server's key ring; empty for default_ring_path()
+  std::string listen = "0.0.0.0:7448";
+  std::string address;  ///< host to show in the code; empty: the address of this machine
+  double minutes = 5;   ///< life of the code
+};
+
+/// Adds the subcommand `pair` and its options to `program`.
+void add_pair(CLI::App& program, ServerPairOptions& options);
+
+/// Prints a code and waits until a client with it has brought its key, or until it is too old or `stop`
+/// has come.
+[[nodiscard]] Expected<void> pair_client(const ServerPairOptions& options, StopSignal& stop);
 
 struct KeygenOptions {
   std::string name;

@@ -156,7 +156,8 @@ void SceneSender::serve(Connection& connection, TcpStream stream) {
     const std::lock_guard lock(mutex_);
     ring = ring_;
   }
-  Expected<SealedStream> met = SealedStream::admit(std::move(stream), ring, what_.served, first);
+  Expected<SealedStream> met =
+      SealedStream::admit(std::move(stream), StreamPurpose::SceneFetch, ring, what_.served, first);
   bool is_proved = false;
   while (met) {
     const auto message = met->receive(is_proved ? within(connection, limits_.silence) : first);

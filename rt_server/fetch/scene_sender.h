@@ -11,7 +11,7 @@
 #include "rt_server/fetch/served_files.h"
 #include "stereo/base/failure_log.h"
 #include "stereo/fetch/fetch_messages.h"
-#include "stereo/fetch/sealed_stream.h"
+#include "stereo/net/sealed_stream.h"
 
 namespace farshade {
 

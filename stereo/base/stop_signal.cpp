@@ -24,13 +24,16 @@ StopSignal::~StopSignal() {
   pthread_sigmask(SIG_UNBLOCK, &opened, nullptr);
 }
 
-void StopSignal::wait(const std::function<void()>& report, const std::function<void()>& reload) {
+void StopSignal::wait(const std::function<void()>& report, const std::function<void()>& reload,
+                      const std::function<void()>& look) {
+  constexpr timespec kSecond{.tv_sec = 1, .tv_nsec = 0};
   sigset_t all;
   sigorset(&all, &signals_, &requests_);
   while (!came_) {
-    int signal = 0;
-    check_eq(sigwait(&all, &signal), 0, "a signal can be waited for");
-    if (signal == SIGUSR1)
+    const int signal = sigtimedwait(&all, nullptr, &kSecond);
+    if (signal < 0)
+      look();
+    else if (signal == SIGUSR1)
       report();
     else if (signal == SIGHUP)
       reload();

@@ -22,10 +22,11 @@ class StopSignal {
   /// From here on, SIGINT and SIGTERM do in this thread what they did before.
   ~StopSignal();
 
-  /// Returns when SIGINT or SIGTERM has arrived. Calls `report` for each SIGUSR1, and `reload` for each
-  /// SIGHUP that is a request.
+  /// Returns when SIGINT or SIGTERM has arrived. Calls `report` for each SIGUSR1, `reload` for each SIGHUP
+  /// that is a request, and `look` after each second without a signal.
   void wait(
-      const std::function<void()>& report = [] {}, const std::function<void()>& reload = [] {});
+      const std::function<void()>& report = [] {}, const std::function<void()>& reload = [] {},
+      const std::function<void()>& look = [] {});
 
   /// Whether SIGINT or SIGTERM has arrived by now.
   [[nodiscard]] bool has_come();

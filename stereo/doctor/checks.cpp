@@ -63,8 +63,10 @@ Finding check_key_file(const std::filesystem::path& path, KeyFile kind) {
         subject, keys.error(),
         "make it a file that only you may read: chown it to yourself and chmod 600 " + path.string());
   return {Severity::Fail, subject, keys ? path.string() + " contains no key" : keys.error().what,
-          is_ring ? "make a key with rt_server keygen NAME, or name another ring with --keys"
-                  : "make a key on the server with rt_server keygen NAME and copy it here, or name another "
+          is_ring ? "bring the key of a client with rt_server pair, make one with rt_server keygen NAME, or "
+                    "name another ring with --keys"
+                  : "bring one to the server with vr_client pair (rt_server pair shows the code there), copy "
+                    "one that rt_server keygen NAME made there, or name another "
                     "key file with --key"};
 }
 

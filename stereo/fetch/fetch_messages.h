@@ -1,4 +1,5 @@
-/// The messages of a scene fetch, sealed (sealed_stream.h). A decoder refuses every other byte string.
+/// The messages of a scene fetch, sealed (stereo/net/sealed_stream.h). A decoder refuses every other byte
+/// string.
 #pragma once
 
 #include <cstdint>

@@ -37,13 +37,30 @@ Expected<double> scale_of(Format format, std::string_view name, std::optional<do
   for (const KnownScale& known : kKnownScales)
     if (name.find(known.name_part) != name.npos) return known.units_a_metre;
   return fail(Fault::Unsupported,
-              std::string(name) + ": an EyeNavGS recording of an unknown scene: state its scene scale");
+              std::string(name) +
+                  ": an EyeNavGS recording, whose name does not tell its scene: give --trace-scale, how many "
+                  "of its units are a metre (0.76 in its scene truck, 2 in room)");
+}
+
+/// Refuses a table whose first row has semicolons, as spreadsheets write it in many languages.
+Expected<void> check_separator(std::string_view text, std::string_view name) {
+  rows::Lines lines(text, name);
+  for (std::string_view line; lines.next(line);) {
+    if (line.front() == '#') continue;
+    if (line.find(';') == line.npos) return {};
+    return rows::fail_at(
+        lines.place(), Fault::Unsupported,
+        "the columns are separated by semicolons: separate them by commas, and write decimals "
+        "with a point");
+  }
+  return {};
 }
 
 }  // namespace
 
 Expected<HeadRecording> parse_head_recording(std::string_view text, std::string_view name,
                                              std::optional<double> units_a_metre) {
+  if (const Expected<void> sound = check_separator(text, name); !sound) return tl::unexpected(sound.error());
   const Format format = format_of(text);
   const Expected<double> scale = scale_of(format, name, units_a_metre);
   if (!scale) return tl::unexpected(scale.error());

@@ -7,14 +7,15 @@
 
 namespace farshade {
 
-namespace {
-
 bool is_v4(const Peer& peer) {
   constexpr std::array<std::uint8_t, 12> kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
   return std::ranges::equal(kMapped, std::span(peer.address).first<12>());
 }
 
-}  // namespace
+bool is_unspecified(const Peer& peer) {
+  const auto address = std::span(peer.address).subspan(is_v4(peer) ? 12 : 0);
+  return std::ranges::all_of(address, [](std::uint8_t byte) { return byte == 0; });
+}
 
 bool is_loopback(const Peer& peer) {
   constexpr std::array<std::uint8_t, 16> kLoopback{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};

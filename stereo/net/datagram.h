@@ -23,11 +23,20 @@ struct Peer {
   friend auto operator<=>(const Peer&, const Peer&) = default;
 };
 
+/// The port of a server whose address names none, for UDP and TCP.
+inline constexpr std::uint16_t kDefaultPort = 7447;
+
 /// `127.0.0.1:7447` or `[::1]:7447`.
 [[nodiscard]] std::string to_string(const Peer& peer);
 
 /// Whether no other machine can reach the address: 127.0.0.0/8 or ::1.
 [[nodiscard]] bool is_loopback(const Peer& peer);
+
+/// Whether the address is one of IPv4.
+[[nodiscard]] bool is_v4(const Peer& peer);
+
+/// Whether a port with this address listens on all addresses of its machine: 0.0.0.0 or [::].
+[[nodiscard]] bool is_unspecified(const Peer& peer);
 
 struct Datagram {
   Peer from;

@@ -2,6 +2,7 @@
 /// include this file.
 #pragma once
 
+#include <algorithm>
 #include <asio/io_context.hpp>
 #include <asio/ip/basic_endpoint.hpp>
 #include <asio/ip/basic_resolver.hpp>
@@ -36,34 +37,54 @@ struct HostPort {
   std::string host, port;
 };
 
-/// Splits `name:port` or `[::1]:port`.
-[[nodiscard]] inline Expected<HostPort> split_address(std::string_view address) {
+/// Splits `name:port`, `name`, `[::1]:port`, `[::1]` or `::1`. Without a port the port is `without_port`.
+/// Refuses (Malformed) a name of digits only, which is a forgotten host, and a bare IPv6 address that ends in
+/// the digits of `without_port`, which probably lacks its brackets.
+[[nodiscard]] inline Expected<HostPort> split_address(std::string_view address, std::uint16_t without_port) {
+  std::string_view host = address;
+  std::string port = std::to_string(without_port);
+  const bool is_bare_v6 = std::ranges::count(address, ':') > 1 && !address.starts_with('[');
   const std::size_t colon = address.rfind(':');
-  std::string_view host = address.substr(0, colon);
-  const std::string_view port = colon == address.npos ? "" : address.substr(colon + 1);
-  std::uint16_t number = 0;
-  const auto [end, error] = std::from_chars(port.data(), port.data() + port.size(), number);
+  bool sound = !is_bare_v6 || !address.ends_with(":" + port);
+  if (!is_bare_v6 && colon != address.npos && !address.ends_with(']')) {
+    host = address.substr(0, colon);
+    port = address.substr(colon + 1);
+    std::uint16_t number = 0;
+    const char* const end = port.data() + port.size();
+    const auto [stop, error] = std::from_chars(port.data(), end, number);
+    sound = error == std::errc{} && stop == end;
+  }
   const bool bracketed = host.size() >= 2 && host.front() == '[' && host.back() == ']';
   if (bracketed) host = host.substr(1, host.size() - 2);
-  const bool sound = !host.empty() && (bracketed || host.find(':') == host.npos);
-  if (!sound || error != std::errc{} || end != port.data() + port.size())
-    return fail(Fault::Malformed,
-                "'" + std::string(address) +
-                    "' is no address: write HOST:PORT with a port up to 65535, IPv6 as [::1]:7447");
-  return HostPort{std::string(host), std::string(port)};
+  sound &= host.find_first_not_of("0123456789") != host.npos && host.find_first_of("[]") == host.npos;
+  if (bracketed || is_bare_v6) {
+    asio::error_code no_address;
+    asio::ip::make_address_v6(host, no_address);
+    sound &= !no_address;
+  }
+  if (sound) return HostPort{std::string(host), port};
+  return fail(Fault::Malformed,
+              "'" + std::string(address) +
+                  "' is no address: write HOST or HOST:PORT with a port up to 65535, IPv6 as "
+                  "[::1] or [::1]:" +
+                  std::to_string(without_port));
 }
 
 template <class Protocol>
-[[nodiscard]] Expected<asio::ip::basic_endpoint<Protocol>> resolve_address(asio::io_context& context,
-                                                                           std::string_view address) {
-  const Expected<HostPort> parts = split_address(address);
+[[nodiscard]] Expected<asio::ip::basic_endpoint<Protocol>> resolve_address(
+    asio::io_context& context, std::string_view address, std::uint16_t without_port = kDefaultPort) {
+  const Expected<HostPort> parts = split_address(address, without_port);
   if (!parts) return tl::unexpected(parts.error());
   asio::error_code error;
   asio::ip::basic_resolver<Protocol> resolver(context);
   const auto found = resolver.resolve(parts->host, parts->port, error);
-  if (error || found.empty())
-    return fail(Fault::Missing, "no host '" + parts->host + "' is known (" + error.message() + ")");
-  return found.begin()->endpoint();
+  if (!error && !found.empty()) return found.begin()->endpoint();
+  const std::string cure = "give its IP address instead (hostname -I prints it on that machine)";
+  return fail(Fault::Missing,
+              error == asio::error::host_not_found_try_again
+                  ? "no name server answers for the host '" + parts->host +
+                        "': check this machine's network, or " + cure
+                  : "no host named '" + parts->host + "' is known: check the spelling, or " + cure);
 }
 
 }  // namespace farshade

@@ -42,11 +42,13 @@ Explanation explain(const OpenRefusal& refusal, const SharedKey& key, const Peer
   const std::string where = "the server at " + to_string(server);
   if (key == insecure_key())
     return {where + " does not accept clients with --insecure",
-            "omit --insecure, and use a key that was made there (rt_server keygen)"};
-  return {where + " has no key with the secret of '" + key.name + "' (id " + short_form(id_of(key)) + ")",
-          "if '" + key.name +
-              "' was made anew there, copy the file again; otherwise add it to the server's ring (rt_server "
-              "keygen), or give --key the file that was made there. A server with --insecure knows no keys"};
+            "omit --insecure, and use a key that the server has (rt_server pair)"};
+  return {
+      where + " has no key with the secret of '" + key.name + "' (id " + short_form(id_of(key)) + ")",
+      "if '" + key.name +
+          "' was made anew there, copy the file again; otherwise bring a key to the server "
+          "(rt_server pair), make one there (rt_server keygen), or give --key the file that was made there. A "
+          "server with --insecure knows no keys"};
 }
 
 std::string explain(const KeyId& id, const KeyRing& ring, const Peer& client) {
@@ -59,7 +61,7 @@ std::string explain(const KeyId& id, const KeyRing& ring, const Peer& client) {
   if (ring.contains(open))
     return text + "it uses a key, and this server was started with --insecure: start it with --insecure, too";
   return text + "no key of the ring has its id " + short_form(id) +
-         ": it uses an old key file or that of another server (rt_server keygen makes a new one)";
+         ": it uses an old key file or that of another server (rt_server pair brings a new one)";
 }
 
 }  // namespace farshade

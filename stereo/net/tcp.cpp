@@ -101,9 +101,9 @@ void TcpStream::let_others_pass() {
   setsockopt(socket, SOL_SOCKET, SO_PRIORITY, &kBulk, sizeof kBulk);
 }
 
-Expected<Peer> resolve_tcp(std::string_view address) {
+Expected<Peer> resolve_tcp(std::string_view address, std::uint16_t without_port) {
   asio::io_context context;
-  return resolve_address<tcp>(context, address).map([](const tcp::endpoint& found) {
+  return resolve_address<tcp>(context, address, without_port).map([](const tcp::endpoint& found) {
     return peer_of(found);
   });
 }

@@ -43,8 +43,8 @@ class TcpStream {
   std::unique_ptr<State> state_;
 };
 
-/// The address that a name stands for, with its port. It may wait for a name server.
-[[nodiscard]] Expected<Peer> resolve_tcp(std::string_view address);
+/// The address that a name stands for, with its port, or `without_port`. It may wait for a name server.
+[[nodiscard]] Expected<Peer> resolve_tcp(std::string_view address, std::uint16_t without_port = kDefaultPort);
 
 [[nodiscard]] Expected<TcpStream> connect_tcp(const Peer& server, const Waiting& waiting);
 

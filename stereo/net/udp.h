@@ -15,8 +15,8 @@ namespace farshade {
 inline constexpr int kSocketBuffer_bytes = 4 << 20;
 
 /// Opens a port that listens on `address` (`127.0.0.1:7447`, `[::]:0`, `name:port`). With port 0 the system
-/// chooses a port. `[::]` includes IPv4. Errors: Malformed for a bad address, Missing for an unknown name or
-/// an address of another machine, Unavailable for a port in use.
+/// chooses a port; without one it is kDefaultPort. `[::]` includes IPv4. Errors: Malformed for a bad address,
+/// Missing for an unknown name or an address of another machine, Unavailable for a port in use.
 [[nodiscard]] Expected<std::unique_ptr<DatagramPort>> listen_udp(std::string_view address);
 
 struct UdpClient {

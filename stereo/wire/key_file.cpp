@@ -129,6 +129,10 @@ KeyId id_of(const SharedKey& key) {
   return id;
 }
 
+bool is_sound(const SharedKey& key) {
+  return is_name(key.name) && sodium_is_zero(key.secret.data(), key.secret.size()) == 0;
+}
+
 KeyRing by_id(const std::vector<SharedKey>& keys) {
   KeyRing ring;
   for (const SharedKey& key : keys) ring.emplace(id_of(key), key);

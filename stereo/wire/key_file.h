@@ -34,6 +34,9 @@ using KeyId = std::array<std::uint8_t, 8>;
 /// secret. It does not depend on the name.
 [[nodiscard]] KeyId id_of(const SharedKey& key);
 
+/// Whether the name follows the rule above and the secret is not zeros.
+[[nodiscard]] bool is_sound(const SharedKey& key);
+
 using KeyRing = std::map<KeyId, SharedKey>;
 [[nodiscard]] KeyRing by_id(const std::vector<SharedKey>& keys);
 

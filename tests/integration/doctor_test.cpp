@@ -201,8 +201,10 @@ TEST(ClientDoctorAlone, FailsOnAServerThatDoesNotAnswer) {
   expect_fail(ask_client(arguments), "server", "no answer", "firewall");
   gone->reset();
   expect_fail(ask_client(arguments), "server", "no answer", "start rt_server");
-  expect_fail(ask_client({"--key", test_keys().client, "--server", "here"}), "server", "'here' is no address",
-              "HOST:PORT");
+  expect_fail(ask_client({"--key", test_keys().client, "--server", "here:x"}), "server",
+              "'here:x' is no address", "rt_server prints");
+  expect_fail(ask_client({"--key", test_keys().client, "--server", "no-such-host.invalid"}), "server",
+              "'no-such-host.invalid'", "IP address");
 }
 
 TEST(ClientDoctorAlone, FailsOnAServerOfAnotherVersion) {

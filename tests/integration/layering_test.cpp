@@ -9,16 +9,37 @@
 namespace farshade {
 namespace {
 
+std::vector<Library> libraries() {
+  constexpr std::size_t any = SIZE_MAX;
+  return {{"asio", "stereo/net", 3},
+          {"lz4", "stereo/wire", 1},
+          {"embree", "stereo", 2},
+          {"meshoptimizer", "stereo", 5},
+          {"draco", "stereo/scene", 1},
+          {"png.h", "stereo/image", 1},
+          {"zlib.h", "vr_client/record", 1},
+          {"webp", "stereo/image", 1},
+          {"jpeglib.h", "stereo/image", 1},
+          {"vulkan", "stereo/gpu", any},
+          {"libavcodec", "stereo/video", 2},
+          {"libavutil", "stereo/video", 2},
+          {"libswscale", "stereo/video", 1},
+          {"GLFW", "vr_client/preview", 1},
+          {"imgui", "vr_client/preview", any},
+          {"backends/imgui", "vr_client/preview", any},
+          {"openxr", "vr_client", 1}};
+}
+
 /// The intended layering: base <- math <- frame <- wire <- net, the other folders of stereo/ beside them, and
 /// both programs on top. Neither program includes the other.
 const House& house() {
-  constexpr std::size_t any = SIZE_MAX;
   static const House house{
       .rooms = {{"stereo/base", {}},
                 {"stereo/math", {"stereo/base"}},
                 {"stereo/frame", {"stereo/math"}},
                 {"stereo/wire", {"stereo/frame"}},
                 {"stereo/net", {"stereo/wire"}},
+                {"stereo/pair", {"stereo/net"}},
                 {"stereo/fetch", {"stereo/net", "stereo/scene"}},
                 {"stereo/image", {"stereo/base"}},
                 {"stereo/head", {"stereo/frame"}},
@@ -34,13 +55,14 @@ const House& house() {
                 {"shaders", {}},
                 {"rt_server/core", {"stereo/net", "stereo/tracer"}},
                 {"rt_server/answers", {"rt_server/core", "stereo/draw", "stereo/video"}},
-                {"rt_server/commands", {"stereo/doctor", "stereo/tracer"}},
+                {"rt_server/commands", {"stereo/doctor", "stereo/pair", "stereo/tracer"}},
                 {"rt_server/fetch", {"stereo/fetch"}},
                 {"rt_server", {"rt_server/answers", "rt_server/commands", "rt_server/fetch"}},
                 {"vr_client/ask", {"stereo/head"}},
                 {"vr_client/link", {"stereo/net"}},
                 {"vr_client/runtime", {"stereo/head"}},
                 {"vr_client/fetch", {"stereo/fetch"}},
+                {"vr_client/pair", {"stereo/pair"}},
                 {"vr_client/doctor", {"stereo/doctor", "stereo/gpu", "vr_client/fetch"}},
                 {"vr_client/frame",
                  {"vr_client/ask", "vr_client/link", "vr_client/runtime", "stereo/draw", "stereo/tracer"}},
@@ -49,24 +71,9 @@ const House& house() {
                 {"vr_client/record", {"vr_client/frame"}},
                 {"vr_client/preview", {"vr_client/report", "vr_client/record"}},
                 {"vr_client",
-                 {"vr_client/modes", "vr_client/preview", "vr_client/doctor", "stereo/placement"}}},
-      .libraries = {{"asio", "stereo/net", 3},
-                    {"lz4", "stereo/wire", 1},
-                    {"embree", "stereo", 2},
-                    {"meshoptimizer", "stereo", 5},
-                    {"draco", "stereo/scene", 1},
-                    {"png.h", "stereo/image", 1},
-                    {"zlib.h", "vr_client/record", 1},
-                    {"webp", "stereo/image", 1},
-                    {"jpeglib.h", "stereo/image", 1},
-                    {"vulkan", "stereo/gpu", any},
-                    {"libavcodec", "stereo/video", 2},
-                    {"libavutil", "stereo/video", 2},
-                    {"libswscale", "stereo/video", 1},
-                    {"GLFW", "vr_client/preview", 1},
-                    {"imgui", "vr_client/preview", any},
-                    {"backends/imgui", "vr_client/preview", any},
-                    {"openxr", "vr_client", 1}},
+                 {"vr_client/modes", "vr_client/preview", "vr_client/doctor", "vr_client/pair",
+                  "stereo/placement"}}},
+      .libraries = libraries(),
       .guests = "tests"};
   return house;
 }

@@ -108,7 +108,7 @@ Finding check_server(const Contact& contact) {
   const Expected<UdpClient> client = connect_udp(contact.server);
   if (!client)
     return failed("server", client.error(),
-                  "give --server HOST:PORT as rt_server prints it; getent hosts HOST must know the name");
+                  "give --server the address that rt_server prints; getent hosts HOST must know a name");
   if (contact.key == insecure_key() && !is_loopback(client->server))
     return {Severity::Fail, "server", "--insecure works on this machine only, not with " + contact.server,
             "omit --insecure and use a key"};

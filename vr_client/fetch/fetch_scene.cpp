@@ -7,7 +7,7 @@
 
 #include "stereo/base/user_folders.h"
 #include "stereo/fetch/fetch_messages.h"
-#include "stereo/fetch/sealed_stream.h"
+#include "stereo/net/sealed_stream.h"
 #include "vr_client/fetch/scene_cache.h"
 
 namespace farshade {
@@ -68,7 +68,8 @@ struct OpenedFetch {
 
 /// Asks for the offer over a new connection.
 Expected<OpenedFetch> ask_over(TcpStream tcp, const FetchPlan& plan, const Waiting& waiting) {
-  Expected<SealedStream> stream = SealedStream::meet(std::move(tcp), plan.key, waiting);
+  Expected<SealedStream> stream =
+      SealedStream::meet(std::move(tcp), StreamPurpose::SceneFetch, plan.key, waiting);
   if (!stream) return tl::unexpected(stream.error());
   if (auto sent = send_request(*stream, OfferRequest{}, waiting); !sent) return tl::unexpected(sent.error());
   std::vector<std::byte> bytes;

@@ -24,8 +24,8 @@ class HostileServer {
           while (!stop.stop_requested()) {
             auto tcp = listener_.accept(for_time(50ms));
             if (!tcp) continue;
-            auto met = SealedStream::admit(*std::move(tcp), {{id_of(key), key}}, Welcome{.light_count = 1},
-                                           for_time(2s));
+            auto met = SealedStream::admit(*std::move(tcp), StreamPurpose::SceneFetch, {{id_of(key), key}},
+                                           Welcome{.light_count = 1}, for_time(2s));
             while (met && !stop.stop_requested()) {
               const auto message = met->receive(for_time(2s));
               const auto request = message ? decode_fetch_request(*message) : refuse(WireRefusal::Truncated);
@@ -145,7 +145,7 @@ TEST_F(HostileFetchTest, OnlyAClientWithItsKeyGetsBytesAndNoHelloOfUdpHelps) {
   };
   EXPECT_EQ(answer_to({1, 2, 3}), 0u) << "a hello that was recorded from UDP";
   // A recorded hello of this transport gets an Accept, but its sender cannot seal a request.
-  EXPECT_LT(answer_to(fetch_hello()), 200u);
+  EXPECT_LT(answer_to(hello_of(StreamPurpose::SceneFetch)), 200u);
   EXPECT_EQ(sender_->counters().unproved, 2u);
   EXPECT_EQ(sender_->counters().sent_bytes, 0u);
 }
@@ -179,7 +179,8 @@ TEST_F(HostileFetchTest, ManyConnectionsOfOneKeyAreBusyAndSlowReadersEnd) {
   std::vector<std::byte> request;
   encode(FetchRequest(ContentRequest{0, 30'000'000}), request);
   for (int i = 0; i < 3; ++i) {
-    auto met = SealedStream::meet(connect_tcp(server_, for_time(2s)).value(), key_, for_time(2s));
+    auto met = SealedStream::meet(connect_tcp(server_, for_time(2s)).value(), StreamPurpose::SceneFetch, key_,
+                                  for_time(2s));
     ASSERT_TRUE(met.has_value()) << met.error().what;
     met->add(request);
     ASSERT_TRUE(met->flush(for_time(2s)));

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -119,7 +120,7 @@ TEST(EyeNavGsRead, PutsTheHeadBetweenItsEyes) {
 TEST(EyeNavGsRead, KnowsScalesByNameOnly) {
   EXPECT_NEAR(good(kEyeNavGs, {}, "eyenavgs_truck_x.csv").eye_distance_m, 0.06 / 0.76, 1e-12);
   EXPECT_NEAR(good(kEyeNavGs, {}, "eyenavgs_room_x.csv").eye_distance_m, 0.03, 1e-12);
-  expect_refused(kEyeNavGs, Fault::Unsupported, "scene scale");
+  expect_refused(kEyeNavGs, Fault::Unsupported, "give --trace-scale");
   expect_refused(kEyeNavGs, Fault::OutOfRange, "positive", -1.0);
 }
 
@@ -149,6 +150,18 @@ TEST(HeadRecordingRead, RefusesWhatIsNoFiniteNumber) {
   for (const char* bad : {"nan", "inf", "-inf", "1e999", "", "1,5x", "0x10", "+", "--1"})
     expect_refused(replaced(kEuroc, "1.5,", std::string(bad) + ","), Fault::Malformed, "t.csv:3: ");
   expect_refused(replaced(kEuroc, "1403636579768555520", "nan"), Fault::Malformed, "t.csv:3");
+}
+
+TEST(HeadRecordingRead, SaysThatASemicolonTableNeedsCommas) {
+  const auto with_semicolons = [](std::string text) {
+    std::ranges::replace(text, ',', ';');
+    return text;
+  };
+  expect_refused(with_semicolons(kEuroc), Fault::Unsupported, "semicolons: separate them by commas");
+  expect_refused(with_semicolons(kEyeNavGs), Fault::Unsupported, "t.csv:1: ");
+  // Decimal commas, as spreadsheets write them in German or French.
+  expect_refused("# t;x\n1;0,5;2;3;1;0;0;0\n", Fault::Unsupported, "t.csv:2: the columns are separated");
+  good("# a comment; with a semicolon\n" + kEuroc);
 }
 
 TEST(HeadRecordingRead, RefusesQuaternionsThatAreFarOffUnit) {

@@ -4,6 +4,7 @@
 #include <thread>
 #include <vector>
 
+#include "stereo/net/tcp.h"
 #include "stereo/net/udp.h"
 
 namespace farshade {
@@ -88,12 +89,45 @@ TEST(Udp, PortInUseIsOneClearSentence) {
 }
 
 TEST(Udp, RefusesWhatIsNoAddress) {
-  for (const char* address : {"", ":", "7447", "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1",
-                              "127.0.0.1:80x", ":7447", "::1:7447", "[::1]", "[]:7447"}) {
+  for (const char* address :
+       {"", ":", "::1:7447", "7447", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1", "127.0.0.1:80x",
+        ":7447", "[::1]:", "[::1]7447", "[]", "[]:7447", "[host]:7447", "::1::7"}) {
     const auto port = listen_udp(address);
     ASSERT_FALSE(port.has_value()) << address;
     EXPECT_EQ(port.error().fault, Fault::Malformed) << address;
     EXPECT_FALSE(connect_udp(address).has_value()) << address;
+  }
+}
+
+TEST(Udp, AnAddressWithoutAPortHasTheDefaultPort) {
+  for (const auto& [address, peer] : {std::pair{"192.0.2.2", "192.0.2.2:7447"},
+                                      {"192.0.2.2:80", "192.0.2.2:80"},
+                                      {"localhost", "127.0.0.1:7447"},
+                                      {"[2001:db8::2]", "[2001:db8::2]:7447"},
+                                      {"[2001:db8::2]:80", "[2001:db8::2]:80"},
+                                      {"2001:db8::2", "[2001:db8::2]:7447"},
+                                      {"::1", "[::1]:7447"}}) {
+    const Expected<Peer> found = resolve_tcp(address);
+    ASSERT_TRUE(found.has_value()) << found.error().what;
+    if (std::string_view(address) == "localhost") {
+      EXPECT_TRUE(is_loopback(*found));
+      EXPECT_EQ(found->port, kDefaultPort);
+    } else {
+      EXPECT_EQ(to_string(*found), peer);
+    }
+  }
+}
+
+TEST(Udp, AHostThatDoesNotResolveIsOneSentenceWithACure) {
+  for (const Expected<UdpClient>& client :
+       {connect_udp("no-such-host.invalid"),
+        connect_udp("no-such-host.invalid:80")}) {  // RFC 6761: never known
+    ASSERT_FALSE(client.has_value());
+    EXPECT_EQ(client.error().fault, Fault::Missing);
+    const std::string& what = client.error().what;
+    EXPECT_NE(what.find("host"), what.npos) << what;
+    EXPECT_NE(what.find("'no-such-host.invalid'"), what.npos) << what;
+    EXPECT_NE(what.find("give its IP address instead"), what.npos) << what;
   }
 }
 

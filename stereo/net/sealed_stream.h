@@ -1,6 +1,6 @@
-/// SealedStream: sealed messages over TCP, for the scene fetch. It uses the handshake and the sealing of
-/// datagrams; each envelope follows its length. The Hello names fetch_hello() in place of a scene, so that a
-/// Hello, an Accept and their keys are of no use over UDP, and those of UDP are of no use here.
+/// SealedStream: sealed messages over TCP. It uses the handshake and the sealing of datagrams; each envelope
+/// follows its length. The Hello names the stream's purpose in place of a scene, so that a Hello, an Accept
+/// and their keys are of no use for another purpose or over UDP, and those of UDP are of no use here.
 #pragma once
 
 #include <string>
@@ -10,21 +10,24 @@
 
 namespace farshade {
 
-/// "farshade scene fetch", then zeros.
-[[nodiscard]] ContentHash fetch_hello();
+enum class StreamPurpose : std::uint8_t { SceneFetch, Pairing };
+
+/// "farshade scene fetch" or "farshade pairing", then zeros.
+[[nodiscard]] ContentHash hello_of(StreamPurpose purpose);
 
 class SealedStream {
  public:
   /// The client's side: proves `key` and learns what the server serves. Mismatch if the server does not know
   /// the key or speaks another version, Malformed if it does not follow the protocol.
-  [[nodiscard]] static Expected<SealedStream> meet(TcpStream stream, const SharedKey& key,
-                                                   const Waiting& waiting);
+  [[nodiscard]] static Expected<SealedStream> meet(TcpStream stream, StreamPurpose purpose,
+                                                   const SharedKey& key, const Waiting& waiting);
 
   /// The server's side. `ring` has the keys of clients by id. The client has proved its key when its first
   /// message opens, because a Hello can be repeated by others. Mismatch, with a sentence for the log, if it
   /// has none or speaks another version.
-  [[nodiscard]] static Expected<SealedStream> admit(TcpStream stream, const KeyRing& ring,
-                                                    const Welcome& served, const Waiting& waiting);
+  [[nodiscard]] static Expected<SealedStream> admit(TcpStream stream, StreamPurpose purpose,
+                                                    const KeyRing& ring, const Welcome& served,
+                                                    const Waiting& waiting);
 
   /// Queues a message; flush() sends the queue. So a caller can send many at once.
   void add(std::span<const std::byte> message);

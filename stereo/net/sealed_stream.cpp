@@ -1,4 +1,4 @@
-#include "stereo/fetch/sealed_stream.h"
+#include "stereo/net/sealed_stream.h"
 
 #include <algorithm>
 
@@ -16,17 +16,19 @@ tl::unexpected<Error> strange() {
 
 }  // namespace
 
-ContentHash fetch_hello() {
-  constexpr std::string_view kText = "farshade scene fetch";
+ContentHash hello_of(StreamPurpose purpose) {
+  const std::string_view text =
+      purpose == StreamPurpose::Pairing ? "farshade pairing" : "farshade scene fetch";
   ContentHash hash{};
-  std::ranges::copy(kText, hash.begin());
+  std::ranges::copy(text, hash.begin());
   return hash;
 }
 
-Expected<SealedStream> SealedStream::meet(TcpStream stream, const SharedKey& key, const Waiting& waiting) {
+Expected<SealedStream> SealedStream::meet(TcpStream stream, StreamPurpose purpose, const SharedKey& key,
+                                          const Waiting& waiting) {
   const Peer server = stream.peer();
   SealedStream met(std::move(stream));
-  const ClientHandshake handshake(key, fetch_hello());
+  const ClientHandshake handshake(key, hello_of(purpose));
   handshake.write_hello(met.envelope_);
   met.add_frame(met.envelope_);
   if (auto sent = met.flush(waiting); !sent) return tl::unexpected(sent.error());
@@ -34,8 +36,11 @@ Expected<SealedStream> SealedStream::meet(TcpStream stream, const SharedKey& key
   if (!frame) return tl::unexpected(frame.error());
   const Decoded<ServerEnvelope> envelope = open_server_envelope(*frame);
   if (!envelope) return strange();
-  if (const auto* refusal = std::get_if<OpenRefusal>(&*envelope))
+  if (const auto* refusal = std::get_if<OpenRefusal>(&*envelope)) {
+    if (purpose == StreamPurpose::Pairing && refusal->reason == RefusalReason::UnknownKey)
+      return fail(Fault::Mismatch, to_string(server) + " shows another code: it is mistyped, or too old");
     return fail(Fault::Mismatch, explain(*refusal, key, server).sentence());
+  }
   const auto* accept = std::get_if<Accept>(&*envelope);
   const auto completed = accept != nullptr ? handshake.take(*accept, *frame) : std::nullopt;
   if (!completed || !std::holds_alternative<Welcome>(completed->answer)) return strange();
@@ -47,8 +52,8 @@ Expected<SealedStream> SealedStream::meet(TcpStream stream, const SharedKey& key
   return met;
 }
 
-Expected<SealedStream> SealedStream::admit(TcpStream stream, const KeyRing& ring, const Welcome& served,
-                                           const Waiting& waiting) {
+Expected<SealedStream> SealedStream::admit(TcpStream stream, StreamPurpose purpose, const KeyRing& ring,
+                                           const Welcome& served, const Waiting& waiting) {
   const Peer client = stream.peer();
   SealedStream met(std::move(stream));
   const auto frame = met.receive_frame(waiting);
@@ -66,7 +71,7 @@ Expected<SealedStream> SealedStream::admit(TcpStream stream, const KeyRing& ring
                          "refused a client at " + to_string(client) + ": it speaks protocol version " +
                              std::to_string(foreign->version));
   const auto* hello = std::get_if<Hello>(&*envelope);
-  if (hello == nullptr || hello->scene_hash != fetch_hello()) return strange();
+  if (hello == nullptr || hello->scene_hash != hello_of(purpose)) return strange();
   const auto key = ring.find(hello->key);
   if (key == ring.end() || !is_proved(*hello, *frame, key->second))
     return refuse_openly(RefusalReason::UnknownKey, echo_of(hello->client),

@@ -1,0 +1,85 @@
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "rt_server/commands/commands.h"
+#include "stereo/base/within.h"
+#include "stereo/net/local_addresses.h"
+#include "stereo/pair/pairing.h"
+
+namespace farshade {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The addresses to put into a code, the best one first. A code with the usual port does not name it.
+std::vector<std::string> addresses_of(const ServerPairOptions& options, const Peer& local) {
+  const auto shown = [](const Peer& peer) {
+    std::string text = to_string(peer);
+    if (peer.port == kPairingPort) text.resize(text.rfind(':'));
+    return text;
+  };
+  if (!options.address.empty())
+    return {local.port == kPairingPort ? options.address : fmt::format("{}:{}", options.address, local.port)};
+  std::vector<std::string> found;
+  if (is_unspecified(local))
+    for (const Peer& peer : local_addresses(local.port)) found.push_back(shown(peer));
+  if (found.empty()) found.push_back(shown(local));
+  return found;
+}
+
+void print_code(const PairingCode& code, const std::vector<std::string>& addresses, double minutes) {
+  fmt::print("rt_server: waits {:g} minutes for one new client. Enter there:\n\n  vr_client pair {}\n\n",
+             minutes, to_string(code));
+  if (addresses.size() > 1)
+    fmt::print(
+        "rt_server: this machine has more addresses; if {} does not answer, put another one in its place: "
+        "{}\n",
+        addresses.front(), fmt::join(addresses.begin() + 1, addresses.end(), ", "));
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+void add_pair(CLI::App& program, ServerPairOptions& options) {
+  CLI::App* command = program.add_subcommand(
+      "pair", "Shows a code with which one new client brings its key to the ring (vr_client pair CODE).");
+  command->add_option("--ring", options.ring,
+                      "the server's key ring; default " + default_ring_path().string());
+  command
+      ->add_option("--listen", options.listen, "address and TCP port to wait on; port 0 selects a free port")
+      ->capture_default_str();
+  command->add_option(
+      "--address", options.address,
+      "the host to show in the code, if clients know this machine by another name or address");
+  command->add_option("--minutes", options.minutes, "life of the code")
+      ->check(within(0.01, 60))
+      ->capture_default_str();
+}
+
+Expected<void> pair_client(const ServerPairOptions& options, StopSignal& stop) {
+  const fs::path ring = options.ring.empty() ? default_ring_path() : fs::path(options.ring);
+  if (const auto keys = load_key_ring(ring); !keys && keys.error().fault != Fault::Missing)
+    return tl::unexpected(keys.error());
+  const Expected<Peer> address = resolve_tcp(options.listen, kPairingPort);
+  if (!address) return tl::unexpected(address.error());
+  Expected<TcpListener> listener = TcpListener::listen(*address);
+  if (!listener) return tl::unexpected(listener.error());
+  const std::vector<std::string> addresses = addresses_of(options, listener->local());
+  const PairingCode code = new_pairing_code(addresses.front());
+  print_code(code, addresses, options.minutes);
+  const PairingLimits limits{.life = duration_from_ms(options.minutes * 60e3)};
+  const Expected<PairedClient> paired = wait_for_pairing(
+      *std::move(listener), code, [&](const SharedKey& key) { return append_to_ring(ring, key); }, limits,
+      [&] { return stop.has_come(); });
+  if (!paired) return tl::unexpected(paired.error());
+  fmt::print(
+      "rt_server: paired with {}: its key '{}' is in {}\n"
+      "rt_server: a running server with this ring takes the key within 3 seconds\n",
+      to_string(paired->client), paired->key.name, ring.string());
+  return {};
+}
+
+}  // namespace farshade
