@@ -114,9 +114,9 @@ TEST_F(ClientProgramRefuses, ServerOfAnotherScene) {
 }
 
 TEST_F(ClientProgramRefuses, InvalidAddress) {
-  const Ended run = run_client({{"--server", "here"}, {"--out", out_.string()}});
+  const Ended run = run_client({{"--server", "here:x"}, {"--out", out_.string()}});
   EXPECT_GT(run.status, 0);
-  EXPECT_NE(run.errors.find("'here' is no address"), std::string::npos) << run.errors;
+  EXPECT_NE(run.errors.find("'here:x' is no address"), std::string::npos) << run.errors;
 }
 
 }  // namespace

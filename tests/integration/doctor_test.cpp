@@ -204,7 +204,7 @@ TEST(ClientDoctorAlone, FailsOnAServerThatDoesNotAnswer) {
   expect_fail(ask_client({"--key", test_keys().client, "--server", "here:x"}), "server",
               "'here:x' is no address", "rt_server prints");
   expect_fail(ask_client({"--key", test_keys().client, "--server", "no-such-host.invalid"}), "server",
-              "'no-such-host.invalid'", "IP address");
+              "'no-such-host.invalid'", "getent hosts");
 }
 
 TEST(ClientDoctorAlone, FailsOnAServerOfAnotherVersion) {

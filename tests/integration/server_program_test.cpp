@@ -92,7 +92,7 @@ TEST(ServerProgramRefuses, MissingScene) {
 }
 
 TEST(ServerProgramRefuses, BadAddress) {
-  EXPECT_NE(complaint_of(server(kScene, "here")).find("'here' is no address"), std::string::npos);
+  EXPECT_NE(complaint_of(server(kScene, "here:x")).find("'here:x' is no address"), std::string::npos);
 }
 
 TEST(ServerProgramRefuses, PortInUse) {
