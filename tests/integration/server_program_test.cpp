@@ -173,6 +173,11 @@ TEST(ServerProgramRefuses, ACommandLineWithStatus2) {
   }
 }
 
+TEST(ServerProgramRefuses, AMisspeltOptionWithASuggestion) {
+  EXPECT_EQ(complaint_of({RT_SERVER, "--scnee", kScene}),
+            "rt_server: unknown option --scnee; did you mean --scene? (see --help)\n");
+}
+
 TEST(ServerProgram, ReadsAConfigurationFileAndRefusesAnUnknownKeyInIt) {
   const ScratchFolder folder;
   const std::string file = (folder.path() / "rt_server.ini").string();
