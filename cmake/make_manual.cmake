@@ -5,7 +5,7 @@ file(MAKE_DIRECTORY ${FOLDER})
 function(write_page words summary page)
   execute_process(
     COMMAND ${CMAKE_COMMAND} -E env --unset=XDG_CONFIG_HOME --unset=XDG_CACHE_HOME HOME=~ ${HELP2MAN} --no-info --section=1
-      --version-string=${VERSION} --source=Farshade --name=${summary} --output=${FOLDER}/${page}.1 "${PROGRAM}${words}"
+      --version-string=${VERSION} "--source=Farshade ${VERSION}" --name=${summary} --output=${FOLDER}/${page}.1 "${PROGRAM}${words}"
     COMMAND_ERROR_IS_FATAL ANY)
 endfunction()
 

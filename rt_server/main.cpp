@@ -95,9 +95,6 @@ int main(int argc, char** argv) try {
   add_doctor(app, doctor);
   add_inspect(app, inspected);
   app.require_subcommand(0, 1);
-  app.failure_message([](const CLI::App*, const CLI::Error& error) {
-    return fmt::format("rt_server: {} (see --help)\n", error.what());
-  });
   const ConfigRules config{config_folder() / "rt_server.ini"};
   add_config_option(app, config);
   add_completion_option(app);

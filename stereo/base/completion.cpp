@@ -23,7 +23,7 @@ _farshade_{0}() {{
   elif [[ $current == --*=* ]]; then
     previous=${{current%%=*}}= prefix=${{current%%=*}}= current=${{current#*=}}
   fi
-  for word in "${{COMP_WORDS[@]:1:COMP_CWORD-1}}"; do
+  for word in "${{COMP_WORDS[@]:1:$((COMP_CWORD-1))}}"; do
     case $word in
 {1}    esac
   done

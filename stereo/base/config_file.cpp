@@ -137,7 +137,8 @@ void add_config_option(CLI::App& app, const ConfigRules& rules) {
   // parse_with_config() has read the file before this option is parsed.
   app.add_option_function<std::string>(
          "--config", [](const std::string&) {},
-         "file with lines KEY = VALUE for these options, which the command line overrides; '': none")
+         "file that sets these options by lines such as size = 96x64; the command line overrides it; '': "
+         "none")
       ->type_name("FILE")
       ->default_str(rules.default_file.string() + " if it exists")
       ->configurable(false);

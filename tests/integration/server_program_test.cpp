@@ -173,10 +173,15 @@ TEST(ServerProgramRefuses, ACommandLineWithStatus2) {
   }
 }
 
+TEST(ServerProgramRefuses, AMisspeltOptionWithASuggestion) {
+  EXPECT_EQ(complaint_of({RT_SERVER, "--scnee", kScene}),
+            "rt_server: unknown option --scnee; did you mean --scene? (see --help)\n");
+}
+
 TEST(ServerProgram, ReadsAConfigurationFileAndRefusesAnUnknownKeyInIt) {
   const ScratchFolder folder;
   const std::string file = (folder.path() / "rt_server.ini").string();
-  std::ofstream(file) << "scene = " << kScene << "\nplan = needed\n";
+  std::ofstream(file) << "scene = " << kScene << "\nplan =\n";
   ChildProgram plan({RT_SERVER, "--config", file});
   EXPECT_EQ(plan.wait(), 0) << plan.errors();
   EXPECT_NE(plan.output().find("plan for box_over_plane.gltf"), std::string::npos) << plan.output();

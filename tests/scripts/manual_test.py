@@ -38,7 +38,7 @@ class Manual(unittest.TestCase):
                         self.assertNotIn("/builder", own)
                     self.assertIn(f"{name} - does it", page)
                     self.assertIn("1.2.3", page)
-                    self.assertRegex(page, r"Exit status:\n(.*\n)*.*command line or the configuration file is wrong")
+                    self.assertRegex(page, r"Exit status:\"?\n(.*\n)*.*command line or the configuration file is wrong")
                     self.assertIn("~/.config/farshade", page)
                     self.assertNotIn("/builder", page)
                     self.assertIn(f"complete -o bashdefault -o default -F _farshade_{name}", Path(folder, name).read_text())
