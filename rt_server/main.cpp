@@ -8,9 +8,13 @@
 
 #include "rt_server/app.h"
 #include "rt_server/commands/commands.h"
+#include "stereo/about/about.h"
 #include "stereo/base/command_line.h"
 #include "stereo/base/heap.h"
+#include "stereo/gpu/loader.h"
 #include "stereo/scene/lighting_options.h"
+#include "stereo/video/video.h"
+#include "stereo/wire/messages.h"
 
 namespace {
 
@@ -59,6 +63,11 @@ void add_serving(CLI::App& app, ServeOptions& options) {
       "simulate a bad network for arriving datagrams: poor, or loss=2%,delay=25ms,jitter=5ms, ...");
 }
 
+std::string about_server() {
+  return about("rt_server", {fmt::format("client and server {}", kProtocolVersion)},
+               {"Vulkan loader " + gpu::loader_version(), has_video() ? video_version() : "no video"});
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -67,6 +76,8 @@ int main(int argc, char** argv) try {
       "Traces which lights are visible from each pixel of a stereo client, and sends the result as masks "
       "over UDP.");
   make_readable(app);
+  app.set_version_flag("--version", about_server,
+                       "print versions of program, protocol and libraries, and exit");
   ServeOptions serving;
   KeygenOptions key;
   ServerDoctorOptions doctor;
