@@ -9,10 +9,31 @@
 namespace farshade {
 namespace {
 
+/// Where each library may be named, and in how many files.
+std::vector<Library> libraries() {
+  constexpr std::size_t any = SIZE_MAX;
+  return {{"asio", "stereo/net", 3},
+          {"lz4", "stereo/wire", 1},
+          {"embree", "stereo", 2},
+          {"meshoptimizer", "stereo", 5},
+          {"draco", "stereo/scene", 1},
+          {"png.h", "stereo/image", 1},
+          {"zlib.h", "vr_client/record", 1},
+          {"webp", "stereo/image", 1},
+          {"jpeglib.h", "stereo/image", 1},
+          {"vulkan", "stereo/gpu", any},
+          {"libavcodec", "stereo/video", 2},
+          {"libavutil", "stereo/video", 2},
+          {"libswscale", "stereo/video", 1},
+          {"GLFW", "vr_client/preview", 1},
+          {"imgui", "vr_client/preview", any},
+          {"backends/imgui", "vr_client/preview", any},
+          {"openxr", "vr_client", 1}};
+}
+
 /// The intended layering: base <- math <- frame <- wire <- net, the other folders of stereo/ beside them, and
 /// both programs on top. Neither program includes the other.
 const House& house() {
-  constexpr std::size_t any = SIZE_MAX;
   static const House house{
       .rooms = {{"stereo/base", {}},
                 {"stereo/math", {"stereo/base"}},
@@ -52,23 +73,7 @@ const House& house() {
                 {"vr_client",
                  {"vr_client/modes", "vr_client/preview", "vr_client/doctor", "stereo/placement",
                   "stereo/about"}}},
-      .libraries = {{"asio", "stereo/net", 3},
-                    {"lz4", "stereo/wire", 1},
-                    {"embree", "stereo", 2},
-                    {"meshoptimizer", "stereo", 5},
-                    {"draco", "stereo/scene", 1},
-                    {"png.h", "stereo/image", 1},
-                    {"zlib.h", "vr_client/record", 1},
-                    {"webp", "stereo/image", 1},
-                    {"jpeglib.h", "stereo/image", 1},
-                    {"vulkan", "stereo/gpu", any},
-                    {"libavcodec", "stereo/video", 2},
-                    {"libavutil", "stereo/video", 2},
-                    {"libswscale", "stereo/video", 1},
-                    {"GLFW", "vr_client/preview", 1},
-                    {"imgui", "vr_client/preview", any},
-                    {"backends/imgui", "vr_client/preview", any},
-                    {"openxr", "vr_client", 1}},
+      .libraries = libraries(),
       .guests = "tests"};
   return house;
 }
