@@ -206,8 +206,8 @@ void add_other_options(CLI::App& app, CommandLine& line) {
       ->expected(0, 1)
       ->type_name("needed|everything")
       ->check(one_of({"", "needed", "everything"}));
-  app.add_option(
-         "--explain", line.explained,
+  app.add_option_function<std::string>(
+         "--explain", [&line](const std::string& figure) { line.explained = figure; },
          "print definition, unit and way of measuring of a figure such as \"mask error\", or a line for "
          "every figure, and exit")
       ->expected(0, 1)
