@@ -399,8 +399,9 @@ Expected<std::string> explain(const std::string& name) {
       text += fmt::format("{}\n  {}\n  {}\n", with_unit(figure), figure.meaning, figure.measured);
   }
   if (!text.empty()) return text;
-  return fail(Fault::Missing, fmt::format("there is no figure '{}'{}; --explain without a name lists them",
-                                          name, suggestion(wanted, names)));
+  const std::string meant = suggestion(wanted, names);
+  return fail(Fault::Missing, fmt::format("there is no figure '{}'{}{} --explain without a name lists them",
+                                          name, meant, meant.empty() ? ";" : ""));
 }
 
 }  // namespace farshade

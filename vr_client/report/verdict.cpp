@@ -68,11 +68,10 @@ std::string picture_in_words(const std::optional<PictureError>& picture, const R
   if (!picture) return "not measured: no frame was compared with a full trace";
   const Spread& psnr = picture->psnr_db;
   if (psnr.p99 >= kEqualPictures_dB) return "equal to a full trace";
-  std::string text = fmt::format("{:.1f} dB against a full trace, {:.1f} dB in the worst 1 % of frames",
+  std::string text = fmt::format("PSNR {:.1f} dB against a full trace, {:.1f} dB in the worst 1 % of frames",
                                  psnr.median, psnr.p99);
   if (const auto& error = picture->mask_error_percent)
-    text += fmt::format("; {:.2f} % of the visibility is wrong, {:.2f} % in the worst 1 %", error->median,
-                        error->p99);
+    text += fmt::format("; mask error {:.2f} %, {:.2f} % in the worst 1 %", error->median, error->p99);
   return text + fmt::format(" ({} eye, the worse one)", name_of(picture->eye));
 }
 

@@ -49,7 +49,7 @@ TEST(SummaryTable, NamesEachGroupOnceAndTheWorseEyeAlone) {
 
 TEST(SummaryTable, HasTheRowsOfTheModeWithoutThoseThatAreZero) {
   const std::string hybrid = table(log_of_full_records(), Mode::Hybrid);
-  EXPECT_NE(hybrid.find("\n  from newest mask, %              100.000"), std::string::npos) << hybrid;
+  EXPECT_NE(hybrid.find("\n  from newest mask, %                  100.000"), std::string::npos) << hybrid;
   EXPECT_NE(hybrid.find("asked for"), std::string::npos) << hybrid;
   for (const char* zero_or_other : {"unknown", "stale", "turn,", "shadow maps", "triangles", "datagrams"})
     EXPECT_EQ(hybrid.find(zero_or_other), std::string::npos) << hybrid;

@@ -130,8 +130,8 @@ TEST(Verdict, StatesThePictureOfTheWorseEye) {
   FrameLog log;
   for (int i = 0; i < 3; ++i) log.add(compared(40, 35, 0.02));
   expect_line(words(log),
-              "picture: 35.0 dB against a full trace, 35.0 dB in the worst 1 % of frames; 2.00 % of the "
-              "visibility is wrong, 2.00 % in the worst 1 % (right eye, the worse one)");
+              "picture: PSNR 35.0 dB against a full trace, 35.0 dB in the worst 1 % of frames; mask error "
+              "2.00 %, 2.00 % in the worst 1 % (right eye, the worse one)");
 }
 
 TEST(Verdict, SaysThatPicturesAreEqual) {
