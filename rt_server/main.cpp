@@ -8,12 +8,16 @@
 
 #include "rt_server/app.h"
 #include "rt_server/commands/commands.h"
+#include "stereo/about/about.h"
 #include "stereo/base/command_line.h"
 #include "stereo/base/completion.h"
 #include "stereo/base/config_file.h"
 #include "stereo/base/heap.h"
 #include "stereo/base/user_folders.h"
+#include "stereo/gpu/loader.h"
 #include "stereo/scene/lighting_options.h"
+#include "stereo/video/video.h"
+#include "stereo/wire/messages.h"
 
 namespace {
 
@@ -74,6 +78,11 @@ void add_serving(CLI::App& app, ServeOptions& options) {
       "simulate a bad network for arriving datagrams: poor, or loss=2%,delay=25ms,jitter=5ms, ...");
 }
 
+std::string about_server() {
+  return about("rt_server", {fmt::format("client and server {}", kProtocolVersion)},
+               {"Vulkan loader " + gpu::loader_version(), has_video() ? video_version() : "no video"});
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -84,6 +93,8 @@ int main(int argc, char** argv) try {
       "rt_server");
   app.footer(kFooter);
   make_readable(app);
+  app.set_version_flag("--version", about_server,
+                       "print versions of program, protocol and libraries, and exit");
   ServeOptions serving;
   KeygenOptions key;
   ServerPairOptions paired;

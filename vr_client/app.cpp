@@ -23,6 +23,7 @@
 #include "vr_client/report/timeline.h"
 #include "vr_client/runtime/headset.h"
 #include "vr_client/runtime/recorded_head_runtime.h"
+#include "vr_client/summarize.h"
 
 namespace farshade {
 namespace {
@@ -48,10 +49,6 @@ Expected<HeadRecording> load_head(const Options& options) {
   return head;
 }
 
-std::string megabytes(std::uint64_t bytes) {
-  return fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6);
-}
-
 /// "183.2 MB on the device at most: vertices 12.3 MB, ...", with the uses that need memory.
 std::string in_words(const gpu::BytesByUse& memory) {
   std::string text = megabytes(most_at_once(memory)) + " on the device at most";
@@ -59,41 +56,6 @@ std::string in_words(const gpu::BytesByUse& memory) {
     if (const auto use = static_cast<gpu::Use>(i); memory[use] > 0)
       text += fmt::format("{} {} {}", text.ends_with("most") ? ":" : ",", gpu::to_string(use),
                           megabytes(memory[use]));
-  return text;
-}
-
-/// Null if the mode draws no shadow maps.
-const ShadowMapSettings* maps_of(const Options& options) {
-  return options.mode.mode == Mode::Local ? &options.mode.shadow_maps : nullptr;
-}
-
-/// The peak of the memory on the device, and the plan's estimate of it.
-std::string memory_line(const Options& options, const Client& client) {
-  const RendererLimits limits = renderer_limits(options);
-  return fmt::format("memory on the device: {} at peak, {} estimated by the plan\n",
-                     megabytes(client.renderer->counters().memory.peak_total),
-                     megabytes(most_at_once(client_memory(client.scene, client.plan.draw, limits,
-                                                          client.levels, maps_of(options)))));
-}
-
-std::string heading(const Options& options, const Client& client, const RecordedHeadRuntime& runtime,
-                    const FrameLog& log, const Silence& silence) {
-  std::string text =
-      fmt::format("{} along {}: {} frames of {}x{} an eye at {:g} Hz, on {}\n",
-                  options.scene.filename().string(), options.trace.filename().string(), log.records().size(),
-                  options.size.width, options.size.height, options.refresh_hz, client.device.name);
-  if (client.link && options.pace == Pace::Virtual)
-    text += fmt::format("mode {}: answers are used {:g} ms after their request\n", name_of(options.mode.mode),
-                        options.delay_ms);
-  else
-    text += fmt::format("mode {}\n", name_of(options.mode.mode));
-  if (client.link && log.start_up_frames() > 0)
-    text += fmt::format("{} frames were shown before the first answer; the errors below exclude them\n",
-                        log.start_up_frames());
-  if (silence.frames() > 0)
-    text += fmt::format("the server was silent for {:.1f} s: {} frames, which no run time below includes\n",
-                        seconds_of(silence.time()), silence.frames());
-  if (runtime.skipped() > 0) text += fmt::format("{} display times were missed\n", runtime.skipped());
   return text;
 }
 
@@ -119,6 +81,18 @@ MaskPolicy policy_of(const Options& options, const Client& client) {
 bool compiles_ahead(const Options& options, std::uint32_t frames) {
   const bool waits = frames > options.refresh_hz || options.request.every > 1 || options.pace == Pace::Real;
   return waits && draws_scene(options.mode.mode);
+}
+
+/// With a real clock, a mode without a server draws its first frame once before the clock begins. So no
+/// display time waits for its pipelines, the first shadow maps or the tracer's first pages.
+void draw_ahead(const RunContext& context, Time first_display_time) {
+  const FrameRequest shown{FrameId{}, first_display_time, Time{},
+                           context.runtime.locate_views(first_display_time), context.settings.lights};
+  const SceneState state = state_at(context.scene, shown.scene_time, shown.lights);
+  const FrameInputs inputs{shown, state, Duration{}, context.settings};
+  const std::unique_ptr<ModePipeline> pipeline = make_pipeline(context);
+  pipeline->collect(inputs);
+  static_cast<void>(pipeline->draw(inputs));
 }
 
 PixelReport report_for(const RunReportOptions& options) {
@@ -157,11 +131,13 @@ class Progress {
 /// Runs the frame loop and writes the reports that the options ask for. `first` gets each frame before
 /// anything else is drawn.
 Expected<void> show(const Options& options, const RunContext& context, std::uint32_t frames,
-                    RunReport& report, Silence& silence, StopSignal& stop_signal, Stages& stages,
+                    RunReport& report, Silence& silence, StopSignal& stop, Stages& stages,
                     const FrameWatcher& first) {
-  // An empty timeline is written first, so that a path that cannot be written fails early.
+  // Empty files are written first, so that a path that cannot be written fails early.
   Timeline timeline;
   if (auto done = timeline.write(options.timeline); !done) return done;
+  if (!options.json.empty() && options.json != "-")
+    if (auto done = write_file_atomically(options.json, "{}\n"); !done) return done;
   // In a replay, messages carry the arrival times of the captured run's clock, which do not fit the timeline.
   const AnswerInbox* const inbox = context.link && options.replay.empty() ? &context.link->inbox() : nullptr;
   Progress progress(frames);
@@ -180,10 +156,10 @@ Expected<void> show(const Options& options, const RunContext& context, std::uint
     }
     progress.show(view.shown.frame.value, silence);
   };
-  const auto stop = [&] { return stop_signal.has_come() || report.failed().has_value(); };
-  if (auto done = run(context, *make_pipeline(context), watch, stop); !done) return done;
+  const auto ends = [&] { return stop.has_come() || report.failed().has_value(); };
+  if (auto done = run(context, *make_pipeline(context), watch, ends); !done) return done;
   progress.end();
-  if (stop_signal.has_come()) {
+  if (stop.has_come()) {
     fmt::print(stderr, "stopped; writing the reports of the frames so far\n");
     report.mark_interrupted();
   }
@@ -193,6 +169,12 @@ Expected<void> show(const Options& options, const RunContext& context, std::uint
       spdlog::warn("frame {} was not dumped, because it was not shown", dump);
   if (auto done = report.finish(); !done) return done;
   return timeline.write(options.timeline);
+}
+
+tl::unexpected<Error> interrupted(const Options& options, const FrameLog& log, std::uint32_t frames) {
+  return fail(Fault::Interrupted,
+              fmt::format("interrupted after {} of {} frames; {} has the reports of these",
+                          log.records().size(), frames, options.out.string()));
 }
 
 /// Missing if the mode needs a server and no answer of it ever came.
@@ -264,10 +246,9 @@ Expected<void> print_plan(const Options& options) {
   return place_head(options, scene, std::move(*recording)).map([](const PlacedHead&) {});
 }
 
-Expected<void> run_replay(const Options& options) {
+Expected<void> run_replay(const Options& options, StopSignal& stop) {
   const SteadyClock clock;
   Stages stages(clock);
-  StopSignal stop_signal;
   if (auto done = make_folder(options.out).and_then([&] { return remove_own_files(options.out); }); !done)
     return done;
   const Expected<std::uint32_t> frames = count_frames(options.replay);
@@ -300,14 +281,20 @@ Expected<void> run_replay(const Options& options) {
                            .policy = header.policy};
   Silence no_server({});
   const auto compare = [&](const FrameView& view) { replay.watch(view, client.renderer->read_shown()); };
-  if (auto done = show(options, context, *frames, report, no_server, stop_signal, stages, compare); !done)
+  if (auto done = show(options, context, *frames, report, no_server, stop, stages, compare); !done)
     return done;
   const Expected<ReplayVerdict> verdict = replay.verdict();
   if (!verdict) return tl::unexpected(verdict.error());
-  fmt::print("{} from {} on {}: {}\n{}", header.scene, options.replay.string(), client.device.name,
-             to_string(*verdict), table(report.log().summary()));
-  fmt::print("wrote {}\n", options.out.string());
+  if (auto done = summarize(options, client,
+                            FinishedReplay{.log = report.log(),
+                                           .header = header,
+                                           .mode = mode,
+                                           .verdict = to_string(*verdict),
+                                           .interrupted = stop.has_come()});
+      !done)
+    return done;
   if (auto done = no_validation_messages(client.device); !done) return done;
+  if (stop.has_come()) return interrupted(options, report.log(), *frames);
   if (!verdict->first && verdict->cut_off) return fail(Fault::Malformed, *verdict->cut_off);
   if (!verdict->first) return {};
   const bool elsewhere = client.device.name != header.device;
@@ -315,10 +302,9 @@ Expected<void> run_replay(const Options& options) {
               to_string(*verdict) + (elsewhere ? "; it was captured on " + header.device : std::string()));
 }
 
-Expected<void> run_client(const Options& options) {
+Expected<void> run_client(const Options& options, StopSignal& stop) {
   const SteadyClock clock;
   Stages stages(clock);
-  StopSignal stop_signal;
   if (auto done = CaptureWriter::may_create(options.record); !done) return done;
   if (auto done = make_folder(options.out).and_then([&] { return remove_own_files(options.out); }); !done)
     return done;
@@ -364,24 +350,27 @@ Expected<void> run_client(const Options& options) {
                            .own_tracer = client.own_tracer.get(),
                            .settings = settings,
                            .policy = policy};
+  if (options.pace == Pace::Real && answers_for(options.mode.mode) == 0)
+    draw_ahead(context, head->recording.start() + duration_from_ms(options.skip_s * 1e3));
   Silence silence(options.server, client.link && client.link->counters().sessions == 0);
   const auto append_frame = [&](const FrameView& view) {
     if (captures && !capture.failed()) capture.watch(view, client.renderer->read_shown());
   };
-  if (auto done = show(options, context, frames, report, silence, stop_signal, stages, append_frame); !done)
+  if (auto done = show(options, context, frames, report, silence, stop, stages, append_frame); !done)
     return done;
-  fmt::print("{}{}{}", heading(options, client, runtime, report.log(), silence), memory_line(options, client),
-             table(report.log().summary()));
-  fmt::print("wrote {}\n", options.out.string());
+  if (auto done = summarize(options, client,
+                            FinishedRun{.log = report.log(),
+                                        .silence = silence,
+                                        .missed = runtime.skipped(),
+                                        .interrupted = stop.has_come()});
+      !done)
+    return done;
   if (auto ended = capture.finish(); !ended) return ended;
   if (captures)
-    fmt::print("captured {} frames, {}, to {}\n", capture.frames(), megabytes(capture.bytes()),
-               options.record.string());
+    fmt::print(readable_output(options), "captured {} frames, {}, to {}\n", capture.frames(),
+               megabytes(capture.bytes()), options.record.string());
   if (auto fine = no_validation_messages(client.device); !fine) return fine;
-  if (stop_signal.has_come())
-    return fail(Fault::Interrupted,
-                fmt::format("interrupted after {} of {} frames; {} has the reports of these",
-                            report.log().records().size(), frames, options.out.string()));
+  if (stop.has_come()) return interrupted(options, report.log(), frames);
   return check_answered(options, client, report.log());
 }
 

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "stereo/base/stop_signal.h"
 #include "vr_client/client.h"
 #include "vr_client/fetch/fetch_scene.h"
 
@@ -54,17 +53,18 @@ Expected<FetchPlan> plan_for(const Options& options) {
 
 }  // namespace
 
-Expected<void> fetch_if_missing(Options& options) {
+Expected<void> fetch_if_missing(Options& options, std::optional<StopSignal>& stop) {
   if (!options.scene.empty() || !options.export_trace.empty()) return {};
   Expected<FetchPlan> plan = plan_for(options);  // before the signals are held back: a name may take long
   if (!plan) return tl::unexpected(plan.error());
-  StopSignal stop;
+  stop.emplace();
   FetchProgress progress;
-  plan->stopped = [&] { return stop.has_come(); };
+  plan->stopped = [&] { return stop->has_come(); };
   plan->progress = [&](std::uint64_t here, std::uint64_t all) { progress.show(here, all); };
   plan->note = [](const std::string& note) { spdlog::info(note); };
   Expected<FetchedScene> fetched = fetch_scene(*plan);
   progress.end();
+  if (!fetched && stop->has_come()) return fail(Fault::Interrupted, fetched.error().what);
   if (!fetched && fetched.error().fault == Fault::Missing)
     return fail(
         Fault::Missing,

@@ -2,17 +2,31 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <optional>
+
 #include "stereo/base/heap.h"
 #include "vr_client/app.h"
 #include "vr_client/doctor/doctor.h"
 #include "vr_client/fetched_scene.h"
 #include "vr_client/pair/pair.h"
 
-/// What a shell gives for a program that SIGINT has ended.
-constexpr int kInterrupted = 130;
+namespace {
+
+using namespace farshade;
+
+/// The task that the options name. Only runs of many frames write their reports after a signal.
+Expected<void> carry_out(const Options& options, std::optional<StopSignal>& stop) {
+  stop.reset();
+  if (options.plan.prints_only) return print_plan(options);
+  if (!options.export_trace.empty()) return export_head_recording(options);
+  if (options.preview) return run_preview(options);
+  stop.emplace();
+  return options.replay.empty() ? run_client(options, *stop) : run_replay(options, *stop);
+}
+
+}  // namespace
 
 int main(int argc, char** argv) try {
-  using namespace farshade;
   keep_freed_memory();
   spdlog::set_default_logger(spdlog::stderr_color_mt("vr_client"));
   spdlog::set_pattern("vr_client: %v");
@@ -25,20 +39,12 @@ int main(int argc, char** argv) try {
     return paired ? EXIT_SUCCESS : EXIT_FAILURE;
   }
   if (options->doctor) return report(examine(*options->doctor));
-  if (const Expected<void> scene = fetch_if_missing(*options); !scene) {
-    spdlog::error(scene.error().what);
-    return EXIT_FAILURE;
-  }
-  const auto task = options->plan.prints_only        ? print_plan
-                    : !options->export_trace.empty() ? export_head_recording
-                    : !options->replay.empty()       ? run_replay
-                    : options->preview               ? run_preview
-                                                     : run_client;
-  if (const Expected<void> done = task(*options); !done) {
-    spdlog::error(done.error().what);
-    return done.error().fault == Fault::Interrupted ? kInterrupted : EXIT_FAILURE;
-  }
-  return EXIT_SUCCESS;
+  std::optional<StopSignal> stop;
+  Expected<void> done = fetch_if_missing(*options, stop);
+  if (done) done = carry_out(*options, stop);
+  if (done) return EXIT_SUCCESS;
+  spdlog::error(done.error().what);
+  return done.error().fault == Fault::Interrupted ? stop->exit_status() : EXIT_FAILURE;
 } catch (const std::exception& error) {
   std::fprintf(stderr, "vr_client: %s\n", error.what());
   return EXIT_FAILURE;

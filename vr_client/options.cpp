@@ -7,22 +7,27 @@
 #include <charconv>
 #include <cmath>
 
+#include "stereo/about/about.h"
 #include "stereo/base/command_line.h"
 #include "stereo/base/completion.h"
 #include "stereo/base/config_file.h"
 #include "stereo/base/user_folders.h"
 #include "stereo/base/within.h"
 #include "stereo/frame/view.h"
+#include "stereo/gpu/loader.h"
 #include "stereo/scene/lighting_options.h"
 #include "stereo/scene/stand_option.h"
+#include "stereo/video/video.h"
 #include "stereo/wire/key_file.h"
+#include "vr_client/record/capture_file.h"
+#include "vr_client/report/figures.h"
 
 namespace farshade {
 namespace {
 
 constexpr const char* kAbout =
     "Shows a scene to both eyes along a recorded head, with shadows that an rt_server traces.\n"
-    "Writes pictures, summary.csv and frames.csv to the output folder, and prints the summary.";
+    "Writes pictures, summary.csv and frames.csv to the output folder, and prints a summary.";
 
 constexpr const char* kFooter =
     "Exit status:\n"
@@ -48,6 +53,7 @@ struct CommandLine {
   std::string size = "512x512";
   double video_megabits = Options{}.mode.bits_per_second * 1e-6;
   bool validate = false;
+  std::optional<std::string> explained;  ///< the figure that --explain names, or empty text: all
 };
 
 Words<PredictorKind> predictors() {
@@ -187,13 +193,17 @@ void add_output_options(CLI::App& app, Options& options) {
       ->excludes("--trace");
   app.add_option("--timeline", options.timeline,
                  "write a timeline of the stages of client and server, as JSON for ui.perfetto.dev");
+  app.add_option(
+      "--json", options.json,
+      "write the summary with all figures, units and definitions to this JSON file; -: to standard "
+      "output, and the readable summary to standard error");
   app.add_option("--out", options.out, "output folder")->capture_default_str();
   CLI::Option* const preview =
       app.add_flag("--preview", options.preview,
                    "show the eyes in a window; mouse and keys, or --trace, move the head; F1 lists the keys");
   // A window runs on the machine's clock, and its viewer chooses what is measured and written.
-  for (const char* without_window :
-       {"--clock", "--delay", "--pictures", "--dump", "--reference-every", "--reference-samples", "--replay"})
+  for (const char* without_window : {"--clock", "--delay", "--pictures", "--dump", "--reference-every",
+                                     "--reference-samples", "--replay", "--json"})
     app.get_option(without_window)->excludes(preview);
 }
 
@@ -209,6 +219,12 @@ void add_other_options(CLI::App& app, CommandLine& line) {
       ->expected(0, 1)
       ->type_name("needed|everything")
       ->check(one_of({"", "needed", "everything"}));
+  app.add_option_function<std::string>(
+         "--explain", [&line](const std::string& figure) { line.explained = figure; },
+         "print definition, unit and way of measuring of a figure such as \"mask error\", or a line for "
+         "every figure, and exit")
+      ->expected(0, 1)
+      ->type_name("FIGURE");
   app.add_flag("--validate", line.validate, "use the Vulkan validation layers; any message is an error");
 }
 
@@ -240,6 +256,13 @@ void check_replay(const CLI::App& app) {
   for (const char* option : kNotInReplay)
     if (app.count(option) > 0)
       throw CLI::ValidationError(option, "a replay repeats the captured run as it was: omit this option");
+}
+
+/// Throws a CLI::ParseError if there is no such figure.
+void print_explanation(const std::string& figure) {
+  const Expected<std::string> text = explain(figure);
+  if (!text) throw CLI::ValidationError("--explain", text.error().what);
+  fmt::print("{}", *text);
 }
 
 /// Throws a CLI::ParseError if options are missing or contradict each other.
@@ -283,10 +306,23 @@ Expected<Extent> parse_size(const std::string& text) {
   return size;
 }
 
+namespace {
+
+std::string about_client() {
+  return about("vr_client",
+               {fmt::format("client and server {}", kProtocolVersion),
+                fmt::format("capture files {}", kCaptureVersion)},
+               {"Vulkan loader " + gpu::loader_version(), has_video() ? video_version() : "no video"});
+}
+
+}  // namespace
+
 tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   CommandLine line;
   CLI::App app{kAbout, "vr_client"};
   app.footer(kFooter);
+  app.set_version_flag("--version", about_client,
+                       "print versions of program, protocols and libraries, and exit");
   make_readable(app);
   app.require_subcommand(0, 1);
   add_doctor(app, line.doctor);
@@ -303,6 +339,10 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   add_completion_option(app);
   try {
     parse_with_config(app, argc, argv, config);
+    if (line.explained) {
+      print_explanation(*line.explained);
+      return tl::unexpected(EarlyExit{0});
+    }
     if (app.got_subcommand("doctor")) line.options.doctor = line.doctor;
     if (app.got_subcommand("pair")) line.options.pair = line.pair;
     return line.options.doctor || line.options.pair ? std::move(line.options) : checked(std::move(line), app);

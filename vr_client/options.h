@@ -57,6 +57,7 @@ struct Options {
   std::uint32_t pictures = 4;
   std::vector<std::uint32_t> dump;
   std::filesystem::path timeline;  ///< not empty: write the timeline to this file
+  std::string json;  ///< not empty: write the summary as JSON to this file; "-": standard output
   gpu::DeviceOptions device;
   std::filesystem::path record;  ///< not empty: write a capture to this file
   std::filesystem::path replay;  ///< not empty: replay this capture and compare

@@ -29,7 +29,7 @@ void StopSignal::wait(const std::function<void()>& report, const std::function<v
   constexpr timespec kSecond{.tv_sec = 1, .tv_nsec = 0};
   sigset_t all;
   sigorset(&all, &signals_, &requests_);
-  while (!came_) {
+  while (came_ == 0) {
     const int signal = sigtimedwait(&all, nullptr, &kSecond);
     if (signal < 0)
       look();
@@ -38,18 +38,20 @@ void StopSignal::wait(const std::function<void()>& report, const std::function<v
     else if (signal == SIGHUP)
       reload();
     else
-      let_the_next_one_through();
+      let_the_next_one_through(signal);
   }
 }
 
 bool StopSignal::has_come() {
   const timespec at_once{};
-  if (!came_ && sigtimedwait(&signals_, nullptr, &at_once) > 0) let_the_next_one_through();
-  return came_;
+  if (came_ != 0) return true;
+  if (const int signal = sigtimedwait(&signals_, nullptr, &at_once); signal > 0)
+    let_the_next_one_through(signal);
+  return came_ != 0;
 }
 
-void StopSignal::let_the_next_one_through() {
-  came_ = true;
+void StopSignal::let_the_next_one_through(int came) {
+  came_ = came;
   check_eq(pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr), 0, "signals can be let through");
 }
 

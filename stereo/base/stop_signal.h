@@ -31,13 +31,17 @@ class StopSignal {
   /// Whether SIGINT or SIGTERM has arrived by now.
   [[nodiscard]] bool has_come();
 
+  /// What a shell gives for a program that the signal has ended: 130 for SIGINT, 143 for SIGTERM. 0 while
+  /// neither of them has arrived.
+  [[nodiscard]] int exit_status() const { return came_ == 0 ? 0 : 128 + came_; }
+
  private:
-  void let_the_next_one_through();
+  void let_the_next_one_through(int came);
 
   sigset_t signals_;   ///< SIGINT and SIGTERM
   sigset_t requests_;  ///< SIGUSR1, and SIGHUP if it is one
   sigset_t before_;    ///< the signals that were blocked before
-  bool came_ = false;
+  int came_ = 0;       ///< the signal that has arrived
 };
 
 }  // namespace farshade

@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "stereo/base/files.h"
 #include "stereo/head/reader.h"
 #include "stereo/net/udp.h"
+#include "stereo/wire/messages.h"
 #include "tests/integration/one_triangle.h"
 #include "tests/support/image_reader.h"
 #include "tests/unit/scratch_folder.h"
@@ -20,8 +23,9 @@ namespace {
 constexpr double kMaskError_percent = 5;
 
 bool is_error_or_wire(const std::string& column) {
-  // The traffic of a frame depends on when its datagrams arrive.
-  if (column.starts_with("wire bytes up") || column.starts_with("wire bytes down")) return false;
+  // The traffic of a frame and the rate of the path depend on when datagrams arrive.
+  for (const char* real : {"wire bytes up", "wire bytes down", "wire rate of the path"})
+    if (column.starts_with(real)) return false;
   return column.starts_with("left eye") || column.starts_with("right eye") || column.starts_with("wire");
 }
 
@@ -409,20 +413,94 @@ TEST(ClientProgram, ReconnectsToARestartedServer) {
 }
 
 TEST(ClientProgram, WritesItsSummaryAfterASignal) {
+  const RunningServer server;
+  for (const auto& [signal, status] : {std::pair(SIGINT, 130), std::pair(SIGTERM, 143)}) {
+    const ScratchFolder folder;
+    ChildProgram client(client_arguments(
+        {{"--server", server.address()}, {"--frames", "1400"}, {"--out", folder.path().string()}}));
+    ASSERT_TRUE(client.error_line_after("frame 140 of 1400"));
+    client.send(signal);
+    const std::string errors = client.errors();
+    EXPECT_EQ(client.wait(), status) << errors;
+    EXPECT_EQ(summary_row(folder.path(), "run", "interrupted")[0], 1);
+    EXPECT_NE(errors.find("stopped; writing the reports of the frames so far"), std::string::npos);
+    const std::size_t shown = read_csv(folder.path() / "frames.csv").at("frame").size();
+    EXPECT_GE(shown, 140u);
+    EXPECT_LT(shown, 1400u);
+    EXPECT_GT(summary_row(folder.path(), "client", "frame")[0], 0);
+  }
+}
+
+TEST(ClientProgram, PrintsTheVerdictFirstAndJsonAlone) {
   const ScratchFolder folder;
   const RunningServer server;
-  ChildProgram client(client_arguments(
-      {{"--server", server.address()}, {"--frames", "1400"}, {"--out", folder.path().string()}}));
-  ASSERT_TRUE(client.error_line_after("frame 140 of 1400"));
-  client.send(SIGINT);
+  const std::string file = (folder.path() / "run.json").string();
+  std::map<std::string, std::string> options{{"--server", server.address()},
+                                             {"--frames", "6"},
+                                             {"--json", file},
+                                             {"--out", (folder.path() / "out").string()}};
+  {
+    ChildProgram client(client_arguments(options));
+    const std::string printed = client.output();
+    EXPECT_EQ(client.wait(), 0) << client.errors();
+    EXPECT_TRUE(printed.starts_with("picture: ")) << printed;
+    const std::size_t time = printed.find("\ntime: client "), bytes = printed.find("\nbytes: ");
+    ASSERT_NE(bytes, std::string::npos) << printed;
+    EXPECT_LT(time, bytes) << printed;
+    EXPECT_EQ(std::count(printed.begin(), printed.begin() + static_cast<std::ptrdiff_t>(bytes) + 1, '\n'), 2)
+        << printed;
+    EXPECT_NE(printed.find(" ms of 13.9 ms a frame: "), std::string::npos) << printed;
+    EXPECT_EQ(printed.find("shadow maps"), std::string::npos) << "mode hybrid has none: " << printed;
+  }
+  const auto written = nlohmann::json::parse(std::ifstream(file));
+  EXPECT_NEAR(written["verdict"]["client"]["budget_ms"], 1000 / 72.0, 1e-5);
+  EXPECT_EQ(written["setting"]["scene"], "room.glb");
+  EXPECT_GT(written["figures"].size(), 50u);
+  options["--json"] = "-";
+  ChildProgram client(client_arguments(options));
+  EXPECT_EQ(nlohmann::json::parse(client.output())["setting"]["mode"], "hybrid");
   const std::string errors = client.errors();
-  EXPECT_EQ(client.wait(), 130) << errors;
-  EXPECT_EQ(summary_row(folder.path(), "run", "interrupted")[0], 1);
-  EXPECT_NE(errors.find("stopped; writing the reports of the frames so far"), std::string::npos);
-  const std::size_t shown = read_csv(folder.path() / "frames.csv").at("frame").size();
-  EXPECT_GE(shown, 140u);
-  EXPECT_LT(shown, 1400u);
-  EXPECT_GT(summary_row(folder.path(), "client", "frame")[0], 0);
+  EXPECT_EQ(client.wait(), 0) << errors;
+  EXPECT_NE(errors.find("\npicture: "), std::string::npos) << errors;
+  options["--json"] = (folder.path() / "missing" / "run.json").string();
+  EXPECT_EQ(run_client(options).status, 1);
+}
+
+TEST(Programs, PrintTheirVersionsAndThoseOfTheirLibraries) {
+  for (const std::string program : {VR_CLIENT, RT_SERVER}) {
+    ChildProgram child({program, "--version"});
+    const std::string text = child.output();
+    EXPECT_EQ(child.wait(), 0);
+    const std::string name = program.substr(program.rfind('/') + 1);
+    EXPECT_TRUE(text.starts_with(name + " " FARSHADE_VERSION "\n")) << text;
+    EXPECT_NE(text.find("client and server " + std::to_string(kProtocolVersion)), std::string::npos) << text;
+    EXPECT_EQ(text.find("capture files ") != std::string::npos, name == "vr_client") << text;
+    for (const std::string library :
+         {"Embree ", "oneTBB ", "Vulkan headers ", "Vulkan loader ", "libsodium ", "LZ4 "}) {
+      const std::size_t at = text.find(library);
+      ASSERT_NE(at, std::string::npos) << library << text;
+      EXPECT_TRUE(std::isdigit(static_cast<unsigned char>(text[at + library.size()]))) << library << text;
+    }
+  }
+}
+
+TEST(ClientProgram, ARealClockBeginsAfterTheFirstShadowMaps) {
+  const ScratchFolder folder;
+  std::map<std::string, std::string> options{{"--scene", FARSHADE_ASSETS "/box_over_plane.gltf"},
+                                             {"--mode", "local"},
+                                             {"--frames", "4"},
+                                             {"--refresh", "2"},
+                                             {"--dump", "2"},
+                                             {"--out", folder.path().string()}};
+  const auto map_times = [&] {
+    const Ended run = run_client(options);
+    EXPECT_EQ(run.status, 0) << run.errors;
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "dump/frame_0002/views.json"));
+    return read_csv(folder.path() / "frames.csv").at("client shadow maps [ms]");
+  };
+  EXPECT_GT(std::stod(map_times().at(0)), 0) << "in virtual time the first frame draws them";
+  options["--clock"] = "real";
+  for (const std::string& time : map_times()) EXPECT_EQ(std::stod(time), 0) << "nothing in the scene moves";
 }
 
 TEST(ClientProgram, CausesNoValidationMessage) {

@@ -9,6 +9,7 @@
 namespace farshade {
 namespace {
 
+/// Where each library may be named, and in how many files.
 std::vector<Library> libraries() {
   constexpr std::size_t any = SIZE_MAX;
   return {{"asio", "stereo/net", 3},
@@ -52,12 +53,13 @@ const House& house() {
                 {"stereo/draw", {"stereo/gpu", "stereo/plan", "stereo/detail", "shaders"}},
                 {"stereo/video", {"stereo/frame", "stereo/image"}},
                 {"stereo/doctor", {"stereo/net", "stereo/scene"}},
+                {"stereo/about", {}},
                 {"shaders", {}},
                 {"rt_server/core", {"stereo/net", "stereo/tracer"}},
                 {"rt_server/answers", {"rt_server/core", "stereo/draw", "stereo/video"}},
                 {"rt_server/commands", {"stereo/doctor", "stereo/pair", "stereo/tracer"}},
                 {"rt_server/fetch", {"stereo/fetch"}},
-                {"rt_server", {"rt_server/answers", "rt_server/commands", "rt_server/fetch"}},
+                {"rt_server", {"rt_server/answers", "rt_server/commands", "rt_server/fetch", "stereo/about"}},
                 {"vr_client/ask", {"stereo/head"}},
                 {"vr_client/link", {"stereo/net"}},
                 {"vr_client/runtime", {"stereo/head"}},
@@ -72,7 +74,7 @@ const House& house() {
                 {"vr_client/preview", {"vr_client/report", "vr_client/record"}},
                 {"vr_client",
                  {"vr_client/modes", "vr_client/preview", "vr_client/doctor", "vr_client/pair",
-                  "stereo/placement"}}},
+                  "stereo/placement", "stereo/about"}}},
       .libraries = libraries(),
       .guests = "tests"};
   return house;

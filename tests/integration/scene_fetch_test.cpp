@@ -96,7 +96,7 @@ TEST_F(SceneFetch, GoesOnAfterCtrlCAndACutWithFilesOfAFolder) {
     const Stopwatch watch;
     program.send(SIGINT);
     const std::string errors = program.errors();
-    EXPECT_EQ(program.wait(), 1);
+    EXPECT_EQ(program.wait(), 130);
     EXPECT_LT(seconds_of(watch.elapsed()), 1);
     EXPECT_NE(errors.find("the next start goes on from there"), std::string::npos) << errors;
   }

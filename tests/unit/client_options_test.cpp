@@ -34,6 +34,27 @@ Outcome read_more(const std::vector<std::string>& more) {
   return read(arguments);
 }
 
+TEST(ReadOptions, ExplainsFiguresWithoutAnyOtherOption) {
+  const Outcome one = read({"--explain", "mask error"}), all = read({"--explain"});
+  for (const Outcome* outcome : {&one, &all}) ASSERT_FALSE(outcome->options);
+  EXPECT_EQ(one.options.error().status, 0) << one.errors;
+  EXPECT_TRUE(one.out.starts_with("eye mask error, %\n")) << one.out;
+  EXPECT_EQ(all.options.error().status, 0) << all.errors;
+  for (const char* name : {"client frame, ms", "eye PSNR, dB", "run silent time, s"})
+    EXPECT_NE(all.out.find(name), std::string::npos) << name << all.out;
+  const Outcome wrong = read({"--explain", "PNSR"});
+  ASSERT_FALSE(wrong.options);
+  EXPECT_EQ(wrong.options.error().status, 2);
+  EXPECT_NE(wrong.errors.find("did you mean psnr?"), std::string::npos) << wrong.errors;
+}
+
+TEST(ReadOptions, PrintsTheVersion) {
+  const Outcome version = read({"--version"});
+  ASSERT_FALSE(version.options);
+  EXPECT_EQ(version.options.error().status, 0) << version.errors;
+  EXPECT_TRUE(version.out.starts_with("vr_client ")) << version.out;
+}
+
 TEST(ParseSize, AcceptsWidthByHeight) {
   EXPECT_EQ(*parse_size("96x64"), (Extent{96, 64}));
   EXPECT_EQ(*parse_size("1x8192"), (Extent{1, 8192}));

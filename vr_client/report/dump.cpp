@@ -87,9 +87,22 @@ Image<std::uint16_t> low_bits(const EyeMask& mask) {
 
 }  // namespace
 
-Expected<void> write_dump(const std::filesystem::path& folder, const FrameView& view,
-                          const MeasuredFrame& frame, const PerEye<Image<float>>& distance) {
-  const std::filesystem::path inside = folder / fmt::format("frame_{:04}", frame.frame.value);
+std::uint64_t Dump::bytes() const {
+  std::uint64_t sum = views_json.size();
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    sum +=
+        (traced ? (*traced)[eye].bytes().size() : 0) + std::as_bytes(std::span(distance[eye].pixels)).size();
+  return sum;
+}
+
+Dump dump_of(const FrameView& view, PerEye<Image<float>> distance) {
+  Dump dump{view.shown.frame, std::nullopt, std::move(distance), describe(view).dump(2) + "\n"};
+  if (!view.masks.empty()) dump.traced = view.masks[0].masks;
+  return dump;
+}
+
+Expected<void> write_dump(const std::filesystem::path& folder, const Dump& dump, const MeasuredFrame& frame) {
+  const std::filesystem::path inside = folder / fmt::format("frame_{:04}", dump.frame.value);
   std::error_code error;
   std::filesystem::create_directories(inside, error);
   if (error)
@@ -98,17 +111,17 @@ Expected<void> write_dump(const std::filesystem::path& folder, const FrameView& 
     const std::size_t eye = index_of(side);
     const auto path = [&](const char* what) { return inside / fmt::format("{}_{}", name_of(side), what); };
     Expected<void> done;
-    if (!view.masks.empty()) done = write_png16(path("mask_traced.png"), low_bits(view.masks[0].masks[eye]));
+    if (dump.traced) done = write_png16(path("mask_traced.png"), low_bits((*dump.traced)[eye]));
     if (done) done = write_png16(path("mask_shown.png"), low_bits(frame.report[eye].mask));
     if (done) done = write_png16(path("source.png"), sources_of(frame.report[eye]));
     if (done) done = write_pfm(path("lookup_x.pfm"), lookup_of(frame.report[eye], 0));
     if (done) done = write_pfm(path("lookup_y.pfm"), lookup_of(frame.report[eye], 1));
-    if (done) done = write_pfm(path("distance.pfm"), distance[eye]);
+    if (done) done = write_pfm(path("distance.pfm"), dump.distance[eye]);
     if (done) done = write_png(path("shown.png"), frame.shown[eye]);
     if (done) done = write_png(path("reference.png"), frame.reference[eye]);
     if (!done) return done;
   }
-  return write_file_atomically(inside / "views.json", describe(view).dump(2) + "\n");
+  return write_file_atomically(inside / "views.json", dump.views_json);
 }
 
 }  // namespace farshade

@@ -12,6 +12,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "stereo/scene/scene_state.h"
 #include "vr_client/frame/frame_loop.h"
@@ -19,8 +21,21 @@
 
 namespace farshade {
 
-/// `view` and `frame` must belong to the same frame. `distance` is the result of Renderer::read_distance.
-[[nodiscard]] Expected<void> write_dump(const std::filesystem::path& folder, const FrameView& view,
-                                        const MeasuredFrame& frame, const PerEye<Image<float>>& distance);
+/// What a dump needs of a frame beside its measurement, so that it can be written later.
+struct Dump {
+  FrameId frame;
+  std::optional<PerEye<EyeMask>> traced;  ///< the newest mask
+  PerEye<Image<float>> distance;
+  std::string views_json;
+
+  [[nodiscard]] std::uint64_t bytes() const;
+};
+
+/// `distance` is the result of Renderer::read_distance for this frame.
+[[nodiscard]] Dump dump_of(const FrameView& view, PerEye<Image<float>> distance);
+
+/// Writes frame_NNNN below `folder`. `dump` and `measured` must belong to the same frame.
+[[nodiscard]] Expected<void> write_dump(const std::filesystem::path& folder, const Dump& dump,
+                                        const MeasuredFrame& measured);
 
 }  // namespace farshade

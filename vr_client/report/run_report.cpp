@@ -9,7 +9,6 @@
 #include "stereo/base/files.h"
 #include "stereo/image/codec.h"
 #include "stereo/image/difference.h"
-#include "vr_client/report/dump.h"
 
 namespace farshade {
 namespace {
@@ -137,38 +136,42 @@ void RunReport::watch(const FrameView& view) {
   if (failed_) return;
 
   const bool dumped = is_dumped(frame), measured = dumped || is_measured(frame);
-  const bool at_once = dumped || options_.compare == Compare::AtOnce;
-  std::optional<FrameToMeasure> taken;
-  if (measured) taken = read_back(view, renderer_);
+  const bool at_once = options_.compare == Compare::AtOnce || (dumped && kept_dump_bytes_ > kMostKept_bytes);
+  std::optional<Taken> taken;
+  if (measured) taken = {log_.records().size() - 1, read_back(view, renderer_), std::nullopt};
+  if (dumped) taken->dump = dump_of(view, renderer_.read_distance());
   if (is_pictured(frame)) {
-    const PerEye<Image<Rgb8>> shown = taken ? taken->pictures : renderer_.read_shown();
+    const PerEye<Image<Rgb8>> shown = taken ? taken->frame.pictures : renderer_.read_shown();
     if (at_once)
       keep(write_shown(options_.out, frame, shown));
     else
       kept_pictures_.push_back({frame, shown});
   }
   if (!taken) return;
-  if (!at_once) return keep(std::move(*taken));
-  measure_record(log_.records().size() - 1, std::move(*taken));
-  if (dumped) keep(write_dump(options_.out / "dump", view, current_, renderer_.read_distance()));
+  if (at_once)
+    compare(std::move(*taken));
+  else
+    keep(std::move(*taken));
 }
 
 /// Measures fewer frames if those of the whole run would not fit.
-void RunReport::keep(FrameToMeasure frame) {
-  if (kept_.empty()) {
+void RunReport::keep(Taken taken) {
+  if (every_ > 0 && kept_.empty()) {
     const std::uint64_t fit =
-        std::max<std::uint64_t>(kMostKept_bytes / std::max<std::uint64_t>(frame.bytes(), 1), 1);
+        std::max<std::uint64_t>(kMostKept_bytes / std::max<std::uint64_t>(taken.frame.bytes(), 1), 1);
     every_ = std::max(every_, static_cast<std::uint32_t>((options_.frame_count + fit - 1) / fit));
   }
-  kept_.push_back({log_.records().size() - 1, std::move(frame)});
+  if (taken.dump) kept_dump_bytes_ += taken.frame.bytes() + taken.dump->bytes();
+  kept_.push_back(std::move(taken));
 }
 
-void RunReport::measure_record(std::size_t record, FrameToMeasure frame) {
+void RunReport::compare(Taken taken) {
   const PerEye<EyeErrors> errors =
-      measure(std::move(frame), renderer_, *reference_, current_, options_.reference_samples);
-  log_.set_errors(record, errors);
+      measure(std::move(taken.frame), renderer_, *reference_, current_, options_.reference_samples);
+  log_.set_errors(taken.record, errors);
+  if (taken.dump) keep(write_dump(options_.out / "dump", *taken.dump, current_));
   const double error = badness(errors[0]) + badness(errors[1]);
-  if (log_.records()[record].start_up || error <= worst_error_) return;
+  if (log_.records()[taken.record].start_up || error <= worst_error_) return;
   worst_error_ = error;
   worst_ = current_;
 }
@@ -176,7 +179,7 @@ void RunReport::measure_record(std::size_t record, FrameToMeasure frame) {
 Expected<void> RunReport::finish() {
   if (!kept_.empty())
     spdlog::info("comparing {} of the {} shown frames", kept_.size(), log_.records().size());
-  for (Kept& kept : kept_) measure_record(kept.record, std::move(kept.frame));
+  for (Taken& kept : kept_) compare(std::move(kept));
   kept_.clear();
   for (const KeptPicture& kept : kept_pictures_) keep(write_shown(options_.out, kept.frame, kept.shown));
   if (failed_) return tl::unexpected(*failed_);

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "vr_client/frame/frame_loop.h"
+#include "vr_client/report/dump.h"
 #include "vr_client/report/frame_log.h"
 #include "vr_client/report/measure.h"
 
@@ -21,7 +22,8 @@ namespace farshade {
 /// When frames are compared with their references.
 enum class Compare : std::uint8_t {
   AtOnce,       ///< before the next frame begins
-  AfterTheRun,  ///< so that no display time is missed meanwhile; as many frames as kMostKept_bytes can hold
+  AfterTheRun,  ///< so that no display time is missed meanwhile; as many frames as kMostKept_bytes can hold,
+                ///< and so many dumps
 };
 inline constexpr std::uint64_t kMostKept_bytes = std::uint64_t{1} << 29;
 
@@ -32,7 +34,7 @@ struct RunReportOptions {
   std::uint32_t pictures = 4;
   std::vector<std::uint32_t> dump;
   std::uint32_t reference_samples = 1;  ///< per side of a pixel; more than 1: the smooth reference, too
-  Compare compare = Compare::AtOnce;    ///< a dumped frame is always compared at once
+  Compare compare = Compare::AtOnce;
 
   /// True if the shading pass must report, because frames will be measured.
   [[nodiscard]] bool measures_any() const { return reference_every > 0 || !dump.empty(); }
@@ -62,8 +64,9 @@ class RunReport {
   [[nodiscard]] bool is_pictured(FrameId frame) const;
   [[nodiscard]] bool is_dumped(FrameId frame) const;
   [[nodiscard]] bool is_measured(FrameId frame) const;
-  void keep(FrameToMeasure frame);
-  void measure_record(std::size_t record, FrameToMeasure frame);
+  struct Taken;
+  void keep(Taken taken);
+  void compare(Taken taken);
   void keep(Expected<void> done);
 
   RunReportOptions options_;
@@ -76,11 +79,14 @@ class RunReport {
   double worst_error_ = -1;
   bool interrupted_ = false;
   std::uint32_t every_;  ///< every so manyth frame is measured; 0: none
-  struct Kept {
+  /// A shown frame that will be compared.
+  struct Taken {
     std::size_t record;  ///< in the log
     FrameToMeasure frame;
+    std::optional<Dump> dump;
   };
-  std::vector<Kept> kept_;  ///< to be measured after the run
+  std::vector<Taken> kept_;  ///< to be compared after the run
+  std::uint64_t kept_dump_bytes_ = 0;
   struct KeptPicture {
     FrameId frame;
     PerEye<Image<Rgb8>> shown;

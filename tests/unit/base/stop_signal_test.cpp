@@ -10,9 +10,11 @@ class StopSignalTest : public testing::TestWithParam<int> {};
 TEST_P(StopSignalTest, IsRememberedOnceItHasCome) {
   StopSignal stop;
   EXPECT_FALSE(stop.has_come());
+  EXPECT_EQ(stop.exit_status(), 0);
   raise(GetParam());
   EXPECT_TRUE(stop.has_come());
   EXPECT_TRUE(stop.has_come());
+  EXPECT_EQ(stop.exit_status(), GetParam() == SIGINT ? 130 : 143);
   stop.wait();
 }
 
@@ -21,6 +23,7 @@ TEST_P(StopSignalTest, EndsAWait) {
   raise(GetParam());
   stop.wait();
   EXPECT_TRUE(stop.has_come());
+  EXPECT_EQ(stop.exit_status(), GetParam() == SIGINT ? 130 : 143);
 }
 
 TEST_P(StopSignalTest, SecondOneEndsTheProgram) {

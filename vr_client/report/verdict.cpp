@@ -1,0 +1,151 @@
+#include "vr_client/report/verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace farshade {
+namespace {
+
+constexpr double kFewLate = 0.01;
+
+const Figure& figure_of(const std::string& group, const std::string& name) {
+  return *std::ranges::find_if(
+      figures(), [&](const Figure& figure) { return figure.group() == group && figure.text.name == name; });
+}
+
+std::optional<Spread> spread_of(const FrameLog& log, const std::string& group, const std::string& name) {
+  const Figure& figure = figure_of(group, name);
+  const std::vector<double> values = log.values(figure);
+  if (values.empty()) return std::nullopt;
+  return spread_toward(figure.worse, values);
+}
+
+std::optional<TimeUse> time_use(const FrameLog& log, const std::string& group, const RunTotals& totals,
+                                double frames) {
+  const std::vector<double> values = log.values(figure_of(group, "frame"));
+  if (values.empty()) return std::nullopt;
+  const double budget_ms = ms_of(totals.period) * frames;
+  const auto late = std::ranges::count_if(values, [&](double ms) { return ms > budget_ms; });
+  return TimeUse{quantile(values, 0.5), budget_ms,
+                 static_cast<double>(late) / static_cast<double>(values.size()), frames};
+}
+
+/// Display frames for each request. The server has so much time for an answer.
+double frames_per_request(const FrameLog& log) {
+  const auto& records = log.records();
+  const auto asked = [](const FrameRecord& record) { return !record.silent && record.asked.has_value(); };
+  const auto loud = std::ranges::count(records, false, &FrameRecord::silent);
+  const auto requests = std::ranges::count_if(records, asked);
+  return requests == 0 ? 1 : static_cast<double>(loud) / static_cast<double>(requests);
+}
+
+double mean_of(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return values.empty() ? 0 : sum / static_cast<double>(values.size());
+}
+
+std::optional<ByteUse> byte_use(const FrameLog& log, const RunTotals& totals) {
+  const std::vector<double> down = log.values(figure_of("wire", "bytes down a frame"));
+  if (down.empty()) return std::nullopt;
+  const double mbit_per_byte = 8e-6 / seconds_of(totals.period);
+  ByteUse use;
+  use.down_bytes = mean_of(down);
+  use.up_bytes = mean_of(log.values(figure_of("wire", "bytes up a frame")));
+  use.down_mbit_s = use.down_bytes * mbit_per_byte;
+  use.up_mbit_s = use.up_bytes * mbit_per_byte;
+  if (const auto rate = spread_of(log, "wire", "rate of the path")) use.path_mbit_s = rate->median;
+  if (const auto size = spread_of(log, "wire", "size of requested views"))
+    use.view_size_percent = size->median;
+  return use;
+}
+
+std::string picture_in_words(const std::optional<PictureError>& picture, const RunTotals& totals) {
+  if (!picture && totals.start_up_frames == totals.frames && totals.frames > 0)
+    return "not measured: no frame has shown an answer of the server";
+  if (!picture) return "not measured: no frame was compared with a full trace";
+  const Spread& psnr = picture->psnr_db;
+  if (psnr.p99 >= kEqualPictures_dB) return "equal to a full trace";
+  std::string text = fmt::format("PSNR {:.1f} dB against a full trace, {:.1f} dB in the worst 1 % of frames",
+                                 psnr.median, psnr.p99);
+  if (const auto& error = picture->mask_error_percent)
+    text += fmt::format("; mask error {:.2f} %, {:.2f} % in the worst 1 %", error->median, error->p99);
+  return text + fmt::format(" ({} eye, the worse one)", name_of(picture->eye));
+}
+
+std::string time_in_words(const char* who, const TimeUse& use) {
+  std::string text = fmt::format("{} {:.1f} ms of {:.1f} ms a {}: ", who, use.median_ms, use.budget_ms,
+                                 use.frames > 1 ? "request" : "frame");
+  switch (use.budget()) {
+    case Budget::Kept:
+      return text + "fits";
+    case Budget::OftenKept:
+      return text + fmt::format("too slow in {:.0f} % of frames", std::max(100 * use.late_share, 1.0));
+    case Budget::Exceeded:
+      return text + fmt::format("does not fit, takes {:.1f} times as long", use.median_ms / use.budget_ms);
+  }
+  return text;
+}
+
+std::string bytes_in_words(const ByteUse& use, const RunTotals& totals) {
+  std::string text = fmt::format(
+      "{:.1f} kB down and {:.1f} kB up a frame: {:.1f} and {:.1f} Mbit/s at {:g} Hz", use.down_bytes * 1e-3,
+      use.up_bytes * 1e-3, use.down_mbit_s, use.up_mbit_s, std::round(1e5 / ms_of(totals.period)) * 1e-2);
+  if (use.path_mbit_s)
+    text += fmt::format(" of {:.0f} Mbit/s that the path carries down: {}", *use.path_mbit_s,
+                        use.budget() == Budget::Kept ? "fits" : "does not fit");
+  if (use.view_size_percent < 100)
+    text += fmt::format(", the server asks for {:.0f} % of the width", use.view_size_percent);
+  return text;
+}
+
+}  // namespace
+
+std::optional<PictureError> picture_error(const FrameLog& log) {
+  std::optional<PictureError> worse;
+  for (const Side side : kSides) {
+    const std::string eye = std::string(name_of(side)) + " eye";
+    const std::optional<Spread> psnr = spread_of(log, eye, "PSNR");
+    if (psnr && (!worse || psnr->median < worse->psnr_db.median))
+      worse = {side, *psnr, spread_of(log, eye, "mask error")};
+  }
+  return worse;
+}
+
+Budget TimeUse::budget() const {
+  if (late_share <= kFewLate) return Budget::Kept;
+  return median_ms <= budget_ms ? Budget::OftenKept : Budget::Exceeded;
+}
+
+Budget ByteUse::budget() const {
+  const bool is_carried = !path_mbit_s || down_mbit_s <= *path_mbit_s;
+  return is_carried && view_size_percent >= 100 ? Budget::Kept : Budget::Exceeded;
+}
+
+bool Verdict::fits() const {
+  const auto each = [](const auto& use) { return !use || use->budget() == Budget::Kept; };
+  return each(client) && each(server) && each(bytes) && missed_share <= kFewLate;
+}
+
+Verdict verdict_of(const FrameLog& log, const RunTotals& totals) {
+  const auto display_times = static_cast<double>(totals.frames + totals.missed);
+  return {.picture = picture_error(log),
+          .client = time_use(log, "client", totals, 1),
+          .server = time_use(log, "server", totals, frames_per_request(log)),
+          .bytes = byte_use(log, totals),
+          .missed_share = totals.missed == 0 ? 0 : static_cast<double>(totals.missed) / display_times};
+}
+
+std::string in_words(const Verdict& verdict, const RunTotals& totals) {
+  std::string time = "no frame was shown";
+  if (verdict.client) time = time_in_words("client", *verdict.client);
+  if (verdict.server) time += "; " + time_in_words("server", *verdict.server);
+  if (totals.missed > 0)
+    time += fmt::format("; {} of {} display times were missed", totals.missed, totals.frames + totals.missed);
+  return fmt::format("picture: {}\ntime: {}\nbytes: {}\n", picture_in_words(verdict.picture, totals), time,
+                     verdict.bytes ? bytes_in_words(*verdict.bytes, totals) : "no network was used");
+}
+
+}  // namespace farshade
