@@ -208,7 +208,8 @@ Expected<void> open_link(const Options& options, Client& client, LinkListener li
   Expected<UdpClient> udp = connect_udp(options.server);
   if (!udp) return tl::unexpected(udp.error());
   client.server = udp->server;
-  client.network = impaired(std::move(udp->port), *model, client.clock);
+  client.network = impaired(std::move(udp->port), *model, client.clock,
+                            [&clock = client.clock](Time steady) { return clock.at(steady); });
   return meet(options, client, std::move(listener));
 }
 

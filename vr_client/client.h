@@ -4,6 +4,7 @@
 
 #include <memory>
 
+#include "stereo/base/pausable_clock.h"
 #include "stereo/draw/renderer.h"
 #include "stereo/gpu/device.h"
 #include "stereo/net/impaired_port.h"
@@ -23,7 +24,7 @@ struct Client {
   std::unique_ptr<Renderer> renderer;
   std::unique_ptr<Reference> reference;   ///< for measuring; empty until open_reference
   std::unique_ptr<Reference> own_tracer;  ///< mode full: traces the shown shadows; empty until open_tracers
-  SteadyClock clock;
+  PausableClock clock;  ///< of the link and the display; stands still while a preview holds a frame
   std::unique_ptr<ImpairedPort> network;  ///< to the server; impaired only if --net says so
   Peer server;
   std::unique_ptr<NetworkLink> link;  ///< in modes with a server, if a light casts shadows

@@ -6,6 +6,7 @@
 #include "stereo/base/files.h"
 #include "stereo/base/stop_signal.h"
 #include "stereo/head/reader.h"
+#include "stereo/wire/timing.h"
 #include "vr_client/app.h"
 #include "vr_client/client.h"
 #include "vr_client/modes/make_pipeline.h"
@@ -22,8 +23,10 @@ namespace {
 static_assert(kWorstPath.latency_ms + kWorstPath.jitter_ms <= kWorstPreviewPath_ms);
 
 constexpr const char* kTitle = "Farshade";
-/// Interval between polls of a minimised window.
-constexpr Duration kMinimisedWait = std::chrono::milliseconds(100);
+/// Interval between polls of a minimised window, and between the pictures of a held frame.
+constexpr Duration kMinimisedWait = std::chrono::milliseconds(100), kHeldWait = kMinimisedWait;
+constexpr Duration kKeepAliveInterval = std::chrono::seconds(1);
+static_assert(3 * kKeepAliveInterval < kSessionTimeout);
 constexpr Duration kTitleInterval = std::chrono::seconds(1);
 
 Rigid<Stage, Head> start_of(const Options& options, const Scene& scene) {
@@ -135,7 +138,8 @@ class Preview {
             .link = client_.link.get(),
             .own_tracer = client_.own_tracer.get(),
             .settings = controls_.settings,
-            .policy = policy()};
+            .policy = policy(),
+            .clock = client_.clock};
   }
 
   /// A layout that cannot be kept is no reason to fail.
@@ -161,16 +165,31 @@ class Preview {
   std::optional<HeadControls> read_controls() {
     while (window_.framebuffer_size().pixels() == 0 && !ended()) {
       window_.wait(kMinimisedWait);
-      if (client_.link) client_.link->poll();
+      keep_session();
     }
-    const Input input = window_.poll();
+    const Input input = take_input();
+    if (ended() || restart_ == Restart::Wanted) return std::nullopt;
+    return HeadControls{controls_.head, head_input(input), headset_of(controls_, options_.size)};
+  }
+
+  Input take_input() {
+    Input input = window_.poll();
     if (const Extent size = window_.framebuffer_size(); size.pixels() > 0) last_size_ = size;
     apply_input(input, controls_, context());
     follow_path();
     toggle_recordings();
     if (controls_.take(Command::Quit)) quit_ = Quit::Wanted;
-    if (ended() || restart_ == Restart::Wanted) return std::nullopt;
-    return HeadControls{controls_.head, head_input(input), headset_of(controls_, options_.size)};
+    return input;
+  }
+
+  /// For times without frames, and so without requests.
+  void keep_session() {
+    if (!client_.link) return;
+    client_.link->poll();
+    const Time now = kSteadyClock.now();
+    if (kept_alive_ && now - *kept_alive_ < kKeepAliveInterval) return;
+    kept_alive_ = now;
+    client_.link->keep_alive();
   }
 
   void follow_path() {
@@ -192,18 +211,44 @@ class Preview {
       recordings_.refuse_capture(name_of(options_.mode.mode));
   }
 
-  /// Inspects, records and shows a frame that was drawn.
+  /// Inspects, records and shows a frame that was drawn. Holds it if the viewer wishes.
   void watch(const FrameView& view) {
     lights_ = view.state.light_set;
+    inspection_.begin();
+    show(view);
+    recordings_.watch(view, recordings_.writes_capture() ? &inspection_.shown() : nullptr,
+                      recordings_.records_frames() ? &inspection_.displayed() : nullptr);
+    if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->inbox() : nullptr);
+    history_.add(view, inspection_.errors(), client_.link.get(), client_.clock.now());
+    update_title();
+    // A frame that was drawn before the viewer's wish has no report.
+    if (view.settings.report == PixelReport::On) hold(view);
+  }
+
+  void show(const FrameView& view) {
     inspection_.inspect(view, controls_, view.as == ShownAs::Picture ? nullptr : reference());
     const Composition composition = compose(view);
-    record(view, composition);
-    if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->inbox() : nullptr);
+    if (controls_.take(Command::Screenshot))
+      recordings_.take_screenshot(inspection_.displayed(), presenter_.read_back(composition));
     const ControlContext now = context();
     const PanelFacts facts = facts_of(now);
     presenter_.show(composition, [&] { draw_panel(controls_, facts); });
-    history_.add(view, inspection_.errors(), client_.link.get(), client_.clock.now());
-    update_title();
+  }
+
+  /// Shows the frame again and again until the time runs or the next frame is wanted. Settings can change
+  /// meanwhile; those of the overlays at once, the others have effect from the next frame on.
+  void hold(const FrameView& view) {
+    const auto is_held = [&] {
+      return controls_.held && !controls_.take(Command::NextFrame) && restart_ == Restart::No && !ended();
+    };
+    client_.clock.stop();
+    while (is_held()) {
+      window_.wait(kHeldWait);
+      keep_session();
+      static_cast<void>(take_input());
+      show(view);
+    }
+    client_.clock.resume();
   }
 
   /// Null if the controls need no reference. If it cannot be created, the controls that need it are reset.
@@ -231,13 +276,6 @@ class Preview {
       composition.pictures = {Picture::LeftUpload, Picture::RightUpload};
     }
     return composition;
-  }
-
-  void record(const FrameView& view, const Composition& composition) {
-    if (controls_.take(Command::Screenshot))
-      recordings_.take_screenshot(inspection_.displayed(), presenter_.read_back(composition));
-    recordings_.watch(view, recordings_.writes_capture() ? &inspection_.shown() : nullptr,
-                      recordings_.records_frames() ? &inspection_.displayed() : nullptr);
   }
 
   PanelFacts facts_of(const ControlContext& now) {
@@ -290,6 +328,7 @@ class Preview {
   Recordings recordings_;
   Timeline timeline_;
   std::optional<Time> titled_;
+  std::optional<Time> kept_alive_;   ///< on the machine's clock
   std::optional<Extent> last_size_;  ///< of the window while it was visible
   enum class Restart : std::uint8_t { No, Wanted } restart_ = Restart::No;
   enum class Quit : std::uint8_t { No, Wanted } quit_ = Quit::No;

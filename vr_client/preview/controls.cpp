@@ -35,6 +35,8 @@ constexpr KeyBinding kKeyTable[] = {
     {Key::G, Command::GrabLight, "grab or release the selected light; the wheel moves it nearer or farther"},
     {Key::T, Command::ResetLights, "reset all lights to the scene's"},
     {Key::X, Command::Animation, "stop or start the scene's animation"},
+    {Key::Enter, Command::HoldFrame, "hold this frame: the time stands still; or let the time run"},
+    {Key::N, Command::NextFrame, "hold the frame, or show the next one and hold it"},
     {Key::H, Command::HeadSource, "move the head by mouse and keys, or by the recording"},
     {Key::Space, Command::PlayPause, "play or pause the recording"},
     {Key::Left, Command::Back, "recording: one second back"},
@@ -144,6 +146,17 @@ void change_scene(Command command, Controls& controls, const ControlContext& con
     clock = clock == SceneClock::Running ? SceneClock::Paused : SceneClock::Running;
 }
 
+void change_time(Command command, Controls& controls) {
+  if (command == Command::NextFrame) {
+    controls.pending.set(static_cast<std::size_t>(command), controls.held);
+    controls.held = true;
+  }
+  if (command == Command::HoldFrame) {
+    controls.pending.reset(static_cast<std::size_t>(Command::NextFrame));
+    controls.held = !controls.held;
+  }
+}
+
 void change_head(Command command, Controls& controls, const ControlContext& context) {
   if (command == Command::WiderEyes)
     controls.eye_distance_m = std::min(controls.eye_distance_m + kEyeStep_m, kWidestEyes_m);
@@ -218,6 +231,7 @@ void execute(Command command, Controls& controls, const ControlContext& context)
   change_view(command, controls);
   change_carry_over(command, controls);
   change_scene(command, controls, context);
+  change_time(command, controls);
   change_head(command, controls, context);
   for (const Command once : {Command::Screenshot, Command::RecordHead, Command::RecordCapture,
                              Command::RecordFrames, Command::Quit})
@@ -276,9 +290,13 @@ Headset headset_of(const Controls& controls, Extent size) {
           .eye_size = size};
 }
 
+bool needs_reference(const Controls& controls) {
+  return controls.reference || controls.display == DisplayMode::Difference ||
+         controls.overlay == Overlay::Error;
+}
+
 PixelReport report_for(const Controls& controls) {
-  const bool needed =
-      controls.overlay != Overlay::None || controls.reference || controls.display == DisplayMode::Difference;
+  const bool needed = controls.overlay != Overlay::None || needs_reference(controls) || controls.held;
   return needed ? PixelReport::On : PixelReport::Off;
 }
 

@@ -7,9 +7,6 @@
 
 namespace farshade {
 
-/// Whether these controls need a full trace of the shown frame.
-[[nodiscard]] bool needs_reference(const Controls& controls);
-
 /// Whether the shaded picture shines through this overlay. Not through those that contain it or show other
 /// places.
 [[nodiscard]] bool shows_through(Overlay overlay);
@@ -23,7 +20,10 @@ class Inspection {
   /// Reads pictures from `renderer`.
   explicit Inspection(Renderer& renderer) : renderer_(renderer) {}
 
-  /// Inspects the last drawn frame. `reference` may be null if needs_reference is false.
+  /// A frame was drawn. Forgets the one before.
+  void begin();
+  /// Inspects the last drawn frame, again if the controls have changed. `reference` may be null if
+  /// needs_reference is false.
   void inspect(const FrameView& view, const Controls& controls, Reference* reference);
 
   /// The errors of the frame, if it was measured.

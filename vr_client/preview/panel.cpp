@@ -91,6 +91,12 @@ void draw_masks(Controls& controls, const PanelFacts& facts) {
          [](PredictorKind kind) { return to_string(kind); });
 }
 
+void draw_time(Controls& controls, const PanelFacts& facts) {
+  button(controls.held ? "let the time run" : "hold the frame", Command::HoldFrame, controls, facts.context);
+  ImGui::SameLine();
+  button("next frame", Command::NextFrame, controls, facts.context);
+}
+
 void draw_lights(Controls& controls, const PanelFacts& facts) {
   const std::vector<Light>& lights = facts.context.lights.lights;
   const bool scrolls = lights.size() > 6;
@@ -249,6 +255,7 @@ void draw_panel(Controls& controls, const PanelFacts& facts) {
     ImGui::TextWrapped("%s", facts.server.c_str());
     if (!facts.note.empty()) ImGui::TextWrapped("%s", facts.note.c_str());
     ImGui::TextDisabled("F1: keys   Tab: hide the panel");
+    draw_time(controls, facts);
     ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.62f);
     draw_figures(facts.history, controls);
     draw_tabs(controls, facts);
