@@ -156,6 +156,16 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options, const Sess
   return client;
 }
 
+Expected<void> reopen_renderer(const Options& options, Client& client, double eye_distance_m) {
+  if (auto fit = check_mode(options.mode, client.scene); !fit) return fit;
+  client.renderer.reset();  // first, so that the memory of one renderer is enough
+  client.plan.draw = plan_for(client.scene, needs_of(options, eye_distance_m)).draw;
+  client.levels = levels_for(client.scene, client.plan);
+  client.renderer = std::make_unique<Renderer>(client.device, client.scene, client.plan.draw,
+                                               renderer_limits(options), client.levels);
+  return {};
+}
+
 Expected<void> open_reference(Client& client) {
   if (client.reference) return {};
   return Tracer::create_reference(client.scene, client.plan.trace).map([&](Tracer&& tracer) {
@@ -164,7 +174,7 @@ Expected<void> open_reference(Client& client) {
 }
 
 Expected<void> open_tracers(const Options& options, Mode mode, Client& client) {
-  if (mode == Mode::Full) {
+  if (mode == Mode::Full && !client.own_tracer) {
     Expected<Tracer> tracer = Tracer::create(client.scene, client.plan.trace);
     if (!tracer) return tl::unexpected(tracer.error());
     client.own_tracer = std::make_unique<Reference>(std::move(*tracer));

@@ -44,6 +44,10 @@ inline constexpr double kWorstPreviewPath_ms = 400;
 /// Sizes and counts for which the renderer of such a run allocates memory.
 [[nodiscard]] RendererLimits renderer_limits(const Options& options);
 
+/// Plans and makes the renderer anew for the mode of `options`, whose scene and device the client keeps. No
+/// work on the device may be pending. Fails, with nothing changed, if the mode cannot be run here.
+[[nodiscard]] Expected<void> reopen_renderer(const Options& options, Client& client, double eye_distance_m);
+
 /// Creates every pipeline that a run with these settings can need, and keeps them in the user's cache.
 void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport report, Changes changes);
 

@@ -6,6 +6,7 @@
 #include "stereo/base/files.h"
 #include "stereo/base/stop_signal.h"
 #include "stereo/head/reader.h"
+#include "stereo/video/video.h"
 #include "stereo/wire/timing.h"
 #include "vr_client/app.h"
 #include "vr_client/client.h"
@@ -48,10 +49,20 @@ PreviewSetup setup_of(const Options& options, const Scene& scene, const std::opt
   return setup;
 }
 
+/// The modes that this build can run. Whether the server gives what a mode needs is known once it is asked.
+std::vector<Mode> modes_here() {
+  std::vector<Mode> modes;
+  for (const ModeName& one : kModes)
+    if (has_video() || (one.mode != Mode::Remote && one.mode != Mode::Delta)) modes.push_back(one.mode);
+  return modes;
+}
+
 Controls first_controls(const Options& options, const std::optional<PlacedHead>& head,
                         const Remembered& remembered) {
   Controls controls;
   recall(remembered, controls);
+  controls.mode = options.mode.mode;
+  controls.modes = modes_here();
   controls.settings.request = options.request;
   controls.settings.carry_over = options.carry_over;
   if (head) {
@@ -79,7 +90,6 @@ class Preview {
         runtime_(
             setup_of(options, client.scene, head), client.clock,
             [](Duration span) { std::this_thread::sleep_for(span); }, [this] { return read_controls(); }),
-        inspection_(*client.renderer),
         recordings_(options.out, client.clock) {
     controls_.path = {ms_of(path_.delay), ms_of(path_.jitter), path_.loss * 100};
     if (Player* const player = runtime_.player()) {
@@ -88,8 +98,8 @@ class Preview {
     }
   }
 
-  /// Runs the frame loop until the preview ends. Starting a capture restarts the loop with a new session,
-  /// because a capture must contain all messages of its session.
+  /// Runs the frame loop until the preview ends. Another mode restarts the loop, and so does a capture,
+  /// because it must contain all messages of its session. Both begin a new session.
   Expected<void> run_all() {
     // An empty timeline is written first, so that a path that cannot be written fails early.
     if (auto written = timeline_.write(options_.timeline); !written) return written;
@@ -99,10 +109,10 @@ class Preview {
     if (captures) recordings_.begin_capture(options_.record, header_of(options_, client_, policy()));
     if (captures && !recordings_.writes_capture()) return {};  // finish() returns the error
     do {
-      if (restart_ == Restart::Wanted) done = restart_with_capture();
-      const auto stop = [&] { return ended() || restart_ == Restart::Wanted; };
+      if (restart_ != Restart::No) done = restart();
+      const auto stop = [&] { return ended() || restart_ != Restart::No; };
       if (done) done = run_once(stop);
-    } while (done && restart_ == Restart::Wanted && !ended());
+    } while (done && restart_ != Restart::No && !ended());
     return done;
   }
 
@@ -150,9 +160,42 @@ class Preview {
       spdlog::warn("the layout of the preview is not remembered: {}", saved.error().what);
   }
 
-  Expected<void> restart_with_capture() {
-    restart_ = Restart::No;
+  Expected<void> restart() {
     history_ = {};
+    return std::exchange(restart_, Restart::No) == Restart::Mode ? switch_mode() : restart_with_capture();
+  }
+
+  /// Goes back to the present mode, and offers the wanted one no more, if that cannot be run.
+  Expected<void> switch_mode() {
+    const Mode before = options_.mode.mode, wanted = controls_.mode;
+    if (recordings_.writes_capture()) recordings_.end_capture();
+    const Expected<void> opened = open_mode(wanted);
+    trouble_ = opened ? "" : fmt::format("no mode {}: {}", name_of(wanted), opened.error().what);
+    if (opened) return {};
+    spdlog::warn(trouble_);
+    std::erase(controls_.modes, wanted);
+    controls_.mode = before;
+    return open_mode(before);
+  }
+
+  /// Opens what the frames of a mode need: renderer, tracer and session.
+  Expected<void> open_mode(Mode mode) {
+    options_.mode.mode = mode;
+    titled_.reset();
+    client_.link.reset();
+    client_.device.logical.waitIdle();
+    if (auto done = reopen_renderer(options_, client_, kWidestEyes_m); !done) return done;
+    presenter_.take_eyes(client_.renderer->shown());
+    if (auto done = open_tracers(options_, mode, client_); !done) return done;
+    if (draws_scene(mode))
+      compile_ahead(client_, controls_.settings.carry_over, controls_.settings.report, Changes::Possible);
+    if (answers_for(mode) == 0) return {};
+    if (client_.network) return meet(options_, client_);
+    followed_.reset();
+    return open_link(options_, client_);
+  }
+
+  Expected<void> restart_with_capture() {
     client_.renderer->forget();
     LinkListener listener = recordings_.listen();
     if (client_.link)
@@ -168,7 +211,7 @@ class Preview {
       keep_session();
     }
     const Input input = take_input();
-    if (ended() || restart_ == Restart::Wanted) return std::nullopt;
+    if (ended() || restart_ != Restart::No) return std::nullopt;
     return HeadControls{controls_.head, head_input(input), headset_of(controls_, options_.size)};
   }
 
@@ -178,6 +221,7 @@ class Preview {
     apply_input(input, controls_, context());
     follow_path();
     toggle_recordings();
+    if (controls_.mode != options_.mode.mode) restart_ = Restart::Mode;
     if (controls_.take(Command::Quit)) quit_ = Quit::Wanted;
     return input;
   }
@@ -206,7 +250,7 @@ class Preview {
       recordings_.end_capture();
       if (client_.link) client_.link->tell({});  // requests may be for parts again
     } else if (can_be_captured(options_.mode.mode))
-      restart_ = Restart::Wanted;
+      restart_ = Restart::Capture;
     else
       recordings_.refuse_capture(name_of(options_.mode.mode));
   }
@@ -214,7 +258,7 @@ class Preview {
   /// Inspects, records and shows a frame that was drawn. Holds it if the viewer wishes.
   void watch(const FrameView& view) {
     lights_ = view.state.light_set;
-    inspection_.begin();
+    inspection_.begin(*client_.renderer);
     show(view);
     recordings_.watch(view, recordings_.writes_capture() ? &inspection_.shown() : nullptr,
                       recordings_.records_frames() ? &inspection_.displayed() : nullptr);
@@ -284,7 +328,7 @@ class Preview {
             .context = now,
             .device = client_.device.name,
             .server = server_state(),
-            .note = recordings_.note(),
+            .note = trouble_.empty() ? recordings_.note() : trouble_,
             .recording_head = recordings_.records_head(),
             .writing_capture = recordings_.writes_capture(),
             .recording_frames = recordings_.records_frames(),
@@ -309,11 +353,11 @@ class Preview {
     const Time now = client_.clock.now();
     if (titled_ && now - *titled_ < kTitleInterval) return;
     titled_ = now;
-    window_.set_title(fmt::format("{}: {}, {:.0f} frames per second", kTitle, client_.scene.name,
-                                  history_.figures().frames_per_s));
+    window_.set_title(fmt::format("{}: {}, {}, {:.0f} frames per second", kTitle, client_.scene.name,
+                                  name_of(options_.mode.mode), history_.figures().frames_per_s));
   }
 
-  const Options& options_;
+  Options options_;  ///< with the present mode
   Client& client_;
   Window& window_;
   StopSignal& stop_signal_;
@@ -330,7 +374,8 @@ class Preview {
   std::optional<Time> titled_;
   std::optional<Time> kept_alive_;   ///< on the machine's clock
   std::optional<Extent> last_size_;  ///< of the window while it was visible
-  enum class Restart : std::uint8_t { No, Wanted } restart_ = Restart::No;
+  std::string trouble_;              ///< why the wanted mode is not shown
+  enum class Restart : std::uint8_t { No, Capture, Mode } restart_ = Restart::No;
   enum class Quit : std::uint8_t { No, Wanted } quit_ = Quit::No;
 };
 

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,8 +8,10 @@
 
 #include "stereo/head/reader.h"
 #include "stereo/math/rotation.h"
+#include "stereo/video/video.h"
 #include "tests/preview/preview_desk.h"
 #include "tests/support/image_reader.h"
+#include "vr_client/frame/mode.h"
 #include "vr_client/preview/head.h"
 #include "vr_client/preview/remembered.h"
 
@@ -299,6 +302,46 @@ TEST_F(PreviewProgram, HoldsAFrameAndGoesOnFrameByFrame) {
   EXPECT_EQ(check_walk(*recording).goes, 1) << "no step is longer than its frame";
   const Duration recorded = recording->samples.back().time - recording->samples.front().time;
   EXPECT_LT(recorded + held_for, passed) << "the time stood still";
+}
+
+TEST_F(PreviewProgram, ShowsEveryModeAndComesBackToTheFirst) {
+  open();
+  resize(kSnug);
+  const auto shows = [&](std::string_view mode) {
+    return patiently([&] { return screen_.title_of(window_).find(mode) != std::string::npos; });
+  };
+  ASSERT_TRUE(shows(", hybrid,"));
+  for (const ModeName& next : kModes) {
+    const bool can_run = has_video() || (next.mode != Mode::Remote && next.mode != Mode::Delta);
+    if (next.mode == Mode::Hybrid || !can_run) continue;
+    screen_.tap("m");
+    ASSERT_TRUE(shows(fmt::format(", {},", next.name))) << next.name;
+    EXPECT_TRUE(patiently([&] { return take_screenshot().left != Image<Rgb8>(kDeskEye); })) << next.name;
+    screen_.press("d");
+    EXPECT_TRUE(changes(2)) << next.name;
+    screen_.release("d");
+  }
+  screen_.tap("m");
+  ASSERT_TRUE(shows(", hybrid,"));
+  screen_.press("d");
+  EXPECT_TRUE(changes(2));
+  screen_.release("d");
+  screen_.tap("Escape");
+  EXPECT_EQ(end(), 0) << errors_;
+}
+
+TEST_F(PreviewProgram, GoesBackToItsModeIfTheServerRefusesAnother) {
+  server_ = std::make_unique<RunningServer>(FARSHADE_ASSETS "/box_over_plane.gltf");
+  open({"--mode", "full", "--validate"});
+  screen_.tap("m");
+  EXPECT_EQ(take_screenshot().left.size, kDeskEye);
+  EXPECT_NE(screen_.title_of(window_).find(", full,"), std::string::npos);
+  screen_.press("d");
+  EXPECT_TRUE(changes(2));
+  screen_.release("d");
+  screen_.tap("Escape");
+  EXPECT_EQ(end(), 0) << errors_;
+  EXPECT_NE(errors_.find("no mode hybrid: "), std::string::npos) << errors_;
 }
 
 TEST_F(PreviewProgram, FinishesItsRecordingsWhenInterrupted) {

@@ -22,6 +22,7 @@ constexpr KeyBinding kKeyTable[] = {
     {Key::Digit0, Command::NoOverlay, "no overlay"},
     {Key::Z, Command::PictureShare, "overlay: how much of the picture shines through: 0, 25, 50 or 75 %"},
     {Key::F, Command::Reference, "trace the reference in every frame and measure errors"},
+    {Key::M, Command::NextMode, "next mode; the frame loop starts again, with a new session"},
     {Key::R, Command::Reprojection, "reprojection on or off"},
     {Key::P, Command::NextPredictor, "next predictor"},
     {Key::B, Command::GuardBand, "guard band on or off"},
@@ -134,6 +135,13 @@ void change_carry_over(Command command, Controls& controls) {
   if (command == Command::BetterPath) latency_ms = std::max(latency_ms - kPathStep_ms, 0.0);
 }
 
+void change_mode(Command command, Controls& controls) {
+  if (command != Command::NextMode || controls.modes.empty()) return;
+  const auto now = std::ranges::find(controls.modes, controls.mode);
+  const bool is_last = now == controls.modes.end() || now + 1 == controls.modes.end();
+  controls.mode = is_last ? controls.modes.front() : *(now + 1);
+}
+
 void change_scene(Command command, Controls& controls, const ControlContext& context) {
   const std::size_t lights = context.lights.lights.size();
   if (command == Command::NextLight && lights > 0)
@@ -229,6 +237,7 @@ bool Controls::take(Command command) {
 
 void execute(Command command, Controls& controls, const ControlContext& context) {
   change_view(command, controls);
+  change_mode(command, controls);
   change_carry_over(command, controls);
   change_scene(command, controls, context);
   change_time(command, controls);

@@ -45,7 +45,8 @@ enum class Command : std::uint8_t {
   NoOverlay,
   PictureShare,
   Reference,
-  // Reprojection, requests and network path.
+  // Mode, reprojection, requests and network path.
+  NextMode,
   Reprojection,
   NextPredictor,
   GuardBand,
@@ -117,6 +118,8 @@ struct Controls {
   /// The fov of the head recording. It overrides `fov_rad` until the viewer changes that.
   std::optional<PerEye<EyeFov>> recorded_fov;
   NetworkSettings path;
+  Mode mode = Mode::Hybrid;
+  std::vector<Mode> modes;  ///< that the viewer can choose, in the order of the key
   FrameSettings settings;
   std::optional<GrabbedLight> grab;
   std::bitset<kCommands> pending;  ///< commands that the preview has not executed yet

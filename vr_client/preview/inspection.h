@@ -17,11 +17,8 @@ namespace farshade {
 
 class Inspection {
  public:
-  /// Reads pictures from `renderer`.
-  explicit Inspection(Renderer& renderer) : renderer_(renderer) {}
-
-  /// A frame was drawn. Forgets the one before.
-  void begin();
+  /// `renderer` has drawn a frame. Forgets the one before, and reads from this renderer from now on.
+  void begin(Renderer& renderer);
   /// Inspects the last drawn frame, again if the controls have changed. `reference` may be null if
   /// needs_reference is false.
   void inspect(const FrameView& view, const Controls& controls, Reference* reference);
@@ -38,7 +35,7 @@ class Inspection {
  private:
   [[nodiscard]] Image<Rgb8> overlaid(Side side, const FrameView& view, const Controls& controls) const;
 
-  Renderer& renderer_;
+  Renderer* renderer_ = nullptr;
   MeasuredFrame frame_;
   enum class Shown : std::uint8_t { NotRead, Read } read_ = Shown::NotRead;
   enum class Measured : std::uint8_t { No, Yes } measured_ = Measured::No;

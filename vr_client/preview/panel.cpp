@@ -67,6 +67,7 @@ void draw_view(Controls& controls, const PanelFacts& facts) {
 }
 
 void draw_masks(Controls& controls, const PanelFacts& facts) {
+  choose("mode", controls.modes, controls.mode, [](Mode mode) { return name_of(mode); });
   slide("latency", controls.path.latency_ms, 0, kWorstPath.latency_ms, "%.0f ms");
   slide("jitter", controls.path.jitter_ms, 0, kWorstPath.jitter_ms, "%.0f ms");
   slide("loss", controls.path.loss_percent, 0, kWorstPath.loss_percent, "%.1f %%");

@@ -106,6 +106,19 @@ TEST_F(ControlsTest, ReprojectionGuardBandAndPredictorsChangeTheFrameSettings) {
   EXPECT_EQ(controls_.settings.scene, SceneClock::Paused);
 }
 
+TEST_F(ControlsTest, ModesCycleAmongThoseOffered) {
+  execute(Command::NextMode);
+  EXPECT_EQ(controls_.mode, Mode::Hybrid) << "nothing is offered";
+  controls_.modes = {Mode::Hybrid, Mode::Local, Mode::Full};
+  execute(Command::NextMode);
+  EXPECT_EQ(controls_.mode, Mode::Local);
+  execute(Command::NextMode, 2);
+  EXPECT_EQ(controls_.mode, Mode::Hybrid);
+  std::erase(controls_.modes, Mode::Hybrid);
+  execute(Command::NextMode);
+  EXPECT_EQ(controls_.mode, Mode::Local) << "after one that is offered no more";
+}
+
 TEST_F(ControlsTest, AFrameIsHeldUntilTheTimeRunsAndTheNextOneIsAskedForOnce) {
   execute(Command::NextFrame);
   EXPECT_TRUE(controls_.held);
