@@ -264,7 +264,8 @@ Expected<void> run_replay(const Options& options, StopSignal& stop) {
   if (auto fits = check_capture(header, options, client); !fits) return fits;
   const Mode mode = header.origin == MaskOrigin::OwnTracer ? Mode::Full : Mode::Hybrid;
   auto tracing = open_tracers_meanwhile(options, mode, client);
-  open_renderer(client, header.limits, stages);
+  open_renderer(client, header.limits);
+  stages.end("renderer");
   if (auto done = tracing.get(); !done) return done;
   stages.end("tracers");
 
@@ -318,7 +319,8 @@ Expected<void> run_client(const Options& options, StopSignal& stop) {
   const std::uint32_t frames = frame_count(*recording, playback_of(options));
   auto placing = place_meanwhile(options, client.scene, std::move(*recording));
   auto tracing = open_tracers_meanwhile(options, options.mode.mode, client);
-  open_renderer(client, renderer_limits(options), stages);
+  open_renderer(client, renderer_limits(options));
+  stages.end("renderer");
   const RunReportOptions measuring =
       report_options(options, frames, options.pace == Pace::Real ? Compare::AfterTheRun : Compare::AtOnce);
   const FrameSettings settings{

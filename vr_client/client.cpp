@@ -151,12 +151,18 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options, const Sess
   return client;
 }
 
-void open_renderer(Client& client, const RendererLimits& limits, Stages& stages) {
+void open_renderer(Client& client, const RendererLimits& limits) {
   client.levels = levels_for(client.scene, client.plan);
-  stages.end("levels of detail");
   client.renderer =
       std::make_unique<Renderer>(client.device, client.scene, client.plan.draw, limits, client.levels);
-  stages.end("upload");
+}
+
+Expected<void> reopen_renderer(const Options& options, Client& client, double eye_distance_m) {
+  if (auto fit = check_mode(options.mode, client.scene); !fit) return fit;
+  client.renderer.reset();  // first, so that the memory of one renderer is enough
+  client.plan.draw = plan_for(client.scene, needs_of(options, eye_distance_m)).draw;
+  open_renderer(client, renderer_limits(options));
+  return {};
 }
 
 Expected<void> open_reference(Client& client) {
@@ -167,7 +173,7 @@ Expected<void> open_reference(Client& client) {
 }
 
 Expected<void> open_tracers(const Options& options, Mode mode, Client& client) {
-  if (mode == Mode::Full) {
+  if (mode == Mode::Full && !client.own_tracer) {
     Expected<Tracer> tracer = Tracer::create(client.scene, client.plan.trace);
     if (!tracer) return tl::unexpected(tracer.error());
     client.own_tracer = std::make_unique<Reference>(std::move(*tracer));
@@ -216,7 +222,8 @@ Expected<void> open_link(const Options& options, Client& client, LinkListener li
   Expected<UdpClient> udp = connect_udp(options.server);
   if (!udp) return tl::unexpected(udp.error());
   client.server = udp->server;
-  client.network = impaired(std::move(udp->port), *model, client.clock);
+  client.network = impaired(std::move(udp->port), *model, client.clock,
+                            [&clock = client.clock](Time steady) { return clock.at(steady); });
   return meet(options, client, std::move(listener));
 }
 

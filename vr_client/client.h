@@ -5,6 +5,7 @@
 #include <future>
 #include <memory>
 
+#include "stereo/base/pausable_clock.h"
 #include "stereo/base/stages.h"
 #include "stereo/draw/renderer.h"
 #include "stereo/gpu/device.h"
@@ -25,7 +26,7 @@ struct Client {
   std::unique_ptr<Renderer> renderer;
   std::unique_ptr<Reference> reference;   ///< for measuring; empty until open_reference
   std::unique_ptr<Reference> own_tracer;  ///< mode full: traces the shown shadows; empty until open_tracers
-  SteadyClock clock;
+  PausableClock clock;  ///< of the link and the display; stands still while a preview holds a frame
   std::unique_ptr<ImpairedPort> network;  ///< to the server; impaired only if --net says so
   Peer server;
   std::unique_ptr<NetworkLink> link;  ///< in modes with a server, if a light casts shadows
@@ -45,6 +46,10 @@ inline constexpr double kWorstPreviewPath_ms = 400;
 /// Sizes and counts for which the renderer of such a run allocates memory.
 [[nodiscard]] RendererLimits renderer_limits(const Options& options);
 
+/// Plans and makes the renderer anew for the mode of `options`, whose scene and device the client keeps. No
+/// work on the device may be pending. Fails, with nothing changed, if the mode cannot be run here.
+[[nodiscard]] Expected<void> reopen_renderer(const Options& options, Client& client, double eye_distance_m);
+
 /// Creates every pipeline that a run with these settings can need, and keeps them in the user's cache.
 void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport report, Changes changes);
 
@@ -62,7 +67,7 @@ void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport repo
                                                             Stages& stages);
 
 /// Creates the renderer, with the scene's levels of detail.
-void open_renderer(Client& client, const RendererLimits& limits, Stages& stages);
+void open_renderer(Client& client, const RendererLimits& limits);
 
 /// Creates the reference tracer unless it exists. It traces every ray, without proofs. Fails if the scene
 /// cannot be traced.

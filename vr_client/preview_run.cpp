@@ -2,11 +2,14 @@
 #include <spdlog/spdlog.h>
 
 #include <thread>
+#include <utility>
 
 #include "stereo/base/files.h"
 #include "stereo/base/stages.h"
 #include "stereo/base/stop_signal.h"
 #include "stereo/head/reader.h"
+#include "stereo/video/video.h"
+#include "stereo/wire/timing.h"
 #include "vr_client/app.h"
 #include "vr_client/client.h"
 #include "vr_client/modes/make_pipeline.h"
@@ -23,8 +26,10 @@ namespace {
 static_assert(kWorstPath.latency_ms + kWorstPath.jitter_ms <= kWorstPreviewPath_ms);
 
 constexpr const char* kTitle = "Farshade";
-/// Interval between polls of a minimised window.
-constexpr Duration kMinimisedWait = std::chrono::milliseconds(100);
+/// Interval between polls of a minimised window, and between the pictures of a held frame.
+constexpr Duration kMinimisedWait = std::chrono::milliseconds(100), kHeldWait = kMinimisedWait;
+constexpr Duration kKeepAliveInterval = std::chrono::seconds(1);
+static_assert(3 * kKeepAliveInterval < kSessionTimeout);
 constexpr Duration kTitleInterval = std::chrono::seconds(1);
 
 Rigid<Stage, Head> start_of(const Options& options, const Scene& scene) {
@@ -46,10 +51,20 @@ PreviewSetup setup_of(const Options& options, const Scene& scene, const std::opt
   return setup;
 }
 
+/// The modes that this build can run. Whether the server gives what a mode needs is known once it is asked.
+std::vector<Mode> modes_here() {
+  std::vector<Mode> modes;
+  for (const ModeName& one : kModes)
+    if (has_video() || (one.mode != Mode::Remote && one.mode != Mode::Delta)) modes.push_back(one.mode);
+  return modes;
+}
+
 Controls first_controls(const Options& options, const std::optional<PlacedHead>& head,
                         const Remembered& remembered) {
   Controls controls;
   recall(remembered, controls);
+  controls.mode = options.mode.mode;
+  controls.modes = modes_here();
   controls.settings.request = options.request;
   controls.settings.carry_over = options.carry_over;
   if (head) {
@@ -79,7 +94,6 @@ class Preview {
         runtime_(
             setup_of(options, client.scene, head), client.clock,
             [](Duration span) { std::this_thread::sleep_for(span); }, [this] { return read_controls(); }),
-        inspection_(*client.renderer),
         recordings_(options.out, client.clock) {
     controls_.path = {ms_of(path_.delay), ms_of(path_.jitter), path_.loss * 100};
     if (Player* const player = runtime_.player()) {
@@ -88,8 +102,8 @@ class Preview {
     }
   }
 
-  /// Runs the frame loop until the preview ends. Starting a capture restarts the loop with a new session,
-  /// because a capture must contain all messages of its session.
+  /// Runs the frame loop until the preview ends. Another mode restarts the loop, and so does a capture,
+  /// because it must contain all messages of its session. Both begin a new session.
   Expected<void> run_all() {
     // An empty timeline is written first, so that a path that cannot be written fails early.
     if (auto written = timeline_.write(options_.timeline); !written) return written;
@@ -99,10 +113,10 @@ class Preview {
     if (captures) recordings_.begin_capture(options_.record, header_of(options_, client_, policy()));
     if (captures && !recordings_.writes_capture()) return {};  // finish() returns the error
     do {
-      if (restart_ == Restart::Wanted) done = restart_with_capture();
-      const auto stop = [&] { return ended() || restart_ == Restart::Wanted; };
+      if (restart_ != Restart::No) done = restart();
+      const auto stop = [&] { return ended() || restart_ != Restart::No; };
       if (done) done = run_once(stop);
-    } while (done && restart_ == Restart::Wanted && !ended());
+    } while (done && restart_ != Restart::No && !ended());
     return done;
   }
 
@@ -138,7 +152,8 @@ class Preview {
             .link = client_.link.get(),
             .own_tracer = client_.own_tracer.get(),
             .settings = controls_.settings,
-            .policy = policy()};
+            .policy = policy(),
+            .clock = client_.clock};
   }
 
   /// A layout that cannot be kept is no reason to fail.
@@ -149,9 +164,42 @@ class Preview {
       spdlog::warn("the layout of the preview is not remembered: {}", saved.error().what);
   }
 
-  Expected<void> restart_with_capture() {
-    restart_ = Restart::No;
+  Expected<void> restart() {
     history_ = {};
+    return std::exchange(restart_, Restart::No) == Restart::Mode ? switch_mode() : restart_with_capture();
+  }
+
+  /// Goes back to the present mode, and offers the wanted one no more, if that cannot be run.
+  Expected<void> switch_mode() {
+    const Mode before = options_.mode.mode, wanted = controls_.mode;
+    if (recordings_.writes_capture()) recordings_.end_capture();
+    const Expected<void> opened = open_mode(wanted);
+    trouble_ = opened ? "" : fmt::format("no mode {}: {}", name_of(wanted), opened.error().what);
+    if (opened) return {};
+    spdlog::warn(trouble_);
+    std::erase(controls_.modes, wanted);
+    controls_.mode = before;
+    return open_mode(before);
+  }
+
+  /// Opens what the frames of a mode need: renderer, tracer and session.
+  Expected<void> open_mode(Mode mode) {
+    options_.mode.mode = mode;
+    titled_.reset();
+    client_.link.reset();
+    client_.device.logical.waitIdle();
+    if (auto done = reopen_renderer(options_, client_, kWidestEyes_m); !done) return done;
+    presenter_.take_eyes(client_.renderer->shown());
+    if (auto done = open_tracers(options_, mode, client_); !done) return done;
+    if (draws_scene(mode))
+      compile_ahead(client_, controls_.settings.carry_over, controls_.settings.report, Changes::Possible);
+    if (answers_for(mode) == 0) return {};
+    if (client_.network) return meet(options_, client_);
+    followed_.reset();
+    return open_link(options_, client_);
+  }
+
+  Expected<void> restart_with_capture() {
     client_.renderer->forget();
     LinkListener listener = recordings_.listen();
     if (client_.link)
@@ -164,16 +212,32 @@ class Preview {
   std::optional<HeadControls> read_controls() {
     while (window_.framebuffer_size().pixels() == 0 && !ended()) {
       window_.wait(kMinimisedWait);
-      if (client_.link) client_.link->poll();
+      keep_session();
     }
-    const Input input = window_.poll();
+    const Input input = take_input();
+    if (ended() || restart_ != Restart::No) return std::nullopt;
+    return HeadControls{controls_.head, head_input(input), headset_of(controls_, options_.size)};
+  }
+
+  Input take_input() {
+    Input input = window_.poll();
     if (const Extent size = window_.framebuffer_size(); size.pixels() > 0) last_size_ = size;
     apply_input(input, controls_, context());
     follow_path();
     toggle_recordings();
+    if (controls_.mode != options_.mode.mode) restart_ = Restart::Mode;
     if (controls_.take(Command::Quit)) quit_ = Quit::Wanted;
-    if (ended() || restart_ == Restart::Wanted) return std::nullopt;
-    return HeadControls{controls_.head, head_input(input), headset_of(controls_, options_.size)};
+    return input;
+  }
+
+  /// For times without frames, and so without requests.
+  void keep_session() {
+    if (!client_.link) return;
+    client_.link->poll();
+    const Time now = kSteadyClock.now();
+    if (kept_alive_ && now - *kept_alive_ < kKeepAliveInterval) return;
+    kept_alive_ = now;
+    client_.link->keep_alive();
   }
 
   void follow_path() {
@@ -190,27 +254,53 @@ class Preview {
       recordings_.end_capture();
       if (client_.link) client_.link->tell({});  // requests may be for parts again
     } else if (can_be_captured(options_.mode.mode))
-      restart_ = Restart::Wanted;
+      restart_ = Restart::Capture;
     else
       recordings_.refuse_capture(name_of(options_.mode.mode));
   }
 
-  /// Inspects, records and shows a frame that was drawn.
+  /// Inspects, records and shows a frame that was drawn. Holds it if the viewer wishes.
   void watch(const FrameView& view) {
     lights_ = view.state.light_set;
-    inspection_.inspect(view, controls_, view.as == ShownAs::Picture ? nullptr : reference());
-    const Composition composition = compose(view);
-    record(view, composition);
+    inspection_.begin(*client_.renderer);
+    show(view);
+    recordings_.watch(view, recordings_.writes_capture() ? &inspection_.shown() : nullptr,
+                      recordings_.records_frames() ? &inspection_.displayed() : nullptr);
     if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->inbox() : nullptr);
-    const ControlContext now = context();
-    const PanelFacts facts = facts_of(now);
-    presenter_.show(composition, [&] { draw_panel(controls_, facts); });
     history_.add(view, inspection_.errors(), client_.link.get(), client_.clock.now());
-    if (!titled_) {
+    if (!std::exchange(started_, true)) {
       stages_.end("first frame");
       spdlog::info("the first frame was shown after {}", stages_.in_words());
     }
     update_title();
+    // A frame that was drawn before the viewer's wish has no report.
+    if (view.settings.report == PixelReport::On) hold(view);
+  }
+
+  void show(const FrameView& view) {
+    inspection_.inspect(view, controls_, view.as == ShownAs::Picture ? nullptr : reference());
+    const Composition composition = compose(view);
+    if (controls_.take(Command::Screenshot))
+      recordings_.take_screenshot(inspection_.displayed(), presenter_.read_back(composition));
+    const ControlContext now = context();
+    const PanelFacts facts = facts_of(now);
+    presenter_.show(composition, [&] { draw_panel(controls_, facts); });
+  }
+
+  /// Shows the frame again and again until the time runs or the next frame is wanted. Settings can change
+  /// meanwhile; those of the overlays at once, the others have effect from the next frame on.
+  void hold(const FrameView& view) {
+    const auto is_held = [&] {
+      return controls_.held && !controls_.take(Command::NextFrame) && restart_ == Restart::No && !ended();
+    };
+    client_.clock.stop();
+    while (is_held()) {
+      window_.wait(kHeldWait);
+      keep_session();
+      static_cast<void>(take_input());
+      show(view);
+    }
+    client_.clock.resume();
   }
 
   /// Null if the controls need no reference. If it cannot be created, the controls that need it are reset.
@@ -240,20 +330,13 @@ class Preview {
     return composition;
   }
 
-  void record(const FrameView& view, const Composition& composition) {
-    if (controls_.take(Command::Screenshot))
-      recordings_.take_screenshot(inspection_.displayed(), presenter_.read_back(composition));
-    recordings_.watch(view, recordings_.writes_capture() ? &inspection_.shown() : nullptr,
-                      recordings_.records_frames() ? &inspection_.displayed() : nullptr);
-  }
-
   PanelFacts facts_of(const ControlContext& now) {
     return {.history = history_,
             .scene = client_.scene,
             .context = now,
             .device = client_.device.name,
             .server = server_state(),
-            .note = recordings_.note(),
+            .note = trouble_.empty() ? recordings_.note() : trouble_,
             .recording_head = recordings_.records_head(),
             .writing_capture = recordings_.writes_capture(),
             .recording_frames = recordings_.records_frames(),
@@ -278,15 +361,16 @@ class Preview {
     const Time now = client_.clock.now();
     if (titled_ && now - *titled_ < kTitleInterval) return;
     titled_ = now;
-    window_.set_title(fmt::format("{}: {}, {:.0f} frames per second", kTitle, client_.scene.name,
-                                  history_.figures().frames_per_s));
+    window_.set_title(fmt::format("{}: {}, {}, {:.0f} frames per second", kTitle, client_.scene.name,
+                                  name_of(options_.mode.mode), history_.figures().frames_per_s));
   }
 
-  const Options& options_;
+  Options options_;  ///< with the present mode
   Client& client_;
   Window& window_;
   StopSignal& stop_signal_;
   Stages& stages_;  ///< of the start
+  bool started_ = false;
   Presenter presenter_;
   Controls controls_;
   LinkModel path_;  ///< from the command line
@@ -298,8 +382,10 @@ class Preview {
   Recordings recordings_;
   Timeline timeline_;
   std::optional<Time> titled_;
+  std::optional<Time> kept_alive_;   ///< on the machine's clock
   std::optional<Extent> last_size_;  ///< of the window while it was visible
-  enum class Restart : std::uint8_t { No, Wanted } restart_ = Restart::No;
+  std::string trouble_;              ///< why the wanted mode is not shown
+  enum class Restart : std::uint8_t { No, Capture, Mode } restart_ = Restart::No;
   enum class Quit : std::uint8_t { No, Wanted } quit_ = Quit::No;
 };
 
@@ -340,7 +426,8 @@ Expected<void> run_preview(const Options& given) {
   std::future<Expected<PlacedHead>> placing;
   if (recording) placing = place_meanwhile(options, (*client)->scene, std::move(*recording));
   auto tracing = open_tracers_meanwhile(options, options.mode.mode, **client);
-  open_renderer(**client, renderer_limits(options), stages);
+  open_renderer(**client, renderer_limits(options));
+  stages.end("renderer");
   if (draws_scene(options.mode.mode))
     compile_ahead(**client, options.carry_over, PixelReport::Off, Changes::Possible);
   stages.end("pipelines");

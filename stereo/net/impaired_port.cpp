@@ -11,8 +11,9 @@ constexpr int kMostTakenAtOnce = 1024;
 
 class Impaired final : public ImpairedPort {
  public:
-  Impaired(std::unique_ptr<DatagramPort> inner, const LinkModel& model, const Clock& clock)
-      : inner_(std::move(inner)), clock_(clock), path_(model, clock.now()) {}
+  Impaired(std::unique_ptr<DatagramPort> inner, const LinkModel& model, const Clock& clock,
+           std::function<Time(Time)> own_time)
+      : inner_(std::move(inner)), clock_(clock), own_time_(std::move(own_time)), path_(model, clock.now()) {}
 
   void follow(const LinkModel& model) override { path_.follow(model); }
 
@@ -47,7 +48,9 @@ class Impaired final : public ImpairedPort {
  private:
   bool take_in(Duration wait) {
     const std::optional<Datagram> datagram = inner_->receive(buffer_, wait);
-    if (datagram) path_.push(datagram->arrived, datagram->from, datagram->bytes);
+    if (datagram)
+      path_.push(own_time_ ? own_time_(datagram->arrived) : datagram->arrived, datagram->from,
+                 datagram->bytes);
     return datagram.has_value();
   }
 
@@ -69,6 +72,7 @@ class Impaired final : public ImpairedPort {
 
   std::unique_ptr<DatagramPort> inner_;
   const Clock& clock_;
+  std::function<Time(Time)> own_time_;
   Impairment path_;
   std::array<std::byte, kMaxDatagram_bytes> buffer_;
   std::atomic<bool> woken_ = false;
@@ -78,8 +82,8 @@ class Impaired final : public ImpairedPort {
 }  // namespace
 
 std::unique_ptr<ImpairedPort> impaired(std::unique_ptr<DatagramPort> inner, const LinkModel& model,
-                                       const Clock& clock) {
-  return std::make_unique<Impaired>(std::move(inner), model, clock);
+                                       const Clock& clock, std::function<Time(Time)> own_time) {
+  return std::make_unique<Impaired>(std::move(inner), model, clock, std::move(own_time));
 }
 
 }  // namespace farshade

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,8 +8,10 @@
 
 #include "stereo/head/reader.h"
 #include "stereo/math/rotation.h"
+#include "stereo/video/video.h"
 #include "tests/preview/preview_desk.h"
 #include "tests/support/image_reader.h"
+#include "vr_client/frame/mode.h"
 #include "vr_client/preview/head.h"
 #include "vr_client/preview/remembered.h"
 
@@ -215,6 +218,13 @@ TEST_F(PreviewProgram, FollowsTheSizeOfItsWindowAndKeepsTheAspectRatio) {
   EXPECT_EQ(end(), 0) << errors_;
 }
 
+Duration longest_interval(const HeadRecording& recording) {
+  Duration longest{};
+  for (std::size_t i = 1; i < recording.samples.size(); ++i)
+    longest = std::max(longest, recording.samples[i].time - recording.samples[i - 1].time);
+  return longest;
+}
+
 TEST_F(PreviewProgram, PausesWhileMinimisedAndRunsUntilClosed) {
   constexpr Duration rest = std::chrono::milliseconds(1500);
   const SteadyClock clock;
@@ -239,10 +249,99 @@ TEST_F(PreviewProgram, PausesWhileMinimisedAndRunsUntilClosed) {
 
   const auto recording = load_head_recording(out_ / "head_0001.csv");
   ASSERT_TRUE(recording) << recording.error().what;
-  Duration longest{};
-  for (std::size_t i = 1; i < recording->samples.size(); ++i)
-    longest = std::max(longest, recording->samples[i].time - recording->samples[i - 1].time);
-  EXPECT_GT(longest, rest * 2 / 3) << "no frames while it was minimised";
+  EXPECT_GT(longest_interval(*recording), rest * 2 / 3) << "no frames while it was minimised";
+}
+
+std::size_t pictures_below(const std::filesystem::path& folder) {
+  return files_below(folder).size();
+}
+
+TEST_F(PreviewProgram, HoldsAFrameAndGoesOnFrameByFrame) {
+  constexpr Duration rest = std::chrono::seconds(3);
+  open({"--validate"});
+  resize(kSnug);
+  screen_.press("w");
+  const SteadyClock clock;
+  const Time began = clock.now();
+  screen_.tap("F9");
+  screen_.tap("F10");
+  const std::filesystem::path frames = out_ / "frames_0001";
+  ASSERT_TRUE(appears(frames / "frame_00003.png"));
+  screen_.tap("n");
+  const EyePictures held = take_screenshot();
+  const Time since = clock.now();
+  screen_.tap("o");
+  const EyePictures source = take_screenshot();
+  EXPECT_NE(source.left, held.left) << "overlays can be chosen while a frame is held";
+  const std::size_t before = pictures_below(frames);
+  screen_.tap("0");
+  ASSERT_TRUE(patiently([&] { return clock.now() - since > rest; }));
+  EXPECT_EQ(take_screenshot().left, held.left);
+  EXPECT_EQ(pictures_below(frames), before) << "no frames are drawn";
+  const Duration held_for = clock.now() - since;
+
+  std::vector<Image<Rgb8>> steps{held.left};
+  for (std::size_t step = 1; step <= 3; ++step) {
+    screen_.tap("n");
+    EXPECT_TRUE(patiently([&] { return pictures_below(frames) > before + step - 1; }));
+    steps.push_back(take_screenshot().left);
+    EXPECT_NE(steps[step], steps[step - 1]) << "the head walked";
+    EXPECT_EQ(pictures_below(frames), before + step) << "one frame";
+  }
+  screen_.tap("Return");
+  EXPECT_TRUE(changes(3));
+  screen_.release("w");
+  screen_.tap("F9");
+  ASSERT_TRUE(appears(out_ / "head_0001.csv"));
+  const Duration passed = clock.now() - began;
+  screen_.tap("Escape");
+  ASSERT_EQ(end(), 0) << errors_;
+
+  const auto recording = load_head_recording(out_ / "head_0001.csv");
+  ASSERT_TRUE(recording) << recording.error().what;
+  EXPECT_EQ(check_walk(*recording).goes, 1) << "no step is longer than its frame";
+  const Duration recorded = recording->samples.back().time - recording->samples.front().time;
+  EXPECT_LT(recorded + held_for, passed) << "the time stood still";
+}
+
+TEST_F(PreviewProgram, ShowsEveryModeAndComesBackToTheFirst) {
+  open();
+  resize(kSnug);
+  const auto shows = [&](std::string_view mode) {
+    return patiently([&] { return screen_.title_of(window_).find(mode) != std::string::npos; });
+  };
+  ASSERT_TRUE(shows(", hybrid,"));
+  for (const ModeName& next : kModes) {
+    const bool can_run = has_video() || (next.mode != Mode::Remote && next.mode != Mode::Delta);
+    if (next.mode == Mode::Hybrid || !can_run) continue;
+    screen_.tap("m");
+    ASSERT_TRUE(shows(fmt::format(", {},", next.name))) << next.name;
+    EXPECT_TRUE(patiently([&] { return take_screenshot().left != Image<Rgb8>(kDeskEye); })) << next.name;
+    screen_.press("d");
+    EXPECT_TRUE(changes(2)) << next.name;
+    screen_.release("d");
+  }
+  screen_.tap("m");
+  ASSERT_TRUE(shows(", hybrid,"));
+  screen_.press("d");
+  EXPECT_TRUE(changes(2));
+  screen_.release("d");
+  screen_.tap("Escape");
+  EXPECT_EQ(end(), 0) << errors_;
+}
+
+TEST_F(PreviewProgram, GoesBackToItsModeIfTheServerRefusesAnother) {
+  server_ = std::make_unique<RunningServer>(FARSHADE_ASSETS "/box_over_plane.gltf");
+  open({"--mode", "full", "--validate"});
+  screen_.tap("m");
+  EXPECT_EQ(take_screenshot().left.size, kDeskEye);
+  EXPECT_NE(screen_.title_of(window_).find(", full,"), std::string::npos);
+  screen_.press("d");
+  EXPECT_TRUE(changes(2));
+  screen_.release("d");
+  screen_.tap("Escape");
+  EXPECT_EQ(end(), 0) << errors_;
+  EXPECT_NE(errors_.find("no mode hybrid: "), std::string::npos) << errors_;
 }
 
 TEST_F(PreviewProgram, FinishesItsRecordingsWhenInterrupted) {

@@ -38,7 +38,7 @@ class TrafficMeter {
 
 Expected<void> run(const RunContext& context, ModePipeline& pipeline, const FrameWatcher& watch,
                    const std::function<bool()>& stop) {
-  const SteadyClock clock;
+  const Clock& clock = context.clock;
   FrameId frame;
   SceneTime scene_time;
   TrafficMeter traffic(context.link);

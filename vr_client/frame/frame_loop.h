@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "stereo/base/pausable_clock.h"
 #include "stereo/draw/renderer.h"
 #include "stereo/scene/scene_state.h"
 #include "vr_client/ask/request_plan.h"
@@ -37,7 +38,7 @@ struct StageTimes : DrawTimes {
   Duration frame{};    ///< request + collect + draw (total)
 };
 
-/// When the stages of a frame began, on the machine's clock.
+/// When the stages of a frame began, on the clock of the run.
 struct StageStarts {
   Time request{}, collect{}, draw{}, end{};
 };
@@ -87,6 +88,7 @@ struct RunContext {
   Reference* own_tracer = nullptr;  ///< mode full
   const FrameSettings& settings;    ///< read when a frame begins
   MaskPolicy policy;
+  const Clock& clock = kSteadyClock;  ///< times the stages: StageStarts
 };
 
 /// A frame that has begun: what it shows, and its settings.

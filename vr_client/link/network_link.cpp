@@ -92,16 +92,33 @@ void NetworkLink::send_following(std::span<const std::vector<std::byte>> message
 }
 
 void NetworkLink::send_request(const FrameRequest& request) {
+  if (listener_.sent) listener_.sent(request);
+  seal_request(request);
+  if (request.answer.kind != Answer::Surround) channel_->newest_sent = request.frame;
+  if (channel_->unanswered++ == 0) channel_->asked = clock_.now();
+}
+
+void NetworkLink::seal_request(const FrameRequest& request) {
   RequestMessage message{
       .request = request, .probe_echo = channel_->probe_echo, .arrivals = channel_->arrivals.report()};
   const RequestRecord* const newest = inbox_.newest_known();
-  if (newest != nullptr && request.answer.kind != Answer::Surround)
+  // When a request is sent again, its own answer may have come.
+  if (newest != nullptr && request.answer.kind != Answer::Surround &&
+      is_newer(request.frame, newest->request.frame))
     message.newest_received = newest->request.frame;
-  if (listener_.sent) listener_.sent(request);
   encode(message, message_);
   channel_->sealer.seal(message_, outgoing_);
   send_outgoing();
-  if (channel_->unanswered++ == 0) channel_->asked = clock_.now();
+}
+
+void NetworkLink::keep_alive() {
+  if (!channel_ || !channel_->newest_sent) return;
+  const RequestRecord* const record = inbox_.find(*channel_->newest_sent);
+  if (record == nullptr) return;
+  FrameRequest again = record->request;
+  // The server may have missed any change, and merges those that it has.
+  again.lights = since(again.lights, kFirstLightSet, RequestMessage::kMostLightChanges);
+  seal_request(again);
 }
 
 bool NetworkLink::receive_one(Duration wait) {

@@ -54,6 +54,10 @@ class NetworkLink final : public AnswerLink {
   /// Receives all datagrams that have arrived.
   void poll();
 
+  /// Keeps the session of a client that asks for nothing: sends its newest request again. The server answers
+  /// that with a Probe at most. Call it more often than once in kSessionTimeout.
+  void keep_alive();
+
   /// Receives for a time of `span`.
   void listen(Duration span);
 
@@ -95,8 +99,9 @@ class NetworkLink final : public AnswerLink {
     Arrivals arrivals{};
     std::uint64_t probe_echo = 0;
     Time last_received;
-    std::uint32_t unanswered = 0;  ///< requests sent since then
-    Time asked{};                  ///< when the first of them was sent
+    std::optional<FrameId> newest_sent;  ///< of the requests of views
+    std::uint32_t unanswered = 0;        ///< requests sent since then
+    Time asked{};                        ///< when the first of them was sent
   };
 
   void send_outgoing();
@@ -104,6 +109,7 @@ class NetworkLink final : public AnswerLink {
   void keep_session();
   void say_hello();
   void send_request(const FrameRequest& request);
+  void seal_request(const FrameRequest& request);
   void send_following(std::span<const std::vector<std::byte>> messages);
   Decoded<void> take_datagram(const Datagram& datagram);
   void take_refusal(const OpenRefusal& refusal);

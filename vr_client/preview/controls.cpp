@@ -22,6 +22,7 @@ constexpr KeyBinding kKeyTable[] = {
     {Key::Digit0, Command::NoOverlay, "no overlay"},
     {Key::Z, Command::PictureShare, "overlay: how much of the picture shines through: 0, 25, 50 or 75 %"},
     {Key::F, Command::Reference, "trace the reference in every frame and measure errors"},
+    {Key::M, Command::NextMode, "next mode; the frame loop starts again, with a new session"},
     {Key::R, Command::Reprojection, "reprojection on or off"},
     {Key::P, Command::NextPredictor, "next predictor"},
     {Key::B, Command::GuardBand, "guard band on or off"},
@@ -35,6 +36,8 @@ constexpr KeyBinding kKeyTable[] = {
     {Key::G, Command::GrabLight, "grab or release the selected light; the wheel moves it nearer or farther"},
     {Key::T, Command::ResetLights, "reset all lights to the scene's"},
     {Key::X, Command::Animation, "stop or start the scene's animation"},
+    {Key::Enter, Command::HoldFrame, "hold this frame: the time stands still; or let the time run"},
+    {Key::N, Command::NextFrame, "hold the frame, or show the next one and hold it"},
     {Key::H, Command::HeadSource, "move the head by mouse and keys, or by the recording"},
     {Key::Space, Command::PlayPause, "play or pause the recording"},
     {Key::Left, Command::Back, "recording: one second back"},
@@ -132,6 +135,13 @@ void change_carry_over(Command command, Controls& controls) {
   if (command == Command::BetterPath) latency_ms = std::max(latency_ms - kPathStep_ms, 0.0);
 }
 
+void change_mode(Command command, Controls& controls) {
+  if (command != Command::NextMode || controls.modes.empty()) return;
+  const auto now = std::ranges::find(controls.modes, controls.mode);
+  const bool is_last = now == controls.modes.end() || now + 1 == controls.modes.end();
+  controls.mode = is_last ? controls.modes.front() : *(now + 1);
+}
+
 void change_scene(Command command, Controls& controls, const ControlContext& context) {
   const std::size_t lights = context.lights.lights.size();
   if (command == Command::NextLight && lights > 0)
@@ -142,6 +152,17 @@ void change_scene(Command command, Controls& controls, const ControlContext& con
   SceneClock& clock = controls.settings.scene;
   if (command == Command::Animation)
     clock = clock == SceneClock::Running ? SceneClock::Paused : SceneClock::Running;
+}
+
+void change_time(Command command, Controls& controls) {
+  if (command == Command::NextFrame) {
+    controls.pending.set(static_cast<std::size_t>(command), controls.held);
+    controls.held = true;
+  }
+  if (command == Command::HoldFrame) {
+    controls.pending.reset(static_cast<std::size_t>(Command::NextFrame));
+    controls.held = !controls.held;
+  }
 }
 
 void change_head(Command command, Controls& controls, const ControlContext& context) {
@@ -216,8 +237,10 @@ bool Controls::take(Command command) {
 
 void execute(Command command, Controls& controls, const ControlContext& context) {
   change_view(command, controls);
+  change_mode(command, controls);
   change_carry_over(command, controls);
   change_scene(command, controls, context);
+  change_time(command, controls);
   change_head(command, controls, context);
   for (const Command once : {Command::Screenshot, Command::RecordHead, Command::RecordCapture,
                              Command::RecordFrames, Command::Quit})
@@ -276,9 +299,13 @@ Headset headset_of(const Controls& controls, Extent size) {
           .eye_size = size};
 }
 
+bool needs_reference(const Controls& controls) {
+  return controls.reference || controls.display == DisplayMode::Difference ||
+         controls.overlay == Overlay::Error;
+}
+
 PixelReport report_for(const Controls& controls) {
-  const bool needed =
-      controls.overlay != Overlay::None || controls.reference || controls.display == DisplayMode::Difference;
+  const bool needed = controls.overlay != Overlay::None || needs_reference(controls) || controls.held;
   return needed ? PixelReport::On : PixelReport::Off;
 }
 

@@ -45,7 +45,8 @@ enum class Command : std::uint8_t {
   NoOverlay,
   PictureShare,
   Reference,
-  // Reprojection, requests and network path.
+  // Mode, reprojection, requests and network path.
+  NextMode,
   Reprojection,
   NextPredictor,
   GuardBand,
@@ -72,6 +73,9 @@ enum class Command : std::uint8_t {
   CloserEyes,
   WiderFov,
   NarrowerFov,
+  // Time.
+  HoldFrame,
+  NextFrame,
   // Executed once by the preview, see Controls::take.
   Screenshot,
   RecordHead,
@@ -107,12 +111,15 @@ struct Controls {
   double picture_share = kDefaultPictureShare;         ///< 0..kMostPictureShare
   std::uint32_t light = 0;                             ///< selected
   bool reference = false, panel = true, help = false;  ///< whether they are shown, or measured
+  bool held = false;  ///< the time stands still at one frame; NextFrame is pending: show one frame more
   HeadSource head = HeadSource::Simulated;
   double eye_distance_m = 0.063;
   double fov_rad = 1.5;  ///< full vertical angle
   /// The fov of the head recording. It overrides `fov_rad` until the viewer changes that.
   std::optional<PerEye<EyeFov>> recorded_fov;
   NetworkSettings path;
+  Mode mode = Mode::Hybrid;
+  std::vector<Mode> modes;  ///< that the viewer can choose, in the order of the key
   FrameSettings settings;
   std::optional<GrabbedLight> grab;
   std::bitset<kCommands> pending;  ///< commands that the preview has not executed yet
@@ -151,7 +158,11 @@ void recall(const Remembered& remembered, Controls& controls);
 /// The headset with the eye distance and fov of these controls, and `size` pixels per eye.
 [[nodiscard]] Headset headset_of(const Controls& controls, Extent size);
 
-/// Whether the shading pass must report, for overlays or measuring.
+/// Whether these controls need a full trace of the shown frame.
+[[nodiscard]] bool needs_reference(const Controls& controls);
+
+/// Whether the shading pass must report, for overlays or measuring. A held frame reports, because the viewer
+/// may choose an overlay while it is shown.
 [[nodiscard]] PixelReport report_for(const Controls& controls);
 
 }  // namespace farshade

@@ -7,11 +7,6 @@
 
 namespace farshade {
 
-bool needs_reference(const Controls& controls) {
-  return controls.reference || controls.display == DisplayMode::Difference ||
-         controls.overlay == Overlay::Error;
-}
-
 bool shows_through(Overlay overlay) {
   return overlay == Overlay::Source || overlay == Overlay::Age || overlay == Overlay::Light ||
          overlay == Overlay::Rays;
@@ -32,7 +27,7 @@ Image<Rgb8> seen_through(Image<Rgb8> overlay, const Image<Rgb8>& picture, double
 }
 
 const PerEye<Image<Rgb8>>& Inspection::shown() {
-  if (read_ == Shown::NotRead) frame_.shown = renderer_.read_shown();
+  if (read_ == Shown::NotRead) frame_.shown = renderer_->read_shown();
   read_ = Shown::Read;
   return frame_.shown;
 }
@@ -52,21 +47,25 @@ Image<Rgb8> Inspection::overlaid(Side side, const FrameView& view, const Control
   return seen_through(std::move(picture), frame_.shown[eye], controls.picture_share);
 }
 
-void Inspection::inspect(const FrameView& view, const Controls& controls, Reference* reference) {
+void Inspection::begin(Renderer& renderer) {
+  renderer_ = &renderer;
   errors_.reset();
-  replacement_.reset();
   read_ = Shown::NotRead;
   measured_ = Measured::No;
+}
+
+void Inspection::inspect(const FrameView& view, const Controls& controls, Reference* reference) {
+  replacement_.reset();
   // The controls may have changed since the frame was drawn. A frame without a report cannot be inspected.
   if (view.settings.report == PixelReport::Off || view.as == ShownAs::Picture) return;
-  if (needs_reference(controls)) {
+  if (needs_reference(controls) && measured_ == Measured::No) {
     check(reference != nullptr, "a reference exists when the controls need one");
-    errors_ = measure(view, renderer_, *reference, frame_);
+    errors_ = measure(view, *renderer_, *reference, frame_);
     read_ = Shown::Read;
-    measured_ = Measured::Yes;
-  } else {
+    measured_ = Measured::Yes;  // the renderer now holds the reference's picture
+  } else if (measured_ == Measured::No) {
     frame_.ages = ages_of(view);
-    for (const Side side : kSides) frame_.report[index_of(side)] = renderer_.report(side);
+    for (const Side side : kSides) frame_.report[index_of(side)] = renderer_->report(side);
     (void)shown();
   }
   replacement_ = {overlaid(Side::Left, view, controls), overlaid(Side::Right, view, controls)};

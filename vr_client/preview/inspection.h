@@ -7,9 +7,6 @@
 
 namespace farshade {
 
-/// Whether these controls need a full trace of the shown frame.
-[[nodiscard]] bool needs_reference(const Controls& controls);
-
 /// Whether the shaded picture shines through this overlay. Not through those that contain it or show other
 /// places.
 [[nodiscard]] bool shows_through(Overlay overlay);
@@ -20,10 +17,10 @@ namespace farshade {
 
 class Inspection {
  public:
-  /// Reads pictures from `renderer`.
-  explicit Inspection(Renderer& renderer) : renderer_(renderer) {}
-
-  /// Inspects the last drawn frame. `reference` may be null if needs_reference is false.
+  /// `renderer` has drawn a frame. Forgets the one before, and reads from this renderer from now on.
+  void begin(Renderer& renderer);
+  /// Inspects the last drawn frame, again if the controls have changed. `reference` may be null if
+  /// needs_reference is false.
   void inspect(const FrameView& view, const Controls& controls, Reference* reference);
 
   /// The errors of the frame, if it was measured.
@@ -38,7 +35,7 @@ class Inspection {
  private:
   [[nodiscard]] Image<Rgb8> overlaid(Side side, const FrameView& view, const Controls& controls) const;
 
-  Renderer& renderer_;
+  Renderer* renderer_ = nullptr;
   MeasuredFrame frame_;
   enum class Shown : std::uint8_t { NotRead, Read } read_ = Shown::NotRead;
   enum class Measured : std::uint8_t { No, Yes } measured_ = Measured::No;

@@ -67,6 +67,7 @@ void draw_view(Controls& controls, const PanelFacts& facts) {
 }
 
 void draw_masks(Controls& controls, const PanelFacts& facts) {
+  choose("mode", controls.modes, controls.mode, [](Mode mode) { return name_of(mode); });
   slide("latency", controls.path.latency_ms, 0, kWorstPath.latency_ms, "%.0f ms");
   slide("jitter", controls.path.jitter_ms, 0, kWorstPath.jitter_ms, "%.0f ms");
   slide("loss", controls.path.loss_percent, 0, kWorstPath.loss_percent, "%.1f %%");
@@ -89,6 +90,12 @@ void draw_masks(Controls& controls, const PanelFacts& facts) {
   box("ask whole", controls.settings.request.asks == Asks::Whole, Command::AskWhole, controls, facts.context);
   choose("predictor", kPredictorKinds, controls.settings.request.predictor,
          [](PredictorKind kind) { return to_string(kind); });
+}
+
+void draw_time(Controls& controls, const PanelFacts& facts) {
+  button(controls.held ? "let the time run" : "hold the frame", Command::HoldFrame, controls, facts.context);
+  ImGui::SameLine();
+  button("next frame", Command::NextFrame, controls, facts.context);
 }
 
 void draw_lights(Controls& controls, const PanelFacts& facts) {
@@ -249,6 +256,7 @@ void draw_panel(Controls& controls, const PanelFacts& facts) {
     ImGui::TextWrapped("%s", facts.server.c_str());
     if (!facts.note.empty()) ImGui::TextWrapped("%s", facts.note.c_str());
     ImGui::TextDisabled("F1: keys   Tab: hide the panel");
+    draw_time(controls, facts);
     ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.62f);
     draw_figures(facts.history, controls);
     draw_tabs(controls, facts);

@@ -14,7 +14,7 @@ struct PanelFacts {
   const ControlContext& context;
   std::string device;  ///< name of the GPU
   std::string server;  ///< state of the server
-  std::string note;    ///< the last message of Recordings
+  std::string note;    ///< the last message of Recordings, or why a mode is not shown
   bool recording_head = false, writing_capture = false, recording_frames = false;
   Extent window;     ///< pixels
   double scale = 1;  ///< of the text (layout.h)

@@ -17,7 +17,7 @@ Presenter::Presenter(const gpu::Device& device, Window& window, const gpu::Image
       window_(window),
       surface_(window.make_surface(device.instance)),
       swapchain_(device, surface_),
-      compose_(device, eyes, swapchain_.format()),
+      compose_(std::in_place, device, eyes, swapchain_.format()),
       panel_(device, window, swapchain_.format()) {
   auto commands = device.logical.allocateCommandBuffers({.commandPool = *device.commands,
                                                          .level = vk::CommandBufferLevel::ePrimary,
@@ -59,7 +59,7 @@ Presenter::Outcome Presenter::show(const Composition& composition, const std::fu
     panel_.lay_out(size, now, draw_panel);
     panel_.record_drawing(flight.commands);
   }
-  compose_.record(flight.commands, composition, {target.image, *target.view, size});
+  compose_->record(flight.commands, composition, {target.image, *target.view, size});
   panel_.record_copy(flight.commands, target.image);
   gpu::transition(flight.commands, target.image, Layout::eTransferDstOptimal, Layout::ePresentSrcKHR);
   flight.commands.end();
@@ -94,7 +94,7 @@ Image<Rgb8> Presenter::read_back(const Composition& composition) const {
                       "composed");
   const gpu::Buffer pixels = gpu::make_readback_buffer(device_, size.pixels() * 4, "composed read-back");
   gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
-    compose_.record(commands, composition, {*target.image, *target.view, size});
+    compose_->record(commands, composition, {*target.image, *target.view, size});
     gpu::transition(commands, target, Layout::eTransferDstOptimal, Layout::eTransferSrcOptimal);
     commands.copyImageToBuffer(
         *target.image, Layout::eTransferSrcOptimal, *pixels.buffer,

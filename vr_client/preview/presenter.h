@@ -1,6 +1,8 @@
 /// Presenter: composes two pictures and the panel into the window. It does not wait for the display.
 #pragma once
 
+#include <optional>
+
 #include "stereo/gpu/swapchain.h"
 #include "vr_client/preview/compose_pass.h"
 #include "vr_client/preview/panel_layer.h"
@@ -16,6 +18,10 @@ class Presenter {
   Presenter& operator=(const Presenter&) = delete;
   ~Presenter();
 
+  /// Shows other eyes from now on: another image for ComposePass. The image so far may be gone, if the device
+  /// has finished all work.
+  void take_eyes(const gpu::Image& eyes) { compose_.emplace(device_, eyes, swapchain_.format()); }
+
   /// NotNow: nothing was drawn, because the window is minimised or the display still uses all images.
   enum class Outcome : std::uint8_t { Shown, NotNow };
 
@@ -24,7 +30,7 @@ class Presenter {
   Outcome show(const Composition& composition, const std::function<void()>& draw_panel);
 
   /// Uploads a picture of the eyes' size for Picture::LeftUpload or RightUpload.
-  void upload(Side side, const Image<Rgb8>& picture) { compose_.upload(side, picture); }
+  void upload(Side side, const Image<Rgb8>& picture) { compose_->upload(side, picture); }
 
   /// The composition at the size of the window, without the panel. Empty while the window is minimised.
   [[nodiscard]] Image<Rgb8> read_back(const Composition& composition) const;
@@ -44,7 +50,7 @@ class Presenter {
   SteadyClock clock_;
   vk::raii::SurfaceKHR surface_;
   gpu::Swapchain swapchain_;
-  ComposePass compose_;
+  std::optional<ComposePass> compose_;  ///< always set
   PanelLayer panel_;
   std::vector<vk::raii::Semaphore> drawn_;  ///< one per swapchain image
   std::vector<Flight> flights_;

@@ -278,6 +278,36 @@ TEST(LinkSessions, APauseWithoutRequestsIsNoSilenceOfTheServer) {
   EXPECT_EQ(bench.server->counters().gate.retries, hellos);
 }
 
+/// A client that asks for nothing for 30 s, and keeps its session alive or does not. Returns the handshakes
+/// that it then needs.
+std::uint64_t handshakes_after_rest(LinkBench& bench, bool keeps_alive) {
+  bench.start_server();
+  EXPECT_TRUE(bench.link.meet(1s));
+  bench.lights = {};
+  for (std::uint32_t light = 0; light < kLights; ++light) change(bench.lights, light, false, std::nullopt);
+  bench.run(1s);
+  const std::uint64_t before = bench.server->counters().gate.retries;
+  for (int second = 0; second < 30; ++second) {
+    bench.pass(1s);
+    if (keeps_alive) bench.link.keep_alive();
+  }
+  EXPECT_FALSE(bench.link.silent_since().has_value());
+  bench.run(1s);
+  EXPECT_EQ(bench.traced_lights.rbegin()->second, bench.lights);
+  return bench.server->counters().gate.retries - before;
+}
+
+TEST(LinkSessions, KeepAliveKeepsTheSessionOfAClientThatAsksForNothing) {
+  LinkBench kept, lost;
+  EXPECT_EQ(handshakes_after_rest(kept, true), 0u);
+  EXPECT_GT(handshakes_after_rest(lost, false), 0u) << "without it, the session ends";
+  EXPECT_EQ(kept.server->counters().refused.total(), 0u);
+  const std::size_t traced = kept.traced_lights.size();
+  kept.link.keep_alive();
+  kept.pass(1s);
+  EXPECT_EQ(kept.traced_lights.size(), traced) << "no request is answered twice";
+}
+
 TEST(LinkLights, ChangesAreSentUntilAcknowledgedAndBothSidesAgree) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     SCOPED_TRACE(seed);

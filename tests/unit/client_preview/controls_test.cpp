@@ -106,6 +106,40 @@ TEST_F(ControlsTest, ReprojectionGuardBandAndPredictorsChangeTheFrameSettings) {
   EXPECT_EQ(controls_.settings.scene, SceneClock::Paused);
 }
 
+TEST_F(ControlsTest, ModesCycleAmongThoseOffered) {
+  execute(Command::NextMode);
+  EXPECT_EQ(controls_.mode, Mode::Hybrid) << "nothing is offered";
+  controls_.modes = {Mode::Hybrid, Mode::Local, Mode::Full};
+  execute(Command::NextMode);
+  EXPECT_EQ(controls_.mode, Mode::Local);
+  execute(Command::NextMode, 2);
+  EXPECT_EQ(controls_.mode, Mode::Hybrid);
+  std::erase(controls_.modes, Mode::Hybrid);
+  execute(Command::NextMode);
+  EXPECT_EQ(controls_.mode, Mode::Local) << "after one that is offered no more";
+}
+
+TEST_F(ControlsTest, AFrameIsHeldUntilTheTimeRunsAndTheNextOneIsAskedForOnce) {
+  execute(Command::NextFrame);
+  EXPECT_TRUE(controls_.held);
+  EXPECT_FALSE(controls_.take(Command::NextFrame)) << "the first press holds the shown frame";
+  execute(Command::NextFrame, 2);
+  EXPECT_TRUE(controls_.take(Command::NextFrame));
+  EXPECT_FALSE(controls_.take(Command::NextFrame));
+  execute(Command::NextFrame);
+  execute(Command::HoldFrame);
+  EXPECT_FALSE(controls_.held);
+  execute(Command::HoldFrame);
+  EXPECT_TRUE(controls_.held);
+  EXPECT_FALSE(controls_.take(Command::NextFrame)) << "of an earlier hold";
+}
+
+TEST_F(ControlsTest, AHeldFrameReports) {
+  EXPECT_EQ(report_for(controls_), PixelReport::Off);
+  execute(Command::HoldFrame);
+  EXPECT_EQ(report_for(controls_), PixelReport::On);
+}
+
 TEST_F(ControlsTest, MaskRateAndPathStayWithinTheirLimits) {
   execute(Command::SlowerMasks, 9);
   EXPECT_EQ(controls_.settings.request.every, kRarestMasks);

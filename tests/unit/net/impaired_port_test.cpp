@@ -5,6 +5,7 @@
 #include <thread>
 #include <vector>
 
+#include "stereo/base/pausable_clock.h"
 #include "stereo/net/impaired_port.h"
 #include "stereo/net/udp.h"
 #include "tests/support/manual_clock.h"
@@ -64,6 +65,26 @@ TEST(ImpairedPort, LateReaderSeesWhenItWasDue) {
   const auto received = bench.port->receive(bench.buffer, 0s);
   ASSERT_TRUE(received.has_value());
   EXPECT_EQ(received->arrived, Time(7ms));
+}
+
+/// A reader whose clock stood still from 1 s to 5 s.
+TEST(ImpairedPort, DelaysOnAClockOfItsOwn) {
+  ManualClock wire_clock;
+  VirtualLink link{wire_clock, {.to_server = {.delay = 2ms}, .to_client = {.delay = 2ms}}};
+  PausableClock clock(wire_clock);
+  const auto port = impaired(std::make_unique<Borrowed>(link.server()), {.delay = 5ms}, clock,
+                             [&](Time time) { return clock.at(time); });
+  std::array<std::byte, 1500> buffer;
+  wire_clock.advance_to(Time(1s));
+  clock.stop();
+  link.client().send(link.server().local(), kOne);
+  wire_clock.advance_to(Time(5s));
+  EXPECT_FALSE(port->receive(buffer, 0s).has_value()) << "it came when the clock stood still";
+  clock.resume();
+  const auto received = port->receive(buffer, kPatience);
+  ASSERT_TRUE(received.has_value());
+  EXPECT_EQ(received->arrived, Time(1s + 5ms));
+  EXPECT_EQ(clock.now(), Time(1s + 5ms));
 }
 
 TEST(ImpairedPort, FollowsAnotherModelFromThenOn) {
