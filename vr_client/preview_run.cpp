@@ -283,7 +283,8 @@ class Preview {
     if (controls_.take(Command::Screenshot))
       recordings_.take_screenshot(inspection_.displayed(), presenter_.read_back(composition));
     const ControlContext now = context();
-    const PanelFacts facts = facts_of(now);
+    const std::optional<PixelFacts> pixel = inspected(view, composition);
+    const PanelFacts facts = facts_of(now, pixel);
     presenter_.show(composition, [&] { draw_panel(controls_, facts); });
   }
 
@@ -330,13 +331,27 @@ class Preview {
     return composition;
   }
 
-  PanelFacts facts_of(const ControlContext& now) {
+  /// The pixel under the mouse, while the inspector is open and the client has shaded it.
+  std::optional<PixelFacts> inspected(const FrameView& view, const Composition& composition) const {
+    if (!inspects_pixel(controls_) || view.settings.report == PixelReport::Off ||
+        view.as == ShownAs::Picture || controls_.overlay == Overlay::GuardBand)
+      return std::nullopt;
+    const std::optional<PixelOfEye> under =
+        pixel_at(composition, window_.framebuffer_size(), options_.size, window_.cursor_px());
+    if (!under) return std::nullopt;
+    // The second picture of a difference belongs to the left eye, too.
+    const bool left = under->eye == 0 || controls_.display == DisplayMode::Difference;
+    return inspection_.pixel(view, left ? Side::Left : Side::Right, under->pixel);
+  }
+
+  PanelFacts facts_of(const ControlContext& now, const std::optional<PixelFacts>& pixel) {
     return {.history = history_,
             .scene = client_.scene,
             .context = now,
             .device = client_.device.name,
             .server = server_state(),
             .note = trouble_.empty() ? recordings_.note() : trouble_,
+            .pixel = pixel,
             .recording_head = recordings_.records_head(),
             .writing_capture = recordings_.writes_capture(),
             .recording_frames = recordings_.records_frames(),

@@ -83,6 +83,29 @@ void GBufferTransfer::read(const DepthRing::Place& place, GBufferPlanes& planes)
   }
 }
 
+GBufferTransfer::Pixel GBufferTransfer::read(const DepthRing::Place& place, Side side, glm::uvec2 pixel) {
+  check(pixel.x < size_.width && pixel.y < size_.height, "the pixel is in the picture");
+  constexpr std::size_t depth = 4, surface = 8, bytes = 16;  // a surface of two words is aligned to both
+  if (pixel_.bytes == 0) pixel_ = gpu::make_readback_buffer(device_, bytes, "pixel read-back");
+  gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
+    for (const Part& part : parts_of(gbuffer_, ring_, place, surface, depth)) {
+      const auto rest = ImageLayout::eShaderReadOnlyOptimal, source = ImageLayout::eTransferSrcOptimal;
+      vk::BufferImageCopy copy = copy_of(part, {1, 1});
+      copy.imageSubresource.baseArrayLayer += narrow<std::uint32_t>(index_of(side));
+      copy.imageSubresource.layerCount = 1;
+      copy.imageOffset = vk::Offset3D{narrow<std::int32_t>(pixel.x), narrow<std::int32_t>(pixel.y), 0};
+      gpu::transition(commands, part.image, rest, source, part.layers);
+      commands.copyImageToBuffer(*part.image.image, source, *pixel_.buffer, copy);
+      gpu::transition(commands, part.image, source, rest, part.layers);
+    }
+    gpu::show_copies_to_host(commands);
+  });
+  const auto words = pixel_.as<const std::uint32_t>();
+  return {.normal = words[surface / 4],
+          .instance = layout().surface_words > 1 ? words[surface / 4 + 1] >> 16 : 0,
+          .depth = std::bit_cast<float>(words[depth / 4])};
+}
+
 void GBufferTransfer::prepare(const GBufferPlanes& planes) {
   const Layout at = layout();
   if (upload_.bytes == 0)

@@ -16,6 +16,14 @@ class GBufferTransfer {
   /// Copies what was drawn last, with its depth in `place`, to `planes`. Reuses their memory.
   void read(const DepthRing::Place& place, GBufferPlanes& planes);
 
+  struct Pixel {
+    std::uint32_t normal = 0;    ///< as packed by gbuffer.frag
+    std::uint32_t instance = 0;  ///< 0 if the plan keeps no instances
+    float depth = 0;
+  };
+  /// One pixel of what was drawn last. Waits for the copy.
+  [[nodiscard]] Pixel read(const DepthRing::Place& place, Side side, glm::uvec2 pixel);
+
   /// Prepares `record` with planes of the pass's size. A pixel whose depth is NaN, below 0 or above 1 counts
   /// as not covered.
   void prepare(const GBufferPlanes& planes);
@@ -35,7 +43,7 @@ class GBufferTransfer {
   const GBufferPass& gbuffer_;
   const DepthRing& ring_;
   Extent size_;
-  gpu::Buffer readback_, upload_;  ///< allocated at first use
+  gpu::Buffer readback_, pixel_, upload_;  ///< allocated at first use
 };
 
 }  // namespace farshade

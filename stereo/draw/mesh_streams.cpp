@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <glm/gtc/type_precision.hpp>
+#include <glm/packing.hpp>
 #include <limits>
 #include <numeric>
 
@@ -132,6 +133,16 @@ glm::i16vec2 octahedral(const glm::vec3& n) {
   if (n.z < 0)
     p = {(1 - std::abs(p.y)) * (p.x < 0 ? -1.0f : 1.0f), (1 - std::abs(p.x)) * (p.y < 0 ? -1.0f : 1.0f)};
   return {std::lround(p.x * 32767), std::lround(p.y * 32767)};
+}
+
+glm::vec3 from_octahedral(std::uint32_t packed) {
+  const glm::vec2 p = glm::unpackSnorm2x16(packed);
+  glm::vec3 n(p, 1 - std::abs(p.x) - std::abs(p.y));
+  if (n.z < 0) {
+    n.x = (1 - std::abs(p.y)) * (p.x < 0 ? -1.0f : 1.0f);
+    n.y = (1 - std::abs(p.x)) * (p.y < 0 ? -1.0f : 1.0f);
+  }
+  return glm::normalize(n);
 }
 
 StreamBytes stream_bytes(const Mesh& mesh, const SurfaceNeeds& needs, const MeshLevels& levels) {

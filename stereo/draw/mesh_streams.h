@@ -53,6 +53,8 @@ struct MeshStreams {
 
 /// A unit normal as the device stores it: packSnorm2x16 of the octahedral map (gbuffer.frag).
 [[nodiscard]] glm::i16vec2 octahedral(const glm::vec3& n);
+/// The unit normal of a packed word.
+[[nodiscard]] glm::vec3 from_octahedral(std::uint32_t packed);
 
 /// The levels of one mesh of a scene; none if `levels` is empty.
 [[nodiscard]] const MeshLevels& levels_of(const SceneLevels& levels, std::size_t mesh);

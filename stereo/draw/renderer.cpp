@@ -2,6 +2,7 @@
 
 #include "stereo/draw/carry_pass.h"
 #include "stereo/draw/gbuffer_transfer.h"
+#include "stereo/draw/mesh_streams.h"
 #include "stereo/draw/read_back.h"
 #include "stereo/draw/shading.h"
 #include "stereo/draw/surround_faces.h"
@@ -43,7 +44,11 @@ class Renderer::Parts {
   }
   [[nodiscard]] const gpu::Image& shown() const { return shading_.shown(); }
   [[nodiscard]] PerEye<Image<Rgb8>> read_shown();
-  [[nodiscard]] ShownReport report(Side side) const { return shading_.report(side); }
+  [[nodiscard]] ShownReport report(Side side, const TileRect& part) const {
+    return shading_.report(side, part);
+  }
+  [[nodiscard]] ShownSurface read_surface(Side side, glm::uvec2 pixel);
+  [[nodiscard]] Extent size() const { return size_; }
   [[nodiscard]] PerEye<Image<float>> read_distance();
   void read_gbuffer(GBufferPlanes& into) { transfer_.read(shown_depth_, into); }
   [[nodiscard]] DrawCounters counters() const;
@@ -375,6 +380,17 @@ PerEye<Image<Rgb8>> Renderer::Parts::read_shown() {
   return result;
 }
 
+ShownSurface Renderer::Parts::read_surface(Side side, glm::uvec2 pixel) {
+  const GBufferTransfer::Pixel read = transfer_.read(shown_depth_, side, pixel);
+  if (read.depth <= 0) return {};
+  ShownSurface surface{.distance_m = static_cast<float>(kNearPlane_m / read.depth),
+                       .normal = from_octahedral(read.normal),
+                       .instance = {}};
+  if (keeps_instances(plan_))
+    surface.instance = {read.instance, gbuffer_.scene_pass().level_of(read.instance)};
+  return surface;
+}
+
 PerEye<Image<float>> Renderer::Parts::read_distance() {
   PerEye<Image<float>> result;
   read_distance(shown_depth_, size_, result);
@@ -495,7 +511,16 @@ PerEye<Image<Rgb8>> Renderer::read_shown() const {
 }
 
 ShownReport Renderer::report(Side side) const {
-  return parts_->report(side);
+  const Extent size = parts_->size();
+  return parts_->report(side, {0, 0, size.width, size.height});
+}
+
+ShownReport Renderer::report(Side side, const TileRect& part) const {
+  return parts_->report(side, part);
+}
+
+ShownSurface Renderer::read_surface(Side side, glm::uvec2 pixel) const {
+  return parts_->read_surface(side, pixel);
 }
 
 PerEye<Image<float>> Renderer::read_distance() const {

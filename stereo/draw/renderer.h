@@ -14,6 +14,7 @@
 #include "stereo/draw/shadow_map_settings.h"
 #include "stereo/frame/pixel_plane.h"
 #include "stereo/frame/surround.h"
+#include "stereo/frame/tiles.h"
 #include "stereo/image/image.h"
 #include "stereo/plan/scene_plan.h"
 #include "stereo/scene/scene_state.h"
@@ -42,6 +43,17 @@ struct DrawTimes {
   Duration turn{};                       ///< turning a picture made for other views, on the device
   Duration total{};                      ///< wall time of the call: recording, uploads, submission, wait
   DrawnTriangles triangles{};
+};
+
+/// What the G-buffer has of one pixel.
+struct ShownSurface {
+  struct Instance {
+    std::uint32_t index = 0;  ///< in the scene
+    std::uint32_t level = 0;  ///< of detail, when levels were last used; 0: the mesh itself
+  };
+  float distance_m = 0;              ///< along -z; 0: no surface, and the rest means nothing
+  glm::vec3 normal{0.0f};            ///< for shading; unit, stage axes
+  std::optional<Instance> instance;  ///< empty if the G-buffer keeps none, because none can move
 };
 
 /// A request for a pair of faces of the surround.
@@ -135,6 +147,10 @@ class Renderer {
   [[nodiscard]] const gpu::Image& shown() const;
   [[nodiscard]] PerEye<Image<Rgb8>> read_shown() const;
   [[nodiscard]] ShownReport report(Side side) const;
+  /// The report of the pixels of `part`.
+  [[nodiscard]] ShownReport report(Side side, const TileRect& part) const;
+  /// Waits for a copy of one pixel.
+  [[nodiscard]] ShownSurface read_surface(Side side, glm::uvec2 pixel) const;
   /// Metres along -z, 0 for uncovered pixels.
   [[nodiscard]] PerEye<Image<float>> read_distance() const;
   /// Reuses the memory of the planes.

@@ -56,6 +56,9 @@ class ScenePass {
               std::span<const vk::RenderingAttachmentInfo> colors, const vk::RenderingAttachmentInfo& depth,
               std::size_t pass = 0, std::span<const vk::ClearRect> clears = {}) const;
 
+  /// The level of detail at which an instance was drawn when levels were last used. Not of shadow maps.
+  [[nodiscard]] std::uint32_t level_of(std::uint32_t instance) const { return last_levels_.at(instance); }
+
   [[nodiscard]] std::size_t pipelines() const { return pipelines_.size(); }
   [[nodiscard]] std::size_t bindings() const { return bindings_.kinds.size(); }
   /// Bytes of vertex streams and indices that the draws of the last `prepare` read.

@@ -106,11 +106,14 @@ struct Attachments {
 
 /// The specialisation constants of gbuffer.frag.
 gpu::Specialization constants_of(const DrawPlan& plan, SceneVariant variant) {
-  const bool some_move = std::ranges::find(plan.moves, true) != plan.moves.end();
-  return gpu::Specialization({variant.masked, carries_masks(plan), carries_masks(plan) && some_move});
+  return gpu::Specialization({variant.masked, carries_masks(plan), keeps_instances(plan)});
 }
 
 }  // namespace
+
+bool keeps_instances(const DrawPlan& plan) {
+  return carries_masks(plan) && std::ranges::find(plan.moves, true) != plan.moves.end();
+}
 
 const char* to_string(Outputs outputs) {
   switch (outputs) {

@@ -11,6 +11,7 @@
 #include "stereo/draw/motion.h"
 #include "stereo/draw/shading_pipelines.h"
 #include "stereo/draw/shadow_maps.h"
+#include "stereo/frame/tiles.h"
 
 namespace farshade {
 
@@ -58,8 +59,9 @@ class ShadingPass {
 
   /// The shaded picture: both eyes, sRGB with alpha 255; in layout General after `record`.
   [[nodiscard]] const gpu::Image& shown() const { return shown_; }
-  /// The report of the last `record` with PixelReport::On. Call after the device has finished.
-  [[nodiscard]] ShownReport report(Side side) const;
+  /// The report of the pixels of `part`, of the last `record` with PixelReport::On. Call after the device has
+  /// finished.
+  [[nodiscard]] ShownReport report(Side side, const TileRect& part) const;
 
   [[nodiscard]] std::size_t pipelines() const { return pipelines_.count(); }
   [[nodiscard]] std::size_t bindings() const;

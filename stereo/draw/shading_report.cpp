@@ -33,19 +33,25 @@ struct Record {
 
 }  // namespace
 
-ShownReport ShadingPass::report(Side side) const {
+ShownReport ShadingPass::report(Side side, const TileRect& part) const {
+  check(part.x0 < part.x1 && part.x1 <= size_.width && part.y0 < part.y1 && part.y1 <= size_.height,
+        "the part is in the picture");
+  const Extent size{part.x1 - part.x0, part.y1 - part.y0};
   const std::uint32_t lights = plan_.mask.lights, planes = FARSHADE_PLANES(lights);
-  const std::size_t pixels = size_.pixels(), words = FARSHADE_REPORT_WORDS(lights);
-  ShownReport result{.mask = EyeMask(size_, plan_.mask),
+  const std::size_t pixels = size.pixels(), words = FARSHADE_REPORT_WORDS(lights);
+  ShownReport result{.mask = EyeMask(size, plan_.mask),
                      .sources = std::vector<std::uint8_t>(pixels),
                      .positions = std::vector<std::array<float, 2>>(pixels),
                      .visibility = std::vector<std::uint8_t>(pixels * lights),
                      .unknown = std::vector<std::uint32_t>(pixels * planes),
                      .stale = std::vector<std::uint32_t>(pixels * planes),
                      .rays = std::vector<std::uint16_t>(pixels)};
-  const auto all = report_buffer_.as<const std::uint32_t>().subspan(index_of(side) * pixels * words);
+  const auto all = report_buffer_.as<const std::uint32_t>().subspan(index_of(side) * size_.pixels() * words);
   for (std::size_t at = 0; at < pixels; ++at) {
-    const Record record{all.subspan(at * words, words), lights};
+    const auto x = static_cast<std::uint32_t>(at % size.width),
+               y = static_cast<std::uint32_t>(at / size.width);
+    const std::size_t in_picture = std::size_t{part.y0 + y} * size_.width + part.x0 + x;
+    const Record record{all.subspan(in_picture * words, words), lights};
     result.sources[at] = record.source();
     result.rays[at] = record.rays();
     result.positions[at] = record.position();
@@ -58,8 +64,7 @@ ShownReport ShadingPass::report(Side side) const {
         on |= std::uint32_t{!off_[i]} << i % 32;
         bits |= std::uint32_t{result.visibility[at * lights + i] >= 128} << i % 32;
       }
-      result.mask.set_word(static_cast<std::uint32_t>(at % size_.width),
-                           static_cast<std::uint32_t>(at / size_.width), plane, bits);
+      result.mask.set_word(x, y, plane, bits);
       result.unknown[at * planes + plane] = record.unknown(plane) & on;
       result.stale[at * planes + plane] = record.stale(plane) & on;
     }

@@ -2,6 +2,7 @@
 #include <bit>
 #include <limits>
 
+#include "stereo/draw/mesh_streams.h"
 #include "stereo/frame/tiles.h"
 #include "tests/golden/test_rig.h"
 #include "tests/oracle/scene_builder.h"
@@ -69,6 +70,51 @@ TEST_F(ReceivedGBuffer, GivesTheSamePictureBetweenPlans) {
   const DrawPlan direct = plan_for(scene, {.carries_over = false, .all_lights = true}).draw;
   expect_same_picture(scene, direct, whole_plan(scene));
   expect_same_picture(scene, whole_plan(scene), direct);
+}
+
+/// One pixel, or a part of a report, is the same as in the whole.
+TEST_F(ReceivedGBuffer, ASinglePixelIsThatOfTheWhole) {
+  for (const char* name : {"room.glb", "box_over_plane.gltf"})
+    for (const bool carries_over : {true, false}) {
+      SCOPED_TRACE(name);
+      const Scene scene = bundled(name);
+      const DrawPlan plan = plan_for(scene, {.carries_over = carries_over, .all_lights = true}).draw;
+      Renderer renderer(device_, scene, plan, kLimits);
+      const SceneState state = state_at(scene, Time{});
+      const StereoView views = eyes_of(head_at_camera(scene), kReceivedSide_px);
+      const Mask mask = traced(scene, views);
+      const std::vector<TracedMask> masks{mask.traced_mask()};
+      ShownFrame frame = shown(views, state, masks);
+      frame.report = PixelReport::On;
+      renderer.draw(frame);
+      GBufferPlanes planes;
+      renderer.read_gbuffer(planes);
+      const PerEye<Image<float>> distance = renderer.read_distance();
+      const bool moves = carries_over && plan.anything_moves();
+      for (const Side side : kSides) {
+        const std::size_t eye = index_of(side);
+        const ShownReport whole = renderer.report(side);
+        for (const glm::uvec2 at : {glm::uvec2{0, 0}, {80, 80}, {31, 150}, {159, 159}, {159, 7}}) {
+          const ShownSurface surface = renderer.read_surface(side, at);
+          EXPECT_EQ(surface.distance_m, distance[eye].at(at.x, at.y));
+          EXPECT_EQ(surface.instance.has_value(), moves && surface.distance_m > 0);
+          const std::size_t i = std::size_t{at.y} * kReceivedSide_px + at.x;
+          if (surface.distance_m > 0) {
+            EXPECT_NEAR(glm::length(surface.normal), 1, 1e-6);
+            const glm::i16vec2 packed = octahedral(surface.normal);
+            const auto word = static_cast<std::uint32_t>(static_cast<std::uint16_t>(packed.y)) << 16 |
+                              static_cast<std::uint16_t>(packed.x);
+            EXPECT_EQ(word, planes.normal[eye].words[i]);
+          }
+          const ShownReport one = renderer.report(side, {at.x, at.y, at.x + 1, at.y + 1});
+          EXPECT_EQ(one.sources, std::vector{whole.sources[i]});
+          EXPECT_EQ(one.positions, std::vector{whole.positions[i]});
+          EXPECT_EQ(one.rays, std::vector{whole.rays[i]});
+          EXPECT_EQ(one.mask.word(0, 0), whole.mask.word(at.x, at.y));
+          EXPECT_EQ(one.visibility[0], whole.visibility[i * whole.mask.lights()]);
+        }
+      }
+    }
 }
 
 TEST_F(ReceivedGBuffer, MissingTilesAreBackground) {

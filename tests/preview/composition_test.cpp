@@ -93,5 +93,23 @@ TEST(LeftOf, LeavesRoomForThePanel) {
   EXPECT_EQ(left_of({200, 700}, 330), (Extent{0, 700}));
 }
 
+TEST(PixelAt, FindsTheEyeAndThePixelUnderAPlace) {
+  const Composition composition{.right_px = 100};
+  const Extent window{1140, 540};
+  EXPECT_EQ(pixel_at(composition, window, kEye, {4, 14}), (PixelOfEye{0, {0, 0}}));
+  EXPECT_EQ(pixel_at(composition, window, kEye, {524 + 511.5, 14 + 300}), (PixelOfEye{1, {511, 300}}));
+  EXPECT_EQ(pixel_at(composition, window, kEye, {3.9, 14}), std::nullopt);
+  EXPECT_EQ(pixel_at(composition, window, kEye, {520, 200}), std::nullopt) << "between the eyes";
+  EXPECT_EQ(pixel_at(composition, window, kEye, {1100, 200}), std::nullopt) << "on the panel";
+}
+
+TEST(PixelAt, FollowsScaleAndLayout) {
+  const Composition crossed{.layout = StereoLayout::CrossEyed};
+  EXPECT_EQ(pixel_at(crossed, {512, 256}, kEye, {10.5, 100}), (PixelOfEye{1, {21, 200}}));
+  const Composition anaglyph{.layout = StereoLayout::Anaglyph, .shared = {{40, 0}, 472}};
+  EXPECT_EQ(pixel_at(anaglyph, {472, 512}, kEye, {7, 9}), (PixelOfEye{0, {47, 9}}));
+  EXPECT_EQ(pixel_at(anaglyph, {}, kEye, {0, 0}), std::nullopt);
+}
+
 }  // namespace
 }  // namespace farshade

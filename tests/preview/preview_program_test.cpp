@@ -13,6 +13,7 @@
 #include "tests/support/image_reader.h"
 #include "vr_client/frame/mode.h"
 #include "vr_client/preview/head.h"
+#include "vr_client/preview/layout.h"
 #include "vr_client/preview/remembered.h"
 
 namespace farshade {
@@ -302,6 +303,45 @@ TEST_F(PreviewProgram, HoldsAFrameAndGoesOnFrameByFrame) {
   EXPECT_EQ(check_walk(*recording).goes, 1) << "no step is longer than its frame";
   const Duration recorded = recording->samples.back().time - recording->samples.front().time;
   EXPECT_LT(recorded + held_for, passed) << "the time stood still";
+}
+
+/// The part of the window that the panel covers.
+Image<Rgb8> panel_of(const Image<Rgb8>& window) {
+  const auto width = static_cast<std::uint32_t>(kPanelWidth_px);
+  return crop(window, window.size.width - width, 0, {width, window.size.height});
+}
+
+TEST_F(PreviewProgram, InspectsThePixelUnderTheMouse) {
+  open({"--validate"});
+  resize({1280, 720});
+  screen_.tap("i");
+  screen_.tap("Return");
+  screen_.move_mouse(window_, 1, 1);
+  // The panel of a held frame stands still once its tab is open.
+  const auto settled = [&] {
+    constexpr Duration still = std::chrono::milliseconds(300);
+    const SteadyClock clock;
+    Image<Rgb8> last = screen_.screenshot(window_);
+    Time since = clock.now();
+    EXPECT_TRUE(patiently([&] {
+      Image<Rgb8> now = screen_.screenshot(window_);
+      if (now != last) since = clock.now();
+      last = std::move(now);
+      return clock.now() - since > still;
+    }));
+    return last;
+  };
+  const Image<Rgb8> beside = settled();
+  std::vector<Image<Rgb8>> panels{panel_of(beside)};
+  for (const int x : {230, 240, 640}) {
+    screen_.move_mouse(window_, x, 400);
+    EXPECT_TRUE(patiently([&] { return panel_of(screen_.screenshot(window_)) != panels.back(); })) << x;
+    panels.push_back(panel_of(settled()));
+  }
+  screen_.move_mouse(window_, 1, 1);
+  EXPECT_TRUE(patiently([&] { return screen_.screenshot(window_) == beside; }));
+  screen_.tap("Escape");
+  EXPECT_EQ(end(), 0) << errors_;
 }
 
 TEST_F(PreviewProgram, ShowsEveryModeAndComesBackToTheFirst) {

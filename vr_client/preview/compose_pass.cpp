@@ -179,12 +179,7 @@ void ComposePass::record(const vk::raii::CommandBuffer& commands, const Composit
       .dstStageMask = vk::PipelineStageFlagBits2::eAllCommands,
       .dstAccessMask = vk::AccessFlagBits2::eMemoryRead | vk::AccessFlagBits2::eMemoryWrite};
   commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &in_order});
-  Extent eye = eyes_.spec.size;
-  double aspect = composition.aspect;
-  if (composition.layout == StereoLayout::Anaglyph && composition.shared.count > 0) {
-    aspect *= static_cast<double>(composition.shared.count) / eye.width;
-    eye.width = composition.shared.count;
-  }
+  const auto [eye, aspect] = shown_part(composition, eyes_.spec.size);
   for (const Panel& panel :
        panel_rects(left_of(target.size, composition.right_px), eye, aspect, composition.layout))
     if (composition.layout == StereoLayout::Anaglyph)

@@ -37,6 +37,29 @@ SharedColumns shared_columns(const PerEye<EyeFov>& fov, double eye_distance_m, E
   return most < eye.width ? SharedColumns{first, eye.width - most} : SharedColumns{};
 }
 
+ShownPart shown_part(const Composition& composition, Extent eye) {
+  ShownPart part{eye, composition.aspect};
+  if (composition.layout != StereoLayout::Anaglyph || composition.shared.count == 0) return part;
+  part.aspect *= static_cast<double>(composition.shared.count) / eye.width;
+  part.size.width = composition.shared.count;
+  return part;
+}
+
+std::optional<PixelOfEye> pixel_at(const Composition& composition, Extent window, Extent eye,
+                                   glm::dvec2 place) {
+  const auto [size, aspect] = shown_part(composition, eye);
+  for (const Panel& panel :
+       panel_rects(left_of(window, composition.right_px), size, aspect, composition.layout)) {
+    const glm::dvec2 within =
+        (place - glm::dvec2(panel.left, panel.top)) / glm::dvec2(panel.size.width, panel.size.height);
+    if (within.x < 0 || within.y < 0 || within.x >= 1 || within.y >= 1) continue;
+    glm::uvec2 pixel(within * glm::dvec2(size.width, size.height));
+    if (size.width != eye.width) pixel.x += composition.shared.first[0];
+    return PixelOfEye{panel.eye, pixel};
+  }
+  return std::nullopt;
+}
+
 std::vector<Panel> panel_rects(Extent window, Extent eye, double aspect, StereoLayout layout) {
   check(eye.pixels() > 0 && aspect > 0, "the eye has pixels and an aspect ratio");
   const bool two = layout == StereoLayout::SideBySide || layout == StereoLayout::CrossEyed;

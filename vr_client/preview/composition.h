@@ -1,6 +1,7 @@
 /// Composition: computes where in the window each picture is shown.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "stereo/frame/view.h"
@@ -56,6 +57,25 @@ inline constexpr double kFillScale = 1.25;
 /// ratio, and are centred in the halves of the window (Mono and Anaglyph: in the window). Empty if no pixel
 /// fits.
 [[nodiscard]] std::vector<Panel> panel_rects(Extent window, Extent eye, double aspect, StereoLayout layout);
+
+/// The part of each eye that `composition` shows, and its aspect ratio.
+struct ShownPart {
+  Extent size;
+  double aspect = 1;
+};
+[[nodiscard]] ShownPart shown_part(const Composition& composition, Extent eye);
+
+/// A pixel of an eye in the window.
+struct PixelOfEye {
+  std::size_t eye = 0;  ///< index into Composition::pictures
+  glm::uvec2 pixel{0};
+  friend bool operator==(const PixelOfEye&, const PixelOfEye&) = default;
+};
+
+/// The pixel that `composition` shows at a place of the window, in pixels from its top left corner; in an
+/// anaglyph, that of the first picture. Empty beside the pictures.
+[[nodiscard]] std::optional<PixelOfEye> pixel_at(const Composition& composition, Extent window, Extent eye,
+                                                 glm::dvec2 place);
 
 /// The part of `window` beside the panel.
 [[nodiscard]] constexpr Extent left_of(Extent window, std::uint32_t right_px) {

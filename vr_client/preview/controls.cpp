@@ -22,6 +22,7 @@ constexpr KeyBinding kKeyTable[] = {
     {Key::Digit0, Command::NoOverlay, "no overlay"},
     {Key::Z, Command::PictureShare, "overlay: how much of the picture shines through: 0, 25, 50 or 75 %"},
     {Key::F, Command::Reference, "trace the reference in every frame and measure errors"},
+    {Key::I, Command::Inspector, "inspect the pixel under the mouse, in the panel"},
     {Key::M, Command::NextMode, "next mode; the frame loop starts again, with a new session"},
     {Key::R, Command::Reprojection, "reprojection on or off"},
     {Key::P, Command::NextPredictor, "next predictor"},
@@ -111,6 +112,11 @@ void change_view(Command command, Controls& controls) {
                                  ? 0
                                  : (std::floor(controls.picture_share / kShareStep) + 1) * kShareStep;
   if (command == Command::Reference) controls.reference = !controls.reference;
+  if (command == Command::Inspector) {
+    controls.wanted_tab = inspects_pixel(controls) ? Tab::View : Tab::Pixel;
+    controls.tab = *controls.wanted_tab;
+    controls.panel = true;
+  }
   if (command == Command::Panel) controls.panel = !controls.panel;
   if (command == Command::Help) controls.help = !controls.help;
 }
@@ -304,8 +310,16 @@ bool needs_reference(const Controls& controls) {
          controls.overlay == Overlay::Error;
 }
 
+bool replaces_pictures(const Controls& controls) {
+  return controls.overlay != Overlay::None || needs_reference(controls);
+}
+
+bool inspects_pixel(const Controls& controls) {
+  return controls.panel && controls.tab == Tab::Pixel;
+}
+
 PixelReport report_for(const Controls& controls) {
-  const bool needed = controls.overlay != Overlay::None || needs_reference(controls) || controls.held;
+  const bool needed = replaces_pictures(controls) || inspects_pixel(controls) || controls.held;
   return needed ? PixelReport::On : PixelReport::Off;
 }
 

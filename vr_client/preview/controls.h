@@ -45,6 +45,7 @@ enum class Command : std::uint8_t {
   NoOverlay,
   PictureShare,
   Reference,
+  Inspector,
   // Mode, reprojection, requests and network path.
   NextMode,
   Reprojection,
@@ -105,13 +106,18 @@ struct KeyHelp {
 /// All that mouse and keys do: the head's movement and every key binding.
 [[nodiscard]] std::span<const KeyHelp> key_help();
 
+/// The tabs of the panel, in their order.
+enum class Tab : std::uint8_t { View, Masks, Scene, Record, Pixel };
+
 struct Controls {
   DisplayMode display = DisplayMode::SideBySide;
   Overlay overlay = Overlay::None;
   double picture_share = kDefaultPictureShare;         ///< 0..kMostPictureShare
   std::uint32_t light = 0;                             ///< selected
   bool reference = false, panel = true, help = false;  ///< whether they are shown, or measured
-  bool held = false;  ///< the time stands still at one frame; NextFrame is pending: show one frame more
+  bool held = false;    ///< the time stands still at one frame; NextFrame is pending: show one frame more
+  Tab tab = Tab::View;  ///< that is open
+  std::optional<Tab> wanted_tab;  ///< to be opened when the panel is drawn next
   HeadSource head = HeadSource::Simulated;
   double eye_distance_m = 0.063;
   double fov_rad = 1.5;  ///< full vertical angle
@@ -161,8 +167,14 @@ void recall(const Remembered& remembered, Controls& controls);
 /// Whether these controls need a full trace of the shown frame.
 [[nodiscard]] bool needs_reference(const Controls& controls);
 
-/// Whether the shading pass must report, for overlays or measuring. A held frame reports, because the viewer
-/// may choose an overlay while it is shown.
+/// Whether these controls replace the pictures of the eyes, or measure them.
+[[nodiscard]] bool replaces_pictures(const Controls& controls);
+
+/// Whether the pixel under the mouse is inspected.
+[[nodiscard]] bool inspects_pixel(const Controls& controls);
+
+/// Whether the shading pass must report, for overlays, measuring or the inspector. A held frame reports,
+/// because the viewer may choose an overlay while it is shown.
 [[nodiscard]] PixelReport report_for(const Controls& controls);
 
 }  // namespace farshade

@@ -32,6 +32,15 @@ const PerEye<Image<Rgb8>>& Inspection::shown() {
   return frame_.shown;
 }
 
+PixelFacts Inspection::pixel(const FrameView& view, Side side, glm::uvec2 pixel) const {
+  return {side,
+          pixel,
+          renderer_->read_surface(side, pixel),
+          renderer_->report(side, {pixel.x, pixel.y, pixel.x + 1, pixel.y + 1}),
+          ages_of(view),
+          view.masks.size()};
+}
+
 Image<Rgb8> Inspection::overlaid(Side side, const FrameView& view, const Controls& controls) const {
   const std::size_t eye = index_of(side);
   Image<Rgb8> picture = overlay_picture(
@@ -58,6 +67,8 @@ void Inspection::inspect(const FrameView& view, const Controls& controls, Refere
   replacement_.reset();
   // The controls may have changed since the frame was drawn. A frame without a report cannot be inspected.
   if (view.settings.report == PixelReport::Off || view.as == ShownAs::Picture) return;
+  // A frame that was measured is no longer in the renderer.
+  if (!replaces_pictures(controls) && measured_ == Measured::No) return;
   if (needs_reference(controls) && measured_ == Measured::No) {
     check(reference != nullptr, "a reference exists when the controls need one");
     errors_ = measure(view, *renderer_, *reference, frame_);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "vr_client/preview/controls.h"
+#include "vr_client/preview/pixel_facts.h"
 #include "vr_client/report/measure.h"
 
 namespace farshade {
@@ -22,6 +23,10 @@ class Inspection {
   /// Inspects the last drawn frame, again if the controls have changed. `reference` may be null if
   /// needs_reference is false.
   void inspect(const FrameView& view, const Controls& controls, Reference* reference);
+
+  /// What is known about a pixel of the inspected frame, which was drawn with a report. Waits for a copy of
+  /// it. If the frame was measured, the surface is that of the reference, in full detail.
+  [[nodiscard]] PixelFacts pixel(const FrameView& view, Side side, glm::uvec2 pixel) const;
 
   /// The errors of the frame, if it was measured.
   [[nodiscard]] const std::optional<PerEye<EyeErrors>>& errors() const { return errors_; }

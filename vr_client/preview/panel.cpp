@@ -217,8 +217,34 @@ void draw_help(Controls& controls, const PanelFacts& facts) {
   if (ImGui::IsMouseClicked(0)) controls.help = false;
 }
 
-void tab(const char* name, const auto& draw) {
-  if (!ImGui::BeginTabItem(name)) return;
+void draw_pixel(const PanelFacts& facts) {
+  if (!facts.pixel) {
+    ImGui::TextWrapped(
+        "Move the mouse over a picture. The client knows nothing about pixels that the server drew, and the "
+        "overlay "
+        "guard-band shows other directions.");
+    return;
+  }
+  const std::vector<Fact> words = in_words(*facts.pixel, facts.scene, facts.context.lights);
+  if (!ImGui::BeginTable("pixel", 2, ImGuiTableFlags_SizingFixedFit)) return;
+  std::vector<std::string> names;
+  for (const Fact& fact : words) names.push_back(fact.name);
+  fix_column(names);
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch);
+  for (const Fact& fact : words) {
+    ImGui::TableNextColumn();
+    ImGui::TextUnformatted(fact.name.c_str());
+    ImGui::TableNextColumn();
+    ImGui::TextWrapped("%s", fact.value.c_str());
+  }
+  ImGui::EndTable();
+}
+
+void tab(const char* name, Tab which, Controls& controls, const auto& draw) {
+  const bool wanted = controls.wanted_tab == which;
+  if (!ImGui::BeginTabItem(name, nullptr, wanted ? ImGuiTabItemFlags_SetSelected : ImGuiTabItemFlags_None))
+    return;
+  if (!controls.wanted_tab) controls.tab = which;
   draw();
   ImGui::EndTabItem();
 }
@@ -226,14 +252,16 @@ void tab(const char* name, const auto& draw) {
 /// Tabs, so that each part of the panel fits a window of 720 rows.
 void draw_tabs(Controls& controls, const PanelFacts& facts) {
   if (!ImGui::BeginTabBar("tabs")) return;
-  tab("view", [&] { draw_view(controls, facts); });
-  tab("masks", [&] { draw_masks(controls, facts); });
-  tab("scene", [&] {
+  tab("view", Tab::View, controls, [&] { draw_view(controls, facts); });
+  tab("masks", Tab::Masks, controls, [&] { draw_masks(controls, facts); });
+  tab("scene", Tab::Scene, controls, [&] {
     draw_lights(controls, facts);
     ImGui::Separator();
     draw_head(controls, facts);
   });
-  tab("record", [&] { draw_recording(controls, facts); });
+  tab("record", Tab::Record, controls, [&] { draw_recording(controls, facts); });
+  tab("pixel", Tab::Pixel, controls, [&] { draw_pixel(facts); });
+  controls.wanted_tab.reset();
   ImGui::EndTabBar();
 }
 

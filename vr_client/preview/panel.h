@@ -4,6 +4,7 @@
 
 #include "vr_client/preview/controls.h"
 #include "vr_client/preview/history.h"
+#include "vr_client/preview/pixel_facts.h"
 
 namespace farshade {
 
@@ -12,9 +13,10 @@ struct PanelFacts {
   const History& history;
   const Scene& scene;
   const ControlContext& context;
-  std::string device;  ///< name of the GPU
-  std::string server;  ///< state of the server
-  std::string note;    ///< the last message of Recordings, or why a mode is not shown
+  std::string device;                      ///< name of the GPU
+  std::string server;                      ///< state of the server
+  std::string note;                        ///< the last message of Recordings, or why a mode is not shown
+  const std::optional<PixelFacts>& pixel;  ///< the pixel under the mouse, while it is inspected
   bool recording_head = false, writing_capture = false, recording_frames = false;
   Extent window;     ///< pixels
   double scale = 1;  ///< of the text (layout.h)

@@ -106,6 +106,22 @@ TEST_F(ControlsTest, ReprojectionGuardBandAndPredictorsChangeTheFrameSettings) {
   EXPECT_EQ(controls_.settings.scene, SceneClock::Paused);
 }
 
+TEST_F(ControlsTest, TheInspectorOpensItsTabAndTheFrameReports) {
+  controls_.panel = false;
+  execute(Command::Inspector);
+  EXPECT_EQ(controls_.wanted_tab, Tab::Pixel);
+  EXPECT_TRUE(controls_.panel) << "the facts are in the panel";
+  EXPECT_TRUE(inspects_pixel(controls_));
+  EXPECT_EQ(report_for(controls_), PixelReport::On);
+  EXPECT_FALSE(replaces_pictures(controls_));
+  execute(Command::Panel);
+  EXPECT_EQ(report_for(controls_), PixelReport::Off) << "nobody sees it";
+  execute(Command::Panel);
+  execute(Command::Inspector);
+  EXPECT_EQ(controls_.wanted_tab, Tab::View);
+  EXPECT_EQ(report_for(controls_), PixelReport::Off);
+}
+
 TEST_F(ControlsTest, ModesCycleAmongThoseOffered) {
   execute(Command::NextMode);
   EXPECT_EQ(controls_.mode, Mode::Hybrid) << "nothing is offered";
