@@ -331,13 +331,16 @@ TEST_F(PreviewProgram, InspectsThePixelUnderTheMouse) {
     }));
     return last;
   };
-  const Image<Rgb8> beside = settled();
-  std::vector<Image<Rgb8>> panels{panel_of(beside)};
-  for (const int x : {230, 240, 640}) {
-    screen_.move_mouse(window_, x, 400);
-    EXPECT_TRUE(patiently([&] { return panel_of(screen_.screenshot(window_)) != panels.back(); })) << x;
-    panels.push_back(panel_of(settled()));
-  }
+  Image<Rgb8> last = settled();
+  const auto move_to = [&](int x, int y) {
+    screen_.move_mouse(window_, x, y);
+    EXPECT_TRUE(patiently([&] { return panel_of(screen_.screenshot(window_)) != panel_of(last); })) << x;
+    last = settled();
+  };
+  for (const int x : {230, 240, 640}) move_to(x, 400);
+  move_to(1, 1);
+  const Image<Rgb8> beside = last;
+  move_to(640, 400);
   screen_.move_mouse(window_, 1, 1);
   EXPECT_TRUE(patiently([&] { return screen_.screenshot(window_) == beside; }));
   screen_.tap("Escape");

@@ -13,8 +13,8 @@ namespace farshade {
 struct PixelFacts {
   Side side = Side::Left;
   glm::uvec2 pixel{0};  ///< of the eye, from the top left
-  ShownSurface surface;
-  ShownReport report;     ///< of this pixel alone
+  ShownSurface surface{};
+  ShownReport report{};   ///< of this pixel alone
   MaskAges ages;          ///< of the masks that the frame was drawn with, by mask_of(source)
   std::size_t masks = 0;  ///< of views, that the frame was drawn with
 };
