@@ -52,13 +52,13 @@ if(FARSHADE_FUZZ)  # only fuzz targets need to know which code runs; -O0 compile
 endif()
 
 # farshade_test(NAME SOURCES a_test.cpp ... DEPENDS lib ... [LABEL unit] [TIMEOUT seconds] [ENVIRONMENT NAME=value]
-#   [TOGETHER])
+#   [TOGETHER] [SERIAL])
 # Makes one gtest program; each of its cases is one CTest test. TOGETHER: the whole program is one CTest test, because
-# its cases share what takes long to make. With FARSHADE_UNITY the sources are compiled in units of up to 4 files, so
+# its cases share what takes long to make. SERIAL: nothing runs beside it, because it compares times. With FARSHADE_UNITY the sources are compiled in units of up to 4 files, so
 # names in the anonymous namespaces of one program must differ. Its sources may use the macro FARSHADE_ASSETS, the folder
 # of the bundled assets. The target tests_LABEL builds all programs of that label.
 function(farshade_test name)
-  cmake_parse_arguments(ARG "TOGETHER" "LABEL;TIMEOUT;ENVIRONMENT" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "TOGETHER;SERIAL" "LABEL;TIMEOUT;ENVIRONMENT" "SOURCES;DEPENDS" ${ARGN})
   if(NOT ARG_LABEL)
     set(ARG_LABEL unit)
   endif()
@@ -85,6 +85,9 @@ function(farshade_test name)
   endif()
   # Tests do not read the user's configuration files.
   list(APPEND environment ENVIRONMENT_MODIFICATION XDG_CONFIG_HOME=set:${PROJECT_BINARY_DIR}/no-config)
+  if(ARG_SERIAL)
+    list(APPEND environment RUN_SERIAL ON)
+  endif()
   if(ARG_TOGETHER)
     add_test(NAME ${name} COMMAND ${name})
     set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} ${environment})

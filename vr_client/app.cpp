@@ -303,12 +303,17 @@ Expected<void> run_replay(const Options& options, StopSignal& stop) {
               to_string(*verdict) + (elsewhere ? "; it was captured on " + header.device : std::string()));
 }
 
-Expected<void> run_client(const Options& options, StopSignal& stop) {
-  const SteadyClock clock;
-  Stages stages(clock);
-  if (auto done = CaptureWriter::may_create(options.record); !done) return done;
-  if (auto done = make_folder(options.out).and_then([&] { return remove_own_files(options.out); }); !done)
-    return done;
+namespace {
+
+struct OpenedRun {
+  std::unique_ptr<Client> client;
+  PlacedHead head;
+  RunReportOptions measuring;
+  FrameSettings settings;
+};
+
+/// Everything for a run but the server. What does not depend on each other is opened side by side.
+Expected<OpenedRun> open_run(const Options& options, Stages& stages) {
   Expected<HeadRecording> recording = load_head(options);
   if (!recording) return tl::unexpected(recording.error());
   stages.end("head");
@@ -328,14 +333,29 @@ Expected<void> run_client(const Options& options, StopSignal& stop) {
   if (compiles_ahead(options, frames))
     compile_ahead(client, settings.carry_over, settings.report, Changes::Never);
   stages.end("pipelines");
-  if (auto done = tracing.get(); !done) return done;
+  if (auto done = tracing.get(); !done) return tl::unexpected(done.error());
   stages.end("tracers");
-  const Expected<PlacedHead> head = placing.get();
+  Expected<PlacedHead> head = placing.get();
   if (!head) return tl::unexpected(head.error());
   stages.end("head");
+  return OpenedRun{std::move(*opened), std::move(*head), measuring, settings};
+}
+
+}  // namespace
+
+Expected<void> run_client(const Options& options, StopSignal& stop) {
+  const SteadyClock clock;
+  Stages stages(clock);
+  if (auto done = CaptureWriter::may_create(options.record); !done) return done;
+  if (auto done = make_folder(options.out).and_then([&] { return remove_own_files(options.out); }); !done)
+    return done;
+  Expected<OpenedRun> opened = open_run(options, stages);
+  if (!opened) return tl::unexpected(opened.error());
+  auto& [owner, head, measuring, settings] = *opened;
+  Client& client = *owner;
   const bool captures = !options.record.empty();
   CaptureWriter capture(client.clock);
-  RecordedHeadRuntime runtime(head->recording, playback_of(options, head->stage_from_recorded));
+  RecordedHeadRuntime runtime(head.recording, playback_of(options, head.stage_from_recorded));
   RunReport report(measuring, *client.renderer, client.reference.get());
   if (auto done = open_link(options, client, captures ? capture.listener() : LinkListener{}); !done)
     return done;
@@ -353,12 +373,13 @@ Expected<void> run_client(const Options& options, StopSignal& stop) {
                            .settings = settings,
                            .policy = policy};
   if (options.pace == Pace::Real && answers_for(options.mode.mode) == 0)
-    draw_ahead(context, head->recording.start() + duration_from_ms(options.skip_s * 1e3));
+    draw_ahead(context, head.recording.start() + duration_from_ms(options.skip_s * 1e3));
   Silence silence(options.server, client.link && client.link->counters().sessions == 0);
   const auto append_frame = [&](const FrameView& view) {
     if (captures && !capture.failed()) capture.watch(view, client.renderer->read_shown());
   };
-  if (auto done = show(options, context, frames, report, silence, stop, stages, append_frame); !done)
+  if (auto done = show(options, context, measuring.frame_count, report, silence, stop, stages, append_frame);
+      !done)
     return done;
   if (auto done = summarize(options, client,
                             FinishedRun{.log = report.log(),
@@ -372,7 +393,7 @@ Expected<void> run_client(const Options& options, StopSignal& stop) {
     fmt::print(readable_output(options), "captured {} frames, {}, to {}\n", capture.frames(),
                megabytes(capture.bytes()), options.record.string());
   if (auto fine = no_validation_messages(client.device); !fine) return fine;
-  if (stop.has_come()) return interrupted(options, report.log(), frames);
+  if (stop.has_come()) return interrupted(options, report.log(), measuring.frame_count);
   return check_answered(options, client, report.log());
 }
 

@@ -10,16 +10,10 @@
 #include "stereo/draw/scene_buffers.h"
 #include "stereo/draw/shading_layout.h"
 #include "stereo/draw/shadow_map_views.h"
+#include "stereo/image/mip_levels.h"
 
 namespace farshade {
 namespace {
-
-std::size_t mip_chain_bytes(Extent size) {
-  std::size_t bytes = 0;
-  for (auto level = 0u; level < std::bit_width(std::max(size.width, size.height)); ++level)
-    bytes += std::size_t{std::max(size.width >> level, 1u)} * std::max(size.height >> level, 1u) * 4;
-  return bytes;
-}
 
 void add_scene(const Scene& scene, const DrawPlan& plan, const SceneLevels& levels, gpu::BytesByUse& memory) {
   const std::size_t streams = stream_bytes(scene, plan, levels).total();
@@ -29,8 +23,9 @@ void add_scene(const Scene& scene, const DrawPlan& plan, const SceneLevels& leve
   for (std::size_t i = 0; i < read.size(); ++i) {
     if (!read[i]) continue;
     const Extent size = i < scene.textures.size() ? scene.textures[i].image.size : Extent{1, 1};
-    memory[gpu::Use::Textures] += mip_chain_bytes(size);
-    staging = std::max(staging, size.pixels() * 4);
+    const std::size_t bytes = mip_pixels(size) * sizeof(Rgba8);
+    memory[gpu::Use::Textures] += bytes;
+    staging = std::max(staging, bytes);
   }
   memory[gpu::Use::Staging] = staging;
 }

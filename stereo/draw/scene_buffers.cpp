@@ -7,6 +7,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "stereo/image/mip_levels.h"
+
 namespace farshade {
 namespace {
 
@@ -127,35 +129,51 @@ const Texture& white_pixel() {
   return white;
 }
 
+const Texture& texture_at(const Scene& scene, std::size_t i) {
+  return i < scene.textures.size() ? scene.textures[i] : white_pixel();
+}
+
+/// The images of the given textures. Their mip levels are made side by side.
+gpu::ImageGroup make_images(const gpu::Device& device, const Scene& scene,
+                            const std::vector<std::size_t>& textures) {
+  std::vector<gpu::TextureSize> sizes;
+  for (const std::size_t i : textures) {
+    const Extent size = texture_at(scene, i).image.size;
+    sizes.push_back({size, mip_count(size)});
+  }
+  gpu::ImageGroup group = gpu::make_textures(device, sizes);
+  for_each_in_order(
+      textures.size(), [&](std::size_t i) { return smaller_levels(texture_at(scene, textures[i]).image); },
+      [&](std::size_t i, const std::vector<Rgba8>& smaller) {
+        gpu::fill_texture(device, group.images[i],
+                          std::as_bytes(std::span(texture_at(scene, textures[i]).image.pixels)),
+                          std::as_bytes(std::span(smaller)));
+      });
+  return group;
+}
+
 /// One sampler for each pair of wrap modes in use: Vulkan guarantees only 4,000 samplers.
 void make_textures(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
                    SceneBuffers& buffers) {
   const std::vector<bool> read = textures_read(scene, plan);
-  const auto texture = [&](std::size_t i) -> const Texture& {
-    return i < scene.textures.size() ? scene.textures[i] : white_pixel();
-  };
-  std::vector<gpu::TextureContent> contents;
+  buffers.texture_sets.resize(read.size());
+  std::vector<std::size_t> used;
   for (std::size_t i = 0; i < read.size(); ++i)
-    if (read[i])
-      contents.push_back({texture(i).image.size, std::as_bytes(std::span(texture(i).image.pixels))});
-  if (contents.empty()) {
-    buffers.texture_sets.resize(read.size());
-    return;
-  }
-  buffers.textures = gpu::make_textures(device, contents);
+    if (read[i]) used.push_back(i);
+  if (used.empty()) return;
+  buffers.textures = make_images(device, scene, used);
   buffers.texture_layout = gpu::make_layout(device, kTextureSet);
   std::map<std::pair<Wrap, Wrap>, std::size_t> samplers;
-  auto image = buffers.textures.images.begin();
-  for (std::size_t i = 0; i < read.size(); ++i) {
-    gpu::Bindings& set = buffers.texture_sets.emplace_back();
-    if (!read[i]) continue;
-    const std::pair wraps(texture(i).wrap_u, texture(i).wrap_v);
+  for (std::size_t n = 0; n < used.size(); ++n) {
+    const Texture& texture = texture_at(scene, used[n]);
+    const std::pair wraps(texture.wrap_u, texture.wrap_v);
     const auto [sampler, is_new] = samplers.try_emplace(wraps, buffers.samplers.size());
     if (is_new) buffers.samplers.push_back(make_sampler(device, wraps.first, wraps.second));
-    set = gpu::make_bindings(device, kTextureSet, "texture " + std::to_string(i));
-    gpu::bind_image(
-        device, set, 0,
-        {*image++->view, vk::ImageLayout::eShaderReadOnlyOptimal, *buffers.samplers[sampler->second]});
+    gpu::Bindings& set = buffers.texture_sets[used[n]];
+    set = gpu::make_bindings(device, kTextureSet, "texture " + std::to_string(used[n]));
+    gpu::bind_image(device, set, 0,
+                    {*buffers.textures.images[n].view, vk::ImageLayout::eShaderReadOnlyOptimal,
+                     *buffers.samplers[sampler->second]});
   }
 }
 

@@ -196,9 +196,4 @@ void show_copies_to_host(const vk::raii::CommandBuffer& commands) {
   commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &visible});
 }
 
-void transition_mips(const vk::raii::CommandBuffer& commands, const Image& image, vk::ImageLayout from,
-                     vk::ImageLayout to, MipRange mips) {
-  barrier(commands, *image.image, from, to, {vk::ImageAspectFlagBits::eColor, mips.first, mips.count, 0, 1});
-}
-
 }  // namespace farshade::gpu

@@ -78,13 +78,6 @@ void transition(const vk::raii::CommandBuffer& commands, vk::Image image, vk::Im
 /// The host sees the copies recorded before, once their fence is signalled. A fence alone does not ensure it.
 void show_copies_to_host(const vk::raii::CommandBuffer& commands);
 
-/// The same for mip levels of the first layer of a colour image.
-struct MipRange {
-  std::uint32_t first = 0, count = 1;
-};
-void transition_mips(const vk::raii::CommandBuffer& commands, const Image& image, vk::ImageLayout from,
-                     vk::ImageLayout to, MipRange mips);
-
 /// A memory allocation that several images share.
 struct Allocation {
   Charge charge;

@@ -33,13 +33,17 @@ class BufferUpload {
   std::vector<Copy> copies_;
 };
 
-/// The first level of a texture: sRGB with alpha, rows from the top, four bytes a pixel.
-struct TextureContent {
-  Extent size;
-  std::span<const std::byte> rgba;
+/// Textures for the given sizes and numbers of mip levels: sRGB with alpha, four bytes a pixel, without
+/// contents.
+struct TextureSize {
+  Extent largest;
+  std::uint32_t mip_levels = 1;
 };
+[[nodiscard]] ImageGroup make_textures(const Device& device, std::span<const TextureSize> sizes);
 
-/// Textures in layout ShaderReadOnlyOptimal with full mip chains (box filter in linear light, by blits).
-[[nodiscard]] ImageGroup make_textures(const Device& device, std::span<const TextureContent> contents);
+/// Fills all mip levels of a texture: the largest one, and all others from large to small, rows from the top.
+/// Afterwards its layout is ShaderReadOnlyOptimal.
+void fill_texture(const Device& device, const Image& texture, std::span<const std::byte> largest,
+                  std::span<const std::byte> smaller);
 
 }  // namespace farshade::gpu

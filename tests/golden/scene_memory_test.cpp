@@ -143,6 +143,32 @@ TEST_F(SceneMemory, TexturesShareAllocationsAndKeepTheirColors) {
   EXPECT_GT(differing(many.pictures[0], one.pictures[0], 2), kDrawnSize.pixels() / 4) << "the colours differ";
 }
 
+/// A square with white and black stripes of one texel, about seven a pixel, or one as bright as their mean.
+enum class Square : std::uint8_t { Striped, Grey };
+Scene lit_square(Square kind) {
+  SceneBuilder builder;
+  Material material;
+  if (kind == Square::Grey) material.base_color = glm::vec4(0.5f, 0.5f, 0.5f, 1);
+  if (kind == Square::Striped) {
+    Texture stripes{.image = Image<Rgba8>({1024, 64}, Rgba8(0, 0, 0, 255))};
+    for (std::uint32_t y = 0; y < 64; ++y)
+      for (std::uint32_t x = 0; x < 1024; x += 2) stripes.image.at(x, y) = Rgba8(255);
+    material.texture = builder.texture(stripes);
+  }
+  builder.add(quad({0, 0, -2}, {1, 0, 0}, {0, 1, 0}), builder.material(material));
+  Scene scene = builder.build();
+  scene.ambient = 0.5f;
+  return scene;
+}
+
+TEST_F(SceneMemory, FineStripesAreAsBrightAsTheirMean) {
+  const SceneDrawn striped = drawn(lit_square(Square::Striped)), grey = drawn(lit_square(Square::Grey));
+  const auto lit = std::ranges::count_if(grey.pictures[0].pixels, [](Rgb8 p) { return p.r > 50; });
+  EXPECT_GT(lit, 20'000) << "the square is in view";
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    EXPECT_EQ(differing(striped.pictures[eye], grey.pictures[eye], 2), 0u) << eye;
+}
+
 TEST_F(SceneMemory, ASceneThatNeedsTooManyAllocationsIsRefusedWithTheLimit) {
   const Scene scene = wall_of(4, Meshes::One);
   device_.max_allocations = device_.ledger->read().allocations + 3;

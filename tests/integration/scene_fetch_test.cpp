@@ -8,6 +8,7 @@
 #include "tests/integration/client_program.h"
 #include "tests/integration/one_triangle.h"
 #include "tests/integration/test_keys.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/tcp_proxy.h"
 #include "tests/unit/scratch_folder.h"
 
@@ -131,7 +132,9 @@ TEST_F(SceneFetch, LeavesTheMasksOfOthersAsYoungAsTheyWere) {
   const std::string errors = shows.errors();
   ASSERT_EQ(shows.wait(), 0) << errors;
   constexpr double kFrame_ms = 1e3 / 72;
-  EXPECT_LE(summary_row(out, "wire", "age")[0], age_ms + 0.5 * kFrame_ms);
+  if (!kSanitized) {  // with sanitizers the fetch itself takes most of both cores
+    EXPECT_LE(summary_row(out, "wire", "age")[0], age_ms + 0.5 * kFrame_ms);
+  }
 }
 
 TEST_F(SceneFetch, SaysWhatToDoIfTheServerSendsNoScene) {

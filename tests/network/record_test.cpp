@@ -156,7 +156,7 @@ void record(const std::filesystem::path& file, MaskPolicy policy) {
                            .policy = policy};
   const auto watch = [&](const FrameView& view) { recorder.watch(view, renderer.read_shown()); };
   ASSERT_TRUE(run(context, *make_pipeline(context), watch, [] { return false; }).has_value());
-  ASSERT_FALSE(recorder.failed().has_value());
+  ASSERT_TRUE(recorder.finish().has_value());
   ASSERT_EQ(recorder.frames(), kFrames);
 }
 
@@ -328,6 +328,7 @@ TEST(CapturedRunWithoutServer, ShowsTheSameAgain) {
     const auto watch = [&](const FrameView& view) { recorder.watch(view, renderer.read_shown()); };
     ASSERT_TRUE(
         run(context, *make_pipeline(context), watch, [&] { return recorder.frames() == 30; }).has_value());
+    ASSERT_TRUE(recorder.finish().has_value());
     EXPECT_EQ(to_string(replayed(CaptureReader::open(file).value()).value()),
               "30 frames, all requests and pictures as captured");
   }

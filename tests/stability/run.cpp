@@ -161,11 +161,11 @@ double number_before(const std::string& line, const std::string& what) {
 }
 
 /// The number of messages that the server refused for their content, from its own counters. Ended sessions
-/// and duplicated datagrams do not count. NaN if the server did not report it.
+/// and duplicated datagrams do not count. Infinite if the server did not report its counters.
 double refused_by(ChildProgram& server) {
   server.send(SIGTERM);
   while (const auto line = server.line_after("rt_server: "))
-    if (line->find(" refused") != std::string::npos)
+    if (line->find(" clients, ") != std::string::npos)
       return number_before(*line, " refused") - number_before(*line, " unknown session") -
              number_before(*line, " replayed");
   return HUGE_VAL;
