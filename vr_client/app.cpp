@@ -359,6 +359,7 @@ Expected<void> run_client(const Options& options, StopSignal& stop) {
   RunReport report(measuring, *client.renderer, client.reference.get());
   if (auto done = open_link(options, client, captures ? capture.listener() : LinkListener{}); !done)
     return done;
+  if (client.link) client.link->give_up_when([&stop] { return stop.has_come(); });
   const MaskPolicy policy = policy_of(options, client);
   if (captures)
     if (auto done = capture.open(options.record, header_of(options, client, policy)); !done) return done;

@@ -6,7 +6,9 @@
 #include <cctype>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
+#include "stereo/base/clock.h"
 #include "stereo/base/files.h"
 #include "stereo/head/reader.h"
 #include "stereo/net/udp.h"
@@ -417,18 +419,39 @@ TEST(ClientProgram, WritesItsSummaryAfterASignal) {
   for (const auto& [signal, status] : {std::pair(SIGINT, 130), std::pair(SIGTERM, 143)}) {
     const ScratchFolder folder;
     ChildProgram client(client_arguments(
-        {{"--server", server.address()}, {"--frames", "1400"}, {"--out", folder.path().string()}}));
-    ASSERT_TRUE(client.error_line_after("frame 140 of 1400"));
+        {{"--server", server.address()}, {"--frames", "400"}, {"--out", folder.path().string()}}));
+    ASSERT_TRUE(client.error_line_after("frame 40 of 400"));
     client.send(signal);
     const std::string errors = client.errors();
     EXPECT_EQ(client.wait(), status) << errors;
     EXPECT_EQ(summary_row(folder.path(), "run", "interrupted")[0], 1);
     EXPECT_NE(errors.find("stopped; writing the reports of the frames so far"), std::string::npos);
     const std::size_t shown = read_csv(folder.path() / "frames.csv").at("frame").size();
-    EXPECT_GE(shown, 140u);
-    EXPECT_LT(shown, 1400u);
+    EXPECT_GE(shown, 40u);
+    EXPECT_LT(shown, 400u);
     EXPECT_GT(summary_row(folder.path(), "client", "frame")[0], 0);
   }
+}
+
+/// Ctrl-C reaches a script's server and its client together, so that the client waits for answers that never
+/// come.
+TEST(ClientProgram, EndsAtOnceAfterCtrlCWhileItWaitsForTheServer) {
+  RunningServer server;
+  const ScratchFolder folder;
+  ChildProgram client(client_arguments({{"--server", server.address()},
+                                        {"--frames", "400"},
+                                        {"--delay", "0"},
+                                        {"--reference-every", "0"},
+                                        {"--out", folder.path().string()}}));
+  ASSERT_TRUE(client.error_line_after("frame 40 of 400"));
+  server.program().send(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // by then it waits, for up to 5 s
+  const Stopwatch watch;
+  client.send(SIGINT);
+  const std::string errors = client.errors();
+  EXPECT_EQ(client.wait(), 130) << errors;
+  EXPECT_LT(seconds_of(watch.elapsed()), 2) << errors;
+  server.program().send(SIGCONT);
 }
 
 TEST(ClientProgram, PrintsTheVerdictFirstAndJsonAlone) {

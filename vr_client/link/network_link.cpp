@@ -233,7 +233,7 @@ bool NetworkLink::wait_for(FrameId frame, Duration patience) {
   poll();
   while (!inbox_.is_whole(frame)) {
     const Duration left = until - clock_.now();
-    if (left <= Duration::zero() || !channel_ || !inbox_.may_come(frame)) return false;
+    if (left <= Duration::zero() || !channel_ || !inbox_.may_come(frame) || gives_up_()) return false;
     keep_session();
     receive_one(std::min(left, kHelloInterval));
   }

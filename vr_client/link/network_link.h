@@ -63,6 +63,9 @@ class NetworkLink final : public AnswerLink {
 
   bool wait_for(FrameId frame, Duration patience) override;
 
+  /// From now on, waits for answers end at once when `gives_up` returns true, for example after Ctrl-C.
+  void give_up_when(std::function<bool()> gives_up) { gives_up_ = std::move(gives_up); }
+
   [[nodiscard]] bool takes_parts() const override { return !listener_.sent; }
   [[nodiscard]] const AnswerInbox& inbox() const override { return inbox_; }
 
@@ -127,6 +130,7 @@ class NetworkLink final : public AnswerLink {
   std::optional<Channel> channel_;
   AnswerInbox inbox_;
   LinkListener listener_;
+  std::function<bool()> gives_up_ = [] { return false; };
   std::optional<Time> last_hello_, first_hello_;
   std::optional<Error> refused_;
   std::optional<std::string> busy_server_;  ///< why a full server has refused
