@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <tuple>
 
 #include "stereo/base/clock.h"
 
@@ -20,7 +21,15 @@ struct Peer {
   std::array<std::uint8_t, 16> address{};  ///< IPv6, or IPv4 mapped into it (RFC 4291, 2.5.5.2)
   std::uint32_t scope = 0;                 ///< interface of an IPv6 link-local address, otherwise 0
   std::uint16_t port = 0;
-  friend auto operator<=>(const Peer&, const Peer&) = default;
+  /// The own address that its datagrams come to, from which it is answered; all zero: the system chooses. It
+  /// does not tell peers apart.
+  std::array<std::uint8_t, 16> via{};
+  friend bool operator==(const Peer& a, const Peer& b) {
+    return std::tie(a.address, a.scope, a.port) == std::tie(b.address, b.scope, b.port);
+  }
+  friend auto operator<=>(const Peer& a, const Peer& b) {
+    return std::tie(a.address, a.scope, a.port) <=> std::tie(b.address, b.scope, b.port);
+  }
 };
 
 /// The port of a server whose address names none, for UDP and TCP.

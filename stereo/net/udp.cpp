@@ -1,5 +1,6 @@
 #include "stereo/net/udp.h"
 
+#include <netinet/in.h>
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
@@ -46,6 +47,66 @@ class WakeEvent {
   int fd_;
 };
 
+/// Room for the control messages of a datagram: a time stamp and an own address.
+struct ControlBuffer {
+  alignas(cmsghdr) std::array<std::byte, 128> bytes;
+};
+
+/// The first control message of a kind, copied; no value without one.
+template <class Content>
+std::optional<Content> control_message(msghdr& header, int level, int type) {
+  for (const cmsghdr* part = CMSG_FIRSTHDR(&header); part != nullptr;
+       part = CMSG_NXTHDR(&header, const_cast<cmsghdr*>(part))) {
+    if (part->cmsg_level != level || part->cmsg_type != type) continue;
+    Content content;
+    std::memcpy(&content, CMSG_DATA(part), sizeof content);
+    return content;
+  }
+  return std::nullopt;
+}
+
+/// Adds a control message to a header that has none yet.
+template <class Content>
+void set_control_message(msghdr& header, ControlBuffer& control, int level, int type,
+                         const Content& content) {
+  static_assert(CMSG_SPACE(sizeof content) <= sizeof control.bytes);
+  control.bytes.fill(std::byte{0});
+  header.msg_control = control.bytes.data();
+  header.msg_controllen = CMSG_SPACE(sizeof content);
+  cmsghdr* const part = CMSG_FIRSTHDR(&header);
+  part->cmsg_level = level;
+  part->cmsg_type = type;
+  part->cmsg_len = CMSG_LEN(sizeof content);
+  std::memcpy(CMSG_DATA(part), &content, sizeof content);
+}
+
+/// The own address that the datagram of `header` was sent to, as in Peer::via. RFC 3542, 6.1; ip(7).
+std::array<std::uint8_t, 16> own_address_of(msghdr& header) {
+  Peer own;
+  if (const auto v6 = control_message<in6_pktinfo>(header, IPPROTO_IPV6, IPV6_PKTINFO)) {
+    std::memcpy(own.address.data(), &v6->ipi6_addr, own.address.size());
+  } else if (const auto v4 = control_message<in_pktinfo>(header, IPPROTO_IP, IP_PKTINFO)) {
+    own.address[10] = own.address[11] = 0xff;
+    std::memcpy(own.address.data() + 12, &v4->ipi_addr, 4);
+  }
+  return own.address;
+}
+
+/// Lets the datagram of `header` leave from the own address `to.via`.
+void set_own_address(msghdr& header, ControlBuffer& control, const Peer& to, const udp& family) {
+  if (to.via == decltype(to.via){}) return;
+  if (family == udp::v6()) {
+    in6_pktinfo own{};
+    std::memcpy(&own.ipi6_addr, to.via.data(), to.via.size());
+    own.ipi6_ifindex = to.scope;
+    set_control_message(header, control, IPPROTO_IPV6, IPV6_PKTINFO, own);
+  } else {
+    in_pktinfo own{};
+    std::memcpy(&own.ipi_spec_dst, to.via.data() + 12, 4);
+    set_control_message(header, control, IPPROTO_IP, IP_PKTINFO, own);
+  }
+}
+
 /// The arrival of the datagram of `header`. The kernel's time stamp is on the wall clock; without one, now.
 Time arrival_of(msghdr& header) {
   // Reads the wall clock first: a pause between the two clocks can make an arrival later, but never earlier
@@ -53,13 +114,9 @@ Time arrival_of(msghdr& header) {
   timespec wall{};
   clock_gettime(CLOCK_REALTIME, &wall);
   const Time now = SteadyClock().now();
-  for (const cmsghdr* part = CMSG_FIRSTHDR(&header); part != nullptr;
-       part = CMSG_NXTHDR(&header, const_cast<cmsghdr*>(part))) {
-    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_TIMESTAMPNS) continue;
-    timespec stamp;
-    std::memcpy(&stamp, CMSG_DATA(part), sizeof stamp);
+  if (const auto stamp = control_message<timespec>(header, SOL_SOCKET, SCM_TIMESTAMPNS)) {
     const Duration age =
-        std::chrono::seconds(wall.tv_sec - stamp.tv_sec) + Duration(wall.tv_nsec - stamp.tv_nsec);
+        std::chrono::seconds(wall.tv_sec - stamp->tv_sec) + Duration(wall.tv_nsec - stamp->tv_nsec);
     return now - std::max(age, Duration::zero());
   }
   return now;
@@ -67,7 +124,8 @@ Time arrival_of(msghdr& header) {
 
 struct Incoming {
   Endpoint from;
-  std::size_t size = 0;  ///< size of the datagram, also if the buffer is shorter
+  std::array<std::uint8_t, 16> via{};  ///< as in Peer
+  std::size_t size = 0;                ///< size of the datagram, also if the buffer is shorter
   Time arrived;
 };
 
@@ -75,21 +133,37 @@ struct Incoming {
 std::optional<Incoming> take_datagram(int socket, std::span<std::byte> into) {
   Incoming incoming;
   iovec buffer{into.data(), into.size()};
-  alignas(cmsghdr) std::array<std::byte, 128> control;
+  ControlBuffer control;
   msghdr header{};
   header.msg_name = incoming.from.data();
   header.msg_namelen = narrow<socklen_t>(incoming.from.capacity());
   header.msg_iov = &buffer;
   header.msg_iovlen = 1;
-  header.msg_control = control.data();
-  header.msg_controllen = control.size();
+  header.msg_control = control.bytes.data();
+  header.msg_controllen = control.bytes.size();
   // With MSG_TRUNC the kernel returns the full size of the datagram.
   const ssize_t size = recvmsg(socket, &header, MSG_TRUNC | MSG_DONTWAIT);
   if (size < 0) return std::nullopt;
   incoming.from.resize(header.msg_namelen);
   incoming.size = static_cast<std::size_t>(size);
   incoming.arrived = arrival_of(header);
+  incoming.via = own_address_of(header);
   return incoming;
+}
+
+/// Sends one datagram without blocking. False if the system does not take it.
+bool put_datagram(int socket, const Peer& to, const udp& family, std::span<const std::byte> bytes) {
+  Endpoint endpoint = endpoint_of(to, family);
+  if (endpoint.address().is_unspecified()) return false;  // the family cannot reach it
+  iovec buffer{const_cast<std::byte*>(bytes.data()), bytes.size()};
+  ControlBuffer control;
+  msghdr header{};
+  header.msg_name = endpoint.data();
+  header.msg_namelen = narrow<socklen_t>(endpoint.size());
+  header.msg_iov = &buffer;
+  header.msg_iovlen = 1;
+  set_own_address(header, control, to, family);
+  return sendmsg(socket, &header, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0;
 }
 
 class UdpPort final : public DatagramPort {
@@ -107,11 +181,7 @@ class UdpPort final : public DatagramPort {
 
   bool send(const Peer& to, std::span<const std::byte> bytes) override {
     check(bytes.size() <= kMaxDatagram_bytes, "a datagram fits kMaxDatagram_bytes");
-    const Endpoint endpoint = endpoint_of(to, family_);
-    asio::error_code error = asio::error::address_family_not_supported;
-    if (!endpoint.address().is_unspecified())
-      socket_.send_to(asio::buffer(bytes.data(), bytes.size()), endpoint, 0, error);
-    if (error) {
+    if (!put_datagram(socket_.native_handle(), to, family_, bytes)) {
       ++unsent_;
       return false;
     }
@@ -128,7 +198,8 @@ class UdpPort final : public DatagramPort {
         if (!readable_within(wait - waited.elapsed())) break;
         continue;
       }
-      const Peer peer = peer_of(incoming->from);
+      Peer peer = peer_of(incoming->from);
+      peer.via = incoming->via;
       if (!partner_ || peer == *partner_) {
         if (incoming->size <= into.size()) {
           ++received_;
@@ -183,8 +254,12 @@ Expected<std::unique_ptr<UdpPort>> bound_port(std::unique_ptr<asio::io_context> 
   if (endpoint.protocol() == udp::v6()) socket.set_option(asio::ip::v6_only(false), ignored);
   socket.set_option(asio::socket_base::receive_buffer_size(kSocketBuffer_bytes), ignored);
   socket.set_option(asio::socket_base::send_buffer_size(kSocketBuffer_bytes), ignored);
-  const int stamped = 1;  // if this fails, the arrival is the time of reading
-  setsockopt(socket.native_handle(), SOL_SOCKET, SO_TIMESTAMPNS, &stamped, sizeof stamped);
+  const int on = 1;  // if this fails, the arrival is the time of reading
+  setsockopt(socket.native_handle(), SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
+  // A server with several addresses answers from the one that was asked. A socket of IPv6 takes both options.
+  setsockopt(socket.native_handle(), IPPROTO_IP, IP_PKTINFO, &on, sizeof on);
+  if (endpoint.protocol() == udp::v6())
+    setsockopt(socket.native_handle(), IPPROTO_IPV6, IPV6_RECVPKTINFO, &on, sizeof on);
   if (!error) socket.non_blocking(true, error);
   if (!error) socket.bind(endpoint, error);
   const Endpoint local = error ? endpoint : socket.local_endpoint(error);

@@ -53,6 +53,9 @@ TEST(Peer, PrintsAsOneWritesIt) {
   other_port.port = 7448;
   EXPECT_NE(other_port, v4);
   EXPECT_NE(std::hash<Peer>{}(other_port), std::hash<Peer>{}(v4));
+  Peer reached_elsewhere = v4;
+  reached_elsewhere.via[15] = 1;
+  EXPECT_EQ(reached_elsewhere, v4) << "an own address does not make it another peer";
 }
 
 TEST(Udp, CarriesBothWaysOverIPv4) {
@@ -67,6 +70,28 @@ TEST(Udp, CarriesBothWaysOverIPv6) {
   if (!listen_udp("[::1]:0")) GTEST_SKIP() << "this machine has no IPv6";
   Pair pair = connected("[::1]:0");
   expect_round_trip(pair);
+}
+
+/// All of 127.0.0.0/8 are addresses of this machine. Without a choice the system answers from 127.0.0.1.
+TEST(Udp, AnswersFromTheAddressThatWasAsked) {
+  for (const char* all : {"0.0.0.0:0", "[::]:0"}) {
+    auto server = listen_udp(all);
+    if (!server) continue;  // no IPv6
+    const std::string port = std::to_string((*server)->local().port);
+    auto first = connect_udp("127.0.0.2:" + port), second = connect_udp("127.0.0.77:" + port);
+    ASSERT_TRUE(first.has_value() && second.has_value());
+    std::array<std::byte, 1500> buffer;
+    std::vector<Peer> from;
+    for (UdpClient* client : {&*first, &*second}) {
+      ASSERT_TRUE(client->port->send(client->server, bytes({1})));
+      const auto request = (*server)->receive(buffer, kPatience);
+      ASSERT_TRUE(request.has_value());
+      from.push_back(request->from);
+    }
+    for (const Peer& to : from) ASSERT_TRUE((*server)->send(to, bytes({2})));
+    EXPECT_TRUE(first->port->receive(buffer, kPatience).has_value()) << all;
+    EXPECT_TRUE(second->port->receive(buffer, kPatience).has_value()) << all;
+  }
 }
 
 TEST(Udp, IPv6SocketSpeaksIPv4) {
