@@ -55,13 +55,16 @@ class Machine {
     EXPECT_EQ(program.wait(), 0) << commands << ": " << errors;
   }
 
-  /// Starts bus and daemon. The machine's name is `name`.
-  void start_avahi(const std::string& name) {
-    shell("echo \"" + std::string(kBus) + "\" > /run/bus.conf; printf '[server]\\nhost-name=" + name +
-          "\\n' > /run/avahi.conf");
+  void start_bus() {
+    shell("echo \"" + std::string(kBus) + "\" > /run/bus.conf");
     bus_.emplace(here({"/usr/bin/dbus-daemon", "--config-file=/run/bus.conf", "--nofork", "--nopidfile",
                        "--print-address"}));
     ASSERT_TRUE(bus_->line_after("unix:")) << bus_->errors();
+  }
+  /// With the bus, if it does not run yet. The machine's name is `name`.
+  void start_avahi(const std::string& name) {
+    if (!bus_) start_bus();
+    shell("printf '[server]\\nhost-name=" + name + "\\n' > /run/avahi.conf");
     restart_avahi();
   }
   void restart_avahi() {
@@ -161,15 +164,21 @@ TEST_F(Announce, AClientFindsTheServerOnAnotherMachine) {
   EXPECT_CONTAINS(client(lab, {"doctor", "--server", "auto"}).errors, "found 'desk' at " + address);
   server.send(SIGTERM);
   EXPECT_EQ(server.wait(), 0);
-  const Ended none = run_in(lab, folder_, {"--server", "auto"});
-  EXPECT_EQ(none.status, 1) << "the announcement ends with the server";
-  EXPECT_CONTAINS(none.errors, "no server announces itself on this network");
+  // The announcement ends with the server. Its record stays in caches for one more second.
+  Ended none{};
+  for (int tries = 0; tries < 10 && none.errors.find("no server announces itself") == std::string::npos;
+       ++tries)
+    none = client(lab, {"doctor", "--server", "auto"});
+  EXPECT_EQ(none.status, 1);
+  EXPECT_CONTAINS(none.errors, "FAIL  announcement: no server announces itself on this network");
 }
 
 TEST_F(Announce, IsOffByOptionAndOnlyOnTheInterfaceWhereTheServerListens) {
   Machine desk, lab;
   join(desk, lab);
-  desk.shell("ip link add other type dummy; ip addr add 198.51.100.2/24 dev other; ip link set other up");
+  desk.shell(
+      "ip link add other type veth peer name end; ip addr add 198.51.100.2/24 dev other; ip link set other "
+      "up; ip link set end up");
   desk.start_avahi("desk");
   lab.start_avahi("lab");
   ChildProgram silent = start_server(desk, "0.0.0.0:0", {"--no-announce"}),
@@ -188,6 +197,7 @@ TEST_F(Announce, IsOffByOptionAndOnlyOnTheInterfaceWhereTheServerListens) {
 TEST_F(Announce, WithoutADaemonBothProgramsSayWhatIsMissing) {
   Machine desk, lab;
   join(desk, lab);
+  desk.start_bus();
   ChildProgram server = start_server(desk, "0.0.0.0:0");
   const auto listening = server.line_after("rt_server: listening on 0.0.0.0:");
   ASSERT_TRUE(listening) << server.errors();
