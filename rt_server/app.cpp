@@ -8,6 +8,7 @@
 #include "rt_server/answers/answers.h"
 #include "rt_server/core/server_core.h"
 #include "rt_server/fetch/scene_sender.h"
+#include "stereo/announce/announcer.h"
 #include "stereo/base/files.h"
 #include "stereo/base/stages.h"
 #include "stereo/net/explain.h"
@@ -110,6 +111,12 @@ std::unique_ptr<SceneSender> offer_scene(const ServeOptions& options, const Peer
       SenderLimits{.bytes_per_second = options.limits.bytes_per_second});
 }
 
+/// Tells the local network where the server listens, unless no other machine can reach it.
+std::unique_ptr<Announcer> announce(const ServeOptions& options, const Peer& address) {
+  if (!options.announce || is_loopback(address)) return nullptr;
+  return std::make_unique<Announcer>(address, [](const std::string& note) { spdlog::info(note); });
+}
+
 /// Reads the key ring again. If it cannot be read, the old keys stay.
 void reload_keys(const ServeOptions& options, ServerCore& core, SceneSender* sender) {
   const Expected<std::vector<SharedKey>> ring = load_keys(options);
@@ -200,6 +207,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   if (!written) return written;
   {
     const Serving serving(core);
+    const std::unique_ptr<Announcer> announcer = announce(options, (*port)->local());
     const auto reload = [&] {
       ring_file.mark_as_seen();
       reload_keys(options, core, sender.get());

@@ -18,6 +18,7 @@ struct ServeOptions {
   std::string listen = "127.0.0.1:7447";
   std::string ring;         ///< key ring file; empty for default_ring_path()
   bool scene_fetch = true;  ///< clients without the scene may fetch its files
+  bool announce = true;     ///< tell the local network the address, unless it is one of this machine only
   bool insecure = false;    ///< accept any client on this machine, without encryption
   std::string net;          ///< simulated impairment of arriving datagrams (parse_link_model); empty for none
   SessionLimits limits;

@@ -54,6 +54,10 @@ void add_serving(CLI::App& app, ServeOptions& options) {
                "accept every client on this machine, without keys and without encryption");
   app.add_flag("!--no-scene-fetch", options.scene_fetch,
                "do not send the scene's files to clients that have a key but no --scene");
+  app.add_flag(
+      "!--no-announce", options.announce,
+      "do not tell the local network where this server listens (multicast DNS, through avahi-daemon); "
+      "vr_client --server auto then does not find it");
   app.add_option("--ready-file", options.ready_file,
                  "for scripts: the server writes the line 'listening ADDRESS' to this file when clients can "
                  "connect; if no light of the scene casts shadows, it writes 'no-shadows' and exits with "

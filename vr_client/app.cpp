@@ -83,18 +83,6 @@ bool compiles_ahead(const Options& options, std::uint32_t frames) {
   return waits && draws_scene(options.mode.mode);
 }
 
-/// With a real clock, a mode without a server draws its first frame once before the clock begins. So no
-/// display time waits for its pipelines, the first shadow maps or the tracer's first pages.
-void draw_ahead(const RunContext& context, Time first_display_time) {
-  const FrameRequest shown{FrameId{}, first_display_time, Time{},
-                           context.runtime.locate_views(first_display_time), context.settings.lights};
-  const SceneState state = state_at(context.scene, shown.scene_time, shown.lights);
-  const FrameInputs inputs{shown, state, Duration{}, context.settings};
-  const std::unique_ptr<ModePipeline> pipeline = make_pipeline(context);
-  pipeline->collect(inputs);
-  static_cast<void>(pipeline->draw(inputs));
-}
-
 PixelReport report_for(const RunReportOptions& options) {
   return options.measures_any() ? PixelReport::On : PixelReport::Off;
 }
@@ -178,7 +166,7 @@ tl::unexpected<Error> interrupted(const Options& options, const FrameLog& log, s
 }
 
 /// Missing if the mode needs a server and no answer of it ever came.
-Expected<void> check_answered(const Options& options, const Client& client, const FrameLog& log) {
+Expected<void> check_answered(const Client& client, const FrameLog& log) {
   if (!client.link || client.link->inbox().newest_known() != nullptr ||
       log.start_up_frames() < log.records().size())
     return {};
@@ -186,7 +174,7 @@ Expected<void> check_answered(const Options& options, const Client& client, cons
       Fault::Missing,
       fmt::format("no answer came from {} during the whole run, so no frame shows what the server adds. "
                   "Is rt_server running there, and does UDP reach it? vr_client doctor --server {} tells",
-                  options.server, options.server));
+                  to_string(client.server), to_string(client.server)));
 }
 
 /// Mismatch if the capture was made with another scene or plan.
@@ -373,9 +361,9 @@ Expected<void> run_client(const Options& options, StopSignal& stop) {
                            .own_tracer = client.own_tracer.get(),
                            .settings = settings,
                            .policy = policy};
-  if (options.pace == Pace::Real && answers_for(options.mode.mode) == 0)
+  if (options.pace == Pace::Real)
     draw_ahead(context, head.recording.start() + duration_from_ms(options.skip_s * 1e3));
-  Silence silence(options.server, client.link && client.link->counters().sessions == 0);
+  Silence silence(to_string(client.server), client.link && client.link->counters().sessions == 0);
   const auto append_frame = [&](const FrameView& view) {
     if (captures && !capture.failed()) capture.watch(view, client.renderer->read_shown());
   };
@@ -395,7 +383,7 @@ Expected<void> run_client(const Options& options, StopSignal& stop) {
                megabytes(capture.bytes()), options.record.string());
   if (auto fine = no_validation_messages(client.device); !fine) return fine;
   if (stop.has_come()) return interrupted(options, report.log(), measuring.frame_count);
-  return check_answered(options, client, report.log());
+  return check_answered(client, report.log());
 }
 
 }  // namespace farshade

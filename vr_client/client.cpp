@@ -6,6 +6,7 @@
 #include <cmath>
 #include <future>
 
+#include "stereo/announce/find_server.h"
 #include "stereo/base/user_folders.h"
 #include "stereo/detail/level_cache.h"
 #include "stereo/gpu/pipeline_cache.h"
@@ -36,12 +37,20 @@ RendererLimits renderer_limits(const Options& options) {
           .depth_frames = carries_over(mode) ? frames_in_flight(options) : 1};
 }
 
+Expected<std::string> server_address(const std::string& server) {
+  if (!is_search(server)) return server;
+  const Expected<FoundServer> found = find_server(server);
+  if (!found) return tl::unexpected(found.error());
+  spdlog::info("found the server {}", in_words(*found));
+  return address_text(found->address);
+}
+
 Expected<SharedKey> key_for(const Options& options, const Peer& server) {
   if (options.insecure) {
     if (is_loopback(server)) return insecure_key();
     return fail(Fault::Unsupported, fmt::format("--insecure works on this machine only, not with {}: omit it "
                                                 "and use a key",
-                                                options.server));
+                                                to_string(server)));
   }
   const std::filesystem::path path = options.key.empty() ? default_key_path() : options.key;
   Expected<SharedKey> key = load_key(path);
@@ -219,7 +228,7 @@ Expected<void> open_link(const Options& options, Client& client, LinkListener li
   }
   const Expected<LinkModel> model = network_of(options);
   if (!model) return tl::unexpected(model.error());
-  Expected<UdpClient> udp = connect_udp(options.server);
+  Expected<UdpClient> udp = server_address(options.server).and_then(connect_udp);
   if (!udp) return tl::unexpected(udp.error());
   client.server = udp->server;
   client.network = impaired(std::move(udp->port), *model, client.clock,

@@ -56,6 +56,10 @@ void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport repo
 /// The levels of detail of a scene, from the user's cache or newly made; none if the plan uses none.
 [[nodiscard]] SceneLevels levels_for(const Scene& scene, const ScenePlan& plan);
 
+/// The address for a value of --server. `auto` searches the local network and tells which server it found;
+/// errors are those of find_server.
+[[nodiscard]] Expected<std::string> server_address(const std::string& server);
+
 /// The key for `server`. Missing if there is no key file, Unsupported if --insecure is for another machine.
 [[nodiscard]] Expected<SharedKey> key_for(const Options& options, const Peer& server);
 

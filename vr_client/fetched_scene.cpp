@@ -55,6 +55,9 @@ Expected<FetchPlan> plan_for(const Options& options) {
 
 Expected<void> fetch_if_missing(Options& options, std::optional<StopSignal>& stop) {
   if (!options.scene.empty() || !options.export_trace.empty()) return {};
+  Expected<std::string> server = server_address(options.server);
+  if (!server) return tl::unexpected(server.error());
+  options.server = *server;
   Expected<FetchPlan> plan = plan_for(options);  // before the signals are held back: a name may take long
   if (!plan) return tl::unexpected(plan.error());
   stop.emplace();

@@ -14,13 +14,13 @@ namespace {
 
 using namespace farshade;
 
-/// The task that the options name. Only runs of many frames write their reports after a signal.
+/// The task that the options name. Only runs of many frames finish their files after a signal.
 Expected<void> carry_out(const Options& options, std::optional<StopSignal>& stop) {
   stop.reset();
   if (options.plan.prints_only) return print_plan(options);
   if (!options.export_trace.empty()) return export_head_recording(options);
-  if (options.preview) return run_preview(options);
   stop.emplace();
+  if (options.preview) return run_preview(options, *stop);
   return options.replay.empty() ? run_client(options, *stop) : run_replay(options, *stop);
 }
 

@@ -100,7 +100,10 @@ void add_scene_options(CLI::App& app, CommandLine& line) {
 }
 
 void add_link_options(CLI::App& app, Options& options) {
-  app.add_option("--server", options.server, "address of the rt_server")->capture_default_str();
+  app.add_option("--server", options.server,
+                 "address of the rt_server, or auto: the one that announces itself on the local network "
+                 "(auto/NAME: the one of this name)")
+      ->capture_default_str();
   app.add_option("--key", options.key,
                  "key file, which vr_client pair or rt_server keygen made (default: " +
                      default_key_path().string() + ")");

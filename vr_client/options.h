@@ -43,10 +43,10 @@ struct Options {
   std::optional<std::uint32_t> frames;
   double skip_s = 0;
   double refresh_hz = 72;
-  std::string server = "127.0.0.1:7447";
-  std::filesystem::path key;  ///< file; empty: default_key_path()
-  bool insecure = false;      ///< no key and no encryption; only with a server on this machine
-  std::string net;            ///< impairment of received datagrams, for parse_link_model; empty: none
+  std::string server = "127.0.0.1:7447";  ///< or a search (server_address)
+  std::filesystem::path key;              ///< file; empty: default_key_path()
+  bool insecure = false;                  ///< no key and no encryption; only with a server on this machine
+  std::string net;  ///< impairment of received datagrams, for parse_link_model; empty: none
   ModeSettings mode;
   Pace pace = Pace::Virtual;
   double delay_ms = 20, mask_wait_ms = 0;

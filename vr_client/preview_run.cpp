@@ -414,12 +414,11 @@ Remembered recalled() {
 
 }  // namespace
 
-Expected<void> run_preview(const Options& given) {
+Expected<void> run_preview(const Options& given, StopSignal& stop) {
   Options options = given;
   options.pace = Pace::Real;
   const SteadyClock clock;
   Stages stages(clock);
-  StopSignal stop_signal;
   if (auto done = make_folder(options.out); !done) return done;
   std::optional<HeadRecording> recording;
   if (!options.trace.empty()) {
@@ -459,7 +458,7 @@ Expected<void> run_preview(const Options& given) {
 
   Expected<void> done, finished;
   {
-    Preview preview(options, **client, **window, stop_signal, head, *path, remembered, stages);
+    Preview preview(options, **client, **window, stop, head, *path, remembered, stages);
     try {
       done = preview.run_all();
     } catch (const std::exception& error) {
@@ -470,7 +469,10 @@ Expected<void> run_preview(const Options& given) {
     finished = preview.finish();
   }
   if (done) done = finished;
-  return done ? no_validation_messages((*client)->device) : done;
+  if (done) done = no_validation_messages((*client)->device);
+  if (done && stop.has_come())
+    return fail(Fault::Interrupted, "interrupted; recordings are finished in " + options.out.string());
+  return done;
 }
 
 }  // namespace farshade

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "stereo/announce/announcer.h"
 #include "stereo/net/udp.h"
 #include "stereo/plan/scene_plan.h"
 #include "stereo/scene/lighting_options.h"
@@ -21,6 +22,15 @@ Finding check_served_scene(const ServerDoctorOptions& options) {
     finding.cure = "add a light with --light or --sun, or run clients without a server";
   }
   return finding;
+}
+
+/// Whether clients find the server by --server auto.
+Finding check_announcement() {
+  if (const Expected<void> works = can_announce(); !works)
+    return {Severity::Warn, "announcement", works.error().what + ": clients need the address of this server",
+            "give clients the address, or install avahi-daemon (sudo apt install avahi-daemon)"};
+  return {Severity::Ok, "announcement",
+          "avahi-daemon runs: clients on this network find the server with --server auto"};
 }
 
 /// The port, and the firewall before it. Reading firewall rules takes root, so that check only gives advice.
@@ -43,7 +53,8 @@ Findings check_port(const std::string& address) {
                        "--add-port={0}/udp (and the same for tcp, if clients fetch the scene), and test with "
                        "vr_client doctor --server HOST:{0} on a client's "
                        "machine",
-                       local.port)}};
+                       local.port)},
+          check_announcement()};
 }
 
 }  // namespace

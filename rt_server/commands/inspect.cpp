@@ -100,7 +100,7 @@ std::string offers_in_words(const ordered_json& facts) {
     if (names.size() < (kind == std::string_view("variants") ? 1u : 2u)) continue;
     text += fmt::format("  {:<10}", kind);
     for (std::size_t i = 0; i < names.size(); ++i)
-      text += fmt::format("{} {} '{}'", i ? "," : "", i, gltf::printable(names[i].get<std::string>()));
+      text += fmt::format("{} {} '{}'", i ? "," : "", i, printable(names[i].get<std::string>()));
     text +=
         kind == std::string_view("scenes")
             ? fmt::format("; scene {} is shown (--scene-index)\n", facts["scene"].get<int>())
@@ -125,7 +125,7 @@ std::string in_words(const ordered_json& facts) {
   text += offers_in_words(facts);
   for (const ordered_json& light : facts["lights"])
     text += fmt::format("  light      {} '{}', intensity {}{}{}\n", light["kind"].get<std::string>(),
-                        gltf::printable(light["name"].get<std::string>()), point_words(light["intensity"]),
+                        printable(light["name"].get<std::string>()), point_words(light["intensity"]),
                         light["casts"].get<bool>() ? "" : ", reaches nothing",
                         light["moves"].get<bool>() ? ", moves" : "");
   text += number("moving_instances") == 0 && facts["animation_s"].get<double>() == 0

@@ -11,4 +11,7 @@ namespace farshade {
 /// interfaces that are down. Empty if there are none.
 [[nodiscard]] std::vector<Peer> local_addresses(std::uint16_t port);
 
+/// The index of the interface that has the address of `peer`; 0 if none has it.
+[[nodiscard]] std::uint32_t interface_of(const Peer& peer);
+
 }  // namespace farshade

@@ -54,7 +54,7 @@ Expected<Scene> load_scene_from_memory(std::span<const std::byte> file, const st
   try {
     return load(file, folder, limits, choice, list);
   } catch (const std::exception& refusal) {
-    return fail(Fault::Malformed, "cannot be loaded: " + gltf::printable(refusal.what()));
+    return fail(Fault::Malformed, "cannot be loaded: " + printable(refusal.what()));
   }
 }
 

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "stereo/base/expected.h"
+#include "stereo/base/printable.h"
 
 namespace farshade::gltf {
 
@@ -229,14 +230,6 @@ struct Document {
   Index chosen_camera;                ///< node (choose_camera); none: the reference camera
   std::vector<std::string> warnings;  ///< what is not drawn as the file says, one sentence each
 };
-
-/// Text from the file for an error message: at most 80 characters, with ? for everything but printable ASCII.
-[[nodiscard]] inline std::string printable(std::string_view text) {
-  std::string result(text.substr(0, 80));
-  std::replace_if(
-      result.begin(), result.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return result;
-}
 
 /// "mesh 3 'chair'", or "mesh 3" without a name.
 [[nodiscard]] inline std::string label(std::string_view kind, std::size_t index, std::string_view name = {}) {

@@ -454,6 +454,49 @@ TEST(ClientProgram, EndsAtOnceAfterCtrlCWhileItWaitsForTheServer) {
   server.program().send(SIGCONT);
 }
 
+TEST(ClientProgram, EndsAReplayAfterASignalWithItsStatus) {
+  const ScratchFolder folder;
+  const std::string capture = (folder.path() / "run.capture").string();
+  const RunningServer server;
+  const Ended run = run_client({{"--server", server.address()},
+                                {"--frames", "400"},
+                                {"--record", capture},
+                                {"--reference-every", "0"},
+                                {"--out", (folder.path() / "run").string()}});
+  ASSERT_EQ(run.status, 0) << run.errors;
+  for (const auto& [signal, status] : {std::pair(SIGINT, 130), std::pair(SIGTERM, 143)}) {
+    const std::filesystem::path out = folder.path() / std::to_string(status);
+    ChildProgram replay({"/usr/bin/env", "LSAN_OPTIONS=detect_leaks=0", VR_CLIENT, "--scene", kRoom,
+                         "--replay", capture, "--out", out.string()});
+    ASSERT_TRUE(replay.error_line_after("frame 40 of 400"));
+    replay.send(signal);
+    const std::string errors = replay.errors();
+    EXPECT_EQ(replay.wait(), status) << errors;
+    EXPECT_NE(errors.find(" of 400 frames; " + out.string() + " has the reports"), std::string::npos)
+        << errors;
+    EXPECT_EQ(summary_row(out, "run", "interrupted")[0], 1);
+    EXPECT_LT(read_csv(out / "frames.csv").at("frame").size(), 400u);
+  }
+}
+
+/// The reference of a dump takes longer than a frame's time, and that of each measured frame nearly as long.
+TEST(ClientProgram, DumpsAndWritesPicturesOutsideOfARealClock) {
+  const ScratchFolder folder;
+  const Ended run = run_client({{"--mode", "local"},
+                                {"--clock", "real"},
+                                {"--size", "192x192"},
+                                {"--frames", "5"},
+                                {"--refresh", "2"},
+                                {"--dump", "2"},
+                                {"--pictures", "5"},
+                                {"--reference-samples", "8"},
+                                {"--out", folder.path().string()}});
+  EXPECT_EQ(run.status, 0) << run.errors;
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "dump/frame_0002/views.json"));
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "frame_0005_left.png"));
+  EXPECT_EQ(read_csv(folder.path() / "frames.csv").at("frame").size(), 5u) << "no display time was missed";
+}
+
 TEST(ClientProgram, PrintsTheVerdictFirstAndJsonAlone) {
   const ScratchFolder folder;
   const RunningServer server;

@@ -243,6 +243,10 @@ Played play(const Play& play, const Network& network) {
     const std::size_t half = played.frames.size() * 2 <= play.frames ? 0 : 1;
     played.heap_peak[half] = std::max<std::size_t>(played.heap_peak[half], mallinfo2().uordblks);
   };
+  if (play.start == Play::Start::DrawnAhead) {
+    if (draws_scene(play.mode.mode)) renderer.compile_ahead(play.carry_over, settings.report, Changes::Never);
+    draw_ahead(context, play.head.start() + play.skip);
+  }
   const Expected<void> shown = run(context, *make_pipeline(context), watch, [] { return false; });
   if (!shown) throw std::runtime_error(shown.error().what);
   played.log = report.log();

@@ -50,6 +50,10 @@ struct Play {
   SessionLimits limits{};
   const SceneLevels* levels = nullptr;  ///< the scene's levels of detail; null: full detail
   std::optional<float> detail_px{};     ///< limit of the geometric error of levels; 0: full detail
+  enum class Start : std::uint8_t {
+    Cold,
+    DrawnAhead
+  } start = Start::Cold;  ///< DrawnAhead: as with a real clock
 };
 
 struct PlayedFrame {

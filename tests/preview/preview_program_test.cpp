@@ -395,11 +395,19 @@ TEST_F(PreviewProgram, FinishesItsRecordingsWhenInterrupted) {
   screen_.press("d");
   ASSERT_TRUE(changes(3));
   program_->send(SIGINT);
-  ASSERT_EQ(end(), 0) << errors_;
+  ASSERT_EQ(end(), 130) << errors_;
   const auto recording = load_head_recording(out_ / "head_0001.csv");
   ASSERT_TRUE(recording) << recording.error().what;
   EXPECT_GE(recording->samples.size(), 3);
   EXPECT_GE(replay(out_ / "capture_0001.farshade", out_ / "replay").left.size(), 3);
+}
+
+TEST_F(PreviewProgram, EndsWith143AfterSIGTERM) {
+  open();
+  program_->send(SIGTERM);
+  EXPECT_EQ(end(), 143) << errors_;
+  EXPECT_NE(errors_.find("interrupted; recordings are finished in " + out_.string()), std::string::npos)
+      << errors_;
 }
 
 TEST_F(PreviewProgram, CapturesAndTimesItsFirstMessages) {

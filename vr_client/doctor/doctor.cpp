@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <optional>
 
+#include "stereo/announce/find_server.h"
 #include "stereo/gpu/device.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/udp.h"
@@ -131,6 +132,14 @@ Finding check_offer(const std::string& server, const SharedKey& key) {
                       files.size() == 1 ? "file" : "files", static_cast<double>(total_bytes(files)) * 1e-6)};
 }
 
+/// The finding about the server that announces itself. `server` becomes its address, or empty.
+Finding find_announced(std::string& server) {
+  const Expected<FoundServer> found = find_server(server);
+  server = found ? address_text(found->address) : "";
+  if (!found) return {Severity::Fail, "announcement", found.error().what, "see the sentence before"};
+  return {Severity::Ok, "announcement", "found " + in_words(*found)};
+}
+
 }  // namespace
 
 void add_doctor(CLI::App& program, ClientDoctorOptions& options) {
@@ -140,7 +149,8 @@ void add_doctor(CLI::App& program, ClientDoctorOptions& options) {
                              "cures. Exit status 1 if a check FAILs.");
   command->add_option("--key", options.key,
                       "key file to check (default: " + default_key_path().string() + ")");
-  command->add_option("--server", options.server, "address of an rt_server to contact");
+  command->add_option("--server", options.server,
+                      "rt_server to contact: an address, or auto (see vr_client --help)");
   command->add_flag("--insecure", options.insecure, "contact a server that was started with --insecure");
   command->add_option("--scene", options.scene, "scene to load, and to compare with the server's scene");
   add_lighting_options(*command, options.lighting);
@@ -157,15 +167,16 @@ Findings examine(const ClientDoctorOptions& options) {
   const std::filesystem::path path =
       options.key.empty() ? default_key_path() : std::filesystem::path(options.key);
   if (!options.insecure) findings.push_back(check_key_file(path, KeyFile::OfClient));
-  if (options.server.empty()) return findings;
+  std::string server = options.server;
+  if (is_search(server)) findings.push_back(find_announced(server));
+  if (server.empty()) return findings;
   const Expected<SharedKey> key = options.insecure ? insecure_key() : load_key(path);
   if (key) {
-    findings.push_back(check_server({options.server, *key, scene}));
+    findings.push_back(check_server({server, *key, scene}));
     if (findings.back().severity == Severity::Ok && options.scene.empty())
-      findings.push_back(check_offer(options.server, *key));
+      findings.push_back(check_offer(server, *key));
   } else {
-    findings.push_back({Severity::Fail, "server",
-                        options.server + " was not contacted, because there is no key",
+    findings.push_back({Severity::Fail, "server", server + " was not contacted, because there is no key",
                         "see the line about the key file"});
   }
   return findings;

@@ -12,6 +12,11 @@ class Full final : public ModePipeline {
  public:
   explicit Full(const RunContext& context) : context_(context) {}
 
+  void draw_ahead(const FrameInputs& inputs) override {
+    collect(inputs);
+    static_cast<void>(draw(inputs));
+  }
+
   const FrameRequest* request(const FrameInputs&) override { return nullptr; }
 
   void collect(const FrameInputs& inputs) override {
@@ -41,6 +46,7 @@ class Local final : public ModePipeline {
  public:
   explicit Local(const RunContext& context) : context_(context) {}
 
+  void draw_ahead(const FrameInputs& inputs) override { static_cast<void>(draw(inputs)); }
   const FrameRequest* request(const FrameInputs&) override { return nullptr; }
   void collect(const FrameInputs&) override {}
 
@@ -80,6 +86,13 @@ std::unique_ptr<ModePipeline> make_pipeline(const RunContext& context) {
   }
   check(false, "every mode has a pipeline");
   return nullptr;
+}
+
+void draw_ahead(const RunContext& context, Time first_display_time) {
+  const FrameRequest shown{FrameId{}, first_display_time, Time{},
+                           context.runtime.locate_views(first_display_time), context.settings.lights};
+  const SceneState state = state_at(context.scene, shown.scene_time, shown.lights);
+  make_pipeline(context)->draw_ahead({shown, state, Duration{}, context.settings});
 }
 
 }  // namespace farshade

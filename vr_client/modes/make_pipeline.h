@@ -18,4 +18,7 @@ namespace farshade {
 /// The pipeline of context.mode.
 [[nodiscard]] std::unique_ptr<ModePipeline> make_pipeline(const RunContext& context);
 
+/// Calls ModePipeline::draw_ahead for the views of the first display time, before a real clock begins.
+void draw_ahead(const RunContext& context, Time first_display_time);
+
 }  // namespace farshade

@@ -15,6 +15,17 @@ class ServerGBuffer final : public ModePipeline {
   explicit ServerGBuffer(const RunContext& context)
       : context_(context), exchange_(context.link, context.policy, context.settings.request) {}
 
+  void draw_ahead(const FrameInputs& inputs) override {
+    const StereoView& views = inputs.shown.views;
+    GBufferPlanes empty;
+    for (const PlaneKind kind : kGBufferKinds)
+      for (PixelPlane& plane : planes_of(empty, kind))
+        plane = {views[0].size, kind == PlaneKind::BaseColor ? 3u : 4u};
+    context_.renderer.draw_received(empty,
+                                    {.views = views, .state = inputs.state, .masks = {}, .carry_over = {}});
+    context_.renderer.turn_shown(views, views);
+  }
+
   const FrameRequest* request(const FrameInputs& inputs) override {
     const FrameRequest* const request = exchange_.plan(inputs, {.kind = Answer::GBuffer});
     exchange_.send(inputs);

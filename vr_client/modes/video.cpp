@@ -151,6 +151,7 @@ class Remote final : public ModePipeline {
  public:
   explicit Remote(const RunContext& context) : context_(context), stream_(context, Answer::Video) {}
 
+  void draw_ahead(const FrameInputs& inputs) override { static_cast<void>(draw(inputs)); }
   const FrameRequest* request(const FrameInputs& inputs) override { return stream_.request(inputs); }
   void collect(const FrameInputs& inputs) override { stream_.collect(inputs); }
 
@@ -175,6 +176,14 @@ class Remote final : public ModePipeline {
 class Delta final : public ModePipeline {
  public:
   explicit Delta(const RunContext& context) : context_(context), stream_(context, Answer::Difference) {}
+
+  void draw_ahead(const FrameInputs& inputs) override {
+    static_cast<void>(draw(inputs));
+    const StereoView& views = inputs.shown.views;
+    context_.renderer.draw_with_difference(
+        {.views = views, .state = inputs.state, .masks = {}, .carry_over = {}},
+        {Image<Rgb8>(views[0].size), Image<Rgb8>(views[1].size)}, views);
+  }
 
   const FrameRequest* request(const FrameInputs& inputs) override { return stream_.request(inputs); }
   void collect(const FrameInputs& inputs) override { stream_.collect(inputs); }

@@ -51,7 +51,8 @@ std::vector<Fact> in_words(const PixelFacts& facts, const Scene& scene, const Li
     const auto [x, y] = report.positions.at(0);
     words.push_back({"found at", fmt::format("{:.2f}, {:.2f} of that mask", x, y)});
   }
-  words.push_back({"rays", fmt::format("{} of {} lights reach it", report.rays.at(0), report.mask.lights())});
+  words.push_back({"lit at most by", fmt::format("{} of {} lights, a shadow ray each", report.rays.at(0),
+                                                 report.mask.lights())});
   for (std::uint32_t i = 0; i < report.mask.lights(); ++i) {
     const std::string& name = scene.lights[i].name;
     words.push_back({name.empty() ? fmt::format("light {}", i) : name,

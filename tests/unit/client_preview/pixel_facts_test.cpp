@@ -51,7 +51,7 @@ TEST(PixelFacts, NameSurfaceSourceAndEveryLight) {
                                {"source", "mask of this eye, 1 older"},
                                {"age", "35 ms"},
                                {"found at", "7.25, 8.50 of that mask"},
-                               {"rays", "2 of 3 lights reach it"},
+                               {"lit at most by", "2 of 3 lights, a shadow ray each"},
                                {"light 0", "lit"},
                                {"lamp", "in shadow, unknown: a guess"},
                                {"light 2", "40 % lit, outdated"}}));
