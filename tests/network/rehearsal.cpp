@@ -188,6 +188,15 @@ std::unique_ptr<Renderer> renderer_for(const Play& play, std::uint32_t in_flight
       detail_px > 0 ? *play.levels : SceneLevels{});
 }
 
+RunReportOptions measuring_of(const Play& play) {
+  return {.out = {},
+          .frame_count = play.frames,
+          .reference_every = play.reference_every,
+          .pictures = 0,
+          .dump = {},
+          .reference_samples = play.reference_samples};
+}
+
 }  // namespace
 
 Played play(const Play& play, const Network& network) {
@@ -216,12 +225,7 @@ Played play(const Play& play, const Network& network) {
     moved = clock.now();
     wire.move_client(0);
   });
-  const RunReportOptions measuring{.out = {},
-                                   .frame_count = play.frames,
-                                   .reference_every = play.reference_every,
-                                   .pictures = 0,
-                                   .dump = {},
-                                   .reference_samples = play.reference_samples};
+  const RunReportOptions measuring = measuring_of(play);
   RunReport report(measuring, renderer, reference ? &*reference : nullptr);
   const FrameSettings settings{.request = play.request,
                                .carry_over = play.carry_over,
