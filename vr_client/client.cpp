@@ -196,7 +196,10 @@ std::future<Expected<void>> open_tracers_meanwhile(const Options& options, Mode 
                     [&options, mode, &client] { return open_tracers(options, mode, client); });
 }
 
-Expected<void> meet(const Options& options, Client& client, LinkListener listener) {
+namespace {
+
+/// Makes the link to `client.server` and greets it. Missing if it does not answer.
+Expected<void> greet(const Options& options, Client& client, LinkListener listener) {
   const Expected<SharedKey> key = key_for(options, client.server);
   if (!key) return tl::unexpected(key.error());
   client.link =
@@ -213,11 +216,23 @@ Expected<void> meet(const Options& options, Client& client, LinkListener listene
         Fault::OutOfRange,
         fmt::format("the server traces at most {} pixels per eye (rt_server --pixels), but --size needs {}",
                     client.link->inbox().most_pixels(), options.size.pixels()));
-  if (!met) {
-    if (met.error().fault == Fault::Mismatch || client.link->refused()) return met;
-    spdlog::warn("{}; the client starts without its shadows and keeps trying", met.error().what);
-  }
+  return met;
+}
+
+/// Lets a client start whose link has met nobody, unless the server has refused it.
+Expected<void> allow_silence(const Client& client, Expected<void> met) {
+  const bool keeps_trying = !met && client.link && !client.link->refused() &&
+                            (met.error().fault == Fault::Missing || met.error().fault == Fault::Unavailable);
+  if (!keeps_trying) return met;
+  spdlog::warn("{}; the client starts without its shadows and keeps trying", met.error().what);
   return {};
+}
+
+}  // namespace
+
+Expected<void> meet(const Options& options, Client& client, LinkListener listener) {
+  client.link.reset();
+  return allow_silence(client, greet(options, client, std::move(listener)));
 }
 
 Expected<void> open_link(const Options& options, Client& client, LinkListener listener) {
@@ -228,12 +243,25 @@ Expected<void> open_link(const Options& options, Client& client, LinkListener li
   }
   const Expected<LinkModel> model = network_of(options);
   if (!model) return tl::unexpected(model.error());
-  Expected<UdpClient> udp = server_address(options.server).and_then(connect_udp);
-  if (!udp) return tl::unexpected(udp.error());
-  client.server = udp->server;
-  client.network = impaired(std::move(udp->port), *model, client.clock,
-                            [&clock = client.clock](Time steady) { return clock.at(steady); });
-  return meet(options, client, std::move(listener));
+  const auto servers = server_address(options.server).and_then(resolve_udp);
+  if (!servers) return tl::unexpected(servers.error());
+  Expected<void> met;
+  for (const Peer& server : *servers) {
+    Expected<UdpClient> udp = connect_udp(server);
+    if (!udp) {
+      met = tl::unexpected(udp.error());
+      continue;
+    }
+    client.link.reset();
+    client.server = server;
+    client.network = impaired(std::move(udp->port), *model, client.clock,
+                              [&clock = client.clock](Time steady) { return clock.at(steady); });
+    met = greet(options, client, listener);
+    const bool is_silent = !met && client.link && met.error().fault == Fault::Missing;
+    if (!is_silent || server == servers->back()) break;
+    spdlog::info("{} does not answer; trying the next address of {}", to_string(server), options.server);
+  }
+  return allow_silence(client, std::move(met));
 }
 
 CaptureHeader header_of(const Options& options, const Client& client, const MaskPolicy& policy) {

@@ -9,6 +9,7 @@
 #include <charconv>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "stereo/base/check.h"
 #include "stereo/base/expected.h"
@@ -70,21 +71,36 @@ struct HostPort {
                   std::to_string(without_port));
 }
 
+/// All addresses of a name, at least one, in the order in which the system prefers them.
 template <class Protocol>
-[[nodiscard]] Expected<asio::ip::basic_endpoint<Protocol>> resolve_address(
+[[nodiscard]] Expected<std::vector<asio::ip::basic_endpoint<Protocol>>> resolve_all(
     asio::io_context& context, std::string_view address, std::uint16_t without_port = kDefaultPort) {
   const Expected<HostPort> parts = split_address(address, without_port);
   if (!parts) return tl::unexpected(parts.error());
   asio::error_code error;
   asio::ip::basic_resolver<Protocol> resolver(context);
   const auto found = resolver.resolve(parts->host, parts->port, error);
-  if (!error && !found.empty()) return found.begin()->endpoint();
+  if (!error && !found.empty()) {
+    std::vector<asio::ip::basic_endpoint<Protocol>> endpoints;
+    for (const auto& entry : found)
+      if (std::ranges::find(endpoints, entry.endpoint()) == endpoints.end())
+        endpoints.push_back(entry.endpoint());
+    return endpoints;
+  }
   const std::string cure = "give its IP address instead (hostname -I prints it on that machine)";
   return fail(Fault::Missing,
               error == asio::error::host_not_found_try_again
                   ? "no name server answers for the host '" + parts->host +
                         "': check this machine's network, or " + cure
                   : "no host named '" + parts->host + "' is known: check the spelling, or " + cure);
+}
+
+template <class Protocol>
+[[nodiscard]] Expected<asio::ip::basic_endpoint<Protocol>> resolve_address(
+    asio::io_context& context, std::string_view address, std::uint16_t without_port = kDefaultPort) {
+  return resolve_all<Protocol>(context, address, without_port).map([](const auto& all) {
+    return all.front();
+  });
 }
 
 }  // namespace farshade

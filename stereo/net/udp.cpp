@@ -282,17 +282,31 @@ Expected<std::unique_ptr<DatagramPort>> listen_udp(std::string_view address) {
   return bound_port(std::move(context), *endpoint);
 }
 
-Expected<UdpClient> connect_udp(std::string_view address) {
-  auto context = std::make_unique<asio::io_context>();
-  const Expected<Endpoint> server = resolve_address<udp>(*context, address);
-  if (!server) return tl::unexpected(server.error());
-  if (server->port() == 0 || server->address().is_unspecified())
-    return fail(Fault::Malformed,
-                "'" + std::string(address) + "' is no address to talk to: name a host and its port");
-  Expected<std::unique_ptr<UdpPort>> port = bound_port(std::move(context), Endpoint(server->protocol(), 0));
+Expected<std::vector<Peer>> resolve_udp(std::string_view address) {
+  asio::io_context context;
+  const auto endpoints = resolve_all<udp>(context, address);
+  if (!endpoints) return tl::unexpected(endpoints.error());
+  std::vector<Peer> peers;
+  for (const Endpoint& endpoint : *endpoints) {
+    if (endpoint.port() == 0 || endpoint.address().is_unspecified())
+      return fail(Fault::Malformed,
+                  "'" + std::string(address) + "' is no address to talk to: name a host and its port");
+    peers.push_back(peer_of(endpoint));
+  }
+  return peers;
+}
+
+Expected<UdpClient> connect_udp(const Peer& server) {
+  const udp family = is_v4(server) ? udp::v4() : udp::v6();
+  Expected<std::unique_ptr<UdpPort>> port =
+      bound_port(std::make_unique<asio::io_context>(), Endpoint(family, 0));
   if (!port) return tl::unexpected(port.error());
-  (*port)->talk_to(peer_of(*server));
-  return UdpClient{std::move(*port), peer_of(*server)};
+  (*port)->talk_to(server);
+  return UdpClient{std::move(*port), server};
+}
+
+Expected<UdpClient> connect_udp(std::string_view address) {
+  return resolve_udp(address).and_then([](const std::vector<Peer>& all) { return connect_udp(all.front()); });
 }
 
 }  // namespace farshade

@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "stereo/base/expected.h"
 #include "stereo/net/datagram.h"
@@ -24,8 +25,15 @@ struct UdpClient {
   Peer server;
 };
 
-/// Opens a port, chosen by the system, that talks to `address`. It sends nothing, so it does not know whether
+/// The addresses to talk to that a name stands for, at least one, in the order in which the system prefers
+/// them. Without a port it is kDefaultPort. It may wait for a name server.
+[[nodiscard]] Expected<std::vector<Peer>> resolve_udp(std::string_view address);
+
+/// Opens a port, chosen by the system, that talks to `server`. It sends nothing, so it does not know whether
 /// somebody listens there.
+[[nodiscard]] Expected<UdpClient> connect_udp(const Peer& server);
+
+/// The same for the first address of a name.
 [[nodiscard]] Expected<UdpClient> connect_udp(std::string_view address);
 
 }  // namespace farshade

@@ -1,6 +1,7 @@
 #include "tests/integration/client_program.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
@@ -495,6 +496,28 @@ TEST(ClientProgram, DumpsAndWritesPicturesOutsideOfARealClock) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "dump/frame_0002/views.json"));
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "frame_0005_left.png"));
   EXPECT_EQ(read_csv(folder.path() / "frames.csv").at("frame").size(), 5u) << "no display time was missed";
+}
+
+TEST(ClientProgram, UsesTheAddressOfANameThatAnswers) {
+  if (geteuid() != 0) GTEST_SKIP() << "a file of host names of its own needs root";
+  const RunningServer server(kRoom, "127.0.0.2:0");
+  const std::string port = server.address().substr(server.address().rfind(':'));
+  const ScratchFolder folder;
+  const std::string hosts = (folder.path() / "hosts").string();
+  std::ofstream(hosts) << "127.0.0.1 farserver\n127.0.0.2 farserver\n";
+  std::vector<std::string> arguments{"/usr/bin/unshare", "--mount", "/bin/sh", "-ec",
+                                     "mount --bind " + hosts + " /etc/hosts; exec \"$0\" \"$@\""};
+  for (const std::string& word : client_arguments({{"--server", "farserver" + port},
+                                                   {"--frames", "3"},
+                                                   {"--reference-every", "0"},
+                                                   {"--out", (folder.path() / "out").string()}}))
+    arguments.push_back(word);
+  ChildProgram client(arguments);
+  const std::string errors = client.errors();
+  EXPECT_EQ(client.wait(), 0) << errors << "0: masks came";
+  EXPECT_NE(errors.find("127.0.0.1" + port + " does not answer; trying the next address of farserver"),
+            std::string::npos)
+      << errors;
 }
 
 TEST(ClientProgram, PrintsTheVerdictFirstAndJsonAlone) {
