@@ -31,8 +31,8 @@ std::vector<FoundServer> merged(std::vector<FoundServer> found) {
     return std::tuple(std::string_view(a.name), rank(a.address), a.address) <
            std::tuple(std::string_view(b.name), rank(b.address), b.address);
   });
-  const auto rest = std::ranges::unique(found, {}, &FoundServer::name);
-  found.erase(rest.begin(), rest.end());
+  const auto same_name = [](const FoundServer& a, const FoundServer& b) { return a.name == b.name; };
+  found.erase(std::unique(found.begin(), found.end(), same_name), found.end());
   return found;
 }
 

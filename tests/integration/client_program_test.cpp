@@ -485,12 +485,12 @@ TEST(ClientProgram, DumpsAndWritesPicturesOutsideOfARealClock) {
   const ScratchFolder folder;
   const Ended run = run_client({{"--mode", "local"},
                                 {"--clock", "real"},
-                                {"--size", "192x192"},
+                                {"--size", "128x128"},
                                 {"--frames", "5"},
                                 {"--refresh", "2"},
                                 {"--dump", "2"},
                                 {"--pictures", "5"},
-                                {"--reference-samples", "8"},
+                                {"--reference-samples", "4"},
                                 {"--out", folder.path().string()}});
   EXPECT_EQ(run.status, 0) << run.errors;
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "dump/frame_0002/views.json"));

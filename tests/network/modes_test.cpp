@@ -87,23 +87,6 @@ TEST_P(EveryMode, ShowsThePictureOfFullIfNothingIsLate) {
   EXPECT_EQ(setup().device.validation_log->messages(), std::vector<std::string>{});
 }
 
-/// No display time of a real clock waits for a compiler.
-TEST_P(EveryMode, CompilesNothingAfterItHasDrawnAhead) {
-  const ModeSettings& mode = GetParam().mode;
-  if (set_of(Answer::Video) & answers_for(mode.mode) && !has_video()) GTEST_SKIP() << video_version();
-  Play play = play_of(mode, 8);
-  play.reference_every = 0;  // comparisons of a real clock come after the run
-  play.start = Play::Start::DrawnAhead;
-  const Played played = farshade::play(play, {.name = "delay=25ms", .model = {.delay = 25ms}});
-  EXPECT_TRUE(std::ranges::any_of(played.log.records(), [](auto& record) { return !record.start_up; }));
-  ASSERT_EQ(played.frames.size(), 8u);
-  for (const PlayedFrame& frame : played.frames) EXPECT_EQ(frame.pipelines, played.frames.front().pipelines);
-  play.start = Play::Start::Cold;
-  play.frames = 1;
-  const Played cold = farshade::play(play, {.name = "none", .model = {}});
-  EXPECT_GE(played.frames.front().pipelines, cold.frames.front().pipelines);
-}
-
 // Exact masks give 50 dB. Positions come from the rasteriser, which at an edge sees another surface than a
 // ray; PositionsMode tests the effect. Video and shadow maps have limits of their own.
 INSTANTIATE_TEST_SUITE_P(Modes, EveryMode,
@@ -329,6 +312,29 @@ TEST_P(EveryVideoMode, FreshPicturesGoOnWithoutKeyFramesAfterLosses) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Modes, EveryVideoMode, testing::Values(Mode::Remote, Mode::Delta), mode_name);
+
+class DrawnAhead : public testing::TestWithParam<Mode> {};
+
+/// No display time of a real clock waits for a compiler.
+TEST_P(DrawnAhead, CompilesNothingLater) {
+  const ModeSettings mode{.mode = GetParam()};
+  if (set_of(Answer::Video) & answers_for(mode.mode) && !has_video()) GTEST_SKIP() << video_version();
+  Play play = play_of(mode, 8);
+  play.reference_every = 0;  // comparisons of a real clock come after the run
+  play.start = Play::Start::DrawnAhead;
+  const Played played = farshade::play(play, {.name = "delay=25ms", .model = {.delay = 25ms}});
+  EXPECT_TRUE(std::ranges::any_of(played.log.records(), [](auto& record) { return !record.start_up; }));
+  ASSERT_EQ(played.frames.size(), 8u);
+  for (const PlayedFrame& frame : played.frames) EXPECT_EQ(frame.pipelines, played.frames.front().pipelines);
+  play.start = Play::Start::Cold;
+  play.frames = 1;
+  const Played cold = farshade::play(play, {.name = "none", .model = {}});
+  EXPECT_GE(played.frames.front().pipelines, cold.frames.front().pipelines);
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, DrawnAhead,
+                         testing::Values(Mode::Remote, Mode::ServerGBuffer, Mode::Delta, Mode::Full),
+                         mode_name);
 
 /// The reference's rays and the client's rasteriser disagree about pixels through which the edge of an object
 /// or a shadow runs: the oracle's band. Elsewhere masks of positions are exact.

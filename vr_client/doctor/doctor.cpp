@@ -136,7 +136,12 @@ Finding check_offer(const std::string& server, const SharedKey& key) {
 Finding find_announced(std::string& server) {
   const Expected<FoundServer> found = find_server(server);
   server = found ? address_text(found->address) : "";
-  if (!found) return {Severity::Fail, "announcement", found.error().what, "see the sentence before"};
+  if (!found) {
+    const std::string& what = found.error().what;
+    const std::size_t colon = what.find(": ");  // before the cure
+    return {Severity::Fail, "announcement", what.substr(0, colon),
+            colon == what.npos ? "give another name, or --server ADDRESS" : what.substr(colon + 2)};
+  }
   return {Severity::Ok, "announcement", "found " + in_words(*found)};
 }
 

@@ -27,9 +27,10 @@ Time RecordedHeadRuntime::display_time(std::uint32_t index) const {
 std::optional<FrameTiming> RecordedHeadRuntime::wait_frame() {
   if (next_ >= frame_count_) return std::nullopt;
   if (playback_.pace == Pace::Real) {
-    if (!started_) started_ = clock_.now();
+    const Time now = clock_.now();
+    if (!started_) started_ = now;  // so the first display time has not passed
     const auto due = [&](std::uint32_t index) { return *started_ + (display_time(index) - display_time(0)); };
-    while (next_ + 1 < frame_count_ && due(next_) < clock_.now()) ++next_, ++skipped_;
+    while (next_ + 1 < frame_count_ && due(next_) < now) ++next_, ++skipped_;
     std::this_thread::sleep_for(due(next_) - clock_.now());
   }
   return FrameTiming{display_time(next_++), Duration(std::llround(1e9 / playback_.refresh_hz))};

@@ -86,6 +86,7 @@ TEST(RecordedHeadRuntime, RealTimeShowsOrCountsEveryDisplayTime) {
   const std::vector<Time> times = display_times(runtime);
   EXPECT_GE(watch.elapsed(), 10ms);
   EXPECT_EQ(times.size() + runtime.skipped(), frame_count(recording, fast));
+  EXPECT_EQ(times.front(), kStart + 990ms) << "the clock begins with the first frame";
   EXPECT_EQ(times.back(), recording.end()) << "the last frame is shown even if it is late";
 }
 
