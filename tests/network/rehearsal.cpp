@@ -197,6 +197,14 @@ RunReportOptions measuring_of(const Play& play) {
           .reference_samples = play.reference_samples};
 }
 
+/// What the client does before a real clock begins.
+void prepare(const Play& play, const RunContext& context) {
+  if (play.start != Play::Start::DrawnAhead) return;
+  if (draws_scene(play.mode.mode))
+    context.renderer.compile_ahead(play.carry_over, context.settings.report, Changes::Never);
+  draw_ahead(context, play.head.start() + play.skip);
+}
+
 }  // namespace
 
 Played play(const Play& play, const Network& network) {
@@ -247,15 +255,11 @@ Played play(const Play& play, const Network& network) {
     const std::size_t half = played.frames.size() * 2 <= play.frames ? 0 : 1;
     played.heap_peak[half] = std::max<std::size_t>(played.heap_peak[half], mallinfo2().uordblks);
   };
-  if (play.start == Play::Start::DrawnAhead) {
-    if (draws_scene(play.mode.mode)) renderer.compile_ahead(play.carry_over, settings.report, Changes::Never);
-    draw_ahead(context, play.head.start() + play.skip);
-  }
+  prepare(play, context);
   const Expected<void> shown = run(context, *make_pipeline(context), watch, [] { return false; });
   if (!shown) throw std::runtime_error(shown.error().what);
   played.log = report.log();
-  played.client = link.counters();
-  played.server = server.core.counters();
+  played.client = link.counters(), played.server = server.core.counters();
   return played;
 }
 
