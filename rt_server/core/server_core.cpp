@@ -74,6 +74,7 @@ std::string counters_line(const ServerCounters& counters) {
          group("sessions", {{counters.sessions_open, "open"},
                             {sessions.forgotten, "timed out"},
                             {sessions.replaced, "replaced"},
+                            {sessions.displaced, "ended for a key with fewer"},
                             {sessions.withdrawn, "ended because their answer is no longer offered"},
                             {sessions.revoked, "ended because their key was taken out of the ring"},
                             {sessions.moved, "moved"}}) +

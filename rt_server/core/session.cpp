@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "stereo/base/check.h"
+#include "stereo/frame/tiles.h"
 
 namespace farshade {
 namespace {
@@ -21,6 +22,20 @@ std::uint64_t random_token() {
   std::uint64_t token = 0;
   while (token == 0) randombytes_buf(&token, sizeof token);
   return token;
+}
+
+/// The tiles that the messages of a request have, if each comes once: a position has three coordinates.
+std::size_t tiles_of(const FrameRequest& request) {
+  std::size_t tiles = 0;
+  for (const View& view : request.views) tiles += TileGrid{view.size}.count();
+  return request.answer.kind == Answer::MasksOfPositions ? 3 * tiles : tiles;
+}
+
+bool is_asked_of_clients(const PlaneSlice& slice) {
+  return slice.kind >= PlaneKind::PositionX;
+}
+bool is_asked_of_clients(const AskSlice&) {
+  return true;
 }
 
 }  // namespace
@@ -83,9 +98,9 @@ Decoded<ReceivedMessage> ClientSession::receive(const Peer& from, const Sealed& 
   const Decoded<ClientMessage> message = decode_client(*opened);
   if (!message) return refuse(message.error());
   if (const auto* slice = std::get_if<PlaneSlice>(&*message))
-    return receive_part(Answer::MasksOfPositions, slice->frame, *opened, now);
+    return receive_part(Answer::MasksOfPositions, *slice, *opened, now);
   if (const auto* slice = std::get_if<AskSlice>(&*message))
-    return receive_part(Answer::Masks, slice->frame, *opened, now);
+    return receive_part(Answer::Masks, *slice, *opened, now);
   const auto& request = std::get<RequestMessage>(*message);
   update_address(from, newest, request.probe_echo, reply);
   if (from == client_ && now - last_sent_ > kKeepaliveInterval) {
@@ -155,6 +170,7 @@ ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) 
   if (!is_surround) {
     requested_answer_ = answer;
     parts_bytes_ = 0;
+    tiles_left_ = tiles_of(message.request);
     part_arrived_ = now;
   }
   return superseded ? ReceivedMessage::Superseded : ReceivedMessage::NewRequest;
@@ -162,12 +178,17 @@ ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) 
 
 /// Stores the compressed message. It is unpacked when the request is answered, so that waiting messages take
 /// no more memory than they took on the wire.
-ReceivedMessage ClientSession::receive_part(Answer of, FrameId frame, std::span<const std::byte> message,
-                                            Time now) {
-  const bool fits = waiting_ && waiting_->request.frame == frame && waiting_->request.answer.kind == of &&
+template <class TileSlice>
+ReceivedMessage ClientSession::receive_part(Answer of, const TileSlice& slice,
+                                            std::span<const std::byte> message, Time now) {
+  const bool fits = waiting_ && waiting_->request.frame == slice.frame &&
+                    waiting_->request.answer.kind == of &&
                     waiting_->parts.size() < waiting_->request.answer.slices &&
-                    parts_bytes_ + message.size() <= kMostParts_bytes;
+                    parts_bytes_ + message.size() <= kMostParts_bytes &&
+                    slice.size == waiting_->request.views[index_of(slice.eye)].size &&
+                    slice.tile_count <= tiles_left_ && is_asked_of_clients(slice);
   if (!fits) return ReceivedMessage::Stray;
+  tiles_left_ -= slice.tile_count;
   waiting_->parts.emplace_back(message.begin(), message.end());
   parts_bytes_ += message.size();
   part_arrived_ = now;

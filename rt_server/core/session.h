@@ -28,7 +28,8 @@ struct Job {
   std::vector<std::vector<std::byte>> parts{};
 };
 
-/// Maximum total size of the messages that follow one request. The server drops messages beyond it.
+/// Maximum total size of the messages that follow one request. The server drops messages beyond it, and
+/// those with more tiles than the requested views have.
 inline constexpr std::size_t kMostParts_bytes = std::size_t{16} << 20;
 
 /// What an opened datagram of the client contained.
@@ -118,7 +119,7 @@ class ClientSession {
   /// Removes the waiting request. Only when is_ready().
   [[nodiscard]] Job take_job();
 
-  /// The session with the least Turn is served next.
+  /// Of the sessions of one key, the one with the least Turn is served next.
   struct Turn {
     Duration work{};           ///< spent on this client; a new client starts at the value of the others
     std::uint64_t served = 0;  ///< number of jobs of all clients when this one was last served, or came
@@ -144,7 +145,9 @@ class ClientSession {
   [[nodiscard]] std::optional<Job>& waiting_for(const FrameRequest& request);
   [[nodiscard]] std::optional<std::size_t> oldest_surround() const;
   [[nodiscard]] bool is_complete() const;
-  ReceivedMessage receive_part(Answer of, FrameId frame, std::span<const std::byte> message, Time now);
+  template <class TileSlice>
+  ReceivedMessage receive_part(Answer of, const TileSlice& slice, std::span<const std::byte> message,
+                               Time now);
   void update_address(const Peer& from, bool newest, std::uint64_t probe_echo, std::vector<std::byte>& probe);
   void seal_probe(std::uint64_t token, std::vector<std::byte>& probe);
   void update_interval(const FrameRequest& request, Time now);
@@ -177,6 +180,7 @@ class ClientSession {
   std::array<std::optional<FrameId>, kSurroundPairs> newest_surround_{};
   std::uint32_t overtaken_ = 0;  ///< other requests that were taken while the surround's waited
   std::size_t parts_bytes_ = 0;  ///< total size of waiting_->parts
+  std::size_t tiles_left_ = 0;   ///< that further parts may have: the worker decodes each
   Time part_arrived_{};          ///< arrival of the newest of them, or of their request
   std::uint32_t superseded_ = 0;
   LightChanges lights_;

@@ -1,6 +1,8 @@
 #include "rt_server/core/sessions.h"
 
 #include <algorithm>
+#include <map>
+#include <tuple>
 
 #include "stereo/base/check.h"
 #include "stereo/net/explain.h"
@@ -18,10 +20,14 @@ ClientEvent::Kind kind_of(std::optional<RefusalReason> refused, const ContentHas
 }  // namespace
 
 Sessions::Sessions(const Welcome& served, const std::vector<SharedKey>& ring, const SessionLimits& limits)
-    : served_(served), limits_(limits), gate_(ring, limits.handshakes_per_second) {
+    : served_(served),
+      limits_(limits),
+      gate_(ring, limits.handshakes_per_second),
+      ledger_(limits.handshakes_per_second) {
   check(limits.unconfirmed > kCookieLife && limits.silence > kCookieLife,
         "a session lives longer than a cookie: a repeated hello finds the session that it began");
   sessions_.reserve(limits.sessions);
+  ledger_.keep(gate_.ring());
 }
 
 Decoded<void> Sessions::handle(const Peer& from, std::span<const std::byte> datagram, Time now,
@@ -47,18 +53,24 @@ void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<cons
   if (gate_.counters().unknown_key != unknown_before)
     events_.push_back({ClientEvent::Kind::NotAdmitted, explain(hello.key, gate_.ring(), from), from});
   if (key == nullptr) return;
-  const auto known = std::ranges::find(sessions_, hello.client, &ClientSession::hello);
+  // Anybody can see the public key of a hello and send it under another key.
+  const auto known = std::ranges::find_if(sessions_, [&](const ClientSession& session) {
+    return session.hello() == hello.client && session.key() == hello.key;
+  });
   if (known != sessions_.end()) {
     ++counters_.repeated;
     answer.assign(known->accept_datagram().begin(), known->accept_datagram().end());
     return;
   }
-  if (!gate_.may_shake_hands(now)) return;
+  KeyAccount& account = ledger_.of(hello.key);
+  if (!gate_.may_shake_hands(account.handshakes, now)) return;
   std::optional<RefusalReason> refused;
+  const bool is_full = sessions_.size() == limits_.sessions;
+  const ClientSession* const displaced = is_full ? to_displace(hello.key) : nullptr;
   if (hello.scene_hash != served_.scene_hash) {
     refused = RefusalReason::SceneMismatch;
     ++counters_.scene_mismatch;
-  } else if (sessions_.size() == limits_.sessions) {
+  } else if (is_full && displaced == nullptr) {
     refused = RefusalReason::Busy;
     ++counters_.busy;
   }
@@ -70,9 +82,30 @@ void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<cons
   events_.push_back({kind_of(refused, hello.scene_hash), key->name, from});
   if (refused) return;
   ++counters_.welcomed;
+  if (displaced != nullptr) end_displaced(displaced->id());
   sessions_.emplace_back(*key, from, hello.client, *accepted, now,
                          RateLimits{.most = limits_.bytes_per_second}, served_);
-  sessions_.back().turn = {work_, jobs_};
+  sessions_.back().turn = {account.session_work, jobs_};
+}
+
+/// When the server is full: the newest session of the key with the most, if the newcomer's key then has no
+/// more than that key. Null if the newcomer must wait.
+const ClientSession* Sessions::to_displace(const KeyId& newcomer) const {
+  std::map<KeyId, std::size_t> sessions_of;
+  for (const ClientSession& session : sessions_) ++sessions_of[session.key()];
+  const std::size_t own = sessions_of[newcomer];
+  const auto most = std::ranges::max_element(sessions_of, {}, [](const auto& entry) { return entry.second; });
+  if (most->second < own + 2) return nullptr;
+  const ClientSession* newest = nullptr;
+  for (const ClientSession& session : sessions_)
+    if (session.key() == most->first && (newest == nullptr || session.began() >= newest->began()))
+      newest = &session;
+  return newest;
+}
+
+void Sessions::end_displaced(SessionId id) {
+  counters_.displaced += end_sessions(ClientEvent::Kind::Displaced,
+                                      [&](const ClientSession& session) { return session.id() == id; });
 }
 
 Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
@@ -135,6 +168,7 @@ void Sessions::offer(AnswerSet answers) {
 
 void Sessions::set_ring(const std::vector<SharedKey>& ring) {
   gate_.set_ring(ring);
+  ledger_.keep(gate_.ring());
   counters_.revoked += end_sessions(ClientEvent::Kind::Revoked, [&](const ClientSession& session) {
     return !gate_.ring().contains(session.key());
   });
@@ -142,19 +176,32 @@ void Sessions::set_ring(const std::vector<SharedKey>& ring) {
 
 std::optional<Job> Sessions::next_job(Time now) {
   ClientSession* next = nullptr;
+  const auto order = [&](const ClientSession& session) {
+    const KeyAccount& account = ledger_.of(session.key());
+    return std::tuple(account.work, account.served, session.turn);
+  };
   for (ClientSession& session : sessions_) {
     if (!session.is_ready(now)) continue;
-    session.turn.work = std::max(session.turn.work, work_);
-    if (next == nullptr || session.turn < next->turn) next = &session;
+    KeyAccount& account = ledger_.of(session.key());
+    account.work = std::max(account.work, work_);
+    session.turn.work = std::max(session.turn.work, account.session_work);
+    if (next == nullptr || order(session) < order(*next)) next = &session;
   }
   if (next == nullptr) return std::nullopt;
-  work_ = next->turn.work;
-  next->turn.served = ++jobs_;
+  KeyAccount& account = ledger_.of(next->key());
+  work_ = account.work;
+  account.session_work = next->turn.work;
+  account.served = next->turn.served = ++jobs_;
+  in_work_ = {next->id(), next->key()};
   return next->take_job();
 }
 
 void Sessions::put(SessionId id, std::span<const std::vector<std::byte>> messages, Duration work, Time now) {
   ClientSession* const session = find(id);
+  if (session != nullptr)
+    ledger_.of(session->key()).work += work;
+  else if (in_work_ && in_work_->first == id && gate_.ring().contains(in_work_->second))
+    ledger_.of(in_work_->second).work += work;
   if (session == nullptr) return;
   session->turn.work += work;
   const std::uint64_t before = session->held_back();
