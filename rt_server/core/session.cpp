@@ -40,32 +40,29 @@ bool is_asked_of_clients(const AskSlice&) {
 
 }  // namespace
 
-void Outbox::put(std::span<const std::vector<std::byte>> messages, Time now, Duration spread,
-                 double bytes_per_second) {
+void Outbox::put(std::span<const std::vector<std::byte>> messages, Time now, Duration spread) {
   check(empty(), "an outbox takes a frame only when it is empty");
-  check(bytes_per_second > 0, "the rate of a path is positive");
   if (messages.empty()) return;
   if (messages_.size() < messages.size()) messages_.resize(messages.size());
   count_ = messages.size();
   taken_ = 0;
-  const Duration share = spread / static_cast<Duration::rep>(messages.size());
-  Time due = std::max(now, drained_at_);
-  for (std::size_t i = 0; i < messages.size(); ++i) {
-    messages_[i].bytes.assign(messages[i].begin(), messages[i].end());
-    messages_[i].due = due;
-    const double sending_ms = 1e3 * static_cast<double>(messages[i].size()) / bytes_per_second;
-    due += std::max(share, duration_from_ms(sending_ms));
-  }
-  drained_at_ = due;
+  for (std::size_t i = 0; i < messages.size(); ++i)
+    messages_[i].assign(messages[i].begin(), messages[i].end());
+  share_ = spread / static_cast<Duration::rep>(messages.size());
+  next_due_ = std::max(now, next_due_);
 }
 
 std::optional<Time> Outbox::due() const {
-  return empty() ? std::nullopt : std::optional(messages_[taken_].due);
+  return empty() ? std::nullopt : std::optional(next_due_);
 }
 
-std::span<const std::byte> Outbox::take() {
+std::span<const std::byte> Outbox::take(double bytes_per_second) {
   check(!empty(), "a message is taken only if there is one");
-  return messages_[taken_++].bytes;
+  check(bytes_per_second > 0, "the rate of a path is positive");
+  const std::span<const std::byte> message = messages_[taken_++];
+  next_due_ +=
+      std::max(share_, duration_from_ms(1e3 * static_cast<double>(message.size()) / bytes_per_second));
+  return message;
 }
 
 ClientSession::ClientSession(const SharedKey& key, const Peer& client, const PublicKey& hello,
@@ -105,7 +102,7 @@ Decoded<ReceivedMessage> ClientSession::receive(const Peer& from, const Sealed& 
   update_address(from, newest, request.probe_echo, reply);
   if (from == client_ && now - last_sent_ > kKeepaliveInterval) {
     // A new token: the one that proves the candidate's address must not be sent to another address.
-    seal_probe(random_token(), reply);
+    rate_.sent(seal_probe(random_token(), reply), reply.size(), now);
     last_sent_ = now;
   }
   return receive(request, now);
@@ -122,6 +119,7 @@ void ClientSession::update_address(const Peer& from, bool newest, std::uint64_t 
   if (from == candidate_ && probe_echo == probe_token_) {
     client_ = from;
     candidate_.reset();
+    rate_ = RateControl(limits_);  // nothing is known about the new path
     return;
   }
   if (!newest) return;
@@ -129,12 +127,12 @@ void ClientSession::update_address(const Peer& from, bool newest, std::uint64_t 
     candidate_ = from;
     probe_token_ = random_token();
   }
-  seal_probe(probe_token_, probe);
+  rate_.sent_elsewhere(seal_probe(probe_token_, probe), last_received_);
 }
 
-void ClientSession::seal_probe(std::uint64_t token, std::vector<std::byte>& probe) {
+std::uint64_t ClientSession::seal_probe(std::uint64_t token, std::vector<std::byte>& probe) {
   encode(Probe{token}, message_);
-  rate_.sent(sealer_.seal(message_, probe), probe.size(), last_received_);
+  return sealer_.seal(message_, probe);
 }
 
 std::optional<ReceivedMessage> ClientSession::refuse_request(const FrameRequest& request) const {
@@ -250,13 +248,13 @@ void ClientSession::put(std::span<const std::vector<std::byte>> messages, Time n
   std::size_t bytes = 0;
   for (const std::vector<std::byte>& message : messages) bytes += message.size() + kSealing_bytes;
   if (rate >= limits_.most && static_cast<double>(bytes) > rate * seconds_of(interval_)) ++held_back_;
-  outbox_.put(messages, now, spread, rate);
+  outbox_.put(messages, now, spread);
   if (!job_is_surround_) quality_.packed(bytes, job_scale_, rate, interval_, now);
 }
 
 void ClientSession::seal_due(Time now, std::vector<std::byte>& datagram) {
   last_sent_ = now;
-  const std::uint64_t counter = sealer_.seal(outbox_.take(), datagram);
+  const std::uint64_t counter = sealer_.seal(outbox_.take(rate_.sending_bytes_per_second()), datagram);
   rate_.sent(counter, datagram.size(), now);
 }
 
