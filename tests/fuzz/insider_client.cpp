@@ -23,7 +23,7 @@ using fuzz::Bytes;
 namespace {
 
 constexpr std::uint32_t kPlaces = 5;  ///< addresses; the genuine client has the first
-constexpr std::size_t kMostSessions = 3;
+constexpr std::size_t kMostSessions = 6;
 constexpr int kMostSteps = 32;  ///< of at most 255 ms each, so that no session times out
 
 Welcome served_everything() {
@@ -56,6 +56,8 @@ AnswerCost answer(const Job& job, FramePacker& packer) {
     check(view.size.pixels() <= served_everything().most_pixels, "no view is larger than allowed");
     most += TileGrid{view.size}.count();
   }
+  check(!is_drawn(job.request.answer.kind) || job.request.views[0].size == job.request.views[1].size,
+        "pictures have one size");
   check(tiles_of(job) <= 3 * most, "no more tiles than the views have");
   check(job.parts.size() <= job.request.answer.slices, "no more parts than announced");
   if (job.request.answer.kind != Answer::Masks) return {};

@@ -25,6 +25,15 @@ Bytes encoded(const ServerMessage& message) {
   return bytes;
 }
 
+/// All tiles of one plane of a G-buffer.
+Bytes plane_of(FrameId frame) {
+  PixelPlane plane({18, 10}, 3);
+  for (std::size_t i = 0; i < plane.words.size(); ++i) plane.words[i] = static_cast<std::uint32_t>(37 * i);
+  PlanePacker packer;
+  packer.start(frame, Side::Left, PlaneKind::BaseColor, plane);
+  return encoded(*packer.next());
+}
+
 class Conversation {
  public:
   Conversation();
@@ -95,8 +104,7 @@ Bytes Conversation::genuine(fuzz::Choices& choices) const {
     case 0:
       return encoded(Probe{1 + choices.up_to(3)});
     case 1:
-      return encoded(
-          PlaneSlice{.frame = frame, .size = {18, 10}, .word_bytes = 3, .tile_count = 2, .block = block});
+      return plane_of(frame);
     case 2:
       return encoded(VideoPart{.frame = frame, .after = frame, .bytes = block});
     case 3:
@@ -144,6 +152,9 @@ void Conversation::check_client() const {
         for (std::uint32_t x = 0; x < mask.size().width; ++x)
           check((mask.word(x, y, 0) & ~mask.layout().used_bits(0)) == 0, "no bit is set without a light");
     }
+    const Answer kind = record->request.answer.kind;
+    check(kind == Answer::GBuffer || record->gbuffer.tiles_known == 0, "planes come of a request for them");
+    check(is_video(kind) || record->video.parts_known == 0, "video comes of a request for it");
     check(record->gbuffer.tiles_known <= record->gbuffer.tiles, "tiles of planes count once");
     check(record->video.parts_known <= record->video.known.size(), "parts count once");
     check(record->video.unit.size() <= kMostVideoParts * kVideoPart_bytes, "a unit is bounded");
