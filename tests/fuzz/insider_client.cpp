@@ -91,7 +91,7 @@ class Conversation {
   std::optional<fuzz::GenuineClient> good_;
   std::array<std::optional<link_test::PortClient>, kPlaces> evil_;
   std::array<std::uint64_t, kPlaces> counter_{};
-  FrameRequest last_;  ///< of the evil client
+  FrameRequest last_ = fuzz::request(1);  ///< of the evil client
 };
 
 Conversation::Conversation() {
