@@ -33,6 +33,7 @@ Sessions::Sessions(const Welcome& served, const std::vector<SharedKey>& ring, co
 Decoded<void> Sessions::handle(const Peer& from, std::span<const std::byte> datagram, Time now,
                                std::vector<std::byte>& answer) {
   answer.clear();
+  was_opened_ = false;
   end_silent(now);
   const Decoded<ClientEnvelope> envelope = open_client_envelope(datagram);
   if (!envelope) return refuse(envelope.error());
@@ -86,6 +87,9 @@ void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<cons
   sessions_.emplace_back(*key, from, hello.client, *accepted, now,
                          RateLimits{.most = limits_.bytes_per_second}, served_);
   sessions_.back().turn = {account.session_work, jobs_};
+  place_of_[sessions_.back().id().value] = sessions_.size() - 1;
+  const Time end = end_of(sessions_.back()) + Duration(1);
+  silent_at_ = silent_at_ ? std::min(*silent_at_, end) : end;
 }
 
 /// When the server is full: the newest session of the key with the most, if the newcomer's key then has no
@@ -123,6 +127,7 @@ Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
   if (session->client() != before) ++counters_.moved;
   if (first && session->is_confirmed()) end_replaced(session->id());
   if (!received) return refuse(received.error());
+  was_opened_ = true;
   count(*received);
   return {};
 }
@@ -149,13 +154,18 @@ void Sessions::end_replaced(SessionId kept) {
 
 template <class IsOver>
 std::uint64_t Sessions::end_sessions(ClientEvent::Kind why, const IsOver& is_over) {
-  return std::erase_if(sessions_, [&](const ClientSession& session) {
+  const std::uint64_t ended = std::erase_if(sessions_, [&](const ClientSession& session) {
     if (!is_over(session)) return false;
     const bool said_nothing = why == ClientEvent::Kind::Left && !session.is_confirmed();
     events_.push_back({said_nothing ? ClientEvent::Kind::SaidNothing : why, session.name(), session.client(),
                        session.last_received() - session.began()});
     return true;
   });
+  if (ended == 0) return 0;
+  due_at_.reset();
+  place_of_.clear();
+  for (std::size_t i = 0; i < sessions_.size(); ++i) place_of_[sessions_[i].id().value] = i;
+  return ended;
 }
 
 void Sessions::offer(AnswerSet answers) {
@@ -204,17 +214,20 @@ void Sessions::put(SessionId id, std::span<const std::vector<std::byte>> message
     ledger_.of(in_work_->second).work += work;
   if (session == nullptr) return;
   session->turn.work += work;
+  due_at_.reset();
   const std::uint64_t before = session->held_back();
   session->put(messages, now);
   counters_.held_back += session->held_back() - before;
 }
 
 bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {
+  if (const std::optional<Time> due = due_at(); !due || *due > now) return false;
   ClientSession* next = nullptr;
   for (ClientSession& session : sessions_)
     if (session.due() && *session.due() <= now && (next == nullptr || *session.due() < *next->due()))
       next = &session;
-  if (next == nullptr) return false;
+  check(next != nullptr, "a datagram is due");
+  due_at_.reset();
   to = next->client();
   next->seal_due(now, datagram);
   return true;
@@ -229,15 +242,17 @@ std::optional<Time> Sessions::job_at() const {
 }
 
 std::optional<Time> Sessions::due_at() const {
+  if (due_at_) return *due_at_;
   std::optional<Time> earliest;
   for (const ClientSession& session : sessions_)
     if (const std::optional<Time> at = session.due(); at && (!earliest || *at < *earliest)) earliest = at;
+  due_at_ = earliest;
   return earliest;
 }
 
 ClientSession* Sessions::find(SessionId id) {
-  const auto found = std::ranges::find(sessions_, id, &ClientSession::id);
-  return found == sessions_.end() ? nullptr : &*found;
+  const auto found = place_of_.find(id.value);
+  return found == place_of_.end() ? nullptr : &sessions_[found->second];
 }
 
 Time Sessions::end_of(const ClientSession& session) const {
@@ -245,15 +260,12 @@ Time Sessions::end_of(const ClientSession& session) const {
 }
 
 void Sessions::end_silent(Time now) {
+  if (!silent_at_ || now < *silent_at_) return;
   counters_.forgotten += end_sessions(ClientEvent::Kind::Left,
                                       [&](const ClientSession& session) { return now > end_of(session); });
-}
-
-std::optional<Time> Sessions::silent_at() const {
-  std::optional<Time> earliest;
+  silent_at_.reset();
   for (const ClientSession& session : sessions_)
-    if (const Time end = end_of(session) + Duration(1); !earliest || end < *earliest) earliest = end;
-  return earliest;
+    if (const Time end = end_of(session) + Duration(1); !silent_at_ || end < *silent_at_) silent_at_ = end;
 }
 
 }  // namespace farshade

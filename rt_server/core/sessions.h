@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -86,8 +87,12 @@ class Sessions {
 
   /// Ends the sessions of clients that have been silent for too long. handle() does that, too.
   void end_silent(Time now);
-  /// When end_silent() next ends a session if no datagram arrives.
-  [[nodiscard]] std::optional<Time> silent_at() const;
+  /// When end_silent() has to look at the sessions again if no datagram arrives: not after the first of them
+  /// ends.
+  [[nodiscard]] std::optional<Time> silent_at() const { return silent_at_; }
+
+  /// Whether the last datagram given to handle() was opened by a session. Only then a request may have come.
+  [[nodiscard]] bool was_opened() const { return was_opened_; }
 
   /// Removes and returns what happened since the last call, for the log: at most one event for each session
   /// and each datagram.
@@ -111,6 +116,11 @@ class Sessions {
   SessionLimits limits_;
   Gate gate_;
   std::vector<ClientSession> sessions_;
+  // What a stranger's datagram needs, so that its cost does not grow with the number of sessions.
+  std::unordered_map<std::uint64_t, std::size_t> place_of_;  ///< in sessions_, by SessionId
+  std::optional<Time> silent_at_;
+  mutable std::optional<std::optional<Time>> due_at_;  ///< no value: to be found anew
+  bool was_opened_ = false;
   std::uint64_t jobs_ = 0;
   KeyLedger ledger_;
   Duration work_{};  ///< KeyAccount::work of the key served last: a new or idle key starts at this value

@@ -211,6 +211,7 @@ void RateControl::sent_elsewhere(std::uint64_t counter, Time at) {
 void RateControl::record(std::uint64_t counter, const Record& sent) {
   if (next_ == oldest_) next_ = oldest_ = judged_ = counter;
   check_eq(counter, next_, "counters of sent datagrams go up by one");
+  if (records_.empty()) records_.resize(kRemembered);
   records_[counter % kRemembered] = sent;
   ++next_;
   if (next_ - oldest_ > kRemembered) ++oldest_;

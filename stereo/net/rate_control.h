@@ -3,12 +3,13 @@
 /// WebRTC", MMSys 2016; draft-ietf-rmcat-gcc-02; trendline filter as in libwebrtc). It reacts to growing
 /// queues and ignores random loss. A loss guard reacts to policers and short queues, which drop datagrams but
 /// do not delay them; without it a policer at 8 Mbit/s drops 31 % of the datagrams instead of 4 %
-/// (docs/link.md). The caller passes the time. Memory is fixed.
+/// (docs/link.md). The caller passes the time. Memory is bounded.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "stereo/wire/arrival_report.h"
 
@@ -174,7 +175,7 @@ class RateControl {
   [[nodiscard]] std::optional<double> carried() const;
 
   RateLimits limits_;
-  std::array<Record, kRemembered> records_{};
+  std::vector<Record> records_;        ///< kRemembered, from the first datagram on
   std::uint64_t next_ = 0;             ///< counter of the next datagram
   std::uint64_t oldest_ = 0;           ///< oldest remembered counter
   std::uint64_t judged_ = 0;           ///< losses before this counter are counted
