@@ -2,8 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
-
 #include "rt_server/answers/answer_renderer.h"
 #include "rt_server/answers/device_recovery.h"
 #include "stereo/frame/tiles.h"
@@ -46,10 +44,7 @@ class Masks final : public AnswerMaker {
           slice->size != request_.views[index_of(slice->eye)].size)
         continue;
       const std::size_t eye = index_of(slice->eye);
-      // Slices of a client do not overlap. Others would cost the same work again and again.
-      const auto come = std::span(come_[eye]).subspan(slice->first_tile, slice->tile_count);
-      if (std::ranges::find(come, std::uint8_t{1}) != come.end()) continue;
-      // Of a slice that is damaged no tile has come.
+      // Of a slice that is damaged, or overlaps an earlier one, no tile has come.
       static_cast<void>(decode_ask_slice(*slice, request_.asked.tiles[eye], come_[eye]));
     }
   }

@@ -35,6 +35,10 @@ std::string in_words(const ClientEvent& event) {
                          seconds_of(event.connected));
     case Withdrawn:
       return fmt::format("the session of {} at {} ended: its answers are no longer offered", who, at);
+    case Displaced:
+      return fmt::format(
+          "the session of {} at {} ended: its key had the most, and another key needed one (--sessions)", who,
+          at);
     case Revoked:
       return fmt::format("the session of {} at {} ended: its key is no longer in the ring", who, at);
     case NotAdmitted:

@@ -19,6 +19,7 @@ struct ClientEvent {
     SaidNothing,  ///< the same, and it never sent a sealed datagram
     Replaced,     ///< by a newer session of the same client
     Withdrawn,    ///< its answer is no longer offered
+    Displaced,    ///< by a client whose key had fewer sessions, when the server was full
     Revoked,      ///< its key was taken out of the ring
     NotAdmitted,  ///< has no key of the ring; `who` is the sentence. Strangers can cause any number of these
   };

@@ -2,15 +2,13 @@
 
 #include <sodium.h>
 
-#include <algorithm>
-
 #include "stereo/base/check.h"
 #include "stereo/wire/bytes.h"
 
 namespace farshade {
 
 Gate::Gate(const std::vector<SharedKey>& ring, double handshakes_per_second)
-    : handshakes_per_second_(handshakes_per_second), handshakes_left_(handshakes_per_second) {
+    : handshakes_(handshakes_per_second) {
   check(sodium_init() >= 0, "libsodium can be initialised");
   set_ring(ring);
   randombytes_buf(cookie_key_.data(), cookie_key_.size());
@@ -63,15 +61,13 @@ void Gate::refuse_version(const ForeignHello& hello, std::vector<std::byte>& ans
   encode(OpenRefusal{.reason = RefusalReason::VersionMismatch, .echo = hello.echo}, answer);
 }
 
-bool Gate::may_shake_hands(Time now) {
-  const double earned = std::max(0.0, seconds_of(now - refilled_)) * handshakes_per_second_;
-  handshakes_left_ = std::min(handshakes_per_second_, handshakes_left_ + earned);
-  refilled_ = std::max(refilled_, now);
-  if (handshakes_left_ < 1) {
+bool Gate::may_shake_hands(TokenBucket& key, Time now) {
+  if (!key.has_token(now) || !handshakes_.has_token(now)) {
     ++counters_.too_many;
     return false;
   }
-  handshakes_left_ -= 1;
+  key.take();
+  handshakes_.take();
   return true;
 }
 

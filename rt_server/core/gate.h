@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-#include "stereo/base/clock.h"
+#include "rt_server/core/token_bucket.h"
 #include "stereo/net/datagram.h"
 #include "stereo/wire/handshake.h"
 #include "stereo/wire/timing.h"
@@ -40,8 +40,9 @@ class Gate {
   /// `answer` becomes a refusal that names our protocol version.
   void refuse_version(const ForeignHello& hello, std::vector<std::byte>& answer);
 
-  /// Whether a client with a valid hello may have its handshake now. Takes a token if so.
-  [[nodiscard]] bool may_shake_hands(Time now);
+  /// Whether a client with a valid hello may have its handshake now. Takes a token of all clients and one of
+  /// `key`, its key's, if so. A key that has used its own tokens takes none of the others'.
+  [[nodiscard]] bool may_shake_hands(TokenBucket& key, Time now);
 
   [[nodiscard]] const GateCounters& counters() const { return counters_; }
 
@@ -50,8 +51,7 @@ class Gate {
 
   KeyRing ring_;
   std::array<std::uint8_t, 16> cookie_key_{};  ///< new in each process: cookies of an earlier one are invalid
-  double handshakes_per_second_, handshakes_left_;
-  Time refilled_{};  ///< when handshakes_left_ was last brought up to date
+  TokenBucket handshakes_;
   GateCounters counters_;
 };
 

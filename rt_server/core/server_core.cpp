@@ -74,6 +74,7 @@ std::string counters_line(const ServerCounters& counters) {
          group("sessions", {{counters.sessions_open, "open"},
                             {sessions.forgotten, "timed out"},
                             {sessions.replaced, "replaced"},
+                            {sessions.displaced, "ended for a key with fewer"},
                             {sessions.withdrawn, "ended because their answer is no longer offered"},
                             {sessions.revoked, "ended because their key was taken out of the ring"},
                             {sessions.moved, "moved"}}) +
@@ -106,13 +107,13 @@ bool ServerCore::receive(Duration wait) {
     if (datagram) {
       const Decoded<void> taken = sessions_.handle(datagram->from, datagram->bytes, now, datagram_);
       if (!taken) refused_.count(taken.error());
+      is_request_waiting = sessions_.was_opened() && sessions_.job_at().has_value();
     } else {
       sessions_.end_silent(now);
     }
-    is_request_waiting = sessions_.job_at().has_value();
     events = sessions_.take_events();
   }
-  if (datagram && is_request_waiting) request_arrived_.notify_one();
+  if (is_request_waiting) request_arrived_.notify_one();
   if (datagram && !datagram_.empty()) port_.send(datagram->from, datagram_);
   for (const ClientEvent& event : events) log(event);
   return datagram.has_value();

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "stereo/base/check.h"
+#include "stereo/frame/tiles.h"
 
 namespace farshade {
 namespace {
@@ -23,34 +24,45 @@ std::uint64_t random_token() {
   return token;
 }
 
+/// The tiles that the messages of a request have, if each comes once: a position has three coordinates.
+std::size_t tiles_of(const FrameRequest& request) {
+  std::size_t tiles = 0;
+  for (const View& view : request.views) tiles += TileGrid{view.size}.count();
+  return request.answer.kind == Answer::MasksOfPositions ? 3 * tiles : tiles;
+}
+
+bool is_asked_of_clients(const PlaneSlice& slice) {
+  return slice.kind >= PlaneKind::PositionX;
+}
+bool is_asked_of_clients(const AskSlice&) {
+  return true;
+}
+
 }  // namespace
 
-void Outbox::put(std::span<const std::vector<std::byte>> messages, Time now, Duration spread,
-                 double bytes_per_second) {
+void Outbox::put(std::span<const std::vector<std::byte>> messages, Time now, Duration spread) {
   check(empty(), "an outbox takes a frame only when it is empty");
-  check(bytes_per_second > 0, "the rate of a path is positive");
   if (messages.empty()) return;
   if (messages_.size() < messages.size()) messages_.resize(messages.size());
   count_ = messages.size();
   taken_ = 0;
-  const Duration share = spread / static_cast<Duration::rep>(messages.size());
-  Time due = std::max(now, drained_at_);
-  for (std::size_t i = 0; i < messages.size(); ++i) {
-    messages_[i].bytes.assign(messages[i].begin(), messages[i].end());
-    messages_[i].due = due;
-    const double sending_ms = 1e3 * static_cast<double>(messages[i].size()) / bytes_per_second;
-    due += std::max(share, duration_from_ms(sending_ms));
-  }
-  drained_at_ = due;
+  for (std::size_t i = 0; i < messages.size(); ++i)
+    messages_[i].assign(messages[i].begin(), messages[i].end());
+  share_ = spread / static_cast<Duration::rep>(messages.size());
+  next_due_ = std::max(now, next_due_);
 }
 
 std::optional<Time> Outbox::due() const {
-  return empty() ? std::nullopt : std::optional(messages_[taken_].due);
+  return empty() ? std::nullopt : std::optional(next_due_);
 }
 
-std::span<const std::byte> Outbox::take() {
+std::span<const std::byte> Outbox::take(double bytes_per_second) {
   check(!empty(), "a message is taken only if there is one");
-  return messages_[taken_++].bytes;
+  check(bytes_per_second > 0, "the rate of a path is positive");
+  const std::span<const std::byte> message = messages_[taken_++];
+  next_due_ +=
+      std::max(share_, duration_from_ms(1e3 * static_cast<double>(message.size()) / bytes_per_second));
+  return message;
 }
 
 ClientSession::ClientSession(const SharedKey& key, const Peer& client, const PublicKey& hello,
@@ -83,14 +95,14 @@ Decoded<ReceivedMessage> ClientSession::receive(const Peer& from, const Sealed& 
   const Decoded<ClientMessage> message = decode_client(*opened);
   if (!message) return refuse(message.error());
   if (const auto* slice = std::get_if<PlaneSlice>(&*message))
-    return receive_part(Answer::MasksOfPositions, slice->frame, *opened, now);
+    return receive_part(Answer::MasksOfPositions, *slice, *opened, now);
   if (const auto* slice = std::get_if<AskSlice>(&*message))
-    return receive_part(Answer::Masks, slice->frame, *opened, now);
+    return receive_part(Answer::Masks, *slice, *opened, now);
   const auto& request = std::get<RequestMessage>(*message);
   update_address(from, newest, request.probe_echo, reply);
   if (from == client_ && now - last_sent_ > kKeepaliveInterval) {
     // A new token: the one that proves the candidate's address must not be sent to another address.
-    seal_probe(random_token(), reply);
+    rate_.sent(seal_probe(random_token(), reply), reply.size(), now);
     last_sent_ = now;
   }
   return receive(request, now);
@@ -107,6 +119,7 @@ void ClientSession::update_address(const Peer& from, bool newest, std::uint64_t 
   if (from == candidate_ && probe_echo == probe_token_) {
     client_ = from;
     candidate_.reset();
+    rate_ = RateControl(limits_);  // nothing is known about the new path
     return;
   }
   if (!newest) return;
@@ -114,12 +127,12 @@ void ClientSession::update_address(const Peer& from, bool newest, std::uint64_t 
     candidate_ = from;
     probe_token_ = random_token();
   }
-  seal_probe(probe_token_, probe);
+  rate_.sent_elsewhere(seal_probe(probe_token_, probe), last_received_);
 }
 
-void ClientSession::seal_probe(std::uint64_t token, std::vector<std::byte>& probe) {
+std::uint64_t ClientSession::seal_probe(std::uint64_t token, std::vector<std::byte>& probe) {
   encode(Probe{token}, message_);
-  rate_.sent(sealer_.seal(message_, probe), probe.size(), last_received_);
+  return sealer_.seal(message_, probe);
 }
 
 std::optional<ReceivedMessage> ClientSession::refuse_request(const FrameRequest& request) const {
@@ -155,6 +168,7 @@ ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) 
   if (!is_surround) {
     requested_answer_ = answer;
     parts_bytes_ = 0;
+    tiles_left_ = tiles_of(message.request);
     part_arrived_ = now;
   }
   return superseded ? ReceivedMessage::Superseded : ReceivedMessage::NewRequest;
@@ -162,12 +176,17 @@ ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) 
 
 /// Stores the compressed message. It is unpacked when the request is answered, so that waiting messages take
 /// no more memory than they took on the wire.
-ReceivedMessage ClientSession::receive_part(Answer of, FrameId frame, std::span<const std::byte> message,
-                                            Time now) {
-  const bool fits = waiting_ && waiting_->request.frame == frame && waiting_->request.answer.kind == of &&
+template <class TileSlice>
+ReceivedMessage ClientSession::receive_part(Answer of, const TileSlice& slice,
+                                            std::span<const std::byte> message, Time now) {
+  const bool fits = waiting_ && waiting_->request.frame == slice.frame &&
+                    waiting_->request.answer.kind == of &&
                     waiting_->parts.size() < waiting_->request.answer.slices &&
-                    parts_bytes_ + message.size() <= kMostParts_bytes;
+                    parts_bytes_ + message.size() <= kMostParts_bytes &&
+                    slice.size == waiting_->request.views[index_of(slice.eye)].size &&
+                    slice.tile_count <= tiles_left_ && is_asked_of_clients(slice);
   if (!fits) return ReceivedMessage::Stray;
+  tiles_left_ -= slice.tile_count;
   waiting_->parts.emplace_back(message.begin(), message.end());
   parts_bytes_ += message.size();
   part_arrived_ = now;
@@ -229,13 +248,13 @@ void ClientSession::put(std::span<const std::vector<std::byte>> messages, Time n
   std::size_t bytes = 0;
   for (const std::vector<std::byte>& message : messages) bytes += message.size() + kSealing_bytes;
   if (rate >= limits_.most && static_cast<double>(bytes) > rate * seconds_of(interval_)) ++held_back_;
-  outbox_.put(messages, now, spread, rate);
+  outbox_.put(messages, now, spread);
   if (!job_is_surround_) quality_.packed(bytes, job_scale_, rate, interval_, now);
 }
 
 void ClientSession::seal_due(Time now, std::vector<std::byte>& datagram) {
   last_sent_ = now;
-  const std::uint64_t counter = sealer_.seal(outbox_.take(), datagram);
+  const std::uint64_t counter = sealer_.seal(outbox_.take(rate_.sending_bytes_per_second()), datagram);
   rate_.sent(counter, datagram.size(), now);
 }
 

@@ -28,7 +28,8 @@ struct Job {
   std::vector<std::vector<std::byte>> parts{};
 };
 
-/// Maximum total size of the messages that follow one request. The server drops messages beyond it.
+/// Maximum total size of the messages that follow one request. The server drops messages beyond it, and
+/// those with more tiles than the requested views have.
 inline constexpr std::size_t kMostParts_bytes = std::size_t{16} << 20;
 
 /// What an opened datagram of the client contained.
@@ -43,37 +44,33 @@ enum class ReceivedMessage : std::uint8_t {
 };
 
 /// Sends the datagrams of one frame evenly over a part of the frame interval, and never faster than the path
-/// takes them. The session's next frame is traced when its outbox is empty and the path has drained. So a
-/// slow path lowers the mask rate and does not build a queue. Memory is reused.
+/// takes them at the moment. The session's next frame is traced when its outbox is empty and the path has
+/// drained. So a slow path lowers the mask rate and does not build a queue. Memory is reused.
 class Outbox {
  public:
   /// Copies the messages of one frame. The outbox must be empty. The first message is due at `now`, or at
-  /// drained_at() if that is later. The time to the next message is an equal share of `spread`, or the time
-  /// that sending the message takes at `bytes_per_second` (> 0) if that is longer.
-  void put(std::span<const std::vector<std::byte>> messages, Time now, Duration spread,
-           double bytes_per_second);
+  /// drained_at() if that is later; the others follow at least an equal share of `spread` apart.
+  void put(std::span<const std::vector<std::byte>> messages, Time now, Duration spread);
 
   /// When the next message is due; nothing if the outbox is empty.
   [[nodiscard]] std::optional<Time> due() const;
 
-  /// Removes the next message. The outbox must not be empty. The span is valid until put(). Due times are
-  /// fixed: after a delay several messages are due.
-  std::span<const std::byte> take();
+  /// Removes the next message. The outbox must not be empty. The span is valid until put(). The message after
+  /// it is due when the path has taken this one at `bytes_per_second` (> 0), the rate of now, or after the
+  /// share if that is longer. It does not matter when take() is called: after a delay several are due.
+  std::span<const std::byte> take(double bytes_per_second);
 
   [[nodiscard]] bool empty() const { return taken_ == count_; }
 
-  /// When the path has taken all messages, at the given rates. The clock's zero before the first put().
-  [[nodiscard]] Time drained_at() const { return drained_at_; }
+  /// When the path has taken all messages that were taken from here, at the rates of then. The clock's zero
+  /// before the first put().
+  [[nodiscard]] Time drained_at() const { return next_due_; }
 
  private:
-  struct Message {
-    std::vector<std::byte> bytes;
-    Time due{};
-  };
-
-  std::vector<Message> messages_;  ///< the first count_ belong to this frame
+  std::vector<std::vector<std::byte>> messages_;  ///< the first count_ belong to this frame
   std::size_t count_ = 0, taken_ = 0;
-  Time drained_at_{};
+  Duration share_{};
+  Time next_due_{};
 };
 
 class ClientSession {
@@ -118,7 +115,7 @@ class ClientSession {
   /// Removes the waiting request. Only when is_ready().
   [[nodiscard]] Job take_job();
 
-  /// The session with the least Turn is served next.
+  /// Of the sessions of one key, the one with the least Turn is served next.
   struct Turn {
     Duration work{};           ///< spent on this client; a new client starts at the value of the others
     std::uint64_t served = 0;  ///< number of jobs of all clients when this one was last served, or came
@@ -144,9 +141,12 @@ class ClientSession {
   [[nodiscard]] std::optional<Job>& waiting_for(const FrameRequest& request);
   [[nodiscard]] std::optional<std::size_t> oldest_surround() const;
   [[nodiscard]] bool is_complete() const;
-  ReceivedMessage receive_part(Answer of, FrameId frame, std::span<const std::byte> message, Time now);
+  template <class TileSlice>
+  ReceivedMessage receive_part(Answer of, const TileSlice& slice, std::span<const std::byte> message,
+                               Time now);
   void update_address(const Peer& from, bool newest, std::uint64_t probe_echo, std::vector<std::byte>& probe);
-  void seal_probe(std::uint64_t token, std::vector<std::byte>& probe);
+  /// Returns the counter, which the caller tells the rate control.
+  std::uint64_t seal_probe(std::uint64_t token, std::vector<std::byte>& probe);
   void update_interval(const FrameRequest& request, Time now);
 
   std::string name_;
@@ -177,6 +177,7 @@ class ClientSession {
   std::array<std::optional<FrameId>, kSurroundPairs> newest_surround_{};
   std::uint32_t overtaken_ = 0;  ///< other requests that were taken while the surround's waited
   std::size_t parts_bytes_ = 0;  ///< total size of waiting_->parts
+  std::size_t tiles_left_ = 0;   ///< that further parts may have: the worker decodes each
   Time part_arrived_{};          ///< arrival of the newest of them, or of their request
   std::uint32_t superseded_ = 0;
   LightChanges lights_;

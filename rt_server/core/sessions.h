@@ -2,16 +2,21 @@
 /// threads or clocks.
 ///
 /// The server stores only the newest request of each client. It counts the requests that a newer one
-/// replaced. The client on which the least work was spent is served next; among equals, the one that was
-/// served longest ago. Memory is bounded: the number of sessions and the size of each are.
+/// replaced. The key on whose clients the least work was spent is served next (key_ledger.h), and of its
+/// sessions the one on which the least was spent; among equals, the one that was served longest ago. A full
+/// server takes a session from the key that has the most. Memory is bounded: the number of sessions and the
+/// size of each are.
 #pragma once
 
 #include <cstdint>
 #include <optional>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "rt_server/core/client_event.h"
 #include "rt_server/core/gate.h"
+#include "rt_server/core/key_ledger.h"
 #include "rt_server/core/session.h"
 
 namespace farshade {
@@ -31,6 +36,7 @@ struct SessionCounters {
   std::uint64_t replaced = 0;    ///< sessions ended by a newer one of the same key from the same address
   std::uint64_t withdrawn = 0;   ///< sessions ended because the answer they use is no longer offered
   std::uint64_t revoked = 0;     ///< sessions ended because their key was taken out of the ring
+  std::uint64_t displaced = 0;   ///< sessions ended for a client whose key had fewer
   std::uint64_t moved = 0;       ///< changes of a client's address
   std::uint64_t requests = 0;    ///< requests of all sessions; the next four count some of them
   std::uint64_t superseded = 0;  ///< replaced by a newer request before they were answered
@@ -81,8 +87,12 @@ class Sessions {
 
   /// Ends the sessions of clients that have been silent for too long. handle() does that, too.
   void end_silent(Time now);
-  /// When end_silent() next ends a session if no datagram arrives.
-  [[nodiscard]] std::optional<Time> silent_at() const;
+  /// When end_silent() has to look at the sessions again if no datagram arrives: not after the first of them
+  /// ends.
+  [[nodiscard]] std::optional<Time> silent_at() const { return silent_at_; }
+
+  /// Whether the last datagram given to handle() was opened by a session. Only then a request may have come.
+  [[nodiscard]] bool was_opened() const { return was_opened_; }
 
   /// Removes and returns what happened since the last call, for the log: at most one event for each session
   /// and each datagram.
@@ -99,13 +109,23 @@ class Sessions {
   template <class IsOver>
   std::uint64_t end_sessions(ClientEvent::Kind why, const IsOver& is_over);
   [[nodiscard]] ClientSession* find(SessionId id);
+  [[nodiscard]] const ClientSession* to_displace(const KeyId& newcomer) const;
+  void end_displaced(SessionId id);
 
   Welcome served_;
   SessionLimits limits_;
   Gate gate_;
   std::vector<ClientSession> sessions_;
+  // What a stranger's datagram needs, so that its cost does not grow with the number of sessions.
+  std::unordered_map<std::uint64_t, std::size_t> place_of_;  ///< in sessions_, by SessionId
+  std::optional<Time> silent_at_;
+  mutable std::optional<std::optional<Time>> due_at_;  ///< no value: to be found anew
+  bool was_opened_ = false;
   std::uint64_t jobs_ = 0;
-  Duration work_{};  ///< Turn::work of the client served last: a new or idle client starts at this value
+  KeyLedger ledger_;
+  Duration work_{};  ///< KeyAccount::work of the key served last: a new or idle key starts at this value
+  /// The job that the worker has, and its key, which owes its work even if the session ends meanwhile.
+  std::optional<std::pair<SessionId, KeyId>> in_work_;
   SessionCounters counters_;
   std::vector<ClientEvent> events_;
 };

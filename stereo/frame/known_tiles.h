@@ -2,7 +2,9 @@
 /// unknown; its visibility is never guessed.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "stereo/frame/eye_mask.h"
@@ -16,6 +18,15 @@ static_assert(MaskLayout{kMaxLights}.planes() <= 8);
 
 [[nodiscard]] constexpr std::uint8_t all_planes_known(MaskLayout layout) {
   return static_cast<std::uint8_t>((1u << layout.planes()) - 1);
+}
+
+/// Whether one of the tiles [first, first + count) is known in one of the planes `planes`. Slices of an
+/// honest sender have each tile once. So a slice with a known tile is a duplicate, and is not worth decoding:
+/// it could cost the same work again and again.
+[[nodiscard]] inline bool is_any_known(const KnownTiles& known, std::uint32_t first, std::uint32_t count,
+                                       std::uint8_t planes) {
+  return std::ranges::any_of(std::span(known).subspan(first, count),
+                             [planes](std::uint8_t tile) { return (tile & planes) != 0; });
 }
 
 }  // namespace farshade

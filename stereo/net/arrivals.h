@@ -17,7 +17,8 @@ class Arrivals {
   /// learn of 0.4 % of the arrivals.
   static constexpr std::size_t kReports = 4;
 
-  /// Records a datagram that opened. Datagrams may come in any order, each of them once. `arrived` is on the
+  /// Records a datagram that opened, so that its counter is at most ReplayWindow::kMostCounter. Datagrams may
+  /// come in any order, each of them once. `arrived` is on the
   /// client's clock.
   void add(std::uint64_t counter, Time arrived);
 

@@ -20,6 +20,10 @@ constexpr double kJumpMs = 1000;                               ///< a change of 
 constexpr Duration kOutage = std::chrono::milliseconds(250);
 constexpr Duration kLate =
     std::chrono::milliseconds(250);  ///< a datagram is lost if one came that was sent this much later
+/// Reports that know of no arrival lower the rate after this time: longer than the outages of a radio link.
+constexpr Duration kUnheard = std::chrono::milliseconds(500);
+constexpr Duration kHalving =
+    std::chrono::milliseconds(125);  ///< so that a second after the last news it is 1/16
 constexpr Duration kLossWindow = std::chrono::milliseconds(500);
 constexpr Duration kBaseAge = std::chrono::seconds(5);
 constexpr double kExcess = 0.10;
@@ -196,11 +200,26 @@ RateControl::RateControl(RateLimits limits)
     : limits_(limits), rate_(std::clamp(kStart, limits.least, limits.most)) {}
 
 void RateControl::sent(std::uint64_t counter, std::size_t bytes, Time at) {
+  record(counter, {at, trend_.group_of(at), narrow<std::uint16_t>(bytes), Fate::Unreported});
+  if (!unheard_since_) unheard_since_ = at;
+}
+
+void RateControl::sent_elsewhere(std::uint64_t counter, Time at) {
+  record(counter, {.at = at, .fate = Fate::Elsewhere});
+}
+
+void RateControl::record(std::uint64_t counter, const Record& sent) {
   if (next_ == oldest_) next_ = oldest_ = judged_ = counter;
   check_eq(counter, next_, "counters of sent datagrams go up by one");
-  records_[counter % kRemembered] = {at, trend_.group_of(at), narrow<std::uint16_t>(bytes), Fate::Unreported};
+  if (records_.empty()) records_.resize(kRemembered);
+  records_[counter % kRemembered] = sent;
   ++next_;
   if (next_ - oldest_ > kRemembered) ++oldest_;
+}
+
+double RateControl::sending_bytes_per_second() const {
+  if (unheard_ <= kUnheard) return rate_;
+  return std::max(limits_.least, rate_ * std::exp2(-seconds_of(unheard_ - kUnheard) / seconds_of(kHalving)));
 }
 
 RateControl::Record* RateControl::find(std::uint64_t counter) {
@@ -208,7 +227,12 @@ RateControl::Record* RateControl::find(std::uint64_t counter) {
 }
 
 void RateControl::take(const ArrivalReport& report, Time now) {
-  if (!learn(report, now)) return;
+  if (!learn(report, now)) {
+    unheard_ = unheard_since_ ? now - *unheard_since_ : Duration{};
+    return;
+  }
+  unheard_since_.reset();
+  unheard_ = {};
   judge_losses();
   adapt_to_loss(now);
   adapt_to_delay(now);
@@ -223,7 +247,7 @@ bool RateControl::learn(const ArrivalReport& report, Time now) {
   std::optional<Time> newest;
   for (std::uint32_t i = 0; i < report.count; ++i) {
     Record* record = find(report.first + i);
-    if (record == nullptr || record->fate == Fate::Arrived) continue;
+    if (record == nullptr || record->fate == Fate::Arrived || record->fate == Fate::Elsewhere) continue;
     record->fate = report.arrived(i) ? Fate::Arrived : Fate::Absent;
     if (record->fate == Fate::Absent) continue;
     const Time arrival = report.arrival(i);

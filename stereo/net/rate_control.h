@@ -3,12 +3,13 @@
 /// WebRTC", MMSys 2016; draft-ietf-rmcat-gcc-02; trendline filter as in libwebrtc). It reacts to growing
 /// queues and ignores random loss. A loss guard reacts to policers and short queues, which drop datagrams but
 /// do not delay them; without it a policer at 8 Mbit/s drops 31 % of the datagrams instead of 4 %
-/// (docs/link.md). The caller passes the time. Memory is fixed.
+/// (docs/link.md). The caller passes the time. Memory is bounded.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "stereo/wire/arrival_report.h"
 
@@ -130,19 +131,27 @@ class RateControl {
 
   /// Records a sealed datagram that was sent. Counters are consecutive; `at` does not decrease.
   void sent(std::uint64_t counter, std::size_t bytes, Time at);
+  /// The same of a datagram that went to an address which is not the client's proved one: its arrival says
+  /// nothing about the path.
+  void sent_elsewhere(std::uint64_t counter, Time at);
 
   /// Processes a report of the client. Ignores arrivals that it knows already, counters that were never sent
   /// and impossible times. No report can move the rate out of its limits.
   void take(const ArrivalReport& report, Time now);
 
+  /// The rate that the path carries, as far as the reports tell.
   [[nodiscard]] double bytes_per_second() const { return rate_; }
+  /// The rate at which to send now. It is lower while reports come that know of no arrival: kUnheard after
+  /// the first datagram that nothing was heard of it begins to halve every kHalving. The first arrival
+  /// restores it.
+  [[nodiscard]] double sending_bytes_per_second() const;
   /// Share of lost datagrams in the last window, without outages.
   [[nodiscard]] double loss() const { return losses_.loss(); }
   /// The path's base loss, which does not depend on the rate.
   [[nodiscard]] double base_loss() const { return losses_.base(); }
 
  private:
-  enum class Fate : std::uint8_t { Unreported, Absent, Arrived };
+  enum class Fate : std::uint8_t { Unreported, Absent, Arrived, Elsewhere };
   struct Record {
     Time at{};
     std::uint32_t group = 0;
@@ -156,6 +165,7 @@ class RateControl {
 
   [[nodiscard]] Record* find(std::uint64_t counter);
   bool learn(const ArrivalReport& report, Time now);
+  void record(std::uint64_t counter, const Record& sent);
   void judge_losses();
   void adapt_to_delay(Time now);
   void adapt_to_loss(Time now);
@@ -165,11 +175,13 @@ class RateControl {
   [[nodiscard]] std::optional<double> carried() const;
 
   RateLimits limits_;
-  std::array<Record, kRemembered> records_{};
-  std::uint64_t next_ = 0;    ///< counter of the next datagram
-  std::uint64_t oldest_ = 0;  ///< oldest remembered counter
-  std::uint64_t judged_ = 0;  ///< losses before this counter are counted
-  Time newest_arrived_{};     ///< send time of that datagram
+  std::vector<Record> records_;        ///< kRemembered, from the first datagram on
+  std::uint64_t next_ = 0;             ///< counter of the next datagram
+  std::uint64_t oldest_ = 0;           ///< oldest remembered counter
+  std::uint64_t judged_ = 0;           ///< losses before this counter are counted
+  Time newest_arrived_{};              ///< send time of that datagram
+  std::optional<Time> unheard_since_;  ///< when the first datagram after the last news was sent
+  Duration unheard_{};                 ///< from then to the newest report
 
   DelayTrend trend_;
   ReceivedRate received_;

@@ -1,29 +1,16 @@
-#include <algorithm>
-#include <array>
 #include <optional>
 
 #include "stereo/base/check.h"
 #include "stereo/video/colours.h"
 #include "stereo/video/libav.h"
 #include "stereo/video/video.h"
+#include "stereo/video/video_unit.h"
 
 namespace farshade {
 namespace {
 
 /// Larger than every picture of the largest size.
 constexpr std::size_t kMaxUnit_bytes = std::size_t{1} << 28;
-
-/// Whether the Annex B unit contains a NAL unit of an instantaneous decoder refresh (H.264, 7.4.1).
-bool holds_key_frame(std::span<const std::byte> unit) {
-  constexpr std::array start{std::byte{0}, std::byte{0}, std::byte{1}};
-  constexpr std::byte type_bits{0x1f}, idr{5};
-  const auto end = unit.end();
-  for (auto at = unit.begin(); (at = std::search(at, end, start.begin(), start.end())) != end;) {
-    at += start.size();
-    if (at != end && (*at & type_bits) == idr) return true;
-  }
-  return false;
-}
 
 bool is_ours(const AVFrame& frame) {
   const bool planes = frame.format == AV_PIX_FMT_YUV420P || frame.format == AV_PIX_FMT_YUVJ420P;
@@ -44,7 +31,7 @@ struct VideoDecoder::Codec {
 
   Expected<void> open();
   Expected<void> decode_frame(std::span<const std::byte> unit);
-  Expected<void> convert_frame();
+  Expected<void> convert_frame(Extent size);
 };
 
 VideoDecoder::VideoDecoder(std::unique_ptr<Codec> codec) : codec_(std::move(codec)) {}
@@ -69,7 +56,6 @@ Expected<void> VideoDecoder::Codec::open() {
   context->thread_count = 1;  // frame threads would delay pictures
   context->flags |= AV_CODEC_FLAG_LOW_DELAY | AV_CODEC_FLAG_OUTPUT_CORRUPT;
   context->error_concealment = FF_EC_GUESS_MVS | FF_EC_DEBLOCK;
-  context->max_pixels = std::int64_t{2} * kMaxViewSide_px * kMaxViewSide_px;
   if (avcodec_open2(context.get(), codec, nullptr) < 0)
     return fail(Fault::Unavailable, "libavcodec's H.264 decoder does not start");
   return {};
@@ -88,12 +74,11 @@ Expected<void> VideoDecoder::Codec::decode_frame(std::span<const std::byte> unit
   return {};
 }
 
-Expected<void> VideoDecoder::Codec::convert_frame() {
+Expected<void> VideoDecoder::Codec::convert_frame(Extent size) {
   if (!is_ours(*frame))
     return fail(Fault::Unsupported, "video is not 4:2:0, BT.709 in full range and of even sides");
-  const Extent size{narrow<std::uint32_t>(frame->width), narrow<std::uint32_t>(frame->height)};
-  if (size.width > 2 * kMaxViewSide_px || size.height > kMaxViewSide_px)
-    return fail(Fault::OutOfRange, "a video picture is larger than two views");
+  if (Extent{narrow<std::uint32_t>(frame->width), narrow<std::uint32_t>(frame->height)} != size)
+    return fail(Fault::OutOfRange, "a video picture of another size than was asked for");
   if (!colours || colours->size() != size) {
     Expected<ColourConverter> made = ColourConverter::create(size, ColourConverter::To::Rgb);
     if (!made) return tl::unexpected(made.error());
@@ -105,15 +90,20 @@ Expected<void> VideoDecoder::Codec::convert_frame() {
   return {};
 }
 
-Expected<const Image<Rgb8>*> VideoDecoder::decode(std::span<const std::byte> unit) {
+Expected<const Image<Rgb8>*> VideoDecoder::decode(std::span<const std::byte> unit, Extent size) {
   if (unit.empty() || unit.size() > kMaxUnit_bytes)
     return fail(Fault::Malformed, "a video unit of " + std::to_string(unit.size()) + " bytes");
-  if (!codec_->has_reference && !holds_key_frame(unit))
+  const Expected<VideoUnit> content = examine_unit(unit, size);
+  if (!content) {
+    reset();
+    return tl::unexpected(content.error());
+  }
+  if (!codec_->has_reference && !content->holds_key_frame)
     return fail(Fault::Missing,
                 "a video unit depends on pictures that have not arrived: a key frame is needed");
   const Expected<void> shown = (codec_->context ? Expected<void>{} : codec_->open())
                                    .and_then([&] { return codec_->decode_frame(unit); })
-                                   .and_then([&] { return codec_->convert_frame(); });
+                                   .and_then([&] { return codec_->convert_frame(size); });
   if (!shown) {
     reset();
     return tl::unexpected(shown.error());

@@ -41,7 +41,7 @@ VideoDecoder::~VideoDecoder() = default;
 Expected<VideoDecoder> VideoDecoder::create() {
   return fail(Fault::Unavailable, std::string("cannot decode video: ") + kCure);
 }
-Expected<const Image<Rgb8>*> VideoDecoder::decode(std::span<const std::byte>) {
+Expected<const Image<Rgb8>*> VideoDecoder::decode(std::span<const std::byte>, Extent) {
   check_failed("no decoder is made without video", "", CallPlace::current());
 }
 bool VideoDecoder::concealed() const {

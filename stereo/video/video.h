@@ -79,11 +79,12 @@ class VideoDecoder {
   VideoDecoder& operator=(const VideoDecoder&) = delete;
   ~VideoDecoder();
 
-  /// Returns the picture of one access unit, valid until the next call. Missing: the unit is not a key frame,
-  /// and no key frame has been decoded since the start, a reset or an error. Malformed: the unit gives no
-  /// picture. Unsupported: the format is not VideoEncoder's. OutOfRange: the picture is larger than two
-  /// views of kMaxViewSide_px side by side.
-  [[nodiscard]] Expected<const Image<Rgb8>*> decode(std::span<const std::byte> access_unit);
+  /// Returns the picture of one access unit, valid until the next call. `size`: the pixels that were asked
+  /// for. The memory that decoding takes depends on it and not on what the unit announces. Missing: the unit
+  /// is not a key frame, and no key frame has been decoded since the start, a reset or an error. Malformed:
+  /// the unit gives no picture. Unsupported: the format is not VideoEncoder's. OutOfRange: the picture has
+  /// another size, or what examine_unit (video_unit.h) says.
+  [[nodiscard]] Expected<const Image<Rgb8>*> decode(std::span<const std::byte> access_unit, Extent size);
 
   /// The decoder knows that blocks of the last picture were missing or wrong. False does not mean that the
   /// picture is whole: its reference picture may have been damaged.

@@ -216,6 +216,7 @@ Decoded<std::uint32_t> decode_ask_slice(const AskSlice& slice, std::vector<Asked
   if (asked.size() != grid.count()) return refuse(WireRefusal::OtherMask);
   check_eq(known.size(), asked.size(), "an entry for each tile");
   check(slice.first_tile + slice.tile_count <= grid.count(), "a slice is within its grid");
+  if (is_any_known(known, slice.first_tile, slice.tile_count, 1)) return 0u;
   RangeDecoder decoder(slice.block);
   AskModels models(kInitialAskModels);
   AskCoder coder(decoder, models, grid.columns(), slice.lights);
@@ -223,13 +224,11 @@ Decoded<std::uint32_t> decode_ask_slice(const AskSlice& slice, std::vector<Asked
   for (std::uint32_t i = 0; i < slice.tile_count && !decoder.has_failed(); ++i)
     coder.tile(slice.first_tile + i, decoded[i]);
   if (!decoder.is_at_end()) return refuse(WireRefusal::Block);
-  std::uint32_t learned = 0;
   for (std::uint32_t i = 0; i < slice.tile_count; ++i) {
     asked[slice.first_tile + i] = decoded[i];
-    learned += known[slice.first_tile + i] == 0;
     known[slice.first_tile + i] = 1;
   }
-  return learned;
+  return slice.tile_count;
 }
 
 }  // namespace farshade

@@ -88,10 +88,10 @@ class AskPacker {
 };
 
 /// Writes the tiles of a decoded slice into `asked` and sets their entries in `known` to 1. Both have one
-/// entry for each tile. Returns how many of the entries in `known` were 0 before: 0 for a duplicate. Refuses
-/// a slice whose grid has another number of tiles, and a block that does not end with the slice's tiles.
-/// After a refusal asked and known are unchanged. The caller checks that slice.lights is the number of lights
-/// that it has.
+/// entry for each tile. Returns the number of these tiles; 0 for a duplicate, which is a slice with a known
+/// tile: it is not decoded and changes nothing. Refuses a slice whose grid has another number of tiles, and a
+/// block that does not end with the slice's tiles. After a refusal asked and known are unchanged. The caller
+/// checks that slice.lights is the number of lights that it has.
 [[nodiscard]] Decoded<std::uint32_t> decode_ask_slice(const AskSlice& slice, std::vector<AskedTile>& asked,
                                                       KnownTiles& known);
 

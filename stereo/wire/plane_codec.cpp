@@ -43,6 +43,7 @@ Decoded<std::uint32_t> decode_plane_tiles(const PlaneSlice& slice, PixelPlane& p
   check(slice.first_tile + slice.tile_count <= grid.count(), "a slice is within its plane");
   check_eq(plane.words.size(), plane.size.pixels(), "a word for each pixel");
   check_eq(known.size(), std::size_t{grid.count()}, "known tiles are those of the plane");
+  if (is_any_known(known, slice.first_tile, slice.tile_count, 1)) return 0u;
 
   OpenedBlock opened;
   const std::optional<std::span<const std::byte>> tiles = open_block(slice.block, opened);
@@ -57,14 +58,12 @@ Decoded<std::uint32_t> decode_plane_tiles(const PlaneSlice& slice, PixelPlane& p
 
   ByteReader in(*tiles);
   TileWords words;
-  std::uint32_t learned = 0;
   for (std::uint32_t tile = slice.first_tile; tile < slice.first_tile + slice.tile_count; ++tile) {
     check(read_plane_tile(in, lanes, words).has_value(), "a checked tile is complete");
     store_tile(words, grid.rect(tile), plane);
-    learned += known[tile] == 0;
     known[tile] = 1;
   }
-  return learned;
+  return slice.tile_count;
 }
 
 }  // namespace farshade

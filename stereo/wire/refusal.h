@@ -32,13 +32,14 @@ enum class WireRefusal : std::uint8_t {
   Arrivals,        ///< an arrival report is too long, or its counter too large
   Padding,         ///< a Hello has another length, or padding other than zeros
   UnknownSession,  ///< a Sealed of a session that does not exist
+  CounterJump,     ///< the counter is too far beyond the newest one
   Replayed,        ///< the counter was opened before, or is older than the window
   Forged,          ///< the tag is wrong: forged, damaged, or sealed with another key
   AnswerSpec,      ///< fields that do not fit the kind of answer, or are out of range
   Part,            ///< a VideoPart with a wrong index, number or length
   OtherMask,       ///< a valid slice, but of a mask with another size or light count
 };
-inline constexpr std::size_t kWireRefusals = 25;
+inline constexpr std::size_t kWireRefusals = 26;
 
 [[nodiscard]] std::string_view name_of(WireRefusal refusal);
 

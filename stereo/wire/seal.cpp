@@ -73,6 +73,7 @@ std::uint64_t Sealer::seal(std::span<const std::byte> message, std::vector<std::
 
 Decoded<std::span<const std::byte>> Opener::open(const Sealed& sealed, std::span<const std::byte> datagram,
                                                  std::vector<std::byte>& opened) {
+  if (window_.is_too_far(sealed.counter)) return refuse(WireRefusal::CounterJump);
   if (!window_.is_new(sealed.counter)) return refuse(WireRefusal::Replayed);
   if (!open_sealed(key_, sealing_, sealed.counter, datagram.first(kSealedHeader_bytes), sealed.sealed,
                    opened))

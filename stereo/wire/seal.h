@@ -55,8 +55,8 @@ class Opener {
   Opener(const Secret& key, Sealing sealing) : key_(key), sealing_(sealing) {}
 
   /// Decrypts `sealed`, read from `datagram`, into `opened` and returns a view of it. Refuses a counter that
-  /// was opened before or is older than the window (Replayed), and a wrong tag (Forged). After a refusal the
-  /// window is unchanged.
+  /// is too far beyond the newest one (CounterJump), was opened before or is older than the window
+  /// (Replayed), and a wrong tag (Forged). After a refusal the window is unchanged.
   [[nodiscard]] Decoded<std::span<const std::byte>> open(const Sealed& sealed,
                                                          std::span<const std::byte> datagram,
                                                          std::vector<std::byte>& opened);

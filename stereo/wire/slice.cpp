@@ -170,6 +170,8 @@ Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, std::span<const As
   check(slice.plane < layout.planes() && slice.first_tile + slice.tile_count <= grid.count(),
         "a slice is within its mask");
   check(known.size() == grid.count(), "known tiles are those of the mask");
+  const auto plane_bit = static_cast<std::uint8_t>(1u << slice.plane);
+  if (is_any_known(known, slice.first_tile, slice.tile_count, plane_bit)) return 0u;
 
   TileBits bits;
   CodedTiles coded;
@@ -181,8 +183,7 @@ Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, std::span<const As
     if (one.asked.any() != kNoBlocks) {
       coded.read(one, bits);
       merge_tile(bits, grid.rect(tile), slice.plane, one.asked, mask);
-      const auto plane_bit = static_cast<std::uint8_t>(1u << slice.plane);
-      learned += (known[tile] & plane_bit) == 0;
+      ++learned;
       known[tile] |= plane_bit;
     }
     ++tile;

@@ -74,10 +74,10 @@ class SlicePacker {
 
 /// Writes what was asked for of a decoded slice's tiles into `mask` and marks the tiles in `known` (one entry
 /// for each tile of the mask). `asked` is that of the request, one entry for each tile, or none if everything
-/// is asked for. Returns how many of these tiles were unknown in the slice's plane before: 0 for a
-/// duplicate. Refuses a slice of a mask with another size or light count, and a block that does not end with
-/// the slice's tiles; damage that turns it into the block of other tiles is not noticed here. After a
-/// refusal, mask and known are unchanged.
+/// is asked for. Returns the number of these tiles; 0 for a duplicate, which is a slice with a tile that is
+/// known in its plane: it is not decoded and changes nothing. Refuses a slice of a mask with another size or
+/// light count, and a block that does not end with the slice's tiles; damage that turns it into the block of
+/// other tiles is not noticed here. After a refusal, mask and known are unchanged.
 [[nodiscard]] Decoded<std::uint32_t> decode_slice_tiles(const Slice& slice, std::span<const AskedTile> asked,
                                                         EyeMask& mask, KnownTiles& known);
 

@@ -6,6 +6,7 @@
 
 #include "stereo/base/check.h"
 #include "stereo/base/files.h"
+#include "stereo/video/video.h"
 #include "stereo/wire/ask_coder.h"
 #include "stereo/wire/plane_codec.h"
 #include "stereo/wire/plane_tile.h"
@@ -254,6 +255,29 @@ void save_captures(const fs::path& folder) {
 
 }  // namespace
 
+/// Units in the form of video.cpp: of the size that was asked for, of a larger one, and cut.
+void save_videos(const fs::path& folder) {
+  if (!has_video()) return;
+  const auto units = [&](Extent size) {
+    VideoEncoder encoder = VideoEncoder::create({size, 2'000'000, 72, 300}).value();
+    std::vector<Bytes> made;
+    for (std::uint8_t frame = 0; frame < 2; ++frame) {
+      Image<Rgb8> picture(size);
+      for (std::uint32_t i = 0; i < size.pixels(); ++i)
+        picture.pixels[i] = Rgb8(static_cast<std::uint8_t>(3 * i + 40 * frame));
+      const auto unit = encoder.encode(picture, KeyFrame::IfNeeded);
+      made.emplace_back(1, std::byte{frame});
+      made.back().insert(made.back().end(), unit.begin(), unit.end());
+    }
+    return made;
+  };
+  const std::vector<Bytes> asked = units({64, 48}), larger = units({1024, 1024});
+  save(folder / "key", asked[0]);
+  save(folder / "next", asked[1]);
+  save(folder / "cut", Bytes(asked[0].begin(), asked[0].begin() + 400));
+  save(folder / "larger", Bytes(larger[0].begin(), larger[0].begin() + 400));
+}
+
 int main(int argc, char** argv) {
   if (argc != 2) return std::fprintf(stderr, "usage: %s CORPUS\n", argv[0]), EXIT_FAILURE;
   const fs::path corpus = argv[1];
@@ -270,6 +294,7 @@ int main(int argc, char** argv) {
   save_server_sequences(corpus / "server_sequence");
   save_client_sequences(corpus / "client_sequence");
   save_captures(corpus / "capture_file");
+  save_videos(corpus / "video");
   std::mt19937 random(1);
   const fs::path planes = corpus / "plane_slice";
   std::mt19937 noise(2);

@@ -78,6 +78,7 @@ struct LinkClient {
   Welcome scene;
   ClientHandshake handshake;
   std::optional<SessionId> session{};
+  std::optional<SessionKeys> keys{};
   std::optional<Sealer> sealer{};
   std::optional<Opener> opener{};
   Arrivals arrivals{};
@@ -100,6 +101,7 @@ struct LinkClient {
     }
     welcome = std::get<Welcome>(met->answer);
     session = met->keys.session;
+    keys = met->keys;
     sealer.emplace(met->keys.session, met->keys.to_server, met->keys.sealing);
     opener.emplace(met->keys.to_client, met->keys.sealing);
   }

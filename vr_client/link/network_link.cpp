@@ -218,7 +218,11 @@ Decoded<void> NetworkLink::take_sealed(const Sealed& sealed, const Datagram& dat
 }
 
 void NetworkLink::poll() {
+  const Time until = clock_.now() + kMostPolling;
   while (receive_one(Duration::zero())) {
+    if (clock_.now() < until) continue;
+    ++cut_short_;
+    return;
   }
 }
 
@@ -248,8 +252,8 @@ std::optional<Time> NetworkLink::silent_since() const {
 }
 
 NetworkLink::Counters NetworkLink::counters() const {
-  return {inbox_.counters(), undecodable_, port_.counters(), sessions_,
-          channel_ ? channel_->arrivals.missing() : 0};
+  return {inbox_.counters(), undecodable_, port_.counters(),
+          sessions_,         cut_short_,   channel_ ? channel_->arrivals.missing() : 0};
 }
 
 }  // namespace farshade

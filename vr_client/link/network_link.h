@@ -35,6 +35,10 @@ struct LinkListener {
 /// A server that answers nothing for this long is reported as silent.
 inline constexpr Duration kSilentAfter = std::chrono::seconds(1);
 
+/// poll() reads datagrams for at most this time, which a frame of the client can spare. A server that sends
+/// more than the client can decode gets its datagrams read in later frames, or dropped by the socket.
+inline constexpr Duration kMostPolling = std::chrono::milliseconds(4);
+
 class NetworkLink final : public AnswerLink {
  public:
   /// Keeps the records of `frames` requests. Keeps references to `port`, and to `clock`, which times waits.
@@ -51,7 +55,7 @@ class NetworkLink final : public AnswerLink {
   /// Sends only those light changes that the server may not have yet.
   void request(const FrameRequest& request, Time requested_at, const RequestParts& parts = {}) override;
 
-  /// Receives all datagrams that have arrived.
+  /// Receives the datagrams that have arrived, for at most kMostPolling.
   void poll();
 
   /// Keeps the session of a client that asks for nothing: sends its newest request again. The server answers
@@ -85,8 +89,9 @@ class NetworkLink final : public AnswerLink {
     AssemblerCounters assembler;
     RefusalCounts undecodable;
     PortCounters port;
-    std::uint64_t sessions = 0;  ///< begun so far
-    std::uint64_t missing = 0;   ///< datagrams of this session, older than the newest, that have not come
+    std::uint64_t sessions = 0;   ///< begun so far
+    std::uint64_t cut_short = 0;  ///< calls of poll() that ended before all datagrams were read
+    std::uint64_t missing = 0;    ///< datagrams of this session, older than the newest, that have not come
   };
   [[nodiscard]] Counters counters() const;
 
@@ -137,7 +142,7 @@ class NetworkLink final : public AnswerLink {
   /// Why there may be no session: a refusal without authentication, which came at the given time.
   std::string unproved_refusal_;
   std::optional<Time> unproved_refusal_at_;
-  std::uint64_t sessions_ = 0;
+  std::uint64_t sessions_ = 0, cut_short_ = 0;
   RefusalCounts undecodable_{};
   Duration busy_{};
   LinkTraffic traffic_;

@@ -34,8 +34,8 @@ const Image<Rgb8>* VideoChain::take(FrameId frame, FrameId after, std::span<cons
     decoder_.reset();  // a key frame depends on no other
   else if (last != size)
     return nullptr;  // the key frame of this size is lost
-  const Expected<const Image<Rgb8>*> picture = decoder_.decode(unit);
-  if (!picture || (*picture)->size != size) return nullptr;
+  const Expected<const Image<Rgb8>*> picture = decoder_.decode(unit, size);
+  if (!picture) return nullptr;
   size_ = size;
   return *picture;
 }

@@ -242,7 +242,10 @@ TEST(NetworkLink, HostileBytesChangeNothingButCounters) {
               .lights = kLights,
               .tile_count = 1,
               .block = block};
+  bench.send(bench.sealed(slice));  // its tile is known
+  slice.size = {kSize.width, kSize.height + 1};
   bench.send(bench.sealed(slice));
+  slice.size = kSize;
   slice.frame = {77};
   bench.send(bench.sealed(slice));
   slice.frame = {1};
@@ -257,6 +260,7 @@ TEST(NetworkLink, HostileBytesChangeNothingButCounters) {
   EXPECT_EQ(counters.undecodable[WireRefusal::Replayed], 1u);
   EXPECT_EQ(counters.undecodable[WireRefusal::Forged], 1u);
   EXPECT_EQ(counters.undecodable.total(), 3u);
+  EXPECT_EQ(counters.assembler.duplicates, 1u);
   EXPECT_EQ(counters.assembler.refused.total(), 1u);
   EXPECT_EQ(counters.assembler.unexpected, 2u);
   EXPECT_EQ(counters.assembler.other_light_set, 1u);

@@ -72,8 +72,8 @@ TEST_F(StreamsCode, ARequestedKeyFrameDependsOnNoPicture) {
   const Coded alone = *code(streams_, {3}, grey(kEye, 140), Coding::Alone);
   EXPECT_EQ(alone.after, FrameId{3});
   VideoDecoder late = VideoDecoder::create().value();
-  EXPECT_FALSE(late.decode(next.unit)) << "depends on the first";
-  const Image<Rgb8>* const shown = late.decode(alone.unit).value();
+  EXPECT_FALSE(late.decode(next.unit, side_by_side_size(kEye))) << "depends on the first";
+  const Image<Rgb8>* const shown = late.decode(alone.unit, side_by_side_size(kEye)).value();
   EXPECT_NEAR(shown->at(5, 5).g, 140, 2);
 }
 

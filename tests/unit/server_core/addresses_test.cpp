@@ -150,5 +150,34 @@ TEST_F(SessionAddress, FollowsAClientThatMovesEachSecond) {
   EXPECT_EQ(sessions.size(), 1u);
 }
 
+/// What was learned about one path says nothing about another.
+TEST_F(SessionAddress, ANewAddressBeginsWithTheRateOfANewSession) {
+  double rate = 0;
+  for (int i = 0; i < 400; ++i) {
+    now += 14ms;
+    RequestMessage message{.request = request_of(++frame, {64, 64}), .arrivals = client.arrivals.report()};
+    say(kHome, client.seal(message));
+    const auto job = sessions.next_job(now);
+    if (!job) continue;
+    rate = job->bytes_per_second;
+    sessions.put(job->session, std::vector<Bytes>(12, Bytes(1000, std::byte{9})), {}, now);
+    Peer to;
+    for (Bytes datagram; sessions.seal_due(now + 13ms, to, datagram);)
+      client.arrivals.add(std::get<Sealed>(*open_server_envelope(datagram)).counter, now + i * 2ms);
+  }
+  ASSERT_LT(rate, 0.5 * RateControl::kStart) << "a queue that grows by 2 ms in each frame";
+  for (int i = 0; i < 3; ++i) ask(kAway);
+  now += 5s;
+  Peer to;
+  for (Bytes datagram; sessions.seal_due(now, to, datagram);) {
+  }
+  EXPECT_EQ(to, kAway);
+  now += 1s;
+  ask(kAway);
+  const auto job = sessions.next_job(now);
+  ASSERT_TRUE(job.has_value());
+  EXPECT_EQ(job->bytes_per_second, RateControl::kStart);
+}
+
 }  // namespace
 }  // namespace farshade

@@ -130,6 +130,40 @@ TEST(ServerFlood, AnswersSpoofedDatagramsWithFewerBytesAndKeepsNothing) {
   EXPECT_GT(counters.refused[WireRefusal::UnknownSession], kFlood / 10);
 }
 
+/// Datagrams of strangers that sessions handle per second, when so many clients have shaken hands. One
+/// thread makes and handles them.
+double strangers_per_second(std::size_t clients) {
+  Sessions sessions(kServed, {kKey}, {.sessions = clients, .handshakes_per_second = 1e9});
+  Bytes answer;
+  for (std::size_t i = 0; i < clients; ++i) {
+    LinkClient client(kKey, kServed);
+    const Peer from{{0, 9}, 0, static_cast<std::uint16_t>(i)};
+    for (Bytes datagram = client.hello(); !datagram.empty();) {
+      (void)sessions.handle(from, datagram, {}, answer);
+      datagram = answer.empty() ? Bytes() : client.take(answer, {});
+    }
+  }
+  EXPECT_EQ(sessions.size(), clients);
+  constexpr std::uint64_t kDatagrams = 100'000;
+  Flood flood(kDatagrams);
+  std::array<std::byte, kMaxDatagram_bytes> buffer;
+  const Stopwatch watch;
+  while (const auto datagram = flood.receive(buffer, {})) {
+    (void)sessions.handle(datagram->from, datagram->bytes, {}, answer);
+    EXPECT_FALSE(sessions.was_opened() && sessions.job_at());
+    EXPECT_FALSE(sessions.due_at().has_value());
+    EXPECT_TRUE(sessions.silent_at().has_value());
+  }
+  return kDatagrams / seconds_of(watch.elapsed());
+}
+
+TEST(ServerFlood, ADatagramOfAStrangerCostsTheSameWithManySessions) {
+  const double few = strangers_per_second(1), many = strangers_per_second(4096);
+  std::printf("datagrams of strangers per second and core: %.0f with 1 session, %.0f with 4,096\n", few,
+              many);
+  EXPECT_GT(many, 0.25 * few);
+}
+
 /// The memory of a session without its frame's datagrams, after a minute of requests that change lights,
 /// report arrivals and come from changing addresses.
 TEST(ServerMemory, ASessionIsUnderTwoMebibytesBeyondItsFrame) {

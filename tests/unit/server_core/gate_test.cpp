@@ -35,6 +35,7 @@ struct Client {
 
 struct GateTest : testing::Test {
   Gate gate{{shared_key(), key_of("lap", 100)}, 10};
+  TokenBucket of_key{1000};
   Bytes answer;
 
   const SharedKey* knock(const Bytes& hello, Time now, const Peer& from = kFrom) {
@@ -170,7 +171,7 @@ TEST_F(GateTest, TellsAClientOfAnotherVersionTheServersVersion) {
 TEST_F(GateTest, LimitsHandshakesPerSecond) {
   const auto let_through = [&](Time now, int attempts) {
     int through = 0;
-    for (int i = 0; i < attempts; ++i) through += gate.may_shake_hands(now) ? 1 : 0;
+    for (int i = 0; i < attempts; ++i) through += gate.may_shake_hands(of_key, now) ? 1 : 0;
     return through;
   };
   EXPECT_EQ(let_through(kStart, 50), 10);
@@ -186,10 +187,20 @@ TEST_F(GateTest, LimitsHandshakesPerSecond) {
 }
 
 TEST_F(GateTest, AClockThatStopsOrStepsBackGivesNoTokens) {
-  for (int i = 0; i < 10; ++i) EXPECT_TRUE(gate.may_shake_hands(kStart));
-  EXPECT_FALSE(gate.may_shake_hands(kStart - std::chrono::seconds(5)));
-  EXPECT_FALSE(gate.may_shake_hands(kStart));
-  EXPECT_TRUE(gate.may_shake_hands(kStart + std::chrono::milliseconds(101))) << "and this costs nothing";
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(gate.may_shake_hands(of_key, kStart));
+  EXPECT_FALSE(gate.may_shake_hands(of_key, kStart - std::chrono::seconds(5)));
+  EXPECT_FALSE(gate.may_shake_hands(of_key, kStart));
+  EXPECT_TRUE(gate.may_shake_hands(of_key, kStart + std::chrono::milliseconds(101)))
+      << "and this costs nothing";
+}
+
+TEST_F(GateTest, AKeyThatHasUsedItsTokensTakesNoneOfTheOthers) {
+  TokenBucket greedy(3);
+  int through = 0;
+  for (int i = 0; i < 100; ++i) through += gate.may_shake_hands(greedy, kStart) ? 1 : 0;
+  EXPECT_EQ(through, 3);
+  for (int i = 0; i < 7; ++i) EXPECT_TRUE(gate.may_shake_hands(of_key, kStart));
+  EXPECT_FALSE(gate.may_shake_hands(of_key, kStart));
 }
 
 }  // namespace

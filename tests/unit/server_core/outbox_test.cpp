@@ -17,11 +17,11 @@ std::vector<std::vector<std::byte>> frame(std::size_t messages, std::size_t byte
   return made;
 }
 
-/// Takes each message when it is due. Returns the times.
-std::vector<Time> leave(Outbox& outbox) {
+/// Takes each message when it is due, on a path with this rate. Returns the times.
+std::vector<Time> leave(Outbox& outbox, double bytes_per_second) {
   std::vector<Time> left;
   while (const auto due = outbox.due()) {
-    const auto message = outbox.take();
+    const auto message = outbox.take(bytes_per_second);
     EXPECT_EQ(message.front(), std::byte(left.size()));
     left.push_back(*due);
   }
@@ -32,32 +32,44 @@ TEST(Outbox, EmptyHasNothingDue) {
   Outbox outbox;
   EXPECT_TRUE(outbox.empty());
   EXPECT_EQ(outbox.due(), std::nullopt);
-  outbox.put({}, at(5), milliseconds(10), 1e6);
+  outbox.put({}, at(5), milliseconds(10));
   EXPECT_TRUE(outbox.empty());
 }
 
 TEST(Outbox, FastPathSpreadsEvenlyOverTheInterval) {
   Outbox outbox;
-  outbox.put(frame(5), at(100), milliseconds(10), 1e9);
-  EXPECT_EQ(leave(outbox), (std::vector{at(100), at(102), at(104), at(106), at(108)}));
+  outbox.put(frame(5), at(100), milliseconds(10));
+  EXPECT_EQ(leave(outbox, 1e9), (std::vector{at(100), at(102), at(104), at(106), at(108)}));
   EXPECT_EQ(outbox.drained_at(), at(110));
 }
 
 TEST(Outbox, NeverSendsFasterThanTheSlowPath) {
   Outbox outbox;
-  outbox.put(frame(4), at(100), milliseconds(10), 100e3);  // 10 ms per message
-  EXPECT_EQ(leave(outbox), (std::vector{at(100), at(110), at(120), at(130)}));
+  outbox.put(frame(4), at(100), milliseconds(10));  // 10 ms per message
+  EXPECT_EQ(leave(outbox, 100e3), (std::vector{at(100), at(110), at(120), at(130)}));
   EXPECT_EQ(outbox.drained_at(), at(140));
 }
 
 TEST(Outbox, NextFrameWaitsUntilThePathHasTakenTheLast) {
   Outbox outbox;
-  outbox.put(frame(4), at(100), milliseconds(10), 100e3);
-  leave(outbox);
-  outbox.put(frame(2), at(120), milliseconds(10), 1e9);
-  EXPECT_EQ(leave(outbox), (std::vector{at(140), at(145)}));
-  outbox.put(frame(1), at(900), milliseconds(10), 1e9);
-  EXPECT_EQ(leave(outbox), (std::vector{at(900)}));
+  outbox.put(frame(4), at(100), milliseconds(10));
+  leave(outbox, 100e3);
+  outbox.put(frame(2), at(120), milliseconds(10));
+  EXPECT_EQ(leave(outbox, 1e9), (std::vector{at(140), at(145)}));
+  outbox.put(frame(1), at(900), milliseconds(10));
+  EXPECT_EQ(leave(outbox, 1e9), (std::vector{at(900)}));
+}
+
+TEST(Outbox, FollowsTheRateOfTheMomentWithinAFrame) {
+  Outbox outbox;
+  outbox.put(frame(7), at(100), milliseconds(7));
+  std::vector<Time> left;
+  for (const double rate : {1e9, 1e9, 100e3, 100e3, 1e9, 1e9, 1e9}) {
+    left.push_back(*outbox.due());
+    outbox.take(rate);
+  }
+  EXPECT_EQ(left, (std::vector{at(100), at(101), at(102), at(112), at(122), at(123), at(124)}));
+  EXPECT_EQ(outbox.drained_at(), at(125));
 }
 
 TEST(Outbox, LargerMessagesTakeLonger) {
@@ -65,31 +77,31 @@ TEST(Outbox, LargerMessagesTakeLonger) {
   const std::vector<std::vector<std::byte>> messages{std::vector<std::byte>(1000, std::byte{0}),
                                                      std::vector<std::byte>(100, std::byte{1}),
                                                      std::vector<std::byte>(500, std::byte{2})};
-  outbox.put(messages, at(0), Duration{}, 100e3);
-  EXPECT_EQ(leave(outbox), (std::vector{at(0), at(10), at(11)}));
+  outbox.put(messages, at(0), Duration{});
+  EXPECT_EQ(leave(outbox, 100e3), (std::vector{at(0), at(10), at(11)}));
   EXPECT_EQ(outbox.drained_at(), at(16));
 }
 
 TEST(Outbox, MemoryIsUsedAgainAndOldMessagesDoNotComeBack) {
   Outbox outbox;
-  outbox.put(frame(20, 1200), at(0), milliseconds(10), 1e9);
-  const std::byte* first = outbox.take().data();
-  while (!outbox.empty()) outbox.take();
+  outbox.put(frame(20, 1200), at(0), milliseconds(10));
+  const std::byte* first = outbox.take(1e9).data();
+  while (!outbox.empty()) outbox.take(1e9);
   for (std::size_t n = 1; n <= 20; ++n) {
-    outbox.put(frame(n, 1200 - n), at(100), milliseconds(10), 1e9);
-    const auto message = outbox.take();
+    outbox.put(frame(n, 1200 - n), at(100), milliseconds(10));
+    const auto message = outbox.take(1e9);
     EXPECT_EQ(message.data(), first);
     EXPECT_EQ(message.size(), 1200 - n);
     std::size_t taken = 1;
-    for (; !outbox.empty(); ++taken) outbox.take();
+    for (; !outbox.empty(); ++taken) outbox.take(1e9);
     EXPECT_EQ(taken, n);
   }
 }
 
 TEST(OutboxDeathTest, RefusesASecondFrameBeforeTheFirstHasLeft) {
   Outbox outbox;
-  outbox.put(frame(2), at(0), milliseconds(10), 1e6);
-  EXPECT_DEATH(outbox.put(frame(2), at(0), milliseconds(10), 1e6), "only when it is empty");
+  outbox.put(frame(2), at(0), milliseconds(10));
+  EXPECT_DEATH(outbox.put(frame(2), at(0), milliseconds(10)), "only when it is empty");
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ Duration spread_of_frame(Duration between_displays, Duration between_arrivals) {
     now += between_arrivals;
     FrameRequest request = request_of(frame, kSize);
     request.display_time = Time(frame * between_displays);
-    house.talk(client, 1, client.seal({.request = request}), now);
+    house.talk(client, 1, client.seal({.request = request, .arrivals = client.arrivals.report()}), now);
     const auto job = house.sessions.next_job(now);
     if (!job) continue;
     house.sessions.put(job->session, messages, {}, now);
@@ -29,6 +29,7 @@ Duration spread_of_frame(Duration between_displays, Duration between_arrivals) {
     while (const auto due = house.sessions.due_at()) {
       spread = *due - now;
       EXPECT_TRUE(house.sessions.seal_due(*due, to, datagram));
+      client.arrivals.add(std::get<Sealed>(*open_server_envelope(datagram)).counter, *due);
     }
   }
   return spread;
@@ -74,6 +75,43 @@ TEST(SessionPacing, ARequestWithoutItsPositionsWaitsForThePathToo) {
   request.frame = {3};
   path.talk(path.client, 1, path.client.seal({.request = request}), Time(195ms));
   EXPECT_EQ(path.sessions.job_at(), Time(195ms) + kPartsTimeout);
+}
+
+/// A client that requests and receives frames of 20 messages. It reports arrivals only while `reports`.
+struct Listener : House {
+  /// Returns the bytes per second that were sent to it in `time`.
+  double run(Duration time, bool reports) {
+    std::size_t bytes = 0;
+    for (const Time until = now + time; now < until; now += 2ms) {
+      RequestMessage message{.request = request_of(++frame, kSize)};
+      if (reports) message.arrivals = client.arrivals.report();
+      talk(client, 1, client.seal(message), now);
+      if (const auto job = sessions.next_job(now))
+        sessions.put(job->session, std::vector<Bytes>(20, Bytes(1000, std::byte{1})), {}, now);
+      Peer to;
+      for (Bytes datagram; sessions.seal_due(now, to, datagram); bytes += datagram.size())
+        if (reports)
+          client.arrivals.add(std::get<Sealed>(*open_server_envelope(datagram)).counter, now + 5ms);
+    }
+    return static_cast<double>(bytes) / seconds_of(time);
+  }
+  LinkClient client = join(1);
+  Time now{};
+  std::uint32_t frame = 0;
+};
+
+TEST(SessionPacing, SlowsDownWithinASecondWhenReportsStopAndIsBackAtOnce) {
+  Listener listener;
+  const double before = listener.run(3s, true);
+  listener.run(1s, false);
+  const double after_a_second = listener.run(200ms, false), later = listener.run(2s, false);
+  listener.run(20ms, true);
+  const double again = listener.run(500ms, true);
+  std::printf("kB/s: %.0f; a second after the last report %.0f, then %.0f; with reports again %.0f\n",
+              before / 1e3, after_a_second / 1e3, later / 1e3, again / 1e3);
+  EXPECT_LT(after_a_second, before / 8);
+  EXPECT_LT(later, 40e3) << "the least rate is 25 kB/s";
+  EXPECT_GT(again, 0.7 * before);
 }
 
 TEST(SessionKeepAlive, IsSentToAClientThatAsksAndGetsNothing) {

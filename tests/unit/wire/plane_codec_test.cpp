@@ -175,6 +175,20 @@ TEST(PlaneSlices, ALostOneLeavesItsTilesUnknownAndNothingElse) {
   }
 }
 
+/// Decoding costs more than the bytes: a few bytes may have thousands of tiles.
+TEST(PlaneSlices, AKnownTileIsNotDecodedAgain) {
+  std::mt19937 random(12);
+  const PixelPlane plane = noise_plane({96, 96}, 4, random), other = noise_plane({96, 96}, 4, random);
+  Received received(plane);
+  EXPECT_GT(received.take(packed_plane(plane, PlaneKind::Depth).front()).value(), 0u);
+  const PixelPlane once = received.plane;
+  Bytes again = packed_plane(other, PlaneKind::Depth).front();
+  EXPECT_EQ(received.take(again).value(), 0u);
+  again.back() ^= std::byte{1};
+  EXPECT_EQ(received.take(again).value(), 0u) << "its block is not even opened";
+  EXPECT_EQ(received.plane, once);
+}
+
 TEST(PlaneSlices, OfAnotherSizeOrWordAreRefused) {
   std::mt19937 random(9);
   const Bytes message = packed_plane(noise_plane({32, 32}, 3, random), PlaneKind::BaseColor).front();

@@ -96,6 +96,7 @@ std::map<std::string, std::string> constants_of_code() {
       {"kSessionTimeout", time(kSessionTimeout)},
       {"kPartsTimeout", time(kPartsTimeout)},
       {"ReplayWindow::kSize", count(ReplayWindow::kSize)},
+      {"ReplayWindow::kMostJump", count(ReplayWindow::kMostJump)},
       {"kMaxTime_ns", power_of_two(kMaxTime_ns)},
       {"kMaxCoordinate_m", power_of_ten(kMaxCoordinate_m)},
       {"kMaxOffUnit", power_of_ten(kMaxOffUnit)},

@@ -175,6 +175,7 @@ std::vector<Case> sealed() {
     cases.push_back({what, sent, why});
   };
   expect("once more", datagram, WireRefusal::Replayed);
+  expect("with a counter that none will reach", patched(datagram, 15 + 7, {0x80}), WireRefusal::CounterJump);
   expect("long ago", early, WireRefusal::Replayed);
   for (int i = 0; i < 6000; ++i) stranger.seal(requested, datagram);
   expect("under another key", datagram, WireRefusal::Forged);

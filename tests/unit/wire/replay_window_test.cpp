@@ -109,5 +109,18 @@ TEST(ReplayWindow, AgreesWithASetOfAllThatWasTaken) {
   }
 }
 
+TEST(ReplayWindow, CountersBeyondWhatASenderCanReachAreTooFar) {
+  ReplayWindow window;
+  EXPECT_FALSE(window.is_too_far(ReplayWindow::kMostJump));
+  EXPECT_TRUE(window.is_too_far(ReplayWindow::kMostJump + 1));
+  window.take(1000);
+  EXPECT_FALSE(window.is_too_far(0)) << "an old counter is old, not far";
+  EXPECT_FALSE(window.is_too_far(1000 + ReplayWindow::kMostJump));
+  EXPECT_TRUE(window.is_too_far(1001 + ReplayWindow::kMostJump));
+  EXPECT_TRUE(window.is_too_far(~std::uint64_t{0}));
+  window.take(ReplayWindow::kMostCounter);
+  EXPECT_TRUE(window.is_too_far(ReplayWindow::kMostCounter + 1));
+}
+
 }  // namespace
 }  // namespace farshade

@@ -145,8 +145,19 @@ TEST(Seal, AForgedCounterMovesNoWindow) {
   Opener opener(kKey, Sealing::On);
   const Bytes first = seal(sealer, bytes_of({1}));
   Bytes far = first;
-  far[15 + 6] = std::byte{0xff};  // counter 255 << 48
+  far[15 + 3] = std::byte{4};  // counter 4 << 24
   EXPECT_EQ(open(opener, far).error(), WireRefusal::Forged);
+  EXPECT_EQ(opener.window().newest(), std::nullopt);
+  EXPECT_TRUE(open(opener, first));
+}
+
+TEST(Seal, ACounterThatNoSenderReachesIsRefusedAlthoughItOpens) {
+  Sealer sealer(kSession, kKey, Sealing::Off);
+  Opener opener(kKey, Sealing::Off);
+  const Bytes first = seal(sealer, bytes_of({1}));
+  Bytes far = first;
+  far[15 + 7] = std::byte{0x80};  // counter 2^63; without sealing every counter opens
+  EXPECT_EQ(open(opener, far).error(), WireRefusal::CounterJump);
   EXPECT_EQ(opener.window().newest(), std::nullopt);
   EXPECT_TRUE(open(opener, first));
 }

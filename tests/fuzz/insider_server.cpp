@@ -1,0 +1,187 @@
+// A client, and a server that holds the client's key and says what it likes: any bytes sealed for the
+// session, genuine answers that are changed, counters that jump. The input is a list of steps in virtual
+// time. After each step the client's records fit their requests. Afterwards the client must still send
+// requests and assemble the answer to the next one bit for bit.
+#include <spdlog/spdlog.h>
+
+#include "stereo/wire/plane_codec.h"
+#include "tests/fuzz/attacked_link.h"
+#include "tests/fuzz/fixed_random.h"
+#include "tests/support/manual_clock.h"
+#include "tests/unit/hostile_server.h"
+
+using namespace farshade;
+using namespace std::chrono_literals;
+using fuzz::Bytes;
+
+namespace {
+
+constexpr int kMostSteps = 32;
+constexpr std::size_t kFrames = Assembler::kKept + 2;
+
+Bytes encoded(const ServerMessage& message) {
+  Bytes bytes;
+  encode(message, bytes);
+  return bytes;
+}
+
+/// All tiles of one plane of a G-buffer.
+Bytes plane_of(FrameId frame) {
+  PixelPlane plane({18, 10}, 3);
+  for (std::size_t i = 0; i < plane.words.size(); ++i) plane.words[i] = static_cast<std::uint32_t>(37 * i);
+  PlanePacker packer;
+  packer.start(frame, Side::Left, PlaneKind::BaseColor, plane);
+  return encoded(*packer.next());
+}
+
+class Conversation {
+ public:
+  Conversation();
+  void step(fuzz::Choices& choices);
+  void finish();
+
+ private:
+  void ask(Answer answer);
+  void say(std::span<const std::byte> message, std::optional<std::uint64_t> counter = {});
+  [[nodiscard]] std::vector<Bytes> honest_answer() const;
+  [[nodiscard]] Bytes genuine(fuzz::Choices& choices) const;
+  void check_client() const;
+
+  ManualClock clock_;
+  VirtualLink wire_{clock_, {}};
+  SharedKey key_ = fuzz::key_named("desk");
+  link_test::HostileServer server_{wire_.server(), key_, fuzz::kServed};
+  NetworkLink link_{wire_.client(),
+                    clock_,
+                    {wire_.server().local(), key_, fuzz::kServed.scene_hash, {fuzz::kServed.light_count}},
+                    kFrames};
+  std::uint32_t frame_ = 0;
+};
+
+Conversation::Conversation() {
+  wire_.while_waiting([this] { server_.serve(); });
+  check(link_.meet(1s).has_value(), "whoever has the key can be a server");
+  ask(Answer::Masks);
+}
+
+void Conversation::ask(Answer answer) {
+  FrameRequest request = fuzz::request(++frame_);
+  request.answer.kind = answer;
+  if (is_video(answer)) {
+    request.answer.bits_per_second = kLeastVideo_bits;
+    request.answer.interval = 10ms;
+  }
+  const std::uint64_t before = server_.requests();
+  link_.request(request, request.display_time);
+  server_.serve();
+  check_eq(server_.requests(), before + 1, "requests: each is sent, whatever the server said");
+  check(server_.request()->arrivals.count <= ArrivalReport::kMost, "and its report fits");
+}
+
+void Conversation::say(std::span<const std::byte> message, std::optional<std::uint64_t> counter) {
+  server_.say(message, counter);
+  link_.poll();
+}
+
+/// The messages that a genuine server would answer the newest request with, if it is for masks.
+std::vector<Bytes> Conversation::honest_answer() const {
+  ShadowFrame painted;
+  fuzz::paint(fuzz::request(frame_), painted);
+  std::vector<Bytes> messages;
+  for (const Side side : kSides) {
+    SlicePacker packer;
+    packer.start(painted, side);
+    while (const std::optional<Slice> slice = packer.next()) messages.push_back(encoded(*slice));
+  }
+  messages.push_back(encoded(FrameReport{.frame = {frame_}, .view_scale = kFullViewScale}));
+  return messages;
+}
+
+Bytes Conversation::genuine(fuzz::Choices& choices) const {
+  const FrameId frame{frame_ - choices.up_to(2)};
+  const std::array block{std::byte{static_cast<std::uint8_t>(choices.up_to(255))}};
+  switch (choices.up_to(5)) {
+    case 0:
+      return encoded(Probe{1 + choices.up_to(3)});
+    case 1:
+      return plane_of(frame);
+    case 2:
+      return encoded(VideoPart{.frame = frame, .after = frame, .bytes = block});
+    case 3:
+      return encoded(FrameReport{.frame = frame, .view_scale = {1 + choices.up_to(7)}});
+    case 4:
+      return encoded(fuzz::kServed);
+    default:
+      return honest_answer()[choices.up_to(1)];
+  }
+}
+
+void Conversation::step(fuzz::Choices& choices) {
+  enum Step : std::uint32_t { Say, Change, Repeat, Jump, Ask, Pass, kSteps };
+  const std::uint32_t kind = choices.up_to(kSteps - 1);
+  if (kind == Say) {
+    say(choices.bytes(choices.up_to(255)));
+  } else if (kind == Change) {
+    const Bytes message = genuine(choices);
+    const std::uint32_t most = choices.up_to(4);
+    Bytes changed = fuzz::edited(message, choices, most);
+    if (changed.size() > kMaxMessage_bytes) changed.resize(kMaxMessage_bytes);
+    say(changed);
+  } else if (kind == Repeat) {
+    const Bytes message = genuine(choices);
+    for (std::uint32_t times = choices.up_to(16); times > 0; --times) say(message);
+  } else if (kind == Jump) {
+    const std::uint64_t far = std::uint64_t{1} << choices.up_to(63);
+    say(encoded(Probe{1}), choices.up_to(1) == 1 ? 2 * far - 1 : far);
+  } else if (kind == Ask) {
+    constexpr std::array kinds{Answer::Masks, Answer::GBuffer, Answer::Video};
+    ask(kinds[choices.up_to(kinds.size() - 1)]);
+  } else {
+    link_.listen(std::chrono::milliseconds(choices.up_to(255)));
+  }
+  check_client();
+}
+
+void Conversation::check_client() const {
+  for (const RequestRecord* record : link_.inbox().received(Time::max())) {
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      const EyeMask& mask = record->masks[eye];
+      check(record->tiles_known[eye] <= record->tiles_asked[eye] * mask.layout().planes(),
+            "tiles count once");
+      for (std::uint32_t y = 0; y < mask.size().height; ++y)
+        for (std::uint32_t x = 0; x < mask.size().width; ++x)
+          check((mask.word(x, y, 0) & ~mask.layout().used_bits(0)) == 0, "no bit is set without a light");
+    }
+    const Answer kind = record->request.answer.kind;
+    check(kind == Answer::GBuffer || record->gbuffer.tiles_known == 0, "planes come of a request for them");
+    check(is_video(kind) || record->video.parts_known == 0, "video comes of a request for it");
+    check(record->gbuffer.tiles_known <= record->gbuffer.tiles, "tiles of planes count once");
+    check(record->video.parts_known <= record->video.known.size(), "parts count once");
+    check(record->video.unit.size() <= kMostVideoParts * kVideoPart_bytes, "a unit is bounded");
+  }
+  check(link_.inbox().view_scale() <= kFullViewScale, "views grow to full size at most");
+  check(!link_.refused(), "only a handshake refuses");
+  check_eq(link_.counters().sessions, 1u, "sessions: the first one");
+}
+
+void Conversation::finish() {
+  ask(Answer::Masks);
+  for (const Bytes& message : honest_answer()) say(message);
+  check(link_.wait_for({frame_}, 1ms), "the next answer comes whole");
+  ShadowFrame painted;
+  fuzz::paint(fuzz::request(frame_), painted);
+  check(link_.inbox().find({frame_})->masks == painted.masks, "and bit for bit");
+  check_client();
+}
+
+}  // namespace
+
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  spdlog::set_level(spdlog::level::off);
+  fuzz::fix_random(1);
+  Conversation conversation;
+  fuzz::Choices choices(data, size);
+  for (int steps = 0; steps < kMostSteps && !choices.rest().empty(); ++steps) conversation.step(choices);
+  conversation.finish();
+  return 0;
+}

@@ -1,0 +1,148 @@
+// A client that holds a valid key, and does with it what it likes, costs the clients of other keys nothing.
+#include <gtest/gtest.h>
+
+#include "tests/unit/forged.h"
+#include "tests/unit/server_core/house.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace house_test;
+
+const SharedKey kGood = kRing[0], kEvil = kRing[2];
+constexpr std::uint16_t kGoodPort = 1, kEvilPort = 100;
+constexpr SessionLimits kOpen{.sessions = 65, .handshakes_per_second = 1e6};
+
+/// The time of the worker that a good client gets which always wants more. Both sides' jobs take what the
+/// arguments say. `reconnects`: each session of the other key begins anew after each job.
+double good_share(Duration good_job, Duration evil_job, std::size_t evil_sessions, bool reconnects) {
+  House house(kOpen);
+  LinkClient good = house.join(kGoodPort, {}, kGood);
+  std::vector<LinkClient> evil;
+  const auto port_of = [](std::size_t i) { return static_cast<std::uint16_t>(kEvilPort + i); };
+  for (std::size_t i = 0; i < evil_sessions; ++i) evil.push_back(house.join(port_of(i), {}, kEvil));
+  Duration to_good{}, all{};
+  std::uint32_t frame = 1;
+  house.ask(good, kGoodPort, frame);
+  for (std::size_t i = 0; i < evil.size(); ++i) house.ask(evil[i], port_of(i), frame);
+  while (all < 20s) {
+    ++frame;
+    const auto job = house.sessions.next_job({});
+    const bool is_good = job->session == good.session;
+    if (is_good) house.ask(good, kGoodPort, frame);
+    for (std::size_t i = 0; i < evil.size(); ++i) {
+      if (evil[i].session != job->session) continue;
+      if (reconnects) evil[i] = house.join(port_of(i), {}, kEvil);
+      house.ask(evil[i], port_of(i), frame);  // of a new session: the one whose job is in work ends
+    }
+    const Duration work = is_good ? good_job : evil_job;
+    house.sessions.put(job->session, {}, work, {});
+    all += work;
+    if (is_good) to_good += work;
+  }
+  return seconds_of(to_good) / seconds_of(all);
+}
+
+TEST(Insider, OneKeyWithManySessionsLeavesHalfOfTheWorkerToAnother) {
+  const double equal = good_share(5ms, 5ms, 63, false), long_jobs = good_share(5ms, 400ms, 63, false),
+               anew = good_share(5ms, 5ms, 63, true), both = good_share(5ms, 400ms, 63, true);
+  std::printf(
+      "the good client's share of the worker: %.3f, against long jobs %.3f, against sessions that "
+      "begin anew %.3f, both %.3f\n",
+      equal, long_jobs, anew, both);
+  EXPECT_GE(equal, 0.499);
+  EXPECT_GE(long_jobs, 0.48) << "one job of 0.4 s of 20 s is the difference";
+  EXPECT_GE(anew, 0.499);
+  EXPECT_GE(both, 0.48);
+}
+
+TEST(Insider, DebtOutlivesTheSession) {
+  House house(kOpen);
+  LinkClient good = house.join(kGoodPort, {}, kGood), evil = house.join(kEvilPort, {}, kEvil);
+  std::uint32_t frame = 1;
+  house.ask(evil, kEvilPort, frame);
+  house.sessions.put(house.sessions.next_job({})->session, {}, 1s, {});
+  const Time later = Time(SessionLimits{}.silence + 1s);
+  house.sessions.end_silent(later);
+  ASSERT_EQ(house.sessions.size(), 0u);
+  good = house.join(kGoodPort, later, kGood);
+  evil = house.join(kEvilPort, later, kEvil);
+  for (int i = 0; i < 199; ++i) {
+    house.ask(evil, kEvilPort, ++frame, later);
+    house.ask(good, kGoodPort, frame, later);
+    const auto job = house.sessions.next_job(later);
+    ASSERT_EQ(job->session, good.session) << i;
+    house.sessions.put(job->session, {}, 5ms, later);
+  }
+}
+
+TEST(Insider, AFullServerTakesASessionFromTheKeyWithTheMost) {
+  House house({.sessions = 4, .handshakes_per_second = 1e6});
+  std::vector<LinkClient> evil;
+  for (std::uint16_t i = 0; i < 4; ++i) {
+    evil.push_back(house.join(kEvilPort + i, Time(i * 1ms), kEvil));
+    house.ask(evil.back(), kEvilPort + i, 1, Time(i * 1ms));
+  }
+  LinkClient good = house.join(kGoodPort, Time(10ms), kGood);
+  ASSERT_TRUE(good.welcome.has_value());
+  EXPECT_EQ(house.sessions.size(), 4u);
+  EXPECT_EQ(house.sessions.counters().displaced, 1u);
+  house.ask(evil[3], kEvilPort + 3, 2, Time(11ms));
+  EXPECT_EQ(evil[3].no_session, 1u) << "the newest";
+  EXPECT_TRUE(house.join(kEvilPort + 9, Time(12ms), kEvil).refusal.has_value()) << "it has the most already";
+  EXPECT_TRUE(house.join(kGoodPort + 1, Time(13ms), kGood).welcome.has_value());
+  EXPECT_TRUE(house.join(kGoodPort + 2, Time(14ms), kGood).refusal.has_value()) << "two each";
+  EXPECT_EQ(house.sessions.counters().displaced, 2u);
+}
+
+TEST(Insider, OneKeyCannotUseUpTheHandshakes) {
+  House house({.sessions = 1000, .handshakes_per_second = 10});
+  std::size_t evil = 0;
+  for (std::uint16_t i = 0; i < 50; ++i)
+    evil += house.join(kEvilPort + i, {}, kEvil).welcome.has_value() ? 1 : 0;
+  EXPECT_EQ(evil, 5u) << "half of the limit";
+  EXPECT_EQ(house.sessions.gate().too_many, 45u);
+  EXPECT_TRUE(house.join(kGoodPort, {}, kGood).welcome.has_value());
+}
+
+TEST(Insider, AKeyThatIsNoLongerAloneHasHalfOfTheHandshakes) {
+  House house({.sessions = 1000, .handshakes_per_second = 10});
+  house.sessions.set_ring({kEvil});
+  EXPECT_TRUE(house.join(kEvilPort, {}, kEvil).welcome.has_value());
+  house.sessions.set_ring(kRing);
+  std::size_t evil = 0;
+  for (std::uint16_t i = 0; i < 50; ++i)
+    evil += house.join(kEvilPort + i, Time(10s), kEvil).welcome.has_value() ? 1 : 0;
+  EXPECT_EQ(evil, 5u);
+}
+
+TEST(Insider, WhoSeesAHelloCannotRegisterItUnderItsOwnKey) {
+  House house;
+  LinkClient good(kGood, kServed);
+  const Bytes first = good.hello();
+  const PublicKey seen = std::get<Hello>(*open_client_envelope(first)).client;
+  const Bytes retry = house.say(kEvilPort, hello_with(seen, kEvil, kServed.scene_hash, {}));
+  const Cookie cookie = std::get<Retry>(*open_server_envelope(retry)).cookie;
+  const Bytes stolen = house.say(kEvilPort, hello_with(seen, kEvil, kServed.scene_hash, cookie));
+  ASSERT_TRUE(std::holds_alternative<Accept>(*open_server_envelope(stolen)));
+  house.talk(good, kGoodPort, first);
+  EXPECT_TRUE(good.welcome.has_value()) << "the good client has its own session";
+  EXPECT_EQ(house.sessions.size(), 2u);
+}
+
+TEST(Insider, ACounterThatJumpsDoesNotCount) {
+  House house;
+  LinkClient client = house.join(kGoodPort, {}, kGood);
+  house.ask(client, kGoodPort, 1);
+  const Bytes honest = client.seal({.request = request_of(2, kSize)});
+  Bytes far = honest;
+  far[15 + 7] = std::byte{0xff};
+  house.say(kGoodPort, far);
+  EXPECT_EQ(house.taken.error(), WireRefusal::CounterJump);
+  house.say(kGoodPort, honest);
+  EXPECT_TRUE(house.taken.has_value());
+}
+
+}  // namespace
+}  // namespace farshade
