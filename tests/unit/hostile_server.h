@@ -33,7 +33,8 @@ class HostileServer {
     if (!keys_) return;
     const std::uint64_t used = counter.value_or(next_);
     port_.send(client_, seal_at(used, keys_->session, keys_->to_client, message));
-    if (used >= next_ && used - next_ < ReplayWindow::kMostJump) next_ = used + 1;
+    const std::uint64_t newest = next_ == 0 ? 0 : next_ - 1;
+    if (used >= next_ && used - newest <= ReplayWindow::kMostJump) next_ = used + 1;
   }
   void say(const ServerMessage& message, std::optional<std::uint64_t> counter = {}) {
     std::vector<std::byte> bytes;
@@ -44,6 +45,8 @@ class HostileServer {
   /// The newest request that came.
   [[nodiscard]] const std::optional<RequestMessage>& request() const { return request_; }
   [[nodiscard]] std::uint64_t requests() const { return requests_; }
+  /// The number of sessions that it has begun.
+  [[nodiscard]] std::uint64_t sessions() const { return sessions_; }
 
  private:
   void meet(const Hello& hello, const Datagram& datagram) {
@@ -53,6 +56,7 @@ class HostileServer {
     opener_.emplace(keys_->to_server, keys_->sealing);
     client_ = datagram.from;
     next_ = 0;
+    ++sessions_;
     port_.send(client_, accepted->datagram);
   }
   void open(const Sealed& sealed, const Datagram& datagram) {
@@ -72,7 +76,7 @@ class HostileServer {
   std::optional<SessionKeys> keys_;
   std::optional<Opener> opener_;
   Peer client_;
-  std::uint64_t next_ = 0, requests_ = 0;
+  std::uint64_t next_ = 0, requests_ = 0, sessions_ = 0;
   std::optional<RequestMessage> request_;
 };
 
