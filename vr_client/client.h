@@ -86,10 +86,9 @@ void open_renderer(Client& client, const RendererLimits& limits);
 [[nodiscard]] std::future<Expected<void>> open_tracers_meanwhile(const Options& options, Mode mode,
                                                                  Client& client);
 
-/// Opens the socket and a session with the server, if mode and scene need one. Of the addresses of a name, the
-/// first that answers is used. A server that does not answer causes a warning, and the link keeps trying its
-/// last address. A refusal by the server is an error. `listener` gets all
-/// messages from the first one on.
+/// Opens the socket and a session with the server, if mode and scene need one. Of the addresses of a name,
+/// the first that answers is used. A server that does not answer causes a warning, and the link keeps trying
+/// its last address. A refusal by the server is an error. `listener` gets all messages from the first one on.
 [[nodiscard]] Expected<void> open_link(const Options& options, Client& client, LinkListener listener = {});
 
 /// Opens a new session on the same socket. The masks of the old session are dropped.

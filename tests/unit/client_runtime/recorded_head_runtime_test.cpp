@@ -53,8 +53,7 @@ TEST(RecordedHeadRuntime, CountsNoMoreFramesThanANumberHolds) {
   HeadRecording recording = walk();
   recording.samples.front().time = Time{};
   recording.samples.back().time = time_from_ns(std::int64_t{1} << 62);  // 146 years
-  EXPECT_EQ(frame_count(recording, playback(72)),
-            std::numeric_limits<std::uint32_t>::max());
+  EXPECT_EQ(frame_count(recording, playback(72)), std::numeric_limits<std::uint32_t>::max());
   EXPECT_EQ(frame_count(recording, playback(72, {}, 5)), 5u);
 }
 
