@@ -73,6 +73,11 @@ void add_serving(CLI::App& app, ServeOptions& options) {
                  "maximum number of bytes per second that the server sends to one client")
       ->check(within(25e3, 1e10))
       ->capture_default_str();
+  app.add_option("--total-bytes-per-second", options.limits.total_bytes_per_second,
+                 "maximum number of bytes of answers per second to all clients together; clients of "
+                 "different keys share it equally")
+      ->check(within(25e3, 1e11))
+      ->capture_default_str();
   app.add_option("--pixels", options.most_pixels,
                  "maximum number of pixels per eye that a client may request")
       ->check(within(1u, kMaxViewSide_px * kMaxViewSide_px))

@@ -18,7 +18,9 @@ struct KeyAccount {
   /// Time of the worker. A key that had nothing to do starts again at the value of the others.
   Duration work{};
   std::uint64_t served = 0;  ///< number of jobs of all clients when this key was last served
-  Duration session_work{};   ///< ClientSession::Turn::work of its session that was served last
+  /// Bytes of its answers, counted like `work`.
+  std::uint64_t sent = 0;
+  Duration session_work{};  ///< ClientSession::Turn::work of its session that was served last
   TokenBucket handshakes;
 };
 

@@ -77,8 +77,10 @@ std::string counters_line(const ServerCounters& counters) {
                             {sessions.displaced, "ended for a key with fewer"},
                             {sessions.withdrawn, "ended because their answer is no longer offered"},
                             {sessions.revoked, "ended because their key was taken out of the ring"},
-                            {sessions.moved, "moved"}}) +
-         group("limits", {{sessions.held_back, "frames slowed by --bytes-per-second"}});
+                            {sessions.moved, "moved"},
+                            {sessions.lied, "that reported what was never sent"}}) +
+         group("frames", {{sessions.held_back, "slowed by --bytes-per-second"},
+                          {sessions.overtaken, "overtaken by a newer one"}});
 }
 
 std::string rays_line(const TraceStats& traced) {

@@ -24,6 +24,10 @@ std::uint64_t random_token() {
   return token;
 }
 
+std::uint32_t random_gap() {
+  return 1 + randombytes_uniform(2 * ClientSession::kBetweenGaps - 1);
+}
+
 /// The tiles that the messages of a request have, if each comes once: a position has three coordinates.
 std::size_t tiles_of(const FrameRequest& request) {
   std::size_t tiles = 0;
@@ -46,8 +50,11 @@ void Outbox::put(std::span<const std::vector<std::byte>> messages, Time now, Dur
   if (messages_.size() < messages.size()) messages_.resize(messages.size());
   count_ = messages.size();
   taken_ = 0;
-  for (std::size_t i = 0; i < messages.size(); ++i)
+  bytes_left_ = 0;
+  for (std::size_t i = 0; i < messages.size(); ++i) {
     messages_[i].assign(messages[i].begin(), messages[i].end());
+    bytes_left_ += messages[i].size();
+  }
   share_ = spread / static_cast<Duration::rep>(messages.size());
   next_due_ = std::max(now, next_due_);
 }
@@ -60,9 +67,21 @@ std::span<const std::byte> Outbox::take(double bytes_per_second) {
   check(!empty(), "a message is taken only if there is one");
   check(bytes_per_second > 0, "the rate of a path is positive");
   const std::span<const std::byte> message = messages_[taken_++];
+  bytes_left_ -= message.size();
   next_due_ +=
       std::max(share_, duration_from_ms(1e3 * static_cast<double>(message.size()) / bytes_per_second));
   return message;
+}
+
+Time Outbox::ends_at(double bytes_per_second) const {
+  check(bytes_per_second > 0, "the rate of a path is positive");
+  return next_due_ + std::max(share_ * static_cast<Duration::rep>(count_ - taken_),
+                              duration_from_ms(1e3 * static_cast<double>(bytes_left_) / bytes_per_second));
+}
+
+void Outbox::drop() {
+  taken_ = count_;
+  bytes_left_ = 0;
 }
 
 ClientSession::ClientSession(const SharedKey& key, const Peer& client, const PublicKey& hello,
@@ -82,7 +101,8 @@ ClientSession::ClientSession(const SharedKey& key, const Peer& client, const Pub
       began_(now),
       last_received_(now),
       last_sent_(now),
-      rate_(limits) {}
+      rate_(limits),
+      until_gap_(random_gap()) {}
 
 Decoded<ReceivedMessage> ClientSession::receive(const Peer& from, const Sealed& sealed,
                                                 std::span<const std::byte> datagram, Time now,
@@ -219,9 +239,14 @@ std::optional<std::size_t> ClientSession::oldest_surround() const {
   return oldest;
 }
 
+/// The path has become so much slower that the frame in the outbox is to be overtaken.
+bool ClientSession::is_late() const {
+  return outbox_.ends_at(rate_.sending_bytes_per_second()) > planned_end_ + kMostLate;
+}
+
 std::optional<Time> ClientSession::ready_at() const {
   const bool any_surround = oldest_surround().has_value();
-  if (!outbox_.empty() || (!waiting_ && !any_surround)) return std::nullopt;
+  if ((!outbox_.empty() && !is_late()) || (!waiting_ && !any_surround)) return std::nullopt;
   return any_surround || is_complete() ? outbox_.drained_at()
                                        : std::max(outbox_.drained_at(), part_arrived_ + kPartsTimeout);
 }
@@ -248,7 +273,10 @@ void ClientSession::put(std::span<const std::vector<std::byte>> messages, Time n
   std::size_t bytes = 0;
   for (const std::vector<std::byte>& message : messages) bytes += message.size() + kSealing_bytes;
   if (rate >= limits_.most && static_cast<double>(bytes) > rate * seconds_of(interval_)) ++held_back_;
+  if (!outbox_.empty()) ++frames_overtaken_;
+  outbox_.drop();
   outbox_.put(messages, now, spread);
+  planned_end_ = outbox_.ends_at(rate_.sending_bytes_per_second());
   if (!job_is_surround_) quality_.packed(bytes, job_scale_, rate, interval_, now);
 }
 
@@ -256,6 +284,9 @@ void ClientSession::seal_due(Time now, std::vector<std::byte>& datagram) {
   last_sent_ = now;
   const std::uint64_t counter = sealer_.seal(outbox_.take(rate_.sending_bytes_per_second()), datagram);
   rate_.sent(counter, datagram.size(), now);
+  if (--until_gap_ > 0) return;
+  rate_.skipped(sealer_.skip(), now);
+  until_gap_ = random_gap();
 }
 
 }  // namespace farshade

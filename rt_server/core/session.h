@@ -62,6 +62,12 @@ class Outbox {
 
   [[nodiscard]] bool empty() const { return taken_ == count_; }
 
+  /// When the path has taken all messages, if it goes on with `bytes_per_second` (> 0).
+  [[nodiscard]] Time ends_at(double bytes_per_second) const;
+
+  /// Removes the messages that are left.
+  void drop();
+
   /// When the path has taken all messages that were taken from here, at the rates of then. The clock's zero
   /// before the first put().
   [[nodiscard]] Time drained_at() const { return next_due_; }
@@ -69,6 +75,7 @@ class Outbox {
  private:
   std::vector<std::vector<std::byte>> messages_;  ///< the first count_ belong to this frame
   std::size_t count_ = 0, taken_ = 0;
+  std::size_t bytes_left_ = 0;
   Duration share_{};
   Time next_due_{};
 };
@@ -105,7 +112,11 @@ class ClientSession {
   /// A request for the surround is taken before another one only if so many others have overtaken it.
   static constexpr std::uint32_t kMostOvertaking = 3;
 
-  /// A request is complete and the path has taken the whole previous frame.
+  /// When the path has become slower, a newer frame overtakes an older one that would end this much later
+  /// than it was expected to end when it was put into the outbox.
+  static constexpr Duration kMostLate = std::chrono::milliseconds(100);
+
+  /// A request is complete, and the path has taken the whole previous frame, or it is to be overtaken.
   [[nodiscard]] bool is_ready(Time now) const {
     const std::optional<Time> at = ready_at();
     return at && now >= *at;
@@ -124,7 +135,8 @@ class ClientSession {
   Turn turn;
 
   /// Queues the messages of an answer. They leave evenly over a share of the frame interval; those of the
-  /// surround, which delay the next answer, as fast as the path takes them.
+  /// surround, which delay the next answer, as fast as the path takes them. They replace what is left of an
+  /// answer that is overtaken.
   void put(std::span<const std::vector<std::byte>> messages, Time now);
 
   /// When seal_due() has a message to send.
@@ -134,6 +146,14 @@ class ClientSession {
 
   /// Frames that left more slowly because of the limit of bytes per second.
   [[nodiscard]] std::uint64_t held_back() const { return held_back_; }
+  /// Frames of which a newer one replaced the rest.
+  [[nodiscard]] std::uint64_t overtaken() const { return frames_overtaken_; }
+  /// The client has reported the arrival of a datagram that was never sent. Since then it gets the least
+  /// rate.
+  [[nodiscard]] bool was_lied_to() const { return rate_.was_lied_to(); }
+
+  /// One of so many datagrams, on average and at random, is followed by a counter that no datagram has.
+  static constexpr std::uint32_t kBetweenGaps = 512;
 
  private:
   ReceivedMessage receive(const RequestMessage& message, Time now);
@@ -141,6 +161,7 @@ class ClientSession {
   [[nodiscard]] std::optional<Job>& waiting_for(const FrameRequest& request);
   [[nodiscard]] std::optional<std::size_t> oldest_surround() const;
   [[nodiscard]] bool is_complete() const;
+  [[nodiscard]] bool is_late() const;
   template <class TileSlice>
   ReceivedMessage receive_part(Answer of, const TileSlice& slice, std::span<const std::byte> message,
                                Time now);
@@ -183,11 +204,13 @@ class ClientSession {
   LightChanges lights_;
 
   Outbox outbox_;
+  Time planned_end_{};  ///< of the frame in the outbox, at the rate of when it was put
   RateControl rate_;
   Quality quality_;
   ViewScale job_scale_{};  ///< as advised when the job in work was taken
   bool job_is_surround_ = false;
-  std::uint64_t held_back_ = 0;
+  std::uint64_t held_back_ = 0, frames_overtaken_ = 0;
+  std::uint32_t until_gap_;  ///< datagrams to the next counter that is left out
   std::vector<std::byte> message_;
 };
 

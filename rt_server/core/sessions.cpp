@@ -10,6 +10,9 @@
 namespace farshade {
 namespace {
 
+/// What the limit of all sessions did not use in this time may follow at once.
+constexpr Duration kBurst = std::chrono::milliseconds(2);
+
 ClientEvent::Kind kind_of(std::optional<RefusalReason> refused, const ContentHash& scene) {
   using enum ClientEvent::Kind;
   if (!refused) return Welcomed;
@@ -123,8 +126,10 @@ Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
   }
   const bool first = !session->is_confirmed();
   const Peer before = session->client();
+  const bool was_lied_to = session->was_lied_to();
   const Decoded<ReceivedMessage> received = session->receive(from, sealed, datagram, now, answer);
   if (session->client() != before) ++counters_.moved;
+  if (session->was_lied_to() && !was_lied_to) ++counters_.lied;
   if (first && session->is_confirmed()) end_replaced(session->id());
   if (!received) return refuse(received.error());
   was_opened_ = true;
@@ -215,21 +220,34 @@ void Sessions::put(SessionId id, std::span<const std::vector<std::byte>> message
   if (session == nullptr) return;
   session->turn.work += work;
   due_at_.reset();
-  const std::uint64_t before = session->held_back();
+  const std::uint64_t held_back = session->held_back(), overtaken = session->overtaken();
   session->put(messages, now);
-  counters_.held_back += session->held_back() - before;
+  counters_.held_back += session->held_back() - held_back;
+  counters_.overtaken += session->overtaken() - overtaken;
 }
 
 bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {
   if (const std::optional<Time> due = due_at(); !due || *due > now) return false;
   ClientSession* next = nullptr;
-  for (ClientSession& session : sessions_)
-    if (session.due() && *session.due() <= now && (next == nullptr || *session.due() < *next->due()))
-      next = &session;
+  const auto order = [&](const ClientSession& session) {
+    return std::pair(ledger_.of(session.key()).sent, *session.due());
+  };
+  for (ClientSession& session : sessions_) {
+    if (!session.due() || *session.due() > now) continue;
+    KeyAccount& account = ledger_.of(session.key());
+    account.sent = std::max(account.sent, sent_);
+    if (next == nullptr || order(session) < order(*next)) next = &session;
+  }
   check(next != nullptr, "a datagram is due");
   due_at_.reset();
   to = next->client();
   next->seal_due(now, datagram);
+  KeyAccount& account = ledger_.of(next->key());
+  sent_ = account.sent;
+  account.sent += datagram.size();
+  may_send_at_ =
+      std::max(may_send_at_, now - kBurst) +
+      duration_from_ms(1e3 * static_cast<double>(datagram.size()) / limits_.total_bytes_per_second);
   return true;
 }
 
@@ -246,6 +264,7 @@ std::optional<Time> Sessions::due_at() const {
   std::optional<Time> earliest;
   for (const ClientSession& session : sessions_)
     if (const std::optional<Time> at = session.due(); at && (!earliest || *at < *earliest)) earliest = at;
+  if (earliest) earliest = std::max(*earliest, may_send_at_);
   due_at_ = earliest;
   return earliest;
 }

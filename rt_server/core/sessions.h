@@ -25,6 +25,7 @@ struct SessionLimits {
   std::size_t sessions = 64;
   double handshakes_per_second = 100;
   double bytes_per_second = 12.5e6;            ///< to one client
+  double total_bytes_per_second = 125e6;       ///< of answers to all clients together
   Duration silence = kSessionTimeout;          ///< timeout of a session
   Duration unconfirmed = kUnconfirmedTimeout;  ///< the same until its first sealed datagram has arrived
 };
@@ -38,6 +39,7 @@ struct SessionCounters {
   std::uint64_t revoked = 0;     ///< sessions ended because their key was taken out of the ring
   std::uint64_t displaced = 0;   ///< sessions ended for a client whose key had fewer
   std::uint64_t moved = 0;       ///< changes of a client's address
+  std::uint64_t lied = 0;        ///< sessions that reported the arrival of what was never sent
   std::uint64_t requests = 0;    ///< requests of all sessions; the next four count some of them
   std::uint64_t superseded = 0;  ///< replaced by a newer request before they were answered
   std::uint64_t outdated = 0;    ///< not newer than an earlier request
@@ -46,6 +48,7 @@ struct SessionCounters {
   std::uint64_t stray = 0;       ///< parts of requests that belong to no waiting one
   std::uint64_t scene_mismatch = 0, busy = 0;  ///< hellos with a valid key that were refused
   std::uint64_t held_back = 0;                 ///< frames slowed by the limit of bytes per second
+  std::uint64_t overtaken = 0;                 ///< frames whose rest a newer frame replaced
   friend bool operator==(const SessionCounters&, const SessionCounters&) = default;
 };
 
@@ -73,7 +76,8 @@ class Sessions {
   /// From now on serves only clients with these keys. The sessions of other keys end.
   void set_ring(const std::vector<SharedKey>& ring);
 
-  /// Seals the next datagram that is due, for `to`. Returns false if none is.
+  /// Seals the next datagram that is due, for `to`. Returns false if none is. When the limit of all sessions
+  /// lets only some go, it is one of the key that was sent the least.
   bool seal_due(Time now, Peer& to, std::vector<std::byte>& datagram);
 
   /// When next_job() or seal_due() next has something to do if no datagram arrives. A time in the past means
@@ -124,6 +128,8 @@ class Sessions {
   std::uint64_t jobs_ = 0;
   KeyLedger ledger_;
   Duration work_{};  ///< KeyAccount::work of the key served last: a new or idle key starts at this value
+  std::uint64_t sent_ = 0;  ///< KeyAccount::sent of the key sent to last, as for work_
+  Time may_send_at_{};      ///< because of the limit of all sessions together
   /// The job that the worker has, and its key, which owes its work even if the session ends meanwhile.
   std::optional<std::pair<SessionId, KeyId>> in_work_;
   SessionCounters counters_;

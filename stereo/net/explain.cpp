@@ -43,12 +43,12 @@ Explanation explain(const OpenRefusal& refusal, const SharedKey& key, const Peer
   if (key == insecure_key())
     return {where + " does not accept clients with --insecure",
             "omit --insecure, and use a key that the server has (rt_server pair)"};
-  return {
-      where + " has no key with the secret of '" + key.name + "' (id " + short_form(id_of(key)) + ")",
-      "if '" + key.name +
-          "' was made anew there, copy the file again; otherwise bring a key to the server "
-          "(rt_server pair), make one there (rt_server keygen), or give --key the file that was made there. A "
-          "server with --insecure knows no keys"};
+  return {where + " has no key with the secret of '" + key.name + "' (id " + short_form(id_of(key)) + ")",
+          "if '" + key.name +
+              "' was made anew there, copy the file again; otherwise bring a key to the server "
+              "(rt_server pair), make one there (rt_server keygen), or give --key the file that was made "
+              "there. A "
+              "server with --insecure knows no keys"};
 }
 
 std::string explain(const KeyId& id, const KeyRing& ring, const Peer& client) {

@@ -201,11 +201,16 @@ RateControl::RateControl(RateLimits limits)
 
 void RateControl::sent(std::uint64_t counter, std::size_t bytes, Time at) {
   record(counter, {at, trend_.group_of(at), narrow<std::uint16_t>(bytes), Fate::Unreported});
+  allowed_bytes_ = std::max<std::int64_t>(0, allowed_bytes_ - static_cast<std::int64_t>(bytes));
   if (!unheard_since_) unheard_since_ = at;
 }
 
 void RateControl::sent_elsewhere(std::uint64_t counter, Time at) {
   record(counter, {.at = at, .fate = Fate::Elsewhere});
+}
+
+void RateControl::skipped(std::uint64_t counter, Time at) {
+  record(counter, {.at = at, .fate = Fate::Skipped});
 }
 
 void RateControl::record(std::uint64_t counter, const Record& sent) {
@@ -218,8 +223,10 @@ void RateControl::record(std::uint64_t counter, const Record& sent) {
 }
 
 double RateControl::sending_bytes_per_second() const {
-  if (unheard_ <= kUnheard) return rate_;
-  return std::max(limits_.least, rate_ * std::exp2(-seconds_of(unheard_ - kUnheard) / seconds_of(kHalving)));
+  const bool is_slow = ramp_left_bytes_ > 0 && allowed_bytes_ <= 0;
+  const double rate = is_slow ? std::min(rate_, std::max(limits_.least, kSlow)) : rate_;
+  if (unheard_ <= kUnheard) return rate;
+  return std::max(limits_.least, rate * std::exp2(-seconds_of(unheard_ - kUnheard) / seconds_of(kHalving)));
 }
 
 RateControl::Record* RateControl::find(std::uint64_t counter) {
@@ -233,6 +240,7 @@ void RateControl::take(const ArrivalReport& report, Time now) {
   }
   unheard_since_.reset();
   unheard_ = {};
+  if (was_lied_to_) return;
   judge_losses();
   adapt_to_loss(now);
   adapt_to_delay(now);
@@ -248,18 +256,29 @@ bool RateControl::learn(const ArrivalReport& report, Time now) {
   for (std::uint32_t i = 0; i < report.count; ++i) {
     Record* record = find(report.first + i);
     if (record == nullptr || record->fate == Fate::Arrived || record->fate == Fate::Elsewhere) continue;
+    if (record->fate == Fate::Skipped) {
+      if (report.arrived(i)) distrust();
+      continue;
+    }
     record->fate = report.arrived(i) ? Fate::Arrived : Fate::Absent;
     if (record->fate == Fate::Absent) continue;
     const Time arrival = report.arrival(i);
     trend_.add(record->group, record->at,
                (static_cast<double>(ns_of(arrival)) - static_cast<double>(ns_of(record->at))) * 1e-6);
     received_.add(arrival, record->bytes);
+    allowed_bytes_ += 2 * record->bytes;
+    ramp_left_bytes_ -= record->bytes;
     newest = record->at;
   }
   if (!newest) return false;
   newest_arrived_ = std::max(newest_arrived_, *newest);
   round_trip_ = std::clamp<Duration>(now - *newest, std::chrono::milliseconds(10), std::chrono::seconds(1));
   return true;
+}
+
+void RateControl::distrust() {
+  was_lied_to_ = true;
+  rate_ = limits_.least;
 }
 
 /// Counts datagrams that were sent kLate or more before the newest arrival: they will not arrive any more.

@@ -124,6 +124,11 @@ class RateControl {
  public:
   /// Initial rate, bytes a second: 72 frames of 46 datagrams a second.
   static constexpr double kStart = 4e6;
+  /// What a new session may send at its rate before anything is known to have arrived: about one frame. Each
+  /// byte that arrives allows two more, so what is under way doubles with every round trip (slow start, RFC
+  /// 9002, 7.3.1). What goes beyond it leaves with kSlow. This ends when kRamp_bytes have arrived.
+  static constexpr std::int64_t kFirst_bytes = std::int64_t{64} << 10, kRamp_bytes = std::int64_t{1} << 20;
+  static constexpr double kSlow = 500e3;  ///< bytes a second
   /// Number of sent datagrams that it remembers: 0.8 s at the highest rate.
   static constexpr std::size_t kRemembered = 8192;
 
@@ -134,6 +139,9 @@ class RateControl {
   /// The same of a datagram that went to an address which is not the client's proved one: its arrival says
   /// nothing about the path.
   void sent_elsewhere(std::uint64_t counter, Time at);
+  /// Records a counter that no datagram has. A report that it has arrived is a lie: whoever sends it reports
+  /// arrivals without looking. From then on the rate is the least.
+  void skipped(std::uint64_t counter, Time at);
 
   /// Processes a report of the client. Ignores arrivals that it knows already, counters that were never sent
   /// and impossible times. No report can move the rate out of its limits.
@@ -143,15 +151,17 @@ class RateControl {
   [[nodiscard]] double bytes_per_second() const { return rate_; }
   /// The rate at which to send now. It is lower while reports come that know of no arrival: kUnheard after
   /// the first datagram that nothing was heard of it begins to halve every kHalving. The first arrival
-  /// restores it.
+  /// restores it. A new session may not send more than a little at its rate.
   [[nodiscard]] double sending_bytes_per_second() const;
+  /// A report has named a skipped counter as arrived.
+  [[nodiscard]] bool was_lied_to() const { return was_lied_to_; }
   /// Share of lost datagrams in the last window, without outages.
   [[nodiscard]] double loss() const { return losses_.loss(); }
   /// The path's base loss, which does not depend on the rate.
   [[nodiscard]] double base_loss() const { return losses_.base(); }
 
  private:
-  enum class Fate : std::uint8_t { Unreported, Absent, Arrived, Elsewhere };
+  enum class Fate : std::uint8_t { Unreported, Absent, Arrived, Elsewhere, Skipped };
   struct Record {
     Time at{};
     std::uint32_t group = 0;
@@ -170,6 +180,7 @@ class RateControl {
   void adapt_to_delay(Time now);
   void adapt_to_loss(Time now);
   void raise(double seconds);
+  void distrust();
   void lower_to(double bytes_per_second, Time now);
   /// The rate that the path carries: the received rate, corrected for the base loss.
   [[nodiscard]] std::optional<double> carried() const;
@@ -188,6 +199,9 @@ class RateControl {
   LossMeter losses_;
 
   double rate_ = kStart;
+  std::int64_t allowed_bytes_ = kFirst_bytes;   ///< of a new session
+  std::int64_t ramp_left_bytes_ = kRamp_bytes;  ///< that must arrive until the session is not new any more
+  bool was_lied_to_ = false;
   Duration round_trip_ = std::chrono::milliseconds(100);  ///< from sending to the report
   std::optional<double> capacity_;                        ///< rate that the path carried at the last decrease
   std::optional<Time> adapted_, lowered_;

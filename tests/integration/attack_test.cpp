@@ -5,19 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <cctype>
-#include <cmath>
-#include <fstream>
 #include <thread>
 
-#include "stereo/base/check.h"
 #include "stereo/net/udp.h"
-#include "stereo/scene/gltf.h"
 #include "tests/integration/attack_tools.h"
 #include "tests/integration/client_program.h"
+#include "tests/integration/good_client.h"
 #include "tests/integration/test_keys.h"
 #include "tests/support/sanitized.h"
-#include "vr_client/link/network_link.h"
 
 namespace farshade {
 namespace {
@@ -25,83 +20,18 @@ namespace {
 constexpr std::uint64_t kAttacks = kSanitized ? 10'000 : 1'000'000;
 /// Datagrams per batch. Together with the good client's they fit the kernel's usual socket buffer of 208 KiB.
 constexpr int kBatch = 32;
-constexpr std::uint32_t kPoses = 24;
-constexpr Duration kPatience = std::chrono::seconds(20);
 constexpr std::uint64_t kSeed = 20'240'607;
 const std::string kScene = FARSHADE_ASSETS "/box_over_plane.gltf";
-
-/// Resident memory of the process `pid`.
-double memory_KiB(pid_t pid) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/smaps_rollup");
-  for (std::string word; file >> word;)
-    if (word == "Rss:" && file >> word) return std::stod(word);
-  ADD_FAILURE() << "cannot read the memory of process " << pid;
-  return NAN;
-}
-
-/// The line with the server's counters.
-struct Counts {
-  std::string line;
-
-  /// The number before `what`; 0 if the line does not contain it.
-  [[nodiscard]] std::uint64_t of(const std::string& what) const {
-    for (std::size_t at = line.find(' ' + what); at != line.npos; at = line.find(' ' + what, at + 1)) {
-      const std::size_t end = at + 1 + what.size();
-      const bool whole_words = end == line.size() || std::isalnum(static_cast<unsigned char>(line[end])) == 0;
-      std::size_t first = at;
-      while (first > 0 && std::isdigit(static_cast<unsigned char>(line[first - 1])) != 0) --first;
-      if (whole_words && first < at) return std::stoull(line.substr(first, at - first));
-    }
-    return 0;
-  }
-};
-
-/// A client that waits for the masks of each request, and repeats the same poses.
-class Walker {
- public:
-  Walker(DatagramPort& port, const LinkTarget& target) : link_(port, clock_, target, Assembler::kKept + 1) {
-    if (const auto met = link_.meet(kPatience); !met) throw std::runtime_error(met.error().what);
-  }
-
-  /// The masks of the next pose; nothing if they are not complete within kPatience.
-  std::optional<PerEye<EyeMask>> next_masks() {
-    frame_ = next(frame_);
-    const Time shown(Duration(std::chrono::milliseconds(14)) * frame_.value);
-    link_.request({frame_, shown, Time{}, views_at((frame_.value - 1) % kPoses)}, shown);
-    if (!link_.wait_for(frame_, kPatience)) return std::nullopt;
-    return link_.inbox().find(frame_)->masks;
-  }
-
-  [[nodiscard]] NetworkLink::Counters counters() const { return link_.counters(); }
-
- private:
-  static StereoView views_at(std::uint32_t pose) {
-    StereoView views;
-    for (const Side side : kSides) {
-      View& view = views[index_of(side)];
-      view = {{}, {-0.8, 0.8, 0.7, -0.9}, kClientSize};
-      view.stage_from_eye.translation = {0.1 * pose - 1.2 + 0.064 * static_cast<double>(index_of(side)), 1.5,
-                                         4};
-    }
-    return views;
-  }
-
-  SteadyClock clock_;
-  NetworkLink link_;
-  FrameId frame_;
-};
 
 /// A server, a good client with an attacker on its path, and the recorded datagrams of a client that has
 /// left.
 class Attack : public testing::Test {
  protected:
   void SetUp() override {
-    const Expected<Scene> scene = load_scene(kScene);
-    ASSERT_TRUE(scene.has_value());
-    target_ = {udp_.server, test_keys().key, scene->hash, {narrow<std::uint32_t>(scene->lights.size())}};
+    target_ = target_of(udp_.server, test_keys().key, kScene);
     leave_a_ghost();
     good_.emplace(on_path_, target_);
-    for (std::uint32_t pose = 0; pose < kPoses; ++pose) {
+    for (std::uint32_t pose = 0; pose < Walker::kPoses; ++pose) {
       const auto masks = good_->next_masks();
       ASSERT_TRUE(masks.has_value()) << pose;
       undisturbed_.push_back(*masks);
@@ -121,12 +51,7 @@ class Attack : public testing::Test {
   /// The server's counters after it has handled everything sent before.
   Counts counts() {
     EXPECT_TRUE(strangers_->catch_up());
-    server_.program().send(SIGUSR1);
-    auto line = server_.program().line_after("rt_server: ");
-    while (line && (line->starts_with("rays: ") || line->starts_with("scene fetch: ")))
-      line = server_.program().line_after("rt_server: ");
-    EXPECT_TRUE(line.has_value());
-    return {line.value_or("")};
+    return counts_of(server_);
   }
 
   void attack_by_strangers() {
@@ -209,10 +134,10 @@ TEST_F(Attack, ChangesNothingForAGoodClientNorInMemoryAndIsCounted) {
     over = true;
   });
   std::uint64_t frames = 0;
-  for (; !over || frames % kPoses != 0; ++frames) {
+  for (; !over || frames % Walker::kPoses != 0; ++frames) {
     const auto masks = good_->next_masks();
     ASSERT_TRUE(masks.has_value()) << "frame " << frames;
-    ASSERT_EQ(*masks, undisturbed_[frames % kPoses]) << "frame " << frames;
+    ASSERT_EQ(*masks, undisturbed_[frames % Walker::kPoses]) << "frame " << frames;
   }
   attack.join();
   ASSERT_FALSE(failed_) << "the server does not answer a hello";

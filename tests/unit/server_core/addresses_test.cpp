@@ -157,10 +157,10 @@ TEST_F(SessionAddress, ANewAddressBeginsWithTheRateOfANewSession) {
     now += 14ms;
     RequestMessage message{.request = request_of(++frame, {64, 64}), .arrivals = client.arrivals.report()};
     say(kHome, client.seal(message));
-    const auto job = sessions.next_job(now);
-    if (!job) continue;
-    rate = job->bytes_per_second;
-    sessions.put(job->session, std::vector<Bytes>(12, Bytes(1000, std::byte{9})), {}, now);
+    if (const auto job = sessions.next_job(now)) {
+      rate = job->bytes_per_second;
+      sessions.put(job->session, std::vector<Bytes>(12, Bytes(1000, std::byte{9})), {}, now);
+    }
     Peer to;
     for (Bytes datagram; sessions.seal_due(now + 13ms, to, datagram);)
       client.arrivals.add(std::get<Sealed>(*open_server_envelope(datagram)).counter, now + i * 2ms);

@@ -117,6 +117,77 @@ TEST(Insider, AKeyThatIsNoLongerAloneHasHalfOfTheHandshakes) {
   EXPECT_EQ(evil, 5u);
 }
 
+/// A client that always wants answers of 20 kB and receives what it is sent. `lies`: it reports that all
+/// datagrams up to the newest have arrived, whether they were sent or not.
+struct Hungry {
+  void step(House& house, Time now) {
+    RequestMessage message{.request = request_of(++frame, kSize)};
+    message.arrivals = client.arrivals.report();
+    if (lies && message.arrivals.count > 0)
+      for (std::uint32_t i = 0; i < message.arrivals.count; ++i)
+        if (message.arrivals.ticks[i] == ArrivalReport::kNotArrived) message.arrivals.ticks[i] = 0;
+    house.talk(client, port, client.seal(message), now);
+  }
+  void take(const Bytes& datagram, Time now) {
+    bytes += datagram.size();
+    client.arrivals.add(std::get<Sealed>(*open_server_envelope(datagram)).counter, now + 5ms);
+  }
+  LinkClient client;
+  std::uint16_t port;
+  bool lies = false;
+  std::uint32_t frame = 0;
+  std::size_t bytes = 0;
+};
+
+/// Serves `clients` for `span`, in steps of a millisecond.
+void serve(House& house, std::vector<Hungry>& clients, Time& now, Duration span) {
+  for (const Time until = now + span; now < until; now += 1ms) {
+    for (Hungry& each : clients)
+      if (now.time_since_epoch() / 1ms % 10 == each.port % 10) each.step(house, now);
+    while (const auto job = house.sessions.next_job(now))
+      house.sessions.put(job->session, std::vector<Bytes>(20, Bytes(1000, std::byte{1})), 1ms, now);
+    Peer to;
+    for (Bytes datagram; house.sessions.seal_due(now, to, datagram);)
+      for (Hungry& each : clients)
+        if (peer(each.port) == to) each.take(datagram, now);
+  }
+}
+
+TEST(Insider, AllSessionsTogetherHaveOneLimitAndEachKeyItsShare) {
+  constexpr double kTotal = 1e6;
+  House house({.sessions = 65, .handshakes_per_second = 1e6, .total_bytes_per_second = kTotal});
+  Time now{};
+  std::vector<Hungry> clients;
+  clients.push_back({house.join(kGoodPort, now, kGood), kGoodPort});
+  for (std::uint16_t port = kEvilPort; port < kEvilPort + 32; ++port)
+    clients.push_back({house.join(port, now, kEvil), port});
+  serve(house, clients, now, 3s);
+  std::size_t all = 0;
+  for (const Hungry& each : clients) all += each.bytes;
+  const double rate = static_cast<double>(all) / 3,
+               share = static_cast<double>(clients[0].bytes) / static_cast<double>(all);
+  std::printf("%.0f of %.0f kB/s; the good client's share %.3f\n", rate / 1e3, kTotal / 1e3, share);
+  EXPECT_LE(rate, 1.01 * kTotal);
+  EXPECT_GE(rate, 0.95 * kTotal);
+  EXPECT_GE(share, 0.48);
+}
+
+TEST(Insider, WhoReportsArrivalsWithoutLookingGetsTheLeastRate) {
+  House house;
+  Time now{};
+  std::vector<Hungry> clients;
+  clients.push_back({house.join(kGoodPort, now, kGood), kGoodPort});
+  clients.push_back({house.join(kEvilPort, now, kEvil), kEvilPort, true});
+  serve(house, clients, now, 5s);
+  EXPECT_EQ(house.sessions.counters().lied, 1u) << "and not the good one";
+  const std::size_t good = clients[0].bytes, evil = clients[1].bytes;
+  serve(house, clients, now, 5s);
+  std::printf("the second 5 s: %zu bytes to the good client, %zu to the other\n", clients[0].bytes - good,
+              clients[1].bytes - evil);
+  EXPECT_GT(clients[0].bytes - good, 1'000'000u);
+  EXPECT_LT(clients[1].bytes - evil, 200'000u) << "25 kB/s";
+}
+
 TEST(Insider, WhoSeesAHelloCannotRegisterItUnderItsOwnKey) {
   House house;
   LinkClient good(kGood, kServed);

@@ -86,17 +86,22 @@ struct Listener : House {
       RequestMessage message{.request = request_of(++frame, kSize)};
       if (reports) message.arrivals = client.arrivals.report();
       talk(client, 1, client.seal(message), now);
-      if (const auto job = sessions.next_job(now))
+      if (const auto job = sessions.next_job(now)) {
         sessions.put(job->session, std::vector<Bytes>(20, Bytes(1000, std::byte{1})), {}, now);
+        put_at = now;
+      }
       Peer to;
-      for (Bytes datagram; sessions.seal_due(now, to, datagram); bytes += datagram.size())
+      for (Bytes datagram; sessions.seal_due(now, to, datagram); bytes += datagram.size()) {
+        oldest = std::max(oldest, now - put_at);
         if (reports)
           client.arrivals.add(std::get<Sealed>(*open_server_envelope(datagram)).counter, now + 5ms);
+      }
     }
     return static_cast<double>(bytes) / seconds_of(time);
   }
   LinkClient client = join(1);
-  Time now{};
+  Time now{}, put_at{};
+  Duration oldest{};  ///< greatest time from the making of a frame to the leaving of one of its datagrams
   std::uint32_t frame = 0;
 };
 
@@ -112,6 +117,18 @@ TEST(SessionPacing, SlowsDownWithinASecondWhenReportsStopAndIsBackAtOnce) {
   EXPECT_LT(after_a_second, before / 8);
   EXPECT_LT(later, 40e3) << "the least rate is 25 kB/s";
   EXPECT_GT(again, 0.7 * before);
+}
+
+/// The greatest age of a frame's datagram when it leaves, in the second after reports have stopped.
+TEST(SessionPacing, ANewerFrameOvertakesOneThatHasBecomeSlow) {
+  Listener listener;
+  listener.run(3s, true);
+  EXPECT_EQ(listener.sessions.counters().overtaken, 0u);
+  listener.oldest = {};
+  listener.run(1500ms, false);
+  std::printf("the oldest datagram left %.0f ms after its frame was made\n", ms_of(listener.oldest));
+  EXPECT_LT(listener.oldest, 200ms);
+  EXPECT_GE(listener.sessions.counters().overtaken, 1u);
 }
 
 TEST(SessionKeepAlive, IsSentToAClientThatAsksAndGetsNothing) {
