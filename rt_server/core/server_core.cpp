@@ -201,11 +201,11 @@ bool ServerCore::work() {
                            .superseded = job->superseded,
                            .bytes_per_second = job->bytes_per_second,
                            .view_scale = job->view_scale};
-  const auto messages = packer_.finish(report);
+  auto messages = packer_.finish(report);
   {
     const std::lock_guard lock(mutex_);
     const Time now = clock_.now();
-    sessions_.put(job->session, messages, now - begun, now);
+    sessions_.put(job->session, std::move(messages), now - begun, now);
     if (answers_.offered() != offered_before) sessions_.offer(answers_.offered());
     traced_ += traced;
   }

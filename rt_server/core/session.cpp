@@ -40,15 +40,13 @@ bool is_asked_of_clients(const AskSlice&) {
 
 }  // namespace
 
-void Outbox::put(std::span<const std::vector<std::byte>> messages, Time now, Duration spread) {
+void Outbox::put(std::vector<std::vector<std::byte>> messages, Time now, Duration spread) {
   check(empty(), "an outbox takes a frame only when it is empty");
   if (messages.empty()) return;
-  if (messages_.size() < messages.size()) messages_.resize(messages.size());
-  count_ = messages.size();
+  messages_ = std::move(messages);
   taken_ = 0;
-  for (std::size_t i = 0; i < messages.size(); ++i)
-    messages_[i].assign(messages[i].begin(), messages[i].end());
-  share_ = spread / static_cast<Duration::rep>(messages.size());
+  for (const std::vector<std::byte>& message : messages_) bytes_ += message.capacity();
+  share_ = spread / static_cast<Duration::rep>(messages_.size());
   next_due_ = std::max(now, next_due_);
 }
 
@@ -56,10 +54,15 @@ std::optional<Time> Outbox::due() const {
   return empty() ? std::nullopt : std::optional(next_due_);
 }
 
-std::span<const std::byte> Outbox::take(double bytes_per_second) {
+std::vector<std::byte> Outbox::take(double bytes_per_second) {
   check(!empty(), "a message is taken only if there is one");
   check(bytes_per_second > 0, "the rate of a path is positive");
-  const std::span<const std::byte> message = messages_[taken_++];
+  std::vector<std::byte> message = std::move(messages_[taken_++]);
+  bytes_ -= message.capacity();
+  if (empty()) {
+    messages_ = {};
+    taken_ = 0;
+  }
   next_due_ +=
       std::max(share_, duration_from_ms(1e3 * static_cast<double>(message.size()) / bytes_per_second));
   return message;
@@ -241,14 +244,14 @@ Job ClientSession::take_job() {
   return job;
 }
 
-void ClientSession::put(std::span<const std::vector<std::byte>> messages, Time now) {
+void ClientSession::put(std::vector<std::vector<std::byte>> messages, Time now) {
   const auto spread =
       job_is_surround_ ? Duration::zero() : std::chrono::duration_cast<Duration>(interval_ * kPacedShare);
   const double rate = rate_.bytes_per_second();
   std::size_t bytes = 0;
   for (const std::vector<std::byte>& message : messages) bytes += message.size() + kSealing_bytes;
   if (rate >= limits_.most && static_cast<double>(bytes) > rate * seconds_of(interval_)) ++held_back_;
-  outbox_.put(messages, now, spread);
+  outbox_.put(std::move(messages), now, spread);
   if (!job_is_surround_) quality_.packed(bytes, job_scale_, rate, interval_, now);
 }
 

@@ -206,7 +206,7 @@ std::optional<Job> Sessions::next_job(Time now) {
   return next->take_job();
 }
 
-void Sessions::put(SessionId id, std::span<const std::vector<std::byte>> messages, Duration work, Time now) {
+void Sessions::put(SessionId id, std::vector<std::vector<std::byte>> messages, Duration work, Time now) {
   ClientSession* const session = find(id);
   if (session != nullptr)
     ledger_.of(session->key()).work += work;
@@ -216,7 +216,7 @@ void Sessions::put(SessionId id, std::span<const std::vector<std::byte>> message
   session->turn.work += work;
   due_at_.reset();
   const std::uint64_t before = session->held_back();
-  session->put(messages, now);
+  session->put(std::move(messages), now);
   counters_.held_back += session->held_back() - before;
 }
 

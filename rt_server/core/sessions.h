@@ -64,7 +64,7 @@ class Sessions {
 
   /// Queues the messages that answer a job, and counts the `work` that it took. Does nothing if the session
   /// has ended.
-  void put(SessionId session, std::span<const std::vector<std::byte>> messages, Duration work, Time now);
+  void put(SessionId session, std::vector<std::vector<std::byte>> messages, Duration work, Time now);
 
   /// From now on offers only `answers`. Sessions that use another answer end: their clients are told so by
   /// NoSession, connect again and read in the Welcome what is offered.
