@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "rt_server/core/job_costs.h"
 #include "rt_server/core/token_bucket.h"
 #include "stereo/wire/key_file.h"
 
@@ -20,6 +21,7 @@ struct KeyAccount {
   std::uint64_t served = 0;  ///< number of jobs of all clients when this key was last served
   Duration session_work{};   ///< ClientSession::Turn::work of its session that was served last
   TokenBucket handshakes;
+  JobCosts costs;
 };
 
 class KeyLedger {

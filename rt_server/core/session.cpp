@@ -244,7 +244,7 @@ Job ClientSession::take_job() {
   return job;
 }
 
-void ClientSession::put(std::vector<std::vector<std::byte>> messages, Time now) {
+void ClientSession::put(std::vector<std::vector<std::byte>> messages, Time now, JobEnd end) {
   const auto spread =
       job_is_surround_ ? Duration::zero() : std::chrono::duration_cast<Duration>(interval_ * kPacedShare);
   const double rate = rate_.bytes_per_second();
@@ -252,7 +252,10 @@ void ClientSession::put(std::vector<std::vector<std::byte>> messages, Time now) 
   for (const std::vector<std::byte>& message : messages) bytes += message.size() + kSealing_bytes;
   if (rate >= limits_.most && static_cast<double>(bytes) > rate * seconds_of(interval_)) ++held_back_;
   outbox_.put(std::move(messages), now, spread);
-  if (!job_is_surround_) quality_.packed(bytes, job_scale_, rate, interval_, now);
+  if (end == JobEnd::GivenUp)
+    quality_.was_too_costly(now);
+  else if (!job_is_surround_)
+    quality_.packed(bytes, job_scale_, rate, interval_, now);
 }
 
 void ClientSession::seal_due(Time now, std::vector<std::byte>& datagram) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -26,6 +27,14 @@ struct Job {
   /// The messages that the request announced and that have arrived: AskSlices with the blocks that it asks
   /// for, or PlaneSlices with its positions. Each has been decoded once, so it is well-formed.
   std::vector<std::vector<std::byte>> parts{};
+  bool is_too_costly = false;           ///< gets an answer without content (job_costs.h)
+  std::function<bool()> is_given_up{};  ///< whether to stop work on it; empty: never. Any thread may call it
+};
+
+/// How a job ended.
+enum class JobEnd : std::uint8_t {
+  Answered,
+  GivenUp,  ///< also without having begun, because it was too costly
 };
 
 /// Maximum total size of the messages that follow one request. The server drops messages beyond it, and
@@ -128,7 +137,7 @@ class ClientSession {
 
   /// Queues the messages of an answer. They leave evenly over a share of the frame interval; those of the
   /// surround, which delay the next answer, as fast as the path takes them.
-  void put(std::vector<std::vector<std::byte>> messages, Time now);
+  void put(std::vector<std::vector<std::byte>> messages, Time now, JobEnd end = JobEnd::Answered);
 
   /// When seal_due() has a message to send.
   [[nodiscard]] std::optional<Time> due() const { return outbox_.due(); }
