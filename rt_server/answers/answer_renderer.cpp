@@ -39,9 +39,10 @@ Renderer& AnswerRenderer::renderer_for(Extent size) {
   return *renderers_.put(size, std::move(renderer));
 }
 
-AnswerRenderer::RenderedAnswer AnswerRenderer::draw(const FrameRequest& request) {
+AnswerRenderer::RenderedAnswer AnswerRenderer::draw(const Job& job) {
+  const FrameRequest& request = job.request;
   Renderer& renderer = renderer_for(request.views[0].size);
-  const TraceStats traced = context_.tracer.trace(request, frame_);
+  const TraceStats traced = context_.tracer.trace(request, frame_, job.is_given_up);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     all_known_[eye].assign(TileGrid{request.views[eye].size}.count(),
                            all_planes_known(frame_.masks[eye].layout()));

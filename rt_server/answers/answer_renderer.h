@@ -29,7 +29,7 @@ class AnswerRenderer {
     AnswerCost cost;
   };
   /// Traces and draws. Throws if no device can be opened, and vk::DeviceLostError if it is lost.
-  [[nodiscard]] RenderedAnswer draw(const FrameRequest& request);
+  [[nodiscard]] RenderedAnswer draw(const Job& job);
 
  private:
   Renderer& renderer_for(Extent size);

@@ -21,7 +21,7 @@ class Masks final : public AnswerMaker {
     request_ = job.request;
     const bool is_whole = job.request.answer.slices == 0;
     if (!is_whole) unpack(job.parts);
-    const TraceStats traced = tracer_.trace(request_, frame_);
+    const TraceStats traced = tracer_.trace(request_, frame_, job.is_given_up);
     if (is_whole)
       packer.add(frame_);
     else

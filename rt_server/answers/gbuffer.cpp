@@ -9,7 +9,7 @@ class GBufferAnswer final : public AnswerMaker {
   explicit GBufferAnswer(std::shared_ptr<AnswerRenderer> renderer) : renderer_(std::move(renderer)) {}
 
   AnswerCost answer(const Job& job, FramePacker& packer) override {
-    const AnswerRenderer::RenderedAnswer drawn = renderer_->draw(job.request);
+    const AnswerRenderer::RenderedAnswer drawn = renderer_->draw(job);
     const Stopwatch reading;
     drawn.renderer.read_gbuffer(planes_);
     AnswerCost cost = drawn.cost;

@@ -15,8 +15,11 @@ class PositionMasks final : public AnswerMaker {
     const PositionGrid grid =
         grid_of({scene_.bounds.low}, {scene_.bounds.high}, job.request.answer.position_bits);
     clear(job.request.views, grid);
-    for (const std::vector<std::byte>& message : job.parts) unpack(message);
-    const AnswerCost cost{.traced = tracer_.trace(job.request, positions_, grid, frame_)};
+    for (const std::vector<std::byte>& message : job.parts) {
+      if (job.is_given_up && job.is_given_up()) throw TraceGivenUp();
+      unpack(message);
+    }
+    const AnswerCost cost{.traced = tracer_.trace(job.request, positions_, grid, frame_, job.is_given_up)};
     packer.add(frame_, {}, sent_tiles());
     return cost;
   }

@@ -72,7 +72,7 @@ class CodedAnswer final : public AnswerMaker {
       : renderer_(std::move(renderer)), picture_(picture) {}
 
   AnswerCost answer(const Job& job, FramePacker& packer) override {
-    const AnswerRenderer::RenderedAnswer drawn = renderer_->draw(job.request);
+    const AnswerRenderer::RenderedAnswer drawn = renderer_->draw(job);
     AnswerCost cost = drawn.cost;
     const Stopwatch drawing;
     const Eyes eyes = picture_(drawn);

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "rt_server/core/job_costs.h"
 #include "rt_server/core/token_bucket.h"
 #include "stereo/wire/key_file.h"
 
@@ -22,6 +23,7 @@ struct KeyAccount {
   std::uint64_t sent = 0;
   Duration session_work{};  ///< ClientSession::Turn::work of its session that was served last
   TokenBucket handshakes;
+  JobCosts costs;
 };
 
 class KeyLedger {

@@ -49,4 +49,10 @@ void Quality::packed(std::size_t bytes, ViewScale scale, double bytes_per_second
   change_ = Change::None;
 }
 
+void Quality::was_too_costly(Time now) {
+  if (scale_ > kLeast) --scale_.eighths;
+  change_ = Change::None;
+  change_since_ = now;
+}
+
 }  // namespace farshade

@@ -28,6 +28,9 @@ class Quality {
   /// views. `bytes_per_second` (> 0): capacity of the path. `interval`: mean time between requests.
   void packed(std::size_t bytes, ViewScale scale, double bytes_per_second, Duration interval, Time now);
 
+  /// Call for a frame that the server gave up because it took too long: the size falls by one eighth at once.
+  void was_too_costly(Time now);
+
   /// The size to advise to the client.
   [[nodiscard]] ViewScale view_scale() const { return scale_; }
 

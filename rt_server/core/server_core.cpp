@@ -10,6 +10,7 @@
 namespace farshade {
 namespace {
 
+constexpr Duration kLookInterval = std::chrono::milliseconds(10);
 constexpr Duration kLongWait = std::chrono::seconds(60);  // wake() ends it earlier
 
 std::optional<Time> earlier(std::optional<Time> a, std::optional<Time> b) {
@@ -62,7 +63,9 @@ std::string counters_line(const ServerCounters& counters) {
                                    {sessions.outdated, "outdated"},
                                    {sessions.too_large, "too large"},
                                    {sessions.unanswered, "for answers not offered"},
-                                   {sessions.stray, "stray parts of requests"}}) +
+                                   {sessions.stray, "stray parts of requests"},
+                                   {sessions.too_costly, "too costly"},
+                                   {counters.given_up, "given up"}}) +
          refusals(counters.refused) +
          group("not delivered", {{counters.port.unsent, "unsent"}, {counters.port.oversized, "oversized"}}) +
          group("hellos", {{gate.retries, "without a cookie"}, {sessions.repeated, "repeated"}}) +
@@ -180,7 +183,41 @@ bool ServerCore::wait_for_work(const std::stop_token& stop) {
   return false;
 }
 
-bool ServerCore::work() {
+/// Called by all cores of a trace, often: looks at the sessions, which are behind a lock, every 10 ms only.
+bool ServerCore::is_given_up(const std::stop_token& stop) {
+  if (stop.stop_requested()) return true;
+  const Time now = clock_.now();
+  Time look = next_look_.load();
+  if (now < look || !next_look_.compare_exchange_strong(look, now + kLookInterval)) return false;
+  const std::lock_guard lock(mutex_);
+  return sessions_.gives_up(now);
+}
+
+ServerCore::Answered ServerCore::answer(Job& job, Time begun, const std::stop_token& stop) {
+  std::atomic<bool> given_up = false;
+  job.is_given_up = [&] {
+    if (is_given_up(stop)) given_up = true;
+    return given_up.load();
+  };
+  packer_.begin();
+  const auto [traced, draw, coding] = job.is_too_costly ? AnswerCost{} : answers_.answer(job, packer_, begun);
+  const FrameReport report{.frame = job.request.frame,
+                           .primary_rays = traced.primary_rays,
+                           .shadow_rays = traced.shadow_rays,
+                           .full_shadow_rays = traced.full_shadow_rays,
+                           .primary = traced.primary,
+                           .shadow = traced.shadow,
+                           .draw = draw,
+                           .pack = coding,
+                           .waited = begun - job.arrived,
+                           .superseded = job.superseded,
+                           .bytes_per_second = job.bytes_per_second,
+                           .view_scale = job.view_scale};
+  if (given_up) ++given_up_;
+  return {packer_.finish(report), traced, given_up || job.is_too_costly ? JobEnd::GivenUp : JobEnd::Answered};
+}
+
+bool ServerCore::work(const std::stop_token& stop) {
   std::optional<Job> job;
   {
     const std::lock_guard lock(mutex_);
@@ -189,27 +226,13 @@ bool ServerCore::work() {
   if (!job) return false;
   const Time begun = clock_.now();
   const AnswerSet offered_before = answers_.offered();
-  packer_.begin();
-  const auto [traced, draw, coding] = answers_.answer(*job, packer_, begun);
-  const FrameReport report{.frame = job->request.frame,
-                           .primary_rays = traced.primary_rays,
-                           .shadow_rays = traced.shadow_rays,
-                           .full_shadow_rays = traced.full_shadow_rays,
-                           .primary = traced.primary,
-                           .shadow = traced.shadow,
-                           .draw = draw,
-                           .pack = coding,
-                           .waited = begun - job->arrived,
-                           .superseded = job->superseded,
-                           .bytes_per_second = job->bytes_per_second,
-                           .view_scale = job->view_scale};
-  const auto messages = packer_.finish(report);
+  Answered answered = answer(*job, begun, stop);
   {
     const std::lock_guard lock(mutex_);
     const Time now = clock_.now();
-    sessions_.put(job->session, messages, now - begun, now);
+    sessions_.put(job->session, std::move(answered.messages), now - begun, now, answered.end);
     if (answers_.offered() != offered_before) sessions_.offer(answers_.offered());
-    traced_ += traced;
+    traced_ += answered.traced;
   }
   answered_at_ = clock_.now();
   ++frames_;
@@ -219,7 +242,7 @@ bool ServerCore::work() {
 
 ServerCounters ServerCore::counters() const {
   const std::lock_guard lock(mutex_);
-  return {sessions_.counters(), sessions_.gate(), refused_, port_.counters(), frames_,
+  return {sessions_.counters(), sessions_.gate(), refused_, port_.counters(), frames_, given_up_,
           sessions_.size(),     traced_};
 }
 
@@ -237,7 +260,7 @@ Serving::Serving(ServerCore& core)
         }
       }),
       worker_([&core](const std::stop_token& stop) {
-        while (core.wait_for_work(stop)) core.work();
+        while (core.wait_for_work(stop)) core.work(stop);
       }) {}
 
 Serving::~Serving() {

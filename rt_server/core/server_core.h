@@ -21,6 +21,7 @@ struct ServerCounters {
   RefusalCounts refused;  ///< received datagrams that were refused: malformed, or of no session
   PortCounters port;
   std::uint64_t frames = 0;       ///< requests answered
+  std::uint64_t given_up = 0;     ///< of them: without content, because work on them was given up
   std::size_t sessions_open = 0;  ///< now
   TraceStats traced;              ///< sum over all frames
 };
@@ -60,8 +61,9 @@ class ServerCore {
   [[nodiscard]] std::optional<Time> next_end() const;
 
   /// Answers the newest request of the client whose turn it is, and puts the datagrams into its outbox.
-  /// Returns false if no request is ready.
-  bool work();
+  /// Returns false if no request is ready. Work on an answer is given up when `stop` is requested, when its
+  /// session has ended, or when it takes too long for others (Sessions::gives_up).
+  bool work(const std::stop_token& stop = {});
 
   /// Blocks until a request is ready. Returns false when `stop` was requested.
   bool wait_for_work(const std::stop_token& stop);
@@ -75,13 +77,22 @@ class ServerCore {
   [[nodiscard]] const Clock& clock() const { return clock_; }
 
  private:
+  struct Answered {
+    std::vector<std::vector<std::byte>> messages;
+    TraceStats traced{};
+    JobEnd end = JobEnd::Answered;
+  };
+  [[nodiscard]] Answered answer(Job& job, Time begun, const std::stop_token& stop);
+  [[nodiscard]] bool is_given_up(const std::stop_token& stop);
+
   DatagramPort& port_;
   const Clock& clock_;
 
   // Used by the thread that calls work().
   AnswerMakers answers_;
   FramePacker packer_;
-  std::atomic<std::uint64_t> frames_ = 0;
+  std::atomic<std::uint64_t> frames_ = 0, given_up_ = 0;
+  std::atomic<Time> next_look_{};    ///< of is_given_up()
   std::atomic<Time> answered_at_{};  ///< the last request, if frames_ is not 0
 
   mutable std::mutex mutex_;  ///< guards sessions_, refused_ and traced_
@@ -103,7 +114,7 @@ class Serving {
   explicit Serving(ServerCore& core);
   Serving(const Serving&) = delete;
   Serving& operator=(const Serving&) = delete;
-  /// Ends both threads. Waits until the answer in work is finished.
+  /// Ends both threads. Gives up the answer in work.
   ~Serving();
 
  private:

@@ -44,18 +44,16 @@ bool is_asked_of_clients(const AskSlice&) {
 
 }  // namespace
 
-void Outbox::put(std::span<const std::vector<std::byte>> messages, Time now, Duration spread) {
+void Outbox::put(std::vector<std::vector<std::byte>> messages, Time now, Duration spread) {
   check(empty(), "an outbox takes a frame only when it is empty");
   if (messages.empty()) return;
-  if (messages_.size() < messages.size()) messages_.resize(messages.size());
-  count_ = messages.size();
+  messages_ = std::move(messages);
   taken_ = 0;
-  bytes_left_ = 0;
-  for (std::size_t i = 0; i < messages.size(); ++i) {
-    messages_[i].assign(messages[i].begin(), messages[i].end());
-    bytes_left_ += messages[i].size();
+  for (const std::vector<std::byte>& message : messages_) {
+    bytes_ += message.capacity();
+    bytes_left_ += message.size();
   }
-  share_ = spread / static_cast<Duration::rep>(messages.size());
+  share_ = spread / static_cast<Duration::rep>(messages_.size());
   next_due_ = std::max(now, next_due_);
 }
 
@@ -63,11 +61,16 @@ std::optional<Time> Outbox::due() const {
   return empty() ? std::nullopt : std::optional(next_due_);
 }
 
-std::span<const std::byte> Outbox::take(double bytes_per_second) {
+std::vector<std::byte> Outbox::take(double bytes_per_second) {
   check(!empty(), "a message is taken only if there is one");
   check(bytes_per_second > 0, "the rate of a path is positive");
-  const std::span<const std::byte> message = messages_[taken_++];
+  std::vector<std::byte> message = std::move(messages_[taken_++]);
+  bytes_ -= message.capacity();
   bytes_left_ -= message.size();
+  if (empty()) {
+    messages_ = {};
+    taken_ = 0;
+  }
   next_due_ +=
       std::max(share_, duration_from_ms(1e3 * static_cast<double>(message.size()) / bytes_per_second));
   return message;
@@ -75,13 +78,13 @@ std::span<const std::byte> Outbox::take(double bytes_per_second) {
 
 Time Outbox::ends_at(double bytes_per_second) const {
   check(bytes_per_second > 0, "the rate of a path is positive");
-  return next_due_ + std::max(share_ * static_cast<Duration::rep>(count_ - taken_),
+  return next_due_ + std::max(share_ * static_cast<Duration::rep>(messages_.size() - taken_),
                               duration_from_ms(1e3 * static_cast<double>(bytes_left_) / bytes_per_second));
 }
 
 void Outbox::drop() {
-  taken_ = count_;
-  bytes_left_ = 0;
+  messages_ = {};
+  taken_ = bytes_ = bytes_left_ = 0;
 }
 
 ClientSession::ClientSession(const SharedKey& key, const Peer& client, const PublicKey& hello,
@@ -266,7 +269,7 @@ Job ClientSession::take_job() {
   return job;
 }
 
-void ClientSession::put(std::span<const std::vector<std::byte>> messages, Time now) {
+void ClientSession::put(std::vector<std::vector<std::byte>> messages, Time now, JobEnd end) {
   const auto spread =
       job_is_surround_ ? Duration::zero() : std::chrono::duration_cast<Duration>(interval_ * kPacedShare);
   const double rate = rate_.bytes_per_second();
@@ -275,9 +278,12 @@ void ClientSession::put(std::span<const std::vector<std::byte>> messages, Time n
   if (rate >= limits_.most && static_cast<double>(bytes) > rate * seconds_of(interval_)) ++held_back_;
   if (!outbox_.empty()) ++frames_overtaken_;
   outbox_.drop();
-  outbox_.put(messages, now, spread);
+  outbox_.put(std::move(messages), now, spread);
   planned_end_ = outbox_.ends_at(rate_.sending_bytes_per_second());
-  if (!job_is_surround_) quality_.packed(bytes, job_scale_, rate, interval_, now);
+  if (end == JobEnd::GivenUp)
+    quality_.was_too_costly(now);
+  else if (!job_is_surround_)
+    quality_.packed(bytes, job_scale_, rate, interval_, now);
 }
 
 void ClientSession::seal_due(Time now, std::vector<std::byte>& datagram) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -26,6 +27,14 @@ struct Job {
   /// The messages that the request announced and that have arrived: AskSlices with the blocks that it asks
   /// for, or PlaneSlices with its positions. Each has been decoded once, so it is well-formed.
   std::vector<std::vector<std::byte>> parts{};
+  bool is_too_costly = false;           ///< gets an answer without content (job_costs.h)
+  std::function<bool()> is_given_up{};  ///< whether to stop work on it; empty: never. Any thread may call it
+};
+
+/// How a job ended.
+enum class JobEnd : std::uint8_t {
+  Answered,
+  GivenUp,  ///< also without having begun, because it was too costly
 };
 
 /// Maximum total size of the messages that follow one request. The server drops messages beyond it, and
@@ -45,22 +54,25 @@ enum class ReceivedMessage : std::uint8_t {
 
 /// Sends the datagrams of one frame evenly over a part of the frame interval, and never faster than the path
 /// takes them at the moment. The session's next frame is traced when its outbox is empty and the path has
-/// drained. So a slow path lowers the mask rate and does not build a queue. Memory is reused.
+/// drained. So a slow path lowers the mask rate and does not build a queue. It holds only what is not yet
+/// sent.
 class Outbox {
  public:
-  /// Copies the messages of one frame. The outbox must be empty. The first message is due at `now`, or at
+  /// Takes the messages of one frame. The outbox must be empty. The first message is due at `now`, or at
   /// drained_at() if that is later; the others follow at least an equal share of `spread` apart.
-  void put(std::span<const std::vector<std::byte>> messages, Time now, Duration spread);
+  void put(std::vector<std::vector<std::byte>> messages, Time now, Duration spread);
 
   /// When the next message is due; nothing if the outbox is empty.
   [[nodiscard]] std::optional<Time> due() const;
 
-  /// Removes the next message. The outbox must not be empty. The span is valid until put(). The message after
-  /// it is due when the path has taken this one at `bytes_per_second` (> 0), the rate of now, or after the
-  /// share if that is longer. It does not matter when take() is called: after a delay several are due.
-  std::span<const std::byte> take(double bytes_per_second);
+  /// Removes the next message. The outbox must not be empty. The message after it is due when the path has
+  /// taken this one at `bytes_per_second` (> 0), the rate of now, or after the share if that is longer. It
+  /// does not matter when take() is called: after a delay several are due.
+  [[nodiscard]] std::vector<std::byte> take(double bytes_per_second);
 
-  [[nodiscard]] bool empty() const { return taken_ == count_; }
+  [[nodiscard]] bool empty() const { return taken_ == messages_.size(); }
+  /// Memory of the messages that are not yet sent.
+  [[nodiscard]] std::size_t bytes() const { return bytes_; }
 
   /// When the path has taken all messages, if it goes on with `bytes_per_second` (> 0).
   [[nodiscard]] Time ends_at(double bytes_per_second) const;
@@ -73,9 +85,9 @@ class Outbox {
   [[nodiscard]] Time drained_at() const { return next_due_; }
 
  private:
-  std::vector<std::vector<std::byte>> messages_;  ///< the first count_ belong to this frame
-  std::size_t count_ = 0, taken_ = 0;
-  std::size_t bytes_left_ = 0;
+  std::vector<std::vector<std::byte>> messages_;  ///< of one frame; those taken are empty
+  std::size_t taken_ = 0, bytes_ = 0;
+  std::size_t bytes_left_ = 0;  ///< total size of those not taken
   Duration share_{};
   Time next_due_{};
 };
@@ -135,9 +147,8 @@ class ClientSession {
   Turn turn;
 
   /// Queues the messages of an answer. They leave evenly over a share of the frame interval; those of the
-  /// surround, which delay the next answer, as fast as the path takes them. They replace what is left of an
-  /// answer that is overtaken.
-  void put(std::span<const std::vector<std::byte>> messages, Time now);
+  /// surround, which delay the next answer, as fast as the path takes them.
+  void put(std::vector<std::vector<std::byte>> messages, Time now, JobEnd end = JobEnd::Answered);
 
   /// When seal_due() has a message to send.
   [[nodiscard]] std::optional<Time> due() const { return outbox_.due(); }

@@ -207,23 +207,53 @@ std::optional<Job> Sessions::next_job(Time now) {
   work_ = account.work;
   account.session_work = next->turn.work;
   account.served = next->turn.served = ++jobs_;
-  in_work_ = {next->id(), next->key()};
-  return next->take_job();
+  Job job = next->take_job();
+  in_work_ = {next->id(), next->key(), size_of(job.request), now};
+  job.is_too_costly = is_too_costly(account, *in_work_);
+  if (job.is_too_costly) {
+    ++counters_.too_costly;
+    account.costs.was_refused(in_work_->size);
+  }
+  return job;
 }
 
-void Sessions::put(SessionId id, std::span<const std::vector<std::byte>> messages, Duration work, Time now) {
+bool Sessions::is_too_costly(const KeyAccount& account, const InWork& job) const {
+  if (job.size.is_usual || account.costs.estimate(job.size) <= kMostTurn) return false;
+  return std::ranges::any_of(sessions_,
+                             [&](const ClientSession& session) { return session.key() != job.key; });
+}
+
+bool Sessions::gives_up(Time now) const {
+  if (!in_work_) return false;
+  if (!place_of_.contains(in_work_->session.value)) return true;
+  if (in_work_->size.is_usual || now - in_work_->begun <= kMostTurn) return false;
+  return std::ranges::any_of(sessions_, [&](const ClientSession& session) {
+    return session.key() != in_work_->key && session.is_ready(now);
+  });
+}
+
+void Sessions::put(SessionId id, std::vector<std::vector<std::byte>> messages, Duration work, Time now,
+                   JobEnd end) {
   ClientSession* const session = find(id);
-  if (session != nullptr)
-    ledger_.of(session->key()).work += work;
-  else if (in_work_ && in_work_->first == id && gate_.ring().contains(in_work_->second))
-    ledger_.of(in_work_->second).work += work;
+  const bool is_in_work = in_work_ && in_work_->session == id;
+  if (is_in_work && gate_.ring().contains(in_work_->key)) charge(work, end);
   if (session == nullptr) return;
   session->turn.work += work;
   due_at_.reset();
   const std::uint64_t held_back = session->held_back(), overtaken = session->overtaken();
-  session->put(messages, now);
+  session->put(std::move(messages), now, end);
   counters_.held_back += session->held_back() - held_back;
   counters_.overtaken += session->overtaken() - overtaken;
+}
+
+/// The key owes the work of the job in work, even if its session has ended.
+void Sessions::charge(Duration work, JobEnd end) {
+  KeyAccount& account = ledger_.of(in_work_->key);
+  account.work += work;
+  if (end == JobEnd::Answered)
+    account.costs.took(in_work_->size, work);
+  else if (work > kMostTurn)
+    account.costs.was_given_up(in_work_->size, work);
 }
 
 bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {

@@ -46,6 +46,7 @@ struct SessionCounters {
   std::uint64_t too_large = 0;   ///< for more pixels than allowed
   std::uint64_t unanswered = 0;  ///< for an answer that the server does not offer
   std::uint64_t stray = 0;       ///< parts of requests that belong to no waiting one
+  std::uint64_t too_costly = 0;  ///< answered without content, because the answer would take too long
   std::uint64_t scene_mismatch = 0, busy = 0;  ///< hellos with a valid key that were refused
   std::uint64_t held_back = 0;                 ///< frames slowed by the limit of bytes per second
   std::uint64_t overtaken = 0;                 ///< frames whose rest a newer frame replaced
@@ -67,7 +68,12 @@ class Sessions {
 
   /// Queues the messages that answer a job, and counts the `work` that it took. Does nothing if the session
   /// has ended.
-  void put(SessionId session, std::span<const std::vector<std::byte>> messages, Duration work, Time now);
+  void put(SessionId session, std::vector<std::vector<std::byte>> messages, Duration work, Time now,
+           JobEnd end = JobEnd::Answered);
+
+  /// Whether the job that the worker has is to be given up: its session has ended, or it takes too long
+  /// (job_costs.h) while a client of another key waits.
+  [[nodiscard]] bool gives_up(Time now) const;
 
   /// From now on offers only `answers`. Sessions that use another answer end: their clients are told so by
   /// NoSession, connect again and read in the Welcome what is offered.
@@ -130,8 +136,16 @@ class Sessions {
   Duration work_{};  ///< KeyAccount::work of the key served last: a new or idle key starts at this value
   std::uint64_t sent_ = 0;  ///< KeyAccount::sent of the key sent to last, as for work_
   Time may_send_at_{};      ///< because of the limit of all sessions together
-  /// The job that the worker has, and its key, which owes its work even if the session ends meanwhile.
-  std::optional<std::pair<SessionId, KeyId>> in_work_;
+  /// The job that the worker has. Its key owes its work even if the session ends meanwhile.
+  struct InWork {
+    SessionId session;
+    KeyId key;
+    JobSize size;
+    Time begun;
+  };
+  std::optional<InWork> in_work_;
+  [[nodiscard]] bool is_too_costly(const KeyAccount& account, const InWork& job) const;
+  void charge(Duration work, JobEnd end);
   SessionCounters counters_;
   std::vector<ClientEvent> events_;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <utility>
 
 #include "stereo/base/check.h"
 #include "stereo/frame/tiles.h"
@@ -33,7 +34,8 @@ void FramePacker::sort_from(std::size_t first) {
 }
 
 void FramePacker::begin() {
-  used_ = payload_bytes_ = 0;
+  datagrams_.clear();
+  payload_bytes_ = 0;
   packing_ = {};
 }
 
@@ -46,7 +48,7 @@ void FramePacker::add(const ServerMessage& message) {
 void FramePacker::add(const ShadowFrame& frame, const AskedBlocks& asked,
                       const PerEye<std::span<const std::uint8_t>>& sent) {
   const Stopwatch packing;
-  const std::size_t first = used_;
+  const std::size_t first = datagrams_.size();
   from_middle_.clear();
   for (const Side side : kSides) {
     const std::size_t eye = index_of(side);
@@ -93,17 +95,17 @@ void FramePacker::add(FrameId frame, FrameId after, const VideoUnitParts& parts)
   packing_ += packing.elapsed();
 }
 
-std::span<const std::vector<std::byte>> FramePacker::finish(FrameReport report) {
-  report.slices = narrow<std::uint32_t>(used_);
+std::vector<std::vector<std::byte>> FramePacker::finish(FrameReport report) {
+  report.slices = narrow<std::uint32_t>(datagrams_.size());
   report.payload_bytes = narrow<std::uint32_t>(payload_bytes_);
   report.pack += packing_;
   encode(report, next_datagram());
-  return std::span(datagrams_).first(used_);
+  return std::exchange(datagrams_, {});
 }
 
 std::vector<std::byte>& FramePacker::next_datagram() {
-  if (used_ == datagrams_.size()) datagrams_.emplace_back();
-  return datagrams_[used_++];
+  datagrams_.emplace_back().reserve(kMaxMessage_bytes);
+  return datagrams_.back();
 }
 
 }  // namespace farshade

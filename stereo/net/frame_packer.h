@@ -1,4 +1,4 @@
-/// FramePacker: encodes the answer to a request as messages. It reuses its memory.
+/// FramePacker: encodes the answer to a request as messages.
 #pragma once
 
 #include <cstddef>
@@ -28,9 +28,9 @@ class FramePacker {
   /// `frame`, it depends on none.
   void add(FrameId frame, FrameId after, const VideoUnitParts& parts);
 
-  /// Returns the messages in the order in which to send them, `report` last. Sets the report's `slices` and
-  /// `payload_bytes`, and adds the time that packing took to its `pack`. Valid until the next begin().
-  std::span<const std::vector<std::byte>> finish(FrameReport report);
+  /// Hands over the messages in the order in which to send them, `report` last, and keeps none. Sets the
+  /// report's `slices` and `payload_bytes`, and adds the time that packing took to its `pack`.
+  [[nodiscard]] std::vector<std::vector<std::byte>> finish(FrameReport report);
 
  private:
   void add(const ServerMessage& message);
@@ -39,9 +39,9 @@ class FramePacker {
 
   PerEye<SlicePacker> packers_;
   PlanePacker plane_packer_;
-  std::vector<std::vector<std::byte>> datagrams_;  ///< those beyond used_ keep their memory for later answers
-  std::vector<std::uint32_t> from_middle_;         ///< of slices being added: tiles to the view's middle row
-  std::size_t used_ = 0, payload_bytes_ = 0;
+  std::vector<std::vector<std::byte>> datagrams_;
+  std::vector<std::uint32_t> from_middle_;  ///< of slices being added: tiles to the view's middle row
+  std::size_t payload_bytes_ = 0;
   Duration packing_{};
 };
 

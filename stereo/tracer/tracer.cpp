@@ -6,6 +6,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 
 #include "stereo/base/check.h"
@@ -111,9 +112,11 @@ struct Tracer::Impl {
   FARSHADE_AVX512 GroupSums trace_group_avx512(const Source& source, const BlockGroup& group,
                                                EyeMask& mask) const;
   template <int K, class Source>
-  GroupSums trace_eyes(const PerEye<Source>& sources, std::size_t eyes, PerEye<EyeMask>& masks) const;
+  GroupSums trace_eyes(const PerEye<Source>& sources, std::size_t eyes, PerEye<EyeMask>& masks,
+                       const GiveUp& give_up) const;
   template <class Source>
-  TraceStats trace_frame(const PerEye<Source>& sources, bool same, ShadowFrame& frame) const;
+  TraceStats trace_frame(const PerEye<Source>& sources, bool same, ShadowFrame& frame,
+                         const GiveUp& give_up) const;
 };
 
 void Tracer::Impl::advance_to(Time scene_time, const LightChanges& changes) {
@@ -254,14 +257,19 @@ GroupSums Tracer::Impl::trace_group_in_best(const Source& source, const BlockGro
 
 /// The groups of all eyes are one parallel range, so that no core waits between eyes.
 template <int K, class Source>
-GroupSums Tracer::Impl::trace_eyes(const PerEye<Source>& sources, std::size_t eyes,
-                                   PerEye<EyeMask>& masks) const {
+GroupSums Tracer::Impl::trace_eyes(const PerEye<Source>& sources, std::size_t eyes, PerEye<EyeMask>& masks,
+                                   const GiveUp& give_up) const {
   const std::size_t left = groups[0].size(), all = eyes == 1 ? left : left + groups[1].size();
   constexpr std::size_t kGrain = 8;
-  return tbb::parallel_reduce(
+  std::atomic<bool> given_up = false;
+  const auto is_given_up = [&] {
+    if (give_up && !given_up.load(std::memory_order_relaxed) && give_up()) given_up = true;
+    return given_up.load(std::memory_order_relaxed);
+  };
+  const GroupSums all_sums = tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, all, kGrain), GroupSums{},
       [&](const tbb::blocked_range<std::size_t>& range, GroupSums sums) {
-        for (std::size_t group = range.begin(); group < range.end(); ++group) {
+        for (std::size_t group = range.begin(); group < range.end() && !is_given_up(); ++group) {
           const std::size_t eye = group < left ? 0 : 1;
           sums +=
               trace_group_in_best<K>(sources[eye], groups[eye][eye == 0 ? group : group - left], masks[eye]);
@@ -269,6 +277,8 @@ GroupSums Tracer::Impl::trace_eyes(const PerEye<Source>& sources, std::size_t ey
         return sums;
       },
       [](GroupSums a, const GroupSums& b) { return a += b; });
+  if (given_up) throw TraceGivenUp();
+  return all_sums;
 }
 
 std::uint64_t Tracer::Impl::lights_on() const {
@@ -309,7 +319,8 @@ void Tracer::Impl::prepare(const FrameRequest& request, ShadowFrame& frame) {
 
 /// Traces the masks of a prepared frame. `same`: both views coincide, and the left mask is copied.
 template <class Source>
-TraceStats Tracer::Impl::trace_frame(const PerEye<Source>& sources, bool same, ShadowFrame& frame) const {
+TraceStats Tracer::Impl::trace_frame(const PerEye<Source>& sources, bool same, ShadowFrame& frame,
+                                     const GiveUp& give_up) const {
   const std::uint64_t on = lights_on();
   if (on == 0) {
     for (EyeMask& mask : frame.masks) std::ranges::fill(mask.bytes(), std::byte{});
@@ -318,9 +329,9 @@ TraceStats Tracer::Impl::trace_frame(const PerEye<Source>& sources, bool same, S
   const Stopwatch watch;
   const std::size_t eyes = same ? 1 : kEyes;
   const int width = rays->width();
-  const GroupSums sums = width == 16  ? trace_eyes<16>(sources, eyes, frame.masks)
-                         : width == 8 ? trace_eyes<8>(sources, eyes, frame.masks)
-                                      : trace_eyes<4>(sources, eyes, frame.masks);
+  const GroupSums sums = width == 16  ? trace_eyes<16>(sources, eyes, frame.masks, give_up)
+                         : width == 8 ? trace_eyes<8>(sources, eyes, frame.masks, give_up)
+                                      : trace_eyes<4>(sources, eyes, frame.masks, give_up);
   if (same) frame.masks[1] = frame.masks[0];
 
   const Duration wall = watch.elapsed();
@@ -354,18 +365,18 @@ Tracer::Tracer(Tracer&&) noexcept = default;
 Tracer& Tracer::operator=(Tracer&&) noexcept = default;
 Tracer::~Tracer() = default;
 
-TraceStats Tracer::trace(const FrameRequest& request, ShadowFrame& frame) {
+TraceStats Tracer::trace(const FrameRequest& request, ShadowFrame& frame, const GiveUp& give_up) {
   impl_->prepare(request, frame);
   const Rigid<Anchor, Stage>& anchor_from_stage = impl_->model.anchor_from_stage();
   const PerEye<ViewRays> views{rays_of(request.views[0], anchor_from_stage),
                                rays_of(request.views[1], anchor_from_stage)};
   const bool same = impl_->plan.shares_views && request.views[0] == request.views[1] &&
                     request.asked.tiles[0] == request.asked.tiles[1];
-  return impl_->trace_frame(views, same, frame);
+  return impl_->trace_frame(views, same, frame, give_up);
 }
 
 TraceStats Tracer::trace(const FrameRequest& request, const PerEye<PositionPlanes>& positions,
-                         const PositionGrid& grid, ShadowFrame& frame) {
+                         const PositionGrid& grid, ShadowFrame& frame, const GiveUp& give_up) {
   check(request.asked.whole(), "positions are those of whole views");
   impl_->prepare(request, frame);
   const Rigid<Anchor, Stage>& anchor_from_stage = impl_->model.anchor_from_stage();
@@ -376,7 +387,7 @@ TraceStats Tracer::trace(const FrameRequest& request, const PerEye<PositionPlane
     return PlacedEye{positions[eye], anchor_from_stage(grid.low), grid.step_m,
                      rays_of(request.views[eye], anchor_from_stage), reach};
   };
-  return impl_->trace_frame(PerEye<PlacedEye>{placed(0), placed(1)}, false, frame);
+  return impl_->trace_frame(PerEye<PlacedEye>{placed(0), placed(1)}, false, frame, give_up);
 }
 
 MaskLayout Tracer::layout() const {

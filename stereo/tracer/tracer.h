@@ -22,7 +22,9 @@
 /// 2^-18 of the scene's extent to the surface.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <stdexcept>
 
 #include "stereo/base/instruction_set.h"
 #include "stereo/frame/position_grid.h"
@@ -54,6 +56,14 @@ struct TraceStats {
     turned_away += more.turned_away, proven += more.proven;
     return *this;
   }
+};
+
+/// Whether a trace is to be given up. All cores call it, each before every group of 256 pixels.
+using GiveUp = std::function<bool()>;
+
+/// A trace was given up. The frame's masks are undefined.
+struct TraceGivenUp : std::runtime_error {
+  TraceGivenUp() : std::runtime_error("its trace was given up") {}
 };
 
 class Tracer {
@@ -92,7 +102,9 @@ class Tracer {
   ///
   /// Traces only what the request asks for, and sets all other bits to 0. Bits that are asked for are the
   /// same as in a trace of the whole view. An eye has one entry per tile, or none.
-  TraceStats trace(const FrameRequest& request, ShadowFrame& frame);
+  ///
+  /// Throws TraceGivenUp when `give_up` (empty: never) has returned true; each core finishes its group first.
+  TraceStats trace(const FrameRequest& request, ShadowFrame& frame, const GiveUp& give_up = {});
 
   /// The same for whole views and without primary rays: the pixels' surfaces lie at `positions` on `grid`, in
   /// planes of the views' sizes. A pixel with word 0 is not covered. The bit of a light behind a surface may
@@ -100,7 +112,7 @@ class Tracer {
   /// other `trace`, except where the grid's rounding moves a shadow: rays start up to 2 E before the surface,
   /// E = sqrt(3) / 2 steps (placed_surface.h).
   TraceStats trace(const FrameRequest& request, const PerEye<PositionPlanes>& positions,
-                   const PositionGrid& grid, ShadowFrame& frame);
+                   const PositionGrid& grid, ShadowFrame& frame, const GiveUp& give_up = {});
 
   [[nodiscard]] TracerMemory memory() const;
   [[nodiscard]] MaskLayout layout() const;

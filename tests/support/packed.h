@@ -5,9 +5,9 @@
 
 namespace farshade {
 
-/// The messages of `frame` and `report`. Valid until the packer begins another answer.
-inline std::span<const std::vector<std::byte>> pack(FramePacker& packer, const ShadowFrame& frame,
-                                                    const FrameReport& report) {
+/// The messages of `frame` and `report`.
+inline std::vector<std::vector<std::byte>> pack(FramePacker& packer, const ShadowFrame& frame,
+                                                const FrameReport& report) {
   packer.begin();
   packer.add(frame);
   return packer.finish(report);

@@ -39,8 +39,7 @@ ShadowFrame noisy_frame(const FrameRequest& requested, std::uint32_t lights, std
 /// A frame's datagrams, each in its own allocation.
 std::vector<std::vector<std::byte>> datagrams_of(const ShadowFrame& frame) {
   FramePacker packer;
-  const auto datagrams = pack(packer, frame, {.frame = frame.frame});
-  return {datagrams.begin(), datagrams.end()};
+  return pack(packer, frame, {.frame = frame.frame});
 }
 
 const RequestRecord* accept(Assembler& assembler, const std::vector<std::byte>& datagram) {

@@ -43,8 +43,7 @@ std::vector<std::byte> noise(std::size_t bytes) {
 }
 
 Datagrams finished(FramePacker& packer, std::uint32_t frame) {
-  const auto datagrams = packer.finish({.frame = {frame}});
-  return {datagrams.begin(), datagrams.end()};
+  return packer.finish({.frame = {frame}});
 }
 
 Datagrams video_datagrams(std::uint32_t frame, std::uint32_t after, std::span<const std::byte> unit) {

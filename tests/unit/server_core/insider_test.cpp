@@ -202,6 +202,80 @@ TEST(Insider, WhoSeesAHelloCannotRegisterItUnderItsOwnKey) {
   EXPECT_EQ(house.sessions.size(), 2u);
 }
 
+constexpr Extent kLarge{2048, 1024}, kUsual{1024, 1024};
+
+void ask_for(House& house, LinkClient& client, std::uint16_t port, std::uint32_t frame, Extent size) {
+  house.talk(client, port, client.seal({.request = request_of(frame, size)}));
+}
+
+TEST(Insider, ALongJobIsGivenUpOnlyWhileAnotherKeyWaits) {
+  House house(kOpen);
+  LinkClient evil = house.join(kEvilPort, {}, kEvil), evil_too = house.join(kEvilPort + 1, {}, kEvil),
+             good = house.join(kGoodPort, {}, kGood);
+  ask_for(house, evil, kEvilPort, 1, kLarge);
+  ASSERT_TRUE(house.sessions.next_job({}).has_value());
+  EXPECT_FALSE(house.sessions.gives_up(Time(1min))) << "nobody waits";
+  ask_for(house, evil_too, kEvilPort + 1, 1, kUsual);
+  EXPECT_FALSE(house.sessions.gives_up(Time(1min))) << "only its own key waits";
+  ask_for(house, good, kGoodPort, 1, kUsual);
+  EXPECT_FALSE(house.sessions.gives_up(Time(kMostTurn)));
+  EXPECT_TRUE(house.sessions.gives_up(Time(kMostTurn + 1ms)));
+}
+
+TEST(Insider, AJobOfTheUsualSizeIsNeverGivenUpForOthersNorRefused) {
+  House house(kOpen);
+  LinkClient slow = house.join(kEvilPort, {}, kEvil), good = house.join(kGoodPort, {}, kGood);
+  for (std::uint32_t frame = 1; frame <= 5; ++frame) {
+    ask_for(house, slow, kEvilPort, frame, kUsual);
+    const auto job = house.sessions.next_job({});
+    ASSERT_TRUE(job && !job->is_too_costly) << "its last took a minute, on slow hardware";
+    if (frame == 1) ask_for(house, good, kGoodPort, frame, kUsual);
+    EXPECT_FALSE(house.sessions.gives_up(Time(1min)));
+    house.sessions.put(job->session, {}, 1min, {});
+    if (frame == 1) house.sessions.put(house.sessions.next_job({})->session, {}, 1min, {});
+  }
+}
+
+TEST(Insider, AJobIsGivenUpWhenItsSessionHasEnded) {
+  House house(kOpen);
+  LinkClient client = house.join(kGoodPort, {}, kGood);
+  ask_for(house, client, kGoodPort, 1, kUsual);
+  ASSERT_TRUE(house.sessions.next_job({}).has_value());
+  EXPECT_FALSE(house.sessions.gives_up({}));
+  house.sessions.set_ring({kEvil});
+  EXPECT_TRUE(house.sessions.gives_up({}));
+}
+
+TEST(Insider, AJobThatWouldTakeTooLongIsNotBegunWhileAnotherKeyIsConnected) {
+  House house(kOpen);
+  LinkClient evil = house.join(kEvilPort, {}, kEvil);
+  std::uint32_t frame = 0;
+  const auto next = [&](Duration work, JobEnd end = JobEnd::Answered) {
+    ask_for(house, evil, kEvilPort, ++frame, kLarge);
+    const Job job = *house.sessions.next_job({});
+    house.sessions.put(job.session, {}, job.is_too_costly ? 0ms : work, {},
+                       job.is_too_costly ? JobEnd::GivenUp : end);
+    return job;
+  };
+  EXPECT_FALSE(next(2s).is_too_costly);
+  EXPECT_FALSE(next(2s).is_too_costly) << "alone, it costs nobody anything";
+  LinkClient good = house.join(kGoodPort, {}, kGood);
+  EXPECT_TRUE(next(2s).is_too_costly);
+  const Job advised = next(2s);
+  EXPECT_LT(advised.view_scale, kFullViewScale) << "smaller views are advised";
+  EXPECT_EQ(house.sessions.counters().too_costly, 2u);
+  ask_for(house, evil, kEvilPort, ++frame, kUsual);
+  EXPECT_FALSE(house.sessions.next_job({})->is_too_costly);
+  ask_for(house, good, kGoodPort, 1, kLarge);
+  EXPECT_FALSE(house.sessions.next_job({})->is_too_costly) << "measured by key: nobody spoils another's";
+  Duration spent{};
+  for (int i = 0; i < 1000; ++i)
+    if (!next(501ms, JobEnd::GivenUp).is_too_costly) spent += 501ms;
+  std::printf("1,000 requests that take 2 s: %.1f s of the worker\n", seconds_of(spent));
+  EXPECT_GT(spent, 0s) << "an estimate that is wrong is tried again";
+  EXPECT_LT(spent, 15s);
+}
+
 TEST(Insider, ACounterThatJumpsDoesNotCount) {
   House house;
   LinkClient client = house.join(kGoodPort, {}, kGood);

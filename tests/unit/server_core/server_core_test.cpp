@@ -151,6 +151,40 @@ TEST(ServerCore, WithdrawsAnAnswerThatCanNoLongerBeMade) {
   EXPECT_EQ(again.welcome->answers, set_of(Answer::Masks));
 }
 
+TEST(ServerCore, GivesUpALongAnswerForAClientThatWaitsAndSendsItsReport) {
+  ManualClock clock;
+  VirtualLink link(clock, {});
+  std::optional<ServerCore> core;
+  std::optional<PortClient> ada, bob;
+  Time ended{};
+  const auto answer = [&](const Job& job, FramePacker&) {
+    if (job.request.frame.value == 1) bob->say(bob->ask(request(2)));
+    while (clock.now() < Time(1min) && !job.is_given_up()) {
+      clock.advance_to(clock.now() + 1ms);
+      while (core->receive(0s)) {
+      }
+    }
+    ended = clock.now();
+    if (clock.now() < Time(1min)) throw TraceGivenUp();
+    return AnswerCost{};
+  };
+  core.emplace(kServed, kTwoKeys, answers_from(set_of(Answer::Masks), answer), link.server(), clock);
+  link.while_waiting([&] { serve(*core); }, [&] { return core->next_due(); });
+  ada.emplace(link.client(), link.server().local(), kTwoKeys[0], kServed);
+  ASSERT_TRUE(ada->meet(1s));
+  bob.emplace(link.client(), link.server().local(), kTwoKeys[1], kServed);
+  ASSERT_TRUE(bob->meet(1s));
+  const Time begun = clock.now();
+  ada->say(ada->ask(request_of(1, {2048, 1024})));
+  while (core->receive(0s)) {
+  }
+  ASSERT_TRUE(core->work());
+  EXPECT_GT(ended - begun, kMostTurn);
+  EXPECT_LE(ended - begun, kMostTurn + 12ms) << "the sessions are looked at every 10 ms";
+  EXPECT_EQ(core->counters().given_up, 1u);
+  EXPECT_NE(counters_line(core->counters()).find("1 given up"), std::string::npos);
+}
+
 TEST(ServerCore, SlicesLeaveOverHalfTheFrameIntervalAndNotAtOnce) {
   Bench bench;
   ASSERT_TRUE(bench.client.meet(1s));
@@ -260,6 +294,32 @@ TEST(Serving, ServesTwoClientsAtOnceOverRealUdp) {
   // Loopback may lose a datagram if the machine is busy.
   for (const std::uint32_t frames : whole) EXPECT_GE(frames, 45u);
   EXPECT_EQ(core.counters().sessions.welcomed, 2u);
+}
+
+TEST(Serving, GivesUpTheAnswerInWorkWhenItEnds) {
+  auto port = listen_udp("127.0.0.1:0");
+  ASSERT_TRUE(port.has_value());
+  auto connected = connect_udp(to_string((*port)->local()));
+  ASSERT_TRUE(connected.has_value());
+  std::latch working(1);
+  const auto answer = [&](const Job& job, FramePacker&) -> AnswerCost {
+    working.count_down();
+    const Stopwatch watch;
+    while (!job.is_given_up() && watch.elapsed() < 60s) std::this_thread::yield();
+    throw TraceGivenUp();
+  };
+  const SteadyClock clock;
+  ServerCore core(kServed, kTwoKeys, answers_from(set_of(Answer::Masks), answer), **port, clock);
+  const Stopwatch watch;
+  {
+    const Serving serving(core);
+    PortClient client(*connected->port, connected->server, kTwoKeys[0], kServed);
+    ASSERT_TRUE(client.meet(10s));
+    client.say(client.ask(request(1)));
+    working.wait();
+  }
+  EXPECT_LT(watch.elapsed(), 30s);
+  EXPECT_EQ(core.counters().given_up, 1u);
 }
 
 TEST(Serving, EndsWhileNothingHappens) {

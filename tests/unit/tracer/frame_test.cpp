@@ -1,6 +1,9 @@
 // The tracer's frames: mask words, reuse of buffers, ray counts, and moving meshes and lights.
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <thread>
+
 #include "stereo/tracer/tile_stages.h"
 #include "tests/oracle/agreement.h"
 #include "tests/oracle/scene_builder.h"
@@ -53,6 +56,21 @@ TEST(TracerFrame, BitsStayWithTheirLights) {
         ASSERT_EQ(all.masks[1].lit(x, y, light), alone.masks[1].lit(x, y, 0))
             << light << " at " << x << ", " << y;
   }
+}
+
+TEST(TracerFrame, ATraceThatIsGivenUpEndsAtTheNextGroupsAndHarmsNoLaterOne) {
+  const Scene scene = lit_floor(3).build();
+  auto tracer = Tracer::create(scene).value();
+  const FrameRequest request =
+      request_for({look({0.1, 3.0, 2.9}, {0.03, 0.0, -0.1}, 512), look({0.2, 3.0, 2.9}, {}, 512)});
+  ShadowFrame whole, frame;
+  tracer.trace(request, whole);
+  std::atomic<int> asked = 0;
+  EXPECT_THROW(tracer.trace(request, frame, [&] { return ++asked > 100; }), TraceGivenUp);
+  EXPECT_LT(asked, 100 + 2 * static_cast<int>(std::thread::hardware_concurrency()) + 1)
+      << "of 2,048 groups; a core may ask while another one is told";
+  tracer.trace(request, frame, [] { return false; });
+  EXPECT_EQ(frame.masks, whole.masks);
 }
 
 TEST(TracerFrame, ReusesBuffersAndOverwritesAllOfThem) {

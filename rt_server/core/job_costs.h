@@ -1,0 +1,66 @@
+/// JobCosts: how long the jobs of one key take, measured by this server, so that a job can be judged before
+/// it begins. A value without clocks.
+///
+/// Views of kUsualPixels or fewer are never refused and never given up for others, however slow the machine
+/// is: their cost is bounded by their size, and turns by key (key_ledger.h) divide it fairly. Larger views
+/// are a wish that the server grants if it can: while clients of other keys are connected, a job that is
+/// expected to take more than kMostTurn is not begun, and one that has taken so long is given up when a
+/// client of another key waits. Without other keys nothing is refused.
+#pragma once
+
+#include <algorithm>
+#include <array>
+
+#include "stereo/base/clock.h"
+#include "stereo/frame/shadow_frame.h"
+
+namespace farshade {
+
+/// Of one eye: 1024 x 1024, four times the size that vr_client requests without --size.
+inline constexpr std::uint64_t kUsualPixels = std::uint64_t{1} << 20;
+/// 36 frames of a display at 72 Hz. A client that waits for so long sees old shadows, but keeps its session.
+inline constexpr Duration kMostTurn = std::chrono::milliseconds(500);
+
+struct JobSize {
+  Answer answer{};
+  std::uint64_t pixels = 0;  ///< of both views
+  bool is_usual = true;      ///< neither view has more than kUsualPixels
+};
+
+[[nodiscard]] inline JobSize size_of(const FrameRequest& request) {
+  JobSize size{.answer = request.answer.kind};
+  for (const View& view : request.views) {
+    size.pixels += view.size.pixels();
+    size.is_usual = size.is_usual && view.size.pixels() <= kUsualPixels;
+  }
+  return size;
+}
+
+class JobCosts {
+ public:
+  /// Zero while no job of this kind of answer was measured.
+  [[nodiscard]] Duration estimate(const JobSize& job) const {
+    return duration_from_ms(ms_per_pixel(job) * static_cast<double>(job.pixels));
+  }
+  void took(const JobSize& job, Duration work) {
+    double& mean = ms_per_pixel_[static_cast<std::size_t>(job.answer)];
+    const double measured = ms_of(work) / static_cast<double>(job.pixels);
+    mean = mean == 0 ? measured : mean + kNewestWeight * (measured - mean);
+  }
+  /// The job would have taken longer than `work`.
+  void was_given_up(const JobSize& job, Duration work) {
+    double& mean = ms_per_pixel_[static_cast<std::size_t>(job.answer)];
+    mean = std::max(mean, 2 * ms_of(work) / static_cast<double>(job.pixels));
+  }
+  /// The estimate shrinks, so that one that was wrong is tried again: half after 44 refusals.
+  void was_refused(const JobSize& job) { ms_per_pixel_[static_cast<std::size_t>(job.answer)] *= 63.0 / 64; }
+
+ private:
+  static constexpr double kNewestWeight = 0.2;
+  [[nodiscard]] double ms_per_pixel(const JobSize& job) const {
+    return ms_per_pixel_[static_cast<std::size_t>(job.answer)];
+  }
+  std::array<double, kAnswers> ms_per_pixel_{};
+};
+
+}  // namespace farshade
