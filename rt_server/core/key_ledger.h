@@ -21,6 +21,8 @@ struct KeyAccount {
   std::uint64_t served = 0;  ///< number of jobs of all clients when this key was last served
   Duration session_work{};   ///< ClientSession::Turn::work of its session that was served last
   TokenBucket handshakes;
+  std::size_t held_bytes = 0;    ///< memory of its sessions
+  std::uint64_t sent_bytes = 0;  ///< sealed datagrams of its answers
   JobCosts costs;
 };
 
