@@ -189,8 +189,10 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   stages.end("tracer");
 
   const Welcome served{scene.hash, plan.trace.mask.lights, options.most_pixels};
-  ServerCore core(served, *ring, make_answers({.scene = scene, .plan = plan, .tracer = *tracer}), **port,
-                  clock, options.limits);
+  ServerCore core(
+      served, *ring,
+      make_answers({.scene = scene, .plan = plan, .tracer = *tracer, .memory = options.limits.memory}),
+      **port, clock, options.limits);
   const std::string address = to_string((*port)->local());
   fmt::print("rt_server: serving {}, {} triangles, {} lights, scene {}\n", scene.name, scene.triangle_count,
              plan.trace.mask.lights, short_form(scene.hash));

@@ -78,6 +78,13 @@ void add_serving(CLI::App& app, ServeOptions& options) {
                  "different keys share it equally")
       ->check(within(25e3, 1e11))
       ->capture_default_str();
+  app.add_option_function<std::size_t>(
+         "--memory", [&options](std::size_t mib) { options.limits.memory.limit_bytes = mib << 20; },
+         "maximum MiB of memory that clients make the server hold, beyond the scene; what would exceed it, "
+         "or a key's share of it, is refused")
+      ->check(within(std::size_t{32}, std::size_t{1} << 20))
+      ->type_name("MIB")
+      ->default_str(std::to_string(kMemory_bytes >> 20));
   app.add_option("--pixels", options.most_pixels,
                  "maximum number of pixels per eye that a client may request")
       ->check(within(1u, kMaxViewSide_px * kMaxViewSide_px))

@@ -19,7 +19,7 @@ Expected<void> AnswerRenderer::can_draw() const {
 }
 
 Expected<void> AnswerRenderer::reopen() {
-  renderers_ = Renderers(kRenderers);
+  renderers_ = no_renderers();
   device_.reset();
   Expected<gpu::Device> device = gpu::open_device(context_.device);
   if (!device) return tl::unexpected(device.error());
@@ -28,20 +28,24 @@ Expected<void> AnswerRenderer::reopen() {
   return {};
 }
 
-Renderer& AnswerRenderer::renderer_for(Extent size) {
+Renderer& AnswerRenderer::renderer_for(const Job& job) {
+  const Extent size = job.request.views[0].size;
   if (!device_)
     if (const Expected<void> opened = reopen(); !opened)
       throw AnswersLost(kDrawnAnswers, opened.error().what);
   if (std::unique_ptr<Renderer>* const found = renderers_.find(size)) return **found;
+  rebuilds_.take(job.key, job.arrived);
+  const std::size_t bytes = kEyes * size.pixels() * kDrawnPixel_bytes;
+  renderers_.make_room(size, job.key, bytes);  // before the new one takes memory
   auto renderer =
       std::make_unique<Renderer>(*device_, context_.scene, context_.plan.draw,
                                  RendererLimits{.size = size, .traced_size = size, .depth_frames = 1});
-  return *renderers_.put(size, std::move(renderer));
+  return *renderers_.put(size, job.key, bytes, std::move(renderer));
 }
 
 AnswerRenderer::RenderedAnswer AnswerRenderer::draw(const Job& job) {
   const FrameRequest& request = job.request;
-  Renderer& renderer = renderer_for(request.views[0].size);
+  Renderer& renderer = renderer_for(job);
   const TraceStats traced = context_.tracer.trace(request, frame_, job.is_given_up);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     all_known_[eye].assign(TileGrid{request.views[eye].size}.count(),

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "rt_server/answers/answers.h"
+#include "rt_server/answers/rebuilds.h"
 #include "rt_server/answers/recent.h"
 #include "stereo/draw/renderer.h"
 #include "stereo/gpu/device.h"
@@ -21,6 +22,8 @@ class AnswerRenderer {
   /// Closes the device with everything made on it, and opens a device again. On failure none is open.
   [[nodiscard]] Expected<void> reopen();
 
+  [[nodiscard]] const MemoryShare& memory() const { return context_.memory; }
+
   /// A drawn request. The references are valid until the next call.
   struct RenderedAnswer {
     Renderer& renderer;  ///< holds the picture with shadows
@@ -32,13 +35,15 @@ class AnswerRenderer {
   [[nodiscard]] RenderedAnswer draw(const Job& job);
 
  private:
-  Renderer& renderer_for(Extent size);
+  Renderer& renderer_for(const Job& job);
 
   AnswerContext context_;
   std::optional<gpu::Device> device_;
   using Renderers = Recent<Extent, std::unique_ptr<Renderer>>;
   static constexpr std::size_t kRenderers = 4;  ///< the views of the clients have few different sizes
-  Renderers renderers_{kRenderers};
+  [[nodiscard]] Renderers no_renderers() const { return {kRenderers, context_.memory.in_work() / 2}; }
+  Renderers renderers_ = no_renderers();
+  Rebuilds rebuilds_;
   ShadowFrame frame_;
   PerEye<KnownTiles> all_known_;
   std::optional<TracedMask> mask_;

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "rt_server/core/answer_makers.h"
+#include "rt_server/core/memory_share.h"
 #include "stereo/gpu/device_options.h"
 #include "stereo/tracer/tracer.h"
 
@@ -16,6 +17,7 @@ struct AnswerContext {
   const ScenePlan& plan;
   Tracer& tracer;
   gpu::DeviceOptions device{};  ///< for pictures
+  MemoryShare memory{};         ///< of in_work(), kept renderers take half, encoders the other
 };
 
 /// A maker for each kind that can be made: pictures need a Vulkan device, video also a codec. Logs what is

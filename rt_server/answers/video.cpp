@@ -20,10 +20,13 @@ constexpr std::uint32_t kSlice_bytes = kVideoPart_bytes - 64;
 Streams::Stream& Streams::stream_for(const Job& job, const VideoFormat& format) {
   Stream* const found = streams_.find(job.session.value);
   if (found != nullptr && found->encoder.format() == format) return *found;
+  rebuilds_.take(job.key, job.arrived);
+  const std::size_t bytes = format.size.pixels() * kPixel_bytes;
+  streams_.make_room(job.session.value, job.key, bytes);
   Expected<VideoEncoder> encoder = VideoEncoder::create(format);
   if (!encoder) throw std::runtime_error(encoder.error().what);
   // The first picture of a stream is a key frame, so it depends on no other frame.
-  return streams_.put(job.session.value, {std::move(*encoder), job.request.frame});
+  return streams_.put(job.session.value, job.key, bytes, {std::move(*encoder), job.request.frame});
 }
 
 Duration Streams::code(const Job& job, const PerEye<Image<Rgb8>>& eyes, FramePacker& packer) {
@@ -84,7 +87,7 @@ class CodedAnswer final : public AnswerMaker {
  private:
   std::shared_ptr<AnswerRenderer> renderer_;
   Eyes (*picture_)(const AnswerRenderer::RenderedAnswer&);
-  Streams streams_;
+  Streams streams_{renderer_->memory().in_work() / 4};
 };
 
 }  // namespace

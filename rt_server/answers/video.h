@@ -1,6 +1,7 @@
 /// Streams: the video encoder of each session, and the frame that its next picture is coded after.
 #pragma once
 
+#include "rt_server/answers/rebuilds.h"
 #include "rt_server/answers/recent.h"
 #include "rt_server/core/session.h"
 #include "stereo/net/frame_packer.h"
@@ -10,6 +11,9 @@ namespace farshade {
 
 class Streams {
  public:
+  /// The encoders take `most_bytes` in all, or there is only one.
+  explicit Streams(std::size_t most_bytes) : streams_(8, most_bytes) {}
+
   /// Encodes both eyes for `job` and adds the unit to `packer`. The unit depends on the session's last
   /// picture if the request allows it and the format is unchanged. Returns the time that encoding took.
   /// Throws if no encoder can be opened or the unit is too large to send.
@@ -22,9 +26,11 @@ class Streams {
   };
   Stream& stream_for(const Job& job, const VideoFormat& format);
 
-  /// An encoder takes tens of megabytes. If more sessions than this use video, the least recently used stream
-  /// is evicted and starts again with a key frame.
-  Recent<std::uint64_t, Stream> streams_{8};
+  /// Assumed memory of an encoder, of a pixel of both eyes. A stream that is evicted starts again with a key
+  /// frame.
+  static constexpr std::size_t kPixel_bytes = 32;
+  Recent<std::uint64_t, Stream> streams_;
+  Rebuilds rebuilds_;
 };
 
 }  // namespace farshade

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <new>
 #include <utility>
 
 #include "stereo/base/check.h"
@@ -28,6 +29,7 @@ AnswerSet AnswerMakers::offered() const {
 }
 
 AnswerCost AnswerMakers::answer(const Job& job, FramePacker& packer, Time now) {
+  bool rebuilt_too_often = false;
   AnswerMaker* const maker = makers_[index_of(job.request.answer.kind)].get();
   check(maker != nullptr, "a session accepts requests for offered answers only");
   try {
@@ -36,12 +38,22 @@ AnswerCost AnswerMakers::answer(const Job& job, FramePacker& packer, Time now) {
     spdlog::error("answers are no longer offered: {}", lost.what());
     for (std::size_t i = 0; i < kAnswers; ++i)
       if ((lost.answers & set_of(static_cast<Answer>(i))) != 0) makers_[i].reset();
+  } catch (const std::bad_alloc&) {
+    packer.begin();
+    return without_memory(now);
   } catch (const std::exception& error) {
+    rebuilt_too_often = dynamic_cast<const RebuiltTooOften*>(&error) != nullptr;
     if (const auto line = failures_.failed(error.what(), now))
       spdlog::warn("a request cannot be answered: {}", *line);
   }
   packer.begin();
-  return {};
+  return {.rebuilt_too_often = rebuilt_too_often};
+}
+
+AnswerCost AnswerMakers::without_memory(Time now) {
+  if (const auto line = failures_.failed("the server's memory is used up (--memory, ulimit)", now))
+    spdlog::warn("a request cannot be answered: {}", *line);
+  return {.lacked_memory = true};
 }
 
 }  // namespace farshade

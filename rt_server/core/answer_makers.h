@@ -18,6 +18,8 @@ namespace farshade {
 struct AnswerCost {
   TraceStats traced{};
   Duration draw{}, coding{};
+  bool lacked_memory = false;      ///< there is no content because memory ran out
+  bool rebuilt_too_often = false;  ///< there is none for RebuiltTooOften
 };
 
 /// Makes one kind of answer and reuses its buffers. Called by one thread at a time.
@@ -35,6 +37,11 @@ struct AnswersLost : std::runtime_error {
   AnswerSet answers;
 };
 
+/// The clients of one key change the sizes of their views or their bit rates too often.
+struct RebuiltTooOften : std::runtime_error {
+  RebuiltTooOften() : std::runtime_error("its key changes sizes or bit rates too often") {}
+};
+
 class AnswerMakers {
  public:
   /// Offers `answer` from now on. Replaces an earlier maker of that kind.
@@ -49,6 +56,8 @@ class AnswerMakers {
   AnswerCost answer(const Job& job, FramePacker& packer, Time now);
 
  private:
+  [[nodiscard]] AnswerCost without_memory(Time now);
+
   std::array<std::unique_ptr<AnswerMaker>, kAnswers> makers_;  ///< by Answer; null: not offered
   FailureLog failures_;
 };

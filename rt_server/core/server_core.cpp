@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <new>
 #include <utility>
 
 #include "stereo/base/check.h"
@@ -59,13 +60,17 @@ std::string counters_line(const ServerCounters& counters) {
              "received",
              sessions.welcomed, sessions.requests, counters.frames, counters.port.sent,
              counters.port.sent_bytes, counters.port.received) +
-         group("of the requests", {{sessions.superseded, "superseded"},
-                                   {sessions.outdated, "outdated"},
-                                   {sessions.too_large, "too large"},
-                                   {sessions.unanswered, "for answers not offered"},
-                                   {sessions.stray, "stray parts of requests"},
-                                   {sessions.too_costly, "too costly"},
-                                   {counters.given_up, "given up"}}) +
+         group("of the requests",
+               {{sessions.superseded, "superseded"},
+                {sessions.outdated, "outdated"},
+                {sessions.too_large, "too large"},
+                {sessions.unanswered, "for answers not offered"},
+                {sessions.stray, "stray parts of requests"},
+                {sessions.too_costly, "too costly"},
+                {counters.given_up, "given up"},
+                {counters.rebuilt_too_often, "of a key that changes sizes or bit rates too often"}}) +
+         group("memory", {{sessions.over_memory, "refused by --memory"},
+                          {counters.out_of_memory, "dropped because none was left"}}) +
          refusals(counters.refused) +
          group("not delivered", {{counters.port.unsent, "unsent"}, {counters.port.oversized, "oversized"}}) +
          group("hellos", {{gate.retries, "without a cookie"}, {sessions.repeated, "repeated"}}) +
@@ -101,7 +106,12 @@ ServerCore::ServerCore(Welcome served, const std::vector<SharedKey>& ring, Answe
       answers_(std::move(answers)),
       sessions_(with_answers(served, answers_.offered()), ring, limits) {}
 
-bool ServerCore::receive(Duration wait) {
+bool ServerCore::receive(Duration wait) try { return receive_datagram(wait); } catch (const std::bad_alloc&) {
+  ++out_of_memory_;
+  return true;
+}
+
+bool ServerCore::receive_datagram(Duration wait) {
   std::array<std::byte, kMaxDatagram_bytes> buffer;
   const std::optional<Datagram> datagram = port_.receive(buffer, wait);
   bool is_request_waiting = false;
@@ -200,7 +210,10 @@ ServerCore::Answered ServerCore::answer(Job& job, Time begun, const std::stop_to
     return given_up.load();
   };
   packer_.begin();
-  const auto [traced, draw, coding] = job.is_too_costly ? AnswerCost{} : answers_.answer(job, packer_, begun);
+  const auto [traced, draw, coding, lacked_memory, rebuilt_too_often] =
+      job.is_too_costly ? AnswerCost{} : answers_.answer(job, packer_, begun);
+  if (lacked_memory) ++out_of_memory_;
+  if (rebuilt_too_often) ++rebuilt_too_often_;
   const FrameReport report{.frame = job.request.frame,
                            .primary_rays = traced.primary_rays,
                            .shadow_rays = traced.shadow_rays,
@@ -214,10 +227,12 @@ ServerCore::Answered ServerCore::answer(Job& job, Time begun, const std::stop_to
                            .bytes_per_second = job.bytes_per_second,
                            .view_scale = job.view_scale};
   if (given_up) ++given_up_;
-  return {packer_.finish(report), traced, given_up || job.is_too_costly ? JobEnd::GivenUp : JobEnd::Answered};
+  return {packer_.finish(report), traced,
+          given_up || job.is_too_costly || lacked_memory || rebuilt_too_often ? JobEnd::GivenUp
+                                                                              : JobEnd::Answered};
 }
 
-bool ServerCore::work(const std::stop_token& stop) {
+bool ServerCore::work(const std::stop_token& stop) try {
   std::optional<Job> job;
   {
     const std::lock_guard lock(mutex_);
@@ -238,12 +253,16 @@ bool ServerCore::work(const std::stop_token& stop) {
   ++frames_;
   wake();
   return true;
+} catch (const std::bad_alloc&) {
+  ++out_of_memory_;
+  return true;
 }
 
 ServerCounters ServerCore::counters() const {
   const std::lock_guard lock(mutex_);
-  return {sessions_.counters(), sessions_.gate(), refused_, port_.counters(), frames_, given_up_,
-          sessions_.size(),     traced_};
+  return {
+      sessions_.counters(), sessions_.gate(), refused_,         port_.counters(),       frames_, given_up_,
+      rebuilt_too_often_,   out_of_memory_,   sessions_.size(), sessions_.held_bytes(), traced_};
 }
 
 bool ServerCore::answered_within(Duration span) const {

@@ -20,10 +20,13 @@ struct ServerCounters {
   GateCounters gate;
   RefusalCounts refused;  ///< received datagrams that were refused: malformed, or of no session
   PortCounters port;
-  std::uint64_t frames = 0;       ///< requests answered
-  std::uint64_t given_up = 0;     ///< of them: without content, because work on them was given up
-  std::size_t sessions_open = 0;  ///< now
-  TraceStats traced;              ///< sum over all frames
+  std::uint64_t frames = 0;             ///< requests answered
+  std::uint64_t given_up = 0;           ///< of them: without content, because work on them was given up
+  std::uint64_t rebuilt_too_often = 0;  ///< of the frames: without content for RebuiltTooOften
+  std::uint64_t out_of_memory = 0;  ///< answers without content and datagrams dropped because memory ran out
+  std::size_t sessions_open = 0;    ///< now
+  std::size_t held_bytes = 0;       ///< memory of the sessions now
+  TraceStats traced;                ///< sum over all frames
 };
 
 /// One line for a person at a terminal. It names only what has happened, beyond the numbers of clients,
@@ -43,7 +46,8 @@ class ServerCore {
              const Clock& clock, const SessionLimits& limits = {});
 
   /// Waits at most `wait` for the next datagram, processes it, and sends the reply if it has one (handshake,
-  /// probe). Requests wait for work(). Returns false if no datagram came.
+  /// probe). Requests wait for work(). Returns false if no datagram came. A datagram for which there is no
+  /// memory is dropped and counted.
   bool receive(Duration wait);
 
   /// From now on serves only clients with these keys; any thread may call it.
@@ -82,6 +86,7 @@ class ServerCore {
     TraceStats traced{};
     JobEnd end = JobEnd::Answered;
   };
+  bool receive_datagram(Duration wait);
   [[nodiscard]] Answered answer(Job& job, Time begun, const std::stop_token& stop);
   [[nodiscard]] bool is_given_up(const std::stop_token& stop);
 
@@ -91,7 +96,7 @@ class ServerCore {
   // Used by the thread that calls work().
   AnswerMakers answers_;
   FramePacker packer_;
-  std::atomic<std::uint64_t> frames_ = 0, given_up_ = 0;
+  std::atomic<std::uint64_t> frames_ = 0, given_up_ = 0, rebuilt_too_often_ = 0, out_of_memory_ = 0;
   std::atomic<Time> next_look_{};    ///< of is_given_up()
   std::atomic<Time> answered_at_{};  ///< the last request, if frames_ is not 0
 

@@ -50,7 +50,7 @@ void Outbox::put(std::vector<std::vector<std::byte>> messages, Time now, Duratio
   messages_ = std::move(messages);
   taken_ = 0;
   for (const std::vector<std::byte>& message : messages_) {
-    bytes_ += message.capacity();
+    bytes_ += message.capacity() + kMessage_bytes;
     bytes_left_ += message.size();
   }
   share_ = spread / static_cast<Duration::rep>(messages_.size());
@@ -65,7 +65,7 @@ std::vector<std::byte> Outbox::take(double bytes_per_second) {
   check(!empty(), "a message is taken only if there is one");
   check(bytes_per_second > 0, "the rate of a path is positive");
   std::vector<std::byte> message = std::move(messages_[taken_++]);
-  bytes_ -= message.capacity();
+  bytes_ -= message.capacity() + kMessage_bytes;
   bytes_left_ -= message.size();
   if (empty()) {
     messages_ = {};
@@ -109,7 +109,7 @@ ClientSession::ClientSession(const SharedKey& key, const Peer& client, const Pub
 
 Decoded<ReceivedMessage> ClientSession::receive(const Peer& from, const Sealed& sealed,
                                                 std::span<const std::byte> datagram, Time now,
-                                                std::vector<std::byte>& reply) {
+                                                std::vector<std::byte>& reply, std::size_t room) {
   const bool newest = !opener_.window().newest() || sealed.counter > *opener_.window().newest();
   const Decoded<std::span<const std::byte>> opened = opener_.open(sealed, datagram, message_);
   if (!opened) return refuse(opened.error());
@@ -118,9 +118,9 @@ Decoded<ReceivedMessage> ClientSession::receive(const Peer& from, const Sealed& 
   const Decoded<ClientMessage> message = decode_client(*opened);
   if (!message) return refuse(message.error());
   if (const auto* slice = std::get_if<PlaneSlice>(&*message))
-    return receive_part(Answer::MasksOfPositions, *slice, *opened, now);
+    return receive_part(Answer::MasksOfPositions, *slice, *opened, now, room);
   if (const auto* slice = std::get_if<AskSlice>(&*message))
-    return receive_part(Answer::Masks, *slice, *opened, now);
+    return receive_part(Answer::Masks, *slice, *opened, now, room);
   const auto& request = std::get<RequestMessage>(*message);
   update_address(from, newest, request.probe_echo, reply);
   if (from == client_ && now - last_sent_ > kKeepaliveInterval) {
@@ -186,7 +186,7 @@ ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) 
   std::optional<Job>& waiting = waiting_for(message.request);
   const bool superseded = waiting.has_value();
   if (superseded) ++superseded_;
-  waiting = Job{.session = id_, .request = message.request, .arrived = now};
+  waiting = Job{.session = id_, .key = key_, .request = message.request, .arrived = now};
   waiting->request.lights = lights_;
   if (!is_surround) {
     requested_answer_ = answer;
@@ -201,7 +201,7 @@ ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) 
 /// no more memory than they took on the wire.
 template <class TileSlice>
 ReceivedMessage ClientSession::receive_part(Answer of, const TileSlice& slice,
-                                            std::span<const std::byte> message, Time now) {
+                                            std::span<const std::byte> message, Time now, std::size_t room) {
   const bool fits = waiting_ && waiting_->request.frame == slice.frame &&
                     waiting_->request.answer.kind == of &&
                     waiting_->parts.size() < waiting_->request.answer.slices &&
@@ -209,6 +209,7 @@ ReceivedMessage ClientSession::receive_part(Answer of, const TileSlice& slice,
                     slice.size == waiting_->request.views[index_of(slice.eye)].size &&
                     slice.tile_count <= tiles_left_ && is_asked_of_clients(slice);
   if (!fits) return ReceivedMessage::Stray;
+  if (message.size() + kMessage_bytes > room) return ReceivedMessage::OverMemory;
   tiles_left_ -= slice.tile_count;
   waiting_->parts.emplace_back(message.begin(), message.end());
   parts_bytes_ += message.size();

@@ -77,6 +77,9 @@ void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<cons
   } else if (is_full && displaced == nullptr) {
     refused = RefusalReason::Busy;
     ++counters_.busy;
+  } else if (room_for(hello.key) < kSession_bytes) {
+    refused = RefusalReason::Busy;
+    ++counters_.over_memory;
   }
   const ServerMessage message =
       refused ? ServerMessage(Refusal{*refused, served_.scene_hash}) : ServerMessage(served_);
@@ -90,6 +93,7 @@ void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<cons
   sessions_.emplace_back(*key, from, hello.client, *accepted, now,
                          RateLimits{.most = limits_.bytes_per_second}, served_);
   sessions_.back().turn = {account.session_work, jobs_};
+  hold(sessions_.back(), 0);
   place_of_[sessions_.back().id().value] = sessions_.size() - 1;
   const Time end = end_of(sessions_.back()) + Duration(1);
   silent_at_ = silent_at_ ? std::min(*silent_at_, end) : end;
@@ -125,10 +129,13 @@ Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
     return refuse(WireRefusal::UnknownSession);
   }
   const bool first = !session->is_confirmed();
-  const Peer before = session->client();
+  const Peer client_before = session->client();
+  const std::size_t before = session->bytes();
   const bool was_lied_to = session->was_lied_to();
-  const Decoded<ReceivedMessage> received = session->receive(from, sealed, datagram, now, answer);
-  if (session->client() != before) ++counters_.moved;
+  const Decoded<ReceivedMessage> received =
+      session->receive(from, sealed, datagram, now, answer, room_for(session->key()));
+  hold(*session, before);
+  if (session->client() != client_before) ++counters_.moved;
   if (session->was_lied_to() && !was_lied_to) ++counters_.lied;
   if (first && session->is_confirmed()) end_replaced(session->id());
   if (!received) return refuse(received.error());
@@ -139,7 +146,10 @@ Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
 
 void Sessions::count(ReceivedMessage received) {
   if (received == ReceivedMessage::Stray) ++counters_.stray;
-  if (received == ReceivedMessage::Stray || received == ReceivedMessage::Part) return;
+  if (received == ReceivedMessage::OverMemory) ++counters_.over_memory;
+  if (received == ReceivedMessage::Stray || received == ReceivedMessage::Part ||
+      received == ReceivedMessage::OverMemory)
+    return;
   ++counters_.requests;
   if (received == ReceivedMessage::Unanswered) ++counters_.unanswered;
   if (received == ReceivedMessage::Superseded) ++counters_.superseded;
@@ -164,6 +174,8 @@ std::uint64_t Sessions::end_sessions(ClientEvent::Kind why, const IsOver& is_ove
     const bool said_nothing = why == ClientEvent::Kind::Left && !session.is_confirmed();
     events_.push_back({said_nothing ? ClientEvent::Kind::SaidNothing : why, session.name(), session.client(),
                        session.last_received() - session.began()});
+    ledger_.of(session.key()).held_bytes -= session.bytes();
+    held_bytes_ -= session.bytes();
     return true;
   });
   if (ended == 0) return 0;
@@ -183,10 +195,10 @@ void Sessions::offer(AnswerSet answers) {
 
 void Sessions::set_ring(const std::vector<SharedKey>& ring) {
   gate_.set_ring(ring);
-  ledger_.keep(gate_.ring());
   counters_.revoked += end_sessions(ClientEvent::Kind::Revoked, [&](const ClientSession& session) {
     return !gate_.ring().contains(session.key());
   });
+  ledger_.keep(gate_.ring());
 }
 
 std::optional<Job> Sessions::next_job(Time now) {
@@ -207,12 +219,18 @@ std::optional<Job> Sessions::next_job(Time now) {
   work_ = account.work;
   account.session_work = next->turn.work;
   account.served = next->turn.served = ++jobs_;
+  const std::size_t before = next->bytes();
   Job job = next->take_job();
+  hold(*next, before);
   in_work_ = {next->id(), next->key(), size_of(job.request), now};
   job.is_too_costly = is_too_costly(account, *in_work_);
   if (job.is_too_costly) {
     ++counters_.too_costly;
     account.costs.was_refused(in_work_->size);
+  }
+  if (answer_bytes(job.request, served_.light_count) > limits_.memory.in_work()) {
+    job.is_too_costly = true;
+    ++counters_.over_memory;
   }
   return job;
 }
@@ -240,10 +258,32 @@ void Sessions::put(SessionId id, std::vector<std::vector<std::byte>> messages, D
   if (session == nullptr) return;
   session->turn.work += work;
   due_at_.reset();
-  const std::uint64_t held_back = session->held_back(), overtaken = session->overtaken();
+  std::size_t bytes = 0;
+  for (const std::vector<std::byte>& message : messages) bytes += message.capacity() + kMessage_bytes;
+  if (bytes > room_for(session->key())) {  // only the report is sent
+    ++counters_.over_memory;
+    messages.erase(messages.begin(), messages.end() - 1);
+    end = JobEnd::GivenUp;
+  }
+  const std::uint64_t slowed_before = session->held_back(), overtaken_before = session->overtaken();
+  const std::size_t bytes_before = session->bytes();
   session->put(std::move(messages), now, end);
-  counters_.held_back += session->held_back() - held_back;
-  counters_.overtaken += session->overtaken() - overtaken;
+  hold(*session, bytes_before);
+  counters_.held_back += session->held_back() - slowed_before;
+  counters_.overtaken += session->overtaken() - overtaken_before;
+}
+
+/// What the sessions of `key` may take in addition.
+std::size_t Sessions::room_for(const KeyId& key) {
+  const std::size_t held = ledger_.of(key).held_bytes, share = limits_.memory.of_key(gate_.ring().size());
+  return std::min(share - std::min(share, held),
+                  limits_.memory.waiting() - std::min(limits_.memory.waiting(), held_bytes_));
+}
+
+/// Accounts what `session` holds beyond the `before` bytes that it held.
+void Sessions::hold(const ClientSession& session, std::size_t before) {
+  ledger_.of(session.key()).held_bytes += session.bytes() - before;
+  held_bytes_ += session.bytes() - before;
 }
 
 /// The key owes the work of the job in work, even if its session has ended.
@@ -260,21 +300,23 @@ bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {
   if (const std::optional<Time> due = due_at(); !due || *due > now) return false;
   ClientSession* next = nullptr;
   const auto order = [&](const ClientSession& session) {
-    return std::pair(ledger_.of(session.key()).sent, *session.due());
+    return std::pair(ledger_.of(session.key()).sent_bytes, *session.due());
   };
   for (ClientSession& session : sessions_) {
     if (!session.due() || *session.due() > now) continue;
     KeyAccount& account = ledger_.of(session.key());
-    account.sent = std::max(account.sent, sent_);
+    account.sent_bytes = std::max(account.sent_bytes, sent_);
     if (next == nullptr || order(session) < order(*next)) next = &session;
   }
   check(next != nullptr, "a datagram is due");
   due_at_.reset();
   to = next->client();
+  const std::size_t before = next->bytes();
   next->seal_due(now, datagram);
+  hold(*next, before);
   KeyAccount& account = ledger_.of(next->key());
-  sent_ = account.sent;
-  account.sent += datagram.size();
+  sent_ = account.sent_bytes;
+  account.sent_bytes += datagram.size();
   may_send_at_ =
       std::max(may_send_at_, now - kBurst) +
       duration_from_ms(1e3 * static_cast<double>(datagram.size()) / limits_.total_bytes_per_second);

@@ -17,6 +17,7 @@
 #include "rt_server/core/client_event.h"
 #include "rt_server/core/gate.h"
 #include "rt_server/core/key_ledger.h"
+#include "rt_server/core/memory_share.h"
 #include "rt_server/core/session.h"
 
 namespace farshade {
@@ -26,27 +27,29 @@ struct SessionLimits {
   double handshakes_per_second = 100;
   double bytes_per_second = 12.5e6;            ///< to one client
   double total_bytes_per_second = 125e6;       ///< of answers to all clients together
+  MemoryShare memory{};                        ///< that clients may make the server hold
   Duration silence = kSessionTimeout;          ///< timeout of a session
   Duration unconfirmed = kUnconfirmedTimeout;  ///< the same until its first sealed datagram has arrived
 };
 
 struct SessionCounters {
-  std::uint64_t welcomed = 0;    ///< sessions begun
-  std::uint64_t repeated = 0;    ///< hellos of sessions that exist
-  std::uint64_t forgotten = 0;   ///< sessions ended by timeout
-  std::uint64_t replaced = 0;    ///< sessions ended by a newer one of the same key from the same address
-  std::uint64_t withdrawn = 0;   ///< sessions ended because the answer they use is no longer offered
-  std::uint64_t revoked = 0;     ///< sessions ended because their key was taken out of the ring
-  std::uint64_t displaced = 0;   ///< sessions ended for a client whose key had fewer
-  std::uint64_t moved = 0;       ///< changes of a client's address
-  std::uint64_t lied = 0;        ///< sessions that reported the arrival of what was never sent
-  std::uint64_t requests = 0;    ///< requests of all sessions; the next four count some of them
-  std::uint64_t superseded = 0;  ///< replaced by a newer request before they were answered
-  std::uint64_t outdated = 0;    ///< not newer than an earlier request
-  std::uint64_t too_large = 0;   ///< for more pixels than allowed
-  std::uint64_t unanswered = 0;  ///< for an answer that the server does not offer
-  std::uint64_t stray = 0;       ///< parts of requests that belong to no waiting one
-  std::uint64_t too_costly = 0;  ///< answered without content, because the answer would take too long
+  std::uint64_t welcomed = 0;     ///< sessions begun
+  std::uint64_t repeated = 0;     ///< hellos of sessions that exist
+  std::uint64_t forgotten = 0;    ///< sessions ended by timeout
+  std::uint64_t replaced = 0;     ///< sessions ended by a newer one of the same key from the same address
+  std::uint64_t withdrawn = 0;    ///< sessions ended because the answer they use is no longer offered
+  std::uint64_t revoked = 0;      ///< sessions ended because their key was taken out of the ring
+  std::uint64_t displaced = 0;    ///< sessions ended for a client whose key had fewer
+  std::uint64_t moved = 0;        ///< changes of a client's address
+  std::uint64_t lied = 0;         ///< sessions that reported the arrival of what was never sent
+  std::uint64_t requests = 0;     ///< requests of all sessions; the next four count some of them
+  std::uint64_t superseded = 0;   ///< replaced by a newer request before they were answered
+  std::uint64_t outdated = 0;     ///< not newer than an earlier request
+  std::uint64_t too_large = 0;    ///< for more pixels than allowed
+  std::uint64_t unanswered = 0;   ///< for an answer that the server does not offer
+  std::uint64_t stray = 0;        ///< parts of requests that belong to no waiting one
+  std::uint64_t over_memory = 0;  ///< sessions, parts and answers refused for the limit of memory
+  std::uint64_t too_costly = 0;   ///< answered without content, because the answer would take too long
   std::uint64_t scene_mismatch = 0, busy = 0;  ///< hellos with a valid key that were refused
   std::uint64_t held_back = 0;                 ///< frames slowed by the limit of bytes per second
   std::uint64_t overtaken = 0;                 ///< frames whose rest a newer frame replaced
@@ -92,6 +95,10 @@ class Sessions {
   [[nodiscard]] std::optional<Time> due_at() const;
 
   [[nodiscard]] std::size_t size() const { return sessions_.size(); }
+  /// Memory that all sessions hold.
+  [[nodiscard]] std::size_t held_bytes() const { return held_bytes_; }
+  /// What the holder of a key of the ring has used.
+  [[nodiscard]] const KeyAccount& account(const KeyId& key) { return ledger_.of(key); }
   [[nodiscard]] const SessionCounters& counters() const { return counters_; }
   [[nodiscard]] const GateCounters& gate() const { return gate_.counters(); }
 
@@ -134,7 +141,7 @@ class Sessions {
   std::uint64_t jobs_ = 0;
   KeyLedger ledger_;
   Duration work_{};  ///< KeyAccount::work of the key served last: a new or idle key starts at this value
-  std::uint64_t sent_ = 0;  ///< KeyAccount::sent of the key sent to last, as for work_
+  std::uint64_t sent_ = 0;  ///< KeyAccount::sent_bytes of the key sent to last, as for work_
   Time may_send_at_{};      ///< because of the limit of all sessions together
   /// The job that the worker has. Its key owes its work even if the session ends meanwhile.
   struct InWork {
@@ -146,6 +153,9 @@ class Sessions {
   std::optional<InWork> in_work_;
   [[nodiscard]] bool is_too_costly(const KeyAccount& account, const InWork& job) const;
   void charge(Duration work, JobEnd end);
+  [[nodiscard]] std::size_t room_for(const KeyId& key);
+  void hold(const ClientSession& session, std::size_t before);
+  std::size_t held_bytes_ = 0;
   SessionCounters counters_;
   std::vector<ClientEvent> events_;
 };

@@ -198,6 +198,7 @@ Expected<Device> open_device(const DeviceOptions& options) try {
   device.why = properties.deviceType == vk::PhysicalDeviceType::eCpu ? "no GPU was usable, drawing on the CPU"
                                                                      : "the most capable device";
   if (!passed_over.empty()) device.why += " (passed over: " + passed_over + ")";
+  device.timeout_ns = options.timeout_ns;
   device.timestamp_period_ns = properties.limits.timestampPeriod;
   device.max_allocations = properties.limits.maxMemoryAllocationCount;
   device.max_image_side_px = properties.limits.maxImageDimension2D;
@@ -219,14 +220,57 @@ Expected<Device> open_device(const DeviceOptions& options) try {
                                   "; install a driver, for example Debian's mesa-vulkan-drivers");
 }
 
+namespace {
+
+/// Makes a function of Vulkan do nothing.
+template <class Result, class... Arguments>
+void silence(Result(VKAPI_PTR*& function)(Arguments...)) {
+  function = [](Arguments...) { return Result(); };
+}
+
+}  // namespace
+
+/// Handles are destroyed by destructors, also of objects that an exception leaves behind half made. All of
+/// them call the device's table of functions.
+void abandon(const Device& device) {
+  auto& call = const_cast<vk::raii::DeviceDispatcher&>(*device.logical.getDispatcher());
+  silence(call.vkDestroyDevice);
+  silence(call.vkDeviceWaitIdle);
+  silence(call.vkFreeMemory);
+  silence(call.vkDestroyFence);
+  silence(call.vkDestroySemaphore);
+  silence(call.vkDestroyQueryPool);
+  silence(call.vkDestroyBuffer);
+  silence(call.vkDestroyBufferView);
+  silence(call.vkDestroyImage);
+  silence(call.vkDestroyImageView);
+  silence(call.vkDestroyShaderModule);
+  silence(call.vkDestroyPipelineCache);
+  silence(call.vkDestroyPipeline);
+  silence(call.vkDestroyPipelineLayout);
+  silence(call.vkDestroySampler);
+  silence(call.vkDestroyDescriptorSetLayout);
+  silence(call.vkDestroyDescriptorPool);
+  silence(call.vkFreeDescriptorSets);
+  silence(call.vkDestroyFramebuffer);
+  silence(call.vkDestroyRenderPass);
+  silence(call.vkDestroyCommandPool);
+  silence(call.vkFreeCommandBuffers);
+  silence(call.vkDestroySwapchainKHR);
+  // The instance ends its devices with it.
+  silence(const_cast<vk::raii::InstanceDispatcher&>(*device.instance.getDispatcher()).vkDestroyInstance);
+}
+
 /// Any failure is reported as a lost device: the device must then be opened again.
 void submit_and_wait(const Device& device, const vk::raii::CommandBuffer& commands,
                      const vk::raii::Fence& fence) {
   const vk::CommandBuffer handle = *commands;
   try {
     device.queue.submit(vk::SubmitInfo{.commandBufferCount = 1, .pCommandBuffers = &handle}, *fence);
-    if (device.logical.waitForFences(*fence, true, kGpuTimeout_ns) != vk::Result::eSuccess)
-      throw vk::DeviceLostError("vkWaitForFences: the device did not finish within 30 s");
+    if (device.logical.waitForFences(*fence, true, device.timeout_ns) != vk::Result::eSuccess) {
+      abandon(device);
+      throw vk::DeviceLostError("vkWaitForFences: the device did not finish in time and was abandoned");
+    }
     device.logical.resetFences(*fence);
   } catch (const vk::OutOfHostMemoryError& error) {
     throw vk::DeviceLostError(error.what());

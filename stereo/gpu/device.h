@@ -42,6 +42,7 @@ struct Device {
   std::uint32_t max_image_side_px = 0;     ///< maxImageDimension2D
   std::uint32_t max_image_layers = 0;      ///< maxImageArrayLayers
   std::shared_ptr<Ledger> ledger = std::make_shared<Ledger>();  ///< of all memory allocated on the device
+  std::uint64_t timeout_ns = kGpuTimeout_ns;                    ///< of submit_and_wait
   float timestamp_period_ns = 1;                                ///< of one timestamp tick
   std::string name;
   std::string why;  ///< one clause: why this device was chosen, and why others were not
@@ -61,14 +62,18 @@ void set_name(const Device& device, const Handle& handle, const std::string& nam
        .pObjectName = name.c_str()});
 }
 
-/// Calls `record` with a command buffer, submits the buffer and waits for it. Throws after kGpuTimeout_ns, so
-/// that a driver that hangs does not hang the program.
+/// From now on nothing that was made on `device`, nor the device itself, is really destroyed: the handles and
+/// their memory leak. For a device that did not finish in time: it may still use any of them, and destroying
+/// what is in use crashes the driver. The device must not be used for anything else any more.
+void abandon(const Device& device);
+
+/// Calls `record` with a command buffer, submits the buffer and waits for it. Throws after
+/// Device::timeout_ns, so that a driver that hangs does not hang the program.
 template <class Record>
 void run_now(const Device& device, Record&& record);
 
-inline constexpr std::uint64_t kGpuTimeout_ns = 30'000'000'000;
-
-/// Submits `commands` with `fence` and waits for the fence. Throws after kGpuTimeout_ns.
+/// Submits `commands` with `fence` and waits for the fence. After Device::timeout_ns, abandons the device and
+/// throws vk::DeviceLostError.
 void submit_and_wait(const Device& device, const vk::raii::CommandBuffer& commands,
                      const vk::raii::Fence& fence);
 

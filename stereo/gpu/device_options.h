@@ -23,11 +23,14 @@ struct Presentation {
   std::function<bool(vk::Instance, vk::PhysicalDevice, std::uint32_t queue_family)> can_present;
 };
 
+inline constexpr std::uint64_t kGpuTimeout_ns = 30'000'000'000;
+
 struct DeviceOptions {
   std::string name_contains;  ///< only devices whose name contains this; empty = any
   Validation validation = Validation::Off;
   /// Set: only devices that can present, with VK_KHR_swapchain enabled.
   std::optional<Presentation> presentation = std::nullopt;
+  std::uint64_t timeout_ns = kGpuTimeout_ns;  ///< after it, a device that has not finished counts as lost
 };
 
 }  // namespace farshade::gpu

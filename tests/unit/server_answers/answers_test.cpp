@@ -62,7 +62,7 @@ class StreamsCode : public testing::Test {
   void SetUp() override {
     if (!has_video()) GTEST_SKIP() << video_version();
   }
-  Streams streams_;
+  Streams streams_{kMemory_bytes};
 };
 
 TEST_F(StreamsCode, ARequestedKeyFrameDependsOnNoPicture) {
@@ -246,9 +246,9 @@ TEST_F(ServerAnswers, MasksOfAskedBlocksCoverOnlyReceivedAskSlices) {
 TEST_F(ServerAnswers, AReopenedDeviceDrawsTheSamePicture) {
   AnswerRenderer renderer({.scene = scene_, .plan = plan_, .tracer = tracer_});
   if (const Expected<void> can = renderer.can_draw(); !can) GTEST_SKIP() << can.error().what;
-  const PerEye<Image<Rgb8>> before = renderer.draw(job_.request).renderer.read_shown();
+  const PerEye<Image<Rgb8>> before = renderer.draw(job_).renderer.read_shown();
   ASSERT_TRUE(renderer.reopen());
-  const PerEye<Image<Rgb8>> after = renderer.draw(job_.request).renderer.read_shown();
+  const PerEye<Image<Rgb8>> after = renderer.draw(job_).renderer.read_shown();
   for (std::size_t eye = 0; eye < kEyes; ++eye) EXPECT_EQ(before[eye].pixels, after[eye].pixels) << eye;
 }
 
@@ -259,7 +259,7 @@ TEST_F(ServerAnswers, SizesThatComeBackGiveTheSamePicture) {
   if (const Expected<void> can = renderer.can_draw(); !can) GTEST_SKIP() << can.error().what;
   const auto drawn = [&](std::uint32_t width) {
     for (View& view : job_.request.views) view.size = {width, 48};
-    return renderer.draw(job_.request).renderer.read_shown();
+    return renderer.draw(job_).renderer.read_shown();
   };
   std::vector<PerEye<Image<Rgb8>>> first;
   constexpr std::uint32_t sizes = 6;  // more than are kept

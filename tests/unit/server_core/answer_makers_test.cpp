@@ -41,6 +41,19 @@ TEST(AnswerMakers, AFailedAnswerLeavesNothingBehindAndTheNextIsMade) {
   EXPECT_EQ(packer.finish({.frame = {1}}).size(), 2u);
 }
 
+TEST(AnswerMakers, SaysWhyThereIsNoContent) {
+  AnswerMakers makers = answers_from(kEveryAnswer, [](const Job& job, FramePacker&) -> AnswerCost {
+    if (job.request.answer.kind == Answer::Masks) throw std::bad_alloc();
+    throw RebuiltTooOften();
+  });
+  FramePacker packer;
+  packer.begin();
+  const AnswerCost masks = makers.answer(job_for(Answer::Masks), packer, {}),
+                   video = makers.answer(job_for(Answer::Video), packer, {});
+  EXPECT_TRUE(masks.lacked_memory && !masks.rebuilt_too_often);
+  EXPECT_TRUE(video.rebuilt_too_often && !video.lacked_memory);
+}
+
 TEST(AnswerMakers, LostAnswersAreNoLongerOffered) {
   AnswerMakers makers = answers_from(kEveryAnswer, [](const Job& job, FramePacker&) -> AnswerCost {
     if (is_drawn(job.request.answer.kind)) throw AnswersLost(kDrawnAnswers, "no device");

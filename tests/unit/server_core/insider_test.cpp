@@ -276,6 +276,83 @@ TEST(Insider, AJobThatWouldTakeTooLongIsNotBegunWhileAnotherKeyIsConnected) {
   EXPECT_LT(spent, 15s);
 }
 
+/// A request for masks of positions, and `parts` messages of the largest size that belong to it.
+void bring_positions(House& house, LinkClient& client, std::uint16_t port, std::uint32_t parts) {
+  FrameRequest request = request_of(1, {1024, 1024});
+  request.answer = {.kind = Answer::MasksOfPositions, .position_bits = 16, .slices = 65535};
+  house.talk(client, port, client.seal({.request = request}));
+  const Bytes full(kMaxPlaneBlock_bytes, std::byte{1});
+  Bytes message, datagram;
+  for (std::uint32_t tile = 0; tile < parts; ++tile) {
+    encode(ClientMessage(PlaneSlice{.frame = {1},
+                                    .kind = PlaneKind::PositionX,
+                                    .size = {1024, 1024},
+                                    .first_tile = tile,
+                                    .tile_count = 1,
+                                    .block = full}),
+           message);
+    client.sealer->seal(message, datagram);
+    house.say(port, datagram);
+  }
+}
+
+TEST(Insider, OneKeyHasHalfOfTheMemoryAndAnotherIsStillServed) {
+  constexpr std::size_t kMiB = std::size_t{1} << 20;
+  House house({.sessions = 65, .handshakes_per_second = 1e6, .memory = {8 * kMiB}});
+  house.sessions.offer(kTracedAnswers);
+  std::vector<LinkClient> evil;
+  for (std::uint16_t i = 0; i < 3; ++i) evil.push_back(house.join(kEvilPort + i, {}, kEvil));
+  for (std::uint16_t i = 0; i < 3; ++i) bring_positions(house, evil[i], kEvilPort + i, 1000);
+  const KeyAccount& account = house.sessions.account(id_of(kEvil));
+  EXPECT_LE(account.held_bytes, 2 * kMiB);
+  EXPECT_GT(account.held_bytes, 2 * kMiB - 2 * kMaxMessage_bytes);
+  const std::uint64_t refused = house.sessions.counters().over_memory;
+  EXPECT_GT(refused, 1000u);
+  EXPECT_TRUE(house.join(kEvilPort + 9, {}, kEvil).refusal.has_value());
+  EXPECT_EQ(house.sessions.counters().over_memory, refused + 1) << "no memory for another session";
+
+  LinkClient good = house.join(kGoodPort, {}, kGood);
+  ASSERT_TRUE(good.welcome.has_value());
+  bring_positions(house, good, kGoodPort, 1000);
+  EXPECT_EQ(house.sessions.counters().over_memory, refused + 1);
+  EXPECT_LE(house.sessions.held_bytes(), 4 * kMiB);
+  house.sessions.end_silent(Time(1h));
+  EXPECT_EQ(house.sessions.held_bytes(), 0u);
+  EXPECT_EQ(account.held_bytes, 0u);
+}
+
+TEST(Insider, AnAnswerThatWouldExceedTheMemoryIsItsReportAlone) {
+  constexpr std::size_t kMiB = std::size_t{1} << 20;
+  House house({.memory = {8 * kMiB}});
+  LinkClient client = house.join(kGoodPort, {}, kGood);
+  house.ask(client, kGoodPort, 1);
+  std::vector<Bytes> answer(2000, Bytes(kMaxMessage_bytes, std::byte{7}));
+  encode(FrameReport{.frame = {1}}, answer.back());
+  house.sessions.put(house.sessions.next_job({})->session, answer, {}, {});
+  EXPECT_EQ(house.sessions.counters().over_memory, 1u);
+  Peer to;
+  Bytes datagram;
+  ASSERT_TRUE(house.sessions.seal_due({}, to, datagram));
+  client.take(datagram, {});
+  EXPECT_EQ(client.reports, 1u);
+  EXPECT_FALSE(house.sessions.seal_due(Time(1h), to, datagram));
+  EXPECT_EQ(house.sessions.account(id_of(kGood)).sent_bytes, datagram.size());
+  EXPECT_EQ(house.sessions.held_bytes(), kSession_bytes) << "what was sent is held no longer";
+}
+
+TEST(Insider, AnAnswerWhoseMakingNeedsTooMuchMemoryIsNotMade) {
+  constexpr std::size_t kMiB = std::size_t{1} << 20;
+  House house({.memory = {32 * kMiB}});
+  LinkClient client = house.join(kGoodPort, {}, kGood);
+  ask_for(house, client, kGoodPort, 1, {2048, 2048});
+  const auto job = house.sessions.next_job({});
+  EXPECT_FALSE(job->is_too_costly) << "16 MiB";
+  house.sessions.put(job->session, {}, {}, {});
+  ask_for(house, client, kGoodPort, 2, {2049, 2048});
+  EXPECT_TRUE(house.sessions.next_job({})->is_too_costly);
+  EXPECT_EQ(house.sessions.counters().over_memory, 1u);
+}
+
 TEST(Insider, ACounterThatJumpsDoesNotCount) {
   House house;
   LinkClient client = house.join(kGoodPort, {}, kGood);

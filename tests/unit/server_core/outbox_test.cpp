@@ -87,9 +87,9 @@ TEST(Outbox, TakesTheMessagesThemselvesAndKeepsNoneThatIsSent) {
   auto messages = frame(20, 1200);
   const std::byte* const first = messages[0].data();
   outbox.put(std::move(messages), at(0), milliseconds(10));
-  EXPECT_EQ(outbox.bytes(), 20u * 1200u);
+  EXPECT_EQ(outbox.bytes(), 20u * (1200u + kMessage_bytes));
   EXPECT_EQ(outbox.take(1e9).data(), first) << "not a copy";
-  EXPECT_EQ(outbox.bytes(), 19u * 1200u);
+  EXPECT_EQ(outbox.bytes(), 19u * (1200u + kMessage_bytes));
   while (!outbox.empty()) static_cast<void>(outbox.take(1e9));
   EXPECT_EQ(outbox.bytes(), 0u);
 }

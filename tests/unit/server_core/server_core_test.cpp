@@ -185,6 +185,26 @@ TEST(ServerCore, GivesUpALongAnswerForAClientThatWaitsAndSendsItsReport) {
   EXPECT_NE(counters_line(core->counters()).find("1 given up"), std::string::npos);
 }
 
+TEST(ServerCore, AnAnswerForWhichThereIsNoMemoryIsItsReportAloneAndTheNextIsMade) {
+  bool is_short = true;
+  Bench bench({}, masks_from([&](const FrameRequest& requested, ShadowFrame& frame) {
+                if (is_short) throw std::bad_alloc();
+                return paint(requested, frame);
+              }));
+  ASSERT_TRUE(bench.client.meet(1s));
+  bench.client.say(bench.client.ask(request(1)));
+  while (bench.client.hear(100ms)) {
+  }
+  EXPECT_TRUE(bench.client.assembler.find({1})->report.has_value());
+  EXPECT_FALSE(bench.client.assembler.find({1})->anything_known());
+  EXPECT_EQ(bench.core->counters().out_of_memory, 1u);
+  is_short = false;
+  bench.client.say(bench.client.ask(request(2)));
+  while (bench.client.hear(100ms)) {
+  }
+  EXPECT_TRUE(bench.client.assembler.find({2})->complete());
+}
+
 TEST(ServerCore, SlicesLeaveOverHalfTheFrameIntervalAndNotAtOnce) {
   Bench bench;
   ASSERT_TRUE(bench.client.meet(1s));

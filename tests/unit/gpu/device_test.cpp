@@ -1,0 +1,32 @@
+#include "stereo/gpu/device.h"
+
+#include <gtest/gtest.h>
+
+#include "stereo/gpu/memory.h"
+
+namespace farshade::gpu {
+namespace {
+
+/// Writes a buffer of 64 MiB 200 times.
+void write_much(const Device& device) {
+  constexpr std::size_t kBytes = std::size_t{64} << 20;
+  const Buffer written = make_device_buffer(device, kBytes, vk::BufferUsageFlagBits::eTransferDst, "written");
+  run_now(device, [&](const vk::raii::CommandBuffer& commands) {
+    for (std::uint32_t i = 0; i < 200; ++i) commands.fillBuffer(*written.buffer, 0, kBytes, i);
+  });
+}
+
+TEST(Device, OneThatDoesNotFinishInTimeIsLostAndAnotherCanBeOpened) {
+  if (!open_device({})) GTEST_SKIP() << "no Vulkan device";
+  DeviceOptions impatient;
+  impatient.timeout_ns = 1;
+  for (int i = 0; i < 3; ++i) {
+    const Device device = open_device(impatient).value();
+    EXPECT_THROW(write_much(device), vk::DeviceLostError);
+  }  // destroying what the driver still writes to would end the program here
+  const Device device = open_device({}).value();
+  write_much(device);
+}
+
+}  // namespace
+}  // namespace farshade::gpu
