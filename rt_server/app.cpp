@@ -217,6 +217,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
                 if (!options.insecure && ring_file.has_changed()) reload();
               });
   }
+  core.say_goodbye();
   print_counters(core, sender.get());
   return {};
 }

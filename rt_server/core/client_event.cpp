@@ -28,6 +28,9 @@ std::string in_words(const ClientEvent& event) {
     case Left:
       return fmt::format("{} at {} left; it was connected for {:.0f} s", who, at,
                          seconds_of(event.connected));
+    case FellSilent:
+      return fmt::format("{} at {} left without a word; it was connected for {:.0f} s", who, at,
+                         seconds_of(event.connected));
     case SaidNothing:
       return fmt::format("{} at {} left without a request", who, at);
     case Replaced:
@@ -41,6 +44,9 @@ std::string in_words(const ClientEvent& event) {
           at);
     case Revoked:
       return fmt::format("the session of {} at {} ended: its key is no longer in the ring", who, at);
+    case Expired:
+      return fmt::format("the session of {} at {} ended: its key has expired (rt_server keygen --until)", who,
+                         at);
     case NotAdmitted:
       return who;
   }

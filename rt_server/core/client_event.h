@@ -15,12 +15,14 @@ struct ClientEvent {
     AskedForScene,  ///< the hello named no scene: a doctor asks which one is served
     OtherScene,
     Busy,
-    Left,         ///< silent for longer than the timeout
-    SaidNothing,  ///< the same, and it never sent a sealed datagram
+    Left,         ///< said so
+    FellSilent,   ///< for longer than the timeout
+    SaidNothing,  ///< has left or fallen silent, and never requested anything
     Replaced,     ///< by a newer session of the same client
     Withdrawn,    ///< its answer is no longer offered
     Displaced,    ///< by a client whose key had fewer sessions, when the server was full
     Revoked,      ///< its key was taken out of the ring
+    Expired,      ///< its key's time is over
     NotAdmitted,  ///< has no key of the ring; `who` is the sentence. Strangers can cause any number of these
   };
   Kind kind = Kind::Welcomed;

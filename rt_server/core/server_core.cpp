@@ -72,11 +72,13 @@ std::string counters_line(const ServerCounters& counters) {
                                 {sessions.busy, "because the server was full"},
                                 {gate.too_many, "over the handshake limit"}}) +
          group("sessions", {{counters.sessions_open, "open"},
+                            {sessions.left, "ended by their clients"},
                             {sessions.forgotten, "timed out"},
                             {sessions.replaced, "replaced"},
                             {sessions.displaced, "ended for a key with fewer"},
                             {sessions.withdrawn, "ended because their answer is no longer offered"},
                             {sessions.revoked, "ended because their key was taken out of the ring"},
+                            {sessions.expired, "ended because their key has expired"},
                             {sessions.moved, "moved"}}) +
          group("limits", {{sessions.held_back, "frames slowed by --bytes-per-second"}});
 }
@@ -135,6 +137,14 @@ void ServerCore::set_ring(const std::vector<SharedKey>& ring) {
     sessions_.set_ring(ring);
   }
   wake();
+}
+
+void ServerCore::say_goodbye() {
+  {
+    const std::lock_guard lock(mutex_);
+    sessions_.say_goodbye();
+  }
+  send_due();
 }
 
 void ServerCore::send_due() {

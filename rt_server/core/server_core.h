@@ -48,6 +48,9 @@ class ServerCore {
   /// From now on serves only clients with these keys; any thread may call it.
   void set_ring(const std::vector<SharedKey>& ring);
 
+  /// Tells all clients that the server ends. Only when no other thread uses the core any more.
+  void say_goodbye();
+
   /// Sends all datagrams that are due.
   void send_due();
 

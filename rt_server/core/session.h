@@ -2,6 +2,7 @@
 /// A value of bounded size, without sockets, threads or clocks. Sessions share no data.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
@@ -41,6 +42,7 @@ enum class ReceivedMessage : std::uint8_t {
   Unanswered,  ///< a request for an answer that the server does not offer
   Part,        ///< a message that the waiting request announced
   Stray,       ///< one of another request, or more than it announced
+  Left,        ///< the client's last message: its session is over
 };
 
 /// Sends the datagrams of one frame evenly over a part of the frame interval, and never faster than the path
@@ -97,6 +99,10 @@ class ClientSession {
                                                  std::span<const std::byte> datagram, Time now,
                                                  std::vector<std::byte>& reply);
 
+  [[nodiscard]] bool has_requested() const {
+    return newest_ ||
+           std::ranges::any_of(newest_surround_, [](const auto& frame) { return frame.has_value(); });
+  }
   /// The kind of answer that the last accepted request wants; none before the first.
   [[nodiscard]] std::optional<Answer> requested_answer() const { return requested_answer_; }
   /// From now on accepts only requests for `answers`.
@@ -131,6 +137,9 @@ class ClientSession {
   [[nodiscard]] std::optional<Time> due() const { return outbox_.due(); }
   /// Removes the next message from the queue and seals it into `datagram`.
   void seal_due(Time now, std::vector<std::byte>& datagram);
+
+  /// Seals the last message of this session into `datagram`.
+  void seal_goodbye(EndReason reason, std::vector<std::byte>& datagram);
 
   /// Frames that left more slowly because of the limit of bytes per second.
   [[nodiscard]] std::uint64_t held_back() const { return held_back_; }

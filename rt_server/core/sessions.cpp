@@ -17,6 +17,16 @@ ClientEvent::Kind kind_of(std::optional<RefusalReason> refused, const ContentHas
   return scene == kNoScene ? AskedForScene : OtherScene;
 }
 
+/// What the client of a session that ends for this reason is told; nothing if it knows or does not listen.
+std::optional<EndReason> told_reason(ClientEvent::Kind why) {
+  using enum ClientEvent::Kind;
+  if (why == Withdrawn) return EndReason::Withdrawn;
+  if (why == Displaced) return EndReason::Displaced;
+  if (why == Revoked) return EndReason::Revoked;
+  if (why == Expired) return EndReason::Expired;
+  return std::nullopt;
+}
+
 }  // namespace
 
 Sessions::Sessions(const Welcome& served, const std::vector<SharedKey>& ring, const SessionLimits& limits)
@@ -112,6 +122,21 @@ void Sessions::end_displaced(SessionId id) {
                                       [&](const ClientSession& session) { return session.id() == id; });
 }
 
+void Sessions::end_left(SessionId id) {
+  counters_.left +=
+      end_sessions(ClientEvent::Kind::Left, [&](const ClientSession& session) { return session.id() == id; });
+}
+
+void Sessions::queue_goodbye(ClientSession& session, EndReason reason) {
+  for (int i = 0; i < kGoodbyes; ++i)
+    session.seal_goodbye(reason, goodbyes_.emplace_back(session.client(), std::vector<std::byte>{}).second);
+  due_at_.reset();
+}
+
+void Sessions::say_goodbye() {
+  for (ClientSession& session : sessions_) queue_goodbye(session, EndReason::ServerEnds);
+}
+
 Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
                                       std::span<const std::byte> datagram, Time now,
                                       std::vector<std::byte>& answer) {
@@ -125,6 +150,10 @@ Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
   const Peer before = session->client();
   const Decoded<ReceivedMessage> received = session->receive(from, sealed, datagram, now, answer);
   if (session->client() != before) ++counters_.moved;
+  if (received == ReceivedMessage::Left) {
+    end_left(sealed.session);
+    return {};
+  }
   if (first && session->is_confirmed()) end_replaced(session->id());
   if (!received) return refuse(received.error());
   was_opened_ = true;
@@ -154,9 +183,13 @@ void Sessions::end_replaced(SessionId kept) {
 
 template <class IsOver>
 std::uint64_t Sessions::end_sessions(ClientEvent::Kind why, const IsOver& is_over) {
+  const std::optional<EndReason> told = told_reason(why);
+  for (ClientSession& session : sessions_)
+    if (told && is_over(session)) queue_goodbye(session, *told);
   const std::uint64_t ended = std::erase_if(sessions_, [&](const ClientSession& session) {
     if (!is_over(session)) return false;
-    const bool said_nothing = why == ClientEvent::Kind::Left && !session.is_confirmed();
+    const bool goes = why == ClientEvent::Kind::Left || why == ClientEvent::Kind::FellSilent;
+    const bool said_nothing = goes && !session.has_requested();
     events_.push_back({said_nothing ? ClientEvent::Kind::SaidNothing : why, session.name(), session.client(),
                        session.last_received() - session.began()});
     return true;
@@ -221,6 +254,12 @@ void Sessions::put(SessionId id, std::span<const std::vector<std::byte>> message
 }
 
 bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {
+  if (!goodbyes_.empty()) {
+    std::tie(to, datagram) = std::move(goodbyes_.back());
+    goodbyes_.pop_back();
+    due_at_.reset();
+    return true;
+  }
   if (const std::optional<Time> due = due_at(); !due || *due > now) return false;
   ClientSession* next = nullptr;
   for (ClientSession& session : sessions_)
@@ -244,6 +283,7 @@ std::optional<Time> Sessions::job_at() const {
 std::optional<Time> Sessions::due_at() const {
   if (due_at_) return *due_at_;
   std::optional<Time> earliest;
+  if (!goodbyes_.empty()) earliest = Time{};
   for (const ClientSession& session : sessions_)
     if (const std::optional<Time> at = session.due(); at && (!earliest || *at < *earliest)) earliest = at;
   due_at_ = earliest;
@@ -261,7 +301,7 @@ Time Sessions::end_of(const ClientSession& session) const {
 
 void Sessions::end_silent(Time now) {
   if (!silent_at_ || now < *silent_at_) return;
-  counters_.forgotten += end_sessions(ClientEvent::Kind::Left,
+  counters_.forgotten += end_sessions(ClientEvent::Kind::FellSilent,
                                       [&](const ClientSession& session) { return now > end_of(session); });
   silent_at_.reset();
   for (const ClientSession& session : sessions_)

@@ -33,9 +33,11 @@ struct SessionCounters {
   std::uint64_t welcomed = 0;    ///< sessions begun
   std::uint64_t repeated = 0;    ///< hellos of sessions that exist
   std::uint64_t forgotten = 0;   ///< sessions ended by timeout
+  std::uint64_t left = 0;        ///< sessions ended by their clients
   std::uint64_t replaced = 0;    ///< sessions ended by a newer one of the same key from the same address
   std::uint64_t withdrawn = 0;   ///< sessions ended because the answer they use is no longer offered
   std::uint64_t revoked = 0;     ///< sessions ended because their key was taken out of the ring
+  std::uint64_t expired = 0;     ///< sessions ended because their key's time was over
   std::uint64_t displaced = 0;   ///< sessions ended for a client whose key had fewer
   std::uint64_t moved = 0;       ///< changes of a client's address
   std::uint64_t requests = 0;    ///< requests of all sessions; the next four count some of them
@@ -66,12 +68,15 @@ class Sessions {
   /// has ended.
   void put(SessionId session, std::span<const std::vector<std::byte>> messages, Duration work, Time now);
 
-  /// From now on offers only `answers`. Sessions that use another answer end: their clients are told so by
-  /// NoSession, connect again and read in the Welcome what is offered.
+  /// From now on offers only `answers`. Sessions that use another answer end: their clients are told so,
+  /// connect again and read in the Welcome what is offered.
   void offer(AnswerSet answers);
 
   /// From now on serves only clients with these keys. The sessions of other keys end.
   void set_ring(const std::vector<SharedKey>& ring);
+
+  /// Queues the news for all clients that the server ends.
+  void say_goodbye();
 
   /// Seals the next datagram that is due, for `to`. Returns false if none is.
   bool seal_due(Time now, Peer& to, std::vector<std::byte>& datagram);
@@ -111,6 +116,8 @@ class Sessions {
   [[nodiscard]] ClientSession* find(SessionId id);
   [[nodiscard]] const ClientSession* to_displace(const KeyId& newcomer) const;
   void end_displaced(SessionId id);
+  void end_left(SessionId id);
+  void queue_goodbye(ClientSession& session, EndReason reason);
 
   Welcome served_;
   SessionLimits limits_;
@@ -128,6 +135,8 @@ class Sessions {
   std::optional<std::pair<SessionId, KeyId>> in_work_;
   SessionCounters counters_;
   std::vector<ClientEvent> events_;
+  /// The last datagrams of sessions that have ended: kGoodbyes for each.
+  std::vector<std::pair<Peer, std::vector<std::byte>>> goodbyes_;
 };
 
 }  // namespace farshade

@@ -43,12 +43,31 @@ Explanation explain(const OpenRefusal& refusal, const SharedKey& key, const Peer
   if (key == insecure_key())
     return {where + " does not accept clients with --insecure",
             "omit --insecure, and use a key that the server has (rt_server pair)"};
-  return {
-      where + " has no key with the secret of '" + key.name + "' (id " + short_form(id_of(key)) + ")",
-      "if '" + key.name +
-          "' was made anew there, copy the file again; otherwise bring a key to the server "
-          "(rt_server pair), make one there (rt_server keygen), or give --key the file that was made there. A "
-          "server with --insecure knows no keys"};
+  return {where + " has no key with the secret of '" + key.name + "' (id " + short_form(id_of(key)) + ")",
+          "if '" + key.name +
+              "' was made anew there, copy the file again; otherwise bring a key to the server "
+              "(rt_server pair), make one there (rt_server keygen), or give --key the file that was made "
+              "there. A "
+              "server with --insecure knows no keys"};
+}
+
+Explanation explain(const Goodbye& goodbye, const SharedKey& key, const Peer& server) {
+  const std::string where = "the server at " + to_string(server) + " has ended the session: ";
+  switch (goodbye.reason) {
+    case EndReason::ServerEnds:
+      return {where + "it ends itself", "start it again"};
+    case EndReason::Revoked:
+      return {where + "the key '" + key.name + "' was taken out of its ring",
+              "bring it a new one (rt_server pair)"};
+    case EndReason::Expired:
+      return {where + "the time of the key '" + key.name + "' is over",
+              "make a new one there (rt_server keygen), or bring one (rt_server pair)"};
+    case EndReason::Displaced:
+      return {where + "it is full, and another key has fewer sessions", "start it with more --sessions"};
+    case EndReason::Withdrawn:
+      return {where + "it can no longer make these answers", "its log says why"};
+  }
+  return {};
 }
 
 std::string explain(const KeyId& id, const KeyRing& ring, const Peer& client) {

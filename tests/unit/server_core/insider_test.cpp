@@ -144,5 +144,95 @@ TEST(Insider, ACounterThatJumpsDoesNotCount) {
   EXPECT_TRUE(house.taken.has_value());
 }
 
+/// A sealed Leave of this client.
+Bytes leave_of(LinkClient& client) {
+  Bytes bytes, datagram;
+  encode(ClientMessage(Leave{}), bytes);
+  client.sealer->seal(bytes, datagram);
+  return datagram;
+}
+
+TEST(Goodbye, AClientThatLeavesFreesItsPlaceAtOnce) {
+  House house({.sessions = 1});
+  LinkClient client = house.join(kGoodPort, {}, kGood);
+  house.ask(client, kGoodPort, 1);
+  EXPECT_TRUE(house.join(kEvilPort, {}, kEvil).refusal.has_value());
+  static_cast<void>(house.sessions.take_events());
+  house.say(kGoodPort, leave_of(client), Time(3s));
+  EXPECT_EQ(house.sessions.size(), 0u);
+  EXPECT_EQ(house.sessions.counters().left, 1u);
+  EXPECT_EQ(house.sessions.counters().forgotten, 0u);
+  const auto events = house.sessions.take_events();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].kind, ClientEvent::Kind::Left);
+  EXPECT_EQ(events[0].connected, 3s);
+  EXPECT_TRUE(house.join(kEvilPort, Time(3s), kEvil).welcome.has_value());
+}
+
+TEST(Goodbye, ALeaveThatIsReplayedOrForgedDoesNothing) {
+  House house;
+  LinkClient first = house.join(kGoodPort, {}, kGood);
+  house.ask(first, kGoodPort, 1);
+  const Bytes leave = leave_of(first);
+  house.say(kGoodPort, leave);
+  LinkClient second = house.join(kGoodPort, {}, kGood);
+  house.ask(second, kGoodPort, 1);
+  house.say(kGoodPort, leave);
+  EXPECT_EQ(house.taken.error(), WireRefusal::UnknownSession);
+  Bytes moved = leave;
+  const Bytes own = second.seal({.request = request_of(2, kSize)});
+  std::copy_n(own.begin(), kSealedHeader_bytes, moved.begin());
+  house.say(kGoodPort, moved);
+  EXPECT_EQ(house.taken.error(), WireRefusal::Forged);
+  EXPECT_EQ(house.sessions.size(), 1u);
+}
+
+/// What the sessions send now.
+std::vector<std::pair<Peer, Bytes>> sent_by(Sessions& sessions) {
+  std::vector<std::pair<Peer, Bytes>> all;
+  Peer to;
+  Bytes datagram;
+  while (sessions.seal_due({}, to, datagram)) all.emplace_back(to, datagram);
+  return all;
+}
+
+/// The message that opens for `client`.
+std::optional<ServerMessage> opened(LinkClient& client, const Bytes& datagram) {
+  Bytes bytes;
+  const auto message =
+      client.opener->open(std::get<Sealed>(*open_server_envelope(datagram)), datagram, bytes);
+  if (!message) return std::nullopt;
+  return *decode_server(*message);
+}
+
+TEST(Goodbye, AClientIsToldWhyItsSessionEnds) {
+  House house;
+  LinkClient good = house.join(kGoodPort, {}, kGood), evil = house.join(kEvilPort, {}, kEvil);
+  house.sessions.set_ring({kGood});
+  ASSERT_TRUE(house.sessions.due_at().has_value());
+  const auto revoked = sent_by(house.sessions);
+  ASSERT_EQ(revoked.size(), std::size_t{kGoodbyes});
+  for (const auto& [to, datagram] : revoked) {
+    EXPECT_EQ(to, peer(kEvilPort));
+    EXPECT_EQ(std::get<Goodbye>(*opened(evil, datagram)).reason, EndReason::Revoked);
+  }
+  EXPECT_FALSE(house.sessions.due_at().has_value());
+  house.sessions.say_goodbye();
+  const auto ends = sent_by(house.sessions);
+  ASSERT_EQ(ends.size(), std::size_t{kGoodbyes});
+  EXPECT_EQ(std::get<Goodbye>(*opened(good, ends[0].second)).reason, EndReason::ServerEnds);
+}
+
+TEST(Goodbye, AClientThatFellSilentIsToldNothing) {
+  House house;
+  LinkClient client = house.join(kGoodPort, {}, kGood);
+  house.ask(client, kGoodPort, 1);
+  static_cast<void>(house.sessions.take_events());
+  house.sessions.end_silent(Time(SessionLimits{}.silence + 1s));
+  EXPECT_EQ(house.sessions.size(), 0u);
+  EXPECT_TRUE(sent_by(house.sessions).empty());
+  EXPECT_EQ(house.sessions.take_events().at(0).kind, ClientEvent::Kind::FellSilent);
+}
+
 }  // namespace
 }  // namespace farshade
