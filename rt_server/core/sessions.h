@@ -8,7 +8,9 @@
 /// size of each are.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -47,6 +49,7 @@ struct SessionCounters {
   std::uint64_t unanswered = 0;  ///< for an answer that the server does not offer
   std::uint64_t stray = 0;       ///< parts of requests that belong to no waiting one
   std::uint64_t scene_mismatch = 0, busy = 0;  ///< hellos with a valid key that were refused
+  std::uint64_t key_full = 0;                  ///< the same: their key has as many sessions as it may
   std::uint64_t held_back = 0;                 ///< frames slowed by the limit of bytes per second
   friend bool operator==(const SessionCounters&, const SessionCounters&) = default;
 };
@@ -72,8 +75,9 @@ class Sessions {
   /// connect again and read in the Welcome what is offered.
   void offer(AnswerSet answers);
 
-  /// From now on serves only clients with these keys. The sessions of other keys end.
-  void set_ring(const std::vector<SharedKey>& ring);
+  /// From now on serves only clients with these keys, if they are valid on `today`. The sessions of other
+  /// keys end.
+  void set_ring(const std::vector<SharedKey>& ring, std::chrono::sys_days today = {});
 
   /// Queues the news for all clients that the server ends.
   void say_goodbye();
@@ -118,6 +122,20 @@ class Sessions {
   void end_displaced(SessionId id);
   void end_left(SessionId id);
   void queue_goodbye(ClientSession& session, EndReason reason);
+  [[nodiscard]] bool is_key_full(const SharedKey& key, const Peer& from) const;
+  void log_refusal(const Peer& from, const Hello& hello, const GateCounters& before);
+
+  /// A hello of which nothing more comes: it was refused, or its session has ended. While its cookie is valid
+  /// anybody can send it again from its address; it then costs no handshake.
+  struct SpentHello {
+    KeyId key{};
+    PublicKey client{};
+    std::vector<std::byte> answer;  ///< empty: none
+    Time until{};                   ///< when no cookie of it is valid any more: a newer one shows its client
+  };
+  /// Twice as many as the usual limit of handshakes lets begin while a cookie is valid; the oldest gives way.
+  static constexpr std::size_t kMostSpentHellos = 1024;
+  void remember(const KeyId& key, const PublicKey& client, const std::vector<std::byte>& answer);
 
   Welcome served_;
   SessionLimits limits_;
@@ -137,6 +155,8 @@ class Sessions {
   std::vector<ClientEvent> events_;
   /// The last datagrams of sessions that have ended: kGoodbyes for each.
   std::vector<std::pair<Peer, std::vector<std::byte>>> goodbyes_;
+  std::deque<SpentHello> spent_;
+  Time now_{};  ///< of the last datagram
 };
 
 }  // namespace farshade
