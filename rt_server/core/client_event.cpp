@@ -37,7 +37,8 @@ std::string in_words(const ClientEvent& event) {
       return fmt::format("did not answer {} at {}: too many handshakes (--handshakes-per-second)", who, at);
     case KeyExpired:
       return fmt::format(
-          "refused {} at {}: the time of its key is over: make a new one (rt_server keygen --until), or change "
+          "refused {} at {}: the time of its key is over: make a new one (rt_server keygen --until), or "
+          "change "
           "until= in the ring",
           who, at);
     case Left:

@@ -73,9 +73,8 @@ void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<cons
     answer.assign(known->accept_datagram().begin(), known->accept_datagram().end());
     return;
   }
-  const auto spent = std::ranges::find_if(spent_, [&](const SpentHello& old) {
-    return old.client == hello.client && old.key == hello.key;
-  });
+  const auto spent = std::ranges::find_if(
+      spent_, [&](const SpentHello& old) { return old.client == hello.client && old.key == hello.key; });
   if (spent != spent_.end()) {
     ++counters_.repeated;
     answer = spent->answer;
@@ -107,15 +106,18 @@ void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<cons
   answer = accepted->datagram;
   const bool by_key = key_full && refused == RefusalReason::Busy;
   events_.push_back({by_key ? ClientEvent::Kind::TooManySessions : kind_of(refused, hello.scene_hash),
-                     key->name, from, {}, hello.key});
+                     key->name,
+                     from,
+                     {},
+                     hello.key});
   if (refused) return remember(hello.key, hello.client, answer);
   ++counters_.welcomed;
   if (displaced != nullptr) end_displaced(displaced->id());
   double bytes_per_second = limits_.bytes_per_second;
   if (const auto& most = key->limits.bytes_per_second)
     bytes_per_second = std::min(bytes_per_second, static_cast<double>(*most));
-  sessions_.emplace_back(*key, from, hello.client, *accepted, now,
-                         RateLimits{.most = bytes_per_second}, served_);
+  sessions_.emplace_back(*key, from, hello.client, *accepted, now, RateLimits{.most = bytes_per_second},
+                         served_);
   sessions_.back().turn = {account.session_work, jobs_};
   place_of_[sessions_.back().id().value] = sessions_.size() - 1;
   const Time end = end_of(sessions_.back()) + Duration(1);

@@ -27,8 +27,8 @@ namespace farshade {
                                                    std::span<const std::byte> bytes);
 [[nodiscard]] Expected<void> write_file_atomically(const std::filesystem::path& path, std::string_view text);
 
-/// Makes a folder if it does not exist. Refuses (Unreadable) a folder to which no file can be written. No file
-/// in it changes.
+/// Makes a folder if it does not exist. Refuses (Unreadable) a folder to which no file can be written. No
+/// file in it changes.
 [[nodiscard]] Expected<void> make_folder(const std::filesystem::path& folder);
 
 /// Keeps other holders out of a folder's lock, in this and in other programs, for as long as it lives.
@@ -51,8 +51,8 @@ class FolderLock {
 
 enum class IfThere { Replace, Refuse };
 
-/// As write_file_atomically, with mode 0600, and on the disk when the call returns. With IfThere::Refuse an existing file is an error (Unavailable)
-/// and stays unchanged.
+/// As write_file_atomically, with mode 0600, and on the disk when the call returns. With IfThere::Refuse an
+/// existing file is an error (Unavailable) and stays unchanged.
 [[nodiscard]] Expected<void> write_private_file(const std::filesystem::path& path, std::string_view text,
                                                 IfThere if_there);
 

@@ -1,8 +1,8 @@
 /// Pre-shared keys of clients and servers, and their text files.
 /// A file has one key a line: `farshade-key-1 NAME SECRET`, SECRET as 64 hex digits. Behind the secret may
 /// stand limits (KeyLimits), each once: `until=2027-01-31`, `sessions=2`, `bytes-per-second=1000000`. Blank
-/// lines and lines that begin with # are ignored. A client's file has one key. A server's ring has any number; concatenated
-/// key files are a ring. No error text, log line or KeyId reveals anything of a secret.
+/// lines and lines that begin with # are ignored. A client's file has one key. A server's ring has any
+/// number; concatenated key files are a ring. No error text, log line or KeyId reveals anything of a secret.
 #pragma once
 
 #include <array>
@@ -30,8 +30,8 @@ struct KeyLimits {
   static constexpr std::uint64_t kMostSessions = 4096;
   static constexpr std::uint64_t kLeastBytesPerSecond = 25'000, kMostBytesPerSecond = 10'000'000'000;
 
-  std::optional<std::chrono::sys_days> until{};    ///< the last day (UTC) on which the key is valid
-  std::optional<std::uint64_t> sessions{};         ///< at one time, 1 to kMostSessions
+  std::optional<std::chrono::sys_days> until{};     ///< the last day (UTC) on which the key is valid
+  std::optional<std::uint64_t> sessions{};          ///< at one time, 1 to kMostSessions
   std::optional<std::uint64_t> bytes_per_second{};  ///< to each session
   friend bool operator==(const KeyLimits&, const KeyLimits&) = default;
 };
@@ -87,8 +87,8 @@ using KeyRing = std::map<KeyId, SharedKey>;
 [[nodiscard]] Expected<void> write_key(const std::filesystem::path& path, const SharedKey& key);
 
 /// Adds a key to a ring and keeps its other lines, with comments. Programs that add keys at the same time
-/// wait for each other. A link stays a link: the file behind it changes. Makes the file as write_key does if it does
-/// not exist. Refuses a name or a secret that the ring already has (Unavailable), and a ring that
+/// wait for each other. A link stays a link: the file behind it changes. Makes the file as write_key does if
+/// it does not exist. Refuses a name or a secret that the ring already has (Unavailable), and a ring that
 /// load_key_ring refuses.
 [[nodiscard]] Expected<void> append_to_ring(const std::filesystem::path& path, const SharedKey& key);
 

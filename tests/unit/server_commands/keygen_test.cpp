@@ -56,8 +56,8 @@ TEST_F(Keygen, WritesLimitsIntoTheRingAlone) {
   EXPECT_EQ(limits.until, parse_day("2027-01-31"));
   EXPECT_EQ(limits.sessions, 2u);
   EXPECT_EQ(limits.bytes_per_second, 1'000'000u);
-  for (const char* bad : {"a --until tomorrow", "a --until 2027-02-30", "a --sessions 0",
-                          "a --bytes-per-second 1"})
+  for (const char* bad :
+       {"a --until tomorrow", "a --until 2027-02-30", "a --sessions 0", "a --bytes-per-second 1"})
     EXPECT_THROW(static_cast<void>(keygen_with(bad)), CLI::ParseError) << bad;
 }
 

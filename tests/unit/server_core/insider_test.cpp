@@ -251,7 +251,8 @@ TEST(KeyLimits, AnExpiredKeyIsRefusedAndItsSessionsEnd) {
   EXPECT_EQ(house.sessions.size(), 1u);
   EXPECT_EQ(house.sessions.counters().expired, 1u);
   EXPECT_EQ(house.sessions.counters().revoked, 0u);
-  EXPECT_EQ(std::get<Goodbye>(*opened(evil, sent_by(house.sessions).at(0).second)).reason, EndReason::Expired);
+  EXPECT_EQ(std::get<Goodbye>(*opened(evil, sent_by(house.sessions).at(0).second)).reason,
+            EndReason::Expired);
   EXPECT_EQ(house.sessions.take_events().at(0).kind, ClientEvent::Kind::Expired);
 
   const LinkClient again = house.join(kEvilPort, {}, kEvil);
@@ -288,8 +289,8 @@ TEST(KeyLimits, AKeyHasNoMoreSessionsThanTheRingAllows) {
 TEST(KeyLimits, AKeysSessionsAreNoFasterThanTheRingAllows) {
   for (const bool slow : {false, true}) {
     House house;
-    house.sessions.set_ring({limited(kEvil, {.bytes_per_second = slow ? std::optional<std::uint64_t>(25'000)
-                                                                      : std::nullopt})});
+    house.sessions.set_ring(
+        {limited(kEvil, {.bytes_per_second = slow ? std::optional<std::uint64_t>(25'000) : std::nullopt})});
     LinkClient client = house.join(kEvilPort, {}, kEvil);
     house.ask(client, kEvilPort, 1);
     EXPECT_EQ(house.sessions.next_job({})->bytes_per_second, slow ? 25'000u : 4'000'000u);

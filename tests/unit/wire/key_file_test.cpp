@@ -152,9 +152,9 @@ TEST(KeyRing, HasLimitsBehindTheSecret) {
   EXPECT_EQ(line, key_line(key_of("a", 1)).substr(0, line.find(" until=")) +
                       " until=2027-01-31 sessions=2 bytes-per-second=1000000\n");
   EXPECT_EQ(parse_keys(line, "ring").value(), std::vector{key});
-  const auto other_order = parse_keys("farshade-key-1 a " + line.substr(17, 64) +
-                                          " bytes-per-second=1000000\tsessions=2 until=2027-01-31",
-                                      "ring");
+  const auto other_order = parse_keys(
+      "farshade-key-1 a " + line.substr(17, 64) + " bytes-per-second=1000000\tsessions=2 until=2027-01-31",
+      "ring");
   EXPECT_EQ(other_order.value(), std::vector{key});
 }
 
@@ -274,7 +274,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadLine{"NoSessions", "farshade-key-1 b " + kDigits + " sessions=0", "more behind the secret"},
         BadLine{"NegativeSessions", "farshade-key-1 b " + kDigits + " sessions=-1", "more behind the secret"},
         BadLine{"SessionsInHex", "farshade-key-1 b " + kDigits + " sessions=1x", "more behind the secret"},
-        BadLine{"TooSlow", "farshade-key-1 b " + kDigits + " bytes-per-second=24999", "more behind the secret"},
+        BadLine{"TooSlow", "farshade-key-1 b " + kDigits + " bytes-per-second=24999",
+                "more behind the secret"},
         BadLine{"Twice", "farshade-key-1 b " + kDigits + " sessions=1 sessions=2", "more behind the secret"},
         BadLine{"UnknownLimit", "farshade-key-1 b " + kDigits + " Sessions=1", "more behind the secret"},
         BadLine{"SecretOfZeros", "farshade-key-1 b " + std::string(64, '0'), "a secret of zeros is none"},
