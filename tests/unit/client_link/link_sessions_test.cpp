@@ -257,6 +257,31 @@ TEST(LinkSession, BeginsAlthoughSomebodyElseRefuses) {
   EXPECT_FALSE(bench.link.refused().has_value());
 }
 
+/// The true server hears nothing for longer than a second.
+TEST(LinkSession, AForgedRefusalThatComesFirstDoesNotEndTheClient) {
+  LinkBench bench(each_way(5ms));
+  bench.start_server();
+  bench.on_send = [&](std::span<const std::byte> datagram) {
+    const auto envelope = open_client_envelope(datagram);
+    const auto* hello = envelope ? std::get_if<Hello>(&*envelope) : nullptr;
+    if (hello == nullptr || bench.clock.now() > Time(1500ms)) return false;
+    Bytes refusal;
+    encode(OpenRefusal{.reason = RefusalReason::UnknownKey, .echo = echo_of(hello->client)}, refusal);
+    bench.wire.server().send(bench.wire.client().local(), refusal);
+    return true;
+  };
+  EXPECT_TRUE(bench.link.meet(3s).has_value());
+}
+
+TEST(LinkSession, ARefusalIsNamedWhenPatienceIsOver) {
+  LinkBench bench(each_way(5ms));
+  bench.start_server(kServed, {}, {key_named("bob")});
+  const auto met = bench.link.meet(3s);
+  ASSERT_FALSE(met.has_value());
+  EXPECT_EQ(met.error().fault, Fault::Mismatch);
+  EXPECT_NE(met.error().what.find("has no key"), std::string::npos) << met.error().what;
+}
+
 TEST(LinkSession, ContinuesAtOnceAfterSilence) {
   MetBench bench(each_way(25ms), kLong);
   bench.run(1s);
