@@ -117,17 +117,53 @@ std::unique_ptr<Announcer> announce(const ServeOptions& options, const Peer& add
   return std::make_unique<Announcer>(address, [](const std::string& note) { spdlog::info(note); });
 }
 
-/// Reads the key ring again. If it cannot be read, the old keys stay.
-void reload_keys(const ServeOptions& options, ServerCore& core, SceneSender* sender) {
-  const Expected<std::vector<SharedKey>> ring = load_keys(options);
-  if (!ring) {
-    spdlog::error("the old keys stay: {}", ring.error().what);
-    return;
-  }
-  core.set_ring(*ring);
-  if (sender != nullptr) sender->set_ring(*ring);
-  spdlog::info("the key ring was read again: {} {}", ring->size(), ring->size() == 1 ? "key" : "keys");
+/// The day by UTC.
+std::chrono::sys_days today() {
+  return std::chrono::floor<std::chrono::days>(std::chrono::system_clock::now());
 }
+
+/// The keys in use. Those that have expired stay in the ring and are not served.
+class KeysInUse {
+ public:
+  /// Keeps references to `core` and `sender`, which may be null.
+  KeysInUse(std::vector<SharedKey> ring, ServerCore& core, SceneSender* sender)
+      : ring_(std::move(ring)), core_(core), sender_(sender) {
+    use();
+  }
+
+  /// Reads the key ring again. If it cannot be read, the old keys stay.
+  void reload(const ServeOptions& options) {
+    Expected<std::vector<SharedKey>> ring = load_keys(options);
+    if (!ring) {
+      spdlog::error("the old keys stay: {}", ring.error().what);
+      return;
+    }
+    ring_ = *std::move(ring);
+    use();
+    spdlog::info("the key ring was read again: {} {}", ring_.size(), ring_.size() == 1 ? "key" : "keys");
+  }
+
+  /// Keys expire at the end of a day.
+  void look_at_the_calendar() {
+    if (today() != day_) use();
+  }
+
+ private:
+  void use() {
+    day_ = today();
+    core_.set_ring(ring_, day_);
+    if (sender_ == nullptr) return;
+    std::vector<SharedKey> valid;
+    for (const SharedKey& key : ring_)
+      if (is_valid_on(key, day_)) valid.push_back(key);
+    sender_->set_ring(valid);
+  }
+
+  std::vector<SharedKey> ring_;
+  ServerCore& core_;
+  SceneSender* sender_;
+  std::chrono::sys_days day_{};
+};
 
 /// Tells when a file has changed: once per change, when it has not changed further between two looks. So a
 /// file that an editor is writing is not read by halves.
@@ -207,18 +243,21 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   // The port is open: what clients send from here on waits in its socket.
   Expected<void> written = write_ready_file(options, fmt::format("{} {}", kReadyListening, address));
   if (!written) return written;
+  KeysInUse keys(*ring, core, sender.get());
   {
     const Serving serving(core);
     const std::unique_ptr<Announcer> announcer = announce(options, (*port)->local());
     const auto reload = [&] {
       ring_file.mark_as_seen();
-      reload_keys(options, core, sender.get());
+      keys.reload(options);
     };
     stop.wait([&] { print_counters(core, sender.get()); }, reload,
               [&] {
+                keys.look_at_the_calendar();
                 if (!options.insecure && ring_file.has_changed()) reload();
               });
   }
+  core.say_goodbye();
   print_counters(core, sender.get());
   return {};
 }

@@ -138,7 +138,8 @@ Expected<void> show(const Options& options, const RunContext& context, std::uint
     first(view);
     report.watch(view);
     if (!options.timeline.empty()) timeline.add(view, inbox);
-    if (const auto news = silence.add(view.shown.frame, view.silent_since, clock.now())) {
+    const auto why = context.link ? context.link->goodbye() : std::nullopt;
+    if (const auto news = silence.add(view.shown.frame, view.silent_since, clock.now(), why)) {
       progress.end();
       spdlog::warn(*news);
     }

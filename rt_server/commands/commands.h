@@ -6,6 +6,9 @@
 /// `inspect` says what a scene file has.
 #pragma once
 
+#include <cstdint>
+#include <string>
+
 #include "stereo/base/stop_signal.h"
 #include "stereo/doctor/checks.h"
 #include "stereo/scene/lighting.h"
@@ -57,8 +60,10 @@ void add_pair(CLI::App& program, ServerPairOptions& options);
 
 struct KeygenOptions {
   std::string name;
-  std::string key;   ///< the client's key file; empty for default_key_path()
-  std::string ring;  ///< the server's key ring; empty for default_ring_path()
+  std::string key;    ///< the client's key file; empty for default_key_path()
+  std::string ring;   ///< the server's key ring; empty for default_ring_path()
+  std::string until;  ///< KeyLimits of the key in the ring: a day for parse_day; empty or 0 for none
+  std::uint64_t sessions = 0, bytes_per_second = 0;
 };
 
 /// Adds the subcommand `keygen` and its options to `program`.

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "stereo/base/within.h"
 #include "stereo/wire/key_file.h"
 
 namespace farshade {
@@ -10,9 +11,12 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Writes both files, or neither.
-Expected<void> write_both(const fs::path& file, const fs::path& ring, const SharedKey& key) {
+Expected<void> write_both(const fs::path& file, const fs::path& ring, const SharedKey& key,
+                          const KeyLimits& limits) {
   return write_key(file, key).and_then([&] {
-    Expected<void> added = append_to_ring(ring, key);
+    SharedKey limited = key;
+    limited.limits = limits;
+    Expected<void> added = append_to_ring(ring, limited);
     std::error_code ignored;
     if (!added) fs::remove(file, ignored);  // made by this call: write_key never overwrites
     return added;
@@ -28,6 +32,19 @@ void add_keygen(CLI::App& program, KeygenOptions& options) {
   command->add_option("--key", options.key, "the client's key file; default " + default_key_path().string());
   command->add_option("--ring", options.ring,
                       "the server's key ring; default " + default_ring_path().string());
+  command
+      ->add_option("--until", options.until,
+                   "the last day (UTC) on which the server takes the key, for example 2027-01-31")
+      ->type_name("DAY")
+      ->check([](const std::string& text) {
+        return parse_day(text) ? std::string() : "'" + text + "' is no day like 2027-01-31";
+      });
+  command->add_option("--sessions", options.sessions, "maximum number of clients with this key at one time")
+      ->check(within(1, KeyLimits::kMostSessions));
+  command
+      ->add_option("--bytes-per-second", options.bytes_per_second,
+                   "maximum number of bytes per second that the server sends to each client with this key")
+      ->check(within(KeyLimits::kLeastBytesPerSecond, KeyLimits::kMostBytesPerSecond));
 }
 
 Expected<std::string> keygen(const KeygenOptions& options) {
@@ -35,7 +52,10 @@ Expected<std::string> keygen(const KeygenOptions& options) {
   const fs::path ring = options.ring.empty() ? default_ring_path() : fs::path(options.ring);
   const Expected<SharedKey> key = new_key(options.name);
   if (!key) return tl::unexpected(key.error());
-  if (const Expected<void> written = write_both(file, ring, *key); !written) {
+  KeyLimits limits{.until = parse_day(options.until)};
+  if (options.sessions != 0) limits.sessions = options.sessions;
+  if (options.bytes_per_second != 0) limits.bytes_per_second = options.bytes_per_second;
+  if (const Expected<void> written = write_both(file, ring, *key, limits); !written) {
     if (written.error().fault == Fault::Unavailable && options.key.empty() && fs::exists(file))
       return fail(Fault::Unavailable, written.error().what + "; name another file with --key FILE");
     return tl::unexpected(written.error());

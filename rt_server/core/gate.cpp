@@ -10,12 +10,14 @@ namespace farshade {
 Gate::Gate(const std::vector<SharedKey>& ring, double handshakes_per_second)
     : handshakes_(handshakes_per_second) {
   check(sodium_init() >= 0, "libsodium can be initialised");
-  set_ring(ring);
+  set_ring(ring, {});
   randombytes_buf(cookie_key_.data(), cookie_key_.size());
 }
 
-void Gate::set_ring(const std::vector<SharedKey>& ring) {
-  ring_ = by_id(ring);
+void Gate::set_ring(const std::vector<SharedKey>& ring, std::chrono::sys_days today) {
+  ring_.clear();
+  expired_.clear();
+  for (const SharedKey& key : ring) (is_valid_on(key, today) ? ring_ : expired_).emplace(id_of(key), key);
 }
 
 Cookie Gate::cookie_for(const Peer& from, const PublicKey& client, std::int64_t period) const {
@@ -49,7 +51,10 @@ const SharedKey* Gate::admit(const Peer& from, const Hello& hello, std::span<con
   }
   const auto found = ring_.find(hello.key);
   if (found == ring_.end() || !is_proved(hello, datagram, found->second)) {
-    ++counters_.unknown_key;
+    const auto over = expired_.find(hello.key);
+    const bool expired = over != expired_.end() && is_proved(hello, datagram, over->second);
+    ++(expired ? counters_.expired_key : counters_.unknown_key);
+    // The client is told no more than a stranger: its refusal is not encrypted.
     encode(OpenRefusal{.reason = RefusalReason::UnknownKey, .echo = echo_of(hello.client)}, answer);
     return nullptr;
   }

@@ -18,6 +18,7 @@ struct GateCounters {
   std::uint64_t retries = 0;           ///< hellos without a valid cookie
   std::uint64_t version_mismatch = 0;  ///< hellos of another protocol version
   std::uint64_t unknown_key = 0;       ///< hellos whose key is not in the ring, or whose proof is wrong
+  std::uint64_t expired_key = 0;       ///< hellos that prove a key whose time is over
   std::uint64_t too_many = 0;          ///< valid hellos over the limit of handshakes per second
   friend bool operator==(const GateCounters&, const GateCounters&) = default;
 };
@@ -28,14 +29,16 @@ class Gate {
   /// holds the tokens of one second.
   Gate(const std::vector<SharedKey>& ring, double handshakes_per_second);
 
-  /// From now on admits only clients with these keys.
-  void set_ring(const std::vector<SharedKey>& ring);
+  /// From now on admits only clients with these keys, if they are valid on `today`.
+  void set_ring(const std::vector<SharedKey>& ring, std::chrono::sys_days today);
 
   /// Returns the key that `hello`, read from `datagram`, proves; the gate owns it. Otherwise returns null,
   /// and `answer` becomes the datagram to send back.
   const SharedKey* admit(const Peer& from, const Hello& hello, std::span<const std::byte> datagram, Time now,
                          std::vector<std::byte>& answer);
+  /// The keys that are valid, and those whose time is over.
   [[nodiscard]] const KeyRing& ring() const { return ring_; }
+  [[nodiscard]] const KeyRing& expired() const { return expired_; }
 
   /// `answer` becomes a refusal that names our protocol version.
   void refuse_version(const ForeignHello& hello, std::vector<std::byte>& answer);
@@ -49,7 +52,7 @@ class Gate {
  private:
   [[nodiscard]] Cookie cookie_for(const Peer& from, const PublicKey& client, std::int64_t period) const;
 
-  KeyRing ring_;
+  KeyRing ring_, expired_;
   std::array<std::uint8_t, 16> cookie_key_{};  ///< new in each process: cookies of an earlier one are invalid
   TokenBucket handshakes_;
   GateCounters counters_;

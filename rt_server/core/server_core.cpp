@@ -18,6 +18,9 @@ std::optional<Time> earlier(std::optional<Time> a, std::optional<Time> b) {
   return a && b ? std::min(*a, *b) : a ? a : b;
 }
 
+/// The ring has at most kMaxRingKeys, and a key few reasons.
+constexpr std::size_t kMostRefusalLogs = 4 * kMaxRingKeys;
+
 struct Count {
   std::uint64_t number;
   std::string_view of;
@@ -76,15 +79,19 @@ std::string counters_line(const ServerCounters& counters) {
          group("hellos", {{gate.retries, "without a cookie"}, {sessions.repeated, "repeated"}}) +
          group("not admitted", {{gate.version_mismatch, "of another version"},
                                 {gate.unknown_key, "without a known key"},
+                                {gate.expired_key, "with a key that has expired"},
                                 {sessions.scene_mismatch, "of another scene"},
                                 {sessions.busy, "because the server was full"},
+                                {sessions.key_full, "because their key had all its sessions"},
                                 {gate.too_many, "over the handshake limit"}}) +
          group("sessions", {{counters.sessions_open, "open"},
+                            {sessions.left, "ended by their clients"},
                             {sessions.forgotten, "timed out"},
                             {sessions.replaced, "replaced"},
                             {sessions.displaced, "ended for a key with fewer"},
                             {sessions.withdrawn, "ended because their answer is no longer offered"},
                             {sessions.revoked, "ended because their key was taken out of the ring"},
+                            {sessions.expired, "ended because their key has expired"},
                             {sessions.moved, "moved"},
                             {sessions.lied, "that reported what was never sent"}}) +
          group("frames", {{sessions.held_back, "slowed by --bytes-per-second"},
@@ -136,20 +143,29 @@ bool ServerCore::receive_datagram(Duration wait) {
 
 void ServerCore::log(const ClientEvent& event) {
   std::string words = in_words(event);
-  if (event.kind == ClientEvent::Kind::NotAdmitted) {
-    const std::optional<std::string> line = not_admitted_.failed(words, clock_.now());
+  if (is_fault(event.kind)) {
+    if (refusals_.size() > kMostRefusalLogs) refusals_.clear();  // of keys that have gone
+    const std::optional<std::string> line = refusals_[{event.kind, event.key}].failed(words, clock_.now());
     if (!line) return;
     words = *line;
   }
   spdlog::log(is_fault(event.kind) ? spdlog::level::warn : spdlog::level::info, "{}", words);
 }
 
-void ServerCore::set_ring(const std::vector<SharedKey>& ring) {
+void ServerCore::set_ring(const std::vector<SharedKey>& ring, std::chrono::sys_days today) {
   {
     const std::lock_guard lock(mutex_);
-    sessions_.set_ring(ring);
+    sessions_.set_ring(ring, today);
   }
   wake();
+}
+
+void ServerCore::say_goodbye() {
+  {
+    const std::lock_guard lock(mutex_);
+    sessions_.say_goodbye();
+  }
+  send_due();
 }
 
 void ServerCore::send_due() {

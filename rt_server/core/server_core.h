@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <map>
 #include <mutex>
 #include <stop_token>
 #include <string>
@@ -50,8 +51,11 @@ class ServerCore {
   /// memory is dropped and counted.
   bool receive(Duration wait);
 
-  /// From now on serves only clients with these keys; any thread may call it.
-  void set_ring(const std::vector<SharedKey>& ring);
+  /// From now on serves only clients with these keys, if they are valid on `today`; any thread may call it.
+  void set_ring(const std::vector<SharedKey>& ring, std::chrono::sys_days today = {});
+
+  /// Tells all clients that the server ends. Only when no other thread uses the core any more.
+  void say_goodbye();
 
   /// Sends all datagrams that are due.
   void send_due();
@@ -108,7 +112,8 @@ class ServerCore {
 
   // Used by the thread that calls receive() and send_due().
   void log(const ClientEvent& event);
-  FailureLog not_admitted_;
+  /// By reason and key; strangers have one entry for all.
+  std::map<std::pair<ClientEvent::Kind, std::optional<KeyId>>, FailureLog> refusals_;
   std::vector<std::byte> datagram_;
 };
 

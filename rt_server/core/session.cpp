@@ -115,8 +115,10 @@ Decoded<ReceivedMessage> ClientSession::receive(const Peer& from, const Sealed& 
   if (!opened) return refuse(opened.error());
   last_received_ = now;
   confirmed_ = true;
+  sealer_.renew(now);
   const Decoded<ClientMessage> message = decode_client(*opened);
   if (!message) return refuse(message.error());
+  if (std::holds_alternative<Leave>(*message)) return ReceivedMessage::Left;
   if (const auto* slice = std::get_if<PlaneSlice>(&*message))
     return receive_part(Answer::MasksOfPositions, *slice, *opened, now, room);
   if (const auto* slice = std::get_if<AskSlice>(&*message))
@@ -287,8 +289,14 @@ void ClientSession::put(std::vector<std::vector<std::byte>> messages, Time now, 
     quality_.packed(bytes, job_scale_, rate, interval_, now);
 }
 
+void ClientSession::seal_goodbye(EndReason reason, std::vector<std::byte>& datagram) {
+  encode(Goodbye{reason}, message_);
+  sealer_.seal(message_, datagram);
+}
+
 void ClientSession::seal_due(Time now, std::vector<std::byte>& datagram) {
   last_sent_ = now;
+  sealer_.renew(now);
   const std::uint64_t counter = sealer_.seal(outbox_.take(rate_.sending_bytes_per_second()), datagram);
   rate_.sent(counter, datagram.size(), now);
   if (--until_gap_ > 0) return;

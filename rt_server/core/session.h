@@ -2,6 +2,7 @@
 /// A value of bounded size, without sockets, threads or clocks. Sessions share no data.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <optional>
@@ -58,6 +59,7 @@ enum class ReceivedMessage : std::uint8_t {
   Part,        ///< a message that the waiting request announced
   Stray,       ///< one of another request, or more than it announced
   OverMemory,  ///< one for which its key has no memory left
+  Left,        ///< the client's last message: its session is over
 };
 
 /// Sends the datagrams of one frame evenly over a part of the frame interval, and never faster than the path
@@ -131,6 +133,10 @@ class ClientSession {
     return kSession_bytes + parts + outbox_.bytes();
   }
 
+  [[nodiscard]] bool has_requested() const {
+    return newest_ ||
+           std::ranges::any_of(newest_surround_, [](const auto& frame) { return frame.has_value(); });
+  }
   /// The kind of answer that the last accepted request wants; none before the first.
   [[nodiscard]] std::optional<Answer> requested_answer() const { return requested_answer_; }
   /// From now on accepts only requests for `answers`.
@@ -169,6 +175,9 @@ class ClientSession {
   [[nodiscard]] std::optional<Time> due() const { return outbox_.due(); }
   /// Removes the next message from the queue and seals it into `datagram`.
   void seal_due(Time now, std::vector<std::byte>& datagram);
+
+  /// Seals the last message of this session into `datagram`.
+  void seal_goodbye(EndReason reason, std::vector<std::byte>& datagram);
 
   /// Frames that left more slowly because of the limit of bytes per second.
   [[nodiscard]] std::uint64_t held_back() const { return held_back_; }

@@ -20,6 +20,16 @@ ClientEvent::Kind kind_of(std::optional<RefusalReason> refused, const ContentHas
   return scene == kNoScene ? AskedForScene : OtherScene;
 }
 
+/// What the client of a session that ends for this reason is told; nothing if it knows or does not listen.
+std::optional<EndReason> told_reason(ClientEvent::Kind why) {
+  using enum ClientEvent::Kind;
+  if (why == Withdrawn) return EndReason::Withdrawn;
+  if (why == Displaced) return EndReason::Displaced;
+  if (why == Revoked) return EndReason::Revoked;
+  if (why == Expired) return EndReason::Expired;
+  return std::nullopt;
+}
+
 }  // namespace
 
 Sessions::Sessions(const Welcome& served, const std::vector<SharedKey>& ring, const SessionLimits& limits)
@@ -37,6 +47,8 @@ Decoded<void> Sessions::handle(const Peer& from, std::span<const std::byte> data
                                std::vector<std::byte>& answer) {
   answer.clear();
   was_opened_ = false;
+  now_ = std::max(now_, now);
+  while (!spent_.empty() && spent_.front().until < now_) spent_.pop_front();
   end_silent(now);
   const Decoded<ClientEnvelope> envelope = open_client_envelope(datagram);
   if (!envelope) return refuse(envelope.error());
@@ -52,11 +64,9 @@ Decoded<void> Sessions::handle(const Peer& from, std::span<const std::byte> data
 
 void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<const std::byte> datagram,
                             Time now, std::vector<std::byte>& answer) {
-  const std::uint64_t unknown_before = gate_.counters().unknown_key;
+  const GateCounters before = gate_.counters();
   const SharedKey* const key = gate_.admit(from, hello, datagram, now, answer);
-  if (gate_.counters().unknown_key != unknown_before)
-    events_.push_back({ClientEvent::Kind::NotAdmitted, explain(hello.key, gate_.ring(), from), from});
-  if (key == nullptr) return;
+  if (key == nullptr) return log_refusal(from, hello, before);
   // Anybody can see the public key of a hello and send it under another key.
   const auto known = std::ranges::find_if(sessions_, [&](const ClientSession& session) {
     return session.hello() == hello.client && session.key() == hello.key;
@@ -66,14 +76,28 @@ void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<cons
     answer.assign(known->accept_datagram().begin(), known->accept_datagram().end());
     return;
   }
+  const auto spent = std::ranges::find_if(
+      spent_, [&](const SpentHello& old) { return old.client == hello.client && old.key == hello.key; });
+  if (spent != spent_.end()) {
+    ++counters_.repeated;
+    answer = spent->answer;
+    return;
+  }
   KeyAccount& account = ledger_.of(hello.key);
-  if (!gate_.may_shake_hands(account.handshakes, now)) return;
+  if (!gate_.may_shake_hands(account.handshakes, now)) {
+    events_.push_back({ClientEvent::Kind::TooManyHandshakes, key->name, from, {}, hello.key});
+    return;
+  }
   std::optional<RefusalReason> refused;
+  const bool key_full = is_key_full(*key, from);
   const bool is_full = sessions_.size() == limits_.sessions;
   const ClientSession* const displaced = is_full ? to_displace(hello.key) : nullptr;
   if (hello.scene_hash != served_.scene_hash) {
     refused = RefusalReason::SceneMismatch;
     ++counters_.scene_mismatch;
+  } else if (key_full) {
+    refused = RefusalReason::Busy;
+    ++counters_.key_full;
   } else if (is_full && displaced == nullptr) {
     refused = RefusalReason::Busy;
     ++counters_.busy;
@@ -86,17 +110,49 @@ void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<cons
   const std::optional<Accepted> accepted = accept(hello, datagram, *key, message);
   if (!accepted) return;
   answer = accepted->datagram;
-  events_.push_back({kind_of(refused, hello.scene_hash), key->name, from});
-  if (refused) return;
+  const bool by_key = key_full && refused == RefusalReason::Busy;
+  events_.push_back({by_key ? ClientEvent::Kind::TooManySessions : kind_of(refused, hello.scene_hash),
+                     key->name,
+                     from,
+                     {},
+                     hello.key});
+  if (refused) return remember(hello.key, hello.client, answer);
   ++counters_.welcomed;
   if (displaced != nullptr) end_displaced(displaced->id());
-  sessions_.emplace_back(*key, from, hello.client, *accepted, now,
-                         RateLimits{.most = limits_.bytes_per_second}, served_);
+  double bytes_per_second = limits_.bytes_per_second;
+  if (const auto& most = key->limits.bytes_per_second)
+    bytes_per_second = std::min(bytes_per_second, static_cast<double>(*most));
+  sessions_.emplace_back(*key, from, hello.client, *accepted, now, RateLimits{.most = bytes_per_second},
+                         served_);
   sessions_.back().turn = {account.session_work, jobs_};
   hold(sessions_.back(), 0);
   place_of_[sessions_.back().id().value] = sessions_.size() - 1;
   const Time end = end_of(sessions_.back()) + Duration(1);
   silent_at_ = silent_at_ ? std::min(*silent_at_, end) : end;
+}
+
+void Sessions::log_refusal(const Peer& from, const Hello& hello, const GateCounters& before) {
+  if (gate_.counters().unknown_key != before.unknown_key)
+    events_.push_back({ClientEvent::Kind::NotAdmitted, explain(hello.key, gate_.ring(), from), from});
+  if (gate_.counters().expired_key != before.expired_key)
+    events_.push_back(
+        {ClientEvent::Kind::KeyExpired, gate_.expired().at(hello.key).name, from, {}, hello.key});
+}
+
+void Sessions::remember(const KeyId& key, const PublicKey& client, const std::vector<std::byte>& answer) {
+  if (spent_.size() == kMostSpentHellos) spent_.pop_front();
+  spent_.push_back({key, client, answer, now_ + kCookieLife});
+}
+
+/// Sessions at the newcomer's own address do not count: its client was started anew, and they end with its
+/// first datagram.
+bool Sessions::is_key_full(const SharedKey& key, const Peer& from) const {
+  if (!key.limits.sessions) return false;
+  const KeyId id = id_of(key);
+  const auto others = std::ranges::count_if(sessions_, [&](const ClientSession& session) {
+    return session.key() == id && session.client() != from;
+  });
+  return static_cast<std::uint64_t>(others) >= *key.limits.sessions;
 }
 
 /// When the server is full: the newest session of the key with the most, if the newcomer's key then has no
@@ -119,6 +175,21 @@ void Sessions::end_displaced(SessionId id) {
                                       [&](const ClientSession& session) { return session.id() == id; });
 }
 
+void Sessions::end_left(SessionId id) {
+  counters_.left +=
+      end_sessions(ClientEvent::Kind::Left, [&](const ClientSession& session) { return session.id() == id; });
+}
+
+void Sessions::queue_goodbye(ClientSession& session, EndReason reason) {
+  for (int i = 0; i < kGoodbyes; ++i)
+    session.seal_goodbye(reason, goodbyes_.emplace_back(session.client(), std::vector<std::byte>{}).second);
+  due_at_.reset();
+}
+
+void Sessions::say_goodbye() {
+  for (ClientSession& session : sessions_) queue_goodbye(session, EndReason::ServerEnds);
+}
+
 Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
                                       std::span<const std::byte> datagram, Time now,
                                       std::vector<std::byte>& answer) {
@@ -137,6 +208,10 @@ Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
   hold(*session, before);
   if (session->client() != client_before) ++counters_.moved;
   if (session->was_lied_to() && !was_lied_to) ++counters_.lied;
+  if (received == ReceivedMessage::Left) {
+    end_left(sealed.session);
+    return {};
+  }
   if (first && session->is_confirmed()) end_replaced(session->id());
   if (!received) return refuse(received.error());
   was_opened_ = true;
@@ -169,13 +244,19 @@ void Sessions::end_replaced(SessionId kept) {
 
 template <class IsOver>
 std::uint64_t Sessions::end_sessions(ClientEvent::Kind why, const IsOver& is_over) {
+  const std::optional<EndReason> told = told_reason(why);
+  for (ClientSession& session : sessions_)
+    if (told && is_over(session)) queue_goodbye(session, *told);
   const std::uint64_t ended = std::erase_if(sessions_, [&](const ClientSession& session) {
     if (!is_over(session)) return false;
-    const bool said_nothing = why == ClientEvent::Kind::Left && !session.is_confirmed();
+    const bool goes = why == ClientEvent::Kind::Left || why == ClientEvent::Kind::FellSilent;
+    const bool said_nothing = goes && !session.has_requested();
     events_.push_back({said_nothing ? ClientEvent::Kind::SaidNothing : why, session.name(), session.client(),
-                       session.last_received() - session.began()});
+                       session.last_received() - session.began(), session.key()});
     ledger_.of(session.key()).held_bytes -= session.bytes();
     held_bytes_ -= session.bytes();
+    // A silent one has outlived its cookies.
+    if (why != ClientEvent::Kind::FellSilent) remember(session.key(), session.hello(), {});
     return true;
   });
   if (ended == 0) return 0;
@@ -193,8 +274,11 @@ void Sessions::offer(AnswerSet answers) {
   for (ClientSession& session : sessions_) session.offer(answers);
 }
 
-void Sessions::set_ring(const std::vector<SharedKey>& ring) {
-  gate_.set_ring(ring);
+void Sessions::set_ring(const std::vector<SharedKey>& ring, std::chrono::sys_days today) {
+  gate_.set_ring(ring, today);
+  counters_.expired += end_sessions(ClientEvent::Kind::Expired, [&](const ClientSession& session) {
+    return gate_.expired().contains(session.key());
+  });
   counters_.revoked += end_sessions(ClientEvent::Kind::Revoked, [&](const ClientSession& session) {
     return !gate_.ring().contains(session.key());
   });
@@ -297,6 +381,12 @@ void Sessions::charge(Duration work, JobEnd end) {
 }
 
 bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {
+  if (!goodbyes_.empty()) {
+    std::tie(to, datagram) = std::move(goodbyes_.back());
+    goodbyes_.pop_back();
+    due_at_.reset();
+    return true;
+  }
   if (const std::optional<Time> due = due_at(); !due || *due > now) return false;
   ClientSession* next = nullptr;
   const auto order = [&](const ClientSession& session) {
@@ -334,6 +424,7 @@ std::optional<Time> Sessions::job_at() const {
 std::optional<Time> Sessions::due_at() const {
   if (due_at_) return *due_at_;
   std::optional<Time> earliest;
+  if (!goodbyes_.empty()) earliest = Time{};
   for (const ClientSession& session : sessions_)
     if (const std::optional<Time> at = session.due(); at && (!earliest || *at < *earliest)) earliest = at;
   if (earliest) earliest = std::max(*earliest, may_send_at_);
@@ -352,7 +443,7 @@ Time Sessions::end_of(const ClientSession& session) const {
 
 void Sessions::end_silent(Time now) {
   if (!silent_at_ || now < *silent_at_) return;
-  counters_.forgotten += end_sessions(ClientEvent::Kind::Left,
+  counters_.forgotten += end_sessions(ClientEvent::Kind::FellSilent,
                                       [&](const ClientSession& session) { return now > end_of(session); });
   silent_at_.reset();
   for (const ClientSession& session : sessions_)

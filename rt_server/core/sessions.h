@@ -8,7 +8,9 @@
 /// size of each are.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -36,9 +38,11 @@ struct SessionCounters {
   std::uint64_t welcomed = 0;     ///< sessions begun
   std::uint64_t repeated = 0;     ///< hellos of sessions that exist
   std::uint64_t forgotten = 0;    ///< sessions ended by timeout
+  std::uint64_t left = 0;         ///< sessions ended by their clients
   std::uint64_t replaced = 0;     ///< sessions ended by a newer one of the same key from the same address
   std::uint64_t withdrawn = 0;    ///< sessions ended because the answer they use is no longer offered
   std::uint64_t revoked = 0;      ///< sessions ended because their key was taken out of the ring
+  std::uint64_t expired = 0;      ///< sessions ended because their key's time was over
   std::uint64_t displaced = 0;    ///< sessions ended for a client whose key had fewer
   std::uint64_t moved = 0;        ///< changes of a client's address
   std::uint64_t lied = 0;         ///< sessions that reported the arrival of what was never sent
@@ -51,6 +55,7 @@ struct SessionCounters {
   std::uint64_t over_memory = 0;  ///< sessions, parts and answers refused for the limit of memory
   std::uint64_t too_costly = 0;   ///< answered without content, because the answer would take too long
   std::uint64_t scene_mismatch = 0, busy = 0;  ///< hellos with a valid key that were refused
+  std::uint64_t key_full = 0;                  ///< the same: their key has as many sessions as it may
   std::uint64_t held_back = 0;                 ///< frames slowed by the limit of bytes per second
   std::uint64_t overtaken = 0;                 ///< frames whose rest a newer frame replaced
   friend bool operator==(const SessionCounters&, const SessionCounters&) = default;
@@ -78,12 +83,16 @@ class Sessions {
   /// (job_costs.h) while a client of another key waits.
   [[nodiscard]] bool gives_up(Time now) const;
 
-  /// From now on offers only `answers`. Sessions that use another answer end: their clients are told so by
-  /// NoSession, connect again and read in the Welcome what is offered.
+  /// From now on offers only `answers`. Sessions that use another answer end: their clients are told so,
+  /// connect again and read in the Welcome what is offered.
   void offer(AnswerSet answers);
 
-  /// From now on serves only clients with these keys. The sessions of other keys end.
-  void set_ring(const std::vector<SharedKey>& ring);
+  /// From now on serves only clients with these keys, if they are valid on `today`. The sessions of other
+  /// keys end.
+  void set_ring(const std::vector<SharedKey>& ring, std::chrono::sys_days today = {});
+
+  /// Queues the news for all clients that the server ends.
+  void say_goodbye();
 
   /// Seals the next datagram that is due, for `to`. Returns false if none is. When the limit of all sessions
   /// lets only some go, it is one of the key that was sent the least.
@@ -128,6 +137,22 @@ class Sessions {
   [[nodiscard]] ClientSession* find(SessionId id);
   [[nodiscard]] const ClientSession* to_displace(const KeyId& newcomer) const;
   void end_displaced(SessionId id);
+  void end_left(SessionId id);
+  void queue_goodbye(ClientSession& session, EndReason reason);
+  [[nodiscard]] bool is_key_full(const SharedKey& key, const Peer& from) const;
+  void log_refusal(const Peer& from, const Hello& hello, const GateCounters& before);
+
+  /// A hello of which nothing more comes: it was refused, or its session has ended. While its cookie is valid
+  /// anybody can send it again from its address; it then costs no handshake.
+  struct SpentHello {
+    KeyId key{};
+    PublicKey client{};
+    std::vector<std::byte> answer;  ///< empty: none
+    Time until{};                   ///< when no cookie of it is valid any more: a newer one shows its client
+  };
+  /// Twice as many as the usual limit of handshakes lets begin while a cookie is valid; the oldest gives way.
+  static constexpr std::size_t kMostSpentHellos = 1024;
+  void remember(const KeyId& key, const PublicKey& client, const std::vector<std::byte>& answer);
 
   Welcome served_;
   SessionLimits limits_;
@@ -158,6 +183,10 @@ class Sessions {
   std::size_t held_bytes_ = 0;
   SessionCounters counters_;
   std::vector<ClientEvent> events_;
+  /// The last datagrams of sessions that have ended: kGoodbyes for each.
+  std::vector<std::pair<Peer, std::vector<std::byte>>> goodbyes_;
+  std::deque<SpentHello> spent_;
+  Time now_{};  ///< of the last datagram
 };
 
 }  // namespace farshade

@@ -1,10 +1,12 @@
 #include "stereo/base/files.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <system_error>
 
 #include "stereo/base/descriptor.h"
@@ -50,14 +52,28 @@ int write_fully(int file, std::span<const std::byte> bytes) {
 struct Opening {
   int flags;
   mode_t mode;
+  bool durable;  ///< on the disk before it is renamed, so that a power cut leaves the old file or the new one
 };
-constexpr Opening kPublic{O_TRUNC, 0666}, kPrivate{O_EXCL, 0600};
+constexpr Opening kPublic{O_TRUNC, 0666, false}, kPrivate{O_EXCL, 0600, true};
+
+Descriptor open_folder(const fs::path& folder) {
+  const fs::path named = folder.empty() ? fs::path(".") : folder;
+  return Descriptor(::open(named.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+}
+
+/// Brings the name of a new file to the disk. Returns 0 or an errno.
+int sync_folder_of(const fs::path& path, Opening how) {
+  if (!how.durable) return 0;
+  const Descriptor folder = open_folder(path.parent_path());
+  return folder.is_open() && ::fsync(folder.number()) == 0 ? 0 : errno;
+}
 
 /// Returns 0, or the errno of the failed call.
 int create_with(const fs::path& path, std::span<const std::byte> bytes, Opening how) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_NOFOLLOW | O_CLOEXEC | how.flags, how.mode));
   if (!file.is_open()) return errno;
   if (const int error = write_fully(file.number(), bytes)) return error;
+  if (how.durable && ::fsync(file.number()) != 0) return errno;
   return file.close_now();
 }
 
@@ -105,8 +121,7 @@ Expected<void> write(const fs::path& path, std::span<const std::byte> bytes, Ope
   partial += ".partial-" + std::to_string(::gettid());
   int error = create_with(partial, bytes, how);
   if (error == 0 && if_there == IfThere::Replace) {
-    if (::rename(partial.c_str(), path.c_str()) == 0) return {};
-    error = errno;
+    if (::rename(partial.c_str(), path.c_str()) != 0) error = errno;
   } else if (error == 0 && ::link(partial.c_str(), path.c_str()) != 0) {
     error = errno;
     if (error == EEXIST) {
@@ -115,6 +130,7 @@ Expected<void> write(const fs::path& path, std::span<const std::byte> bytes, Ope
     }
   }
   ::unlink(partial.c_str());
+  if (error == 0) error = sync_folder_of(path, how);
   return error == 0 ? Expected<void>{} : fail_errno("write", path, error);
 }
 
@@ -150,10 +166,19 @@ Expected<void> make_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) return fail(Fault::Unreadable, "cannot make " + folder.string() + ": " + error.message());
-  const std::filesystem::path probe = folder / ".probe";
-  if (auto done = write_file_atomically(probe, std::string_view("")); !done) return done;
-  std::filesystem::remove(probe, error);
+  std::string probe = (folder / ".probe-XXXXXX").string();
+  const Descriptor file(::mkostemp(probe.data(), O_CLOEXEC));
+  if (!file.is_open()) return fail_errno("write to", folder, errno);
+  ::unlink(probe.c_str());
   return {};
+}
+
+Expected<FolderLock> FolderLock::of(const fs::path& folder) {
+  Descriptor opened = open_folder(folder);
+  while (opened.is_open() && ::flock(opened.number(), LOCK_EX) != 0)
+    if (errno != EINTR) return fail_errno("lock", folder, errno);
+  if (!opened.is_open()) return fail_errno("lock", folder, errno);
+  return FolderLock(std::move(opened));
 }
 
 }  // namespace farshade

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "stereo/base/descriptor.h"
 #include "stereo/base/expected.h"
 
 namespace farshade {
@@ -26,8 +27,20 @@ namespace farshade {
                                                    std::span<const std::byte> bytes);
 [[nodiscard]] Expected<void> write_file_atomically(const std::filesystem::path& path, std::string_view text);
 
-/// Makes a folder if it does not exist. Refuses (Unreadable) a folder to which no file can be written.
+/// Makes a folder if it does not exist. Refuses (Unreadable) a folder to which no file can be written. No
+/// file in it changes.
 [[nodiscard]] Expected<void> make_folder(const std::filesystem::path& folder);
+
+/// Keeps other holders out of a folder's lock, in this and in other programs, for as long as it lives.
+class FolderLock {
+ public:
+  /// Waits until nobody has it. `folder` may be empty: the current one.
+  [[nodiscard]] static Expected<FolderLock> of(const std::filesystem::path& folder);
+
+ private:
+  explicit FolderLock(Descriptor folder) : folder_(std::move(folder)) {}
+  Descriptor folder_;
+};
 
 // ---- files with secrets
 
@@ -38,8 +51,8 @@ namespace farshade {
 
 enum class IfThere { Replace, Refuse };
 
-/// As write_file_atomically, with mode 0600. With IfThere::Refuse an existing file is an error (Unavailable)
-/// and stays unchanged.
+/// As write_file_atomically, with mode 0600, and on the disk when the call returns. With IfThere::Refuse an
+/// existing file is an error (Unavailable) and stays unchanged.
 [[nodiscard]] Expected<void> write_private_file(const std::filesystem::path& path, std::string_view text,
                                                 IfThere if_there);
 

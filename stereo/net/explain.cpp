@@ -51,6 +51,25 @@ Explanation explain(const OpenRefusal& refusal, const SharedKey& key, const Peer
               "server with --insecure knows no keys"};
 }
 
+Explanation explain(const Goodbye& goodbye, const SharedKey& key, const Peer& server) {
+  const std::string where = "the server at " + to_string(server) + " has ended the session: ";
+  switch (goodbye.reason) {
+    case EndReason::ServerEnds:
+      return {where + "it ends itself", "start it again"};
+    case EndReason::Revoked:
+      return {where + "the key '" + key.name + "' was taken out of its ring",
+              "bring it a new one (rt_server pair)"};
+    case EndReason::Expired:
+      return {where + "the time of the key '" + key.name + "' is over",
+              "make a new one there (rt_server keygen), or bring one (rt_server pair)"};
+    case EndReason::Displaced:
+      return {where + "it is full, and another key has fewer sessions", "start it with more --sessions"};
+    case EndReason::Withdrawn:
+      return {where + "it can no longer make these answers", "its log says why"};
+  }
+  return {};
+}
+
 std::string explain(const KeyId& id, const KeyRing& ring, const Peer& client) {
   const std::string text = "refused a client at " + to_string(client) + ": ";
   const KeyId open = id_of(insecure_key());

@@ -24,6 +24,9 @@ struct Explanation {
 /// The same for a client that sent a Hello with `key` to `server`.
 [[nodiscard]] Explanation explain(const OpenRefusal& refusal, const SharedKey& key, const Peer& server);
 
+/// The same for a client whose session `server` has ended.
+[[nodiscard]] Explanation explain(const Goodbye& goodbye, const SharedKey& key, const Peer& server);
+
 /// For the server's log: why it does not admit the client at `client`, whose hello names the key `id`. The
 /// client is told less (OpenRefusal).
 [[nodiscard]] std::string explain(const KeyId& id, const KeyRing& ring, const Peer& client);

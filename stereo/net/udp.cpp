@@ -14,6 +14,7 @@
 #include <ctime>
 
 #include "stereo/base/check.h"
+#include "stereo/net/arrival_clock.h"
 #include "stereo/net/endpoints.h"
 #include "stereo/wire/messages.h"
 
@@ -107,19 +108,25 @@ void set_own_address(msghdr& header, ControlBuffer& control, const Peer& to, con
   }
 }
 
-/// The arrival of the datagram of `header`. The kernel's time stamp is on the wall clock; without one, now.
-Time arrival_of(msghdr& header) {
-  // Reads the wall clock first: a pause between the two clocks can make an arrival later, but never earlier
-  // than the event that caused it.
+Duration duration_of(const timespec& time) {
+  return std::chrono::seconds(time.tv_sec) + Duration(time.tv_nsec);
+}
+
+/// Reads the wall clock first: a pause between the two clocks can make an arrival later, but never earlier
+/// than the event that caused it. Returns the steady clock's time.
+Time read_clocks(ArrivalClock& clock) {
   timespec wall{};
   clock_gettime(CLOCK_REALTIME, &wall);
   const Time now = SteadyClock().now();
-  if (const auto stamp = control_message<timespec>(header, SOL_SOCKET, SCM_TIMESTAMPNS)) {
-    const Duration age =
-        std::chrono::seconds(wall.tv_sec - stamp->tv_sec) + Duration(wall.tv_nsec - stamp->tv_nsec);
-    return now - std::max(age, Duration::zero());
-  }
+  clock.read(duration_of(wall), now);
   return now;
+}
+
+/// The arrival of the datagram of `header`. The kernel's time stamp is on the wall clock; without one, now.
+Time arrival_of(msghdr& header, ArrivalClock& clock) {
+  const Time now = read_clocks(clock);
+  const auto stamp = control_message<timespec>(header, SOL_SOCKET, SCM_TIMESTAMPNS);
+  return stamp ? clock.arrival(duration_of(*stamp)) : now;
 }
 
 struct Incoming {
@@ -130,7 +137,7 @@ struct Incoming {
 };
 
 /// Takes the next datagram of `socket` and copies what fits into `into`. Returns nothing if there is none.
-std::optional<Incoming> take_datagram(int socket, std::span<std::byte> into) {
+std::optional<Incoming> take_datagram(int socket, std::span<std::byte> into, ArrivalClock& clock) {
   Incoming incoming;
   iovec buffer{into.data(), into.size()};
   ControlBuffer control;
@@ -146,7 +153,7 @@ std::optional<Incoming> take_datagram(int socket, std::span<std::byte> into) {
   if (size < 0) return std::nullopt;
   incoming.from.resize(header.msg_namelen);
   incoming.size = static_cast<std::size_t>(size);
-  incoming.arrived = arrival_of(header);
+  incoming.arrived = arrival_of(header, clock);
   incoming.via = own_address_of(header);
   return incoming;
 }
@@ -172,7 +179,9 @@ class UdpPort final : public DatagramPort {
       : context_(std::move(context)),
         socket_(std::move(socket)),
         family_(local.protocol()),
-        local_(peer_of(local)) {}
+        local_(peer_of(local)) {
+    read_clocks(arrivals_);
+  }
 
   /// Receives only from `peer` from now on.
   void talk_to(const Peer& peer) { partner_ = peer; }
@@ -193,7 +202,7 @@ class UdpPort final : public DatagramPort {
   [[nodiscard]] std::optional<Datagram> receive(std::span<std::byte> into, Duration wait) override {
     const Stopwatch waited;
     for (int dropped = 0; dropped < kMostDropsACall;) {
-      const std::optional<Incoming> incoming = take_datagram(socket_.native_handle(), into);
+      const std::optional<Incoming> incoming = take_datagram(socket_.native_handle(), into, arrivals_);
       if (!incoming) {
         if (!readable_within(wait - waited.elapsed())) break;
         continue;
@@ -240,6 +249,7 @@ class UdpPort final : public DatagramPort {
   udp family_;
   Peer local_;
   std::optional<Peer> partner_;
+  ArrivalClock arrivals_;  ///< used by the thread that receives
   WakeEvent wake_;
   std::atomic<std::uint64_t> sent_ = 0, sent_bytes_ = 0, received_ = 0, received_bytes_ = 0;
   std::atomic<std::uint64_t> unsent_ = 0, oversized_ = 0, strangers_ = 0;

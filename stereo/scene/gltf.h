@@ -22,6 +22,10 @@ struct SceneLimits {
   std::uint64_t file_bytes = std::uint64_t{1} << 30;      ///< the scene file itself; never above 2^31
   std::uint64_t external_bytes = std::uint64_t{2} << 30;  ///< all external files together
   std::uint64_t image_pixels = std::uint64_t{1} << 26;    ///< one image
+  /// All images together, 4 bytes each. They may also have no more than image_pixels and 16 for each byte of
+  /// their files. An image of one colour has up to 64 (JPEG) or 8,000 (PNG) pixels a byte, one with content
+  /// less than 16; image_pixels leave room for some of one colour.
+  std::uint64_t all_image_pixels = std::uint64_t{1} << 30;
   std::uint32_t json_depth = 128;
   std::uint32_t node_depth = 256;
   std::uint32_t lights = 256;  ///< the number of bits that a mask can have

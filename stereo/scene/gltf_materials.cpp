@@ -1,5 +1,8 @@
 #include "stereo/scene/gltf_materials.h"
 
+#include <algorithm>
+#include <set>
+
 #include "stereo/image/codec.h"
 
 namespace farshade::gltf {
@@ -21,6 +24,9 @@ std::span<const std::uint8_t> file_of(const Document& document, const Image& ima
   return std::span(document.buffers[view.buffer]).subspan(view.offset, view.bytes);
 }
 
+/// SceneLimits::all_image_pixels says why.
+constexpr std::uint64_t kMostPixelsPerByte = 16;
+
 /// The smallest alpha of a texture, 0 to 1.
 float least_alpha(const farshade::Texture& texture) {
   std::uint8_t least = 255;
@@ -32,8 +38,11 @@ float least_alpha(const farshade::Texture& texture) {
 
 MaterialConverter::MaterialConverter(const Document& document, const SceneLimits& limits, Scene& scene)
     : document_(document), limits_(limits), scene_(scene), pixels_left_(limits.image_pixels) {
-  for (const auto& buffer : document.buffers) pixels_left_ += 64 * buffer.size();
-  for (const Image& image : document.images) pixels_left_ += 64 * image.file.size();
+  std::set<std::uint32_t> views;  // a file counts once, whatever number of images it is
+  for (const Image& image : document.images)
+    if (!image.view || views.insert(*image.view).second)
+      pixels_left_ += kMostPixelsPerByte * file_of(document, image).size();
+  pixels_left_ = std::min(pixels_left_, limits.all_image_pixels);
 }
 
 Expected<std::uint32_t> MaterialConverter::material(Index index) {

@@ -51,8 +51,18 @@ bool fields(auto& io, Either<NoSession> auto& no_session) {
   return fields(io, no_session.session);
 }
 
-bool fields(auto& io, Either<Sealed> auto& sealed) {
-  return fields(io, sealed.session) && io.u64(sealed.counter) && io.rest(sealed.sealed);
+constexpr unsigned kCounterBits = 48;
+
+bool fields(ByteWriter& io, const Sealed& sealed) {
+  return fields(io, sealed.session) && io.u64(std::uint64_t{sealed.epoch} << kCounterBits | sealed.counter) &&
+         io.rest(sealed.sealed);
+}
+bool fields(ByteReader& io, Sealed& sealed) {
+  std::uint64_t both = 0;
+  if (!fields(io, sealed.session) || !io.u64(both)) return false;
+  sealed.epoch = static_cast<std::uint16_t>(both >> kCounterBits);
+  sealed.counter = both & ((std::uint64_t{1} << kCounterBits) - 1);
+  return io.rest(sealed.sealed);
 }
 
 Verdict verdict(const Retry&) {

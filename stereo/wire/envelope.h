@@ -81,8 +81,9 @@ struct NoSession {
 
 struct Sealed {
   SessionId session{};
-  std::uint64_t counter = 0;
+  std::uint64_t counter = 0;            ///< on the wire the low 48 bits of eight bytes
   std::span<const std::byte> sealed{};  ///< message and tag; a view into the datagram
+  std::uint16_t epoch = 0;              ///< number of the key (seal.h): the high 16 bits
 };
 
 /// Bytes of a Sealed before `sealed`. The tag authenticates them, too.

@@ -19,6 +19,9 @@ class Hash {
   explicit Hash(std::span<const std::uint8_t> key = {}) {
     crypto_generichash_init(&state_, key.data(), key.size(), 32);
   }
+  Hash(const Hash&) = delete;
+  Hash& operator=(const Hash&) = delete;
+  ~Hash() { sodium_memzero(&state_, sizeof state_); }
   Hash& add(std::span<const std::byte> bytes) {
     crypto_generichash_update(&state_, reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
     return *this;

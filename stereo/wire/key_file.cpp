@@ -3,6 +3,8 @@
 #include <sodium.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cstdio>
 #include <cstdlib>
 #include <map>
 
@@ -58,6 +60,30 @@ bool read_secret(std::string_view digits, Secret& secret) {
          bytes == secret.size();
 }
 
+/// A number in digits alone, from `least` to `most`.
+std::optional<std::uint64_t> read_number(std::string_view digits, std::uint64_t least, std::uint64_t most) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  const bool whole = error == std::errc() && end == digits.data() + digits.size();
+  return whole && value >= least && value <= most ? std::optional(value) : std::nullopt;
+}
+
+/// Reads one `NAME=VALUE`. False if it is none, out of range, or there already.
+bool read_limit(std::string_view word, KeyLimits& limits) {
+  const auto take = [&](std::string_view name, auto& into, const auto& read) {
+    if (!word.starts_with(name)) return false;
+    if (into) return false;
+    into = read(word.substr(name.size()));
+    return into.has_value();
+  };
+  return take("until=", limits.until, parse_day) ||
+         take("sessions=", limits.sessions,
+              [](std::string_view text) { return read_number(text, 1, KeyLimits::kMostSessions); }) ||
+         take("bytes-per-second=", limits.bytes_per_second, [](std::string_view text) {
+           return read_number(text, KeyLimits::kLeastBytesPerSecond, KeyLimits::kMostBytesPerSecond);
+         });
+}
+
 /// Parses a line that is neither blank nor a comment. Errors do not quote it, since it may contain a secret.
 Expected<SharedKey> read_key(std::string_view line, const std::string& place) {
   SharedKey key;
@@ -72,7 +98,12 @@ Expected<SharedKey> read_key(std::string_view line, const std::string& place) {
     return fail(Fault::Malformed, place + "the secret should be 64 hexadecimal digits");
   if (sodium_is_zero(key.secret.data(), key.secret.size()) != 0)
     return fail(Fault::Malformed, place + "a secret of zeros is none: make one with rt_server keygen");
-  if (!take_word(line).empty()) return fail(Fault::Malformed, place + "there is more behind the secret");
+  for (std::string_view word = take_word(line); !word.empty(); word = take_word(line))
+    if (!read_limit(word, key.limits))
+      return fail(Fault::Malformed,
+                  place +
+                      "there is more behind the secret than until=YEAR-MONTH-DAY, sessions=1 to 4096 and "
+                      "bytes-per-second=25000 to 10000000000, each once");
   return key;
 }
 
@@ -102,6 +133,23 @@ Expected<std::string> read_text(const fs::path& path) {
   });
 }
 
+std::string text_of(std::chrono::sys_days day) {
+  const std::chrono::year_month_day date(day);
+  std::array<char, 16> text{};
+  std::snprintf(text.data(), text.size(), "%04d-%02u-%02u", static_cast<int>(date.year()),
+                static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()));
+  return text.data();
+}
+
+/// Text with secrets, which is overwritten when it is no longer needed.
+struct SecretText {
+  std::string text;
+  explicit SecretText(std::string from) : text(std::move(from)) {}
+  SecretText(const SecretText&) = delete;
+  SecretText& operator=(const SecretText&) = delete;
+  ~SecretText() { sodium_memzero(text.data(), text.size()); }
+};
+
 /// Makes the missing folders of `path`, for this user only.
 Expected<void> make_folders(const fs::path& path) {
   const fs::path folder = path.parent_path();
@@ -115,6 +163,26 @@ Expected<void> make_folders(const fs::path& path) {
 }
 
 }  // namespace
+
+SharedKey::~SharedKey() {
+  sodium_memzero(secret.data(), secret.size());
+}
+
+std::optional<std::chrono::sys_days> parse_day(std::string_view text) {
+  const bool shaped = text.size() == 10 && text[4] == '-' && text[7] == '-';
+  if (!shaped) return std::nullopt;
+  const auto year = read_number(text.substr(0, 4), 1970, 9999), month = read_number(text.substr(5, 2), 1, 12),
+             day = read_number(text.substr(8, 2), 1, 31);
+  if (!year || !month || !day) return std::nullopt;
+  const std::chrono::year_month_day date(std::chrono::year(static_cast<int>(*year)),
+                                         std::chrono::month(static_cast<unsigned>(*month)),
+                                         std::chrono::day(static_cast<unsigned>(*day)));
+  return date.ok() ? std::optional(std::chrono::sys_days(date)) : std::nullopt;
+}
+
+bool is_valid_on(const SharedKey& key, std::chrono::sys_days day) {
+  return !key.limits.until || day <= *key.limits.until;
+}
 
 KeyId id_of(const SharedKey& key) {
   start_sodium();
@@ -173,7 +241,13 @@ std::string key_line(const SharedKey& key) {
   check(is_name(key.name), "a key has a name");
   std::array<char, 2 * sizeof key.secret + 1> digits{};
   sodium_bin2hex(digits.data(), digits.size(), key.secret.data(), key.secret.size());
-  return std::string(kFormat) + " " + key.name + " " + digits.data() + "\n";
+  std::string line = std::string(kFormat) + " " + key.name + " " + digits.data();
+  sodium_memzero(digits.data(), digits.size());
+  if (key.limits.until) line += " until=" + text_of(*key.limits.until);
+  if (key.limits.sessions) line += " sessions=" + std::to_string(*key.limits.sessions);
+  if (key.limits.bytes_per_second)
+    line += " bytes-per-second=" + std::to_string(*key.limits.bytes_per_second);
+  return line + "\n";
 }
 
 Expected<SharedKey> load_key(const fs::path& path) {
@@ -186,7 +260,10 @@ Expected<SharedKey> load_key(const fs::path& path) {
 }
 
 Expected<std::vector<SharedKey>> load_key_ring(const fs::path& path) {
-  return read_text(path).and_then([&](const std::string& text) { return parse_keys(text, path.string()); });
+  return read_text(path).and_then([&](std::string text) {
+    const SecretText kept(std::move(text));
+    return parse_keys(kept.text, path.string());
+  });
 }
 
 Expected<void> write_key(const fs::path& path, const SharedKey& key) {
@@ -194,7 +271,13 @@ Expected<void> write_key(const fs::path& path, const SharedKey& key) {
       [&] { return write_private_file(path, key_line(key), IfThere::Refuse); });
 }
 
-Expected<void> append_to_ring(const fs::path& path, const SharedKey& key) {
+Expected<void> append_to_ring(const fs::path& link, const SharedKey& key) {
+  std::error_code unresolved;
+  fs::path path = fs::weakly_canonical(link, unresolved);
+  if (unresolved) path = link;
+  if (Expected<void> made = make_folders(path); !made) return made;
+  const Expected<FolderLock> lock = FolderLock::of(path.parent_path());
+  if (!lock) return tl::unexpected(lock.error());
   Expected<std::string> text = read_text(path);
   if (!text && text.error().fault == Fault::Missing) return write_key(path, key);
   if (!text) return tl::unexpected(text.error());

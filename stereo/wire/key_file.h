@@ -1,14 +1,17 @@
 /// Pre-shared keys of clients and servers, and their text files.
-/// A file has one key a line: `farshade-key-1 NAME SECRET`, SECRET as 64 hex digits. Blank lines and lines
-/// that begin with # are ignored. A client's file has one key. A server's ring has any number; concatenated
-/// key files are a ring. No error text, log line or KeyId reveals anything of a secret.
+/// A file has one key a line: `farshade-key-1 NAME SECRET`, SECRET as 64 hex digits. Behind the secret may
+/// stand limits (KeyLimits), each once: `until=2027-01-31`, `sessions=2`, `bytes-per-second=1000000`. Blank
+/// lines and lines that begin with # are ignored. A client's file has one key. A server's ring has any
+/// number; concatenated key files are a ring. No error text, log line or KeyId reveals anything of a secret.
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,9 +24,27 @@ inline constexpr std::size_t kMaxKeyName = 64;
 inline constexpr std::size_t kMaxRingKeys = 4096;
 inline constexpr std::size_t kMaxKeyFileBytes = std::size_t{1} << 20;
 
+/// What the holder of a key may have, beside the limits of the server itself. Those in the server's ring
+/// count.
+struct KeyLimits {
+  static constexpr std::uint64_t kMostSessions = 4096;
+  static constexpr std::uint64_t kLeastBytesPerSecond = 25'000, kMostBytesPerSecond = 10'000'000'000;
+
+  std::optional<std::chrono::sys_days> until{};     ///< the last day (UTC) on which the key is valid
+  std::optional<std::uint64_t> sessions{};          ///< at one time, 1 to kMostSessions
+  std::optional<std::uint64_t> bytes_per_second{};  ///< to each session
+  friend bool operator==(const KeyLimits&, const KeyLimits&) = default;
+};
+
+/// A day written as 2027-01-31; no value for anything else.
+[[nodiscard]] std::optional<std::chrono::sys_days> parse_day(std::string_view text);
+
+/// The destructor overwrites the secret.
 struct SharedKey {
   std::string name;                          ///< 1 to kMaxKeyName of A-Z a-z 0-9 . _ -
   std::array<std::uint8_t, 32> secret = {};  ///< 256 random bits, from new_key()
+  KeyLimits limits = {};
+  ~SharedKey();
   friend bool operator==(const SharedKey&, const SharedKey&) = default;
 };
 
@@ -36,6 +57,9 @@ using KeyId = std::array<std::uint8_t, 8>;
 
 /// Whether the name follows the rule above and the secret is not zeros.
 [[nodiscard]] bool is_sound(const SharedKey& key);
+
+/// Whether the key has not expired.
+[[nodiscard]] bool is_valid_on(const SharedKey& key, std::chrono::sys_days day);
 
 using KeyRing = std::map<KeyId, SharedKey>;
 [[nodiscard]] KeyRing by_id(const std::vector<SharedKey>& keys);
@@ -62,8 +86,9 @@ using KeyRing = std::map<KeyId, SharedKey>;
 /// An existing file is an error (Unavailable) and stays unchanged.
 [[nodiscard]] Expected<void> write_key(const std::filesystem::path& path, const SharedKey& key);
 
-/// Adds a key to a ring and keeps its other lines, with comments. Makes the file as write_key does if it does
-/// not exist. Refuses a name or a secret that the ring already has (Unavailable), and a ring that
+/// Adds a key to a ring and keeps its other lines, with comments. Programs that add keys at the same time
+/// wait for each other. A link stays a link: the file behind it changes. Makes the file as write_key does if
+/// it does not exist. Refuses a name or a secret that the ring already has (Unavailable), and a ring that
 /// load_key_ring refuses.
 [[nodiscard]] Expected<void> append_to_ring(const std::filesystem::path& path, const SharedKey& key);
 

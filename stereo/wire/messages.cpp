@@ -17,6 +17,8 @@ inline constexpr std::uint8_t kTypeOf<RequestMessage> = 1;
 template <>
 inline constexpr std::uint8_t kTypeOf<AskSlice> = 2;
 template <>
+inline constexpr std::uint8_t kTypeOf<Leave> = 3;
+template <>
 inline constexpr std::uint8_t kTypeOf<Welcome> = 16;
 template <>
 inline constexpr std::uint8_t kTypeOf<Refusal> = 17;
@@ -30,6 +32,8 @@ template <>
 inline constexpr std::uint8_t kTypeOf<PlaneSlice> = 21;
 template <>
 inline constexpr std::uint8_t kTypeOf<VideoPart> = 22;
+template <>
+inline constexpr std::uint8_t kTypeOf<Goodbye> = 23;
 }  // namespace codec
 
 using codec::Either;
@@ -132,6 +136,14 @@ bool fields(auto& io, Either<Probe> auto& probe) {
   return io.u64(probe.token);
 }
 
+bool fields(auto&, Either<Leave> auto&) {
+  return true;
+}
+
+bool fields(auto& io, Either<Goodbye> auto& goodbye) {
+  return io.code(goodbye.reason);
+}
+
 // ---- ranges: the reason to refuse a message
 
 Verdict verdict(const LightChanges& changes) {
@@ -232,6 +244,16 @@ Verdict verdict(const FrameReport& report) {
                     in_range(report.pack) && in_range(report.waited);
   if (!fine) return WireRefusal::TimeRange;
   return is_valid(report.view_scale) ? kFine : WireRefusal::Code;
+}
+
+Verdict verdict(const Leave&) {
+  return kFine;
+}
+
+Verdict verdict(const Goodbye& goodbye) {
+  return goodbye.reason >= EndReason::ServerEnds && goodbye.reason <= EndReason::Withdrawn
+             ? kFine
+             : WireRefusal::Code;
 }
 
 Verdict verdict(const Probe& probe) {

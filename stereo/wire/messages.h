@@ -23,7 +23,7 @@
 
 namespace farshade {
 
-inline constexpr std::uint16_t kProtocolVersion = 6;
+inline constexpr std::uint16_t kProtocolVersion = 7;
 inline constexpr std::size_t kMaxDatagram_bytes = 1200;  ///< UDP payload, sealing included
 inline constexpr std::size_t kSealing_bytes = 39;  ///< the part of a datagram that sealing needs (envelope.h)
 inline constexpr std::size_t kMaxMessage_bytes = kMaxDatagram_bytes - kSealing_bytes;
@@ -78,7 +78,15 @@ struct AskSlice {
 inline constexpr std::size_t kAskSliceHeader_bytes = 18;
 inline constexpr std::size_t kMaxAskBlock_bytes = kMaxMessage_bytes - kAskSliceHeader_bytes;
 
-using ClientMessage = std::variant<RequestMessage, AskSlice, PlaneSlice>;
+/// The client ends its session, which frees its place at once.
+struct Leave {
+  friend bool operator==(const Leave&, const Leave&) = default;
+};
+
+/// A client's Leave and a server's Goodbye are sent so often, since any datagram may be lost.
+inline constexpr int kGoodbyes = 3;
+
+using ClientMessage = std::variant<RequestMessage, AskSlice, PlaneSlice, Leave>;
 
 // ---- server -> client
 
@@ -159,6 +167,21 @@ struct Probe {
   friend bool operator==(const Probe&, const Probe&) = default;
 };
 
+/// Why the server has ended a session.
+enum class EndReason : std::uint8_t {
+  ServerEnds = 1,  ///< the server's process ends
+  Revoked = 2,     ///< the key was taken out of the ring
+  Expired = 3,     ///< the key's time is over
+  Displaced = 4,   ///< the server was full, and a key with fewer sessions needed one
+  Withdrawn = 5,   ///< the answer that the session uses is no longer offered
+};
+
+/// The last message of a session.
+struct Goodbye {
+  EndReason reason = EndReason::ServerEnds;
+  friend bool operator==(const Goodbye&, const Goodbye&) = default;
+};
+
 /// Bytes of a Slice message before its block.
 inline constexpr std::size_t kSliceHeader_bytes = 23;
 inline constexpr std::size_t kMaxBlock_bytes = kMaxMessage_bytes - kSliceHeader_bytes;
@@ -166,7 +189,8 @@ inline constexpr std::size_t kMaxBlock_bytes = kMaxMessage_bytes - kSliceHeader_
 inline constexpr std::size_t kPlaneSliceHeader_bytes = 18;
 inline constexpr std::size_t kMaxPlaneBlock_bytes = kMaxMessage_bytes - kPlaneSliceHeader_bytes;
 
-using ServerMessage = std::variant<Welcome, Refusal, Slice, FrameReport, Probe, PlaneSlice, VideoPart>;
+using ServerMessage =
+    std::variant<Welcome, Refusal, Slice, FrameReport, Probe, PlaneSlice, VideoPart, Goodbye>;
 
 // ---- bytes
 

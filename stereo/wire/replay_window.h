@@ -14,8 +14,8 @@ class ReplayWindow {
   /// A sender cannot send more datagrams than this before the other side ends the session: at 10^10 bytes per
   /// second, 83 million datagrams of 1,200 bytes in kSessionTimeout.
   static constexpr std::uint64_t kMostJump = std::uint64_t{1} << 27;
-  /// No session lasts that long.
-  static constexpr std::uint64_t kMostCounter = std::uint64_t{1} << 62;
+  /// No session lasts that long: at the rate above, half a year.
+  static constexpr std::uint64_t kMostCounter = std::uint64_t{1} << 47;
 
   /// The counter is larger than a sender that counts up by one can have reached.
   [[nodiscard]] bool is_too_far(std::uint64_t counter) const {

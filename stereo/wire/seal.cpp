@@ -3,8 +3,11 @@
 #include <sodium.h>
 
 #include <algorithm>
+#include <limits>
+#include <string_view>
 
 #include "stereo/base/check.h"
+#include "stereo/wire/timing.h"
 
 namespace farshade {
 namespace {
@@ -62,23 +65,57 @@ Secret::~Secret() {
   sodium_memzero(bytes_.data(), bytes_.size());
 }
 
+Secret next_key(const Secret& key) {
+  constexpr std::string_view kLabel = "farshade-7 next key";
+  Secret next;
+  crypto_generichash(next.data(), Secret::size(), octets(std::as_bytes(std::span(kLabel))), kLabel.size(),
+                     key.data(), Secret::size());
+  return next;
+}
+
 std::uint64_t Sealer::seal(std::span<const std::byte> message, std::vector<std::byte>& datagram) {
   check(message.size() <= kMaxMessage_bytes, "a message fits into a sealed datagram");
+  check(next_ <= ReplayWindow::kMostCounter, "no session lasts that long");
+  if (next_ - epoch_first_ >= most_) begin_epoch();
   const std::uint64_t counter = next_++;
-  encode(Sealed{session_, counter, {}}, datagram);
+  encode(Sealed{.session = session_, .counter = counter, .sealed = {}, .epoch = epoch_}, datagram);
   datagram.reserve(kMaxDatagram_bytes);  // so that `around` is not reallocated
   append_sealed(key_, sealing_, counter, std::span(datagram).first(kSealedHeader_bytes), message, datagram);
   return counter;
 }
 
+void Sealer::renew(Time now) {
+  if (!epoch_began_) epoch_began_ = now;
+  if (now - *epoch_began_ <= kEpochTime) return;
+  begin_epoch();
+  epoch_began_ = now;
+}
+
+void Sealer::begin_epoch() {
+  epoch_first_ = next_;
+  if (epoch_ == std::numeric_limits<std::uint16_t>::max()) return;
+  key_ = next_key(key_);
+  ++epoch_;
+}
+
 Decoded<std::span<const std::byte>> Opener::open(const Sealed& sealed, std::span<const std::byte> datagram,
                                                  std::vector<std::byte>& opened) {
-  if (window_.is_too_far(sealed.counter)) return refuse(WireRefusal::CounterJump);
-  if (!window_.is_new(sealed.counter)) return refuse(WireRefusal::Replayed);
-  if (!open_sealed(key_, sealing_, sealed.counter, datagram.first(kSealedHeader_bytes), sealed.sealed,
-                   opened))
+  const int step = int{sealed.epoch} - int{epoch_};
+  if (window_.is_too_far(sealed.counter) || step > kMostEpochStep) return refuse(WireRefusal::CounterJump);
+  if (!window_.is_new(sealed.counter) || step < -1 || (step == -1 && !last_key_))
+    return refuse(WireRefusal::Replayed);
+  Secret before = key_, key = step < 0 ? *last_key_ : key_;
+  for (int i = 0; i < step; ++i) key = next_key(before = key);
+  if (!open_sealed(key, sealing_, sealed.counter, datagram.first(kSealedHeader_bytes), sealed.sealed, opened))
     return refuse(WireRefusal::Forged);
   window_.take(sealed.counter);
+  if (step > 0) {
+    last_key_ = before;
+    key_ = key;
+    epoch_ = sealed.epoch;
+    epoch_first_ = sealed.counter;
+  }
+  if (last_key_ && sealed.counter > epoch_first_ + kEpochGrace) last_key_.reset();
   return std::span<const std::byte>(opened);
 }
 

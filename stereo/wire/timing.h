@@ -8,6 +8,11 @@
 
 namespace farshade {
 
+// ---- both
+
+/// A sender takes its next key when the one in use is older than this (seal.h).
+inline constexpr Duration kEpochTime = std::chrono::seconds(120);
+
 // ---- client
 
 /// Time between two Hellos to a server that has not answered.

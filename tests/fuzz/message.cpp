@@ -102,6 +102,11 @@ void check_ranges(const Probe& probe) {
   check(probe.token != 0, "a token is not the default");
 }
 
+void check_ranges(const Leave&) {}
+void check_ranges(const Goodbye& goodbye) {
+  check(goodbye.reason >= EndReason::ServerEnds && goodbye.reason <= EndReason::Withdrawn, "a known reason");
+}
+
 void check_any(const auto& message, std::span<const std::byte> bytes) {
   if (!message) return;
   std::visit([](const auto& m) { check_ranges(m); }, *message);

@@ -54,8 +54,18 @@ struct HelloAnswer {
   std::optional<ServerMessage> message;  ///< Welcome or Refusal
 };
 
-/// Repeats the hello until the server answers, at most for 2 s. The session that the server then holds for
-/// this client times out, because the client never uses it.
+/// Ends the session that a server has made for a client that will not use it.
+void leave(DatagramPort& port, const Peer& server, const SessionKeys& keys) {
+  Sealer sealer(keys.session, keys.to_server, keys.sealing);
+  std::vector<std::byte> message, datagram;
+  encode(Leave{}, message);
+  for (int i = 0; i < kGoodbyes; ++i) {
+    sealer.seal(message, datagram);
+    port.send(server, datagram);
+  }
+}
+
+/// Repeats the hello until the server answers, at most for 2 s.
 HelloAnswer say_hello(DatagramPort& port, const Peer& server, const Contact& contact) {
   using namespace std::chrono_literals;
   const SteadyClock clock;
@@ -78,10 +88,12 @@ HelloAnswer say_hello(DatagramPort& port, const Peer& server, const Contact& con
       if (handshake.take(*retry)) next_hello = clock.now();
     } else if (const auto* const refusal = std::get_if<OpenRefusal>(&*envelope)) {
       if (answer.open_refusal || refusal->echo != handshake.echo()) continue;
-      answer.open_refusal = *refusal;
-      until = std::min(until, clock.now() + 500ms);  // for the true server to contradict a forged refusal
+      answer.open_refusal = *refusal;  // perhaps forged: the true server may still contradict it
     } else if (const auto* const accept = std::get_if<Accept>(&*envelope)) {
-      if (const auto met = handshake.take(*accept, received->bytes)) answer.message = met->answer;
+      const auto met = handshake.take(*accept, received->bytes);
+      if (!met) continue;
+      answer.message = met->answer;
+      if (std::holds_alternative<Welcome>(met->answer)) leave(port, server, met->keys);
     }
   }
   return answer;

@@ -118,6 +118,10 @@ class AnswerLink {
   /// Since when the server has answered nothing though it was asked, or greeted; no value while it answers.
   [[nodiscard]] virtual std::optional<Time> silent_since() const { return std::nullopt; }
 
+  /// Why the server has ended the last session, as a sentence; no value if it did not, or while a session is
+  /// open.
+  [[nodiscard]] virtual std::optional<std::string> goodbye() const { return std::nullopt; }
+
   /// No value if no network carries the messages.
   [[nodiscard]] virtual std::optional<LinkTraffic> traffic() const { return std::nullopt; }
 

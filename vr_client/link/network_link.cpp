@@ -12,9 +12,6 @@ namespace {
 /// The largest rate of positions: 32 datagrams of 1,200 bytes every 200 us are 1.5 Gbit/s.
 constexpr std::size_t kBurst = 32;
 constexpr Duration kBurstPause = std::chrono::microseconds(200);
-/// How long the client waits for an authenticated answer after a refusal without authentication.
-constexpr Duration kContradictionTime = std::chrono::milliseconds(500);
-
 /// "video, difference".
 std::string names_of(AnswerSet answers) {
   constexpr std::array<std::string_view, kAnswers> names{"masks", "masks of positions", "G-buffers",
@@ -35,6 +32,15 @@ NetworkLink::Channel::Channel(const SessionKeys& keys, Time now)
 
 NetworkLink::NetworkLink(DatagramPort& port, const Clock& clock, const LinkTarget& target, std::size_t frames)
     : port_(port), clock_(clock), target_(target), inbox_(frames, target.mask) {}
+
+NetworkLink::~NetworkLink() {
+  if (!channel_) return;
+  encode(Leave{}, message_);
+  for (int i = 0; i < kGoodbyes; ++i) {
+    channel_->sealer.seal(message_, outgoing_);
+    send_outgoing();
+  }
+}
 
 void NetworkLink::send_outgoing() {
   traffic_.up += outgoing_.size();
@@ -60,17 +66,13 @@ void NetworkLink::keep_session() {
 
 Expected<void> NetworkLink::meet(Duration patience) {
   const Time until = clock_.now() + patience;
-  const auto given_up = [&] {
-    const Time now = clock_.now();
-    return now >= until || (unproved_refusal_at_ && now >= *unproved_refusal_at_ + kContradictionTime);
-  };
-  while (!channel_ && !refused_ && !given_up()) {
+  while (!channel_ && !refused_ && clock_.now() < until) {
     keep_session();
     receive_one(std::min(kHelloInterval, until - clock_.now()));
   }
   if (refused_) return tl::unexpected(*refused_);
   if (channel_) return {};
-  if (unproved_refusal_at_) return fail(Fault::Mismatch, unproved_refusal_);
+  if (unproved_refusal_) return fail(Fault::Mismatch, *unproved_refusal_);
   if (busy_server_) return fail(Fault::Unavailable, *busy_server_);
   return fail(Fault::Missing, "no server answers at " + to_string(target_.server));
 }
@@ -84,8 +86,9 @@ void NetworkLink::request(const FrameRequest& request, Time requested_at, const 
 
 /// Sends in bursts that fit the buffer of a socket, with pauses in which its reader can empty it.
 void NetworkLink::send_following(std::span<const std::vector<std::byte>> messages) {
-  for (std::size_t i = 0; i < messages.size() && channel_; ++i) {
+  for (std::size_t i = 0; i < messages.size(); ++i) {
     if (i > 0 && i % kBurst == 0) listen(kBurstPause);
+    if (!channel_) return;
     channel_->sealer.seal(messages[i], outgoing_);
     send_outgoing();
   }
@@ -107,6 +110,7 @@ void NetworkLink::seal_request(const FrameRequest& request) {
       is_newer(request.frame, newest->request.frame))
     message.newest_received = newest->request.frame;
   encode(message, message_);
+  channel_->sealer.renew(clock_.now());
   channel_->sealer.seal(message_, outgoing_);
   send_outgoing();
 }
@@ -155,16 +159,26 @@ Decoded<void> NetworkLink::take_datagram(const Datagram& datagram) {
 
 void NetworkLink::take_refusal(const OpenRefusal& refusal) {
   if (refusal.echo != handshake_->echo()) return;
-  if (unproved_refusal_at_) return;
-  unproved_refusal_ = explain(refusal, target_.key, target_.server).sentence();
-  unproved_refusal_at_ = clock_.now();
+  if (!unproved_refusal_) unproved_refusal_ = explain(refusal, target_.key, target_.server).sentence();
+}
+
+/// The session is over. A server that ended may have been started anew, so the client greets it at once.
+void NetworkLink::take(const Goodbye& goodbye, Time) {
+  channel_.reset();
+  goodbye_ = explain(goodbye, target_.key, target_.server).sentence();
+  last_hello_.reset();
+  first_hello_.reset();
+  if (goodbye.reason == EndReason::Revoked || goodbye.reason == EndReason::Expired)
+    refused_ = Error{Fault::Mismatch, *goodbye_};
+  else
+    say_hello();
 }
 
 void NetworkLink::take_accept(const Accept& accept, std::span<const std::byte> datagram) {
   const std::optional<ClientHandshake::Completed> met = handshake_->take(accept, datagram);
   if (!met) return;
   handshake_.reset();
-  unproved_refusal_at_.reset();
+  unproved_refusal_.reset();
   if (const auto* refusal = std::get_if<Refusal>(&met->answer)) {
     const std::string why = explain(*refusal, target_.scene_hash).sentence();
     if (refusal->reason == RefusalReason::Busy)
@@ -194,6 +208,7 @@ void NetworkLink::take_accept(const Accept& accept, std::span<const std::byte> d
     return;
   }
   channel_.emplace(met->keys, clock_.now());
+  goodbye_.reset();
   inbox_.begin(welcome);
   if (listener_.received) {
     encode(ServerMessage(welcome), message_);
@@ -212,7 +227,8 @@ Decoded<void> NetworkLink::take_sealed(const Sealed& sealed, const Datagram& dat
   handshake_.reset();  // the session is alive, so no new one is needed
   const Decoded<ServerMessage> message = decode_server(*opened);
   if (!message) return refuse(message.error());
-  if (listener_.received) listener_.received(*opened, datagram.arrived);
+  if (listener_.received && !std::holds_alternative<Goodbye>(*message))
+    listener_.received(*opened, datagram.arrived);
   std::visit([&](const auto& any) { take(any, datagram.arrived); }, *message);
   return {};
 }
@@ -248,7 +264,7 @@ std::optional<Time> NetworkLink::silent_since() const {
   const std::optional<Time> since = !channel_                  ? first_hello_
                                     : channel_->unanswered > 0 ? std::optional(channel_->asked)
                                                                : std::nullopt;
-  return since && clock_.now() - *since > kSilentAfter ? since : std::nullopt;
+  return since && (goodbye_ || clock_.now() - *since > kSilentAfter) ? since : std::nullopt;
 }
 
 NetworkLink::Counters NetworkLink::counters() const {

@@ -24,8 +24,8 @@ struct LinkTarget {
   AnswerSet answers = set_of(Answer::Masks);  ///< the kinds of answers that the server must offer
 };
 
-/// Sees the messages of sessions before they take effect; a capture file is written from them. A Welcome
-/// comes first, and again whenever a new session begins.
+/// Sees the messages of sessions before they take effect, but no Goodbye; a capture file is written from
+/// them. A Welcome comes first, and again whenever a new session begins.
 struct LinkListener {
   std::function<void(std::span<const std::byte> message, Time arrived)>
       received;                                           ///< opened, for decode_server
@@ -43,13 +43,18 @@ class NetworkLink final : public AnswerLink {
  public:
   /// Keeps the records of `frames` requests. Keeps references to `port`, and to `clock`, which times waits.
   NetworkLink(DatagramPort& port, const Clock& clock, const LinkTarget& target, std::size_t frames);
+  NetworkLink(const NetworkLink&) = delete;
+  NetworkLink& operator=(const NetworkLink&) = delete;
+  /// Tells the server that its session is over, so that its place there is free at once.
+  ~NetworkLink() override;
 
   /// Sets the listener. Empty functions are not called.
   void tell(LinkListener listener) { listener_ = std::move(listener); }
 
   /// Sends hellos until a session is open or `patience` is over. Fails if the server refuses the client
   /// (Mismatch), does not answer (Missing) or is full (Unavailable). After the latter two the caller may go
-  /// on, because the link keeps trying.
+  /// on, because the link keeps trying. Anybody can forge the refusal of a key or of a version, so it counts
+  /// only if no session is open at the end of `patience`.
   [[nodiscard]] Expected<void> meet(Duration patience);
 
   /// Sends only those light changes that the server may not have yet.
@@ -72,6 +77,8 @@ class NetworkLink final : public AnswerLink {
 
   [[nodiscard]] bool takes_parts() const override { return !listener_.sent; }
   [[nodiscard]] const AnswerInbox& inbox() const override { return inbox_; }
+
+  [[nodiscard]] std::optional<std::string> goodbye() const override { return goodbye_; }
 
   /// Set once an authenticated server has refused this client for good.
   [[nodiscard]] const std::optional<Error>& refused() const override { return refused_; }
@@ -125,6 +132,7 @@ class NetworkLink final : public AnswerLink {
   Decoded<void> take_sealed(const Sealed& sealed, const Datagram& datagram);
   void take(const Welcome&, Time) {}
   void take(const Refusal&, Time) {}
+  void take(const Goodbye& goodbye, Time);
   void take(const Probe& probe, Time) { channel_->probe_echo = probe.token; }
   void take(const auto& piece_or_report, Time arrived) { inbox_.take(piece_or_report, arrived); }
 
@@ -137,11 +145,11 @@ class NetworkLink final : public AnswerLink {
   LinkListener listener_;
   std::function<bool()> gives_up_ = [] { return false; };
   std::optional<Time> last_hello_, first_hello_;
+  std::optional<std::string> goodbye_{};  ///< why the server ended the last session; none while one is open
   std::optional<Error> refused_;
   std::optional<std::string> busy_server_;  ///< why a full server has refused
-  /// Why there may be no session: a refusal without authentication, which came at the given time.
-  std::string unproved_refusal_;
-  std::optional<Time> unproved_refusal_at_;
+  /// Why there may be no session: a refusal without authentication.
+  std::optional<std::string> unproved_refusal_;
   std::uint64_t sessions_ = 0, cut_short_ = 0;
   RefusalCounts undecodable_{};
   Duration busy_{};

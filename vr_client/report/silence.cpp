@@ -4,13 +4,17 @@
 
 namespace farshade {
 
-std::optional<std::string> Silence::add(FrameId frame, std::optional<Time> since, Time now) {
+std::optional<std::string> Silence::add(FrameId frame, std::optional<Time> since, Time now,
+                                        const std::optional<std::string>& why) {
   if (since) {
     last_ = now;
     ++frames_;
     ++frames_now_;
     if (!since_) since_ = since;
     if (std::exchange(told_, true)) return std::nullopt;
+    if (why)
+      return fmt::format("frame {}: {}. The client goes on with the last masks and keeps trying", frame.value,
+                         *why);
     return fmt::format(
         "frame {}: the server at {} has sent nothing for {:.1f} s. Is rt_server still running there? The "
         "client "

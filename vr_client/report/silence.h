@@ -15,8 +15,9 @@ class Silence {
   explicit Silence(std::string server, bool known = false) : server_(std::move(server)), told_(known) {}
 
   /// Adds a frame that was shown at `now`. `since` is when the server fell silent; no value while it answers.
-  /// Returns what to tell the user.
-  [[nodiscard]] std::optional<std::string> add(FrameId frame, std::optional<Time> since, Time now);
+  /// `why`: the server said so itself. Returns what to tell the user.
+  [[nodiscard]] std::optional<std::string> add(FrameId frame, std::optional<Time> since, Time now,
+                                               const std::optional<std::string>& why = {});
 
   [[nodiscard]] std::uint32_t frames() const { return frames_; }
   /// The time that the server has been silent, all times together.

@@ -98,5 +98,16 @@ TEST(ReadFile, ReadsEmptyFile) {
   EXPECT_EQ(text_of(folder.path() / "a"), "");
 }
 
+TEST(Files, MakingAFolderLeavesWhatIsThere) {
+  const ScratchFolder folder;
+  ASSERT_TRUE(write_file_atomically(folder.path() / ".probe", std::string_view("mine")));
+  ASSERT_TRUE(make_folder(folder.path()));
+  EXPECT_EQ(read_file(folder.path() / ".probe", 10).value().size(), 4u);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()),
+                          std::filesystem::directory_iterator()),
+            1)
+      << "and nothing new";
+}
+
 }  // namespace
 }  // namespace farshade

@@ -55,6 +55,89 @@ struct WatchedBench : LinkBench {
   HelloEcho echo{};
 };
 
+TEST(LinkGoodbye, TheServerForgetsAClientThatEnds) {
+  LinkBench bench;
+  bench.start_server();
+  {
+    NetworkLink link(bench.client_port, bench.clock, bench.target, kFrames);
+    ASSERT_TRUE(link.meet(2s).has_value());
+    EXPECT_EQ(bench.server->counters().sessions_open, 1u);
+  }
+  bench.pass(2 * kWay);
+  EXPECT_EQ(bench.server->counters().sessions_open, 0u);
+  EXPECT_EQ(bench.server->counters().sessions.left, 1u);
+}
+
+TEST(LinkGoodbye, AServerThatEndsIsGreetedAtOnce) {
+  WatchedBench bench(kSlow);
+  bench.server->say_goodbye();
+  bench.server.reset();
+  bench.pass(kWay);
+  EXPECT_FALSE(bench.link.last_received().has_value());
+  ASSERT_TRUE(bench.link.goodbye().has_value());
+  EXPECT_NE(bench.link.goodbye()->find("it ends itself"), std::string::npos) << *bench.link.goodbye();
+  EXPECT_TRUE(bench.link.silent_since().has_value() ||
+              (bench.pass(1ms), bench.link.silent_since().has_value()));
+  EXPECT_FALSE(bench.link.refused().has_value());
+  bench.start_server();
+  const Duration took = bench.run_until_masks(3s);
+  EXPECT_LE(took, kHelloInterval + 6 * kWay + 2 * kInterval);
+  EXPECT_FALSE(bench.link.goodbye().has_value());
+  EXPECT_EQ(bench.link.counters().sessions, 2u);
+}
+
+TEST(LinkGoodbye, AClientWhoseKeyIsTakenAwaySaysSo) {
+  WatchedBench bench(kSlow);
+  bench.server->set_ring({key_named("bob")});
+  bench.pass(2 * kWay);
+  ASSERT_TRUE(bench.link.refused().has_value());
+  EXPECT_NE(bench.link.refused()->what.find("the key 'ada' was taken out of its ring"), std::string::npos)
+      << bench.link.refused()->what;
+}
+
+TEST(LinkGoodbye, OneThatIsReplayedOrForgedDoesNothing) {
+  std::vector<Bytes> old;
+  WatchedBench bench(kSlow);
+  bench.on_answer = [&](std::span<const std::byte> datagram) {
+    old.emplace_back(datagram.begin(), datagram.end());
+    return false;
+  };
+  bench.server->say_goodbye();
+  bench.start_server();
+  bench.run(500ms);
+  ASSERT_EQ(bench.link.counters().sessions, 2u);
+  for (const Bytes& datagram : old) bench.forge_bytes(datagram);
+  Bytes forged;
+  encode(Sealed{.session = bench.session, .counter = 1'000'000}, forged);
+  forged.resize(forged.size() + 2 + kTag_bytes, std::byte{23});
+  bench.forge_bytes(forged);
+  bench.run(100ms);
+  EXPECT_EQ(bench.link.counters().sessions, 2u);
+  EXPECT_FALSE(bench.link.goodbye().has_value());
+}
+
+/// Longer than two epochs. The masks go on, and no datagram is refused.
+TEST(LinkGoodbye, ASessionGoesOnWithNewKeys) {
+  WatchedBench bench(kSlow);
+  std::uint16_t epoch_up = 0, epoch_down = 0;
+  bench.on_answer = [&](std::span<const std::byte> datagram) {
+    const auto envelope = open_server_envelope(datagram);
+    if (const auto* sealed = std::get_if<Sealed>(&*envelope)) epoch_down = sealed->epoch;
+    return false;
+  };
+  bench.on_send = [&](std::span<const std::byte> datagram) {
+    const auto envelope = open_client_envelope(datagram);
+    if (const auto* sealed = std::get_if<Sealed>(&*envelope)) epoch_up = sealed->epoch;
+    return false;
+  };
+  bench.run(2 * kEpochTime + 10s);
+  EXPECT_EQ(epoch_up, 2u);
+  EXPECT_EQ(epoch_down, 2u);
+  EXPECT_EQ(bench.link.counters().sessions, 1u);
+  EXPECT_EQ(bench.link.counters().undecodable.total(), 0u);
+  EXPECT_EQ(bench.server->counters().refused.total(), 0u);
+}
+
 struct Restart {
   Duration delay;
   bool hint;
@@ -172,6 +255,31 @@ TEST(LinkSession, BeginsAlthoughSomebodyElseRefuses) {
   bench.start_server();
   EXPECT_TRUE(bench.link.meet(2s).has_value());
   EXPECT_FALSE(bench.link.refused().has_value());
+}
+
+/// The true server hears nothing for longer than a second.
+TEST(LinkSession, AForgedRefusalThatComesFirstDoesNotEndTheClient) {
+  LinkBench bench(each_way(5ms));
+  bench.start_server();
+  bench.on_send = [&](std::span<const std::byte> datagram) {
+    const auto envelope = open_client_envelope(datagram);
+    const auto* hello = envelope ? std::get_if<Hello>(&*envelope) : nullptr;
+    if (hello == nullptr || bench.clock.now() > Time(1500ms)) return false;
+    Bytes refusal;
+    encode(OpenRefusal{.reason = RefusalReason::UnknownKey, .echo = echo_of(hello->client)}, refusal);
+    bench.wire.server().send(bench.wire.client().local(), refusal);
+    return true;
+  };
+  EXPECT_TRUE(bench.link.meet(3s).has_value());
+}
+
+TEST(LinkSession, ARefusalIsNamedWhenPatienceIsOver) {
+  LinkBench bench(each_way(5ms));
+  bench.start_server(kServed, {}, {key_named("bob")});
+  const auto met = bench.link.meet(3s);
+  ASSERT_FALSE(met.has_value());
+  EXPECT_EQ(met.error().fault, Fault::Mismatch);
+  EXPECT_NE(met.error().what.find("has no key"), std::string::npos) << met.error().what;
 }
 
 TEST(LinkSession, ContinuesAtOnceAfterSilence) {

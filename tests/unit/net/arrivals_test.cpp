@@ -5,6 +5,8 @@
 #include <map>
 #include <random>
 
+#include "stereo/net/arrival_clock.h"
+
 namespace farshade {
 namespace {
 
@@ -108,6 +110,37 @@ TEST(Arrivals, RandomOrdersAreReportedAsTheyArrived) {
       EXPECT_LT(std::chrono::abs(came[counter] - time), ArrivalReport::kTick);
     }
     EXPECT_GT(static_cast<double>(told.size()), 0.98 * static_cast<double>(came.size()));
+  }
+}
+
+constexpr Duration kWall = std::chrono::hours(500'000);  // since 1970
+
+TEST(ArrivalClock, TakesTheTimeInTheSocketOffTheTimeOfReading) {
+  ArrivalClock clock;
+  clock.read(kWall, at(0));
+  clock.read(kWall + milliseconds(100), at(100));
+  EXPECT_EQ(clock.arrival(kWall + milliseconds(70)), at(70));
+  EXPECT_EQ(clock.arrival(kWall + milliseconds(130)), at(100)) << "not in the future";
+  // A minute later the wall clock has been slowed down by 500 ppm.
+  clock.read(kWall + milliseconds(60'100 - 30), at(60'100));
+  EXPECT_EQ(clock.arrival(kWall + milliseconds(60'050 - 30)), at(60'050));
+}
+
+TEST(ArrivalClock, AStepOfTheWallClockMakesNoDatagramOld) {
+  for (const Duration step : {Duration(std::chrono::hours(1)), Duration(std::chrono::hours(-1))}) {
+    ArrivalClock clock;
+    clock.read(kWall, at(0));
+    // Two datagrams wait with stamps of 90 and 95 ms. The clock is set, and then both are read.
+    const auto wall = [&](int ms) { return kWall + step + milliseconds(ms); };
+    clock.read(wall(100), at(100));
+    EXPECT_EQ(clock.arrival(kWall + milliseconds(90)), at(100));
+    clock.read(wall(101), at(101));
+    const Time second = clock.arrival(kWall + milliseconds(95));
+    EXPECT_GE(second, at(100));
+    EXPECT_LE(second, at(101));
+    // What comes from then on has its own time again.
+    clock.read(wall(200), at(200));
+    EXPECT_EQ(clock.arrival(wall(180)), at(180));
   }
 }
 

@@ -426,6 +426,36 @@ TEST(GltfHostile, RefusesImagesAboveTheLimit) {
   EXPECT_EQ(scene.error().fault, Fault::OutOfRange);
 }
 
+/// Images of one colour that share one small file, each below the limit of an image.
+TEST(GltfHostile, RefusesManyLargeImagesInAFewBytes) {
+  const std::vector<std::byte> image = make_png({256, 256}, 8, 0, {});
+  SceneLimits limits;
+  limits.image_pixels = 256 * 256;
+  const auto with_images = [&](int images) {
+    GltfBuilder file = rich_file();
+    const auto view = file.view(image);
+    file.view(std::vector<std::byte>(100'000));  // bytes that are of no image earn nothing
+    json& primitives = file.json["meshes"][0]["primitives"];
+    const json primitive = primitives[0];
+    for (const char* list : {"images", "textures", "materials"}) file.json[list] = json::array();
+    primitives = json::array();
+    for (int i = 0; i < images; ++i) {
+      file.json["images"].push_back({{"bufferView", view}, {"mimeType", "image/png"}});
+      file.json["textures"].push_back({{"source", i}});
+      file.json["materials"].push_back({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", i}}}}}});
+      primitives.push_back(primitive);
+      primitives.back()["material"] = i;
+    }
+    return load_scene_from_memory(file.glb(), {}, limits);
+  };
+  const auto one = with_images(1), two = with_images(2);
+  EXPECT_TRUE(one.has_value()) << one.error().what;
+  ASSERT_FALSE(two.has_value());
+  EXPECT_EQ(two.error().fault, Fault::OutOfRange);
+  limits.all_image_pixels = 256 * 256 - 1;
+  EXPECT_FALSE(with_images(1).has_value());
+}
+
 TEST(GltfHostile, RefusesBuffersWithoutBytes) {
   GltfBuilder second = triangle_file();
   second.json["buffers"].push_back({{"byteLength", 36}});

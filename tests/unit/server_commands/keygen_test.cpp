@@ -49,6 +49,18 @@ TEST_F(Keygen, TakesOtherPlaces) {
   EXPECT_FALSE(fs::exists(folder_.path() / "farshade"));
 }
 
+TEST_F(Keygen, WritesLimitsIntoTheRingAlone) {
+  ASSERT_TRUE(keygen_with("desk --until 2027-01-31 --sessions 2 --bytes-per-second 1000000"));
+  EXPECT_EQ(load_key(default_key_path()).value().limits, KeyLimits{});
+  const KeyLimits limits = load_key_ring(default_ring_path()).value().at(0).limits;
+  EXPECT_EQ(limits.until, parse_day("2027-01-31"));
+  EXPECT_EQ(limits.sessions, 2u);
+  EXPECT_EQ(limits.bytes_per_second, 1'000'000u);
+  for (const char* bad :
+       {"a --until tomorrow", "a --until 2027-02-30", "a --sessions 0", "a --bytes-per-second 1"})
+    EXPECT_THROW(static_cast<void>(keygen_with(bad)), CLI::ParseError) << bad;
+}
+
 TEST_F(Keygen, AsksForAPlaceWhereTheDefaultOneIsTaken) {
   ASSERT_TRUE(keygen_with("a"));
   const auto said = keygen_with("b");

@@ -436,8 +436,9 @@ TEST(SessionEvents, TellTheLogWhoComesAndGoes) {
   EXPECT_TRUE(events_in_words(house).empty());
   house.sessions.end_silent(Time(20s));
   EXPECT_EQ(events_in_words(house),
-            (std::vector<std::string>{"ada at " + to_string(peer(1)) + " left; it was connected for 3 s",
-                                      "ada at " + to_string(peer(2)) + " left without a request"}));
+            (std::vector<std::string>{
+                "ada at " + to_string(peer(1)) + " left without a word; it was connected for 3 s",
+                "ada at " + to_string(peer(2)) + " left without a request"}));
   EXPECT_FALSE(house.sessions.silent_at().has_value());
 }
 

@@ -12,7 +12,7 @@ using namespace wire_samples;
 const Bytes kSealedBytes(20, std::byte{0x5a});
 
 Sealed sealed_sample() {
-  return {SessionId{0x0807060504030201}, 0x1122334455667788, kSealedBytes};
+  return {SessionId{0x0807060504030201}, 0x334455667788, kSealedBytes, 0x1122};
 }
 
 std::vector<Bytes> to_server() {
@@ -51,6 +51,7 @@ TEST(Envelopes, ComeBackAsTheyWere) {
        {std::get<Sealed>(*open_client_envelope(bytes)), std::get<Sealed>(*open_server_envelope(bytes))}) {
     EXPECT_EQ(sealed.session, sealed_sample().session);
     EXPECT_EQ(sealed.counter, sealed_sample().counter);
+    EXPECT_EQ(sealed.epoch, sealed_sample().epoch);
     EXPECT_EQ(Bytes(sealed.sealed.begin(), sealed.sealed.end()), kSealedBytes);
     EXPECT_EQ(sealed.sealed.data(), bytes.data() + kSealedHeader_bytes);
   }

@@ -4,7 +4,9 @@
 #include <sys/stat.h>
 
 #include <cstdlib>
+#include <new>
 #include <set>
+#include <thread>
 
 #include "stereo/base/files.h"
 #include "tests/unit/scratch_folder.h"
@@ -141,6 +143,66 @@ TEST(KeyRing, KeepsItsEarlierLines) {
   EXPECT_EQ(text_of(path), "# mine, no end of line\n" + key_line(key_of("a", 1)));
 }
 
+TEST(KeyRing, HasLimitsBehindTheSecret) {
+  SharedKey key = key_of("a", 1);
+  key.limits = {.until = std::chrono::sys_days(std::chrono::year(2027) / 1 / 31),
+                .sessions = 2,
+                .bytes_per_second = 1'000'000};
+  const std::string line = key_line(key);
+  EXPECT_EQ(line, key_line(key_of("a", 1)).substr(0, line.find(" until=")) +
+                      " until=2027-01-31 sessions=2 bytes-per-second=1000000\n");
+  EXPECT_EQ(parse_keys(line, "ring").value(), std::vector{key});
+  const auto other_order = parse_keys(
+      "farshade-key-1 a " + line.substr(17, 64) + " bytes-per-second=1000000\tsessions=2 until=2027-01-31",
+      "ring");
+  EXPECT_EQ(other_order.value(), std::vector{key});
+}
+
+TEST(KeyLimits, TheLastDayIsAValidOne) {
+  SharedKey key = key_of("a", 1);
+  const auto day = parse_day("2028-02-29").value();
+  EXPECT_TRUE(is_valid_on(key, day));
+  key.limits.until = day;
+  EXPECT_TRUE(is_valid_on(key, day));
+  EXPECT_FALSE(is_valid_on(key, day + std::chrono::days(1)));
+}
+
+TEST(KeyRing, LosesNoKeyOfThoseAddedAtTheSameTime) {
+  const ScratchFolder folder;
+  const fs::path path = folder.path() / "ring";
+  constexpr std::uint8_t kEach = 25;
+  std::vector<std::thread> writers;
+  for (std::uint8_t writer = 0; writer < 4; ++writer)
+    writers.emplace_back([&path, writer] {
+      for (std::uint8_t i = 0; i < kEach; ++i) {
+        const auto number = static_cast<std::uint8_t>(writer * kEach + i);
+        EXPECT_TRUE(append_to_ring(path, key_of("client-" + std::to_string(number), number)));
+      }
+    });
+  for (std::thread& writer : writers) writer.join();
+  EXPECT_EQ(load_key_ring(path).value().size(), std::size_t{4} * kEach);
+}
+
+TEST(KeyRing, BehindALinkStaysWhereItIs) {
+  const ScratchFolder folder;
+  const fs::path real = folder.path() / "elsewhere" / "ring", link = folder.path() / "ring";
+  fs::create_directory(real.parent_path());
+  ASSERT_TRUE(append_to_ring(real, key_of("a", 1)));
+  fs::create_symlink(real, link);
+  ASSERT_TRUE(append_to_ring(link, key_of("b", 2)));
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(load_key_ring(real).value().size(), 2u);
+}
+
+TEST(SharedKey, LeavesNoSecretBehind) {
+  alignas(SharedKey) std::array<std::byte, sizeof(SharedKey)> room{};
+  auto* const key = new (room.data()) SharedKey(key_of("a", 0xa5));
+  const std::size_t at =
+      static_cast<std::size_t>(reinterpret_cast<std::byte*>(key->secret.data()) - room.data());
+  key->~SharedKey();
+  for (std::size_t i = 0; i < 32; ++i) EXPECT_EQ(room.at(at + i), std::byte{0}) << i;
+}
+
 TEST(KeyRing, RefusesADuplicateNameOrSecret) {
   const ScratchFolder folder;
   const fs::path path = folder.path() / "ring";
@@ -207,6 +269,15 @@ INSTANTIATE_TEST_SUITE_P(
         BadLine{"SecretWithNul", "farshade-key-1 b " + kDigits.substr(1) + std::string(1, '\0'),
                 "64 hexadecimal digits"},
         BadLine{"MoreBehind", "farshade-key-1 b " + kDigits + " 1", "more behind the secret"},
+        BadLine{"NoSuchDay", "farshade-key-1 b " + kDigits + " until=2027-02-29", "more behind the secret"},
+        BadLine{"DayInWords", "farshade-key-1 b " + kDigits + " until=2027-1-31", "more behind the secret"},
+        BadLine{"NoSessions", "farshade-key-1 b " + kDigits + " sessions=0", "more behind the secret"},
+        BadLine{"NegativeSessions", "farshade-key-1 b " + kDigits + " sessions=-1", "more behind the secret"},
+        BadLine{"SessionsInHex", "farshade-key-1 b " + kDigits + " sessions=1x", "more behind the secret"},
+        BadLine{"TooSlow", "farshade-key-1 b " + kDigits + " bytes-per-second=24999",
+                "more behind the secret"},
+        BadLine{"Twice", "farshade-key-1 b " + kDigits + " sessions=1 sessions=2", "more behind the secret"},
+        BadLine{"UnknownLimit", "farshade-key-1 b " + kDigits + " Sessions=1", "more behind the secret"},
         BadLine{"SecretOfZeros", "farshade-key-1 b " + std::string(64, '0'), "a secret of zeros is none"},
         BadLine{"NameTwice", "farshade-key-1 a " + kDigits, "the name 'a' is already in line 2"},
         BadLine{"SecretTwice", key_line(key_of("b", 1)), "the secret of 'b' is already in line 2"}),

@@ -97,6 +97,11 @@ std::map<std::string, std::string> constants_of_code() {
       {"kPartsTimeout", time(kPartsTimeout)},
       {"ReplayWindow::kSize", count(ReplayWindow::kSize)},
       {"ReplayWindow::kMostJump", count(ReplayWindow::kMostJump)},
+      {"kEpoch_datagrams", count(kEpoch_datagrams)},
+      {"kEpochTime", time(kEpochTime)},
+      {"kMostEpochStep", count(kMostEpochStep)},
+      {"kEpochGrace", count(kEpochGrace)},
+      {"kGoodbyes", count(kGoodbyes)},
       {"kMaxTime_ns", power_of_two(kMaxTime_ns)},
       {"kMaxCoordinate_m", power_of_ten(kMaxCoordinate_m)},
       {"kMaxOffUnit", power_of_ten(kMaxOffUnit)},
@@ -208,6 +213,8 @@ std::map<std::string, Size> sizes_of_code() {
           {"Sealed", size_of_envelope(enveloped(sealed_alone))},
           {"Request", size_of_request()},
           {"AskSlice", open_size(ask_sample(), kAskSliceHeader_bytes)},
+          {"Leave", size_of_message(encoded(ClientMessage(Leave{})))},
+          {"Goodbye", size_of_message(encoded(ServerMessage(Goodbye{})))},
           {"Welcome", size_of_message(encoded(ServerMessage(welcome())))},
           {"Refusal", size_of_message(encoded(ServerMessage(refusal())))},
           {"Slice", open_size(packed(small_frame(), Side::Right).at(0), kSliceHeader_bytes)},
@@ -223,7 +230,7 @@ std::size_t number_in(std::string digits) {
 }
 
 TEST(ProtocolNumbers, HeadingsHaveTypeAndSize) {
-  const std::regex heading(R"(^### (\w+) \((\d+)\), ([\d,]+)(?: to ([\d,]+))? bytes.*)");
+  const std::regex heading(R"(^### (\w+) \((\d+)\), ([\d,]+)(?: to ([\d,]+))? bytes?.*)");
   std::map<std::string, Size> of_page;
   for (const std::string& line : lines_of_text())
     if (std::smatch parts; std::regex_match(line, parts, heading)) {

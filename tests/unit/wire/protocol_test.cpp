@@ -136,6 +136,13 @@ TEST(Protocol, ProbeIsAsThePageSays) {
   EXPECT_EQ(std::get<Probe>(*decode_server(example("probe"))), probe());
 }
 
+TEST(Protocol, LeaveAndGoodbyeAreAsThePageSays) {
+  EXPECT_EQ(encoded(ClientMessage(Leave{})), example("leave"));
+  EXPECT_EQ(std::get<Leave>(*decode_client(example("leave"))), Leave{});
+  EXPECT_EQ(encoded(ServerMessage(Goodbye{EndReason::Expired})), example("goodbye"));
+  EXPECT_EQ(std::get<Goodbye>(*decode_server(example("goodbye"))), Goodbye{EndReason::Expired});
+}
+
 TEST(Protocol, PlaneSliceIsAsThePageSays) {
   EXPECT_EQ(encoded(ServerMessage(plane_slice())), example("plane-slice"));
   EXPECT_EQ(encoded(ClientMessage(plane_slice())), example("plane-slice"));

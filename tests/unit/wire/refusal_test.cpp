@@ -91,7 +91,7 @@ std::vector<Case> messages_to_server() {
   return {
       {"longer than a message", and_more(requested, kMaxMessage_bytes), WireRefusal::TooLong},
       {"nothing", {}, WireRefusal::Truncated},
-      {"a type that is not", patched(requested, 0, {3}), WireRefusal::Type},
+      {"a type that is not", patched(requested, 0, {15}), WireRefusal::Type},
       {"asks for a third eye's blocks", patched(ask_sample(), 5, {2}), WireRefusal::Code},
       {"asks for blocks of 0 columns", patched(ask_sample(), 6, {0, 0}), WireRefusal::MaskSize},
       {"asks for blocks in 257 lights", patched(ask_sample(), 10, {1, 1}), WireRefusal::Lights},

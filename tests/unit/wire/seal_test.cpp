@@ -5,6 +5,7 @@
 #include <numeric>
 #include <set>
 
+#include "stereo/wire/timing.h"
 #include "tests/unit/wire/samples.h"
 
 namespace farshade {
@@ -156,10 +157,92 @@ TEST(Seal, ACounterThatNoSenderReachesIsRefusedAlthoughItOpens) {
   Opener opener(kKey, Sealing::Off);
   const Bytes first = seal(sealer, bytes_of({1}));
   Bytes far = first;
-  far[15 + 7] = std::byte{0x80};  // counter 2^63; without sealing every counter opens
+  far[15 + 5] = std::byte{0x81};  // more than 2^47; without sealing every counter opens
   EXPECT_EQ(open(opener, far).error(), WireRefusal::CounterJump);
   EXPECT_EQ(opener.window().newest(), std::nullopt);
   EXPECT_TRUE(open(opener, first));
+}
+
+constexpr std::uint64_t kFew = 3;  // datagrams of an epoch
+
+/// Made by `python3` and hashlib.blake2b, not by the code under test.
+TEST(Seal, TheNextKeyIsAHashOfTheLast) {
+  const Secret next(std::array<std::uint8_t, 32>{
+      0x01, 0x94, 0x29, 0x5d, 0x28, 0x32, 0x8d, 0xb6, 0x62, 0xaf, 0x62, 0x0d, 0xb0, 0xa2, 0x3b, 0x54,
+      0xbc, 0xff, 0x9a, 0x86, 0x85, 0x44, 0xe0, 0xad, 0xd8, 0x0b, 0xab, 0x47, 0xc0, 0x92, 0xff, 0x75});
+  EXPECT_EQ(next_key(kKey), next);
+}
+
+TEST(Seal, AnEpochEndsWithItsDatagramsAndWithItsTime) {
+  Sealer sealer(kSession, kKey, Sealing::On, kFew);
+  std::vector<std::uint16_t> epochs;
+  for (int i = 0; i < 8; ++i) {
+    seal(sealer, bytes_of({1}));
+    epochs.push_back(sealer.epoch());
+  }
+  EXPECT_EQ(epochs, (std::vector<std::uint16_t>{0, 0, 0, 1, 1, 1, 2, 2}));
+  sealer.renew(Time(std::chrono::seconds(7)));
+  sealer.renew(Time(std::chrono::seconds(7) + kEpochTime));
+  EXPECT_EQ(sealer.epoch(), 2u);
+  sealer.renew(Time(std::chrono::seconds(7) + kEpochTime + Duration(1)));
+  EXPECT_EQ(sealer.epoch(), 3u);
+  EXPECT_EQ(Sealer(kSession, kKey, Sealing::On).epoch(), 0u);
+}
+
+TEST(Seal, AReceiverFollowsTheEpochsAlsoIfDatagramsAreMissing) {
+  Sealer sealer(kSession, kKey, Sealing::On, kFew);
+  Opener opener(kKey, Sealing::On);
+  for (unsigned i = 0; i < 60; ++i) {
+    const Bytes datagram = seal(sealer, bytes_of({i}));
+    if (i % 20 != 0) continue;  // 6 or 7 epochs between two
+    EXPECT_EQ(open(opener, datagram), bytes_of({i})) << i;
+  }
+}
+
+TEST(Seal, TheKeyOfAnEpochDoesNotOpenEarlierOnes) {
+  Sealer sealer(kSession, kKey, Sealing::On, kFew);
+  const Bytes first = seal(sealer, bytes_of({1}));
+  for (unsigned i = 0; i < kFew; ++i) seal(sealer, bytes_of({2}));
+  const Secret stolen = next_key(kKey);
+  Opener thief(stolen, Sealing::On);
+  EXPECT_EQ(open(thief, first).error(), WireRefusal::Forged);
+}
+
+TEST(Seal, TheLastKeyIsKeptForAGraceAndThenForgotten) {
+  constexpr std::uint64_t kLong = 2 * kEpochGrace;
+  Sealer sealer(kSession, kKey, Sealing::On, kLong);
+  Opener opener(kKey, Sealing::On);
+  std::vector<Bytes> datagrams;
+  for (std::uint64_t i = 0; i < 2 * kLong; ++i) datagrams.push_back(seal(sealer, bytes_of({1})));
+  EXPECT_TRUE(open(opener, datagrams[0]));
+  EXPECT_TRUE(open(opener, datagrams[kLong]));
+  EXPECT_TRUE(open(opener, datagrams[kLong + kEpochGrace]));
+  EXPECT_TRUE(open(opener, datagrams[kLong - 1])) << "within the grace";
+  EXPECT_TRUE(open(opener, datagrams[kLong + kEpochGrace + 1]));
+  EXPECT_EQ(open(opener, datagrams[kLong - 2]).error(), WireRefusal::Replayed) << "its key is forgotten";
+  EXPECT_TRUE(open(opener, datagrams[kLong + 1])) << "late, but of this epoch";
+}
+
+TEST(Seal, AnEpochBeforeTheLastIsForgottenAtOnce) {
+  Sealer sealer(kSession, kKey, Sealing::On, kFew);
+  Opener opener(kKey, Sealing::On);
+  const Bytes old = seal(sealer, bytes_of({1}));
+  for (unsigned i = 1; i < 2 * kFew; ++i) seal(sealer, bytes_of({2}));
+  EXPECT_TRUE(open(opener, seal(sealer, bytes_of({3}))));  // epoch 2
+  EXPECT_EQ(open(opener, old).error(), WireRefusal::Replayed);
+}
+
+TEST(Seal, AForgedEpochMovesNothing) {
+  Sealer sealer(kSession, kKey, Sealing::On);
+  Opener opener(kKey, Sealing::On);
+  const Bytes first = seal(sealer, bytes_of({1})), second = seal(sealer, bytes_of({2}));
+  Bytes forged = first;
+  forged[21] = std::byte{kMostEpochStep};
+  EXPECT_EQ(open(opener, forged).error(), WireRefusal::Forged);
+  forged[21] = std::byte{kMostEpochStep + 1};
+  EXPECT_EQ(open(opener, forged).error(), WireRefusal::CounterJump);
+  EXPECT_TRUE(open(opener, first));
+  EXPECT_TRUE(open(opener, second));
 }
 
 TEST(Seal, AnotherKeyDoesNotOpen) {
