@@ -78,6 +78,7 @@ std::string counters_line(const ServerCounters& counters) {
                             {sessions.withdrawn, "ended because their answer is no longer offered"},
                             {sessions.revoked, "ended because their key was taken out of the ring"},
                             {sessions.moved, "moved"}}) +
+         group("paths", {{sessions.black_holes, "stopped to carry large datagrams"}}) +
          group("limits", {{sessions.held_back, "frames slowed by --bytes-per-second"}});
 }
 
@@ -97,7 +98,7 @@ ServerCore::ServerCore(Welcome served, const std::vector<SharedKey>& ring, Answe
       sessions_(with_answers(served, answers_.offered()), ring, limits) {}
 
 bool ServerCore::receive(Duration wait) {
-  std::array<std::byte, kMaxDatagram_bytes> buffer;
+  std::array<std::byte, kBaseDatagram_bytes> buffer;
   const std::optional<Datagram> datagram = port_.receive(buffer, wait);
   bool is_request_waiting = false;
   std::vector<ClientEvent> events;
@@ -187,7 +188,7 @@ bool ServerCore::work() {
   if (!job) return false;
   const Time begun = clock_.now();
   const AnswerSet offered_before = answers_.offered();
-  packer_.begin();
+  packer_.begin(job->most_message_bytes);
   const auto [traced, draw, coding] = answers_.answer(*job, packer_, begun);
   const FrameReport report{.frame = job->request.frame,
                            .primary_rays = traced.primary_rays,

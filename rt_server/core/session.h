@@ -9,6 +9,7 @@
 #include "rt_server/core/quality.h"
 #include "stereo/frame/surround.h"
 #include "stereo/net/datagram.h"
+#include "stereo/net/path_mtu.h"
 #include "stereo/net/rate_control.h"
 #include "stereo/wire/handshake.h"
 #include "stereo/wire/timing.h"
@@ -23,6 +24,7 @@ struct Job {
   std::uint32_t superseded = 0;        ///< requests of this client so far that a newer one replaced
   std::uint32_t bytes_per_second = 0;  ///< estimated capacity of the path to the client
   ViewScale view_scale{};              ///< the size of views that the client should request next
+  std::size_t most_message_bytes = kBaseMessage_bytes;  ///< that the path to the client carries
   /// The messages that the request announced and that have arrived: AskSlices with the blocks that it asks
   /// for, or PlaneSlices with its positions. Each has been decoded once, so it is well-formed.
   std::vector<std::vector<std::byte>> parts{};
@@ -134,6 +136,8 @@ class ClientSession {
 
   /// Frames that left more slowly because of the limit of bytes per second.
   [[nodiscard]] std::uint64_t held_back() const { return held_back_; }
+  /// Times that the path to the client's present address stopped to carry large datagrams.
+  [[nodiscard]] std::uint64_t black_holes() const { return path_mtu_.black_holes(); }
 
  private:
   ReceivedMessage receive(const RequestMessage& message, Time now);
@@ -147,6 +151,8 @@ class ClientSession {
   void update_address(const Peer& from, bool newest, std::uint64_t probe_echo, std::vector<std::byte>& probe);
   /// Returns the counter, which the caller tells the rate control.
   std::uint64_t seal_probe(std::uint64_t token, std::vector<std::byte>& probe);
+  void probe_path(Time now, std::vector<std::byte>& probe);
+  void record_sent(std::uint64_t counter, std::size_t bytes, Time now);
   void update_interval(const FrameRequest& request, Time now);
 
   std::string name_;
@@ -184,6 +190,7 @@ class ClientSession {
 
   Outbox outbox_;
   RateControl rate_;
+  PathMtu path_mtu_;
   Quality quality_;
   ViewScale job_scale_{};  ///< as advised when the job in work was taken
   bool job_is_surround_ = false;

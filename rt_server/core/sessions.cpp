@@ -123,8 +123,10 @@ Decoded<void> Sessions::handle_sealed(const Peer& from, const Sealed& sealed,
   }
   const bool first = !session->is_confirmed();
   const Peer before = session->client();
+  const std::uint64_t holes_before = session->black_holes();
   const Decoded<ReceivedMessage> received = session->receive(from, sealed, datagram, now, answer);
   if (session->client() != before) ++counters_.moved;
+  if (session->black_holes() > holes_before) ++counters_.black_holes;
   if (first && session->is_confirmed()) end_replaced(session->id());
   if (!received) return refuse(received.error());
   was_opened_ = true;

@@ -102,6 +102,11 @@ void check_ranges(const Probe& probe) {
   check(probe.token != 0, "a token is not the default");
 }
 
+void check_ranges(const PathProbe& probe) {
+  check(std::ranges::all_of(probe.padding, [](std::byte byte) { return byte == std::byte{0}; }),
+        "padding is zeros");
+}
+
 void check_any(const auto& message, std::span<const std::byte> bytes) {
   if (!message) return;
   std::visit([](const auto& m) { check_ranges(m); }, *message);

@@ -33,7 +33,7 @@ Bytes example(const std::string& name) {
 
 /// The document omits the zeros.
 Bytes padded(Bytes bytes) {
-  bytes.resize(kMaxDatagram_bytes);
+  bytes.resize(kBaseDatagram_bytes);
   return bytes;
 }
 
@@ -134,6 +134,12 @@ TEST(Protocol, FrameReportIsAsThePageSays) {
 TEST(Protocol, ProbeIsAsThePageSays) {
   EXPECT_EQ(encoded(ServerMessage(probe())), example("probe"));
   EXPECT_EQ(std::get<Probe>(*decode_server(example("probe"))), probe());
+}
+
+TEST(Protocol, PathProbeIsAsThePageSays) {
+  EXPECT_EQ(encoded(ServerMessage(path_probe())), example("path-probe"));
+  const Bytes bytes = example("path-probe");
+  EXPECT_EQ(std::get<PathProbe>(*decode_server(bytes)).padding.size(), 3u);
 }
 
 TEST(Protocol, PlaneSliceIsAsThePageSays) {
