@@ -94,6 +94,7 @@ std::string counters_line(const ServerCounters& counters) {
                             {sessions.expired, "ended because their key has expired"},
                             {sessions.moved, "moved"},
                             {sessions.lied, "that reported what was never sent"}}) +
+         group("paths", {{sessions.black_holes, "stopped to carry large datagrams"}}) +
          group("frames", {{sessions.held_back, "slowed by --bytes-per-second"},
                           {sessions.overtaken, "overtaken by a newer one"}});
 }
@@ -119,7 +120,7 @@ bool ServerCore::receive(Duration wait) try { return receive_datagram(wait); } c
 }
 
 bool ServerCore::receive_datagram(Duration wait) {
-  std::array<std::byte, kMaxDatagram_bytes> buffer;
+  std::array<std::byte, kBaseDatagram_bytes> buffer;
   const std::optional<Datagram> datagram = port_.receive(buffer, wait);
   bool is_request_waiting = false;
   std::vector<ClientEvent> events;

@@ -127,10 +127,12 @@ Decoded<ReceivedMessage> ClientSession::receive(const Peer& from, const Sealed& 
   update_address(from, newest, request.probe_echo, reply);
   if (from == client_ && now - last_sent_ > kKeepaliveInterval) {
     // A new token: the one that proves the candidate's address must not be sent to another address.
-    rate_.sent(seal_probe(random_token(), reply), reply.size(), now);
-    last_sent_ = now;
+    const std::uint64_t counter = seal_probe(random_token(), reply);
+    record_sent(counter, reply.size(), now);
   }
-  return receive(request, now);
+  const ReceivedMessage received = receive(request, now);
+  if (from == client_ && reply.empty()) probe_path(now, reply);
+  return received;
 }
 
 /// Frames follow the client to another address only after a datagram from there has returned the token that
@@ -145,6 +147,7 @@ void ClientSession::update_address(const Peer& from, bool newest, std::uint64_t 
     client_ = from;
     candidate_.reset();
     rate_ = RateControl(limits_);  // nothing is known about the new path
+    path_mtu_ = PathMtu();
     return;
   }
   if (!newest) return;
@@ -158,6 +161,22 @@ void ClientSession::update_address(const Peer& from, bool newest, std::uint64_t 
 std::uint64_t ClientSession::seal_probe(std::uint64_t token, std::vector<std::byte>& probe) {
   encode(Probe{token}, message_);
   return sealer_.seal(message_, probe);
+}
+
+/// Makes a datagram whose arrival shows that the path carries its size. Its loss says nothing about the rate.
+void ClientSession::probe_path(Time now, std::vector<std::byte>& probe) {
+  const std::optional<std::size_t> size = path_mtu_.next_probe(now);
+  if (!size) return;
+  encode(PathProbe{std::span(PathProbe::kZeros).first(*size - kSealing_bytes - 1)}, message_);
+  const std::uint64_t counter = sealer_.seal(message_, probe);
+  rate_.sent_elsewhere(counter, now);
+  path_mtu_.probed(counter, now);
+}
+
+void ClientSession::record_sent(std::uint64_t counter, std::size_t bytes, Time now) {
+  rate_.sent(counter, bytes, now);
+  path_mtu_.sent(counter, bytes);
+  last_sent_ = now;
 }
 
 std::optional<ReceivedMessage> ClientSession::refuse_request(const FrameRequest& request) const {
@@ -176,6 +195,7 @@ std::optional<Job>& ClientSession::waiting_for(const FrameRequest& request) {
 
 ReceivedMessage ClientSession::receive(const RequestMessage& message, Time now) {
   rate_.take(message.arrivals, now);
+  path_mtu_.take(message.arrivals, now);
   merge(lights_, message.request.lights);
   const FrameId frame = message.request.frame;
   const Answer answer = message.request.answer.kind;
@@ -268,6 +288,7 @@ Job ClientSession::take_job() {
   job.superseded = superseded_;
   job.bytes_per_second = static_cast<std::uint32_t>(rate_.bytes_per_second());
   job.view_scale = quality_.view_scale();
+  job.most_message_bytes = path_mtu_.bytes() - kSealing_bytes;
   job_scale_ = job.view_scale;
   return job;
 }
@@ -295,10 +316,9 @@ void ClientSession::seal_goodbye(EndReason reason, std::vector<std::byte>& datag
 }
 
 void ClientSession::seal_due(Time now, std::vector<std::byte>& datagram) {
-  last_sent_ = now;
   sealer_.renew(now);
   const std::uint64_t counter = sealer_.seal(outbox_.take(rate_.sending_bytes_per_second()), datagram);
-  rate_.sent(counter, datagram.size(), now);
+  record_sent(counter, datagram.size(), now);
   if (--until_gap_ > 0) return;
   rate_.skipped(sealer_.skip(), now);
   until_gap_ = random_gap();

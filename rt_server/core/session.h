@@ -11,6 +11,7 @@
 #include "rt_server/core/quality.h"
 #include "stereo/frame/surround.h"
 #include "stereo/net/datagram.h"
+#include "stereo/net/path_mtu.h"
 #include "stereo/net/rate_control.h"
 #include "stereo/wire/handshake.h"
 #include "stereo/wire/timing.h"
@@ -26,6 +27,7 @@ struct Job {
   std::uint32_t superseded = 0;        ///< requests of this client so far that a newer one replaced
   std::uint32_t bytes_per_second = 0;  ///< estimated capacity of the path to the client
   ViewScale view_scale{};              ///< the size of views that the client should request next
+  std::size_t most_message_bytes = kBaseMessage_bytes;  ///< that the path to the client carries
   /// The messages that the request announced and that have arrived: AskSlices with the blocks that it asks
   /// for, or PlaneSlices with its positions. Each has been decoded once, so it is well-formed.
   std::vector<std::vector<std::byte>> parts{};
@@ -186,6 +188,8 @@ class ClientSession {
   /// The client has reported the arrival of a datagram that was never sent. Since then it gets the least
   /// rate.
   [[nodiscard]] bool was_lied_to() const { return rate_.was_lied_to(); }
+  /// Times that the path to the client's present address stopped to carry large datagrams.
+  [[nodiscard]] std::uint64_t black_holes() const { return path_mtu_.black_holes(); }
 
   /// One of so many datagrams, on average and at random, is followed by a counter that no datagram has.
   static constexpr std::uint32_t kBetweenGaps = 512;
@@ -203,6 +207,8 @@ class ClientSession {
   void update_address(const Peer& from, bool newest, std::uint64_t probe_echo, std::vector<std::byte>& probe);
   /// Returns the counter, which the caller tells the rate control.
   std::uint64_t seal_probe(std::uint64_t token, std::vector<std::byte>& probe);
+  void probe_path(Time now, std::vector<std::byte>& probe);
+  void record_sent(std::uint64_t counter, std::size_t bytes, Time now);
   void update_interval(const FrameRequest& request, Time now);
 
   std::string name_;
@@ -241,6 +247,7 @@ class ClientSession {
   Outbox outbox_;
   Time planned_end_{};  ///< of the frame in the outbox, at the rate of when it was put
   RateControl rate_;
+  PathMtu path_mtu_;
   Quality quality_;
   ViewScale job_scale_{};  ///< as advised when the job in work was taken
   bool job_is_surround_ = false;

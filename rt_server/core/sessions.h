@@ -58,6 +58,7 @@ struct SessionCounters {
   std::uint64_t key_full = 0;                  ///< the same: their key has as many sessions as it may
   std::uint64_t held_back = 0;                 ///< frames slowed by the limit of bytes per second
   std::uint64_t overtaken = 0;                 ///< frames whose rest a newer frame replaced
+  std::uint64_t black_holes = 0;               ///< paths that stopped to carry large datagrams
   friend bool operator==(const SessionCounters&, const SessionCounters&) = default;
 };
 
@@ -67,7 +68,7 @@ class Sessions {
   Sessions(const Welcome& served, const std::vector<SharedKey>& ring, const SessionLimits& limits = {});
 
   /// Processes one datagram from `from`. `answer` becomes a datagram to send there at once, never longer than
-  /// `datagram`, or is left empty.
+  /// `datagram` if the address is not proved, or is left empty.
   Decoded<void> handle(const Peer& from, std::span<const std::byte> datagram, Time now,
                        std::vector<std::byte>& answer);
 

@@ -71,7 +71,7 @@ void encode_any(const auto& messages, std::vector<std::byte>& bytes) {
         fetch_fields(io, message);
       },
       messages);
-  check(bytes.size() <= kMaxMessage_bytes, "a fetch message can be sealed");
+  check(bytes.size() <= kBaseMessage_bytes, "a fetch message can be sealed");
 }
 
 template <class Any, class Message>

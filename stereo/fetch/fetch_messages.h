@@ -47,8 +47,8 @@ enum class FetchRefusal : std::uint8_t {
 using FetchAnswer = std::variant<OfferPart, Content, FetchRefusal>;
 
 inline constexpr std::size_t kContentHeader_bytes = 9;
-inline constexpr std::size_t kMaxContent_bytes = kMaxMessage_bytes - kContentHeader_bytes;
-inline constexpr std::size_t kMaxOfferPart_bytes = kMaxMessage_bytes - 2;
+inline constexpr std::size_t kMaxContent_bytes = kBaseMessage_bytes - kContentHeader_bytes;
+inline constexpr std::size_t kMaxOfferPart_bytes = kBaseMessage_bytes - 2;
 
 /// Replaces `bytes` by the message.
 void encode(const FetchRequest& message, std::vector<std::byte>& bytes);

@@ -58,7 +58,8 @@ struct Datagram {
 struct PortCounters {
   std::uint64_t sent = 0, sent_bytes = 0;
   std::uint64_t received = 0, received_bytes = 0;
-  std::uint64_t unsent = 0;     ///< dropped on this side: no room in the socket, or no route
+  std::uint64_t unsent =
+      0;  ///< dropped on this side: no room in the socket, no route, or longer than the interface takes
   std::uint64_t oversized = 0;  ///< dropped: longer than the receiver's buffer
   std::uint64_t strangers = 0;  ///< dropped: from an address that this port does not talk to
   friend bool operator==(const PortCounters&, const PortCounters&) = default;

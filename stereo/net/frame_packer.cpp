@@ -33,7 +33,8 @@ void FramePacker::sort_from(std::size_t first) {
   std::ranges::move(sorted, datagrams_.begin() + static_cast<std::ptrdiff_t>(first));
 }
 
-void FramePacker::begin() {
+void FramePacker::begin(std::size_t most_bytes) {
+  most_bytes_ = most_bytes;
   datagrams_.clear();
   payload_bytes_ = 0;
   packing_ = {};
@@ -52,7 +53,7 @@ void FramePacker::add(const ShadowFrame& frame, const AskedBlocks& asked,
   from_middle_.clear();
   for (const Side side : kSides) {
     const std::size_t eye = index_of(side);
-    packers_[eye].start(frame, side, asked.tiles[eye], sent[eye]);
+    packers_[eye].start(frame, side, asked.tiles[eye], sent[eye], most_bytes_);
   }
   for (bool more = true; more;) {
     more = false;
@@ -71,7 +72,7 @@ void FramePacker::add(FrameId frame, const GBufferPlanes& gbuffer) {
   const Stopwatch packing;
   for (const PlaneKind kind : kGBufferKinds)
     for (const Side side : kSides) {
-      plane_packer_.start(frame, side, kind, planes_of(gbuffer, kind)[index_of(side)]);
+      plane_packer_.start(frame, side, kind, planes_of(gbuffer, kind)[index_of(side)], most_bytes_);
       while (const std::optional<PlaneSlice> slice = plane_packer_.next()) add(ServerMessage(*slice));
     }
   packing_ += packing.elapsed();

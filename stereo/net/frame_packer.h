@@ -15,8 +15,9 @@ namespace farshade {
 
 class FramePacker {
  public:
-  /// Begins another answer.
-  void begin();
+  /// Begins another answer. Its messages have at most `most_bytes`, which are kBaseMessage_bytes to
+  /// kMaxMessage_bytes; those of a coded picture have at most kBaseMessage_bytes.
+  void begin(std::size_t most_bytes = kBaseMessage_bytes);
 
   /// Adds slices from the middle row of the views outwards, so that what matters most comes first, and those
   /// of both eyes in turn, so that a burst of loss affects both. They contain the blocks `asked`. `sent` has
@@ -41,7 +42,7 @@ class FramePacker {
   PlanePacker plane_packer_;
   std::vector<std::vector<std::byte>> datagrams_;
   std::vector<std::uint32_t> from_middle_;  ///< of slices being added: tiles to the view's middle row
-  std::size_t payload_bytes_ = 0;
+  std::size_t most_bytes_ = kBaseMessage_bytes, payload_bytes_ = 0;
   Duration packing_{};
 };
 

@@ -40,6 +40,10 @@ bool Impairment::push(Time now, const Peer& peer, std::span<const std::byte> byt
     ++counters_.lost;
     return true;
   }
+  if (is_too_long(peer, bytes.size())) {
+    ++counters_.too_long;
+    return true;
+  }
   const std::optional<Time> left = past_bottleneck(now, bytes.size());
   if (!left) {
     ++counters_.overflowed;
@@ -80,6 +84,12 @@ double Impairment::uniform() {
 bool Impairment::is_silent(Time now) const {
   if (model_.silence_every == Duration::zero()) return false;
   return (now - start_) % model_.silence_every >= model_.silence_every - model_.silence;
+}
+
+bool Impairment::is_too_long(const Peer& peer, std::size_t size) const {
+  constexpr std::size_t kHeadersV4_bytes = 20 + 8, kHeadersV6_bytes = 40 + 8;
+  return model_.mtu_bytes != 0 &&
+         size + (is_v4(peer) ? kHeadersV4_bytes : kHeadersV6_bytes) > model_.mtu_bytes;
 }
 
 /// With r = P(good | lost) and p = P(lost | good) the rate is p / (p + r) and a burst lasts 1 / r.
@@ -175,6 +185,17 @@ ParseResult rate(std::string_view text, LinkModel& model) {
   return number(text, kRates_bytes_per_s, kLeast_bytes_per_s, kMost_bytes_per_s, model.rate_bytes_per_s);
 }
 
+ParseResult mtu(std::string_view text, LinkModel& model) {
+  constexpr std::size_t kLeast_bytes = 576, kMost_bytes = 65'535;
+  std::size_t bytes = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, bytes);
+  if (error == std::errc::invalid_argument || stop != end) return ParseResult::Malformed;
+  if (error != std::errc{} || bytes < kLeast_bytes || bytes > kMost_bytes) return ParseResult::OutOfRange;
+  model.mtu_bytes = bytes;
+  return ParseResult::Sound;
+}
+
 ParseResult seed(std::string_view text, LinkModel& model) {
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, model.seed);
@@ -195,7 +216,7 @@ struct Setting {
   std::string_view name, example;
   ParseResult (*read)(std::string_view value, LinkModel& model);
 };
-constexpr std::array<Setting, 12> kSettings{{
+constexpr std::array<Setting, 13> kSettings{{
     {"loss", "2%", share_of<&LinkModel::loss>},
     {"burst", "3", [](std::string_view v, LinkModel& m) { return number(v, kCounts, 1, 1000, m.burst); }},
     {"delay", "25ms", time_of<&LinkModel::delay>},
@@ -206,6 +227,7 @@ constexpr std::array<Setting, 12> kSettings{{
     {"corrupt", "0.5%", share_of<&LinkModel::corrupt>},
     {"rate", "10Mbit", rate},
     {"queue", "100ms", time_of<&LinkModel::queue>},
+    {"mtu", "1400", mtu},
     {"silence", "2s/5s", silence},
     {"seed", "7", seed},
 }};
@@ -240,7 +262,7 @@ Expected<void> apply(std::string_view word, LinkModel& model) {
   return fail(Fault::OutOfRange,
               quoted +
                   " is out of range: rates are 0 to 100%, bursts 1 to 1000, times 0 to 60s, rates of "
-                  "bytes 1kbit to 1000Gbit, and a silence is a part of its period");
+                  "bytes 1kbit to 1000Gbit, an mtu 576 to 65535, and a silence is a part of its period");
 }
 
 }  // namespace

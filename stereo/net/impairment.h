@@ -36,7 +36,8 @@ struct LinkModel {
   double corrupt = 0;           ///< rate of datagrams with one flipped random bit
   double rate_bytes_per_s = 0;  ///< rate of the bottleneck, in UDP payload; 0: no bottleneck
   Duration queue = std::chrono::milliseconds(100);  ///< longest wait before the bottleneck; it drops others
-  Duration silence{};  ///< length of a silence at the end of every `silence_every`
+  std::size_t mtu_bytes = 0;  ///< longest packet, headers of IP and UDP included; others are dropped; 0: any
+  Duration silence{};         ///< length of a silence at the end of every `silence_every`
   Duration silence_every{};
   std::uint64_t seed = 1;  ///< of all random numbers of the model
   friend bool operator==(const LinkModel&, const LinkModel&) = default;
@@ -74,13 +75,15 @@ inline constexpr std::array<NamedNetwork, 12> kNetworks = [] {
 
 /// Parses a network: a name of kNetworks, or words such as
 /// `loss=2%,burst=3,delay=25ms,jitter=5ms,reorder=2%,reorder_by=10ms,duplicate=1%,corrupt=0.5%,rate=10Mbit,`
-/// `queue=100ms,silence=2s/5s,seed=7`, or a name followed by such words. Refuses other words
+/// `queue=100ms,mtu=1400,`
+/// `silence=2s/5s,seed=7`, or a name followed by such words. Refuses other words
 /// (Malformed) and bad values (OutOfRange). The error names the word and lists what is possible.
 [[nodiscard]] Expected<LinkModel> parse_link_model(std::string_view text);
 
 struct ImpairmentCounters {
   std::uint64_t lost = 0;        ///< by random loss or in a silence
   std::uint64_t overflowed = 0;  ///< dropped: the bottleneck's queue is full, or kLinkCapacity is reached
+  std::uint64_t too_long = 0;    ///< dropped: longer than the path's packets
   std::uint64_t duplicated = 0, corrupted = 0, reordered = 0;
   friend bool operator==(const ImpairmentCounters&, const ImpairmentCounters&) = default;
 };
@@ -124,6 +127,7 @@ class Impairment {
  private:
   [[nodiscard]] double uniform();
   [[nodiscard]] bool is_silent(Time now) const;
+  [[nodiscard]] bool is_too_long(const Peer& peer, std::size_t size) const;
   [[nodiscard]] bool loses(double draw);
   [[nodiscard]] std::optional<Time> past_bottleneck(Time now, std::size_t size);
   [[nodiscard]] Time arrival(Time left, double jitter_draw) const;

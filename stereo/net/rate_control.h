@@ -136,8 +136,8 @@ class RateControl {
 
   /// Records a sealed datagram that was sent. Counters are consecutive; `at` does not decrease.
   void sent(std::uint64_t counter, std::size_t bytes, Time at);
-  /// The same of a datagram that went to an address which is not the client's proved one: its arrival says
-  /// nothing about the path.
+  /// The same of a datagram whose arrival says nothing about the rate: it went to an address which is not the
+  /// client's proved one, or tries a size that the path may not carry.
   void sent_elsewhere(std::uint64_t counter, Time at);
   /// Records a counter that no datagram has. A report that it has arrived is a lie: whoever sends it reports
   /// arrivals without looking. From then on the rate is the least.

@@ -111,7 +111,7 @@ Expected<std::span<const std::byte>> SealedStream::receive_frame(const Waiting& 
     if (rest.size() >= kLength_bytes) {
       const std::size_t size = std::to_integer<std::size_t>(rest[0]) | std::to_integer<std::size_t>(rest[1])
                                                                            << 8;
-      if (size > kMaxDatagram_bytes) return strange();
+      if (size > kBaseDatagram_bytes) return strange();
       if (rest.size() >= kLength_bytes + size) {
         begin_ += kLength_bytes + size;
         return rest.subspan(kLength_bytes, size);

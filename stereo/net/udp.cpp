@@ -270,6 +270,11 @@ Expected<std::unique_ptr<UdpPort>> bound_port(std::unique_ptr<asio::io_context> 
   setsockopt(socket.native_handle(), IPPROTO_IP, IP_PKTINFO, &on, sizeof on);
   if (endpoint.protocol() == udp::v6())
     setsockopt(socket.native_handle(), IPPROTO_IPV6, IPV6_RECVPKTINFO, &on, sizeof on);
+  // The kernel splits no datagram and believes no ICMP message about sizes (PathMtu).
+  const int v4_whole = IP_PMTUDISC_PROBE, v6_whole = IPV6_PMTUDISC_PROBE;
+  setsockopt(socket.native_handle(), IPPROTO_IP, IP_MTU_DISCOVER, &v4_whole, sizeof v4_whole);
+  if (endpoint.protocol() == udp::v6())
+    setsockopt(socket.native_handle(), IPPROTO_IPV6, IPV6_MTU_DISCOVER, &v6_whole, sizeof v6_whole);
   if (!error) socket.non_blocking(true, error);
   if (!error) socket.bind(endpoint, error);
   const Endpoint local = error ? endpoint : socket.local_endpoint(error);

@@ -85,9 +85,9 @@ Verdict verdict(const Sealed& sealed) {
 
 namespace {
 
-Decoded<codec::Header> read_header(ByteReader& io) {
+Decoded<codec::Header> read_header(ByteReader& io, std::size_t most_bytes) {
   codec::Header header;
-  if (io.remaining() > kMaxDatagram_bytes) return refuse(WireRefusal::TooLong);
+  if (io.remaining() > most_bytes) return refuse(WireRefusal::TooLong);
   if (!fields(io, header)) return refuse(WireRefusal::Truncated);
   if (header.magic != codec::kMagic) return refuse(WireRefusal::Magic);
   return header;
@@ -95,7 +95,7 @@ Decoded<codec::Header> read_header(ByteReader& io) {
 
 /// Cheapest checks first, so that a flood of Hellos is cheap.
 Decoded<ClientEnvelope> read_hello(ByteReader io, std::uint16_t version) {
-  if (io.remaining() + 7 != kMaxDatagram_bytes) return refuse(WireRefusal::Padding);
+  if (io.remaining() + 7 != kBaseDatagram_bytes) return refuse(WireRefusal::Padding);
   if (version != kProtocolVersion) {
     ForeignHello foreign{.version = version};
     io.array(foreign.echo);
@@ -124,12 +124,12 @@ void encode(const Envelope& any, std::vector<std::byte>& datagram) {
       },
       any);
   check(datagram.size() <= kMaxDatagram_bytes, "an envelope fits into a datagram");
-  if (std::holds_alternative<Hello>(any)) datagram.resize(kMaxDatagram_bytes);
+  if (std::holds_alternative<Hello>(any)) datagram.resize(kBaseDatagram_bytes);
 }
 
 Decoded<ClientEnvelope> open_client_envelope(std::span<const std::byte> datagram) {
   ByteReader io(datagram);
-  const Decoded<codec::Header> header = read_header(io);
+  const Decoded<codec::Header> header = read_header(io, kBaseDatagram_bytes);
   if (!header) return refuse(header.error());
   if (header->type == codec::kTypeOf<Hello>) return read_hello(io, header->version);
   if (header->version != kProtocolVersion) return refuse(WireRefusal::Version);
@@ -141,7 +141,7 @@ Decoded<ClientEnvelope> open_client_envelope(std::span<const std::byte> datagram
 
 Decoded<ServerEnvelope> open_server_envelope(std::span<const std::byte> datagram) {
   ByteReader io(datagram);
-  const Decoded<codec::Header> header = read_header(io);
+  const Decoded<codec::Header> header = read_header(io, kMaxDatagram_bytes);
   if (!header) return refuse(header.error());
   if (header->version != kProtocolVersion && header->type != codec::kTypeOf<OpenRefusal>)
     return refuse(WireRefusal::Version);

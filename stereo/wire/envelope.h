@@ -28,7 +28,7 @@ struct SessionId {
 
 // ---- client -> server
 
-/// The first step of the handshake. Padded to kMaxDatagram_bytes, so that no answer is longer.
+/// The first step of the handshake. Padded to kBaseDatagram_bytes, so that no answer is longer.
 struct Hello {
   PublicKey client{};
   KeyId key{};

@@ -34,6 +34,8 @@ template <>
 inline constexpr std::uint8_t kTypeOf<VideoPart> = 22;
 template <>
 inline constexpr std::uint8_t kTypeOf<Goodbye> = 23;
+template <>
+inline constexpr std::uint8_t kTypeOf<PathProbe> = 26;
 }  // namespace codec
 
 using codec::Either;
@@ -142,6 +144,10 @@ bool fields(auto&, Either<Leave> auto&) {
 
 bool fields(auto& io, Either<Goodbye> auto& goodbye) {
   return io.code(goodbye.reason);
+}
+
+bool fields(auto& io, Either<PathProbe> auto& probe) {
+  return io.rest(probe.padding);
 }
 
 // ---- ranges: the reason to refuse a message
@@ -260,12 +266,18 @@ Verdict verdict(const Probe& probe) {
   return probe.token != 0 ? kFine : WireRefusal::Code;
 }
 
+Verdict verdict(const PathProbe& probe) {
+  const bool fine = !probe.padding.empty() &&
+                    std::ranges::all_of(probe.padding, [](std::byte byte) { return byte == std::byte{0}; });
+  return fine ? kFine : WireRefusal::Padding;
+}
+
 // ---- whole messages
 
 namespace {
 
 template <class... Messages>
-void encode_any(const std::variant<Messages...>& any, std::vector<std::byte>& bytes) {
+void encode_any(const std::variant<Messages...>& any, std::size_t most_bytes, std::vector<std::byte>& bytes) {
   bytes.clear();
   ByteWriter io(bytes);
   std::visit(
@@ -275,12 +287,12 @@ void encode_any(const std::variant<Messages...>& any, std::vector<std::byte>& by
         fields(io, message);
       },
       any);
-  check(bytes.size() <= kMaxMessage_bytes, "a message fits into a sealed datagram");
+  check(bytes.size() <= most_bytes, "a message fits into a sealed datagram");
 }
 
 template <class Any>
-Decoded<Any> decode_any(std::span<const std::byte> bytes) {
-  if (bytes.size() > kMaxMessage_bytes) return refuse(WireRefusal::TooLong);
+Decoded<Any> decode_any(std::span<const std::byte> bytes, std::size_t most_bytes) {
+  if (bytes.size() > most_bytes) return refuse(WireRefusal::TooLong);
   ByteReader io(bytes);
   std::uint8_t type = 0;
   if (!io.u8(type)) return refuse(WireRefusal::Truncated);
@@ -290,18 +302,18 @@ Decoded<Any> decode_any(std::span<const std::byte> bytes) {
 }  // namespace
 
 void encode(const ClientMessage& message, std::vector<std::byte>& bytes) {
-  encode_any(message, bytes);
+  encode_any(message, kBaseMessage_bytes, bytes);
 }
 void encode(const ServerMessage& message, std::vector<std::byte>& bytes) {
-  encode_any(message, bytes);
+  encode_any(message, kMaxMessage_bytes, bytes);
 }
 
 Decoded<ClientMessage> decode_client(std::span<const std::byte> bytes) {
-  return decode_any<ClientMessage>(bytes);
+  return decode_any<ClientMessage>(bytes, kBaseMessage_bytes);
 }
 
 Decoded<ServerMessage> decode_server(std::span<const std::byte> bytes) {
-  return decode_any<ServerMessage>(bytes);
+  return decode_any<ServerMessage>(bytes, kMaxMessage_bytes);
 }
 
 }  // namespace farshade

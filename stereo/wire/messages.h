@@ -24,8 +24,14 @@
 namespace farshade {
 
 inline constexpr std::uint16_t kProtocolVersion = 7;
-inline constexpr std::size_t kMaxDatagram_bytes = 1200;  ///< UDP payload, sealing included
+/// UDP payload, sealing included: what every path must carry (as for QUIC, RFC 9000, 14), and the most that a
+/// client sends.
+inline constexpr std::size_t kBaseDatagram_bytes = 1200;
+/// The most that a server sends, once a PathProbe of that size has arrived: a packet of 1,500 bytes with the
+/// headers of IPv4 and UDP.
+inline constexpr std::size_t kMaxDatagram_bytes = 1472;
 inline constexpr std::size_t kSealing_bytes = 39;  ///< the part of a datagram that sealing needs (envelope.h)
+inline constexpr std::size_t kBaseMessage_bytes = kBaseDatagram_bytes - kSealing_bytes;
 inline constexpr std::size_t kMaxMessage_bytes = kMaxDatagram_bytes - kSealing_bytes;
 
 /// The same as Scene::hash, without a dependency on scenes.
@@ -76,7 +82,7 @@ struct AskSlice {
 };
 /// Bytes of an AskSlice message before its block.
 inline constexpr std::size_t kAskSliceHeader_bytes = 18;
-inline constexpr std::size_t kMaxAskBlock_bytes = kMaxMessage_bytes - kAskSliceHeader_bytes;
+inline constexpr std::size_t kMaxAskBlock_bytes = kBaseMessage_bytes - kAskSliceHeader_bytes;
 
 /// The client ends its session, which frees its place at once.
 struct Leave {
@@ -136,7 +142,7 @@ struct VideoPart {
   std::span<const std::byte> bytes{};  ///< 1 or more; points into the received message or the packer
 };
 inline constexpr std::size_t kVideoPartHeader_bytes = 13;
-inline constexpr std::size_t kVideoPart_bytes = kMaxMessage_bytes - kVideoPartHeader_bytes;
+inline constexpr std::size_t kVideoPart_bytes = kBaseMessage_bytes - kVideoPartHeader_bytes;
 inline constexpr std::uint32_t kMostVideoParts = 4096;
 
 /// The server sends it after the other messages of a frame. It may be lost like any other datagram.
@@ -182,6 +188,13 @@ struct Goodbye {
   friend bool operator==(const Goodbye&, const Goodbye&) = default;
 };
 
+/// Fills a datagram up to the size whose arrival the server wants to know of (stereo/net/path_mtu.h). It says
+/// nothing.
+struct PathProbe {
+  std::span<const std::byte> padding{};  ///< 1 or more zeros; points into the received message or kZeros
+  static constexpr std::array<std::byte, kMaxMessage_bytes> kZeros{};
+};
+
 /// Bytes of a Slice message before its block.
 inline constexpr std::size_t kSliceHeader_bytes = 23;
 inline constexpr std::size_t kMaxBlock_bytes = kMaxMessage_bytes - kSliceHeader_bytes;
@@ -190,11 +203,12 @@ inline constexpr std::size_t kPlaneSliceHeader_bytes = 18;
 inline constexpr std::size_t kMaxPlaneBlock_bytes = kMaxMessage_bytes - kPlaneSliceHeader_bytes;
 
 using ServerMessage =
-    std::variant<Welcome, Refusal, Slice, FrameReport, Probe, PlaneSlice, VideoPart, Goodbye>;
+    std::variant<Welcome, Refusal, Slice, FrameReport, Probe, PlaneSlice, VideoPart, Goodbye, PathProbe>;
 
 // ---- bytes
 
-/// Replaces `bytes` by the message's bytes, at most kMaxMessage_bytes. Checks that its fields are in their
+/// Replaces `bytes` by the message's bytes: at most kBaseMessage_bytes of a client's, kMaxMessage_bytes of a
+/// server's. Checks that its fields are in their
 /// ranges.
 void encode(const ClientMessage& message, std::vector<std::byte>& bytes);
 void encode(const ServerMessage& message, std::vector<std::byte>& bytes);

@@ -6,12 +6,15 @@
 
 namespace farshade {
 
-static_assert(most_packed_bytes(kMaxPlaneTile_bytes) <= kMaxPlaneBlock_bytes,
+static_assert(most_packed_bytes(kMaxPlaneTile_bytes) <= kBaseMessage_bytes - kPlaneSliceHeader_bytes,
               "any tile fits, even if LZ4 gains nothing");
 
-void PlanePacker::start(FrameId frame, Side eye, PlaneKind kind, const PixelPlane& plane) {
+void PlanePacker::start(FrameId frame, Side eye, PlaneKind kind, const PixelPlane& plane,
+                        std::size_t most_bytes) {
   check(plane.word_bytes >= 1 && plane.word_bytes <= kMaxPlaneWord_bytes, "a word has 1 to 4 bytes");
   check_eq(plane.words.size(), plane.size.pixels(), "a word for each pixel");
+  check(most_bytes >= kBaseMessage_bytes && most_bytes <= kMaxMessage_bytes, "a path carries such messages");
+  most_block_bytes_ = most_bytes - kPlaneSliceHeader_bytes;
   plane_ = &plane;
   slice_ = {.frame = frame, .eye = eye, .kind = kind, .size = plane.size, .word_bytes = plane.word_bytes};
   ready_.clear();
@@ -29,7 +32,7 @@ std::optional<PlaneSlice> PlanePacker::next() {
       load_tile(*plane_, grid.rect(tile), words);
       write_plane_tile(words, lanes, bytes);
     });
-  const TileBlocks::Packed packed = ready_.pack(block_);
+  const TileBlocks::Packed packed = ready_.pack(std::span(block_).first(most_block_bytes_));
   PlaneSlice made = slice_;
   made.tile_count = packed.tiles;
   made.block = std::span(block_).first(packed.block_bytes);

@@ -19,8 +19,10 @@ namespace farshade {
 ///     while (const std::optional<PlaneSlice> slice = packer.next()) send(*slice);
 class PlanePacker {
  public:
-  /// Starts to pack `plane`, which must stay unchanged until the last slice.
-  void start(FrameId frame, Side eye, PlaneKind kind, const PixelPlane& plane);
+  /// Starts to pack `plane`, which must stay unchanged until the last slice. A slice's message has at most
+  /// `most_bytes`, which are kBaseMessage_bytes to kMaxMessage_bytes.
+  void start(FrameId frame, Side eye, PlaneKind kind, const PixelPlane& plane,
+             std::size_t most_bytes = kBaseMessage_bytes);
 
   /// Returns the next slice, or nothing after the last. Its block is valid until the next call.
   [[nodiscard]] std::optional<PlaneSlice> next();
@@ -29,6 +31,7 @@ class PlanePacker {
   const PixelPlane* plane_ = nullptr;
   PlaneSlice slice_;  ///< fields that all slices of this plane share, and the next slice's first tile
   TileBlocks ready_;  ///< written tiles, from slice_.first_tile on
+  std::size_t most_block_bytes_ = 0;
   std::array<std::byte, kMaxPlaneBlock_bytes> block_;
 };
 

@@ -12,7 +12,7 @@
 namespace farshade {
 
 enum class WireRefusal : std::uint8_t {
-  TooLong,         ///< more than kMaxDatagram_bytes
+  TooLong,         ///< more than a datagram of this direction has
   Truncated,       ///< ends inside a field
   Magic,           ///< not a datagram of this protocol
   Version,         ///< of another version, and not an envelope that every version has

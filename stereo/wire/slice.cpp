@@ -12,7 +12,8 @@ constexpr std::uint32_t kMostSliceTiles = 0xffff;  // what the field of the mess
 /// The first decision of a slice: it has one tile, in plain bits. It costs at most 9 bits. With the tile's
 /// lights and the last byte, any tile fits.
 constexpr std::size_t kPlainTile_bytes = 32 * 256 / 8;
-static_assert(kPlainTile_bytes + 4 <= kMaxBlock_bytes, "any tile fits, even if nothing in it can be guessed");
+static_assert(kPlainTile_bytes + 4 <= kBaseMessage_bytes - kSliceHeader_bytes,
+              "any tile fits, even if nothing in it can be guessed");
 
 }  // namespace
 
@@ -42,7 +43,7 @@ std::uint32_t AskedTiles::count() const {
 }
 
 void SlicePacker::start(const ShadowFrame& frame, Side eye, std::span<const AskedTile> asked,
-                        std::span<const std::uint8_t> sent) {
+                        std::span<const std::uint8_t> sent, std::size_t most_bytes) {
   mask_ = &frame.masks[index_of(eye)];
   asked_ = asked;
   sent_ = sent;
@@ -51,6 +52,8 @@ void SlicePacker::start(const ShadowFrame& frame, Side eye, std::span<const Aske
             .eye = eye,
             .size = mask_->size(),
             .lights = mask_->lights()};
+  check(most_bytes >= kBaseMessage_bytes && most_bytes <= kMaxMessage_bytes, "a path carries such messages");
+  most_block_bytes_ = most_bytes - kSliceHeader_bytes;
   check(sent.empty() || sent.size() == TileGrid{slice_.size}.count(), "each tile is sent or not");
 }
 
@@ -112,7 +115,7 @@ void SlicePacker::pack_tiles() {
     }
     read(tile, in_tile);
     coder.tile(in_tile, bits_);
-    if (encoder.size_bytes() > kMaxBlock_bytes) break;
+    if (encoder.size_bytes() > most_block_bytes_) break;
     fits = encoder.mark();
     slice_.tile_count = tile - slice_.first_tile + 1;
   }

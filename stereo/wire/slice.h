@@ -49,9 +49,10 @@ class SlicePacker {
   /// Starts to pack `eye` of `frame`, which must stay unchanged until the last slice, and so must `asked` and
   /// `sent`. They have one entry for each tile. `asked`: what is asked for; everything if it is empty.
   /// `sent`: 0: the tile is in no slice, since it is not known here what is asked for of it; if it is empty,
-  /// all tiles are sent.
+  /// all tiles are sent. A slice's message has at most `most_bytes`, which are kBaseMessage_bytes to
+  /// kMaxMessage_bytes.
   void start(const ShadowFrame& frame, Side eye, std::span<const AskedTile> asked = {},
-             std::span<const std::uint8_t> sent = {});
+             std::span<const std::uint8_t> sent = {}, std::size_t most_bytes = kBaseMessage_bytes);
 
   /// Returns the next slice, or nothing after the last. Its block is valid until the next call.
   [[nodiscard]] std::optional<Slice> next();
@@ -66,6 +67,7 @@ class SlicePacker {
   const EyeMask* mask_ = nullptr;
   std::span<const AskedTile> asked_;
   std::span<const std::uint8_t> sent_;
+  std::size_t most_block_bytes_ = 0;
   Slice slice_;  ///< fields that all slices of this eye share, and the next slice's first tile
   std::vector<std::byte> block_;
   CodedTiles coded_;

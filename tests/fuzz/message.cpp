@@ -106,6 +106,10 @@ void check_ranges(const Leave&) {}
 void check_ranges(const Goodbye& goodbye) {
   check(goodbye.reason >= EndReason::ServerEnds && goodbye.reason <= EndReason::Withdrawn, "a known reason");
 }
+void check_ranges(const PathProbe& probe) {
+  check(std::ranges::all_of(probe.padding, [](std::byte byte) { return byte == std::byte{0}; }),
+        "padding is zeros");
+}
 
 void check_any(const auto& message, std::span<const std::byte> bytes) {
   if (!message) return;

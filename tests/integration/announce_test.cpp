@@ -1,29 +1,16 @@
 // Servers that announce themselves and clients that look for them, as processes on machines of their own: in
 // namespaces of network, mounts and processes, joined by a virtual cable, each with its own avahi-daemon.
 #include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
 
 #include "tests/integration/client_program.h"
+#include "tests/integration/machine.h"
 #include "tests/integration/test_keys.h"
 #include "tests/unit/scratch_folder.h"
 
 namespace farshade {
 namespace {
 
-/// Why this machine cannot play several; empty if it can.
-std::string missing_here() {
-  if (geteuid() != 0) return "namespaces of networks need root";
-  for (const char* program : {"/usr/bin/unshare", "/usr/bin/nsenter", "/usr/sbin/ip",
-                              "/usr/sbin/avahi-daemon", "/usr/bin/dbus-daemon"})
-    if (!std::filesystem::exists(program)) return std::string(program) + " is not installed";
-  ChildProgram tries({"/usr/bin/unshare", "--net", "--mount", "--pid", "--fork", "/usr/sbin/ip", "link",
-                      "add", "cable", "type", "veth", "peer", "name", "other"});
-  const std::string why = tries.errors();
-  return tries.wait() == 0 ? "" : "this machine allows no namespaces or no veth interfaces: " + why;
-}
+const std::vector<std::string> kDaemons{"/usr/sbin/avahi-daemon", "/usr/bin/dbus-daemon"};
 
 /// A system bus on which everybody may do everything.
 constexpr const char* kBus =
@@ -31,32 +18,11 @@ constexpr const char* kBus =
     "<policy context='default'><allow user='*'/><allow own='*'/><allow send_destination='*'/>"
     "<allow receive_sender='*'/></policy></busconfig>";
 
-/// All its processes end with it.
-class Machine {
+/// A machine on which programs announce themselves.
+class AnnouncingMachine : public Machine {
  public:
-  Machine()
-      : init_({"/usr/bin/unshare", "--net", "--mount", "--pid", "--fork", "--kill-child", "/bin/sh", "-ec",
-               "mount -t tmpfs none /run; mkdir /run/dbus; ip link set lo up; echo up; exec sleep 600"}) {
-    EXPECT_TRUE(init_.line_after("up")) << init_.errors();
-  }
-
-  [[nodiscard]] pid_t id() const { return init_.id(); }
-
-  /// `arguments` with what runs them here.
-  [[nodiscard]] std::vector<std::string> here(std::vector<std::string> arguments) const {
-    const std::vector<std::string> enter{"/usr/bin/nsenter", "--net", "--mount", "--target",
-                                         std::to_string(id())};
-    arguments.insert(arguments.begin(), enter.begin(), enter.end());
-    return arguments;
-  }
-  void shell(const std::string& commands) const {
-    ChildProgram program(here({"/bin/sh", "-ec", commands}));
-    const std::string errors = program.errors();
-    EXPECT_EQ(program.wait(), 0) << commands << ": " << errors;
-  }
-
   void start_bus() {
-    shell("echo \"" + std::string(kBus) + "\" > /run/bus.conf");
+    shell("mkdir /run/dbus; echo \"" + std::string(kBus) + "\" > /run/bus.conf");
     bus_.emplace(here({"/usr/bin/dbus-daemon", "--config-file=/run/bus.conf", "--nofork", "--nopidfile",
                        "--print-address"}));
     ASSERT_TRUE(bus_->line_after("unix:")) << bus_->errors();
@@ -76,16 +42,8 @@ class Machine {
   }
 
  private:
-  ChildProgram init_;
   std::optional<ChildProgram> bus_, avahi_;
 };
-
-/// 192.0.2.2 and 192.0.2.3.
-void join(const Machine& a, const Machine& b) {
-  a.shell("ip link add cable type veth peer name cable netns " + std::to_string(b.id()) +
-          "; ip addr add 192.0.2.2/24 dev cable; ip link set cable up");
-  b.shell("ip addr add 192.0.2.3/24 dev cable; ip link set cable up");
-}
 
 ChildProgram start_server(const Machine& machine, const std::string& listen,
                           const std::vector<std::string>& more = {}) {
@@ -121,13 +79,13 @@ Ended run_in(const Machine& machine, const ScratchFolder& folder, std::vector<st
 class Announce : public testing::Test {
  protected:
   void SetUp() override {
-    if (const std::string why = missing_here(); !why.empty()) GTEST_SKIP() << why;
+    if (const std::string why = missing_for_machines(kDaemons); !why.empty()) GTEST_SKIP() << why;
   }
   ScratchFolder folder_;
 };
 
 TEST_F(Announce, AClientFindsTheServerOnAnotherMachine) {
-  Machine desk, lab;
+  AnnouncingMachine desk, lab;
   join(desk, lab);
   desk.start_avahi("desk");
   lab.start_avahi("lab");
@@ -174,7 +132,7 @@ TEST_F(Announce, AClientFindsTheServerOnAnotherMachine) {
 }
 
 TEST_F(Announce, IsOffByOptionAndOnlyOnTheInterfaceWhereTheServerListens) {
-  Machine desk, lab;
+  AnnouncingMachine desk, lab;
   join(desk, lab);
   desk.shell(
       "ip link add other type veth peer name end; ip addr add 198.51.100.2/24 dev other; ip link set other "
@@ -195,7 +153,7 @@ TEST_F(Announce, IsOffByOptionAndOnlyOnTheInterfaceWhereTheServerListens) {
 }
 
 TEST_F(Announce, WithoutADaemonBothProgramsSayWhatIsMissing) {
-  Machine desk, lab;
+  AnnouncingMachine desk, lab;
   join(desk, lab);
   desk.start_bus();
   ChildProgram server = start_server(desk, "0.0.0.0:0");

@@ -211,7 +211,7 @@ Bytes Strangers::make(const Source& source) {
 }
 
 Bytes Strangers::make_garbage() {
-  Bytes bytes = random_bytes(below(kMaxDatagram_bytes + 1), random_);
+  Bytes bytes = random_bytes(below(kBaseDatagram_bytes + 1), random_);
   if (bytes.size() < kHeader_bytes) {
     ++tally_.truncated;
     return bytes;
@@ -256,7 +256,7 @@ Bytes Strangers::make_hello(const Source& source) {
     if (below(2) == 0)
       datagram.back() = std::byte{1};
     else
-      datagram.resize(kHeader_bytes + below(kMaxDatagram_bytes - kHeader_bytes));
+      datagram.resize(kHeader_bytes + below(kBaseDatagram_bytes - kHeader_bytes));
     ++tally_.padding;
     return datagram;
   }

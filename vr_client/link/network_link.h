@@ -133,6 +133,7 @@ class NetworkLink final : public AnswerLink {
   void take(const Welcome&, Time) {}
   void take(const Refusal&, Time) {}
   void take(const Goodbye& goodbye, Time);
+  void take(const PathProbe&, Time) {}
   void take(const Probe& probe, Time) { channel_->probe_echo = probe.token; }
   void take(const auto& piece_or_report, Time arrived) { inbox_.take(piece_or_report, arrived); }
 

@@ -88,13 +88,36 @@ TEST(FramePacker, SendsTheMiddleOfTheViewsFirstAndBothEyesInTurn) {
   EXPECT_NE(sides[0], sides[1]);
 }
 
+TEST(FramePacker, FillsWhatThePathCarries) {
+  const FrameRequest requested = request(1);
+  const ShadowFrame frame = noisy_frame(requested, 3);
+  GBufferPlanes planes;
+  for (const PlaneKind kind : kGBufferKinds)
+    for (const Side side : kSides) {
+      PixelPlane& plane = planes_of(planes, kind)[index_of(side)] = PixelPlane({200, 120}, 4);
+      std::mt19937 random(index_of(side));
+      for (std::uint32_t& word : plane.words) word = static_cast<std::uint32_t>(random());
+    }
+  FramePacker packer;
+  std::vector<std::size_t> counts;
+  for (const std::size_t most : {kBaseMessage_bytes, kMaxMessage_bytes}) {
+    packer.begin(most);
+    packer.add(frame);
+    packer.add(requested.frame, planes);
+    const auto messages = packer.finish({});
+    for (const auto& message : messages) EXPECT_LE(message.size(), most);
+    counts.push_back(messages.size());
+  }
+  EXPECT_LT(counts[1], counts[0]);
+}
+
 TEST(FramePacker, KeepsDatagramsSmallAndCountsThem) {
   const ShadowFrame frame = noisy_frame(request(1), 3);
   const auto datagrams = datagrams_of(frame);
   ASSERT_GT(datagrams.size(), 10u);
   std::size_t bytes = 0;
   for (std::size_t i = 0; i + 1 < datagrams.size(); ++i) {
-    EXPECT_LE(datagrams[i].size(), kMaxDatagram_bytes);
+    EXPECT_LE(datagrams[i].size(), kBaseMessage_bytes);
     bytes += datagrams[i].size();
   }
   const auto report = std::get<FrameReport>(*decode_server(datagrams.back()));

@@ -176,6 +176,21 @@ TEST(Impairment, FlipsOneBitOfItsShare) {
   for (const int times : flipped) expect_share(static_cast<std::uint64_t>(times), share);
 }
 
+TEST(Impairment, DropsPacketsThatAreTooLongForItsFamily) {
+  const Peer v6{{0x20, 0x01, 0x0d, 0xb8}, 0, 1},
+      v4{{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, 192, 0, 2, 1}, 0, 1};
+  for (const auto& [peer, most] : {std::pair{v6, std::size_t{1352}}, std::pair{v4, std::size_t{1372}}}) {
+    Impairment path({.mtu_bytes = 1400}, Time{});
+    const std::vector<std::byte> longest(most), longer(most + 1);
+    EXPECT_TRUE(path.push(Time{}, peer, longer)) << "no error tells the sender";
+    EXPECT_EQ(path.front(), nullptr);
+    EXPECT_TRUE(path.push(Time{}, peer, longest));
+    ASSERT_NE(path.front(), nullptr);
+    EXPECT_EQ(path.front()->size, most);
+    EXPECT_EQ(path.counters().too_long, 1u);
+  }
+}
+
 TEST(Impairment, OneRateLeavesTheOthersAlone) {
   const std::string base = "delay=1ms,jitter=20ms,loss=10%";
   const Outcome all = run(parse_link_model(base).value(), 2000);
@@ -255,7 +270,7 @@ TEST(Impairment, IsBounded) {
 TEST(LinkModelParse, ReadsEveryWord) {
   const Expected<LinkModel> model = parse_link_model(
       "loss=2%,burst=3,delay=25ms,jitter=500us,reorder=2%,reorder_by=0.01s,duplicate=1%,corrupt=0.5%,"
-      "rate=10Mbit,queue=50ms,silence=2s/5s,seed=7");
+      "rate=10Mbit,queue=50ms,mtu=1400,silence=2s/5s,seed=7");
   ASSERT_TRUE(model.has_value()) << model.error().what;
   const LinkModel expected{.delay = 25ms,
                            .jitter = 500us,
@@ -267,6 +282,7 @@ TEST(LinkModelParse, ReadsEveryWord) {
                            .corrupt = 0.005,
                            .rate_bytes_per_s = 1.25e6,
                            .queue = 50ms,
+                           .mtu_bytes = 1400,
                            .silence = 2s,
                            .silence_every = 5s,
                            .seed = 7};
@@ -301,6 +317,8 @@ TEST(LinkModelParse, NamesTheBadWordAndWhatThereIs) {
                            "rate=10mbit",
                            "silence=2s",
                            "silence=/",
+                           "mtu=1400bytes",
+                           "mtu=1400.5",
                            "seed=-1",
                            "seed=1.5",
                            "seed=18446744073709551616",
@@ -319,9 +337,10 @@ TEST(LinkModelParse, NamesTheBadWordAndWhatThereIs) {
 }
 
 TEST(LinkModelParse, RefusesValuesThatMeanNothing) {
-  for (const char* word : {"loss=101%", "loss=-1%", "loss=nan%", "loss=inf%", "burst=0.5", "burst=1e9",
-                           "delay=-1ms", "delay=61s", "jitter=1e300s", "rate=0kbit", "rate=1e9Gbit",
-                           "silence=5s/2s", "silence=0s/0s", "silence=1s/1e9s"}) {
+  for (const char* word :
+       {"loss=101%", "loss=-1%", "loss=nan%", "loss=inf%", "burst=0.5", "burst=1e9", "delay=-1ms",
+        "delay=61s", "jitter=1e300s", "rate=0kbit", "rate=1e9Gbit", "mtu=575", "mtu=65536",
+        "mtu=99999999999999999999", "silence=5s/2s", "silence=0s/0s", "silence=1s/1e9s"}) {
     const Expected<LinkModel> model = parse_link_model(word);
     ASSERT_FALSE(model.has_value()) << word;
     EXPECT_EQ(model.error().fault, Fault::OutOfRange) << word;

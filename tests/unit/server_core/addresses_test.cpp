@@ -16,13 +16,17 @@ const Peer kHome{{0, 1}, 0, 1}, kAway{{0, 2}, 0, 1}, kThief{{0, 3}, 0, 1};
 struct Moving : testing::Test {
   Moving() {
     say(kHome, client.hello());
+    proved = kHome;
     ask(kHome);
   }
   void say(const Peer& from, Bytes datagram) {
     while (!datagram.empty()) {
       Bytes answer;
+      const bool was_proved = from == proved;
+      const std::uint64_t moved = sessions.counters().moved;
       (void)sessions.handle(from, datagram, now, answer);
-      EXPECT_LE(answer.size(), datagram.size());
+      EXPECT_TRUE(was_proved || answer.size() <= datagram.size());
+      if (sessions.counters().moved != moved) proved = from;
       sent_to[from] += answer.size();
       got_from[from] += datagram.size();
       received = answer;
@@ -53,6 +57,7 @@ struct Moving : testing::Test {
   LinkClient client{kKey, kServed};
   Time now{};
   std::uint32_t frame = 0;
+  std::optional<Peer> proved;  ///< the client's address
   Bytes received;
   std::map<Peer, std::size_t> sent_to, got_from;
 };
@@ -177,6 +182,31 @@ TEST_F(SessionAddress, ANewAddressBeginsWithTheRateOfANewSession) {
   const auto job = sessions.next_job(now);
   ASSERT_TRUE(job.has_value());
   EXPECT_EQ(job->bytes_per_second, RateControl::kStart);
+}
+
+TEST_F(SessionAddress, ANewAddressBeginsWithDatagramsOfTheBase) {
+  const auto most_after = [&](const Peer& from) {
+    now += 14ms;
+    say(from, client.seal({.request = request_of(++frame, {64, 64}),
+                           .probe_echo = client.probe,
+                           .arrivals = client.arrivals.report()}));
+    const auto job = sessions.next_job(now);
+    EXPECT_TRUE(job.has_value());
+    if (!job) return std::size_t{0};
+    sessions.put(job->session, std::vector<Bytes>(1, Bytes(100, std::byte{9})), {}, now);
+    Peer to;
+    for (Bytes datagram; sessions.seal_due(now, to, datagram);)
+      client.arrivals.add(std::get<Sealed>(*open_server_envelope(datagram)).counter, now);
+    return job->most_message_bytes;
+  };
+  EXPECT_EQ(most_after(kHome), kBaseMessage_bytes);
+  for (int i = 0; i < 5; ++i) most_after(kHome);
+  EXPECT_EQ(most_after(kHome), kMaxMessage_bytes);
+  EXPECT_EQ(most_after(kAway), kMaxMessage_bytes) << "that address is not proved yet";
+  EXPECT_EQ(most_after(kAway), kBaseMessage_bytes);
+  EXPECT_EQ(sessions.counters().moved, 1u);
+  for (int i = 0; i < 5; ++i) most_after(kAway);
+  EXPECT_EQ(most_after(kAway), kMaxMessage_bytes) << "the new path is searched";
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ struct House {
   Bytes say(std::uint16_t port, const Bytes& datagram, Time now = {}) {
     Bytes answer;
     taken = sessions.handle(peer(port), datagram, now, answer);
-    EXPECT_LE(answer.size(), datagram.size());
+    EXPECT_TRUE(sessions.was_opened() || answer.size() <= datagram.size());
     return answer;
   }
   /// Sends `datagram` and the replies to the answers, until there is no reply.

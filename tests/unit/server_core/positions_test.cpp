@@ -147,9 +147,9 @@ TEST(ServerPositions, MoreBytesThanMayWaitAreDropped) {
   FrameRequest large = with_positions(1, 65535);
   for (View& view : large.views) view.size = {1024, 1024};
   bench.client.say(bench.client.ask(large));
-  const Bytes full(kMaxPlaneBlock_bytes, std::byte{1});
+  const Bytes full(kBaseMessage_bytes - kPlaneSliceHeader_bytes, std::byte{1});
   Bytes message, datagram;
-  for (std::size_t i = 0; i * kMaxMessage_bytes < kMostParts_bytes + 100 * kMaxMessage_bytes; ++i) {
+  for (std::size_t i = 0; i * kBaseMessage_bytes < kMostParts_bytes + 100 * kBaseMessage_bytes; ++i) {
     encode(ClientMessage(PlaneSlice{.frame = {1},
                                     .kind = PlaneKind::PositionX,
                                     .size = {1024, 1024},

@@ -58,7 +58,7 @@ TEST(Envelopes, ComeBackAsTheyWere) {
 }
 
 TEST(Envelopes, HelloIsAsLongAsADatagramMayBe) {
-  EXPECT_EQ(enveloped(hello()).size(), kMaxDatagram_bytes);
+  EXPECT_EQ(enveloped(hello()).size(), kBaseDatagram_bytes);
 }
 
 TEST(Envelopes, NoAnswerInTheOpenIsLongerThanWhatItAnswers) {
@@ -76,7 +76,7 @@ TEST(Envelopes, RefuseEveryTruncation) {
         EXPECT_TRUE(std::holds_alternative<Sealed>(*envelope) && size >= kSealedHeader_bytes + kTag_bytes);
         continue;
       }
-      const bool padded = size >= 7 && whole.size() == kMaxDatagram_bytes;
+      const bool padded = size >= 7 && whole.size() == kBaseDatagram_bytes;
       EXPECT_EQ(envelope.error(), padded ? WireRefusal::Padding : WireRefusal::Truncated) << size;
     }
   for (const Bytes& whole : to_client())
@@ -130,7 +130,7 @@ TEST(Envelopes, EachSideRefusesWhatOnlyTheOtherSays) {
 }
 
 TEST(HelloEnvelope, IsPaddedWithZerosToItsLastByte) {
-  for (const std::size_t at : {std::size_t{127}, std::size_t{500}, kMaxDatagram_bytes - 1}) {
+  for (const std::size_t at : {std::size_t{127}, std::size_t{500}, kBaseDatagram_bytes - 1}) {
     Bytes bytes = enveloped(hello());
     bytes[at] = std::byte{1};
     EXPECT_EQ(open_client_envelope(bytes).error(), WireRefusal::Padding) << at;
@@ -140,7 +140,7 @@ TEST(HelloEnvelope, IsPaddedWithZerosToItsLastByte) {
 TEST(HelloEnvelope, OfAnotherVersionIsKnownByVersionAndEcho) {
   Bytes bytes = enveloped(hello());
   bytes[4] = std::byte{kProtocolVersion + 1};
-  bytes[kMaxDatagram_bytes - 1] = std::byte{0xff};  // the bytes after the echo are not checked
+  bytes[kBaseDatagram_bytes - 1] = std::byte{0xff};  // the bytes after the echo are not checked
   const auto foreign = std::get<ForeignHello>(*open_client_envelope(bytes));
   EXPECT_EQ(foreign.version, kProtocolVersion + 1);
   EXPECT_EQ(foreign.echo, retry().echo);

@@ -24,7 +24,7 @@ std::vector<Bytes> server_messages() {
   return {encoded(ServerMessage(welcome())),          encoded(ServerMessage(refusal())),
           encoded(ServerMessage(report())),           encoded(ServerMessage(probe())),
           packed(small_frame(), Side::Right).front(), encoded(ServerMessage(plane_slice())),
-          encoded(ServerMessage(video_part()))};
+          encoded(ServerMessage(video_part())),       encoded(ServerMessage(path_probe()))};
 }
 
 RequestMessage travelled(const RequestMessage& message) {
@@ -93,6 +93,8 @@ std::size_t fixed_bytes(const Bytes& message) {
       return kPlaneSliceHeader_bytes;
     case 22:
       return kVideoPartHeader_bytes;
+    case 26:
+      return 1;
     default:
       return message.size();
   }
@@ -123,6 +125,26 @@ TEST(Messages, RefuseWhatFollowsTheLastField) {
     bytes.push_back(std::byte{0});
     EXPECT_EQ(decode_server(bytes).error(), WireRefusal::TrailingBytes);
   }
+}
+
+TEST(Messages, OnlyTheServersMayBeLongerThanTheBase) {
+  Bytes plane = encoded(ClientMessage(plane_slice()));
+  plane.resize(kBaseMessage_bytes);
+  EXPECT_TRUE(decode_client(plane));
+  plane.push_back(std::byte{0});
+  EXPECT_EQ(decode_client(plane).error(), WireRefusal::TooLong);
+  plane.resize(kMaxMessage_bytes);
+  EXPECT_TRUE(decode_server(plane));
+  plane.push_back(std::byte{0});
+  EXPECT_EQ(decode_server(plane).error(), WireRefusal::TooLong);
+}
+
+TEST(PathProbeDecode, RefusesWhatIsNotPadding) {
+  const Bytes probe = encoded(ServerMessage(PathProbe{std::span(PathProbe::kZeros).first(1400)}));
+  EXPECT_EQ(probe.size(), 1401u);
+  EXPECT_TRUE(decode_server(probe));
+  EXPECT_EQ(decode_server(patched(probe, 1400, {1})).error(), WireRefusal::Padding);
+  EXPECT_EQ(decode_server(std::span(probe).first(1)).error(), WireRefusal::Padding) << "empty";
 }
 
 /// A message that is accepted keeps all information: encoding it again gives the same bytes.
@@ -334,7 +356,7 @@ TEST(VideoPartDecode, RefusesPartsThatNoPictureHas) {
       << "depends on a newer picture";
   EXPECT_TRUE(decode_server(patched(good, 5, {2}))) << "a key frame";
   Bytes whole = patched(good, 9, {1});
-  whole.resize(kMaxMessage_bytes);
+  whole.resize(kBaseMessage_bytes);
   EXPECT_TRUE(decode_server(whole));
 }
 

@@ -78,6 +78,7 @@ std::string power_of_ten(double value) {
 std::map<std::string, std::string> constants_of_code() {
   return {
       {"kProtocolVersion", count(kProtocolVersion)},
+      {"kBaseDatagram_bytes", bytes(kBaseDatagram_bytes)},
       {"kMaxDatagram_bytes", bytes(kMaxDatagram_bytes)},
       {"kSealing_bytes", bytes(kSealing_bytes)},
       {"kSealedHeader_bytes", bytes(kSealedHeader_bytes)},
@@ -85,6 +86,7 @@ std::map<std::string, std::string> constants_of_code() {
       {"kHelloLasting_bytes", bytes(kHelloLasting_bytes)},
       {"kHelloProved_bytes", bytes(kHelloProved_bytes)},
       {"kTag_bytes", bytes(kTag_bytes)},
+      {"kBaseMessage_bytes", bytes(kBaseMessage_bytes)},
       {"kMaxMessage_bytes", bytes(kMaxMessage_bytes)},
       {"kHelloInterval", time(kHelloInterval)},
       {"kServerSilence", time(kServerSilence)},
@@ -182,8 +184,8 @@ Size size_of_message(const Bytes& message) {
   return {std::to_integer<std::size_t>(message.at(0)), message.size(), message.size()};
 }
 /// Messages that end with any number of bytes.
-Size open_size(const Bytes& message, std::size_t header) {
-  return {std::to_integer<std::size_t>(message.at(0)), header + 1, kMaxMessage_bytes};
+Size open_size(const Bytes& message, std::size_t header, std::size_t most = kMaxMessage_bytes) {
+  return {std::to_integer<std::size_t>(message.at(0)), header + 1, most};
 }
 
 RequestMessage shortest_request() {
@@ -212,7 +214,7 @@ std::map<std::string, Size> sizes_of_code() {
           {"NoSession", size_of_envelope(enveloped(no_session()))},
           {"Sealed", size_of_envelope(enveloped(sealed_alone))},
           {"Request", size_of_request()},
-          {"AskSlice", open_size(ask_sample(), kAskSliceHeader_bytes)},
+          {"AskSlice", open_size(ask_sample(), kAskSliceHeader_bytes, kBaseMessage_bytes)},
           {"Leave", size_of_message(encoded(ClientMessage(Leave{})))},
           {"Goodbye", size_of_message(encoded(ServerMessage(Goodbye{})))},
           {"Welcome", size_of_message(encoded(ServerMessage(welcome())))},
@@ -221,7 +223,9 @@ std::map<std::string, Size> sizes_of_code() {
           {"FrameReport", size_of_message(encoded(ServerMessage(report())))},
           {"Probe", size_of_message(encoded(ServerMessage(probe())))},
           {"PlaneSlice", open_size(encoded(ServerMessage(plane_slice())), kPlaneSliceHeader_bytes)},
-          {"VideoPart", open_size(encoded(ServerMessage(video_part())), kVideoPartHeader_bytes)}};
+          {"VideoPart",
+           open_size(encoded(ServerMessage(video_part())), kVideoPartHeader_bytes, kBaseMessage_bytes)},
+          {"PathProbe", open_size(encoded(ServerMessage(path_probe())), 1)}};
 }
 
 std::size_t number_in(std::string digits) {

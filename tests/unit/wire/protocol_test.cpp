@@ -33,7 +33,7 @@ Bytes example(const std::string& name) {
 
 /// The document omits the zeros.
 Bytes padded(Bytes bytes) {
-  bytes.resize(kMaxDatagram_bytes);
+  bytes.resize(kBaseDatagram_bytes);
   return bytes;
 }
 
@@ -141,6 +141,12 @@ TEST(Protocol, LeaveAndGoodbyeAreAsThePageSays) {
   EXPECT_EQ(std::get<Leave>(*decode_client(example("leave"))), Leave{});
   EXPECT_EQ(encoded(ServerMessage(Goodbye{EndReason::Expired})), example("goodbye"));
   EXPECT_EQ(std::get<Goodbye>(*decode_server(example("goodbye"))), Goodbye{EndReason::Expired});
+}
+
+TEST(Protocol, PathProbeIsAsThePageSays) {
+  EXPECT_EQ(encoded(ServerMessage(path_probe())), example("path-probe"));
+  const Bytes bytes = example("path-probe");
+  EXPECT_EQ(std::get<PathProbe>(*decode_server(bytes)).padding.size(), 3u);
 }
 
 TEST(Protocol, PlaneSliceIsAsThePageSays) {

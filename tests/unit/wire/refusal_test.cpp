@@ -73,7 +73,7 @@ std::vector<Case> envelopes_to_client() {
   const Bytes tag(kTag_bytes), no = enveloped(open_refusal());
   const Bytes met = enveloped(accept_sample(tag));
   return {
-      {"longer than a datagram", Bytes(1201), WireRefusal::TooLong},
+      {"longer than a datagram", Bytes(1473), WireRefusal::TooLong},
       {"a client's type", enveloped(hello()), WireRefusal::Type},
       {"another version's retry", patched(enveloped(retry()), 4, {kProtocolVersion + 1}),
        WireRefusal::Version},
@@ -89,7 +89,8 @@ std::vector<Case> envelopes_to_client() {
 std::vector<Case> messages_to_server() {
   const Bytes requested = encoded(ClientMessage(request()));
   return {
-      {"longer than a message", and_more(requested, kMaxMessage_bytes), WireRefusal::TooLong},
+      {"longer than a message", and_more(requested, kBaseMessage_bytes + 1 - requested.size()),
+       WireRefusal::TooLong},
       {"nothing", {}, WireRefusal::Truncated},
       {"a type that is not", patched(requested, 0, {15}), WireRefusal::Type},
       {"asks for a third eye's blocks", patched(ask_sample(), 5, {2}), WireRefusal::Code},

@@ -126,6 +126,9 @@ inline PlaneSlice plane_slice() {
           .tile_count = 2,
           .block = kThreeBytes};
 }
+inline PathProbe path_probe() {
+  return {.padding = std::span(PathProbe::kZeros).first(3)};
+}
 inline VideoPart video_part() {
   return {.frame = FrameId{258}, .after = FrameId{257}, .part = 2, .parts = 3, .bytes = kThreeBytes};
 }

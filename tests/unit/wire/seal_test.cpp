@@ -23,7 +23,7 @@ Bytes seal(Sealer& sealer, const Bytes& message) {
 }
 
 Decoded<Bytes> open(Opener& opener, const Bytes& datagram) {
-  const auto envelope = open_client_envelope(datagram);
+  const auto envelope = open_server_envelope(datagram);
   if (!envelope) return refuse(envelope.error());
   const auto* sealed = std::get_if<Sealed>(&*envelope);
   if (sealed == nullptr) return refuse(WireRefusal::Type);

@@ -66,9 +66,16 @@ TEST(SlicePacker, TakesTheLongestSides) {
 TEST(SlicePacker, FillsItsMessages) {
   std::mt19937 random(3);
   const ShadowFrame frame = frame_of(EyeMask{}, noise_mask({256, 256}, 3, random));
-  const auto messages = packed(frame, Side::Right);
-  for (std::size_t i = 0; i + 1 < messages.size(); ++i)
-    EXPECT_GT(messages[i].size() + std::size_t{3} * 32 + 40, kMaxMessage_bytes) << "slice " << i;
+  for (const std::size_t most : {kBaseMessage_bytes, std::size_t{1333}, kMaxMessage_bytes}) {
+    SlicePacker packer;
+    packer.start(frame, Side::Right, {}, {}, most);
+    std::vector<std::size_t> sizes;
+    while (const std::optional<Slice> slice = packer.next()) sizes.push_back(encoded(*slice).size());
+    EXPECT_GT(sizes.size(), 10u);
+    EXPECT_LE(std::ranges::max(sizes), most);
+    for (std::size_t i = 0; i + 1 < sizes.size(); ++i)
+      EXPECT_GT(sizes[i] + std::size_t{3} * 32 + 40, most) << "slice " << i;
+  }
 }
 
 TEST(SlicePacker, MakesWiderWordsNoLonger) {
