@@ -196,6 +196,12 @@ void print_counters(const ServerCore& core, const SceneSender* sender) {
   std::fflush(stdout);
 }
 
+Expected<void> print_plan(const Scene& scene, const ScenePlan& plan) {
+  fmt::print("{}  {:<12} the tracer holds {}\n", in_words(plan, scene), "memory",
+             in_words(estimated_memory(scene, plan.trace)));
+  return {};
+}
+
 }  // namespace
 
 Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
@@ -208,11 +214,7 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   for (const std::string& note : loaded->notes) fmt::print("rt_server: {}\n", note);
   const auto [scene, plan] =
       plan_scene(std::move(loaded->scene), {.kind = options.plan.kind, .surround = false});
-  if (options.plan.prints_only) {
-    fmt::print("{}  {:<12} the tracer holds {}\n", in_words(plan, scene), "memory",
-               in_words(estimated_memory(scene, plan.trace)));
-    return {};
-  }
+  if (options.plan.prints_only) return print_plan(scene, plan);
   if (!plan.server) return end_without_shadows(options);
   stages.end("scene");
   FileWatch ring_file(ring_path(options));  // before it is read, so that no change is missed

@@ -88,23 +88,10 @@ void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<cons
     events_.push_back({ClientEvent::Kind::TooManyHandshakes, key->name, from, {}, hello.key});
     return;
   }
-  std::optional<RefusalReason> refused;
-  const bool key_full = is_key_full(*key, from);
   const bool is_full = sessions_.size() == limits_.sessions;
   const ClientSession* const displaced = is_full ? to_displace(hello.key) : nullptr;
-  if (hello.scene_hash != served_.scene_hash) {
-    refused = RefusalReason::SceneMismatch;
-    ++counters_.scene_mismatch;
-  } else if (key_full) {
-    refused = RefusalReason::Busy;
-    ++counters_.key_full;
-  } else if (is_full && displaced == nullptr) {
-    refused = RefusalReason::Busy;
-    ++counters_.busy;
-  } else if (room_for(hello.key) < kSession_bytes) {
-    refused = RefusalReason::Busy;
-    ++counters_.over_memory;
-  }
+  const bool has_room = !is_full || displaced != nullptr, key_full = is_key_full(*key, from);
+  const std::optional<RefusalReason> refused = why_refused(hello, key_full, has_room);
   const ServerMessage message =
       refused ? ServerMessage(Refusal{*refused, served_.scene_hash}) : ServerMessage(served_);
   const std::optional<Accepted> accepted = accept(hello, datagram, *key, message);
@@ -117,14 +104,36 @@ void Sessions::handle_hello(const Peer& from, const Hello& hello, std::span<cons
                      {},
                      hello.key});
   if (refused) return remember(hello.key, hello.client, answer);
-  ++counters_.welcomed;
   if (displaced != nullptr) end_displaced(displaced->id());
+  begin_session(*key, from, hello, *accepted, now);
+}
+
+/// Counts the reason.
+std::optional<RefusalReason> Sessions::why_refused(const Hello& hello, bool key_full, bool has_room) {
+  if (hello.scene_hash != served_.scene_hash) {
+    ++counters_.scene_mismatch;
+    return RefusalReason::SceneMismatch;
+  }
+  if (key_full)
+    ++counters_.key_full;
+  else if (!has_room)
+    ++counters_.busy;
+  else if (room_for(hello.key) < kSession_bytes)
+    ++counters_.over_memory;
+  else
+    return std::nullopt;
+  return RefusalReason::Busy;
+}
+
+void Sessions::begin_session(const SharedKey& key, const Peer& client, const Hello& hello,
+                             const Accepted& accepted, Time now) {
+  ++counters_.welcomed;
   double bytes_per_second = limits_.bytes_per_second;
-  if (const auto& most = key->limits.bytes_per_second)
+  if (const auto& most = key.limits.bytes_per_second)
     bytes_per_second = std::min(bytes_per_second, static_cast<double>(*most));
-  sessions_.emplace_back(*key, from, hello.client, *accepted, now, RateLimits{.most = bytes_per_second},
+  sessions_.emplace_back(key, client, hello.client, accepted, now, RateLimits{.most = bytes_per_second},
                          served_);
-  sessions_.back().turn = {account.session_work, jobs_};
+  sessions_.back().turn = {ledger_.of(hello.key).session_work, jobs_};
   hold(sessions_.back(), 0);
   place_of_[sessions_.back().id().value] = sessions_.size() - 1;
   const Time end = end_of(sessions_.back()) + Duration(1);

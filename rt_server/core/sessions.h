@@ -130,6 +130,9 @@ class Sessions {
                     std::vector<std::byte>& answer);
   Decoded<void> handle_sealed(const Peer& from, const Sealed& sealed, std::span<const std::byte> datagram,
                               Time now, std::vector<std::byte>& answer);
+  [[nodiscard]] std::optional<RefusalReason> why_refused(const Hello& hello, bool key_full, bool has_room);
+  void begin_session(const SharedKey& key, const Peer& client, const Hello& hello, const Accepted& accepted,
+                     Time now);
   void count(ReceivedMessage received);
   void end_replaced(SessionId kept);
   [[nodiscard]] Time end_of(const ClientSession& session) const;

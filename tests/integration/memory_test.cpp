@@ -54,7 +54,7 @@ void bring_positions(const std::vector<std::unique_ptr<Client>>& clients, std::u
   FrameRequest request = request_of(1, kSize);
   request.answer = {.kind = Answer::MasksOfPositions, .position_bits = 16, .slices = 65535};
   for (const auto& client : clients) client->link.say(client->link.ask(request));
-  const Bytes full(kMaxPlaneBlock_bytes, std::byte{1});
+  const Bytes full(kBaseMessage_bytes - kPlaneSliceHeader_bytes, std::byte{1});
   Bytes message, datagram;
   for (std::uint32_t tile = 0; tile < parts; ++tile) {
     encode(ClientMessage(PlaneSlice{.frame = {1},

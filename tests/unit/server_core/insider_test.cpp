@@ -281,7 +281,7 @@ void bring_positions(House& house, LinkClient& client, std::uint16_t port, std::
   FrameRequest request = request_of(1, {1024, 1024});
   request.answer = {.kind = Answer::MasksOfPositions, .position_bits = 16, .slices = 65535};
   house.talk(client, port, client.seal({.request = request}));
-  const Bytes full(kMaxPlaneBlock_bytes, std::byte{1});
+  const Bytes full(kBaseMessage_bytes - kPlaneSliceHeader_bytes, std::byte{1});
   Bytes message, datagram;
   for (std::uint32_t tile = 0; tile < parts; ++tile) {
     encode(ClientMessage(PlaneSlice{.frame = {1},
@@ -305,7 +305,7 @@ TEST(Insider, OneKeyHasHalfOfTheMemoryAndAnotherIsStillServed) {
   for (std::uint16_t i = 0; i < 3; ++i) bring_positions(house, evil[i], kEvilPort + i, 1000);
   const KeyAccount& account = house.sessions.account(id_of(kEvil));
   EXPECT_LE(account.held_bytes, 2 * kMiB);
-  EXPECT_GT(account.held_bytes, 2 * kMiB - 2 * kMaxMessage_bytes);
+  EXPECT_GT(account.held_bytes, 2 * kMiB - 2 * kBaseMessage_bytes);
   const std::uint64_t refused = house.sessions.counters().over_memory;
   EXPECT_GT(refused, 1000u);
   EXPECT_TRUE(house.join(kEvilPort + 9, {}, kEvil).refusal.has_value());

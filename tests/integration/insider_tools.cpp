@@ -1,0 +1,196 @@
+#include "tests/integration/insider_tools.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <stdexcept>
+#include <thread>
+
+#include "stereo/frame/tiles.h"
+#include "stereo/net/udp.h"
+#include "tests/unit/forged.h"
+
+namespace farshade {
+namespace {
+
+using namespace std::chrono_literals;
+using link_test::Bytes;
+
+constexpr Duration kPlay = 1s, kPause = 1ms, kPatience = 100ms;
+constexpr Extent kUsual{512, 512};
+
+}  // namespace
+
+InsiderAttack::InsiderAttack(const Peer& server, const SharedKey& key, const Welcome& served,
+                             const Peer& victim)
+    : server_(server), victim_(victim), key_(key), served_(served) {
+  for (std::size_t i = 0; i < kSockets; ++i) {
+    Expected<UdpClient> udp = connect_udp(server);
+    if (!udp) throw std::runtime_error(udp.error().what);
+    sockets_.push_back({std::move(udp->port)});
+  }
+}
+
+void InsiderAttack::run(const std::atomic<bool>& over) {
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 19);
+  constexpr std::array<void (InsiderAttack::*)(), kPlays> plays{
+      &InsiderAttack::reconnect,         &InsiderAttack::repeat_tiles,
+      &InsiderAttack::wild_codings,      &InsiderAttack::jump_counters,
+      &InsiderAttack::flood_victim,      &InsiderAttack::report_nothing,
+      &InsiderAttack::hold_memory,       &InsiderAttack::report_without_looking,
+      &InsiderAttack::ask_for_everything};
+  const SteadyClock clock;
+  for (; !over; ++rounds_) {
+    const auto play = plays[rounds_ % plays.size()];
+    for (const Time until = clock.now() + kPlay; clock.now() < until && !over;) {
+      (this->*play)();
+      drain();
+      std::this_thread::sleep_for(kPause);
+    }
+  }
+}
+
+void InsiderAttack::join(Socket& socket) {
+  socket.client.emplace(*socket.port, server_, key_, served_);
+  socket.counter = 0;
+  socket.client->meet(kPatience);
+  ++sent_;
+}
+
+/// The socket, with a session of this round or an earlier one that still lives.
+InsiderAttack::Socket& InsiderAttack::joined(std::size_t i) {
+  Socket& socket = sockets_[i % kSockets];
+  const bool is_over = socket.client && socket.client->no_session > 0;
+  if (!socket.client || !socket.client->session || is_over) join(socket);
+  return socket;
+}
+
+void InsiderAttack::say(Socket& socket, const ClientMessage& message) {
+  if (!socket.client->keys) return;
+  Bytes bytes;
+  encode(message, bytes);
+  socket.client->say(link_test::seal_at(socket.counter++, socket.client->keys->session,
+                                        socket.client->keys->to_server, bytes));
+  ++sent_;
+}
+
+FrameRequest InsiderAttack::next_request(Socket& socket, Extent size) {
+  FrameRequest request = link_test::request_of(++socket.frame, size);
+  for (View& view : request.views) view.stage_from_eye.translation = {0, 1.5, 4};
+  return request;
+}
+
+void InsiderAttack::drain() {
+  for (Socket& socket : sockets_) {
+    if (!socket.client) continue;
+    for (int i = 0; i < kBatch && socket.client->hear(Duration::zero()); ++i) {
+    }
+  }
+}
+
+void InsiderAttack::reconnect() {
+  for (int i = 0; i < 4; ++i) {
+    Socket& socket = sockets_[next_++ % kSockets];
+    join(socket);
+    say(socket, RequestMessage{.request = next_request(socket, kUsual)});
+  }
+}
+
+void InsiderAttack::repeat_tiles() {
+  Socket& socket = joined(next_);
+  RequestMessage message{.request = next_request(socket, kUsual)};
+  message.request.answer = {.kind = Answer::MasksOfPositions, .position_bits = 16, .slices = 65535};
+  say(socket, message);
+  const std::array<std::byte, 16> zeros{};
+  PlaneSlice slice{.frame = message.request.frame,
+                   .kind = PlaneKind::PositionX,
+                   .size = kUsual,
+                   .word_bytes = 2,
+                   .tile_count = 16,
+                   .block = zeros};
+  for (int i = 1; i < kBatch; ++i) say(socket, slice);
+}
+
+void InsiderAttack::wild_codings() {
+  constexpr std::array kinds{Answer::Video, Answer::GBuffer, Answer::Difference};
+  for (int i = 0; i < 4; ++i) {
+    Socket& socket = joined(next_++);
+    const auto n = static_cast<std::uint32_t>(next_);
+    RequestMessage message{.request = next_request(socket, {64 + 16 * (n % 13), 64 + 16 * (n % 7)})};
+    message.request.answer.kind = kinds[n % kinds.size()];
+    if (is_video(message.request.answer.kind)) {
+      message.request.answer.bits_per_second = kLeastVideo_bits * (1 + n % 50);
+      message.request.answer.interval = 14ms;
+    }
+    say(socket, message);
+  }
+}
+
+void InsiderAttack::jump_counters() {
+  Socket& socket = joined(next_++);
+  for (const int bits : {27, 32, 62, 63}) {
+    const std::uint64_t before = socket.counter;
+    socket.counter = (std::uint64_t{1} << bits) + 300;
+    say(socket, RequestMessage{.request = next_request(socket, kUsual)});
+    socket.counter = before;
+  }
+  socket.counter = ~std::uint64_t{0};
+  say(socket, RequestMessage{.request = next_request(socket, kUsual)});
+  socket.counter = 0;
+  join(socket);
+}
+
+void InsiderAttack::flood_victim() {
+  const Bytes noise(1200, std::byte{0x46});
+  for (int i = 0; i < kBatch; ++i) sockets_[0].port->send(victim_, noise);
+  sent_ += kBatch;
+}
+
+void InsiderAttack::report_nothing() {
+  for (int i = 0; i < 8; ++i) {
+    Socket& socket = joined(next_++);
+    say(socket, RequestMessage{.request = next_request(socket, kUsual)});
+  }
+}
+
+void InsiderAttack::report_without_looking() {
+  for (int i = 0; i < 2; ++i) {
+    Socket& socket = joined(static_cast<std::size_t>(i));
+    RequestMessage message{.request = next_request(socket, kUsual)};
+    message.arrivals = socket.client->arrivals.report();
+    for (std::uint32_t entry = 0; entry < message.arrivals.count; ++entry)
+      if (!message.arrivals.arrived(entry)) message.arrivals.ticks[entry] = 0;
+    say(socket, message);
+  }
+}
+
+void InsiderAttack::hold_memory() {
+  Socket& socket = joined(next_++ % 8);
+  constexpr Extent kLarge{2048, 2048};
+  if (socket.holds_since != rounds_) {
+    socket.holds_since = rounds_;
+    RequestMessage message{.request = next_request(socket, kLarge)};
+    message.request.answer = {.kind = Answer::MasksOfPositions, .position_bits = 16, .slices = 65535};
+    say(socket, message);
+  }
+  const Bytes full(1100, std::byte{7});
+  for (std::uint32_t tile = 0; tile + 1 < kBatch; ++tile)
+    say(socket, PlaneSlice{.frame = {socket.frame},
+                           .kind = PlaneKind::PositionX,
+                           .size = kLarge,
+                           .word_bytes = 2,
+                           .first_tile = tile,
+                           .tile_count = 1,
+                           .block = full});
+}
+
+void InsiderAttack::ask_for_everything() {
+  const auto side = std::min(kMaxViewSide_px, static_cast<std::uint32_t>(std::sqrt(served_.most_pixels)));
+  for (int i = 0; i < 4; ++i) {
+    Socket& socket = joined(next_++);
+    say(socket, RequestMessage{.request = next_request(socket, {side, side})});
+  }
+}
+
+}  // namespace farshade
