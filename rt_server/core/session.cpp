@@ -311,6 +311,7 @@ void ClientSession::put(std::vector<std::vector<std::byte>> messages, Time now, 
 }
 
 void ClientSession::seal_goodbye(EndReason reason, std::vector<std::byte>& datagram) {
+  outbox_.drop();
   encode(Goodbye{reason}, message_);
   sealer_.seal(message_, datagram);
 }

@@ -190,8 +190,10 @@ void Sessions::end_left(SessionId id) {
 }
 
 void Sessions::queue_goodbye(ClientSession& session, EndReason reason) {
+  const std::size_t before = session.bytes();
   for (int i = 0; i < kGoodbyes; ++i)
     session.seal_goodbye(reason, goodbyes_.emplace_back(session.client(), std::vector<std::byte>{}).second);
+  hold(session, before);
   due_at_.reset();
 }
 

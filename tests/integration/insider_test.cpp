@@ -22,7 +22,7 @@ using namespace std::chrono_literals;
 constexpr Duration kHonest = kSanitized ? 3s : 15s, kAttack = kSanitized ? 20s : 120s;
 constexpr Duration kInterval = std::chrono::microseconds(13'889);
 constexpr Duration kPatience = 500ms;  ///< then the request counts as lost
-constexpr Extent kSize{256, 256};
+constexpr Extent kSize{512, 512};  ///< as vr_client requests without --size, for all
 constexpr double kMemory_MiB = 512;
 
 /// The ages of masks when they are complete, since their request, ms. A mask that did not come within
@@ -142,7 +142,6 @@ TEST_F(Insider, CostsAGoodClientNoMoreThanAnHonestNeighbourDoes) {
   EXPECT_GT(attack.rounds(), 9u) << "each play once";
   EXPECT_GT(counts.of("counter jump"), 0u);
   EXPECT_GT(counts.of("stray parts of requests"), 0u);
-  EXPECT_GT(counts.of("that reported what was never sent"), 0u);
   EXPECT_LT(static_cast<double>(attacked.lost), 0.02 * static_cast<double>(attacked.ms.size()));
   EXPECT_LT(most_KiB / 1024, kMemory_MiB);
   if (!kSanitized) {

@@ -35,8 +35,8 @@ class InsiderAttack {
       "memory held",         "arrivals made up",      "the largest views"};
 
  private:
-  /// Datagrams before the attacker waits: more would overflow the server's socket buffer, in which the good
-  /// client's datagrams come, too. No protocol prevents that.
+  /// Datagrams before the attacker waits until the server has handled them: more would overflow the server's
+  /// socket buffer, in which the good client's datagrams come, too. No protocol prevents that.
   static constexpr int kBatch = 32;
   static constexpr std::size_t kSockets = 64;
 
@@ -64,10 +64,12 @@ class InsiderAttack {
   void say(Socket& socket, const ClientMessage& message);
   FrameRequest next_request(Socket& socket, Extent size);
   void drain();
+  void catch_up();
 
   Peer server_, victim_;
   SharedKey key_;
   Welcome served_;
+  std::unique_ptr<DatagramPort> pacer_;  ///< only says hello
   std::vector<Socket> sockets_;
   std::size_t next_ = 0;
   std::uint64_t sent_ = 0;

@@ -445,6 +445,19 @@ TEST(Goodbye, AClientIsToldWhyItsSessionEnds) {
   EXPECT_EQ(std::get<Goodbye>(*opened(good, ends[0].second)).reason, EndReason::ServerEnds);
 }
 
+TEST(Goodbye, NothingFollowsIt) {
+  House house;
+  LinkClient client = house.join(kGoodPort, {}, kGood);
+  house.ask(client, kGoodPort, 1);
+  house.sessions.put(house.sessions.next_job({})->session, std::vector<Bytes>(8, Bytes(100, std::byte{1})),
+                     {}, {});
+  Peer to;
+  Bytes datagram;
+  ASSERT_TRUE(house.sessions.seal_due({}, to, datagram));
+  house.sessions.say_goodbye();
+  EXPECT_EQ(sent_by(house.sessions).size(), std::size_t{kGoodbyes}) << "and not the rest of the answer";
+}
+
 TEST(Goodbye, AClientThatFellSilentIsToldNothing) {
   House house;
   LinkClient client = house.join(kGoodPort, {}, kGood);
