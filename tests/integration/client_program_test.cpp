@@ -16,6 +16,7 @@
 #include "stereo/wire/messages.h"
 #include "tests/integration/one_triangle.h"
 #include "tests/support/image_reader.h"
+#include "tests/support/sanitized.h"
 #include "tests/unit/scratch_folder.h"
 
 namespace farshade {
@@ -487,7 +488,7 @@ TEST(ClientProgram, DumpsAndWritesPicturesOutsideOfARealClock) {
                                 {"--clock", "real"},
                                 {"--size", "128x128"},
                                 {"--frames", "5"},
-                                {"--refresh", "2"},
+                                {"--refresh", kSanitized ? "0.5" : "2"},
                                 {"--dump", "2"},
                                 {"--pictures", "5"},
                                 {"--reference-samples", "4"},

@@ -22,7 +22,8 @@ using namespace std::chrono_literals;
 constexpr Duration kHonest = kSanitized ? 3s : 15s, kAttack = kSanitized ? 20s : 120s;
 constexpr Duration kInterval = std::chrono::microseconds(13'889);
 constexpr Duration kPatience = 500ms;  ///< then the request counts as lost
-constexpr Extent kSize{512, 512};  ///< as vr_client requests without --size, for all
+/// For all. Without sanitizers as vr_client requests without --size.
+constexpr Extent kSize = kSanitized ? Extent{128, 128} : Extent{512, 512};
 constexpr double kMemory_MiB = 512;
 
 /// The ages of masks when they are complete, since their request, ms. A mask that did not come within

@@ -82,6 +82,10 @@ struct LinkBench {
         link(client_port, clock, target, frames) {
     wire.while_waiting([this] { serve(); }, [this] { return due(); });
   }
+  /// The link says goodbye at its end, after what a test's hooks refer to has ended.
+  ~LinkBench() { on_send = on_answer = {}; }
+  LinkBench(const LinkBench&) = delete;
+  LinkBench& operator=(const LinkBench&) = delete;
   void start_server(const Welcome& served = kServed, const SessionLimits& limits = {},
                     const std::vector<SharedKey>& ring = {kKey}) {
     const auto trace = [this](const FrameRequest& requested, ShadowFrame& made) {

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "stereo/net/explain.h"
+#include "tests/support/sanitized.h"
 #include "tests/unit/client_link/link_bench.h"
 
 namespace farshade {
@@ -130,7 +131,10 @@ TEST(LinkGoodbye, ASessionGoesOnWithNewKeys) {
     if (const auto* sealed = std::get_if<Sealed>(&*envelope)) epoch_up = sealed->epoch;
     return false;
   };
-  bench.run(2 * kEpochTime + 10s);
+  while (bench.clock.now() < Time(2 * kEpochTime + 10s)) {
+    bench.ask(request(++bench.frame, bench.clock.now().time_since_epoch()));
+    bench.pass(250ms);
+  }
   EXPECT_EQ(epoch_up, 2u);
   EXPECT_EQ(epoch_down, 2u);
   EXPECT_EQ(bench.link.counters().sessions, 1u);
@@ -298,7 +302,7 @@ TEST(LinkSession, ContinuesAtOnceAfterSilence) {
 }
 
 TEST(LinkSession, FollowsItsClientWithinTwoRoundTrips) {
-  for (const Duration delay : {0ms, 5ms, 25ms, 100ms}) {
+  for (const Duration delay : kSanitized ? std::vector{5ms} : std::vector{0ms, 5ms, 25ms, 100ms}) {
     MetBench bench(each_way(delay), kLong);
     bench.run(500ms);
     for (int move = 0; move < 5; ++move) {

@@ -1,6 +1,7 @@
 // The server's datagrams grow to what the path to the client carries, and shrink when the path does.
 #include <gtest/gtest.h>
 
+#include "tests/support/sanitized.h"
 #include "tests/unit/client_link/link_bench.h"
 
 namespace farshade {
@@ -29,16 +30,22 @@ struct PathBench : MetBench {
     }
     return static_cast<double>(whole) / all;
   }
+  /// The rate that the newest report names, in bytes per second. The newest mask may have come without its
+  /// report.
+  [[nodiscard]] double newest_rate() const {
+    for (std::uint32_t f = frame; f > 0; --f)
+      if (const auto* got = link.inbox().find({f}); got != nullptr && got->report)
+        return got->report->bytes_per_second;
+    return 0;
+  }
   std::size_t most_bytes = kMaxDatagram_bytes, longest = 0;
 };
 
 /// The virtual link's addresses are those of IPv6, whose headers with UDP's take 48 bytes.
 TEST(LinkPathMtu, DatagramsGrowToWhatThePathCarries) {
-  for (const auto& [mtu, carried] : {std::pair<std::size_t, std::size_t>{1280, 1200},
-                                     {1419, 1200},
-                                     {1420, 1372},
-                                     {1500, 1444},
-                                     {1520, 1472}}) {
+  const std::vector<std::pair<std::size_t, std::size_t>> all{
+      {1280, 1200}, {1419, 1200}, {1420, 1372}, {1500, 1444}, {1520, 1472}};
+  for (const auto& [mtu, carried] : kSanitized ? std::vector{all[1], all[3]} : all) {
     PathBench bench({.delay = kWay, .mtu_bytes = mtu});
     bench.run(10s);
     EXPECT_EQ(bench.whole_in(1s), 1) << mtu;
@@ -67,9 +74,10 @@ TEST(LinkPathMtu, MasksAreWholeAgainSoonAfterThePathHasShrunk) {
 TEST(LinkPathMtu, LostProbesDoNotLowerTheRate) {
   PathBench bench({.delay = kWay, .mtu_bytes = 1280});
   bench.run(200ms);
-  const double before = bench.link.inbox().newest_known()->report->bytes_per_second;
+  const double before = bench.newest_rate();
   bench.run(4s);
-  EXPECT_GE(bench.link.inbox().newest_known()->report->bytes_per_second, before);
+  EXPECT_GT(before, 0);
+  EXPECT_GE(bench.newest_rate(), before);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "stereo/net/arrivals.h"
+#include "tests/support/sanitized.h"
 
 namespace farshade {
 namespace {
@@ -179,7 +180,7 @@ TEST(PathMtu, APathThatOftenTurnsIntoABlackHoleIsSearchedLessOften) {
 }
 
 TEST(PathMtu, RandomLossIsNoBlackHole) {
-  for (const std::uint64_t seed : {1u, 2u, 3u, 4u, 5u}) {
+  for (std::uint64_t seed = 1; seed <= (kSanitized ? 1 : 5); ++seed) {
     ProbedPath path;
     path.random.seed(seed);
     path.run(5s);
