@@ -488,7 +488,7 @@ TEST(ClientProgram, DumpsAndWritesPicturesOutsideOfARealClock) {
                                 {"--clock", "real"},
                                 {"--size", "128x128"},
                                 {"--frames", "5"},
-                                {"--refresh", kSanitized ? "0.5" : "2"},
+                                {"--refresh", kSanitized ? "1" : "2"},
                                 {"--dump", "2"},
                                 {"--pictures", "5"},
                                 {"--reference-samples", "4"},

@@ -24,7 +24,7 @@ constexpr Duration kInterval = std::chrono::microseconds(13'889);
 constexpr Duration kPatience = 500ms;  ///< then the request counts as lost
 /// For all. Without sanitizers as vr_client requests without --size.
 constexpr Extent kSize = kSanitized ? Extent{128, 128} : Extent{512, 512};
-constexpr double kMemory_MiB = 512;
+constexpr int kMemory_MiB = 512;  ///< the server's limit
 
 /// The ages of masks when they are complete, since their request, ms. A mask that did not come within
 /// kPatience has that age.
@@ -48,7 +48,9 @@ class Insider : public testing::Test {
     const std::string& ring = test_keys().ring;
     for (const SharedKey& key : {neighbour_, attacker_})
       if (!append_to_ring(ring, key)) throw std::runtime_error("the ring cannot be written");
-    server_.emplace(kRoom, "127.0.0.1:0", std::vector<std::string>{"--handshakes-per-second", "1000"});
+    server_.emplace(
+        kRoom, "127.0.0.1:0",
+        std::vector<std::string>{"--handshakes-per-second", "1000", "--memory", std::to_string(kMemory_MiB)});
     udp_ = connect_udp(server_->address()).value();
     target_ = target_of(udp_.server, test_keys().key, kRoom);
     good_.emplace(*udp_.port, target_, kSize);
@@ -143,9 +145,10 @@ TEST_F(Insider, CostsAGoodClientNoMoreThanAnHonestNeighbourDoes) {
   EXPECT_GT(attack.rounds(), 9u) << "each play once";
   EXPECT_GT(counts.of("counter jump"), 0u);
   EXPECT_GT(counts.of("stray parts of requests"), 0u);
-  EXPECT_LT(static_cast<double>(attacked.lost), 0.02 * static_cast<double>(attacked.ms.size()));
-  EXPECT_LT(most_KiB / 1024, kMemory_MiB);
-  if (!kSanitized) {
+  if (!kSanitized) {  // a sanitizer's heap keeps what was freed, and its server needs both cores for one
+                      // client
+    EXPECT_LT(static_cast<double>(attacked.lost), 0.02 * static_cast<double>(attacked.ms.size()));
+    EXPECT_LT((most_KiB - memory_before) / 1024, kMemory_MiB);
     EXPECT_LE(attacked.of(0.5), 1.5 * honest.of(0.5));
     EXPECT_LE(attacked.of(0.9), 1.5 * honest.of(0.9));
   }

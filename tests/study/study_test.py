@@ -22,9 +22,15 @@ PROGRAM, OUT = os.environ["STUDY_POINT"], Path(os.environ["STUDY_OUT"])
 PATIENCE_S = 300
 
 
+def heed_ctrl_c():
+    """A program that was started in the background ignores Ctrl-C, and so would its children."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 def begin(out, *more, sweep=HERE / "quick.json"):
     return subprocess.Popen([sys.executable, HERE / "study.py", sweep, "--root", ROOT, "--program", PROGRAM,
-                             "--out", out, *more], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+                             "--out", out, *more], stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+                            preexec_fn=heed_ctrl_c)
 
 
 def run(out, *more, sweep=HERE / "quick.json"):
