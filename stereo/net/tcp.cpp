@@ -1,12 +1,14 @@
 #include "stereo/net/tcp.h"
 
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 
 #include <algorithm>
 #include <asio/ip/tcp.hpp>
 #include <asio/ip/v6_only.hpp>
 #include <asio/write.hpp>
+#include <iterator>
 
 #include "stereo/net/endpoints.h"
 
@@ -120,7 +122,9 @@ Expected<TcpStream> connect_tcp(const Peer& server, const Waiting& waiting) {
   return TcpStream(std::move(state));
 }
 
-TcpListener::TcpListener(std::unique_ptr<State> state) : state_(std::move(state)) {}
+TcpListener::TcpListener(std::unique_ptr<State> state) {
+  states_.push_back(std::move(state));
+}
 TcpListener::TcpListener(TcpListener&&) noexcept = default;
 TcpListener& TcpListener::operator=(TcpListener&&) noexcept = default;
 TcpListener::~TcpListener() = default;
@@ -135,25 +139,40 @@ Expected<TcpListener> TcpListener::listen(const Peer& address) {
   if (endpoint.protocol() == tcp::v6()) acceptor.set_option(asio::ip::v6_only(false), ignored);
   if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
   if (!error) acceptor.bind(endpoint, error);
+  if (!error) acceptor.non_blocking(true, error);
   if (!error) acceptor.listen(tcp::acceptor::max_listen_connections, error);
   if (error)
     return fail(Fault::Unavailable, "cannot listen on " + to_string(address) + " (TCP): " + error.message());
   return TcpListener(std::move(state));
 }
 
+void TcpListener::join(TcpListener other) {
+  std::ranges::move(other.states_, std::back_inserter(states_));
+}
+
 Peer TcpListener::local() const {
   asio::error_code error;
-  return peer_of(state_->acceptor.local_endpoint(error));
+  return peer_of(states_.front()->acceptor.local_endpoint(error));
 }
 
 std::optional<TcpStream> TcpListener::accept(const Waiting& waiting) {
-  auto stream = std::make_unique<TcpStream::State>();
-  std::optional<asio::error_code> result;
-  state_->acceptor.async_accept(stream->socket, [&](const asio::error_code& error) { result = error; });
-  if (finish(state_->context, state_->acceptor, result, waiting)) return std::nullopt;
-  asio::error_code ignored;
-  stream->socket.set_option(tcp::no_delay(true), ignored);
-  return TcpStream(std::move(stream));
+  std::vector<pollfd> watched;
+  for (const auto& state : states_) watched.push_back({state->acceptor.native_handle(), POLLIN, 0});
+  while (true) {
+    for (std::size_t tried = 0; tried < states_.size(); ++tried) {
+      auto stream = std::make_unique<TcpStream::State>();
+      asio::error_code error, ignored;
+      states_[next_]->acceptor.accept(stream->socket, error);
+      next_ = (next_ + 1) % states_.size();
+      if (error) continue;
+      stream->socket.set_option(tcp::no_delay(true), ignored);
+      return TcpStream(std::move(stream));
+    }
+    const Time now = SteadyClock().now();
+    if (now >= waiting.until || (waiting.stopped && waiting.stopped())) return std::nullopt;
+    const auto wait = std::chrono::ceil<std::chrono::milliseconds>(std::min(waiting.until - now, kStopPoll));
+    poll(watched.data(), watched.size(), static_cast<int>(wait.count()));
+  }
 }
 
 }  // namespace farshade

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "stereo/base/expected.h"
 #include "stereo/net/datagram.h"
@@ -52,18 +53,22 @@ class TcpListener {
  public:
   /// With port 0 the system chooses a port. Unavailable if the port is in use.
   [[nodiscard]] static Expected<TcpListener> listen(const Peer& address);
+  /// Accepts from now on what connects to `other`, too.
+  void join(TcpListener other);
   TcpListener(TcpListener&&) noexcept;
   TcpListener& operator=(TcpListener&&) noexcept;
   ~TcpListener();
 
+  /// The first of its addresses.
   [[nodiscard]] Peer local() const;
-  /// Nothing if nobody connected until the deadline.
+  /// Nothing if nobody connected until the deadline. Its addresses take turns.
   [[nodiscard]] std::optional<TcpStream> accept(const Waiting& waiting);
 
  private:
   struct State;
   explicit TcpListener(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  std::vector<std::unique_ptr<State>> states_;  ///< one for each address
+  std::size_t next_ = 0;                        ///< address to look at first
 };
 
 }  // namespace farshade
