@@ -110,7 +110,7 @@ std::unique_ptr<SceneSender> offer_scene(const ServeOptions& options, std::span<
   for (const Peer& address : addresses) {
     Expected<TcpListener> listener = TcpListener::listen(address);
     if (!listener)
-      spdlog::warn("clients cannot fetch the scene: {}", listener.error().what);
+      spdlog::warn("clients of {} cannot fetch the scene: {}", to_string(address), listener.error().what);
     else if (all)
       all->join(*std::move(listener));
     else

@@ -5,7 +5,6 @@
 #include <cstdio>
 
 #include "rt_server/commands/commands.h"
-#include "stereo/base/check.h"
 #include "stereo/base/within.h"
 #include "stereo/net/local_addresses.h"
 #include "stereo/pair/pairing.h"
@@ -14,28 +13,6 @@ namespace farshade {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A listener and the addresses at which it listens.
-struct PairingPort {
-  TcpListener listener;
-  std::vector<Peer> addresses;
-};
-
-Expected<PairingPort> listen(const ServerPairOptions& options) {
-  std::optional<PairingPort> all;
-  for (const std::string& text : options.listen) {
-    Expected<TcpListener> listener = resolve_tcp(text, kPairingPort).and_then(TcpListener::listen);
-    if (!listener) return tl::unexpected(listener.error());
-    const Peer local = listener->local();
-    if (all)
-      all->listener.join(*std::move(listener));
-    else
-      all.emplace(PairingPort{*std::move(listener), {}});
-    all->addresses.push_back(local);
-  }
-  check(all.has_value(), "a server pairs at an address");
-  return *std::move(all);
-}
 
 /// The addresses to put into a code, the best one first. A code with the usual port does not name it.
 std::vector<std::string> addresses_of(const ServerPairOptions& options, std::span<const Peer> locals) {
@@ -77,7 +54,8 @@ void add_pair(CLI::App& program, ServerPairOptions& options) {
       ->add_option("--listen", options.listen,
                    "address and TCP port to wait on; port 0 selects a free port; may be given several times")
       ->allow_extra_args(false)
-      ->default_str(options.listen.front());
+      ->default_str(options.listen.front())
+      ->configurable(false);  // in a file, listen is the server's: another port
   command->add_option(
       "--address", options.address,
       "the host to show in the code, if clients know this machine by another name or address");
@@ -90,14 +68,14 @@ Expected<void> pair_client(const ServerPairOptions& options, StopSignal& stop) {
   const fs::path ring = options.ring.empty() ? default_ring_path() : fs::path(options.ring);
   if (const auto keys = load_key_ring(ring); !keys && keys.error().fault != Fault::Missing)
     return tl::unexpected(keys.error());
-  Expected<PairingPort> port = listen(options);
-  if (!port) return tl::unexpected(port.error());
-  const std::vector<std::string> addresses = addresses_of(options, port->addresses);
+  Expected<TcpServer> server = listen_tcp(options.listen, kPairingPort);
+  if (!server) return tl::unexpected(server.error());
+  const std::vector<std::string> addresses = addresses_of(options, server->addresses);
   const PairingCode code = new_pairing_code(addresses.front());
   print_code(code, addresses, options.minutes);
   const PairingLimits limits{.life = duration_from_ms(options.minutes * 60e3)};
   const Expected<PairedClient> paired = wait_for_pairing(
-      std::move(port->listener), code, [&](const SharedKey& key) { return append_to_ring(ring, key); },
+      std::move(server->listener), code, [&](const SharedKey& key) { return append_to_ring(ring, key); },
       limits, [&] { return stop.has_come(); });
   if (!paired) return tl::unexpected(paired.error());
   fmt::print(

@@ -103,11 +103,9 @@ void TcpStream::let_others_pass() {
   setsockopt(socket, SOL_SOCKET, SO_PRIORITY, &kBulk, sizeof kBulk);
 }
 
-Expected<Peer> resolve_tcp(std::string_view address, std::uint16_t without_port) {
+Expected<std::vector<Peer>> resolve_tcp(std::string_view address, std::uint16_t without_port) {
   asio::io_context context;
-  return resolve_address<tcp>(context, address, without_port).map([](const tcp::endpoint& found) {
-    return peer_of(found);
-  });
+  return resolve_all<tcp>(context, address, without_port).map(peers_of<tcp>);
 }
 
 Expected<TcpStream> connect_tcp(const Peer& server, const Waiting& waiting) {
@@ -120,6 +118,21 @@ Expected<TcpStream> connect_tcp(const Peer& server, const Waiting& waiting) {
   if (!error) state->socket.set_option(tcp::no_delay(true), error);
   if (error) return broken(error, to_string(server) + " (TCP): ");
   return TcpStream(std::move(state));
+}
+
+Expected<TcpStream> connect_tcp(std::span<const Peer> servers, const Waiting& waiting) {
+  check(!servers.empty(), "a stream goes to an address");
+  std::string failed;
+  for (std::size_t left = servers.size(); true; --left) {
+    const Time now = SteadyClock().now();
+    const Duration share = (waiting.until - now) / static_cast<Duration::rep>(left);
+    Expected<TcpStream> stream = connect_tcp(servers[servers.size() - left], {now + share, waiting.stopped});
+    if (stream || left == 1 || (waiting.stopped && waiting.stopped())) {
+      if (!stream) stream.error().what.insert(0, failed);
+      return stream;
+    }
+    failed += stream.error().what + ", ";
+  }
 }
 
 TcpListener::TcpListener(std::unique_ptr<State> state) {
@@ -141,13 +154,30 @@ Expected<TcpListener> TcpListener::listen(const Peer& address) {
   if (!error) acceptor.bind(endpoint, error);
   if (!error) acceptor.non_blocking(true, error);
   if (!error) acceptor.listen(tcp::acceptor::max_listen_connections, error);
-  if (error)
-    return fail(Fault::Unavailable, "cannot listen on " + to_string(address) + " (TCP): " + error.message());
+  if (error) return tl::unexpected(listen_error(address, " (TCP)", error));
   return TcpListener(std::move(state));
 }
 
 void TcpListener::join(TcpListener other) {
   std::ranges::move(other.states_, std::back_inserter(states_));
+}
+
+Expected<TcpServer> listen_tcp(std::span<const std::string> addresses, std::uint16_t without_port) {
+  asio::io_context context;
+  const auto own = resolve_own<tcp>(context, addresses, without_port).map(peers_of<tcp>);
+  if (!own) return tl::unexpected(own.error());
+  std::optional<TcpListener> all;
+  std::vector<Peer> locals;
+  for (const Peer& address : *own) {
+    Expected<TcpListener> listener = TcpListener::listen(address);
+    if (!listener) return tl::unexpected(listener.error());
+    locals.push_back(listener->local());
+    if (all)
+      all->join(*std::move(listener));
+    else
+      all.emplace(*std::move(listener));
+  }
+  return TcpServer{*std::move(all), std::move(locals)};
 }
 
 Peer TcpListener::local() const {

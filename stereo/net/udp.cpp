@@ -309,49 +309,19 @@ Expected<BoundSocket> bound_socket(asio::io_context& context, const Endpoint& en
   if (!error) socket.non_blocking(true, error);
   if (!error) socket.bind(endpoint, error);
   const Endpoint local = error ? endpoint : socket.local_endpoint(error);
-  if (error == asio::error::address_in_use)
-    return fail(Fault::Unavailable, to_string(peer_of(endpoint)) +
-                                        " is in use by another program: stop it, or " +
-                                        "choose another port (0 takes any free one)");
-  if (error)
-    return fail(error == asio::error::access_denied ? Fault::Unreadable : Fault::Missing,
-                "cannot listen on " + to_string(peer_of(endpoint)) + ": " + error.message());
+  if (error) return tl::unexpected(listen_error(peer_of(endpoint), "", error));
   return BoundSocket{std::move(socket), local.protocol(), peer_of(local)};
-}
-
-bool includes(const Peer& all, const Peer& one) {
-  return all.address == one.address || (is_unspecified(all) && (is_v4(one) || !is_v4(all)));
-}
-
-/// A datagram tells the address that it came to, but not the port: two sockets of one address could not be
-/// told apart when it is answered.
-Expected<void> check_apart(const Peer& a, const Peer& b) {
-  const bool a_first = includes(a, b);
-  if (!a_first && !includes(b, a)) return {};
-  const Peer &all = a_first ? a : b, &one = a_first ? b : a;
-  return fail(Fault::Malformed,
-              "cannot listen on both " + to_string(all) + " and " + to_string(one) + ": " +
-                  (all.address == one.address ? "give each address once"
-                                              : "the first includes the second, so leave out one of them"));
 }
 
 }  // namespace
 
 Expected<UdpServer> listen_udp(std::span<const std::string> addresses) {
-  check(!addresses.empty(), "a server listens on an address");
   auto context = std::make_unique<asio::io_context>();
-  std::vector<Endpoint> endpoints;
-  for (const std::string& address : addresses) {
-    const Expected<Endpoint> endpoint = resolve_address<udp>(*context, address);
-    if (!endpoint) return tl::unexpected(endpoint.error());
-    for (const Endpoint& other : endpoints)
-      if (auto apart = check_apart(peer_of(other), peer_of(*endpoint)); !apart)
-        return tl::unexpected(apart.error());
-    endpoints.push_back(*endpoint);
-  }
+  const auto endpoints = resolve_own<udp>(*context, addresses, kDefaultPort);
+  if (!endpoints) return tl::unexpected(endpoints.error());
   std::vector<BoundSocket> sockets;
   std::vector<Peer> locals;
-  for (const Endpoint& endpoint : endpoints) {
+  for (const Endpoint& endpoint : *endpoints) {
     Expected<BoundSocket> bound = bound_socket(*context, endpoint);
     if (!bound) return tl::unexpected(bound.error());
     locals.push_back(bound->local);

@@ -19,7 +19,7 @@ inline constexpr int kSocketBuffer_bytes = 4 << 20;
 
 struct UdpServer {
   std::unique_ptr<DatagramPort> port;  ///< its local() is the first address
-  std::vector<Peer> addresses;         ///< where it listens, in the order in which they were given
+  std::vector<Peer> addresses;         ///< where it listens, in the order given
 };
 
 /// Opens a port that listens on all `addresses` (`127.0.0.1:7447`, `[::]:0`, `name:port`), at least one, and
