@@ -73,6 +73,17 @@ Expected<void> write_ready_file(const ServeOptions& options, const std::string& 
   return write_file_atomically(options.ready_file, text);
 }
 
+/// Prints where the server listens, and writes the ready file.
+Expected<void> tell_addresses(const ServeOptions& options, std::span<const Peer> addresses) {
+  std::string listening;
+  for (const Peer& address : addresses) {
+    fmt::print("rt_server: listening on {}\n", to_string(address));
+    listening += fmt::format("{} {}\n", kReadyListening, to_string(address));
+  }
+  std::fflush(stdout);
+  return write_ready_file(options, listening);
+}
+
 /// A script that waits for the ready file must not read the one of an earlier server.
 Expected<void> remove_old_ready_file(const ServeOptions& options) {
   std::error_code failed;
@@ -252,14 +263,8 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
                                   {options.scene, scene.files, options.lighting, served, *ring}, core);
   stages.end("answers");
   fmt::print("rt_server: ready after {}\n", stages.in_words());
-  std::string listening;
-  for (const Peer& address : server->addresses) {
-    fmt::print("rt_server: listening on {}\n", to_string(address));
-    listening += fmt::format("{} {}\n", kReadyListening, to_string(address));
-  }
-  std::fflush(stdout);
   // The port is open: what clients send from here on waits in its sockets.
-  if (Expected<void> written = write_ready_file(options, listening); !written) return written;
+  if (Expected<void> told = tell_addresses(options, server->addresses); !told) return told;
   KeysInUse keys(*ring, core, sender.get());
   {
     const Serving serving(core);
