@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "rt_server/answers/answers.h"
@@ -40,17 +41,19 @@ Expected<std::vector<SharedKey>> load_keys(const ServeOptions& options) {
   return ring;
 }
 
-Expected<std::unique_ptr<DatagramPort>> open_port(const ServeOptions& options, const Clock& clock) {
-  Expected<std::unique_ptr<DatagramPort>> port = listen_udp(options.listen);
-  if (!port) return port;
-  if (options.insecure && !is_loopback((*port)->local()))
+Expected<UdpServer> open_port(const ServeOptions& options, const Clock& clock) {
+  Expected<UdpServer> server = listen_udp(options.listen);
+  if (!server) return server;
+  const auto reachable = std::ranges::find_if_not(server->addresses, is_loopback);
+  if (options.insecure && reachable != server->addresses.end())
     return fail(Fault::Unsupported,
                 "--insecure accepts every client, so the server must listen on this machine alone: " +
-                    options.listen + " is not 127.0.0.1 or [::1]");
-  if (options.net.empty()) return port;
+                    to_string(*reachable) + " is not 127.0.0.1 or [::1]");
+  if (options.net.empty()) return server;
   const Expected<LinkModel> model = parse_link_model(options.net);
   if (!model) return tl::unexpected(model.error());
-  return impaired(std::move(*port), *model, clock);
+  server->port = impaired(std::move(server->port), *model, clock);
+  return server;
 }
 
 /// For example "12.3 MB (vertices 1.2, ...)". 1 MB is 10^6 bytes.
@@ -64,9 +67,21 @@ std::string in_words(const TracerMemory& memory) {
       megabytes(memory.maps));
 }
 
-Expected<void> write_ready_file(const ServeOptions& options, const std::string& line) {
+/// Each line of `text` ends with a newline.
+Expected<void> write_ready_file(const ServeOptions& options, const std::string& text) {
   if (options.ready_file.empty()) return {};
-  return write_file_atomically(options.ready_file, line + "\n");
+  return write_file_atomically(options.ready_file, text);
+}
+
+/// Prints where the server listens, and writes the ready file.
+Expected<void> tell_addresses(const ServeOptions& options, std::span<const Peer> addresses) {
+  std::string listening;
+  for (const Peer& address : addresses) {
+    fmt::print("rt_server: listening on {}\n", to_string(address));
+    listening += fmt::format("{} {}\n", kReadyListening, to_string(address));
+  }
+  std::fflush(stdout);
+  return write_ready_file(options, listening);
 }
 
 /// A script that waits for the ready file must not read the one of an earlier server.
@@ -84,7 +99,7 @@ Expected<void> end_without_shadows(const ServeOptions& options) {
                              "without a server (--plan prints details)";
   if (options.ready_file.empty()) return fail(Fault::Unsupported, reason);
   fmt::print("rt_server: {}\n", reason);
-  return write_ready_file(options, std::string(kReadyNoShadows));
+  return write_ready_file(options, std::string(kReadyNoShadows) + "\n");
 }
 
 void print_keys(const ServeOptions& options, std::size_t keys) {
@@ -97,24 +112,33 @@ void print_keys(const ServeOptions& options, std::size_t keys) {
 /// Masks are sent if a request was answered in this time.
 constexpr Duration kMasksAreRecent = std::chrono::seconds(1);
 
-/// Starts to send the scene's files on the TCP port of the same number; empty if that is not possible.
-std::unique_ptr<SceneSender> offer_scene(const ServeOptions& options, const Peer& address, SceneToSend what,
-                                         const ServerCore& core) {
+/// Starts to send the scene's files on the TCP ports of the same addresses, without those where that is not
+/// possible; empty if it is possible nowhere.
+std::unique_ptr<SceneSender> offer_scene(const ServeOptions& options, std::span<const Peer> addresses,
+                                         SceneToSend what, const ServerCore& core) {
   if (!options.scene_fetch) return nullptr;
-  Expected<TcpListener> listener = TcpListener::listen(address);
-  if (!listener) {
-    spdlog::warn("clients cannot fetch the scene: {}", listener.error().what);
-    return nullptr;
+  std::optional<TcpListener> all;
+  for (const Peer& address : addresses) {
+    Expected<TcpListener> listener = TcpListener::listen(address);
+    if (!listener)
+      spdlog::warn("clients of {} cannot fetch the scene: {}", to_string(address), listener.error().what);
+    else if (all)
+      all->join(*std::move(listener));
+    else
+      all.emplace(*std::move(listener));
   }
+  if (!all) return nullptr;
   return std::make_unique<SceneSender>(
-      *std::move(listener), std::move(what), [&core] { return core.answered_within(kMasksAreRecent); },
+      *std::move(all), std::move(what), [&core] { return core.answered_within(kMasksAreRecent); },
       SenderLimits{.bytes_per_second = options.limits.bytes_per_second});
 }
 
 /// Tells the local network where the server listens, unless no other machine can reach it.
-std::unique_ptr<Announcer> announce(const ServeOptions& options, const Peer& address) {
-  if (!options.announce || is_loopback(address)) return nullptr;
-  return std::make_unique<Announcer>(address, [](const std::string& note) { spdlog::info(note); });
+std::unique_ptr<Announcer> announce(const ServeOptions& options, std::vector<Peer> addresses) {
+  std::erase_if(addresses, is_loopback);
+  if (!options.announce || addresses.empty()) return nullptr;
+  return std::make_unique<Announcer>(std::move(addresses),
+                                     [](const std::string& note) { spdlog::info(note); });
 }
 
 /// The day by UTC.
@@ -220,8 +244,8 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   FileWatch ring_file(ring_path(options));  // before it is read, so that no change is missed
   const Expected<std::vector<SharedKey>> ring = load_keys(options);
   if (!ring) return tl::unexpected(ring.error());
-  const Expected<std::unique_ptr<DatagramPort>> port = open_port(options, clock);
-  if (!port) return tl::unexpected(port.error());
+  const Expected<UdpServer> server = open_port(options, clock);
+  if (!server) return tl::unexpected(server.error());
   Expected<Tracer> tracer = Tracer::create(scene, plan.trace);
   if (!tracer) return tl::unexpected(tracer.error());
   stages.end("tracer");
@@ -230,25 +254,21 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   ServerCore core(
       served, *ring,
       make_answers({.scene = scene, .plan = plan, .tracer = *tracer, .memory = options.limits.memory}),
-      **port, clock, options.limits);
-  const std::string address = to_string((*port)->local());
+      *server->port, clock, options.limits);
   fmt::print("rt_server: serving {}, {} triangles, {} lights, scene {}\n", scene.name, scene.triangle_count,
              plan.trace.mask.lights, short_form(scene.hash));
   fmt::print("rt_server: the tracer holds {}\n", in_words(tracer->memory()));
   print_keys(options, ring->size());
-  const auto sender = offer_scene(options, (*port)->local(),
+  const auto sender = offer_scene(options, server->addresses,
                                   {options.scene, scene.files, options.lighting, served, *ring}, core);
   stages.end("answers");
   fmt::print("rt_server: ready after {}\n", stages.in_words());
-  fmt::print("rt_server: listening on {}\n", address);
-  std::fflush(stdout);
-  // The port is open: what clients send from here on waits in its socket.
-  Expected<void> written = write_ready_file(options, fmt::format("{} {}", kReadyListening, address));
-  if (!written) return written;
+  // The port is open: what clients send from here on waits in its sockets.
+  if (Expected<void> told = tell_addresses(options, server->addresses); !told) return told;
   KeysInUse keys(*ring, core, sender.get());
   {
     const Serving serving(core);
-    const std::unique_ptr<Announcer> announcer = announce(options, (*port)->local());
+    const std::unique_ptr<Announcer> announcer = announce(options, server->addresses);
     const auto reload = [&] {
       ring_file.mark_as_seen();
       keys.reload(options);

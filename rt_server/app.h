@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "rt_server/core/sessions.h"
 #include "stereo/base/expected.h"
@@ -15,10 +16,10 @@ namespace farshade {
 struct ServeOptions {
   std::string scene;
   Lighting lighting;
-  std::string listen = "127.0.0.1:7447";
+  std::vector<std::string> listen{"127.0.0.1:7447"};
   std::string ring;         ///< key ring file; empty for default_ring_path()
   bool scene_fetch = true;  ///< clients without the scene may fetch its files
-  bool announce = true;     ///< tell the local network the address, unless it is one of this machine only
+  bool announce = true;     ///< tell the local network the addresses that are not of this machine only
   bool insecure = false;    ///< accept any client on this machine, without encryption
   std::string net;          ///< simulated impairment of arriving datagrams (parse_link_model); empty for none
   SessionLimits limits;
@@ -27,7 +28,8 @@ struct ServeOptions {
   std::string ready_file;  ///< for scripts (kReadyListening, kReadyNoShadows); empty for none
 };
 
-/// The one line that the ready file gets: the first, a space and the address, or the second.
+/// The lines of the ready file: the first, a space and an address, for each address in the order of the
+/// options; or the second alone.
 inline constexpr std::string_view kReadyListening = "listening";
 inline constexpr std::string_view kReadyNoShadows = "no-shadows";
 

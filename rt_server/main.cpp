@@ -47,8 +47,11 @@ void add_serving(CLI::App& app, ServeOptions& options) {
       ->check(one_of({"", "needed", "everything"}));
   app.add_option("--scene", options.scene, "glTF 2.0 file (.gltf or .glb)");
   add_lighting_options(app, options.lighting);
-  app.add_option("--listen", options.listen, "address and UDP port; port 0 selects a free port")
-      ->capture_default_str();
+  app.add_option("--listen", options.listen,
+                 "address and UDP port; port 0 selects a free port; may be given several times, each address "
+                 "once; 0.0.0.0 includes all addresses of IPv4, [::] those of IPv6, too")
+      ->allow_extra_args(false)
+      ->default_str(options.listen.front());
   app.add_option("--keys", options.ring, "key ring file; default " + default_ring_path().string());
   app.add_flag("--insecure", options.insecure,
                "accept every client on this machine, without keys and without encryption");
@@ -58,10 +61,11 @@ void add_serving(CLI::App& app, ServeOptions& options) {
       "!--no-announce", options.announce,
       "do not tell the local network where this server listens (multicast DNS, through avahi-daemon); "
       "vr_client --server auto then does not find it");
-  app.add_option("--ready-file", options.ready_file,
-                 "for scripts: the server writes the line 'listening ADDRESS' to this file when clients can "
-                 "connect; if no light of the scene casts shadows, it writes 'no-shadows' and exits with "
-                 "status 0");
+  app.add_option(
+      "--ready-file", options.ready_file,
+      "for scripts: the server writes a line 'listening ADDRESS' for each --listen to this file when "
+      "clients can connect; if no light of the scene casts shadows, it writes 'no-shadows' and exits with "
+      "status 0");
   app.add_option("--sessions", options.limits.sessions, "maximum number of connected clients")
       ->check(within(1, 4096))
       ->capture_default_str();

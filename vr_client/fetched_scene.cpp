@@ -44,11 +44,12 @@ class FetchProgress {
 };
 
 Expected<FetchPlan> plan_for(const Options& options) {
-  Expected<Peer> server = resolve_tcp(options.server);
-  if (!server) return tl::unexpected(server.error());
-  Expected<SharedKey> key = key_for(options, *server);
+  Expected<std::vector<Peer>> servers = resolve_tcp(options.server);
+  if (!servers) return tl::unexpected(servers.error());
+  const auto elsewhere = std::ranges::find_if_not(*servers, is_loopback);
+  Expected<SharedKey> key = key_for(options, elsewhere == servers->end() ? servers->front() : *elsewhere);
   if (!key) return tl::unexpected(key.error());
-  return FetchPlan{.server = *server, .key = *std::move(key), .cache = scene_cache_folder()};
+  return FetchPlan{.servers = *std::move(servers), .key = *std::move(key), .cache = scene_cache_folder()};
 }
 
 }  // namespace
@@ -73,7 +74,7 @@ Expected<void> fetch_if_missing(Options& options, std::optional<StopSignal>& sto
         Fault::Missing,
         fmt::format("the scene cannot be fetched: {}. Is rt_server running there without --no-scene-fetch, "
                     "and is TCP port {} open? Otherwise copy the scene and give --scene",
-                    fetched.error().what, plan->server.port));
+                    fetched.error().what, plan->servers.front().port));
   if (!fetched) return tl::unexpected(fetched.error());
   if (fetched->fetched_bytes > 0)
     spdlog::info("fetched {:.1f} MB of the scene to {}", static_cast<double>(fetched->fetched_bytes) * 1e-6,

@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "stereo/base/stop_signal.h"
 #include "stereo/doctor/checks.h"
@@ -21,7 +22,7 @@ namespace farshade {
 
 struct ServerDoctorOptions {
   std::string ring;  ///< empty: default_ring_path()
-  std::string listen = "127.0.0.1:7447";
+  std::vector<std::string> listen{"127.0.0.1:7447"};
   std::string scene;  ///< empty: no scene is loaded
   Lighting lighting;  ///< of the scene
 };
@@ -46,7 +47,7 @@ void add_inspect(CLI::App& program, InspectOptions& options);
 
 struct ServerPairOptions {
   std::string ring;  ///< the server's key ring; empty for default_ring_path()
-  std::string listen = "0.0.0.0:7448";
+  std::vector<std::string> listen{"0.0.0.0:7448"};
   std::string address;  ///< host to show in the code; empty: the address of this machine
   double minutes = 5;   ///< life of the code
 };

@@ -3,6 +3,7 @@
 #include <spdlog/fmt/fmt.h>
 
 #include <CLI/CLI.hpp>
+#include <set>
 
 #include "stereo/announce/announcer.h"
 #include "stereo/net/udp.h"
@@ -33,28 +34,36 @@ Finding check_announcement() {
           "avahi-daemon runs: clients on this network find the server with --server auto"};
 }
 
-/// The port, and the firewall before it. Reading firewall rules takes root, so that check only gives advice.
-Findings check_port(const std::string& address) {
-  const auto port = listen_udp(address);
-  if (!port)
-    return {failed("port", port.error(),
+/// The ports, and the firewall before them. Reading firewall rules takes root, so that check only gives
+/// advice.
+Findings check_ports(const std::vector<std::string>& addresses) {
+  const Expected<UdpServer> server = listen_udp(addresses);
+  if (!server)
+    return {failed("port", server.error(),
                    "--listen on a free port of an address of this machine, such as 127.0.0.1:7447 or "
                    "0.0.0.0:7447; ss -ulpn lists the programs that use a port")};
-  const Peer local = (*port)->local();
-  const Finding free{Severity::Ok, "port", to_string(local) + " is free"};
-  if (is_loopback(local))
-    return {free,
-            {Severity::Ok, "firewall",
-             fmt::format("{} is reachable from this machine only; for other machines use --listen 0.0.0.0:{}",
-                         to_string(local), local.port)}};
-  return {free,
-          {Severity::Warn, "firewall", "not checked: a firewall may drop the clients' datagrams",
-           fmt::format("open the port, for example sudo ufw allow {0}/udp or sudo firewall-cmd "
-                       "--add-port={0}/udp (and the same for tcp, if clients fetch the scene), and test with "
-                       "vr_client doctor --server HOST:{0} on a client's "
-                       "machine",
-                       local.port)},
-          check_announcement()};
+  Findings findings;
+  std::set<std::uint16_t> reachable;  // ports
+  for (const Peer& local : server->addresses) {
+    findings.push_back({Severity::Ok, "port", to_string(local) + " is free"});
+    if (!is_loopback(local)) reachable.insert(local.port);
+  }
+  const Peer& first = server->addresses.front();
+  if (reachable.empty())
+    findings.push_back(
+        {Severity::Ok, "firewall",
+         fmt::format("{} is reachable from this machine only; for other machines use --listen 0.0.0.0:{}",
+                     to_string(first), first.port)});
+  for (const std::uint16_t port : reachable)
+    findings.push_back(
+        {Severity::Warn, "firewall", "not checked: a firewall may drop the clients' datagrams",
+         fmt::format("open the port, for example sudo ufw allow {0}/udp or sudo firewall-cmd "
+                     "--add-port={0}/udp (and the same for tcp, if clients fetch the scene), and test with "
+                     "vr_client doctor --server HOST:{0} on a client's "
+                     "machine",
+                     port)});
+  if (!reachable.empty()) findings.push_back(check_announcement());
+  return findings;
 }
 
 }  // namespace
@@ -65,7 +74,9 @@ void add_doctor(CLI::App& program, ServerDoctorOptions& options) {
       "Checks what the server needs on this machine and names cures. Exit status 1 if a check FAILs.");
   command->add_option("--keys", options.ring,
                       "key ring to check (default: " + default_ring_path().string() + ")");
-  command->add_option("--listen", options.listen, "address and UDP port to check")->capture_default_str();
+  command->add_option("--listen", options.listen, "address and UDP port to check; may be given several times")
+      ->allow_extra_args(false)
+      ->default_str(options.listen.front());
   command->add_option("--scene", options.scene, "scene to load");
   add_lighting_options(*command, options.lighting);
 }
@@ -76,7 +87,7 @@ Findings examine(const ServerDoctorOptions& options) {
   const std::filesystem::path ring =
       options.ring.empty() ? default_ring_path() : std::filesystem::path(options.ring);
   findings.push_back(check_key_file(ring, KeyFile::Ring));
-  for (Finding& finding : check_port(options.listen)) findings.push_back(std::move(finding));
+  for (Finding& finding : check_ports(options.listen)) findings.push_back(std::move(finding));
   findings.push_back(check_socket_buffers());
   return findings;
 }

@@ -15,18 +15,20 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The addresses to put into a code, the best one first. A code with the usual port does not name it.
-std::vector<std::string> addresses_of(const ServerPairOptions& options, const Peer& local) {
+std::vector<std::string> addresses_of(const ServerPairOptions& options, std::span<const Peer> locals) {
   const auto shown = [](const Peer& peer) {
     std::string text = to_string(peer);
     if (peer.port == kPairingPort) text.resize(text.rfind(':'));
     return text;
   };
-  if (!options.address.empty())
-    return {local.port == kPairingPort ? options.address : fmt::format("{}:{}", options.address, local.port)};
+  if (const std::uint16_t port = locals.front().port; !options.address.empty())
+    return {port == kPairingPort ? options.address : fmt::format("{}:{}", options.address, port)};
   std::vector<std::string> found;
-  if (is_unspecified(local))
-    for (const Peer& peer : local_addresses(local.port)) found.push_back(shown(peer));
-  if (found.empty()) found.push_back(shown(local));
+  for (const Peer& local : locals) {
+    const std::vector<Peer> all = is_unspecified(local) ? local_addresses(local.port) : std::vector<Peer>{};
+    if (all.empty()) found.push_back(shown(local));
+    for (const Peer& peer : all) found.push_back(shown(peer));
+  }
   return found;
 }
 
@@ -49,8 +51,11 @@ void add_pair(CLI::App& program, ServerPairOptions& options) {
   command->add_option("--ring", options.ring,
                       "the server's key ring; default " + default_ring_path().string());
   command
-      ->add_option("--listen", options.listen, "address and TCP port to wait on; port 0 selects a free port")
-      ->capture_default_str();
+      ->add_option("--listen", options.listen,
+                   "address and TCP port to wait on; port 0 selects a free port; may be given several times")
+      ->allow_extra_args(false)
+      ->default_str(options.listen.front())
+      ->configurable(false);  // in a file, listen is the server's: another port
   command->add_option(
       "--address", options.address,
       "the host to show in the code, if clients know this machine by another name or address");
@@ -63,17 +68,15 @@ Expected<void> pair_client(const ServerPairOptions& options, StopSignal& stop) {
   const fs::path ring = options.ring.empty() ? default_ring_path() : fs::path(options.ring);
   if (const auto keys = load_key_ring(ring); !keys && keys.error().fault != Fault::Missing)
     return tl::unexpected(keys.error());
-  const Expected<Peer> address = resolve_tcp(options.listen, kPairingPort);
-  if (!address) return tl::unexpected(address.error());
-  Expected<TcpListener> listener = TcpListener::listen(*address);
-  if (!listener) return tl::unexpected(listener.error());
-  const std::vector<std::string> addresses = addresses_of(options, listener->local());
+  Expected<TcpServer> server = listen_tcp(options.listen, kPairingPort);
+  if (!server) return tl::unexpected(server.error());
+  const std::vector<std::string> addresses = addresses_of(options, server->addresses);
   const PairingCode code = new_pairing_code(addresses.front());
   print_code(code, addresses, options.minutes);
   const PairingLimits limits{.life = duration_from_ms(options.minutes * 60e3)};
   const Expected<PairedClient> paired = wait_for_pairing(
-      *std::move(listener), code, [&](const SharedKey& key) { return append_to_ring(ring, key); }, limits,
-      [&] { return stop.has_come(); });
+      std::move(server->listener), code, [&](const SharedKey& key) { return append_to_ring(ring, key); },
+      limits, [&] { return stop.has_come(); });
   if (!paired) return tl::unexpected(paired.error());
   fmt::print(
       "rt_server: paired with {}: its key '{}' is in {}\n"

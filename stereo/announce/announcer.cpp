@@ -6,6 +6,7 @@
 #include <avahi-common/malloc.h>
 
 #include <cstdint>
+#include <set>
 #include <utility>
 
 #include "stereo/announce/announcement.h"
@@ -36,7 +37,7 @@ std::string next_name(const std::string& taken) {
 
 /// Its functions run in the constructor before the thread starts, and in the thread from then on.
 struct Announcer::State {
-  Peer listening;
+  std::vector<Peer> listening;
   std::function<void(const std::string&)> note;
   avahi::ThreadedPoll poll{avahi_threaded_poll_new()};
   avahi::Client client{};            ///< destroyed before its poll
@@ -82,21 +83,33 @@ struct Announcer::State {
     if (name.empty()) name = avahi_client_get_host_name(&to);
     if (!group) group = avahi_entry_group_new(&to, &State::group_changed, this);
     if (!group) return tell_trouble(avahi_client_errno(&to));
-    const avahi::TxtRecord txt = txt_record();
-    const std::uint32_t interface = is_unspecified(listening) ? 0 : interface_of(listening);
-    const int protocol = is_v4(listening)            ? AVAHI_PROTO_INET
-                         : is_unspecified(listening) ? AVAHI_PROTO_UNSPEC
-                                                     : AVAHI_PROTO_INET6;
     int error = AVAHI_ERR_COLLISION;
     for (int tries = 0; tries < 64 && error == AVAHI_ERR_COLLISION; ++tries) {
       if (tries > 0) name = next_name(name);
       avahi_entry_group_reset(group);
-      error = avahi_entry_group_add_service_strlst(
-          group, interface == 0 ? AVAHI_IF_UNSPEC : static_cast<AvahiIfIndex>(interface), protocol, {},
-          name.c_str(), kServiceType, nullptr, nullptr, listening.port, txt.get());
+      error = add_all();
     }
     if (error == 0) error = avahi_entry_group_commit(group);
     if (error < 0) tell_trouble(error);
+  }
+
+  /// Adds the addresses to the group. A name has one port on an interface and in a family.
+  int add_all() {
+    const avahi::TxtRecord txt = txt_record();
+    std::set<std::pair<AvahiIfIndex, AvahiProtocol>> added;
+    for (const Peer& address : listening) {
+      const std::uint32_t number = is_unspecified(address) ? 0 : interface_of(address);
+      const AvahiIfIndex interface = number == 0 ? AVAHI_IF_UNSPEC : static_cast<AvahiIfIndex>(number);
+      const AvahiProtocol protocol = is_v4(address)            ? AVAHI_PROTO_INET
+                                     : is_unspecified(address) ? AVAHI_PROTO_UNSPEC
+                                                               : AVAHI_PROTO_INET6;
+      if (!added.emplace(interface, protocol).second) continue;
+      const int error =
+          avahi_entry_group_add_service_strlst(group, interface, protocol, {}, name.c_str(), kServiceType,
+                                               nullptr, nullptr, address.port, txt.get());
+      if (error != 0) return error;
+    }
+    return 0;
   }
 
   static void group_changed(AvahiEntryGroup* group, AvahiEntryGroupState changed, void* self) {
@@ -112,8 +125,8 @@ struct Announcer::State {
   }
 };
 
-Announcer::Announcer(const Peer& listening, std::function<void(const std::string&)> note)
-    : state_(new State{.listening = listening, .note = std::move(note)}) {
+Announcer::Announcer(std::vector<Peer> listening, std::function<void(const std::string&)> note)
+    : state_(new State{.listening = std::move(listening), .note = std::move(note)}) {
   state_->connect();
   avahi_threaded_poll_start(state_->poll.get());
 }

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "stereo/base/expected.h"
 #include "stereo/net/datagram.h"
@@ -14,10 +15,11 @@ namespace farshade {
 /// The name is that of the machine, with a number if it is taken.
 class Announcer {
  public:
-  /// `listening` is a server's address that is not a loopback address: on all addresses of the machine, or
-  /// one that is announced only on its own interface. `note` gets a sentence when the announcement begins and
-  /// when it is not possible, each once; it is called in this thread and in the announcer's.
-  Announcer(const Peer& listening, std::function<void(const std::string&)> note);
+  /// `listening` has a server's addresses, none of them loopback: each is on all addresses of the machine, or
+  /// one that is announced only on its own interface. Of several on one interface and of one family, the
+  /// first is announced. `note` gets a sentence when the announcement begins and when it is not possible,
+  /// each once; it is called in this thread and in the announcer's.
+  Announcer(std::vector<Peer> listening, std::function<void(const std::string&)> note);
   Announcer(const Announcer&) = delete;
   Announcer& operator=(const Announcer&) = delete;
   /// Takes the announcement back.

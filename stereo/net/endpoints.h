@@ -6,7 +6,9 @@
 #include <asio/io_context.hpp>
 #include <asio/ip/basic_endpoint.hpp>
 #include <asio/ip/basic_resolver.hpp>
+#include <cerrno>
 #include <charconv>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +25,13 @@ template <class Protocol>
   const asio::ip::address_v6 wide =
       address.is_v4() ? asio::ip::make_address_v6(asio::ip::v4_mapped, address.to_v4()) : address.to_v6();
   return {wide.to_bytes(), narrow<std::uint32_t>(wide.scope_id()), endpoint.port()};
+}
+
+template <class Protocol>
+[[nodiscard]] std::vector<Peer> peers_of(const std::vector<asio::ip::basic_endpoint<Protocol>>& endpoints) {
+  std::vector<Peer> peers;
+  for (const auto& endpoint : endpoints) peers.push_back(peer_of(endpoint));
+  return peers;
 }
 
 /// `peer` as an endpoint of family `family`; the unspecified address if that family cannot reach it.
@@ -95,12 +104,59 @@ template <class Protocol>
                   : "no host named '" + parts->host + "' is known: check the spelling, or " + cure);
 }
 
+/// Whether a port of `all` receives what is sent to `one`, too, if their port numbers are equal.
+[[nodiscard]] inline bool includes(const Peer& all, const Peer& one) {
+  return all.address == one.address || (is_unspecified(all) && (is_v4(one) || !is_v4(all)));
+}
+
+/// Refuses (Malformed) two addresses of a server of which one includes the other, whatever their ports. A
+/// datagram tells the address that it came to, but not the port: two sockets of one address could not be told
+/// apart when it is answered.
+[[nodiscard]] inline Expected<void> check_apart(const Peer& a, const Peer& b) {
+  const bool a_first = includes(a, b);
+  if (!a_first && !includes(b, a)) return {};
+  const Peer &all = a_first ? a : b, &one = a_first ? b : a;
+  return fail(Fault::Malformed,
+              "cannot listen on both " + to_string(all) + " and " + to_string(one) + ": " +
+                  (all.address == one.address ? "give each address once"
+                                              : "the first includes the second, so leave out one of them"));
+}
+
+/// The addresses on which a server listens, in the order of `addresses`: of a name, the first one. Errors as
+/// of resolve_all and check_apart.
 template <class Protocol>
-[[nodiscard]] Expected<asio::ip::basic_endpoint<Protocol>> resolve_address(
-    asio::io_context& context, std::string_view address, std::uint16_t without_port = kDefaultPort) {
-  return resolve_all<Protocol>(context, address, without_port).map([](const auto& all) {
-    return all.front();
-  });
+[[nodiscard]] Expected<std::vector<asio::ip::basic_endpoint<Protocol>>> resolve_own(
+    asio::io_context& context, std::span<const std::string> addresses, std::uint16_t without_port) {
+  check(!addresses.empty(), "a server listens on an address");
+  std::vector<asio::ip::basic_endpoint<Protocol>> own;
+  for (const std::string& address : addresses) {
+    const auto found = resolve_all<Protocol>(context, address, without_port);
+    if (!found) return tl::unexpected(found.error());
+    for (const auto& other : own)
+      if (auto apart = check_apart(peer_of(other), peer_of(found->front())); !apart)
+        return tl::unexpected(apart.error());
+    own.push_back(found->front());
+  }
+  return own;
+}
+
+/// Why a port cannot listen on `address`, with a cure. `protocol` is the end of the address's name.
+[[nodiscard]] inline Error listen_error(const Peer& address, const char* protocol,
+                                        const asio::error_code& error) {
+  const std::string where = to_string(address) + protocol;
+  if (error == asio::error::address_in_use)
+    return {Fault::Unavailable, where +
+                                    " is in use by another program: stop it, or choose another port (0 "
+                                    "takes any free one)"};
+  if (error.value() == EADDRNOTAVAIL)
+    return {Fault::Missing, "cannot listen on " + where +
+                                ": this machine does not have that address; hostname -I prints those that it "
+                                "has, and 0.0.0.0 includes all of IPv4"};
+  if (error == asio::error::address_family_not_supported)
+    return {Fault::Missing,
+            "cannot listen on " + where + ": this machine has no IPv6; give an address of IPv4"};
+  return {error == asio::error::access_denied ? Fault::Unreadable : Fault::Missing,
+          "cannot listen on " + where + ": " + error.message()};
 }
 
 }  // namespace farshade

@@ -1,12 +1,14 @@
 #include "stereo/net/tcp.h"
 
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 
 #include <algorithm>
 #include <asio/ip/tcp.hpp>
 #include <asio/ip/v6_only.hpp>
 #include <asio/write.hpp>
+#include <iterator>
 
 #include "stereo/net/endpoints.h"
 
@@ -101,11 +103,9 @@ void TcpStream::let_others_pass() {
   setsockopt(socket, SOL_SOCKET, SO_PRIORITY, &kBulk, sizeof kBulk);
 }
 
-Expected<Peer> resolve_tcp(std::string_view address, std::uint16_t without_port) {
+Expected<std::vector<Peer>> resolve_tcp(std::string_view address, std::uint16_t without_port) {
   asio::io_context context;
-  return resolve_address<tcp>(context, address, without_port).map([](const tcp::endpoint& found) {
-    return peer_of(found);
-  });
+  return resolve_all<tcp>(context, address, without_port).map(peers_of<tcp>);
 }
 
 Expected<TcpStream> connect_tcp(const Peer& server, const Waiting& waiting) {
@@ -120,7 +120,24 @@ Expected<TcpStream> connect_tcp(const Peer& server, const Waiting& waiting) {
   return TcpStream(std::move(state));
 }
 
-TcpListener::TcpListener(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Expected<TcpStream> connect_tcp(std::span<const Peer> servers, const Waiting& waiting) {
+  check(!servers.empty(), "a stream goes to an address");
+  std::string failed;
+  for (std::size_t left = servers.size(); true; --left) {
+    const Time now = SteadyClock().now();
+    const Duration share = (waiting.until - now) / static_cast<Duration::rep>(left);
+    Expected<TcpStream> stream = connect_tcp(servers[servers.size() - left], {now + share, waiting.stopped});
+    if (stream || left == 1 || (waiting.stopped && waiting.stopped())) {
+      if (!stream) stream.error().what.insert(0, failed);
+      return stream;
+    }
+    failed += stream.error().what + ", ";
+  }
+}
+
+TcpListener::TcpListener(std::unique_ptr<State> state) {
+  states_.push_back(std::move(state));
+}
 TcpListener::TcpListener(TcpListener&&) noexcept = default;
 TcpListener& TcpListener::operator=(TcpListener&&) noexcept = default;
 TcpListener::~TcpListener() = default;
@@ -135,25 +152,57 @@ Expected<TcpListener> TcpListener::listen(const Peer& address) {
   if (endpoint.protocol() == tcp::v6()) acceptor.set_option(asio::ip::v6_only(false), ignored);
   if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
   if (!error) acceptor.bind(endpoint, error);
+  if (!error) acceptor.non_blocking(true, error);
   if (!error) acceptor.listen(tcp::acceptor::max_listen_connections, error);
-  if (error)
-    return fail(Fault::Unavailable, "cannot listen on " + to_string(address) + " (TCP): " + error.message());
+  if (error) return tl::unexpected(listen_error(address, " (TCP)", error));
   return TcpListener(std::move(state));
+}
+
+void TcpListener::join(TcpListener other) {
+  std::ranges::move(other.states_, std::back_inserter(states_));
+}
+
+Expected<TcpServer> listen_tcp(std::span<const std::string> addresses, std::uint16_t without_port) {
+  asio::io_context context;
+  const auto own = resolve_own<tcp>(context, addresses, without_port).map(peers_of<tcp>);
+  if (!own) return tl::unexpected(own.error());
+  std::optional<TcpListener> all;
+  std::vector<Peer> locals;
+  for (const Peer& address : *own) {
+    Expected<TcpListener> listener = TcpListener::listen(address);
+    if (!listener) return tl::unexpected(listener.error());
+    locals.push_back(listener->local());
+    if (all)
+      all->join(*std::move(listener));
+    else
+      all.emplace(*std::move(listener));
+  }
+  return TcpServer{*std::move(all), std::move(locals)};
 }
 
 Peer TcpListener::local() const {
   asio::error_code error;
-  return peer_of(state_->acceptor.local_endpoint(error));
+  return peer_of(states_.front()->acceptor.local_endpoint(error));
 }
 
 std::optional<TcpStream> TcpListener::accept(const Waiting& waiting) {
-  auto stream = std::make_unique<TcpStream::State>();
-  std::optional<asio::error_code> result;
-  state_->acceptor.async_accept(stream->socket, [&](const asio::error_code& error) { result = error; });
-  if (finish(state_->context, state_->acceptor, result, waiting)) return std::nullopt;
-  asio::error_code ignored;
-  stream->socket.set_option(tcp::no_delay(true), ignored);
-  return TcpStream(std::move(stream));
+  std::vector<pollfd> watched;
+  for (const auto& state : states_) watched.push_back({state->acceptor.native_handle(), POLLIN, 0});
+  while (true) {
+    for (std::size_t tried = 0; tried < states_.size(); ++tried) {
+      auto stream = std::make_unique<TcpStream::State>();
+      asio::error_code error, ignored;
+      states_[next_]->acceptor.accept(stream->socket, error);
+      next_ = (next_ + 1) % states_.size();
+      if (error) continue;
+      stream->socket.set_option(tcp::no_delay(true), ignored);
+      return TcpStream(std::move(stream));
+    }
+    const Time now = SteadyClock().now();
+    if (now >= waiting.until || (waiting.stopped && waiting.stopped())) return std::nullopt;
+    const auto wait = std::chrono::ceil<std::chrono::milliseconds>(std::min(waiting.until - now, kStopPoll));
+    poll(watched.data(), watched.size(), static_cast<int>(wait.count()));
+  }
 }
 
 }  // namespace farshade

@@ -7,6 +7,9 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "stereo/base/expected.h"
 #include "stereo/net/datagram.h"
@@ -43,27 +46,47 @@ class TcpStream {
   std::unique_ptr<State> state_;
 };
 
-/// The address that a name stands for, with its port, or `without_port`. It may wait for a name server.
-[[nodiscard]] Expected<Peer> resolve_tcp(std::string_view address, std::uint16_t without_port = kDefaultPort);
+/// The addresses that a name stands for, at least one, in the order in which the system prefers them, with
+/// its port, or `without_port`. It may wait for a name server.
+[[nodiscard]] Expected<std::vector<Peer>> resolve_tcp(std::string_view address,
+                                                      std::uint16_t without_port = kDefaultPort);
 
 [[nodiscard]] Expected<TcpStream> connect_tcp(const Peer& server, const Waiting& waiting);
 
+/// To the first of `servers`, at least one, that accepts. Each has an equal share of the time that is left.
+/// The error names all that were tried.
+[[nodiscard]] Expected<TcpStream> connect_tcp(std::span<const Peer> servers, const Waiting& waiting);
+
 class TcpListener {
  public:
-  /// With port 0 the system chooses a port. Unavailable if the port is in use.
+  /// With port 0 the system chooses a port. Errors, each with a cure: Unavailable if the port is in use,
+  /// Missing for an address of another machine.
   [[nodiscard]] static Expected<TcpListener> listen(const Peer& address);
+  /// Accepts from now on what connects to `other`, too.
+  void join(TcpListener other);
   TcpListener(TcpListener&&) noexcept;
   TcpListener& operator=(TcpListener&&) noexcept;
   ~TcpListener();
 
+  /// The first of its addresses.
   [[nodiscard]] Peer local() const;
-  /// Nothing if nobody connected until the deadline.
+  /// Nothing if nobody connected until the deadline. Its addresses take turns.
   [[nodiscard]] std::optional<TcpStream> accept(const Waiting& waiting);
 
  private:
   struct State;
   explicit TcpListener(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  std::vector<std::unique_ptr<State>> states_;  ///< one for each address
+  std::size_t next_ = 0;                        ///< address to look at first
 };
+
+struct TcpServer {
+  TcpListener listener;
+  std::vector<Peer> addresses;  ///< where it listens, in the order given
+};
+
+/// Listens on all `addresses`, at least one, as listen_udp does, with the same errors.
+[[nodiscard]] Expected<TcpServer> listen_tcp(std::span<const std::string> addresses,
+                                             std::uint16_t without_port = kDefaultPort);
 
 }  // namespace farshade

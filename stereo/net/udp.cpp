@@ -173,24 +173,38 @@ bool put_datagram(int socket, const Peer& to, const udp& family, std::span<const
   return sendmsg(socket, &header, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0;
 }
 
+/// A socket and the address that it listens on.
+struct BoundSocket {
+  udp::socket socket;
+  udp family;
+  Peer local;
+
+  [[nodiscard]] int number() { return socket.native_handle(); }
+  /// A socket of [::] speaks IPv4, too.
+  [[nodiscard]] bool reaches(const Peer& to) const {
+    return is_v4(to) == is_v4(local) || (is_unspecified(local) && family == udp::v6());
+  }
+};
+
 class UdpPort final : public DatagramPort {
  public:
-  UdpPort(std::unique_ptr<asio::io_context> context, udp::socket socket, const Endpoint& local)
-      : context_(std::move(context)),
-        socket_(std::move(socket)),
-        family_(local.protocol()),
-        local_(peer_of(local)) {
+  /// No address of `sockets`, at least one, includes another one.
+  UdpPort(std::unique_ptr<asio::io_context> context, std::vector<BoundSocket> sockets)
+      : context_(std::move(context)), sockets_(std::move(sockets)) {
+    for (BoundSocket& one : sockets_) watched_.push_back({one.number(), POLLIN, 0});
+    watched_.push_back({wake_.fd(), POLLIN, 0});
     read_clocks(arrivals_);
   }
 
   /// Receives only from `peer` from now on.
   void talk_to(const Peer& peer) { partner_ = peer; }
 
-  [[nodiscard]] Peer local() const override { return local_; }
+  [[nodiscard]] Peer local() const override { return sockets_.front().local; }
 
   bool send(const Peer& to, std::span<const std::byte> bytes) override {
     check(bytes.size() <= kMaxDatagram_bytes, "a datagram fits kMaxDatagram_bytes");
-    if (!put_datagram(socket_.native_handle(), to, family_, bytes)) {
+    BoundSocket& from = socket_to(to);
+    if (!put_datagram(from.number(), to, from.family, bytes)) {
       ++unsent_;
       return false;
     }
@@ -202,7 +216,7 @@ class UdpPort final : public DatagramPort {
   [[nodiscard]] std::optional<Datagram> receive(std::span<std::byte> into, Duration wait) override {
     const Stopwatch waited;
     for (int dropped = 0; dropped < kMostDropsACall;) {
-      const std::optional<Incoming> incoming = take_datagram(socket_.native_handle(), into, arrivals_);
+      const std::optional<Incoming> incoming = take_next(into);
       if (!incoming) {
         if (!readable_within(wait - waited.elapsed())) break;
         continue;
@@ -231,13 +245,30 @@ class UdpPort final : public DatagramPort {
   }
 
  private:
+  /// The socket that listens on the address from which `to` is answered; otherwise the first that reaches it.
+  BoundSocket& socket_to(const Peer& to) {
+    auto found = std::ranges::find_if(sockets_, [&](const auto& one) { return one.local.address == to.via; });
+    if (found == sockets_.end())
+      found = std::ranges::find_if(sockets_, [&](const auto& one) { return one.reaches(to); });
+    return found == sockets_.end() ? sockets_.front() : *found;
+  }
+
+  /// The sockets take turns, so that a flood at one does not silence the others.
+  std::optional<Incoming> take_next(std::span<std::byte> into) {
+    for (std::size_t tried = 0; tried < sockets_.size(); ++tried) {
+      BoundSocket& one = sockets_[next_];
+      next_ = (next_ + 1) % sockets_.size();
+      if (auto incoming = take_datagram(one.number(), into, arrivals_)) return incoming;
+    }
+    return std::nullopt;
+  }
+
   bool readable_within(Duration wait) {
     if (wait <= Duration::zero()) return false;
     const auto whole_s = std::chrono::duration_cast<std::chrono::seconds>(wait);
     const timespec timeout{whole_s.count(), (wait - whole_s).count()};
-    std::array<pollfd, 2> watched{{{socket_.native_handle(), POLLIN, 0}, {wake_.fd(), POLLIN, 0}}};
-    const int ready = ppoll(watched.data(), watched.size(), &timeout, nullptr);
-    if (watched[1].revents != 0) {
+    const int ready = ppoll(watched_.data(), watched_.size(), &timeout, nullptr);
+    if (ready > 0 && watched_.back().revents != 0) {
       wake_.clear();
       return false;
     }
@@ -245,19 +276,19 @@ class UdpPort final : public DatagramPort {
   }
 
   std::unique_ptr<asio::io_context> context_;
-  udp::socket socket_;
-  udp family_;
-  Peer local_;
+  std::vector<BoundSocket> sockets_;
   std::optional<Peer> partner_;
-  ArrivalClock arrivals_;  ///< used by the thread that receives
   WakeEvent wake_;
+  // Used by the thread that receives.
+  ArrivalClock arrivals_;
+  std::vector<pollfd> watched_;  ///< the sockets, then wake_
+  std::size_t next_ = 0;         ///< socket to read first
   std::atomic<std::uint64_t> sent_ = 0, sent_bytes_ = 0, received_ = 0, received_bytes_ = 0;
   std::atomic<std::uint64_t> unsent_ = 0, oversized_ = 0, strangers_ = 0;
 };
 
-Expected<std::unique_ptr<UdpPort>> bound_port(std::unique_ptr<asio::io_context> context,
-                                              const Endpoint& endpoint) {
-  udp::socket socket(*context);
+Expected<BoundSocket> bound_socket(asio::io_context& context, const Endpoint& endpoint) {
+  udp::socket socket(context);
   asio::error_code error;
   socket.open(endpoint.protocol(), error);
   asio::error_code ignored;  // a smaller buffer, or an IPv6 socket without IPv4, is acceptable
@@ -278,23 +309,30 @@ Expected<std::unique_ptr<UdpPort>> bound_port(std::unique_ptr<asio::io_context> 
   if (!error) socket.non_blocking(true, error);
   if (!error) socket.bind(endpoint, error);
   const Endpoint local = error ? endpoint : socket.local_endpoint(error);
-  if (error == asio::error::address_in_use)
-    return fail(Fault::Unavailable, to_string(peer_of(endpoint)) +
-                                        " is in use by another program: stop it, or " +
-                                        "choose another port (0 takes any free one)");
-  if (error)
-    return fail(error == asio::error::access_denied ? Fault::Unreadable : Fault::Missing,
-                "cannot listen on " + to_string(peer_of(endpoint)) + ": " + error.message());
-  return std::make_unique<UdpPort>(std::move(context), std::move(socket), local);
+  if (error) return tl::unexpected(listen_error(peer_of(endpoint), "", error));
+  return BoundSocket{std::move(socket), local.protocol(), peer_of(local)};
 }
 
 }  // namespace
 
-Expected<std::unique_ptr<DatagramPort>> listen_udp(std::string_view address) {
+Expected<UdpServer> listen_udp(std::span<const std::string> addresses) {
   auto context = std::make_unique<asio::io_context>();
-  const Expected<Endpoint> endpoint = resolve_address<udp>(*context, address);
-  if (!endpoint) return tl::unexpected(endpoint.error());
-  return bound_port(std::move(context), *endpoint);
+  const auto endpoints = resolve_own<udp>(*context, addresses, kDefaultPort);
+  if (!endpoints) return tl::unexpected(endpoints.error());
+  std::vector<BoundSocket> sockets;
+  std::vector<Peer> locals;
+  for (const Endpoint& endpoint : *endpoints) {
+    Expected<BoundSocket> bound = bound_socket(*context, endpoint);
+    if (!bound) return tl::unexpected(bound.error());
+    locals.push_back(bound->local);
+    sockets.push_back(*std::move(bound));
+  }
+  return UdpServer{std::make_unique<UdpPort>(std::move(context), std::move(sockets)), std::move(locals)};
+}
+
+Expected<std::unique_ptr<DatagramPort>> listen_udp(std::string_view address) {
+  const std::string one(address);
+  return listen_udp(std::span(&one, 1)).map([](UdpServer&& server) { return std::move(server.port); });
 }
 
 Expected<std::vector<Peer>> resolve_udp(std::string_view address) {
@@ -313,11 +351,14 @@ Expected<std::vector<Peer>> resolve_udp(std::string_view address) {
 
 Expected<UdpClient> connect_udp(const Peer& server) {
   const udp family = is_v4(server) ? udp::v4() : udp::v6();
-  Expected<std::unique_ptr<UdpPort>> port =
-      bound_port(std::make_unique<asio::io_context>(), Endpoint(family, 0));
-  if (!port) return tl::unexpected(port.error());
-  (*port)->talk_to(server);
-  return UdpClient{std::move(*port), server};
+  auto context = std::make_unique<asio::io_context>();
+  Expected<BoundSocket> bound = bound_socket(*context, Endpoint(family, 0));
+  if (!bound) return tl::unexpected(bound.error());
+  std::vector<BoundSocket> sockets;
+  sockets.push_back(*std::move(bound));
+  auto port = std::make_unique<UdpPort>(std::move(context), std::move(sockets));
+  port->talk_to(server);
+  return UdpClient{std::move(port), server};
 }
 
 Expected<UdpClient> connect_udp(std::string_view address) {

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <memory>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,9 +17,20 @@ namespace farshade {
 /// Socket buffer size to request for each direction. The kernel may grant less (net.core.rmem_max).
 inline constexpr int kSocketBuffer_bytes = 4 << 20;
 
-/// Opens a port that listens on `address` (`127.0.0.1:7447`, `[::]:0`, `name:port`). With port 0 the system
-/// chooses a port; without one it is kDefaultPort. `[::]` includes IPv4. Errors: Malformed for a bad address,
-/// Missing for an unknown name or an address of another machine, Unavailable for a port in use.
+struct UdpServer {
+  std::unique_ptr<DatagramPort> port;  ///< its local() is the first address
+  std::vector<Peer> addresses;         ///< where it listens, in the order given
+};
+
+/// Opens a port that listens on all `addresses` (`127.0.0.1:7447`, `[::]:0`, `name:port`), at least one, and
+/// answers a datagram from the address that it came to. With port 0 the system chooses a port, another one
+/// for each address; without a port it is kDefaultPort. `0.0.0.0` includes all addresses of IPv4, `[::]`
+/// those of IPv6, too. Errors name the address: Malformed for a bad one and for two of which one includes the
+/// other, whatever their ports; Missing for an unknown name or an address of another machine; Unavailable for
+/// a port in use.
+[[nodiscard]] Expected<UdpServer> listen_udp(std::span<const std::string> addresses);
+
+/// The same for one address.
 [[nodiscard]] Expected<std::unique_ptr<DatagramPort>> listen_udp(std::string_view address);
 
 struct UdpClient {

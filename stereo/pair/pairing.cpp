@@ -58,15 +58,15 @@ Expected<PairedClient> wait_for_pairing(TcpListener listener, const PairingCode&
 }
 
 Expected<void> pair_with(const PairingCode& code, const SharedKey& key, const Waiting& waiting) {
-  const Expected<Peer> server = resolve_tcp(code.address, kPairingPort);
-  if (!server) return tl::unexpected(server.error());
-  const std::string where = to_string(*server);
-  Expected<TcpStream> stream = connect_tcp(*server, waiting);
+  const Expected<std::vector<Peer>> servers = resolve_tcp(code.address, kPairingPort);
+  if (!servers) return tl::unexpected(servers.error());
+  Expected<TcpStream> stream = connect_tcp(*servers, waiting);
   if (!stream)
     return fail(Fault::Missing,
                 stream.error().what +
                     ": nobody waits there any more, or a firewall is in between. Start rt_server "
                     "pair again, and open its TCP port");
+  const std::string where = to_string(stream->peer());
   auto met = SealedStream::meet(*std::move(stream), StreamPurpose::Pairing, one_time_key(code), waiting);
   if (!met) return tl::unexpected(met.error());
   met->add(encode_pairing_request(key));

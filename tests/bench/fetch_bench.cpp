@@ -69,7 +69,7 @@ int bench(const BenchOptions& options, const fs::path& folder) {
     path.cuts.push_back(bytes / (static_cast<std::size_t>(options.cuts) + 1));
   TcpProxy proxy(server, path);
   const Stopwatch watch;
-  FetchPlan plan{.server = proxy.address(), .key = key, .cache = folder / "cache"};
+  FetchPlan plan{.servers = {proxy.address()}, .key = key, .cache = folder / "cache"};
   plan.progress = [tenth = std::uint64_t{0}](std::uint64_t here, std::uint64_t all) mutable {
     show_progress(here, all, tenth);
   };
@@ -88,7 +88,7 @@ int bench(const BenchOptions& options, const fs::path& folder) {
       100 * (took_s / limit_s - 1), static_cast<double>(proxy.passed_bytes()) * 1e-6);
   const Stopwatch again;
   const Expected<FetchedScene> cached =
-      fetch_scene({.server = server, .key = key, .cache = folder / "cache"});
+      fetch_scene({.servers = {server}, .key = key, .cache = folder / "cache"});
   fmt::print("with a filled cache: {:.2f} s, {} bytes fetched\n", seconds_of(again.elapsed()),
              cached ? cached->fetched_bytes : 0);
   return 0;

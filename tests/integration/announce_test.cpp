@@ -152,6 +152,24 @@ TEST_F(Announce, IsOffByOptionAndOnlyOnTheInterfaceWhereTheServerListens) {
   }
 }
 
+TEST_F(Announce, AServerWithSeveralAddressesIsFoundOnEachOfTheirInterfaces) {
+  AnnouncingMachine desk, lab;
+  join(desk, lab);
+  desk.shell(
+      "ip link add other type veth peer name end; ip addr add 198.51.100.2/24 dev other; ip link set other "
+      "up; ip link set end up");
+  desk.start_avahi("desk");
+  lab.start_avahi("lab");
+  ChildProgram server =
+      start_server(desk, "127.0.0.1:0", {"--listen", "198.51.100.2:0", "--listen", "192.0.2.2:0"});
+  const auto other = server.line_after("rt_server: listening on 198.51.100.2:"),
+             cable = server.line_after("rt_server: listening on 192.0.2.2:");
+  ASSERT_TRUE(other && cable) << server.errors();
+  ASSERT_TRUE(logs(server, "announced on this network as 'desk'"));
+  EXPECT_CONTAINS(client(lab, {"doctor", "--server", "auto"}).errors,
+                  "192.0.2.2:" + *cable + ": the server answers, knows the key");
+}
+
 TEST_F(Announce, WithoutADaemonBothProgramsSayWhatIsMissing) {
   AnnouncingMachine desk, lab;
   join(desk, lab);

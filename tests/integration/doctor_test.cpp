@@ -125,6 +125,22 @@ TEST(ServerDoctor, WarnsOfAFirewallBeforeAnAddressOfTheNetwork) {
   EXPECT_NE(diagnosis.on("firewall").find("vr_client doctor --server"), std::string::npos);
 }
 
+TEST(ServerDoctor, ChecksEachAddressAndWarnsOnceForEachPortOfTheNetwork) {
+  if (!listen_udp("[::1]:0")) GTEST_SKIP() << "this machine has no IPv6";
+  const Diagnosis diagnosis =
+      ask_server({"--keys", test_keys().ring, "--listen", "[::1]:0", "--listen", "0.0.0.0:0"});
+  EXPECT_EQ(diagnosis.status, 0);
+  const auto count = [&](const std::string& begin) {
+    return std::ranges::count_if(diagnosis.lines, [&](const auto& line) { return line.starts_with(begin); });
+  };
+  EXPECT_EQ(count("ok    port: [::1]:"), 1);
+  EXPECT_EQ(count("ok    port: 0.0.0.0:"), 1);
+  EXPECT_EQ(count("warn  firewall: "), 1);
+  EXPECT_EQ(count("ok    firewall: "), 0);
+  expect_fail(ask_server({"--keys", test_keys().ring, "--listen", "127.0.0.1:0", "--listen", "192.0.2.1:0"}),
+              "port", "192.0.2.1:0: this machine does not have that address", "--listen on a free port");
+}
+
 TEST(ServerDoctor, FailsOnAMissingScene) {
   expect_fail(ask_server({"--keys", test_keys().ring, "--listen", "127.0.0.1:0", "--scene", "no/such.glb"}),
               "scene", "no/such.glb", "--scene");

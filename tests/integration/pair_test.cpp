@@ -61,6 +61,35 @@ TEST(PairPrograms, ARunningServerTakesTheKeyOfANewClient) {
   EXPECT_EQ(load_key_ring(ring).value().size(), 2u);
 }
 
+TEST(PairPrograms, AClientPairsAtTheSecondAddress) {
+  const ScratchFolder folder;
+  const std::string ring = (folder.path() / "ring.keys").string(), key = (folder.path() / "a.key").string();
+  ChildProgram pair(
+      {RT_SERVER, "pair", "--listen", "127.0.0.1:0", "--listen", "127.0.0.2:0", "--ring", ring});
+  const auto code = pair.line_after("  vr_client pair farshade://");
+  ASSERT_TRUE(code && code->starts_with("127.0.0.1:")) << pair.errors();
+  const auto other =
+      pair.line_after("rt_server: this machine has more addresses; if " + code->substr(0, code->find('/')) +
+                      " does not answer, put another one in its place: 127.0.0.2:");
+  ASSERT_TRUE(other);
+  const std::string there = "farshade://127.0.0.2:" + *other + code->substr(code->find('/'));
+  const Ended paired = vr_client({"pair", there, "--key", key, "--name", "desk"});
+  EXPECT_EQ(paired.status, 0) << paired.errors;
+  EXPECT_NE(paired.errors.find("paired with 127.0.0.2: the key 'desk'"), std::string::npos) << paired.errors;
+  EXPECT_EQ(pair.wait(), 0);
+  EXPECT_EQ(load_key_ring(ring).value().back(), load_key(key).value());
+}
+
+TEST(PairPrograms, TheServersAddressesOfAConfigurationFileAreNotThoseOfThePairing) {
+  const ScratchFolder folder;
+  const std::string file = (folder.path() / "rt_server.ini").string();
+  ASSERT_TRUE(write_file_atomically(file, std::string("listen = 192.0.2.1:0\n")));  // of no machine
+  ChildProgram pair({RT_SERVER, "--config", file, "pair", "--ring", (folder.path() / "ring.keys").string(),
+                     "--minutes", "0.01"});
+  const std::string errors = pair.errors();  // nobody came, or another program has the usual port
+  EXPECT_EQ(errors.find("192.0.2.1"), errors.npos) << errors;
+}
+
 TEST(PairPrograms, EndWithASentenceWithoutAClientOrACode) {
   const ScratchFolder folder;
   const std::string ring = (folder.path() / "ring.keys").string();

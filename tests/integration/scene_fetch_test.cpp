@@ -89,7 +89,7 @@ TEST_F(SceneFetch, ShowsTheServersSceneWithItsLighting) {
 TEST_F(SceneFetch, GoesOnAfterCtrlCAndACutWithFilesOfAFolder) {
   constexpr std::size_t kBytes = 4'000'000;
   RunningServer server(large_scene(kBytes));
-  const Peer address = resolve_tcp(server.address()).value();
+  const Peer address = resolve_tcp(server.address()).value().front();
   {
     TcpProxy slow(address, {.bytes_per_second = 1e6, .delay = std::chrono::milliseconds(20)});
     ChildProgram program(arguments(to_string(slow.address())));

@@ -67,6 +67,40 @@ TEST(ServerProgram, PrintsItsPlanAndEnds) {
   EXPECT_NE(wrong.wait(), 0);
 }
 
+TEST(ServerProgram, HasOneListOfSessionsForAllItsAddresses) {
+  std::vector<std::string> arguments = server(kScene);
+  arguments.insert(arguments.end(),
+                   {"--listen", "127.0.0.2:0", "--listen", "127.0.0.3:0", "--sessions", "2"});
+  ChildProgram program(arguments);
+  const ContentHash hash = load_scene(kScene)->hash;
+  std::vector<ServerMessage> answers;
+  for (int i = 1; i <= 3; ++i) {
+    const std::string host = "127.0.0." + std::to_string(i) + ":";
+    const auto port = program.line_after("rt_server: listening on " + host);
+    ASSERT_TRUE(port.has_value()) << program.errors();
+    answers.push_back(answer_to(test_keys().key, hash, host + *port));
+  }
+  EXPECT_TRUE(std::holds_alternative<Welcome>(answers[0]) && std::holds_alternative<Welcome>(answers[1]));
+  EXPECT_EQ(std::get<Refusal>(answers[2]).reason, RefusalReason::Busy);
+}
+
+TEST(ServerProgram, ListensOnEachAddressOfAConfigurationFileAndOfTheCommandLineInItsPlace) {
+  const ScratchFolder folder;
+  const std::string file = (folder.path() / "rt_server.ini").string();
+  std::ofstream(file) << "listen = 127.0.0.4:0\nlisten = 127.0.0.5:0\n";
+  std::vector<std::string> arguments{RT_SERVER, "--config",      file, "--scene", kScene,
+                                     "--keys",  test_keys().ring};
+  ChildProgram by_file(arguments);
+  EXPECT_TRUE(by_file.line_after("rt_server: listening on 127.0.0.4:")) << by_file.errors();
+  EXPECT_TRUE(by_file.line_after("rt_server: listening on 127.0.0.5:"));
+  arguments.insert(arguments.end(), {"--listen", "127.0.0.6:0"});
+  ChildProgram by_line(arguments);
+  EXPECT_TRUE(by_line.line_after("rt_server: listening on 127.0.0.6:")) << by_line.errors();
+  by_line.send(SIGTERM);
+  EXPECT_EQ(by_line.wait(), 0);
+  EXPECT_EQ(by_line.output().find("listening on 127.0.0.4"), std::string::npos);
+}
+
 class ServerProgram : public testing::TestWithParam<int> {};
 
 TEST_P(ServerProgram, ListensAnswersAndEndsCleanlyOnSignal) {
@@ -101,6 +135,22 @@ TEST(ServerProgramRefuses, PortInUse) {
   EXPECT_NE(complaint_of(server(kScene, to_string((*taken)->local()))).find("is in use"), std::string::npos);
 }
 
+TEST(ServerProgramRefuses, AddressesThatCannotStandTogetherOrAreOfAnotherMachine) {
+  for (const auto& [first, second, complaint] :
+       {std::tuple{"127.0.0.1:0", "127.0.0.1:0",
+                   "on both 127.0.0.1:0 and 127.0.0.1:0: give each address once"},
+        {"127.0.0.1:7447", "0.0.0.0",
+         "on both 0.0.0.0:7447 and 127.0.0.1:7447: the first includes the second"},
+        {"127.0.0.1:0", "192.0.2.1:0", "on 192.0.2.1:0: this machine does not have that address"}}) {
+    std::vector<std::string> arguments = server(kScene, first);
+    arguments.insert(arguments.end(), {"--listen", second});
+    EXPECT_NE(complaint_of(arguments).find(complaint), std::string::npos) << complaint;
+    const std::string said =
+        complaint_of({RT_SERVER, "pair", "--ring", test_keys().ring, "--listen", first, "--listen", second});
+    EXPECT_TRUE(said.starts_with("rt_server: cannot listen on ")) << said;
+  }
+}
+
 TEST(ServerProgramRefuses, ARingThatIsNotThereOrThatOthersCanRead) {
   const ScratchFolder folder;
   const std::filesystem::path ring = folder.path() / "ring.keys";
@@ -111,10 +161,15 @@ TEST(ServerProgramRefuses, ARingThatIsNotThereOrThatOthersCanRead) {
   EXPECT_NE(complaint_of(arguments).find("chmod 600"), std::string::npos);
 }
 
-TEST(ServerProgramRefuses, ToBeInsecureOnANetwork) {
-  const std::vector<std::string> arguments{RT_SERVER,  "--scene",   kScene,
-                                           "--listen", "0.0.0.0:0", "--insecure"};
-  EXPECT_NE(complaint_of(arguments).find("this machine alone"), std::string::npos);
+TEST(ServerProgramRefuses, ToBeInsecureOnANetworkAlsoWithASecondAddress) {
+  const auto complaint = [](const std::vector<std::string>& listen) {
+    std::vector<std::string> arguments{"/usr/bin/timeout", "30", RT_SERVER, "--scene", kScene, "--insecure"};
+    for (const std::string& address : listen) arguments.insert(arguments.end(), {"--listen", address});
+    return complaint_of(arguments);
+  };
+  EXPECT_NE(complaint({"0.0.0.0:0"}).find("this machine alone: 0.0.0.0:"), std::string::npos);
+  if (!listen_udp("[::1]:0")) GTEST_SKIP() << "this machine has no IPv6";
+  EXPECT_NE(complaint({"[::1]:0", "0.0.0.0:0"}).find("this machine alone: 0.0.0.0:"), std::string::npos);
 }
 
 TEST(ServerProgramRefuses, ANetworkThatIsNone) {
@@ -276,6 +331,22 @@ TEST(ServerReadyFile, HoldsTheAddressOnceClientsCanConnect) {
   const std::string address = text.substr(10, text.size() - 11);
   const ContentHash hash = load_scene(kScene)->hash;
   EXPECT_TRUE(std::holds_alternative<Welcome>(answer_to(test_keys().key, hash, address)));
+}
+
+TEST(ServerReadyFile, HasALineForEachAddress) {
+  const ScratchFolder folder;
+  const std::filesystem::path ready = folder.path() / "ready";
+  std::vector<std::string> arguments = with_ready_file(server(kScene), ready);
+  arguments.insert(arguments.end(), {"--listen", "127.0.0.2:0"});
+  ChildProgram program(arguments);
+  std::string lines;
+  for (int i = 0; i < 2; ++i)
+    lines += "listening " + program.line_after("rt_server: listening on ").value_or("") + "\n";
+  const auto expired = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (text_of(ready).empty() && std::chrono::steady_clock::now() < expired) {
+  }
+  EXPECT_EQ(text_of(ready), lines);
+  EXPECT_NE(lines.find("\nlistening 127.0.0.2:"), std::string::npos) << lines;
 }
 
 TEST(ServerReadyFile, SaysThatNoLightCastsShadowsAndTheServerSucceeds) {

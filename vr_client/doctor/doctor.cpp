@@ -99,6 +99,7 @@ HelloAnswer say_hello(DatagramPort& port, const Peer& server, const Contact& con
   return answer;
 }
 
+/// Judges what `server`, an address of `contact.server`, has answered.
 Finding judge(const Contact& contact, const Peer& server, const HelloAnswer& answer) {
   if (!answer.message && !answer.open_refusal)
     return {Severity::Fail, "server", contact.server + ": no answer",
@@ -118,20 +119,28 @@ Finding judge(const Contact& contact, const Peer& server, const HelloAnswer& ans
 }
 
 Finding check_server(const Contact& contact) {
-  const Expected<UdpClient> client = connect_udp(contact.server);
-  if (!client)
-    return failed("server", client.error(),
+  const Expected<std::vector<Peer>> servers = resolve_udp(contact.server);
+  if (!servers)
+    return failed("server", servers.error(),
                   "give --server the address that rt_server prints; getent hosts HOST must know a name");
-  if (contact.key == insecure_key() && !is_loopback(client->server))
+  if (contact.key == insecure_key() && !std::ranges::all_of(*servers, is_loopback))
     return {Severity::Fail, "server", "--insecure works on this machine only, not with " + contact.server,
             "omit --insecure and use a key"};
-  return judge(contact, client->server, say_hello(*client->port, client->server, contact));
+  HelloAnswer answer;
+  Peer answers = servers->front();
+  for (const Peer& server : *servers) {
+    const Expected<UdpClient> client = connect_udp(server);
+    if (client) answer = say_hello(*client->port, server, contact);
+    answers = server;
+    if (answer.message || answer.open_refusal) break;
+  }
+  return judge(contact, answers, answer);
 }
 
 /// Whether the server sends its scene to a client that has none.
 Finding check_offer(const std::string& server, const SharedKey& key) {
-  const auto offer = resolve_tcp(server).and_then([&](const Peer& peer) {
-    return ask_offer({.server = peer, .key = key, .cache = {}, .patience = std::chrono::seconds(3)});
+  const auto offer = resolve_tcp(server).and_then([&](const std::vector<Peer>& peers) {
+    return ask_offer({.servers = peers, .key = key, .cache = {}, .patience = std::chrono::seconds(3)});
   });
   if (!offer)
     return {

@@ -90,7 +90,7 @@ Expected<OpenedFetch> ask_over(TcpStream tcp, const FetchPlan& plan, const Waiti
 
 /// Connects and asks for the offer.
 Expected<OpenedFetch> open_fetch(const FetchPlan& plan, const Waiting& waiting) {
-  return connect_tcp(plan.server, waiting).and_then([&](TcpStream&& tcp) {
+  return connect_tcp(plan.servers, waiting).and_then([&](TcpStream&& tcp) {
     return ask_over(std::move(tcp), plan, waiting);
   });
 }
@@ -197,7 +197,7 @@ Expected<SceneCache> open_cache(const FetchPlan& plan, const SceneOffer& offer) 
 Expected<OpenedFetch> open_first(const FetchPlan& plan) {
   const Waiting waiting{now() + plan.patience, plan.stopped};
   for (bool told = false;; told = true) {
-    Expected<TcpStream> tcp = connect_tcp(plan.server, waiting);
+    Expected<TcpStream> tcp = connect_tcp(plan.servers, waiting);
     if (!tcp) return tl::unexpected(tcp.error());
     Expected<OpenedFetch> opened = ask_over(*std::move(tcp), plan, waiting);
     if (opened || !can_go_on(opened.error())) return opened;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "stereo/fetch/scene_offer.h"
 #include "stereo/net/tcp.h"
@@ -15,7 +16,7 @@
 namespace farshade {
 
 struct FetchPlan {
-  Peer server;
+  std::vector<Peer> servers;  ///< addresses of one server, at least one; the first that accepts is used
   SharedKey key;
   std::filesystem::path cache;  ///< folder of all fetched scenes
   std::function<bool()> stopped = [] { return false; };

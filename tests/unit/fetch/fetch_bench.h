@@ -58,7 +58,7 @@ class FetchTest : public testing::Test {
   }
 
   [[nodiscard]] FetchPlan plan() const {
-    return {.server = server_,
+    return {.servers = {server_},
             .key = key_,
             .cache = folder_.path() / "cache",
             .patience = std::chrono::seconds(5),

@@ -64,7 +64,7 @@ TEST_F(FetchTest, GoesOnAfterCutsAtRandomPlaces) {
   for (int i = 0; i < 8; ++i) path.cuts.push_back(random() % 250'000);
   TcpProxy proxy(server_, path);
   FetchPlan wanted = plan();
-  wanted.server = proxy.address();
+  wanted.servers = {proxy.address()};
   // Each call is a new process: it starts with what the last one kept.
   Expected<FetchedScene> fetched = fetch_scene(wanted);
   ASSERT_TRUE(fetched.has_value()) << fetched.error().what;

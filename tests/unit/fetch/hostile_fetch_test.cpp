@@ -74,7 +74,7 @@ class HostileFetchTest : public FetchTest {
   }
   Error error_from(const HostileServer& server) {
     FetchPlan wanted = plan();
-    wanted.server = server.address();
+    wanted.servers = {server.address()};
     wanted.patience = 1s;
     const Stopwatch watch;
     const Expected<FetchedScene> fetched = fetch_scene(wanted);

@@ -1,4 +1,7 @@
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <thread>
@@ -94,6 +97,177 @@ TEST(Udp, AnswersFromTheAddressThatWasAsked) {
   }
 }
 
+/// A client of each address of a server that listens on several.
+class SeveralAddresses : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::vector<std::string> addresses{"127.0.0.2:0", "127.0.0.77:0"};
+    if (listen_udp("[::1]:0")) addresses.emplace_back("[::1]:0");
+    auto listening = listen_udp(addresses);
+    ASSERT_TRUE(listening.has_value()) << listening.error().what;
+    server_ = *std::move(listening);
+    ASSERT_EQ(server_.addresses.size(), addresses.size());
+    for (const Peer& address : server_.addresses) clients_.push_back(connect_udp(address).value());
+  }
+  void ask(std::size_t client, int value) {
+    ASSERT_TRUE(clients_[client].port->send(clients_[client].server, bytes({value})));
+  }
+  /// The sender of the next datagram, which must be `value`.
+  Peer asker(int value) {
+    const auto request = server_.port->receive(buffer_, kPatience);
+    EXPECT_TRUE(request && std::ranges::equal(request->bytes, bytes({value}))) << value;
+    return request ? request->from : Peer{};
+  }
+
+  UdpServer server_;
+  std::vector<UdpClient> clients_;
+  std::array<std::byte, 1500> buffer_;
+};
+
+TEST_F(SeveralAddresses, AreAllHeardAndAnswerEachFromItself) {
+  EXPECT_EQ(server_.port->local(), server_.addresses.front());
+  std::vector<Peer> from;
+  for (std::size_t i = 0; i < clients_.size(); ++i) {
+    ask(i, static_cast<int>(i));
+    from.push_back(asker(static_cast<int>(i)));
+  }
+  for (const Peer& to : from) ASSERT_TRUE(server_.port->send(to, bytes({9})));
+  for (std::size_t i = 0; i < clients_.size(); ++i) {
+    EXPECT_TRUE(clients_[i].port->receive(buffer_, kPatience)) << to_string(server_.addresses[i]);
+    EXPECT_EQ(clients_[i].port->counters().strangers, 0u);
+  }
+}
+
+TEST_F(SeveralAddresses, ReachEachFamilyWithoutAChoice) {
+  for (std::size_t i = 0; i < clients_.size(); ++i) {
+    ask(i, 1);
+    Peer to = asker(1);
+    to.via = {};
+    EXPECT_TRUE(server_.port->send(to, bytes({9}))) << to_string(to);
+  }
+}
+
+TEST_F(SeveralAddresses, TakeTurnsDuringAFloodAtOne) {
+  for (int i = 0; i < 50; ++i) ask(0, 1);
+  ask(1, 2);  // loopback delivers in order: all of the flood has arrived
+  int before = 0;
+  for (auto next = server_.port->receive(buffer_, kPatience); next && next->bytes[0] == std::byte{1};
+       next = server_.port->receive(buffer_, kPatience))
+    ++before;
+  EXPECT_LE(before, 2);
+}
+
+TEST_F(SeveralAddresses, AreWokenAsOne) {
+  const Stopwatch waited;
+  std::jthread waker([&] { server_.port->wake(); });
+  EXPECT_FALSE(server_.port->receive(buffer_, kPatience).has_value());
+  EXPECT_LT(waited.elapsed(), kPatience);
+}
+
+TEST_F(SeveralAddresses, NamesTheOneThatIsInUse) {
+  const std::vector<std::string> addresses{"127.0.0.3:0", to_string(server_.addresses[1])};
+  const auto second = listen_udp(addresses);
+  ASSERT_FALSE(second.has_value());
+  EXPECT_EQ(second.error().fault, Fault::Unavailable);
+  EXPECT_NE(second.error().what.find(addresses[1] + " is in use"), std::string::npos) << second.error().what;
+}
+
+/// A datagram tells the address that it came to, but not the port.
+TEST(Udp, RefusesAnAddressThatAnotherOneIncludes) {
+  for (const auto& [first, second, words] :
+       {std::tuple{"127.0.0.1:0", "127.0.0.1:7447", "127.0.0.1:0 and 127.0.0.1:7447: give each address once"},
+        {"[::1]:0", "[::1]:0", "[::1]:0 and [::1]:0: give each address once"},
+        {"127.0.0.1:0", "0.0.0.0:0", "0.0.0.0:0 and 127.0.0.1:0: the first includes the second"},
+        {"[::]:0", "[::1]:0", "[::]:0 and [::1]:0: the first includes the second"},
+        {"0.0.0.0:0", "[::]:0", "[::]:0 and 0.0.0.0:0: the first includes the second"}}) {
+    const auto port = listen_udp(std::vector<std::string>{first, second});
+    ASSERT_FALSE(port.has_value()) << first << " " << second;
+    EXPECT_EQ(port.error().fault, Fault::Malformed);
+    EXPECT_NE(port.error().what.find(words), std::string::npos) << port.error().what;
+    const auto tcp = listen_tcp(std::vector<std::string>{first, second});
+    ASSERT_FALSE(tcp.has_value()) << first << " " << second;
+    EXPECT_EQ(tcp.error().what, port.error().what);
+  }
+  if (!listen_udp("[::1]:0")) GTEST_SKIP() << "this machine has no IPv6";
+  EXPECT_TRUE(listen_udp(std::vector<std::string>{"0.0.0.0:0", "[::1]:0"}).has_value());
+}
+
+TEST(Tcp, AJoinedListenerAcceptsAtEachAddressInTurn) {
+  const Waiting soon{SteadyClock().now() + kPatience};
+  TcpServer server = listen_tcp(std::vector<std::string>{"127.0.0.2:0", "127.0.0.77:0"}).value();
+  TcpListener& all = server.listener;
+  const Peer first = server.addresses[0], second = server.addresses[1];
+  EXPECT_EQ(all.local(), first);
+  std::vector<TcpStream> streams;
+  for (int i = 0; i < 5; ++i) streams.push_back(connect_tcp(first, soon).value());
+  TcpStream late = connect_tcp(second, soon).value();
+  ASSERT_TRUE(late.write(bytes({7}), soon));
+  std::array<std::byte, 8> buffer;
+  bool heard = false;
+  for (int i = 0; i < 2; ++i) {
+    auto accepted = all.accept(soon);
+    ASSERT_TRUE(accepted.has_value());
+    const Waiting poll{SteadyClock().now() + 100ms};
+    heard |= accepted->read_some(buffer, poll).has_value();
+    streams.push_back(*std::move(accepted));
+  }
+  EXPECT_TRUE(heard);
+  for (int i = 0; i < 4; ++i) EXPECT_TRUE(all.accept(soon).has_value());
+  EXPECT_FALSE(all.accept({SteadyClock().now() + 1ms}).has_value());
+}
+
+TEST(Tcp, ConnectsToTheFirstAddressThatAccepts) {
+  auto listener = TcpListener::listen(resolve_tcp("127.0.0.2:0").value().front()).value();
+  auto gone = TcpListener::listen(resolve_tcp("127.0.0.3:0").value().front());
+  const Peer closed = gone->local();
+  gone = fail(Fault::Missing, "closed");
+  const Waiting soon{SteadyClock().now() + kPatience};
+  const auto stream = connect_tcp(std::vector{closed, listener.local(), closed}, soon);
+  ASSERT_TRUE(stream.has_value()) << stream.error().what;
+  EXPECT_EQ(stream->peer(), listener.local());
+  const auto none = connect_tcp(std::vector{closed, closed}, soon);
+  ASSERT_FALSE(none.has_value());
+  const std::string where = to_string(closed) + " (TCP): ";
+  EXPECT_TRUE(none.error().what.starts_with(where)) << none.error().what;
+  EXPECT_NE(none.error().what.find(", " + where), std::string::npos) << none.error().what;
+}
+
+/// A TCP port that drops whoever wants to connect, as a firewall does: its queue is full.
+class SilentPort {
+ public:
+  SilentPort() {
+    sockaddr_in here{};
+    here.sin_family = AF_INET;
+    here.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof here;
+    EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&here), size), 0);
+    EXPECT_EQ(listen(socket_, 0), 0);
+    EXPECT_EQ(getsockname(socket_, reinterpret_cast<sockaddr*>(&here), &size), 0);
+    address_ = resolve_tcp("127.0.0.1:" + std::to_string(ntohs(here.sin_port))).value().front();
+    while (auto queued = connect_tcp(address_, {SteadyClock().now() + 100ms}))
+      queue_.push_back(*std::move(queued));
+  }
+  SilentPort(const SilentPort&) = delete;
+  SilentPort& operator=(const SilentPort&) = delete;
+  ~SilentPort() { close(socket_); }
+
+  [[nodiscard]] const Peer& address() const { return address_; }
+
+ private:
+  int socket_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  Peer address_;
+  std::vector<TcpStream> queue_;
+};
+
+TEST(Tcp, ASilentAddressLeavesTimeForTheNext) {
+  const SilentPort silent;
+  auto listener = TcpListener::listen(resolve_tcp("127.0.0.2:0").value().front()).value();
+  const auto stream =
+      connect_tcp(std::vector{silent.address(), listener.local()}, {SteadyClock().now() + 400ms});
+  ASSERT_TRUE(stream.has_value()) << stream.error().what;
+  EXPECT_EQ(stream->peer(), listener.local());
+}
+
 TEST(Udp, IPv6SocketSpeaksIPv4) {
   auto server = listen_udp("[::]:0");
   if (!server) GTEST_SKIP() << "this machine has no IPv6";
@@ -132,13 +306,14 @@ TEST(Udp, AnAddressWithoutAPortHasTheDefaultPort) {
                                       {"[2001:db8::2]:80", "[2001:db8::2]:80"},
                                       {"2001:db8::2", "[2001:db8::2]:7447"},
                                       {"::1", "[::1]:7447"}}) {
-    const Expected<Peer> found = resolve_tcp(address);
-    ASSERT_TRUE(found.has_value()) << found.error().what;
+    const auto all = resolve_tcp(address);
+    ASSERT_TRUE(all.has_value()) << all.error().what;
+    const Peer found = all->front();
     if (std::string_view(address) == "localhost") {
-      EXPECT_TRUE(is_loopback(*found));
-      EXPECT_EQ(found->port, kDefaultPort);
+      EXPECT_TRUE(is_loopback(found));
+      EXPECT_EQ(found.port, kDefaultPort);
     } else {
-      EXPECT_EQ(to_string(*found), peer);
+      EXPECT_EQ(to_string(found), peer);
     }
   }
 }
@@ -166,6 +341,15 @@ TEST(Udp, RefusesAnAddressOfAnotherMachine) {
       listen_udp("192.0.2.1:0");  // an address of the documentation range (RFC 5737), which no machine has
   ASSERT_FALSE(port.has_value());
   EXPECT_EQ(port.error().fault, Fault::Missing);
+  const auto tcp = listen_tcp(std::vector<std::string>{"127.0.0.1:0", "192.0.2.1:0"});
+  ASSERT_FALSE(tcp.has_value());
+  EXPECT_EQ(tcp.error().fault, Fault::Missing);
+  for (const auto& [what, name] :
+       {std::pair{port.error().what, "192.0.2.1:0: "}, {tcp.error().what, "192.0.2.1:0 (TCP): "}})
+    EXPECT_NE(what.find(std::string("cannot listen on ") + name +
+                        "this machine does not have that address; hostname -I prints"),
+              what.npos)
+        << what;
 }
 
 TEST(Udp, AbsentServerBreaksNothing) {
