@@ -179,6 +179,9 @@ void save_messages(const fs::path& folder) {
   save(folder / "slice", after(1, packed(small_frame(), Side::Left).front()));
   save(folder / "ask_slice", after(0, ask_sample()));
   save(folder / "plane_slice", after(0, encoded(ClientMessage(plane_slice()))));
+  save(folder / "leave", after(0, encoded(ClientMessage(Leave{}))));
+  save(folder / "goodbye", after(1, encoded(ServerMessage(Goodbye{EndReason::Revoked}))));
+  save(folder / "path_probe", after(1, encoded(ServerMessage(path_probe()))));
   save(folder / "video_part", after(1, encoded(ServerMessage(video_part()))));
 }
 
