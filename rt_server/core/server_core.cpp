@@ -94,7 +94,8 @@ std::string counters_line(const ServerCounters& counters) {
                             {sessions.expired, "ended because their key has expired"},
                             {sessions.moved, "moved"},
                             {sessions.lied, "that reported what was never sent"}}) +
-         group("paths", {{sessions.black_holes, "stopped to carry large datagrams"}}) +
+         group("paths", {{sessions.widened, "found to carry larger datagrams"},
+                         {sessions.black_holes, "stopped to carry large datagrams"}}) +
          group("frames", {{sessions.held_back, "slowed by --bytes-per-second"},
                           {sessions.overtaken, "overtaken by a newer one"}});
 }

@@ -188,6 +188,8 @@ class ClientSession {
   /// The client has reported the arrival of a datagram that was never sent. Since then it gets the least
   /// rate.
   [[nodiscard]] bool was_lied_to() const { return rate_.was_lied_to(); }
+  /// The largest datagram that the path to the client's present address is known to carry, in bytes.
+  [[nodiscard]] std::size_t most_datagram_bytes() const { return path_mtu_.bytes(); }
   /// Times that the path to the client's present address stopped to carry large datagrams.
   [[nodiscard]] std::uint64_t black_holes() const { return path_mtu_.black_holes(); }
 

@@ -58,6 +58,7 @@ struct SessionCounters {
   std::uint64_t key_full = 0;                  ///< the same: their key has as many sessions as it may
   std::uint64_t held_back = 0;                 ///< frames slowed by the limit of bytes per second
   std::uint64_t overtaken = 0;                 ///< frames whose rest a newer frame replaced
+  std::uint64_t widened = 0;                   ///< times that a path was found to carry larger datagrams
   std::uint64_t black_holes = 0;               ///< paths that stopped to carry large datagrams
   friend bool operator==(const SessionCounters&, const SessionCounters&) = default;
 };

@@ -1,6 +1,7 @@
 // The server's datagrams grow to what the path to the client carries, and shrink when the path does.
 #include <gtest/gtest.h>
 
+#include "stereo/net/path_mtu.h"
 #include "tests/support/sanitized.h"
 #include "tests/unit/client_link/link_bench.h"
 
@@ -51,6 +52,9 @@ TEST(LinkPathMtu, DatagramsGrowToWhatThePathCarries) {
     EXPECT_EQ(bench.whole_in(1s), 1) << mtu;
     EXPECT_LE(bench.longest, carried) << mtu;
     EXPECT_GT(bench.longest, carried - 140) << mtu;
+    const auto size = std::ranges::find(PathMtu::kSizes, carried);
+    EXPECT_EQ(bench.server->counters().sessions.widened,
+              static_cast<std::uint64_t>(size - PathMtu::kSizes.begin()));
   }
 }
 
