@@ -35,11 +35,12 @@ bool has_validation_layer(const vk::raii::Context& context) {
 }
 
 vk::raii::Instance make_instance(const vk::raii::Context& context, ValidationLog* log,
-                                 const std::optional<Presentation>& presentation) {
+                                 const DeviceOptions& options) {
   const vk::ApplicationInfo app{.pApplicationName = "farshade", .apiVersion = VK_API_VERSION_1_3};
   std::vector<const char*> extensions;
-  if (presentation)
-    for (const std::string& name : presentation->instance_extensions) extensions.push_back(name.c_str());
+  if (options.presentation)
+    for (const std::string& name : options.presentation->instance_extensions)
+      extensions.push_back(name.c_str());
   vk::InstanceCreateInfo info{.pApplicationInfo = &app};
   vk::DebugUtilsMessengerCreateInfoEXT messenger;
   if (log) {
@@ -49,6 +50,7 @@ vk::raii::Instance make_instance(const vk::raii::Context& context, ValidationLog
     info.setPEnabledLayerNames(kValidationLayer);
   }
   info.setPEnabledExtensionNames(extensions);
+  if (options.maker) return vk::raii::Instance(context, options.maker->make_instance(info));
   return vk::raii::Instance(context, info);
 }
 
@@ -119,8 +121,10 @@ struct Judged {
 std::vector<Judged> judge(const vk::raii::Instance& instance, const DeviceOptions& options) {
   std::vector<Judged> judged;
   std::optional<std::size_t> best;
+  const auto only = options.maker ? std::optional(options.maker->choose_device(*instance)) : std::nullopt;
   for (vk::raii::PhysicalDevice& physical : vk::raii::PhysicalDevices(instance)) {
-    std::string passed_over = lacks(instance, physical, options);
+    std::string passed_over =
+        only && *physical != *only ? "not that of the headset" : lacks(instance, physical, options);
     const int here = preference(physical.getProperties().deviceType);
     const bool usable = passed_over.empty();
     if (usable && best && here <= preference(judged[*best].physical.getProperties().deviceType)) {
@@ -153,12 +157,13 @@ vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, std::uin
   const vk::DeviceQueueCreateInfo queue{
       .queueFamilyIndex = queue_family, .queueCount = 1, .pQueuePriorities = &priority};
   const char* const swapchains = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
-  return vk::raii::Device(physical,
-                          vk::DeviceCreateInfo{.pNext = &features12,
-                                               .queueCreateInfoCount = 1,
-                                               .pQueueCreateInfos = &queue,
-                                               .enabledExtensionCount = options.presentation ? 1u : 0u,
-                                               .ppEnabledExtensionNames = &swapchains});
+  const vk::DeviceCreateInfo info{.pNext = &features12,
+                                  .queueCreateInfoCount = 1,
+                                  .pQueueCreateInfos = &queue,
+                                  .enabledExtensionCount = options.presentation ? 1u : 0u,
+                                  .ppEnabledExtensionNames = &swapchains};
+  if (options.maker) return vk::raii::Device(physical, options.maker->make_device(*physical, info));
+  return vk::raii::Device(physical, info);
 }
 
 }  // namespace
@@ -181,7 +186,7 @@ Expected<Device> open_device(const DeviceOptions& options) try {
                   "Vulkan validation layers are not installed (Debian: vulkan-validationlayers)");
     device.validation_log = std::make_unique<ValidationLog>();
   }
-  device.instance = make_instance(device.context, device.validation_log.get(), options.presentation);
+  device.instance = make_instance(device.context, device.validation_log.get(), options);
   if (device.validation_log)
     device.messenger = device.instance.createDebugUtilsMessengerEXT(messenger_info(*device.validation_log));
 
@@ -195,8 +200,10 @@ Expected<Device> open_device(const DeviceOptions& options) try {
   device.physical = std::move(taken->physical);
   const vk::PhysicalDeviceProperties properties = device.physical.getProperties();
   device.name = properties.deviceName.data();
-  device.why = properties.deviceType == vk::PhysicalDeviceType::eCpu ? "no GPU was usable, drawing on the CPU"
-                                                                     : "the most capable device";
+  device.why = options.maker ? "that of the headset"
+               : properties.deviceType == vk::PhysicalDeviceType::eCpu
+                   ? "no GPU was usable, drawing on the CPU"
+                   : "the most capable device";
   if (!passed_over.empty()) device.why += " (passed over: " + passed_over + ")";
   device.timeout_ns = options.timeout_ns;
   device.timestamp_period_ns = properties.limits.timestampPeriod;

@@ -1,6 +1,6 @@
-/// LifeCycle: the life of an OpenXR session as a value. `after` gives the next value for an event, and what the
-/// client must do now. Nothing here calls OpenXR.
-/// Source: OpenXR 1.0 specification, section "Session Lifecycle".
+/// LifeCycle: the life of an OpenXR session as a value. `after` gives the next value for an event, and what
+/// the client must do now. Nothing here calls OpenXR. Source: OpenXR 1.0 specification, section "Session
+/// Lifecycle".
 #pragma once
 
 #include <cstdint>
@@ -28,14 +28,14 @@ enum class SessionState : std::uint8_t {
 // Events.
 struct StateChanged {
   SessionState to;
-};                             ///< XrEventDataSessionStateChanged
-struct SessionBegan {};        ///< xrBeginSession has succeeded
-struct SessionEnded {};        ///< xrEndSession was called; a session is not running after it, whatever it returned
-struct SessionReplaced {};     ///< a new session was created
-struct SessionLost {};         ///< a call returned XR_ERROR_SESSION_LOST
+};                       ///< XrEventDataSessionStateChanged
+struct SessionBegan {};  ///< xrBeginSession has succeeded
+struct SessionEnded {};  ///< xrEndSession was called; a session is not running after it, whatever it returned
+struct SessionReplaced {};      ///< a new session was created
+struct SessionLost {};          ///< a call returned XR_ERROR_SESSION_LOST
 struct InstanceLossPending {};  ///< XrEventDataInstanceLossPending
-struct InstanceLost {};        ///< a call returned XR_ERROR_INSTANCE_LOST
-struct ExitWanted {};          ///< the user wants to end the client; may come again and again
+struct InstanceLost {};         ///< a call returned XR_ERROR_INSTANCE_LOST
+struct ExitWanted {};           ///< the user wants to end the client; may come again and again
 using Event = std::variant<StateChanged, SessionBegan, SessionEnded, SessionReplaced, SessionLost,
                            InstanceLossPending, InstanceLost, ExitWanted>;
 
@@ -76,8 +76,8 @@ struct Step {
   friend bool operator==(const Step&, const Step&) = default;
 };
 
-/// Follows the runtime also where it changes to a state that the specification does not allow. After an ending
-/// nothing changes any more, and the act is Finish.
+/// Follows the runtime also where it changes to a state that the specification does not allow. After an
+/// ending nothing changes any more, and the act is Finish.
 [[nodiscard]] Step after(LifeCycle before, const Event& event);
 
 }  // namespace farshade::openxr
