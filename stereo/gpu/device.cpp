@@ -235,12 +235,18 @@ void silence(Result(VKAPI_PTR*& function)(Arguments...)) {
   function = [](Arguments...) { return Result(); };
 }
 
+/// The namespace of the type depends on the version of the Vulkan headers.
+template <class Dispatcher>
+Dispatcher& writable(const Dispatcher* functions) {
+  return const_cast<Dispatcher&>(*functions);
+}
+
 }  // namespace
 
 /// Handles are destroyed by destructors, also of objects that an exception leaves behind half made. All of
 /// them call the device's table of functions.
 void abandon(const Device& device) {
-  auto& call = const_cast<vk::raii::DeviceDispatcher&>(*device.logical.getDispatcher());
+  auto& call = writable(device.logical.getDispatcher());
   silence(call.vkDestroyDevice);
   silence(call.vkDeviceWaitIdle);
   silence(call.vkFreeMemory);
@@ -265,7 +271,7 @@ void abandon(const Device& device) {
   silence(call.vkFreeCommandBuffers);
   silence(call.vkDestroySwapchainKHR);
   // The instance ends its devices with it.
-  silence(const_cast<vk::raii::InstanceDispatcher&>(*device.instance.getDispatcher()).vkDestroyInstance);
+  silence(writable(device.instance.getDispatcher()).vkDestroyInstance);
 }
 
 /// Any failure is reported as a lost device: the device must then be opened again.
