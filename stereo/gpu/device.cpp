@@ -59,11 +59,16 @@ bool can_present(const vk::raii::Instance& instance, const vk::raii::PhysicalDev
   return !options.presentation || options.presentation->can_present(*instance, *physical, queue_family);
 }
 
-bool has_swapchains(const vk::raii::PhysicalDevice& physical) {
-  return std::ranges::any_of(physical.enumerateDeviceExtensionProperties(), [](const auto& extension) {
-    return std::strcmp(extension.extensionName, VK_KHR_SWAPCHAIN_EXTENSION_NAME) == 0;
+bool has_extension(const vk::raii::PhysicalDevice& physical, const char* name) {
+  return std::ranges::any_of(physical.enumerateDeviceExtensionProperties(), [&](const auto& extension) {
+    return std::strcmp(extension.extensionName, name) == 0;
   });
 }
+
+/// A maker may add feature structures of its own to ours, which must not be beside
+/// VkPhysicalDeviceVulkan12Features (VUID-VkDeviceCreateInfo-pNext-02830). This extension has the one feature
+/// of that structure that we need.
+constexpr const char* kLayeredDrawing = VK_EXT_SHADER_VIEWPORT_INDEX_LAYER_EXTENSION_NAME;
 
 std::optional<std::uint32_t> graphics_queue_family(const vk::raii::Instance& instance,
                                                    const vk::raii::PhysicalDevice& physical,
@@ -87,11 +92,14 @@ std::string lacks(const vk::raii::Instance& instance, const vk::raii::PhysicalDe
   if (properties.limits.maxUniformBufferRange < kUniformRange_bytes) return "uniform buffers are too short";
   const auto features = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features,
                                               vk::PhysicalDeviceVulkan13Features>();
-  if (!features.get<vk::PhysicalDeviceVulkan12Features>().shaderOutputLayer) return "no layered drawing";
+  if (!features.get<vk::PhysicalDeviceVulkan12Features>().shaderOutputLayer ||
+      (options.maker && !has_extension(physical, kLayeredDrawing)))
+    return "no layered drawing";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().dynamicRendering) return "no dynamic rendering";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().synchronization2) return "no synchronization2";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().maintenance4) return "no maintenance4";
-  if (options.presentation && !has_swapchains(physical)) return "no swapchains";
+  if (options.presentation && !has_extension(physical, VK_KHR_SWAPCHAIN_EXTENSION_NAME))
+    return "no swapchains";
   if (!graphics_queue_family(instance, physical, options))
     return options.presentation ? "no queue that draws, computes, keeps time and shows in this window"
                                 : "no queue that draws, computes and keeps time";
@@ -156,12 +164,15 @@ vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, std::uin
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue{
       .queueFamilyIndex = queue_family, .queueCount = 1, .pQueuePriorities = &priority};
-  const char* const swapchains = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
-  const vk::DeviceCreateInfo info{.pNext = &features12,
-                                  .queueCreateInfoCount = 1,
-                                  .pQueueCreateInfos = &queue,
-                                  .enabledExtensionCount = options.presentation ? 1u : 0u,
-                                  .ppEnabledExtensionNames = &swapchains};
+  std::vector<const char*> extensions;
+  if (options.presentation) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+  if (options.maker) extensions.push_back(kLayeredDrawing);
+  vk::DeviceCreateInfo info{.queueCreateInfoCount = 1, .pQueueCreateInfos = &queue};
+  info.setPEnabledExtensionNames(extensions);
+  if (options.maker)
+    info.pNext = &features13;
+  else
+    info.pNext = &features12;
   if (options.maker) return vk::raii::Device(physical, options.maker->make_device(*physical, info));
   return vk::raii::Device(physical, info);
 }
