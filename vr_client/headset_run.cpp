@@ -167,12 +167,17 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   const auto wants_to_end = [&] {
     return stop.has_come() || report.failed() || (options.frames && report.frames() >= *options.frames);
   };
-  Expected<std::unique_ptr<HeadsetRuntime>> runtime =
-      HeadsetRuntime::open(system, client.device, client.renderer->shown(),
-                           {.start = viewpoint_of(client.scene, options.stand),
-                            .eye_size = options.size,
-                            .wants_to_end = wants_to_end,
-                            .idle = [&] { keeper.keep(client); }});
+  const auto depth = [&client]() -> HeadsetDepth {
+    const ShownDepth shown = client.renderer->shown_depth();
+    return {shown.image, shown.first_layer};
+  };
+  Expected<std::unique_ptr<HeadsetRuntime>> runtime = HeadsetRuntime::open(
+      system, client.device, client.renderer->shown(),
+      {.start = viewpoint_of(client.scene, options.stand),
+       .eye_size = options.size,
+       .wants_to_end = wants_to_end,
+       .idle = [&] { keeper.keep(client); },
+       .depth = draws_scene(options.mode.mode) ? depth : std::function<HeadsetDepth()>{}});
   if (!runtime) return tl::unexpected(runtime.error());
   stages.end("headset");
   if (auto done = open_link(options, client, report.listener()); !done) return done;

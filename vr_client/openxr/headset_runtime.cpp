@@ -76,7 +76,7 @@ gpu::VulkanMaker HeadsetSystem::vulkan() const {
 class HeadsetRuntime::Parts {
  public:
   Parts(Instance& instance, const gpu::Device& device, const gpu::Image& shown, HeadsetSetup setup)
-      : instance_(instance), device_(device), setup_(std::move(setup)), copy_(device, shown) {}
+      : instance_(instance), device_(device), setup_(std::move(setup)), shown_(shown), copy_(device) {}
 
   [[nodiscard]] Expected<void> open_session();
   [[nodiscard]] std::optional<FrameTiming> wait_frame();
@@ -104,6 +104,7 @@ class HeadsetRuntime::Parts {
   Instance& instance_;
   const gpu::Device& device_;
   HeadsetSetup setup_;
+  const gpu::Image& shown_;
   PictureCopy copy_;
   std::unique_ptr<Session> session_;
   LifeCycle life_;
@@ -236,7 +237,7 @@ HeadsetRuntime::Parts::Frame HeadsetRuntime::Parts::begin_frame() {
 
 void HeadsetRuntime::Parts::end_empty_frame() {
   ++counters.empty;
-  static_cast<void>(fine(session_->end_frame(frame_.predictedDisplayTime, {}), "xrEndFrame"));
+  static_cast<void>(fine(session_->end_frame(frame_.predictedDisplayTime, {}, Depth::None), "xrEndFrame"));
   setup_.idle();
 }
 
@@ -266,11 +267,27 @@ StereoView HeadsetRuntime::Parts::views() const {
 }
 
 void HeadsetRuntime::Parts::end_frame() {
-  vk::Image image;
-  if (!fine(session_->acquire(image), "xrAcquireSwapchainImage")) return;
-  copy_.copy_to(image);
-  if (!fine(session_->release(), "xrReleaseSwapchainImage")) return;
-  if (fine(session_->end_frame(frame_.predictedDisplayTime, located_), "xrEndFrame")) ++counters.submitted;
+  const Swapchain& pictures = session_->pictures();
+  const Swapchain* const depths = setup_.depth ? session_->depths() : nullptr;
+  vk::Image picture, depth;
+  if (!fine(pictures.acquire(picture), "xrAcquireSwapchainImage") ||
+      (depths && !fine(depths->acquire(depth), "xrAcquireSwapchainImage")))
+    return;
+  std::vector<LayerCopy> copies{
+      {shown_, 0, vk::ImageLayout::eGeneral, picture, vk::ImageLayout::eColorAttachmentOptimal}};
+  if (depths) {
+    const HeadsetDepth shown = setup_.depth();
+    copies.push_back({shown.image, shown.first_layer, vk::ImageLayout::eShaderReadOnlyOptimal, depth,
+                      vk::ImageLayout::eDepthStencilAttachmentOptimal});
+  }
+  copy_.copy(copies, setup_.eye_size);
+  if (!fine(pictures.release(), "xrReleaseSwapchainImage") ||
+      (depths && !fine(depths->release(), "xrReleaseSwapchainImage")))
+    return;
+  if (fine(
+          session_->end_frame(frame_.predictedDisplayTime, located_, depths ? Depth::Submitted : Depth::None),
+          "xrEndFrame"))
+    ++counters.submitted;
 }
 
 /// Frames must go on until the runtime stops the session.

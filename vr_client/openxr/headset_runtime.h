@@ -43,11 +43,19 @@ class HeadsetSystem {
   std::unique_ptr<openxr::Instance> instance_;
 };
 
+/// A depth for each eye: near / distance (kNearPlane_m), 0 where there is no surface; two layers of
+/// D32_SFLOAT, whose upper left part has the size of an eye; layout ShaderReadOnlyOptimal.
+struct HeadsetDepth {
+  const gpu::Image& image;
+  std::uint32_t first_layer = 0;
+};
+
 struct HeadsetSetup {
-  Rigid<Stage, Eye> start;             ///< where the head is placed in the scene when it is first seen
-  Extent eye_size;                     ///< pixels
-  std::function<bool()> wants_to_end;  ///< the user wants to end the client
-  std::function<void()> idle;          ///< called at least every 100 ms while no frame is shown
+  Rigid<Stage, Eye> start;              ///< where the head is placed in the scene when it is first seen
+  Extent eye_size;                      ///< pixels
+  std::function<bool()> wants_to_end;   ///< the user wants to end the client
+  std::function<void()> idle;           ///< called at least every 100 ms while no frame is shown
+  std::function<HeadsetDepth()> depth;  ///< of the picture, called in end_frame; empty: it has none
 };
 
 class HeadsetRuntime final : public Runtime {

@@ -1,28 +1,38 @@
 #include "vr_client/openxr/picture_copy.h"
 
-namespace farshade::openxr {
+#include "stereo/frame/view.h"
 
-PictureCopy::PictureCopy(const gpu::Device& device, const gpu::Image& shown)
+namespace farshade::openxr {
+namespace {
+
+void record(const vk::raii::CommandBuffer& commands, const LayerCopy& copy, Extent size) {
+  using Layout = vk::ImageLayout;
+  constexpr auto eyes = static_cast<std::uint32_t>(kEyes);
+  const gpu::LayerRange from{copy.first_layer, eyes}, to{0, eyes};
+  const vk::ImageAspectFlags aspect = copy.from.aspect;
+  gpu::transition(commands, copy.from, copy.from_layout, Layout::eTransferSrcOptimal, from);
+  gpu::transition(commands, copy.to, Layout::eUndefined, Layout::eTransferDstOptimal, to, aspect);
+  commands.copyImage(*copy.from.image, Layout::eTransferSrcOptimal, copy.to, Layout::eTransferDstOptimal,
+                     vk::ImageCopy{.srcSubresource = {aspect, 0, from.first, from.count},
+                                   .dstSubresource = {aspect, 0, to.first, to.count},
+                                   .extent = {size.width, size.height, 1}});
+  gpu::transition(commands, copy.to, Layout::eTransferDstOptimal, copy.to_layout, to, aspect);
+  gpu::transition(commands, copy.from, Layout::eTransferSrcOptimal, copy.from_layout, from);
+}
+
+}  // namespace
+
+PictureCopy::PictureCopy(const gpu::Device& device)
     : device_(device),
-      shown_(shown),
       commands_(std::move(device.logical.allocateCommandBuffers({.commandPool = *device.commands,
                                                                  .level = vk::CommandBufferLevel::ePrimary,
                                                                  .commandBufferCount = 1})[0])),
       fence_(device.logical.createFence({})) {}
 
-void PictureCopy::copy_to(vk::Image target) const {
-  using Layout = vk::ImageLayout;
-  const auto& [size, layers] = std::tie(shown_.spec.size, shown_.spec.layers);
-  const vk::ImageSubresourceLayers all{vk::ImageAspectFlagBits::eColor, 0, 0, layers};
+void PictureCopy::copy(std::span<const LayerCopy> copies, Extent size) const {
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
-  gpu::transition(commands_, shown_, Layout::eGeneral, Layout::eTransferSrcOptimal);
-  gpu::transition(commands_, target, Layout::eUndefined, Layout::eTransferDstOptimal);
-  commands_.copyImage(
-      *shown_.image, Layout::eTransferSrcOptimal, target, Layout::eTransferDstOptimal,
-      vk::ImageCopy{.srcSubresource = all, .dstSubresource = all, .extent = {size.width, size.height, 1}});
-  gpu::transition(commands_, target, Layout::eTransferDstOptimal, Layout::eColorAttachmentOptimal);
-  gpu::transition(commands_, shown_, Layout::eTransferSrcOptimal, Layout::eGeneral);
+  for (const LayerCopy& one : copies) record(commands_, one, size);
   commands_.end();
   gpu::submit_and_wait(device_, commands_, fence_);
 }

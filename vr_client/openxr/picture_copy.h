@@ -1,22 +1,31 @@
-/// PictureCopy: copies the shown picture to an image of the runtime.
+/// PictureCopy: copies pictures and depths to images of the runtime.
 #pragma once
+
+#include <span>
 
 #include "stereo/gpu/memory.h"
 
 namespace farshade::openxr {
 
+/// Layers of an image of ours, one for each eye, and the image of the runtime that they go to.
+struct LayerCopy {
+  const gpu::Image& from;
+  std::uint32_t first_layer;    ///< of `from`
+  vk::ImageLayout from_layout;  ///< which `from` keeps
+  vk::Image to;                 ///< a format with as many bytes a pixel
+  vk::ImageLayout to_layout;    ///< of `to` afterwards; its content and layout before do not matter
+};
+
 class PictureCopy {
  public:
-  /// Keeps both references. `shown`: layout General, one layer an eye.
-  PictureCopy(const gpu::Device& device, const gpu::Image& shown);
+  /// Keeps the reference.
+  explicit PictureCopy(const gpu::Device& device);
 
-  /// Copies the bytes of all layers and waits for the device. `target` has the size and the layers of the
-  /// picture, a format of as many bytes a pixel, and the layout of a colour attachment, which it keeps.
-  void copy_to(vk::Image target) const;
+  /// Copies the upper left part of `size` of each layer, without conversion, and waits for the device.
+  void copy(std::span<const LayerCopy> copies, Extent size) const;
 
  private:
   const gpu::Device& device_;
-  const gpu::Image& shown_;
   vk::raii::CommandBuffer commands_{nullptr};
   vk::raii::Fence fence_{nullptr};
 };

@@ -4,12 +4,16 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 
 namespace farshade::openxr {
 namespace {
 
 /// Formats whose bytes are those of the shown picture, which is coded as sRGB. The compositor decodes them.
 constexpr std::array kFormats{vk::Format::eR8G8B8A8Srgb, vk::Format::eA8B8G8R8SrgbPack32};
+
+/// The format of the renderer's depth.
+constexpr vk::Format kDepthFormat = vk::Format::eD32Sfloat;
 
 /// A compositor that holds all images for longer has stopped.
 constexpr XrDuration kImageTimeout_ns = 2'000'000'000;
@@ -38,6 +42,19 @@ XrFovf fov_of(const EyeFov& fov) {
           static_cast<float>(fov.down_rad)};
 }
 
+/// The formats that the runtime offers, by its preference.
+Expected<std::vector<vk::Format>> offered_formats(XrSession session) {
+  std::uint32_t count = 0;
+  XrResult result = xrEnumerateSwapchainFormats(session, 0, &count, nullptr);
+  std::vector<std::int64_t> offered(count);
+  if (XR_SUCCEEDED(result)) result = xrEnumerateSwapchainFormats(session, count, &count, offered.data());
+  if (auto done = succeeded(result, "xrEnumerateSwapchainFormats"); !done)
+    return tl::unexpected(done.error());
+  std::vector<vk::Format> formats;
+  for (const std::int64_t format : offered) formats.push_back(static_cast<vk::Format>(format));
+  return formats;
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<Session>> Session::open(const Instance& instance, const gpu::Device& device,
@@ -45,8 +62,7 @@ Expected<std::unique_ptr<Session>> Session::open(const Instance& instance, const
   std::unique_ptr<Session> session(new Session(instance, size));
   Expected<void> done = session->create(device);
   if (done) done = session->create_space();
-  if (done) done = session->choose_format();
-  if (done) done = session->create_swapchain();
+  if (done) done = session->create_swapchains();
   if (!done) return tl::unexpected(done.error());
   return session;
 }
@@ -76,50 +92,52 @@ Expected<void> Session::create_space() {
   return succeeded(result, "xrCreateReferenceSpace");
 }
 
-Expected<void> Session::choose_format() {
-  std::uint32_t count = 0;
-  XrResult result = xrEnumerateSwapchainFormats(handle_, 0, &count, nullptr);
-  std::vector<std::int64_t> offered(count);
-  if (XR_SUCCEEDED(result)) result = xrEnumerateSwapchainFormats(handle_, count, &count, offered.data());
-  if (auto done = succeeded(result, "xrEnumerateSwapchainFormats"); !done) return done;
-  for (const vk::Format format : kFormats)
-    if (std::ranges::find(offered, static_cast<std::int64_t>(format)) != offered.end()) {
-      format_ = format;
-      return {};
-    }
-  std::string names;
-  for (const std::int64_t format : offered)
-    names += (names.empty() ? "" : ", ") + vk::to_string(static_cast<vk::Format>(format));
-  return fail(
-      Fault::Unsupported,
-      "the OpenXR runtime offers no 8-bit RGBA sRGB swapchain, which this client needs, only " + names);
+Expected<void> Session::create_swapchains() {
+  const Expected<std::vector<vk::Format>> offered = offered_formats(handle_);
+  if (!offered) return tl::unexpected(offered.error());
+  const auto is_offered = [&](vk::Format format) {
+    return std::ranges::find(*offered, format) != offered->end();
+  };
+  const auto* const format = std::ranges::find_if(kFormats, is_offered);
+  if (format == kFormats.end()) {
+    std::string names;
+    for (const vk::Format one : *offered) names += (names.empty() ? "" : ", ") + vk::to_string(one);
+    return fail(
+        Fault::Unsupported,
+        "the OpenXR runtime offers no 8-bit RGBA sRGB swapchain, which this client needs, only " + names);
+  }
+  pictures_.format = *format;
+  if (auto done = fill(pictures_, XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT); !done) return done;
+  if (!instance_.extensions().depth_layers || !is_offered(kDepthFormat)) return {};
+  depths_.format = kDepthFormat;
+  return fill(depths_, XR_SWAPCHAIN_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
 }
 
-Expected<void> Session::create_swapchain() {
-  const XrSwapchainCreateInfo info{
-      XR_TYPE_SWAPCHAIN_CREATE_INFO,
-      nullptr,
-      0,
-      XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT,
-      static_cast<std::int64_t>(format_),
-      1,
-      size_.width,
-      size_.height,
-      1,
-      static_cast<std::uint32_t>(kEyes),
-      1};
-  if (auto done = succeeded(xrCreateSwapchain(handle_, &info, &swapchain_), "xrCreateSwapchain"); !done)
+Expected<void> Session::fill(Swapchain& swapchain, XrSwapchainUsageFlags usage) const {
+  const XrSwapchainCreateInfo info{XR_TYPE_SWAPCHAIN_CREATE_INFO,
+                                   nullptr,
+                                   0,
+                                   usage | XR_SWAPCHAIN_USAGE_TRANSFER_DST_BIT,
+                                   static_cast<std::int64_t>(swapchain.format),
+                                   1,
+                                   size_.width,
+                                   size_.height,
+                                   1,
+                                   static_cast<std::uint32_t>(kEyes),
+                                   1};
+  if (auto done = succeeded(xrCreateSwapchain(handle_, &info, &swapchain.handle), "xrCreateSwapchain"); !done)
     return done;
   std::uint32_t count = 0;
-  XrResult result = xrEnumerateSwapchainImages(swapchain_, 0, &count, nullptr);
-  images_.assign(count, {XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR, nullptr, VK_NULL_HANDLE});
+  XrResult result = xrEnumerateSwapchainImages(swapchain.handle, 0, &count, nullptr);
+  swapchain.images.assign(count, {XR_TYPE_SWAPCHAIN_IMAGE_VULKAN_KHR, nullptr, VK_NULL_HANDLE});
   if (XR_SUCCEEDED(result))
-    result = xrEnumerateSwapchainImages(swapchain_, count, &count,
-                                        reinterpret_cast<XrSwapchainImageBaseHeader*>(images_.data()));
+    result =
+        xrEnumerateSwapchainImages(swapchain.handle, count, &count,
+                                   reinterpret_cast<XrSwapchainImageBaseHeader*>(swapchain.images.data()));
   return succeeded(result, "xrEnumerateSwapchainImages");
 }
 
-/// The session's space and swapchain end with it.
+/// The session's space and swapchains end with it.
 Session::~Session() {
   if (handle_ != XR_NULL_HANDLE) xrDestroySession(handle_);
 }
@@ -167,34 +185,43 @@ XrResult Session::locate(XrTime time, std::optional<Located>& located) {
   return result;
 }
 
-XrResult Session::acquire(vk::Image& image) {
+XrResult Swapchain::acquire(vk::Image& image) const {
   std::uint32_t index = 0;
   const XrSwapchainImageAcquireInfo acquire{XR_TYPE_SWAPCHAIN_IMAGE_ACQUIRE_INFO, nullptr};
-  XrResult result = xrAcquireSwapchainImage(swapchain_, &acquire, &index);
+  XrResult result = xrAcquireSwapchainImage(handle, &acquire, &index);
   if (XR_FAILED(result)) return result;
   const XrSwapchainImageWaitInfo wait{XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO, nullptr, kImageTimeout_ns};
-  result = xrWaitSwapchainImage(swapchain_, &wait);
+  result = xrWaitSwapchainImage(handle, &wait);
   if (result == XR_TIMEOUT_EXPIRED) return XR_ERROR_RUNTIME_FAILURE;
-  image = images_.at(index).image;
+  image = images.at(index).image;
   return result;
 }
 
-XrResult Session::release() {
+XrResult Swapchain::release() const {
   const XrSwapchainImageReleaseInfo info{XR_TYPE_SWAPCHAIN_IMAGE_RELEASE_INFO, nullptr};
-  return xrReleaseSwapchainImage(swapchain_, &info);
+  return xrReleaseSwapchainImage(handle, &info);
 }
 
-XrResult Session::end_frame(XrTime time, const std::optional<Located>& shown) {
+XrResult Session::end_frame(XrTime time, const std::optional<Located>& shown, Depth depth) {
+  const XrRect2Di whole{{0, 0},
+                        {static_cast<std::int32_t>(size_.width), static_cast<std::int32_t>(size_.height)}};
   std::array<XrCompositionLayerProjectionView, kEyes> views{};
-  for (std::size_t eye = 0; shown && eye < kEyes; ++eye)
-    views[eye] = {
-        XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW,
-        nullptr,
-        pose(shown->tracked_from_eye[eye]),
-        fov_of(shown->fov[eye]),
-        {swapchain_,
-         {{0, 0}, {static_cast<std::int32_t>(size_.width), static_cast<std::int32_t>(size_.height)}},
-         static_cast<std::uint32_t>(eye)}};
+  std::array<XrCompositionLayerDepthInfoKHR, kEyes> depths{};
+  for (std::uint32_t eye = 0; shown && eye < kEyes; ++eye) {
+    // Reversed: depth 0 is infinitely far, depth 1 is at the near plane.
+    depths[eye] = {XR_TYPE_COMPOSITION_LAYER_DEPTH_INFO_KHR,
+                   nullptr,
+                   {depths_.handle, whole, eye},
+                   0,
+                   1,
+                   std::numeric_limits<float>::infinity(),
+                   static_cast<float>(kNearPlane_m)};
+    views[eye] = {XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW,
+                  depth == Depth::Submitted ? &depths[eye] : nullptr,
+                  pose(shown->tracked_from_eye[eye]),
+                  fov_of(shown->fov[eye]),
+                  {pictures_.handle, whole, eye}};
+  }
   const XrCompositionLayerProjection projection{XR_TYPE_COMPOSITION_LAYER_PROJECTION, nullptr,     0, space_,
                                                 static_cast<std::uint32_t>(kEyes),    views.data()};
   const auto* const layer = reinterpret_cast<const XrCompositionLayerBaseHeader*>(&projection);

@@ -1,5 +1,5 @@
-/// Session: an OpenXR session with its space and its swapchain, and the calls of a frame. It knows nothing of
-/// the life cycle: calls at the wrong time return the runtime's errors.
+/// Session: an OpenXR session with its space and its swapchains, and the calls of a frame. It knows nothing
+/// of the life cycle: calls at the wrong time return the runtime's errors.
 #pragma once
 
 #include <memory>
@@ -19,6 +19,21 @@ struct Located {
   PerEye<EyeFov> fov;
 };
 
+/// Images of the runtime with one layer an eye.
+struct Swapchain {
+  XrSwapchain handle = XR_NULL_HANDLE;
+  vk::Format format = vk::Format::eUndefined;
+  std::vector<XrSwapchainImageVulkanKHR> images;
+
+  /// The next image to draw to. Its layout is that of an attachment, and must be that again when it is
+  /// released.
+  [[nodiscard]] XrResult acquire(vk::Image& image) const;
+  [[nodiscard]] XrResult release() const;
+};
+
+/// Whether a frame submits the depth of its picture, too.
+enum class Depth : std::uint8_t { None, Submitted };
+
 class Session {
  public:
   /// `size` is that of each view, pixels. Keeps both references.
@@ -30,7 +45,6 @@ class Session {
 
   [[nodiscard]] XrSession handle() const { return handle_; }
   [[nodiscard]] const char* space_name() const { return space_name_; }
-  [[nodiscard]] vk::Format format() const { return format_; }
 
   // Calls of the life cycle and of a frame, in this order. Each returns the runtime's result.
   [[nodiscard]] XrResult begin();
@@ -40,27 +54,27 @@ class Session {
   [[nodiscard]] XrResult begin_frame();
   /// Empty `located`: the runtime does not know where the head looks.
   [[nodiscard]] XrResult locate(XrTime time, std::optional<Located>& located);
-  /// An image with one layer an eye to draw to; its layout is that of a colour attachment, before and after.
-  [[nodiscard]] XrResult acquire(vk::Image& image);
-  [[nodiscard]] XrResult release();
-  /// Shows the released image as the two views, or nothing.
-  [[nodiscard]] XrResult end_frame(XrTime time, const std::optional<Located>& shown);
+  [[nodiscard]] const Swapchain& pictures() const { return pictures_; }
+  /// Null if the runtime takes no depth. Depths are those of stereo/math/fov.h.
+  [[nodiscard]] const Swapchain* depths() const {
+    return depths_.handle == XR_NULL_HANDLE ? nullptr : &depths_;
+  }
+  /// Shows the released images as the two views, or nothing.
+  [[nodiscard]] XrResult end_frame(XrTime time, const std::optional<Located>& shown, Depth depth);
 
  private:
   Session(const Instance& instance, Extent size) : instance_(instance), size_(size) {}
   [[nodiscard]] Expected<void> create(const gpu::Device& device);
   [[nodiscard]] Expected<void> create_space();
-  [[nodiscard]] Expected<void> choose_format();
-  [[nodiscard]] Expected<void> create_swapchain();
+  [[nodiscard]] Expected<void> create_swapchains();
+  [[nodiscard]] Expected<void> fill(Swapchain& swapchain, XrSwapchainUsageFlags usage) const;
 
   const Instance& instance_;
   Extent size_;
   XrSession handle_ = XR_NULL_HANDLE;
   XrSpace space_ = XR_NULL_HANDLE;
   const char* space_name_ = "";
-  XrSwapchain swapchain_ = XR_NULL_HANDLE;
-  vk::Format format_ = vk::Format::eUndefined;
-  std::vector<XrSwapchainImageVulkanKHR> images_;
+  Swapchain pictures_, depths_;
 };
 
 }  // namespace farshade::openxr
