@@ -118,6 +118,9 @@ Expected<void> HeadsetRuntime::Parts::open_session() {
   Expected<std::unique_ptr<Session>> session = Session::open(instance_, device_, setup_.eye_size);
   if (!session) return tl::unexpected(session.error());
   session_ = std::move(*session);
+  spdlog::info("the headset's space is {}; pictures are {}, {} depth", session_->space_name(),
+               vk::to_string(session_->pictures().format),
+               setup_.depth && session_->depths() ? "with" : "without");
   return {};
 }
 
