@@ -306,8 +306,8 @@ Options checked(CommandLine line, const CLI::App& app) {
   Options& options = line.options;
   if (!options.replay.empty()) check_replay(app);
   check_headset(app, options);
-  if (options.trace.empty() && !options.preview && options.xr == Xr::None && options.replay.empty() &&
-      !options.plan.prints_only)
+  const bool may_move_itself = options.preview || options.xr != Xr::None;
+  if (options.trace.empty() && !may_move_itself && options.replay.empty() && !options.plan.prints_only)
     throw CLI::RequiredError("--trace");
   if (options.scene.empty()) check_fetch(options);
   if (options.stand && options.place == Place::Recorded)
