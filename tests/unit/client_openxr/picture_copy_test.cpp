@@ -28,7 +28,7 @@ std::vector<std::uint32_t> fill(const gpu::Device& device, const gpu::Image& ima
   constexpr unsigned seed = 11;
   std::mt19937 random(seed);
   std::vector<std::uint32_t> words(image.spec.size.pixels() * image.spec.layers);
-  for (std::uint32_t& word : words) word = random() >> 2;  // as floats, these are finite
+  for (std::uint32_t& word : words) word = static_cast<std::uint32_t>(random()) >> 2;  // as floats, these are finite
   const gpu::Buffer staging = gpu::make_staging_buffer(device, words.size() * 4, "words");
   std::ranges::copy(words, staging.as<std::uint32_t>().begin());
   gpu::run_now(device, [&](const vk::raii::CommandBuffer& commands) {
@@ -53,7 +53,9 @@ std::vector<std::uint32_t> read(const gpu::Device& device, const gpu::Image& ima
 
 /// The pictures go to an sRGB image without conversion; of the depths, layers 2 and 3 of a larger image.
 TEST(PictureCopy, KeepsTheBytesOfPictureAndDepth) {
-  const Expected<gpu::Device> device = gpu::open_device({.validation = gpu::Validation::On});
+  gpu::DeviceOptions options;
+  options.validation = gpu::Validation::On;
+  const Expected<gpu::Device> device = gpu::open_device(options);
   if (!device) GTEST_SKIP() << device.error().what;
   using Usage = vk::ImageUsageFlagBits;
   const auto source = Usage::eTransferSrc | Usage::eTransferDst | Usage::eSampled;
