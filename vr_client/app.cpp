@@ -166,18 +166,6 @@ tl::unexpected<Error> interrupted(const Options& options, const FrameLog& log, s
                           log.records().size(), frames, options.out.string()));
 }
 
-/// Missing if the mode needs a server and no answer of it ever came.
-Expected<void> check_answered(const Client& client, const FrameLog& log) {
-  if (!client.link || client.link->inbox().newest_known() != nullptr ||
-      log.start_up_frames() < log.records().size())
-    return {};
-  return fail(
-      Fault::Missing,
-      fmt::format("no answer came from {} during the whole run, so no frame shows what the server adds. "
-                  "Is rt_server running there, and does UDP reach it? vr_client doctor --server {} tells",
-                  to_string(client.server), to_string(client.server)));
-}
-
 /// Mismatch if the capture was made with another scene or plan.
 Expected<void> check_capture(const CaptureHeader& header, const Options& options, const Client& client) {
   if (client.scene.hash != header.scene_hash)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "stereo/base/stop_signal.h"
+#include "vr_client/openxr/headset_runtime.h"
 #include "vr_client/options.h"
 
 namespace farshade {
@@ -29,5 +30,10 @@ namespace farshade {
 /// program: a capture then lacks its last frame, and a head recording and a timeline are lost. If the server
 /// does not answer, the preview continues and shows that.
 [[nodiscard]] Expected<void> run_preview(const Options& options, StopSignal& stop);
+
+/// Shows the scene in the headset until its runtime ends the session, options.frames were shown, or a stop
+/// signal comes (Fault::Interrupted). With options.frames it writes the reports of run_client. Recordings are
+/// finished also if the runtime fails, which is an error.
+[[nodiscard]] Expected<void> run_headset(const Options& options, HeadsetSystem& system, StopSignal& stop);
 
 }  // namespace farshade

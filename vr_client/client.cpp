@@ -14,6 +14,7 @@
 #include "stereo/net/udp.h"
 #include "stereo/scene/lighting.h"
 #include "stereo/video/video.h"
+#include "stereo/wire/timing.h"
 
 namespace farshade {
 namespace {
@@ -262,6 +263,17 @@ Expected<void> open_link(const Options& options, Client& client, LinkListener li
     spdlog::info("{} does not answer; trying the next address of {}", to_string(server), options.server);
   }
   return allow_silence(client, std::move(met));
+}
+
+void SessionKeeper::keep(Client& client) {
+  constexpr Duration kInterval = std::chrono::seconds(1);
+  static_assert(3 * kInterval < kSessionTimeout);
+  if (!client.link) return;
+  client.link->poll();
+  const Time now = kSteadyClock.now();
+  if (kept_alive_ && now - *kept_alive_ < kInterval) return;
+  kept_alive_ = now;
+  client.link->keep_alive();
 }
 
 CaptureHeader header_of(const Options& options, const Client& client, const MaskPolicy& policy) {

@@ -94,6 +94,16 @@ void open_renderer(Client& client, const RendererLimits& limits);
 /// Opens a new session on the same socket. The masks of the old session are dropped.
 [[nodiscard]] Expected<void> meet(const Options& options, Client& client, LinkListener listener = {});
 
+/// Keeps the session with the server while no frame is shown, and so nothing is requested.
+class SessionKeeper {
+ public:
+  /// Call it several times a second. Reads what has arrived, and repeats the newest request once a second.
+  void keep(Client& client);
+
+ private:
+  std::optional<Time> kept_alive_;  ///< on the machine's clock
+};
+
 /// The header of a capture of this client.
 [[nodiscard]] CaptureHeader header_of(const Options& options, const Client& client, const MaskPolicy& policy);
 

@@ -20,7 +20,14 @@ Expected<void> carry_out(const Options& options, std::optional<StopSignal>& stop
   if (options.plan.prints_only) return print_plan(options);
   if (!options.export_trace.empty()) return export_head_recording(options);
   stop.emplace();
-  if (options.preview) return run_preview(options, *stop);
+  if (options.xr != Xr::None) {
+    Expected<HeadsetSystem> headset = HeadsetSystem::open();
+    if (headset) return run_headset(options, *headset, *stop);
+    if (options.xr == Xr::OpenXr) return tl::unexpected(headset.error());
+    spdlog::info("{} is shown instead of a headset: {}", preview_follows(options) ? "a window" : "a replay",
+                 headset.error().what);
+  }
+  if (preview_follows(options)) return run_preview(options, *stop);
   return options.replay.empty() ? run_client(options, *stop) : run_replay(options, *stop);
 }
 

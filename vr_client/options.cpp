@@ -210,6 +210,19 @@ void add_output_options(CLI::App& app, Options& options) {
     app.get_option(without_window)->excludes(preview);
 }
 
+void add_headset_options(CLI::App& app, Options& options) {
+  add_words<Xr>(
+      app, "--xr", options.xr, {{"none", Xr::None}, {"openxr", Xr::OpenXr}, {"auto", Xr::Auto}},
+      "openxr: show the scene in a headset, through the machine's OpenXR runtime; auto: if there is one, "
+      "and otherwise along --trace or in a window (docs/openxr.md)");
+  app.add_option("--xr-scale", options.xr_scale,
+                 "size of an eye in a headset, as a multiple of the size that its runtime recommends")
+      ->check(within(0.1, 2))
+      ->capture_default_str();
+  app.add_option("--record-head", options.record_head,
+                 "write the poses of the headset to this file, as a head recording (EuRoC/ASL) for --trace");
+}
+
 void add_other_options(CLI::App& app, CommandLine& line) {
   Options& options = line.options;
   app.add_option("--gpu", options.device.name_contains, "use only a device whose name contains this text");
@@ -254,6 +267,26 @@ constexpr std::array kNotInReplay{
     "--delay",        "--mask-wait", "--predictor",     "--guard-band",  "--ask",       "--mask-every",
     "--reprojection", "--eyes",      "--gaps",          "--edges"};
 
+/// The headset or its runtime gives these.
+constexpr std::array kNotInHeadset{"--trace",   "--trace-scale", "--place",       "--size",
+                                   "--skip",    "--refresh",     "--clock",       "--delay",
+                                   "--preview", "--replay",      "--export-trace"};
+
+/// Throws a CLI::ParseError if an option does not go with --xr.
+void check_headset(const CLI::App& app, Options& options) {
+  if (options.xr == Xr::OpenXr)
+    for (const char* option : kNotInHeadset)
+      if (app.count(option) > 0)
+        throw CLI::ValidationError(option, "it does not go with --xr openxr: omit one of them");
+  if (options.xr == Xr::None && (app.count("--xr-scale") > 0 || app.count("--record-head") > 0))
+    throw CLI::ValidationError("--xr", "--xr-scale and --record-head are for --xr openxr or --xr auto");
+  // A display that does not wait has no time for comparisons, unless the user asks for them.
+  if (options.xr != Xr::OpenXr) return;
+  if (app.count("--reference-every") == 0) options.reference_every = 0;
+  if (!options.frames && (options.reference_every > 0 || !options.dump.empty() || !options.json.empty()))
+    throw CLI::ValidationError("--frames", "figures of a session need its number of frames");
+}
+
 /// Throws a CLI::ParseError if one of these options is given.
 void check_replay(const CLI::App& app) {
   for (const char* option : kNotInReplay)
@@ -272,7 +305,9 @@ void print_explanation(const std::string& figure) {
 Options checked(CommandLine line, const CLI::App& app) {
   Options& options = line.options;
   if (!options.replay.empty()) check_replay(app);
-  if (options.trace.empty() && !options.preview && options.replay.empty() && !options.plan.prints_only)
+  check_headset(app, options);
+  const bool may_move_itself = options.preview || options.xr != Xr::None;
+  if (options.trace.empty() && !may_move_itself && options.replay.empty() && !options.plan.prints_only)
     throw CLI::RequiredError("--trace");
   if (options.scene.empty()) check_fetch(options);
   if (options.stand && options.place == Place::Recorded)
@@ -336,6 +371,7 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   add_request_options(app, line);
   add_carry_over_options(app, line.options.carry_over);
   add_output_options(app, line.options);
+  add_headset_options(app, line.options);
   add_other_options(app, line);
   const ConfigRules config{config_folder() / "vr_client.ini", "--replay", kNotInReplay};
   add_config_option(app, config);

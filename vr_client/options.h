@@ -28,6 +28,13 @@ enum class Place : std::uint8_t {
   Fit,       ///< in the free space around the viewpoint (fit.h)
 };
 
+/// Whether a headset shows the scene.
+enum class Xr : std::uint8_t {
+  None,
+  OpenXr,  ///< it must
+  Auto,    ///< if there is one; otherwise as without it
+};
+
 struct Options {
   std::filesystem::path scene;      ///< empty: fetch it from the server (fetched_scene.h)
   std::optional<SceneHash> served;  ///< the scene was fetched: its hash with its lighting, by the server
@@ -62,10 +69,18 @@ struct Options {
   std::filesystem::path record;  ///< not empty: write a capture to this file
   std::filesystem::path replay;  ///< not empty: replay this capture and compare
   PlanOptions plan;
-  bool preview = false;                       ///< show a window until the user closes it
+  bool preview = false;  ///< show a window until the user closes it
+  Xr xr = Xr::None;
+  double xr_scale = 1;                ///< size of an eye over the size that the headset's runtime recommends
+  std::filesystem::path record_head;  ///< not empty: write the headset's head recording to this file
   std::optional<ClientDoctorOptions> doctor;  ///< set: only run the doctor
   std::optional<ClientPairOptions> pair;      ///< set: only pair with a server
 };
+
+/// Without a headset, a window is shown.
+[[nodiscard]] inline bool preview_follows(const Options& options) {
+  return options.preview || (options.xr == Xr::Auto && options.trace.empty());
+}
 
 /// The program should exit with this status: 0 after it printed the help, 2 after an error in the command
 /// line.

@@ -9,7 +9,6 @@
 #include "stereo/base/stop_signal.h"
 #include "stereo/head/reader.h"
 #include "stereo/video/video.h"
-#include "stereo/wire/timing.h"
 #include "vr_client/app.h"
 #include "vr_client/client.h"
 #include "vr_client/modes/make_pipeline.h"
@@ -28,8 +27,6 @@ static_assert(kWorstPath.latency_ms + kWorstPath.jitter_ms <= kWorstPreviewPath_
 constexpr const char* kTitle = "Farshade";
 /// Interval between polls of a minimised window, and between the pictures of a held frame.
 constexpr Duration kMinimisedWait = std::chrono::milliseconds(100), kHeldWait = kMinimisedWait;
-constexpr Duration kKeepAliveInterval = std::chrono::seconds(1);
-static_assert(3 * kKeepAliveInterval < kSessionTimeout);
 constexpr Duration kTitleInterval = std::chrono::seconds(1);
 
 Rigid<Stage, Head> start_of(const Options& options, const Scene& scene) {
@@ -212,7 +209,7 @@ class Preview {
   std::optional<HeadControls> read_controls() {
     while (window_.framebuffer_size().pixels() == 0 && !ended()) {
       window_.wait(kMinimisedWait);
-      keep_session();
+      keeper_.keep(client_);
     }
     const Input input = take_input();
     if (ended() || restart_ != Restart::No) return std::nullopt;
@@ -228,16 +225,6 @@ class Preview {
     if (controls_.mode != options_.mode.mode) restart_ = Restart::Mode;
     if (controls_.take(Command::Quit)) quit_ = Quit::Wanted;
     return input;
-  }
-
-  /// For times without frames, and so without requests.
-  void keep_session() {
-    if (!client_.link) return;
-    client_.link->poll();
-    const Time now = kSteadyClock.now();
-    if (kept_alive_ && now - *kept_alive_ < kKeepAliveInterval) return;
-    kept_alive_ = now;
-    client_.link->keep_alive();
   }
 
   void follow_path() {
@@ -297,7 +284,7 @@ class Preview {
     client_.clock.stop();
     while (is_held()) {
       window_.wait(kHeldWait);
-      keep_session();
+      keeper_.keep(client_);
       static_cast<void>(take_input());
       show(view);
     }
@@ -397,7 +384,7 @@ class Preview {
   Recordings recordings_;
   Timeline timeline_;
   std::optional<Time> titled_;
-  std::optional<Time> kept_alive_;   ///< on the machine's clock
+  SessionKeeper keeper_;
   std::optional<Extent> last_size_;  ///< of the window while it was visible
   std::string trouble_;              ///< why the wanted mode is not shown
   enum class Restart : std::uint8_t { No, Capture, Mode } restart_ = Restart::No;

@@ -63,7 +63,7 @@ std::FILE* readable_output(const Options& options) {
 Expected<void> summarize(const Options& options, const Client& client, const FinishedRun& run) {
   const RunSetting setting{.scene = options.scene.filename().string(),
                            .device = client.device.name,
-                           .head = options.trace.filename().string(),
+                           .head = run.head.empty() ? options.trace.filename().string() : run.head,
                            .mode = options.mode.mode,
                            .eye_size = options.size,
                            .refresh_hz = options.refresh_hz,
@@ -96,6 +96,17 @@ Expected<void> summarize(const Options& options, const Client& client, const Fin
   return write_summary(options, setting, totals, replay.log,
                        fmt::format("{} from {} on {}: {}\n", header.scene, options.replay.string(),
                                    client.device.name, replay.verdict));
+}
+
+Expected<void> check_answered(const Client& client, const FrameLog& log) {
+  if (!client.link || client.link->inbox().newest_known() != nullptr ||
+      log.start_up_frames() < log.records().size())
+    return {};
+  return fail(
+      Fault::Missing,
+      fmt::format("no answer came from {} during the whole run, so no frame shows what the server adds. "
+                  "Is rt_server running there, and does UDP reach it? vr_client doctor --server {} tells",
+                  to_string(client.server), to_string(client.server)));
 }
 
 }  // namespace farshade

@@ -24,6 +24,7 @@ struct FinishedRun {
   const Silence& silence;
   std::uint64_t missed = 0;  ///< display times
   bool interrupted = false;
+  std::string head{};  ///< what moved the head; empty: the head recording of the options
 };
 /// Prints the verdict and the figures that matter in the mode, and writes the file of --json.
 [[nodiscard]] Expected<void> summarize(const Options& options, const Client& client, const FinishedRun& run);
@@ -37,5 +38,8 @@ struct FinishedReplay {
 };
 [[nodiscard]] Expected<void> summarize(const Options& options, const Client& client,
                                        const FinishedReplay& replay);
+
+/// Missing if the mode needs a server and no answer of it ever came.
+[[nodiscard]] Expected<void> check_answered(const Client& client, const FrameLog& log);
 
 }  // namespace farshade

@@ -43,6 +43,7 @@ class Renderer::Parts {
     return ring_.has(frame) || (faces_ && faces_->ring().has(frame));
   }
   [[nodiscard]] const gpu::Image& shown() const { return shading_.shown(); }
+  [[nodiscard]] ShownDepth shown_depth() const { return {ring_.image(), shown_depth_.layer}; }
   [[nodiscard]] PerEye<Image<Rgb8>> read_shown();
   [[nodiscard]] ShownReport report(Side side, const TileRect& part) const {
     return shading_.report(side, part);
@@ -504,6 +505,10 @@ bool Renderer::has_depth(FrameId frame) const {
 
 const gpu::Image& Renderer::shown() const {
   return parts_->shown();
+}
+
+ShownDepth Renderer::shown_depth() const {
+  return parts_->shown_depth();
 }
 
 PerEye<Image<Rgb8>> Renderer::read_shown() const {

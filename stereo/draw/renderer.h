@@ -56,6 +56,14 @@ struct ShownSurface {
   std::optional<Instance> instance;  ///< empty if the G-buffer keeps none, because none can move
 };
 
+/// Near / distance of each shown pixel (kNearPlane_m), 0 where there is no surface: two layers of 32-bit
+/// depth, one an eye, whose upper left part has the size of an eye. Usage transfer source, layout
+/// ShaderReadOnlyOptimal.
+struct ShownDepth {
+  const gpu::Image& image;
+  std::uint32_t first_layer = 0;
+};
+
 /// A request for a pair of faces of the surround.
 struct FaceRequest {
   const FrameRequest& request;
@@ -145,6 +153,8 @@ class Renderer {
   // Results of the last draw.
   /// The shaded picture: one layer per eye, rgba8 UNORM, usage sampled, layout General.
   [[nodiscard]] const gpu::Image& shown() const;
+  /// The depth of the surfaces that `draw` or `draw_received` has shown.
+  [[nodiscard]] ShownDepth shown_depth() const;
   [[nodiscard]] PerEye<Image<Rgb8>> read_shown() const;
   [[nodiscard]] ShownReport report(Side side) const;
   /// The report of the pixels of `part`.

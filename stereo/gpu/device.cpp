@@ -35,11 +35,12 @@ bool has_validation_layer(const vk::raii::Context& context) {
 }
 
 vk::raii::Instance make_instance(const vk::raii::Context& context, ValidationLog* log,
-                                 const std::optional<Presentation>& presentation) {
+                                 const DeviceOptions& options) {
   const vk::ApplicationInfo app{.pApplicationName = "farshade", .apiVersion = VK_API_VERSION_1_3};
   std::vector<const char*> extensions;
-  if (presentation)
-    for (const std::string& name : presentation->instance_extensions) extensions.push_back(name.c_str());
+  if (options.presentation)
+    for (const std::string& name : options.presentation->instance_extensions)
+      extensions.push_back(name.c_str());
   vk::InstanceCreateInfo info{.pApplicationInfo = &app};
   vk::DebugUtilsMessengerCreateInfoEXT messenger;
   if (log) {
@@ -49,6 +50,7 @@ vk::raii::Instance make_instance(const vk::raii::Context& context, ValidationLog
     info.setPEnabledLayerNames(kValidationLayer);
   }
   info.setPEnabledExtensionNames(extensions);
+  if (options.maker) return vk::raii::Instance(context, options.maker->make_instance(info));
   return vk::raii::Instance(context, info);
 }
 
@@ -57,11 +59,16 @@ bool can_present(const vk::raii::Instance& instance, const vk::raii::PhysicalDev
   return !options.presentation || options.presentation->can_present(*instance, *physical, queue_family);
 }
 
-bool has_swapchains(const vk::raii::PhysicalDevice& physical) {
-  return std::ranges::any_of(physical.enumerateDeviceExtensionProperties(), [](const auto& extension) {
-    return std::strcmp(extension.extensionName, VK_KHR_SWAPCHAIN_EXTENSION_NAME) == 0;
+bool has_extension(const vk::raii::PhysicalDevice& physical, const char* name) {
+  return std::ranges::any_of(physical.enumerateDeviceExtensionProperties(), [&](const auto& extension) {
+    return std::strcmp(extension.extensionName, name) == 0;
   });
 }
+
+/// A maker may add feature structures of its own to ours, which must not be beside
+/// VkPhysicalDeviceVulkan12Features (VUID-VkDeviceCreateInfo-pNext-02830). This extension has the one feature
+/// of that structure that we need.
+constexpr const char* kLayeredDrawing = VK_EXT_SHADER_VIEWPORT_INDEX_LAYER_EXTENSION_NAME;
 
 std::optional<std::uint32_t> graphics_queue_family(const vk::raii::Instance& instance,
                                                    const vk::raii::PhysicalDevice& physical,
@@ -85,11 +92,14 @@ std::string lacks(const vk::raii::Instance& instance, const vk::raii::PhysicalDe
   if (properties.limits.maxUniformBufferRange < kUniformRange_bytes) return "uniform buffers are too short";
   const auto features = physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features,
                                               vk::PhysicalDeviceVulkan13Features>();
-  if (!features.get<vk::PhysicalDeviceVulkan12Features>().shaderOutputLayer) return "no layered drawing";
+  if (!features.get<vk::PhysicalDeviceVulkan12Features>().shaderOutputLayer ||
+      (options.maker && !has_extension(physical, kLayeredDrawing)))
+    return "no layered drawing";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().dynamicRendering) return "no dynamic rendering";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().synchronization2) return "no synchronization2";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().maintenance4) return "no maintenance4";
-  if (options.presentation && !has_swapchains(physical)) return "no swapchains";
+  if (options.presentation && !has_extension(physical, VK_KHR_SWAPCHAIN_EXTENSION_NAME))
+    return "no swapchains";
   if (!graphics_queue_family(instance, physical, options))
     return options.presentation ? "no queue that draws, computes, keeps time and shows in this window"
                                 : "no queue that draws, computes and keeps time";
@@ -119,8 +129,10 @@ struct Judged {
 std::vector<Judged> judge(const vk::raii::Instance& instance, const DeviceOptions& options) {
   std::vector<Judged> judged;
   std::optional<std::size_t> best;
+  const auto only = options.maker ? std::optional(options.maker->choose_device(*instance)) : std::nullopt;
   for (vk::raii::PhysicalDevice& physical : vk::raii::PhysicalDevices(instance)) {
-    std::string passed_over = lacks(instance, physical, options);
+    std::string passed_over =
+        only && *physical != *only ? "not that of the headset" : lacks(instance, physical, options);
     const int here = preference(physical.getProperties().deviceType);
     const bool usable = passed_over.empty();
     if (usable && best && here <= preference(judged[*best].physical.getProperties().deviceType)) {
@@ -152,13 +164,17 @@ vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, std::uin
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue{
       .queueFamilyIndex = queue_family, .queueCount = 1, .pQueuePriorities = &priority};
-  const char* const swapchains = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
-  return vk::raii::Device(physical,
-                          vk::DeviceCreateInfo{.pNext = &features12,
-                                               .queueCreateInfoCount = 1,
-                                               .pQueueCreateInfos = &queue,
-                                               .enabledExtensionCount = options.presentation ? 1u : 0u,
-                                               .ppEnabledExtensionNames = &swapchains});
+  std::vector<const char*> extensions;
+  if (options.presentation) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+  if (options.maker) extensions.push_back(kLayeredDrawing);
+  vk::DeviceCreateInfo info{.queueCreateInfoCount = 1, .pQueueCreateInfos = &queue};
+  info.setPEnabledExtensionNames(extensions);
+  if (options.maker)
+    info.pNext = &features13;
+  else
+    info.pNext = &features12;
+  if (options.maker) return vk::raii::Device(physical, options.maker->make_device(*physical, info));
+  return vk::raii::Device(physical, info);
 }
 
 }  // namespace
@@ -181,7 +197,7 @@ Expected<Device> open_device(const DeviceOptions& options) try {
                   "Vulkan validation layers are not installed (Debian: vulkan-validationlayers)");
     device.validation_log = std::make_unique<ValidationLog>();
   }
-  device.instance = make_instance(device.context, device.validation_log.get(), options.presentation);
+  device.instance = make_instance(device.context, device.validation_log.get(), options);
   if (device.validation_log)
     device.messenger = device.instance.createDebugUtilsMessengerEXT(messenger_info(*device.validation_log));
 
@@ -195,8 +211,10 @@ Expected<Device> open_device(const DeviceOptions& options) try {
   device.physical = std::move(taken->physical);
   const vk::PhysicalDeviceProperties properties = device.physical.getProperties();
   device.name = properties.deviceName.data();
-  device.why = properties.deviceType == vk::PhysicalDeviceType::eCpu ? "no GPU was usable, drawing on the CPU"
-                                                                     : "the most capable device";
+  device.why = options.maker ? "that of the headset"
+               : properties.deviceType == vk::PhysicalDeviceType::eCpu
+                   ? "no GPU was usable, drawing on the CPU"
+                   : "the most capable device";
   if (!passed_over.empty()) device.why += " (passed over: " + passed_over + ")";
   device.timeout_ns = options.timeout_ns;
   device.timestamp_period_ns = properties.limits.timestampPeriod;
@@ -228,12 +246,18 @@ void silence(Result(VKAPI_PTR*& function)(Arguments...)) {
   function = [](Arguments...) { return Result(); };
 }
 
+/// The namespace of the type depends on the version of the Vulkan headers.
+template <class Dispatcher>
+Dispatcher& writable(const Dispatcher* functions) {
+  return const_cast<Dispatcher&>(*functions);
+}
+
 }  // namespace
 
 /// Handles are destroyed by destructors, also of objects that an exception leaves behind half made. All of
 /// them call the device's table of functions.
 void abandon(const Device& device) {
-  auto& call = const_cast<vk::raii::DeviceDispatcher&>(*device.logical.getDispatcher());
+  auto& call = writable(device.logical.getDispatcher());
   silence(call.vkDestroyDevice);
   silence(call.vkDeviceWaitIdle);
   silence(call.vkFreeMemory);
@@ -258,7 +282,7 @@ void abandon(const Device& device) {
   silence(call.vkFreeCommandBuffers);
   silence(call.vkDestroySwapchainKHR);
   // The instance ends its devices with it.
-  silence(const_cast<vk::raii::InstanceDispatcher&>(*device.instance.getDispatcher()).vkDestroyInstance);
+  silence(writable(device.instance.getDispatcher()).vkDestroyInstance);
 }
 
 /// Any failure is reported as a lost device: the device must then be opened again.

@@ -9,8 +9,11 @@
 #include <vector>
 
 namespace vk {
+class Device;
 class Instance;
 class PhysicalDevice;
+struct DeviceCreateInfo;
+struct InstanceCreateInfo;
 }  // namespace vk
 
 namespace farshade::gpu {
@@ -23,6 +26,14 @@ struct Presentation {
   std::function<bool(vk::Instance, vk::PhysicalDevice, std::uint32_t queue_family)> can_present;
 };
 
+/// Makes instance and device in place of the Vulkan loader, as a headset's runtime does. The functions throw
+/// if they fail.
+struct VulkanMaker {
+  std::function<vk::Instance(const vk::InstanceCreateInfo&)> make_instance;
+  std::function<vk::PhysicalDevice(vk::Instance)> choose_device;  ///< the only one that may be used
+  std::function<vk::Device(vk::PhysicalDevice, const vk::DeviceCreateInfo&)> make_device;
+};
+
 inline constexpr std::uint64_t kGpuTimeout_ns = 30'000'000'000;
 
 struct DeviceOptions {
@@ -30,6 +41,7 @@ struct DeviceOptions {
   Validation validation = Validation::Off;
   /// Set: only devices that can present, with VK_KHR_swapchain enabled.
   std::optional<Presentation> presentation = std::nullopt;
+  std::optional<VulkanMaker> maker = std::nullopt;  ///< empty: the Vulkan loader
   std::uint64_t timeout_ns = kGpuTimeout_ns;  ///< after it, a device that has not finished counts as lost
 };
 

@@ -184,8 +184,8 @@ void transition(const vk::raii::CommandBuffer& commands, const Image& image, vk:
 }
 
 void transition(const vk::raii::CommandBuffer& commands, vk::Image image, vk::ImageLayout from,
-                vk::ImageLayout to) {
-  barrier(commands, image, from, to, {vk::ImageAspectFlagBits::eColor, 0, 1, 0, 1});
+                vk::ImageLayout to, LayerRange layers, vk::ImageAspectFlags aspect) {
+  barrier(commands, image, from, to, {aspect, 0, 1, layers.first, layers.count});
 }
 
 void show_copies_to_host(const vk::raii::CommandBuffer& commands) {

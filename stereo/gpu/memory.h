@@ -71,9 +71,10 @@ struct LayerRange {
 void transition(const vk::raii::CommandBuffer& commands, const Image& image, vk::ImageLayout from,
                 vk::ImageLayout to, LayerRange layers = {});
 
-/// The same for the one colour layer of an image that is not an Image, such as a swapchain's.
+/// The same for the layers of an image that is not an Image, such as a swapchain's. It has one mip level.
 void transition(const vk::raii::CommandBuffer& commands, vk::Image image, vk::ImageLayout from,
-                vk::ImageLayout to);
+                vk::ImageLayout to, LayerRange layers = {},
+                vk::ImageAspectFlags aspect = vk::ImageAspectFlagBits::eColor);
 
 /// The host sees the copies recorded before, once their fence is signalled. A fence alone does not ensure it.
 void show_copies_to_host(const vk::raii::CommandBuffer& commands);

@@ -29,7 +29,7 @@ std::vector<Library> libraries() {
           {"GLFW", "vr_client/preview", 1},
           {"imgui", "vr_client/preview", any},
           {"backends/imgui", "vr_client/preview", any},
-          {"openxr", "vr_client", 1}};
+          {"openxr", "vr_client/openxr", any}};
 }
 
 /// The intended layering: base <- math <- frame <- wire <- net, the other folders of stereo/ beside them, and
@@ -65,6 +65,7 @@ const House& house() {
                 {"vr_client/ask", {"stereo/head"}},
                 {"vr_client/link", {"stereo/net"}},
                 {"vr_client/runtime", {"stereo/head"}},
+                {"vr_client/openxr", {"vr_client/runtime", "stereo/gpu"}},
                 {"vr_client/fetch", {"stereo/fetch"}},
                 {"vr_client/pair", {"stereo/pair"}},
                 {"vr_client/doctor", {"stereo/announce", "stereo/doctor", "stereo/gpu", "vr_client/fetch"}},
@@ -75,8 +76,8 @@ const House& house() {
                 {"vr_client/record", {"vr_client/frame"}},
                 {"vr_client/preview", {"vr_client/report", "vr_client/record"}},
                 {"vr_client",
-                 {"vr_client/modes", "vr_client/preview", "vr_client/doctor", "vr_client/pair",
-                  "stereo/placement", "stereo/about"}}},
+                 {"vr_client/modes", "vr_client/preview", "vr_client/openxr", "vr_client/doctor",
+                  "vr_client/pair", "stereo/placement", "stereo/about"}}},
       .libraries = libraries(),
       .guests = "tests"};
   return house;

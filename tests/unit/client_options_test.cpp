@@ -299,6 +299,31 @@ TEST(ReadOptions, PlanAndPreviewAndExportNeedLess) {
   EXPECT_FALSE(read({"--scene", "a.glb", "--export-trace", "c.tum"}).options.has_value());
 }
 
+TEST(ReadOptions, AHeadsetNeedsNoHeadRecordingAndRefusesWhatItsRuntimeGives) {
+  const Outcome headset = read({"--scene", "a.glb", "--xr", "openxr"});
+  ASSERT_TRUE(headset.options) << headset.errors;
+  EXPECT_EQ(headset.options->xr, Xr::OpenXr);
+  EXPECT_EQ(headset.options->reference_every, 0u) << "a display does not wait";
+  for (const auto& [option, value] :
+       {std::pair{"--trace", "b.csv"}, {"--size", "64x64"}, {"--clock", "virtual"}}) {
+    const Outcome outcome = read({"--scene", "a.glb", "--xr", "openxr", option, value});
+    ASSERT_FALSE(outcome.options) << option;
+    EXPECT_NE(outcome.errors.find("does not go with --xr openxr"), std::string::npos) << outcome.errors;
+  }
+  EXPECT_FALSE(read_more({"--xr-scale", "0.5"}).options) << "without --xr";
+  EXPECT_FALSE(read({"--scene", "a.glb", "--xr", "openxr", "--reference-every", "1"}).options)
+      << "no --frames";
+  EXPECT_TRUE(
+      read({"--scene", "a.glb", "--xr", "openxr", "--reference-every", "1", "--frames", "9"}).options);
+}
+
+TEST(ReadOptions, WithoutAHeadsetAWindowOrTheHeadRecordingFollows) {
+  EXPECT_TRUE(preview_follows(read({"--scene", "a.glb", "--xr", "auto"}).options.value()));
+  EXPECT_TRUE(preview_follows(read_more({"--xr", "auto", "--preview"}).options.value()));
+  EXPECT_FALSE(preview_follows(read_more({"--xr", "auto"}).options.value()));
+  EXPECT_FALSE(preview_follows(read_more({}).options.value()));
+}
+
 TEST(ReadOptions, WithoutASceneItComesFromTheServer) {
   EXPECT_TRUE(read({"--trace", "b.csv"}).options.has_value());
   EXPECT_TRUE(read({"--trace", "b.csv", "--preview"}).options.has_value());

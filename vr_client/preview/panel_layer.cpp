@@ -98,10 +98,14 @@ void init_back_end(const gpu::Device& device, vk::DescriptorPool pool, vk::Rende
     if (result < 0) throw std::runtime_error("ImGui's Vulkan back end: " + vk::to_string(vk::Result(result)));
   };
   ImGui_ImplVulkan_Init(&info, render_pass);
+#if IMGUI_VERSION_NUM >= 19000  // Debian 13
+  ImGui_ImplVulkan_CreateFontsTexture();
+#else  // Debian 12
   gpu::run_now(device, [](const vk::raii::CommandBuffer& commands) {
     ImGui_ImplVulkan_CreateFontsTexture(*commands);
   });
   ImGui_ImplVulkan_DestroyFontUploadObjects();
+#endif
 }
 
 /// The bounding rectangle of an ImGui draw list.

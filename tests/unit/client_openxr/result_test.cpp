@@ -1,0 +1,47 @@
+#include "vr_client/openxr/result.h"
+
+#include <gtest/gtest.h>
+#include <openxr/openxr_reflection.h>
+
+#include <array>
+
+namespace farshade::openxr {
+namespace {
+
+struct NamedResult {
+  XrResult result;
+  const char* name;
+};
+#define FARSHADE_RESULT(name, value) NamedResult{name, #name},
+constexpr std::array kResults{XR_LIST_ENUM_XrResult(FARSHADE_RESULT)};
+#undef FARSHADE_RESULT
+
+TEST(XrResults, EveryErrorNamesItselfAndItsCall) {
+  std::size_t errors = 0;
+  for (const NamedResult& one : kResults) {
+    EXPECT_EQ(name_of(one.result), one.name);
+    const Expected<void> done = succeeded(one.result, "xrSomething");
+    ASSERT_EQ(done.has_value(), one.result >= 0) << one.name;
+    if (done) continue;
+    ++errors;
+    EXPECT_NE(done.error().what.find(one.name), std::string::npos) << done.error().what;
+    EXPECT_NE(done.error().what.find("xrSomething"), std::string::npos) << done.error().what;
+  }
+  EXPECT_GT(errors, 40u);
+}
+
+TEST(XrResults, UnknownErrorsHaveTheirNumber) {
+  const Expected<void> done = succeeded(static_cast<XrResult>(-1234567), "xrSomething");
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().what, "xrSomething returned XrResult -1234567");
+}
+
+TEST(XrResults, WhatIsMissingCanBeToldFromWhatFails) {
+  EXPECT_EQ(succeeded(XR_ERROR_RUNTIME_UNAVAILABLE, "x").error().fault, Fault::Missing);
+  EXPECT_EQ(succeeded(XR_ERROR_FORM_FACTOR_UNAVAILABLE, "x").error().fault, Fault::Missing);
+  EXPECT_EQ(succeeded(XR_ERROR_EXTENSION_NOT_PRESENT, "x").error().fault, Fault::Unsupported);
+  EXPECT_EQ(succeeded(XR_ERROR_SESSION_LOST, "x").error().fault, Fault::Unavailable);
+}
+
+}  // namespace
+}  // namespace farshade::openxr

@@ -1,0 +1,199 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "stereo/base/files.h"
+#include "stereo/base/stages.h"
+#include "stereo/base/stop_signal.h"
+#include "vr_client/app.h"
+#include "vr_client/client.h"
+#include "vr_client/modes/make_pipeline.h"
+#include "vr_client/openxr/headset_runtime.h"
+#include "vr_client/preview/recordings.h"
+#include "vr_client/record/capture_writer.h"
+#include "vr_client/report/own_files.h"
+#include "vr_client/report/run_report.h"
+#include "vr_client/report/silence.h"
+#include "vr_client/report/timeline.h"
+#include "vr_client/summarize.h"
+
+namespace farshade {
+namespace {
+
+/// A headset's eyes are never farther apart. Only whether they are apart matters.
+constexpr double kEyes_m = 0.08;
+
+/// What a run in a headset writes. Figures and pictures need the number of frames (--frames); a session
+/// without an end would fill the memory with them.
+class HeadsetReport {
+ public:
+  HeadsetReport(const Options& options, Client& client, Stages& stages)
+      : options_(options), client_(client), stages_(stages), capture_(client.clock) {
+    if (!options.frames) return;
+    report_.emplace(RunReportOptions{.out = options.out,
+                                     .frame_count = *options.frames,
+                                     .reference_every = options.reference_every,
+                                     .pictures = options.pictures,
+                                     .dump = options.dump,
+                                     .reference_samples = options.reference_samples,
+                                     .compare = Compare::AfterTheRun},
+                    *client.renderer, client.reference.get());
+  }
+
+  [[nodiscard]] LinkListener listener() { return captures() ? capture_.listener() : LinkListener{}; }
+  [[nodiscard]] Expected<void> open(const MaskPolicy& policy) {
+    silence_.emplace(to_string(client_.server), client_.link && client_.link->counters().sessions == 0);
+    if (auto written = timeline_.write(options_.timeline); !written) return written;
+    return captures() ? capture_.open(options_.record, header_of(options_, client_, policy))
+                      : Expected<void>{};
+  }
+
+  void watch(const FrameView& view) {
+    if (frames_++ == 0) {
+      stages_.end("first frame");
+      spdlog::info("the first frame was shown after {}", stages_.in_words());
+    }
+    period_ = view.timing.period;
+    if (captures() && !capture_.failed()) capture_.watch(view, client_.renderer->read_shown());
+    if (report_) report_->watch(view);
+    if (!options_.record_head.empty()) head_.add(view.shown.display_time, view.shown.views);
+    if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->inbox() : nullptr);
+    const auto why = client_.link ? client_.link->goodbye() : std::nullopt;
+    if (const auto news = silence_->add(view.shown.frame, view.silent_since, kSteadyClock.now(), why))
+      spdlog::warn(*news);
+  }
+  [[nodiscard]] std::uint32_t frames() const { return frames_; }
+  [[nodiscard]] bool failed() const { return report_ && report_->failed(); }
+
+  /// Writes everything, also after a run that failed. Returns the first failure.
+  [[nodiscard]] Expected<void> finish(const HeadsetSystem& system, bool interrupted) {
+    Expected<void> done = capture_.finish();
+    if (!options_.record_head.empty())
+      if (auto written = head_.write(options_.record_head); done) done = written;
+    if (auto written = timeline_.write(options_.timeline); done) done = written;
+    if (!report_) return done;
+    if (interrupted) report_->mark_interrupted();
+    if (auto written = report_->finish(); done) done = written;
+    if (done && frames_ > 0) done = summarize_frames(system, interrupted);
+    return done;
+  }
+  [[nodiscard]] Expected<void> answered() const {
+    return report_ ? check_answered(client_, report_->log()) : Expected<void>{};
+  }
+
+ private:
+  [[nodiscard]] bool captures() const { return !options_.record.empty(); }
+  [[nodiscard]] Expected<void> summarize_frames(const HeadsetSystem& system, bool interrupted) const {
+    Options options = options_;
+    options.refresh_hz = 1 / seconds_of(period_);
+    return summarize(
+        options, client_,
+        FinishedRun{
+            .log = report_->log(), .silence = *silence_, .interrupted = interrupted, .head = system.name()});
+  }
+
+  const Options& options_;
+  Client& client_;
+  Stages& stages_;
+  CaptureWriter capture_;
+  HeadRecordingWriter head_;
+  Timeline timeline_;
+  std::optional<RunReport> report_;
+  std::optional<Silence> silence_;
+  std::uint32_t frames_ = 0;
+  Duration period_ = std::chrono::milliseconds(11);  ///< of the last frame
+};
+
+/// The client for a headset, without a server.
+Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stages) {
+  Expected<std::unique_ptr<Client>> client = open_client(options, needs_of(options, kEyes_m), stages);
+  if (!client) return client;
+  auto tracing = open_tracers_meanwhile(options, options.mode.mode, **client);
+  open_renderer(**client, renderer_limits(options));
+  stages.end("renderer");
+  if (draws_scene(options.mode.mode))
+    compile_ahead(**client, options.carry_over,
+                  options.reference_every > 0 || !options.dump.empty() ? PixelReport::On : PixelReport::Off,
+                  Changes::Never);
+  stages.end("pipelines");
+  if (auto done = tracing.get(); !done) return tl::unexpected(done.error());
+  stages.end("tracers");
+  return client;
+}
+
+/// The frames of a session, from the first to its end.
+Expected<void> show(const Options& options, Client& client, HeadsetRuntime& runtime, HeadsetReport& report,
+                    const MaskPolicy& policy, const std::function<bool()>& stop) {
+  const bool measures = options.reference_every > 0 || !options.dump.empty();
+  const FrameSettings settings{.request = options.request,
+                               .carry_over = options.carry_over,
+                               .report = measures ? PixelReport::On : PixelReport::Off};
+  const RunContext context{.scene = client.scene,
+                           .runtime = runtime,
+                           .renderer = *client.renderer,
+                           .mode = options.mode,
+                           .link = client.link.get(),
+                           .own_tracer = client.own_tracer.get(),
+                           .settings = settings,
+                           .policy = policy};
+  const Expected<void> shown = run(
+      context, *make_pipeline(context), [&](const FrameView& view) { report.watch(view); }, stop);
+  const Expected<void> ended = runtime.finish();
+  spdlog::info("the headset showed {} frames and skipped {}; its session was {}",
+               runtime.counters().submitted, runtime.counters().empty, runtime.history());
+  return shown ? ended : shown;
+}
+
+}  // namespace
+
+Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSignal& stop) {
+  Options options = given;
+  options.pace = Pace::Real;
+  // A display that does not wait has no time for comparisons, unless the user asks for them.
+  if (options.xr == Xr::Auto || !options.frames) options.reference_every = 0;
+  options.size = system.eye_size(options.xr_scale);
+  options.device.maker = system.vulkan();
+  const SteadyClock clock;
+  Stages stages(clock);
+  spdlog::info("the headset is {}: {}x{} pixels an eye", system.name(), options.size.width,
+               options.size.height);
+  if (auto done = CaptureWriter::may_create(options.record); !done) return done;
+  if (auto done = make_folder(options.out).and_then([&] { return remove_own_files(options.out); }); !done)
+    return done;
+  const Expected<std::unique_ptr<Client>> opened = open_for(options, stages);
+  if (!opened) return tl::unexpected(opened.error());
+  Client& client = **opened;
+  HeadsetReport report(options, client, stages);
+  SessionKeeper keeper;
+  const auto wants_to_end = [&] {
+    return stop.has_come() || report.failed() || (options.frames && report.frames() >= *options.frames);
+  };
+  const auto depth = [&client]() -> HeadsetDepth {
+    const ShownDepth shown = client.renderer->shown_depth();
+    return {shown.image, shown.first_layer};
+  };
+  Expected<std::unique_ptr<HeadsetRuntime>> runtime = HeadsetRuntime::open(
+      system, client.device, client.renderer->shown(),
+      {.start = viewpoint_of(client.scene, options.stand),
+       .eye_size = options.size,
+       .wants_to_end = wants_to_end,
+       .idle = [&] { keeper.keep(client); },
+       .depth = draws_scene(options.mode.mode) ? depth : std::function<HeadsetDepth()>{}});
+  if (!runtime) return tl::unexpected(runtime.error());
+  stages.end("headset");
+  if (auto done = open_link(options, client, report.listener()); !done) return done;
+  if (client.link) client.link->give_up_when([&stop] { return stop.has_come(); });
+  const MaskPolicy policy{.pace = Pace::Real,
+                          .round_trip = client.round_trip,
+                          .mask_wait = duration_from_ms(options.mask_wait_ms)};
+  if (auto done = report.open(policy); !done) return done;
+  stages.end("server");
+
+  Expected<void> done = show(options, client, **runtime, report, policy, wants_to_end);
+  if (auto written = report.finish(system, stop.has_come()); done) done = written;
+  if (done) done = no_validation_messages(client.device);
+  if (done && stop.has_come())
+    return fail(Fault::Interrupted, fmt::format("interrupted after {} frames", report.frames()));
+  return done ? report.answered() : done;
+}
+
+}  // namespace farshade

@@ -1,0 +1,353 @@
+#include "vr_client/openxr/headset_runtime.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include "stereo/base/check.h"
+#include "stereo/math/rotation.h"
+#include "vr_client/openxr/life_cycle.h"
+#include "vr_client/openxr/picture_copy.h"
+#include "vr_client/openxr/session.h"
+
+namespace farshade {
+
+using namespace openxr;
+
+namespace {
+
+constexpr Duration kIdleWait = std::chrono::milliseconds(20);
+/// Between two questions whether the headset is there again.
+constexpr Duration kLostWait = std::chrono::milliseconds(500);
+/// A runtime that does not end a session within this time has stopped.
+constexpr Duration kLongestExit = std::chrono::seconds(5);
+
+SessionState state_of(XrSessionState state) {
+  static_assert(static_cast<int>(SessionState::Idle) == XR_SESSION_STATE_IDLE);
+  static_assert(static_cast<int>(SessionState::Exiting) == XR_SESSION_STATE_EXITING);
+  if (state < XR_SESSION_STATE_IDLE || state > XR_SESSION_STATE_EXITING) return SessionState::None;
+  return static_cast<SessionState>(state);
+}
+
+/// The eyes' middle, with the orientation of the left eye.
+Rigid<Tracked, Eye> head_of(const Located& located) {
+  const auto& [left, right] = located.tracked_from_eye;
+  return {left.rotation, (left.translation + right.translation) * 0.5};
+}
+
+/// Places the head at `start` and turns it to its direction. The direction of gravity stays.
+Rigid<Stage, Tracked> place(const Rigid<Tracked, Eye>& head, const Rigid<Stage, Eye>& start) {
+  const glm::dquat turn = rotation_exp({0.0, heading_rad(start.rotation) - heading_rad(head.rotation), 0.0});
+  return {turn, start.translation - turn * head.translation};
+}
+
+}  // namespace
+
+HeadsetSystem::HeadsetSystem(std::unique_ptr<Instance> instance) : instance_(std::move(instance)) {}
+HeadsetSystem::HeadsetSystem(HeadsetSystem&&) noexcept = default;
+HeadsetSystem& HeadsetSystem::operator=(HeadsetSystem&&) noexcept = default;
+HeadsetSystem::~HeadsetSystem() = default;
+
+Expected<HeadsetSystem> HeadsetSystem::open() {
+  return Instance::open().map(
+      [](std::unique_ptr<Instance>&& instance) { return HeadsetSystem(std::move(instance)); });
+}
+
+std::string HeadsetSystem::name() const {
+  return instance_->name();
+}
+
+Extent HeadsetSystem::eye_size(double scale) const {
+  const auto side = [scale](std::uint32_t recommended, std::uint32_t largest) {
+    const double most = std::min(largest, kMaxViewSide_px);
+    return static_cast<std::uint32_t>(std::clamp(std::round(recommended * scale), 1.0, std::max(most, 1.0)));
+  };
+  const Extent recommended = instance_->recommended(), largest = instance_->largest();
+  return {side(recommended.width, largest.width), side(recommended.height, largest.height)};
+}
+
+gpu::VulkanMaker HeadsetSystem::vulkan() const {
+  return instance_->vulkan();
+}
+
+class HeadsetRuntime::Parts {
+ public:
+  Parts(Instance& instance, const gpu::Device& device, const gpu::Image& shown, HeadsetSetup setup)
+      : instance_(instance), device_(device), setup_(std::move(setup)), shown_(shown), copy_(device) {}
+
+  [[nodiscard]] Expected<void> open_session();
+  [[nodiscard]] std::optional<FrameTiming> wait_frame();
+  [[nodiscard]] StereoView views() const;
+  [[nodiscard]] Time display_time() const { return time_from_ns(frame_.predictedDisplayTime); }
+  void end_frame();
+  [[nodiscard]] Expected<void> finish();
+
+  Counters counters;
+  std::string history;
+
+ private:
+  enum class Frame : std::uint8_t { Begun, None };
+  [[nodiscard]] bool goes_on() const { return !failed_ && life_.ending == Ending::None; }
+  void poll_events();
+  void handle(const XrEventDataBuffer& event);
+  void give(const Event& event);
+  void carry_out(Act act);
+  void replace_session();
+  [[nodiscard]] bool fine(XrResult result, const char* call);
+  [[nodiscard]] Frame begin_frame();
+  void end_empty_frame();
+  void rest(Duration span) const;
+
+  Instance& instance_;
+  const gpu::Device& device_;
+  HeadsetSetup setup_;
+  const gpu::Image& shown_;
+  PictureCopy copy_;
+  std::unique_ptr<Session> session_;
+  LifeCycle life_;
+  XrFrameState frame_{};  ///< the frame that has begun last
+  std::optional<Located> located_;
+  std::optional<Rigid<Stage, Tracked>> stage_from_tracked_;  ///< empty until a head is seen
+  std::optional<Error> failed_;
+};
+
+Expected<void> HeadsetRuntime::Parts::open_session() {
+  Expected<std::unique_ptr<Session>> session = Session::open(instance_, device_, setup_.eye_size);
+  if (!session) return tl::unexpected(session.error());
+  session_ = std::move(*session);
+  spdlog::info("the headset's space is {}; pictures are {}, {} depth", session_->space_name(),
+               vk::to_string(session_->pictures().format),
+               setup_.depth && session_->depths() ? "with" : "without");
+  return {};
+}
+
+/// Whether the call has succeeded. A loss is an event of the life cycle, any other failure ends the run.
+bool HeadsetRuntime::Parts::fine(XrResult result, const char* call) {
+  if (XR_SUCCEEDED(result)) return true;
+  if (result == XR_ERROR_SESSION_LOST) {
+    give(SessionLost{});
+  } else if (!failed_) {
+    failed_ = error_of(result, call);
+    if (result == XR_ERROR_INSTANCE_LOST) give(InstanceLost{});
+  }
+  return false;
+}
+
+void HeadsetRuntime::Parts::give(const Event& event) {
+  const Step step = after(life_, event);
+  life_ = step.now;
+  carry_out(step.act);
+}
+
+void HeadsetRuntime::Parts::carry_out(Act act) {
+  switch (act) {
+    case Act::Nothing:
+    case Act::Finish:
+      return;
+    case Act::Begin:
+      if (fine(session_->begin(), "xrBeginSession")) give(SessionBegan{});
+      return;
+    case Act::End:
+      static_cast<void>(fine(session_->end(), "xrEndSession"));
+      give(SessionEnded{});
+      return;
+    case Act::RequestExit:
+      static_cast<void>(fine(session_->request_exit(), "xrRequestExitSession"));
+      return;
+    case Act::Replace:
+      return replace_session();
+  }
+}
+
+/// Blocks until the headset is there again or the user wants to end.
+void HeadsetRuntime::Parts::replace_session() {
+  spdlog::warn("the headset's session is lost; waiting for the headset");
+  session_.reset();
+  while (!setup_.wants_to_end()) {
+    const Expected<void> found = instance_.find_system();
+    if (found) break;
+    if (found.error().fault != Fault::Missing) {
+      failed_ = found.error();
+      return;
+    }
+    rest(kLostWait);
+  }
+  if (setup_.wants_to_end()) return give(ExitWanted{});
+  if (const Expected<void> opened = open_session(); !opened) {
+    failed_ = opened.error();
+    return;
+  }
+  stage_from_tracked_.reset();
+  give(SessionReplaced{});
+}
+
+void HeadsetRuntime::Parts::poll_events() {
+  while (goes_on()) {
+    XrEventDataBuffer event{XR_TYPE_EVENT_DATA_BUFFER, nullptr, {}};
+    const XrResult result = xrPollEvent(instance_.handle(), &event);
+    if (result == XR_EVENT_UNAVAILABLE || !fine(result, "xrPollEvent")) return;
+    handle(event);
+  }
+}
+
+void HeadsetRuntime::Parts::handle(const XrEventDataBuffer& event) {
+  switch (event.type) {
+    case XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED: {
+      const auto& changed = reinterpret_cast<const XrEventDataSessionStateChanged&>(event);
+      if (!session_ || changed.session != session_->handle()) return;  // of a session that was lost
+      const SessionState to = state_of(changed.state);
+      if (!is_in_table(life_.state, to))
+        spdlog::warn(
+            "the OpenXR runtime changes the session from {} to {}, which the specification does not allow",
+            name_of(life_.state), name_of(to));
+      spdlog::info("the headset's session is {}", name_of(to));
+      history += (history.empty() ? "" : ", ") + std::string(name_of(to));
+      return give(StateChanged{to});
+    }
+    case XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING:
+      failed_ = Error{Fault::Unavailable, "the OpenXR runtime ends"};
+      return give(InstanceLossPending{});
+    case XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING:
+      stage_from_tracked_.reset();  // the user wants to stand at the start again
+      return;
+    case XR_TYPE_EVENT_DATA_EVENTS_LOST:
+      spdlog::warn("the OpenXR runtime has lost events");
+      return;
+    default:
+      return;
+  }
+}
+
+void HeadsetRuntime::Parts::rest(Duration span) const {
+  setup_.idle();
+  std::this_thread::sleep_for(span);
+}
+
+/// Begins a frame. None if it needs no picture; then it has ended, too.
+HeadsetRuntime::Parts::Frame HeadsetRuntime::Parts::begin_frame() {
+  located_.reset();
+  if (!fine(session_->wait_frame(frame_), "xrWaitFrame")) return Frame::None;
+  if (!fine(session_->begin_frame(), "xrBeginFrame")) return Frame::None;
+  if (frame_.shouldRender && !fine(session_->locate(frame_.predictedDisplayTime, located_), "xrLocateViews"))
+    return Frame::None;
+  if (located_) return Frame::Begun;
+  end_empty_frame();
+  return Frame::None;
+}
+
+void HeadsetRuntime::Parts::end_empty_frame() {
+  ++counters.empty;
+  static_cast<void>(fine(session_->end_frame(frame_.predictedDisplayTime, {}, Depth::None), "xrEndFrame"));
+  setup_.idle();
+}
+
+std::optional<FrameTiming> HeadsetRuntime::Parts::wait_frame() {
+  while (goes_on()) {
+    if (setup_.wants_to_end()) return std::nullopt;
+    poll_events();
+    if (!goes_on()) break;
+    if (!life_.has_frames()) {
+      rest(kIdleWait);
+      continue;
+    }
+    if (begin_frame() == Frame::None) continue;
+    if (!stage_from_tracked_) stage_from_tracked_ = place(head_of(*located_), setup_.start);
+    return FrameTiming{display_time(), Duration(frame_.predictedDisplayPeriod)};
+  }
+  return std::nullopt;
+}
+
+StereoView HeadsetRuntime::Parts::views() const {
+  check(located_ && stage_from_tracked_, "views are located after a frame has begun");
+  StereoView views;
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    views[eye] = {*stage_from_tracked_ * located_->tracked_from_eye[eye], located_->fov[eye],
+                  setup_.eye_size};
+  return views;
+}
+
+void HeadsetRuntime::Parts::end_frame() {
+  const Swapchain& pictures = session_->pictures();
+  const Swapchain* const depths = setup_.depth ? session_->depths() : nullptr;
+  vk::Image picture, depth;
+  if (!fine(pictures.acquire(picture), "xrAcquireSwapchainImage") ||
+      (depths && !fine(depths->acquire(depth), "xrAcquireSwapchainImage")))
+    return;
+  std::vector<LayerCopy> copies{
+      {shown_, 0, vk::ImageLayout::eGeneral, picture, vk::ImageLayout::eColorAttachmentOptimal}};
+  if (depths) {
+    const HeadsetDepth shown = setup_.depth();
+    copies.push_back({shown.image, shown.first_layer, vk::ImageLayout::eShaderReadOnlyOptimal, depth,
+                      vk::ImageLayout::eDepthStencilAttachmentOptimal});
+  }
+  copy_.copy(copies, setup_.eye_size);
+  if (!fine(pictures.release(), "xrReleaseSwapchainImage") ||
+      (depths && !fine(depths->release(), "xrReleaseSwapchainImage")))
+    return;
+  if (fine(
+          session_->end_frame(frame_.predictedDisplayTime, located_, depths ? Depth::Submitted : Depth::None),
+          "xrEndFrame"))
+    ++counters.submitted;
+}
+
+/// Frames must go on until the runtime stops the session.
+Expected<void> HeadsetRuntime::Parts::finish() {
+  const Stopwatch watch;
+  if (goes_on()) give(ExitWanted{});
+  while (goes_on()) {
+    poll_events();
+    if (!goes_on()) break;
+    if (watch.elapsed() > kLongestExit) {
+      spdlog::warn("the OpenXR runtime did not end the session within {:.0f} s", seconds_of(kLongestExit));
+      break;
+    }
+    if (!life_.has_frames())
+      rest(kIdleWait);
+    else if (begin_frame() == Frame::Begun)
+      end_empty_frame();
+  }
+  session_.reset();
+  if (failed_) return tl::unexpected(*failed_);
+  return {};
+}
+
+HeadsetRuntime::HeadsetRuntime(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+HeadsetRuntime::~HeadsetRuntime() = default;
+
+Expected<std::unique_ptr<HeadsetRuntime>> HeadsetRuntime::open(HeadsetSystem& system,
+                                                               const gpu::Device& device,
+                                                               const gpu::Image& shown, HeadsetSetup setup) {
+  auto parts = std::make_unique<Parts>(*system.instance_, device, shown, std::move(setup));
+  if (auto opened = parts->open_session(); !opened) return tl::unexpected(opened.error());
+  return std::unique_ptr<HeadsetRuntime>(new HeadsetRuntime(std::move(parts)));
+}
+
+std::optional<FrameTiming> HeadsetRuntime::wait_frame() {
+  return parts_->wait_frame();
+}
+
+StereoView HeadsetRuntime::locate_views(Time display_time) const {
+  check(display_time == parts_->display_time(), "views are those of the frame that has begun");
+  return parts_->views();
+}
+
+void HeadsetRuntime::end_frame(Time) {
+  parts_->end_frame();
+}
+
+Expected<void> HeadsetRuntime::finish() {
+  return parts_->finish();
+}
+
+const HeadsetRuntime::Counters& HeadsetRuntime::counters() const {
+  return parts_->counters;
+}
+
+const std::string& HeadsetRuntime::history() const {
+  return parts_->history;
+}
+
+}  // namespace farshade

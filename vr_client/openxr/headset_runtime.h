@@ -1,0 +1,96 @@
+/// HeadsetRuntime: the Runtime of a headset, through OpenXR. First a HeadsetSystem is opened, then a Vulkan
+/// device that its runtime makes (DeviceOptions::maker), then the HeadsetRuntime on that device. Builds
+/// without OpenXR compile no_openxr.cpp instead. docs/openxr.md.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "stereo/base/expected.h"
+#include "stereo/gpu/device_options.h"
+#include "vr_client/runtime/runtime.h"
+
+namespace farshade::gpu {
+struct Device;
+struct Image;
+}  // namespace farshade::gpu
+
+namespace farshade {
+
+namespace openxr {
+class Instance;
+}
+
+/// The OpenXR runtime of this machine with its headset.
+class HeadsetSystem {
+ public:
+  /// Missing if there is no runtime or no headset, Unsupported if it lacks what the client needs, Unavailable
+  /// if this build has no OpenXR. The sentence names the cure.
+  [[nodiscard]] static Expected<HeadsetSystem> open();
+  HeadsetSystem(HeadsetSystem&&) noexcept;
+  HeadsetSystem& operator=(HeadsetSystem&&) noexcept;
+  ~HeadsetSystem();
+
+  [[nodiscard]] std::string name() const;  ///< of runtime and headset
+  /// The recommended size of an eye times `scale`, at most the largest size that the runtime allows.
+  [[nodiscard]] Extent eye_size(double scale) const;
+  /// For DeviceOptions::maker. It refers to this system.
+  [[nodiscard]] gpu::VulkanMaker vulkan() const;
+
+ private:
+  friend class HeadsetRuntime;
+  explicit HeadsetSystem(std::unique_ptr<openxr::Instance> instance);
+  std::unique_ptr<openxr::Instance> instance_;
+};
+
+/// A depth for each eye: near / distance (kNearPlane_m), 0 where there is no surface; two layers of
+/// D32_SFLOAT, whose upper left part has the size of an eye; layout ShaderReadOnlyOptimal.
+struct HeadsetDepth {
+  const gpu::Image& image;
+  std::uint32_t first_layer = 0;
+};
+
+struct HeadsetSetup {
+  Rigid<Stage, Eye> start;              ///< where the head is placed in the scene when it is first seen
+  Extent eye_size;                      ///< pixels
+  std::function<bool()> wants_to_end;   ///< the user wants to end the client
+  std::function<void()> idle;           ///< called at least every 100 ms while no frame is shown
+  std::function<HeadsetDepth()> depth;  ///< of the picture, called in end_frame; empty: it has none
+};
+
+class HeadsetRuntime final : public Runtime {
+ public:
+  /// Makes a session. `device` was made by `system`. `shown` is the picture of both eyes that each end_frame
+  /// submits: two layers of rgba8 UNORM, coded as sRGB, layout General. Keeps all references.
+  [[nodiscard]] static Expected<std::unique_ptr<HeadsetRuntime>> open(HeadsetSystem& system,
+                                                                      const gpu::Device& device,
+                                                                      const gpu::Image& shown,
+                                                                      HeadsetSetup setup);
+  ~HeadsetRuntime() override;
+
+  /// Waits until the runtime shows frames of this client, however long that takes, and for the next of these
+  /// frames. Returns nothing when the session has ended or failed, or the user wants to end.
+  [[nodiscard]] std::optional<FrameTiming> wait_frame() override;
+  /// The views of the frame that has begun. The runtime has predicted them for `display_time`.
+  [[nodiscard]] StereoView locate_views(Time display_time) const override;
+  void end_frame(Time display_time) override;
+
+  /// Ends the session as the specification asks for: requests the exit and waits for it, at most 5 s. Returns
+  /// why frames ended early: a call that failed, or a runtime that has ended.
+  [[nodiscard]] Expected<void> finish();
+
+  struct Counters {
+    std::uint64_t submitted = 0;  ///< frames with a picture
+    std::uint64_t empty = 0;      ///< frames without one, which the runtime did not show
+  };
+  [[nodiscard]] const Counters& counters() const;
+  /// The states of the session in their order, for example "idle, ready, synchronized, visible, focused".
+  [[nodiscard]] const std::string& history() const;
+
+ private:
+  class Parts;
+  explicit HeadsetRuntime(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;  ///< what knows OpenXR
+};
+
+}  // namespace farshade

@@ -1,0 +1,70 @@
+/// Instance: the OpenXR runtime of this machine and its headset, before a session. It makes the Vulkan
+/// instance and device that the runtime can share pictures with (XR_KHR_vulkan_enable2).
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "stereo/base/extent.h"
+#include "stereo/gpu/device_options.h"
+#include "vr_client/openxr/result.h"
+
+namespace farshade::openxr {
+
+/// The client shows two views.
+inline constexpr XrViewConfigurationType kViews = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
+
+/// What the runtime offers beyond OpenXR 1.0 and what this client uses.
+struct Extensions {
+  bool depth_layers = false;  ///< XR_KHR_composition_layer_depth
+};
+
+class Instance {
+ public:
+  /// Missing without a runtime or a headset; Unsupported if the runtime has no XR_KHR_vulkan_enable2 or does
+  /// not allow Vulkan 1.3.
+  [[nodiscard]] static Expected<std::unique_ptr<Instance>> open();
+  Instance(const Instance&) = delete;
+  Instance& operator=(const Instance&) = delete;
+  ~Instance();
+
+  [[nodiscard]] XrInstance handle() const { return handle_; }
+  [[nodiscard]] XrSystemId system() const { return system_; }
+  [[nodiscard]] const Extensions& extensions() const { return extensions_; }
+  /// "Monado(XRT) 25.0.0, Simulated HMD".
+  [[nodiscard]] const std::string& name() const { return name_; }
+  /// The size of each view that the runtime recommends and its upper limit; the larger one if eyes differ.
+  [[nodiscard]] Extent recommended() const { return recommended_; }
+  [[nodiscard]] Extent largest() const { return largest_; }
+
+  /// Makes the Vulkan objects through the runtime. Refers to this instance. Throws if the runtime refuses.
+  [[nodiscard]] gpu::VulkanMaker vulkan() const;
+
+  /// Asks again for the headset, after a session was lost. Missing while it is not there.
+  [[nodiscard]] Expected<void> find_system();
+
+ private:
+  Instance() = default;
+  [[nodiscard]] Expected<void> create();
+  [[nodiscard]] Expected<void> read_views();
+  [[nodiscard]] Expected<void> check_vulkan() const;
+  void read_name();
+
+  XrInstance handle_ = XR_NULL_HANDLE;
+  XrSystemId system_ = XR_NULL_SYSTEM_ID;
+  Extensions extensions_;
+  std::string name_;
+  Extent recommended_, largest_;
+};
+
+/// Calls an extension's function, which the loader does not export.
+template <class Function, class... Arguments>
+[[nodiscard]] XrResult call(XrInstance instance, const char* name, Arguments... arguments) {
+  PFN_xrVoidFunction function = nullptr;
+  const XrResult found = xrGetInstanceProcAddr(instance, name, &function);
+  if (XR_FAILED(found)) return found;
+  return reinterpret_cast<Function>(function)(arguments...);
+}
+
+}  // namespace farshade::openxr

@@ -1,0 +1,33 @@
+/// PictureCopy: copies pictures and depths to images of the runtime.
+#pragma once
+
+#include <span>
+
+#include "stereo/gpu/memory.h"
+
+namespace farshade::openxr {
+
+/// Layers of an image of ours, one for each eye, and the image of the runtime that they go to.
+struct LayerCopy {
+  const gpu::Image& from;
+  std::uint32_t first_layer;    ///< of `from`
+  vk::ImageLayout from_layout;  ///< which `from` keeps
+  vk::Image to;                 ///< a format with as many bytes a pixel
+  vk::ImageLayout to_layout;    ///< of `to` afterwards; its content and layout before do not matter
+};
+
+class PictureCopy {
+ public:
+  /// Keeps the reference.
+  explicit PictureCopy(const gpu::Device& device);
+
+  /// Copies the upper left part of `size` of each layer, without conversion, and waits for the device.
+  void copy(std::span<const LayerCopy> copies, Extent size) const;
+
+ private:
+  const gpu::Device& device_;
+  vk::raii::CommandBuffer commands_{nullptr};
+  vk::raii::Fence fence_{nullptr};
+};
+
+}  // namespace farshade::openxr

@@ -1,0 +1,80 @@
+/// Session: an OpenXR session with its space and its swapchains, and the calls of a frame. It knows nothing
+/// of the life cycle: calls at the wrong time return the runtime's errors.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "stereo/frame/view.h"
+#include "vr_client/openxr/instance.h"
+
+namespace farshade::openxr {
+
+/// The space in which the runtime gives poses: STAGE, or LOCAL if there is none.
+struct Tracked;
+
+/// Where the eyes are and what they see, at one time.
+struct Located {
+  PerEye<Rigid<Tracked, Eye>> tracked_from_eye;
+  PerEye<EyeFov> fov;
+};
+
+/// Images of the runtime with one layer an eye.
+struct Swapchain {
+  XrSwapchain handle = XR_NULL_HANDLE;
+  vk::Format format = vk::Format::eUndefined;
+  std::vector<XrSwapchainImageVulkanKHR> images;
+
+  /// The next image to draw to. Its layout is that of an attachment, and must be that again when it is
+  /// released.
+  [[nodiscard]] XrResult acquire(vk::Image& image) const;
+  [[nodiscard]] XrResult release() const;
+};
+
+/// Whether a frame submits the depth of its picture, too.
+enum class Depth : std::uint8_t { None, Submitted };
+
+class Session {
+ public:
+  /// `size` is that of each view, pixels. Keeps both references.
+  [[nodiscard]] static Expected<std::unique_ptr<Session>> open(const Instance& instance,
+                                                               const gpu::Device& device, Extent size);
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+  ~Session();
+
+  [[nodiscard]] XrSession handle() const { return handle_; }
+  [[nodiscard]] const char* space_name() const { return space_name_; }
+
+  // Calls of the life cycle and of a frame, in this order. Each returns the runtime's result.
+  [[nodiscard]] XrResult begin();
+  [[nodiscard]] XrResult end();
+  [[nodiscard]] XrResult request_exit();
+  [[nodiscard]] XrResult wait_frame(XrFrameState& state);
+  [[nodiscard]] XrResult begin_frame();
+  /// Empty `located`: the runtime does not know where the head looks.
+  [[nodiscard]] XrResult locate(XrTime time, std::optional<Located>& located);
+  [[nodiscard]] const Swapchain& pictures() const { return pictures_; }
+  /// Null if the runtime takes no depth. Depths are those of stereo/math/fov.h.
+  [[nodiscard]] const Swapchain* depths() const {
+    return depths_.handle == XR_NULL_HANDLE ? nullptr : &depths_;
+  }
+  /// Shows the released images as the two views, or nothing.
+  [[nodiscard]] XrResult end_frame(XrTime time, const std::optional<Located>& shown, Depth depth);
+
+ private:
+  Session(const Instance& instance, Extent size) : instance_(instance), size_(size) {}
+  [[nodiscard]] Expected<void> create(const gpu::Device& device);
+  [[nodiscard]] Expected<void> create_space();
+  [[nodiscard]] Expected<void> create_swapchains();
+  [[nodiscard]] Expected<void> fill(Swapchain& swapchain, XrSwapchainUsageFlags usage) const;
+
+  const Instance& instance_;
+  Extent size_;
+  XrSession handle_ = XR_NULL_HANDLE;
+  XrSpace space_ = XR_NULL_HANDLE;
+  const char* space_name_ = "";
+  Swapchain pictures_, depths_;
+};
+
+}  // namespace farshade::openxr
