@@ -27,7 +27,11 @@ Expected<void> carry_out(const Options& options, std::optional<StopSignal>& stop
     spdlog::info("{} is shown instead of a headset: {}", preview_follows(options) ? "a window" : "a replay",
                  headset.error().what);
   }
-  if (preview_follows(options)) return run_preview(options, *stop);
+  if (preview_follows(options)) {
+    Options window = options;
+    window.preview = true;  // without a headset, --xr auto is --preview
+    return run_preview(window, *stop);
+  }
   return options.replay.empty() ? run_client(options, *stop) : run_replay(options, *stop);
 }
 

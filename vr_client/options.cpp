@@ -265,7 +265,8 @@ constexpr std::array kNotInReplay{
     "--skip",         "--refresh",   "--server",        "--key",         "--insecure",  "--net",
     "--mode",         "--bitrate",   "--position-bits", "--shadow-maps", "--pcf",       "--clock",
     "--delay",        "--mask-wait", "--predictor",     "--guard-band",  "--ask",       "--mask-every",
-    "--reprojection", "--eyes",      "--gaps",          "--edges"};
+    "--reprojection", "--eyes",      "--gaps",          "--edges",       "--xr",        "--xr-scale",
+    "--record-head"};
 
 /// The headset or its runtime gives these.
 constexpr std::array kNotInHeadset{"--trace",   "--trace-scale", "--place",       "--size",

@@ -2,6 +2,7 @@
 #include <spdlog/fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 
 #include "rt_server/commands/commands.h"
@@ -14,20 +15,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The addresses to put into a code, the best one first. A code with the usual port does not name it.
+/// The addresses to put into a code, the best one first: one of this machine alone is of little use. A code
+/// with the usual port does not name it.
 std::vector<std::string> addresses_of(const ServerPairOptions& options, std::span<const Peer> locals) {
-  const auto shown = [](const Peer& peer) {
-    std::string text = to_string(peer);
-    if (peer.port == kPairingPort) text.resize(text.rfind(':'));
-    return text;
-  };
-  if (const std::uint16_t port = locals.front().port; !options.address.empty())
-    return {port == kPairingPort ? options.address : fmt::format("{}:{}", options.address, port)};
-  std::vector<std::string> found;
+  std::vector<Peer> peers;
   for (const Peer& local : locals) {
     const std::vector<Peer> all = is_unspecified(local) ? local_addresses(local.port) : std::vector<Peer>{};
-    if (all.empty()) found.push_back(shown(local));
-    for (const Peer& peer : all) found.push_back(shown(peer));
+    if (all.empty()) peers.push_back(local);
+    peers.insert(peers.end(), all.begin(), all.end());
+  }
+  std::ranges::stable_partition(peers, [](const Peer& peer) { return !is_loopback(peer); });
+  std::vector<std::string> found;
+  for (const Peer& peer : peers) {
+    const std::string whole = to_string(peer);
+    std::string text = options.address.empty() ? whole.substr(0, whole.rfind(':')) : options.address;
+    if (peer.port != kPairingPort) text += fmt::format(":{}", peer.port);
+    if (std::ranges::find(found, text) == found.end()) found.push_back(text);
   }
   return found;
 }

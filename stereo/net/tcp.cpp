@@ -188,20 +188,23 @@ Peer TcpListener::local() const {
 std::optional<TcpStream> TcpListener::accept(const Waiting& waiting) {
   std::vector<pollfd> watched;
   for (const auto& state : states_) watched.push_back({state->acceptor.native_handle(), POLLIN, 0});
+  std::chrono::milliseconds wait{};
   while (true) {
+    poll(watched.data(), watched.size(), static_cast<int>(wait.count()));
     for (std::size_t tried = 0; tried < states_.size(); ++tried) {
+      const std::size_t one = next_;
+      next_ = (next_ + 1) % states_.size();
+      if (watched[one].revents == 0) continue;
       auto stream = std::make_unique<TcpStream::State>();
       asio::error_code error, ignored;
-      states_[next_]->acceptor.accept(stream->socket, error);
-      next_ = (next_ + 1) % states_.size();
+      states_[one]->acceptor.accept(stream->socket, error);
       if (error) continue;
       stream->socket.set_option(tcp::no_delay(true), ignored);
       return TcpStream(std::move(stream));
     }
     const Time now = SteadyClock().now();
     if (now >= waiting.until || (waiting.stopped && waiting.stopped())) return std::nullopt;
-    const auto wait = std::chrono::ceil<std::chrono::milliseconds>(std::min(waiting.until - now, kStopPoll));
-    poll(watched.data(), watched.size(), static_cast<int>(wait.count()));
+    wait = std::chrono::ceil<std::chrono::milliseconds>(std::min(waiting.until - now, kStopPoll));
   }
 }
 

@@ -7,8 +7,8 @@
 
 #include "rt_server/core/gate.h"
 #include "tests/fuzz/edits.h"
-#include "tests/fuzz/fixed_random.h"
 #include "tests/fuzz/target.h"
+#include "tests/support/fixed_random.h"
 
 using namespace farshade;
 
@@ -56,7 +56,7 @@ struct Genuine {
 };
 
 Genuine& genuine() {
-  static Genuine made = (fuzz::fix_random(1), Genuine());
+  static Genuine made = (fix_random(1), Genuine());
   return made;
 }
 

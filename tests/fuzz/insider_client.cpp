@@ -11,7 +11,7 @@
 #include "stereo/frame/surround.h"
 #include "stereo/frame/tiles.h"
 #include "tests/fuzz/attacked_link.h"
-#include "tests/fuzz/fixed_random.h"
+#include "tests/support/fixed_random.h"
 #include "tests/support/manual_clock.h"
 #include "tests/unit/forged.h"
 #include "tests/unit/link_client.h"
@@ -251,7 +251,7 @@ void Conversation::finish() {
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   spdlog::set_level(spdlog::level::off);
-  fuzz::fix_random(1);
+  fix_random(1);
   Conversation conversation;
   fuzz::Choices choices(data, size);
   for (int steps = 0; steps < kMostSteps && !choices.rest().empty(); ++steps) conversation.step(choices);

@@ -8,7 +8,7 @@
 #include <deque>
 
 #include "tests/fuzz/attacked_link.h"
-#include "tests/fuzz/fixed_random.h"
+#include "tests/support/fixed_random.h"
 #include "tests/support/manual_clock.h"
 
 using namespace farshade;
@@ -151,7 +151,7 @@ void Conversation::finish() {
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   spdlog::set_level(spdlog::level::off);
-  fuzz::fix_random(1);
+  fix_random(1);
   Conversation conversation;
   fuzz::Choices choices(data, size);
   for (int steps = 0; steps < kMostSteps && !choices.rest().empty(); ++steps) conversation.step(choices);

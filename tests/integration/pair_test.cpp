@@ -80,6 +80,20 @@ TEST(PairPrograms, AClientPairsAtTheSecondAddress) {
   EXPECT_EQ(load_key_ring(ring).value().back(), load_key(key).value());
 }
 
+/// The name may lead to each of the addresses.
+TEST(PairPrograms, AHostThatTheUserNamesHasThePortOfEachAddress) {
+  const ScratchFolder folder;
+  ChildProgram pair({RT_SERVER, "pair", "--listen", "127.0.0.1:0", "--listen", "127.0.0.2:0", "--address",
+                     "desk", "--ring", (folder.path() / "ring.keys").string()});
+  const auto code = pair.line_after("  vr_client pair farshade://");
+  ASSERT_TRUE(code && code->starts_with("desk:")) << pair.errors();
+  const std::string first = code->substr(0, code->find('/'));
+  const auto other = pair.line_after("rt_server: this machine has more addresses; if " + first +
+                                     " does not answer, put another one in its place: ");
+  ASSERT_TRUE(other && other->starts_with("desk:"));
+  EXPECT_NE(*other, first);
+}
+
 TEST(PairPrograms, TheServersAddressesOfAConfigurationFileAreNotThoseOfThePairing) {
   const ScratchFolder folder;
   const std::string file = (folder.path() / "rt_server.ini").string();

@@ -82,6 +82,8 @@ TEST(OverNetworkTwice, IsTheSameToTheLastBit) {
   EXPECT_EQ(a.worse_eye(&EyeErrors::mask_error), b.worse_eye(&EyeErrors::mask_error));
   EXPECT_EQ(a.worse_eye(&EyeErrors::psnr_db), b.worse_eye(&EyeErrors::psnr_db));
   EXPECT_EQ(a.client.assembler, b.client.assembler);
+  EXPECT_EQ(a.client.port.sent_bytes, b.client.port.sent_bytes);
+  EXPECT_EQ(a.client.port.received_bytes, b.client.port.received_bytes);
   for (std::size_t i = 0; i < a.frames.size(); ++i) EXPECT_EQ(a.frames[i].newest, b.frames[i].newest);
 }
 

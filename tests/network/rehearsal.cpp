@@ -1,4 +1,5 @@
 #include "tests/network/rehearsal.h"
+#include "tests/support/fixed_random.h"
 #include "tests/support/manual_clock.h"
 
 #include <malloc.h>
@@ -208,6 +209,7 @@ void prepare(const Play& play, const RunContext& context) {
 }  // namespace
 
 Played play(const Play& play, const Network& network) {
+  fix_random(1);
   ManualClock clock;
   VirtualLink wire(clock, {.to_server = network.model, .to_client = network.model});
   LinkServer server(play, wire, clock);

@@ -364,7 +364,8 @@ TEST(ReadOptions, AReplayRefusesWhatItTakesFromTheCapture) {
                                       {"--predictor", "hold"},
                                       {"--frames", "2"},
                                       {"--server", "a:1"},
-                                      {"--edges", "coverage"}}) {
+                                      {"--edges", "coverage"},
+                                      {"--xr", "auto"}}) {
     std::vector<std::string> more = replay;
     more.insert(more.end(), {option, value});
     const Outcome outcome = read(more);
@@ -379,7 +380,8 @@ TEST(ReadOptions, AConfigurationFileSetsOptionsAndHindersNeitherReplayNorPreview
   const ScratchFolder folder;
   const std::string file = (folder.path() / "vr_client.ini").string();
   std::ofstream(file)
-      << "trace = b.csv\nmode = full\nsize = 96x64\nserver = there:1\ninsecure = true\nclock = real\n";
+      << "trace = b.csv\nmode = full\nsize = 96x64\nserver = there:1\ninsecure = true\nclock = real\n"
+      << "xr = auto\n";
   const Outcome run = read({"--config", file, "--scene", "a.glb", "--mode", "local"});
   ASSERT_TRUE(run.options.has_value()) << run.errors;
   EXPECT_EQ(run.options->trace, "b.csv");

@@ -127,14 +127,20 @@ Finding check_server(const Contact& contact) {
     return {Severity::Fail, "server", "--insecure works on this machine only, not with " + contact.server,
             "omit --insecure and use a key"};
   HelloAnswer answer;
-  Peer answers = servers->front();
+  std::optional<Peer> asked;
+  std::optional<Error> unreachable;
   for (const Peer& server : *servers) {
     const Expected<UdpClient> client = connect_udp(server);
-    if (client) answer = say_hello(*client->port, server, contact);
-    answers = server;
+    if (!client) {
+      unreachable = client.error();
+      continue;
+    }
+    answer = say_hello(*client->port, server, contact);
+    asked = server;
     if (answer.message || answer.open_refusal) break;
   }
-  return judge(contact, answers, answer);
+  if (!asked) return failed("server", *unreachable, "give --server an address that this machine can reach");
+  return judge(contact, *asked, answer);
 }
 
 /// Whether the server sends its scene to a client that has none.

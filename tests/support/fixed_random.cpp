@@ -1,13 +1,15 @@
-#include "tests/fuzz/fixed_random.h"
+#include "tests/support/fixed_random.h"
 
 #include <sodium.h>
 
+#include <atomic>
+
 #include "stereo/base/check.h"
 
-namespace farshade::fuzz {
+namespace farshade {
 namespace {
 
-std::uint64_t state = 0;
+std::atomic<std::uint64_t> state = 0;
 
 std::uint64_t next() {
   std::uint64_t z = state += 0x9e3779b97f4a7c15;
@@ -35,4 +37,4 @@ void fix_random(std::uint64_t seed) {
   check_eq(set, 0, "libsodium uses this generator");
 }
 
-}  // namespace farshade::fuzz
+}  // namespace farshade
