@@ -24,7 +24,7 @@ std::vector<std::string> addresses_of(const ServerPairOptions& options, std::spa
     if (all.empty()) peers.push_back(local);
     peers.insert(peers.end(), all.begin(), all.end());
   }
-  std::ranges::stable_partition(peers, [](const Peer& peer) { return !is_loopback(peer); });
+  std::stable_partition(peers.begin(), peers.end(), [](const Peer& peer) { return !is_loopback(peer); });
   std::vector<std::string> found;
   for (const Peer& peer : peers) {
     const std::string whole = to_string(peer);
