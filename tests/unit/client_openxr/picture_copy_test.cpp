@@ -28,7 +28,8 @@ std::vector<std::uint32_t> fill(const gpu::Device& device, const gpu::Image& ima
   constexpr unsigned seed = 11;
   std::mt19937 random(seed);
   std::vector<std::uint32_t> words(image.spec.size.pixels() * image.spec.layers);
-  for (std::uint32_t& word : words) word = static_cast<std::uint32_t>(random()) >> 2;  // as floats, these are finite
+  for (std::uint32_t& word : words)
+    word = static_cast<std::uint32_t>(random() % 0x3f800001u);  // as floats, 0 to 1
   const gpu::Buffer staging = gpu::make_staging_buffer(device, words.size() * 4, "words");
   std::ranges::copy(words, staging.as<std::uint32_t>().begin());
   gpu::run_now(device, [&](const vk::raii::CommandBuffer& commands) {
