@@ -18,11 +18,11 @@ struct KeyAccount {
 
   /// Time of the worker. A key that had nothing to do starts again at the value of the others.
   Duration work{};
-  std::uint64_t served = 0;  ///< number of jobs of all clients when this key was last served
+  std::uint64_t served = 0;      ///< number of jobs of all clients when this key was last served
   std::uint64_t sent_bytes = 0;  ///< sealed datagrams of its answers, counted like `work`
-  Duration session_work{};  ///< ClientSession::Turn::work of its session that was served last
+  Duration session_work{};       ///< ClientSession::Turn::work of its session that was served last
   TokenBucket handshakes;
-  std::size_t held_bytes = 0;    ///< memory of its sessions
+  std::size_t held_bytes = 0;  ///< memory of its sessions
   JobCosts costs;
 };
 
