@@ -241,7 +241,8 @@ Verdict verdict(const VideoPart& part) {
   if (is_newer(part.after, part.frame)) return WireRefusal::FrameOrder;
   const bool is_last = part.part + 1 == part.parts;
   const bool fine = part.parts >= 1 && part.parts <= kMostVideoParts && part.part < part.parts &&
-                    !part.bytes.empty() && (is_last || part.bytes.size() == kVideoPart_bytes);
+                    !part.bytes.empty() && part.bytes.size() <= kVideoPart_bytes &&
+                    (is_last || part.bytes.size() == kVideoPart_bytes);
   return fine ? kFine : WireRefusal::Part;
 }
 

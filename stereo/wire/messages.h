@@ -139,7 +139,8 @@ struct VideoPart {
   FrameId frame{};
   FrameId after{};                     ///< the frame whose picture it depends on; `frame` itself: none
   std::uint32_t part = 0, parts = 1;   ///< index and number of parts, at most kMostVideoParts
-  std::span<const std::byte> bytes{};  ///< 1 or more; points into the received message or the packer
+  std::span<const std::byte> bytes{};  ///< 1 to kVideoPart_bytes; points into the received message
+                                       ///< or the packer
 };
 inline constexpr std::size_t kVideoPartHeader_bytes = 13;
 inline constexpr std::size_t kVideoPart_bytes = kBaseMessage_bytes - kVideoPartHeader_bytes;

@@ -182,7 +182,10 @@ void save_messages(const fs::path& folder) {
   save(folder / "leave", after(0, encoded(ClientMessage(Leave{}))));
   save(folder / "goodbye", after(1, encoded(ServerMessage(Goodbye{EndReason::Revoked}))));
   save(folder / "path_probe", after(1, encoded(ServerMessage(path_probe()))));
-  save(folder / "video_part", after(1, encoded(ServerMessage(video_part()))));
+  Bytes part = encoded(ServerMessage(video_part()));
+  save(folder / "video_part", after(1, part));
+  part.resize(kBaseMessage_bytes + 1);
+  save(folder / "video_part_too_long", after(1, part));
 }
 
 /// The form and the other numbers of handshake.cpp; then changes: place (two bytes) and xor.

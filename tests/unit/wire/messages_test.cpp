@@ -358,6 +358,12 @@ TEST(VideoPartDecode, RefusesPartsThatNoPictureHas) {
   Bytes whole = patched(good, 9, {1});
   whole.resize(kBaseMessage_bytes);
   EXPECT_TRUE(decode_server(whole));
+  Bytes last = good;
+  last.resize(kBaseMessage_bytes);
+  EXPECT_TRUE(decode_server(last));
+  last.push_back(std::byte{0});
+  EXPECT_EQ(decode_server(last).error(), WireRefusal::Part)
+      << "a last part would be written past its picture";
 }
 
 TEST(RequestEncode, HasRoomForAllThatItMayCarry) {
