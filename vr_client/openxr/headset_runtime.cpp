@@ -9,6 +9,7 @@
 
 #include "stereo/base/check.h"
 #include "stereo/math/rotation.h"
+#include "vr_client/openxr/blocking_calls.h"
 #include "vr_client/openxr/life_cycle.h"
 #include "vr_client/openxr/picture_copy.h"
 #include "vr_client/openxr/session.h"
@@ -20,11 +21,9 @@ using namespace openxr;
 namespace {
 
 constexpr Duration kIdleWait = std::chrono::milliseconds(20);
-/// Between two questions whether the headset is there again.
-constexpr Duration kLostWait = std::chrono::milliseconds(500);
-/// A runtime that does not end a session within this time has stopped.
-constexpr Duration kLongestExit = std::chrono::seconds(5);
-
+/// Between two questions whether the headset is there again. The user may want to end at each of their steps.
+constexpr Duration kLostStep = std::chrono::milliseconds(100);
+constexpr int kLostSteps = 5;
 SessionState state_of(XrSessionState state) {
   static_assert(static_cast<int>(SessionState::Idle) == XR_SESSION_STATE_IDLE);
   static_assert(static_cast<int>(SessionState::Exiting) == XR_SESSION_STATE_EXITING);
@@ -32,10 +31,10 @@ SessionState state_of(XrSessionState state) {
   return static_cast<SessionState>(state);
 }
 
-/// The eyes' middle, with the orientation of the left eye.
+/// The middle of both eyes, whose displays may be turned outwards.
 Rigid<Tracked, Eye> head_of(const Located& located) {
   const auto& [left, right] = located.tracked_from_eye;
-  return {left.rotation, (left.translation + right.translation) * 0.5};
+  return interpolate(left, right, 0.5);
 }
 
 /// Places the head at `start` and turns it to its direction. The direction of gravity stays.
@@ -78,6 +77,10 @@ class HeadsetRuntime::Parts {
   Parts(Instance& instance, const gpu::Device& device, const gpu::Image& shown, HeadsetSetup setup)
       : instance_(instance), device_(device), setup_(std::move(setup)), shown_(shown), copy_(device) {}
 
+  Parts(const Parts&) = delete;
+  Parts& operator=(const Parts&) = delete;
+  ~Parts();
+
   [[nodiscard]] Expected<void> open_session();
   [[nodiscard]] std::optional<FrameTiming> wait_frame();
   [[nodiscard]] StereoView views() const;
@@ -90,15 +93,19 @@ class HeadsetRuntime::Parts {
 
  private:
   enum class Frame : std::uint8_t { Begun, None };
-  [[nodiscard]] bool goes_on() const { return !failed_ && life_.ending == Ending::None; }
+  [[nodiscard]] bool goes_on() const { return !failed_ && !abandoned_ && life_.ending == Ending::None; }
+  [[nodiscard]] bool wants_to_end();
   void poll_events();
   void handle(const XrEventDataBuffer& event);
   void give(const Event& event);
   void carry_out(Act act);
   void replace_session();
   [[nodiscard]] bool fine(XrResult result, const char* call);
+  [[nodiscard]] bool wait_for_frame();
   [[nodiscard]] Frame begin_frame();
   void end_empty_frame();
+  void place_head();
+  [[nodiscard]] std::optional<vk::Image> next_image(const Swapchain& swapchain);
   void rest(Duration span) const;
 
   Instance& instance_;
@@ -111,8 +118,17 @@ class HeadsetRuntime::Parts {
   XrFrameState frame_{};  ///< the frame that has begun last
   std::optional<Located> located_;
   std::optional<Rigid<Stage, Tracked>> stage_from_tracked_;  ///< empty until a head is seen
+  std::vector<XrTime> recentres_;        ///< at these times the user stands at the start again
+  std::optional<Stopwatch> wanted_end_;  ///< since the user wants to end
+  BlockingCalls blocking_;               ///< xrWaitFrame
+  bool abandoned_ = false;               ///< xrWaitFrame blocks until the end of the program
   std::optional<Error> failed_;
 };
+
+/// A call that blocks may still use the device.
+HeadsetRuntime::Parts::~Parts() {
+  if (abandoned_) gpu::abandon(device_);
+}
 
 Expected<void> HeadsetRuntime::Parts::open_session() {
   Expected<std::unique_ptr<Session>> session = Session::open(instance_, device_, setup_.eye_size);
@@ -127,7 +143,7 @@ Expected<void> HeadsetRuntime::Parts::open_session() {
 /// Whether the call has succeeded. A loss is an event of the life cycle, any other failure ends the run.
 bool HeadsetRuntime::Parts::fine(XrResult result, const char* call) {
   if (XR_SUCCEEDED(result)) return true;
-  if (result == XR_ERROR_SESSION_LOST) {
+  if (result == XR_ERROR_SESSION_LOST && session_) {
     give(SessionLost{});
   } else if (!failed_) {
     failed_ = error_of(result, call);
@@ -162,26 +178,31 @@ void HeadsetRuntime::Parts::carry_out(Act act) {
   }
 }
 
-/// Blocks until the headset is there again or the user wants to end.
+bool HeadsetRuntime::Parts::wants_to_end() {
+  if (!wanted_end_ && setup_.wants_to_end()) wanted_end_.emplace();
+  return wanted_end_.has_value();
+}
+
+/// Blocks until there is a session again, the user wants to end, or the runtime ends. The headset may go
+/// again between two calls.
 void HeadsetRuntime::Parts::replace_session() {
   spdlog::warn("the headset's session is lost; waiting for the headset");
   session_.reset();
-  while (!setup_.wants_to_end()) {
-    const Expected<void> found = instance_.find_system();
-    if (found) break;
-    if (found.error().fault != Fault::Missing) {
-      failed_ = found.error();
+  recentres_.clear();
+  stage_from_tracked_.reset();
+  while (goes_on() && !wants_to_end()) {
+    const Expected<void> opened = instance_.find_again(device_).and_then([this] { return open_session(); });
+    if (opened) return give(SessionReplaced{});
+    if (opened.error().fault != Fault::Missing) {
+      failed_ = opened.error();
       return;
     }
-    rest(kLostWait);
+    for (int step = 0; step < kLostSteps && goes_on() && !wants_to_end(); ++step) {
+      rest(kLostStep);
+      poll_events();
+    }
   }
-  if (setup_.wants_to_end()) return give(ExitWanted{});
-  if (const Expected<void> opened = open_session(); !opened) {
-    failed_ = opened.error();
-    return;
-  }
-  stage_from_tracked_.reset();
-  give(SessionReplaced{});
+  if (goes_on()) give(ExitWanted{});
 }
 
 void HeadsetRuntime::Parts::poll_events() {
@@ -210,9 +231,11 @@ void HeadsetRuntime::Parts::handle(const XrEventDataBuffer& event) {
     case XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING:
       failed_ = Error{Fault::Unavailable, "the OpenXR runtime ends"};
       return give(InstanceLossPending{});
-    case XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING:
-      stage_from_tracked_.reset();  // the user wants to stand at the start again
+    case XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING: {
+      const auto& change = reinterpret_cast<const XrEventDataReferenceSpaceChangePending&>(event);
+      if (session_ && change.session == session_->handle()) recentres_.push_back(change.changeTime);
       return;
+    }
     case XR_TYPE_EVENT_DATA_EVENTS_LOST:
       spdlog::warn("the OpenXR runtime has lost events");
       return;
@@ -226,10 +249,35 @@ void HeadsetRuntime::Parts::rest(Duration span) const {
   std::this_thread::sleep_for(span);
 }
 
+/// Waits until the next frame should begin. A runtime that blocks for longer than the user wants is left.
+bool HeadsetRuntime::Parts::wait_for_frame() {
+  struct Waited {
+    XrFrameState state;
+    XrResult result;
+  };
+  const auto waited = std::make_shared<Waited>();
+  const auto goes_on = [this] {
+    setup_.idle();
+    return !wants_to_end() || wanted_end_->elapsed() < setup_.longest_exit;
+  };
+  const auto wait = [waited, session = session_->handle()] {
+    waited->result = Session::wait_frame(session, waited->state);
+  };
+  if (!blocking_.run(wait, goes_on)) {
+    spdlog::warn("the OpenXR runtime blocks xrWaitFrame; the client ends without it");
+    abandoned_ = true;
+    session_->abandon();
+    instance_.abandon();
+    return false;
+  }
+  frame_ = waited->state;
+  return fine(waited->result, "xrWaitFrame");
+}
+
 /// Begins a frame. None if it needs no picture; then it has ended, too.
 HeadsetRuntime::Parts::Frame HeadsetRuntime::Parts::begin_frame() {
   located_.reset();
-  if (!fine(session_->wait_frame(frame_), "xrWaitFrame")) return Frame::None;
+  if (!wait_for_frame()) return Frame::None;
   if (!fine(session_->begin_frame(), "xrBeginFrame")) return Frame::None;
   if (frame_.shouldRender && !fine(session_->locate(frame_.predictedDisplayTime, located_), "xrLocateViews"))
     return Frame::None;
@@ -246,7 +294,7 @@ void HeadsetRuntime::Parts::end_empty_frame() {
 
 std::optional<FrameTiming> HeadsetRuntime::Parts::wait_frame() {
   while (goes_on()) {
-    if (setup_.wants_to_end()) return std::nullopt;
+    if (wants_to_end()) return std::nullopt;
     poll_events();
     if (!goes_on()) break;
     if (!life_.has_frames()) {
@@ -254,10 +302,17 @@ std::optional<FrameTiming> HeadsetRuntime::Parts::wait_frame() {
       continue;
     }
     if (begin_frame() == Frame::None) continue;
-    if (!stage_from_tracked_) stage_from_tracked_ = place(head_of(*located_), setup_.start);
+    place_head();
     return FrameTiming{display_time(), Duration(frame_.predictedDisplayPeriod)};
   }
   return std::nullopt;
+}
+
+/// At the start, if the head is seen for the first time, or the user has recentred.
+void HeadsetRuntime::Parts::place_head() {
+  const auto has_come = [this](XrTime recentre) { return recentre <= frame_.predictedDisplayTime; };
+  if (std::erase_if(recentres_, has_come) > 0) stage_from_tracked_.reset();
+  if (!stage_from_tracked_) stage_from_tracked_ = place(head_of(*located_), setup_.start);
 }
 
 StereoView HeadsetRuntime::Parts::views() const {
@@ -269,18 +324,31 @@ StereoView HeadsetRuntime::Parts::views() const {
   return views;
 }
 
+/// An image of the runtime that may be written to. Empty if a call has failed.
+std::optional<vk::Image> HeadsetRuntime::Parts::next_image(const Swapchain& swapchain) {
+  vk::Image image;
+  if (!fine(swapchain.acquire(image), "xrAcquireSwapchainImage")) return std::nullopt;
+  const XrResult waited = swapchain.wait();
+  if (!fine(waited, "xrWaitSwapchainImage")) return std::nullopt;
+  if (waited == XR_TIMEOUT_EXPIRED) {
+    failed_ = error_of(waited, "xrWaitSwapchainImage");
+    return std::nullopt;
+  }
+  return image;
+}
+
 void HeadsetRuntime::Parts::end_frame() {
   const Swapchain& pictures = session_->pictures();
   const Swapchain* const depths = setup_.depth ? session_->depths() : nullptr;
-  vk::Image picture, depth;
-  if (!fine(pictures.acquire(picture), "xrAcquireSwapchainImage") ||
-      (depths && !fine(depths->acquire(depth), "xrAcquireSwapchainImage")))
-    return;
+  const std::optional<vk::Image> picture = next_image(pictures);
+  if (!picture) return;
+  const std::optional<vk::Image> depth = depths ? next_image(*depths) : std::nullopt;
+  if (depths && !depth) return;
   std::vector<LayerCopy> copies{
-      {shown_, 0, vk::ImageLayout::eGeneral, picture, vk::ImageLayout::eColorAttachmentOptimal}};
+      {shown_, 0, vk::ImageLayout::eGeneral, *picture, vk::ImageLayout::eColorAttachmentOptimal}};
   if (depths) {
     const HeadsetDepth shown = setup_.depth();
-    copies.push_back({shown.image, shown.first_layer, vk::ImageLayout::eShaderReadOnlyOptimal, depth,
+    copies.push_back({shown.image, shown.first_layer, vk::ImageLayout::eShaderReadOnlyOptimal, *depth,
                       vk::ImageLayout::eDepthStencilAttachmentOptimal});
   }
   copy_.copy(copies, setup_.eye_size);
@@ -295,13 +363,14 @@ void HeadsetRuntime::Parts::end_frame() {
 
 /// Frames must go on until the runtime stops the session.
 Expected<void> HeadsetRuntime::Parts::finish() {
-  const Stopwatch watch;
+  if (!wanted_end_) wanted_end_.emplace();
   if (goes_on()) give(ExitWanted{});
   while (goes_on()) {
     poll_events();
     if (!goes_on()) break;
-    if (watch.elapsed() > kLongestExit) {
-      spdlog::warn("the OpenXR runtime did not end the session within {:.0f} s", seconds_of(kLongestExit));
+    if (wanted_end_->elapsed() > setup_.longest_exit) {
+      spdlog::warn("the OpenXR runtime did not end the session within {:.0f} s",
+                   seconds_of(setup_.longest_exit));
       break;
     }
     if (!life_.has_frames())

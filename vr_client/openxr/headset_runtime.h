@@ -56,6 +56,8 @@ struct HeadsetSetup {
   std::function<bool()> wants_to_end;   ///< the user wants to end the client
   std::function<void()> idle;           ///< called at least every 100 ms while no frame is shown
   std::function<HeadsetDepth()> depth;  ///< of the picture, called in end_frame; empty: it has none
+  /// A runtime that has not ended the session so long after the user wanted it has stopped.
+  Duration longest_exit = std::chrono::seconds(5);
 };
 
 class HeadsetRuntime final : public Runtime {
@@ -69,14 +71,15 @@ class HeadsetRuntime final : public Runtime {
   ~HeadsetRuntime() override;
 
   /// Waits until the runtime shows frames of this client, however long that takes, and for the next of these
-  /// frames. Returns nothing when the session has ended or failed, or the user wants to end.
+  /// frames. Returns nothing when the session has ended or failed, or the user wants to end; `longest_exit`
+  /// later also while xrWaitFrame blocks.
   [[nodiscard]] std::optional<FrameTiming> wait_frame() override;
   /// The views of the frame that has begun. The runtime has predicted them for `display_time`.
   [[nodiscard]] StereoView locate_views(Time display_time) const override;
   void end_frame(Time display_time) override;
 
-  /// Ends the session as the specification asks for: requests the exit and waits for it, at most 5 s. Returns
-  /// why frames ended early: a call that failed, or a runtime that has ended.
+  /// Ends the session as the specification asks for: requests the exit and waits for it, at most
+  /// `longest_exit`. Returns why frames ended early: a call that failed, or a runtime that has ended.
   [[nodiscard]] Expected<void> finish();
 
   struct Counters {

@@ -47,13 +47,21 @@ vk::Instance make_instance(XrInstance instance, XrSystemId system, const vk::Ins
   return made;
 }
 
-vk::PhysicalDevice choose_device(XrInstance instance, XrSystemId system, vk::Instance vulkan) {
+/// The GPU that the headset is driven by.
+XrResult driving_device(XrInstance instance, XrSystemId system, vk::Instance vulkan,
+                        vk::PhysicalDevice& found) {
   const XrVulkanGraphicsDeviceGetInfoKHR wanted{XR_TYPE_VULKAN_GRAPHICS_DEVICE_GET_INFO_KHR, nullptr, system,
                                                 vulkan};
   VkPhysicalDevice device = VK_NULL_HANDLE;
   const XrResult result = call<PFN_xrGetVulkanGraphicsDevice2KHR>(instance, "xrGetVulkanGraphicsDevice2KHR",
                                                                   instance, &wanted, &device);
-  require(result, VK_SUCCESS, "xrGetVulkanGraphicsDevice2KHR");
+  found = device;
+  return result;
+}
+
+vk::PhysicalDevice choose_device(XrInstance instance, XrSystemId system, vk::Instance vulkan) {
+  vk::PhysicalDevice device;
+  require(driving_device(instance, system, vulkan, device), VK_SUCCESS, "xrGetVulkanGraphicsDevice2KHR");
   return device;
 }
 
@@ -111,6 +119,18 @@ Expected<void> Instance::create() {
 Expected<void> Instance::find_system() {
   const XrSystemGetInfo wanted{XR_TYPE_SYSTEM_GET_INFO, nullptr, XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY};
   return succeeded(xrGetSystem(handle_, &wanted, &system_), "xrGetSystem");
+}
+
+/// A runtime refuses sessions of a system whose requirements and device were not asked for.
+Expected<void> Instance::find_again(const gpu::Device& device) {
+  if (auto done = find_system(); !done) return done;
+  if (auto done = check_vulkan(); !done) return done;
+  vk::PhysicalDevice driven;
+  const XrResult result = driving_device(handle_, system_, *device.instance, driven);
+  if (auto done = succeeded(result, "xrGetVulkanGraphicsDevice2KHR"); !done) return done;
+  if (driven == *device.physical) return {};
+  return fail(Fault::Unavailable,
+              "the headset is now driven by another GPU than the one that draws: start the client again");
 }
 
 Expected<void> Instance::read_views() {

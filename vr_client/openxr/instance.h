@@ -41,12 +41,16 @@ class Instance {
   /// Makes the Vulkan objects through the runtime. Refers to this instance. Throws if the runtime refuses.
   [[nodiscard]] gpu::VulkanMaker vulkan() const;
 
-  /// Asks again for the headset, after a session was lost. Missing while it is not there.
-  [[nodiscard]] Expected<void> find_system();
+  /// Asks again for the headset, after a session was lost; it may have a new system id. Missing while it is
+  /// not there, Unavailable if it is driven by another GPU than `device`.
+  [[nodiscard]] Expected<void> find_again(const gpu::Device& device);
+  /// Leaves the instance to the end of the program: a call that blocks still uses it.
+  void abandon() { handle_ = XR_NULL_HANDLE; }
 
  private:
   Instance() = default;
   [[nodiscard]] Expected<void> create();
+  [[nodiscard]] Expected<void> find_system();
   [[nodiscard]] Expected<void> read_views();
   [[nodiscard]] Expected<void> check_vulkan() const;
   void read_name();

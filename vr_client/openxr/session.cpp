@@ -155,10 +155,10 @@ XrResult Session::request_exit() {
   return xrRequestExitSession(handle_);
 }
 
-XrResult Session::wait_frame(XrFrameState& state) {
+XrResult Session::wait_frame(XrSession session, XrFrameState& state) {
   state = {XR_TYPE_FRAME_STATE, nullptr, 0, 0, XR_FALSE};
   const XrFrameWaitInfo info{XR_TYPE_FRAME_WAIT_INFO, nullptr};
-  return xrWaitFrame(handle_, &info, &state);
+  return xrWaitFrame(session, &info, &state);
 }
 
 XrResult Session::begin_frame() {
@@ -188,13 +188,16 @@ XrResult Session::locate(XrTime time, std::optional<Located>& located) {
 XrResult Swapchain::acquire(vk::Image& image) const {
   std::uint32_t index = 0;
   const XrSwapchainImageAcquireInfo acquire{XR_TYPE_SWAPCHAIN_IMAGE_ACQUIRE_INFO, nullptr};
-  XrResult result = xrAcquireSwapchainImage(handle, &acquire, &index);
+  const XrResult result = xrAcquireSwapchainImage(handle, &acquire, &index);
   if (XR_FAILED(result)) return result;
-  const XrSwapchainImageWaitInfo wait{XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO, nullptr, kImageTimeout_ns};
-  result = xrWaitSwapchainImage(handle, &wait);
-  if (result == XR_TIMEOUT_EXPIRED) return XR_ERROR_RUNTIME_FAILURE;
-  image = images.at(index).image;
+  if (index >= images.size()) return XR_ERROR_INDEX_OUT_OF_RANGE;
+  image = images[index].image;
   return result;
+}
+
+XrResult Swapchain::wait() const {
+  const XrSwapchainImageWaitInfo wait{XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO, nullptr, kImageTimeout_ns};
+  return xrWaitSwapchainImage(handle, &wait);
 }
 
 XrResult Swapchain::release() const {

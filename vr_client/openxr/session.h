@@ -25,9 +25,11 @@ struct Swapchain {
   vk::Format format = vk::Format::eUndefined;
   std::vector<XrSwapchainImageVulkanKHR> images;
 
-  /// The next image to draw to. Its layout is that of an attachment, and must be that again when it is
-  /// released.
+  // Calls for each picture, in this order.
+  /// The next image. Its layout is that of an attachment, and must be that again when it is released.
   [[nodiscard]] XrResult acquire(vk::Image& image) const;
+  /// Waits until the compositor has read the acquired image. XR_TIMEOUT_EXPIRED after 2 s.
+  [[nodiscard]] XrResult wait() const;
   [[nodiscard]] XrResult release() const;
 };
 
@@ -42,6 +44,8 @@ class Session {
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
   ~Session();
+  /// Leaves the session to the end of the program: a call that blocks still uses it.
+  void abandon() { handle_ = XR_NULL_HANDLE; }
 
   [[nodiscard]] XrSession handle() const { return handle_; }
   [[nodiscard]] const char* space_name() const { return space_name_; }
@@ -50,7 +54,9 @@ class Session {
   [[nodiscard]] XrResult begin();
   [[nodiscard]] XrResult end();
   [[nodiscard]] XrResult request_exit();
-  [[nodiscard]] XrResult wait_frame(XrFrameState& state);
+  /// xrWaitFrame may come from another thread than the others, and may block for as long as the runtime
+  /// likes.
+  [[nodiscard]] static XrResult wait_frame(XrSession session, XrFrameState& state);
   [[nodiscard]] XrResult begin_frame();
   /// Empty `located`: the runtime does not know where the head looks.
   [[nodiscard]] XrResult locate(XrTime time, std::optional<Located>& located);
