@@ -246,7 +246,7 @@ void HeadsetRuntime::Parts::handle(const XrEventDataBuffer& event) {
 
 void HeadsetRuntime::Parts::rest(Duration span) const {
   setup_.idle();
-  std::this_thread::sleep_for(span);
+  setup_.sleep ? setup_.sleep(span) : std::this_thread::sleep_for(span);
 }
 
 /// Waits until the next frame should begin. A runtime that blocks for longer than the user wants is left.

@@ -58,6 +58,7 @@ struct HeadsetSetup {
   std::function<HeadsetDepth()> depth;  ///< of the picture, called in end_frame; empty: it has none
   /// A runtime that has not ended the session so long after the user wanted it has stopped.
   Duration longest_exit = std::chrono::seconds(5);
+  std::function<void(Duration)> sleep = {};  ///< between two looks at the runtime; empty: of this thread
 };
 
 class HeadsetRuntime final : public Runtime {

@@ -33,7 +33,8 @@ TEST(XrResults, EveryErrorNamesItselfAndItsCall) {
 TEST(XrResults, UnknownErrorsHaveTheirNumber) {
   const Expected<void> done = succeeded(static_cast<XrResult>(-1234567), "xrSomething");
   ASSERT_FALSE(done);
-  EXPECT_EQ(done.error().what, "xrSomething returned XrResult -1234567; the log of the OpenXR runtime may say why");
+  EXPECT_EQ(done.error().what,
+            "xrSomething returned XrResult -1234567; the log of the OpenXR runtime may say why");
 }
 
 TEST(XrResults, WhatIsMissingCanBeToldFromWhatFails) {
@@ -45,7 +46,8 @@ TEST(XrResults, WhatIsMissingCanBeToldFromWhatFails) {
   EXPECT_EQ(succeeded(XR_ERROR_INSTANCE_LOST, "x").error().fault, Fault::Unavailable);
 }
 
-/// A runtime whose service does not run fails to make an instance. Later the same result means something else.
+/// A runtime whose service does not run fails to make an instance. Later the same result means something
+/// else.
 TEST(XrResults, ARuntimeThatDoesNotRunCanBeToldFromOneThatFails) {
   const std::string made = error_of(XR_ERROR_RUNTIME_FAILURE, "xrCreateInstance").what,
                     later = error_of(XR_ERROR_RUNTIME_FAILURE, "xrEndFrame").what;
