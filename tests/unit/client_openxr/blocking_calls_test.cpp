@@ -11,7 +11,7 @@ TEST(BlockingCalls, RunsEachCallOnItsOwnThreadAndWaitsForIt) {
   BlockingCalls calls;
   for (int call = 0; call < 100; ++call) {
     std::thread::id thread;
-    ASSERT_TRUE(calls.run([&] { thread = std::this_thread::get_id(); }, [] { return false; }));
+    ASSERT_TRUE(calls.run([&] { thread = std::this_thread::get_id(); }, [] { return true; }));
     EXPECT_NE(thread, std::this_thread::get_id());
   }
 }
