@@ -24,6 +24,7 @@ constexpr Duration kIdleWait = std::chrono::milliseconds(20);
 /// Between two questions whether the headset is there again. The user may want to end at each of their steps.
 constexpr Duration kLostStep = std::chrono::milliseconds(100);
 constexpr int kLostSteps = 5;
+
 SessionState state_of(XrSessionState state) {
   static_assert(static_cast<int>(SessionState::Idle) == XR_SESSION_STATE_IDLE);
   static_assert(static_cast<int>(SessionState::Exiting) == XR_SESSION_STATE_EXITING);
