@@ -8,6 +8,7 @@
 #include "vr_client/client.h"
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/openxr/headset_runtime.h"
+#include "vr_client/preview/headset_controls.h"
 #include "vr_client/preview/recordings.h"
 #include "vr_client/record/capture_writer.h"
 #include "vr_client/report/own_files.h"
@@ -113,30 +114,46 @@ Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stage
   if (draws_scene(options.mode.mode))
     compile_ahead(**client, options.carry_over,
                   options.reference_every > 0 || !options.dump.empty() ? PixelReport::On : PixelReport::Off,
-                  Changes::Never);
+                  Changes::Possible);
   stages.end("pipelines");
   if (auto done = tracing.get(); !done) return tl::unexpected(done.error());
   stages.end("tracers");
   return client;
 }
 
+/// What the viewer changes with the controllers.
+struct Viewer {
+  Controls controls;
+  ControllerState controllers;
+  LightSet lights;  ///< of the last shown frame
+};
+
+Viewer first_viewer(const Options& options, const Scene& scene) {
+  const bool measures = options.reference_every > 0 || !options.dump.empty();
+  Viewer viewer{.controls = {}, .controllers = {}, .lights = state_at(scene, {}).light_set};
+  viewer.controls.mode = options.mode.mode;
+  viewer.controls.settings = {.request = options.request,
+                              .carry_over = options.carry_over,
+                              .report = measures ? PixelReport::On : PixelReport::Off};
+  return viewer;
+}
+
 /// The frames of a session, from the first to its end.
 Expected<void> show(const Options& options, Client& client, HeadsetRuntime& runtime, HeadsetReport& report,
-                    const MaskPolicy& policy, const std::function<bool()>& stop) {
-  const bool measures = options.reference_every > 0 || !options.dump.empty();
-  const FrameSettings settings{.request = options.request,
-                               .carry_over = options.carry_over,
-                               .report = measures ? PixelReport::On : PixelReport::Off};
+                    Viewer& viewer, const MaskPolicy& policy, const std::function<bool()>& stop) {
   const RunContext context{.scene = client.scene,
                            .runtime = runtime,
                            .renderer = *client.renderer,
                            .mode = options.mode,
                            .link = client.link.get(),
                            .own_tracer = client.own_tracer.get(),
-                           .settings = settings,
+                           .settings = viewer.controls.settings,
                            .policy = policy};
-  const Expected<void> shown = run(
-      context, *make_pipeline(context), [&](const FrameView& view) { report.watch(view); }, stop);
+  const auto watch = [&](const FrameView& view) {
+    viewer.lights = view.state.light_set;
+    report.watch(view);
+  };
+  const Expected<void> shown = run(context, *make_pipeline(context), watch, stop);
   const Expected<void> ended = runtime.finish();
   spdlog::info("the headset showed {} frames and skipped {}; its session was {}",
                runtime.counters().submitted, runtime.counters().empty, runtime.history());
@@ -164,6 +181,7 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   Client& client = **opened;
   HeadsetReport report(options, client, stages);
   SessionKeeper keeper;
+  Viewer viewer = first_viewer(options, client.scene);
   const auto wants_to_end = [&] {
     return stop.has_come() || report.failed() || (options.frames && report.frames() >= *options.frames);
   };
@@ -177,7 +195,11 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
        .eye_size = options.size,
        .wants_to_end = wants_to_end,
        .idle = [&] { keeper.keep(client); },
-       .depth = draws_scene(options.mode.mode) ? depth : std::function<HeadsetDepth()>{}});
+       .depth = draws_scene(options.mode.mode) ? depth : std::function<HeadsetDepth()>{},
+       .follow_hands =
+           [&](const ViewerInput& input) {
+             return follow_hands(input, viewer.controllers, viewer.controls, viewer.lights);
+           }});
   if (!runtime) return tl::unexpected(runtime.error());
   stages.end("headset");
   if (auto done = open_link(options, client, report.listener()); !done) return done;
@@ -188,7 +210,7 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   if (auto done = report.open(policy); !done) return done;
   stages.end("server");
 
-  Expected<void> done = show(options, client, **runtime, report, policy, wants_to_end);
+  Expected<void> done = show(options, client, **runtime, report, viewer, policy, wants_to_end);
   if (auto written = report.finish(system, stop.has_come()); done) done = written;
   if (done) done = no_validation_messages(client.device);
   if (done && stop.has_come())

@@ -9,6 +9,7 @@
 
 #include "stereo/base/check.h"
 #include "stereo/math/rotation.h"
+#include "vr_client/openxr/actions.h"
 #include "vr_client/openxr/blocking_calls.h"
 #include "vr_client/openxr/life_cycle.h"
 #include "vr_client/openxr/picture_copy.h"
@@ -94,6 +95,7 @@ class HeadsetRuntime::Parts {
 
  private:
   enum class Frame : std::uint8_t { Begun, None };
+  [[nodiscard]] Expected<void> attach_actions(const Session& session);
   [[nodiscard]] bool goes_on() const { return !failed_ && !abandoned_ && life_.ending == Ending::None; }
   [[nodiscard]] bool wants_to_end();
   void poll_events();
@@ -107,6 +109,7 @@ class HeadsetRuntime::Parts {
   void end_empty_frame();
   void place_head();
   [[nodiscard]] std::optional<vk::Image> next_image(const Swapchain& swapchain);
+  [[nodiscard]] Frame follow_hands();
   void rest(Duration span) const;
 
   Instance& instance_;
@@ -114,6 +117,8 @@ class HeadsetRuntime::Parts {
   HeadsetSetup setup_;
   const gpu::Image& shown_;
   PictureCopy copy_;
+  std::unique_ptr<Actions> actions_;  ///< of all sessions; null: controllers are not used
+  bool lost_focus_ = true;            ///< since the controllers were read last
   std::unique_ptr<Session> session_;
   LifeCycle life_;
   XrFrameState frame_{};  ///< the frame that has begun last
@@ -134,11 +139,23 @@ HeadsetRuntime::Parts::~Parts() {
 Expected<void> HeadsetRuntime::Parts::open_session() {
   Expected<std::unique_ptr<Session>> session = Session::open(instance_, device_, setup_.eye_size);
   if (!session) return tl::unexpected(session.error());
+  if (const Expected<void> attached = attach_actions(**session); !attached) return attached;
   session_ = std::move(*session);
   spdlog::info("the headset's space is {}; pictures are {}, {} depth", session_->space_name(),
                vk::to_string(session_->pictures().format),
                setup_.depth && session_->depths() ? "with" : "without");
   return {};
+}
+
+/// The actions are made once and attached to every session.
+Expected<void> HeadsetRuntime::Parts::attach_actions(const Session& session) {
+  if (!setup_.follow_hands) return {};
+  if (!actions_) {
+    Expected<std::unique_ptr<Actions>> made = Actions::create(instance_.handle());
+    if (!made) return tl::unexpected(made.error());
+    actions_ = std::move(*made);
+  }
+  return actions_->attach(session.handle());
 }
 
 /// Whether the call has succeeded. A loss is an event of the life cycle, any other failure ends the run.
@@ -226,6 +243,7 @@ void HeadsetRuntime::Parts::handle(const XrEventDataBuffer& event) {
             "the OpenXR runtime changes the session from {} to {}, which the specification does not allow",
             name_of(life_.state), name_of(to));
       spdlog::info("the headset's session is {}", name_of(to));
+      if (to != SessionState::Focused) lost_focus_ = true;
       history += (history.empty() ? "" : ", ") + std::string(name_of(to));
       return give(StateChanged{to});
     }
@@ -267,6 +285,7 @@ bool HeadsetRuntime::Parts::wait_for_frame() {
   if (!blocking_.run(wait, goes_on)) {
     spdlog::warn("the OpenXR runtime blocks xrWaitFrame; the client ends without it");
     abandoned_ = true;
+    if (actions_) actions_->abandon();
     session_->abandon();
     instance_.abandon();
     return false;
@@ -304,6 +323,7 @@ std::optional<FrameTiming> HeadsetRuntime::Parts::wait_frame() {
     }
     if (begin_frame() == Frame::None) continue;
     place_head();
+    if (follow_hands() == Frame::None) continue;
     return FrameTiming{display_time(), Duration(frame_.predictedDisplayPeriod)};
   }
   return std::nullopt;
@@ -314,6 +334,21 @@ void HeadsetRuntime::Parts::place_head() {
   const auto has_come = [this](XrTime recentre) { return recentre <= frame_.predictedDisplayTime; };
   if (std::erase_if(recentres_, has_come) > 0) stage_from_tracked_.reset();
   if (!stage_from_tracked_) stage_from_tracked_ = place(head_of(*located_), setup_.start);
+}
+
+/// Lets the controllers move the viewer of the frame that has begun. None if a call has failed. Between two
+/// times with the focus there is a frame without hands, so that no button seems pressed all the time.
+HeadsetRuntime::Parts::Frame HeadsetRuntime::Parts::follow_hands() {
+  if (!setup_.follow_hands) return Frame::Begun;
+  std::optional<Hands> hands;
+  if (life_.state == SessionState::Focused && !std::exchange(lost_focus_, false)) {
+    const Called called = actions_->read(session_->space(), frame_.predictedDisplayTime, hands);
+    if (!fine(called.result, called.name)) return Frame::None;
+  }
+  const Rigid<Tracked, Eye> head = head_of(*located_);
+  stage_from_tracked_ = setup_.follow_hands(
+      {display_time(), {head.rotation, head.translation}, *stage_from_tracked_, std::move(hands)});
+  return Frame::Begun;
 }
 
 StereoView HeadsetRuntime::Parts::views() const {

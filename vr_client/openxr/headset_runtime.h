@@ -8,6 +8,7 @@
 
 #include "stereo/base/expected.h"
 #include "stereo/gpu/device_options.h"
+#include "vr_client/runtime/hands.h"
 #include "vr_client/runtime/runtime.h"
 
 namespace farshade::gpu {
@@ -56,6 +57,9 @@ struct HeadsetSetup {
   std::function<bool()> wants_to_end;   ///< the user wants to end the client
   std::function<void()> idle;           ///< called at least every 100 ms while no frame is shown
   std::function<HeadsetDepth()> depth;  ///< of the picture, called in end_frame; empty: it has none
+  /// Called in wait_frame with the head and the controllers of the frame. Returns the new stage_from_tracked,
+  /// which moves the viewer. Empty: controllers are not used.
+  std::function<Rigid<Stage, Tracked>(const ViewerInput&)> follow_hands = {};
   /// A runtime that has not ended the session so long after the user wanted it has stopped.
   Duration longest_exit = std::chrono::seconds(5);
   std::function<void(Duration)> sleep = {};  ///< between two looks at the runtime; empty: of this thread

@@ -6,6 +6,8 @@
 #include <array>
 #include <limits>
 
+#include "vr_client/openxr/pose.h"
+
 namespace farshade::openxr {
 namespace {
 
@@ -17,15 +19,6 @@ constexpr vk::Format kDepthFormat = vk::Format::eD32Sfloat;
 
 /// A compositor that holds all images for longer has stopped.
 constexpr XrDuration kImageTimeout_ns = 2'000'000'000;
-
-constexpr XrPosef kOrigin{{0, 0, 0, 1}, {0, 0, 0}};
-
-/// The pose of a view. Runtimes round quaternions to floats.
-Rigid<Tracked, Eye> rigid(const XrPosef& pose) {
-  return {glm::normalize(
-              glm::dquat(pose.orientation.w, pose.orientation.x, pose.orientation.y, pose.orientation.z)),
-          {pose.position.x, pose.position.y, pose.position.z}};
-}
 
 XrPosef pose(const Rigid<Tracked, Eye>& from) {
   const glm::quat q(from.rotation);
@@ -178,7 +171,7 @@ XrResult Session::locate(XrTime time, std::optional<Located>& located) {
   if (XR_FAILED(result) || (state.viewStateFlags & valid) != valid) return result;
   Located found;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
-    found.tracked_from_eye[eye] = rigid(views[eye].pose);
+    found.tracked_from_eye[eye] = rigid<Eye>(views[eye].pose);
     found.fov[eye] = fov_of(views[eye].fov);
   }
   if (is_valid(found.fov[0]) && is_valid(found.fov[1])) located = found;

@@ -7,11 +7,9 @@
 
 #include "stereo/frame/view.h"
 #include "vr_client/openxr/instance.h"
+#include "vr_client/runtime/hands.h"
 
 namespace farshade::openxr {
-
-/// The space in which the runtime gives poses: STAGE, or LOCAL if there is none.
-struct Tracked;
 
 /// Where the eyes are and what they see, at one time.
 struct Located {
@@ -48,6 +46,7 @@ class Session {
   void abandon() { handle_ = XR_NULL_HANDLE; }
 
   [[nodiscard]] XrSession handle() const { return handle_; }
+  [[nodiscard]] XrSpace space() const { return space_; }
   [[nodiscard]] const char* space_name() const { return space_name_; }
 
   // Calls of the life cycle and of a frame, in this order. Each returns the runtime's result.

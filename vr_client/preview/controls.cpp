@@ -76,11 +76,7 @@ void grab_or_release(Controls& controls, const ControlContext& context) {
     return;
   }
   if (controls.light >= context.lights.lights.size()) return;
-  const Light& light = context.lights.lights[controls.light];
-  const auto head_from_stage = inverse(context.stage_from_head);
-  // A point light has no direction; its vector may be zero.
-  const Vector<Stage> direction = length(light.direction) > 0 ? light.direction : LightPose{}.direction;
-  controls.grab = {controls.light, head_from_stage(light.position), head_from_stage(direction)};
+  controls.grab = hold(controls.light, context.lights.lights[controls.light], context.stage_from_head);
 }
 
 void reset_lights(Controls& controls) {
@@ -261,6 +257,11 @@ void apply_input(const Input& input, Controls& controls, const ControlContext& c
   controls.settings.report = report_for(controls);
 }
 
+void move_light(LightChanges& changes, std::uint32_t light, const LightPose& pose) {
+  const LightChange now = change_of(changes, light);
+  if (now.pose != pose) change(changes, light, now.on, pose);
+}
+
 void carry_light(Controls& controls, const ControlContext& context, double notches) {
   if (!controls.grab) return;
   GrabbedLight& grab = *controls.grab;
@@ -268,11 +269,7 @@ void carry_light(Controls& controls, const ControlContext& context, double notch
   const double moved = std::clamp(distance * std::pow(kDistancePerNotch, notches), kNearestGrab_m,
                                   std::max(distance, kFarthestGrab_m));
   if (distance > 0 && notches != 0) grab.position.v *= moved / distance;
-  const LightPose pose{context.stage_from_head(grab.position),
-                       {glm::normalize(context.stage_from_head(grab.direction).v)}};
-  LightChanges& changes = controls.settings.lights;
-  const LightChange now = change_of(changes, grab.light);
-  if (now.pose != pose) change(changes, grab.light, now.on, pose);
+  move_light(controls.settings.lights, grab.light, pose_of(grab, context.stage_from_head));
 }
 
 Remembered remembered_of(const Controls& controls) {

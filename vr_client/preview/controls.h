@@ -31,12 +31,14 @@ inline constexpr NetworkSettings kWorstPath{300, 100, 50};
 /// `base` with the latency, jitter and loss of `settings`.
 [[nodiscard]] LinkModel path_of(const NetworkSettings& settings, LinkModel base);
 
-/// A light that moves with the head: its pose relative to the head is constant.
-struct GrabbedLight {
+/// A light that moves with its holder, the head or a hand: its pose relative to the holder is constant.
+template <class Holder>
+struct HeldLight {
   std::uint32_t light = 0;
-  Point<Head> position;
-  Vector<Head> direction;
+  Point<Holder> position;
+  Vector<Holder> direction;
 };
+using GrabbedLight = HeldLight<Head>;
 
 enum class Command : std::uint8_t {
   // Display.
@@ -149,6 +151,26 @@ void execute(Command command, Controls& controls, const ControlContext& context)
 
 /// Executes the commands of the pressed keys, and moves a grabbed light.
 void apply_input(const Input& input, Controls& controls, const ControlContext& context);
+
+/// The holder takes `light`, whose index is `index`, where it is.
+template <class Holder>
+[[nodiscard]] HeldLight<Holder> hold(std::uint32_t index, const Light& light,
+                                     const Rigid<Stage, Holder>& stage_from_holder) {
+  const Rigid<Holder, Stage> holder_from_stage = inverse(stage_from_holder);
+  // A point light has no direction; its vector may be zero.
+  const Vector<Stage> direction = length(light.direction) > 0 ? light.direction : LightPose{}.direction;
+  return {index, holder_from_stage(light.position), holder_from_stage(direction)};
+}
+
+/// Where the holder has a light that it holds.
+template <class Holder>
+[[nodiscard]] LightPose pose_of(const HeldLight<Holder>& held,
+                                const Rigid<Stage, Holder>& stage_from_holder) {
+  return {stage_from_holder(held.position), {glm::normalize(stage_from_holder(held.direction).v)}};
+}
+
+/// Makes the next revision, in which `light` is at `pose`, unless it is there already.
+void move_light(LightChanges& changes, std::uint32_t light, const LightPose& pose);
 
 /// Moves a grabbed light with the head. Positive `notches` of the wheel move it away from the viewer.
 void carry_light(Controls& controls, const ControlContext& context, double notches);
