@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "stereo/math/rotation.h"
 #include "vr_client/preview/head.h"
