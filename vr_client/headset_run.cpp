@@ -104,7 +104,20 @@ class HeadsetReport {
   Duration period_ = std::chrono::milliseconds(11);  ///< of the last frame
 };
 
-/// The client for a headset, without a server.
+/// Whether the run measures frames, for which every frame reports.
+PixelReport report_of(const Options& options) {
+  return options.reference_every > 0 || !options.dump.empty() ? PixelReport::On : PixelReport::Off;
+}
+
+Controls headset_controls(const Options& options) {
+  Controls controls;
+  controls.mode = options.mode.mode;
+  controls.settings = {
+      .request = options.request, .carry_over = options.carry_over, .report = report_of(options)};
+  return controls;
+}
+
+/// The client for a headset, without a server. The viewer may move lights.
 Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stages) {
   Expected<std::unique_ptr<Client>> client = open_client(options, needs_of(options, kEyes_m), stages);
   if (!client) return client;
@@ -112,47 +125,25 @@ Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stage
   open_renderer(**client, renderer_limits(options));
   stages.end("renderer");
   if (draws_scene(options.mode.mode))
-    compile_ahead(**client, options.carry_over,
-                  options.reference_every > 0 || !options.dump.empty() ? PixelReport::On : PixelReport::Off,
-                  Changes::Possible);
+    compile_ahead(**client, options.carry_over, report_of(options), Changes::Possible);
   stages.end("pipelines");
   if (auto done = tracing.get(); !done) return tl::unexpected(done.error());
   stages.end("tracers");
   return client;
 }
 
-/// What the viewer changes with the controllers.
-struct Viewer {
-  Controls controls;
-  ControllerState controllers;
-  LightSet lights;  ///< of the last shown frame
-};
-
-Viewer first_viewer(const Options& options, const Scene& scene) {
-  const bool measures = options.reference_every > 0 || !options.dump.empty();
-  Viewer viewer{.controls = {}, .controllers = {}, .lights = state_at(scene, {}).light_set};
-  viewer.controls.mode = options.mode.mode;
-  viewer.controls.settings = {.request = options.request,
-                              .carry_over = options.carry_over,
-                              .report = measures ? PixelReport::On : PixelReport::Off};
-  return viewer;
-}
-
 /// The frames of a session, from the first to its end.
-Expected<void> show(const Options& options, Client& client, HeadsetRuntime& runtime, HeadsetReport& report,
-                    Viewer& viewer, const MaskPolicy& policy, const std::function<bool()>& stop) {
+Expected<void> show(const Options& options, Client& client, HeadsetRuntime& runtime,
+                    const FrameSettings& settings, const FrameWatcher& watch, const MaskPolicy& policy,
+                    const std::function<bool()>& stop) {
   const RunContext context{.scene = client.scene,
                            .runtime = runtime,
                            .renderer = *client.renderer,
                            .mode = options.mode,
                            .link = client.link.get(),
                            .own_tracer = client.own_tracer.get(),
-                           .settings = viewer.controls.settings,
+                           .settings = settings,
                            .policy = policy};
-  const auto watch = [&](const FrameView& view) {
-    viewer.lights = view.state.light_set;
-    report.watch(view);
-  };
   const Expected<void> shown = run(context, *make_pipeline(context), watch, stop);
   const Expected<void> ended = runtime.finish();
   spdlog::info("the headset showed {} frames and skipped {}; its session was {}",
@@ -181,7 +172,9 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   Client& client = **opened;
   HeadsetReport report(options, client, stages);
   SessionKeeper keeper;
-  Viewer viewer = first_viewer(options, client.scene);
+  Controls controls = headset_controls(options);
+  ControllerState controllers;
+  LightSet lights = state_at(client.scene, {}).light_set;  // of the last shown frame
   const auto wants_to_end = [&] {
     return stop.has_come() || report.failed() || (options.frames && report.frames() >= *options.frames);
   };
@@ -197,9 +190,7 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
        .idle = [&] { keeper.keep(client); },
        .depth = draws_scene(options.mode.mode) ? depth : std::function<HeadsetDepth()>{},
        .follow_hands =
-           [&](const ViewerInput& input) {
-             return follow_hands(input, viewer.controllers, viewer.controls, viewer.lights);
-           }});
+           [&](const ViewerInput& input) { return follow_hands(input, controllers, controls, lights); }});
   if (!runtime) return tl::unexpected(runtime.error());
   stages.end("headset");
   if (auto done = open_link(options, client, report.listener()); !done) return done;
@@ -210,7 +201,11 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   if (auto done = report.open(policy); !done) return done;
   stages.end("server");
 
-  Expected<void> done = show(options, client, **runtime, report, viewer, policy, wants_to_end);
+  const auto watch = [&](const FrameView& view) {
+    lights = view.state.light_set;
+    report.watch(view);
+  };
+  Expected<void> done = show(options, client, **runtime, controls.settings, watch, policy, wants_to_end);
   if (auto written = report.finish(system, stop.has_come()); done) done = written;
   if (done) done = no_validation_messages(client.device);
   if (done && stop.has_come())
