@@ -215,8 +215,10 @@ Expected<void> greet(const Options& options, Client& client, LinkListener listen
   if (met && options.size.pixels() > client.link->inbox().most_pixels())
     return fail(
         Fault::OutOfRange,
-        fmt::format("the server traces at most {} pixels per eye (rt_server --pixels), but --size needs {}",
-                    client.link->inbox().most_pixels(), options.size.pixels()));
+        fmt::format("the server traces at most {} pixels per eye (rt_server --pixels), but {}x{} are {}: "
+                    "choose a smaller {}",
+                    client.link->inbox().most_pixels(), options.size.width, options.size.height,
+                    options.size.pixels(), options.device.maker ? "--xr-scale" : "--size"));
   return met;
 }
 

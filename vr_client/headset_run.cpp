@@ -64,32 +64,35 @@ class HeadsetReport {
   }
   [[nodiscard]] std::uint32_t frames() const { return frames_; }
   [[nodiscard]] bool failed() const { return report_ && report_->failed(); }
+  /// Whether it showed as many frames as --frames says.
+  [[nodiscard]] bool is_complete() const { return !options_.frames || frames_ >= *options_.frames; }
 
   /// Writes everything, also after a run that failed. Returns the first failure.
-  [[nodiscard]] Expected<void> finish(const HeadsetSystem& system, bool interrupted) {
+  [[nodiscard]] Expected<void> finish(const HeadsetSystem& system) {
     Expected<void> done = capture_.finish();
     if (!options_.record_head.empty())
       if (auto written = head_.write(options_.record_head); done) done = written;
     if (auto written = timeline_.write(options_.timeline); done) done = written;
     if (!report_) return done;
-    if (interrupted) report_->mark_interrupted();
+    if (!is_complete()) report_->mark_interrupted();
     if (auto written = report_->finish(); done) done = written;
-    if (done && frames_ > 0) done = summarize_frames(system, interrupted);
+    if (done && frames_ > 0) done = summarize_frames(system);
     return done;
   }
   [[nodiscard]] Expected<void> answered() const {
-    return report_ ? check_answered(client_, report_->log()) : Expected<void>{};
+    return report_ && frames_ > 0 ? check_answered(client_, report_->log()) : Expected<void>{};
   }
 
  private:
   [[nodiscard]] bool captures() const { return !options_.record.empty(); }
-  [[nodiscard]] Expected<void> summarize_frames(const HeadsetSystem& system, bool interrupted) const {
+  [[nodiscard]] Expected<void> summarize_frames(const HeadsetSystem& system) const {
     Options options = options_;
     options.refresh_hz = 1 / seconds_of(period_);
-    return summarize(
-        options, client_,
-        FinishedRun{
-            .log = report_->log(), .silence = *silence_, .interrupted = interrupted, .head = system.name()});
+    return summarize(options, client_,
+                     FinishedRun{.log = report_->log(),
+                                 .silence = *silence_,
+                                 .interrupted = !is_complete(),
+                                 .head = system.name()});
   }
 
   const Options& options_;
@@ -132,6 +135,17 @@ Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stage
   return client;
 }
 
+/// Runs the frame loop. A device that is lost is an error like any other, so that what the frames so far have
+/// left is written.
+Expected<void> run_frames(const RunContext& context, const FrameWatcher& watch,
+                          const std::function<bool()>& stop) try {
+  return run(context, *make_pipeline(context), watch, stop);
+} catch (const vk::DeviceLostError& lost) {
+  return fail(Fault::Unavailable, fmt::format("the GPU was lost ({}): start vr_client again; if it happens "
+                                              "often, a smaller --xr-scale is less work",
+                                              lost.what()));
+}
+
 /// The frames of a session, from the first to its end.
 Expected<void> show(const Options& options, Client& client, HeadsetRuntime& runtime,
                     const FrameSettings& settings, const FrameWatcher& watch, const MaskPolicy& policy,
@@ -144,7 +158,7 @@ Expected<void> show(const Options& options, Client& client, HeadsetRuntime& runt
                            .own_tracer = client.own_tracer.get(),
                            .settings = settings,
                            .policy = policy};
-  const Expected<void> shown = run(context, *make_pipeline(context), watch, stop);
+  const Expected<void> shown = run_frames(context, watch, stop);
   const Expected<void> ended = runtime.finish();
   spdlog::info("the headset showed {} frames and skipped {}; its session was {}",
                runtime.counters().submitted, runtime.counters().empty, runtime.history());
@@ -158,6 +172,8 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   options.pace = Pace::Real;
   // A display that does not wait has no time for comparisons, unless the user asks for them.
   if (options.xr == Xr::Auto || !options.frames) options.reference_every = 0;
+  if (!options.frames && (!options.json.empty() || !options.dump.empty()))
+    spdlog::warn("a session has figures only with --frames; --json and --dump write nothing");
   options.size = system.eye_size(options.xr_scale);
   options.device.maker = system.vulkan();
   const SteadyClock clock;
@@ -176,7 +192,7 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   ControllerState controllers;
   LightSet lights = state_at(client.scene, {}).light_set;  // of the last shown frame
   const auto wants_to_end = [&] {
-    return stop.has_come() || report.failed() || (options.frames && report.frames() >= *options.frames);
+    return stop.has_come() || report.failed() || (options.frames && report.is_complete());
   };
   const auto depth = [&client]() -> HeadsetDepth {
     const ShownDepth shown = client.renderer->shown_depth();
@@ -206,10 +222,13 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
     report.watch(view);
   };
   Expected<void> done = show(options, client, **runtime, controls.settings, watch, policy, wants_to_end);
-  if (auto written = report.finish(system, stop.has_come()); done) done = written;
+  if (auto written = report.finish(system); done) done = written;
   if (done) done = no_validation_messages(client.device);
   if (done && stop.has_come())
     return fail(Fault::Interrupted, fmt::format("interrupted after {} frames", report.frames()));
+  if (done && !report.is_complete())
+    return fail(Fault::Unavailable, fmt::format("the headset's session ended after {} of {} frames",
+                                                report.frames(), *options.frames));
   return done ? report.answered() : done;
 }
 

@@ -284,7 +284,7 @@ void check_headset(const CLI::App& app, Options& options) {
   // A display that does not wait has no time for comparisons, unless the user asks for them.
   if (options.xr != Xr::OpenXr) return;
   if (app.count("--reference-every") == 0) options.reference_every = 0;
-  if (!options.frames && (options.reference_every > 0 || !options.dump.empty() || !options.json.empty()))
+  if (!options.frames && options.reference_every > 0)
     throw CLI::ValidationError("--frames", "figures of a session need its number of frames");
 }
 
@@ -374,7 +374,8 @@ tl::expected<Options, EarlyExit> read_options(int argc, char** argv) {
   add_output_options(app, line.options);
   add_headset_options(app, line.options);
   add_other_options(app, line);
-  const ConfigRules config{config_folder() / "vr_client.ini", "--replay", kNotInReplay};
+  const ConfigRules config{config_folder() / "vr_client.ini",
+                           {{"--replay", "", kNotInReplay}, {"--xr", "openxr", kNotInHeadset}}};
   add_config_option(app, config);
   add_completion_option(app);
   try {

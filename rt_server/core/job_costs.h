@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <optional>
 
 #include "stereo/base/clock.h"
 #include "stereo/frame/shadow_frame.h"
@@ -18,8 +20,9 @@ namespace farshade {
 
 /// Of one eye: 1024 x 1024, four times the size that vr_client requests without --size.
 inline constexpr std::uint64_t kUsualPixels = std::uint64_t{1} << 20;
-/// 36 frames of a display at 72 Hz. A client that waits for so long sees old shadows, but keeps its session.
-inline constexpr Duration kMostTurn = std::chrono::milliseconds(500);
+/// 14 frames of a display at 72 Hz. A client that asks again only when its masks have come leaves a moment in
+/// which another key may begin such a job, so it may wait for one with each of its masks.
+inline constexpr Duration kMostTurn = std::chrono::milliseconds(200);
 
 struct JobSize {
   Answer answer{};
@@ -52,15 +55,23 @@ class JobCosts {
     double& mean = ms_per_pixel_[static_cast<std::size_t>(job.answer)];
     mean = std::max(mean, 2 * ms_of(work) / static_cast<double>(job.pixels));
   }
-  /// The estimate shrinks, so that one that was wrong is tried again: half after 44 refusals.
-  void was_refused(const JobSize& job) { ms_per_pixel_[static_cast<std::size_t>(job.answer)] *= 63.0 / 64; }
+  /// The estimate shrinks with time, not with refusals, so that one that was wrong is tried again, and who
+  /// asks more often is not tried more often.
+  void was_refused(const JobSize& job, Time now) {
+    const Duration since = std::clamp(now - refused_.value_or(now), Duration{}, kHalfLife);
+    ms_per_pixel_[static_cast<std::size_t>(job.answer)] *=
+        std::exp2(-seconds_of(since) / seconds_of(kHalfLife));
+    refused_ = now;
+  }
 
  private:
+  static constexpr Duration kHalfLife = std::chrono::seconds(10);
   static constexpr double kNewestWeight = 0.2;
   [[nodiscard]] double ms_per_pixel(const JobSize& job) const {
     return ms_per_pixel_[static_cast<std::size_t>(job.answer)];
   }
   std::array<double, kAnswers> ms_per_pixel_{};
+  std::optional<Time> refused_{};  ///< when a job was refused last
 };
 
 }  // namespace farshade

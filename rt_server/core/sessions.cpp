@@ -325,7 +325,7 @@ std::optional<Job> Sessions::next_job(Time now) {
   job.is_too_costly = is_too_costly(account, *in_work_);
   if (job.is_too_costly) {
     ++counters_.too_costly;
-    account.costs.was_refused(in_work_->size);
+    account.costs.was_refused(in_work_->size, now);
   }
   if (answer_bytes(job.request, served_.light_count) > limits_.memory.in_work()) {
     job.is_too_costly = true;

@@ -21,7 +21,7 @@ struct Setting {
 
 /// What the text of a command line says before it is parsed.
 struct Given {
-  std::vector<std::string> options;  ///< with their dashes, in the order given
+  std::vector<Setting> options;  ///< their keys have dashes; in the order given
   std::optional<std::string> config;
   const CLI::App* command;  ///< the program, or its subcommand
   std::size_t command_at;   ///< index of the first argument that belongs to `command`
@@ -80,19 +80,19 @@ Given look_at(const CLI::App& app, int argc, const char* const* argv) {
       continue;
     }
     const std::string name = word.substr(0, equals);
-    given.options.push_back(name);
     const CLI::Option* const option = given.command->get_option_no_throw(name);
     std::string value = equals == std::string::npos ? "" : word.substr(equals + 1);
     const bool takes_next = equals == std::string::npos && option != nullptr &&
                             option->get_expected_min() > 0 && option->get_type_size() > 0 && i + 1 < argc;
     if (takes_next) value = argv[++i];
+    given.options.push_back({name, value});
     if (name == "--config" && (takes_next || equals != std::string::npos)) given.config = value;
   }
   return given;
 }
 
 bool is_given(const Given& given, const std::string& option) {
-  return std::ranges::find(given.options, option) != given.options.end();
+  return std::ranges::find(given.options, option, &Setting::key) != given.options.end();
 }
 
 /// The option of a key in `app`; null if a file cannot set it.
@@ -109,13 +109,21 @@ std::vector<std::string> keys_of(const CLI::App& app) {
   return keys;
 }
 
+bool holds(const Given& given, const ConfigException& exception) {
+  return std::ranges::any_of(given.options, [&](const Setting& option) {
+    return option.key == exception.option && (exception.value.empty() || option.value == exception.value);
+  });
+}
+
 /// Whether the command line takes the place of the key.
 bool is_replaced(const Given& given, const std::string& key, const ConfigRules& rules) {
   const CLI::Option* const option = option_of(*given.command, key);
   if (option == nullptr || is_given(given, "--" + key)) return true;
-  if (!rules.instead.empty() && is_given(given, rules.instead) &&
-      std::ranges::find(rules.ignored, "--" + key) != rules.ignored.end())
-    return true;
+  const auto excepts = [&](const ConfigException& exception) {
+    return holds(given, exception) &&
+           std::ranges::find(exception.ignored, "--" + key) != exception.ignored.end();
+  };
+  if (std::ranges::any_of(rules.exceptions, excepts)) return true;
   return std::ranges::any_of(option->get_excludes(),
                              [&](const CLI::Option* other) { return is_given(given, other->get_name()); });
 }

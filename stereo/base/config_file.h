@@ -12,14 +12,22 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace farshade {
 
+/// While the option `option` is on the command line, the options `ignored` are ignored in the file. All have
+/// their dashes.
+struct ConfigException {
+  std::string option;
+  std::string value{};  ///< of `option`; empty: any
+  std::span<const char* const> ignored{};
+};
+
 struct ConfigRules {
   std::filesystem::path default_file;  ///< read if it exists and no --config is given
-  /// If the option `instead` (with its dashes) is on the command line, these are ignored in the file.
-  std::string instead{};
-  std::span<const char* const> ignored{};
+  std::vector<ConfigException> exceptions{};
 };
 
 /// Adds the option --config. Call it after the other options and subcommands were added.

@@ -233,6 +233,8 @@ Expected<Device> open_device(const DeviceOptions& options) try {
       {.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer, .queueFamilyIndex = device.queue_family});
   return device;
 } catch (const std::exception& error) {
+  if (options.maker)
+    return fail(Fault::Unavailable, std::string("no Vulkan device for the headset: ") + error.what());
   // The loader throws if there is no driver. That is a missing device, not a broken invariant.
   return fail(Fault::Missing, std::string("no usable Vulkan device: ") + error.what() +
                                   "; install a driver, for example Debian's mesa-vulkan-drivers");

@@ -103,6 +103,7 @@ Expected<std::int64_t> nanoseconds(std::string_view field, int digits, Place pla
   }
   for (int missing = digits - std::max(fraction, 0); missing > 0; --missing)
     if (!take(0)) return rounded(INFINITY, field, place);
+  if (ns > kLatest_ns) return rounded(INFINITY, field, place);  // rounded up from the latest
   return negative ? -ns : ns;
 }
 

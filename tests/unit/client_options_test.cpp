@@ -376,7 +376,7 @@ TEST(ReadOptions, AReplayRefusesWhatItTakesFromTheCapture) {
   }
 }
 
-TEST(ReadOptions, AConfigurationFileSetsOptionsAndHindersNeitherReplayNorPreview) {
+TEST(ReadOptions, AConfigurationFileSetsOptionsAndHindersNeitherReplayNorPreviewNorHeadset) {
   const ScratchFolder folder;
   const std::string file = (folder.path() / "vr_client.ini").string();
   std::ofstream(file)
@@ -392,6 +392,9 @@ TEST(ReadOptions, AConfigurationFileSetsOptionsAndHindersNeitherReplayNorPreview
   ASSERT_TRUE(replay.options.has_value()) << replay.errors;
   EXPECT_EQ(replay.options->replay, "b");
   EXPECT_TRUE(read({"--config", file, "--scene", "a.glb", "--preview"}).options.has_value());
+  const Outcome headset = read({"--config", file, "--scene", "a.glb", "--xr", "openxr"});
+  ASSERT_TRUE(headset.options.has_value()) << headset.errors;
+  EXPECT_EQ(headset.options->server, "there:1");
   const Outcome doctor = read({"--config", file, "doctor"});
   ASSERT_TRUE(doctor.options.has_value()) << doctor.errors;
   EXPECT_EQ(doctor.options->doctor->server, "there:1");

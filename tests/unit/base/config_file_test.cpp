@@ -12,7 +12,7 @@
 namespace farshade {
 namespace {
 
-constexpr std::array kNotDry{"--coats"};
+constexpr std::array kNotDry{"--coats"}, kNotSketched{"--gloss"};
 
 /// A program with options, a flag and a subcommand, and the configuration file paint.ini.
 class ConfigFile : public testing::Test {
@@ -32,7 +32,9 @@ class ConfigFile : public testing::Test {
     add_config_option(app_, rules());
   }
 
-  [[nodiscard]] ConfigRules rules() const { return {file(), "--dry", kNotDry}; }
+  [[nodiscard]] ConfigRules rules() const {
+    return {file(), {{"--dry", "fast", kNotDry}, {"--sketch", "", kNotSketched}}};
+  }
   [[nodiscard]] std::filesystem::path file() const { return folder_.path() / "paint.ini"; }
   void write(const std::string& text) const { std::ofstream(file()) << text; }
 
@@ -125,11 +127,19 @@ TEST_F(ConfigFile, YieldsToOptionsThatExcludeItsOwn) {
   EXPECT_FALSE(sketch_);
 }
 
-TEST_F(ConfigFile, YieldsToTheOptionThatReplacesItsKeys) {
-  write("coats = 3\ncolour = red\n");
-  EXPECT_EQ(parse({"--dry", "x"}), "");
+TEST_F(ConfigFile, YieldsToTheOptionsAndValuesThatReplaceItsKeys) {
+  write("coats = 3\ncolour = red\ngloss = true\n");
+  for (const char* dry : {"--dry=fast", "--dry=slow", ""}) {
+    coats_ = 1;
+    EXPECT_EQ(parse(*dry == 0 ? std::vector<std::string>{} : std::vector<std::string>{dry}), "");
+    EXPECT_EQ(coats_, dry == std::string("--dry=fast") ? 1 : 3) << dry;
+    EXPECT_EQ(colour_, "red");
+    EXPECT_TRUE(gloss_);
+  }
+  EXPECT_EQ(parse({"--dry", "fast"}), "");
   EXPECT_EQ(app_.count("--coats"), 0u);
-  EXPECT_EQ(colour_, "red");
+  EXPECT_EQ(parse({"--sketch"}), "");
+  EXPECT_EQ(app_.count("--gloss"), 0u) << "an exception without a value";
 }
 
 TEST_F(ConfigFile, GivesASubcommandTheKeysThatItHas) {

@@ -98,6 +98,7 @@ TEST(TumRead, HandlesTimeBeforeZeroAndItsLimits) {
   EXPECT_EQ(ns_of(recording.samples[2].time), 7'000'000'000);
   expect_refused("4611686018427387905 0 0 0 0 0 0 1\n", Fault::OutOfRange, "t.csv:1");
   expect_refused("1e300 0 0 0 0 0 0 1\n", Fault::OutOfRange, "t.csv:1");
+  expect_refused("4611686018427387904.5,0,0,0,1,0,0,0\n", Fault::OutOfRange, "t.csv:1");
 }
 
 TEST(EyeNavGsRead, PutsTheHeadBetweenItsEyes) {
