@@ -323,7 +323,7 @@ bool inspects_pixel(const Controls& controls) {
 
 PixelReport report_for(const Controls& controls) {
   const bool needed = replaces_pictures(controls) || inspects_pixel(controls) || controls.held;
-  return needed ? PixelReport::On : PixelReport::Off;
+  return needed || controls.least_report == PixelReport::On ? PixelReport::On : PixelReport::Off;
 }
 
 }  // namespace farshade

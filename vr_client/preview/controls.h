@@ -124,6 +124,7 @@ struct Controls {
   Mode mode = Mode::Hybrid;
   std::vector<Mode> modes;  ///< that the viewer can choose, in the order of the key
   FrameSettings settings;
+  PixelReport least_report = PixelReport::Off;  ///< On: every frame reports, whatever is shown
   std::optional<GrabbedLight> grab;
   std::bitset<kCommands> pending;  ///< commands that the preview has not executed yet
   std::bitset<kCommands> absent;   ///< commands that this run cannot carry out: they do nothing
