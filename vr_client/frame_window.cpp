@@ -101,7 +101,7 @@ void FrameWindow::update_title(Mode mode) {
   if (titled_ && titled_mode_ == mode && now - *titled_ < kTitleInterval) return;
   titled_ = now;
   titled_mode_ = mode;
-  window_.set_title(fmt::format("{}: {}, {}, {:.0f} frames per second", kWindowTitle, client_.scene.name,
+  window_.set_title(fmt::format("{}: {}, {}, {:.0f} frames per second", kTitle, client_.scene.name,
                                 name_of(mode), history_.figures().frames_per_s));
 }
 

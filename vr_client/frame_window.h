@@ -73,7 +73,8 @@ class FrameWindow {
   std::optional<Mode> titled_mode_;
 };
 
-inline constexpr const char* kWindowTitle = "Farshade";
+/// Of every window, before a frame is shown.
+inline constexpr const char* kTitle = "Farshade";
 
 /// The layout that the last preview has left. The default, with a warning, if its file is broken.
 [[nodiscard]] Remembered recalled();

@@ -6,6 +6,7 @@
 #include "stereo/base/stop_signal.h"
 #include "vr_client/app.h"
 #include "vr_client/client.h"
+#include "vr_client/mirror.h"
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/openxr/headset_runtime.h"
 #include "vr_client/preview/recordings.h"
@@ -103,7 +104,24 @@ class HeadsetReport {
   Duration period_ = std::chrono::milliseconds(11);  ///< of the last frame
 };
 
-/// The client for a headset, without a server.
+/// Whether the run measures frames, for which every frame reports.
+PixelReport report_of(const Options& options) {
+  return options.reference_every > 0 || !options.dump.empty() ? PixelReport::On : PixelReport::Off;
+}
+
+/// The options of a run in this headset. `window` may be null.
+Options options_for(const Options& given, const HeadsetSystem& system, const Window* window) {
+  Options options = given;
+  options.pace = Pace::Real;
+  // A display that does not wait has no time for comparisons, unless the user asks for them.
+  if (options.xr == Xr::Auto || !options.frames) options.reference_every = 0;
+  options.size = system.eye_size(options.xr_scale);
+  options.device.maker = system.vulkan();
+  if (window) options.device.presentation = wished_presentation(*window);
+  return options;
+}
+
+/// The client for a headset, without a server. Who looks at a mirror may change lights.
 Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stages) {
   Expected<std::unique_ptr<Client>> client = open_client(options, needs_of(options, kEyes_m), stages);
   if (!client) return client;
@@ -111,9 +129,8 @@ Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stage
   open_renderer(**client, renderer_limits(options));
   stages.end("renderer");
   if (draws_scene(options.mode.mode))
-    compile_ahead(**client, options.carry_over,
-                  options.reference_every > 0 || !options.dump.empty() ? PixelReport::On : PixelReport::Off,
-                  Changes::Never);
+    compile_ahead(**client, options.carry_over, report_of(options),
+                  options.device.presentation ? Changes::Possible : Changes::Never);
   stages.end("pipelines");
   if (auto done = tracing.get(); !done) return tl::unexpected(done.error());
   stages.end("tracers");
@@ -121,12 +138,9 @@ Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stage
 }
 
 /// The frames of a session, from the first to its end.
-Expected<void> show(const Options& options, Client& client, HeadsetRuntime& runtime, HeadsetReport& report,
-                    const MaskPolicy& policy, const std::function<bool()>& stop) {
-  const bool measures = options.reference_every > 0 || !options.dump.empty();
-  const FrameSettings settings{.request = options.request,
-                               .carry_over = options.carry_over,
-                               .report = measures ? PixelReport::On : PixelReport::Off};
+Expected<void> show(const Options& options, Client& client, HeadsetRuntime& runtime,
+                    const FrameSettings& settings, const FrameWatcher& watch, const MaskPolicy& policy,
+                    const std::function<bool()>& stop) {
   const RunContext context{.scene = client.scene,
                            .runtime = runtime,
                            .renderer = *client.renderer,
@@ -135,8 +149,7 @@ Expected<void> show(const Options& options, Client& client, HeadsetRuntime& runt
                            .own_tracer = client.own_tracer.get(),
                            .settings = settings,
                            .policy = policy};
-  const Expected<void> shown = run(
-      context, *make_pipeline(context), [&](const FrameView& view) { report.watch(view); }, stop);
+  const Expected<void> shown = run(context, *make_pipeline(context), watch, stop);
   const Expected<void> ended = runtime.finish();
   spdlog::info("the headset showed {} frames and skipped {}; its session was {}",
                runtime.counters().submitted, runtime.counters().empty, runtime.history());
@@ -146,12 +159,8 @@ Expected<void> show(const Options& options, Client& client, HeadsetRuntime& runt
 }  // namespace
 
 Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSignal& stop) {
-  Options options = given;
-  options.pace = Pace::Real;
-  // A display that does not wait has no time for comparisons, unless the user asks for them.
-  if (options.xr == Xr::Auto || !options.frames) options.reference_every = 0;
-  options.size = system.eye_size(options.xr_scale);
-  options.device.maker = system.vulkan();
+  std::unique_ptr<Window> window = open_mirror_window();
+  const Options options = options_for(given, system, window.get());
   const SteadyClock clock;
   Stages stages(clock);
   spdlog::info("the headset is {}: {}x{} pixels an eye", system.name(), options.size.width,
@@ -164,8 +173,11 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   Client& client = **opened;
   HeadsetReport report(options, client, stages);
   SessionKeeper keeper;
+  Controls controls = headset_controls(options, report_of(options));
+  Mirror mirror(options, client, std::move(window), controls);
   const auto wants_to_end = [&] {
-    return stop.has_come() || report.failed() || (options.frames && report.frames() >= *options.frames);
+    return stop.has_come() || report.failed() || mirror.wants_to_end() ||
+           (options.frames && report.frames() >= *options.frames);
   };
   const auto depth = [&client]() -> HeadsetDepth {
     const ShownDepth shown = client.renderer->shown_depth();
@@ -176,7 +188,11 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
       {.start = viewpoint_of(client.scene, options.stand),
        .eye_size = options.size,
        .wants_to_end = wants_to_end,
-       .idle = [&] { keeper.keep(client); },
+       .idle =
+           [&] {
+             keeper.keep(client);
+             mirror.idle();
+           },
        .depth = draws_scene(options.mode.mode) ? depth : std::function<HeadsetDepth()>{}});
   if (!runtime) return tl::unexpected(runtime.error());
   stages.end("headset");
@@ -188,8 +204,13 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   if (auto done = report.open(policy); !done) return done;
   stages.end("server");
 
-  Expected<void> done = show(options, client, **runtime, report, policy, wants_to_end);
-  if (auto written = report.finish(system, stop.has_come()); done) done = written;
+  const auto watch = [&](const FrameView& view) {
+    report.watch(view);
+    mirror.watch(view);
+  };
+  Expected<void> done = show(options, client, **runtime, controls.settings, watch, policy, wants_to_end);
+  if (auto written = report.finish(system, stop.has_come() || mirror.wants_to_end()); done) done = written;
+  if (auto written = mirror.finish(); done) done = written;
   if (done) done = no_validation_messages(client.device);
   if (done && stop.has_come())
     return fail(Fault::Interrupted, fmt::format("interrupted after {} frames", report.frames()));

@@ -15,21 +15,15 @@ constexpr Command kAbsent[] = {
     Command::CloserEyes,  Command::WiderFov,      Command::NarrowerFov,  Command::HoldFrame,
     Command::NextFrame,   Command::RecordCapture, Command::RecordFrames};
 
-/// The middle of the eyes, with the orientation of the left eye.
-Rigid<Stage, Head> head_of(const StereoView& views) {
-  const auto& left = views[0].stage_from_eye;
-  const auto& right = views[1].stage_from_eye;
-  return {left.rotation, left.translation + (right.translation - left.translation) * 0.5};
-}
-
 }  // namespace
 
 std::unique_ptr<Window> open_mirror_window() {
   const Remembered remembered = recalled();
   Expected<std::unique_ptr<Window>> window = open_window(
-      kWindowTitle, [&](const Desktop& desktop) { return first_window({}, desktop, remembered.window); });
+      kTitle, [&](const Desktop& desktop) { return first_window({}, desktop, remembered.window); },
+      "only the headset shows the scene");
   if (window) return std::move(*window);
-  spdlog::info("no window mirrors the headset: {}", window.error().what);
+  spdlog::info(window.error().what);
   return nullptr;
 }
 
@@ -50,50 +44,66 @@ Controls headset_controls(const Options& options, PixelReport least_report) {
   return controls;
 }
 
-std::unique_ptr<Mirror> Mirror::make(const Options& options, Client& client, std::unique_ptr<Window> window,
-                                     Controls& controls) {
-  if (!window) return nullptr;
-  if (client.device.presents) return std::make_unique<Mirror>(options, client, std::move(window), controls);
-  spdlog::info("no window mirrors the headset: {} cannot present on this desktop", client.device.name);
-  return nullptr;
-}
-
 Mirror::Mirror(const Options& options, Client& client, std::unique_ptr<Window> window, Controls& controls)
     : client_(client),
       controls_(controls),
       mode_(options.mode.mode),
       recordings_(options.out, client.clock),
       window_(std::move(window)),
-      shown_(std::make_unique<FrameWindow>(client, *window_, controls, recordings_, options.size)),
-      lights_(state_at(client.scene, {}).light_set) {}
+      lights_(state_at(client.scene, {}).light_set) {
+  if (!window_) return;
+  if (client.device.presents)
+    guard([&] {
+      shown_ = std::make_unique<FrameWindow>(client, *window_, controls, recordings_, options.size);
+    });
+  else
+    close(client.device.name + " cannot present on this desktop");
+}
 
-void Mirror::watch(const FrameView& view) try {
+/// The window's failures are not the headset's.
+template <class Act>
+void Mirror::guard(const Act& act) try {
+  act();
+} catch (const vk::DeviceLostError&) {
+  throw;
+} catch (const std::exception& error) {
+  close(error.what());
+}
+
+void Mirror::close(const std::string& why) {
+  spdlog::warn("no window mirrors the headset: {}", why);
+  shown_.reset();
+  window_.reset();
+}
+
+void Mirror::watch(const FrameView& view) {
   lights_ = view.state.light_set;
   head_ = head_of(view.shown.views);
   recordings_.watch(view, nullptr, nullptr);
   if (!shown_) return;
-  take_input();
-  show(view);
-} catch (const vk::DeviceLostError&) {
-  throw;
-} catch (const std::exception& error) {
-  close_after(error);
+  guard([&] {
+    take_input();
+    show(view);
+  });
 }
 
-void Mirror::idle() try {
+void Mirror::idle() {
   if (!shown_) return;
-  take_input();
-  if (!composition_) return;
-  composition_->right_px = panel_width_px(controls_, window_->framebuffer_size(), window_->text_scale());
-  shown_->show(*composition_, facts(), std::nullopt);
-} catch (const vk::DeviceLostError&) {
-  throw;
-} catch (const std::exception& error) {
-  close_after(error);
+  guard([&] {
+    take_input();
+    if (!composition_) return;
+    composition_->right_px = panel_width_px(controls_, window_->framebuffer_size(), window_->text_scale());
+    shown_->show(*composition_, facts(), std::nullopt);
+  });
 }
 
 bool Mirror::wants_to_end() const {
   return quit_ == Quit::Wanted || (window_ && window_->should_close());
+}
+
+Expected<void> Mirror::finish() {
+  if (shown_) spdlog::info("the desktop window showed {} frames", frames_);
+  return recordings_.finish();
 }
 
 void Mirror::take_input() {
@@ -119,12 +129,6 @@ void Mirror::show_overlay(const FrameView& view) {
   if (controls_.overlay == Overlay::None || view.as == ShownAs::Picture) return shown_->show_eyes();
   if (drawn) shown_->replace(*drawn);
   if (view.settings.report == PixelReport::On) overlays_.begin(view, *client_.renderer, controls_);
-}
-
-void Mirror::close_after(const std::exception& error) {
-  spdlog::warn("the window that mirrors the headset is closed: {}", error.what());
-  shown_.reset();
-  window_.reset();
 }
 
 }  // namespace farshade

@@ -25,10 +25,9 @@ namespace farshade {
 
 class Mirror {
  public:
-  /// Null, with one line in the log, without a window or if the client's device does not present. Of
-  /// `options`, it needs the size of an eye, mode and output folder. Keeps the references.
-  [[nodiscard]] static std::unique_ptr<Mirror> make(const Options& options, Client& client,
-                                                    std::unique_ptr<Window> window, Controls& controls);
+  /// `window` may be null; then only the recording of the head works. If it cannot show what the client's
+  /// device draws, it is closed, with a warning. Of `options`, the size of an eye, mode and output folder are
+  /// read. Keeps the references.
   Mirror(const Options& options, Client& client, std::unique_ptr<Window> window, Controls& controls);
 
   /// Applies the window's input to the controls and shows a frame that the headset has got already. A window
@@ -43,15 +42,17 @@ class Mirror {
 
   /// Frames that the window has shown.
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
-  /// Ends the recording of the head. Returns its failure.
-  [[nodiscard]] Expected<void> finish() { return recordings_.finish(); }
+  /// Says how many frames the window has shown, and ends the recording of the head. Returns its failure.
+  [[nodiscard]] Expected<void> finish();
 
  private:
   [[nodiscard]] RunFacts facts() const { return {{lights_, head_, nullptr}, mode_, {}}; }
   void take_input();
   void show(const FrameView& view);
   void show_overlay(const FrameView& view);
-  void close_after(const std::exception& error);
+  template <class Act>
+  void guard(const Act& act);
+  void close(const std::string& why);
 
   Client& client_;
   Controls& controls_;

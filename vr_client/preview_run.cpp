@@ -330,9 +330,8 @@ Expected<void> run_preview(const Options& given, StopSignal& stop) {
   const Expected<LinkModel> path = options.net.empty() ? LinkModel{} : parse_link_model(options.net);
   if (!path) return tl::unexpected(path.error());
   const Remembered remembered = recalled();
-  const Expected<std::unique_ptr<Window>> window = open_window(kWindowTitle, [&](const Desktop& desktop) {
-    return first_window(options.size, desktop, remembered.window);
-  });
+  const Expected<std::unique_ptr<Window>> window = open_window(
+      kTitle, [&](const Desktop& desktop) { return first_window(options.size, desktop, remembered.window); });
   if (!window) return tl::unexpected(window.error());
   stages.end("head and window");
   options.device.presentation = (*window)->presentation();

@@ -78,6 +78,29 @@ TEST(KeyHelp, HasEveryKeyOnce) {
   for (const KeyBinding& binding : key_bindings()) EXPECT_TRUE(keys.contains(name_of(binding.key)));
 }
 
+TEST_F(ControlsTest, CommandsThatTheRunLacksDoNothing) {
+  controls_.absent.set(static_cast<std::size_t>(Command::Reference));
+  controls_.absent.set(static_cast<std::size_t>(Command::HeadSource));
+  controls_.absent.set(static_cast<std::size_t>(Command::Screenshot));
+  for (const Command command : {Command::Reference, Command::HeadSource, Command::Screenshot})
+    execute(command);
+  EXPECT_FALSE(controls_.reference);
+  EXPECT_EQ(controls_.head, HeadSource::Simulated);
+  EXPECT_TRUE(controls_.pending.none());
+  for (std::size_t i = 0; i < 2 * kOverlays.size(); ++i, execute(Command::NextOverlay)) {
+    EXPECT_FALSE(needs_reference(controls_)) << name_of(controls_.overlay);
+    execute(Command::NextDisplayMode);
+  }
+  const std::vector<KeyHelp> keys = key_help(controls_);
+  EXPECT_EQ(keys.size(), key_bindings().size() - 3) << "three commands less, and no keys for the head";
+}
+
+TEST_F(ControlsTest, ARunThatMeasuresReportsEveryFrame) {
+  EXPECT_EQ(report_for(controls_), PixelReport::Off);
+  controls_.least_report = PixelReport::On;
+  EXPECT_EQ(report_for(controls_), PixelReport::On);
+}
+
 TEST_F(ControlsTest, ThePictureShinesThroughInSteps) {
   std::vector<double> shares;
   controls_.picture_share = 0.1;
