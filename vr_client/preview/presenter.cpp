@@ -46,15 +46,17 @@ void Presenter::fit_to_window() {
     drawn_.push_back(device_.logical.createSemaphore({}));
 }
 
+void Presenter::acquire() {
+  device_.logical.resetFences(*image_free_);
+  acquired_ = swapchain_.acquire(*image_free_);
+}
+
 /// The index of an image that may be drawn to, if there is one now.
 std::optional<std::uint32_t> Presenter::free_image() {
   if (acquired_ && image_free_.getStatus() == vk::Result::eNotReady) return std::nullopt;
   fit_to_window();
   if (swapchain_.size().pixels() == 0) return std::nullopt;
-  if (!acquired_) {
-    device_.logical.resetFences(*image_free_);
-    acquired_ = swapchain_.acquire(*image_free_);
-  }
+  if (!acquired_) acquire();
   return acquired_ && image_free_.getStatus() == vk::Result::eSuccess ? acquired_ : std::nullopt;
 }
 
@@ -76,8 +78,8 @@ Presenter::Outcome Presenter::show(const Composition& composition, const std::fu
   gpu::transition(flight.commands, target.image, Layout::eTransferDstOptimal, Layout::ePresentSrcKHR);
   flight.commands.end();
   submit(flight, *drawn_[*index]);
-  acquired_.reset();
   swapchain_.present(*index, *drawn_[*index]);
+  acquire();  // ahead, because drivers signal the fence some time later
   next_flight_ = (next_flight_ + 1) % flights_.size();
   return Outcome::Shown;
 }

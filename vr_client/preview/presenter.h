@@ -44,6 +44,7 @@ class Presenter {
     vk::raii::Fence done;
   };
   void fit_to_window();
+  void acquire();
   [[nodiscard]] std::optional<std::uint32_t> free_image();
   void submit(const Flight& flight, vk::Semaphore drawn) const;
 
