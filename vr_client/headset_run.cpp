@@ -121,7 +121,7 @@ Options options_for(const Options& given, const HeadsetSystem& system, const Win
   return options;
 }
 
-/// The client for a headset, without a server. Who looks at a mirror may change lights.
+/// The client for a headset, without a server. The viewer may move lights.
 Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stages) {
   Expected<std::unique_ptr<Client>> client = open_client(options, needs_of(options, kEyes_m), stages);
   if (!client) return client;
@@ -129,8 +129,7 @@ Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stage
   open_renderer(**client, renderer_limits(options));
   stages.end("renderer");
   if (draws_scene(options.mode.mode))
-    compile_ahead(**client, options.carry_over, report_of(options),
-                  options.device.presentation ? Changes::Possible : Changes::Never);
+    compile_ahead(**client, options.carry_over, report_of(options), Changes::Possible);
   stages.end("pipelines");
   if (auto done = tracing.get(); !done) return tl::unexpected(done.error());
   stages.end("tracers");
