@@ -6,6 +6,7 @@
 #include "stereo/base/stop_signal.h"
 #include "vr_client/app.h"
 #include "vr_client/client.h"
+#include "vr_client/mirror.h"
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/openxr/headset_runtime.h"
 #include "vr_client/preview/headset_controls.h"
@@ -112,12 +113,18 @@ PixelReport report_of(const Options& options) {
   return options.reference_every > 0 || !options.dump.empty() ? PixelReport::On : PixelReport::Off;
 }
 
-Controls headset_controls(const Options& options) {
-  Controls controls;
-  controls.mode = options.mode.mode;
-  controls.settings = {
-      .request = options.request, .carry_over = options.carry_over, .report = report_of(options)};
-  return controls;
+/// The options of a run in this headset. `window` may be null.
+Options options_for(const Options& given, const HeadsetSystem& system, const Window* window) {
+  Options options = given;
+  options.pace = Pace::Real;
+  // A display that does not wait has no time for comparisons, unless the user asks for them.
+  if (options.xr == Xr::Auto || !options.frames) options.reference_every = 0;
+  if (!options.frames && (!options.json.empty() || !options.dump.empty()))
+    spdlog::warn("a session has figures only with --frames; --json and --dump write nothing");
+  options.size = system.eye_size(options.xr_scale);
+  options.device.maker = system.vulkan();
+  if (window) options.device.presentation = wished_presentation(*window);
+  return options;
 }
 
 /// The client for a headset, without a server. The viewer may move lights.
@@ -165,17 +172,23 @@ Expected<void> show(const Options& options, Client& client, HeadsetRuntime& runt
   return shown ? ended : shown;
 }
 
+/// Of a run that has shown its frames and written its files.
+Expected<void> outcome(const Options& options, const Client& client, const HeadsetReport& report,
+                       bool was_interrupted, bool was_closed) {
+  if (auto done = no_validation_messages(client.device); !done) return done;
+  if (was_interrupted)
+    return fail(Fault::Interrupted, fmt::format("interrupted after {} frames", report.frames()));
+  if (!report.is_complete() && !was_closed)
+    return fail(Fault::Unavailable, fmt::format("the headset's session ended after {} of {} frames",
+                                                report.frames(), *options.frames));
+  return report.answered();
+}
+
 }  // namespace
 
 Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSignal& stop) {
-  Options options = given;
-  options.pace = Pace::Real;
-  // A display that does not wait has no time for comparisons, unless the user asks for them.
-  if (options.xr == Xr::Auto || !options.frames) options.reference_every = 0;
-  if (!options.frames && (!options.json.empty() || !options.dump.empty()))
-    spdlog::warn("a session has figures only with --frames; --json and --dump write nothing");
-  options.size = system.eye_size(options.xr_scale);
-  options.device.maker = system.vulkan();
+  std::unique_ptr<Window> window = open_mirror_window();
+  const Options options = options_for(given, system, window.get());
   const SteadyClock clock;
   Stages stages(clock);
   spdlog::info("the headset is {}: {}x{} pixels an eye", system.name(), options.size.width,
@@ -188,11 +201,13 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   Client& client = **opened;
   HeadsetReport report(options, client, stages);
   SessionKeeper keeper;
-  Controls controls = headset_controls(options);
+  Controls controls = headset_controls(options, report_of(options));
   ControllerState controllers;
   LightSet lights = state_at(client.scene, {}).light_set;  // of the last shown frame
+  Mirror mirror(options, client, std::move(window), controls);
   const auto wants_to_end = [&] {
-    return stop.has_come() || report.failed() || (options.frames && report.is_complete());
+    return stop.has_come() || report.failed() || mirror.wants_to_end() ||
+           (options.frames && report.is_complete());
   };
   const auto depth = [&client]() -> HeadsetDepth {
     const ShownDepth shown = client.renderer->shown_depth();
@@ -203,7 +218,11 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
       {.start = viewpoint_of(client.scene, options.stand),
        .eye_size = options.size,
        .wants_to_end = wants_to_end,
-       .idle = [&] { keeper.keep(client); },
+       .idle =
+           [&] {
+             keeper.keep(client);
+             mirror.idle();
+           },
        .depth = draws_scene(options.mode.mode) ? depth : std::function<HeadsetDepth()>{},
        .follow_hands =
            [&](const ViewerInput& input) { return follow_hands(input, controllers, controls, lights); }});
@@ -220,16 +239,12 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   const auto watch = [&](const FrameView& view) {
     lights = view.state.light_set;
     report.watch(view);
+    mirror.watch(view);
   };
   Expected<void> done = show(options, client, **runtime, controls.settings, watch, policy, wants_to_end);
   if (auto written = report.finish(system); done) done = written;
-  if (done) done = no_validation_messages(client.device);
-  if (done && stop.has_come())
-    return fail(Fault::Interrupted, fmt::format("interrupted after {} frames", report.frames()));
-  if (done && !report.is_complete())
-    return fail(Fault::Unavailable, fmt::format("the headset's session ended after {} of {} frames",
-                                                report.frames(), *options.frames));
-  return done ? report.answered() : done;
+  if (auto written = mirror.finish(); done) done = written;
+  return done ? outcome(options, client, report, stop.has_come(), mirror.wants_to_end()) : done;
 }
 
 }  // namespace farshade

@@ -11,12 +11,9 @@
 #include "stereo/video/video.h"
 #include "vr_client/app.h"
 #include "vr_client/client.h"
+#include "vr_client/frame_window.h"
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/placed_head.h"
-#include "vr_client/preview/inspection.h"
-#include "vr_client/preview/panel.h"
-#include "vr_client/preview/presenter.h"
-#include "vr_client/preview/recordings.h"
 #include "vr_client/report/timeline.h"
 
 namespace farshade {
@@ -24,19 +21,12 @@ namespace {
 
 static_assert(kWorstPath.latency_ms + kWorstPath.jitter_ms <= kWorstPreviewPath_ms);
 
-constexpr const char* kTitle = "Farshade";
 /// Interval between polls of a minimised window, and between the pictures of a held frame.
 constexpr Duration kMinimisedWait = std::chrono::milliseconds(100), kHeldWait = kMinimisedWait;
-constexpr Duration kTitleInterval = std::chrono::seconds(1);
 
 Rigid<Stage, Head> start_of(const Options& options, const Scene& scene) {
   const Rigid<Stage, Eye> viewpoint = viewpoint_of(scene, options.stand);
   return {viewpoint.rotation, viewpoint.translation};
-}
-
-double aspect_of(const View& view) {
-  const FovTangents window = tangents_of(view.fov);
-  return (window.right_tan - window.left_tan) / (window.up_tan - window.down_tan);
 }
 
 PreviewSetup setup_of(const Options& options, const Scene& scene, const std::optional<PlacedHead>& head) {
@@ -84,14 +74,14 @@ class Preview {
         window_(window),
         stop_signal_(stop_signal),
         stages_(stages),
-        presenter_(client.device, window, client.renderer->shown()),
         controls_(first_controls(options, head, remembered)),
         path_(path),
         lights_(state_at(client.scene, {}).light_set),
         runtime_(
             setup_of(options, client.scene, head), client.clock,
             [](Duration span) { std::this_thread::sleep_for(span); }, [this] { return read_controls(); }),
-        recordings_(options.out, client.clock) {
+        recordings_(options.out, client.clock),
+        shown_(client, window, controls_, recordings_, options.size) {
     controls_.path = {ms_of(path_.delay), ms_of(path_.jitter), path_.loss * 100};
     if (Player* const player = runtime_.player()) {
       player->set_at_end(AtEnd::Loop);
@@ -162,7 +152,7 @@ class Preview {
   }
 
   Expected<void> restart() {
-    history_ = {};
+    shown_.forget();
     return std::exchange(restart_, Restart::No) == Restart::Mode ? switch_mode() : restart_with_capture();
   }
 
@@ -182,11 +172,10 @@ class Preview {
   /// Opens what the frames of a mode need: renderer, tracer and session.
   Expected<void> open_mode(Mode mode) {
     options_.mode.mode = mode;
-    titled_.reset();
     client_.link.reset();
     client_.device.logical.waitIdle();
     if (auto done = reopen_renderer(options_, client_, kWidestEyes_m); !done) return done;
-    presenter_.take_eyes(client_.renderer->shown());
+    shown_.take_renderer();
     if (auto done = open_tracers(options_, mode, client_); !done) return done;
     if (draws_scene(mode))
       compile_ahead(client_, controls_.settings.carry_over, controls_.settings.report, Changes::Possible);
@@ -249,30 +238,32 @@ class Preview {
   /// Inspects, records and shows a frame that was drawn. Holds it if the viewer wishes.
   void watch(const FrameView& view) {
     lights_ = view.state.light_set;
-    inspection_.begin(*client_.renderer);
+    shown_.begin();
     show(view);
-    recordings_.watch(view, recordings_.writes_capture() ? &inspection_.shown() : nullptr,
-                      recordings_.records_frames() ? &inspection_.displayed() : nullptr);
+    Inspection& inspection = shown_.inspection();
+    recordings_.watch(view, recordings_.writes_capture() ? &inspection.shown() : nullptr,
+                      recordings_.records_frames() ? &inspection.displayed() : nullptr);
     if (!options_.timeline.empty()) timeline_.add(view, client_.link ? &client_.link->inbox() : nullptr);
-    history_.add(view, inspection_.errors(), client_.link.get(), client_.clock.now());
+    shown_.add(view, options_.mode.mode);
     if (!std::exchange(started_, true)) {
       stages_.end("first frame");
       spdlog::info("the first frame was shown after {}", stages_.in_words());
     }
-    update_title();
     // A frame that was drawn before the viewer's wish has no report.
     if (view.settings.report == PixelReport::On) hold(view);
   }
 
   void show(const FrameView& view) {
-    inspection_.inspect(view, controls_, view.as == ShownAs::Picture ? nullptr : reference());
-    const Composition composition = compose(view);
+    Inspection& inspection = shown_.inspection();
+    inspection.inspect(view, controls_, view.as == ShownAs::Picture ? nullptr : reference());
+    if (const auto& pictures = inspection.replacement())
+      shown_.replace(*pictures);
+    else
+      shown_.show_eyes();
+    const Composition composition = shown_.compose(view);
     if (controls_.take(Command::Screenshot))
-      recordings_.take_screenshot(inspection_.displayed(), presenter_.read_back(composition));
-    const ControlContext now = context();
-    const std::optional<PixelFacts> pixel = inspected(view, composition);
-    const PanelFacts facts = facts_of(now, pixel);
-    presenter_.show(composition, [&] { draw_panel(controls_, facts); });
+      recordings_.take_screenshot(inspection.displayed(), shown_.read_back(composition));
+    shown_.show(composition, {context(), options_.mode.mode, trouble_}, shown_.inspected(view, composition));
   }
 
   /// Shows the frame again and again until the time runs or the next frame is wanted. Settings can change
@@ -301,103 +292,26 @@ class Preview {
     return nullptr;
   }
 
-  Composition compose(const FrameView& view) {
-    constexpr std::array layouts{StereoLayout::SideBySide, StereoLayout::CrossEyed, StereoLayout::Mono,
-                                 StereoLayout::Anaglyph, StereoLayout::SideBySide};
-    Composition composition{
-        .layout = layouts[static_cast<std::size_t>(controls_.display)],
-        .pictures = {Picture::LeftEye, Picture::RightEye},
-        .aspect = aspect_of(view.shown.views[0]),
-        .shared = shared_columns({view.shown.views[0].fov, view.shown.views[1].fov}, controls_.eye_distance_m,
-                                 options_.size),
-        .right_px = panel_width_px(controls_, window_.framebuffer_size(), window_.text_scale())};
-    if (const auto& pictures = inspection_.replacement()) {
-      for (const Side side : kSides) presenter_.upload(side, (*pictures)[index_of(side)]);
-      composition.pictures = {Picture::LeftUpload, Picture::RightUpload};
-    }
-    return composition;
-  }
-
-  /// The pixel under the mouse, while the inspector is open and the client has shaded it.
-  std::optional<PixelFacts> inspected(const FrameView& view, const Composition& composition) const {
-    if (!inspects_pixel(controls_) || view.settings.report == PixelReport::Off ||
-        view.as == ShownAs::Picture || controls_.overlay == Overlay::GuardBand)
-      return std::nullopt;
-    const std::optional<PixelOfEye> under =
-        pixel_at(composition, window_.framebuffer_size(), options_.size, window_.cursor_px());
-    if (!under) return std::nullopt;
-    // The second picture of a difference belongs to the left eye, too.
-    const bool left = under->eye == 0 || controls_.display == DisplayMode::Difference;
-    return inspection_.pixel(view, left ? Side::Left : Side::Right, under->pixel);
-  }
-
-  PanelFacts facts_of(const ControlContext& now, const std::optional<PixelFacts>& pixel) {
-    return {.history = history_,
-            .scene = client_.scene,
-            .context = now,
-            .device = client_.device.name,
-            .server = server_state(),
-            .note = trouble_.empty() ? recordings_.note() : trouble_,
-            .pixel = pixel,
-            .recording_head = recordings_.records_head(),
-            .writing_capture = recordings_.writes_capture(),
-            .recording_frames = recordings_.records_frames(),
-            .window = window_.framebuffer_size(),
-            .scale = window_.text_scale()};
-  }
-
-  [[nodiscard]] std::string server_state() const {
-    if (!client_.link)
-      return !client_.plan.server                ? "no light casts shadows: no server"
-             : options_.mode.mode == Mode::Local ? "shadow maps: no server"
-                                                 : "this client traces: no server";
-    std::string server = std::string(name_of(options_.mode.mode)) + ", server " + to_string(client_.server);
-    const std::optional<Time> last_received = client_.link->last_received();
-    if (!last_received) return server + " does not answer";
-    const Duration silence = client_.clock.now() - *last_received;
-    if (silence > kSilentAfter) return fmt::format("{} silent for {:.0f} s", server, seconds_of(silence));
-    return server;
-  }
-
-  void update_title() {
-    const Time now = client_.clock.now();
-    if (titled_ && now - *titled_ < kTitleInterval) return;
-    titled_ = now;
-    window_.set_title(fmt::format("{}: {}, {}, {:.0f} frames per second", kTitle, client_.scene.name,
-                                  name_of(options_.mode.mode), history_.figures().frames_per_s));
-  }
-
   Options options_;  ///< with the present mode
   Client& client_;
   Window& window_;
   StopSignal& stop_signal_;
   Stages& stages_;  ///< of the start
   bool started_ = false;
-  Presenter presenter_;
   Controls controls_;
   LinkModel path_;  ///< from the command line
   std::optional<NetworkSettings> followed_;
   LightSet lights_;  ///< of the last shown frame
   PreviewRuntime runtime_;
-  Inspection inspection_;
-  History history_;
   Recordings recordings_;
+  FrameWindow shown_;
   Timeline timeline_;
-  std::optional<Time> titled_;
   SessionKeeper keeper_;
   std::optional<Extent> last_size_;  ///< of the window while it was visible
   std::string trouble_;              ///< why the wanted mode is not shown
   enum class Restart : std::uint8_t { No, Capture, Mode } restart_ = Restart::No;
   enum class Quit : std::uint8_t { No, Wanted } quit_ = Quit::No;
 };
-
-/// What earlier runs have left. A broken file is ignored.
-Remembered recalled() {
-  Expected<Remembered> remembered = load_remembered(remembered_path());
-  if (remembered) return *remembered;
-  spdlog::warn("the remembered layout of the preview is ignored: {}", remembered.error().what);
-  return {};
-}
 
 }  // namespace
 

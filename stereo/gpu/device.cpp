@@ -54,9 +54,20 @@ vk::raii::Instance make_instance(const vk::raii::Context& context, ValidationLog
   return vk::raii::Instance(context, info);
 }
 
-bool can_present(const vk::raii::Instance& instance, const vk::raii::PhysicalDevice& physical,
-                 std::uint32_t queue_family, const DeviceOptions& options) {
-  return !options.presentation || options.presentation->can_present(*instance, *physical, queue_family);
+/// `options` without a presentation that is only wished and that the loader has no extensions for.
+DeviceOptions possible(DeviceOptions options, const vk::raii::Context& context) {
+  if (!options.presentation || options.presentation->need == Need::Required) return options;
+  const auto offered = context.enumerateInstanceExtensionProperties();
+  const auto is_offered = [&](const std::string& name) {
+    return std::ranges::any_of(offered, [&](const auto& one) { return name == one.extensionName.data(); });
+  };
+  const auto& names = options.presentation->instance_extensions;
+  if (names.empty() || !std::ranges::all_of(names, is_offered)) options.presentation.reset();
+  return options;
+}
+
+bool must_present(const DeviceOptions& options) {
+  return options.presentation && options.presentation->need == Need::Required;
 }
 
 bool has_extension(const vk::raii::PhysicalDevice& physical, const char* name) {
@@ -70,16 +81,26 @@ bool has_extension(const vk::raii::PhysicalDevice& physical, const char* name) {
 /// of that structure that we need.
 constexpr const char* kLayeredDrawing = VK_EXT_SHADER_VIEWPORT_INDEX_LAYER_EXTENSION_NAME;
 
-std::optional<std::uint32_t> graphics_queue_family(const vk::raii::Instance& instance,
-                                                   const vk::raii::PhysicalDevice& physical,
-                                                   const DeviceOptions& options) {
+/// A family whose queues draw, compute and keep time.
+struct QueueFamily {
+  std::uint32_t index;
+  bool presents;  ///< and show in the window
+};
+
+/// The first family that presents, or the first one if none does and none has to.
+std::optional<QueueFamily> graphics_queue_family(const vk::raii::Instance& instance,
+                                                 const vk::raii::PhysicalDevice& physical,
+                                                 const DeviceOptions& options) {
   const auto families = physical.getQueueFamilyProperties();
   const vk::QueueFlags required = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute;
-  for (std::uint32_t i = 0; i < families.size(); ++i)
-    if ((families[i].queueFlags & required) == required && families[i].timestampValidBits > 0 &&
-        can_present(instance, physical, i, options))
-      return i;
-  return std::nullopt;
+  const bool swaps = options.presentation && has_extension(physical, VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+  std::optional<QueueFamily> found;
+  for (std::uint32_t i = 0; i < families.size(); ++i) {
+    if ((families[i].queueFlags & required) != required || families[i].timestampValidBits == 0) continue;
+    if (swaps && options.presentation->can_present(*instance, *physical, i)) return QueueFamily{i, true};
+    if (!found && !must_present(options)) found = QueueFamily{i, false};
+  }
+  return found;
 }
 
 /// What the device lacks; empty if it is usable.
@@ -98,11 +119,11 @@ std::string lacks(const vk::raii::Instance& instance, const vk::raii::PhysicalDe
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().dynamicRendering) return "no dynamic rendering";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().synchronization2) return "no synchronization2";
   if (!features.get<vk::PhysicalDeviceVulkan13Features>().maintenance4) return "no maintenance4";
-  if (options.presentation && !has_extension(physical, VK_KHR_SWAPCHAIN_EXTENSION_NAME))
+  if (must_present(options) && !has_extension(physical, VK_KHR_SWAPCHAIN_EXTENSION_NAME))
     return "no swapchains";
   if (!graphics_queue_family(instance, physical, options))
-    return options.presentation ? "no queue that draws, computes, keeps time and shows in this window"
-                                : "no queue that draws, computes and keeps time";
+    return must_present(options) ? "no queue that draws, computes, keeps time and shows in this window"
+                                 : "no queue that draws, computes and keeps time";
   return {};
 }
 
@@ -156,16 +177,16 @@ std::string reasons(const std::vector<Judged>& judged) {
   return text;
 }
 
-vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, std::uint32_t queue_family,
+vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, const QueueFamily& family,
                               const DeviceOptions& options) {
   vk::PhysicalDeviceVulkan13Features features13{
       .synchronization2 = true, .dynamicRendering = true, .maintenance4 = true};
   vk::PhysicalDeviceVulkan12Features features12{.pNext = &features13, .shaderOutputLayer = true};
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue{
-      .queueFamilyIndex = queue_family, .queueCount = 1, .pQueuePriorities = &priority};
+      .queueFamilyIndex = family.index, .queueCount = 1, .pQueuePriorities = &priority};
   std::vector<const char*> extensions;
-  if (options.presentation) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+  if (family.presents) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
   if (options.maker) extensions.push_back(kLayeredDrawing);
   vk::DeviceCreateInfo info{.queueCreateInfoCount = 1, .pQueueCreateInfos = &queue};
   info.setPEnabledExtensionNames(extensions);
@@ -189,8 +210,9 @@ std::vector<std::string> ValidationLog::messages() const {
   return messages_;
 }
 
-Expected<Device> open_device(const DeviceOptions& options) try {
+Expected<Device> open_device(const DeviceOptions& wanted) try {
   Device device;
+  const DeviceOptions options = possible(wanted, device.context);
   if (options.validation == Validation::On) {
     if (!has_validation_layer(device.context))
       return fail(Fault::Missing,
@@ -226,8 +248,10 @@ Expected<Device> open_device(const DeviceOptions& options) try {
           .get<vk::PhysicalDeviceVulkan11Properties>()
           .maxMemoryAllocationSize;
   device.memory = device.physical.getMemoryProperties();
-  device.queue_family = *graphics_queue_family(device.instance, device.physical, options);
-  device.logical = make_logical(device.physical, device.queue_family, options);
+  const QueueFamily family = *graphics_queue_family(device.instance, device.physical, options);
+  device.queue_family = family.index;
+  device.presents = family.presents;
+  device.logical = make_logical(device.physical, family, options);
   device.queue = device.logical.getQueue(device.queue_family, 0);
   device.commands = device.logical.createCommandPool(
       {.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer, .queueFamilyIndex = device.queue_family});

@@ -34,6 +34,7 @@ struct Device {
   vk::raii::Device logical{nullptr};
   vk::raii::Queue queue{nullptr};
   std::uint32_t queue_family = 0;
+  bool presents = false;  ///< in the window of DeviceOptions::presentation
   vk::raii::CommandPool commands{nullptr};
   vk::raii::PipelineCache pipelines{nullptr};  ///< pipeline_cache.h fills and keeps it
   vk::PhysicalDeviceMemoryProperties memory;

@@ -20,10 +20,14 @@ namespace farshade::gpu {
 
 enum class Validation : std::uint8_t { Off, On };
 
+/// Whether a device that cannot present may be chosen.
+enum class Need : std::uint8_t { Required, Wished };
+
 /// What a window system needs of a device to show pictures.
 struct Presentation {
   std::vector<std::string> instance_extensions;
   std::function<bool(vk::Instance, vk::PhysicalDevice, std::uint32_t queue_family)> can_present;
+  Need need = Need::Required;
 };
 
 /// Makes instance and device in place of the Vulkan loader, as a headset's runtime does. The functions throw
@@ -39,7 +43,8 @@ inline constexpr std::uint64_t kGpuTimeout_ns = 30'000'000'000;
 struct DeviceOptions {
   std::string name_contains;  ///< only devices whose name contains this; empty = any
   Validation validation = Validation::Off;
-  /// Set: only devices that can present, with VK_KHR_swapchain enabled.
+  /// Set: only devices that can present, with VK_KHR_swapchain enabled. If it is only wished:
+  /// Device::presents.
   std::optional<Presentation> presentation = std::nullopt;
   std::optional<VulkanMaker> maker = std::nullopt;  ///< empty: the Vulkan loader
   std::uint64_t timeout_ns = kGpuTimeout_ns;  ///< after it, a device that has not finished counts as lost

@@ -80,8 +80,8 @@ bool Swapchain::fit(Extent requested) {
   return true;
 }
 
-std::optional<std::uint32_t> Swapchain::acquire(vk::Semaphore ready) try {
-  const auto [result, index] = swapchain_.acquireNextImage(0, ready);
+std::optional<std::uint32_t> Swapchain::acquire(vk::Fence ready) try {
+  const auto [result, index] = swapchain_.acquireNextImage(0, nullptr, ready);
   if (result == vk::Result::eSuboptimalKHR) state_ = State::Stale;
   if (result == vk::Result::eNotReady || result == vk::Result::eTimeout) return std::nullopt;
   return index;

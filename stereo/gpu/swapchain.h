@@ -15,8 +15,8 @@ class Swapchain {
   Swapchain(const Device& device, const vk::raii::SurfaceKHR& surface);
 
   /// Recreates the swapchain if its size is not `requested` or it no longer fits the surface. Returns whether
-  /// it did; then targets and size have changed, and the device is idle. With an extent of zero there are no
-  /// images.
+  /// it did; then targets and size have changed, acquired images are gone, and the device is idle. No fence
+  /// of `acquire` may be pending. With an extent of zero there are no images.
   [[nodiscard]] bool fit(Extent requested);
 
   /// The size of the images as granted by the surface; zero if there are no images.
@@ -30,8 +30,9 @@ class Swapchain {
   [[nodiscard]] const std::vector<Target>& targets() const { return targets_; }
 
   /// The index of the next image to draw to; signals `ready` when drawing may begin. Empty if no image is
-  /// free, or if the swapchain no longer fits (the next `fit` recreates it).
-  [[nodiscard]] std::optional<std::uint32_t> acquire(vk::Semaphore ready);
+  /// free, or if the swapchain no longer fits (the next `fit` recreates it). A fence, because a queue that
+  /// waited for a semaphore of the display would hold up all later work.
+  [[nodiscard]] std::optional<std::uint32_t> acquire(vk::Fence ready);
 
   /// Presents image `index` once `drawn` is signalled.
   void present(std::uint32_t index, vk::Semaphore drawn);

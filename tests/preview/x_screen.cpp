@@ -215,4 +215,16 @@ void XScreen::restore(WindowId window) {
   XSync(x_->display, False);
 }
 
+void XScreen::cover() {
+  XSetWindowAttributes attributes{};
+  attributes.override_redirect = True;  // no window manager moves it
+  const int screen = DefaultScreen(x_->display);
+  const ::Window cover =
+      XCreateWindow(x_->display, x_->root, 0, 0, static_cast<unsigned>(DisplayWidth(x_->display, screen)),
+                    static_cast<unsigned>(DisplayHeight(x_->display, screen)), 0, CopyFromParent, InputOutput,
+                    CopyFromParent, CWOverrideRedirect, &attributes);
+  XMapRaised(x_->display, cover);
+  XSync(x_->display, False);
+}
+
 }  // namespace farshade

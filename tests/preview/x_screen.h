@@ -53,6 +53,8 @@ class XScreen {
   void close(WindowId window);                ///< WM_DELETE_WINDOW: the cross in the frame
   void iconify(WindowId window);
   void restore(WindowId window);
+  /// Covers all windows by one that is as large as the screen.
+  void cover();
 
  private:
   struct Connection;

@@ -97,8 +97,10 @@ void widen(Controls& controls, double by_rad) {
 }
 
 void change_view(Command command, Controls& controls) {
-  const auto next = [](auto value, std::size_t count) {
-    return static_cast<decltype(value)>((static_cast<std::size_t>(value) + 1) % count);
+  const auto next = [&](auto value, std::size_t count) {
+    do value = static_cast<decltype(value)>((static_cast<std::size_t>(value) + 1) % count);
+    while (!controls.offers(value));
+    return value;
   };
   if (command == Command::NextDisplayMode) controls.display = next(controls.display, kDisplayModes.size());
   if (command == Command::NextOverlay) controls.overlay = next(controls.overlay, kOverlays.size());
@@ -211,15 +213,15 @@ std::span<const KeyBinding> key_bindings() {
   return kKeyTable;
 }
 
-std::span<const KeyHelp> key_help() {
-  static const std::vector<KeyHelp> all = [] {
-    std::vector<KeyHelp> lines{{"mouse", "drag the picture to look around"},
-                               {"W A S D", "walk; with Shift run"},
-                               {"Q E", "down, up"}};
-    for (const KeyBinding& binding : kKeyTable) lines.push_back({name_of(binding.key), binding.description});
-    return lines;
-  }();
-  return all;
+std::vector<KeyHelp> key_help(const Controls& controls) {
+  std::vector<KeyHelp> lines;
+  if (controls.offers(Command::HeadSource))
+    lines = {{"mouse", "drag the picture to look around"},
+             {"W A S D", "walk; with Shift run"},
+             {"Q E", "down, up"}};
+  for (const KeyBinding& binding : kKeyTable)
+    if (controls.offers(binding.command)) lines.push_back({name_of(binding.key), binding.description});
+  return lines;
 }
 
 LinkModel path_of(const NetworkSettings& settings, LinkModel base) {
@@ -238,6 +240,7 @@ bool Controls::take(Command command) {
 }
 
 void execute(Command command, Controls& controls, const ControlContext& context) {
+  if (!controls.offers(command)) return;
   change_view(command, controls);
   change_mode(command, controls);
   change_carry_over(command, controls);
@@ -317,7 +320,7 @@ bool inspects_pixel(const Controls& controls) {
 
 PixelReport report_for(const Controls& controls) {
   const bool needed = replaces_pictures(controls) || inspects_pixel(controls) || controls.held;
-  return needed ? PixelReport::On : PixelReport::Off;
+  return needed || controls.least_report == PixelReport::On ? PixelReport::On : PixelReport::Off;
 }
 
 }  // namespace farshade

@@ -105,9 +105,6 @@ struct KeyHelp {
   std::string keys;
   const char* description;
 };
-/// All that mouse and keys do: the head's movement and every key binding.
-[[nodiscard]] std::span<const KeyHelp> key_help();
-
 /// The tabs of the panel, in their order.
 enum class Tab : std::uint8_t { View, Masks, Scene, Record, Pixel };
 
@@ -129,8 +126,17 @@ struct Controls {
   Mode mode = Mode::Hybrid;
   std::vector<Mode> modes;  ///< that the viewer can choose, in the order of the key
   FrameSettings settings;
+  PixelReport least_report = PixelReport::Off;  ///< On: every frame reports, whatever is shown
   std::optional<GrabbedLight> grab;
   std::bitset<kCommands> pending;  ///< commands that the preview has not executed yet
+  std::bitset<kCommands> absent;   ///< commands that this run cannot carry out: they do nothing
+
+  [[nodiscard]] bool offers(Command command) const { return !absent[static_cast<std::size_t>(command)]; }
+  /// Without a reference there is no difference and no error.
+  [[nodiscard]] bool offers(DisplayMode one) const {
+    return one != DisplayMode::Difference || offers(Command::Reference);
+  }
+  [[nodiscard]] bool offers(Overlay one) const { return one != Overlay::Error || offers(Command::Reference); }
 
   /// True if `command` is pending, which it then no longer is.
   [[nodiscard]] bool take(Command command);
@@ -146,8 +152,12 @@ struct ControlContext {
   Rigid<Stage, Head> stage_from_head;
   Player* player = nullptr;
 };
-/// Changes the controls as `command` says.
+/// Changes the controls as `command` says, if they offer it.
 void execute(Command command, Controls& controls, const ControlContext& context);
+
+/// All that mouse and keys do: the head's movement and every key binding of an offered command. A run without
+/// Command::HeadSource has a head that mouse and keys do not move.
+[[nodiscard]] std::vector<KeyHelp> key_help(const Controls& controls);
 
 /// Executes the commands of the pressed keys, and moves a grabbed light.
 void apply_input(const Input& input, Controls& controls, const ControlContext& context);

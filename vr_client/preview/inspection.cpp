@@ -26,6 +26,12 @@ Image<Rgb8> seen_through(Image<Rgb8> overlay, const Image<Rgb8>& picture, double
   return overlay;
 }
 
+Image<Rgb8> overlaid(const OverlayInput& input, const Controls& controls) {
+  Image<Rgb8> picture = overlay_picture(controls.overlay, input);
+  if (!shows_through(controls.overlay)) return picture;
+  return seen_through(std::move(picture), input.shown, controls.picture_share);
+}
+
 const PerEye<Image<Rgb8>>& Inspection::shown() {
   if (read_ == Shown::NotRead) frame_.shown = renderer_->read_shown();
   read_ = Shown::Read;
@@ -43,17 +49,15 @@ PixelFacts Inspection::pixel(const FrameView& view, Side side, glm::uvec2 pixel)
 
 Image<Rgb8> Inspection::overlaid(Side side, const FrameView& view, const Controls& controls) const {
   const std::size_t eye = index_of(side);
-  Image<Rgb8> picture = overlay_picture(
-      controls.overlay, {.side = side,
-                         .view = view.shown.views[eye],
-                         .shown = frame_.shown[eye],
-                         .reference = measured_ == Measured::Yes ? &frame_.reference[eye] : nullptr,
-                         .report = frame_.report[eye],
-                         .ages = frame_.ages,
-                         .newest = view.masks.empty() ? nullptr : &view.masks[0],
-                         .light = controls.light});
-  if (!shows_through(controls.overlay)) return picture;
-  return seen_through(std::move(picture), frame_.shown[eye], controls.picture_share);
+  return farshade::overlaid({.side = side,
+                             .view = view.shown.views[eye],
+                             .shown = frame_.shown[eye],
+                             .reference = measured_ == Measured::Yes ? &frame_.reference[eye] : nullptr,
+                             .report = frame_.report[eye],
+                             .ages = frame_.ages,
+                             .newest = view.masks.empty() ? nullptr : &view.masks[0],
+                             .light = controls.light},
+                            controls);
 }
 
 void Inspection::begin(Renderer& renderer) {

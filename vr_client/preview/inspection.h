@@ -16,6 +16,9 @@ namespace farshade {
 /// brightness, so that colours remain those of the legend.
 [[nodiscard]] Image<Rgb8> seen_through(Image<Rgb8> overlay, const Image<Rgb8>& picture, double share);
 
+/// The overlay of these controls, through which the picture shines as they ask.
+[[nodiscard]] Image<Rgb8> overlaid(const OverlayInput& input, const Controls& controls);
+
 class Inspection {
  public:
   /// `renderer` has drawn a frame. Forgets the one before, and reads from this renderer from now on.

@@ -42,6 +42,15 @@ void choose(const char* name, const All& all, T& chosen, const auto& name_of_one
   ImGui::EndCombo();
 }
 
+/// Those of `all` that the controls offer.
+template <class T, std::size_t count>
+std::vector<T> offered(const std::array<T, count>& all, const Controls& controls) {
+  std::vector<T> some;
+  for (const T one : all)
+    if (controls.offers(one)) some.push_back(one);
+  return some;
+}
+
 void draw_legend(const Controls& controls, std::uint32_t lights) {
   for (const LegendEntry& entry : legend(controls.overlay, lights, controls.light)) {
     const float side = ImGui::GetTextLineHeight();
@@ -55,22 +64,28 @@ void draw_legend(const Controls& controls, std::uint32_t lights) {
 }
 
 void draw_view(Controls& controls, const PanelFacts& facts) {
-  choose("eyes", kDisplayModes, controls.display, [](DisplayMode display) { return name_of(display); });
-  choose("overlay", kOverlays, controls.overlay, [](Overlay overlay) { return name_of(overlay); });
+  choose("eyes", offered(kDisplayModes, controls), controls.display,
+         [](DisplayMode display) { return name_of(display); });
+  choose("overlay", offered(kOverlays, controls), controls.overlay,
+         [](Overlay overlay) { return name_of(overlay); });
   if (shows_through(controls.overlay)) {
     double percent = controls.picture_share * 100;
     if (slide("picture", percent, 0, kMostPictureShare * 100, "%.0f %% through"))
       controls.picture_share = percent / 100;
   }
   draw_legend(controls, static_cast<std::uint32_t>(facts.scene.lights.size()));
-  box("reference: full trace, measure", controls.reference, Command::Reference, controls, facts.context);
+  if (controls.offers(Command::Reference))
+    box("reference: full trace, measure", controls.reference, Command::Reference, controls, facts.context);
 }
 
-void draw_masks(Controls& controls, const PanelFacts& facts) {
-  choose("mode", controls.modes, controls.mode, [](Mode mode) { return name_of(mode); });
+void draw_path(Controls& controls) {
   slide("latency", controls.path.latency_ms, 0, kWorstPath.latency_ms, "%.0f ms");
   slide("jitter", controls.path.jitter_ms, 0, kWorstPath.jitter_ms, "%.0f ms");
   slide("loss", controls.path.loss_percent, 0, kWorstPath.loss_percent, "%.1f %%");
+}
+
+/// How often masks are requested, how wide, and how they are used.
+void draw_requests(Controls& controls, const PanelFacts& facts) {
   auto every = static_cast<int>(controls.settings.request.every);
   if (ImGui::SliderInt("masks", &every, 0, static_cast<int>(kRarestMasks),
                        every == 0 ? "as often as needed" : "in 1 of %d frames", ImGuiSliderFlags_AlwaysClamp))
@@ -86,7 +101,16 @@ void draw_masks(Controls& controls, const PanelFacts& facts) {
   ImGui::SameLine();
   box("band on", controls.settings.request.guard_band == GuardBandUse::Measured, Command::GuardBand, controls,
       facts.context);
-  ImGui::SameLine();
+}
+
+void draw_masks(Controls& controls, const PanelFacts& facts) {
+  if (controls.offers(Command::NextMode))
+    choose("mode", controls.modes, controls.mode, [](Mode mode) { return name_of(mode); });
+  if (controls.offers(Command::WorsePath)) draw_path(controls);
+  if (controls.offers(Command::GuardBand)) {
+    draw_requests(controls, facts);
+    ImGui::SameLine();
+  }
   box("ask whole", controls.settings.request.asks == Asks::Whole, Command::AskWhole, controls, facts.context);
   choose("predictor", kPredictorKinds, controls.settings.request.predictor,
          [](PredictorKind kind) { return to_string(kind); });
@@ -162,6 +186,7 @@ void draw_recording(Controls& controls, const PanelFacts& facts) {
   button("screenshot", Command::Screenshot, controls, facts.context);
   ImGui::SameLine();
   box("head", facts.recording_head, Command::RecordHead, controls, facts.context);
+  if (!controls.offers(Command::RecordCapture)) return;
   ImGui::SameLine();
   box("capture", facts.writing_capture, Command::RecordCapture, controls, facts.context);
   ImGui::SameLine();
@@ -175,9 +200,9 @@ void fix_column(const auto& texts) {
   ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthFixed, width);
 }
 
-/// Every key in two columns of `rows` lines.
-void draw_keys(std::size_t rows) {
-  const std::span<const KeyHelp> all = key_help();
+/// These keys in two columns.
+void draw_keys(std::span<const KeyHelp> all) {
+  const std::size_t rows = (all.size() + 1) / 2;
   for (std::size_t first = 0; first < all.size(); first += rows) {
     std::vector<std::string> keys, descriptions;
     for (const KeyHelp& help : all.subspan(first, std::min(rows, all.size() - first))) {
@@ -210,7 +235,7 @@ void draw_help(Controls& controls, const PanelFacts& facts) {
                    ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse |
                        ImGuiWindowFlags_HorizontalScrollbar) &&
       ImGui::BeginTable("keys", 4, ImGuiTableFlags_SizingFixedFit)) {
-    draw_keys((key_help().size() + 1) / 2);
+    draw_keys(key_help(controls));
     ImGui::EndTable();
   }
   ImGui::End();
@@ -256,6 +281,7 @@ void draw_tabs(Controls& controls, const PanelFacts& facts) {
   tab("masks", Tab::Masks, controls, [&] { draw_masks(controls, facts); });
   tab("scene", Tab::Scene, controls, [&] {
     draw_lights(controls, facts);
+    if (!controls.offers(Command::HeadSource)) return;
     ImGui::Separator();
     draw_head(controls, facts);
   });
@@ -284,7 +310,7 @@ void draw_panel(Controls& controls, const PanelFacts& facts) {
     ImGui::TextWrapped("%s", facts.server.c_str());
     if (!facts.note.empty()) ImGui::TextWrapped("%s", facts.note.c_str());
     ImGui::TextDisabled("F1: keys   Tab: hide the panel");
-    draw_time(controls, facts);
+    if (controls.offers(Command::HoldFrame)) draw_time(controls, facts);
     ImGui::PushItemWidth(ImGui::GetContentRegionAvail().x * 0.62f);
     draw_figures(facts.history, controls);
     draw_tabs(controls, facts);

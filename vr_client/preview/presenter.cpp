@@ -1,7 +1,5 @@
 #include "vr_client/preview/presenter.h"
 
-#include <stdexcept>
-
 namespace farshade {
 namespace {
 
@@ -9,6 +7,9 @@ using Layout = vk::ImageLayout;
 
 /// The device draws one frame while the next is recorded.
 constexpr std::uint32_t kFlights = 2;
+
+/// The display gives an acquired image back within this time, or never.
+constexpr std::uint64_t kLongestAcquire_ns = 1'000'000'000;
 
 }  // namespace
 
@@ -18,19 +19,20 @@ Presenter::Presenter(const gpu::Device& device, Window& window, const gpu::Image
       surface_(window.make_surface(device.instance)),
       swapchain_(device, surface_),
       compose_(std::in_place, device, eyes, swapchain_.format()),
-      panel_(device, window, swapchain_.format()) {
+      panel_(device, window, swapchain_.format()),
+      image_free_(device.logical.createFence({})) {
   auto commands = device.logical.allocateCommandBuffers({.commandPool = *device.commands,
                                                          .level = vk::CommandBufferLevel::ePrimary,
                                                          .commandBufferCount = kFlights});
   for (auto& buffer : commands)
-    flights_.push_back({std::move(buffer),
-                        device.logical.createFence({.flags = vk::FenceCreateFlagBits::eSignaled}),
-                        device.logical.createSemaphore({})});
+    flights_.push_back(
+        {std::move(buffer), device.logical.createFence({.flags = vk::FenceCreateFlagBits::eSignaled})});
 }
 
 Presenter::~Presenter() {
   try {
     device_.logical.waitIdle();
+    if (acquired_) static_cast<void>(device_.logical.waitForFences(*image_free_, true, kLongestAcquire_ns));
   } catch (const vk::SystemError&) {
     // The device is lost. The call that lost it has thrown already.
   }
@@ -38,20 +40,32 @@ Presenter::~Presenter() {
 
 void Presenter::fit_to_window() {
   if (!swapchain_.fit(window_.framebuffer_size())) return;
+  acquired_.reset();
   drawn_.clear();
   for (std::size_t i = 0; i < swapchain_.targets().size(); ++i)
     drawn_.push_back(device_.logical.createSemaphore({}));
 }
 
-Presenter::Outcome Presenter::show(const Composition& composition, const std::function<void()>& draw_panel) {
+void Presenter::acquire() {
+  device_.logical.resetFences(*image_free_);
+  acquired_ = swapchain_.acquire(*image_free_);
+}
+
+/// The index of an image that may be drawn to, if there is one now.
+std::optional<std::uint32_t> Presenter::free_image() {
+  if (acquired_ && image_free_.getStatus() == vk::Result::eNotReady) return std::nullopt;
   fit_to_window();
-  const Extent size = swapchain_.size();
-  if (size.pixels() == 0) return Outcome::NotNow;
+  if (swapchain_.size().pixels() == 0) return std::nullopt;
+  if (!acquired_) acquire();
+  return acquired_ && image_free_.getStatus() == vk::Result::eSuccess ? acquired_ : std::nullopt;
+}
+
+Presenter::Outcome Presenter::show(const Composition& composition, const std::function<void()>& draw_panel) {
   const Flight& flight = flights_[next_flight_];
-  if (device_.logical.waitForFences(*flight.done, true, gpu::kGpuTimeout_ns) != vk::Result::eSuccess)
-    throw std::runtime_error("vkWaitForFences: the device did not finish within 30 s");
-  const auto index = swapchain_.acquire(*flight.image_ready);
+  if (flight.done.getStatus() != vk::Result::eSuccess) return Outcome::NotNow;
+  const auto index = free_image();
   if (!index) return Outcome::NotNow;
+  const Extent size = swapchain_.size();
   const gpu::Swapchain::Target& target = swapchain_.targets()[*index];
   flight.commands.reset();
   flight.commands.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
@@ -65,17 +79,14 @@ Presenter::Outcome Presenter::show(const Composition& composition, const std::fu
   flight.commands.end();
   submit(flight, *drawn_[*index]);
   swapchain_.present(*index, *drawn_[*index]);
+  acquire();  // ahead, because drivers signal the fence some time later
   next_flight_ = (next_flight_ + 1) % flights_.size();
   return Outcome::Shown;
 }
 
 void Presenter::submit(const Flight& flight, vk::Semaphore drawn) const {
-  const vk::PipelineStageFlags all = vk::PipelineStageFlagBits::eAllCommands;
   device_.logical.resetFences(*flight.done);
-  device_.queue.submit(vk::SubmitInfo{.waitSemaphoreCount = 1,
-                                      .pWaitSemaphores = &*flight.image_ready,
-                                      .pWaitDstStageMask = &all,
-                                      .commandBufferCount = 1,
+  device_.queue.submit(vk::SubmitInfo{.commandBufferCount = 1,
                                       .pCommandBuffers = &*flight.commands,
                                       .signalSemaphoreCount = 1,
                                       .pSignalSemaphores = &drawn},

@@ -1,4 +1,5 @@
-/// Presenter: composes two pictures and the panel into the window. It does not wait for the display.
+/// Presenter: composes two pictures and the panel into the window. It waits neither for the display nor,
+/// while it shows, for the device: a frame for which there is no free image is not shown.
 #pragma once
 
 #include <optional>
@@ -22,7 +23,8 @@ class Presenter {
   /// has finished all work.
   void take_eyes(const gpu::Image& eyes) { compose_.emplace(device_, eyes, swapchain_.format()); }
 
-  /// NotNow: nothing was drawn, because the window is minimised or the display still uses all images.
+  /// NotNow: nothing was drawn, because the window is minimised, or the display still uses all images, or the
+  /// device has not finished the frame before the last.
   enum class Outcome : std::uint8_t { Shown, NotNow };
 
   /// Shows the composition, and above it the panel that `draw_panel` drew with ImGui. `draw_panel` is called
@@ -40,9 +42,10 @@ class Presenter {
   struct Flight {
     vk::raii::CommandBuffer commands;
     vk::raii::Fence done;
-    vk::raii::Semaphore image_ready;
   };
   void fit_to_window();
+  void acquire();
+  [[nodiscard]] std::optional<std::uint32_t> free_image();
   void submit(const Flight& flight, vk::Semaphore drawn) const;
 
   const gpu::Device& device_;
@@ -53,6 +56,8 @@ class Presenter {
   std::optional<ComposePass> compose_;  ///< always set
   PanelLayer panel_;
   std::vector<vk::raii::Semaphore> drawn_;  ///< one per swapchain image
+  vk::raii::Fence image_free_{nullptr};     ///< the acquired image may be drawn to
+  std::optional<std::uint32_t> acquired_;   ///< the image that `image_free_` is for
   std::vector<Flight> flights_;
   std::size_t next_flight_ = 0;
 };

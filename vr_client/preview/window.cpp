@@ -17,10 +17,6 @@
 namespace farshade {
 namespace {
 
-constexpr const char* kCure =
-    "run it in a desktop session, through `ssh -X` or under `xvfb-run -a`, or omit --preview to write "
-    "pictures to out/";
-
 bool is_set(const char* variable) {
   const char* value = std::getenv(variable);
   return value != nullptr && *value != '\0';
@@ -130,12 +126,13 @@ Window& owner_of(GLFWwindow* window) {
 
 }  // namespace
 
-Expected<std::unique_ptr<Window>> open_window(const std::string& title, const SizeOnDesktop& size) {
+Expected<std::unique_ptr<Window>> open_window(const std::string& title, const SizeOnDesktop& size,
+                                              const std::string& cure) {
   if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY"))
     return fail(Fault::Missing, std::string("cannot open a window: there is no desktop (neither DISPLAY nor "
                                             "WAYLAND_DISPLAY is set); ") +
-                                    kCure);
-  if (!glfwInit()) return fail(Fault::Missing, "cannot open a window: " + last_error() + "; " + kCure);
+                                    cure);
+  if (!glfwInit()) return fail(Fault::Missing, "cannot open a window: " + last_error() + "; " + cure);
   glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
   GLFWwindow* const window =
@@ -144,7 +141,7 @@ Expected<std::unique_ptr<Window>> open_window(const std::string& title, const Si
   if (!window) {
     const std::string words = last_error();
     glfwTerminate();
-    return fail(Fault::Missing, "cannot open a window: " + words + "; " + kCure);
+    return fail(Fault::Missing, "cannot open a window: " + words + "; " + cure);
   }
   place_and_show(window, size);
   return std::unique_ptr<Window>(new Window(window));

@@ -18,13 +18,19 @@ namespace farshade {
 
 class Window;
 
+/// What a user can do who has no desktop.
+inline constexpr const char* kPreviewCure =
+    "run it in a desktop session, through `ssh -X` or under `xvfb-run -a`, or omit --preview to write "
+    "pictures to out/";
+
 /// Chooses the size of a new window, pixels.
 using SizeOnDesktop = std::function<Extent(const Desktop&)>;
 
 /// Opens and shows a window in the middle of the primary monitor's work area. Missing, with a cure, if there
 /// is no desktop; without DISPLAY and WAYLAND_DISPLAY the function does not try. Only one window may exist.
 [[nodiscard]] Expected<std::unique_ptr<Window>> open_window(const std::string& title,
-                                                            const SizeOnDesktop& size);
+                                                            const SizeOnDesktop& size,
+                                                            const std::string& cure = kPreviewCure);
 
 class Window {
  public:
@@ -58,7 +64,8 @@ class Window {
   void begin_panel();
 
  private:
-  friend Expected<std::unique_ptr<Window>> open_window(const std::string& title, const SizeOnDesktop& size);
+  friend Expected<std::unique_ptr<Window>> open_window(const std::string& title, const SizeOnDesktop& size,
+                                                       const std::string& cure);
   explicit Window(GLFWwindow* window);
   void on_key(int key, int action);
   void on_mouse_button(int button, int action);

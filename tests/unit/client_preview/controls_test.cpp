@@ -73,9 +73,32 @@ TEST_F(ControlsTest, DisplayModesAndOverlaysCycle) {
 
 TEST(KeyHelp, HasEveryKeyOnce) {
   std::set<std::string> keys;
-  for (const KeyHelp& help : key_help()) EXPECT_TRUE(keys.insert(help.keys).second) << help.keys;
+  for (const KeyHelp& help : key_help({})) EXPECT_TRUE(keys.insert(help.keys).second) << help.keys;
   EXPECT_EQ(keys.size(), key_bindings().size() + 3);
   for (const KeyBinding& binding : key_bindings()) EXPECT_TRUE(keys.contains(name_of(binding.key)));
+}
+
+TEST_F(ControlsTest, CommandsThatTheRunLacksDoNothing) {
+  controls_.absent.set(static_cast<std::size_t>(Command::Reference));
+  controls_.absent.set(static_cast<std::size_t>(Command::HeadSource));
+  controls_.absent.set(static_cast<std::size_t>(Command::Screenshot));
+  for (const Command command : {Command::Reference, Command::HeadSource, Command::Screenshot})
+    execute(command);
+  EXPECT_FALSE(controls_.reference);
+  EXPECT_EQ(controls_.head, HeadSource::Simulated);
+  EXPECT_TRUE(controls_.pending.none());
+  for (std::size_t i = 0; i < 2 * kOverlays.size(); ++i, execute(Command::NextOverlay)) {
+    EXPECT_FALSE(needs_reference(controls_)) << name_of(controls_.overlay);
+    execute(Command::NextDisplayMode);
+  }
+  const std::vector<KeyHelp> keys = key_help(controls_);
+  EXPECT_EQ(keys.size(), key_bindings().size() - 3) << "three commands less, and no keys for the head";
+}
+
+TEST_F(ControlsTest, ARunThatMeasuresReportsEveryFrame) {
+  EXPECT_EQ(report_for(controls_), PixelReport::Off);
+  controls_.least_report = PixelReport::On;
+  EXPECT_EQ(report_for(controls_), PixelReport::On);
 }
 
 TEST_F(ControlsTest, ThePictureShinesThroughInSteps) {

@@ -28,5 +28,22 @@ TEST(Device, OneThatDoesNotFinishInTimeIsLostAndAnotherCanBeOpened) {
   write_much(device);
 }
 
+TEST(Device, OneThatCannotPresentIsRefusedUnlessPresentingIsOnlyWished) {
+  if (!open_device({})) GTEST_SKIP() << "no Vulkan device";
+  const Presentation nowhere{.instance_extensions = {"VK_KHR_surface"},
+                             .can_present = [](auto...) { return false; }};
+  const Presentation unknown{.instance_extensions = {"VK_FARSHADE_no_such_extension"},
+                             .can_present = [](auto...) { return true; }};
+  for (const Presentation& presentation : {nowhere, unknown}) {
+    DeviceOptions options;
+    options.presentation = presentation;
+    EXPECT_FALSE(open_device(options)) << presentation.instance_extensions[0];
+    options.presentation->need = Need::Wished;
+    const Expected<Device> device = open_device(options);
+    ASSERT_TRUE(device) << device.error().what;
+    EXPECT_FALSE(device->presents);
+  }
+}
+
 }  // namespace
 }  // namespace farshade::gpu
