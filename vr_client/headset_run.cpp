@@ -167,8 +167,12 @@ Expected<void> show(const Options& options, Client& client, HeadsetRuntime& runt
                            .policy = policy};
   const Expected<void> shown = run_frames(context, watch, stop);
   const Expected<void> ended = runtime.finish();
-  spdlog::info("the headset showed {} frames and skipped {}; its session was {}",
-               runtime.counters().submitted, runtime.counters().empty, runtime.history());
+  const HeadsetRuntime::Counters& counters = runtime.counters();
+  spdlog::info("the headset showed {} frames and skipped {}; its session was {}", counters.submitted,
+               counters.empty, runtime.history());
+  if (counters.submitted > 0)
+    spdlog::info("copying pictures to the headset took {:.2f} ms a frame",
+                 ms_of(counters.copying) / static_cast<double>(counters.submitted));
   return shown ? ended : shown;
 }
 

@@ -387,7 +387,9 @@ void HeadsetRuntime::Parts::end_frame() {
     copies.push_back({shown.image, shown.first_layer, vk::ImageLayout::eShaderReadOnlyOptimal, *depth,
                       vk::ImageLayout::eDepthStencilAttachmentOptimal});
   }
+  const Stopwatch watch;
   copy_.copy(copies, setup_.eye_size);
+  counters.copying += watch.elapsed();
   if (!fine(pictures.release(), "xrReleaseSwapchainImage") ||
       (depths && !fine(depths->release(), "xrReleaseSwapchainImage")))
     return;

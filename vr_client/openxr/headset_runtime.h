@@ -90,6 +90,7 @@ class HeadsetRuntime final : public Runtime {
   struct Counters {
     std::uint64_t submitted = 0;  ///< frames with a picture
     std::uint64_t empty = 0;      ///< frames without one, which the runtime did not show
+    Duration copying{};           ///< pictures and depth into the runtime's images, all frames together
   };
   [[nodiscard]] const Counters& counters() const;
   /// The states of the session in their order, for example "idle, ready, synchronized, visible, focused".
