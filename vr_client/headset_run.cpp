@@ -156,6 +156,12 @@ Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stage
   return client;
 }
 
+MaskPolicy live_policy(const Options& options, const Client& client) {
+  return {.pace = Pace::Real,
+          .round_trip = client.round_trip,
+          .mask_wait = duration_from_ms(options.mask_wait_ms)};
+}
+
 /// Runs the frame loop. A device that is lost is an error like any other, so that what the frames so far have
 /// left is written.
 Expected<void> run_frames(const RunContext& context, const FrameWatcher& watch,
@@ -245,9 +251,7 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
   stages.end("headset");
   if (auto done = open_link(options, client, report.listener()); !done) return done;
   if (client.link) client.link->give_up_when([&stop] { return stop.has_come(); });
-  const MaskPolicy policy{.pace = Pace::Real,
-                          .round_trip = client.round_trip,
-                          .mask_wait = duration_from_ms(options.mask_wait_ms)};
+  const MaskPolicy policy = live_policy(options, client);
   if (auto done = report.open(policy); !done) return done;
   stages.end("server");
 
