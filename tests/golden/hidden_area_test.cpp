@@ -10,8 +10,8 @@
 namespace farshade {
 namespace {
 
-constexpr double kOneDegree = std::numbers::pi / 180;
-constexpr std::uint32_t kSide_px = 256;
+constexpr double kLensDegree = std::numbers::pi / 180;
+constexpr std::uint32_t kLensSide_px = 256;
 constexpr double kLens_tan = 0.55;  ///< of the seen circle's edge
 /// The edge is a polygon, and pixels have a size: pixels at the edge are not looked at.
 constexpr double kUnsure_tan = 0.006;
@@ -55,12 +55,12 @@ double share(const StereoView& views,
 class HiddenAreas : public OnLavapipe {
  protected:
   /// Every side of the room is a surface.
-  TestRig rig_{device_, bundled("room.glb"), kSide_px};
+  TestRig rig_{device_, bundled("room.glb"), kLensSide_px};
 };
 
 TEST_F(HiddenAreas, HaveNoSurfaceAndLeaveAllOtherPixelsAsTheyAre) {
   const StereoView views = rig_.eyes(rig_.head());
-  const Mask mask = rig_.ask(kTraced, rig_.eyes(moved(rig_.head(), kOneDegree, {0.01, 0, 0})));
+  const Mask mask = rig_.ask(kTraced, rig_.eyes(moved(rig_.head(), kLensDegree, {0.01, 0, 0})));
   const Shown whole = rig_.show(views, {mask.traced_mask()});
   rig_.hide(lenses());
   const Shown seen = rig_.show(views, {mask.traced_mask()});
@@ -68,7 +68,7 @@ TEST_F(HiddenAreas, HaveNoSurfaceAndLeaveAllOtherPixelsAsTheyAre) {
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     std::size_t wrong_hidden = 0, wrong_seen = 0, hidden = 0, seen_count = 0;
     for_pixels(views[eye].size, [&](std::uint32_t x, std::uint32_t y) {
-      const std::size_t i = std::size_t{y} * kSide_px + x;
+      const std::size_t i = std::size_t{y} * kLensSide_px + x;
       if (is_hidden(views[eye], x, y)) {
         ++hidden;
         wrong_hidden += seen.reports[eye].sources[i] != kSourceUncovered || distance[eye].pixels[i] != 0 ||
@@ -96,7 +96,7 @@ TEST_F(HiddenAreas, FollowAFieldOfViewThatChanges) {
   const PerEye<Image<float>> distance = rig_.renderer().read_distance();
   EXPECT_EQ(share(views,
                   [&](std::size_t eye, std::uint32_t x, std::uint32_t y) {
-                    const bool has_surface = distance[eye].pixels[std::size_t{y} * kSide_px + x] > 0;
+                    const bool has_surface = distance[eye].pixels[std::size_t{y} * kLensSide_px + x] > 0;
                     return (is_hidden(views[eye], x, y) && has_surface) ||
                            (is_seen(views[eye], x, y) && !has_surface);
                   }),
@@ -105,12 +105,12 @@ TEST_F(HiddenAreas, FollowAFieldOfViewThatChanges) {
 
 TEST_F(HiddenAreas, AreNotAskedFor) {
   const StereoView before = rig_.eyes(rig_.head());
-  const StereoView views = rig_.eyes(moved(rig_.head(), 3 * kOneDegree, {0.05, 0, 0}));
+  const StereoView views = rig_.eyes(moved(rig_.head(), 3 * kLensDegree, {0.05, 0, 0}));
   const Mask base = rig_.ask(kTraced, before);
   const CarriedOver whole = rig_.carry(kNow, views, base).value();
   rig_.hide(lenses());
   const CarriedOver seen = rig_.carry(kNow, views, base).value();
-  const double surely = std::tan(std::atan(kLens_tan) + (kLeastTurn_deg + 1.5) * kOneDegree);
+  const double surely = std::tan(std::atan(kLens_tan) + (kLeastTurn_deg + 1.5) * kLensDegree);
   const auto asked = [&](const CarriedOver& carried) {
     return [&](std::size_t eye, std::uint32_t x, std::uint32_t y) {
       return asked_bits(carried.asked, eye, views[eye].size, {x, y}) != 0;
@@ -148,12 +148,12 @@ TEST_F(HiddenAreas, LeaveMasksKnownWhereTheEyesTurnTo) {
   rig_.hide(lenses(0.45));
   static_cast<void>(rig_.carry(kTraced, traced, base));  // keeps the depth of what is not hidden
   const Mask mask = rig_.trace(kTraced, traced);
-  for (const double yaw_rad : {1.8 * kOneDegree, -1.8 * kOneDegree}) {
+  for (const double yaw_rad : {1.8 * kLensDegree, -1.8 * kLensDegree}) {
     const StereoView views = rig_.eyes(moved(rig_.head(), yaw_rad, {}));
     const Shown seen = rig_.show(views, {mask.traced_mask()}, kPlainCarryOver);
     const auto is_unknown = [&](std::size_t eye, std::uint32_t x, std::uint32_t y) {
       return is_seen(views[eye], x, y, 0.45) && distance_from_axis(views[eye], x, y) > 0.42 &&
-             seen.reports[eye].sources[std::size_t{y} * kSide_px + x] == kSourceUnknown;
+             seen.reports[eye].sources[std::size_t{y} * kLensSide_px + x] == kSourceUnknown;
     };
     EXPECT_LT(share(views, is_unknown), 0.001);
   }
@@ -192,8 +192,9 @@ class HiddenAreasOfModes : public OnLavapipe, public testing::WithParamInterface
 
 TEST_P(HiddenAreasOfModes, AreThoseOfTheRuntime) {
   const Scene scene = bundled("room.glb");
-  Renderer renderer(device_, scene, RendererLimits{{kSide_px, kSide_px}, {kSide_px, kSide_px}, 2});
-  const StereoView views = eyes_of(head_at_camera(scene), kSide_px);
+  Renderer renderer(device_, scene,
+                    RendererLimits{{kLensSide_px, kLensSide_px}, {kLensSide_px, kLensSide_px}, 2});
+  const StereoView views = eyes_of(head_at_camera(scene), kLensSide_px);
   OneFrame runtime(views);
   const FrameSettings settings;
   const RunContext context{.scene = scene,
@@ -206,7 +207,7 @@ TEST_P(HiddenAreasOfModes, AreThoseOfTheRuntime) {
       context, *make_pipeline(context), [](const FrameView&) {}, [] { return false; }));
   const PerEye<Image<float>> distance = renderer.read_distance();
   EXPECT_EQ(distance[0].pixels[0], 0);
-  EXPECT_GT(distance[0].pixels[kSide_px * kSide_px / 2 + kSide_px / 2], 0);
+  EXPECT_GT(distance[0].pixels[kLensSide_px * kLensSide_px / 2 + kLensSide_px / 2], 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(ThatDraw, HiddenAreasOfModes, testing::Values(Mode::Hybrid, Mode::Local, Mode::Full),

@@ -10,8 +10,8 @@
 namespace farshade::openxr {
 namespace {
 
-Expected<void> get(const Instance& instance, XrSession session, std::uint32_t view,
-                   XrVisibilityMaskKHR& mask) {
+Expected<void> get_mask(const Instance& instance, XrSession session, std::uint32_t view,
+                        XrVisibilityMaskKHR& mask) {
   const XrResult result =
       call<PFN_xrGetVisibilityMaskKHR>(instance.handle(), "xrGetVisibilityMaskKHR", session, kViews, view,
                                        XR_VISIBILITY_MASK_TYPE_HIDDEN_TRIANGLE_MESH_KHR, &mask);
@@ -20,7 +20,7 @@ Expected<void> get(const Instance& instance, XrSession session, std::uint32_t vi
 
 Expected<HiddenArea> read_hidden_of(const Instance& instance, XrSession session, std::uint32_t view) {
   XrVisibilityMaskKHR mask{XR_TYPE_VISIBILITY_MASK_KHR, nullptr, 0, 0, nullptr, 0, 0, nullptr};
-  if (auto done = get(instance, session, view, mask); !done) return tl::unexpected(done.error());
+  if (auto done = get_mask(instance, session, view, mask); !done) return tl::unexpected(done.error());
   if (mask.vertexCountOutput > kMostMaskVertices || mask.indexCountOutput > kMostMaskIndices)
     return fail(Fault::Unsupported, fmt::format("it has {} vertices and {} indices", mask.vertexCountOutput,
                                                 mask.indexCountOutput));
@@ -29,7 +29,7 @@ Expected<HiddenArea> read_hidden_of(const Instance& instance, XrSession session,
   std::vector<std::uint32_t> indices(mask.indexCountOutput);
   mask = {XR_TYPE_VISIBILITY_MASK_KHR, nullptr, mask.vertexCountOutput, 0, vertices.data(),
           mask.indexCountOutput,       0,       indices.data()};
-  if (auto done = get(instance, session, view, mask); !done) return tl::unexpected(done.error());
+  if (auto done = get_mask(instance, session, view, mask); !done) return tl::unexpected(done.error());
   vertices.resize(std::min<std::size_t>(vertices.size(), mask.vertexCountOutput));
   indices.resize(std::min<std::size_t>(indices.size(), mask.indexCountOutput));
   return hidden_area_of(vertices, indices);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kOneDegree = std::numbers::pi / 180;
 constexpr double kInner_tan = 0.9, kOuter_tan = 1.6;
-constexpr int kSides = 64;
+constexpr int kRingSides = 64;
 
 glm::dvec2 at(double angle, double radius) {
   return {radius * std::cos(angle), radius * std::sin(angle)};
@@ -21,8 +21,9 @@ glm::dvec2 at(double angle, double radius) {
 /// What a round lens hides: a ring about the axis.
 HiddenArea ring() {
   HiddenArea area;
-  for (int i = 0; i < kSides; ++i) {
-    const double from = 2 * std::numbers::pi * i / kSides, to = 2 * std::numbers::pi * (i + 1) / kSides;
+  for (int i = 0; i < kRingSides; ++i) {
+    const double from = 2 * std::numbers::pi * i / kRingSides,
+                 to = 2 * std::numbers::pi * (i + 1) / kRingSides;
     for (const glm::dvec2& corner : {at(from, kInner_tan), at(from, kOuter_tan), at(to, kOuter_tan),
                                      at(from, kInner_tan), at(to, kOuter_tan), at(to, kInner_tan)})
       area.corners.emplace_back(corner);
