@@ -27,7 +27,8 @@ layout(std430, binding = 2) readonly buffer Quads { uint quad_words[]; };
 layout(binding = 3) uniform sampler2DArray depth_ring;
 // For each eye: planes of rows of whole blocks, words of kWordBytes each.
 layout(std430, binding = 4) writeonly buffer Carried { uint carried[]; };
-// For each eye and block the shares of the lights (stereo/frame/asked_blocks.h) that are unknown.
+// For each eye and block the shares of the lights (stereo/frame/asked_blocks.h) that are unknown, and
+// FARSHADE_CARRY_COVERED.
 layout(std430, binding = 5) writeonly buffer Unknown { uint unknown[]; };
 
 const uint kPlanes = FARSHADE_PLANES(kLights), kSide = FARSHADE_BLOCK_PX;
@@ -93,7 +94,7 @@ void read_depth(uvec2 block, uint y, out vec4 upper, out vec4 lower) {
   lower = vec4(left.xy, right.xy);
 }
 
-// Carries row `y` of a block. Returns the shares that are unknown.
+// Carries row `y` of a block. Returns the shares that are unknown, and FARSHADE_CARRY_COVERED.
 uint carry_row(uvec2 block, uvec2 blocks, uvec2 size, uint y, vec4 depths) {
   SourceData source = frame.sources[shown_eye * FARSHADE_MAX_SOURCES];
   vec4 window = frame.eye[shown_eye].window.origin_step;
@@ -111,6 +112,7 @@ uint carry_row(uvec2 block, uvec2 blocks, uvec2 size, uint y, vec4 depths) {
     row[x] = find(source, window, center, depth);
     position[x] = mat3(frame.eye[shown_eye].stage_from_eye) *
                   (vec3(window.xy + center * window.zw, -1.0) * (kNear / max(depth, 1e-30)));
+    missing |= covered[x] ? FARSHADE_CARRY_COVERED : 0u;
     missing |= covered[x] && !row[x].seen ? all_shares : 0u;
   }
   [[unroll]] for (uint plane = 0; plane < kPlanes; ++plane) {

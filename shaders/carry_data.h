@@ -4,6 +4,9 @@
 
 #define FARSHADE_CARRY_GROUP 64  // invocations of a workgroup, one block each
 
+// In the word of a block, above the shares: some pixel of it has a surface.
+#define FARSHADE_CARRY_COVERED 0x100u
+
 // Ids of the specialisation constants.
 #define FARSHADE_CARRY_LIGHTS 0
 #define FARSHADE_CARRY_WORD_BYTES 1  // of a mask

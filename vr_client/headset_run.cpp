@@ -44,17 +44,18 @@ class HeadsetReport {
   [[nodiscard]] LinkListener listener() { return captures() ? capture_.listener() : LinkListener{}; }
   [[nodiscard]] Expected<void> open(const MaskPolicy& policy) {
     silence_.emplace(to_string(client_.server), client_.link && client_.link->counters().sessions == 0);
-    if (auto written = timeline_.write(options_.timeline); !written) return written;
-    return captures() ? capture_.open(options_.record, header_of(options_, client_, policy))
-                      : Expected<void>{};
+    policy_ = policy;
+    return timeline_.write(options_.timeline);
   }
 
-  void watch(const FrameView& view) {
+  /// `refresh_hz`: of the display.
+  void watch(const FrameView& view, double refresh_hz) {
+    refresh_hz_ = refresh_hz;
     if (frames_++ == 0) {
+      if (captures()) opened_ = capture_.open(options_.record, header_of(at_display(), client_, policy_));
       stages_.end("first frame");
       spdlog::info("the first frame was shown after {}", stages_.in_words());
     }
-    period_ = view.timing.period;
     if (captures() && !capture_.failed()) capture_.watch(view, client_.renderer->read_shown());
     if (report_) report_->watch(view);
     if (!options_.record_head.empty()) head_.add(view.shown.display_time, view.shown.views);
@@ -64,13 +65,14 @@ class HeadsetReport {
       spdlog::warn(*news);
   }
   [[nodiscard]] std::uint32_t frames() const { return frames_; }
-  [[nodiscard]] bool failed() const { return report_ && report_->failed(); }
+  [[nodiscard]] bool failed() const { return !opened_ || (report_ && report_->failed()); }
   /// Whether it showed as many frames as --frames says.
   [[nodiscard]] bool is_complete() const { return !options_.frames || frames_ >= *options_.frames; }
 
   /// Writes everything, also after a run that failed. Returns the first failure.
   [[nodiscard]] Expected<void> finish(const HeadsetSystem& system) {
     Expected<void> done = capture_.finish();
+    if (!opened_) done = opened_;
     if (!options_.record_head.empty())
       if (auto written = head_.write(options_.record_head); done) done = written;
     if (auto written = timeline_.write(options_.timeline); done) done = written;
@@ -86,10 +88,14 @@ class HeadsetReport {
 
  private:
   [[nodiscard]] bool captures() const { return !options_.record.empty(); }
-  [[nodiscard]] Expected<void> summarize_frames(const HeadsetSystem& system) const {
+  /// The options with the refresh rate of the display.
+  [[nodiscard]] Options at_display() const {
     Options options = options_;
-    options.refresh_hz = 1 / seconds_of(period_);
-    return summarize(options, client_,
+    options.refresh_hz = refresh_hz_;
+    return options;
+  }
+  [[nodiscard]] Expected<void> summarize_frames(const HeadsetSystem& system) const {
+    return summarize(at_display(), client_,
                      FinishedRun{.log = report_->log(),
                                  .silence = *silence_,
                                  .interrupted = !is_complete(),
@@ -105,12 +111,20 @@ class HeadsetReport {
   std::optional<RunReport> report_;
   std::optional<Silence> silence_;
   std::uint32_t frames_ = 0;
-  Duration period_ = std::chrono::milliseconds(11);  ///< of the last frame
+  MaskPolicy policy_;
+  double refresh_hz_ = 90;   ///< at the last frame
+  Expected<void> opened_{};  ///< the capture, at the first frame: its header states the refresh rate
 };
 
 /// Whether the run measures frames, for which every frame reports.
 PixelReport report_of(const Options& options) {
   return options.reference_every > 0 || !options.dump.empty() ? PixelReport::On : PixelReport::Off;
+}
+
+/// Whether what the lenses hide is left out. A capture and the comparison with references are about all
+/// pixels.
+bool hides(const Options& options) {
+  return options.record.empty() && options.reference_every == 0;
 }
 
 /// The options of a run in this headset. `window` may be null.
@@ -140,6 +154,12 @@ Expected<std::unique_ptr<Client>> open_for(const Options& options, Stages& stage
   if (auto done = tracing.get(); !done) return tl::unexpected(done.error());
   stages.end("tracers");
   return client;
+}
+
+MaskPolicy live_policy(const Options& options, const Client& client) {
+  return {.pace = Pace::Real,
+          .round_trip = client.round_trip,
+          .mask_wait = duration_from_ms(options.mask_wait_ms)};
 }
 
 /// Runs the frame loop. A device that is lost is an error like any other, so that what the frames so far have
@@ -229,20 +249,19 @@ Expected<void> run_headset(const Options& given, HeadsetSystem& system, StopSign
            },
        .depth = draws_scene(options.mode.mode) ? depth : std::function<HeadsetDepth()>{},
        .follow_hands =
-           [&](const ViewerInput& input) { return follow_hands(input, controllers, controls, lights); }});
+           [&](const ViewerInput& input) { return follow_hands(input, controllers, controls, lights); },
+       .hides = hides(options)});
   if (!runtime) return tl::unexpected(runtime.error());
   stages.end("headset");
   if (auto done = open_link(options, client, report.listener()); !done) return done;
   if (client.link) client.link->give_up_when([&stop] { return stop.has_come(); });
-  const MaskPolicy policy{.pace = Pace::Real,
-                          .round_trip = client.round_trip,
-                          .mask_wait = duration_from_ms(options.mask_wait_ms)};
+  const MaskPolicy policy = live_policy(options, client);
   if (auto done = report.open(policy); !done) return done;
   stages.end("server");
 
   const auto watch = [&](const FrameView& view) {
     lights = view.state.light_set;
-    report.watch(view);
+    report.watch(view, (*runtime)->refresh_hz());
     mirror.watch(view);
   };
   Expected<void> done = show(options, client, **runtime, controls.settings, watch, policy, wants_to_end);

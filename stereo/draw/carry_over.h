@@ -107,6 +107,8 @@ inline constexpr float kUnknownVisibility = 1.0f;
 struct CarriedOver {
   PerEye<EyeMask> masks;  ///< bits that are asked for mean nothing
   AskedBlocks asked;      ///< what is not known; entries for every tile
+  PerEye<std::vector<BlockBits>>
+      covered;  ///< blocks with a surface, for every tile; others are not asked for
 };
 
 /// Whether lights or instances can move while a session lasts.

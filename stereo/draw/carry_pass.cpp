@@ -136,11 +136,16 @@ void CarryPass::read(CarriedOver& into) const {
       carried += std::size_t{blocks.height} * kBlockSide_px * padded_bytes;
     }
     std::vector<AskedTile>& asked = into.asked.tiles[eye];
+    std::vector<BlockBits>& covered = into.covered[eye];
     asked.assign(grid.count(), {});
+    covered.assign(grid.count(), kNoBlocks);
     for (std::uint32_t y = 0; y < blocks.height; ++y)
-      for (std::uint32_t x = 0; x < blocks.width; ++x, ++unknown)
-        asked[y / kTileBlocks * grid.columns() + x / kTileBlocks].add(
-            y % kTileBlocks * kTileBlocks + x % kTileBlocks, *unknown);
+      for (std::uint32_t x = 0; x < blocks.width; ++x, ++unknown) {
+        const std::uint32_t tile = y / kTileBlocks * grid.columns() + x / kTileBlocks;
+        const std::uint32_t block = y % kTileBlocks * kTileBlocks + x % kTileBlocks;
+        asked[tile].add(block, *unknown & ~FARSHADE_CARRY_COVERED);
+        if ((*unknown & FARSHADE_CARRY_COVERED) != 0) covered[tile] |= static_cast<BlockBits>(1u << block);
+      }
   }
 }
 

@@ -27,6 +27,7 @@ GBufferPass::GBufferPass(const gpu::Device& device, const Scene& scene, const Dr
                          const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size)
     : size_(size),
       pass_(device, scene, plan, buffers, frame, Outputs::GBuffer),
+      hidden_(device, plan, Outputs::GBuffer),
       base_colors_(make_output(device, size, kColorFormat, "base colours")),
       surfaces_(make_output(device, size, surface_format(plan), "surfaces")) {
   check(scene.instances.size() <= kMaxInstances, "the G-buffer has an index for every instance");
@@ -44,7 +45,8 @@ void GBufferPass::record(const vk::raii::CommandBuffer& commands, const DepthRin
   gpu::transition(commands, ring.image(), Layout::eUndefined, Layout::eDepthAttachmentOptimal, layers);
   const std::array colors{cleared(*base_colors_.view, Layout::eColorAttachmentOptimal),
                           cleared(*surfaces_.view, Layout::eColorAttachmentOptimal)};
-  pass_.record(commands, size_, colors, cleared(place.view, Layout::eDepthAttachmentOptimal));
+  pass_.record(commands, size_, colors, cleared(place.view, Layout::eDepthAttachmentOptimal), 0, {},
+               &hidden_);
   gpu::transition(commands, base_colors_, Layout::eColorAttachmentOptimal, Layout::eShaderReadOnlyOptimal);
   gpu::transition(commands, surfaces_, Layout::eColorAttachmentOptimal, Layout::eShaderReadOnlyOptimal);
   gpu::transition(commands, ring.image(), Layout::eDepthAttachmentOptimal, Layout::eShaderReadOnlyOptimal,
@@ -54,12 +56,15 @@ void GBufferPass::record(const vk::raii::CommandBuffer& commands, const DepthRin
 void DepthPass::prepare_warm_up() {
   size_ = {1, 1};
   pass_.prepare_warm_up();
+  hidden_.prepare(nullptr, {});
 }
 
-void DepthPass::prepare(const StereoView& views, const SceneState& state, Detail detail) {
+void DepthPass::prepare(const StereoView& views, const SceneState& state, Detail detail,
+                        const PerEye<HiddenArea>* hidden) {
   check(views[0].size == views[1].size, "both eyes of a request have one size");
   size_ = views[0].size;
   pass_.prepare(views, state, detail);
+  hidden_.prepare(hidden, views);
 }
 
 void DepthPass::record(const vk::raii::CommandBuffer& commands, const DepthRing& ring,
@@ -68,7 +73,7 @@ void DepthPass::record(const vk::raii::CommandBuffer& commands, const DepthRing&
         "requested views fit the depth ring");
   const gpu::LayerRange layers{place.layer, kEyes};
   gpu::transition(commands, ring.image(), Layout::eUndefined, Layout::eDepthAttachmentOptimal, layers);
-  pass_.record(commands, size_, {}, cleared(place.view, Layout::eDepthAttachmentOptimal));
+  pass_.record(commands, size_, {}, cleared(place.view, Layout::eDepthAttachmentOptimal), 0, {}, &hidden_);
   gpu::transition(commands, ring.image(), Layout::eDepthAttachmentOptimal, Layout::eShaderReadOnlyOptimal,
                   layers);
 }

@@ -13,23 +13,31 @@ class GBufferPass {
   GBufferPass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
               const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size);
 
-  void prepare(const StereoView& views, const SceneState& state, Detail detail) {
+  /// `hidden`: what the lenses hide of the views; null: nothing.
+  void prepare(const StereoView& views, const SceneState& state, Detail detail,
+               const PerEye<HiddenArea>* hidden = nullptr) {
     pass_.prepare(views, state, detail);
+    hidden_.prepare(hidden, views);
   }
 
   /// Draws, with depth into `place` of `ring`. Afterwards shaders can read both images and the place.
   void record(const vk::raii::CommandBuffer& commands, const DepthRing& ring,
               const DepthRing::Place& place) const;
 
-  void prepare_warm_up() { pass_.prepare_warm_up(); }
+  void prepare_warm_up() {
+    pass_.prepare_warm_up();
+    hidden_.prepare(nullptr, {});
+  }
 
   [[nodiscard]] const gpu::Image& base_colors() const { return base_colors_; }
   [[nodiscard]] const gpu::Image& surfaces() const { return surfaces_; }
   [[nodiscard]] const ScenePass& scene_pass() const { return pass_; }
+  [[nodiscard]] const HiddenPass& hidden_pass() const { return hidden_; }
 
  private:
   Extent size_;
   ScenePass pass_;
+  HiddenPass hidden_;
   gpu::Image base_colors_, surfaces_;
 };
 
@@ -37,22 +45,25 @@ class DepthPass {
  public:
   DepthPass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
             const gpu::Buffer& frame)
-      : pass_(device, scene, plan, buffers, frame, Outputs::Depth) {}
+      : pass_(device, scene, plan, buffers, frame, Outputs::Depth), hidden_(device, plan, Outputs::Depth) {}
 
   void prepare_warm_up();
 
-  /// Both views have one size, which is at most the ring's.
-  void prepare(const StereoView& views, const SceneState& state, Detail detail);
+  /// Both views have one size, which is at most the ring's. `hidden` as in GBufferPass.
+  void prepare(const StereoView& views, const SceneState& state, Detail detail,
+               const PerEye<HiddenArea>* hidden = nullptr);
 
   /// Draws into `place` of `ring`. Afterwards shaders can read it.
   void record(const vk::raii::CommandBuffer& commands, const DepthRing& ring,
               const DepthRing::Place& place) const;
 
   [[nodiscard]] const ScenePass& scene_pass() const { return pass_; }
+  [[nodiscard]] const HiddenPass& hidden_pass() const { return hidden_; }
 
  private:
   Extent size_;
   ScenePass pass_;
+  HiddenPass hidden_;
 };
 
 }  // namespace farshade

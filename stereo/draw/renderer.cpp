@@ -30,9 +30,10 @@ class Renderer::Parts {
   DrawTimes draw(const ShownFrame& frame);
   void compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes);
   DrawTimes shade_again(const ShownFrame& frame);
-  DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into);
+  DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into,
+                       const PerEye<HiddenArea>* hidden);
   std::optional<DrawTimes> carry(const FrameRequest& request, std::size_t slot, const TracedMask& base,
-                                 CarriedOver& into);
+                                 CarriedOver& into, const PerEye<HiddenArea>* hidden);
   DrawTimes draw_received(const GBufferPlanes& planes, const ShownFrame& frame);
   DrawTimes show_turned(const PerEye<Image<Rgb8>>& picture, const StereoView& from, const StereoView& shown);
   DrawTimes turn_shown(const StereoView& from, const StereoView& shown);
@@ -135,8 +136,10 @@ void Renderer::Parts::place_depth(const ShownFrame& frame) {
   requested_depth_.reset();
   shown_depth_ = ring_.shown();
   if (frame.request == nullptr) return;
-  const bool same =
-      frame.request->views == frame.views && frame.request->scene_time == frame.state.scene_time;
+  // In the views of a request less is hidden.
+  const bool same = frame.request->views == frame.views &&
+                    frame.request->scene_time == frame.state.scene_time &&
+                    (frame.hidden == nullptr || !plan_.depth_pass);
   if (!same && !plan_.depth_pass) return;
   const std::optional<DepthRing::Place> place = ring_.claim(frame.request->frame, frame.request_slot);
   if (!place) return;
@@ -146,9 +149,11 @@ void Renderer::Parts::place_depth(const ShownFrame& frame) {
   }
   requested_depth_ = place;
   if (!depth_pass_) make_depth_pass();
+  PerEye<HiddenArea> hidden;
+  if (frame.hidden != nullptr) hidden = hidden_in_request(*frame.hidden, frame.views, frame.request->views);
   depth_pass_->prepare(frame.request->views,
                        plan_.anything_moves() ? state_at(scene_, frame.request->scene_time) : frame.state,
-                       frame.detail);
+                       frame.detail, &hidden);
 }
 
 /// What has moved since a mask was traced.
@@ -197,7 +202,7 @@ DrawTimes Renderer::Parts::draw(const ShownFrame& frame) {
   const Stopwatch watch;
   place_depth(frame);
   if (faces_) faces_->prepare(frame);
-  gbuffer_.prepare(frame.views, frame.state, frame.detail);
+  gbuffer_.prepare(frame.views, frame.state, frame.detail, frame.hidden);
   prepare_shading(frame);
   DrawTimes times = submit(frame, Stage::Both);
   times.total = watch.elapsed();
@@ -229,12 +234,13 @@ DrawTimes Renderer::Parts::shade_again(const ShownFrame& frame) {
 }
 
 DrawTimes Renderer::Parts::keep_depth(const FrameRequest& request, std::size_t slot,
-                                      PerEye<Image<float>>& into) {
+                                      PerEye<Image<float>>& into, const PerEye<HiddenArea>* hidden) {
   const Stopwatch watch;
   const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
   check(place.has_value(), "the depth ring has the slot of the request's record");
   if (!depth_pass_) make_depth_pass();
-  depth_pass_->prepare(request.views, state_at(scene_, request.scene_time, request.lights), Detail::Full);
+  depth_pass_->prepare(request.views, state_at(scene_, request.scene_time, request.lights), Detail::Full,
+                       hidden);
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
   stamps_.reset(commands_);
@@ -255,7 +261,8 @@ CarryPass& Renderer::Parts::need_carry() {
 }
 
 std::optional<DrawTimes> Renderer::Parts::carry(const FrameRequest& request, std::size_t slot,
-                                                const TracedMask& base, CarriedOver& into) {
+                                                const TracedMask& base, CarriedOver& into,
+                                                const PerEye<HiddenArea>* hidden) {
   const Stopwatch watch;
   if (!carries_masks(plan_) || !ring_.has(base.frame)) return std::nullopt;
   const SceneState state = state_at(scene_, request.scene_time, request.lights);
@@ -264,7 +271,7 @@ std::optional<DrawTimes> Renderer::Parts::carry(const FrameRequest& request, std
   const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
   if (!place || !ring_.has(base.frame)) return std::nullopt;
   if (!depth_pass_) make_depth_pass();
-  depth_pass_->prepare(request.views, state, Detail::Levels);
+  depth_pass_->prepare(request.views, state, Detail::Levels, hidden);
   need_carry().prepare(request, *place, base, state.light_set, since);
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
@@ -425,6 +432,8 @@ DrawCounters Renderer::Parts::counters() const {
     triangles += pass.triangles();
   };
   add(gbuffer_.scene_pass(), true, counters.gbuffer_triangles);
+  counters.pipelines += gbuffer_.hidden_pass().pipelines();
+  if (depth_pass_) counters.pipelines += depth_pass_->hidden_pass().pipelines();
   if (depth_pass_) add(depth_pass_->scene_pass(), requested_depth_.has_value(), counters.depth_triangles);
   for (std::size_t pair = 0; faces_ && pair < faces_->passes().size(); ++pair)
     add(faces_->passes()[pair].scene_pass(), pair < faces_->pairs(), counters.depth_triangles);
@@ -468,13 +477,15 @@ DrawTimes Renderer::shade_again(const ShownFrame& frame) {
   return parts_->shade_again(frame);
 }
 
-DrawTimes Renderer::keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into) {
-  return parts_->keep_depth(request, slot, into);
+DrawTimes Renderer::keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into,
+                               const PerEye<HiddenArea>* hidden) {
+  return parts_->keep_depth(request, slot, into, hidden);
 }
 
 std::optional<DrawTimes> Renderer::carry(const FrameRequest& request, std::size_t slot,
-                                         const TracedMask& base, CarriedOver& into) {
-  return parts_->carry(request, slot, base, into);
+                                         const TracedMask& base, CarriedOver& into,
+                                         const PerEye<HiddenArea>* hidden) {
+  return parts_->carry(request, slot, base, into, hidden);
 }
 
 DrawTimes Renderer::draw_received(const GBufferPlanes& planes, const ShownFrame& frame) {

@@ -12,6 +12,7 @@
 #include "stereo/draw/counters.h"
 #include "stereo/draw/detail.h"
 #include "stereo/draw/shadow_map_settings.h"
+#include "stereo/frame/hidden_area.h"
 #include "stereo/frame/pixel_plane.h"
 #include "stereo/frame/surround.h"
 #include "stereo/frame/tiles.h"
@@ -85,6 +86,9 @@ struct ShownFrame {
   std::span<const FaceRequest>
       faces{};  ///< this frame's requests for pairs of the surround; their depth is kept, too
   Detail detail = Detail::Levels;
+  /// What the lenses hide: pixels without a surface, whatever is there. Null: nothing. In the views of the
+  /// request it is less (hidden_in_request).
+  const PerEye<HiddenArea>* hidden = nullptr;
 };
 
 /// Sizes of pictures and masks, and the number of requests whose depth is kept.
@@ -118,15 +122,16 @@ class Renderer {
 
   /// Draws the depth of the views of `request`, keeps it for the request's masks, and reads it back: metres
   /// along -z, 0 for uncovered pixels, in full detail. Reuses the memory of `into`. `slot` is that of the
-  /// request's record.
-  DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into);
+  /// request's record. `hidden`: pixels of its views without a surface, whatever is there; null: none.
+  DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into,
+                       const PerEye<HiddenArea>* hidden = nullptr);
 
   /// Draws the depth of the views of `request`, keeps it for the request's masks, and carries `base` over to
   /// these views. A light that has moved or was switched since the base was traced is unknown everywhere. No
   /// value, and nothing drawn, if a request must ask for whole views: the depth of the base is gone, or the
-  /// plan does not carry masks over. `slot` is that of the request's record.
+  /// plan does not carry masks over. `slot` is that of the request's record, `hidden` as in keep_depth.
   std::optional<DrawTimes> carry(const FrameRequest& request, std::size_t slot, const TracedMask& base,
-                                 CarriedOver& into);
+                                 CarriedOver& into, const PerEye<HiddenArea>* hidden = nullptr);
 
   /// Shades a G-buffer that another renderer drew for `frame.views`. Masks are read with Lookup::Direct, and
   /// no depth is kept. The same planes, masks and lights give the same picture.

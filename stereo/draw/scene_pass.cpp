@@ -240,7 +240,7 @@ void ScenePass::add_draws(std::size_t pass, const CasterDraws& wanted, const Sce
 void ScenePass::record(const vk::raii::CommandBuffer& commands, Extent size,
                        std::span<const vk::RenderingAttachmentInfo> colors,
                        const vk::RenderingAttachmentInfo& depth, std::size_t pass,
-                       std::span<const vk::ClearRect> clears) const {
+                       std::span<const vk::ClearRect> clears, const HiddenPass* hidden) const {
   const vk::Rect2D area{.extent = {size.width, size.height}};
   commands.beginRendering({.renderArea = area,
                            .layerCount = kEyes,
@@ -254,6 +254,7 @@ void ScenePass::record(const vk::raii::CommandBuffer& commands, Extent size,
                                        .height = static_cast<float>(size.height),
                                        .maxDepth = 1});
   commands.setScissor(0, area);
+  if (hidden != nullptr) hidden->record(commands, HiddenPass::As::Nearest);
   for (const Draw& draw : draws_[pass]) {
     const Material& material = scene_.materials[scene_.meshes[scene_.instances[draw.instance].mesh].material];
     const bool both_sides = material.double_sided || outputs_ == Outputs::Casters;
@@ -261,6 +262,7 @@ void ScenePass::record(const vk::raii::CommandBuffer& commands, Extent size,
     commands.setFrontFace(draw.mirrored ? vk::FrontFace::eClockwise : vk::FrontFace::eCounterClockwise);
     draw_instance(commands, draw);
   }
+  if (hidden != nullptr) hidden->record(commands, HiddenPass::As::NoSurface);
   commands.endRendering();
 }
 

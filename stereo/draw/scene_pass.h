@@ -8,6 +8,7 @@
 #include "stereo/draw/deformed_vertices.h"
 #include "stereo/draw/detail.h"
 #include "stereo/draw/frame_data.h"
+#include "stereo/draw/hidden_pass.h"
 #include "stereo/draw/scene_buffers.h"
 #include "stereo/draw/scene_pipeline.h"
 
@@ -51,10 +52,11 @@ class ScenePass {
   [[nodiscard]] const DeformedVertices& deformed() const { return deformed_; }
 
   /// Draws one pass into two layers: `size` pixels from the top left corner of the attachments. Before that
-  /// it clears `clears` of the depth to zero.
+  /// it clears `clears` of the depth to zero. `hidden`, if any, has the same outputs and was prepared.
   void record(const vk::raii::CommandBuffer& commands, Extent size,
               std::span<const vk::RenderingAttachmentInfo> colors, const vk::RenderingAttachmentInfo& depth,
-              std::size_t pass = 0, std::span<const vk::ClearRect> clears = {}) const;
+              std::size_t pass = 0, std::span<const vk::ClearRect> clears = {},
+              const HiddenPass* hidden = nullptr) const;
 
   /// The level of detail at which an instance was drawn when levels were last used. Not of shadow maps.
   [[nodiscard]] std::uint32_t level_of(std::uint32_t instance) const { return last_levels_.at(instance); }

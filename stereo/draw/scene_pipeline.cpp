@@ -19,6 +19,7 @@
 #include "shaders/gbuffer_uv.vert.spv.h"
 #include "shaders/gbuffer_uv_color.frag.spv.h"
 #include "shaders/gbuffer_uv_color.vert.spv.h"
+#include "shaders/hidden.vert.spv.h"
 
 namespace farshade {
 namespace {
@@ -79,6 +80,8 @@ constexpr vk::PipelineMultisampleStateCreateInfo kOneSample{.rasterizationSample
 /// Depth is near / distance, so that a greater depth is nearer.
 constexpr vk::PipelineDepthStencilStateCreateInfo kNearestWins{
     .depthTestEnable = true, .depthWriteEnable = true, .depthCompareOp = vk::CompareOp::eGreater};
+constexpr vk::PipelineDepthStencilStateCreateInfo kLastWins{
+    .depthTestEnable = true, .depthWriteEnable = true, .depthCompareOp = vk::CompareOp::eAlways};
 constexpr std::array kDynamicStates{vk::DynamicState::eViewport, vk::DynamicState::eScissor,
                                     vk::DynamicState::eCullMode, vk::DynamicState::eFrontFace};
 
@@ -167,6 +170,40 @@ vk::raii::Pipeline make_scene_pipeline(const gpu::Device& device, const vk::raii
                                                                .pDynamicState = &dynamic,
                                                                .layout = *layout});
   gpu::set_name(device, pipeline, to_string(outputs));
+  return pipeline;
+}
+
+vk::raii::Pipeline make_hidden_pipeline(const gpu::Device& device, const vk::raii::PipelineLayout& layout,
+                                        const DrawPlan& plan, Outputs outputs) {
+  const vk::raii::ShaderModule vertex = gpu::make_shader(device, hidden_vert_spv, "hidden area");
+  const vk::PipelineShaderStageCreateInfo stage{
+      .stage = vk::ShaderStageFlagBits::eVertex, .module = *vertex, .pName = "main"};
+  constexpr vk::VertexInputBindingDescription stream{0, sizeof(glm::vec2), vk::VertexInputRate::eVertex};
+  constexpr vk::VertexInputAttributeDescription corner{0, 0, vk::Format::eR32G32Sfloat, 0};
+  const vk::PipelineVertexInputStateCreateInfo vertices{.vertexBindingDescriptionCount = 1,
+                                                        .pVertexBindingDescriptions = &stream,
+                                                        .vertexAttributeDescriptionCount = 1,
+                                                        .pVertexAttributeDescriptions = &corner};
+  Attachments attachments(outputs, plan);
+  attachments.writes = {};
+  const vk::PipelineColorBlendStateCreateInfo blend = attachments.blend();
+  const vk::PipelineRenderingCreateInfo rendering = attachments.rendering();
+  constexpr std::array dynamic_states{vk::DynamicState::eViewport, vk::DynamicState::eScissor};
+  const vk::PipelineDynamicStateCreateInfo dynamic{.dynamicStateCount = dynamic_states.size(),
+                                                   .pDynamicStates = dynamic_states.data()};
+  auto pipeline = device.logical.createGraphicsPipeline(device.pipelines, {.pNext = &rendering,
+                                                                           .stageCount = 1,
+                                                                           .pStages = &stage,
+                                                                           .pVertexInputState = &vertices,
+                                                                           .pInputAssemblyState = &kTriangles,
+                                                                           .pViewportState = &kOneViewport,
+                                                                           .pRasterizationState = &kFilled,
+                                                                           .pMultisampleState = &kOneSample,
+                                                                           .pDepthStencilState = &kLastWins,
+                                                                           .pColorBlendState = &blend,
+                                                                           .pDynamicState = &dynamic,
+                                                                           .layout = *layout});
+  gpu::set_name(device, pipeline, "hidden area");
   return pipeline;
 }
 

@@ -41,4 +41,10 @@ struct SceneVariant {
                                                      const DrawPlan& plan, Outputs outputs,
                                                      SceneVariant variant);
 
+/// The pipeline of HiddenPass for a scene pass with these outputs: sets the depth of what it covers. It binds
+/// one stream, of corners. Viewport and scissor are dynamic. `layout` has the push constants of hidden.vert.
+[[nodiscard]] vk::raii::Pipeline make_hidden_pipeline(const gpu::Device& device,
+                                                      const vk::raii::PipelineLayout& layout,
+                                                      const DrawPlan& plan, Outputs outputs);
+
 }  // namespace farshade

@@ -168,7 +168,9 @@ std::optional<CarriedOver> TestRig::carry(FrameId frame, const StereoView& views
   const FrameRequest request{
       .frame = frame, .display_time = now, .scene_time = now, .views = views, .lights = state_.light_changes};
   CarriedOver carried;
-  if (!renderer_->carry(request, frame.value % depth_frames_, base.traced_mask(), carried))
+  PerEye<HiddenArea> hidden;
+  if (hidden_) hidden = hidden_in_request(*hidden_, views, views);
+  if (!renderer_->carry(request, frame.value % depth_frames_, base.traced_mask(), carried, &hidden))
     return std::nullopt;
   return carried;
 }
@@ -224,8 +226,12 @@ PerEye<Image<Rgb8>> TestRig::show_reference(const StereoView& views) {
 
 ShownFrame TestRig::shown_frame(const StereoView& views, std::span<const TracedMask> masks,
                                 const CarryOver& carry_over) const {
-  return {
-      .views = views, .state = state_, .masks = masks, .carry_over = carry_over, .report = PixelReport::On};
+  return {.views = views,
+          .state = state_,
+          .masks = masks,
+          .carry_over = carry_over,
+          .report = PixelReport::On,
+          .hidden = hidden_ ? &*hidden_ : nullptr};
 }
 
 }  // namespace farshade

@@ -116,6 +116,8 @@ class TestRig {
   /// Draws `views` with shadows traced at these views.
   [[nodiscard]] PerEye<Image<Rgb8>> show_reference(const StereoView& views);
 
+  /// Sets what the lenses hide of shown views. In views that a mask is carried over to it is less.
+  void hide(PerEye<HiddenArea> hidden) { hidden_ = std::move(hidden); }
   /// Sets the time of the scene.
   void set_time(Time scene_time) { state_ = state_at(scene_, scene_time, state_.light_changes); }
   /// Sets the viewer's changes of the lights.
@@ -131,6 +133,7 @@ class TestRig {
   std::unique_ptr<Tracer> tracer_;
   std::unique_ptr<Renderer> renderer_;
   PerEye<Image<float>> asked_distance_;
+  std::optional<PerEye<HiddenArea>> hidden_;
 };
 
 }  // namespace farshade

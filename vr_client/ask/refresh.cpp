@@ -13,13 +13,14 @@ Duration turn_of(std::uint32_t tile) {
 
 }  // namespace
 
-void add_refresh(Time since, Time now, std::uint32_t lights, std::span<AskedTile> tiles) {
+void add_refresh(Time since, Time now, std::uint32_t lights, std::span<const BlockBits> covered,
+                 std::span<AskedTile> tiles) {
   const Duration passed = now - since;
   Duration begin = since.time_since_epoch() % kRefreshPeriod;
   if (begin < Duration::zero()) begin += kRefreshPeriod;
   for (std::uint32_t tile = 0; tile < tiles.size(); ++tile) {
     const Duration turn = turn_of(tile), until = turn > begin ? turn - begin : turn - begin + kRefreshPeriod;
-    if (until <= passed) tiles[tile] = all_lights_in(kAllBlocks, lights);
+    if (until <= passed) tiles[tile] = all_lights_in(covered[tile], lights);
   }
 }
 

@@ -12,8 +12,10 @@ namespace farshade {
 /// Every tile is asked for once in this time.
 inline constexpr Duration kRefreshPeriod = std::chrono::seconds(1);
 
-/// Asks for all of `lights` lights in the tiles (one entry each) whose turn comes after display time `since`
-/// and until `now`. Their turns are spread evenly over the period and over the picture.
-void add_refresh(Time since, Time now, std::uint32_t lights, std::span<AskedTile> tiles);
+/// Asks for all of `lights` lights in the blocks `covered` of the tiles (one entry each) whose turn comes
+/// after display time `since` and until `now`. Their turns are spread evenly over the period and over the
+/// picture.
+void add_refresh(Time since, Time now, std::uint32_t lights, std::span<const BlockBits> covered,
+                 std::span<AskedTile> tiles);
 
 }  // namespace farshade

@@ -53,7 +53,7 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
     const FrameRequest shown{frame, timing->display_time, scene_time.at(timing->display_time, settings.scene),
                              context.runtime.locate_views(timing->display_time), settings.lights};
     const SceneState state = state_at(context.scene, shown.scene_time, shown.lights);
-    const FrameInputs inputs{shown, state, timing->period, settings};
+    const FrameInputs inputs{shown, state, timing->period, settings, context.runtime.hidden()};
     const FrameRequest* const request = pipeline.request(inputs);
 
     starts.collect = clock.now();

@@ -97,6 +97,7 @@ struct FrameInputs {
   const SceneState& state;
   Duration period;  ///< of the display
   const FrameSettings& settings;
+  const PerEye<HiddenArea>* hidden = nullptr;  ///< Runtime::hidden
 };
 
 /// How a frame was drawn. References are valid until the next frame begins.

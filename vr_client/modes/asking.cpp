@@ -13,17 +13,19 @@ void Asking::skip() {
   messages_used_ = 0;
 }
 
-void Asking::prepare(FrameRequest& request, std::size_t slot, const RequestRecord* base) {
+void Asking::prepare(FrameRequest& request, std::size_t slot, const RequestRecord* base,
+                     const PerEye<HiddenArea>& hidden) {
   skip();
   if (base == nullptr) return;
   if (to_skip_ > 0) {
     --to_skip_;
     return;
   }
-  drawn_ = renderer_.carry(request, slot, mask_of(*base), carried_);
+  drawn_ = renderer_.carry(request, slot, mask_of(*base), carried_, &hidden);
   if (!drawn_) return;
-  for (std::vector<AskedTile>& eye : carried_.asked.tiles)
-    add_refresh(base->request.display_time, request.display_time, carried_.asked.lights, eye);
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    add_refresh(base->request.display_time, request.display_time, carried_.asked.lights,
+                carried_.covered[eye], carried_.asked.tiles[eye]);
   if (part_of(carried_.asked) > kMostAsked) {
     to_skip_ = last_skipped_ = std::min(2 * last_skipped_ + 1, kMostSkipped);
     return;

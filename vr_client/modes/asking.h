@@ -25,7 +25,9 @@ class Asking {
 
   /// Carries the mask of `base` over to the views of `request`, whose record will get `slot`, and sets what
   /// the request asks for. It asks for whole views if `base` is null or nothing can be carried over.
-  void prepare(FrameRequest& request, std::size_t slot, const RequestRecord* base);
+  /// Nothing is asked for where there is no surface, and `hidden` has none (Renderer::keep_depth).
+  void prepare(FrameRequest& request, std::size_t slot, const RequestRecord* base,
+               const PerEye<HiddenArea>& hidden = {});
   /// This frame makes no request, or one for whole views that does not look at earlier masks.
   void skip();
 

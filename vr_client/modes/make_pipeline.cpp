@@ -32,7 +32,8 @@ class Full final : public ModePipeline {
                                              .state = inputs.state,
                                              .masks = masks,
                                              .carry_over = carry_over,
-                                             .report = inputs.settings.report}),
+                                             .report = inputs.settings.report,
+                                             .hidden = inputs.hidden}),
             .masks = masks};
   }
 
@@ -56,7 +57,8 @@ class Local final : public ModePipeline {
                                              .masks = {},
                                              .carry_over = {},
                                              .report = inputs.settings.report,
-                                             .shadow_maps = &context_.mode.shadow_maps})};
+                                             .shadow_maps = &context_.mode.shadow_maps,
+                                             .hidden = inputs.hidden})};
   }
 
  private:

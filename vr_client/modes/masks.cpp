@@ -30,6 +30,12 @@ void add_depth(const DrawTimes& before, DrawTimes& drawn) {
   drawn.triangles.depth += before.triangles.depth;
 }
 
+/// What the lenses hide of the views of a request.
+PerEye<HiddenArea> hidden_in(const FrameRequest& request, const FrameInputs& inputs) {
+  if (inputs.hidden == nullptr) return {};
+  return hidden_in_request(*inputs.hidden, inputs.shown.views, request.views);
+}
+
 class Hybrid final : public ModePipeline {
  public:
   explicit Hybrid(const RunContext& context)
@@ -45,7 +51,7 @@ class Hybrid final : public ModePipeline {
     if (request != nullptr && inputs.settings.request.asks == Asks::Unknown && exchange_.takes_parts()) {
       // Receives first: what has come decides which slot is next.
       const RequestRecord* const base = exchange_.newest_settled(inputs);
-      asking_.prepare(*request, exchange_.next_slot(), base);
+      asking_.prepare(*request, exchange_.next_slot(), base, hidden_in(*request, inputs));
     } else {
       asking_.skip();
     }
@@ -93,7 +99,7 @@ class ClientPositions final : public ModePipeline {
     drawn_ = {};
     FrameRequest* const request = exchange_.plan(inputs, answer());
     if (request == nullptr) return nullptr;
-    pack(*request);
+    pack(*request, hidden_in(*request, inputs));
     request->answer.slices = narrow<std::uint32_t>(messages_used_);
     exchange_.send(inputs, {.messages = std::span(messages_).first(messages_used_)});
     return request;
@@ -117,8 +123,8 @@ class ClientPositions final : public ModePipeline {
   }
 
   /// Writes the positions of the pixels of the requested views into messages.
-  void pack(const FrameRequest& request) {
-    drawn_ = context_.renderer.keep_depth(request, exchange_.next_slot(), distances_);
+  void pack(const FrameRequest& request, const PerEye<HiddenArea>& hidden) {
+    drawn_ = context_.renderer.keep_depth(request, exchange_.next_slot(), distances_, &hidden);
     messages_used_ = 0;
     for (const Side side : kSides) {
       const std::size_t eye = index_of(side);
@@ -203,7 +209,8 @@ DrawnFrame MaskSources::draw(Renderer& renderer, const FrameInputs& inputs, cons
                                            .carry_over = carry_over,
                                            .report = inputs.settings.report,
                                            .request_slot = record ? record->slot : 0,
-                                           .faces = faces}),
+                                           .faces = faces,
+                                           .hidden = inputs.hidden}),
                    .surround = around,
                    .surround_cost = surround ? surround->cost() : SurroundCost{}};
   // The renderer passes over masks without depth.

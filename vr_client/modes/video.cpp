@@ -189,7 +189,11 @@ class Delta final : public ModePipeline {
   void collect(const FrameInputs& inputs) override { stream_.collect(inputs); }
 
   DrawnFrame draw(const FrameInputs& inputs) override {
-    const ShownFrame frame{.views = inputs.shown.views, .state = inputs.state, .masks = {}, .carry_over = {}};
+    const ShownFrame frame{.views = inputs.shown.views,
+                           .state = inputs.state,
+                           .masks = {},
+                           .carry_over = {},
+                           .hidden = inputs.hidden};
     const VideoStream::Picture* const picture = stream_.picture();
     if (picture == nullptr)
       return {.drawn = context_.renderer.draw(frame), .as = ShownAs::Picture, .start_up = true};

@@ -14,6 +14,7 @@
 #include "vr_client/openxr/life_cycle.h"
 #include "vr_client/openxr/picture_copy.h"
 #include "vr_client/openxr/session.h"
+#include "vr_client/openxr/visibility_mask.h"
 
 namespace farshade {
 
@@ -87,6 +88,8 @@ class HeadsetRuntime::Parts {
   [[nodiscard]] std::optional<FrameTiming> wait_frame();
   [[nodiscard]] StereoView views() const;
   [[nodiscard]] Time display_time() const { return time_from_ns(frame_.predictedDisplayTime); }
+  [[nodiscard]] const PerEye<HiddenArea>* hidden() const;
+  [[nodiscard]] double refresh_hz() const;
   void end_frame();
   [[nodiscard]] Expected<void> finish();
 
@@ -100,6 +103,8 @@ class HeadsetRuntime::Parts {
   [[nodiscard]] bool wants_to_end();
   void poll_events();
   void handle(const XrEventDataBuffer& event);
+  void handle_display(const XrEventDataBuffer& event);
+  void read_hidden_area();
   void give(const Event& event);
   void carry_out(Act act);
   void replace_session();
@@ -120,6 +125,8 @@ class HeadsetRuntime::Parts {
   std::unique_ptr<Actions> actions_;  ///< of all sessions; null: controllers are not used
   bool lost_focus_ = true;            ///< since the controllers were read last
   std::unique_ptr<Session> session_;
+  PerEye<HiddenArea> hidden_;         ///< by the lenses, in this session
+  std::optional<double> refresh_hz_;  ///< as the runtime states it
   LifeCycle life_;
   XrFrameState frame_{};  ///< the frame that has begun last
   std::optional<Located> located_;
@@ -141,6 +148,9 @@ Expected<void> HeadsetRuntime::Parts::open_session() {
   if (!session) return tl::unexpected(session.error());
   if (const Expected<void> attached = attach_actions(**session); !attached) return attached;
   session_ = std::move(*session);
+  read_hidden_area();
+  refresh_hz_ = session_->refresh_hz();
+  if (refresh_hz_) spdlog::info("the headset's display has {:.4g} Hz", *refresh_hz_);
   spdlog::info("the headset's space is {}; pictures are {}, {} depth", session_->space_name(),
                vk::to_string(session_->pictures().format),
                setup_.depth && session_->depths() ? "with" : "without");
@@ -259,8 +269,25 @@ void HeadsetRuntime::Parts::handle(const XrEventDataBuffer& event) {
       spdlog::warn("the OpenXR runtime has lost events");
       return;
     default:
-      return;
+      return handle_display(event);
   }
+}
+
+void HeadsetRuntime::Parts::handle_display(const XrEventDataBuffer& event) {
+  if (event.type == XR_TYPE_EVENT_DATA_VISIBILITY_MASK_CHANGED_KHR) {
+    const auto& changed = reinterpret_cast<const XrEventDataVisibilityMaskChangedKHR&>(event);
+    if (session_ && changed.session == session_->handle()) read_hidden_area();
+  } else if (event.type == XR_TYPE_EVENT_DATA_DISPLAY_REFRESH_RATE_CHANGED_FB) {
+    const auto& changed = reinterpret_cast<const XrEventDataDisplayRefreshRateChangedFB&>(event);
+    if (!is_rate(changed.toDisplayRefreshRate)) return;
+    spdlog::info("the headset's display changes from {:.4g} to {:.4g} Hz", changed.fromDisplayRefreshRate,
+                 changed.toDisplayRefreshRate);
+    refresh_hz_ = changed.toDisplayRefreshRate;
+  }
+}
+
+void HeadsetRuntime::Parts::read_hidden_area() {
+  if (setup_.hides) hidden_ = read_hidden(instance_, session_->handle());
 }
 
 void HeadsetRuntime::Parts::rest(Duration span) const {
@@ -360,6 +387,14 @@ StereoView HeadsetRuntime::Parts::views() const {
   return views;
 }
 
+const PerEye<HiddenArea>* HeadsetRuntime::Parts::hidden() const {
+  return hidden_ == PerEye<HiddenArea>{} ? nullptr : &hidden_;
+}
+
+double HeadsetRuntime::Parts::refresh_hz() const {
+  return refresh_hz_.value_or(1 / seconds_of(Duration(frame_.predictedDisplayPeriod)));
+}
+
 /// An image of the runtime that may be written to. Empty if a call has failed.
 std::optional<vk::Image> HeadsetRuntime::Parts::next_image(const Swapchain& swapchain) {
   vk::Image image;
@@ -439,6 +474,14 @@ std::optional<FrameTiming> HeadsetRuntime::wait_frame() {
 StereoView HeadsetRuntime::locate_views(Time display_time) const {
   check(display_time == parts_->display_time(), "views are those of the frame that has begun");
   return parts_->views();
+}
+
+const PerEye<HiddenArea>* HeadsetRuntime::hidden() const {
+  return parts_->hidden();
+}
+
+double HeadsetRuntime::refresh_hz() const {
+  return parts_->refresh_hz();
 }
 
 void HeadsetRuntime::end_frame(Time) {

@@ -62,6 +62,7 @@ struct HeadsetSetup {
   std::function<Rigid<Stage, Tracked>(const ViewerInput&)> follow_hands = {};
   /// A runtime that has not ended the session so long after the user wanted it has stopped.
   Duration longest_exit = std::chrono::seconds(5);
+  bool hides = true;                         ///< what the lenses hide is not drawn
   std::function<void(Duration)> sleep = {};  ///< between two looks at the runtime; empty: of this thread
 };
 
@@ -81,6 +82,7 @@ class HeadsetRuntime final : public Runtime {
   [[nodiscard]] std::optional<FrameTiming> wait_frame() override;
   /// The views of the frame that has begun. The runtime has predicted them for `display_time`.
   [[nodiscard]] StereoView locate_views(Time display_time) const override;
+  [[nodiscard]] const PerEye<HiddenArea>* hidden() const override;
   void end_frame(Time display_time) override;
 
   /// Ends the session as the specification asks for: requests the exit and waits for it, at most
@@ -93,6 +95,9 @@ class HeadsetRuntime final : public Runtime {
     Duration copying{};           ///< pictures and depth into the runtime's images, all frames together
   };
   [[nodiscard]] const Counters& counters() const;
+  /// Of the display, as the runtime states it, or as the period of the last frame says. Call after a frame
+  /// has begun.
+  [[nodiscard]] double refresh_hz() const;
   /// The states of the session in their order, for example "idle, ready, synchronized, visible, focused".
   [[nodiscard]] const std::string& history() const;
 

@@ -105,9 +105,15 @@ Expected<std::unique_ptr<Instance>> Instance::open() {
 Expected<void> Instance::create() {
   const Expected<std::vector<std::string>> offered = offered_extensions();
   if (!offered) return tl::unexpected(offered.error());
-  extensions_.depth_layers = std::ranges::find(*offered, kDepthLayers) != offered->end();
   std::vector<const char*> used{kVulkan};
-  if (extensions_.depth_layers) used.push_back(kDepthLayers);
+  const auto use = [&](const char* extension) {
+    const bool is_offered = std::ranges::find(*offered, extension) != offered->end();
+    if (is_offered) used.push_back(extension);
+    return is_offered;
+  };
+  extensions_.depth_layers = use(kDepthLayers);
+  extensions_.visibility_mask = use(XR_KHR_VISIBILITY_MASK_EXTENSION_NAME);
+  extensions_.refresh_rate = use(XR_FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME);
   XrInstanceCreateInfo info{XR_TYPE_INSTANCE_CREATE_INFO, nullptr, 0, {}, 0, nullptr, 0, nullptr};
   std::strcpy(info.applicationInfo.applicationName, "Farshade");
   info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);

@@ -17,7 +17,9 @@ inline constexpr XrViewConfigurationType kViews = XR_VIEW_CONFIGURATION_TYPE_PRI
 
 /// What the runtime offers beyond OpenXR 1.0 and what this client uses.
 struct Extensions {
-  bool depth_layers = false;  ///< XR_KHR_composition_layer_depth
+  bool depth_layers = false;     ///< XR_KHR_composition_layer_depth
+  bool visibility_mask = false;  ///< XR_KHR_visibility_mask
+  bool refresh_rate = false;     ///< XR_FB_display_refresh_rate
 };
 
 class Instance {

@@ -40,6 +40,12 @@ std::optional<FrameTiming> HeadsetRuntime::wait_frame() {
 StereoView HeadsetRuntime::locate_views(Time) const {
   check_failed("no headset is opened without OpenXR", "", CallPlace::current());
 }
+const PerEye<HiddenArea>* HeadsetRuntime::hidden() const {
+  return nullptr;
+}
+double HeadsetRuntime::refresh_hz() const {
+  check_failed("no headset is opened without OpenXR", "", CallPlace::current());
+}
 void HeadsetRuntime::end_frame(Time) {}
 Expected<void> HeadsetRuntime::finish() {
   return {};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "vr_client/openxr/pose.h"
@@ -49,6 +50,10 @@ Expected<std::vector<vk::Format>> offered_formats(XrSession session) {
 }
 
 }  // namespace
+
+bool is_rate(float refresh_hz) {
+  return std::isfinite(refresh_hz) && refresh_hz > 0;
+}
 
 Expected<std::unique_ptr<Session>> Session::open(const Instance& instance, const gpu::Device& device,
                                                  Extent size) {
@@ -133,6 +138,15 @@ Expected<void> Session::fill(Swapchain& swapchain, XrSwapchainUsageFlags usage) 
 /// The session's space and swapchains end with it.
 Session::~Session() {
   if (handle_ != XR_NULL_HANDLE) xrDestroySession(handle_);
+}
+
+std::optional<double> Session::refresh_hz() const {
+  if (!instance_.extensions().refresh_rate) return std::nullopt;
+  float rate = 0;
+  const XrResult result =
+      call<PFN_xrGetDisplayRefreshRateFB>(instance_.handle(), "xrGetDisplayRefreshRateFB", handle_, &rate);
+  if (XR_FAILED(result) || !is_rate(rate)) return std::nullopt;
+  return rate;
 }
 
 XrResult Session::begin() {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "stereo/frame/view.h"
@@ -31,6 +32,9 @@ struct Swapchain {
   [[nodiscard]] XrResult release() const;
 };
 
+/// Whether a display can have this refresh rate.
+[[nodiscard]] bool is_rate(float refresh_hz);
+
 /// Whether a frame submits the depth of its picture, too.
 enum class Depth : std::uint8_t { None, Submitted };
 
@@ -48,6 +52,9 @@ class Session {
   [[nodiscard]] XrSession handle() const { return handle_; }
   [[nodiscard]] XrSpace space() const { return space_; }
   [[nodiscard]] const char* space_name() const { return space_name_; }
+
+  /// Of the display, Hz. No value if the runtime does not state it.
+  [[nodiscard]] std::optional<double> refresh_hz() const;
 
   // Calls of the life cycle and of a frame, in this order. Each returns the runtime's result.
   [[nodiscard]] XrResult begin();

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "stereo/base/clock.h"
+#include "stereo/frame/hidden_area.h"
 #include "stereo/frame/view.h"
 
 namespace farshade {
@@ -28,6 +29,10 @@ class Runtime {
 
   /// Both eyes' views at `display_time` (xrLocateViews).
   [[nodiscard]] virtual StereoView locate_views(Time display_time) const = 0;
+
+  /// What the lenses hide of the views of the frame that has begun. Null: nothing. Valid until the next
+  /// wait_frame.
+  [[nodiscard]] virtual const PerEye<HiddenArea>* hidden() const { return nullptr; }
 
   /// Called when the frame for `display_time` was drawn (xrEndFrame).
   virtual void end_frame(Time /*display_time*/) {}

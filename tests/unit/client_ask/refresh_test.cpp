@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <vector>
 
 namespace farshade {
 namespace {
@@ -11,6 +12,7 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t kTiles = 5184;  // of 1152 x 1152 pixels
 constexpr AskedTile kAll = all_lights_in(kAllBlocks, 2);
+const std::vector<BlockBits> kCovered(kTiles, kAllBlocks);
 
 TEST(Refresh, AsksForEveryTileOnceASecondWhateverTheRate) {
   for (const Duration step : {Duration(13'888'889), Duration(28ms), Duration(130ms), Duration(333ms)}) {
@@ -18,7 +20,7 @@ TEST(Refresh, AsksForEveryTileOnceASecondWhateverTheRate) {
     const Time first(-700ms);
     for (Time at = first; at < first + 1s; at += step) {
       std::vector<AskedTile> tiles(kTiles);
-      add_refresh(at, std::min(at + step, first + 1s), 2, tiles);
+      add_refresh(at, std::min(at + step, first + 1s), 2, kCovered, tiles);
       for (std::size_t tile = 0; tile < kTiles; ++tile) turns[tile] += tiles[tile] == kAll;
     }
     EXPECT_EQ(std::ranges::count(turns, 1), static_cast<std::ptrdiff_t>(kTiles)) << step.count();
@@ -28,7 +30,7 @@ TEST(Refresh, AsksForEveryTileOnceASecondWhateverTheRate) {
 TEST(Refresh, SpreadsTheTilesOverTimeAndPicture) {
   for (Time at{}; at < Time(1s); at += 28ms) {
     std::vector<AskedTile> tiles(kTiles);
-    add_refresh(at, at + 28ms, 2, tiles);
+    add_refresh(at, at + 28ms, 2, kCovered, tiles);
     const auto share = [](auto part) {
       return static_cast<double>(std::ranges::count(part, kAll)) / static_cast<double>(part.size());
     };
@@ -39,15 +41,23 @@ TEST(Refresh, SpreadsTheTilesOverTimeAndPicture) {
 
 TEST(Refresh, AsksForAllAfterASecondAndForNothingAtOnce) {
   std::vector<AskedTile> tiles(kTiles);
-  add_refresh(Time(3s), Time(3s), 2, tiles);
-  add_refresh(Time(3s), Time(2s), 2, tiles);
+  add_refresh(Time(3s), Time(3s), 2, kCovered, tiles);
+  add_refresh(Time(3s), Time(2s), 2, kCovered, tiles);
   EXPECT_EQ(std::ranges::count(tiles, AskedTile{}), static_cast<std::ptrdiff_t>(kTiles));
   const AskedTile some{{0x0420, 0x0001}};
   tiles[7] = some;
-  add_refresh(Time(3s), Time(3100ms), 2, tiles);
+  add_refresh(Time(3s), Time(3100ms), 2, kCovered, tiles);
   EXPECT_TRUE(tiles[7] == some || tiles[7] == kAll);
-  add_refresh(Time(3s), Time(4s), 2, tiles);
+  add_refresh(Time(3s), Time(4s), 2, kCovered, tiles);
   EXPECT_EQ(std::ranges::count(tiles, kAll), static_cast<std::ptrdiff_t>(kTiles));
+}
+
+TEST(Refresh, AsksForNoBlockWithoutASurface) {
+  std::vector<AskedTile> tiles(2);
+  const std::vector<BlockBits> covered{kNoBlocks, 0x00f3};
+  add_refresh(Time(3s), Time(4s), 2, covered, tiles);
+  EXPECT_EQ(tiles[0], AskedTile{});
+  EXPECT_EQ(tiles[1], all_lights_in(0x00f3, 2));
 }
 
 }  // namespace
