@@ -257,7 +257,7 @@ Expected<Device> open_device(const DeviceOptions& wanted) try {
       {.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer, .queueFamilyIndex = device.queue_family});
   return device;
 } catch (const std::exception& error) {
-  if (options.maker)
+  if (wanted.maker)
     return fail(Fault::Unavailable, std::string("no Vulkan device for the headset: ") + error.what());
   // The loader throws if there is no driver. That is a missing device, not a broken invariant.
   return fail(Fault::Missing, std::string("no usable Vulkan device: ") + error.what() +
