@@ -60,12 +60,10 @@ Mirror::Mirror(const Options& options, Client& client, std::unique_ptr<Window> w
     close(client.device.name + " cannot present on this desktop");
 }
 
-/// The window's failures are not the headset's.
+/// The window's failures are not the headset's. If the device is lost, the next frame of the headset says so.
 template <class Act>
 void Mirror::guard(const Act& act) try {
   act();
-} catch (const vk::DeviceLostError&) {
-  throw;
 } catch (const std::exception& error) {
   close(error.what());
 }

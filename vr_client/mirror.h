@@ -31,7 +31,7 @@ class Mirror {
   Mirror(const Options& options, Client& client, std::unique_ptr<Window> window, Controls& controls);
 
   /// Applies the window's input to the controls and shows a frame that the headset has got already. A window
-  /// that fails is closed, with a warning; only a lost device throws.
+  /// that fails is closed, with a warning. Throws nothing.
   void watch(const FrameView& view);
 
   /// The same while the headset shows no frame: the window stays alive with the last picture.
