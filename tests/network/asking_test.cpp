@@ -2,6 +2,8 @@
 // views, for fewer rays; and losses that are asked for again.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "stereo/gpu/device.h"
@@ -20,6 +22,24 @@ Scene still_room() {
   return scene;
 }
 
+/// Lenses whose round edges touch the four sides of the pictures. They hide 22 % of the pixels.
+PerEye<HiddenArea> round_lenses(const PerEye<EyeFov>& fov) {
+  constexpr int kCorners = 48;
+  PerEye<HiddenArea> areas;
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    const auto [left, right, up, down] = tangents_of(fov[eye]);
+    const glm::dvec2 middle{(left + right) / 2, (up + down) / 2}, half{(right - left) / 2, (up - down) / 2};
+    const auto at = [&](int corner, double out) {
+      const double angle = 2 * std::numbers::pi * corner / kCorners;
+      return glm::vec2(middle + half * glm::dvec2{std::cos(angle), std::sin(angle)} * out);
+    };
+    for (int i = 0; i < kCorners; ++i)
+      areas[eye].corners.insert(areas[eye].corners.end(),
+                                {at(i, 1), at(i, 2), at(i + 1, 1), at(i + 1, 1), at(i, 2), at(i + 1, 2)});
+  }
+  return areas;
+}
+
 struct Asked {
   double mask_error_percent = 0, psnr_db = 0;  ///< means of the compared frames, worse eye
   double worst_unknown_percent = 0;            ///< of the second half of the run
@@ -29,7 +49,7 @@ struct Asked {
 
 class Asking : public testing::Test {
  protected:
-  Asked asked(const char* network, Asks asks) {
+  Asked asked(const char* network, Asks asks, const PerEye<HiddenArea>* hidden = nullptr) {
     Play play{.device = device_,
               .scene = scene_,
               .head = head_,
@@ -37,6 +57,7 @@ class Asking : public testing::Test {
               .frames = 64,
               .reference_every = 4};
     play.request.asks = asks;
+    play.hidden = hidden;
     const Played played = farshade::play(play, network_from(network).value());
     const auto mean = [](const std::vector<double>& values) {
       return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
@@ -66,6 +87,19 @@ TEST_F(Asking, ForWhatIsUnknownGivesTheSameMasksForFewerRays) {
   EXPECT_LT(unknown.rays * 10, whole.rays * 7);
   EXPECT_NEAR(unknown.mask_error_percent, whole.mask_error_percent, 0.01);
   EXPECT_NEAR(unknown.psnr_db, whole.psnr_db, 0.1);
+}
+
+/// Errors are those of the pixels that are seen.
+TEST_F(Asking, RoundLensesSaveRays) {
+  const PerEye<HiddenArea> lenses = round_lenses(head_.fov);
+  const Asked whole = asked("delay=25ms", Asks::Unknown), seen = asked("delay=25ms", Asks::Unknown, &lenses);
+  RecordProperty("rays_percent",
+                 std::to_string(100.0 * static_cast<double>(seen.rays) / static_cast<double>(whole.rays)));
+  RecordProperty("asked_percent", std::to_string(whole.asked_percent));
+  RecordProperty("asked_with_lenses_percent", std::to_string(seen.asked_percent));
+  EXPECT_LT(seen.rays * 100, whole.rays * 95);
+  EXPECT_LT(seen.asked_percent, 0.95 * whole.asked_percent);
+  EXPECT_NEAR(seen.mask_error_percent, whole.mask_error_percent, 0.03);
 }
 
 TEST_F(Asking, AsksAgainForWhatWasLost) {

@@ -23,9 +23,10 @@ constexpr Duration kPatience = std::chrono::seconds(3);
 /// Plays a recorded head. Frames begin at times of the link's clock.
 class LinkRuntime final : public Runtime {
  public:
-  LinkRuntime(RecordedHeadRuntime& head, NetworkLink& link, ManualClock& clock,
-              std::function<void()> before_frame)
+  LinkRuntime(RecordedHeadRuntime& head, const PerEye<HiddenArea>* hidden, NetworkLink& link,
+              ManualClock& clock, std::function<void()> before_frame)
       : head_(head),
+        hidden_(hidden),
         link_(link),
         clock_(clock),
         begun_(clock.now()),
@@ -42,10 +43,12 @@ class LinkRuntime final : public Runtime {
   [[nodiscard]] StereoView locate_views(Time display_time) const override {
     return head_.locate_views(display_time);
   }
+  [[nodiscard]] const PerEye<HiddenArea>* hidden() const override { return hidden_; }
   void end_frame(Time display_time) override { head_.end_frame(display_time); }
 
  private:
   RecordedHeadRuntime& head_;
+  const PerEye<HiddenArea>* hidden_;
   NetworkLink& link_;
   ManualClock& clock_;
   Time begun_;
@@ -230,7 +233,7 @@ Played play(const Play& play, const Network& network) {
 
   RecordedHeadRuntime head = recorded_head(play);
   Time moved = clock.now();
-  LinkRuntime runtime(head, link, clock, [&] {
+  LinkRuntime runtime(head, play.hidden, link, clock, [&] {
     if (network.moves_every == Duration::zero() || clock.now() - moved < network.moves_every) return;
     moved = clock.now();
     wire.move_client(0);

@@ -53,7 +53,8 @@ struct Play {
   enum class Start : std::uint8_t {
     Cold,
     DrawnAhead
-  } start = Start::Cold;  ///< DrawnAhead: as with a real clock
+  } start = Start::Cold;                       ///< DrawnAhead: as with a real clock
+  const PerEye<HiddenArea>* hidden = nullptr;  ///< by the lenses of the headset; null: nothing
 };
 
 struct PlayedFrame {

@@ -27,6 +27,10 @@ constexpr Duration kIdleWait = std::chrono::milliseconds(20);
 constexpr Duration kLostStep = std::chrono::milliseconds(100);
 constexpr int kLostSteps = 5;
 
+/// A period beyond these is not believed.
+constexpr Duration kShortestPeriod = std::chrono::milliseconds(1), kLongestPeriod = std::chrono::seconds(1);
+constexpr double kUsualRefresh_hz = 72;
+
 SessionState state_of(XrSessionState state) {
   static_assert(static_cast<int>(SessionState::Idle) == XR_SESSION_STATE_IDLE);
   static_assert(static_cast<int>(SessionState::Exiting) == XR_SESSION_STATE_EXITING);
@@ -89,6 +93,7 @@ class HeadsetRuntime::Parts {
   [[nodiscard]] StereoView views() const;
   [[nodiscard]] Time display_time() const { return time_from_ns(frame_.predictedDisplayTime); }
   [[nodiscard]] const PerEye<HiddenArea>* hidden() const;
+  [[nodiscard]] Duration period() const;
   [[nodiscard]] double refresh_hz() const;
   void end_frame();
   [[nodiscard]] Expected<void> finish();
@@ -351,7 +356,7 @@ std::optional<FrameTiming> HeadsetRuntime::Parts::wait_frame() {
     if (begin_frame() == Frame::None) continue;
     place_head();
     if (follow_hands() == Frame::None) continue;
-    return FrameTiming{display_time(), Duration(frame_.predictedDisplayPeriod)};
+    return FrameTiming{display_time(), period()};
   }
   return std::nullopt;
 }
@@ -391,8 +396,15 @@ const PerEye<HiddenArea>* HeadsetRuntime::Parts::hidden() const {
   return hidden_ == PerEye<HiddenArea>{} ? nullptr : &hidden_;
 }
 
+/// Between two frames, as the runtime predicts it; if that cannot be, as the display's rate says.
+Duration HeadsetRuntime::Parts::period() const {
+  const Duration predicted(frame_.predictedDisplayPeriod);
+  if (predicted >= kShortestPeriod && predicted <= kLongestPeriod) return predicted;
+  return duration_from_ms(1e3 / refresh_hz_.value_or(kUsualRefresh_hz));
+}
+
 double HeadsetRuntime::Parts::refresh_hz() const {
-  return refresh_hz_.value_or(1 / seconds_of(Duration(frame_.predictedDisplayPeriod)));
+  return refresh_hz_.value_or(1 / seconds_of(period()));
 }
 
 /// An image of the runtime that may be written to. Empty if a call has failed.

@@ -32,7 +32,7 @@ struct Swapchain {
   [[nodiscard]] XrResult release() const;
 };
 
-/// Whether a display can have this refresh rate.
+/// Whether a display can have this refresh rate: above 0 and at most 1,000 Hz.
 [[nodiscard]] bool is_rate(float refresh_hz);
 
 /// Whether a frame submits the depth of its picture, too.

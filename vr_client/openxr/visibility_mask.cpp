@@ -39,13 +39,16 @@ Expected<HiddenArea> read_hidden_of(const Instance& instance, XrSession session,
 
 Expected<HiddenArea> hidden_area_of(std::span<const XrVector2f> vertices,
                                     std::span<const std::uint32_t> indices) {
-  const auto finite = [](const XrVector2f& at) { return std::isfinite(at.x) && std::isfinite(at.y); };
+  const auto in_view = [](const XrVector2f& at) {  // false for NaN
+    return std::abs(at.x) <= kMostMaskTangent && std::abs(at.y) <= kMostMaskTangent;
+  };
   if (vertices.size() > kMostMaskVertices || indices.size() > kMostMaskIndices)
     return fail(Fault::Unsupported,
                 fmt::format("it has {} vertices and {} indices", vertices.size(), indices.size()));
   if (indices.size() % 3 != 0)
     return fail(Fault::Unsupported, fmt::format("{} indices are no triangles", indices.size()));
-  if (!std::ranges::all_of(vertices, finite)) return fail(Fault::Unsupported, "a vertex is not finite");
+  if (!std::ranges::all_of(vertices, in_view))
+    return fail(Fault::Unsupported, "a vertex is not finite, or beyond any view");
   HiddenArea area;
   area.corners.reserve(indices.size());
   for (const std::uint32_t index : indices) {

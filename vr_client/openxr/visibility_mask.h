@@ -10,9 +10,12 @@ namespace farshade::openxr {
 
 /// No runtime needs more; one that states more is not believed.
 inline constexpr std::size_t kMostMaskVertices = 1 << 16, kMostMaskIndices = 3 << 16;
+/// Of a coordinate; those of the widest field of view are smaller. So no later product is infinite.
+inline constexpr float kMostMaskTangent = 128;
 
 /// The triangles of a mesh that hides. Unsupported, with a sentence, if it is no mesh of triangles: a vertex
-/// is not finite, an index is out of range, or the number of indices is not a multiple of three or too large.
+/// is not finite or beyond kMostMaskTangent, an index is out of range, or the number of indices is not a
+/// multiple of three or too large.
 [[nodiscard]] Expected<HiddenArea> hidden_area_of(std::span<const XrVector2f> vertices,
                                                   std::span<const std::uint32_t> indices);
 

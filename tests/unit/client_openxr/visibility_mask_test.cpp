@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "tests/unit/client_openxr/fake_headset.h"
+#include "vr_client/openxr/session.h"
 
 namespace farshade::openxr {
 namespace {
@@ -33,6 +34,7 @@ TEST(HiddenAreaOf, RefusesWhatIsNoMesh) {
       vertices[3] = vertex;
       EXPECT_FALSE(hidden_area_of(vertices, Indices{0, 1, 2}));
     }
+  EXPECT_FALSE(hidden_area_of(std::vector<XrVector2f>{{0, 0}, {1, 0}, {0, -1e30f}}, Indices{0, 1, 2}));
   EXPECT_TRUE(hidden_area_of({}, {}).value().corners.empty());
 }
 
@@ -142,6 +144,22 @@ TEST_F(HeadsetRefresh, FollowsThePeriodOtherwise) {
   ASSERT_TRUE(open(setup())) << error;
   ASSERT_TRUE(show());
   EXPECT_DOUBLE_EQ(runtime->refresh_hz(), 100);
+}
+
+/// A capture that stated such a rate could not be read.
+TEST_F(HeadsetRefresh, IsNeverOneThatADisplayCannotHave) {
+  for (const XrDuration period : {XrDuration{0}, XrDuration{-1}, XrDuration{1}, XrDuration{2'000'000'000}}) {
+    fake->period = period;
+    ASSERT_TRUE(open(setup())) << error;
+    const std::optional<FrameTiming> timing = runtime->wait_frame();
+    ASSERT_TRUE(timing);
+    EXPECT_EQ(timing->period, duration_from_ms(1e3 / 72)) << period;
+    EXPECT_NEAR(runtime->refresh_hz(), 72, 1e-6) << period;
+    runtime.reset();
+    system.reset();
+    fake = &restart_fake();
+  }
+  EXPECT_FALSE(is_rate(1e9f));
 }
 
 TEST_F(HeadsetRefresh, FollowsThePeriodIfTheRuntimeStatesNonsense) {
