@@ -1,7 +1,9 @@
 /// What the lenses hide: hidden pixels have no surface, all others are as without a lens, and requests do not
 /// ask for what surely stays hidden.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "stereo/base/check.h"
 #include "tests/golden/test_rig.h"
@@ -75,9 +77,13 @@ TEST_F(HiddenAreas, HaveNoSurfaceAndLeaveAllOtherPixelsAsTheyAre) {
                         seen.pictures[eye].pixels[i] != seen.pictures[0].pixels[0];
       } else if (is_seen(views[eye], x, y)) {
         ++seen_count;
+        const std::size_t lights = seen.reports[eye].mask.lights();
+        const auto visibility = [&](const Shown& shown) {
+          return std::span(shown.reports[eye].visibility).subspan(i * lights, lights);
+        };
         wrong_seen += seen.pictures[eye].pixels[i] != whole.pictures[eye].pixels[i] ||
                       seen.reports[eye].sources[i] != whole.reports[eye].sources[i] ||
-                      seen.reports[eye].visibility[i] != whole.reports[eye].visibility[i];
+                      !std::ranges::equal(visibility(seen), visibility(whole));
       }
     });
     EXPECT_EQ(wrong_hidden, 0u) << eye;
@@ -91,14 +97,17 @@ TEST_F(HiddenAreas, HaveNoSurfaceAndLeaveAllOtherPixelsAsTheyAre) {
 TEST_F(HiddenAreas, FollowAFieldOfViewThatChanges) {
   StereoView views = rig_.eyes(rig_.head());
   views[0].fov = {-0.7, 0.4, 0.3, -0.75};
+  static_cast<void>(rig_.show(views, {}));
+  const PerEye<Image<float>> whole = rig_.renderer().read_distance();
   rig_.hide(lenses());
   static_cast<void>(rig_.show(views, {}));
-  const PerEye<Image<float>> distance = rig_.renderer().read_distance();
+  const PerEye<Image<float>> seen = rig_.renderer().read_distance();
   EXPECT_EQ(share(views,
                   [&](std::size_t eye, std::uint32_t x, std::uint32_t y) {
-                    const bool has_surface = distance[eye].pixels[std::size_t{y} * kLensSide_px + x] > 0;
-                    return (is_hidden(views[eye], x, y) && has_surface) ||
-                           (is_seen(views[eye], x, y) && !has_surface);
+                    const std::size_t i = std::size_t{y} * kLensSide_px + x;
+                    const float distance = seen[eye].pixels[i];
+                    return (is_hidden(views[eye], x, y) && distance > 0) ||
+                           (is_seen(views[eye], x, y) && distance != whole[eye].pixels[i]);
                   }),
             0);
 }
@@ -145,17 +154,22 @@ TEST_F(HiddenAreas, AreNotAskedFor) {
 TEST_F(HiddenAreas, LeaveMasksKnownWhereTheEyesTurnTo) {
   const StereoView traced = rig_.eyes(rig_.head());
   const Mask base = rig_.ask(kOlder, traced);
-  rig_.hide(lenses(0.45));
-  static_cast<void>(rig_.carry(kTraced, traced, base));  // keeps the depth of what is not hidden
-  const Mask mask = rig_.trace(kTraced, traced);
-  for (const double yaw_rad : {1.8 * kLensDegree, -1.8 * kLensDegree}) {
+  // The mask is used at these views; its depth is that of what `hidden` leaves.
+  const auto unknown_at_edge = [&](const PerEye<HiddenArea>& hidden, double yaw_rad) {
+    rig_.hide(hidden);
+    static_cast<void>(rig_.carry(kTraced, traced, base));
+    const Mask mask = rig_.trace(kTraced, traced);
     const StereoView views = rig_.eyes(moved(rig_.head(), yaw_rad, {}));
-    const Shown seen = rig_.show(views, {mask.traced_mask()}, kPlainCarryOver);
-    const auto is_unknown = [&](std::size_t eye, std::uint32_t x, std::uint32_t y) {
+    const Shown shown = rig_.show(views, {mask.traced_mask()}, kPlainCarryOver);
+    return share(views, [&](std::size_t eye, std::uint32_t x, std::uint32_t y) {
       return is_seen(views[eye], x, y, 0.45) && distance_from_axis(views[eye], x, y) > 0.42 &&
-             seen.reports[eye].sources[std::size_t{y} * kLensSide_px + x] == kSourceUnknown;
-    };
-    EXPECT_LT(share(views, is_unknown), 0.001);
+             shown.reports[eye].sources[std::size_t{y} * kLensSide_px + x] == kSourceUnknown;
+    });
+  };
+  for (const double yaw_rad : {1.8 * kLensDegree, -1.8 * kLensDegree}) {
+    const double without = unknown_at_edge({}, yaw_rad), with = unknown_at_edge(lenses(0.45), yaw_rad);
+    std::printf("unknown at the edge: %.5f without lenses, %.5f with them\n", without, with);
+    EXPECT_LE(with, without + 0.0002);
   }
 }
 

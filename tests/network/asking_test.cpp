@@ -89,7 +89,8 @@ TEST_F(Asking, ForWhatIsUnknownGivesTheSameMasksForFewerRays) {
   EXPECT_NEAR(unknown.psnr_db, whole.psnr_db, 0.1);
 }
 
-/// Errors are those of the pixels that are seen.
+/// Errors are shares of the pixels that are seen, which are fewer, and most errors are in the middle. So the
+/// shares are compared as numbers of errors: the lenses leave pi / 4 of the pixels.
 TEST_F(Asking, RoundLensesSaveRays) {
   const PerEye<HiddenArea> lenses = round_lenses(head_.fov);
   const Asked whole = asked("delay=25ms", Asks::Unknown), seen = asked("delay=25ms", Asks::Unknown, &lenses);
@@ -99,7 +100,11 @@ TEST_F(Asking, RoundLensesSaveRays) {
   RecordProperty("asked_with_lenses_percent", std::to_string(seen.asked_percent));
   EXPECT_LT(seen.rays * 100, whole.rays * 95);
   EXPECT_LT(seen.asked_percent, 0.95 * whole.asked_percent);
-  EXPECT_NEAR(seen.mask_error_percent, whole.mask_error_percent, 0.03);
+  std::printf(
+      "rays: %.1f %% of those without lenses; asked: %.1f and %.1f %%; mask error: %.3f and %.3f %%\n",
+      100.0 * static_cast<double>(seen.rays) / static_cast<double>(whole.rays), whole.asked_percent,
+      seen.asked_percent, whole.mask_error_percent, seen.mask_error_percent);
+  EXPECT_LT(std::numbers::pi / 4 * seen.mask_error_percent, whole.mask_error_percent);
 }
 
 TEST_F(Asking, AsksAgainForWhatWasLost) {
