@@ -30,7 +30,8 @@ Spans spans_of(const std::filesystem::path& path) {
     const double begin = event["ts"], length = event.value("dur", 0.0);
     EXPECT_GE(length, 0) << event;
     const std::string name = event["name"].get<std::string>() + " " + event["ph"].get<std::string>();
-    EXPECT_TRUE(spans[name].insert({event["args"]["frame"], {begin, begin + length}}).second) << event;
+    const auto frame = event["args"]["frame"].get<std::uint32_t>();
+    EXPECT_TRUE(spans[name].emplace(frame, TimeSpan{begin, begin + length}).second) << event;
   }
   return spans;
 }
