@@ -62,7 +62,8 @@ void check_state(const Scene& scene, Time time) {
 }
 
 void append(std::vector<std::byte>& file, std::string_view text) {
-  for (const char c : text) file.push_back(static_cast<std::byte>(c));
+  const auto bytes = std::as_bytes(std::span(text));
+  file.insert(file.end(), bytes.begin(), bytes.end());
 }
 
 void append_u32(std::vector<std::byte>& file, std::size_t value) {
