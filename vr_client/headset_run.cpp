@@ -162,8 +162,8 @@ MaskPolicy live_policy(const Options& options, const Client& client) {
           .mask_wait = duration_from_ms(options.mask_wait_ms)};
 }
 
-/// Runs the frame loop. A device that is lost is an error like any other, so that what the frames so far have
-/// left is written.
+/// Runs the frame loop. A device that is lost or has no memory is an error like any other, so that what the
+/// frames so far have left is written.
 Expected<void> run_frames(const RunContext& context, const FrameWatcher& watch,
                           const std::function<bool()>& stop) try {
   return run(context, *make_pipeline(context), watch, stop);
@@ -171,6 +171,9 @@ Expected<void> run_frames(const RunContext& context, const FrameWatcher& watch,
   return fail(Fault::Unavailable, fmt::format("the GPU was lost ({}): start vr_client again; if it happens "
                                               "often, a smaller --xr-scale is less work",
                                               lost.what()));
+} catch (const vk::SystemError& failed) {
+  return fail(Fault::Unavailable,
+              fmt::format("drawing failed ({}): a smaller --xr-scale needs less memory", failed.what()));
 }
 
 /// The frames of a session, from the first to its end.

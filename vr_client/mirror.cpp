@@ -72,6 +72,10 @@ void Mirror::close(const std::string& why) {
   spdlog::warn("no window mirrors the headset: {}", why);
   shown_.reset();
   window_.reset();
+  // Nobody can switch them off any more.
+  controls_.overlay = Overlay::None;
+  controls_.grab.reset();
+  controls_.settings.report = controls_.least_report;
 }
 
 void Mirror::watch(const FrameView& view) {
@@ -101,6 +105,10 @@ bool Mirror::wants_to_end() const {
 
 Expected<void> Mirror::finish() {
   if (shown_) spdlog::info("the desktop window showed {} frames", frames_);
+  // Before the device can be abandoned, after which nothing on it is destroyed.
+  if (wants_to_end()) quit_ = Quit::Wanted;
+  shown_.reset();
+  window_.reset();
   return recordings_.finish();
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "vr_client/openxr/pose.h"
@@ -172,6 +173,16 @@ XrResult Session::begin_frame() {
   return xrBeginFrame(handle_, &info);
 }
 
+namespace {
+
+bool is_finite(const XrPosef& pose) {
+  const auto& [q, p] = pose;
+  return std::ranges::all_of(std::array{q.x, q.y, q.z, q.w, p.x, p.y, p.z},
+                             [](float value) { return std::isfinite(value); });
+}
+
+}  // namespace
+
 XrResult Session::locate(XrTime time, std::optional<Located>& located) {
   located.reset();
   const XrViewLocateInfo info{XR_TYPE_VIEW_LOCATE_INFO, nullptr, kViews, time, space_};
@@ -183,6 +194,7 @@ XrResult Session::locate(XrTime time, std::optional<Located>& located) {
   constexpr XrViewStateFlags valid = XR_VIEW_STATE_ORIENTATION_VALID_BIT | XR_VIEW_STATE_POSITION_VALID_BIT;
   if (XR_FAILED(result) || (state.viewStateFlags & valid) != valid) return result;
   Located found;
+  if (!is_finite(views[0].pose) || !is_finite(views[1].pose)) return result;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     found.tracked_from_eye[eye] = rigid<Eye>(views[eye].pose);
     found.fov[eye] = fov_of(views[eye].fov);

@@ -35,6 +35,12 @@ Expected<HiddenArea> read_hidden_of(const Instance& instance, XrSession session,
   return hidden_area_of(vertices, indices);
 }
 
+/// A triangle without an area, with which some meshes are filled up.
+bool is_flat(std::span<const glm::vec2, 3> triangle) {
+  const glm::dvec2 a(triangle[1] - triangle[0]), b(triangle[2] - triangle[0]);
+  return a.x * b.y == a.y * b.x;
+}
+
 }  // namespace
 
 Expected<HiddenArea> hidden_area_of(std::span<const XrVector2f> vertices,
@@ -55,6 +61,8 @@ Expected<HiddenArea> hidden_area_of(std::span<const XrVector2f> vertices,
     if (index >= vertices.size())
       return fail(Fault::Unsupported, fmt::format("index {} of {} vertices", index, vertices.size()));
     area.corners.emplace_back(vertices[index].x, vertices[index].y);
+    if (area.corners.size() % 3 == 0 && is_flat(std::span(area.corners).last<3>()))
+      area.corners.resize(area.corners.size() - 3);
   }
   return area;
 }

@@ -21,6 +21,12 @@ TEST(HiddenAreaOf, HasTheCornersOfTheTriangles) {
   EXPECT_EQ(area.corners, corners);
 }
 
+TEST(HiddenAreaOf, LeavesOutTrianglesWithoutAnArea) {
+  const std::vector<std::uint32_t> indices{0, 0, 0, 2, 1, 0, 3, 3, 1};
+  EXPECT_EQ(hidden_area_of(kVertices, indices).value(),
+            hidden_area_of(kVertices, std::vector<std::uint32_t>{2, 1, 0}).value());
+}
+
 TEST(HiddenAreaOf, RefusesWhatIsNoMesh) {
   using Indices = std::vector<std::uint32_t>;
   EXPECT_FALSE(hidden_area_of(kVertices, Indices{0, 1}));

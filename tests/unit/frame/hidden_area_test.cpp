@@ -77,6 +77,15 @@ TEST(HiddenInRequest, AllowsForTheWidestSideOfTheGuardBand) {
   }
 }
 
+TEST(HiddenInRequest, IsNoSmallerForWhatLiesFarOutOfTheView) {
+  HiddenArea far = ring();
+  for (const glm::vec2& corner : {glm::vec2(1, 1), glm::vec2(100, 1), glm::vec2(1, 100)})
+    far.corners.push_back(corner);
+  const HiddenArea scaled = hidden_in_request({far, far}, views_of(kFov), views_of(kFov))[0];
+  EXPECT_EQ(scaled.corners.size(), far.corners.size());
+  EXPECT_LT(least_after(scaled, 2 * kLeastTurn_deg * kOneDegree), kInner_tan);
+}
+
 TEST(HiddenInRequest, IsNothingIfTheAxisIsHiddenOrTheTurnTooLarge) {
   HiddenArea middle;
   middle.corners = {{-0.1f, -0.1f}, {0.2f, -0.1f}, {-0.1f, 0.2f}};
