@@ -57,12 +57,12 @@ double corner_of(const EyeFov& fov) {
 
 /// The factor has its minimum between the ends of the area, so that one of the ends needs the largest. What
 /// lies outside of the view does not matter.
-double scale_of(const HiddenArea& area, double turn, double corner) {
+double scale_of(const HiddenArea& area, double turn, double view_end) {
   double nearest = std::numeric_limits<double>::infinity(), farthest = 0;
   for (std::size_t first = 0; first + 3 <= area.corners.size(); first += 3)
     nearest = std::min(nearest, distance_from(std::span(area.corners).subspan(first).first<3>()));
   for (const glm::vec2& corner : area.corners) farthest = std::max(farthest, glm::length(glm::dvec2(corner)));
-  farthest = std::min(farthest, std::max(nearest, corner));
+  farthest = std::min(farthest, std::max(nearest, view_end));
   return std::max(factor_at(nearest, turn), factor_at(farthest, turn));
 }
 
@@ -71,10 +71,10 @@ double scale_of(const HiddenArea& area, double turn, double corner) {
 PerEye<HiddenArea> hidden_in_request(const PerEye<HiddenArea>& hidden, const StereoView& shown,
                                      const StereoView& requested) {
   const double turn = turn_rad(shown, requested);
-  const double corner = std::max(corner_of(requested[0].fov), corner_of(requested[1].fov));
+  const double view_end = std::max(corner_of(requested[0].fov), corner_of(requested[1].fov));
   PerEye<HiddenArea> scaled = hidden;
   for (HiddenArea& area : scaled) {
-    const double scale = scale_of(area, turn, corner);
+    const double scale = scale_of(area, turn, view_end);
     if (!std::isfinite(scale)) area.corners.clear();
     for (glm::vec2& corner : area.corners) corner = glm::vec2(glm::dvec2(corner) * scale);
   }
