@@ -440,7 +440,8 @@ TEST(OpenWindow, NamesTheReasonIfTheDisplayDoesNotAnswer) {
   setenv("DISPLAY", Screen::get().display().c_str(), 1);
   ASSERT_FALSE(window);
   EXPECT_EQ(window.error().fault, Fault::Missing);
-  EXPECT_NE(window.error().what.find("Failed to open display :65000"), std::string::npos)
+  EXPECT_NE(window.error().what.find("cannot open a window on the desktop (DISPLAY=:65000): "),
+            std::string::npos)
       << window.error().what;
 }
 

@@ -17,9 +17,15 @@
 namespace farshade {
 namespace {
 
-bool is_set(const char* variable) {
-  const char* value = std::getenv(variable);
-  return value != nullptr && *value != '\0';
+/// The desktops that the environment names, e.g. "DISPLAY=:0". Empty if there is none. GLFW 3.4 does not name
+/// them.
+std::string named_desktops() {
+  std::string names;
+  for (const std::string variable : {"WAYLAND_DISPLAY", "DISPLAY"}) {
+    const char* const value = std::getenv(variable.c_str());
+    if (value != nullptr && *value != '\0') names += (names.empty() ? "" : ", ") + variable + "=" + value;
+  }
+  return names;
 }
 
 /// GLFW's description of the last error.
@@ -128,11 +134,13 @@ Window& owner_of(GLFWwindow* window) {
 
 Expected<std::unique_ptr<Window>> open_window(const std::string& title, const SizeOnDesktop& size,
                                               const std::string& cure) {
-  if (!is_set("DISPLAY") && !is_set("WAYLAND_DISPLAY"))
+  const std::string desktops = named_desktops();
+  if (desktops.empty())
     return fail(Fault::Missing, std::string("cannot open a window: there is no desktop (neither DISPLAY nor "
                                             "WAYLAND_DISPLAY is set); ") +
                                     cure);
-  if (!glfwInit()) return fail(Fault::Missing, "cannot open a window: " + last_error() + "; " + cure);
+  const std::string cannot = "cannot open a window on the desktop (" + desktops + "): ";
+  if (!glfwInit()) return fail(Fault::Missing, cannot + last_error() + "; " + cure);
   glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
   glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
   GLFWwindow* const window =
@@ -141,7 +149,7 @@ Expected<std::unique_ptr<Window>> open_window(const std::string& title, const Si
   if (!window) {
     const std::string words = last_error();
     glfwTerminate();
-    return fail(Fault::Missing, "cannot open a window: " + words + "; " + cure);
+    return fail(Fault::Missing, cannot + words + "; " + cure);
   }
   place_and_show(window, size);
   return std::unique_ptr<Window>(new Window(window));
