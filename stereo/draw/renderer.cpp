@@ -20,6 +20,34 @@ std::optional<SurroundFaces> faces_of(const gpu::Device& device, const Scene& sc
   return std::optional<SurroundFaces>(std::in_place, device, scene, plan, buffers, frame, size);
 }
 
+/// A mask of the views of a request of which nothing is known. Keeps the reference.
+class UnknownMask {
+ public:
+  UnknownMask(const FrameRequest& request, MaskLayout layout) : request_(request) {
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      const Extent size = request.views[eye].size;
+      bits_[eye] = EyeMask(size, layout);
+      known_tiles_[eye].assign(TileGrid{size}.count(), 0);
+    }
+  }
+
+  /// Valid as long as this object.
+  [[nodiscard]] TracedMask mask() const {
+    return {.frame = request_.frame,
+            .display_time = request_.display_time,
+            .scene_time = request_.scene_time,
+            .views = request_.views,
+            .masks = bits_,
+            .known_tiles = known_tiles_,
+            .light_set_revision = request_.lights.revision};
+  }
+
+ private:
+  const FrameRequest& request_;
+  PerEye<EyeMask> bits_;
+  PerEye<KnownTiles> known_tiles_;
+};
+
 }  // namespace
 
 class Renderer::Parts {
@@ -32,7 +60,7 @@ class Renderer::Parts {
   DrawTimes shade_again(const ShownFrame& frame);
   DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into,
                        const PerEye<HiddenArea>* hidden);
-  std::optional<DrawTimes> carry(const FrameRequest& request, std::size_t slot, const TracedMask& base,
+  std::optional<DrawTimes> carry(const FrameRequest& request, std::size_t slot, const TracedMask* base,
                                  CarriedOver& into, const PerEye<HiddenArea>* hidden);
   DrawTimes draw_received(const GBufferPlanes& planes, const ShownFrame& frame);
   DrawTimes show_turned(const PerEye<Image<Rgb8>>& picture, const StereoView& from, const StereoView& shown);
@@ -261,18 +289,20 @@ CarryPass& Renderer::Parts::need_carry() {
 }
 
 std::optional<DrawTimes> Renderer::Parts::carry(const FrameRequest& request, std::size_t slot,
-                                                const TracedMask& base, CarriedOver& into,
+                                                const TracedMask* base, CarriedOver& into,
                                                 const PerEye<HiddenArea>* hidden) {
   const Stopwatch watch;
-  if (!carries_masks(plan_) || !ring_.has(base.frame)) return std::nullopt;
-  const SceneState state = state_at(scene_, request.scene_time, request.lights);
-  Motion since = motion_since(base, state);
-  since.stale_lights |= since.changed_lights;  // those that are off now, too: their bits are 0
+  if (!carries_masks(plan_) || (base != nullptr && !ring_.has(base->frame))) return std::nullopt;
   const std::optional<DepthRing::Place> place = ring_.claim(request.frame, slot);
-  if (!place || !ring_.has(base.frame)) return std::nullopt;
+  if (!place || (base != nullptr && !ring_.has(base->frame))) return std::nullopt;
+  std::optional<UnknownMask> unknown;
+  const TracedMask from = base != nullptr ? *base : unknown.emplace(request, plan_.mask).mask();
+  const SceneState state = state_at(scene_, request.scene_time, request.lights);
+  Motion since = motion_since(from, state);
+  since.stale_lights |= since.changed_lights;  // those that are off now, too: their bits are 0
   if (!depth_pass_) make_depth_pass();
   depth_pass_->prepare(request.views, state, Detail::Levels, hidden);
-  need_carry().prepare(request, *place, base, state.light_set, since);
+  need_carry().prepare(request, *place, from, state.light_set, since);
   commands_.reset();
   commands_.begin({.flags = vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
   stamps_.reset(commands_);
@@ -483,7 +513,7 @@ DrawTimes Renderer::keep_depth(const FrameRequest& request, std::size_t slot, Pe
 }
 
 std::optional<DrawTimes> Renderer::carry(const FrameRequest& request, std::size_t slot,
-                                         const TracedMask& base, CarriedOver& into,
+                                         const TracedMask* base, CarriedOver& into,
                                          const PerEye<HiddenArea>* hidden) {
   return parts_->carry(request, slot, base, into, hidden);
 }

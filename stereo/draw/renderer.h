@@ -127,10 +127,11 @@ class Renderer {
                        const PerEye<HiddenArea>* hidden = nullptr);
 
   /// Draws the depth of the views of `request`, keeps it for the request's masks, and carries `base` over to
-  /// these views. A light that has moved or was switched since the base was traced is unknown everywhere. No
-  /// value, and nothing drawn, if a request must ask for whole views: the depth of the base is gone, or the
-  /// plan does not carry masks over. `slot` is that of the request's record, `hidden` as in keep_depth.
-  std::optional<DrawTimes> carry(const FrameRequest& request, std::size_t slot, const TracedMask& base,
+  /// these views. A light that has moved or was switched since the base was traced is unknown everywhere.
+  /// Without a base (null), everything is unknown that has a surface. No value, and nothing drawn, if the
+  /// depth of the base is gone, or the plan does not carry masks over. `slot` is that of the request's
+  /// record, `hidden` as in keep_depth.
+  std::optional<DrawTimes> carry(const FrameRequest& request, std::size_t slot, const TracedMask* base,
                                  CarriedOver& into, const PerEye<HiddenArea>* hidden = nullptr);
 
   /// Shades a G-buffer that another renderer drew for `frame.views`. Masks are read with Lookup::Direct, and

@@ -128,7 +128,7 @@ void add_frame(Times& times, const DrawTimes& drawn, double decode_ms) {
 void time_carry(Renderer& renderer, const FrameRequest& request, std::size_t slot, const TracedMask& base,
                 Times& times) {
   CarriedOver carried_over;
-  const std::optional<DrawTimes> carried = renderer.carry(request, slot, base, carried_over);
+  const std::optional<DrawTimes> carried = renderer.carry(request, slot, &base, carried_over);
   if (!carried) return;
   times.carry.push_back(ms_of(carried->carry));
   times.ask.push_back(ms_of(carried->total));

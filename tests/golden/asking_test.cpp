@@ -23,7 +23,7 @@ class AskingAgain : public OnLavapipe {
                          .views = views,
                          .lights = lights_};
     asking_.prepare(request, assembler_.next_slot(),
-                    number > apart_ ? assembler_.find({number - apart_}) : nullptr);
+                    number > apart_ ? assembler_.find({number - apart_}) : nullptr, hidden_);
     asked_ = request.asked;
     assembler_.expect(request, layout_, lights_.revision, {}, asking_.parts().carried);
     if (!asking_.drawn()) renderer_.keep_depth(request, assembler_.find(request.frame)->slot, distances_);
@@ -66,6 +66,7 @@ class AskingAgain : public OnLavapipe {
   const RequestRecord* base_ = nullptr;  ///< the newest
   LightChanges lights_;
   std::uint32_t apart_ = 1;  ///< requests from a base to the one that is carried from it
+  PerEye<HiddenArea> hidden_;
   AskedBlocks asked_;
 };
 
@@ -125,6 +126,42 @@ TEST_F(AskingAgain, TriesSeldomIfEveryRequestWouldAskForTooMuch) {
   for (std::uint32_t i = 0; i < 4; ++i, ++number) {
     ask(number, views);
     EXPECT_FALSE(asked_.whole()) << "an exception is followed by a single try";
+  }
+}
+
+/// Lenses that hide the left half of each view: at first, while a light changes all the time, and after a
+/// jump, no ray is traced there, and the other half is as right as without lenses.
+TEST_F(AskingAgain, WhatLensesHideIsNotAskedForEvenIfNothingIsKnown) {
+  for (HiddenArea& area : hidden_)
+    area.corners = {{-50, -50}, {0, -50}, {-50, 50}, {-50, 50}, {0, -50}, {0, 50}};
+  const StereoView ahead = eyes_of(head_at_camera(scene_), 256),
+                   above = eyes_of(head_looking({0.2, 2.5, -0.2}, {0, 0, 0}), 256);
+  for (std::uint32_t number = 1; number <= 12; ++number) {
+    SCOPED_TRACE(number);
+    if (number > 1 && number < 8) change(lights_, 0, number % 2 == 0, std::nullopt);
+    const StereoView& views = number < 10 ? ahead : above;
+    ask(number, views);
+    ASSERT_FALSE(asked_.whole());
+    EXPECT_FALSE(asking_.parts().messages.empty());
+    ShadowFrame truth;
+    FrameRequest whole = base_->request;
+    whole.asked = {};
+    tracer_.trace(whole, truth);
+    std::array<std::size_t, 2> asked{}, wrong{};
+    for (std::size_t eye = 0; eye < kEyes; ++eye) {
+      const auto [left, right, up, down] = tangents_of(views[eye].fov);
+      const double axis_px = -left / (right - left) * views[eye].size.width;
+      for_pixels(views[eye].size, [&](std::uint32_t x, std::uint32_t y) {
+        if (std::abs(x + 0.5 - axis_px) < kBlockSide_px) return;  // a block has one answer
+        const bool shown = x > axis_px;
+        asked[shown] += asked_bits(asked_, eye, views[eye].size, {x, y}) != 0;
+        wrong[shown] += truth.masks[eye].word(x, y) != base_->masks[eye].word(x, y);
+      });
+    }
+    EXPECT_EQ(asked[0], 0u);
+    EXPECT_GT(asked[1], 0u);
+    EXPECT_LT(wrong[1], 70u) << "0.1 % of what is shown";
+    EXPECT_GT(wrong[0], 1000u) << "the hidden half is traced";
   }
 }
 

@@ -103,6 +103,33 @@ TEST_F(Carry, AsksForWhatTheBaseDidNotSee) {
   EXPECT_EQ(shares_of(rig.ask_for_unknown({4}, behind, base), rig.trace({4}, behind)).asked, 100);
 }
 
+TEST_F(Carry, WithoutABaseAsksForAllLightsWhereASurfaceIs) {
+  TestRig rig(device_, bundled("box_over_plane.gltf"), kSide_px);
+  const StereoView views = rig.eyes(rig.head());
+  static_cast<void>(rig.ask(kTraced, views));
+  CarriedOver carried;
+  const FrameRequest request{.frame = kNow, .display_time = {}, .scene_time = {}, .views = views};
+  const Scene scene = bundled("box_over_plane.gltf");
+  Renderer renderer(device_, scene, RendererLimits{{kSide_px, kSide_px}, {kSide_px, kSide_px}, 2});
+  ASSERT_TRUE(renderer.carry(request, 0, nullptr, carried));
+  std::size_t surfaces = 0, blocks = 0;
+  for (std::size_t eye = 0; eye < kEyes; ++eye) {
+    const AskedTile all = all_lights_in(kAllBlocks, carried.asked.lights);
+    for_pixels(views[eye].size, [&](std::uint32_t x, std::uint32_t y) {
+      if (rig.asked_distance()[eye].pixels[std::size_t{y} * kSide_px + x] == 0) return;
+      ++surfaces;
+      const std::uint32_t tile = y / kTileSide_px * TileGrid{views[eye].size}.columns() + x / kTileSide_px;
+      const auto bit =
+          static_cast<std::uint32_t>(std::countr_zero(block_bit(x % kTileSide_px, y % kTileSide_px)));
+      ASSERT_EQ(carried.asked.tiles[eye][tile].at(bit), all.at(bit)) << x << ", " << y;
+    });
+    for (const AskedTile& tile : carried.asked.tiles[eye])
+      blocks += static_cast<std::size_t>(std::popcount(tile.any()));
+  }
+  EXPECT_GT(surfaces, 10'000u);
+  EXPECT_LT(blocks * kBlockSide_px * kBlockSide_px, surfaces * 11 / 10) << "the sky is asked for";
+}
+
 /// The lights that differ between the pixels of a block and those around it.
 std::uint32_t differing_bits(const EyeMask& mask, glm::uvec2 pixel) {
   const glm::uvec2 block = pixel / kBlockSide_px * kBlockSide_px;

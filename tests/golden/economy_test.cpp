@@ -272,7 +272,7 @@ class WholeScene : public OnLavapipe, public testing::WithParamInterface<const c
     const Mask mask = in_words_of(plan.mask, traced(first));
     const std::vector<TracedMask> masks{mask.traced_mask()};
     CarriedOver carried;
-    EXPECT_EQ(renderer.carry({FrameId{3}, kThen, kThen, shown}, 2, masks[0], carried).has_value(),
+    EXPECT_EQ(renderer.carry({FrameId{3}, kThen, kThen, shown}, 2, masks.data(), carried).has_value(),
               plan.depth_pass);
     renderer.draw({.views = shown,
                    .state = now,

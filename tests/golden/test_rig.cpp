@@ -170,7 +170,8 @@ std::optional<CarriedOver> TestRig::carry(FrameId frame, const StereoView& views
   CarriedOver carried;
   PerEye<HiddenArea> hidden;
   if (hidden_) hidden = hidden_in_request(*hidden_, views, views);
-  if (!renderer_->carry(request, frame.value % depth_frames_, base.traced_mask(), carried, &hidden))
+  const TracedMask mask = base.traced_mask();
+  if (!renderer_->carry(request, frame.value % depth_frames_, &mask, carried, &hidden))
     return std::nullopt;
   return carried;
 }

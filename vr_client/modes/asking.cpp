@@ -16,25 +16,43 @@ void Asking::skip() {
 void Asking::prepare(FrameRequest& request, std::size_t slot, const RequestRecord* base,
                      const PerEye<HiddenArea>& hidden) {
   skip();
-  if (base == nullptr) return;
-  if (to_skip_ > 0) {
-    --to_skip_;
-    return;
-  }
-  drawn_ = renderer_.carry(request, slot, mask_of(*base), carried_, &hidden);
-  if (!drawn_) return;
-  for (std::size_t eye = 0; eye < kEyes; ++eye)
-    add_refresh(base->request.display_time, request.display_time, carried_.asked.lights,
-                carried_.covered[eye], carried_.asked.tiles[eye]);
-  if (part_of(carried_.asked) > kMostAsked) {
-    to_skip_ = last_skipped_ = std::min(2 * last_skipped_ + 1, kMostSkipped);
-    return;
-  }
-  last_skipped_ = 0;
+  if (!carry(request, slot, base, hidden) && !look(request, slot, hidden)) return;
   pack(request);
   if (messages_used_ == 0) return;
   request.asked = carried_.asked;
   request.answer.slices = narrow<std::uint32_t>(messages_used_);
+}
+
+/// Carries the mask of `base` over. Returns whether that leaves little enough unknown.
+bool Asking::carry(const FrameRequest& request, std::size_t slot, const RequestRecord* base,
+                   const PerEye<HiddenArea>& hidden) {
+  if (base == nullptr) return false;
+  if (to_skip_ > 0) {
+    --to_skip_;
+    return false;
+  }
+  const TracedMask mask = mask_of(*base);
+  drawn_ = renderer_.carry(request, slot, &mask, carried_, &hidden);
+  if (!drawn_) return false;
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    add_refresh(base->request.display_time, request.display_time, carried_.asked.lights,
+                carried_.covered[eye], carried_.asked.tiles[eye]);
+  const bool is_little = part_of(carried_.asked) <= kMostAsked;
+  last_skipped_ = is_little ? 0 : std::min(2 * last_skipped_ + 1, kMostSkipped);
+  to_skip_ = last_skipped_;
+  return is_little;
+}
+
+/// Finds the blocks of whole views that have a surface. Returns whether that leaves anything out: it does if
+/// the lenses hide something. Otherwise the set would cost more than the sky that it leaves out.
+bool Asking::look(const FrameRequest& request, std::size_t slot, const PerEye<HiddenArea>& hidden) {
+  if (hidden == PerEye<HiddenArea>{}) return false;
+  if (!drawn_) drawn_ = renderer_.carry(request, slot, nullptr, carried_, &hidden);
+  if (!drawn_) return false;
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    std::ranges::transform(carried_.covered[eye], carried_.asked.tiles[eye].begin(),
+                           [&](BlockBits covered) { return all_lights_in(covered, carried_.asked.lights); });
+  return true;
 }
 
 /// Writes what is asked for into messages.

@@ -24,8 +24,9 @@ class Asking {
   explicit Asking(Renderer& renderer) : renderer_(renderer) {}
 
   /// Carries the mask of `base` over to the views of `request`, whose record will get `slot`, and sets what
-  /// the request asks for. It asks for whole views if `base` is null or nothing can be carried over.
-  /// Nothing is asked for where there is no surface, and `hidden` has none (Renderer::keep_depth).
+  /// the request asks for. It asks for whole views if `base` is null or nothing can be carried over, but for
+  /// what the lenses hide: `hidden` has no surface (Renderer::keep_depth), and a set of blocks has only those
+  /// with a surface.
   void prepare(FrameRequest& request, std::size_t slot, const RequestRecord* base,
                const PerEye<HiddenArea>& hidden = {});
   /// This frame makes no request, or one for whole views that does not look at earlier masks.
@@ -38,6 +39,9 @@ class Asking {
   [[nodiscard]] const std::optional<DrawTimes>& drawn() const { return drawn_; }
 
  private:
+  [[nodiscard]] bool carry(const FrameRequest& request, std::size_t slot, const RequestRecord* base,
+                           const PerEye<HiddenArea>& hidden);
+  [[nodiscard]] bool look(const FrameRequest& request, std::size_t slot, const PerEye<HiddenArea>& hidden);
   void pack(const FrameRequest& request);
 
   Renderer& renderer_;

@@ -48,12 +48,12 @@ class Hybrid final : public ModePipeline {
   const FrameRequest* request(const FrameInputs& inputs) override {
     FrameRequest* const request = exchange_.plan(inputs, {.kind = Answer::Masks});
     if (surround_.plan(inputs, exchange_.lead(inputs.period))) surround_.send(inputs);
-    if (request != nullptr && inputs.settings.request.asks == Asks::Unknown && exchange_.takes_parts()) {
+    asking_.skip();
+    if (request != nullptr && exchange_.takes_parts()) {
       // Receives first: what has come decides which slot is next.
-      const RequestRecord* const base = exchange_.newest_settled(inputs);
+      const RequestRecord* const newest = exchange_.newest_settled(inputs);
+      const RequestRecord* const base = inputs.settings.request.asks == Asks::Unknown ? newest : nullptr;
       asking_.prepare(*request, exchange_.next_slot(), base, hidden_in(*request, inputs));
-    } else {
-      asking_.skip();
     }
     exchange_.send(inputs, asking_.parts());
     surround_.send(inputs);
