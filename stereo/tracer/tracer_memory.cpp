@@ -7,8 +7,12 @@ namespace {
 
 /// Per triangle.
 constexpr std::size_t kHierarchy_bytes = 67;
-/// In addition, per fixed triangle, while the structure over all of them is built.
+/// In addition, per fixed triangle, while the structure over all of them is built: by Embree 4 or 3.
+#if __has_include(<embree4/rtcore.h>)
+constexpr std::size_t kBuilding_bytes = 30;
+#else
 constexpr std::size_t kBuilding_bytes = 43;
+#endif
 
 std::size_t map_bytes(const LightSource& light) {
   const std::size_t faces = light.kind == LightKind::Directional ? 1 : 6;

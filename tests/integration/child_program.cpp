@@ -8,8 +8,6 @@
 #include <array>
 #include <utility>
 
-#include "stereo/base/check.h"
-
 namespace farshade {
 namespace {
 

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "stereo/base/check.h"
+
 namespace farshade {
 
 class ChildProgram {
@@ -27,7 +29,11 @@ class ChildProgram {
     return errors_.line_after(prefix);
   }
 
-  void send(int signal) const { kill(pid_, signal); }
+  /// Not after wait(): then the signal would go to every process.
+  void send(int signal) const {
+    check(pid_ > 0, "a program gets signals until it is waited for");
+    kill(pid_, signal);
+  }
 
   /// Valid until wait().
   [[nodiscard]] pid_t id() const { return pid_; }

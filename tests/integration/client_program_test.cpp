@@ -1,7 +1,6 @@
 #include "tests/integration/client_program.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
@@ -14,6 +13,7 @@
 #include "stereo/head/reader.h"
 #include "stereo/net/udp.h"
 #include "stereo/wire/messages.h"
+#include "tests/integration/machine.h"
 #include "tests/integration/one_triangle.h"
 #include "tests/support/image_reader.h"
 #include "tests/support/sanitized.h"
@@ -500,7 +500,7 @@ TEST(ClientProgram, DumpsAndWritesPicturesOutsideOfARealClock) {
 }
 
 TEST(ClientProgram, UsesTheAddressOfANameThatAnswers) {
-  if (geteuid() != 0) GTEST_SKIP() << "a file of host names of its own needs root";
+  if (const std::string why = missing_for_machines(); !why.empty()) GTEST_SKIP() << why;
   const RunningServer server(kRoom, "127.0.0.2:0");
   const std::string port = server.address().substr(server.address().rfind(':'));
   const ScratchFolder folder;

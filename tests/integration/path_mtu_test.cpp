@@ -2,6 +2,7 @@
 // length. A virtual cable drops longer packets without an error, as a router without ICMP does.
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <regex>
 
 #include "stereo/base/clock.h"
@@ -26,14 +27,14 @@ class PathMtuPrograms : public testing::Test {
  protected:
   void SetUp() override {
     if (const std::string why = missing_for_machines(); !why.empty()) GTEST_SKIP() << why;
-    join(desk_, head_);
-    server_.emplace(desk_.here({RT_SERVER, "--scene", kRoom, "--listen", "192.0.2.2:7447", "--keys",
-                                test_keys().ring, "--no-announce"}));
+    join(desk_.emplace(), head_.emplace());
+    server_.emplace(desk_->here({RT_SERVER, "--scene", kRoom, "--listen", "192.0.2.2:7447", "--keys",
+                                 test_keys().ring, "--no-announce"}));
     ASSERT_TRUE(server_->line_after("rt_server: listening on ")) << server_->errors();
   }
   void set(const Cable& cable) {
-    desk_.shell("ip link set cable mtu " + std::to_string(cable.at_server));
-    head_.shell("ip link set cable mtu " + std::to_string(cable.at_client));
+    desk_->shell("ip link set cable mtu " + std::to_string(cable.at_server));
+    head_->shell("ip link set cable mtu " + std::to_string(cable.at_client));
   }
   std::unique_ptr<ChildProgram> start_client(std::map<std::string, std::string> options) {
     options.insert({{"--server", "192.0.2.2:7447"},
@@ -41,7 +42,7 @@ class PathMtuPrograms : public testing::Test {
                     {"--reference-every", "0"},
                     {"--pictures", "0"},
                     {"--out", (folder_.path() / "out").string()}});
-    return std::make_unique<ChildProgram>(head_.here(client_arguments(options)));
+    return std::make_unique<ChildProgram>(head_->here(client_arguments(options)));
   }
   /// The server's line of counters.
   std::string counters() {
@@ -82,7 +83,7 @@ class PathMtuPrograms : public testing::Test {
     return sum / answers;
   }
 
-  Machine desk_, head_;
+  std::optional<Machine> desk_, head_;
   ScratchFolder folder_;
   std::optional<ChildProgram> server_;
 };
