@@ -41,9 +41,10 @@ using PoseFilter = std::variant<HoldFilter, KalmanFilter>;
 
 /// After a gap longer than this, the filter starts again: the velocity is 0 until the next pose.
 inline constexpr Duration kLongestGap = std::chrono::milliseconds(250);
-/// If the head moved faster than this, and further than kJitter, it was moved to another place (recentred,
-/// for example). The filter starts again.
-inline constexpr double kFastestTurn_rad_s = 40, kFastestWay_m_s = 20;
+/// If the head moved faster than this, and further than kJitter, it was moved to another place: recentred, or
+/// turned by the controller's 30 degrees (displays of 60 Hz and more show that in one frame, also while the
+/// head itself turns the other way). The filter starts again.
+inline constexpr double kFastestTurn_rad_s = 25, kFastestWay_m_s = 20;
 inline constexpr double kJitter_rad = 0.05, kJitter_m = 0.05;
 /// The longest lead. A prediction for a later time is the prediction for this lead.
 inline constexpr Duration kFarthestLead = std::chrono::milliseconds(500);

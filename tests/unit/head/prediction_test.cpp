@@ -154,6 +154,25 @@ TEST_P(PredictorOf, HoldsAHeadThatJumped) {
   }
 }
 
+/// By a controller, on displays of 60 to 120 Hz, while the head turns by 150 degrees/s to the other side.
+TEST_P(PredictorOf, HoldsAHeadThatWasTurnedInAFrame) {
+  for (const double rate_hz : {60.0, 72.0, 90.0, 120.0}) {
+    const Duration frame = duration_from_ms(1e3 / rate_hz);
+    Predictor predictor(GetParam());
+    HeadPose head;
+    Time now{};
+    const auto show = [&](double turn_deg) {
+      head = head * motion_exp<Head>(Twist{{0, turn_deg * pi / 180, 0}, {}});
+      predictor.observe(now += frame, head);
+    };
+    for (int i = 0; i < 60; ++i) show(-150 / rate_hz);
+    show(30 - 150 / rate_hz);
+    EXPECT_EQ(predictor.velocity(), Twist{}) << rate_hz;
+    const HeadPose then = predictor.predict(now + milliseconds(50));
+    EXPECT_LT(angle_between_rad(then.rotation, head.rotation), 1e-12) << rate_hz;
+  }
+}
+
 TEST_P(PredictorOf, KeepsItsVelocityOverJitterAndTheLongestGap) {
   if (GetParam() == PredictorKind::Hold) return;
   // 0.03 rad and 3 cm within 0.1 ms are faster than any head, but still within jitter.
