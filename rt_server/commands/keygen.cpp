@@ -43,7 +43,7 @@ void add_keygen(CLI::App& program, KeygenOptions& options) {
       ->check(within(1, KeyLimits::kMostSessions));
   command
       ->add_option("--bytes-per-second", options.bytes_per_second,
-                   "maximum number of bytes per second that the server sends to each client with this key")
+                   "maximum number of bytes per second that the server sends to all clients with this key")
       ->check(within(KeyLimits::kLeastBytesPerSecond, KeyLimits::kMostBytesPerSecond));
 }
 

@@ -13,6 +13,12 @@ namespace {
 /// What the limit of all sessions did not use in this time may follow at once.
 constexpr Duration kBurst = std::chrono::milliseconds(2);
 
+/// When the next datagram may go, if one of `bytes` goes `now`, at this rate.
+Time after(std::size_t bytes, double bytes_per_second, Time may_send_at, Time now) {
+  return std::max(may_send_at, now - kBurst) +
+         duration_from_ms(1e3 * static_cast<double>(bytes) / bytes_per_second);
+}
+
 ClientEvent::Kind kind_of(std::optional<RefusalReason> refused, const ContentHash& scene) {
   using enum ClientEvent::Kind;
   if (!refused) return Welcomed;
@@ -408,7 +414,7 @@ bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {
     return std::pair(ledger_.of(session.key()).sent_bytes, *session.due());
   };
   for (ClientSession& session : sessions_) {
-    if (!session.due() || *session.due() > now) continue;
+    if (const std::optional<Time> due = due_of(session); !due || *due > now) continue;
     KeyAccount& account = ledger_.of(session.key());
     account.sent_bytes = std::max(account.sent_bytes, sent_);
     if (next == nullptr || order(session) < order(*next)) next = &session;
@@ -422,9 +428,9 @@ bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {
   KeyAccount& account = ledger_.of(next->key());
   sent_ = account.sent_bytes;
   account.sent_bytes += datagram.size();
-  may_send_at_ =
-      std::max(may_send_at_, now - kBurst) +
-      duration_from_ms(1e3 * static_cast<double>(datagram.size()) / limits_.total_bytes_per_second);
+  if (const auto most = gate_.ring().at(next->key()).limits.bytes_per_second)
+    account.may_send_at = after(datagram.size(), static_cast<double>(*most), account.may_send_at, now);
+  may_send_at_ = after(datagram.size(), limits_.total_bytes_per_second, may_send_at_, now);
   return true;
 }
 
@@ -441,10 +447,16 @@ std::optional<Time> Sessions::due_at() const {
   std::optional<Time> earliest;
   if (!goodbyes_.empty()) earliest = Time{};
   for (const ClientSession& session : sessions_)
-    if (const std::optional<Time> at = session.due(); at && (!earliest || *at < *earliest)) earliest = at;
+    if (const std::optional<Time> at = due_of(session); at && (!earliest || *at < *earliest)) earliest = at;
   if (earliest) earliest = std::max(*earliest, may_send_at_);
   due_at_ = earliest;
   return earliest;
+}
+
+/// When the next datagram of a session is due and its key may send it.
+std::optional<Time> Sessions::due_of(const ClientSession& session) const {
+  const std::optional<Time> due = session.due();
+  return due ? std::optional(std::max(*due, ledger_.may_send_at(session.key()))) : due;
 }
 
 ClientSession* Sessions::find(SessionId id) {

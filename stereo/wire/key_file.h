@@ -32,7 +32,7 @@ struct KeyLimits {
 
   std::optional<std::chrono::sys_days> until{};     ///< the last day (UTC) on which the key is valid
   std::optional<std::uint64_t> sessions{};          ///< at one time, 1 to kMostSessions
-  std::optional<std::uint64_t> bytes_per_second{};  ///< to each session
+  std::optional<std::uint64_t> bytes_per_second{};  ///< to all its sessions together
   friend bool operator==(const KeyLimits&, const KeyLimits&) = default;
 };
 

@@ -569,6 +569,25 @@ TEST(KeyLimits, AKeysSessionsAreNoFasterThanTheRingAllows) {
   }
 }
 
+TEST(KeyLimits, AKeysSessionsTogetherAreNoFasterThanTheRingAllowsAtOnceAfterAChange) {
+  House house({.handshakes_per_second = 1e6});
+  Time now{};
+  std::vector<Hungry> clients;
+  clients.push_back({house.join(kGoodPort, now, kGood), kGoodPort});
+  for (std::uint16_t port = kEvilPort; port < kEvilPort + 8; ++port)
+    clients.push_back({house.join(port, now, kEvil), port});
+  for (const std::uint64_t most : {400'000u, 100'000u}) {
+    house.sessions.set_ring({kGood, limited(kEvil, {.bytes_per_second = most})});
+    for (Hungry& each : clients) each.bytes = 0;
+    serve(house, clients, now, 3s);
+    std::size_t evil = 0;
+    for (std::size_t i = 1; i < clients.size(); ++i) evil += clients[i].bytes;
+    EXPECT_LE(evil, most * 3 * 101 / 100);
+    EXPECT_GE(evil, most * 3 * 95 / 100);
+    EXPECT_GT(clients[0].bytes, 1'000'000u) << "the other key has no limit";
+  }
+}
+
 TEST(Insider, AReplayedHelloThatWasRefusedCostsNoHandshake) {
   House house({.sessions = 1, .handshakes_per_second = 10});
   house.join(kEvilPort, {}, kEvil);
