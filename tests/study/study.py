@@ -139,6 +139,8 @@ def header(study, command):
                                          check=True).stdout)
 
     def git(*words):
+        if shutil.which("git") is None:  # the sources may have come as an archive
+            return ""
         return subprocess.run(["git", "-C", study.root, *words], capture_output=True, text=True,
                               check=False).stdout.strip()
     commit = git("rev-parse", "HEAD") or "unknown"
