@@ -435,6 +435,7 @@ TEST(OpenWindow, NamesTheCureWithoutADesktop) {
 }
 
 TEST(OpenWindow, NamesTheReasonIfTheDisplayDoesNotAnswer) {
+  unsetenv("WAYLAND_DISPLAY");
   setenv("DISPLAY", ":65000", 1);
   const auto window = open_window(kTitle, of_window);
   setenv("DISPLAY", Screen::get().display().c_str(), 1);

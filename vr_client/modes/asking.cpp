@@ -16,43 +16,45 @@ void Asking::skip() {
 void Asking::prepare(FrameRequest& request, std::size_t slot, const RequestRecord* base,
                      const PerEye<HiddenArea>& hidden) {
   skip();
-  if (!carry(request, slot, base, hidden) && !look(request, slot, hidden)) return;
+  // Finding what the lenses leave costs as much as carrying over: then every request tries.
+  const bool lenses = hidden != PerEye<HiddenArea>{};
+  if (lenses) to_skip_ = last_skipped_ = 0;
+  if (base != nullptr && to_skip_ > 0) {
+    --to_skip_;
+    return;
+  }
+  if (base != nullptr) carry(request, slot, *base, hidden);
+  if (!drawn_ && lenses) drawn_ = renderer_.carry(request, slot, nullptr, carried_, &hidden);
+  if (!drawn_) return;
+  const bool is_much = part_of(carried_.asked) > kMostAsked;
+  if (is_much && !lenses) {
+    to_skip_ = last_skipped_ = std::min(2 * last_skipped_ + 1, kMostSkipped);
+    return;
+  }
+  last_skipped_ = 0;
+  if (is_much) ask_for_surfaces();
   pack(request);
   if (messages_used_ == 0) return;
   request.asked = carried_.asked;
   request.answer.slices = narrow<std::uint32_t>(messages_used_);
 }
 
-/// Carries the mask of `base` over. Returns whether that leaves little enough unknown.
-bool Asking::carry(const FrameRequest& request, std::size_t slot, const RequestRecord* base,
+/// Carries the mask of `base` over, and asks again for the tiles whose turn has come.
+void Asking::carry(const FrameRequest& request, std::size_t slot, const RequestRecord& base,
                    const PerEye<HiddenArea>& hidden) {
-  if (base == nullptr) return false;
-  if (to_skip_ > 0) {
-    --to_skip_;
-    return false;
-  }
-  const TracedMask mask = mask_of(*base);
+  const TracedMask mask = mask_of(base);
   drawn_ = renderer_.carry(request, slot, &mask, carried_, &hidden);
-  if (!drawn_) return false;
+  if (!drawn_) return;
   for (std::size_t eye = 0; eye < kEyes; ++eye)
-    add_refresh(base->request.display_time, request.display_time, carried_.asked.lights,
-                carried_.covered[eye], carried_.asked.tiles[eye]);
-  const bool is_little = part_of(carried_.asked) <= kMostAsked;
-  last_skipped_ = is_little ? 0 : std::min(2 * last_skipped_ + 1, kMostSkipped);
-  to_skip_ = last_skipped_;
-  return is_little;
+    add_refresh(base.request.display_time, request.display_time, carried_.asked.lights, carried_.covered[eye],
+                carried_.asked.tiles[eye]);
 }
 
-/// Finds the blocks of whole views that have a surface. Returns whether that leaves anything out: it does if
-/// the lenses hide something. Otherwise the set would cost more than the sky that it leaves out.
-bool Asking::look(const FrameRequest& request, std::size_t slot, const PerEye<HiddenArea>& hidden) {
-  if (hidden == PerEye<HiddenArea>{}) return false;
-  if (!drawn_) drawn_ = renderer_.carry(request, slot, nullptr, carried_, &hidden);
-  if (!drawn_) return false;
+/// Asks for all blocks with a surface: whole views, but for what the lenses hide.
+void Asking::ask_for_surfaces() {
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     std::ranges::transform(carried_.covered[eye], carried_.asked.tiles[eye].begin(),
                            [&](BlockBits covered) { return all_lights_in(covered, carried_.asked.lights); });
-  return true;
 }
 
 /// Writes what is asked for into messages.

@@ -39,9 +39,9 @@ class Asking {
   [[nodiscard]] const std::optional<DrawTimes>& drawn() const { return drawn_; }
 
  private:
-  [[nodiscard]] bool carry(const FrameRequest& request, std::size_t slot, const RequestRecord* base,
-                           const PerEye<HiddenArea>& hidden);
-  [[nodiscard]] bool look(const FrameRequest& request, std::size_t slot, const PerEye<HiddenArea>& hidden);
+  void carry(const FrameRequest& request, std::size_t slot, const RequestRecord& base,
+             const PerEye<HiddenArea>& hidden);
+  void ask_for_surfaces();
   void pack(const FrameRequest& request);
 
   Renderer& renderer_;
