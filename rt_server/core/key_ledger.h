@@ -20,7 +20,6 @@ struct KeyAccount {
   Duration work{};
   std::uint64_t served = 0;      ///< number of jobs of all clients when this key was last served
   std::uint64_t sent_bytes = 0;  ///< sealed datagrams of its answers, counted like `work`
-  Time may_send_at{};            ///< because of the key's own limit of bytes a second
   Duration session_work{};       ///< ClientSession::Turn::work of its session that was served last
   TokenBucket handshakes;
   std::size_t held_bytes = 0;  ///< memory of its sessions
@@ -37,12 +36,6 @@ class KeyLedger {
     const double share = ring.size() > 1 ? 0.5 : 1;
     if (share == std::exchange(share_, share)) return;
     for (auto& [key, account] : accounts_) account.handshakes = TokenBucket(share * handshakes_per_second_);
-  }
-
-  /// KeyAccount::may_send_at. The key needs no account yet.
-  [[nodiscard]] Time may_send_at(const KeyId& key) const {
-    const auto found = accounts_.find(key);
-    return found == accounts_.end() ? Time{} : found->second.may_send_at;
   }
 
   /// The account of a key of the ring; a new one begins with nothing used.

@@ -109,6 +109,9 @@ class ClientSession {
   ClientSession(const SharedKey& key, const Peer& client, const PublicKey& hello, const Accepted& accepted,
                 Time now, const RateLimits& limits, const Welcome& served);
 
+  /// Sets the limits of the rate from now on.
+  void limit(const RateLimits& limits);
+
   [[nodiscard]] SessionId id() const { return id_; }
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const KeyId& key() const { return key_; }

@@ -13,12 +13,6 @@ namespace {
 /// What the limit of all sessions did not use in this time may follow at once.
 constexpr Duration kBurst = std::chrono::milliseconds(2);
 
-/// When the next datagram may go, if one of `bytes` goes `now`, at this rate.
-Time after(std::size_t bytes, double bytes_per_second, Time may_send_at, Time now) {
-  return std::max(may_send_at, now - kBurst) +
-         duration_from_ms(1e3 * static_cast<double>(bytes) / bytes_per_second);
-}
-
 ClientEvent::Kind kind_of(std::optional<RefusalReason> refused, const ContentHash& scene) {
   using enum ClientEvent::Kind;
   if (!refused) return Welcomed;
@@ -134,11 +128,9 @@ std::optional<RefusalReason> Sessions::why_refused(const Hello& hello, bool key_
 void Sessions::begin_session(const SharedKey& key, const Peer& client, const Hello& hello,
                              const Accepted& accepted, Time now) {
   ++counters_.welcomed;
-  double bytes_per_second = limits_.bytes_per_second;
-  if (const auto& most = key.limits.bytes_per_second)
-    bytes_per_second = std::min(bytes_per_second, static_cast<double>(*most));
-  sessions_.emplace_back(key, client, hello.client, accepted, now, RateLimits{.most = bytes_per_second},
+  sessions_.emplace_back(key, client, hello.client, accepted, now, limits_up_to(limits_.bytes_per_second),
                          served_);
+  if (key.limits.bytes_per_second) share_limits();
   sessions_.back().turn = {ledger_.of(hello.key).session_work, jobs_};
   hold(sessions_.back(), 0);
   place_of_[sessions_.back().id().value] = sessions_.size() - 1;
@@ -284,7 +276,22 @@ std::uint64_t Sessions::end_sessions(ClientEvent::Kind why, const IsOver& is_ove
   due_at_.reset();
   place_of_.clear();
   for (std::size_t i = 0; i < sessions_.size(); ++i) place_of_[sessions_[i].id().value] = i;
+  share_limits();
   return ended;
+}
+
+/// Gives each session its part of its key's limit of bytes a second: the sessions of a key have equal parts.
+void Sessions::share_limits() {
+  std::map<KeyId, std::size_t> sessions;
+  for (const ClientSession& session : sessions_) ++sessions[session.key()];
+  for (ClientSession& session : sessions_) {
+    const auto key = gate_.ring().find(session.key());
+    if (key == gate_.ring().end()) continue;  // it is about to end
+    double most = limits_.bytes_per_second;
+    if (const auto& together = key->second.limits.bytes_per_second)
+      most = std::min(most, static_cast<double>(*together) / static_cast<double>(sessions.at(session.key())));
+    session.limit(limits_up_to(most));
+  }
 }
 
 void Sessions::offer(AnswerSet answers) {
@@ -304,6 +311,7 @@ void Sessions::set_ring(const std::vector<SharedKey>& ring, std::chrono::sys_day
     return !gate_.ring().contains(session.key());
   });
   ledger_.keep(gate_.ring());
+  share_limits();
 }
 
 std::optional<Job> Sessions::next_job(Time now) {
@@ -414,7 +422,7 @@ bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {
     return std::pair(ledger_.of(session.key()).sent_bytes, *session.due());
   };
   for (ClientSession& session : sessions_) {
-    if (const std::optional<Time> due = due_of(session); !due || *due > now) continue;
+    if (!session.due() || *session.due() > now) continue;
     KeyAccount& account = ledger_.of(session.key());
     account.sent_bytes = std::max(account.sent_bytes, sent_);
     if (next == nullptr || order(session) < order(*next)) next = &session;
@@ -428,9 +436,9 @@ bool Sessions::seal_due(Time now, Peer& to, std::vector<std::byte>& datagram) {
   KeyAccount& account = ledger_.of(next->key());
   sent_ = account.sent_bytes;
   account.sent_bytes += datagram.size();
-  if (const auto most = gate_.ring().at(next->key()).limits.bytes_per_second)
-    account.may_send_at = after(datagram.size(), static_cast<double>(*most), account.may_send_at, now);
-  may_send_at_ = after(datagram.size(), limits_.total_bytes_per_second, may_send_at_, now);
+  may_send_at_ =
+      std::max(may_send_at_, now - kBurst) +
+      duration_from_ms(1e3 * static_cast<double>(datagram.size()) / limits_.total_bytes_per_second);
   return true;
 }
 
@@ -447,16 +455,10 @@ std::optional<Time> Sessions::due_at() const {
   std::optional<Time> earliest;
   if (!goodbyes_.empty()) earliest = Time{};
   for (const ClientSession& session : sessions_)
-    if (const std::optional<Time> at = due_of(session); at && (!earliest || *at < *earliest)) earliest = at;
+    if (const std::optional<Time> at = session.due(); at && (!earliest || *at < *earliest)) earliest = at;
   if (earliest) earliest = std::max(*earliest, may_send_at_);
   due_at_ = earliest;
   return earliest;
-}
-
-/// When the next datagram of a session is due and its key may send it.
-std::optional<Time> Sessions::due_of(const ClientSession& session) const {
-  const std::optional<Time> due = session.due();
-  return due ? std::optional(std::max(*due, ledger_.may_send_at(session.key()))) : due;
 }
 
 ClientSession* Sessions::find(SessionId id) {

@@ -137,7 +137,7 @@ class Sessions {
   void count(ReceivedMessage received);
   void end_replaced(SessionId kept);
   [[nodiscard]] Time end_of(const ClientSession& session) const;
-  [[nodiscard]] std::optional<Time> due_of(const ClientSession& session) const;
+  void share_limits();
   template <class IsOver>
   std::uint64_t end_sessions(ClientEvent::Kind why, const IsOver& is_over);
   [[nodiscard]] ClientSession* find(SessionId id);

@@ -199,6 +199,11 @@ bool LossMeter::is_excessive(double loss) const {
 RateControl::RateControl(RateLimits limits)
     : limits_(limits), rate_(std::clamp(kStart, limits.least, limits.most)) {}
 
+void RateControl::limit(const RateLimits& limits) {
+  limits_ = limits;
+  rate_ = std::clamp(rate_, limits.least, limits.most);
+}
+
 void RateControl::sent(std::uint64_t counter, std::size_t bytes, Time at) {
   record(counter, {at, trend_.group_of(at), narrow<std::uint16_t>(bytes), Fate::Unreported});
   allowed_bytes_ = std::max<std::int64_t>(0, allowed_bytes_ - static_cast<std::int64_t>(bytes));

@@ -120,6 +120,11 @@ struct RateLimits {
   double least = 25e3, most = 12.5e6;  ///< bytes a second
 };
 
+/// The usual least rate, unless that is more than `most`.
+[[nodiscard]] constexpr RateLimits limits_up_to(double most) {
+  return {.least = most < RateLimits{}.least ? most : RateLimits{}.least, .most = most};
+}
+
 class RateControl {
  public:
   /// Initial rate, bytes a second: 72 frames of 46 datagrams a second.
@@ -133,6 +138,9 @@ class RateControl {
   static constexpr std::size_t kRemembered = 8192;
 
   explicit RateControl(RateLimits limits = {});
+
+  /// Sets the limits from now on.
+  void limit(const RateLimits& limits);
 
   /// Records a sealed datagram that was sent. Counters are consecutive; `at` does not decrease.
   void sent(std::uint64_t counter, std::size_t bytes, Time at);

@@ -569,23 +569,51 @@ TEST(KeyLimits, AKeysSessionsAreNoFasterThanTheRingAllows) {
   }
 }
 
-TEST(KeyLimits, AKeysSessionsTogetherAreNoFasterThanTheRingAllowsAtOnceAfterAChange) {
+TEST(KeyLimits, AKeysSessionsShareItsLimitAtOnceAfterAChange) {
   House house({.handshakes_per_second = 1e6});
   Time now{};
   std::vector<Hungry> clients;
   clients.push_back({house.join(kGoodPort, now, kGood), kGoodPort});
   for (std::uint16_t port = kEvilPort; port < kEvilPort + 8; ++port)
     clients.push_back({house.join(port, now, kEvil), port});
-  for (const std::uint64_t most : {400'000u, 100'000u}) {
-    house.sessions.set_ring({kGood, limited(kEvil, {.bytes_per_second = most})});
+  const auto expect_together = [&](double most) {
     for (Hungry& each : clients) each.bytes = 0;
-    serve(house, clients, now, 3s);
+    serve(house, clients, now, 4s);
     std::size_t evil = 0;
-    for (std::size_t i = 1; i < clients.size(); ++i) evil += clients[i].bytes;
-    EXPECT_LE(evil, most * 3 * 101 / 100);
-    EXPECT_GE(evil, most * 3 * 95 / 100);
+    for (std::size_t i = 1; i < clients.size(); ++i) {
+      evil += clients[i].bytes;
+      EXPECT_NEAR(static_cast<double>(clients[i].bytes), most * 4 / 8, most * 4 / 80) << i;
+    }
+    EXPECT_LE(static_cast<double>(evil), 1.05 * most * 4);
     EXPECT_GT(clients[0].bytes, 1'000'000u) << "the other key has no limit";
+  };
+  for (const std::uint64_t most : {400'000u, 100'000u, 800'000u}) {
+    SCOPED_TRACE(most);
+    house.sessions.set_ring({kGood, limited(kEvil, {.bytes_per_second = most})});
+    if (most > 400'000) serve(house, clients, now, 5s);  // a rate grows with what arrives
+    expect_together(static_cast<double>(most));
   }
+}
+
+TEST(KeyLimits, WhoComesTakesAPartOfTheLimitAndWhoLeavesGivesItBack) {
+  constexpr double kMost = 200e3;
+  House house;
+  house.sessions.set_ring({limited(kEvil, {.bytes_per_second = 200'000})});
+  Time now{};
+  std::vector<Hungry> clients;
+  const auto bytes_of_first_in_4_s = [&] {
+    const std::size_t before = clients[0].bytes;
+    serve(house, clients, now, 4s);
+    return static_cast<double>(clients[0].bytes - before);
+  };
+  clients.push_back({house.join(kEvilPort, now, kEvil), kEvilPort});
+  EXPECT_NEAR(bytes_of_first_in_4_s(), 4 * kMost, 0.4 * kMost);
+  clients.push_back({house.join(kEvilPort + 1, now, kEvil), kEvilPort + 1});
+  EXPECT_NEAR(bytes_of_first_in_4_s(), 2 * kMost, 0.4 * kMost);
+  house.say(kEvilPort + 1, leave_of(clients[1].client), now);
+  clients.pop_back();
+  serve(house, clients, now, 5s);  // a rate grows with what arrives
+  EXPECT_NEAR(bytes_of_first_in_4_s(), 4 * kMost, 0.4 * kMost);
 }
 
 TEST(Insider, AReplayedHelloThatWasRefusedCostsNoHandshake) {
