@@ -1,13 +1,15 @@
 // rt_server: traces shadows for clients that send requests over UDP. Writes results to stdout, the log to
 // stderr.
 #include <spdlog/fmt/fmt.h>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <memory>
 
 #include "rt_server/app.h"
 #include "rt_server/commands/commands.h"
+#include "rt_server/core/log_sink.h"
 #include "stereo/about/about.h"
 #include "stereo/base/command_line.h"
 #include "stereo/base/completion.h"
@@ -137,7 +139,8 @@ int main(int argc, char** argv) try {
   }
   if (app.got_subcommand("doctor")) return report(examine(doctor));
   StopSignal stop(StopSignal::Hangup::IsARequest);
-  spdlog::set_default_logger(spdlog::stderr_logger_mt("rt_server"));
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("rt_server", std::make_shared<LogSink>(STDERR_FILENO)));
   Expected<void> done;
   const auto print = [](const std::string& text) { fmt::print("{}", text); };
   if (app.got_subcommand("keygen")) {
