@@ -25,7 +25,8 @@ bool write_now(int file, const std::string& text) {
 
 void LogSink::sink_it_(const spdlog::details::log_msg& message) {
   if (dropped_ > 0 &&
-      write_now(file_, fmt::format("{} lines of the log were dropped: nobody read them\n", dropped_)))
+      write_now(file_, fmt::format("{} lines of the log were dropped: they could not be written at once\n",
+                                   dropped_)))
     dropped_ = 0;
   spdlog::memory_buf_t line;
   formatter_->format(message, line);

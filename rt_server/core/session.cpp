@@ -135,13 +135,13 @@ Decoded<ReceivedMessage> ClientSession::receive(const Peer& from, const Sealed& 
   return received;
 }
 
-/// Frames follow the client to another address only after a datagram from there has returned the token that
-/// was sent there. An attacker who intercepts a datagram and sends it from elsewhere cannot read the token.
 void ClientSession::limit(const RateLimits& limits) {
   limits_ = limits;
   rate_.limit(limits);
 }
 
+/// Frames follow the client to another address only after a datagram from there has returned the token that
+/// was sent there. An attacker who intercepts a datagram and sends it from elsewhere cannot read the token.
 void ClientSession::update_address(const Peer& from, bool newest, std::uint64_t probe_echo,
                                    std::vector<std::byte>& probe) {
   if (from == client_) {

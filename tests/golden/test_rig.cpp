@@ -171,8 +171,7 @@ std::optional<CarriedOver> TestRig::carry(FrameId frame, const StereoView& views
   PerEye<HiddenArea> hidden;
   if (hidden_) hidden = hidden_in_request(*hidden_, views, views);
   const TracedMask mask = base.traced_mask();
-  if (!renderer_->carry(request, frame.value % depth_frames_, &mask, carried, &hidden))
-    return std::nullopt;
+  if (!renderer_->carry(request, frame.value % depth_frames_, &mask, carried, &hidden)) return std::nullopt;
   return carried;
 }
 
