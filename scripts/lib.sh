@@ -9,13 +9,13 @@ say() { printf '%s: %s\n' "${0##*/}" "$*" >&2; }
 die() { say "$@"; exit 1; }
 unknown_option() { say "unknown option '$1'; see ${0##*/} --help"; exit 2; }
 
-# The number of compilers to run at the same time: one per core, but each needs 1.5 GB of free memory.
-build_jobs() {
-  local cores memory_jobs
-  cores=$(nproc)
+# jobs_for N: prints the number of compilers or tests to run at the same time: at most N, but each needs 1.5 GB of free
+# memory.
+jobs_for() {
+  local most=$1 memory_jobs
   memory_jobs=$(awk '/^MemAvailable/ { print int($2 / 1500000) }' /proc/meminfo)
   ((memory_jobs >= 1)) || memory_jobs=1
-  echo $((cores < memory_jobs ? cores : memory_jobs))
+  echo $((most < memory_jobs ? most : memory_jobs))
 }
 
 # configure PRESET [CMAKE_OPTION...]: prints CMake's output only if it fails.
@@ -31,23 +31,25 @@ configure() {
     { cat "$log" >&2; die "configuring $preset failed"; }
 }
 
-# configure_programs: the preset release without the tests, which need more packages. A folder that is configured with
-# the tests stays so.
+# configure_programs [CMAKE_OPTION...]: the preset release without the tests, which need more packages. A folder that is
+# configured with the tests stays so.
 configure_programs() {
-  local options=()
-  [[ -f $root/build/release/CMakeCache.txt ]] || options=(-DBUILD_TESTING=OFF)
+  local options=("$@")
+  [[ -f $root/build/release/CMakeCache.txt ]] || options+=(-DBUILD_TESTING=OFF)
   configure release "${options[@]}"
 }
 
 # configure_tests PRESET: with the tests, also if the folder was configured without them.
 configure_tests() { configure "$1" -DBUILD_TESTING=ON; }
 
+no_aslr=()  # a command that starts others without address space randomisation, for builds with sanitizers
+
 # build PRESET TARGET...: shows the compiler's progress.
 build() {
   local preset=$1
   shift
   say "building $preset"
-  (cd "$root" && cmake --build --preset "$preset" -j "$(build_jobs)" --target "$@") || die "building $preset failed"
+  (cd "$root" && "${no_aslr[@]}" cmake --build --preset "$preset" -j "$(jobs_for "$(nproc)")" --target "$@") || die "building $preset failed"
 }
 
 # find_python: sets `python` to one with matplotlib and Pillow. Another Python may come first in PATH; the packages were

@@ -47,9 +47,11 @@ vk::raii::Instance make_instance(const vk::raii::Context& context, ValidationLog
     messenger = messenger_info(*log);
     extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
     info.pNext = &messenger;
-    info.setPEnabledLayerNames(kValidationLayer);
+    info.enabledLayerCount = 1;
+    info.ppEnabledLayerNames = &kValidationLayer;
   }
-  info.setPEnabledExtensionNames(extensions);
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
   if (options.maker) return vk::raii::Instance(context, options.maker->make_instance(info));
   return vk::raii::Instance(context, info);
 }
@@ -189,7 +191,8 @@ vk::raii::Device make_logical(const vk::raii::PhysicalDevice& physical, const Qu
   if (family.presents) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
   if (options.maker) extensions.push_back(kLayeredDrawing);
   vk::DeviceCreateInfo info{.queueCreateInfoCount = 1, .pQueueCreateInfos = &queue};
-  info.setPEnabledExtensionNames(extensions);
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
   if (options.maker)
     info.pNext = &features13;
   else
