@@ -123,6 +123,18 @@ TEST(TracerCulling, NothingIsTracedInAnEmptyHall) {
   EXPECT_LE(stats.shadow_rays, 8u) << "only the edges are within rounding of two walls";
 }
 
+/// Two halves of a floor, one of them 40 u M higher. One slab for both would be so thick that rays start in
+/// it, and no point of the lower half would be proved lit.
+TEST(TracerCulling, AStepSmallerThanTheOffsetSparesMostRays) {
+  const float step = 40 * 4.0f / (1 << 24);
+  SceneBuilder build;
+  build.add(quad({-2, 0, 0}, {2, 0, 0}, {0, 0, -4}));
+  build.add(quad({2, step, 0}, {2, 0, 0}, {0, 0, -4}));
+  build.point_light({0.3, 2, 0.1});
+  const TraceStats stats = expect_same_bits(build.build(), {kLeft, kRight});
+  EXPECT_GT(stats.proven * 10, stats.full_shadow_rays * 9);
+}
+
 TEST(TracerCulling, RaysGoOnlyWhereABoxMayOcclude) {
   SceneBuilder build = hall();
   build.add(box({0.3f, -1, -0.2f}, {0.25f, 0.25f, 0.25f}));

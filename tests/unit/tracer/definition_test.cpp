@@ -130,6 +130,23 @@ TEST(MaskBit, HolesAreNeitherSeenNorCast) {
   }
 }
 
+/// One corner of one triangle is opaque: its quarter of the triangle, an eighth of the floor, is no hole.
+TEST(MaskBit, HolesFollowTheAlphaOfEachVertex) {
+  const View view = look({0, 4, 0.01}, {0, 0, 0}, 128, 2 * std::atan(0.5));  // sees 4 x 4 m
+  for (std::size_t corner = 0; corner < 6; ++corner) {
+    SCOPED_TRACE(corner);
+    SceneBuilder build;
+    Material masked = sided(true);
+    masked.alpha_cutoff = 0.5f;
+    Mesh floor = quad({0, 0, 0}, {2, 0, 0}, {0, 0, -2});
+    floor.colors.assign(6, glm::u8vec4(255, 255, 255, 0));
+    floor.colors[corner].a = 255;
+    build.add(floor, build.material(masked));
+    build.point_light({0.3, 3.0, 0.2});
+    EXPECT_NEAR(lit_share(build.build(), view), 0.125, 0.01);
+  }
+}
+
 /// glTF 2.0, 3.9.4: alpha equal to the cutoff is opaque.
 TEST(MaskBit, AlphaEqualToTheCutoffIsNoHole) {
   const auto mask_with = [](std::optional<float> cutoff) {
@@ -204,6 +221,19 @@ TEST(MaskBit, SurfaceAtAFarLightDoesNotCast) {
     const View view = look({0.013, 0.3, 0.29}, {0.003, 0.0, -0.01}, 256);
     EXPECT_GT(lit_share(build.build(), view), 0.7) << far;
   }
+}
+
+/// The ends of the ray together leave out more than the distance to the light: no ray is left, and nothing
+/// casts.
+TEST(MaskBit, LightNearerThanTheRaysOffsetsIsSeen) {
+  SceneBuilder build;
+  build.add(quad({0, 0, 0}, {1000, 0, 0}, {0, 0, -1000}));  // the offset of a ray is 3.8 mm
+  build.point_light({0.0002, 0.002, 0.0001});
+  const Scene scene = build.build();
+  const View view = look({0, 0.01, 0}, {0, 0, 0}, kSide_px);
+  for (const ShadowFrame& frame : {traced(scene, view), reference_traced(scene, {view, view})})
+    for (std::uint32_t i = 0; i < view.size.pixels(); ++i)
+      ASSERT_TRUE(frame.masks[0].lit(i % kSide_px, i / kSide_px, 0)) << i % kSide_px << ", " << i / kSide_px;
 }
 
 /// A shading normal that almost lies in the surface would not lift a ray off that surface.

@@ -89,6 +89,37 @@ TEST(LightVisibilityMap, ProvesNoPointOfAMoverLitByADirectionalLight) {
   expect_no_point_of_the_mover_proved_lit(LightKind::Directional, 20261125);
 }
 
+/// A mover 1 km from the anchor, while the fixed meshes surround the anchor. Starts of rays lie before its
+/// face, nearer to the light than 24 u M, by which rounding may move ray and face together, and farther.
+TEST(LightProof, AllowsForTheRoundingOfAFarMover) {
+  SceneBuilder build;
+  for (const float x : {-0.5f, 0.5f}) build.add(box({x, 0, 0}, {0.25f, 0.25f, 0.25f}));
+  const std::uint32_t mover = build.add(box({1000, 0, 0}, {0.5f, 0.5f, 0.5f}));
+  build.move(mover, {0.1, 0, 0});
+  build.point_light({1000, 1.5, 0});
+  const Scene scene = build.build();
+  const SceneState state = state_at(scene, Time{});
+  const SurfaceModel model(scene, state, plan_for(scene, {.all_lights = true}).trace);
+  const FacetPlanes planes = planes_of(model);
+  const ShadowLight light = shadow_light(state.light_set.lights[0], model);
+  ASSERT_LT(planes.reach, 10) << "the anchor is among the fixed meshes";
+  const LightVisibilityMap map(light, planes, model);
+  const float reach = model.patches()[model.fixed_count()].placement.reach + light.reach;
+  for (const float before : {24.0f, 64.0f}) {
+    TileSurface surface{};
+    for (int i = 0; i < 4; ++i) {
+      const double aside = 0.1 * i - 0.15, above = 0.5 + double{before / (1 << 24) * reach};
+      const Point<Stage> start{{1000 + aside, above, 0.3 * aside}};
+      const glm::vec3 in_anchor(model.anchor_from_stage()(start).v);
+      surface.ox[i] = in_anchor.x, surface.oy[i] = in_anchor.y, surface.oz[i] = in_anchor.z;
+      surface.reach[i] = reach;
+    }
+    Ints<4> lanes = ~Ints<4>{}, proven{};
+    prove<4>(map, surface, 0, lanes, proven);
+    EXPECT_EQ(counted(proven), before < 32 ? 0u : 4u) << before;
+  }
+}
+
 /// A tilted floor of many quads: most of its triangles share planes.
 Scene tilted_floor() {
   SceneBuilder build;

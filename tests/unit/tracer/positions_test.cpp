@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "stereo/scene/gltf.h"
+#include "stereo/tracer/placed_surface.h"
 #include "tests/oracle/agreement.h"
 #include "tests/oracle/scene_builder.h"
 #include "tests/oracle/surfaces.h"
@@ -131,6 +132,48 @@ TEST(PositionTrace, LeavesAPlaneInTheLight) {
       const ShadowFrame frame = traced(scene, kFromAbove, placed(scene, kFromAbove, what, bits));
       EXPECT_EQ(wrong_share(scene, kFromAbove, what, frame.masks[0]), 0.0) << bits << " bits, " << height;
     }
+}
+
+/// Rays of a surface that is nearer to the eye than the grid's error start between them. A plate behind the
+/// eye does not hide the light before the plate.
+TEST(PositionTrace, StartsNoRayBehindTheEye) {
+  SceneBuilder build;
+  build.add(quad({0, 0, 0}, {4, 0, 0}, {0, 0, -4}));
+  build.add(quad({0, 0.015f, 0}, {1, 0, 0}, {0, 0, -1}));
+  build.point_light({0.3, 0.012, 0.1});
+  const Scene scene = build.build();
+  const View view = look({0.13, 0.01, 0.1}, {0.13, 0, 0.1}, 128);
+  const Rasterised what = seen(scene, view);
+  const Placed from = placed(scene, view, what, 8);
+  ASSERT_GT(from.grid.step_m, 0.03);
+  EXPECT_EQ(wrong_share(scene, view, what, traced(scene, view, from).masks[0]), 0.0);
+}
+
+/// A wall that covers one half of the view, and a wall far behind it. At the edge, one neighbour of a pixel
+/// lies in its own wall and the other one in the other wall.
+TEST(PlacedSurface, LiftsRaysAtAnEdgeAsFarAsBesideIt) {
+  const View view = look({0, 0, 0}, {0, 0, -1}, kTileSide_px, 0.9);
+  for (const glm::vec3& side : {glm::vec3(-3, 0, 0), {3, 0, 0}, {0, -3, 0}, {0, 3, 0}}) {
+    SCOPED_TRACE(testing::Message() << side.x << ", " << side.y);
+    SceneBuilder build;
+    build.add(quad(side + glm::vec3(0, 0, -2), {3, 0, 0}, {0, 3, 0}));
+    build.add(quad({0, 0, -6}, {6, 0, 0}, {0, 6, 0}));
+    const Scene scene = build.build();
+    const Rasterised what = seen(scene, view);
+    const Placed from = placed(scene, view, what, 24);
+    const Rigid<Anchor, Stage> unmoved{};
+    const PlacedEye eye{from.planes[0], unmoved(from.grid.low), from.grid.step_m, rays_of(view, unmoved), 6};
+    PlacedSurface surface;
+    place_tile(eye, {0, 0, kTileSide_px, kTileSide_px}, surface);
+    ASSERT_EQ(surface.covered, view.size.pixels());
+    const double offset = double{kOffset} * eye.reach;
+    for (int i = 0; i < kTilePixels; ++i) {
+      const TilePixel pixel = kTileOrder[static_cast<std::size_t>(i)];
+      const double wall = what.position[pixel.y * kTileSide_px + pixel.x].z;
+      EXPECT_GT(surface.oz[i] - wall, 0.9 * offset) << i;
+      EXPECT_LT(surface.oz[i] - wall, 1.5 * offset) << i;
+    }
+  }
 }
 
 /// A box over a floor: its shadow on paper. Bits within `off` m of the shadow's edge are not tested.
