@@ -70,11 +70,14 @@ TEST(LevelChoice, OfABoxAroundTheEyeIsFullDetail) {
 }
 
 TEST(LevelChoice, BoundsABoxThatReachesBehindTheEye) {
-  const Bounds beside{glm::dvec3(1, -1, -4), glm::dvec3(2, 1, 4)};
-  const double bound = pixels_per_unit(window(), beside, kView);
   std::mt19937 random(5);
-  EXPECT_FALSE(std::isinf(bound));
-  EXPECT_LE(sampled(window(), beside, random), bound * 1.0001);
+  for (const Bounds& beside : {Bounds{{1, -1, -4}, {2, 1, 4}}, Bounds{{-2, -1, -4}, {-1, 1, 4}},
+                               Bounds{{-1, 1, -4}, {1, 2, 4}}, Bounds{{-1, -2, -4}, {1, -1, 4}}}) {
+    const double bound = pixels_per_unit(window(), beside, kView);
+    const double measured = sampled(window(), beside, random);
+    EXPECT_LE(measured, bound * 1.0001) << beside.low.x << ", " << beside.low.y;
+    EXPECT_LT(bound, 3 * measured) << beside.low.x << ", " << beside.low.y;
+  }
 }
 
 TEST(LevelChoice, OfASingularInstanceIsFinite) {
@@ -99,6 +102,7 @@ TEST(LevelChoice, TakesTheCoarsestLevelWithinTheLimit) {
   EXPECT_EQ(choose_level(kLevels, 1, 0.3, 0), 2u);
   EXPECT_EQ(choose_level(kLevels, 1, 10, 0), 3u);
   EXPECT_EQ(choose_level({}, 1, 10, 0), 0u);
+  EXPECT_EQ(choose_level(kLevels, 1, double{kLevels[1].error}, 2), 2u) << "at most the limit";
 }
 
 TEST(LevelChoice, KeepsALevelWhileItIsWithinTheLimit) {
@@ -106,6 +110,7 @@ TEST(LevelChoice, KeepsALevelWhileItIsWithinTheLimit) {
   // limit.
   const double limit = 0.21;
   EXPECT_EQ(choose_level(kLevels, 1, limit, 0), 1u) << "not yet";
+  EXPECT_EQ(choose_level(kLevels, 1, limit, 1), 1u) << "not yet from the next finer level either";
   EXPECT_EQ(choose_level(kLevels, 1, limit, 2), 2u) << "still";
   EXPECT_EQ(choose_level(kLevels, 1.1, limit, 2), 1u) << "no longer";
   EXPECT_EQ(choose_level(kLevels, 0.7, limit, 0), 2u) << "now";
