@@ -100,7 +100,8 @@ TEST(Lighting, TheSunStandsWhereItsAnglesSay) {
     EXPECT_FALSE(parse_sun(text)) << text;
 }
 
-TEST(Lighting, ASceneWithLightsAndACameraOfItsOwnDoesNotChange) {
+/// A scene whose file has lights and a camera.
+Scene complete_scene() {
   Scene scene = box_scene({1, 1, 1}, Seen::FromOutside);
   scene.camera = Rigid<Stage, Eye>{.translation = {0, 0, 3}};
   LightSource light;
@@ -109,11 +110,39 @@ TEST(Lighting, ASceneWithLightsAndACameraOfItsOwnDoesNotChange) {
   light.node = 1;
   scene.lights.push_back(light);
   scene.hash = hash_of(scene);
+  return scene;
+}
+
+TEST(Lighting, ASceneWithLightsAndACameraOfItsOwnDoesNotChange) {
+  const Scene scene = complete_scene();
   const LitScene lit = light_scene(scene, {}).value();
   EXPECT_TRUE(lit.notes.empty());
   EXPECT_EQ(lit.scene.hash, scene.hash);
   EXPECT_EQ(lit.scene.lights.size(), 1u);
   EXPECT_EQ(lit.scene.ambient, 0);
+}
+
+TEST(Lighting, EachChangeAloneChangesTheHash) {
+  const Scene complete = complete_scene();
+  Scene without_camera = complete, dark = complete;
+  without_camera.camera.reset();
+  dark.lights.clear();
+  const AddedLight light = parse_light("spot,at=0:3:1,to=0:0:1,candela=50").value();
+  struct Case {
+    const char* change;
+    Scene scene;
+    Lighting lighting;
+  };
+  for (Case& one : std::vector<Case>{{"a chosen viewpoint", without_camera, {.exposure = 1.0f}},
+                                     {"an added light", complete, {.lights = {light}, .exposure = 1.0f}},
+                                     {"a sun and a lamp", dark, {.ambient = 0.0f, .exposure = 1.0f}},
+                                     {"ambient light", complete, {.ambient = 0.1f, .exposure = 1.0f}},
+                                     {"an exposure", complete, {.exposure = 2.0f}}}) {
+    one.scene.hash = hash_of(one.scene);
+    const Scene lit = light_scene(one.scene, one.lighting).value().scene;
+    EXPECT_NE(lit.hash, one.scene.hash) << one.change;
+    EXPECT_EQ(lit.hash, hash_of(lit)) << one.change;
+  }
 }
 
 TEST(Lighting, AnAddedLightIsPartOfTheSceneAndOfItsHash) {
@@ -191,6 +220,19 @@ TEST(Viewpoint, IsInTheMiddleOfARoomAndLooksAlongIt) {
   EXPECT_LT(glm::length(eye.translation - glm::dvec3(5, 1.5, -7)), 1e-9);
   EXPECT_NEAR(std::abs(eye(Vector<Eye>{{0, 0, -1}}).v.x), 1, 1e-9);
   EXPECT_NEAR(eye(Vector<Eye>{{0, 1, 0}}).v.y, 1, 1e-9);
+}
+
+TEST(Viewpoint, IsNoNearerThan30CmToASurface) {
+  for (const double gap : {0.2, 0.4}) {
+    // The eye of a room 3 m high stands in the middle of its height.
+    Scene room = box_scene({3, 1.5, 3}, Seen::FromInside);
+    room.meshes.push_back(box_scene({2.9, 0.1, 2.9}, Seen::FromOutside).meshes[0]);
+    room.nodes.emplace_back().rest.translation = {0, -0.1 - gap, 0};
+    room.instances.push_back({1, 1});
+    room.triangle_count *= 2;
+    const glm::dvec3 eye = viewpoint_of(room).translation;
+    EXPECT_EQ(glm::length(eye) < 3, gap > 0.3) << eye.x << ", " << eye.y << ", " << eye.z;
+  }
 }
 
 // Many exporters make every material double-sided, so the side does not tell a room from a solid. A room has
