@@ -61,7 +61,7 @@ class FetchTest : public testing::Test {
     return {.servers = {server_},
             .key = key_,
             .cache = folder_.path() / "cache",
-            .patience = std::chrono::seconds(5),
+            .patience = std::chrono::seconds(60),
             .retry_pause = std::chrono::milliseconds(10)};
   }
 
