@@ -74,7 +74,7 @@ trap 'exit 143' TERM
 # shadows, the server has nothing to serve: it ends, and `address` is one where nobody listens, because the client
 # needs no server either.
 start_server() {
-  local program=$programs/rt_server/rt_server scene=$1 patience_s=60 give_up ready ring
+  local program=$programs/rt_server/rt_server scene=$1 patience_s=600 give_up ready ring
   shift
   server_files=$(mktemp -d)
   server_log=$server_files/log
@@ -206,7 +206,7 @@ stop_server() {
   if [[ $server ]]; then
     kill "$server" 2>/dev/null || true
     # A server that does not listen yet has nothing to finish, and looks at signals late.
-    for ((tries = 50; tries > 0; --tries)); do
+    for ((tries = 300; tries > 0; --tries)); do
       [[ -s $server_files/ready ]] || break
       kill -0 "$server" 2>/dev/null || break
       sleep 0.1

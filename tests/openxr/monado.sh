@@ -8,7 +8,7 @@ trap stop_all EXIT
 
 # Monado ends when its standard input does, so it reads from a pipe to which nothing is written.
 start_monado() {
-  local give_up=$((SECONDS + 20)) input=$XDG_RUNTIME_DIR/input
+  local give_up=$((SECONDS + 120)) input=$XDG_RUNTIME_DIR/input
   rm -f "$XDG_RUNTIME_DIR"/monado_comp_ipc "$input"
   mkfifo "$input"
   XRT_COMPOSITOR_NULL=1 SIMULATED_ENABLE=true monado-service <"$input" >"$monado_log" 2>&1 &

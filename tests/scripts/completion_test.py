@@ -12,7 +12,7 @@ PROGRAMS = {"vr_client": BUILD / "vr_client/vr_client", "rt_server": BUILD / "rt
 
 
 def output_of(*command):
-    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=True).stdout
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=True).stdout
 
 
 def help_of(program, *command):
@@ -93,7 +93,7 @@ class Completion(unittest.TestCase):
         self.assertEqual(completed("bash", "vr_client", "--plan", "=", "e"), {"everything"})
 
     def test_another_shell_is_refused(self):
-        done = subprocess.run([PROGRAMS["vr_client"], "--completion", "fish"], capture_output=True, text=True, timeout=60,
+        done = subprocess.run([PROGRAMS["vr_client"], "--completion", "fish"], capture_output=True, text=True, timeout=300,
                               check=False)
         self.assertEqual(done.returncode, 2)
         self.assertIn("'fish' is not one of bash, zsh", done.stderr)

@@ -28,7 +28,7 @@ class Manual(unittest.TestCase):
                     subprocess.run(["cmake", "-D", f"HELP2MAN={shutil.which('help2man')}", "-D", f"PROGRAM={program}",
                                     "-D", f"NAME={name}", "-D", "SUMMARY=does it", "-D", "VERSION=1.2.3",
                                     "-D", f"FOLDER={folder}", "-P", str(ROOT / "cmake/make_manual.cmake")],
-                                   check=True, timeout=60, cwd=folder, env={**os.environ, "XDG_CONFIG_HOME": "/builder"})
+                                   check=True, timeout=300, cwd=folder, env={**os.environ, "XDG_CONFIG_HOME": "/builder"})
                     page = plain(Path(folder, f"{name}.1").read_text(encoding="utf-8"))
                     self.assertEqual({word for word in options_in(help_of(name)) if word not in page}, set())
                     self.assertIn("doctor", commands_in(help_of(name)))

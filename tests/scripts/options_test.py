@@ -17,7 +17,7 @@ PYTHON_PROGRAMS = ["assets/make.py", "scripts/build-times", "scripts/mutate", "t
 def run(*command):
     """Runs a command in an empty folder. Returns the finished process and the files that it left there."""
     with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=60, check=False,
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=300, check=False,
                               stdin=subprocess.DEVNULL)
         return done, [p.name for p in Path(folder).iterdir()]
 

@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[2]
 def table(folder):
     """The exit status, the rows of the table without its head, and the last line."""
     done = subprocess.run([ROOT / "scripts/scenes", folder, "--no-build", "--size", "32x32"], capture_output=True, text=True,
-                          timeout=100, check=False)
+                          timeout=300, check=False)
     lines = done.stdout.splitlines()
     return done.returncode, lines[2:-2], lines[-1:] or [done.stderr]
 

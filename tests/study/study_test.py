@@ -19,7 +19,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PROGRAM, OUT = os.environ["STUDY_POINT"], Path(os.environ["STUDY_OUT"])
-PATIENCE_S = 300
+PATIENCE_S = 900
 
 
 def heed_ctrl_c():
