@@ -54,6 +54,19 @@ ChildProgram::~ChildProgram() {
   close(errors_.end);
 }
 
+std::optional<std::string> ChildProgram::error_line_with(const std::string& words) {
+  while (auto line = error_line_after(""))
+    if (line->find(words) != line->npos) return line;
+  return std::nullopt;
+}
+
+void ChildProgram::stop() const {
+  send(SIGSTOP);
+  siginfo_t stopped{};
+  check_eq(waitid(P_PID, static_cast<id_t>(pid_), &stopped, WSTOPPED), 0,
+           "the program runs until it is stopped");
+}
+
 std::optional<std::string> ChildProgram::Stream::line_after(const std::string& prefix) {
   while (true) {
     std::size_t newline;

@@ -29,11 +29,18 @@ class ChildProgram {
     return errors_.line_after(prefix);
   }
 
+  /// Waits for the next line of standard error that contains `words`, and returns it. Returns nothing if the
+  /// output ends first.
+  std::optional<std::string> error_line_with(const std::string& words);
+
   /// Not after wait(): then the signal would go to every process.
   void send(int signal) const {
     check(pid_ > 0, "a program gets signals until it is waited for");
     kill(pid_, signal);
   }
+
+  /// Stops the program and waits until it stands still. SIGCONT lets it go on.
+  void stop() const;
 
   /// Valid until wait().
   [[nodiscard]] pid_t id() const { return pid_; }
