@@ -5,9 +5,11 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <ctime>
 #include <fstream>
 #include <random>
 
+#include "stereo/base/quantile.h"
 #include "tests/support/manual_clock.h"
 #include "tests/support/sanitized.h"
 #include "tests/unit/link_client.h"
@@ -130,38 +132,54 @@ TEST(ServerFlood, AnswersSpoofedDatagramsWithFewerBytesAndKeepsNothing) {
   EXPECT_GT(counters.refused[WireRefusal::UnknownSession], kFlood / 10);
 }
 
-/// Datagrams of strangers that sessions handle per second, when so many clients have shaken hands. One
-/// thread makes and handles them.
-double strangers_per_second(std::size_t clients) {
-  Sessions sessions(kServed, {kKey}, {.sessions = clients, .handshakes_per_second = 1e9});
-  Bytes answer;
-  for (std::size_t i = 0; i < clients; ++i) {
-    LinkClient client(kKey, kServed);
-    const Peer from{{0, 9}, 0, static_cast<std::uint16_t>(i)};
-    for (Bytes datagram = client.hello(); !datagram.empty();) {
-      (void)sessions.handle(from, datagram, {}, answer);
-      datagram = answer.empty() ? Bytes() : client.take(answer, {});
+/// Sessions of clients that have shaken hands, and strangers who flood them.
+class Flooded {
+ public:
+  explicit Flooded(std::size_t clients)
+      : sessions_(kServed, {kKey}, {.sessions = clients, .handshakes_per_second = 1e9}) {
+    for (std::size_t i = 0; i < clients; ++i) {
+      LinkClient client(kKey, kServed);
+      const Peer from{{0, 9}, 0, static_cast<std::uint16_t>(i)};
+      for (Bytes datagram = client.hello(); !datagram.empty();) {
+        (void)sessions_.handle(from, datagram, {}, answer_);
+        datagram = answer_.empty() ? Bytes() : client.take(answer_, {});
+      }
     }
+    EXPECT_EQ(sessions_.size(), clients);
   }
-  EXPECT_EQ(sessions.size(), clients);
-  constexpr std::uint64_t kDatagrams = 100'000;
-  Flood flood(kDatagrams);
-  std::array<std::byte, kMaxDatagram_bytes> buffer;
-  const Stopwatch watch;
-  while (const auto datagram = flood.receive(buffer, {})) {
-    (void)sessions.handle(datagram->from, datagram->bytes, {}, answer);
-    EXPECT_FALSE(sessions.was_opened() && sessions.job_at());
-    EXPECT_FALSE(sessions.due_at().has_value());
-    EXPECT_TRUE(sessions.silent_at().has_value());
+
+  /// Processor time to make and handle kDatagrams, s. What other programs do meanwhile does not count.
+  double handle() {
+    const std::clock_t begun = std::clock();
+    Flood flood(kDatagrams);
+    std::array<std::byte, kMaxDatagram_bytes> buffer;
+    while (const auto datagram = flood.receive(buffer, {})) {
+      (void)sessions_.handle(datagram->from, datagram->bytes, {}, answer_);
+      EXPECT_FALSE(sessions_.was_opened() && sessions_.job_at());
+      EXPECT_FALSE(sessions_.due_at().has_value());
+      EXPECT_TRUE(sessions_.silent_at().has_value());
+    }
+    return static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC;
   }
-  return kDatagrams / seconds_of(watch.elapsed());
-}
+
+  static constexpr std::uint64_t kDatagrams = 10'000;
+
+ private:
+  Sessions sessions_;
+  Bytes answer_;
+};
 
 TEST(ServerFlood, ADatagramOfAStrangerCostsTheSameWithManySessions) {
-  const double few = strangers_per_second(1), many = strangers_per_second(4096);
-  std::printf("datagrams of strangers per second and core: %.0f with 1 session, %.0f with 4,096\n", few,
-              many);
-  EXPECT_GT(many, 0.25 * few);
+  Flooded few(1), many(4096);
+  std::vector<double> few_s, many_s;
+  for (int turn = 0; turn < 10; ++turn) {
+    few_s.push_back(few.handle());
+    many_s.push_back(many.handle());
+  }
+  const double few_median_s = quantile(few_s, 0.5), many_median_s = quantile(many_s, 0.5);
+  std::printf("datagrams of strangers per second of one core: %.0f with 1 session, %.0f with 4,096\n",
+              Flooded::kDatagrams / few_median_s, Flooded::kDatagrams / many_median_s);
+  EXPECT_LT(many_median_s, 4 * few_median_s);
 }
 
 /// The memory of a session without its frame's datagrams, after a minute of requests that change lights,

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <latch>
 
 #include "stereo/net/udp.h"
@@ -269,7 +270,7 @@ TEST(Serving, NewestWinsWhileTheTracerIsBusyOverRealUdp) {
   const Serving serving(core);
 
   PortClient client(*connected->port, connected->server, kTwoKeys[0], kServed);
-  ASSERT_TRUE(client.meet(10s));
+  ASSERT_TRUE(client.meet(60s));
   client.say(client.ask(request(1)));
   tracing.wait();
   for (std::uint32_t frame = 2; frame <= 6; ++frame) client.say(client.ask(request(frame)));
@@ -277,7 +278,7 @@ TEST(Serving, NewestWinsWhileTheTracerIsBusyOverRealUdp) {
   connected->port->send(connected->server, std::array<std::byte, 1>{});
   while (core.counters().refused.total() == 0) std::this_thread::yield();
   all_asked.count_down();
-  while (!client.assembler.find({6})->report) ASSERT_TRUE(client.hear(10s));
+  while (!client.assembler.find({6})->report) ASSERT_TRUE(client.hear(60s));
   EXPECT_TRUE(client.assembler.find({1})->complete());
   EXPECT_TRUE(client.assembler.find({6})->complete());
   for (std::uint32_t frame = 2; frame <= 5; ++frame)
@@ -300,11 +301,11 @@ TEST(Serving, ServesTwoClientsAtOnceOverRealUdp) {
         auto connected = connect_udp(to);
         if (!connected) return;
         PortClient client(*connected->port, connected->server, kTwoKeys[i], kServed);
-        if (!client.meet(10s)) return;
+        if (!client.meet(60s)) return;
         for (std::uint32_t frame = 1; frame <= 50; ++frame) {
           client.say(client.ask(request(frame)));
           const RequestRecord& received = *client.assembler.find({frame});
-          while (!(received.report && received.complete()) && client.hear(1s)) {
+          while (!(received.report && received.complete()) && client.hear(5s)) {
           }
           if (received.complete() && received.masks == painted(frame)) ++whole[i];
           (void)core.counters();
@@ -322,23 +323,24 @@ TEST(Serving, GivesUpTheAnswerInWorkWhenItEnds) {
   auto connected = connect_udp(to_string((*port)->local()));
   ASSERT_TRUE(connected.has_value());
   std::latch working(1);
+  std::atomic<bool> knew = false;
   const auto answer = [&](const Job& job, FramePacker&) -> AnswerCost {
     working.count_down();
     const Stopwatch watch;
     while (!job.is_given_up() && watch.elapsed() < 60s) std::this_thread::yield();
+    knew = job.is_given_up();
     throw TraceGivenUp();
   };
   const SteadyClock clock;
   ServerCore core(kServed, kTwoKeys, answers_from(set_of(Answer::Masks), answer), **port, clock);
-  const Stopwatch watch;
   {
     const Serving serving(core);
     PortClient client(*connected->port, connected->server, kTwoKeys[0], kServed);
-    ASSERT_TRUE(client.meet(10s));
+    ASSERT_TRUE(client.meet(60s));
     client.say(client.ask(request(1)));
     working.wait();
   }
-  EXPECT_LT(watch.elapsed(), 30s);
+  EXPECT_TRUE(knew) << "the answer ends at once, not when it gives up by itself";
   EXPECT_EQ(core.counters().given_up, 1u);
 }
 
@@ -349,7 +351,7 @@ TEST(Serving, EndsWhileNothingHappens) {
   ServerCore core(kServed, kTwoKeys, masks_from(paint), **port, clock);
   const Stopwatch watch;
   { const Serving serving(core); }
-  EXPECT_LT(watch.elapsed(), 10s);
+  EXPECT_LT(watch.elapsed(), 30s) << "the network thread waits for up to 60 s";
 }
 
 }  // namespace
