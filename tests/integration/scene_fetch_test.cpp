@@ -4,7 +4,9 @@
 #include <filesystem>
 #include <thread>
 
+#include "stereo/base/clock.h"
 #include "stereo/base/files.h"
+#include "stereo/base/quantile.h"
 #include "tests/integration/client_program.h"
 #include "tests/integration/one_triangle.h"
 #include "tests/integration/test_keys.h"
@@ -87,18 +89,17 @@ TEST_F(SceneFetch, ShowsTheServersSceneWithItsLighting) {
 }
 
 TEST_F(SceneFetch, GoesOnAfterCtrlCAndACutWithFilesOfAFolder) {
-  constexpr std::size_t kBytes = 4'000'000;
+  constexpr std::size_t kBytes = 16'000'000;
   RunningServer server(large_scene(kBytes));
   const Peer address = resolve_tcp(server.address()).value().front();
   {
     TcpProxy slow(address, {.bytes_per_second = 1e6, .delay = std::chrono::milliseconds(20)});
     ChildProgram program(arguments(to_string(slow.address())));
     ASSERT_TRUE(program.error_line_after("fetching the scene: ")) << "progress is shown";
-    const Stopwatch watch;
     program.send(SIGINT);
     const std::string errors = program.errors();
     EXPECT_EQ(program.wait(), 130);
-    EXPECT_LT(seconds_of(watch.elapsed()), 1);
+    EXPECT_LT(slow.passed_bytes(), kBytes / 2) << "it stops at once; all bytes would take 16 s";
     EXPECT_NE(errors.find("the next start goes on from there"), std::string::npos) << errors;
   }
   TcpProxy cutting(address, {.bytes_per_second = 20e6, .cuts = {600'000, 40'000}});
@@ -111,29 +112,67 @@ TEST_F(SceneFetch, GoesOnAfterCtrlCAndACutWithFilesOfAFolder) {
   EXPECT_EQ(whole.errors.find("fetched "), std::string::npos) << whole.errors;
 }
 
+/// The ages of the masks of frames that were shown in one of the spans, and of the others. The spans
+/// are in seconds after frame number `zero`.
+std::pair<std::vector<double>, std::vector<double>> ages_ms(
+    const fs::path& out, unsigned long zero, const std::vector<std::pair<double, double>>& spans_s) {
+  const Csv frames = read_csv(out / "frames.csv");
+  const std::vector<std::string>&shown_ns = frames.at("display_time_ns"), &ages = frames.at("wire age [ms]");
+  const auto zero_row =
+      std::ranges::find(frames.at("frame"), std::to_string(zero)) - frames.at("frame").begin();
+  const double zero_ns = std::stod(shown_ns.at(static_cast<std::size_t>(zero_row)));
+  std::vector<double> inside, outside;
+  for (std::size_t i = 0; i < ages.size(); ++i) {
+    if (ages[i].empty()) continue;
+    const double shown_s = (std::stod(shown_ns[i]) - zero_ns) * 1e-9;
+    const bool is_inside = std::ranges::any_of(
+        spans_s, [&](const auto& span) { return span.first <= shown_s && shown_s <= span.second; });
+    (is_inside ? inside : outside).push_back(std::stod(ages[i]));
+  }
+  EXPECT_GT(inside.size(), 20u);
+  EXPECT_GT(outside.size(), 20u);
+  return {inside, outside};
+}
+
 // The scene's bytes yield to masks: 100 Mbit/s without masks, a quarter beside them.
 TEST_F(SceneFetch, LeavesTheMasksOfOthersAsYoungAsTheyWere) {
   const std::string scene = large_scene(6'000'000);
   RunningServer server(scene);
   const fs::path out = folder_.path() / "masks";
-  const std::map<std::string, std::string> options{
-      {"--scene", scene},  {"--server", server.address()}, {"--clock", "real"}, {"--frames", "360"},
-      {"--size", "48x32"}, {"--reference-every", "0"},     {"--pictures", "0"}, {"--out", out.string()}};
-  const Ended alone = run_client(options);
-  ASSERT_EQ(alone.status, 0) << alone.errors;
-  const double age_ms = summary_row(out, "wire", "age")[0];
-
-  ChildProgram shows(client_arguments(options));
-  ASSERT_TRUE(shows.error_line_after("frame 36 of 360"));
-  const Stopwatch watch;
-  const Ended fetches = run(arguments(server.address(), {"--plan"}));
-  EXPECT_EQ(fetches.status, 0) << fetches.errors;
-  EXPECT_GT(seconds_of(watch.elapsed()), 1.5) << "6 MB at a quarter of 100 Mbit/s take 1.9 s";
+  ChildProgram shows(client_arguments({{"--scene", scene},
+                                       {"--server", server.address()},
+                                       {"--clock", "real"},
+                                       {"--frames", "1000"},
+                                       {"--size", "48x32"},
+                                       {"--reference-every", "0"},
+                                       {"--pictures", "0"},
+                                       {"--out", out.string()}}));
+  unsigned long zero = 0;
+  while (zero < 200) {  // a frame that is skipped has no line
+    const auto line = shows.error_line_after("frame ");
+    ASSERT_TRUE(line) << shows.errors();
+    zero = std::stoul(*line);
+  }
+  const Stopwatch since_zero;
+  std::vector<std::pair<double, double>> fetches_s;
+  for (int fetch = 0; fetch < 2; ++fetch) {
+    fs::remove_all(folder_.path() / "cache");
+    const double from_s = seconds_of(since_zero.elapsed());
+    const Ended fetches = run(arguments(server.address(), {"--plan"}));
+    EXPECT_EQ(fetches.status, 0) << fetches.errors;
+    fetches_s.emplace_back(from_s, seconds_of(since_zero.elapsed()));
+    EXPECT_GT(fetches_s.back().second - from_s, 1.5) << "6 MB at a quarter of 100 Mbit/s take 1.9 s";
+  }
   const std::string errors = shows.errors();
   ASSERT_EQ(shows.wait(), 0) << errors;
+  const auto [beside_ms, alone_ms] = ages_ms(out, zero, fetches_s);
+  std::printf("median age of masks: %.2f ms beside a fetch, %.2f ms before and after\n",
+              quantile(beside_ms, 0.5), quantile(alone_ms, 0.5));
   constexpr double kFrame_ms = 1e3 / 72;
+  // The client that fetches works on this machine, too. If it is busy, that holds some frames up, but not
+  // most.
   if (!kSanitized) {  // with sanitizers the fetch itself takes most of both cores
-    EXPECT_LE(summary_row(out, "wire", "age")[0], age_ms + 0.5 * kFrame_ms);
+    EXPECT_LE(quantile(beside_ms, 0.25), quantile(alone_ms, 0.25) + 0.5 * kFrame_ms);
   }
 }
 
