@@ -163,7 +163,7 @@ TEST(ServerProgramRefuses, ARingThatIsNotThereOrThatOthersCanRead) {
 
 TEST(ServerProgramRefuses, ToBeInsecureOnANetworkAlsoWithASecondAddress) {
   const auto complaint = [](const std::vector<std::string>& listen) {
-    std::vector<std::string> arguments{"/usr/bin/timeout", "30", RT_SERVER, "--scene", kScene, "--insecure"};
+    std::vector<std::string> arguments{"/usr/bin/timeout", "200", RT_SERVER, "--scene", kScene, "--insecure"};
     for (const std::string& address : listen) arguments.insert(arguments.end(), {"--listen", address});
     return complaint_of(arguments);
   };
@@ -323,7 +323,7 @@ TEST(ServerReadyFile, HoldsTheAddressOnceClientsCanConnect) {
   std::ofstream(ready) << "listening 192.0.2.1:1\n";  // of an earlier server
   ChildProgram program(with_ready_file(server(kScene), ready));
   ASSERT_TRUE(program.line_after("rt_server: the tracer holds ")) << program.errors();
-  const auto expired = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  const auto expired = std::chrono::steady_clock::now() + std::chrono::seconds(200);
   std::string text;
   while (text.empty() && std::chrono::steady_clock::now() < expired) text = text_of(ready);
   ASSERT_TRUE(text.starts_with("listening 127.0.0.1:")) << text;
@@ -342,7 +342,7 @@ TEST(ServerReadyFile, HasALineForEachAddress) {
   std::string lines;
   for (int i = 0; i < 2; ++i)
     lines += "listening " + program.line_after("rt_server: listening on ").value_or("") + "\n";
-  const auto expired = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  const auto expired = std::chrono::steady_clock::now() + std::chrono::seconds(200);
   while (text_of(ready).empty() && std::chrono::steady_clock::now() < expired) {
   }
   EXPECT_EQ(text_of(ready), lines);

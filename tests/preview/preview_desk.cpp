@@ -7,11 +7,6 @@
 #include "tests/support/image_reader.h"
 
 namespace farshade {
-namespace {
-
-constexpr int kTenSeconds = 6;  ///< in a minute; the screen's own deadline is ten seconds
-
-}  // namespace
 
 PreviewDesk::PreviewDesk()
     : out_(std::filesystem::path(testing::TempDir()) / fmt::format("farshade_preview.{}", getpid())) {
@@ -50,9 +45,7 @@ void PreviewDesk::open(const std::vector<std::string>& options) {
 }
 
 bool PreviewDesk::patiently(const std::function<bool()>& holds) {
-  for (int i = 0; i < kTenSeconds; ++i)
-    if (screen_.wait_until(holds)) return true;
-  return false;
+  return screen_.wait_until(holds);
 }
 
 bool PreviewDesk::changes(int times) {

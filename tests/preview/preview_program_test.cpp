@@ -319,7 +319,7 @@ TEST_F(PreviewProgram, InspectsThePixelUnderTheMouse) {
   screen_.move_mouse(window_, 1, 1);
   // The panel of a held frame stands still once its tab is open.
   const auto settled = [&] {
-    constexpr Duration still = std::chrono::milliseconds(300);
+    constexpr Duration still = std::chrono::seconds(1);
     const SteadyClock clock;
     Image<Rgb8> last = screen_.screenshot(window_);
     Time since = clock.now();

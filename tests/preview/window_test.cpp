@@ -379,7 +379,8 @@ TEST_F(PreviewWindow, ShowsNothingWhileMinimisedAndContinuesAfterwards) {
   EXPECT_EQ(on_screen({}).size, kWindow);
 }
 
-/// Prints the time to show a frame. The limit only detects waiting for the display.
+/// Prints the time to show a frame. The limit only detects waiting for the display, and is one of the lower
+/// quartile, because a busy machine holds some frames up.
 TEST_F(PreviewWindow, ShowingCostsAFewMilliseconds) {
   open(gpu::Validation::Off);
   screen_.move_mouse(id_, 1000, 500);  // hands off the panel
@@ -403,7 +404,7 @@ TEST_F(PreviewWindow, ShowingCostsAFewMilliseconds) {
     std::ranges::sort(wall_ms);
     std::printf("%s: %.2f ms until the device is idle (least %.2f), %.2f ms of processor time\n", what,
                 wall_ms[frames / 2], wall_ms[0], cpu_ms);
-    EXPECT_LT(wall_ms[frames / 2], 200);
+    EXPECT_LT(wall_ms[frames / 4], 200);
   };
   time("mono, no panel", StereoLayout::Mono, no_panel);
   time("mono", StereoLayout::Mono, figures);

@@ -114,7 +114,7 @@ std::optional<XScreen::WindowId> XScreen::wait_for(const std::string& title) {
 
 bool XScreen::wait_until(const std::function<bool()>& holds) {
   constexpr int now_and_then_ms = 10;
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
   while (!holds()) {
     if (std::chrono::steady_clock::now() > end) return false;
     pollfd events{.fd = ConnectionNumber(x_->display), .events = POLLIN, .revents = 0};

@@ -29,9 +29,9 @@ class XScreen {
 
   /// The visible window whose title begins with this text.
   [[nodiscard]] std::optional<WindowId> find(const std::string& title);
-  /// The same, but waits up to ten seconds for it.
+  /// The same, but waits up to a minute for it.
   [[nodiscard]] std::optional<WindowId> wait_for(const std::string& title);
-  /// Repeats `holds` after each event and regularly until it returns true. False after ten seconds.
+  /// Repeats `holds` after each event and regularly until it returns true. False after a minute.
   [[nodiscard]] bool wait_until(const std::function<bool()>& holds);
 
   [[nodiscard]] Extent size_of(WindowId window);

@@ -355,7 +355,7 @@ TEST_F(HeadsetSessions, ThatAreLostWhileTheRuntimeEndsEndTheClient) {
 TEST_F(HeadsetSessions, ThatDoNotEndAreLeft) {
   fake->ignores_exit = true;
   HeadsetSetup impatient = setup();
-  impatient.longest_exit = std::chrono::milliseconds(50);
+  impatient.longest_exit = std::chrono::milliseconds(500);
   ASSERT_TRUE(open(std::move(impatient))) << error;
   show_until(2);
   finish();
