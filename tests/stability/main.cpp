@@ -49,11 +49,14 @@ class Ordinary {
 
   Pace pace(const std::string& name) {
     if (const auto known = paces_.find(name); known != paces_.end()) return known->second;
-    Pace pace;
+    return paces_[name] = measure(name);
+  }
+  /// Runs the case now, whether it ran before or not.
+  [[nodiscard]] Pace measure(const std::string& name) const {
     for (const std::vector<Case>& cases : {scene_cases(), light_cases(), view_cases()})
       for (const Case& tested : cases)
-        if (tested.name == name) pace = run(tested, room_).pace;
-    return paces_[name] = pace;
+        if (tested.name == name) return run(tested, room_).pace;
+    return {};
   }
 
  private:
@@ -61,18 +64,24 @@ class Ordinary {
   std::map<std::string, Pace> paces_;
 };
 
-/// Runs a case up to three times, so that a busy machine does not fail it.
+Pace faster(const Pace& a, const Pace& b) {
+  return {std::min(a.client_ms, b.client_ms), std::min(a.server_ms, b.server_ms)};
+}
+
+/// The machine may be busier now than when the ordinary case ran. So if the case seems slow, both run in
+/// turn, up to five times, and the fastest runs are compared.
 Ran run_with_pace(const Case& tested, const Room& room, Ordinary& ordinary) {
+  constexpr int kTurns = 5;
   Ran ran = run(tested, room);
   if (tested.outcome != Outcome::Works) return ran;
-  const Pace like = ordinary.pace(tested.like);
-  Pace best = ran.pace;
-  for (int again = 0; again < 2 && ran.verdict.broken.empty(); ++again) {
+  Pace best = ran.pace, like = ordinary.pace(tested.like);
+  for (int turn = 0; turn < kTurns && ran.verdict.broken.empty(); ++turn) {
     Verdict timed;
     judge_pace(best, like, timed);
     if (timed.good()) break;
-    const Pace next = run(tested, room).pace;
-    best = {std::min(best.client_ms, next.client_ms), std::min(best.server_ms, next.server_ms)};
+    const Pace ordinary_now = ordinary.measure(tested.like), now = run(tested, room).pace;
+    like = turn == 0 ? ordinary_now : faster(like, ordinary_now);
+    best = turn == 0 ? now : faster(best, now);
   }
   judge_pace(best, like, ran.verdict);
   return ran;
