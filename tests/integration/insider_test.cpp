@@ -20,6 +20,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kHonest = kSanitized ? 3s : 15s, kAttack = kSanitized ? 20s : 120s;
+/// Both take turns, so that whatever else the machine does meanwhile falls upon both.
+constexpr int kTurns = kSanitized ? 1 : 5;
 constexpr Duration kInterval = std::chrono::microseconds(13'889);
 constexpr Duration kPatience = 500ms;  ///< then the request counts as lost
 /// For all. Without sanitizers as vr_client requests without --size.
@@ -35,6 +37,9 @@ struct Ages {
   void add(double age_ms) {
     ms.push_back(age_ms);
     if (age_ms >= ms_of(kPatience)) ++lost;
+  }
+  [[nodiscard]] double lost_share() const {
+    return static_cast<double>(lost) / static_cast<double>(std::max<std::size_t>(ms.size(), 1));
   }
   [[nodiscard]] double of(double share) {
     std::ranges::sort(ms);
@@ -79,7 +84,7 @@ class Insider : public testing::Test {
     }
   }
 
-  Ages beside_a_neighbour() {
+  void walk_beside_a_neighbour(Duration span, Ages& ages) {
     std::atomic<bool> over = false;
     std::jthread neighbour([&] {
       const UdpClient udp = connect_udp(udp_.server).value();
@@ -91,11 +96,9 @@ class Insider : public testing::Test {
         std::this_thread::sleep_for(1ms);
       }
     });
-    Ages ages;
     walk(
-        kHonest, [&](double age_ms) { ages.add(age_ms); }, [] {});
+        span, [&](double age_ms) { ages.add(age_ms); }, [] {});
     over = true;
-    return ages;
   }
 
   SharedKey neighbour_ = new_key("neighbour").value(), attacker_ = new_key("attacker").value();
@@ -108,20 +111,21 @@ class Insider : public testing::Test {
 };
 
 TEST_F(Insider, CostsAGoodClientNoMoreThanAnHonestNeighbourDoes) {
-  Ages honest = beside_a_neighbour();
+  Ages honest, attacked;
+  walk_beside_a_neighbour(kHonest / kTurns, honest);
   const double memory_before = memory_KiB(server_->program().id());
   Welcome served;
   served.scene_hash = target_.scene_hash;
   served.light_count = target_.mask.lights;
   InsiderAttack attack(udp_.server, attacker_, served, udp_.port->local());
-  std::atomic<bool> over = false;
   double most_KiB = 0;
-  Ages attacked;
   std::array<Ages, InsiderAttack::kPlays> of_play;
-  {
+  for (int turn = 1; (turn <= kTurns || attack.rounds() <= InsiderAttack::kPlays) && !HasFailure(); ++turn) {
+    if (turn > 1) walk_beside_a_neighbour(kHonest / kTurns, honest);
+    std::atomic<bool> over = false;
     const std::jthread attacker([&] { attack.run(over); });
     walk(
-        kAttack,
+        kAttack / kTurns,
         [&](double age_ms) {
           attacked.add(age_ms);
           of_play[attack.rounds() % InsiderAttack::kPlays].add(age_ms);
@@ -147,7 +151,7 @@ TEST_F(Insider, CostsAGoodClientNoMoreThanAnHonestNeighbourDoes) {
   // A sanitizer's heap keeps what was freed, and its server needs both cores for one client.
   if (!kSanitized) {
     EXPECT_GT(counts.of("stray parts of requests"), 0u);
-    EXPECT_LT(static_cast<double>(attacked.lost), 0.02 * static_cast<double>(attacked.ms.size()));
+    EXPECT_LT(attacked.lost_share(), 0.02 + honest.lost_share());
     EXPECT_LT((most_KiB - memory_before) / 1024, kMemory_MiB);
     EXPECT_LE(attacked.of(0.5), 1.5 * honest.of(0.5));
     EXPECT_LE(attacked.of(0.9), 1.5 * honest.of(0.9));

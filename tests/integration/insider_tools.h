@@ -19,8 +19,8 @@ class InsiderAttack {
   InsiderAttack(const InsiderAttack&) = delete;
   InsiderAttack& operator=(const InsiderAttack&) = delete;
 
-  /// Plays one after the other, a second each, until `over`. The calling thread gets the least priority: the
-  /// attacker's computer is not the server's.
+  /// Plays one after the other, a second each, until `over`; a later call goes on with the next. The calling
+  /// thread gets the least priority: the attacker's computer is not the server's.
   void run(const std::atomic<bool>& over);
 
   [[nodiscard]] std::uint64_t sent() const { return sent_; }
