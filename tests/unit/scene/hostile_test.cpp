@@ -1,7 +1,6 @@
 /// Wrong glTF files: each is refused with a sentence that names the object, and has no other effect.
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <fstream>
 #include <random>
 
@@ -359,14 +358,6 @@ TEST(GltfHostile, SurvivesReplacedNumbers) {
     }
 }
 
-/// The time in seconds to refuse (or load) the file.
-double seconds_to_load(const std::vector<std::byte>& file) {
-  const auto start = std::chrono::steady_clock::now();
-  const auto scene = load_copy(file.data(), file.size());
-  EXPECT_FALSE(scene.has_value());
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 TEST(GltfHostile, RefusesDeepJsonAtOnce) {
   const std::string depth(30000, '[');
   const auto file = bytes_of_text("{\"asset\":{\"version\":\"2.0\"},\"extras\":" + depth + "}");
@@ -387,13 +378,16 @@ TEST(GltfHostile, RefusesDeepNodes) {
 }
 
 /// A few kilobytes that would need terabytes: very many accessors and primitives read one buffer view.
-TEST(GltfHostile, RefusesWorkOutOfProportionQuickly) {
+TEST(GltfHostile, RefusesWorkOutOfProportionBeforeItIsDone) {
   GltfBuilder file = triangle_file();
   file.json["accessors"][0].erase("bufferView");
   file.json["accessors"][0]["count"] = 4'000'000;
   for (int i = 0; i < 500; ++i)
     file.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", 0}}}, {"indices", 1}});
-  EXPECT_LT(seconds_to_load(file.glb()), 1.0);
+  const auto scene = load(file);
+  ASSERT_FALSE(scene.has_value());
+  EXPECT_NE(scene.error().what.find("primitive 1: more vertices than a file of this size"), std::string::npos)
+      << scene.error().what;
 }
 
 TEST(GltfHostile, RefusesManyLights) {
