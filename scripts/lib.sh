@@ -206,7 +206,7 @@ stop_server() {
   if [[ $server ]]; then
     kill "$server" 2>/dev/null || true
     # A server that does not listen yet has nothing to finish, and looks at signals late.
-    for ((tries = 300; tries > 0; --tries)); do
+    for ((tries = 50; tries > 0; --tries)); do
       [[ -s $server_files/ready ]] || break
       kill -0 "$server" 2>/dev/null || break
       sleep 0.1
