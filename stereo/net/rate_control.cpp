@@ -123,6 +123,7 @@ void ReceivedRate::add(Time arrived, std::size_t bytes) {
     first_ = newest_ = bucket;
     any_ = true;
   }
+  // A bucket before the first could be filled as well: no sum reaches it.
   if (newest_ - bucket >= kBuckets || bucket < first_) return;
   const auto slot = [&](std::int64_t i) -> std::uint64_t& {
     return bytes_[static_cast<std::size_t>((i % kBuckets + kBuckets) % kBuckets)];

@@ -120,7 +120,8 @@ std::optional<FrameRequest> RequestPlan::ask(const FrameRequest& shown, Duration
   for (View& view : request.views) view = shrunk(view, scale_);
   if (settings_.guard_band == GuardBandUse::Off) return request;
 
-  // Held views are not predicted, but used after the whole latency.
+  // Held views are not predicted, but used after the whole latency. Any latency gives the same margins:
+  // Hold knows no velocity.
   const bool is_held = settings_.predictor == PredictorKind::Hold;
   const Duration used_after = !is_held ? ahead : latencies_.empty() ? period : latencies_.back();
   Sides<std::uint32_t> needed = shrunk(

@@ -198,6 +198,18 @@ TEST(RequestPlanRate, ChangedLightsAreRequestedAtOnce) {
   EXPECT_TRUE(plan.ask(changed, kPeriod));
 }
 
+TEST(RequestPlanRate, ADisplayTimeThatRunsBackwardsIsRequestedAtOnce) {
+  RequestPlan plan({});
+  plan.expect(SceneMotion::Still);
+  plan.learn(60ms);
+  EXPECT_TRUE(plan.ask(shown(100), kPeriod));
+  EXPECT_FALSE(plan.ask(shown(101), kPeriod)) << "the masks of the frame before still hold";
+  EXPECT_TRUE(plan.ask(shown(40), kPeriod));
+  EXPECT_FALSE(plan.ask(shown(41), kPeriod));
+  EXPECT_FALSE(plan.ask(shown(42), kPeriod));
+  EXPECT_TRUE(plan.ask(shown(43), kPeriod)) << "three periods after the earlier time";
+}
+
 TEST(RequestPlanLead, IsTheMedianOfTheLatencies) {
   RequestPlan plan({});
   EXPECT_EQ(plan.lead(kPeriod), kPeriod) << "before anything is known";

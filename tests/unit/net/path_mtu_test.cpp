@@ -17,14 +17,15 @@ using namespace std::chrono_literals;
 constexpr std::size_t kSmall_bytes = 125;
 constexpr Duration kFrameTime = 14ms;
 
-/// A session at 72 Hz over a path of 20 ms each way. A frame has 16 datagrams as large as they may be, and a
-/// small one. Every frame the client reports what has arrived.
+/// A session at 72 Hz, unless `frame_time` says otherwise, over a path of 20 ms each way. A frame has 16
+/// datagrams as large as they may be, and a small one. Every frame the client reports what has arrived.
 struct ProbedPath {
   std::size_t most_bytes = kMaxDatagram_bytes;  ///< the path drops longer datagrams
   double loss = 0;
   std::size_t large_in_frame = 16;
   bool is_dead = false;
   Duration jitter{};  ///< delays are longer by up to this
+  Duration frame_time = kFrameTime;
 
   void run(Duration span) {
     for (const Time until = now + span; now < until;) frame();
@@ -44,7 +45,7 @@ struct ProbedPath {
     }
     for (std::size_t i = 0; i < large_in_frame; ++i) send(mtu.bytes() - i);
     send(kSmall_bytes);
-    now += kFrameTime;
+    now += frame_time;
   }
   void send(std::size_t bytes) {
     mtu.sent(counter, bytes);
@@ -162,6 +163,21 @@ TEST(PathMtu, ABlackHoleInMidSessionEndsLargeDatagrams) {
       EXPECT_EQ(path.mtu.state(), PathMtu::State::Complete);
       EXPECT_EQ(path.mtu.bytes(), most < 1372 ? 1200u : most < 1444 ? 1372u : 1444u);
     }
+}
+
+/// A client that asks seldom: what was lost in the first black hole is among the datagrams that are examined
+/// when the path is found to carry larger ones again.
+TEST(PathMtu, ABlackHoleThatIsOverIsNotFoundAgain) {
+  ProbedPath path{.large_in_frame = 3, .frame_time = 100ms};
+  path.run(5s);
+  ASSERT_EQ(path.mtu.bytes(), kMaxDatagram_bytes);
+  path.most_bytes = 1300;
+  path.run(3s);
+  ASSERT_EQ(path.mtu.bytes(), 1200u);
+  path.most_bytes = 1500;
+  path.run(PathMtu::kAfterBlackHole);
+  EXPECT_EQ(path.mtu.bytes(), kMaxDatagram_bytes);
+  EXPECT_EQ(path.mtu.black_holes(), 1u);
 }
 
 TEST(PathMtu, APathThatOftenTurnsIntoABlackHoleIsSearchedLessOften) {

@@ -394,6 +394,19 @@ TEST(ReceivedRate, IsTheLastHalfSecondsBytes) {
   EXPECT_DOUBLE_EQ(rate.bytes_per_second().value(), 2e6);
 }
 
+TEST(ReceivedRate, DoesNotCountWhatArrivedBeforeTheLastHalfSecond) {
+  constexpr std::size_t kLate_bytes = 1'000'000;
+  ReceivedRate rate;
+  for (int i = 0; i < 1000; ++i) rate.add(time_from_ns(0) + i * milliseconds(1), 1000);
+  for (const int i : {-100, 0, 300, 425, 449, 450, 474})
+    rate.add(time_from_ns(0) + i * milliseconds(1), kLate_bytes);
+  EXPECT_DOUBLE_EQ(rate.bytes_per_second().value(), 1e6);
+  for (int i = 1000; i < 1025; ++i) rate.add(time_from_ns(0) + i * milliseconds(1), 1000);
+  EXPECT_DOUBLE_EQ(rate.bytes_per_second().value(), 1e6);
+  rate.add(time_from_ns(0) + milliseconds(500), kLate_bytes);
+  EXPECT_DOUBLE_EQ(rate.bytes_per_second().value(), 3e6) << "late, but in the last half second";
+}
+
 /// A rate control that has sent 1,000 datagrams in a second, and a report of some of them.
 struct Thousand {
   Thousand() {

@@ -184,6 +184,23 @@ TEST_F(SessionAddress, ANewAddressBeginsWithTheRateOfANewSession) {
   EXPECT_EQ(job->bytes_per_second, RateControl::kStart);
 }
 
+/// A probe of the path is longer than the datagram that it answers.
+TEST_F(SessionAddress, AnOldDatagramFromElsewhereGetsNoProbeOfThePath) {
+  now += 200ms;
+  ask(kHome);
+  ASSERT_EQ(client.probes, 1u) << "a keep-alive, whose arrival begins the search of the path";
+  const Bytes old = next_request();
+  say(kHome, client.seal({.request = request_of(++frame, {64, 64}), .arrivals = client.arrivals.report()}));
+  EXPECT_GT(received.size(), kBaseDatagram_bytes);
+  now += PathMtu::kProbeTimer;
+  say(kThief, old);
+  EXPECT_TRUE(received.empty());
+  EXPECT_EQ(sent_to[kThief], 0u);
+  ask(kHome);  // its answer is a keep-alive
+  ask(kHome);
+  EXPECT_GT(received.size(), kBaseDatagram_bytes) << "a probe was due";
+}
+
 TEST_F(SessionAddress, ANewAddressBeginsWithDatagramsOfTheBase) {
   const auto most_after = [&](const Peer& from) {
     now += 14ms;

@@ -279,6 +279,26 @@ TEST(Insider, AJobThatWouldTakeTooLongIsNotBegunWhileAnotherKeyIsConnected) {
   EXPECT_LT(spent, 2s);
 }
 
+/// Whether a large job of a key is begun beside a client of another key, after one was given up because its
+/// session had ended. That one had taken `work`.
+bool is_begun_after_one_given_up(Duration work) {
+  House house(kOpen);
+  LinkClient gone = house.join(kEvilPort, {}, kEvil), good = house.join(kGoodPort, {}, kGood);
+  ask_for(house, gone, kEvilPort, 1, kLarge);
+  const SessionId session = house.sessions.next_job({})->session;
+  LinkClient evil = house.join(kEvilPort, {}, kEvil);
+  ask_for(house, evil, kEvilPort, 1, kLarge);  // it replaces the session whose job is in work
+  EXPECT_TRUE(house.sessions.gives_up({}));
+  house.sessions.put(session, {}, work, {}, JobEnd::GivenUp);
+  return !house.sessions.next_job({})->is_too_costly;
+}
+
+TEST(Insider, AJobThatWasGivenUpTellsItsCostOnlyIfItTookTooLong) {
+  EXPECT_TRUE(is_begun_after_one_given_up(150ms)) << "its session ended, so nobody knows what it costs";
+  EXPECT_TRUE(is_begun_after_one_given_up(kMostTurn));
+  EXPECT_FALSE(is_begun_after_one_given_up(kMostTurn + 1ms));
+}
+
 /// Masks that a client gets in 20 s if it asks again 1 ms after the last ones came, beside eight sessions
 /// of another key whose large views take `work` each.
 int masks_beside_large_views(Duration work) {
@@ -356,6 +376,40 @@ TEST(Insider, OneKeyHasHalfOfTheMemoryAndAnotherIsStillServed) {
   house.sessions.end_silent(Time(1h));
   EXPECT_EQ(house.sessions.held_bytes(), 0u);
   EXPECT_EQ(account.held_bytes, 0u);
+}
+
+/// Makes the client's session hold an answer that takes all memory that its key has left of `share_bytes`.
+void fill_share(House& house, LinkClient& client, std::uint16_t port, std::size_t share_bytes) {
+  house.ask(client, port, 1);
+  const SessionId id = house.sessions.next_job({})->session;
+  const std::size_t held = house.sessions.account(id_of(client.key)).held_bytes;
+  house.sessions.put(id, std::vector<Bytes>(1, Bytes(share_bytes - held - kMessage_bytes)), {}, {});
+}
+
+TEST(Insider, TwoKeysThatHoldAllMemoryLeaveNoneToAThird) {
+  constexpr std::size_t kMiB = std::size_t{1} << 20;
+  for (const bool with_report : {false, true}) {
+    SCOPED_TRACE(with_report ? "more is held than the limit" : "as much is held as the limit");
+    House house({.memory = {8 * kMiB}});
+    LinkClient one = house.join(1, {}, kRing[0]), two = house.join(2, {}, kRing[1]),
+               two_too = house.join(3, {}, kRing[1]);
+    fill_share(house, one, 1, 2 * kMiB);
+    fill_share(house, two, 2, 2 * kMiB);
+    EXPECT_EQ(house.sessions.held_bytes(), 4 * kMiB);
+    if (with_report) {  // a report is sent even if there is no memory for it
+      house.ask(two_too, 3, 1);
+      house.sessions.put(house.sessions.next_job({})->session, std::vector<Bytes>(1, Bytes(50)), {}, {});
+      EXPECT_GT(house.sessions.held_bytes(), 4 * kMiB);
+    }
+    const std::uint64_t before = house.sessions.counters().over_memory;
+    const LinkClient third = house.join(4, {}, kRing[2]);
+    ASSERT_TRUE(third.refusal.has_value());
+    EXPECT_EQ(third.refusal->reason, RefusalReason::Busy);
+    EXPECT_EQ(house.sessions.counters().over_memory, before + 1);
+    const Time later(SessionLimits{}.silence + 1s);
+    house.sessions.end_silent(later);
+    EXPECT_TRUE(house.join(4, later, kRing[2]).welcome.has_value());
+  }
 }
 
 TEST(Insider, AnAnswerThatWouldExceedTheMemoryIsItsReportAlone) {

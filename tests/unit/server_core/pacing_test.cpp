@@ -144,6 +144,24 @@ TEST(SessionKeepAlive, IsSentToAClientThatAsksAndGetsNothing) {
   EXPECT_EQ(client.probes, 2u);
 }
 
+TEST(SessionKeepAlive, IsNotReplacedByAProbeOfThePath) {
+  House house;
+  LinkClient client = house.join(1);
+  house.ask(client, 1, 1, Time(101ms));
+  ASSERT_EQ(client.probes, 1u);
+  const auto answer_to = [&](std::uint32_t frame, Time now) {
+    RequestMessage message{.request = request_of(frame, kSize), .arrivals = client.arrivals.report()};
+    const Bytes answer = house.say(1, client.seal(message), now);
+    client.take(answer, now);
+    return answer;
+  };
+  // The report tells of the first arrival, so that the first probe of the path is due, too.
+  EXPECT_LT(answer_to(2, Time(202ms)).size(), kBaseDatagram_bytes);
+  EXPECT_EQ(client.probes, 2u);
+  EXPECT_EQ(answer_to(3, Time(203ms)).size(), PathMtu::kSizes[1]);
+  EXPECT_EQ(client.probes, 2u);
+}
+
 TEST(Sessions, SealsTheDatagramThatIsDueFirst) {
   House house;
   LinkClient late = house.join(1), early = house.join(2, {}, kRing[1]);

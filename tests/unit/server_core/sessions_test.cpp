@@ -152,6 +152,45 @@ TEST(SessionsSurround, IsAnsweredAtLastAlthoughOtherRequestsAlwaysWait) {
   EXPECT_EQ(overtaking, ClientSession::kMostOvertaking);
 }
 
+/// The size of views that is advised after 12 answers of 500 kB and as many of 200 bytes, over 1 MB/s. The
+/// large ones are those of the surround, or the others.
+ViewScale scale_beside_large(bool surround_is_large) {
+  House house({.bytes_per_second = 1e6});
+  house.sessions.offer(kTracedAnswers);
+  LinkClient client = house.join(1);
+  ViewScale advised{};
+  Time now{};
+  const auto answer = [&](FrameRequest request, std::size_t messages, std::size_t bytes) {
+    request.display_time = now;
+    house.talk(client, 1, client.seal({.request = request, .arrivals = client.arrivals.report()}), now);
+    const auto at = house.sessions.job_at();
+    ASSERT_TRUE(at.has_value());
+    now = std::max(now, *at);
+    const Job job = *house.sessions.next_job(now);
+    ASSERT_EQ(job.request.frame, request.frame);
+    advised = job.view_scale;
+    house.sessions.put(job.session, std::vector<Bytes>(messages, Bytes(bytes)), 1ms, now);
+    Peer to;
+    for (Bytes datagram; const auto due = house.sessions.due_at();) {
+      now = std::max(now, *due);
+      ASSERT_TRUE(house.sessions.seal_due(now, to, datagram));
+      client.arrivals.add(std::get<Sealed>(*open_server_envelope(datagram)).counter, now + 5ms);
+    }
+  };
+  for (std::uint32_t number = 0; number < 12; ++number) {
+    FrameRequest large = request_of(number + 1, kSize), small = surround_request(number);
+    if (surround_is_large) std::swap(large, small);
+    answer(large, 500, 1000);
+    answer(small, 2, 100);
+  }
+  return advised;
+}
+
+TEST(SessionsSurround, ItsLargeAnswersDoNotMakeTheOtherViewsSmaller) {
+  EXPECT_EQ(scale_beside_large(true), kFullViewScale);
+  EXPECT_LT(scale_beside_large(false), kFullViewScale);
+}
+
 TEST(Sessions, RequestsThatWereOvertakenAreDropped) {
   House house;
   LinkClient client = house.join(1);
@@ -218,6 +257,38 @@ TEST(Sessions, AnIdleClientSavesNoTurns) {
     house.sessions.put(job->session, {}, 5ms, {});
   }
   EXPECT_EQ(of_one, 5);
+}
+
+/// The turns that the first of two sessions of one key gets of the next `turns`, if both always want more.
+int turns_of_first(House& house, LinkClient& one, LinkClient& two, std::uint32_t& frame, int turns,
+                   Duration work_of_one) {
+  int of_one = 0;
+  for (int i = 0; i < turns; ++i) {
+    house.ask(one, 1, ++frame);
+    house.ask(two, 2, ++frame);
+    const SessionId served = house.sessions.next_job({})->session;
+    of_one += served == one.session;
+    house.sessions.put(served, {}, served == one.session ? work_of_one : 5ms, {});
+  }
+  return of_one;
+}
+
+TEST(Sessions, AnIdleSessionSavesNoTurnsAgainstAnotherOfItsKey) {
+  House house;
+  LinkClient one = house.join(1), two = house.join(2);
+  std::uint32_t frame = 0;
+  for (int i = 0; i < 100; ++i) {
+    house.ask(one, 1, ++frame);
+    house.sessions.put(house.sessions.next_job({})->session, {}, 5ms, {});
+  }
+  EXPECT_NEAR(turns_of_first(house, one, two, frame, 10, 5ms), 5, 1);
+}
+
+TEST(Sessions, ASessionWithMoreWorkHasFewerTurnsThanAnotherOfItsKey) {
+  House house;
+  LinkClient one = house.join(1), two = house.join(2);
+  std::uint32_t frame = 0;
+  EXPECT_NEAR(turns_of_first(house, one, two, frame, 110, 50ms), 10, 1);
 }
 
 TEST(Sessions, FrameOrderSurvivesWraparound) {

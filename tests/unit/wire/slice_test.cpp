@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "stereo/wire/mask_coder.h"
+#include "stereo/wire/range_coder.h"
 #include "tests/unit/wire/samples.h"
 
 namespace farshade {
@@ -198,6 +200,38 @@ TEST(SlicePacker, AnyTileFits) {
     for (std::uint32_t x = 0; x < 64; ++x)
       mask.set_word(x, y, 0, static_cast<std::uint32_t>(random()) ^ ((x ^ y) % 2 == 0 ? ~0u : 0u));
   expect_round_trip(mask);
+}
+
+/// A slice with the first tiles of the mask in plain bits.
+Bytes plain_slice(const EyeMask& mask, std::uint32_t tile_count) {
+  const TileGrid grid{mask.size()};
+  const AskedTiles asked(mask.size(), mask.lights(), {});
+  Bytes block;
+  CodedTiles coded;
+  TileBits bits;
+  coded.start(grid.columns(), 0);
+  MaskModels models(kInitialMaskModels);
+  RangeEncoder encoder(block);
+  MaskCoder coder(encoder, models, coded, mask.layout().lights_in(0));
+  coder.form(true);
+  for (std::uint32_t tile = 0; tile < tile_count; ++tile) {
+    split_tile(mask, grid.rect(tile), 0, asked.at(tile), bits);
+    coder.plain_tile(asked.at(tile), bits);
+  }
+  encoder.finish();
+  return encoded(ServerMessage(Slice{
+      .size = mask.size(), .lights = mask.lights(), .tile_count = tile_count, .block = std::span(block)}));
+}
+
+TEST(Slices, PlainBitsAreThoseOfOneTile) {
+  std::mt19937 random(14);
+  const EyeMask mask = noise_mask({48, 16}, 3, random);
+  EXPECT_EQ(Received(mask).take(plain_slice(mask, 1)), 1u);
+  for (const std::uint32_t tiles : {2u, 3u}) {
+    Received received(mask);
+    EXPECT_EQ(received.take(plain_slice(mask, tiles)).error(), WireRefusal::Block) << tiles;
+    EXPECT_EQ(received.mask, EyeMask(mask.size(), mask.layout())) << tiles;
+  }
 }
 
 TEST(SlicePacker, MakesNoSliceOfNothing) {
