@@ -138,11 +138,18 @@ class Study(unittest.TestCase):
         self.assertEqual(worse.returncode, 1, worse.stdout + worse.stderr)
         self.assertIn("DOES NOT HOLD in 1", worse.stdout)
 
-    def test_a_killed_study_continues_to_the_same_results(self):
-        out, only = OUT / "killed", ("--only", "^(mode|ablation)")
+    def test_an_interrupted_study_says_how_to_continue_and_continues_to_the_same_results(self):
+        out, only = OUT / "interrupted", ("--only", "^(mode|ablation).* 32 px")
         count = len(run(out, *only, "--list")[1].splitlines())
         child = begin(out, *only)
-        wait_for_points(child, out, 2)
+        wait_for_points(child, out, 1)
+        child.send_signal(signal.SIGINT)
+        _, said = child.communicate(timeout=PATIENCE_S)
+        self.assertEqual(child.returncode, 130, said)
+        self.assertRegex(said, r"stopped; [1-9] of \d points are kept; repeat the command to continue")
+        self.assertNotIn("Traceback", said)
+        child = begin(out, *only)
+        wait_for_points(child, out, len(points_in(out)) + 1)
         child.send_signal(signal.SIGKILL)
         child.communicate()
         kept = points_in(out)
@@ -154,22 +161,9 @@ class Study(unittest.TestCase):
         after = points_in(out)
         self.assertEqual(len(after), count)
         self.assertEqual({name: after[name] for name in kept}, kept, "finished points were run again")
-        status, _, said = run(OUT / "again", *only)
-        self.assertEqual(status, 0, said)
-        self.assertEqual(error_columns(out), error_columns(OUT / "again"))
-        whole = [r for r in error_columns(self.whole) if r["kind"] == "error"]
+        whole = [r for r in error_columns(self.whole) if r["kind"] == "error" and r["size"] == "32"]
         mine = error_columns(out)
         self.assertEqual(mine, [{k: r[k] for k in mine[0]} for r in whole])
-
-    def test_ctrl_c_says_how_to_continue(self):
-        out = OUT / "stopped"
-        child = begin(out, "--only", "^(mode|ablation)")
-        wait_for_points(child, out, 1)
-        child.send_signal(signal.SIGINT)
-        _, said = child.communicate(timeout=PATIENCE_S)
-        self.assertEqual(child.returncode, 130, said)
-        self.assertRegex(said, r"stopped; [1-9] of \d points are kept; repeat the command to continue")
-        self.assertNotIn("Traceback", said)
 
     def test_reports_missing_files_and_continues(self):
         sweep = json.loads((HERE / "quick.json").read_text())
@@ -187,14 +181,14 @@ class Study(unittest.TestCase):
         sweep["modes"] = ["full", "hybrid,every=0"]
         path = OUT / "wrong.json"
         path.write_text(json.dumps(sweep))
-        status, _, said = run(OUT / "wrong", "--only", "^mode", sweep=path)
+        status, _, said = run(OUT / "wrong", "--only", "^mode.* none, 32 px", sweep=path)
         self.assertEqual(status, 1, said)
         self.assertIn("mode hybrid has no 'every=0'", said)
         self.assertTrue((OUT / "wrong" / "report.html").exists(), "the other points are reported")
 
 
-# Scripts added to the page: FIRST records errors; LAST chooses every metric and size, hovers over all points that are
-# drawn, and records them.
+# Scripts added to each page: FIRST records errors; LAST chooses every metric and size, hovers over all points that are
+# drawn, and tells the page of FRAMES, which keeps what it is told.
 FIRST = """<script>window.seen = [];
 addEventListener('error', e => seen.push(String(e.message)));
 console.error = (...words) => seen.push(words.join(' '));</script>"""
@@ -214,41 +208,68 @@ for (const metric of document.querySelectorAll('input[name=metric]'))
     for (const point of visible('.point')) tips[point.id] = hover(point);
     plots.push(visible('svg').filter(s => s.getBoundingClientRect().height > 100).length);
   }
-document.body.dataset.verdict = JSON.stringify({errors: seen, tips, plots,
-  pictures: [...document.images].map(i => i.complete && i.naturalWidth)});
+parent.postMessage({name: window.name, verdict: {errors: seen, tips, plots,
+  pictures: [...document.images].map(i => i.complete && i.naturalWidth)}}, '*');
 }</script>"""
+FRAMES = """<!DOCTYPE html><style>iframe { position: absolute; width: 100%; height: 100%; }</style><body><script>
+const told = {};
+addEventListener('message', e => {
+  told[e.data.name] = e.data.verdict;
+  document.body.dataset.verdicts = JSON.stringify(told);
+});</script>"""
 
 
-def verdict_on(page, folder):
-    """Opens a page in Chromium. Returns the errors and what was drawn."""
+def verdicts_on(pages, folder):
+    """Opens all pages (by name) in one Chromium. Returns the errors and what was drawn, for each name."""
     browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     assert browser, "there is no chromium: scripts/setup installs it"
-    watched = page.replace("<head>", "<head>" + FIRST, 1).replace("</body>", LAST + "</body>", 1)
-    path = folder / "watched.html"
-    path.write_text(watched, encoding="utf-8")
+    frames = FRAMES
+    for name, page in pages.items():
+        watched = page.replace("<head>", "<head>" + FIRST, 1).replace("</body>", LAST + "</body>", 1)
+        (folder / f"{name}.html").write_text(watched, encoding="utf-8")
+        frames += f'<iframe name="{name}" src="{name}.html"></iframe>'
+    path = folder / "frames.html"
+    path.write_text(frames, encoding="utf-8")
     shown = subprocess.run(
         [browser, "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--enable-logging=stderr",
          "--virtual-time-budget=5000", f"--user-data-dir={folder / 'browser'}", "--dump-dom", path.as_uri()],
         capture_output=True, text=True, timeout=PATIENCE_S, check=False)
-    found = re.search(r'data-verdict="([^"]*)"', shown.stdout)
-    verdict = json.loads(html.unescape(found[1])) if found else {"errors": ["the page's scripts did not finish"]}
-    verdict["errors"] += [line for line in shown.stderr.splitlines() if ":CONSOLE" in line]
-    return verdict
+    found = re.search(r'data-verdicts="([^"]*)"', shown.stdout)
+    told = json.loads(html.unescape(found[1])) if found else {}
+    verdicts = {name: told.get(name, {"errors": ["the page's scripts did not finish"]}) for name in pages}
+    for line in shown.stderr.splitlines():
+        if ":CONSOLE" in line:
+            for name in pages:
+                if f"/{name}.html" in line or "source: file:" not in line:
+                    verdicts[name]["errors"].append(line)
+    return verdicts
+
+
+# Faults for the page: a text and its replacement.
+FAULTS = {"throws": ("JSON.parse(", "JSON.parze("),
+          "complains": ("const tip =", "console.error('so'); const tip ="),
+          "no-plots": ("<svg", "<gsv"),
+          "no-hover": ("'mouseover'", "'mouseoven'"),
+          "no-choice": ("addEventListener('change'", "addEventListener('chance'"),
+          "no-pictures": ("data:image/png;base64,",
+                          "data:image/png;base64," + base64.b64encode(b"no").decode() + ",")}
 
 
 class Page(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.page = (OUT / "whole" / "report.html").read_text(encoding="utf-8")
-        cls.folder = OUT / "page"
-        cls.folder.mkdir(exist_ok=True)
+        folder = OUT / "page"
+        folder.mkdir(exist_ok=True)
+        broken = {name: cls.page.replace(*change) for name, change in FAULTS.items()}
+        cls.verdicts = verdicts_on({"page": cls.page, **broken}, folder)
 
     def test_has_no_external_parts(self):
         fetched = re.findall(r'(?:src|href|url)\s*[=(]\s*["\']?(?!data:|#|xlink)([a-z]+:[^"\')\s>]*)', self.page)
         self.assertEqual(fetched, [])
 
     def test_opens_and_draws_without_an_error(self):
-        verdict = verdict_on(self.page, self.folder)
+        verdict = self.verdicts["page"]
         self.assertEqual(verdict["errors"], [])
         self.assertEqual(verdict["plots"], [9] * 6, "three metrics at two sizes")
         told = json.loads(re.search(r'id="points">(.*?)</script>', self.page, re.S)[1])
@@ -264,17 +285,16 @@ class Page(unittest.TestCase):
             self.assertTrue(f"<h2>{title}</h2>" in self.page, title)
 
     def test_detects_broken_pages(self):
-        def verdict(*change):
-            self.assertTrue(change[0] in self.page, change[0])
-            return verdict_on(self.page.replace(*change), self.folder)
-        self.assertNotEqual(verdict("JSON.parse(", "JSON.parze(")["errors"], [], "a script that throws")
-        self.assertNotEqual(verdict("const tip =", "console.error('so'); const tip =")["errors"], [])
-        self.assertEqual(verdict("<svg", "<gsv")["plots"], [0] * 6, "no plots")
-        self.assertEqual(set(verdict("'mouseover'", "'mouseoven'")["tips"].values()), {""}, "no hover")
-        unchosen = verdict("addEventListener('change'", "addEventListener('chance'")["tips"]
+        for name, (there, _) in FAULTS.items():
+            self.assertTrue(there in self.page, name)
+        verdicts = self.verdicts
+        self.assertNotEqual(verdicts["throws"]["errors"], [], "a script that throws")
+        self.assertNotEqual(verdicts["complains"]["errors"], [])
+        self.assertEqual(verdicts["no-plots"]["plots"], [0] * 6, "no plots")
+        self.assertEqual(set(verdicts["no-hover"]["tips"].values()), {""}, "no hover")
+        unchosen = verdicts["no-choice"]["tips"]
         self.assertLess(len(unchosen), self.page.count('class="point"'), "the buttons do nothing")
-        broken = verdict("data:image/png;base64,", "data:image/png;base64," + base64.b64encode(b"no").decode() + ",")
-        self.assertFalse(any(broken["pictures"]), "no pictures")
+        self.assertFalse(any(verdicts["no-pictures"]["pictures"]), "no pictures")
 
 
 if __name__ == "__main__":
