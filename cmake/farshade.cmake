@@ -112,14 +112,17 @@ if(FARSHADE_FUZZ)  # only fuzz targets need to know which code runs; -O0 compile
 endif()
 
 # farshade_test(NAME SOURCES a_test.cpp ... DEPENDS lib ... [LABEL unit] [TIMEOUT seconds] [ENVIRONMENT NAME=value]
-#   [TOGETHER] [SERIAL] [VULKAN])
+#   [TOGETHER] [SHARDS count] [SERIAL] [COST seconds] [VULKAN])
 # Makes one gtest program; each of its cases is one CTest test. TOGETHER: the whole program is one CTest test, because
 # its cases share what takes long to make; so are unit, threads and oracle tests with sanitizers (tests/support/run_cases).
-# SERIAL: nothing runs beside it, because it compares times. With FARSHADE_UNITY the sources are compiled in units of up to 4 files, so
-# names in the anonymous namespaces of one program must differ. Its sources may use the macro FARSHADE_ASSETS, the folder
-# of the bundled assets. The target tests_LABEL builds all programs of that label. VULKAN: as in farshade_library.
+# SHARDS: as many CTest tests, each with every count-th case of the program;
+# their output names a case that fails. SERIAL: nothing runs beside it, because it compares times. COST: about how long
+# it takes, because CTest starts the longest tests first. With FARSHADE_UNITY the sources are compiled in units of up to
+# 4 files, so names in the anonymous namespaces of one program must differ. Its sources may use the macro
+# FARSHADE_ASSETS, the folder of the bundled assets. The target tests_LABEL builds all programs of that label. VULKAN: as in
+# farshade_library.
 function(farshade_test name)
-  cmake_parse_arguments(ARG "TOGETHER;SERIAL;VULKAN" "LABEL;TIMEOUT;ENVIRONMENT" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "TOGETHER;SERIAL;VULKAN" "LABEL;TIMEOUT;ENVIRONMENT;COST;SHARDS" "SOURCES;DEPENDS" ${ARGN})
   if(NOT ARG_LABEL)
     set(ARG_LABEL unit)
   endif()
@@ -152,6 +155,19 @@ function(farshade_test name)
   list(APPEND environment ENVIRONMENT_MODIFICATION XDG_CONFIG_HOME=set:${PROJECT_BINARY_DIR}/no-config)
   if(ARG_SERIAL)
     list(APPEND environment RUN_SERIAL ON)
+  endif()
+  if(ARG_COST)
+    list(APPEND environment COST ${ARG_COST})
+  endif()
+  if(ARG_SHARDS)
+    foreach(shard RANGE 1 ${ARG_SHARDS})
+      math(EXPR index "${shard} - 1")
+      add_test(NAME ${name}.${shard}of${ARG_SHARDS} COMMAND ${CMAKE_COMMAND} -E env
+        GTEST_TOTAL_SHARDS=${ARG_SHARDS} GTEST_SHARD_INDEX=${index} $<TARGET_FILE:${name}>)
+      set_tests_properties(${name}.${shard}of${ARG_SHARDS} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT}
+        ${environment})
+    endforeach()
+    return()
   endif()
   if(ARG_TOGETHER)
     add_test(NAME ${name} COMMAND ${name})

@@ -23,16 +23,35 @@ T value_of(Expected<T> value) {
   return std::move(*value);
 }
 
+gpu::Device& shared_device() {
+  static gpu::Device device =
+      value_of(gpu::open_device({.name_contains = "llvmpipe", .validation = gpu::Validation::On}));
+  return device;
+}
+
 constexpr double kEyeDistance_m = 0.063;
 constexpr EyeFov kLeftFov{-0.60, 0.50, 0.52, -0.56};
 
 }  // namespace
 
 OnLavapipe::OnLavapipe()
-    : device_(value_of(gpu::open_device({.name_contains = "llvmpipe", .validation = gpu::Validation::On}))) {}
+    : device_(shared_device()),
+      earlier_messages_(device_.validation_log->messages().size()),
+      max_allocations_(device_.max_allocations),
+      max_allocation_bytes_(device_.max_allocation_bytes),
+      max_image_side_px_(device_.max_image_side_px),
+      max_image_layers_(device_.max_image_layers) {
+  device_.ledger = std::make_shared<gpu::Ledger>();
+}
 
-void OnLavapipe::TearDown() {
-  for (const std::string& message : device_.validation_log->messages()) ADD_FAILURE() << message;
+OnLavapipe::~OnLavapipe() {
+  device_.max_allocations = max_allocations_;
+  device_.max_allocation_bytes = max_allocation_bytes_;
+  device_.max_image_side_px = max_image_side_px_;
+  device_.max_image_layers = max_image_layers_;
+  device_.pipelines = nullptr;
+  const std::vector<std::string> messages = device_.validation_log->messages();
+  for (std::size_t i = earlier_messages_; i < messages.size(); ++i) ADD_FAILURE() << messages[i];
 }
 
 Scene bundled(const char* name) {

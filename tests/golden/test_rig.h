@@ -15,14 +15,20 @@
 
 namespace farshade {
 
-/// Opens lavapipe with validation. At the end of each test, expects that the validation layers gave no
-/// message.
+/// Lavapipe with validation. All tests of the program share one device, because opening one takes longer than
+/// most tests. Each test finds an empty ledger and the limits of lavapipe, whatever another test set. A test
+/// fails if the validation layers gave a message until the end of the test's members.
 class OnLavapipe : public testing::Test {
  protected:
   OnLavapipe();
-  void TearDown() override;
+  ~OnLavapipe() override;
 
-  gpu::Device device_;
+  gpu::Device& device_;
+
+ private:
+  std::size_t earlier_messages_;
+  std::uint64_t max_allocations_, max_allocation_bytes_;
+  std::uint32_t max_image_side_px_, max_image_layers_;
 };
 
 /// A bundled scene. Throws if it cannot be loaded.
