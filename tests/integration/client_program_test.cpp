@@ -503,7 +503,7 @@ TEST(ClientProgram, EndsAReplayAfterASignalWithItsStatus) {
   const std::string capture = (folder.path() / "run.capture").string();
   const RunningServer server;
   const Ended run = run_client({{"--server", server.address()},
-                                {"--frames", "400"},
+                                {"--frames", "150"},
                                 {"--record", capture},
                                 {"--reference-every", "0"},
                                 {"--out", (folder.path() / "run").string()}});
@@ -512,14 +512,14 @@ TEST(ClientProgram, EndsAReplayAfterASignalWithItsStatus) {
     const std::filesystem::path out = folder.path() / std::to_string(status);
     ChildProgram replay({"/usr/bin/env", "LSAN_OPTIONS=detect_leaks=0", VR_CLIENT, "--scene", kRoom,
                          "--replay", capture, "--out", out.string()});
-    ASSERT_TRUE(replay.error_line_after("frame 40 of 400"));
+    ASSERT_TRUE(replay.error_line_after("frame 15 of 150"));
     replay.send(signal);
     const std::string errors = replay.errors();
     EXPECT_EQ(replay.wait(), status) << errors;
-    EXPECT_NE(errors.find(" of 400 frames; " + out.string() + " has the reports"), std::string::npos)
+    EXPECT_NE(errors.find(" of 150 frames; " + out.string() + " has the reports"), std::string::npos)
         << errors;
     EXPECT_EQ(summary_row(out, "run", "interrupted")[0], 1);
-    EXPECT_LT(read_csv(out / "frames.csv").at("frame").size(), 400u);
+    EXPECT_LT(read_csv(out / "frames.csv").at("frame").size(), 150u);
   }
 }
 
