@@ -10,7 +10,6 @@
 #include "stereo/head/reader.h"
 #include "stereo/scene/gltf.h"
 #include "tests/network/rehearsal.h"
-#include "tests/support/nightly.h"
 
 namespace farshade {
 namespace {
@@ -65,7 +64,7 @@ Asked asked(const char* network, Asks asks, const PerEye<HiddenArea>* hidden = n
             .scene = setup().scene,
             .head = setup().head,
             .size = {512, 512},
-            .frames = nightly(44u, 64u),
+            .frames = 64,
             .reference_every = 4};
   play.request.asks = asks;
   play.hidden = hidden;
