@@ -115,8 +115,7 @@ endif()
 #   [TOGETHER] [SHARDS count] [SERIAL] [COST seconds] [VULKAN])
 # Makes one gtest program; each of its cases is one CTest test. TOGETHER: the whole program is one CTest test, because
 # its cases share what takes long to make; so are unit, threads and oracle tests with sanitizers (tests/support/run_cases).
-# SHARDS: as many CTest tests, each with every count-th case of the program;
-# their output names a case that fails. SERIAL: nothing runs beside it, because it compares times. COST: about how long
+# SHARDS: as many CTest tests, each with every count-th case of the program; their output names a case that fails. SERIAL: nothing runs beside it, because it compares times. COST: about how long
 # it takes, because CTest starts the longest tests first. With FARSHADE_UNITY the sources are compiled in units of up to
 # 4 files, so names in the anonymous namespaces of one program must differ. Its sources may use the macro
 # FARSHADE_ASSETS, the folder of the bundled assets. The target tests_LABEL builds all programs of that label. VULKAN: as in

@@ -20,14 +20,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-<<<<<<< HEAD
-constexpr Duration kHonest = kSanitized ? 3s : 15s, kAttack = kSanitized ? 20s : 120s;
-/// Both take turns, so that whatever else the machine does meanwhile falls upon both.
-constexpr int kTurns = kSanitized ? 1 : 5;
-=======
 constexpr Duration kHonest = kSanitized ? 3s : 15s;
 const Duration kAttack = std::chrono::seconds(kSanitized ? 20 : nightly(36, 120));  // a play takes 1 s
->>>>>>> 2329a44 (integration: an attack of four rounds, a capture of 150 frames)
+/// Both take turns, so that whatever else the machine does meanwhile falls upon both.
+constexpr int kTurns = kSanitized ? 1 : 4;
 constexpr Duration kInterval = std::chrono::microseconds(13'889);
 constexpr Duration kPatience = 500ms;  ///< then the request counts as lost
 /// For all. Without sanitizers as vr_client requests without --size.
