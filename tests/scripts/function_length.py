@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SOURCES = re.compile(r"\.(cpp|h|comp|glsl|vert|frag)$")
 TEXT = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'', re.DOTALL)
 # What may be between a parameter list and its body: qualifiers, a return type, member initialisers.
-HEAD = re.compile(r"\)\s*(const|noexcept|override|final|mutable|->[^;]*|:[^:].*)?(\s*(const|noexcept|override|final))*$",
+HEAD = re.compile(r"\)\s*(const|noexcept|override|final|mutable|->[^;]*|:[^:].*)?(\s*(const|noexcept|override|final|try))*$",
                   re.DOTALL)
 OTHER = re.compile(r"^(struct|class|namespace|enum|union)\b|^(template\b.*)?(struct|class|union)\s+\w+\s*$")
 
@@ -26,25 +26,36 @@ def blank(match):
     return "".join("\n" if c == "\n" else " " for c in match[0])
 
 
-def functions(source):
-    """Yields (line of the opening brace, number of lines, head) of each function body in a source file's text."""
-    source = re.sub(r"^[ \t]*#.*(\\\n.*)*", blank, TEXT.sub(blank, source), flags=re.MULTILINE)
+def code_of(source):
+    """Returns the text with spaces in the place of comments, literals and lines of the preprocessor."""
+    return re.sub(r"^[ \t]*#.*(\\\n.*)*", blank, TEXT.sub(blank, source), flags=re.MULTILINE)
+
+
+def bodies(source):
+    """Yields (start, end, head) of each function body in a source file's text: from its brace to after its last one."""
+    source = code_of(source)
     open_braces, start_of_head, body = [], 0, None
     for match in re.finditer(r"[{};]", source):
         if match[0] == "{":
             head = source[start_of_head:match.start()].strip()
             if body is None and HEAD.search(head) and not OTHER.search(head):
                 body = len(open_braces)
-            open_braces.append((match.start(), head))
+            open_braces.append((match.start(), head, start_of_head))
         elif match[0] == "}" and open_braces:
-            start, head = open_braces.pop()
+            start, head, head_start = open_braces.pop()
             if body == len(open_braces):
                 body = None
                 if re.match(r"\s*[,{]", source[match.end():]):  # a member initialiser with braces
+                    start_of_head = head_start
                     continue
-                lines = source.count("\n", start, match.start()) + 1
-                yield source.count("\n", 0, start) + 1, lines, " ".join(head.split())
+                yield start, match.end(), " ".join(head.split())
         start_of_head = match.end()
+
+
+def functions(source):
+    """Yields (line of the opening brace, number of lines, head) of each function body in a source file's text."""
+    for start, end, head in bodies(source):
+        yield source.count("\n", 0, start) + 1, source.count("\n", start, end) + 1, head
 
 
 def read_arguments():

@@ -23,6 +23,14 @@ class Functions(unittest.TestCase):
                   "  int b_;\n};\nauto A::g() -> std::vector<int> {\n  return {};\n}\n")
         self.assertEqual([lines for _, lines in lengths(source)], [2, 3, 3])
 
+    def test_finds_a_constructor_whose_last_initialiser_has_braces(self):
+        source = "A::A(int b) : b_(b), c_{b}, d_{} {\n  f();\n}\n"
+        self.assertEqual(lengths(source), [("A::A(int b) : b_(b), c_{b}, d_{}", 3)])
+
+    def test_finds_both_parts_of_a_function_that_is_a_try_block(self):
+        source = "int f() try {\n  return g();\n} catch (...) {\n  return 0;\n}\n"
+        self.assertEqual(lengths(source), [("int f() try", 3), ("catch (...)", 3)])
+
     def test_counts_a_lambda_with_the_function_around_it(self):
         source = f"void f() {{\n  const auto g = [](int x) {{\n{LONG}  }};\n}}\n"
         self.assertEqual(lengths(source), [("void f()", 65)])
