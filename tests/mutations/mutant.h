@@ -1,0 +1,18 @@
+// Which mutation is on. scripts/mutate puts all mutations into one build, and this header into the files that it changes.
+#pragma once
+
+#include <cstdlib>
+#include <type_traits>
+
+/// The environment variable FARSHADE_MUTANT; 0 without it. It is read before the constants of a file that includes this.
+inline const int kFarshadeMutant = [] {
+  const char* const number = std::getenv("FARSHADE_MUTANT");
+  return number == nullptr ? 0 : std::atoi(number);
+}();
+
+inline bool farshade_mutant(int number) { return number == kFarshadeMutant; }
+
+/// For constexpr functions: the compiler computes constants without any mutation.
+constexpr bool farshade_mutant_unless_constant(int number) {
+  return !std::is_constant_evaluated() && farshade_mutant(number);
+}
