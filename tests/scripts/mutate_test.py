@@ -4,6 +4,7 @@ import importlib.machinery
 import importlib.util
 import io
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -199,6 +200,48 @@ class SwitchesInGlsl(unittest.TestCase):
                          "#elif FARSHADE_MUTANT == 7\n  a = 1;\n  }\n"
                          "#elif FARSHADE_MUTANT == 9\n  a = 3;\n  b = 3;\n}\n"
                          "#else\n  a = 1;\n  b = 1;\n}\n#endif\n")
+
+
+class ShaderCompiler(unittest.TestCase):
+    """tests/mutations/glslang.py with a compiler that a shell script plays: its word is 10 times the mutation's number,
+    but mutation 3 changes nothing and mutation 4 does not compile."""
+    COMPILER = """#!/bin/sh
+number=${1#-DFARSHADE_MUTANT=}
+[ $number != 4 ] || { echo "ERROR: a.comp:2: wrong"; exit 1; }
+[ $number != 3 ] || number=0
+printf 'const uint32_t a_spv[] = {\\n0x%d0\\n};\\n' $number >"$5"
+"""
+
+    def compile(self, *numbers):
+        """Returns (status, header, stderr) for a shader that includes a file with mutations."""
+        with tempfile.TemporaryDirectory() as folder:
+            root = Path(folder)
+            (root / "a.comp").write_text('#include "b.glsl"\n#include <c>\nvoid main() {}\n')
+            (root / "b.glsl").write_text("".join(f"#if FARSHADE_MUTANT == {n}\n#endif\n" for n in numbers))
+            (root / "glslangValidator").write_text(self.COMPILER)
+            (root / "glslangValidator").chmod(0o755)
+            command = [sys.executable, "-B", ROOT / "tests/mutations/glslang.py", f"-I{root}", "-DX",
+                       "-o", root / "a.h", "--vn", "a_spv", root / "a.comp"]
+            done = subprocess.run(command, capture_output=True, text=True, check=False,
+                                  env={**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"})
+            return done.returncode, (root / "a.h").read_text() if (root / "a.h").is_file() else "", done.stderr
+
+    def test_the_header_has_the_words_of_each_mutation(self):
+        status, header, _ = self.compile(1, 2)
+        self.assertEqual(status, 0)
+        for number in (0, 1, 2):
+            self.assertIn(f"inline constexpr std::uint32_t a_spv_{number}[] = {{\n0x{number}0\n}};", header)
+        words_of = "std::span<const std::uint32_t>(a_spv_{})"
+        self.assertIn(f" a_spv = farshade_mutant(1) ? {words_of.format(1)} : farshade_mutant(2) ? {words_of.format(2)}"
+                      f" : {words_of.format(0)};", header)
+
+    def test_a_mutation_of_other_shaders_takes_no_room(self):
+        self.assertNotIn("a_spv_3", self.compile(3)[1])
+
+    def test_names_the_mutation_that_does_not_compile(self):
+        status, header, stderr = self.compile(1, 4)
+        self.assertEqual((status, header), (1, ""))
+        self.assertEqual(blamed(stderr, {}), {4})
 
 
 class BlamedMutations(unittest.TestCase):
