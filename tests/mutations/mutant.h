@@ -1,16 +1,18 @@
-// Which mutation is on. scripts/mutate puts all mutations into one build, and this header into the files that it changes.
+// Which mutation is on. scripts/mutate includes this in the files into which it puts mutations.
 #pragma once
 
 #include <cstdlib>
 #include <type_traits>
 
-/// The environment variable FARSHADE_MUTANT; 0 without it. It is read before the constants of a file that includes this.
+/// The environment variable FARSHADE_MUTANT; 0 without it. Constants of a file that includes this may use it.
 inline const int kFarshadeMutant = [] {
   const char* const number = std::getenv("FARSHADE_MUTANT");
   return number == nullptr ? 0 : std::atoi(number);
 }();
 
-inline bool farshade_mutant(int number) { return number == kFarshadeMutant; }
+inline bool farshade_mutant(int number) {
+  return number == kFarshadeMutant;
+}
 
 /// For constexpr functions: the compiler computes constants without any mutation.
 constexpr bool farshade_mutant_unless_constant(int number) {
