@@ -208,6 +208,14 @@ TEST(MayBeSeen, IsNeverFalseForABoxWithAVisiblePoint) {
   EXPECT_GT(passed_over, kCases / 4) << "the test leaves out something";
 }
 
+TEST(MayBeSeen, IsFalseForAWideBoxBehindTheEye) {
+  const View view{{}, {-0.5, 0.5, 0.5, -0.5}, kSize};
+  const gpu::InstanceData instance = instance_data({view, view}, {});
+  // Its corners are on both sides of each plane of the view's frustum.
+  EXPECT_FALSE(may_be_seen(instance, 0, {{-10, -10, 1}, {10, 10, 2}}));
+  EXPECT_TRUE(may_be_seen(instance, 0, {{-10, -10, -2}, {10, 10, 2}}));
+}
+
 TEST(MayBeSeen, AsksTheEyeThatItIsTold) {
   StereoView views;
   for (View& view : views) view = {{}, {-0.5, 0.5, 0.5, -0.5}, kSize};

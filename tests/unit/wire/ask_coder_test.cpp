@@ -140,6 +140,15 @@ TEST(AskCoder, EveryFlippedBitIsHarmless) {
       }
 }
 
+TEST(AskCoder, TheLastBlockOfATileIsNotCodedWhereTheOthersSayIt) {
+  // Some blocks of each tile are asked for: the last one if no other is, and not if all others are.
+  const std::vector<AskedTile> asked{
+      {.shares = {0x8000}}, {.shares = {0x7fff}}, {.shares = {0x8000}}, {.shares = {0x7fff}}};
+  const Bytes bytes = asked_messages({64, 16}, Side::Left, 1, asked).at(0);
+  const AskSlice slice = std::get<AskSlice>(*decode_client(bytes));
+  EXPECT_EQ(Bytes(slice.block.begin(), slice.block.end()), bytes_of({0xc0, 0x21, 0x4b, 0x89}));
+}
+
 TEST(AskCoder, RefusesAnotherGridAndBytesAfterTheLastTile) {
   Bytes bytes =
       asked_messages({32, 32}, Side::Left, 3, std::vector<AskedTile>(4, {.shares = {0x0360}})).at(0);

@@ -278,6 +278,20 @@ TEST(PlaneSlices, BlocksOfNoiseAreHarmless) {
   }
 }
 
+TEST(PlaneTile, HasThePredictionThatMakesItShorter) {
+  const auto prediction_of = [](auto word_at) {
+    TileWords words;
+    for (std::uint32_t i = 0; i < kTilePixelCount; ++i) words[i] = word_at(i % 16, i / 16);
+    Bytes out;
+    write_plane_tile(words, {.count = 1, .bits = 16}, out);
+    return static_cast<Prediction>(std::to_integer<unsigned>(out.at(0)) >> 6);
+  };
+  // Each pixel is one more than the gradient says, and far beyond its neighbours.
+  EXPECT_EQ(prediction_of([](auto x, auto y) { return x * y; }), Prediction::Gradient);
+  // The gradient is wrong on both sides of a diagonal edge, the median on one.
+  EXPECT_EQ(prediction_of([](auto x, auto y) { return x + y < 16 ? 0u : 1000u; }), Prediction::Median);
+}
+
 TEST(PlaneTile, IsRefusedWhereItClaimsWhatNoLaneHolds) {
   TileWords words;
   const auto read = [&](std::initializer_list<unsigned> values) {
