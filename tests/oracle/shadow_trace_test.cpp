@@ -7,6 +7,7 @@
 #include "tests/oracle/agreement.h"
 #include "tests/oracle/random_scenes.h"
 #include "tests/oracle/scene_builder.h"
+#include "tests/support/sanitized.h"
 
 namespace farshade {
 namespace {
@@ -34,7 +35,7 @@ TEST(ShadowTrace, AgreesWithTheOracleOnBoxOverPlane) {
 TEST(ShadowTrace, AgreesWithTheOracleInTheRoom) {
   const Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
   const std::array<double, 3> yaws{0.0, 1.3, -2.2};
-  for (std::size_t i = 0; i < yaws.size(); ++i) {
+  for (std::size_t i = 0; i < (kSanitized ? 1 : yaws.size()); ++i) {
     SCOPED_TRACE(yaws[i]);
     const Time time = time_from_ns(static_cast<std::int64_t>(i) * 1'300'000'000);
     const oracle::Agreement sum =

@@ -8,6 +8,7 @@
 #include "tests/oracle/agreement.h"
 #include "tests/oracle/random_scenes.h"
 #include "tests/oracle/scene_builder.h"
+#include "tests/support/sanitized.h"
 
 namespace farshade {
 namespace {
@@ -95,7 +96,7 @@ TEST(TracerCulling, ChangesNoBitOfRandomSoups) {
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
   std::uint64_t proven = 0, all = 0;
-  for (int i = 0; i < 24; ++i) {
+  for (int i = 0; i < (kSanitized ? 8 : 24); ++i) {
     SCOPED_TRACE(i);
     const Scene scene = random_soup(random);
     const double angle = 0.7 * i;
@@ -312,7 +313,7 @@ TEST(TracerCulling, AReferenceTracesEveryRay) {
 TEST(TracerCulling, EverythingTracesEveryPixelAndLightAndAgreesWithTheOracle) {
   const Scene scene = load_scene(FARSHADE_ASSETS "/room.glb").value();
   const Time time = time_from_ns(1'300'000'000);
-  const StereoView views = turned_eyes(scene, 0, 96);
+  const StereoView views = turned_eyes(scene, 0, kSanitized ? 48 : 96);
   const Traced all = trace_by(everything_for(scene), scene, views, time);
   EXPECT_EQ(all.stats.shadow_rays, all.stats.full_shadow_rays);
   for (const Side side : kSides) {
