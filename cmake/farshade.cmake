@@ -46,9 +46,10 @@ endfunction()
 # farshade_library(NAME HEADERS a.h ... SOURCES a.cpp ... DEPENDS lib ... PRIVATE_DEPENDS lib ... [ALONE a.cpp ...]
 #   [COLD] [VULKAN])
 # The target all_verify_interface_header_sets compiles every header alone. With FARSHADE_UNITY the target headers_alone
-# does so, too, after the precompiled headers: in a third of the time (by clang), but it cannot miss those. With FARSHADE_UNITY the
-# sources are compiled in units of up to 12 files. ALONE: sources that stay units of their own, because names in their
-# anonymous namespaces clash with others or because they have own compiler options.
+# does so, too, after the precompiled headers. That takes a third of the time (by clang), but does not find a missing include
+# of one of those headers. With FARSHADE_UNITY the sources are compiled in units of up to 12 files. ALONE: sources that
+# stay units of their own, because names in their anonymous namespaces clash with others or because they have own
+# compiler options.
 # COLD: farshade_cold. VULKAN: most units include vulkan_raii.hpp, so it is among their precompiled headers.
 function(farshade_library name)
   cmake_parse_arguments(ARG "COLD;VULKAN" "" "HEADERS;SOURCES;DEPENDS;PRIVATE_DEPENDS;ALONE" ${ARGN})
@@ -114,12 +115,12 @@ endif()
 # farshade_test(NAME SOURCES a_test.cpp ... DEPENDS lib ... [LABEL unit] [TIMEOUT seconds] [ENVIRONMENT NAME=value]
 #   [TOGETHER] [SHARDS count] [SERIAL] [COST seconds] [VULKAN])
 # Makes one gtest program; each of its cases is one CTest test. TOGETHER: the whole program is one CTest test, because
-# its cases share what takes long to make; so are unit, threads and oracle tests with sanitizers (tests/support/run_cases).
-# SHARDS: as many CTest tests, each with every count-th case of the program; their output names a case that fails. SERIAL: nothing runs beside it, because it compares times. COST: about how long
-# it takes, because CTest starts the longest tests first. With FARSHADE_UNITY the sources are compiled in units of up to
-# 4 files, so names in the anonymous namespaces of one program must differ. Its sources may use the macro
-# FARSHADE_ASSETS, the folder of the bundled assets. The target tests_LABEL builds all programs of that label. VULKAN: as in
-# farshade_library.
+# its cases share what takes long to make; so are unit, threads and oracle tests with sanitizers
+# (tests/support/run_cases). SHARDS: as many CTest tests, each with every count-th case of the program; their output names
+# a case that fails. SERIAL: nothing runs beside it, because it compares times. COST: about how long it takes, because
+# CTest starts the longest tests first. VULKAN: as in farshade_library. With FARSHADE_UNITY the sources are compiled in units
+# of up to 4 files, so names in the anonymous namespaces of one program must differ. Its sources may use the macro
+# FARSHADE_ASSETS, the folder of the bundled assets. The target tests_LABEL builds all programs of that label.
 function(farshade_test name)
   cmake_parse_arguments(ARG "TOGETHER;SERIAL;VULKAN" "LABEL;TIMEOUT;ENVIRONMENT;COST;SHARDS" "SOURCES;DEPENDS" ${ARGN})
   if(NOT ARG_LABEL)

@@ -74,7 +74,7 @@ trap 'exit 143' TERM
 # shadows, the server has nothing to serve: it ends, and `address` is one where nobody listens, because the client
 # needs no server either.
 start_server() {
-  local program=$programs/rt_server/rt_server scene=$1 patience_s=600 give_up ready ring
+  local program=$programs/rt_server/rt_server scene=$1 patience_s=240 give_up ready ring
   shift
   server_files=$(mktemp -d)
   server_log=$server_files/log
