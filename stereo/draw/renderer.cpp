@@ -245,12 +245,12 @@ void Renderer::Parts::compile_ahead(const CarryOver& carry_over, PixelReport rep
   if (faces_) faces_->prepare_warm_up();
   if (carries_masks(plan_)) need_carry().make_all_pipelines();
   frame_buffer_.as<gpu::FrameData>()[0] = {};  // pictures of no pixels
-  gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
-    gbuffer_.record(commands, ring_, ring_.shown());
-    if (depth_pass_) depth_pass_->record(commands, ring_, ring_.shown());
-    if (faces_) faces_->record_warm_up(commands);
-    shading_.record_warm_up(commands, carry_over, report, changes);
-  });
+  // One submission each, because a driver may compile in it, and each has a time limit.
+  gpu::run_now(device_, [&](const auto& commands) { gbuffer_.record(commands, ring_, ring_.shown()); });
+  if (depth_pass_)
+    gpu::run_now(device_, [&](const auto& commands) { depth_pass_->record(commands, ring_, ring_.shown()); });
+  if (faces_) gpu::run_now(device_, [&](const auto& commands) { faces_->record_warm_up(commands); });
+  shading_.warm_up(carry_over, report, changes);
 }
 
 DrawTimes Renderer::Parts::shade_again(const ShownFrame& frame) {

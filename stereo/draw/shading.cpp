@@ -227,32 +227,29 @@ void ShadingPass::make_all_pipelines() {
   for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass) need_pipeline(pass, PixelReport::Off);
 }
 
-void ShadingPass::record_warm_up(const vk::raii::CommandBuffer& commands, const CarryOver& carry_over,
-                                 PixelReport report, Changes changes) {
+void ShadingPass::warm_up(const CarryOver& carry_over, PixelReport report, Changes changes) {
   if (report == PixelReport::On) make_report_buffer();
-  bind_sets(commands, report);
-  if (bytes_.lists > 0) empty_lists(commands);
   carry_over_ = carry_over;
   other_eye_ = plan_.other_eye && carry_over.eyes == Eyes::Both;
   const std::uint32_t last = !carries_masks(plan_)                               ? FARSHADE_PASS_DIRECT
                              : motion_count_ > 0 && changes == Changes::Possible ? FARSHADE_PASS_MOVING
                                                                                  : FARSHADE_PASS_HARD;
-  const auto for_all = [&](const auto& act) {
-    for (const auto& [whole, moved] : {std::pair(true, false), {false, false}, {false, true}}) {
-      if (moved && changes == Changes::Never) break;
-      whole_ = whole;
-      moved_ = moved;
-      for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass) act(pass);
-    }
-  };
   std::set<ShadingKey> keys;
-  for_all([&](std::uint32_t pass) { keys.insert(key_of(pass, report)); });
+  for (const auto& [whole, moved] : {std::pair(true, false), {false, false}, {false, true}}) {
+    if (moved && changes == Changes::Never) break;
+    whole_ = whole;
+    moved_ = moved;
+    for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass) keys.insert(key_of(pass, report));
+  }
   pipelines_.need_all(keys, need_layout(report));
-  for_all([&](std::uint32_t pass) {
-    bind(commands, pass, report);
-    push_shown_eye(commands, need_layout(report), 0);
-    commands.dispatch(0, 1, 1);  // compiles, but runs nothing: the buffers have no contents yet
-  });
+  for (const ShadingKey& key : keys)
+    gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
+      bind_sets(commands, report);
+      if (bytes_.lists > 0) empty_lists(commands);
+      commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipelines_.need(key, need_layout(report)));
+      push_shown_eye(commands, need_layout(report), 0);
+      commands.dispatch(0, 1, 1);  // compiles, but runs nothing: the buffers have no contents yet
+    });
 }
 
 const vk::raii::Pipeline& ShadingPass::need_pipeline(std::uint32_t pass, PixelReport report) {

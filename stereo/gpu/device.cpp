@@ -1,6 +1,8 @@
 #include "stereo/gpu/device.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <optional>
 
@@ -284,8 +286,15 @@ Dispatcher& writable(const Dispatcher* functions) {
 }  // namespace
 
 /// Handles are destroyed by destructors, also of objects that an exception leaves behind half made. All of
-/// them call the device's table of functions.
+/// them call the device's table of functions. At the end of the program the driver's threads may still run,
+/// and crash when the static objects of its libraries are destroyed: so none is.
 void abandon(const Device& device) {
+  on_exit(
+      [](int status, void*) {
+        std::fflush(nullptr);
+        std::_Exit(status);
+      },
+      nullptr);
   auto& call = writable(device.logical.getDispatcher());
   silence(call.vkDestroyDevice);
   silence(call.vkDeviceWaitIdle);

@@ -65,7 +65,8 @@ void set_name(const Device& device, const Handle& handle, const std::string& nam
 
 /// From now on nothing that was made on `device`, nor the device itself, is really destroyed: the handles and
 /// their memory leak. For a device that did not finish in time: it may still use any of them, and destroying
-/// what is in use crashes the driver. The device must not be used for anything else any more.
+/// what is in use crashes the driver. The device must not be used for anything else any more. `exit` then
+/// flushes the standard streams and ends the program at once: no static object is destroyed.
 void abandon(const Device& device);
 
 /// Calls `record` with a command buffer, submits the buffer and waits for it. Throws after

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "stereo/gpu/memory.h"
 
 namespace farshade::gpu {
@@ -26,6 +28,25 @@ TEST(Device, OneThatDoesNotFinishInTimeIsLostAndAnotherCanBeOpened) {
   }  // destroying what the driver still writes to would end the program here
   const Device device = open_device({}).value();
   write_much(device);
+}
+
+/// Stands for the objects of a driver's libraries, which its threads still use.
+struct AbortsAtTheEnd {
+  ~AbortsAtTheEnd() { std::abort(); }
+};
+
+TEST(Device, AProgramThatAbandonedOneEndsWithItsOwnStatus) {
+  if (!open_device({})) GTEST_SKIP() << "no Vulkan device";
+  const auto abandon_and_exit = [] {
+    static const AbortsAtTheEnd driver;
+    DeviceOptions impatient;
+    impatient.timeout_ns = 1;
+    const Device device = open_device(impatient).value();
+    EXPECT_THROW(write_much(device), vk::DeviceLostError);
+    std::exit(3);
+  };
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  EXPECT_EXIT(abandon_and_exit(), testing::ExitedWithCode(3), "");
 }
 
 TEST(Device, OneThatCannotPresentIsRefusedUnlessPresentingIsOnlyWished) {
