@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <cstdio>
 #include <future>
 
 #include "stereo/announce/find_server.h"
@@ -122,7 +124,12 @@ Expected<PlannedScene> load_planned(const Options& options, const SessionNeeds& 
 
 void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport report, Changes changes) {
   const Stopwatch watch;
-  client.renderer->compile_ahead(carry_over, report, changes);
+  const bool on_terminal = isatty(STDERR_FILENO) != 0;
+  client.renderer->compile_ahead(carry_over, report, changes, [&](std::size_t done, std::size_t all) {
+    if (!on_terminal) return;
+    fmt::print(stderr, "\rcompiling pipelines: {} of {}{}", done, all, done == all ? "\r\x1b[K" : "");
+    std::fflush(stderr);
+  });
   spdlog::info("pipelines compiled in {:.0f} ms", ms_of(watch.elapsed()));
   if (const Expected<void> saved = gpu::save_pipelines(client.device, cache_folder()); !saved)
     spdlog::warn("the compiled pipelines are not kept: {}", saved.error().what);

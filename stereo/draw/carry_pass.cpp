@@ -82,9 +82,18 @@ void CarryPass::prepare(const FrameRequest& request, const DepthRing::Place& pla
     light_buffer_.as<gpu::LightData>()[i] = light_data(request.views, lights.lights[i]);
 }
 
-void CarryPass::make_all_pipelines() {
-  for (const bool moved : {false, true})
-    if (!moved || plan_.anything_moves()) need_pipeline(moved);
+std::vector<gpu::Recording> CarryPass::warm_ups() {
+  std::vector<gpu::Recording> warm_ups;
+  for (const bool moved : {false, true}) {
+    if (moved && !plan_.anything_moves()) break;
+    warm_ups.emplace_back([this, &pipeline = need_pipeline(moved)](const vk::raii::CommandBuffer& commands) {
+      commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *bindings_.set, {});
+      commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline);
+      push_shown_eye(commands, layout_, 0);
+      commands.dispatch(0, 1, 1);
+    });
+  }
+  return warm_ups;
 }
 
 const vk::raii::Pipeline& CarryPass::need_pipeline(bool moved) {

@@ -26,8 +26,8 @@ class CarryPass {
   void prepare(const FrameRequest& request, const DepthRing::Place& place, const TracedMask& base,
                const LightSet& lights, const Motion& since);
 
-  /// Creates every pipeline that `record` can need.
-  void make_all_pipelines();
+  /// Creates every pipeline that `record` can need. Each result runs one of them, for masks of no pixels.
+  [[nodiscard]] std::vector<gpu::Recording> warm_ups();
 
   void record(const vk::raii::CommandBuffer& commands);
 

@@ -1,5 +1,9 @@
 #include "stereo/draw/renderer.h"
 
+#include <algorithm>
+#include <iterator>
+#include <vector>
+
 #include "stereo/draw/carry_pass.h"
 #include "stereo/draw/gbuffer_transfer.h"
 #include "stereo/draw/mesh_streams.h"
@@ -56,7 +60,8 @@ class Renderer::Parts {
         const SceneLevels& levels);
 
   DrawTimes draw(const ShownFrame& frame);
-  void compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes);
+  void compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes,
+                     const CompileProgress& progress);
   DrawTimes shade_again(const ShownFrame& frame);
   DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into,
                        const PerEye<HiddenArea>* hidden);
@@ -237,20 +242,24 @@ DrawTimes Renderer::Parts::draw(const ShownFrame& frame) {
   return times;
 }
 
-void Renderer::Parts::compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes) {
+void Renderer::Parts::compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes,
+                                    const CompileProgress& progress) {
   if (plan_.anything_moves()) changes = Changes::Possible;
   gbuffer_.prepare_warm_up();
   if (plan_.depth_pass && !depth_pass_) make_depth_pass();
   if (depth_pass_) depth_pass_->prepare_warm_up();
-  if (faces_) faces_->prepare_warm_up();
-  if (carries_masks(plan_)) need_carry().make_all_pipelines();
   frame_buffer_.as<gpu::FrameData>()[0] = {};  // pictures of no pixels
-  // One submission each, because a driver may compile in it, and each has a time limit.
-  gpu::run_now(device_, [&](const auto& commands) { gbuffer_.record(commands, ring_, ring_.shown()); });
+  std::vector<gpu::Recording> steps{
+      [&](const auto& commands) { gbuffer_.record(commands, ring_, ring_.shown()); }};
   if (depth_pass_)
-    gpu::run_now(device_, [&](const auto& commands) { depth_pass_->record(commands, ring_, ring_.shown()); });
-  if (faces_) gpu::run_now(device_, [&](const auto& commands) { faces_->record_warm_up(commands); });
-  shading_.warm_up(carry_over, report, changes);
+    steps.emplace_back([&](const auto& commands) { depth_pass_->record(commands, ring_, ring_.shown()); });
+  if (faces_) std::ranges::copy(faces_->warm_ups(), std::back_inserter(steps));
+  if (carries_masks(plan_)) std::ranges::copy(need_carry().warm_ups(), std::back_inserter(steps));
+  std::ranges::copy(shading_.warm_ups(carry_over, report, changes), std::back_inserter(steps));
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    gpu::run_now(device_, steps[i]);  // one submission each, because each has a time limit
+    if (progress) progress(i + 1, steps.size());
+  }
 }
 
 DrawTimes Renderer::Parts::shade_again(const ShownFrame& frame) {
@@ -499,8 +508,9 @@ DrawTimes Renderer::draw(const ShownFrame& frame) {
   return parts_->draw(frame);
 }
 
-void Renderer::compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes) {
-  parts_->compile_ahead(carry_over, report, changes);
+void Renderer::compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes,
+                             const CompileProgress& progress) {
+  parts_->compile_ahead(carry_over, report, changes, progress);
 }
 
 DrawTimes Renderer::shade_again(const ShownFrame& frame) {

@@ -2,6 +2,7 @@
 /// carried over. It draws one frame at a time; `draw` returns when the device has finished.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -91,6 +92,9 @@ struct ShownFrame {
   const PerEye<HiddenArea>* hidden = nullptr;
 };
 
+/// Called after each of `all` steps that compile pipelines.
+using CompileProgress = std::function<void(std::size_t done, std::size_t all)>;
+
 /// Sizes of pictures and masks, and the number of requests whose depth is kept.
 struct RendererLimits {
   Extent size;                     ///< of a shown eye, pixels
@@ -115,7 +119,8 @@ class Renderer {
   /// Creates and runs every pipeline that frames with these settings can need, whatever masks they have. So
   /// no later frame waits for a compiler. Takes seconds where the driver has no cache. Call it before the
   /// first frame. `changes`: a viewer can move lights.
-  void compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes);
+  void compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes,
+                     const CompileProgress& progress = {});
 
   /// Shades the last drawn frame again. Views and state are the same; masks and CarryOver may differ.
   DrawTimes shade_again(const ShownFrame& frame);

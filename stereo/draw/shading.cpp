@@ -227,7 +227,8 @@ void ShadingPass::make_all_pipelines() {
   for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass) need_pipeline(pass, PixelReport::Off);
 }
 
-void ShadingPass::warm_up(const CarryOver& carry_over, PixelReport report, Changes changes) {
+std::vector<gpu::Recording> ShadingPass::warm_ups(const CarryOver& carry_over, PixelReport report,
+                                                  Changes changes) {
   if (report == PixelReport::On) make_report_buffer();
   carry_over_ = carry_over;
   other_eye_ = plan_.other_eye && carry_over.eyes == Eyes::Both;
@@ -242,14 +243,16 @@ void ShadingPass::warm_up(const CarryOver& carry_over, PixelReport report, Chang
     for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass) keys.insert(key_of(pass, report));
   }
   pipelines_.need_all(keys, need_layout(report));
+  std::vector<gpu::Recording> warm_ups;
   for (const ShadingKey& key : keys)
-    gpu::run_now(device_, [&](const vk::raii::CommandBuffer& commands) {
+    warm_ups.emplace_back([this, key, report](const vk::raii::CommandBuffer& commands) {
       bind_sets(commands, report);
       if (bytes_.lists > 0) empty_lists(commands);
       commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipelines_.need(key, need_layout(report)));
       push_shown_eye(commands, need_layout(report), 0);
       commands.dispatch(0, 1, 1);  // compiles, but runs nothing: the buffers have no contents yet
     });
+  return warm_ups;
 }
 
 const vk::raii::Pipeline& ShadingPass::need_pipeline(std::uint32_t pass, PixelReport report) {

@@ -4,6 +4,7 @@
 
 #include <map>
 #include <span>
+#include <vector>
 
 #include "stereo/draw/carry_over.h"
 #include "stereo/draw/device_masks.h"
@@ -50,10 +51,10 @@ class ShadingPass {
   void prepare(std::uint32_t shown_layer, const StereoView& views, const LightSet& lights,
                const ShadowMaps& maps);
 
-  /// Creates the pipelines of every state that `record` can find with these settings, and runs each once, in
-  /// a submission of its own: some drivers compile at the first dispatch, and a submission has a time limit.
-  /// The FrameData has pictures of no pixels.
-  void warm_up(const CarryOver& carry_over, PixelReport report, Changes changes);
+  /// Creates the pipelines of every state that `record` can find with these settings. Each result runs one of
+  /// them, because some drivers compile at the first dispatch. The FrameData has pictures of no pixels.
+  [[nodiscard]] std::vector<gpu::Recording> warm_ups(const CarryOver& carry_over, PixelReport report,
+                                                     Changes changes);
 
   void record(const vk::raii::CommandBuffer& commands, PixelReport report);
 

@@ -38,13 +38,16 @@ void SurroundFaces::record(const vk::raii::CommandBuffer& commands) const {
     passes_[pair].record(commands, ring_, places_[pair]);
 }
 
-void SurroundFaces::prepare_warm_up() {
+std::vector<gpu::Recording> SurroundFaces::warm_ups() {
   need_passes();
-  for (DepthPass& pass : passes_) pass.prepare_warm_up();
-}
-
-void SurroundFaces::record_warm_up(const vk::raii::CommandBuffer& commands) const {
-  for (const DepthPass& pass : passes_) pass.record(commands, ring_, ring_.shown());
+  std::vector<gpu::Recording> warm_ups;
+  for (DepthPass& pass : passes_) {
+    pass.prepare_warm_up();
+    warm_ups.emplace_back([this, &pass](const vk::raii::CommandBuffer& commands) {
+      pass.record(commands, ring_, ring_.shown());
+    });
+  }
+  return warm_ups;
 }
 
 std::uint64_t SurroundFaces::triangles() const {

@@ -21,9 +21,8 @@ class SurroundFaces {
   void prepare(const ShownFrame& frame);
   /// Draws the depth of the prepared pairs.
   void record(const vk::raii::CommandBuffer& commands) const;
-  /// Prepares `record_warm_up`, which runs all pipelines once for pictures of no pixels.
-  void prepare_warm_up();
-  void record_warm_up(const vk::raii::CommandBuffer& commands) const;
+  /// Creates every pipeline that `record` can need. Each result runs one pass for pictures of no pixels.
+  [[nodiscard]] std::vector<gpu::Recording> warm_ups();
 
   [[nodiscard]] const DepthRing& ring() const { return ring_; }
   void forget() { ring_.forget(); }

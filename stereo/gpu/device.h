@@ -2,6 +2,7 @@
 /// on, it keeps every message of the validation layers; tests expect none.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -68,6 +69,9 @@ void set_name(const Device& device, const Handle& handle, const std::string& nam
 /// what is in use crashes the driver. The device must not be used for anything else any more. `exit` then
 /// flushes the standard streams and ends the program at once: no static object is destroyed.
 void abandon(const Device& device);
+
+/// Records commands.
+using Recording = std::function<void(const vk::raii::CommandBuffer&)>;
 
 /// Calls `record` with a command buffer, submits the buffer and waits for it. Throws after
 /// Device::timeout_ns, so that a driver that hangs does not hang the program.

@@ -2,6 +2,7 @@
 /// the counters must change by the cost of that feature only. With all features on, the picture stays the
 /// same.
 #include <deque>
+#include <numeric>
 #include <set>
 
 #include "stereo/draw/shading_layout.h"
@@ -198,6 +199,22 @@ TEST_F(Economy, EverythingIsBuiltBeforeTheFirstFrame) {
   EXPECT_EQ(needed.counters().pipelines, 0u);
   const Renderer everything(device_, scene, plan_for(scene, {.kind = PlanKind::Everything}).draw, kLimits);
   EXPECT_EQ(everything.counters().pipelines, drawn(scene, {.kind = PlanKind::Everything}).pipelines);
+}
+
+TEST_F(Economy, PipelinesAreCompiledAheadOneASubmission) {
+  const Scene scene = scene_with({Feature::MovingThing});
+  const DrawPlan plan = plan_for(scene).draw;
+  Renderer renderer(device_, scene, plan, kLimits);
+  std::vector<std::size_t> done;
+  std::size_t steps = 0;
+  renderer.compile_ahead({}, PixelReport::Off, Changes::Never, [&](std::size_t step, std::size_t all) {
+    done.push_back(step);
+    steps = all;
+  });
+  std::vector<std::size_t> each(steps);
+  std::iota(each.begin(), each.end(), std::size_t{1});
+  EXPECT_EQ(done, each);
+  EXPECT_EQ(renderer.counters().pipelines, steps);
 }
 
 /// Draws frames as the client does: each frame requests a mask, and masks arrive three or four frames later.
