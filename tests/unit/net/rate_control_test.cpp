@@ -424,6 +424,14 @@ struct Thousand {
   RateControl control;
 };
 
+TEST(RateControlReports, TheFirstArrivalAfterSilenceRestoresTheSendingRate) {
+  Thousand told;
+  told.hear(500, time_from_ns(0), 256, ArrivalReport::kNotArrived);
+  EXPECT_LT(told.control.sending_bytes_per_second(), RateControl::kSlow);
+  told.hear(500, time_from_ns(0), 1, 5);
+  EXPECT_EQ(told.control.sending_bytes_per_second(), RateControl::kStart);
+}
+
 TEST(RateControlHostile, CountersNeverSentChangeNothing) {
   Thousand told;
   constexpr std::uint64_t kMost = std::numeric_limits<std::uint64_t>::max();

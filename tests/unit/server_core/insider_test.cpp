@@ -96,6 +96,16 @@ TEST(Insider, AFullServerTakesASessionFromTheKeyWithTheMost) {
   EXPECT_EQ(house.sessions.counters().displaced, 2u);
 }
 
+/// Otherwise the two keys would take the odd session from each other without end.
+TEST(Insider, AFullServerTakesNoSessionFromAKeyWithOneMore) {
+  House house({.sessions = 3, .handshakes_per_second = 1e6});
+  house.join(kEvilPort, {}, kEvil);
+  house.join(kEvilPort + 1, {}, kEvil);
+  ASSERT_TRUE(house.join(kGoodPort, {}, kGood).welcome.has_value());
+  EXPECT_TRUE(house.join(kGoodPort + 1, {}, kGood).refusal.has_value());
+  EXPECT_EQ(house.sessions.counters().displaced, 0u);
+}
+
 TEST(Insider, OneKeyCannotUseUpTheHandshakes) {
   House house({.sessions = 1000, .handshakes_per_second = 10});
   std::size_t evil = 0;
@@ -593,6 +603,24 @@ TEST(KeyLimits, AnExpiredKeyIsRefusedAndItsSessionsEnd) {
   liar.secret[5] ^= 1;
   house.join(kEvilPort, {}, liar);
   EXPECT_EQ(house.sessions.gate().unknown_key, 1u);
+}
+
+/// Anybody can see the id of a key in a hello. The log must not say that its holder came.
+TEST(KeyLimits, WhoNamesAnExpiredKeyWithoutProofIsAStranger) {
+  House house;
+  const auto last = parse_day("2027-01-31").value();
+  house.sessions.set_ring({kGood, limited(kEvil, {.until = last})}, last + std::chrono::days(1));
+  LinkClient client(kEvil, kServed);
+  Bytes proved = client.take(house.say(kEvilPort, client.hello()), {});
+  proved[kHelloProved_bytes] ^= std::byte{1};
+  client.take(house.say(kEvilPort, proved), {});
+  ASSERT_TRUE(client.open_refusal.has_value());
+  EXPECT_EQ(client.open_refusal->reason, RefusalReason::UnknownKey);
+  EXPECT_EQ(house.sessions.gate().expired_key, 0u);
+  EXPECT_EQ(house.sessions.gate().unknown_key, 1u);
+  const auto events = house.sessions.take_events();
+  ASSERT_EQ(events.size(), 1u);
+  EXPECT_EQ(events[0].kind, ClientEvent::Kind::NotAdmitted);
 }
 
 TEST(KeyLimits, AKeyHasNoMoreSessionsThanTheRingAllows) {

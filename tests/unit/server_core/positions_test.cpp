@@ -190,6 +190,36 @@ TEST(ServerPositions, MoreTilesThanTheRequestedViewsHaveAreDropped) {
   EXPECT_EQ(bench.core->counters().sessions.stray, 2u + 94u);
 }
 
+TEST(ServerPositions, OfAnotherSizeThanTheRequestedViewAreStray) {
+  PositionsBench bench;
+  FrameRequest request = with_positions(1, 2);
+  request.views[1].size = {32, 48};
+  bench.client.say(bench.client.ask(request));
+  const auto say = [&](Side eye, Extent size) {
+    const std::array block{std::byte{1}};
+    Bytes message, datagram;
+    encode(ClientMessage(PlaneSlice{.frame = {1},
+                                    .eye = eye,
+                                    .kind = PlaneKind::PositionX,
+                                    .size = size,
+                                    .word_bytes = 2,
+                                    .tile_count = 1,
+                                    .block = block}),
+           message);
+    bench.client.sealer->seal(message, datagram);
+    bench.client.say(datagram);
+  };
+  say(Side::Left, {32, 48});
+  say(Side::Right, {32, 32});
+  bench.pass(1ms);
+  EXPECT_EQ(bench.core->counters().sessions.stray, 2u);
+  say(Side::Left, {32, 32});
+  say(Side::Right, {32, 48});
+  bench.pass(1ms);
+  EXPECT_EQ(bench.core->counters().sessions.stray, 2u);
+  EXPECT_EQ(bench.brought, std::vector<std::size_t>{2});
+}
+
 TEST(ServerAnswers, PicturesOfEyesOfTwoSizesAreNotDrawn) {
   PositionsBench bench(kEveryAnswer);
   FrameRequest request = request_of(1, {32, 32});

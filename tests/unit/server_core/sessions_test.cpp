@@ -388,6 +388,23 @@ TEST(SessionOffer, EndsSessionsThatUseAWithdrawnAnswerOrMayAskForIt) {
   EXPECT_FALSE(house.sessions.next_job({}));
 }
 
+TEST(SessionOffer, ASessionThatStaysGetsNoWithdrawnAnswer) {
+  House house;
+  Welcome served = kServed;
+  served.answers = kEveryAnswer;
+  house.sessions = Sessions(served, kRing);
+  LinkClient client = house.join(1);
+  house.ask(client, 1, 1);
+  ASSERT_TRUE(house.sessions.next_job({}).has_value());
+  house.sessions.offer(kTracedAnswers);
+  FrameRequest request = request_of(2, kSize);
+  request.answer.kind = Answer::GBuffer;
+  house.talk(client, 1, client.seal({.request = request}));
+  EXPECT_EQ(client.no_session, 0u) << "it has requested masks only, and they are still offered";
+  EXPECT_FALSE(house.sessions.next_job({}).has_value());
+  EXPECT_EQ(house.sessions.counters().unanswered, 1u);
+}
+
 TEST(Sessions, RepeatedHelloGetsTheVerySameAcceptAndNoSecondSession) {
   House house;
   LinkClient client(kRing[0], kServed);
@@ -511,6 +528,19 @@ TEST(SessionEvents, TellTheLogWhoComesAndGoes) {
                 "ada at " + to_string(peer(1)) + " left without a word; it was connected for 3 s",
                 "ada at " + to_string(peer(2)) + " left without a request"}));
   EXPECT_FALSE(house.sessions.silent_at().has_value());
+}
+
+/// The server waits until silent_at() if no datagram arrives.
+TEST(Sessions, ASilentClientIsForgottenAlthoughNoDatagramArrivesAfterAnEarlierOneWas) {
+  House house({.silence = 10s, .unconfirmed = 5s});
+  LinkClient asks = house.join(1);
+  house.join(2);
+  house.ask(asks, 1, 1, Time(3s));
+  house.sessions.end_silent(house.sessions.silent_at().value());
+  EXPECT_EQ(house.sessions.size(), 1u);
+  ASSERT_EQ(house.sessions.silent_at(), Time(13s) + Duration(1));
+  house.sessions.end_silent(house.sessions.silent_at().value());
+  EXPECT_EQ(house.sessions.size(), 0u);
 }
 
 TEST(SessionEvents, TellTheLogWhyAKeyIsRefused) {
