@@ -104,8 +104,10 @@ TEST_F(PathMtuPrograms, TheServerSendsFewerDatagramsOverACableForLongerPackets) 
                ethernet = datagrams_over({}, found, 3);
   std::printf("datagrams for a kilobyte over packets of 1,280, 1,400 and 1,500 bytes: %.3f, %.3f, %.3f\n",
               least, tunnel, ethernet);
-  EXPECT_LT(tunnel, 0.95 * least);
-  EXPECT_LT(ethernet, 0.95 * tunnel);
+  // A full datagram holds 10 and 7 % more. The last one of each answer is not full, and a busy machine sends
+  // smaller answers, which have a larger share of those.
+  EXPECT_LT(tunnel, 0.97 * least);
+  EXPECT_LT(ethernet, 0.98 * tunnel);
   EXPECT_EQ(number_before("unsent", counters()), 0);
 }
 
