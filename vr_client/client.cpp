@@ -245,7 +245,7 @@ Expected<void> meet(const Options& options, Client& client, LinkListener listene
   return allow_silence(client, greet(options, client, std::move(listener)));
 }
 
-Expected<void> open_link(const Options& options, Client& client, LinkListener listener) {
+Expected<void> open_link(const Options& options, Client& client, const LinkListener& listener) {
   if (answers_for(options.mode.mode) == 0) return {};
   if (!client.plan.server) {
     spdlog::info("no light casts shadows, so no server is needed");

@@ -89,7 +89,8 @@ void open_renderer(Client& client, const RendererLimits& limits);
 /// Opens the socket and a session with the server, if mode and scene need one. Of the addresses of a name,
 /// the first that answers is used. A server that does not answer causes a warning, and the link keeps trying
 /// its last address. A refusal by the server is an error. `listener` gets all messages from the first one on.
-[[nodiscard]] Expected<void> open_link(const Options& options, Client& client, LinkListener listener = {});
+[[nodiscard]] Expected<void> open_link(const Options& options, Client& client,
+                                       const LinkListener& listener = {});
 
 /// Opens a new session on the same socket. The masks of the old session are dropped.
 [[nodiscard]] Expected<void> meet(const Options& options, Client& client, LinkListener listener = {});

@@ -14,9 +14,9 @@ bool is_fault(ClientEvent::Kind kind) {
 
 std::string in_words(const ClientEvent& event) {
   using enum ClientEvent::Kind;
-  const std::string who = is_fault(event.kind) && event.key
-                              ? fmt::format("{} (key {})", event.who, short_form(*event.key))
-                              : event.who;
+  std::string who = is_fault(event.kind) && event.key
+                        ? fmt::format("{} (key {})", event.who, short_form(*event.key))
+                        : event.who;
   const std::string at = to_string(event.client);
   switch (event.kind) {
     case Welcomed:

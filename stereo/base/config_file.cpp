@@ -13,7 +13,7 @@
 namespace farshade {
 namespace {
 
-constexpr std::uint64_t kMost_bytes = 64 * 1024;
+constexpr std::uint64_t kMost_bytes = std::uint64_t{64} * 1024;
 
 struct Setting {
   std::string key, value;

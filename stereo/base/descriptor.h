@@ -13,6 +13,8 @@ class Descriptor {
   Descriptor() = default;
   /// Takes the result of open(); -1 is no file.
   explicit Descriptor(int opened) : number_(opened) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
   Descriptor(Descriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
   Descriptor& operator=(Descriptor&& other) noexcept {
     std::swap(number_, other.number_);

@@ -16,6 +16,7 @@ Digester::Digester() : state_(std::make_unique<State>()) {
 }
 
 Digester::Digester(Digester&&) noexcept = default;
+Digester& Digester::operator=(Digester&&) noexcept = default;
 Digester::~Digester() = default;
 
 void Digester::add(std::span<const std::byte> bytes) {

@@ -15,6 +15,9 @@ class Digester {
  public:
   Digester();
   Digester(Digester&&) noexcept;
+  Digester& operator=(Digester&&) noexcept;
+  Digester(const Digester&) = delete;
+  Digester& operator=(const Digester&) = delete;
   ~Digester();
   void add(std::span<const std::byte> bytes);
   /// The digest of everything that was added. Call it once.

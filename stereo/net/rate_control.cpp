@@ -272,7 +272,7 @@ bool RateControl::learn(const ArrivalReport& report, Time now) {
     trend_.add(record->group, record->at,
                (static_cast<double>(ns_of(arrival)) - static_cast<double>(ns_of(record->at))) * 1e-6);
     received_.add(arrival, record->bytes);
-    allowed_bytes_ += 2 * record->bytes;
+    allowed_bytes_ += std::int64_t{2} * record->bytes;
     ramp_left_bytes_ -= record->bytes;
     newest = record->at;
   }

@@ -29,6 +29,8 @@ class TcpStream {
   explicit TcpStream(std::unique_ptr<State> state);
   TcpStream(TcpStream&&) noexcept;
   TcpStream& operator=(TcpStream&&) noexcept;
+  TcpStream(const TcpStream&) = delete;
+  TcpStream& operator=(const TcpStream&) = delete;
   ~TcpStream();
 
   [[nodiscard]] Peer peer() const;
@@ -66,6 +68,8 @@ class TcpListener {
   void join(TcpListener other);
   TcpListener(TcpListener&&) noexcept;
   TcpListener& operator=(TcpListener&&) noexcept;
+  TcpListener(const TcpListener&) = delete;
+  TcpListener& operator=(const TcpListener&) = delete;
   ~TcpListener();
 
   /// The first of its addresses.

@@ -127,12 +127,13 @@ std::uint32_t add_accessor(Document& document, std::uint32_t like, Bytes bytes) 
 template <class T>
 bool convert_values(const draco::PointAttribute& from, std::uint32_t points, std::uint32_t rows, Bytes& to) {
   std::array<T, 4> value{};
-  to.resize(points * rows * sizeof(T));
+  const std::size_t row_bytes = rows * sizeof(T);
+  to.resize(points * row_bytes);
   for (std::uint32_t i = 0; i < points; ++i) {
     if (!from.ConvertValue<T>(from.mapped_index(draco::PointIndex(i)), static_cast<std::int8_t>(rows),
                               value.data()))
       return false;
-    std::memcpy(to.data() + i * rows * sizeof(T), value.data(), rows * sizeof(T));
+    std::memcpy(to.data() + i * row_bytes, value.data(), row_bytes);
   }
   return true;
 }

@@ -119,7 +119,7 @@ void AskCoder<Io>::cell(const Neighbours& around, Cell& cell) {
   const std::size_t context = ((west * 4u + north) * 3 + north_west) * 3 + north_east;
   if (!code(kAnyModels + context, cell != kEmptyCell))
     cell = kEmptyCell;
-  else if (code(kEveryModels + west * 4u + north, cell == kFullCell))
+  else if (code(kEveryModels + std::size_t{west} * 4 + north, cell == kFullCell))
     cell = kFullCell;
   else
     cell = mixed(around, cell);
@@ -137,7 +137,8 @@ Cell AskCoder<Io>::mixed(const Neighbours& around, Cell cell) {
       bool bit = coded == 0;
       if (at < 15 || (coded != 0 && coded != 0x7fff)) {
         const std::uint32_t wide = (border.above >> x & 1) | (border.above >> (x + 4) & 1) << 1;
-        bit = code(kBlockModels + wide * kBitContexts + bit_context(row, border, x), (cell >> at & 1) != 0);
+        bit = code(kBlockModels + std::size_t{wide} * kBitContexts + bit_context(row, border, x),
+                   (cell >> at & 1) != 0);
       }
       row |= (bit ? 4u : 0u) << x;
       coded |= (bit ? 1u : 0u) << at;
@@ -152,7 +153,7 @@ template <class Io>
 void AskCoder<Io>::shares(const Tile* west, const Tile* north, const Tile* north_west, const Tile* north_east,
                           Tile& tile) {
   // Rows and columns 1 to 4 are the tile's blocks, row 0 and column 0 the blocks before them.
-  constexpr std::uint32_t kColumns = 6;
+  constexpr std::size_t kColumns = 6;
   std::array<BlockShares, 5 * kColumns> grid{};
   if (north_west != nullptr) grid[0] = north_west->blocks[15];
   if (north_east != nullptr) grid[kColumns - 1] = north_east->blocks[12];
@@ -163,7 +164,7 @@ void AskCoder<Io>::shares(const Tile* west, const Tile* north, const Tile* north
   ShareCoder<Io> coder(io_, models_, shares_);
   for (std::uint32_t rest = tile.any; rest != 0; rest &= rest - 1) {
     const auto block = static_cast<std::uint32_t>(std::countr_zero(rest));
-    const std::uint32_t at = (block / kTileBlocks + 1) * kColumns + block % kTileBlocks + 1;
+    const std::size_t at = (block / kTileBlocks + 1) * kColumns + block % kTileBlocks + 1;
     const SharesAround around{.west = grid[at - 1],
                               .north = grid[at - kColumns],
                               .north_west = grid[at - kColumns - 1],

@@ -25,8 +25,9 @@ namespace farshade {
 inline constexpr std::size_t kAnyModels = 0;                   ///< 4 x 4 x 3 x 3
 inline constexpr std::size_t kEveryModels = kAnyModels + 144;  ///< 4 x 4
 inline constexpr std::size_t kBlockModels = kEveryModels + 16;
-inline constexpr std::size_t kAllLightsModels = kBlockModels + 4 * kBitContexts;  ///< 3 x 3 x 3 x 3 x 2
-inline constexpr std::size_t kShareModels = kAllLightsModels + 162;               ///< 4 x 4 x 2 x 2 x 2 x 2
+inline constexpr std::size_t kAllLightsModels =
+    kBlockModels + std::size_t{4} * kBitContexts;                    ///< 3 x 3 x 3 x 3 x 2
+inline constexpr std::size_t kShareModels = kAllLightsModels + 162;  ///< 4 x 4 x 2 x 2 x 2 x 2
 inline constexpr std::size_t kAskModels = kShareModels + 256;
 
 /// Probabilities of a 0 in 1/256: wire_bench --train.

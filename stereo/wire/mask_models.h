@@ -20,7 +20,7 @@ inline constexpr std::size_t kCellModels = kValueModels + 9;    ///< 4 x 4 x 3 x
 inline constexpr std::size_t kMixedModels = kCellModels + 144;  ///< 4 x 4 x 3 x 3
 inline constexpr std::size_t kRowModels = kMixedModels + 144;   ///< 8 x 6 x 2 x 4
 inline constexpr std::size_t kBitModels = kRowModels + 384;     ///< 2 x 4 x 64
-inline constexpr std::size_t kMaskModels = kBitModels + 8 * kBitContexts;
+inline constexpr std::size_t kMaskModels = kBitModels + std::size_t{8} * kBitContexts;
 
 /// Probabilities of a 0 in 1/256, from the traced masks of two scenes: wire_bench --train.
 extern const std::array<std::uint8_t, kMaskModels> kInitialMaskModels;

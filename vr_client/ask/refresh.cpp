@@ -7,8 +7,9 @@ namespace {
 /// sequence).
 Duration turn_of(std::uint32_t tile) {
   constexpr std::uint32_t kGoldenRatio = 2654435769;  // 2^32 / 1.618
+  const std::uint32_t turn = tile * kGoldenRatio;     // modulo 2^32
   return Duration(static_cast<Duration::rep>(
-      std::uint64_t{tile * kGoldenRatio} * static_cast<std::uint64_t>(kRefreshPeriod / Duration(1)) >> 32));
+      std::uint64_t{turn} * static_cast<std::uint64_t>(kRefreshPeriod / Duration(1)) >> 32));
 }
 
 }  // namespace

@@ -151,7 +151,7 @@ HeadsetRuntime::Parts::~Parts() {
 Expected<void> HeadsetRuntime::Parts::open_session() {
   Expected<std::unique_ptr<Session>> session = Session::open(instance_, device_, setup_.eye_size);
   if (!session) return tl::unexpected(session.error());
-  if (const Expected<void> attached = attach_actions(**session); !attached) return attached;
+  if (Expected<void> attached = attach_actions(**session); !attached) return attached;
   session_ = std::move(*session);
   read_hidden_area();
   refresh_hz_ = session_->refresh_hz();
@@ -378,8 +378,8 @@ HeadsetRuntime::Parts::Frame HeadsetRuntime::Parts::follow_hands() {
     if (!fine(called.result, called.name)) return Frame::None;
   }
   const Rigid<Tracked, Eye> head = head_of(*located_);
-  stage_from_tracked_ = setup_.follow_hands(
-      {display_time(), {head.rotation, head.translation}, *stage_from_tracked_, std::move(hands)});
+  stage_from_tracked_ =
+      setup_.follow_hands({display_time(), {head.rotation, head.translation}, *stage_from_tracked_, hands});
   return Frame::Begun;
 }
 

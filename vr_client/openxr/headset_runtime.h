@@ -30,6 +30,8 @@ class HeadsetSystem {
   [[nodiscard]] static Expected<HeadsetSystem> open();
   HeadsetSystem(HeadsetSystem&&) noexcept;
   HeadsetSystem& operator=(HeadsetSystem&&) noexcept;
+  HeadsetSystem(const HeadsetSystem&) = delete;
+  HeadsetSystem& operator=(const HeadsetSystem&) = delete;
   ~HeadsetSystem();
 
   [[nodiscard]] std::string name() const;  ///< of runtime and headset
@@ -74,6 +76,8 @@ class HeadsetRuntime final : public Runtime {
                                                                       const gpu::Device& device,
                                                                       const gpu::Image& shown,
                                                                       HeadsetSetup setup);
+  HeadsetRuntime(const HeadsetRuntime&) = delete;
+  HeadsetRuntime& operator=(const HeadsetRuntime&) = delete;
   ~HeadsetRuntime() override;
 
   /// Waits until the runtime shows frames of this client, however long that takes, and for the next of these

@@ -61,8 +61,9 @@ vk::raii::RenderPass make_render_pass(const gpu::Device& device, vk::Format form
 void add_fonts() {
   constexpr int font_px = 13;
   for (int half_steps = 2 * kSmallestText; half_steps <= 2 * kLargestText; ++half_steps) {
+    const int size_px = font_px * half_steps / 2;
     ImFontConfig font;
-    font.SizePixels = static_cast<float>(font_px * half_steps / 2);
+    font.SizePixels = static_cast<float>(size_px);
     ImGui::GetIO().Fonts->AddFontDefault(&font);
   }
 }
