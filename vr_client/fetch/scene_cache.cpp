@@ -25,14 +25,15 @@ tl::unexpected<Error> cannot(const char* verb, const fs::path& path, int error) 
               fmt::format("cannot {} '{}': {}", verb, path.string(), std::generic_category().message(error)));
 }
 
-/// Makes a folder, unless it is there. Refuses a link in its place.
+/// Makes a folder, unless it is there: another client may make it at the same time. Refuses a link in its
+/// place.
 Expected<void> make_folder_itself(const fs::path& folder) {
-  std::error_code error;
-  const fs::file_status status = fs::symlink_status(folder, error);
-  if (status.type() == fs::file_type::directory) return {};
-  if (status.type() == fs::file_type::symlink || !fs::create_directory(folder, error))
-    return fail(Fault::Unreadable, "'" + folder.string() + "' is no folder: delete it");
-  return {};
+  std::error_code error, unknown;
+  fs::create_directory(folder, error);
+  const fs::file_type type = fs::symlink_status(folder, unknown).type();
+  if (type == fs::file_type::directory) return {};
+  if (type == fs::file_type::not_found) return cannot("make the folder", folder, error.value());
+  return fail(Fault::Unreadable, "'" + folder.string() + "' is no folder: delete it");
 }
 
 /// Makes the folder of the file `name` below `folder`. Refuses links in place of folders.

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <array>
+#include <barrier>
 #include <csignal>
 #include <thread>
 
@@ -52,6 +54,29 @@ TEST(SceneCache, ALinkInPlaceOfItsFoldersIsRefused) {
     EXPECT_NE(cache.error().what.find("is no folder: delete it"), std::string::npos) << cache.error().what;
     EXPECT_TRUE(fs::is_empty(elsewhere));
   }
+}
+
+/// One of them makes its folders, the others find them made in the middle of their own attempt. The lock lets
+/// one in at a time.
+TEST(SceneCache, ClientsThatOpenItAtOnceMakeItsFoldersTogether) {
+  const ScratchFolder scratch;
+  constexpr int kClients = 4, kRounds = 300;
+  std::barrier begins(kClients);
+  std::array<std::vector<std::string>, kClients> refusals;
+  {
+    std::vector<std::jthread> clients;
+    for (std::vector<std::string>& refused : refusals)
+      clients.emplace_back([&] {
+        for (int round = 0; round < kRounds; ++round) {
+          begins.arrive_and_wait();
+          const auto cache =
+              SceneCache::open(scratch.path() / std::to_string(round), three_files(), [] { return false; });
+          if (!cache && cache.error().fault != Fault::Unavailable) refused.push_back(cache.error().what);
+        }
+      });
+  }
+  for (const std::vector<std::string>& refused : refusals)
+    EXPECT_TRUE(refused.empty()) << refused.size() << " times: " << refused.front();
 }
 
 TEST(SceneCache, GoesOnWhereItWasCut) {
