@@ -88,6 +88,7 @@ constexpr const char* kLayeredDrawing = VK_EXT_SHADER_VIEWPORT_INDEX_LAYER_EXTEN
 /// A family whose queues draw, compute and keep time.
 struct QueueFamily {
   std::uint32_t index;
+  std::uint32_t timestamp_bits;
   bool presents;  ///< and show in the window
 };
 
@@ -100,9 +101,11 @@ std::optional<QueueFamily> graphics_queue_family(const vk::raii::Instance& insta
   const bool swaps = options.presentation && has_extension(physical, VK_KHR_SWAPCHAIN_EXTENSION_NAME);
   std::optional<QueueFamily> found;
   for (std::uint32_t i = 0; i < families.size(); ++i) {
-    if ((families[i].queueFlags & required) != required || families[i].timestampValidBits == 0) continue;
-    if (swaps && options.presentation->can_present(*instance, *physical, i)) return QueueFamily{i, true};
-    if (!found && !must_present(options)) found = QueueFamily{i, false};
+    const std::uint32_t bits = families[i].timestampValidBits;
+    if ((families[i].queueFlags & required) != required || bits == 0) continue;
+    if (swaps && options.presentation->can_present(*instance, *physical, i))
+      return QueueFamily{i, bits, true};
+    if (!found && !must_present(options)) found = QueueFamily{i, bits, false};
   }
   return found;
 }
@@ -255,6 +258,7 @@ Expected<Device> open_device(const DeviceOptions& wanted) try {
   device.memory = device.physical.getMemoryProperties();
   const QueueFamily family = *graphics_queue_family(device.instance, device.physical, options);
   device.queue_family = family.index;
+  device.timestamp_bits = family.timestamp_bits;
   device.presents = family.presents;
   device.logical = make_logical(device.physical, family, options);
   device.queue = device.logical.getQueue(device.queue_family, 0);

@@ -46,6 +46,7 @@ struct Device {
   std::shared_ptr<Ledger> ledger = std::make_shared<Ledger>();  ///< of all memory allocated on the device
   std::uint64_t timeout_ns = kGpuTimeout_ns;                    ///< of submit_and_wait
   float timestamp_period_ns = 1;                                ///< of one timestamp tick
+  std::uint32_t timestamp_bits = 64;                            ///< that count; those above are undefined
   std::string name;
   std::string why;  ///< one clause: why this device was chosen, and why others were not
 };

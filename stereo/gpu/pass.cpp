@@ -91,6 +91,7 @@ vk::raii::Pipeline make_compute_pipeline(const Device& device, const vk::raii::P
 Timestamps::Timestamps(const Device& device, std::uint32_t count)
     : pool_(device.logical.createQueryPool({.queryType = vk::QueryType::eTimestamp, .queryCount = count})),
       count_(count),
+      bits_(device.timestamp_bits),
       period_ns_(device.timestamp_period_ns) {}
 
 void Timestamps::reset(const vk::raii::CommandBuffer& commands) const {
@@ -106,7 +107,8 @@ Duration Timestamps::between(std::uint32_t from, std::uint32_t to) const {
       pool_.getResults<std::uint64_t>(0, count_, count_ * sizeof(std::uint64_t), sizeof(std::uint64_t),
                                       vk::QueryResultFlagBits::e64 | vk::QueryResultFlagBits::eWait);
   check(result == vk::Result::eSuccess, "timestamps are available once the fence is signalled");
-  return Duration(static_cast<std::int64_t>(static_cast<double>(ticks[to] - ticks[from]) * period_ns_));
+  return Duration(static_cast<std::int64_t>(
+      static_cast<double>(ticks_between(ticks[from], ticks[to], bits_)) * period_ns_));
 }
 
 }  // namespace farshade::gpu

@@ -62,6 +62,13 @@ struct Specialization {
                                                        const Specialization& specialization,
                                                        const std::string& name);
 
+/// The ticks between two timestamps of a queue whose timestamps have `bits` valid bits. The counter may have
+/// begun anew between them.
+[[nodiscard]] constexpr std::uint64_t ticks_between(std::uint64_t from, std::uint64_t to,
+                                                    std::uint32_t bits) {
+  return (to - from) & (~std::uint64_t{0} >> (64 - bits));
+}
+
 /// Timestamps 0 to count - 1 of one submission.
 class Timestamps {
  public:
@@ -73,7 +80,7 @@ class Timestamps {
 
  private:
   vk::raii::QueryPool pool_;
-  std::uint32_t count_;
+  std::uint32_t count_, bits_;
   double period_ns_;
 };
 

@@ -8,6 +8,9 @@
 
 namespace farshade {
 
+/// Of a headset that does not state it: a mean of adults.
+inline constexpr double kDefaultEyeDistance_m = 0.063;
+
 struct HeadSample {
   Time time;
   Rigid<Recorded, Head> recorded_from_head;
@@ -16,7 +19,7 @@ struct HeadSample {
 /// At least two samples; times strictly increasing; rotations unit.
 struct HeadRecording {
   std::vector<HeadSample> samples;
-  double eye_distance_m = 0.063;
+  double eye_distance_m = kDefaultEyeDistance_m;
   PerEye<EyeFov> fov;
   std::size_t rows_left_out = 0;  ///< rows of the file with repeated or backward stamps
 

@@ -24,8 +24,7 @@ inline constexpr std::size_t kFewestSamples = 3;
 inline constexpr double kUnitTolerance = 1e-2;
 inline constexpr double kFarthestHead_m = 1e9;
 
-/// The headset of a file that does not state one: a Quest Pro.
-inline constexpr double kDefaultEyeDistance_m = 0.063;
+/// The fov of a file that does not state one: a Quest Pro's.
 inline constexpr PerEye<EyeFov> kDefaultFov{EyeFov{-0.942, 0.698, 0.733, -0.942},
                                             EyeFov{-0.698, 0.942, 0.733, -0.942}};
 

@@ -1,5 +1,7 @@
 #include "vr_client/ask/surround_plan.h"
 
+#include "stereo/head/head_recording.h"
+
 namespace farshade {
 
 /// Whether a new surround is due.
@@ -9,11 +11,12 @@ bool SurroundPlan::is_due(const FrameRequest& shown, SceneMotion motion, bool is
   const Duration age = shown.display_time - set_->begun;
   if (age < kLeastPeriod || (is_under_way && age < kStillPeriod)) return false;
   const auto place = [](const View& view) { return Point<Stage>{view.stage_from_eye.translation}; };
-  const double eyes_m = length(place(shown.views[0]) - place(shown.views[1])),
+  const double measured_m = length(place(shown.views[0]) - place(shown.views[1])),
+               eyes_m = measured_m > 0 ? measured_m : kDefaultEyeDistance_m,
                moved_m = length(Point<Stage>{head_of(shown.views).translation} - set_->centre);
-  if (shown.lights.revision != set_->lights || (eyes_m > 0 && moved_m > kJump_eyes * eyes_m)) return true;
+  if (shown.lights.revision != set_->lights || moved_m > kJump_eyes * eyes_m) return true;
   is_urgent_ = false;
-  return (eyes_m > 0 && moved_m > kFar_eyes * eyes_m) ||
+  return moved_m > kFar_eyes * eyes_m ||
          age >= (motion == SceneMotion::Moving ? kMovingPeriod : kStillPeriod);
 }
 

@@ -19,8 +19,8 @@ class SurroundPlan {
   static constexpr Duration kMovingPeriod = std::chrono::milliseconds(333);
   /// No sooner than after this time, however fast the head moves.
   static constexpr Duration kLeastPeriod = std::chrono::milliseconds(100);
-  /// It is requested sooner if the head has moved by so many distances between the eyes: from there, much is
-  /// uncovered that it does not show.
+  /// It is requested sooner if the head has moved by so many distances between the eyes (of usual eyes, if
+  /// both are at one place): from there, much is uncovered that it does not show.
   static constexpr double kFar_eyes = 4;
   /// After a move by so many distances between the eyes within kStillPeriod, the old one hardly serves.
   static constexpr double kJump_eyes = 32;

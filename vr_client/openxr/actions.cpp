@@ -94,7 +94,8 @@ struct StateReader {
     last = {xrLocateSpace(of, in, time, &location), "xrLocateSpace"};
     constexpr XrSpaceLocationFlags valid =
         XR_SPACE_LOCATION_ORIENTATION_VALID_BIT | XR_SPACE_LOCATION_POSITION_VALID_BIT;
-    if (XR_FAILED(last.result) || (location.locationFlags & valid) != valid) return std::nullopt;
+    const bool is_tracked = XR_SUCCEEDED(last.result) && (location.locationFlags & valid) == valid;
+    if (!is_tracked || !is_pose(location.pose)) return std::nullopt;
     return rigid<Hand>(location.pose);
   }
 

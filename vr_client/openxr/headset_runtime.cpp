@@ -136,7 +136,7 @@ class HeadsetRuntime::Parts {
   XrFrameState frame_{};  ///< the frame that has begun last
   std::optional<Located> located_;
   std::optional<Rigid<Stage, Tracked>> stage_from_tracked_;  ///< empty until a head is seen
-  std::vector<XrTime> recentres_;        ///< at these times the user stands at the start again
+  std::vector<XrTime> recentres_;        ///< at these times the space in use gets another origin
   std::optional<Stopwatch> wanted_end_;  ///< since the user wants to end
   BlockingCalls blocking_;               ///< xrWaitFrame
   bool abandoned_ = false;               ///< xrWaitFrame blocks until the end of the program
@@ -267,7 +267,8 @@ void HeadsetRuntime::Parts::handle(const XrEventDataBuffer& event) {
       return give(InstanceLossPending{});
     case XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING: {
       const auto& change = reinterpret_cast<const XrEventDataReferenceSpaceChangePending&>(event);
-      if (session_ && change.session == session_->handle()) recentres_.push_back(change.changeTime);
+      if (!session_ || change.session != session_->handle()) return;
+      if (change.referenceSpaceType == session_->space_type()) recentres_.push_back(change.changeTime);
       return;
     }
     case XR_TYPE_EVENT_DATA_EVENTS_LOST:

@@ -80,13 +80,12 @@ Expected<void> Session::create(const gpu::Device& device) {
 Expected<void> Session::create_space() {
   XrReferenceSpaceCreateInfo info{XR_TYPE_REFERENCE_SPACE_CREATE_INFO, nullptr, XR_REFERENCE_SPACE_TYPE_STAGE,
                                   kOrigin};
-  space_name_ = "stage";
   XrResult result = xrCreateReferenceSpace(handle_, &info, &space_);
   if (result == XR_ERROR_REFERENCE_SPACE_UNSUPPORTED) {
     info.referenceSpaceType = XR_REFERENCE_SPACE_TYPE_LOCAL;
-    space_name_ = "local";
     result = xrCreateReferenceSpace(handle_, &info, &space_);
   }
+  space_type_ = info.referenceSpaceType;
   return succeeded(result, "xrCreateReferenceSpace");
 }
 
@@ -173,16 +172,6 @@ XrResult Session::begin_frame() {
   return xrBeginFrame(handle_, &info);
 }
 
-namespace {
-
-bool is_finite(const XrPosef& pose) {
-  const auto& [q, p] = pose;
-  return std::ranges::all_of(std::array{q.x, q.y, q.z, q.w, p.x, p.y, p.z},
-                             [](float value) { return std::isfinite(value); });
-}
-
-}  // namespace
-
 XrResult Session::locate(XrTime time, std::optional<Located>& located) {
   located.reset();
   const XrViewLocateInfo info{XR_TYPE_VIEW_LOCATE_INFO, nullptr, kViews, time, space_};
@@ -194,7 +183,7 @@ XrResult Session::locate(XrTime time, std::optional<Located>& located) {
   constexpr XrViewStateFlags valid = XR_VIEW_STATE_ORIENTATION_VALID_BIT | XR_VIEW_STATE_POSITION_VALID_BIT;
   if (XR_FAILED(result) || (state.viewStateFlags & valid) != valid) return result;
   Located found;
-  if (!is_finite(views[0].pose) || !is_finite(views[1].pose)) return result;
+  if (!is_pose(views[0].pose) || !is_pose(views[1].pose)) return result;
   for (std::size_t eye = 0; eye < kEyes; ++eye) {
     found.tracked_from_eye[eye] = rigid<Eye>(views[eye].pose);
     found.fov[eye] = fov_of(views[eye].fov);

@@ -51,7 +51,10 @@ class Session {
 
   [[nodiscard]] XrSession handle() const { return handle_; }
   [[nodiscard]] XrSpace space() const { return space_; }
-  [[nodiscard]] const char* space_name() const { return space_name_; }
+  [[nodiscard]] XrReferenceSpaceType space_type() const { return space_type_; }
+  [[nodiscard]] const char* space_name() const {
+    return space_type_ == XR_REFERENCE_SPACE_TYPE_STAGE ? "stage" : "local";
+  }
 
   /// Of the display, Hz. No value if the runtime does not state it.
   [[nodiscard]] std::optional<double> refresh_hz() const;
@@ -85,7 +88,7 @@ class Session {
   Extent size_;
   XrSession handle_ = XR_NULL_HANDLE;
   XrSpace space_ = XR_NULL_HANDLE;
-  const char* space_name_ = "";
+  XrReferenceSpaceType space_type_ = XR_REFERENCE_SPACE_TYPE_STAGE;
   Swapchain pictures_, depths_;
 };
 

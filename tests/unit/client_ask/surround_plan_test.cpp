@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "stereo/head/head_recording.h"
+
 namespace farshade {
 namespace {
 
@@ -9,13 +11,15 @@ using namespace std::chrono_literals;
 
 constexpr Duration kFrame(13'888'889);
 
-FrameRequest shown_at(Duration at, double x_m = 0) {
+FrameRequest shown_at(Duration at, double x_m = 0, double eye_distance_m = 0.06) {
   FrameRequest shown;
   shown.frame = {1};
   shown.display_time = Time(at);
   shown.scene_time = Time(at + 5s);
   for (std::size_t eye = 0; eye < kEyes; ++eye)
-    shown.views[eye] = {{{}, {x_m + (eye == 0 ? -0.03 : 0.03), 1.5, 0}}, {-0.7, 0.7, 0.7, -0.7}, {256, 256}};
+    shown.views[eye] = {{{}, {x_m + (static_cast<double>(eye) - 0.5) * eye_distance_m, 1.5, 0}},
+                        {-0.7, 0.7, 0.7, -0.7},
+                        {256, 256}};
   return shown;
 }
 
@@ -27,10 +31,11 @@ struct Bench {
     return plan.ask(shown, 100ms, SceneClock::Running, motion, is_under_way);
   }
   /// Asks in each frame of a time. The times at which a surround began.
-  std::vector<Duration> begun(Duration from, Duration until, double speed_m_s = 0) {
+  std::vector<Duration> begun(Duration from, Duration until, double speed_m_s = 0,
+                              double eye_distance_m = 0.06) {
     std::vector<Duration> result;
     for (Duration at = from; at < until; at += kFrame) {
-      const auto requests = ask(shown_at(at, speed_m_s * seconds_of(at)));
+      const auto requests = ask(shown_at(at, speed_m_s * seconds_of(at), eye_distance_m));
       if (!requests.empty() && pair_of(requests[0].frame) == 0) result.push_back(at);
     }
     return result;
@@ -79,6 +84,12 @@ TEST(SurroundPlan, AsksSoonerWhenTheHeadHasMovedAway) {
   EXPECT_NEAR(static_cast<double>(walking.begun(0s, 4s, 1.0).size()), 4 / 0.24, 2) << "each 4 eye distances";
   Bench running;
   EXPECT_LE(running.begun(0s, 4s, 10.0).size(), 41u) << "not more than 10 a second";
+}
+
+TEST(SurroundPlan, FollowsAHeadWhoseEyesAreAtOnePlaceAsOneWithUsualEyes) {
+  Bench one_place, usual;
+  EXPECT_EQ(one_place.begun(0s, 4s, 1.0, 0), usual.begun(0s, 4s, 1.0, kDefaultEyeDistance_m));
+  EXPECT_GT(one_place.begun(4s, 5s, 1.0, 0).size(), 2u);
 }
 
 TEST(SurroundPlan, AsksForAllPairsAtOnceAfterAJump) {

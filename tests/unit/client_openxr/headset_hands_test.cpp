@@ -117,6 +117,14 @@ TEST_F(HeadsetHands, PoseIsUnknownIfTheRuntimeSaysSo) {
   EXPECT_EQ(fake->counts["xrLocateSpace"], 1u);
 }
 
+TEST_F(HeadsetHands, PoseIsUnknownIfItsQuaternionIsZero) {
+  ASSERT_TRUE(open(setup_with_hands())) << error;
+  fake->poses.begin()->second.orientation = {0, 0, 0, 0};
+  show_until(2);
+  ASSERT_TRUE(viewers.back().hands);
+  EXPECT_FALSE(viewers.back().hands->hand[0].tracked_from_hand);
+}
+
 TEST_F(HeadsetHands, SuggestTheTableOfBindings) {
   ASSERT_TRUE(open(setup_with_hands())) << error;
   std::vector<std::string> table;

@@ -39,11 +39,12 @@ glm::dvec3 middle(const StereoView& views) {
   return (views[0].stage_from_eye.translation + views[1].stage_from_eye.translation) * 0.5;
 }
 
-XrEventDataReferenceSpaceChangePending recentre(XrSession session, XrTime at) {
+XrEventDataReferenceSpaceChangePending recentre(XrSession session, XrTime at,
+                                                XrReferenceSpaceType type = XR_REFERENCE_SPACE_TYPE_STAGE) {
   return {XR_TYPE_EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING,
           nullptr,
           session,
-          XR_REFERENCE_SPACE_TYPE_STAGE,
+          type,
           at,
           XR_FALSE,
           {{0, 0, 0, 1}, {0, 0, 0}}};
@@ -158,6 +159,26 @@ TEST_F(HeadsetFrames, HaveNoLayerIfTheRuntimeDoesNotKnowWhereTheHeadIs) {
   EXPECT_TRUE(fake->frames[1].views.empty());
 }
 
+/// Some runtimes say so of a pose of zeros before they have measured one.
+TEST_F(HeadsetFrames, HaveNoLayerIfWhatTheRuntimeCallsAValidPoseIsNone) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const std::array<XrPosef, 5> poses{XrPosef{{0, 0, 0, 0}, {0, 1, 0}}, XrPosef{{0, 0, 0, 1e-9f}, {0, 1, 0}},
+                                     XrPosef{{kNan, 0, 0, 1}, {0, 1, 0}}, XrPosef{{0, 0, 0, 1}, {0, kNan, 0}},
+                                     XrPosef{{0, 0, 0, 1e30f}, {0, 1, 0}}};
+  fake->frame = [&](XrTime time) {
+    fake::Frame frame;
+    const auto number = static_cast<std::size_t>((time - fake->first_time) / fake->period);
+    if (number < poses.size()) frame.views[number % 2].pose = poses[number];
+    return frame;
+  };
+  ASSERT_TRUE(open(setup())) << error;
+  ASSERT_TRUE(show());
+  ASSERT_EQ(fake->frames.size(), poses.size() + 1);
+  for (std::size_t i = 0; i <= poses.size(); ++i)
+    EXPECT_EQ(fake->frames[i].views.empty(), i < poses.size()) << i;
+  EXPECT_FALSE(std::isnan(middle(shown[0]).x + shown[0][0].stage_from_eye.rotation.w));
+}
+
 /// The displays of some headsets are turned outwards.
 TEST_F(HeadsetFrames, PlaceTheHeadByTheMiddleOfBothEyes) {
   constexpr double kTurn_rad = 0.2;
@@ -176,7 +197,22 @@ TEST_F(HeadsetFrames, PlaceTheHeadByTheMiddleOfBothEyes) {
   EXPECT_NEAR(heading_rad(shown[0][1].stage_from_eye.rotation), -kTurn_rad, 1e-6);
 }
 
-class HeadsetRecentring : public FakeHeadset {};
+class HeadsetRecentring : public FakeHeadset {
+ protected:
+  /// The space in use is of type `used`.
+  void expect_only(XrReferenceSpaceType used, XrReferenceSpaceType other) {
+    fake->frame = moving;
+    ASSERT_TRUE(open(setup())) << error;
+    ASSERT_TRUE(show());
+    for (const XrReferenceSpaceType type : {other, XR_REFERENCE_SPACE_TYPE_VIEW})
+      fake->push(recentre(fake->session, fake->first_time, type));
+    ASSERT_TRUE(show());
+    EXPECT_NEAR(middle(shown[1]).x, 0.1, 1e-5);
+    fake->push(recentre(fake->session, fake->first_time, used));
+    ASSERT_TRUE(show());
+    EXPECT_NEAR(middle(shown[2]).x, 0, 1e-5);
+  }
+};
 
 TEST_F(HeadsetRecentring, TakesEffectAtTheTimeThatTheEventNames) {
   fake->frame = moving;
@@ -200,6 +236,16 @@ TEST_F(HeadsetRecentring, EachOfSeveralTakesEffect) {
   constexpr std::array kMoved_m{0.0, 0.1, 0.0, 0.1, 0.0, 0.1};
   for (std::size_t frame = 0; frame < shown.size(); ++frame)
     EXPECT_NEAR(middle(shown[frame]).x, kMoved_m[frame], 1e-5) << frame;
+}
+
+/// A runtime sends the event for each type of space. Only that of the space in use moves what it measures.
+TEST_F(HeadsetRecentring, OfAnotherSpaceThanTheStageHasNoEffectOnIt) {
+  expect_only(XR_REFERENCE_SPACE_TYPE_STAGE, XR_REFERENCE_SPACE_TYPE_LOCAL);
+}
+
+TEST_F(HeadsetRecentring, OfAnotherSpaceThanTheLocalOneHasNoEffectOnIt) {
+  fake->spaces = {XR_REFERENCE_SPACE_TYPE_LOCAL};
+  expect_only(XR_REFERENCE_SPACE_TYPE_LOCAL, XR_REFERENCE_SPACE_TYPE_STAGE);
 }
 
 TEST_F(HeadsetRecentring, OfAnotherSessionHasNoEffect) {

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "stereo/gpu/memory.h"
+#include "stereo/gpu/pass.h"
 
 namespace farshade::gpu {
 namespace {
@@ -28,6 +29,14 @@ TEST(Device, OneThatDoesNotFinishInTimeIsLostAndAnotherCanBeOpened) {
   }  // destroying what the driver still writes to would end the program here
   const Device device = open_device({}).value();
   write_much(device);
+}
+
+/// Queues count with 36 to 64 bits; what stands above them is undefined.
+TEST(Timestamps, CountOnWhereTheCounterBeginsAnew) {
+  EXPECT_EQ(ticks_between(5, 12, 64), 7u);
+  EXPECT_EQ(ticks_between((1ULL << 36) - 3, 4, 36), 7u);
+  EXPECT_EQ(ticks_between(0xabc0'0000'0005ULL, 0x1230'0000'000cULL, 36), 7u);
+  EXPECT_EQ(ticks_between(~0ULL, 6, 64), 7u);
 }
 
 /// Stands for the objects of a driver's libraries, which its threads still use.
