@@ -1,6 +1,7 @@
 // Carries a mask over to requested views, and finds what must be asked for (docs/asking.md).
 // A light of a pixel is carried over if the four pixels around its point in the mask are known and agree in this light,
-// and the depth between them is the point's. A light of a block is unknown if it is unknown in any pixel.
+// the depth between them is the point's, and both eyes are on the same side of their plane. A light of a block is unknown
+// if it is unknown in any pixel.
 // One invocation handles one block: lavapipe then reads and writes without atomics. Branches would cost more than they
 // save (shade.comp).
 #version 460
@@ -40,14 +41,24 @@ const float kFootprint = 1.0, kRounding = 16.0 / 16777216.0;
 
 // Where a pixel of a requested view lies in the mask.
 struct Place {
-  bool seen;   // the mask sees its surface
+  bool seen;   // the mask sees its surface, from the same side
   ivec2 quad;  // the upper left of the four pixels around it
 };
+
+// Whether an eye is on that side of a surface from which the mask sees it: of the plane that four depths around the pixel
+// position `part` between them span. On a plane, near / z is linear on the screen, so the plane is dot(n, p) = 1 with
+// near * dot(n, ray) = depth. The mask's eye, at 0, is where dot(n, p) < 1.
+bool on_seen_side(SourceData source, vec3 eye, vec4 depths, vec2 part, vec2 ray, float between) {
+  vec2 slope = vec2(mix(depths.z - depths.w, depths.y - depths.x, part.y), mix(depths.x - depths.w, depths.y - depths.z, part.x));
+  vec2 n = slope * source.per_step.xy;
+  return dot(n, eye.xy + ray * eye.z) - between * eye.z < kNear;
+}
 
 Place find(SourceData source, vec4 window, vec2 center, float depth) {
   // The point, times depth / near, so that it is finite where no surface is.
   vec3 ray = vec3(window.xy + center * window.zw, -1.0);
-  vec3 p = mat3(source.traced_from_shown) * ray + source.traced_from_shown[3].xyz * (depth / kNear);
+  vec3 eye = source.traced_from_shown[3].xyz;
+  vec3 p = mat3(source.traced_from_shown) * ray + eye * (depth / kNear);
   float inverse_z = -1.0 / p.z, there = depth * inverse_z;
   vec2 at = (p.xy * inverse_z - source.origin_step.xy) * source.per_step.xy;
   ivec2 quad = ivec2(floor(at - 0.5)), last = ivec2(source.per_step.zw) - 2;
@@ -59,7 +70,8 @@ Place find(SourceData source, vec4 window, vec2 center, float depth) {
   bool within = all(greaterThanEqual(quad, ivec2(0))) && all(lessThanEqual(quad, last));
   bool covered = all(greaterThan(depths, vec4(0.0)));
   bool same = abs(between - there) <= tolerance;  // false behind the mask's eye, where both are negative
-  return Place(within && covered && same, clamp(quad, ivec2(0), max(last, ivec2(0))));
+  bool facing = on_seen_side(source, eye, depths, part, p.xy * inverse_z, between);
+  return Place(within && covered && same && facing, clamp(quad, ivec2(0), max(last, ivec2(0))));
 }
 
 // The bits of a quad's upper left pixel, and the lights that differ in the quad.

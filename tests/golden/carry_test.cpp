@@ -240,6 +240,38 @@ void expect_all_of(std::uint32_t light, const CarriedOver& carried, TestRig& rig
 
 constexpr std::uint32_t kPendant = 1;  // a light of room.glb
 
+/// A horizontal plate with lights above and below it: one that is seen from both sides, or one for each side.
+Scene plate(bool of_one) {
+  SceneBuilder builder;
+  builder.add(quad({0, 1.2, 0}, {0, 0, 1}, {1, 0, 0}), of_one ? 0 : builder.material({}));
+  if (!of_one) builder.add(quad({0, 1.2, 0}, {1, 0, 0}, {0, 0, 1}), builder.material({}));
+  builder.point_light({0.4, 2, 0.2});
+  builder.point_light({-0.3, 0.4, 0.1});
+  return builder.build();
+}
+
+TEST_F(Carry, DoesNotCrossToTheOtherSideOfASurface) {
+  const auto eye_at = [](double y_m) { return head_looking({0.1, y_m, 1.6}, {0, 1.2, 0}); };
+  for (const bool of_one : {true, false}) {
+    SCOPED_TRACE(of_one);
+    TestRig rig(device_, plate(of_one), kSide_px);
+    for (const auto& [before_m, after_m] : {std::pair{1.1, 1.3}, {1.3, 1.1}, {1.16, 1.21}, {1.7, 0.7}}) {
+      const Mask base = rig.ask(kTraced, rig.eyes(eye_at(before_m)));
+      const StereoView views = rig.eyes(eye_at(after_m));
+      const Mask truth = rig.trace(kNow, views);
+      std::size_t lit = 0;
+      for_pixels(views[0].size,
+                 [&](std::uint32_t x, std::uint32_t y) { lit += truth.bits[0].word(x, y) != 0 ? 1u : 0u; });
+      EXPECT_GT(lit, 500u);
+      EXPECT_LT(shares_of(rig.ask_for_unknown(kNow, views, base), truth).wrong, 0.01) << after_m;
+    }
+    const Mask base = rig.ask(kTraced, rig.eyes(eye_at(1.3)));
+    const StereoView views = rig.eyes(eye_at(1.4));
+    EXPECT_LT(shares_of(rig.ask_for_unknown(kNow, views, base), rig.trace(kNow, views)).asked, 10)
+        << "from the same side it is carried over";
+  }
+}
+
 TEST_F(Carry, AsksForAllOfALightThatHasMoved) {
   TestRig rig(device_, bundled("room.glb"), kSide_px);
   const StereoView views = rig.eyes(rig.head());
