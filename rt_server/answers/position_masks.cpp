@@ -3,17 +3,18 @@
 #include "rt_server/answers/answers.h"
 #include "stereo/frame/position_grid.h"
 #include "stereo/frame/tiles.h"
+#include "stereo/scene/moving_bounds.h"
 
 namespace farshade {
 namespace {
 
 class PositionMasks final : public AnswerMaker {
  public:
-  explicit PositionMasks(const AnswerContext& context) : scene_(context.scene), tracer_(context.tracer) {}
+  explicit PositionMasks(const AnswerContext& context) : bounds_(context.scene), tracer_(context.tracer) {}
 
   AnswerCost answer(const Job& job, FramePacker& packer) override {
-    const PositionGrid grid =
-        grid_of({scene_.bounds.low}, {scene_.bounds.high}, job.request.answer.position_bits);
+    const Bounds bounds = bounds_.at(job.request.scene_time);
+    const PositionGrid grid = grid_of({bounds.low}, {bounds.high}, job.request.answer.position_bits);
     clear(job.request.views, grid);
     for (const std::vector<std::byte>& message : job.parts) {
       if (job.is_given_up && job.is_given_up()) throw TraceGivenUp();
@@ -58,7 +59,7 @@ class PositionMasks final : public AnswerMaker {
     return {sent_[0], sent_[1]};
   }
 
-  const Scene& scene_;
+  MovingBounds bounds_;
   Tracer& tracer_;
   PerEye<PositionPlanes> positions_;
   PerEye<std::array<KnownTiles, 3>> known_;

@@ -21,12 +21,11 @@ struct PositionGrid {
   [[nodiscard]] std::uint32_t word_bytes() const { return (bits + 7) / 8; }
 };
 
-/// Margin on each side of the scene, as a fraction of its longest side: for rounding, and for geometry that
-/// moves slightly out of the bounds at time 0.
+/// Margin on each side of the scene, as a fraction of its longest side: for rounding.
 inline constexpr double kGridMargin = 1.0 / 16;
 
-/// A grid with `bits` bits per axis (8 to 24) over the longest side of the scene's bounds, with kGridMargin
-/// on each side. The step is equal on all axes.
+/// A grid with `bits` bits per axis (8 to 24) over the longest side of the scene's bounds at the time of the
+/// request (moving_bounds.h), with kGridMargin on each side. The step is equal on all axes.
 [[nodiscard]] PositionGrid grid_of(Point<Stage> low, Point<Stage> high, std::uint32_t bits);
 
 /// Words of x, y and z. The planes have the same size and word length, and are 0 in the same pixels.

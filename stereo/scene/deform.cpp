@@ -22,25 +22,14 @@ glm::vec3 turned(const glm::mat3& m, const glm::vec3& normal) {
   return unit_or(glm::dot(m[0], cofactors[0]) < 0 ? -result : result, normal);
 }
 
-Bounds joined(const Bounds& a, const Bounds& b) {
-  return {glm::min(a.low, b.low), glm::max(a.high, b.high)};
-}
-
-constexpr Bounds kNoPoint{glm::dvec3(std::numeric_limits<double>::max()),
-                          glm::dvec3(std::numeric_limits<double>::lowest())};
-
-/// The box around the transformed corners of a box, and the rounding of float sums that lead there.
-Bounds moved(const glm::dmat4& transform, const Bounds& box) {
+/// The box around a box that is transformed, and the rounding of float sums that lead there.
+Bounds moved_in_floats(const glm::dmat4& transform, const Bounds& box) {
   constexpr double kRounding = 1e-6;
-  Bounds result = kNoPoint;
   const glm::dvec3 far = glm::max(glm::abs(box.low), glm::abs(box.high));
   glm::dvec3 terms = glm::abs(glm::dvec3(transform[3]));
   for (int column = 0; column < 3; ++column) terms += far[column] * glm::abs(glm::dvec3(transform[column]));
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 p(transform * glm::dvec4(box.corner(corner), 1.0));
-    result = joined(result, {p - kRounding * terms, p + kRounding * terms});
-  }
-  return result;
+  const Bounds result = moved(transform, box);
+  return {result.low - kRounding * terms, result.high + kRounding * terms};
 }
 
 /// False for NaN. Files can bind vertices so that an animation moves them out of what float can compute with.
@@ -136,9 +125,9 @@ Bounds DeformBounds::at(const RigPose& pose) const {
     grown.low += glm::min(a, b), grown.high += glm::max(a, b);
   }
   const auto with = [&](const Bounds& box) { return Bounds{box.low + grown.low, box.high + grown.high}; };
-  Bounds result = joints_.empty() ? moved(glm::dmat4(1.0), with(all_)) : kNoPoint;
+  Bounds result = joints_.empty() ? moved_in_floats(glm::dmat4(1.0), with(all_)) : kNoPoint;
   for (const auto& [joint, box] : joints_)
-    result = joined(result, moved(glm::dmat4(pose.object_from_bind[joint]), with(box)));
+    result = joined(result, moved_in_floats(glm::dmat4(pose.object_from_bind[joint]), with(box)));
   // Vertices beyond that are at the origin.
   const glm::dvec3 farthest(1e12);
   const glm::dvec3 low = glm::clamp(result.low, -farthest, farthest),

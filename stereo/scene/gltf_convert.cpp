@@ -218,25 +218,15 @@ Index camera_node(const Document& document, const NodeOrder& order) {
   return found;
 }
 
-/// An axis-aligned stage-space box around the object-space box of a mesh. It may be larger than the mesh
-/// needs.
-void add_bounds(const farshade::Mesh& mesh, const Affine<Stage, Object>& pose, Bounds& bounds) {
-  const Bounds object = bounds_of(mesh.positions);
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 p = pose(Point<Object>{object.corner(corner)}).v;
-    bounds.low = glm::min(bounds.low, p);
-    bounds.high = glm::max(bounds.high, p);
-  }
-}
-
 Checked add_places(const Document& document, const NodeOrder& order, Scene& scene) {
   const SceneState state = state_at(scene, Time{});
   const auto poses = stage_from_nodes(scene, Time{});
   if (const Index camera = camera_node(document, order)) scene.camera = rigid_part(poses[*camera]);
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  scene.bounds = {glm::dvec3(infinity), glm::dvec3(-infinity)};
-  for (std::size_t i = 0; i < scene.instances.size(); ++i)
-    add_bounds(scene.meshes[scene.instances[i].mesh], state.stage_from_object[i], scene.bounds);
+  scene.bounds = kNoPoint;
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Bounds object = bounds_of(scene.meshes[scene.instances[i].mesh].positions);
+    scene.bounds = joined(scene.bounds, moved(state.stage_from_object[i].matrix, object));
+  }
   const bool lights_near =
       std::all_of(scene.lights.begin(), scene.lights.end(),
                   [&](const LightSource& light) { return is_near(glm::dvec3(poses[light.node].matrix[3])); });

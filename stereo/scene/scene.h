@@ -9,6 +9,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -144,6 +145,24 @@ struct Bounds {
   }
   friend bool operator==(const Bounds&, const Bounds&) = default;
 };
+
+/// Holds nothing: the neutral element of joined().
+inline constexpr Bounds kNoPoint{glm::dvec3(std::numeric_limits<double>::max()),
+                                 glm::dvec3(std::numeric_limits<double>::lowest())};
+
+[[nodiscard]] inline Bounds joined(const Bounds& a, const Bounds& b) {
+  return {glm::min(a.low, b.low), glm::max(a.high, b.high)};
+}
+
+/// The box around the transformed corners of a box.
+[[nodiscard]] inline Bounds moved(const glm::dmat4& transform, const Bounds& box) {
+  Bounds result = kNoPoint;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 p(transform * glm::dvec4(box.corner(corner), 1.0));
+    result = joined(result, {p, p});
+  }
+  return result;
+}
 
 /// The box around some points; the origin if there are none.
 [[nodiscard]] inline Bounds bounds_of(const std::vector<glm::vec3>& points) {

@@ -11,6 +11,7 @@
 #include "stereo/video/video.h"
 #include "tests/network/rehearsal.h"
 #include "tests/oracle/oracle.h"
+#include "tests/oracle/scene_builder.h"
 #include "vr_client/ask/guard_band.h"
 
 namespace farshade {
@@ -364,6 +365,25 @@ TEST(PositionsMode, IsExactExceptForPixelsWithAnEdge) {
   };
   static_cast<void>(farshade::play(play, {.name = "none", .model = {}}));
   EXPECT_EQ(measured, 3u);
+}
+
+/// A box leaves the bounds that the scene has at time 0 by many times its size.
+TEST(PositionsMode, SeesWhatLeavesTheBoundsOfTheBeginning) {
+  SceneBuilder builder;
+  builder.add(quad({0, 0, 0}, {0, 0, 1}, {1, 0, 0}));
+  builder.move(builder.add(box({0, 0.5, 0}, {0.4, 0.4, 0.4})), {3, 1, 0});
+  builder.point_light({2, 4, 4});
+  Scene scene = builder.build();
+  const View camera = look({2, 1.5, 4}, {2, 0.8, 0}, 2);
+  scene.camera = camera.stage_from_eye;
+  Play play{.device = setup().device, .scene = scene, .head = setup().head, .size = {96, 96}, .frames = 66};
+  play.reference_every = 5;
+  play.mode = {.mode = Mode::ClientPositions, .position_bits = 24};
+  play.request = {.predictor = PredictorKind::Hold, .guard_band = GuardBandUse::Off};
+  play.mask_wait = 1s;
+  const std::vector<double> psnr = psnr_of(farshade::play(play, {.name = "none", .model = {}}));
+  ASSERT_GT(psnr.size(), 10u);
+  EXPECT_GE(*std::ranges::min_element(psnr), 36);
 }
 
 /// Errors of masks are reported for scenes with lights only.

@@ -12,6 +12,7 @@
 #include "stereo/draw/frame_data.h"
 #include "stereo/draw/motion.h"
 #include "stereo/frame/position_grid.h"
+#include "stereo/scene/moving_bounds.h"
 #include "stereo/wire/plane_codec.h"
 #include "vr_client/modes/asking.h"
 #include "vr_client/modes/make_pipeline.h"
@@ -93,7 +94,7 @@ class ClientPositions final : public ModePipeline {
       : context_(context),
         exchange_(context.link, context.policy, context.settings.request, motion_of(context.renderer)),
         masks_(context.renderer.anything_moves()),
-        grid_(grid_of({context.scene.bounds.low}, {context.scene.bounds.high}, context.mode.position_bits)) {}
+        bounds_(context.scene) {}
 
   const FrameRequest* request(const FrameInputs& inputs) override {
     drawn_ = {};
@@ -125,10 +126,12 @@ class ClientPositions final : public ModePipeline {
   /// Writes the positions of the pixels of the requested views into messages.
   void pack(const FrameRequest& request, const PerEye<HiddenArea>& hidden) {
     drawn_ = context_.renderer.keep_depth(request, exchange_.next_slot(), distances_, &hidden);
+    const Bounds bounds = bounds_.at(request.scene_time);
+    const PositionGrid grid = grid_of({bounds.low}, {bounds.high}, context_.mode.position_bits);
     messages_used_ = 0;
     for (const Side side : kSides) {
       const std::size_t eye = index_of(side);
-      positions_of(request.views[eye], distances_[eye].pixels, grid_, planes_);
+      positions_of(request.views[eye], distances_[eye].pixels, grid, planes_);
       for (std::size_t axis = 0; axis < planes_.size(); ++axis) {
         packer_.start(request.frame, side, kPositionKinds[axis], planes_[axis]);
         while (const std::optional<PlaneSlice> slice = packer_.next()) {
@@ -143,7 +146,7 @@ class ClientPositions final : public ModePipeline {
   const RunContext& context_;
   Exchange exchange_;
   MaskSources masks_;
-  PositionGrid grid_;
+  MovingBounds bounds_;
   DrawTimes drawn_;
   PerEye<Image<float>> distances_;
   PositionPlanes planes_;

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "stereo/scene/mesh_parts.h"
+#include "stereo/scene/moving_bounds.h"
 #include "stereo/scene/scene_state.h"
 #include "tests/unit/scene/gltf_builder.h"
 
@@ -369,6 +370,18 @@ TEST(LookExtensions, AreLeftOutWithOneWarningEach) {
   EXPECT_TRUE(scene.textures.empty());
   EXPECT_NE(scene.warnings[1].find("KHR_materials_unlit"), std::string::npos);
   EXPECT_NE(scene.warnings[2].find("textures without a PNG, JPEG or WebP"), std::string::npos);
+}
+
+TEST(MovingBounds, HoldADeformedMeshAtEachTime) {
+  const Scene scene = scene_of(moving_file());
+  MovingBounds bounds(scene);
+  for (const Duration time : {0ms, 250ms, 500ms, 999ms, 100ms}) {
+    const Bounds at = bounds.at(Time(time));
+    for (const glm::dvec3& p : deformed_corners(scene, time))
+      EXPECT_TRUE(glm::all(glm::lessThanEqual(at.low, p)) && glm::all(glm::greaterThanEqual(at.high, p)))
+          << time.count() << ": " << p.x << ' ' << p.y << ' ' << p.z;
+    EXPECT_LT(glm::length(at.high - at.low), 5);
+  }
 }
 
 }  // namespace

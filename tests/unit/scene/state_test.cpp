@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "stereo/math/rotation.h"
+#include "stereo/scene/moving_bounds.h"
 #include "stereo/scene/scene_state.h"
 #include "tests/unit/scene/gltf_builder.h"
 
@@ -30,6 +31,21 @@ Scene moved_by(Path path, Interpolation interpolation, std::vector<float> keys,
 
 glm::dvec3 origin_at(const Scene& scene, double seconds) {
   return state_at(scene, at(seconds)).stage_from_object.at(0)(Point<Object>{}).v;
+}
+
+TEST(MovingBounds, FollowWhatMovesAndStayWhereNothingDoes) {
+  Scene scene =
+      moved_by(Path::Translation, Interpolation::Linear, {0, 2}, {glm::vec4(0), glm::vec4(8, 0, -4, 0)});
+  scene.meshes.emplace_back().positions = {{-1, -1, -1}, {1, 1, 2}};
+  MovingBounds moving(scene);
+  EXPECT_EQ(moving.at(Time{}), (Bounds{{-1, -1, -1}, {1, 1, 2}}));
+  EXPECT_EQ(moving.at(at(1)), (Bounds{{3, -1, -3}, {5, 1, 0}}));
+  scene.nodes.emplace_back();
+  scene.instances.push_back({0, 1});  // another one stays
+  EXPECT_EQ(MovingBounds(scene).at(at(1)), (Bounds{{-1, -1, -3}, {5, 1, 2}}));
+  scene.nodes[0].moving = false;
+  scene.bounds = {{-7, -7, -7}, {7, 7, 7}};
+  EXPECT_EQ(MovingBounds(scene).at(at(1)), scene.bounds);
 }
 
 TEST(SceneState, ComposesHierarchyInDouble) {
