@@ -236,6 +236,7 @@ ServerCore::Answered ServerCore::answer(Job& job, Time begun, const std::stop_to
                            .primary_rays = traced.primary_rays,
                            .shadow_rays = traced.shadow_rays,
                            .full_shadow_rays = traced.full_shadow_rays,
+                           .update = traced.update,
                            .primary = traced.primary,
                            .shadow = traced.shadow,
                            .draw = draw,

@@ -93,7 +93,7 @@ struct Tracer::Impl {
 
   void make_maps();
   void advance_to(Time scene_time, const LightChanges& changes);
-  void prepare(const FrameRequest& request, ShadowFrame& frame);
+  Duration prepare(const FrameRequest& request, ShadowFrame& frame);
   [[nodiscard]] std::uint64_t lights_on() const;
   [[nodiscard]] float reach() const;
   template <int K>
@@ -300,10 +300,12 @@ float Tracer::Impl::reach() const {
 }
 
 /// Sets scene, lights and work list to those of the request, and everything of `frame` except the bits of
-/// asked blocks.
-void Tracer::Impl::prepare(const FrameRequest& request, ShadowFrame& frame) {
+/// asked blocks. Returns the time of the scene's update.
+Duration Tracer::Impl::prepare(const FrameRequest& request, ShadowFrame& frame) {
   for (const View& view : request.views) check(is_valid(view), "a traced view is valid");
+  const Stopwatch watch;
   advance_to(request.scene_time, request.lights);
+  const Duration update = watch.elapsed();
   frame.frame = request.frame;
   frame.light_set_revision = light_set.revision;
   frame.views = request.views;
@@ -315,6 +317,7 @@ void Tracer::Impl::prepare(const FrameRequest& request, ShadowFrame& frame) {
     groups[eye] = groups_of(mask.size(), plan.mask.lights, asked);
     if (!asked.empty()) std::ranges::fill(mask.bytes(), std::byte{});  // whole views overwrite every word
   }
+  return update;
 }
 
 /// Traces the masks of a prepared frame. `same`: both views coincide, and the left mask is copied.
@@ -366,19 +369,21 @@ Tracer& Tracer::operator=(Tracer&&) noexcept = default;
 Tracer::~Tracer() = default;
 
 TraceStats Tracer::trace(const FrameRequest& request, ShadowFrame& frame, const GiveUp& give_up) {
-  impl_->prepare(request, frame);
+  const Duration update = impl_->prepare(request, frame);
   const Rigid<Anchor, Stage>& anchor_from_stage = impl_->model.anchor_from_stage();
   const PerEye<ViewRays> views{rays_of(request.views[0], anchor_from_stage),
                                rays_of(request.views[1], anchor_from_stage)};
   const bool same = impl_->plan.shares_views && request.views[0] == request.views[1] &&
                     request.asked.tiles[0] == request.asked.tiles[1];
-  return impl_->trace_frame(views, same, frame, give_up);
+  TraceStats stats = impl_->trace_frame(views, same, frame, give_up);
+  stats.update = update;
+  return stats;
 }
 
 TraceStats Tracer::trace(const FrameRequest& request, const PerEye<PositionPlanes>& positions,
                          const PositionGrid& grid, ShadowFrame& frame, const GiveUp& give_up) {
   check(request.asked.whole(), "positions are those of whole views");
-  impl_->prepare(request, frame);
+  const Duration update = impl_->prepare(request, frame);
   const Rigid<Anchor, Stage>& anchor_from_stage = impl_->model.anchor_from_stage();
   const float reach = impl_->reach();
   const auto placed = [&](std::size_t eye) {
@@ -387,7 +392,9 @@ TraceStats Tracer::trace(const FrameRequest& request, const PerEye<PositionPlane
     return PlacedEye{positions[eye], anchor_from_stage(grid.low), grid.step_m,
                      rays_of(request.views[eye], anchor_from_stage), reach};
   };
-  return impl_->trace_frame(PerEye<PlacedEye>{placed(0), placed(1)}, false, frame, give_up);
+  TraceStats stats = impl_->trace_frame(PerEye<PlacedEye>{placed(0), placed(1)}, false, frame, give_up);
+  stats.update = update;
+  return stats;
 }
 
 MaskLayout Tracer::layout() const {

@@ -36,6 +36,8 @@
 namespace farshade {
 
 struct TraceStats {
+  /// Wall time in which vertices, hierarchies and light maps were brought to the time of the request.
+  Duration update{};
   /// Wall time of both eyes. The two stages of a tile run directly after one another, so the wall time is
   /// divided in proportion to the core time of each stage.
   Duration primary{}, shadow{};
@@ -49,7 +51,7 @@ struct TraceStats {
   std::uint64_t out_of_range = 0, out_of_cone = 0, turned_away = 0, proven = 0;
 
   TraceStats& operator+=(const TraceStats& more) {
-    primary += more.primary, shadow += more.shadow;
+    update += more.update, primary += more.primary, shadow += more.shadow;
     primary_rays += more.primary_rays, shadow_rays += more.shadow_rays;
     full_shadow_rays += more.full_shadow_rays;
     out_of_range += more.out_of_range, out_of_cone += more.out_of_cone;

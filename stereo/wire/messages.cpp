@@ -118,9 +118,9 @@ bool fields(auto& io, Either<Slice> auto& slice) {
 bool fields(auto& io, Either<FrameReport> auto& report) {
   return io.u32(report.frame.value) && io.u32(report.slices) && io.u32(report.payload_bytes) &&
          io.u64(report.primary_rays) && io.u64(report.shadow_rays) && io.u64(report.full_shadow_rays) &&
-         io.ns(report.primary) && io.ns(report.shadow) && io.ns(report.draw) && io.ns(report.pack) &&
-         io.ns(report.waited) && io.u32(report.superseded) && io.u32(report.bytes_per_second) &&
-         io.u8(report.view_scale.eighths);
+         io.ns(report.update) && io.ns(report.primary) && io.ns(report.shadow) && io.ns(report.draw) &&
+         io.ns(report.pack) && io.ns(report.waited) && io.u32(report.superseded) &&
+         io.u32(report.bytes_per_second) && io.u8(report.view_scale.eighths);
 }
 
 bool fields(auto& io, Either<PlaneSlice> auto& slice) {
@@ -247,8 +247,8 @@ Verdict verdict(const VideoPart& part) {
 }
 
 Verdict verdict(const FrameReport& report) {
-  const bool fine = in_range(report.primary) && in_range(report.shadow) && in_range(report.draw) &&
-                    in_range(report.pack) && in_range(report.waited);
+  const bool fine = in_range(report.update) && in_range(report.primary) && in_range(report.shadow) &&
+                    in_range(report.draw) && in_range(report.pack) && in_range(report.waited);
   if (!fine) return WireRefusal::TimeRange;
   return is_valid(report.view_scale) ? kFine : WireRefusal::Code;
 }

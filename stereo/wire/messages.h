@@ -23,7 +23,7 @@
 
 namespace farshade {
 
-inline constexpr std::uint16_t kProtocolVersion = 7;
+inline constexpr std::uint16_t kProtocolVersion = 8;
 /// UDP payload, sealing included: what every path must carry (as for QUIC, RFC 9000, 14), and the most that a
 /// client sends.
 inline constexpr std::size_t kBaseDatagram_bytes = 1200;
@@ -152,18 +152,19 @@ struct FrameReport {
   std::uint32_t slices = 0;         ///< messages of this frame, without this report
   std::uint32_t payload_bytes = 0;  ///< bytes of those messages, before sealing
   std::uint64_t primary_rays = 0, shadow_rays = 0;
-  std::uint64_t full_shadow_rays = 0;            ///< shadow rays that a trace without any saving would need
-  Duration primary{}, shadow{}, draw{}, pack{};  ///< times of the stages; pack includes coding
-  Duration waited{};                             ///< from the request's arrival to its trace
-  std::uint32_t superseded = 0;                  ///< requests that newer ones have replaced so far
-  std::uint32_t bytes_per_second = 0;            ///< that the path carries, by the server's estimate
-  ViewScale view_scale{};                        ///< the size of views that the client should request
+  std::uint64_t full_shadow_rays = 0;  ///< shadow rays that a trace without any saving would need
+  /// Times of the stages. Update: of the scene, to the time of the request. Pack includes coding.
+  Duration update{}, primary{}, shadow{}, draw{}, pack{};
+  Duration waited{};                   ///< from the request's arrival to its trace
+  std::uint32_t superseded = 0;        ///< requests that newer ones have replaced so far
+  std::uint32_t bytes_per_second = 0;  ///< that the path carries, by the server's estimate
+  ViewScale view_scale{};              ///< the size of views that the client should request
   friend bool operator==(const FrameReport&, const FrameReport&) = default;
 };
 
 /// The server's work on the frame, without waiting.
 [[nodiscard]] inline Duration total_work(const FrameReport& report) {
-  return report.primary + report.shadow + report.draw + report.pack;
+  return report.update + report.primary + report.shadow + report.draw + report.pack;
 }
 
 /// The server sends it to a new address of a client. The client puts the token into its next requests, and

@@ -89,7 +89,8 @@ void check_ranges(const Slice& slice) {
 }
 
 void check_ranges(const FrameReport& report) {
-  for (const Duration span : {report.primary, report.shadow, report.draw, report.pack, report.waited})
+  for (const Duration span :
+       {report.update, report.primary, report.shadow, report.draw, report.pack, report.waited})
     check_span(span.count(), 0);
   check(is_valid(report.view_scale), "a valid scale");
 }

@@ -120,9 +120,12 @@ std::vector<Figure> server_times() {
   };
   return {
       time("frame", kServed,
-           "The server's work on an answer: primary visibility, shadow rays, draw, code and pack, without "
-           "waiting.",
+           "The server's work on an answer: scene update, primary visibility, shadow rays, draw, code and "
+           "pack, without waiting.",
            [](const Report& r) { return total_work(r); }),
+      time("scene update", kServed,
+           "Bringing vertices, hierarchies and light maps to the time of the request.",
+           [](const Report& r) { return r.update; }),
       time("primary visibility", kServed, "Finding the surface point of each requested pixel.",
            [](const Report& r) { return r.primary; }),
       time("shadow rays", kServed, "Tracing shadow rays and what decides which are needed.",

@@ -190,7 +190,9 @@ void write_request(const auto& request, TraceEvents& events) {
   if (!request.report) return;
 
   const FrameReport& report = *request.report;
-  std::vector<TraceStage> stages{{"primary", report.primary}, {"shadow", report.shadow}};
+  std::vector<TraceStage> stages;
+  if (report.update > Duration::zero()) stages.push_back({"update", report.update});
+  stages.insert(stages.end(), {{"primary", report.primary}, {"shadow", report.shadow}});
   if (report.draw > Duration::zero()) stages.push_back({"draw", report.draw});
   stages.push_back({"pack", report.pack});
   const Duration work = report.waited + total_of(stages);

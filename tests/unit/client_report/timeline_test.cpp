@@ -305,6 +305,7 @@ TEST(Timeline, IsConsistentForAnyNetwork) {
     if (random() % 4 == 0) continue;
     FrameReport report = report_of(frame);
     report.waited = up_to_ns(3'000'000);
+    report.update = up_to_ns(2'000'000);
     report.shadow = up_to_ns(6'000'000);
     told.report_comes(report, first + up_to_ns(20'000'000));
   }

@@ -35,7 +35,12 @@ TraceStats paint(const FrameRequest& requested, ShadowFrame& frame) {
       for (std::uint32_t x = 0; x < kAskedSize.width; ++x)
         mask.set_word(x, y, 0, (x * x / 9 + y * requested.frame.value + index_of(side)) % 8);
   }
-  return {.primary = 3ms, .shadow = 4ms, .primary_rays = 10, .shadow_rays = 20, .full_shadow_rays = 30};
+  return {.update = 2ms,
+          .primary = 3ms,
+          .shadow = 4ms,
+          .primary_rays = 10,
+          .shadow_rays = 20,
+          .full_shadow_rays = 30};
 }
 
 PerEye<EyeMask> painted(std::uint32_t frame) {
@@ -94,6 +99,7 @@ TEST(ServerCore, ReportsTheFrameAndItsCost) {
                                  .primary_rays = 10,
                                  .shadow_rays = 20,
                                  .full_shadow_rays = 30,
+                                 .update = 2ms,
                                  .primary = 3ms,
                                  .shadow = 4ms,
                                  .waited = 2ms,

@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <random>
 #include <thread>
 
 #include "stereo/tracer/tile_stages.h"
 #include "tests/oracle/agreement.h"
+#include "tests/oracle/random_scenes.h"
 #include "tests/oracle/scene_builder.h"
 
 namespace farshade {
@@ -215,6 +217,25 @@ TEST(TracerFrame, MovingMeshesAreWhereTheTimeSays) {
     else
       EXPECT_EQ(frame.masks[0] == first.masks[0], ms == 0);
   }
+}
+
+/// Bending 20,000 triangles and their hierarchy takes milliseconds, finding that nothing is to be done does
+/// not.
+TEST(TracerFrame, ReportsTheTimeInWhichItBringsTheSceneToTheRequest) {
+  std::mt19937 random(1);
+  const Scene scene = bending_figures(random, 20'000);
+  auto tracer = Tracer::create(scene).value();
+  ShadowFrame frame;
+  Duration moved = Duration::max(), stood = Duration::max();
+  for (std::int64_t i = 1; i <= 4; ++i) {
+    const FrameRequest request = request_for({kLeft, kRight}, time_from_ns(i * 100'000'000));
+    const Stopwatch watch;
+    const TraceStats stats = tracer.trace(request, frame);
+    EXPECT_LE(stats.update + stats.primary + stats.shadow, watch.elapsed());
+    moved = std::min(moved, stats.update);
+    stood = std::min(stood, tracer.trace(request, frame).update);
+  }
+  EXPECT_GT(moved, 5 * stood);
 }
 
 TEST(TracerFrame, MovingLightMovesItsBitOnly) {
