@@ -127,7 +127,9 @@ void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport repo
   const bool on_terminal = isatty(STDERR_FILENO) != 0;
   client.renderer->compile_ahead(carry_over, report, changes, [&](std::size_t done, std::size_t all) {
     if (!on_terminal) return;
-    fmt::print(stderr, "\rcompiling pipelines: {} of {}{}", done, all, done == all ? "\r\x1b[K" : "");
+    // The cursor stays at the beginning of the line, so that whatever is printed next replaces it.
+    fmt::print(stderr, "\x1b[Kcompiling pipelines: {} of {}\r", done, all);
+    if (done == all) fmt::print(stderr, "\x1b[K");
     std::fflush(stderr);
   });
   spdlog::info("pipelines compiled in {:.0f} ms", ms_of(watch.elapsed()));

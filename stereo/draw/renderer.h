@@ -118,7 +118,7 @@ class Renderer {
 
   /// Creates and runs every pipeline that frames with these settings can need, whatever masks they have. So
   /// no later frame waits for a compiler. Takes seconds where the driver has no cache. Call it before the
-  /// first frame. `changes`: a viewer can move lights.
+  /// first frame. `changes`: a viewer can move lights. `progress` is told after each pipeline.
   void compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes,
                      const CompileProgress& progress = {});
 
