@@ -39,8 +39,7 @@ void add_shadow_maps(const Scene& scene, const ShadowMapSettings& maps, gpu::Byt
   const MapLayers layers = map_layers(scene, maps);
   memory[gpu::Use::ShadowMaps] =
       layers.bytes(maps.side_px) + (scene.lights.size() + 1) * sizeof(gpu::ShadowMapData);
-  memory[gpu::Use::Frame] +=
-      layers.count / 2 * scene.instances.size() * sizeof(gpu::InstanceData) + deformed_bytes(scene, false);
+  memory[gpu::Use::Frame] += layers.count / 2 * scene.instances.size() * sizeof(gpu::InstanceData);
 }
 
 }  // namespace
@@ -57,7 +56,7 @@ gpu::BytesByUse client_memory(const Scene& scene, const DrawPlan& requested, con
   add_scene(scene, plan, levels, memory);
   memory[Use::Frame] =
       sizeof(gpu::FrameData) + shading.lights + passes * scene.instances.size() * sizeof(gpu::InstanceData);
-  memory[Use::Frame] += deformed_bytes(scene, true) + (passes - 1) * deformed_bytes(scene, false);
+  memory[Use::Frame] += deformed_bytes(scene, plan);
   memory[Use::GBuffer] = pixels * (4 + (carries_masks(plan) ? 8 : 4));
   memory[Use::Depth] = kEyes * limits.traced_size.pixels() * (limits.depth_frames + 1) * 4;
   if (carry.carried > 0) memory[Use::Frame] += sizeof(gpu::FrameData) + shading.lights;

@@ -24,6 +24,7 @@ struct DrawCounters {
   std::uint64_t mask_uploads = 0;       ///< copies of a mask, both eyes, to the device so far
   std::uint64_t map_layers_drawn = 0;  ///< of shadow maps, with instances that cannot move, in the last frame
   std::uint64_t map_layers_restored = 0;  ///< from kept depth; only moving instances were drawn
+  std::uint64_t meshes_deformed = 0;      ///< so far
   gpu::MemoryUse memory;                  ///< of the whole device, by use
 };
 

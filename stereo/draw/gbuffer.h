@@ -43,9 +43,11 @@ class GBufferPass {
 
 class DepthPass {
  public:
+  /// Keeps the references. All depth passes of a renderer share `pipelines`.
   DepthPass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
-            const gpu::Buffer& frame)
-      : pass_(device, scene, plan, buffers, frame, Outputs::Depth), hidden_(device, plan, Outputs::Depth) {}
+            const gpu::Buffer& frame, std::shared_ptr<ScenePipelines> pipelines)
+      : pass_(device, scene, plan, buffers, frame, Outputs::Depth, 1, std::move(pipelines)),
+        hidden_(device, plan, Outputs::Depth) {}
 
   void prepare_warm_up();
 

@@ -19,9 +19,10 @@ namespace {
 constexpr std::uint32_t kStamps = 5;
 
 std::optional<SurroundFaces> faces_of(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
-                                      const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size) {
+                                      const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size,
+                                      const std::shared_ptr<ScenePipelines>& pipelines) {
   if (most_surround(plan) == 0) return std::nullopt;
-  return std::optional<SurroundFaces>(std::in_place, device, scene, plan, buffers, frame, size);
+  return std::optional<SurroundFaces>(std::in_place, device, scene, plan, buffers, frame, size, pipelines);
 }
 
 /// A mask of the views of a request of which nothing is known. Keeps the reference.
@@ -111,6 +112,7 @@ class Renderer::Parts {
   MotionModel motion_;
   gpu::Buffer frame_buffer_;  ///< one FrameData for all passes
   DepthRing ring_;
+  std::shared_ptr<ScenePipelines> depth_pipelines_ = std::make_shared<ScenePipelines>();
   std::optional<SurroundFaces> faces_;  ///< set if the plan has a surround
   GBufferPass gbuffer_;
   GBufferTransfer transfer_;
@@ -141,7 +143,7 @@ Renderer::Parts::Parts(const gpu::Device& device, const Scene& scene, DrawPlan p
       frame_buffer_(gpu::make_mapped_buffer(
           device, sizeof(gpu::FrameData), vk::BufferUsageFlagBits::eUniformBuffer, "frame", gpu::Use::Frame)),
       ring_(device, limits.traced_size, limits.depth_frames),
-      faces_(faces_of(device, scene, plan_, buffers_, frame_buffer_, limits.size)),
+      faces_(faces_of(device, scene, plan_, buffers_, frame_buffer_, limits.size, depth_pipelines_)),
       gbuffer_(device, scene, plan_, buffers_, frame_buffer_, limits.size),
       transfer_(device, gbuffer_, ring_, limits.size),
       bytes_(shading_bytes(plan_, limits.size, limits.traced_size)),
@@ -161,7 +163,7 @@ Renderer::Parts::Parts(const gpu::Device& device, const Scene& scene, DrawPlan p
 }
 
 void Renderer::Parts::make_depth_pass() {
-  depth_pass_.emplace(device_, scene_, plan_, buffers_, frame_buffer_);
+  depth_pass_.emplace(device_, scene_, plan_, buffers_, frame_buffer_, depth_pipelines_);
 }
 
 /// Chooses where the depth of the shown views goes, and that of the requested views if they differ.
@@ -253,7 +255,6 @@ void Renderer::Parts::compile_ahead(const CarryOver& carry_over, PixelReport rep
       [&](const auto& commands) { gbuffer_.record(commands, ring_, ring_.shown()); }};
   if (depth_pass_)
     steps.emplace_back([&](const auto& commands) { depth_pass_->record(commands, ring_, ring_.shown()); });
-  if (faces_) std::ranges::copy(faces_->warm_ups(), std::back_inserter(steps));
   if (carries_masks(plan_)) std::ranges::copy(need_carry().warm_ups(), std::back_inserter(steps));
   std::ranges::copy(shading_.warm_ups(carry_over, report, changes), std::back_inserter(steps));
   for (std::size_t i = 0; i < steps.size(); ++i) {
@@ -464,20 +465,22 @@ DrawCounters Renderer::Parts::counters() const {
                         .mask_uploads = masks_.uploads(),
                         .memory = device_.ledger->read()};
   const auto add = [&](const ScenePass& pass, bool drawn, std::uint64_t& triangles) {
-    counters.pipelines += pass.pipelines();
     counters.bindings += pass.bindings();
     if (!drawn) return;
     counters.vertex_bytes_read += pass.vertex_bytes_read();
     triangles += pass.triangles();
   };
   add(gbuffer_.scene_pass(), true, counters.gbuffer_triangles);
-  counters.pipelines += gbuffer_.hidden_pass().pipelines();
+  counters.pipelines += depth_pipelines_->size();
+  counters.pipelines += gbuffer_.scene_pass().pipelines() + gbuffer_.hidden_pass().pipelines();
+  counters.meshes_deformed = buffers_.deformed->deformed();
   if (depth_pass_) counters.pipelines += depth_pass_->hidden_pass().pipelines();
   if (depth_pass_) add(depth_pass_->scene_pass(), requested_depth_.has_value(), counters.depth_triangles);
   for (std::size_t pair = 0; faces_ && pair < faces_->passes().size(); ++pair)
     add(faces_->passes()[pair].scene_pass(), pair < faces_->pairs(), counters.depth_triangles);
   if (shadow_maps_) {
     add(shadow_maps_->scene_pass(), shadow_maps_->due(), counters.map_triangles);
+    counters.pipelines += shadow_maps_->scene_pass().pipelines();
     counters.bindings += shadow_maps_->bindings().kinds.size();
     counters.map_layers_drawn = shadow_maps_->layers_drawn().drawn;
     counters.map_layers_restored = shadow_maps_->layers_drawn().restored;

@@ -212,6 +212,7 @@ SceneBuffers make_scene_buffers(const gpu::Device& device, const Scene& scene, c
                                 const SceneLevels& levels) {
   SceneBuffers buffers;
   make_meshes(device, scene, plan, levels, buffers);
+  buffers.deformed = std::make_unique<DeformedVertices>(device, scene, plan);
   make_textures(device, scene, plan, buffers);
   return buffers;
 }

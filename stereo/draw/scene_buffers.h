@@ -3,9 +3,11 @@
 /// does not depend on the number of meshes (Vulkan guarantees only 4,096).
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "stereo/draw/deformed_vertices.h"
 #include "stereo/draw/mesh_streams.h"
 #include "stereo/gpu/pass.h"
 #include "stereo/gpu/upload.h"
@@ -41,7 +43,8 @@ struct DeviceMesh {
 struct SceneBuffers {
   gpu::Buffer vertices, indices;
   std::vector<DeviceMesh> meshes;
-  gpu::ImageGroup textures;  ///< those that a mesh reads
+  std::unique_ptr<DeformedVertices> deformed;  ///< never null; passes change it
+  gpu::ImageGroup textures;                    ///< those that a mesh reads
   std::vector<vk::raii::Sampler> samplers;
   std::vector<gpu::Bindings> texture_sets;  ///< set 1 of the G-buffer pass, for each entry of textures_read
   vk::raii::DescriptorSetLayout texture_layout{nullptr};  ///< null if no mesh reads a texture

@@ -34,7 +34,7 @@ vk::RenderingAttachmentInfo cleared(vk::ImageView view, vk::ImageLayout layout) 
 
 ScenePass::ScenePass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
                      const SceneBuffers& buffers, const gpu::Buffer& frame, Outputs outputs,
-                     std::size_t pairs)
+                     std::size_t pairs, std::shared_ptr<ScenePipelines> pipelines)
     : device_(device),
       scene_(scene),
       plan_(plan),
@@ -43,8 +43,9 @@ ScenePass::ScenePass(const gpu::Device& device, const Scene& scene, const DrawPl
       instances_(gpu::make_mapped_buffer(device, pairs * scene.instances.size() * sizeof(gpu::InstanceData),
                                          vk::BufferUsageFlagBits::eUniformBuffer, "instances",
                                          gpu::Use::Frame)),
-      deformed_(device, scene, outputs == Outputs::GBuffer),
+      deformed_(&buffers.deformed->any()),
       bindings_(gpu::make_bindings(device, scene_set(outputs), to_string(outputs))),
+      pipelines_(std::move(pipelines)),
       draws_(pairs),
       last_levels_(scene.instances.size(), 0) {
   gpu::bind_buffer(device, bindings_, 0, instances_, sizeof(gpu::InstanceData));
@@ -81,8 +82,8 @@ SceneVariant ScenePass::variant_of(std::size_t mesh) const {
 }
 
 void ScenePass::need_pipeline(SceneVariant variant) {
-  if (!pipelines_.contains(variant))
-    pipelines_.emplace(variant, make_scene_pipeline(device_, layout_, plan_, outputs_, variant));
+  if (!pipelines_->contains(variant))
+    pipelines_->emplace(variant, make_scene_pipeline(device_, layout_, plan_, outputs_, variant));
 }
 
 /// Bytes that a draw reads for one eye, if all parts of its level read equally many vertices.
@@ -150,7 +151,7 @@ PerEye<std::uint32_t> ScenePass::levels_for(std::uint32_t instance, const gpu::I
 }
 
 const Bounds& ScenePass::box_of(std::size_t instance) const {
-  const DeformedVertices::Place* deformed = deformed_.of(instance);
+  const DeformedVertices::Place* deformed = deformed_->of(instance);
   return deformed != nullptr ? deformed->box : buffers_.meshes[scene_.instances[instance].mesh].box;
 }
 
@@ -270,7 +271,7 @@ void ScenePass::draw_instance(const vk::raii::CommandBuffer& commands, const Dra
   const std::uint32_t mesh_index = scene_.instances[draw.instance].mesh;
   const DeviceMesh& mesh = buffers_.meshes[mesh_index];
   const SceneVariant variant = variant_of(mesh_index);
-  commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipelines_.at(variant));
+  commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipelines_->at(variant));
   if (variant.textured)
     commands.bindDescriptorSets(vk::PipelineBindPoint::eGraphics, *layout_, 1,
                                 *buffers_.texture_sets[*mesh.texture].set, {});
@@ -279,9 +280,9 @@ void ScenePass::draw_instance(const vk::raii::CommandBuffer& commands, const Dra
   std::array<vk::DeviceSize, 4> offsets{mesh.offsets.positions};
   std::uint32_t count = 1;
   if (outputs_ == Outputs::GBuffer) offsets[count++] = mesh.offsets.normals;
-  if (const DeformedVertices::Place* deformed = deformed_.of(draw.instance)) {
-    streams[0] = deformed_.buffer(), offsets[0] = deformed->positions;
-    if (outputs_ == Outputs::GBuffer) streams[1] = deformed_.buffer(), offsets[1] = deformed->normals;
+  if (const DeformedVertices::Place* deformed = deformed_->of(draw.instance)) {
+    streams[0] = deformed_->buffer(), offsets[0] = deformed->positions;
+    if (outputs_ == Outputs::GBuffer) streams[1] = deformed_->buffer(), offsets[1] = deformed->normals;
   }
   if (variant.textured) offsets[count++] = mesh.offsets.uvs;
   if (variant.colored) offsets[count++] = mesh.offsets.colors;

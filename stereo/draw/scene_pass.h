@@ -3,9 +3,8 @@
 /// their outputs.
 #pragma once
 
-#include <map>
+#include <memory>
 
-#include "stereo/draw/deformed_vertices.h"
 #include "stereo/draw/detail.h"
 #include "stereo/draw/frame_data.h"
 #include "stereo/draw/hidden_pass.h"
@@ -32,8 +31,10 @@ struct CasterDraws {
 class ScenePass {
  public:
   /// Keeps the references. `frame` holds a FrameData. A frame draws into at most `pairs` pairs of layers.
+  /// `pipelines` are those of the passes with the same outputs, and become more.
   ScenePass(const gpu::Device& device, const Scene& scene, const DrawPlan& plan, const SceneBuffers& buffers,
-            const gpu::Buffer& frame, Outputs outputs, std::size_t pairs = 1);
+            const gpu::Buffer& frame, Outputs outputs, std::size_t pairs = 1,
+            std::shared_ptr<ScenePipelines> pipelines = std::make_shared<ScenePipelines>());
 
   /// Creates the pipelines of all meshes.
   void make_all_pipelines();
@@ -46,10 +47,10 @@ class ScenePass {
   void prepare(std::span<const CasterDraws> passes, Extent size, const SceneState& state);
 
   /// Deforms the meshes that rigs move; `prepare` does it, too.
-  void deform(const SceneState& state) { deformed_.update(state); }
+  void deform(const SceneState& state) { deformed_ = &buffers_.deformed->at(state); }
   /// The box of an instance's mesh at the time of the last `deform`, relative to its center.
   [[nodiscard]] const Bounds& box_of(std::size_t instance) const;
-  [[nodiscard]] const DeformedVertices& deformed() const { return deformed_; }
+  [[nodiscard]] const DeformedVertices::Pose& deformed() const { return *deformed_; }
 
   /// Draws one pass into two layers: `size` pixels from the top left corner of the attachments. Before that
   /// it clears `clears` of the depth to zero. `hidden`, if any, has the same outputs and was prepared.
@@ -61,7 +62,7 @@ class ScenePass {
   /// The level of detail at which an instance was drawn when levels were last used. Not of shadow maps.
   [[nodiscard]] std::uint32_t level_of(std::uint32_t instance) const { return last_levels_.at(instance); }
 
-  [[nodiscard]] std::size_t pipelines() const { return pipelines_.size(); }
+  [[nodiscard]] std::size_t pipelines() const { return pipelines_->size(); }
   [[nodiscard]] std::size_t bindings() const { return bindings_.kinds.size(); }
   /// Bytes of vertex streams and indices that the draws of the last `prepare` read.
   [[nodiscard]] std::uint64_t vertex_bytes_read() const { return vertex_bytes_read_; }
@@ -99,10 +100,10 @@ class ScenePass {
   const SceneBuffers& buffers_;
   Outputs outputs_;
   gpu::Buffer instances_;
-  DeformedVertices deformed_;
+  const DeformedVertices::Pose* deformed_;
   gpu::Bindings bindings_;
   vk::raii::PipelineLayout layout_{nullptr};
-  std::map<SceneVariant, vk::raii::Pipeline> pipelines_;
+  std::shared_ptr<ScenePipelines> pipelines_;
   std::vector<std::vector<Draw>> draws_;    ///< for each pass
   std::vector<std::uint32_t> last_levels_;  ///< of the instances; not for shadow maps
   std::uint64_t vertex_bytes_read_ = 0, triangles_ = 0;

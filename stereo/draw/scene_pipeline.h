@@ -2,6 +2,7 @@
 #pragma once
 
 #include <compare>
+#include <map>
 
 #include "stereo/draw/shading_layout.h"
 #include "stereo/gpu/pass.h"
@@ -32,6 +33,9 @@ struct SceneVariant {
   friend auto operator<=>(const SceneVariant&, const SceneVariant&) = default;
 };
 [[nodiscard]] SceneVariant variant_for(const SurfaceNeeds& needs, Outputs outputs);
+
+/// Those that passes with the same outputs share.
+using ScenePipelines = std::map<SceneVariant, vk::raii::Pipeline>;
 
 /// The pipeline binds these vertex streams, in this order: positions; normals, if it writes a G-buffer;
 /// texture coordinates, if it is textured; colours, if it is coloured. Viewport, scissor, cull mode and front

@@ -3,12 +3,14 @@
 namespace farshade {
 
 SurroundFaces::SurroundFaces(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
-                             const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size)
+                             const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size,
+                             std::shared_ptr<ScenePipelines> pipelines)
     : device_(device),
       scene_(scene),
       plan_(plan),
       buffers_(buffers),
       frame_buffer_(frame),
+      pipelines_(std::move(pipelines)),
       ring_(device, face_size(size), kSurroundSlots) {
   if (!plan.builds_late) need_passes();
 }
@@ -17,7 +19,7 @@ void SurroundFaces::need_passes() {
   if (!passes_.empty()) return;
   passes_.reserve(kSurroundPairs);
   for (std::size_t pair = 0; pair < kSurroundPairs; ++pair)
-    passes_.emplace_back(device_, scene_, plan_, buffers_, frame_buffer_);
+    passes_.emplace_back(device_, scene_, plan_, buffers_, frame_buffer_, pipelines_);
 }
 
 void SurroundFaces::prepare(const ShownFrame& frame) {
@@ -36,18 +38,6 @@ void SurroundFaces::prepare(const ShownFrame& frame) {
 void SurroundFaces::record(const vk::raii::CommandBuffer& commands) const {
   for (std::size_t pair = 0; pair < places_.size(); ++pair)
     passes_[pair].record(commands, ring_, places_[pair]);
-}
-
-std::vector<gpu::Recording> SurroundFaces::warm_ups() {
-  need_passes();
-  std::vector<gpu::Recording> warm_ups;
-  for (DepthPass& pass : passes_) {
-    pass.prepare_warm_up();
-    warm_ups.emplace_back([this, &pass](const vk::raii::CommandBuffer& commands) {
-      pass.record(commands, ring_, ring_.shown());
-    });
-  }
-  return warm_ups;
 }
 
 std::uint64_t SurroundFaces::triangles() const {

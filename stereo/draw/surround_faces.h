@@ -13,16 +13,15 @@ namespace farshade {
 class SurroundFaces {
  public:
   /// For shown views of `size`. Keeps the references. If the plan does not build late, the passes exist at
-  /// once.
+  /// once. They share `pipelines` with the other depth passes.
   SurroundFaces(const gpu::Device& device, const Scene& scene, const DrawPlan& plan,
-                const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size);
+                const SceneBuffers& buffers, const gpu::Buffer& frame, Extent size,
+                std::shared_ptr<ScenePipelines> pipelines);
 
   /// Chooses where the depth of the requested pairs of a frame goes, and prepares `record`.
   void prepare(const ShownFrame& frame);
   /// Draws the depth of the prepared pairs.
   void record(const vk::raii::CommandBuffer& commands) const;
-  /// Creates every pipeline that `record` can need. Each result runs one pass for pictures of no pixels.
-  [[nodiscard]] std::vector<gpu::Recording> warm_ups();
 
   [[nodiscard]] const DepthRing& ring() const { return ring_; }
   void forget() { ring_.forget(); }
@@ -40,6 +39,7 @@ class SurroundFaces {
   const DrawPlan& plan_;
   const SceneBuffers& buffers_;
   const gpu::Buffer& frame_buffer_;
+  std::shared_ptr<ScenePipelines> pipelines_;
   DepthRing ring_;
   std::vector<DepthPass> passes_;         ///< created at first use
   std::vector<DepthRing::Place> places_;  ///< one for each prepared pair

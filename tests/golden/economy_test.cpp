@@ -3,13 +3,16 @@
 /// same.
 #include <deque>
 #include <numeric>
+#include <random>
 #include <set>
 
 #include "stereo/draw/shading_layout.h"
+#include "stereo/frame/surround.h"
 #include "stereo/frame/tiles.h"
 #include "stereo/image/difference.h"
 #include "stereo/scene/gltf.h"
 #include "tests/golden/test_rig.h"
+#include "tests/oracle/random_scenes.h"
 #include "tests/oracle/scene_builder.h"
 
 namespace farshade {
@@ -215,6 +218,43 @@ TEST_F(Economy, PipelinesAreCompiledAheadOneASubmission) {
   std::iota(each.begin(), each.end(), std::size_t{1});
   EXPECT_EQ(done, each);
   EXPECT_EQ(renderer.counters().pipelines, steps);
+}
+
+/// However many passes draw it: the shown views, the requested ones and six faces of the surround.
+TEST_F(Economy, AMeshIsDeformedOnceForEachTimeOfAFrame) {
+  std::mt19937 random(3);
+  const Scene scene = bending_figures(random, 3000);
+  const DrawPlan plan = plan_for(scene).draw;
+  ASSERT_GT(most_surround(plan), 0u);
+  Renderer renderer(device_, scene, plan, kLimits);
+  const auto meshes = static_cast<std::uint64_t>(
+      std::ranges::count_if(scene.instances, [](const Instance& i) { return i.rig.has_value(); }));
+  ASSERT_GT(meshes, 3u);
+  const StereoView shown = eyes_at(0.06), requested = eyes_at(0.08);
+  std::uint64_t before = 0;
+  const auto draw_at = [&](std::uint32_t number, Duration now, Duration then) {
+    const SceneState state = state_at(scene, Time(now));
+    const FrameRequest request{FrameId{number}, Time{}, Time(then), requested};
+    std::vector<FrameRequest> pairs;
+    for (std::size_t pair = 0; pair < kSurroundPairs; ++pair)
+      pairs.push_back({FrameId{kFirstSurroundFrame.value + 3 * number + static_cast<std::uint32_t>(pair)},
+                       Time{}, Time(then), faces_about({{0, 0, 0}}, pair, face_size(kSize))});
+    const std::vector<FaceRequest> faces{{pairs[0], 0}, {pairs[1], 1}, {pairs[2], 2}};
+    renderer.draw({.views = shown,
+                   .state = state,
+                   .request = &request,
+                   .masks = {},
+                   .carry_over = {},
+                   .request_slot = number % 3,
+                   .faces = faces});
+    const std::uint64_t now_deformed = renderer.counters().meshes_deformed, news = now_deformed - before;
+    before = now_deformed;
+    return news;
+  };
+  EXPECT_EQ(draw_at(1, 100ms, 180ms), 2 * meshes);
+  EXPECT_EQ(draw_at(2, 114ms, 194ms), 2 * meshes);
+  EXPECT_EQ(draw_at(3, 194ms, 274ms), meshes) << "the shown time was requested before";
+  EXPECT_EQ(draw_at(4, 194ms, 274ms), 0u);
 }
 
 /// Draws frames as the client does: each frame requests a mask, and masks arrive three or four frames later.
