@@ -13,6 +13,7 @@
 #include "stereo/head/reader.h"
 #include "stereo/head/writer.h"
 #include "vr_client/client.h"
+#include "vr_client/compile_ahead.h"
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/placed_head.h"
 #include "vr_client/record/capture_writer.h"

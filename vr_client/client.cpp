@@ -2,10 +2,8 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <cstdio>
 #include <future>
 
 #include "stereo/announce/find_server.h"
@@ -122,21 +120,6 @@ Expected<PlannedScene> load_planned(const Options& options, const SessionNeeds& 
   return plan_scene(std::move(lit->scene), needs);
 }
 
-void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport report, Changes changes) {
-  const Stopwatch watch;
-  const bool on_terminal = isatty(STDERR_FILENO) != 0;
-  client.renderer->compile_ahead(carry_over, report, changes, [&](std::size_t done, std::size_t all) {
-    if (!on_terminal) return;
-    // The cursor stays at the beginning of the line, so that whatever is printed next replaces it.
-    fmt::print(stderr, "\x1b[Kcompiling pipelines: {} of {}\r", done, all);
-    if (done == all) fmt::print(stderr, "\x1b[K");
-    std::fflush(stderr);
-  });
-  spdlog::info("pipelines compiled in {:.0f} ms", ms_of(watch.elapsed()));
-  if (const Expected<void> saved = gpu::save_pipelines(client.device, cache_folder()); !saved)
-    spdlog::warn("the compiled pipelines are not kept: {}", saved.error().what);
-}
-
 SceneLevels levels_for(const Scene& scene, const ScenePlan& plan) {
   if (plan.draw.detail_px <= 0) return {};
   const Stopwatch watch;
@@ -172,6 +155,7 @@ Expected<std::unique_ptr<Client>> open_client(const Options& options, const Sess
 
 void open_renderer(Client& client, const RendererLimits& limits) {
   client.levels = levels_for(client.scene, client.plan);
+  client.limits = limits;
   client.renderer =
       std::make_unique<Renderer>(client.device, client.scene, client.plan.draw, limits, client.levels);
 }

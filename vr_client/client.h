@@ -23,7 +23,8 @@ struct Client {
   ScenePlan plan;
   SceneLevels levels;  ///< empty: everything is drawn in full detail
   gpu::Device device;
-  std::unique_ptr<Renderer> renderer;
+  RendererLimits limits;
+  std::unique_ptr<Renderer> renderer;     ///< with these limits
   std::unique_ptr<Reference> reference;   ///< for measuring; empty until open_reference
   std::unique_ptr<Reference> own_tracer;  ///< mode full: traces the shown shadows; empty until open_tracers
   PausableClock clock;  ///< of the link and the display; stands still while a preview holds a frame
@@ -49,9 +50,6 @@ inline constexpr double kWorstPreviewPath_ms = 400;
 /// Plans and makes the renderer anew for the mode of `options`, whose scene and device the client keeps. No
 /// work on the device may be pending. Fails, with nothing changed, if the mode cannot be run here.
 [[nodiscard]] Expected<void> reopen_renderer(const Options& options, Client& client, double eye_distance_m);
-
-/// Creates every pipeline that a run with these settings can need, and keeps them in the user's cache.
-void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport report, Changes changes);
 
 /// The levels of detail of a scene, from the user's cache or newly made; none if the plan uses none.
 [[nodiscard]] SceneLevels levels_for(const Scene& scene, const ScenePlan& plan);

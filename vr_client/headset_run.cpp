@@ -6,6 +6,7 @@
 #include "stereo/base/stop_signal.h"
 #include "vr_client/app.h"
 #include "vr_client/client.h"
+#include "vr_client/compile_ahead.h"
 #include "vr_client/mirror.h"
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/openxr/headset_runtime.h"

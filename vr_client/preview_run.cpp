@@ -11,6 +11,7 @@
 #include "stereo/video/video.h"
 #include "vr_client/app.h"
 #include "vr_client/client.h"
+#include "vr_client/compile_ahead.h"
 #include "vr_client/frame_window.h"
 #include "vr_client/modes/make_pipeline.h"
 #include "vr_client/placed_head.h"

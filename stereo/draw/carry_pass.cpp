@@ -1,5 +1,6 @@
 #include "stereo/draw/carry_pass.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 
@@ -75,47 +76,39 @@ void CarryPass::prepare(const FrameRequest& request, const DepthRing::Place& pla
   frame.counts.y = place.layer;
   const std::array<const Motion*, 1> motions{&since};
   write_stale(request.views, {.masks = motions}, frame);
-  moved_ = !since.moved.empty();
   size_ = request.views[0].size;
   frame_buffer_.as<gpu::FrameData>()[0] = frame;
   for (std::size_t i = 0; i < lights.lights.size(); ++i)
     light_buffer_.as<gpu::LightData>()[i] = light_data(request.views, lights.lights[i]);
 }
 
-std::vector<gpu::Recording> CarryPass::warm_ups() {
-  std::vector<gpu::Recording> warm_ups;
-  for (const bool moved : {false, true}) {
-    if (moved && !plan_.anything_moves()) break;
-    warm_ups.emplace_back([this, &pipeline = need_pipeline(moved)](const vk::raii::CommandBuffer& commands) {
-      commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *bindings_.set, {});
-      commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline);
-      push_shown_eye(commands, layout_, 0);
-      commands.dispatch(0, 1, 1);
-    });
-  }
-  return warm_ups;
+gpu::Recording CarryPass::warm_up() {
+  return [this, &pipeline = need_pipeline()](const vk::raii::CommandBuffer& commands) {
+    commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *bindings_.set, {});
+    commands.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline);
+    push_shown_eye(commands, layout_, 0);
+    commands.dispatch(0, 1, 1);
+  };
 }
 
-const vk::raii::Pipeline& CarryPass::need_pipeline(bool moved) {
-  const auto found = pipelines_.find(moved);
-  if (found != pipelines_.end()) return found->second;
+const vk::raii::Pipeline& CarryPass::need_pipeline() {
+  if (*pipeline_) return pipeline_;
   std::vector<std::uint32_t> constants(FARSHADE_CARRY_CONSTANTS);
   constants[FARSHADE_CARRY_LIGHTS] = plan_.mask.lights;
   constants[FARSHADE_CARRY_WORD_BYTES] = plan_.mask.word_bytes();
   constants[FARSHADE_CARRY_NEAR] = std::bit_cast<std::uint32_t>(static_cast<float>(kNearPlane_m));
   constants[FARSHADE_CARRY_DETAIL] = std::bit_cast<std::uint32_t>(plan_.detail_px);
-  constants[FARSHADE_CARRY_MOVED] = moved;
+  constants[FARSHADE_CARRY_MOVED] = std::ranges::find(plan_.moves, true) != plan_.moves.end();
   const vk::raii::ShaderModule shader = gpu::make_shader(device_, carry_comp_spv, "carry.comp");
-  return pipelines_
-      .emplace(moved, gpu::make_compute_pipeline(device_, layout_, shader,
-                                                 gpu::Specialization(std::move(constants)), "carry"))
-      .first->second;
+  pipeline_ = gpu::make_compute_pipeline(device_, layout_, shader, gpu::Specialization(std::move(constants)),
+                                         "carry");
+  return pipeline_;
 }
 
 void CarryPass::record(const vk::raii::CommandBuffer& commands) {
   commands.bindDescriptorSets(vk::PipelineBindPoint::eCompute, *layout_, 0, *bindings_.set, {});
   const Extent blocks = blocks_of(size_);
-  commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline(moved_));
+  commands.bindPipeline(vk::PipelineBindPoint::eCompute, *need_pipeline());
   for (std::uint32_t eye = 0; eye < kEyes; ++eye) {
     push_shown_eye(commands, layout_, eye);
     commands.dispatch((blocks.width + FARSHADE_CARRY_GROUP - 1) / FARSHADE_CARRY_GROUP, blocks.height, 1);

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <compare>
-#include <map>
 
 #include "stereo/draw/carry_over.h"
 #include "stereo/draw/depth_ring.h"
@@ -26,20 +25,19 @@ class CarryPass {
   void prepare(const FrameRequest& request, const DepthRing::Place& place, const TracedMask& base,
                const LightSet& lights, const Motion& since);
 
-  /// Creates every pipeline that `record` can need. Each result runs one of them, for masks of no pixels.
-  [[nodiscard]] std::vector<gpu::Recording> warm_ups();
+  /// Creates the pipeline. The result runs it for masks of no pixels.
+  [[nodiscard]] gpu::Recording warm_up();
 
   void record(const vk::raii::CommandBuffer& commands);
 
   /// Reads the result of the last `record`. Call after the device has finished. Reuses the memory of `into`.
   void read(CarriedOver& into) const;
 
-  [[nodiscard]] std::size_t pipelines() const { return pipelines_.size(); }
+  [[nodiscard]] std::size_t pipelines() const { return *pipeline_ ? 1 : 0; }
   [[nodiscard]] std::size_t bindings() const { return bindings_.kinds.size(); }
 
  private:
-  /// `moved`: an instance has moved since the mask was traced.
-  const vk::raii::Pipeline& need_pipeline(bool moved);
+  const vk::raii::Pipeline& need_pipeline();
 
   const gpu::Device& device_;
   const DrawPlan& plan_;
@@ -51,10 +49,8 @@ class CarryPass {
   vk::raii::Sampler nearest_{nullptr};
   gpu::Bindings bindings_;
   vk::raii::PipelineLayout layout_{nullptr};
-  std::map<bool, vk::raii::Pipeline> pipelines_;
-  // Of the pass that was prepared last.
-  Extent size_;
-  bool moved_ = false;
+  vk::raii::Pipeline pipeline_{nullptr};
+  Extent size_;  ///< of the pass that was prepared last
 };
 
 }  // namespace farshade

@@ -61,8 +61,8 @@ class Renderer::Parts {
         const SceneLevels& levels);
 
   DrawTimes draw(const ShownFrame& frame);
-  void compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes,
-                     const CompileProgress& progress);
+  std::vector<std::function<void()>> compile_steps(const CarryOver& carry_over, PixelReport report,
+                                                   Changes changes);
   DrawTimes shade_again(const ShownFrame& frame);
   DrawTimes keep_depth(const FrameRequest& request, std::size_t slot, PerEye<Image<float>>& into,
                        const PerEye<HiddenArea>* hidden);
@@ -244,23 +244,24 @@ DrawTimes Renderer::Parts::draw(const ShownFrame& frame) {
   return times;
 }
 
-void Renderer::Parts::compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes,
-                                    const CompileProgress& progress) {
+std::vector<std::function<void()>> Renderer::Parts::compile_steps(const CarryOver& carry_over,
+                                                                  PixelReport report, Changes changes) {
   if (plan_.anything_moves()) changes = Changes::Possible;
   gbuffer_.prepare_warm_up();
   if (plan_.depth_pass && !depth_pass_) make_depth_pass();
   if (depth_pass_) depth_pass_->prepare_warm_up();
   frame_buffer_.as<gpu::FrameData>()[0] = {};  // pictures of no pixels
-  std::vector<gpu::Recording> steps{
-      [&](const auto& commands) { gbuffer_.record(commands, ring_, ring_.shown()); }};
+  std::vector<gpu::Recording> recordings{
+      [this](const auto& commands) { gbuffer_.record(commands, ring_, ring_.shown()); }};
   if (depth_pass_)
-    steps.emplace_back([&](const auto& commands) { depth_pass_->record(commands, ring_, ring_.shown()); });
-  if (carries_masks(plan_)) std::ranges::copy(need_carry().warm_ups(), std::back_inserter(steps));
-  std::ranges::copy(shading_.warm_ups(carry_over, report, changes), std::back_inserter(steps));
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    gpu::run_now(device_, steps[i]);  // one submission each, because each has a time limit
-    if (progress) progress(i + 1, steps.size());
-  }
+    recordings.emplace_back(
+        [this](const auto& commands) { depth_pass_->record(commands, ring_, ring_.shown()); });
+  if (carries_masks(plan_)) recordings.push_back(need_carry().warm_up());
+  std::ranges::copy(shading_.warm_ups(carry_over, report, changes), std::back_inserter(recordings));
+  std::vector<std::function<void()>> steps;
+  for (gpu::Recording& recording : recordings)  // one submission each, because each has a time limit
+    steps.emplace_back([this, recording = std::move(recording)] { gpu::run_now(device_, recording); });
+  return steps;
 }
 
 DrawTimes Renderer::Parts::shade_again(const ShownFrame& frame) {
@@ -511,9 +512,9 @@ DrawTimes Renderer::draw(const ShownFrame& frame) {
   return parts_->draw(frame);
 }
 
-void Renderer::compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes,
-                             const CompileProgress& progress) {
-  parts_->compile_ahead(carry_over, report, changes, progress);
+std::vector<std::function<void()>> Renderer::compile_steps(const CarryOver& carry_over, PixelReport report,
+                                                           Changes changes) {
+  return parts_->compile_steps(carry_over, report, changes);
 }
 
 DrawTimes Renderer::shade_again(const ShownFrame& frame) {

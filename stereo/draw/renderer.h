@@ -92,9 +92,6 @@ struct ShownFrame {
   const PerEye<HiddenArea>* hidden = nullptr;
 };
 
-/// Called after each of `all` steps that compile pipelines.
-using CompileProgress = std::function<void(std::size_t done, std::size_t all)>;
-
 /// Sizes of pictures and masks, and the number of requests whose depth is kept.
 struct RendererLimits {
   Extent size;                     ///< of a shown eye, pixels
@@ -116,11 +113,12 @@ class Renderer {
 
   DrawTimes draw(const ShownFrame& frame);
 
-  /// Creates and runs every pipeline that frames with these settings can need, whatever masks they have. So
-  /// no later frame waits for a compiler. Takes seconds where the driver has no cache. Call it before the
-  /// first frame. `changes`: a viewer can move lights. `progress` is told after each pipeline.
-  void compile_ahead(const CarryOver& carry_over, PixelReport report, Changes changes,
-                     const CompileProgress& progress = {});
+  /// Steps that create and run every pipeline that frames with these settings can need, whatever masks they
+  /// have: about one each, in any order. After them no frame waits for a compiler. They take seconds where
+  /// the driver has no cache. Call them before the first frame; they refer to the renderer. `changes`: a
+  /// viewer can move lights.
+  [[nodiscard]] std::vector<std::function<void()>> compile_steps(const CarryOver& carry_over,
+                                                                 PixelReport report, Changes changes);
 
   /// Shades the last drawn frame again. Views and state are the same; masks and CarryOver may differ.
   DrawTimes shade_again(const ShownFrame& frame);

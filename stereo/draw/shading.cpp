@@ -168,7 +168,8 @@ void ShadingPass::write_faces(const StereoView& views, std::span<const DatedMask
 void ShadingPass::write_motion(const StereoView& views, const MasksInUse& masks, gpu::FrameData& frame) {
   const std::vector<const Motion*> of_views = motions(masks.views), of_faces = motions(masks.surround);
   const MaskMotions since{of_views, of_faces};
-  moved_ = write_stale(views, since, frame);
+  // Where instances can move, one pipeline serves all frames, because compiling another takes long.
+  moved_ = write_stale(views, since, frame) || motion_count_ > 0;
   if (!plan_.builds_late) assume_nothing();
   if (!moved_) return;
   for (std::size_t slot = 0; slot < motion_count_; ++slot)
@@ -237,7 +238,7 @@ std::vector<gpu::Recording> ShadingPass::warm_ups(const CarryOver& carry_over, P
                                                                                  : FARSHADE_PASS_HARD;
   std::set<ShadingKey> keys;
   for (const auto& [whole, moved] : {std::pair(true, false), {false, false}, {false, true}}) {
-    if (moved && changes == Changes::Never) break;
+    if (moved ? changes == Changes::Never : motion_count_ > 0) continue;
     whole_ = whole;
     moved_ = moved;
     for (std::uint32_t pass = FARSHADE_PASS_DIRECT; pass <= last; ++pass) keys.insert(key_of(pass, report));
@@ -260,7 +261,7 @@ const vk::raii::Pipeline& ShadingPass::need_pipeline(std::uint32_t pass, PixelRe
 }
 
 /// State that a pass does not read has one value in all of its keys, so that no pipeline is compiled twice.
-/// Where something has moved, one pipeline serves whole masks and others, because compiling takes long.
+/// Where something has moved, one pipeline serves whole masks and others.
 ShadingKey ShadingPass::key_of(std::uint32_t pass, PixelReport report) const {
   const bool second_look = pass >= FARSHADE_PASS_HARD, direct = pass == FARSHADE_PASS_DIRECT;
   return {.pass = pass,

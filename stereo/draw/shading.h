@@ -112,7 +112,7 @@ class ShadingPass {
   std::size_t masks_ = 0, faces_ = 0;
   std::bitset<kMaxLights> off_;  ///< lights that are off
   bool whole_ = false;           ///< every block of every mask is known
-  bool moved_ = false;           ///< something has moved since a mask in use was traced
+  bool moved_ = false;           ///< something may have moved since a mask in use was traced
 };
 
 }  // namespace farshade

@@ -241,10 +241,10 @@ Expected<Device> open_device(const DeviceOptions& wanted) try {
   device.physical = std::move(taken->physical);
   const vk::PhysicalDeviceProperties properties = device.physical.getProperties();
   device.name = properties.deviceName.data();
-  device.why = options.maker ? "that of the headset"
-               : properties.deviceType == vk::PhysicalDeviceType::eCpu
-                   ? "no GPU was usable, drawing on the CPU"
-                   : "the most capable device";
+  device.is_cpu = properties.deviceType == vk::PhysicalDeviceType::eCpu;
+  device.why = options.maker   ? "that of the headset"
+               : device.is_cpu ? "no GPU was usable, drawing on the CPU"
+                               : "the most capable device";
   if (!passed_over.empty()) device.why += " (passed over: " + passed_over + ")";
   device.timeout_ns = options.timeout_ns;
   device.timestamp_period_ns = properties.limits.timestampPeriod;

@@ -47,6 +47,7 @@ struct Device {
   std::uint64_t timeout_ns = kGpuTimeout_ns;                    ///< of submit_and_wait
   float timestamp_period_ns = 1;                                ///< of one timestamp tick
   std::uint32_t timestamp_bits = 64;                            ///< that count; those above are undefined
+  bool is_cpu = false;  ///< it draws on the processor, as lavapipe does
   std::string name;
   std::string why;  ///< one clause: why this device was chosen, and why others were not
 };

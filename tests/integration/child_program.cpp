@@ -39,7 +39,7 @@ ChildProgram::ChildProgram(const std::vector<std::string>& arguments) {
   std::vector<char*> argv;
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
-  check_eq(posix_spawn(&pid_, argv[0], &actions, nullptr, argv.data(), environ), 0, "the program starts");
+  check_eq(posix_spawnp(&pid_, argv[0], &actions, nullptr, argv.data(), environ), 0, "the program starts");
   posix_spawn_file_actions_destroy(&actions);
   close(output_end);
   close(errors_end);

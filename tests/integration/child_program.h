@@ -14,7 +14,7 @@ namespace farshade {
 
 class ChildProgram {
  public:
-  /// Starts `arguments[0]` with the rest as its arguments.
+  /// Starts `arguments[0]`, a path or a name in PATH, with the rest as its arguments.
   explicit ChildProgram(const std::vector<std::string>& arguments);
   ChildProgram(const ChildProgram&) = delete;
   ChildProgram& operator=(const ChildProgram&) = delete;

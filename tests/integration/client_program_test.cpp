@@ -1,6 +1,7 @@
 #include "tests/integration/client_program.h"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <cctype>
@@ -431,6 +432,35 @@ TEST(ClientProgram, ReconnectsToARestartedServer) {
   EXPECT_GE(std::ranges::count(served, ""), 1);
   EXPECT_EQ(std::count(served.end() - 20, served.end(), ""), 0) << "the client waits for it again";
   EXPECT_EQ(frames.at("wire age [ms]").back(), "27.7778");
+}
+
+/// A first start, on one core that two other programs share, takes many times as long as on an idle machine.
+TEST(ClientProgram, StartsWithoutCachesBesideTwoBusyProgramsOnOneCore) {
+  cpu_set_t cores;
+  ASSERT_EQ(::sched_getaffinity(0, sizeof cores, &cores), 0);
+  int core = 0;
+  while (!CPU_ISSET(core, &cores)) ++core;
+  const auto on_the_core = [&](const std::vector<std::string>& arguments) {
+    std::vector<std::string> all{"taskset", "-c", std::to_string(core)};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    return all;
+  };
+  const ScratchFolder folder;
+  const RunningServer server;
+  const ChildProgram busy(on_the_core({"sh", "-c", "while :; do :; done"})),
+      another(on_the_core({"sh", "-c", "while :; do :; done"}));
+  std::vector<std::string> arguments{"env", "MESA_SHADER_CACHE_DIR=" + (folder.path() / "mesa").string(),
+                                     "XDG_CACHE_HOME=" + (folder.path() / "cache").string()};
+  std::ranges::copy(client_arguments({{"--server", server.address()},
+                                      {"--frames", "80"},
+                                      {"--reference-every", "0"},
+                                      {"--out", (folder.path() / "out").string()}}),
+                    std::back_inserter(arguments));
+  ChildProgram client(on_the_core(arguments));
+  const std::string errors = client.errors();
+  EXPECT_EQ(client.wait(), 0) << errors;
+  EXPECT_NE(errors.find("pipelines compiled in "), std::string::npos) << errors;
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "mesa")) << "the start was cold";
 }
 
 TEST(ClientProgram, WritesItsSummaryAfterASignal) {

@@ -205,7 +205,9 @@ RunReportOptions measuring_of(const Play& play) {
 void prepare(const Play& play, const RunContext& context) {
   if (play.start != Play::Start::DrawnAhead) return;
   if (draws_scene(play.mode.mode))
-    context.renderer.compile_ahead(play.carry_over, context.settings.report, Changes::Never);
+    for (const auto& step :
+         context.renderer.compile_steps(play.carry_over, context.settings.report, Changes::Never))
+      step();
   draw_ahead(context, play.head.start() + play.skip);
 }
 

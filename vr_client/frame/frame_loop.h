@@ -122,7 +122,7 @@ class ModePipeline {
 
   /// Draws once what later frames may draw, without a link, so that no display time waits for a pipeline's
   /// compiler, the first shadow maps or the tracer's first pages. Another pipeline of the mode runs
-  /// afterwards. The default draws nothing: Renderer::compile_ahead suffices.
+  /// afterwards. The default draws nothing: Renderer::compile_steps suffice.
   virtual void draw_ahead(const FrameInputs&) {}
 
   /// Sends this frame's request. Returns it, valid until the next call; null if there is none.

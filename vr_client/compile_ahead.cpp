@@ -1,0 +1,125 @@
+#include "vr_client/compile_ahead.h"
+
+#include <fmt/format.h>
+#include <sched.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <mutex>
+#include <thread>
+
+#include "stereo/base/user_folders.h"
+#include "stereo/gpu/pipeline_cache.h"
+
+namespace farshade {
+namespace {
+
+/// The second device has a copy of the scene and of all pictures.
+constexpr std::uint64_t kMostCopied_bytes = std::uint64_t{256} << 20;
+
+/// A pipeline that comes from a cache takes less than this, a compiler takes more.
+constexpr Duration kCold = std::chrono::milliseconds(50);
+
+using Steps = std::vector<std::function<void()>>;
+
+/// Numbers of steps, which two threads take from both ends.
+class StepNumbers {
+ public:
+  explicit StepNumbers(std::size_t count) : end_(count) {}
+  std::optional<std::size_t> take_first() {
+    const std::lock_guard lock(mutex_);
+    return first_ < end_ ? std::optional(first_++) : std::nullopt;
+  }
+  std::optional<std::size_t> take_last() {
+    const std::lock_guard lock(mutex_);
+    return first_ < end_ ? std::optional(--end_) : std::nullopt;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::size_t first_ = 0, end_;
+};
+
+class ShownProgress {
+ public:
+  explicit ShownProgress(std::size_t all) : all_(all) {}
+  ~ShownProgress() {
+    if (on_terminal_) fmt::print(stderr, "\x1b[K");
+  }
+  ShownProgress(const ShownProgress&) = delete;
+  ShownProgress& operator=(const ShownProgress&) = delete;
+  void add_one() {
+    const std::lock_guard lock(mutex_);
+    ++done_;
+    if (!on_terminal_) return;
+    // The cursor stays at the beginning of the line, so that whatever is printed next replaces it.
+    fmt::print(stderr, "\x1b[Kcompiling pipelines: {} of {}\r", done_, all_);
+    std::fflush(stderr);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::size_t done_ = 0, all_;
+  const bool on_terminal_ = isatty(STDERR_FILENO) != 0;
+};
+
+bool has_two_cores() {
+  cpu_set_t cores;
+  return ::sched_getaffinity(0, sizeof cores, &cores) == 0 && CPU_COUNT(&cores) > 1;
+}
+
+/// Whether a second device would help, and has the memory for a copy of the scene. The first step is over.
+bool may_help(const Client& client, Duration first_step) {
+  return client.device.is_cpu && has_two_cores() && first_step > kCold &&
+         client_memory(client.scene, client.plan.draw, client.limits, client.levels).total() <= kMostCopied_bytes;
+}
+
+/// Compiles on a device of its own until no number is left. What it cannot do, the first device does.
+void compile_beside(const Client& client, const std::function<Steps(Renderer&)>& steps_of,
+                    StepNumbers& numbers, ShownProgress& progress) try {
+  const Expected<gpu::Device> device = gpu::open_device({.name_contains = client.device.name});
+  if (!device) return;
+  // With the same limits: lavapipe's code depends on whether the sides of textures are powers of two.
+  Renderer renderer(*device, client.scene, client.plan.draw, client.limits, client.levels);
+  const Steps steps = steps_of(renderer);
+  while (const auto number = numbers.take_last()) {
+    steps[*number]();
+    progress.add_one();
+  }
+} catch (const std::exception& error) {
+  spdlog::debug("pipelines are compiled on one device: {}", error.what());
+}
+
+}  // namespace
+
+void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport report, Changes changes) {
+  const Stopwatch watch;
+  const auto steps_of = [&](Renderer& renderer) {
+    return renderer.compile_steps(carry_over, report, changes);
+  };
+  const Steps steps = steps_of(*client.renderer);
+  {
+    StepNumbers numbers(steps.size());
+    ShownProgress progress(steps.size());
+    std::vector<bool> done(steps.size(), false);
+    std::jthread beside;
+    while (const auto number = numbers.take_first()) {
+      const Stopwatch step;
+      steps[*number]();
+      const Duration took = step.elapsed();
+      done[*number] = true;
+      progress.add_one();
+      if (*number == 0 && may_help(client, took))
+        beside = std::jthread([&] { compile_beside(client, steps_of, numbers, progress); });
+    }
+    if (beside.joinable()) beside.join();
+    for (std::size_t i = 0; i < steps.size(); ++i)
+      if (!done[i]) steps[i]();
+  }
+  spdlog::info("pipelines compiled in {:.0f} ms", ms_of(watch.elapsed()));
+  if (const Expected<void> saved = gpu::save_pipelines(client.device, cache_folder()); !saved)
+    spdlog::warn("the compiled pipelines are not kept: {}", saved.error().what);
+}
+
+}  // namespace farshade
