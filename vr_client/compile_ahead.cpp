@@ -72,7 +72,8 @@ bool has_two_cores() {
 /// Whether a second device would help, and has the memory for a copy of the scene. The first step is over.
 bool may_help(const Client& client, Duration first_step) {
   return client.device.is_cpu && has_two_cores() && first_step > kCold &&
-         client_memory(client.scene, client.plan.draw, client.limits, client.levels).total() <= kMostCopied_bytes;
+         client_memory(client.scene, client.plan.draw, client.limits, client.levels).total() <=
+             kMostCopied_bytes;
 }
 
 /// Compiles on a device of its own until no number is left. What it cannot do, the first device does.

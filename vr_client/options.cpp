@@ -78,8 +78,10 @@ void add_scene_options(CLI::App& app, CommandLine& line) {
       ->check(within(1e-6, 1e6));
   add_words<Place>(
       app, "--place", options.place,
-      {{"camera", Place::Camera}, {"recorded", Place::Recorded}, {"fit", Place::Fit}},
-      "where the head starts: camera: at the scene's reference camera (without one, in the middle "
+      {{"auto", Place::Auto}, {"camera", Place::Camera}, {"recorded", Place::Recorded}, {"fit", Place::Fit}},
+      "where the head starts: auto: camera, or fit if the head would be inside geometry or see nothing "
+      "there, "
+      "and --stand is not given; camera: at the scene's reference camera (without one, in the middle "
       "of a room, or in front of an object); fit: near it, where the recorded walk fits, which is "
       "scaled down if it must be; recorded: where it was recorded");
   add_stand_option(app, options.stand);

@@ -23,6 +23,7 @@ namespace farshade {
 
 /// Where the head recording starts.
 enum class Place : std::uint8_t {
+  Auto,      ///< Camera; Fit if the head would be inside geometry or see nothing there
   Camera,    ///< at the scene's viewpoint (viewpoint.h), in its direction
   Recorded,  ///< as recorded
   Fit,       ///< in the free space around the viewpoint (fit.h)
@@ -42,7 +43,7 @@ struct Options {
   std::filesystem::path export_trace;  ///< not empty: only write the head recording to this file
   std::optional<double>
       trace_scale;  ///< units per metre of the head recording, if its format does not define them
-  Place place = Place::Camera;
+  Place place = Place::Auto;
   std::optional<Stand> stand;  ///< instead of the scene's viewpoint
   Lighting lighting;
   Extent size{512, 512};           ///< of each eye

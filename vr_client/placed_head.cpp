@@ -37,18 +37,91 @@ Expected<Fit> fitted(const Options& options, const Scene& scene, const Surroundi
   return fit ? fit : fit_head(surroundings, recording, chosen_viewpoint(scene));
 }
 
-std::string cure_for(const Options& options) {
-  const char* const stand = options.stand ? "--stand with another place" : "--stand X,Y,Z";
-  return options.place == Place::Fit ? std::string(stand) : fmt::format("--place fit or {}", stand);
+/// At the viewpoint, or as recorded.
+PlacedHead plainly_placed(const Options& options, const Scene& scene, const HeadRecording& recording) {
+  if (options.place == Place::Recorded) return {recording, {}};
+  return {recording, place(recording, viewpoint_of(scene, options.stand))};
 }
 
-void tell(const Options& options, const std::string& where, const HeadTest& test, const Scene& scene) {
+std::string cure_for(const Options& options) {
+  const char* const stand = options.stand ? "--stand with another place" : "--stand X,Y,Z";
+  const bool may_fit = options.place == Place::Camera || options.place == Place::Recorded || options.stand;
+  return options.place == Place::Fit || !may_fit ? std::string(stand)
+                                                 : fmt::format("--place fit or {}", stand);
+}
+
+/// A way to place the head, and what the head sees there.
+struct Trial {
+  PlacedHead placed;
+  std::string where;
+  HeadTest test{};
+};
+
+class Placing {
+ public:
+  Placing(const Options& options, const Scene& scene, const Surroundings& surroundings,
+          const HeadRecording& recording)
+      : options_(options), scene_(scene), surroundings_(surroundings), recording_(recording) {}
+
+  [[nodiscard]] Trial plain() const {
+    Trial trial{plainly_placed(options_, scene_, recording_), where_words(options_)};
+    test(trial);
+    return trial;
+  }
+
+  /// Of a head that sees nothing, the walk is scaled down further, as long as that helps.
+  [[nodiscard]] Expected<Trial> fitting() const {
+    const Expected<Fit> fit = fitted(options_, scene_, surroundings_, recording_);
+    if (!fit) return tl::unexpected(fit.error());
+    Trial best = fit_trial(*fit, 1);
+    for (double less = 0.5; best.test.is_bad() && less > kLeastWalk; less *= 0.5) {
+      Trial smaller = fit_trial(*fit, less);
+      if (bad_poses(smaller) < bad_poses(best)) best = std::move(smaller);
+    }
+    return best;
+  }
+
+  static std::size_t bad_poses(const Trial& trial) { return trial.test.inside + trial.test.see_nothing; }
+
+ private:
+  static constexpr double kLeastWalk = 1e-4;
+
+  void test(Trial& trial) const {
+    trial.test = test_head(surroundings_, trial.placed.recording, trial.placed.stage_from_recorded,
+                           shown_part(options_, trial.placed.recording));
+  }
+
+  /// The fitted walk, scaled by `less` about its start.
+  [[nodiscard]] Trial fit_trial(const Fit& fit, double less) const {
+    const double scale = fit.scale * less;
+    PlacedHead placed{scaled(recording_, scale), fit.stage_from_recorded};
+    const auto start = [&](double of) {
+      return fit.stage_from_recorded(
+          Point<Recorded>{recording_.samples.front().recorded_from_head.translation * of});
+    };
+    placed.stage_from_recorded.translation += (start(fit.scale) - start(scale)).v;
+    Trial trial{std::move(placed), fmt::format("{}, moved by {:.2f} m, its walk scaled to {:.4g} %",
+                                               where_words(options_), fit.moved_m, scale * 100)};
+    test(trial);
+    return trial;
+  }
+
+  const Options& options_;
+  const Scene& scene_;
+  const Surroundings& surroundings_;
+  const HeadRecording& recording_;
+};
+
+/// `why` says why the head does not stand elsewhere.
+void tell(const Options& options, const Trial& trial, const Scene& scene, const std::string& why) {
   const std::string still =
       scene.animation_length_s > 0 ? ", with animated things where they are at 0 s" : "";
-  if (test.is_bad())
-    spdlog::warn("the head starts {}: {}{}; the cure is {}", where, in_words(test), still, cure_for(options));
+  const std::string said =
+      fmt::format("the head starts {}: {}{}{}", trial.where, in_words(trial.test), still, why);
+  if (trial.test.is_bad())
+    spdlog::warn("{}; the cure is {}", said, cure_for(options));
   else
-    spdlog::info("the head starts {}: {}{}", where, in_words(test), still);
+    spdlog::info(said);
 }
 
 }  // namespace
@@ -58,25 +131,27 @@ Expected<PlacedHead> place_head(const Options& options, const Scene& scene, Head
   if (!surroundings && options.place == Place::Fit)
     return fail(surroundings.error().fault,
                 surroundings.error().what + "; --place fit needs it: use --stand X,Y,Z instead");
-  PlacedHead placed{std::move(recording), {}};
-  std::string where = where_words(options);
-  if (options.place == Place::Camera)
-    placed.stage_from_recorded = place(placed.recording, viewpoint_of(scene, options.stand));
-  if (options.place == Place::Fit) {
-    const Expected<Fit> fit = fitted(options, scene, *surroundings, placed.recording);
-    if (!fit) return tl::unexpected(fit.error());
-    placed.recording = scaled(std::move(placed.recording), fit->scale);
-    placed.stage_from_recorded = fit->stage_from_recorded;
-    where += fmt::format(", moved by {:.2f} m, its walk scaled to {:.0f} %", fit->moved_m, fit->scale * 100);
+  if (!surroundings) {
+    spdlog::info("the head starts {}; {}", where_words(options), surroundings.error().what);
+    return plainly_placed(options, scene, recording);
   }
-  if (!surroundings)
-    spdlog::info("the head starts {}; {}", where, surroundings.error().what);
-  else
-    tell(options, where,
-         test_head(*surroundings, placed.recording, placed.stage_from_recorded,
-                   shown_part(options, placed.recording)),
-         scene);
-  return placed;
+  const Placing placing(options, scene, *surroundings, recording);
+  if (options.place == Place::Fit)
+    return placing.fitting().map([&](Trial&& trial) {
+      tell(options, trial, scene, "");
+      return std::move(trial.placed);
+    });
+  Trial plain = placing.plain();
+  std::string why;
+  if (options.place == Place::Auto && !options.stand && plain.test.is_bad()) {
+    Expected<Trial> fit = placing.fitting();
+    if (fit && Placing::bad_poses(*fit) < Placing::bad_poses(plain)) {
+      why = fmt::format("; not moved, {}", in_words(plain.test));
+      plain = std::move(*fit);
+    }
+  }
+  tell(options, plain, scene, why);
+  return std::move(plain.placed);
 }
 
 std::future<Expected<PlacedHead>> place_meanwhile(const Options& options, const Scene& scene,

@@ -9,12 +9,12 @@
 namespace farshade {
 
 struct PlacedHead {
-  HeadRecording recording;  ///< its walk is scaled down by --place fit
+  HeadRecording recording;  ///< its walk may be scaled down
   Rigid<Stage, Recorded> stage_from_recorded;
 };
 
-/// Places the recording and logs how, with the share of the shown poses that are inside geometry or see
-/// nothing (stereo/placement/head_test.h). Warns above 5 %. Fails if --place fit finds no free space.
+/// Places the recording and logs how and why, with the share of the shown poses that are inside geometry or
+/// see nothing (stereo/placement/head_test.h). Warns above 5 %. Fails if --place fit finds no free space.
 [[nodiscard]] Expected<PlacedHead> place_head(const Options& options, const Scene& scene,
                                               HeadRecording recording);
 

@@ -13,7 +13,8 @@ namespace {
 constexpr std::size_t kMostPoses = 64;
 constexpr int kRaysAround = 32;  ///< rays around an eye
 constexpr int kAcross = 12;      ///< rays across and down a picture
-constexpr double kTouch_m = 0.01, kSolid_m = 0.5, kLeastSeen = 0.01;
+constexpr double kTouch_m = 0.01, kSolid_m = 0.5, kLeastSeen = 0.01,
+                 kSmallThing_rad = 0.5 * std::numbers::pi / 180;
 
 using Eyes = PerEye<Rigid<Stage, Eye>>;
 
@@ -52,6 +53,31 @@ void add_picture_rays(const Rigid<Stage, Eye>& stage_from_eye, const EyeFov& fov
     }
 }
 
+/// Rays to places within the box around the scene that are in the eye's picture. None if the eye is in the
+/// box, or the box looks smaller than half a degree.
+void add_box_rays(const Rigid<Stage, Eye>& stage_from_eye, const EyeFov& fov, const Bounds& box,
+                  std::vector<Ray>& rays) {
+  constexpr int kPlaces = 5;  // along an axis
+  const glm::dvec3 eye = stage_from_eye.translation, size = box.high - box.low;
+  const double distance = glm::length(eye - glm::clamp(eye, box.low, box.high));
+  if (!(distance > 0) || glm::length(size) < kSmallThing_rad * distance) return;
+  const FovTangents window = tangents_of(fov);
+  for (int i = 0; i < kPlaces * kPlaces * kPlaces; ++i) {
+    const glm::dvec3 part =
+        (glm::dvec3(i % kPlaces, i / kPlaces % kPlaces, i / (kPlaces * kPlaces)) + 0.5) * (1.0 / kPlaces);
+    const Vector<Stage> way{box.low + part * size - eye};
+    const glm::dvec3 seen = inverse(stage_from_eye)(way).v;
+    const glm::dvec2 at = glm::dvec2(seen) / -seen.z;
+    if (seen.z < 0 && at.x > window.left_tan && at.x < window.right_tan && at.y > window.down_tan &&
+        at.y < window.up_tan)
+      rays.push_back({{eye}, {glm::normalize(way.v)}});
+  }
+}
+
+bool meets(const Met& met) {
+  return met.distance_m != kNoSurface_m;
+}
+
 bool sees_nothing(const Surroundings& surroundings, const HeadRecording& recording, const Eyes& eyes) {
   std::vector<Ray> rays;
   for (const Side side : kSides) {
@@ -59,8 +85,14 @@ bool sees_nothing(const Surroundings& surroundings, const HeadRecording& recordi
     add_picture_rays(eyes[eye], recording.fov[eye], rays);
   }
   const std::vector<Met> met = surroundings.first_seen(rays);
-  const auto seen = std::ranges::count_if(met, [](const Met& m) { return m.distance_m != kNoSurface_m; });
-  return static_cast<double>(seen) < kLeastSeen * static_cast<double>(met.size());
+  const auto seen = std::ranges::count_if(met, meets);
+  if (static_cast<double>(seen) >= kLeastSeen * static_cast<double>(met.size())) return false;
+  rays.clear();
+  for (const Side side : kSides) {
+    const std::size_t eye = index_of(side);
+    add_box_rays(eyes[eye], recording.fov[eye], surroundings.bounds(), rays);
+  }
+  return std::ranges::none_of(surroundings.first_seen(rays), meets);
 }
 
 std::string percent(std::size_t part, std::size_t of) {

@@ -7,7 +7,8 @@
 ///   either way, so a back further away may be that of a room.
 ///
 /// Otherwise a pose sees nothing if less than 1 % of the rays through both pictures meet a surface that is
-/// visible from their side.
+/// visible from their side, and if neither eye sees the scene from outside as a thing of at least half a
+/// degree in its picture.
 #pragma once
 
 #include <string>

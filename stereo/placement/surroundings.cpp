@@ -28,10 +28,12 @@ TracePlan plan_of(const Scene& scene) {
 }  // namespace
 
 struct Surroundings::Impl {
+  Bounds bounds;
   SurfaceModel model;
   std::optional<RayScene> rays;
 
-  explicit Impl(const Scene& scene) : model(scene, state_at(scene, Time{}), plan_of(scene)) {}
+  explicit Impl(const Scene& scene)
+      : bounds(scene.bounds), model(scene, state_at(scene, Time{}), plan_of(scene)) {}
 
   /// Traces the rays [begin, begin + kLanes) beyond the distances in `met`.
   void trace(std::span<const Ray> rays_in, std::size_t begin, std::span<const std::size_t> numbers,
@@ -98,6 +100,10 @@ Expected<Surroundings> Surroundings::create(const Scene& scene) {
   if (!rays) return tl::unexpected(rays.error());
   impl->rays.emplace(std::move(*rays));
   return Surroundings(std::move(impl));
+}
+
+const Bounds& Surroundings::bounds() const {
+  return impl_->bounds;
 }
 
 std::vector<Met> Surroundings::first_met(std::span<const Ray> rays) const {

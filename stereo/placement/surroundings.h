@@ -44,6 +44,9 @@ class Surroundings {
   Surroundings& operator=(const Surroundings&) = delete;
   ~Surroundings();
 
+  /// Around everything at time 0.
+  [[nodiscard]] const Bounds& bounds() const;
+
   /// What each ray meets first. Uses all cores.
   [[nodiscard]] std::vector<Met> first_met(std::span<const Ray> rays) const;
 

@@ -19,6 +19,8 @@ constexpr std::size_t kInstances = 3;
 constexpr std::uint64_t kMostTriangles = 4'000'000;
 /// The distance from the middle of a scene that is seen from outside, and how far above it, in radii.
 constexpr double kDistance = 1.3, kAbove = 0.25;
+/// Nearer things are outside of one eye's picture, or cannot be looked at for long.
+constexpr double kNearest_m = 0.25;
 
 /// Level directions come first.
 using Directions = std::array<glm::dvec3, 14>;
@@ -136,7 +138,8 @@ Rigid<Stage, Eye> chosen_viewpoint(const Scene& scene) {
   const double radius = std::max(glm::length(scene.bounds.high - scene.bounds.low) * 0.5, 1e-6);
   const glm::dvec3 back = glm::normalize(glm::dvec3(0.25, 0, 1));
   return {.rotation = glm::quatLookAt(-back, glm::dvec3(0, 1, 0)),
-          .translation = middle + radius * (kDistance * back + glm::dvec3(0, kAbove, 0))};
+          .translation = middle + std::max(kDistance * radius, radius + kNearest_m) * back +
+                         radius * glm::dvec3(0, kAbove, 0)};
 }
 
 }  // namespace farshade

@@ -111,6 +111,19 @@ TEST(HeadTest, ALandscapeIsSeenFromAboveItsGroundOnly) {
   EXPECT_EQ(verdict(Scene{}, {}), PoseVerdict::SeesNothing);
 }
 
+/// It covers less than a thousandth of the pictures.
+TEST(HeadTest, ASmallThingIsSeenWhereItsPictureIsLargerThanHalfADegree) {
+  Scene scene = box_scene({0.005, 0.005, 0.005}, Walls::Single, Wound::Outwards);
+  scene.bounds = {glm::dvec3(-0.005), glm::dvec3(0.005)};
+  EXPECT_EQ(verdict(scene, {0, 0, 0.3}), PoseVerdict::Sees);
+  EXPECT_EQ(verdict(scene, {0.1, 0, 0.3}), PoseVerdict::Sees) << "at the side of the pictures";
+  EXPECT_EQ(verdict(scene, {0, 0, 0.3}, std::numbers::pi), PoseVerdict::SeesNothing) << "behind the head";
+  EXPECT_EQ(verdict(scene, {0.6, 0, 0.3}), PoseVerdict::SeesNothing) << "beside the pictures";
+  EXPECT_EQ(verdict(scene, {0, 0, 4}), PoseVerdict::SeesNothing);
+  scene.bounds = {};
+  EXPECT_EQ(verdict(scene, {0, 0, 0.3}), PoseVerdict::SeesNothing) << "without the box, rays miss it";
+}
+
 TEST(HeadTest, AWallBetweenTheEyesIsGeometry) {
   Scene scene = empty_scene(Walls::Double);
   Mesh wall;
