@@ -74,7 +74,8 @@ class PathMtuPrograms : public testing::Test {
     const long before = number_before(words, counters());
     const auto client = start_client({{"--size", "256x256"}, {"--frames", kEndless}});
     EXPECT_TRUE(counts_to(words, before + more)) << counters();
-    EXPECT_TRUE(counts_to("frames", number_before("frames", counters()) + long{kJudged} + 10)) << counters();
+    // Answers that were sent before the search was over may still be on their way, on a busy machine many.
+    EXPECT_TRUE(counts_to("frames", number_before("frames", counters()) + long{kJudged} + 30)) << counters();
     client->send(SIGINT);
     const std::string errors = client->errors();
     EXPECT_EQ(client->wait(), 130) << errors;
@@ -104,10 +105,8 @@ TEST_F(PathMtuPrograms, TheServerSendsFewerDatagramsOverACableForLongerPackets) 
                ethernet = datagrams_over({}, found, 3);
   std::printf("datagrams for a kilobyte over packets of 1,280, 1,400 and 1,500 bytes: %.3f, %.3f, %.3f\n",
               least, tunnel, ethernet);
-  // A full datagram holds 10 and 7 % more. The last one of each answer is not full, and a busy machine sends
-  // smaller answers, which have a larger share of those.
-  EXPECT_LT(tunnel, 0.97 * least);
-  EXPECT_LT(ethernet, 0.98 * tunnel);
+  EXPECT_LT(tunnel, 0.95 * least);
+  EXPECT_LT(ethernet, 0.95 * tunnel);
   EXPECT_EQ(number_before("unsent", counters()), 0);
 }
 
