@@ -203,7 +203,7 @@ void ScenePass::add_draws(std::size_t pass, const CasterDraws& wanted, const Sce
   draws.clear();
   for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
     const bool in_left = wants(wanted.casters[0], i), in_right = wants(wanted.casters[1], i);
-    if (!in_left && !in_right) continue;
+    if ((!in_left && !in_right) || is_singular(glm::dmat3(state.stage_from_object[i].matrix))) continue;
     const DeviceMesh& mesh = buffers_.meshes[scene_.instances[i].mesh];
     Affine<Stage, Object> stage_from_mesh = state.stage_from_object[i];
     stage_from_mesh.matrix[3] = glm::dvec4(stage_from_mesh(Point<Object>{mesh.center}).v, 1.0);

@@ -94,10 +94,10 @@ double sample(const WeightTrack& track, std::size_t count, std::size_t index, do
 glm::dmat4 local_matrix(const NodeTransform& transform) {
   if (transform.matrix) return *transform.matrix;
   glm::dmat4 m = glm::mat4_cast(transform.rotation);
-  for (int axis = 0; axis < 3; ++axis) {
-    const double scale = transform.scale[axis];
-    m[axis] *= std::abs(scale) < kLeastScale ? std::copysign(kLeastScale, scale) : scale;
-  }
+  const glm::dvec3 sizes = glm::abs(transform.scale);
+  const double least = kLeastScale * std::max({1.0, sizes.x, sizes.y, sizes.z});
+  for (int axis = 0; axis < 3; ++axis)
+    m[axis] *= sizes[axis] < least ? std::copysign(least, transform.scale[axis]) : transform.scale[axis];
   m[3] = glm::dvec4(transform.translation, 1.0);
   return m;
 }
@@ -258,6 +258,11 @@ SceneState state_at(const Scene& scene, Time scene_time, const LightChanges& cha
   state.light_set.lights.reserve(scene.lights.size());
   advance(scene, scene_time, changes, state);
   return state;
+}
+
+bool is_singular(const glm::dmat3& linear) {
+  const double longest = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
+  return !(std::abs(glm::determinant(linear)) > 1e-12 * longest * longest * longest);
 }
 
 }  // namespace farshade

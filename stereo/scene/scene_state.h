@@ -50,8 +50,13 @@ void apply(const LightChanges& changes, LightSet& light_set);
 /// 0, which is no rotation; the node then keeps its rotation.
 void set(Path path, const glm::dvec4& value, NodeTransform& transform);
 
-/// The transform of each node to the stage. If an animation scales by less than 1e-9, the scale is 1e-9, so
-/// that every transform can be inverted.
+/// Whether float cannot tell the volume of the transformed unit cube from 0. An instance with such a
+/// transform is not there: nobody sees it, and it casts no shadow. Both the tracer and the rasteriser leave
+/// it out.
+[[nodiscard]] bool is_singular(const glm::dmat3& linear);
+
+/// The transform of each node to the stage. A scale below 1e-9 times the largest of its node, or times 1, is
+/// replaced by that, so that a node that an animation flattens is still there.
 [[nodiscard]] std::vector<Affine<Stage, Object>> stage_from_nodes(const Scene& scene, Time scene_time);
 
 /// Where the vertices of a skin are relative to: the stage's axes about the first joint.

@@ -45,12 +45,6 @@ glm::dmat3 normal_matrix(const glm::dmat3& m) {
   return glm::determinant(m) < 0 ? -cofactors : cofactors;
 }
 
-/// Whether float cannot tell the volume of the transformed unit cube from 0.
-bool is_singular(const glm::dmat3& m) {
-  const double longest = std::max({glm::length(m[0]), glm::length(m[1]), glm::length(m[2])});
-  return !(std::abs(glm::determinant(m)) > 1e-12 * longest * longest * longest);
-}
-
 glm::dvec3 unit_or_zero(const glm::dvec3& v) {
   const double square = glm::dot(v, v);
   if (square > 1e-200 && square < 1e200) return v * (1.0 / std::sqrt(square));  // nearly always, and quicker

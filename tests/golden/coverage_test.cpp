@@ -2,6 +2,7 @@
 /// instances and holes. Masks with two planes shade with all lights.
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "tests/golden/test_rig.h"
 #include "tests/oracle/oracle.h"
@@ -53,6 +54,43 @@ TEST_F(CoverageOf, ASceneWithoutLightsAgreesWithRays) {
   const Coverage coverage = coverage_of(rig, rig.eyes({{1, 0, 0, 0}, {0, 0, 0}}));
   EXPECT_EQ(coverage.apart, 0u);
   EXPECT_GT(coverage.common, coverage.pixels / 8);
+}
+
+/// Tracer and rasteriser have one rule for transforms that flatten.
+TEST_F(CoverageOf, AFlattenedThingIsThereForBothOrForNone) {
+  for (const auto& [outer, inner, is_there] :
+       {std::tuple(glm::dvec3(3000, 1, 3000), glm::dvec3(1, 0, 1), false),
+        {glm::dvec3(1), glm::dvec3(3000, 0, 3000), true},
+        {glm::dvec3(1, 0, 1), glm::dvec3(3000, 3000, 0), false}})
+    for (const bool moves : {false, true}) {
+      SceneBuilder builder;
+      builder.add(box({0, 0, 0}, {0.001, 0.001, 0.001}), 0, scaled(inner));
+      builder.point_light({0, 3, 0});
+      Scene scene = builder.build();
+      NodeTransform place = scaled(outer);
+      place.translation = {0, -1, -3};
+      scene.nodes.insert(scene.nodes.begin(),
+                         {.name = "outer", .parent = {}, .rest = place, .moving = false});
+      scene.nodes[1].parent = 0u, scene.nodes[1].moving = moves;
+      scene.instances[0].node = 1, scene.lights[0].node = 2;
+      if (moves) {
+        const glm::vec4 still(glm::vec3(inner), 0);
+        scene.channels.push_back(
+            {.node = 1, .path = Path::Scale, .keys_s = {0, 1}, .values = {still, still}});
+        scene.animation_length_s = 1;
+      }
+      TestRig rig(device_, scene, 96);
+      const StereoView views = rig.eyes({{1, 0, 0, 0}, {0, 0, 0}});
+      const Shown shown = rig.show(views, {});
+      const auto drawn = std::ranges::count_if(shown.reports[0].sources,
+                                               [](auto source) { return source != kSourceUncovered; });
+      const Mask traced = rig.trace(kNow, views);
+      std::size_t lit = 0;
+      for_pixels(views[0].size,
+                 [&](std::uint32_t x, std::uint32_t y) { lit += traced.bits[0].word(x, y) != 0 ? 1u : 0u; });
+      EXPECT_EQ(drawn > 500, is_there) << moves << ", " << drawn;
+      EXPECT_EQ(lit > 500, is_there) << moves << ", " << lit;
+    }
 }
 
 /// The signs of a quad's scale, and whether the quad then faces a viewer at +z.

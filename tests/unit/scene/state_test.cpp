@@ -86,6 +86,24 @@ TEST(SceneState, AFlattenedMirrorStaysInvertibleAndAMirror) {
   }
 }
 
+/// However large its other axes are.
+TEST(SceneState, AFlattenedNodeIsNotSingularButANodeWithoutAnyExtentAcrossIs) {
+  const auto state_of = [](const glm::dvec3& outer, const glm::dvec3& inner) {
+    Scene scene;
+    scene.nodes.emplace_back().rest.scale = outer;
+    scene.nodes.emplace_back().rest.scale = inner;
+    scene.nodes[1].parent = 0u;
+    scene.instances = {{0, 1}};
+    return is_singular(glm::dmat3(state_at(scene, Time{}).stage_from_object.at(0).matrix));
+  };
+  for (const double large : {1e-3, 1.0, 3000.0, 1e8}) {
+    EXPECT_FALSE(state_of({1, 1, 1}, {large, 0, large})) << large;
+    EXPECT_FALSE(state_of({large, large, large}, {1, -0.0, 1})) << large;
+    EXPECT_TRUE(state_of({1, 0, 1}, {1, 1, 0})) << "a line";
+  }
+  EXPECT_TRUE(is_singular(glm::dmat3(0.0)));
+}
+
 TEST(SceneState, UsesMatricesAsTheyAre) {
   GltfBuilder file = triangle_file();
   file.json["nodes"][0]["matrix"] = {2, 0, 0, 0, 0.5, 1, 0, 0, 0, 0, 1, 0, 7, 8, 9, 1};
