@@ -146,7 +146,7 @@ Expected<void> show(const Options& options, const RunContext& context, std::uint
     }
     progress.show(view.shown.frame.value, silence);
   };
-  const auto ends = [&] { return stop.has_come() || report.failed().has_value(); };
+  const auto ends = [&] { return stop.has_come(); };
   if (auto done = run(context, *make_pipeline(context), watch, ends); !done) return done;
   progress.end();
   if (stop.has_come()) {
@@ -157,7 +157,7 @@ Expected<void> show(const Options& options, const RunContext& context, std::uint
   for (const std::uint32_t dump : options.dump)
     if (dump == 0 || dump > report.log().records().size())
       spdlog::warn("frame {} was not dumped, because it was not shown", dump);
-  if (auto done = report.finish(); !done) return done;
+  report.finish();
   return timeline.write(options.timeline);
 }
 
@@ -367,6 +367,7 @@ Expected<void> run_client(const Options& options, StopSignal& stop) {
                                         .interrupted = stop.has_come()});
       !done)
     return done;
+  if (report.failed()) return tl::unexpected(*report.failed());
   if (auto ended = capture.finish(); !ended) return ended;
   if (captures)
     fmt::print(readable_output(options), "captured {} frames, {}, to {}\n", capture.frames(),

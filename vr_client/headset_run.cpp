@@ -66,7 +66,7 @@ class HeadsetReport {
       spdlog::warn(*news);
   }
   [[nodiscard]] std::uint32_t frames() const { return frames_; }
-  [[nodiscard]] bool failed() const { return !opened_ || (report_ && report_->failed()); }
+  [[nodiscard]] bool failed() const { return !opened_; }
   /// Whether it showed as many frames as --frames says.
   [[nodiscard]] bool is_complete() const { return !options_.frames || frames_ >= *options_.frames; }
 
@@ -79,8 +79,9 @@ class HeadsetReport {
     if (auto written = timeline_.write(options_.timeline); done) done = written;
     if (!report_) return done;
     if (!is_complete()) report_->mark_interrupted();
-    if (auto written = report_->finish(); done) done = written;
+    report_->finish();
     if (done && frames_ > 0) done = summarize_frames(system);
+    if (done && report_->failed()) done = tl::unexpected(*report_->failed());
     return done;
   }
   [[nodiscard]] Expected<void> answered() const {

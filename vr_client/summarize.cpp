@@ -8,11 +8,13 @@
 namespace farshade {
 namespace {
 
-RunTotals totals_of(const Client& client, double refresh_hz, const FrameLog& log) {
+RunTotals totals_of(const Client& client, Extent eye_size, double refresh_hz, const FrameLog& log) {
   return {.period = duration_from_ms(1e3 / refresh_hz),
           .frames = log.records().size(),
           .start_up_frames = client.link ? log.start_up_frames() : 0,
-          .memory_bytes = client.renderer->counters().memory.peak_total};
+          .memory_bytes = client.renderer->counters().memory.peak_total,
+          .eye_size = eye_size,
+          .cpu_draws = client.device.is_cpu};
 }
 
 std::string heading(const RunSetting& setting, const RunTotals& totals, const Client& client) {
@@ -70,7 +72,8 @@ Expected<void> summarize(const Options& options, const Client& client, const Fin
                            .pace = options.pace,
                            .delay_ms = options.delay_ms,
                            .interrupted = run.interrupted};
-  RunTotals totals = totals_of(client, options.refresh_hz, run.log);
+  RunTotals totals = totals_of(client, options.size, options.refresh_hz, run.log);
+  totals.reference_every = options.reference_every;
   totals.missed = run.missed;
   totals.silent = run.silence.time();
   totals.silent_frames = run.silence.frames();
@@ -90,7 +93,7 @@ Expected<void> summarize(const Options& options, const Client& client, const Fin
                            .pace = header.policy.pace,
                            .delay_ms = ms_of(header.policy.delay),
                            .interrupted = replay.interrupted};
-  RunTotals totals = totals_of(client, header.refresh_hz, replay.log);
+  RunTotals totals = totals_of(client, header.limits.size, header.refresh_hz, replay.log);
   totals.planned_memory_bytes =
       most_at_once(client_memory(client.scene, client.plan.draw, header.limits, client.levels, nullptr));
   return write_summary(options, setting, totals, replay.log,

@@ -49,6 +49,9 @@ struct RunTotals {
   std::uint64_t missed = 0;
   Duration silent{};
   std::uint64_t memory_bytes = 0, planned_memory_bytes = 0;  ///< on the device, at peak
+  Extent eye_size{};                                         ///< of the shown pictures
+  bool cpu_draws = false;                                    ///< there was no GPU
+  std::uint32_t reference_every = 0;  ///< every Nth frame is compared with a full trace; 0: none
 };
 
 /// A figure that a run has once.

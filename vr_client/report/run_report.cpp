@@ -133,25 +133,32 @@ void RunReport::watch(const FrameView& view) {
     if (record.server) counted_ = view.newest->request.frame;
   }
   log_.add(record);
-  if (failed_) return;
 
-  const bool dumped = is_dumped(frame), measured = dumped || is_measured(frame);
+  const bool dumped = is_dumped(frame) && !failed_, measured = dumped || is_measured(frame);
   const bool at_once = options_.compare == Compare::AtOnce || (dumped && kept_dump_bytes_ > kMostKept_bytes);
   std::optional<Taken> taken;
   if (measured) taken = {log_.records().size() - 1, read_back(view, renderer_), std::nullopt};
   if (dumped) taken->dump = dump_of(view, renderer_.read_distance());
-  if (is_pictured(frame)) {
-    const PerEye<Image<Rgb8>> shown = taken ? taken->frame.pictures : renderer_.read_shown();
-    if (at_once)
-      keep(write_shown(options_.out, frame, shown));
-    else
-      kept_pictures_.push_back({frame, shown});
-  }
+  picture(view, taken);
   if (!taken) return;
   if (at_once)
     compare(std::move(*taken));
   else
     keep(std::move(*taken));
+}
+
+/// Writes or keeps the frame's pictures, if they are due. Frames from before the first answer are passed
+/// over.
+void RunReport::picture(const FrameView& view, const std::optional<Taken>& taken) {
+  awaits_picture_ |= is_pictured(view.shown.frame);
+  if (!awaits_picture_ || view.start_up || failed_) return;
+  awaits_picture_ = false;
+  const PerEye<Image<Rgb8>> shown = taken ? taken->frame.pictures : renderer_.read_shown();
+  kept_picture_bytes_ += kEyes * shown[0].pixels.size() * sizeof(Rgb8);
+  if (kept_picture_bytes_ > kMostKept_bytes)
+    keep(write_shown(options_.out, view.shown.frame, shown));
+  else
+    kept_pictures_.push_back({view.shown.frame, shown});
 }
 
 /// Measures fewer frames if those of the whole run would not fit.
@@ -169,26 +176,25 @@ void RunReport::compare(Taken taken) {
   const PerEye<EyeErrors> errors =
       measure(std::move(taken.frame), renderer_, *reference_, current_, options_.reference_samples);
   log_.set_errors(taken.record, errors);
-  if (taken.dump) keep(write_dump(options_.out / "dump", *taken.dump, current_));
+  if (taken.dump && !failed_) keep(write_dump(options_.out / "dump", *taken.dump, current_));
   const double error = badness(errors[0]) + badness(errors[1]);
   if (log_.records()[taken.record].start_up || error <= worst_error_) return;
   worst_error_ = error;
   worst_ = current_;
 }
 
-Expected<void> RunReport::finish() {
+void RunReport::finish() {
   if (!kept_.empty())
     spdlog::info("comparing {} of the {} shown frames", kept_.size(), log_.records().size());
   for (Taken& kept : kept_) compare(std::move(kept));
   kept_.clear();
-  for (const KeptPicture& kept : kept_pictures_) keep(write_shown(options_.out, kept.frame, kept.shown));
-  if (failed_) return tl::unexpected(*failed_);
-  if (worst_)
-    if (auto done = write_measured(options_.out, *worst_); !done) return done;
   std::string summary = summary_csv(log_.summary());
   if (interrupted_) summary += fmt::format("run,interrupted,,1,1,1,{}\n", log_.records().size());
-  if (auto done = write_file_atomically(options_.out / "summary.csv", summary); !done) return done;
-  return write_file_atomically(options_.out / "frames.csv", frames_csv(log_.records()));
+  keep(write_file_atomically(options_.out / "summary.csv", summary));
+  keep(write_file_atomically(options_.out / "frames.csv", frames_csv(log_.records())));
+  for (const KeptPicture& kept : kept_pictures_)
+    if (!failed_) keep(write_shown(options_.out, kept.frame, kept.shown));
+  if (worst_ && !failed_) keep(write_measured(options_.out, *worst_));
 }
 
 }  // namespace farshade

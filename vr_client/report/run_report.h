@@ -50,15 +50,15 @@ class RunReport {
   /// The run ended before its last frame: summary.csv says so in a row of its own.
   void mark_interrupted() { interrupted_ = true; }
 
-  /// The first failure to write. Nothing is written after it.
+  /// The first failure to write a file. No more pictures and dumps are written after it.
   [[nodiscard]] const std::optional<Error>& failed() const { return failed_; }
   [[nodiscard]] const FrameLog& log() const { return log_; }
   /// The last frame that was measured.
   [[nodiscard]] const MeasuredFrame& measured() const { return current_; }
 
-  /// Compares the frames that have waited for it. Writes their pictures and those of the worst frame,
-  /// summary.csv and frames.csv.
-  [[nodiscard]] Expected<void> finish();
+  /// Compares the frames that have waited for it. Writes summary.csv and frames.csv, and then the pictures,
+  /// so that a full disk costs pictures and not the numbers. failed() tells whether all were written.
+  void finish();
 
  private:
   [[nodiscard]] bool is_pictured(FrameId frame) const;
@@ -67,6 +67,7 @@ class RunReport {
   struct Taken;
   void keep(Taken taken);
   void compare(Taken taken);
+  void picture(const FrameView& view, const std::optional<Taken>& taken);
   void keep(Expected<void> done);
 
   RunReportOptions options_;
@@ -92,6 +93,8 @@ class RunReport {
     PerEye<Image<Rgb8>> shown;
   };
   std::vector<KeptPicture> kept_pictures_;  ///< to be written after the run
+  std::uint64_t kept_picture_bytes_ = 0;
+  bool awaits_picture_ = false;  ///< the next frame that shows an answer is written
   std::optional<Error> failed_;
 };
 

@@ -5,10 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "stereo/base/quantile.h"
+#include "stereo/net/rate_control.h"
+
 namespace farshade {
 namespace {
 
 constexpr double kFewLate = 0.01;
+
+/// In so many, the first answer comes even to a display of 120 Hz over a path of 100 ms.
+constexpr std::size_t kEnoughFrames = 60;
 
 const Figure& figure_of(const std::string& group, const std::string& name) {
   return *std::ranges::find_if(
@@ -56,16 +62,28 @@ std::optional<ByteUse> byte_use(const FrameLog& log, const RunTotals& totals) {
   use.up_bytes = mean_of(log.values(figure_of("wire", "bytes up a frame")));
   use.down_mbit_s = use.down_bytes * mbit_per_byte;
   use.up_mbit_s = use.up_bytes * mbit_per_byte;
-  if (const auto rate = spread_of(log, "wire", "rate of the path")) use.path_mbit_s = rate->median;
+  std::vector<double> rates = log.values(figure_of("wire", "rate of the path"));
+  std::erase(rates, RateControl::kStart * 8e-6);  // until something is measured
+  if (!rates.empty()) use.path_mbit_s = quantile(rates, 0.5);
   if (const auto size = spread_of(log, "wire", "size of requested views"))
     use.view_size_percent = size->median;
   return use;
 }
 
+std::string not_measured(const RunTotals& totals) {
+  if (totals.start_up_frames == totals.frames && totals.frames > 0)
+    return fmt::format("not measured: no frame has shown an answer of the server{}",
+                       totals.frames < kEnoughFrames
+                           ? fmt::format("; {} are few, use --frames {}", totals.frames, kEnoughFrames)
+                           : "");
+  const std::string none = "not measured: no frame was compared with a full trace";
+  if (totals.reference_every == 0) return none + "; --reference-every 8 compares every 8th";
+  return none + fmt::format(", which happens every {} frames: use --frames {} or more",
+                            totals.reference_every, totals.start_up_frames + 2 * totals.reference_every);
+}
+
 std::string picture_in_words(const std::optional<PictureError>& picture, const RunTotals& totals) {
-  if (!picture && totals.start_up_frames == totals.frames && totals.frames > 0)
-    return "not measured: no frame has shown an answer of the server";
-  if (!picture) return "not measured: no frame was compared with a full trace";
+  if (!picture) return not_measured(totals);
   const Spread& psnr = picture->psnr_db;
   if (psnr.p99 >= kEqualPictures_dB) return "equal to a full trace";
   std::string text = fmt::format("PSNR {:.1f} dB against a full trace, {:.1f} dB in the worst 1 % of frames",
@@ -75,27 +93,67 @@ std::string picture_in_words(const std::optional<PictureError>& picture, const R
   return text + fmt::format(" ({} eye, the worse one)", name_of(picture->eye));
 }
 
-std::string time_in_words(const char* who, const TimeUse& use) {
-  std::string text = fmt::format("{} {:.1f} ms of {:.1f} ms a {}: ", who, use.median_ms, use.budget_ms,
-                                 use.frames > 1 ? "request" : "frame");
-  switch (use.budget()) {
-    case Budget::Kept:
-      return text + "fits";
-    case Budget::OftenKept:
-      return text + fmt::format("too slow in {:.0f} % of frames", std::max(100 * use.late_share, 1.0));
-    case Budget::Exceeded:
-      return text + fmt::format("does not fit, takes {:.1f} times as long", use.median_ms / use.budget_ms);
-  }
-  return text;
+std::string rate_in_words(double per_second) {
+  return fmt::format("{:.{}f}", per_second, per_second < 10 ? 1 : 0);
+}
+
+double rate_of(const TimeUse& use) {
+  return 1e3 / use.median_ms;
+}
+
+/// "fits", or what is wrong, if not the median.
+std::string within_in_words(const TimeUse& use) {
+  return use.budget() == Budget::Kept
+             ? "fits"
+             : fmt::format("too slow in {:.0f} % of frames", std::max(100 * use.late_share, 1.0));
+}
+
+/// How fast smaller pictures would be, if the time is proportional to the pixels: the largest that reach most
+/// of the display's rate. Empty without a size.
+std::string advice(const TimeUse& use, const RunTotals& totals) {
+  constexpr std::uint32_t kLeastSide_px = 64;
+  constexpr double kMost = 0.6;
+  const double wanted = 1e3 / use.budget_ms;
+  Extent size = totals.eye_size;
+  double rate = rate_of(use);
+  while (rate < kMost * wanted && std::min(size.width, size.height) >= 2 * kLeastSide_px)
+    size = {size.width / 2, size.height / 2}, rate *= 4;
+  if (size == totals.eye_size) return "";
+  return fmt::format("; --size {}x{} would have about {}", size.width, size.height,
+                     rate_in_words(std::min(rate, wanted)));
+}
+
+std::string client_in_words(const TimeUse& use, const RunTotals& totals) {
+  if (use.budget() != Budget::Exceeded)
+    return fmt::format("client {:.1f} ms of {:.1f} ms a frame: {}", use.median_ms, use.budget_ms,
+                       within_in_words(use));
+  const Extent size = totals.eye_size;
+  return fmt::format(
+      "{}{} frames a second{}, the display has {:g}{}",
+      totals.cpu_draws ? "without a GPU the CPU draws: " : "client: ", rate_in_words(rate_of(use)),
+      size.pixels() > 0 ? fmt::format(" at {}x{}", size.width, size.height) : "",
+      std::round(1e4 / use.budget_ms) * 0.1, advice(use, totals));
+}
+
+std::string server_in_words(const TimeUse& use) {
+  if (use.budget() != Budget::Exceeded)
+    return fmt::format("server {:.1f} ms of {:.1f} ms a {}: {}", use.median_ms, use.budget_ms,
+                       use.frames > 1 ? "request" : "frame", within_in_words(use));
+  return fmt::format("server: {} answers a second, {:g} were requested; --mask-every {:.0f} requests as many",
+                     rate_in_words(rate_of(use)), std::round(1e4 / use.budget_ms) * 0.1,
+                     std::ceil(use.frames * use.median_ms / use.budget_ms));
 }
 
 std::string bytes_in_words(const ByteUse& use, const RunTotals& totals) {
   std::string text = fmt::format(
       "{:.1f} kB down and {:.1f} kB up a frame: {:.1f} and {:.1f} Mbit/s at {:g} Hz", use.down_bytes * 1e-3,
       use.up_bytes * 1e-3, use.down_mbit_s, use.up_mbit_s, std::round(1e5 / ms_of(totals.period)) * 1e-2);
-  if (use.path_mbit_s)
-    text += fmt::format(" of {:.0f} Mbit/s that the path carries down: {}", *use.path_mbit_s,
-                        use.budget() == Budget::Kept ? "fits" : "does not fit");
+  if (!use.path_mbit_s)
+    return text + "; what the path carries was not measured, for that too little was sent";
+  const double path = *use.path_mbit_s;
+  text += fmt::format(" of {:.0f} Mbit/s that the path was measured to carry down: {}", path,
+                      use.budget() == Budget::Kept ? "fits" : "does not fit");
+  if (use.up_mbit_s > path) text += ", if it carries no more up";
   if (use.view_size_percent < 100)
     text += fmt::format(", the server asks for {:.0f} % of the width", use.view_size_percent);
   return text;
@@ -120,7 +178,7 @@ Budget TimeUse::budget() const {
 }
 
 Budget ByteUse::budget() const {
-  const bool is_carried = !path_mbit_s || down_mbit_s <= *path_mbit_s;
+  const bool is_carried = !path_mbit_s || std::max(down_mbit_s, up_mbit_s) <= *path_mbit_s;
   return is_carried && view_size_percent >= 100 ? Budget::Kept : Budget::Exceeded;
 }
 
@@ -140,8 +198,8 @@ Verdict verdict_of(const FrameLog& log, const RunTotals& totals) {
 
 std::string in_words(const Verdict& verdict, const RunTotals& totals) {
   std::string time = "no frame was shown";
-  if (verdict.client) time = time_in_words("client", *verdict.client);
-  if (verdict.server) time += "; " + time_in_words("server", *verdict.server);
+  if (verdict.client) time = client_in_words(*verdict.client, totals);
+  if (verdict.server) time += "; " + server_in_words(*verdict.server);
   if (totals.missed > 0)
     time += fmt::format("; {} of {} display times were missed", totals.missed, totals.frames + totals.missed);
   return fmt::format("picture: {}\ntime: {}\nbytes: {}\n", picture_in_words(verdict.picture, totals), time,

@@ -34,9 +34,11 @@ struct PictureError {
 struct ByteUse {
   double down_bytes = 0, up_bytes = 0;    ///< a frame
   double down_mbit_s = 0, up_mbit_s = 0;  ///< at the display's rate
-  std::optional<double> path_mbit_s;      ///< that the path carries by the server's estimate, median
-  double view_size_percent = 100;         ///< of requested views, median; less if the path is too slow
+  /// That the path carries down, measured by the server, median. No value: too little was sent to tell.
+  std::optional<double> path_mbit_s;
+  double view_size_percent = 100;  ///< of requested views, median; less if the path is too slow
 
+  /// Also up, as if the path carried as much in that direction. Kept if nothing was measured.
   [[nodiscard]] Budget budget() const;
 };
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "stereo/net/rate_control.h"
+
 namespace farshade {
 namespace {
 
@@ -63,11 +65,37 @@ TEST(Verdict, OneFrameOfAHundredMayBeSlow) {
   EXPECT_FALSE(verdict_of(log_of(times), kAt100Hz).fits());
 }
 
-TEST(Verdict, SaysHowMuchTooSlowTheWorkIs) {
-  const std::string text = words(log_of({25ms, 25ms, 9ms}));
-  EXPECT_NE(text.find("client 25.0 ms of 10.0 ms a frame: does not fit, takes 2.5 times as long"),
-            std::string::npos)
-      << text;
+TEST(Verdict, SaysHowFastSmallerPicturesWouldBe) {
+  const FrameLog log = log_of({25ms, 25ms, 9ms});
+  RunTotals totals = kAt100Hz;
+  expect_line(
+      words(log, totals),
+      "time: client: 40 frames a second, the display has 100; server 4.0 ms of 10.0 ms a frame: fits");
+  totals.eye_size = {512, 400};
+  totals.cpu_draws = true;
+  expect_line(words(log, totals),
+              "time: without a GPU the CPU draws: 40 frames a second at 512x400, the display has 100; --size "
+              "256x200 would have about 100; server 4.0 ms of 10.0 ms a frame: fits");
+  EXPECT_NE(
+      words(log_of({600ms}), totals)
+          .find("1.7 frames a second at 512x400, the display has 100; --size 128x100 would have about 27;"),
+      std::string::npos)
+      << words(log_of({600ms}), totals);
+  totals.eye_size = {100, 100};
+  EXPECT_EQ(words(log, totals).find("--size"), std::string::npos) << "too small already";
+}
+
+TEST(Verdict, SaysHowOftenTheServerCanBeAsked) {
+  FrameLog log;
+  const FrameLog plain = log_of({1ms, 1ms});
+  for (FrameRecord frame : plain.records()) {
+    frame.server->shadow = 34ms;
+    log.add(frame);
+  }
+  EXPECT_NE(
+      words(log).find("; server: 29 answers a second, 100 were requested; --mask-every 4 requests as many"),
+      std::string::npos)
+      << words(log);
 }
 
 TEST(Verdict, TheServerHasTheTimeBetweenRequests) {
@@ -97,7 +125,7 @@ TEST(Verdict, SilentFramesDoNotCount) {
 TEST(Verdict, StatesBytesAtTheRateOfTheDisplay) {
   expect_line(words(log_of({1ms, 1ms})),
               "bytes: 5.0 kB down and 0.2 kB up a frame: 4.0 and 0.2 Mbit/s at 100 Hz of 10 Mbit/s that the "
-              "path carries down: fits");
+              "path was measured to carry down: fits");
 }
 
 TEST(Verdict, SaysThatThePathIsTooSlow) {
@@ -109,11 +137,43 @@ TEST(Verdict, SaysThatThePathIsTooSlow) {
     log.add(frame);
   }
   EXPECT_NE(
-      words(log).find("of 3 Mbit/s that the path carries down: does not fit, the server asks for 75 % of "
-                      "the width\n"),
+      words(log).find(
+          "of 3 Mbit/s that the path was measured to carry down: does not fit, the server asks for 75 % of "
+          "the width\n"),
       std::string::npos)
       << words(log);
   EXPECT_FALSE(verdict_of(log, kAt100Hz).fits());
+}
+
+TEST(Verdict, JudgesWhatIsSentUpToo) {
+  FrameLog log;
+  const FrameLog plain = log_of({1ms, 1ms});
+  for (FrameRecord frame : plain.records()) {
+    frame.traffic->up = 50'000;
+    log.add(frame);
+  }
+  EXPECT_NE(
+      words(log).find("4.0 and 40.0 Mbit/s at 100 Hz of 10 Mbit/s that the path was measured to carry down: "
+                      "does not fit, if it carries no more up"),
+      std::string::npos)
+      << words(log);
+  EXPECT_FALSE(verdict_of(log, kAt100Hz).fits());
+}
+
+/// The server begins with an estimate that it has not measured.
+TEST(Verdict, TheFirstEstimateOfThePathIsNoMeasurement) {
+  FrameLog log;
+  const FrameLog plain = log_of({1ms, 1ms, 1ms});
+  for (FrameRecord frame : plain.records()) {
+    frame.server->bytes_per_second = static_cast<std::uint32_t>(RateControl::kStart);
+    log.add(frame);
+  }
+  EXPECT_FALSE(verdict_of(log, kAt100Hz).bytes->path_mbit_s);
+  EXPECT_NE(words(log).find("what the path carries was not measured"), std::string::npos) << words(log);
+  FrameRecord later = log.records().front();
+  later.server->bytes_per_second = 2'000'000;
+  log.add(later);
+  EXPECT_DOUBLE_EQ(verdict_of(log, kAt100Hz).bytes->path_mbit_s.value(), 16);
 }
 
 TEST(Verdict, CountsMissedDisplayTimes) {
@@ -145,11 +205,20 @@ TEST(Verdict, SaysThatPicturesAreEqual) {
 TEST(Verdict, SaysWhatWasNotMeasured) {
   FrameLog log;
   log.add({.frame = {1}});
-  expect_line(words(log), "picture: not measured: no frame was compared with a full trace");
+  expect_line(words(log),
+              "picture: not measured: no frame was compared with a full trace; --reference-every 8 "
+              "compares every 8th");
   expect_line(words(log), "bytes: no network was used");
   RunTotals totals = kAt100Hz;
+  totals.reference_every = 8;
+  expect_line(
+      words(log, totals),
+      "picture: not measured: no frame was compared with a full trace, which happens every 8 frames: use "
+      "--frames 16 or more");
   totals.start_up_frames = 1;
-  expect_line(words(log, totals), "picture: not measured: no frame has shown an answer of the server");
+  expect_line(
+      words(log, totals),
+      "picture: not measured: no frame has shown an answer of the server; 1 are few, use --frames 60");
   EXPECT_EQ(words(log).find("server"), std::string::npos) << words(log);
   expect_line(words(FrameLog()), "time: no frame was shown");
 }
