@@ -364,7 +364,8 @@ Expected<void> run_client(const Options& options, StopSignal& stop) {
                             FinishedRun{.log = report.log(),
                                         .silence = silence,
                                         .missed = runtime.skipped(),
-                                        .interrupted = stop.has_come()});
+                                        .interrupted = stop.has_come(),
+                                        .head_test = head.test});
       !done)
     return done;
   if (report.failed()) return tl::unexpected(*report.failed());

@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "stereo/placement/fit.h"
-#include "stereo/placement/head_test.h"
 #include "stereo/placement/surroundings.h"
 
 namespace farshade {
@@ -50,11 +49,10 @@ std::string cure_for(const Options& options) {
                                                  : fmt::format("--place fit or {}", stand);
 }
 
-/// A way to place the head, and what the head sees there.
+/// A way to place the head.
 struct Trial {
   PlacedHead placed;
   std::string where;
-  HeadTest test{};
 };
 
 class Placing {
@@ -74,21 +72,23 @@ class Placing {
     const Expected<Fit> fit = fitted(options_, scene_, surroundings_, recording_);
     if (!fit) return tl::unexpected(fit.error());
     Trial best = fit_trial(*fit, 1);
-    for (double less = 0.5; best.test.is_bad() && less > kLeastWalk; less *= 0.5) {
+    for (double less = 0.5; best.placed.test.is_bad() && less > kLeastWalk; less *= 0.5) {
       Trial smaller = fit_trial(*fit, less);
       if (bad_poses(smaller) < bad_poses(best)) best = std::move(smaller);
     }
     return best;
   }
 
-  static std::size_t bad_poses(const Trial& trial) { return trial.test.inside + trial.test.see_nothing; }
+  static std::size_t bad_poses(const Trial& trial) {
+    return trial.placed.test.inside + trial.placed.test.see_nothing;
+  }
 
  private:
   static constexpr double kLeastWalk = 1e-4;
 
   void test(Trial& trial) const {
-    trial.test = test_head(surroundings_, trial.placed.recording, trial.placed.stage_from_recorded,
-                           shown_part(options_, trial.placed.recording));
+    trial.placed.test = test_head(surroundings_, trial.placed.recording, trial.placed.stage_from_recorded,
+                                  shown_part(options_, trial.placed.recording));
   }
 
   /// The fitted walk, scaled by `less` about its start.
@@ -117,8 +117,8 @@ void tell(const Options& options, const Trial& trial, const Scene& scene, const 
   const std::string still =
       scene.animation_length_s > 0 ? ", with animated things where they are at 0 s" : "";
   const std::string said =
-      fmt::format("the head starts {}: {}{}{}", trial.where, in_words(trial.test), still, why);
-  if (trial.test.is_bad())
+      fmt::format("the head starts {}: {}{}{}", trial.where, in_words(trial.placed.test), still, why);
+  if (trial.placed.test.is_bad())
     spdlog::warn("{}; the cure is {}", said, cure_for(options));
   else
     spdlog::info(said);
@@ -143,10 +143,10 @@ Expected<PlacedHead> place_head(const Options& options, const Scene& scene, Head
     });
   Trial plain = placing.plain();
   std::string why;
-  if (options.place == Place::Auto && !options.stand && plain.test.is_bad()) {
+  if (options.place == Place::Auto && !options.stand && plain.placed.test.is_bad()) {
     Expected<Trial> fit = placing.fitting();
     if (fit && Placing::bad_poses(*fit) < Placing::bad_poses(plain)) {
-      why = fmt::format("; not moved, {}", in_words(plain.test));
+      why = fmt::format("; not moved, {}", in_words(plain.placed.test));
       plain = std::move(*fit);
     }
   }

@@ -4,6 +4,7 @@
 #include <future>
 
 #include "stereo/head/head_recording.h"
+#include "stereo/placement/head_test.h"
 #include "vr_client/options.h"
 
 namespace farshade {
@@ -11,6 +12,7 @@ namespace farshade {
 struct PlacedHead {
   HeadRecording recording;  ///< its walk may be scaled down
   Rigid<Stage, Recorded> stage_from_recorded;
+  HeadTest test{};  ///< what the head sees there; of no pose if the scene is too large to test
 };
 
 /// Places the recording and logs how and why, with the share of the shown poses that are inside geometry or

@@ -75,6 +75,9 @@ Expected<void> summarize(const Options& options, const Client& client, const Fin
   RunTotals totals = totals_of(client, options.size, options.refresh_hz, run.log);
   totals.reference_every = options.reference_every;
   totals.missed = run.missed;
+  if (run.head_test.tested > 0)
+    totals.inside_share =
+        static_cast<double>(run.head_test.inside) / static_cast<double>(run.head_test.tested);
   totals.silent = run.silence.time();
   totals.silent_frames = run.silence.frames();
   totals.planned_memory_bytes = most_at_once(client_memory(

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <string>
 
+#include "stereo/placement/head_test.h"
 #include "vr_client/client.h"
 #include "vr_client/report/frame_log.h"
 #include "vr_client/report/silence.h"
@@ -24,6 +25,7 @@ struct FinishedRun {
   const Silence& silence;
   std::uint64_t missed = 0;  ///< display times
   bool interrupted = false;
+  HeadTest head_test{};
   std::string head{};  ///< what moved the head; empty: the head recording of the options
 };
 /// Prints the verdict and the figures that matter in the mode, and writes the file of --json.

@@ -75,6 +75,8 @@ TEST(PlacedHead, IsAtTheCameraIfThatIsGoodOrIfTheUserSaysSo) {
     const PlacedHead head = placed(scene, with(in_block ? Place::Camera : Place::Auto));
     EXPECT_LT(glm::length(start_of(head) - scene.camera->translation), 1e-9) << in_block;
     EXPECT_EQ(test_of(scene, head).is_bad(), in_block);
+    EXPECT_EQ(head.test.inside, test_of(scene, head).inside);
+    EXPECT_EQ(head.test.inside > 20, in_block) << "the walk begins in the block and leaves it";
   }
   Options stands = with(Place::Auto);
   stands.stand = Stand{.at = {{0, 1.6, 0}}, .heading_rad = std::nullopt};

@@ -51,6 +51,7 @@ struct RunTotals {
   std::uint64_t memory_bytes = 0, planned_memory_bytes = 0;  ///< on the device, at peak
   Extent eye_size{};                                         ///< of the shown pictures
   bool cpu_draws = false;                                    ///< there was no GPU
+  double inside_share = 0;                                   ///< of the head's poses: those inside geometry
   std::uint32_t reference_every = 0;  ///< every Nth frame is compared with a full trace; 0: none
 };
 

@@ -101,7 +101,8 @@ std::string summary_json(const RunSetting& setting, const RunTotals& totals, con
   const Verdict verdict = verdict_of(log, totals);
   ordered_json summary{{"setting", json_of(setting)},
                        {"verdict",
-                        {{"fits", verdict.fits()},
+                        {{"valid", verdict.is_valid},
+                         {"fits", verdict.fits()},
                          {"in_words", in_words(verdict, totals)},
                          {"picture", json_of(verdict.picture)},
                          {"client", json_of(verdict.client)},

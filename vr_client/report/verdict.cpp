@@ -11,9 +11,9 @@
 namespace farshade {
 namespace {
 
-constexpr double kFewLate = 0.01;
+constexpr double kFewLate = 0.01, kMostInside = 0.5;
 
-/// In so many, the first answer comes even to a display of 120 Hz over a path of 100 ms.
+/// In as many frames an answer comes, also at 120 Hz over a path of 100 ms.
 constexpr std::size_t kEnoughFrames = 60;
 
 const Figure& figure_of(const std::string& group, const std::string& name) {
@@ -83,6 +83,11 @@ std::string not_measured(const RunTotals& totals) {
 }
 
 std::string picture_in_words(const std::optional<PictureError>& picture, const RunTotals& totals) {
+  if (totals.inside_share > kMostInside)
+    return fmt::format(
+        "INVALID: the head is inside geometry in {:.0f} % of its poses; the cure is --place fit or "
+        "--stand X,Y,Z",
+        100 * totals.inside_share);
   if (!picture) return not_measured(totals);
   const Spread& psnr = picture->psnr_db;
   if (psnr.p99 >= kEqualPictures_dB) return "equal to a full trace";
@@ -119,7 +124,7 @@ std::string advice(const TimeUse& use, const RunTotals& totals) {
   while (rate < kMost * wanted && std::min(size.width, size.height) >= 2 * kLeastSide_px)
     size = {size.width / 2, size.height / 2}, rate *= 4;
   if (size == totals.eye_size) return "";
-  return fmt::format("; --size {}x{} would have about {}", size.width, size.height,
+  return fmt::format("; --size {}x{} would have about {} (an estimate)", size.width, size.height,
                      rate_in_words(std::min(rate, wanted)));
 }
 
@@ -148,8 +153,7 @@ std::string bytes_in_words(const ByteUse& use, const RunTotals& totals) {
   std::string text = fmt::format(
       "{:.1f} kB down and {:.1f} kB up a frame: {:.1f} and {:.1f} Mbit/s at {:g} Hz", use.down_bytes * 1e-3,
       use.up_bytes * 1e-3, use.down_mbit_s, use.up_mbit_s, std::round(1e5 / ms_of(totals.period)) * 1e-2);
-  if (!use.path_mbit_s)
-    return text + "; what the path carries was not measured, for that too little was sent";
+  if (!use.path_mbit_s) return text + "; the rate of the path was not measured: the run sent too little";
   const double path = *use.path_mbit_s;
   text += fmt::format(" of {:.0f} Mbit/s that the path was measured to carry down: {}", path,
                       use.budget() == Budget::Kept ? "fits" : "does not fit");
@@ -184,7 +188,7 @@ Budget ByteUse::budget() const {
 
 bool Verdict::fits() const {
   const auto each = [](const auto& use) { return !use || use->budget() == Budget::Kept; };
-  return each(client) && each(server) && each(bytes) && missed_share <= kFewLate;
+  return is_valid && each(client) && each(server) && each(bytes) && missed_share <= kFewLate;
 }
 
 Verdict verdict_of(const FrameLog& log, const RunTotals& totals) {
@@ -193,7 +197,8 @@ Verdict verdict_of(const FrameLog& log, const RunTotals& totals) {
           .client = time_use(log, "client", totals, 1),
           .server = time_use(log, "server", totals, frames_per_request(log)),
           .bytes = byte_use(log, totals),
-          .missed_share = totals.missed == 0 ? 0 : static_cast<double>(totals.missed) / display_times};
+          .missed_share = totals.missed == 0 ? 0 : static_cast<double>(totals.missed) / display_times,
+          .is_valid = totals.inside_share <= kMostInside};
 }
 
 std::string in_words(const Verdict& verdict, const RunTotals& totals) {

@@ -47,8 +47,9 @@ struct Verdict {
   std::optional<TimeUse> client, server;
   std::optional<ByteUse> bytes;  ///< no value without a connection
   double missed_share = 0;       ///< of all display times
+  bool is_valid = true;          ///< the head is outside of geometry in at least half of its poses
 
-  /// Client, server and bytes fit, and at most 1 % of the display times were missed.
+  /// It is valid; client, server and bytes fit, and at most 1 % of the display times were missed.
   [[nodiscard]] bool fits() const;
 };
 

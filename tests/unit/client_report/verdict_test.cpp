@@ -75,11 +75,11 @@ TEST(Verdict, SaysHowFastSmallerPicturesWouldBe) {
   totals.cpu_draws = true;
   expect_line(words(log, totals),
               "time: without a GPU the CPU draws: 40 frames a second at 512x400, the display has 100; --size "
-              "256x200 would have about 100; server 4.0 ms of 10.0 ms a frame: fits");
-  EXPECT_NE(
-      words(log_of({600ms}), totals)
-          .find("1.7 frames a second at 512x400, the display has 100; --size 128x100 would have about 27;"),
-      std::string::npos)
+              "256x200 would have about 100 (an estimate); server 4.0 ms of 10.0 ms a frame: fits");
+  EXPECT_NE(words(log_of({600ms}), totals)
+                .find("1.7 frames a second at 512x400, the display has 100; --size 128x100 would have about "
+                      "27 (an estimate)"),
+            std::string::npos)
       << words(log_of({600ms}), totals);
   totals.eye_size = {100, 100};
   EXPECT_EQ(words(log, totals).find("--size"), std::string::npos) << "too small already";
@@ -169,7 +169,9 @@ TEST(Verdict, TheFirstEstimateOfThePathIsNoMeasurement) {
     log.add(frame);
   }
   EXPECT_FALSE(verdict_of(log, kAt100Hz).bytes->path_mbit_s);
-  EXPECT_NE(words(log).find("what the path carries was not measured"), std::string::npos) << words(log);
+  EXPECT_NE(words(log).find("; the rate of the path was not measured: the run sent too little\n"),
+            std::string::npos)
+      << words(log);
   FrameRecord later = log.records().front();
   later.server->bytes_per_second = 2'000'000;
   log.add(later);
@@ -192,6 +194,19 @@ TEST(Verdict, StatesThePictureOfTheWorseEye) {
   expect_line(words(log),
               "picture: PSNR 35.0 dB against a full trace, 35.0 dB in the worst 1 % of frames; mask error "
               "2.00 %, 2.00 % in the worst 1 % (right eye, the worse one)");
+}
+
+TEST(Verdict, PicturesFromInsideOfGeometryAreNotValid) {
+  FrameLog log;
+  log.add(compared(kEqualPictures_dB, kEqualPictures_dB, 0));
+  RunTotals totals = kAt100Hz;
+  for (const double share : {0.0, 0.5, 0.51, 1.0}) {
+    totals.inside_share = share;
+    EXPECT_EQ(verdict_of(log, totals).is_valid, share <= 0.5);
+    EXPECT_EQ(words(log, totals).find("picture: INVALID: the head is inside geometry in ") == 0, share > 0.5)
+        << words(log, totals);
+  }
+  EXPECT_FALSE(verdict_of(log, totals).fits());
 }
 
 TEST(Verdict, SaysThatPicturesAreEqual) {
