@@ -75,7 +75,7 @@ TEST(Verdict, SaysHowFastSmallerPicturesWouldBe) {
   totals.cpu_draws = true;
   expect_line(words(log, totals),
               "time: without a GPU the CPU draws: 40 frames a second at 512x400, the display has 100; --size "
-              "256x200 would have about 100 (an estimate); server 4.0 ms of 10.0 ms a frame: fits");
+              "256x200 would have about 80 (an estimate); server 4.0 ms of 10.0 ms a frame: fits");
   EXPECT_NE(words(log_of({600ms}), totals)
                 .find("1.7 frames a second at 512x400, the display has 100; --size 128x100 would have about "
                       "27 (an estimate)"),
