@@ -204,6 +204,25 @@ TEST_F(Carry, AsksForBlocksOfTheBaseThatHaveNotCome) {
   EXPECT_LT(shares.asked, 70);
 }
 
+/// Of a composed mask whose answer is still on its way, only what was carried over is shown.
+TEST_F(Carry, BlocksThatHaveNotComeAreNotShown) {
+  TestRig rig(device_, bundled("room.glb"), kSide_px);
+  const StereoView views = rig.eyes(rig.head());
+  const Mask first = rig.ask(kOlder, views);
+  Mask mask = rig.ask_for_unknown(kTraced, views, first);
+  for (KnownTiles& tiles : mask.known_tiles) std::ranges::fill(tiles, std::uint8_t{0});
+  const Shown shown = rig.show(views, {mask.traced_mask()}, kPlainCarryOver);
+  std::size_t missing = 0, there = 0;
+  for_covered(shown, [&](Side side, std::uint32_t x, std::uint32_t y, std::uint8_t source) {
+    const std::size_t eye = index_of(side);
+    const bool is_asked = asked_bits(mask.asked, eye, views[eye].size, {x, y}) != 0;
+    ++(is_asked ? missing : there);
+    ASSERT_EQ(source == kSourceUnknown, is_asked) << x << ", " << y;
+  });
+  EXPECT_GT(missing, 1000u);
+  EXPECT_GT(there, 10'000u);
+}
+
 TEST_F(Carry, AsksForWhereAMovingBoxCastsItsShadow) {
   TestRig rig(device_, moving_box(), kSide_px);
   const StereoView views = rig.eyes(kAbove);

@@ -103,6 +103,32 @@ TEST_F(SceneMemory, TwentyThousandMeshesTakeAsManyAllocationsAsTwoAndLookTheSame
   EXPECT_GT(lit, kDrawnSize.pixels() / 4) << "the wall is in view";
 }
 
+/// The colours of a mesh lie behind its texture coordinates, or, if it has none, behind its normals.
+TEST_F(SceneMemory, AMeshHasItsOwnColorsBesideATexture) {
+  const auto wall = [](bool textured) {
+    SceneBuilder builder;
+    builder.point_light({0, 0, 1});
+    Material material;
+    material.double_sided = true;
+    if (textured) {
+      Texture white{.image = Image<Rgba8>({4, 4})};
+      std::ranges::fill(white.image.pixels, Rgba8(255));
+      material.texture = builder.texture(white);
+    }
+    Mesh mesh = quad({0, 0, -2}, {1.5f, 0, 0}, {0, 1.5f, 0});
+    for (std::uint32_t corner = 0; corner < mesh.positions.size(); ++corner)
+      mesh.colors.push_back(color_of(corner + 1));
+    builder.add(mesh, builder.material(material));
+    return builder.build();
+  };
+  const SceneDrawn textured = drawn(wall(true)), plain = drawn(wall(false));
+  for (std::size_t eye = 0; eye < kEyes; ++eye)
+    EXPECT_EQ(differing(textured.pictures[eye], plain.pictures[eye], 1), 0u) << eye;
+  const auto colored =
+      std::ranges::count_if(plain.pictures[0].pixels, [](Rgb8 p) { return p.x != p.y || p.y != p.z; });
+  EXPECT_GT(colored, kDrawnSize.pixels() / 2);
+}
+
 float linear_of(std::uint8_t level) {
   const float c = static_cast<float>(level) / 255;
   return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);

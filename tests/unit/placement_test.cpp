@@ -244,6 +244,16 @@ TEST(FitHead, StaysOnThisSideOfAWallAndOutOfFurniture) {
   EXPECT_GT(fit.scale, 0.3);
 }
 
+/// Both of its poses have room: only the way between them is barred.
+TEST(FitHead, DoesNotStepThroughAThinWall) {
+  Scene room = box_scene({4, 1.5, 4}, Walls::Double, Wound::Inwards);
+  add_box(room, {0.002, 1.5, 4}, {2, 0, 0}, Wound::Outwards);
+  const HeadRecording recording = walk({{7, 1, 7}, {10, 1, 7}, {7, 1, 7}});  // from 0.5 to 3.5 m
+  const Fit fit = fit_in(room, recording, Anchors::Reference);
+  EXPECT_LT(0.5 + 3 * fit.scale, 2 - 0.15 + 0.01);
+  EXPECT_GT(0.5 + 3 * fit.scale, 1.7);
+}
+
 TEST(FitHead, AtAChosenPlaceOnlyScales) {
   const Scene room = box_scene({2, 1.5, 2}, Walls::Double, Wound::Inwards);
   const Fit fit = fit_in(room, square_walk(3), Anchors::Reference);

@@ -156,6 +156,9 @@ TEST_F(ConfigFile, TakesAValueThatIsASubcommandsNameAsAValue) {
   EXPECT_EQ(parse({"--colour", "wall"}), "");
   EXPECT_EQ(colour_, "wall");
   EXPECT_EQ(coats_, 3);
+  write("gloss = true\n");  // the subcommand has no such option
+  EXPECT_EQ(parse({"--colour", "wall"}), "");
+  EXPECT_TRUE(gloss_);
 }
 
 TEST_F(ConfigFile, DoesNotHideTheHelp) {

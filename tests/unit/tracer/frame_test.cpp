@@ -1,6 +1,7 @@
 // The tracer's frames: mask words, reuse of buffers, ray counts, and moving meshes and lights.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <random>
 #include <thread>
@@ -67,8 +68,12 @@ TEST(TracerFrame, ATraceThatIsGivenUpEndsAtTheNextGroupsAndHarmsNoLaterOne) {
       request_for({look({0.1, 3.0, 2.9}, {0.03, 0.0, -0.1}, 512), look({0.2, 3.0, 2.9}, {}, 512)});
   ShadowFrame whole, frame;
   tracer.trace(request, whole);
+  frame = whole;
+  for (std::byte& byte : frame.masks[1].bytes())
+    byte = std::byte{0xff};  // no trace of three lights writes that
   std::atomic<int> asked = 0;
   EXPECT_THROW(tracer.trace(request, frame, [&] { return ++asked > 100; }), TraceGivenUp);
+  EXPECT_GT(std::ranges::count(frame.masks[1].bytes(), std::byte{0xff}), 512 * 512 / 4) << "it goes on";
   EXPECT_LT(asked, 100 + 2 * static_cast<int>(std::thread::hardware_concurrency()) + 1)
       << "of 2,048 groups; a core may ask while another one is told";
   tracer.trace(request, frame, [] { return false; });
