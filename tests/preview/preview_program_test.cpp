@@ -84,8 +84,13 @@ TEST_F(PreviewProgram, ShowsThePicturesThatAReplayDraws) {
   EXPECT_EQ(seen.right, taken.right);
   EXPECT_NE(taken.left, taken.right);
   const Replayed replayed = replay(out_ / "capture_0001.farshade", out_ / "replay");
-  const std::vector<Image<Rgb8>> frames = pictures_in(out_ / "frames_0001", ".png");
+  std::vector<Image<Rgb8>> frames = pictures_in(out_ / "frames_0001", ".png");
   ASSERT_GE(frames.size(), 12);
+  // A replay writes no pictures from before the first answer, which F10 may have written.
+  const auto is_replayed = [&](const Image<Rgb8>& frame) {
+    return std::ranges::find(replayed.left, crop(frame, 0, 0, kDeskEye)) != replayed.left.end();
+  };
+  frames.erase(frames.begin(), std::find_if(frames.begin(), frames.end() - 6, is_replayed));
   ASSERT_GE(replayed.left.size(), frames.size());
   EXPECT_NE(frames.front(), frames.back()) << "the head moved";
   std::size_t first = 0;
@@ -399,7 +404,8 @@ TEST_F(PreviewProgram, FinishesItsRecordingsWhenInterrupted) {
   const auto recording = load_head_recording(out_ / "head_0001.csv");
   ASSERT_TRUE(recording) << recording.error().what;
   EXPECT_GE(recording->samples.size(), 3);
-  EXPECT_GE(replay(out_ / "capture_0001.farshade", out_ / "replay").left.size(), 3);
+  replay(out_ / "capture_0001.farshade", out_ / "replay");
+  EXPECT_GE(read_csv(out_ / "replay" / "frames.csv").at("frame").size(), 3u);
 }
 
 TEST_F(PreviewProgram, EndsWith143AfterSIGTERM) {
