@@ -12,6 +12,7 @@
 #include "stereo/announce/announcer.h"
 #include "stereo/base/files.h"
 #include "stereo/base/stages.h"
+#include "stereo/exposure/chosen_exposure.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/impaired_port.h"
 #include "stereo/net/udp.h"
@@ -246,15 +247,25 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   if (!ring) return tl::unexpected(ring.error());
   const Expected<UdpServer> server = open_port(options, clock);
   if (!server) return tl::unexpected(server.error());
+  const Exposure exposure = options.lighting.exposure ? Exposure{} : chosen_exposure(scene);
+  if (const std::string words = in_words(exposure, scene.name); !words.empty())
+    fmt::print("rt_server: {}\n", words);
+  stages.end("exposure");
   Expected<Tracer> tracer = Tracer::create(scene, plan.trace);
   if (!tracer) return tl::unexpected(tracer.error());
   stages.end("tracer");
 
-  const Welcome served{scene.hash, plan.trace.mask.lights, options.most_pixels};
-  ServerCore core(
-      served, *ring,
-      make_answers({.scene = scene, .plan = plan, .tracer = *tracer, .memory = options.limits.memory}),
-      *server->port, clock, options.limits);
+  const Welcome served{.scene_hash = scene.hash,
+                       .light_count = plan.trace.mask.lights,
+                       .most_pixels = options.most_pixels,
+                       .exposure = exposure};
+  ServerCore core(served, *ring,
+                  make_answers({.scene = scene,
+                                .plan = plan,
+                                .tracer = *tracer,
+                                .exposure = exposure,
+                                .memory = options.limits.memory}),
+                  *server->port, clock, options.limits);
   fmt::print("rt_server: serving {}, {} triangles, {} lights, scene {}\n", scene.name, scene.triangle_count,
              plan.trace.mask.lights, short_form(scene.hash));
   fmt::print("rt_server: the tracer holds {}\n", in_words(tracer->memory()));

@@ -95,8 +95,11 @@ float covers(int d, float f) {
 }
 
 // The filtered edge gets the contrast of the filtered edges of masks (reproject.glsl). docs/modes.md has the measurement.
+// Everything that casts shadows lies in the map, so nothing blocks points beside it or behind it: a sky may lie there.
 float unblocked(Receiver receiver) {
   int r = int(kPcfRadius);
+  vec2 from_middle = abs(receiver.at - 0.5 * float(kMapSide));
+  if (max(from_middle.x, from_middle.y) > 0.5 * float(kMapSide)) return 1.0;
   ivec2 own = clamp(ivec2(floor(receiver.at)), ivec2(r), ivec2(int(kMapSide) - 1 - r));
   vec2 f = clamp(receiver.at - vec2(own), 0.0, 1.0);
   float lit = 0.0;
@@ -104,7 +107,7 @@ float unblocked(Receiver receiver) {
     for (int x = -r; x <= r; ++x) {
       float change = dot(receiver.gradient, vec2(own + ivec2(x, y)) + 0.5 - receiver.at);
       float blocker = texelFetch(shadow_maps, ivec3(own + ivec2(x, y), receiver.layer), 0).r;
-      bool blocked = blocker > receiver.depth + change + kMapBend * abs(change) + receiver.tolerance;
+      bool blocked = blocker > 0.0 && blocker > receiver.depth + change + kMapBend * abs(change) + receiver.tolerance;
       lit += blocked ? 0.0 : covers(x, f.x) * covers(y, f.y);
     }
   return clamp((lit - 0.5) * kSharpness + 0.5, 0.0, 1.0);

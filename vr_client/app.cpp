@@ -257,6 +257,7 @@ Expected<void> run_replay(const Options& options, StopSignal& stop) {
                            .link = replay.link(),
                            .own_tracer = client.own_tracer.get(),
                            .settings = replay.settings(),
+                           .exposure = header.exposure,
                            .policy = header.policy};
   Silence no_server({});
   const auto compare = [&](const FrameView& view) { replay.watch(view, client.renderer->read_shown()); };
@@ -339,6 +340,8 @@ Expected<void> run_client(const Options& options, StopSignal& stop) {
     return done;
   if (client.link) client.link->give_up_when([&stop] { return stop.has_come(); });
   const MaskPolicy policy = policy_of(options, client);
+  if (head.exposure) client.exposure = head.exposure;
+  const Exposure exposure = settle_exposure(options, client);
   if (captures)
     if (auto done = capture.open(options.record, header_of(options, client, policy)); !done) return done;
   stages.end("server");
@@ -350,6 +353,7 @@ Expected<void> run_client(const Options& options, StopSignal& stop) {
                            .link = client.link.get(),
                            .own_tracer = client.own_tracer.get(),
                            .settings = settings,
+                           .exposure = exposure,
                            .policy = policy};
   if (options.pace == Pace::Real)
     draw_ahead(context, head.recording.start() + duration_from_ms(options.skip_s * 1e3));

@@ -9,6 +9,7 @@
 #include "stereo/announce/find_server.h"
 #include "stereo/base/user_folders.h"
 #include "stereo/detail/level_cache.h"
+#include "stereo/exposure/chosen_exposure.h"
 #include "stereo/gpu/pipeline_cache.h"
 #include "stereo/net/explain.h"
 #include "stereo/net/udp.h"
@@ -271,6 +272,17 @@ void SessionKeeper::keep(Client& client) {
   client.link->keep_alive();
 }
 
+Exposure settle_exposure(const Options& options, Client& client) {
+  const auto told = client.link ? client.link->inbox().exposure() : std::nullopt;
+  if (told && told != client.exposure)
+    if (const std::string words = in_words(*told, client.scene.name); !words.empty())
+      spdlog::info("the server says: {}", words);
+  if (told) client.exposure = told;
+  if (!client.exposure)
+    client.exposure = options.lighting.exposure ? Exposure{} : chosen_exposure(client.scene);
+  return *client.exposure;
+}
+
 CaptureHeader header_of(const Options& options, const Client& client, const MaskPolicy& policy) {
   const bool traces = options.mode.mode == Mode::Full && client.plan.server;
   return {.scene = options.scene.filename().string(),
@@ -283,6 +295,7 @@ CaptureHeader header_of(const Options& options, const Client& client, const Mask
           .detail_px = double{client.plan.draw.detail_px},
           .requests = frames_in_flight(options),
           .refresh_hz = options.refresh_hz,
+          .exposure = client.exposure.value_or(Exposure{}),
           .policy = policy,
           .device = client.device.name};
 }

@@ -30,8 +30,9 @@ struct Client {
   PausableClock clock;  ///< of the link and the display; stands still while a preview holds a frame
   std::unique_ptr<ImpairedPort> network;  ///< to the server; impaired only if --net says so
   Peer server;
-  std::unique_ptr<NetworkLink> link;  ///< in modes with a server, if a light casts shadows
-  Duration round_trip{};              ///< measured during the handshake
+  std::unique_ptr<NetworkLink> link;   ///< in modes with a server, if a light casts shadows
+  Duration round_trip{};               ///< measured during the handshake
+  std::optional<Exposure> exposure{};  ///< of the server, or chosen here (settle_exposure)
 };
 
 /// The viewer of a preview can delay messages by at most this much.
@@ -104,6 +105,9 @@ class SessionKeeper {
 };
 
 /// The header of a capture of this client.
+/// Takes the exposure of the server. Without one, keeps an earlier one, or chooses it. Returns it.
+Exposure settle_exposure(const Options& options, Client& client);
+
 [[nodiscard]] CaptureHeader header_of(const Options& options, const Client& client, const MaskPolicy& policy);
 
 /// Malformed, with the first message, if the validation layers reported anything.

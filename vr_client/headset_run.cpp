@@ -189,6 +189,7 @@ Expected<void> show(const Options& options, Client& client, HeadsetRuntime& runt
                            .link = client.link.get(),
                            .own_tracer = client.own_tracer.get(),
                            .settings = settings,
+                           .exposure = settle_exposure(options, client),
                            .policy = policy};
   const Expected<void> shown = run_frames(context, watch, stop);
   const Expected<void> ended = runtime.finish();

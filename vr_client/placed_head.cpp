@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "stereo/exposure/chosen_exposure.h"
+#include "stereo/exposure/picture_check.h"
 #include "stereo/placement/fit.h"
 #include "stereo/placement/surroundings.h"
 
@@ -124,18 +126,29 @@ void tell(const Options& options, const Trial& trial, const Scene& scene, const 
     spdlog::info(said);
 }
 
-}  // namespace
-
-Expected<PlacedHead> place_head(const Options& options, const Scene& scene, HeadRecording recording) {
-  const Expected<Surroundings> surroundings = Surroundings::create(scene);
-  if (!surroundings && options.place == Place::Fit)
-    return fail(surroundings.error().fault,
-                surroundings.error().what + "; --place fit needs it: use --stand X,Y,Z instead");
-  if (!surroundings) {
-    spdlog::info("the head starts {}; {}", where_words(options), surroundings.error().what);
-    return plainly_placed(options, scene, recording);
+/// Chooses the exposure and tells what is wrong with the light of some shown pictures.
+void judge_light(const Options& options, const Scene& scene, const Surroundings& surroundings,
+                 PlacedHead& placed) {
+  constexpr int kPoses = 4, kAcross = 16;
+  const HeadRecording& recording = placed.recording;
+  placed.exposure = options.lighting.exposure ? Exposure{} : chosen_exposure(surroundings, scene);
+  if (const std::string words = in_words(*placed.exposure, scene.name); !words.empty()) spdlog::info(words);
+  const Shown shown = shown_part(options, recording);
+  std::vector<Ray> rays;
+  for (int i = 0; i < kPoses; ++i) {
+    const Time time = recording.start() + shown.from + (shown.until - shown.from) * i / (kPoses - 1);
+    for (const Ray& ray :
+         picture_rays(recording, placed.stage_from_recorded * head_at(recording, time), kAcross))
+      rays.push_back(ray);
   }
-  const Placing placing(options, scene, *surroundings, recording);
+  for (const PictureFinding& finding :
+       check_picture(surroundings, scene, options.lighting, *placed.exposure, rays))
+    spdlog::log(finding.is_bad ? spdlog::level::warn : spdlog::level::info, finding.sentence);
+}
+
+Expected<PlacedHead> placed_in(const Surroundings& surroundings, const Options& options, const Scene& scene,
+                               HeadRecording recording) {
+  const Placing placing(options, scene, surroundings, recording);
   if (options.place == Place::Fit)
     return placing.fitting().map([&](Trial&& trial) {
       tell(options, trial, scene, "");
@@ -152,6 +165,23 @@ Expected<PlacedHead> place_head(const Options& options, const Scene& scene, Head
   }
   tell(options, plain, scene, why);
   return std::move(plain.placed);
+}
+
+}  // namespace
+
+Expected<PlacedHead> place_head(const Options& options, const Scene& scene, HeadRecording recording) {
+  const Expected<Surroundings> surroundings = Surroundings::create(scene);
+  if (!surroundings && options.place == Place::Fit)
+    return fail(surroundings.error().fault,
+                surroundings.error().what + "; --place fit needs it: use --stand X,Y,Z instead");
+  if (!surroundings) {
+    spdlog::info("the head starts {}; {}", where_words(options), surroundings.error().what);
+    return plainly_placed(options, scene, recording);
+  }
+  return placed_in(*surroundings, options, scene, std::move(recording)).map([&](PlacedHead&& placed) {
+    judge_light(options, scene, *surroundings, placed);
+    return std::move(placed);
+  });
 }
 
 std::future<Expected<PlacedHead>> place_meanwhile(const Options& options, const Scene& scene,

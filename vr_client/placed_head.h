@@ -2,7 +2,9 @@
 #pragma once
 
 #include <future>
+#include <optional>
 
+#include "stereo/frame/exposure.h"
 #include "stereo/head/head_recording.h"
 #include "stereo/placement/head_test.h"
 #include "vr_client/options.h"
@@ -13,10 +15,12 @@ struct PlacedHead {
   HeadRecording recording;  ///< its walk may be scaled down
   Rigid<Stage, Recorded> stage_from_recorded;
   HeadTest test{};  ///< what the head sees there; of no pose if the scene is too large to test
+  std::optional<Exposure> exposure{};  ///< chosen for the scene, unless it is too large
 };
 
 /// Places the recording and logs how and why, with the share of the shown poses that are inside geometry or
-/// see nothing (stereo/placement/head_test.h). Warns above 5 %. Fails if --place fit finds no free space.
+/// see nothing (stereo/placement/head_test.h), and what is wrong with the light there
+/// (stereo/exposure/picture_check.h). Warns above 5 %. Fails if --place fit finds no free space.
 [[nodiscard]] Expected<PlacedHead> place_head(const Options& options, const Scene& scene,
                                               HeadRecording recording);
 

@@ -98,6 +98,7 @@ class Preview {
     const bool captures = !options_.record.empty();
     Expected<void> done = open_link(options_, client_, captures ? recordings_.listen() : LinkListener{});
     if (!done) return done;
+    settle_exposure(options_, client_);
     if (captures) recordings_.begin_capture(options_.record, header_of(options_, client_, policy()));
     if (captures && !recordings_.writes_capture()) return {};  // finish() returns the error
     do {
@@ -140,6 +141,7 @@ class Preview {
             .link = client_.link.get(),
             .own_tracer = client_.own_tracer.get(),
             .settings = controls_.settings,
+            .exposure = settle_exposure(options_, client_),
             .policy = policy(),
             .clock = client_.clock};
   }
@@ -191,6 +193,7 @@ class Preview {
     LinkListener listener = recordings_.listen();
     if (client_.link)
       if (auto met = meet(options_, client_, std::move(listener)); !met) return met;
+    settle_exposure(options_, client_);
     recordings_.begin_capture({}, header_of(options_, client_, policy()));
     return {};
   }

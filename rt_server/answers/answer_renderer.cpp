@@ -53,6 +53,7 @@ AnswerRenderer::RenderedAnswer AnswerRenderer::draw(const Job& job) {
   mask_.emplace(TracedMask{request.frame, request.display_time, request.scene_time, frame_.views,
                            frame_.masks, all_known_, ++drawn_, frame_.light_set_revision});
   state_.emplace(state_at(context_.scene, request.scene_time, request.lights));
+  state_->light_set.exposure = context_.exposure;
   const ShownFrame shown{.views = request.views,
                          .state = *state_,
                          .masks = {&*mask_, 1},

@@ -16,6 +16,7 @@ struct AnswerContext {
   const Scene& scene;
   const ScenePlan& plan;
   Tracer& tracer;
+  Exposure exposure{};          ///< of pictures
   gpu::DeviceOptions device{};  ///< for pictures
   MemoryShare memory{};         ///< of in_work(), kept renderers take half, encoders the other
 };

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "rt_server/commands/commands.h"
+#include "stereo/exposure/chosen_exposure.h"
 #include "stereo/net/explain.h"
 #include "stereo/plan/scene_plan.h"
 #include "stereo/scene/gltf.h"
@@ -42,7 +43,7 @@ std::string_view name_of(LightKind kind) {
 }
 
 /// Everything that is told, in the order of the text.
-ordered_json facts_of(const Scene& file, const LitScene& lit) {
+ordered_json facts_of(const Scene& file, const Lighting& lighting, const LitScene& lit) {
   const Scene& scene = lit.scene;
   const auto [planned, plan] = plan_scene(scene, {.surround = false});
   const glm::dvec3 size = scene.bounds.high - scene.bounds.low;
@@ -60,6 +61,8 @@ ordered_json facts_of(const Scene& file, const LitScene& lit) {
   }
   const Rigid<Stage, Eye> viewpoint = viewpoint_of(scene);
   ordered_json notes = lit.notes;
+  const Exposure exposure = lighting.exposure ? Exposure{} : chosen_exposure(scene);
+  if (const std::string words = in_words(exposure, scene.name); !words.empty()) notes.push_back(words);
   if (const std::string warning = unit_warning(std::max({size.x, size.y, size.z})); !warning.empty())
     notes.push_back(warning);
   return {{"file", scene.name},
@@ -155,7 +158,7 @@ Expected<std::string> inspect(const InspectOptions& options) {
   if (!scene) return tl::unexpected(scene.error());
   const Expected<LitScene> lit = light_scene(*scene, options.lighting);
   if (!lit) return tl::unexpected(lit.error());
-  const ordered_json facts = facts_of(*scene, *lit);
+  const ordered_json facts = facts_of(*scene, options.lighting, *lit);
   return options.json ? facts.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n"
                       : in_words(facts);
 }

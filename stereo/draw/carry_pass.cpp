@@ -79,7 +79,7 @@ void CarryPass::prepare(const FrameRequest& request, const DepthRing::Place& pla
   size_ = request.views[0].size;
   frame_buffer_.as<gpu::FrameData>()[0] = frame;
   for (std::size_t i = 0; i < lights.lights.size(); ++i)
-    light_buffer_.as<gpu::LightData>()[i] = light_data(request.views, lights.lights[i]);
+    light_buffer_.as<gpu::LightData>()[i] = light_data(request.views, lights.lights[i], lights.exposure);
 }
 
 gpu::Recording CarryPass::warm_up() {

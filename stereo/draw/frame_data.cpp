@@ -72,13 +72,13 @@ gpu::InstanceData instance_data(const StereoView& shown, const Affine<Stage, Obj
   return data;
 }
 
-gpu::LightData light_data(const StereoView& shown, const Light& light) {
+gpu::LightData light_data(const StereoView& shown, const Light& light, const Exposure& exposure) {
   gpu::LightData data{};
   for (std::size_t eye = 0; eye < kEyes; ++eye)
     data.position[eye] = light.kind == LightKind::Directional
                              ? glm::vec4(-light.direction.v, 0.0)
                              : glm::vec4(light.position.v - shown[eye].stage_from_eye.translation, 1.0);
-  data.intensity = {light.on ? light.intensity : glm::vec3(0.0f),
+  data.intensity = {light.on ? light.intensity * exposure.factor() : glm::vec3(0.0f),
                     light.range_m > 0 ? 1 / (light.range_m * light.range_m) : 0.0f};
   data.spot_direction = glm::vec4(light.direction.v, 0.0);
   data.spot_cone = {0, 1, 0, 0};

@@ -27,7 +27,8 @@ namespace farshade {
                                               const Affine<Stage, Object>& stage_from_object);
 
 /// A light that is off has intensity 0.
-[[nodiscard]] gpu::LightData light_data(const StereoView& shown, const Light& light);
+[[nodiscard]] gpu::LightData light_data(const StereoView& shown, const Light& light,
+                                        const Exposure& exposure = {});
 
 /// A conservative frustum test: false only if `eye` can see no part of the object-space box.
 [[nodiscard]] bool may_be_seen(const gpu::InstanceData& instance, std::size_t eye, const Bounds& box);

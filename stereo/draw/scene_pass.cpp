@@ -105,7 +105,7 @@ void ScenePass::clear_counts() {
 void ScenePass::prepare(const StereoView& views, const SceneState& state, Detail detail) {
   clear_counts();
   deform(state);
-  add_draws(0, {0, {}, {Casters::All, Casters::All}}, state, {views[0].size, views[1].size}, detail,
+  add_draws(0, {0, {}, {Casters::Seen, Casters::Seen}}, state, {views[0].size, views[1].size}, detail,
             [&](const Affine<Stage, Object>& stage_from_object) {
               return instance_data(views, stage_from_object);
             });
@@ -156,7 +156,8 @@ const Bounds& ScenePass::box_of(std::size_t instance) const {
 }
 
 bool ScenePass::wants(Casters casters, std::size_t instance) const {
-  if (casters == Casters::None || casters == Casters::All) return casters == Casters::All;
+  if (casters == Casters::None || casters == Casters::Seen) return casters == Casters::Seen;
+  if (!scene_.instances[instance].casts || casters == Casters::All) return scene_.instances[instance].casts;
   return can_move(scene_, scene_.instances[instance]) == (casters == Casters::Moving);
 }
 

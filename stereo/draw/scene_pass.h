@@ -16,9 +16,10 @@ namespace farshade {
 /// Which instances are drawn into a layer.
 enum class Casters : std::uint8_t {
   None,
-  All,
-  Fixed,   ///< those that cannot move
-  Moving,  ///< the others
+  All,     ///< that cast shadows
+  Fixed,   ///< those of them that cannot move
+  Moving,  ///< the others of them
+  Seen,    ///< also a sky, which casts none: for pictures
 };
 
 /// One pass of shadow maps, into two layers of an image.

@@ -209,7 +209,7 @@ void ShadingPass::write_frame(const StereoView& views, const LightSet& lights, c
   written = frame;
   written.ambient = glm::vec4(glm::vec3(plan_.ambient), 0);
   for (std::size_t i = 0; i < lights.lights.size(); ++i) {
-    light_buffer_.as<gpu::LightData>()[i] = light_data(views, lights.lights[i]);
+    light_buffer_.as<gpu::LightData>()[i] = light_data(views, lights.lights[i], lights.exposure);
     off_[i] = !lights.lights[i].on;
   }
 }

@@ -22,7 +22,7 @@ vk::ImageUsageFlags map_usage(const MapLayers& layers) {
 std::vector<Caster> casters_of(const Scene& scene, const SceneBuffers& buffers) {
   std::vector<Caster> casters;
   for (const Instance& instance : scene.instances)
-    casters.push_back({buffers.meshes[instance.mesh].center, can_move(scene, instance)});
+    casters.push_back({buffers.meshes[instance.mesh].center, instance.casts && can_move(scene, instance)});
   return casters;
 }
 
@@ -85,7 +85,8 @@ ShadowMaps::ShadowMaps(const gpu::Device& device, const Scene& scene, const Draw
 void ShadowMaps::find_corners(const SceneState& state) {
   const auto add = [&](bool moves) {
     for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
-      if (can_move(scene_, scene_.instances[i]) != moves) continue;
+      const Instance& instance = scene_.instances[i];
+      if (!instance.casts || can_move(scene_, instance) != moves) continue;
       const glm::dvec3& center = buffers_.meshes[scene_.instances[i].mesh].center;
       for (int corner = 0; corner < 8; ++corner)
         corners_.push_back(

@@ -41,13 +41,13 @@ bool is_inside_geometry(const Surroundings& surroundings, const Eyes& eyes) {
          std::ranges::count_if(met, is_inside_of_solid) > kRaysAround;
 }
 
-/// Rays through the middles of a grid of cells over the eye's picture.
-void add_picture_rays(const Rigid<Stage, Eye>& stage_from_eye, const EyeFov& fov, std::vector<Ray>& rays) {
+void add_picture_rays(const Rigid<Stage, Eye>& stage_from_eye, const EyeFov& fov, int across,
+                      std::vector<Ray>& rays) {
   const FovTangents window = tangents_of(fov);
-  for (int y = 0; y < kAcross; ++y)
-    for (int x = 0; x < kAcross; ++x) {
-      const double right = std::lerp(window.left_tan, window.right_tan, (x + 0.5) / kAcross),
-                   up = std::lerp(window.down_tan, window.up_tan, (y + 0.5) / kAcross);
+  for (int y = 0; y < across; ++y)
+    for (int x = 0; x < across; ++x) {
+      const double right = std::lerp(window.left_tan, window.right_tan, (x + 0.5) / across),
+                   up = std::lerp(window.down_tan, window.up_tan, (y + 0.5) / across);
       const Vector<Eye> direction{glm::normalize(glm::dvec3(right, up, -1))};
       rays.push_back({{stage_from_eye.translation}, stage_from_eye(direction)});
     }
@@ -78,12 +78,15 @@ bool meets(const Met& met) {
   return met.distance_m != kNoSurface_m;
 }
 
-bool sees_nothing(const Surroundings& surroundings, const HeadRecording& recording, const Eyes& eyes) {
+std::vector<Ray> picture_rays(const HeadRecording& recording, const Eyes& eyes, int across) {
   std::vector<Ray> rays;
-  for (const Side side : kSides) {
-    const std::size_t eye = index_of(side);
-    add_picture_rays(eyes[eye], recording.fov[eye], rays);
-  }
+  for (const Side side : kSides)
+    add_picture_rays(eyes[index_of(side)], recording.fov[index_of(side)], across, rays);
+  return rays;
+}
+
+bool sees_nothing(const Surroundings& surroundings, const HeadRecording& recording, const Eyes& eyes) {
+  std::vector<Ray> rays = picture_rays(recording, eyes, kAcross);
   const std::vector<Met> met = surroundings.first_seen(rays);
   const auto seen = std::ranges::count_if(met, meets);
   if (static_cast<double>(seen) >= kLeastSeen * static_cast<double>(met.size())) return false;
@@ -109,6 +112,11 @@ std::vector<Vector<Stage>> directions_around(int count) {
     directions.push_back({{r * std::cos(golden_rad * i), y, r * std::sin(golden_rad * i)}});
   }
   return directions;
+}
+
+std::vector<Ray> picture_rays(const HeadRecording& recording, const Rigid<Stage, Head>& stage_from_head,
+                              int across) {
+  return picture_rays(recording, eyes_of(recording, stage_from_head), across);
 }
 
 PoseVerdict judge(const Surroundings& surroundings, const HeadRecording& recording,

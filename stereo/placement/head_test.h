@@ -24,6 +24,10 @@ enum class PoseVerdict : std::uint8_t { Sees, InsideGeometry, SeesNothing };
 [[nodiscard]] PoseVerdict judge(const Surroundings& surroundings, const HeadRecording& recording,
                                 const Rigid<Stage, Head>& stage_from_head);
 
+/// Rays through the middles of a grid of `across` x `across` cells over each eye's picture.
+[[nodiscard]] std::vector<Ray> picture_rays(const HeadRecording& recording,
+                                            const Rigid<Stage, Head>& stage_from_head, int across);
+
 struct HeadTest {
   std::size_t tested = 0, inside = 0, see_nothing = 0;  ///< numbers of poses
 

@@ -4,9 +4,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <optional>
 
 #include "stereo/plan/scene_plan.h"
+#include "stereo/scene/sky.h"
 #include "stereo/tracer/ray_scene.h"
 
 namespace farshade {
@@ -16,6 +18,14 @@ constexpr int kLanes = 4;
 constexpr int kMostBacks = 16;
 /// A ray starts anew behind a back at this multiple of the back's distance.
 constexpr float kBehind = 1 + 1e-5f;
+
+/// The scene at time 0 without its sky: an instance with a singular transform does not exist.
+SceneState state_without_sky(const Scene& scene, std::optional<std::uint32_t> without) {
+  SceneState state = state_at(scene, Time{});
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i)
+    if (!scene.instances[i].casts || i == without) state.stage_from_object[i].matrix = glm::dmat4(0.0);
+  return state;
+}
 
 /// Rays meet both sides, and nothing moves.
 TracePlan plan_of(const Scene& scene) {
@@ -32,23 +42,29 @@ struct Surroundings::Impl {
   SurfaceModel model;
   std::optional<RayScene> rays;
 
-  explicit Impl(const Scene& scene)
-      : bounds(scene.bounds), model(scene, state_at(scene, Time{}), plan_of(scene)) {}
+  Impl(const Scene& scene, std::optional<std::uint32_t> without)
+      : bounds(bounds_without_sky(scene)), model(scene, state_without_sky(scene, without), plan_of(scene)) {}
 
   /// Traces the rays [begin, begin + kLanes) beyond the distances in `met`.
   void trace(std::span<const Ray> rays_in, std::size_t begin, std::span<const std::size_t> numbers,
              std::span<Met> met) const;
-  [[nodiscard]] Met::Side side_of(const RayHitPacket<kLanes>& packet, int lane) const;
+  [[nodiscard]] Met met_at(const RayHitPacket<kLanes>& packet, int lane) const;
   void trace_all(std::span<const Ray> rays_in, std::span<const std::size_t> numbers,
                  std::span<Met> met) const;
 };
 
-Met::Side Surroundings::Impl::side_of(const RayHitPacket<kLanes>& packet, int lane) const {
+Met Surroundings::Impl::met_at(const RayHitPacket<kLanes>& packet, int lane) const {
   const auto& [ray, hit] = packet;
-  const float along =
-      ray.dir_x[lane] * hit.ng_x[lane] + ray.dir_y[lane] * hit.ng_y[lane] + ray.dir_z[lane] * hit.ng_z[lane];
-  if (along <= 0) return Met::Side::Front;
-  return model.patches()[hit.geometry[lane]].double_sided ? Met::Side::Back : Met::Side::UnseenBack;
+  if (hit.geometry[lane] == kNothing) return {};
+  const Patch& patch = model.patches()[hit.geometry[lane]];
+  const glm::dvec3 direction(ray.dir_x[lane], ray.dir_y[lane], ray.dir_z[lane]);
+  const glm::dvec3 normal(hit.ng_x[lane], hit.ng_y[lane], hit.ng_z[lane]);
+  const double size = glm::length(normal);
+  Met met{.distance_m = ray.tfar[lane], .instance = patch.instance};
+  met.normal.v = size > 0 ? normal / size : -direction;
+  if (glm::dot(direction, normal) > 0)
+    met.side = patch.double_sided ? Met::Side::Back : Met::Side::UnseenBack;
+  return met;
 }
 
 void Surroundings::Impl::trace(std::span<const Ray> rays_in, std::size_t begin,
@@ -69,12 +85,7 @@ void Surroundings::Impl::trace(std::span<const Ray> rays_in, std::size_t begin,
     packet.ray.tfar[i] = kFar;
   }
   rays->intersect(lanes, packet);
-  for (int i = 0; i < count; ++i) {
-    Met& found = met[numbers[begin + static_cast<std::size_t>(i)]];
-    found = {};
-    if (packet.hit.geometry[i] != kNothing)
-      found = {.distance_m = packet.ray.tfar[i], .side = side_of(packet, i)};
-  }
+  for (int i = 0; i < count; ++i) met[numbers[begin + static_cast<std::size_t>(i)]] = met_at(packet, i);
 }
 
 void Surroundings::Impl::trace_all(std::span<const Ray> rays_in, std::span<const std::size_t> numbers,
@@ -90,12 +101,12 @@ Surroundings::Surroundings(Surroundings&&) noexcept = default;
 Surroundings& Surroundings::operator=(Surroundings&&) noexcept = default;
 Surroundings::~Surroundings() = default;
 
-Expected<Surroundings> Surroundings::create(const Scene& scene) {
-  if (scene.triangle_count > kMostTriangles)
+Expected<Surroundings> Surroundings::create(const Scene& scene, const SurroundingsOptions& options) {
+  if (scene.triangle_count > options.most_triangles)
     return fail(Fault::OutOfRange,
                 fmt::format("{} has {} triangles: whether a head has room is tested up to {} million",
-                            scene.name, scene.triangle_count, kMostTriangles / 1'000'000));
-  auto impl = std::make_unique<Impl>(scene);
+                            scene.name, scene.triangle_count, options.most_triangles / 1'000'000));
+  auto impl = std::make_unique<Impl>(scene, options.without);
   Expected<RayScene> rays = RayScene::create(impl->model, RayScene::Built::Quickly);
   if (!rays) return tl::unexpected(rays.error());
   impl->rays.emplace(std::move(*rays));

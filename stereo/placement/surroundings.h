@@ -1,9 +1,11 @@
-/// Surroundings: what rays meet in a scene at time 0. They meet both sides of every surface, also the back of
-/// a single-sided one, which nobody sees. Animated instances stay where they are at time 0.
+/// Surroundings: what rays meet in a scene at time 0, without its sky (sky.h). They meet both sides of every
+/// surface, also the back of a single-sided one, which nobody sees. Animated instances stay where they are at
+/// time 0.
 #pragma once
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,17 +28,23 @@ struct Met {
     Front,
     Back,
     UnseenBack
-  } side = Side::Front;  ///< UnseenBack: single-sided
+  } side = Side::Front;        ///< UnseenBack: single-sided
+  Vector<Stage> normal{};      ///< unit, to the surface's counter-clockwise side
+  std::uint32_t instance = 0;  ///< into Scene::instances
+};
+
+struct SurroundingsOptions {
+  /// A scene with more triangles is refused: its acceleration structure would need seconds and gigabytes.
+  std::uint64_t most_triangles = 4'000'000;
+  std::optional<std::uint32_t> without{};  ///< an instance that is left out
 };
 
 class Surroundings {
  public:
-  /// A scene with more triangles is refused: its acceleration structure would need seconds and gigabytes.
-  static constexpr std::uint64_t kMostTriangles = 4'000'000;
-
-  /// Builds an acceleration structure. Keeps a reference to `scene`. OutOfRange above kMostTriangles,
+  /// Builds an acceleration structure. Keeps a reference to `scene`. OutOfRange for too many triangles,
   /// Unavailable without memory.
-  [[nodiscard]] static Expected<Surroundings> create(const Scene& scene);
+  [[nodiscard]] static Expected<Surroundings> create(const Scene& scene,
+                                                     const SurroundingsOptions& options = {});
 
   Surroundings(Surroundings&&) noexcept;
   Surroundings& operator=(Surroundings&&) noexcept;

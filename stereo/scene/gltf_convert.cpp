@@ -12,6 +12,7 @@
 #include "stereo/scene/gltf_validate.h"
 #include "stereo/scene/mesh_parts.h"
 #include "stereo/scene/scene_state.h"
+#include "stereo/scene/sky.h"
 
 namespace farshade::gltf {
 namespace {
@@ -251,6 +252,7 @@ Expected<Scene> convert(const Document& document, const SceneLimits& limits) {
                               .and_then([&] { return add_places(document, order, scene); });
   if (!checked) return tl::unexpected(checked.error());
   remove_needless_alpha_tests(scene);
+  find_sky(scene);
   return scene;
 }
 

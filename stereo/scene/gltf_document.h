@@ -113,7 +113,7 @@ struct Material {
   std::string name, alpha_mode;
   glm::dvec4 base_color{1.0};
   double alpha_cutoff = 0.5;
-  bool double_sided = false;
+  bool double_sided = false, unlit = false;
   std::optional<TextureUse> texture;
 };
 

@@ -54,6 +54,7 @@ Expected<std::uint32_t> MaterialConverter::material(Index index) {
     result.base_color = glm::vec4(from.base_color);
     result.alpha_cutoff = cutoff_from(from);
     result.double_sided = from.double_sided;
+    result.unlit = from.unlit;
     const bool has_image = from.texture && is_readable(document_.textures[from.texture->texture].image);
     if (from.texture && !has_image) leave_out_texture();
     if (has_image) {

@@ -144,6 +144,7 @@ Material material_from(const JsonObject& from, std::size_t) {
               .alpha_mode = from.text("alphaMode", Need::Optional, "OPAQUE"),
               .alpha_cutoff = from.number("alphaCutoff", Sign::NotNegative).value_or(0.5),
               .double_sided = from.flag("doubleSided"),
+              .unlit = bool(from.extension("KHR_materials_unlit")),
               .texture = {}};
   const JsonObject surface = from.object("pbrMetallicRoughness");
   to.base_color = surface.vector<glm::dvec4>("baseColorFactor").value_or(to.base_color);

@@ -12,6 +12,7 @@
 #include "stereo/scene/option_words.h"
 #include "stereo/scene/scene_hash.h"
 #include "stereo/scene/scene_state.h"
+#include "stereo/scene/sky.h"
 #include "stereo/scene/viewpoint.h"
 
 namespace farshade {
@@ -24,13 +25,6 @@ constexpr double kSunAzimuth_deg = 145, kSunElevation_deg = 50;
 constexpr float kSun_lux = 2.2f, kDefaultAmbient = 0.06f;
 constexpr double kLamp = 1.2,
                  kLampDistance = 0.65;  ///< its irradiance at this distance, in radii of the scene
-
-// The exposure is chosen outside of these limits of the median irradiance / pi.
-constexpr double kLeastExposure = 1e-12, kMostExposure = 1e12;
-constexpr double kDarkest = 0.02, kBrightest = 8, kChosen = 0.4;
-constexpr std::size_t kSamples = 4096;  ///< triangles
-constexpr std::array kPoints{glm::dvec3(1, 1, 1) / 3.0, glm::dvec3(0.6, 0.2, 0.2), glm::dvec3(0.2, 0.6, 0.2),
-                             glm::dvec3(0.2, 0.2, 0.6)};
 
 std::optional<glm::dvec3> vector(std::string_view text) {
   const std::vector<std::string_view> parts = split(text, ':');
@@ -127,8 +121,8 @@ AddedLight sun(double azimuth_deg, double elevation_deg, float lux) {
 
 /// A lamp up and to the left of where the head starts.
 AddedLight lamp(const Scene& scene) {
-  const double distance =
-      kLampDistance * std::max(glm::length(scene.bounds.high - scene.bounds.low) * 0.5, 1e-6);
+  const Bounds bounds = bounds_without_sky(scene);
+  const double distance = kLampDistance * std::max(glm::length(bounds.high - bounds.low) * 0.5, 1e-6);
   AddedLight light;
   light.source.name = "lamp";
   light.position = viewpoint_of(scene)(Point<Eye>{glm::dvec3(-0.1, 0.1, 0) * distance});
@@ -151,60 +145,6 @@ void add(const AddedLight& light, Scene& scene) {
   source.node = static_cast<std::uint32_t>(scene.nodes.size());
   scene.nodes.push_back(std::move(node));
   scene.lights.push_back(std::move(source));
-}
-
-/// Luminance of the irradiance / pi at a point, without shadows. Both sides of the surface count.
-double brightness(const std::vector<Light>& lights, const glm::dvec3& p, const glm::dvec3& n) {
-  double sum = 0;
-  for (const Light& light : lights) {
-    const bool directional = light.kind == LightKind::Directional;
-    const glm::dvec3 to_light = directional ? -light.direction.v : light.position.v - p;
-    const double distance = glm::length(to_light);
-    if (!(distance > 0)) continue;
-    const glm::dvec3 l = to_light / distance;
-    if (!directional && light.range_m > 0 && distance > light.range_m) continue;
-    if (light.kind == LightKind::Spot && -glm::dot(light.direction.v, l) < std::cos(light.outer_cone_rad))
-      continue;
-    const double luminance = glm::dot(glm::dvec3(light.intensity), glm::dvec3(0.2126, 0.7152, 0.0722));
-    sum += luminance * std::abs(glm::dot(n, l)) / (directional ? 1.0 : distance * distance);
-  }
-  return sum / std::numbers::pi;
-}
-
-/// The median brightness of the scene's surface, from triangles taken evenly from all instances, weighted by
-/// area. Animated lights are as bright as they ever get.
-double median_brightness(const Scene& scene) {
-  SceneState state = state_at(scene, Time{});
-  for (std::size_t i = 0; i < scene.lights.size(); ++i)
-    state.light_set.lights[i].intensity = scene.lights[i].intensity;
-  const std::size_t step = std::max<std::size_t>(scene.triangle_count / kSamples, 1);
-  std::vector<std::pair<double, double>> samples;  // brightness, area
-  double area_sum = 0;
-  std::size_t number = 0;
-  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
-    const Affine<Stage, Object>& pose = state.stage_from_object[i];
-    for (; number < mesh.triangles.size(); number += step) {
-      const glm::uvec3 t = mesh.triangles[number];
-      const auto corner = [&](std::uint32_t v) {
-        return pose(Point<Object>{glm::dvec3(mesh.positions[v])}).v;
-      };
-      const glm::dvec3 a = corner(t.x), b = corner(t.y), c = corner(t.z), across = glm::cross(b - a, c - a);
-      const double area = glm::length(across);
-      if (!(area > 0)) continue;
-      // Four points, so that a light close to one of them does not stand for all of a large triangle.
-      for (const glm::dvec3& w : kPoints)
-        samples.emplace_back(brightness(state.light_set.lights, a * w.x + b * w.y + c * w.z, across / area),
-                             area / 4);
-      area_sum += area;
-    }
-    number -= mesh.triangles.size();
-  }
-  std::sort(samples.begin(), samples.end());
-  double area = 0;
-  for (const auto& [value, of] : samples)
-    if ((area += of) * 2 >= area_sum) return value;
-  return 0;
 }
 
 void expose(float exposure, LightSource& light) {
@@ -271,20 +211,10 @@ Expected<LitScene> light_scene(Scene scene, const Lighting& lighting) {
                 fmt::format("{} lights with those of the command line, at most {} can be told apart",
                             made.lights.size(), SceneLimits{}.lights));
   made.ambient = lighting.ambient.value_or(was_dark ? kDefaultAmbient : 0.0f);
-  float exposure = lighting.exposure.value_or(1.0f);
-  if (!lighting.exposure) {
-    const double usual = median_brightness(made);
-    if (usual > 0 && (usual < kDarkest || usual > kBrightest)) {
-      exposure = static_cast<float>(std::clamp(kChosen / usual, kLeastExposure, kMostExposure));
-      lit.notes.push_back(fmt::format(
-          "{} would be too {}: all light is multiplied by {:.3g} (--exposure sets another factor)", made.name,
-          usual < kDarkest ? "dark" : "bright", exposure));
-    }
-  }
+  const float exposure = lighting.exposure.value_or(1.0f);
   if (exposure != 1.0f) {
     for (LightSource& light : made.lights) expose(exposure, light);
-    // Ambient light that the user gave is as bright as it looks, unless the exposure is the user's, too.
-    if (lighting.exposure || !lighting.ambient) made.ambient *= exposure;
+    made.ambient *= exposure;
   }
   if (!has_camera || !lighting.lights.empty() || was_dark || made.ambient != 0 || exposure != 1.0f)
     made.hash = hash_of(made);

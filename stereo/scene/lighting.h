@@ -24,7 +24,7 @@ struct Lighting {
   SceneChoice choice{};              ///< which of the file's scenes is lit
   std::vector<AddedLight> lights{};  ///< in addition to those of the file
   std::optional<float> ambient{};    ///< linear factor of the base colour everywhere; none: chosen
-  std::optional<float> exposure{};   ///< factor of all light; none: chosen
+  std::optional<float> exposure{};   ///< factor of all light; none: an Exposure is chosen (stereo/exposure)
 };
 
 /// Parses the value of --light: a kind (point, spot or directional), then words NAME=VALUE in any order.
@@ -47,8 +47,7 @@ struct LitScene {
 /// loaded from its file, and hashes it again if anything changed.
 ///
 /// A scene without any light gets a sun, a lamp beside its viewpoint (viewpoint.h) and a little ambient
-/// light. The exposure is chosen only if the median surface of the scene, without shadows, would be darker
-/// than 1/50 or brighter than 8 times white. OutOfRange if there are more lights than a mask has bits.
+/// light. OutOfRange if there are more lights than a mask has bits.
 [[nodiscard]] Expected<LitScene> light_scene(Scene scene, const Lighting& lighting);
 
 /// Loads a glTF file (gltf.h) and lights it.

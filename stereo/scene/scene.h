@@ -37,6 +37,7 @@ struct Material {
   std::optional<float>
       alpha_cutoff;           ///< if set, a point with less alpha is a hole (MASK; BLEND is MASK at 0.5)
   bool double_sided = false;  ///< if false, only the counter-clockwise side is visible; both cast shadows
+  bool unlit = false;         ///< KHR_materials_unlit
 };
 
 /// Triangles of one material, in object space. Each stream has one entry per vertex or is empty.
@@ -92,6 +93,7 @@ struct Rig {
 struct Instance {
   std::uint32_t mesh = 0, node = 0;
   std::optional<std::uint32_t> rig = std::nullopt;  ///< into Scene::rigs, if the mesh is deformable
+  bool casts = true;                                ///< a sky (sky.h) casts no shadow
 };
 
 enum class LightKind : std::uint8_t { Point, Spot, Directional };

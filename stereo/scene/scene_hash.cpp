@@ -79,6 +79,12 @@ void put_shapes(Hasher& hasher, const Scene& scene) {
   for (const Instance& i : scene.instances) hasher.fields(i.mesh, i.node);
 }
 
+/// What casts no shadow. Scenes without a sky keep the hash that they had before there was one.
+void put_sky(Hasher& hasher, const Scene& scene) {
+  for (std::uint32_t i = 0; i < scene.instances.size(); ++i)
+    if (!scene.instances[i].casts) hasher.fields(i);
+}
+
 /// What deforms. Scenes without rigs keep the hash that they had before there were rigs.
 void put_rigs(Hasher& hasher, const Scene& scene) {
   if (scene.rigs.empty()) return;
@@ -132,6 +138,7 @@ SceneHash hash_of(const Scene& scene) {
   Hasher hasher;
   put_materials(hasher, scene);
   put_shapes(hasher, scene);
+  put_sky(hasher, scene);
   put_rigs(hasher, scene);
   put_places(hasher, scene);
   put_light_animations(hasher, scene);

@@ -1,6 +1,7 @@
 /// SceneState: the transforms of the instances and the lights of a scene at one time of its animation.
 #pragma once
 
+#include "stereo/frame/exposure.h"
 #include "stereo/frame/light_changes.h"
 #include "stereo/scene/deform.h"
 #include "stereo/scene/scene.h"
@@ -25,6 +26,7 @@ struct Light {
 struct LightSet {
   LightSetRevision revision = kFirstLightSet;  ///< revision of the light changes that were applied
   std::vector<Light> lights;
+  Exposure exposure{};  ///< multiplies what is drawn of all lights
 };
 
 struct SceneState {

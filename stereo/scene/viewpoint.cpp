@@ -8,6 +8,7 @@
 #include <set>
 
 #include "stereo/scene/scene_state.h"
+#include "stereo/scene/sky.h"
 
 namespace farshade {
 namespace {
@@ -64,6 +65,7 @@ std::array<Hits, N> look_around(const Scene& scene, const std::array<glm::dvec3,
   std::array<Hits, N> hits{};
   const SceneState state = state_at(scene, Time{});
   for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
+    if (!scene.instances[i].casts) continue;  // a sky is no wall
     const Mesh& mesh = scene.meshes[scene.instances[i].mesh];
     const Affine<Stage, Object>& pose = state.stage_from_object[i];
     const bool mirrored = glm::determinant(glm::dmat3(pose.matrix)) < 0;
@@ -109,8 +111,8 @@ Rigid<Stage, Eye> inside(const Bounds& bounds, const glm::dvec3& eye, const Hits
   return {.rotation = glm::quatLookAt(glm::normalize(ahead), glm::dvec3(0, 1, 0)), .translation = eye};
 }
 
-std::optional<Rigid<Stage, Eye>> place_in_room(const Scene& scene) {
-  const glm::dvec3 low = scene.bounds.low, size = scene.bounds.high - low;
+std::optional<Rigid<Stage, Eye>> place_in_room(const Scene& scene, const Bounds& bounds) {
+  const glm::dvec3 low = bounds.low, size = bounds.high - low;
   if (std::min({size.x, size.y, size.z}) < kLeastRoom_m || scene.triangle_count > kMostTriangles)
     return std::nullopt;
   std::array<glm::dvec3, 9> eyes{};
@@ -123,7 +125,7 @@ std::optional<Rigid<Stage, Eye>> place_in_room(const Scene& scene) {
   for (std::size_t i = 0; i < eyes.size(); ++i)
     if (is_in_room(scene, hits[i]) && (!best || clearance(hits[i]) > clearance(hits[*best]))) best = i;
   if (!best) return std::nullopt;
-  return inside(scene.bounds, eyes[*best], hits[*best]);
+  return inside(bounds, eyes[*best], hits[*best]);
 }
 
 }  // namespace
@@ -133,9 +135,10 @@ Rigid<Stage, Eye> viewpoint_of(const Scene& scene) {
 }
 
 Rigid<Stage, Eye> chosen_viewpoint(const Scene& scene) {
-  if (const auto place = place_in_room(scene)) return *place;
-  const glm::dvec3 middle = (scene.bounds.low + scene.bounds.high) * 0.5;
-  const double radius = std::max(glm::length(scene.bounds.high - scene.bounds.low) * 0.5, 1e-6);
+  const Bounds bounds = bounds_without_sky(scene);
+  if (const auto place = place_in_room(scene, bounds)) return *place;
+  const glm::dvec3 middle = (bounds.low + bounds.high) * 0.5;
+  const double radius = std::max(glm::length(bounds.high - bounds.low) * 0.5, 1e-6);
   const glm::dvec3 back = glm::normalize(glm::dvec3(0.25, 0, 1));
   return {.rotation = glm::quatLookAt(-back, glm::dvec3(0, 1, 0)),
           .translation = middle + std::max(kDistance * radius, radius + kNearest_m) * back +

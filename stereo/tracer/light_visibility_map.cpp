@@ -33,12 +33,12 @@ std::array<glm::dvec3, 2> across(const glm::dvec3& w) {
   return {u, glm::cross(w, u)};
 }
 
-/// One face perpendicular to `along`, as wide as all fixed patches.
+/// One face perpendicular to `along`, as wide as all fixed patches that cast.
 void fit_across(const SurfaceModel& model, const glm::dvec3& along, CellFrame& frame) {
   const auto [u, v] = across(along);
   glm::dvec3 low(1e300), high(-1e300);
   for (const Patch& patch : model.patches().first(model.fixed_count()))
-    for (std::uint32_t i = 0; i < patch.triangle_count; ++i)
+    for (std::uint32_t i = 0; patch.casts && i < patch.triangle_count; ++i)
       for (const Point<Anchor>& p : corners_of(model, patch.first_triangle + i)) {
         const glm::dvec3 q(glm::dot(u, p.v), glm::dot(v, p.v), glm::dot(along, p.v));
         low = glm::min(low, q), high = glm::max(high, q);
@@ -158,7 +158,7 @@ void LightVisibilityMap::enter_fixed(const FacetPlanes& planes, const SurfaceMod
     return known[id] = static_cast<std::uint32_t>(planes_.size() - 1);
   };
   std::vector<CellTouch> touched;
-  for (std::uint32_t t = 0; t < planes.of_triangle.size(); ++t) {
+  const auto enter_triangle = [&](std::uint32_t t) {
     touched.clear();
     cover(frame_, corners_of(model, t), touched);
     const std::uint32_t id = planes.of_triangle[t];
@@ -170,7 +170,10 @@ void LightVisibilityMap::enter_fixed(const FacetPlanes& planes, const SurfaceMod
       else
         enter(cell, plane, touch.depth);
     }
-  }
+  };
+  for (const Patch& patch : model.patches().first(model.fixed_count()))
+    for (std::uint32_t i = 0; patch.casts && i < patch.triangle_count; ++i)
+      enter_triangle(patch.first_triangle + i);
 }
 
 void LightVisibilityMap::drop_unused_planes() {
@@ -194,7 +197,7 @@ void LightVisibilityMap::place(const SurfaceModel& model) {
   moving_cells_.clear();
   std::vector<CellTouch> touched;
   for (const Patch& patch : model.patches().subspan(model.fixed_count())) {
-    if (patch.placement.singular) continue;
+    if (patch.placement.singular || !patch.casts) continue;
     CellFrame frame = frame_;
     frame.rounding =
         std::max(frame.rounding, kRounding * kUlp * double{patch.placement.reach + light_.reach});

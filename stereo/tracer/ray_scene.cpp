@@ -113,6 +113,11 @@ void pass_filter(const RTCFilterFunctionNArguments* arguments) {
   }
 }
 
+/// Filter function: shadow rays pass what casts no shadow.
+void pass_all(const RTCFilterFunctionNArguments* arguments) {
+  std::fill_n(arguments->valid, arguments->N, 0);
+}
+
 void set_filters(RTCGeometry geometry, FilterData& data) {
   const bool holes = data.patch->holes.has_value(), backs = data.patch->back_test;
   rtcSetGeometryUserData(geometry, &data);
@@ -120,6 +125,7 @@ void set_filters(RTCGeometry geometry, FilterData& data) {
   if (holes && backs) rtcSetGeometryIntersectFilterFunction(geometry, pass_filter<Pass::Both>);
   if (holes && !backs) rtcSetGeometryIntersectFilterFunction(geometry, pass_filter<Pass::Holes>);
   if (!holes && backs) rtcSetGeometryIntersectFilterFunction(geometry, pass_filter<Pass::Backs>);
+  if (!data.patch->casts) rtcSetGeometryOccludedFilterFunction(geometry, pass_all);
 }
 
 SceneHandle new_scene(RTCDevice device, RTCSceneFlags flags, RTCBuildQuality quality) {
@@ -271,7 +277,8 @@ void RayScene::Impl::add_mover(PatchRange patches) {
               .instance = nullptr,
               .deformed = {}};
   const auto same_filter = [&](std::uint32_t a, std::uint32_t b) {
-    return !all[a].holes && !all[b].holes && all[a].back_test == all[b].back_test;
+    return !all[a].holes && !all[b].holes && all[a].back_test == all[b].back_test &&
+           all[a].casts == all[b].casts;
   };
   for_each_run(patches, same_filter, [&](PatchRange run) {
     Geometry geometry = attach_patches(mover.scene.get(), run, narrow<unsigned>(mover.geometries.size()),

@@ -96,6 +96,7 @@ void SurfaceModel::add(const Scene& scene, const SceneState& state, std::uint32_
               .double_sided = material.double_sided,
               .back_test = needs.back_test,
               .moving = moving,
+              .casts = scene.instances[instance].casts,
               .rig = scene.instances[instance].rig,
               .vertex_count = narrow<std::uint32_t>(mesh.positions.size())};
   if (needs.alpha_test) patch.holes.emplace(scene, mesh);

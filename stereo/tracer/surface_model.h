@@ -43,6 +43,7 @@ struct Patch {
   bool double_sided = false;
   bool back_test = false;  ///< primary rays pass its back faces, unless it is double-sided
   bool moving = false;
+  bool casts = true;                                ///< shadow rays meet it
   std::optional<std::uint32_t> rig = std::nullopt;  ///< deforms the patch; patches of a rig share a placement
   std::uint32_t vertex_count = 0;
   Point<Object>

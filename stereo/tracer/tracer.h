@@ -15,7 +15,8 @@
 ///   back of a double-sided surface.
 /// - The bit of a light is 1 if and only if the light is on, N . L > 0, Ng . L > 0, the point is within the
 ///   light's range (point, spot) and inside its outer cone (spot), and no surface lies strictly between the
-///   point and the light. Both sides of a surface cast. Holes do not.
+///   point and the light. Both sides of a surface cast. Holes do not, and a sky (stereo/scene/sky.h) does
+///   not.
 /// - The bits of pixels that no surface covers are 0.
 ///
 /// Float arithmetic makes the bits inexact within rounding of edges, and where an occluder is closer than

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "stereo/base/clock.h"
+#include "stereo/frame/exposure.h"
 #include "stereo/frame/eye_mask.h"
 #include "stereo/frame/light_changes.h"
 #include "stereo/frame/view.h"
@@ -44,6 +45,16 @@ bool fields(auto& io, codec::Either<LightPose> auto& pose) {
   return io.f64(p.x) && io.f64(p.y) && io.f64(p.z) && io.f64(d.x) && io.f64(d.y) && io.f64(d.z);
 }
 
+/// Quarter stops above the least.
+inline bool fields(ByteWriter& io, const Exposure& exposure) {
+  return io.u16(exposure.quarter_stops + Exposure::kMostQuarterStops);
+}
+inline bool fields(ByteReader& io, Exposure& exposure) {
+  if (!io.u16(exposure.quarter_stops)) return false;
+  exposure.quarter_stops -= Exposure::kMostQuarterStops;
+  return true;
+}
+
 /// Bit 0: on; bit 1: a pose follows.
 inline bool fields(ByteWriter& io, const LightChange& change) {
   const unsigned flags = (change.on ? 1u : 0u) | (change.pose ? 2u : 0u);
@@ -69,6 +80,9 @@ inline bool in_range(Duration span) {
 inline bool in_range(const glm::dvec3& place) {
   return std::abs(place.x) <= kMaxCoordinate_m && std::abs(place.y) <= kMaxCoordinate_m &&
          std::abs(place.z) <= kMaxCoordinate_m;  // false for NaN
+}
+inline bool in_range(const Exposure& exposure) {
+  return std::abs(exposure.quarter_stops) <= Exposure::kMostQuarterStops;
 }
 inline bool in_range(const View& view) {
   return is_valid(view) && in_range(view.stage_from_eye.translation);

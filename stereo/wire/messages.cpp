@@ -102,7 +102,7 @@ bool fields(auto& io, Either<AskSlice> auto& slice) {
 
 bool fields(auto& io, Either<Welcome> auto& welcome) {
   return io.array(welcome.scene_hash) && io.u16(welcome.light_count) && io.u32(welcome.most_pixels) &&
-         io.u8(welcome.answers);
+         io.u8(welcome.answers) && fields(io, welcome.exposure);
 }
 
 bool fields(auto& io, Either<Refusal> auto& refusal) {
@@ -200,6 +200,7 @@ Verdict verdict(const Welcome& welcome) {
   if (welcome.light_count > kMaxLights) return WireRefusal::Lights;
   if (welcome.most_pixels == 0) return WireRefusal::MaskSize;
   if (welcome.answers > kEveryAnswer) return WireRefusal::Code;
+  if (!in_range(welcome.exposure)) return WireRefusal::Code;
   return kFine;
 }
 

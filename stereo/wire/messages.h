@@ -13,6 +13,7 @@
 
 #include "stereo/base/clock.h"
 #include "stereo/base/expected.h"
+#include "stereo/frame/exposure.h"
 #include "stereo/frame/eye_mask.h"
 #include "stereo/frame/frame_id.h"
 #include "stereo/frame/pixel_plane.h"
@@ -23,7 +24,7 @@
 
 namespace farshade {
 
-inline constexpr std::uint16_t kProtocolVersion = 8;
+inline constexpr std::uint16_t kProtocolVersion = 9;
 /// UDP payload, sealing included: what every path must carry (as for QUIC, RFC 9000, 14), and the most that a
 /// client sends.
 inline constexpr std::size_t kBaseDatagram_bytes = 1200;
@@ -103,6 +104,7 @@ struct Welcome {
   /// Most pixels of an eye's view. The limit keeps one client's trace from delaying the others for long.
   std::uint32_t most_pixels = std::uint32_t{1} << 23;
   AnswerSet answers = set_of(Answer::Masks);  ///< that clients may request
+  Exposure exposure{};                        ///< of pictures, wherever they are drawn
   friend bool operator==(const Welcome&, const Welcome&) = default;
 };
 

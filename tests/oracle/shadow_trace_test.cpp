@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "stereo/scene/gltf.h"
+#include "stereo/scene/sky.h"
 #include "tests/oracle/agreement.h"
 #include "tests/oracle/random_scenes.h"
 #include "tests/oracle/scene_builder.h"
@@ -105,6 +106,31 @@ struct Rectangle {
     return std::min(std::min(p.x - x0, x1 - p.x), std::min(p.z - z0, z1 - p.z));
   }
 };
+
+/// A sun shines through an unlit box around the scene, also while that turns. Light maps must not see it.
+TEST(ShadowTrace, PassesASky) {
+  for (const bool turns : {false, true}) {
+    SceneBuilder builder;
+    builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
+    builder.add(box({0, 1.0f, 0}, {0.5f, 0.3f, 0.5f}));
+    Material unlit;
+    unlit.unlit = unlit.double_sided = true;
+    const std::uint32_t sky = builder.add(box({0, 0, 0}, {50, 50, 50}), builder.material(unlit));
+    if (turns) builder.turn(sky, 1.0);
+    builder.directional_light({0.3, -1, 0.2});
+    builder.point_light({60, 30, 0});
+    Scene scene = builder.build();
+    const View view = look({3, 3, 4}, {0, 0.5, 0}, 96);
+    const Time time = time_from_ns(300'000'000);
+    EXPECT_LT(expect_agrees(scene, {view, view}, time, 0.05).lit, 100u) << "it would block both lights";
+    find_sky(scene);
+    const oracle::Agreement sum = expect_agrees(scene, {view, view}, time, 0.05);
+    EXPECT_GT(sum.lit, sum.pixel_lights / 4);
+    const ShadowFrame proved = traced(scene, {view, view}, time),
+                      sure = reference_traced(scene, {view, view}, time);
+    EXPECT_TRUE(proved.masks == sure.masks);
+  }
+}
 
 TEST(ShadowTrace, MatchesPaperAnswerForBoxOverPlane) {
   const Scene scene = load_scene(FARSHADE_ASSETS "/box_over_plane.gltf").value();

@@ -166,6 +166,7 @@ Surfaces::Surfaces(const Scene& scene, const SceneState& state, Search search) {
     for (const glm::uvec3& vertices : mesh.triangles) {
       triangles_.push_back(place(scene, mesh, vertices, at));
       triangles_.back().instance = i;
+      triangles_.back().casts = scene.instances[i].casts;
     }
   }
   const auto count = static_cast<std::uint32_t>(triangles_.size());
@@ -230,7 +231,7 @@ std::optional<Hit> Surfaces::nearest(const Ray& ray) const {
 bool Surfaces::blocked(const Ray& ray, double end) const {
   bool found = false;
   visit(ray, [&](const Triangle& triangle) {
-    const std::optional<Hit> hit = meet(triangle, ray);
+    const std::optional<Hit> hit = triangle.casts ? meet(triangle, ray) : std::nullopt;
     found = hit && hit->t < end && !is_hole(*hit);
     return found;
   });

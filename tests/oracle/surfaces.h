@@ -17,6 +17,7 @@ struct Triangle {
   const Material* material = nullptr;
   const Texture* texture = nullptr;
   std::uint32_t instance = 0;
+  bool casts = true;
 };
 
 struct Ray {

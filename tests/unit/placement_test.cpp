@@ -159,7 +159,7 @@ TEST(HeadTest, IsBadAboveFivePercent) {
 
 TEST(Surroundings, RefusesAHugeSceneWithoutReadingIt) {
   Scene scene = landscape();
-  scene.triangle_count = Surroundings::kMostTriangles + 1;
+  scene.triangle_count = SurroundingsOptions{}.most_triangles + 1;
   const Expected<Surroundings> refused = Surroundings::create(scene);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().fault, Fault::OutOfRange);

@@ -34,6 +34,11 @@ class TrafficMeter {
   LinkTraffic last_;
 };
 
+Exposure exposure_of(const RunContext& context) {
+  const auto told = context.link ? context.link->inbox().exposure() : std::nullopt;
+  return told.value_or(context.exposure);
+}
+
 }  // namespace
 
 Expected<void> run(const RunContext& context, ModePipeline& pipeline, const FrameWatcher& watch,
@@ -52,7 +57,8 @@ Expected<void> run(const RunContext& context, ModePipeline& pipeline, const Fram
     frame = next(frame);
     const FrameRequest shown{frame, timing->display_time, scene_time.at(timing->display_time, settings.scene),
                              context.runtime.locate_views(timing->display_time), settings.lights};
-    const SceneState state = state_at(context.scene, shown.scene_time, shown.lights);
+    SceneState state = state_at(context.scene, shown.scene_time, shown.lights);
+    state.light_set.exposure = exposure_of(context);
     const FrameInputs inputs{shown, state, timing->period, settings, context.runtime.hidden()};
     const FrameRequest* const request = pipeline.request(inputs);
 

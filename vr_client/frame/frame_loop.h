@@ -87,6 +87,7 @@ struct RunContext {
   AnswerLink* link = nullptr;       ///< modes with a server
   Reference* own_tracer = nullptr;  ///< mode full
   const FrameSettings& settings;    ///< read when a frame begins
+  Exposure exposure{};              ///< unless the server's Welcome says another
   MaskPolicy policy;
   const Clock& clock = kSteadyClock;  ///< times the stages: StageStarts
 };

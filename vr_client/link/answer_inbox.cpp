@@ -7,6 +7,7 @@ namespace farshade {
 void AnswerInbox::begin(const Welcome& welcome) {
   most_pixels_ = welcome.most_pixels;
   answers_ = welcome.answers;
+  exposure_ = welcome.exposure;
   acknowledged_ = kFirstLightSet;
   newest_report_.reset();
   ++session_;

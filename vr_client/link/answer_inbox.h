@@ -58,6 +58,8 @@ class AnswerInbox {
 
   /// The number of pixels of an eye that the server traces at most.
   [[nodiscard]] std::uint32_t most_pixels() const { return most_pixels_; }
+  /// The server's exposure; empty before the first session.
+  [[nodiscard]] std::optional<Exposure> exposure() const { return exposure_; }
   /// The size of views that the server asks for, because of what the path carries.
   [[nodiscard]] ViewScale view_scale() const { return view_scale_; }
   /// The server gives answers of this kind.
@@ -75,6 +77,7 @@ class AnswerInbox {
   std::optional<FrameId> newest_report_;
   std::uint32_t most_pixels_ = Welcome{}.most_pixels;
   AnswerSet answers_ = 0;
+  std::optional<Exposure> exposure_;
   ViewScale view_scale_{};
 };
 

@@ -50,6 +50,7 @@ class ServerGBuffer final : public ModePipeline {
     SceneState state = state_at(context_.scene, made_for.scene_time, made_for.lights);
     for (std::size_t i = 0; i < state.light_set.lights.size(); ++i)  // as bright as now
       state.light_set.lights[i].intensity = inputs.state.light_set.lights[i].intensity;
+    state.light_set.exposure = inputs.state.light_set.exposure;
     const TracedMask mask = mask_of(*newest_);
     DrawTimes drawn = context_.renderer.draw_received(
         covered(newest_->gbuffer),

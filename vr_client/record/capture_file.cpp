@@ -122,8 +122,8 @@ bool fields(auto& io, Either<CaptureHeader> auto& header) {
   return text_field(io, header.scene) && io.array(header.scene_hash) && io.u16(header.lights) &&
          io.code(header.origin) && fields(io, size) && fields(io, traced_size) && io.u32(depth_frames) &&
          io.f64(header.detail_px) && io.u32(header.requests) && io.f64(header.refresh_hz) &&
-         io.code(policy.pace) && io.ns(policy.delay) && io.ns(policy.round_trip) && io.ns(policy.mask_wait) &&
-         text_field(io, header.device);
+         fields(io, header.exposure) && io.code(policy.pace) && io.ns(policy.delay) &&
+         io.ns(policy.round_trip) && io.ns(policy.mask_wait) && text_field(io, header.device);
 }
 
 bool fields(auto& io, Either<CapturedFrameInput> auto& input) {
@@ -166,6 +166,7 @@ Verdict verdict(const CaptureHeader& header) {
   const bool timed = header.refresh_hz > 0 && header.refresh_hz <= kMaxRefresh_hz &&
                      in_range(header.policy.delay) && in_range(header.policy.round_trip) &&
                      in_range(header.policy.mask_wait);
+  if (!in_range(header.exposure)) return WireRefusal::Code;
   return timed ? kFine : Verdict(WireRefusal::TimeRange);
 }
 

@@ -12,7 +12,7 @@
 namespace farshade {
 
 inline constexpr std::uint32_t kCaptureMagic = 0x53534446;  // "FDSS" in byte order
-inline constexpr std::uint16_t kCaptureVersion = 4;
+inline constexpr std::uint16_t kCaptureVersion = 5;
 inline constexpr std::size_t kCapturePreamble_bytes =
     8;  ///< magic, format version, protocol version of the messages
 inline constexpr std::size_t kRecordHead_bytes = 5;      ///< kind and length
@@ -42,6 +42,7 @@ struct CaptureHeader {
   double detail_px = 0;        ///< limit of the geometric error of the drawn levels of detail
   std::uint32_t requests = 0;  ///< number of requests that the AnswerInbox remembers
   double refresh_hz = 0;
+  Exposure exposure{};  ///< until a Welcome says another
   MaskPolicy policy;
   std::string device;  ///< name of the GPU; another GPU may draw other pictures
 };

@@ -51,6 +51,7 @@ json describe(const FrameView& view) {
                    {"scene_time_ns", ns_of(view.shown.scene_time)},
                    {"views", views_json(view.shown.views)}}},
                  {"light_set_revision", view.state.light_set.revision.value},
+                 {"exposure", view.state.light_set.exposure.factor()},
                  {"lights", json::array()},
                  {"traced", nullptr}};
   for (const Light& light : view.state.light_set.lights) described["lights"].push_back(light_json(light));

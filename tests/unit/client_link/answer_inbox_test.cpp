@@ -186,5 +186,14 @@ TEST(AnswerInbox, LearnsHowManyPixelsTheServerTraces) {
   EXPECT_EQ(inbox.most_pixels(), 4096u);
 }
 
+TEST(AnswerInbox, LearnsTheExposureOfEachSession) {
+  AnswerInbox inbox(8, {1});
+  EXPECT_EQ(inbox.exposure(), std::nullopt);
+  inbox.begin({.exposure = {-9}});
+  EXPECT_EQ(inbox.exposure(), Exposure{-9});
+  inbox.begin({});
+  EXPECT_EQ(inbox.exposure(), Exposure{});
+}
+
 }  // namespace
 }  // namespace farshade

@@ -321,7 +321,7 @@ TEST(CaptureFileFault, RefusesAnotherMessageAsRequest) {
 
 TEST(CaptureFileFault, RefusesHeadersOutOfRange) {
   // Byte offsets of the origin, the traced size, the frame counts, the limit of
-  // detail and the pace.
+  // detail, the exposure and the pace.
   const std::size_t origin = 8 + 5 + 1 + header().scene.size() + 32 + 2;
   for (const auto& [at, value] : {std::pair<std::size_t, unsigned>{origin, 3},
                                   {origin + 1, 0},
@@ -330,7 +330,8 @@ TEST(CaptureFileFault, RefusesHeadersOutOfRange) {
                                   {origin + 20, 0x7f},
                                   {origin + 20, 0xff},
                                   {origin + 21, 1},
-                                  {origin + 33, 2}}) {
+                                  {origin + 34, 2},
+                                  {origin + 35, 2}}) {
     Bytes file = file_of(header(), {});
     file[at] = static_cast<std::byte>(value);
     EXPECT_FALSE(reader_of(with_right_checksums(file)).has_value())

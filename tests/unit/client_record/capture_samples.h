@@ -23,6 +23,7 @@ inline CaptureHeader header() {
           .detail_px = 0.25,
           .requests = 12,
           .refresh_hz = 72,
+          .exposure = {-7},
           .policy = {.pace = Pace::Real, .round_trip = std::chrono::milliseconds(30)},
           .device = "a device"};
 }

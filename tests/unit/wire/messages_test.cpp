@@ -329,6 +329,17 @@ TEST(RequestDecode, TakesOnlyWhatGoesWithTheAnswer) {
   EXPECT_EQ(refusal_of({.coding = static_cast<Coding>(2)}), WireRefusal::Code);
 }
 
+TEST(WelcomeDecode, TakesExposuresInTheirRangeOnly) {
+  Welcome message = welcome();
+  for (const int quarter_stops : {-Exposure::kMostQuarterStops, -1, Exposure::kMostQuarterStops}) {
+    message.exposure = {quarter_stops};
+    EXPECT_EQ(std::get<Welcome>(*decode_server(encoded(ServerMessage(message)))), message);
+  }
+  Bytes beyond = encoded(ServerMessage(message));
+  beyond[beyond.size() - 2] = std::byte{65};  // 321, one quarter stop too many
+  EXPECT_EQ(decode_server(beyond).error(), WireRefusal::Code);
+}
+
 TEST(PlaneSliceDecode, RefusesWhatNoPlaneHas) {
   const Bytes good = encoded(ClientMessage(plane_slice()));
   const auto error = [&](std::size_t at, std::initializer_list<unsigned> values) {

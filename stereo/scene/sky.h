@@ -1,0 +1,21 @@
+/// Sky: surfaces that show what lies behind the scene, such as a sky sphere. They are seen, but cast no shadow,
+/// because a light outside of them (a sun) would reach nothing.
+///
+/// Surfaces belong to the sky if their material is unlit, no rig deforms them, and they are closed around
+/// everything else at time 0: the boxes of all surfaces that are lit lie in their box, and from the middle of
+/// those they fill at least 45 % of all directions (a dome without a floor fills half). The sky may consist of
+/// several instances, each of which fills at least 4 % of the directions (the faces of a box).
+#pragma once
+
+#include "stereo/scene/scene.h"
+
+namespace farshade {
+
+/// Marks the instances of the sky as casting no shadow (Instance::casts), and adds a warning that names them.
+/// `scene` is complete, including its bounds.
+void find_sky(Scene& scene);
+
+/// The box around everything but the sky at time 0; Scene::bounds if there is no sky.
+[[nodiscard]] Bounds bounds_without_sky(const Scene& scene);
+
+}  // namespace farshade

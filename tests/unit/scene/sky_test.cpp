@@ -1,0 +1,112 @@
+/// Which surfaces are a sky, and what follows: no shadow, and no wall for whoever looks for a place.
+#include "stereo/scene/sky.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "stereo/scene/scene_hash.h"
+#include "stereo/scene/viewpoint.h"
+#include "tests/oracle/scene_builder.h"
+
+namespace farshade {
+namespace {
+
+/// A sphere of `radius` about the origin from the `lowest` elevation up; its triangles face inside or outside.
+Mesh dome(float radius, double lowest_rad, bool inwards) {
+  constexpr int kAround = 16, kUp = 8;
+  const auto at = [&](int around, int up) {
+    const double elevation = std::lerp(lowest_rad, std::numbers::pi / 2, up / double{kUp});
+    const double azimuth = 2 * std::numbers::pi * around / kAround;
+    return radius * glm::vec3(std::cos(elevation) * std::cos(azimuth), std::sin(elevation),
+                              std::cos(elevation) * std::sin(azimuth));
+  };
+  std::vector<glm::vec3> corners;
+  for (int up = 0; up < kUp; ++up)
+    for (int around = 0; around < kAround; ++around) {
+      const glm::vec3 a = at(around, up), b = at(around + 1, up), c = at(around + 1, up + 1),
+                      d = at(around, up + 1);
+      for (const glm::vec3& p : inwards ? std::vector{a, b, c, a, c, d} : std::vector{a, c, b, a, d, c})
+        corners.push_back(p);
+    }
+  return triangle_soup(corners);
+}
+
+constexpr double kSphere = -std::numbers::pi / 2;
+
+/// A floor, a box, and the `shells` of one material; the sky is looked for.
+Scene scene_in(const std::vector<Mesh>& shells, bool unlit, const glm::dvec3& shift = {}) {
+  SceneBuilder builder(shift);
+  builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
+  builder.add(box({0, 0.5f, 0}, {0.5f, 0.5f, 0.5f}));
+  Material material;
+  material.unlit = unlit;
+  const std::uint32_t of_shells = builder.material(material);
+  for (const Mesh& mesh : shells) builder.add(mesh, of_shells);
+  builder.directional_light({0.3, -1, 0.2});
+  Scene scene = builder.build();
+  find_sky(scene);
+  return scene;
+}
+
+std::vector<bool> casting(const Scene& scene) {
+  std::vector<bool> casts;
+  for (const Instance& instance : scene.instances) casts.push_back(instance.casts);
+  return casts;
+}
+
+TEST(Sky, IsAnUnlitShellAroundEverythingThatIsLit) {
+  for (const bool inwards : {true, false})
+    for (const glm::dvec3& shift : {glm::dvec3(0.0), glm::dvec3(1e6, -1e5, 3e5)})
+      EXPECT_EQ(casting(scene_in({dome(50, kSphere, inwards)}, true, shift)),
+                (std::vector{true, true, false}));
+  EXPECT_EQ(casting(scene_in({dome(50, 0, true)}, true)), (std::vector{true, true, false}))
+      << "a dome that is open below";
+  EXPECT_EQ(casting(scene_in({dome(50, kSphere, true), dome(40, kSphere, false)}, true)),
+            (std::vector{true, true, false, false}))
+      << "clouds and sky";
+  std::vector<Mesh> faces;
+  for (const float side : {-20.0f, 20.0f}) {
+    faces.push_back(quad({side, 0, 0}, {0, 20, 0}, {0, 0, 20}));
+    faces.push_back(quad({0, side, 0}, {20, 0, 0}, {0, 0, 20}));
+    faces.push_back(quad({0, 0, side}, {20, 0, 0}, {0, 20, 0}));
+  }
+  EXPECT_EQ(casting(scene_in(faces, true)),
+            (std::vector{true, true, false, false, false, false, false, false}))
+      << "a box of six quads";
+}
+
+TEST(Sky, IsNothingElse) {
+  const auto all_cast = [](const Scene& scene) {
+    return std::ranges::all_of(scene.instances, &Instance::casts) && scene.warnings.empty();
+  };
+  EXPECT_TRUE(all_cast(scene_in({dome(50, kSphere, true)}, false))) << "a lit shell is a room";
+  EXPECT_TRUE(all_cast(scene_in({dome(50, 0.5, true)}, true))) << "a canopy fills a quarter of the sphere";
+  EXPECT_TRUE(all_cast(scene_in({dome(2, kSphere, true)}, true))) << "the floor reaches out of it";
+  EXPECT_TRUE(all_cast(scene_in({quad({0, 8, 0}, {0, 0, 30}, {30, 0, 0})}, true))) << "a ceiling";
+  EXPECT_TRUE(all_cast(scene_in({box({1.5f, 0.2f, 0}, {0.2f, 0.2f, 0.2f})}, true))) << "a lamp";
+  Scene alone = scene_in({}, false);
+  for (Material& material : alone.materials) material.unlit = true;
+  find_sky(alone);
+  EXPECT_TRUE(all_cast(alone)) << "all is unlit: nothing stands before a sky";
+}
+
+TEST(Sky, IsNamedInAWarningAndInTheHash) {
+  const Scene scene = scene_in({dome(50, kSphere, true)}, true);
+  ASSERT_EQ(scene.warnings.size(), 1u);
+  EXPECT_NE(scene.warnings[0].find("casts no shadow"), std::string::npos);
+  Scene casts = scene;
+  casts.instances[2].casts = true;
+  EXPECT_NE(hash_of(scene), hash_of(casts));
+}
+
+TEST(Sky, IsNoWallForTheViewpoint) {
+  const Scene bare = scene_in({}, true), below = scene_in({dome(500, kSphere, true)}, true);
+  EXPECT_EQ(bounds_without_sky(below), bare.bounds);
+  EXPECT_EQ(chosen_viewpoint(below).translation, chosen_viewpoint(bare).translation);
+  EXPECT_EQ(bounds_without_sky(bare), bare.bounds);
+}
+
+}  // namespace
+}  // namespace farshade
