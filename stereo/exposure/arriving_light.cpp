@@ -55,9 +55,8 @@ std::vector<SeenPoint> seen_points(const Surroundings& surroundings, std::span<c
     const bool back = glm::dot(ray.direction.v, met[i].normal.v) > 0;
     const Vector<Stage> normal{back ? -met[i].normal.v : met[i].normal.v};
     const double above = kSurfaceOffset * met[i].distance_m + rounding;
-    points.push_back({{ray.origin.v + ray.direction.v * met[i].distance_m + normal.v * above},
-                      normal,
-                      met[i].instance});
+    points.push_back(
+        {{ray.origin.v + ray.direction.v * met[i].distance_m + normal.v * above}, normal, met[i].instance});
   }
   return points;
 }

@@ -24,7 +24,7 @@ struct SeenPoint {
 
 /// The light of one light at one point.
 struct Arrival {
-  glm::vec3 irradiance{0.0f};                            ///< if nothing blocks it; 0 behind the surface
+  glm::vec3 irradiance{0.0f};                           ///< if nothing blocks it; 0 behind the surface
   std::optional<std::uint32_t> blocker = std::nullopt;  ///< the instance that the shadow ray meets first
 
   [[nodiscard]] glm::vec3 arriving() const { return blocker ? glm::vec3(0.0f) : irradiance; }

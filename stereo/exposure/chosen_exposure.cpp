@@ -13,7 +13,7 @@
 namespace farshade {
 namespace {
 
-constexpr int kAround = 2048;    ///< rays from the viewpoint
+constexpr int kAround = 2048;     ///< rays from the viewpoint
 constexpr int kPlacesAcross = 8;  ///< rays to places in the scene's box, along an axis
 // The exposure is chosen outside of these limits of the median irradiance / pi.
 constexpr double kDarkest = 0.02, kBrightest = 1.25, kChosen = 0.4;
@@ -63,24 +63,28 @@ Exposure chosen_exposure(const Surroundings& surroundings, const Scene& scene) {
   const ArrivingLight light(surroundings, scene, std::move(all));
   std::vector<double> lit;
   for (std::size_t i = 0; i < light.points().size(); ++i)
-    if (const double shown = luminance(light.irradiance(i)) / std::numbers::pi; shown > 0) lit.push_back(shown);
+    if (const double shown = luminance(light.irradiance(i)) / std::numbers::pi; shown > 0)
+      lit.push_back(shown);
   if (lit.empty()) return {};
   const auto middle = lit.begin() + static_cast<std::ptrdiff_t>(lit.size() / 2);
   std::ranges::nth_element(lit, middle);
   if (*middle >= kDarkest && *middle <= kBrightest) return {};
   const double stops = std::round(4 * std::log2(kChosen / *middle));
-  return {static_cast<int>(std::clamp<double>(stops, -Exposure::kMostQuarterStops, Exposure::kMostQuarterStops))};
+  return {
+      static_cast<int>(std::clamp<double>(stops, -Exposure::kMostQuarterStops, Exposure::kMostQuarterStops))};
 }
 
 Exposure chosen_exposure(const Scene& scene) {
-  const Expected<Surroundings> surroundings = Surroundings::create(scene, {.most_triangles = ~std::uint64_t{0}});
+  const Expected<Surroundings> surroundings =
+      Surroundings::create(scene, {.most_triangles = ~std::uint64_t{0}});
   return surroundings ? chosen_exposure(*surroundings, scene) : Exposure{};
 }
 
 std::string in_words(const Exposure& exposure, const std::string& scene_name) {
   if (exposure == Exposure{}) return {};
-  return fmt::format("{} would be too {}: all lights are multiplied by {:.3g} (--exposure sets another factor)",
-                     scene_name, exposure.quarter_stops > 0 ? "dark" : "bright", exposure.factor());
+  return fmt::format(
+      "{} would be too {}: all lights are multiplied by {:.3g} (--exposure sets another factor)", scene_name,
+      exposure.quarter_stops > 0 ? "dark" : "bright", exposure.factor());
 }
 
 }  // namespace farshade

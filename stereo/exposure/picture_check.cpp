@@ -105,7 +105,7 @@ struct GivenLight {
 };
 
 PictureFinding black_finding(const PictureTrial& trial, const Scene& scene, const Lighting& lighting,
-                      const Exposure& exposure) {
+                             const Exposure& exposure) {
   const std::string what = "everything that the head sees is black";
   const GivenLight given(scene, lighting);
   std::vector<float> lit = trial.brightness(1 / given.exposure, 0);
@@ -114,8 +114,8 @@ PictureFinding black_finding(const PictureTrial& trial, const Scene& scene, cons
     const float wanted = rounded(kUsual / quantile(lit, 0.5));
     const double black = trial.black(wanted / given.exposure, given.ambient * wanted);
     if (std::isfinite(wanted) && black <= kCured)
-      return {true, fmt::format("{}; the cure is --exposure {:g} on both sides: then {} of it is", what, wanted,
-                                percent(black))};
+      return {true, fmt::format("{}; the cure is --exposure {:g} on both sides: then {} of it is", what,
+                                wanted, percent(black))};
   }
   const double black = trial.black(exposure.factor(), kTriedAmbient);
   if (black <= kCured)
@@ -126,11 +126,10 @@ PictureFinding black_finding(const PictureTrial& trial, const Scene& scene, cons
 }
 
 PictureFinding clipped_finding(const PictureTrial& trial, const Scene& scene, const Lighting& lighting,
-                        const Exposure& exposure) {
+                               const Exposure& exposure) {
   const GivenLight given(scene, lighting);
-  const std::string what =
-      fmt::format("{} of what the head sees is as bright as can be",
-                  percent(trial.clipped(exposure.factor(), scene.ambient)));
+  const std::string what = fmt::format("{} of what the head sees is as bright as can be",
+                                       percent(trial.clipped(exposure.factor(), scene.ambient)));
   const float bright = quantile(trial.brightness(1 / given.exposure, given.ambient), kBright);
   const float wanted = rounded(kBright / bright);
   const double left = trial.clipped(wanted / given.exposure, given.ambient * wanted);
@@ -143,7 +142,7 @@ PictureFinding clipped_finding(const PictureTrial& trial, const Scene& scene, co
 /// A light that reaches nothing that is seen.
 struct Unseen {
   std::size_t light = 0;
-  std::size_t facing = 0;  ///< points that it would reach
+  std::size_t facing = 0;                  ///< points that it would reach
   std::optional<std::uint32_t> blocker{};  ///< of at least nine in ten of them
 };
 
@@ -183,7 +182,8 @@ std::string name_of_thing(const Scene& scene, std::uint32_t instance) {
 }
 
 /// One thing stands before every point: what would the light reach without it?
-std::optional<PictureFinding> shell_finding(const ArrivingLight& light, const Scene& scene, const Unseen& unseen) {
+std::optional<PictureFinding> shell_finding(const ArrivingLight& light, const Scene& scene,
+                                            const Unseen& unseen) {
   if (!unseen.blocker) return std::nullopt;
   const auto without = Surroundings::create(scene, {.without = unseen.blocker});
   if (!without) return std::nullopt;
@@ -219,17 +219,18 @@ std::vector<PictureFinding> unseen_findings(const ArrivingLight& light, const Sc
   const std::size_t count = others.size();
   others.resize(std::min(count, kMostNames));
   findings.push_back(
-      {false, fmt::format("{} of {} lights reach nothing that the head sees ({}{}): without them, the picture "
-                          "is the same",
-                          count, light.lights(), fmt::join(others, ", "), count > kMostNames ? ", ..." : "")});
+      {false,
+       fmt::format("{} of {} lights reach nothing that the head sees ({}{}): without them, the picture "
+                   "is the same",
+                   count, light.lights(), fmt::join(others, ", "), count > kMostNames ? ", ..." : "")});
   return findings;
 }
 
 }  // namespace
 
 std::vector<PictureFinding> check_picture(const Surroundings& surroundings, const Scene& scene,
-                                   const Lighting& lighting, const Exposure& exposure,
-                                   std::span<const Ray> rays) {
+                                          const Lighting& lighting, const Exposure& exposure,
+                                          std::span<const Ray> rays) {
   const ArrivingLight light(surroundings, scene, seen_points(surroundings, rays));
   if (light.points().size() < kLeastPoints || scene.lights.empty()) return {};
   const PictureTrial trial(light, scene);

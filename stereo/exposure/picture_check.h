@@ -25,7 +25,7 @@ struct PictureFinding {
 /// `rays` go through the pictures. `lighting` is what the user gave, and already part of `scene`; `exposure`
 /// is the one in use.
 [[nodiscard]] std::vector<PictureFinding> check_picture(const Surroundings& surroundings, const Scene& scene,
-                                                 const Lighting& lighting, const Exposure& exposure,
-                                                 std::span<const Ray> rays);
+                                                        const Lighting& lighting, const Exposure& exposure,
+                                                        std::span<const Ray> rays);
 
 }  // namespace farshade

@@ -1,10 +1,10 @@
-/// Sky: surfaces that show what lies behind the scene, such as a sky sphere. They are seen, but cast no shadow,
-/// because a light outside of them (a sun) would reach nothing.
+/// Sky: surfaces that show what lies behind the scene, such as a sky sphere. They are seen, but cast no
+/// shadow, because a light outside of them (a sun) would reach nothing.
 ///
 /// Surfaces belong to the sky if their material is unlit, no rig deforms them, and they are closed around
 /// everything else at time 0: the boxes of all surfaces that are lit lie in their box, and from the middle of
-/// those they fill at least 45 % of all directions (a dome without a floor fills half). The sky may consist of
-/// several instances, each of which fills at least 4 % of the directions (the faces of a box).
+/// those they fill at least 45 % of all directions (a dome without a floor fills half). The sky may consist
+/// of several instances, each of which fills at least 4 % of the directions (the faces of a box).
 #pragma once
 
 #include "stereo/scene/scene.h"

@@ -387,6 +387,40 @@ TEST(ClientProgram, LightsASceneWithoutLightsAndLooksAtIt) {
   EXPECT_GT(lit, shown * 9 / 10);
 }
 
+/// A lamp of 100,000 cd: client, server and a replay draw it equally bright, and not white.
+TEST(ClientProgram, DrawsWithOneExposureWhereverThePictureIsDrawn) {
+  const ScratchFolder folder;
+  const std::string scene = one_triangle(folder.path(), "bright.gltf", R"({"type":"point","intensity":1e5})");
+  const RunningServer server(scene);
+  const std::string capture = (folder.path() / "run.capture").string();
+  const auto first_picture = [&](std::map<std::string, std::string> options, const std::string& out) {
+    options.insert({{"--scene", scene}, {"--frames", "8"}, {"--pictures", "8"}, {"--reference-every", "0"}});
+    options["--out"] = (folder.path() / out).string();
+    const Ended run = run_client(options);
+    EXPECT_EQ(run.status, 0) << run.errors;
+    const auto picture = read_png(folder.path() / out / "frame_0008_left.png");
+    EXPECT_TRUE(picture) << out;
+    return picture ? picture->pixels : std::vector<Rgb8>{};
+  };
+  const auto shaded =
+      first_picture({{"--mode", "hybrid"}, {"--server", server.address()}, {"--record", capture}}, "hybrid");
+  const auto lit =
+      std::ranges::count_if(shaded, [](const Rgb8& pixel) { return pixel.r > 60 && pixel.r < 250; });
+  EXPECT_GT(lit, static_cast<std::ptrdiff_t>(shaded.size() / 50));
+  const auto expect_as_bright = [&](const std::vector<Rgb8>& other) {
+    ASSERT_EQ(other.size(), shaded.size());
+    double difference = 0;
+    for (std::size_t i = 0; i < other.size(); ++i) difference += std::abs(int{other[i].r} - int{shaded[i].r});
+    EXPECT_LT(difference / static_cast<double>(lit), 8) << "they differ at edges only";
+  };
+  expect_as_bright(first_picture({{"--mode", "full"}}, "full"));
+  expect_as_bright(first_picture({{"--mode", "server-gbuffer"}, {"--server", server.address()}}, "gbuffer"));
+  ChildProgram replay({"/usr/bin/env", "LSAN_OPTIONS=detect_leaks=0", VR_CLIENT, "--scene", scene, "--replay",
+                       capture, "--out", (folder.path() / "replay").string(), "--reference-every", "0"});
+  const std::string errors = replay.errors();
+  EXPECT_EQ(replay.wait(), 0) << errors;
+}
+
 TEST(ClientProgram, RunsWithoutAServerAndFails) {
   const ScratchFolder folder;
   const auto nobody = silent_port();

@@ -13,7 +13,8 @@
 namespace farshade {
 namespace {
 
-/// A sphere of `radius` about the origin from the `lowest` elevation up; its triangles face inside or outside.
+/// A sphere of `radius` about the origin from the `lowest` elevation up; its triangles face inside or
+/// outside.
 Mesh dome(float radius, double lowest_rad, bool inwards) {
   constexpr int kAround = 16, kUp = 8;
   const auto at = [&](int around, int up) {
