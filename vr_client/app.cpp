@@ -221,7 +221,7 @@ Expected<void> print_plan(const Options& options) {
   line("memory", in_words(client_memory(scene, planned->plan.draw, renderer_limits(options), levels,
                                         maps_of(options))));
   if (!recording) return {};
-  return place_head(options, scene, std::move(*recording)).map([](const PlacedHead&) {});
+  return place_head(options, scene, *recording).map([](const PlacedHead&) {});
 }
 
 Expected<void> run_replay(const Options& options, StopSignal& stop) {

@@ -147,7 +147,7 @@ void judge_light(const Options& options, const Scene& scene, const Surroundings&
 }
 
 Expected<PlacedHead> placed_in(const Surroundings& surroundings, const Options& options, const Scene& scene,
-                               HeadRecording recording) {
+                               const HeadRecording& recording) {
   const Placing placing(options, scene, surroundings, recording);
   if (options.place == Place::Fit)
     return placing.fitting().map([&](Trial&& trial) {
@@ -169,7 +169,7 @@ Expected<PlacedHead> placed_in(const Surroundings& surroundings, const Options& 
 
 }  // namespace
 
-Expected<PlacedHead> place_head(const Options& options, const Scene& scene, HeadRecording recording) {
+Expected<PlacedHead> place_head(const Options& options, const Scene& scene, const HeadRecording& recording) {
   const Expected<Surroundings> surroundings = Surroundings::create(scene);
   if (!surroundings && options.place == Place::Fit)
     return fail(surroundings.error().fault,
@@ -178,7 +178,7 @@ Expected<PlacedHead> place_head(const Options& options, const Scene& scene, Head
     spdlog::info("the head starts {}; {}", where_words(options), surroundings.error().what);
     return plainly_placed(options, scene, recording);
   }
-  return placed_in(*surroundings, options, scene, std::move(recording)).map([&](PlacedHead&& placed) {
+  return placed_in(*surroundings, options, scene, recording).map([&](PlacedHead&& placed) {
     judge_light(options, scene, *surroundings, placed);
     return std::move(placed);
   });
@@ -186,8 +186,8 @@ Expected<PlacedHead> place_head(const Options& options, const Scene& scene, Head
 
 std::future<Expected<PlacedHead>> place_meanwhile(const Options& options, const Scene& scene,
                                                   HeadRecording recording) {
-  return std::async(std::launch::async, [&options, &scene, recording = std::move(recording)]() mutable {
-    return place_head(options, scene, std::move(recording));
+  return std::async(std::launch::async, [&options, &scene, recording = std::move(recording)] {
+    return place_head(options, scene, recording);
   });
 }
 

@@ -22,7 +22,7 @@ struct PlacedHead {
 /// see nothing (stereo/placement/head_test.h), and what is wrong with the light there
 /// (stereo/exposure/picture_check.h). Warns above 5 %. Fails if --place fit finds no free space.
 [[nodiscard]] Expected<PlacedHead> place_head(const Options& options, const Scene& scene,
-                                              HeadRecording recording);
+                                              const HeadRecording& recording);
 
 /// The same on a thread of its own. Keeps references; the future's destructor waits.
 [[nodiscard]] std::future<Expected<PlacedHead>> place_meanwhile(const Options& options, const Scene& scene,

@@ -245,8 +245,8 @@ void MaskCoder<Io>::light(std::uint32_t light, TileBits& bits) {
   const std::uint32_t mask = 1u << light;
   const Touch west = state_of(west_, light), north = state_of(north_, light);
   const bool is_first = (asked_lights_ & (mask - 1)) == 0;
-  const std::uint32_t before = is_first ? 0 : varied_ == 0 ? 1 : 2;
-  const std::uint32_t whole = asked_.of(light) == kAllBlocks ? 0 : 1;
+  const std::size_t before = is_first ? 0 : varied_ == 0 ? 1 : 2;
+  const std::size_t whole = asked_.of(light) == kAllBlocks ? 0 : 1;
   if (code(kLightModels + ((whole * 3 + before) * 4 + west) * 4 + north, (bits.varies & mask) != 0)) {
     bits.varies |= mask;
     bits.value &= ~mask;
@@ -259,7 +259,7 @@ void MaskCoder<Io>::light(std::uint32_t light, TileBits& bits) {
     return;
   }
   bits.varies &= ~mask;
-  const std::uint32_t left = three_of(touch(coded_.cell(west_, light, 3), kUpperRight));
+  const std::size_t left = three_of(touch(coded_.cell(west_, light, 3), kUpperRight));
   const std::uint32_t above = three_of(touch(coded_.cell(north_, light, 12), kLowerLeft));
   const bool set = code(kValueModels + left * 3 + above, (bits.value & mask) != 0);
   bits.value = set ? bits.value | mask : bits.value & ~mask;
@@ -276,7 +276,7 @@ void MaskCoder<Io>::cells(std::uint32_t light, TileCells& cells) {
   grid[kColumns - 1] = coded_.cell(north_east_, light, 12);
   for (std::uint32_t i = 0; i < kTileBlocks; ++i) {
     grid[i + 1] = coded_.cell(north_, light, 12 + i);
-    grid[(i + 1) * kColumns] = coded_.cell(west_, light, kTileBlocks * i + 3);
+    grid[std::size_t{i + 1} * kColumns] = coded_.cell(west_, light, kTileBlocks * i + 3);
   }
   const bool more_follow = asked_lights_ >> light >> 1 != 0;
   const std::uint32_t asked = asked_.of(light);

@@ -103,12 +103,14 @@ void compare(const BenchOptions& options) {
   const History history;
   const SceneState state = state_at(scene, Time{});
   const ControlContext context{state.light_set, {}, nullptr};
+  const std::optional<PixelFacts> no_pixel;
   const PanelFacts facts{.history = history,
                          .scene = scene,
                          .context = context,
                          .device = device.name,
                          .server = "server",
                          .note = {},
+                         .pixel = no_pixel,
                          .window = window->framebuffer_size(),
                          .scale = window->text_scale()};
   const Composition composition{.right_px = panel_width_px(controls, facts.window, facts.scale)};

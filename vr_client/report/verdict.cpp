@@ -79,7 +79,8 @@ std::string not_measured(const RunTotals& totals) {
   const std::string none = "not measured: no frame was compared with a full trace";
   if (totals.reference_every == 0) return none + "; --reference-every 8 compares every 8th";
   return none + fmt::format(", which happens every {} frames: use --frames {} or more",
-                            totals.reference_every, totals.start_up_frames + 2 * totals.reference_every);
+                            totals.reference_every,
+                            totals.start_up_frames + std::size_t{2} * totals.reference_every);
 }
 
 std::string picture_in_words(const std::optional<PictureError>& picture, const RunTotals& totals) {
