@@ -49,13 +49,15 @@ class ShownProgress {
   }
   ShownProgress(const ShownProgress&) = delete;
   ShownProgress& operator=(const ShownProgress&) = delete;
-  void add_one() {
+  /// Any thread may call it. Returns the progress in words.
+  std::string add_one() {
     const std::lock_guard lock(mutex_);
-    ++done_;
-    if (!on_terminal_) return;
+    std::string words = fmt::format("compiling pipelines: {} of {}", ++done_, all_);
+    if (!on_terminal_) return words;
     // The cursor stays at the beginning of the line, so that whatever is printed next replaces it.
-    fmt::print(stderr, "\x1b[Kcompiling pipelines: {} of {}\r", done_, all_);
+    fmt::print(stderr, "\x1b[K{}\r", words);
     std::fflush(stderr);
+    return words;
   }
 
  private:
@@ -94,7 +96,8 @@ void compile_beside(const Client& client, const std::function<Steps(Renderer&)>&
 
 }  // namespace
 
-void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport report, Changes changes) {
+void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport report, Changes changes,
+                   const TellWaiting& tell) {
   const Stopwatch watch;
   const auto steps_of = [&](Renderer& renderer) {
     return renderer.compile_steps(carry_over, report, changes);
@@ -110,7 +113,8 @@ void compile_ahead(Client& client, const CarryOver& carry_over, PixelReport repo
       steps[*number]();
       const Duration took = step.elapsed();
       done[*number] = true;
-      progress.add_one();
+      const std::string words = progress.add_one();
+      if (tell) tell(words);
       if (*number == 0 && may_help(client, took))
         beside = std::jthread([&] { compile_beside(client, steps_of, numbers, progress); });
     }

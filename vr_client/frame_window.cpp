@@ -93,16 +93,20 @@ std::string FrameWindow::server_state(Mode mode) const {
 
 void FrameWindow::add(const FrameView& view, Mode mode) {
   history_.add(view, inspection_.errors(), client_.link.get(), client_.clock.now());
-  update_title(mode);
+  update_title(mode, view.start_up);
 }
 
-void FrameWindow::update_title(Mode mode) {
+void FrameWindow::update_title(Mode mode, bool waits) {
   const Time now = client_.clock.now();
-  if (titled_ && titled_mode_ == mode && now - *titled_ < kTitleInterval) return;
+  const bool same = titled_mode_ == mode && titled_waiting_ == waits;
+  if (titled_ && same && now - *titled_ < kTitleInterval) return;
   titled_ = now;
   titled_mode_ = mode;
-  window_.set_title(fmt::format("{}: {}, {}, {:.0f} frames per second", kTitle, client_.scene.name,
-                                name_of(mode), history_.figures().frames_per_s));
+  titled_waiting_ = waits;
+  const std::string state = waits && client_.link
+                                ? "waiting for the first answer of " + to_string(client_.server)
+                                : fmt::format("{:.0f} frames per second", history_.figures().frames_per_s);
+  window_.set_title(fmt::format("{}: {}, {}, {}", kTitle, client_.scene.name, name_of(mode), state));
 }
 
 Remembered recalled() {

@@ -58,7 +58,8 @@ class FrameWindow {
  private:
   [[nodiscard]] PanelFacts facts_of(const RunFacts& run, const std::optional<PixelFacts>& pixel) const;
   [[nodiscard]] std::string server_state(Mode mode) const;
-  void update_title(Mode mode);
+  /// `waits`: no answer that the mode needs has come yet.
+  void update_title(Mode mode, bool waits);
 
   Client& client_;
   Window& window_;
@@ -71,6 +72,7 @@ class FrameWindow {
   PerEye<Picture> pictures_{Picture::LeftEye, Picture::RightEye};
   std::optional<Time> titled_;  ///< when the title was brought up to date
   std::optional<Mode> titled_mode_;
+  bool titled_waiting_ = false;
 };
 
 /// Of every window, before a frame is shown.

@@ -63,6 +63,11 @@ Controls first_controls(const Options& options, const std::optional<PlacedHead>&
   return controls;
 }
 
+/// In the title, because the window has no frames yet.
+void tell_waiting(Window& window, const std::string& what) {
+  window.set_title(fmt::format("{} ({})", kTitle, what));
+}
+
 /// One preview, from opening to closing its window.
 class Preview {
  public:
@@ -181,7 +186,8 @@ class Preview {
     shown_.take_renderer();
     if (auto done = open_tracers(options_, mode, client_); !done) return done;
     if (draws_scene(mode))
-      compile_ahead(client_, controls_.settings.carry_over, controls_.settings.report, Changes::Possible);
+      compile_ahead(client_, controls_.settings.carry_over, controls_.settings.report, Changes::Possible,
+                    [this](const std::string& what) { tell_waiting(window_, what); });
     if (answers_for(mode) == 0) return {};
     if (client_.network) return meet(options_, client_);
     followed_.reset();
@@ -338,6 +344,8 @@ Expected<void> run_preview(const Options& given, StopSignal& stop) {
       kTitle, [&](const Desktop& desktop) { return first_window(options.size, desktop, remembered.window); });
   if (!window) return tl::unexpected(window.error());
   stages.end("head and window");
+  const TellWaiting tell = [&](const std::string& what) { tell_waiting(**window, what); };
+  tell("loading the scene");
   options.device.presentation = (*window)->presentation();
   // The viewer may change the eye distance at any time.
   Expected<std::unique_ptr<Client>> client = open_client(options, needs_of(options, kWidestEyes_m), stages);
@@ -345,11 +353,13 @@ Expected<void> run_preview(const Options& given, StopSignal& stop) {
   std::future<Expected<PlacedHead>> placing;
   if (recording) placing = place_meanwhile(options, (*client)->scene, std::move(*recording));
   auto tracing = open_tracers_meanwhile(options, options.mode.mode, **client);
+  tell("preparing to draw");
   open_renderer(**client, renderer_limits(options));
   stages.end("renderer");
   if (draws_scene(options.mode.mode))
-    compile_ahead(**client, options.carry_over, PixelReport::Off, Changes::Possible);
+    compile_ahead(**client, options.carry_over, PixelReport::Off, Changes::Possible, tell);
   stages.end("pipelines");
+  tell("preparing to trace");
   if (auto done = tracing.get(); !done) return done;
   stages.end("tracers");
 

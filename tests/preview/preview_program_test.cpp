@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include "stereo/head/reader.h"
@@ -348,6 +349,28 @@ TEST_F(PreviewProgram, InspectsThePixelUnderTheMouse) {
   move_to(640, 400);
   screen_.move_mouse(window_, 1, 1);
   EXPECT_TRUE(patiently([&] { return screen_.screenshot(window_) == beside; }));
+  screen_.tap("Escape");
+  EXPECT_EQ(end(), 0) << errors_;
+}
+
+/// Without caches the compiler takes seconds; without a server the eyes stay dark.
+TEST_F(PreviewProgram, SaysInItsTitleWhatItWaitsFor) {
+  start({"--mode", "hybrid"});
+  server_->program().send(SIGSTOP);  // long before the client says hello
+  std::set<std::string> titles;
+  EXPECT_TRUE(patiently([&] {
+    window_ = screen_.find("Farshade").value_or(window_);
+    if (window_ != 0) titles.insert(screen_.title_of(window_));
+    return window_ != 0 &&
+           titles.rbegin()->find("hybrid, waiting for the first answer of 127.0.0.1:") != std::string::npos;
+  })) << (titles.empty() ? "no window" : *titles.rbegin());
+  const auto before =
+      std::ranges::find_if(titles, [](const std::string& title) { return title.starts_with("Farshade ("); });
+  EXPECT_NE(before, titles.end());
+  server_->program().send(SIGCONT);
+  EXPECT_TRUE(
+      patiently([&] { return screen_.title_of(window_).find("frames per second") != std::string::npos; }));
+  screen_.focus(window_);
   screen_.tap("Escape");
   EXPECT_EQ(end(), 0) << errors_;
 }
