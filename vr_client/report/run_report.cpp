@@ -9,6 +9,7 @@
 #include "stereo/base/files.h"
 #include "stereo/image/codec.h"
 #include "stereo/image/difference.h"
+#include "vr_client/report/picture_sheet.h"
 
 namespace farshade {
 namespace {
@@ -16,21 +17,6 @@ namespace {
 /// The mask error, or for a picture from the server the mean squared error, computed from the PSNR.
 double badness(const EyeErrors& errors) {
   return std::isnan(errors.mask_error) ? std::pow(10.0, -errors.psnr_db / 10) : errors.mask_error;
-}
-
-/// Arranges pictures of one size in rows, two pixels apart.
-Image<Rgb8> sheet(const std::vector<std::vector<Image<Rgb8>>>& rows) {
-  constexpr std::uint32_t gap = 2;
-  const Extent cell = rows[0][0].size;
-  const auto columns = static_cast<std::uint32_t>(rows[0].size()),
-             lines = static_cast<std::uint32_t>(rows.size());
-  Image<Rgb8> result({columns * (cell.width + gap) - gap, lines * (cell.height + gap) - gap}, Rgb8(255));
-  for (std::uint32_t line = 0; line < lines; ++line)
-    for (std::uint32_t column = 0; column < columns; ++column)
-      for (std::uint32_t y = 0; y < cell.height; ++y)
-        std::copy_n(&rows[line][column].at(0, y), cell.width,
-                    &result.at(column * (cell.width + gap), line * (cell.height + gap) + y));
-  return result;
 }
 
 }  // namespace
@@ -46,27 +32,33 @@ Expected<void> write_shown(const std::filesystem::path& folder, FrameId frame,
 }
 
 Expected<void> write_measured(const std::filesystem::path& folder, const MeasuredFrame& frame) {
-  std::vector<std::vector<Image<Rgb8>>> rows;
+  struct Part {
+    const char *file, *label;
+    Image<Rgb8> picture;
+  };
+  std::vector<std::vector<LabelledPicture>> rows;
   for (const Side side : kSides) {
     const std::size_t eye = index_of(side);
-    const Extent size = frame.shown[eye].size;
-    rows.push_back(
-        {frame.shown[eye], frame.reference[eye], difference_x8(frame.shown[eye], frame.reference[eye])});
+    const Image<Rgb8>&shown = frame.shown[eye], &reference = frame.reference[eye];
+    std::vector<Part> parts{{"shown", "shown", shown},
+                            {"reference", "full trace", reference},
+                            {"difference_x8", "difference x 8", difference_x8(shown, reference)}};
     if (!frame.report[eye].sources.empty())
-      rows.back().push_back(source_picture(frame.report[eye], frame.ages, size));
-    std::vector<const char*> names{"shown", "reference", "difference_x8", "source"};
-    names.resize(rows.back().size());
-    if (!frame.smooth[eye].pixels.empty()) {
-      rows.back().push_back(frame.smooth[eye]);
-      names.push_back("smooth");
-    }
-    for (std::size_t i = 0; i < rows.back().size(); ++i) {
+      parts.push_back({"source", "green: newest mask; colours: other masks",
+                       source_picture(frame.report[eye], frame.ages, shown.size)});
+    if (!frame.smooth[eye].pixels.empty())
+      parts.push_back({"smooth", "many rays a pixel", frame.smooth[eye]});
+    rows.emplace_back();
+    for (Part& part : parts) {
       const std::string name =
-          fmt::format("worst_{:04}_{}_{}.png", frame.frame.value, name_of(side), names[i]);
-      if (auto done = write_png(folder / name, rows.back()[i]); !done) return done;
+          fmt::format("worst_{:04}_{}_{}.png", frame.frame.value, name_of(side), part.file);
+      if (auto done = write_png(folder / name, part.picture); !done) return done;
+      rows.back().push_back(
+          {fmt::format("{} eye, frame {}: {}", name_of(side), frame.frame.value, part.label),
+           std::move(part.picture)});
     }
   }
-  return write_png(folder / "worst.png", sheet(rows));
+  return write_png(folder / "worst.png", picture_sheet(rows));
 }
 
 RunReport::RunReport(RunReportOptions options, Renderer& renderer, Reference* reference)

@@ -1,3 +1,4 @@
+#include "vr_client/report/picture_sheet.h"
 #include "vr_client/report/run_report.h"
 
 #include <gtest/gtest.h>
@@ -36,10 +37,11 @@ TEST(WriteMeasured, WritesEveryPictureItPromises) {
       EXPECT_EQ(read_png(folder.path() / ("worst_0012_" + eye + "_" + what + ".png"))->size, size);
   EXPECT_EQ(*read_png(folder.path() / "worst_0012_left_difference_x8.png"), Image<Rgb8>(size, Rgb8(8)));
   const Image<Rgb8> sheet = *read_png(folder.path() / "worst.png");
-  EXPECT_EQ(sheet.size, (Extent{4 * 5 + 3 * 2, 2 * 4 + 2}));
-  EXPECT_EQ(sheet.at(0, 0), Rgb8(10));
-  EXPECT_EQ(sheet.at(7, 0), Rgb8(11));
-  EXPECT_EQ(sheet.at(0, 6), Rgb8(20)) << "the right eye is below";
+  const std::uint32_t line = (sheet.size.height - 2 * 4 - 2) / 2;  // of a label
+  EXPECT_EQ(sheet.size, (Extent{4 * 5 + 3 * 2, 2 * 4 + 2 + 2 * line}));
+  EXPECT_EQ(sheet.at(0, line), Rgb8(10));
+  EXPECT_EQ(sheet.at(7, line), Rgb8(11));
+  EXPECT_EQ(sheet.at(0, 2 * line + 6), Rgb8(20)) << "the right eye is below";
 }
 
 TEST(WriteMeasured, WritesTheSmoothReferenceIfThereIsOne) {
@@ -52,8 +54,31 @@ TEST(WriteMeasured, WritesTheSmoothReferenceIfThereIsOne) {
   ASSERT_TRUE(write_measured(folder.path(), frame).has_value());
   EXPECT_EQ(*read_png(folder.path() / "worst_0012_left_smooth.png"), smooth[0]);
   EXPECT_EQ(*read_png(folder.path() / "worst_0012_right_smooth.png"), smooth[1]);
-  EXPECT_EQ(read_png(folder.path() / "worst.png")->at(3 * 7, 6), Rgb8(40))
-      << "the last column, without a source";
+  const Image<Rgb8> sheet = *read_png(folder.path() / "worst.png");
+  EXPECT_EQ(sheet.at(3 * 7, sheet.size.height - 1), Rgb8(40)) << "the last column, without a source";
+}
+
+/// The ink of a label, as text of '#' and ' '.
+std::string ink(const std::string& label, std::uint32_t width) {
+  const Extent size{width, 1};
+  const Image<Rgb8> sheet = picture_sheet({{{label, Image<Rgb8>(size, Rgb8(9))}}});
+  std::string text;
+  for (std::uint32_t y = 0; y + 1 < sheet.size.height; ++y) {
+    for (std::uint32_t x = 0; x < width; ++x) text += sheet.at(x, y).r < 128 ? '#' : ' ';
+    text += '\n';
+  }
+  return text;
+}
+
+TEST(PictureSheet, WritesALabelAboveEachPictureAndCutsItOff) {
+  EXPECT_EQ(ink("", 40).find('#'), std::string::npos);
+  const std::string letter = ink("I", 11);
+  // A serif above and below a stem of one pixel.
+  EXPECT_NE(letter.find("###"), std::string::npos) << letter;
+  EXPECT_GT(std::ranges::count(letter, '#'), 8) << letter;
+  EXPECT_EQ(ink("II", 11), letter) << "the second letter has no room";
+  EXPECT_EQ(std::ranges::count(ink("II", 30), '#'), 2 * std::ranges::count(letter, '#'));
+  EXPECT_NE(ink("left", 60), ink("lift", 60));
 }
 
 TEST(WriteShown, RefusesAFolderThatIsNotThere) {
