@@ -48,7 +48,9 @@ class LabelFont {
   }
 
  private:
-  static int texel(float part, int of) { return static_cast<int>(std::lround(part * static_cast<float>(of))); }
+  static int texel(float part, int of) {
+    return static_cast<int>(std::lround(part * static_cast<float>(of)));
+  }
 
   ImFontAtlas atlas_;
   ImFont* font_;

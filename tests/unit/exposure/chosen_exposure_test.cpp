@@ -56,6 +56,7 @@ TEST(ChosenExposure, FollowsTheLightInQuarterStops) {
   const int at_100 = chosen_exposure(with_last_light(lamp_room(), 100)).quarter_stops;
   EXPECT_LT(at_100, 0);
   EXPECT_EQ(chosen_exposure(with_last_light(lamp_room(), 200)).quarter_stops, at_100 - 4);
+  EXPECT_EQ(chosen_exposure(with_last_light(lamp_room(), 100 * std::exp2(0.25f))).quarter_stops, at_100 - 1);
   EXPECT_EQ(chosen_exposure(with_last_light(lamp_room(), 102400)).quarter_stops, at_100 - 40);
   EXPECT_GT(chosen_exposure(with_last_light(lamp_room(), 1e-3f)).quarter_stops, 0);
   EXPECT_EQ(chosen_exposure(with_last_light(lamp_room(), 1e30f)).quarter_stops, -Exposure::kMostQuarterStops);

@@ -54,6 +54,14 @@ TEST(PictureCheck, SaysNothingOfAPictureThatIsFine) {
   EXPECT_TRUE(findings(scene).empty());
 }
 
+TEST(PictureCheck, SaysNothingIfMostOfThePictureIsBlack) {
+  SceneBuilder builder = walled();
+  builder.spot_light({0, 2.5, 0}, {1, -0.5, 0}, 0.3f);
+  const Scene scene = builder.build();
+  EXPECT_TRUE(findings(scene).empty());
+  EXPECT_FALSE(findings_with(scene, {.exposure = 1e-9f}).empty()) << "all of it";
+}
+
 TEST(PictureCheck, ABlackPictureWithoutLightGetsAmbientLight) {
   SceneBuilder builder = walled();
   builder.spot_light({0, 2.5, 0}, {0, 1, 0}, 0.1f);
@@ -104,6 +112,9 @@ TEST(PictureCheck, AWhitePictureGetsAnExposure) {
     Lighting cured = lighting;
     cured.exposure = number_after(found[0], "--exposure ");
     EXPECT_TRUE(findings_with(scene, cured).empty()) << *cured.exposure;
+    if (!lighting.ambient) {
+      EXPECT_NEAR(*cured.exposure, 0.021, 0.004) << "as bright as can be without white";
+    }
   }
   EXPECT_TRUE(findings(scene, {}, {-32}).empty()) << "with a chosen exposure";
 }

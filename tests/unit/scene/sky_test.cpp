@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "stereo/placement/surroundings.h"
 #include "stereo/scene/scene_hash.h"
 #include "stereo/scene/viewpoint.h"
 #include "tests/oracle/scene_builder.h"
@@ -84,9 +85,15 @@ TEST(Sky, IsNothingElse) {
   };
   EXPECT_TRUE(all_cast(scene_in({dome(50, kSphere, true)}, false))) << "a lit shell is a room";
   EXPECT_TRUE(all_cast(scene_in({dome(50, 0.5, true)}, true))) << "a canopy fills a quarter of the sphere";
+  EXPECT_TRUE(all_cast(
+      scene_in({quad({-20, 0, 0}, {0, 20, 0}, {0, 0, 20}), quad({20, 0, 0}, {0, 20, 0}, {0, 0, 20})}, true)))
+      << "two opposite sides of a box fill a third";
   EXPECT_TRUE(all_cast(scene_in({dome(2, kSphere, true)}, true))) << "the floor reaches out of it";
   EXPECT_TRUE(all_cast(scene_in({quad({0, 8, 0}, {0, 0, 30}, {30, 0, 0})}, true))) << "a ceiling";
   EXPECT_TRUE(all_cast(scene_in({box({1.5f, 0.2f, 0}, {0.2f, 0.2f, 0.2f})}, true))) << "a lamp";
+  EXPECT_EQ(casting(scene_in({dome(50, kSphere, true), box({1.5f, 0.2f, 0}, {0.2f, 0.2f, 0.2f})}, true)),
+            (std::vector{true, true, false, true}))
+      << "a lamp under the sky";
   Scene alone = scene_in({}, false);
   for (Material& material : alone.materials) material.unlit = true;
   find_sky(alone);
@@ -100,6 +107,30 @@ TEST(Sky, IsNamedInAWarningAndInTheHash) {
   Scene casts = scene;
   casts.instances[2].casts = true;
   EXPECT_NE(hash_of(scene), hash_of(casts));
+}
+
+TEST(Sky, IsNoWallOfARoom) {
+  const auto viewpoint = [](bool sky) {
+    SceneBuilder builder;
+    builder.add(quad({0, 0, 0}, {0, 0, 4}, {4, 0, 0}));
+    builder.add(box({3.5f, 1.5f, 3.5f}, {0.2f, 1.5f, 0.2f}));
+    Material unlit;
+    unlit.unlit = true;
+    if (sky) builder.add(dome(30, kSphere, true), builder.material(unlit));
+    Scene scene = builder.build();
+    find_sky(scene);
+    return chosen_viewpoint(scene).translation;
+  };
+  EXPECT_EQ(viewpoint(true), viewpoint(false));
+}
+
+TEST(Sky, IsNothingThatRaysMeet) {
+  const Scene scene = scene_in({dome(30, kSphere, true)}, true);
+  const Surroundings surroundings = Surroundings::create(scene).value();
+  const std::vector<Ray> rays{{{{0, 3, 0}}, {{0, 1, 0}}}, {{{0, 3, 0}}, {{0, -1, 0}}}};
+  EXPECT_EQ(surroundings.first_met(rays)[0].distance_m, kNoSurface_m);
+  EXPECT_NEAR(surroundings.first_met(rays)[1].distance_m, 2, 1e-5);
+  EXPECT_EQ(surroundings.bounds(), bounds_without_sky(scene));
 }
 
 TEST(Sky, IsNoWallForTheViewpoint) {
