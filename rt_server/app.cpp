@@ -227,6 +227,17 @@ Expected<void> print_plan(const Scene& scene, const ScenePlan& plan) {
   return {};
 }
 
+/// Chooses the exposure and tells it, unless the user's is part of the scene.
+Welcome welcome_of(const ServeOptions& options, const Scene& scene, const ScenePlan& plan) {
+  Welcome welcome{
+      .scene_hash = scene.hash, .light_count = plan.trace.mask.lights, .most_pixels = options.most_pixels};
+  if (options.lighting.exposure) return welcome;
+  welcome.exposure = chosen_exposure(scene);
+  if (const std::string words = in_words(welcome.exposure, scene.name); !words.empty())
+    fmt::print("rt_server: {}\n", words);
+  return welcome;
+}
+
 }  // namespace
 
 Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
@@ -247,23 +258,17 @@ Expected<void> serve(const ServeOptions& options, StopSignal& stop) {
   if (!ring) return tl::unexpected(ring.error());
   const Expected<UdpServer> server = open_port(options, clock);
   if (!server) return tl::unexpected(server.error());
-  const Exposure exposure = options.lighting.exposure ? Exposure{} : chosen_exposure(scene);
-  if (const std::string words = in_words(exposure, scene.name); !words.empty())
-    fmt::print("rt_server: {}\n", words);
+  const Welcome served = welcome_of(options, scene, plan);
   stages.end("exposure");
   Expected<Tracer> tracer = Tracer::create(scene, plan.trace);
   if (!tracer) return tl::unexpected(tracer.error());
   stages.end("tracer");
 
-  const Welcome served{.scene_hash = scene.hash,
-                       .light_count = plan.trace.mask.lights,
-                       .most_pixels = options.most_pixels,
-                       .exposure = exposure};
   ServerCore core(served, *ring,
                   make_answers({.scene = scene,
                                 .plan = plan,
                                 .tracer = *tracer,
-                                .exposure = exposure,
+                                .exposure = served.exposure,
                                 .memory = options.limits.memory}),
                   *server->port, clock, options.limits);
   fmt::print("rt_server: serving {}, {} triangles, {} lights, scene {}\n", scene.name, scene.triangle_count,

@@ -53,7 +53,10 @@ class FrameWindow {
   /// Adds a frame to the figures, which end at present, and brings the title up to date once a second.
   void add(const FrameView& view, Mode mode);
   /// The figures begin again.
-  void forget() { history_ = {}; }
+  void forget() {
+    history_ = {};
+    titled_.reset();  // the title may say what the restart waits for
+  }
 
  private:
   [[nodiscard]] PanelFacts facts_of(const RunFacts& run, const std::optional<PixelFacts>& pixel) const;

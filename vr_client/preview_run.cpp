@@ -323,6 +323,14 @@ class Preview {
   enum class Quit : std::uint8_t { No, Wanted } quit_ = Quit::No;
 };
 
+/// Empty without --trace.
+Expected<std::optional<HeadRecording>> recording_of(const Options& options) {
+  if (options.trace.empty()) return std::nullopt;
+  return load_head_recording(options.trace, {options.trace_scale}).map([](HeadRecording&& loaded) {
+    return std::optional(std::move(loaded));
+  });
+}
+
 }  // namespace
 
 Expected<void> run_preview(const Options& given, StopSignal& stop) {
@@ -331,12 +339,8 @@ Expected<void> run_preview(const Options& given, StopSignal& stop) {
   const SteadyClock clock;
   Stages stages(clock);
   if (auto done = make_folder(options.out); !done) return done;
-  std::optional<HeadRecording> recording;
-  if (!options.trace.empty()) {
-    Expected<HeadRecording> loaded = load_head_recording(options.trace, {options.trace_scale});
-    if (!loaded) return tl::unexpected(loaded.error());
-    recording = std::move(*loaded);
-  }
+  Expected<std::optional<HeadRecording>> recording = recording_of(options);
+  if (!recording) return tl::unexpected(recording.error());
   const Expected<LinkModel> path = options.net.empty() ? LinkModel{} : parse_link_model(options.net);
   if (!path) return tl::unexpected(path.error());
   const Remembered remembered = recalled();
@@ -351,15 +355,13 @@ Expected<void> run_preview(const Options& given, StopSignal& stop) {
   Expected<std::unique_ptr<Client>> client = open_client(options, needs_of(options, kWidestEyes_m), stages);
   if (!client) return tl::unexpected(client.error());
   std::future<Expected<PlacedHead>> placing;
-  if (recording) placing = place_meanwhile(options, (*client)->scene, std::move(*recording));
+  if (*recording) placing = place_meanwhile(options, (*client)->scene, **std::move(recording));
   auto tracing = open_tracers_meanwhile(options, options.mode.mode, **client);
-  tell("preparing to draw");
   open_renderer(**client, renderer_limits(options));
   stages.end("renderer");
   if (draws_scene(options.mode.mode))
     compile_ahead(**client, options.carry_over, PixelReport::Off, Changes::Possible, tell);
   stages.end("pipelines");
-  tell("preparing to trace");
   if (auto done = tracing.get(); !done) return done;
   stages.end("tracers");
 

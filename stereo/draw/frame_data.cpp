@@ -8,6 +8,9 @@ namespace farshade {
 
 namespace {
 
+/// An exposure makes no intensity infinite, which would become NaN in shadow.
+constexpr float kMostIntensity = 1e30f;
+
 /// Origin and step of the window's pixels.
 glm::dvec4 exact_window(const View& view) {
   const FovTangents w = tangents_of(view.fov);
@@ -78,8 +81,9 @@ gpu::LightData light_data(const StereoView& shown, const Light& light, const Exp
     data.position[eye] = light.kind == LightKind::Directional
                              ? glm::vec4(-light.direction.v, 0.0)
                              : glm::vec4(light.position.v - shown[eye].stage_from_eye.translation, 1.0);
-  data.intensity = {light.on ? light.intensity * exposure.factor() : glm::vec3(0.0f),
-                    light.range_m > 0 ? 1 / (light.range_m * light.range_m) : 0.0f};
+  data.intensity = {
+      light.on ? glm::min(light.intensity * exposure.factor(), kMostIntensity) : glm::vec3(0.0f),
+      light.range_m > 0 ? 1 / (light.range_m * light.range_m) : 0.0f};
   data.spot_direction = glm::vec4(light.direction.v, 0.0);
   data.spot_cone = {0, 1, 0, 0};
   if (light.kind == LightKind::Spot) {

@@ -11,8 +11,8 @@ constexpr double kSurfaceOffset = 1e-4;  ///< of a point's distance to the eye t
 /// Where the float positions of the whole scene may be off.
 constexpr double kRounding = 1e-6;
 
-/// Irradiance of a light without shadows, as the shader computes it (shade.comp).
-glm::vec3 irradiance_of(const Light& light, const SeenPoint& point) {
+/// Irradiance of a light without shadows, as the shader computes it (shade.comp), but not limited.
+glm::vec3 unlimited_irradiance(const Light& light, const SeenPoint& point) {
   const bool directional = light.kind == LightKind::Directional;
   const glm::dvec3 to_light = directional ? -light.direction.v : light.position.v - point.at.v;
   const double distance2 = glm::dot(to_light, to_light);
@@ -31,6 +31,10 @@ glm::vec3 irradiance_of(const Light& light, const SeenPoint& point) {
     strength *= falloff * falloff;
   }
   return light.intensity * static_cast<float>(strength / distance2);
+}
+
+glm::vec3 irradiance_of(const Light& light, const SeenPoint& point) {
+  return glm::min(unlimited_irradiance(light, point), kMostIrradiance);
 }
 
 /// The lights at time 0, each as bright as it ever gets.

@@ -12,6 +12,9 @@
 
 namespace farshade {
 
+/// As in the shader: prevents infinity, which becomes NaN.
+inline constexpr float kMostIrradiance = 1e30f;
+
 /// A point of a surface, and the side of it that is seen.
 struct SeenPoint {
   Point<Stage> at;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <glm/gtx/component_wise.hpp>
 #include <numbers>
 
@@ -55,7 +56,7 @@ float quantile(std::vector<float> list, double share) {
 
 /// Two digits, so that what is tried is what is printed.
 float rounded(float value) {
-  return std::stof(fmt::format("{:.1e}", value));
+  return std::strtof(fmt::format("{:.1e}", value).c_str(), nullptr);
 }
 
 std::string percent(double share) {
@@ -76,8 +77,10 @@ class PictureTrial {
   /// The brightest channel of each point, with all lights times `lights`.
   [[nodiscard]] std::vector<float> brightness(float lights, float ambient) const {
     std::vector<float> result;
-    for (std::size_t i = 0; i < colors_.size(); ++i)
-      result.push_back(glm::compMax(colors_[i] * (light_[i] * lights + ambient)));
+    for (std::size_t i = 0; i < colors_.size(); ++i) {
+      const float value = glm::compMax(colors_[i] * (light_[i] * lights + ambient));
+      result.push_back(value < kMostIrradiance ? value : kMostIrradiance);  // also for NaN
+    }
     return result;
   }
   [[nodiscard]] double black(float lights, float ambient) const {

@@ -85,6 +85,8 @@ SizeOnDesktop window_for(Extent eye) {
   return [eye](const Desktop&) { return Extent{eye.width * 2 + 330, std::max(eye.height, 720u)}; };
 }
 
+const std::optional<PixelFacts> kNoPixel;
+
 void compare(const BenchOptions& options) {
   const XScreen screen;
   const Extent size{options.side_px, options.side_px};
@@ -98,19 +100,17 @@ void compare(const BenchOptions& options) {
   Presenter presenter(device, *window, renderer.shown());
   Tracer tracer = value_of(Tracer::create(scene));
   const auto placed = scene.camera ? place(head, *scene.camera) : Rigid<Stage, Recorded>{};
-
   Controls controls;
   const History history;
   const SceneState state = state_at(scene, Time{});
   const ControlContext context{state.light_set, {}, nullptr};
-  const std::optional<PixelFacts> no_pixel;
   const PanelFacts facts{.history = history,
                          .scene = scene,
                          .context = context,
                          .device = device.name,
                          .server = "server",
                          .note = {},
-                         .pixel = no_pixel,
+                         .pixel = kNoPixel,
                          .window = window->framebuffer_size(),
                          .scale = window->text_scale()};
   const Composition composition{.right_px = panel_width_px(controls, facts.window, facts.scale)};

@@ -27,7 +27,7 @@ std::vector<Library> libraries() {
           {"libavutil", "stereo/video", 2},
           {"libswscale", "stereo/video", 1},
           {"GLFW", "vr_client/preview", 1},
-          {"imgui", "vr_client/preview", any},
+          {"imgui", "vr_client", any},  // its font also labels pictures of reports
           {"backends/imgui", "vr_client/preview", any},
           {"openxr", "vr_client/openxr", any}};
 }
@@ -50,6 +50,7 @@ const House& house() {
                 {"stereo/plan", {"stereo/scene", "stereo/frame"}},
                 {"stereo/tracer", {"stereo/plan"}},
                 {"stereo/placement", {"stereo/head", "stereo/tracer"}},
+                {"stereo/exposure", {"stereo/placement"}},
                 {"stereo/gpu", {"stereo/frame", "stereo/image"}},
                 {"stereo/detail", {"stereo/scene", "stereo/frame"}},
                 {"stereo/draw", {"stereo/gpu", "stereo/plan", "stereo/detail", "shaders"}},
@@ -59,9 +60,12 @@ const House& house() {
                 {"shaders", {}},
                 {"rt_server/core", {"stereo/net", "stereo/tracer"}},
                 {"rt_server/answers", {"rt_server/core", "stereo/draw", "stereo/video"}},
-                {"rt_server/commands", {"stereo/announce", "stereo/doctor", "stereo/pair", "stereo/tracer"}},
+                {"rt_server/commands",
+                 {"stereo/announce", "stereo/doctor", "stereo/exposure", "stereo/pair"}},
                 {"rt_server/fetch", {"stereo/fetch"}},
-                {"rt_server", {"rt_server/answers", "rt_server/commands", "rt_server/fetch", "stereo/about"}},
+                {"rt_server",
+                 {"rt_server/answers", "rt_server/commands", "rt_server/fetch", "stereo/about",
+                  "stereo/exposure"}},
                 {"vr_client/ask", {"stereo/head"}},
                 {"vr_client/link", {"stereo/net"}},
                 {"vr_client/runtime", {"stereo/head"}},
@@ -77,7 +81,7 @@ const House& house() {
                 {"vr_client/preview", {"vr_client/report", "vr_client/record"}},
                 {"vr_client",
                  {"vr_client/modes", "vr_client/preview", "vr_client/openxr", "vr_client/doctor",
-                  "vr_client/pair", "stereo/placement", "stereo/about"}}},
+                  "vr_client/pair", "stereo/exposure", "stereo/about"}}},
       .libraries = libraries(),
       .guests = "tests"};
   return house;

@@ -406,7 +406,8 @@ TEST_F(PreviewProgram, GoesBackToItsModeIfTheServerRefusesAnother) {
   open({"--mode", "full", "--validate"});
   screen_.tap("m");
   EXPECT_EQ(take_screenshot().left.size, kDeskEye);
-  EXPECT_NE(screen_.title_of(window_).find(", full,"), std::string::npos);
+  EXPECT_TRUE(patiently([&] { return screen_.title_of(window_).find(", full,") != std::string::npos; }))
+      << screen_.title_of(window_);
   screen_.press("d");
   EXPECT_TRUE(changes(2));
   screen_.release("d");

@@ -234,12 +234,15 @@ Decoded<void> NetworkLink::take_sealed(const Sealed& sealed, const Datagram& dat
 }
 
 void NetworkLink::poll() {
-  const Time until = clock_.now() + kMostPolling;
+  const Time begun = clock_.now();
+  const Duration since = begun - polled_.value_or(begun);
+  const Time until = begun + std::clamp(since / kPollingPart, kMostPolling, kLongestPolling);
   while (receive_one(Duration::zero())) {
     if (clock_.now() < until) continue;
     ++cut_short_;
-    return;
+    break;
   }
+  polled_ = clock_.now();
 }
 
 void NetworkLink::listen(Duration span) {

@@ -38,6 +38,10 @@ inline constexpr Duration kSilentAfter = std::chrono::seconds(1);
 /// poll() reads datagrams for at most this time, which a frame of the client can spare. A server that sends
 /// more than the client can decode gets its datagrams read in later frames, or dropped by the socket.
 inline constexpr Duration kMostPolling = std::chrono::milliseconds(4);
+/// Slow frames read for longer, so that what arrives between them does not wait for ever: this part of the
+/// time since the last poll() ended, but no longer than kLongestPolling.
+inline constexpr Duration::rep kPollingPart = 3;
+inline constexpr Duration kLongestPolling = std::chrono::milliseconds(100);
 
 class NetworkLink final : public AnswerLink {
  public:
@@ -60,7 +64,7 @@ class NetworkLink final : public AnswerLink {
   /// Sends only those light changes that the server may not have yet.
   void request(const FrameRequest& request, Time requested_at, const RequestParts& parts = {}) override;
 
-  /// Receives the datagrams that have arrived, for at most kMostPolling.
+  /// Receives the datagrams that have arrived, for at most kMostPolling, or longer after a slow frame.
   void poll();
 
   /// Keeps the session of a client that asks for nothing: sends its newest request again. The server answers
@@ -154,6 +158,7 @@ class NetworkLink final : public AnswerLink {
   std::uint64_t sessions_ = 0, cut_short_ = 0;
   RefusalCounts undecodable_{};
   Duration busy_{};
+  std::optional<Time> polled_{};  ///< when poll() last ended
   LinkTraffic traffic_;
   std::vector<std::byte> message_, outgoing_;
   std::array<std::byte, kMaxDatagram_bytes> incoming_{};

@@ -58,6 +58,7 @@ void History::add(const FrameView& view, const std::optional<PerEye<EyeErrors>>&
     newest_.staleness_ms =
         ms_of(std::chrono::abs(view.shown.display_time - view.newest->request.display_time));
   if (view.age) newest_.age_ms = ms_of(*view.age);
+  newest_.black_percent = 100 * std::max(view.black[0], view.black[1]);
   if (view.request) {
     newest_.requested = view.request->views[0].size;
     newest_.guard_band_percent = 100 * *guard_band_of(view);

@@ -34,6 +34,7 @@ struct Figures {
   DrawnTriangles triangles{};             ///< of the newest frame
   std::optional<std::uint64_t> rays{};    ///< primary and shadow rays of the newest frame
   std::optional<double> guard_band_percent{};
+  double black_percent = 0;  ///< of the worse eye: what a picture of the server does not reach
   std::optional<PerEye<EyeErrors>> errors{};  ///< of the newest frame; empty if it was not measured
   Extent requested{};                         ///< size of an eye in the newest request
 };

@@ -75,6 +75,8 @@ void figure_rows(const Figures& figures, const Controls& controls) {
   row("rays", rays);
   row("requested", fmt::format("{}x{}", figures.requested.width, figures.requested.height) +
                        text_of(figures.guard_band_percent, ", {:+.0f} % pixels"));
+  if (figures.black_percent > 0)
+    row("not reached", fmt::format("{:.1f} %: the head turned beyond the picture", figures.black_percent));
   if (figures.errors)
     error_rows(*figures.errors);
   else if (controls.reference)

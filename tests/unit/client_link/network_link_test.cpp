@@ -159,6 +159,47 @@ TEST(NetworkLink, KeepsTheNewestRequestsOnly) {
   EXPECT_EQ(bench.link.inbox().find({15})->origin.requested_at, Time(150ms));
 }
 
+/// Datagrams come steadily, wait in order without limit, and each takes the reader some time.
+class BusyPort final : public DatagramPort {
+ public:
+  static constexpr Duration kApart = 500us, kReading = 28us;
+  explicit BusyPort(ManualClock& clock) : clock_(clock) {}
+  [[nodiscard]] Peer local() const override { return {}; }
+  bool send(const Peer&, std::span<const std::byte>) override { return true; }
+  std::optional<Datagram> receive(std::span<std::byte> into, Duration) override {
+    if (next_ > clock_.now()) return std::nullopt;
+    const Time arrived = next_;
+    next_ += kApart;
+    clock_.advance_to(clock_.now() + kReading);
+    return Datagram{.from = {}, .bytes = into.first(kMaxDatagram_bytes), .arrived = arrived};
+  }
+  void wake() override {}
+  [[nodiscard]] PortCounters counters() const override { return {}; }
+  /// How long the next datagram has waited.
+  [[nodiscard]] Duration behind() const { return std::max(clock_.now() - next_, Duration::zero()); }
+
+ private:
+  ManualClock& clock_;
+  Time next_{};
+};
+
+/// A preview on lavapipe shows ten frames a second, and saw what had come seconds before.
+TEST(NetworkLink, SlowFramesDoNotFallBehindWhatArrives) {
+  for (const Duration frame : {14ms, 50ms, 100ms, 300ms}) {
+    ManualClock clock;
+    BusyPort port(clock);
+    NetworkLink link(port, clock, {{}, kKey, kServed.scene_hash, {kLights}}, kFrames);
+    for (int i = 0; i < 100; ++i) {
+      clock.advance_to(clock.now() + frame);
+      const Time begun = clock.now();
+      link.poll();
+      EXPECT_LE(clock.now() - begun, std::max<Duration>(kMostPolling, frame / 3) + BusyPort::kReading);
+    }
+    EXPECT_LE(port.behind(), frame) << ms_of(frame);
+    EXPECT_LE(link.counters().cut_short, 1u) << ms_of(frame);
+  }
+}
+
 TEST(ShadowLinkWait, EndsWhenTheFrameIsWhole) {
   MetBench bench;
   const Time begun = bench.clock.now();

@@ -142,6 +142,14 @@ TEST(FrameDataInstance, NormalsStayPerpendicularUnderUnevenAndMirroringScale) {
   EXPECT_GT(glm::dot(normal, glm::dmat3(placed) * n), 0) << "still on the outside";
 }
 
+TEST(LightData, IsMultipliedByTheExposureAndStaysFinite) {
+  Light light;
+  light.intensity = {1, 2, 1e30f};
+  const gpu::LightData data = light_data({}, light, {8});
+  EXPECT_EQ(glm::vec3(data.intensity), glm::vec3(4, 8, 1e30f));
+  EXPECT_EQ(light_data({}, light, {Exposure::kMostQuarterStops}).intensity.z, 1e30f);
+}
+
 TEST(FrameDataLight, DirectionalPointsTowardsTheLight) {
   const Light light{.kind = LightKind::Directional, .position = {}, .direction = {{0, -1, 0}}};
   const gpu::LightData data = light_data({}, light);

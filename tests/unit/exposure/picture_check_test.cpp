@@ -152,6 +152,22 @@ TEST(PictureCheck, CountsLightsThatReachNothing) {
             "the picture is the same");
 }
 
+TEST(PictureCheck, StandsTheBrightestAndTheDarkestLights) {
+  for (const float candela : {1e30f, 1e-30f, 1e-44f})
+    for (const float exposure : {1e12f, 1.0f, 1e-12f}) {
+      SceneBuilder builder = walled();
+      builder.point_light({0, 1.2001, 0});
+      Scene scene = builder.build();
+      scene.lights[0].intensity = glm::vec3(candela);
+      for (const PictureFinding& found : findings_with(scene, {.exposure = exposure})) {
+        EXPECT_FALSE(has(found, "nan") || has(found, "inf")) << found.sentence;
+        EXPECT_TRUE(found.is_bad);
+      }
+      const Exposure chosen = chosen_exposure(scene);
+      EXPECT_LE(std::abs(chosen.quarter_stops), Exposure::kMostQuarterStops);
+    }
+}
+
 TEST(PictureCheck, SaysNothingWhereAlmostNothingIsSeen) {
   SceneBuilder builder = walled();
   Scene scene = builder.build();
