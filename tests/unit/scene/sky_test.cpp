@@ -127,7 +127,7 @@ TEST(Sky, IsNoWallOfARoom) {
 TEST(Sky, IsNothingThatRaysMeet) {
   const Scene scene = scene_in({dome(30, kSphere, true)}, true);
   const Surroundings surroundings = Surroundings::create(scene).value();
-  const std::vector<Ray> rays{{{{0, 3, 0}}, {{0, 1, 0}}}, {{{0, 3, 0}}, {{0, -1, 0}}}};
+  const std::vector<Ray> rays{{{{0, 3, 0}}, {{0.48, 0.8, 0.36}}}, {{{0, 3, 0}}, {{0, -1, 0}}}};
   EXPECT_EQ(surroundings.first_met(rays)[0].distance_m, kNoSurface_m);
   EXPECT_NEAR(surroundings.first_met(rays)[1].distance_m, 2, 1e-5);
   EXPECT_EQ(surroundings.bounds(), bounds_without_sky(scene));
