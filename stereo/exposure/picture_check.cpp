@@ -6,9 +6,12 @@
 #include <cmath>
 #include <cstdlib>
 #include <glm/gtx/component_wise.hpp>
+#include <map>
 #include <numbers>
 
+#include "stereo/base/quantile.h"
 #include "stereo/exposure/arriving_light.h"
+#include "stereo/scene/sky.h"
 
 namespace farshade {
 namespace {
@@ -47,15 +50,8 @@ glm::vec3 mean_color(const Scene& scene, const Mesh& mesh) {
   return color * mean(mesh.colors, [](const glm::u8vec4& c) { return glm::vec3(c) / 255.0f; });
 }
 
-/// The values of `list` in order.
-float quantile(std::vector<float> list, double share) {
-  const auto at = list.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(list.size() - 1));
-  std::ranges::nth_element(list, at);
-  return *at;
-}
-
 /// Two digits, so that what is tried is what is printed.
-float rounded(float value) {
+float rounded(double value) {
   return std::strtof(fmt::format("{:.1e}", value).c_str(), nullptr);
 }
 
@@ -67,16 +63,18 @@ std::string percent(double share) {
 class PictureTrial {
  public:
   PictureTrial(const ArrivingLight& light, const Scene& scene) {
+    std::map<std::uint32_t, glm::vec3> known;
     for (std::size_t i = 0; i < light.points().size(); ++i) {
-      const Mesh& mesh = scene.meshes[scene.instances[light.points()[i].instance].mesh];
-      colors_.push_back(mean_color(scene, mesh));
+      const std::uint32_t mesh = scene.instances[light.points()[i].instance].mesh;
+      if (!known.contains(mesh)) known[mesh] = mean_color(scene, scene.meshes[mesh]);
+      colors_.push_back(known[mesh]);
       light_.push_back(light.irradiance(i) / std::numbers::pi_v<float>);
     }
   }
 
   /// The brightest channel of each point, with all lights times `lights`.
-  [[nodiscard]] std::vector<float> brightness(float lights, float ambient) const {
-    std::vector<float> result;
+  [[nodiscard]] std::vector<double> brightness(float lights, float ambient) const {
+    std::vector<double> result;
     for (std::size_t i = 0; i < colors_.size(); ++i) {
       const float value = glm::compMax(colors_[i] * (light_[i] * lights + ambient));
       result.push_back(value < kMostIrradiance ? value : kMostIrradiance);  // also for NaN
@@ -84,14 +82,14 @@ class PictureTrial {
     return result;
   }
   [[nodiscard]] double black(float lights, float ambient) const {
-    return share(brightness(lights, ambient), [](float value) { return value < kBlack; });
+    return share(brightness(lights, ambient), [](double value) { return value < kBlack; });
   }
   [[nodiscard]] double clipped(float lights, float ambient) const {
-    return share(brightness(lights, ambient), [](float value) { return value >= 1; });
+    return share(brightness(lights, ambient), [](double value) { return value >= 1; });
   }
 
  private:
-  static double share(const std::vector<float>& values, bool (*holds)(float)) {
+  static double share(const std::vector<double>& values, bool (*holds)(double)) {
     return static_cast<double>(std::ranges::count_if(values, holds)) / static_cast<double>(values.size());
   }
 
@@ -111,10 +109,10 @@ PictureFinding black_finding(const PictureTrial& trial, const Scene& scene, cons
                              const Exposure& exposure) {
   const std::string what = "everything that the head sees is black";
   const GivenLight given(scene, lighting);
-  std::vector<float> lit = trial.brightness(1 / given.exposure, 0);
-  std::erase_if(lit, [](float value) { return !(value > 0); });
+  std::vector<double> lit = trial.brightness(1 / given.exposure, 0);
+  std::erase_if(lit, [](double value) { return !(value > 0); });
   if (!lit.empty()) {
-    const float wanted = rounded(kUsual / quantile(lit, 0.5));
+    const float wanted = rounded(kUsual / quantile(std::move(lit), 0.5));
     const double black = trial.black(wanted / given.exposure, given.ambient * wanted);
     if (std::isfinite(wanted) && black <= kCured)
       return {true, fmt::format("{}; the cure is --exposure {:g} on both sides: then {} of it is", what,
@@ -133,7 +131,7 @@ PictureFinding clipped_finding(const PictureTrial& trial, const Scene& scene, co
   const GivenLight given(scene, lighting);
   const std::string what = fmt::format("{} of what the head sees is as bright as can be",
                                        percent(trial.clipped(exposure.factor(), scene.ambient)));
-  const float bright = quantile(trial.brightness(1 / given.exposure, given.ambient), kBright);
+  const double bright = quantile(trial.brightness(1 / given.exposure, given.ambient), kBright);
   const float wanted = rounded(kBright / bright);
   const double left = trial.clipped(wanted / given.exposure, given.ambient * wanted);
   if (std::isfinite(wanted) && wanted > 0 && left <= kCured)
@@ -184,10 +182,11 @@ std::string name_of_thing(const Scene& scene, std::uint32_t instance) {
                                       : "'" + (node.empty() ? mesh : node) + "'";
 }
 
-/// One thing stands before every point: what would the light reach without it?
+/// One thing stands before every point, and would be a sky if its material were unlit: what would the light
+/// reach then?
 std::optional<PictureFinding> shell_finding(const ArrivingLight& light, const Scene& scene,
                                             const Unseen& unseen) {
-  if (!unseen.blocker) return std::nullopt;
+  if (!unseen.blocker || !would_be_sky(scene, *unseen.blocker)) return std::nullopt;
   const auto without = Surroundings::create(scene, {.without = unseen.blocker});
   if (!without) return std::nullopt;
   Scene alone;  // only the light

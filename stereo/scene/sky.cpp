@@ -56,18 +56,22 @@ Bounds bounds_without_sky(const Scene& scene) {
   return bounds;
 }
 
-void find_sky(Scene& scene) {
+namespace {
+
+/// The instances of the sky, with `also_unlit` taken for an unlit material.
+std::vector<std::size_t> sky_of(const Scene& scene, std::optional<std::uint32_t> also_unlit) {
   const SceneState state = state_at(scene, Time{});
   Bounds lit = kNoPoint;
   std::vector<std::size_t> unlit;
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
     const Instance& instance = scene.instances[i];
-    if (scene.materials[scene.meshes[instance.mesh].material].unlit && !instance.rig)
+    const std::uint32_t material = scene.meshes[instance.mesh].material;
+    if ((scene.materials[material].unlit || material == also_unlit) && !instance.rig)
       unlit.push_back(i);
     else
       lit = joined(lit, box_of(scene, state, i));
   }
-  if (unlit.empty() || unlit.size() == scene.instances.size()) return;
+  if (unlit.empty() || unlit.size() == scene.instances.size()) return {};
   const glm::dvec3 middle = (lit.low + lit.high) * 0.5;
   std::vector<std::size_t> sky;
   Bounds around = kNoPoint;
@@ -80,7 +84,20 @@ void find_sky(Scene& scene) {
     around = joined(around, box_of(scene, state, i));
     filled += part;
   }
-  if (filled < kLeastSky || !contains(around, lit)) return;
+  if (filled < kLeastSky || !contains(around, lit)) return {};
+  return sky;
+}
+
+}  // namespace
+
+bool would_be_sky(const Scene& scene, std::uint32_t instance) {
+  const auto sky = sky_of(scene, scene.meshes[scene.instances[instance].mesh].material);
+  return std::ranges::find(sky, instance) != sky.end();
+}
+
+void find_sky(Scene& scene) {
+  const std::vector<std::size_t> sky = sky_of(scene, std::nullopt);
+  if (sky.empty()) return;
   for (const std::size_t i : sky) scene.instances[i].casts = false;
   scene.warnings.push_back("'" + scene.nodes[scene.instances[sky.front()].node].name +
                            "' is unlit and closed around everything: it casts no shadow");

@@ -15,6 +15,9 @@ namespace farshade {
 /// `scene` is complete, including its bounds.
 void find_sky(Scene& scene);
 
+/// Whether the instance would belong to the sky if its material were unlit.
+[[nodiscard]] bool would_be_sky(const Scene& scene, std::uint32_t instance);
+
 /// The box around everything but the sky at time 0; Scene::bounds if there is no sky.
 [[nodiscard]] Bounds bounds_without_sky(const Scene& scene);
 
