@@ -13,8 +13,8 @@
 #include "stereo/scene/gltf.h"
 #include "stereo/tracer/tracer.h"
 #include "tests/bench/late_masks.h"
-#include "tests/metrics/flip.h"
-#include "tests/metrics/pixels_per_degree.h"
+#include "stereo/metrics/flip.h"
+#include "stereo/metrics/pixels_per_degree.h"
 #include "vr_client/report/measure.h"
 
 namespace {

@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "stereo/image/codec.h"
-#include "tests/metrics/flip.h"
-#include "tests/metrics/heat_map.h"
-#include "tests/metrics/pixels_per_degree.h"
-#include "tests/metrics/ssim.h"
+#include "stereo/metrics/flip.h"
+#include "stereo/metrics/heat_map.h"
+#include "stereo/metrics/pixels_per_degree.h"
+#include "stereo/metrics/ssim.h"
 
 namespace farshade::study {
 

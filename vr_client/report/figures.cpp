@@ -250,7 +250,22 @@ std::vector<Figure> picture_figures(Side side) {
                [](const EyeErrors& e) { return e.psnr_db; }),
           psnr("PSNR to smooth edges",
                "The same against a reference with N x N samples a pixel (--reference-samples N).",
-               [](const EyeErrors& e) { return e.smooth_psnr_db; })};
+               [](const EyeErrors& e) { return e.smooth_psnr_db; }),
+          error(side,
+                {"", "FLIP", "",
+                 "The mean FLIP of the shown picture against the reference picture: what a viewer sees who "
+                 "flips between both (Andersson et al. 2020); 0: equal.",
+                 ""},
+                kAll, Worse::High, [](const EyeErrors& e) { return e.flip; }),
+          error(side,
+                {"", "SSIM", "",
+                 "The mean SSIM of the shown picture and the reference picture (Wang et al. 2004); 1: equal.",
+                 ""},
+                kAll, Worse::Low, [](const EyeErrors& e) { return e.ssim; }),
+          percent("other surface", kAll,
+                  "Pixels in which the rasteriser, in full detail, and the rays of the reference see another "
+                  "surface: only one of them sees any, or their distances differ by more than 1 %.",
+                  [](const EyeErrors& e) { return 100 * e.other_surface; })};
 }
 
 /// Where the visibility of a pixel-light comes from.

@@ -31,7 +31,14 @@ struct EyeErrors {
   /// Share of the eye's pixels that show a surface: of these, all others are shares.
   double covered = kNotMeasured;
   double smooth_psnr_db = kNotMeasured;  ///< of the shown picture, against the smooth reference
+  /// Share of the eye's pixels in which the rasteriser, in full detail, and the reference tracer's own rays
+  /// see another surface (other_surface_share).
+  double other_surface = kNotMeasured;
+  double flip = kNotMeasured, ssim = kNotMeasured;  ///< of the shown picture, against the reference
 };
+
+/// The share of pixels that only one of both covers, or in which the distances differ by more than 1 %.
+[[nodiscard]] double other_surface_share(const Image<float>& drawn_m, const Image<float>& traced_m);
 
 /// Compares `shown`, the report of the shading pass, with `reference`, which was traced for the same view.
 /// The caller sets psnr_db and unmoved_error.
