@@ -369,9 +369,6 @@ std::string full_name(const FigureText& text) {
   return text.group + " " + text.name;
 }
 
-std::string with_unit(const FigureText& text) {
-  return full_name(text) + ", " + text.unit;
-}
 
 /// `name` in lower case, without the eye's side and without the unit of a column of frames.csv.
 std::string plain(const std::string& name) {
@@ -382,6 +379,10 @@ std::string plain(const std::string& name) {
 }
 
 }  // namespace
+
+std::string with_unit(const std::string& name, const std::string& unit) {
+  return unit.empty() ? name : name + ", " + unit;
+}
 
 std::string Figure::group() const {
   return side ? std::string(name_of(*side)) + " " + text.group : text.group;
@@ -412,9 +413,9 @@ Expected<std::string> explain(const std::string& name) {
     const std::string full = lower(full_name(figure)), alone = lower(figure.name);
     for (const std::string& known : {full, alone}) names.push_back(known);
     if (name.empty())
-      text += fmt::format("{:<48}{}\n", with_unit(figure), figure.meaning);
+      text += fmt::format("{:<48}{}\n", with_unit(full_name(figure), figure.unit), figure.meaning);
     else if (wanted == full || wanted == alone)
-      text += fmt::format("{}\n  {}\n  {}\n", with_unit(figure), figure.meaning, figure.measured);
+      text += fmt::format("{}\n  {}\n  {}\n", with_unit(full_name(figure), figure.unit), figure.meaning, figure.measured);
   }
   if (!text.empty()) return text;
   const std::string meant = suggestion(wanted, names);

@@ -16,10 +16,13 @@ namespace farshade {
 struct FigureText {
   std::string group;  ///< "client", "server", "wire", "head", "eye" or "run"
   std::string name;   ///< unique in its group
-  std::string unit;
+  std::string unit;      ///< empty for numbers without one
   std::string meaning;   ///< one sentence: what it is
   std::string measured;  ///< one sentence: how and when it is measured
 };
+
+/// "PSNR, dB"
+[[nodiscard]] std::string with_unit(const std::string& name, const std::string& unit);
 
 /// Which values of a figure are worse. Where low values are worse, p95 and p99 are the 5 % and 1 % quantiles.
 enum class Worse : std::uint8_t { High, Low };

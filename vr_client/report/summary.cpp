@@ -91,7 +91,7 @@ std::string table(const FrameLog& log, Mode mode) {
     group = figure.group();
     const int digits = row.spread.median >= 1000 ? 0 : 3;
     text +=
-        fmt::format("  {:<32}{:>12.{}f}{:>12.{}f}{:>12.{}f}\n", figure.text.name + ", " + figure.text.unit,
+        fmt::format("  {:<32}{:>12.{}f}{:>12.{}f}{:>12.{}f}\n", with_unit(figure.text.name, figure.text.unit),
                     row.spread.median, digits, row.spread.p95, digits, row.spread.p99, digits);
   }
   return text;
